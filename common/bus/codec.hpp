@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "common/link/blocks.hpp"
+
+namespace roadbalance {
+
+/// Blocks to and from LCM encoding.  None of these allocates but decode_meta.
+
+/// Encodes a block and its CRC once and for all.
+void seal(const ScanBlock& block, SealedBlock& out);
+void seal(const EdgeBlock& block, SealedBlock& out);
+void seal(const GapBlock& block, SealedBlock& out);
+void seal(const MetaBlock& block, SealedBlock& out);
+void seal(const EndBlock& block, SealedBlock& out);
+
+enum class Refusal : std::uint8_t { kNone, kUnknownType, kWrongSize, kWrongCrc, kOutOfBounds };
+
+/// Takes bytes from outside.  Fills `out` only if type, exact size, CRC and the bounds of every field are
+/// good; the kind comes from the type's fingerprint.
+Refusal accept(std::span<const std::uint8_t> bytes, SealedBlock& out);
+
+/// Of an accepted or sealed block.  `block.kind` must be the one named.
+ScanBlock decode_scan(const SealedBlock& block);
+EdgeBlock decode_edge(const SealedBlock& block);
+GapBlock decode_gap(const SealedBlock& block);
+MetaBlock decode_meta(const SealedBlock& block);
+EndBlock decode_end(const SealedBlock& block);
+
+}  // namespace roadbalance

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/link/block.hpp"
+
+namespace roadbalance {
+
+/// The small messages that flow back, and the heartbeat; fields as in common/wire.
+
+struct Heartbeat {
+  std::int32_t node = 0;
+  std::int64_t epoch = 0;
+  std::int64_t base = 1;
+  std::int64_t next = 1;
+  std::int64_t time_ns = 0;
+  NodeState state = NodeState::kPreview;
+  std::int64_t owner = 0;
+  std::int64_t ring_used = 0;
+  std::int64_t ring_capacity = 0;
+  std::int64_t scans_sampled = 0;
+  std::int64_t scans_missing = 0;
+  std::int64_t blocks_sent = 0;
+  std::int64_t blocks_repaired = 0;
+  std::int64_t acks_refused = 0;
+  std::array<std::int64_t, 2> encoder_faults{};
+  std::int64_t unreferenced_blocks = 0;
+};
+
+struct SequenceRange {
+  std::int64_t first = 0;
+  std::int64_t last = 0;
+  bool operator==(const SequenceRange&) const = default;
+};
+inline constexpr std::size_t kMaxMissingRanges = 32;
+
+struct Ack {
+  std::int32_t node = 0;
+  std::int64_t epoch = 0;
+  std::int64_t incarnation = 0;
+  std::int64_t number = 0;
+  std::int64_t received = 0;
+  std::int64_t durable = 0;
+  std::int64_t credit = 0;
+  std::vector<SequenceRange> missing;  ///< at most kMaxMissingRanges, ascending
+};
+
+struct Command {
+  std::int32_t node = 0;
+  std::int64_t request = 0;
+  std::int64_t incarnation = 0;
+  Verb verb = Verb::kClaim;
+};
+
+struct Reply {
+  std::int32_t node = 0;
+  std::int64_t epoch = 0;
+  std::int64_t request = 0;
+  CommandError result = CommandError::kNone;
+  std::int64_t sequence = 0;
+};
+
+/// Encoded with CRC where the message has one; decoding refuses wrong size, type, CRC or bounds.
+std::vector<std::uint8_t> encode(const Heartbeat& message);
+std::vector<std::uint8_t> encode(const Ack& message);
+std::vector<std::uint8_t> encode(const Command& message);
+std::vector<std::uint8_t> encode(const Reply& message);
+std::optional<Heartbeat> decode_heartbeat(std::span<const std::uint8_t> bytes);
+std::optional<Ack> decode_ack(std::span<const std::uint8_t> bytes);
+std::optional<Command> decode_command(std::span<const std::uint8_t> bytes);
+std::optional<Reply> decode_reply(std::span<const std::uint8_t> bytes);
+
+}  // namespace roadbalance

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "common/config/vehicle_config.hpp"
+
+namespace roadbalance {
+
+/// What the analyser publishes and every display draws; fields as in common/wire.
+
+struct Level {
+  std::int32_t node = 0;
+  std::int64_t time_ns = 0;
+  double seconds = 0;
+  std::array<double, kChannels> mean{}, rms{}, peak{};
+  std::uint32_t overload = 0;
+  std::uint32_t dead = 0;
+  double speed_m_s = 0;
+  std::int64_t skipped = 0;
+};
+
+inline constexpr int kSpectrumBinsPerPart = 300;
+struct SpectrumPart {
+  std::int32_t node = 0;
+  std::int32_t channel = 0;
+  std::int64_t time_ns = 0;
+  std::int32_t part = 0;
+  std::int32_t parts = 1;
+  double first_hz = 0;
+  double step_hz = 0;
+  double enbw_hz = 0;
+  std::int32_t averages = 0;
+  std::vector<float> density;  ///< at most kSpectrumBinsPerPart, (m/s^2)^2 / Hz
+};
+
+/// Why an estimate cannot be given (yet); 0 = it is given.
+enum class Unknown : std::int32_t {
+  kNone = 0,
+  kTooShort = 1,       ///< not enough driving at a steady speed yet
+  kTooSlow = 2,        ///< the car never went fast enough
+  kNoReference = 3,    ///< this wheel has no angle
+  kIllConditioned = 4, ///< the drive does not determine it
+};
+
+inline constexpr int kMaxSpeedClasses = 16;
+struct Identification {
+  std::int64_t time_ns = 0;
+  double seconds_used = 0;
+  std::int32_t sections = 0;
+  Unknown state = Unknown::kTooShort;
+  std::array<double, kWheels> spring_n_m{}, sigma_spring_n_m{}, damper_n_s_m{}, sigma_damper_n_s_m{};
+  std::array<double, kAxles> stabiliser_n_m{}, sigma_stabiliser_n_m{};
+  std::array<double, kWheels> tyre_n_m{}, sigma_tyre_n_m{};
+  struct SpeedClass {
+    double speed_m_s = 0;
+    double seconds = 0;
+  };
+  std::vector<SpeedClass> speed_class;  ///< at most kMaxSpeedClasses
+};
+
+struct Balance {
+  std::int32_t wheel = 0;
+  std::int64_t time_ns = 0;
+  Unknown state = Unknown::kTooShort;
+  double unbalance_g = 0;
+  double angle_rad = 0;  ///< heavy spot from the zero mark in the direction of rotation, 0 .. 2 pi
+  Eigen::Matrix2d covariance_g2 = Eigen::Matrix2d::Zero();  ///< of the (cos, sin) components
+  double sigma_g = 0;
+  double sigma_rad = 0;
+  double weight_radius_m = 0;
+  double weight_angle_rad = 0;
+  double seconds_used = 0;
+};
+
+std::vector<std::uint8_t> encode(const Level& message);
+std::vector<std::uint8_t> encode(const SpectrumPart& message);
+std::vector<std::uint8_t> encode(const Identification& message);
+std::vector<std::uint8_t> encode(const Balance& message);
+std::optional<Level> decode_level(std::span<const std::uint8_t> bytes);
+std::optional<SpectrumPart> decode_spectrum(std::span<const std::uint8_t> bytes);
+std::optional<Identification> decode_identification(std::span<const std::uint8_t> bytes);
+std::optional<Balance> decode_balance(std::span<const std::uint8_t> bytes);
+
+}  // namespace roadbalance

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "common/clock/clocks.hpp"
+
+namespace roadbalance {
+
+inline constexpr int kAccelerations = 12;  ///< acceleration channels of a node, sampled simultaneously
+inline constexpr int kReferences = 4;      ///< sin, cos of the angle of each of the node's two wheels
+inline constexpr int kChannels = kAccelerations + kReferences;
+inline constexpr int kEncoderLines = 2;  ///< wheel encoders of a node
+
+/// Full scale of every channel: converters are 24 bit; a reference of 1.0 is this many counts.
+inline constexpr std::int32_t kFullScaleCounts = 1 << 23;
+
+/// Twelve simultaneous conversions.
+struct Scan {
+  std::int64_t index = 0;  ///< counted by the device from 0; a jump means that scans were lost
+  NodeTime time{};         ///< instant of conversion
+  std::array<std::int32_t, kAccelerations> counts{};
+  std::uint32_t overload = 0;  ///< bit k: channel k left its range
+};
+
+enum class EdgeKind : std::uint8_t { kTooth = 0, kZeroMark = 1 };
+
+/// One rising edge of a wheel encoder.
+struct Edge {
+  NodeTime time{};
+  std::uint8_t line = 0;  ///< which of the node's encoders, 0 .. kEncoderLines - 1
+  EdgeKind kind = EdgeKind::kTooth;
+};
+
+enum class ReadStatus {
+  kOk,
+  kEnd,     ///< the device has no more, e.g. a recording is over; what was returned still counts
+  kFailed,  ///< the device is gone; what was returned still counts
+};
+
+struct Read {
+  std::size_t scans = 0;  ///< how many of the given scans were filled
+  std::size_t edges = 0;  ///< how many of the given edges were filled
+  ReadStatus status = ReadStatus::kOk;
+};
+
+/// A source of scans and edges: hardware, the simulated car or a recording, chosen by URI at run time.
+class FrontEnd {
+ public:
+  FrontEnd() = default;
+  FrontEnd(const FrontEnd&) = delete;
+  FrontEnd& operator=(const FrontEnd&) = delete;
+  virtual ~FrontEnd() = default;
+
+  /// Waits until at least one scan is there (at most 100 ms) and hands over all there are, up to the
+  /// spans' sizes, scans and edges each in order of time.  Every edge stamped before the last returned
+  /// scan has been returned by this or an earlier call, unless `edges` was full: then the rest comes next.
+  /// The caller gives room for at least 64 edges.  Never allocates.
+  virtual Read read(std::span<Scan> scans, std::span<Edge> edges) noexcept = 0;
+
+  /// True if the device loses nothing while nobody reads it (a simulation faster than real time, a file).
+  /// It is then asked only for scans that will be kept.
+  virtual bool waits() const noexcept { return false; }
+};
+
+}  // namespace roadbalance

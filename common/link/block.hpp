@@ -1,0 +1,63 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace roadbalance {
+
+/// The kinds of block that share one sequence per node epoch.
+enum class BlockKind : std::uint8_t { kScan, kEdge, kGap, kMeta, kEnd };
+
+/// What may be wrong with a scan block; bits of scan_block_t.quality.
+enum Quality : std::int32_t {
+  kQualityOverload = 1 << 0,         ///< a channel left its range
+  kQualityNoReference0 = 1 << 1,     ///< the angle of the wheel on line 0 is not known; its references are 0
+  kQualityNoReference1 = 1 << 2,     ///< the same for line 1
+  kQualityUncertainAngle0 = 1 << 3,  ///< a turn of the wheel on line 0 did not have exactly its teeth
+  kQualityUncertainAngle1 = 1 << 4,  ///< the same for line 1
+  kQualityAfterGap = 1 << 5,         ///< first block after lost scans: filters restart here
+};
+
+/// Why scans are not in the record; gap_t.cause.
+enum class GapCause : std::int32_t {
+  kRingFull = 1,       ///< the node could not keep them: recorder away for too long
+  kDeviceOverrun = 2,  ///< the device lost them before the node read it
+  kDeviceFailed = 3,   ///< the device was gone
+  kLostAtNode = 4,     ///< the node no longer had the block when it was asked for
+  kNodeCrash = 5,      ///< the epoch has no end: its length is unknown
+  kSourceGap = 6,      ///< imported data had a hole here
+};
+
+enum class MetaKind : std::int32_t { kVehicleToml = 1, kRecordJson = 2 };
+enum class NodeState : std::int32_t { kPreview = 0, kStarted = 1, kEnded = 2, kFailed = 3 };
+enum class Verb : std::int32_t { kClaim = 1, kRelease = 2, kStart = 3, kStop = 4 };
+enum class CommandError : std::int32_t { kNone = 0, kNotOwner = 1, kUnknownVerb = 2, kEnded = 3 };
+
+/// The fields every block begins with; see common/wire for their meaning.
+struct BlockHeader {
+  std::int32_t node = 0;
+  std::int64_t epoch = 0;
+  std::int64_t sequence = 0;
+  std::int64_t first_scan = 0;
+  std::int64_t scans = 0;
+  std::int64_t time_ns = 0;
+
+  bool operator==(const BlockHeader&) const = default;
+};
+
+/// One datagram must hold a block, so that a lost fragment cannot take another with it.
+inline constexpr std::size_t kMaxBlockBytes = 1400;
+
+/// A block as it travels and as it is recorded: the encoded LCM message, never changed after sealing.
+struct SealedBlock {
+  BlockKind kind = BlockKind::kScan;
+  BlockHeader header;
+  std::uint32_t size = 0;
+  std::array<std::uint8_t, kMaxBlockBytes> storage{};
+
+  std::span<const std::uint8_t> bytes() const { return {storage.data(), size}; }
+};
+
+}  // namespace roadbalance

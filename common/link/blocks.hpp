@@ -1,0 +1,66 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/frontend/front_end.hpp"
+#include "common/link/block.hpp"
+
+namespace roadbalance {
+
+/// What is inside a SealedBlock, one struct per kind; fields as in common/wire.
+
+inline constexpr int kScansPerBlock = 20;
+inline constexpr int kEdgesPerBlock = 300;
+inline constexpr int kMetaBytesPerBlock = 1200;
+
+struct ScanBlock {
+  BlockHeader header;
+  std::int64_t period_ps = 0;
+  std::array<std::array<std::int32_t, kChannels>, kScansPerBlock> counts{};  ///< [scan][channel]
+  std::int32_t overload = 0;
+  std::int32_t quality = 0;
+
+  /// Node time of row `row`, ns.
+  std::int64_t row_time_ns(std::int64_t row) const { return header.time_ns + row * period_ps / 1000; }
+};
+
+/// Edges of both lines in order of time; `words` as on the wire, see edge_block_t.
+struct EdgeBlock {
+  BlockHeader header;
+  std::int32_t edges = 0;
+  std::array<std::int32_t, kEdgesPerBlock> words{};
+
+  /// Adds an edge at or after the last one.  False if the block is full or the edge too far away
+  /// (2^29 ns): then a new block begins.  The first edge sets header.time_ns.
+  bool add(const Edge& edge);
+  /// The edges as they were added.
+  std::vector<Edge> unpack() const;
+
+ private:
+  std::int64_t last_ns_ = 0;
+};
+
+struct GapBlock {
+  BlockHeader header;
+  GapCause cause = GapCause::kRingFull;
+};
+
+struct MetaBlock {
+  BlockHeader header;
+  MetaKind kind = MetaKind::kVehicleToml;
+  std::int32_t part = 0;
+  std::int32_t parts = 1;
+  std::string text;  ///< at most kMetaBytesPerBlock
+};
+
+struct EndBlock {
+  BlockHeader header;
+  std::int64_t blocks = 0;
+  std::int64_t scans_sealed = 0;
+  std::int64_t scans_missing = 0;
+};
+
+}  // namespace roadbalance

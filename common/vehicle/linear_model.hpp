@@ -1,0 +1,78 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "common/config/vehicle_config.hpp"
+
+namespace roadbalance {
+
+/// Generalised coordinates z = [heave, roll, pitch, z_FL, z_FR, z_RL, z_RR] about static equilibrium, z up.
+/// A corner of the body at (x, y) moves up by heave + y roll - x pitch (conventions.md).
+inline constexpr int kCoordinates = 7;
+inline constexpr int kBodyCoordinates = 3;
+
+using Matrix7 = Eigen::Matrix<double, kCoordinates, kCoordinates>;
+using Matrix74 = Eigen::Matrix<double, kCoordinates, kWheels>;
+using Vector7 = Eigen::Matrix<double, kCoordinates, 1>;
+
+/// Parameters of the 7-degree-of-freedom car, each an entry of one vector.
+/// Order: body mass, roll inertia, pitch inertia, wheel mass[4], spring[4], damper[4], stabiliser[2], tyre[4].
+enum Parameter : int {
+  kBodyMass = 0,
+  kRollInertia = 1,
+  kPitchInertia = 2,
+  kWheelMass = 3,
+  kSpring = 7,
+  kDamper = 11,
+  kStabiliser = 15,
+  kTyre = 17,
+  kParameters = 21,
+};
+using ParameterVector = Eigen::Matrix<double, kParameters, 1>;
+
+/// M z'' + P z' + Q z = T d + S u                                                              (1)
+struct LinearModel {
+  Matrix7 M;   ///< mass, kg (kg m^2 for angles)
+  Matrix7 P;   ///< damping
+  Matrix7 Q;   ///< stiffness
+  Matrix74 S;  ///< road height under the four wheels to force: tyre stiffness
+  Matrix74 W;  ///< vertical force on the four wheels to generalised force; T d = W F_z
+};
+
+/// Places of the axles, all that (1) needs beside the parameters.
+struct Geometry {
+  std::array<double, kWheels> x_m;
+  std::array<double, kWheels> y_m;
+};
+
+Geometry geometry_of(const ModelConfig& model);
+
+/// Parameters as vehicle.toml states them.
+ParameterVector nominal_parameters(const VehicleConfig& vehicle);
+
+/// Every matrix is linear in every parameter: the matrices of a parameter are those of its unit vector,
+/// the others zero.  Strut stretch D_i = corner_i - z_i is row i of B, then
+///   M = diag(masses), P = B' diag(ds) B, Q = B' diag(cs) B + sum st (B_L - B_R)'(B_L - B_R) + diag(0,0,0,ct).
+LinearModel linear_model(const Geometry& geometry, const ParameterVector& parameters);
+
+/// Least-squares map from vertical sensors of all nodes to the seven accelerations z''.
+///
+/// A sensor on the body at (x, y) with direction (0, 0, +-1) reads +-(heave'' + y roll'' - x pitch''), one on a
+/// wheel carrier the wheel's z''.  Sensors whose direction is not vertical (|d_z| < 0.999) take no part.
+struct SensorMap {
+  struct Input {
+    int node;     ///< index into VehicleConfig::node
+    int channel;  ///< index into NodeConfig::channel
+  };
+  std::vector<Input> input;      ///< columns of `pseudo_inverse`
+  Eigen::MatrixXd pseudo_inverse;  ///< [7 x inputs]
+
+  /// @throws ConfigError naming the coordinate that no sensor sees
+  static SensorMap from(const VehicleConfig& vehicle);
+};
+
+}  // namespace roadbalance

@@ -1,0 +1,51 @@
+# The four kinds of target of this project.  Each carries its own requirements.
+
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+
+find_program(RB_CCACHE ccache)
+if(RB_CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${RB_CCACHE})
+  set(CMAKE_C_COMPILER_LAUNCHER ${RB_CCACHE})
+endif()
+
+set(RB_SANITIZE "" CACHE STRING "Sanitizers to build with, e.g. address,undefined")
+
+# Requirements of every target of ours: language, warnings, include root, sanitizers.
+add_library(rb_options INTERFACE)
+target_compile_features(rb_options INTERFACE cxx_std_20)
+target_include_directories(rb_options INTERFACE ${CMAKE_SOURCE_DIR})
+target_compile_options(rb_options INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wnon-virtual-dtor -Woverloaded-virtual -Werror)
+if(RB_SANITIZE)
+  # LCM's C++ header casts through unrelated types, which the vptr check refuses.
+  target_compile_options(rb_options INTERFACE
+    -fsanitize=${RB_SANITIZE} -fno-sanitize=vptr -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(rb_options INTERFACE -fsanitize=${RB_SANITIZE})
+endif()
+
+# rb_library(name source... [DEPENDS target...])
+function(rb_library name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "DEPENDS")
+  add_library(${name} STATIC ${arg_UNPARSED_ARGUMENTS})
+  target_link_libraries(${name} PUBLIC rb_options ${arg_DEPENDS})
+endfunction()
+
+# rb_program(name source... [DEPENDS target...])
+function(rb_program name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "DEPENDS")
+  add_executable(${name} ${arg_UNPARSED_ARGUMENTS})
+  target_link_libraries(${name} PRIVATE rb_options ${arg_DEPENDS})
+endfunction()
+
+# rb_test(name [DEPENDS target...] [TIMEOUT seconds]): builds test/<name>.cpp and registers it as one CTest.
+function(rb_test name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "TIMEOUT" "DEPENDS")
+  if(NOT arg_TIMEOUT)
+    set(arg_TIMEOUT 120)
+  endif()
+  add_executable(${name} test/${name}.cpp)
+  target_link_libraries(${name} PRIVATE rb_options ${arg_DEPENDS} GTest::gtest_main)
+  add_test(NAME ${name} COMMAND ${name})
+  set_tests_properties(${name} PROPERTIES TIMEOUT ${arg_TIMEOUT}
+    ENVIRONMENT "RB_BIN=${CMAKE_BINARY_DIR}/bin;RB_SOURCE=${CMAKE_SOURCE_DIR}")
+endfunction()
