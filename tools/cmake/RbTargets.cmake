@@ -1,5 +1,7 @@
 # The four kinds of target of this project.  Each carries its own requirements.
 
+include(RbEmbed)
+
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 
 find_program(RB_CCACHE ccache)
@@ -38,7 +40,11 @@ function(rb_program name)
 endfunction()
 
 # rb_test(name [DEPENDS target...] [TIMEOUT seconds]): builds test/<name>.cpp and registers it as one CTest.
+# With BUILD_TESTING off (tools/demo on a bare machine) there are no tests.
 function(rb_test name)
+  if(NOT BUILD_TESTING)
+    return()
+  endif()
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "TIMEOUT" "DEPENDS")
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 120)
