@@ -42,10 +42,10 @@ struct SpectrumPart {
 /// Why an estimate cannot be given (yet); 0 = it is given.
 enum class Unknown : std::int32_t {
   kNone = 0,
-  kTooShort = 1,       ///< not enough driving at a steady speed yet
-  kTooSlow = 2,        ///< the car never went fast enough
-  kNoReference = 3,    ///< this wheel has no angle
-  kIllConditioned = 4, ///< the drive does not determine it
+  kTooShort = 1,        ///< not enough driving at a steady speed yet
+  kTooSlow = 2,         ///< the car never went fast enough
+  kNoReference = 3,     ///< this wheel has no angle
+  kIllConditioned = 4,  ///< the drive does not determine it
 };
 
 inline constexpr int kMaxSpeedClasses = 16;

@@ -1,0 +1,126 @@
+#include "common/bus/bus.hpp"
+
+#include <lcm/lcm.h>
+
+#include <exception>
+#include <limits>
+#include <list>
+#include <stdexcept>
+#include <utility>
+
+namespace roadbalance {
+namespace {
+
+const char* name_of(BlockKind kind) {
+  switch (kind) {
+    case BlockKind::kScan:
+      return "SCAN";
+    case BlockKind::kEdge:
+      return "EDGE";
+    case BlockKind::kGap:
+      return "GAP";
+    case BlockKind::kMeta:
+      return "META";
+    case BlockKind::kEnd:
+      return "END";
+  }
+  return "UNKNOWN";
+}
+
+[[noreturn]] void throw_no_bus(const std::string& url, const std::string& what) {
+  throw std::runtime_error(
+      "cannot " + what + " LCM bus " + url +
+      ": most often there is no multicast route; on a computer without network: "
+      "sudo ip link set lo multicast on && sudo ip route add 239.255.76.0/24 dev lo (rb doctor tells more)");
+}
+
+// A caller with other duties gets control back after this many messages, however fast they come.
+constexpr int kMostPerCall = 4096;
+
+}  // namespace
+
+std::string block_channel(int node, BlockKind kind) {
+  return "RB_BLOCK_" + std::to_string(node) + "_" + name_of(kind);
+}
+std::string preview_channel(int node) {
+  return "RB_PREVIEW_" + std::to_string(node);
+}
+std::string heartbeat_channel(int node) {
+  return "RB_HEARTBEAT_" + std::to_string(node);
+}
+std::string ack_channel(int node) {
+  return "RB_ACK_" + std::to_string(node);
+}
+std::string command_channel(int node) {
+  return "RB_COMMAND_" + std::to_string(node);
+}
+std::string reply_channel(int node) {
+  return "RB_REPLY_" + std::to_string(node);
+}
+
+std::string default_bus_url() {
+  return bus_url_on_port(7667);
+}
+
+std::string bus_url_on_port(int port) {
+  return "udpm://239.255.76.67:" + std::to_string(port) + "?ttl=0&recv_buf_size=4194304";
+}
+
+struct Bus::State {
+  // LCM calls back from C: an exception waits here until its frames are gone.
+  struct Subscription {
+    Handler handler;
+    std::exception_ptr* failure;
+  };
+
+  std::string url;
+  lcm_t* lcm = nullptr;
+  std::list<Subscription> subscriptions;
+  std::exception_ptr failure;
+
+  ~State() {
+    if (lcm) lcm_destroy(lcm);
+  }
+
+  static void on_message(const lcm_recv_buf_t* received, const char* channel, void* user) {
+    auto& subscription = *static_cast<Subscription*>(user);
+    try {
+      subscription.handler(channel, {static_cast<const std::uint8_t*>(received->data), received->data_size});
+    } catch (...) {
+      *subscription.failure = std::current_exception();
+    }
+  }
+};
+
+Bus::Bus(const std::string& url) : state_(std::make_unique<State>()) {
+  state_->url = url;
+  state_->lcm = lcm_create(url.c_str());
+  if (!state_->lcm) throw_no_bus(url, "open");
+}
+
+Bus::~Bus() = default;
+
+void Bus::subscribe(const std::string& pattern, Handler handler) {
+  auto& subscription = state_->subscriptions.emplace_back(std::move(handler), &state_->failure);
+  auto* handle = lcm_subscribe(state_->lcm, pattern.c_str(), &State::on_message, &subscription);
+  if (!handle) throw_no_bus(state_->url, "subscribe to " + pattern + " on");
+  lcm_subscription_set_queue_capacity(handle, 0);
+}
+
+bool Bus::publish(const std::string& channel, std::span<const std::uint8_t> bytes) {
+  if (bytes.size() > std::numeric_limits<unsigned>::max()) return false;
+  return lcm_publish(state_->lcm, channel.c_str(), bytes.data(), static_cast<unsigned>(bytes.size())) == 0;
+}
+
+int Bus::handle(std::chrono::milliseconds timeout) {
+  int handled = 0;
+  auto wait = static_cast<int>(timeout.count());
+  while (handled < kMostPerCall && lcm_handle_timeout(state_->lcm, wait) > 0) {
+    ++handled;
+    wait = 0;
+    if (state_->failure) std::rethrow_exception(std::exchange(state_->failure, nullptr));
+  }
+  return handled;
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,229 @@
+#include "common/bus/codec.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <wire/edge_block_t.hpp>
+#include <wire/end_t.hpp>
+#include <wire/gap_t.hpp>
+#include <wire/meta_t.hpp>
+#include <wire/scan_block_t.hpp>
+
+#include "common/bus/wire_format.hpp"
+
+namespace roadbalance {
+namespace {
+
+constexpr std::int64_t kIndexLimit = std::int64_t{1} << 62;  // sums of two of these do not overflow
+constexpr std::int32_t kLastNode = 9999;
+constexpr std::int32_t kMostMetaParts = 10'000;
+constexpr std::int64_t kLongestPeriod_ps = 1'000'000'000'000;  // one scan a second
+constexpr std::int32_t kQualityLimit = 1 << 16;                // room for bits of later versions
+
+static_assert(sizeof(wire::scan_block_t::counts) == sizeof(ScanBlock::counts));
+static_assert(sizeof(wire::edge_block_t::words) == sizeof(EdgeBlock::words));
+static_assert(sizeof(wire::meta_t::text) == kMetaBytesPerBlock);
+
+template <typename Message>
+void put_header(const BlockHeader& header, Message& message) {
+  message.node = header.node;
+  message.epoch = header.epoch;
+  message.sequence = header.sequence;
+  message.first_scan = header.first_scan;
+  message.scans = header.scans;
+  message.time_ns = header.time_ns;
+  message.crc32c = 0;
+}
+
+template <typename Message>
+BlockHeader header_of(const Message& message) {
+  return {.node = message.node,
+          .epoch = message.epoch,
+          .sequence = message.sequence,
+          .first_scan = message.first_scan,
+          .scans = message.scans,
+          .time_ns = message.time_ns};
+}
+
+template <typename Message>
+void seal_message(BlockKind kind, const Message& message, SealedBlock& out) {
+  const std::size_t size = wire_format::size_of<Message>();
+  assert(size <= kMaxBlockBytes);
+  out.kind = kind;
+  out.header = header_of(message);
+  out.size = static_cast<std::uint32_t>(size);
+  message.encode(out.storage.data(), 0, static_cast<int>(size));
+  wire_format::write_crc({out.storage.data(), size});
+}
+
+template <typename Message>
+Message open_message(BlockKind kind, const SealedBlock& block) {
+  assert(block.kind == kind);
+  (void)kind;
+  const auto message = wire_format::decode<Message>(block.bytes());
+  assert(message);
+  return *message;
+}
+
+template <typename Integer>
+bool within(Integer value, Integer low, Integer high) {
+  return low <= value && value <= high;
+}
+
+bool in_bounds(const BlockHeader& header) {
+  return within(header.node, 1, kLastNode) && within<std::int64_t>(header.sequence, 0, kIndexLimit) &&
+         within<std::int64_t>(header.first_scan, 0, kIndexLimit) &&
+         within<std::int64_t>(header.scans, 0, kIndexLimit) &&
+         within(header.time_ns, -kIndexLimit, kIndexLimit);
+}
+
+bool fields_in_bounds(const wire::scan_block_t& m) {
+  return within<std::int64_t>(m.scans, 1, kScansPerBlock) &&
+         within<std::int64_t>(m.period_ps, 1, kLongestPeriod_ps) &&
+         within(m.overload, 0, (1 << kChannels) - 1) && within(m.quality, 0, kQualityLimit - 1);
+}
+
+bool fields_in_bounds(const wire::edge_block_t& m) {
+  return m.scans == 0 && within(m.edges, 0, kEdgesPerBlock) &&
+         std::all_of(m.words, m.words + m.edges, [](std::int32_t word) { return word >= 0; });
+}
+
+bool fields_in_bounds(const wire::gap_t& m) {
+  return within(m.cause, static_cast<std::int32_t>(GapCause::kRingFull),
+                static_cast<std::int32_t>(GapCause::kSourceGap));
+}
+
+bool fields_in_bounds(const wire::meta_t& m) {
+  return m.scans == 0 &&
+         within(m.kind, static_cast<std::int32_t>(MetaKind::kVehicleToml),
+                static_cast<std::int32_t>(MetaKind::kRecordJson)) &&
+         within(m.parts, 1, kMostMetaParts) && within(m.part, 0, m.parts - 1) &&
+         within(m.size, 0, kMetaBytesPerBlock);
+}
+
+bool fields_in_bounds(const wire::end_t& m) {
+  return m.scans == 0 && within<std::int64_t>(m.blocks, 0, kIndexLimit) &&
+         within<std::int64_t>(m.scans_sealed, 0, kIndexLimit) &&
+         within<std::int64_t>(m.scans_missing, 0, kIndexLimit);
+}
+
+template <typename Message>
+Refusal accept_as(BlockKind kind, std::span<const std::uint8_t> bytes, SealedBlock& out) {
+  if (bytes.size() != wire_format::size_of<Message>()) return Refusal::kWrongSize;
+  if (!wire_format::crc_is_good(bytes)) return Refusal::kWrongCrc;
+  const auto message = wire_format::decode<Message>(bytes);
+  if (!message) return Refusal::kUnknownType;
+  const BlockHeader header = header_of(*message);
+  if (!in_bounds(header) || !fields_in_bounds(*message)) return Refusal::kOutOfBounds;
+  out.kind = kind;
+  out.header = header;
+  out.size = static_cast<std::uint32_t>(bytes.size());
+  std::copy(bytes.begin(), bytes.end(), out.storage.begin());
+  return Refusal::kNone;
+}
+
+}  // namespace
+
+void seal(const ScanBlock& block, SealedBlock& out) {
+  wire::scan_block_t message;
+  put_header(block.header, message);
+  message.period_ps = block.period_ps;
+  for (std::size_t scan = 0; scan < block.counts.size(); ++scan)
+    std::copy(block.counts[scan].begin(), block.counts[scan].end(), message.counts[scan]);
+  message.overload = block.overload;
+  message.quality = block.quality;
+  seal_message(BlockKind::kScan, message, out);
+}
+
+void seal(const EdgeBlock& block, SealedBlock& out) {
+  wire::edge_block_t message;
+  put_header(block.header, message);
+  message.edges = block.edges;
+  std::copy(block.words.begin(), block.words.end(), message.words);
+  seal_message(BlockKind::kEdge, message, out);
+}
+
+void seal(const GapBlock& block, SealedBlock& out) {
+  wire::gap_t message;
+  put_header(block.header, message);
+  message.cause = static_cast<std::int32_t>(block.cause);
+  seal_message(BlockKind::kGap, message, out);
+}
+
+void seal(const MetaBlock& block, SealedBlock& out) {
+  assert(block.text.size() <= kMetaBytesPerBlock);
+  wire::meta_t message{};
+  put_header(block.header, message);
+  message.kind = static_cast<std::int32_t>(block.kind);
+  message.part = block.part;
+  message.parts = block.parts;
+  message.size = static_cast<std::int32_t>(block.text.size());
+  std::copy(block.text.begin(), block.text.end(), message.text);
+  seal_message(BlockKind::kMeta, message, out);
+}
+
+void seal(const EndBlock& block, SealedBlock& out) {
+  wire::end_t message;
+  put_header(block.header, message);
+  message.blocks = block.blocks;
+  message.scans_sealed = block.scans_sealed;
+  message.scans_missing = block.scans_missing;
+  seal_message(BlockKind::kEnd, message, out);
+}
+
+Refusal accept(std::span<const std::uint8_t> bytes, SealedBlock& out) {
+  if (bytes.size() < 8) return Refusal::kWrongSize;
+  const std::int64_t fingerprint = wire_format::load_i64(bytes.data());
+  if (fingerprint == wire::scan_block_t::getHash())
+    return accept_as<wire::scan_block_t>(BlockKind::kScan, bytes, out);
+  if (fingerprint == wire::edge_block_t::getHash())
+    return accept_as<wire::edge_block_t>(BlockKind::kEdge, bytes, out);
+  if (fingerprint == wire::gap_t::getHash()) return accept_as<wire::gap_t>(BlockKind::kGap, bytes, out);
+  if (fingerprint == wire::meta_t::getHash()) return accept_as<wire::meta_t>(BlockKind::kMeta, bytes, out);
+  if (fingerprint == wire::end_t::getHash()) return accept_as<wire::end_t>(BlockKind::kEnd, bytes, out);
+  return Refusal::kUnknownType;
+}
+
+ScanBlock decode_scan(const SealedBlock& block) {
+  const auto message = open_message<wire::scan_block_t>(BlockKind::kScan, block);
+  ScanBlock result;
+  result.header = block.header;
+  result.period_ps = message.period_ps;
+  for (std::size_t scan = 0; scan < result.counts.size(); ++scan)
+    std::copy(message.counts[scan], message.counts[scan] + kChannels, result.counts[scan].begin());
+  result.overload = message.overload;
+  result.quality = message.quality;
+  return result;
+}
+
+EdgeBlock decode_edge(const SealedBlock& block) {
+  const auto message = open_message<wire::edge_block_t>(BlockKind::kEdge, block);
+  EdgeBlock result;
+  result.header = block.header;
+  result.edges = message.edges;
+  std::copy(message.words, message.words + kEdgesPerBlock, result.words.begin());
+  return result;
+}
+
+GapBlock decode_gap(const SealedBlock& block) {
+  const auto message = open_message<wire::gap_t>(BlockKind::kGap, block);
+  return {.header = block.header, .cause = static_cast<GapCause>(message.cause)};
+}
+
+MetaBlock decode_meta(const SealedBlock& block) {
+  const auto message = open_message<wire::meta_t>(BlockKind::kMeta, block);
+  return {.header = block.header,
+          .kind = static_cast<MetaKind>(message.kind),
+          .part = message.part,
+          .parts = message.parts,
+          .text = std::string(message.text, message.text + message.size)};
+}
+
+EndBlock decode_end(const SealedBlock& block) {
+  const auto message = open_message<wire::end_t>(BlockKind::kEnd, block);
+  return {.header = block.header,
+          .blocks = message.blocks,
+          .scans_sealed = message.scans_sealed,
+          .scans_missing = message.scans_missing};
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,165 @@
+#include "common/bus/control.hpp"
+
+#include <algorithm>
+#include <wire/ack_t.hpp>
+#include <wire/command_t.hpp>
+#include <wire/heartbeat_t.hpp>
+#include <wire/reply_t.hpp>
+
+#include "common/bus/wire_format.hpp"
+
+namespace roadbalance {
+namespace {
+
+constexpr std::int32_t kLastNode = 9999;
+
+bool is_node(std::int32_t node) {
+  return 1 <= node && node <= kLastNode;
+}
+
+template <typename Enum>
+bool is_one_of(std::int32_t value, Enum first, Enum last) {
+  return static_cast<std::int32_t>(first) <= value && value <= static_cast<std::int32_t>(last);
+}
+
+bool in_bounds(const wire::heartbeat_t& m) {
+  return is_node(m.node) && is_one_of(m.state, NodeState::kPreview, NodeState::kFailed) && m.base >= 1 &&
+         m.next >= m.base && m.owner >= 0 && m.ring_used >= 0 && m.ring_capacity >= m.ring_used &&
+         m.scans_sampled >= 0 && m.scans_missing >= 0;
+}
+
+// Missing ranges ascend, do not touch the part that has arrived, and do not overlap.
+bool in_bounds(const wire::ack_t& m) {
+  if (!is_node(m.node) || m.incarnation < 1 || m.number < 1 || m.durable < 0 || m.received < m.durable ||
+      m.credit < m.received || m.missing < 0 || m.missing > static_cast<std::int32_t>(kMaxMissingRanges))
+    return false;
+  std::int64_t before = m.received;
+  for (std::int32_t k = 0; k < m.missing; ++k) {
+    if (m.missing_first[k] <= before || m.missing_last[k] < m.missing_first[k]) return false;
+    before = m.missing_last[k];
+  }
+  return true;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> encode(const Heartbeat& h) {
+  wire::heartbeat_t m{};
+  m.node = h.node;
+  m.epoch = h.epoch;
+  m.base = h.base;
+  m.next = h.next;
+  m.time_ns = h.time_ns;
+  m.state = static_cast<std::int32_t>(h.state);
+  m.owner = h.owner;
+  m.ring_used = h.ring_used;
+  m.ring_capacity = h.ring_capacity;
+  m.scans_sampled = h.scans_sampled;
+  m.scans_missing = h.scans_missing;
+  m.blocks_sent = h.blocks_sent;
+  m.blocks_repaired = h.blocks_repaired;
+  m.acks_refused = h.acks_refused;
+  std::copy(h.encoder_faults.begin(), h.encoder_faults.end(), m.encoder_faults);
+  m.unreferenced_blocks = h.unreferenced_blocks;
+  return wire_format::encode_with_crc(m);
+}
+
+std::optional<Heartbeat> decode_heartbeat(std::span<const std::uint8_t> bytes) {
+  const auto m = wire_format::decode_with_crc<wire::heartbeat_t>(bytes);
+  if (!m || !in_bounds(*m)) return std::nullopt;
+  Heartbeat h;
+  h.node = m->node;
+  h.epoch = m->epoch;
+  h.base = m->base;
+  h.next = m->next;
+  h.time_ns = m->time_ns;
+  h.state = static_cast<NodeState>(m->state);
+  h.owner = m->owner;
+  h.ring_used = m->ring_used;
+  h.ring_capacity = m->ring_capacity;
+  h.scans_sampled = m->scans_sampled;
+  h.scans_missing = m->scans_missing;
+  h.blocks_sent = m->blocks_sent;
+  h.blocks_repaired = m->blocks_repaired;
+  h.acks_refused = m->acks_refused;
+  std::copy_n(m->encoder_faults, h.encoder_faults.size(), h.encoder_faults.begin());
+  h.unreferenced_blocks = m->unreferenced_blocks;
+  return h;
+}
+
+std::vector<std::uint8_t> encode(const Ack& a) {
+  wire::ack_t m{};
+  m.node = a.node;
+  m.epoch = a.epoch;
+  m.incarnation = a.incarnation;
+  m.number = a.number;
+  m.received = a.received;
+  m.durable = a.durable;
+  m.credit = a.credit;
+  const std::size_t ranges = std::min(a.missing.size(), kMaxMissingRanges);
+  m.missing = static_cast<std::int32_t>(ranges);
+  for (std::size_t k = 0; k < ranges; ++k) {
+    m.missing_first[k] = a.missing[k].first;
+    m.missing_last[k] = a.missing[k].last;
+  }
+  return wire_format::encode_with_crc(m);
+}
+
+std::optional<Ack> decode_ack(std::span<const std::uint8_t> bytes) {
+  const auto m = wire_format::decode_with_crc<wire::ack_t>(bytes);
+  if (!m || !in_bounds(*m)) return std::nullopt;
+  Ack a;
+  a.node = m->node;
+  a.epoch = m->epoch;
+  a.incarnation = m->incarnation;
+  a.number = m->number;
+  a.received = m->received;
+  a.durable = m->durable;
+  a.credit = m->credit;
+  for (std::int32_t k = 0; k < m->missing; ++k)
+    a.missing.push_back({m->missing_first[k], m->missing_last[k]});
+  return a;
+}
+
+std::vector<std::uint8_t> encode(const Command& c) {
+  wire::command_t m{};
+  m.node = c.node;
+  m.request = c.request;
+  m.incarnation = c.incarnation;
+  m.verb = static_cast<std::int32_t>(c.verb);
+  return wire_format::encode_with_crc(m);
+}
+
+// An unknown verb passes: the node answers kUnknownVerb, so that a newer host learns of it.
+std::optional<Command> decode_command(std::span<const std::uint8_t> bytes) {
+  const auto m = wire_format::decode_with_crc<wire::command_t>(bytes);
+  if (!m || !is_node(m->node) || m->incarnation < 1) return std::nullopt;
+  return Command{.node = m->node,
+                 .request = m->request,
+                 .incarnation = m->incarnation,
+                 .verb = static_cast<Verb>(m->verb)};
+}
+
+std::vector<std::uint8_t> encode(const Reply& r) {
+  wire::reply_t m{};
+  m.node = r.node;
+  m.epoch = r.epoch;
+  m.request = r.request;
+  m.result = static_cast<std::int32_t>(r.result);
+  m.sequence = r.sequence;
+  return wire_format::encode_with_crc(m);
+}
+
+std::optional<Reply> decode_reply(std::span<const std::uint8_t> bytes) {
+  const auto m = wire_format::decode_with_crc<wire::reply_t>(bytes);
+  if (!m || !is_node(m->node) || m->sequence < 0 ||
+      !is_one_of(m->result, CommandError::kNone, CommandError::kEnded))
+    return std::nullopt;
+  return Reply{.node = m->node,
+               .epoch = m->epoch,
+               .request = m->request,
+               .result = static_cast<CommandError>(m->result),
+               .sequence = m->sequence};
+}
+
+}  // namespace roadbalance
