@@ -36,6 +36,10 @@ class RecordReader {
   /// later: call again).  Damage before the end is skipped by resynchronising and listed in damage().
   std::optional<LogEvent> next();
 
+  /// Says that the record does not grow any more: what is left at its end is then given by next(), as far as
+  /// it is events, or listed in damage().
+  void finish();
+
   struct Damage {
     std::filesystem::path segment;
     std::uint64_t offset;
@@ -59,7 +63,7 @@ class RecordWriter {
   };
   /// Creates the folder, or continues one: the tail of its last segment is cut to the longest valid prefix
   /// (the rest kept beside it) and a new segment begins.
-  /// @throws std::system_error naming the file
+  /// @throws std::system_error naming the file, std::runtime_error if another recorder writes to the folder
   explicit RecordWriter(Options options);
   ~RecordWriter();
   RecordWriter(RecordWriter&&) noexcept;
@@ -67,10 +71,24 @@ class RecordWriter {
   /// Event to begin every segment with; set before the first append and whenever it changes.
   void set_preamble(std::vector<std::pair<std::string, std::vector<std::uint8_t>>> events);
 
+  /// What the constructor cut off the folder's last segment.
+  struct CutTail {
+    std::filesystem::path segment;
+    std::filesystem::path tail;  ///< the bytes cut off, kept here
+    std::uint64_t kept = 0;
+    std::uint64_t cut = 0;
+  };
+  const std::optional<CutTail>& cut_tail() const;
+
+  /// @throws std::system_error: what was appended since the last sync may be lost
   void append(std::string_view channel, std::span<const std::uint8_t> data, std::int64_t timestamp_us);
   /// fdatasync (and the directory's sync for a new file).  After it returned, all appended is durable.
   void sync();
+  /// Syncs and closes; a writer that is not closed leaves what a kill would leave.
   void close();
+
+  /// Bytes in the current segment and in those before it that this writer wrote.
+  std::uint64_t bytes() const;
 
  private:
   struct State;

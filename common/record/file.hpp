@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string_view>
+
+namespace roadbalance {
+
+/// An open file or directory; closes itself.  Every failed call throws std::system_error that names the call
+/// and the path.
+class File {
+ public:
+  File() = default;
+  static File open_to_read(const std::filesystem::path& path);
+  /// @throws also if it exists
+  static File create(const std::filesystem::path& path);
+  static File open_to_write(const std::filesystem::path& path);
+  static File open_folder(const std::filesystem::path& path);
+
+  File(File&& other) noexcept;
+  File& operator=(File&& other) noexcept;
+  ~File();
+
+  bool is_open() const { return descriptor_ >= 0; }
+  const std::filesystem::path& path() const { return path_; }
+
+  /// As many bytes as there are at `offset`, up to the size of `into`.
+  std::size_t read_at(std::uint64_t offset, std::span<std::uint8_t> into) const;
+  void write_all(std::span<const std::uint8_t> bytes);
+  /// The data and what is needed to read it back.
+  void sync_data();
+  void sync();
+  void truncate(std::uint64_t size);
+  std::uint64_t size() const;
+  /// Asks for space; the length stays as it is.  A filesystem that cannot is no error: the write will tell.
+  void reserve(std::uint64_t offset, std::uint64_t bytes) noexcept;
+  /// False if somebody else has this file or folder locked.
+  bool try_lock();
+  /// Reports a failed close, which the destructor cannot.
+  void close();
+
+ private:
+  File(int descriptor, std::filesystem::path path) : descriptor_(descriptor), path_(std::move(path)) {}
+  static File open(const std::filesystem::path& path, int flags);
+  [[noreturn]] void fail(const char* call) const;
+
+  int descriptor_ = -1;
+  std::filesystem::path path_;
+};
+
+/// Replaces `path` by a file with this text so that a reader sees the old or the new, never a part; durable
+/// on return.  @throws std::system_error naming the file
+void write_atomically(const std::filesystem::path& path, std::string_view text);
+
+}  // namespace roadbalance

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/record/file.hpp"
+#include "common/record/record.hpp"
+
+namespace roadbalance {
+
+/// "seg-000001.lcm" in `folder`.
+std::filesystem::path segment_path(const std::filesystem::path& folder, int number);
+
+/// Numbers of the segments in `folder`, ascending.
+std::vector<int> segment_numbers(const std::filesystem::path& folder);
+
+/// Reads the events of one segment, which may still grow.
+///
+/// An event counts if it parses and what follows it is the sync word or the present end, or if it ends with
+/// its own CRC.  Else the bytes up to the next event that counts are damage.
+class SegmentReader {
+ public:
+  explicit SegmentReader(std::filesystem::path path);
+
+  /// @param complete  nothing is added any more: what cannot be an event by now is damage
+  /// Views are valid until the next call.
+  std::optional<LogEvent> next(bool complete, std::vector<RecordReader::Damage>& damage);
+
+  /// Just behind the last event given.
+  std::uint64_t end_of_events() const { return end_of_events_; }
+  const std::filesystem::path& path() const { return file_.path(); }
+
+ private:
+  enum class Step { kEvent, kMore, kSkip };
+  std::span<const std::uint8_t> rest() const;
+  bool refill();
+  Step step(LogEvent& event, bool complete);
+  void skip();
+  void close_damage(std::vector<RecordReader::Damage>& damage, std::uint64_t end);
+
+  File file_;
+  std::vector<std::uint8_t> buffer_;
+  std::size_t filled_ = 0;    // bytes of buffer_ that count
+  std::size_t at_ = 0;        // place in buffer_ to look at next
+  std::uint64_t offset_ = 0;  // of buffer_[0] in the file
+  std::uint64_t end_of_events_ = 0;
+  std::uint64_t accounted_ = 0;  // everything before was given or listed as damage
+};
+
+}  // namespace roadbalance

@@ -1,0 +1,84 @@
+#include <algorithm>
+#include <utility>
+
+#include "common/record/log_event.hpp"
+#include "common/record/segment.hpp"
+
+namespace roadbalance {
+namespace {
+// Room for the longest event and the sync word behind it, and for few system calls.
+constexpr std::size_t kBufferBytes = std::size_t{1} << 20;
+static_assert(kBufferBytes > 2 * kMaxLogEventBytes);
+}  // namespace
+
+SegmentReader::SegmentReader(std::filesystem::path path)
+    : file_(File::open_to_read(path)), buffer_(kBufferBytes) {}
+
+std::span<const std::uint8_t> SegmentReader::rest() const {
+  return {buffer_.data() + at_, filled_ - at_};
+}
+
+// Reads again from the place we look at: an unfinished event may have been cut off meanwhile.
+// True if there are more bytes now than before.
+bool SegmentReader::refill() {
+  const std::size_t before = filled_ - at_;
+  offset_ += at_;
+  at_ = 0;
+  filled_ = file_.read_at(offset_, buffer_);
+  return filled_ > before;
+}
+
+SegmentReader::Step SegmentReader::step(LogEvent& event, bool complete) {
+  ParsedEvent parsed = parse_log_event(rest());
+  const bool needs_more = parsed.status == ParsedEvent::Status::kIncomplete ||
+                          (parsed.status == ParsedEvent::Status::kEvent && rest().size() < parsed.bytes + 4);
+  if (needs_more) {
+    refill();  // moves the bytes that `parsed` points to
+    parsed = parse_log_event(rest());
+  }
+  if (parsed.status == ParsedEvent::Status::kIncomplete)
+    return complete && !rest().empty() ? Step::kSkip : Step::kMore;
+  if (parsed.status == ParsedEvent::Status::kInvalid) return Step::kSkip;
+  if (!may_begin_event(rest().subspan(parsed.bytes)) && !ends_with_its_crc(parsed.event.data))
+    return Step::kSkip;
+  at_ += parsed.bytes;
+  event = parsed.event;
+  return Step::kEvent;
+}
+
+// To the next byte that may begin an event.
+void SegmentReader::skip() {
+  const auto bytes = rest();
+  const auto found = std::find(bytes.begin() + 1, bytes.end(), static_cast<std::uint8_t>(kLogSync >> 24));
+  at_ += static_cast<std::size_t>(found - bytes.begin());
+}
+
+void SegmentReader::close_damage(std::vector<RecordReader::Damage>& damage, std::uint64_t end) {
+  if (end > accounted_)
+    damage.push_back({.segment = path(),
+                      .offset = accounted_,
+                      .bytes = end - accounted_,
+                      .what = "no event of an LCM log"});
+  accounted_ = std::max(accounted_, end);
+}
+
+std::optional<LogEvent> SegmentReader::next(bool complete, std::vector<RecordReader::Damage>& damage) {
+  LogEvent event;
+  for (;;) {
+    if (rest().empty() && !refill()) break;
+    const Step result = step(event, complete);
+    if (result == Step::kMore) break;
+    if (result == Step::kSkip) {
+      skip();
+      continue;
+    }
+    const std::uint64_t end = offset_ + at_;
+    close_damage(damage, end - (kLogHeaderBytes + event.channel.size() + event.data.size()));
+    end_of_events_ = accounted_ = end;
+    return event;
+  }
+  if (complete) close_damage(damage, offset_ + filled_);
+  return std::nullopt;
+}
+
+}  // namespace roadbalance
