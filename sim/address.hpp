@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace roadbalance::sim {
+
+/// "PATH?seed=7&rate=20&seconds=320&start_ns=123&from=12.5", every part optional: what a simulated front end
+/// is opened with.
+struct Address {
+  std::string scenario_path;          ///< empty: the demo scenario
+  std::optional<std::uint64_t> seed;  ///< default: the scenario's
+  std::optional<double> rate = 1.0;   ///< bus seconds a wall second; nothing ("max"): as fast as it is read
+  std::optional<double> seconds;      ///< length of the drive; default: the scenario's
+  std::optional<std::int64_t> start_ns;  ///< CLOCK_MONOTONIC at bus time 0; default: when opened
+  double from_s = 0.0;                   ///< bus time before which nothing is delivered
+
+  /// @throws ConfigError naming the key and what is allowed
+  static Address parse(const std::string& text);
+};
+
+}  // namespace roadbalance::sim

@@ -1,0 +1,178 @@
+#include "sim/front_end.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "sim/address.hpp"
+#include "sim/car.hpp"
+#include "sim/conditioner.hpp"
+#include "sim/ring.hpp"
+
+namespace roadbalance::sim {
+namespace {
+
+constexpr int kStepsPerScan = 2;
+constexpr double kMostTurnsPerSecond = 60.0;  ///< 300 km/h, the fastest scenario, on a small wheel
+
+/// One node of the simulated car, scan by scan, without any clock.
+class Device {
+ public:
+  Device(const Scenario& scenario, std::uint64_t seed, const VehicleConfig& vehicle, const NodeConfig& node)
+      : rate_hz_(node.rate_hz),
+        car_(scenario, seed, vehicle, 1.0 / (kStepsPerScan * node.rate_hz)),
+        conditioner_(scenario, seed, vehicle, node, 1.0 / (kStepsPerScan * node.rate_hz)),
+        lead_scans_(std::ceil(kFarthestJitter * scenario.encoder.stamp_jitter_s * node.rate_hz)),
+        rings_at_{0.0, car_.drive().at(0.0)},
+        edges_(edge_room(vehicle, node)) {
+    for (int line = 0; line < kEncoderLines; ++line) {
+      const auto wheel = vehicle.wheel_at(node, line);
+      if (!wheel) continue;
+      const auto w = static_cast<std::size_t>(*wheel);
+      ring_.emplace_back(scenario.encoder, seed, w, vehicle.wheel[w].encoder, static_cast<std::uint8_t>(line),
+                         car_.drawn().rolling_radius_m[w], car_.drawn().initial_angle_rad[w], rings_at_);
+    }
+  }
+
+  /// Takes scan number next() of the drive.
+  Scan take() {
+    // The car stands at bus time 0 already, where the first scan is due.
+    for (int i = 0; i < (next_ == 0 ? 1 : kStepsPerScan); ++i) {
+      if (next_ > 0) car_.step();
+      conditioner_.feed(car_.sources(), car_.steps());
+    }
+    const double ahead_s = (static_cast<double>(next_) + lead_scans_) / rate_hz_;
+    const Ring::Instant to{ahead_s, car_.drive().at(ahead_s)};
+    for (Ring& ring : ring_) ring.advance(rings_at_, to, edges_);
+    rings_at_ = to;
+
+    Scan scan;
+    scan.time = node_time_from_ns(std::llround(static_cast<double>(next_) * 1e9 / rate_hz_));
+    conditioner_.convert(scan);
+    ++next_;
+    return scan;
+  }
+
+  std::int64_t next() const { return next_; }
+  /// Edges up to the last scan taken are complete.
+  EdgeQueue& edges() { return edges_; }
+
+ private:
+  static constexpr double kFarthestJitter = 3.4642;  ///< of RandomSequence::normal
+
+  std::size_t edge_room(const VehicleConfig& vehicle, const NodeConfig& node) const {
+    double pulses_per_turn = 0.0;
+    for (int line = 0; line < kEncoderLines; ++line)
+      if (const auto wheel = vehicle.wheel_at(node, line))
+        pulses_per_turn += vehicle.wheel[static_cast<std::size_t>(*wheel)].encoder.pulses_per_turn + 1;
+    const double horizon_s = (2.0 * lead_scans_ + 2.0) / rate_hz_;
+    return static_cast<std::size_t>(2.0 * pulses_per_turn * kMostTurnsPerSecond * horizon_s) + 64;
+  }
+
+  double rate_hz_;
+  Car car_;
+  Conditioner conditioner_;
+  double lead_scans_;  ///< rings run this far ahead, so that no jittered stamp comes too late
+  Ring::Instant rings_at_;
+  std::vector<Ring> ring_;
+  EdgeQueue edges_;
+  std::int64_t next_ = 0;
+};
+
+/// Bus time as the wall clock has it.
+class Pace {
+ public:
+  Pace(double rate, WallTime start) : rate_(rate), start_(start) {}
+
+  double bus_s(WallTime now) const { return rate_ * std::chrono::duration<double>(now - start_).count(); }
+  WallTime wall(double bus_s) const {
+    return start_ +
+           std::chrono::duration_cast<WallClock::duration>(std::chrono::duration<double>(bus_s / rate_));
+  }
+  double rate() const { return rate_; }
+
+ private:
+  double rate_;
+  WallTime start_;
+};
+
+class SimFrontEnd final : public FrontEnd {
+ public:
+  SimFrontEnd(Device device, double rate_hz, double seconds, std::optional<Pace> pace, double from_s)
+      : device_(std::move(device)), rate_hz_(rate_hz), scans_(std::llround(seconds * rate_hz)), pace_(pace) {
+    if (pace_) from_s = std::max(from_s, pace_->bus_s(WallClock::now()));
+    first_ = std::min(static_cast<std::int64_t>(std::ceil(std::min(from_s, seconds) * rate_hz)), scans_);
+    while (device_.next() < first_) {
+      const NodeTime time = device_.take().time;
+      while (device_.edges().due(time)) device_.edges().take();
+    }
+  }
+
+  Read read(std::span<Scan> scans, std::span<Edge> edges) noexcept override {
+    Read read;
+    const std::int64_t due = wait(scans.size());
+    while (read.scans < scans.size()) {
+      if (!taken_) {
+        if (device_.next() >= scans_) {
+          read.status = ReadStatus::kEnd;
+          return read;
+        }
+        if (device_.next() >= due) return read;
+        taken_ = device_.take();
+        taken_->index = device_.next() - 1 - first_;
+      }
+      while (read.edges < edges.size() && device_.edges().due(taken_->time))
+        edges[read.edges++] = device_.edges().take();
+      if (device_.edges().due(taken_->time)) return read;  // the scan comes after its edges
+      scans[read.scans++] = *taken_;
+      taken_.reset();
+    }
+    return read;
+  }
+
+  bool waits() const noexcept override { return !pace_ || pace_->rate() != 1.0; }
+
+ private:
+  static constexpr auto kLongestWait = std::chrono::milliseconds(100);
+  static constexpr double kRun_s = 5e-3;  ///< of wall time: a reader is not woken for every scan
+
+  /// Waits for a run of scans, at most `most` of them.  Returns the number of the first scan not due yet.
+  std::int64_t wait(std::size_t most) const {
+    if (!pace_) return scans_;
+    const double run = std::clamp(kRun_s * pace_->rate() * rate_hz_, 1.0, static_cast<double>(most));
+    const double until_s =
+        std::min(static_cast<double>(device_.next()) + std::floor(run) - 1.0, static_cast<double>(scans_)) /
+        rate_hz_;
+    const WallTime now = WallClock::now();
+    std::this_thread::sleep_until(std::min(pace_->wall(until_s), now + kLongestWait));
+    return static_cast<std::int64_t>(std::floor(pace_->bus_s(WallClock::now()) * rate_hz_)) + 1;
+  }
+
+  Device device_;
+  double rate_hz_;
+  std::int64_t scans_;      ///< of the whole drive
+  std::int64_t first_ = 0;  ///< delivered first
+  std::optional<Pace> pace_;
+  std::optional<Scan> taken_;  ///< taken, but its edges are not all handed over
+};
+
+}  // namespace
+
+std::unique_ptr<FrontEnd> open_sim_front_end(const FrontEndRequest& request) {
+  const WallTime opened = WallClock::now();
+  const Address address = Address::parse(request.address);
+  Scenario scenario = Scenario::read(address.scenario_path, request.vehicle);
+  if (address.seconds) scenario.scale_to(*address.seconds);
+  std::optional<Pace> pace;
+  if (address.rate) {
+    const WallTime start = address.start_ns ? WallTime(std::chrono::nanoseconds(*address.start_ns)) : opened;
+    pace.emplace(*address.rate, start);
+  }
+  Device device(scenario, address.seed.value_or(scenario.seed), request.vehicle, request.node);
+  return std::make_unique<SimFrontEnd>(std::move(device), request.node.rate_hz, scenario.seconds(), pace,
+                                       address.from_s);
+}
+
+}  // namespace roadbalance::sim
