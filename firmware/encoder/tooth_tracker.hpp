@@ -1,0 +1,82 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "firmware/encoder/pitch_table.hpp"
+
+namespace roadbalance {
+
+/// Where the teeth of a ring are, in pitches: the table counts once the zero mark has said which tooth is
+/// which.
+struct ToothGrid {
+  PitchTable table;
+  bool located = false;
+  std::int64_t origin = 0;  ///< number of the tooth nearest to a zero mark
+
+  double position(std::int64_t number) const noexcept {
+    return static_cast<double>(number) + (located ? table.error_pitches(number - origin) : 0.0);
+  }
+};
+
+/// Gives every pulse the number of its tooth: predicts the angle with the present speed, the nearest tooth
+/// wins, a pulse more than 0.42 of a pitch from it is dropped.  A missing tooth is simply absent.
+///
+/// The prediction is a critically damped g-h filter in pitches (E. Brookner, Tracking and Kalman Filtering
+/// Made Easy, Wiley, 1998, ch. 1) with a memory of 1/24 turn: short against torsional motion of the wheel,
+/// long against jitter.
+class ToothTracker {
+ public:
+  explicit ToothTracker(int teeth);
+
+  enum class Outcome {
+    kStarting,  ///< not yet enough pulses to know the speed
+    kStarted,   ///< a run begins: starting() holds its first teeth
+    kNumbered,  ///< the pulse is tooth number()
+    kReplaces,  ///< nearer to tooth number() than the pulse before, which was no tooth
+    kDropped,   ///< belongs to no tooth
+    kLost,      ///< pulses stopped or make no sense: a new run begins
+  };
+  Outcome add(std::int64_t time_ns, const ToothGrid& grid) noexcept;
+
+  static constexpr int kStart = 8;  ///< pulses from which the first speed is taken
+  struct First {
+    std::int64_t time_ns;
+    std::int64_t number;
+  };
+  const std::array<First, kStart>& starting() const noexcept { return first_; }
+
+  bool running() const noexcept { return running_; }
+  std::int64_t number() const noexcept { return number_; }
+  /// Teeth jumped over by the pulse numbered last.
+  std::int64_t missed() const noexcept { return missed_; }
+  double position(std::int64_t time_ns) const noexcept;
+  /// Time a pitch takes at the present speed.  Needs running().
+  double pitch_ns() const noexcept { return 1.0 / state_.speed_per_ns; }
+
+  void forget() noexcept;
+
+  /// Without a pulse for so long, the wheel counts as standing.
+  static constexpr std::int64_t kStandstill_ns = 100'000'000;
+
+ private:
+  struct State {
+    std::int64_t time_ns = 0;
+    double position = 0.0;      ///< pitches
+    double speed_per_ns = 0.0;  ///< pitches per nanosecond
+  };
+  Outcome collect(std::int64_t time_ns) noexcept;
+  bool too_long(std::int64_t time_ns) const noexcept;
+
+  const int teeth_;
+  const double gain_, speed_gain_;
+  bool running_ = false;
+  int collected_ = 0;
+  std::array<First, kStart> first_{};
+  State state_, before_;
+  std::int64_t number_ = 0, number_before_ = 0, missed_ = 0;
+  double distance_ = 0.0;  ///< of the pulse numbered last from its tooth
+  int dropped_ = 0;        ///< since the last numbered pulse
+};
+
+}  // namespace roadbalance

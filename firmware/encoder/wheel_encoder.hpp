@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "common/config/vehicle_config.hpp"
+#include "common/frontend/front_end.hpp"
+#include "firmware/encoder/tooth_history.hpp"
+#include "firmware/encoder/tooth_tracker.hpp"
+
+namespace roadbalance {
+
+/// The edges of one encoder line -> wheel angle (common/vehicle/conventions.md), live.
+///
+/// Zero marks say which tooth is which, a pitch table takes out the ring's errors, and the angle at an
+/// instant is a local cubic least-squares fit over about 25 ms of teeth around it.  Before the first zero
+/// mark, after pulses stopped and for an encoder without a zero mark there is no angle.  Never allocates
+/// after construction. Driving backwards is not recognised: the angle then runs forward.
+class WheelEncoder {
+ public:
+  explicit WheelEncoder(const EncoderConfig& config);
+
+  /// Takes an edge at or after the last one.
+  void add(NodeTime time, EdgeKind kind) noexcept;
+
+  /// The instant up to which edges must have been added before angles up to `last` are at their best.
+  NodeTime complete_at(NodeTime last) const noexcept;
+
+  /// Angles at first + i * step_ns, continuous over the call, not reduced to a turn.
+  /// False if the angle is not known at all of these instants from the edges so far.
+  [[nodiscard]] bool angles(NodeTime first, double step_ns, std::span<double> angle_rad) const noexcept;
+
+  /// Present speed; 0 while there are no pulses.
+  double speed_rad_s(NodeTime now) const noexcept;
+
+  /// The present or the last turn did not have exactly its teeth.
+  bool uncertain() const noexcept { return turn_faults_ > 0 || last_turn_faults_ > 0; }
+  /// Turns that did not.
+  std::int64_t faulty_turns() const noexcept { return faulty_turns_; }
+  const PitchTable& pitch_table() const noexcept { return grid_.table; }
+
+ private:
+  struct Window {
+    std::size_t begin, end;  ///< in history_
+  };
+  void add_tooth(std::int64_t time_ns) noexcept;
+  void add_mark(std::int64_t time_ns) noexcept;
+  void locate(std::int64_t time_ns, double position) noexcept;
+  void lose() noexcept;
+  void finish_turn(std::int64_t turn) noexcept;
+  void refine_mark() noexcept;
+  void learn_if_turn_complete() noexcept;
+  double half_window_ns() const noexcept;
+  std::optional<Window> window(double from_ns, double to_ns) const noexcept;
+  bool positions(double first_ns, double step_ns, std::span<double> position) const noexcept;
+
+  const EncoderConfig config_;
+  ToothTracker tracker_;
+  ToothGrid grid_;
+  ToothHistory history_;
+
+  // Zero mark
+  bool mark_known_ = false;
+  double mark_phase_ = 0.0;  ///< position of the mark less the origin, pitches, -0.5 .. 0.5 and slowly moving
+  int mark_weight_ = 0;
+  std::int64_t mark_turn_ = 0;          ///< turn of the last mark taken
+  std::int64_t suspected_slip_ = 0;     ///< teeth that the last mark was off
+  int strange_marks_ = 0;               ///< in a row
+  std::int64_t unrefined_mark_ns_ = 0;  ///< not yet in mark_phase_; 0: none
+
+  std::int64_t learned_turn_ = 0;
+  std::int64_t turn_faults_ = 0, last_turn_faults_ = 0, faulty_turns_ = 0;
+};
+
+}  // namespace roadbalance
