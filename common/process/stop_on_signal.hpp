@@ -1,0 +1,38 @@
+#pragma once
+
+#include <csignal>
+#include <ctime>
+#include <stop_token>
+#include <thread>
+
+#include <pthread.h>
+
+namespace roadbalance {
+
+/// Turns SIGINT and SIGTERM into a request to stop.
+///
+/// To be made first in main, before any other thread: it blocks both signals in the calling thread, and
+/// threads inherit that.  Programs started with exec inherit it too: see start of tools/rb/child.cpp.
+class StopOnSignal {
+ public:
+  StopOnSignal() {
+    sigemptyset(&signals_);
+    sigaddset(&signals_, SIGINT);
+    sigaddset(&signals_, SIGTERM);
+    pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
+    waiter_ = std::jthread([this](std::stop_token ended) {
+      const timespec poll{0, 50'000'000};
+      while (!ended.stop_requested())
+        if (sigtimedwait(&signals_, nullptr, &poll) > 0) stop_.request_stop();
+    });
+  }
+
+  std::stop_token token() const { return stop_.get_token(); }
+
+ private:
+  sigset_t signals_{};
+  std::stop_source stop_;
+  std::jthread waiter_;
+};
+
+}  // namespace roadbalance
