@@ -1,0 +1,108 @@
+#include "common/link/sender.hpp"
+
+#include <algorithm>
+
+namespace roadbalance {
+
+Sender::Sender(Ring& ring, std::int32_t node, std::int64_t epoch, Options options)
+    : ring_(ring),
+      node_(node),
+      epoch_(epoch),
+      options_(options),
+      tokens_(options.burst_blocks),
+      last_sent_(static_cast<std::size_t>(ring.capacity()), WallTime(-std::chrono::hours(1))) {
+  due_.reserve(static_cast<std::size_t>(options.burst_blocks) + 1);
+}
+
+bool Sender::claim(std::int64_t incarnation, WallTime now) {
+  if (owner_ != 0 && incarnation != owner_) {
+    const bool lease_is_over = now - owner_heard_ > options_.lease;
+    if (incarnation < owner_ || !lease_is_over) return false;
+  }
+  if (incarnation != owner_) {
+    owner_ = incarnation;
+    ack_number_ = 0;
+    credit_ = 0;
+    missing_count_ = 0;
+  }
+  owner_heard_ = now;
+  return true;
+}
+
+bool Sender::release(std::int64_t incarnation) {
+  if (owner_ == 0 || incarnation != owner_) return false;
+  owner_ = 0;
+  credit_ = 0;
+  missing_count_ = 0;
+  return true;
+}
+
+bool Sender::is_good(const Ack& ack) const {
+  return ack.node == node_ && ack.epoch == epoch_ && owner_ != 0 && ack.incarnation == owner_ &&
+         ack.number > ack_number_ && ack.durable < ring_.next() && ack.missing.size() <= kMaxMissingRanges;
+}
+
+bool Sender::take(const Ack& ack, WallTime now) {
+  if (!is_good(ack)) {
+    ++acks_refused_;
+    return false;
+  }
+  ack_number_ = ack.number;
+  owner_heard_ = now;
+  credit_ = std::max(credit_, ack.credit);
+  ring_.free_through(ack.durable);
+  // An ack without ranges asks for nothing new; what the one before asked for may still wait for tokens.
+  if (ack.missing.empty()) return true;
+  std::copy(ack.missing.begin(), ack.missing.end(), missing_.begin());
+  missing_count_ = ack.missing.size();
+  missing_at_ = 0;
+  return true;
+}
+
+WallTime& Sender::last_sent(std::int64_t sequence) {
+  return last_sent_[static_cast<std::size_t>(sequence % ring_.capacity())];
+}
+
+bool Sender::spend_token() {
+  if (tokens_ < 1) return false;
+  tokens_ -= 1;
+  return true;
+}
+
+void Sender::send(std::int64_t sequence, WallTime now) {
+  last_sent(sequence) = now;
+  due_.push_back(sequence);
+  ++blocks_sent_;
+}
+
+// What was never sent is not repaired: it goes out as new, and would go twice.
+void Sender::repair(WallTime now) {
+  for (; missing_at_ < missing_count_; ++missing_at_) {
+    SequenceRange& range = missing_[missing_at_];
+    const std::int64_t last = std::min(range.last, sent_through_);
+    range.first = std::max(range.first, ring_.base());
+    for (; range.first <= last; ++range.first) {
+      if (now - last_sent(range.first) < options_.repeat_after) continue;
+      if (!spend_token()) return;
+      send(range.first, now);
+      ++blocks_repaired_;
+    }
+  }
+}
+
+std::span<const std::int64_t> Sender::due(WallTime now) {
+  due_.clear();
+  const double seconds = std::chrono::duration<double>(now - tokens_at_).count();
+  tokens_ = std::min(options_.burst_blocks, tokens_ + std::max(0.0, seconds) * options_.blocks_per_s);
+  tokens_at_ = now;
+  if (owner_ == 0) return due_;
+
+  repair(now);
+  // Blocks freed before they were sent came to the recorder through somebody else's hands.
+  sent_through_ = std::max(sent_through_, ring_.base() - 1);
+  const std::int64_t last = std::min(ring_.next() - 1, credit_);
+  while (sent_through_ < last && spend_token()) send(++sent_through_, now);
+  return due_;
+}
+
+}  // namespace roadbalance
