@@ -87,8 +87,8 @@ SensorMap SensorMap::from(const VehicleConfig& vehicle) {
   static constexpr std::array<const char*, kCoordinates> kNames{
       "heave", "roll", "pitch", "front_left", "front_right", "rear_left", "rear_right"};
   const Eigen::FullPivLU<Eigen::MatrixXd> lu(sensors.transpose() * sensors);
-  if (rows.empty() || lu.rank() < kCoordinates) {
-    const Eigen::MatrixXd unseen = rows.empty() ? Eigen::MatrixXd::Identity(7, 7) : lu.kernel();
+  if (lu.rank() < kCoordinates) {
+    const Eigen::MatrixXd unseen = lu.kernel();
     std::string names;
     for (int i = 0; i < kCoordinates; ++i)
       if (unseen.row(i).cwiseAbs().maxCoeff() > 1e-6)

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "common/config/vehicle_config.hpp"
+#include "common/link/blocks.hpp"
+#include "common/vehicle/linear_model.hpp"
+#include "host/identify/signals.hpp"
+
+namespace roadbalance {
+
+/// Joins the scan blocks of all nodes to runs of signals on one grid of time.
+///
+/// The grid is that of the first block: its time and period.  Rows that one node lacks, and blocks with
+/// overload or without a known angle, are left out; the run after them is marked `restart`, so no estimate
+/// runs across a hole.  The result depends on the blocks of each node in their order only, not on how the
+/// nodes' blocks interleave.
+class Assembler {
+ public:
+  using Emit = std::function<void(const SignalRun&)>;
+
+  /// @throws ConfigError if the sensors do not determine the seven coordinates
+  Assembler(const VehicleConfig& vehicle, Emit emit);
+
+  /// @throws std::runtime_error naming the node if its samples do not lie on the grid
+  void consume(const SealedBlock& block);
+
+ private:
+  struct Stream {
+    int id;
+    std::deque<ScanBlock> blocks;
+    std::int64_t row = 0;  ///< of the front block, next to use
+  };
+  /// Where a signal comes from: rows of `from_scan` times the 16 channels of that node.
+  struct NodeMap {
+    Eigen::Matrix<double, kSignals, kChannels> from_counts;
+    SignalVector at_zero_counts;
+    std::int32_t overload_mask;
+    std::int32_t reference_mask;
+  };
+
+  void drop_unusable(Stream& stream, const NodeMap& map) const;
+  std::int64_t grid_index(const Stream& stream) const;
+  void emit_common_rows();
+
+  std::vector<Stream> streams_;
+  std::vector<NodeMap> maps_;
+  std::optional<std::int64_t> origin_ns_;
+  std::int64_t period_ps_ = 0;
+  std::int64_t expected_ = -1;
+  SignalRun run_;
+  Emit emit_;
+};
+
+}  // namespace roadbalance

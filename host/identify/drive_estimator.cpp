@@ -1,0 +1,142 @@
+#include "host/identify/drive_estimator.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "host/identify/confidence.hpp"
+
+namespace roadbalance {
+namespace {
+
+/// Fewer sections than this cannot tell their own scatter.
+constexpr int kLeastSections = 6;
+/// An estimate of a stiffness further from vehicle.toml than this factor means that the drive did not tell
+/// it.
+constexpr double kPlausible = 2.0;
+
+double sigma(const UnknownMatrix& covariance, int i) {
+  return std::sqrt(covariance(i, i));
+}
+
+}  // namespace
+
+DriveEstimator::DriveEstimator(const VehicleConfig& vehicle)
+    : vehicle_(vehicle),
+      geometry_(geometry_of(vehicle.model)),
+      known_(nominal_parameters(vehicle)),
+      sections_(vehicle_, [this](const DriveMoments& section) { add_section(section); }),
+      decimator_(
+          static_cast<int>(std::lround(vehicle.node.front().rate_hz / vehicle.drive.identification_rate_hz)),
+          [this](const IdentificationSample& sample) {
+            time_ns_ = sample.time_ns;
+            sections_.consume(sample);
+          }),
+      assembler_(vehicle_, [this](const SignalRun& run) { decimator_.consume(run); }) {
+  for (int i = 0; i < kWheels; ++i) estimate_.balance[static_cast<std::size_t>(i)].wheel = i;
+  publish_unknown(Unknown::kTooShort);
+}
+
+void DriveEstimator::consume(const SealedBlock& block) {
+  assembler_.consume(block);
+}
+
+void DriveEstimator::add_section(const DriveMoments& section) {
+  const double speed = section.speed_seconds / section.seconds;
+  SpeedClass& speed_class = classes_[static_cast<int>(speed / vehicle_.drive.speed_class_m_s)];
+  speed_class.group[static_cast<std::size_t>(speed_class.total.sections) % SpeedClass::kGroups] += section;
+  speed_class.total += section;
+  update_estimate();
+}
+
+void DriveEstimator::update_estimate() {
+  ++version_;
+  describe_drive();
+  std::vector<DriveMoments> groups;
+  DriveMoments drive;
+  for (const auto& [key, speed_class] : classes_) {
+    drive += speed_class.total;
+    for (const auto& group : speed_class.group)
+      if (group.sections > 0) groups.push_back(group);
+  }
+  if (drive.sections < kLeastSections) return publish_unknown(Unknown::kTooShort);
+  const auto x = solve(drive, geometry_, known_);
+  const auto covariance = x ? jackknife_covariance(groups, geometry_, known_) : std::nullopt;
+  if (!covariance) return publish_unknown(Unknown::kIllConditioned);
+  for (int p = 0; p < kEstimatedUnbalance; ++p) {
+    const double ratio = (*x)(p) / known_(kSpring + p);
+    const bool stabiliser = p >= kEstimatedStabiliser && p < kEstimatedTyre;  // may truly be weak
+    if (!stabiliser && !(ratio > 1.0 / kPlausible && ratio < kPlausible))
+      return publish_unknown(Unknown::kIllConditioned);
+  }
+  publish(*x, *covariance);
+  ParameterVector parameters = known_;
+  parameters.segment<kEstimatedUnbalance>(kSpring) = x->head<kEstimatedUnbalance>();
+  sections_.set_parameters(parameters);
+}
+
+void DriveEstimator::describe_drive() {
+  Identification& result = estimate_.identification;
+  result.time_ns = time_ns_;
+  result.seconds_used = 0.0;
+  result.sections = 0;
+  result.speed_class.clear();
+  for (const auto& [key, speed_class] : classes_) {
+    result.seconds_used += speed_class.total.seconds;
+    result.sections += speed_class.total.sections;
+    if (result.speed_class.size() < kMaxSpeedClasses)
+      result.speed_class.push_back(
+          {speed_class.total.speed_seconds / speed_class.total.seconds, speed_class.total.seconds});
+  }
+  for (auto& balance : estimate_.balance) {
+    balance.time_ns = time_ns_;
+    balance.seconds_used = result.seconds_used;
+  }
+}
+
+void DriveEstimator::publish_unknown(Unknown state) {
+  estimate_.identification.state = state;
+  for (std::size_t i = 0; i < kWheels; ++i) {
+    estimate_.balance[i].weight_radius_m = vehicle_.wheel[i].weight_radius_m;
+    estimate_.balance[i].state = vehicle_.wheel[i].node.empty() ? Unknown::kNoReference : state;
+  }
+}
+
+void DriveEstimator::publish(const UnknownVector& x, const UnknownMatrix& covariance) {
+  publish_unknown(Unknown::kNone);
+  Identification& result = estimate_.identification;
+  for (int i = 0; i < kWheels; ++i) {
+    const auto w = static_cast<std::size_t>(i);
+    result.spring_n_m[w] = x(kEstimatedSpring + i);
+    result.sigma_spring_n_m[w] = sigma(covariance, kEstimatedSpring + i);
+    result.damper_n_s_m[w] = x(kEstimatedDamper + i);
+    result.sigma_damper_n_s_m[w] = sigma(covariance, kEstimatedDamper + i);
+    result.tyre_n_m[w] = x(kEstimatedTyre + i);
+    result.sigma_tyre_n_m[w] = sigma(covariance, kEstimatedTyre + i);
+  }
+  for (int a = 0; a < kAxles; ++a) {
+    result.stabiliser_n_m[static_cast<std::size_t>(a)] = x(kEstimatedStabiliser + a);
+    result.sigma_stabiliser_n_m[static_cast<std::size_t>(a)] = sigma(covariance, kEstimatedStabiliser + a);
+  }
+  for (int i = 0; i < kWheels; ++i) {
+    Balance& balance = estimate_.balance[static_cast<std::size_t>(i)];
+    const int u = kEstimatedUnbalance + 2 * i;
+    const double grams = 1000.0 / balance.weight_radius_m;  // per kg m
+    const Eigen::Vector2d vector = grams * x.segment<2>(u);
+    if (!vector.allFinite()) {
+      balance.state = Unknown::kNoReference;
+      continue;
+    }
+    balance.covariance_g2 = grams * grams * covariance.block<2, 2>(u, u);
+    balance.unbalance_g = vector.norm();
+    const Eigen::Vector2d radial = vector.normalized();
+    const Eigen::Vector2d tangential(-radial.y(), radial.x());
+    balance.sigma_g = std::sqrt(radial.dot(balance.covariance_g2 * radial));
+    balance.sigma_rad = std::sqrt(tangential.dot(balance.covariance_g2 * tangential)) / balance.unbalance_g;
+    constexpr double kTurn = 2.0 * std::numbers::pi;
+    const double angle = std::atan2(vector.y(), vector.x());
+    balance.angle_rad = angle < 0.0 ? angle + kTurn : angle;
+    balance.weight_angle_rad = std::fmod(balance.angle_rad + std::numbers::pi, kTurn);
+  }
+}
+
+}  // namespace roadbalance

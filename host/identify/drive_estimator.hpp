@@ -1,0 +1,68 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "common/bus/results.hpp"
+#include "common/config/vehicle_config.hpp"
+#include "common/vehicle/linear_model.hpp"
+#include "host/identify/assemble.hpp"
+#include "host/identify/decimate.hpp"
+#include "host/identify/estimate.hpp"
+#include "host/identify/section.hpp"
+
+namespace roadbalance {
+
+struct DriveEstimate {
+  Identification identification;
+  std::array<Balance, kWheels> balance;
+};
+
+/// Sealed blocks in, estimate out: the one path of identification, live and offline.
+///
+/// Blocks of one node come in the order of their sequence; how those of different nodes interleave does not
+/// matter.  Memory is bounded: moments are kept per speed class and jackknife group, not per section.
+class DriveEstimator {
+ public:
+  /// @throws ConfigError if the vehicle's sensors do not determine the seven coordinates
+  explicit DriveEstimator(const VehicleConfig& vehicle);
+  DriveEstimator(const DriveEstimator&) = delete;
+  DriveEstimator& operator=(const DriveEstimator&) = delete;
+
+  /// @throws std::runtime_error naming the node if nodes are not on one time line
+  void consume(const SealedBlock& block);
+
+  /// The newest estimate; its states say what is not known yet and why.
+  const DriveEstimate& estimate() const { return estimate_; }
+  /// Grows by one with each new estimate.
+  std::int64_t version() const { return version_; }
+
+ private:
+  /// Sections of about one speed, dealt out to the jackknife's groups in turn.
+  struct SpeedClass {
+    static constexpr std::size_t kGroups = 10;
+    std::array<DriveMoments, kGroups> group;
+    DriveMoments total;
+  };
+
+  void add_section(const DriveMoments& section);
+  void update_estimate();
+  void publish(const UnknownVector& x, const UnknownMatrix& covariance);
+  void publish_unknown(Unknown state);
+  void describe_drive();
+
+  VehicleConfig vehicle_;
+  Geometry geometry_;
+  ParameterVector known_;
+  std::map<int, SpeedClass> classes_;
+  std::int64_t time_ns_ = 0;
+  DriveEstimate estimate_;
+  std::int64_t version_ = 0;
+  SectionBuilder sections_;
+  Decimator decimator_;
+  Assembler assembler_;
+};
+
+}  // namespace roadbalance

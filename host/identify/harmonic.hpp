@@ -1,0 +1,51 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "common/config/vehicle_config.hpp"
+#include "common/dsp/taper.hpp"
+#include "common/vehicle/linear_model.hpp"
+#include "host/identify/moments.hpp"
+#include "host/identify/signals.hpp"
+
+namespace roadbalance {
+
+/// Unbalance by windowed demodulation, with the road cancelled as far as the wheels share it.
+///
+/// The force that relation (1) leaves on wheel j is F_j = U_j Om_j^2 e^{j alpha_j} + ct_j u_j.  It is
+/// demodulated with the angle of each wheel, which gives, with the taper's overlap c_jk of references j and
+/// k,
+///
+///     y_jk = c_jk Om_j^2 U_j + n_jk,      E[n_jk conj(n_lm)] = S_jl K_km.
+///
+/// S, the cross-spectral matrix of the four road forces about the wheels' order, is measured in the same
+/// section from the bins beside the lines, the rear ones advanced by wheelbase / V; K is the overlap of the
+/// references under the squared taper.  Weighted least squares with S (x) K over all sections uses the rear
+/// wheels to cancel the front wheels' road and the other way round, exactly as far as their measured
+/// coherence goes, and stays right when wheels turn in step: their unbalances are unknowns of the same
+/// equations.
+class HarmonicInstrument {
+ public:
+  HarmonicInstrument(const VehicleConfig& vehicle, Eigen::Index samples, double rate_hz);
+
+  /// @param signals     [kSignals x samples], a section of steady speed
+  /// @param omega       rotation rate of each wheel, rad/s; 0: it has no reference here
+  /// @param speed_m_s   of the car
+  /// @param parameters  present knowledge, only to measure S
+  HarmonicMoments moments(const Eigen::Ref<const SignalMatrix>& signals, const Eigen::Vector4d& omega,
+                          double speed_m_s, const ParameterVector& parameters) const;
+
+ private:
+  /// Phasors of z'' demodulated with `down` = taper * conj(reference), scaled so that a sine of the order
+  /// gives its phasor.
+  Eigen::Matrix4cd road_spectrum(const Eigen::Ref<const SignalMatrix>& signals,
+                                 const Eigen::RowVectorXcd& down, double omega, double speed_m_s,
+                                 const ParameterVector& parameters) const;
+
+  Geometry geometry_;
+  Taper taper_;
+  Eigen::VectorXd side_hz_;      ///< distance of the side bins from the line
+  Eigen::MatrixXcd side_shift_;  ///< [side bin x sample] e^{-2 pi j x t}
+};
+
+}  // namespace roadbalance

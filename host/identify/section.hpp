@@ -1,0 +1,62 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "common/config/vehicle_config.hpp"
+#include "common/dsp/state_filter.hpp"
+#include "common/dsp/taper.hpp"
+#include "host/identify/decimate.hpp"
+#include "host/identify/harmonic.hpp"
+#include "host/identify/moments.hpp"
+
+namespace roadbalance {
+
+/// Cuts the drive into sections of steady speed and turns each into its moments.
+///
+/// Every section is closed by a C2 taper on its instruments, so that (2) holds for the finite section without
+/// end terms.  Instruments: for the chassis, Butterworth order 5 at 15 Hz of each acceleration with lag 20
+/// ms; for a tyre, s^2 / ((s + wl)^2 B3(s / wh)) of the wheel's own acceleration, 1 .. 80 Hz, lag 4 ms.  Lags
+/// are positive (instrument past, acceleration future): the road to come and sensor noise then drop out.
+class SectionBuilder {
+ public:
+  using Emit = std::function<void(const DriveMoments&)>;
+
+  SectionBuilder(const VehicleConfig& vehicle, Emit emit);
+  void consume(const IdentificationSample& sample);
+
+  /// Present knowledge of the car, for the weights of the sections to come.
+  void set_parameters(const ParameterVector& parameters) { parameters_ = parameters; }
+
+ private:
+  void restart(Eigen::Index keep);
+  void check_steadiness();
+  void finish_section();
+  DriveMoments moments() const;
+  void add_chassis(DriveMoments& sum) const;
+  void add_tyre(DriveMoments& sum, int wheel, double omega) const;
+  bool has_reference(int wheel) const;
+  double mean_rotation(int wheel, Eigen::Index first, Eigen::Index count) const;
+
+  double rate_hz_;
+  double least_speed_m_s_;
+  std::array<double, kWheels> rolling_radius_m_;
+  int speed_wheel_ = -1;  ///< the wheel whose reference tells the speed; -1: none has one
+  Eigen::Index samples_;  ///< of a section
+  Eigen::Index part_;     ///< of a section, between checks of steadiness
+  Eigen::Index chassis_lag_, tyre_lag_;
+  StateFilter chassis_filter_, tyre_filter_;
+  Taper taper_;
+  HarmonicInstrument harmonic_;
+  ParameterVector parameters_;
+  SignalMatrix signals_;            ///< [signal x sample], samples_ + the longest lag
+  Eigen::MatrixXd chassis_states_;  ///< [coordinate + 7 * state x sample]
+  Eigen::MatrixXd tyre_states_;     ///< [wheel + 4 * state x sample]
+  Eigen::Index filled_ = 0;
+  Eigen::Index settling_ = 0;  ///< samples still to skip until the filters have settled
+  Emit emit_;
+};
+
+}  // namespace roadbalance

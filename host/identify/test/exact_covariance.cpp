@@ -1,0 +1,154 @@
+#include "host/identify/test/exact_covariance.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <numbers>
+#include <unsupported/Eigen/MatrixFunctions>
+
+namespace roadbalance::test {
+namespace {
+
+using std::numbers::pi;
+constexpr Eigen::Index kRoad = 2 * kCoordinates;  ///< first road state
+constexpr Eigen::Index kFilter = kRoad + 2 * kWheels;
+
+/// Columns of T Y + Y T^H = R from the last to the first, T upper triangular.
+Eigen::MatrixXcd solve_triangular(const Eigen::MatrixXcd& T, const Eigen::MatrixXcd& R) {
+  const Eigen::Index n = T.rows();
+  Eigen::MatrixXcd Y = Eigen::MatrixXcd::Zero(n, n);
+  for (Eigen::Index k = n - 1; k >= 0; --k) {
+    Eigen::VectorXcd b = R.col(k);
+    for (Eigen::Index j = k + 1; j < n; ++j) b -= std::conj(T(k, j)) * Y.col(j);
+    Eigen::MatrixXcd shifted = T;
+    shifted.diagonal().array() += std::conj(T(k, k));
+    Y.col(k) = shifted.triangularView<Eigen::Upper>().solve(b);
+  }
+  return Y;
+}
+
+}  // namespace
+
+Eigen::MatrixXd lyapunov(const Eigen::MatrixXd& A, const Eigen::MatrixXd& Q) {
+  const Eigen::ComplexSchur<Eigen::MatrixXcd> schur(A.cast<std::complex<double>>());
+  const Eigen::MatrixXcd& U = schur.matrixU();
+  const auto solve = [&](const Eigen::MatrixXd& right) -> Eigen::MatrixXd {
+    return (U * solve_triangular(schur.matrixT(), -(U.adjoint() * right * U)) * U.adjoint()).real();
+  };
+  Eigen::MatrixXd X = solve(Q);
+  X += solve(A * X + X * A.transpose() + Q);
+  return 0.5 * (X + X.transpose());
+}
+
+ExactDrive::ExactDrive(const Geometry& geometry, const ParameterVector& parameters,
+                       const std::array<std::complex<double>, kWheels>& unbalance_kg_m, double speed_m_s,
+                       double rolling_radius_m, double road_gd_m3, const ContinuousFilter& filter,
+                       double corner_hz)
+    : corner_rad_s_(2.0 * pi * corner_hz), order_(filter.G.size()) {
+  const LinearModel model = linear_model(geometry, parameters);
+  const Matrix7 inverse_mass = model.M.inverse();
+  const Eigen::Index n = kFilter + kCoordinates * order_;
+  acceleration_rows_ = Eigen::MatrixXd::Zero(kCoordinates, n);
+  acceleration_rows_.leftCols(kCoordinates) = -inverse_mass * model.Q;
+  acceleration_rows_.middleCols(kCoordinates, kCoordinates) = -inverse_mass * model.P;
+  A_ = Eigen::MatrixXd::Zero(n, n);
+  Eigen::MatrixXd B = Eigen::MatrixXd::Zero(n, kWheels);
+  const double w1 = 2.0 * pi * 0.01 * speed_m_s, w2 = 2.0 * pi * 4.0 * speed_m_s;
+  for (int i = 0; i < kWheels; ++i) {  // u = 1/(s + w1) w2/(s + w2) w
+    const Eigen::Index shaping = kRoad + 2 * i;
+    acceleration_rows_.col(shaping + 1) = inverse_mass * model.S.col(i);
+    A_(shaping, shaping) = -w2;
+    A_(shaping + 1, shaping) = 1.0;
+    A_(shaping + 1, shaping + 1) = -w1;
+    B(shaping, i) = w2 * std::sqrt(2.0 * pi * pi * 0.01 * road_gd_m3 * speed_m_s);
+  }
+  A_.block(0, kCoordinates, kCoordinates, kCoordinates).setIdentity();
+  A_.middleRows(kCoordinates, kCoordinates) = acceleration_rows_;
+  for (int c = 0; c < kCoordinates; ++c) {
+    const Eigen::Index first = kFilter + c * order_;
+    A_.block(first, first, order_, order_) = filter.F;
+    A_.middleRows(first, order_) += filter.G * acceleration_rows_.row(c);
+  }
+  // States in units of their own standard deviation: the exponential and Lyapunov's equation then lose no digits.
+  scale_ = lyapunov(A_, B * B.transpose()).diagonal().cwiseSqrt();
+  A_ = (scale_.cwiseInverse().asDiagonal() * A_ * scale_.asDiagonal()).eval();
+  B = (scale_.cwiseInverse().asDiagonal() * B).eval();
+  X_ = lyapunov(A_, B * B.transpose());
+
+  phasor_.resize(kCoordinates, kWheels);
+  const std::complex<double> j(0.0, 1.0);
+  for (int i = 0; i < kWheels; ++i) {
+    const auto w = static_cast<std::size_t>(i);
+    const double om = speed_m_s / rolling_radius_m * (1.0 + 0.003 * i);  // no two wheels in step
+    omega_[w] = om;
+    force_[w] = unbalance_kg_m[w] * om * om;
+    const Eigen::MatrixXcd dynamic = model.Q + j * om * model.P - om * om * model.M;
+    phasor_.col(i) =
+        -om * om * dynamic.partialPivLu().solve(model.W.col(i).cast<std::complex<double>>() * force_[w]);
+    const Eigen::MatrixXcd resolvent = j * om * Eigen::MatrixXcd::Identity(order_, order_) - filter.F;
+    filter_response_.push_back(resolvent.partialPivLu().solve(filter.G.cast<std::complex<double>>()));
+  }
+}
+
+ExactDrive::Row ExactDrive::filter_state(int coordinate, int k) const {
+  Row row{Eigen::RowVectorXd::Zero(A_.rows()), Eigen::RowVectorXcd(kWheels)};
+  row.state(kFilter + coordinate * order_ + k) = 1.0;
+  for (int i = 0; i < kWheels; ++i)
+    row.phasor(i) = filter_response_[static_cast<std::size_t>(i)](k) * phasor_(coordinate, i);
+  return row;
+}
+
+double ExactDrive::covariance(const Row& past, const Eigen::RowVectorXd& future_state,
+                              const Eigen::RowVectorXcd& future_phasor, double lag_s) const {
+  const Eigen::MatrixXd transition = (A_ * lag_s).exp();
+  double sum = past.state * scale_.asDiagonal() * X_ * transition.transpose() * scale_.asDiagonal() *
+               future_state.transpose();
+  for (int i = 0; i < kWheels; ++i)
+    sum += 0.5 * (std::conj(past.phasor(i)) * future_phasor(i) * std::polar(1.0, omega(i) * lag_s)).real();
+  return sum;
+}
+
+InstrumentMoments<double> ExactDrive::moments(int coordinate, int j, double lag_s) const {
+  InstrumentMoments<double> m;
+  for (int c = 0; c < kCoordinates; ++c) {
+    const auto with = [&](int k) {
+      return covariance(filter_state(coordinate, j + k), acceleration_rows_.row(c), phasor_.row(c), lag_s);
+    };
+    m.w2(c) = with(2);
+    m.w1(c) = with(1) / corner_rad_s_;
+    m.w0(c) = with(0) / (corner_rad_s_ * corner_rad_s_);
+  }
+  return m;
+}
+
+Eigen::RowVector4d ExactDrive::with_road(int coordinate, int j, double lag_s) const {
+  Eigen::RowVector4d row;
+  for (int i = 0; i < kWheels; ++i) {
+    Eigen::RowVectorXd u = Eigen::RowVectorXd::Zero(A_.rows());
+    u(kRoad + 2 * i + 1) = 1.0;
+    row(i) = covariance(filter_state(coordinate, j + 2), u, Eigen::RowVectorXcd::Zero(kWheels), lag_s);
+  }
+  return row;
+}
+
+Eigen::RowVector4d ExactDrive::with_unbalance_force(int coordinate, int j, double lag_s) const {
+  Eigen::RowVector4d row;
+  for (int i = 0; i < kWheels; ++i) {
+    Eigen::RowVectorXcd force = Eigen::RowVectorXcd::Zero(kWheels);
+    force(i) = force_[static_cast<std::size_t>(i)];
+    row(i) = covariance(filter_state(coordinate, j + 2), Eigen::RowVectorXd::Zero(A_.rows()), force, lag_s);
+  }
+  return row;
+}
+
+std::complex<double> ExactDrive::with_reference(int coordinate, int j, double lag_s, int wheel) const {
+  const double om = omega(wheel);
+  return om * om * 0.5 * std::conj(filter_state(coordinate, j + 2).phasor(wheel)) *
+         std::polar(1.0, om * lag_s);
+}
+
+double ExactDrive::power(int coordinate, int j) const {
+  const Row row = filter_state(coordinate, j + 2);
+  return covariance(row, row.state, row.phasor, 0.0);
+}
+
+}  // namespace roadbalance::test

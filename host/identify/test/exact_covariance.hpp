@@ -1,0 +1,59 @@
+#pragma once
+
+#include <complex>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "common/dsp/linear_filter.hpp"
+#include "common/vehicle/linear_model.hpp"
+#include "host/identify/moments.hpp"
+
+namespace roadbalance::test {
+
+/// Solves A X + X A' + Q = 0 by the complex Schur form, with one step of refinement.  A must be stable.
+Eigen::MatrixXd lyapunov(const Eigen::MatrixXd& A, const Eigen::MatrixXd& Q);
+
+/// A car at constant speed on four independent roads, with the filter that makes the instruments, as one
+/// linear system: state x = [z, z', (shaping state, u) of each wheel, 5 filter states of each coordinate].
+/// Gives exact covariances, computed by nothing that the product uses for estimation.
+class ExactDrive {
+ public:
+  ExactDrive(const Geometry& geometry, const ParameterVector& parameters,
+             const std::array<std::complex<double>, kWheels>& unbalance_kg_m, double speed_m_s,
+             double rolling_radius_m, double road_gd_m3, const ContinuousFilter& filter, double corner_hz);
+
+  /// Exact averages of relation (2) for instrument j (states j, j+1, j+2) of one coordinate's acceleration.
+  InstrumentMoments<double> moments(int coordinate, int j, double lag_s) const;
+  /// E[W'' u'] and E[W'' F'] of the same instrument: road heights and unbalance forces of the four wheels.
+  Eigen::RowVector4d with_road(int coordinate, int j, double lag_s) const;
+  Eigen::RowVector4d with_unbalance_force(int coordinate, int j, double lag_s) const;
+  /// E[W''(t) Om^2 e^{j alpha_i(t + lag)}]: what DriveMoments calls tyre_unbalance.
+  std::complex<double> with_reference(int coordinate, int j, double lag_s, int wheel) const;
+  double power(int coordinate, int j) const;
+
+  double omega(int wheel) const { return omega_[static_cast<std::size_t>(wheel)]; }
+  /// Phasors of z'' at the order of one wheel.
+  Eigen::VectorXcd acceleration_phasor(int wheel) const { return phasor_.col(wheel); }
+
+ private:
+  struct Row {  ///< one scalar: its row in the state, and its phasor at each wheel's order
+    Eigen::RowVectorXd state;
+    Eigen::RowVectorXcd phasor;
+  };
+  Row filter_state(int coordinate, int k) const;
+  double covariance(const Row& past, const Eigen::RowVectorXd& future_state,
+                    const Eigen::RowVectorXcd& future_phasor, double lag_s) const;
+
+  double corner_rad_s_;
+  Eigen::Index order_;
+  std::array<double, kWheels> omega_{};
+  std::array<std::complex<double>, kWheels> force_{};
+  Eigen::MatrixXd A_, X_;  ///< of the scaled state
+  Eigen::VectorXd scale_;
+  Eigen::MatrixXd acceleration_rows_;
+  Eigen::MatrixXcd phasor_;                        ///< [coordinate x wheel order] of z''
+  std::vector<Eigen::VectorXcd> filter_response_;  ///< per wheel order: filter states per unit input
+};
+
+}  // namespace roadbalance::test
