@@ -1,0 +1,272 @@
+#include "firmware/pack.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/bus/codec.hpp"
+
+namespace roadbalance {
+
+namespace {
+
+constexpr std::int64_t kLongestEdgeBlock_ns =
+    200'000'000;  // so that edges reach the record soon after their scans
+
+std::vector<MetaBlock> parts_of(const std::string& text) {
+  const std::size_t size = kMetaBytesPerBlock;
+  std::vector<MetaBlock> parts(std::max<std::size_t>(1, (text.size() + size - 1) / size));
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    parts[i].part = static_cast<std::int32_t>(i);
+    parts[i].parts = static_cast<std::int32_t>(parts.size());
+    parts[i].text = text.substr(i * size, size);
+  }
+  return parts;
+}
+
+std::size_t waiting_capacity(double rate_hz) {
+  // The longest wait, a block beside it and the lag of edges behind scans.
+  return static_cast<std::size_t>(std::ceil(0.25 * rate_hz)) + 4 * kScansPerBlock;
+}
+
+}  // namespace
+
+Sealer::Sealer(const VehicleConfig& vehicle, const NodeConfig& node, std::int64_t epoch, BlockSink& sink,
+               PreviewSlot* preview, GapCause jump)
+    : node_(node.id),
+      epoch_(epoch),
+      period_ps_(std::llround(1e12 / node.rate_hz)),
+      jump_cause_(jump),
+      sink_(sink),
+      preview_(preview),
+      reference_(vehicle, node),
+      meta_(parts_of(vehicle.text)),
+      waiting_(waiting_capacity(node.rate_hz)) {}
+
+BlockHeader Sealer::header(std::int64_t first_scan, std::int64_t scans, std::int64_t time_ns) const noexcept {
+  return {node_, epoch_, next_sequence_, first_scan, scans, time_ns};
+}
+
+template <typename Block>
+bool Sealer::write(Block& block) noexcept {
+  SealedBlock* const room = sink_.claim();
+  if (!room) return false;
+  block.header.sequence = next_sequence_;
+  seal(block, *room);
+  sink_.commit();
+  ++next_sequence_;
+  return true;
+}
+
+void Sealer::start() noexcept {
+  if (started()) return;
+  keep_from_ = tail_;
+  const bool written = write_metas();
+  static_cast<void>(written);  // a sink too small is asked again before the first scan block
+}
+
+void Sealer::stop() noexcept {
+  start();
+  if (keep_to_ == kNever) keep_to_ = tail_;
+}
+
+bool Sealer::write_metas() noexcept {
+  for (; metas_written_ < meta_.size(); ++metas_written_) {
+    MetaBlock& part = meta_[metas_written_];
+    part.header = header(0, 0, to_ns(now_));
+    if (!write(part)) return false;
+  }
+  return true;
+}
+
+const Scan& Sealer::at(std::int64_t position) const noexcept {
+  return waiting_[static_cast<std::size_t>(position) % waiting_.size()];
+}
+
+void Sealer::push(const Scan& scan) noexcept {
+  if (scan.index < next_index_) return;  // a device that counts backwards: no place in the record for it
+  if (next_index_ >= 0 && scan.index != next_index_) ++jumps_;
+  next_index_ = scan.index + 1;
+  waiting_[static_cast<std::size_t>(tail_) % waiting_.size()] = scan;
+  ++tail_;
+  now_ = scan.time;
+}
+
+void Sealer::add(std::span<const Scan> scans, std::span<const Edge> edges, bool more_edges) noexcept {
+  const NodeTime edges_end = more_edges && !edges.empty() ? edges.back().time : NodeTime::max();
+  // Scan by scan with the edges before it, so that the result does not depend on the size of a read.
+  auto edge = edges.begin();
+  const auto take = [&](const Edge& e) {
+    reference_.add(e);
+    if (started() && keep_to_ == kNever) record(e);
+  };
+  for (const Scan& scan : scans) {
+    for (; edge != edges.end() && edge->time <= scan.time; ++edge) take(*edge);
+    push(scan);
+    while (seal_next(std::min(scan.time, edges_end), false)) {
+    }
+    if (tail_ - head_ == static_cast<std::int64_t>(waiting_.size())) seal_next(scan.time, true);
+  }
+  for (; edge != edges.end(); ++edge) take(*edge);
+}
+
+void Sealer::device_ended() noexcept {
+  if (started()) stop();
+  while (seal_next(now_, true)) {
+  }
+}
+
+Sealer::Run Sealer::next_run() const noexcept {
+  Run run{static_cast<int>(std::min<std::int64_t>(kScansPerBlock, tail_ - head_)), false};
+  for (const std::int64_t border : {keep_from_, keep_to_})
+    if (head_ < border && border <= head_ + run.scans) run = {static_cast<int>(border - head_), true};
+  if (jumps_ > 0)
+    for (int i = 1; i < run.scans; ++i)
+      if (at(head_ + i).index != at(head_ + i - 1).index + 1) run = {i, true};
+  run.whole = run.whole || run.scans == kScansPerBlock;
+  return run;
+}
+
+bool Sealer::seal_next(NodeTime edges_through, bool at_once) noexcept {
+  const Run run = next_run();
+  if (run.scans == 0 || !(run.whole || at_once)) return false;
+  const NodeTime first = at(head_).time, last = at(head_ + run.scans - 1).time;
+  const bool complete = at_once || edges_through >= reference_.complete_at(last);
+  const bool located = complete && reference_.locate(first, run.scans);
+  if (!located) {
+    const bool waited = now_ - last >= NodeClock::duration(kLongestWait_ns);
+    if (!waited && !at_once) return false;
+    if (!complete) static_cast<void>(reference_.locate(first, run.scans));
+  }
+  const bool after_jump = sealed_index_ < 0 || at(head_).index != sealed_index_;
+  if (after_jump && sealed_index_ >= 0) --jumps_;
+  build(run.scans);
+  scan_block_.quality |=
+      reference_.fill(std::span(scan_block_.counts).first(static_cast<std::size_t>(run.scans)), after_jump);
+  if (head_ >= keep_from_ && head_ < keep_to_)
+    keep_block(after_jump);
+  else
+    preview_block();
+  sealed_index_ = at(head_ + run.scans - 1).index + 1;
+  head_ += run.scans;
+  return true;
+}
+
+void Sealer::build(int scans) noexcept {
+  scan_block_.header = header(0, scans, to_ns(at(head_).time));
+  scan_block_.period_ps = period_ps_;
+  scan_block_.overload = 0;
+  for (int i = 0; i < kScansPerBlock; ++i) {
+    auto& row = scan_block_.counts[static_cast<std::size_t>(i)];
+    if (i >= scans) {
+      row.fill(0);
+      continue;
+    }
+    const Scan& scan = at(head_ + i);
+    std::copy(scan.counts.begin(), scan.counts.end(), row.begin());
+    scan_block_.overload |= static_cast<std::int32_t>(scan.overload);
+  }
+  scan_block_.quality = scan_block_.overload ? kQualityOverload : 0;
+}
+
+void Sealer::preview_block() noexcept {
+  if (!preview_) return;
+  scan_block_.header.sequence = 0;
+  scan_block_.header.first_scan = at(head_).index;
+  seal(scan_block_, preview_->writable());
+  preview_->publish();
+}
+
+void Sealer::keep_block(bool after_jump) noexcept {
+  if (first_index_ < 0) first_index_ = at(head_).index;
+  const std::int64_t first = at(head_).index - first_index_;
+  const std::int64_t scans = scan_block_.header.scans;
+  counts_.scans_sampled += scans;
+  if (first > next_scan_) {
+    const std::int64_t missing = first - next_scan_;
+    const std::int64_t time_ns = scan_block_.header.time_ns - missing * period_ps_ / 1000;
+    counts_.scans_sampled += missing;
+    GapBlock jump;
+    jump.header = header(next_scan_, missing, time_ns);
+    jump.cause = jump_cause_;
+    if (gap_ || !write(jump))
+      lose(next_scan_, missing, time_ns, jump_cause_);
+    else
+      counts_.scans_missing += missing;
+    next_scan_ = first;
+  }
+  scan_block_.header.first_scan = first;
+  if (after_jump && first > 0) after_gap_ = true;
+  if (after_gap_) scan_block_.quality |= kQualityAfterGap;
+  if (!write_metas() || !close_gap() || !write(scan_block_)) {
+    lose(first, scans, scan_block_.header.time_ns, GapCause::kRingFull);
+    after_gap_ = true;
+  } else {
+    after_gap_ = false;
+    constexpr std::array<std::int32_t, kEncoderLines> kNone{kQualityNoReference0, kQualityNoReference1};
+    bool unreferenced = false;
+    for (int line = 0; line < kEncoderLines; ++line)
+      if (reference_.has_encoder(line) && (scan_block_.quality & kNone[static_cast<std::size_t>(line)]))
+        unreferenced = true;
+    if (unreferenced) ++counts_.unreferenced_blocks;
+  }
+  next_scan_ = first + scans;
+  const bool old = edge_block_.edges > 0 && to_ns(now_) - edge_block_.header.time_ns > kLongestEdgeBlock_ns;
+  if (old) write_edges();
+}
+
+void Sealer::lose(std::int64_t first_scan, std::int64_t scans, std::int64_t time_ns,
+                  GapCause cause) noexcept {
+  if (!gap_) {
+    gap_.emplace();
+    gap_->header = header(first_scan, 0, time_ns);
+    gap_->cause = cause;
+  }
+  gap_->header.scans += scans;
+  counts_.scans_missing += scans;
+}
+
+/// A gap opened by lost edges alone covers no scan yet: it is not closed before it does.
+bool Sealer::close_gap() noexcept {
+  if (!gap_) return true;
+  if (gap_->header.scans == 0 || !write(*gap_)) return false;
+  gap_.reset();
+  after_gap_ = true;
+  scan_block_.quality |= kQualityAfterGap;
+  return true;
+}
+
+void Sealer::record(const Edge& edge) noexcept {
+  if (gap_) return;
+  if (!edge_block_.add(edge)) {
+    write_edges();
+    if (!gap_) edge_block_.add(edge);
+  }
+}
+
+void Sealer::write_edges() noexcept {
+  const std::int64_t time_ns = edge_block_.header.time_ns;
+  edge_block_.header = header(next_scan_, 0, time_ns);
+  if (!write_metas() || !write(edge_block_)) lose(next_scan_, 0, to_ns(now_), GapCause::kRingFull);
+  edge_block_ = EdgeBlock{};
+}
+
+bool Sealer::finish() noexcept {
+  if (ended_) return true;
+  if (head_ < keep_to_ || keep_to_ == kNever || !write_metas()) return false;
+  if (gap_ && gap_->header.scans == 0) gap_.reset();  // only edges after the last scan were lost
+  if (!close_gap()) return false;
+  if (edge_block_.edges > 0) {
+    edge_block_.header = header(next_scan_, 0, edge_block_.header.time_ns);
+    if (!write(edge_block_)) return false;
+    edge_block_ = EdgeBlock{};
+  }
+  EndBlock end;
+  end.header = header(next_scan_, 0, to_ns(now_) + (next_scan_ > 0 ? period_ps_ / 1000 : 0));
+  end.blocks = next_sequence_;
+  end.scans_missing = counts_.scans_missing;
+  end.scans_sealed = counts_.scans_sampled - counts_.scans_missing;
+  ended_ = write(end);
+  return ended_;
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,118 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/config/vehicle_config.hpp"
+#include "common/link/blocks.hpp"
+#include "firmware/block_sink.hpp"
+#include "firmware/preview_slot.hpp"
+#include "firmware/reference.hpp"
+
+namespace roadbalance {
+
+/// Scans and edges -> sealed blocks of one epoch, numbered without gaps from 1.
+///
+/// Order: the vehicle's description (meta), then scan, edge and gap blocks, at last the end.  Scan blocks and
+/// gaps tile the scans [0, end) of the epoch.  A scan block waits for the edges its references need, at most
+/// 100 ms of node time; then it goes without and says so.  Scans that the device lost, or for which the sink
+/// has no room, become gaps with exact range and cause; of a full sink one gap that grows. Edges are recorded
+/// as they came, except in such a gap.
+///
+/// Until start() and after stop() scan blocks have sequence 0 and go to the preview slot only.
+/// Never allocates after construction.
+class Sealer {
+ public:
+  /// @param preview  may be nullptr
+  /// @param jump     cause of a jump in the device's scan index
+  Sealer(const VehicleConfig& vehicle, const NodeConfig& node, std::int64_t epoch, BlockSink& sink,
+         PreviewSlot* preview, GapCause jump = GapCause::kDeviceOverrun);
+
+  /// Scans from the next one added on are kept.  Once; later calls do nothing.
+  void start() noexcept;
+  /// Scans from the next one added on are not.  Once; the end is sealed when the last kept scan is.
+  void stop() noexcept;
+
+  /// What one read of a front end returned.
+  /// @param more_edges  some that were stamped before the last scan come later
+  void add(std::span<const Scan> scans, std::span<const Edge> edges, bool more_edges) noexcept;
+  /// The device has no more: seals all there is, and the end.
+  void device_ended() noexcept;
+
+  /// Writes the end as soon as the sink takes it.  True once it is written: nothing follows.
+  bool finish() noexcept;
+
+  bool started() const noexcept { return keep_from_ != kNever; }
+  bool ended() const noexcept { return ended_; }
+  std::int64_t next_sequence() const noexcept { return next_sequence_; }
+  NodeTime time() const noexcept { return now_; }
+
+  struct Counts {
+    std::int64_t scans_sampled = 0;        ///< kept or declared missing
+    std::int64_t scans_missing = 0;        ///< of these, in gaps
+    std::int64_t unreferenced_blocks = 0;  ///< kept without the angle of a wheel that has an encoder
+  };
+  const Counts& counts() const noexcept { return counts_; }
+  std::int64_t encoder_faults(int line) const noexcept {
+    return reference_.has_encoder(line) ? reference_.encoder(line).faulty_turns() : 0;
+  }
+
+  static constexpr std::int64_t kLongestWait_ns = 100'000'000;
+
+ private:
+  static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
+  struct Run {
+    int scans = 0;
+    bool whole = false;  ///< nothing can be added to it
+  };
+  const Scan& at(std::int64_t position) const noexcept;
+  void push(const Scan& scan) noexcept;
+  Run next_run() const noexcept;
+  bool seal_next(NodeTime edges_through, bool at_once) noexcept;
+  void build(int scans) noexcept;
+  void keep_block(bool after_jump) noexcept;
+  void preview_block() noexcept;
+  void record(const Edge& edge) noexcept;
+  void write_edges() noexcept;
+  bool write_metas() noexcept;
+  void lose(std::int64_t first_scan, std::int64_t scans, std::int64_t time_ns, GapCause cause) noexcept;
+  bool close_gap() noexcept;
+  template <typename Block>
+  bool write(Block& block) noexcept;
+  BlockHeader header(std::int64_t first_scan, std::int64_t scans, std::int64_t time_ns) const noexcept;
+
+  const int node_;
+  const std::int64_t epoch_;
+  const std::int64_t period_ps_;
+  const GapCause jump_cause_;
+  BlockSink& sink_;
+  PreviewSlot* const preview_;
+  Reference reference_;
+  std::vector<MetaBlock> meta_;
+  std::size_t metas_written_ = 0;
+
+  // Scans not yet sealed, by position: how many came before since construction.
+  std::vector<Scan> waiting_;
+  std::int64_t head_ = 0, tail_ = 0;
+  std::int64_t jumps_ = 0;        ///< index jumps among the waiting scans
+  std::int64_t next_index_ = -1;  ///< device index after the last scan added
+  std::int64_t keep_from_ = kNever, keep_to_ = kNever;
+  NodeTime now_{};
+
+  ScanBlock scan_block_;
+  EdgeBlock edge_block_;
+  std::optional<GapBlock> gap_;     ///< of a full sink, growing
+  std::int64_t sealed_index_ = -1;  ///< device index after the last scan sealed
+  std::int64_t first_index_ = -1;   ///< device index of the first kept scan
+  std::int64_t next_scan_ = 0;      ///< of the epoch, after the last one kept or declared
+  bool after_gap_ = false;
+  bool ended_ = false;
+  std::int64_t next_sequence_ = 1;
+  Counts counts_;
+};
+
+}  // namespace roadbalance

@@ -1,0 +1,260 @@
+#include "firmware/pack.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "common/bus/codec.hpp"
+#include "firmware/seal_all.hpp"
+#include "firmware/test/pulse_train.hpp"
+#include "firmware/test/scripted_front_end.hpp"
+#include "firmware/test/vehicle.hpp"
+
+namespace roadbalance {
+namespace {
+
+constexpr double kRate_hz = 2000.0;
+constexpr std::int64_t kEpoch = 77;
+
+std::vector<Edge> turning(double seconds, double from_s = 0.0, double hz = 18.0) {
+  std::vector<Edge> all;
+  for (std::uint8_t line = 0; line < 2; ++line) {
+    const test::PulseTrain train{.angle_rad = [=](double t) { return 2 * std::numbers::pi * hz * t; },
+                                 .line = line};
+    const auto edges = train.edges(from_s, seconds);
+    all.insert(all.end(), edges.begin(), edges.end());
+  }
+  std::stable_sort(all.begin(), all.end(), [](const Edge& a, const Edge& b) { return a.time < b.time; });
+  return all;
+}
+
+std::vector<SealedBlock> blocks_of(std::vector<Scan> scans, std::vector<Edge> edges, std::size_t run = 64) {
+  const auto vehicle = test::one_node_vehicle(kRate_hz);
+  test::ScriptedFrontEnd device(std::move(scans), std::move(edges), run);
+  std::vector<SealedBlock> blocks;
+  seal_all(device, vehicle, vehicle.node[0], kEpoch, [&](const SealedBlock& b) { blocks.push_back(b); });
+  return blocks;
+}
+
+/// What every epoch must satisfy: sequence, tiling, every scan where it belongs, totals of the end.
+void check_epoch(const std::vector<SealedBlock>& blocks, std::int64_t scans) {
+  ASSERT_FALSE(blocks.empty());
+  std::int64_t sequence = 1, next = 0, sealed = 0, missing = 0;
+  for (const auto& block : blocks) {
+    SealedBlock copy;
+    ASSERT_EQ(accept(block.bytes(), copy), Refusal::kNone) << "sequence " << block.header.sequence;
+    EXPECT_EQ(block.header.sequence, sequence++);
+    EXPECT_EQ(block.header.epoch, kEpoch);
+    if (block.kind == BlockKind::kScan || block.kind == BlockKind::kGap) {
+      EXPECT_EQ(block.header.first_scan, next);
+      next += block.header.scans;
+    }
+    if (block.kind == BlockKind::kGap) missing += block.header.scans;
+    if (block.kind != BlockKind::kScan) continue;
+    sealed += block.header.scans;
+    const ScanBlock scan = decode_scan(block);
+    for (std::int64_t i = 0; i < scan.header.scans; ++i)
+      for (std::size_t c = 0; c < kAccelerations; ++c)
+        ASSERT_EQ(scan.counts[static_cast<std::size_t>(i)][c],
+                  test::marked_counts(scan.header.first_scan + i, c));
+  }
+  EXPECT_EQ(next, scans);
+  ASSERT_EQ(blocks.back().kind, BlockKind::kEnd);
+  const EndBlock end = decode_end(blocks.back());
+  EXPECT_EQ(end.header.first_scan, scans);
+  EXPECT_EQ(end.blocks, static_cast<std::int64_t>(blocks.size()));
+  EXPECT_EQ(end.scans_sealed, sealed);
+  EXPECT_EQ(end.scans_missing, missing);
+}
+
+TEST(Sealer, TilesTheEpochAndEndsWithAShortBlockAndTotals) {
+  const auto blocks = blocks_of(test::marked_scans(0, 1007, kRate_hz), turning(0.51));
+  check_epoch(blocks, 1007);
+  int metas = 0, shorts = 0;
+  std::string text;
+  for (const auto& block : blocks) {
+    if (block.kind == BlockKind::kMeta) {
+      ++metas;
+      text += decode_meta(block).text;
+    }
+    if (block.kind == BlockKind::kScan && block.header.scans != kScansPerBlock) ++shorts;
+  }
+  EXPECT_EQ(blocks[0].kind, BlockKind::kMeta);
+  EXPECT_EQ(metas, 3);
+  EXPECT_EQ(text, test::one_node_vehicle().text);
+  EXPECT_EQ(shorts, 1);
+}
+
+TEST(Sealer, RecordsEveryEdgeAsItCame) {
+  const auto edges = turning(0.5);
+  std::vector<Edge> recorded;
+  for (const auto& block : blocks_of(test::marked_scans(0, 1000, kRate_hz), edges))
+    if (block.kind == BlockKind::kEdge) {
+      const auto some = decode_edge(block).unpack();
+      recorded.insert(recorded.end(), some.begin(), some.end());
+    }
+  ASSERT_EQ(recorded.size(), edges.size());
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    EXPECT_EQ(recorded[i].time, edges[i].time);
+    EXPECT_EQ(recorded[i].line, edges[i].line);
+    EXPECT_EQ(recorded[i].kind, edges[i].kind);
+  }
+}
+
+TEST(Sealer, SealsTheSameBytesHoweverTheDeviceIsRead) {
+  const auto scans = test::marked_scans(0, 3001, kRate_hz);
+  const auto edges = turning(1.5);
+  const auto once = blocks_of(scans, edges, 64), again = blocks_of(scans, edges, 7);
+  ASSERT_EQ(once.size(), again.size());
+  for (std::size_t i = 0; i < once.size(); ++i)
+    EXPECT_TRUE(std::ranges::equal(once[i].bytes(), again[i].bytes())) << "block " << i;
+}
+
+TEST(Sealer, DeclaresScansTheDeviceLostWithTheirExactRange) {
+  auto scans = test::marked_scans(0, 333, kRate_hz);
+  const auto rest = test::marked_scans(1333, 2000, kRate_hz);
+  scans.insert(scans.end(), rest.begin(), rest.end());
+  const auto blocks = blocks_of(scans, turning(1.0));
+  check_epoch(blocks, 2000);
+  int gaps = 0;
+  bool after = false;
+  for (const auto& block : blocks) {
+    if (block.kind == BlockKind::kScan) {
+      EXPECT_EQ((decode_scan(block).quality & kQualityAfterGap) != 0, after);
+      after = false;
+    }
+    if (block.kind != BlockKind::kGap) continue;
+    ++gaps;
+    after = true;
+    EXPECT_EQ(block.header.first_scan, 333);
+    EXPECT_EQ(block.header.scans, 1000);
+    EXPECT_EQ(block.header.time_ns, 333 * 500'000);
+    EXPECT_EQ(decode_gap(block).cause, GapCause::kDeviceOverrun);
+  }
+  EXPECT_EQ(gaps, 1);
+}
+
+/// Takes blocks while it is open; all that was ever committed stays.
+class Valve final : public BlockSink {
+ public:
+  std::size_t room() const noexcept override { return open ? 1000 : 0; }
+  SealedBlock* claim() noexcept override { return open ? &next_ : nullptr; }
+  void commit() noexcept override { blocks.push_back(next_); }
+
+  bool open = true;
+  std::vector<SealedBlock> blocks;
+
+ private:
+  SealedBlock next_;
+};
+
+TEST(Sealer, KeepsTheOldestOfAFullSinkAndOneGapThatGrows) {
+  const auto vehicle = test::one_node_vehicle(kRate_hz);
+  Valve valve;
+  Sealer sealer(vehicle, vehicle.node[0], kEpoch, valve, nullptr);
+  const auto edges = turning(2.0);
+  const auto scans = test::marked_scans(0, 4000, kRate_hz);
+  sealer.start();
+  std::size_t edge = 0;
+  for (std::size_t i = 0; i < scans.size(); i += 50) {
+    valve.open = i < 1000 || i >= 3000;
+    const std::size_t first = edge;
+    while (edge < edges.size() && edges[edge].time <= scans[i + 49].time) ++edge;
+    sealer.add(std::span(scans).subspan(i, 50), std::span(edges).subspan(first, edge - first), false);
+  }
+  sealer.device_ended();
+  ASSERT_TRUE(sealer.finish());
+  check_epoch(valve.blocks, 4000);
+  int gaps = 0;
+  for (const auto& block : valve.blocks)
+    if (block.kind == BlockKind::kGap) {
+      ++gaps;
+      EXPECT_EQ(decode_gap(block).cause, GapCause::kRingFull);
+      EXPECT_NEAR(static_cast<double>(block.header.scans), 2000.0,
+                  3.0 * kScansPerBlock);  // whole blocks, lag
+    }
+  EXPECT_EQ(gaps, 1);
+}
+
+TEST(Sealer, WaitsWithTheEndForAFullSink) {
+  const auto vehicle = test::one_node_vehicle(kRate_hz);
+  Valve valve;
+  Sealer sealer(vehicle, vehicle.node[0], kEpoch, valve, nullptr);
+  sealer.start();
+  sealer.add(test::marked_scans(0, 45, kRate_hz), {}, false);
+  valve.open = false;
+  sealer.device_ended();
+  EXPECT_FALSE(sealer.finish());
+  valve.open = true;
+  EXPECT_TRUE(sealer.finish());
+  check_epoch(valve.blocks, 45);
+}
+
+TEST(Sealer, KeepsExactlyWhatLiesBetweenStartAndStop) {
+  const auto vehicle = test::one_node_vehicle(kRate_hz);
+  Valve valve;
+  PreviewSlot preview;
+  Sealer sealer(vehicle, vehicle.node[0], kEpoch, valve, &preview);
+  const auto scans = test::marked_scans(0, 3000, kRate_hz);
+  sealer.add(std::span(scans).first(511), {}, false);
+  EXPECT_TRUE(valve.blocks.empty());
+  const SealedBlock* seen = preview.read();
+  ASSERT_NE(seen, nullptr);
+  EXPECT_EQ(seen->header.sequence, 0);
+  sealer.start();
+  sealer.start();
+  sealer.add(std::span(scans).subspan(511, 1000), {}, false);
+  sealer.stop();
+  sealer.add(std::span(scans).subspan(1511), {}, false);
+  ASSERT_TRUE(sealer.finish());
+  std::int64_t kept = 0, first_ns = -1;
+  for (const auto& block : valve.blocks)
+    if (block.kind == BlockKind::kScan) {
+      if (first_ns < 0) first_ns = block.header.time_ns;
+      kept += block.header.scans;
+    }
+  EXPECT_EQ(first_ns, 511 * 500'000);
+  EXPECT_EQ(kept, 1000);
+  EXPECT_EQ(valve.blocks.back().kind, BlockKind::kEnd);
+  EXPECT_EQ(valve.blocks.back().header.first_scan, 1000);
+}
+
+TEST(Sealer, SealsABlockAtStandstillWithin100MsAndSaysSo) {
+  const auto vehicle = test::one_node_vehicle(kRate_hz);
+  Valve valve;
+  Sealer sealer(vehicle, vehicle.node[0], kEpoch, valve, nullptr);
+  sealer.start();
+  const auto edges = turning(1.0);  // then the pulses stop
+  const auto scans = test::marked_scans(0, 4000, kRate_hz);
+  std::size_t edge = 0;
+  for (const Scan& scan : scans) {
+    const std::size_t first = edge;
+    while (edge < edges.size() && edges[edge].time <= scan.time) ++edge;
+    sealer.add({&scan, 1}, std::span(edges).subspan(first, edge - first), false);
+    const auto newest = std::find_if(valve.blocks.rbegin(), valve.blocks.rend(),
+                                     [](const SealedBlock& b) { return b.kind == BlockKind::kScan; });
+    const std::int64_t sealed =
+        newest == valve.blocks.rend() ? 0 : newest->header.first_scan + newest->header.scans;
+    // 100 ms are 200 scans after the block's last one.
+    ASSERT_LE(scan.index - sealed, 200 + kScansPerBlock) << "at scan " << scan.index;
+  }
+  constexpr std::int32_t kNone = kQualityNoReference0 | kQualityNoReference1;
+  for (const auto& block : valve.blocks) {
+    if (block.kind != BlockKind::kScan) continue;
+    const ScanBlock scan = decode_scan(block);
+    const double t = static_cast<double>(scan.header.time_ns) * 1e-9;
+    if (t > 0.3 && t < 0.95) {
+      EXPECT_EQ(scan.quality & kNone, 0) << t;
+    }
+    if (t > 1.02) {
+      EXPECT_EQ(scan.quality & kNone, kNone) << t;
+      for (std::size_t c = kAccelerations; c < kChannels; ++c) EXPECT_EQ(scan.counts[0][c], 0);
+    }
+  }
+  EXPECT_GT(sealer.counts().unreferenced_blocks, 80);
+}
+
+}  // namespace
+}  // namespace roadbalance
