@@ -38,7 +38,7 @@ struct ModelConfig {
 
 /// [[wheel]]
 struct EncoderConfig {
-  int pulses_per_turn;     ///< teeth of an ABS ring, lines of a transducer
+  int pulses_per_turn = 0;     ///< teeth of an ABS ring, lines of a transducer
   bool zero_mark = true;   ///< one zero mark a turn
   double datum_rad = 0.0;  ///< wheel angle (mark at the upward vertical = 0) at the instant the zero mark fires
 };

@@ -1,0 +1,243 @@
+#include "common/config/section.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <sstream>
+#include <utility>
+
+#define TOML_HEADER_ONLY 1
+#include <toml++/toml.h>
+
+namespace roadbalance {
+namespace {
+
+std::string written(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", value);
+  return text;
+}
+
+std::string join(const std::vector<std::string>& words) {
+  std::string text;
+  for (const auto& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+std::string allowed_numbers(Range range) {
+  if (range.low == kPositive.low) return range.high == kPositive.high ? "a number > 0" : "0 < number <= " + written(range.high);
+  if (range.low == kAnyNumber.low && range.high == kAnyNumber.high) return "a number";
+  if (range.high == kNotNegative.high) return "a number >= " + written(range.low);
+  return "a number " + written(range.low) + " .. " + written(range.high);
+}
+
+/// Name without its unit: what precedes the last word of a known unit.
+std::string stem(const std::string& key) {
+  return key.substr(0, key.find('_'));
+}
+
+}  // namespace
+
+struct Section::State {
+  std::shared_ptr<const toml::table> root;  // keeps `table` alive
+  const toml::table* table = nullptr;
+  std::string file;
+  mutable std::vector<std::string> asked;  // keys some getter knows, in order
+
+  const toml::node* find(const std::string& key) const {
+    if (std::find(asked.begin(), asked.end(), key) == asked.end()) asked.push_back(key);
+    return table->get(key);
+  }
+  static std::size_t line_of(const toml::node& node) { return node.source().begin.line; }
+  [[noreturn]] void fail_at(std::size_t line, const std::string& key, const std::string& reason) const {
+    throw ConfigError(file + ":" + std::to_string(line) + ": " + key + ": " + reason);
+  }
+  const toml::node& require(const std::string& key, const std::string& allowed) const {
+    const toml::node* node = find(key);
+    if (!node) fail_at(line_of(*table), key, "missing; allowed: " + allowed);
+    return *node;
+  }
+  double number(const toml::node& node, const std::string& key, Range range) const {
+    const auto value = node.is_number() ? node.value<double>() : std::nullopt;
+    if (!value || !std::isfinite(*value) || *value < range.low || *value > range.high) {
+      std::ostringstream text;
+      node.visit([&](const auto& n) { text << n; });
+      fail_at(line_of(node), key, "is " + text.str() + "; allowed: " + allowed_numbers(range));
+    }
+    return *value;
+  }
+};
+
+Section::Section(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Section::Section(Section&&) noexcept = default;
+Section& Section::operator=(Section&&) noexcept = default;
+Section::~Section() = default;
+
+Section Section::parse_text(const std::string& text, const std::string& name_for_errors) {
+  auto state = std::make_unique<State>();
+  state->file = name_for_errors;
+  try {
+    state->root = std::make_shared<const toml::table>(toml::parse(text, name_for_errors));
+  } catch (const toml::parse_error& error) {
+    throw ConfigError(name_for_errors + ":" + std::to_string(error.source().begin.line) + ": not TOML: " +
+                      std::string(error.description()));
+  }
+  state->table = state->root.get();
+  return Section(std::move(state));
+}
+
+Section Section::parse_file(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw ConfigError(path + ": cannot be read");
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  if (stream.bad()) throw ConfigError(path + ": cannot be read");
+  return parse_text(text, path);
+}
+
+double Section::number(const std::string& key, Range range) {
+  return state_->number(state_->require(key, allowed_numbers(range)), key, range);
+}
+
+double Section::number_or(const std::string& key, Range range, double otherwise) {
+  const toml::node* node = state_->find(key);
+  return node ? state_->number(*node, key, range) : otherwise;
+}
+
+std::int64_t Section::integer(const std::string& key, std::int64_t low, std::int64_t high) {
+  const std::string allowed = "an integer " + std::to_string(low) + " .. " + std::to_string(high);
+  const toml::node& node = state_->require(key, allowed);
+  const auto* value = node.as_integer();
+  if (!value || **value < low || **value > high) state_->fail_at(State::line_of(node), key, "allowed: " + allowed);
+  return **value;
+}
+
+std::int64_t Section::integer_or(const std::string& key, std::int64_t low, std::int64_t high,
+                                 std::int64_t otherwise) {
+  return state_->find(key) ? integer(key, low, high) : otherwise;
+}
+
+bool Section::boolean_or(const std::string& key, bool otherwise) {
+  const toml::node* node = state_->find(key);
+  if (!node) return otherwise;
+  const auto* value = node->as_boolean();
+  if (!value) state_->fail_at(State::line_of(*node), key, "allowed: true, false");
+  return **value;
+}
+
+std::string Section::text(const std::string& key) {
+  const toml::node& node = state_->require(key, "a text in quotes");
+  const auto* value = node.as_string();
+  if (!value) state_->fail_at(State::line_of(node), key, "allowed: a text in quotes");
+  return **value;
+}
+
+std::string Section::text_or(const std::string& key, const std::string& otherwise) {
+  return state_->find(key) ? text(key) : otherwise;
+}
+
+std::size_t Section::choice(const std::string& key, const std::vector<std::string>& allowed) {
+  const toml::node& node = state_->require(key, join(allowed));
+  const auto* value = node.as_string();
+  const auto found = value ? std::find(allowed.begin(), allowed.end(), **value) : allowed.end();
+  if (found == allowed.end())
+    state_->fail_at(State::line_of(node), key, (value ? "is \"" + **value + "\"; " : "") + ("allowed: " + join(allowed)));
+  return static_cast<std::size_t>(found - allowed.begin());
+}
+
+std::size_t Section::choice_or(const std::string& key, const std::vector<std::string>& allowed,
+                               std::size_t otherwise) {
+  return state_->find(key) ? choice(key, allowed) : otherwise;
+}
+
+std::vector<double> Section::numbers(const std::string& key, std::size_t size, Range range) {
+  const std::string allowed = (size ? std::to_string(size) : std::string("one or more")) + " numbers in [ ]";
+  const toml::node& node = state_->require(key, allowed);
+  const auto* array = node.as_array();
+  if (!array || array->empty() || (size && array->size() != size))
+    state_->fail_at(State::line_of(node), key, "allowed: " + allowed);
+  std::vector<double> values;
+  for (const toml::node& element : *array) values.push_back(state_->number(element, key, range));
+  return values;
+}
+
+std::vector<double> Section::numbers_or(const std::string& key, std::size_t size, Range range,
+                                        std::vector<double> otherwise) {
+  return state_->find(key) ? numbers(key, size, range) : otherwise;
+}
+
+std::vector<std::string> Section::texts_or(const std::string& key, std::vector<std::string> otherwise) {
+  const toml::node* node = state_->find(key);
+  if (!node) return otherwise;
+  const auto* array = node->as_array();
+  std::vector<std::string> values;
+  if (array)
+    for (const toml::node& element : *array)
+      if (const auto* value = element.as_string()) values.push_back(**value);
+  if (!array || values.size() != array->size())
+    state_->fail_at(State::line_of(*node), key, "allowed: texts in quotes in [ ]");
+  return values;
+}
+
+bool Section::has(const std::string& key) const {
+  return state_->find(key) != nullptr;
+}
+
+Section Section::section(const std::string& key) {
+  const toml::node& node = state_->require(key, "a table [" + key + "]");
+  const auto* table = node.as_table();
+  if (!table) state_->fail_at(State::line_of(node), key, "allowed: a table [" + key + "]");
+  auto inner = std::make_unique<State>();
+  inner->root = state_->root;
+  inner->table = table;
+  inner->file = state_->file;
+  return Section(std::move(inner));
+}
+
+std::optional<Section> Section::section_if(const std::string& key) {
+  if (!has(key)) return std::nullopt;
+  return section(key);
+}
+
+std::vector<Section> Section::sections(const std::string& key, std::size_t least) {
+  const std::string allowed = "at least " + std::to_string(least) + " tables [[" + key + "]]";
+  const toml::node* node = state_->find(key);
+  std::vector<Section> result;
+  if (node) {
+    const auto* array = node->as_array();
+    if (!array) state_->fail_at(State::line_of(*node), key, "allowed: " + allowed);
+    for (const toml::node& element : *array) {
+      const auto* table = element.as_table();
+      if (!table) state_->fail_at(State::line_of(element), key, "allowed: " + allowed);
+      auto inner = std::make_unique<State>();
+      inner->root = state_->root;
+      inner->table = table;
+      inner->file = state_->file;
+      result.push_back(Section(std::move(inner)));
+    }
+  }
+  if (result.size() < least)
+    state_->fail_at(State::line_of(node ? *node : static_cast<const toml::node&>(*state_->table)), key,
+                    "allowed: " + allowed);
+  return result;
+}
+
+void Section::finish() const {
+  for (const auto& [key, node] : *state_->table) {
+    const std::string name(key.str());
+    if (std::find(state_->asked.begin(), state_->asked.end(), name) != state_->asked.end()) continue;
+    std::string hint;
+    for (const auto& known : state_->asked)
+      if (stem(known) == stem(name) && hint.empty()) hint = " (did you mean " + known + "?)";
+    state_->fail_at(key.source().begin.line, name, "unknown key" + hint + "; allowed here: " + join(state_->asked));
+  }
+}
+
+void Section::fail(const std::string& key, const std::string& reason) const {
+  const toml::node* node = state_->find(key);
+  state_->fail_at(State::line_of(node ? *node : static_cast<const toml::node&>(*state_->table)), key, reason);
+}
+
+}  // namespace roadbalance

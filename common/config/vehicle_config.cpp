@@ -1,0 +1,212 @@
+#include "common/config/vehicle_config.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <set>
+
+#include "common/config/section.hpp"
+
+namespace roadbalance {
+namespace {
+
+constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
+
+std::vector<std::string> wheel_names() {
+  return {kWheelNames.begin(), kWheelNames.end()};
+}
+
+AxleConfig parse_axle(Section axle) {
+  AxleConfig a{};
+  a.x_m = axle.number("x_m", {-10, 10});
+  a.half_track_m = axle.number("half_track_m", {0.2, 3});
+  a.spring_n_m = axle.number("spring_n_m", kPositive);
+  a.damper_n_s_m = axle.number("damper_n_s_m", kPositive);
+  a.stabiliser_n_m = axle.number("stabiliser_n_m", kNotNegative);
+  a.tyre_n_m = axle.number("tyre_n_m", kPositive);
+  axle.finish();
+  return a;
+}
+
+ModelConfig parse_model(Section model) {
+  model.choice("kind", {"seven_dof"});
+  ModelConfig m{};
+  m.body_mass_kg = model.number("body_mass_kg", kPositive);
+  m.roll_inertia_kg_m2 = model.number("roll_inertia_kg_m2", kPositive);
+  m.pitch_inertia_kg_m2 = model.number("pitch_inertia_kg_m2", kPositive);
+  m.axle = {parse_axle(model.section("front")), parse_axle(model.section("rear"))};
+  if (m.axle[1].x_m >= m.axle[0].x_m) model.fail("rear", "x_m of the rear axle must be less than the front's");
+  model.finish();
+  return m;
+}
+
+WheelConfig parse_wheel(Section& wheel) {
+  WheelConfig w;
+  w.name = kWheelNames[wheel.choice("name", wheel_names())];
+  w.mass_kg = wheel.number("mass_kg", {1, 1000});
+  w.rolling_radius_m = wheel.number("rolling_radius_m", {0.05, 2});
+  w.weight_radius_m = wheel.number("weight_radius_m", {0.02, 2});
+  if (w.weight_radius_m >= w.rolling_radius_m)
+    wheel.fail("weight_radius_m", "must be less than rolling_radius_m");
+  w.node = wheel.text_or("node", "");
+  w.line = static_cast<int>(wheel.integer_or("line", 0, kEncoderLines - 1, 0));
+  if (auto encoder = wheel.section_if("encoder")) {
+    w.encoder.pulses_per_turn = static_cast<int>(encoder->integer("pulses_per_turn", 1, 100'000));
+    w.encoder.zero_mark = encoder->boolean_or("zero_mark", true);
+    w.encoder.datum_rad = kRadiansPerDegree * encoder->number_or("datum_deg", {-360, 360}, 0.0);
+    encoder->finish();
+    if (w.node.empty()) wheel.fail("encoder", "needs the node that reads it; allowed: node = \"name\"");
+  } else if (!w.node.empty()) {
+    wheel.fail("encoder", "missing although a node reads it; allowed: a table [wheel.encoder]");
+  }
+  wheel.finish();
+  return w;
+}
+
+ChannelConfig parse_channel(Section channel) {
+  ChannelConfig c;
+  c.name = channel.text("name");
+  constexpr std::array kRoles{ChannelRole::kAcceleration, ChannelRole::kRoad, ChannelRole::kUnused};
+  c.role = kRoles[channel.choice_or("role", {"acceleration", "road", "unused"}, 0)];
+  auto mounts = wheel_names();
+  mounts.emplace_back("body");
+  mounts.emplace_back("elsewhere");
+  const bool used = c.role != ChannelRole::kUnused;
+  c.mount = mounts[used ? channel.choice("mount", mounts) : channel.choice_or("mount", mounts, mounts.size() - 1)];
+  const auto place = channel.numbers_or("position_m", 3, {-20, 20}, {0, 0, 0});
+  if (c.mount == "body" && !channel.has("position_m"))
+    channel.fail("position_m", "missing; allowed: 3 numbers in [ ], metres from the body's centre of mass");
+  const auto direction = channel.numbers_or("direction", 3, {-1, 1}, {0, 0, 1});
+  c.position_m = {place[0], place[1], place[2]};
+  c.direction = {direction[0], direction[1], direction[2]};
+  if (c.direction.norm() < 0.5) channel.fail("direction", "is no direction; allowed: a unit vector, 3 numbers in [ ]");
+  c.direction.normalize();
+  c.range_m_s2 = channel.number("range_m_s2", {1e-6, 1e6});
+  c.scale_m_s2_per_count = c.range_m_s2 / kFullScaleCounts;
+  if (auto calibration = channel.section_if("calibration")) {
+    c.scale_m_s2_per_count = calibration->number("scale_m_s2_per_count", {1e-12, 1e3});
+    c.offset_counts = calibration->number_or("offset_counts", {-kFullScaleCounts, kFullScaleCounts}, 0.0);
+    calibration->finish();
+  }
+  channel.finish();
+  return c;
+}
+
+NodeConfig parse_node(Section& node) {
+  NodeConfig n;
+  n.name = node.text("name");
+  if (n.name.empty() || n.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") != std::string::npos)
+    node.fail("name", "allowed: lower-case letters, digits and _");
+  n.id = static_cast<int>(node.integer("id", 1, 9999));
+  n.rate_hz = node.number("rate_hz", {1, 100'000});
+  std::set<std::string> names;
+  for (Section& channel : node.sections("channel", 1)) {
+    n.channel.push_back(parse_channel(std::move(channel)));
+    if (!names.insert(n.channel.back().name).second)
+      node.fail("channel", "name \"" + n.channel.back().name + "\" stands twice");
+  }
+  if (n.channel.size() > kAccelerations)
+    node.fail("channel", "has " + std::to_string(n.channel.size()) + " channels; allowed: at most 12");
+  node.finish();
+  return n;
+}
+
+DriveConfig parse_drive(Section drive) {
+  DriveConfig d;
+  d.identification_rate_hz = drive.number_or("identification_rate_hz", {50, 10'000}, d.identification_rate_hz);
+  d.section_s = drive.number_or("section_s", {4, 120}, d.section_s);
+  d.speed_class_m_s = drive.number_or("speed_class_m_s", {0.1, 20}, d.speed_class_m_s);
+  d.least_speed_m_s = drive.number_or("least_speed_m_s", {1, 100}, d.least_speed_m_s);
+  drive.finish();
+  return d;
+}
+
+void parse_wheels(Section& root, VehicleConfig& v) {
+  std::set<std::string> seen;
+  std::set<std::pair<std::string, int>> lines;
+  for (Section& section : root.sections("wheel", kWheels)) {
+    const WheelConfig wheel = parse_wheel(section);
+    if (!seen.insert(wheel.name).second) section.fail("name", "\"" + wheel.name + "\" stands twice");
+    if (!wheel.node.empty()) {
+      const bool known = std::any_of(v.node.begin(), v.node.end(), [&](const auto& n) { return n.name == wheel.node; });
+      std::string names;
+      for (const auto& node : v.node) names += (names.empty() ? "" : ", ") + node.name;
+      if (!known) section.fail("node", "there is no node \"" + wheel.node + "\"; allowed: " + names);
+      if (!lines.insert({wheel.node, wheel.line}).second)
+        section.fail("line", "line " + std::to_string(wheel.line) + " of node " + wheel.node + " has a wheel already");
+    }
+    const auto place = std::find(kWheelNames.begin(), kWheelNames.end(), wheel.name) - kWheelNames.begin();
+    v.wheel[static_cast<std::size_t>(place)] = wheel;
+  }
+}
+
+void parse_nodes(Section& root, VehicleConfig& v) {
+  std::set<std::string> names;
+  std::set<int> ids;
+  for (Section& section : root.sections("node", 1)) {
+    v.node.push_back(parse_node(section));
+    const NodeConfig& node = v.node.back();
+    if (!names.insert(node.name).second) section.fail("name", "\"" + node.name + "\" stands twice");
+    if (!ids.insert(node.id).second) section.fail("id", std::to_string(node.id) + " stands twice");
+    if (node.rate_hz != v.node.front().rate_hz) section.fail("rate_hz", "must be the same for all nodes");
+    if (v.filter.cutoff_hz >= node.rate_hz / 2)
+      section.fail("rate_hz", "must be more than twice the filter's cutoff_hz");
+  }
+}
+
+}  // namespace
+
+VehicleConfig VehicleConfig::parse(const std::string& text, const std::string& name_for_errors) {
+  Section root = Section::parse_text(text, name_for_errors);
+  VehicleConfig v;
+  v.text = text;
+  v.name = root.text("name");
+  v.model = parse_model(root.section("model"));
+  if (auto filter = root.section_if("filter")) {
+    filter->choice_or("kind", {"butterworth"}, 0);
+    v.filter.order = static_cast<int>(filter->integer_or("order", 1, 12, v.filter.order));
+    v.filter.cutoff_hz = filter->number_or("cutoff_hz", {0.1, 1e5}, v.filter.cutoff_hz);
+    filter->finish();
+  }
+  parse_nodes(root, v);
+  parse_wheels(root, v);
+  if (auto road = root.section_if("road")) {
+    v.road.measured = road->boolean_or("measured", false);
+    road->finish();
+  }
+  if (auto drive = root.section_if("drive")) v.drive = parse_drive(std::move(*drive));
+  const double factor = v.node.front().rate_hz / v.drive.identification_rate_hz;
+  if (factor >= 1.0 && std::abs(factor - std::round(factor)) > 1e-9)
+    root.fail("drive", "identification_rate_hz must divide the nodes' rate_hz");
+  root.finish();
+  return v;
+}
+
+VehicleConfig VehicleConfig::read_file(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw ConfigError(path + ": cannot be read");
+  return parse({std::istreambuf_iterator<char>(stream), {}}, path);
+}
+
+const NodeConfig& VehicleConfig::node_named(const std::string& node_name) const {
+  std::string names;
+  for (const auto& candidate : node) {
+    if (candidate.name == node_name) return candidate;
+    names += (names.empty() ? "" : ", ") + candidate.name;
+  }
+  throw ConfigError("there is no node \"" + node_name + "\" in vehicle " + name + "; allowed: " + names);
+}
+
+const NodeConfig* VehicleConfig::node_with_id(int id) const {
+  const auto found = std::find_if(node.begin(), node.end(), [&](const auto& n) { return n.id == id; });
+  return found == node.end() ? nullptr : &*found;
+}
+
+std::optional<int> VehicleConfig::wheel_at(const NodeConfig& at, int line) const {
+  for (std::size_t i = 0; i < kWheels; ++i)
+    if (wheel[i].node == at.name && wheel[i].line == line) return static_cast<int>(i);
+  return std::nullopt;
+}
+
+}  // namespace roadbalance
