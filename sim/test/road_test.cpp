@@ -1,0 +1,127 @@
+#include "sim/road.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+namespace roadbalance::sim {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr RoadScenario kClassA{16e-6, 0.3, 0.95};
+constexpr std::array<double, 6> kWaveNumbers_1_m{0.1, 0.25, 0.5, 1.0, 2.0, 5.0};
+
+/// Two-sided density of the height, from the formula of the sheet: |w2 / ((s+w1)(s+w2))|^2 2 pi^2 n0^2 Gd.
+double analytic_density(double wave_number_1_m) {
+  const double w = 2.0 * kPi * wave_number_1_m, w1 = 2.0 * kPi * 0.01, w2 = 2.0 * kPi * 4.0;
+  return w2 * w2 / ((w * w + w1 * w1) * (w * w + w2 * w2)) * 2.0 * kPi * kPi * 0.01 * 16e-6;
+}
+
+/// Averaged cross periodograms of two wheels' roads at the same place, sections of 40 m, Hann window, no
+/// overlap.
+struct CrossSpectrum {
+  std::array<double, kWaveNumbers_1_m.size()> first{}, second{};
+  std::array<std::complex<double>, kWaveNumbers_1_m.size()> cross{};
+};
+constexpr int kSections = 700;
+constexpr int kSection = 4000;
+
+CrossSpectrum cross_spectrum(std::size_t wheel_a, std::size_t wheel_b) {
+  RoadProfile a(kClassA, 5, wheel_a, 0.0), b(kClassA, 5, wheel_b, 0.0);
+  std::vector<std::vector<std::complex<double>>> kernel(kWaveNumbers_1_m.size());
+  for (std::size_t k = 0; k < kernel.size(); ++k)
+    for (int i = 0; i < kSection; ++i) {
+      const double hann = std::sqrt(2.0 / 3.0) * (1.0 - std::cos(2.0 * kPi * i / kSection));
+      const double place_m = i * RoadFilter::kGrid_m;
+      kernel[k].push_back(std::polar(hann, -2.0 * kPi * kWaveNumbers_1_m[k] * place_m));
+    }
+  CrossSpectrum result;
+  const double scale = RoadFilter::kGrid_m / kSection / kSections;
+  for (int s = 0; s < kSections; ++s) {
+    std::array<std::complex<double>, kWaveNumbers_1_m.size()> sum_a{}, sum_b{};
+    for (int i = 0; i < kSection; ++i) {
+      const double place_m = RoadFilter::kGrid_m * (static_cast<double>(s) * kSection + i + 0.25);
+      const double u = a.at(place_m).height_m, v = b.at(place_m).height_m;
+      for (std::size_t k = 0; k < kernel.size(); ++k) {
+        sum_a[k] += u * kernel[k][static_cast<std::size_t>(i)];
+        sum_b[k] += v * kernel[k][static_cast<std::size_t>(i)];
+      }
+    }
+    for (std::size_t k = 0; k < kernel.size(); ++k) {
+      result.first[k] += scale * std::norm(sum_a[k]);
+      result.second[k] += scale * std::norm(sum_b[k]);
+      result.cross[k] += scale * std::conj(sum_a[k]) * sum_b[k];
+    }
+  }
+  return result;
+}
+
+TEST(Road, HasTheSpectrumOfItsClassOnBothSides) {
+  const CrossSpectrum spectrum = cross_spectrum(0, 1);
+  double mean = 0.0;
+  for (std::size_t k = 0; k < kWaveNumbers_1_m.size(); ++k) {
+    const double a = spectrum.first[k] / analytic_density(kWaveNumbers_1_m[k]);
+    const double b = spectrum.second[k] / analytic_density(kWaveNumbers_1_m[k]);
+    // A mean of 700 exponentially distributed periodograms has a standard deviation of 1 / sqrt(700) = 3.8 %.
+    EXPECT_NEAR(a, 1.0, 4.5 / std::sqrt(kSections)) << kWaveNumbers_1_m[k];
+    EXPECT_NEAR(b, 1.0, 4.5 / std::sqrt(kSections)) << kWaveNumbers_1_m[k];
+    mean += (a + b) / (2.0 * kWaveNumbers_1_m.size());
+  }
+  EXPECT_NEAR(mean, 1.0, 4.5 / std::sqrt(2.0 * kWaveNumbers_1_m.size() * kSections / 1.09));
+}
+
+/// The regression of b on a, S_ab / S_aa, must be `gain`; each part of its error has the standard deviation
+/// sqrt((1 - gain^2) / (2 sections)).
+void expect_gain(std::size_t wheel_a, std::size_t wheel_b, double gain) {
+  const CrossSpectrum spectrum = cross_spectrum(wheel_a, wheel_b);
+  const double tolerance = 4.5 * std::sqrt((1.0 - gain * gain) / (2.0 * kSections));
+  for (std::size_t k = 0; k < kWaveNumbers_1_m.size(); ++k) {
+    const std::complex<double> measured = spectrum.cross[k] / spectrum.first[k];
+    EXPECT_NEAR(measured.real(), gain, tolerance) << kWaveNumbers_1_m[k];
+    EXPECT_NEAR(measured.imag(), 0.0, tolerance) << kWaveNumbers_1_m[k];
+  }
+}
+
+TEST(Road, LeftAndRightCorrelateOnBothAxles) {
+  expect_gain(0, 1, 0.3);
+  expect_gain(2, 3, 0.3);
+}
+
+TEST(Road, RearTrackHasTheGivenCoherenceWithTheFrontTrackAtTheSamePlace) {
+  expect_gain(0, 2, std::sqrt(0.95));
+  expect_gain(1, 3, std::sqrt(0.95));
+  expect_gain(0, 3, std::sqrt(0.95) * 0.3);
+}
+
+TEST(Road, FullyCoherentRearWheelMeetsTheSameRoad) {
+  const RoadScenario scenario{16e-6, 0.3, 1.0};
+  RoadProfile front(scenario, 9, 1, 3.0), rear(scenario, 9, 3, -1.0);
+  for (double x = 3.0; x < 30.0; x += 0.0037) {
+    const RoadPoint a = front.at(x), b = rear.at(x);
+    // They began 4 m apart; 200 m at the lower corner (16 m) leave exp(-200/16) = 4e-6 of some centimetres.
+    EXPECT_NEAR(a.height_m, b.height_m, 1e-6);
+    EXPECT_NEAR(a.slope, b.slope, 1e-7);
+  }
+}
+
+TEST(Road, SlopeIsTheDerivativeOfHeight) {
+  RoadProfile road(kClassA, 2, 0, 0.0), ahead(kClassA, 2, 0, 0.0), behind(kClassA, 2, 0, 0.0);
+  const double h = 1e-5;
+  for (int i = 0; i < 5000; ++i) {
+    const double x = 0.001 + 0.00137 * i;
+    const double difference = (ahead.at(x + h).height_m - behind.at(x - h).height_m) / (2.0 * h);
+    // The curvature of a cubic jumps at grid points: slope / cell * h, some 1e-2 / 1e-2 * 1e-5.
+    EXPECT_NEAR(road.at(x).slope, difference, 1e-4);
+  }
+}
+
+TEST(Road, NoRoadIsFlat) {
+  RoadProfile road({0.0, 0.3, 0.95}, 2, 2, 0.0);
+  EXPECT_EQ(road.at(12.345).height_m, 0.0);
+  EXPECT_EQ(road.at(12.345).slope, 0.0);
+}
+
+}  // namespace
+}  // namespace roadbalance::sim
