@@ -69,8 +69,9 @@ bool within(Integer value, Integer low, Integer high) {
   return low <= value && value <= high;
 }
 
-bool in_bounds(const BlockHeader& header) {
-  return within(header.node, 1, kLastNode) && within<std::int64_t>(header.sequence, 0, kIndexLimit) &&
+bool in_bounds(const BlockHeader& header, std::int32_t lowest_node) {
+  return within(header.node, lowest_node, kLastNode) &&
+         within<std::int64_t>(header.sequence, 0, kIndexLimit) &&
          within<std::int64_t>(header.first_scan, 0, kIndexLimit) &&
          within<std::int64_t>(header.scans, 0, kIndexLimit) &&
          within(header.time_ns, -kIndexLimit, kIndexLimit);
@@ -113,7 +114,9 @@ Refusal accept_as(BlockKind kind, std::span<const std::uint8_t> bytes, SealedBlo
   const auto message = wire_format::decode<Message>(bytes);
   if (!message) return Refusal::kUnknownType;
   const BlockHeader header = header_of(*message);
-  if (!in_bounds(header) || !fields_in_bounds(*message)) return Refusal::kOutOfBounds;
+  // Node 0 is the host, which has only descriptions to give.
+  const std::int32_t lowest_node = kind == BlockKind::kMeta ? 0 : 1;
+  if (!in_bounds(header, lowest_node) || !fields_in_bounds(*message)) return Refusal::kOutOfBounds;
   out.kind = kind;
   out.header = header;
   out.size = static_cast<std::uint32_t>(bytes.size());

@@ -47,6 +47,8 @@ class RecordReader {
     std::string what;
   };
   const std::vector<Damage>& damage() const;
+  /// True if no segment follows this one.
+  bool is_last(const std::filesystem::path& segment) const;
 
  private:
   struct State;

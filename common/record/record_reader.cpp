@@ -56,6 +56,10 @@ void RecordReader::finish() {
   state_->finished = true;
 }
 
+bool RecordReader::is_last(const std::filesystem::path& segment) const {
+  return segment == segment_path(state_->folder, segment_numbers(state_->folder).back());
+}
+
 const std::vector<RecordReader::Damage>& RecordReader::damage() const {
   return state_->damage;
 }

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <random>
+#include <vector>
+
+#include "common/bus/control.hpp"
+#include "common/clock/clocks.hpp"
+
+namespace roadbalance {
+
+/// Claims the nodes heard, starts them, and stops and releases them in the end; a pure state machine.
+///
+/// A command is repeated with the same request number until it is answered or the heartbeat shows its effect;
+/// after a refusal it is asked anew.
+class NodeControl {
+ public:
+  NodeControl(std::int64_t incarnation, std::vector<std::int32_t> only, bool start, std::uint64_t seed);
+
+  void take(const Heartbeat& heartbeat, WallTime now);
+  void take(const Reply& reply);
+  /// From now on nodes are stopped.
+  void stop() { stopping_ = true; }
+  void set_incarnation(std::int64_t incarnation);
+
+  /// Commands to send now.
+  std::vector<Command> due(WallTime now);
+  /// Release commands for all nodes owned, for the end.
+  std::vector<Command> farewell();
+
+  /// A higher incarnation that a node obeys although nobody else speaks for it; 0: none.
+  std::int64_t obeyed_higher() const { return obeyed_higher_; }
+  /// The node was started and its end is to be waited for.
+  bool was_started(std::int32_t node) const;
+  bool is_owned(std::int32_t node) const;
+
+ private:
+  struct Node {
+    std::int64_t epoch = 0;
+    NodeState state = NodeState::kPreview;
+    bool owned = false;
+    bool started = false;
+    Verb verb = Verb::kRelease;  // of the request below; release: none
+    std::int64_t request = 0;
+    WallTime sent_at{};
+  };
+  Verb wanted(const Node& node) const;
+  Command command(std::int32_t number, const Node& node) const;
+
+  std::int64_t incarnation_;
+  const std::vector<std::int32_t> only_;
+  const bool start_;
+  bool stopping_ = false;
+  std::int64_t obeyed_higher_ = 0;
+  std::mt19937_64 random_;
+  std::map<std::int32_t, Node> nodes_;
+};
+
+}  // namespace roadbalance

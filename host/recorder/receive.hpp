@@ -1,0 +1,22 @@
+#pragma once
+
+#include <stop_token>
+#include <vector>
+
+#include "common/process/channel.hpp"
+#include "host/recorder/recorder.hpp"
+#include "host/recorder/recover.hpp"
+#include "host/recorder/write.hpp"
+
+namespace roadbalance {
+
+/// Process: bus -> deliveries, and acknowledgements and commands back.
+///
+/// When told to stop it stops the nodes, goes on until their ends are durable or nothing more comes, releases
+/// them, and so closes `deliveries`.  It also ends when the writer is gone.
+/// @throws std::runtime_error naming the bus
+void receive(std::stop_token stop, const RecorderOptions& options, const Recovered& recovered,
+             Out<std::vector<Delivery>> deliveries, In<std::vector<DurableMark>> durable,
+             RecorderReport& report);
+
+}  // namespace roadbalance

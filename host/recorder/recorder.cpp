@@ -1,0 +1,39 @@
+#include "host/recorder/recorder.hpp"
+
+#include <functional>
+#include <utility>
+
+#include "common/process/parallel.hpp"
+#include "host/recorder/receive.hpp"
+#include "host/recorder/recover.hpp"
+#include "host/recorder/write.hpp"
+
+namespace roadbalance {
+namespace {
+// Credit bounds what is under way to a few thousand blocks a node, so these are never full.
+constexpr std::size_t kDeliveryBatches = 65'536;
+constexpr std::size_t kDurableBatches = 64;
+}  // namespace
+
+RecorderReport run_recorder(std::stop_token stop, const RecorderOptions& options) {
+  // The writer locks the folder and cuts a torn tail before anybody reads it.
+  RecordWriter record({.folder = options.folder, .segment_bytes = options.segment_bytes});
+  Recovered recovered = recover_record(options.folder);
+  auto vehicle = recovered.vehicle;
+
+  auto [deliveries_out, deliveries_in] = make_channel<std::vector<Delivery>>(kDeliveryBatches);
+  auto [durable_out, durable_in] = make_channel<std::vector<DurableMark>>(kDurableBatches);
+  const WriteOptions write_options{.folder = options.folder, .commit_period = options.commit_period};
+  RecorderReport report;
+
+  Parallel recorder;
+  const std::stop_callback pass_on(stop, [&recorder] { recorder.request_stop(); });
+  recorder.run(write_record, std::cref(write_options), std::move(record), std::move(vehicle),
+               std::move(deliveries_in), std::move(durable_out));
+  recorder.run(receive, std::cref(options), std::cref(recovered), std::move(deliveries_out),
+               std::move(durable_in), std::ref(report));
+  recorder.wait();
+  return report;
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+namespace roadbalance {
+
+/// One node epoch as the recorder knows it.
+struct NodeReport {
+  std::int32_t node = 0;
+  std::int64_t epoch = 0;
+  std::int64_t samples_sent = 0;      ///< scans the node took between start and stop, as it says
+  std::int64_t samples_recorded = 0;  ///< scans in recorded blocks
+  std::int64_t gaps = 0;              ///< declared, by the node or here
+  std::int64_t repaired = 0;          ///< blocks that came only after they were asked for
+  std::int64_t blocks = 0;            ///< recorded, gaps included
+  std::int64_t durable = 0;           ///< last block on the disk with all before it
+  bool started = false;               ///< the node measures or has measured
+  bool ended = false;                 ///< the end of the epoch is recorded
+};
+
+struct RecorderReport {
+  std::vector<NodeReport> node;  ///< every epoch heard in this run, by node and then in order of time
+  std::int64_t blocks_refused =
+      0;                    ///< datagrams that are no block of an epoch being recorded, repeats included
+  std::uint64_t bytes = 0;  ///< written
+};
+
+struct RecorderOptions {
+  std::string url;
+  std::filesystem::path folder;
+  bool start = true;                ///< start each node that is claimed
+  std::vector<std::int32_t> nodes;  ///< claim only these; empty: every node heard
+  /// End when each of `nodes` has ended and all of it is on the disk.
+  bool end_with_nodes = false;
+  std::uint64_t segment_bytes = std::uint64_t{256} << 20;
+  std::chrono::milliseconds commit_period{200};
+  /// After a stop request: how long to wait without any news for the nodes' last blocks.
+  std::chrono::milliseconds patience{10'000};
+  /// Called about five times a second from a thread of the recorder.
+  std::function<void(const RecorderReport&)> on_progress;
+  /// Called once everything is subscribed: nodes heard from now on are not missed.
+  std::function<void()> on_ready;
+};
+
+/// Records every node that it hears until told to stop, then stops the nodes, waits for their last blocks,
+/// and closes the record.  An existing folder is continued: what it holds is not recorded again.
+///
+/// Bus -> receive -> channel -> write -> disk; what is durable flows back and is acknowledged.
+/// @throws std::runtime_error, std::system_error naming bus, folder or file
+RecorderReport run_recorder(std::stop_token stop, const RecorderOptions& options);
+
+}  // namespace roadbalance

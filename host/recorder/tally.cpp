@@ -1,0 +1,83 @@
+#include "host/recorder/tally.hpp"
+
+#include <algorithm>
+
+#include "common/bus/codec.hpp"
+
+namespace roadbalance {
+
+Tally::Tally(const Recovered& recovered) {
+  for (const auto& [key, epoch] : recovered.epoch)
+    counts_[key] = {.node = key.first,
+                    .epoch = key.second,
+                    .samples_sent = epoch.samples,
+                    .samples_recorded = epoch.samples,
+                    .gaps = epoch.gaps,
+                    .blocks = epoch.blocks,
+                    .durable = epoch.position.contiguous,
+                    .started = epoch.samples > 0,
+                    .ended = epoch.position.ended};
+}
+
+NodeReport& Tally::of(std::int32_t node, std::int64_t epoch) {
+  NodeReport& report = counts_[{node, epoch}];
+  report.node = node;
+  report.epoch = epoch;
+  return report;
+}
+
+void Tally::take(const Heartbeat& heartbeat) {
+  const NodeEpoch key{heartbeat.node, heartbeat.epoch};
+  if (std::find(heard_.begin(), heard_.end(), key) == heard_.end()) heard_.push_back(key);
+  NodeReport& report = of(heartbeat.node, heartbeat.epoch);
+  report.samples_sent = std::max(report.samples_sent, heartbeat.scans_sampled);
+  report.started = report.started || heartbeat.state != NodeState::kPreview;
+}
+
+void Tally::take(const Delivery& delivery) {
+  if (const auto* gap = std::get_if<GapBlock>(&delivery)) {
+    NodeReport& report = of(gap->header.node, gap->header.epoch);
+    ++report.gaps;
+    ++report.blocks;
+    report.ended = report.ended || gap->cause == GapCause::kNodeCrash;
+    return;
+  }
+  const auto& block = std::get<SealedBlock>(delivery);
+  NodeReport& report = of(block.header.node, block.header.epoch);
+  ++report.blocks;
+  if (block.kind == BlockKind::kGap) ++report.gaps;
+  if (block.kind == BlockKind::kScan) {
+    report.samples_recorded += block.header.scans;
+    report.started = true;
+  }
+  if (block.kind == BlockKind::kEnd) {
+    const EndBlock end = decode_end(block);
+    report.samples_sent = end.scans_sealed + end.scans_missing;
+    report.ended = true;
+  }
+}
+
+void Tally::take(std::int32_t node, const EpochReceiver& epoch) {
+  NodeReport& report = of(node, epoch.epoch());
+  report.repaired = epoch.repaired();
+}
+
+void Tally::take_durable(std::int32_t node, std::int64_t epoch, std::int64_t sequence) {
+  NodeReport& report = of(node, epoch);
+  report.durable = std::max(report.durable, sequence);
+}
+
+const NodeReport* Tally::find(std::int32_t node, std::int64_t epoch) const {
+  const auto found = counts_.find({node, epoch});
+  return found == counts_.end() ? nullptr : &found->second;
+}
+
+RecorderReport Tally::report() const {
+  RecorderReport report;
+  for (const auto& key : heard_) report.node.push_back(counts_.at(key));
+  std::stable_sort(report.node.begin(), report.node.end(),
+                   [](const NodeReport& a, const NodeReport& b) { return a.node < b.node; });
+  return report;
+}
+
+}  // namespace roadbalance
