@@ -78,6 +78,12 @@ bool Sealer::write_metas() noexcept {
   return true;
 }
 
+std::size_t Sealer::most_blocks(std::size_t scans, std::size_t edges) const noexcept {
+  // Index jumps make more, but a device that waits for its reader loses nothing.
+  constexpr std::size_t kOthers = 8;
+  return meta_.size() + (waiting_.size() + scans) / kScansPerBlock + edges / kEdgesPerBlock + kOthers;
+}
+
 const Scan& Sealer::at(std::int64_t position) const noexcept {
   return waiting_[static_cast<std::size_t>(position) % waiting_.size()];
 }

@@ -61,6 +61,13 @@ class Sealer {
     return reference_.has_encoder(line) ? reference_.encoder(line).faulty_turns() : 0;
   }
 
+  double speed_rad_s(int line) const noexcept {
+    return reference_.has_encoder(line) ? reference_.encoder(line).speed_rad_s(now_) : 0.0;
+  }
+
+  /// Blocks that adding so many scans and edges can write at most, with what is waiting and the end.
+  std::size_t most_blocks(std::size_t scans, std::size_t edges) const noexcept;
+
   static constexpr std::int64_t kLongestWait_ns = 100'000'000;
 
  private:

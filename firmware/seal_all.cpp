@@ -47,8 +47,10 @@ void seal_all(FrontEnd& front_end, const VehicleConfig& vehicle, const NodeConfi
   sealer.start();
   for (Read read; read.status == ReadStatus::kOk; sink.rethrow()) {
     read = front_end.read(scans, edges);
-    sealer.add(std::span(scans).first(read.scans), std::span(edges).first(read.edges), read.edges == edges.size());
-    if (read.status == ReadStatus::kFailed) throw std::runtime_error("front end of node " + node.name + " failed");
+    sealer.add(std::span(scans).first(read.scans), std::span(edges).first(read.edges),
+               read.edges == edges.size());
+    if (read.status == ReadStatus::kFailed)
+      throw std::runtime_error("front end of node " + node.name + " failed");
   }
   sealer.device_ended();
   static_cast<void>(sealer.finish());  // this sink always takes it

@@ -8,8 +8,8 @@
 
 namespace roadbalance {
 
-/// Reads a front end to its end and hands over every block of the epoch, as a node would seal them: for import
-/// and studies, without threads and without a bus.
+/// Reads a front end to its end and hands over every block of the epoch, as a node would seal them: for
+/// import and studies, without threads and without a bus.
 ///
 /// @param jump  cause of a jump in the front end's scan index
 /// @throws std::runtime_error if the front end fails; what `take` throws

@@ -1,0 +1,62 @@
+#include "firmware/acquire.hpp"
+
+#include <chrono>
+#include <thread>
+
+namespace roadbalance {
+
+namespace {
+
+/// How long to leave a device alone that waits for us, or a sink that is full after the end.
+constexpr auto kPatience = std::chrono::microseconds(200);
+
+void tell(const Sealer& sealer, NodeState state, AcquireLink& link) noexcept {
+  constexpr auto kRelaxed = std::memory_order_relaxed;
+  link.time_ns.store(to_ns(sealer.time()), kRelaxed);
+  link.scans_sampled.store(sealer.counts().scans_sampled, kRelaxed);
+  link.scans_missing.store(sealer.counts().scans_missing, kRelaxed);
+  link.unreferenced_blocks.store(sealer.counts().unreferenced_blocks, kRelaxed);
+  for (std::size_t line = 0; line < kEncoderLines; ++line) {
+    link.encoder_faults[line].store(sealer.encoder_faults(static_cast<int>(line)), kRelaxed);
+    link.speed_rad_s[line].store(sealer.speed_rad_s(static_cast<int>(line)), kRelaxed);
+  }
+  link.state.store(state, std::memory_order_release);
+}
+
+/// Until the end is written; a sink that stays full is asked again and again.
+void finish(std::stop_token stop, Sealer& sealer) noexcept {
+  while (!sealer.finish() && !stop.stop_requested()) std::this_thread::sleep_for(kPatience);
+}
+
+}  // namespace
+
+void acquire(std::stop_token stop, FrontEnd& front_end, Sealer& sealer, BlockSink& sink,
+             AcquireLink& link) noexcept {
+  std::array<Scan, kScansPerRead> scans;
+  std::array<Edge, kEdgesPerRead> edges;
+  const std::size_t most = sealer.most_blocks(scans.size(), edges.size());
+  NodeState last = NodeState::kEnded;
+  while (!stop.stop_requested()) {
+    if (link.start.load(std::memory_order_acquire)) sealer.start();
+    if (link.stop.load(std::memory_order_acquire)) {
+      sealer.stop();
+      if (sealer.finish()) break;
+    }
+    if (front_end.waits() && (!sealer.started() || sink.room() < most)) {
+      std::this_thread::sleep_for(kPatience);
+      continue;
+    }
+    const Read read = front_end.read(scans, edges);
+    sealer.add(std::span(scans).first(read.scans), std::span(edges).first(read.edges),
+               read.edges == edges.size());
+    tell(sealer, sealer.started() ? NodeState::kStarted : NodeState::kPreview, link);
+    if (read.status == ReadStatus::kOk) continue;
+    if (read.status == ReadStatus::kFailed) last = NodeState::kFailed;
+    break;
+  }
+  sealer.device_ended();
+  if (sealer.started()) finish(stop, sealer);
+  tell(sealer, last, link);
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <stop_token>
+
+#include "common/frontend/front_end.hpp"
+#include "firmware/pack.hpp"
+
+namespace roadbalance {
+
+/// All that passes between acquire and uplink beside the ring and the preview.  Each member has one writer.
+struct AcquireLink {
+  // Written by uplink.
+  std::atomic<bool> start{false};
+  std::atomic<bool> stop{false};
+
+  // Written by acquire.
+  std::atomic<NodeState> state{
+      NodeState::kPreview};  ///< kEnded and kFailed are final: nothing more is sealed
+  std::atomic<std::int64_t> time_ns{0};
+  std::atomic<std::int64_t> scans_sampled{0}, scans_missing{0}, unreferenced_blocks{0};
+  std::array<std::atomic<std::int64_t>, kEncoderLines> encoder_faults{};
+  std::array<std::atomic<double>, kEncoderLines> speed_rad_s{};
+};
+
+/// Process: front end -> sealed blocks.  The one process with a deadline: it never allocates, locks, logs,
+/// throws or waits for anything but its device.
+///
+/// Starts and stops when `link` says so.  A device that waits for its reader is read only when
+/// started and while `sink` has room for all that one read can produce.  Ends when everything up to stop or
+/// the device's end is in the sink with its end, or when told to stop: then with what the sink takes at once.
+void acquire(std::stop_token stop, FrontEnd& front_end, Sealer& sealer, BlockSink& sink,
+             AcquireLink& link) noexcept;
+
+/// A read takes at most so many.
+inline constexpr std::size_t kScansPerRead = 256;
+inline constexpr std::size_t kEdgesPerRead = 4096;
+
+}  // namespace roadbalance

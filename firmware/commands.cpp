@@ -1,0 +1,75 @@
+#include "firmware/commands.hpp"
+
+#include <algorithm>
+
+namespace roadbalance {
+
+namespace {
+constexpr std::size_t kKnownReplies = 64;
+constexpr std::size_t kMostUnsent = 64;
+}  // namespace
+
+Commands::Commands(std::int32_t node, std::int64_t epoch, const Ring& ring, Sender& sender, AcquireLink& link)
+    : node_(node), epoch_(epoch), ring_(ring), sender_(sender), link_(link) {}
+
+bool Commands::ended() const {
+  const NodeState state = link_.state.load(std::memory_order_acquire);
+  return state == NodeState::kEnded || state == NodeState::kFailed;
+}
+
+void Commands::take(const Command& command, WallTime now) {
+  if (command.node != node_ || to_send_.size() >= kMostUnsent) return;
+  const auto known = std::find_if(known_.begin(), known_.end(),
+                                  [&](const Reply& reply) { return reply.request == command.request; });
+  if (known != known_.end()) {
+    to_send_.push_back(*known);
+    return;
+  }
+  if (stop_request_ && stop_request_->request == command.request) return;
+  const CommandError result = act(command, now);
+  if (command.verb == Verb::kStop && result == CommandError::kNone)
+    stop_request_ = command;
+  else
+    answer(command, result, command.verb == Verb::kStart ? 1 : ring_.next());
+}
+
+CommandError Commands::act(const Command& command, WallTime now) {
+  const bool owner = command.incarnation == sender_.owner() && sender_.owner() != 0;
+  switch (command.verb) {
+    case Verb::kClaim:
+      return sender_.claim(command.incarnation, now) ? CommandError::kNone : CommandError::kNotOwner;
+    case Verb::kRelease:
+      return sender_.release(command.incarnation) ? CommandError::kNone : CommandError::kNotOwner;
+    case Verb::kStart:
+      if (!owner) return CommandError::kNotOwner;
+      if (ended()) return CommandError::kEnded;
+      link_.start.store(true, std::memory_order_release);
+      return CommandError::kNone;
+    case Verb::kStop:
+      if (!owner) return CommandError::kNotOwner;
+      link_.stop.store(true, std::memory_order_release);
+      return CommandError::kNone;
+  }
+  return CommandError::kUnknownVerb;
+}
+
+void Commands::answer(const Command& command, CommandError result, std::int64_t sequence) {
+  const Reply reply{node_, epoch_, command.request, result, sequence};
+  known_.push_back(reply);
+  if (known_.size() > kKnownReplies) known_.pop_front();
+  to_send_.push_back(reply);
+}
+
+std::optional<Reply> Commands::next_reply() {
+  if (stop_request_ && ended()) {
+    const Command request = *stop_request_;
+    stop_request_.reset();
+    answer(request, CommandError::kNone, ring_.next() - 1);
+  }
+  if (to_send_.empty()) return std::nullopt;
+  const Reply reply = to_send_.front();
+  to_send_.pop_front();
+  return reply;
+}
+
+}  // namespace roadbalance

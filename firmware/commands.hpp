@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+#include "common/bus/control.hpp"
+#include "common/link/sender.hpp"
+#include "firmware/acquire.hpp"
+
+namespace roadbalance {
+
+/// The node's answers to commands, as a pure state machine.  A request acts once, however often it comes, and
+/// gets the same reply each time; a stop is answered when the end is sealed, with the end's sequence.
+class Commands {
+ public:
+  Commands(std::int32_t node, std::int64_t epoch, const Ring& ring, Sender& sender, AcquireLink& link);
+
+  void take(const Command& command, WallTime now);
+
+  /// The next reply to send, if there is one.
+  std::optional<Reply> next_reply();
+  /// A stop is not answered yet.
+  bool waiting() const { return stop_request_.has_value(); }
+
+ private:
+  void answer(const Command& command, CommandError result, std::int64_t sequence);
+  CommandError act(const Command& command, WallTime now);
+  bool ended() const;
+
+  const std::int32_t node_;
+  const std::int64_t epoch_;
+  const Ring& ring_;
+  Sender& sender_;
+  AcquireLink& link_;
+  std::optional<Command> stop_request_;
+  std::deque<Reply> known_;  ///< latest replies, to repeat
+  std::deque<Reply> to_send_;
+};
+
+}  // namespace roadbalance

@@ -1,0 +1,49 @@
+#include <cstdio>
+#include <exception>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "common/bus/bus.hpp"
+#include "common/config/section.hpp"
+#include "common/frontend/registry.hpp"
+#include "common/process/stop_on_signal.hpp"
+#include "firmware/node.hpp"
+#include "sim/front_end.hpp"
+
+using namespace roadbalance;
+
+int main(int argc, char** argv) {
+  const StopOnSignal signals;
+  CLI::App app{"rb-node: samples one node of the vehicle and streams its blocks to the recorder"};
+  std::string vehicle_file, node_name, front_end_uri, bus_url = default_bus_url();
+  double ring_mib = 16.0;
+  app.add_option("--vehicle", vehicle_file, "vehicle.toml")->required();
+  app.add_option("--node", node_name, "name of this node in vehicle.toml")->required();
+  app.add_option("--front-end", front_end_uri, "where samples come from, e.g. sim:?seed=1")->required();
+  app.add_option("--url", bus_url, "LCM address")->capture_default_str();
+  app.add_option("--ring-mib", ring_mib, "memory for blocks the recorder does not have yet, MiB")
+      ->check(CLI::Range(0.25, 4096.0))
+      ->capture_default_str();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  try {
+    const VehicleConfig vehicle = VehicleConfig::read_file(vehicle_file);
+    const NodeConfig& node = vehicle.node_named(node_name);
+    FrontEndRegistry front_ends;
+    front_ends.add("sim", sim::open_sim_front_end);
+    const auto front_end = front_ends.open(front_end_uri, vehicle, node);
+    run_node(signals.token(), vehicle, node, *front_end,
+             {.bus_url = bus_url, .ring_bytes = static_cast<std::size_t>(ring_mib * 1024 * 1024)});
+    return 0;
+  } catch (const ConfigError& error) {
+    std::fprintf(stderr, "rb-node: %s\n", error.what());
+    return 2;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "rb-node: %s\n", error.what());
+    return 4;
+  }
+}

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <stop_token>
+#include <string>
+
+#include "common/config/vehicle_config.hpp"
+#include "common/frontend/front_end.hpp"
+#include "common/link/ring.hpp"
+
+namespace roadbalance {
+
+struct NodeOptions {
+  std::string bus_url;
+  std::size_t ring_bytes = Ring::kDefaultBytes;
+};
+
+/// A whole worker node: acquire and uplink side by side with the ring between them.  The same in rb-node and
+/// as a thread of another program.
+///
+/// Begins a new epoch; samples are kept from a recorder's start command on.  Returns when the device has
+/// ended or was stopped by command and all that was sealed is durable at the owner, or soon after `stop` is
+/// requested.
+///
+/// @throws ConfigError if the ring is too small; std::runtime_error if the bus cannot be opened or the
+///         device failed (then after all it gave is durable)
+void run_node(std::stop_token stop, const VehicleConfig& vehicle, const NodeConfig& node, FrontEnd& front_end,
+              const NodeOptions& options);
+
+}  // namespace roadbalance

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstdint>
+#include <stop_token>
+#include <string>
+
+#include "common/link/ring.hpp"
+#include "firmware/acquire.hpp"
+#include "firmware/preview_slot.hpp"
+
+namespace roadbalance {
+
+/// Process: ring and preview -> bus; acknowledgements and commands -> ring and acquire.  Has patience: it may
+/// hang or die and sampling goes on until the ring is full.
+///
+/// Ends when acquire has ended and the owner has everything durable; told to stop, within a second.
+///
+/// @throws std::runtime_error if the bus cannot be opened
+void uplink(std::stop_token stop, const std::string& bus_url, std::int32_t node, std::int64_t epoch,
+            Ring& ring, PreviewSlot& preview, AcquireLink& link);
+
+}  // namespace roadbalance
