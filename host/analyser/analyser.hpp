@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+#include <stop_token>
+#include <string>
+
+namespace roadbalance {
+
+struct AnalyserOptions {
+  std::string url;               ///< of the bus
+  std::filesystem::path record;  ///< folder that the recorder writes
+  bool exit_at_end = false;      ///< return once every node has ended and the last estimate is out
+};
+
+/// Process: record and bus -> results on the bus.
+///
+/// Waits for the record to tell the vehicle, then runs two processes side by side: the live view (levels and
+/// spectra of what the bus brings; it may skip and says so) and identification (of the record as it grows;
+/// complete, in sequence).  Knows nothing that the record does not say.
+///
+/// Returns when told to stop.
+/// @throws ConfigError if the record's vehicle cannot be analysed, std::runtime_error if there is no bus
+void run_analyser(std::stop_token stop, const AnalyserOptions& options);
+
+}  // namespace roadbalance

@@ -1,0 +1,98 @@
+#include "host/analyser/follow_record.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <set>
+#include <thread>
+#include <utility>
+
+#include "common/bus/bus.hpp"
+#include "common/bus/codec.hpp"
+#include "common/bus/control.hpp"
+#include "common/bus/results.hpp"
+#include "common/record/record.hpp"
+#include "host/analyser/durable_gate.hpp"
+#include "host/analyser/in_sequence.hpp"
+#include "host/identify/drive_estimator.hpp"
+
+namespace roadbalance {
+namespace {
+
+constexpr std::chrono::seconds kRepeat{1};
+/// The last estimate is sent this often before leaving: nobody acknowledges results.
+constexpr int kFarewells = 3;
+
+class Follower {
+ public:
+  Follower(const AnalyserOptions& options, const VehicleConfig& vehicle)
+      : bus_(options.url), reader_(options.record), estimator_(vehicle), gate_(WallClock::now()) {
+    for (const auto& node : vehicle.node) running_.insert(node.id);
+    bus_.subscribe("RB_ACK_.*", [this](std::string_view, std::span<const std::uint8_t> bytes) {
+      if (const auto ack = decode_ack(bytes)) gate_.acknowledge(*ack, WallClock::now());
+    });
+  }
+
+  bool ended() const { return running_.empty(); }
+
+  /// Waits a moment for acknowledgements, then consumes what is durable.
+  void step(const std::stop_token& stop) {
+    bus_.handle(kRecordPoll);
+    while (!ended() && !stop.stop_requested() && take()) publish_news();
+    if (WallClock::now() - published_ > kRepeat) publish();
+  }
+
+  void publish() {
+    const DriveEstimate& estimate = estimator_.estimate();
+    bus_.publish(kIdentificationChannel, encode(estimate.identification));
+    for (const Balance& balance : estimate.balance) bus_.publish(kBalanceChannel, encode(balance));
+    published_ = WallClock::now();
+  }
+
+ private:
+  /// Takes the next block of the record, if it is durable.
+  bool take() {
+    if (!waiting_) {
+      const auto event = reader_.next();
+      if (!event) return false;
+      if (accept(event->data, *block_) != Refusal::kNone) return true;
+    }
+    waiting_ = !gate_.passes(block_->header, WallClock::now());
+    if (waiting_) return false;
+    in_sequence_.add(*block_, [this](const SealedBlock& block) {
+      estimator_.consume(block);
+      if (block.kind == BlockKind::kEnd) running_.erase(block.header.node);
+    });
+    return true;
+  }
+
+  void publish_news() {
+    if (std::exchange(version_, estimator_.version()) != version_) publish();
+    // A long record must not keep acknowledgements waiting.
+    if (++taken_ % 256 == 0) bus_.handle(std::chrono::milliseconds(0));
+  }
+
+  Bus bus_;
+  RecordReader reader_;
+  DriveEstimator estimator_;
+  DurableGate gate_;
+  InSequence in_sequence_;
+  std::set<std::int32_t> running_;  ///< nodes whose end has not been seen
+  std::unique_ptr<SealedBlock> block_ = std::make_unique<SealedBlock>();
+  bool waiting_ = false;  ///< `block_` was read and is not durable yet
+  std::int64_t version_ = 0;
+  std::int64_t taken_ = 0;
+  WallTime published_{};
+};
+
+}  // namespace
+
+void follow_record(std::stop_token stop, const AnalyserOptions& options, const VehicleConfig& vehicle) {
+  Follower follower(options, vehicle);
+  while (!stop.stop_requested() && !(follower.ended() && options.exit_at_end)) follower.step(stop);
+  for (int i = 0; i < kFarewells && follower.ended(); ++i) {
+    follower.publish();
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+}
+
+}  // namespace roadbalance

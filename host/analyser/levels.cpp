@@ -1,0 +1,83 @@
+#include "host/analyser/levels.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace roadbalance {
+
+LevelMeter::LevelMeter(const VehicleConfig& vehicle, const NodeConfig& node) : node_(node) {
+  for (int line = kEncoderLines - 1; line >= 0; --line)
+    if (const auto wheel = vehicle.wheel_at(node, line)) {
+      line_ = line;
+      rolling_radius_m_ = vehicle.wheel[static_cast<std::size_t>(*wheel)].rolling_radius_m;
+    }
+}
+
+void LevelMeter::add(const ScanBlock& block) {
+  overload_ |= static_cast<std::uint32_t>(block.overload);
+  period_s_ = static_cast<double>(block.period_ps) * 1e-12;
+  end_ns_ = block.row_time_ns(block.header.scans);
+  for (std::int64_t r = 0; r < block.header.scans; ++r) {
+    const auto& row = block.counts[static_cast<std::size_t>(r)];
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      Sums& sums = sums_[c];
+      const double value = row[c];
+      if (scans_ == 0) sums = {value, 0.0, 0.0, value, value};
+      sums.sum += value - sums.first;
+      sums.squares += (value - sums.first) * (value - sums.first);
+      sums.least = std::min(sums.least, value);
+      sums.most = std::max(sums.most, value);
+    }
+    ++scans_;
+    add_speed(block, row);
+  }
+}
+
+/// Adds the angle between this scan's reference and the last one's.
+void LevelMeter::add_speed(const ScanBlock& block, const std::array<std::int32_t, kChannels>& row) {
+  if (!line_ || (block.quality & (*line_ == 0 ? kQualityNoReference0 : kQualityNoReference1))) {
+    before_.reset();
+    return;
+  }
+  const auto sine = static_cast<std::size_t>(kAccelerations + 2 * *line_);
+  const std::array<double, 2> now{static_cast<double>(row[sine]), static_cast<double>(row[sine + 1])};
+  if (before_) {
+    const auto [s, c] = *before_;
+    turned_rad_ += std::atan2(now[0] * c - now[1] * s, now[1] * c + now[0] * s);
+    ++turning_scans_;
+  }
+  before_ = now;
+}
+
+std::optional<Level> LevelMeter::take() {
+  if (scans_ == 0) return std::nullopt;
+  Level level;
+  level.node = node_.id;
+  level.time_ns = end_ns_;
+  level.seconds = static_cast<double>(scans_) * period_s_;
+  level.overload = overload_;
+  const auto count = static_cast<double>(scans_);
+  for (std::size_t c = 0; c < sums_.size(); ++c) {
+    const bool acceleration = c < kAccelerations;
+    if (acceleration && c >= node_.channel.size()) continue;
+    const Sums& sums = sums_[c];
+    const double mean = sums.first + sums.sum / count;
+    const double scale = acceleration ? node_.channel[c].scale_m_s2_per_count : 1.0 / kFullScaleCounts;
+    level.mean[c] = acceleration ? node_.channel[c].to_si(mean) : mean * scale;
+    const double variance = sums.squares / count - (sums.sum / count) * (sums.sum / count);
+    level.rms[c] = std::sqrt(std::max(variance, 0.0)) * std::abs(scale);
+    level.peak[c] = std::max(sums.most - mean, mean - sums.least) * std::abs(scale);
+    if (acceleration && scans_ >= kDeadScans && sums.most == sums.least) level.dead |= 1U << c;
+  }
+  level.speed_m_s = turning_scans_ > 0
+                        ? turned_rad_ / (static_cast<double>(turning_scans_) * period_s_) * rolling_radius_m_
+                        : std::numeric_limits<double>::quiet_NaN();
+  scans_ = 0;
+  overload_ = 0;
+  turned_rad_ = 0;
+  turning_scans_ = 0;
+  return level;
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "common/bus/results.hpp"
+#include "common/config/vehicle_config.hpp"
+#include "common/link/blocks.hpp"
+
+namespace roadbalance {
+
+/// Levels of one node's channels over intervals: mean, rms and peak about the mean, overload, dead channels,
+/// speed.
+class LevelMeter {
+ public:
+  /// A channel that shows not one count of noise in this many scans carries no signal.
+  static constexpr std::int64_t kDeadScans = 100;
+
+  LevelMeter(const VehicleConfig& vehicle, const NodeConfig& node);
+
+  void add(const ScanBlock& block);
+
+  /// Levels since the last take(); nothing if no scan came.
+  std::optional<Level> take();
+
+ private:
+  struct Sums {
+    double first = 0;  ///< sums count from it, or squares would lose their digits
+    double sum = 0;
+    double squares = 0;
+    double least = 0;
+    double most = 0;
+  };
+  void add_speed(const ScanBlock& block, const std::array<std::int32_t, kChannels>& row);
+
+  NodeConfig node_;
+  std::optional<int> line_;  ///< encoder line of the node's first wheel
+  double rolling_radius_m_ = 0;
+  std::array<Sums, kChannels> sums_{};
+  std::int64_t scans_ = 0;
+  double period_s_ = 0;
+  std::int64_t end_ns_ = 0;
+  std::uint32_t overload_ = 0;
+  double turned_rad_ = 0;
+  std::int64_t turning_scans_ = 0;
+  std::optional<std::array<double, 2>> before_;  ///< last sin, cos
+};
+
+}  // namespace roadbalance

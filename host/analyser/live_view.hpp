@@ -1,0 +1,15 @@
+#pragma once
+
+#include <stop_token>
+#include <string>
+
+#include "common/config/vehicle_config.hpp"
+
+namespace roadbalance {
+
+/// Process: blocks and previews from the bus -> levels ten times and spectra once a second (wall time).
+///
+/// It asks nobody for repairs: what it did not see it counts in Level::skipped.
+void live_view(std::stop_token stop, const std::string& url, const VehicleConfig& vehicle);
+
+}  // namespace roadbalance

@@ -1,0 +1,40 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <system_error>
+
+#include "common/bus/bus.hpp"
+#include "common/config/section.hpp"
+#include "common/process/stop_on_signal.hpp"
+#include "host/analyser/analyser.hpp"
+
+namespace {
+
+int fail(const std::exception& error, int code) {
+  std::fprintf(stderr, "rb-analyser: %s\n", error.what());
+  return code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const roadbalance::StopOnSignal signals;
+  roadbalance::AnalyserOptions options;
+  options.url = roadbalance::default_bus_url();
+  CLI::App app("Turns a growing record and the live bus into levels, spectra, identification and balance.");
+  app.add_option("--url", options.url, "LCM address of the bus")->capture_default_str();
+  app.add_option("--record", options.record, "folder that rb-recorder writes")->required();
+  app.add_flag("--exit-at-end", options.exit_at_end,
+               "exit once every node has ended and the last estimate is out");
+  try {
+    app.parse(argc, argv);
+    roadbalance::run_analyser(signals.token(), options);
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  } catch (const roadbalance::ConfigError& error) {
+    return fail(error, 2);
+  } catch (const std::exception& error) {
+    return fail(error, 4);
+  }
+}

@@ -1,0 +1,47 @@
+#include "tools/rb/bus_view.hpp"
+
+#include <algorithm>
+#include <span>
+#include <string_view>
+
+namespace roadbalance {
+
+BusView::BusView(const std::string& url) : bus_(url) {
+  using Bytes = std::span<const std::uint8_t>;
+  bus_.subscribe(kLevelChannel, [this](std::string_view, Bytes bytes) {
+    if (const auto level = decode_level(bytes)) levels_[level->node] = *level;
+  });
+  bus_.subscribe(kSpectrumChannel, [this](std::string_view, Bytes bytes) {
+    if (const auto part = decode_spectrum(bytes)) take(*part);
+  });
+  bus_.subscribe(kIdentificationChannel, [this](std::string_view, Bytes bytes) {
+    if (const auto message = decode_identification(bytes)) identification_ = *message;
+  });
+  bus_.subscribe(kBalanceChannel, [this](std::string_view, Bytes bytes) {
+    const auto message = decode_balance(bytes);
+    if (!message || message->wheel < 0 || message->wheel >= kWheels) return;
+    auto& last = balance_[static_cast<std::size_t>(message->wheel)];
+    news_ = news_ || !last || last->time_ns != message->time_ns;
+    last = *message;
+  });
+  bus_.subscribe("RB_HEARTBEAT_.*", [this](std::string_view, Bytes bytes) {
+    if (const auto beat = decode_heartbeat(bytes)) heartbeats_[beat->node] = *beat;
+  });
+}
+
+void BusView::take(const SpectrumPart& part) {
+  Line& line = lines_[{part.node, part.channel}];
+  if (part.part == 0) line = {};
+  const auto highest = std::max_element(part.density.begin(), part.density.end());
+  if (highest == part.density.end() || *highest <= line.density) return;
+  line.frequency_hz = part.first_hz + part.step_hz * static_cast<double>(highest - part.density.begin());
+  line.density = *highest;
+}
+
+bool BusView::handle(std::chrono::milliseconds timeout) {
+  news_ = false;
+  bus_.handle(timeout);
+  return news_;
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,108 @@
+#include "tools/rb/child.hpp"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+namespace roadbalance {
+namespace {
+
+constexpr int kCannotExecute = 127;
+
+/// In the child after fork: only what is safe there, then the program.
+[[noreturn]] void become(const char* program, char* const* arguments, const char* output_file,
+                         const char* log_file, pid_t parent) {
+  prctl(PR_SET_PDEATHSIG, SIGTERM);
+  if (getppid() != parent) _exit(kCannotExecute);  // it ended before the line above
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);  // StopOnSignal had blocked some
+  setpgid(0, 0);  // Ctrl-C in the terminal is for the parent, which ends its children in order
+  const int input = open("/dev/null", O_RDONLY);
+  const int output = open(output_file, O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  const int log = open(log_file, O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  if (input < 0 || output < 0 || log < 0 || dup2(input, 0) < 0 || dup2(output, 1) < 0 || dup2(log, 2) < 0)
+    _exit(kCannotExecute);
+  execv(program, arguments);
+  _exit(kCannotExecute);
+}
+
+}  // namespace
+
+Child::Child(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+             std::filesystem::path log)
+    : name_(program.filename().string()), log_(std::move(log)) {
+  if (access(program.c_str(), X_OK) != 0)
+    throw std::system_error(errno, std::generic_category(), "start " + program.string());
+  std::vector<std::string> words{program.string()};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> pointers;
+  for (auto& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  const std::string output = output_file().string();
+  const pid_t parent = getpid();
+  pid_ = fork();
+  if (pid_ < 0) throw std::system_error(errno, std::generic_category(), "fork for " + program.string());
+  if (pid_ == 0) become(program.c_str(), pointers.data(), output.c_str(), log_.c_str(), parent);
+}
+
+Child::Child(Child&& other) noexcept
+    : name_(std::move(other.name_)),
+      log_(std::move(other.log_)),
+      pid_(std::exchange(other.pid_, -1)),
+      code_(other.code_) {}
+
+Child::~Child() {
+  if (pid_ < 0) return;
+  stop();
+  for (int i = 0; i < 200 && !ended(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  if (ended()) return;
+  kill(pid_, SIGKILL);
+  waitpid(pid_, nullptr, 0);
+}
+
+std::optional<int> Child::ended() {
+  if (code_) return code_;
+  int status = 0;
+  if (waitpid(pid_, &status, WNOHANG) != pid_) return std::nullopt;
+  code_ = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  return code_;
+}
+
+void Child::stop() {
+  if (!ended()) kill(pid_, SIGTERM);
+}
+
+std::filesystem::path Child::output_file() const {
+  return std::filesystem::path(log_).replace_extension(".out");
+}
+
+std::string Child::output() const {
+  std::ifstream file(output_file());
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::string Child::last_words() const {
+  std::ifstream file(log_);
+  std::string line;
+  std::string last = "it said nothing";
+  while (std::getline(file, line))
+    if (!line.empty()) last = line;
+  return last;
+}
+
+std::filesystem::path sibling_program(const std::string& name) {
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path() / name;
+}
+
+}  // namespace roadbalance

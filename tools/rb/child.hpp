@@ -1,0 +1,49 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace roadbalance {
+
+/// A program started by this one, which does not outlive it.
+///
+/// Its messages go to the log file, its standard output to a file beside it.  To be started by the main
+/// thread: the kernel ends the child when the thread that started it ends.
+class Child {
+ public:
+  /// @throws std::system_error naming the program if it cannot be started
+  Child(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+        std::filesystem::path log);
+  Child(Child&& other) noexcept;
+  Child& operator=(Child&&) = delete;
+  /// Asks it to end, after two seconds makes it.
+  ~Child();
+
+  /// Exit code once it has ended, 128 + signal if a signal ended it.
+  std::optional<int> ended();
+  /// Asks it to end (SIGTERM).
+  void stop();
+
+  const std::string& name() const { return name_; }
+  /// All it has written to standard output.
+  std::string output() const;
+  /// The last line it wrote to standard error: why it failed.
+  std::string last_words() const;
+
+ private:
+  std::filesystem::path output_file() const;
+
+  std::string name_;
+  std::filesystem::path log_;
+  pid_t pid_ = -1;
+  std::optional<int> code_;
+};
+
+/// A program of ours that lies beside this one.
+std::filesystem::path sibling_program(const std::string& name);
+
+}  // namespace roadbalance

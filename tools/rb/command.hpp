@@ -1,0 +1,29 @@
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace roadbalance {
+
+/// Exit codes of every command.
+enum ExitCode : int {
+  kDone = 0,
+  kAnswerIsNo = 1,    ///< damaged, not identifiable, acceptance not met
+  kUsage = 2,         ///< command line or configuration
+  kIncomplete = 3,    ///< samples are missing, and every gap is declared
+  kCannotAccess = 4,  ///< cannot read, write, start or reach something
+};
+
+/// Each adds its subcommand to `app`.  When it is chosen it runs and puts its exit code into `code`; it
+/// throws ConfigError (kUsage) or another std::exception (kCannotAccess), which main prints.
+void add_demo(CLI::App& app, int& code);
+void add_watch(CLI::App& app, int& code);
+void add_doctor(CLI::App& app, int& code);
+void add_identify(CLI::App& app, int& code);
+void add_verify(CLI::App& app, int& code);
+void add_spectrum(CLI::App& app, int& code);
+void add_study(CLI::App& app, int& code);
+void add_import(CLI::App& app, int& code);
+
+}  // namespace roadbalance

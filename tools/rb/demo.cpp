@@ -1,0 +1,87 @@
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+
+#include "common/process/stop_on_signal.hpp"
+#include "sim/truth.hpp"
+#include "tools/rb/bus_view.hpp"
+#include "tools/rb/command.hpp"
+#include "tools/rb/demo_plan.hpp"
+#include "tools/rb/demo_report.hpp"
+#include "tools/rb/demo_team.hpp"
+#include "tools/rb/readout.hpp"
+
+namespace roadbalance {
+namespace {
+
+constexpr std::chrono::milliseconds kStep{50};
+
+int demo(const DemoOptions& options) {
+  const StopOnSignal signals;
+  const WallTime begin = WallClock::now();
+  const DemoPlan plan(options);
+  const sim::Truth truth = sim::truth_of(options.scenario, options.seed, plan.vehicle());
+  BusView view(plan.url());
+  Screen screen;
+  if (!options.headless)
+    std::printf(
+        "A simulated car drives %.0f s at %s times real time (assumption: tyres without radial force "
+        "variation).\n",
+        options.drive_seconds, options.rate.c_str());
+
+  const auto team = options.threads ? start_threads(plan) : start_processes(plan);
+  while (team->working()) {
+    if (signals.token().stop_requested()) {
+      std::fprintf(stderr, "rb demo: interrupted\n");
+      return kAnswerIsNo;
+    }
+    const bool news = view.handle(kStep);
+    if (!options.headless) screen.draw(demo_lines(view, truth), news);
+  }
+  const std::vector<NodeReport> recorded = team->finish();
+  while (view.handle(kStep)) continue;  // what is still in the socket
+  const double wall_s = std::chrono::duration<double>(WallClock::now() - begin).count();
+
+  nlohmann::ordered_json report = demo_report(view, truth, plan, recorded);
+  report["wall_s"] = wall_s;
+  if (!options.headless) {
+    screen.draw(demo_lines(view, truth), true);
+    for (const auto& node : report["nodes"])
+      std::printf("%s: %lld samples sent, %lld recorded, %lld gaps, %lld blocks repaired\n",
+                  node["name"].get<std::string>().c_str(), node["samples_sent"].get<long long>(),
+                  node["samples_recorded"].get<long long>(), node["gaps"].get<long long>(),
+                  node["repaired"].get<long long>());
+    std::printf("%.0f s of driving in %.1f s\n", report["drive_s"].get<double>(), wall_s);
+    if (!options.record.empty()) std::printf("the recording is in %s\n", options.record.c_str());
+  }
+  if (options.json) std::printf("%s\n", report.dump().c_str());
+  return demo_exit_code(report);
+}
+
+}  // namespace
+
+void add_demo(CLI::App& app, int& code) {
+  auto options = std::make_shared<DemoOptions>();
+  CLI::App* command =
+      app.add_subcommand("demo", "Balances a simulated car, with the truth beside the result");
+  command->add_option("--seed", options->seed, "draws car, road and noise")->capture_default_str();
+  command->add_option("--drive-seconds", options->drive_seconds, "length of the drive")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--rate", options->rate, "times real time, or max")->capture_default_str();
+  command->add_option("--record", options->record, "keep the recording in this new folder");
+  command->add_option("--vehicle", options->vehicle, "another vehicle.toml")->check(CLI::ExistingFile);
+  command->add_option("--scenario", options->scenario, "another scenario.toml")->check(CLI::ExistingFile);
+  command->add_option("--port", options->port, "of the bus; 0: one by process id")
+      ->check(CLI::Range(0, 65'535));
+  command->add_flag("--headless", options->headless, "no readout");
+  command->add_flag("--json", options->json, "one JSON object on standard output; implies --headless");
+  command->add_flag("--threads", options->threads, "recorder, analyser and nodes as threads of this program");
+  command->callback([options, &code] {
+    options->headless = options->headless || options->json;
+    code = demo(*options);
+  });
+}
+
+}  // namespace roadbalance

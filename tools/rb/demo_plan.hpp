@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "common/config/vehicle_config.hpp"
+
+namespace roadbalance {
+
+/// What was asked of rb demo.
+struct DemoOptions {
+  std::uint64_t seed = 1;
+  double drive_seconds = 320.0;
+  std::string rate = "20";  ///< times real time, or "max"
+  std::string record;       ///< empty: a temporary folder
+  std::string vehicle;      ///< empty: the demo's own
+  std::string scenario;     ///< empty: the demo's own
+  int port = 0;             ///< 0: one by process id
+  bool headless = false;
+  bool json = false;
+  bool threads = false;
+};
+
+/// Everything settled before anything starts.  Its temporary folder is removed with it.
+class DemoPlan {
+ public:
+  /// @throws ConfigError if vehicle or scenario cannot be used, or if the record folder already holds a
+  /// recording
+  explicit DemoPlan(const DemoOptions& options);
+  DemoPlan(const DemoPlan&) = delete;
+  DemoPlan& operator=(const DemoPlan&) = delete;
+  ~DemoPlan();
+
+  const VehicleConfig& vehicle() const { return vehicle_; }
+  const std::string& url() const { return url_; }
+  const std::filesystem::path& record() const { return record_; }
+  /// Logs of the programs, and the vehicle file the nodes read.  Nothing else of it reaches recorder or
+  /// analyser.
+  const std::filesystem::path& work() const { return work_; }
+  std::filesystem::path vehicle_file() const { return work_ / "vehicle.toml"; }
+  /// What the nodes open: "sim:PATH?seed=...".
+  std::string front_end() const;
+
+ private:
+  DemoOptions options_;
+  std::filesystem::path work_;
+  std::filesystem::path record_;
+  std::string url_;
+  VehicleConfig vehicle_;
+};
+
+}  // namespace roadbalance

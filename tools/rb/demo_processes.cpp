@@ -1,0 +1,76 @@
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+#include "tools/rb/child.hpp"
+#include "tools/rb/demo_team.hpp"
+
+namespace roadbalance {
+namespace {
+
+class Processes final : public DemoTeam {
+ public:
+  explicit Processes(const DemoPlan& plan)
+      : recorder_(sibling_program("rb-recorder"),
+                  {"--url", plan.url(), "--record", plan.record().string(), "--json"},
+                  plan.work() / "recorder.log"),
+        analyser_(sibling_program("rb-analyser"),
+                  {"--url", plan.url(), "--record", plan.record().string(), "--exit-at-end"},
+                  plan.work() / "analyser.log") {
+    for (const auto& node : plan.vehicle().node)
+      nodes_.emplace_back(
+          sibling_program("rb-node"),
+          std::vector<std::string>{"--url", plan.url(), "--vehicle", plan.vehicle_file().string(), "--node",
+                                   node.name, "--front-end", plan.front_end()},
+          plan.work() / (node.name + ".log"));
+  }
+
+  bool working() override {
+    if (recorder_.ended()) fail(recorder_);
+    bool all_ended = ended_well(analyser_);
+    for (auto& node : nodes_) all_ended = ended_well(node) && all_ended;
+    return !all_ended;
+  }
+
+  std::vector<NodeReport> finish() override {
+    recorder_.stop();
+    while (!ended_well(recorder_)) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    std::vector<NodeReport> reports;
+    for (const auto& json : nlohmann::json::parse(recorder_.output()).at("nodes")) {
+      NodeReport& report = reports.emplace_back();
+      report.node = json.at("node").get<std::int32_t>();
+      report.epoch = json.at("epoch").get<std::int64_t>();
+      report.samples_sent = json.at("samples_sent").get<std::int64_t>();
+      report.samples_recorded = json.at("samples_recorded").get<std::int64_t>();
+      report.gaps = json.at("gaps").get<std::int64_t>();
+      report.repaired = json.at("repaired").get<std::int64_t>();
+    }
+    return reports;
+  }
+
+ private:
+  [[noreturn]] static void fail(Child& child) {
+    throw std::runtime_error(child.name() + " ended with code " + std::to_string(*child.ended()) + ": " +
+                             child.last_words());
+  }
+  static bool ended_well(Child& child) {
+    const std::optional<int> code = child.ended();
+    if (code && *code != 0) fail(child);
+    return code.has_value();
+  }
+
+  Child recorder_;
+  Child analyser_;
+  std::vector<Child> nodes_;
+};
+
+}  // namespace
+
+std::unique_ptr<DemoTeam> start_processes(const DemoPlan& plan) {
+  return std::make_unique<Processes>(plan);
+}
+
+}  // namespace roadbalance

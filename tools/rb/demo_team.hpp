@@ -1,0 +1,33 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "host/recorder/recorder.hpp"
+#include "tools/rb/demo_plan.hpp"
+
+namespace roadbalance {
+
+/// Recorder, analyser and nodes at work on one bus.  Destroying it ends them all.
+class DemoTeam {
+ public:
+  DemoTeam() = default;
+  DemoTeam(const DemoTeam&) = delete;
+  DemoTeam& operator=(const DemoTeam&) = delete;
+  virtual ~DemoTeam() = default;
+
+  /// True until every node has driven to the end and the analyser has sent its last estimate.
+  /// @throws std::runtime_error naming the member that failed, with its reason
+  virtual bool working() = 0;
+
+  /// Ends the recorder in order, once nobody works any more.
+  /// @returns what it has of every node epoch
+  virtual std::vector<NodeReport> finish() = 0;
+};
+
+/// As programs of their own, as in a car.
+std::unique_ptr<DemoTeam> start_processes(const DemoPlan& plan);
+/// The same functions as threads of this program.
+std::unique_ptr<DemoTeam> start_threads(const DemoPlan& plan);
+
+}  // namespace roadbalance

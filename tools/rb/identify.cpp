@@ -1,0 +1,49 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "host/identify/record_identify.hpp"
+#include "tools/rb/command.hpp"
+#include "tools/rb/readout.hpp"
+#include "tools/study/wheels_json.hpp"
+
+namespace roadbalance {
+namespace {
+
+struct IdentifyOptions {
+  std::string folder;
+  bool json = false;
+};
+
+int identify(const IdentifyOptions& options) {
+  const DriveEstimate estimate = identify_record(options.folder);
+  if (options.json) {
+    const nlohmann::ordered_json result{{"wheels", wheels_json(estimate.identification, estimate.balance)}};
+    std::printf("%s\n", result.dump().c_str());
+  } else {
+    std::printf("%s\n", identification_line(estimate.identification).c_str());
+    for (const Balance& balance : estimate.balance) {
+      const std::string advice = advice_line(balance);
+      std::printf("%s%s\n", balance_line(balance).c_str(), advice.empty() ? "" : ("   " + advice).c_str());
+    }
+  }
+  const bool any = std::any_of(estimate.balance.begin(), estimate.balance.end(),
+                               [](const Balance& balance) { return balance.state == Unknown::kNone; });
+  return any ? kDone : kAnswerIsNo;
+}
+
+}  // namespace
+
+void add_identify(CLI::App& app, int& code) {
+  auto options = std::make_shared<IdentifyOptions>();
+  CLI::App* command =
+      app.add_subcommand("identify", "Finds tyre stiffness and unbalance of every wheel from a recording");
+  command->add_option("folder", options->folder, "the recording")->required();
+  command->add_flag("--json", options->json, "one JSON object on standard output");
+  command->callback([options, &code] { code = identify(*options); });
+}
+
+}  // namespace roadbalance

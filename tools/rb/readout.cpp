@@ -1,0 +1,107 @@
+#include "tools/rb/readout.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "host/balance/weights.hpp"
+
+namespace roadbalance {
+namespace {
+
+template <typename... Values>
+std::string format(const char* pattern, Values... values) {
+  char buffer[256];
+  std::snprintf(buffer, sizeof buffer, pattern, values...);
+  return buffer;
+}
+
+/// Whole degrees 0 .. 359.
+int degrees(double angle_rad) {
+  return static_cast<int>(std::lround(angle_rad * 180.0 / std::numbers::pi)) % 360;
+}
+
+std::string wheel_name(std::int32_t wheel) {
+  std::string name = wheel >= 0 && wheel < kWheels ? kWheelNames[static_cast<std::size_t>(wheel)] : "?";
+  std::replace(name.begin(), name.end(), '_', ' ');
+  name += ':';
+  name.resize(12, ' ');
+  return name;
+}
+
+}  // namespace
+
+std::string reason(Unknown state) {
+  switch (state) {
+    case Unknown::kNone:
+      return "known";
+    case Unknown::kTooShort:
+      return "not enough driving at a steady speed yet";
+    case Unknown::kTooSlow:
+      return "the car never went fast enough";
+    case Unknown::kNoReference:
+      return "this wheel has no angle";
+    case Unknown::kIllConditioned:
+      return "the drive does not determine it";
+  }
+  return "unknown reason";
+}
+
+std::string balance_line(const Balance& balance) {
+  const std::string name = wheel_name(balance.wheel);
+  if (balance.state != Unknown::kNone) return name + " not known: " + reason(balance.state);
+  return name + format(" heavy spot %3d°, %4.1f g, ± %.1f g ± %.0f°", degrees(balance.angle_rad),
+                       balance.unbalance_g, balance.sigma_g,
+                       std::ceil(balance.sigma_rad * 180.0 / std::numbers::pi));
+}
+
+std::string advice_line(const Balance& balance) {
+  if (balance.state != Unknown::kNone || balance.unbalance_g <= 0.0) return "";
+  if (within_own_uncertainty(balance)) return "leave it: the unbalance is within its own uncertainty";
+  const Counterweight weight = counterweight(balance.unbalance_g, balance.angle_rad);
+  return format("clip %.0f g at %d° and at %d°", weight.pair.weight_g, degrees(weight.pair.angle_rad[0]),
+                degrees(weight.pair.angle_rad[1]));
+}
+
+std::string identification_line(const Identification& identification) {
+  if (identification.state != Unknown::kNone) return "suspension: not known: " + reason(identification.state);
+  std::string line = format("from %.0f s of driving; tyres", identification.seconds_used);
+  for (std::size_t w = 0; w < kWheels; ++w)
+    line += format(" %.0f ± %.0f", identification.tyre_n_m[w] / 1e3, identification.sigma_tyre_n_m[w] / 1e3);
+  return line + " kN/m";
+}
+
+std::vector<std::string> level_lines(const Level& level) {
+  std::vector<std::string> lines{
+      format(
+          "node %d: %s", level.node,
+          std::isfinite(level.speed_m_s) ? format("%.1f km/h", level.speed_m_s * 3.6).c_str() : "no speed") +
+      (level.skipped > 0
+           ? format(", the live view skipped %lld blocks", static_cast<long long>(level.skipped))
+           : "")};
+  for (unsigned c = 0; c < kAccelerations; ++c) {
+    // A bar of 40 characters over four decades from 1 mm/s^2.
+    const double decades = std::log10(std::max(level.rms[c], 1e-3) / 1e-3);
+    const auto bar = static_cast<std::size_t>(std::clamp(decades * 10.0, 0.0, 40.0));
+    std::string marks = level.overload >> c & 1U ? " OVERLOAD" : "";
+    if (level.dead >> c & 1U) marks += " DEAD";
+    lines.push_back(format("  %2u  rms %8.3f  peak %8.3f m/s²  ", c + 1, level.rms[c], level.peak[c]) +
+                    std::string(bar, '#') + marks);
+  }
+  return lines;
+}
+
+Screen::Screen() : terminal_(isatty(STDOUT_FILENO) == 1) {}
+
+void Screen::draw(const std::vector<std::string>& lines, bool news) {
+  if (!terminal_ && !news) return;
+  if (terminal_ && drawn_ > 0) std::printf("\033[%zuA\033[J", drawn_);
+  for (const auto& line : lines) std::printf("%s\n", line.c_str());
+  std::fflush(stdout);
+  drawn_ = lines.size();
+}
+
+}  // namespace roadbalance

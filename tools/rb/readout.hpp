@@ -1,0 +1,38 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/bus/results.hpp"
+
+namespace roadbalance {
+
+/// What a person reads in the terminal.
+
+/// "front left:  heavy spot 217°, 35 g, ± 2 g ± 3°", or why it is not known.
+std::string balance_line(const Balance& balance);
+
+/// What to do about it: where to clip which weights, or to leave the wheel alone.  Empty if it is not known.
+std::string advice_line(const Balance& balance);
+
+/// "identified from 48 s of driving; tyres 214 209 221 206 kN/m", or why not.
+std::string identification_line(const Identification& identification);
+
+/// One line a channel with a bar of its rms.
+std::vector<std::string> level_lines(const Level& level);
+
+std::string reason(Unknown state);
+
+/// Rewrites a block of lines in place on a terminal; elsewhere prints it only when asked for news.
+class Screen {
+ public:
+  Screen();
+  /// @param news  something happened that a log should hold
+  void draw(const std::vector<std::string>& lines, bool news);
+
+ private:
+  bool terminal_;
+  std::size_t drawn_ = 0;
+};
+
+}  // namespace roadbalance
