@@ -28,7 +28,8 @@ std::string join(const std::vector<std::string>& words) {
 }
 
 std::string allowed_numbers(Range range) {
-  if (range.low == kPositive.low) return range.high == kPositive.high ? "a number > 0" : "0 < number <= " + written(range.high);
+  if (range.low == kPositive.low)
+    return range.high == kPositive.high ? "a number > 0" : "0 < number <= " + written(range.high);
   if (range.low == kAnyNumber.low && range.high == kAnyNumber.high) return "a number";
   if (range.high == kNotNegative.high) return "a number >= " + written(range.low);
   return "a number " + written(range.low) + " .. " + written(range.high);
@@ -82,8 +83,8 @@ Section Section::parse_text(const std::string& text, const std::string& name_for
   try {
     state->root = std::make_shared<const toml::table>(toml::parse(text, name_for_errors));
   } catch (const toml::parse_error& error) {
-    throw ConfigError(name_for_errors + ":" + std::to_string(error.source().begin.line) + ": not TOML: " +
-                      std::string(error.description()));
+    throw ConfigError(name_for_errors + ":" + std::to_string(error.source().begin.line) +
+                      ": not TOML: " + std::string(error.description()));
   }
   state->table = state->root.get();
   return Section(std::move(state));
@@ -110,7 +111,8 @@ std::int64_t Section::integer(const std::string& key, std::int64_t low, std::int
   const std::string allowed = "an integer " + std::to_string(low) + " .. " + std::to_string(high);
   const toml::node& node = state_->require(key, allowed);
   const auto* value = node.as_integer();
-  if (!value || **value < low || **value > high) state_->fail_at(State::line_of(node), key, "allowed: " + allowed);
+  if (!value || **value < low || **value > high)
+    state_->fail_at(State::line_of(node), key, "allowed: " + allowed);
   return **value;
 }
 
@@ -143,7 +145,8 @@ std::size_t Section::choice(const std::string& key, const std::vector<std::strin
   const auto* value = node.as_string();
   const auto found = value ? std::find(allowed.begin(), allowed.end(), **value) : allowed.end();
   if (found == allowed.end())
-    state_->fail_at(State::line_of(node), key, (value ? "is \"" + **value + "\"; " : "") + ("allowed: " + join(allowed)));
+    state_->fail_at(State::line_of(node), key,
+                    (value ? "is \"" + **value + "\"; " : "") + ("allowed: " + join(allowed)));
   return static_cast<std::size_t>(found - allowed.begin());
 }
 
@@ -231,7 +234,8 @@ void Section::finish() const {
     std::string hint;
     for (const auto& known : state_->asked)
       if (stem(known) == stem(name) && hint.empty()) hint = " (did you mean " + known + "?)";
-    state_->fail_at(key.source().begin.line, name, "unknown key" + hint + "; allowed here: " + join(state_->asked));
+    state_->fail_at(key.source().begin.line, name,
+                    "unknown key" + hint + "; allowed here: " + join(state_->asked));
   }
 }
 

@@ -36,7 +36,8 @@ ModelConfig parse_model(Section model) {
   m.roll_inertia_kg_m2 = model.number("roll_inertia_kg_m2", kPositive);
   m.pitch_inertia_kg_m2 = model.number("pitch_inertia_kg_m2", kPositive);
   m.axle = {parse_axle(model.section("front")), parse_axle(model.section("rear"))};
-  if (m.axle[1].x_m >= m.axle[0].x_m) model.fail("rear", "x_m of the rear axle must be less than the front's");
+  if (m.axle[1].x_m >= m.axle[0].x_m)
+    model.fail("rear", "x_m of the rear axle must be less than the front's");
   model.finish();
   return m;
 }
@@ -73,14 +74,16 @@ ChannelConfig parse_channel(Section channel) {
   mounts.emplace_back("body");
   mounts.emplace_back("elsewhere");
   const bool used = c.role != ChannelRole::kUnused;
-  c.mount = mounts[used ? channel.choice("mount", mounts) : channel.choice_or("mount", mounts, mounts.size() - 1)];
+  c.mount =
+      mounts[used ? channel.choice("mount", mounts) : channel.choice_or("mount", mounts, mounts.size() - 1)];
   const auto place = channel.numbers_or("position_m", 3, {-20, 20}, {0, 0, 0});
   if (c.mount == "body" && !channel.has("position_m"))
     channel.fail("position_m", "missing; allowed: 3 numbers in [ ], metres from the body's centre of mass");
   const auto direction = channel.numbers_or("direction", 3, {-1, 1}, {0, 0, 1});
   c.position_m = {place[0], place[1], place[2]};
   c.direction = {direction[0], direction[1], direction[2]};
-  if (c.direction.norm() < 0.5) channel.fail("direction", "is no direction; allowed: a unit vector, 3 numbers in [ ]");
+  if (c.direction.norm() < 0.5)
+    channel.fail("direction", "is no direction; allowed: a unit vector, 3 numbers in [ ]");
   c.direction.normalize();
   c.range_m_s2 = channel.number("range_m_s2", {1e-6, 1e6});
   c.scale_m_s2_per_count = c.range_m_s2 / kFullScaleCounts;
@@ -96,7 +99,8 @@ ChannelConfig parse_channel(Section channel) {
 NodeConfig parse_node(Section& node) {
   NodeConfig n;
   n.name = node.text("name");
-  if (n.name.empty() || n.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") != std::string::npos)
+  if (n.name.empty() ||
+      n.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") != std::string::npos)
     node.fail("name", "allowed: lower-case letters, digits and _");
   n.id = static_cast<int>(node.integer("id", 1, 9999));
   n.rate_hz = node.number("rate_hz", {1, 100'000});
@@ -114,7 +118,8 @@ NodeConfig parse_node(Section& node) {
 
 DriveConfig parse_drive(Section drive) {
   DriveConfig d;
-  d.identification_rate_hz = drive.number_or("identification_rate_hz", {50, 10'000}, d.identification_rate_hz);
+  d.identification_rate_hz =
+      drive.number_or("identification_rate_hz", {50, 10'000}, d.identification_rate_hz);
   d.section_s = drive.number_or("section_s", {4, 120}, d.section_s);
   d.speed_class_m_s = drive.number_or("speed_class_m_s", {0.1, 20}, d.speed_class_m_s);
   d.least_speed_m_s = drive.number_or("least_speed_m_s", {1, 100}, d.least_speed_m_s);
@@ -129,12 +134,14 @@ void parse_wheels(Section& root, VehicleConfig& v) {
     const WheelConfig wheel = parse_wheel(section);
     if (!seen.insert(wheel.name).second) section.fail("name", "\"" + wheel.name + "\" stands twice");
     if (!wheel.node.empty()) {
-      const bool known = std::any_of(v.node.begin(), v.node.end(), [&](const auto& n) { return n.name == wheel.node; });
+      const bool known =
+          std::any_of(v.node.begin(), v.node.end(), [&](const auto& n) { return n.name == wheel.node; });
       std::string names;
       for (const auto& node : v.node) names += (names.empty() ? "" : ", ") + node.name;
       if (!known) section.fail("node", "there is no node \"" + wheel.node + "\"; allowed: " + names);
       if (!lines.insert({wheel.node, wheel.line}).second)
-        section.fail("line", "line " + std::to_string(wheel.line) + " of node " + wheel.node + " has a wheel already");
+        section.fail(
+            "line", "line " + std::to_string(wheel.line) + " of node " + wheel.node + " has a wheel already");
     }
     const auto place = std::find(kWheelNames.begin(), kWheelNames.end(), wheel.name) - kWheelNames.begin();
     v.wheel[static_cast<std::size_t>(place)] = wheel;
