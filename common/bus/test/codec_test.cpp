@@ -1,0 +1,181 @@
+#include "common/bus/codec.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "common/bus/types.hpp"
+#include "common/link/crc32c.hpp"
+
+namespace roadbalance {
+namespace {
+
+constexpr BlockHeader kHeader{.node = 3,
+                              .epoch = 0x123456789ABCDEF0,
+                              .sequence = (std::int64_t{1} << 32) + 5,
+                              .first_scan = (std::int64_t{1} << 31) - 1,
+                              .scans = 0,
+                              .time_ns = 987'654'321'012};
+
+ScanBlock some_scans() {
+  std::mt19937 random(2);
+  ScanBlock block;
+  block.header = kHeader;
+  block.header.scans = 17;
+  block.period_ps = 500'000'000;
+  for (auto& row : block.counts)
+    for (auto& count : row) count = static_cast<std::int32_t>(random());
+  block.overload = 0x8001;
+  block.quality = kQualityOverload | kQualityAfterGap;
+  return block;
+}
+
+EdgeBlock some_edges() {
+  EdgeBlock block;
+  block.header = kHeader;
+  for (int k = 0; k < 200; ++k)
+    block.add({.time = node_time_from_ns(1000 * k * k), .line = static_cast<std::uint8_t>(k & 1)});
+  return block;
+}
+
+MetaBlock some_text() {
+  return {.header = kHeader,
+          .kind = MetaKind::kVehicleToml,
+          .part = 2,
+          .parts = 4,
+          .text = "[model]\nkind = 7\n"};
+}
+
+std::vector<SealedBlock> one_of_each() {
+  std::vector<SealedBlock> blocks(5);
+  seal(some_scans(), blocks[0]);
+  seal(some_edges(), blocks[1]);
+  GapBlock gap{.header = kHeader, .cause = GapCause::kDeviceOverrun};
+  gap.header.scans = 12345;
+  seal(gap, blocks[2]);
+  seal(some_text(), blocks[3]);
+  seal(EndBlock{.header = kHeader, .blocks = 9, .scans_sealed = 8, .scans_missing = 7}, blocks[4]);
+  return blocks;
+}
+
+// As an attacker or an older program would: any content, with a CRC that is right.
+std::vector<std::uint8_t> with_crc(std::vector<std::uint8_t> bytes) {
+  const std::uint32_t crc = crc32c({bytes.data(), bytes.size() - 4});
+  for (std::size_t k = 0; k < 4; ++k)
+    bytes[bytes.size() - 4 + k] = static_cast<std::uint8_t>(crc >> (24 - 8 * k));
+  return bytes;
+}
+
+TEST(Codec, GivesBackWhatWasSealed) {
+  const auto blocks = one_of_each();
+  std::vector<SealedBlock> accepted(blocks.size());
+  for (std::size_t k = 0; k < blocks.size(); ++k) {
+    ASSERT_EQ(accept(blocks[k].bytes(), accepted[k]), Refusal::kNone);
+    EXPECT_EQ(accepted[k].kind, blocks[k].kind);
+    EXPECT_EQ(accepted[k].header, blocks[k].header);
+    EXPECT_TRUE(std::ranges::equal(accepted[k].bytes(), blocks[k].bytes()));
+  }
+  const ScanBlock scans = decode_scan(accepted[0]);
+  EXPECT_EQ(scans.header, some_scans().header);
+  EXPECT_EQ(scans.counts, some_scans().counts);
+  EXPECT_EQ(scans.period_ps, some_scans().period_ps);
+  EXPECT_EQ(scans.overload, some_scans().overload);
+  EXPECT_EQ(scans.quality, some_scans().quality);
+  EXPECT_EQ(decode_edge(accepted[1]).words, some_edges().words);
+  EXPECT_EQ(decode_edge(accepted[1]).edges, 200);
+  EXPECT_EQ(decode_gap(accepted[2]).cause, GapCause::kDeviceOverrun);
+  EXPECT_EQ(decode_gap(accepted[2]).header.scans, 12345);
+  EXPECT_EQ(decode_meta(accepted[3]).text, some_text().text);
+  EXPECT_EQ(decode_meta(accepted[3]).part, 2);
+  EXPECT_EQ(decode_meta(accepted[3]).parts, 4);
+  EXPECT_EQ(decode_end(accepted[4]).blocks, 9);
+  EXPECT_EQ(decode_end(accepted[4]).scans_sealed, 8);
+  EXPECT_EQ(decode_end(accepted[4]).scans_missing, 7);
+}
+
+TEST(Codec, EveryBlockFitsIntoOneDatagram) {
+  for (const auto& type : block_types()) EXPECT_LE(type.bytes, kMaxBlockBytes) << type.name;
+}
+
+TEST(Codec, RefusesEverySingleBitFlip) {
+  SealedBlock out;
+  for (const auto& block : one_of_each()) {
+    std::vector<std::uint8_t> bytes(block.bytes().begin(), block.bytes().end());
+    for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
+      bytes[bit / 8] ^= static_cast<std::uint8_t>(1 << (bit % 8));
+      ASSERT_NE(accept(bytes, out), Refusal::kNone) << "bit " << bit;
+      bytes[bit / 8] ^= static_cast<std::uint8_t>(1 << (bit % 8));
+    }
+  }
+}
+
+TEST(Codec, RefusesEveryOtherSize) {
+  SealedBlock out;
+  for (const auto& block : one_of_each()) {
+    std::vector<std::uint8_t> bytes(block.bytes().begin(), block.bytes().end());
+    bytes.push_back(0);
+    EXPECT_EQ(accept(bytes, out), Refusal::kWrongSize);
+    bytes.pop_back();
+    while (!bytes.empty()) {
+      bytes.pop_back();
+      ASSERT_EQ(accept(bytes, out), Refusal::kWrongSize) << bytes.size();
+    }
+  }
+}
+
+TEST(Codec, RefusesATypeItDoesNotKnow) {
+  const auto blocks = one_of_each();
+  std::vector<std::uint8_t> bytes(blocks[0].bytes().begin(), blocks[0].bytes().end());
+  bytes[0] ^= 1;
+  SealedBlock out;
+  EXPECT_EQ(accept(with_crc(bytes), out), Refusal::kUnknownType);
+}
+
+TEST(Codec, RefusesFieldsOutOfBoundsThoughTheCrcIsRight) {
+  SealedBlock sealed, out;
+  const auto refused = [&](const auto& block) {
+    seal(block, sealed);
+    return accept(sealed.bytes(), out) == Refusal::kOutOfBounds;
+  };
+  ScanBlock scans = some_scans();
+  scans.header.scans = 21;
+  EXPECT_TRUE(refused(scans));
+  scans.header.scans = 0;
+  EXPECT_TRUE(refused(scans));
+  scans = some_scans();
+  scans.header.node = 0;
+  EXPECT_TRUE(refused(scans));
+  scans = some_scans();
+  scans.header.sequence = -1;
+  EXPECT_TRUE(refused(scans));
+  scans = some_scans();
+  scans.header.first_scan = std::numeric_limits<std::int64_t>::max();
+  EXPECT_TRUE(refused(scans));
+  scans = some_scans();
+  scans.period_ps = 0;
+  EXPECT_TRUE(refused(scans));
+  EdgeBlock edges = some_edges();
+  edges.edges = 301;
+  EXPECT_TRUE(refused(edges));
+  edges = some_edges();
+  edges.words[3] = -1;
+  EXPECT_TRUE(refused(edges));
+  EXPECT_TRUE(refused(GapBlock{.header = kHeader, .cause = static_cast<GapCause>(99)}));
+  MetaBlock text = some_text();
+  text.part = 4;
+  EXPECT_TRUE(refused(text));
+}
+
+TEST(Codec, RefusesATextLongerThanItsField) {
+  SealedBlock sealed, out;
+  seal(some_text(), sealed);
+  std::vector<std::uint8_t> bytes(sealed.bytes().begin(), sealed.bytes().end());
+  const std::size_t size_at = bytes.size() - 4 - kMetaBytesPerBlock - 4;
+  bytes[size_at + 2] = 0x7F;  // far beyond 1200, and the field before it still good
+  EXPECT_EQ(accept(with_crc(bytes), out), Refusal::kOutOfBounds);
+}
+
+}  // namespace
+}  // namespace roadbalance

@@ -1,0 +1,120 @@
+#include "common/bus/control.hpp"
+
+#include <gtest/gtest.h>
+
+#include "common/bus/results.hpp"
+
+namespace roadbalance {
+namespace {
+
+template <typename Decode>
+void expect_every_bit_flip_refused(std::vector<std::uint8_t> bytes, Decode decode) {
+  ASSERT_TRUE(decode(bytes));
+  for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
+    bytes[bit / 8] ^= static_cast<std::uint8_t>(1 << (bit % 8));
+    ASSERT_FALSE(decode(bytes)) << "bit " << bit;
+    bytes[bit / 8] ^= static_cast<std::uint8_t>(1 << (bit % 8));
+  }
+  bytes.pop_back();
+  EXPECT_FALSE(decode(bytes));
+}
+
+Ack some_ack() {
+  return {.node = 2,
+          .epoch = -5,
+          .incarnation = 1'700'000'000'000,
+          .number = 7,
+          .received = 100,
+          .durable = 90,
+          .credit = 2000,
+          .missing = {{101, 103}, {110, 110}}};
+}
+
+TEST(Control, AnAckArrivesAsItWasSent) {
+  const auto ack = decode_ack(encode(some_ack()));
+  ASSERT_TRUE(ack);
+  EXPECT_EQ(ack->node, 2);
+  EXPECT_EQ(ack->epoch, -5);
+  EXPECT_EQ(ack->incarnation, 1'700'000'000'000);
+  EXPECT_EQ(ack->number, 7);
+  EXPECT_EQ(ack->received, 100);
+  EXPECT_EQ(ack->durable, 90);
+  EXPECT_EQ(ack->credit, 2000);
+  EXPECT_EQ(ack->missing, some_ack().missing);
+}
+
+TEST(Control, RefusesEverySingleBitFlip) {
+  expect_every_bit_flip_refused(encode(some_ack()), decode_ack);
+  expect_every_bit_flip_refused(encode(Heartbeat{.node = 1, .epoch = 3, .base = 5, .next = 9}),
+                                decode_heartbeat);
+  expect_every_bit_flip_refused(encode(Command{.node = 1, .request = 3, .incarnation = 5}), decode_command);
+  expect_every_bit_flip_refused(encode(Reply{.node = 1, .epoch = 2, .request = 3, .sequence = 4}),
+                                decode_reply);
+}
+
+TEST(Control, RefusesAnAckThatContradictsItself) {
+  Ack ack = some_ack();
+  ack.durable = ack.received + 1;  // durable is never ahead of received
+  EXPECT_FALSE(decode_ack(encode(ack)));
+  ack = some_ack();
+  ack.missing = {{50, 60}};  // received already
+  EXPECT_FALSE(decode_ack(encode(ack)));
+  ack = some_ack();
+  ack.missing = {{110, 120}, {115, 130}};
+  EXPECT_FALSE(decode_ack(encode(ack)));
+}
+
+TEST(Control, RefusesAHeartbeatWhoseRingIsInsideOut) {
+  EXPECT_FALSE(decode_heartbeat(encode(Heartbeat{.node = 1, .base = 10, .next = 9})));
+  EXPECT_FALSE(decode_heartbeat(encode(Heartbeat{.node = 1, .ring_used = 10, .ring_capacity = 9})));
+}
+
+TEST(Results, ABalanceArrivesAsItWasSent) {
+  Balance sent{.wheel = 3, .time_ns = 5, .state = Unknown::kNone, .unbalance_g = 35.5, .angle_rad = 3.75};
+  sent.covariance_g2 << 1, 2, 3, 4;
+  const auto balance = decode_balance(encode(sent));
+  ASSERT_TRUE(balance);
+  EXPECT_EQ(balance->wheel, 3);
+  EXPECT_EQ(balance->unbalance_g, 35.5);
+  EXPECT_EQ(balance->angle_rad, 3.75);
+  EXPECT_EQ(balance->covariance_g2, sent.covariance_g2);
+  sent.wheel = 4;
+  EXPECT_FALSE(decode_balance(encode(sent)));
+}
+
+TEST(Results, ASpectrumArrivesWithAsManyBinsAsItHas) {
+  SpectrumPart sent{.node = 1,
+                    .channel = 15,
+                    .part = 1,
+                    .parts = 2,
+                    .first_hz = 0.5,
+                    .step_hz = 0.25,
+                    .density = {1.5f, 2.5f, 3.5f}};
+  const auto spectrum = decode_spectrum(encode(sent));
+  ASSERT_TRUE(spectrum);
+  EXPECT_EQ(spectrum->density, sent.density);
+  EXPECT_EQ(spectrum->step_hz, 0.25);
+}
+
+TEST(Results, IdentificationAndLevelArriveAsTheyWereSent) {
+  Identification sent{.sections = 4,
+                      .state = Unknown::kNone,
+                      .tyre_n_m = {1, 2, 3, 4},
+                      .speed_class = {{.speed_m_s = 25, .seconds = 80}}};
+  const auto identification = decode_identification(encode(sent));
+  ASSERT_TRUE(identification);
+  EXPECT_EQ(identification->tyre_n_m, sent.tyre_n_m);
+  ASSERT_EQ(identification->speed_class.size(), 1u);
+  EXPECT_EQ(identification->speed_class[0].seconds, 80);
+
+  Level level{.node = 2, .seconds = 0.5};
+  level.rms[15] = 0.7;
+  level.dead = 0x8000;
+  const auto got = decode_level(encode(level));
+  ASSERT_TRUE(got);
+  EXPECT_EQ(got->rms, level.rms);
+  EXPECT_EQ(got->dead, 0x8000u);
+}
+
+}  // namespace
+}  // namespace roadbalance
