@@ -7,7 +7,7 @@
 
 namespace {
 
-thread_local std::size_t allocations = 0;
+thread_local std::size_t made = 0;
 
 }  // namespace
 
@@ -20,23 +20,23 @@ void* __real_aligned_alloc(std::size_t alignment, std::size_t size);
 int __real_posix_memalign(void** memory, std::size_t alignment, std::size_t size);
 
 void* __wrap_malloc(std::size_t size) {
-  ++allocations;
+  ++made;
   return __real_malloc(size);
 }
 void* __wrap_calloc(std::size_t members, std::size_t size) {
-  ++allocations;
+  ++made;
   return __real_calloc(members, size);
 }
 void* __wrap_realloc(void* memory, std::size_t size) {
-  ++allocations;
+  ++made;
   return __real_realloc(memory, size);
 }
 void* __wrap_aligned_alloc(std::size_t alignment, std::size_t size) {
-  ++allocations;
+  ++made;
   return __real_aligned_alloc(alignment, size);
 }
 int __wrap_posix_memalign(void** memory, std::size_t alignment, std::size_t size) {
-  ++allocations;
+  ++made;
   return __real_posix_memalign(memory, alignment, size);
 }
 

@@ -13,9 +13,9 @@
 namespace roadbalance::test {
 namespace {
 
-// The compiler may remove an allocation whose memory nobody sees; a volatile pointer sees it.
+// The compiler may remove an allocation whose memory nobody sees; a volatile pointer shows it.
+const void* volatile seen;
 void see(const void* memory) {
-  static const void* volatile seen;
   seen = memory;
 }
 
