@@ -1,0 +1,137 @@
+#include "tools/rb/csv_table.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <set>
+#include <string_view>
+#include <system_error>
+
+#include "common/config/section.hpp"
+
+namespace roadbalance {
+
+namespace {
+
+constexpr double kGravity_m_s2 = 9.80665;
+
+/// The lines of a file, split at commas, without blanks around cells.
+class CsvLines {
+ public:
+  explicit CsvLines(const std::filesystem::path& file) : file_(file.string()), stream_(file) {
+    if (!stream_) throw std::system_error(errno, std::generic_category(), "open " + file_);
+  }
+
+  bool next() {
+    do {
+      if (!std::getline(stream_, line_)) return false;
+      ++number_;
+    } while (trimmed(line_).empty());
+    cells_.clear();
+    for (std::size_t begin = 0; begin <= line_.size();) {
+      const std::size_t end = std::min(line_.find(',', begin), line_.size());
+      cells_.push_back(trimmed(std::string_view(line_).substr(begin, end - begin)));
+      begin = end + 1;
+    }
+    return true;
+  }
+  const std::vector<std::string_view>& cells() const { return cells_; }
+
+  double number(std::size_t column, const std::string& name) const {
+    const std::string_view cell = cells_[column];
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+    if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value))
+      fail(name, "\"" + std::string(cell) + "\" is no number; allowed: a finite number with a decimal point");
+    return value;
+  }
+  [[noreturn]] void fail(const std::string& column, const std::string& reason) const {
+    throw ConfigError(file_ + ":" + std::to_string(number_) + ": " + column + ": " + reason);
+  }
+
+ private:
+  static std::string_view trimmed(std::string_view text) {
+    const auto begin = text.find_first_not_of(" \t\r\"");
+    if (begin == std::string_view::npos) return {};
+    return text.substr(begin, text.find_last_not_of(" \t\r\"") - begin + 1);
+  }
+
+  const std::string file_;
+  std::ifstream stream_;
+  std::string line_;
+  std::int64_t number_ = 0;
+  std::vector<std::string_view> cells_;
+};
+
+double factor_of(const CsvLines& lines, std::string_view unit, const std::string& column) {
+  if (unit == "m/s^2" || unit == "m/s2") return 1.0;
+  if (unit == "g") return kGravity_m_s2;
+  lines.fail(column, "unit \"" + std::string(unit) + "\" is not known; allowed: m/s^2, m/s2, g");
+}
+
+}  // namespace
+
+SampleTable read_samples(const std::filesystem::path& file) {
+  CsvLines lines(file);
+  SampleTable table;
+  if (!lines.next()) lines.fail("header", "the file is empty; allowed: time_s and channel names");
+  if (lines.cells()[0] != "time_s")
+    lines.fail(std::string(lines.cells()[0]), "is the first column; allowed: time_s");
+  table.name.assign(lines.cells().begin() + 1, lines.cells().end());
+  if (table.name.empty()) lines.fail("header", "no channel; allowed: time_s and channel names");
+  std::set<std::string> seen;
+  for (const auto& name : table.name)
+    if (!seen.insert(name).second) lines.fail(name, "stands twice");
+
+  const auto check_width = [&] {
+    if (lines.cells().size() != table.name.size() + 1)
+      lines.fail("row", std::to_string(lines.cells().size()) + " cells; allowed: " +
+                            std::to_string(table.name.size() + 1) + " as in the header");
+  };
+  if (!lines.next()) lines.fail("units", "missing; allowed: a second row with the unit of each column");
+  check_width();
+  if (lines.cells()[0] != "s")
+    lines.fail("time_s", "unit \"" + std::string(lines.cells()[0]) + "\"; allowed: s");
+  std::vector<double> factor;
+  for (std::size_t c = 0; c < table.name.size(); ++c)
+    factor.push_back(factor_of(lines, lines.cells()[c + 1], table.name[c]));
+
+  table.value_si.resize(table.name.size());
+  while (lines.next()) {
+    check_width();
+    const double time_s = lines.number(0, "time_s");
+    if (!table.time_s.empty() && time_s < table.time_s.back())
+      lines.fail("time_s", "goes back; allowed: never falling");
+    table.time_s.push_back(time_s);
+    for (std::size_t c = 0; c < table.name.size(); ++c)
+      table.value_si[c].push_back(factor[c] * lines.number(c + 1, table.name[c]));
+  }
+  return table;
+}
+
+std::vector<Pulse> read_pulses(const std::filesystem::path& file) {
+  CsvLines lines(file);
+  const std::vector<std::string_view> header{"time_s", "wheel", "kind"};
+  if (!lines.next() || lines.cells() != header) lines.fail("header", "allowed: time_s,wheel,kind");
+  std::vector<Pulse> pulses;
+  while (lines.next()) {
+    if (lines.cells().size() != header.size()) lines.fail("row", "allowed: 3 cells");
+    const double time_s = lines.number(0, "time_s");
+    if (!pulses.empty() && time_s < pulses.back().time_s)
+      lines.fail("time_s", "goes back; allowed: never falling");
+    const auto wheel = std::find(kWheelNames.begin(), kWheelNames.end(), lines.cells()[1]);
+    if (wheel == kWheelNames.end())
+      lines.fail("wheel", "\"" + std::string(lines.cells()[1]) +
+                              "\"; allowed: front_left, front_right, rear_left, rear_right");
+    const std::string_view kind = lines.cells()[2];
+    if (kind != "tooth" && kind != "zero")
+      lines.fail("kind", "\"" + std::string(kind) + "\"; allowed: tooth, zero");
+    pulses.push_back({time_s, static_cast<int>(wheel - kWheelNames.begin()),
+                      kind == "tooth" ? EdgeKind::kTooth : EdgeKind::kZeroMark});
+  }
+  return pulses;
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/config/vehicle_config.hpp"
+#include "common/frontend/front_end.hpp"
+
+namespace roadbalance {
+
+/// Samples as somebody else wrote them: a row of channel names, a row of units, then one row an instant.
+struct SampleTable {
+  std::vector<std::string> name;              ///< of each channel; the time column is not one
+  std::vector<double> time_s;                 ///< [row], never falling
+  std::vector<std::vector<double>> value_si;  ///< [channel][row], m/s^2
+};
+
+/// First column time_s [s]; channels in m/s^2, m/s2 or g.
+/// @throws ConfigError "file:line: column: reason; allowed: ..."; std::system_error if it cannot be read
+SampleTable read_samples(const std::filesystem::path& file);
+
+/// One wheel's edge, not yet given to a node's line.
+struct Pulse {
+  double time_s;
+  int wheel;
+  EdgeKind kind;
+};
+
+/// Header time_s,wheel,kind; rows in order of time, kind tooth or zero.  Errors as above.
+std::vector<Pulse> read_pulses(const std::filesystem::path& file);
+
+}  // namespace roadbalance

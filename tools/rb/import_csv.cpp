@@ -1,0 +1,183 @@
+#include "tools/rb/import_csv.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <numeric>
+
+#include "common/bus/bus.hpp"
+#include "common/bus/codec.hpp"
+#include "common/config/section.hpp"
+#include "common/record/record.hpp"
+#include "firmware/seal_all.hpp"
+#include "host/recorder/manifest.hpp"
+#include "host/recorder/preamble.hpp"
+#include "tools/rb/csv_front_end.hpp"
+#include "tools/rb/csv_table.hpp"
+#include "tools/rb/suspicion.hpp"
+
+namespace roadbalance {
+
+namespace {
+
+constexpr double kRateTolerance = 0.01;
+using ColumnOf = std::map<std::string, std::size_t>;
+
+/// Every column is wanted by a channel and every channel in use has a column.
+ColumnOf match_columns(const CsvImport& import, const SampleTable& table, const VehicleConfig& vehicle) {
+  ColumnOf column;
+  for (std::size_t c = 0; c < table.name.size(); ++c) column[table.name[c]] = c;
+  ColumnOf unwanted = column;
+  for (const auto& node : vehicle.node)
+    for (const auto& channel : node.channel) {
+      unwanted.erase(channel.name);
+      if (channel.role != ChannelRole::kUnused && !column.contains(channel.name))
+        throw ConfigError(import.samples.string() + ": no column for channel " + channel.name + " of node " +
+                          node.name + "; allowed: a column of that name, or role = \"unused\"");
+    }
+  if (!unwanted.empty())
+    throw ConfigError(import.samples.string() + ": column " + unwanted.begin()->first +
+                      ": no node has a channel of that name");
+  return column;
+}
+
+SampleClock clock_of(const CsvImport& import, const SampleTable& table, double nominal_hz) {
+  SampleClock clock;
+  try {
+    clock = fit_sample_clock(table.time_s, nominal_hz);
+  } catch (const std::invalid_argument& error) {
+    throw ConfigError(import.samples.string() + ": time_s: " + error.what());
+  }
+  const double rate_hz = 1.0 / clock.period_s;
+  if (std::abs(rate_hz / nominal_hz - 1.0) <= kRateTolerance) return clock;
+  char text[160];
+  std::snprintf(text, sizeof text,
+                ": time_s: %.4g samples a second, but rate_hz is %.4g; allowed: within 1 %%", rate_hz,
+                nominal_hz);
+  throw ConfigError(import.samples.string() + text);
+}
+
+NodeTime instant(double seconds) {
+  return node_time_from_ns(std::llround(seconds * 1e9));
+}
+
+std::vector<Scan> scans_of(const NodeConfig& node, const SampleTable& table, const ColumnOf& column,
+                           const SampleClock& clock) {
+  std::vector<Scan> scans(table.time_s.size());
+  for (std::size_t row = 0; row < scans.size(); ++row) {
+    scans[row].index = clock.index[row];
+    scans[row].time = instant(clock.first_s + clock.period_s * static_cast<double>(clock.index[row]));
+  }
+  for (std::size_t k = 0; k < node.channel.size(); ++k) {
+    const ChannelConfig& channel = node.channel[k];
+    const auto found = column.find(channel.name);
+    if (found == column.end()) continue;  // unused, its counts stay 0
+    for (std::size_t row = 0; row < scans.size(); ++row) {
+      const double value = table.value_si[found->second][row];
+      const double counts = value / channel.scale_m_s2_per_count + channel.offset_counts;
+      constexpr double kLimit = kFullScaleCounts - 1;
+      scans[row].counts[k] = static_cast<std::int32_t>(std::lround(std::clamp(counts, -kLimit, kLimit)));
+      if (std::abs(value) >= kClipped * channel.range_m_s2 || std::abs(counts) > kLimit)
+        scans[row].overload |= 1U << k;
+    }
+  }
+  return scans;
+}
+
+std::vector<Edge> edges_of(const NodeConfig& node, const VehicleConfig& vehicle,
+                           const std::vector<Pulse>& pulses) {
+  std::vector<Edge> edges;
+  for (const Pulse& pulse : pulses) {
+    const WheelConfig& wheel = vehicle.wheel[static_cast<std::size_t>(pulse.wheel)];
+    if (wheel.node == node.name)
+      edges.push_back({instant(pulse.time_s), static_cast<std::uint8_t>(wheel.line), pulse.kind});
+  }
+  return edges;
+}
+
+std::vector<Pulse> pulses_of(const CsvImport& import, const VehicleConfig& vehicle) {
+  if (!import.pulses) return {};
+  auto pulses = read_pulses(*import.pulses);
+  for (const Pulse& pulse : pulses) {
+    const WheelConfig& wheel = vehicle.wheel[static_cast<std::size_t>(pulse.wheel)];
+    if (wheel.node.empty())
+      throw ConfigError(
+          import.pulses->string() + ": wheel " + wheel.name +
+          ": no node reads its encoder; allowed: " + "node and [wheel.encoder] in the vehicle's description");
+  }
+  return pulses;
+}
+
+/// The same input shall give the same record, so the epoch is a digest of it (FNV-1a).
+std::int64_t epoch_of(const SampleTable& table, int node) {
+  std::uint64_t hash = 14695981039346656037ULL;
+  const auto mix = [&](const void* data, std::size_t size) {
+    for (std::size_t i = 0; i < size; ++i)
+      hash = (hash ^ static_cast<const unsigned char*>(data)[i]) * 1099511628211ULL;
+  };
+  mix(&node, sizeof node);
+  mix(table.time_s.data(), table.time_s.size() * sizeof(double));
+  for (const auto& column : table.value_si) mix(column.data(), column.size() * sizeof(double));
+  return static_cast<std::int64_t>(hash >> 2) + 1;
+}
+
+void write_folder(const CsvImport& import, std::vector<SealedBlock> blocks) {
+  // All nodes side by side, as a recorder would have got them.
+  std::stable_sort(blocks.begin(), blocks.end(),
+                   [](const auto& a, const auto& b) { return a.header.time_ns < b.header.time_ns; });
+  std::map<NodeEpoch, std::vector<SealedBlock>> metas;
+  for (const auto& block : blocks)
+    if (block.kind == BlockKind::kMeta) metas[{block.header.node, block.header.epoch}].push_back(block);
+  RecordWriter record({.folder = import.folder});
+  record.set_preamble(make_preamble(metas));
+  for (const auto& block : blocks)
+    record.append(block_channel(block.header.node, block.kind), block.bytes(), block.header.time_ns / 1000);
+  record.sync();
+  record.close();
+  write_manifest(import.folder);
+}
+
+}  // namespace
+
+CsvImportReport import_csv(const CsvImport& import, const VehicleConfig& vehicle) {
+  if (std::filesystem::exists(import.folder) && !std::filesystem::is_empty(import.folder))
+    throw ConfigError(import.folder.string() + ": holds something already; allowed: a new or empty folder");
+  const SampleTable table = read_samples(import.samples);
+  const ColumnOf column = match_columns(import, table, vehicle);
+  const SampleClock clock = clock_of(import, table, vehicle.node.front().rate_hz);
+  const std::vector<Pulse> pulses = pulses_of(import, vehicle);
+
+  CsvImportReport report;
+  report.rows = static_cast<std::int64_t>(table.time_s.size());
+  report.rate_hz = 1.0 / clock.period_s;
+  report.seconds = clock.period_s * static_cast<double>(clock.index.back() + 1);
+  report.stamp_rms_s = clock.stamp_rms_s;
+  report.stamp_max_s = clock.stamp_max_s;
+  report.holes = clock.hole;
+  report.has_pulses = !pulses.empty();
+  std::vector<SealedBlock> blocks;
+  for (NodeConfig node : vehicle.node) {
+    node.rate_hz = report.rate_hz;
+    for (const auto& channel : node.channel) {
+      const auto found = column.find(channel.name);
+      if (found == column.end() || channel.role != ChannelRole::kAcceleration) continue;
+      for (auto& what : suspicions_of(table.value_si[found->second], channel, report.rate_hz))
+        report.suspicions.push_back({channel.name, std::move(what)});
+    }
+    CsvFrontEnd source(scans_of(node, table, column, clock), edges_of(node, vehicle, pulses));
+    auto& counts = report.nodes.emplace_back(CsvImportReport::Node{node.name, node.id, 0, 0, 0, 0});
+    const auto take = [&](const SealedBlock& block) {
+      ++counts.blocks;
+      if (block.kind == BlockKind::kScan) counts.scans += block.header.scans;
+      if (block.kind == BlockKind::kGap) counts.scans_missing += block.header.scans;
+      if (block.kind == BlockKind::kEdge) counts.edges += decode_edge(block).edges;
+      blocks.push_back(block);
+    };
+    seal_all(source, vehicle, node, epoch_of(table, node.id), take, GapCause::kSourceGap);
+  }
+  write_folder(import, std::move(blocks));
+  return report;
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,229 @@
+#include "tools/rb/import_csv.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <set>
+
+#include "common/bus/codec.hpp"
+#include "common/config/section.hpp"
+#include "common/record/record.hpp"
+#include "host/recorder/verify.hpp"
+
+namespace roadbalance {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr double kRate_hz = 500.0;
+
+/// A folder of its own, gone afterwards.
+class ImportCsv : public testing::Test {
+ protected:
+  ImportCsv() : folder_(fs::temp_directory_path() / ("rb_import_" + std::to_string(getpid()))) {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  ~ImportCsv() override { fs::remove_all(folder_); }
+
+  fs::path write(const std::string& name, const std::string& text) {
+    std::ofstream(folder_ / name) << text;
+    return folder_ / name;
+  }
+  fs::path data(const std::string& name) {
+    return fs::path(std::getenv("RB_SOURCE")) / "tools/rb/test/data" / name;
+  }
+
+  std::string error_of(const std::string& samples, const VehicleConfig& vehicle,
+                       const std::string& pulses = "") {
+    try {
+      CsvImport import{.samples = write("s.csv", samples), .pulses = {}, .folder = folder_ / "record"};
+      if (!pulses.empty()) import.pulses = write("p.csv", pulses);
+      import_csv(import, vehicle);
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "accepted";
+  }
+
+  std::vector<SealedBlock> blocks_of_record() {
+    RecordReader reader(folder_ / "record");
+    std::vector<SealedBlock> blocks;
+    while (const auto event = reader.next()) {
+      SealedBlock block;
+      if (accept(event->data, block) == Refusal::kNone && block.header.sequence > 0) blocks.push_back(block);
+    }
+    return blocks;
+  }
+
+  fs::path folder_;
+};
+
+VehicleConfig two_nodes() {
+  VehicleConfig vehicle{};
+  for (std::size_t w = 0; w < kWheels; ++w) vehicle.wheel[w].name = kWheelNames[w];
+  vehicle.wheel[0].node = "second";
+  vehicle.wheel[0].line = 1;
+  vehicle.wheel[0].encoder.pulses_per_turn = 4;
+  int id = 1;
+  for (const char* name : {"first", "second"}) {
+    ChannelConfig channel;
+    channel.name = std::string(name) + "_up";
+    channel.mount = "body";
+    channel.range_m_s2 = 50.0;
+    channel.scale_m_s2_per_count = 50.0 / kFullScaleCounts;
+    channel.offset_counts = 1000.0;
+    vehicle.node.push_back({.name = name, .id = id++, .rate_hz = kRate_hz, .channel = {channel}});
+  }
+  vehicle.text = "# two nodes";
+  return vehicle;
+}
+
+/// Two channels, value = row and 1000 + row in milli-units, with time by `stamp`.
+std::string samples(std::size_t rows, const std::function<double(std::size_t)>& stamp_s) {
+  std::string text = "time_s,second_up,first_up\ns,g,m/s^2\n";
+  char line[80];
+  for (std::size_t i = 0; i < rows; ++i) {
+    std::snprintf(line, sizeof line, "%.6f,%.4f,%.4f\n", stamp_s(i), 0.001 * static_cast<double>(i % 1000),
+                  0.002 * static_cast<double>(i % 1000));
+    text += line;
+  }
+  return text;
+}
+
+double uniform(std::size_t i) {
+  return 2.0 + static_cast<double>(i) / kRate_hz;
+}
+
+TEST_F(ImportCsv, GivesEachChannelToItsNodeInItsUnit) {
+  const auto vehicle = two_nodes();
+  const CsvImportReport report = import_csv(
+      {.samples = write("s.csv", samples(1010, uniform)), .pulses = {}, .folder = folder_ / "record"},
+      vehicle);
+  EXPECT_EQ(report.rows, 1010);
+  EXPECT_NEAR(report.rate_hz, kRate_hz, 1e-6);
+  EXPECT_TRUE(report.holes.empty());
+  EXPECT_EQ(verify_record(folder_ / "record").verdict, Verdict::kComplete);
+  std::array<std::int64_t, 2> seen{};
+  for (const auto& block : blocks_of_record()) {
+    if (block.kind != BlockKind::kScan) continue;
+    const auto scan = decode_scan(block);
+    const auto n = static_cast<std::size_t>(scan.header.node - 1);
+    for (std::int64_t row = 0; row < scan.header.scans; ++row) {
+      const auto i = scan.header.first_scan + row;
+      const double unit = n == 0 ? 0.002 : 0.001 * 9.80665;
+      EXPECT_NEAR(vehicle.node[n].channel[0].to_si(scan.counts[static_cast<std::size_t>(row)][0]),
+                  unit * static_cast<double>(i % 1000),
+                  50.0 / kFullScaleCounts);  // half a count and rounding
+      EXPECT_NEAR(static_cast<double>(scan.row_time_ns(row)), 1e9 * uniform(static_cast<std::size_t>(i)),
+                  2.0);
+      ++seen[n];
+    }
+  }
+  EXPECT_EQ(seen[0], 1010);
+  EXPECT_EQ(seen[1], 1010);
+}
+
+TEST_F(ImportCsv, FindsTheUniformRateBehindBunchedStamps) {
+  // Stamps as a serial port gives them: eight samples at once, late.
+  const auto bunched = [](std::size_t i) { return uniform(i / 8 * 8 + 7); };
+  const CsvImportReport report = import_csv(
+      {.samples = write("s.csv", samples(4000, bunched)), .pulses = {}, .folder = folder_ / "record"},
+      two_nodes());
+  // A saw tooth of 8 samples tilts the line by (8^2 - 1) / rows^2.
+  EXPECT_NEAR(report.rate_hz, kRate_hz, 1.2 * kRate_hz * 63.0 / (4000.0 * 4000.0));
+  EXPECT_NEAR(report.stamp_rms_s, std::sqrt((64.0 - 1.0) / 12.0) / kRate_hz,
+              1e-5);  // of 0 .. 7 about its mean
+  EXPECT_NEAR(report.stamp_max_s, 3.5 / kRate_hz, 1e-4);
+  EXPECT_TRUE(report.holes.empty());
+}
+
+TEST_F(ImportCsv, DeclaresAHoleAsAGapOfItsExactLength) {
+  const auto holed = [](std::size_t i) { return uniform(i < 777 ? i : i + 900); };
+  const CsvImportReport report = import_csv(
+      {.samples = write("s.csv", samples(2000, holed)), .pulses = {}, .folder = folder_ / "record"},
+      two_nodes());
+  ASSERT_EQ(report.holes.size(), 1U);
+  EXPECT_EQ(report.holes[0].samples, 900);
+  EXPECT_NEAR(report.holes[0].after_s, uniform(776), 1e-6);
+  int gaps = 0;
+  for (const auto& block : blocks_of_record())
+    if (block.kind == BlockKind::kGap) {
+      ++gaps;
+      EXPECT_EQ(decode_gap(block).cause, GapCause::kSourceGap);
+      EXPECT_EQ(block.header.first_scan, 777);
+      EXPECT_EQ(block.header.scans, 900);
+    }
+  EXPECT_EQ(gaps, 2);  // one a node
+  EXPECT_EQ(verify_record(folder_ / "record").verdict, Verdict::kIncomplete);
+}
+
+TEST_F(ImportCsv, KeepsPulsesOnTheirLine) {
+  const auto report = import_csv({.samples = write("s.csv", samples(100, uniform)),
+                                  .pulses = write("p.csv",
+                                                  "time_s,wheel,kind\n2.01,front_left,tooth\n"
+                                                  "2.05,front_left,zero\n"),
+                                  .folder = folder_ / "record"},
+                                 two_nodes());
+  EXPECT_TRUE(report.has_pulses);
+  EXPECT_EQ(report.nodes[0].edges, 0);
+  EXPECT_EQ(report.nodes[1].edges, 2);
+  for (const auto& block : blocks_of_record()) {
+    if (block.kind != BlockKind::kEdge) continue;
+    const auto edges = decode_edge(block).unpack();
+    ASSERT_EQ(edges.size(), 2U);
+    EXPECT_EQ(edges[0].line, 1);
+    EXPECT_EQ(to_ns(edges[1].time), 2'050'000'000);
+    EXPECT_EQ(edges[1].kind, EdgeKind::kZeroMark);
+  }
+}
+
+TEST_F(ImportCsv, RefusesWhatItDoesNotUnderstandAndNamesIt) {
+  const auto v = two_nodes();
+  const auto good = samples(50, uniform);
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string text = good;
+    text.replace(text.find(from), from.size(), to);
+    return text;
+  };
+  EXPECT_NE(error_of(with("m/s^2", "mV"), v).find("s.csv:2: first_up: unit \"mV\""), std::string::npos);
+  EXPECT_NE(error_of(with("first_up", "third_up"), v).find("no column for channel first_up"),
+            std::string::npos);
+  EXPECT_NE(error_of(with("2.004000,0.0020", "2.004000,x"), v).find("s.csv:5: second_up: \"x\" is no number"),
+            std::string::npos);
+  EXPECT_NE(error_of(with("2.004000,", "1.004000,"), v).find("s.csv:5: time_s: goes back"),
+            std::string::npos);
+  EXPECT_NE(error_of(with("time_s", "t"), v).find("s.csv:1: t:"), std::string::npos);
+  EXPECT_NE(error_of(samples(500, [](std::size_t i) { return 1.02 * uniform(i); }), v).find("rate_hz is 500"),
+            std::string::npos);
+  EXPECT_NE(error_of(good, v, "time_s,wheel,kind\n2.0,rear_left,tooth\n").find("wheel rear_left"),
+            std::string::npos);
+  EXPECT_NE(error_of(good, v, "time_s,wheel,kind\n2.0,front_left,spoke\n").find("p.csv:2: kind: \"spoke\""),
+            std::string::npos);
+  auto fewer = v;
+  fewer.node.pop_back();
+  EXPECT_NE(error_of(good, fewer).find("column second_up"), std::string::npos);
+  EXPECT_FALSE(fs::exists(folder_ / "record"));
+}
+
+TEST_F(ImportCsv, TakesARealCarsUnevenRecordingAndReportsItsFaultySensor) {
+  const auto vehicle = VehicleConfig::read_file(data("wobbletracker.toml").string());
+  const auto report =
+      import_csv({.samples = data("wobbletracker.csv"), .pulses = {}, .folder = folder_ / "record"}, vehicle);
+  EXPECT_NEAR(report.rate_hz, 117.35,
+              0.5);  // the whole run's rate; 10 s of stamps bunched by 70 ms allow 0.4 %
+  EXPECT_GT(report.stamp_rms_s, 0.01);
+  EXPECT_LT(report.stamp_max_s, 0.12);
+  EXPECT_TRUE(report.holes.empty());
+  EXPECT_FALSE(report.has_pulses);
+  std::set<std::string> suspicious;
+  for (const auto& suspicion : report.suspicions) suspicious.insert(suspicion.channel);
+  EXPECT_EQ(suspicious, (std::set<std::string>{"passenger_axle_x", "passenger_axle_y", "passenger_axle_z"}));
+  EXPECT_EQ(verify_record(folder_ / "record").verdict, Verdict::kComplete);
+}
+
+}  // namespace
+}  // namespace roadbalance
