@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/config/section.hpp"
 #include "host/identify/confidence.hpp"
 
 namespace roadbalance {
@@ -10,6 +11,14 @@ namespace {
 
 /// Fewer sections than this cannot tell their own scatter.
 constexpr int kLeastSections = 6;
+/// Grid samples per identification sample.
+int decimation(const VehicleConfig& vehicle) {
+  const double factor = vehicle.node.front().rate_hz / vehicle.drive.identification_rate_hz;
+  if (factor < 1.0)
+    throw ConfigError("vehicle " + vehicle.name + ": identification_rate_hz is above the nodes' rate_hz");
+  return static_cast<int>(std::lround(factor));
+}
+
 /// An estimate of a stiffness further from vehicle.toml than this factor means that the drive did not tell
 /// it.
 constexpr double kPlausible = 2.0;
@@ -25,12 +34,11 @@ DriveEstimator::DriveEstimator(const VehicleConfig& vehicle)
       geometry_(geometry_of(vehicle.model)),
       known_(nominal_parameters(vehicle)),
       sections_(vehicle_, [this](const DriveMoments& section) { add_section(section); }),
-      decimator_(
-          static_cast<int>(std::lround(vehicle.node.front().rate_hz / vehicle.drive.identification_rate_hz)),
-          [this](const IdentificationSample& sample) {
-            time_ns_ = sample.time_ns;
-            sections_.consume(sample);
-          }),
+      decimator_(decimation(vehicle),
+                 [this](const IdentificationSample& sample) {
+                   time_ns_ = sample.time_ns;
+                   sections_.consume(sample);
+                 }),
       assembler_(vehicle_, [this](const SignalRun& run) { decimator_.consume(run); }) {
   for (int i = 0; i < kWheels; ++i) estimate_.balance[static_cast<std::size_t>(i)].wheel = i;
   publish_unknown(Unknown::kTooShort);

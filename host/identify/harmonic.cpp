@@ -27,6 +27,26 @@ InstrumentMoments<Complex> operator*(Complex factor, const InstrumentMoments<Com
   return {factor * m.w2, factor * m.w1, factor * m.w0};
 }
 
+/// What a unit unbalance of wheel i leaves in the force rows of `wheels`, demodulated with each reference:
+/// Om_i^2 where row and reference are its own; small terms elsewhere because a row at one reference's rate
+/// sees the neighbouring line.
+Eigen::MatrixXcd expected_forces(const LinearModel& model, const std::vector<int>& wheels,
+                                 const Eigen::Vector4d& omega, int i, const Eigen::RowVectorXcd& overlap) {
+  const double om = omega(i);
+  const Eigen::Matrix<Complex, kCoordinates, kCoordinates> dynamic =
+      model.Q.cast<Complex>() + kJ * om * model.P.cast<Complex>() - (om * om * model.M).cast<Complex>();
+  const Eigen::RowVectorXcd Z =
+      (-om * om * om * om * dynamic.partialPivLu().solve(model.W.col(i).cast<Complex>())).transpose();
+  const auto n = static_cast<Eigen::Index>(wheels.size());
+  Eigen::MatrixXcd forces(n, n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const auto m = instrument(Z, omega(wheels[static_cast<std::size_t>(k)]));
+    for (Eigen::Index j = 0; j < n; ++j)
+      forces(j, k) = overlap(k) * m.force(model, kBodyCoordinates + wheels[static_cast<std::size_t>(j)]);
+  }
+  return forces;
+}
+
 }  // namespace
 
 HarmonicInstrument::HarmonicInstrument(const VehicleConfig& vehicle, Eigen::Index samples, double rate_hz)
@@ -49,9 +69,7 @@ HarmonicInstrument::HarmonicInstrument(const VehicleConfig& vehicle, Eigen::Inde
 
 Eigen::Matrix4cd HarmonicInstrument::road_spectrum(const Eigen::Ref<const SignalMatrix>& signals,
                                                    const Eigen::RowVectorXcd& down, double omega,
-                                                   double speed_m_s,
-                                                   const ParameterVector& parameters) const {
-  const LinearModel model = linear_model(geometry_, parameters);
+                                                   double speed_m_s, const LinearModel& model) const {
   const Eigen::MatrixXcd mixed =
       (down.asDiagonal() * signals.topRows<kCoordinates>().transpose().cast<Complex>()).eval();
   const Eigen::MatrixXcd Z = side_shift_ * mixed;  // [side bin x coordinate]
@@ -78,43 +96,39 @@ HarmonicMoments HarmonicInstrument::moments(const Eigen::Ref<const SignalMatrix>
     if (omega(i) > 0.0) wheels.push_back(i);
   if (wheels.empty()) return result;
   const auto n = static_cast<Eigen::Index>(wheels.size());
+  const auto wheel = [&](Eigen::Index k) { return wheels[static_cast<std::size_t>(k)]; };
 
   Eigen::MatrixXcd r(n, signals.cols()), down(n, signals.cols());  // [reference x sample]
-  Eigen::MatrixXcd Z(n, kCoordinates);                             // [reference x coordinate]
   for (Eigen::Index k = 0; k < n; ++k) {
-    const int wheel = wheels[static_cast<std::size_t>(k)];
-    r.row(k) =
-        signals.row(cosine_row(wheel)).cast<Complex>() + kJ * signals.row(sine_row(wheel)).cast<Complex>();
+    r.row(k) = signals.row(cosine_row(wheel(k))).cast<Complex>() +
+               kJ * signals.row(sine_row(wheel(k))).cast<Complex>();
     const double power = (r.row(k).cwiseAbs2().array() * taper_.value.transpose()).sum();
     down.row(k) =
         (r.row(k).conjugate().array() * taper_.value.transpose().cast<Complex>()).matrix() * (2.0 / power);
   }
-  Z = down * signals.topRows<kCoordinates>().transpose().cast<Complex>();
-  // What a unit phasor of reference j gives when it is demodulated with reference k.
-  const Eigen::MatrixXcd overlap = 0.5 * r * down.transpose();  // [j x k]
-  Eigen::MatrixXcd K = down.conjugate() * down.transpose();     // [k x m] of conj(n_k) n_m, like the noise
-  K = K.conjugate().eval() / K.diagonal().real().mean();
+  const Eigen::MatrixXcd Z = down * signals.topRows<kCoordinates>().transpose().cast<Complex>();
+  const Eigen::MatrixXcd overlap = 0.5 * r * down.transpose();  // c [j x k]
+  Eigen::MatrixXcd K = down * down.adjoint();
+  K /= K.diagonal().real().mean();
   K.diagonal().array() += kIndependentShare;
 
-  const Eigen::Matrix4cd S = road_spectrum(signals, down.row(0), omega(wheels[0]), speed_m_s, parameters);
-  Eigen::MatrixXcd S_used(n, n);
-  for (Eigen::Index a = 0; a < n; ++a)
-    for (Eigen::Index b = 0; b < n; ++b)
-      S_used(a, b) = S(wheels[static_cast<std::size_t>(a)], wheels[static_cast<std::size_t>(b)]);
-  const Eigen::MatrixXcd S_inverse = S_used.inverse();
+  const LinearModel model = linear_model(geometry_, parameters);
+  const Eigen::Matrix4cd spectrum = road_spectrum(signals, down.row(0), omega(wheel(0)), speed_m_s, model);
+  const Eigen::MatrixXcd S = Eigen::MatrixXcd::NullaryExpr(
+      n, n, [&](Eigen::Index a, Eigen::Index b) { return spectrum(wheel(a), wheel(b)); });
+  const Eigen::MatrixXcd S_inverse = S.inverse();
   const Eigen::MatrixXcd K_inverse = K.inverse();
 
-  for (Eigen::Index a = 0; a < n; ++a) {
-    const int i = wheels[static_cast<std::size_t>(a)];
-    const Eigen::RowVectorXcd weight = (omega(i) * omega(i) * overlap.row(a)).conjugate() * K_inverse;
-    for (Eigen::Index b = 0; b < n; ++b) {
-      const int j = wheels[static_cast<std::size_t>(b)];
-      const Eigen::VectorXcd mean = omega(j) * omega(j) * overlap.row(b).transpose();
-      result.normal(i, j) = S_inverse(a, b) * (weight * mean).value();
-      auto& right = result.right[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
-      for (Eigen::Index k = 0; k < n; ++k)
-        right +=
-            (S_inverse(a, b) * weight(k)) * instrument(Z.row(k), omega(wheels[static_cast<std::size_t>(k)]));
+  std::vector<Eigen::MatrixXcd> mean(static_cast<std::size_t>(n));  // of y [row j x reference k] per unit U_i
+  for (Eigen::Index i = 0; i < n; ++i)
+    mean[static_cast<std::size_t>(i)] = expected_forces(model, wheels, omega, wheel(i), overlap.row(i));
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Eigen::MatrixXcd weight =
+        S_inverse.transpose() * mean[static_cast<std::size_t>(i)].conjugate() * K_inverse;
+    for (Eigen::Index j = 0; j < n; ++j) {
+      result.normal(wheel(i), wheel(j)) = weight.cwiseProduct(mean[static_cast<std::size_t>(j)]).sum();
+      auto& right = result.right[static_cast<std::size_t>(wheel(i))][static_cast<std::size_t>(wheel(j))];
+      for (Eigen::Index k = 0; k < n; ++k) right += weight(j, k) * instrument(Z.row(k), omega(wheel(k)));
     }
   }
   return result;

@@ -31,16 +31,15 @@ class HarmonicInstrument {
   /// @param signals     [kSignals x samples], a section of steady speed
   /// @param omega       rotation rate of each wheel, rad/s; 0: it has no reference here
   /// @param speed_m_s   of the car
-  /// @param parameters  present knowledge, only to measure S
+  /// @param parameters  present knowledge, for the weights only
   HarmonicMoments moments(const Eigen::Ref<const SignalMatrix>& signals, const Eigen::Vector4d& omega,
                           double speed_m_s, const ParameterVector& parameters) const;
 
  private:
-  /// Phasors of z'' demodulated with `down` = taper * conj(reference), scaled so that a sine of the order
-  /// gives its phasor.
+  /// S: mean over the side bins of the demodulated forces' products.
   Eigen::Matrix4cd road_spectrum(const Eigen::Ref<const SignalMatrix>& signals,
                                  const Eigen::RowVectorXcd& down, double omega, double speed_m_s,
-                                 const ParameterVector& parameters) const;
+                                 const LinearModel& model) const;
 
   Geometry geometry_;
   Taper taper_;

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "host/identify/record_identify.hpp"
+#include "host/analyser/identify_record.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/readout.hpp"
 #include "tools/study/wheels_json.hpp"

@@ -68,7 +68,8 @@ ExactDrive::ExactDrive(const Geometry& geometry, const ParameterVector& paramete
     A_.block(first, first, order_, order_) = filter.F;
     A_.middleRows(first, order_) += filter.G * acceleration_rows_.row(c);
   }
-  // States in units of their own standard deviation: the exponential and Lyapunov's equation then lose no digits.
+  // States in units of their own standard deviation: the exponential and Lyapunov's equation then lose no
+  // digits.
   scale_ = lyapunov(A_, B * B.transpose()).diagonal().cwiseSqrt();
   A_ = (scale_.cwiseInverse().asDiagonal() * A_ * scale_.asDiagonal()).eval();
   B = (scale_.cwiseInverse().asDiagonal() * B).eval();

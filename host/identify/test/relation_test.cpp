@@ -43,8 +43,10 @@ double residual(const ExactDrive& exact, int instruments, double lag_s, double s
         const double mass = m.w2 * model.M.row(row).transpose();
         const double damping = m.w1 * model.P.row(row).transpose();
         const double stiffness = m.w0 * model.Q.row(row).transpose();
-        const double outside = (road * model.S.row(row).transpose() + force * model.W.row(row).transpose()).value();
-        const double sum = sign_of_q > 0 ? m.force(model, row) - outside : mass - damping - stiffness - outside;
+        const double outside =
+            (road * model.S.row(row).transpose() + force * model.W.row(row).transpose()).value();
+        const double sum =
+            sign_of_q > 0 ? m.force(model, row) - outside : mass - damping - stiffness - outside;
         const Eigen::Matrix<double, 1, 5> terms(sum, mass, damping, stiffness, outside);
         squares.row(row) += terms.cwiseAbs2() / exact.power(c, j);
       }

@@ -1,0 +1,124 @@
+#include "host/identify/assemble.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "common/bus/codec.hpp"
+#include "common/config/section.hpp"
+#include "common/test/source.hpp"
+
+namespace roadbalance {
+namespace {
+
+const VehicleConfig& car() {
+  static const VehicleConfig vehicle = VehicleConfig::read_file(test::source_path("sim/demo/vehicle.toml"));
+  return vehicle;
+}
+
+constexpr std::int64_t kPeriodNs = 500'000;
+
+/// Block `number` of one node.  Every sensor reads what z''(k) = (k + 1) * unit 0.01 m/s^2 in heave and all
+/// wheels would give, and the references the angle k / 100 of every wheel.
+SealedBlock block_of(int node_index, std::int64_t number, std::int32_t quality = 0,
+                     std::int64_t offset_ns = 0) {
+  const NodeConfig& node = car().node[static_cast<std::size_t>(node_index)];
+  ScanBlock block;
+  block.header = {node.id,        1,
+                  number + 1,     number * kScansPerBlock,
+                  kScansPerBlock, number * kScansPerBlock * kPeriodNs + offset_ns};
+  block.period_ps = kPeriodNs * 1000;
+  block.quality = quality;
+  for (int row = 0; row < kScansPerBlock; ++row) {
+    const double k = static_cast<double>(number * kScansPerBlock + row);
+    auto& counts = block.counts[static_cast<std::size_t>(row)];
+    for (std::size_t c = 0; c < node.channel.size(); ++c)
+      counts[c] = static_cast<std::int32_t>(
+          std::lround(0.01 * (k + 1) * node.channel[c].direction.z() / node.channel[c].scale_m_s2_per_count));
+    for (std::size_t line = 0; line < kEncoderLines; ++line) {
+      counts[kAccelerations + 2 * line] =
+          static_cast<std::int32_t>(std::lround(kFullScaleCounts * std::sin(k / 100)));
+      counts[kAccelerations + 2 * line + 1] =
+          static_cast<std::int32_t>(std::lround(kFullScaleCounts * std::cos(k / 100)));
+    }
+  }
+  SealedBlock sealed;
+  seal(block, sealed);
+  return sealed;
+}
+
+std::vector<SignalRun> assemble(const std::vector<SealedBlock>& blocks) {
+  std::vector<SignalRun> runs;
+  Assembler assembler(car(), [&](const SignalRun& run) { runs.push_back(run); });
+  for (const auto& block : blocks) assembler.consume(block);
+  return runs;
+}
+
+TEST(Assembler, GivesTheSevenAccelerationsAndAllAngles) {
+  const auto runs = assemble({block_of(0, 0), block_of(1, 0)});
+  ASSERT_EQ(runs.size(), 1U);
+  EXPECT_TRUE(runs[0].restart);
+  ASSERT_EQ(runs[0].samples.cols(), kScansPerBlock);
+  for (int k = 0; k < kScansPerBlock; ++k) {
+    SignalVector expected = SignalVector::Zero();
+    expected(0) = 0.01 * (k + 1);  // heave; no roll, no pitch
+    expected.segment<kWheels>(kBodyCoordinates).setConstant(0.01 * (k + 1));
+    for (int w = 0; w < kWheels; ++w) {
+      expected(cosine_row(w)) = std::cos(k / 100.0);
+      expected(sine_row(w)) = std::sin(k / 100.0);
+    }
+    // A count is 2.4e-5 m/s^2 of a wheel.
+    EXPECT_LT((runs[0].samples.col(k) - expected).cwiseAbs().maxCoeff(), 3e-5) << k;
+  }
+}
+
+TEST(Assembler, ResultDoesNotDependOnHowNodesInterleave) {
+  std::vector<SealedBlock> in_turn, one_after_the_other;
+  for (int number = 0; number < 6; ++number)
+    for (int node = 0; node < 2; ++node) in_turn.push_back(block_of(node, number));
+  for (int node = 0; node < 2; ++node)
+    for (int number = 0; number < 6; ++number) one_after_the_other.push_back(block_of(node, number));
+  const auto a = assemble(in_turn), b = assemble(one_after_the_other);
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].first_index, b[i].first_index);
+    EXPECT_EQ(a[i].samples, b[i].samples);
+  }
+}
+
+TEST(Assembler, RunsRestartAfterWhatIsMissing) {
+  for (const std::int32_t bad : {std::int32_t{kQualityNoReference0}, 0}) {  // a block without angle, and a block never sent
+    std::vector<SealedBlock> blocks;
+    for (int number = 0; number < 4; ++number) {
+      blocks.push_back(block_of(0, number));
+      if (number != 2 || bad != 0) blocks.push_back(block_of(1, number, number == 2 ? bad : 0));
+    }
+    const auto runs = assemble(blocks);
+    ASSERT_EQ(runs.size(), 3U);
+    EXPECT_FALSE(runs[1].restart);
+    EXPECT_TRUE(runs[2].restart);
+    EXPECT_EQ(runs[2].first_index, 3 * kScansPerBlock);
+  }
+}
+
+TEST(Assembler, NodesThatBeginApartMeetAtTheFirstCommonScan) {
+  std::vector<SealedBlock> blocks{block_of(0, 0), block_of(0, 1)};
+  blocks.push_back(block_of(1, 0, 0, 7 * kPeriodNs));  // began seven scans later
+  const auto runs = assemble(blocks);
+  ASSERT_FALSE(runs.empty());
+  EXPECT_EQ(runs[0].first_index, 7);
+  EXPECT_EQ(runs[0].samples.cols(), kScansPerBlock - 7);
+}
+
+TEST(Assembler, RefusesNodesThatAreNotOnOneGridByName) {
+  try {
+    assemble({block_of(0, 0), block_of(1, 0, 0, kPeriodNs / 3)});
+    FAIL() << "accepted";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("node 2"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace roadbalance
