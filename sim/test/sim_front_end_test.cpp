@@ -83,9 +83,9 @@ TEST(SimFrontEnd, DeliversTheWholeDriveAndEnds) {
 }
 
 TEST(SimFrontEnd, EdgesComeInOrderAndCompleteBeforeTheirScanWhateverRoomTheReaderGives) {
-  const Data reference = read(*open("?rate=max&seconds=4"), 8000);
+  const Data reference = read(*open("?rate=max&seconds=1.5"), 3000);
   for (const std::size_t edge_room : {1U, 3U, 64U}) {
-    const auto device = open("?rate=max&seconds=4");
+    const auto device = open("?rate=max&seconds=1.5");
     Data data;
     std::vector<Scan> scans(7);
     std::vector<Edge> edges(edge_room);
@@ -108,23 +108,21 @@ TEST(SimFrontEnd, EdgesComeInOrderAndCompleteBeforeTheirScanWhateverRoomTheReade
 }
 
 TEST(SimFrontEnd, ARestartedNodeSeesTheSameCarBitForBit) {
-  const Data whole = read(*open("?rate=max&seconds=6&seed=5"), 12'000);
-  const Data late = read(*open("?rate=max&seconds=6&seed=5&from=2.34567"), 12'000);
-  EXPECT_EQ(late.scans.size(), 12'000U - 4692U);  // 2.34567 s are 4691.34 scans
+  const Data whole = read(*open("?rate=max&seconds=4&seed=5"), 8000);
+  const Data late = read(*open("?rate=max&seconds=4&seed=5&from=2.34567"), 8000);
+  EXPECT_EQ(late.scans.size(), 8000U - 4692U);  // 2.34567 s are 4691.34 scans
   expect_tail(whole, late);
 }
 
 TEST(SimFrontEnd, ANodeOpenedLateJoinsAtThePresentBusTime) {
-  const Data whole = read(*open("?rate=max&seconds=600&seed=5"), 80'000);
   const auto now = std::chrono::steady_clock::now().time_since_epoch();
-  const auto start = std::chrono::duration_cast<std::chrono::nanoseconds>(now).count() - 500'000'000;
+  const auto start = std::chrono::duration_cast<std::chrono::nanoseconds>(now).count() - 50'000'000;
   const auto device = open("?rate=20&seconds=600&seed=5&start_ns=" + std::to_string(start));
   EXPECT_TRUE(device->waits());
   const Data late = read(*device, 500);
-  ASSERT_GE(late.scans[0].time, node_time_from_ns(10'000'000'000));  // 20 times half a second, and a bit
-  if (to_ns(late.scans.back().time) < 39'000'000'000) {  // a machine that stood still for 1.5 s proves less
-    expect_tail(whole, late);
-  }
+  ASSERT_GE(late.scans[0].time, node_time_from_ns(1'000'000'000));  // 20 times 50 ms, and a bit
+  const auto last = std::llround(to_seconds(late.scans.back().time.time_since_epoch()) * 2000.0);
+  expect_tail(read(*open("?rate=max&seconds=600&seed=5"), static_cast<std::size_t>(last) + 1), late);
 }
 
 TEST(SimFrontEnd, WaitsForItsReaderAtAnyRateButOne) {
@@ -136,18 +134,18 @@ TEST(SimFrontEnd, WaitsForItsReaderAtAnyRateButOne) {
 }
 
 TEST(SimFrontEnd, SeedsMakeOtherCarsAndNodesSeeOneCar) {
-  const Data a = read(*open("?rate=max&seconds=2&seed=7"), 4000),
-             b = read(*open("?rate=max&seconds=2&seed=7"), 4000);
-  const Data c = read(*open("?rate=max&seconds=2&seed=8"), 4000);
-  const Data rear = read(*open("?rate=max&seconds=2&seed=7", "rear"), 4000);
+  const Data a = read(*open("?rate=max&seconds=1&seed=7"), 2000),
+             b = read(*open("?rate=max&seconds=1&seed=7"), 2000);
+  const Data c = read(*open("?rate=max&seconds=1&seed=8"), 2000);
+  const Data rear = read(*open("?rate=max&seconds=1&seed=7", "rear"), 2000);
   std::size_t differing = 0, rear_differing = 0;
-  for (std::size_t k = 0; k < 4000; ++k) {
+  for (std::size_t k = 0; k < 2000; ++k) {
     ASSERT_EQ(a.scans[k].counts, b.scans[k].counts);
     differing += a.scans[k].counts != c.scans[k].counts;
     rear_differing += a.scans[k].counts != rear.scans[k].counts;
   }
-  EXPECT_GT(differing, 3900U);
-  EXPECT_GT(rear_differing, 3900U);
+  EXPECT_GT(differing, 1950U);
+  EXPECT_GT(rear_differing, 1950U);
 }
 
 TEST(SimFrontEnd, BothNodesFeelTheSameBodyMove) {
