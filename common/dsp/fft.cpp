@@ -1,0 +1,60 @@
+#include "common/dsp/fft.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <mutex>
+#include <new>
+#include <stdexcept>
+
+#include <fftw3.h>
+
+namespace roadbalance {
+namespace {
+
+// FFTW's planner keeps one memory for all threads; only executing a plan is safe beside others.
+std::mutex& planner() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+}  // namespace
+
+struct RealFft::Plan {
+  explicit Plan(int size)
+      : in(fftw_alloc_real(static_cast<std::size_t>(size))),
+        out(fftw_alloc_complex(static_cast<std::size_t>(size / 2 + 1))) {
+    const std::lock_guard lock(planner());
+    // Measuring would choose an algorithm by the clock, and so other last bits from run to run.
+    if (in != nullptr && out != nullptr) plan = fftw_plan_dft_r2c_1d(size, in, out, FFTW_ESTIMATE);
+  }
+  Plan(const Plan&) = delete;
+  Plan& operator=(const Plan&) = delete;
+  ~Plan() {
+    const std::lock_guard lock(planner());
+    fftw_destroy_plan(plan);
+    fftw_free(in);
+    fftw_free(out);
+  }
+
+  double* in;
+  fftw_complex* out;
+  fftw_plan plan = nullptr;
+};
+
+RealFft::RealFft(int size) : size_(size) {
+  if (size < 2) throw std::invalid_argument("FFT size must be at least 2");
+  plan_ = std::make_unique<Plan>(size);
+  if (plan_->plan == nullptr) throw std::bad_alloc();
+}
+RealFft::RealFft(RealFft&&) noexcept = default;
+RealFft& RealFft::operator=(RealFft&&) noexcept = default;
+RealFft::~RealFft() = default;
+
+void RealFft::forward(std::span<const double> in, std::span<std::complex<double>> out) {
+  assert(in.size() == static_cast<std::size_t>(size_) && out.size() == static_cast<std::size_t>(bins()));
+  std::copy(in.begin(), in.end(), plan_->in);
+  fftw_execute(plan_->plan);
+  for (std::size_t k = 0; k < out.size(); ++k) out[k] = {plan_->out[k][0], plan_->out[k][1]};
+}
+
+}  // namespace roadbalance

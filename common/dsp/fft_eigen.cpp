@@ -1,0 +1,36 @@
+#include <algorithm>
+#include <cassert>
+#include <stdexcept>
+#include <vector>
+
+#include <unsupported/Eigen/FFT>
+
+#include "common/dsp/fft.hpp"
+
+namespace roadbalance {
+
+struct RealFft::Plan {
+  Eigen::FFT<double> fft;
+  std::vector<double> in;
+  std::vector<std::complex<double>> out;
+};
+
+RealFft::RealFft(int size) : size_(size) {
+  if (size < 2) throw std::invalid_argument("FFT size must be at least 2");
+  plan_ = std::make_unique<Plan>();
+  plan_->fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
+  plan_->in.resize(static_cast<std::size_t>(size));
+  plan_->out.resize(static_cast<std::size_t>(bins()));
+}
+RealFft::RealFft(RealFft&&) noexcept = default;
+RealFft& RealFft::operator=(RealFft&&) noexcept = default;
+RealFft::~RealFft() = default;
+
+void RealFft::forward(std::span<const double> in, std::span<std::complex<double>> out) {
+  assert(in.size() == static_cast<std::size_t>(size_) && out.size() == static_cast<std::size_t>(bins()));
+  std::copy(in.begin(), in.end(), plan_->in.begin());
+  plan_->fft.fwd(plan_->out.data(), plan_->in.data(), size_);
+  std::copy(plan_->out.begin(), plan_->out.end(), out.begin());
+}
+
+}  // namespace roadbalance
