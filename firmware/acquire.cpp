@@ -55,7 +55,10 @@ void acquire(std::stop_token stop, FrontEnd& front_end, Sealer& sealer, BlockSin
     break;
   }
   sealer.device_ended();
-  if (sealer.started()) finish(stop, sealer);
+  if (sealer.started()) {
+    tell(sealer, NodeState::kStarted, link);
+    finish(stop, sealer);
+  }
   tell(sealer, last, link);
 }
 

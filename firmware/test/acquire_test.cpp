@@ -1,0 +1,133 @@
+#include "firmware/acquire.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <thread>
+
+#include "common/bus/codec.hpp"
+#include "common/test/no_allocation.hpp"
+#include "firmware/ring_sink.hpp"
+#include "firmware/test/pulse_train.hpp"
+#include "firmware/test/scripted_front_end.hpp"
+#include "firmware/test/vehicle.hpp"
+
+namespace roadbalance {
+namespace {
+
+constexpr double kRate_hz = 2000.0;
+
+struct Node {
+  explicit Node(std::size_t ring_bytes = Ring::kDefaultBytes)
+      : vehicle(test::one_node_vehicle(kRate_hz)),
+        ring(ring_bytes),
+        sink(ring),
+        sealer(vehicle, vehicle.node[0], 5, sink, &preview) {}
+
+  const VehicleConfig vehicle;
+  Ring ring;
+  RingSink sink;
+  PreviewSlot preview;
+  Sealer sealer;
+  AcquireLink link;
+};
+
+std::vector<Edge> turning(double seconds) {
+  return test::PulseTrain{.angle_rad = [](double t) { return 2 * std::numbers::pi * 18.0 * t; }}.edges(
+      0.0, seconds);
+}
+
+TEST(Acquire, NeverAllocates) {
+  Node node;
+  test::ScriptedFrontEnd device(test::marked_scans(0, 20'000, kRate_hz), turning(10.0), 100);
+  node.link.start = true;
+  {
+    const test::NoAllocation guard;
+    acquire({}, device, node.sealer, node.sink, node.link);
+  }
+  EXPECT_EQ(node.link.state.load(), NodeState::kEnded);
+  EXPECT_EQ(node.link.scans_sampled.load(), 20'000);
+  EXPECT_EQ(node.link.scans_missing.load(), 0);
+  EXPECT_NEAR(node.link.speed_rad_s[0].load(), 2 * std::numbers::pi * 18.0, 0.5);
+}
+
+TEST(Acquire, TakesNothingFromAWaitingDeviceBeforeItIsStarted) {
+  Node node;
+  test::ScriptedFrontEnd device(test::marked_scans(0, 100, kRate_hz), {});
+  std::stop_source stop;
+  std::thread process([&] { acquire(stop.get_token(), device, node.sealer, node.sink, node.link); });
+  stop.request_stop();
+  process.join();
+  std::array<Scan, 100> scans;
+  std::array<Edge, 64> edges;
+  EXPECT_EQ(device.read(scans, edges).scans, 64U);  // a whole run of the script: none was taken
+  EXPECT_EQ(node.ring.used(), 0);
+}
+
+TEST(Acquire, LosesNothingOfAWaitingDeviceToASmallRing) {
+  Node node(256 * sizeof(SealedBlock));
+  test::ScriptedFrontEnd device(test::marked_scans(0, 20'000, kRate_hz), turning(10.0), 250);
+  node.link.start = true;
+  std::thread process([&] { acquire({}, device, node.sealer, node.sink, node.link); });
+  // The other side frees what it has seen, as an uplink whose owner is quick.
+  std::int64_t seen = 0, scans = 0;
+  for (bool ended = false; !ended;) {
+    if (node.ring.next() - 1 == seen) {
+      std::this_thread::yield();
+      continue;
+    }
+    const SealedBlock& block = node.ring.get(++seen);
+    EXPECT_EQ(block.header.sequence, seen);
+    EXPECT_NE(block.kind, BlockKind::kGap);
+    if (block.kind == BlockKind::kScan) scans += block.header.scans;
+    ended = block.kind == BlockKind::kEnd;
+    node.ring.free_through(seen);
+  }
+  process.join();
+  EXPECT_EQ(scans, 20'000);
+}
+
+/// A device that does not wait, with its own idea of when it ends.
+class Impatient final : public FrontEnd {
+ public:
+  explicit Impatient(FrontEnd& inner) : inner_(inner) {}
+  Read read(std::span<Scan> scans, std::span<Edge> edges) noexcept override {
+    return inner_.read(scans, edges);
+  }
+
+ private:
+  FrontEnd& inner_;
+};
+
+TEST(Acquire, OfAFullRingKeepsTheOldestAndTellsHowManyScansAreMissing) {
+  Node node(256 * sizeof(SealedBlock));
+  test::ScriptedFrontEnd scripted(test::marked_scans(0, 20'000, kRate_hz), {}, 250);
+  Impatient device(scripted);
+  node.link.start = true;
+  std::stop_source stop;
+  std::thread process([&] { acquire(stop.get_token(), device, node.sealer, node.sink, node.link); });
+  while (node.link.scans_sampled.load() < 20'000) std::this_thread::yield();
+  const std::int64_t missing = node.link.scans_missing.load();
+  EXPECT_GT(missing, 20'000 - 256 * kScansPerBlock);
+  node.ring.free_through(node.ring.next() - 1);  // the recorder is back: gap and end are written
+  process.join();
+  const SealedBlock& end = node.ring.get(node.ring.next() - 1);
+  ASSERT_EQ(end.kind, BlockKind::kEnd);
+  EXPECT_EQ(decode_end(end).scans_missing, node.link.scans_missing.load());
+  EXPECT_EQ(decode_end(end).header.first_scan, 20'000);
+}
+
+TEST(Acquire, EndsWhenToldToWithWhatItHas) {
+  Node node;
+  test::ScriptedFrontEnd device(test::marked_scans(0, 4000, kRate_hz), {}, 10);
+  node.link.start = true;
+  node.link.stop = true;  // started and stopped before the first scan: an epoch without scans
+  acquire({}, device, node.sealer, node.sink, node.link);
+  EXPECT_EQ(node.link.state.load(), NodeState::kEnded);
+  const SealedBlock& end = node.ring.get(node.ring.next() - 1);
+  ASSERT_EQ(end.kind, BlockKind::kEnd);
+  EXPECT_EQ(decode_end(end).scans_sealed, 0);
+}
+
+}  // namespace
+}  // namespace roadbalance

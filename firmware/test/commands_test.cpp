@@ -1,0 +1,81 @@
+#include "firmware/commands.hpp"
+
+#include <gtest/gtest.h>
+
+namespace roadbalance {
+namespace {
+
+constexpr std::int32_t kNode = 3;
+constexpr std::int64_t kEpoch = 9, kOwner = 4;
+
+struct Fixture : testing::Test {
+  Ring ring{64 * sizeof(SealedBlock)};
+  Sender sender{ring, kNode, kEpoch};
+  AcquireLink link;
+  Commands commands{kNode, kEpoch, ring, sender, link};
+  WallTime now{};
+
+  std::optional<Reply> say(Verb verb, std::int64_t request, std::int64_t incarnation = kOwner) {
+    commands.take({kNode, request, incarnation, verb}, now);
+    return commands.next_reply();
+  }
+};
+using NodeCommands = Fixture;
+
+TEST_F(NodeCommands, StartOnlyForTheOwner) {
+  EXPECT_EQ(say(Verb::kStart, 1)->result, CommandError::kNotOwner);
+  EXPECT_FALSE(link.start);
+  EXPECT_EQ(say(Verb::kClaim, 2)->result, CommandError::kNone);
+  EXPECT_EQ(say(Verb::kClaim, 3, kOwner + 1)->result, CommandError::kNotOwner);  // the lease lives
+  const auto reply = say(Verb::kStart, 4);
+  EXPECT_EQ(reply->result, CommandError::kNone);
+  EXPECT_EQ(reply->sequence, 1);
+  EXPECT_EQ(reply->epoch, kEpoch);
+  EXPECT_TRUE(link.start);
+}
+
+TEST_F(NodeCommands, ARepeatedRequestActsOnceAndGetsTheSameReply) {
+  say(Verb::kClaim, 1);
+  EXPECT_EQ(say(Verb::kRelease, 2)->result, CommandError::kNone);
+  say(Verb::kClaim, 3);
+  EXPECT_EQ(say(Verb::kRelease, 2)->result, CommandError::kNone);
+  EXPECT_EQ(sender.owner(), kOwner);  // the release of request 2 was over already
+}
+
+TEST_F(NodeCommands, StopIsAnsweredWithTheEndsSequenceOnceItIsSealed) {
+  say(Verb::kClaim, 1);
+  say(Verb::kStart, 2);
+  EXPECT_FALSE(say(Verb::kStop, 3).has_value());
+  EXPECT_FALSE(say(Verb::kStop, 3).has_value());
+  EXPECT_TRUE(link.stop);
+  EXPECT_TRUE(commands.waiting());
+  SealedBlock* block = ring.claim();
+  block->header.sequence = 1;
+  ring.commit();
+  link.state = NodeState::kEnded;
+  const auto reply = commands.next_reply();
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->request, 3);
+  EXPECT_EQ(reply->sequence, 1);
+  const auto again = say(Verb::kStop, 3);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->sequence, 1);
+  EXPECT_FALSE(commands.waiting());
+}
+
+TEST_F(NodeCommands, AnEndedNodeDoesNotStartAgainAndAnUnknownVerbIsRefused) {
+  say(Verb::kClaim, 1);
+  link.state = NodeState::kEnded;
+  EXPECT_EQ(say(Verb::kStart, 2)->result, CommandError::kEnded);
+  EXPECT_EQ(say(static_cast<Verb>(77), 3)->result, CommandError::kUnknownVerb);
+  EXPECT_FALSE(link.start);
+}
+
+TEST_F(NodeCommands, OfAnotherNodeAreNotHeard) {
+  commands.take({kNode + 1, 1, kOwner, Verb::kClaim}, now);
+  EXPECT_FALSE(commands.next_reply());
+  EXPECT_EQ(sender.owner(), 0);
+}
+
+}  // namespace
+}  // namespace roadbalance
