@@ -1,10 +1,12 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "common/bus/results.hpp"
 #include "common/config/vehicle_config.hpp"
+#include "common/dsp/psd.hpp"
 #include "common/link/blocks.hpp"
 
 namespace roadbalance {
@@ -12,7 +14,7 @@ namespace roadbalance {
 /// Welch spectra of one node's accelerations over the last seconds, for display.
 class SpectrumMeter {
  public:
-  static constexpr double kSegment_s = 2.0;   ///< gives lines at most 0.5 Hz apart
+  static constexpr double kSegment_s = 2.0;   ///< lines lie half a hertz apart
   static constexpr double kHistory_s = 10.0;  ///< what a spectrum averages over
   static constexpr double kHighest_hz = 250.0;
 
@@ -26,12 +28,15 @@ class SpectrumMeter {
   std::vector<SpectrumPart> take();
 
  private:
+  void append_parts(std::int32_t channel, std::vector<SpectrumPart>& parts) const;
+
   NodeConfig node_;
+  WelchPsd psd_;
   std::size_t segment_;
   std::size_t keep_;
   std::vector<std::vector<double>> history_;  ///< [channel][sample], m/s^2
-  std::int64_t next_scan_ = -1;
   std::int64_t epoch_ = 0;
+  std::int64_t next_scan_ = 0;
   std::int64_t end_ns_ = 0;
   bool news_ = false;
 };

@@ -21,7 +21,8 @@ BusView::BusView(const std::string& url) : bus_(url) {
     const auto message = decode_balance(bytes);
     if (!message || message->wheel < 0 || message->wheel >= kWheels) return;
     auto& last = balance_[static_cast<std::size_t>(message->wheel)];
-    news_ = news_ || !last || last->time_ns != message->time_ns;
+    // The wheels of an estimate come one after the other.
+    news_ = news_ || (message->wheel == kWheels - 1 && (!last || last->time_ns != message->time_ns));
     last = *message;
   });
   bus_.subscribe("RB_HEARTBEAT_.*", [this](std::string_view, Bytes bytes) {
@@ -30,12 +31,14 @@ BusView::BusView(const std::string& url) : bus_(url) {
 }
 
 void BusView::take(const SpectrumPart& part) {
+  constexpr double kLowest_hz = 2.0;  // a mean value is no line
   Line& line = lines_[{part.node, part.channel}];
   if (part.part == 0) line = {};
-  const auto highest = std::max_element(part.density.begin(), part.density.end());
-  if (highest == part.density.end() || *highest <= line.density) return;
-  line.frequency_hz = part.first_hz + part.step_hz * static_cast<double>(highest - part.density.begin());
-  line.density = *highest;
+  for (std::size_t bin = 0; bin < part.density.size(); ++bin) {
+    const double frequency_hz = part.first_hz + part.step_hz * static_cast<double>(bin);
+    if (frequency_hz >= kLowest_hz && part.density[bin] > line.density)
+      line = {frequency_hz, part.density[bin]};
+  }
 }
 
 bool BusView::handle(std::chrono::milliseconds timeout) {

@@ -10,6 +10,7 @@
 #include <chrono>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -35,6 +36,11 @@ constexpr int kCannotExecute = 127;
     _exit(kCannotExecute);
   execv(program, arguments);
   _exit(kCannotExecute);
+}
+
+std::string read_all(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 }  // namespace
@@ -88,15 +94,18 @@ std::filesystem::path Child::output_file() const {
 }
 
 std::string Child::output() const {
-  std::ifstream file(output_file());
-  return {std::istreambuf_iterator<char>(file), {}};
+  return read_all(output_file());
+}
+
+std::string Child::log() const {
+  return read_all(log_);
 }
 
 std::string Child::last_words() const {
-  std::ifstream file(log_);
+  std::istringstream lines(log());
   std::string line;
   std::string last = "it said nothing";
-  while (std::getline(file, line))
+  while (std::getline(lines, line))
     if (!line.empty()) last = line;
   return last;
 }

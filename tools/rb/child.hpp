@@ -29,9 +29,12 @@ class Child {
   void stop();
 
   const std::string& name() const { return name_; }
+  pid_t pid() const { return pid_; }
   /// All it has written to standard output.
   std::string output() const;
-  /// The last line it wrote to standard error: why it failed.
+  /// All it has written to standard error.
+  std::string log() const;
+  /// The last line of that: why it failed.
   std::string last_words() const;
 
  private:

@@ -39,14 +39,16 @@ class DemoPlan {
   /// analyser.
   const std::filesystem::path& work() const { return work_; }
   std::filesystem::path vehicle_file() const { return work_ / "vehicle.toml"; }
-  /// What the nodes open: "sim:PATH?seed=...".
-  std::string front_end() const;
+  /// What the nodes open: "sim:PATH?seed=...", and the same without the scheme.
+  std::string front_end() const { return "sim:" + front_end_address(); }
+  std::string front_end_address() const;
 
  private:
   DemoOptions options_;
   std::filesystem::path work_;
   std::filesystem::path record_;
   std::string url_;
+  std::int64_t start_ns_;  ///< of the drive, CLOCK_MONOTONIC: one start for all nodes
   VehicleConfig vehicle_;
 };
 

@@ -39,7 +39,8 @@ class Processes final : public DemoTeam {
     recorder_.stop();
     while (!ended_well(recorder_)) std::this_thread::sleep_for(std::chrono::milliseconds(10));
     std::vector<NodeReport> reports;
-    for (const auto& json : nlohmann::json::parse(recorder_.output()).at("nodes")) {
+    const auto counts = nlohmann::json::parse(recorder_.output());
+    for (const auto& json : counts.at("nodes")) {
       NodeReport& report = reports.emplace_back();
       report.node = json.at("node").get<std::int32_t>();
       report.epoch = json.at("epoch").get<std::int64_t>();

@@ -1,11 +1,21 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
+#include <string>
 
 #include "common/config/section.hpp"
 #include "tools/rb/command.hpp"
 
 namespace {
+
+/// CLI11 alone would only say that a subcommand is required.
+void refuse_unknown_subcommand(CLI::App& app, int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return;
+  const auto all = app.get_subcommands([](const CLI::App*) { return true; });
+  for (const CLI::App* command : all)
+    if (command->get_name() == argv[1]) return;
+  throw roadbalance::ConfigError(std::string("unknown subcommand ") + argv[1] + "; rb --help lists them");
+}
 
 int fail(const std::exception& error, int code) {
   std::fprintf(stderr, "rb: %s\n", error.what());
@@ -32,6 +42,7 @@ int main(int argc, char** argv) {
   add_study(app, code);
   add_import(app, code);
   try {
+    refuse_unknown_subcommand(app, argc, argv);
     app.parse(argc, argv);
     return code;
   } catch (const CLI::ParseError& error) {

@@ -63,7 +63,7 @@ TEST(DurableGate, LetsThroughWhatIsAcknowledgedAsDurableAndNoMore) {
   EXPECT_FALSE(gate.passes(block(1, 6, 1).header, begin));
   EXPECT_FALSE(gate.passes(block(2, 5, 1).header, begin));
   EXPECT_TRUE(gate.passes(block(0, 0, 0).header, begin));  // what the recorder begins a segment with
-  ack.durable = 4;  // a stale datagram
+  ack.durable = 4;                                         // a stale datagram
   gate.acknowledge(ack, begin);
   EXPECT_TRUE(gate.passes(block(1, 5, 10).header, begin));
 }

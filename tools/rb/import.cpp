@@ -1,0 +1,91 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tools/rb/command.hpp"
+#include "tools/rb/import_csv.hpp"
+
+namespace roadbalance {
+namespace {
+
+struct ImportOptions {
+  std::string samples;
+  std::string pulses;
+  std::string vehicle;
+  std::string folder;
+  bool json = false;
+};
+
+nlohmann::ordered_json report_json(const CsvImportReport& report) {
+  nlohmann::ordered_json json{{"rows", report.rows},
+                              {"seconds", report.seconds},
+                              {"rate_hz", report.rate_hz},
+                              {"stamp_rms_s", report.stamp_rms_s},
+                              {"stamp_max_s", report.stamp_max_s},
+                              {"has_pulses", report.has_pulses},
+                              {"holes", nlohmann::ordered_json::array()},
+                              {"suspicions", nlohmann::ordered_json::array()},
+                              {"nodes", nlohmann::ordered_json::array()}};
+  for (const auto& hole : report.holes)
+    json["holes"].push_back({{"after_s", hole.after_s}, {"samples", hole.samples}});
+  for (const auto& suspicion : report.suspicions)
+    json["suspicions"].push_back({{"channel", suspicion.channel}, {"what", suspicion.what}});
+  for (const auto& node : report.nodes)
+    json["nodes"].push_back({{"name", node.name},
+                             {"blocks", node.blocks},
+                             {"samples_recorded", node.scans},
+                             {"samples_missing", node.scans_missing},
+                             {"edges", node.edges}});
+  return json;
+}
+
+/// For people, on standard error, so that nothing doubtful is hidden from those who take the JSON.
+void tell(const CsvImportReport& report) {
+  std::fprintf(
+      stderr, "%lld rows, %.1f s at %.3f Hz; stamps lie %.3g ms rms and %.3g ms at most from an even clock\n",
+      static_cast<long long>(report.rows), report.seconds, report.rate_hz, report.stamp_rms_s * 1e3,
+      report.stamp_max_s * 1e3);
+  for (const auto& hole : report.holes)
+    std::fprintf(stderr, "hole after %.3f s: %lld samples, declared as a gap\n", hole.after_s,
+                 static_cast<long long>(hole.samples));
+  for (const auto& suspicion : report.suspicions)
+    std::fprintf(stderr, "suspicious: channel %s %s\n", suspicion.channel.c_str(), suspicion.what.c_str());
+  for (const auto& node : report.nodes)
+    std::fprintf(stderr, "node %s: %lld samples recorded, %lld missing, %lld edges\n", node.name.c_str(),
+                 static_cast<long long>(node.scans), static_cast<long long>(node.scans_missing),
+                 static_cast<long long>(node.edges));
+  if (!report.has_pulses)
+    std::fprintf(stderr, "without pulses the wheels have no angle: unbalance cannot be identified\n");
+}
+
+int import(const ImportOptions& options) {
+  CsvImport request{options.samples, std::nullopt, options.folder};
+  if (!options.pulses.empty()) request.pulses = options.pulses;
+  const CsvImportReport report = import_csv(request, VehicleConfig::read_file(options.vehicle));
+  tell(report);
+  if (options.json) std::printf("%s\n", report_json(report).dump().c_str());
+  const bool complete = std::all_of(report.nodes.begin(), report.nodes.end(),
+                                    [](const auto& node) { return node.scans_missing == 0; });
+  return complete ? kDone : kIncomplete;
+}
+
+}  // namespace
+
+void add_import(CLI::App& app, int& code) {
+  auto options = std::make_shared<ImportOptions>();
+  CLI::App* command = app.add_subcommand("import", "Makes a recording from somebody else's data");
+  command->require_subcommand(1);
+  CLI::App* csv = command->add_subcommand("csv", "Samples and pulses as comma-separated values");
+  csv->add_option("--samples", options->samples, "first row names, second row units, first column time_s")
+      ->required();
+  csv->add_option("--pulses", options->pulses, "time_s,wheel,kind with kind tooth or zero");
+  csv->add_option("--vehicle", options->vehicle, "vehicle.toml that gives each channel a place")->required();
+  csv->add_option("-o,--output", options->folder, "folder of the recording to make")->required();
+  csv->add_flag("--json", options->json, "one JSON object on standard output");
+  csv->callback([options, &code] { code = import(*options); });
+}
+
+}  // namespace roadbalance
