@@ -56,7 +56,6 @@ EpochReceiver::Take EpochReceiver::block(const SealedBlock& block, WallTime now,
   if (s.arrived) return Take::kDuplicate;
   s.block = block;
   s.arrived = true;
-  repaired_ += s.asked ? 1 : 0;
   newest_arrived_ = std::max(newest_arrived_, sequence);
   deliver_contiguous(out);
   return Take::kAccepted;

@@ -55,8 +55,7 @@ class EpochReceiver {
   std::int64_t durable() const { return durable_; }
   std::int64_t credit() const;
   bool ended() const { return ended_; }
-  std::int64_t repaired() const { return repaired_; }  ///< blocks that came after they had been asked for
-  std::int64_t gaps() const { return gaps_; }          ///< declared here
+  std::int64_t gaps() const { return gaps_; }  ///< declared here
 
  private:
   struct Slot {
@@ -87,7 +86,6 @@ class EpochReceiver {
 
   std::int64_t next_scan_;
   BlockHeader last_scans_;  // of the last block with scans
-  std::int64_t repaired_ = 0;
   std::int64_t gaps_ = 0;
 };
 

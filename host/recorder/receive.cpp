@@ -68,9 +68,7 @@ class Reception {
 
   WallTime last_news() const { return last_news_; }
 
-  RecorderReport report() {
-    for (const std::int32_t node : nodes_)
-      if (const auto* epoch = receiver_.current(node)) tally_.take(node, *epoch);
+  RecorderReport report() const {
     RecorderReport report = tally_.report();
     report.blocks_refused = refused_;
     for (const std::int64_t count : receiver_.refused()) report.blocks_refused += count;

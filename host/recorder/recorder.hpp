@@ -17,7 +17,7 @@ struct NodeReport {
   std::int64_t samples_sent = 0;      ///< scans the node took between start and stop, as it says
   std::int64_t samples_recorded = 0;  ///< scans in recorded blocks
   std::int64_t gaps = 0;              ///< declared, by the node or here
-  std::int64_t repaired = 0;          ///< blocks that came only after they were asked for
+  std::int64_t repaired = 0;          ///< blocks the node had to send again
   std::int64_t blocks = 0;            ///< recorded, gaps included
   std::int64_t durable = 0;           ///< last block on the disk with all before it
   bool started = false;               ///< the node measures or has measured

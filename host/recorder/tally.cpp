@@ -31,6 +31,8 @@ void Tally::take(const Heartbeat& heartbeat) {
   if (std::find(heard_.begin(), heard_.end(), key) == heard_.end()) heard_.push_back(key);
   NodeReport& report = of(heartbeat.node, heartbeat.epoch);
   report.samples_sent = std::max(report.samples_sent, heartbeat.scans_sampled);
+  // The node's own count: what is asked for may be new, and on its way anyway.
+  report.repaired = std::max(report.repaired, heartbeat.blocks_repaired);
   report.started = report.started || heartbeat.state != NodeState::kPreview;
 }
 
@@ -55,11 +57,6 @@ void Tally::take(const Delivery& delivery) {
     report.samples_sent = end.scans_sealed + end.scans_missing;
     report.ended = true;
   }
-}
-
-void Tally::take(std::int32_t node, const EpochReceiver& epoch) {
-  NodeReport& report = of(node, epoch.epoch());
-  report.repaired = epoch.repaired();
 }
 
 void Tally::take_durable(std::int32_t node, std::int64_t epoch, std::int64_t sequence) {

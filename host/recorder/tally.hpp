@@ -17,8 +17,6 @@ class Tally {
 
   void take(const Heartbeat& heartbeat);
   void take(const Delivery& delivery);
-  /// Takes over what the receiver knows of the epoch.
-  void take(std::int32_t node, const EpochReceiver& epoch);
   void take_durable(std::int32_t node, std::int64_t epoch, std::int64_t sequence);
 
   /// The epochs heard in this run.

@@ -1,0 +1,95 @@
+#include "hil_tests/program.hpp"
+
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <csignal>
+#include <cstdlib>
+#include <stdexcept>
+#include <system_error>
+#include <thread>
+
+#include "common/bus/bus.hpp"
+#include "common/clock/clocks.hpp"
+
+extern char** environ;
+
+namespace roadbalance::test {
+namespace {
+
+std::filesystem::path from_environment(const char* name) {
+  const char* value = std::getenv(name);
+  if (!value) throw std::runtime_error(std::string(name) + " is not set: run this test with ctest");
+  return value;
+}
+
+int decode_status(int status) {
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+}  // namespace
+
+Program::Program(const std::string& name, const std::vector<std::string>& arguments) {
+  const auto ours = binaries() / name;
+  std::vector<std::string> words{std::filesystem::exists(ours) ? ours.string() : name};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> argv;
+  for (auto& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  const int error = ::posix_spawnp(&pid_, argv[0], nullptr, nullptr, argv.data(), environ);
+  if (error != 0) throw std::system_error(error, std::generic_category(), "start " + words[0]);
+}
+
+Program::~Program() {
+  kill();
+}
+
+void Program::kill() {
+  if (pid_ < 0) return;
+  ::kill(pid_, SIGKILL);
+  ::waitpid(pid_, nullptr, 0);
+  pid_ = -1;
+}
+
+std::optional<int> Program::exit_code(double seconds) {
+  int status = 0;
+  if (pid_ < 0 || !wait_until([&] { return ::waitpid(pid_, &status, WNOHANG) == pid_; }, seconds))
+    return std::nullopt;
+  pid_ = -1;
+  return decode_status(status);
+}
+
+int run(const std::string& name, const std::vector<std::string>& arguments, double seconds) {
+  return Program(name, arguments).exit_code(seconds).value_or(-1);
+}
+
+bool wait_until(const std::function<bool()>& condition, double seconds) {
+  const auto deadline = WallClock::now() + std::chrono::duration<double>(seconds);
+  while (!condition()) {
+    if (WallClock::now() > deadline) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return true;
+}
+
+std::filesystem::path binaries() {
+  return from_environment("RB_BIN");
+}
+std::filesystem::path sources() {
+  return from_environment("RB_SOURCE");
+}
+
+std::string private_bus_url() {
+  return bus_url_on_port(20'000 + ::getpid() % 20'000);
+}
+
+ScratchFolder::ScratchFolder(const std::string& name)
+    : path_(std::filesystem::temp_directory_path() / ("rb-" + name + "-" + std::to_string(::getpid()))) {
+  std::filesystem::remove_all(path_);
+}
+
+ScratchFolder::~ScratchFolder() {
+  std::filesystem::remove_all(path_);
+}
+
+}  // namespace roadbalance::test

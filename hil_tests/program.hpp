@@ -1,0 +1,56 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace roadbalance::test {
+
+/// A program under test, started as a user would; killed with this object.
+class Program {
+ public:
+  /// @param name  of a program in build/<preset>/bin, or one on the search path
+  /// @throws std::system_error naming it
+  Program(const std::string& name, const std::vector<std::string>& arguments);
+  ~Program();
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+
+  /// kill -9, and waits until it is gone.
+  void kill();
+  /// Waits for its end; nothing if it has not ended after `seconds`.  128 + signal if a signal ended it.
+  std::optional<int> exit_code(double seconds);
+
+ private:
+  pid_t pid_ = -1;
+};
+
+/// Runs a program to its end.  -1 if it has not ended after `seconds`.
+int run(const std::string& name, const std::vector<std::string>& arguments, double seconds);
+
+/// Waits until `condition` holds; false if it does not within `seconds`.  A bound, not a measurement.
+bool wait_until(const std::function<bool()>& condition, double seconds);
+
+/// Where this build's programs and the sources are.
+std::filesystem::path binaries();
+std::filesystem::path sources();
+
+/// An LCM address no other test process uses.
+std::string private_bus_url();
+
+/// A folder of this test process's own, removed at the end.
+class ScratchFolder {
+ public:
+  explicit ScratchFolder(const std::string& name);
+  ~ScratchFolder();
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace roadbalance::test

@@ -1,0 +1,210 @@
+#include "host/recorder/recorder.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <set>
+#include <thread>
+
+#include "common/bus/bus.hpp"
+#include "common/bus/codec.hpp"
+#include "common/link/ring.hpp"
+#include "common/link/sender.hpp"
+#include "common/record/record.hpp"
+#include "host/recorder/recover.hpp"
+#include "host/recorder/verify.hpp"
+
+namespace roadbalance {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::milliseconds;
+
+// A node without samples: fills its ring as fast as that is freed, from the start command to `blocks`.
+class TestNode {
+ public:
+  TestNode(std::string url, std::int32_t number, std::int64_t blocks, double drop = 0)
+      : number_(number), blocks_(blocks), drop_(drop), bus_(url), sender_(ring_, number, kEpoch) {
+    bus_.subscribe(ack_channel(number), [this](std::string_view, auto bytes) {
+      if (const auto ack = decode_ack(bytes)) sender_.take(*ack, WallClock::now());
+    });
+    bus_.subscribe(command_channel(number), [this](std::string_view, auto bytes) {
+      if (const auto command = decode_command(bytes)) obey(*command);
+    });
+  }
+
+  // Until everything is durable.
+  void run(std::stop_token stop) {
+    WallTime beat_at{};
+    while (!stop.stop_requested() && !(ended_ && ring_.used() == 0)) {
+      if (started_) produce();
+      const WallTime now = WallClock::now();
+      for (const std::int64_t sequence : sender_.due(now)) {
+        const SealedBlock& block = ring_.get(sequence);
+        if (drop_ > 0 && (++sent_ % static_cast<std::int64_t>(1 / drop_)) == 0)
+          continue;  // the network loses it
+        bus_.publish(block_channel(number_, block.kind), block.bytes());
+      }
+      if (now - beat_at > milliseconds(20)) {
+        beat();
+        beat_at = now;
+      }
+      bus_.handle(milliseconds(1));
+    }
+    beat();
+  }
+
+ private:
+  static constexpr std::int64_t kEpoch = 31;
+
+  void obey(const Command& command) {
+    Reply reply{.node = number_, .epoch = kEpoch, .request = command.request, .sequence = ring_.next()};
+    if (command.verb == Verb::kClaim && !sender_.claim(command.incarnation, WallClock::now()))
+      reply.result = CommandError::kNotOwner;
+    if (command.verb == Verb::kStart) started_ = true;
+    if (command.verb == Verb::kStop && started_) blocks_ = std::min(blocks_, ring_.next() - 1);
+    bus_.publish(reply_channel(number_), encode(reply));
+  }
+
+  void produce() {
+    while (!ended_) {
+      SealedBlock* slot = ring_.claim();
+      if (!slot) return;
+      const std::int64_t sequence = ring_.next();
+      const std::int64_t scans = 20 * (sequence - 1);
+      const BlockHeader header{.node = number_,
+                               .epoch = kEpoch,
+                               .sequence = sequence,
+                               .first_scan = scans,
+                               .scans = 0,
+                               .time_ns = scans};
+      if (sequence > blocks_) {
+        seal(EndBlock{.header = header, .blocks = sequence, .scans_sealed = scans, .scans_missing = 0},
+             *slot);
+        ended_ = true;
+      } else {
+        ScanBlock block;
+        block.header = header;
+        block.header.scans = 20;
+        block.period_ps = 500'000'000;
+        seal(block, *slot);
+      }
+      ring_.commit();
+    }
+  }
+
+  void beat() {
+    const NodeState state = ended_ ? NodeState::kEnded : started_ ? NodeState::kStarted : NodeState::kPreview;
+    bus_.publish(heartbeat_channel(number_), encode(Heartbeat{.node = number_,
+                                                              .epoch = kEpoch,
+                                                              .base = ring_.base(),
+                                                              .next = ring_.next(),
+                                                              .state = state,
+                                                              .owner = sender_.owner()}));
+  }
+
+  const std::int32_t number_;
+  std::int64_t blocks_;
+  const double drop_;
+  Bus bus_;
+  Ring ring_{2000 * sizeof(SealedBlock)};
+  Sender sender_;
+  bool started_ = false;
+  bool ended_ = false;
+  std::int64_t sent_ = 0;
+};
+
+class RecorderTest : public ::testing::Test {
+ protected:
+  RecorderTest() {
+    options.url = bus_url_on_port(20'000 + ::getpid() % 20'000);
+    options.folder =
+        fs::temp_directory_path() / ("rb-recorder-" + std::to_string(::getpid()) + "-" +
+                                     ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(options.folder);
+  }
+  ~RecorderTest() override { fs::remove_all(options.folder); }
+
+  RecorderOptions options;
+};
+
+TEST_F(RecorderTest, RecordsThreeNodesToTheirEndsThroughALossyNetwork) {
+  options.nodes = {1, 2, 3};
+  options.end_with_nodes = true;
+  options.segment_bytes = 1 << 20;
+  std::vector<std::unique_ptr<TestNode>> nodes;
+  std::vector<std::jthread> threads;
+  for (const int number : options.nodes) {
+    nodes.push_back(std::make_unique<TestNode>(options.url, number, 1500, 0.1));
+    threads.emplace_back([node = nodes.back().get()](std::stop_token stop) { node->run(stop); });
+  }
+  const RecorderReport report = run_recorder({}, options);
+  ASSERT_EQ(report.node.size(), 3u);
+  for (const auto& node : report.node) {
+    EXPECT_EQ(node.samples_sent, 1500 * 20);
+    EXPECT_EQ(node.samples_recorded, 1500 * 20);
+    EXPECT_EQ(node.gaps, 0);
+    EXPECT_TRUE(node.ended);
+  }
+  EXPECT_EQ(verify_record(options.folder).verdict, Verdict::kComplete);
+}
+
+TEST_F(RecorderTest, AStopRequestEndsTheNodesAndWaitsForTheirLastBlocks) {
+  std::stop_source stop;
+  options.on_progress = [&](const RecorderReport& report) {
+    if (!report.node.empty() && report.node[0].samples_recorded > 10'000) stop.request_stop();
+  };
+  TestNode node(options.url, 7, 1'000'000'000);
+  const std::jthread thread([&node](std::stop_token ended) { node.run(ended); });
+  const RecorderReport report = run_recorder(stop.get_token(), options);
+  ASSERT_EQ(report.node.size(), 1u);
+  EXPECT_TRUE(report.node[0].ended);
+  EXPECT_EQ(report.node[0].samples_recorded, report.node[0].samples_sent);
+  EXPECT_EQ(verify_record(options.folder).verdict, Verdict::kComplete);
+}
+
+TEST_F(RecorderTest, EverySegmentDescribesItself) {
+  options.nodes = {1};
+  options.end_with_nodes = true;
+  TestNode node(options.url, 1, 100);
+  const std::jthread thread([&node](std::stop_token stop) { node.run(stop); });
+  run_recorder({}, options);
+  RecordReader reader(options.folder);
+  const auto first = reader.next();
+  ASSERT_TRUE(first);
+  SealedBlock block;
+  ASSERT_EQ(accept(first->data, block), Refusal::kNone);
+  const MetaBlock meta = decode_meta(block);
+  EXPECT_EQ(meta.kind, MetaKind::kRecordJson);
+  EXPECT_NE(meta.text.find("scan_block_t"), std::string::npos);
+  EXPECT_TRUE(fs::exists(options.folder / "manifest.json"));
+}
+
+TEST_F(RecorderTest, RecoversWhatItsRecordHolds) {
+  options.nodes = {1};
+  options.end_with_nodes = true;
+  TestNode node(options.url, 1, 100);
+  const std::jthread thread([&node](std::stop_token stop) { node.run(stop); });
+  run_recorder({}, options);
+  const Recovered recovered = recover_record(options.folder);
+  ASSERT_EQ(recovered.epoch.size(), 1u);
+  const auto& epoch = recovered.epoch.begin()->second;
+  EXPECT_EQ(epoch.position.contiguous, 101);
+  EXPECT_EQ(epoch.position.next_scan, 2000);
+  EXPECT_TRUE(epoch.position.ended);
+  EXPECT_EQ(epoch.samples, 2000);
+}
+
+TEST_F(RecorderTest, NamesTheFolderItCannotWriteTo) {
+  options.folder = "/proc/no-such-folder";
+  try {
+    run_recorder({}, options);
+    FAIL() << "recorded into /proc";
+  } catch (const std::exception& error) {
+    EXPECT_NE(std::string(error.what()).find("no-such-folder"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace roadbalance
