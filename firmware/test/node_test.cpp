@@ -1,0 +1,141 @@
+#include "firmware/node.hpp"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <numbers>
+
+#include "common/bus/bus.hpp"
+#include "common/bus/codec.hpp"
+#include "common/bus/control.hpp"
+#include "common/config/section.hpp"
+#include "common/process/parallel.hpp"
+#include "common/test/bus_url.hpp"
+#include "firmware/test/pulse_train.hpp"
+#include "firmware/test/scripted_front_end.hpp"
+#include "firmware/test/vehicle.hpp"
+
+namespace roadbalance {
+namespace {
+
+constexpr std::int32_t kNode = 3;
+constexpr double kRate_hz = 2000.0;
+
+/// A recorder in little: claims the node, starts it, keeps blocks in memory and loses every third datagram
+/// the first time it sees it, so that repairs are needed.
+class Owner {
+ public:
+  explicit Owner(const std::string& url) : bus_(url) {
+    bus_.subscribe("RB_BLOCK_.*",
+                   [this](std::string_view, std::span<const std::uint8_t> bytes) { take(bytes); });
+    bus_.subscribe(heartbeat_channel(kNode), [this](std::string_view, std::span<const std::uint8_t> bytes) {
+      if (const auto beat = decode_heartbeat(bytes)) heard(*beat);
+    });
+    bus_.subscribe(reply_channel(kNode), [this](std::string_view, std::span<const std::uint8_t> bytes) {
+      if (const auto reply = decode_reply(bytes)) replies[reply->request] = *reply;
+    });
+  }
+
+  /// Until the epoch is complete.
+  void run(std::stop_token stop) {
+    while (!stop.stop_requested() && !(end > 0 && received_through() == end && last.base > end)) {
+      bus_.handle(std::chrono::milliseconds(20));
+      if (last.epoch == 0) continue;
+      if (!replies.contains(1)) say(1, Verb::kClaim);
+      if (replies.contains(1) && !replies.contains(2)) say(2, Verb::kStart);
+      acknowledge();
+    }
+  }
+
+  std::map<std::int64_t, SealedBlock> blocks;
+  std::map<std::int64_t, Reply> replies;
+  std::int64_t end = 0;
+  Heartbeat last;
+
+ private:
+  void say(std::int64_t request, Verb verb) {
+    bus_.publish(command_channel(kNode), encode(Command{kNode, request, 1, verb}));
+  }
+  void heard(const Heartbeat& beat) { last = beat; }
+  void take(std::span<const std::uint8_t> bytes) {
+    SealedBlock block;
+    ASSERT_EQ(accept(bytes, block), Refusal::kNone);
+    const std::int64_t sequence = block.header.sequence;
+    if (sequence % 3 == 0 && dropped_.insert({sequence, true}).second) return;
+    if (block.kind == BlockKind::kEnd) end = sequence;
+    blocks.emplace(sequence, block);
+  }
+  std::int64_t received_through() const {
+    std::int64_t through = 0;
+    for (auto it = blocks.find(1); it != blocks.end() && it->first == through + 1; ++it) ++through;
+    return through;
+  }
+  void acknowledge() {
+    Ack ack;
+    ack.node = kNode;
+    ack.epoch = last.epoch;
+    ack.incarnation = 1;
+    ack.number = ++number_;
+    ack.received = ack.durable = received_through();
+    ack.credit = ack.received + 2000;
+    std::int64_t next = ack.received + 1;
+    for (auto it = blocks.upper_bound(ack.received);
+         it != blocks.end() && ack.missing.size() < kMaxMissingRanges; ++it) {
+      if (it->first > next) ack.missing.push_back({next, it->first - 1});
+      next = it->first + 1;
+    }
+    if (next < last.next && ack.missing.size() < kMaxMissingRanges)
+      ack.missing.push_back({next, last.next - 1});
+    bus_.publish(ack_channel(kNode), encode(ack));
+  }
+
+  Bus bus_;
+  std::map<std::int64_t, bool> dropped_;
+  std::int64_t number_ = 0;
+};
+
+TEST(RunNode, DeliversEveryScanOnceOverALossyBusAndEndsWhenAllIsDurable) {
+  const std::string url = test::bus_url();
+  const auto vehicle = test::one_node_vehicle(kRate_hz);
+  const test::PulseTrain train{.angle_rad = [](double t) { return 2 * std::numbers::pi * 18.0 * t; }};
+  test::ScriptedFrontEnd device(test::marked_scans(0, 4007, kRate_hz), train.edges(0.0, 2.1));
+  Owner owner(url);
+  Parallel processes;
+  processes.run([&](std::stop_token stop) { owner.run(stop); });
+  processes.run([&](std::stop_token stop) {
+    run_node(stop, vehicle, vehicle.node[0], device, {.bus_url = url, .ring_bytes = std::size_t{1} << 20});
+  });
+  processes.wait();
+
+  std::int64_t next = 0;
+  for (const auto& [sequence, block] : owner.blocks) {
+    if (block.kind != BlockKind::kScan) continue;
+    EXPECT_EQ(block.header.first_scan, next);
+    next += block.header.scans;
+    const ScanBlock scan = decode_scan(block);
+    for (std::int64_t row = 0; row < scan.header.scans; ++row)
+      ASSERT_EQ(scan.counts[static_cast<std::size_t>(row)][5],
+                test::marked_counts(scan.header.first_scan + row, 5));
+  }
+  EXPECT_EQ(next, 4007);
+  EXPECT_EQ(owner.replies.at(2).result, CommandError::kNone);
+  EXPECT_EQ(owner.last.scans_sampled, 4007);
+  EXPECT_EQ(owner.last.scans_missing, 0);
+  EXPECT_GE(owner.last.blocks_repaired, owner.end / 3);
+  EXPECT_EQ(owner.last.state, NodeState::kEnded);
+}
+
+TEST(RunNode, NamesARingThatIsTooSmall) {
+  const auto vehicle = test::one_node_vehicle(kRate_hz);
+  test::ScriptedFrontEnd device({}, {});
+  try {
+    run_node({}, vehicle, vehicle.node[0], device,
+             {.bus_url = test::bus_url(), .ring_bytes = 32 * sizeof(SealedBlock)});
+    FAIL() << "accepted";
+  } catch (const ConfigError& error) {
+    EXPECT_NE(std::string(error.what()).find("node axle needs at least"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace roadbalance
