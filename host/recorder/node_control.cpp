@@ -34,10 +34,7 @@ void NodeControl::take(const Reply& reply) {
   node.request = 0;  // the next one is a new request
   if (reply.result != CommandError::kNone) return;
   if (node.verb == Verb::kClaim) node.owned = true;
-  if (node.verb == Verb::kStart) {
-    node.started = true;
-    node.state = NodeState::kStarted;
-  }
+  if (node.verb == Verb::kStart) node.state = NodeState::kStarted;
 }
 
 void NodeControl::set_incarnation(std::int64_t incarnation) {
@@ -52,9 +49,9 @@ void NodeControl::set_incarnation(std::int64_t incarnation) {
 Verb NodeControl::wanted(const Node& node) const {
   if (!node.owned) return Verb::kClaim;
   if (!stopping_ && start_ && node.state == NodeState::kPreview) return Verb::kStart;
-  if (stopping_ && node.state == NodeState::kStarted) return Verb::kStop;
-  // A start may have been lost or be under way: only its answer or a stop makes sure.
-  if (stopping_ && node.state == NodeState::kPreview && node.verb == Verb::kStart) return Verb::kStop;
+  // A node that was sent a start may get it only now: a stop behind it makes sure.
+  const bool has_ended = node.state == NodeState::kEnded || node.state == NodeState::kFailed;
+  if (stopping_ && node.started && !has_ended) return Verb::kStop;
   return kNothing;
 }
 
@@ -76,6 +73,7 @@ std::vector<Command> NodeControl::due(WallTime now) {
       continue;
     }
     node.sent_at = now;
+    node.started = node.started || verb == Verb::kStart;
     commands.push_back(command(number, node));
   }
   return commands;

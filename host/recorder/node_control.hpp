@@ -32,7 +32,7 @@ class NodeControl {
 
   /// A higher incarnation that a node obeys although nobody else speaks for it; 0: none.
   std::int64_t obeyed_higher() const { return obeyed_higher_; }
-  /// The node was started and its end is to be waited for.
+  /// The node was started, or may be about to start: its end is to be waited for.
   bool was_started(std::int32_t node) const;
   bool is_owned(std::int32_t node) const;
 
@@ -41,7 +41,7 @@ class NodeControl {
     std::int64_t epoch = 0;
     NodeState state = NodeState::kPreview;
     bool owned = false;
-    bool started = false;
+    bool started = false;        // measures or has measured, or a start is under way to it
     Verb verb = Verb::kRelease;  // of the request below; release: none
     std::int64_t request = 0;
     WallTime sent_at{};

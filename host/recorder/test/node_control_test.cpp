@@ -1,0 +1,92 @@
+#include "host/recorder/node_control.hpp"
+
+#include <gtest/gtest.h>
+
+namespace roadbalance {
+namespace {
+
+using namespace std::chrono_literals;
+constexpr WallTime kStart{std::chrono::hours(1)};
+
+Heartbeat beat(NodeState state, std::int64_t owner) {
+  return {.node = 2, .epoch = 8, .state = state, .owner = owner};
+}
+
+class NodeControlTest : public ::testing::Test {
+ protected:
+  std::optional<Command> due(WallTime at) {
+    const auto commands = control.due(at);
+    return commands.empty() ? std::nullopt : std::optional(commands.front());
+  }
+  void answer(const Command& command, CommandError result) {
+    control.take(Reply{.node = 2, .epoch = 8, .request = command.request, .result = result, .sequence = 1});
+  }
+
+  NodeControl control{50, {}, true, 1};
+};
+
+TEST_F(NodeControlTest, ClaimsThenStartsThenStops) {
+  control.take(beat(NodeState::kPreview, 0), kStart);
+  const auto claim = due(kStart);
+  ASSERT_TRUE(claim);
+  EXPECT_EQ(claim->verb, Verb::kClaim);
+  EXPECT_EQ(claim->incarnation, 50);
+  answer(*claim, CommandError::kNone);
+  const auto start = due(kStart);
+  ASSERT_TRUE(start);
+  EXPECT_EQ(start->verb, Verb::kStart);
+  control.take(beat(NodeState::kStarted, 50), kStart);
+  EXPECT_FALSE(due(kStart + 1s));
+  control.stop();
+  const auto stop = due(kStart + 1s);
+  ASSERT_TRUE(stop);
+  EXPECT_EQ(stop->verb, Verb::kStop);
+  control.take(beat(NodeState::kEnded, 50), kStart);
+  EXPECT_FALSE(due(kStart + 3s));
+}
+
+TEST_F(NodeControlTest, RepeatsTheSameRequestUntilItIsAnswered) {
+  control.take(beat(NodeState::kPreview, 0), kStart);
+  const auto first = due(kStart);
+  EXPECT_FALSE(due(kStart + 50ms));
+  const auto second = due(kStart + 150ms);
+  ASSERT_TRUE(first && second);
+  EXPECT_EQ(first->request, second->request);
+}
+
+// A node remembers its answers by request: the same one would be refused for ever.
+TEST_F(NodeControlTest, AsksAnewAfterARefusal) {
+  control.take(beat(NodeState::kPreview, 49), kStart);
+  const auto first = due(kStart);
+  ASSERT_TRUE(first);
+  answer(*first, CommandError::kNotOwner);
+  EXPECT_FALSE(due(kStart + 50ms));
+  const auto second = due(kStart + 150ms);
+  ASSERT_TRUE(second);
+  EXPECT_EQ(second->verb, Verb::kClaim);
+  EXPECT_NE(first->request, second->request);
+}
+
+TEST_F(NodeControlTest, SeesThatANodeObeysAHigherIncarnation) {
+  control.take(beat(NodeState::kPreview, 60), kStart);
+  EXPECT_EQ(control.obeyed_higher(), 60);
+  control.set_incarnation(61);
+  EXPECT_EQ(control.obeyed_higher(), 0);
+  EXPECT_EQ(due(kStart)->incarnation, 61);
+}
+
+TEST_F(NodeControlTest, StopsANodeWhoseStartMayBeUnderWay) {
+  control.take(beat(NodeState::kPreview, 50), kStart);
+  ASSERT_EQ(due(kStart)->verb, Verb::kStart);
+  control.stop();
+  ASSERT_EQ(due(kStart + 200ms)->verb, Verb::kStop);
+}
+
+TEST(NodeControl, LeavesNodesAloneThatAreNotItsOwn) {
+  NodeControl control(50, {3}, true, 1);
+  control.take(beat(NodeState::kPreview, 0), kStart);
+  EXPECT_TRUE(control.due(kStart).empty());
+}
+
+}  // namespace
+}  // namespace roadbalance
