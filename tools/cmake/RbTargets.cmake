@@ -39,18 +39,22 @@ function(rb_program name)
   target_link_libraries(${name} PRIVATE rb_options ${arg_DEPENDS})
 endfunction()
 
-# rb_test(name [DEPENDS target...] [TIMEOUT seconds]): builds test/<name>.cpp and registers it as one CTest.
+# rb_test(name [DEPENDS target...] [PROGRAMS target...] [TIMEOUT seconds]): builds test/<name>.cpp and registers
+# it as one CTest.  PROGRAMS are what the test starts from $RB_BIN.
 # With BUILD_TESTING off (tools/demo on a bare machine) there are no tests.
 function(rb_test name)
   if(NOT BUILD_TESTING)
     return()
   endif()
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "TIMEOUT" "DEPENDS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "TIMEOUT" "DEPENDS;PROGRAMS")
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 120)
   endif()
   add_executable(${name} test/${name}.cpp)
   target_link_libraries(${name} PRIVATE rb_options ${arg_DEPENDS} GTest::gtest_main)
+  if(arg_PROGRAMS)
+    add_dependencies(${name} ${arg_PROGRAMS})
+  endif()
   add_test(NAME ${name} COMMAND ${name})
   set_tests_properties(${name} PROPERTIES TIMEOUT ${arg_TIMEOUT}
     ENVIRONMENT "RB_BIN=${CMAKE_BINARY_DIR}/bin;RB_SOURCE=${CMAKE_SOURCE_DIR}")
