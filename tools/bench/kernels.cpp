@@ -1,0 +1,101 @@
+#include <benchmark/benchmark.h>
+
+#include <string>
+#include <vector>
+
+#include "common/bus/codec.hpp"
+#include "common/dsp/psd.hpp"
+#include "embedded/demo_vehicle.hpp"
+#include "firmware/seal_all.hpp"
+#include "host/analyser/levels.hpp"
+#include "host/identify/drive_estimator.hpp"
+#include "sim/front_end.hpp"
+
+// What each stage costs, in times real time of one node of 16 channels at 2 kHz ("real_time_x").
+
+namespace roadbalance {
+namespace {
+
+const VehicleConfig& vehicle() {
+  static const auto config =
+      VehicleConfig::parse(std::string(embedded::kDemoVehicle), "sim/demo/vehicle.toml");
+  return config;
+}
+
+/// All blocks of a drive, both nodes, as they would come from the bus.
+const std::vector<SealedBlock>& drive(double seconds) {
+  static const std::vector<SealedBlock> blocks = [&] {
+    std::vector<SealedBlock> list;
+    for (const NodeConfig& node : vehicle().node) {
+      const auto front_end =
+          sim::open_sim_front_end({"?seed=1&rate=max&seconds=" + std::to_string(seconds), vehicle(), node});
+      seal_all(*front_end, vehicle(), node, 1, [&](const SealedBlock& block) { list.push_back(block); });
+    }
+    return list;
+  }();
+  return blocks;
+}
+
+void report(benchmark::State& state, double node_seconds_each) {
+  state.counters["real_time_x"] =
+      benchmark::Counter(node_seconds_each, benchmark::Counter::kIsIterationInvariantRate);
+}
+
+constexpr double kDrive_s = 30.0;
+
+void simulate_and_seal(benchmark::State& state) {
+  const NodeConfig& node = vehicle().node.front();
+  for (auto _ : state) {
+    const auto front_end = sim::open_sim_front_end({"?seed=1&rate=max&seconds=5", vehicle(), node});
+    seal_all(*front_end, vehicle(), node, 1,
+             [](const SealedBlock& block) { benchmark::DoNotOptimize(block.size); });
+  }
+  report(state, 5.0);
+}
+BENCHMARK(simulate_and_seal)->Unit(benchmark::kMillisecond);
+
+void accept_blocks(benchmark::State& state) {
+  const auto& blocks = drive(kDrive_s);
+  SealedBlock out;
+  for (auto _ : state)
+    for (const auto& block : blocks) benchmark::DoNotOptimize(accept(block.bytes(), out));
+  report(state, 2.0 * kDrive_s);
+}
+BENCHMARK(accept_blocks)->Unit(benchmark::kMillisecond);
+
+void meter_levels(benchmark::State& state) {
+  const auto& blocks = drive(kDrive_s);
+  LevelMeter meter(vehicle(), vehicle().node.front());
+  for (auto _ : state) {
+    for (const auto& block : blocks)
+      if (block.kind == BlockKind::kScan) meter.add(decode_scan(block));
+    benchmark::DoNotOptimize(meter.take());
+  }
+  report(state, 2.0 * kDrive_s);
+}
+BENCHMARK(meter_levels)->Unit(benchmark::kMillisecond);
+
+void identify_blocks(benchmark::State& state) {
+  const auto& blocks = drive(kDrive_s);
+  for (auto _ : state) {
+    DriveEstimator estimator(vehicle());
+    for (const auto& block : blocks) estimator.consume(block);
+    benchmark::DoNotOptimize(estimator.version());
+  }
+  report(state, 2.0 * kDrive_s);
+}
+BENCHMARK(identify_blocks)->Unit(benchmark::kMillisecond);
+
+void average_spectrum(benchmark::State& state) {
+  WelchPsd psd({.rate_hz = 2000.0, .segment = 4000});
+  const std::vector<double> samples(20'000, 1.0);
+  for (auto _ : state) psd.add(samples);
+  state.counters["channels_real_time_x"] =
+      benchmark::Counter(10.0, benchmark::Counter::kIsIterationInvariantRate);
+}
+BENCHMARK(average_spectrum)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace roadbalance
+
+BENCHMARK_MAIN();
