@@ -33,7 +33,8 @@ class PitchTable {
  private:
   std::size_t place(std::int64_t tooth) const noexcept {
     const auto n = static_cast<std::int64_t>(error_.size());
-    return static_cast<std::size_t>((tooth % n + n) % n);
+    const std::int64_t k = tooth % n;
+    return static_cast<std::size_t>(k < 0 ? k + n : k);
   }
   void make_zero_mean() noexcept;
   void weigh() noexcept;

@@ -20,17 +20,15 @@ class ToothHistory {
 
   void push(NumberedTooth tooth) noexcept {
     if (size_ == teeth_.size()) drop_oldest();
-    teeth_[(first_ + size_) % teeth_.size()] = tooth;
+    teeth_[wrapped(first_ + size_)] = tooth;
     ++size_;
   }
-  void replace_latest(NumberedTooth tooth) noexcept { teeth_[(first_ + size_ - 1) % teeth_.size()] = tooth; }
+  void replace_latest(NumberedTooth tooth) noexcept { teeth_[wrapped(first_ + size_ - 1)] = tooth; }
   void clear() noexcept { size_ = 0; }
 
   std::size_t size() const noexcept { return size_; }
   /// 0 is the oldest.
-  const NumberedTooth& operator[](std::size_t i) const noexcept {
-    return teeth_[(first_ + i) % teeth_.size()];
-  }
+  const NumberedTooth& operator[](std::size_t i) const noexcept { return teeth_[wrapped(first_ + i)]; }
   const NumberedTooth& latest() const noexcept { return (*this)[size_ - 1]; }
 
   /// First tooth at or after an instant; size() if there is none.
@@ -43,8 +41,11 @@ class ToothHistory {
   }
 
  private:
+  /// A division here would be most of the encoder's work.
+  std::size_t wrapped(std::size_t i) const noexcept { return i < teeth_.size() ? i : i - teeth_.size(); }
+
   void drop_oldest() noexcept {
-    first_ = (first_ + 1) % teeth_.size();
+    first_ = wrapped(first_ + 1);
     --size_;
   }
 

@@ -196,18 +196,24 @@ struct LocalFit {
     LeastSquares<3> all;
     for (std::size_t i = begin; i < end; ++i) all.add(u(i), y(i));
     if (!all.solve()) return false;
-    double square = 0.0;
-    for (std::size_t i = begin; i < end; ++i) square += std::pow(y(i) - all.value(u(i)), 2);
-    const double limit = 3.5 * std::sqrt(square / static_cast<double>(end - begin));
+    cubic = all;
+    double square = 0.0, largest = 0.0;
+    for (std::size_t i = begin; i < end; ++i) {
+      const double residual = y(i) - all.value(u(i));
+      square += residual * residual;
+      largest = std::max(largest, residual * residual);
+    }
+    const double limit = 3.5 * 3.5 * square / static_cast<double>(end - begin);
+    if (largest <= limit) return true;
     std::size_t kept = 0;
     LeastSquares<3> good;
-    for (std::size_t i = begin; i < end; ++i)
-      if (std::abs(y(i) - all.value(u(i))) <= limit) {
-        good.add(u(i), y(i));
-        ++kept;
-      }
-    cubic = all;
-    if (kept < end - begin && kept >= kLeastTeeth && good.solve()) cubic = good;
+    for (std::size_t i = begin; i < end; ++i) {
+      const double residual = y(i) - all.value(u(i));
+      if (residual * residual > limit) continue;
+      good.add(u(i), y(i));
+      ++kept;
+    }
+    if (kept >= kLeastTeeth && good.solve()) cubic = good;
     return true;
   }
 };
