@@ -35,9 +35,16 @@ std::string allowed_numbers(Range range) {
   return "a number " + written(range.low) + " .. " + written(range.high);
 }
 
-/// Name without its unit: what precedes the last word of a known unit.
-std::string stem(const std::string& key) {
-  return key.substr(0, key.find('_'));
+/// Name without its unit: "body_mass" of body_mass_kg and of body_mass_g.
+std::string stem(std::string key) {
+  static const std::set<std::string> kUnits{
+      "m",  "mm", "cm", "km", "s",   "s2",  "ms",  "us",  "min",  "h",   "kg",    "g",      "t",      "n",
+      "kn", "nm", "m2", "hz", "khz", "rpm", "deg", "rad", "deg2", "per", "count", "counts", "percent"};
+  for (auto place = key.rfind('_'); place != std::string::npos; place = key.rfind('_')) {
+    if (!kUnits.contains(key.substr(place + 1))) break;
+    key.resize(place);
+  }
+  return key;
 }
 
 }  // namespace
@@ -57,17 +64,23 @@ struct Section::State {
     throw ConfigError(file + ":" + std::to_string(line) + ": " + key + ": " + reason);
   }
   const toml::node& require(const std::string& key, const std::string& allowed) const {
-    const toml::node* node = find(key);
-    if (!node) fail_at(line_of(*table), key, "missing; allowed: " + allowed);
-    return *node;
+    if (const toml::node* node = find(key)) return *node;
+    for (const auto& [other, node] : *table)
+      if (stem(std::string(other.str())) == stem(key))
+        fail_at(other.source().begin.line, std::string(other.str()),
+                "unknown key (did you mean " + key + "?); allowed: " + allowed);
+    fail_at(line_of(*table), key, "missing; allowed: " + allowed);
+  }
+  [[noreturn]] void refuse(const toml::node& node, const std::string& key, const std::string& allowed) const {
+    std::ostringstream text;
+    node.visit([&](const auto& n) { text << n; });
+    const bool short_enough = node.is_value() && text.str().size() <= 60;
+    fail_at(line_of(node), key, (short_enough ? "is " + text.str() + "; " : "") + "allowed: " + allowed);
   }
   double number(const toml::node& node, const std::string& key, Range range) const {
     const auto value = node.is_number() ? node.value<double>() : std::nullopt;
-    if (!value || !std::isfinite(*value) || *value < range.low || *value > range.high) {
-      std::ostringstream text;
-      node.visit([&](const auto& n) { text << n; });
-      fail_at(line_of(node), key, "is " + text.str() + "; allowed: " + allowed_numbers(range));
-    }
+    if (!value || !std::isfinite(*value) || *value < range.low || *value > range.high)
+      refuse(node, key, allowed_numbers(range));
     return *value;
   }
 };
@@ -111,8 +124,7 @@ std::int64_t Section::integer(const std::string& key, std::int64_t low, std::int
   const std::string allowed = "an integer " + std::to_string(low) + " .. " + std::to_string(high);
   const toml::node& node = state_->require(key, allowed);
   const auto* value = node.as_integer();
-  if (!value || **value < low || **value > high)
-    state_->fail_at(State::line_of(node), key, "allowed: " + allowed);
+  if (!value || **value < low || **value > high) state_->refuse(node, key, allowed);
   return **value;
 }
 
@@ -125,14 +137,14 @@ bool Section::boolean_or(const std::string& key, bool otherwise) {
   const toml::node* node = state_->find(key);
   if (!node) return otherwise;
   const auto* value = node->as_boolean();
-  if (!value) state_->fail_at(State::line_of(*node), key, "allowed: true, false");
+  if (!value) state_->refuse(*node, key, "true, false");
   return **value;
 }
 
 std::string Section::text(const std::string& key) {
   const toml::node& node = state_->require(key, "a text in quotes");
   const auto* value = node.as_string();
-  if (!value) state_->fail_at(State::line_of(node), key, "allowed: a text in quotes");
+  if (!value) state_->refuse(node, key, "a text in quotes");
   return **value;
 }
 
@@ -144,9 +156,7 @@ std::size_t Section::choice(const std::string& key, const std::vector<std::strin
   const toml::node& node = state_->require(key, join(allowed));
   const auto* value = node.as_string();
   const auto found = value ? std::find(allowed.begin(), allowed.end(), **value) : allowed.end();
-  if (found == allowed.end())
-    state_->fail_at(State::line_of(node), key,
-                    (value ? "is \"" + **value + "\"; " : "") + ("allowed: " + join(allowed)));
+  if (found == allowed.end()) state_->refuse(node, key, join(allowed));
   return static_cast<std::size_t>(found - allowed.begin());
 }
 
@@ -159,8 +169,7 @@ std::vector<double> Section::numbers(const std::string& key, std::size_t size, R
   const std::string allowed = (size ? std::to_string(size) : std::string("one or more")) + " numbers in [ ]";
   const toml::node& node = state_->require(key, allowed);
   const auto* array = node.as_array();
-  if (!array || array->empty() || (size && array->size() != size))
-    state_->fail_at(State::line_of(node), key, "allowed: " + allowed);
+  if (!array || array->empty() || (size && array->size() != size)) state_->refuse(node, key, allowed);
   std::vector<double> values;
   for (const toml::node& element : *array) values.push_back(state_->number(element, key, range));
   return values;
@@ -179,8 +188,7 @@ std::vector<std::string> Section::texts_or(const std::string& key, std::vector<s
   if (array)
     for (const toml::node& element : *array)
       if (const auto* value = element.as_string()) values.push_back(**value);
-  if (!array || values.size() != array->size())
-    state_->fail_at(State::line_of(*node), key, "allowed: texts in quotes in [ ]");
+  if (!array || values.size() != array->size()) state_->refuse(*node, key, "texts in quotes in [ ]");
   return values;
 }
 
@@ -191,7 +199,7 @@ bool Section::has(const std::string& key) const {
 Section Section::section(const std::string& key) {
   const toml::node& node = state_->require(key, "a table [" + key + "]");
   const auto* table = node.as_table();
-  if (!table) state_->fail_at(State::line_of(node), key, "allowed: a table [" + key + "]");
+  if (!table) state_->refuse(node, key, "a table [" + key + "]");
   auto inner = std::make_unique<State>();
   inner->root = state_->root;
   inner->table = table;
@@ -210,10 +218,10 @@ std::vector<Section> Section::sections(const std::string& key, std::size_t least
   std::vector<Section> result;
   if (node) {
     const auto* array = node->as_array();
-    if (!array) state_->fail_at(State::line_of(*node), key, "allowed: " + allowed);
+    if (!array) state_->refuse(*node, key, allowed);
     for (const toml::node& element : *array) {
       const auto* table = element.as_table();
-      if (!table) state_->fail_at(State::line_of(element), key, "allowed: " + allowed);
+      if (!table) state_->refuse(element, key, allowed);
       auto inner = std::make_unique<State>();
       inner->root = state_->root;
       inner->table = table;

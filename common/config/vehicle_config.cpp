@@ -116,13 +116,17 @@ NodeConfig parse_node(Section& node) {
   return n;
 }
 
-DriveConfig parse_drive(Section drive) {
+DriveConfig parse_drive(Section drive, double rate_hz) {
   DriveConfig d;
   d.identification_rate_hz =
       drive.number_or("identification_rate_hz", {50, 10'000}, d.identification_rate_hz);
   d.section_s = drive.number_or("section_s", {4, 120}, d.section_s);
   d.speed_class_m_s = drive.number_or("speed_class_m_s", {0.1, 20}, d.speed_class_m_s);
   d.least_speed_m_s = drive.number_or("least_speed_m_s", {1, 100}, d.least_speed_m_s);
+  // A slower recording can be looked at, but not identified from; identification says so.
+  const double factor = rate_hz / d.identification_rate_hz;
+  if (factor >= 1.0 && std::abs(factor - std::round(factor)) > 1e-9)
+    drive.fail("identification_rate_hz", "must divide the nodes' rate_hz");
   drive.finish();
   return d;
 }
@@ -182,10 +186,9 @@ VehicleConfig VehicleConfig::parse(const std::string& text, const std::string& n
     v.road.measured = road->boolean_or("measured", false);
     road->finish();
   }
-  if (auto drive = root.section_if("drive")) v.drive = parse_drive(std::move(*drive));
-  const double factor = v.node.front().rate_hz / v.drive.identification_rate_hz;
-  if (factor >= 1.0 && std::abs(factor - std::round(factor)) > 1e-9)
-    root.fail("drive", "identification_rate_hz must divide the nodes' rate_hz");
+  auto drive = root.section_if("drive");
+  v.drive = parse_drive(drive ? std::move(*drive) : Section::parse_text("", name_for_errors),
+                        v.node.front().rate_hz);
   root.finish();
   return v;
 }

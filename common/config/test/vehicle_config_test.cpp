@@ -1,0 +1,185 @@
+#include "common/config/vehicle_config.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "common/config/section.hpp"
+#include "common/test/source.hpp"
+
+namespace roadbalance {
+namespace {
+
+std::string demo() {
+  return test::read_source("sim/demo/vehicle.toml");
+}
+
+/// The demo vehicle with the first `from` replaced by `to`.
+std::string changed(const std::string& from, const std::string& to) {
+  std::string text = demo();
+  const auto place = text.find(from);
+  EXPECT_NE(place, std::string::npos) << from;
+  return text.replace(place, from.size(), to);
+}
+
+/// Line on which the first `words` end.
+std::size_t line_of(const std::string& text, const std::string& words) {
+  const auto place = text.find(words);
+  EXPECT_NE(place, std::string::npos) << words;
+  const auto end = text.begin() + static_cast<std::ptrdiff_t>(place + words.size());
+  return 1 + static_cast<std::size_t>(std::count(text.begin(), end, '\n'));
+}
+
+std::string refusal(const std::string& text) {
+  try {
+    VehicleConfig::parse(text, "car.toml");
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(VehicleConfig, ReadsTheDemoCar) {
+  const auto v = VehicleConfig::parse(demo(), "vehicle.toml");
+  EXPECT_EQ(v.text, demo());
+  EXPECT_EQ(v.model.body_mass_kg, 1'300.0);
+  EXPECT_EQ(v.model.axle[1].x_m, -1.45);
+  EXPECT_EQ(v.model.axle[0].tyre_n_m, 215'000.0);
+  EXPECT_EQ(v.wheel[2].name, "rear_left");
+  EXPECT_EQ(v.wheel[2].mass_kg, 32.0);
+  EXPECT_EQ(v.wheel[0].weight_radius_m, 0.19);
+  EXPECT_EQ(v.wheel[0].encoder.pulses_per_turn, 96);
+  EXPECT_NEAR(v.wheel[0].encoder.datum_rad, std::numbers::pi / 6.0, 1e-15);
+  ASSERT_EQ(v.node.size(), 2U);
+  EXPECT_EQ(v.node[1].id, 2);
+  EXPECT_EQ(v.node[0].rate_hz, 2'000.0);
+  ASSERT_EQ(v.node[0].channel.size(), 12U);
+  const ChannelConfig& carrier = v.node[0].channel[2];
+  EXPECT_EQ(carrier.name, "fl_carrier_z");
+  EXPECT_EQ(carrier.mount, "front_left");
+  EXPECT_EQ(carrier.direction, Eigen::Vector3d(0, 0, 1));
+  EXPECT_EQ(carrier.to_si(kFullScaleCounts / 2), 100.0);
+  EXPECT_EQ(v.filter.order, 6);
+  EXPECT_EQ(v.filter.cutoff_hz, 200.0);
+  EXPECT_FALSE(v.road.measured);
+  EXPECT_EQ(v.drive.identification_rate_hz, 500.0);
+}
+
+TEST(VehicleConfig, ReadsTheDemoCarWithACabinNode) {
+  const auto v = VehicleConfig::read_file(test::source_path("sim/demo/vehicle-3-nodes.toml"));
+  ASSERT_EQ(v.node.size(), 3U);
+  EXPECT_EQ(v.node[2].name, "cabin");
+  EXPECT_EQ(v.node[2].channel.size(), 12U);
+  EXPECT_FALSE(v.wheel_at(v.node[2], 0));
+}
+
+TEST(VehicleConfig, FindsNodesAndWheels) {
+  const auto v = VehicleConfig::parse(demo(), "vehicle.toml");
+  EXPECT_EQ(v.node_named("rear").id, 2);
+  EXPECT_THROW(v.node_named("roof"), ConfigError);
+  EXPECT_EQ(v.node_with_id(1), &v.node[0]);
+  EXPECT_EQ(v.node_with_id(3), nullptr);
+  EXPECT_EQ(v.wheel_at(v.node[1], 1), 3);
+  EXPECT_FALSE(v.wheel_at(v.node[1], 2));
+}
+
+TEST(VehicleConfig, TakesCalibrationAndDirectionOfAChannel) {
+  const auto v = VehicleConfig::parse(
+      changed("direction = [1, 0, 0]",
+              "direction = [0.3, 0, -0.4]\ncalibration = {scale_m_s2_per_count = 1e-4, offset_counts = 12}"),
+      "car.toml");
+  const ChannelConfig& c = v.node[0].channel[0];
+  EXPECT_LT((c.direction - Eigen::Vector3d(0.6, 0, -0.8)).norm(), 1e-15);
+  EXPECT_NEAR(c.to_si(112.0), 0.01, 1e-15);
+}
+
+TEST(VehicleConfig, NamesFileLineKeyAndWhatIsAllowed) {
+  struct Case {
+    std::string from, to;    ///< change of the demo vehicle
+    std::string line, says;  ///< where, and the words that follow "car.toml:LINE: "
+  };
+  const Case cases[] = {
+      {"mass_kg = 34", "mass_g = 34000", "mass_g",
+       "mass_g: unknown key (did you mean mass_kg?); allowed: a number 1 .. 1000"},
+      {"datum_deg = 30", "datum_rad = 0.5", "datum_rad",
+       "datum_rad: unknown key (did you mean datum_deg?); allowed here: pulses_per_turn, zero_mark, "
+       "datum_deg"},
+      {"body_mass_kg = 1300", "body_mass_kg = 1300\ncolour = 1", "colour",
+       "colour: unknown key; allowed here: kind, body_mass_kg, roll_inertia_kg_m2, pitch_inertia_kg_m2, "
+       "front, rear"},
+      {"body_mass_kg = 1300", "body_mass_kg = -1300", "body_mass_kg",
+       "body_mass_kg: is -1300; allowed: a number > 0"},
+      {"body_mass_kg = 1300", "body_mass_kg = nan", "body_mass_kg",
+       "body_mass_kg: is nan; allowed: a number > 0"},
+      {"body_mass_kg = 1300", "body_mass_kg = \"heavy\"", "body_mass_kg",
+       "body_mass_kg: is 'heavy'; allowed: a number > 0"},
+      {"body_mass_kg = 1300", "", "[model]", "body_mass_kg: missing; allowed: a number > 0"},
+      {"kind = \"seven_dof\"", "kind = \"bicycle\"", "bicycle", "kind: is 'bicycle'; allowed: seven_dof"},
+      {"order = 6", "order = 13", "order = 13", "order: is 13; allowed: an integer 1 .. 12"},
+      {"order = 6", "order = 5.5", "order = 5.5", "order: is 5.5; allowed: an integer 1 .. 12"},
+      {"zero_mark = true", "zero_mark = 1", "zero_mark = 1", "zero_mark: is 1; allowed: true, false"},
+      {"identification_rate_hz = 500", "identification_rate_hz = 600", "identification_rate_hz",
+       "identification_rate_hz: must divide the nodes' rate_hz"},
+      {"rate_hz = 2000", "rate_hz = 1000", "id = 2\nrate_hz", "rate_hz: must be the same for all nodes"},
+      {"cutoff_hz = 200", "cutoff_hz = 1000", "id = 1\nrate_hz",
+       "rate_hz: must be more than twice the filter's cutoff_hz"},
+      {"weight_radius_m = 0.19", "weight_radius_m = 0.30", "weight_radius_m = 0.30",
+       "weight_radius_m: must be less than rolling_radius_m"},
+      {"name = \"front_right\"", "name = \"front_left\"", "datum_deg = 30\n\n[[wheel]]\nname",
+       "name: \"front_left\" stands twice"},
+      {"node = \"front\"", "node = \"roof\"", "node = \"roof\"",
+       "node: there is no node \"roof\"; allowed: front, rear"},
+      {"line = 1", "line = 0",
+       "name = \"front_right\"\nmass_kg = 34\nrolling_radius_m = 0.30\nweight_radius_m = 0.19\nnode = "
+       "\"front\"\nline",
+       "line: line 0 of node front has a wheel already"},
+      {"line = 1", "line = 2", "line = 2", "line: is 2; allowed: an integer 0 .. 1"},
+      {"id = 2", "id = 1", "name = \"rear\"\nid", "id: 1 stands twice"},
+      {"name = \"rear\"\nid", "name = \"front\"\nid", "range_m_s2 = 50\n\n[[node]]\nname",
+       "name: \"front\" stands twice"},
+      {"name = \"rear\"\nid", "name = \"Rear axle\"\nid", "Rear axle",
+       "name: allowed: lower-case letters, digits and _"},
+      {"mount = \"front_left\"", "mount = \"roof\"", "mount = \"roof\"",
+       "mount: is 'roof'; allowed: front_left, front_right, rear_left, rear_right, body"},
+      {"direction = [1, 0, 0]", "direction = [0, 0, 0]", "[0, 0, 0]",
+       "direction: is no direction; allowed: a unit vector"},
+      {"direction = [1, 0, 0]", "direction = [1, 0]", "[1, 0]", "direction: allowed: 3 numbers in [ ]"},
+      {"name = \"fl_carrier_y\"", "name = \"fl_carrier_x\"", "rate_hz = 2000\n[[node.channel]]",
+       "name \"fl_carrier_x\" stands twice"},
+      {"x_m = -1.45", "x_m = 1.25", "[model.rear]",
+       "rear: x_m of the rear axle must be less than the front's"},
+  };
+  for (const Case& c : cases) {
+    const std::string text = changed(c.from, c.to);
+    const std::string where =
+        c.line.empty() ? "car.toml:" : "car.toml:" + std::to_string(line_of(text, c.line)) + ": ";
+    const std::string error = refusal(text);
+    EXPECT_EQ(error.rfind(where, 0), 0U) << error << "\nshould point to: " << where;
+    EXPECT_NE(error.find(c.says), std::string::npos) << error << "\nshould say: " << c.says;
+  }
+}
+
+TEST(VehicleConfig, RefusesMoreChannelsThanAConverterHas) {
+  const std::string thirteenth =
+      "[[node.channel]]\nname = \"one_more\"\nmount = \"body\"\nposition_m = [0, 0, 0]\nrange_m_s2 = 50\n";
+  EXPECT_NE(refusal(demo() + thirteenth).find("has 13 channels; allowed: at most 12"), std::string::npos);
+}
+
+TEST(VehicleConfig, RefusesAFileThatIsNoToml) {
+  const auto error = refusal("name = \"x\"\n[model\n");
+  EXPECT_EQ(error.rfind("car.toml:2: not TOML: ", 0), 0U) << error;
+}
+
+TEST(VehicleConfig, NamesAFileThatIsNotThere) {
+  try {
+    VehicleConfig::read_file("/nowhere/car.toml");
+    FAIL();
+  } catch (const ConfigError& error) {
+    EXPECT_STREQ(error.what(), "/nowhere/car.toml: cannot be read");
+  }
+}
+
+}  // namespace
+}  // namespace roadbalance
