@@ -7,7 +7,7 @@
 namespace roadbalance {
 namespace {
 // Room for the longest event and the sync word behind it, and for few system calls.
-constexpr std::size_t kBufferBytes = std::size_t{1} << 20;
+constexpr std::size_t kBufferBytes = std::size_t{256} << 10;
 static_assert(kBufferBytes > 2 * kMaxLogEventBytes);
 }  // namespace
 

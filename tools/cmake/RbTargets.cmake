@@ -57,5 +57,5 @@ function(rb_test name)
   endif()
   add_test(NAME ${name} COMMAND ${name})
   set_tests_properties(${name} PROPERTIES TIMEOUT ${arg_TIMEOUT}
-    ENVIRONMENT "RB_BIN=${CMAKE_BINARY_DIR}/bin;RB_SOURCE=${CMAKE_SOURCE_DIR}")
+    ENVIRONMENT "RB_BIN=${CMAKE_BINARY_DIR}/bin;RB_SOURCE=${CMAKE_SOURCE_DIR};TSAN_OPTIONS=suppressions=${CMAKE_SOURCE_DIR}/tools/cmake/tsan.supp")
 endfunction()

@@ -17,7 +17,7 @@
 namespace roadbalance::test {
 
 struct LinkScenario {
-  double seconds = 20;
+  double seconds = 10;
   double loss = 0;
   double duplicates = 0;
   double reordered = 0.02;

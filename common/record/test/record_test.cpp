@@ -104,7 +104,7 @@ TEST_F(Record, IsAnLcmEventLog) {
 }
 
 TEST_F(Record, AnyPrefixGivesExactlyItsCompleteEvents) {
-  constexpr int kEvents = 40;
+  constexpr int kEvents = 15;
   std::vector<std::size_t> ends;
   {
     RecordWriter writer({.folder = folder});
@@ -133,7 +133,7 @@ TEST_F(Record, AnyPrefixGivesExactlyItsCompleteEvents) {
 
 // Only the event that was hit is lost or altered, and every event lost is listed as damage.
 TEST_F(Record, AnyDamagedByteCostsOnlyTheEventItIsIn) {
-  constexpr int kEvents = 12;
+  constexpr int kEvents = 8;
   {
     RecordWriter writer({.folder = folder});
     append(writer, 0, kEvents);
