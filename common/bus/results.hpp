@@ -46,6 +46,7 @@ enum class Unknown : std::int32_t {
   kTooSlow = 2,         ///< the car never went fast enough
   kNoReference = 3,     ///< this wheel has no angle
   kIllConditioned = 4,  ///< the drive does not determine it
+  kNoSensors = 5,       ///< the vehicle's sensors do not determine the seven coordinates
 };
 
 inline constexpr int kMaxSpeedClasses = 16;

@@ -33,19 +33,32 @@ DriveEstimator::DriveEstimator(const VehicleConfig& vehicle)
     : vehicle_(vehicle),
       geometry_(geometry_of(vehicle.model)),
       known_(nominal_parameters(vehicle)),
-      sections_(vehicle_, [this](const DriveMoments& section) { add_section(section); }),
-      decimator_(decimation(vehicle),
-                 [this](const IdentificationSample& sample) {
-                   time_ns_ = sample.time_ns;
-                   sections_.consume(sample);
-                 }),
-      assembler_(vehicle_, [this](const SignalRun& run) { decimator_.consume(run); }) {
+      sections_(vehicle_, [this](const DriveMoments& section) { add_section(section); }) {
   for (int i = 0; i < kWheels; ++i) estimate_.balance[static_cast<std::size_t>(i)].wheel = i;
-  publish_unknown(Unknown::kTooShort);
+  publish_unknown(sections_.knows_speed() ? Unknown::kTooShort : Unknown::kNoReference);
+  try {
+    decimator_.emplace(decimation(vehicle_),
+                       [this](const IdentificationSample& sample) { add_sample(sample); });
+    assembler_.emplace(vehicle_, [this](const SignalRun& run) { decimator_->consume(run); });
+  } catch (const ConfigError& error) {
+    // Levels and spectra of such a vehicle are as good as any: only this estimate is not to be had.
+    obstacle_ = error.what();
+    publish_unknown(Unknown::kNoSensors);
+  }
 }
 
 void DriveEstimator::consume(const SealedBlock& block) {
-  assembler_.consume(block);
+  if (assembler_) assembler_->consume(block);
+}
+
+void DriveEstimator::add_sample(const IdentificationSample& sample) {
+  time_ns_ = sample.time_ns;
+  sections_.consume(sample);
+  const bool waiting = estimate_.identification.state == Unknown::kTooShort && classes_.empty();
+  if (waiting && sections_.slow_seconds() > vehicle_.drive.section_s) {
+    publish_unknown(Unknown::kTooSlow);
+    ++version_;
+  }
 }
 
 void DriveEstimator::add_section(const DriveMoments& section) {

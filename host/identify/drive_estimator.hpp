@@ -3,6 +3,8 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "common/bus/results.hpp"
@@ -26,13 +28,15 @@ struct DriveEstimate {
 /// matter.  Memory is bounded: moments are kept per speed class and jackknife group, not per section.
 class DriveEstimator {
  public:
-  /// @throws ConfigError if the vehicle's sensors do not determine the seven coordinates
   explicit DriveEstimator(const VehicleConfig& vehicle);
   DriveEstimator(const DriveEstimator&) = delete;
   DriveEstimator& operator=(const DriveEstimator&) = delete;
 
   /// @throws std::runtime_error naming the node if nodes are not on one time line
   void consume(const SealedBlock& block);
+
+  /// Why this vehicle can never be identified, naming what is missing; empty: it can.
+  const std::string& obstacle() const { return obstacle_; }
 
   /// The newest estimate; its states say what is not known yet and why.
   const DriveEstimate& estimate() const { return estimate_; }
@@ -47,6 +51,7 @@ class DriveEstimator {
     DriveMoments total;
   };
 
+  void add_sample(const IdentificationSample& sample);
   void add_section(const DriveMoments& section);
   void update_estimate();
   void publish(const UnknownVector& x, const UnknownMatrix& covariance);
@@ -60,9 +65,10 @@ class DriveEstimator {
   std::int64_t time_ns_ = 0;
   DriveEstimate estimate_;
   std::int64_t version_ = 0;
+  std::string obstacle_;
   SectionBuilder sections_;
-  Decimator decimator_;
-  Assembler assembler_;
+  std::optional<Decimator> decimator_;
+  std::optional<Assembler> assembler_;
 };
 
 }  // namespace roadbalance

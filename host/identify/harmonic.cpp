@@ -116,6 +116,7 @@ HarmonicMoments HarmonicInstrument::moments(const Eigen::Ref<const SignalMatrix>
   const Eigen::Matrix4cd spectrum = road_spectrum(signals, down.row(0), omega(wheel(0)), speed_m_s, model);
   const Eigen::MatrixXcd S = Eigen::MatrixXcd::NullaryExpr(
       n, n, [&](Eigen::Index a, Eigen::Index b) { return spectrum(wheel(a), wheel(b)); });
+  if (!(S.determinant().real() > 0.0)) return result;  // nothing shakes the car: no weights, no equations
   const Eigen::MatrixXcd S_inverse = S.inverse();
   const Eigen::MatrixXcd K_inverse = K.inverse();
 

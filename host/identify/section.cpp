@@ -116,13 +116,16 @@ void SectionBuilder::check_steadiness() {
   const double newest = mean_rotation(speed_wheel_, filled_ - part_, part_);
   const double before = filled_ == part_ ? newest : mean_rotation(speed_wheel_, 0, filled_ - part_);
   const double least = least_speed_m_s_ / rolling_radius_m_[static_cast<std::size_t>(speed_wheel_)];
-  if (newest < least)
+  if (newest < least) {
+    slow_s_ += static_cast<double>(part_) / rate_hz_;
     restart(0);
-  else if (std::abs(newest - before) > kSteadiness * before)
+  } else if (std::abs(newest - before) > kSteadiness * before) {
     restart(part_);
+  }
 }
 
 void SectionBuilder::finish_section() {
+  slow_s_ = 0.0;
   emit_(moments());
   restart(filled_ - samples_);
 }

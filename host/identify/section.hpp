@@ -27,6 +27,11 @@ class SectionBuilder {
   SectionBuilder(const VehicleConfig& vehicle, Emit emit);
   void consume(const IdentificationSample& sample);
 
+  /// False if no wheel has an encoder: then there are no sections.
+  bool knows_speed() const { return speed_wheel_ >= 0; }
+  /// Driving below the least speed since the last section.
+  double slow_seconds() const { return slow_s_; }
+
   /// Present knowledge of the car, for the weights of the sections to come.
   void set_parameters(const ParameterVector& parameters) { parameters_ = parameters; }
 
@@ -55,6 +60,7 @@ class SectionBuilder {
   Eigen::MatrixXd chassis_states_;  ///< [coordinate + 7 * state x sample]
   Eigen::MatrixXd tyre_states_;     ///< [wheel + 4 * state x sample]
   Eigen::Index filled_ = 0;
+  double slow_s_ = 0.0;
   Eigen::Index settling_ = 0;  ///< samples still to skip until the filters have settled
   Emit emit_;
 };

@@ -1,5 +1,6 @@
 #include "tools/rb/readout.hpp"
 
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -46,6 +47,8 @@ std::string reason(Unknown state) {
       return "this wheel has no angle";
     case Unknown::kIllConditioned:
       return "the drive does not determine it";
+    case Unknown::kNoSensors:
+      return "the vertical sensors do not determine body and wheels";
   }
   return "unknown reason";
 }
@@ -83,9 +86,9 @@ std::vector<std::string> level_lines(const Level& level) {
            ? format(", the live view skipped %lld blocks", static_cast<long long>(level.skipped))
            : "")};
   for (unsigned c = 0; c < kAccelerations; ++c) {
-    // A bar of 40 characters over four decades from 1 mm/s^2.
+    // A bar of 20 characters over four decades from 1 mm/s^2.
     const double decades = std::log10(std::max(level.rms[c], 1e-3) / 1e-3);
-    const auto bar = static_cast<std::size_t>(std::clamp(decades * 10.0, 0.0, 40.0));
+    const auto bar = static_cast<std::size_t>(std::clamp(decades * 5.0, 0.0, 20.0));
     std::string marks = level.overload >> c & 1U ? " OVERLOAD" : "";
     if (level.dead >> c & 1U) marks += " DEAD";
     lines.push_back(format("  %2u  rms %8.3f  peak %8.3f m/s²  ", c + 1, level.rms[c], level.peak[c]) +
@@ -98,10 +101,19 @@ Screen::Screen() : terminal_(isatty(STDOUT_FILENO) == 1) {}
 
 void Screen::draw(const std::vector<std::string>& lines, bool news) {
   if (!terminal_ && !news) return;
-  if (terminal_ && drawn_ > 0) std::printf("\033[%zuA\033[J", drawn_);
-  for (const auto& line : lines) std::printf("%s\n", line.c_str());
+  std::size_t shown = lines.size();
+  if (terminal_) {
+    // What does not fit cannot be rewritten in place: the last lines are left out, long ones are cut.
+    winsize window{};
+    if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_row > 1)
+      shown = std::min<std::size_t>(shown, window.ws_row - 1U);
+    if (drawn_ > 0) std::printf("\033[%zuA\033[J", drawn_);
+    std::printf("\033[?7l");
+  }
+  for (std::size_t i = 0; i < shown; ++i) std::printf("%s\n", lines[i].c_str());
+  if (terminal_) std::printf("\033[?7h");
   std::fflush(stdout);
-  drawn_ = lines.size();
+  drawn_ = shown;
 }
 
 }  // namespace roadbalance

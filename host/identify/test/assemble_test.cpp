@@ -88,7 +88,8 @@ TEST(Assembler, ResultDoesNotDependOnHowNodesInterleave) {
 }
 
 TEST(Assembler, RunsRestartAfterWhatIsMissing) {
-  for (const std::int32_t bad : {std::int32_t{kQualityNoReference0}, 0}) {  // a block without angle, and a block never sent
+  for (const std::int32_t bad :
+       {std::int32_t{kQualityNoReference0}, 0}) {  // a block without angle, and a block never sent
     std::vector<SealedBlock> blocks;
     for (int number = 0; number < 4; ++number) {
       blocks.push_back(block_of(0, number));
