@@ -21,6 +21,12 @@ struct WatchOptions {
 
 std::vector<std::string> draw(const BusView& view) {
   std::vector<std::string> lines;
+  if (view.identification()) lines.push_back(identification_line(*view.identification()));
+  for (const auto& balance : view.balance()) {
+    if (!balance) continue;
+    const std::string advice = advice_line(*balance);
+    lines.push_back(balance_line(*balance) + (advice.empty() ? "" : "   " + advice));
+  }
   for (const auto& [node, level] : view.levels()) {
     auto node_lines = level_lines(level);
     for (std::int32_t c = 0; c < kAccelerations; ++c)
@@ -31,12 +37,6 @@ std::vector<std::string> draw(const BusView& view) {
           node_lines[static_cast<std::size_t>(c) + 1] += text;
         }
     lines.insert(lines.end(), node_lines.begin(), node_lines.end());
-  }
-  if (view.identification()) lines.push_back(identification_line(*view.identification()));
-  for (const auto& balance : view.balance()) {
-    if (!balance) continue;
-    const std::string advice = advice_line(*balance);
-    lines.push_back(balance_line(*balance) + (advice.empty() ? "" : "   " + advice));
   }
   if (lines.empty()) lines.push_back("waiting for an analyser on the bus");
   return lines;
