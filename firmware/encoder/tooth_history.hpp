@@ -23,12 +23,18 @@ class ToothHistory {
     teeth_[wrapped(first_ + size_)] = tooth;
     ++size_;
   }
-  void replace_latest(NumberedTooth tooth) noexcept { teeth_[wrapped(first_ + size_ - 1)] = tooth; }
+  /// The latest was no tooth; this one is.
+  void replace_latest(NumberedTooth tooth) noexcept {
+    if (empty()) return push(tooth);
+    teeth_[wrapped(first_ + size_ - 1)] = tooth;
+  }
   void clear() noexcept { size_ = 0; }
 
+  bool empty() const noexcept { return size_ == 0; }
   std::size_t size() const noexcept { return size_; }
   /// 0 is the oldest.
   const NumberedTooth& operator[](std::size_t i) const noexcept { return teeth_[wrapped(first_ + i)]; }
+  /// Needs at least one.
   const NumberedTooth& latest() const noexcept { return (*this)[size_ - 1]; }
 
   /// First tooth at or after an instant; size() if there is none.

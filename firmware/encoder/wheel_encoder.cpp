@@ -125,7 +125,7 @@ void WheelEncoder::finish_turn(std::int64_t turn) noexcept {
 
 /// Once the teeth after a mark are there, its place in the ring is known better than by prediction.
 void WheelEncoder::refine_mark() noexcept {
-  if (unrefined_mark_ns_ == 0 || !grid_.located) return;
+  if (unrefined_mark_ns_ == 0 || !grid_.located || history_.empty()) return;
   const auto mark_ns = static_cast<double>(unrefined_mark_ns_);
   if (static_cast<double>(history_.latest().time_ns) < mark_ns + half_window_ns()) return;
   unrefined_mark_ns_ = 0;
@@ -245,7 +245,7 @@ bool WheelEncoder::angles(NodeTime first, double step_ns, std::span<double> angl
 }
 
 double WheelEncoder::speed_rad_s(NodeTime now) const noexcept {
-  if (!tracker_.running() || history_.size() == 0) return 0.0;
+  if (!tracker_.running() || history_.empty()) return 0.0;
   if (to_ns(now) - history_.latest().time_ns > ToothTracker::kStandstill_ns) return 0.0;
   return 2.0 * std::numbers::pi / config_.pulses_per_turn / tracker_.pitch_ns() * 1e9;
 }
