@@ -1,0 +1,108 @@
+#!/usr/bin/env python3
+"""Forbids what ARCHITECTURE forbids: check_layering.py ROOT
+
+Prints one line "file:line: reason" for each violation.  Exit codes: 0 none, 1 some, 2 usage.
+"""
+
+import pathlib
+import re
+import sys
+
+ROOMS = ("common", "firmware", "host", "sim", "tools", "hil_tests")
+MAY_INCLUDE = {
+    "common": {"common"},
+    "firmware": {"common", "firmware"},
+    "host": {"common", "host"},
+    "sim": {"common", "sim"},
+}  # tools and hil_tests may include all
+
+# What stays in one place: beginning of an include -> the only paths that may have it.
+KEPT = {
+    "toml++/": "common/config/section.cpp",
+    "toml.hpp": "common/config/section.cpp",
+    "lcm/": "common/bus/",
+    "wire/": "common/bus/",
+    "fftw3": "common/dsp/fft.cpp",
+}
+
+GENERATED = ("embedded/", "wire/")  # headers made by the build, not in any room
+MOST_LINES = 300
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
+FIELD = re.compile(r"^(?P<type>[\w.]+)\s+\w+\s*(?P<extents>(\[[^\]]*\]\s*)*);")
+CONSTANT = re.compile(r"^const\s+\w+\s+(\w+)\s*=")
+
+
+def check_include(path, room, quoted, name):
+    """Reasons against `#include` of `name` in the file `path` (relative to the root)."""
+    for begin, place in KEPT.items():
+        if name.startswith(begin) and not path.startswith(place):
+            yield f"<{name}> belongs in {place} only"
+    target = name.split("/")[0]
+    if quoted and target not in ROOMS and not name.startswith(GENERATED):
+        yield f'"{name}" is not written from the root'
+    if target not in ROOMS or room not in MAY_INCLUDE:
+        return
+    wires_or_tests = path.endswith("/main.cpp") or "/test/" in path
+    if target not in MAY_INCLUDE[room] and not wires_or_tests:
+        yield f"{room} must not know {target}: {name}"
+
+
+def check_source(path, text):
+    room = path.split("/")[0]
+    lines = text.splitlines()
+    if len(lines) > MOST_LINES:
+        yield MOST_LINES + 1, f"{len(lines)} lines; allowed: {MOST_LINES}"
+    for number, line in enumerate(lines, 1):
+        if found := INCLUDE.match(line):
+            for reason in check_include(path, room, found[1] == '"', found[2]):
+                yield number, reason
+
+
+def check_message(text):
+    """Fixed extents and no strings keep encoding free of allocation and every message of one size."""
+    constants = set()
+    for number, line in enumerate(text.splitlines(), 1):
+        line = line.split("//")[0].strip()
+        if found := CONSTANT.match(line):
+            constants.add(found[1])
+            continue
+        if not (found := FIELD.match(line)):
+            continue
+        if found["type"] == "string":
+            yield number, "type string has no fixed size; allowed: byte name[N]"
+        for extent in re.findall(r"\[([^\]]*)\]", found["extents"]):
+            if not extent.strip().isdigit() and extent.strip() not in constants:
+                yield number, f"extent [{extent}] is not fixed; allowed: a number"
+
+
+def check_tree(root):
+    """All violations below `root` as texts.  A tree without sources is one, too."""
+    violations = []
+    sources = 0
+    for room in ROOMS:
+        for file in sorted((root / room).rglob("*")):
+            if file.suffix not in (".cpp", ".hpp", ".lcm", ".c", ".h") or not file.is_file():
+                continue
+            sources += 1
+            path = file.relative_to(root).as_posix()
+            text = file.read_text(encoding="utf-8")
+            found = check_message(text) if file.suffix == ".lcm" else check_source(path, text)
+            violations += [f"{path}:{number}: {reason}" for number, reason in found]
+    if sources == 0:
+        violations.append(f"{root}: no sources here")
+    return violations
+
+
+def main(arguments):
+    if len(arguments) != 2:
+        print("usage: check_layering.py ROOT", file=sys.stderr)
+        return 2
+    violations = check_tree(pathlib.Path(arguments[1]))
+    for violation in violations:
+        print(violation)
+    return 1 if violations else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv))
