@@ -45,7 +45,7 @@ int demo(const DemoOptions& options) {
 
   nlohmann::ordered_json report = demo_report(view, truth, plan, recorded);
   report["wall_s"] = wall_s;
-  if (!options.headless) {
+  if (!options.json) {
     screen.draw(demo_lines(view, truth), true);
     for (const auto& node : report["nodes"])
       std::printf("%s: %lld samples sent, %lld recorded, %lld gaps, %lld blocks repaired\n",
@@ -75,7 +75,7 @@ void add_demo(CLI::App& app, int& code) {
   command->add_option("--scenario", options->scenario, "another scenario.toml")->check(CLI::ExistingFile);
   command->add_option("--port", options->port, "of the bus; 0: one by process id")
       ->check(CLI::Range(0, 65'535));
-  command->add_flag("--headless", options->headless, "no readout");
+  command->add_flag("--headless", options->headless, "the result alone, at the end");
   command->add_flag("--json", options->json, "one JSON object on standard output; implies --headless");
   command->add_flag("--threads", options->threads, "recorder, analyser and nodes as threads of this program");
   command->callback([options, &code] {
