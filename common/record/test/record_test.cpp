@@ -60,9 +60,11 @@ class Record : public ::testing::Test {
     std::ifstream in(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};
   }
+  // In place: some file systems sync a file that is truncated to nothing and written again.
   static void write(const fs::path& path, std::span<const std::uint8_t> bytes) {
-    std::ofstream(path, std::ios::binary)
+    std::fstream(path, std::ios::binary | std::ios::in | std::ios::out)
         .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    fs::resize_file(path, bytes.size());
   }
 
   const fs::path folder;
