@@ -40,6 +40,27 @@ TEST(InSequence, HandsOverEveryBlockOnceInSequenceWhateverTheOrder) {
   EXPECT_EQ(count, 100);
 }
 
+TEST(InSequence, AGapOfLostBlocksStandsForThemAll) {
+  GapBlock gap;
+  gap.header = {1, 7, 5, 40, 60, 0};  // blocks 3, 4 and 5 are lost
+  gap.cause = GapCause::kLostAtNode;
+  SealedBlock lost;
+  seal(gap, lost);
+  for (const bool gap_first : {false, true}) {
+    InSequence in_sequence;
+    std::vector<std::int64_t> seen;
+    const auto add = [&](const SealedBlock& b) {
+      in_sequence.add(b, [&](const SealedBlock& next) { seen.push_back(next.header.sequence); });
+    };
+    add(block(1, 7, 1));
+    if (!gap_first) add(block(1, 7, 6));
+    add(block(1, 7, 2));
+    add(lost);
+    if (gap_first) add(block(1, 7, 6));
+    EXPECT_EQ(seen, (std::vector<std::int64_t>{1, 2, 5, 6}));
+  }
+}
+
 TEST(InSequence, NamesTheBlockThatStaysMissing) {
   InSequence in_sequence;
   const auto fill = [&] {
