@@ -37,7 +37,11 @@ int main(int argc, char** argv) {
     front_ends.add("sim", sim::open_sim_front_end);
     const auto front_end = front_ends.open(front_end_uri, vehicle, node);
     run_node(signals.token(), vehicle, node, *front_end,
-             {.bus_url = bus_url, .ring_bytes = static_cast<std::size_t>(ring_mib * 1024 * 1024)});
+             {.bus_url = bus_url,
+              .ring_bytes = static_cast<std::size_t>(ring_mib * 1024 * 1024),
+              .warn = [](const std::string& refused) {
+                std::fprintf(stderr, "rb-node: warning: %s\n", refused.c_str());
+              }});
     return 0;
   } catch (const ConfigError& error) {
     std::fprintf(stderr, "rb-node: %s\n", error.what());

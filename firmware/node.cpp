@@ -9,6 +9,7 @@
 
 #include "common/config/section.hpp"
 #include "common/process/parallel.hpp"
+#include "common/process/realtime.hpp"
 #include "firmware/acquire.hpp"
 #include "firmware/pack.hpp"
 #include "firmware/ring_sink.hpp"
@@ -17,6 +18,9 @@
 namespace roadbalance {
 
 namespace {
+
+/// Above ordinary real-time programs, below the kernel's interrupt threads (50).
+constexpr int kAcquirePriority = 40;
 
 std::int64_t random_epoch() {
   std::random_device device;
@@ -42,7 +46,11 @@ void run_node(std::stop_token stop, const VehicleConfig& vehicle, const NodeConf
   Parallel processes;
   const std::stop_callback pass_on(stop, [&processes] { processes.request_stop(); });
   processes.run(uplink, options.bus_url, node.id, epoch, std::ref(ring), std::ref(*preview), std::ref(link));
-  processes.run(acquire, std::ref(front_end), std::ref(sealer), std::ref(sink), std::ref(link));
+  processes.run([&](std::stop_token stop_here) {
+    if (!front_end.waits())
+      for (const std::string& refused : enter_realtime(kAcquirePriority)) options.warn(refused);
+    acquire(stop_here, front_end, sealer, sink, link);
+  });
   processes.wait();
   if (link.state.load() == NodeState::kFailed)
     throw std::runtime_error("front end of node " + node.name + " failed");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <stop_token>
 #include <string>
 
@@ -13,6 +14,9 @@ namespace roadbalance {
 struct NodeOptions {
   std::string bus_url;
   std::size_t ring_bytes = Ring::kDefaultBytes;
+  /// Hears what the system refuses of real-time priority and locked memory.  A device that waits for its
+  /// reader has no deadline and asks for neither.
+  std::function<void(const std::string&)> warn = [](const std::string&) {};
 };
 
 /// A whole worker node: acquire and uplink side by side with the ring between them.  The same in rb-node and

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "common/config/section.hpp"
+#include "embedded/demo_scenario.hpp"
 
 namespace roadbalance::sim {
 namespace {
@@ -121,7 +122,7 @@ Scenario Scenario::parse(const std::string& text, const std::string& name_for_er
 }
 
 Scenario Scenario::read(const std::string& path, const VehicleConfig& vehicle) {
-  if (path.empty()) return parse(kDemoScenario, "demo scenario", vehicle);
+  if (path.empty()) return parse(std::string(embedded::kDemoScenario), "demo scenario", vehicle);
   return parse_root(Section::parse_file(path), vehicle);
 }
 

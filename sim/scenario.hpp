@@ -70,7 +70,4 @@ struct Scenario {
   static Scenario read(const std::string& path, const VehicleConfig& vehicle);
 };
 
-/// sim/demo/scenario.toml as text.
-extern const char* const kDemoScenario;
-
 }  // namespace roadbalance::sim

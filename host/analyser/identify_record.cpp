@@ -1,26 +1,17 @@
 #include "host/analyser/identify_record.hpp"
 
-#include <memory>
+#include <optional>
 
-#include "common/bus/codec.hpp"
-#include "common/config/section.hpp"
-#include "common/record/record.hpp"
-#include "host/analyser/in_sequence.hpp"
-#include "host/analyser/recorded_vehicle.hpp"
+#include "host/analyser/read_recording.hpp"
 
 namespace roadbalance {
 
-DriveEstimate identify_record(const std::filesystem::path& folder) {
-  RecordReader reader(folder);
-  const auto vehicle = recorded_vehicle(folder);
-  if (!vehicle) throw ConfigError(folder.string() + ": holds no complete vehicle.toml");
-  DriveEstimator estimator(*vehicle);
-  InSequence in_sequence;
-  const auto block = std::make_unique<SealedBlock>();
-  while (const auto event = reader.next())
-    if (accept(event->data, *block) == Refusal::kNone)
-      in_sequence.add(*block, [&](const SealedBlock& next) { estimator.consume(next); });
-  return estimator.estimate();
+RecordedEstimate identify_record(const std::filesystem::path& folder) {
+  std::optional<DriveEstimator> estimator;
+  read_recording(
+      folder, [&](const VehicleConfig& vehicle) { estimator.emplace(vehicle); },
+      [&](const SealedBlock& block) { estimator->consume(block); });
+  return {estimator->estimate(), estimator->obstacle()};
 }
 
 }  // namespace roadbalance

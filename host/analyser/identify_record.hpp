@@ -1,16 +1,21 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "host/identify/drive_estimator.hpp"
 
 namespace roadbalance {
 
+struct RecordedEstimate {
+  DriveEstimate estimate;
+  std::string obstacle;  ///< why this vehicle can never be identified; empty: it can
+};
+
 /// The estimate that a finished recording gives: every block of every node in sequence through
 /// DriveEstimator, the path the live analyser takes, so the numbers are the same bit for bit.
 ///
-/// @throws std::system_error if the folder cannot be read, ConfigError if it holds no vehicle or one whose
-///         sensors do not determine the seven coordinates
-DriveEstimate identify_record(const std::filesystem::path& folder);
+/// @throws as read_recording
+RecordedEstimate identify_record(const std::filesystem::path& folder);
 
 }  // namespace roadbalance

@@ -19,7 +19,8 @@ struct IdentifyOptions {
 };
 
 int identify(const IdentifyOptions& options) {
-  const DriveEstimate estimate = identify_record(options.folder);
+  const auto [estimate, obstacle] = identify_record(options.folder);
+  if (!obstacle.empty()) std::fprintf(stderr, "rb identify: %s\n", obstacle.c_str());
   if (options.json) {
     const nlohmann::ordered_json result{{"wheels", wheels_json(estimate.identification, estimate.balance)}};
     std::printf("%s\n", result.dump().c_str());

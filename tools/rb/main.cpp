@@ -38,6 +38,7 @@ int main(int argc, char** argv) {
   add_doctor(app, code);
   add_identify(app, code);
   add_verify(app, code);
+  add_levels(app, code);
   add_spectrum(app, code);
   add_study(app, code);
   add_import(app, code);

@@ -3,15 +3,14 @@
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "common/bus/codec.hpp"
 #include "common/config/section.hpp"
 #include "common/dsp/psd.hpp"
-#include "common/record/record.hpp"
-#include "host/analyser/in_sequence.hpp"
-#include "host/analyser/recorded_vehicle.hpp"
+#include "host/analyser/read_recording.hpp"
 #include "tools/rb/command.hpp"
 
 namespace roadbalance {
@@ -98,17 +97,17 @@ class ChannelSpectrum {
 };
 
 int spectrum(const SpectrumOptions& options) {
-  RecordReader reader(options.folder);
-  const auto vehicle = recorded_vehicle(options.folder);
-  if (!vehicle) throw ConfigError(options.folder + ": holds no complete vehicle.toml");
-  ChannelSpectrum channel(find_channel(*vehicle, options.channel), options.segment_s);
-  InSequence in_sequence;
-  const auto block = std::make_unique<SealedBlock>();
-  while (const auto event = reader.next())
-    if (accept(event->data, *block) == Refusal::kNone)
-      in_sequence.add(*block, [&](const SealedBlock& next) { channel.add(next); });
+  VehicleConfig vehicle;
+  std::optional<ChannelSpectrum> channel;
+  read_recording(
+      options.folder,
+      [&](const VehicleConfig& recorded) {
+        vehicle = recorded;
+        channel.emplace(find_channel(vehicle, options.channel), options.segment_s);
+      },
+      [&](const SealedBlock& block) { channel->add(block); });
 
-  const auto result = channel.result();
+  const auto result = channel->result();
   if (options.json) {
     std::printf("%s\n", result.dump().c_str());
   } else {

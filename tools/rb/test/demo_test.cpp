@@ -16,8 +16,8 @@
 #include <thread>
 #include <vector>
 
+#include "embedded/demo_scenario.hpp"
 #include "embedded/demo_vehicle.hpp"
-#include "sim/scenario.hpp"
 #include "tools/rb/child.hpp"
 
 // The programs end to end, as a person starts them.
@@ -132,7 +132,7 @@ TEST_F(DemoTest, GivesTheSameWithThreadsAsWithProcesses) {
 TEST_F(DemoTest, RecorderAndAnalyserNeverReceiveTheScenario) {
   const std::string mark = "mark-that-only-the-scenario-bears";
   const fs::path scenario = folder_ / (mark + ".toml");
-  std::ofstream(scenario) << "# " << mark << "\n" << sim::kDemoScenario;
+  std::ofstream(scenario) << "# " << mark << "\n" << embedded::kDemoScenario;
   const std::string record = (folder_ / "record").string();
   Child rb = start({"demo", "--headless", "--json", "--drive-seconds", "20", "--rate", "20", "--scenario",
                     scenario.string(), "--record", record});
