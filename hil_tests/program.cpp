@@ -3,25 +3,19 @@
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
 #include <csignal>
 #include <cstdlib>
 #include <stdexcept>
 #include <system_error>
 #include <thread>
 
-#include "common/bus/bus.hpp"
 #include "common/clock/clocks.hpp"
 
 extern char** environ;
 
 namespace roadbalance::test {
 namespace {
-
-std::filesystem::path from_environment(const char* name) {
-  const char* value = std::getenv(name);
-  if (!value) throw std::runtime_error(std::string(name) + " is not set: run this test with ctest");
-  return value;
-}
 
 int decode_status(int status) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
@@ -73,23 +67,9 @@ bool wait_until(const std::function<bool()>& condition, double seconds) {
 }
 
 std::filesystem::path binaries() {
-  return from_environment("RB_BIN");
-}
-std::filesystem::path sources() {
-  return from_environment("RB_SOURCE");
-}
-
-std::string private_bus_url() {
-  return bus_url_on_port(20'000 + ::getpid() % 20'000);
-}
-
-ScratchFolder::ScratchFolder(const std::string& name)
-    : path_(std::filesystem::temp_directory_path() / ("rb-" + name + "-" + std::to_string(::getpid()))) {
-  std::filesystem::remove_all(path_);
-}
-
-ScratchFolder::~ScratchFolder() {
-  std::filesystem::remove_all(path_);
+  const char* folder = std::getenv("RB_BIN");
+  if (!folder) throw std::runtime_error("RB_BIN is not set: run this test with ctest");
+  return folder;
 }
 
 }  // namespace roadbalance::test

@@ -35,22 +35,7 @@ int run(const std::string& name, const std::vector<std::string>& arguments, doub
 /// Waits until `condition` holds; false if it does not within `seconds`.  A bound, not a measurement.
 bool wait_until(const std::function<bool()>& condition, double seconds);
 
-/// Where this build's programs and the sources are.
+/// Where this build's programs are.
 std::filesystem::path binaries();
-std::filesystem::path sources();
-
-/// An LCM address no other test process uses.
-std::string private_bus_url();
-
-/// A folder of this test process's own, removed at the end.
-class ScratchFolder {
- public:
-  explicit ScratchFolder(const std::string& name);
-  ~ScratchFolder();
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 }  // namespace roadbalance::test

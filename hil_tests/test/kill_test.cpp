@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include "common/test/bus_url.hpp"
+#include "common/test/source.hpp"
+#include "common/test/temporary_directory.hpp"
 #include "hil_tests/program.hpp"
 #include "host/recorder/verify.hpp"
 
@@ -18,7 +21,7 @@ class Kill : public ::testing::Test {
   // Twenty times real time, so that the drive lasts while programs come and go.
   Program node(int seconds) {
     return {"rb-node",
-            {"--vehicle", test::sources() / "sim/demo/vehicle.toml", "--node", "front", "--url", url,
+            {"--vehicle", test::source_path("sim/demo/vehicle.toml"), "--node", "front", "--url", url,
              "--front-end", "sim:?seed=3&rate=20&seconds=" + std::to_string(seconds)}};
   }
   std::int64_t samples_recorded() const {
@@ -30,9 +33,8 @@ class Kill : public ::testing::Test {
     return test::wait_until([&] { return samples_recorded() >= samples; }, kPatience_s);
   }
 
-  const test::ScratchFolder record{
-      "kill-" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name())};
-  const std::string url = test::private_bus_url();
+  const test::TemporaryDirectory record;
+  const std::string url = test::bus_url();
 };
 
 TEST_F(Kill, ARecorderKilledWhileRecordingLosesNothing) {

@@ -7,6 +7,9 @@
 #include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
 #include "common/record/record.hpp"
+#include "common/test/bus_url.hpp"
+#include "common/test/source.hpp"
+#include "common/test/temporary_directory.hpp"
 #include "hil_tests/program.hpp"
 
 namespace roadbalance {
@@ -43,9 +46,9 @@ void record_blocks(const std::filesystem::path& folder) {
 }
 
 TEST(StockLcm, LogPlayerReplaysASegmentOnTheBusUnchanged) {
-  const test::ScratchFolder folder("logplayer");
+  const test::TemporaryDirectory folder;
   record_blocks(folder.path());
-  const std::string url = test::private_bus_url();
+  const std::string url = test::bus_url();
   Bus bus(url);
   std::vector<SealedBlock> received;
   bus.subscribe("RB_BLOCK_4_SCAN", [&](std::string_view, std::span<const std::uint8_t> bytes) {
@@ -74,17 +77,18 @@ TEST(StockLcm, LogPlayerReplaysASegmentOnTheBusUnchanged) {
 TEST(StockLcm, TheDecoderOfLcmSpyUnderstandsARecordedBlock) {
   const std::filesystem::path jar = "/usr/share/java/lcm.jar";
   ASSERT_TRUE(std::filesystem::exists(jar)) << "liblcm-java is missing: run tools/setup";
-  const test::ScratchFolder folder("java");
+  const test::TemporaryDirectory folder;
   record_blocks(folder.path() / "record");
   const auto types = folder.path() / "types";
-  ASSERT_EQ(test::run("lcm-gen", {"-j", "--jpath", types, test::sources() / "common/wire/scan_block_t.lcm"},
+  ASSERT_EQ(test::run("lcm-gen", {"-j", "--jpath", types, test::source_path("common/wire/scan_block_t.lcm")},
                       kPatience_s),
             0);
-  ASSERT_EQ(test::run("javac",
-                      {"-nowarn", "-cp", jar.string() + ":" + types.string(), "-d", types,
-                       test::sources() / "hil_tests/java/PrintBlocks.java", types / "wire/scan_block_t.java"},
-                      kPatience_s),
-            0)
+  ASSERT_EQ(
+      test::run("javac",
+                {"-nowarn", "-cp", jar.string() + ":" + types.string(), "-d", types,
+                 test::source_path("hil_tests/java/PrintBlocks.java"), types / "wire/scan_block_t.java"},
+                kPatience_s),
+      0)
       << "default-jdk-headless is missing? run tools/setup";
   const auto printed = folder.path() / "printed";
   ASSERT_EQ(test::run("java",

@@ -1,0 +1,117 @@
+// Somebody else's measurement through the documented commands: import, verify, levels, spectrum, identify.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/test/source.hpp"
+#include "common/test/temporary_directory.hpp"
+#include "tools/rb/child.hpp"
+
+namespace roadbalance {
+namespace {
+
+using Json = nlohmann::json;
+
+struct Outcome {
+  int code;
+  std::string output, log;
+};
+
+class RecordingCommands : public testing::Test {
+ protected:
+  Outcome rb(const std::vector<std::string>& arguments) {
+    Child child(std::filesystem::path(std::getenv("RB_BIN")) / "rb", arguments, folder_ / "rb.log");
+    while (!child.ended()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    return {*child.ended(), child.output(), child.log()};
+  }
+  Outcome import(const std::string& samples, const std::string& into) {
+    return rb({"import", "csv", "--samples", samples, "--vehicle",
+               test::source_path("tools/rb/test/data/wobbletracker.toml"), "-o", into});
+  }
+
+  const test::TemporaryDirectory folder_;
+  const std::string record_ = folder_ / "record";
+};
+
+const std::string kWobble = test::source_path("tools/rb/test/data/wobbletracker.csv");
+
+/// Mean and rms about it of one column, from the text of the file alone.
+std::pair<double, double> mean_and_rms(const std::string& column) {
+  std::ifstream file(kWobble);
+  std::string line, cell;
+  std::getline(file, line);
+  std::istringstream header(line);
+  std::size_t index = 0, found = 0;
+  for (; std::getline(header, cell, ','); ++index)
+    if (cell == column) found = index;
+  std::getline(file, line);  // units
+  std::vector<double> values;
+  while (std::getline(file, line)) {
+    std::istringstream row(line);
+    for (std::size_t i = 0; i <= found; ++i) std::getline(row, cell, ',');
+    values.push_back(std::stod(cell));
+  }
+  double mean = 0.0, square = 0.0;
+  for (const double v : values) mean += v / static_cast<double>(values.size());
+  for (const double v : values) square += (v - mean) * (v - mean) / static_cast<double>(values.size());
+  return {mean, std::sqrt(square)};
+}
+
+TEST_F(RecordingCommands, ARealCarsMeasurementGoesAllTheWay) {
+  const Outcome imported = import(kWobble, record_);
+  ASSERT_EQ(imported.code, 0) << imported.log;
+  EXPECT_NE(imported.log.find("from an even clock"), std::string::npos) << "uneven stamps are said";
+  EXPECT_NE(imported.log.find("passenger_axle_z"), std::string::npos) << "the faulty sensor is named";
+
+  EXPECT_EQ(rb({"verify", record_}).code, 0);
+
+  const Json levels = Json::parse(rb({"levels", record_, "--json"}).output);
+  ASSERT_EQ(levels["channels"].size(), 12U);
+  for (const Json& channel : levels["channels"]) {
+    const auto [mean, rms] = mean_and_rms(channel["channel"]);
+    // A count of the 16 g range is 2e-5 m/s^2.
+    EXPECT_NEAR(channel["mean"], mean, 2e-5) << channel;
+    EXPECT_NEAR(channel["rms"], rms, 2e-5) << channel;
+  }
+
+  const Json spectrum =
+      Json::parse(rb({"spectrum", record_, "--channel", "driver_knuckle_z", "--json"}).output);
+  EXPECT_GE(spectrum["averages"], 1);
+  EXPECT_EQ(spectrum["unit"], "(m/s^2)^2/Hz");
+
+  const Outcome identified = rb({"identify", record_, "--json"});
+  EXPECT_EQ(identified.code, 1) << "the answer is no";
+  EXPECT_TRUE(Json::parse(identified.output)["wheels"][0]["unbalance_g"].is_null());
+  EXPECT_NE(identified.log.find("identification_rate_hz"), std::string::npos) << identified.log;
+}
+
+TEST_F(RecordingCommands, NameWhatIsAtFault) {
+  ASSERT_EQ(import(kWobble, record_).code, 0);
+  const Outcome again = import(kWobble, record_);
+  EXPECT_EQ(again.code, 2) << again.log;
+  EXPECT_NE(again.log.find(record_), std::string::npos) << "a recording is never overwritten: " << again.log;
+
+  const Outcome channel = rb({"spectrum", record_, "--channel", "bonnet_z"});
+  EXPECT_EQ(channel.code, 2);
+  EXPECT_NE(channel.log.find("bonnet_z"), std::string::npos);
+  EXPECT_NE(channel.log.find("driver_knuckle_z"), std::string::npos) << "and what there is";
+
+  for (const char* command : {"verify", "levels", "identify"}) {
+    const Outcome nowhere = rb({command, folder_ / "nowhere"});
+    EXPECT_EQ(nowhere.code, 4) << command << ": " << nowhere.log;
+    EXPECT_NE(nowhere.log.find("nowhere"), std::string::npos) << nowhere.log;
+  }
+  EXPECT_EQ(import(folder_ / "none.csv", folder_ / "other").code, 4);
+}
+
+}  // namespace
+}  // namespace roadbalance
