@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
-#include <iterator>
 #include <set>
 #include <sstream>
 #include <utility>
 
 #define TOML_HEADER_ONLY 1
 #include <toml++/toml.h>
+
+#include "common/config/text_file.hpp"
 
 namespace roadbalance {
 namespace {
@@ -104,11 +104,7 @@ Section Section::parse_text(const std::string& text, const std::string& name_for
 }
 
 Section Section::parse_file(const std::string& path) {
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) throw ConfigError(path + ": cannot be read");
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (stream.bad()) throw ConfigError(path + ": cannot be read");
-  return parse_text(text, path);
+  return parse_text(read_text_file(path), path);
 }
 
 double Section::number(const std::string& key, Range range) {
@@ -178,18 +174,6 @@ std::vector<double> Section::numbers(const std::string& key, std::size_t size, R
 std::vector<double> Section::numbers_or(const std::string& key, std::size_t size, Range range,
                                         std::vector<double> otherwise) {
   return state_->find(key) ? numbers(key, size, range) : otherwise;
-}
-
-std::vector<std::string> Section::texts_or(const std::string& key, std::vector<std::string> otherwise) {
-  const toml::node* node = state_->find(key);
-  if (!node) return otherwise;
-  const auto* array = node->as_array();
-  std::vector<std::string> values;
-  if (array)
-    for (const toml::node& element : *array)
-      if (const auto* value = element.as_string()) values.push_back(**value);
-  if (!array || values.size() != array->size()) state_->refuse(*node, key, "texts in quotes in [ ]");
-  return values;
 }
 
 bool Section::has(const std::string& key) const {

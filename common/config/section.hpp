@@ -32,7 +32,7 @@ class Section {
  public:
   /// @throws ConfigError if the text is not TOML; with file and line
   static Section parse_text(const std::string& text, const std::string& name_for_errors);
-  /// @throws ConfigError if it cannot be read
+  /// @throws std::system_error if it cannot be read; else as parse_text
   static Section parse_file(const std::string& path);
 
   Section(Section&&) noexcept;
@@ -42,18 +42,19 @@ class Section {
   double number(const std::string& key, Range range);
   double number_or(const std::string& key, Range range, double otherwise);
   std::int64_t integer(const std::string& key, std::int64_t low, std::int64_t high);
-  std::int64_t integer_or(const std::string& key, std::int64_t low, std::int64_t high, std::int64_t otherwise);
+  std::int64_t integer_or(const std::string& key, std::int64_t low, std::int64_t high,
+                          std::int64_t otherwise);
   bool boolean_or(const std::string& key, bool otherwise);
   std::string text(const std::string& key);
   std::string text_or(const std::string& key, const std::string& otherwise);
   /// One of `allowed`, returned as its index.
   std::size_t choice(const std::string& key, const std::vector<std::string>& allowed);
-  std::size_t choice_or(const std::string& key, const std::vector<std::string>& allowed, std::size_t otherwise);
+  std::size_t choice_or(const std::string& key, const std::vector<std::string>& allowed,
+                        std::size_t otherwise);
   /// Exactly `size` numbers (any number, at least one, if size is 0).
   std::vector<double> numbers(const std::string& key, std::size_t size, Range range);
   std::vector<double> numbers_or(const std::string& key, std::size_t size, Range range,
                                  std::vector<double> otherwise);
-  std::vector<std::string> texts_or(const std::string& key, std::vector<std::string> otherwise);
 
   bool has(const std::string& key) const;
   Section section(const std::string& key);

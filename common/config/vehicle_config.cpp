@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <set>
 
 #include "common/config/section.hpp"
+#include "common/config/text_file.hpp"
 
 namespace roadbalance {
 namespace {
@@ -184,6 +183,8 @@ VehicleConfig VehicleConfig::parse(const std::string& text, const std::string& n
   parse_wheels(root, v);
   if (auto road = root.section_if("road")) {
     v.road.measured = road->boolean_or("measured", false);
+    if (v.road.measured)
+      road->fail("measured", "a measured road is not used by identification yet; allowed: false");
     road->finish();
   }
   auto drive = root.section_if("drive");
@@ -194,9 +195,7 @@ VehicleConfig VehicleConfig::parse(const std::string& text, const std::string& n
 }
 
 VehicleConfig VehicleConfig::read_file(const std::string& path) {
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) throw ConfigError(path + ": cannot be read");
-  return parse({std::istreambuf_iterator<char>(stream), {}}, path);
+  return parse(read_text_file(path), path);
 }
 
 const NodeConfig& VehicleConfig::node_named(const std::string& node_name) const {

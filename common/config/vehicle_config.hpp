@@ -13,21 +13,22 @@
 
 namespace roadbalance {
 
-inline constexpr int kWheels = 4;  ///< front_left, front_right, rear_left, rear_right, in this order everywhere
+/// In this order everywhere.
+inline constexpr int kWheels = 4;
 inline constexpr std::array<const char*, kWheels> kWheelNames{"front_left", "front_right", "rear_left",
                                                               "rear_right"};
 inline constexpr int kAxles = 2;  ///< front, rear
 
 /// [model]: parameters of the 7-degree-of-freedom car, kind = "seven_dof".
-/// Axes: x forward, y left, z up; origin in the body's centre of mass.  Both wheels of an axle are alike here;
-/// identification finds each wheel's own values, starting from these.
+/// Axes: x forward, y left, z up; origin in the body's centre of mass.  Both wheels of an axle are alike
+/// here; identification finds each wheel's own values, starting from these.
 struct AxleConfig {
-  double x_m;              ///< of the axle; rear is negative
-  double half_track_m;     ///< left wheel at +, right at -
-  double spring_n_m;       ///< each suspension spring, at the wheel
-  double damper_n_s_m;     ///< each damper, at the wheel
-  double stabiliser_n_m;   ///< acts on the difference of left and right suspension stretch
-  double tyre_n_m;         ///< vertical stiffness of each tyre
+  double x_m;             ///< of the axle; rear is negative
+  double half_track_m;    ///< left wheel at +, right at -
+  double spring_n_m;      ///< each suspension spring, at the wheel
+  double damper_n_s_m;    ///< each damper, at the wheel
+  double stabiliser_n_m;  ///< acts on the difference of left and right suspension stretch
+  double tyre_n_m;        ///< vertical stiffness of each tyre
 };
 struct ModelConfig {
   double body_mass_kg;
@@ -38,13 +39,14 @@ struct ModelConfig {
 
 /// [[wheel]]
 struct EncoderConfig {
-  int pulses_per_turn = 0;     ///< teeth of an ABS ring, lines of a transducer
-  bool zero_mark = true;   ///< one zero mark a turn
-  double datum_rad = 0.0;  ///< wheel angle (mark at the upward vertical = 0) at the instant the zero mark fires
+  int pulses_per_turn = 0;  ///< teeth of an ABS ring, lines of a transducer
+  bool zero_mark = true;    ///< one zero mark a turn
+  /// Wheel angle (mark at the upward vertical = 0) at the instant the zero mark fires.
+  double datum_rad = 0.0;
 };
 struct WheelConfig {
-  std::string name;        ///< one of kWheelNames
-  double mass_kg;          ///< unsprung mass moving with the wheel, mounted transducer included
+  std::string name;  ///< one of kWheelNames
+  double mass_kg;    ///< unsprung mass moving with the wheel, mounted transducer included
   double rolling_radius_m;
   double weight_radius_m;  ///< where weights are clipped
   std::string node;        ///< node that reads the encoder; empty: no encoder
@@ -58,12 +60,12 @@ enum class ChannelRole { kAcceleration, kRoad, kUnused };
 struct ChannelConfig {
   std::string name;
   ChannelRole role = ChannelRole::kAcceleration;
-  std::string mount;             ///< "body" or the wheel whose carrier it sits on; for role road: the wheel
-  Eigen::Vector3d position_m{0, 0, 0};   ///< from the body's centre of mass, x forward, y left, z up
-  Eigen::Vector3d direction{0, 0, 1};    ///< unit vector of positive acceleration
-  double range_m_s2 = 0.0;       ///< full scale of the converter
-  double scale_m_s2_per_count = 0.0;  ///< calibration; default range / 2^23
-  double offset_counts = 0.0;         ///< reading at rest
+  std::string mount;  ///< "body" or the wheel whose carrier it sits on; for role road: the wheel
+  Eigen::Vector3d position_m{0, 0, 0};  ///< from the body's centre of mass, x forward, y left, z up
+  Eigen::Vector3d direction{0, 0, 1};   ///< unit vector of positive acceleration
+  double range_m_s2 = 0.0;              ///< full scale of the converter
+  double scale_m_s2_per_count = 0.0;    ///< calibration; default range / 2^23
+  double offset_counts = 0.0;           ///< reading at rest
 
   double to_si(double counts) const { return (counts - offset_counts) * scale_m_s2_per_count; }
 };
@@ -71,8 +73,8 @@ struct ChannelConfig {
 /// [[node]]
 struct NodeConfig {
   std::string name;
-  int id;                  ///< 1 .. 9999, unique
-  double rate_hz;          ///< scans a second, the same for all nodes
+  int id;                              ///< 1 .. 9999, unique
+  double rate_hz;                      ///< scans a second, the same for all nodes
   std::vector<ChannelConfig> channel;  ///< 1 .. 12, in converter order
 };
 
@@ -90,9 +92,9 @@ struct RoadConfig {
 /// [drive]: what identification takes from a drive.
 struct DriveConfig {
   double identification_rate_hz = 500.0;
-  double section_s = 10.0;         ///< length of one section of the estimate
-  double speed_class_m_s = 2.0;    ///< width of a speed class
-  double least_speed_m_s = 15.0;   ///< slower sections are not used
+  double section_s = 10.0;        ///< length of one section of the estimate
+  double speed_class_m_s = 2.0;   ///< width of a speed class
+  double least_speed_m_s = 15.0;  ///< slower sections are not used
 };
 
 /// vehicle.toml: the wiring of a drive and what is known of the car.
@@ -108,6 +110,7 @@ struct VehicleConfig {
 
   /// @throws ConfigError "file:line: key: reason; allowed: ..."
   static VehicleConfig parse(const std::string& text, const std::string& name_for_errors);
+  /// @throws std::system_error if the file cannot be read; else as parse
   static VehicleConfig read_file(const std::string& path);
 
   /// @throws ConfigError if there is no such node

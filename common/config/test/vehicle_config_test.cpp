@@ -172,13 +172,24 @@ TEST(VehicleConfig, RefusesAFileThatIsNoToml) {
   EXPECT_EQ(error.rfind("car.toml:2: not TOML: ", 0), 0U) << error;
 }
 
-TEST(VehicleConfig, NamesAFileThatIsNotThere) {
-  try {
-    VehicleConfig::read_file("/nowhere/car.toml");
-    FAIL();
-  } catch (const ConfigError& error) {
-    EXPECT_STREQ(error.what(), "/nowhere/car.toml: cannot be read");
-  }
+TEST(VehicleConfig, RefusesAMeasuredRoadThatNobodyWouldUse) {
+  const auto error = refusal(demo() + "\n[road]\nmeasured = true\n");
+  EXPECT_NE(error.find("measured: a measured road is not used by identification yet; allowed: false"),
+            std::string::npos)
+      << error;
+}
+
+TEST(VehicleConfig, SaysOfAFileThatCannotBeReadWhichAndWhy) {
+  const auto says = [](const std::string& path) -> std::string {
+    try {
+      VehicleConfig::read_file(path);
+    } catch (const std::system_error& error) {
+      return error.what();
+    }
+    return "read";
+  };
+  EXPECT_EQ(says("/nowhere/car.toml"), "read /nowhere/car.toml: No such file or directory");
+  EXPECT_EQ(says("/tmp"), "read /tmp: Is a directory");
 }
 
 }  // namespace
