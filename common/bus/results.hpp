@@ -46,7 +46,8 @@ enum class Unknown : std::int32_t {
   kTooSlow = 2,         ///< the car never went fast enough
   kNoReference = 3,     ///< this wheel has no angle
   kIllConditioned = 4,  ///< the drive does not determine it
-  kNoSensors = 5,       ///< the vehicle's sensors do not determine the seven coordinates
+  kUnfitVehicle = 5,    ///< the vehicle's sensors or rates do not allow it
+  kNoCommonTime = 6,    ///< the nodes' samples do not lie on one grid of time
 };
 
 inline constexpr int kMaxSpeedClasses = 16;

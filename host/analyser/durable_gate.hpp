@@ -3,7 +3,6 @@
 #include <chrono>
 #include <cstdint>
 #include <map>
-#include <optional>
 #include <utility>
 
 #include "common/bus/control.hpp"
@@ -14,27 +13,31 @@ namespace roadbalance {
 /// Knows from the recorder's acknowledgements which blocks are on the disk for good.
 class DurableGate {
  public:
-  /// The recorder acknowledges five times a second while it lives.
+  /// The recorder acknowledges a living epoch five times a second.  One that it has not acknowledged for this
+  /// long is closed, or the recorder is gone: what the record holds of it is all there will be.
   static constexpr std::chrono::seconds kSilence{3};
 
-  /// @param now  a recorder never heard counts as silent this long after
-  explicit DurableGate(WallTime now) : heard_(now) {}
-
   void acknowledge(const Ack& ack, WallTime now) {
-    heard_ = now;
-    auto& durable = durable_[{ack.node, ack.epoch}];
-    if (ack.durable > durable) durable = ack.durable;
+    Epoch& epoch = epoch_of(ack.node, ack.epoch, now);
+    epoch.heard = now;
+    if (ack.durable > epoch.durable) epoch.durable = ack.durable;
   }
 
-  bool passes(const BlockHeader& header, WallTime now) const {
-    if (header.sequence == 0) return true;  // the recorder's own, repeated in each segment
-    const auto found = durable_.find({header.node, header.epoch});
-    return (found != durable_.end() && header.sequence <= found->second) || now - heard_ > kSilence;
+  bool passes(const BlockHeader& header, WallTime now) {
+    const Epoch& epoch = epoch_of(header.node, header.epoch, now);
+    return header.sequence <= epoch.durable || now - epoch.heard > kSilence;
   }
 
  private:
-  std::map<std::pair<std::int32_t, std::int64_t>, std::int64_t> durable_;
-  WallTime heard_;
+  struct Epoch {
+    std::int64_t durable;
+    WallTime heard;  ///< last acknowledged, or first asked for
+  };
+  Epoch& epoch_of(std::int32_t node, std::int64_t epoch, WallTime now) {
+    return epochs_.try_emplace({node, epoch}, Epoch{0, now}).first->second;
+  }
+
+  std::map<std::pair<std::int32_t, std::int64_t>, Epoch> epochs_;
 };
 
 }  // namespace roadbalance

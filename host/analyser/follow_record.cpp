@@ -1,8 +1,8 @@
 #include "host/analyser/follow_record.hpp"
 
 #include <algorithm>
+#include <map>
 #include <memory>
-#include <set>
 #include <thread>
 #include <utility>
 
@@ -25,19 +25,23 @@ constexpr int kFarewells = 3;
 class Follower {
  public:
   Follower(const AnalyserOptions& options, const VehicleConfig& vehicle)
-      : bus_(options.url), reader_(options.record), estimator_(vehicle), gate_(WallClock::now()) {
-    for (const auto& node : vehicle.node) running_.insert(node.id);
+      : bus_(options.url), reader_(options.record), estimator_(vehicle) {
+    for (const auto& node : vehicle.node) running_[node.id] = true;
     bus_.subscribe("RB_ACK_.*", [this](std::string_view, std::span<const std::uint8_t> bytes) {
       if (const auto ack = decode_ack(bytes)) gate_.acknowledge(*ack, WallClock::now());
     });
   }
 
-  bool ended() const { return running_.empty(); }
+  /// True if the newest epoch of every node has its end and the record holds nothing more.
+  bool ended() const {
+    return caught_up_ &&
+           std::none_of(running_.begin(), running_.end(), [](const auto& node) { return node.second; });
+  }
 
   /// Waits a moment for acknowledgements, then consumes what is durable.
   void step(const std::stop_token& stop) {
     bus_.handle(kRecordPoll);
-    while (!ended() && !stop.stop_requested() && take()) publish_news();
+    while (!stop.stop_requested() && !(caught_up_ = !take())) publish_news();
     if (WallClock::now() - published_ > kRepeat) publish();
   }
 
@@ -60,7 +64,7 @@ class Follower {
     if (waiting_) return false;
     in_sequence_.add(*block_, [this](const SealedBlock& block) {
       estimator_.consume(block);
-      if (block.kind == BlockKind::kEnd) running_.erase(block.header.node);
+      running_[block.header.node] = block.kind != BlockKind::kEnd;
     });
     return true;
   }
@@ -76,7 +80,8 @@ class Follower {
   DriveEstimator estimator_;
   DurableGate gate_;
   InSequence in_sequence_;
-  std::set<std::int32_t> running_;  ///< nodes whose end has not been seen
+  std::map<std::int32_t, bool> running_;  ///< by node: its newest epoch has no end yet
+  bool caught_up_ = false;
   std::unique_ptr<SealedBlock> block_ = std::make_unique<SealedBlock>();
   bool waiting_ = false;  ///< `block_` was read and is not durable yet
   std::int64_t version_ = 0;

@@ -2,16 +2,14 @@
 
 #include <optional>
 
-#include "host/analyser/read_recording.hpp"
-
 namespace roadbalance {
 
 RecordedEstimate identify_record(const std::filesystem::path& folder) {
   std::optional<DriveEstimator> estimator;
-  read_recording(
+  const RecordingDefects defects = read_recording(
       folder, [&](const VehicleConfig& vehicle) { estimator.emplace(vehicle); },
       [&](const SealedBlock& block) { estimator->consume(block); });
-  return {estimator->estimate(), estimator->obstacle()};
+  return {estimator->estimate(), estimator->obstacle(), defects};
 }
 
 }  // namespace roadbalance

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 
+#include "host/analyser/read_recording.hpp"
 #include "host/identify/drive_estimator.hpp"
 
 namespace roadbalance {
@@ -10,6 +11,7 @@ namespace roadbalance {
 struct RecordedEstimate {
   DriveEstimate estimate;
   std::string obstacle;  ///< why this vehicle can never be identified; empty: it can
+  RecordingDefects defects;
 };
 
 /// The estimate that a finished recording gives: every block of every node in sequence through

@@ -18,12 +18,16 @@ void LevelMeter::add(const ScanBlock& block) {
   overload_ |= static_cast<std::uint32_t>(block.overload);
   period_s_ = static_cast<double>(block.period_ps) * 1e-12;
   end_ns_ = block.row_time_ns(block.header.scans);
+  if (block.header.first_scan != next_scan_) before_.reset();  // the angle across a hole is not a speed
+  next_scan_ = block.header.first_scan + block.header.scans;
   for (std::int64_t r = 0; r < block.header.scans; ++r) {
     const auto& row = block.counts[static_cast<std::size_t>(r)];
     for (std::size_t c = 0; c < row.size(); ++c) {
       Sums& sums = sums_[c];
       const double value = row[c];
-      if (scans_ == 0) sums = {value, 0.0, 0.0, value, value};
+      if (scans_ == 0) sums = {value, 0.0, 0.0, value, value, sums.last, sums.unchanged};
+      sums.unchanged = row[c] == sums.last ? sums.unchanged + 1 : 0;
+      sums.last = row[c];
       sums.sum += value - sums.first;
       sums.squares += (value - sums.first) * (value - sums.first);
       sums.least = std::min(sums.least, value);
@@ -68,7 +72,7 @@ std::optional<Level> LevelMeter::take() {
     const double variance = sums.squares / count - (sums.sum / count) * (sums.sum / count);
     level.rms[c] = std::sqrt(std::max(variance, 0.0)) * std::abs(scale);
     level.peak[c] = std::max(sums.most - mean, mean - sums.least) * std::abs(scale);
-    if (acceleration && scans_ >= kDeadScans && sums.most == sums.least) level.dead |= 1U << c;
+    if (acceleration && sums.unchanged >= kDeadScans) level.dead |= 1U << c;
   }
   level.speed_m_s = turning_scans_ > 0
                         ? turned_rad_ / (static_cast<double>(turning_scans_) * period_s_) * rolling_radius_m_

@@ -31,6 +31,8 @@ class LevelMeter {
     double squares = 0;
     double least = 0;
     double most = 0;
+    std::int32_t last = 0;       ///< newest reading
+    std::int64_t unchanged = 0;  ///< scans since it last changed, over intervals
   };
   void add_speed(const ScanBlock& block, const std::array<std::int32_t, kChannels>& row);
 
@@ -45,6 +47,7 @@ class LevelMeter {
   double turned_rad_ = 0;
   std::int64_t turning_scans_ = 0;
   std::optional<std::array<double, 2>> before_;  ///< last sin, cos
+  std::int64_t next_scan_ = -1;
 };
 
 }  // namespace roadbalance

@@ -1,26 +1,38 @@
 #include "host/analyser/read_recording.hpp"
 
 #include <memory>
+#include <stdexcept>
 
 #include "common/bus/codec.hpp"
-#include "common/config/section.hpp"
 #include "common/record/record.hpp"
 #include "host/analyser/in_sequence.hpp"
 #include "host/analyser/recorded_vehicle.hpp"
 
 namespace roadbalance {
 
-void read_recording(const std::filesystem::path& folder,
-                    const std::function<void(const VehicleConfig&)>& begin,
-                    const std::function<void(const SealedBlock&)>& consume) {
+RecordingDefects read_recording(const std::filesystem::path& folder,
+                                const std::function<void(const VehicleConfig&)>& begin,
+                                const std::function<void(const SealedBlock&)>& consume) {
   RecordReader reader(folder);
   const auto vehicle = recorded_vehicle(folder);
-  if (!vehicle) throw ConfigError(folder.string() + ": holds no complete vehicle.toml");
+  if (!vehicle) throw std::runtime_error(folder.string() + ": holds no complete vehicle.toml, or no scan");
   begin(*vehicle);
+  reader.finish();
   InSequence in_sequence;
+  RecordingDefects defects;
   const auto block = std::make_unique<SealedBlock>();
-  while (const auto event = reader.next())
-    if (accept(event->data, *block) == Refusal::kNone) in_sequence.add(*block, consume);
+  while (const auto event = reader.next()) switch (accept(event->data, *block)) {
+      case Refusal::kNone:
+        in_sequence.add(*block, consume);
+        break;
+      case Refusal::kUnknownType:  // the record may hold more than blocks
+        break;
+      default:
+        ++defects.refused_blocks;
+    }
+  for (const auto& damage : reader.damage()) defects.damaged_bytes += damage.bytes;
+  defects.missing_blocks = in_sequence.missing();
+  return defects;
 }
 
 }  // namespace roadbalance

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 
@@ -8,14 +9,22 @@
 
 namespace roadbalance {
 
+/// What keeps a recording from being whole; all zero: nothing is missing undeclared.
+struct RecordingDefects {
+  std::uint64_t damaged_bytes = 0;
+  std::int64_t refused_blocks = 0;  ///< with a wrong CRC, size or content
+  std::int64_t missing_blocks = 0;  ///< whose number was passed over
+};
+
 /// Hands over every block of a finished recording, each node's in sequence, as the live analyser sees them.
+/// Damage costs what it hit and no more.
 ///
 /// @param begin    called once, before the first block
 /// @param consume  called with each block
-/// @throws std::system_error if the folder cannot be read, ConfigError if it holds no usable vehicle.toml,
-///         std::runtime_error naming the node if a block is missing undeclared
-void read_recording(const std::filesystem::path& folder,
-                    const std::function<void(const VehicleConfig&)>& begin,
-                    const std::function<void(const SealedBlock&)>& consume);
+/// @throws std::system_error if the folder cannot be read, std::runtime_error if it holds no vehicle.toml or
+///         no scan, ConfigError if its vehicle.toml cannot be used
+RecordingDefects read_recording(const std::filesystem::path& folder,
+                                const std::function<void(const VehicleConfig&)>& begin,
+                                const std::function<void(const SealedBlock&)>& consume);
 
 }  // namespace roadbalance

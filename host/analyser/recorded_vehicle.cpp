@@ -20,15 +20,28 @@ bool holds_a_segment(const std::filesystem::path& folder) {
   return false;
 }
 
+/// An imported recording keeps the rate that was fitted to its stamps.
+void set_rate(VehicleConfig& vehicle, std::int64_t period_ps) {
+  const double rate_hz = 1e12 / static_cast<double>(period_ps);
+  vehicle.drive.identification_rate_hz *= rate_hz / vehicle.node.front().rate_hz;
+  for (auto& node : vehicle.node) node.rate_hz = rate_hz;
+}
+
 }  // namespace
 
 std::optional<VehicleConfig> recorded_vehicle(const std::filesystem::path& folder) {
   if (!holds_a_segment(folder)) return std::nullopt;
   RecordReader reader(folder);
   std::map<std::pair<int, std::int64_t>, std::map<int, std::string>> parts;  // of a node's epoch
+  std::optional<VehicleConfig> vehicle;
   const auto block = std::make_unique<SealedBlock>();
   while (const auto event = reader.next()) {
-    if (accept(event->data, *block) != Refusal::kNone || block->kind != BlockKind::kMeta) continue;
+    if (accept(event->data, *block) != Refusal::kNone) continue;
+    if (vehicle && block->kind == BlockKind::kScan) {
+      set_rate(*vehicle, decode_scan(*block).period_ps);
+      return vehicle;
+    }
+    if (vehicle || block->kind != BlockKind::kMeta) continue;
     const MetaBlock meta = decode_meta(*block);
     if (meta.kind != MetaKind::kVehicleToml) continue;
     auto& text = parts[{meta.header.node, meta.header.epoch}];
@@ -36,7 +49,7 @@ std::optional<VehicleConfig> recorded_vehicle(const std::filesystem::path& folde
     if (std::ssize(text) < meta.parts) continue;
     std::string whole;
     for (const auto& [number, part] : text) whole += part;
-    return VehicleConfig::parse(whole, folder.string() + ": vehicle.toml");
+    vehicle = VehicleConfig::parse(whole, folder.string() + ": vehicle.toml");
   }
   return std::nullopt;
 }

@@ -7,7 +7,8 @@
 
 namespace roadbalance {
 
-/// The vehicle.toml that the first node stored in a recording; nothing while it is not complete.
+/// The vehicle.toml that the first node stored in a recording, with the rate at which the samples were really
+/// taken in place of the nominal one; nothing while the description or the first scan is not there.
 /// @throws ConfigError if it is complete and cannot be used
 std::optional<VehicleConfig> recorded_vehicle(const std::filesystem::path& folder);
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -21,7 +20,7 @@ Assembler::Assembler(const VehicleConfig& vehicle, Emit emit) : emit_(std::move(
   const SensorMap sensors = SensorMap::from(vehicle);
   for (std::size_t n = 0; n < vehicle.node.size(); ++n) {
     const NodeConfig& node = vehicle.node[n];
-    NodeMap map{decltype(NodeMap::from_counts)::Zero(), SignalVector::Zero(), 0, 0};
+    NodeMap map{decltype(NodeMap::from_counts)::Zero(), SignalVector::Zero(), 0, {}};
     for (std::size_t s = 0; s < sensors.input.size(); ++s) {
       if (sensors.input[s].node != static_cast<int>(n)) continue;
       const int c = sensors.input[s].channel;
@@ -36,9 +35,9 @@ Assembler::Assembler(const VehicleConfig& vehicle, Emit emit) : emit_(std::move(
       if (!wheel) continue;
       map.from_counts(sine_row(*wheel), kAccelerations + 2 * line) = 1.0 / kFullScaleCounts;
       map.from_counts(cosine_row(*wheel), kAccelerations + 2 * line + 1) = 1.0 / kFullScaleCounts;
-      map.reference_mask |= line == 0 ? kQualityNoReference0 : kQualityNoReference1;
+      map.wheel[static_cast<std::size_t>(line)] = wheel;
     }
-    if (map.overload_mask == 0 && map.reference_mask == 0) continue;  // nothing of it is used
+    if (map.from_counts.isZero()) continue;  // nothing of it is used
     streams_.push_back({node.id, {}, 0});
     maps_.push_back(map);
   }
@@ -49,35 +48,72 @@ void Assembler::consume(const SealedBlock& block) {
   const auto stream = std::find_if(streams_.begin(), streams_.end(),
                                    [&](const Stream& s) { return s.id == block.header.node; });
   if (stream == streams_.end()) return;
-  stream->blocks.push_back(decode_scan(block));
+  ScanBlock scans = decode_scan(block);
   if (!origin_ns_) {
     origin_ns_ = block.header.time_ns;
-    period_ps_ = stream->blocks.back().period_ps;
+    period_ps_ = scans.period_ps;
   }
+  if (!on_grid(scans)) return;
+  stream->blocks.push_back(std::move(scans));
   emit_common_rows();
+  drop_what_nobody_meets();
+}
+
+/// Notes and refuses a block whose samples lie between those of the grid.
+bool Assembler::on_grid(const ScanBlock& block) {
+  const double periods =
+      static_cast<double>(block.header.time_ns - *origin_ns_) * 1000.0 / static_cast<double>(period_ps_);
+  const double off = std::abs(periods - std::round(periods));
+  constexpr double kLargest = 1e15;  // still exact as a double
+  if (off <= kGridTolerance && std::abs(periods) < kLargest && block.period_ps == period_ps_) return true;
+  off_grid_ = "node " + std::to_string(block.header.node) + ": its samples lie " + std::to_string(off) +
+              " sample periods off the grid of the others, or have another rate";
+  return false;
 }
 
 /// Removes blocks that must not be used from the front.
-void Assembler::drop_unusable(Stream& stream, const NodeMap& map) const {
+void Assembler::drop_unusable(Stream& stream, const NodeMap& map) {
   while (!stream.blocks.empty()) {
     const ScanBlock& block = stream.blocks.front();
-    const bool usable =
-        (block.overload & map.overload_mask) == 0 && (block.quality & map.reference_mask) == 0;
-    if (usable && stream.row < block.header.scans) return;
+    if ((block.overload & map.overload_mask) == 0 && stream.row < block.header.scans) return;
     stream.blocks.pop_front();
     stream.row = 0;
   }
 }
 
+/// A node that stays away must not make the others' blocks pile up.
+void Assembler::drop_what_nobody_meets() {
+  for (auto& stream : streams_) {
+    const auto waits_s = [&] {
+      return 1e-9 *
+             static_cast<double>(stream.blocks.back().header.time_ns - stream.blocks.front().header.time_ns);
+    };
+    while (!stream.blocks.empty() && waits_s() > kLongestWait_s) {
+      stream.blocks.pop_front();
+      stream.row = 0;
+    }
+  }
+}
+
 std::int64_t Assembler::grid_index(const Stream& stream) const {
-  const double ns = static_cast<double>(stream.blocks.front().row_time_ns(stream.row) - *origin_ns_);
-  const double periods = ns * 1000.0 / static_cast<double>(period_ps_);
-  const double index = std::round(periods);
-  if (std::abs(periods - index) > kGridTolerance)
-    throw std::runtime_error("node " + std::to_string(stream.id) + ": its samples lie " +
-                             std::to_string(std::abs(periods - index)) +
-                             " sample periods off the grid of the other nodes");
-  return static_cast<std::int64_t>(index);
+  const auto ns = static_cast<double>(stream.blocks.front().header.time_ns - *origin_ns_);
+  return std::llround(ns * 1000.0 / static_cast<double>(period_ps_)) + stream.row;
+}
+
+/// Adds one node's share to all columns of the run.
+void Assembler::add_rows(const Stream& stream, const NodeMap& map) {
+  const ScanBlock& block = stream.blocks.front();
+  auto from_counts = map.from_counts;
+  for (std::size_t line = 0; line < kEncoderLines; ++line)
+    if (map.wheel[line] && (block.quality & (line == 0 ? kQualityNoReference0 : kQualityNoReference1)) != 0)
+      from_counts.middleRows<2>(cosine_row(*map.wheel[line])).setZero();
+  for (Eigen::Index row = 0; row < run_.samples.cols(); ++row) {
+    const auto& counts = block.counts[static_cast<std::size_t>(stream.row + row)];
+    run_.samples.col(row) +=
+        map.at_zero_counts +
+        from_counts *
+            Eigen::Map<const Eigen::Matrix<std::int32_t, kChannels, 1>>(counts.data()).cast<double>();
+  }
 }
 
 void Assembler::emit_common_rows() {
@@ -106,15 +142,8 @@ void Assembler::emit_common_rows() {
     run_.time_ns = streams_.front().blocks.front().row_time_ns(streams_.front().row + rows - 1);
     run_.samples.setZero(kSignals, rows);
     for (std::size_t n = 0; n < streams_.size(); ++n) {
-      Stream& stream = streams_[n];
-      for (std::int64_t row = 0; row < rows; ++row) {
-        const auto& counts = stream.blocks.front().counts[static_cast<std::size_t>(stream.row + row)];
-        run_.samples.col(row) +=
-            maps_[n].at_zero_counts +
-            maps_[n].from_counts *
-                Eigen::Map<const Eigen::Matrix<std::int32_t, kChannels, 1>>(counts.data()).cast<double>();
-      }
-      stream.row += rows;
+      add_rows(streams_[n], maps_[n]);
+      streams_[n].row += rows;
     }
     expected_ = newest + rows;
     emit_(run_);

@@ -1,5 +1,6 @@
 #include "host/identify/drive_estimator.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -9,8 +10,6 @@
 namespace roadbalance {
 namespace {
 
-/// Fewer sections than this cannot tell their own scatter.
-constexpr int kLeastSections = 6;
 /// Grid samples per identification sample.
 int decimation(const VehicleConfig& vehicle) {
   const double factor = vehicle.node.front().rate_hz / vehicle.drive.identification_rate_hz;
@@ -35,7 +34,9 @@ DriveEstimator::DriveEstimator(const VehicleConfig& vehicle)
       known_(nominal_parameters(vehicle)),
       sections_(vehicle_, [this](const DriveMoments& section) { add_section(section); }) {
   for (int i = 0; i < kWheels; ++i) estimate_.balance[static_cast<std::size_t>(i)].wheel = i;
-  publish_unknown(sections_.knows_speed() ? Unknown::kTooShort : Unknown::kNoReference);
+  const bool angle =
+      std::any_of(vehicle.wheel.begin(), vehicle.wheel.end(), [](const auto& w) { return !w.node.empty(); });
+  publish_unknown(angle ? Unknown::kTooShort : Unknown::kNoReference);
   try {
     decimator_.emplace(decimation(vehicle_),
                        [this](const IdentificationSample& sample) { add_sample(sample); });
@@ -43,22 +44,32 @@ DriveEstimator::DriveEstimator(const VehicleConfig& vehicle)
   } catch (const ConfigError& error) {
     // Levels and spectra of such a vehicle are as good as any: only this estimate is not to be had.
     obstacle_ = error.what();
-    publish_unknown(Unknown::kNoSensors);
+    publish_unknown(Unknown::kUnfitVehicle);
   }
 }
 
 void DriveEstimator::consume(const SealedBlock& block) {
-  if (assembler_) assembler_->consume(block);
+  if (!assembler_) return;
+  assembler_->consume(block);
+  if (classes_.empty() && !assembler_->off_grid().empty()) report_unknown(Unknown::kNoCommonTime);
+}
+
+const std::string& DriveEstimator::obstacle() const {
+  return assembler_ && classes_.empty() ? assembler_->off_grid() : obstacle_;
 }
 
 void DriveEstimator::add_sample(const IdentificationSample& sample) {
   time_ns_ = sample.time_ns;
   sections_.consume(sample);
-  const bool waiting = estimate_.identification.state == Unknown::kTooShort && classes_.empty();
-  if (waiting && sections_.slow_seconds() > vehicle_.drive.section_s) {
-    publish_unknown(Unknown::kTooSlow);
-    ++version_;
-  }
+  if (classes_.empty() && sections_.slow_seconds() > vehicle_.drive.section_s)
+    report_unknown(Unknown::kTooSlow);
+}
+
+/// Before the first section: why there is none.
+void DriveEstimator::report_unknown(Unknown state) {
+  if (estimate_.identification.state == state) return;
+  publish_unknown(state);
+  ++version_;
 }
 
 void DriveEstimator::add_section(const DriveMoments& section) {

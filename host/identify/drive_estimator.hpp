@@ -17,6 +17,9 @@
 
 namespace roadbalance {
 
+/// Fewer sections than this cannot tell their own scatter.
+inline constexpr int kLeastSections = 6;
+
 struct DriveEstimate {
   Identification identification;
   std::array<Balance, kWheels> balance;
@@ -32,11 +35,10 @@ class DriveEstimator {
   DriveEstimator(const DriveEstimator&) = delete;
   DriveEstimator& operator=(const DriveEstimator&) = delete;
 
-  /// @throws std::runtime_error naming the node if nodes are not on one time line
   void consume(const SealedBlock& block);
 
-  /// Why this vehicle can never be identified, naming what is missing; empty: it can.
-  const std::string& obstacle() const { return obstacle_; }
+  /// What stands in the way of an estimate, naming the thing at fault; empty: nothing but time.
+  const std::string& obstacle() const;
 
   /// The newest estimate; its states say what is not known yet and why.
   const DriveEstimate& estimate() const { return estimate_; }
@@ -51,6 +53,7 @@ class DriveEstimator {
     DriveMoments total;
   };
 
+  void report_unknown(Unknown state);
   void add_sample(const IdentificationSample& sample);
   void add_section(const DriveMoments& section);
   void update_estimate();

@@ -73,11 +73,7 @@ SectionBuilder::SectionBuilder(const VehicleConfig& vehicle, Emit emit)
   signals_.setZero(kSignals, columns);
   chassis_states_.setZero(kFilterOrder * kCoordinates, columns);
   tyre_states_.setZero(kFilterOrder * kWheels, columns);
-  for (int i = kWheels - 1; i >= 0; --i) {
-    const WheelConfig& wheel = vehicle.wheel[static_cast<std::size_t>(i)];
-    rolling_radius_m_[static_cast<std::size_t>(i)] = wheel.rolling_radius_m;
-    if (!wheel.node.empty()) speed_wheel_ = i;
-  }
+  for (std::size_t i = 0; i < kWheels; ++i) rolling_radius_m_[i] = vehicle.wheel[i].rolling_radius_m;
 }
 
 void SectionBuilder::consume(const IdentificationSample& sample) {
@@ -93,7 +89,6 @@ void SectionBuilder::consume(const IdentificationSample& sample) {
     --settling_;
     return;
   }
-  if (speed_wheel_ < 0) return;
   signals_.col(filled_) = sample.signals;
   chassis_states_.col(filled_) = chassis.reshaped().matrix();
   tyre_states_.col(filled_) = tyre.reshaped().matrix();
@@ -111,12 +106,13 @@ void SectionBuilder::restart(Eigen::Index keep) {
   filled_ = keep;
 }
 
-/// A section whose speed has changed begins again with its newest part.
+/// A section whose speed has changed begins again with its newest part, one without a speed from nothing.
 void SectionBuilder::check_steadiness() {
-  const double newest = mean_rotation(speed_wheel_, filled_ - part_, part_);
-  const double before = filled_ == part_ ? newest : mean_rotation(speed_wheel_, 0, filled_ - part_);
-  const double least = least_speed_m_s_ / rolling_radius_m_[static_cast<std::size_t>(speed_wheel_)];
-  if (newest < least) {
+  const auto wheel = speed_wheel(0, filled_);
+  if (!wheel) return restart(speed_wheel(filled_ - part_, part_) ? part_ : 0);
+  const double newest = mean_rotation(*wheel, filled_ - part_, part_);
+  const double before = filled_ == part_ ? newest : mean_rotation(*wheel, 0, filled_ - part_);
+  if (newest * rolling_radius_m_[static_cast<std::size_t>(*wheel)] < least_speed_m_s_) {
     slow_s_ += static_cast<double>(part_) / rate_hz_;
     restart(0);
   } else if (std::abs(newest - before) > kSteadiness * before) {
@@ -138,24 +134,32 @@ double SectionBuilder::mean_rotation(int wheel, Eigen::Index first, Eigen::Index
   return turned * rate_hz_ / static_cast<double>(count - 1);
 }
 
-/// True if the wheel's reference turned all through the section.
-bool SectionBuilder::has_reference(int wheel) const {
+/// True if the wheel's angle was known all through.
+bool SectionBuilder::has_reference(int wheel, Eigen::Index first, Eigen::Index count) const {
   const auto power =
       signals_.row(cosine_row(wheel)).array().square() + signals_.row(sine_row(wheel)).array().square();
-  return power.head(filled_).minCoeff() > 0.25;
+  return power.segment(first, count).minCoeff() > 0.25;
+}
+
+/// A wheel whose angle tells the speed all through.
+std::optional<int> SectionBuilder::speed_wheel(Eigen::Index first, Eigen::Index count) const {
+  for (int wheel = 0; wheel < kWheels; ++wheel)
+    if (has_reference(wheel, first, count)) return wheel;
+  return std::nullopt;
 }
 
 DriveMoments SectionBuilder::moments() const {
   DriveMoments sum;
   sum.sections = 1;
   sum.seconds = static_cast<double>(samples_) / rate_hz_;
+  const int timer = *speed_wheel(0, samples_);  // check_steadiness saw to it that there is one
   const double speed_m_s =
-      mean_rotation(speed_wheel_, 0, samples_) * rolling_radius_m_[static_cast<std::size_t>(speed_wheel_)];
+      mean_rotation(timer, 0, samples_) * rolling_radius_m_[static_cast<std::size_t>(timer)];
   sum.speed_seconds = sum.seconds * speed_m_s;
   add_chassis(sum);
   Eigen::Vector4d omega = Eigen::Vector4d::Zero();
   for (int wheel = 0; wheel < kWheels; ++wheel) {
-    if (has_reference(wheel)) omega(wheel) = mean_rotation(wheel, 0, samples_);
+    if (has_reference(wheel, 0, filled_)) omega(wheel) = mean_rotation(wheel, 0, samples_);
     add_tyre(sum, wheel, omega(wheel));
   }
   sum.harmonic = harmonic_.moments(signals_.leftCols(samples_), omega, speed_m_s, parameters_);

@@ -27,8 +27,6 @@ class SectionBuilder {
   SectionBuilder(const VehicleConfig& vehicle, Emit emit);
   void consume(const IdentificationSample& sample);
 
-  /// False if no wheel has an encoder: then there are no sections.
-  bool knows_speed() const { return speed_wheel_ >= 0; }
   /// Driving below the least speed since the last section.
   double slow_seconds() const { return slow_s_; }
 
@@ -42,13 +40,13 @@ class SectionBuilder {
   DriveMoments moments() const;
   void add_chassis(DriveMoments& sum) const;
   void add_tyre(DriveMoments& sum, int wheel, double omega) const;
-  bool has_reference(int wheel) const;
+  bool has_reference(int wheel, Eigen::Index first, Eigen::Index count) const;
+  std::optional<int> speed_wheel(Eigen::Index first, Eigen::Index count) const;
   double mean_rotation(int wheel, Eigen::Index first, Eigen::Index count) const;
 
   double rate_hz_;
   double least_speed_m_s_;
   std::array<double, kWheels> rolling_radius_m_;
-  int speed_wheel_ = -1;  ///< the wheel whose reference tells the speed; -1: none has one
   Eigen::Index samples_;  ///< of a section
   Eigen::Index part_;     ///< of a section, between checks of steadiness
   Eigen::Index chassis_lag_, tyre_lag_;

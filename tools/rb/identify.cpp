@@ -7,6 +7,7 @@
 
 #include "host/analyser/identify_record.hpp"
 #include "tools/rb/command.hpp"
+#include "tools/rb/defects.hpp"
 #include "tools/rb/readout.hpp"
 #include "tools/study/wheels_json.hpp"
 
@@ -19,7 +20,8 @@ struct IdentifyOptions {
 };
 
 int identify(const IdentifyOptions& options) {
-  const auto [estimate, obstacle] = identify_record(options.folder);
+  const auto [estimate, obstacle, defects] = identify_record(options.folder);
+  warn_of_defects("identify", options.folder, defects);
   if (!obstacle.empty()) std::fprintf(stderr, "rb identify: %s\n", obstacle.c_str());
   if (options.json) {
     const nlohmann::ordered_json result{{"wheels", wheels_json(estimate.identification, estimate.balance)}};

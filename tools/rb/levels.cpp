@@ -11,6 +11,7 @@
 #include "common/bus/codec.hpp"
 #include "host/analyser/read_recording.hpp"
 #include "tools/rb/command.hpp"
+#include "tools/rb/defects.hpp"
 
 namespace roadbalance {
 namespace {
@@ -26,7 +27,7 @@ struct LevelsOptions {
 Json levels_of(const std::string& folder) {
   VehicleConfig vehicle;
   std::map<std::int32_t, LevelMeter> meters;
-  read_recording(
+  const RecordingDefects defects = read_recording(
       folder,
       [&](const VehicleConfig& recorded) {
         vehicle = recorded;
@@ -36,6 +37,7 @@ Json levels_of(const std::string& folder) {
         const auto meter = meters.find(block.header.node);
         if (block.kind == BlockKind::kScan && meter != meters.end()) meter->second.add(decode_scan(block));
       });
+  warn_of_defects("levels", folder, defects);
   Json channels = Json::array();
   for (auto& [id, meter] : meters) {
     const auto level = meter.take();

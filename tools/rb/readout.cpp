@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "host/balance/weights.hpp"
+#include "host/identify/drive_estimator.hpp"
 
 namespace roadbalance {
 namespace {
@@ -47,8 +48,10 @@ std::string reason(Unknown state) {
       return "this wheel has no angle";
     case Unknown::kIllConditioned:
       return "the drive does not determine it";
-    case Unknown::kNoSensors:
-      return "the vertical sensors do not determine body and wheels";
+    case Unknown::kUnfitVehicle:
+      return "this vehicle's sensors or rates do not allow it";
+    case Unknown::kNoCommonTime:
+      return "the nodes' samples do not lie on one grid of time";
   }
   return "unknown reason";
 }
@@ -70,11 +73,25 @@ std::string advice_line(const Balance& balance) {
 }
 
 std::string identification_line(const Identification& identification) {
+  if (identification.state == Unknown::kTooShort && identification.sections > 0)
+    return format("suspension: not known: %.0f s of steady driving so far, %.0f needed",
+                  identification.seconds_used,
+                  kLeastSections * identification.seconds_used / identification.sections);
   if (identification.state != Unknown::kNone) return "suspension: not known: " + reason(identification.state);
   std::string line = format("from %.0f s of driving; tyres", identification.seconds_used);
   for (std::size_t w = 0; w < kWheels; ++w)
     line += format(" %.0f ± %.0f", identification.tyre_n_m[w] / 1e3, identification.sigma_tyre_n_m[w] / 1e3);
   return line + " kN/m";
+}
+
+std::string node_line(const Heartbeat& heartbeat) {
+  const double ring_part = heartbeat.ring_capacity > 0 ? static_cast<double>(heartbeat.ring_used) /
+                                                             static_cast<double>(heartbeat.ring_capacity)
+                                                       : 0.0;
+  return format("node %d: %lld samples taken, %lld missing, %lld blocks repaired, ring %.0f %% full",
+                heartbeat.node, static_cast<long long>(heartbeat.scans_sampled),
+                static_cast<long long>(heartbeat.scans_missing),
+                static_cast<long long>(heartbeat.blocks_repaired), 100.0 * ring_part);
 }
 
 std::vector<std::string> level_lines(const Level& level) {
@@ -100,7 +117,10 @@ std::vector<std::string> level_lines(const Level& level) {
 Screen::Screen() : terminal_(isatty(STDOUT_FILENO) == 1) {}
 
 void Screen::draw(const std::vector<std::string>& lines, bool news) {
-  if (!terminal_ && !news) return;
+  if (!terminal_) {
+    if (!news || lines == logged_) return;
+    logged_ = lines;
+  }
   std::size_t shown = lines.size();
   if (terminal_) {
     // What does not fit cannot be rewritten in place: the last lines are left out, long ones are cut.

@@ -12,6 +12,7 @@
 #include "common/dsp/psd.hpp"
 #include "host/analyser/read_recording.hpp"
 #include "tools/rb/command.hpp"
+#include "tools/rb/defects.hpp"
 
 namespace roadbalance {
 namespace {
@@ -99,7 +100,7 @@ class ChannelSpectrum {
 int spectrum(const SpectrumOptions& options) {
   VehicleConfig vehicle;
   std::optional<ChannelSpectrum> channel;
-  read_recording(
+  const RecordingDefects defects = read_recording(
       options.folder,
       [&](const VehicleConfig& recorded) {
         vehicle = recorded;
@@ -107,6 +108,7 @@ int spectrum(const SpectrumOptions& options) {
       },
       [&](const SealedBlock& block) { channel->add(block); });
 
+  warn_of_defects("spectrum", options.folder, defects);
   const auto result = channel->result();
   if (options.json) {
     std::printf("%s\n", result.dump().c_str());

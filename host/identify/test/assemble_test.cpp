@@ -22,7 +22,7 @@ constexpr std::int64_t kPeriodNs = 500'000;
 /// Block `number` of one node.  Every sensor reads what z''(k) = (k + 1) * unit 0.01 m/s^2 in heave and all
 /// wheels would give, and the references the angle k / 100 of every wheel.
 SealedBlock block_of(int node_index, std::int64_t number, std::int32_t quality = 0,
-                     std::int64_t offset_ns = 0) {
+                     std::int64_t offset_ns = 0, std::int32_t overload = 0) {
   const NodeConfig& node = car().node[static_cast<std::size_t>(node_index)];
   ScanBlock block;
   block.header = {node.id,        1,
@@ -30,6 +30,7 @@ SealedBlock block_of(int node_index, std::int64_t number, std::int32_t quality =
                   kScansPerBlock, number * kScansPerBlock * kPeriodNs + offset_ns};
   block.period_ps = kPeriodNs * 1000;
   block.quality = quality;
+  block.overload = overload;
   for (int row = 0; row < kScansPerBlock; ++row) {
     const double k = static_cast<double>(number * kScansPerBlock + row);
     auto& counts = block.counts[static_cast<std::size_t>(row)];
@@ -88,12 +89,13 @@ TEST(Assembler, ResultDoesNotDependOnHowNodesInterleave) {
 }
 
 TEST(Assembler, RunsRestartAfterWhatIsMissing) {
-  for (const std::int32_t bad :
-       {std::int32_t{kQualityNoReference0}, 0}) {  // a block without angle, and a block never sent
+  for (const std::int32_t overload :
+       {1 << 2, 0}) {  // a block with overload of a vertical channel, and one never sent
     std::vector<SealedBlock> blocks;
     for (int number = 0; number < 4; ++number) {
       blocks.push_back(block_of(0, number));
-      if (number != 2 || bad != 0) blocks.push_back(block_of(1, number, number == 2 ? bad : 0));
+      if (number != 2 || overload != 0)
+        blocks.push_back(block_of(1, number, 0, 0, number == 2 ? overload : 0));
     }
     const auto runs = assemble(blocks);
     ASSERT_EQ(runs.size(), 3U);
@@ -101,6 +103,24 @@ TEST(Assembler, RunsRestartAfterWhatIsMissing) {
     EXPECT_TRUE(runs[2].restart);
     EXPECT_EQ(runs[2].first_index, 3 * kScansPerBlock);
   }
+}
+
+TEST(Assembler, AWheelWithoutAngleLeavesTheOthersAlone) {
+  const auto runs = assemble({block_of(0, 0), block_of(1, 0, kQualityNoReference1)});
+  ASSERT_EQ(runs.size(), 1U);
+  for (int w = 0; w < kWheels; ++w)  // line 1 of the second node is rear_right
+    EXPECT_NEAR(std::abs(reference(runs[0].samples.col(5), w)), w == 3 ? 0.0 : 1.0, 1e-6) << w;
+}
+
+TEST(Assembler, ANodeThatStaysAwayDoesNotHoldTheOthersBack) {
+  std::vector<SealedBlock> blocks;
+  const auto longest = static_cast<std::int64_t>(Assembler::kLongestWait_s * 100);
+  for (std::int64_t number = 0; number < longest + 500; ++number) blocks.push_back(block_of(0, number));
+  blocks.push_back(block_of(1, 100));            // comes too late: what it would meet is gone
+  blocks.push_back(block_of(1, longest + 400));  // meets its neighbour
+  const auto runs = assemble(blocks);
+  ASSERT_EQ(runs.size(), 1U);
+  EXPECT_EQ(runs[0].first_index, (longest + 400) * kScansPerBlock);
 }
 
 TEST(Assembler, NodesThatBeginApartMeetAtTheFirstCommonScan) {
@@ -112,13 +132,14 @@ TEST(Assembler, NodesThatBeginApartMeetAtTheFirstCommonScan) {
   EXPECT_EQ(runs[0].samples.cols(), kScansPerBlock - 7);
 }
 
-TEST(Assembler, RefusesNodesThatAreNotOnOneGridByName) {
-  try {
-    assemble({block_of(0, 0), block_of(1, 0, 0, kPeriodNs / 3)});
-    FAIL() << "accepted";
-  } catch (const std::runtime_error& error) {
-    EXPECT_NE(std::string(error.what()).find("node 2"), std::string::npos) << error.what();
-  }
+TEST(Assembler, LeavesOutWhatIsNotOnTheGridAndNamesTheNode) {
+  std::vector<SignalRun> runs;
+  Assembler assembler(car(), [&](const SignalRun& run) { runs.push_back(run); });
+  assembler.consume(block_of(0, 0));
+  EXPECT_TRUE(assembler.off_grid().empty());
+  assembler.consume(block_of(1, 0, 0, kPeriodNs / 3));
+  EXPECT_TRUE(runs.empty());
+  EXPECT_NE(assembler.off_grid().find("node 2"), std::string::npos) << assembler.off_grid();
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ TEST(DriveEstimator, SaysThatTheSensorsDoNotSuffice) {
   DriveEstimator estimator(vehicle);
   EXPECT_NE(estimator.obstacle().find("heave"), std::string::npos) << estimator.obstacle();
   drive(estimator, vehicle, 100.0, 1);
-  EXPECT_EQ(estimator.estimate().identification.state, Unknown::kNoSensors);
+  EXPECT_EQ(estimator.estimate().identification.state, Unknown::kUnfitVehicle);
 }
 
 TEST(DriveEstimator, SaysThatTheCarWasTooSlow) {

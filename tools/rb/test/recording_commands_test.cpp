@@ -66,6 +66,25 @@ std::pair<double, double> mean_and_rms(const std::string& column) {
   return {mean, std::sqrt(square)};
 }
 
+/// Slope of the least-squares line of row number over time stamp.
+double rate_of_stamps() {
+  std::ifstream file(kWobble);
+  std::string line;
+  std::getline(file, line);
+  std::getline(file, line);
+  std::vector<double> t;
+  while (std::getline(file, line)) t.push_back(std::stod(line));
+  const auto n = static_cast<double>(t.size());
+  double t_mean = 0.0, index_index = 0.0, index_t = 0.0;
+  for (const double stamp : t) t_mean += stamp / n;
+  for (std::size_t k = 0; k < t.size(); ++k) {
+    const double index = static_cast<double>(k) - (n - 1.0) / 2.0;
+    index_index += index * index;
+    index_t += index * (t[k] - t_mean);
+  }
+  return index_index / index_t;
+}
+
 TEST_F(RecordingCommands, ARealCarsMeasurementGoesAllTheWay) {
   const Outcome imported = import(kWobble, record_);
   ASSERT_EQ(imported.code, 0) << imported.log;
@@ -88,10 +107,40 @@ TEST_F(RecordingCommands, ARealCarsMeasurementGoesAllTheWay) {
   EXPECT_GE(spectrum["averages"], 1);
   EXPECT_EQ(spectrum["unit"], "(m/s^2)^2/Hz");
 
+  // Frequencies are those of the rate at which the samples really came, not of the nominal 117 Hz.
+  const auto& frequency = spectrum["frequency_hz"];
+  const double rate_hz = spectrum["step_hz"].get<double>() * std::round(4.0 * rate_of_stamps());
+  EXPECT_NEAR(rate_hz, rate_of_stamps(), 1e-4 * rate_of_stamps());
+  EXPECT_NEAR(frequency.back(), rate_hz / 2, spectrum["step_hz"]);
+
   const Outcome identified = rb({"identify", record_, "--json"});
   EXPECT_EQ(identified.code, 1) << "the answer is no";
   EXPECT_TRUE(Json::parse(identified.output)["wheels"][0]["unbalance_g"].is_null());
   EXPECT_NE(identified.log.find("identification_rate_hz"), std::string::npos) << identified.log;
+}
+
+TEST_F(RecordingCommands, DamageCostsWhatItHitAndIsSaid) {
+  ASSERT_EQ(import(kWobble, record_).code, 0);
+  const Json whole = Json::parse(rb({"levels", record_, "--json"}).output);
+  const std::string segment = record_ + "/seg-000001.lcm";
+  const auto middle = static_cast<std::streamoff>(std::filesystem::file_size(segment) / 2);
+  std::fstream file(segment, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekg(middle);
+  const char flipped = static_cast<char>(file.get() ^ 1);
+  file.seekp(middle);
+  file.put(flipped);
+  file.close();
+
+  EXPECT_EQ(rb({"verify", record_}).code, 1);
+  const Outcome levels = rb({"levels", record_, "--json"});
+  EXPECT_EQ(levels.code, 0) << levels.log;
+  EXPECT_NE(levels.log.find("damaged"), std::string::npos) << levels.log;
+  // One event is lost, a block of 20 scans at the most.
+  const double rate_hz = 117.0;
+  const double lost_s = whole["channels"][0]["seconds"].get<double>() -
+                        Json::parse(levels.output)["channels"][0]["seconds"].get<double>();
+  EXPECT_GE(lost_s, 0.0);
+  EXPECT_LT(lost_s, 21 / rate_hz);
 }
 
 TEST_F(RecordingCommands, NameWhatIsAtFault) {

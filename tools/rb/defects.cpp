@@ -1,0 +1,17 @@
+#include "tools/rb/defects.hpp"
+
+#include <cstdio>
+
+namespace roadbalance {
+
+void warn_of_defects(const std::string& command, const std::string& folder, const RecordingDefects& defects) {
+  if (defects.damaged_bytes == 0 && defects.refused_blocks == 0 && defects.missing_blocks == 0) return;
+  std::fprintf(
+      stderr,
+      "rb %s: %s is damaged: %llu bytes unreadable, %lld blocks refused, %lld missing; the result is from "
+      "the rest. rb verify lists them\n",
+      command.c_str(), folder.c_str(), static_cast<unsigned long long>(defects.damaged_bytes),
+      static_cast<long long>(defects.refused_blocks), static_cast<long long>(defects.missing_blocks));
+}
+
+}  // namespace roadbalance
