@@ -12,17 +12,6 @@ namespace {
 constexpr std::int64_t kLongestEdgeBlock_ns =
     200'000'000;  // so that edges reach the record soon after their scans
 
-std::vector<MetaBlock> parts_of(const std::string& text) {
-  const std::size_t size = kMetaBytesPerBlock;
-  std::vector<MetaBlock> parts(std::max<std::size_t>(1, (text.size() + size - 1) / size));
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    parts[i].part = static_cast<std::int32_t>(i);
-    parts[i].parts = static_cast<std::int32_t>(parts.size());
-    parts[i].text = text.substr(i * size, size);
-  }
-  return parts;
-}
-
 std::size_t waiting_capacity(double rate_hz) {
   // The longest wait, a block beside it and the lag of edges behind scans.
   return static_cast<std::size_t>(std::ceil(0.25 * rate_hz)) + 4 * kScansPerBlock;
@@ -39,7 +28,7 @@ Sealer::Sealer(const VehicleConfig& vehicle, const NodeConfig& node, std::int64_
       sink_(sink),
       preview_(preview),
       reference_(vehicle, node),
-      meta_(parts_of(vehicle.text)),
+      meta_(split_text(MetaKind::kVehicleToml, vehicle.text)),
       waiting_(waiting_capacity(node.rate_hz)) {}
 
 BlockHeader Sealer::header(std::int64_t first_scan, std::int64_t scans, std::int64_t time_ns) const noexcept {
@@ -208,10 +197,9 @@ void Sealer::keep_block(bool after_jump) noexcept {
     after_gap_ = true;
   } else {
     after_gap_ = false;
-    constexpr std::array<std::int32_t, kEncoderLines> kNone{kQualityNoReference0, kQualityNoReference1};
     bool unreferenced = false;
     for (int line = 0; line < kEncoderLines; ++line)
-      if (reference_.has_encoder(line) && (scan_block_.quality & kNone[static_cast<std::size_t>(line)]))
+      if (reference_.has_encoder(line) && (scan_block_.quality & quality_no_reference(line)))
         unreferenced = true;
     if (unreferenced) ++counts_.unreferenced_blocks;
   }

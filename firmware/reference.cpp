@@ -72,13 +72,12 @@ std::int32_t Reference::fill(std::span<std::array<std::int32_t, kChannels>> scan
     filter_.reset();
     unsettled_.fill(settling_scans_);
   }
-  constexpr std::array<std::int32_t, kEncoderLines> kNone{kQualityNoReference0, kQualityNoReference1};
   constexpr std::array<std::int32_t, kEncoderLines> kUncertain{kQualityUncertainAngle0,
                                                                kQualityUncertainAngle1};
   std::int32_t quality = 0;
   for (std::size_t line = 0; line < kEncoderLines; ++line) {
     if (!known_[line]) unsettled_[line] = settling_scans_;
-    if (!known_[line] || unsettled_[line] > 0) quality |= kNone[line];
+    if (!known_[line] || unsettled_[line] > 0) quality |= quality_no_reference(static_cast<int>(line));
     if (encoder_[line] && encoder_[line]->uncertain()) quality |= kUncertain[line];
   }
   Eigen::Array<double, kReferences, 1> input = Eigen::Array<double, kReferences, 1>::Zero();

@@ -70,7 +70,7 @@ class Uplink {
     const auto due = sender_.due(now);
     for (const std::int64_t sequence : due) {
       const SealedBlock& block = ring_.get(sequence);
-      bus_.publish(channels_[static_cast<std::size_t>(block.kind)], block.bytes());
+      if (!bus_.publish(channels_[static_cast<std::size_t>(block.kind)], block.bytes())) ++blocks_unsent_;
     }
     if (const SealedBlock* block = preview_.read()) bus_.publish(preview_channel(node_), block->bytes());
     return !due.empty();
@@ -95,6 +95,7 @@ class Uplink {
     beat.scans_missing = link_.scans_missing.load();
     beat.blocks_sent = sender_.blocks_sent();
     beat.blocks_repaired = sender_.blocks_repaired();
+    beat.blocks_unsent = blocks_unsent_;
     beat.acks_refused = sender_.acks_refused();
     for (std::size_t line = 0; line < kEncoderLines; ++line)
       beat.encoder_faults[line] = link_.encoder_faults[line].load();
@@ -112,6 +113,7 @@ class Uplink {
   std::array<std::string, 5> channels_;  // [BlockKind]
   Bus bus_;
   WallTime next_heartbeat_{};
+  std::int64_t blocks_unsent_ = 0;
 };
 
 }  // namespace

@@ -1,7 +1,12 @@
 #include "common/bus/bus.hpp"
 
+#include <arpa/inet.h>
 #include <lcm/lcm.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
+#include <cerrno>
+#include <cstring>
 #include <exception>
 #include <limits>
 #include <list>
@@ -27,11 +32,25 @@ const char* name_of(BlockKind kind) {
   return "UNKNOWN";
 }
 
+// Asks the kernel for the way to the bus; nothing is sent.
+bool has_multicast_route() {
+  sockaddr_in group{};
+  group.sin_family = AF_INET;
+  group.sin_port = htons(7667);
+  group.sin_addr.s_addr = inet_addr("239.255.76.67");
+  const int descriptor = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (descriptor < 0) return true;  // the fault is another one
+  const bool found = ::connect(descriptor, reinterpret_cast<const sockaddr*>(&group), sizeof group) == 0;
+  ::close(descriptor);
+  return found;
+}
+
 [[noreturn]] void throw_no_bus(const std::string& url, const std::string& what) {
-  throw std::runtime_error(
-      "cannot " + what + " LCM bus " + url +
-      ": most often there is no multicast route; on a computer without network: "
-      "sudo ip link set lo multicast on && sudo ip route add 239.255.76.0/24 dev lo (rb doctor tells more)");
+  const int error = errno;
+  std::string why = error == 0 ? "not an LCM address that can be used" : std::strerror(error);
+  if (url.starts_with("udpm:") && !has_multicast_route())
+    why = std::string("there is no multicast route; sudo sh -c '") + kMulticastRemedy + "'";
+  throw std::runtime_error("cannot " + what + " LCM bus " + url + ": " + why);
 }
 
 // A caller with other duties gets control back after this many messages, however fast they come.
@@ -63,7 +82,8 @@ std::string default_bus_url() {
 }
 
 std::string bus_url_on_port(int port) {
-  return "udpm://239.255.76.67:" + std::to_string(port) + "?ttl=0&recv_buf_size=4194304";
+  return "udpm://239.255.76.67:" + std::to_string(port) + "?ttl=0&recv_buf_size=" +
+         std::to_string(kReceiveBufferBytes);
 }
 
 struct Bus::State {
@@ -94,6 +114,7 @@ struct Bus::State {
 
 Bus::Bus(const std::string& url) : state_(std::make_unique<State>()) {
   state_->url = url;
+  errno = 0;
   state_->lcm = lcm_create(url.c_str());
   if (!state_->lcm) throw_no_bus(url, "open");
 }
@@ -102,6 +123,7 @@ Bus::~Bus() = default;
 
 void Bus::subscribe(const std::string& pattern, Handler handler) {
   auto& subscription = state_->subscriptions.emplace_back(std::move(handler), &state_->failure);
+  errno = 0;
   auto* handle = lcm_subscribe(state_->lcm, pattern.c_str(), &State::on_message, &subscription);
   if (!handle) throw_no_bus(state_->url, "subscribe to " + pattern + " on");
   lcm_subscription_set_queue_capacity(handle, 0);
@@ -115,10 +137,14 @@ bool Bus::publish(const std::string& channel, std::span<const std::uint8_t> byte
 int Bus::handle(std::chrono::milliseconds timeout) {
   int handled = 0;
   auto wait = static_cast<int>(timeout.count());
-  while (handled < kMostPerCall && lcm_handle_timeout(state_->lcm, wait) > 0) {
+  while (handled < kMostPerCall) {
+    errno = 0;
+    const int result = lcm_handle_timeout(state_->lcm, wait);
+    if (state_->failure) std::rethrow_exception(std::exchange(state_->failure, nullptr));
+    if (result < 0 && errno != EINTR) throw_no_bus(state_->url, "receive from");
+    if (result <= 0) break;
     ++handled;
     wait = 0;
-    if (state_->failure) std::rethrow_exception(std::exchange(state_->failure, nullptr));
   }
   return handled;
 }

@@ -14,7 +14,7 @@ namespace roadbalance {
 
 /// Names of LCM channels.  Blocks: "RB_BLOCK_<node>_<KIND>", e.g. RB_BLOCK_1_SCAN; control:
 /// RB_HEARTBEAT_<node>, RB_ACK_<node>, RB_COMMAND_<node>, RB_REPLY_<node>; preview: RB_PREVIEW_<node>;
-/// results: RB_LEVEL, RB_SPECTRUM, RB_IDENTIFICATION, RB_BALANCE, RB_EVENT.
+/// results: RB_LEVEL, RB_SPECTRUM, RB_IDENTIFICATION, RB_BALANCE.
 std::string block_channel(int node, BlockKind kind);
 std::string preview_channel(int node);
 std::string heartbeat_channel(int node);
@@ -25,12 +25,17 @@ inline constexpr const char* kLevelChannel = "RB_LEVEL";
 inline constexpr const char* kSpectrumChannel = "RB_SPECTRUM";
 inline constexpr const char* kIdentificationChannel = "RB_IDENTIFICATION";
 inline constexpr const char* kBalanceChannel = "RB_BALANCE";
-inline constexpr const char* kEventChannel = "RB_EVENT";
 
 /// The product's default LCM address: TTL 0, with the receive buffer that LCM itself does not set.
 std::string default_bus_url();
 /// The same on another port; only the port isolates two buses.
 std::string bus_url_on_port(int port);
+
+/// What a recorder wants the socket to hold while it is kept from reading.
+inline constexpr std::int64_t kReceiveBufferBytes = 4 << 20;
+
+/// What a computer without a network needs once, as root: LCM speaks multicast even to itself.
+inline constexpr const char* kMulticastRemedy = "ip link set lo up && ip route add 224.0.0.0/4 dev lo";
 
 /// One process's access to the bus.  Not shared between threads: each process owns its own.
 ///
@@ -39,19 +44,21 @@ class Bus {
  public:
   using Handler = std::function<void(std::string_view channel, std::span<const std::uint8_t> bytes)>;
 
-  /// @throws std::runtime_error naming the URL and the likely remedy (no multicast route)
+  /// @throws std::runtime_error naming the URL, and the remedy where there is no multicast route
   explicit Bus(const std::string& url);
   ~Bus();
   Bus(const Bus&) = delete;
   Bus& operator=(const Bus&) = delete;
 
   /// @param pattern  regular expression of the whole channel name
+  /// @throws std::runtime_error naming the URL, e.g. if another program has the port for itself
   void subscribe(const std::string& pattern, Handler handler);
 
   /// False if the datagram could not be sent; nobody learns whether it arrived.
   bool publish(const std::string& channel, std::span<const std::uint8_t> bytes);
 
   /// Waits up to `timeout` for one datagram, then handles all that have arrived.  Returns how many.
+  /// @throws std::runtime_error naming the URL if nothing can be received any more, and what a handler threw
   int handle(std::chrono::milliseconds timeout);
 
  private:

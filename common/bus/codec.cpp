@@ -13,8 +13,6 @@
 namespace roadbalance {
 namespace {
 
-constexpr std::int64_t kIndexLimit = std::int64_t{1} << 62;  // sums of two of these do not overflow
-constexpr std::int32_t kLastNode = 9999;
 constexpr std::int32_t kMostMetaParts = 10'000;
 constexpr std::int64_t kLongestPeriod_ps = 1'000'000'000'000;  // one scan a second
 constexpr std::int32_t kQualityLimit = 1 << 16;                // room for bits of later versions
@@ -73,8 +71,8 @@ bool in_bounds(const BlockHeader& header, std::int32_t lowest_node) {
   return within(header.node, lowest_node, kLastNode) &&
          within<std::int64_t>(header.sequence, 0, kIndexLimit) &&
          within<std::int64_t>(header.first_scan, 0, kIndexLimit) &&
-         within<std::int64_t>(header.scans, 0, kIndexLimit) &&
-         within(header.time_ns, -kIndexLimit, kIndexLimit);
+         within<std::int64_t>(header.scans, 0, kIndexLimit - header.first_scan) &&
+         within(header.time_ns, -kClockLimit_ns, kClockLimit_ns);
 }
 
 bool fields_in_bounds(const wire::scan_block_t& m) {
@@ -110,7 +108,7 @@ bool fields_in_bounds(const wire::end_t& m) {
 template <typename Message>
 Refusal accept_as(BlockKind kind, std::span<const std::uint8_t> bytes, SealedBlock& out) {
   if (bytes.size() != wire_format::size_of<Message>()) return Refusal::kWrongSize;
-  if (!wire_format::crc_is_good(bytes)) return Refusal::kWrongCrc;
+  if (!ends_with_its_crc(bytes)) return Refusal::kWrongCrc;
   const auto message = wire_format::decode<Message>(bytes);
   if (!message) return Refusal::kUnknownType;
   const BlockHeader header = header_of(*message);

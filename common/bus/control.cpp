@@ -11,10 +11,12 @@
 namespace roadbalance {
 namespace {
 
-constexpr std::int32_t kLastNode = 9999;
-
 bool is_node(std::int32_t node) {
   return 1 <= node && node <= kLastNode;
+}
+
+bool is_index(std::int64_t value) {
+  return 0 <= value && value <= kIndexLimit;
 }
 
 template <typename Enum>
@@ -24,21 +26,24 @@ bool is_one_of(std::int32_t value, Enum first, Enum last) {
 
 bool in_bounds(const wire::heartbeat_t& m) {
   return is_node(m.node) && is_one_of(m.state, NodeState::kPreview, NodeState::kFailed) && m.base >= 1 &&
-         m.next >= m.base && m.owner >= 0 && m.ring_used >= 0 && m.ring_capacity >= m.ring_used &&
-         m.scans_sampled >= 0 && m.scans_missing >= 0;
+         m.next >= m.base && is_index(m.next) && -kClockLimit_ns <= m.time_ns && m.time_ns <= kClockLimit_ns &&
+         m.owner >= 0 && m.ring_used >= 0 && m.ring_capacity >= m.ring_used && is_index(m.ring_capacity) &&
+         is_index(m.scans_sampled) && is_index(m.scans_missing) && is_index(m.blocks_sent) &&
+         is_index(m.blocks_repaired) && is_index(m.blocks_unsent);
 }
 
 // Missing ranges ascend, do not touch the part that has arrived, and do not overlap.
 bool in_bounds(const wire::ack_t& m) {
   if (!is_node(m.node) || m.incarnation < 1 || m.number < 1 || m.durable < 0 || m.received < m.durable ||
-      m.credit < m.received || m.missing < 0 || m.missing > static_cast<std::int32_t>(kMaxMissingRanges))
+      m.credit < m.received || !is_index(m.credit) || m.missing < 0 ||
+      m.missing > static_cast<std::int32_t>(kMaxMissingRanges))
     return false;
   std::int64_t before = m.received;
   for (std::int32_t k = 0; k < m.missing; ++k) {
     if (m.missing_first[k] <= before || m.missing_last[k] < m.missing_first[k]) return false;
     before = m.missing_last[k];
   }
-  return true;
+  return is_index(before);
 }
 
 }  // namespace
@@ -58,6 +63,7 @@ std::vector<std::uint8_t> encode(const Heartbeat& h) {
   m.scans_missing = h.scans_missing;
   m.blocks_sent = h.blocks_sent;
   m.blocks_repaired = h.blocks_repaired;
+  m.blocks_unsent = h.blocks_unsent;
   m.acks_refused = h.acks_refused;
   std::copy(h.encoder_faults.begin(), h.encoder_faults.end(), m.encoder_faults);
   m.unreferenced_blocks = h.unreferenced_blocks;
@@ -81,6 +87,7 @@ std::optional<Heartbeat> decode_heartbeat(std::span<const std::uint8_t> bytes) {
   h.scans_missing = m->scans_missing;
   h.blocks_sent = m->blocks_sent;
   h.blocks_repaired = m->blocks_repaired;
+  h.blocks_unsent = m->blocks_unsent;
   h.acks_refused = m->acks_refused;
   std::copy_n(m->encoder_faults, h.encoder_faults.size(), h.encoder_faults.begin());
   h.unreferenced_blocks = m->unreferenced_blocks;
@@ -152,7 +159,7 @@ std::vector<std::uint8_t> encode(const Reply& r) {
 
 std::optional<Reply> decode_reply(std::span<const std::uint8_t> bytes) {
   const auto m = wire_format::decode_with_crc<wire::reply_t>(bytes);
-  if (!m || !is_node(m->node) || m->sequence < 0 ||
+  if (!m || !is_node(m->node) || !is_index(m->sequence) ||
       !is_one_of(m->result, CommandError::kNone, CommandError::kEnded))
     return std::nullopt;
   return Reply{.node = m->node,

@@ -26,6 +26,7 @@ struct Heartbeat {
   std::int64_t scans_missing = 0;
   std::int64_t blocks_sent = 0;
   std::int64_t blocks_repaired = 0;
+  std::int64_t blocks_unsent = 0;
   std::int64_t acks_refused = 0;
   std::array<std::int64_t, 2> encoder_faults{};
   std::int64_t unreferenced_blocks = 0;

@@ -13,13 +13,10 @@ namespace roadbalance::wire_format {
 
 inline constexpr std::size_t kCrcBytes = 4;
 
-inline std::uint32_t load_u32(const std::uint8_t* bytes) {
-  return std::uint32_t{bytes[0]} << 24 | std::uint32_t{bytes[1]} << 16 | std::uint32_t{bytes[2]} << 8 |
-         bytes[3];
-}
-
 inline std::int64_t load_i64(const std::uint8_t* bytes) {
-  return static_cast<std::int64_t>(std::uint64_t{load_u32(bytes)} << 32 | load_u32(bytes + 4));
+  std::uint64_t value = 0;
+  for (int k = 0; k < 8; ++k) value = value << 8 | bytes[k];
+  return static_cast<std::int64_t>(value);
 }
 
 inline void store_u32(std::uint32_t value, std::uint8_t* bytes) {
@@ -45,11 +42,6 @@ inline void write_crc(std::span<std::uint8_t> bytes) {
   store_u32(crc32c(bytes.first(bytes.size() - kCrcBytes)), bytes.data() + bytes.size() - kCrcBytes);
 }
 
-inline bool crc_is_good(std::span<const std::uint8_t> bytes) {
-  return bytes.size() > kCrcBytes &&
-         crc32c(bytes.first(bytes.size() - kCrcBytes)) == load_u32(bytes.data() + bytes.size() - kCrcBytes);
-}
-
 template <typename T>
 std::vector<std::uint8_t> encode_with_crc(const T& message) {
   auto bytes = encode(message);
@@ -70,7 +62,7 @@ std::optional<T> decode(std::span<const std::uint8_t> bytes) {
 
 template <typename T>
 std::optional<T> decode_with_crc(std::span<const std::uint8_t> bytes) {
-  if (bytes.size() != size_of<T>() || !crc_is_good(bytes)) return std::nullopt;
+  if (bytes.size() != size_of<T>() || !ends_with_its_crc(bytes)) return std::nullopt;
   return decode<T>(bytes);
 }
 

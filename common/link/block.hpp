@@ -20,6 +20,11 @@ enum Quality : std::int32_t {
   kQualityAfterGap = 1 << 5,         ///< first block after lost scans: filters restart here
 };
 
+/// The bit that says so of the wheel on `line`, 0 or 1.
+constexpr std::int32_t quality_no_reference(int line) {
+  return kQualityNoReference0 << line;
+}
+
 /// Why scans are not in the record; gap_t.cause.
 enum class GapCause : std::int32_t {
   kRingFull = 1,       ///< the node could not keep them: recorder away for too long
@@ -30,10 +35,23 @@ enum class GapCause : std::int32_t {
   kSourceGap = 6,      ///< imported data had a hole here
 };
 
+/// A gap of this cause stands for every block since the one before it and bears the number of the last;
+/// every other gap stands for itself alone.
+constexpr bool stands_for_lost_blocks(GapCause cause) {
+  return cause == GapCause::kLostAtNode;
+}
+
 enum class MetaKind : std::int32_t { kVehicleToml = 1, kRecordJson = 2 };
 enum class NodeState : std::int32_t { kPreview = 0, kStarted = 1, kEnded = 2, kFailed = 3 };
 enum class Verb : std::int32_t { kClaim = 1, kRelease = 2, kStart = 3, kStop = 4 };
 enum class CommandError : std::int32_t { kNone = 0, kNotOwner = 1, kUnknownVerb = 2, kEnded = 3 };
+
+inline constexpr std::int32_t kLastNode = 9999;  ///< nodes are numbered from 1; 0 is the host
+inline constexpr std::size_t kMostNodes = 64;    ///< recorded at a time; more are refused
+/// No sequence, scan index or count from outside is larger: sums and differences of these do not overflow.
+inline constexpr std::int64_t kIndexLimit = std::int64_t{1} << 48;
+/// The same for node clocks, in nanoseconds either way from their zero: 73 years.
+inline constexpr std::int64_t kClockLimit_ns = std::int64_t{1} << 61;
 
 /// The fields every block begins with; see common/wire for their meaning.
 struct BlockHeader {

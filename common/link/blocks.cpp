@@ -1,5 +1,7 @@
 #include "common/link/blocks.hpp"
 
+#include <algorithm>
+
 namespace roadbalance {
 namespace {
 // A word of edge_block_t: bit 0 line, bit 1 kind, bits 2..30 nanoseconds since the edge before.
@@ -35,6 +37,18 @@ std::vector<Edge> EdgeBlock::unpack() const {
                       .kind = (word & 2) ? EdgeKind::kZeroMark : EdgeKind::kTooth});
   }
   return result;
+}
+
+std::vector<MetaBlock> split_text(MetaKind kind, const std::string& text) {
+  constexpr std::size_t kSize = kMetaBytesPerBlock;
+  std::vector<MetaBlock> parts(std::max<std::size_t>(1, (text.size() + kSize - 1) / kSize));
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    parts[k].kind = kind;
+    parts[k].part = static_cast<std::int32_t>(k);
+    parts[k].parts = static_cast<std::int32_t>(parts.size());
+    parts[k].text = text.substr(k * kSize, kSize);
+  }
+  return parts;
 }
 
 }  // namespace roadbalance

@@ -56,6 +56,9 @@ struct MetaBlock {
   std::string text;  ///< at most kMetaBytesPerBlock
 };
 
+/// `text` in parts that fit, in order; an empty text has one empty part.  Headers are left to the caller.
+std::vector<MetaBlock> split_text(MetaKind kind, const std::string& text);
+
 struct EndBlock {
   BlockHeader header;
   std::int64_t blocks = 0;

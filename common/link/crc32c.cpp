@@ -89,4 +89,12 @@ std::uint32_t crc32c(std::span<const std::uint8_t> bytes, std::uint32_t before) 
   return crc32c_has_instruction() ? by_instruction(bytes, before) : crc32c_by_table(bytes, before);
 }
 
+bool ends_with_its_crc(std::span<const std::uint8_t> bytes) {
+  if (bytes.size() <= 4) return false;
+  const std::uint8_t* last = bytes.data() + bytes.size() - 4;
+  const std::uint32_t stored =
+      std::uint32_t{last[0]} << 24 | std::uint32_t{last[1]} << 16 | std::uint32_t{last[2]} << 8 | last[3];
+  return crc32c(bytes.first(bytes.size() - 4)) == stored;
+}
+
 }  // namespace roadbalance

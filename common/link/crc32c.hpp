@@ -15,6 +15,9 @@ std::uint32_t crc32c(std::span<const std::uint8_t> bytes, std::uint32_t before =
 /// The same by table only: the fallback, and the instruction's independent check.
 std::uint32_t crc32c_by_table(std::span<const std::uint8_t> bytes, std::uint32_t before = 0);
 
+/// The form of all messages we record: the last four bytes are the CRC of those before, big endian.
+bool ends_with_its_crc(std::span<const std::uint8_t> bytes);
+
 /// True if crc32c() uses the processor's instruction.
 bool crc32c_has_instruction();
 

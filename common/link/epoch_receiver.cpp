@@ -69,6 +69,10 @@ void EpochReceiver::heartbeat(const Heartbeat& heartbeat, WallTime now, std::vec
 void EpochReceiver::deliver(Slot& s, std::vector<Delivery>& out) {
   const SealedBlock& block = s.block;
   if (tells_scan(block)) {
+    const std::int64_t since = block.header.first_scan - last_scans_.first_scan;
+    if (last_scans_.sequence > 0 && since > 0)
+      ns_per_scan_ =
+          static_cast<double>(block.header.time_ns - last_scans_.time_ns) / static_cast<double>(since);
     next_scan_ = block.header.first_scan + block.header.scans;
     last_scans_ = block.header;
   }
@@ -94,18 +98,15 @@ bool EpochReceiver::declare_loss(std::vector<Delivery>& out, bool at_once) {
 
   GapBlock gap;
   gap.cause = GapCause::kLostAtNode;
-  gap.header = {.node = node_,
-                .epoch = epoch_,
-                .sequence = loss_through_,
-                .first_scan = next_scan_,
-                .time_ns = last_scans_.time_ns};
+  gap.header = next_header(loss_through_);
   if (told) {
     const BlockHeader& after = slot(at).block.header;
     gap.header.scans = std::max<std::int64_t>(0, after.first_scan - next_scan_);
     // The instant of the first lost scan lies on the line through the blocks before and after.
     const auto span_scans = static_cast<double>(after.first_scan - last_scans_.first_scan);
     if (span_scans > 0 && last_scans_.sequence > 0)
-      gap.header.time_ns +=
+      gap.header.time_ns =
+          last_scans_.time_ns +
           static_cast<std::int64_t>(static_cast<double>(after.time_ns - last_scans_.time_ns) *
                                     static_cast<double>(last_scans_.scans) / span_scans);
     else
@@ -116,6 +117,16 @@ bool EpochReceiver::declare_loss(std::vector<Delivery>& out, bool at_once) {
   ++gaps_;
   loss_through_ = 0;
   return true;
+}
+
+// Of a declared gap.  Its instant is where the time between the last two blocks with scans leads.
+BlockHeader EpochReceiver::next_header(std::int64_t sequence) const {
+  const double scans_since = static_cast<double>(next_scan_ - last_scans_.first_scan);
+  return {.node = node_,
+          .epoch = epoch_,
+          .sequence = sequence,
+          .first_scan = next_scan_,
+          .time_ns = last_scans_.time_ns + static_cast<std::int64_t>(scans_since * ns_per_scan_)};
 }
 
 void EpochReceiver::lose_through(std::int64_t sequence, std::vector<Delivery>& out) {
@@ -137,15 +148,11 @@ void EpochReceiver::crash(std::vector<Delivery>& out) {
   if (ended_) return;
   lose_through(newest_arrived_, out);
   if (loss_through_ > 0) declare_loss(out, true);
-  while (contiguous_ < highest_ && slot(contiguous_ + 1).arrived) deliver(slot(contiguous_ + 1), out);
+  deliver_contiguous(out);
   if (ended_) return;  // the end was among what had arrived
   GapBlock gap;
   gap.cause = GapCause::kNodeCrash;
-  gap.header = {.node = node_,
-                .epoch = epoch_,
-                .sequence = ++contiguous_,
-                .first_scan = next_scan_,
-                .time_ns = last_scans_.time_ns};
+  gap.header = next_header(++contiguous_);
   out.emplace_back(gap);
   ++gaps_;
   ended_ = true;

@@ -67,6 +67,7 @@ class EpochReceiver {
   };
   Slot& slot(std::int64_t sequence);
   void extend(std::int64_t sequence, WallTime now);
+  BlockHeader next_header(std::int64_t sequence) const;
   bool declare_loss(std::vector<Delivery>& out, bool at_once);
   void deliver_contiguous(std::vector<Delivery>& out);
   void deliver(Slot& slot, std::vector<Delivery>& out);
@@ -86,6 +87,7 @@ class EpochReceiver {
 
   std::int64_t next_scan_;
   BlockHeader last_scans_;  // of the last block with scans
+  double ns_per_scan_ = 0;  // between the last two of these
   std::int64_t gaps_ = 0;
 };
 

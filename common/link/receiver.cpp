@@ -8,9 +8,10 @@ namespace {
 constexpr std::chrono::milliseconds kAckPeriod{200};
 constexpr std::chrono::milliseconds kRepairPeriod{50};
 constexpr std::chrono::milliseconds kEpochSilence{1000};
-// Epochs and nodes beyond these are refused: nothing from the bus makes memory grow without limit.
+// Nothing from the bus makes memory grow without limit: of more epochs of a node the oldest are forgotten.
 constexpr std::size_t kMostPastEpochs = 1024;
-constexpr std::size_t kMostNodes = 64;
+// Of an epoch that is over, one every kAckPeriod: nobody says whether an ack was heard.
+constexpr int kLastAcks = 5;
 
 }  // namespace
 
@@ -18,7 +19,7 @@ Receiver::Receiver(std::int64_t incarnation, ReceiverOptions options)
     : incarnation_(incarnation), options_(options) {}
 
 void Receiver::recover(std::int32_t node, std::int64_t epoch, EpochPosition position) {
-  nodes_[node].past[epoch] = position;
+  nodes_[node].past.push_back({.epoch = epoch, .position = position});
 }
 
 const EpochReceiver* Receiver::current(std::int32_t node) const {
@@ -33,7 +34,7 @@ void Receiver::take(const SealedBlock& block, WallTime now, std::vector<Delivery
   if (found == nodes_.end() || !found->second.epoch) return refuse(Refused::kUnknownEpoch);
   Node& node = found->second;
   if (node.epoch->epoch() != block.header.epoch)
-    return refuse(node.past.contains(block.header.epoch) ? Refused::kClosedEpoch : Refused::kUnknownEpoch);
+    return refuse(find_past(node, block.header.epoch) ? Refused::kClosedEpoch : Refused::kUnknownEpoch);
   switch (node.epoch->block(block, now, out)) {
     case EpochReceiver::Take::kAccepted:
       return;
@@ -44,35 +45,48 @@ void Receiver::take(const SealedBlock& block, WallTime now, std::vector<Delivery
   }
 }
 
+Receiver::Past* Receiver::find_past(Node& node, std::int64_t epoch) {
+  const auto found =
+      std::find_if(node.past.begin(), node.past.end(), [&](const Past& past) { return past.epoch == epoch; });
+  return found == node.past.end() ? nullptr : &*found;
+}
+
+void Receiver::close(Past& past, const EpochReceiver& epoch) {
+  past.position.contiguous = epoch.received();
+  past.position.ended = true;
+  past.durable = epoch.durable();
+  past.acks_left = kLastAcks;
+}
+
 void Receiver::open_epoch(Node& node, const Heartbeat& heartbeat, std::vector<Delivery>& out) {
   EpochPosition start;
-  if (const auto known = node.past.find(heartbeat.epoch); known != node.past.end()) {
-    start = known->second;
-    node.past.erase(known);
+  if (const Past* known = find_past(node, heartbeat.epoch)) {
+    start = known->position;
+    node.past.erase(node.past.begin() + (known - node.past.data()));
+  }
+  // What an earlier run of this recorder left open of this node is over too.
+  for (Past& past : node.past) {
+    if (past.position.ended) continue;
+    EpochReceiver open(heartbeat.node, past.epoch, past.position, {.window = 1});
+    open.crash(out);
+    close(past, open);
   }
   if (node.epoch) {
     node.epoch->crash(out);
-    node.past[node.epoch->epoch()] = {.contiguous = node.epoch->received(), .ended = true};
+    close(node.past.emplace_back(Past{.epoch = node.epoch->epoch(), .position = {}}), *node.epoch);
   }
-  // What an earlier run of this recorder left open of this node is over too.
-  for (auto& [epoch, position] : node.past) {
-    if (position.ended) continue;
-    EpochReceiver open(heartbeat.node, epoch, position, {.window = 1});
-    open.crash(out);
-    position.ended = true;
-  }
+  if (node.past.size() > kMostPastEpochs) node.past.erase(node.past.begin());
   node.epoch = std::make_unique<EpochReceiver>(heartbeat.node, heartbeat.epoch, start, options_);
   node.ack_number = 0;
   node.acked_durable = -1;
   node.acked_received = start.contiguous;
 }
 
-bool Receiver::may_open(const Node& node, const Heartbeat& heartbeat, WallTime now) {
-  if (node.past.size() >= kMostPastEpochs) return false;
-  const auto past = node.past.find(heartbeat.epoch);
+bool Receiver::may_open(Node& node, const Heartbeat& heartbeat, WallTime now) {
+  const Past* past = find_past(node, heartbeat.epoch);
   const bool is_over = heartbeat.state == NodeState::kEnded || heartbeat.state == NodeState::kFailed;
-  if (!node.epoch) return past != node.past.end() || !is_over || heartbeat.base < heartbeat.next;
-  if (past != node.past.end() && past->second.ended) return false;
+  if (!node.epoch) return past || !is_over || heartbeat.base < heartbeat.next;
+  if (past && past->position.ended) return false;
   if (now - node.heard_at >= kEpochSilence) return true;
   ++rival_heartbeats_;
   return false;
@@ -91,20 +105,42 @@ void Receiver::take(const Heartbeat& heartbeat, WallTime now, std::vector<Delive
 
 void Receiver::durable(std::int32_t node, std::int64_t epoch, std::int64_t sequence) {
   const auto found = nodes_.find(node);
-  if (found != nodes_.end() && found->second.epoch && found->second.epoch->epoch() == epoch)
+  if (found == nodes_.end()) return;
+  if (found->second.epoch && found->second.epoch->epoch() == epoch)
     found->second.epoch->durable(sequence);
+  else if (Past* past = find_past(found->second, epoch))
+    past->durable = std::max(past->durable, std::min(sequence, past->position.contiguous));
 }
 
 bool Receiver::is_due(const Node& node, WallTime now) const {
   const EpochReceiver& epoch = *node.epoch;
-  const bool half_the_credit_is_used = epoch.received() - node.acked_received >= options_.window / 4;
-  return epoch.durable() > node.acked_durable || half_the_credit_is_used ||
+  const bool much_credit_is_used = epoch.received() - node.acked_received >= options_.window / 4;
+  return epoch.durable() > node.acked_durable || much_credit_is_used ||
          now - node.acked_at >= (epoch.has_holes() ? kRepairPeriod : kAckPeriod);
+}
+
+// The node of a closed epoch is gone; others wait to hear that its last blocks are durable.
+void Receiver::acknowledge_past(std::int32_t number, Node& node, WallTime now, std::vector<Ack>& acks) const {
+  for (Past& past : node.past) {
+    const std::int64_t last = past.position.contiguous;
+    if (past.acks_left == 0 || past.durable < last || now - past.acked_at < kAckPeriod) continue;
+    --past.acks_left;
+    past.acked_at = now;
+    acks.push_back({.node = number,
+                    .epoch = past.epoch,
+                    .incarnation = incarnation_,
+                    .number = ++node.ack_number,
+                    .received = last,
+                    .durable = last,
+                    .credit = last,
+                    .missing = {}});
+  }
 }
 
 std::vector<Ack> Receiver::due(WallTime now) {
   std::vector<Ack> acks;
   for (auto& [number, node] : nodes_) {
+    acknowledge_past(number, node, now, acks);
     if (!node.epoch || !is_due(node, now)) continue;
     const EpochReceiver& epoch = *node.epoch;
     node.acked_at = now;

@@ -15,7 +15,8 @@ namespace roadbalance {
 /// call, deliveries and acknowledgements go out; bus and disk stay outside.
 ///
 /// A node's heartbeat opens its epoch; a heartbeat with a new epoch closes the old one, as a crash if it has
-/// no end.  Blocks of other epochs and previews (sequence 0) never enter.
+/// no end; what it left is acknowledged a few times once durable.  Blocks of other epochs and previews
+/// (sequence 0) never enter.
 class Receiver {
  public:
   enum class Refused { kPreview, kUnknownEpoch, kClosedEpoch, kDuplicate, kOutsideWindow, kCount };
@@ -46,17 +47,27 @@ class Receiver {
   std::int64_t rival_heartbeats() const { return rival_heartbeats_; }
 
  private:
+  struct Past {
+    std::int64_t epoch;
+    EpochPosition position;
+    std::int64_t durable = 0;
+    int acks_left = 0;  // to say that all of it is durable
+    WallTime acked_at{};
+  };
   struct Node {
-    std::unique_ptr<EpochReceiver> epoch;        // being received
-    std::map<std::int64_t, EpochPosition> past;  // by epoch: recovered or closed
-    WallTime heard_at{};                         // the epoch being received
+    std::unique_ptr<EpochReceiver> epoch;  // being received
+    std::vector<Past> past;                // recovered or closed, in order of time
+    WallTime heard_at{};                   // the epoch being received
     std::int64_t ack_number = 0;
     WallTime acked_at{};
     std::int64_t acked_durable = -1;
     std::int64_t acked_received = 0;
   };
   bool is_due(const Node& node, WallTime now) const;
-  bool may_open(const Node& node, const Heartbeat& heartbeat, WallTime now);
+  static Past* find_past(Node& node, std::int64_t epoch);
+  static void close(Past& past, const EpochReceiver& epoch);
+  void acknowledge_past(std::int32_t number, Node& node, WallTime now, std::vector<Ack>& acks) const;
+  bool may_open(Node& node, const Heartbeat& heartbeat, WallTime now);
   void open_epoch(Node& node, const Heartbeat& heartbeat, std::vector<Delivery>& out);
 
   std::int64_t incarnation_;

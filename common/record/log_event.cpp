@@ -2,12 +2,11 @@
 
 #include <algorithm>
 
-#include "common/link/crc32c.hpp"
-
 namespace roadbalance {
 namespace {
 
-constexpr std::array<std::uint8_t, 4> kSyncBytes{0xED, 0xA1, 0xDA, 0x01};
+constexpr std::array<std::uint8_t, 4> kSyncBytes{kLogSync >> 24, (kLogSync >> 16) & 0xFF,
+                                                 (kLogSync >> 8) & 0xFF, kLogSync & 0xFF};
 
 std::uint64_t load(const std::uint8_t* bytes, int count) {
   std::uint64_t value = 0;
@@ -62,10 +61,6 @@ ParsedEvent parse_log_event(std::span<const std::uint8_t> bytes) {
   result.event.channel = {reinterpret_cast<const char*>(name.data()), name_size};
   result.event.data = bytes.subspan(kLogHeaderBytes + name_size, data_size);
   return result;
-}
-
-bool ends_with_its_crc(std::span<const std::uint8_t> data) {
-  return data.size() > 4 && crc32c(data.first(data.size() - 4)) == load(data.data() + data.size() - 4, 4);
 }
 
 }  // namespace roadbalance

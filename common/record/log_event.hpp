@@ -39,7 +39,4 @@ ParsedEvent parse_log_event(std::span<const std::uint8_t> bytes);
 /// True if `bytes` begins with the sync word, or is shorter and begins like it.
 bool may_begin_event(std::span<const std::uint8_t> bytes);
 
-/// True if the last four bytes of `data` are the CRC-32C of those before: the form of all messages we record.
-bool ends_with_its_crc(std::span<const std::uint8_t> data);
-
 }  // namespace roadbalance

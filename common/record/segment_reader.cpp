@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/link/crc32c.hpp"
 #include "common/record/log_event.hpp"
 #include "common/record/segment.hpp"
 

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <string>
+
 namespace roadbalance {
 namespace {
 
@@ -9,7 +12,11 @@ using test::LinkOutcome;
 using test::LinkScenario;
 using test::LinkSimulation;
 
-constexpr int kSeeds = 2;
+// RB_LINK_SEEDS=200 for a thorough run.
+std::uint64_t seeds() {
+  const char* asked = std::getenv("RB_LINK_SEEDS");
+  return asked ? std::stoull(asked) : 2;
+}
 
 void expect_no_fault(const LinkOutcome& outcome, std::uint64_t seed) {
   ASSERT_TRUE(outcome.faults.empty())
@@ -18,7 +25,7 @@ void expect_no_fault(const LinkOutcome& outcome, std::uint64_t seed) {
 
 // Without kills nothing may be missing at all.
 void expect_all_recorded(const LinkScenario& scenario) {
-  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+  for (std::uint64_t seed = 1; seed <= seeds(); ++seed) {
     const LinkOutcome outcome = LinkSimulation(scenario, seed).run();
     expect_no_fault(outcome, seed);
     EXPECT_GT(outcome.sealed, 1000);
@@ -60,7 +67,7 @@ TEST(Link, LosesNothingThroughASmallRing) {
 }
 
 TEST(Link, DeclaresWhatDiedWithANodeAndNothingElse) {
-  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+  for (std::uint64_t seed = 1; seed <= seeds(); ++seed) {
     const LinkOutcome outcome =
         LinkSimulation({.seconds = 20, .loss = 0.2, .recorder_kills = 4, .node_kills = 3}, seed).run();
     expect_no_fault(outcome, seed);

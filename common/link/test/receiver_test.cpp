@@ -140,5 +140,68 @@ TEST_F(ReceiverTest, ContinuesARecoveredEpochBehindWhatTheRecordHolds) {
   EXPECT_EQ(ack_at(kStart).durable, 10);
 }
 
+// A dead node's last blocks and its crash gap are durable too: whoever follows acknowledgements must hear it.
+TEST_F(ReceiverTest, AcknowledgesAClosedEpochOnceItIsDurable) {
+  take(beat(1, 1));
+  take(scans(1));
+  take(scans(2));
+  receiver.durable(1, kEpoch, 1);
+  take(beat(1, 1, kEpoch + 1), kStart + 2s);
+  ASSERT_EQ(sequences(), (Sequences{1, 2, 3}));
+  const auto of_old = [this](WallTime at) {
+    std::vector<Ack> acks;
+    for (const Ack& ack : receiver.due(at))
+      if (ack.epoch == kEpoch) acks.push_back(ack);
+    return acks;
+  };
+  EXPECT_TRUE(of_old(kStart + 2s).empty()) << "the crash gap is not on the disk yet";
+  receiver.durable(1, kEpoch, 3);
+  const auto acks = of_old(kStart + 3s);
+  ASSERT_EQ(acks.size(), 1u);
+  EXPECT_EQ(acks[0].durable, 3);
+  EXPECT_EQ(of_old(kStart + 4s).size(), 1u) << "the first one may be lost";
+  for (int k = 0; k < 10; ++k) (void)of_old(kStart + 5s + k * 1s);
+  EXPECT_TRUE(of_old(kStart + 60s).empty()) << "but not for ever";
+}
+
+TEST_F(ReceiverTest, AcknowledgesTheCrashGapOfAnEpochThatAnEarlierRunLeftOpen) {
+  receiver.recover(1, kEpoch, {.contiguous = 10, .next_scan = 200});
+  take(beat(1, 1, kEpoch + 1));
+  ASSERT_EQ(sequences(), Sequences{11});
+  receiver.durable(1, kEpoch, 11);
+  const auto acks = receiver.due(kStart);
+  ASSERT_EQ(acks.size(), 2u);
+  EXPECT_EQ(acks[0].epoch, kEpoch);
+  EXPECT_EQ(acks[0].durable, 11);
+}
+
+TEST_F(ReceiverTest, RecordsANodeHoweverOftenItRestarts) {
+  for (int k = 0; k < 1500; ++k) {
+    const std::int64_t epoch = kEpoch + k;
+    take(beat(1, 1, epoch), kStart + k * 2s);
+    out.clear();
+    take(scans(1, epoch), kStart + k * 2s);
+    ASSERT_EQ(sequences(), Sequences{1}) << "restart " << k;
+  }
+}
+
+TEST_F(ReceiverTest, ACrashGapBearsTheTimeOfItsFirstScan) {
+  take(beat(1, 1));
+  take(scans(1));
+  take(scans(2));
+  take(beat(1, 1, kEpoch + 1), kStart + 2s);
+  const auto& crash = std::get<GapBlock>(out.back());
+  EXPECT_EQ(crash.header.first_scan, 40);
+  EXPECT_EQ(crash.header.time_ns, 20'000'000);  // blocks of 20 scans every 10 ms
+}
+
+TEST_F(ReceiverTest, TheHighestSequenceAllowedBreaksNothing) {
+  receiver.recover(1, kEpoch, {.contiguous = kIndexLimit - 1, .next_scan = kIndexLimit - 20});
+  take(beat(kIndexLimit, kIndexLimit));
+  EXPECT_GE(receiver.current(1)->credit(), kIndexLimit - 1);
+  EXPECT_EQ(receiver.current(1)->received(), kIndexLimit - 1);
+  EXPECT_TRUE(out.empty());
+}
+
 }  // namespace
 }  // namespace roadbalance
