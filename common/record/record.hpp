@@ -27,7 +27,7 @@ struct LogEvent {
 /// still growing.  Views returned are valid until the next call.
 class RecordReader {
  public:
-  /// @throws std::system_error or ConfigError naming the folder if it holds no segment
+  /// @throws std::system_error naming the folder if it holds no segment
   explicit RecordReader(std::filesystem::path folder);
   ~RecordReader();
   RecordReader(RecordReader&&) noexcept;
@@ -64,7 +64,7 @@ class RecordWriter {
     std::uint64_t segment_bytes = 256ULL << 20;
   };
   /// Creates the folder, or continues one: the tail of its last segment is cut to the longest valid prefix
-  /// (the rest kept beside it) and a new segment begins.
+  /// (the rest kept beside it) and a new segment begins.  A last segment without any event is taken away.
   /// @throws std::system_error naming the file, std::runtime_error if another recorder writes to the folder
   explicit RecordWriter(Options options);
   ~RecordWriter();
@@ -89,8 +89,8 @@ class RecordWriter {
   /// Syncs and closes; a writer that is not closed leaves what a kill would leave.
   void close();
 
-  /// Bytes in the current segment and in those before it that this writer wrote.
-  std::uint64_t bytes() const;
+  /// Number of the segment being written; those before are finished.
+  int segment() const;
 
  private:
   struct State;

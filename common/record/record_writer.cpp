@@ -42,16 +42,15 @@ std::filesystem::path keep_tail(const std::filesystem::path& segment, std::uint6
   return tail;
 }
 
-std::optional<RecordWriter::CutTail> cut_torn_tail(const std::filesystem::path& segment,
-                                                   const File& folder_to_sync) {
+std::optional<RecordWriter::CutTail> cut_torn_tail(const std::filesystem::path& segment, File& folder) {
   const std::uint64_t size = std::filesystem::file_size(segment);
   const std::uint64_t kept = end_of_last_event(segment);
   if (kept >= size) return std::nullopt;
   const auto tail = keep_tail(segment, kept, size);
+  folder.sync();  // the tail's name too, before the segment is cut
   File file = File::open_to_write(segment);
   file.truncate(kept);
   file.sync();
-  File::open_folder(folder_to_sync.path()).sync();
   return RecordWriter::CutTail{.segment = segment, .tail = tail, .kept = kept, .cut = size - kept};
 }
 
@@ -64,7 +63,6 @@ struct RecordWriter::State {
   int segment = 0;  // number of the current or, with no file open, of the last segment
   std::uint64_t segment_bytes = 0;
   std::uint64_t reserved_bytes = 0;
-  std::uint64_t total_bytes = 0;
   std::int64_t event_number = 0;
   std::int64_t last_timestamp_us = 0;
   std::vector<std::uint8_t> buffer;
@@ -78,7 +76,6 @@ struct RecordWriter::State {
     buffer.insert(buffer.end(), event.data.begin(), event.data.end());
     const std::uint64_t size = header.size() + event.channel.size() + event.data.size();
     segment_bytes += size;
-    total_bytes += size;
     if (buffer.size() >= kBufferBytes) flush();
   }
 
@@ -91,6 +88,11 @@ struct RecordWriter::State {
     buffer.clear();
   }
 
+  void sync() {
+    flush();
+    file.sync_data();
+  }
+
   // Space reserved behind the end is given back: a closed segment takes what it holds.
   void close_file(File& which, std::uint64_t size) {
     which.truncate(size);
@@ -98,9 +100,10 @@ struct RecordWriter::State {
     which.close();
   }
 
-  // The next segment is durable with its preamble before the present one is closed.
+  // The present segment's data is durable before the next one's name is there: a power cut leaves a torn tail
+  // in the last segment only.  The next one is durable with its preamble before the present one is closed.
   void open_next() {
-    if (file.is_open()) flush();
+    if (file.is_open()) sync();
     File before = std::exchange(file, File::create(segment_path(options.folder, segment + 1)));
     const std::uint64_t size_before = std::exchange(segment_bytes, 0);
     ++segment;
@@ -125,7 +128,12 @@ RecordWriter::RecordWriter(Options options) : state_(std::make_unique<State>()) 
   const auto numbers = segment_numbers(s.options.folder);
   if (numbers.empty()) return;
   s.segment = numbers.back();
-  s.cut = cut_torn_tail(segment_path(s.options.folder, s.segment), s.folder);
+  const auto last = segment_path(s.options.folder, s.segment);
+  s.cut = cut_torn_tail(last, s.folder);
+  // Killed before its first event was there: nothing in it was ever promised, and its number is free again.
+  if (std::filesystem::file_size(last) > 0) return;
+  std::filesystem::remove(last);
+  --s.segment;
 }
 
 RecordWriter::~RecordWriter() = default;
@@ -154,8 +162,7 @@ void RecordWriter::append(std::string_view channel, std::span<const std::uint8_t
 void RecordWriter::sync() {
   State& s = *state_;
   if (!s.file.is_open()) return;
-  s.flush();
-  s.file.sync_data();
+  s.sync();
 }
 
 void RecordWriter::close() {
@@ -165,8 +172,8 @@ void RecordWriter::close() {
   s.close_file(s.file, s.segment_bytes);
 }
 
-std::uint64_t RecordWriter::bytes() const {
-  return state_->total_bytes;
+int RecordWriter::segment() const {
+  return state_->segment;
 }
 
 }  // namespace roadbalance

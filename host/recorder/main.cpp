@@ -32,6 +32,10 @@ int main(int argc, char** argv) {
   }
   options.folder = folder;
   options.start = !no_start;
+  options.on_cut_tail = [](const RecordWriter::CutTail& tail) {
+    std::fprintf(stderr, "rb-recorder: cut a torn tail of %ju bytes off %s; it is kept in %s\n",
+                 static_cast<std::uintmax_t>(tail.cut), tail.segment.c_str(), tail.tail.c_str());
+  };
   try {
     StopOnSignal signals;
     const RecorderReport report = run_recorder(signals.token(), options);

@@ -1,21 +1,48 @@
 #include "host/recorder/manifest.hpp"
 
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "common/record/file.hpp"
 #include "common/record/segment.hpp"
+#include "host/recorder/preamble.hpp"
 
 namespace roadbalance {
+namespace {
 
-void write_manifest(const std::filesystem::path& folder) {
-  nlohmann::json segments = nlohmann::json::array();
+std::filesystem::path manifest_path(const std::filesystem::path& folder) {
+  return folder / "manifest.json";
+}
+
+}  // namespace
+
+void write_manifest(const std::filesystem::path& folder, std::optional<int> last) {
+  auto sizes = read_manifest(folder);
   for (const int number : segment_numbers(folder)) {
     const auto path = segment_path(folder, number);
-    segments.push_back({{"file", path.filename().string()}, {"bytes", std::filesystem::file_size(path)}});
+    if (!last || number <= *last) sizes.emplace(path.filename().string(), std::filesystem::file_size(path));
   }
+  nlohmann::json segments = nlohmann::json::array();
+  for (const auto& [file, bytes] : sizes) segments.push_back({{"file", file}, {"bytes", bytes}});
   const nlohmann::json manifest = {
-      {"format", "roadbalance record"}, {"format_version", 1}, {"segments", segments}};
-  write_atomically(folder / "manifest.json", manifest.dump(2) + "\n");
+      {"format", kRecordFormat}, {"format_version", kRecordFormatVersion}, {"segments", segments}};
+  write_atomically(manifest_path(folder), manifest.dump(2) + "\n");
+}
+
+std::map<std::string, std::uint64_t> read_manifest(const std::filesystem::path& folder) {
+  std::map<std::string, std::uint64_t> sizes;
+  std::ifstream stream(manifest_path(folder));
+  const auto manifest = nlohmann::json::parse(stream, nullptr, false);
+  const auto segments = manifest.is_object() ? manifest.find("segments") : manifest.end();
+  if (!manifest.is_object() || segments == manifest.end() || !segments->is_array()) return sizes;
+  for (const auto& entry : *segments) {
+    if (!entry.is_object() || !entry.contains("file") || !entry.contains("bytes")) continue;
+    const auto& file = entry["file"];
+    const auto& bytes = entry["bytes"];
+    if (file.is_string() && bytes.is_number_unsigned())
+      sizes.emplace(file.get<std::string>(), bytes.get<std::uint64_t>());
+  }
+  return sizes;
 }
 
 }  // namespace roadbalance

@@ -1,11 +1,21 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
 
 namespace roadbalance {
 
-/// Writes manifest.json: the segments and their sizes, for people and for transfer.  It can be made again at
-/// any time and is never trusted over the segments.  @throws std::system_error naming the file
-void write_manifest(const std::filesystem::path& folder);
+/// Writes manifest.json: the finished segments and their sizes, for people, for transfer, and so that one cut
+/// short is noticed.  A segment keeps the size it was first listed with: a finished one does not change.
+/// It is never trusted over the segments, and a record is whole without it.
+/// @param last  number of the last finished segment; default: all are
+/// @throws std::system_error naming the file
+void write_manifest(const std::filesystem::path& folder, std::optional<int> last = std::nullopt);
+
+/// Sizes of the finished segments by file name; empty if there is no manifest or it is none.
+std::map<std::string, std::uint64_t> read_manifest(const std::filesystem::path& folder);
 
 }  // namespace roadbalance

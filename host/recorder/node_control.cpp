@@ -5,19 +5,14 @@
 namespace roadbalance {
 namespace {
 constexpr std::chrono::milliseconds kRepeat{100};
-constexpr std::size_t kMostNodes = 64;
 constexpr Verb kNothing = Verb::kRelease;  // released only by farewell()
 }  // namespace
 
-NodeControl::NodeControl(std::int64_t incarnation, std::vector<std::int32_t> only, bool start,
-                         std::uint64_t seed)
-    : incarnation_(incarnation), only_(std::move(only)), start_(start), random_(seed) {}
+NodeControl::NodeControl(std::int64_t incarnation, bool start, std::uint64_t seed)
+    : incarnation_(incarnation), start_(start), random_(seed) {}
 
-void NodeControl::take(const Heartbeat& heartbeat, WallTime) {
-  const bool known = nodes_.contains(heartbeat.node);
-  const bool wanted_node =
-      only_.empty() || std::find(only_.begin(), only_.end(), heartbeat.node) != only_.end();
-  if (!wanted_node || (!known && nodes_.size() >= kMostNodes)) return;
+void NodeControl::take(const Heartbeat& heartbeat) {
+  if (!nodes_.contains(heartbeat.node) && nodes_.size() >= kMostNodes) return;
   Node& node = nodes_[heartbeat.node];
   if (node.epoch != heartbeat.epoch) node = Node{.epoch = heartbeat.epoch};
   node.state = heartbeat.state;
@@ -93,11 +88,6 @@ std::vector<Command> NodeControl::farewell() {
 bool NodeControl::was_started(std::int32_t node) const {
   const auto found = nodes_.find(node);
   return found != nodes_.end() && found->second.started;
-}
-
-bool NodeControl::is_owned(std::int32_t node) const {
-  const auto found = nodes_.find(node);
-  return found != nodes_.end() && found->second.owned;
 }
 
 }  // namespace roadbalance

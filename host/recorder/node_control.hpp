@@ -17,9 +17,9 @@ namespace roadbalance {
 /// after a refusal it is asked anew.
 class NodeControl {
  public:
-  NodeControl(std::int64_t incarnation, std::vector<std::int32_t> only, bool start, std::uint64_t seed);
+  NodeControl(std::int64_t incarnation, bool start, std::uint64_t seed);
 
-  void take(const Heartbeat& heartbeat, WallTime now);
+  void take(const Heartbeat& heartbeat);
   void take(const Reply& reply);
   /// From now on nodes are stopped.
   void stop() { stopping_ = true; }
@@ -30,11 +30,11 @@ class NodeControl {
   /// Release commands for all nodes owned, for the end.
   std::vector<Command> farewell();
 
-  /// A higher incarnation that a node obeys although nobody else speaks for it; 0: none.
+  /// The highest incarnation above our own that a node says it obeys: an earlier recorder whose clock was
+  /// ahead. 0: none.
   std::int64_t obeyed_higher() const { return obeyed_higher_; }
   /// The node was started, or may be about to start: its end is to be waited for.
   bool was_started(std::int32_t node) const;
-  bool is_owned(std::int32_t node) const;
 
  private:
   struct Node {
@@ -50,7 +50,6 @@ class NodeControl {
   Command command(std::int32_t number, const Node& node) const;
 
   std::int64_t incarnation_;
-  const std::vector<std::int32_t> only_;
   const bool start_;
   bool stopping_ = false;
   std::int64_t obeyed_higher_ = 0;

@@ -18,8 +18,8 @@ std::string description() {
                   static_cast<unsigned long long>(type.fingerprint));
     types.push_back({{"name", type.name}, {"fingerprint", fingerprint}, {"bytes", type.bytes}});
   }
-  const nlohmann::json text = {{"format", "roadbalance record"},
-                               {"format_version", 1},
+  const nlohmann::json text = {{"format", kRecordFormat},
+                               {"format_version", kRecordFormatVersion},
                                {"events", "LCM event log; each block ends with its CRC-32C"},
                                {"block_types", types}};
   return text.dump();
@@ -32,23 +32,11 @@ void add(const MetaBlock& meta, RecordEvents& events) {
                       std::vector<std::uint8_t>(sealed.bytes().begin(), sealed.bytes().end()));
 }
 
-void add_text(const std::string& text, RecordEvents& events) {
-  const std::size_t parts = (text.size() + kMetaBytesPerBlock - 1) / kMetaBytesPerBlock;
-  for (std::size_t part = 0; part < parts; ++part) {
-    MetaBlock meta;
-    meta.kind = MetaKind::kRecordJson;
-    meta.part = static_cast<std::int32_t>(part);
-    meta.parts = static_cast<std::int32_t>(parts);
-    meta.text = text.substr(part * kMetaBytesPerBlock, kMetaBytesPerBlock);
-    add(meta, events);
-  }
-}
-
 }  // namespace
 
 RecordEvents make_preamble(const std::map<NodeEpoch, std::vector<SealedBlock>>& vehicle) {
   RecordEvents events;
-  add_text(description(), events);
+  for (const MetaBlock& part : split_text(MetaKind::kRecordJson, description())) add(part, events);
   for (const auto& [node_epoch, blocks] : vehicle)
     for (const auto& block : blocks) {
       MetaBlock meta = decode_meta(block);

@@ -1,8 +1,8 @@
 #include "host/recorder/receive.hpp"
 
 #include <algorithm>
+#include <map>
 #include <random>
-#include <set>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
@@ -18,6 +18,9 @@ using std::chrono::milliseconds;
 constexpr milliseconds kTurn{2};  // longest wait for the bus: bounds the delay of an acknowledgement
 constexpr milliseconds kReport{200};
 constexpr milliseconds kLastWords{50};  // after the release: answers of the last acks
+// At the end the last acks are repeated until each node has heard that all is durable, or is silent.
+constexpr milliseconds kNodeSilence{500};
+constexpr milliseconds kMostLastAcks{2000};
 
 class Reception {
  public:
@@ -25,7 +28,7 @@ class Reception {
       : options_(options),
         bus_(options.url),
         receiver_(next_incarnation(options.folder)),
-        control_(receiver_.incarnation(), options.nodes, options.start, std::random_device{}()),
+        control_(receiver_.incarnation(), options.start, std::random_device{}()),
         tally_(recovered) {
     for (const auto& [key, epoch] : recovered.epoch) receiver_.recover(key.first, key.second, epoch.position);
     bus_.subscribe("RB_HEARTBEAT_.*", [this](std::string_view, auto bytes) { on_heartbeat(bytes); });
@@ -42,7 +45,7 @@ class Reception {
     for (const auto& delivery : delivered_) tally_.take(delivery);
     raise_incarnation_if_needed();
     const WallTime now = WallClock::now();
-    for (const auto& ack : receiver_.due(now)) bus_.publish(ack_channel(ack.node), encode(ack));
+    for (const auto& ack : receiver_.due(now)) publish(ack_channel(ack.node), encode(ack));
     for (const auto& command : control_.due(now)) send(command);
     return std::exchange(delivered_, {});
   }
@@ -56,8 +59,9 @@ class Reception {
 
   /// Every node that was started has its end on the disk.
   bool all_ended() const {
-    return std::all_of(nodes_.begin(), nodes_.end(),
-                       [this](std::int32_t node) { return !control_.was_started(node) || has_ended(node); });
+    return std::all_of(heard_.begin(), heard_.end(), [this](const auto& heard) {
+      return !control_.was_started(heard.first) || has_ended(heard.first);
+    });
   }
 
   /// Every node of options.nodes was heard and has its end on the disk.
@@ -66,12 +70,22 @@ class Reception {
                        [this](std::int32_t node) { return has_ended(node); });
   }
 
+  /// Every node whose end is on the disk says that it has nothing to keep any more, or says nothing.
+  bool nodes_have_let_go(WallTime now) const {
+    return std::all_of(heard_.begin(), heard_.end(), [&](const auto& heard) {
+      const auto& [node, last] = heard;
+      return !has_ended(node) || !last.holds_blocks || now - last.at >= kNodeSilence;
+    });
+  }
+
   WallTime last_news() const { return last_news_; }
 
   RecorderReport report() const {
     RecorderReport report = tally_.report();
     report.blocks_refused = refused_;
     for (const std::int64_t count : receiver_.refused()) report.blocks_refused += count;
+    report.rival_heartbeats = receiver_.rival_heartbeats();
+    report.unsent = unsent_;
     return report;
   }
 
@@ -80,9 +94,11 @@ class Reception {
     const auto heartbeat = decode_heartbeat(bytes);
     if (!heartbeat || !is_ours(heartbeat->node)) return;
     const WallTime now = WallClock::now();
-    nodes_.insert(heartbeat->node);
     receiver_.take(*heartbeat, now, delivered_);
-    control_.take(*heartbeat, now);
+    control_.take(*heartbeat);
+    const auto* epoch = receiver_.current(heartbeat->node);
+    if (!epoch || epoch->epoch() != heartbeat->epoch) return;
+    heard_[heartbeat->node] = {.at = now, .holds_blocks = heartbeat->base < heartbeat->next};
     tally_.take(*heartbeat);
   }
 
@@ -102,7 +118,6 @@ class Reception {
   void on_durable(const DurableMark& mark) {
     last_news_ = WallClock::now();
     receiver_.durable(mark.node, mark.epoch, mark.sequence);
-    tally_.take_durable(mark.node, mark.epoch, mark.sequence);
   }
 
   bool is_ours(std::int32_t node) const {
@@ -122,17 +137,27 @@ class Reception {
     control_.set_incarnation(number);
   }
 
-  void send(const Command& command) { bus_.publish(command_channel(command.node), encode(command)); }
+  void send(const Command& command) { publish(command_channel(command.node), encode(command)); }
+
+  void publish(const std::string& channel, std::span<const std::uint8_t> bytes) {
+    if (!bus_.publish(channel, bytes)) ++unsent_;
+  }
+
+  struct Heard {
+    WallTime at{};
+    bool holds_blocks = false;
+  };
 
   const RecorderOptions& options_;
   Bus bus_;
   Receiver receiver_;
   NodeControl control_;
   Tally tally_;
-  std::set<std::int32_t> nodes_;
+  std::map<std::int32_t, Heard> heard_;  // the last heartbeat of the epoch being received
   std::vector<Delivery> delivered_;
   SealedBlock block_;
   std::int64_t refused_ = 0;
+  std::int64_t unsent_ = 0;
   WallTime last_news_ = WallClock::now();
 };
 
@@ -142,22 +167,28 @@ void receive(std::stop_token stop, const RecorderOptions& options, const Recover
              Out<std::vector<Delivery>> deliveries, In<std::vector<DurableMark>> durable,
              RecorderReport& report) {
   Reception reception(options, recovered);
-  if (options.on_ready) options.on_ready();
   WallTime reported_at{};
   WallTime stopped_at{};
+  WallTime working_at{};
   bool stopping = false;
   for (bool over = false; !over;) {
+    // Asked first: a writer that fails closes `durable` and only then stops everybody here.  The nodes are
+    // not meant: they go on, keep what is not durable and wait for the next recorder.
+    const bool told_to_stop = stop.stop_requested();
     auto delivered = reception.turn(durable);
-    if (!delivered.empty() && !deliveries.send(std::move(delivered))) break;  // the writer is gone
+    if (durable.finished()) break;
+    if (!delivered.empty() && !deliveries.send(std::move(delivered))) break;
     const WallTime now = WallClock::now();
-    if (stop.stop_requested() && !stopping) {
+    if (told_to_stop && !stopping) {
       stopping = true;
       stopped_at = now;
       reception.stop();
     }
     const bool silent = now - std::max(reception.last_news(), stopped_at) >= options.patience;
-    over = (stopping && (reception.all_ended() || silent)) ||
-           (options.end_with_nodes && reception.expected_have_ended());
+    const bool done = (stopping && (reception.all_ended() || silent)) ||
+                      (options.end_with_nodes && reception.expected_have_ended());
+    if (!done) working_at = now;
+    over = done && (reception.nodes_have_let_go(now) || now - working_at >= kMostLastAcks);
     if (options.on_progress && (over || now - reported_at >= kReport)) {
       options.on_progress(reception.report());
       reported_at = now;

@@ -12,8 +12,9 @@ namespace roadbalance {
 
 /// Process: bus -> deliveries, and acknowledgements and commands back.
 ///
-/// When told to stop it stops the nodes, goes on until their ends are durable or nothing more comes, releases
-/// them, and so closes `deliveries`.  It also ends when the writer is gone.
+/// When told to stop it stops the nodes, goes on until their ends are durable or nothing more comes, and
+/// until they know it, releases them, and so closes `deliveries`.  When the writer is gone it ends too, but
+/// leaves the nodes running: they keep what is not durable for the next recorder.
 /// @throws std::runtime_error naming the bus
 void receive(std::stop_token stop, const RecorderOptions& options, const Recovered& recovered,
              Out<std::vector<Delivery>> deliveries, In<std::vector<DurableMark>> durable,

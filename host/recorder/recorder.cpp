@@ -18,6 +18,7 @@ constexpr std::size_t kDurableBatches = 64;
 RecorderReport run_recorder(std::stop_token stop, const RecorderOptions& options) {
   // The writer locks the folder and cuts a torn tail before anybody reads it.
   RecordWriter record({.folder = options.folder, .segment_bytes = options.segment_bytes});
+  if (record.cut_tail() && options.on_cut_tail) options.on_cut_tail(*record.cut_tail());
   Recovered recovered = recover_record(options.folder);
   auto vehicle = recovered.vehicle;
 

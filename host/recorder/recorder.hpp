@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "common/record/record.hpp"
+
 namespace roadbalance {
 
 /// One node epoch as the recorder knows it.
@@ -19,16 +21,17 @@ struct NodeReport {
   std::int64_t gaps = 0;              ///< declared, by the node or here
   std::int64_t repaired = 0;          ///< blocks the node had to send again
   std::int64_t blocks = 0;            ///< recorded, gaps included
-  std::int64_t durable = 0;           ///< last block on the disk with all before it
-  bool started = false;               ///< the node measures or has measured
   bool ended = false;                 ///< the end of the epoch is recorded
 };
 
 struct RecorderReport {
-  std::vector<NodeReport> node;  ///< every epoch heard in this run, by node and then in order of time
-  std::int64_t blocks_refused =
-      0;                    ///< datagrams that are no block of an epoch being recorded, repeats included
-  std::uint64_t bytes = 0;  ///< written
+  std::vector<NodeReport> node;  ///< every epoch opened in this run, by node and then in order of time
+  /// Datagrams that are no block of an epoch being recorded, repeats included.
+  std::int64_t blocks_refused = 0;
+  /// Heartbeats of a second epoch while the first one lived: two nodes with one number, or late datagrams.
+  std::int64_t rival_heartbeats = 0;
+  /// Acknowledgements and commands that this computer would not send.
+  std::int64_t unsent = 0;
 };
 
 struct RecorderOptions {
@@ -44,8 +47,8 @@ struct RecorderOptions {
   std::chrono::milliseconds patience{10'000};
   /// Called about five times a second from a thread of the recorder.
   std::function<void(const RecorderReport&)> on_progress;
-  /// Called once everything is subscribed: nodes heard from now on are not missed.
-  std::function<void()> on_ready;
+  /// Called at the start if a kill had torn the last segment: what was cut off, and where it is kept.
+  std::function<void(const RecordWriter::CutTail&)> on_cut_tail;
 };
 
 /// Records every node that it hears until told to stop, then stops the nodes, waits for their last blocks,

@@ -9,9 +9,8 @@
 namespace roadbalance {
 namespace {
 
-// A gap that a recorder declared covers every sequence since the block before it.
 bool covers_sequences_before(const SealedBlock& block) {
-  return block.kind == BlockKind::kGap && decode_gap(block).cause == GapCause::kLostAtNode;
+  return block.kind == BlockKind::kGap && stands_for_lost_blocks(decode_gap(block).cause);
 }
 
 bool is_crash(const SealedBlock& block) {

@@ -15,7 +15,11 @@ std::string to_json(const RecorderReport& report) {
                      {"repaired", n.repaired},
                      {"blocks", n.blocks},
                      {"ended", n.ended}});
-  return nlohmann::json{{"nodes", nodes}, {"blocks_refused", report.blocks_refused}}.dump();
+  return nlohmann::json{{"nodes", nodes},
+                        {"blocks_refused", report.blocks_refused},
+                        {"rival_heartbeats", report.rival_heartbeats},
+                        {"unsent", report.unsent}}
+      .dump();
 }
 
 }  // namespace roadbalance

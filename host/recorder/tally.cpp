@@ -14,8 +14,6 @@ Tally::Tally(const Recovered& recovered) {
                     .samples_recorded = epoch.samples,
                     .gaps = epoch.gaps,
                     .blocks = epoch.blocks,
-                    .durable = epoch.position.contiguous,
-                    .started = epoch.samples > 0,
                     .ended = epoch.position.ended};
 }
 
@@ -33,7 +31,6 @@ void Tally::take(const Heartbeat& heartbeat) {
   report.samples_sent = std::max(report.samples_sent, heartbeat.scans_sampled);
   // The node's own count: what is asked for may be new, and on its way anyway.
   report.repaired = std::max(report.repaired, heartbeat.blocks_repaired);
-  report.started = report.started || heartbeat.state != NodeState::kPreview;
 }
 
 void Tally::take(const Delivery& delivery) {
@@ -48,25 +45,12 @@ void Tally::take(const Delivery& delivery) {
   NodeReport& report = of(block.header.node, block.header.epoch);
   ++report.blocks;
   if (block.kind == BlockKind::kGap) ++report.gaps;
-  if (block.kind == BlockKind::kScan) {
-    report.samples_recorded += block.header.scans;
-    report.started = true;
-  }
+  if (block.kind == BlockKind::kScan) report.samples_recorded += block.header.scans;
   if (block.kind == BlockKind::kEnd) {
     const EndBlock end = decode_end(block);
     report.samples_sent = end.scans_sealed + end.scans_missing;
     report.ended = true;
   }
-}
-
-void Tally::take_durable(std::int32_t node, std::int64_t epoch, std::int64_t sequence) {
-  NodeReport& report = of(node, epoch);
-  report.durable = std::max(report.durable, sequence);
-}
-
-const NodeReport* Tally::find(std::int32_t node, std::int64_t epoch) const {
-  const auto found = counts_.find({node, epoch});
-  return found == counts_.end() ? nullptr : &found->second;
 }
 
 RecorderReport Tally::report() const {

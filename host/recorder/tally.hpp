@@ -15,13 +15,12 @@ class Tally {
  public:
   explicit Tally(const Recovered& recovered);
 
+  /// Of an epoch that is being received.
   void take(const Heartbeat& heartbeat);
   void take(const Delivery& delivery);
-  void take_durable(std::int32_t node, std::int64_t epoch, std::int64_t sequence);
 
-  /// The epochs heard in this run.
+  /// The epochs received in this run.
   RecorderReport report() const;
-  const NodeReport* find(std::int32_t node, std::int64_t epoch) const;
 
  private:
   NodeReport& of(std::int32_t node, std::int64_t epoch);

@@ -4,10 +4,14 @@
 #include <exception>
 #include <map>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 
+#include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
 #include "common/record/record.hpp"
+#include "common/record/segment.hpp"
+#include "host/recorder/manifest.hpp"
 
 namespace roadbalance {
 namespace {
@@ -47,9 +51,8 @@ void add(const SealedBlock& block, Epochs& epochs) {
   epoch.entries.push_back(entry);
 }
 
-// A gap that a recorder declared for blocks gone at the node covers all numbers since the block before it.
 bool covers_numbers_before(const Entry& entry) {
-  return entry.kind == BlockKind::kGap && entry.cause == GapCause::kLostAtNode;
+  return entry.kind == BlockKind::kGap && stands_for_lost_blocks(entry.cause);
 }
 
 void check_sequence(const Entry& entry, VerifiedEpoch& result) {
@@ -100,15 +103,9 @@ VerifiedEpoch check(std::pair<std::int32_t, std::int64_t> key, Epoch& epoch) {
   result.epoch = key.second;
   std::stable_sort(epoch.entries.begin(), epoch.entries.end(),
                    [](const Entry& a, const Entry& b) { return a.sequence < b.sequence; });
-  std::int64_t next_scan = 0;
-  bool first_with_scans = true;
+  std::int64_t next_scan = 0;  // counted from the start command on
   for (const Entry& entry : epoch.entries) {
     check_sequence(entry, result);
-    // Scans are counted from the node's start on, those before the start command are preview.
-    if (first_with_scans && entry.kind != BlockKind::kMeta && entry.kind != BlockKind::kEdge) {
-      next_scan = entry.first_scan;
-      first_with_scans = false;
-    }
     check_scans(entry, next_scan, result);
     count(entry, result);
   }
@@ -116,10 +113,42 @@ VerifiedEpoch check(std::pair<std::int32_t, std::int64_t> key, Epoch& epoch) {
   return result;
 }
 
-void list_damage(const RecordReader& reader, Verification& result) {
+using FinishedSegments = std::map<std::string, std::uint64_t>;  // size by file name
+
+// What no event tells of: a whole segment, or the end of a finished one.
+void list_missing_segments(const std::filesystem::path& folder, const FinishedSegments& finished,
+                           Verification& result) {
+  const auto missing = [&result](const std::string& file, const std::string& what) {
+    ++result.missing_segments;
+    result.damage.push_back(file + ": " + what);
+  };
+  for (const auto& [file, bytes] : finished) {
+    const auto path = folder / file;
+    if (!std::filesystem::exists(path))
+      missing(file, "is missing; manifest.json lists it as finished");
+    else if (const auto size = std::filesystem::file_size(path); size < bytes)
+      missing(file, "has " + std::to_string(size) + " of the " + std::to_string(bytes) +
+                        " bytes it was finished with");
+  }
+  const std::vector<int> numbers = segment_numbers(folder);
+  for (std::size_t k = 0; k < numbers.size(); ++k) {
+    const auto path = segment_path(folder, numbers[k]);
+    const std::string file = path.filename().string();
+    if (k > 0 && numbers[k] != numbers[k - 1] + 1)
+      missing(file, "does not follow " + segment_path(folder, numbers[k - 1]).filename().string());
+    if (std::filesystem::file_size(path) > 0 || finished.contains(file)) continue;
+    if (k + 1 == numbers.size())
+      result.damage.push_back(file + ": is empty: its recorder was killed when it began it");
+    else
+      missing(file, "is empty");
+  }
+}
+
+void list_damage(const RecordReader& reader, const FinishedSegments& finished, Verification& result) {
   const auto last = reader.damage().empty() ? nullptr : &reader.damage().back();
   for (const auto& damage : reader.damage()) {
-    const bool torn = &damage == last && reader.is_last(damage.segment) &&
+    const bool torn = &damage == last && reader.is_last(damage.segment) && damage.offset > 0 &&
+                      !finished.contains(damage.segment.filename().string()) &&
                       damage.offset + damage.bytes >= std::filesystem::file_size(damage.segment);
     (torn ? result.torn_bytes : result.damaged_bytes) += damage.bytes;
     result.damage.push_back(damage.segment.filename().string() + ": " + std::to_string(damage.bytes) +
@@ -134,7 +163,8 @@ void read(RecordReader& reader, Epochs& epochs, Verification& result) {
     ++result.events;
     if (!event->channel.starts_with("RB_BLOCK_"))
       ++result.other_events;
-    else if (accept(event->data, block) != Refusal::kNone)
+    else if (accept(event->data, block) != Refusal::kNone ||
+             event->channel != block_channel(block.header.node, block.kind))
       ++result.blocks_refused;
     else if (block.header.sequence > 0)
       add(block, epochs);
@@ -142,8 +172,8 @@ void read(RecordReader& reader, Epochs& epochs, Verification& result) {
 }
 
 Verdict judge(const Verification& result) {
-  bool damaged = result.blocks_refused > 0 || result.damaged_bytes > 0;
-  bool complete = result.torn_bytes == 0 && !result.epoch.empty();
+  bool damaged = result.blocks_refused > 0 || result.damaged_bytes > 0 || result.missing_segments > 0;
+  bool complete = result.damage.empty() && !result.epoch.empty();
   for (const auto& epoch : result.epoch) {
     damaged = damaged || epoch.is_damaged();
     complete = complete && epoch.is_complete();
@@ -161,7 +191,10 @@ Verification verify_record(const std::filesystem::path& folder) {
     reader.finish();
     Epochs epochs;
     read(reader, epochs, result);
-    list_damage(reader, result);
+    if (result.events == 0) throw std::runtime_error(folder.string() + ": no event in it can be read");
+    const FinishedSegments finished = read_manifest(folder);
+    list_damage(reader, finished, result);
+    list_missing_segments(folder, finished, result);
     for (auto& [key, epoch] : epochs) result.epoch.push_back(check(key, epoch));
     std::stable_sort(result.epoch.begin(), result.epoch.end(),
                      [](const VerifiedEpoch& a, const VerifiedEpoch& b) { return a.node < b.node; });
@@ -171,6 +204,23 @@ Verification verify_record(const std::filesystem::path& folder) {
     result.error = error.what();
   }
   return result;
+}
+
+std::string verdict_text(const Verification& result) {
+  switch (result.verdict) {
+    case Verdict::kComplete:
+      return "complete";
+    case Verdict::kDamaged:
+      return "damaged";
+    case Verdict::kUnreadable:
+      return "unreadable";
+    case Verdict::kIncomplete:
+      break;
+  }
+  if (result.epoch.empty()) return "incomplete: it describes itself, but no block of a node is there";
+  const bool open = !result.damage.empty() || std::any_of(result.epoch.begin(), result.epoch.end(),
+                                                          [](const auto& epoch) { return epoch.is_open(); });
+  return open ? "incomplete, no end: what came after is unknown" : "incomplete, every gap declared";
 }
 
 }  // namespace roadbalance

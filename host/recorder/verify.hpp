@@ -45,6 +45,8 @@ struct VerifiedEpoch {
            overlapping_blocks > 0 || !contradictions.empty();
   }
   bool is_complete() const { return !is_damaged() && ended && gaps.empty(); }
+  /// Neither the node's end nor a declared crash is there (yet): what came after is unknown.
+  bool is_open() const { return !ended && (gaps.empty() || gaps.back().cause != GapCause::kNodeCrash); }
 };
 
 enum class Verdict : int {
@@ -59,14 +61,20 @@ struct Verification {
   std::string error;                       ///< why unreadable
   std::vector<VerifiedEpoch> epoch;        ///< by node, then in order of appearance
   std::int64_t events = 0;
-  std::int64_t blocks_refused = 0;  ///< events on block channels that are no good block: altered
-  std::int64_t other_events = 0;    ///< on other channels: not looked at
-  std::uint64_t damaged_bytes = 0;  ///< no events
-  std::uint64_t torn_bytes = 0;  ///< at the end of the last segment: what a kill leaves, never acknowledged
+  std::int64_t blocks_refused = 0;    ///< events on block channels that are no good block of it: altered
+  std::int64_t other_events = 0;      ///< on other channels: not looked at
+  std::uint64_t damaged_bytes = 0;    ///< no events
+  std::int64_t missing_segments = 0;  ///< not there, empty or shorter than when they were finished
+  /// At the end of the last segment, if that is not finished: what a kill leaves, never acknowledged.
+  std::uint64_t torn_bytes = 0;
   std::vector<std::string> damage;  ///< where, for people
 };
 
 /// Reads a whole recording and says what it proves.  Never throws for what is in the folder.
 Verification verify_record(const std::filesystem::path& folder);
+
+/// The verdict in words, as far as the record proves it: "incomplete, every gap declared", or "no end: what
+/// came after is unknown" where an epoch is open.
+std::string verdict_text(const Verification& result);
 
 }  // namespace roadbalance

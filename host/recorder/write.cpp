@@ -58,6 +58,10 @@ class Writer {
 
   std::vector<DurableMark> commit() {
     record_.sync();
+    if (record_.segment() > listed_ + 1) {
+      listed_ = record_.segment() - 1;
+      write_manifest(options_.folder, listed_);
+    }
     std::vector<DurableMark> marks;
     for (const auto& [key, sequence] : pending_) marks.push_back({key.first, key.second, sequence});
     pending_.clear();
@@ -66,7 +70,10 @@ class Writer {
     return marks;
   }
 
-  void close() { record_.close(); }
+  void close() {
+    record_.close();
+    write_manifest(options_.folder);
+  }
 
  private:
   const WriteOptions options_;
@@ -76,6 +83,7 @@ class Writer {
   WallTime oldest_{};
   std::int64_t blocks_ = 0;
   bool urgent_ = false;
+  int listed_ = 0;  // last segment that the manifest lists as finished
 };
 
 }  // namespace
@@ -94,7 +102,6 @@ void write_record(const WriteOptions& options, RecordWriter record,
   }
   writer.commit();
   writer.close();
-  write_manifest(options.folder);
 }
 
 }  // namespace roadbalance

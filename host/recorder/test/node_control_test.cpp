@@ -22,11 +22,11 @@ class NodeControlTest : public ::testing::Test {
     control.take(Reply{.node = 2, .epoch = 8, .request = command.request, .result = result, .sequence = 1});
   }
 
-  NodeControl control{50, {}, true, 1};
+  NodeControl control{50, true, 1};
 };
 
 TEST_F(NodeControlTest, ClaimsThenStartsThenStops) {
-  control.take(beat(NodeState::kPreview, 0), kStart);
+  control.take(beat(NodeState::kPreview, 0));
   const auto claim = due(kStart);
   ASSERT_TRUE(claim);
   EXPECT_EQ(claim->verb, Verb::kClaim);
@@ -35,18 +35,18 @@ TEST_F(NodeControlTest, ClaimsThenStartsThenStops) {
   const auto start = due(kStart);
   ASSERT_TRUE(start);
   EXPECT_EQ(start->verb, Verb::kStart);
-  control.take(beat(NodeState::kStarted, 50), kStart);
+  control.take(beat(NodeState::kStarted, 50));
   EXPECT_FALSE(due(kStart + 1s));
   control.stop();
   const auto stop = due(kStart + 1s);
   ASSERT_TRUE(stop);
   EXPECT_EQ(stop->verb, Verb::kStop);
-  control.take(beat(NodeState::kEnded, 50), kStart);
+  control.take(beat(NodeState::kEnded, 50));
   EXPECT_FALSE(due(kStart + 3s));
 }
 
 TEST_F(NodeControlTest, RepeatsTheSameRequestUntilItIsAnswered) {
-  control.take(beat(NodeState::kPreview, 0), kStart);
+  control.take(beat(NodeState::kPreview, 0));
   const auto first = due(kStart);
   EXPECT_FALSE(due(kStart + 50ms));
   const auto second = due(kStart + 150ms);
@@ -56,7 +56,7 @@ TEST_F(NodeControlTest, RepeatsTheSameRequestUntilItIsAnswered) {
 
 // A node remembers its answers by request: the same one would be refused for ever.
 TEST_F(NodeControlTest, AsksAnewAfterARefusal) {
-  control.take(beat(NodeState::kPreview, 49), kStart);
+  control.take(beat(NodeState::kPreview, 49));
   const auto first = due(kStart);
   ASSERT_TRUE(first);
   answer(*first, CommandError::kNotOwner);
@@ -68,7 +68,7 @@ TEST_F(NodeControlTest, AsksAnewAfterARefusal) {
 }
 
 TEST_F(NodeControlTest, SeesThatANodeObeysAHigherIncarnation) {
-  control.take(beat(NodeState::kPreview, 60), kStart);
+  control.take(beat(NodeState::kPreview, 60));
   EXPECT_EQ(control.obeyed_higher(), 60);
   control.set_incarnation(61);
   EXPECT_EQ(control.obeyed_higher(), 0);
@@ -76,16 +76,10 @@ TEST_F(NodeControlTest, SeesThatANodeObeysAHigherIncarnation) {
 }
 
 TEST_F(NodeControlTest, StopsANodeWhoseStartMayBeUnderWay) {
-  control.take(beat(NodeState::kPreview, 50), kStart);
+  control.take(beat(NodeState::kPreview, 50));
   ASSERT_EQ(due(kStart)->verb, Verb::kStart);
   control.stop();
   ASSERT_EQ(due(kStart + 200ms)->verb, Verb::kStop);
-}
-
-TEST(NodeControl, LeavesNodesAloneThatAreNotItsOwn) {
-  NodeControl control(50, {3}, true, 1);
-  control.take(beat(NodeState::kPreview, 0), kStart);
-  EXPECT_TRUE(control.due(kStart).empty());
 }
 
 }  // namespace

@@ -27,7 +27,9 @@ class TestNode {
   TestNode(std::string url, std::int32_t number, std::int64_t blocks, double drop = 0)
       : number_(number), blocks_(blocks), drop_(drop), bus_(url), sender_(ring_, number, kEpoch) {
     bus_.subscribe(ack_channel(number), [this](std::string_view, auto bytes) {
-      if (const auto ack = decode_ack(bytes)) sender_.take(*ack, WallClock::now());
+      const auto ack = decode_ack(bytes);
+      if (!ack || (ended_ && ack->durable == ring_.next() - 1 && lost_last_acks_-- > 0)) return;
+      sender_.take(*ack, WallClock::now());
     });
     bus_.subscribe(command_channel(number), [this](std::string_view, auto bytes) {
       if (const auto command = decode_command(bytes)) obey(*command);
@@ -55,6 +57,14 @@ class TestNode {
     beat();
   }
 
+  /// The network loses the first `count` acks that say all is durable.
+  void lose_last_acks(int count) { lost_last_acks_ = count; }
+
+  // To be asked when run() is over.
+  bool was_started() const { return started_; }
+  bool was_stopped() const { return stopped_; }
+  bool holds_nothing() const { return ring_.used() == 0; }
+
  private:
   static constexpr std::int64_t kEpoch = 31;
 
@@ -63,6 +73,7 @@ class TestNode {
     if (command.verb == Verb::kClaim && !sender_.claim(command.incarnation, WallClock::now()))
       reply.result = CommandError::kNotOwner;
     if (command.verb == Verb::kStart) started_ = true;
+    stopped_ = stopped_ || command.verb == Verb::kStop;
     if (command.verb == Verb::kStop && started_) blocks_ = std::min(blocks_, ring_.next() - 1);
     bus_.publish(reply_channel(number_), encode(reply));
   }
@@ -110,7 +121,9 @@ class TestNode {
   Bus bus_;
   Ring ring_{2000 * sizeof(SealedBlock)};
   Sender sender_;
+  int lost_last_acks_ = 0;
   bool started_ = false;
+  bool stopped_ = false;
   bool ended_ = false;
   std::int64_t sent_ = 0;
 };
@@ -162,6 +175,65 @@ TEST_F(RecorderTest, AStopRequestEndsTheNodesAndWaitsForTheirLastBlocks) {
   EXPECT_TRUE(report.node[0].ended);
   EXPECT_EQ(report.node[0].samples_recorded, report.node[0].samples_sent);
   EXPECT_EQ(verify_record(options.folder).verdict, Verdict::kComplete);
+}
+
+// A node that never hears that its end is durable never ends.
+TEST_F(RecorderTest, RepeatsTheLastAckUntilTheNodeHasHeardIt) {
+  options.nodes = {1};
+  options.end_with_nodes = true;
+  TestNode node(options.url, 1, 100);
+  node.lose_last_acks(3);
+  {
+    const std::jthread thread([&node](std::stop_token stop) { node.run(stop); });
+    run_recorder({}, options);
+  }
+  EXPECT_TRUE(node.holds_nothing());
+}
+
+TEST_F(RecorderTest, AStopRequestTooWaitsUntilTheNodeHasHeardTheLastAck) {
+  std::stop_source stop;
+  options.on_progress = [&](const RecorderReport& report) {
+    if (!report.node.empty() && report.node[0].samples_recorded > 10'000) stop.request_stop();
+  };
+  TestNode node(options.url, 7, 1'000'000'000);
+  node.lose_last_acks(3);
+  {
+    const std::jthread thread([&node](std::stop_token ended) { node.run(ended); });
+    run_recorder(stop.get_token(), options);
+  }
+  EXPECT_TRUE(node.holds_nothing());
+}
+
+// The drive goes on: the node keeps what was not promised, for the next recorder.
+TEST_F(RecorderTest, ADiskThatFailsDoesNotStopTheNodes) {
+  options.segment_bytes = 1 << 20;
+  options.on_progress = [&](const RecorderReport& report) {
+    // The next segment cannot be made.
+    if (!report.node.empty() && report.node[0].samples_recorded > 0) fs::remove_all(options.folder);
+  };
+  TestNode node(options.url, 7, 1'000'000'000);
+  {
+    const std::jthread running([&node](std::stop_token ended) { node.run(ended); });
+    EXPECT_THROW(run_recorder({}, options), std::system_error);
+  }
+  EXPECT_TRUE(node.was_started());
+  EXPECT_FALSE(node.was_stopped());
+  EXPECT_FALSE(node.holds_nothing());
+}
+
+TEST_F(RecorderTest, LeavesNodesAloneThatAreNotItsOwn) {
+  options.nodes = {1};
+  options.end_with_nodes = true;
+  TestNode ours(options.url, 1, 2000);
+  TestNode other(options.url, 2, 100);
+  {
+    const std::jthread first([&other](std::stop_token stop) { other.run(stop); });
+    const std::jthread second([&ours](std::stop_token stop) { ours.run(stop); });
+    const RecorderReport report = run_recorder({}, options);
+    EXPECT_EQ(report.node.size(), 1u);
+  }
+  EXPECT_TRUE(ours.was_started());
+  EXPECT_FALSE(other.was_started());
 }
 
 TEST_F(RecorderTest, EverySegmentDescribesItself) {
