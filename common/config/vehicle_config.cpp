@@ -6,6 +6,7 @@
 
 #include "common/config/section.hpp"
 #include "common/config/text_file.hpp"
+#include "common/link/block.hpp"
 
 namespace roadbalance {
 namespace {
@@ -101,7 +102,7 @@ NodeConfig parse_node(Section& node) {
   if (n.name.empty() ||
       n.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") != std::string::npos)
     node.fail("name", "allowed: lower-case letters, digits and _");
-  n.id = static_cast<int>(node.integer("id", 1, 9999));
+  n.id = static_cast<int>(node.integer("id", 1, kLastNode));
   n.rate_hz = node.number("rate_hz", {1, 100'000});
   std::set<std::string> names;
   for (Section& channel : node.sections("channel", 1)) {

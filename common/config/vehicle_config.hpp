@@ -73,7 +73,7 @@ struct ChannelConfig {
 /// [[node]]
 struct NodeConfig {
   std::string name;
-  int id;                              ///< 1 .. 9999, unique
+  int id;                              ///< 1 .. kLastNode, unique
   double rate_hz;                      ///< scans a second, the same for all nodes
   std::vector<ChannelConfig> channel;  ///< 1 .. 12, in converter order
 };

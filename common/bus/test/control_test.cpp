@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "common/bus/results.hpp"
 
 namespace roadbalance {
@@ -50,6 +52,30 @@ TEST(Control, RefusesEverySingleBitFlip) {
   expect_every_bit_flip_refused(encode(Command{.node = 1, .request = 3, .incarnation = 5}), decode_command);
   expect_every_bit_flip_refused(encode(Reply{.node = 1, .epoch = 2, .request = 3, .sequence = 4}),
                                 decode_reply);
+}
+
+TEST(Control, RefusesIndicesThatNoDriveReaches) {
+  const auto beat = [](std::int64_t base, std::int64_t next, std::int64_t time_ns) {
+    return decode_heartbeat(encode(Heartbeat{.node = 1, .base = base, .next = next, .time_ns = time_ns}));
+  };
+  EXPECT_TRUE(beat(kIndexLimit, kIndexLimit, kClockLimit_ns));
+  EXPECT_FALSE(beat(kIndexLimit, kIndexLimit + 1, 0));
+  EXPECT_FALSE(beat(1, std::numeric_limits<std::int64_t>::max(), 0));
+  EXPECT_FALSE(beat(1, 1, kClockLimit_ns + 1));
+  EXPECT_FALSE(beat(1, 1, std::numeric_limits<std::int64_t>::min()));
+  EXPECT_FALSE(decode_reply(encode(Reply{.node = 1, .sequence = kIndexLimit + 1})));
+  Ack ack = some_ack();
+  ack.credit = kIndexLimit + 1;
+  EXPECT_FALSE(decode_ack(encode(ack)));
+  ack = some_ack();
+  ack.missing = {{101, kIndexLimit + 1}};
+  EXPECT_FALSE(decode_ack(encode(ack)));
+}
+
+TEST(Control, RefusesNodesThatCannotBe) {
+  for (const std::int32_t node : {-1, 0, kLastNode + 1})
+    EXPECT_FALSE(decode_heartbeat(encode(Heartbeat{.node = node}))) << node;
+  EXPECT_TRUE(decode_heartbeat(encode(Heartbeat{.node = kLastNode})));
 }
 
 TEST(Control, RefusesAnAckThatContradictsItself) {
