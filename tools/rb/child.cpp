@@ -66,7 +66,8 @@ Child::Child(Child&& other) noexcept
     : name_(std::move(other.name_)),
       log_(std::move(other.log_)),
       pid_(std::exchange(other.pid_, -1)),
-      code_(other.code_) {}
+      code_(other.code_),
+      signal_(other.signal_) {}
 
 Child::~Child() {
   if (pid_ < 0) return;
@@ -81,7 +82,8 @@ std::optional<int> Child::ended() {
   if (code_) return code_;
   int status = 0;
   if (waitpid(pid_, &status, WNOHANG) != pid_) return std::nullopt;
-  code_ = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  if (WIFSIGNALED(status)) signal_ = WTERMSIG(status);
+  code_ = signal_ != 0 ? 128 + signal_ : WEXITSTATUS(status);
   return code_;
 }
 
@@ -108,6 +110,11 @@ std::string Child::last_words() const {
   while (std::getline(lines, line))
     if (!line.empty()) last = line;
   return last;
+}
+
+std::string Child::how_it_ended() const {
+  if (signal_ != 0) return "was ended by signal " + std::to_string(signal_);
+  return "ended with code " + std::to_string(code_.value_or(0)) + ": " + last_words();
 }
 
 std::filesystem::path sibling_program(const std::string& name) {

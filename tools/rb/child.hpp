@@ -36,6 +36,8 @@ class Child {
   std::string log() const;
   /// The last line of that: why it failed.
   std::string last_words() const;
+  /// Once it has ended: "was ended by signal 9", or "ended with code 4: " and its last words.
+  std::string how_it_ended() const;
 
  private:
   std::filesystem::path output_file() const;
@@ -44,6 +46,7 @@ class Child {
   std::filesystem::path log_;
   pid_t pid_ = -1;
   std::optional<int> code_;
+  int signal_ = 0;  ///< that ended it, if one did
 };
 
 /// A program of ours that lies beside this one.

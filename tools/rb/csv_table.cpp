@@ -1,15 +1,14 @@
 #include "tools/rb/csv_table.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <set>
+#include <sstream>
 #include <string_view>
-#include <system_error>
 
 #include "common/config/section.hpp"
+#include "common/config/text_file.hpp"
 
 namespace roadbalance {
 
@@ -20,9 +19,8 @@ constexpr double kGravity_m_s2 = 9.80665;
 /// The lines of a file, split at commas, without blanks around cells.
 class CsvLines {
  public:
-  explicit CsvLines(const std::filesystem::path& file) : file_(file.string()), stream_(file) {
-    if (!stream_) throw std::system_error(errno, std::generic_category(), "open " + file_);
-  }
+  explicit CsvLines(const std::filesystem::path& file)
+      : file_(file.string()), stream_(read_text_file(file_)) {}
 
   bool next() {
     do {
@@ -59,7 +57,7 @@ class CsvLines {
   }
 
   const std::string file_;
-  std::ifstream stream_;
+  std::istringstream stream_;
   std::string line_;
   std::int64_t number_ = 0;
   std::vector<std::string_view> cells_;

@@ -11,6 +11,7 @@
 #include "tools/rb/demo_report.hpp"
 #include "tools/rb/demo_team.hpp"
 #include "tools/rb/readout.hpp"
+#include "tools/rb/validators.hpp"
 
 namespace roadbalance {
 namespace {
@@ -56,6 +57,8 @@ int demo(const DemoOptions& options) {
     if (!options.record.empty()) std::printf("the recording is in %s\n", options.record.c_str());
   }
   if (options.json) std::printf("%s\n", report.dump().c_str());
+  if (const std::string obstacle = demo_obstacle(view); !obstacle.empty())
+    std::fprintf(stderr, "rb demo: no wheel was identified: %s\n", obstacle.c_str());
   return demo_exit_code(report);
 }
 
@@ -65,16 +68,19 @@ void add_demo(CLI::App& app, int& code) {
   auto options = std::make_shared<DemoOptions>();
   CLI::App* command =
       app.add_subcommand("demo", "Balances a simulated car, with the truth beside the result");
-  command->add_option("--seed", options->seed, "draws car, road and noise")->capture_default_str();
-  command->add_option("--drive-seconds", options->drive_seconds, "length of the drive")
-      ->check(CLI::PositiveNumber)
+  command->add_option("--seed", options->seed, "draws car, road and noise")
+      ->check(seed_number())
       ->capture_default_str();
-  command->add_option("--rate", options->rate, "times real time, or max")->capture_default_str();
+  command->add_option("--drive-seconds", options->drive_seconds, "length of the drive")
+      ->check(drive_length())
+      ->capture_default_str();
+  command->add_option("--rate", options->rate, "times real time, or max")
+      ->check(rate_of_time())
+      ->capture_default_str();
   command->add_option("--record", options->record, "keep the recording in this new folder");
-  command->add_option("--vehicle", options->vehicle, "another vehicle.toml")->check(CLI::ExistingFile);
-  command->add_option("--scenario", options->scenario, "another scenario.toml")->check(CLI::ExistingFile);
-  command->add_option("--port", options->port, "of the bus; 0: one by process id")
-      ->check(CLI::Range(0, 65'535));
+  command->add_option("--vehicle", options->vehicle, "another vehicle.toml");
+  command->add_option("--scenario", options->scenario, "another scenario.toml");
+  command->add_option("--port", options->port, "of the bus; 0: a free one")->check(CLI::Range(0, 65'535));
   command->add_flag("--headless", options->headless, "the result alone, at the end");
   command->add_flag("--json", options->json, "one JSON object on standard output; implies --headless");
   command->add_flag("--threads", options->threads, "recorder, analyser and nodes as threads of this program");

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/config/vehicle_config.hpp"
+#include "tools/rb/temporary_folder.hpp"
 
 namespace roadbalance {
 
@@ -16,7 +17,7 @@ struct DemoOptions {
   std::string record;       ///< empty: a temporary folder
   std::string vehicle;      ///< empty: the demo's own
   std::string scenario;     ///< empty: the demo's own
-  int port = 0;             ///< 0: one by process id
+  int port = 0;             ///< 0: a free one
   bool headless = false;
   bool json = false;
   bool threads = false;
@@ -26,26 +27,23 @@ struct DemoOptions {
 class DemoPlan {
  public:
   /// @throws ConfigError if vehicle or scenario cannot be used, or if the record folder already holds a
-  /// recording
+  /// recording; std::runtime_error if somebody else is on the port; std::system_error for files
   explicit DemoPlan(const DemoOptions& options);
-  DemoPlan(const DemoPlan&) = delete;
-  DemoPlan& operator=(const DemoPlan&) = delete;
-  ~DemoPlan();
 
   const VehicleConfig& vehicle() const { return vehicle_; }
   const std::string& url() const { return url_; }
   const std::filesystem::path& record() const { return record_; }
   /// Logs of the programs, and the vehicle file the nodes read.  Nothing else of it reaches recorder or
   /// analyser.
-  const std::filesystem::path& work() const { return work_; }
-  std::filesystem::path vehicle_file() const { return work_ / "vehicle.toml"; }
+  const std::filesystem::path& work() const { return work_.path(); }
+  std::filesystem::path vehicle_file() const { return work() / "vehicle.toml"; }
   /// What the nodes open: "sim:PATH?seed=...", and the same without the scheme.
   std::string front_end() const { return "sim:" + front_end_address(); }
   std::string front_end_address() const;
 
  private:
   DemoOptions options_;
-  std::filesystem::path work_;
+  TemporaryFolder work_{"rb-demo"};
   std::filesystem::path record_;
   std::string url_;
   std::int64_t start_ns_;  ///< of the drive, CLOCK_MONOTONIC: one start for all nodes

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -21,23 +22,23 @@ class Processes final : public DemoTeam {
                   {"--url", plan.url(), "--record", plan.record().string(), "--exit-at-end"},
                   plan.work() / "analyser.log") {
     for (const auto& node : plan.vehicle().node)
-      nodes_.emplace_back(
-          sibling_program("rb-node"),
-          std::vector<std::string>{"--url", plan.url(), "--vehicle", plan.vehicle_file().string(), "--node",
-                                   node.name, "--front-end", plan.front_end()},
-          plan.work() / (node.name + ".log"));
+      nodes_.push_back({node.name, Child(sibling_program("rb-node"),
+                                         {"--url", plan.url(), "--vehicle", plan.vehicle_file().string(),
+                                          "--node", node.name, "--front-end", plan.front_end()},
+                                         plan.work() / (node.name + ".log"))});
   }
 
   bool working() override {
-    if (recorder_.ended()) fail(recorder_);
-    bool all_ended = ended_well(analyser_);
-    for (auto& node : nodes_) all_ended = ended_well(node) && all_ended;
+    if (recorder_.ended()) fail(recorder_, "rb-recorder");
+    bool all_ended = ended_well(analyser_, "rb-analyser");
+    for (auto& node : nodes_)
+      all_ended = ended_well(node.program, "node " + node.name + " (rb-node)") && all_ended;
     return !all_ended;
   }
 
   std::vector<NodeReport> finish() override {
     recorder_.stop();
-    while (!ended_well(recorder_)) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    while (!ended_well(recorder_, "rb-recorder")) std::this_thread::sleep_for(std::chrono::milliseconds(10));
     std::vector<NodeReport> reports;
     const auto counts = nlohmann::json::parse(recorder_.output());
     for (const auto& json : counts.at("nodes")) {
@@ -53,19 +54,23 @@ class Processes final : public DemoTeam {
   }
 
  private:
-  [[noreturn]] static void fail(Child& child) {
-    throw std::runtime_error(child.name() + " ended with code " + std::to_string(*child.ended()) + ": " +
-                             child.last_words());
+  struct Node {
+    std::string name;
+    Child program;
+  };
+
+  [[noreturn]] static void fail(const Child& child, const std::string& name) {
+    throw std::runtime_error(name + " " + child.how_it_ended());
   }
-  static bool ended_well(Child& child) {
+  static bool ended_well(Child& child, const std::string& name) {
     const std::optional<int> code = child.ended();
-    if (code && *code != 0) fail(child);
+    if (code && *code != 0) fail(child, name);
     return code.has_value();
   }
 
   Child recorder_;
   Child analyser_;
-  std::vector<Child> nodes_;
+  std::vector<Node> nodes_;
 };
 
 }  // namespace

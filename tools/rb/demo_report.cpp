@@ -60,8 +60,19 @@ Json demo_report(const BusView& view, const sim::Truth& truth, const DemoPlan& p
   return {{"wheels", wheels}, {"nodes", nodes}, {"drive_s", drive_s}};
 }
 
+std::string demo_obstacle(const BusView& view) {
+  std::string why;
+  for (const auto& balance : view.balance()) {
+    if (balance && balance->state == Unknown::kNone) return "";
+    if (balance && why.empty()) why = reason(balance->state);
+  }
+  return why.empty() ? "the analyser said nothing" : why;
+}
+
 int demo_exit_code(const Json& report) {
-  int code = kDone;
+  const bool any = std::any_of(report["wheels"].begin(), report["wheels"].end(),
+                               [](const Json& wheel) { return !wheel["unbalance_g"].is_null(); });
+  int code = any ? kDone : kAnswerIsNo;
   for (const Json& node : report["nodes"]) {
     if (node["samples_recorded"] == node["samples_sent"] && node["samples_sent"] > 0) continue;
     code = node["gaps"] > 0 && code != kAnswerIsNo ? kIncomplete : kAnswerIsNo;

@@ -19,7 +19,11 @@ std::vector<std::string> demo_lines(const BusView& view, const sim::Truth& truth
 nlohmann::ordered_json demo_report(const BusView& view, const sim::Truth& truth, const DemoPlan& plan,
                                    const std::vector<NodeReport>& recorded);
 
-/// kDone if every sample is in the record, kIncomplete if what is not is declared, else kAnswerIsNo.
+/// Why no wheel at all was identified; empty if one was.
+std::string demo_obstacle(const BusView& view);
+
+/// kDone if every sample is in the record and a wheel was identified, kIncomplete if only samples are missing
+/// and all of them are declared, else kAnswerIsNo.
 int demo_exit_code(const nlohmann::ordered_json& report);
 
 }  // namespace roadbalance

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
-#include <numeric>
+#include <system_error>
+#include <utility>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
 #include "common/config/section.hpp"
+#include "common/record/file.hpp"
 #include "common/record/record.hpp"
 #include "firmware/seal_all.hpp"
 #include "host/recorder/manifest.hpp"
@@ -109,8 +111,9 @@ std::vector<Pulse> pulses_of(const CsvImport& import, const VehicleConfig& vehic
   return pulses;
 }
 
-/// The same input shall give the same record, so the epoch is a digest of it (FNV-1a).
-std::int64_t epoch_of(const SampleTable& table, int node) {
+/// The same input shall give the same record, and another another: the epoch is a digest of it all (FNV-1a).
+std::int64_t epoch_of(const SampleTable& table, const std::vector<Pulse>& pulses,
+                      const VehicleConfig& vehicle, int node) {
   std::uint64_t hash = 14695981039346656037ULL;
   const auto mix = [&](const void* data, std::size_t size) {
     for (std::size_t i = 0; i < size; ++i)
@@ -119,23 +122,62 @@ std::int64_t epoch_of(const SampleTable& table, int node) {
   mix(&node, sizeof node);
   mix(table.time_s.data(), table.time_s.size() * sizeof(double));
   for (const auto& column : table.value_si) mix(column.data(), column.size() * sizeof(double));
+  for (const Pulse& pulse : pulses) {
+    mix(&pulse.time_s, sizeof pulse.time_s);
+    mix(&pulse.wheel, sizeof pulse.wheel);
+    mix(&pulse.kind, sizeof pulse.kind);
+  }
+  mix(vehicle.text.data(), vehicle.text.size());
   return static_cast<std::int64_t>(hash >> 2) + 1;
 }
 
-void write_folder(const CsvImport& import, std::vector<SealedBlock> blocks) {
-  // All nodes side by side, as a recorder would have got them.
-  std::stable_sort(blocks.begin(), blocks.end(),
-                   [](const auto& a, const auto& b) { return a.header.time_ns < b.header.time_ns; });
+/// All nodes side by side, as a recorder would have got them.  Within a node the order stays that of the
+/// sequence: an edge block bears the time of its first edge, before scans that are sealed already.
+/// @returns microseconds, index into `blocks`
+std::vector<std::pair<std::int64_t, std::size_t>> arrivals(const std::vector<SealedBlock>& blocks) {
+  std::map<std::int32_t, std::int64_t> latest_ns;
+  std::vector<std::pair<std::int64_t, std::size_t>> order;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const BlockHeader& header = blocks[i].header;
+    std::int64_t& latest = latest_ns.try_emplace(header.node, header.time_ns).first->second;
+    latest = std::max(latest, header.time_ns);
+    order.emplace_back(latest / 1000, i);
+  }
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  return order;
+}
+
+void write_folder(const std::filesystem::path& folder, const std::vector<SealedBlock>& blocks) {
   std::map<NodeEpoch, std::vector<SealedBlock>> metas;
   for (const auto& block : blocks)
     if (block.kind == BlockKind::kMeta) metas[{block.header.node, block.header.epoch}].push_back(block);
-  RecordWriter record({.folder = import.folder});
+  RecordWriter record({.folder = folder});
   record.set_preamble(make_preamble(metas));
-  for (const auto& block : blocks)
-    record.append(block_channel(block.header.node, block.kind), block.bytes(), block.header.time_ns / 1000);
+  for (const auto& [time_us, i] : arrivals(blocks))
+    record.append(block_channel(blocks[i].header.node, blocks[i].kind), blocks[i].bytes(), time_us);
   record.sync();
   record.close();
-  write_manifest(import.folder);
+  write_manifest(folder);
+}
+
+/// The folder appears with all it is to hold, or not at all.
+void write_whole(std::filesystem::path folder, const std::vector<SealedBlock>& blocks) {
+  folder = std::filesystem::absolute(folder).lexically_normal();
+  if (!folder.has_filename()) folder = folder.parent_path();  // "drive/"
+  std::filesystem::path part = folder;
+  part += ".part";
+  if (std::filesystem::exists(part))
+    throw ConfigError(part.string() + ": is left from an import that was interrupted; remove it first");
+  try {
+    write_folder(part, blocks);
+    std::filesystem::rename(part, folder);
+  } catch (...) {
+    std::error_code ignored;  // the first failure is the one to report
+    std::filesystem::remove_all(part, ignored);
+    throw;
+  }
+  File::open_folder(folder.parent_path()).sync();
 }
 
 }  // namespace
@@ -174,9 +216,9 @@ CsvImportReport import_csv(const CsvImport& import, const VehicleConfig& vehicle
       if (block.kind == BlockKind::kEdge) counts.edges += decode_edge(block).edges;
       blocks.push_back(block);
     };
-    seal_all(source, vehicle, node, epoch_of(table, node.id), take, GapCause::kSourceGap);
+    seal_all(source, vehicle, node, epoch_of(table, pulses, vehicle, node.id), take, GapCause::kSourceGap);
   }
-  write_folder(import, std::move(blocks));
+  write_whole(import.folder, blocks);
   return report;
 }
 

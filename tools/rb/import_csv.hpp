@@ -14,7 +14,7 @@ namespace roadbalance {
 struct CsvImport {
   std::filesystem::path samples;
   std::optional<std::filesystem::path> pulses;
-  std::filesystem::path folder;  ///< of the recording to make; must not hold anything yet
+  std::filesystem::path folder;  ///< of the recording to make; must not hold anything yet, and appears whole
 };
 
 struct CsvImportReport {

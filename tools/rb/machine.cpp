@@ -4,13 +4,18 @@
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
+#include <charconv>
 #include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <sstream>
+#include <system_error>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/process_port.hpp"
 
 namespace roadbalance {
 namespace {
@@ -18,6 +23,27 @@ namespace {
 std::string read_all(const char* path) {
   std::ifstream file(path);
   return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// 239.255.76.67, least significant byte first as in the kernel's table.
+constexpr std::uint32_t kGroup = 0x434CFFEF;
+
+std::optional<std::uint32_t> hexadecimal(const std::string& text) {
+  std::uint32_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number, 16);
+  if (text.empty() || error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+/// As one word of a shell's command.
+std::string quoted(const std::string& text) {
+  std::string word = "'";
+  for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return word + "'";
+}
+
+std::string as_root(const std::string& commands) {
+  return "sudo sh -c '" + commands + "'";
 }
 
 /// The folder itself, or the nearest one above it that exists: where it would be created.
@@ -30,7 +56,7 @@ std::filesystem::path existing_part(std::filesystem::path folder) {
 }  // namespace
 
 // Columns: interface, destination, gateway, flags, ..., mask (8th), hexadecimal, least significant byte
-// first.
+// first.  Any route that holds LCM's group will do.
 bool has_multicast_route(const std::string& route_table) {
   std::istringstream lines(route_table);
   std::string line;
@@ -39,7 +65,8 @@ bool has_multicast_route(const std::string& route_table) {
     std::istringstream columns(line);
     std::array<std::string, 8> column;
     for (auto& text : column) columns >> text;
-    if (column[1] == "00000000" || (column[1] == "000000E0" && column[7] == "000000F0")) return true;
+    const auto destination = hexadecimal(column[1]), mask = hexadecimal(column[7]);
+    if (destination && mask && (kGroup & *mask) == *destination) return true;
   }
   return false;
 }
@@ -49,7 +76,7 @@ Finding multicast_route(const std::string& route_table) {
     return {"multicast_route", Finding::kWell, "There is a route for multicast, which LCM needs.", ""};
   return {"multicast_route", Finding::kIll,
           "There is no route for multicast (224.0.0.0/4), which LCM needs even on one machine.",
-          "sudo ip link set lo up; sudo ip route add 224.0.0.0/4 dev lo"};
+          as_root(kMulticastRemedy)};
 }
 
 Finding receive_buffer(std::int64_t rmem_max_bytes) {
@@ -62,19 +89,28 @@ Finding receive_buffer(std::int64_t rmem_max_bytes) {
 }
 
 Finding writable_folder(const std::filesystem::path& folder) {
-  const std::string place = existing_part(folder).string();
+  const std::filesystem::path place = existing_part(folder);
   // Only a file tells: permission bits say nothing of a read-only disk.
-  std::string probe = place + "/.rb-doctor-XXXXXX";
+  std::string probe = (place / ".rb-doctor-XXXXXX").string();
   const int file = mkstemp(probe.data());
-  if (file >= 0) {
-    close(file);
-    unlink(probe.c_str());
-  }
-  if (file >= 0)
-    return {"folder", Finding::kWell, "Recordings can be written to " + folder.string() + ".", ""};
-  return {"folder", Finding::kIll,
-          "Recordings cannot be written to " + folder.string() + ": " + place + " takes no new file.",
-          "sudo chown \"$USER\" '" + place + "'"};
+  if (file < 0) return unwritable_folder(folder, place, errno);
+  close(file);
+  unlink(probe.c_str());
+  return {"folder", Finding::kWell, "Recordings can be written to " + folder.string() + ".", ""};
+}
+
+Finding unwritable_folder(const std::filesystem::path& folder, const std::filesystem::path& place,
+                          int error) {
+  Finding finding{"folder", Finding::kIll,
+                  "Recordings cannot be written to " + folder.string() + ": " + place.string() +
+                      " takes no new file (" + std::generic_category().message(error) + ").",
+                  "rb doctor --folder ANOTHER_FOLDER"};
+  // A folder that is there belongs to somebody: it is left alone, a new one is made.
+  const auto wanted = std::filesystem::exists(folder) ? folder / "recordings" : folder;
+  if (error == EACCES || error == EPERM)
+    finding.remedy = "sudo install -d -o \"$USER\" " + quoted(std::filesystem::absolute(wanted).string());
+  if (error == ENOSPC) finding.remedy = "df -h " + quoted(place.string()) + "  # says how full it is";
+  return finding;
 }
 
 Finding realtime_priority(std::int64_t limit, bool root) {
@@ -86,7 +122,7 @@ Finding realtime_priority(std::int64_t limit, bool root) {
 }
 
 Finding loopback(int port) {
-  const std::string remedy = "sudo ip link set lo up; sudo ip route add 224.0.0.0/4 dev lo";
+  const std::string remedy = as_root(kMulticastRemedy);
   try {
     Bus sender(bus_url_on_port(port));
     Bus receiver(bus_url_on_port(port));
@@ -112,7 +148,7 @@ std::vector<Finding> examine_machine(const std::filesystem::path& folder) {
   getrlimit(RLIMIT_RTPRIO, &limit);
   const auto priority = limit.rlim_cur == RLIM_INFINITY ? 99 : static_cast<std::int64_t>(limit.rlim_cur);
   return {multicast_route(read_all("/proc/net/route")), receive_buffer(rmem_max), writable_folder(folder),
-          realtime_priority(priority, geteuid() == 0), loopback(20'000 + getpid() % 20'000)};
+          realtime_priority(priority, geteuid() == 0), loopback(process_port())};
 }
 
 }  // namespace roadbalance

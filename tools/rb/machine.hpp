@@ -16,15 +16,15 @@ struct Finding {
   std::string remedy;  ///< the command that mends it; empty if well
 };
 
-/// The bytes that the recorder wants to buffer while it is kept from reading.
-inline constexpr std::int64_t kReceiveBufferBytes = 4 << 20;
-
-/// True if the routing table (the text of /proc/net/route) has a way for 224.0.0.0/4.
+/// True if a route of the table (the text of /proc/net/route) holds LCM's group, 239.255.76.67.
 bool has_multicast_route(const std::string& route_table);
 
 Finding multicast_route(const std::string& route_table);
 Finding receive_buffer(std::int64_t rmem_max_bytes);
 Finding writable_folder(const std::filesystem::path& folder);
+/// What to say if `folder` cannot be written to.
+/// @param place  the nearest folder that exists, which takes no new file; @param error  errno of trying
+Finding unwritable_folder(const std::filesystem::path& folder, const std::filesystem::path& place, int error);
 /// @param limit  RLIMIT_RTPRIO of this process; @param root  whether it is root
 Finding realtime_priority(std::int64_t limit, bool root);
 /// Sends itself a message over LCM on this port.

@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
+#include <span>
 #include <string>
 
 #include "common/config/section.hpp"
@@ -9,12 +10,21 @@
 namespace {
 
 /// CLI11 alone would only say that a subcommand is required.
-void refuse_unknown_subcommand(CLI::App& app, int argc, char** argv) {
-  if (argc < 2 || argv[1][0] == '-') return;
+void refuse_unknown_subcommand(const CLI::App& app, std::span<char*> words, const std::string& path) {
   const auto all = app.get_subcommands([](const CLI::App*) { return true; });
+  if (all.empty() || words.empty() || words[0][0] == '-') return;
   for (const CLI::App* command : all)
-    if (command->get_name() == argv[1]) return;
-  throw roadbalance::ConfigError(std::string("unknown subcommand ") + argv[1] + "; rb --help lists them");
+    if (command->get_name() == words[0])
+      return refuse_unknown_subcommand(*command, words.subspan(1), path + " " + words[0]);
+  throw roadbalance::ConfigError(std::string("unknown subcommand ") + words[0] + "; " + path +
+                                 " --help lists them");
+}
+
+/// A result that did not reach its reader, of a full disk for one, is no success.
+int written(int code) {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
+  std::fprintf(stderr, "rb: cannot write the result\n");
+  return roadbalance::kCannotAccess;
 }
 
 int fail(const std::exception& error, int code) {
@@ -43,11 +53,11 @@ int main(int argc, char** argv) {
   add_study(app, code);
   add_import(app, code);
   try {
-    refuse_unknown_subcommand(app, argc, argv);
+    refuse_unknown_subcommand(app, std::span(argv, static_cast<std::size_t>(argc)).subspan(1), "rb");
     app.parse(argc, argv);
-    return code;
+    return written(code);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kDone : kUsage;
+    return written(app.exit(error) == 0 ? kDone : kUsage);
   } catch (const ConfigError& error) {
     return fail(error, kUsage);
   } catch (const std::exception& error) {

@@ -118,22 +118,27 @@ Screen::Screen() : terminal_(isatty(STDOUT_FILENO) == 1) {}
 
 void Screen::draw(const std::vector<std::string>& lines, bool news) {
   if (!terminal_) {
-    if (!news || lines == logged_) return;
-    logged_ = lines;
+    if (news) log(lines);
+    return;
   }
+  // What does not fit cannot be rewritten in place: the last lines are left out, long ones are cut.
   std::size_t shown = lines.size();
-  if (terminal_) {
-    // What does not fit cannot be rewritten in place: the last lines are left out, long ones are cut.
-    winsize window{};
-    if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_row > 1)
-      shown = std::min<std::size_t>(shown, window.ws_row - 1U);
-    if (drawn_ > 0) std::printf("\033[%zuA\033[J", drawn_);
-    std::printf("\033[?7l");
-  }
+  winsize window{};
+  if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_row > 1)
+    shown = std::min<std::size_t>(shown, window.ws_row - 1U);
+  if (drawn_ > 0) std::printf("\033[%zuA\033[J", drawn_);
+  std::printf("\033[?7l");
   for (std::size_t i = 0; i < shown; ++i) std::printf("%s\n", lines[i].c_str());
-  if (terminal_) std::printf("\033[?7h");
+  std::printf("\033[?7h");
   std::fflush(stdout);
   drawn_ = shown;
+}
+
+void Screen::log(const std::vector<std::string>& lines) {
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    if (i >= logged_.size() || lines[i] != logged_[i]) std::printf("%s\n", lines[i].c_str());
+  std::fflush(stdout);
+  logged_ = lines;
 }
 
 }  // namespace roadbalance

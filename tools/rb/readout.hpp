@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "common/bus/control.hpp"
 #include "common/bus/results.hpp"
 
 namespace roadbalance {
@@ -18,21 +19,27 @@ std::string advice_line(const Balance& balance);
 /// "identified from 48 s of driving; tyres 214 209 221 206 kN/m", or why not.
 std::string identification_line(const Identification& identification);
 
+/// "node 1: 12000 samples taken, 0 missing, 3 blocks repaired, ring 2 % full".
+std::string node_line(const Heartbeat& heartbeat);
+
 /// One line a channel with a bar of its rms.
 std::vector<std::string> level_lines(const Level& level);
 
 std::string reason(Unknown state);
 
-/// Rewrites a block of lines in place on a terminal; elsewhere prints it only when asked for news.
+/// Rewrites a block of lines in place on a terminal; elsewhere prints those that changed.
 class Screen {
  public:
   Screen();
-  /// @param news  something happened that a log should hold
+  /// @param news  something happened that a log should hold, if it shows in the lines
   void draw(const std::vector<std::string>& lines, bool news);
 
  private:
+  void log(const std::vector<std::string>& lines);
+
   bool terminal_;
   std::size_t drawn_ = 0;
+  std::vector<std::string> logged_;
 };
 
 }  // namespace roadbalance

@@ -1,16 +1,14 @@
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <memory>
 #include <string>
-#include <system_error>
 #include <thread>
 
 #include "tools/rb/command.hpp"
+#include "tools/rb/temporary_folder.hpp"
+#include "tools/rb/validators.hpp"
 #include "tools/study/campaign.hpp"
 #include "tools/study/demo_accuracy.hpp"
 
@@ -25,25 +23,6 @@ struct StudyOptions {
   int jobs = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   double drive_seconds = 320.0;
   bool json = false;
-};
-
-/// A folder for the results of one campaign that nobody wants to resume.
-class TemporaryFolder {
- public:
-  TemporaryFolder() : path_((std::filesystem::temp_directory_path() / "rb-study-XXXXXX").string()) {
-    if (mkdtemp(path_.data()) == nullptr)
-      throw std::system_error(errno, std::generic_category(), "create " + path_);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
 };
 
 void print(const nlohmann::ordered_json& summary) {
@@ -66,9 +45,13 @@ void print(const nlohmann::ordered_json& summary) {
 
 int study(const StudyOptions& options) {
   std::unique_ptr<TemporaryFolder> temporary;
-  if (options.state.empty()) temporary = std::make_unique<TemporaryFolder>();
-  const Campaign campaign{options.name, {{"drive_seconds", options.drive_seconds}},    options.runs,
-                          options.seed, temporary ? temporary->path() : options.state, options.jobs};
+  if (options.state.empty()) temporary = std::make_unique<TemporaryFolder>("rb-study");
+  const Campaign campaign{options.name,
+                          {{"drive_seconds", options.drive_seconds}},
+                          options.runs,
+                          options.seed,
+                          temporary ? temporary->path().string() : options.state,
+                          options.jobs};
   const auto runs = run_campaign(
       campaign, [&](std::uint64_t seed) { return demo_accuracy_run(seed, options.drive_seconds); });
   nlohmann::ordered_json summary = demo_accuracy_summary(runs);
@@ -93,14 +76,14 @@ void add_study(CLI::App& app, int& code) {
   command->add_option("--runs", options->runs, "how many seeds")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
-  command->add_option("--seed", options->seed, "the first seed")->capture_default_str();
+  command->add_option("--seed", options->seed, "the first seed")->check(seed_number())->capture_default_str();
   command->add_option("--state", options->state,
                       "folder of results; a study found there goes on where it stopped");
   command->add_option("--jobs", options->jobs, "runs at a time")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
   command->add_option("--drive-seconds", options->drive_seconds, "length of each drive")
-      ->check(CLI::PositiveNumber)
+      ->check(drive_length())
       ->capture_default_str();
   command->add_flag("--json", options->json, "one JSON object on standard output");
   command->callback([options, &code] { code = study(*options); });

@@ -27,6 +27,7 @@ std::vector<std::string> draw(const BusView& view) {
     const std::string advice = advice_line(*balance);
     lines.push_back(balance_line(*balance) + (advice.empty() ? "" : "   " + advice));
   }
+  for (const auto& [node, heartbeat] : view.heartbeats()) lines.push_back(node_line(heartbeat));
   for (const auto& [node, level] : view.levels()) {
     auto node_lines = level_lines(level);
     for (std::int32_t c = 0; c < kAccelerations; ++c)
@@ -65,7 +66,9 @@ int watch(const WatchOptions& options) {
         nlohmann::ordered_json{{"wheels", wheels_json(*view.identification(), balance)}}.dump().c_str());
     std::fflush(stdout);
   }
-  return view.identification() ? kDone : kAnswerIsNo;
+  if (view.identification()) return kDone;
+  std::fprintf(stderr, "rb watch: %s\n", view.levels().empty() ? "no analyser heard" : "no estimate heard");
+  return kAnswerIsNo;
 }
 
 }  // namespace
@@ -77,7 +80,8 @@ void add_watch(CLI::App& app, int& code) {
   command->add_option("--url", options->url, "LCM address of the bus")->capture_default_str();
   command->add_option("--seconds", options->seconds, "stop after this long; 0: when interrupted")
       ->check(CLI::NonNegativeNumber);
-  command->add_flag("--json", options->json, "one JSON object a line for each new estimate");
+  command->add_flag("--json", options->json,
+                    "JSON lines: one object, on a line of its own, for each new estimate");
   command->callback([options, &code] { code = watch(*options); });
 }
 

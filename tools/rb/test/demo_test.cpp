@@ -16,6 +16,8 @@
 #include <thread>
 #include <vector>
 
+#include "common/bus/bus.hpp"
+#include "common/bus/process_port.hpp"
 #include "embedded/demo_scenario.hpp"
 #include "embedded/demo_vehicle.hpp"
 #include "tools/rb/child.hpp"
@@ -158,7 +160,8 @@ TEST_F(DemoTest, RecorderAndAnalyserNeverReceiveTheScenario) {
       node_knows = node_knows || says(pid).find(mark) != std::string::npos;
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
-  EXPECT_EQ(wait(rb), 0) << rb.last_words();
+  EXPECT_EQ(wait(rb), 1) << rb.last_words();
+  EXPECT_NE(rb.log().find("no wheel was identified: not enough driving"), std::string::npos) << rb.log();
   EXPECT_TRUE(node_knows) << "the search must find what is there";
   EXPECT_EQ(looked_at.size(), 2U);
 
@@ -194,19 +197,71 @@ TEST_F(DemoTest, LeavesNothingBehindWhenInterrupted) {
 }
 
 TEST_F(DemoTest, NamesWhatIsWrongBeforeAnythingStarts) {
-  const auto fails = [&](const std::vector<std::string>& arguments, const std::string& named) {
+  const auto fails = [&](const std::vector<std::string>& arguments, const std::string& named, int code = 2) {
     Child rb = start(arguments);
-    EXPECT_EQ(wait(rb), 2);
+    EXPECT_EQ(wait(rb), code);
     EXPECT_NE(rb.log().find(named), std::string::npos) << rb.log();
     EXPECT_EQ(rb.output(), "");
   };
   fails({"demo", "--rate", "fast"}, "rate");
+  fails({"demo", "--rate", "0"}, "--rate: '0' cannot be used");
   fails({"demo", "--drive-seconds", "-1"}, "--drive-seconds");
-  fails({"demo", "--vehicle", "nowhere.toml"}, "nowhere.toml");
+  fails({"demo", "--drive-seconds", "abc"}, "--drive-seconds: 'abc' cannot be used; allowed: 1 .. 1000000 s");
+  fails({"demo", "--seed", "-3"}, "--seed: '-3' cannot be used");
+  fails({"demo", "--vehicle", "nowhere.toml"}, "nowhere.toml: No such file", 4);
+  fails({"demo", "--scenario", "/tmp"}, "/tmp: Is a directory", 4);
   std::ofstream(folder_ / "vehicle.toml") << "colour = \"red\"\n" << embedded::kDemoVehicle;
   fails({"demo", "--vehicle", (folder_ / "vehicle.toml").string()}, "colour");
   fails({"demo", "--record", folder_.string()}, "not empty");
-  fails({"fly"}, "fly");
+  fails({"fly"}, "unknown subcommand fly");
+  fails({"import", "xls"}, "unknown subcommand xls");
+}
+
+TEST_F(DemoTest, NamesTheNodeThatWasKilled) {
+  Child rb = start({"demo", "--rate", "1", "--drive-seconds", "1000"});
+  std::vector<pid_t> nodes;
+  while (!rb.ended() && (nodes = children(rb.pid(), "rb-node")).size() < 2)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  ASSERT_EQ(nodes.size(), 2U) << rb.last_words();
+  const bool is_rear =
+      read_file("/proc/" + std::to_string(nodes[0]) + "/cmdline").find("rear") != std::string::npos;
+  kill(nodes[0], SIGKILL);
+  EXPECT_EQ(wait(rb), 4);
+  EXPECT_NE(
+      rb.log().find(std::string("node ") + (is_rear ? "rear" : "front") + " (rb-node) was ended by signal 9"),
+      std::string::npos)
+      << rb.log();
+}
+
+TEST_F(DemoTest, KeepsOffABusThatSomebodyUses) {
+  const int port = process_port();
+  Child first = start({"demo", "--rate", "1", "--drive-seconds", "1000", "--port", std::to_string(port)});
+  Bus bus(bus_url_on_port(port));
+  bool heard = false;
+  bus.subscribe("RB_HEARTBEAT_.*", [&](std::string_view, std::span<const std::uint8_t>) { heard = true; });
+  while (!heard && !first.ended()) bus.handle(std::chrono::milliseconds(100));
+  ASSERT_TRUE(heard) << first.last_words();
+  Child second =
+      start({"demo", "--json", "--drive-seconds", "2", "--rate", "max", "--port", std::to_string(port)});
+  EXPECT_EQ(wait(second), 4);
+  EXPECT_NE(second.log().find("another recorder or node is on port " + std::to_string(port)),
+            std::string::npos)
+      << second.log();
+  EXPECT_FALSE(first.ended());
+  kill(first.pid(), SIGINT);
+  EXPECT_EQ(wait(first), 1);
+}
+
+TEST_F(DemoTest, SaysThatNoAnalyserIsThere) {
+  Child rb = start({"watch", "--json", "--seconds", "0.2", "--url", bus_url_on_port(process_port(1))});
+  EXPECT_EQ(wait(rb), 1);
+  EXPECT_EQ(rb.output(), "");
+  EXPECT_NE(rb.log().find("no analyser heard"), std::string::npos) << rb.log();
+}
+
+TEST(DemoPrograms, AResultThatCannotBeWrittenIsNoSuccess) {
+  const std::string command = program("rb").string() + " doctor --json >/dev/full 2>/dev/null";
+  EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 4);
 }
 
 }  // namespace

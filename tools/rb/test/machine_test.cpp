@@ -1,7 +1,9 @@
 #include "tools/rb/machine.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
+#include <cerrno>
+
+#include "common/bus/process_port.hpp"
 
 namespace roadbalance {
 namespace {
@@ -25,6 +27,12 @@ TEST(MulticastRoute, IsTheDefaultRouteOrItsOwn) {
                                   "eth0\t00000000\t010011AC\t0003\t0\t0\t0\t00000000\t0\t0\t0\n"));
   EXPECT_TRUE(has_multicast_route(std::string(kHeader) +
                                   "lo\t000000E0\t00000000\t0001\t0\t0\t0\t000000F0\t0\t0\t0\n"));
+  // Every route that holds the group will do, of whatever length.
+  for (const char* route : {"000000EF\t00000000\t0001\t0\t0\t0\t000000FF",
+                            "0000FFEF\t0\t1\t0\t0\t0\t0000FFFF", "434CFFEF\t0\t1\t0\t0\t0\tFFFFFFFF"})
+    EXPECT_TRUE(has_multicast_route(std::string(kHeader) + "eth0\t" + route + "\t0\t0\t0\n")) << route;
+  EXPECT_FALSE(
+      has_multicast_route(std::string(kHeader) + "eth0\t0000FEEF\t0\t1\t0\t0\t0\t0000FFFF\t0\t0\t0\n"));
   EXPECT_EQ(multicast_route(std::string(kHeader) + "lo\t000000E0\t0\t1\t0\t0\t0\t000000F0\t0\t0\t0\n").state,
             Finding::kWell);
 }
@@ -41,8 +49,24 @@ TEST(WritableFolder, LooksAtWhereTheFolderWouldBeCreated) {
   EXPECT_EQ(writable_folder("/proc/not/there").state, Finding::kIll);
 }
 
+// A remedy must not take a folder from its owner.
+TEST(WritableFolder, IsMendedWithANewFolderThatChangesNoOther) {
+  EXPECT_EQ(unwritable_folder("/srv/my car's drives", "/srv", EACCES).remedy,
+            "sudo install -d -o \"$USER\" '/srv/my car'\\''s drives'");
+  EXPECT_EQ(unwritable_folder("/", "/", EACCES).remedy, "sudo install -d -o \"$USER\" '/recordings'");
+}
+
+TEST(WritableFolder, SaysWhatNoOwnerCanMend) {
+  const Finding full = unwritable_folder("drives", "/srv", ENOSPC);
+  EXPECT_NE(full.sentence.find("No space left on device"), std::string::npos) << full.sentence;
+  EXPECT_EQ(full.remedy.find("install"), std::string::npos);
+  const Finding fixed = unwritable_folder("drives", "/srv", EROFS);
+  EXPECT_NE(fixed.sentence.find("Read-only file system"), std::string::npos) << fixed.sentence;
+  EXPECT_EQ(fixed.remedy.find("install"), std::string::npos);
+}
+
 TEST(Loopback, BringsAMessageBack) {
-  EXPECT_EQ(loopback(20'000 + getpid() % 20'000).state, Finding::kWell);
+  EXPECT_EQ(loopback(process_port()).state, Finding::kWell);
 }
 
 }  // namespace

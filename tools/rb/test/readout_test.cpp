@@ -34,6 +34,27 @@ TEST(BalanceLine, SaysWhyItIsNotKnown) {
   EXPECT_EQ(advice_line(balance), "");
 }
 
+TEST(IdentificationLine, SaysHowFarItIsFromAnEstimate) {
+  Identification identification;
+  EXPECT_EQ(identification_line(identification),
+            "suspension: not known: not enough driving at a steady speed yet");
+  identification.sections = 4;
+  identification.seconds_used = 40.0;
+  EXPECT_EQ(identification_line(identification),
+            "suspension: not known: 40 s of steady driving so far, 60 needed");
+}
+
+TEST(NodeLine, SaysWhatANodeCounts) {
+  Heartbeat beat;
+  beat.node = 2;
+  beat.scans_sampled = 12'000;
+  beat.scans_missing = 3;
+  beat.blocks_repaired = 7;
+  beat.ring_used = 50;
+  beat.ring_capacity = 1'000;
+  EXPECT_EQ(node_line(beat), "node 2: 12000 samples taken, 3 missing, 7 blocks repaired, ring 5 % full");
+}
+
 // 30 g opposite to 217 deg: two weights of 15 g side by side at 37 deg.
 TEST(AdviceLine, SaysWhereToClipStockWeights) {
   EXPECT_EQ(advice_line(known(30.0, 217.0)), "clip 15 g at 37° and at 37°");

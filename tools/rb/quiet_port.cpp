@@ -1,0 +1,42 @@
+#include "tools/rb/quiet_port.hpp"
+
+#include <chrono>
+#include <stdexcept>
+#include <string>
+
+#include "common/bus/bus.hpp"
+#include "common/bus/process_port.hpp"
+#include "common/clock/clocks.hpp"
+
+namespace roadbalance {
+namespace {
+
+constexpr int kMostTurns = 8;
+
+bool is_quiet(int port) {
+  constexpr std::chrono::milliseconds kListen{300};
+  Bus bus(bus_url_on_port(port));
+  bool heard = false;
+  bus.subscribe("RB_(BLOCK|PREVIEW|HEARTBEAT|ACK|COMMAND)_.*",
+                [&](std::string_view, std::span<const std::uint8_t>) { heard = true; });
+  const WallTime end = WallClock::now() + kListen;
+  for (auto left = kListen; left.count() > 0 && !heard;
+       left = std::chrono::duration_cast<std::chrono::milliseconds>(end - WallClock::now()))
+    bus.handle(left);
+  return !heard;
+}
+
+}  // namespace
+
+int quiet_port(int asked) {
+  if (asked != 0) {
+    if (is_quiet(asked)) return asked;
+    throw std::runtime_error("another recorder or node is on port " + std::to_string(asked));
+  }
+  for (int turn = 0; turn < kMostTurns; ++turn)
+    if (const int port = process_port(turn); is_quiet(port)) return port;
+  throw std::runtime_error("on each of " + std::to_string(kMostTurns) +
+                           " ports there is another recorder or node; --port names one");
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace roadbalance {
+
+/// Checks of what several commands are given, each saying what is allowed in one line.
+
+/// Seconds of driving, 1 .. 1000000.
+CLI::Validator drive_length();
+/// A whole number from 0 on.
+CLI::Validator seed_number();
+/// Times real time, 0.001 .. 1000000, or "max".
+CLI::Validator rate_of_time();
+
+}  // namespace roadbalance
