@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <functional>
+#include <map>
 #include <set>
 
 #include "common/bus/codec.hpp"
@@ -171,6 +172,58 @@ TEST_F(ImportCsv, KeepsPulsesOnTheirLine) {
     EXPECT_EQ(to_ns(edges[1].time), 2'050'000'000);
     EXPECT_EQ(edges[1].kind, EdgeKind::kZeroMark);
   }
+}
+
+// An edge block bears its first edge's time, which is before that of scans sealed ahead of it.
+TEST_F(ImportCsv, KeepsEachNodesSequenceWhateverItsTimes) {
+  std::string pulses = "time_s,wheel,kind\n";
+  for (int i = 0; i < 400; ++i) pulses += std::to_string(2.001 + 0.005 * i) + ",front_left,tooth\n";
+  import_csv({.samples = write("s.csv", samples(1'000, uniform)),
+              .pulses = write("p.csv", pulses),
+              .folder = folder_ / "record"},
+             two_nodes());
+  std::map<int, std::int64_t> last;
+  int edges = 0;
+  for (const auto& block : blocks_of_record()) {
+    if (block.kind == BlockKind::kMeta) continue;  // stands in the preamble too
+    EXPECT_GT(block.header.sequence, last[block.header.node]);
+    last[block.header.node] = block.header.sequence;
+    edges += block.kind == BlockKind::kEdge;
+  }
+  EXPECT_GT(edges, 2);
+}
+
+TEST_F(ImportCsv, GivesAnotherEpochToOtherPulsesAndAnotherVehicle) {
+  auto vehicle = two_nodes();
+  const auto epoch = [&](const std::string& pulses, const std::string& name) {
+    import_csv({.samples = write("s.csv", samples(100, uniform)),
+                .pulses = write("p.csv", "time_s,wheel,kind\n" + pulses),
+                .folder = folder_ / name},
+               vehicle);
+    return verify_record(folder_ / name).epoch.at(0).epoch;
+  };
+  const auto first = epoch("2.01,front_left,tooth\n", "a");
+  EXPECT_EQ(epoch("2.01,front_left,tooth\n", "b"), first);
+  EXPECT_NE(epoch("2.02,front_left,tooth\n", "c"), first);
+  vehicle.text = "# two other nodes";
+  EXPECT_NE(epoch("2.01,front_left,tooth\n", "d"), first);
+}
+
+TEST_F(ImportCsv, LeavesNothingOfAnImportThatFailed) {
+  write("occupied", "a file");
+  EXPECT_THROW(import_csv({.samples = write("s.csv", samples(100, uniform)),
+                           .pulses = {},
+                           .folder = folder_ / "occupied" / "record"},
+                          two_nodes()),
+               std::exception);
+  // Its name is so long that the folder can be filled, but not named.
+  const std::string name(252, 'n');
+  EXPECT_THROW(
+      import_csv({.samples = write("s.csv", samples(100, uniform)), .pulses = {}, .folder = folder_ / name},
+                 two_nodes()),
+      std::exception);
+  for (const auto& entry : fs::directory_iterator(folder_))
+    EXPECT_FALSE(entry.is_directory()) << entry.path();
 }
 
 TEST_F(ImportCsv, RefusesWhatItDoesNotUnderstandAndNamesIt) {
