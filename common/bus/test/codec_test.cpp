@@ -154,6 +154,16 @@ TEST(Codec, RefusesFieldsOutOfBoundsThoughTheCrcIsRight) {
   scans.header.first_scan = std::numeric_limits<std::int64_t>::max();
   EXPECT_TRUE(refused(scans));
   scans = some_scans();
+  scans.header.sequence = kIndexLimit + 1;
+  EXPECT_TRUE(refused(scans));
+  scans = some_scans();
+  scans.header.time_ns = -kClockLimit_ns - 1;
+  EXPECT_TRUE(refused(scans));
+  GapBlock beyond{.header = some_scans().header};
+  beyond.header.first_scan = kIndexLimit;
+  beyond.header.scans = 1;
+  EXPECT_TRUE(refused(beyond));
+  scans = some_scans();
   scans.period_ps = 0;
   EXPECT_TRUE(refused(scans));
   EdgeBlock edges = some_edges();
