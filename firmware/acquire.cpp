@@ -16,10 +16,9 @@ void tell(const Sealer& sealer, NodeState state, AcquireLink& link) noexcept {
   link.scans_sampled.store(sealer.counts().scans_sampled, kRelaxed);
   link.scans_missing.store(sealer.counts().scans_missing, kRelaxed);
   link.unreferenced_blocks.store(sealer.counts().unreferenced_blocks, kRelaxed);
-  for (std::size_t line = 0; line < kEncoderLines; ++line) {
+  link.scans_refused.store(sealer.counts().scans_refused, kRelaxed);
+  for (std::size_t line = 0; line < kEncoderLines; ++line)
     link.encoder_faults[line].store(sealer.encoder_faults(static_cast<int>(line)), kRelaxed);
-    link.speed_rad_s[line].store(sealer.speed_rad_s(static_cast<int>(line)), kRelaxed);
-  }
   link.state.store(state, std::memory_order_release);
 }
 

@@ -20,9 +20,8 @@ struct AcquireLink {
   std::atomic<NodeState> state{
       NodeState::kPreview};  ///< kEnded and kFailed are final: nothing more is sealed
   std::atomic<std::int64_t> time_ns{0};
-  std::atomic<std::int64_t> scans_sampled{0}, scans_missing{0}, unreferenced_blocks{0};
+  std::atomic<std::int64_t> scans_sampled{0}, scans_missing{0}, scans_refused{0}, unreferenced_blocks{0};
   std::array<std::atomic<std::int64_t>, kEncoderLines> encoder_faults{};
-  std::array<std::atomic<double>, kEncoderLines> speed_rad_s{};
 };
 
 /// Process: front end -> sealed blocks.  The one process with a deadline: it never allocates, locks, logs,

@@ -52,6 +52,9 @@ void run_node(std::stop_token stop, const VehicleConfig& vehicle, const NodeConf
     acquire(stop_here, front_end, sealer, sink, link);
   });
   processes.wait();
+  if (const std::int64_t refused = link.scans_refused.load(); refused > 0)
+    options.warn("front end of node " + node.name + " numbered " + std::to_string(refused) +
+                 " scans backwards; they are not recorded");
   if (link.state.load() == NodeState::kFailed)
     throw std::runtime_error("front end of node " + node.name + " failed");
 }

@@ -14,7 +14,8 @@ namespace roadbalance {
 struct NodeOptions {
   std::string bus_url;
   std::size_t ring_bytes = Ring::kDefaultBytes;
-  /// Hears what the system refuses of real-time priority and locked memory.  A device that waits for its
+  /// Hears what the system refuses of real-time priority and locked memory, and at the end how many scans the
+  /// device numbered backwards.  A device that waits for its
   /// reader has no deadline and asks for neither.
   std::function<void(const std::string&)> warn = [](const std::string&) {};
 };

@@ -70,7 +70,10 @@ bool Sealer::write_metas() noexcept {
 std::size_t Sealer::most_blocks(std::size_t scans, std::size_t edges) const noexcept {
   // Index jumps make more, but a device that waits for its reader loses nothing.
   constexpr std::size_t kOthers = 8;
-  return meta_.size() + (waiting_.size() + scans) / kScansPerBlock + edges / kEdgesPerBlock + kOthers;
+  const std::size_t all_scans = waiting_.size() + scans;
+  const auto all_ns = static_cast<std::int64_t>(all_scans) * (period_ps_ / 1000);
+  const auto edge_blocks = edges / kEdgesPerBlock + static_cast<std::size_t>(all_ns / kLongestEdgeBlock_ns);
+  return meta_.size() + all_scans / kScansPerBlock + edge_blocks + kOthers;
 }
 
 const Scan& Sealer::at(std::int64_t position) const noexcept {
@@ -78,7 +81,10 @@ const Scan& Sealer::at(std::int64_t position) const noexcept {
 }
 
 void Sealer::push(const Scan& scan) noexcept {
-  if (scan.index < next_index_) return;  // a device that counts backwards: no place in the record for it
+  if (scan.index < next_index_) {
+    ++counts_.scans_refused;
+    return;
+  }
   if (next_index_ >= 0 && scan.index != next_index_) ++jumps_;
   next_index_ = scan.index + 1;
   waiting_[static_cast<std::size_t>(tail_) % waiting_.size()] = scan;
@@ -176,6 +182,7 @@ void Sealer::keep_block(bool after_jump) noexcept {
   const std::int64_t first = at(head_).index - first_index_;
   const std::int64_t scans = scan_block_.header.scans;
   counts_.scans_sampled += scans;
+  kept_end_ns_ = to_ns(at(head_ + scans - 1).time) + period_ps_ / 1000;
   if (first > next_scan_) {
     const std::int64_t missing = first - next_scan_;
     const std::int64_t time_ns = scan_block_.header.time_ns - missing * period_ps_ / 1000;
@@ -255,7 +262,7 @@ bool Sealer::finish() noexcept {
     edge_block_ = EdgeBlock{};
   }
   EndBlock end;
-  end.header = header(next_scan_, 0, to_ns(now_) + (next_scan_ > 0 ? period_ps_ / 1000 : 0));
+  end.header = header(next_scan_, 0, next_scan_ > 0 ? kept_end_ns_ : to_ns(now_));
   end.blocks = next_sequence_;
   end.scans_missing = counts_.scans_missing;
   end.scans_sealed = counts_.scans_sampled - counts_.scans_missing;

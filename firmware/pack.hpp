@@ -48,21 +48,17 @@ class Sealer {
 
   bool started() const noexcept { return keep_from_ != kNever; }
   bool ended() const noexcept { return ended_; }
-  std::int64_t next_sequence() const noexcept { return next_sequence_; }
   NodeTime time() const noexcept { return now_; }
 
   struct Counts {
     std::int64_t scans_sampled = 0;        ///< kept or declared missing
     std::int64_t scans_missing = 0;        ///< of these, in gaps
+    std::int64_t scans_refused = 0;        ///< numbered before one that came earlier: no place in the record
     std::int64_t unreferenced_blocks = 0;  ///< kept without the angle of a wheel that has an encoder
   };
   const Counts& counts() const noexcept { return counts_; }
   std::int64_t encoder_faults(int line) const noexcept {
     return reference_.has_encoder(line) ? reference_.encoder(line).faulty_turns() : 0;
-  }
-
-  double speed_rad_s(int line) const noexcept {
-    return reference_.has_encoder(line) ? reference_.encoder(line).speed_rad_s(now_) : 0.0;
   }
 
   /// Blocks that adding so many scans and edges can write at most, with what is waiting and the end.
@@ -116,6 +112,7 @@ class Sealer {
   std::int64_t sealed_index_ = -1;  ///< device index after the last scan sealed
   std::int64_t first_index_ = -1;   ///< device index of the first kept scan
   std::int64_t next_scan_ = 0;      ///< of the epoch, after the last one kept or declared
+  std::int64_t kept_end_ns_ = 0;    ///< one period after the last one kept or lost
   bool after_gap_ = false;
   bool ended_ = false;
   std::int64_t next_sequence_ = 1;

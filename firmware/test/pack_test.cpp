@@ -192,6 +192,49 @@ TEST(Sealer, WaitsWithTheEndForAFullSink) {
   check_epoch(valve.blocks, 45);
 }
 
+TEST(Sealer, DatesTheEndByTheLastKeptScanHoweverLongTheDeviceGoesOn) {
+  const auto vehicle = test::one_node_vehicle(kRate_hz);
+  Valve valve;
+  Sealer sealer(vehicle, vehicle.node[0], kEpoch, valve, nullptr);
+  sealer.start();
+  sealer.add(test::marked_scans(0, 45, kRate_hz), {}, false);
+  sealer.stop();
+  sealer.add(test::marked_scans(45, 2'000, kRate_hz), {}, false);
+  ASSERT_TRUE(sealer.finish());
+  check_epoch(valve.blocks, 45);
+  EXPECT_EQ(valve.blocks.back().header.time_ns, 45 * 500'000);
+}
+
+TEST(Sealer, CountsScansThatTheDeviceNumbersBackwards) {
+  const auto vehicle = test::one_node_vehicle(kRate_hz);
+  Valve valve;
+  Sealer sealer(vehicle, vehicle.node[0], kEpoch, valve, nullptr);
+  sealer.start();
+  sealer.add(test::marked_scans(0, 100, kRate_hz), {}, false);
+  sealer.add(test::marked_scans(93, 120, kRate_hz), {}, false);
+  sealer.device_ended();
+  ASSERT_TRUE(sealer.finish());
+  check_epoch(valve.blocks, 120);
+  EXPECT_EQ(sealer.counts().scans_refused, 7);
+}
+
+// At ten scans a second edge blocks are cut by time, far from full.
+TEST(Sealer, WritesNoMoreBlocksThanItAsksRoomFor) {
+  constexpr double kSlow_hz = 10.0;
+  const auto vehicle = test::one_node_vehicle(kSlow_hz);
+  Valve valve;
+  Sealer sealer(vehicle, vehicle.node[0], kEpoch, valve, nullptr);
+  sealer.start();
+  const auto scans = test::marked_scans(0, 256, kSlow_hz);
+  std::vector<Edge> edges;
+  for (const Scan& scan : scans) edges.push_back({scan.time, 0, EdgeKind::kTooth});
+  const std::size_t most = sealer.most_blocks(scans.size(), edges.size());
+  sealer.add(scans, edges, false);
+  sealer.device_ended();
+  ASSERT_TRUE(sealer.finish());
+  EXPECT_LE(valve.blocks.size(), most);
+}
+
 TEST(Sealer, KeepsExactlyWhatLiesBetweenStartAndStop) {
   const auto vehicle = test::one_node_vehicle(kRate_hz);
   Valve valve;
