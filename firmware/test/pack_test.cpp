@@ -10,6 +10,7 @@
 #include "firmware/seal_all.hpp"
 #include "firmware/test/pulse_train.hpp"
 #include "firmware/test/scripted_front_end.hpp"
+#include "firmware/test/valve.hpp"
 #include "firmware/test/vehicle.hpp"
 
 namespace roadbalance {
@@ -136,23 +137,9 @@ TEST(Sealer, DeclaresScansTheDeviceLostWithTheirExactRange) {
   EXPECT_EQ(gaps, 1);
 }
 
-/// Takes blocks while it is open; all that was ever committed stays.
-class Valve final : public BlockSink {
- public:
-  std::size_t room() const noexcept override { return open ? 1000 : 0; }
-  SealedBlock* claim() noexcept override { return open ? &next_ : nullptr; }
-  void commit() noexcept override { blocks.push_back(next_); }
-
-  bool open = true;
-  std::vector<SealedBlock> blocks;
-
- private:
-  SealedBlock next_;
-};
-
 TEST(Sealer, KeepsTheOldestOfAFullSinkAndOneGapThatGrows) {
   const auto vehicle = test::one_node_vehicle(kRate_hz);
-  Valve valve;
+  test::Valve valve;
   Sealer sealer(vehicle, vehicle.node[0], kEpoch, valve, nullptr);
   const auto edges = turning(2.0);
   const auto scans = test::marked_scans(0, 4000, kRate_hz);
@@ -180,7 +167,7 @@ TEST(Sealer, KeepsTheOldestOfAFullSinkAndOneGapThatGrows) {
 
 TEST(Sealer, WaitsWithTheEndForAFullSink) {
   const auto vehicle = test::one_node_vehicle(kRate_hz);
-  Valve valve;
+  test::Valve valve;
   Sealer sealer(vehicle, vehicle.node[0], kEpoch, valve, nullptr);
   sealer.start();
   sealer.add(test::marked_scans(0, 45, kRate_hz), {}, false);
@@ -194,7 +181,7 @@ TEST(Sealer, WaitsWithTheEndForAFullSink) {
 
 TEST(Sealer, DatesTheEndByTheLastKeptScanHoweverLongTheDeviceGoesOn) {
   const auto vehicle = test::one_node_vehicle(kRate_hz);
-  Valve valve;
+  test::Valve valve;
   Sealer sealer(vehicle, vehicle.node[0], kEpoch, valve, nullptr);
   sealer.start();
   sealer.add(test::marked_scans(0, 45, kRate_hz), {}, false);
@@ -207,7 +194,7 @@ TEST(Sealer, DatesTheEndByTheLastKeptScanHoweverLongTheDeviceGoesOn) {
 
 TEST(Sealer, CountsScansThatTheDeviceNumbersBackwards) {
   const auto vehicle = test::one_node_vehicle(kRate_hz);
-  Valve valve;
+  test::Valve valve;
   Sealer sealer(vehicle, vehicle.node[0], kEpoch, valve, nullptr);
   sealer.start();
   sealer.add(test::marked_scans(0, 100, kRate_hz), {}, false);
@@ -222,7 +209,7 @@ TEST(Sealer, CountsScansThatTheDeviceNumbersBackwards) {
 TEST(Sealer, WritesNoMoreBlocksThanItAsksRoomFor) {
   constexpr double kSlow_hz = 10.0;
   const auto vehicle = test::one_node_vehicle(kSlow_hz);
-  Valve valve;
+  test::Valve valve;
   Sealer sealer(vehicle, vehicle.node[0], kEpoch, valve, nullptr);
   sealer.start();
   const auto scans = test::marked_scans(0, 256, kSlow_hz);
@@ -237,7 +224,7 @@ TEST(Sealer, WritesNoMoreBlocksThanItAsksRoomFor) {
 
 TEST(Sealer, KeepsExactlyWhatLiesBetweenStartAndStop) {
   const auto vehicle = test::one_node_vehicle(kRate_hz);
-  Valve valve;
+  test::Valve valve;
   PreviewSlot preview;
   Sealer sealer(vehicle, vehicle.node[0], kEpoch, valve, &preview);
   const auto scans = test::marked_scans(0, 3000, kRate_hz);
@@ -266,7 +253,7 @@ TEST(Sealer, KeepsExactlyWhatLiesBetweenStartAndStop) {
 
 TEST(Sealer, SealsABlockAtStandstillWithin100MsAndSaysSo) {
   const auto vehicle = test::one_node_vehicle(kRate_hz);
-  Valve valve;
+  test::Valve valve;
   Sealer sealer(vehicle, vehicle.node[0], kEpoch, valve, nullptr);
   sealer.start();
   const auto edges = turning(1.0);  // then the pulses stop

@@ -20,7 +20,7 @@ class InSequence {
   void add(const SealedBlock& block, Consume&& consume) {
     std::int64_t& last = last_[{block.header.node, block.header.epoch}];
     if (block.header.sequence <= last) return;
-    const bool declared = block.kind == BlockKind::kGap && decode_gap(block).cause == GapCause::kLostAtNode;
+    const bool declared = block.kind == BlockKind::kGap && stands_for_lost_blocks(decode_gap(block).cause);
     if (!declared) missing_ += block.header.sequence - last - 1;
     last = block.header.sequence;
     consume(block);

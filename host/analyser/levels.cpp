@@ -40,7 +40,7 @@ void LevelMeter::add(const ScanBlock& block) {
 
 /// Adds the angle between this scan's reference and the last one's.
 void LevelMeter::add_speed(const ScanBlock& block, const std::array<std::int32_t, kChannels>& row) {
-  if (!line_ || (block.quality & (*line_ == 0 ? kQualityNoReference0 : kQualityNoReference1))) {
+  if (!line_ || (block.quality & quality_no_reference(*line_)) != 0) {
     before_.reset();
     return;
   }

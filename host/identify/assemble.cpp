@@ -105,7 +105,7 @@ void Assembler::add_rows(const Stream& stream, const NodeMap& map) {
   const ScanBlock& block = stream.blocks.front();
   auto from_counts = map.from_counts;
   for (std::size_t line = 0; line < kEncoderLines; ++line)
-    if (map.wheel[line] && (block.quality & (line == 0 ? kQualityNoReference0 : kQualityNoReference1)) != 0)
+    if (map.wheel[line] && (block.quality & quality_no_reference(static_cast<int>(line))) != 0)
       from_counts.middleRows<2>(cosine_row(*map.wheel[line])).setZero();
   for (Eigen::Index row = 0; row < run_.samples.cols(); ++row) {
     const auto& counts = block.counts[static_cast<std::size_t>(stream.row + row)];

@@ -36,20 +36,6 @@ const char* cause_name(GapCause cause) {
   return "unknown";
 }
 
-const char* verdict_name(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kComplete:
-      return "complete";
-    case Verdict::kDamaged:
-      return "damaged";
-    case Verdict::kIncomplete:
-      return "incomplete, every gap declared";
-    case Verdict::kUnreadable:
-      return "unreadable";
-  }
-  return "unknown";
-}
-
 Json spans(const std::vector<MissingSpan>& missing) {
   Json list = Json::array();
   for (const auto& span : missing) list.push_back({{"first", span.first}, {"last", span.last}});
@@ -80,7 +66,8 @@ Json verification_json(const Verification& result) {
   Json nodes = Json::array();
   for (const auto& epoch : result.epoch) nodes.push_back(epoch_json(epoch));
   return {{"complete", result.verdict == Verdict::kComplete},
-          {"verdict", verdict_name(result.verdict)},
+          {"verdict", verdict_text(result)},
+          {"missing_segments", result.missing_segments},
           {"nodes", nodes},
           {"events", result.events},
           {"blocks_refused", result.blocks_refused},
@@ -108,7 +95,7 @@ void print(const Verification& result) {
     for (const auto& contradiction : epoch.contradictions) std::printf("  %s\n", contradiction.c_str());
   }
   for (const auto& line : result.damage) std::printf("%s\n", line.c_str());
-  std::printf("%s\n", verdict_name(result.verdict));
+  std::printf("%s\n", verdict_text(result).c_str());
 }
 
 int verify(const VerifyOptions& options) {

@@ -98,11 +98,16 @@ ExactDrive::Row ExactDrive::filter_state(int coordinate, int k) const {
   return row;
 }
 
+const Eigen::MatrixXd& ExactDrive::at_lag(double lag_s) const {
+  const auto [found, missing] = at_lag_.try_emplace(lag_s);
+  if (missing) found->second = X_ * (A_ * lag_s).exp().transpose();
+  return found->second;
+}
+
 double ExactDrive::covariance(const Row& past, const Eigen::RowVectorXd& future_state,
                               const Eigen::RowVectorXcd& future_phasor, double lag_s) const {
-  const Eigen::MatrixXd transition = (A_ * lag_s).exp();
-  double sum = past.state * scale_.asDiagonal() * X_ * transition.transpose() * scale_.asDiagonal() *
-               future_state.transpose();
+  double sum =
+      past.state * scale_.asDiagonal() * at_lag(lag_s) * scale_.asDiagonal() * future_state.transpose();
   for (int i = 0; i < kWheels; ++i)
     sum += 0.5 * (std::conj(past.phasor(i)) * future_phasor(i) * std::polar(1.0, omega(i) * lag_s)).real();
   return sum;

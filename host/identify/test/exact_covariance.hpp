@@ -1,6 +1,7 @@
 #pragma once
 
 #include <complex>
+#include <map>
 #include <vector>
 
 #include <Eigen/Core>
@@ -45,12 +46,16 @@ class ExactDrive {
   double covariance(const Row& past, const Eigen::RowVectorXd& future_state,
                     const Eigen::RowVectorXcd& future_phasor, double lag_s) const;
 
+  /// E[x(t) x(t + lag)'] of the scaled state.
+  const Eigen::MatrixXd& at_lag(double lag_s) const;
+
   double corner_rad_s_;
   Eigen::Index order_;
   std::array<double, kWheels> omega_{};
   std::array<std::complex<double>, kWheels> force_{};
   Eigen::MatrixXd A_, X_;  ///< of the scaled state
   Eigen::VectorXd scale_;
+  mutable std::map<double, Eigen::MatrixXd> at_lag_;  ///< exponentials are dear
   Eigen::MatrixXd acceleration_rows_;
   Eigen::MatrixXcd phasor_;                        ///< [coordinate x wheel order] of z''
   std::vector<Eigen::VectorXcd> filter_response_;  ///< per wheel order: filter states per unit input
