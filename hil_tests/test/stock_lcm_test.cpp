@@ -1,11 +1,17 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
+#include "common/bus/control.hpp"
+#include "common/bus/results.hpp"
 #include "common/record/record.hpp"
 #include "common/test/bus_url.hpp"
 #include "common/test/source.hpp"
@@ -73,30 +79,49 @@ TEST(StockLcm, LogPlayerReplaysASegmentOnTheBusUnchanged) {
   }
 }
 
-// lcm-spy decodes with classes that lcm-gen makes for Java and LCM's Java library: nothing of our codec.
+/// The classes that lcm-spy decodes with, made by lcm-gen for LCM's Java library: nothing of our codec.
+class JavaDecoder {
+ public:
+  /// @param program  class of hil_tests/java
+  JavaDecoder(const std::string& program, const std::vector<std::string>& types,
+              const std::filesystem::path& folder)
+      : program_(program), classes_(folder / "classes") {
+    EXPECT_TRUE(std::filesystem::exists(kJar)) << "liblcm-java is missing: run tools/setup";
+    std::vector<std::string> generate{"-j", "--jpath", classes_};
+    std::vector<std::string> compile{
+        "-nowarn", "-cp", path(), "-d", classes_, test::source_path("hil_tests/java/" + program + ".java")};
+    for (const auto& type : types) {
+      generate.push_back(test::source_path("common/wire/" + type + ".lcm"));
+      compile.push_back(classes_ / "wire" / (type + ".java"));
+    }
+    EXPECT_EQ(test::run("lcm-gen", generate, kPatience_s), 0);
+    EXPECT_EQ(test::run("javac", compile, kPatience_s), 0)
+        << "default-jdk-headless is missing? run tools/setup";
+  }
+
+  /// What the program writes of a segment.
+  std::string run(const std::filesystem::path& segment, const std::vector<std::string>& more = {}) const {
+    const auto output = classes_ / "output";
+    std::vector<std::string> arguments{"-cp", path(), program_, segment, output};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    EXPECT_EQ(test::run("java", arguments, kPatience_s), 0);
+    std::stringstream text;
+    text << std::ifstream(output).rdbuf();
+    return text.str();
+  }
+
+ private:
+  static constexpr const char* kJar = "/usr/share/java/lcm.jar";
+  std::string path() const { return kJar + (":" + classes_.string()); }
+
+  std::string program_;
+  std::filesystem::path classes_;
+};
+
 TEST(StockLcm, TheDecoderOfLcmSpyUnderstandsARecordedBlock) {
-  const std::filesystem::path jar = "/usr/share/java/lcm.jar";
-  ASSERT_TRUE(std::filesystem::exists(jar)) << "liblcm-java is missing: run tools/setup";
   const test::TemporaryDirectory folder;
   record_blocks(folder.path() / "record");
-  const auto types = folder.path() / "types";
-  ASSERT_EQ(test::run("lcm-gen", {"-j", "--jpath", types, test::source_path("common/wire/scan_block_t.lcm")},
-                      kPatience_s),
-            0);
-  ASSERT_EQ(
-      test::run("javac",
-                {"-nowarn", "-cp", jar.string() + ":" + types.string(), "-d", types,
-                 test::source_path("hil_tests/java/PrintBlocks.java"), types / "wire/scan_block_t.java"},
-                kPatience_s),
-      0)
-      << "default-jdk-headless is missing? run tools/setup";
-  const auto printed = folder.path() / "printed";
-  ASSERT_EQ(test::run("java",
-                      {"-cp", jar.string() + ":" + types.string(), "PrintBlocks",
-                       folder.path() / "record/seg-000001.lcm", printed},
-                      kPatience_s),
-            0);
-
+  const JavaDecoder decoder("PrintBlocks", {"scan_block_t"}, folder.path());
   std::ostringstream expected;
   for (int k = 0; k < kBlocks; ++k) {
     const ScanBlock b = block(k);
@@ -104,9 +129,53 @@ TEST(StockLcm, TheDecoderOfLcmSpyUnderstandsARecordedBlock) {
              << b.header.first_scan << ' ' << b.header.scans << ' ' << b.header.time_ns << ' ' << b.period_ps
              << ' ' << b.counts[0][0] << ' ' << b.counts[19][15] << ' ' << b.quality << '\n';
   }
-  std::stringstream got;
-  got << std::ifstream(printed).rdbuf();
-  EXPECT_EQ(got.str(), expected.str());
+  EXPECT_EQ(decoder.run(folder.path() / "record/seg-000001.lcm"), expected.str());
+}
+
+TEST(StockLcm, TheDecoderOfLcmSpyUnderstandsEveryMessage) {
+  const test::TemporaryDirectory folder;
+  std::vector<std::string> types;  // in the order of the events
+  {
+    RecordWriter writer({.folder = folder.path() / "record"});
+    const auto append = [&](const std::string& type, std::span<const std::uint8_t> bytes) {
+      writer.append("ANY", bytes, 1'000'000);
+      types.push_back(type);
+    };
+    SealedBlock sealed;
+    const auto append_block = [&](const std::string& type, const auto& message) {
+      seal(message, sealed);
+      append(type, sealed.bytes());
+    };
+    const BlockHeader header{
+        .node = 4, .epoch = 77, .sequence = 3, .first_scan = 40, .scans = 0, .time_ns = 5};
+    append_block("scan_block_t", block(0));
+    EdgeBlock edges;
+    edges.header = header;
+    edges.add({.time = node_time_from_ns(5), .line = 1, .kind = EdgeKind::kZeroMark});
+    append_block("edge_block_t", edges);
+    append_block("gap_t", GapBlock{.header = header, .cause = GapCause::kRingFull});
+    append_block("meta_t", MetaBlock{.header = header, .text = "name = \"car\""});
+    append_block("end_t", EndBlock{.header = header, .blocks = 3, .scans_sealed = 40});
+    append("heartbeat_t", encode(Heartbeat{.node = 4, .epoch = 77}));
+    append("ack_t", encode(Ack{.node = 4, .epoch = 77, .missing = {{2, 3}}}));
+    append("command_t", encode(Command{.node = 4, .request = 9}));
+    append("reply_t", encode(Reply{.node = 4, .epoch = 77}));
+    append("level_t", encode(Level{.node = 4, .speed_m_s = 33.0}));
+    append("spectrum_t", encode(SpectrumPart{.node = 4, .density = {1.0F, 2.0F}}));
+    append("identification_t", encode(Identification{.speed_class = {{25.0, 70.0}}}));
+    append("balance_t", encode(Balance{.wheel = 2, .unbalance_g = 35.0}));
+    writer.close();
+  }
+  const auto all = std::filesystem::directory_iterator(test::source_path("common/wire"));
+  EXPECT_EQ(
+      std::count_if(begin(all), end(all), [](const auto& file) { return file.path().extension() == ".lcm"; }),
+      static_cast<std::ptrdiff_t>(types.size()))
+      << "a message type is not in this test";
+
+  const JavaDecoder decoder("DecodeEvents", types, folder.path());
+  std::string expected;
+  for (const auto& type : types) expected += type + " true\n";
+  EXPECT_EQ(decoder.run(folder.path() / "record/seg-000001.lcm", types), expected);
 }
 
 }  // namespace
