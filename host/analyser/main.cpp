@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <system_error>
 
 #include "common/bus/bus.hpp"
@@ -28,6 +29,8 @@ int main(int argc, char** argv) {
                "exit once every node has ended and the last estimate is out");
   try {
     app.parse(argc, argv);
+    if (!std::filesystem::exists(options.record))
+      std::fprintf(stderr, "rb-analyser: waiting for a record in %s\n", options.record.c_str());
     roadbalance::run_analyser(signals.token(), options);
     return 0;
   } catch (const CLI::ParseError& error) {
