@@ -34,7 +34,7 @@ class Follower {
 
   /// True if the newest epoch of every node has its end and the record holds nothing more.
   bool ended() const {
-    return caught_up_ &&
+    return caught_up_ && !waiting_ &&
            std::none_of(running_.begin(), running_.end(), [](const auto& node) { return node.second; });
   }
 
@@ -53,6 +53,11 @@ class Follower {
   }
 
  private:
+  static bool is_last(const SealedBlock& block) {
+    return block.kind == BlockKind::kEnd ||
+           (block.kind == BlockKind::kGap && decode_gap(block).cause == GapCause::kNodeCrash);
+  }
+
   /// Takes the next block of the record, if it is durable.
   bool take() {
     if (!waiting_) {
@@ -64,7 +69,8 @@ class Follower {
     if (waiting_) return false;
     in_sequence_.add(*block_, [this](const SealedBlock& block) {
       estimator_.consume(block);
-      running_[block.header.node] = block.kind != BlockKind::kEnd;
+      const auto node = running_.find(block.header.node);
+      if (node != running_.end()) node->second = !is_last(block);
     });
     return true;
   }

@@ -16,7 +16,8 @@ constexpr double kGridTolerance = 0.02;
 
 }  // namespace
 
-Assembler::Assembler(const VehicleConfig& vehicle, Emit emit) : emit_(std::move(emit)) {
+Assembler::Assembler(const VehicleConfig& vehicle, Emit emit, double longest_wait_s)
+    : longest_wait_s_(longest_wait_s), emit_(std::move(emit)) {
   const SensorMap sensors = SensorMap::from(vehicle);
   for (std::size_t n = 0; n < vehicle.node.size(); ++n) {
     const NodeConfig& node = vehicle.node[n];
@@ -88,7 +89,7 @@ void Assembler::drop_what_nobody_meets() {
       return 1e-9 *
              static_cast<double>(stream.blocks.back().header.time_ns - stream.blocks.front().header.time_ns);
     };
-    while (!stream.blocks.empty() && waits_s() > kLongestWait_s) {
+    while (!stream.blocks.empty() && waits_s() > longest_wait_s_) {
       stream.blocks.pop_front();
       stream.row = 0;
     }

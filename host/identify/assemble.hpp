@@ -24,12 +24,13 @@ namespace roadbalance {
 /// behind: then the others go on without it.
 class Assembler {
  public:
+  /// Of drive, not of waiting: faster than real time one node may be a whole ring ahead of another and more.
+  /// Half an hour at 2 kHz is 250 MB a node.
+  static constexpr double kLongestWait_s = 1800.0;
   using Emit = std::function<void(const SignalRun&)>;
 
   /// @throws ConfigError if the sensors do not determine the seven coordinates
-  Assembler(const VehicleConfig& vehicle, Emit emit);
-
-  static constexpr double kLongestWait_s = 120.0;
+  Assembler(const VehicleConfig& vehicle, Emit emit, double longest_wait_s = kLongestWait_s);
 
   void consume(const SealedBlock& block);
 
@@ -64,6 +65,7 @@ class Assembler {
   std::int64_t period_ps_ = 0;
   std::int64_t expected_ = -1;
   std::string off_grid_;
+  double longest_wait_s_;
   SignalRun run_;
   Emit emit_;
 };

@@ -49,20 +49,27 @@ DriveEstimator::DriveEstimator(const VehicleConfig& vehicle)
 }
 
 void DriveEstimator::consume(const SealedBlock& block) {
-  if (!assembler_) return;
-  assembler_->consume(block);
-  if (classes_.empty() && !assembler_->off_grid().empty()) report_unknown(Unknown::kNoCommonTime);
+  if (assembler_) assembler_->consume(block);
+  if (!classes_.empty()) return;
+  if (assembler_ && !assembler_->off_grid().empty())
+    report_unknown(Unknown::kNoCommonTime);
+  else if (sections_.missing_reference())
+    report_unknown(Unknown::kNoReference);
+  else if (sections_.slow_seconds() > vehicle_.drive.section_s)
+    report_unknown(Unknown::kTooSlow);
 }
 
-const std::string& DriveEstimator::obstacle() const {
-  return assembler_ && classes_.empty() ? assembler_->off_grid() : obstacle_;
+std::string DriveEstimator::obstacle() const {
+  if (assembler_ && !assembler_->off_grid().empty()) return assembler_->off_grid();
+  if (const auto wheel = sections_.missing_reference())
+    return std::string(kWheelNames[static_cast<std::size_t>(*wheel)]) +
+           ": its encoder gave no angle at times; those sections are not used";
+  return obstacle_;
 }
 
 void DriveEstimator::add_sample(const IdentificationSample& sample) {
   time_ns_ = sample.time_ns;
   sections_.consume(sample);
-  if (classes_.empty() && sections_.slow_seconds() > vehicle_.drive.section_s)
-    report_unknown(Unknown::kTooSlow);
 }
 
 /// Before the first section: why there is none.

@@ -38,7 +38,7 @@ class DriveEstimator {
   void consume(const SealedBlock& block);
 
   /// What stands in the way of an estimate, naming the thing at fault; empty: nothing but time.
-  const std::string& obstacle() const;
+  std::string obstacle() const;
 
   /// The newest estimate; its states say what is not known yet and why.
   const DriveEstimate& estimate() const { return estimate_; }

@@ -73,7 +73,10 @@ SectionBuilder::SectionBuilder(const VehicleConfig& vehicle, Emit emit)
   signals_.setZero(kSignals, columns);
   chassis_states_.setZero(kFilterOrder * kCoordinates, columns);
   tyre_states_.setZero(kFilterOrder * kWheels, columns);
-  for (std::size_t i = 0; i < kWheels; ++i) rolling_radius_m_[i] = vehicle.wheel[i].rolling_radius_m;
+  for (std::size_t i = 0; i < kWheels; ++i) {
+    rolling_radius_m_[i] = vehicle.wheel[i].rolling_radius_m;
+    has_encoder_[i] = !vehicle.wheel[i].node.empty();
+  }
 }
 
 void SectionBuilder::consume(const IdentificationSample& sample) {
@@ -120,9 +123,17 @@ void SectionBuilder::check_steadiness() {
   }
 }
 
+/// A wheel that turns without its angle would leave its unbalance in the equations of all: such a section is
+/// not used.
 void SectionBuilder::finish_section() {
+  bool complete = true;
+  for (int wheel = 0; wheel < kWheels; ++wheel)
+    if (has_encoder_[static_cast<std::size_t>(wheel)] && !has_reference(wheel, 0, filled_)) {
+      missing_reference_ = wheel;
+      complete = false;
+    }
   slow_s_ = 0.0;
-  emit_(moments());
+  if (complete) emit_(moments());
   restart(filled_ - samples_);
 }
 

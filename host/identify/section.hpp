@@ -27,6 +27,8 @@ class SectionBuilder {
   SectionBuilder(const VehicleConfig& vehicle, Emit emit);
   void consume(const IdentificationSample& sample);
 
+  /// A wheel whose encoder gave no angle in some section, which was therefore not used; nothing: none.
+  std::optional<int> missing_reference() const { return missing_reference_; }
   /// Driving below the least speed since the last section.
   double slow_seconds() const { return slow_s_; }
 
@@ -47,6 +49,7 @@ class SectionBuilder {
   double rate_hz_;
   double least_speed_m_s_;
   std::array<double, kWheels> rolling_radius_m_;
+  std::array<bool, kWheels> has_encoder_;
   Eigen::Index samples_;  ///< of a section
   Eigen::Index part_;     ///< of a section, between checks of steadiness
   Eigen::Index chassis_lag_, tyre_lag_;
@@ -59,6 +62,7 @@ class SectionBuilder {
   Eigen::MatrixXd tyre_states_;     ///< [wheel + 4 * state x sample]
   Eigen::Index filled_ = 0;
   double slow_s_ = 0.0;
+  std::optional<int> missing_reference_;
   Eigen::Index settling_ = 0;  ///< samples still to skip until the filters have settled
   Emit emit_;
 };

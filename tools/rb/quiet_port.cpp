@@ -33,8 +33,14 @@ int quiet_port(int asked) {
     if (is_quiet(asked)) return asked;
     throw std::runtime_error("another recorder or node is on port " + std::to_string(asked));
   }
-  for (int turn = 0; turn < kMostTurns; ++turn)
-    if (const int port = process_port(turn); is_quiet(port)) return port;
+  for (int turn = 0; turn < kMostTurns; ++turn) {
+    const int port = process_port(turn);
+    try {
+      if (is_quiet(port)) return port;
+    } catch (const std::runtime_error&) {
+      if (turn + 1 == kMostTurns) throw;  // not this port: there is no bus on any
+    }
+  }
   throw std::runtime_error("on each of " + std::to_string(kMostTurns) +
                            " ports there is another recorder or node; --port names one");
 }

@@ -113,12 +113,13 @@ TEST(Assembler, AWheelWithoutAngleLeavesTheOthersAlone) {
 }
 
 TEST(Assembler, ANodeThatStaysAwayDoesNotHoldTheOthersBack) {
-  std::vector<SealedBlock> blocks;
-  const auto longest = static_cast<std::int64_t>(Assembler::kLongestWait_s * 100);
-  for (std::int64_t number = 0; number < longest + 500; ++number) blocks.push_back(block_of(0, number));
-  blocks.push_back(block_of(1, 100));            // comes too late: what it would meet is gone
-  blocks.push_back(block_of(1, longest + 400));  // meets its neighbour
-  const auto runs = assemble(blocks);
+  constexpr std::int64_t longest = 3000;  // blocks of 10 ms
+  std::vector<SignalRun> runs;
+  Assembler assembler(
+      car(), [&](const SignalRun& run) { runs.push_back(run); }, longest * 0.01);
+  for (std::int64_t number = 0; number < longest + 500; ++number) assembler.consume(block_of(0, number));
+  assembler.consume(block_of(1, 100));            // comes too late: what it would meet is gone
+  assembler.consume(block_of(1, longest + 400));  // meets its neighbour
   ASSERT_EQ(runs.size(), 1U);
   EXPECT_EQ(runs[0].first_index, (longest + 400) * kScansPerBlock);
 }

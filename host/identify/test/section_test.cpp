@@ -98,6 +98,23 @@ TEST(SectionBuilder, KnowsSpeedAndLength) {
   EXPECT_NEAR(found[0].speed_seconds / found[0].seconds, 30.0, 0.01);
 }
 
+TEST(SectionBuilder, UsesNoSectionInWhichAWheelHasNoAngleAndNamesIt) {
+  int found = 0;
+  SectionBuilder sections(car(), [&](const DriveMoments&) { ++found; });
+  IdentificationSample sample;
+  for (int k = 0; k < 500 * 14; ++k) {
+    sample.restart = k == 0;
+    sample.signals.setZero();
+    for (const int w : {0, 1, 3}) {  // the encoder of rear_left is broken
+      sample.signals(cosine_row(w)) = std::cos(0.2 * k);
+      sample.signals(sine_row(w)) = std::sin(0.2 * k);
+    }
+    sections.consume(sample);
+  }
+  EXPECT_EQ(found, 0);
+  EXPECT_EQ(sections.missing_reference(), 2);
+}
+
 TEST(SectionBuilder, UsesNoDrivingBelowTheLeastSpeed) {
   int found = 0;
   SectionBuilder sections(car(), [&](const DriveMoments&) { ++found; });
