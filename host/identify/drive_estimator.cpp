@@ -61,9 +61,9 @@ void DriveEstimator::consume(const SealedBlock& block) {
 
 std::string DriveEstimator::obstacle() const {
   if (assembler_ && !assembler_->off_grid().empty()) return assembler_->off_grid();
-  if (const auto wheel = sections_.missing_reference())
+  if (const auto wheel = sections_.missing_reference(); wheel && classes_.empty())
     return std::string(kWheelNames[static_cast<std::size_t>(*wheel)]) +
-           ": its encoder gave no angle at times; those sections are not used";
+           ": its encoder gave no angle; sections without it are not used";
   return obstacle_;
 }
 

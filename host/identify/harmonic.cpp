@@ -4,13 +4,13 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <utility>
 
 namespace roadbalance {
 namespace {
 
 using Complex = std::complex<double>;
 constexpr Complex kJ(0.0, 1.0);
-constexpr double kTaperFraction = 0.1;
 /// Side bins lie this far from the line: outside every wheel's own line, near enough for one road spectrum.
 constexpr double kSideFromHz = 0.3;
 constexpr double kSideToHz = 2.0;
@@ -49,8 +49,9 @@ Eigen::MatrixXcd expected_forces(const LinearModel& model, const std::vector<int
 
 }  // namespace
 
-HarmonicInstrument::HarmonicInstrument(const VehicleConfig& vehicle, Eigen::Index samples, double rate_hz)
-    : geometry_(geometry_of(vehicle.model)), taper_(c2_taper(samples, kTaperFraction, 1.0 / rate_hz)) {
+HarmonicInstrument::HarmonicInstrument(const VehicleConfig& vehicle, Taper taper, double rate_hz)
+    : geometry_(geometry_of(vehicle.model)), taper_(std::move(taper)) {
+  const Eigen::Index samples = taper_.value.size();
   const double step_hz = rate_hz / static_cast<double>(samples);
   const auto first = static_cast<Eigen::Index>(std::ceil(kSideFromHz / step_hz - 1e-9));
   const auto last = static_cast<Eigen::Index>(std::floor(kSideToHz / step_hz + 1e-9));

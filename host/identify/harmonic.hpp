@@ -26,7 +26,8 @@ namespace roadbalance {
 /// equations.
 class HarmonicInstrument {
  public:
-  HarmonicInstrument(const VehicleConfig& vehicle, Eigen::Index samples, double rate_hz);
+  /// @param taper  of a section; its length is the section's
+  HarmonicInstrument(const VehicleConfig& vehicle, Taper taper, double rate_hz);
 
   /// @param signals     [kSignals x samples], a section of steady speed
   /// @param omega       rotation rate of each wheel, rad/s; 0: it has no reference here

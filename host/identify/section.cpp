@@ -66,7 +66,7 @@ SectionBuilder::SectionBuilder(const VehicleConfig& vehicle, Emit emit)
                       kCoordinates),
       tyre_filter_(discretise_ramp_invariant(tyre_instrument(), 1.0 / rate_hz_), kWheels),
       taper_(c2_taper(samples_, kTaperFraction, 1.0 / rate_hz_)),
-      harmonic_(vehicle, samples_, rate_hz_),
+      harmonic_(vehicle, taper_, rate_hz_),
       parameters_(nominal_parameters(vehicle)),
       emit_(std::move(emit)) {
   const Eigen::Index columns = samples_ + std::max(chassis_lag_, tyre_lag_);
@@ -112,7 +112,11 @@ void SectionBuilder::restart(Eigen::Index keep) {
 /// A section whose speed has changed begins again with its newest part, one without a speed from nothing.
 void SectionBuilder::check_steadiness() {
   const auto wheel = speed_wheel(0, filled_);
-  if (!wheel) return restart(speed_wheel(filled_ - part_, part_) ? part_ : 0);
+  if (!wheel) {
+    for (int i = kWheels - 1; i >= 0; --i)
+      if (has_encoder_[static_cast<std::size_t>(i)]) missing_reference_ = i;
+    return restart(speed_wheel(filled_ - part_, part_) ? part_ : 0);
+  }
   const double newest = mean_rotation(*wheel, filled_ - part_, part_);
   const double before = filled_ == part_ ? newest : mean_rotation(*wheel, 0, filled_ - part_);
   if (newest * rolling_radius_m_[static_cast<std::size_t>(*wheel)] < least_speed_m_s_) {

@@ -59,6 +59,22 @@ TEST(DriveEstimator, SaysThatTheCarWasTooSlow) {
   EXPECT_EQ(estimator.estimate().identification.state, Unknown::kTooSlow);
 }
 
+TEST(DriveEstimator, SaysThatNoEncoderGivesAnAngle) {
+  const auto vehicle = VehicleConfig::parse(demo_toml(), "t");
+  DriveEstimator estimator(vehicle);
+  ScanBlock silent;  // references are 0
+  silent.period_ps = 500'000'000;
+  for (std::int64_t number = 0; number < 600; ++number)
+    for (const auto& node : vehicle.node) {
+      silent.header = {node.id, 1, number + 1, number * kScansPerBlock, kScansPerBlock, number * 10'000'000};
+      SealedBlock sealed;
+      seal(silent, sealed);
+      estimator.consume(sealed);
+    }
+  EXPECT_EQ(estimator.estimate().identification.state, Unknown::kNoReference);
+  EXPECT_NE(estimator.obstacle().find("front_left"), std::string::npos) << estimator.obstacle();
+}
+
 TEST(DriveEstimator, ClaimsNothingOfACarThatNothingShakes) {
   const auto vehicle = VehicleConfig::parse(demo_toml(), "t");
   DriveEstimator estimator(vehicle);
