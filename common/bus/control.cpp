@@ -26,10 +26,13 @@ bool is_one_of(std::int32_t value, Enum first, Enum last) {
 
 bool in_bounds(const wire::heartbeat_t& m) {
   return is_node(m.node) && is_one_of(m.state, NodeState::kPreview, NodeState::kFailed) && m.base >= 1 &&
-         m.next >= m.base && is_index(m.next) && -kClockLimit_ns <= m.time_ns && m.time_ns <= kClockLimit_ns &&
-         m.owner >= 0 && m.ring_used >= 0 && m.ring_capacity >= m.ring_used && is_index(m.ring_capacity) &&
-         is_index(m.scans_sampled) && is_index(m.scans_missing) && is_index(m.blocks_sent) &&
-         is_index(m.blocks_repaired) && is_index(m.blocks_unsent);
+         m.next >= m.base && is_index(m.next) && -kClockLimit_ns <= m.time_ns &&
+         m.time_ns <= kClockLimit_ns && m.owner >= 0 && m.ring_used >= 0 && m.ring_capacity >= m.ring_used &&
+         is_index(m.ring_capacity) && is_index(m.spool_used) && is_index(m.spool_failures) &&
+         is_index(m.scans_refused) && is_one_of(m.time_base, TimeBase::kOwn, TimeBase::kShared) &&
+         0 <= m.clock_port && m.clock_port <= 65'535 && is_index(m.scans_sampled) &&
+         is_index(m.scans_missing) && is_index(m.blocks_sent) && is_index(m.blocks_repaired) &&
+         is_index(m.blocks_unsent);
 }
 
 // Missing ranges ascend, do not touch the part that has arrived, and do not overlap.
@@ -59,14 +62,20 @@ std::vector<std::uint8_t> encode(const Heartbeat& h) {
   m.owner = h.owner;
   m.ring_used = h.ring_used;
   m.ring_capacity = h.ring_capacity;
+  m.spool_used = h.spool_used;
+  m.spool_failures = h.spool_failures;
   m.scans_sampled = h.scans_sampled;
   m.scans_missing = h.scans_missing;
+  m.scans_refused = h.scans_refused;
   m.blocks_sent = h.blocks_sent;
   m.blocks_repaired = h.blocks_repaired;
   m.blocks_unsent = h.blocks_unsent;
   m.acks_refused = h.acks_refused;
   std::copy(h.encoder_faults.begin(), h.encoder_faults.end(), m.encoder_faults);
   m.unreferenced_blocks = h.unreferenced_blocks;
+  m.time_base = static_cast<std::int32_t>(h.time_base);
+  m.clock_address = static_cast<std::int32_t>(h.clock_address);
+  m.clock_port = h.clock_port;
   return wire_format::encode_with_crc(m);
 }
 
@@ -83,14 +92,20 @@ std::optional<Heartbeat> decode_heartbeat(std::span<const std::uint8_t> bytes) {
   h.owner = m->owner;
   h.ring_used = m->ring_used;
   h.ring_capacity = m->ring_capacity;
+  h.spool_used = m->spool_used;
+  h.spool_failures = m->spool_failures;
   h.scans_sampled = m->scans_sampled;
   h.scans_missing = m->scans_missing;
+  h.scans_refused = m->scans_refused;
   h.blocks_sent = m->blocks_sent;
   h.blocks_repaired = m->blocks_repaired;
   h.blocks_unsent = m->blocks_unsent;
   h.acks_refused = m->acks_refused;
   std::copy_n(m->encoder_faults, h.encoder_faults.size(), h.encoder_faults.begin());
   h.unreferenced_blocks = m->unreferenced_blocks;
+  h.time_base = static_cast<TimeBase>(m->time_base);
+  h.clock_address = static_cast<std::uint32_t>(m->clock_address);
+  h.clock_port = static_cast<std::uint16_t>(m->clock_port);
   return h;
 }
 

@@ -22,14 +22,20 @@ struct Heartbeat {
   std::int64_t owner = 0;
   std::int64_t ring_used = 0;
   std::int64_t ring_capacity = 0;
+  std::int64_t spool_used = 0;
+  std::int64_t spool_failures = 0;
   std::int64_t scans_sampled = 0;
   std::int64_t scans_missing = 0;
+  std::int64_t scans_refused = 0;
   std::int64_t blocks_sent = 0;
   std::int64_t blocks_repaired = 0;
   std::int64_t blocks_unsent = 0;
   std::int64_t acks_refused = 0;
   std::array<std::int64_t, 2> encoder_faults{};
   std::int64_t unreferenced_blocks = 0;
+  TimeBase time_base = TimeBase::kOwn;
+  std::uint32_t clock_address = 0;  ///< IPv4, as a number
+  std::uint16_t clock_port = 0;
 };
 
 struct SequenceRange {

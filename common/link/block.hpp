@@ -43,6 +43,11 @@ constexpr bool stands_for_lost_blocks(GapCause cause) {
 
 enum class MetaKind : std::int32_t { kVehicleToml = 1, kRecordJson = 2 };
 enum class NodeState : std::int32_t { kPreview = 0, kStarted = 1, kEnded = 2, kFailed = 3 };
+/// What a node's clock is; heartbeat_t.time_base.
+enum class TimeBase : std::int32_t {
+  kOwn = 0,     ///< the node's own oscillator: related to the host's by exchanges of stamps
+  kShared = 1,  ///< one time for all nodes by construction: a simulation faster than real time, an import
+};
 enum class Verb : std::int32_t { kClaim = 1, kRelease = 2, kStart = 3, kStop = 4 };
 enum class CommandError : std::int32_t { kNone = 0, kNotOwner = 1, kUnknownVerb = 2, kEnded = 3 };
 

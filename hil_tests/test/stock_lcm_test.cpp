@@ -9,8 +9,11 @@
 #include <vector>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/clock_messages.hpp"
 #include "common/bus/codec.hpp"
 #include "common/bus/control.hpp"
+#include "common/bus/notes.hpp"
+#include "common/bus/recorder_status.hpp"
 #include "common/bus/results.hpp"
 #include "common/record/record.hpp"
 #include "common/test/bus_url.hpp"
@@ -164,6 +167,11 @@ TEST(StockLcm, TheDecoderOfLcmSpyUnderstandsEveryMessage) {
     append("spectrum_t", encode(SpectrumPart{.node = 4, .density = {1.0F, 2.0F}}));
     append("identification_t", encode(Identification{.speed_class = {{25.0, 70.0}}}));
     append("balance_t", encode(Balance{.wheel = 2, .unbalance_g = 35.0}));
+    append("journal_t", encode(Journal{.node = 4, .epoch = 77}));
+    append("note_t", encode(Note{.kind = NoteKind::kStarted, .text = "text"}));
+    append("clock_exchange_t", encode(ClockExchange{.node = 4, .epoch = 77}));
+    append("clock_fit_t", encode(ClockFit{.node = 4, .epoch = 77, .drift = 2e-5}));
+    append("recorder_t", encode(RecorderStatus{.segment = 2}));
     writer.close();
   }
   const auto all = std::filesystem::directory_iterator(test::source_path("common/wire"));

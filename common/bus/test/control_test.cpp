@@ -5,21 +5,12 @@
 #include <limits>
 
 #include "common/bus/results.hpp"
+#include "common/test/bit_flips.hpp"
 
 namespace roadbalance {
 namespace {
 
-template <typename Decode>
-void expect_every_bit_flip_refused(std::vector<std::uint8_t> bytes, Decode decode) {
-  ASSERT_TRUE(decode(bytes));
-  for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
-    bytes[bit / 8] ^= static_cast<std::uint8_t>(1 << (bit % 8));
-    ASSERT_FALSE(decode(bytes)) << "bit " << bit;
-    bytes[bit / 8] ^= static_cast<std::uint8_t>(1 << (bit % 8));
-  }
-  bytes.pop_back();
-  EXPECT_FALSE(decode(bytes));
-}
+using test::expect_every_bit_flip_refused;
 
 Ack some_ack() {
   return {.node = 2,

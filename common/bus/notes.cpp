@@ -1,0 +1,95 @@
+#include "common/bus/notes.hpp"
+
+#include <algorithm>
+#include <wire/journal_t.hpp>
+#include <wire/note_t.hpp>
+
+#include "common/bus/wire_format.hpp"
+#include "common/link/block.hpp"
+
+namespace roadbalance {
+namespace {
+
+static_assert(sizeof(wire::note_t::text) == kMaxNoteBytes);
+
+bool is_index(std::int64_t value) {
+  return 0 <= value && value <= kIndexLimit;
+}
+
+bool in_bounds(const wire::journal_t& m) {
+  return 1 <= m.node && m.node <= kLastNode && is_index(m.first_sequence) && is_index(m.last_sequence) &&
+         m.last_sequence >= m.first_sequence - 1 && is_index(m.first_scan) && is_index(m.next_scan) &&
+         is_index(m.scans) && is_index(m.scans_missing);
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> encode(const Journal& j) {
+  wire::journal_t m{};
+  m.node = j.node;
+  m.epoch = j.epoch;
+  m.time_us = j.time_us;
+  m.first_sequence = j.first_sequence;
+  m.last_sequence = j.last_sequence;
+  m.first_scan = j.first_scan;
+  m.next_scan = j.next_scan;
+  m.scans = j.scans;
+  m.scans_missing = j.scans_missing;
+  std::copy(j.channel_crc.begin(), j.channel_crc.end(), m.channel_crc);
+  m.repaired = j.repaired;
+  m.refused = j.refused;
+  m.rivals = j.rivals;
+  m.disk_failures = j.disk_failures;
+  return wire_format::encode_with_crc(m);
+}
+
+std::optional<Journal> decode_journal(std::span<const std::uint8_t> bytes) {
+  const auto m = wire_format::decode_with_crc<wire::journal_t>(bytes);
+  if (!m || !in_bounds(*m)) return std::nullopt;
+  Journal j{.node = m->node,
+            .epoch = m->epoch,
+            .time_us = m->time_us,
+            .first_sequence = m->first_sequence,
+            .last_sequence = m->last_sequence,
+            .first_scan = m->first_scan,
+            .next_scan = m->next_scan,
+            .scans = m->scans,
+            .scans_missing = m->scans_missing,
+            .repaired = m->repaired,
+            .refused = m->refused,
+            .rivals = m->rivals,
+            .disk_failures = m->disk_failures};
+  for (std::size_t k = 0; k < j.channel_crc.size(); ++k)
+    j.channel_crc[k] = static_cast<std::uint32_t>(m->channel_crc[k]);
+  return j;
+}
+
+std::vector<std::uint8_t> encode(const Note& n) {
+  wire::note_t m{};
+  m.time_us = n.time_us;
+  m.host_ns = n.host_ns;
+  m.incarnation = n.incarnation;
+  m.kind = static_cast<std::int32_t>(n.kind);
+  m.a = n.a;
+  m.b = n.b;
+  m.size = static_cast<std::int32_t>(std::min(n.text.size(), kMaxNoteBytes));
+  std::copy_n(n.text.begin(), m.size, m.text);
+  return wire_format::encode_with_crc(m);
+}
+
+std::optional<Note> decode_note(std::span<const std::uint8_t> bytes) {
+  const auto m = wire_format::decode_with_crc<wire::note_t>(bytes);
+  if (!m || m->size < 0 || m->size > static_cast<std::int32_t>(kMaxNoteBytes) ||
+      m->kind < static_cast<std::int32_t>(NoteKind::kStarted) ||
+      m->kind > static_cast<std::int32_t>(NoteKind::kTailCut))
+    return std::nullopt;
+  return Note{.time_us = m->time_us,
+              .host_ns = m->host_ns,
+              .incarnation = m->incarnation,
+              .kind = static_cast<NoteKind>(m->kind),
+              .a = m->a,
+              .b = m->b,
+              .text = std::string(m->text, m->text + m->size)};
+}
+
+}  // namespace roadbalance

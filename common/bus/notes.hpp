@@ -1,0 +1,69 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/frontend/front_end.hpp"
+
+namespace roadbalance {
+
+/// What the recorder writes into the record about itself; fields as in common/wire.
+
+struct Journal {
+  std::int32_t node = 0;
+  std::int64_t epoch = 0;
+  std::int64_t time_us = 0;
+  std::int64_t first_sequence = 1;
+  std::int64_t last_sequence = 0;
+  std::int64_t first_scan = 0;
+  std::int64_t next_scan = 0;
+  std::int64_t scans = 0;
+  std::int64_t scans_missing = 0;
+  std::array<std::uint32_t, kChannels> channel_crc{};
+  std::int64_t repaired = 0;
+  std::int64_t refused = 0;
+  std::int64_t rivals = 0;
+  std::int64_t disk_failures = 0;
+};
+
+/// note_t.kind; in brackets what a and b are.
+enum class NoteKind : std::int32_t {
+  kStarted = 1,           ///< the recorder runs (segment it begins with)
+  kStopped = 2,           ///< it ends as asked
+  kClock = 3,             ///< the pair of clocks alone, every ten seconds
+  kDiskFailed = 4,        ///< a write or sync failed (errno; segment)
+  kSegmentAbandoned = 5,  ///< the segment (a) ends at byte (b), whatever lies behind: it could not be cut
+  kDiskFull = 6,          ///< recording waits for space (bytes free)
+  kDiskFree = 7,          ///< recording goes on (bytes free)
+  kFallback = 8,          ///< another folder is used from here on; text: which
+  kPowerLost = 9,         ///< the supply is gone; text: which
+  kPowerReturned = 10,
+  kSegmentDeleted = 11,  ///< by the retention mode (segment; bytes)
+  kTailCut = 12,  ///< at the start: bytes behind the last event were cut (segment; bytes) and kept beside it
+};
+
+struct Note {
+  std::int64_t time_us = 0;
+  std::int64_t host_ns = 0;
+  std::int64_t incarnation = 0;
+  NoteKind kind = NoteKind::kStarted;
+  std::int64_t a = 0;
+  std::int64_t b = 0;
+  std::string text;  ///< cut after kMaxNoteBytes
+};
+inline constexpr std::size_t kMaxNoteBytes = 400;
+
+inline constexpr const char* kJournalChannel = "RB_JOURNAL";
+inline constexpr const char* kNoteChannel = "RB_NOTE";
+
+/// Decoding refuses wrong size, type, CRC or bounds.
+std::vector<std::uint8_t> encode(const Journal& journal);
+std::vector<std::uint8_t> encode(const Note& note);
+std::optional<Journal> decode_journal(std::span<const std::uint8_t> bytes);
+std::optional<Note> decode_note(std::span<const std::uint8_t> bytes);
+
+}  // namespace roadbalance

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace roadbalance {
+
+enum class RecorderState : std::int32_t {
+  kRecording = 1,
+  kDiskFailing = 2,  ///< no credit: the disk refuses; it goes on trying and the nodes keep everything
+  kDiskFull = 3,     ///< no credit: it waits for space
+  kStopping = 4,
+};
+
+/// recorder_t; fields as in common/wire.
+struct RecorderStatus {
+  std::int64_t time_us = 0;
+  std::int64_t incarnation = 0;
+  RecorderState state = RecorderState::kRecording;
+  bool on_battery = false;
+  bool fallback = false;
+  std::int32_t segment = 0;
+  std::int64_t bytes_recorded = 0;
+  std::int64_t bytes_free = 0;
+  double seconds_left = -1;
+  double sync_s = 0;
+  double longest_sync_s = 0;
+  std::int64_t waiting_blocks = 0;
+  std::int64_t disk_failures = 0;
+  std::int64_t segments_deleted = 0;
+  std::int64_t refused_datagrams = 0;
+  std::array<std::int64_t, 5> refused_blocks{};
+  std::int64_t rivals = 0;
+  std::int64_t unsent = 0;
+};
+
+inline constexpr const char* kRecorderChannel = "RB_RECORDER";
+
+/// Decoding refuses wrong size, type, CRC or bounds.
+std::vector<std::uint8_t> encode(const RecorderStatus& status);
+std::optional<RecorderStatus> decode_recorder_status(std::span<const std::uint8_t> bytes);
+
+}  // namespace roadbalance

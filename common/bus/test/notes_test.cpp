@@ -1,0 +1,93 @@
+#include "common/bus/notes.hpp"
+
+#include <gtest/gtest.h>
+
+#include "common/bus/clock_messages.hpp"
+#include "common/bus/recorder_status.hpp"
+#include "common/test/bit_flips.hpp"
+
+namespace roadbalance {
+namespace {
+
+using test::expect_every_bit_flip_refused;
+
+TEST(Notes, RefuseEverySingleBitFlip) {
+  expect_every_bit_flip_refused(
+      encode(Journal{.node = 3, .epoch = 9, .first_sequence = 4, .last_sequence = 8}), decode_journal);
+  expect_every_bit_flip_refused(encode(Note{.kind = NoteKind::kDiskFull, .text = "no space"}), decode_note);
+  expect_every_bit_flip_refused(encode(ClockExchange{.node = 1, .number = 5}), decode_clock_exchange);
+  expect_every_bit_flip_refused(encode(ClockFit{.node = 1, .number = 5, .drift = 1e-5}), decode_clock_fit);
+  expect_every_bit_flip_refused(encode(RecorderStatus{.segment = 4}), decode_recorder_status);
+}
+
+TEST(Notes, ANoteArrivesAsItWasWrittenAndIsCutToItsLength) {
+  const Note note{.time_us = 1,
+                  .host_ns = 2,
+                  .incarnation = 3,
+                  .kind = NoteKind::kFallback,
+                  .a = 4,
+                  .b = -5,
+                  .text = std::string(kMaxNoteBytes + 9, 'x')};
+  const auto back = decode_note(encode(note));
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->time_us, 1);
+  EXPECT_EQ(back->host_ns, 2);
+  EXPECT_EQ(back->incarnation, 3);
+  EXPECT_EQ(back->kind, NoteKind::kFallback);
+  EXPECT_EQ(back->a, 4);
+  EXPECT_EQ(back->b, -5);
+  EXPECT_EQ(back->text, std::string(kMaxNoteBytes, 'x'));
+}
+
+TEST(Notes, AJournalEntryArrivesAsItWasWritten) {
+  Journal journal{.node = 7,
+                  .epoch = -8,
+                  .time_us = 9,
+                  .first_sequence = 10,
+                  .last_sequence = 12,
+                  .first_scan = 13,
+                  .next_scan = 99,
+                  .scans = 80,
+                  .scans_missing = 6,
+                  .repaired = 1,
+                  .refused = 2,
+                  .rivals = 3,
+                  .disk_failures = 4};
+  journal.channel_crc[15] = 0xFFFFFFFFu;
+  const auto back = decode_journal(encode(journal));
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->epoch, -8);
+  EXPECT_EQ(back->last_sequence, 12);
+  EXPECT_EQ(back->next_scan, 99);
+  EXPECT_EQ(back->channel_crc, journal.channel_crc);
+  EXPECT_EQ(back->disk_failures, 4);
+}
+
+TEST(Notes, ClockMessagesArriveAsTheyWereSent) {
+  const ClockExchange exchange{.node = 2,
+                               .epoch = -3,
+                               .number = 4,
+                               .asked_ns = 5,
+                               .received_ns = 6,
+                               .answered_ns = 7,
+                               .heard_ns = 8,
+                               .kernel_stamps = 10};
+  EXPECT_EQ(decode_clock_exchange(encode(exchange)), exchange);
+  const ClockFit fit{.node = 2,
+                     .epoch = -3,
+                     .number = 4,
+                     .state = ClockState::kHoldover,
+                     .host_ns = 5,
+                     .node_ns = -6,
+                     .drift = -3e-5,
+                     .uncertainty_s = 1e-5,
+                     .round_trip_s = 2e-5,
+                     .residual_s = 3e-6,
+                     .exchanges = 7,
+                     .unanswered = 8,
+                     .breaks = 1};
+  EXPECT_EQ(decode_clock_fit(encode(fit)), fit);
+}
+
+}  // namespace
+}  // namespace roadbalance

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace roadbalance {
+
+/// The system calls that a record is made of, and no others.  The product uses the kernel's; tests use a disk
+/// that stalls, fills up, fails at the k-th call or loses power.
+///
+/// Each member is the system call of its name: the result is what the call returns, and errno says why it
+/// failed.
+class Disk {
+ public:
+  Disk() = default;
+  Disk(const Disk&) = delete;
+  Disk& operator=(const Disk&) = delete;
+  virtual ~Disk() = default;
+
+  virtual int open(const char* path, int flags, mode_t mode) = 0;  ///< O_CLOEXEC is added
+  virtual int close(int file) = 0;
+  virtual ssize_t write(int file, const void* bytes, std::size_t size) = 0;
+  virtual ssize_t pread(int file, void* bytes, std::size_t size, off_t offset) = 0;
+  virtual int fdatasync(int file) = 0;
+  virtual int fsync(int file) = 0;  ///< of a folder too
+  virtual int ftruncate(int file, off_t size) = 0;
+  virtual int fallocate(int file, int mode, off_t offset, off_t size) = 0;
+  virtual off_t size(int file) = 0;  ///< fstat; -1 on failure
+  virtual int flock(int file, int operation) = 0;
+  virtual int rename(const char* from, const char* to) = 0;
+  virtual int unlink(const char* path) = 0;
+  virtual int mkdir(const char* path, mode_t mode) = 0;
+
+  /// Names of the entries of a folder, in no order; nothing (and errno) if it cannot be read.
+  virtual std::optional<std::vector<std::string>> list(const char* folder) = 0;
+  /// Bytes that an unprivileged process may still write; -1 on failure.  statvfs.
+  virtual std::int64_t free_bytes(const char* folder) = 0;
+};
+
+/// The machine's own.
+Disk& kernel_disk();
+
+}  // namespace roadbalance
