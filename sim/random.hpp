@@ -15,6 +15,8 @@ enum class Use : std::uint64_t {
   kSensorNoise,
   kPitchError,
   kStampJitter,
+  kTestSample,  ///< hil_tests/deterministic/hashed_sample.hpp
+  kTestFault,
 };
 
 /// Random numbers that are a pure function of (seed, use, which, counter): no state, so every process
