@@ -6,12 +6,17 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <limits>
 #include <list>
+#include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <utility>
+
+#include "common/bus/datagram_filter.hpp"
 
 namespace roadbalance {
 namespace {
@@ -32,11 +37,13 @@ const char* name_of(BlockKind kind) {
   return "UNKNOWN";
 }
 
+constexpr std::uint16_t kDefaultPort = 7667;  // LCM's
+
 // Asks the kernel for the way to the bus; nothing is sent.
 bool has_multicast_route() {
   sockaddr_in group{};
   group.sin_family = AF_INET;
-  group.sin_port = htons(7667);
+  group.sin_port = htons(kDefaultPort);
   group.sin_addr.s_addr = inet_addr("239.255.76.67");
   const int descriptor = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (descriptor < 0) return true;  // the fault is another one
@@ -51,6 +58,16 @@ bool has_multicast_route() {
   if (url.starts_with("udpm:") && !has_multicast_route())
     why = std::string("there is no multicast route; sudo sh -c '") + kMulticastRemedy + "'";
   throw std::runtime_error("cannot " + what + " LCM bus " + url + ": " + why);
+}
+
+// "udpm://ADDRESS[:PORT][?...]" as LCM reads it; nothing if the bus is no socket.
+std::optional<std::uint16_t> port_of(const std::string& url) {
+  constexpr std::string_view kScheme = "udpm://";
+  if (!url.starts_with(kScheme)) return std::nullopt;
+  const std::string target = url.substr(kScheme.size(), url.find('?') - kScheme.size());
+  const auto colon = target.find(':');
+  if (colon == std::string::npos) return kDefaultPort;
+  return static_cast<std::uint16_t>(std::strtol(target.c_str() + colon + 1, nullptr, 0));
 }
 
 // A caller with other duties gets control back after this many messages, however fast they come.
@@ -78,12 +95,12 @@ std::string reply_channel(int node) {
 }
 
 std::string default_bus_url() {
-  return bus_url_on_port(7667);
+  return bus_url_on_port(kDefaultPort);
 }
 
 std::string bus_url_on_port(int port) {
-  return "udpm://239.255.76.67:" + std::to_string(port) + "?ttl=0&recv_buf_size=" +
-         std::to_string(kReceiveBufferBytes);
+  return "udpm://239.255.76.67:" + std::to_string(port) +
+         "?ttl=0&recv_buf_size=" + std::to_string(kReceiveBufferBytes);
 }
 
 struct Bus::State {
@@ -97,6 +114,7 @@ struct Bus::State {
   lcm_t* lcm = nullptr;
   std::list<Subscription> subscriptions;
   std::exception_ptr failure;
+  DatagramFilter filter;
 
   ~State() {
     if (lcm) lcm_destroy(lcm);
@@ -123,15 +141,25 @@ Bus::~Bus() = default;
 
 void Bus::subscribe(const std::string& pattern, Handler handler) {
   auto& subscription = state_->subscriptions.emplace_back(std::move(handler), &state_->failure);
+  // LCM opens its socket with the first subscription.  One at a time, so that the socket without a filter is
+  // this bus's.
+  static std::mutex one_at_a_time;
+  const std::lock_guard lock(one_at_a_time);
   errno = 0;
   auto* handle = lcm_subscribe(state_->lcm, pattern.c_str(), &State::on_message, &subscription);
   if (!handle) throw_no_bus(state_->url, "subscribe to " + pattern + " on");
+  const auto port = port_of(state_->url);
+  if (port && state_->filter.sockets() == 0) state_->filter.attach(*port);
   lcm_subscription_set_queue_capacity(handle, 0);
 }
 
 bool Bus::publish(const std::string& channel, std::span<const std::uint8_t> bytes) {
   if (bytes.size() > std::numeric_limits<unsigned>::max()) return false;
   return lcm_publish(state_->lcm, channel.c_str(), bytes.data(), static_cast<unsigned>(bytes.size())) == 0;
+}
+
+std::int64_t Bus::dropped() const {
+  return state_->filter.dropped();
 }
 
 int Bus::handle(std::chrono::milliseconds timeout) {

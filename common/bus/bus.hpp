@@ -39,7 +39,8 @@ inline constexpr const char* kMulticastRemedy = "ip link set lo up && ip route a
 
 /// One process's access to the bus.  Not shared between threads: each process owns its own.
 ///
-/// Every subscription has queue capacity 0 (no limit inside LCM; its default of 30 drops silently).
+/// Every subscription has queue capacity 0 (no limit inside LCM; its default of 30 drops silently).  What is
+/// no message of one packet stays in the kernel: some of it would end a process that listens with LCM.
 class Bus {
  public:
   using Handler = std::function<void(std::string_view channel, std::span<const std::uint8_t> bytes)>;
@@ -60,6 +61,9 @@ class Bus {
   /// Waits up to `timeout` for one datagram, then handles all that have arrived.  Returns how many.
   /// @throws std::runtime_error naming the URL if nothing can be received any more, and what a handler threw
   int handle(std::chrono::milliseconds timeout);
+
+  /// Datagrams that never came this far: no message of one packet (see DatagramFilter), or no room left.
+  std::int64_t dropped() const;
 
  private:
   struct State;

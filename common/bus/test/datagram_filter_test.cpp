@@ -1,0 +1,121 @@
+#include "common/bus/datagram_filter.hpp"
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <string>
+
+#include "common/bus/bus.hpp"
+#include "common/bus/process_port.hpp"
+
+namespace roadbalance {
+namespace {
+
+using std::chrono::milliseconds;
+
+/// A bus that listens, and a socket that sends it whatever it likes.
+class Filtered : public ::testing::Test {
+ protected:
+  Filtered()
+      : port_(process_port(2)), bus_(bus_url_on_port(port_)), sender_(::socket(AF_INET, SOCK_DGRAM, 0)) {
+    bus_.subscribe(".*", [this](std::string_view channel, std::span<const std::uint8_t> bytes) {
+      if (channel == "LCM_SELF_TEST") return;
+      heard_.emplace_back(channel);
+      sizes_.push_back(bytes.size());
+    });
+    const unsigned char ttl = 0;
+    ::setsockopt(sender_, IPPROTO_IP, IP_MULTICAST_TTL, &ttl, sizeof ttl);
+  }
+  ~Filtered() override { ::close(sender_); }
+
+  void send(const std::string& datagram) const {
+    sockaddr_in group{};
+    group.sin_family = AF_INET;
+    group.sin_port = htons(static_cast<std::uint16_t>(port_));
+    group.sin_addr.s_addr = inet_addr("239.255.76.67");
+    ASSERT_EQ(::sendto(sender_, datagram.data(), datagram.size(), 0,
+                       reinterpret_cast<const sockaddr*>(&group), sizeof group),
+              static_cast<ssize_t>(datagram.size()));
+  }
+
+  /// Datagrams keep their order: when a good one behind them has come, all before it have been judged.
+  void hear_all() {
+    ASSERT_TRUE(bus_.publish("LAST", std::vector<std::uint8_t>{1}));
+    while (heard_.empty() || heard_.back() != "LAST") ASSERT_GT(bus_.handle(milliseconds(2000)), 0);
+  }
+
+  const int port_;
+  Bus bus_;
+  const int sender_;
+  std::vector<std::string> heard_;
+  std::vector<std::size_t> sizes_;
+};
+
+const std::string kShort("LC02\0\0\0\1", 8);
+const std::string kLong("LC03\0\0\0\1", 8);
+std::string word(std::uint32_t value) {
+  std::string bytes;
+  for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift);
+  return bytes;
+}
+
+TEST_F(Filtered, AMessageOfOnePacketPasses) {
+  send(kShort + std::string("RB_TEST\0data", 12));
+  send(kShort + std::string(63, 'C') + std::string(1, '\0'));  // the longest name, no data
+  hear_all();
+  EXPECT_EQ(heard_, (std::vector<std::string>{"RB_TEST", std::string(63, 'C'), "LAST"}));
+  EXPECT_EQ(sizes_, (std::vector<std::size_t>{4, 0, 1}));
+  EXPECT_EQ(bus_.dropped(), 0);
+}
+
+// Each of the first two ends a process that listens with LCM 1.3.1.
+TEST_F(Filtered, WhatEndsAnLcmReceiverStaysOutside) {
+  const std::string first_of_two("\0\0\0\2", 4);
+  // At 2^32 - 16 of 100 bytes: offset + length wraps to less than the size.
+  send(kLong + word(100) + word(0xFFFFFFF0) + first_of_two + std::string("A\0", 2) + std::string(32, 'x'));
+  // A header cut short by one byte: the length of the fragment becomes 2^32 - 2.
+  send(kLong + word(100) + word(60) + first_of_two.substr(0, 3));
+  send(kLong + word(8) + word(0) + std::string("\0\0\0\1", 4) + std::string("RB_TEST\0deadbeef", 16));
+  hear_all();
+  EXPECT_EQ(heard_, std::vector<std::string>{"LAST"});
+  EXPECT_EQ(bus_.dropped(), 3);
+}
+
+TEST_F(Filtered, WhatIsNoMessageStaysOutsideAndIsCounted) {
+  send("");
+  send("L");
+  send("LC02");
+  send(kShort);
+  send(kShort + "RB_TEST");  // a name without an end
+  send(kShort + std::string(64, 'C') + std::string(1, '\0'));
+  send(std::string("LC04\0\0\0\1RB_TEST\0data", 20));
+  send(kShort + std::string("RB_TEST\0", 8) + std::string(DatagramFilter::kLargestDatagram, 'x'));
+  hear_all();
+  EXPECT_EQ(heard_, std::vector<std::string>{"LAST"});
+  EXPECT_EQ(bus_.dropped(), 8);
+}
+
+TEST(DatagramFilter, LeavesSocketsAloneThatAreNoBus) {
+  const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  ASSERT_EQ(::bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  DatagramFilter filter;
+  filter.attach(7667);
+  EXPECT_EQ(filter.sockets(), 0u);
+  ::close(socket);
+}
+
+TEST(DatagramFilter, EveryBusOfAProcessHasItsOwn) {
+  Bus first(bus_url_on_port(process_port(3))), second(bus_url_on_port(process_port(3)));
+  first.subscribe("A", [](std::string_view, auto) {});
+  second.subscribe("A", [](std::string_view, auto) {});
+  DatagramFilter more;
+  more.attach(static_cast<std::uint16_t>(process_port(3)));
+  EXPECT_EQ(more.sockets(), 0u) << "a bus without a filter";
+}
+
+}  // namespace
+}  // namespace roadbalance
