@@ -9,8 +9,9 @@ constexpr std::size_t kKnownReplies = 64;
 constexpr std::size_t kMostUnsent = 64;
 }  // namespace
 
-Commands::Commands(std::int32_t node, std::int64_t epoch, const Ring& ring, Sender& sender, AcquireLink& link)
-    : node_(node), epoch_(epoch), ring_(ring), sender_(sender), link_(link) {}
+Commands::Commands(std::int32_t node, std::int64_t epoch, const Backlog& backlog, Sender& sender,
+                   AcquireLink& link)
+    : node_(node), epoch_(epoch), backlog_(backlog), sender_(sender), link_(link) {}
 
 bool Commands::ended() const {
   const NodeState state = link_.state.load(std::memory_order_acquire);
@@ -30,7 +31,7 @@ void Commands::take(const Command& command, WallTime now) {
   if (command.verb == Verb::kStop && result == CommandError::kNone)
     stop_request_ = command;
   else
-    answer(command, result, command.verb == Verb::kStart ? 1 : ring_.next());
+    answer(command, result, command.verb == Verb::kStart ? 1 : backlog_.next());
 }
 
 CommandError Commands::act(const Command& command, WallTime now) {
@@ -64,7 +65,7 @@ std::optional<Reply> Commands::next_reply() {
   if (stop_request_ && ended()) {
     const Command request = *stop_request_;
     stop_request_.reset();
-    answer(request, CommandError::kNone, ring_.next() - 1);
+    answer(request, CommandError::kNone, backlog_.next() - 1);
   }
   if (to_send_.empty()) return std::nullopt;
   const Reply reply = to_send_.front();

@@ -14,7 +14,7 @@ namespace roadbalance {
 /// gets the same reply each time; a stop is answered when the end is sealed, with the end's sequence.
 class Commands {
  public:
-  Commands(std::int32_t node, std::int64_t epoch, const Ring& ring, Sender& sender, AcquireLink& link);
+  Commands(std::int32_t node, std::int64_t epoch, const Backlog& backlog, Sender& sender, AcquireLink& link);
 
   void take(const Command& command, WallTime now);
 
@@ -30,7 +30,7 @@ class Commands {
 
   const std::int32_t node_;
   const std::int64_t epoch_;
-  const Ring& ring_;
+  const Backlog& backlog_;
   Sender& sender_;
   AcquireLink& link_;
   std::optional<Command> stop_request_;

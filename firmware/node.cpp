@@ -43,9 +43,11 @@ void run_node(std::stop_token stop, const VehicleConfig& vehicle, const NodeConf
     throw ConfigError("ring of " + std::to_string(options.ring_bytes) + " bytes: node " + node.name +
                       " needs at least " + std::to_string(least * sizeof(SealedBlock)));
 
+  Backlog backlog(ring);
+  NodeLink node_link(node.id, epoch, backlog, *preview, link);
   Parallel processes;
   const std::stop_callback pass_on(stop, [&processes] { processes.request_stop(); });
-  processes.run(uplink, options.bus_url, node.id, epoch, std::ref(ring), std::ref(*preview), std::ref(link));
+  processes.run(uplink, options.bus_url, node.id, std::ref(node_link));
   processes.run([&](std::stop_token stop_here) {
     if (!front_end.waits())
       for (const std::string& refused : enter_realtime(kAcquirePriority)) options.warn(refused);

@@ -1,12 +1,9 @@
 #pragma once
 
-#include <cstdint>
 #include <stop_token>
 #include <string>
 
-#include "common/link/ring.hpp"
-#include "firmware/acquire.hpp"
-#include "firmware/preview_slot.hpp"
+#include "firmware/node_link.hpp"
 
 namespace roadbalance {
 
@@ -16,7 +13,6 @@ namespace roadbalance {
 /// Ends when acquire has ended and the owner has everything durable; told to stop, within a second.
 ///
 /// @throws std::runtime_error if the bus cannot be opened
-void uplink(std::stop_token stop, const std::string& bus_url, std::int32_t node, std::int64_t epoch,
-            Ring& ring, PreviewSlot& preview, AcquireLink& link);
+void uplink(std::stop_token stop, const std::string& bus_url, std::int32_t node, NodeLink& link);
 
 }  // namespace roadbalance

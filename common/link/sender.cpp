@@ -1,16 +1,25 @@
 #include "common/link/sender.hpp"
 
 #include <algorithm>
+#include <cassert>
+
+#include "common/link/planted.hpp"
 
 namespace roadbalance {
+namespace {
 
-Sender::Sender(Ring& ring, std::int32_t node, std::int64_t epoch, Options options)
-    : ring_(ring),
+// All that a recorder asks for lies within its window (2048 blocks), so that no two share a place.
+constexpr std::size_t kSentRemembered = 4096;
+
+}  // namespace
+
+Sender::Sender(Backlog& backlog, std::int32_t node, std::int64_t epoch, Options options)
+    : backlog_(backlog),
       node_(node),
       epoch_(epoch),
       options_(options),
       tokens_(options.burst_blocks),
-      last_sent_(static_cast<std::size_t>(ring.capacity()), WallTime(-std::chrono::hours(1))) {
+      sent_(kSentRemembered) {
   due_.reserve(static_cast<std::size_t>(options.burst_blocks) + 1);
 }
 
@@ -39,7 +48,7 @@ bool Sender::release(std::int64_t incarnation) {
 
 bool Sender::is_good(const Ack& ack) const {
   return ack.node == node_ && ack.epoch == epoch_ && owner_ != 0 && ack.incarnation == owner_ &&
-         ack.number > ack_number_ && ack.durable < ring_.next() && ack.missing.size() <= kMaxMissingRanges;
+         ack.number > ack_number_ && ack.durable < backlog_.next() && ack.missing.size() <= kMaxMissingRanges;
 }
 
 bool Sender::take(const Ack& ack, WallTime now) {
@@ -50,7 +59,7 @@ bool Sender::take(const Ack& ack, WallTime now) {
   ack_number_ = ack.number;
   owner_heard_ = now;
   credit_ = std::max(credit_, ack.credit);
-  ring_.free_through(ack.durable);
+  backlog_.free_through(planted(PlantedFault::kFreeOnReceive) ? ack.received : ack.durable);
   // An ack without ranges asks for nothing new; what the one before asked for may still wait for tokens.
   if (ack.missing.empty()) return true;
   std::copy(ack.missing.begin(), ack.missing.end(), missing_.begin());
@@ -59,8 +68,9 @@ bool Sender::take(const Ack& ack, WallTime now) {
   return true;
 }
 
-WallTime& Sender::last_sent(std::int64_t sequence) {
-  return last_sent_[static_cast<std::size_t>(sequence % ring_.capacity())];
+bool Sender::was_sent_lately(std::int64_t sequence, WallTime now) const {
+  const Sent& sent = sent_[static_cast<std::size_t>(sequence) % kSentRemembered];
+  return sent.sequence == sequence && now - sent.at < options_.repeat_after;
 }
 
 bool Sender::spend_token() {
@@ -70,7 +80,7 @@ bool Sender::spend_token() {
 }
 
 void Sender::send(std::int64_t sequence, WallTime now) {
-  last_sent(sequence) = now;
+  sent_[static_cast<std::size_t>(sequence) % kSentRemembered] = {sequence, now};
   due_.push_back(sequence);
   ++blocks_sent_;
 }
@@ -80,9 +90,9 @@ void Sender::repair(WallTime now) {
   for (; missing_at_ < missing_count_; ++missing_at_) {
     SequenceRange& range = missing_[missing_at_];
     const std::int64_t last = std::min(range.last, sent_through_);
-    range.first = std::max(range.first, ring_.base());
+    range.first = std::max(range.first, backlog_.base());
     for (; range.first <= last; ++range.first) {
-      if (now - last_sent(range.first) < options_.repeat_after) continue;
+      if (was_sent_lately(range.first, now)) continue;
       if (!spend_token()) return;
       send(range.first, now);
       ++blocks_repaired_;
@@ -99,8 +109,8 @@ std::span<const std::int64_t> Sender::due(WallTime now) {
 
   repair(now);
   // Blocks freed before they were sent came to the recorder through somebody else's hands.
-  sent_through_ = std::max(sent_through_, ring_.base() - 1);
-  const std::int64_t last = std::min(ring_.next() - 1, credit_);
+  sent_through_ = std::max(sent_through_, backlog_.base() - 1);
+  const std::int64_t last = std::min(backlog_.next() - 1, credit_);
   while (sent_through_ < last && spend_token()) send(++sent_through_, now);
   return due_;
 }

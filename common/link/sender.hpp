@@ -9,7 +9,7 @@
 
 #include "common/bus/control.hpp"
 #include "common/clock/clocks.hpp"
-#include "common/link/ring.hpp"
+#include "common/link/backlog.hpp"
 
 namespace roadbalance {
 
@@ -28,8 +28,8 @@ class Sender {
     double burst_blocks = 64;               ///< ... and its size: what a small receive buffer holds
   };
 
-  Sender(Ring& ring, std::int32_t node, std::int64_t epoch) : Sender(ring, node, epoch, Options{}) {}
-  Sender(Ring& ring, std::int32_t node, std::int64_t epoch, Options options);
+  Sender(Backlog& backlog, std::int32_t node, std::int64_t epoch) : Sender(backlog, node, epoch, Options{}) {}
+  Sender(Backlog& backlog, std::int32_t node, std::int64_t epoch, Options options);
 
   /// A recorder asks to own this node.  True if it does now: it did, or there was no owner, or the owner's
   /// lease is over and it has a higher incarnation.
@@ -42,7 +42,7 @@ class Sender {
   /// Frees what is durable, remembers what to repair.  False if refused (and counted).
   bool take(const Ack& ack, WallTime now);
 
-  /// Sequences to transmit now, in this order; the caller sends ring.get(sequence) for each.
+  /// Sequences to transmit now, in this order; the caller sends backlog.get(sequence) for each.
   std::span<const std::int64_t> due(WallTime now);
 
   std::int64_t blocks_sent() const { return blocks_sent_; }          ///< repeats included
@@ -50,13 +50,17 @@ class Sender {
   std::int64_t acks_refused() const { return acks_refused_; }
 
  private:
+  struct Sent {
+    std::int64_t sequence = 0;
+    WallTime at{};
+  };
   bool is_good(const Ack& ack) const;
   bool spend_token();
   void send(std::int64_t sequence, WallTime now);
   void repair(WallTime now);
-  WallTime& last_sent(std::int64_t sequence);
+  bool was_sent_lately(std::int64_t sequence, WallTime now) const;
 
-  Ring& ring_;
+  Backlog& backlog_;
   const std::int32_t node_;
   const std::int64_t epoch_;
   const Options options_;
@@ -73,7 +77,7 @@ class Sender {
 
   double tokens_;
   WallTime tokens_at_{};
-  std::vector<WallTime> last_sent_;  // by ring slot
+  std::vector<Sent> sent_;  // [sequence % size]
   std::vector<std::int64_t> due_;
 
   std::int64_t blocks_sent_ = 0;

@@ -10,9 +10,10 @@ constexpr std::int64_t kEpoch = 9, kOwner = 4;
 
 struct Fixture : testing::Test {
   Ring ring{64 * sizeof(SealedBlock)};
-  Sender sender{ring, kNode, kEpoch};
+  Backlog backlog{ring};
+  Sender sender{backlog, kNode, kEpoch};
   AcquireLink link;
-  Commands commands{kNode, kEpoch, ring, sender, link};
+  Commands commands{kNode, kEpoch, backlog, sender, link};
   WallTime now{};
 
   std::optional<Reply> say(Verb verb, std::int64_t request, std::int64_t incarnation = kOwner) {

@@ -63,9 +63,10 @@ class LinkSimulation {
   };
   struct Node {
     explicit Node(std::int64_t number, std::size_t ring_bytes)
-        : epoch(number), ring(ring_bytes), sender(ring, 1, number) {}
+        : epoch(number), ring(ring_bytes), backlog(ring), sender(backlog, 1, number) {}
     std::int64_t epoch;
     Ring ring;
+    Backlog backlog;
     Sender sender;
   };
 

@@ -30,7 +30,8 @@ class SenderTest : public ::testing::Test {
   std::size_t due(WallTime at) { return sender.due(at).size(); }
 
   Ring ring{100 * sizeof(SealedBlock)};
-  Sender sender{ring, 1, kEpoch};
+  Backlog backlog{ring};
+  Sender sender{backlog, 1, kEpoch};
 };
 
 TEST_F(SenderTest, SendsNothingWithoutAnOwner) {

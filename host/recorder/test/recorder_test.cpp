@@ -25,7 +25,7 @@ using std::chrono::milliseconds;
 class TestNode {
  public:
   TestNode(std::string url, std::int32_t number, std::int64_t blocks, double drop = 0)
-      : number_(number), blocks_(blocks), drop_(drop), bus_(url), sender_(ring_, number, kEpoch) {
+      : number_(number), blocks_(blocks), drop_(drop), bus_(url), sender_(backlog_, number, kEpoch) {
     bus_.subscribe(ack_channel(number), [this](std::string_view, auto bytes) {
       const auto ack = decode_ack(bytes);
       if (!ack || (ended_ && ack->durable == ring_.next() - 1 && lost_last_acks_-- > 0)) return;
@@ -120,6 +120,7 @@ class TestNode {
   const double drop_;
   Bus bus_;
   Ring ring_{2000 * sizeof(SealedBlock)};
+  Backlog backlog_{ring_};
   Sender sender_;
   int lost_last_acks_ = 0;
   bool started_ = false;

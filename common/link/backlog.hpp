@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+
+#include "common/clock/clocks.hpp"
+#include "common/link/ring.hpp"
+#include "common/link/spool.hpp"
+
+namespace roadbalance {
+
+/// All that a node keeps for its recorder, as one run of sequences base() .. next() - 1: the oldest in the
+/// spool if there is one, the newest in the ring.  Used by the ring's consumer thread only; adds no memory
+/// but one block.
+///
+/// When more than half of the ring is used its oldest blocks move to the spool; what the spool does not take
+/// stays in the ring.
+class Backlog {
+ public:
+  explicit Backlog(Ring& ring, Spool* spool = nullptr);
+
+  std::int64_t base() const;  ///< oldest sequence held
+  std::int64_t next() const { return ring_.next(); }
+  std::int64_t used() const { return next() - base(); }  ///< blocks held
+  std::int64_t capacity() const;
+  std::int64_t spooled() const;         ///< of the blocks held, those on the node's disk
+  std::int64_t spool_failures() const;  ///< calls that the node's disk refused
+
+  /// base() <= sequence < next(); valid until the next call of any member.  Nullptr if the node's disk does
+  /// not give it back: it is tried again when asked for again.  The oldest block is given up after
+  /// `kMostTries`: base() rises, and the recorder declares it lost at the node.
+  const SealedBlock* get(std::int64_t sequence);
+  /// Everything through `sequence` < next() is given back; lower than base() does nothing.
+  void free_through(std::int64_t sequence);
+  /// Moves blocks to the spool if it is time to.  May take as long as a disk does.
+  void relieve(WallTime now);
+
+  static constexpr int kMostTries = 3;
+
+ private:
+  bool is_spooled(std::int64_t sequence) const { return spool_ && sequence < ring_.base(); }
+  void not_read(std::int64_t sequence);
+
+  Ring& ring_;
+  Spool* const spool_;
+  SealedBlock block_;        // read from the spool
+  std::int64_t unread_ = 0;  // the oldest block, if the disk did not give it back ...
+  int tries_ = 0;            // ... so often
+};
+
+}  // namespace roadbalance

@@ -1,0 +1,111 @@
+#include "firmware/node_link.hpp"
+
+#include <algorithm>
+
+#include "common/bus/bus.hpp"
+#include "common/bus/control.hpp"
+
+namespace roadbalance {
+
+namespace {
+
+using namespace std::chrono_literals;
+constexpr auto kHeartbeatPeriod = 100ms;
+constexpr int kLastHeartbeats = 3;
+
+}  // namespace
+
+NodeLink::NodeLink(std::int32_t node, std::int64_t epoch, Backlog& backlog, PreviewSlot& preview,
+                   AcquireLink& link, NodeClockAddress clock)
+    : node_(node),
+      epoch_(epoch),
+      backlog_(backlog),
+      preview_(preview),
+      link_(link),
+      clock_(clock),
+      sender_(backlog, node, epoch),
+      commands_(node, epoch, backlog, sender_, link),
+      ack_channel_(ack_channel(node)),
+      command_channel_(command_channel(node)),
+      reply_channel_(reply_channel(node)),
+      heartbeat_channel_(heartbeat_channel(node)),
+      preview_channel_(preview_channel(node)) {
+  for (std::size_t kind = 0; kind < block_channel_.size(); ++kind)
+    block_channel_[kind] = block_channel(node, static_cast<BlockKind>(kind));
+}
+
+void NodeLink::take(std::string_view channel, std::span<const std::uint8_t> bytes, WallTime now) {
+  if (channel == ack_channel_) {
+    if (const auto ack = decode_ack(bytes)) sender_.take(*ack, now);
+  } else if (channel == command_channel_) {
+    if (const auto command = decode_command(bytes)) commands_.take(*command, now);
+  }
+}
+
+bool NodeLink::turn(WallTime now, const Publish& publish) {
+  backlog_.relieve(now);
+  const bool busy = send_blocks(now, publish);
+  if (const SealedBlock* block = preview_.read()) publish(preview_channel_, block->bytes());
+  while (const auto answer = commands_.next_reply()) publish(reply_channel_, encode(*answer));
+  if (now >= next_heartbeat_) {
+    send_heartbeat(publish);
+    next_heartbeat_ = now + kHeartbeatPeriod;
+  }
+  return busy;
+}
+
+bool NodeLink::send_blocks(WallTime now, const Publish& publish) {
+  const auto due = sender_.due(now);
+  for (const std::int64_t sequence : due) {
+    if (sequence < backlog_.base()) continue;  // the disk gave up the one before it
+    const SealedBlock* block = backlog_.get(sequence);
+    if (!block) continue;
+    if (!publish(block_channel_[static_cast<std::size_t>(block->kind)], block->bytes())) ++blocks_unsent_;
+  }
+  return !due.empty();
+}
+
+bool NodeLink::ended() const {
+  const NodeState state = link_.state.load(std::memory_order_acquire);
+  return state == NodeState::kEnded || state == NodeState::kFailed;
+}
+
+bool NodeLink::finished() const {
+  return ended() && backlog_.used() == 0 && !commands_.waiting();
+}
+
+void NodeLink::farewell(const Publish& publish) {
+  for (int k = 0; k < kLastHeartbeats; ++k) send_heartbeat(publish);
+}
+
+// The state is read first: once it says that all is over, `next` is behind the last block.
+void NodeLink::send_heartbeat(const Publish& publish) {
+  Heartbeat beat;
+  beat.node = node_;
+  beat.epoch = epoch_;
+  beat.state = link_.state.load(std::memory_order_acquire);
+  beat.base = backlog_.base();
+  beat.next = backlog_.next();
+  beat.time_ns = link_.time_ns.load();
+  beat.owner = sender_.owner();
+  beat.ring_used = beat.next - beat.base;
+  beat.ring_capacity = std::max(backlog_.capacity(), beat.ring_used);
+  beat.spool_used = backlog_.spooled();
+  beat.spool_failures = backlog_.spool_failures();
+  beat.scans_sampled = link_.scans_sampled.load();
+  beat.scans_missing = link_.scans_missing.load();
+  beat.scans_refused = link_.scans_refused.load();
+  beat.blocks_sent = sender_.blocks_sent();
+  beat.blocks_repaired = sender_.blocks_repaired();
+  beat.blocks_unsent = blocks_unsent_;
+  beat.acks_refused = sender_.acks_refused();
+  for (std::size_t line = 0; line < kEncoderLines; ++line)
+    beat.encoder_faults[line] = link_.encoder_faults[line].load();
+  beat.unreferenced_blocks = link_.unreferenced_blocks.load();
+  beat.time_base = clock_.time_base;
+  beat.clock_address = clock_.address;
+  beat.clock_port = clock_.port;
+  publish(heartbeat_channel_, encode(beat));
+}
+
+}  // namespace roadbalance

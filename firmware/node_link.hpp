@@ -1,0 +1,68 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "common/bus/publish.hpp"
+#include "common/clock/clocks.hpp"
+#include "common/link/backlog.hpp"
+#include "common/link/sender.hpp"
+#include "firmware/acquire.hpp"
+#include "firmware/commands.hpp"
+#include "firmware/preview_slot.hpp"
+
+namespace roadbalance {
+
+/// Where a node's clock is asked for, as its heartbeats say.
+struct NodeClockAddress {
+  TimeBase time_base = TimeBase::kOwn;
+  std::uint32_t address = 0;  ///< IPv4, as a number; 0: nobody answers
+  std::uint16_t port = 0;
+};
+
+/// The node's half of the bus without a bus: datagrams and time come in, datagrams go out.  Its memory is
+/// fixed; in steady state it allocates for heartbeats and replies only.
+class NodeLink {
+ public:
+  NodeLink(std::int32_t node, std::int64_t epoch, Backlog& backlog, PreviewSlot& preview, AcquireLink& link,
+           NodeClockAddress clock = {});
+
+  /// What came on ack_channel(node) or command_channel(node); anything else is ignored.
+  void take(std::string_view channel, std::span<const std::uint8_t> bytes, WallTime now);
+
+  /// Moves blocks to the spool if it must, then sends what is due: blocks, the preview, replies, ten
+  /// heartbeats a second.  True if there were blocks: more may be due at once.
+  bool turn(WallTime now, const Publish& publish);
+
+  /// Acquire has ended, its owner has everything durable, and every command is answered.
+  bool finished() const;
+  std::int64_t owner() const { return sender_.owner(); }
+  const Sender& sender() const { return sender_; }
+
+  /// The last words: a heartbeat, again and again because any may be lost.
+  void farewell(const Publish& publish);
+
+ private:
+  bool ended() const;
+  bool send_blocks(WallTime now, const Publish& publish);
+  void send_heartbeat(const Publish& publish);
+
+  const std::int32_t node_;
+  const std::int64_t epoch_;
+  Backlog& backlog_;
+  PreviewSlot& preview_;
+  AcquireLink& link_;
+  const NodeClockAddress clock_;
+  Sender sender_;
+  Commands commands_;
+  const std::string ack_channel_, command_channel_, reply_channel_, heartbeat_channel_, preview_channel_;
+  std::array<std::string, 5> block_channel_;  // [BlockKind]
+  WallTime next_heartbeat_{};
+  std::int64_t blocks_unsent_ = 0;
+};
+
+}  // namespace roadbalance
