@@ -2,21 +2,25 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
+#include <string>
 #include <string_view>
+
+#include "common/record/disk.hpp"
 
 namespace roadbalance {
 
 /// An open file or directory; closes itself.  Every failed call throws std::system_error that names the call
-/// and the path.
+/// and the path; an interrupted call is made again.  The disk outlives the file.
 class File {
  public:
   File() = default;
-  static File open_to_read(const std::filesystem::path& path);
+  static File open_to_read(const std::filesystem::path& path, Disk& disk = kernel_disk());
   /// @throws also if it exists
-  static File create(const std::filesystem::path& path);
-  static File open_to_write(const std::filesystem::path& path);
-  static File open_folder(const std::filesystem::path& path);
+  static File create(const std::filesystem::path& path, Disk& disk = kernel_disk());
+  static File open_to_write(const std::filesystem::path& path, Disk& disk = kernel_disk());
+  static File open_folder(const std::filesystem::path& path, Disk& disk = kernel_disk());
 
   File(File&& other) noexcept;
   File& operator=(File&& other) noexcept;
@@ -41,16 +45,21 @@ class File {
   void close();
 
  private:
-  File(int descriptor, std::filesystem::path path) : descriptor_(descriptor), path_(std::move(path)) {}
-  static File open(const std::filesystem::path& path, int flags);
+  File(Disk& disk, int descriptor, std::filesystem::path path)
+      : disk_(&disk), descriptor_(descriptor), path_(std::move(path)) {}
+  static File open(const std::filesystem::path& path, int flags, Disk& disk);
   [[noreturn]] void fail(const char* call) const;
 
+  Disk* disk_ = nullptr;
   int descriptor_ = -1;
   std::filesystem::path path_;
 };
 
+/// A whole small file; nothing if there is none.
+std::optional<std::string> read_text(const std::filesystem::path& path, Disk& disk = kernel_disk());
+
 /// Replaces `path` by a file with this text so that a reader sees the old or the new, never a part; durable
-/// on return.  @throws std::system_error naming the file
-void write_atomically(const std::filesystem::path& path, std::string_view text);
+/// on return.  @throws std::system_error naming the call and the file
+void write_atomically(const std::filesystem::path& path, std::string_view text, Disk& disk = kernel_disk());
 
 }  // namespace roadbalance

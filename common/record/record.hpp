@@ -2,8 +2,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
-#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -11,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "common/link/block.hpp"
+#include "common/record/disk.hpp"
 
 namespace roadbalance {
 
@@ -28,7 +26,7 @@ struct LogEvent {
 class RecordReader {
  public:
   /// @throws std::system_error naming the folder if it holds no segment
-  explicit RecordReader(std::filesystem::path folder);
+  explicit RecordReader(std::filesystem::path folder, Disk& disk = kernel_disk());
   ~RecordReader();
   RecordReader(RecordReader&&) noexcept;
 
@@ -61,12 +59,12 @@ class RecordWriter {
  public:
   struct Options {
     std::filesystem::path folder;
-    std::uint64_t segment_bytes = 256ULL << 20;
+    std::uint64_t segment_bytes = 64ULL << 20;
   };
   /// Creates the folder, or continues one: the tail of its last segment is cut to the longest valid prefix
   /// (the rest kept beside it) and a new segment begins.  A last segment without any event is taken away.
   /// @throws std::system_error naming the file, std::runtime_error if another recorder writes to the folder
-  explicit RecordWriter(Options options);
+  explicit RecordWriter(Options options, Disk& disk = kernel_disk());
   ~RecordWriter();
   RecordWriter(RecordWriter&&) noexcept;
 

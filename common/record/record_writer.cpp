@@ -2,6 +2,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/record/folder.hpp"
 #include "common/record/log_event.hpp"
 #include "common/record/record.hpp"
 #include "common/record/segment.hpp"
@@ -14,8 +15,8 @@ constexpr std::uint64_t kReserveBytes = std::uint64_t{16} << 20;
 // Appended events wait here for one write(2).
 constexpr std::size_t kBufferBytes = std::size_t{256} << 10;
 
-std::uint64_t end_of_last_event(const std::filesystem::path& path) {
-  SegmentReader reader(path);
+std::uint64_t end_of_last_event(const std::filesystem::path& path, Disk& disk) {
+  SegmentReader reader(path, disk);
   std::vector<RecordReader::Damage> damage;
   while (reader.next(true, damage)) {
   }
@@ -24,12 +25,12 @@ std::uint64_t end_of_last_event(const std::filesystem::path& path) {
 
 // The bytes from `offset` on go to a file beside the segment, durably, before the segment is cut.
 std::filesystem::path keep_tail(const std::filesystem::path& segment, std::uint64_t offset,
-                                std::uint64_t size) {
+                                std::uint64_t size, Disk& disk) {
   std::filesystem::path tail = segment;
   tail.replace_extension(".tail");
-  const File from = File::open_to_read(segment);
-  std::filesystem::remove(tail);
-  File to = File::create(tail);
+  const File from = File::open_to_read(segment, disk);
+  remove_file(tail, disk);
+  File to = File::create(tail, disk);
   std::vector<std::uint8_t> buffer(kBufferBytes);
   while (offset < size) {
     const std::size_t got = from.read_at(offset, buffer);
@@ -42,13 +43,14 @@ std::filesystem::path keep_tail(const std::filesystem::path& segment, std::uint6
   return tail;
 }
 
-std::optional<RecordWriter::CutTail> cut_torn_tail(const std::filesystem::path& segment, File& folder) {
-  const std::uint64_t size = std::filesystem::file_size(segment);
-  const std::uint64_t kept = end_of_last_event(segment);
+std::optional<RecordWriter::CutTail> cut_torn_tail(const std::filesystem::path& segment, File& folder,
+                                                   Disk& disk) {
+  const std::uint64_t size = size_of_file(segment, disk);
+  const std::uint64_t kept = end_of_last_event(segment, disk);
   if (kept >= size) return std::nullopt;
-  const auto tail = keep_tail(segment, kept, size);
+  const auto tail = keep_tail(segment, kept, size, disk);
   folder.sync();  // the tail's name too, before the segment is cut
-  File file = File::open_to_write(segment);
+  File file = File::open_to_write(segment, disk);
   file.truncate(kept);
   file.sync();
   return RecordWriter::CutTail{.segment = segment, .tail = tail, .kept = kept, .cut = size - kept};
@@ -57,7 +59,10 @@ std::optional<RecordWriter::CutTail> cut_torn_tail(const std::filesystem::path& 
 }  // namespace
 
 struct RecordWriter::State {
-  Options options;
+  State(Options with, Disk& on) : options(std::move(with)), disk(on) {}
+
+  const Options options;
+  Disk& disk;
   File folder;
   File file;
   int segment = 0;  // number of the current or, with no file open, of the last segment
@@ -104,7 +109,7 @@ struct RecordWriter::State {
   // in the last segment only.  The next one is durable with its preamble before the present one is closed.
   void open_next() {
     if (file.is_open()) sync();
-    File before = std::exchange(file, File::create(segment_path(options.folder, segment + 1)));
+    File before = std::exchange(file, File::create(segment_path(options.folder, segment + 1), disk));
     const std::uint64_t size_before = std::exchange(segment_bytes, 0);
     ++segment;
     reserved_bytes = 0;
@@ -117,22 +122,22 @@ struct RecordWriter::State {
   }
 };
 
-RecordWriter::RecordWriter(Options options) : state_(std::make_unique<State>()) {
+RecordWriter::RecordWriter(Options options, Disk& disk)
+    : state_(std::make_unique<State>(std::move(options), disk)) {
   State& s = *state_;
-  s.options = std::move(options);
-  std::filesystem::create_directories(s.options.folder);
-  s.folder = File::open_folder(s.options.folder);
+  create_folders(s.options.folder, disk);
+  s.folder = File::open_folder(s.options.folder, disk);
   if (!s.folder.try_lock())
     throw std::runtime_error("recording " + s.options.folder.string() + ": another program writes to it");
   s.buffer.reserve(kBufferBytes + kMaxLogEventBytes);
-  const auto numbers = segment_numbers(s.options.folder);
+  const auto numbers = segment_numbers(s.options.folder, disk);
   if (numbers.empty()) return;
   s.segment = numbers.back();
   const auto last = segment_path(s.options.folder, s.segment);
-  s.cut = cut_torn_tail(last, s.folder);
+  s.cut = cut_torn_tail(last, s.folder, disk);
   // Killed before its first event was there: nothing in it was ever promised, and its number is free again.
-  if (std::filesystem::file_size(last) > 0) return;
-  std::filesystem::remove(last);
+  if (size_of_file(last, disk) > 0) return;
+  remove_file(last, disk);
   --s.segment;
 }
 

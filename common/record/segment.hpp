@@ -15,7 +15,7 @@ namespace roadbalance {
 std::filesystem::path segment_path(const std::filesystem::path& folder, int number);
 
 /// Numbers of the segments in `folder`, ascending.
-std::vector<int> segment_numbers(const std::filesystem::path& folder);
+std::vector<int> segment_numbers(const std::filesystem::path& folder, Disk& disk = kernel_disk());
 
 /// Reads the events of one segment, which may still grow.
 ///
@@ -23,7 +23,7 @@ std::vector<int> segment_numbers(const std::filesystem::path& folder);
 /// its own CRC.  Else the bytes up to the next event that counts are damage.
 class SegmentReader {
  public:
-  explicit SegmentReader(std::filesystem::path path);
+  explicit SegmentReader(std::filesystem::path path, Disk& disk = kernel_disk());
 
   /// @param complete  nothing is added any more: what cannot be an event by now is damage
   /// Views are valid until the next call.

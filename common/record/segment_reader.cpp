@@ -12,8 +12,8 @@ constexpr std::size_t kBufferBytes = std::size_t{256} << 10;
 static_assert(kBufferBytes > 2 * kMaxLogEventBytes);
 }  // namespace
 
-SegmentReader::SegmentReader(std::filesystem::path path)
-    : file_(File::open_to_read(path)), buffer_(kBufferBytes) {}
+SegmentReader::SegmentReader(std::filesystem::path path, Disk& disk)
+    : file_(File::open_to_read(path, disk)), buffer_(kBufferBytes) {}
 
 std::span<const std::uint8_t> SegmentReader::rest() const {
   return {buffer_.data() + at_, filled_ - at_};

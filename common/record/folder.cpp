@@ -1,0 +1,75 @@
+#include "common/record/folder.hpp"
+
+#include <fcntl.h>
+
+#include <cerrno>
+#include <system_error>
+
+#include "common/record/file.hpp"
+
+namespace roadbalance {
+namespace {
+
+[[noreturn]] void throw_errno(const std::string& what) {
+  throw std::system_error(errno, std::generic_category(), what);
+}
+
+bool can_open(const std::filesystem::path& path, int flags, Disk& disk) {
+  int descriptor = disk.open(path.c_str(), flags, 0);
+  while (descriptor < 0 && errno == EINTR) descriptor = disk.open(path.c_str(), flags, 0);
+  if (descriptor >= 0) {
+    disk.close(descriptor);
+    return true;
+  }
+  if (errno != ENOENT && errno != ENOTDIR) throw_errno("open " + path.string());
+  return false;
+}
+
+}  // namespace
+
+bool path_exists(const std::filesystem::path& path, Disk& disk) {
+  return can_open(path, O_RDONLY, disk);
+}
+
+bool is_folder(const std::filesystem::path& path, Disk& disk) {
+  return can_open(path, O_RDONLY | O_DIRECTORY, disk);
+}
+
+std::uint64_t size_of_file(const std::filesystem::path& path, Disk& disk) {
+  return File::open_to_read(path, disk).size();
+}
+
+std::vector<std::string> list_folder(const std::filesystem::path& path, Disk& disk) {
+  auto names = disk.list(path.c_str());
+  if (!names) throw_errno("list " + path.string());
+  return std::move(*names);
+}
+
+void create_folders(const std::filesystem::path& path, Disk& disk) {
+  if (path.empty() || is_folder(path, disk)) return;
+  if (!path.has_filename()) return create_folders(path.parent_path(), disk);  // "drive/"
+  create_folders(path.parent_path(), disk);
+  if (disk.mkdir(path.c_str(), 0755) != 0 && errno != EEXIST) throw_errno("mkdir " + path.string());
+  sync_folder(folder_of(path), disk);
+}
+
+void sync_folder(const std::filesystem::path& path, Disk& disk) {
+  File::open_folder(path, disk).sync();
+}
+
+std::filesystem::path folder_of(const std::filesystem::path& path) {
+  return path.parent_path().empty() ? std::filesystem::path(".") : path.parent_path();
+}
+
+bool remove_file(const std::filesystem::path& path, Disk& disk) {
+  if (disk.unlink(path.c_str()) == 0) return true;
+  if (errno != ENOENT) throw_errno("remove " + path.string());
+  return false;
+}
+
+void rename_file(const std::filesystem::path& from, const std::filesystem::path& to, Disk& disk) {
+  if (disk.rename(from.c_str(), to.c_str()) != 0)
+    throw_errno("rename " + from.string() + " to " + to.string());
+}
+
+}  // namespace roadbalance
