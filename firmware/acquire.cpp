@@ -10,6 +10,13 @@ namespace {
 /// How long to leave a device alone that waits for us, or a sink that is full after the end.
 constexpr auto kPatience = std::chrono::microseconds(200);
 
+/// Until the end is written; a sink that stays full is asked again and again.
+void finish(std::stop_token stop, Sealer& sealer) noexcept {
+  while (!sealer.finish() && !stop.stop_requested()) std::this_thread::sleep_for(kPatience);
+}
+
+}  // namespace
+
 void tell(const Sealer& sealer, NodeState state, AcquireLink& link) noexcept {
   constexpr auto kRelaxed = std::memory_order_relaxed;
   link.time_ns.store(to_ns(sealer.time()), kRelaxed);
@@ -21,13 +28,6 @@ void tell(const Sealer& sealer, NodeState state, AcquireLink& link) noexcept {
     link.encoder_faults[line].store(sealer.encoder_faults(static_cast<int>(line)), kRelaxed);
   link.state.store(state, std::memory_order_release);
 }
-
-/// Until the end is written; a sink that stays full is asked again and again.
-void finish(std::stop_token stop, Sealer& sealer) noexcept {
-  while (!sealer.finish() && !stop.stop_requested()) std::this_thread::sleep_for(kPatience);
-}
-
-}  // namespace
 
 void acquire(std::stop_token stop, FrontEnd& front_end, Sealer& sealer, BlockSink& sink,
              AcquireLink& link) noexcept {

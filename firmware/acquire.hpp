@@ -33,6 +33,9 @@ struct AcquireLink {
 void acquire(std::stop_token stop, FrontEnd& front_end, Sealer& sealer, BlockSink& sink,
              AcquireLink& link) noexcept;
 
+/// What acquire says of itself after each read.
+void tell(const Sealer& sealer, NodeState state, AcquireLink& link) noexcept;
+
 /// A read takes at most so many.
 inline constexpr std::size_t kScansPerRead = 256;
 inline constexpr std::size_t kEdgesPerRead = 4096;
