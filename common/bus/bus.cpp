@@ -140,7 +140,8 @@ Bus::Bus(const std::string& url) : state_(std::make_unique<State>()) {
 Bus::~Bus() = default;
 
 void Bus::subscribe(const std::string& pattern, Handler handler) {
-  auto& subscription = state_->subscriptions.emplace_back(std::move(handler), &state_->failure);
+  auto& subscription =
+      state_->subscriptions.emplace_back(State::Subscription{std::move(handler), &state_->failure});
   // LCM opens its socket with the first subscription.  One at a time, so that the socket without a filter is
   // this bus's.
   static std::mutex one_at_a_time;
