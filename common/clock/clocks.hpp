@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <ctime>
 
 namespace roadbalance {
 
@@ -17,6 +18,23 @@ struct NodeClock {
 };
 using NodeTime = NodeClock::time_point;
 
+/// CLOCK_MONOTONIC_RAW of the machine a program runs on: nobody steps or slews it.  The host's is the one
+/// time line of all nodes.
+struct MachineClock {
+  using rep = std::int64_t;
+  using period = std::nano;
+  using duration = std::chrono::duration<rep, period>;
+  using time_point = std::chrono::time_point<MachineClock>;
+  static constexpr bool is_steady = true;
+
+  static time_point now() noexcept {
+    timespec t{};
+    clock_gettime(CLOCK_MONOTONIC_RAW, &t);
+    return time_point(std::chrono::seconds(t.tv_sec) + std::chrono::nanoseconds(t.tv_nsec));
+  }
+};
+using MachineTime = MachineClock::time_point;
+
 /// The monotonic clock of the machine a program runs on: protocol timers live here, samples never.
 using WallClock = std::chrono::steady_clock;
 using WallTime = WallClock::time_point;
@@ -25,6 +43,12 @@ constexpr NodeTime node_time_from_ns(std::int64_t ns) {
   return NodeTime(NodeClock::duration(ns));
 }
 constexpr std::int64_t to_ns(NodeTime time) {
+  return time.time_since_epoch().count();
+}
+constexpr MachineTime machine_time_from_ns(std::int64_t ns) {
+  return MachineTime(MachineClock::duration(ns));
+}
+constexpr std::int64_t to_ns(MachineTime time) {
   return time.time_since_epoch().count();
 }
 constexpr double to_seconds(NodeClock::duration duration) {
