@@ -1,8 +1,7 @@
 #include "host/recorder/incarnation.hpp"
 
 #include <algorithm>
-#include <chrono>
-#include <fstream>
+#include <charconv>
 #include <stdexcept>
 #include <string>
 
@@ -11,31 +10,31 @@
 namespace roadbalance {
 namespace {
 
-std::int64_t stored(const std::filesystem::path& file) {
-  if (!std::filesystem::exists(file)) return 0;
+std::int64_t stored(const std::filesystem::path& file, Disk& disk) {
+  const auto text = read_text(file, disk);
+  if (!text) return 0;
   std::int64_t number = 0;
-  if (!(std::ifstream(file) >> number) || number < 1)
+  const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), number);
+  if (error != std::errc() || number < 1 || std::string_view(end) != "\n")
     throw std::runtime_error(file.string() + ": not a positive number; remove it if no recorder runs");
   return number;
 }
 
-std::int64_t store(const std::filesystem::path& file, std::int64_t number) {
-  write_atomically(file, std::to_string(number) + "\n");
+std::int64_t store(const std::filesystem::path& file, std::int64_t number, Disk& disk) {
+  write_atomically(file, std::to_string(number) + "\n", disk);
   return number;
 }
 
 }  // namespace
 
-std::int64_t next_incarnation(const std::filesystem::path& folder) {
-  using namespace std::chrono;
+std::int64_t next_incarnation(const std::filesystem::path& folder, std::int64_t utc_ms, Disk& disk) {
   const auto file = folder / "incarnation";
-  const std::int64_t now_ms = duration_cast<milliseconds>(system_clock::now().time_since_epoch()).count();
-  return store(file, std::max(stored(file) + 1, now_ms));
+  return store(file, std::max(stored(file, disk) + 1, utc_ms), disk);
 }
 
-std::int64_t raise_incarnation(const std::filesystem::path& folder, std::int64_t obeyed) {
+std::int64_t raise_incarnation(const std::filesystem::path& folder, std::int64_t obeyed, Disk& disk) {
   const auto file = folder / "incarnation";
-  return store(file, std::max(stored(file), obeyed) + 1);
+  return store(file, std::max(stored(file, disk), obeyed) + 1, disk);
 }
 
 }  // namespace roadbalance

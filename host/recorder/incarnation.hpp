@@ -3,14 +3,19 @@
 #include <cstdint>
 #include <filesystem>
 
+#include "common/record/disk.hpp"
+
 namespace roadbalance {
 
 /// The recorder's number in this run: higher than in every earlier run on the folder, and, by the wall clock,
 /// than that of earlier recordings.  On the disk before it is returned.
+/// @param utc_ms  the wall clock, since 1970
 /// @throws std::system_error naming the file, std::runtime_error if its content is not a number
-std::int64_t next_incarnation(const std::filesystem::path& folder);
+std::int64_t next_incarnation(const std::filesystem::path& folder, std::int64_t utc_ms,
+                              Disk& disk = kernel_disk());
 
 /// For a node that obeyed a higher number (the wall clock was set back): one above `obeyed`, on the disk.
-std::int64_t raise_incarnation(const std::filesystem::path& folder, std::int64_t obeyed);
+std::int64_t raise_incarnation(const std::filesystem::path& folder, std::int64_t obeyed,
+                               Disk& disk = kernel_disk());
 
 }  // namespace roadbalance

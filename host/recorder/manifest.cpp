@@ -1,9 +1,9 @@
 #include "host/recorder/manifest.hpp"
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "common/record/file.hpp"
+#include "common/record/folder.hpp"
 #include "common/record/segment.hpp"
 #include "host/recorder/preamble.hpp"
 
@@ -16,23 +16,23 @@ std::filesystem::path manifest_path(const std::filesystem::path& folder) {
 
 }  // namespace
 
-void write_manifest(const std::filesystem::path& folder, std::optional<int> last) {
-  auto sizes = read_manifest(folder);
-  for (const int number : segment_numbers(folder)) {
+void write_manifest(const std::filesystem::path& folder, std::optional<int> last, Disk& disk) {
+  auto sizes = read_manifest(folder, disk);
+  for (const int number : segment_numbers(folder, disk)) {
     const auto path = segment_path(folder, number);
-    if (!last || number <= *last) sizes.emplace(path.filename().string(), std::filesystem::file_size(path));
+    if (!last || number <= *last) sizes.emplace(path.filename().string(), size_of_file(path, disk));
   }
   nlohmann::json segments = nlohmann::json::array();
   for (const auto& [file, bytes] : sizes) segments.push_back({{"file", file}, {"bytes", bytes}});
   const nlohmann::json manifest = {
       {"format", kRecordFormat}, {"format_version", kRecordFormatVersion}, {"segments", segments}};
-  write_atomically(manifest_path(folder), manifest.dump(2) + "\n");
+  write_atomically(manifest_path(folder), manifest.dump(2) + "\n", disk);
 }
 
-std::map<std::string, std::uint64_t> read_manifest(const std::filesystem::path& folder) {
+std::map<std::string, std::uint64_t> read_manifest(const std::filesystem::path& folder, Disk& disk) {
   std::map<std::string, std::uint64_t> sizes;
-  std::ifstream stream(manifest_path(folder));
-  const auto manifest = nlohmann::json::parse(stream, nullptr, false);
+  const auto manifest =
+      nlohmann::json::parse(read_text(manifest_path(folder), disk).value_or(""), nullptr, false);
   const auto segments = manifest.is_object() ? manifest.find("segments") : manifest.end();
   if (!manifest.is_object() || segments == manifest.end() || !segments->is_array()) return sizes;
   for (const auto& entry : *segments) {

@@ -6,6 +6,8 @@
 #include <optional>
 #include <string>
 
+#include "common/record/disk.hpp"
+
 namespace roadbalance {
 
 /// Writes manifest.json: the finished segments and their sizes, for people, for transfer, and so that one cut
@@ -13,9 +15,11 @@ namespace roadbalance {
 /// It is never trusted over the segments, and a record is whole without it.
 /// @param last  number of the last finished segment; default: all are
 /// @throws std::system_error naming the file
-void write_manifest(const std::filesystem::path& folder, std::optional<int> last = std::nullopt);
+void write_manifest(const std::filesystem::path& folder, std::optional<int> last = std::nullopt,
+                    Disk& disk = kernel_disk());
 
 /// Sizes of the finished segments by file name; empty if there is no manifest or it is none.
-std::map<std::string, std::uint64_t> read_manifest(const std::filesystem::path& folder);
+std::map<std::string, std::uint64_t> read_manifest(const std::filesystem::path& folder,
+                                                   Disk& disk = kernel_disk());
 
 }  // namespace roadbalance

@@ -5,12 +5,11 @@
 
 #include "common/process/channel.hpp"
 #include "host/recorder/recorder.hpp"
-#include "host/recorder/recover.hpp"
-#include "host/recorder/write.hpp"
+#include "host/recorder/recorder_link.hpp"
 
 namespace roadbalance {
 
-/// Process: bus -> deliveries, and acknowledgements and commands back.
+/// Process: bus -> deliveries, and acknowledgements and commands back: a RecorderLink on its bus.
 ///
 /// When told to stop it stops the nodes, goes on until their ends are durable or nothing more comes, and
 /// until they know it, releases them, and so closes `deliveries`.  When the writer is gone it ends too, but

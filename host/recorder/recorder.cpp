@@ -5,7 +5,6 @@
 
 #include "common/process/parallel.hpp"
 #include "host/recorder/receive.hpp"
-#include "host/recorder/recover.hpp"
 #include "host/recorder/write.hpp"
 
 namespace roadbalance {
@@ -16,22 +15,19 @@ constexpr std::size_t kDurableBatches = 64;
 }  // namespace
 
 RecorderReport run_recorder(std::stop_token stop, const RecorderOptions& options) {
-  // The writer locks the folder and cuts a torn tail before anybody reads it.
-  RecordWriter record({.folder = options.folder, .segment_bytes = options.segment_bytes});
-  if (record.cut_tail() && options.on_cut_tail) options.on_cut_tail(*record.cut_tail());
-  Recovered recovered = recover_record(options.folder);
-  auto vehicle = recovered.vehicle;
+  RecordKeeper keeper(kernel_disk(), {.folder = options.folder,
+                                      .segment_bytes = options.segment_bytes,
+                                      .commit_period = options.commit_period});
+  if (keeper.cut_tail() && options.on_cut_tail) options.on_cut_tail(*keeper.cut_tail());
 
   auto [deliveries_out, deliveries_in] = make_channel<std::vector<Delivery>>(kDeliveryBatches);
   auto [durable_out, durable_in] = make_channel<std::vector<DurableMark>>(kDurableBatches);
-  const WriteOptions write_options{.folder = options.folder, .commit_period = options.commit_period};
   RecorderReport report;
 
   Parallel recorder;
   const std::stop_callback pass_on(stop, [&recorder] { recorder.request_stop(); });
-  recorder.run(write_record, std::cref(write_options), std::move(record), std::move(vehicle),
-               std::move(deliveries_in), std::move(durable_out));
-  recorder.run(receive, std::cref(options), std::cref(recovered), std::move(deliveries_out),
+  recorder.run(write_record, std::ref(keeper), std::move(deliveries_in), std::move(durable_out));
+  recorder.run(receive, std::cref(options), std::cref(keeper.recovered()), std::move(deliveries_out),
                std::move(durable_in), std::ref(report));
   recorder.wait();
   return report;

@@ -41,7 +41,7 @@ struct RecorderOptions {
   std::vector<std::int32_t> nodes;  ///< claim only these; empty: every node heard
   /// End when each of `nodes` has ended and all of it is on the disk.
   bool end_with_nodes = false;
-  std::uint64_t segment_bytes = std::uint64_t{256} << 20;
+  std::uint64_t segment_bytes = std::uint64_t{64} << 20;
   std::chrono::milliseconds commit_period{200};
   /// After a stop request: how long to wait without any news for the nodes' last blocks.
   std::chrono::milliseconds patience{10'000};

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/bus/codec.hpp"
+#include "common/record/folder.hpp"
 #include "common/record/record.hpp"
 #include "common/record/segment.hpp"
 
@@ -35,10 +36,10 @@ void add(const SealedBlock& block, Recovered& recovered) {
 
 }  // namespace
 
-Recovered recover_record(const std::filesystem::path& folder) {
+Recovered recover_record(const std::filesystem::path& folder, Disk& disk) {
   Recovered recovered;
-  if (!std::filesystem::is_directory(folder) || segment_numbers(folder).empty()) return recovered;
-  RecordReader reader(folder);
+  if (!is_folder(folder, disk) || segment_numbers(folder, disk).empty()) return recovered;
+  RecordReader reader(folder, disk);
   reader.finish();
   SealedBlock block;
   while (const auto event = reader.next())

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/link/epoch_receiver.hpp"
+#include "common/record/disk.hpp"
 
 namespace roadbalance {
 
@@ -25,6 +26,6 @@ struct Recovered {
 };
 
 /// Reads the whole record; nothing if the folder does not exist or holds no segment.
-Recovered recover_record(const std::filesystem::path& folder);
+Recovered recover_record(const std::filesystem::path& folder, Disk& disk = kernel_disk());
 
 }  // namespace roadbalance

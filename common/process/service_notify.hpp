@@ -1,0 +1,39 @@
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string>
+
+namespace roadbalance {
+
+/// Tells the supervisor that started this program (systemd, or rb supervise) how it is: one datagram to
+/// $NOTIFY_SOCKET, as sd_notify(3).  Without a supervisor it does nothing.
+class ServiceNotify {
+ public:
+  /// @throws std::runtime_error naming the variable if $NOTIFY_SOCKET is no socket address
+  ServiceNotify();
+  ServiceNotify(const ServiceNotify&) = delete;
+  ServiceNotify& operator=(const ServiceNotify&) = delete;
+  ~ServiceNotify();
+
+  bool has_supervisor() const { return socket_ >= 0; }
+  /// $WATCHDOG_USEC: ended by the supervisor if not fed for so long; nothing: it does not watch.
+  static std::optional<std::chrono::microseconds> watchdog();
+
+  void ready() { send("READY=1"); }
+  void stopping() { send("STOPPING=1"); }
+  /// Proof of life, to be given only by who has seen that all that matters still turns.
+  void feed() { send("WATCHDOG=1"); }
+  /// One line for people.
+  void status(const std::string& line) { send("STATUS=" + line); }
+  /// Datagrams the supervisor did not take.
+  int unsent() const { return unsent_; }
+
+ private:
+  void send(const std::string& message);
+
+  int socket_ = -1;
+  int unsent_ = 0;
+};
+
+}  // namespace roadbalance

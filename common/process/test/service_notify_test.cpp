@@ -1,0 +1,92 @@
+#include "common/process/service_notify.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <stdexcept>
+
+#include "common/test/temporary_directory.hpp"
+
+namespace roadbalance {
+namespace {
+
+// The supervisor's end of the socket.
+class Supervisor {
+ public:
+  explicit Supervisor(const std::string& path) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::strncpy(address.sun_path, path.c_str(), sizeof address.sun_path - 1);
+    EXPECT_EQ(::bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    ::setenv("NOTIFY_SOCKET", path.c_str(), 1);
+  }
+  ~Supervisor() {
+    ::close(socket_);
+    ::unsetenv("NOTIFY_SOCKET");
+  }
+  std::string heard() const {
+    char buffer[256];
+    const ssize_t size = ::recv(socket_, buffer, sizeof buffer, MSG_DONTWAIT);
+    return size < 0 ? "" : std::string(buffer, static_cast<std::size_t>(size));
+  }
+
+ private:
+  const int socket_ = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+};
+
+TEST(ServiceNotify, SaysWhatSystemdUnderstands) {
+  const test::TemporaryDirectory folder;
+  const Supervisor supervisor(folder / "notify");
+  ServiceNotify notify;
+  EXPECT_TRUE(notify.has_supervisor());
+  notify.ready();
+  EXPECT_EQ(supervisor.heard(), "READY=1");
+  notify.feed();
+  EXPECT_EQ(supervisor.heard(), "WATCHDOG=1");
+  notify.status("2 nodes");
+  EXPECT_EQ(supervisor.heard(), "STATUS=2 nodes");
+  notify.stopping();
+  EXPECT_EQ(supervisor.heard(), "STOPPING=1");
+  EXPECT_EQ(notify.unsent(), 0);
+}
+
+TEST(ServiceNotify, DoesNothingWithoutASupervisor) {
+  ::unsetenv("NOTIFY_SOCKET");
+  ServiceNotify notify;
+  EXPECT_FALSE(notify.has_supervisor());
+  notify.ready();
+  EXPECT_EQ(notify.unsent(), 0);
+}
+
+TEST(ServiceNotify, GoesOnWhenTheSupervisorIsGoneAndCountsIt) {
+  const test::TemporaryDirectory folder;
+  ::setenv("NOTIFY_SOCKET", (folder / "nobody").c_str(), 1);
+  ServiceNotify notify;
+  notify.feed();
+  EXPECT_EQ(notify.unsent(), 2);  // neither connected nor sent
+  ::unsetenv("NOTIFY_SOCKET");
+}
+
+TEST(ServiceNotify, NamesAVariableThatIsNoAddress) {
+  ::setenv("NOTIFY_SOCKET", "relative/path", 1);
+  EXPECT_THROW(ServiceNotify(), std::runtime_error);
+  ::unsetenv("NOTIFY_SOCKET");
+}
+
+TEST(ServiceNotify, TakesTheWatchdogsTimeOnlyIfItIsOne) {
+  ::setenv("WATCHDOG_USEC", "2500000", 1);
+  EXPECT_EQ(ServiceNotify::watchdog(), std::chrono::milliseconds(2500));
+  for (const char* text : {"", "0", "-1", "5s"}) {
+    ::setenv("WATCHDOG_USEC", text, 1);
+    EXPECT_EQ(ServiceNotify::watchdog(), std::nullopt) << text;
+  }
+  ::unsetenv("WATCHDOG_USEC");
+  EXPECT_EQ(ServiceNotify::watchdog(), std::nullopt);
+}
+
+}  // namespace
+}  // namespace roadbalance

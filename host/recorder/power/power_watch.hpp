@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "common/clock/clocks.hpp"
+
+namespace roadbalance {
+
+/// From readings of a power line to the two events that matter; a pure state machine.
+///
+/// The supply is gone when it was bad for `loss`, and back when it was good for `comeback`: a starter motor's
+/// dip neither closes segments nor ends the battery's time too soon.  A reading that fails tells nothing: it
+/// is counted, and the state stays.
+class PowerWatch {
+ public:
+  struct Options {
+    std::chrono::milliseconds loss{100};
+    std::chrono::milliseconds comeback{2000};
+  };
+  enum class Event { kNone, kLost, kReturned };
+
+  PowerWatch() : PowerWatch(Options{}) {}
+  explicit PowerWatch(Options options) : options_(options) {}
+
+  Event take(std::optional<bool> good, WallTime now);
+
+  bool on_battery() const { return on_battery_; }
+  std::int64_t unreadable() const { return unreadable_; }  ///< readings that failed
+
+ private:
+  const Options options_;
+  bool on_battery_ = false;
+  std::optional<WallTime> differs_since_;  // readings say the opposite of on_battery_ since then
+  std::int64_t unreadable_ = 0;
+};
+
+}  // namespace roadbalance

@@ -1,0 +1,154 @@
+#include "host/recorder/recorder_link.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/bus/bus.hpp"
+#include "common/bus/codec.hpp"
+
+namespace roadbalance {
+namespace {
+
+using std::chrono::milliseconds;
+// At the end the last acks are repeated until each node has heard that all is durable, or is silent.
+constexpr milliseconds kNodeSilence{500};
+constexpr milliseconds kMostLastAcks{2000};
+
+}  // namespace
+
+RecorderLink::RecorderLink(RecorderLinkOptions options, std::int64_t incarnation, const Recovered& recovered)
+    : options_(std::move(options)),
+      receiver_(incarnation),
+      control_(incarnation, options_.start, options_.seed),
+      tally_(recovered) {
+  for (const auto& [key, epoch] : recovered.epoch) receiver_.recover(key.first, key.second, epoch.position);
+}
+
+void RecorderLink::take(std::string_view channel, std::span<const std::uint8_t> bytes, WallTime now) {
+  if (channel.starts_with("RB_BLOCK_")) return on_block(bytes, now);
+  if (channel.starts_with("RB_HEARTBEAT_")) return on_heartbeat(bytes, now);
+  if (channel.starts_with("RB_REPLY_")) return on_reply(bytes);
+}
+
+void RecorderLink::on_heartbeat(std::span<const std::uint8_t> bytes, WallTime now) {
+  const auto heartbeat = decode_heartbeat(bytes);
+  if (!heartbeat) {
+    ++refused_;
+    return;
+  }
+  if (!is_ours(heartbeat->node)) return;
+  receiver_.take(*heartbeat, now, delivered_);
+  control_.take(*heartbeat);
+  const auto* epoch = receiver_.current(heartbeat->node);
+  if (!epoch || epoch->epoch() != heartbeat->epoch) return;
+  heard_[heartbeat->node] = {.at = now, .holds_blocks = heartbeat->base < heartbeat->next};
+  tally_.take(*heartbeat);
+}
+
+void RecorderLink::on_block(std::span<const std::uint8_t> bytes, WallTime now) {
+  if (accept(bytes, block_) != Refusal::kNone || !is_ours(block_.header.node)) {
+    ++refused_;
+    return;
+  }
+  last_news_ = now;
+  receiver_.take(block_, now, delivered_);
+}
+
+void RecorderLink::on_reply(std::span<const std::uint8_t> bytes) {
+  const auto reply = decode_reply(bytes);
+  if (reply)
+    control_.take(*reply);
+  else
+    ++refused_;
+}
+
+void RecorderLink::durable(const DurableMark& mark, WallTime now) {
+  last_news_ = now;
+  receiver_.durable(mark.node, mark.epoch, mark.sequence);
+}
+
+void RecorderLink::turn(WallTime now, const Publish& publish) {
+  for (; tallied_ < delivered_.size(); ++tallied_) tally_.take(delivered_[tallied_]);
+  for (Ack& ack : receiver_.due(now)) {
+    // A node never lowers its credit: this gives none beyond what it has.
+    if (!credit_open_) ack.credit = std::min(ack.credit, ack.received);
+    if (!publish(ack_channel(ack.node), encode(ack))) ++unsent_;
+  }
+  for (const auto& command : control_.due(now)) send(command, publish);
+}
+
+std::vector<Delivery> RecorderLink::deliveries() {
+  for (; tallied_ < delivered_.size(); ++tallied_) tally_.take(delivered_[tallied_]);
+  tallied_ = 0;
+  return std::exchange(delivered_, {});
+}
+
+void RecorderLink::stop(WallTime now) {
+  if (stopping_) return;
+  stopping_ = true;
+  stopped_at_ = now;
+  control_.stop();
+}
+
+bool RecorderLink::over(WallTime now) {
+  const bool silent = now - std::max(last_news_, stopped_at_) >= options_.patience;
+  const bool done =
+      (stopping_ && (all_ended() || silent)) || (options_.end_with_nodes && expected_have_ended());
+  if (!done) working_at_ = now;
+  return done && (nodes_have_let_go(now) || now - working_at_ >= kMostLastAcks);
+}
+
+void RecorderLink::farewell(const Publish& publish) {
+  for (const auto& command : control_.farewell()) send(command, publish);
+}
+
+void RecorderLink::set_incarnation(std::int64_t incarnation) {
+  receiver_.set_incarnation(incarnation);
+  control_.set_incarnation(incarnation);
+}
+
+RecorderReport RecorderLink::report() const {
+  RecorderReport report = tally_.report();
+  report.blocks_refused = refused_;
+  for (const std::int64_t count : receiver_.refused()) report.blocks_refused += count;
+  report.rival_heartbeats = receiver_.rival_heartbeats();
+  report.unsent = unsent_;
+  return report;
+}
+
+bool RecorderLink::is_ours(std::int32_t node) const {
+  return options_.nodes.empty() ||
+         std::find(options_.nodes.begin(), options_.nodes.end(), node) != options_.nodes.end();
+}
+
+bool RecorderLink::has_ended(std::int32_t node) const {
+  const auto* epoch = receiver_.current(node);
+  return epoch && epoch->ended() && epoch->durable() == epoch->received();
+}
+
+// Every node that was started has its end on the disk.
+bool RecorderLink::all_ended() const {
+  return std::all_of(heard_.begin(), heard_.end(), [this](const auto& heard) {
+    return !control_.was_started(heard.first) || has_ended(heard.first);
+  });
+}
+
+// Every node of options.nodes was heard and has its end on the disk.
+bool RecorderLink::expected_have_ended() const {
+  return std::all_of(options_.nodes.begin(), options_.nodes.end(),
+                     [this](std::int32_t node) { return has_ended(node); });
+}
+
+// Every node whose end is on the disk says that it has nothing to keep any more, or says nothing.
+bool RecorderLink::nodes_have_let_go(WallTime now) const {
+  return std::all_of(heard_.begin(), heard_.end(), [&](const auto& heard) {
+    const auto& [node, last] = heard;
+    return !has_ended(node) || !last.holds_blocks || now - last.at >= kNodeSilence;
+  });
+}
+
+void RecorderLink::send(const Command& command, const Publish& publish) {
+  if (!publish(command_channel(command.node), encode(command))) ++unsent_;
+}
+
+}  // namespace roadbalance

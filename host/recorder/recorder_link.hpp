@@ -1,0 +1,103 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "common/bus/publish.hpp"
+#include "common/clock/clocks.hpp"
+#include "common/link/receiver.hpp"
+#include "host/recorder/node_control.hpp"
+#include "host/recorder/recover.hpp"
+#include "host/recorder/tally.hpp"
+
+namespace roadbalance {
+
+/// Everything of a node epoch through `sequence` is on the disk.
+struct DurableMark {
+  std::int32_t node = 0;
+  std::int64_t epoch = 0;
+  std::int64_t sequence = 0;
+};
+
+struct RecorderLinkOptions {
+  bool start = true;                ///< start each node that is claimed
+  std::vector<std::int32_t> nodes;  ///< record only these; empty: every node heard
+  bool end_with_nodes = false;      ///< be over when each of `nodes` has ended and all of it is on the disk
+  /// After a stop: how long to wait without any news for the nodes' last blocks.
+  std::chrono::milliseconds patience{10'000};
+  std::uint64_t seed = 1;  ///< of request numbers, which two recorders must not share
+};
+
+/// The recorder's half of the bus without a bus: datagrams in; deliveries, acknowledgements and commands out.
+/// A pure state machine; time comes in with every call.
+class RecorderLink {
+ public:
+  /// @param recovered  what the record holds: it is not taken again
+  RecorderLink(RecorderLinkOptions options, std::int64_t incarnation, const Recovered& recovered);
+
+  /// A datagram of any channel; those of other channels than heartbeat, block and reply are passed over.
+  void take(std::string_view channel, std::span<const std::uint8_t> bytes, WallTime now);
+  void durable(const DurableMark& mark, WallTime now);
+  /// False: no new credit, because the disk fails or is full; the nodes keep what they have.
+  void set_credit_open(bool open) { credit_open_ = open; }
+  /// Says what is due: acknowledgements and commands.
+  void turn(WallTime now, const Publish& publish);
+  /// What the record gets next, since the last call.
+  std::vector<Delivery> deliveries();
+
+  /// From now on nodes are stopped and their ends waited for.
+  void stop(WallTime now);
+  /// Nothing more is to be waited for, and the nodes know that what they sent is durable, or are silent.
+  bool over(WallTime now);
+  /// Releases every node owned, for the end.
+  void farewell(const Publish& publish);
+
+  /// An incarnation above our own that a node obeys (a recorder whose clock was ahead); 0: none.  The caller
+  /// stores a higher one and sets it.
+  std::int64_t obeyed_higher() const { return control_.obeyed_higher(); }
+  std::int64_t incarnation() const { return receiver_.incarnation(); }
+  void set_incarnation(std::int64_t incarnation);
+
+  RecorderReport report() const;
+  /// Not good messages, or of nodes that are not ours.
+  std::int64_t refused_datagrams() const { return refused_; }
+  const Receiver& receiver() const { return receiver_; }
+
+ private:
+  void on_heartbeat(std::span<const std::uint8_t> bytes, WallTime now);
+  void on_block(std::span<const std::uint8_t> bytes, WallTime now);
+  void on_reply(std::span<const std::uint8_t> bytes);
+  bool is_ours(std::int32_t node) const;
+  bool has_ended(std::int32_t node) const;
+  bool all_ended() const;
+  bool expected_have_ended() const;
+  bool nodes_have_let_go(WallTime now) const;
+  void send(const Command& command, const Publish& publish);
+
+  struct Heard {
+    WallTime at{};
+    bool holds_blocks = false;
+  };
+
+  const RecorderLinkOptions options_;
+  Receiver receiver_;
+  NodeControl control_;
+  Tally tally_;
+  std::map<std::int32_t, Heard> heard_;  // the last heartbeat of the epoch being received
+  std::vector<Delivery> delivered_;
+  std::size_t tallied_ = 0;  // of delivered_
+  SealedBlock block_;
+  bool credit_open_ = true;
+  bool stopping_ = false;
+  WallTime stopped_at_{};
+  WallTime last_news_{};
+  WallTime working_at_{};
+  std::int64_t refused_ = 0;
+  std::int64_t unsent_ = 0;
+};
+
+}  // namespace roadbalance
