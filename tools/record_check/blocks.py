@@ -1,0 +1,79 @@
+"""Blocks as the nodes sealed them: which bytes are a good one, and what its header says."""
+
+import struct
+
+KINDS = {"scan_block_t": "SCAN", "edge_block_t": "EDGE", "gap_t": "GAP", "meta_t": "META", "end_t": "END"}
+CAUSES = {1: "ring_full", 2: "device_overrun", 3: "device_failed", 4: "lost_at_node", 5: "node_crash", 6: "source_gap"}
+HEADER = struct.Struct(">qiqqqqq")
+HEADER_FIELDS = ["node", "epoch", "sequence", "first_scan", "scans", "time_ns"]
+INDEX_LIMIT = 1 << 48
+CLOCK_LIMIT_NS = 1 << 61
+LAST_NODE = 9999
+SCANS_PER_BLOCK = 20
+CHANNELS = 16
+
+
+class Block:
+    """One good block.  `crc` is the one it carries."""
+
+    __slots__ = ("kind", "node", "epoch", "sequence", "first_scan", "scans", "cause", "totals", "crc", "channel_crc")
+
+    def covers_numbers_before(self):
+        """A loss at the node stands for every block since the one before and bears the number of the last."""
+        return self.cause == "lost_at_node"
+
+
+def _good_header(kind, node, sequence, first_scan, scans, time_ns):
+    lowest = 0 if kind == "META" else 1
+    return (lowest <= node <= LAST_NODE and 0 <= sequence <= INDEX_LIMIT and 0 <= first_scan <= INDEX_LIMIT and
+            0 <= scans <= INDEX_LIMIT - first_scan and abs(time_ns) <= CLOCK_LIMIT_NS and
+            (scans == 0 or kind in ("SCAN", "GAP")))
+
+
+class BlockDecoder:
+    """Takes what has one of the five types and a good CRC; refuses (None) what the wire format does not allow."""
+
+    def __init__(self, types):
+        self.kinds = {kind.fingerprint: (KINDS[kind.name], kind) for kind in types.values() if kind.name in KINDS}
+        for _, kind in self.kinds.values():
+            if [field[0] for field in kind.fields[:6]] != HEADER_FIELDS:
+                raise ValueError(f"{kind.name} does not begin with the header of a block")
+
+    def decode(self, fingerprint, data):
+        name, kind = self.kinds[fingerprint]
+        block = Block()
+        block.kind = name
+        _, block.node, block.epoch, block.sequence, block.first_scan, block.scans, time_ns = HEADER.unpack_from(data)
+        block.crc = int.from_bytes(data[-4:], "big")
+        block.cause = block.totals = block.channel_crc = None
+        if not _good_header(name, block.node, block.sequence, block.first_scan, block.scans, time_ns):
+            return None
+        return block if getattr(self, "_" + name.lower())(block, kind, data) else None
+
+    @staticmethod
+    def _scan(block, kind, data):
+        period_ps, = struct.unpack_from(">q", data, HEADER.size)
+        overload, quality = struct.unpack_from(">ii", data, len(data) - 12)
+        return (1 <= block.scans <= SCANS_PER_BLOCK and 1 <= period_ps <= 10**12 and 0 <= overload < 1 << CHANNELS and
+                0 <= quality < 1 << 16)
+
+    @staticmethod
+    def _edge(block, kind, data):
+        edges, = struct.unpack_from(">i", data, HEADER.size)
+        return 0 <= edges <= 300 and all(data[HEADER.size + 4 + 4 * edge] < 0x80 for edge in range(edges))
+
+    @staticmethod
+    def _gap(block, kind, data):
+        block.cause = CAUSES.get(kind.decode(data)["cause"])
+        return block.cause is not None
+
+    @staticmethod
+    def _meta(block, kind, data):
+        kind_number, part, parts, size = struct.unpack_from(">iiii", data, HEADER.size)
+        return kind_number in (1, 2) and 1 <= parts <= 10000 and 0 <= part < parts and 0 <= size <= 1200
+
+    @staticmethod
+    def _end(block, kind, data):
+        end = kind.decode(data)
+        block.totals = (end["blocks"], end["scans_sealed"], end["scans_missing"])
+        return all(0 <= total <= INDEX_LIMIT for total in block.totals)

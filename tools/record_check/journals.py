@@ -1,0 +1,59 @@
+"""The journal: once a second the recorder says what it has appended.  Held against the blocks themselves."""
+
+from record_check.crc32c import Shift, crc
+
+CHANNELS = 16
+
+
+class JournalCheck:
+    """Of one node epoch: the blocks since the last entry, until an entry takes them."""
+
+    def __init__(self):
+        self.appended = {}  # sequence -> block, since the last entry
+        self.entries = 0
+        self.contradictions = []
+
+    def append(self, block):
+        self.appended[block.sequence] = block
+
+    def entry(self, journal, first_kept):
+        """@param first_kept  blocks before this number may have been deleted with their segment"""
+        self.entries += 1
+        first, last = journal["first_sequence"], journal["last_sequence"]
+        blocks = [self.appended.pop(sequence) for sequence in sorted(self.appended) if sequence <= last]
+        if first <= last and first < first_kept:
+            return
+        for what, said, here in self._compare(journal, [block for block in blocks if block.sequence >= first]):
+            if said != here:
+                self.contradictions.append(f"the journal's entry for blocks {first} to {last} says {what} {said}; "
+                                           f"here: {here}")
+
+    @staticmethod
+    def _compare(journal, blocks):
+        with_scans = [block for block in blocks if block.kind in ("SCAN", "GAP")]
+        # A gap for blocks lost at the node bears the number of the last one it covers.
+        covered = sum(block.sequence - before for before, block in
+                      zip([journal["first_sequence"] - 1] + [block.sequence for block in blocks], blocks))
+        yield "blocks", journal["last_sequence"] - journal["first_sequence"] + 1, covered
+        yield "scans", journal["scans"], sum(block.scans for block in blocks if block.kind == "SCAN")
+        yield "scans missing", journal["scans_missing"], sum(block.scans for block in blocks if block.kind == "GAP")
+        if with_scans:
+            yield "first scan", journal["first_scan"], with_scans[0].first_scan
+            yield "next scan", journal["next_scan"], with_scans[-1].first_scan + with_scans[-1].scans
+        yield "channel CRCs", [value & 0xFFFFFFFF for value in journal["channel_crc"]], _channel_crcs(blocks)
+
+
+def _channel_crcs(blocks):
+    total = [crc(b"")] * CHANNELS
+    for block in blocks:
+        if block.kind == "SCAN":
+            shift = Shift(4 * block.scans)
+            total = [shift(before) ^ own for before, own in zip(total, block.channel_crc)]
+    return total
+
+
+def channel_crcs_of_one(data, counts_at, scans):
+    """[channel] CRC of the big-endian counts of the first `scans` rows."""
+    rows = data[counts_at:counts_at + 4 * CHANNELS * scans]
+    return [crc(b"".join(rows[at:at + 4] for at in range(4 * channel, len(rows), 4 * CHANNELS)))
+            for channel in range(CHANNELS)]

@@ -1,0 +1,146 @@
+"""Reads a whole record and says what it proves."""
+
+from record_check.blocks import CHANNELS, SCANS_PER_BLOCK, BlockDecoder
+from record_check.crc32c import crc_of_columns, crc_of_each
+from record_check.epochs import Epoch
+from record_check.journals import JournalCheck, channel_crcs_of_one
+from record_check.segments import Segments
+
+COMPLETE, DAMAGED, INCOMPLETE, UNREADABLE = 0, 1, 3, 4
+WORDS = {COMPLETE: "complete", DAMAGED: "damaged", INCOMPLETE: "incomplete, but declared", UNREADABLE: "unreadable"}
+MOST_TOGETHER = 1024  # messages in one CRC pass: they stay in the cache
+
+
+class Checker:
+    """check() once; then verdict() and what it found."""
+
+    def __init__(self, folder, types, truth=None):
+        self.types = types
+        self.truth = truth
+        self.decoder = BlockDecoder(types)
+        scan = next(kind for kind in types.values() if kind.name == "scan_block_t")
+        self.counts_at = scan.offset("counts")
+        self.segments = Segments(folder, types)
+        self.epochs, self.journals = {}, {}
+        self.damage = []
+        self.events = self.other_events = self.refused = self.damaged_bytes = self.torn_bytes = 0
+        self.missing_segments = self.bytes = self.notes = 0
+
+    def check(self):
+        for number in self.segments.numbers:
+            log, events, damage = self.segments.read(number)
+            self.bytes += len(log)
+            self._check_events(log, events)
+            self._list_damage(number, damage, len(log))
+        for line in self.segments.missing():
+            self.missing_segments += 1
+            self.damage.append(line)
+        for epoch in self.epochs.values():
+            epoch.finish()
+        if self.truth:
+            for node, number, why in self.truth.contradictions(self.epochs):
+                self._epoch(node, number).contradictions.append(why)
+        if not self.events:
+            raise ValueError(f"{self.segments.folder}: no event in it can be read")
+
+    def verdict(self):
+        journals = any(journal.contradictions for journal in self.journals.values())
+        if (self.refused or self.damaged_bytes or self.missing_segments or journals or
+                any(epoch.is_damaged() for epoch in self.epochs.values())):
+            return DAMAGED
+        whole = not self.damage and not self.segments.begins_late() and self.epochs
+        return COMPLETE if whole and all(epoch.is_complete() for epoch in self.epochs.values()) else INCOMPLETE
+
+    def _check_events(self, log, events):
+        good, channel_crcs = self._check_crcs(log, events)
+        for at, (channel, begin, end) in enumerate(events):
+            self.events += 1
+            if at not in good:
+                self._take_other(channel)
+                continue
+            kind = good[at]
+            if channel.startswith(b"RB_BLOCK_"):
+                self._take_block(channel, kind, log[begin:end], channel_crcs.get(at))
+            elif kind.name == "journal_t" and channel == b"RB_JOURNAL":
+                self._take_journal(kind.decode(log[begin:end]))
+            elif kind.name == "note_t":
+                self.notes += 1
+
+    def _check_crcs(self, log, events):
+        """({index: type} of the events that are messages with a good CRC, {index: CRC of each channel} of the scans)."""
+        of_type = {}
+        for at, (_, begin, end) in enumerate(events):
+            kind = self.types.get(int.from_bytes(log[begin:begin + 8], "big"))
+            if kind and kind.size == end - begin and kind.fields[-1][0] == "crc32c":
+                of_type.setdefault(kind.fingerprint, []).append(at)
+        good, channel_crcs = {}, {}
+        for fingerprint, members in of_type.items():
+            kind = self.types[fingerprint]
+            for first in range(0, len(members), MOST_TOGETHER):
+                part = members[first:first + MOST_TOGETHER]
+                joined = b"".join(log[events[at][1]:events[at][2]] for at in part)
+                right = crc_of_each(joined, kind.size, kind.size - 4)
+                good.update((at, kind) for at, value, end in zip(part, right, range(kind.size, len(joined) + 1, kind.size))
+                            if joined[end - 4:end] == value.to_bytes(4, "big"))
+                if kind.name == "scan_block_t":
+                    channel_crcs.update(zip(part, self._channel_crcs(joined, kind.size)))
+        return good, channel_crcs
+
+    def _channel_crcs(self, joined, size):
+        """For each block the CRC of each channel's counts, as if all rows counted."""
+        count = len(joined) // size
+        of_channel = [crc_of_columns((joined[self.counts_at + 4 * (CHANNELS * row + channel) + byte::size]
+                                      for row in range(SCANS_PER_BLOCK) for byte in range(4)), count)
+                      for channel in range(CHANNELS)]
+        return zip(*of_channel)
+
+    def _take_other(self, channel):
+        # What should be a message of ours and is not is altered; other programs' messages are none of our business.
+        if channel.startswith((b"RB_BLOCK_", b"RB_JOURNAL", b"RB_NOTE", b"RB_CLOCK_")):
+            self.refused += 1
+        else:
+            self.other_events += 1
+
+    def _take_block(self, channel, kind, data, channel_crc):
+        block = self.decoder.decode(kind.fingerprint, data) if kind.fingerprint in self.decoder.kinds else None
+        if block is None or channel != f"RB_BLOCK_{block.node}_{block.kind}".encode():
+            self.refused += 1
+            return
+        if block.sequence == 0:
+            return
+        epoch = self._epoch(block.node, block.epoch)
+        if block.kind == "SCAN":
+            whole = block.scans == SCANS_PER_BLOCK
+            block.channel_crc = channel_crc if whole else channel_crcs_of_one(data, self.counts_at, block.scans)
+            wrong = self.truth and self.truth.wrong_sample(block, kind.decode(data)["counts"])
+            if wrong:
+                epoch.contradictions.append(wrong)
+        epoch.add(block)
+        self._journal(block.node, block.epoch).append(block)
+
+    def _take_journal(self, entry):
+        epoch = self._epoch(entry["node"], entry["epoch"])
+        first_kept = epoch.first_sequence() if self.segments.begins_late() else 0
+        self._journal(entry["node"], entry["epoch"]).entry(entry, first_kept)
+
+    def _epoch(self, node, epoch):
+        key = (node, epoch)
+        if key not in self.epochs:
+            self.epochs[key] = Epoch(node, epoch, self.segments.begins_late())
+        return self.epochs[key]
+
+    def _journal(self, node, epoch):
+        return self.journals.setdefault((node, epoch), JournalCheck())
+
+    def _list_damage(self, number, damage, size):
+        end = min(size, self.segments.ends.get(number, size))
+        for offset, count in damage:
+            torn = offset + count == end and self.segments.is_torn_tail(number, offset)
+            if torn:
+                self.torn_bytes += count
+            else:
+                self.damaged_bytes += count
+            what = "a torn tail" if torn else "no event of an LCM log"
+            self.damage.append(f"{self.segments.paths[number].name}: {count} bytes from {offset} on are {what}")
+        if size == 0 and number == self.segments.numbers[-1]:
+            self.damage.append(f"{self.segments.paths[number].name}: is empty: its recorder was killed when it began it")

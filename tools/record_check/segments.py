@@ -1,0 +1,85 @@
+"""Which segments a record should have, and what is left of them."""
+
+import json
+import pathlib
+import re
+
+from record_check.event_log import HEADER, ends_with_its_crc, split_events
+
+SEGMENT = re.compile(r"^seg-(\d{6,})\.lcm$")
+SEGMENT_ABANDONED, SEGMENT_DELETED = 5, 11
+
+
+class Segments:
+    """The segment files of a folder, in order; notes of the recorder say where one ends early or was deleted."""
+
+    def __init__(self, folder, types):
+        self.folder = pathlib.Path(folder)
+        if not self.folder.is_dir():
+            raise FileNotFoundError(f"recording {folder}: no such folder")
+        self.paths = {int(found[1]): path for path in self.folder.iterdir() if (found := SEGMENT.match(path.name))}
+        if not self.paths:
+            raise FileNotFoundError(f"recording {folder} holds no segment (seg-000001.lcm)")
+        self.numbers = sorted(self.paths)
+        self.finished = self._read_manifest()
+        self.ends, self.deleted = {}, set()
+        self._note_type = next(kind for kind in types.values() if kind.name == "note_t")
+        for number in self.numbers:
+            self._read_notes(self.paths[number].read_bytes())
+
+    def begins_late(self):
+        """True if the retention mode deleted what came before the first segment, and said so."""
+        return self.numbers[0] > 1 and self.numbers[0] - 1 in self.deleted
+
+    def missing(self):
+        """Lines of what should be here and is not."""
+        for name, size in self.finished.items():
+            number = int(found[1]) if (found := SEGMENT.match(name)) else None
+            path = self.folder / name
+            if not path.exists() and number not in self.deleted:
+                yield f"{name}: is missing; manifest.json lists it as finished"
+            elif path.exists() and path.stat().st_size < size:
+                yield f"{name}: has {path.stat().st_size} of the {size} bytes it was finished with"
+        for before, number in zip([None] + self.numbers, self.numbers):
+            name = self.paths[number].name
+            if before is not None and number != before + 1:
+                yield f"{name}: does not follow segment {before}"
+            if number != self.numbers[-1] and self.paths[number].stat().st_size == 0 and name not in self.finished:
+                yield f"{name}: is empty"
+        if self.numbers[0] > 1 and not self.begins_late():
+            yield f"{self.paths[self.numbers[0]].name}: is the first one, and no note says that those before were deleted"
+
+    def is_torn_tail(self, number, offset):
+        """What a kill leaves: the end of the last segment, if that is not finished and has a beginning."""
+        return number == self.numbers[-1] and offset > 0 and self.paths[number].name not in self.finished
+
+    def read(self, number):
+        """(bytes, events, damage) of a segment up to where it ends."""
+        log = self.paths[number].read_bytes()
+        return log, *split_events(log, self.ends.get(number))
+
+    def _read_notes(self, log):
+        at = log.find(b"RB_NOTE")
+        while at >= 0:
+            begin = at + len(b"RB_NOTE")
+            if at >= HEADER.size and HEADER.unpack_from(log, at - HEADER.size)[3:] == (7, self._note_type.size):
+                self._take_note(log[begin:begin + self._note_type.size])
+            at = log.find(b"RB_NOTE", begin)
+
+    def _take_note(self, data):
+        if len(data) != self._note_type.size or not ends_with_its_crc(data):
+            return
+        note = self._note_type.decode(data)
+        if note["kind"] == SEGMENT_ABANDONED:
+            self.ends[note["a"]] = note["b"]
+        elif note["kind"] == SEGMENT_DELETED:
+            self.deleted.add(note["a"])
+
+    def _read_manifest(self):
+        """Sizes of the finished segments by name; a manifest that cannot be read says nothing."""
+        try:
+            manifest = json.loads((self.folder / "manifest.json").read_text(encoding="utf-8"))
+            return {entry["file"]: entry["bytes"] for entry in manifest["segments"]
+                    if isinstance(entry["file"], str) and isinstance(entry["bytes"], int)}
+        except (OSError, ValueError, KeyError, TypeError):
+            return {}

@@ -1,0 +1,201 @@
+"""Damages records of the real recorder by hand: the checker finds each damage and says what `rb verify` says."""
+
+import pathlib
+import shutil
+import struct
+import tempfile
+import unittest
+
+from records import (COMPLETE, DAMAGED, INCOMPLETE, RB, SEGMENT, TYPES, UNREADABLE, Record, altered, check, message,
+                     record_a_drive, run)
+
+from record_check.event_log import HEADER, split_events
+
+
+class CheckRecord(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.root = pathlib.Path(tempfile.mkdtemp(prefix="rb-check-record-"))
+        cls.addClassCleanup(shutil.rmtree, cls.root)
+        cls.drive = cls.root / "drive"
+        record_a_drive(cls.drive)
+
+    def setUp(self):
+        self.folder = self.root / self.id().rsplit(".", 1)[1]
+        shutil.copytree(self.drive, self.folder)
+        self.record = Record(self.folder)
+
+    def agrees(self, verdict):
+        """Both say this; returns what the checker has found."""
+        code, found = check(self.folder)
+        self.assertEqual(code, verdict, found)
+        self.assertEqual(run(RB, "verify", self.folder).returncode, verdict, "rb verify")
+        return found
+
+    def node(self, found, node=1):
+        return next(epoch for epoch in found["nodes"] if epoch["node"] == node)
+
+    def test_a_record_as_it_was_written(self):
+        found = self.agrees(COMPLETE)
+        self.assertEqual([epoch["samples_recorded"] for epoch in found["nodes"]], [24000, 24000])
+
+    def test_written_back_without_a_change(self):
+        before = (self.folder / SEGMENT).read_bytes()
+        self.record.write()
+        self.assertEqual(len((self.folder / SEGMENT).read_bytes()), len(before))
+        self.agrees(COMPLETE)
+
+    def test_a_bit_turned_anywhere_in_a_block(self):
+        at = self.record.places("SCAN")[7]
+        channel, data = self.record.events[at]
+        for place in (0, 9, 14, 22, 30, 60, 700, len(data) - 1):
+            self.record.events[at] = channel, data[:place] + bytes([data[place] ^ 4]) + data[place + 1:]
+            self.record.write()
+            self.assertEqual(self.agrees(DAMAGED)["messages_refused"], 1, f"byte {place}")
+
+    def test_a_block_taken_away(self):
+        for kind in ("SCAN", "EDGE", "META"):
+            record = Record(self.drive)
+            record.folder = self.folder
+            del record.events[record.places(kind)[0]]
+            record.write()
+            self.assertEqual(len(self.node(self.agrees(DAMAGED))["undeclared_blocks"]), 1, kind)
+
+    def test_a_block_put_in_twice(self):
+        at = self.record.places("SCAN")[3]
+        self.record.events.insert(at + 5, self.record.events[at])
+        self.record.write()
+        self.assertEqual(self.node(self.agrees(DAMAGED))["identical_repeats"], 1)
+
+    def test_another_block_with_a_number_that_is_taken(self):
+        at = self.record.places("SCAN")[3]
+        channel, data = self.record.events[at]
+        self.record.events.insert(at + 1, (channel, altered(data, "scan_block_t", "overload", 1, ">i")))
+        self.record.write()
+        self.assertEqual(self.node(self.agrees(DAMAGED))["other_repeats"], 1)
+
+    def test_blocks_that_lie_in_another_order(self):
+        first, second = self.record.places("SCAN")[3:5]
+        events = self.record.events
+        events[first], events[second] = events[second], events[first]
+        self.record.write()
+        self.agrees(COMPLETE)
+
+    def test_scans_that_do_not_run_on(self):
+        at = self.record.places("SCAN")[3]
+        channel, data = self.record.events[at]
+        first, = struct.unpack_from(">q", data, 28)
+        for moved in (-1, 1):
+            self.record.events[at] = channel, altered(data, "scan_block_t", "first_scan", first + moved)
+            self.record.write()
+            node = self.node(self.agrees(DAMAGED))
+            self.assertTrue(node["undeclared_scans"] and node["overlaps"], node)
+
+    def test_a_block_on_another_channel(self):
+        at = self.record.places("SCAN")[3]
+        for channel in (b"RB_BLOCK_2_SCAN", b"RB_BLOCK_1_EDGE"):
+            self.record.events[at] = channel, self.record.events[at][1]
+            self.record.write()
+            self.assertEqual(self.agrees(DAMAGED)["messages_refused"], 1)
+
+    def test_a_block_that_no_node_may_send(self):
+        at = self.record.places("SCAN")[3]
+        channel, data = self.record.events[at]
+        self.record.events[at] = channel, altered(data, "scan_block_t", "scans", 21)
+        self.record.write()
+        self.assertEqual(self.agrees(DAMAGED)["messages_refused"], 1)
+
+    def test_no_end(self):
+        del self.record.events[self.record.places("END")[0]]
+        self.record.write()
+        self.assertFalse(self.node(self.agrees(INCOMPLETE))["ended"])
+
+    def test_totals_that_do_not_agree(self):
+        at = self.record.places("END")[0]
+        channel, data = self.record.events[at]
+        for field in ("blocks", "scans_sealed"):
+            value, = struct.unpack_from(">q", data, TYPES["end_t"].offset(field))
+            self.record.events[at] = channel, altered(data, "end_t", field, value + 1)
+            self.record.write()
+            self.assertTrue(self.node(self.agrees(DAMAGED))["contradictions"], field)
+
+    def replace_by_gap(self, cause, first, last, short=0):
+        """Puts a gap in the place of the scan blocks first .. last; it bears the first one's number."""
+        places = self.record.places("SCAN")[first:last + 1]
+        header = struct.unpack_from(">iqqqqq", self.record.events[places[0]][1], 8)
+        scans = sum(struct.unpack_from(">q", self.record.events[at][1], 36)[0] for at in places)
+        sequence = header[2]
+        if cause == 4:
+            sequence = struct.unpack_from(">q", self.record.events[places[-1]][1], 20)[0]
+        gap = message("gap_t", node=1, epoch=header[1], sequence=sequence, first_scan=header[3], scans=scans - short,
+                      time_ns=header[5], cause=cause)
+        low, high = header[2], struct.unpack_from(">q", self.record.events[places[-1]][1], 20)[0]
+        kept = [each for each in self.record.events
+                if not (each[0].startswith(b"RB_BLOCK_1_") and low <= struct.unpack_from(">q", each[1], 20)[0] <= high)]
+        self.record.events = kept + [(b"RB_BLOCK_1_GAP", gap)]
+        self.record.write()
+        return scans
+
+    def test_a_declared_loss_at_the_node(self):
+        scans = self.replace_by_gap(4, 10, 14)
+        self.assertEqual(self.node(self.agrees(INCOMPLETE))["samples_missing"], scans)
+
+    def test_a_gap_of_one_scan_too_few(self):
+        self.replace_by_gap(4, 10, 14, short=1)
+        self.assertEqual(len(self.node(self.agrees(DAMAGED))["undeclared_scans"]), 1)
+
+    def test_a_gap_that_does_not_stand_for_blocks(self):
+        self.replace_by_gap(1, 10, 14)
+        self.assertEqual(len(self.node(self.agrees(DAMAGED))["undeclared_blocks"]), 1)
+
+    def test_garbage_between_events(self):
+        log = (self.folder / SEGMENT).read_bytes()
+        _, begin, _ = split_events(log)[0][20]
+        begin -= HEADER.size + len("RB_BLOCK_1_SCAN")
+        for garbage in (b"x", b"\xed\xa1\xda\x01", bytes(5000)):
+            (self.folder / SEGMENT).write_bytes(log[:begin] + garbage + log[begin:])
+            self.assertGreaterEqual(self.agrees(DAMAGED)["damaged_bytes"], len(garbage))
+
+    def test_a_finished_segment_cut_short(self):
+        log = (self.folder / SEGMENT).read_bytes()
+        for kept in (len(log) - 1, len(log) // 2):
+            (self.folder / SEGMENT).write_bytes(log[:kept])
+            self.agrees(DAMAGED)
+
+    def test_a_torn_tail_is_declared(self):
+        (self.folder / "manifest.json").unlink()
+        log = (self.folder / SEGMENT).read_bytes()
+        for kept in (len(log) - 1, len(log) - 2000, len(log) // 2):
+            (self.folder / SEGMENT).write_bytes(log[:kept])
+            self.assertGreater(self.agrees(INCOMPLETE)["torn_bytes"], 0)
+
+    def split(self):
+        """Two segments of the one."""
+        log = (self.folder / SEGMENT).read_bytes()
+        end = split_events(log)[0][2000][2]
+        (self.folder / SEGMENT).write_bytes(log[:end])
+        (self.folder / "seg-000002.lcm").write_bytes(log[end:])
+        (self.folder / "manifest.json").unlink()
+
+    def test_two_segments(self):
+        self.split()
+        self.agrees(COMPLETE)
+
+    def test_a_segment_that_is_gone(self):
+        self.split()
+        (self.folder / "seg-000002.lcm").rename(self.folder / "seg-000003.lcm")
+        self.assertEqual(self.agrees(DAMAGED)["missing_segments"], 1)
+
+    def test_an_empty_segment_behind_the_last(self):
+        (self.folder / "seg-000002.lcm").touch()
+        self.agrees(INCOMPLETE)
+
+    def test_nothing_readable(self):
+        (self.folder / SEGMENT).write_bytes(b"x" * 5000)
+        self.agrees(UNREADABLE)
+        (self.folder / SEGMENT).unlink()
+        self.agrees(UNREADABLE)
+
+
+if __name__ == "__main__":
+    unittest.main()

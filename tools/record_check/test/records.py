@@ -1,0 +1,86 @@
+"""What the tests of the checker share: records to damage by hand, and messages to put in."""
+
+import json
+import math
+import os
+import pathlib
+import struct
+import subprocess
+import sys
+
+TOOLS = pathlib.Path(__file__).resolve().parent.parent.parent
+sys.path.insert(0, str(TOOLS))
+
+from record_check.crc32c import crc  # noqa: E402
+from record_check.event_log import HEADER, split_events  # noqa: E402
+from record_check.wire_types import read_wire_types  # noqa: E402
+
+RB = pathlib.Path(os.environ["RB_BIN"], "rb")
+TYPES = {kind.name: kind for kind in read_wire_types(TOOLS.parent / "common" / "wire").values()}
+COMPLETE, DAMAGED, INCOMPLETE, UNREADABLE = 0, 1, 3, 4
+SEGMENT = "seg-000001.lcm"
+
+
+def run(*command):
+    return subprocess.run([str(part) for part in command], capture_output=True, text=True, check=False)
+
+
+def check(folder, *options):
+    """Exit code and report of the checker."""
+    done = run(sys.executable, TOOLS / "check_record.py", folder, "--json", *options)
+    return done.returncode, json.loads(done.stdout) if done.stdout else {"error": done.stderr}
+
+
+def event(channel, data, number=0):
+    return HEADER.pack(0xEDA1DA01, number, 0, len(channel), len(data)) + channel + data
+
+
+def message(name, **fields):
+    """A message of this type with a good CRC; fields not given are 0."""
+    kind = TYPES[name]
+    values = [kind.fingerprint - (1 << 64) if kind.fingerprint >> 63 else kind.fingerprint]
+    for field, lcm_type, extents in kind.fields:
+        value = fields.pop(field, None)
+        if lcm_type == "byte":
+            values.append(value or b"")
+        elif extents:
+            values.extend(value or [0] * math.prod(extents))
+        else:
+            values.append(value or 0)
+    assert not fields, fields
+    return with_crc(kind.format.pack(*values))
+
+
+def with_crc(data):
+    return data[:-4] + struct.pack(">I", crc(data[:-4]))
+
+
+def altered(data, name, field, value, code=">q"):
+    """The message with another value in a field, and a good CRC."""
+    at = TYPES[name].offset(field)
+    return with_crc(data[:at] + struct.pack(code, value) + data[at + struct.calcsize(code):])
+
+
+class Record:
+    """The events of a record's only segment, to be changed and written back."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        log = (folder / SEGMENT).read_bytes()
+        events, _ = split_events(log)
+        self.events = [(channel, log[begin:end]) for channel, begin, end in events]
+
+    def places(self, kind, node=1):
+        """Indices of this node's blocks of a kind; those of the preamble left out."""
+        return [at for at, (channel, data) in enumerate(self.events)
+                if channel == f"RB_BLOCK_{node}_{kind}".encode() and struct.unpack_from(">q", data, 20)[0] > 0]
+
+    def write(self):
+        (self.folder / SEGMENT).write_bytes(b"".join(event(*each) for each in self.events))
+        (self.folder / "manifest.json").unlink(missing_ok=True)
+
+
+def record_a_drive(folder, seconds=12):
+    """The demonstration's two nodes, recorded by the programs; what identification makes of it is not asked."""
+    run(RB, "demo", "--headless", "--json", "--rate", "max", "--seed", 3, "--drive-seconds", seconds, "--record", folder)
+    assert (folder / SEGMENT).exists(), "rb demo has recorded nothing"
