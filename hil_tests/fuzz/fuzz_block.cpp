@@ -1,0 +1,80 @@
+#include <array>
+
+#include "common/bus/codec.hpp"
+#include "hil_tests/fuzz/in_form.hpp"
+#include "hil_tests/fuzz/property.hpp"
+
+namespace roadbalance {
+namespace {
+
+using fuzz::require;
+
+std::array<std::vector<std::uint8_t>, 5> make_forms() {
+  std::array<SealedBlock, 5> sealed;
+  seal(ScanBlock{}, sealed[0]);
+  seal(EdgeBlock{}, sealed[1]);
+  seal(GapBlock{}, sealed[2]);
+  seal(MetaBlock{}, sealed[3]);
+  seal(EndBlock{}, sealed[4]);
+  std::array<std::vector<std::uint8_t>, 5> forms;
+  for (std::size_t k = 0; k < sealed.size(); ++k)
+    forms[k].assign(sealed[k].bytes().begin(), sealed[k].bytes().end());
+  return forms;
+}
+
+template <typename Block>
+SealedBlock sealed_again(const Block& block) {
+  SealedBlock sealed;
+  seal(block, sealed);
+  return sealed;
+}
+
+SealedBlock decode_and_seal(const SealedBlock& block) {
+  switch (block.kind) {
+    case BlockKind::kScan:
+      return sealed_again(decode_scan(block));
+    case BlockKind::kEdge: {
+      const EdgeBlock edges = decode_edge(block);
+      const auto unpacked = edges.unpack();
+      require(unpacked.size() == static_cast<std::size_t>(edges.edges), "a block holds the edges it says");
+      for (std::size_t k = 1; k < unpacked.size(); ++k)
+        require(unpacked[k - 1].time <= unpacked[k].time, "edges are in order of time");
+      return sealed_again(edges);
+    }
+    case BlockKind::kGap:
+      return sealed_again(decode_gap(block));
+    case BlockKind::kMeta:
+      return sealed_again(decode_meta(block));
+    case BlockKind::kEnd:
+      break;
+  }
+  return sealed_again(decode_end(block));
+}
+
+void check(std::span<const std::uint8_t> bytes) {
+  SealedBlock block;
+  if (accept(bytes, block) != Refusal::kNone) return;
+  require(std::equal(bytes.begin(), bytes.end(), block.bytes().begin(), block.bytes().end()),
+          "an accepted block is stored as it came");
+  require(block.header.scans >= 0 && block.header.first_scan >= 0 &&
+              block.header.first_scan + block.header.scans <= kIndexLimit,
+          "indices stay below their limit");
+  const SealedBlock again = decode_and_seal(block);
+  require(again.header == block.header && again.size == block.size, "the header survives");
+  // Bytes of a text behind its size do not count and are not kept.
+  const bool same = std::equal(again.bytes().begin(), again.bytes().end(), bytes.begin());
+  require(same || block.kind == BlockKind::kMeta, "sealing what was decoded gives the same bytes");
+  SealedBlock accepted;
+  require(accept(again.bytes(), accepted) == Refusal::kNone, "what is sealed is accepted");
+}
+
+}  // namespace
+}  // namespace roadbalance
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const auto forms = roadbalance::make_forms();
+  const std::span<const std::uint8_t> bytes(data, size);
+  roadbalance::check(bytes);
+  for (const auto& form : forms) roadbalance::check(roadbalance::fuzz::in_form(form, bytes));
+  return 0;
+}

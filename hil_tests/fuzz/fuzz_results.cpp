@@ -1,0 +1,12 @@
+#include "common/bus/results.hpp"
+#include "hil_tests/fuzz/round_trip.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace roadbalance;
+  const std::span<const std::uint8_t> bytes(data, size);
+  fuzz::check_message<Level>(bytes, decode_level);
+  fuzz::check_message<SpectrumPart>(bytes, decode_spectrum);
+  fuzz::check_message<Identification>(bytes, decode_identification);
+  fuzz::check_message<Balance>(bytes, decode_balance);
+  return 0;
+}
