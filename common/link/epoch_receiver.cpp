@@ -1,6 +1,10 @@
 #include "common/link/epoch_receiver.hpp"
 
 #include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "common/link/planted.hpp"
 
 namespace roadbalance {
 namespace {
@@ -20,19 +24,42 @@ EpochReceiver::EpochReceiver(std::int32_t node, std::int64_t epoch, EpochPositio
       epoch_(epoch),
       options_(options),
       slots_(static_cast<std::size_t>(options.window)),
+      ask_interval_(options.ask_again),
       contiguous_(start.contiguous),
       durable_(start.contiguous),
       highest_(start.contiguous),
       newest_arrived_(start.contiguous),
+      credit_given_(start.contiguous),
       ended_(start.ended),
+      given_up_(start.crashed),
+      received_at_crash_(start.crashed ? 0 : start.contiguous),
       next_scan_(start.next_scan) {}
 
 EpochReceiver::Slot& EpochReceiver::slot(std::int64_t sequence) {
   return slots_[static_cast<std::size_t>(sequence % options_.window)];
 }
 
+SealedBlock& EpochReceiver::stored(std::int64_t sequence) {
+  return blocks_[static_cast<std::size_t>(sequence % options_.window)];
+}
+
+EpochPosition EpochReceiver::position() const {
+  return {.contiguous = contiguous_, .next_scan = next_scan_, .ended = ended_, .crashed = given_up_};
+}
+
+void EpochReceiver::check() const {
+  assert(durable_ <= contiguous_ && contiguous_ <= highest_ && highest_ <= contiguous_ + options_.window);
+  assert(!has_holes() || newest_arrived_ <= highest_);
+}
+
 std::int64_t EpochReceiver::credit() const {
+  if (given_up_) return received_at_crash_;
+  if (!credit_open_) return std::max(contiguous_, credit_given_);
   return std::max(contiguous_, std::min(contiguous_ + options_.window, durable_ + options_.undurable));
+}
+
+void EpochReceiver::set_credit_open(bool open) {
+  credit_open_ = open;
 }
 
 void EpochReceiver::durable(std::int64_t sequence) {
@@ -40,34 +67,55 @@ void EpochReceiver::durable(std::int64_t sequence) {
 }
 
 void EpochReceiver::extend(std::int64_t sequence, WallTime now) {
-  while (highest_ < sequence) {
-    Slot& s = slot(++highest_);
-    s.arrived = s.asked = false;
-    s.noticed = now;
-  }
+  while (highest_ < sequence) slot(++highest_) = {.noticed = now, .asked_at = {}};
+}
+
+// What came before, in or out of order.  Its slot still knows how often it was asked for if no other block
+// has taken it.
+EpochReceiver::Take EpochReceiver::repeated(const SealedBlock& block, std::vector<Delivery>& out) {
+  const std::int64_t sequence = block.header.sequence;
+  if (highest_ < sequence + options_.window && slot(sequence).asks > 1) ask_interval_.answered_twice();
+  if (planted(PlantedFault::kNoDeduplication)) out.emplace_back(block);
+  return Take::kDuplicate;
+}
+
+void EpochReceiver::answered(Slot& s, WallTime now) {
+  if (s.asks == 1)
+    ask_interval_.answered_once(now - s.asked_at);
+  else if (s.asks > 1)
+    ask_interval_.answered_late();
 }
 
 EpochReceiver::Take EpochReceiver::block(const SealedBlock& block, WallTime now, std::vector<Delivery>& out) {
   const std::int64_t sequence = block.header.sequence;
-  if (sequence <= contiguous_) return Take::kDuplicate;
-  if (sequence > contiguous_ + options_.window) return Take::kOutsideWindow;
+  if (sequence <= contiguous_) return repeated(block, out);
+  if (ended_ || sequence > contiguous_ + options_.window) return Take::kOutsideWindow;
   extend(sequence, now);
   Slot& s = slot(sequence);
-  if (s.arrived) return Take::kDuplicate;
-  s.block = block;
-  s.arrived = true;
+  if (s.arrived) return repeated(block, out);
+  answered(s, now);
   newest_arrived_ = std::max(newest_arrived_, sequence);
+  if (sequence == contiguous_ + 1 && loss_through_ == 0) {
+    deliver(block, out);  // in order, the common case: no other copy
+  } else {
+    if (blocks_.empty()) blocks_.resize(slots_.size());
+    stored(sequence) = block;
+    s.arrived = true;
+  }
   deliver_contiguous(out);
+  check();
   return Take::kAccepted;
 }
 
 void EpochReceiver::heartbeat(const Heartbeat& heartbeat, WallTime now, std::vector<Delivery>& out) {
+  if (ended_) return;
   if (heartbeat.base > contiguous_ + 1) lose_through(heartbeat.base - 1, out);
-  extend(std::min(heartbeat.next - 1, credit()), now);
+  if (!ended_ && !planted(PlantedFault::kNoHeartbeat))
+    extend(std::min({heartbeat.next - 1, credit_given_, contiguous_ + options_.window}), now);
+  check();
 }
 
-void EpochReceiver::deliver(Slot& s, std::vector<Delivery>& out) {
-  const SealedBlock& block = s.block;
+void EpochReceiver::deliver(const SealedBlock& block, std::vector<Delivery>& out) {
   if (tells_scan(block)) {
     const std::int64_t since = block.header.first_scan - last_scans_.first_scan;
     if (last_scans_.sequence > 0 && since > 0)
@@ -77,14 +125,14 @@ void EpochReceiver::deliver(Slot& s, std::vector<Delivery>& out) {
     last_scans_ = block.header;
   }
   ended_ = ended_ || block.kind == BlockKind::kEnd;
-  out.emplace_back(block);
-  s.arrived = false;
+  out.emplace_back(std::in_place_type<SealedBlock>, block);
   ++contiguous_;
+  slot(contiguous_).arrived = false;
 }
 
 void EpochReceiver::deliver_contiguous(std::vector<Delivery>& out) {
   if (loss_through_ > 0 && !declare_loss(out, false)) return;
-  while (contiguous_ < highest_ && slot(contiguous_ + 1).arrived) deliver(slot(contiguous_ + 1), out);
+  while (contiguous_ < highest_ && slot(contiguous_ + 1).arrived) deliver(stored(contiguous_ + 1), out);
 }
 
 // The blocks through loss_through_ are gone.  How many scans they held is told by the next block that has a
@@ -92,7 +140,7 @@ void EpochReceiver::deliver_contiguous(std::vector<Delivery>& out) {
 bool EpochReceiver::declare_loss(std::vector<Delivery>& out, bool at_once) {
   const std::int64_t behind = loss_through_ + 1;
   std::int64_t at = behind;
-  while (at <= highest_ && slot(at).arrived && !tells_scan(slot(at).block)) ++at;
+  while (at <= highest_ && slot(at).arrived && !tells_scan(stored(at))) ++at;
   const bool told = at <= highest_ && slot(at).arrived;
   if (!told && !at_once && at - behind < kMostBlocksHeld) return false;
 
@@ -100,7 +148,7 @@ bool EpochReceiver::declare_loss(std::vector<Delivery>& out, bool at_once) {
   gap.cause = GapCause::kLostAtNode;
   gap.header = next_header(loss_through_);
   if (told) {
-    const BlockHeader& after = slot(at).block.header;
+    const BlockHeader& after = stored(at).header;
     gap.header.scans = std::max<std::int64_t>(0, after.first_scan - next_scan_);
     // The instant of the first lost scan lies on the line through the blocks before and after.
     const auto span_scans = static_cast<double>(after.first_scan - last_scans_.first_scan);
@@ -113,9 +161,10 @@ bool EpochReceiver::declare_loss(std::vector<Delivery>& out, bool at_once) {
       gap.header.time_ns = after.time_ns;
     next_scan_ = after.first_scan;
   }
+  loss_through_ = 0;
+  if (planted(PlantedFault::kLostDeclaredLate)) return true;
   out.emplace_back(gap);
   ++gaps_;
-  loss_through_ = 0;
   return true;
 }
 
@@ -133,7 +182,7 @@ void EpochReceiver::lose_through(std::int64_t sequence, std::vector<Delivery>& o
   while (contiguous_ < sequence) {
     if (contiguous_ < highest_ && slot(contiguous_ + 1).arrived) {
       if (loss_through_ > 0) declare_loss(out, true);
-      deliver(slot(contiguous_ + 1), out);
+      deliver(stored(contiguous_ + 1), out);
     } else if (contiguous_ < highest_) {
       loss_through_ = ++contiguous_;
     } else {
@@ -146,35 +195,72 @@ void EpochReceiver::lose_through(std::int64_t sequence, std::vector<Delivery>& o
 
 void EpochReceiver::crash(std::vector<Delivery>& out) {
   if (ended_) return;
-  lose_through(newest_arrived_, out);
+  given_up_ = true;
+  received_at_crash_ = contiguous_;
+  // Behind a hole the end would say that all is well: the crash takes its number.
+  const bool has_end =
+      has_holes() && slot(newest_arrived_).arrived && stored(newest_arrived_).kind == BlockKind::kEnd;
+  if (has_end) slot(newest_arrived_).arrived = false;
+  lose_through(has_end ? newest_arrived_ - 1 : newest_arrived_, out);
   if (loss_through_ > 0) declare_loss(out, true);
   deliver_contiguous(out);
-  if (ended_) return;  // the end was among what had arrived
+  assert(!ended_);
+  ended_ = true;
+  highest_ = newest_arrived_ = contiguous_ + 1;
   GapBlock gap;
   gap.cause = GapCause::kNodeCrash;
   gap.header = next_header(++contiguous_);
+  std::vector<SealedBlock>().swap(blocks_);
+  check();
+  if (planted(PlantedFault::kNoCrashGap)) return;
   out.emplace_back(gap);
   ++gaps_;
-  ended_ = true;
+}
+
+bool EpochReceiver::is_asked_now(Slot& s, std::int64_t sequence, WallTime now) {
+  const bool was_sent = newest_arrived_ > sequence;
+  if (s.asks == 0) {
+    if (now - s.noticed < options_.hole_age && newest_arrived_ < sequence + options_.newer_blocks)
+      return false;
+  } else if (now - s.asked_at < ask_interval_.get()) {
+    return !std::exchange(s.said_twice, s.said_twice || now - s.asked_at >= options_.say_again) &&
+           s.said_twice;
+  }
+  // Of a block that may not have been sent yet the first answer does not tell the round trip.
+  s.asks += was_sent ? 1 : 2;
+  s.asked_at = now;
+  s.said_twice = false;
+  return true;
 }
 
 std::vector<SequenceRange> EpochReceiver::missing(WallTime now) {
   std::vector<SequenceRange> ranges;
+  if (ended_) return ranges;
   for (std::int64_t k = contiguous_ + 1; k <= highest_; ++k) {
     Slot& s = slot(k);
     if (s.arrived) continue;
-    const bool is_hole = now - s.noticed >= options_.hole_age || newest_arrived_ >= k + options_.newer_blocks;
-    if (!is_hole || (s.asked && now - s.asked_at < options_.ask_again)) continue;
     const bool continues = !ranges.empty() && ranges.back().last == k - 1;
     if (!continues && ranges.size() == kMaxMissingRanges) break;
+    if (!is_asked_now(s, k, now)) continue;
     if (continues)
       ranges.back().last = k;
     else
       ranges.push_back({k, k});
-    s.asked = true;
-    s.asked_at = now;
   }
   return ranges;
+}
+
+Ack EpochReceiver::acknowledge(WallTime now) {
+  const std::int64_t received = given_up_ ? received_at_crash_ : contiguous_;
+  credit_given_ = std::max(credit_given_, credit());
+  return {.node = node_,
+          .epoch = epoch_,
+          .incarnation = 0,
+          .number = 0,
+          .received = received,
+          .durable = std::min(durable_, received),
+          .credit = std::max(received, credit()),
+          .missing = missing(now)};
 }
 
 }  // namespace roadbalance

@@ -1,17 +1,24 @@
 #include "common/link/receiver.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace roadbalance {
 namespace {
 
 constexpr std::chrono::milliseconds kAckPeriod{200};
-constexpr std::chrono::milliseconds kRepairPeriod{50};
+// While blocks are to be asked for.  The sender does not answer twice within twice this time.
+constexpr std::chrono::milliseconds kAskPeriod{5};
 constexpr std::chrono::milliseconds kEpochSilence{1000};
+constexpr std::chrono::milliseconds kLongSilence{10'000};
 // Nothing from the bus makes memory grow without limit: of more epochs of a node the oldest are forgotten.
 constexpr std::size_t kMostPastEpochs = 1024;
 // Of an epoch that is over, one every kAckPeriod: nobody says whether an ack was heard.
 constexpr int kLastAcks = 5;
+
+bool is_over(const Heartbeat& heartbeat) {
+  return heartbeat.state == NodeState::kEnded || heartbeat.state == NodeState::kFailed;
+}
 
 }  // namespace
 
@@ -19,141 +26,238 @@ Receiver::Receiver(std::int64_t incarnation, ReceiverOptions options)
     : incarnation_(incarnation), options_(options) {}
 
 void Receiver::recover(std::int32_t node, std::int64_t epoch, EpochPosition position) {
-  nodes_[node].past.push_back({.epoch = epoch, .position = position});
+  nodes_[node].past.push_back({.epoch = epoch, .position = position, .superseded_at = {}});
+}
+
+const EpochReceiver* Receiver::find(std::int32_t node, std::int64_t epoch) const {
+  for (const EpochReceiver* receiver : live(node))
+    if (receiver->epoch() == epoch) return receiver;
+  return nullptr;
 }
 
 const EpochReceiver* Receiver::current(std::int32_t node) const {
   const auto found = nodes_.find(node);
-  return found == nodes_.end() ? nullptr : found->second.epoch.get();
+  return found == nodes_.end() || found->second.live.empty() ? nullptr
+                                                             : found->second.live.back().receiver.get();
+}
+
+std::vector<const EpochReceiver*> Receiver::live(std::int32_t node) const {
+  std::vector<const EpochReceiver*> all;
+  if (const auto found = nodes_.find(node); found != nodes_.end())
+    for (const Live& live : found->second.live) all.push_back(live.receiver.get());
+  return all;
+}
+
+std::size_t Receiver::live_in_all() const {
+  std::size_t count = 0;
+  for (const auto& [number, node] : nodes_) count += node.live.size();
+  return count;
+}
+
+Receiver::Live* Receiver::find_live(Node& node, std::int64_t epoch) {
+  for (Live& live : node.live)
+    if (live.receiver->epoch() == epoch) return &live;
+  return nullptr;
+}
+
+Receiver::Past* Receiver::find_past(Node& node, std::int64_t epoch) {
+  for (Past& past : node.past)
+    if (past.epoch == epoch) return &past;
+  return nullptr;
 }
 
 void Receiver::take(const SealedBlock& block, WallTime now, std::vector<Delivery>& out) {
   const auto refuse = [this](Refused why) { ++refused_[static_cast<std::size_t>(why)]; };
   if (block.header.sequence == 0) return refuse(Refused::kPreview);
   const auto found = nodes_.find(block.header.node);
-  if (found == nodes_.end() || !found->second.epoch) return refuse(Refused::kUnknownEpoch);
-  Node& node = found->second;
-  if (node.epoch->epoch() != block.header.epoch)
-    return refuse(find_past(node, block.header.epoch) ? Refused::kClosedEpoch : Refused::kUnknownEpoch);
-  switch (node.epoch->block(block, now, out)) {
+  if (found == nodes_.end()) return refuse(Refused::kUnknownEpoch);
+  Live* const live = find_live(found->second, block.header.epoch);
+  if (!live)
+    return refuse(find_past(found->second, block.header.epoch) ? Refused::kClosedEpoch
+                                                               : Refused::kUnknownEpoch);
+  switch (live->receiver->block(block, now, out)) {
     case EpochReceiver::Take::kAccepted:
       return;
     case EpochReceiver::Take::kDuplicate:
       return refuse(Refused::kDuplicate);
     case EpochReceiver::Take::kOutsideWindow:
-      return refuse(Refused::kOutsideWindow);
+      return refuse(live->receiver->given_up() ? Refused::kClosedEpoch : Refused::kOutsideWindow);
   }
-}
-
-Receiver::Past* Receiver::find_past(Node& node, std::int64_t epoch) {
-  const auto found =
-      std::find_if(node.past.begin(), node.past.end(), [&](const Past& past) { return past.epoch == epoch; });
-  return found == node.past.end() ? nullptr : &*found;
-}
-
-void Receiver::close(Past& past, const EpochReceiver& epoch) {
-  past.position.contiguous = epoch.received();
-  past.position.ended = true;
-  past.durable = epoch.durable();
-  past.acks_left = kLastAcks;
-}
-
-void Receiver::open_epoch(Node& node, const Heartbeat& heartbeat, std::vector<Delivery>& out) {
-  EpochPosition start;
-  if (const Past* known = find_past(node, heartbeat.epoch)) {
-    start = known->position;
-    node.past.erase(node.past.begin() + (known - node.past.data()));
-  }
-  // What an earlier run of this recorder left open of this node is over too.
-  for (Past& past : node.past) {
-    if (past.position.ended) continue;
-    EpochReceiver open(heartbeat.node, past.epoch, past.position, {.window = 1});
-    open.crash(out);
-    close(past, open);
-  }
-  if (node.epoch) {
-    node.epoch->crash(out);
-    close(node.past.emplace_back(Past{.epoch = node.epoch->epoch(), .position = {}}), *node.epoch);
-  }
-  if (node.past.size() > kMostPastEpochs) node.past.erase(node.past.begin());
-  node.epoch = std::make_unique<EpochReceiver>(heartbeat.node, heartbeat.epoch, start, options_);
-  node.ack_number = 0;
-  node.acked_durable = -1;
-  node.acked_received = start.contiguous;
-}
-
-bool Receiver::may_open(Node& node, const Heartbeat& heartbeat, WallTime now) {
-  const Past* past = find_past(node, heartbeat.epoch);
-  const bool is_over = heartbeat.state == NodeState::kEnded || heartbeat.state == NodeState::kFailed;
-  if (!node.epoch) return past || !is_over || heartbeat.base < heartbeat.next;
-  if (past && past->position.ended) return false;
-  if (now - node.heard_at >= kEpochSilence) return true;
-  ++rival_heartbeats_;
-  return false;
 }
 
 void Receiver::take(const Heartbeat& heartbeat, WallTime now, std::vector<Delivery>& out) {
   if (!nodes_.contains(heartbeat.node) && nodes_.size() >= kMostNodes) return;
+  if (!began_at_) began_at_ = now;
   Node& node = nodes_[heartbeat.node];
-  if (!node.epoch || node.epoch->epoch() != heartbeat.epoch) {
-    if (!may_open(node, heartbeat, now)) return;
-    open_epoch(node, heartbeat, out);
+  Live* live = find_live(node, heartbeat.epoch);
+  if (!live) {
+    if (!may_open(node, heartbeat, now, out)) return;
+    EpochPosition start;
+    if (const Past* known = find_past(node, heartbeat.epoch)) {
+      start = known->position;
+      node.past.erase(node.past.begin() + (known - node.past.data()));
+    }
+    live = &open(node, heartbeat.node, heartbeat.epoch, start);
+  } else if (live->receiver->given_up()) {
+    if (heartbeat.base < heartbeat.next) ++rival_heartbeats_;
+    return;
   }
-  node.heard_at = now;
-  node.epoch->heartbeat(heartbeat, now, out);
+  note_rivals(node, *live);
+  live->heard_at = now;
+  live->receiver->heartbeat(heartbeat, now, out);
+  close_silent(node, heartbeat.node, heartbeat.epoch, now, out);
+}
+
+bool Receiver::may_open(Node& node, const Heartbeat& heartbeat, WallTime now, std::vector<Delivery>& out) {
+  const Past* past = find_past(node, heartbeat.epoch);
+  const bool holds_blocks = heartbeat.base < heartbeat.next;
+  // A node that died by our own account, and yet lives: its blocks have no place in the record any more.
+  if (past && past->position.crashed) {
+    if (holds_blocks) ++rival_heartbeats_;
+    return false;
+  }
+  // Of an epoch that is over we want the blocks it still has, or it the word that we have them.
+  if (is_over(heartbeat) && !holds_blocks && (!past || past->position.ended)) return false;
+  return make_room(node, now, out);
+}
+
+// For one more epoch: those that are over go first, then the one that is silent longest.
+bool Receiver::make_room(Node& node, WallTime now, std::vector<Delivery>& out) {
+  if (node.live.size() < kMostLive && live_in_all() < kMostLiveInAll) return true;
+  const auto oldest = std::min_element(node.live.begin(), node.live.end(), [](const Live& a, const Live& b) {
+    return std::pair(!a.receiver->ended(), a.heard_at) < std::pair(!b.receiver->ended(), b.heard_at);
+  });
+  if (oldest == node.live.end()) return false;
+  if (!oldest->receiver->ended()) {
+    if (now - oldest->heard_at < kEpochSilence) {
+      ++rival_heartbeats_;
+      return false;
+    }
+    oldest->receiver->crash(out);
+  }
+  retire(node, static_cast<std::size_t>(oldest - node.live.begin()));
+  return true;
+}
+
+Receiver::Live& Receiver::open(Node& node, std::int32_t number, std::int64_t epoch,
+                               const EpochPosition& start) {
+  auto receiver = std::make_unique<EpochReceiver>(number, epoch, start, options_);
+  receiver->set_credit_open(credit_open_);
+  node.live.push_back(
+      {.receiver = std::move(receiver), .acked_received = start.contiguous, .last_acks = kLastAcks});
+  return node.live.back();
+}
+
+void Receiver::retire(Node& node, std::size_t which) {
+  const EpochReceiver& receiver = *node.live[which].receiver;
+  node.past.push_back({.epoch = receiver.epoch(), .position = receiver.position(), .superseded_at = {}});
+  node.live.erase(node.live.begin() + static_cast<std::ptrdiff_t>(which));
+  if (node.past.size() <= kMostPastEpochs) return;
+  const auto over =
+      std::find_if(node.past.begin(), node.past.end(), [](const Past& past) { return past.position.ended; });
+  if (over != node.past.end()) node.past.erase(over);
+}
+
+// Two nodes with one number are heard in turns; a node that was started again is not heard of before.
+void Receiver::note_rivals(const Node& node, const Live& live) {
+  if (live.heard_at == WallTime{}) return;
+  const bool rival = std::any_of(node.live.begin(), node.live.end(), [&](const Live& other) {
+    return &other != &live && !other.receiver->ended() && other.heard_at > live.heard_at;
+  });
+  if (rival) ++rival_heartbeats_;
+}
+
+void Receiver::close_past(Node& node, std::int32_t number, Past& past, std::vector<Delivery>& out) {
+  Live& live = open(node, number, past.epoch, past.position);
+  live.receiver->crash(out);
+  // Behind all others: it is not the one that the node lives in.
+  std::rotate(node.live.begin(), node.live.end() - 1, node.live.end());
+}
+
+// `epoch` has just been heard.
+void Receiver::close_silent(Node& node, std::int32_t number, std::int64_t epoch, WallTime now,
+                            std::vector<Delivery>& out) {
+  for (Live& live : node.live) {
+    if (live.receiver->epoch() == epoch) break;  // those opened later stay
+    if (now - live.heard_at >= kLongSilence) live.receiver->crash(out);
+  }
+  for (std::size_t k = 0; k < node.past.size();) {
+    Past& past = node.past[k];
+    if (!past.position.ended && !past.superseded_at) past.superseded_at = now;
+    const bool silent = !past.position.ended && now - *past.superseded_at >= kLongSilence;
+    if (silent && node.live.size() < kMostLive && live_in_all() < kMostLiveInAll) {
+      close_past(node, number, past, out);
+      node.past.erase(node.past.begin() + static_cast<std::ptrdiff_t>(k));
+    } else {
+      ++k;
+    }
+  }
+}
+
+void Receiver::finish(WallTime now, std::vector<Delivery>& out) {
+  for (auto& [number, node] : nodes_) {
+    for (std::size_t k = 0; k < node.live.size(); ++k) {
+      const bool superseded = k + 1 < node.live.size();
+      if (now - node.live[k].heard_at >= (superseded ? kEpochSilence : kLongSilence))
+        node.live[k].receiver->crash(out);
+    }
+    const bool long_silence = began_at_ && now - *began_at_ >= kLongSilence;
+    for (Past& past : node.past)
+      if (!past.position.ended && (past.superseded_at || long_silence)) {
+        close_past(node, number, past, out);
+        past.position.ended = past.position.crashed = true;
+      }
+  }
 }
 
 void Receiver::durable(std::int32_t node, std::int64_t epoch, std::int64_t sequence) {
   const auto found = nodes_.find(node);
   if (found == nodes_.end()) return;
-  if (found->second.epoch && found->second.epoch->epoch() == epoch)
-    found->second.epoch->durable(sequence);
-  else if (Past* past = find_past(found->second, epoch))
-    past->durable = std::max(past->durable, std::min(sequence, past->position.contiguous));
+  if (Live* live = find_live(found->second, epoch)) live->receiver->durable(sequence);
 }
 
-bool Receiver::is_due(const Node& node, WallTime now) const {
-  const EpochReceiver& epoch = *node.epoch;
-  const bool much_credit_is_used = epoch.received() - node.acked_received >= options_.window / 4;
-  return epoch.durable() > node.acked_durable || much_credit_is_used ||
-         now - node.acked_at >= (epoch.has_holes() ? kRepairPeriod : kAckPeriod);
+void Receiver::set_credit_open(bool open) {
+  credit_open_ = open;
+  for (auto& [number, node] : nodes_)
+    for (Live& live : node.live) live.receiver->set_credit_open(open);
 }
 
-// The node of a closed epoch is gone; others wait to hear that its last blocks are durable.
-void Receiver::acknowledge_past(std::int32_t number, Node& node, WallTime now, std::vector<Ack>& acks) const {
-  for (Past& past : node.past) {
-    const std::int64_t last = past.position.contiguous;
-    if (past.acks_left == 0 || past.durable < last || now - past.acked_at < kAckPeriod) continue;
-    --past.acks_left;
-    past.acked_at = now;
-    acks.push_back({.node = number,
-                    .epoch = past.epoch,
-                    .incarnation = incarnation_,
-                    .number = ++node.ack_number,
-                    .received = last,
-                    .durable = last,
-                    .credit = last,
-                    .missing = {}});
-  }
+bool Receiver::is_due(const Live& live, WallTime now) const {
+  const EpochReceiver& epoch = *live.receiver;
+  const bool much_credit_is_used = epoch.received() - live.acked_received >= options_.window / 4;
+  return epoch.durable() > live.acked_durable || much_credit_is_used || now - live.acked_at >= kAckPeriod;
+}
+
+void Receiver::acknowledge(Node& node, Live& live, WallTime now, std::vector<Ack>& acks) const {
+  const bool due = is_due(live, now);
+  const bool asks = live.receiver->has_holes() && now - live.acked_at >= kAskPeriod;
+  if (!due && !asks) return;
+  Ack ack = live.receiver->acknowledge(now);
+  if (!due && ack.missing.empty()) return;
+  live.acked_at = now;
+  live.acked_durable = live.receiver->durable();
+  live.acked_received = live.receiver->received();
+  ack.incarnation = incarnation_;
+  ack.number = ++node.ack_number;
+  acks.push_back(std::move(ack));
 }
 
 std::vector<Ack> Receiver::due(WallTime now) {
   std::vector<Ack> acks;
   for (auto& [number, node] : nodes_) {
-    acknowledge_past(number, node, now, acks);
-    if (!node.epoch || !is_due(node, now)) continue;
-    const EpochReceiver& epoch = *node.epoch;
-    node.acked_at = now;
-    node.acked_durable = epoch.durable();
-    node.acked_received = epoch.received();
-    acks.push_back({.node = number,
-                    .epoch = epoch.epoch(),
-                    .incarnation = incarnation_,
-                    .number = ++node.ack_number,
-                    .received = epoch.received(),
-                    .durable = epoch.durable(),
-                    .credit = epoch.credit(),
-                    .missing = node.epoch->missing(now)});
+    for (std::size_t k = 0; k < node.live.size();) {
+      Live& live = node.live[k];
+      const EpochReceiver& epoch = *live.receiver;
+      const bool superseded = k + 1 < node.live.size();
+      const bool over =
+          epoch.ended() && epoch.durable() == epoch.received() && (superseded || epoch.given_up());
+      const std::size_t before = acks.size();
+      acknowledge(node, live, now, acks);
+      if (over && acks.size() > before && --live.last_acks == 0)
+        retire(node, k);
+      else
+        ++k;
+    }
   }
   return acks;
 }

@@ -14,13 +14,20 @@ namespace roadbalance {
 /// The recorder's half of the loss-free link for all nodes, as a pure state machine: time comes in with every
 /// call, deliveries and acknowledgements go out; bus and disk stay outside.
 ///
-/// A node's heartbeat opens its epoch; a heartbeat with a new epoch closes the old one, as a crash if it has
-/// no end; what it left is acknowledged a few times once durable.  Blocks of other epochs and previews
-/// (sequence 0) never enter.
+/// A node's heartbeat opens its epoch.  Several epochs of one node may live at a time (it was started again,
+/// or two nodes have one number): each is recorded apart.  An epoch without an end is closed as a crash when
+/// it has been silent for ten seconds and a newer one of the node lives, or by finish().  What a closed epoch
+/// left is acknowledged a few times, as far as it had come without a hole.  Blocks of other epochs and
+/// previews (sequence 0) never enter.
+///
+/// Memory: at most kMostNodes nodes, kMostLive epochs of each and kMostLiveInAll in all, each an
+/// EpochReceiver; of closed ones a few bytes each, the oldest forgotten beyond 1024 a node.
 class Receiver {
  public:
   enum class Refused { kPreview, kUnknownEpoch, kClosedEpoch, kDuplicate, kOutsideWindow, kCount };
   using RefusedCounts = std::array<std::int64_t, static_cast<std::size_t>(Refused::kCount)>;
+  static constexpr std::size_t kMostLive = 8;
+  static constexpr std::size_t kMostLiveInAll = 2 * kMostNodes;
 
   explicit Receiver(std::int64_t incarnation) : Receiver(incarnation, ReceiverOptions{}) {}
   Receiver(std::int64_t incarnation, ReceiverOptions options);
@@ -32,47 +39,68 @@ class Receiver {
   void take(const Heartbeat& heartbeat, WallTime now, std::vector<Delivery>& out);
   /// Everything of the epoch through `sequence` is on the disk: the next due() acknowledges it.
   void durable(std::int32_t node, std::int64_t epoch, std::int64_t sequence);
+  /// False: no credit beyond what was given, because the disk fails or is full.  Open at first.
+  void set_credit_open(bool open);
+  /// The recorder ends: closes as crashed what has no end and has been silent for ten seconds, or for one if
+  /// a newer epoch of the node was heard.  What only sleeps stays open for the next recorder.
+  void finish(WallTime now, std::vector<Delivery>& out);
 
-  /// Acknowledgements to send now: five times a second, twenty times while there are holes, at once when more
-  /// is durable, and before the credit runs out.
+  /// Acknowledgements to send now: five times a second, at once when more is durable and before the credit
+  /// runs out, and up to 200 times a second while there are blocks to ask for.
   std::vector<Ack> due(WallTime now);
 
-  /// The epoch being received of a node, or nullptr.
+  /// The epoch if it is being received or was closed a moment ago, else nullptr.
+  const EpochReceiver* find(std::int32_t node, std::int64_t epoch) const;
+  /// Of these the one of a node that was opened last, or nullptr.
   const EpochReceiver* current(std::int32_t node) const;
+  /// All of these of a node, in order of opening.
+  std::vector<const EpochReceiver*> live(std::int32_t node) const;
   std::int64_t incarnation() const { return incarnation_; }
   /// For a restart of the same recorder with a higher number: ack numbers begin again.
   void set_incarnation(std::int64_t incarnation) { incarnation_ = incarnation; }
   const RefusedCounts& refused() const { return refused_; }
-  /// Heartbeats of a second epoch while the first one lived: two nodes with one number, or late datagrams.
+  /// Heartbeats of an epoch between which another one of the node was heard, and of epochs that were closed
+  /// and still hold blocks: two nodes have one number, or a node that slept is awake again.
   std::int64_t rival_heartbeats() const { return rival_heartbeats_; }
 
  private:
-  struct Past {
-    std::int64_t epoch;
-    EpochPosition position;
-    std::int64_t durable = 0;
-    int acks_left = 0;  // to say that all of it is durable
-    WallTime acked_at{};
-  };
-  struct Node {
-    std::unique_ptr<EpochReceiver> epoch;  // being received
-    std::vector<Past> past;                // recovered or closed, in order of time
-    WallTime heard_at{};                   // the epoch being received
-    std::int64_t ack_number = 0;
+  struct Live {
+    std::unique_ptr<EpochReceiver> receiver;
+    WallTime heard_at{};
     WallTime acked_at{};
     std::int64_t acked_durable = -1;
     std::int64_t acked_received = 0;
+    int last_acks;  // left, once it is closed
   };
-  bool is_due(const Node& node, WallTime now) const;
+  struct Past {
+    std::int64_t epoch;
+    EpochPosition position;
+    std::optional<WallTime> superseded_at{};  // open still: when another epoch of the node was first heard
+  };
+  struct Node {
+    std::vector<Live> live;  // in order of opening
+    std::vector<Past> past;  // recovered or over, in order of time
+    std::int64_t ack_number = 0;
+  };
+  static Live* find_live(Node& node, std::int64_t epoch);
   static Past* find_past(Node& node, std::int64_t epoch);
-  static void close(Past& past, const EpochReceiver& epoch);
-  void acknowledge_past(std::int32_t number, Node& node, WallTime now, std::vector<Ack>& acks) const;
-  bool may_open(Node& node, const Heartbeat& heartbeat, WallTime now);
-  void open_epoch(Node& node, const Heartbeat& heartbeat, std::vector<Delivery>& out);
+  Live& open(Node& node, std::int32_t number, std::int64_t epoch, const EpochPosition& start);
+  bool may_open(Node& node, const Heartbeat& heartbeat, WallTime now, std::vector<Delivery>& out);
+  bool make_room(Node& node, WallTime now, std::vector<Delivery>& out);
+  std::size_t live_in_all() const;
+  void note_rivals(const Node& node, const Live& live);
+  void close_silent(Node& node, std::int32_t number, std::int64_t epoch, WallTime now,
+                    std::vector<Delivery>& out);
+  void close_past(Node& node, std::int32_t number, Past& past, std::vector<Delivery>& out);
+  void retire(Node& node, std::size_t which);
+  bool is_due(const Live& live, WallTime now) const;
+  void acknowledge(Node& node, Live& live, WallTime now, std::vector<Ack>& acks) const;
 
   std::int64_t incarnation_;
   const ReceiverOptions options_;
+  bool credit_open_ = true;
   std::map<std::int32_t, Node> nodes_;
+  std::optional<WallTime> began_at_;
   RefusedCounts refused_{};
   std::int64_t rival_heartbeats_ = 0;
 };

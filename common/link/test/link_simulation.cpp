@@ -208,6 +208,8 @@ LinkOutcome LinkSimulation::run() {
     drained = !producing_ && node_ && receiver_ && node_->ring.used() == 0 && written_.empty() && !syncing_;
   }
   if (!drained) fault("the backlog does not go to zero");
+  receiver_->finish(now(), written_);
+  for (const auto& delivery : written_) store(delivery);
   outcome_.drained_after_s = static_cast<double>(time_us_ - end_us) * 1e-6;
   outcome_.transmissions = transmissions_before_ + (node_ ? node_->sender.blocks_sent() : 0);
   check_record(outcome_);

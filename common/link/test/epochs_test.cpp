@@ -1,0 +1,183 @@
+#include "common/link/receiver.hpp"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "common/bus/codec.hpp"
+#include "common/link/test/receiver_fixture.hpp"
+
+namespace roadbalance {
+namespace {
+
+using namespace test;
+using Epochs = ReceiverFixture;
+
+TEST_F(Epochs, ANewEpochClosesTheOldOneWithACrashGapOnceThatIsSilentForLong) {
+  take(beat(1, 1));
+  take(scans(1));
+  take(scans(3));
+  take(beat(1, 1, kEpoch + 1), kStart + 1s);
+  take(beat(1, 1, kEpoch + 1), kStart + 9s);
+  EXPECT_EQ(sequences(), Sequences{1}) << "the old one may only sleep";
+  take(beat(1, 1, kEpoch + 1), kStart + 10s);
+  ASSERT_EQ(sequences(), (Sequences{1, 2, 3, 4}));
+  EXPECT_EQ(std::get<GapBlock>(out[1]).cause, GapCause::kLostAtNode);
+  EXPECT_EQ(std::get<GapBlock>(out[3]).cause, GapCause::kNodeCrash);
+  EXPECT_EQ(receiver.current(1)->epoch(), kEpoch + 1);
+  EXPECT_EQ(receiver.rival_heartbeats(), 0) << "a node that was started again is no rival";
+}
+
+TEST_F(Epochs, RecordsTwoNodesWithOneNumberApartAndSaysSo) {
+  for (int turn = 0; turn < 10; ++turn) {
+    take(beat(1, 1), kStart + turn * 100ms);
+    take(beat(1, 1, kEpoch + 1), kStart + turn * 100ms + 50ms);
+    take(scans(turn + 1), kStart + turn * 100ms);
+    take(scans(turn + 1, kEpoch + 1), kStart + turn * 100ms);
+  }
+  std::map<std::int64_t, Sequences> of;
+  for (const auto& delivery : out) {
+    const auto& header = std::get<SealedBlock>(delivery).header;
+    of[header.epoch].push_back(header.sequence);
+  }
+  const Sequences all{1, 2, 3, 4, 5, 6, 7, 8, 9, 10};
+  EXPECT_EQ(of[kEpoch], all);
+  EXPECT_EQ(of[kEpoch + 1], all);
+  EXPECT_EQ(receiver.live(1).size(), 2u);
+  EXPECT_EQ(receiver.rival_heartbeats(), 18) << "all but the first of each";
+  const auto acks = receiver.due(kStart + 2s);
+  ASSERT_EQ(acks.size(), 2u);
+  EXPECT_NE(acks[0].epoch, acks[1].epoch);
+  EXPECT_NE(acks[0].number, acks[1].number);
+}
+
+TEST_F(Epochs, ContinuesARecoveredEpochBehindWhatTheRecordHolds) {
+  receiver.recover(1, kEpoch, {.contiguous = 10, .next_scan = 200});
+  take(beat(8, 13));
+  for (std::int64_t k = 8; k <= 12; ++k) take(scans(k));
+  EXPECT_EQ(sequences(), (Sequences{11, 12}));
+  EXPECT_EQ(ack_at(kStart).durable, 10);
+}
+
+TEST_F(Epochs, AcksOfACrashedEpochNeverCoverWhatWasDeclared) {
+  take(beat(1, 1));
+  for (const std::int64_t k : {1, 2, 5}) take(scans(k));
+  (void)receiver.due(kStart);
+  take(beat(1, 1, kEpoch + 1), kStart + 11s);
+  ASSERT_EQ(sequences(), (Sequences{1, 2, 4, 5, 6}));
+  receiver.durable(1, kEpoch, 6);
+  int last_acks = 0;
+  for (int k = 0; k < 100; ++k)
+    for (const Ack& ack : receiver.due(kStart + 11s + k * 100ms)) {
+      if (ack.epoch != kEpoch) continue;
+      ++last_acks;
+      EXPECT_EQ(ack.received, 2);
+      EXPECT_EQ(ack.durable, 2);
+      EXPECT_EQ(ack.credit, 2);
+      EXPECT_TRUE(ack.missing.empty());
+    }
+  EXPECT_EQ(last_acks, 5) << "any may be lost, but they do not go on for ever";
+  // It wakes: its blocks have no place any more, and that is an alarm.
+  out.clear();
+  take(beat(3, 7), kStart + 30s);
+  take(scans(3), kStart + 30s);
+  EXPECT_TRUE(out.empty());
+  EXPECT_EQ(receiver.rival_heartbeats(), 1);
+  EXPECT_EQ(receiver.refused()[static_cast<std::size_t>(Receiver::Refused::kClosedEpoch)], 1);
+}
+
+TEST_F(Epochs, ACrashTakesTheNumberOfAnEndThatCameBehindAHole) {
+  take(beat(1, 1));
+  take(scans(1));
+  SealedBlock end;
+  seal(EndBlock{.header = {.node = 1, .epoch = kEpoch, .sequence = 3, .first_scan = 40}, .blocks = 3}, end);
+  take(end);
+  receiver.finish(kStart + 11s, out);
+  ASSERT_EQ(sequences(), (Sequences{1, 2, 3}));
+  EXPECT_EQ(std::get<GapBlock>(out[1]).cause, GapCause::kLostAtNode);
+  EXPECT_EQ(std::get<GapBlock>(out[2]).cause, GapCause::kNodeCrash);
+}
+
+TEST_F(Epochs, ClosesWhatAnEarlierRunLeftOpenOnceAnotherEpochHasLivedForLong) {
+  receiver.recover(1, kEpoch, {.contiguous = 10, .next_scan = 200});
+  take(beat(1, 1, kEpoch + 1));
+  take(beat(1, 1, kEpoch + 1), kStart + 9s);
+  EXPECT_TRUE(out.empty());
+  take(beat(1, 1, kEpoch + 1), kStart + 10s);
+  ASSERT_EQ(sequences(), Sequences{11});
+  EXPECT_EQ(std::get<GapBlock>(out[0]).header.first_scan, 200);
+  EXPECT_EQ(receiver.current(1)->epoch(), kEpoch + 1);
+}
+
+TEST_F(Epochs, GoesOnWithARecoveredEpochThatIsOnlyLate) {
+  receiver.recover(1, kEpoch, {.contiguous = 10, .next_scan = 200});
+  take(beat(1, 1, kEpoch + 1));
+  take(beat(11, 12), kStart + 9s);
+  take(scans(11), kStart + 9s);
+  take(beat(1, 1, kEpoch + 1), kStart + 11s);
+  EXPECT_EQ(sequences(), Sequences{11});
+}
+
+TEST_F(Epochs, TellsANodeOfAnEndedEpochThatAllIsDurable) {
+  receiver.recover(1, kEpoch, {.contiguous = 10, .next_scan = 200, .ended = true});
+  Heartbeat over = beat(8, 11);
+  over.state = NodeState::kEnded;
+  take(over);
+  EXPECT_EQ(ack_at(kStart).durable, 10);
+}
+
+TEST_F(Epochs, TellsANodeNothingOfAnEpochThatTheRecordCallsCrashed) {
+  receiver.recover(1, kEpoch, {.contiguous = 10, .next_scan = 200, .ended = true, .crashed = true});
+  take(beat(8, 11));
+  EXPECT_TRUE(receiver.due(kStart).empty());
+  EXPECT_EQ(receiver.rival_heartbeats(), 1);
+}
+
+TEST_F(Epochs, WhenItEndsItClosesTheDeadAndLeavesTheSleeping) {
+  take(beat(1, 1));
+  take(beat(1, 1, kEpoch + 1), kStart + 5s);
+  take(scans(1, kEpoch + 1), kStart + 5s);
+  receiver.finish(kStart + 14s, out);
+  ASSERT_EQ(out.size(), 2u);  // the scans, and the crash of the older one
+  EXPECT_EQ(std::get<GapBlock>(out[1]).header.epoch, kEpoch);
+  receiver.finish(kStart + 15s, out);
+  ASSERT_EQ(out.size(), 3u);
+  EXPECT_EQ(std::get<GapBlock>(out[2]).header.epoch, kEpoch + 1);
+}
+
+TEST_F(Epochs, FloodsOfEpochsAndNodesStayWithinItsBounds) {
+  for (int k = 0; k < 10'000; ++k) {
+    Heartbeat forged = beat(1, 100, kEpoch + k);
+    forged.node = k % 300 + 1;
+    take(forged, kStart + k * 1ms);
+  }
+  std::size_t live = 0;
+  for (std::int32_t node = 1; node <= 300; ++node) {
+    EXPECT_LE(receiver.live(node).size(), Receiver::kMostLive);
+    live += receiver.live(node).size();
+  }
+  EXPECT_LE(live, Receiver::kMostLiveInAll);
+}
+
+TEST_F(Epochs, RecordsANodeHoweverOftenItRestarts) {
+  for (int k = 0; k < 1500; ++k) {
+    const std::int64_t epoch = kEpoch + k;
+    take(beat(1, 1, epoch), kStart + k * 2s);
+    out.clear();
+    take(scans(1, epoch), kStart + k * 2s);
+    ASSERT_EQ(sequences(), Sequences{1}) << "restart " << k;
+  }
+}
+
+TEST_F(Epochs, ACrashGapBearsTheTimeOfItsFirstScan) {
+  take(beat(1, 1));
+  take(scans(1));
+  take(scans(2));
+  receiver.finish(kStart + 10s, out);
+  const auto& crash = std::get<GapBlock>(out.back());
+  EXPECT_EQ(crash.header.first_scan, 40);
+  EXPECT_EQ(crash.header.time_ns, 20'000'000);  // blocks of 20 scans every 10 ms
+}
+
+}  // namespace
+}  // namespace roadbalance
