@@ -227,4 +227,12 @@ EndBlock decode_end(const SealedBlock& block) {
           .scans_missing = message.scans_missing};
 }
 
+std::span<const std::uint8_t> encoded_counts(const SealedBlock& block) {
+  assert(block.kind == BlockKind::kScan);
+  // Behind the fingerprint, the node and six numbers of eight bytes; see scan_block_t.lcm.
+  constexpr std::size_t kOffset = 8 + 4 + 6 * 8;
+  const auto rows = static_cast<std::size_t>(block.header.scans);
+  return block.bytes().subspan(kOffset, rows * kChannels * sizeof(std::int32_t));
+}
+
 }  // namespace roadbalance

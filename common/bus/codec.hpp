@@ -31,4 +31,7 @@ GapBlock decode_gap(const SealedBlock& block);
 MetaBlock decode_meta(const SealedBlock& block);
 EndBlock decode_end(const SealedBlock& block);
 
+/// The counts of a scan block as they travel: big endian, [scan][channel], header.scans rows of them.
+std::span<const std::uint8_t> encoded_counts(const SealedBlock& scan_block);
+
 }  // namespace roadbalance

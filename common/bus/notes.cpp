@@ -1,6 +1,7 @@
 #include "common/bus/notes.hpp"
 
 #include <algorithm>
+#include <wire/commit_t.hpp>
 #include <wire/journal_t.hpp>
 #include <wire/note_t.hpp>
 
@@ -90,6 +91,18 @@ std::optional<Note> decode_note(std::span<const std::uint8_t> bytes) {
               .a = m->a,
               .b = m->b,
               .text = std::string(m->text, m->text + m->size)};
+}
+
+std::vector<std::uint8_t> encode(const Commit& commit) {
+  wire::commit_t m{};
+  m.bytes = commit.bytes;
+  return wire_format::encode_with_crc(m);
+}
+
+std::optional<Commit> decode_commit(std::span<const std::uint8_t> bytes) {
+  const auto m = wire_format::decode_with_crc<wire::commit_t>(bytes);
+  if (!m || m->bytes < 0) return std::nullopt;
+  return Commit{.bytes = m->bytes};
 }
 
 }  // namespace roadbalance

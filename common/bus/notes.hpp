@@ -57,13 +57,22 @@ struct Note {
 };
 inline constexpr std::size_t kMaxNoteBytes = 400;
 
+/// After each sync: so many bytes of the segment it stands in are on the disk, so that damage among them is
+/// no torn tail.
+struct Commit {
+  std::int64_t bytes = 0;
+};
+
 inline constexpr const char* kJournalChannel = "RB_JOURNAL";
 inline constexpr const char* kNoteChannel = "RB_NOTE";
+inline constexpr const char* kCommitChannel = "RB_COMMIT";
 
 /// Decoding refuses wrong size, type, CRC or bounds.
 std::vector<std::uint8_t> encode(const Journal& journal);
 std::vector<std::uint8_t> encode(const Note& note);
+std::vector<std::uint8_t> encode(const Commit& commit);
 std::optional<Journal> decode_journal(std::span<const std::uint8_t> bytes);
 std::optional<Note> decode_note(std::span<const std::uint8_t> bytes);
+std::optional<Commit> decode_commit(std::span<const std::uint8_t> bytes);
 
 }  // namespace roadbalance

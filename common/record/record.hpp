@@ -9,7 +9,9 @@
 #include <string_view>
 #include <vector>
 
+#include "common/bus/notes.hpp"
 #include "common/record/disk.hpp"
+#include "common/record/record_state.hpp"
 
 namespace roadbalance {
 
@@ -25,8 +27,9 @@ struct LogEvent {
 /// still growing.  Views returned are valid until the next call.
 class RecordReader {
  public:
-  /// @throws std::system_error naming the folder if it holds no segment
-  explicit RecordReader(std::filesystem::path folder, Disk& disk = kernel_disk());
+  /// @param first  number of the segment to begin with, or of the next one that is there
+  /// @throws std::system_error naming the folder if it holds no such segment
+  explicit RecordReader(std::filesystem::path folder, Disk& disk = kernel_disk(), int first = 1);
   ~RecordReader();
   RecordReader(RecordReader&&) noexcept;
 
@@ -35,18 +38,24 @@ class RecordReader {
   std::optional<LogEvent> next();
 
   /// Says that the record does not grow any more: what is left at its end is then given by next(), as far as
-  /// it is events, or listed in damage().
+  /// it is events that were not torn, or listed in damage().
   void finish();
+
+  /// Of the event given last: its segment, and where in it the event begins.
+  int segment() const;
+  std::uint64_t offset() const;
 
   struct Damage {
     std::filesystem::path segment;
     std::uint64_t offset;
     std::uint64_t bytes;
     std::string what;
+    bool torn =
+        false;  ///< at the end of the record and never called durable: what a kill or power cut leaves
   };
+  /// Where bytes are no events, in order.  What lies behind the end of an abandoned segment is not among
+  /// them: it does not count.
   const std::vector<Damage>& damage() const;
-  /// True if no segment follows this one.
-  bool is_last(const std::filesystem::path& segment) const;
 
  private:
   struct State;
@@ -55,6 +64,15 @@ class RecordReader {
 
 /// Appends events to the segments of a recording folder.  Implements the writing rules of the record:
 /// write(2) with results checked, preallocation, directory sync, group commit by the caller.
+///
+/// A new segment gets its name when its first events are on the disk, and only then is the one before closed,
+/// which is on the disk by then: a power cut tears the last segment only.  Each finished segment gets an
+/// index.
+///
+/// A disk that fails: append, sync and close throw std::system_error, and has_failed() tells whether the
+/// segment being written is lost for further writing.  Then call abandon(), append again what durable() does
+/// not count, and go on; it is the disk's turn.  If has_failed() is false nothing is lost: the same call may
+/// be made again.
 class RecordWriter {
  public:
   struct Options {
@@ -62,11 +80,13 @@ class RecordWriter {
     std::uint64_t segment_bytes = 64ULL << 20;
   };
   /// Creates the folder, or continues one: the tail of its last segment is cut to the longest valid prefix
-  /// (the rest kept beside it) and a new segment begins.  A last segment without any event is taken away.
+  /// (the rest kept beside it), all that is left is synced, and a new segment begins.
+  /// @param before  what the record continues, if it is the continuation of one in another folder
   /// @throws std::system_error naming the file, std::runtime_error if another recorder writes to the folder
-  explicit RecordWriter(Options options, Disk& disk = kernel_disk());
+  explicit RecordWriter(Options options, Disk& disk = kernel_disk(), RecordState before = {});
   ~RecordWriter();
   RecordWriter(RecordWriter&&) noexcept;
+  RecordWriter& operator=(RecordWriter&&) noexcept;
 
   /// Event to begin every segment with; set before the first append and whenever it changes.
   void set_preamble(std::vector<std::pair<std::string, std::vector<std::uint8_t>>> events);
@@ -80,12 +100,30 @@ class RecordWriter {
   };
   const std::optional<CutTail>& cut_tail() const;
 
+  /// What the record holds now, appended or found there by the constructor.
+  const RecordState& holds() const;
+
   /// @throws std::system_error: what was appended since the last sync may be lost
   void append(std::string_view channel, std::span<const std::uint8_t> data, std::int64_t timestamp_us);
+  void append(const SealedBlock& block, std::int64_t timestamp_us);
   /// fdatasync (and the directory's sync for a new file).  After it returned, all appended is durable.
   void sync();
   /// Syncs and closes; a writer that is not closed leaves what a kill would leave.
   void close();
+
+  /// Calls of append() that returned, and how many of these events are on the disk: also without a call of
+  /// sync(), for a new segment syncs the one before.
+  std::int64_t appended() const;
+  std::int64_t durable() const;
+
+  /// True: the segment being written must be abandoned.
+  bool has_failed() const;
+  /// Gives up the segment being written; it is never written to again, and never synced.  It is cut to what
+  /// is on the disk if the disk lets us; and the segment begun next says where it ends
+  /// (NoteKind::kSegmentAbandoned), so that readers ignore what lies behind.  appended() and holds() go back
+  /// to what is durable.  Never throws.
+  /// @param stamp  its times and incarnation go into that note
+  void abandon(const Note& stamp);
 
   /// Number of the segment being written; those before are finished.
   int segment() const;

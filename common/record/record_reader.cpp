@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cerrno>
 #include <system_error>
 #include <utility>
@@ -5,6 +6,8 @@
 #include "common/record/folder.hpp"
 #include "common/record/record.hpp"
 #include "common/record/segment.hpp"
+#include "common/record/segment_extent.hpp"
+#include "common/record/segment_index.hpp"
 
 namespace roadbalance {
 
@@ -17,27 +20,77 @@ struct RecordReader::State {
   std::optional<SegmentReader> segment;
   std::vector<Damage> damage;
   bool finished = false;
+  std::optional<int> last;   // the last segment with an event, once the record is finished
+  std::vector<Damage> torn;  // of it and those behind it
 
   // Of the segment after the present one.  A writer creates it only when it has written all of the present
   // one.
   std::optional<int> following() const {
+    if (last && number >= *last) return std::nullopt;
     for (const int candidate : segment_numbers(folder, disk))
       if (candidate > number) return candidate;
     return std::nullopt;
   }
+
+  void open(int next) {
+    number = next;
+    segment.emplace(segment_path(folder, next), disk);
+    honour_abandonment();
+    if (finished) find_end();
+  }
+
+  // A segment behind this one may say where this one ends; one without any event says nothing.
+  void honour_abandonment() {
+    for (const int later : segment_numbers(folder, disk)) {
+      if (later <= number || size_of_file(segment_path(folder, later), disk) == 0) continue;
+      const auto ends = abandoned_before(segment_path(folder, later), disk);
+      if (const auto end = ends.find(number); end != ends.end())
+        segment->end_at(std::max(end->second, segment->end_of_events()));
+      return;
+    }
+  }
+
+  // Where the last segment was torn it ends, and segments without any event behind it never began.
+  void find_end() {
+    if (last) {
+      if (number == *last) limit_last();
+      return;
+    }
+    const auto numbers = segment_numbers(folder, disk);
+    for (auto at = numbers.rbegin(); at != numbers.rend(); ++at) {
+      last = *at;
+      if (read_index(folder, *at, disk)) break;  // it was finished: damage in it is damage
+      const auto path = segment_path(folder, *at);
+      const SegmentExtent extent = measure_segment(path, disk);
+      if (extent.end < extent.size)
+        torn.insert(torn.begin(), {.segment = path,
+                                   .offset = extent.end,
+                                   .bytes = extent.size - extent.end,
+                                   .what = "a torn tail",
+                                   .torn = true});
+      if (extent.end > 0 || *at <= number) break;
+    }
+    if (number == *last) limit_last();
+  }
+
+  void limit_last() {
+    if (!torn.empty() && torn.front().segment == segment->path())
+      segment->end_at(std::max(torn.front().offset, segment->end_of_events()));
+  }
 };
 
-RecordReader::RecordReader(std::filesystem::path folder, Disk& disk)
+RecordReader::RecordReader(std::filesystem::path folder, Disk& disk, int first)
     : state_(std::make_unique<State>(std::move(folder), disk)) {
   State& s = *state_;
   if (!is_folder(s.folder, disk))
     throw std::system_error(ENOTDIR, std::generic_category(), "recording " + s.folder.string());
-  const auto first = s.following();
-  if (!first)
-    throw std::system_error(ENOENT, std::generic_category(),
-                            "recording " + s.folder.string() + " holds no segment (seg-000001.lcm)");
-  s.number = *first;
-  s.segment.emplace(segment_path(s.folder, *first), disk);
+  s.number = first - 1;
+  const auto begin = s.following();
+  if (!begin)
+    throw std::system_error(
+        ENOENT, std::generic_category(),
+        "recording " + s.folder.string() + " holds no segment (" + segment_path({}, first).string() + ")");
+  s.open(*begin);
 }
 
 RecordReader::~RecordReader() = default;
@@ -50,19 +103,28 @@ std::optional<LogEvent> RecordReader::next() {
     const auto following = s.following();
     if (!following && !s.finished) return std::nullopt;
     // No more is written here: once more to the very end, then on.
+    if (following && !s.finished) s.honour_abandonment();
     if (auto event = s.segment->next(true, s.damage)) return event;
-    if (!following) return std::nullopt;
-    s.number = *following;
-    s.segment.emplace(segment_path(s.folder, *following), s.disk);
+    if (!following) {
+      s.damage.insert(s.damage.end(), s.torn.begin(), s.torn.end());
+      s.torn.clear();
+      return std::nullopt;
+    }
+    s.open(*following);
   }
 }
 
 void RecordReader::finish() {
   state_->finished = true;
+  state_->find_end();
 }
 
-bool RecordReader::is_last(const std::filesystem::path& segment) const {
-  return segment == segment_path(state_->folder, segment_numbers(state_->folder, state_->disk).back());
+int RecordReader::segment() const {
+  return state_->number;
+}
+
+std::uint64_t RecordReader::offset() const {
+  return state_->segment->offset();
 }
 
 const std::vector<RecordReader::Damage>& RecordReader::damage() const {

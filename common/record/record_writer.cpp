@@ -1,11 +1,20 @@
-#include <algorithm>
+#include <cassert>
+#include <map>
+#include <optional>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
+#include "common/bus/bus.hpp"
+#include "common/bus/codec.hpp"
+#include "common/link/planted.hpp"
+#include "common/record/alter_blocks.hpp"
 #include "common/record/folder.hpp"
 #include "common/record/log_event.hpp"
 #include "common/record/record.hpp"
 #include "common/record/segment.hpp"
+#include "common/record/segment_index.hpp"
+#include "common/record/take_over.hpp"
 
 namespace roadbalance {
 namespace {
@@ -14,47 +23,6 @@ namespace {
 constexpr std::uint64_t kReserveBytes = std::uint64_t{16} << 20;
 // Appended events wait here for one write(2).
 constexpr std::size_t kBufferBytes = std::size_t{256} << 10;
-
-std::uint64_t end_of_last_event(const std::filesystem::path& path, Disk& disk) {
-  SegmentReader reader(path, disk);
-  std::vector<RecordReader::Damage> damage;
-  while (reader.next(true, damage)) {
-  }
-  return reader.end_of_events();
-}
-
-// The bytes from `offset` on go to a file beside the segment, durably, before the segment is cut.
-std::filesystem::path keep_tail(const std::filesystem::path& segment, std::uint64_t offset,
-                                std::uint64_t size, Disk& disk) {
-  std::filesystem::path tail = segment;
-  tail.replace_extension(".tail");
-  const File from = File::open_to_read(segment, disk);
-  remove_file(tail, disk);
-  File to = File::create(tail, disk);
-  std::vector<std::uint8_t> buffer(kBufferBytes);
-  while (offset < size) {
-    const std::size_t got = from.read_at(offset, buffer);
-    if (got == 0) break;
-    to.write_all({buffer.data(), got});
-    offset += got;
-  }
-  to.sync();
-  to.close();
-  return tail;
-}
-
-std::optional<RecordWriter::CutTail> cut_torn_tail(const std::filesystem::path& segment, File& folder,
-                                                   Disk& disk) {
-  const std::uint64_t size = size_of_file(segment, disk);
-  const std::uint64_t kept = end_of_last_event(segment, disk);
-  if (kept >= size) return std::nullopt;
-  const auto tail = keep_tail(segment, kept, size, disk);
-  folder.sync();  // the tail's name too, before the segment is cut
-  File file = File::open_to_write(segment, disk);
-  file.truncate(kept);
-  file.sync();
-  return RecordWriter::CutTail{.segment = segment, .tail = tail, .kept = kept, .cut = size - kept};
-}
 
 }  // namespace
 
@@ -67,62 +35,171 @@ struct RecordWriter::State {
   File file;
   int segment = 0;  // number of the current or, with no file open, of the last segment
   std::uint64_t segment_bytes = 0;
+  std::uint64_t durable_bytes = 0;  // of the segment
   std::uint64_t reserved_bytes = 0;
   std::int64_t event_number = 0;
   std::int64_t last_timestamp_us = 0;
+  std::int64_t appended = 0;
+  std::int64_t durable = 0;
+  bool failed = false;
+  bool commit_due = false;  // the next event is to say what is durable
   std::vector<std::uint8_t> buffer;
   std::vector<std::pair<std::string, std::vector<std::uint8_t>>> preamble;
+  std::vector<Note> abandoned;  // not yet said durably
   std::optional<CutTail> cut;
+  RecordState holds;
+  std::map<NodeEpoch, std::optional<RecordState::Epoch>> before;  // as of the last sync, where it was another
+  AlterBlocks altered;
 
-  void put(const LogEvent& event) {
-    const auto header = encode_log_header(event);
+  void put(std::string_view channel, std::span<const std::uint8_t> data) {
+    const auto header = encode_log_header(
+        {.number = event_number++, .timestamp_us = last_timestamp_us, .channel = channel, .data = data});
     buffer.insert(buffer.end(), header.begin(), header.end());
-    buffer.insert(buffer.end(), event.channel.begin(), event.channel.end());
-    buffer.insert(buffer.end(), event.data.begin(), event.data.end());
-    const std::uint64_t size = header.size() + event.channel.size() + event.data.size();
-    segment_bytes += size;
-    if (buffer.size() >= kBufferBytes) flush();
+    buffer.insert(buffer.end(), channel.begin(), channel.end());
+    buffer.insert(buffer.end(), data.begin(), data.end());
+    segment_bytes += header.size() + channel.size() + data.size();
   }
 
-  void flush() {
+  void flush(File& into) {
     while (reserved_bytes < segment_bytes) {
-      file.reserve(reserved_bytes, kReserveBytes);
+      into.reserve(reserved_bytes, kReserveBytes);
       reserved_bytes += kReserveBytes;
     }
-    file.write_all(buffer);
+    into.write_all(buffer);
     buffer.clear();
   }
 
+  // A call on the segment being written: if it fails there is no second one.
+  template <typename Call>
+  void attempt(Call&& call) {
+    assert(!failed && "abandon() comes first");
+    failed = true;
+    call();
+    failed = false;
+  }
+
+  void sync_data() {
+    if (!planted(PlantedFault::kRetryFailedSync)) return file.sync_data();
+    try {
+      file.sync_data();
+    } catch (const std::system_error&) {
+      file.sync_data();
+    }
+  }
+
+  void all_is_durable() {
+    commit_due = durable_bytes < segment_bytes;
+    durable_bytes = segment_bytes;
+    durable = appended;
+    before.clear();
+  }
+
   void sync() {
-    flush();
-    file.sync_data();
+    attempt([this] {
+      flush(file);
+      sync_data();
+    });
+    all_is_durable();
+  }
+
+  void keep_index() {
+    try {
+      write_index(options.folder, {.segment = segment, .bytes = segment_bytes, .epoch = holds.epoch}, disk);
+    } catch (const std::system_error&) {
+      // The record is good without it; only the next start takes longer.
+    }
   }
 
   // Space reserved behind the end is given back: a closed segment takes what it holds.
-  void close_file(File& which, std::uint64_t size) {
-    which.truncate(size);
-    which.sync();
-    which.close();
+  void finish(File finished, std::uint64_t size) {
+    finished.truncate(size);
+    finished.sync();
+    finished.close();
+    keep_index();
   }
 
-  // The present segment's data is durable before the next one's name is there: a power cut leaves a torn tail
-  // in the last segment only.  The next one is durable with its preamble before the present one is closed.
+  std::filesystem::path path(int number) const { return segment_path(options.folder, number); }
+
+  // A segment that is on the disk with its first events, under a name that no reader takes.
+  File prepare_next(const std::filesystem::path& unnamed) {
+    remove_file(unnamed, disk);
+    File next = File::create(unnamed, disk);
+    segment_bytes = reserved_bytes = 0;
+    buffer.clear();
+    for (const Note& note : abandoned) put(kNoteChannel, encode(note));
+    for (const auto& [channel, data] : preamble) put(channel, data);
+    flush(next);
+    next.sync();
+    return next;
+  }
+
   void open_next() {
     if (file.is_open()) sync();
-    File before = std::exchange(file, File::create(segment_path(options.folder, segment + 1), disk));
-    const std::uint64_t size_before = std::exchange(segment_bytes, 0);
+    const std::uint64_t size_before = segment_bytes;
+    const std::uint64_t reserved_before = reserved_bytes;
+    auto unnamed = path(segment + 1);
+    unnamed += ".new";
+    File next;
+    try {
+      next = prepare_next(unnamed);
+      rename_file(unnamed, path(segment + 1), disk);
+    } catch (const std::system_error&) {
+      buffer.clear();  // the present segment is as it was, and can be gone on with
+      segment_bytes = size_before;
+      reserved_bytes = reserved_before;
+      (void)disk.unlink(unnamed.c_str());
+      throw;
+    }
+    finish_present(size_before);
+    file = std::move(next);
     ++segment;
-    reserved_bytes = 0;
-    for (const auto& [channel, data] : preamble)
-      put({.number = event_number++, .timestamp_us = last_timestamp_us, .channel = channel, .data = data});
-    flush();
-    file.sync();
-    folder.sync();
-    if (before.is_open()) close_file(before, size_before);
+    durable_bytes = 0;
+    if (!planted(PlantedFault::kNoFolderSync)) attempt([this] { folder.sync(); });
+    all_is_durable();
+    commit_due = false;
+    abandoned.clear();
+  }
+
+  // All of it is on the disk, so that nothing of what fails here matters.
+  void finish_present(std::uint64_t size) {
+    if (!file.is_open()) return;
+    const std::uint64_t next_size = std::exchange(segment_bytes, size);
+    try {
+      finish(std::exchange(file, File()), size);
+    } catch (const std::system_error&) {
+    }
+    segment_bytes = next_size;
+  }
+
+  void remember(const NodeEpoch& key) {
+    if (before.contains(key)) return;
+    const auto known = holds.epoch.find(key);
+    before.emplace(key, known == holds.epoch.end() ? std::nullopt : std::optional(known->second));
+  }
+
+  void append(std::string_view channel, std::span<const std::uint8_t> data, std::int64_t timestamp_us) {
+    assert(!failed && "abandon() comes first");
+    if (channel.empty() || channel.size() > kMaxLogChannelBytes || data.size() > kMaxLogDataBytes)
+      throw std::invalid_argument("event on channel " + std::string(channel) + " with " +
+                                  std::to_string(data.size()) + " bytes does not fit into a record");
+    last_timestamp_us = timestamp_us;
+    const std::uint64_t size = kLogHeaderBytes + channel.size() + data.size();
+    if (!file.is_open() || segment_bytes + size > options.segment_bytes) open_next();
+    if (std::exchange(commit_due, false))
+      put(kCommitChannel, encode(Commit{.bytes = static_cast<std::int64_t>(durable_bytes)}));
+    put(channel, data);
+    if (buffer.size() >= kBufferBytes) attempt([this] { flush(file); });
+    ++appended;
+  }
+
+  void append(const SealedBlock& block, std::int64_t timestamp_us) {
+    append(block_channel(block.header.node, block.kind), block.bytes(), timestamp_us);
+    remember({block.header.node, block.header.epoch});
+    add(block, holds);
   }
 };
 
-RecordWriter::RecordWriter(Options options, Disk& disk)
+RecordWriter::RecordWriter(Options options, Disk& disk, RecordState before)
     : state_(std::make_unique<State>(std::move(options), disk)) {
   State& s = *state_;
   create_folders(s.options.folder, disk);
@@ -130,53 +207,85 @@ RecordWriter::RecordWriter(Options options, Disk& disk)
   if (!s.folder.try_lock())
     throw std::runtime_error("recording " + s.options.folder.string() + ": another program writes to it");
   s.buffer.reserve(kBufferBytes + kMaxLogEventBytes);
-  const auto numbers = segment_numbers(s.options.folder, disk);
-  if (numbers.empty()) return;
-  s.segment = numbers.back();
-  const auto last = segment_path(s.options.folder, s.segment);
-  s.cut = cut_torn_tail(last, s.folder, disk);
-  // Killed before its first event was there: nothing in it was ever promised, and its number is free again.
-  if (size_of_file(last, disk) > 0) return;
-  remove_file(last, disk);
-  --s.segment;
+  TakenOver found = take_over(s.folder, std::move(before), disk);
+  s.segment = found.segment;
+  s.cut = std::move(found.cut);
+  s.holds = std::move(found.holds);
 }
 
 RecordWriter::~RecordWriter() = default;
 RecordWriter::RecordWriter(RecordWriter&&) noexcept = default;
+RecordWriter& RecordWriter::operator=(RecordWriter&&) noexcept = default;
 
 void RecordWriter::set_preamble(std::vector<std::pair<std::string, std::vector<std::uint8_t>>> events) {
   state_->preamble = std::move(events);
 }
 
-const std::optional<RecordWriter::CutTail>& RecordWriter::cut_tail() const {
-  return state_->cut;
-}
-
 void RecordWriter::append(std::string_view channel, std::span<const std::uint8_t> data,
                           std::int64_t timestamp_us) {
-  State& s = *state_;
-  if (channel.empty() || channel.size() > kMaxLogChannelBytes || data.size() > kMaxLogDataBytes)
-    throw std::invalid_argument("event on channel " + std::string(channel) + " with " +
-                                std::to_string(data.size()) + " bytes does not fit into a record");
-  s.last_timestamp_us = timestamp_us;
-  const std::uint64_t size = kLogHeaderBytes + channel.size() + data.size();
-  if (!s.file.is_open() || s.segment_bytes + size > s.options.segment_bytes) s.open_next();
-  s.put({.number = s.event_number++, .timestamp_us = timestamp_us, .channel = channel, .data = data});
+  SealedBlock block;
+  if (channel.starts_with("RB_BLOCK_") && accept(data, block) == Refusal::kNone)
+    append(block, timestamp_us);
+  else
+    state_->append(channel, data, timestamp_us);
+}
+
+void RecordWriter::append(const SealedBlock& block, std::int64_t timestamp_us) {
+  for (const SealedBlock& given : state_->altered(block)) state_->append(given, timestamp_us);
 }
 
 void RecordWriter::sync() {
-  State& s = *state_;
-  if (!s.file.is_open()) return;
-  s.sync();
+  if (state_->file.is_open()) state_->sync();
 }
 
 void RecordWriter::close() {
   State& s = *state_;
   if (!s.file.is_open()) return;
-  s.flush();
-  s.close_file(s.file, s.segment_bytes);
+  s.sync();
+  s.attempt([&s] { s.finish(std::exchange(s.file, File()), s.segment_bytes); });
 }
 
+void RecordWriter::abandon(const Note& stamp) {
+  State& s = *state_;
+  if (!s.failed) return;
+  s.failed = false;
+  s.buffer.clear();
+  s.appended = s.durable;
+  for (auto& [key, epoch] : std::exchange(s.before, {})) {
+    if (epoch)
+      s.holds.epoch[key] = *epoch;
+    else
+      s.holds.epoch.erase(key);
+  }
+  if (!s.file.is_open()) return;
+  Note note = stamp;
+  note.kind = NoteKind::kSegmentAbandoned;
+  note.a = s.segment;
+  note.b = static_cast<std::int64_t>(s.durable_bytes);
+  s.abandoned.push_back(std::move(note));
+  File given_up = std::exchange(s.file, File());
+  try {
+    given_up.truncate(s.durable_bytes);
+  } catch (const std::system_error&) {
+    // The note says where it ends.
+  }
+}
+
+const std::optional<RecordWriter::CutTail>& RecordWriter::cut_tail() const {
+  return state_->cut;
+}
+const RecordState& RecordWriter::holds() const {
+  return state_->holds;
+}
+std::int64_t RecordWriter::appended() const {
+  return state_->appended;
+}
+std::int64_t RecordWriter::durable() const {
+  return state_->durable;
+}
+bool RecordWriter::has_failed() const {
+  return state_->failed;
+}
 int RecordWriter::segment() const {
   return state_->segment;
 }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -19,8 +20,9 @@ std::vector<int> segment_numbers(const std::filesystem::path& folder, Disk& disk
 
 /// Reads the events of one segment, which may still grow.
 ///
-/// An event counts if it parses and what follows it is the sync word or the present end, or if it ends with
-/// its own CRC.  Else the bytes up to the next event that counts are damage.
+/// An event counts if it parses and ends with its own CRC, or if what follows it is the sync word or the
+/// present end and no other event is inside of it.  Else the bytes up to the next event that counts are
+/// damage.
 class SegmentReader {
  public:
   explicit SegmentReader(std::filesystem::path path, Disk& disk = kernel_disk());
@@ -29,8 +31,12 @@ class SegmentReader {
   /// Views are valid until the next call.
   std::optional<LogEvent> next(bool complete, std::vector<RecordReader::Damage>& damage);
 
-  /// Just behind the last event given.
+  /// Of the event given last.
+  std::uint64_t offset() const { return event_offset_; }
+  /// Just behind it.
   std::uint64_t end_of_events() const { return end_of_events_; }
+  /// What lies from here on does not count; nothing of it has been given yet.
+  void end_at(std::uint64_t offset) { limit_ = offset; }
   const std::filesystem::path& path() const { return file_.path(); }
 
  private:
@@ -47,6 +53,8 @@ class SegmentReader {
   std::size_t at_ = 0;        // place in buffer_ to look at next
   std::uint64_t offset_ = 0;  // of buffer_[0] in the file
   std::uint64_t end_of_events_ = 0;
+  std::uint64_t event_offset_ = 0;
+  std::uint64_t limit_ = std::numeric_limits<std::uint64_t>::max();
   std::uint64_t accounted_ = 0;  // everything before was given or listed as damage
 };
 

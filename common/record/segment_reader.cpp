@@ -10,6 +10,21 @@ namespace {
 // Room for the longest event and the sync word behind it, and for few system calls.
 constexpr std::size_t kBufferBytes = std::size_t{256} << 10;
 static_assert(kBufferBytes > 2 * kMaxLogEventBytes);
+
+// A length that was damaged may reach just to the end of a later event, which would be lost with it.
+bool has_event_inside(std::span<const std::uint8_t> bytes) {
+  const auto sync = static_cast<std::uint8_t>(kLogSync >> 24);
+  for (auto at = std::find(bytes.begin(), bytes.end(), sync); at != bytes.end();
+       at = std::find(at + 1, bytes.end(), sync))
+    if (parse_log_event({at, bytes.end()}).status == ParsedEvent::Status::kEvent) return true;
+  return false;
+}
+
+bool counts(const ParsedEvent& parsed, std::span<const std::uint8_t> behind) {
+  if (!may_begin_event(behind)) return ends_with_its_crc(parsed.event.data);
+  return !has_event_inside(parsed.event.data) || ends_with_its_crc(parsed.event.data);
+}
+
 }  // namespace
 
 SegmentReader::SegmentReader(std::filesystem::path path, Disk& disk)
@@ -25,7 +40,8 @@ bool SegmentReader::refill() {
   const std::size_t before = filled_ - at_;
   offset_ += at_;
   at_ = 0;
-  filled_ = file_.read_at(offset_, buffer_);
+  const std::size_t room = offset_ < limit_ ? std::min<std::uint64_t>(limit_ - offset_, buffer_.size()) : 0;
+  filled_ = file_.read_at(offset_, {buffer_.data(), room});
   return filled_ > before;
 }
 
@@ -40,8 +56,7 @@ SegmentReader::Step SegmentReader::step(LogEvent& event, bool complete) {
   if (parsed.status == ParsedEvent::Status::kIncomplete)
     return complete && !rest().empty() ? Step::kSkip : Step::kMore;
   if (parsed.status == ParsedEvent::Status::kInvalid) return Step::kSkip;
-  if (!may_begin_event(rest().subspan(parsed.bytes)) && !ends_with_its_crc(parsed.event.data))
-    return Step::kSkip;
+  if (!counts(parsed, rest().subspan(parsed.bytes))) return Step::kSkip;
   at_ += parsed.bytes;
   event = parsed.event;
   return Step::kEvent;
@@ -74,7 +89,8 @@ std::optional<LogEvent> SegmentReader::next(bool complete, std::vector<RecordRea
       continue;
     }
     const std::uint64_t end = offset_ + at_;
-    close_damage(damage, end - (kLogHeaderBytes + event.channel.size() + event.data.size()));
+    event_offset_ = end - (kLogHeaderBytes + event.channel.size() + event.data.size());
+    close_damage(damage, event_offset_);
     end_of_events_ = accounted_ = end;
     return event;
   }

@@ -145,11 +145,8 @@ void list_missing_segments(const std::filesystem::path& folder, const FinishedSe
 }
 
 void list_damage(const RecordReader& reader, const FinishedSegments& finished, Verification& result) {
-  const auto last = reader.damage().empty() ? nullptr : &reader.damage().back();
   for (const auto& damage : reader.damage()) {
-    const bool torn = &damage == last && reader.is_last(damage.segment) && damage.offset > 0 &&
-                      !finished.contains(damage.segment.filename().string()) &&
-                      damage.offset + damage.bytes >= std::filesystem::file_size(damage.segment);
+    const bool torn = damage.torn && !finished.contains(damage.segment.filename().string());
     (torn ? result.torn_bytes : result.damaged_bytes) += damage.bytes;
     result.damage.push_back(damage.segment.filename().string() + ": " + std::to_string(damage.bytes) +
                             " bytes from " + std::to_string(damage.offset) + " on are " +

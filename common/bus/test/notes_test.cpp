@@ -15,6 +15,7 @@ TEST(Notes, RefuseEverySingleBitFlip) {
   expect_every_bit_flip_refused(
       encode(Journal{.node = 3, .epoch = 9, .first_sequence = 4, .last_sequence = 8}), decode_journal);
   expect_every_bit_flip_refused(encode(Note{.kind = NoteKind::kDiskFull, .text = "no space"}), decode_note);
+  expect_every_bit_flip_refused(encode(Commit{.bytes = 123}), decode_commit);
   expect_every_bit_flip_refused(encode(ClockExchange{.node = 1, .number = 5}), decode_clock_exchange);
   expect_every_bit_flip_refused(encode(ClockFit{.node = 1, .number = 5, .drift = 1e-5}), decode_clock_fit);
   expect_every_bit_flip_refused(encode(RecorderStatus{.segment = 4}), decode_recorder_status);
@@ -61,6 +62,12 @@ TEST(Notes, AJournalEntryArrivesAsItWasWritten) {
   EXPECT_EQ(back->next_scan, 99);
   EXPECT_EQ(back->channel_crc, journal.channel_crc);
   EXPECT_EQ(back->disk_failures, 4);
+}
+
+TEST(Notes, ACommitArrivesAsItWasWritten) {
+  const auto back = decode_commit(encode(Commit{.bytes = std::int64_t{1} << 40}));
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->bytes, std::int64_t{1} << 40);
 }
 
 TEST(Notes, ClockMessagesArriveAsTheyWereSent) {

@@ -44,6 +44,7 @@ class Record : public ::testing::Test {
   static std::vector<Bytes> read_all(RecordReader& reader) {
     std::vector<Bytes> events;
     while (const auto event = reader.next()) {
+      if (event->channel == kCommitChannel) continue;
       EXPECT_EQ(event->channel, "CHANNEL");
       events.emplace_back(event->data.begin(), event->data.end());
     }

@@ -69,7 +69,7 @@ TEST_F(SyncOrder, ATornTailHasItsNameOnTheDiskBeforeTheSegmentIsCut) {
   fs::resize_file(segment, torn);
   bool named = false;
   watch_syncs = [&](const fs::path& path) {
-    if (path == folder && fs::exists(folder / "seg-000001.tail")) named = fs::file_size(segment) == torn;
+    if (path == folder && fs::exists(folder / "seg-000001.tail")) named |= fs::file_size(segment) == torn;
   };
   RecordWriter writer({.folder = folder});
   watch_syncs = nullptr;

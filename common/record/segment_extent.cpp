@@ -1,0 +1,43 @@
+#include "common/record/segment_extent.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+#include "common/bus/notes.hpp"
+#include "common/link/crc32c.hpp"
+#include "common/record/segment.hpp"
+
+namespace roadbalance {
+
+SegmentExtent measure_segment(const std::filesystem::path& segment, Disk& disk) {
+  SegmentReader reader(segment, disk);
+  SegmentExtent extent{.size = File::open_to_read(segment, disk).size()};
+  std::vector<RecordReader::Damage> damage;
+  std::vector<std::uint64_t> bad;  // where something begins that is not as it was written
+  while (const auto event = reader.next(true, damage)) {
+    if (event->channel.starts_with("RB_") && !ends_with_its_crc(event->data)) bad.push_back(reader.offset());
+    const auto commit = event->channel == kCommitChannel ? decode_commit(event->data) : std::nullopt;
+    const auto bytes = commit ? static_cast<std::uint64_t>(commit->bytes) : 0;
+    if (bytes <= reader.offset()) extent.durable = std::max(extent.durable, bytes);
+  }
+  for (const auto& piece : damage) bad.push_back(piece.offset);
+  extent.end = reader.end_of_events();
+  for (const std::uint64_t offset : bad)
+    if (offset >= extent.durable) extent.end = std::min(extent.end, offset);
+  return extent;
+}
+
+std::map<int, std::uint64_t> abandoned_before(const std::filesystem::path& segment, Disk& disk) {
+  std::map<int, std::uint64_t> ends;
+  SegmentReader reader(segment, disk);
+  std::vector<RecordReader::Damage> damage;
+  while (const auto event = reader.next(true, damage)) {
+    const auto note = event->channel == kNoteChannel ? decode_note(event->data) : std::nullopt;
+    if (!note || note->kind != NoteKind::kSegmentAbandoned) break;
+    ends[static_cast<int>(note->a)] = static_cast<std::uint64_t>(note->b);
+  }
+  return ends;
+}
+
+}  // namespace roadbalance

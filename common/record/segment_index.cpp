@@ -1,0 +1,103 @@
+#include "common/record/segment_index.hpp"
+
+#include <cstdio>
+#include <sstream>
+
+#include "common/bus/codec.hpp"
+#include "common/link/crc32c.hpp"
+#include "common/record/file.hpp"
+#include "common/record/folder.hpp"
+#include "common/record/record.hpp"
+#include "common/record/segment.hpp"
+
+namespace roadbalance {
+namespace {
+
+std::string crc_line(std::string_view text) {
+  char line[32];
+  std::snprintf(line, sizeof line, "crc32c %08x\n",
+                crc32c({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}));
+  return line;
+}
+
+}  // namespace
+
+std::string encode(const SegmentIndex& index) {
+  std::ostringstream text;
+  text << "roadbalance index 1\nsegment " << index.segment << " bytes " << index.bytes << '\n';
+  for (const auto& [key, epoch] : index.epoch)
+    text << "epoch " << key.first << ' ' << key.second << " contiguous " << epoch.position.contiguous
+         << " next_scan " << epoch.position.next_scan << " ended " << (epoch.position.ended ? 1 : 0)
+         << " samples " << epoch.samples << " gaps " << epoch.gaps << " blocks " << epoch.blocks << '\n';
+  return text.str() + crc_line(text.str());
+}
+
+std::optional<SegmentIndex> decode_index(std::string_view text) {
+  SegmentIndex index;
+  std::istringstream in{std::string(text)};
+  std::string word;
+  in >> word >> word >> word >> word >> index.segment >> word >> index.bytes;
+  while (in >> word && word == "epoch") {
+    NodeEpoch key;
+    RecordState::Epoch epoch;
+    int ended = 0;
+    in >> key.first >> key.second >> word >> epoch.position.contiguous >> word >> epoch.position.next_scan >>
+        word >> ended >> word >> epoch.samples >> word >> epoch.gaps >> word >> epoch.blocks;
+    epoch.position.ended = ended != 0;
+    index.epoch[key] = epoch;
+  }
+  // One form only, and its CRC is in it.
+  if (!in || encode(index) != text) return std::nullopt;
+  return index;
+}
+
+std::filesystem::path index_path(const std::filesystem::path& folder, int number) {
+  return segment_path(folder, number).replace_extension(".idx");
+}
+
+std::optional<SegmentIndex> read_index_of_deleted(const std::filesystem::path& folder, int number,
+                                                  Disk& disk) {
+  const auto text = read_text(index_path(folder, number), disk);
+  if (!text) return std::nullopt;
+  auto index = decode_index(*text);
+  if (index && index->segment != number) return std::nullopt;
+  return index;
+}
+
+std::optional<SegmentIndex> read_index(const std::filesystem::path& folder, int number, Disk& disk) {
+  auto index = read_index_of_deleted(folder, number, disk);
+  const auto segment = segment_path(folder, number);
+  if (!index || !path_exists(segment, disk) || size_of_file(segment, disk) != index->bytes)
+    return std::nullopt;
+  return index;
+}
+
+void write_index(const std::filesystem::path& folder, const SegmentIndex& index, Disk& disk) {
+  write_atomically(index_path(folder, index.segment), encode(index), disk);
+}
+
+int rebuild_indexes(const std::filesystem::path& folder, Disk& disk) {
+  const auto numbers = segment_numbers(folder, disk);
+  if (numbers.empty()) return 0;
+  RecordState state;
+  if (const auto before = read_index_of_deleted(folder, numbers.front() - 1, disk))
+    state.epoch = before->epoch;
+  int written = 0;
+  const auto at_end = [&](int segment, const RecordState& at) {
+    const SegmentIndex index{
+        .segment = segment, .bytes = size_of_file(segment_path(folder, segment), disk), .epoch = at.epoch};
+    if (read_index(folder, segment, disk) == index) return;
+    write_index(folder, index, disk);
+    ++written;
+  };
+  read_segments(folder, numbers.front(), state, at_end, disk);
+  return written;
+}
+
+void delete_segment(const std::filesystem::path& folder, int number, Disk& disk) {
+  remove_file(segment_path(folder, number), disk);
+  remove_file(index_path(folder, number - 1), disk);
+  sync_folder(folder, disk);
+}
+
+}  // namespace roadbalance

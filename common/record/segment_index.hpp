@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "common/record/disk.hpp"
+#include "common/record/record_state.hpp"
+
+namespace roadbalance {
+
+/// Where the record stands at the end of a finished segment, so that a restart does not read those before.
+///
+/// A text of lines, "seg-000001.idx" beside the segment:
+///
+///     roadbalance index 1
+///     segment 1 bytes 67108001
+///     epoch NODE EPOCH contiguous C next_scan N ended 0 samples S gaps G blocks B
+///     crc32c 89abcdef
+///
+/// It can be made again from the segments at any time, and nothing in it counts more than they do.
+struct SegmentIndex {
+  int segment = 0;
+  std::uint64_t bytes = 0;  ///< length of the segment
+  std::map<NodeEpoch, RecordState::Epoch> epoch;
+
+  bool operator==(const SegmentIndex&) const = default;
+};
+
+std::string encode(const SegmentIndex& index);
+/// Refuses everything that encode() would not write.
+std::optional<SegmentIndex> decode_index(std::string_view text);
+
+/// "seg-000001.idx" in `folder`.
+std::filesystem::path index_path(const std::filesystem::path& folder, int number);
+/// Nothing if there is none, if it is damaged, or if the segment has another length.
+std::optional<SegmentIndex> read_index(const std::filesystem::path& folder, int number,
+                                       Disk& disk = kernel_disk());
+/// The same of a segment that the retention mode has deleted.
+std::optional<SegmentIndex> read_index_of_deleted(const std::filesystem::path& folder, int number,
+                                                  Disk& disk = kernel_disk());
+/// @throws std::system_error naming the file
+void write_index(const std::filesystem::path& folder, const SegmentIndex& index, Disk& disk = kernel_disk());
+
+/// Makes those indexes again that are missing or say something else than the segments, which it reads all; of
+/// a record that nobody writes to.
+/// @return  how many these were
+/// @throws std::system_error naming the file
+int rebuild_indexes(const std::filesystem::path& folder, Disk& disk = kernel_disk());
+
+/// Takes away a finished segment for good, in the retention mode; a note in the record has said so before.
+/// Its index stays until the next one goes, to say where the record begins.
+/// @throws std::system_error naming the file
+void delete_segment(const std::filesystem::path& folder, int number, Disk& disk = kernel_disk());
+
+}  // namespace roadbalance

@@ -1,0 +1,128 @@
+#include "common/record/take_over.hpp"
+
+#include <algorithm>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "common/link/planted.hpp"
+#include "common/record/folder.hpp"
+#include "common/record/segment.hpp"
+#include "common/record/segment_extent.hpp"
+#include "common/record/segment_index.hpp"
+
+namespace roadbalance {
+namespace {
+
+constexpr std::size_t kCopyBytes = std::size_t{256} << 10;
+
+// "seg-000001.tail", or "seg-000001.tail-2" and so on: an earlier one is never written over.
+std::filesystem::path free_tail_path(std::filesystem::path segment, Disk& disk) {
+  segment.replace_extension(".tail");
+  std::filesystem::path tail = segment;
+  for (int number = 2; path_exists(tail, disk); ++number) {
+    tail = segment;
+    tail += "-" + std::to_string(number);
+  }
+  return tail;
+}
+
+// The bytes from `offset` on go to a file beside the segment, durably, before the segment is cut.
+std::filesystem::path keep_tail(const std::filesystem::path& segment, std::uint64_t offset, File& folder,
+                                Disk& disk) {
+  const auto tail = free_tail_path(segment, disk);
+  const File from = File::open_to_read(segment, disk);
+  File to = File::create(tail, disk);
+  std::vector<std::uint8_t> buffer(kCopyBytes);
+  for (;;) {
+    const std::size_t got = from.read_at(offset, buffer);
+    if (got == 0) break;
+    to.write_all({buffer.data(), got});
+    offset += got;
+  }
+  to.sync();
+  to.close();
+  folder.sync();  // the tail's name too
+  return tail;
+}
+
+void remove_unnamed(const File& folder, Disk& disk) {
+  for (const std::string& name : list_folder(folder.path(), disk))
+    if (name.starts_with("seg-") && name.ends_with(".lcm.new")) remove_file(folder.path() / name, disk);
+}
+
+// Nothing in a segment without any event was ever promised, and its number is free again.
+bool remove_if_nothing_in_it(const std::filesystem::path& segment, const SegmentExtent& extent, File& folder,
+                             Disk& disk) {
+  if (extent.end > 0) return false;
+  if (extent.size > 0) keep_tail(segment, 0, folder, disk);
+  remove_file(segment, disk);
+  return true;
+}
+
+std::optional<RecordWriter::CutTail> cut(const std::filesystem::path& segment, const SegmentExtent& extent,
+                                         File& folder, Disk& disk) {
+  std::optional<RecordWriter::CutTail> result;
+  File file = File::open_to_write(segment, disk);
+  if (extent.end < extent.size && !planted(PlantedFault::kTornTailKept)) {
+    result = {.segment = segment,
+              .tail = keep_tail(segment, extent.end, folder, disk),
+              .kept = extent.end,
+              .cut = extent.size - extent.end};
+    file.truncate(extent.end);
+  }
+  // A killed writer's last events may be in the page cache only; from now on they count as durable.
+  file.sync();
+  return result;
+}
+
+RecordState read_and_index(const std::filesystem::path& folder, RecordState state, Disk& disk) {
+  const auto numbers = segment_numbers(folder, disk);
+  int first = numbers.front();
+  for (auto number = numbers.rbegin(); number != numbers.rend(); ++number)
+    if (const auto index = read_index(folder, *number, disk)) {
+      for (const auto& [key, epoch] : index->epoch) state.epoch[key] = epoch;
+      first = *number + 1;
+      break;
+    }
+  const auto keep_index = [&](int segment, const RecordState& at) {
+    if (segment < first) return;
+    try {
+      const auto bytes = size_of_file(segment_path(folder, segment), disk);
+      write_index(folder, {.segment = segment, .bytes = bytes, .epoch = at.epoch}, disk);
+    } catch (const std::system_error&) {
+      // The record is good without it; only the next start takes longer.
+    }
+  };
+  // The descriptions stand at the beginning of every segment, of the last one at least.
+  read_segments(folder, std::min(first, numbers.back()), state, keep_index, disk);
+  return state;
+}
+
+}  // namespace
+
+TakenOver take_over(File& folder, RecordState before, Disk& disk) {
+  TakenOver result;
+  remove_unnamed(folder, disk);
+  auto numbers = segment_numbers(folder.path(), disk);
+  while (!numbers.empty()) {
+    const auto last = segment_path(folder.path(), numbers.back());
+    if (read_index(folder.path(), numbers.back(), disk)) break;  // it was finished
+    const SegmentExtent extent = measure_segment(last, disk);
+    if (!remove_if_nothing_in_it(last, extent, folder, disk)) {
+      result.cut = cut(last, extent, folder, disk);
+      break;
+    }
+    numbers.pop_back();
+  }
+  folder.sync();
+  if (numbers.empty()) {
+    result.holds = std::move(before);
+    return result;
+  }
+  result.segment = numbers.back();
+  result.holds = read_and_index(folder.path(), std::move(before), disk);
+  return result;
+}
+
+}  // namespace roadbalance
