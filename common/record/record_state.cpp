@@ -42,7 +42,8 @@ void add(const SealedBlock& block, RecordState& state) {
   ++epoch.blocks;
   epoch.gaps += is_gap ? 1 : 0;
   epoch.samples += block.kind == BlockKind::kScan ? block.header.scans : 0;
-  if (block.kind == BlockKind::kEnd || (is_gap && cause == GapCause::kNodeCrash)) position.ended = true;
+  if (is_gap && cause == GapCause::kNodeCrash) position.crashed = true;
+  if (block.kind == BlockKind::kEnd || position.crashed) position.ended = true;
   if (block.kind == BlockKind::kScan || is_gap)
     position.next_scan = block.header.first_scan + block.header.scans;
 }

@@ -27,7 +27,8 @@ std::string encode(const SegmentIndex& index) {
   text << "roadbalance index 1\nsegment " << index.segment << " bytes " << index.bytes << '\n';
   for (const auto& [key, epoch] : index.epoch)
     text << "epoch " << key.first << ' ' << key.second << " contiguous " << epoch.position.contiguous
-         << " next_scan " << epoch.position.next_scan << " ended " << (epoch.position.ended ? 1 : 0)
+         << " next_scan " << epoch.position.next_scan << " ended "
+         << (epoch.position.crashed ? 2 : epoch.position.ended ? 1 : 0)
          << " samples " << epoch.samples << " gaps " << epoch.gaps << " blocks " << epoch.blocks << '\n';
   return text.str() + crc_line(text.str());
 }
@@ -44,6 +45,7 @@ std::optional<SegmentIndex> decode_index(std::string_view text) {
     in >> key.first >> key.second >> word >> epoch.position.contiguous >> word >> epoch.position.next_scan >>
         word >> ended >> word >> epoch.samples >> word >> epoch.gaps >> word >> epoch.blocks;
     epoch.position.ended = ended != 0;
+    epoch.position.crashed = ended == 2;
     index.epoch[key] = epoch;
   }
   // One form only, and its CRC is in it.

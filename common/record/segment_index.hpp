@@ -18,10 +18,10 @@ namespace roadbalance {
 ///
 ///     roadbalance index 1
 ///     segment 1 bytes 67108001
-///     epoch NODE EPOCH contiguous C next_scan N ended 0 samples S gaps G blocks B
+///     epoch NODE EPOCH contiguous C next_scan N ended E samples S gaps G blocks B
 ///     crc32c 89abcdef
 ///
-/// It can be made again from the segments at any time, and nothing in it counts more than they do.
+/// E is 1 for an end, 2 for a declared crash, else 0.  It can be made again from the segments at any time, and nothing in it counts more than they do.
 struct SegmentIndex {
   int segment = 0;
   std::uint64_t bytes = 0;  ///< length of the segment

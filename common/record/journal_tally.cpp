@@ -1,0 +1,78 @@
+#include "common/record/journal_tally.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "common/bus/codec.hpp"
+#include "common/link/crc32c.hpp"
+
+namespace roadbalance {
+namespace {
+
+constexpr std::size_t kWordBytes = sizeof(std::int32_t);
+
+void add_channel_crcs(const SealedBlock& block, Journal& journal) {
+  const auto counts = encoded_counts(block);
+  const std::size_t rows = counts.size() / (kChannels * kWordBytes);
+  std::array<std::uint8_t, kScansPerBlock * kWordBytes> column;
+  for (std::size_t channel = 0; channel < kChannels; ++channel) {
+    for (std::size_t row = 0; row < rows; ++row)
+      std::copy_n(counts.data() + (row * kChannels + channel) * kWordBytes, kWordBytes,
+                  column.data() + row * kWordBytes);
+    std::uint32_t& crc = journal.channel_crc[channel];
+    crc = crc32c({column.data(), rows * kWordBytes}, crc);
+  }
+}
+
+// The entry that follows: it begins where this one ends.
+Journal next_entry(const Journal& before) {
+  return {.node = before.node,
+          .epoch = before.epoch,
+          .first_sequence = before.last_sequence + 1,
+          .last_sequence = before.last_sequence,
+          .first_scan = before.next_scan,
+          .next_scan = before.next_scan};
+}
+
+bool is_empty(const Journal& journal) {
+  return journal.last_sequence < journal.first_sequence;
+}
+
+}  // namespace
+
+void JournalTally::add(const SealedBlock& block) {
+  const BlockHeader& header = block.header;
+  if (header.sequence <= 0) return;
+  Journal& journal = open_[{header.node, header.epoch}];
+  journal.node = header.node;
+  journal.epoch = header.epoch;
+  // A recorder that continues a record begins in the middle of an epoch; a gap may cover numbers before its
+  // own.
+  const bool covers_those_before =
+      block.kind == BlockKind::kGap && stands_for_lost_blocks(decode_gap(block).cause);
+  if (is_empty(journal) && !covers_those_before) journal.first_sequence = header.sequence;
+  journal.last_sequence = header.sequence;
+  if (block.kind != BlockKind::kScan && block.kind != BlockKind::kGap) return;
+  if (journal.scans == 0 && journal.scans_missing == 0) journal.first_scan = header.first_scan;
+  journal.next_scan = header.first_scan + header.scans;
+  (block.kind == BlockKind::kScan ? journal.scans : journal.scans_missing) += header.scans;
+  if (block.kind == BlockKind::kScan) add_channel_crcs(block, journal);
+}
+
+Journal JournalTally::take(std::int32_t node, std::int64_t epoch) {
+  Journal& open = open_[{node, epoch}];
+  open.node = node;
+  open.epoch = epoch;
+  const Journal done = open;
+  open = next_entry(done);
+  return done;
+}
+
+std::vector<NodeEpoch> JournalTally::due() const {
+  std::vector<NodeEpoch> keys;
+  for (const auto& [key, journal] : open_)
+    if (!is_empty(journal)) keys.push_back(key);
+  return keys;
+}
+
+}  // namespace roadbalance
