@@ -7,11 +7,15 @@
 #include <random>
 #include <stdexcept>
 
+#include "common/bus/bus_route.hpp"
+#include "common/clock/clock_socket.hpp"
 #include "common/config/section.hpp"
 #include "common/process/parallel.hpp"
 #include "common/process/realtime.hpp"
 #include "firmware/acquire.hpp"
+#include "firmware/clock_answer.hpp"
 #include "firmware/pack.hpp"
+#include "firmware/readout_clock.hpp"
 #include "firmware/ring_sink.hpp"
 #include "firmware/uplink.hpp"
 
@@ -26,6 +30,30 @@ std::int64_t random_epoch() {
   std::random_device device;
   std::uniform_int_distribution<std::int64_t> positive(1, std::numeric_limits<std::int64_t>::max());
   return positive(device);
+}
+
+/// Where the node's clock can be asked for; nullptr: nowhere, and the node measures all the same.
+std::unique_ptr<ClockSocket> open_clock(const NodeConfig& node, const FrontEnd& front_end,
+                                        const NodeOptions& options) {
+  if (front_end.waits()) return nullptr;  // its time is not of this machine
+  const std::uint32_t address = address_on_bus(options.bus_url);
+  try {
+    if (address != 0) return std::make_unique<ClockSocket>(address);
+    options.warn("node " + node.name + ": no address on " + options.bus_url +
+                 ": nobody can ask for its clock");
+  } catch (const std::system_error& error) {
+    options.warn("node " + node.name + ": nobody can ask for its clock: " + error.what());
+  }
+  return nullptr;
+}
+
+NodeClockAddress clock_address(const FrontEnd& front_end, const ClockSocket* socket) {
+  NodeClockAddress clock{.time_base = front_end.waits() ? TimeBase::kShared : TimeBase::kOwn};
+  if (socket) {
+    clock.address = socket->address().address;
+    clock.port = socket->address().port;
+  }
+  return clock;
 }
 
 }  // namespace
@@ -44,14 +72,20 @@ void run_node(std::stop_token stop, const VehicleConfig& vehicle, const NodeConf
                       " needs at least " + std::to_string(least * sizeof(SealedBlock)));
 
   Backlog backlog(ring);
-  NodeLink node_link(node.id, epoch, backlog, *preview, link);
+  ConversionTimes device(front_end, node.rate_hz);
+  const auto clock = open_clock(node, front_end, options);
+  NodeLink node_link(node.id, epoch, backlog, *preview, link, clock_address(front_end, clock.get()));
   Parallel processes;
   const std::stop_callback pass_on(stop, [&processes] { processes.request_stop(); });
-  processes.run(uplink, options.bus_url, node.id, std::ref(node_link));
+  processes.run([&](std::stop_token stop_here) {
+    uplink(stop_here, options.bus_url, node.id, node_link);
+    processes.request_stop();  // acquire has ended; the clock answers as long as the node lives
+  });
+  if (clock) processes.run(answer_clock, std::ref(*clock), node.id, epoch, std::cref(front_end));
   processes.run([&](std::stop_token stop_here) {
     if (!front_end.waits())
       for (const std::string& refused : enter_realtime(kAcquirePriority)) options.warn(refused);
-    acquire(stop_here, front_end, sealer, sink, link);
+    acquire(stop_here, device, sealer, sink, link);
   });
   processes.wait();
   if (const std::int64_t refused = link.scans_refused.load(); refused > 0)

@@ -46,10 +46,21 @@ Address Address::parse(const std::string& text) {
       address.start_ns = parse_number<std::int64_t>(text, key, value, 0, INT64_MAX);
     else if (key == "from")
       address.from_s = parse_number(text, key, value, 0.0, 1e6);
+    else if (key == "clock_offset_s")
+      address.clock_offset_s = parse_number(text, key, value, -1e6, 1e6);
+    else if (key == "clock_ppm")
+      address.clock_ppm = parse_number(text, key, value, -500.0, 500.0);
+    else if (key == "converter_ppm")
+      address.converter_ppm = parse_number(text, key, value, -500.0, 500.0);
     else
-      throw ConfigError("sim:" + text + ": unknown key '" + std::string(key) +
-                        "'; allowed: seed, rate, seconds, start_ns, from");
+      throw ConfigError(
+          "sim:" + text + ": unknown key '" + std::string(key) +
+          "'; allowed: seed, rate, seconds, start_ns, from, clock_offset_s, clock_ppm, converter_ppm");
   }
+  const bool own_clock = address.clock_offset_s != 0.0 || address.clock_ppm != 0.0;
+  if (own_clock && address.rate != 1.0)
+    throw ConfigError("sim:" + text + ": " + (address.clock_ppm != 0.0 ? "clock_ppm" : "clock_offset_s") +
+                      ": allowed only with rate=1: at any other rate all nodes have bus time in common");
   return address;
 }
 

@@ -20,11 +20,13 @@ constexpr double kMostTurnsPerSecond = 60.0;  ///< 300 km/h, the fastest scenari
 /// One node of the simulated car, scan by scan, without any clock.
 class Device {
  public:
-  Device(const Scenario& scenario, std::uint64_t seed, const VehicleConfig& vehicle, const NodeConfig& node)
-      : rate_hz_(node.rate_hz),
-        car_(scenario, seed, vehicle, 1.0 / (kStepsPerScan * node.rate_hz)),
-        conditioner_(scenario, seed, vehicle, node, 1.0 / (kStepsPerScan * node.rate_hz)),
-        lead_scans_(std::ceil(kFarthestJitter * scenario.encoder.stamp_jitter_s * node.rate_hz)),
+  /// @param rate_hz  of the converter
+  Device(const Scenario& scenario, std::uint64_t seed, const VehicleConfig& vehicle, const NodeConfig& node,
+         double rate_hz)
+      : rate_hz_(rate_hz),
+        car_(scenario, seed, vehicle, 1.0 / (kStepsPerScan * rate_hz)),
+        conditioner_(scenario, seed, vehicle, node, 1.0 / (kStepsPerScan * rate_hz)),
+        lead_scans_(std::ceil(kFarthestJitter * scenario.encoder.stamp_jitter_s * rate_hz)),
         rings_at_{0.0, car_.drive().at(0.0)},
         edges_(edge_room(vehicle, node)) {
     for (int line = 0; line < kEncoderLines; ++line) {
@@ -92,16 +94,34 @@ class Pace {
            std::chrono::duration_cast<WallClock::duration>(std::chrono::duration<double>(bus_s / rate_));
   }
   double rate() const { return rate_; }
+  WallTime start() const { return start_; }
 
  private:
   double rate_;
   WallTime start_;
 };
 
+/// A node's clock as it runs against bus time: offset_s at bus time 0, gaining `gain` of it.
+struct ClockError {
+  double offset_s = 0.0;
+  double gain = 0.0;
+
+  NodeTime operator()(NodeTime bus) const {
+    if (offset_s == 0.0 && gain == 0.0) return bus;
+    const auto ns = static_cast<double>(to_ns(bus));
+    return bus + NodeClock::duration(std::llround(1e9 * offset_s + gain * ns));
+  }
+};
+
 class SimFrontEnd final : public FrontEnd {
  public:
-  SimFrontEnd(Device device, double rate_hz, double seconds, std::optional<Pace> pace, double from_s)
-      : device_(std::move(device)), rate_hz_(rate_hz), scans_(std::llround(seconds * rate_hz)), pace_(pace) {
+  SimFrontEnd(Device device, double rate_hz, double seconds, std::optional<Pace> pace, double from_s,
+              ClockError clock)
+      : device_(std::move(device)),
+        rate_hz_(rate_hz),
+        scans_(std::llround(seconds * rate_hz)),
+        pace_(pace),
+        clock_(clock) {
     if (pace_) from_s = std::max(from_s, pace_->bus_s(WallClock::now()));
     first_ = std::min(static_cast<std::int64_t>(std::ceil(std::min(from_s, seconds) * rate_hz)), scans_);
     while (device_.next() < first_) {
@@ -123,16 +143,29 @@ class SimFrontEnd final : public FrontEnd {
         taken_ = device_.take();
         taken_->index = device_.next() - 1 - first_;
       }
-      while (read.edges < edges.size() && device_.edges().due(taken_->time))
-        edges[read.edges++] = device_.edges().take();
+      for (; read.edges < edges.size() && device_.edges().due(taken_->time); ++read.edges) {
+        edges[read.edges] = device_.edges().take();
+        edges[read.edges].time = clock_(edges[read.edges].time);
+      }
       if (device_.edges().due(taken_->time)) return read;  // the scan comes after its edges
-      scans[read.scans++] = *taken_;
+      scans[read.scans] = *taken_;
+      scans[read.scans++].time = clock_(taken_->time);
       taken_.reset();
     }
     return read;
   }
 
   bool waits() const noexcept override { return !pace_ || pace_->rate() != 1.0; }
+
+  /// Bus time is paced by CLOCK_MONOTONIC, which the system may slew: the two are compared anew.
+  NodeTime node_time(MachineTime machine) const noexcept override {
+    if (!pace_) return {};
+    const MachineTime before = MachineClock::now();
+    const WallTime wall = WallClock::now();
+    const MachineTime after = MachineClock::now();
+    const auto ago = before + (after - before) / 2 - machine;
+    return clock_(node_time_from_ns((wall - pace_->start() - ago).count()));
+  }
 
  private:
   static constexpr auto kLongestWait = std::chrono::milliseconds(100);
@@ -155,6 +188,7 @@ class SimFrontEnd final : public FrontEnd {
   std::int64_t scans_;      ///< of the whole drive
   std::int64_t first_ = 0;  ///< delivered first
   std::optional<Pace> pace_;
+  ClockError clock_;
   std::optional<Scan> taken_;  ///< taken, but its edges are not all handed over
 };
 
@@ -170,9 +204,10 @@ std::unique_ptr<FrontEnd> open_sim_front_end(const FrontEndRequest& request) {
     const WallTime start = address.start_ns ? WallTime(std::chrono::nanoseconds(*address.start_ns)) : opened;
     pace.emplace(*address.rate, start);
   }
-  Device device(scenario, address.seed.value_or(scenario.seed), request.vehicle, request.node);
-  return std::make_unique<SimFrontEnd>(std::move(device), request.node.rate_hz, scenario.seconds(), pace,
-                                       address.from_s);
+  const double rate_hz = request.node.rate_hz * (1.0 + 1e-6 * address.converter_ppm);
+  Device device(scenario, address.seed.value_or(scenario.seed), request.vehicle, request.node, rate_hz);
+  return std::make_unique<SimFrontEnd>(std::move(device), rate_hz, scenario.seconds(), pace, address.from_s,
+                                       ClockError{address.clock_offset_s, 1e-6 * address.clock_ppm});
 }
 
 }  // namespace roadbalance::sim

@@ -45,6 +45,12 @@ struct Read {
   ReadStatus status = ReadStatus::kOk;
 };
 
+/// What the time of a scan is.
+enum class ScanStamps {
+  kConversion,  ///< the instant of conversion, up to the stamp's resolution
+  kReadOut,     ///< when the scan was read from the device: later than its conversion, and unevenly so
+};
+
 /// A source of scans and edges: hardware, the simulated car or a recording, chosen by URI at run time.
 class FrontEnd {
  public:
@@ -62,6 +68,12 @@ class FrontEnd {
   /// True if the device loses nothing while nobody reads it (a simulation faster than real time, a file).
   /// It is then asked only for scans that will be kept.
   virtual bool waits() const noexcept { return false; }
+
+  virtual ScanStamps scan_stamps() const noexcept { return ScanStamps::kConversion; }
+
+  /// The device's clock at an instant of the machine's; of one that does not wait.  Hardware is stamped in
+  /// the machine's own clock.  May be called from another thread while read() runs.
+  virtual NodeTime node_time(MachineTime machine) const noexcept { return node_time_from_ns(to_ns(machine)); }
 };
 
 }  // namespace roadbalance

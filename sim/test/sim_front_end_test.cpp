@@ -134,6 +134,43 @@ TEST(SimFrontEnd, WaitsForItsReaderAtAnyRateButOne) {
   EXPECT_TRUE(open("?rate=max")->waits());
 }
 
+TEST(SimFrontEnd, AFastConverterTakesMoreScansOfTheSameDrive) {
+  const Data nominal = read(*open("?rate=max&seconds=20"), 1'000'000);
+  const Data fast = read(*open("?rate=max&seconds=20&converter_ppm=500"), 1'000'000);
+  ASSERT_EQ(nominal.scans.size(), 40'000U);
+  ASSERT_EQ(fast.scans.size(), 40'020U);
+  for (std::size_t k = 0; k < fast.scans.size(); ++k)
+    ASSERT_NEAR(static_cast<double>(to_ns(fast.scans[k].time)), static_cast<double>(k) * 5e5 / 1.0005, 0.51);
+  // The wheels know nothing of converters.  Between instants of scans positions are cubic in time, to 1 ns.
+  for (std::size_t i = 0; i < 5000; ++i)
+    ASSERT_NEAR(static_cast<double>((fast.edges[i].time - nominal.edges[i].time).count()), 0.0, 2.0) << i;
+}
+
+TEST(SimFrontEnd, ANodesOwnClockShowsInStampsAndInNothingElse) {
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  const auto start = std::chrono::duration_cast<std::chrono::nanoseconds>(now).count() - 500'000'000;
+  const std::string address = "?rate=1&seconds=60&seed=5&start_ns=" + std::to_string(start);
+  const auto device = open(address + "&clock_offset_s=-1000.5&clock_ppm=200");
+  const Data own = read(*device, 200);
+  const Data bus = read(*open("?rate=max&seconds=60&seed=5"), 20'000);
+  const auto shown = [](NodeTime bus_time) {
+    return -1000.5e9 + 1.0002 * static_cast<double>(to_ns(bus_time));
+  };
+  const double bus_s = (to_seconds(own.scans[0].time.time_since_epoch()) + 1000.5) / 1.0002;
+  const auto skipped = static_cast<std::size_t>(std::llround(bus_s * 2000.0));
+  ASSERT_LT(skipped + 200, bus.scans.size());
+  for (std::size_t k = 0; k < 200; ++k) {
+    ASSERT_NEAR(static_cast<double>(to_ns(own.scans[k].time)), shown(bus.scans[skipped + k].time), 1.0);
+    ASSERT_EQ(own.scans[k].counts, bus.scans[skipped + k].counts);
+  }
+  // Its clock, asked for: what was handed over has been converted, and an instant later it shows later.
+  const MachineTime machine = MachineClock::now();
+  EXPECT_GE(device->node_time(machine), own.scans.back().time);
+  const auto elapsed = device->node_time(machine + std::chrono::seconds(10)) - device->node_time(machine);
+  // 10 s and 200 ppm; CLOCK_MONOTONIC may be slewed, but reading it twice costs less than 100 us.
+  EXPECT_NEAR(to_seconds(elapsed), 10.002, 100e-6);
+}
+
 TEST(SimFrontEnd, SeedsMakeOtherCarsAndNodesSeeOneCar) {
   const Data a = read(*open("?rate=max&seconds=1&seed=7"), 2000),
              b = read(*open("?rate=max&seconds=1&seed=7"), 2000);
@@ -198,6 +235,10 @@ TEST(SimFrontEnd, NamesWhatItCannotUse) {
   expect_refused("?seconds=", "seconds: ''");
   expect_refused("?seconds=nan", "seconds: 'nan'");
   expect_refused("?from=-1", "from: '-1'");
+  expect_refused("?converter_ppm=501", "converter_ppm: '501'");
+  expect_refused("?clock_offset_s=nan", "clock_offset_s: 'nan'");
+  expect_refused("?clock_ppm=40&rate=max", "clock_ppm: allowed only with rate=1");
+  expect_refused("?clock_offset_s=1&rate=20", "clock_offset_s: allowed only with rate=1");
   try {
     open("no/such/scenario.toml?seed=1");
     FAIL() << "opened a file that is not there";

@@ -1,0 +1,53 @@
+#include "firmware/clock_answer.hpp"
+
+#include <chrono>
+
+namespace roadbalance {
+namespace {
+
+constexpr std::chrono::milliseconds kTurn{50};  // how long a request to stop may wait
+
+/// Counts what is given in each second.
+class Allowance {
+ public:
+  bool take(MachineTime now) {
+    if (now - since_ >= std::chrono::seconds(1)) {
+      since_ = now;
+      given_ = 0;
+    }
+    return ++given_ <= kMostAnswers;
+  }
+
+ private:
+  MachineTime since_{};
+  int given_ = 0;
+};
+
+}  // namespace
+
+void answer_clock(std::stop_token stop, ClockSocket& socket, std::int32_t node, std::int64_t epoch,
+                  const FrontEnd& front_end) {
+  const auto node_ns = [&](MachineTime time) { return to_ns(front_end.node_time(time)); };
+  Allowance allowance;
+  while (!stop.stop_requested()) {
+    const auto got = socket.receive(kTurn);
+    if (!got) continue;
+    const auto question = decode_clock_datagram(got->bytes());
+    if (!question || question->kind != ClockDatagramKind::kQuestion || question->node != node ||
+        question->epoch != epoch || !allowance.take(got->received.time))
+      continue;
+    ClockDatagram answer = *question;
+    answer.kind = ClockDatagramKind::kAnswer;
+    answer.received_ns = node_ns(got->received.time);
+    answer.received_by_kernel = got->received.by_kernel;
+    answer.answered_ns = node_ns(MachineClock::now());
+    const auto sent = socket.send(got->from, encode(answer));
+    if (!sent || !sent->by_kernel) continue;
+    answer.kind = ClockDatagramKind::kFollowUp;
+    answer.answered_ns = node_ns(sent->time);
+    answer.answered_by_kernel = true;
+    static_cast<void>(socket.send(got->from, encode(answer)));  // without it the answer's own stamp has to do
+  }
+}
+
+}  // namespace roadbalance
