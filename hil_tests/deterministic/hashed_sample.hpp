@@ -12,9 +12,9 @@ namespace roadbalance::test {
 ///
 /// With the finaliser of SplitMix64, all arithmetic modulo 2^64 and >> without sign,
 ///
-///     mix(x):  x ^= x >> 30;  x *= 0xBF58476D1CE4E5B9;  x ^= x >> 27;  x *= 0x94D049BB133111EB;  x ^= x >> 31
-///     key    = mix(mix(mix(epoch) ^ 9) ^ (16 node + channel))      channel 0 .. 11
-///     sample = (mix(key + index 0x9E3779B97F4A7C15) >> 40) - 2^23  index: of the scan in its epoch, from 0
+///     mix(x):  x ^= x >> 30;  x *= 0xBF58476D1CE4E5B9;  x ^= x >> 27;  x *= 0x94D049BB133111EB;  x ^= x >>
+///     31 key    = mix(mix(mix(epoch) ^ 9) ^ (16 node + channel))      channel 0 .. 11 sample = (mix(key +
+///     index 0x9E3779B97F4A7C15) >> 40) - 2^23  index: of the scan in its epoch, from 0
 ///
 /// tools/check_record.py computes the same on its own.
 class HashedChannel {

@@ -1,0 +1,44 @@
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "hil_tests/deterministic/world.hpp"
+
+namespace roadbalance::test {
+namespace {
+
+void write_file(const std::filesystem::path& path, const char* bytes, std::size_t size) {
+  std::ofstream stream(path, std::ios::binary);
+  stream.write(bytes, static_cast<std::streamsize>(size));
+  stream.close();
+  if (!stream) throw std::runtime_error("cannot write " + path.string());
+}
+
+}  // namespace
+
+// Folder N of recorder N: everything its disk holds.  The truth is the same for all.
+void World::dump(const std::string& folder) {
+  nlohmann::json epochs = nlohmann::json::array();
+  for (const auto& [key, epoch] : truth_.epochs())
+    epochs.push_back({{"node", epoch.node},
+                      {"epoch", epoch.epoch},
+                      {"scans", epoch.scans},
+                      {"ended", epoch.ended},
+                      {"killed", epoch.killed}});
+  const std::string truth = nlohmann::json{{"hashed", true}, {"epochs", epochs}}.dump(2) + "\n";
+  for (std::size_t h = 0; h < hosts_.size(); ++h) {
+    const auto into = std::filesystem::path(folder) / std::to_string(h + 1);
+    std::filesystem::remove_all(into);
+    std::filesystem::create_directories(into);
+    SimulatedDisk& disk = hosts_[h].machine->disk();
+    const auto names = disk.list(HostMachine::kFolder);
+    for (const std::string& name : names ? *names : std::vector<std::string>()) {
+      const auto bytes = disk.content(std::string(HostMachine::kFolder) + "/" + name);
+      write_file(into / name, reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    }
+    write_file(into / "truth.json", truth.data(), truth.size());
+  }
+}
+
+}  // namespace roadbalance::test

@@ -1,0 +1,257 @@
+#include "hil_tests/deterministic/host_machine.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <limits>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "common/bus/control.hpp"
+#include "common/record/record.hpp"
+#include "host/recorder/incarnation.hpp"
+#include "host/recorder/record_keeper.hpp"
+
+namespace roadbalance::test {
+namespace {
+
+constexpr std::int64_t kDriveBegins_us = 1'790'000'000'000'000;  // of UTC
+// What a recorder may hold in memory: the bound that credit gives it, for each node epoch.
+constexpr std::int64_t kMostWaiting = 2048 + 4096;
+
+WallTime wall(std::int64_t ns) {
+  return WallTime(std::chrono::nanoseconds(ns));
+}
+
+RecorderLinkOptions link_options(std::uint64_t seed) {
+  RecorderLinkOptions options;
+  options.seed = seed;
+  return options;
+}
+
+}  // namespace
+
+struct HostMachine::Program {
+  Program(Disk& disk, const FaultScenario& scenario, std::int64_t utc_us, std::uint64_t seed)
+      : keeper(disk, {.folder = kFolder,
+                      .segment_bytes = static_cast<std::uint64_t>(scenario.segment_mib * 1024 * 1024)}),
+        link(link_options(seed), next_incarnation(kFolder, utc_us / 1000, disk), keeper.recovered()) {}
+
+  RecordKeeper keeper;
+  RecorderLink link;
+  std::deque<std::vector<Delivery>> waiting;  // for the writer
+  std::int64_t waiting_blocks = 0;
+  std::vector<DurableMark> marks;  // of the commit under way
+  std::int64_t busy_until_ns = 0;  // the writer
+  std::map<std::pair<std::int32_t, std::int64_t>, Ack> last_ack;
+};
+
+HostMachine::HostMachine(const FaultScenario& scenario, int number, std::uint64_t seed, Truth& truth)
+    : scenario_(scenario),
+      number_(number),
+      truth_(truth),
+      random_(seed, 0),
+      disk_(random_.bits()),
+      check_(truth) {
+  disk_.set_fault([this](DiskCall call, std::int64_t, const std::string&) { return disk_call(call); });
+  disk_.set_cost([this](DiskCall call, std::size_t bytes) { return disk_cost(call, bytes); });
+}
+
+HostMachine::~HostMachine() = default;
+
+std::int64_t HostMachine::utc_us(std::int64_t now_ns) const {
+  return kDriveBegins_us + now_ns / 1000 + utc_offset_us_;
+}
+
+bool HostMachine::boot(std::int64_t now_ns) {
+  paused_ = died_ = false;
+  calls_to_live_ = 0;
+  disk_.power_on();
+  try {
+    program_ = std::make_unique<Program>(disk_, scenario_, utc_us(now_ns), random_.bits());
+    program_->keeper.set_clocks(utc_us(now_ns), now_ns);
+  } catch (const std::system_error&) {
+    kill();
+    return false;  // its supervisor tries again
+  }
+  durable_.clear();
+  for (const auto& [key, epoch] : program_->keeper.recovered().epoch)
+    durable_[key] = epoch.position.contiguous;
+  ++boots_;
+  return true;
+}
+
+void HostMachine::kill() {
+  disk_.kill();
+  program_.reset();
+  calls_to_live_ = 0;
+}
+
+void HostMachine::cut_power() {
+  disk_.cut_power();
+  kill();
+}
+
+void HostMachine::die_at_call(bool power, int calls) {
+  if (!program_) return;
+  dies_of_power_ = power;
+  calls_to_live_ = calls;
+}
+
+void HostMachine::fill_disk(bool full) {
+  constexpr std::int64_t kLeft = 1 << 20;
+  disk_.set_capacity(full ? disk_.used_bytes() + kLeft : std::numeric_limits<std::int64_t>::max() / 2);
+}
+
+std::int64_t HostMachine::take_elapsed_ns() {
+  const std::int64_t all_ns = disk_.busy().count();
+  return all_ns - std::exchange(elapsed_seen_ns_, all_ns);
+}
+
+SimulatedDisk::Outcome HostMachine::disk_call(DiskCall call) {
+  if (calls_to_live_ > 0 && --calls_to_live_ == 0) {
+    died_ = true;
+    if (dies_of_power_) return {.power_cut = true};
+    disk_.kill();  // this call and all that follow fail, and nobody hears of them
+  }
+  if (!random_.chance(failing_) || call == DiskCall::kClose) return {};
+  constexpr std::array kErrors{EIO, ENOSPC, EROFS, EINTR};
+  const auto which = static_cast<std::size_t>(random_.below(kErrors.size() + 1));
+  if (which == kErrors.size()) return {.short_write = true};
+  return {.error = kErrors[which]};
+}
+
+std::chrono::nanoseconds HostMachine::disk_cost(DiskCall call, std::size_t bytes) {
+  constexpr double kBytes_s = 200e6;
+  double seconds = static_cast<double>(bytes) / kBytes_s;
+  if (call == DiskCall::kSyncData || call == DiskCall::kSync) {
+    seconds += random_.between(0.001, 0.03);
+    if (random_.chance(scenario_.slow_syncs))
+      seconds += random_.between(scenario_.slow_sync.shortest_s, scenario_.slow_sync.longest_s);
+  }
+  return std::chrono::nanoseconds(static_cast<std::int64_t>(seconds * 1e9));
+}
+
+void HostMachine::check_record() {
+  if (boots_ == 0) return;
+  disk_.power_on();
+  try {
+    RecordReader reader(kFolder, disk_);
+    reader.finish();
+    while (const auto event = reader.next()) check_.take(event->channel, event->data);
+    for (const auto& damage : reader.damage())
+      truth_.fault("record of recorder " + std::to_string(number_) + ": " + std::to_string(damage.bytes) +
+                   " bytes of " + damage.segment.filename().string() + " from " +
+                   std::to_string(damage.offset) + " on are " + damage.what);
+  } catch (const std::system_error& error) {
+    truth_.fault("recorder " + std::to_string(number_) + ": " + error.what());
+  }
+}
+
+void HostMachine::take(std::string_view channel, std::span<const std::uint8_t> bytes, std::int64_t now_ns) {
+  if (program_) program_->link.take(channel, bytes, wall(now_ns));
+}
+
+void HostMachine::watch(const Ack& ack) {
+  const std::string name =
+      "recorder " + std::to_string(number_) + ", node " + std::to_string(ack.node) + ": ";
+  auto [at, is_new] = program_->last_ack.try_emplace({ack.node, ack.epoch}, ack);
+  const Ack& last = at->second;
+  if (!is_new && ack.incarnation == last.incarnation && ack.number <= last.number)
+    truth_.fault(name + "an ack number does not rise");
+  if (ack.incarnation < last.incarnation || ack.received < last.received || ack.durable < last.durable)
+    truth_.fault(name + "an acknowledgement takes back what an earlier one said");
+  if (ack.durable > ack.received) truth_.fault(name + "more is durable than received");
+  EpochTruth* epoch = truth_.find(ack.node, ack.epoch);
+  if (!epoch) return truth_.fault(name + "acknowledges an epoch that nobody began");
+  if (ack.received >= epoch->next()) truth_.fault(name + "acknowledges what was never sealed");
+  at->second = ack;
+  epoch->promised = std::max(epoch->promised, ack.durable);
+  check_.promised(ack.node, ack.epoch, ack.durable);
+}
+
+bool HostMachine::say(const std::string& channel, std::span<const std::uint8_t> bytes,
+                      const Publish& publish) {
+  if (channel.starts_with("RB_ACK_")) {
+    if (const auto ack = decode_ack(bytes))
+      watch(*ack);
+    else
+      truth_.fault("a recorder says an acknowledgement that no node takes");
+  }
+  return publish(channel, bytes);
+}
+
+void HostMachine::became_durable(const DurableMark& mark, std::int64_t now_ns) {
+  program_->link.durable(mark, wall(now_ns));
+  const EpochTruth* epoch = truth_.find(mark.node, mark.epoch);
+  if (!epoch) return;
+  std::int64_t& through = durable_[{mark.node, mark.epoch}];
+  for (; through < mark.sequence; ++through)
+    if (const auto* block = epoch->block(through + 1))
+      longest_to_durable_s_ =
+          std::max(longest_to_durable_s_, static_cast<double>(now_ns - block->sealed_ns) * 1e-9);
+}
+
+// The writing process: while a sync takes its time nothing is appended, and what comes waits.
+void HostMachine::write(std::int64_t now_ns) {
+  Program& p = *program_;
+  if (now_ns < p.busy_until_ns) return;
+  for (const DurableMark& mark : p.marks) became_durable(mark, now_ns);
+  p.marks.clear();
+  p.link.set_credit_open(p.keeper.wants_credit());
+  p.keeper.set_clocks(utc_us(now_ns), now_ns);
+  for (const auto& batch : p.waiting)
+    for (const Delivery& delivery : batch) p.keeper.append(delivery, wall(now_ns));
+  p.waiting.clear();
+  p.waiting_blocks = 0;
+  if (p.keeper.commit_is_due(wall(now_ns))) p.marks = p.keeper.commit(wall(now_ns));
+  if (died_) return;
+  const std::int64_t took_ns = take_elapsed_ns();
+  longest_sync_s_ = std::max(longest_sync_s_, static_cast<double>(took_ns) * 1e-9);
+  p.busy_until_ns = now_ns + took_ns;
+}
+
+void HostMachine::receive(std::int64_t now_ns, const Publish& publish) {
+  Program& p = *program_;
+  if (p.link.obeyed_higher() != 0)
+    p.link.set_incarnation(raise_incarnation(kFolder, p.link.obeyed_higher(), disk_));
+  p.link.turn(wall(now_ns), publish);
+  auto deliveries = p.link.deliveries();
+  if (deliveries.empty()) return;
+  for (const Delivery& delivery : deliveries)
+    if (const auto* gap = std::get_if<GapBlock>(&delivery))
+      check_.declared(gap->header.node, gap->header.epoch, gap->header.sequence);
+  p.waiting_blocks += static_cast<std::int64_t>(deliveries.size());
+  p.waiting.push_back(std::move(deliveries));
+  if (p.waiting_blocks > kMostWaiting * scenario_.nodes)
+    truth_.fault("recorder " + std::to_string(number_) + ": holds more blocks than its credit allows");
+}
+
+void HostMachine::turn(std::int64_t now_ns, const Publish& publish) {
+  const Publish say_it = [&](const std::string& channel, std::span<const std::uint8_t> bytes) {
+    return say(channel, bytes, publish);
+  };
+  try {
+    receive(now_ns, say_it);
+    write(now_ns);
+    if (stopping_) end(now_ns, say_it);
+  } catch (const std::system_error& error) {
+    if (!died_) truth_.fault("recorder " + std::to_string(number_) + " ends: " + error.what());
+    died_ = true;
+  }
+  if (died_) kill();
+}
+
+void HostMachine::end(std::int64_t now_ns, const Publish& publish) {
+  Program& p = *program_;
+  p.link.stop(wall(now_ns));
+  if (!p.link.over(wall(now_ns)) || !p.waiting.empty() || now_ns < p.busy_until_ns) return;
+  p.link.farewell(publish);
+  p.keeper.close(wall(now_ns));
+  if (died_) return;
+  program_.reset();
+  closed_ = true;
+}
+
+}  // namespace roadbalance::test

@@ -1,0 +1,104 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "common/bus/publish.hpp"
+#include "common/link/epoch_receiver.hpp"
+#include "common/record/test/simulated_disk.hpp"
+#include "hil_tests/deterministic/fault_scenario.hpp"
+#include "hil_tests/deterministic/random.hpp"
+#include "hil_tests/deterministic/record_check.hpp"
+#include "hil_tests/deterministic/truth.hpp"
+#include "host/recorder/recorder_link.hpp"
+
+namespace roadbalance::test {
+
+/// The computer with the recorder: the product's two processes, receive and write, on a disk, a clock and a
+/// supply of the world's.
+class HostMachine {
+ public:
+  HostMachine(const FaultScenario& scenario, int number, std::uint64_t seed, Truth& truth);
+  ~HostMachine();
+
+  /// Starts the recorder: it recovers its record first.  False if its disk does not let it start: again
+  /// later.
+  bool boot(std::int64_t now_ns);
+  /// kill -9.
+  void kill();
+  /// The same, and what was not synced is gone or torn.
+  void cut_power();
+  /// One of the two in the middle of what the recorder does next with its disk, before system call `calls`.
+  void die_at_call(bool power, int calls);
+  bool is_up() const { return program_ != nullptr; }
+  bool runs() const { return program_ != nullptr && !paused_; }
+  void pause(bool on) { paused_ = on; }
+  void step_wall_clock(std::int64_t by_us) { utc_offset_us_ += by_us; }
+
+  void take(std::string_view channel, std::span<const std::uint8_t> bytes, std::int64_t now_ns);
+  /// One turn of both processes; they may have died of it.
+  void turn(std::int64_t now_ns, const Publish& publish);
+  /// The drive is over: nodes are stopped, and the recorder ends when their ends are durable.
+  void stop() { stopping_ = true; }
+  /// It was told to stop, has, and closed the record.
+  bool closed() const { return closed_; }
+
+  /// Space for little more than there is, and again for all.
+  void fill_disk(bool full);
+  /// Each call fails with this probability; 0: none.
+  void fail_disk(double probability) { failing_ = probability; }
+  /// What its disk needed since the last call.
+  std::int64_t take_elapsed_ns();
+
+  /// Holds the record against the truth.  The recorder is gone.
+  void check_record();
+  RecordCheck& check() { return check_; }
+  SimulatedDisk& disk() { return disk_; }
+  static constexpr const char* kFolder = "/record";
+
+  double longest_to_durable_s() const { return longest_to_durable_s_; }
+  double longest_sync_s() const { return longest_sync_s_; }
+  int boots() const { return boots_; }
+
+ private:
+  struct Program;
+  bool say(const std::string& channel, std::span<const std::uint8_t> bytes, const Publish& publish);
+  void watch(const Ack& ack);
+  void receive(std::int64_t now_ns, const Publish& publish);
+  void write(std::int64_t now_ns);
+  void became_durable(const DurableMark& mark, std::int64_t now_ns);
+  void end(std::int64_t now_ns, const Publish& publish);
+  std::int64_t utc_us(std::int64_t now_ns) const;
+  SimulatedDisk::Outcome disk_call(DiskCall call);
+  std::chrono::nanoseconds disk_cost(DiskCall call, std::size_t bytes);
+
+  const FaultScenario& scenario_;
+  const int number_;
+  Truth& truth_;
+  Random random_;
+  SimulatedDisk disk_;
+  RecordCheck check_;
+  std::unique_ptr<Program> program_;
+  bool paused_ = false;
+  bool stopping_ = false;
+  bool closed_ = false;
+  int calls_to_live_ = 0;  // 0: it lives
+  bool dies_of_power_ = false;
+  bool died_ = false;
+  double failing_ = 0;
+  std::int64_t elapsed_seen_ns_ = 0;
+  std::int64_t utc_offset_us_ = 0;
+  int boots_ = 0;
+  std::map<std::pair<std::int32_t, std::int64_t>, std::int64_t> durable_;
+  double longest_to_durable_s_ = 0;
+  double longest_sync_s_ = 0;
+};
+
+}  // namespace roadbalance::test

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "common/bus/publish.hpp"
+#include "common/config/vehicle_config.hpp"
+#include "common/frontend/front_end.hpp"
+#include "hil_tests/deterministic/fault_scenario.hpp"
+#include "hil_tests/deterministic/random.hpp"
+#include "hil_tests/deterministic/truth.hpp"
+
+namespace roadbalance::test {
+
+/// A worker node: the product's sealer, ring, spool and link, with a device, a clock and a power switch of
+/// the world's.  What it takes and seals goes into the truth.
+class NodeMachine {
+ public:
+  NodeMachine(const FaultScenario& scenario, std::int32_t number, std::uint64_t seed, Truth& truth);
+  ~NodeMachine();
+
+  void boot(std::int64_t now_ns);
+  void kill();
+  bool runs() const { return program_ != nullptr && !paused_; }
+  bool is_up() const { return program_ != nullptr; }
+  /// SIGSTOP and SIGCONT.
+  void pause(bool on);
+  /// The link process alone.
+  void hang(bool on) { hung_ = on; }
+  bool hangs() const { return hung_ || !runs(); }
+
+  /// Each call of its own disk fails with this probability; 0: none.
+  void fail_spool(double probability) { spool_failing_ = probability; }
+
+  /// The device has what it took until now.  Returns when it will have more.
+  std::int64_t device(std::int64_t now_ns);
+  void take(std::string_view channel, std::span<const std::uint8_t> bytes, std::int64_t now_ns);
+  /// True if it is busy.
+  bool turn(std::int64_t now_ns, const Publish& publish);
+  void farewell(const Publish& publish);
+  bool finished() const;
+
+  std::int32_t number() const { return number_; }
+  std::int64_t base() const;
+  std::int64_t next() const;
+  std::int64_t used() const { return next() - base(); }
+  /// Its clock, for exchanges.
+  std::int64_t clock_ns(std::int64_t now_ns) const;
+
+ private:
+  struct Program;
+  void read(std::int64_t now_ns);
+  void fill(Scan& scan, std::int64_t place);
+  void watch_freed(std::string_view what, std::span<const std::uint8_t> bytes, std::int64_t base_before);
+
+  const FaultScenario& scenario_;
+  const std::int32_t number_;
+  Truth& truth_;
+  Random random_;
+  VehicleConfig vehicle_;
+  std::unique_ptr<Program> program_;
+  bool paused_ = false;
+  bool hung_ = false;
+  double spool_failing_ = 0;
+  std::int64_t last_epoch_ = 0;
+  std::int64_t clock_offset_ns_;
+  double clock_drift_;
+  std::vector<Scan> scans_;
+};
+
+}  // namespace roadbalance::test

@@ -1,0 +1,150 @@
+#include "hil_tests/deterministic/record_check.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "common/bus/bus.hpp"
+#include "common/bus/codec.hpp"
+#include "hil_tests/deterministic/hashed_sample.hpp"
+
+namespace roadbalance::test {
+
+void RecordCheck::fault(const BlockHeader& header, const std::string& what) {
+  truth_.fault("node " + std::to_string(header.node) + " epoch " + std::to_string(header.epoch) + " block " +
+               std::to_string(header.sequence) + ": " + what);
+}
+
+RecordCheck::Seen& RecordCheck::seen(Key key) {
+  Seen& seen = seen_[key];
+  if (!seen.truth) seen.truth = truth_.find(key.first, key.second);
+  return seen;
+}
+
+void RecordCheck::promised(std::int32_t node, std::int64_t epoch, std::int64_t sequence) {
+  Seen& of = seen({node, epoch});
+  of.promised = std::max(of.promised, sequence);
+}
+
+void RecordCheck::declared(std::int32_t node, std::int64_t epoch, std::int64_t sequence) {
+  Seen& of = seen({node, epoch});
+  of.promised_at[sequence] = of.promised;
+}
+
+void RecordCheck::take(std::string_view channel, std::span<const std::uint8_t> bytes) {
+  if (!channel.starts_with("RB_BLOCK_")) return;
+  if (accept(bytes, block_) != Refusal::kNone) return truth_.fault("a block in the record is not good");
+  const BlockHeader& header = block_.header;
+  if (channel != block_channel(header.node, block_.kind)) return fault(header, "is on a foreign channel");
+  if (header.sequence == 0) return;  // a segment's description of itself
+  ++blocks_;
+  Seen& of = seen({header.node, header.epoch});
+  if (!of.truth) return fault(header, "is of an epoch that nobody began");
+  if (of.crashed) fault(header, "comes behind the declared crash");
+  const EpochTruth::Block* own = of.truth->block(header.sequence);
+  if (own && own->crc == crc_of(block_))
+    take_own(block_, of);
+  else
+    take_declared(block_, of);
+}
+
+// As the node sealed it.
+void RecordCheck::take_own(const SealedBlock& block, Seen& of) {
+  const BlockHeader& header = block.header;
+  if (header.sequence <= of.sequence) return fault(header, "is there twice or out of order");
+  if (header.sequence > of.sequence + 1)
+    fault(header, "follows block " + std::to_string(of.sequence) + ": those between are lost");
+  of.sequence = header.sequence;
+  take_scans(block, of);
+  if (block.kind == BlockKind::kEnd) {
+    of.ended = true;
+    const EndBlock end = decode_end(block);
+    if (end.scans_sealed + end.scans_missing != of.truth->scans)
+      fault(header, "the end counts " + std::to_string(end.scans_sealed + end.scans_missing) + " of " +
+                        std::to_string(of.truth->scans) + " scans");
+  }
+}
+
+// A gap that the recorder declares; any other block that nobody sealed is a forgery.
+void RecordCheck::take_declared(const SealedBlock& block, Seen& of) {
+  const BlockHeader& header = block.header;
+  if (block.kind != BlockKind::kGap) return fault(header, "is not as its node sealed it");
+  const GapCause cause = decode_gap(block).cause;
+  if (cause != GapCause::kLostAtNode && cause != GapCause::kNodeCrash)
+    return fault(header, "declares what only a node can");
+  if (header.sequence <= of.sequence) return fault(header, "a declared gap is there twice or out of order");
+  const auto promised = of.promised_at.find(header.sequence);
+  if (promised == of.promised_at.end()) return fault(header, "is a gap that no recorder declared");
+  if (promised->second > of.sequence)
+    fault(header, "declares lost what was called durable through " + std::to_string(promised->second));
+  if (cause == GapCause::kNodeCrash) {
+    if (header.sequence != of.sequence + 1) fault(header, "a crash is declared out of sequence");
+    if (!of.truth->killed) fault(header, "declares the crash of a node that lives");
+    of.crashed = true;
+    of.sequence = header.sequence;
+    return;
+  }
+  of.sequence = header.sequence;
+  take_scans(block, of);
+  if (header.scans == 0) of.next_scan = kUnknown;
+}
+
+void RecordCheck::take_scans(const SealedBlock& block, Seen& of) {
+  if (block.kind == BlockKind::kScan) {
+    run_on(block.header, of);
+    check_samples(decode_scan(block));
+  } else if (block.kind == BlockKind::kGap) {
+    run_on(block.header, of);
+    declared_scans_ += block.header.scans;
+  } else if (block.kind == BlockKind::kEnd) {
+    run_on(block.header, of);
+  }
+}
+
+void RecordCheck::run_on(const BlockHeader& header, Seen& of) {
+  if (of.next_scan != kUnknown && header.first_scan != of.next_scan) {
+    lost_scans_ += std::max<std::int64_t>(0, header.first_scan - of.next_scan);
+    fault(header, "begins with scan " + std::to_string(header.first_scan) + " instead of " +
+                      std::to_string(of.next_scan));
+  }
+  of.next_scan = header.first_scan + header.scans;
+}
+
+void RecordCheck::check_samples(const ScanBlock& block) {
+  for (int channel = 0; channel < kAccelerations; ++channel) {
+    const HashedChannel truth(block.header.node, block.header.epoch, channel);
+    bool same = true;
+    for (std::int64_t row = 0; row < block.header.scans; ++row)
+      same &= block.counts[static_cast<std::size_t>(row)][static_cast<std::size_t>(channel)] ==
+              truth.at(block.header.first_scan + row);
+    if (!same) fault(block.header, "samples of channel " + std::to_string(channel) + " are altered");
+  }
+}
+
+void RecordCheck::finish(bool closed) {
+  for (const auto& [key, epoch] : truth_.epochs())
+    if (epoch.scans > 0) seen(key);
+  for (auto& [key, of] : seen_)
+    if (of.truth) finish(of, closed);
+}
+
+void RecordCheck::finish(Seen& of, bool closed) {
+  const EpochTruth& epoch = *of.truth;
+  const std::string name = "node " + std::to_string(epoch.node) + " epoch " + std::to_string(epoch.epoch);
+  const std::int64_t missing = of.next_scan == kUnknown ? 0 : epoch.scans - of.next_scan;
+  if (of.promised > of.sequence)
+    truth_.fault(name + ": called durable through " + std::to_string(of.promised) + ", recorded through " +
+                 std::to_string(of.sequence));
+  if (of.ended && !of.crashed) {
+    if (missing != 0) truth_.fault(name + ": " + std::to_string(missing) + " scans lie behind its end");
+  } else if (of.crashed || (epoch.killed && of.sequence == 0)) {
+    crash_tail_scans_ += missing;  // it died before the recorder had anything of it, or with a declared tail
+  } else if (closed) {
+    lost_scans_ += missing;
+    truth_.fault(name + ": the record was closed without its end or crash; " + std::to_string(missing) +
+                 " scans behind block " + std::to_string(of.sequence) + " are missing");
+  } else {
+    open_scans_ += missing;
+  }
+}
+
+}  // namespace roadbalance::test

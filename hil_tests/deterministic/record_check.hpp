@@ -1,0 +1,73 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string_view>
+#include <utility>
+
+#include "common/link/blocks.hpp"
+#include "hil_tests/deterministic/truth.hpp"
+
+namespace roadbalance::test {
+
+/// Holds one recorder's record against the truth, event by event as they lie in it.
+///
+/// Each block is there once, in sequence, with the bytes its node sealed; each sample is the hash of its
+/// place; scans run on from block to block and gap to gap; what is not there is declared, and nothing that
+/// was promised is.  Shares with the product only the decoding of a block.
+class RecordCheck {
+ public:
+  explicit RecordCheck(Truth& truth) : truth_(truth) {}
+
+  /// An acknowledgement of this recorder called everything through `sequence` durable.
+  void promised(std::int32_t node, std::int64_t epoch, std::int64_t sequence);
+  /// This recorder declares a gap with number `sequence`: nothing in it may have been promised before.
+  void declared(std::int32_t node, std::int64_t epoch, std::int64_t sequence);
+  void take(std::string_view channel, std::span<const std::uint8_t> bytes);
+  /// The record is whole: what each epoch must have by now.
+  /// @param closed  its recorder ended in order, so that every epoch has an end or a declared crash
+  void finish(bool closed);
+
+  std::int64_t blocks() const { return blocks_; }
+  std::int64_t declared_scans() const { return declared_scans_; }  ///< in gaps of any cause
+  std::int64_t lost_scans() const { return lost_scans_; }          ///< missing and not declared
+  std::int64_t crash_tail_scans() const { return crash_tail_scans_; }
+  std::int64_t open_scans() const {
+    return open_scans_;
+  }  ///< of epochs without any end, behind the last block
+
+ private:
+  using Key = std::pair<std::int32_t, std::int64_t>;
+  struct Seen {
+    EpochTruth* truth = nullptr;
+    std::int64_t promised = 0;
+    std::map<std::int64_t, std::int64_t> promised_at;  // when the gap with this number was declared
+    std::int64_t sequence = 0;                         // last one
+    std::int64_t next_scan = 0;                        // kUnknown behind a loss of unknown length
+    bool crashed = false;
+    bool ended = false;
+  };
+  static constexpr std::int64_t kUnknown = -1;
+
+  Seen& seen(Key key);
+  void take_own(const SealedBlock& block, Seen& seen);
+  void take_declared(const SealedBlock& block, Seen& seen);
+  void take_scans(const SealedBlock& block, Seen& seen);
+  void check_samples(const ScanBlock& block);
+  void run_on(const BlockHeader& header, Seen& seen);
+  void finish(Seen& seen, bool closed);
+  void fault(const BlockHeader& header, const std::string& what);
+
+  Truth& truth_;
+  std::map<Key, Seen> seen_;
+  SealedBlock block_;
+  std::int64_t blocks_ = 0;
+  std::int64_t declared_scans_ = 0;
+  std::int64_t lost_scans_ = 0;
+  std::int64_t crash_tail_scans_ = 0;
+  std::int64_t open_scans_ = 0;
+};
+
+}  // namespace roadbalance::test

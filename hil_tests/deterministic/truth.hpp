@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/link/block.hpp"
+
+namespace roadbalance::test {
+
+/// What one node epoch really took and sealed.
+struct EpochTruth {
+  std::int32_t node = 0;
+  std::int64_t epoch = 0;
+  std::int64_t scans = 0;  ///< taken between start and stop or death, those that the device lost included
+  bool ended = false;      ///< its end is sealed
+  bool killed = false;
+  std::int64_t promised = 0;  ///< called durable by an acknowledgement of any recorder
+  struct Block {
+    std::uint32_t crc = 0;
+    std::int64_t sealed_ns = 0;
+  };
+  std::vector<Block> blocks;  ///< [sequence - 1 - dropped]
+  std::int64_t dropped = 0;   ///< checked long ago, kept no longer
+
+  std::int64_t next() const { return dropped + static_cast<std::int64_t>(blocks.size()) + 1; }
+  const Block* block(std::int64_t sequence) const {
+    const std::int64_t at = sequence - 1 - dropped;
+    return at < 0 || at >= static_cast<std::int64_t>(blocks.size()) ? nullptr
+                                                                    : &blocks[static_cast<std::size_t>(at)];
+  }
+};
+
+/// What happened in a run, as only the world outside knows it, and every promise that was seen broken.
+class Truth {
+ public:
+  EpochTruth& open(std::int32_t node, std::int64_t epoch);
+  EpochTruth* find(std::int32_t node, std::int64_t epoch);
+  /// In order of node and epoch.
+  const std::map<std::pair<std::int32_t, std::int64_t>, EpochTruth>& epochs() const { return epochs_; }
+
+  void sealed(EpochTruth& epoch, const SealedBlock& block, std::int64_t now_ns);
+
+  /// A broken promise; the first few are kept.
+  void fault(const std::string& what);
+  void set_now(std::int64_t now_ns) { now_ns_ = now_ns; }
+  const std::vector<std::string>& faults() const { return faults_; }
+  std::int64_t fault_count() const { return fault_count_; }
+  std::int64_t blocks_sealed() const { return blocks_sealed_; }
+
+ private:
+  std::map<std::pair<std::int32_t, std::int64_t>, EpochTruth> epochs_;
+  std::vector<std::string> faults_;
+  std::int64_t fault_count_ = 0;
+  std::int64_t blocks_sealed_ = 0;
+  std::int64_t now_ns_ = 0;
+};
+
+/// The CRC a sealed block ends with.
+std::uint32_t crc_of(const SealedBlock& block);
+
+}  // namespace roadbalance::test
