@@ -30,6 +30,8 @@ void Commands::take(const Command& command, WallTime now) {
   const CommandError result = act(command, now);
   if (command.verb == Verb::kStop && result == CommandError::kNone)
     stop_request_ = command;
+  else if (command.verb == Verb::kClaim && result != CommandError::kNone)
+    answer(command, result, std::min(sender_.highest_owner(), kIndexLimit));
   else
     answer(command, result, command.verb == Verb::kStart ? 1 : backlog_.next());
 }

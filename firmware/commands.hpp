@@ -11,7 +11,8 @@
 namespace roadbalance {
 
 /// The node's answers to commands, as a pure state machine.  A request acts once, however often it comes, and
-/// gets the same reply each time; a stop is answered when the end is sealed, with the end's sequence.
+/// gets the same reply each time; a stop is answered when the end is sealed, with the end's sequence; a
+/// refused claim with the highest incarnation obeyed, above which the next claim may be heard.
 class Commands {
  public:
   Commands(std::int32_t node, std::int64_t epoch, const Backlog& backlog, Sender& sender, AcquireLink& link);

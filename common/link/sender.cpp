@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 #include "common/link/planted.hpp"
 
@@ -24,13 +25,16 @@ Sender::Sender(Backlog& backlog, std::int32_t node, std::int64_t epoch, Options 
 }
 
 bool Sender::claim(std::int64_t incarnation, WallTime now) {
-  if (owner_ != 0 && incarnation != owner_) {
-    const bool lease_is_over = now - owner_heard_ > options_.lease;
-    if (incarnation < owner_ || !lease_is_over) return false;
-  }
   if (incarnation != owner_) {
+    const bool lease_lives = owner_ != 0 && now - owner_heard_ <= options_.lease;
+    const bool stale = incarnation < highest_owner_ && !planted(PlantedFault::kStaleRecorder);
+    if (lease_lives || stale) return false;
+    if (incarnation != highest_owner_) {
+      ack_number_ = 0;
+      new_owner_ = true;
+    }
     owner_ = incarnation;
-    ack_number_ = 0;
+    highest_owner_ = std::max(highest_owner_, incarnation);
     credit_ = 0;
     missing_count_ = 0;
   }
@@ -47,8 +51,10 @@ bool Sender::release(std::int64_t incarnation) {
 }
 
 bool Sender::is_good(const Ack& ack) const {
-  return ack.node == node_ && ack.epoch == epoch_ && owner_ != 0 && ack.incarnation == owner_ &&
-         ack.number > ack_number_ && ack.durable < backlog_.next() && ack.missing.size() <= kMaxMissingRanges;
+  const bool obeyed = ack.incarnation == owner_ || planted(PlantedFault::kStaleRecorder);
+  return ack.node == node_ && ack.epoch == epoch_ && owner_ != 0 && obeyed && ack.number > ack_number_ &&
+         ack.durable < backlog_.next() && ack.durable <= ack.received &&
+         ack.missing.size() <= kMaxMissingRanges;
 }
 
 bool Sender::take(const Ack& ack, WallTime now) {
@@ -60,12 +66,19 @@ bool Sender::take(const Ack& ack, WallTime now) {
   owner_heard_ = now;
   credit_ = std::max(credit_, ack.credit);
   backlog_.free_through(planted(PlantedFault::kFreeOnReceive) ? ack.received : ack.durable);
+  if (std::exchange(new_owner_, false)) sent_through_ = std::min(sent_through_, ack.received);
+  check();
   // An ack without ranges asks for nothing new; what the one before asked for may still wait for tokens.
   if (ack.missing.empty()) return true;
   std::copy(ack.missing.begin(), ack.missing.end(), missing_.begin());
   missing_count_ = ack.missing.size();
   missing_at_ = 0;
   return true;
+}
+
+void Sender::check() const {
+  assert(owner_ == 0 || owner_ == highest_owner_ || planted(PlantedFault::kStaleRecorder));
+  assert(sent_through_ < backlog_.next() && backlog_.base() <= backlog_.next());
 }
 
 bool Sender::was_sent_lately(std::int64_t sequence, WallTime now) const {
@@ -112,6 +125,7 @@ std::span<const std::int64_t> Sender::due(WallTime now) {
   sent_through_ = std::max(sent_through_, backlog_.base() - 1);
   const std::int64_t last = std::min(backlog_.next() - 1, credit_);
   while (sent_through_ < last && spend_token()) send(++sent_through_, now);
+  check();
   return due_;
 }
 

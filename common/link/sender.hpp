@@ -14,11 +14,13 @@
 namespace roadbalance {
 
 /// The node's half of the loss-free link, as a pure state machine: it decides which blocks to transmit and
-/// which to free; sockets and clocks stay outside.  Its memory is fixed at construction.
+/// which to free; sockets and clocks stay outside.  Its memory is fixed at construction: 64 kB.
 ///
 /// Blocks go out once as far as the credit reaches; repairs come first, oldest first.  A block is not sent
 /// twice within `repeat_after`.  A block is freed only when the owner calls it durable: right epoch, owner's
-/// incarnation, rising ack number, durable < next.  Used by the ring's consumer thread only.
+/// incarnation, rising ack number, durable < next.  An incarnation lower than one that was ever obeyed is
+/// never obeyed again.  To a new owner everything that it has not received goes out once more.
+/// Used by the ring's consumer thread only.
 class Sender {
  public:
   struct Options {
@@ -31,13 +33,15 @@ class Sender {
   Sender(Backlog& backlog, std::int32_t node, std::int64_t epoch) : Sender(backlog, node, epoch, Options{}) {}
   Sender(Backlog& backlog, std::int32_t node, std::int64_t epoch, Options options);
 
-  /// A recorder asks to own this node.  True if it does now: it did, or there was no owner, or the owner's
-  /// lease is over and it has a higher incarnation.
+  /// A recorder asks to own this node.  True if it does now: it did, or it has the highest incarnation so far
+  /// and there is no owner or the owner's lease is over.
   bool claim(std::int64_t incarnation, WallTime now);
   /// The owner gives the node back.  False if it is not the owner.
   bool release(std::int64_t incarnation);
   /// Incarnation obeyed; 0: none.
   std::int64_t owner() const { return owner_; }
+  /// The highest incarnation ever obeyed; 0: none.
+  std::int64_t highest_owner() const { return highest_owner_; }
 
   /// Frees what is durable, remembers what to repair.  False if refused (and counted).
   bool take(const Ack& ack, WallTime now);
@@ -58,6 +62,7 @@ class Sender {
   bool spend_token();
   void send(std::int64_t sequence, WallTime now);
   void repair(WallTime now);
+  void check() const;
   bool was_sent_lately(std::int64_t sequence, WallTime now) const;
 
   Backlog& backlog_;
@@ -66,10 +71,12 @@ class Sender {
   const Options options_;
 
   std::int64_t owner_ = 0;
+  std::int64_t highest_owner_ = 0;
   WallTime owner_heard_{};
   std::int64_t ack_number_ = 0;
   std::int64_t credit_ = 0;
-  std::int64_t sent_through_ = 0;  // everything up to here was sent at least once
+  std::int64_t sent_through_ = 0;  // everything up to here was sent at least once ...
+  bool new_owner_ = false;         // ... to the owner before; this one has not spoken yet
 
   std::array<SequenceRange, kMaxMissingRanges> missing_{};  // of the newest ack, what is left to repair
   std::size_t missing_count_ = 0;

@@ -35,6 +35,16 @@ TEST_F(NodeCommands, StartOnlyForTheOwner) {
   EXPECT_TRUE(link.start);
 }
 
+TEST_F(NodeCommands, ARefusedClaimIsToldTheHighestIncarnationObeyed) {
+  say(Verb::kClaim, 1, 90);
+  EXPECT_EQ(say(Verb::kClaim, 2, 50)->sequence, 90);
+  say(Verb::kRelease, 3, 90);
+  const auto reply = say(Verb::kClaim, 4, 50);
+  EXPECT_EQ(reply->result, CommandError::kNotOwner);
+  EXPECT_EQ(reply->sequence, 90) << "nobody owns it, and yet it obeys no older one";
+  EXPECT_EQ(say(Verb::kClaim, 5, 91)->result, CommandError::kNone);
+}
+
 TEST_F(NodeCommands, ARepeatedRequestActsOnceAndGetsTheSameReply) {
   say(Verb::kClaim, 1);
   EXPECT_EQ(say(Verb::kRelease, 2)->result, CommandError::kNone);

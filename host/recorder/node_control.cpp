@@ -1,10 +1,12 @@
 #include "host/recorder/node_control.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace roadbalance {
 namespace {
 constexpr std::chrono::milliseconds kRepeat{100};
+constexpr std::chrono::seconds kSilence{3};
 constexpr Verb kNothing = Verb::kRelease;  // released only by farewell()
 }  // namespace
 
@@ -12,9 +14,13 @@ NodeControl::NodeControl(std::int64_t incarnation, bool start, std::uint64_t see
     : incarnation_(incarnation), start_(start), random_(seed) {}
 
 void NodeControl::take(const Heartbeat& heartbeat) {
-  if (!nodes_.contains(heartbeat.node) && nodes_.size() >= kMostNodes) return;
-  Node& node = nodes_[heartbeat.node];
-  if (node.epoch != heartbeat.epoch) node = Node{.epoch = heartbeat.epoch};
+  const Key key{heartbeat.node, heartbeat.epoch};
+  if (!nodes_.contains(key) && nodes_.size() >= kMostEpochs)
+    nodes_.erase(std::min_element(nodes_.begin(), nodes_.end(), [](const auto& a, const auto& b) {
+      return a.second.heard < b.second.heard;
+    }));
+  Node& node = nodes_[key];
+  node.heard = ++heartbeats_;
   node.state = heartbeat.state;
   node.owned = heartbeat.owner == incarnation_;
   node.started = node.started || heartbeat.state != NodeState::kPreview;
@@ -22,11 +28,12 @@ void NodeControl::take(const Heartbeat& heartbeat) {
 }
 
 void NodeControl::take(const Reply& reply) {
-  const auto found = nodes_.find(reply.node);
-  if (found == nodes_.end() || found->second.request != reply.request || found->second.epoch != reply.epoch)
-    return;
+  const auto found = nodes_.find({reply.node, reply.epoch});
+  if (found == nodes_.end() || found->second.request != reply.request || reply.request == 0) return;
   Node& node = found->second;
   node.request = 0;  // the next one is a new request
+  if (reply.result == CommandError::kNotOwner && node.verb == Verb::kClaim && reply.sequence > incarnation_)
+    obeyed_higher_ = std::max(obeyed_higher_, reply.sequence);
   if (reply.result != CommandError::kNone) return;
   if (node.verb == Verb::kClaim) node.owned = true;
   if (node.verb == Verb::kStart) node.state = NodeState::kStarted;
@@ -35,7 +42,7 @@ void NodeControl::take(const Reply& reply) {
 void NodeControl::set_incarnation(std::int64_t incarnation) {
   incarnation_ = incarnation;
   obeyed_higher_ = 0;
-  for (auto& [number, node] : nodes_) {
+  for (auto& [key, node] : nodes_) {
     node.owned = false;
     node.request = 0;
   }
@@ -54,40 +61,55 @@ Command NodeControl::command(std::int32_t number, const Node& node) const {
   return {.node = number, .request = node.request, .incarnation = incarnation_, .verb = node.verb};
 }
 
+std::int64_t NodeControl::new_request() {
+  return static_cast<std::int64_t>(random_() >> 1) | 1;
+}
+
+// Heartbeats bear no time of ours: one counts from the first look after it.
+bool NodeControl::is_silent(Node& node, WallTime now) const {
+  if (std::exchange(node.seen, node.heard) != node.heard) node.heard_at = now;
+  return now - node.heard_at > kSilence;
+}
+
 std::vector<Command> NodeControl::due(WallTime now) {
   std::vector<Command> commands;
-  for (auto& [number, node] : nodes_) {
+  for (auto& [key, node] : nodes_) {
     const Verb verb = wanted(node);
-    if (verb == kNothing) continue;
+    if (is_silent(node, now) || verb == kNothing) continue;
+    const bool waits = now - node.sent_at < kRepeat;
     if (verb != node.verb || node.request == 0) {
-      const bool same_again = verb == node.verb && now - node.sent_at < kRepeat;
-      if (same_again) continue;
+      if (verb == node.verb && waits) continue;
       node.verb = verb;
-      node.request = static_cast<std::int64_t>(random_() >> 1) | 1;
-    } else if (now - node.sent_at < kRepeat) {
+      node.request = new_request();
+    } else if (waits) {
       continue;
     }
     node.sent_at = now;
     node.started = node.started || verb == Verb::kStart;
-    commands.push_back(command(number, node));
+    commands.push_back(command(key.first, node));
   }
   return commands;
 }
 
 std::vector<Command> NodeControl::farewell() {
   std::vector<Command> commands;
-  for (auto& [number, node] : nodes_) {
+  for (auto& [key, node] : nodes_) {
     if (!node.owned) continue;
     node.verb = Verb::kRelease;
-    node.request = static_cast<std::int64_t>(random_() >> 1) | 1;
-    commands.push_back(command(number, node));
+    node.request = new_request();
+    commands.push_back(command(key.first, node));
   }
   return commands;
 }
 
-bool NodeControl::was_started(std::int32_t node) const {
-  const auto found = nodes_.find(node);
+bool NodeControl::was_started(std::int32_t node, std::int64_t epoch) const {
+  const auto found = nodes_.find({node, epoch});
   return found != nodes_.end() && found->second.started;
+}
+
+bool NodeControl::was_started(std::int32_t node) const {
+  return std::any_of(nodes_.begin(), nodes_.end(),
+                     [node](const auto& known) { return known.first.first == node && known.second.started; });
 }
 
 }  // namespace roadbalance

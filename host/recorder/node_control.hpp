@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "common/bus/control.hpp"
@@ -11,10 +12,12 @@
 
 namespace roadbalance {
 
-/// Claims the nodes heard, starts them, and stops and releases them in the end; a pure state machine.
+/// Claims the node epochs heard, starts them, and stops and releases them in the end; a pure state machine.
+/// Two epochs of one node are led apart: a command reaches both, but each answers for itself.
 ///
 /// A command is repeated with the same request number until it is answered or the heartbeat shows its effect;
-/// after a refusal it is asked anew.
+/// after a refusal it is asked anew.  An epoch that is silent is told nothing.  Of more than kMostEpochs the
+/// one silent for longest is forgotten.
 class NodeControl {
  public:
   NodeControl(std::int64_t incarnation, bool start, std::uint64_t seed);
@@ -30,23 +33,32 @@ class NodeControl {
   /// Release commands for all nodes owned, for the end.
   std::vector<Command> farewell();
 
-  /// The highest incarnation above our own that a node says it obeys: an earlier recorder whose clock was
-  /// ahead. 0: none.
+  /// The highest incarnation above our own that a node says it obeys or has obeyed: an earlier recorder whose
+  /// clock was ahead. 0: none.
   std::int64_t obeyed_higher() const { return obeyed_higher_; }
-  /// The node was started, or may be about to start: its end is to be waited for.
+  /// The epoch was started, or may be about to start: its end is to be waited for.
+  bool was_started(std::int32_t node, std::int64_t epoch) const;
+  /// The same of any epoch of the node.
   bool was_started(std::int32_t node) const;
 
+  static constexpr std::size_t kMostEpochs = 2 * kMostNodes;
+
  private:
+  using Key = std::pair<std::int32_t, std::int64_t>;
   struct Node {
-    std::int64_t epoch = 0;
     NodeState state = NodeState::kPreview;
     bool owned = false;
     bool started = false;        // measures or has measured, or a start is under way to it
     Verb verb = Verb::kRelease;  // of the request below; release: none
     std::int64_t request = 0;
     WallTime sent_at{};
+    std::int64_t heard = 0;  // number of its last heartbeat among all
+    std::int64_t seen = 0;   // the same, when due() looked last ...
+    WallTime heard_at{};     // ... and then
   };
   Verb wanted(const Node& node) const;
+  bool is_silent(Node& node, WallTime now) const;
+  std::int64_t new_request();
   Command command(std::int32_t number, const Node& node) const;
 
   std::int64_t incarnation_;
@@ -54,7 +66,8 @@ class NodeControl {
   bool stopping_ = false;
   std::int64_t obeyed_higher_ = 0;
   std::mt19937_64 random_;
-  std::map<std::int32_t, Node> nodes_;
+  std::int64_t heartbeats_ = 0;
+  std::map<Key, Node> nodes_;
 };
 
 }  // namespace roadbalance

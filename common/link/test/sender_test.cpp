@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 namespace roadbalance {
 namespace {
 
@@ -101,12 +103,72 @@ TEST_F(SenderTest, RefusesASecondRecorderWhileTheOwnersLeaseLives) {
   EXPECT_FALSE(sender.claim(5, kStart + 10s)) << "a stale incarnation never owns again";
 }
 
-TEST_F(SenderTest, BelongsToNobodyOnceReleased) {
+TEST_F(SenderTest, BelongsToNobodyOnceReleasedAndGoesToAnyoneNotOlder) {
   ASSERT_TRUE(sender.claim(5, kStart));
   EXPECT_FALSE(sender.release(4));
   EXPECT_TRUE(sender.release(5));
   EXPECT_EQ(sender.owner(), 0);
-  EXPECT_TRUE(sender.claim(3, kStart));
+  EXPECT_FALSE(sender.take(ack(1, 0), kStart)) << "released";
+  EXPECT_FALSE(sender.claim(3, kStart)) << "a recorder that slept through it all";
+  EXPECT_TRUE(sender.claim(5, kStart)) << "the same again";
+  EXPECT_TRUE(sender.release(5));
+  EXPECT_TRUE(sender.claim(6, kStart)) << "handed over without waiting for a lease";
+}
+
+TEST_F(SenderTest, TheSameOwnersOldAcksAreOldAfterAReleaseToo) {
+  put(10);
+  ASSERT_TRUE(sender.claim(5, kStart));
+  ASSERT_TRUE(sender.take(ack(7, 2), kStart));
+  ASSERT_TRUE(sender.release(5));
+  ASSERT_TRUE(sender.claim(5, kStart));
+  EXPECT_FALSE(sender.take(ack(6, 3), kStart));
+  EXPECT_TRUE(sender.take(ack(8, 3), kStart));
+}
+
+TEST_F(SenderTest, SendsANewOwnerWhatTheOldOneTookWithIt) {
+  put(10);
+  ASSERT_TRUE(sender.claim(5, kStart));
+  ASSERT_TRUE(sender.take(ack(1, 3), kStart));
+  ASSERT_EQ(due(kStart), 7u);
+  ASSERT_TRUE(sender.claim(6, kStart + 2s));
+  EXPECT_EQ(due(kStart + 2s), 0u) << "it has given no credit yet";
+  Ack first = ack(1, 3);
+  first.incarnation = 6;
+  first.received = 4;
+  ASSERT_TRUE(sender.take(first, kStart + 2s));
+  const auto again = sender.due(kStart + 2s);
+  EXPECT_EQ(std::vector<std::int64_t>(again.begin(), again.end()),
+            (std::vector<std::int64_t>{5, 6, 7, 8, 9, 10}));
+}
+
+// As often as the network may double, delay or forge an ack: freed is what a good one called durable.
+TEST_F(SenderTest, NoAckFreesMoreThanAGoodOneEverCalledDurable) {
+  std::mt19937 random(3);
+  const auto up_to = [&random](std::int64_t most) {
+    return static_cast<std::int64_t>(random()) % (most + 1);
+  };
+  std::int64_t durable = 0;
+  for (int k = 0; k < 20'000; ++k) {
+    const WallTime at = kStart + k * 10ms;
+    if (backlog.used() < 90) put(static_cast<int>(up_to(5)));
+    sender.claim(1 + up_to(9), at);
+    Ack any = ack(up_to(k), up_to(backlog.next() + 3), up_to(1000) + backlog.next());
+    any.incarnation = 1 + up_to(9);
+    any.epoch = up_to(9) == 0 ? kEpoch + 1 : kEpoch;
+    const std::int64_t obeyed = sender.owner();
+    if (sender.take(any, at)) {
+      EXPECT_EQ(any.incarnation, obeyed);
+      EXPECT_EQ(any.epoch, kEpoch);
+      EXPECT_LT(any.durable, backlog.next());
+      durable = std::max(durable, any.durable);
+    }
+    ASSERT_EQ(backlog.base(), durable + 1);
+    for (const std::int64_t sequence : sender.due(at)) {
+      ASSERT_GE(sequence, backlog.base());
+      ASSERT_LT(sequence, backlog.next());
+    }
+  }
+  EXPECT_GT(durable, 1000);
 }
 
 }  // namespace

@@ -75,6 +75,52 @@ TEST_F(NodeControlTest, SeesThatANodeObeysAHigherIncarnation) {
   EXPECT_EQ(due(kStart)->incarnation, 61);
 }
 
+// After a release nobody owns the node, and it obeys no incarnation below the one it had.
+TEST_F(NodeControlTest, LearnsFromARefusalWhichIncarnationTheNodeObeyed) {
+  control.take(beat(NodeState::kPreview, 0));
+  const auto claim = due(kStart);
+  ASSERT_TRUE(claim);
+  control.take(Reply{
+      .node = 2, .epoch = 8, .request = claim->request, .result = CommandError::kNotOwner, .sequence = 60});
+  EXPECT_EQ(control.obeyed_higher(), 60);
+}
+
+TEST_F(NodeControlTest, LeadsTwoNodesWithOneNumberApart) {
+  Heartbeat other = beat(NodeState::kPreview, 0);
+  other.epoch = 9;
+  control.take(beat(NodeState::kPreview, 0));
+  control.take(other);
+  const auto claims = control.due(kStart);
+  ASSERT_EQ(claims.size(), 2u);
+  EXPECT_NE(claims[0].request, claims[1].request);
+  answer(claims[0], CommandError::kNone);
+  const auto next = control.due(kStart + 200ms);
+  ASSERT_EQ(next.size(), 2u);
+  EXPECT_EQ(next[0].verb, Verb::kStart);
+  EXPECT_EQ(next[1].verb, Verb::kClaim) << "the other one has not answered";
+  EXPECT_EQ(next[1].request, claims[1].request);
+  EXPECT_TRUE(control.was_started(2, 8));
+  EXPECT_FALSE(control.was_started(2, 9));
+}
+
+TEST_F(NodeControlTest, TellsASilentEpochNothingUntilItIsHeardAgain) {
+  control.take(beat(NodeState::kPreview, 0));
+  ASSERT_TRUE(due(kStart));
+  EXPECT_TRUE(due(kStart + 2s));
+  EXPECT_FALSE(due(kStart + 4s));
+  control.take(beat(NodeState::kPreview, 0));
+  EXPECT_TRUE(due(kStart + 60s));
+}
+
+TEST_F(NodeControlTest, ForgetsTheLongestSilentOfTooManyEpochs) {
+  for (std::int64_t epoch = 1; epoch <= 10'000; ++epoch) {
+    Heartbeat any = beat(NodeState::kPreview, 0);
+    any.epoch = epoch;
+    control.take(any);
+  }
+  EXPECT_EQ(control.due(kStart).size(), NodeControl::kMostEpochs);
+}
+
 TEST_F(NodeControlTest, StopsANodeWhoseStartMayBeUnderWay) {
   control.take(beat(NodeState::kPreview, 50));
   ASSERT_EQ(due(kStart)->verb, Verb::kStart);
