@@ -46,11 +46,16 @@ std::vector<std::string> list_folder(const std::filesystem::path& path, Disk& di
 }
 
 void create_folders(const std::filesystem::path& path, Disk& disk) {
-  if (path.empty() || is_folder(path, disk)) return;
+  if (path.empty() || path == path.root_path()) return;
   if (!path.has_filename()) return create_folders(path.parent_path(), disk);  // "drive/"
   create_folders(path.parent_path(), disk);
-  if (disk.mkdir(path.c_str(), 0755) != 0 && errno != EEXIST) throw_errno("mkdir " + path.string());
-  sync_folder(folder_of(path), disk);
+  if (!is_folder(path, disk) && disk.mkdir(path.c_str(), 0755) != 0) throw_errno("mkdir " + path.string());
+  // Also of a folder that is there: whoever made it may have been killed before he came to this.
+  try {
+    sync_folder(folder_of(path), disk);
+  } catch (const std::system_error& error) {
+    if (error.code() != std::errc::permission_denied) throw;  // else it is not ours, and older than we are
+  }
 }
 
 void sync_folder(const std::filesystem::path& path, Disk& disk) {

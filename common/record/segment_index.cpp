@@ -28,7 +28,9 @@ std::string encode(const SegmentIndex& index) {
   for (const auto& [key, epoch] : index.epoch)
     text << "epoch " << key.first << ' ' << key.second << " contiguous " << epoch.position.contiguous
          << " next_scan " << epoch.position.next_scan << " ended "
-         << (epoch.position.crashed ? 2 : epoch.position.ended ? 1 : 0)
+         << (epoch.position.crashed ? 2
+             : epoch.position.ended ? 1
+                                    : 0)
          << " samples " << epoch.samples << " gaps " << epoch.gaps << " blocks " << epoch.blocks << '\n';
   return text.str() + crc_line(text.str());
 }

@@ -21,8 +21,8 @@ namespace roadbalance {
 ///     epoch NODE EPOCH contiguous C next_scan N ended E samples S gaps G blocks B
 ///     crc32c 89abcdef
 ///
-/// E is 1 for an end, 2 for a declared crash, else 0.  It can be made again from the segments at any time, and
-/// nothing in it counts more than they do.
+/// E is 1 for an end, 2 for a declared crash, else 0.  It can be made again from the segments at any time,
+/// and nothing in it counts more than they do.
 struct SegmentIndex {
   int segment = 0;
   std::uint64_t bytes = 0;  ///< length of the segment
