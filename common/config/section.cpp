@@ -7,6 +7,16 @@
 #include <sstream>
 #include <utility>
 
+namespace roadbalance {
+namespace {
+struct TomlAssertionFailed {};
+[[noreturn]] void refuse_toml() {
+  throw TomlAssertionFailed{};
+}
+}  // namespace
+}  // namespace roadbalance
+// toml++ 3.3 asserts what a file can break: that a key begins like one ("[,]").  That is no reason to end.
+#define TOML_ASSERT(expression) (static_cast<bool>(expression) ? void() : roadbalance::refuse_toml())
 #define TOML_HEADER_ONLY 1
 #include <toml++/toml.h>
 
@@ -98,6 +108,10 @@ Section Section::parse_text(const std::string& text, const std::string& name_for
   } catch (const toml::parse_error& error) {
     throw ConfigError(name_for_errors + ":" + std::to_string(error.source().begin.line) +
                       ": not TOML: " + std::string(error.description()));
+  } catch (const TomlAssertionFailed&) {
+    throw ConfigError(name_for_errors +
+                      ": not TOML: a key is written as none can be; allowed: letters, digits, "
+                      "- and _, or quotes around it");
   }
   state->table = state->root.get();
   return Section(std::move(state));

@@ -172,6 +172,13 @@ TEST(VehicleConfig, RefusesAFileThatIsNoToml) {
   EXPECT_EQ(error.rfind("car.toml:2: not TOML: ", 0), 0U) << error;
 }
 
+TEST(VehicleConfig, RefusesWhatTheTomlLibraryTakesForItsOwnMistake) {
+  for (const char* text : {"[,]", "x = 1\n[[#"}) {
+    const std::string error = refusal(text);
+    EXPECT_EQ(error.rfind("car.toml: not TOML: ", 0), 0U) << error;
+  }
+}
+
 TEST(VehicleConfig, RefusesAMeasuredRoadThatNobodyWouldUse) {
   const auto error = refusal(demo() + "\n[road]\nmeasured = true\n");
   EXPECT_NE(error.find("measured: a measured road is not used by identification yet; allowed: false"),
