@@ -7,8 +7,10 @@
 #include <csignal>
 #include <cstdlib>
 #include <stdexcept>
+#include <string_view>
 #include <system_error>
 #include <thread>
+#include <utility>
 
 #include "common/clock/clocks.hpp"
 
@@ -38,6 +40,17 @@ Program::~Program() {
   kill();
 }
 
+Program::Program(Program&& other) noexcept : pid_(std::exchange(other.pid_, -1)) {}
+
+Program& Program::operator=(Program&& other) noexcept {
+  std::swap(pid_, other.pid_);
+  return *this;
+}
+
+void Program::signal(int number) const {
+  if (pid_ > 0) ::kill(pid_, number);
+}
+
 void Program::kill() {
   if (pid_ < 0) return;
   ::kill(pid_, SIGKILL);
@@ -55,6 +68,11 @@ std::optional<int> Program::exit_code(double seconds) {
 
 int run(const std::string& name, const std::vector<std::string>& arguments, double seconds) {
   return Program(name, arguments).exit_code(seconds).value_or(-1);
+}
+
+bool full_run() {
+  const char* full = std::getenv("RB_FULL");
+  return full && std::string_view(full) == "1";
 }
 
 bool wait_until(const std::function<bool()>& condition, double seconds) {

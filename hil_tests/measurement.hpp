@@ -1,0 +1,51 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/test/temporary_directory.hpp"
+#include "hil_tests/bus_watch.hpp"
+#include "hil_tests/program.hpp"
+#include "host/recorder/verify.hpp"
+
+namespace roadbalance::test {
+
+/// A measurement by real programs on a bus and in a folder of their own, and an observer of that bus.
+class Measurement : public ::testing::Test {
+ protected:
+  static constexpr std::int32_t kFront = 1;  ///< numbers of the demonstration vehicle's nodes
+  static constexpr std::int32_t kRear = 2;
+
+  Measurement();
+
+  Program recorder(const std::filesystem::path& folder, const std::vector<std::string>& more = {}) const;
+  Program recorder(const std::vector<std::string>& more = {}) const { return recorder(record, more); }
+  /// @param drive  more of the simulator's address, e.g. "rate=20&seconds=30"
+  Program node(const std::string& name, const std::string& drive,
+               const std::vector<std::string>& more = {}) const;
+  Program analyser(const std::vector<std::string>& more = {}) const;
+
+  /// Waits until the node has been told that `blocks` more of its blocks are on the disk.
+  bool more_are_durable(std::int32_t node, std::int64_t blocks);
+  /// Waits until the node keeps next to nothing back.
+  bool backlog_is_gone(std::int32_t node);
+
+  /// Asks the recorder to end, which ends the nodes; all must end well.
+  void end_well(Program& recorder, std::vector<Program*> nodes) const;
+  /// The record must be complete by every judge: the product's own and the independent checker.
+  void expect_complete(std::size_t epochs) const { expect_complete(record, epochs); }
+  void expect_complete(const std::filesystem::path& folder, std::size_t epochs) const;
+
+  const TemporaryDirectory work;
+  const std::filesystem::path record = work.path() / "record";
+  const std::string url;
+  BusWatch bus;
+};
+
+/// What the independent checker (tools/check_record.py) says: its exit code.
+int check_record(const std::filesystem::path& folder);
+
+}  // namespace roadbalance::test

@@ -1,0 +1,41 @@
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <string>
+
+#include "hil_tests/measurement.hpp"
+
+namespace roadbalance {
+namespace {
+
+using test::Program;
+
+class Flood : public test::Measurement {
+ protected:
+  std::string port() const {
+    const auto colon = url.rfind(':');
+    return url.substr(colon + 1, url.find('?') - colon - 1);
+  }
+};
+
+TEST_F(Flood, TenThousandMalformedDatagramsASecondCostNoSample) {
+  const int seconds = test::full_run() ? 60 : 3;
+  Program running = recorder();
+  Program front = node("front", "rate=5&seconds=10000"), rear = node("rear", "rate=5&seconds=10000");
+  ASSERT_TRUE(more_are_durable(kFront, 100));
+  ASSERT_TRUE(more_are_durable(kRear, 100));
+  // Any other LCM 1.3.1 receiver shows that the deadly ones are deadly.
+  Program victim("lcm-logger", {"--quiet", "--lcm-url=" + url, work / "victim.lcm"});
+
+  Program flood("rb-flood", {"--port", port(), "--seconds", std::to_string(seconds)});
+  EXPECT_EQ(flood.exit_code(seconds + test::BusWatch::kPatience_s), 0);
+  EXPECT_EQ(victim.exit_code(0), 128 + SIGSEGV) << "the crafted datagrams did not reach the bus";
+
+  ASSERT_TRUE(more_are_durable(kFront, 100)) << "recording goes on";
+  ASSERT_TRUE(more_are_durable(kRear, 100));
+  end_well(running, {&front, &rear});
+  expect_complete(2);
+}
+
+}  // namespace
+}  // namespace roadbalance
