@@ -44,6 +44,7 @@ enum class NoteKind : std::int32_t {
   kPowerReturned = 10,
   kSegmentDeleted = 11,  ///< by the retention mode (segment; bytes)
   kTailCut = 12,  ///< at the start: bytes behind the last event were cut (segment; bytes) and kept beside it
+  kDiskLow = 13,  ///< at the present rate (seconds left; bytes free)
 };
 
 struct Note {

@@ -16,12 +16,14 @@ std::filesystem::path manifest_path(const std::filesystem::path& folder) {
 
 }  // namespace
 
-void write_manifest(const std::filesystem::path& folder, std::optional<int> last, Disk& disk) {
+void write_manifest(const std::filesystem::path& folder, std::optional<int> last, Disk& disk,
+                    const std::set<int>& without) {
   auto sizes = read_manifest(folder, disk);
   for (const int number : segment_numbers(folder, disk)) {
     const auto path = segment_path(folder, number);
     if (!last || number <= *last) sizes.emplace(path.filename().string(), size_of_file(path, disk));
   }
+  for (const int number : without) sizes.erase(segment_path(folder, number).filename().string());
   nlohmann::json segments = nlohmann::json::array();
   for (const auto& [file, bytes] : sizes) segments.push_back({{"file", file}, {"bytes", bytes}});
   const nlohmann::json manifest = {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "common/record/disk.hpp"
@@ -14,9 +15,10 @@ namespace roadbalance {
 /// short is noticed.  A segment keeps the size it was first listed with: a finished one does not change.
 /// It is never trusted over the segments, and a record is whole without it.
 /// @param last  number of the last finished segment; default: all are
+/// @param without  numbers of segments that are deleted: not listed
 /// @throws std::system_error naming the file
 void write_manifest(const std::filesystem::path& folder, std::optional<int> last = std::nullopt,
-                    Disk& disk = kernel_disk());
+                    Disk& disk = kernel_disk(), const std::set<int>& without = {});
 
 /// Sizes of the finished segments by file name; empty if there is no manifest or it is none.
 std::map<std::string, std::uint64_t> read_manifest(const std::filesystem::path& folder,

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/link/block.hpp"
-#include "host/recorder/recover.hpp"
+#include "common/record/record_state.hpp"
 
 namespace roadbalance {
 

@@ -1,8 +1,11 @@
 #include "host/recorder/receive.hpp"
 
+#include <algorithm>
 #include <random>
+#include <system_error>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/recorder_status.hpp"
 #include "host/recorder/incarnation.hpp"
 
 namespace roadbalance {
@@ -11,7 +14,9 @@ namespace {
 using std::chrono::milliseconds;
 constexpr milliseconds kTurn{2};  // longest wait for the bus: bounds the delay of an acknowledgement
 constexpr milliseconds kReport{200};
+constexpr milliseconds kStatus{500};
 constexpr milliseconds kLastWords{50};  // after the release: answers of the last acks
+constexpr milliseconds kStoreAgain{1000};
 
 RecorderLinkOptions link_options(const RecorderOptions& options) {
   return {.start = options.start,
@@ -21,18 +26,16 @@ RecorderLinkOptions link_options(const RecorderOptions& options) {
           .seed = std::random_device{}()};
 }
 
-std::int64_t utc_ms() {
+std::int64_t utc_us() {
   using namespace std::chrono;
-  return duration_cast<milliseconds>(system_clock::now().time_since_epoch()).count();
+  return duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
 }
 
 // The link on its bus.
 class Reception {
  public:
-  Reception(const RecorderOptions& options, const Recovered& recovered)
-      : options_(options),
-        bus_(options.url),
-        link_(link_options(options), next_incarnation(options.folder, utc_ms()), recovered) {
+  Reception(const RecorderOptions& options, std::int64_t incarnation, const RecordState& recovered)
+      : options_(options), bus_(options.url), link_(link_options(options), incarnation, recovered) {
     for (const char* channels : {"RB_HEARTBEAT_.*", "RB_BLOCK_.*", "RB_REPLY_.*"})
       bus_.subscribe(channels, [this](std::string_view channel, auto bytes) {
         link_.take(channel, bytes, WallClock::now());
@@ -42,14 +45,13 @@ class Reception {
   RecorderLink& link() { return link_; }
 
   /// One turn: what has arrived, what has become durable, what is to be said.
-  std::vector<Delivery> turn(In<std::vector<DurableMark>>& durable) {
+  std::vector<Delivery> turn(In<WriterNews>& news) {
     bus_.handle(kTurn);
     const WallTime now = WallClock::now();
-    while (const auto marks = durable.receive_for(milliseconds(0)))
-      for (const auto& mark : *marks) link_.durable(mark, now);
-    if (link_.obeyed_higher() > 0)
-      link_.set_incarnation(raise_incarnation(options_.folder, link_.obeyed_higher()));
+    while (const auto from_writer = news.receive_for(milliseconds(0))) take(*from_writer, now);
+    raise_incarnation_if_needed(now);
     link_.turn(now, publish_);
+    if (now - status_at_ >= kStatus) say_status(now);
     return link_.deliveries();
   }
 
@@ -59,9 +61,39 @@ class Reception {
   }
 
  private:
+  void take(const WriterNews& news, WallTime now) {
+    for (const auto& mark : news.marks) link_.durable(mark, now);
+    link_.set_credit_open(news.wants_credit);
+    status_ = news.status;
+    writer_turns_ = true;
+  }
+
+  // A disk that does not take the number now may take it later; until then that node obeys nobody.
+  void raise_incarnation_if_needed(WallTime now) {
+    if (link_.obeyed_higher() == 0 || now < store_at_) return;
+    try {
+      link_.set_incarnation(raise_incarnation(options_.folder, link_.obeyed_higher()));
+    } catch (const std::system_error&) {
+      store_at_ = now + kStoreAgain;
+    }
+  }
+
+  void say_status(WallTime now) {
+    status_at_ = now;
+    status_.time_us = utc_us();
+    link_.fill(status_);
+    (void)publish_(kRecorderChannel, encode(status_));
+    // We turn, that is seen here; the writer turns if it has said something since.
+    if (std::exchange(writer_turns_, false) && options_.on_alive) options_.on_alive(status_);
+  }
+
   const RecorderOptions& options_;
   Bus bus_;
   RecorderLink link_;
+  RecorderStatus status_;
+  bool writer_turns_ = false;
+  WallTime status_at_{};
+  WallTime store_at_{};
   const Publish publish_ = [this](const std::string& channel, std::span<const std::uint8_t> bytes) {
     return bus_.publish(channel, bytes);
   };
@@ -69,18 +101,18 @@ class Reception {
 
 }  // namespace
 
-void receive(std::stop_token stop, const RecorderOptions& options, const Recovered& recovered,
-             Out<std::vector<Delivery>> deliveries, In<std::vector<DurableMark>> durable,
+void receive(std::stop_token stop, const RecorderOptions& options, std::int64_t incarnation,
+             const RecordState& recovered, Out<std::vector<Delivery>> deliveries, In<WriterNews> news,
              RecorderReport& report) {
-  Reception reception(options, recovered);
+  Reception reception(options, incarnation, recovered);
   RecorderLink& link = reception.link();
   WallTime reported_at{};
   for (bool over = false; !over;) {
-    // Asked first: a writer that fails closes `durable` and only then stops everybody here.  The nodes are
-    // not meant: they go on, keep what is not durable and wait for the next recorder.
+    // Asked first: a writer that fails closes `news` and only then stops everybody here.  The nodes are not
+    // meant: they go on, keep what is not durable and wait for the next recorder.
     const bool told_to_stop = stop.stop_requested();
-    auto delivered = reception.turn(durable);
-    if (durable.finished()) break;
+    auto delivered = reception.turn(news);
+    if (news.finished()) break;
     if (!delivered.empty() && !deliveries.send(std::move(delivered))) break;
     const WallTime now = WallClock::now();
     if (told_to_stop) link.stop(now);
@@ -90,6 +122,8 @@ void receive(std::stop_token stop, const RecorderOptions& options, const Recover
       reported_at = now;
     }
   }
+  link.finish(WallClock::now());
+  if (auto last = link.deliveries(); !last.empty()) (void)deliveries.send(std::move(last));
   reception.farewell();
   report = link.report();
 }

@@ -6,17 +6,20 @@
 #include "common/process/channel.hpp"
 #include "host/recorder/recorder.hpp"
 #include "host/recorder/recorder_link.hpp"
+#include "host/recorder/write.hpp"
 
 namespace roadbalance {
 
-/// Process: bus -> deliveries, and acknowledgements and commands back: a RecorderLink on its bus.
+/// Process: bus -> deliveries, and acknowledgements, commands and the recorder's state back: a RecorderLink
+/// on its bus.
 ///
 /// When told to stop it stops the nodes, goes on until their ends are durable or nothing more comes, and
 /// until they know it, releases them, and so closes `deliveries`.  When the writer is gone it ends too, but
 /// leaves the nodes running: they keep what is not durable for the next recorder.
+/// @param recovered  what the record holds
 /// @throws std::runtime_error naming the bus
-void receive(std::stop_token stop, const RecorderOptions& options, const Recovered& recovered,
-             Out<std::vector<Delivery>> deliveries, In<std::vector<DurableMark>> durable,
+void receive(std::stop_token stop, const RecorderOptions& options, std::int64_t incarnation,
+             const RecordState& recovered, Out<std::vector<Delivery>> deliveries, In<WriterNews> news,
              RecorderReport& report);
 
 }  // namespace roadbalance

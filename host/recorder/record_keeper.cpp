@@ -1,86 +1,254 @@
 #include "host/recorder/record_keeper.hpp"
 
+#include <algorithm>
+#include <cerrno>
 #include <utility>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
-#include "host/recorder/manifest.hpp"
+#include "common/link/planted.hpp"
+#include "common/record/folder.hpp"
+#include "common/record/segment.hpp"
 #include "host/recorder/preamble.hpp"
 
 namespace roadbalance {
+namespace {
+
+// While the disk fails the nodes' blocks stay bounded by credit; other events have no such bound.
+constexpr std::size_t kMostHeldForEvents = std::size_t{16} << 20;
+
+bool holds_segments(const std::filesystem::path& folder, Disk& disk) {
+  return !folder.empty() && is_folder(folder, disk) && !segment_numbers(folder, disk).empty();
+}
+
+}  // namespace
 
 RecordKeeper::RecordKeeper(Disk& disk, KeeperOptions options)
     : disk_(disk),
       options_(std::move(options)),
-      writer_({.folder = options_.folder, .segment_bytes = options_.segment_bytes}, disk),
-      recovered_(recover_record(options_.folder, disk)),
-      vehicle_(recovered_.vehicle) {
-  writer_.set_preamble(make_preamble(vehicle_));
+      space_(options_.reserve_bytes),
+      ballast_(disk, options_.folder, options_.ballast_bytes) {
+  // A record goes from one folder to the other once and never back: its order stays the folders' order.
+  fallback_ = holds_segments(options_.fallback, disk);
+  RecordState before;
+  try {
+    open(options_.folder, {});
+    before = writer_->holds();
+  } catch (const std::system_error&) {
+    if (options_.fallback.empty()) throw;
+    fallback_ = true;
+    before = read_state(options_.folder, disk);
+  }
+  if (fallback_) open(options_.fallback, std::move(before));
+  recovered_ = writer_->holds();
+}
+
+void RecordKeeper::open(const std::filesystem::path& folder, RecordState before) {
+  RecordWriter::Options where{.folder = folder, .segment_bytes = options_.segment_bytes};
+  writer_.emplace(std::move(where), disk_, std::move(before));
+  writer_->set_preamble(make_preamble(writer_->holds().vehicle));
+  appended_before_ = -static_cast<std::int64_t>(written_);
+}
+
+void RecordKeeper::begin(std::int64_t incarnation) {
+  stamp_.incarnation = incarnation;
+  note(NoteKind::kStarted, writer_->segment() + 1, 0, "");
+  if (const auto& cut = cut_tail())
+    note(NoteKind::kTailCut, writer_->segment(), static_cast<std::int64_t>(cut->cut),
+         cut->tail.filename().string());
 }
 
 void RecordKeeper::set_clocks(std::int64_t utc_us, std::int64_t host_ns) {
-  utc_us_ = utc_us;
-  host_ns_ = host_ns;
+  stamp_.time_us = utc_us;
+  stamp_.host_ns = host_ns;
 }
 
 void RecordKeeper::append(const Delivery& delivery, WallTime now) {
   SealedBlock declared;
   const auto* block = std::get_if<SealedBlock>(&delivery);
   if (!block) {
-    seal(std::get<GapBlock>(delivery), declared);
+    roadbalance::seal(std::get<GapBlock>(delivery), declared);
     block = &declared;
   }
+  const BlockHeader& header = block->header;
   if (pending_.empty()) oldest_ = now;
-  writer_.append(block_channel(block->header.node, block->kind), block->bytes(), utc_us_);
-  uncommitted_bytes_ += block->size;
+  pending_[{header.node, header.epoch}] = header.sequence;
+  ++held_blocks_;
   bytes_recorded_ += block->size;
-  ++waiting_blocks_;
   urgent_ = urgent_ || block->kind == BlockKind::kEnd;
-  const NodeEpoch key{block->header.node, block->header.epoch};
-  pending_[key] = block->header.sequence;
-  if (block->kind == BlockKind::kMeta && decode_meta(*block).kind == MetaKind::kVehicleToml) {
-    vehicle_[key].push_back(*block);
-    writer_.set_preamble(make_preamble(vehicle_));
+  const bool at_once = write_held(now) && may_write(now);
+  held_.push(block_channel(header.node, block->kind), block->bytes(), stamp_.time_us);
+  if (!at_once) return;
+  if (!attempt(now, [&] { writer_->append(*block, stamp_.time_us); })) return;
+  ++written_;
+  segment_is_open_ = true;
+  if (block->kind == BlockKind::kMeta) writer_->set_preamble(make_preamble(writer_->holds().vehicle));
+}
+
+void RecordKeeper::append(const RecordEvent& event, WallTime) {
+  if (is_caught_up() || held_.bytes() < kMostHeldForEvents)
+    held_.push(event.channel, event.bytes, stamp_.time_us);
+}
+
+void RecordKeeper::note(NoteKind kind, std::int64_t a, std::int64_t b, std::string text) {
+  Note note = stamp_;
+  note.kind = kind;
+  note.a = a;
+  note.b = b;
+  note.text = std::move(text);
+  held_.push(kNoteChannel, encode(note), stamp_.time_us);
+}
+
+// For notes alone no segment begins.
+bool RecordKeeper::may_write(WallTime now) const {
+  return (segment_is_open_ || held_blocks_ > 0) && health_.may_try(now);
+}
+
+template <typename Call>
+bool RecordKeeper::attempt(WallTime now, Call&& call) {
+  try {
+    call();
+    return true;
+  } catch (const std::system_error& error) {
+    fail(error, now);
+    return false;
   }
+}
+
+void RecordKeeper::fail(const std::system_error& error, WallTime now) {
+  const bool was_failing = health_.failing();
+  health_.fail(now);
+  last_failure_ = error.what();
+  const int segment = writer_->segment();
+  if (writer_->has_failed()) {
+    writer_->abandon(stamp_);
+    segment_is_open_ = false;
+    written_ = static_cast<std::size_t>(std::max<std::int64_t>(0, writer_->durable() - appended_before_));
+  }
+  if (++failures_in_a_row_ <= 2) {
+    note(NoteKind::kDiskFailed, error.code().value(), segment, last_failure_);
+    warnings_.push_back(last_failure_ + (health_.failing() ? "; the nodes keep what they measure" : ""));
+  }
+  const bool no_space = error.code().value() == ENOSPC || error.code().value() == EDQUOT;
+  if (no_space) {
+    on_space(space_.refuse(now));
+    (void)ballast_.give_up();
+  } else if (was_failing) {
+    go_to_fallback(now);
+  }
+}
+
+void RecordKeeper::go_to_fallback(WallTime now) {
+  if (fallback_ || options_.fallback.empty()) return;
+  // What the failing folder took and never synced is written again.
+  written_ = static_cast<std::size_t>(std::max<std::int64_t>(0, writer_->durable() - appended_before_));
+  try {
+    open(options_.fallback, writer_->holds());
+  } catch (const std::exception& error) {
+    warnings_.push_back(std::string("the fallback folder cannot be used: ") + error.what());
+    return;
+  }
+  fallback_ = true;
+  segment_is_open_ = false;
+  listed_ = 0;
+  to_delete_.clear();
+  health_.retry(now);
+  note(NoteKind::kFallback, 0, 0, options_.fallback.string());
+  warnings_.push_back("recording goes on in " + options_.fallback.string());
+}
+
+bool RecordKeeper::write_held(WallTime now) {
+  if (is_caught_up()) return true;
+  if (!may_write(now)) return false;
+  bool describes = false;
+  return attempt(now, [&] {
+    for (; written_ < held_.size(); ++written_) {
+      const HeldEvents::Event event = held_.at(written_);
+      writer_->append(event.channel, event.data, event.timestamp_us);
+      segment_is_open_ = true;
+      describes = describes || event.channel.ends_with("_META");
+    }
+    if (describes) writer_->set_preamble(make_preamble(writer_->holds().vehicle));
+  });
 }
 
 bool RecordKeeper::commit_is_due(WallTime now) const {
-  return !pending_.empty() &&
-         (urgent_ || uncommitted_bytes_ >= options_.commit_bytes || time_left(now).count() <= 0);
+  if (!pending_.empty() && (urgent_ || held_.bytes() >= options_.commit_bytes || !is_caught_up() ||
+                            now >= oldest_ + options_.commit_period))
+    if (health_.may_try(now)) return true;
+  return (pending_.empty() || !health_.may_try(now)) && now >= duties_at_;
 }
 
 std::chrono::milliseconds RecordKeeper::time_left(WallTime now) const {
-  if (pending_.empty()) return options_.commit_period;
+  if (pending_.empty() || !health_.may_try(now)) return options_.commit_period;
   return std::chrono::ceil<std::chrono::milliseconds>(oldest_ + options_.commit_period - now);
 }
 
-std::vector<DurableMark> RecordKeeper::commit(WallTime) {
-  writer_.sync();
-  if (writer_.segment() > listed_ + 1) {
-    listed_ = writer_.segment() - 1;
-    write_manifest(options_.folder, listed_, disk_);
-  }
+std::vector<DurableMark> RecordKeeper::commit(WallTime now) {
+  do_duties(now);
+  if (held_.size() == 0) return {};
+  // After a first failure at once again, in a new segment.
+  for (int attempts = 0; attempts < 2 && may_write(now); ++attempts)
+    if (write_held(now) &&
+        (planted(PlantedFault::kAckBeforeSync) || attempt(now, [this] { writer_->sync(); })))
+      return all_is_durable();
+  return {};
+}
+
+std::vector<DurableMark> RecordKeeper::all_is_durable() {
   std::vector<DurableMark> marks;
   for (const auto& [key, sequence] : pending_) marks.push_back({key.first, key.second, sequence});
   pending_.clear();
-  uncommitted_bytes_ = 0;
-  waiting_blocks_ = 0;
+  held_.clear();
+  written_ = 0;
+  appended_before_ = writer_->appended();
+  held_blocks_ = 0;
   urgent_ = false;
+  if (failures_in_a_row_ > 1) warnings_.push_back("the disk writes again; nothing was lost");
+  failures_in_a_row_ = 0;
+  health_.succeed();
+  delete_segments();
+  list_finished();
+  return marks;
+}
+
+std::vector<DurableMark> RecordKeeper::seal(WallTime now) {
+  auto marks = commit(now);
+  if (held_.size() == 0 && segment_is_open_ && attempt(now, [this] { writer_->close(); })) {
+    segment_is_open_ = false;
+    list_finished();
+  }
   return marks;
 }
 
 std::vector<DurableMark> RecordKeeper::close(WallTime now) {
-  auto marks = commit(now);
-  writer_.close();
-  write_manifest(options_.folder, std::nullopt, disk_);
+  if (segment_is_open_ || held_blocks_ > 0) note(NoteKind::kStopped, 0, 0, "");
+  auto marks = seal(now);
+  (void)ballast_.give_up();
   return marks;
+}
+
+RecorderState RecordKeeper::state() const {
+  if (space_.full()) return RecorderState::kDiskFull;
+  return health_.failing() ? RecorderState::kDiskFailing : RecorderState::kRecording;
+}
+
+std::optional<std::string> RecordKeeper::failure() const {
+  if (held_blocks_ == 0) return std::nullopt;
+  return last_failure_;
 }
 
 void RecordKeeper::fill(RecorderStatus& status) const {
   status.state = state();
-  status.segment = writer_.segment();
+  status.incarnation = stamp_.incarnation;
+  status.fallback = fallback_;
+  status.segment = writer_->segment();
   status.bytes_recorded = bytes_recorded_;
-  status.waiting_blocks = waiting_blocks_;
+  status.bytes_free = space_.usable_bytes();
+  status.seconds_left = space_.seconds_left();
+  status.waiting_blocks = held_blocks_;
+  status.disk_failures = health_.failures();
+  status.segments_deleted = segments_deleted_;
 }
 
 }  // namespace roadbalance

@@ -2,72 +2,133 @@
 
 #include <chrono>
 #include <cstdint>
-#include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
+#include <string>
+#include <system_error>
+#include <utility>
 #include <vector>
 
+#include "common/bus/notes.hpp"
 #include "common/bus/recorder_status.hpp"
 #include "common/clock/clocks.hpp"
 #include "common/link/epoch_receiver.hpp"
-#include "common/record/disk.hpp"
 #include "common/record/record.hpp"
+#include "host/recorder/ballast.hpp"
+#include "host/recorder/disk_health.hpp"
+#include "host/recorder/held_events.hpp"
+#include "host/recorder/keeper_options.hpp"
 #include "host/recorder/recorder_link.hpp"
-#include "host/recorder/recover.hpp"
+#include "host/recorder/space_watch.hpp"
 
 namespace roadbalance {
 
-struct KeeperOptions {
-  std::filesystem::path folder;
-  std::uint64_t segment_bytes = std::uint64_t{64} << 20;
-  std::chrono::milliseconds commit_period{200};
-  std::uint64_t commit_bytes = std::uint64_t{4} << 20;  ///< a commit is due after so many, however soon
+/// Anything else that the record keeps: clock exchanges and fits.
+struct RecordEvent {
+  std::string channel;
+  std::vector<std::uint8_t> bytes;
 };
 
 /// Deliveries -> disk: appends in the order given, commits as a group, and only then says durable.
 /// A pure state machine around a Disk; time comes in with every call.
+///
+/// After the constructor a disk that fails is a state, never an exception.  A segment that failed is not
+/// written to again; all since the last durable mark is held here and written again into a new one, so that
+/// nothing is lost even if the nodes die meanwhile.  Two failures in ten seconds: no credit, and a new try
+/// each second, from the third on in the fallback folder if there is one.  A full disk: no credit until space
+/// returns.
+///
+/// Memory: what credit lets arrive between two syncs, and at most 16 MiB of other events.
 class RecordKeeper {
  public:
-  /// Creates the folder or continues one: locks it, cuts a torn tail, takes what it holds.
+  /// Creates the folder or continues one: locks it, cuts a torn tail, takes what it holds.  The fallback is
+  /// continued if it holds something already, and taken if the folder can be read but not written.
   /// @throws std::system_error naming the file, std::runtime_error if another recorder writes to the folder
   RecordKeeper(Disk& disk, KeeperOptions options);
 
-  /// What the folder held.
-  const Recovered& recovered() const { return recovered_; }
-  const std::optional<RecordWriter::CutTail>& cut_tail() const { return writer_.cut_tail(); }
+  /// What the folders held at the start.
+  const RecordState& recovered() const { return recovered_; }
+  /// The one that is written to.
+  const std::filesystem::path& folder() const { return fallback_ ? options_.fallback : options_.folder; }
+  const std::optional<RecordWriter::CutTail>& cut_tail() const { return writer_->cut_tail(); }
 
   /// The host's clocks at this instant; entries are stamped with the pair given last.
   void set_clocks(std::int64_t utc_us, std::int64_t host_ns);
+  /// For the stamp of notes.  The first is that the recorder runs, the second, if so, that a tail was cut.
+  void begin(std::int64_t incarnation);
 
   void append(const Delivery& delivery, WallTime now);
+  void append(const RecordEvent& event, WallTime now);
+  /// What happened; in the record with the next commit, but no segment begins for notes alone.
+  void note(NoteKind kind, std::int64_t a, std::int64_t b, std::string text);
+  /// Commits and closes the segment: the power may go.  The next block begins another.
+  std::vector<DurableMark> seal(WallTime now);
+
+  /// commit() has something to do.
   bool commit_is_due(WallTime now) const;
   /// Until a commit is due if nothing more comes.
   std::chrono::milliseconds time_left(WallTime now) const;
   /// What is durable now and was not before.
   std::vector<DurableMark> commit(WallTime now);
-  /// Commits and closes the record.
+  /// Commits and closes the record.  What could not be made durable is said by failure().
   std::vector<DurableMark> close(WallTime now);
 
-  RecorderState state() const { return RecorderState::kRecording; }
+  RecorderState state() const;
   bool wants_credit() const { return state() == RecorderState::kRecording; }
+  /// Blocks wait and this is why they are not on the disk.
+  std::optional<std::string> failure() const;
   /// Fills in what the disk side of the recorder knows.
   void fill(RecorderStatus& status) const;
+  /// Sentences for people, since the last call.
+  std::vector<std::string> warnings() { return std::exchange(warnings_, {}); }
 
  private:
+  void open(const std::filesystem::path& folder, RecordState before);
+  bool is_caught_up() const { return written_ == held_.size(); }
+  template <typename Call>
+  bool attempt(WallTime now, Call&& call);
+  void fail(const std::system_error& error, WallTime now);
+  bool may_write(WallTime now) const;
+  bool write_held(WallTime now);
+  std::vector<DurableMark> all_is_durable();
+  void go_to_fallback(WallTime now);
+  // keeper_duties.cpp: what is done beside, some time before or after a commit.
+  void do_duties(WallTime now);
+  void watch_space(WallTime now);
+  void on_space(SpaceWatch::Event event);
+  void list_finished();
+  void choose_segments_to_delete();
+  void delete_segments();
+
   Disk& disk_;
   const KeeperOptions options_;
-  RecordWriter writer_;
-  Recovered recovered_;
-  std::map<NodeEpoch, std::vector<SealedBlock>> vehicle_;
-  std::map<NodeEpoch, std::int64_t> pending_;  // appended, not committed
-  WallTime oldest_{};
-  std::uint64_t uncommitted_bytes_ = 0;
-  std::int64_t waiting_blocks_ = 0;
-  std::int64_t bytes_recorded_ = 0;
+  std::optional<RecordWriter> writer_;
+  bool fallback_ = false;
+  RecordState recovered_;
+  Note stamp_;  // the clocks and incarnation that notes get
+
+  HeldEvents held_;                            // since the last durable mark
+  std::size_t written_ = 0;                    // of held_: appended to the writer
+  std::int64_t appended_before_ = 0;           // the writer's count when held_ was empty
+  std::map<NodeEpoch, std::int64_t> pending_;  // the last sequence in held_
+  std::int64_t held_blocks_ = 0;
+  WallTime oldest_{};  // when the first of them came
   bool urgent_ = false;
-  int listed_ = 0;  // last segment that the manifest lists as finished
-  std::int64_t utc_us_ = 0;
-  std::int64_t host_ns_ = 0;
+  bool segment_is_open_ = false;
+
+  DiskHealth health_;
+  int failures_in_a_row_ = 0;
+  std::string last_failure_;
+  SpaceWatch space_;
+  Ballast ballast_;
+  WallTime duties_at_ = WallTime::min();  // when they are due
+  WallTime clock_note_at_ = WallTime::min();
+  int listed_ = 0;           // last segment that the manifest lists as finished
+  std::set<int> to_delete_;  // a note says so, which is on the disk after the next commit
+  std::int64_t bytes_recorded_ = 0;
+  std::int64_t segments_deleted_ = 0;
+  std::vector<std::string> warnings_;
 };
 
 }  // namespace roadbalance

@@ -4,31 +4,55 @@
 #include <utility>
 
 #include "common/process/parallel.hpp"
+#include "host/recorder/incarnation.hpp"
 #include "host/recorder/receive.hpp"
+#include "host/recorder/record_keeper.hpp"
 #include "host/recorder/write.hpp"
 
 namespace roadbalance {
 namespace {
+
 // Credit bounds what is under way to a few thousand blocks a node, so these are never full.
 constexpr std::size_t kDeliveryBatches = 65'536;
-constexpr std::size_t kDurableBatches = 64;
+constexpr std::size_t kNews = 64;
+constexpr std::size_t kEvents = 1024;
+
+std::int64_t utc_ms() {
+  using namespace std::chrono;
+  return duration_cast<milliseconds>(system_clock::now().time_since_epoch()).count();
+}
+
 }  // namespace
 
+KeeperOptions RecorderOptions::keeper() const {
+  return {.folder = folder,
+          .fallback = fallback,
+          .segment_bytes = segment_bytes,
+          .commit_period = commit_period,
+          .reserve_bytes = reserve_bytes,
+          .ballast_bytes = reserve_bytes / 4,
+          .keep_bytes = keep_bytes};
+}
+
 RecorderReport run_recorder(std::stop_token stop, const RecorderOptions& options) {
-  RecordKeeper keeper(kernel_disk(), {.folder = options.folder,
-                                      .segment_bytes = options.segment_bytes,
-                                      .commit_period = options.commit_period});
+  const auto power = options.power.empty() ? nullptr : open_power_line(options.power);
+  RecordKeeper keeper(kernel_disk(), options.keeper());
   if (keeper.cut_tail() && options.on_cut_tail) options.on_cut_tail(*keeper.cut_tail());
+  const std::int64_t incarnation = next_incarnation(keeper.folder(), utc_ms());
 
   auto [deliveries_out, deliveries_in] = make_channel<std::vector<Delivery>>(kDeliveryBatches);
-  auto [durable_out, durable_in] = make_channel<std::vector<DurableMark>>(kDurableBatches);
+  auto [news_out, news_in] = make_channel<WriterNews>(kNews);
+  auto [events_out, events_in] = make_channel<RecordEvent>(kEvents);
+  const WriteOptions write_options{
+      .incarnation = incarnation, .power = power.get(), .on_warning = options.on_warning};
   RecorderReport report;
 
   Parallel recorder;
   const std::stop_callback pass_on(stop, [&recorder] { recorder.request_stop(); });
-  recorder.run(write_record, std::ref(keeper), std::move(deliveries_in), std::move(durable_out));
-  recorder.run(receive, std::cref(options), std::cref(keeper.recovered()), std::move(deliveries_out),
-               std::move(durable_in), std::ref(report));
+  recorder.run(write_record, std::ref(keeper), std::cref(write_options), std::move(deliveries_in),
+               std::move(events_in), std::move(news_out));
+  recorder.run(receive, std::cref(options), incarnation, std::cref(keeper.recovered()),
+               std::move(deliveries_out), std::move(news_in), std::ref(report));
   recorder.wait();
   return report;
 }

@@ -8,7 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "common/bus/recorder_status.hpp"
 #include "common/record/record.hpp"
+#include "host/recorder/keeper_options.hpp"
 
 namespace roadbalance {
 
@@ -43,19 +45,32 @@ struct RecorderOptions {
   bool end_with_nodes = false;
   std::uint64_t segment_bytes = std::uint64_t{64} << 20;
   std::chrono::milliseconds commit_period{200};
+  std::filesystem::path fallback;         ///< where recording goes on when the folder fails; empty: nowhere
+  std::int64_t keep_bytes = 0;            ///< retention: delete the oldest finished segments beyond; 0: never
+  std::int64_t reserve_bytes = 16 << 20;  ///< of the disk, not for measuring
+  std::string power;                      ///< the supply to watch: see open_power_line; empty: none
   /// After a stop request: how long to wait without any news for the nodes' last blocks.
   std::chrono::milliseconds patience{10'000};
   /// Called about five times a second from a thread of the recorder.
   std::function<void(const RecorderReport&)> on_progress;
+  /// Called about twice a second while both processes turn: proof of life.
+  std::function<void(const RecorderStatus&)> on_alive;
+  /// Called with a sentence for people when the disk or the supply changes its state.
+  std::function<void(const std::string&)> on_warning;
   /// Called at the start if a kill had torn the last segment: what was cut off, and where it is kept.
   std::function<void(const RecordWriter::CutTail&)> on_cut_tail;
+
+  KeeperOptions keeper() const;
 };
 
 /// Records every node that it hears until told to stop, then stops the nodes, waits for their last blocks,
 /// and closes the record.  An existing folder is continued: what it holds is not recorded again.
 ///
-/// Bus -> receive -> channel -> write -> disk; what is durable flows back and is acknowledged.
-/// @throws std::runtime_error, std::system_error naming bus, folder or file
+/// Bus -> receive -> channel -> write -> disk; what is durable flows back and is acknowledged.  A disk that
+/// fails or is full is a state that the nodes bridge, not an end.
+/// @throws std::runtime_error, std::system_error naming bus, folder or file; also if something is not on the
+/// disk
+///         in the end
 RecorderReport run_recorder(std::stop_token stop, const RecorderOptions& options);
 
 }  // namespace roadbalance

@@ -1,6 +1,7 @@
 #include "host/recorder/recorder_link.hpp"
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 #include "common/bus/bus.hpp"
@@ -13,10 +14,12 @@ using std::chrono::milliseconds;
 // At the end the last acks are repeated until each node has heard that all is durable, or is silent.
 constexpr milliseconds kNodeSilence{500};
 constexpr milliseconds kMostLastAcks{2000};
+constexpr milliseconds kEpochGone{1000};
 
 }  // namespace
 
-RecorderLink::RecorderLink(RecorderLinkOptions options, std::int64_t incarnation, const Recovered& recovered)
+RecorderLink::RecorderLink(RecorderLinkOptions options, std::int64_t incarnation,
+                           const RecordState& recovered)
     : options_(std::move(options)),
       receiver_(incarnation),
       control_(incarnation, options_.start, options_.seed),
@@ -39,9 +42,8 @@ void RecorderLink::on_heartbeat(std::span<const std::uint8_t> bytes, WallTime no
   if (!is_ours(heartbeat->node)) return;
   receiver_.take(*heartbeat, now, delivered_);
   control_.take(*heartbeat);
-  const auto* epoch = receiver_.current(heartbeat->node);
-  if (!epoch || epoch->epoch() != heartbeat->epoch) return;
-  heard_[heartbeat->node] = {.at = now, .holds_blocks = heartbeat->base < heartbeat->next};
+  if (!receiver_.find(heartbeat->node, heartbeat->epoch)) return;
+  hear({heartbeat->node, heartbeat->epoch}, {.at = now, .holds_blocks = heartbeat->base < heartbeat->next});
   tally_.take(*heartbeat);
 }
 
@@ -69,11 +71,8 @@ void RecorderLink::durable(const DurableMark& mark, WallTime now) {
 
 void RecorderLink::turn(WallTime now, const Publish& publish) {
   for (; tallied_ < delivered_.size(); ++tallied_) tally_.take(delivered_[tallied_]);
-  for (Ack& ack : receiver_.due(now)) {
-    // A node never lowers its credit: this gives none beyond what it has.
-    if (!credit_open_) ack.credit = std::min(ack.credit, ack.received);
+  for (const Ack& ack : receiver_.due(now))
     if (!publish(ack_channel(ack.node), encode(ack))) ++unsent_;
-  }
   for (const auto& command : control_.due(now)) send(command, publish);
 }
 
@@ -93,7 +92,7 @@ void RecorderLink::stop(WallTime now) {
 bool RecorderLink::over(WallTime now) {
   const bool silent = now - std::max(last_news_, stopped_at_) >= options_.patience;
   const bool done =
-      (stopping_ && (all_ended() || silent)) || (options_.end_with_nodes && expected_have_ended());
+      (stopping_ && (all_ended(now) || silent)) || (options_.end_with_nodes && expected_have_ended(now));
   if (!done) working_at_ = now;
   return done && (nodes_have_let_go(now) || now - working_at_ >= kMostLastAcks);
 }
@@ -116,34 +115,68 @@ RecorderReport RecorderLink::report() const {
   return report;
 }
 
+void RecorderLink::fill(RecorderStatus& status) const {
+  if (stopping_) status.state = RecorderState::kStopping;
+  status.incarnation = incarnation();
+  status.refused_datagrams = refused_;
+  static_assert(std::tuple_size_v<Receiver::RefusedCounts> ==
+                std::tuple_size_v<decltype(status.refused_blocks)>);
+  status.refused_blocks = receiver_.refused();
+  status.rivals = receiver_.rival_heartbeats();
+  status.unsent = unsent_;
+}
+
 bool RecorderLink::is_ours(std::int32_t node) const {
   return options_.nodes.empty() ||
          std::find(options_.nodes.begin(), options_.nodes.end(), node) != options_.nodes.end();
 }
 
-bool RecorderLink::has_ended(std::int32_t node) const {
-  const auto* epoch = receiver_.current(node);
-  return epoch && epoch->ended() && epoch->durable() == epoch->received();
+// No more are kept than the receiver has epochs.
+void RecorderLink::hear(NodeEpoch key, Heard heard) {
+  if (!heard_.contains(key))
+    std::erase_if(heard_, [this](const auto& old) { return !receiver_.find(old.first.first, old.first.second); });
+  heard_[key] = heard;
 }
 
-// Every node that was started has its end on the disk.
-bool RecorderLink::all_ended() const {
-  return std::all_of(heard_.begin(), heard_.end(), [this](const auto& heard) {
-    return !control_.was_started(heard.first) || has_ended(heard.first);
+bool RecorderLink::has_ended(NodeEpoch key) const {
+  const auto* epoch = receiver_.find(key.first, key.second);
+  return !epoch || (epoch->ended() && epoch->durable() == epoch->received());
+}
+
+// It is silent, and a later epoch of the node was heard: nothing of it is waited for.
+bool RecorderLink::is_superseded(NodeEpoch key, WallTime now) const {
+  const WallTime at = heard_.at(key).at;
+  return now - at >= kEpochGone && std::any_of(heard_.begin(), heard_.end(), [&](const auto& other) {
+           return other.first.first == key.first && other.second.at > at;
+         });
+}
+
+// Every epoch that was started has its end on the disk.
+bool RecorderLink::all_ended(WallTime now) const {
+  return std::all_of(heard_.begin(), heard_.end(), [&](const auto& heard) {
+    const auto& [node, epoch] = heard.first;
+    return is_superseded(heard.first, now) || !control_.was_started(node, epoch) || has_ended(heard.first);
   });
 }
 
 // Every node of options.nodes was heard and has its end on the disk.
-bool RecorderLink::expected_have_ended() const {
-  return std::all_of(options_.nodes.begin(), options_.nodes.end(),
-                     [this](std::int32_t node) { return has_ended(node); });
+bool RecorderLink::expected_have_ended(WallTime now) const {
+  return std::all_of(options_.nodes.begin(), options_.nodes.end(), [&](std::int32_t node) {
+    bool was_heard = false;
+    for (const auto& [key, heard] : heard_) {
+      if (key.first != node || is_superseded(key, now)) continue;
+      if (!has_ended(key)) return false;
+      was_heard = true;
+    }
+    return was_heard;
+  });
 }
 
-// Every node whose end is on the disk says that it has nothing to keep any more, or says nothing.
+// Every epoch whose end is on the disk says that it has nothing to keep any more, or says nothing.
 bool RecorderLink::nodes_have_let_go(WallTime now) const {
   return std::all_of(heard_.begin(), heard_.end(), [&](const auto& heard) {
-    const auto& [node, last] = heard;
-    return !has_ended(node) || !last.holds_blocks || now - last.at >= kNodeSilence;
+    const auto& [key, last] = heard;
+    return !has_ended(key) || !last.holds_blocks || now - last.at >= kNodeSilence;
   });
 }
 

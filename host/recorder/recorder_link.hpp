@@ -8,10 +8,11 @@
 #include <vector>
 
 #include "common/bus/publish.hpp"
+#include "common/bus/recorder_status.hpp"
 #include "common/clock/clocks.hpp"
 #include "common/link/receiver.hpp"
+#include "common/record/record_state.hpp"
 #include "host/recorder/node_control.hpp"
-#include "host/recorder/recover.hpp"
 #include "host/recorder/tally.hpp"
 
 namespace roadbalance {
@@ -37,13 +38,13 @@ struct RecorderLinkOptions {
 class RecorderLink {
  public:
   /// @param recovered  what the record holds: it is not taken again
-  RecorderLink(RecorderLinkOptions options, std::int64_t incarnation, const Recovered& recovered);
+  RecorderLink(RecorderLinkOptions options, std::int64_t incarnation, const RecordState& recovered);
 
   /// A datagram of any channel; those of other channels than heartbeat, block and reply are passed over.
   void take(std::string_view channel, std::span<const std::uint8_t> bytes, WallTime now);
   void durable(const DurableMark& mark, WallTime now);
   /// False: no new credit, because the disk fails or is full; the nodes keep what they have.
-  void set_credit_open(bool open) { credit_open_ = open; }
+  void set_credit_open(bool open) { receiver_.set_credit_open(open); }
   /// Says what is due: acknowledgements and commands.
   void turn(WallTime now, const Publish& publish);
   /// What the record gets next, since the last call.
@@ -53,6 +54,8 @@ class RecorderLink {
   void stop(WallTime now);
   /// Nothing more is to be waited for, and the nodes know that what they sent is durable, or are silent.
   bool over(WallTime now);
+  /// It is over: the last deliveries, with the crash of each epoch that will not go on.
+  void finish(WallTime now) { receiver_.finish(now, delivered_); }
   /// Releases every node owned, for the end.
   void farewell(const Publish& publish);
 
@@ -63,35 +66,35 @@ class RecorderLink {
   void set_incarnation(std::int64_t incarnation);
 
   RecorderReport report() const;
-  /// Not good messages, or of nodes that are not ours.
-  std::int64_t refused_datagrams() const { return refused_; }
+  /// Fills in what the link side of the recorder knows.
+  void fill(RecorderStatus& status) const;
   const Receiver& receiver() const { return receiver_; }
 
  private:
-  void on_heartbeat(std::span<const std::uint8_t> bytes, WallTime now);
-  void on_block(std::span<const std::uint8_t> bytes, WallTime now);
-  void on_reply(std::span<const std::uint8_t> bytes);
-  bool is_ours(std::int32_t node) const;
-  bool has_ended(std::int32_t node) const;
-  bool all_ended() const;
-  bool expected_have_ended() const;
-  bool nodes_have_let_go(WallTime now) const;
-  void send(const Command& command, const Publish& publish);
-
   struct Heard {
     WallTime at{};
     bool holds_blocks = false;
   };
+  void hear(NodeEpoch key, Heard heard);
+  void on_heartbeat(std::span<const std::uint8_t> bytes, WallTime now);
+  void on_block(std::span<const std::uint8_t> bytes, WallTime now);
+  void on_reply(std::span<const std::uint8_t> bytes);
+  bool is_ours(std::int32_t node) const;
+  bool has_ended(NodeEpoch key) const;
+  bool is_superseded(NodeEpoch key, WallTime now) const;
+  bool all_ended(WallTime now) const;
+  bool expected_have_ended(WallTime now) const;
+  bool nodes_have_let_go(WallTime now) const;
+  void send(const Command& command, const Publish& publish);
 
   const RecorderLinkOptions options_;
   Receiver receiver_;
   NodeControl control_;
   Tally tally_;
-  std::map<std::int32_t, Heard> heard_;  // the last heartbeat of the epoch being received
+  std::map<NodeEpoch, Heard> heard_;  // the last heartbeat of each epoch being received
   std::vector<Delivery> delivered_;
   std::size_t tallied_ = 0;  // of delivered_
   SealedBlock block_;
-  bool credit_open_ = true;
   bool stopping_ = false;
   WallTime stopped_at_{};
   WallTime last_news_{};

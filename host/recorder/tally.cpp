@@ -6,7 +6,7 @@
 
 namespace roadbalance {
 
-Tally::Tally(const Recovered& recovered) {
+Tally::Tally(const RecordState& recovered) {
   for (const auto& [key, epoch] : recovered.epoch)
     counts_[key] = {.node = key.first,
                     .epoch = key.second,

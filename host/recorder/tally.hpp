@@ -5,15 +5,15 @@
 
 #include "common/bus/control.hpp"
 #include "common/link/epoch_receiver.hpp"
+#include "common/record/record_state.hpp"
 #include "host/recorder/recorder.hpp"
-#include "host/recorder/recover.hpp"
 
 namespace roadbalance {
 
 /// Counts for the report what was received of each node epoch.
 class Tally {
  public:
-  explicit Tally(const Recovered& recovered);
+  explicit Tally(const RecordState& recovered);
 
   /// Of an epoch that is being received.
   void take(const Heartbeat& heartbeat);

@@ -1,9 +1,17 @@
 #include "host/recorder/write.hpp"
 
+#include <algorithm>
 #include <ctime>
+#include <stdexcept>
+
+#include "host/recorder/power/power_watch.hpp"
 
 namespace roadbalance {
 namespace {
+
+using std::chrono::milliseconds;
+constexpr milliseconds kTurn{50};  // longest wait: the supply is read so often
+constexpr milliseconds kNewsPeriod{200};
 
 std::int64_t clock_ns(clockid_t clock) {
   timespec time{};
@@ -11,22 +19,101 @@ std::int64_t clock_ns(clockid_t clock) {
   return std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
 }
 
+class Writing {
+ public:
+  Writing(RecordKeeper& keeper, const WriteOptions& options, Out<WriterNews> news)
+      : keeper_(keeper), options_(options), out_(std::move(news)) {
+    set_clocks();
+    keeper_.begin(options.incarnation);
+  }
+
+  milliseconds patience() const {
+    return std::clamp(keeper_.time_left(WallClock::now()), milliseconds(0), kTurn);
+  }
+
+  void turn(const std::optional<std::vector<Delivery>>& deliveries, In<RecordEvent>& events) {
+    set_clocks();
+    const WallTime now = WallClock::now();
+    if (deliveries)
+      for (const auto& delivery : *deliveries) keeper_.append(delivery, now);
+    while (const auto event = events.receive_for(milliseconds(0))) keeper_.append(*event, now);
+    if (options_.power) watch_power(now);
+    if (keeper_.commit_is_due(now)) take(keeper_.commit(now), now);
+    tell();
+  }
+
+  void close() {
+    const WallTime now = WallClock::now();
+    take(keeper_.close(now), now);
+    tell();
+  }
+
+ private:
+  void set_clocks() { keeper_.set_clocks(clock_ns(CLOCK_REALTIME) / 1000, clock_ns(CLOCK_MONOTONIC_RAW)); }
+
+  void watch_power(WallTime now) {
+    switch (power_.take(options_.power->is_good(), now)) {
+      case PowerWatch::Event::kNone:
+        return;
+      case PowerWatch::Event::kLost:
+        keeper_.note(NoteKind::kPowerLost, 0, 0, options_.power->name());
+        take(keeper_.seal(now), now);
+        return warn("the supply " + options_.power->name() + " is gone; recording goes on");
+      case PowerWatch::Event::kReturned:
+        keeper_.note(NoteKind::kPowerReturned, 0, 0, options_.power->name());
+        return warn("the supply " + options_.power->name() + " is back");
+    }
+  }
+
+  /// @param began  before the commit that made these durable
+  void take(std::vector<DurableMark> marks, WallTime began) {
+    if (marks.empty()) return;
+    sync_s_ = std::chrono::duration<double>(WallClock::now() - began).count();
+    longest_sync_s_ = std::max(longest_sync_s_, sync_s_);
+    news_.marks.insert(news_.marks.end(), marks.begin(), marks.end());
+    told_at_ = {};
+  }
+
+  // Never waits for the reader, who may be waiting for us.
+  void tell() {
+    for (const auto& warning : keeper_.warnings()) warn(warning);
+    if (WallClock::now() - told_at_ < kNewsPeriod) return;
+    news_.wants_credit = keeper_.wants_credit();
+    keeper_.fill(news_.status);
+    news_.status.on_battery = power_.on_battery();
+    news_.status.sync_s = sync_s_;
+    news_.status.longest_sync_s = longest_sync_s_;
+    if (!out_.try_send(news_)) return;
+    news_.marks.clear();
+    told_at_ = WallClock::now();
+  }
+
+  void warn(const std::string& sentence) const {
+    if (options_.on_warning) options_.on_warning(sentence);
+  }
+
+  RecordKeeper& keeper_;
+  const WriteOptions& options_;
+  Out<WriterNews> out_;
+  PowerWatch power_;
+  WriterNews news_;
+  WallTime told_at_{};
+  double sync_s_ = 0;
+  double longest_sync_s_ = 0;
+};
+
 }  // namespace
 
-void write_record(RecordKeeper& keeper, In<std::vector<Delivery>> deliveries,
-                  Out<std::vector<DurableMark>> durable) {
-  std::vector<DurableMark> unsent;  // never waits for the reader, who may be waiting for us
+void write_record(RecordKeeper& keeper, const WriteOptions& options, In<std::vector<Delivery>> deliveries,
+                  In<RecordEvent> events, Out<WriterNews> news) {
+  Writing writing(keeper, options, std::move(news));
   while (!deliveries.finished()) {
-    const auto batch = deliveries.receive_for(keeper.time_left(WallClock::now()));
-    keeper.set_clocks(clock_ns(CLOCK_REALTIME) / 1000, clock_ns(CLOCK_MONOTONIC_RAW));
-    const WallTime now = WallClock::now();
-    if (batch)
-      for (const auto& delivery : *batch) keeper.append(delivery, now);
-    if (keeper.commit_is_due(now))
-      for (const auto& mark : keeper.commit(now)) unsent.push_back(mark);
-    if (!unsent.empty() && durable.try_send(unsent)) unsent.clear();
+    const auto batch = deliveries.receive_for(writing.patience());
+    writing.turn(batch, events);
   }
-  keeper.close(WallClock::now());
+  writing.close();
+  if (const auto failure = keeper.failure())
+    throw std::runtime_error(*failure + "; the nodes keep what is not on the disk");
 }
 
 }  // namespace roadbalance

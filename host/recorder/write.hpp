@@ -1,17 +1,34 @@
 #pragma once
 
+#include <functional>
+#include <memory>
+#include <string>
 #include <vector>
 
 #include "common/process/channel.hpp"
+#include "host/recorder/power/power_line.hpp"
 #include "host/recorder/record_keeper.hpp"
 
 namespace roadbalance {
 
-/// Process: deliveries -> disk: a RecordKeeper and its thread.
+/// From the writer to the link: at least five times a second while it turns.
+struct WriterNews {
+  std::vector<DurableMark> marks;
+  bool wants_credit = true;
+  RecorderStatus status;  ///< what the disk side knows
+};
+
+struct WriteOptions {
+  std::int64_t incarnation = 0;
+  PowerLine* power = nullptr;                               ///< nullptr: the supply is not watched
+  std::function<void(const std::string&)> on_warning = {};  ///< a sentence for people
+};
+
+/// Process: deliveries and other events -> disk: a RecordKeeper and its thread, which watches the supply too.
 ///
 /// Ends, with all on the disk and the record closed, when `deliveries` closes.
-/// @throws std::system_error if the disk fails: what was not committed was not promised
-void write_record(RecordKeeper& keeper, In<std::vector<Delivery>> deliveries,
-                  Out<std::vector<DurableMark>> durable);
+/// @throws std::runtime_error if something could not be put on the disk in the end: it was not promised
+void write_record(RecordKeeper& keeper, const WriteOptions& options, In<std::vector<Delivery>> deliveries,
+                  In<RecordEvent> events, Out<WriterNews> news);
 
 }  // namespace roadbalance

@@ -12,7 +12,7 @@
 #include "common/link/ring.hpp"
 #include "common/link/sender.hpp"
 #include "common/record/record.hpp"
-#include "host/recorder/recover.hpp"
+#include "common/record/record_state.hpp"
 #include "host/recorder/verify.hpp"
 
 namespace roadbalance {
@@ -73,7 +73,7 @@ class TestNode {
     if (command.verb == Verb::kClaim && !sender_.claim(command.incarnation, WallClock::now()))
       reply.result = CommandError::kNotOwner;
     if (command.verb == Verb::kStart) started_ = true;
-    stopped_ = stopped_ || command.verb == Verb::kStop;
+    if (command.verb == Verb::kStop) stopped_ = true;
     if (command.verb == Verb::kStop && started_) blocks_ = std::min(blocks_, ring_.next() - 1);
     bus_.publish(reply_channel(number_), encode(reply));
   }
@@ -123,8 +123,8 @@ class TestNode {
   Backlog backlog_{ring_};
   Sender sender_;
   int lost_last_acks_ = 0;
-  bool started_ = false;
-  bool stopped_ = false;
+  std::atomic<bool> started_ = false;
+  std::atomic<bool> stopped_ = false;
   bool ended_ = false;
   std::int64_t sent_ = 0;
 };
@@ -205,20 +205,30 @@ TEST_F(RecorderTest, AStopRequestTooWaitsUntilTheNodeHasHeardTheLastAck) {
   EXPECT_TRUE(node.holds_nothing());
 }
 
-// The drive goes on: the node keeps what was not promised, for the next recorder.
+// The drive goes on: the nodes keep what was not promised, for a better disk or the next recorder.
 TEST_F(RecorderTest, ADiskThatFailsDoesNotStopTheNodes) {
+  std::stop_source stop;
   options.segment_bytes = 1 << 20;
+  options.patience = milliseconds(500);
+  TestNode node(options.url, 7, 1'000'000'000);
+  std::atomic<bool> failing = false;
   options.on_progress = [&](const RecorderReport& report) {
     // The next segment cannot be made.
     if (!report.node.empty() && report.node[0].samples_recorded > 0) fs::remove_all(options.folder);
   };
-  TestNode node(options.url, 7, 1'000'000'000);
+  options.on_alive = [&](const RecorderStatus& status) {
+    if (status.state != RecorderState::kDiskFailing || failing.exchange(true)) return;
+    EXPECT_TRUE(node.was_started());
+    EXPECT_FALSE(node.was_stopped());
+    EXPECT_GT(status.disk_failures, 1);
+    stop.request_stop();
+  };
   {
     const std::jthread running([&node](std::stop_token ended) { node.run(ended); });
-    EXPECT_THROW(run_recorder({}, options), std::system_error);
+    EXPECT_THROW(run_recorder(stop.get_token(), options), std::runtime_error)
+        << "what is not on the disk in the end is no success";
   }
-  EXPECT_TRUE(node.was_started());
-  EXPECT_FALSE(node.was_stopped());
+  EXPECT_TRUE(failing);
   EXPECT_FALSE(node.holds_nothing());
 }
 
@@ -260,7 +270,7 @@ TEST_F(RecorderTest, RecoversWhatItsRecordHolds) {
   TestNode node(options.url, 1, 100);
   const std::jthread thread([&node](std::stop_token stop) { node.run(stop); });
   run_recorder({}, options);
-  const Recovered recovered = recover_record(options.folder);
+  const RecordState recovered = read_state(options.folder);
   ASSERT_EQ(recovered.epoch.size(), 1u);
   const auto& epoch = recovered.epoch.begin()->second;
   EXPECT_EQ(epoch.position.contiguous, 101);

@@ -1,0 +1,102 @@
+#include <cstdio>
+
+#include "common/record/segment.hpp"
+#include "common/record/segment_index.hpp"
+#include "host/recorder/manifest.hpp"
+#include "host/recorder/record_keeper.hpp"
+
+namespace roadbalance {
+namespace {
+
+using std::chrono::seconds;
+constexpr std::chrono::milliseconds kDutyPeriod{500};
+constexpr seconds kClockPeriod{10};
+
+std::string in_words(double seconds_left) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.0f minutes", seconds_left / 60.0);
+  return text;
+}
+
+}  // namespace
+
+void RecordKeeper::do_duties(WallTime now) {
+  if (now < duties_at_) return;
+  duties_at_ = now + kDutyPeriod;
+  watch_space(now);
+  if (!segment_is_open_ || !is_caught_up() || now < clock_note_at_) return;
+  clock_note_at_ = now + kClockPeriod;
+  note(NoteKind::kClock, 0, 0, "");
+}
+
+void RecordKeeper::watch_space(WallTime now) {
+  const std::int64_t free = disk_.free_bytes(folder().c_str());
+  // The ballast's part of the reserve is there already.
+  on_space(space_.take(free < 0 ? free : free + (ballast_.is_taken() ? ballast_.bytes() : 0), bytes_recorded_,
+                       now));
+  if (!fallback_ && free > options_.reserve_bytes && !space_.full()) ballast_.take();
+}
+
+void RecordKeeper::on_space(SpaceWatch::Event event) {
+  switch (event) {
+    case SpaceWatch::Event::kNone:
+      return;
+    case SpaceWatch::Event::kWarning:
+      note(NoteKind::kDiskLow, static_cast<std::int64_t>(space_.seconds_left()), space_.usable_bytes(), "");
+      warnings_.push_back("the disk will be full in " + in_words(space_.seconds_left()));
+      return;
+    case SpaceWatch::Event::kFull:
+      note(NoteKind::kDiskFull, space_.usable_bytes(), 0, "");
+      warnings_.push_back("the disk is full: the nodes keep what they measure until there is space");
+      return;
+    case SpaceWatch::Event::kFree:
+      note(NoteKind::kDiskFree, space_.usable_bytes(), 0, "");
+      warnings_.push_back("there is space again: recording goes on");
+      return;
+  }
+}
+
+// The manifest is for people and for transfer: one that cannot be written now is written with the next
+// segment.
+void RecordKeeper::list_finished() {
+  const int last = writer_->segment() - (segment_is_open_ ? 1 : 0);
+  if (last <= listed_) return;
+  try {
+    write_manifest(folder(), last, disk_);
+    listed_ = last;
+    if (options_.keep_bytes > 0) choose_segments_to_delete();
+  } catch (const std::system_error& error) {
+    warnings_.push_back(error.what());
+  }
+}
+
+// The note comes first, and only when it is on the disk the segment goes: what is missing has been said.
+void RecordKeeper::choose_segments_to_delete() {
+  const auto sizes = read_manifest(folder(), disk_);
+  std::uint64_t total = 0;
+  for (const auto& [file, bytes] : sizes) total += bytes;
+  for (const int number : segment_numbers(folder(), disk_)) {
+    const auto size = sizes.find(segment_path(folder(), number).filename().string());
+    if (total <= static_cast<std::uint64_t>(options_.keep_bytes) || number > listed_ || size == sizes.end())
+      return;
+    total -= size->second;
+    if (!to_delete_.insert(number).second) continue;
+    note(NoteKind::kSegmentDeleted, number, static_cast<std::int64_t>(size->second), "");
+  }
+}
+
+void RecordKeeper::delete_segments() {
+  if (to_delete_.empty()) return;
+  try {
+    write_manifest(folder(), listed_, disk_, to_delete_);
+    while (!to_delete_.empty()) {
+      delete_segment(folder(), *to_delete_.begin(), disk_);
+      to_delete_.erase(to_delete_.begin());
+      ++segments_deleted_;
+    }
+  } catch (const std::system_error& error) {
+    warnings_.push_back(error.what());  // again after the next commit
+  }
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+
+namespace roadbalance {
+
+/// How a record is kept.
+struct KeeperOptions {
+  std::filesystem::path folder = {};
+  /// Where recording goes on when `folder` fails; empty: nowhere.  It then holds the rest of the record, and
+  /// a restart goes on there.
+  std::filesystem::path fallback = {};
+  std::uint64_t segment_bytes = std::uint64_t{64} << 20;
+  std::chrono::milliseconds commit_period{200};
+  std::size_t commit_bytes = std::size_t{4} << 20;  ///< a commit is due after so many, however soon
+  /// Not for measuring: what is under way when the disk is full must fit; ballast_bytes of it are held by a
+  /// file.
+  std::int64_t reserve_bytes = std::int64_t{16} << 20;
+  std::int64_t ballast_bytes = std::int64_t{4} << 20;
+  /// Retention: the oldest finished segments are deleted while there are more bytes; 0: never.
+  std::int64_t keep_bytes = 0;
+};
+
+}  // namespace roadbalance
