@@ -95,7 +95,7 @@ ClockFit ClockModel::fit(std::int64_t host_ns) {
   fit.uncertainty_s = line.uncertainty_s(host_ns, age);
   fit.round_trip_s = line.round_trip_s();
   fit.residual_s = line.residual_s();
-  if (since_start_ >= kLeastExchanges)
+  if (is_locked())
     fit.state = age * 1e9 > static_cast<double>(kHoldover_ns) ? ClockState::kHoldover : ClockState::kLocked;
   return fit;
 }

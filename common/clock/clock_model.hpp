@@ -34,6 +34,8 @@ class ClockModel {
   ClockFit fit(std::int64_t host_ns);
 
   std::int64_t breaks() const { return breaks_; }
+  /// Enough exchanges since the line began.
+  bool is_locked() const { return since_start_ >= kLeastExchanges; }
 
  private:
   bool contradicts(const ClockExchange& exchange) const;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/clock_messages.hpp"
 #include "common/bus/codec.hpp"
 #include "common/bus/control.hpp"
 #include "common/bus/results.hpp"
@@ -63,7 +64,11 @@ class Follower {
     if (!waiting_) {
       const auto event = reader_.next();
       if (!event) return false;
-      if (accept(event->data, *block_) != Refusal::kNone) return true;
+      if (accept(event->data, *block_) != Refusal::kNone) {
+        // A fit counts for the blocks behind it, and the gate stops at the first that is not durable yet.
+        if (const auto fit = decode_clock_fit(event->data)) estimator_.consume(*fit);
+        return true;
+      }
     }
     waiting_ = !gate_.passes(block_->header, WallClock::now());
     if (waiting_) return false;

@@ -17,7 +17,9 @@ struct RecordedEstimate {
 /// The estimate that a finished recording gives: every block of every node in sequence through
 /// DriveEstimator, the path the live analyser takes, so the numbers are the same bit for bit.
 ///
+/// @param refine  do not use the clocks' relations as they were known live: compute them again from the
+///                recorded exchanges, with what came before and after each instant
 /// @throws as read_recording
-RecordedEstimate identify_record(const std::filesystem::path& folder);
+RecordedEstimate identify_record(const std::filesystem::path& folder, bool refine = false);
 
 }  // namespace roadbalance

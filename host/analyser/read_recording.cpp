@@ -3,6 +3,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "common/bus/clock_messages.hpp"
 #include "common/bus/codec.hpp"
 #include "common/record/record.hpp"
 #include "host/analyser/in_sequence.hpp"
@@ -12,7 +13,8 @@ namespace roadbalance {
 
 RecordingDefects read_recording(const std::filesystem::path& folder,
                                 const std::function<void(const VehicleConfig&)>& begin,
-                                const std::function<void(const SealedBlock&)>& consume) {
+                                const std::function<void(const SealedBlock&)>& consume,
+                                const std::function<void(const ClockFit&)>& consume_fit) {
   RecordReader reader(folder);
   const auto vehicle = recorded_vehicle(folder);
   if (!vehicle) throw std::runtime_error(folder.string() + ": holds no complete vehicle.toml, or no scan");
@@ -25,7 +27,8 @@ RecordingDefects read_recording(const std::filesystem::path& folder,
       case Refusal::kNone:
         in_sequence.add(*block, consume);
         break;
-      case Refusal::kUnknownType:  // the record may hold more than blocks
+      case Refusal::kUnknownType:  // the record holds more than blocks
+        if (const auto fit = consume_fit ? decode_clock_fit(event->data) : std::nullopt) consume_fit(*fit);
         break;
       default:
         ++defects.refused_blocks;

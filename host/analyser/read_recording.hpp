@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 
+#include "common/clock/exchange.hpp"
 #include "common/config/vehicle_config.hpp"
 #include "common/link/block.hpp"
 
@@ -21,10 +22,12 @@ struct RecordingDefects {
 ///
 /// @param begin    called once, before the first block
 /// @param consume  called with each block
+/// @param consume_fit  called with each fit of a node's clock, between the blocks as it stands in the record
 /// @throws std::system_error if the folder cannot be read, std::runtime_error if it holds no vehicle.toml or
 ///         no scan, ConfigError if its vehicle.toml cannot be used
 RecordingDefects read_recording(const std::filesystem::path& folder,
                                 const std::function<void(const VehicleConfig&)>& begin,
-                                const std::function<void(const SealedBlock&)>& consume);
+                                const std::function<void(const SealedBlock&)>& consume,
+                                const std::function<void(const ClockFit&)>& consume_fit = {});
 
 }  // namespace roadbalance

@@ -2,26 +2,27 @@
 
 #include <array>
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "common/clock/exchange.hpp"
 #include "common/config/vehicle_config.hpp"
-#include "common/link/blocks.hpp"
+#include "common/link/block.hpp"
 #include "common/vehicle/linear_model.hpp"
+#include "host/identify/grid_stream.hpp"
 #include "host/identify/signals.hpp"
 
 namespace roadbalance {
 
 /// Joins the scan blocks of all nodes to runs of signals on one grid of time.
 ///
-/// The grid is that of the first block: its time and period.  Rows that one node lacks, and blocks with
-/// overload or off the grid, are left out; the run after them is marked `restart`, so no estimate runs across
-/// a hole.  A wheel whose angle is not known has the reference 0.  The result depends on the blocks of each
-/// node in their order only, not on how the nodes' blocks interleave, as long as no node is kLongestWait_s
-/// behind: then the others go on without it.
+/// The grid is that of the block that comes first: its time and period; GridStream brings each node's samples
+/// to it. Rows that one node lacks, and blocks with overload, are left out; the run after them is marked
+/// `restart`, so no estimate runs across a hole.  A wheel whose angle is not known has the reference 0.  The
+/// result depends on the blocks and fits of each node in their order only, but for the grid not on how the
+/// nodes' blocks interleave, as long as no node is kLongestWait_s behind: then the others go on without it.
 class Assembler {
  public:
   /// Of drive, not of waiting: faster than real time one node may be a whole ring ahead of another and more.
@@ -33,17 +34,13 @@ class Assembler {
   Assembler(const VehicleConfig& vehicle, Emit emit, double longest_wait_s = kLongestWait_s);
 
   void consume(const SealedBlock& block);
+  /// How a node's clock stands to the host's, for the blocks of that node that come next.
+  void consume(const ClockFit& fit);
 
-  /// What was wrong with a block that was left out because its samples do not lie on the grid; empty: none
-  /// was.
-  const std::string& off_grid() const { return off_grid_; }
+  /// Why a node's samples cannot be brought to the grid of the others; empty: all can.
+  const std::string& no_common_time() const { return no_common_time_; }
 
  private:
-  struct Stream {
-    int id;
-    std::deque<ScanBlock> blocks;
-    std::int64_t row = 0;  ///< of the front block, next to use
-  };
   /// Where signals come from: `from_counts` times the 16 channels of that node.
   struct NodeMap {
     Eigen::Matrix<double, kSignals, kChannels> from_counts;
@@ -52,19 +49,19 @@ class Assembler {
     std::array<std::optional<int>, kEncoderLines> wheel;  ///< by encoder line
   };
 
-  void drop_unusable(Stream& stream, const NodeMap& map);
+  GridStream* stream_of(std::int32_t node);
+  void emit(const GridStream& changed);
+  void drop_unusable(GridStream& stream, const NodeMap& map);
   void drop_what_nobody_meets();
-  bool on_grid(const ScanBlock& block);
-  std::int64_t grid_index(const Stream& stream) const;
-  void add_rows(const Stream& stream, const NodeMap& map);
+  void add_rows(const GridStream& stream, const NodeMap& map);
   void emit_common_rows();
 
-  std::vector<Stream> streams_;
+  std::vector<GridStream> streams_;
   std::vector<NodeMap> maps_;
-  std::optional<std::int64_t> origin_ns_;
-  std::int64_t period_ps_ = 0;
+  Grid grid_;
   std::int64_t expected_ = -1;
-  std::string off_grid_;
+  std::string no_common_time_;
+  std::int32_t stream_of_obstacle_ = 0;
   double longest_wait_s_;
   SignalRun run_;
   Emit emit_;

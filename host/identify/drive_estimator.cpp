@@ -48,10 +48,14 @@ DriveEstimator::DriveEstimator(const VehicleConfig& vehicle)
   }
 }
 
+void DriveEstimator::consume(const ClockFit& fit) {
+  if (assembler_) assembler_->consume(fit);
+}
+
 void DriveEstimator::consume(const SealedBlock& block) {
   if (assembler_) assembler_->consume(block);
   if (!classes_.empty()) return;
-  if (assembler_ && !assembler_->off_grid().empty())
+  if (assembler_ && !assembler_->no_common_time().empty())
     report_unknown(Unknown::kNoCommonTime);
   else if (sections_.missing_reference())
     report_unknown(Unknown::kNoReference);
@@ -60,7 +64,7 @@ void DriveEstimator::consume(const SealedBlock& block) {
 }
 
 std::string DriveEstimator::obstacle() const {
-  if (assembler_ && !assembler_->off_grid().empty()) return assembler_->off_grid();
+  if (assembler_ && !assembler_->no_common_time().empty()) return assembler_->no_common_time();
   if (const auto wheel = sections_.missing_reference(); wheel && classes_.empty())
     return std::string(kWheelNames[static_cast<std::size_t>(*wheel)]) +
            ": its encoder gave no angle; sections without it are not used";

@@ -27,8 +27,9 @@ struct DriveEstimate {
 
 /// Sealed blocks in, estimate out: the one path of identification, live and offline.
 ///
-/// Blocks of one node come in the order of their sequence; how those of different nodes interleave does not
-/// matter.  Memory is bounded: moments are kept per speed class and jackknife group, not per section.
+/// Blocks of one node come in the order of their sequence with the fits of its clock between them; how those
+/// of different nodes interleave does not matter.  Memory is bounded: moments are kept per speed class and
+/// jackknife group, not per section.
 class DriveEstimator {
  public:
   explicit DriveEstimator(const VehicleConfig& vehicle);
@@ -36,6 +37,8 @@ class DriveEstimator {
   DriveEstimator& operator=(const DriveEstimator&) = delete;
 
   void consume(const SealedBlock& block);
+  /// In the order of the record: a fit counts for the blocks of its node that come after it.
+  void consume(const ClockFit& fit);
 
   /// What stands in the way of an estimate, naming the thing at fault; empty: nothing but time.
   std::string obstacle() const;

@@ -17,10 +17,11 @@ namespace {
 struct IdentifyOptions {
   std::string folder;
   bool json = false;
+  bool refine = false;
 };
 
 int identify(const IdentifyOptions& options) {
-  const auto [estimate, obstacle, defects] = identify_record(options.folder);
+  const auto [estimate, obstacle, defects] = identify_record(options.folder, options.refine);
   warn_of_defects("identify", options.folder, defects);
   if (!obstacle.empty()) std::fprintf(stderr, "rb identify: %s\n", obstacle.c_str());
   if (options.json) {
@@ -46,6 +47,8 @@ void add_identify(CLI::App& app, int& code) {
       app.add_subcommand("identify", "Finds tyre stiffness and unbalance of every wheel from a recording");
   command->add_option("folder", options->folder, "the recording")->required();
   command->add_flag("--json", options->json, "one JSON object on standard output");
+  command->add_flag("--refine", options->refine,
+                    "compute the relations of the nodes' clocks again from all recorded exchanges");
   command->callback([options, &code] { code = identify(*options); });
 }
 

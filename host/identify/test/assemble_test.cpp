@@ -133,14 +133,53 @@ TEST(Assembler, NodesThatBeginApartMeetAtTheFirstCommonScan) {
   EXPECT_EQ(runs[0].samples.cols(), kScansPerBlock - 7);
 }
 
-TEST(Assembler, LeavesOutWhatIsNotOnTheGridAndNamesTheNode) {
+TEST(Assembler, BringsToTheGridWhatLiesBesideItAndNamesWhatCannotBe) {
   std::vector<SignalRun> runs;
   Assembler assembler(car(), [&](const SignalRun& run) { runs.push_back(run); });
-  assembler.consume(block_of(0, 0));
-  EXPECT_TRUE(assembler.off_grid().empty());
-  assembler.consume(block_of(1, 0, 0, kPeriodNs / 3));
-  EXPECT_TRUE(runs.empty());
-  EXPECT_NE(assembler.off_grid().find("node 2"), std::string::npos) << assembler.off_grid();
+  for (int number = 0; number < 5; ++number) {
+    assembler.consume(block_of(0, number));
+    assembler.consume(block_of(1, number, 0, kPeriodNs / 3));
+  }
+  EXPECT_TRUE(assembler.no_common_time().empty());
+  ASSERT_FALSE(runs.empty());
+  EXPECT_EQ(runs[0].first_index, 16);  // the filter needs 16 samples of the node beside the grid first
+  for (const SignalRun& run : runs)
+    for (Eigen::Index i = 0; i < run.samples.cols(); ++i) {
+      const double k = static_cast<double>(run.first_index + i);
+      EXPECT_NEAR(run.samples(kBodyCoordinates, i), 0.01 * (k + 1), 3e-5);  // front left
+      // The second node's samples were taken a third of a period later: between them it is that of earlier.
+      EXPECT_NEAR(run.samples(kBodyCoordinates + 3, i), 0.01 * (k + 1 - 1.0 / 3.0), 3e-5);
+      EXPECT_NEAR(run.samples(sine_row(3), i), std::sin((k - 1.0 / 3.0) / 100), 1e-6);
+    }
+  ScanBlock other;
+  other.header = {car().node[1].id, 7, 1, 0, kScansPerBlock, 0};
+  other.period_ps = 600'000'000;
+  SealedBlock sealed;
+  seal(other, sealed);
+  assembler.consume(sealed);
+  EXPECT_NE(assembler.no_common_time().find("node 2"), std::string::npos) << assembler.no_common_time();
+}
+
+TEST(Assembler, ClocksOfTheirOwnMeetByTheirFits) {
+  std::vector<SignalRun> runs;
+  Assembler assembler(car(), [&](const SignalRun& run) { runs.push_back(run); });
+  constexpr std::int64_t kAhead_ns = 12'345'678'901;  // no multiple of a period
+  for (int n = 0; n < 2; ++n)
+    assembler.consume(ClockFit{.node = car().node[static_cast<std::size_t>(n)].id,
+                               .epoch = 1,
+                               .state = ClockState::kLocked,
+                               .host_ns = 1000,
+                               .node_ns = 1000 + n * kAhead_ns});
+  for (int number = 0; number < 5; ++number)
+    for (int n = 0; n < 2; ++n) assembler.consume(block_of(n, number, 0, n * kAhead_ns));
+  ASSERT_FALSE(runs.empty());
+  Eigen::Index columns = 0;
+  for (const SignalRun& run : runs)
+    for (Eigen::Index i = 0; i < run.samples.cols(); ++i, ++columns)
+      for (int wheel = 0; wheel < kWheels; ++wheel)
+        EXPECT_NEAR(run.samples(kBodyCoordinates + wheel, i),
+                    0.01 * static_cast<double>(run.first_index + i + 1), 3e-5);
+  EXPECT_EQ(columns, 5 * kScansPerBlock - 31);
 }
 
 }  // namespace

@@ -1,0 +1,188 @@
+#include "host/identify/grid_stream.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace roadbalance {
+namespace {
+
+/// Samples may lie this far, in periods, from the grid and be taken for its own: 0.02 periods at 2 kHz are
+/// 0.06 degrees at 18 Hz.
+constexpr double kGridTolerance = 0.02;
+/// Two nominal rates may differ by so much; no converter is further off.
+constexpr double kRateTolerance = 1e-3;
+constexpr double kSpacingTolerance = 1e-2;  // of stamps that jump
+constexpr double kBreak_ns = 1e6;           // as the recorder's model of the clock has it
+// A second apart: the recorder needs two exchanges to see a break.
+constexpr int kDistrusted = 3;
+constexpr double kFarthest = 1e15;  // periods; still exact as a double
+constexpr double kWorthSaying_s = 5.0;
+constexpr std::size_t kMostClocks = 8;
+
+}  // namespace
+
+GridStream::Last GridStream::last_of(const ScanBlock& block) {
+  return {block.header.epoch, block.header.first_scan + block.header.scans, block.header.scans,
+          block.header.time_ns};
+}
+
+GridStream::Clock* GridStream::clock_of(std::int64_t epoch) {
+  const auto found =
+      std::find_if(clocks_.begin(), clocks_.end(), [&](const Clock& c) { return c.epoch == epoch; });
+  return found == clocks_.end() ? nullptr : &*found;
+}
+
+GridStream::Clock& GridStream::declare(std::int64_t epoch) {
+  if (Clock* known = clock_of(epoch)) return *known;
+  if (clocks_.size() == kMostClocks) clocks_.pop_front();
+  if (epoch == placed_.epoch &&
+      placed_.next_scan >= 0) {  // what came before this was said stood in the wrong place
+    rows.clear();
+    row = 0;
+    placed_ = {};
+  }
+  return clocks_.emplace_back(Clock{epoch, std::nullopt});
+}
+
+void GridStream::take(const ClockFit& fit, Grid& grid) {
+  if (alone_) return;
+  Clock& clock = declare(fit.epoch);
+  if (fit.state == ClockState::kAcquire) {
+    if (fit.breaks > clock.breaks) {
+      clock.fit.reset();
+      clock.distrusted = 0;
+    }
+    clock.breaks = fit.breaks;
+    return;  // a recorder that has just begun knows nothing yet; what the last one knew still holds
+  }
+  const bool says_so = fit.breaks != clock.breaks;
+  clock.breaks = fit.breaks;
+  if (!says_so && clock.distrusted > 0 && --clock.distrusted > 0) return;
+  clock.distrusted = 0;
+  clock.fit = fit;
+  std::deque<ScanBlock> blocks;
+  blocks.swap(waiting_);
+  for (const ScanBlock& block : blocks) {
+    const Clock* known = clock_of(block.header.epoch);
+    if (known && !known->fit)
+      waiting_.push_back(block);
+    else
+      place(block, known ? &*known->fit : nullptr, grid);
+  }
+}
+
+void GridStream::take(const ScanBlock& block, Grid& grid) {
+  if (grid.period_ps == 0) grid.period_ps = block.period_ps;
+  const double rates = static_cast<double>(block.period_ps) / static_cast<double>(grid.period_ps);
+  if (std::abs(rates - 1.0) > kRateTolerance) {
+    other_period_ps_ = block.period_ps;
+    return;
+  }
+  Clock* const clock = alone_ ? nullptr : clock_of(block.header.epoch);
+  if (clock && jumps(block, *clock)) {
+    clock->fit.reset();
+    clock->distrusted = kDistrusted;
+  }
+  came_ = last_of(block);
+  came_host_ns_.reset();
+  if (clock && clock->fit) came_host_ns_ = clock->fit->host_time_ns(block.header.time_ns);
+  if (clock && !clock->fit) {
+    waiting_.push_back(block);
+    while (awaited_s() > kLongestWait_s) waiting_.pop_front();
+    return;
+  }
+  place(block, clock ? &*clock->fit : nullptr, grid);
+}
+
+/// Scans are even; if they go on and their instants do not, the clock was set and the fit is from before.
+bool GridStream::jumps(const ScanBlock& block, const Clock& clock) const {
+  if (!came_.goes_on_with(block.header)) return false;
+  const bool mapped = clock.fit && came_host_ns_;
+  const std::int64_t passed_ns = mapped ? clock.fit->host_time_ns(block.header.time_ns) - *came_host_ns_
+                                        : block.header.time_ns - came_.time_ns;
+  const double expected_ns = static_cast<double>(came_.scans) * static_cast<double>(block.period_ps) * 1e-3;
+  return std::abs(static_cast<double>(passed_ns) - expected_ns) > kBreak_ns;
+}
+
+double GridStream::awaited_s() const {
+  if (waiting_.empty()) return 0.0;
+  return 1e-9 *
+         std::abs(static_cast<double>(waiting_.back().header.time_ns - waiting_.front().header.time_ns));
+}
+
+void GridStream::place(const ScanBlock& block, const ClockFit* fit, Grid& grid) {
+  const std::int64_t node_ns = block.header.time_ns;
+  const std::int64_t time_ns = fit ? fit->host_time_ns(node_ns) : node_ns;
+  if (!grid.origin_ns) grid.origin_ns = time_ns;
+  const double position = grid.position(time_ns);
+  if (!(std::abs(position) < kFarthest)) return;
+
+  const bool same_epoch = block.header.epoch == placed_.epoch;
+  const bool follows = placed_.goes_on_with(block.header);
+  if (!same_epoch) {
+    resampling_ = false;
+    spacing_ = 0.0;
+  }
+  if (!resampling_ && (fit || std::abs(position - std::round(position)) > kGridTolerance)) {
+    resampling_ = true;
+    if (!resampler_) resampler_ = std::make_unique<Resampler>();
+    resampler_->reset();
+  }
+  if (resampling_) {
+    resampled_.clear();
+    measure_spacing(block, fit, follows, grid);
+    resampler_->add(block, position, spacing_, follows, grid, resampled_);
+    for (const GridRows& more : resampled_) queue(more);
+  } else {
+    copy(block, position, same_epoch);
+  }
+  placed_ = last_of(block);
+}
+
+/// From the node's stamps, which know the converter's true rate and do not move when a fit does.
+void GridStream::measure_spacing(const ScanBlock& block, const ClockFit* fit, bool follows,
+                                 const Grid& grid) {
+  const double nominal = static_cast<double>(block.period_ps) / static_cast<double>(grid.period_ps);
+  if (spacing_ == 0.0) spacing_ = nominal;
+  if (!follows || placed_.scans == 0) return;
+  const double node_ns =
+      static_cast<double>(block.header.time_ns - placed_.time_ns) / static_cast<double>(placed_.scans);
+  const double measured =
+      node_ns * 1000.0 / static_cast<double>(grid.period_ps) / (1.0 + (fit ? fit->drift : 0.0));
+  if (std::abs(measured / nominal - 1.0) < kSpacingTolerance) spacing_ = measured;
+}
+
+void GridStream::copy(const ScanBlock& block, double position, bool same_epoch) {
+  GridRows own;
+  own.first_index = std::llround(position);
+  own.rows = block.header.scans;
+  own.time_ns = block.header.time_ns;
+  own.restart = !same_epoch;
+  own.overload = block.overload;
+  own.quality = block.quality;
+  for (std::size_t r = 0; r < static_cast<std::size_t>(own.rows); ++r)
+    std::transform(block.counts[r].begin(), block.counts[r].end(), own.counts[r].begin(),
+                   [](std::int32_t count) { return static_cast<float>(count); });
+  queue(own);
+}
+
+/// Time that runs backwards (a break, another epoch) makes worthless what lies ahead.
+void GridStream::queue(const GridRows& more) {
+  while (!rows.empty() && rows.back().first_index + rows.back().rows > more.first_index) {
+    rows.pop_back();
+    if (rows.empty()) row = 0;
+  }
+  rows.push_back(more);
+}
+
+std::string GridStream::obstacle() const {
+  if (other_period_ps_ != 0)
+    return "node " + std::to_string(node_) + ": its samples have another rate than the others': one each " +
+           std::to_string(static_cast<double>(other_period_ps_) * 1e-6) + " us";
+  if (awaited_s() > kWorthSaying_s)
+    return "node " + std::to_string(node_) +
+           ": its clock is not known, because it does not answer the recorder's questions or its time broke";
+  return {};
+}
+
+}  // namespace roadbalance

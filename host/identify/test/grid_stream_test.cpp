@@ -1,0 +1,274 @@
+#include "host/identify/grid_stream.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "common/link/block.hpp"
+
+namespace roadbalance {
+namespace {
+
+constexpr double kAmplitude = 1e6;  // counts
+
+/// What every channel measures: 1, 18, 25 and 60 Hz, as a function of host time.
+double signal(double time_s, std::size_t channel) {
+  double sum = 0.0;
+  for (const double hz : {1.0, 18.0, 25.0, 60.0})
+    sum += std::sin(2.0 * std::numbers::pi * hz * time_s + static_cast<double>(channel));
+  return kAmplitude * sum;
+}
+
+/// A node: clock = offset + (1 + drift) host time; its converter runs `ppm` fast.
+struct Node {
+  double rate_hz = 2000.0;
+  double offset_s = 0.0, drift = 0.0, ppm = 0.0;
+  double begin_s = 0.0;  ///< host time of scan 0
+  std::int64_t epoch = 5;
+
+  double host_s(std::int64_t scan) const {
+    return begin_s + static_cast<double>(scan) / (rate_hz * (1.0 + 1e-6 * ppm));
+  }
+  std::int64_t node_ns(double host_s) const {
+    return std::llround(1e9 * (offset_s + (1.0 + drift) * host_s));
+  }
+
+  ScanBlock block(std::int64_t number) const {
+    ScanBlock block;
+    const std::int64_t first = number * kScansPerBlock;
+    block.header = {.node = 1,
+                    .epoch = epoch,
+                    .sequence = number + 1,
+                    .first_scan = first,
+                    .scans = kScansPerBlock,
+                    .time_ns = node_ns(host_s(first))};
+    block.period_ps = std::llround(1e12 / rate_hz);
+    for (int r = 0; r < kScansPerBlock; ++r)
+      for (std::size_t c = 0; c < kChannels; ++c)
+        block.counts[static_cast<std::size_t>(r)][c] =
+            static_cast<std::int32_t>(std::lround(signal(host_s(first + r), c)));
+    return block;
+  }
+  ClockFit fit(double host_s, double error_s = 0.0) const {
+    return {.node = 1,
+            .epoch = epoch,
+            .number = 1,
+            .state = ClockState::kLocked,
+            .host_ns = std::llround(1e9 * host_s),
+            .node_ns = node_ns(host_s + error_s),
+            .drift = drift};
+  }
+};
+
+/// Largest difference, in counts, between rows and the truth at the instants of the grid.
+double worst_error(const GridStream& stream, const Grid& grid) {
+  double worst = 0.0;
+  for (const GridRows& rows : stream.rows)
+    for (std::int64_t r = 0; r < rows.rows; ++r)
+      for (std::size_t c = 0; c < kChannels; ++c) {
+        const double time_s = 1e-9 * static_cast<double>(grid.time_ns(rows.first_index + r));
+        worst = std::max(worst, std::abs(rows.counts[static_cast<std::size_t>(r)][c] - signal(time_s, c)));
+      }
+  return worst;
+}
+
+std::int64_t rows_in(const GridStream& stream) {
+  std::int64_t sum = 0;
+  for (const GridRows& rows : stream.rows) sum += rows.rows;
+  return sum;
+}
+
+TEST(GridStream, ANodeOnTheGridIsTheGridBitForBit) {
+  const Node node;
+  Grid grid;
+  GridStream stream(1, false);
+  for (int number = 0; number < 50; ++number) stream.take(node.block(number), grid);
+  ASSERT_EQ(stream.rows.size(), 50U);
+  for (int number = 0; number < 50; ++number) {
+    const ScanBlock block = node.block(number);
+    const GridRows& rows = stream.rows[static_cast<std::size_t>(number)];
+    EXPECT_EQ(rows.first_index, block.header.first_scan);
+    EXPECT_EQ(rows.time_ns, block.header.time_ns);
+    for (std::size_t r = 0; r < kScansPerBlock; ++r)
+      for (std::size_t c = 0; c < kChannels; ++c)
+        ASSERT_EQ(static_cast<double>(rows.counts[r][c]), static_cast<double>(block.counts[r][c]));
+  }
+}
+
+TEST(GridStream, AnyClockAndConverterGiveTheTruthAtTheGridsInstants) {
+  for (const double rate_hz : {500.0, 2000.0})
+    for (const double ppm : {-300.0, 0.0, 50.0}) {
+      const Node node{.rate_hz = rate_hz, .offset_s = -1000.25, .drift = 40e-6, .ppm = ppm, .begin_s = 77.0};
+      Grid grid{.origin_ns = 70'000'000'000, .period_ps = std::llround(1e12 / rate_hz)};
+      GridStream stream(1, false);
+      stream.take(node.fit(80.0), grid);
+      constexpr int kBlocks = 400;
+      for (int number = 0; number < kBlocks; ++number) stream.take(node.block(number), grid);
+      const double scans = kBlocks * kScansPerBlock / (1.0 + 1e-6 * ppm);
+      EXPECT_NEAR(static_cast<double>(rows_in(stream)), scans - FractionalDelay::kTaps, 2.0);
+      // The converter's rate is known from the second block on.
+      while (stream.rows.front().first_index < stream.rows.back().first_index &&
+             static_cast<double>(grid.time_ns(stream.rows.front().first_index)) < 1e9 * node.host_s(36))
+        stream.rows.pop_front();
+      // Four tones, each right to 0.002 degrees with half a count of rounding: an eighth of what 0.01 degrees
+      // at 25 Hz alone would be.
+      EXPECT_LT(worst_error(stream, grid), 4.0 * kAmplitude * 0.002 * std::numbers::pi / 180.0)
+          << rate_hz << " Hz, " << ppm << " ppm";
+      for (std::size_t i = 1; i < stream.rows.size(); ++i)
+        ASSERT_EQ(stream.rows[i].first_index, stream.rows[i - 1].first_index + stream.rows[i - 1].rows);
+    }
+}
+
+TEST(GridStream, ASharedClockWithAFreeConverterIsResampledToo) {
+  const Node node{.ppm = 50.0};
+  Grid grid{.origin_ns = 0, .period_ps = 500'000'000};
+  GridStream stream(1, false);
+  for (int number = 0; number < 1000; ++number) stream.take(node.block(number), grid);
+  // Before its samples are 0.02 periods off the grid they are taken for the grid's: 10 us at 60 Hz are 0.4 %.
+  EXPECT_LT(worst_error(stream, grid),
+            kAmplitude * 1.1 * 2.0 * std::numbers::pi * 10e-6 * (1 + 18 + 25 + 60));
+  while (!stream.rows.empty() && stream.rows.front().first_index < 2000) stream.rows.pop_front();
+  EXPECT_LT(worst_error(stream, grid), 4.0 * kAmplitude * 0.002 * std::numbers::pi / 180.0);
+  EXPECT_GT(rows_in(stream), 17'900);
+}
+
+TEST(GridStream, BlocksWaitForTheFirstFit) {
+  const Node node{.offset_s = 500.0, .begin_s = 10.0};
+  Grid grid;
+  GridStream stream(1, false);
+  ClockFit acquiring = node.fit(10.0);
+  acquiring.state = ClockState::kAcquire;
+  stream.take(acquiring, grid);
+  for (int number = 0; number < 600; ++number) stream.take(node.block(number), grid);
+  EXPECT_TRUE(stream.rows.empty());
+  EXPECT_NE(stream.obstacle().find("node 1"), std::string::npos) << stream.obstacle();
+  stream.take(node.fit(16.0), grid);
+  EXPECT_TRUE(stream.obstacle().empty());
+  EXPECT_EQ(rows_in(stream), 600 * kScansPerBlock - FractionalDelay::kTaps + 1);
+  EXPECT_LT(worst_error(stream, grid), 4.0 * kAmplitude * 0.002 * std::numbers::pi / 180.0);
+}
+
+TEST(GridStream, ItsOnlyNodeNeedsNoOtherClock) {
+  const Node node{.offset_s = 500.0};
+  Grid grid;
+  GridStream stream(1, true);
+  ClockFit acquiring = node.fit(0.0);
+  acquiring.state = ClockState::kAcquire;
+  stream.take(acquiring, grid);
+  for (int number = 0; number < 10; ++number) stream.take(node.block(number), grid);
+  EXPECT_EQ(rows_in(stream), 10 * kScansPerBlock);
+}
+
+TEST(GridStream, AGapCostsWhatTheFilterNeedsAndRestarts) {
+  const Node node{.offset_s = 3.0, .ppm = 20.0, .begin_s = 10.0};
+  Grid grid;
+  GridStream stream(1, false);
+  stream.take(node.fit(10.0), grid);
+  for (int number = 0; number < 100; ++number)
+    if (number < 40 || number >= 43) stream.take(node.block(number), grid);
+  int restarts = 0;
+  for (const GridRows& rows : stream.rows) restarts += rows.restart ? 1 : 0;
+  EXPECT_EQ(restarts, 2);  // the beginning is one
+  EXPECT_NEAR(static_cast<double>(rows_in(stream)), 97.0 * kScansPerBlock - 2 * FractionalDelay::kTaps, 3.0);
+  EXPECT_LT(worst_error(stream, grid), 4.0 * kAmplitude * 0.002 * std::numbers::pi / 180.0);
+}
+
+TEST(GridStream, AFitThatMovesALittleDoesNotRestart) {
+  const Node node{.offset_s = 3.0, .drift = 10e-6, .ppm = 20.0, .begin_s = 10.0};
+  Grid grid;
+  GridStream stream(1, false);
+  int number = 0;
+  for (int second = 0; second < 10; ++second) {
+    stream.take(node.fit(10.0 + second, second % 2 == 0 ? 5e-6 : -5e-6), grid);
+    for (int i = 0; i < 100; ++i) stream.take(node.block(number++), grid);
+  }
+  for (std::size_t i = 1; i < stream.rows.size(); ++i) {
+    ASSERT_FALSE(stream.rows[i].restart);
+    ASSERT_EQ(stream.rows[i].first_index, stream.rows[i - 1].first_index + stream.rows[i - 1].rows);
+  }
+  // The fits are 5 us wrong and nothing else is: the steepest slope of the signal over 5 us, and the grid's
+  // origin is the first fit's.
+  EXPECT_LT(worst_error(stream, grid), kAmplitude * 2.0 * std::numbers::pi * (1 + 18 + 25 + 60) * 16e-6);
+}
+
+TEST(GridStream, ABreakOfTheTimeBaseIsNeverSmeared) {
+  Node node{.offset_s = 3.0, .begin_s = 10.0};
+  Grid grid;
+  GridStream stream(1, false);
+  stream.take(node.fit(10.0), grid);
+  int number = 0;
+  for (; number < 100; ++number) stream.take(node.block(number), grid);
+  node.offset_s -= 0.7;  // the node's clock is set back; nobody knows yet
+  for (; number < 120; ++number) stream.take(node.block(number), grid);
+  ClockFit broken = node.fit(11.2);
+  broken.state = ClockState::kAcquire;
+  broken.breaks = 1;
+  stream.take(broken, grid);
+  for (; number < 130; ++number) stream.take(node.block(number), grid);
+  broken = node.fit(11.3);
+  broken.breaks = 1;
+  stream.take(broken, grid);
+  for (; number < 300; ++number) stream.take(node.block(number), grid);
+  EXPECT_EQ(rows_in(stream), 300 * kScansPerBlock - FractionalDelay::kTaps + 1);
+  EXPECT_LT(worst_error(stream, grid), 4.0 * kAmplitude * 0.002 * std::numbers::pi / 180.0);
+}
+
+TEST(GridStream, AfterAJumpTheRecorderHasTimeToSeeIt) {
+  Node node{.offset_s = 3.0, .begin_s = 10.0};
+  Grid grid;
+  GridStream stream(1, false);
+  const ClockFit before = node.fit(10.0);
+  stream.take(before, grid);
+  int number = 0;
+  for (; number < 100; ++number) stream.take(node.block(number), grid);
+  node.offset_s += 0.2;
+  for (; number < 150; ++number) stream.take(node.block(number), grid);
+  stream.take(before, grid);  // a fit made before the jump, recorded after it, and another
+  stream.take(before, grid);
+  EXPECT_LE(rows_in(stream), 100 * kScansPerBlock);
+  stream.take(node.fit(13.0), grid);  // of a recorder that begins anew and has seen no break
+  EXPECT_EQ(rows_in(stream), 150 * kScansPerBlock - FractionalDelay::kTaps + 1);
+  EXPECT_LT(worst_error(stream, grid), 4.0 * kAmplitude * 0.002 * std::numbers::pi / 180.0);
+}
+
+TEST(GridStream, QualityTravelsWithWhateverASampleTouches) {
+  const Node node{.offset_s = 3.0, .begin_s = 10.0};
+  Grid grid{.origin_ns = 9'999'777'777, .period_ps = 500'000'000};
+  GridStream stream(1, false);
+  stream.take(node.fit(10.0), grid);
+  for (int number = 0; number < 20; ++number) {
+    ScanBlock block = node.block(number);
+    if (number == 10) {
+      block.quality = kQualityNoReference1;
+      block.overload = 1 << 3;
+    }
+    stream.take(block, grid);
+  }
+  const double first_s = node.host_s(10 * kScansPerBlock), end_s = node.host_s(11 * kScansPerBlock);
+  const double reach_s = FractionalDelay::kTaps / 2 / node.rate_hz;
+  for (const GridRows& rows : stream.rows) {
+    const double begin = 1e-9 * static_cast<double>(grid.time_ns(rows.first_index));
+    const double end = 1e-9 * static_cast<double>(grid.time_ns(rows.first_index + rows.rows - 1));
+    if (end < first_s - reach_s || begin > end_s + reach_s) {
+      EXPECT_EQ(rows.quality, 0);
+      EXPECT_EQ(rows.overload, 0);
+    }
+    if (end > first_s - reach_s + 1e-3 && begin < end_s + reach_s - 1e-3) {
+      EXPECT_EQ(rows.quality, kQualityNoReference1);
+      EXPECT_EQ(rows.overload, 1 << 3);
+    }
+  }
+}
+
+TEST(GridStream, AnotherRateIsRefusedAndNamed) {
+  Grid grid{.origin_ns = 0, .period_ps = 500'000'000};
+  GridStream stream(1, false);
+  stream.take(Node{.rate_hz = 1000.0}.block(0), grid);
+  EXPECT_TRUE(stream.rows.empty());
+  EXPECT_NE(stream.obstacle().find("another rate"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace roadbalance
