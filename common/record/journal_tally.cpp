@@ -44,13 +44,14 @@ void JournalTally::add(const SealedBlock& block) {
   const BlockHeader& header = block.header;
   if (header.sequence <= 0) return;
   Journal& journal = open_[{header.node, header.epoch}];
+  const bool is_first = journal.node == 0;
   journal.node = header.node;
   journal.epoch = header.epoch;
   // A recorder that continues a record begins in the middle of an epoch; a gap may cover numbers before its
   // own.
   const bool covers_those_before =
       block.kind == BlockKind::kGap && stands_for_lost_blocks(decode_gap(block).cause);
-  if (is_empty(journal) && !covers_those_before) journal.first_sequence = header.sequence;
+  if (is_empty(journal) && (is_first || !covers_those_before)) journal.first_sequence = header.sequence;
   journal.last_sequence = header.sequence;
   if (block.kind != BlockKind::kScan && block.kind != BlockKind::kGap) return;
   if (journal.scans == 0 && journal.scans_missing == 0) journal.first_scan = header.first_scan;

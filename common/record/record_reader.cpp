@@ -62,12 +62,15 @@ struct RecordReader::State {
       if (read_index(folder, *at, disk)) break;  // it was finished: damage in it is damage
       const auto path = segment_path(folder, *at);
       const SegmentExtent extent = measure_segment(path, disk);
+      // A segment gets its name when its first events are on the disk: garbage alone is nothing that was
+      // torn.
+      const bool is_torn = extent.end > 0;
       if (extent.end < extent.size)
         torn.insert(torn.begin(), {.segment = path,
                                    .offset = extent.end,
                                    .bytes = extent.size - extent.end,
-                                   .what = "a torn tail",
-                                   .torn = true});
+                                   .what = is_torn ? "a torn tail" : "no event of an LCM log",
+                                   .torn = is_torn});
       if (extent.end > 0 || *at <= number) break;
     }
     if (number == *last) limit_last();

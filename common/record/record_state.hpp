@@ -26,7 +26,8 @@ struct RecordState {
     bool operator==(const Epoch& other) const {
       return position.contiguous == other.position.contiguous &&
              position.next_scan == other.position.next_scan && position.ended == other.position.ended &&
-             samples == other.samples && gaps == other.gaps && blocks == other.blocks;
+             position.crashed == other.position.crashed && samples == other.samples && gaps == other.gaps &&
+             blocks == other.blocks;
     }
   };
   std::map<NodeEpoch, Epoch> epoch;

@@ -52,12 +52,13 @@ void remove_unnamed(const File& folder, Disk& disk) {
 }
 
 // Nothing in a segment without any event was ever promised, and its number is free again.
-bool remove_if_nothing_in_it(const std::filesystem::path& segment, const SegmentExtent& extent, File& folder,
-                             Disk& disk) {
-  if (extent.end > 0) return false;
-  if (extent.size > 0) keep_tail(segment, 0, folder, disk);
+std::optional<RecordWriter::CutTail> remove_segment(const std::filesystem::path& segment, std::uint64_t size,
+                                                    File& folder, Disk& disk) {
+  std::optional<RecordWriter::CutTail> result;
+  if (size > 0)
+    result = {.segment = segment, .tail = keep_tail(segment, 0, folder, disk), .kept = 0, .cut = size};
   remove_file(segment, disk);
-  return true;
+  return result;
 }
 
 std::optional<RecordWriter::CutTail> cut(const std::filesystem::path& segment, const SegmentExtent& extent,
@@ -109,10 +110,10 @@ TakenOver take_over(File& folder, RecordState before, Disk& disk) {
     const auto last = segment_path(folder.path(), numbers.back());
     if (read_index(folder.path(), numbers.back(), disk)) break;  // it was finished
     const SegmentExtent extent = measure_segment(last, disk);
-    if (!remove_if_nothing_in_it(last, extent, folder, disk)) {
-      result.cut = cut(last, extent, folder, disk);
-      break;
-    }
+    auto cut_here =
+        extent.end > 0 ? cut(last, extent, folder, disk) : remove_segment(last, extent.size, folder, disk);
+    if (cut_here) result.cut = std::move(cut_here);
+    if (extent.end > 0) break;
     numbers.pop_back();
   }
   folder.sync();

@@ -1,0 +1,124 @@
+#include "host/recorder/verify_epochs.hpp"
+
+#include <algorithm>
+
+#include "common/bus/codec.hpp"
+
+namespace roadbalance {
+namespace {
+
+// Behind a declared loss of unknown length.
+constexpr std::int64_t kUnknownScan = -1;
+
+std::uint32_t crc_of(const SealedBlock& block) {
+  std::uint32_t crc = 0;
+  for (const std::uint8_t byte : block.bytes().last(4)) crc = crc << 8 | byte;
+  return crc;
+}
+
+}  // namespace
+
+void EpochCheck::begin_behind(const std::map<NodeEpoch, RecordState::Epoch>& deleted) {
+  for (const auto& [key, epoch] : deleted) find_or_add(key).deleted = epoch;
+}
+
+EpochCheck::Epoch& EpochCheck::find_or_add(NodeEpoch key) {
+  for (auto& [known, epoch] : epochs_)
+    if (known == key) return epoch;
+  return epochs_.emplace_back(key, Epoch{}).second;
+}
+
+void EpochCheck::add(const SealedBlock& block) {
+  Epoch& epoch = find_or_add({block.header.node, block.header.epoch});
+  Entry entry{.sequence = block.header.sequence,
+              .first_scan = block.header.first_scan,
+              .scans = block.header.scans,
+              .crc = crc_of(block),
+              .kind = block.kind,
+              .cause = GapCause::kRingFull};
+  if (block.kind == BlockKind::kGap) entry.cause = decode_gap(block).cause;
+  if (block.kind == BlockKind::kEnd) epoch.end = decode_end(block);
+  if (block.kind == BlockKind::kScan && epoch.period_ps == 0) epoch.period_ps = decode_scan(block).period_ps;
+  epoch.entries.push_back(entry);
+}
+
+bool EpochCheck::covers_numbers_before(const Entry& entry) {
+  return entry.kind == BlockKind::kGap && stands_for_lost_blocks(entry.cause);
+}
+
+void EpochCheck::check_sequence(const Entry& entry, const Entry* before, VerifiedEpoch& result) {
+  if (before && entry.sequence == before->sequence)
+    ++(entry.crc == before->crc ? result.repeated_blocks : result.contradicting_blocks);
+  if (entry.sequence > result.last_sequence + 1 && !covers_numbers_before(entry))
+    result.undeclared_blocks.push_back({result.last_sequence + 1, entry.sequence - 1});
+  result.last_sequence = entry.sequence;
+}
+
+// The second, independent proof: scan indices run on from block to block and gap to gap.
+void EpochCheck::check_scans(const Entry& entry, std::int64_t& next_scan, VerifiedEpoch& result) {
+  const bool has_scans = entry.kind == BlockKind::kScan || entry.kind == BlockKind::kGap;
+  if (!has_scans && entry.kind != BlockKind::kEnd) return;
+  const bool unknown = next_scan == kUnknownScan;
+  if (!unknown && entry.first_scan > next_scan)
+    result.undeclared_scans.push_back({next_scan, entry.first_scan - 1});
+  if (!unknown && entry.first_scan < next_scan && entry.scans > 0) ++result.overlapping_blocks;
+  next_scan = std::max(next_scan, entry.first_scan + (has_scans ? entry.scans : 0));
+  if (covers_numbers_before(entry) && entry.scans == 0) next_scan = kUnknownScan;
+}
+
+void EpochCheck::count(const Entry& entry, VerifiedEpoch& result) {
+  ++result.blocks;
+  if (entry.kind == BlockKind::kScan) result.samples += entry.scans;
+  if (entry.kind != BlockKind::kGap) return;
+  result.samples_missing += entry.scans;
+  result.gaps.push_back({entry.cause, entry.sequence, entry.first_scan, entry.scans});
+}
+
+void EpochCheck::check_totals(const Epoch& epoch, VerifiedEpoch& result) {
+  const std::int64_t here = result.samples_deleted + result.samples + result.samples_missing;
+  result.ended = epoch.end.has_value() || (epoch.deleted.position.ended && !epoch.deleted.position.crashed);
+  result.samples_sent = here;
+  if (!epoch.end) return;
+  result.samples_sent = epoch.end->scans_sealed + epoch.end->scans_missing;
+  if (epoch.end->blocks != epoch.end->header.sequence || result.last_sequence != epoch.end->blocks)
+    result.contradictions.push_back("the end is block " + std::to_string(epoch.end->header.sequence) +
+                                    " of " + std::to_string(epoch.end->blocks) +
+                                    ", the last one here is block " + std::to_string(result.last_sequence));
+  if (result.samples_sent != here)
+    result.contradictions.push_back("the node took " + std::to_string(result.samples_sent) + " scans, " +
+                                    std::to_string(here) + " are recorded or declared missing");
+}
+
+VerifiedEpoch EpochCheck::check(NodeEpoch key, Epoch& epoch) {
+  VerifiedEpoch result;
+  result.node = key.first;
+  result.epoch = key.second;
+  result.period_ps = epoch.period_ps;
+  result.last_sequence = epoch.deleted.position.contiguous;
+  result.samples_deleted = epoch.deleted.position.next_scan;
+  std::stable_sort(epoch.entries.begin(), epoch.entries.end(),
+                   [](const Entry& a, const Entry& b) { return a.sequence < b.sequence; });
+  std::int64_t next_scan = epoch.deleted.position.next_scan;  // counted from the start command on
+  const Entry* before = nullptr;
+  for (const Entry& entry : epoch.entries) {
+    check_sequence(entry, before, result);
+    check_scans(entry, next_scan, result);
+    count(entry, result);
+    before = &entry;
+  }
+  check_totals(epoch, result);
+  return result;
+}
+
+std::vector<VerifiedEpoch> EpochCheck::result() {
+  std::vector<VerifiedEpoch> all;
+  for (auto& [key, epoch] : epochs_) {
+    const bool was_over = epoch.entries.empty() && epoch.deleted.position.ended;
+    if (!was_over) all.push_back(check(key, epoch));
+  }
+  std::stable_sort(all.begin(), all.end(),
+                   [](const VerifiedEpoch& a, const VerifiedEpoch& b) { return a.node < b.node; });
+  return all;
+}
+
+}  // namespace roadbalance

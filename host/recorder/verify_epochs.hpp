@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/link/block.hpp"
+#include "common/link/blocks.hpp"
+#include "common/record/record_state.hpp"
+
+namespace roadbalance {
+
+/// Consecutive block numbers, or scans, that are not there.
+struct MissingSpan {
+  std::int64_t first = 0;
+  std::int64_t last = 0;
+};
+
+/// A declared gap.
+struct VerifiedGap {
+  GapCause cause = GapCause::kRingFull;
+  std::int64_t sequence = 0;
+  std::int64_t first_scan = 0;
+  std::int64_t scans = 0;  ///< 0 for a crash, or if unknown
+};
+
+/// What a record holds of one node epoch.
+struct VerifiedEpoch {
+  std::int32_t node = 0;
+  std::int64_t epoch = 0;
+  std::int64_t blocks = 0;
+  std::int64_t last_sequence = 0;
+  std::int64_t samples = 0;          ///< scans in recorded blocks
+  std::int64_t samples_missing = 0;  ///< scans in declared gaps
+  std::int64_t samples_deleted = 0;  ///< scans, recorded or declared missing, in segments that were deleted
+  bool ended = false;                ///< the node's end is there
+  std::int64_t samples_sent = 0;     ///< by the node's end; without one, as recorded
+  std::int64_t period_ps = 0;        ///< of the scan blocks
+  std::vector<VerifiedGap> gaps;
+  std::vector<MissingSpan> undeclared_blocks;
+  std::vector<MissingSpan> undeclared_scans;
+  std::int64_t repeated_blocks = 0;         ///< of a number that is there already, and the same
+  std::int64_t contradicting_blocks = 0;    ///< of a number that is there already, but another block
+  std::int64_t overlapping_blocks = 0;      ///< scans that an earlier block has too
+  std::vector<std::string> contradictions;  ///< of the end's totals, or of the journal, with what is there
+
+  bool is_damaged() const {
+    return !undeclared_blocks.empty() || !undeclared_scans.empty() || repeated_blocks > 0 ||
+           contradicting_blocks > 0 || overlapping_blocks > 0 || !contradictions.empty();
+  }
+  bool is_complete() const { return !is_damaged() && ended && gaps.empty() && samples_deleted == 0; }
+  /// Neither the node's end nor a declared crash is there (yet): what came after is unknown.
+  bool is_open() const { return !ended && (gaps.empty() || gaps.back().cause != GapCause::kNodeCrash); }
+};
+
+/// Collects the blocks of a record and then says of each node epoch what is there.  Some fifty bytes a block.
+class EpochCheck {
+ public:
+  /// Where the record begins, if its first segments were deleted.
+  void begin_behind(const std::map<NodeEpoch, RecordState::Epoch>& deleted);
+  /// In the record's order; no descriptions.
+  void add(const SealedBlock& block);
+  /// By node, then in order of appearance.
+  std::vector<VerifiedEpoch> result();
+
+ private:
+  struct Entry {
+    std::int64_t sequence;
+    std::int64_t first_scan;
+    std::int64_t scans;
+    std::uint32_t crc;
+    BlockKind kind;
+    GapCause cause;
+  };
+  struct Epoch {
+    RecordState::Epoch deleted;
+    std::vector<Entry> entries;
+    std::optional<EndBlock> end;
+    std::int64_t period_ps = 0;
+  };
+  Epoch& find_or_add(NodeEpoch key);
+  static bool covers_numbers_before(const Entry& entry);
+  static void check_sequence(const Entry& entry, const Entry* before, VerifiedEpoch& result);
+  static void check_scans(const Entry& entry, std::int64_t& next_scan, VerifiedEpoch& result);
+  static void count(const Entry& entry, VerifiedEpoch& result);
+  static void check_totals(const Epoch& epoch, VerifiedEpoch& result);
+  static VerifiedEpoch check(NodeEpoch key, Epoch& epoch);
+
+  std::vector<std::pair<NodeEpoch, Epoch>> epochs_;  // in order of appearance: an epoch is a random number
+};
+
+}  // namespace roadbalance

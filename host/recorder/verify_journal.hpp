@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/bus/notes.hpp"
+#include "common/record/journal_tally.hpp"
+
+namespace roadbalance {
+
+/// Compares each journal entry with the blocks that stand in the record since the one before, and that the
+/// node's own CRCs say nothing of: their number, order and place.
+class JournalCheck {
+ public:
+  void add(const SealedBlock& block) { tally_.add(block); }
+  void add(const Journal& entry);
+  /// A recorder began: what stands before and is in no entry was appended just before the one before was
+  /// killed.
+  void restart() { tally_ = {}; }
+
+  std::int64_t entries() const { return entries_; }
+  /// By node epoch, in words.
+  const std::map<NodeEpoch, std::vector<std::string>>& contradictions() const { return contradictions_; }
+
+ private:
+  JournalTally tally_;
+  std::int64_t entries_ = 0;
+  std::map<NodeEpoch, std::vector<std::string>> contradictions_;
+};
+
+}  // namespace roadbalance

@@ -1,0 +1,58 @@
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+
+#include "host/recorder/verify.hpp"
+
+namespace roadbalance {
+namespace {
+
+std::string number(std::int64_t value) {
+  return std::to_string(value);
+}
+
+std::string what_happened(const Note& note) {
+  switch (note.kind) {
+    case NoteKind::kStarted:
+      return "recorder started, from segment " + number(note.a) + " on";
+    case NoteKind::kStopped:
+      return "recorder stopped as asked";
+    case NoteKind::kClock:
+      return "clocks";
+    case NoteKind::kDiskFailed:
+      return "disk failed, error " + number(note.a) + ", in segment " + number(note.b);
+    case NoteKind::kSegmentAbandoned:
+      return "segment " + number(note.a) + " abandoned: it ends at byte " + number(note.b);
+    case NoteKind::kDiskFull:
+      return "disk full, " + number(note.a) + " bytes free";
+    case NoteKind::kDiskFree:
+      return "recording goes on, " + number(note.a) + " bytes free";
+    case NoteKind::kFallback:
+      return "fallback folder from here on";
+    case NoteKind::kPowerLost:
+      return "supply lost";
+    case NoteKind::kPowerReturned:
+      return "supply returned";
+    case NoteKind::kSegmentDeleted:
+      return "segment " + number(note.a) + " deleted by the retention mode, " + number(note.b) + " bytes";
+    case NoteKind::kTailCut:
+      return number(note.b) + " bytes behind the last event of segment " + number(note.a) +
+             " cut, and kept beside";
+    default:
+      return "note of kind " + number(static_cast<std::int64_t>(note.kind)) + " (" + number(note.a) + ", " +
+             number(note.b) + ")";
+  }
+}
+
+}  // namespace
+
+std::string note_text(const Note& note) {
+  const std::time_t seconds = note.time_us / 1'000'000;
+  std::tm utc{};
+  ::gmtime_r(&seconds, &utc);
+  char time[32];
+  std::strftime(time, sizeof time, "%Y-%m-%dT%H:%M:%SZ ", &utc);
+  return time + what_happened(note) + (note.text.empty() ? "" : ": " + note.text);
+}
+
+}  // namespace roadbalance
