@@ -25,6 +25,12 @@ int main(int argc, char** argv) {
   app.add_option("--ring-mib", ring_mib, "memory for blocks the recorder does not have yet, MiB")
       ->check(CLI::Range(0.25, 4096.0))
       ->capture_default_str();
+  std::string spool;
+  double spool_mib = 1024.0;
+  app.add_option("--spool", spool, "folder for blocks when the memory is half full; none: memory only");
+  app.add_option("--spool-mib", spool_mib, "what the spool may take of the disk, MiB")
+      ->check(CLI::Range(1.0, 1048576.0))
+      ->capture_default_str();
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -39,6 +45,8 @@ int main(int argc, char** argv) {
     run_node(signals.token(), vehicle, node, *front_end,
              {.bus_url = bus_url,
               .ring_bytes = static_cast<std::size_t>(ring_mib * 1024 * 1024),
+              .spool = spool,
+              .spool_bytes = static_cast<std::uint64_t>(spool_mib * 1024 * 1024),
               .warn = [](const std::string& refused) {
                 std::fprintf(stderr, "rb-node: warning: %s\n", refused.c_str());
               }});

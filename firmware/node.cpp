@@ -17,6 +17,7 @@
 #include "firmware/pack.hpp"
 #include "firmware/readout_clock.hpp"
 #include "firmware/ring_sink.hpp"
+#include "firmware/spool_folder.hpp"
 #include "firmware/uplink.hpp"
 
 namespace roadbalance {
@@ -56,6 +57,33 @@ NodeClockAddress clock_address(const FrontEnd& front_end, const ClockSocket* soc
   return clock;
 }
 
+/// Of this run; nullptr: none is wanted.
+std::unique_ptr<SpoolFolder> open_spool(const NodeConfig& node, std::int64_t epoch,
+                                        const NodeOptions& options) {
+  if (options.spool.empty()) return nullptr;
+  if (options.spool_bytes < SpoolFolder::kLeastBytes)
+    throw ConfigError("spool " + options.spool.string() + ": at least " +
+                      std::to_string(SpoolFolder::kLeastBytes) + " bytes are needed");
+  for (const auto& left : spools_left(options.spool))
+    options.warn("an earlier run left blocks in " + left.string() +
+                 ": `rb recover --spool` takes them into their recording");
+  return std::make_unique<SpoolFolder>(
+      SpoolFolder::Options{.folder = spool_path(options.spool, node.id, epoch),
+                           .bytes = options.spool_bytes,
+                           .node = node.id,
+                           .epoch = epoch});
+}
+
+void leave_spool(Backlog& backlog, const std::filesystem::path& folder, const NodeOptions& options) {
+  backlog.save(WallClock::now());
+  std::error_code ignored;
+  if (backlog.spooled() == 0)
+    std::filesystem::remove(folder, ignored);  // it is empty, or somebody put something there
+  else
+    options.warn(std::to_string(backlog.spooled()) + " blocks that no recorder has stay in " +
+                 folder.string());
+}
+
 }  // namespace
 
 void run_node(std::stop_token stop, const VehicleConfig& vehicle, const NodeConfig& node, FrontEnd& front_end,
@@ -71,7 +99,8 @@ void run_node(std::stop_token stop, const VehicleConfig& vehicle, const NodeConf
     throw ConfigError("ring of " + std::to_string(options.ring_bytes) + " bytes: node " + node.name +
                       " needs at least " + std::to_string(least * sizeof(SealedBlock)));
 
-  Backlog backlog(ring);
+  const auto spool = open_spool(node, epoch, options);
+  Backlog backlog(ring, spool.get());
   ConversionTimes device(front_end, node.rate_hz);
   const auto clock = open_clock(node, front_end, options);
   NodeLink node_link(node.id, epoch, backlog, *preview, link, clock_address(front_end, clock.get()));
@@ -88,6 +117,7 @@ void run_node(std::stop_token stop, const VehicleConfig& vehicle, const NodeConf
     acquire(stop_here, device, sealer, sink, link);
   });
   processes.wait();
+  if (spool) leave_spool(backlog, spool_path(options.spool, node.id, epoch), options);
   if (const std::int64_t refused = link.scans_refused.load(); refused > 0)
     options.warn("front end of node " + node.name + " numbered " + std::to_string(refused) +
                  " scans backwards; they are not recorded");

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <stop_token>
 #include <string>
@@ -14,9 +16,12 @@ namespace roadbalance {
 struct NodeOptions {
   std::string bus_url;
   std::size_t ring_bytes = Ring::kDefaultBytes;
-  /// Hears what the system refuses of real-time priority and locked memory, and at the end how many scans the
-  /// device numbered backwards.  A device that waits for its
-  /// reader has no deadline and asks for neither.
+  /// Where blocks go when the ring is half full, in a folder of this run; empty: nowhere.
+  std::filesystem::path spool{};
+  std::uint64_t spool_bytes = std::uint64_t{1} << 30;
+  /// Hears what earlier runs left in the spool, what the system refuses of real-time priority and locked
+  /// memory (a device that waits for its reader has no deadline and asks for neither), and at the end how
+  /// many scans the device numbered backwards and what stays in the spool because no recorder took it.
   std::function<void(const std::string&)> warn = [](const std::string&) {};
 };
 
@@ -25,10 +30,10 @@ struct NodeOptions {
 ///
 /// Begins a new epoch; samples are kept from a recorder's start command on.  Returns when the device has
 /// ended or was stopped by command and all that was sealed is durable at the owner, or soon after `stop` is
-/// requested.
+/// requested; then what no recorder took is moved to the spool.
 ///
-/// @throws ConfigError if the ring is too small; std::runtime_error if the bus cannot be opened or the
-///         device failed (then after all it gave is durable)
+/// @throws ConfigError if the ring or the spool is too small; std::runtime_error if bus or spool cannot be
+///         opened or the device failed (then after all it gave is durable)
 void run_node(std::stop_token stop, const VehicleConfig& vehicle, const NodeConfig& node, FrontEnd& front_end,
               const NodeOptions& options);
 

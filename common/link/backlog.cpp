@@ -50,15 +50,35 @@ void Backlog::free_through(std::int64_t sequence) {
   if (sequence >= ring_.base()) ring_.free_through(sequence);
 }
 
-void Backlog::relieve(WallTime now) {
-  if (!spool_ || ring_.used() * 2 <= ring_.capacity()) return;
+// An epoch begins with its description: nothing is freed before it was seen here.
+void Backlog::describe() {
+  for (; described_ >= 0 && described_ + 1 < ring_.next(); ++described_) {
+    if (described_ + 1 < ring_.base() || ring_.get(described_ + 1).kind != BlockKind::kMeta) {
+      described_ = -1;
+      return;
+    }
+    spool_->describe(ring_.get(described_ + 1));
+  }
+}
+
+void Backlog::move(std::int64_t blocks, WallTime now) {
   const std::int64_t first = ring_.base();
-  const std::int64_t last = first + std::max<std::int64_t>(1, ring_.capacity() / kShareMoved) - 1;
-  spool_->keep(ring_, first, std::min(last, ring_.next() - 1), now);
-  if (spool_->base() == spool_->next()) return;
-  assert(spool_->next() - 1 <= last);
-  ring_.free_through(spool_->next() - 1);
-  assert(spool_->next() == ring_.base());
+  spool_->keep(ring_, first, std::min(first + blocks, ring_.next()) - 1, now);
+  if (spool_->base() < spool_->next()) ring_.free_through(spool_->next() - 1);
+  assert(spool_->base() == spool_->next() || spool_->next() == ring_.base());
+}
+
+void Backlog::relieve(WallTime now) {
+  if (!spool_) return;
+  describe();
+  if (ring_.used() * 2 > ring_.capacity())
+    move(std::max<std::int64_t>(1, ring_.capacity() / kShareMoved), now);
+}
+
+void Backlog::save(WallTime now) {
+  if (!spool_) return;
+  describe();
+  if (ring_.used() > 0) move(ring_.used(), now);
 }
 
 }  // namespace roadbalance

@@ -33,18 +33,23 @@ class Backlog {
   void free_through(std::int64_t sequence);
   /// Moves blocks to the spool if it is time to.  May take as long as a disk does.
   void relieve(WallTime now);
+  /// The program ends: moves all that the spool takes.
+  void save(WallTime now);
 
   static constexpr int kMostTries = 3;
 
  private:
   bool is_spooled(std::int64_t sequence) const { return spool_ && sequence < ring_.base(); }
   void not_read(std::int64_t sequence);
+  void describe();
+  void move(std::int64_t blocks, WallTime now);
 
   Ring& ring_;
   Spool* const spool_;
-  SealedBlock block_;        // read from the spool
-  std::int64_t unread_ = 0;  // the oldest block, if the disk did not give it back ...
-  int tries_ = 0;            // ... so often
+  std::int64_t described_ = 0;  // the blocks through here describe the epoch; -1: those behind do not
+  SealedBlock block_;           // read from the spool
+  std::int64_t unread_ = 0;     // the oldest block, if the disk did not give it back ...
+  int tries_ = 0;               // ... so often
 };
 
 }  // namespace roadbalance

@@ -24,6 +24,8 @@ class Spool {
   /// Calls that the disk refused.
   virtual std::int64_t failures() const = 0;
 
+  /// A part of what describes the epoch (kMeta); said once, before the first keep().
+  virtual void describe(const SealedBlock& meta) = 0;
   /// Adds the ring's blocks `first` .. `last`, as many as it can; what it holds on return outlives the
   /// process. `first` is next() unless the spool is empty.
   virtual void keep(const Ring& ring, std::int64_t first, std::int64_t last, WallTime now) = 0;

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
+#include <filesystem>
+#include <functional>
 #include <map>
 #include <numbers>
 
@@ -10,7 +14,9 @@
 #include "common/bus/control.hpp"
 #include "common/config/section.hpp"
 #include "common/process/parallel.hpp"
+#include "common/record/record.hpp"
 #include "common/test/bus_url.hpp"
+#include "firmware/spool_folder.hpp"
 #include "firmware/test/pulse_train.hpp"
 #include "firmware/test/scripted_front_end.hpp"
 #include "firmware/test/vehicle.hpp"
@@ -43,9 +49,15 @@ class Owner {
       if (last.epoch == 0) continue;
       if (!replies.contains(1)) say(1, Verb::kClaim);
       if (replies.contains(1) && !replies.contains(2)) say(2, Verb::kStart);
+      if (takes_nothing || (slow && most_spooled <= 500)) continue;
       acknowledge();
     }
   }
+
+  bool slow = false;           ///< takes nothing before the node had to move blocks to its disk
+  bool takes_nothing = false;  ///< at all
+  std::function<void()> on_all_sealed = [] {};
+  std::int64_t most_spooled = 0;
 
   std::map<std::int64_t, SealedBlock> blocks;
   std::map<std::int64_t, Reply> replies;
@@ -56,7 +68,11 @@ class Owner {
   void say(std::int64_t request, Verb verb) {
     bus_.publish(command_channel(kNode), encode(Command{kNode, request, 1, verb}));
   }
-  void heard(const Heartbeat& beat) { last = beat; }
+  void heard(const Heartbeat& beat) {
+    last = beat;
+    most_spooled = std::max(most_spooled, beat.spool_used);
+    if (beat.state == NodeState::kEnded) on_all_sealed();
+  }
   void take(std::span<const std::uint8_t> bytes) {
     SealedBlock block;
     ASSERT_EQ(accept(bytes, block), Refusal::kNone);
@@ -123,6 +139,79 @@ TEST(RunNode, DeliversEveryScanOnceOverALossyBusAndEndsWhenAllIsDurable) {
   EXPECT_EQ(owner.last.scans_missing, 0);
   EXPECT_GE(owner.last.blocks_repaired, owner.end / 3);
   EXPECT_EQ(owner.last.state, NodeState::kEnded);
+}
+
+// No recorder at first: more than the ring holds goes to the disk and comes back.
+TEST(RunNode, DeliversWhatItHadToMoveToItsDiskAndLeavesNothingThere) {
+  const std::string url = test::bus_url();
+  const auto folder = std::filesystem::temp_directory_path() / ("rb-spool-" + std::to_string(::getpid()));
+  const auto vehicle = test::one_node_vehicle(kRate_hz);
+  test::ScriptedFrontEnd device(test::marked_scans(0, 40'000, kRate_hz), {});
+  Owner owner(url);
+  owner.slow = true;
+  Parallel processes;
+  processes.run([&](std::stop_token stop) { owner.run(stop); });
+  processes.run([&](std::stop_token stop) {
+    run_node(stop, vehicle, vehicle.node[0], device,
+             {.bus_url = url, .ring_bytes = std::size_t{512} << 10, .spool = folder});
+  });
+  processes.wait();
+  EXPECT_GT(owner.most_spooled, 500);
+  EXPECT_EQ(owner.last.scans_missing, 0);
+  std::int64_t next = 0;
+  for (const auto& [sequence, block] : owner.blocks)
+    if (block.kind == BlockKind::kScan) {
+      EXPECT_EQ(block.header.first_scan, next);
+      next += block.header.scans;
+    }
+  EXPECT_EQ(next, 40'000);
+  EXPECT_TRUE(std::filesystem::is_empty(folder));
+  std::filesystem::remove_all(folder);
+}
+
+TEST(RunNode, SavesWhatNoRecorderTookAndTheNextRunNamesIt) {
+  const std::string url = test::bus_url();
+  const auto folder = std::filesystem::temp_directory_path() / ("rb-spool-" + std::to_string(::getpid()));
+  const auto vehicle = test::one_node_vehicle(kRate_hz);
+  std::string warned;
+  const NodeOptions options{.bus_url = url,
+                            .ring_bytes = std::size_t{1} << 20,
+                            .spool = folder,
+                            .warn = [&warned](const std::string& text) { warned += text + "\n"; }};
+  {
+    test::ScriptedFrontEnd device(test::marked_scans(0, 4000, kRate_hz), {});
+    Owner owner(url);
+    owner.takes_nothing = true;
+    std::stop_source stop;
+    owner.on_all_sealed = [&stop] { stop.request_stop(); };
+    Parallel processes;
+    processes.run([&](std::stop_token stop_here) { owner.run(stop_here); });
+    processes.run([&](std::stop_token) {
+      run_node(stop.get_token(), vehicle, vehicle.node[0], device, options);
+      processes.request_stop();
+    });
+    processes.wait();
+  }
+  EXPECT_NE(warned.find("blocks that no recorder has stay in " + folder.string()), std::string::npos)
+      << warned;
+  warned.clear();
+  std::stop_source stop;
+  stop.request_stop();
+  test::ScriptedFrontEnd nothing({}, {});
+  run_node(stop.get_token(), vehicle, vehicle.node[0], nothing, options);
+  EXPECT_NE(warned.find("an earlier run left blocks in " + folder.string()), std::string::npos) << warned;
+
+  std::int64_t scans = 0;
+  ASSERT_EQ(spools_left(folder).size(), 1u);
+  RecordReader reader(spools_left(folder).front());
+  reader.finish();
+  SealedBlock block;
+  while (const auto event = reader.next()) {
+    ASSERT_EQ(accept(event->data, block), Refusal::kNone);
+    if (block.kind == BlockKind::kScan) scans += block.header.scans;
+  }
+  EXPECT_EQ(scans, 4000);
+  std::filesystem::remove_all(folder);
 }
 
 TEST(RunNode, NamesARingThatIsTooSmall) {

@@ -1,0 +1,142 @@
+#include "common/link/backlog.hpp"
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <random>
+
+#include "common/link/test/memory_spool.hpp"
+
+namespace roadbalance {
+namespace {
+
+constexpr WallTime kNow{std::chrono::hours(1)};
+
+void put_into(Ring& ring) {
+  SealedBlock* block = ring.claim();
+  ASSERT_NE(block, nullptr);
+  block->kind = BlockKind::kScan;
+  block->header.sequence = ring.next();
+  block->size = static_cast<std::uint32_t>(ring.next() % 1000);
+  ring.commit();
+}
+
+struct BacklogTest : testing::Test {
+  Ring ring{32 * sizeof(SealedBlock)};
+  test::MemorySpool spool;
+  Backlog backlog{ring, &spool};
+
+  void put(int blocks) {
+    for (int k = 0; k < blocks; ++k) put_into(ring);
+  }
+};
+
+TEST_F(BacklogTest, IsTheRingAloneWithoutASpool) {
+  Backlog alone(ring);
+  put(20);
+  alone.relieve(kNow);
+  EXPECT_EQ(alone.used(), 20);
+  EXPECT_EQ(alone.capacity(), 32);
+  EXPECT_EQ(alone.spooled(), 0);
+  alone.free_through(5);
+  EXPECT_EQ(alone.base(), 6);
+  EXPECT_EQ(alone.get(6)->header.sequence, 6);
+}
+
+TEST_F(BacklogTest, MovesTheOldestOnceMoreThanHalfOfTheRingIsUsed) {
+  put(16);
+  backlog.relieve(kNow);
+  EXPECT_EQ(backlog.spooled(), 0);
+  put(1);
+  backlog.relieve(kNow);
+  EXPECT_EQ(backlog.spooled(), 2);
+  EXPECT_EQ(ring.used(), 15);
+  EXPECT_EQ(backlog.base(), 1);
+  EXPECT_EQ(backlog.used(), 17);
+}
+
+TEST_F(BacklogTest, KeepsInTheRingWhatTheSpoolRefuses) {
+  put(20);
+  spool.room = 0;
+  backlog.relieve(kNow);
+  EXPECT_EQ(ring.used(), 20);
+  EXPECT_EQ(backlog.base(), 1);
+}
+
+TEST_F(BacklogTest, SavesEverythingAtTheEnd) {
+  put(10);
+  backlog.save(kNow);
+  EXPECT_EQ(backlog.spooled(), 10);
+  EXPECT_EQ(ring.used(), 0);
+  EXPECT_EQ(backlog.get(10)->header.sequence, 10);
+}
+
+TEST_F(BacklogTest, TellsTheSpoolWhatDescribesTheEpochAndNothingElse) {
+  for (int k = 0; k < 3; ++k) {
+    SealedBlock* block = ring.claim();
+    block->kind = BlockKind::kMeta;
+    block->header.sequence = ring.next();
+    ring.commit();
+    backlog.relieve(kNow);
+  }
+  backlog.free_through(2);
+  put(1);
+  backlog.relieve(kNow);
+  SealedBlock* late = ring.claim();
+  late->kind = BlockKind::kMeta;
+  late->header.sequence = ring.next();
+  ring.commit();
+  backlog.relieve(kNow);
+  EXPECT_EQ(spool.described, (std::vector<std::int64_t>{1, 2, 3}));
+}
+
+TEST_F(BacklogTest, GivesUpABlockThatTheDiskDoesNotGiveBackOnceItIsTheOldest) {
+  put(20);
+  backlog.relieve(kNow);  // 1 and 2
+  spool.unreadable = 2;
+  for (int k = 0; k < 10; ++k) EXPECT_EQ(backlog.get(2), nullptr);
+  EXPECT_EQ(backlog.base(), 1) << "the one before it is still good";
+  backlog.free_through(1);
+  for (int k = 0; k < Backlog::kMostTries; ++k) EXPECT_EQ(backlog.get(2), nullptr);
+  EXPECT_EQ(backlog.base(), 3);
+}
+
+// Against a plain queue, with a spool of changing room that refuses now and then.
+TEST_F(BacklogTest, IsOneRunOfSequencesWhateverTheSpoolDoes) {
+  for (int seed = 1; seed <= 30; ++seed) {
+    Ring small(32 * sizeof(SealedBlock));
+    test::MemorySpool disk;
+    Backlog both(small, &disk);
+    std::mt19937 random(static_cast<unsigned>(seed));
+    const auto up_to = [&random](std::int64_t most) {
+      return static_cast<std::int64_t>(random() % static_cast<unsigned>(most + 1));
+    };
+    std::deque<std::int64_t> model;
+    for (int step = 0; step < 3000; ++step) {
+      disk.room = up_to(3) == 0 ? 0 : up_to(200);
+      for (std::int64_t k = up_to(6); k > 0 && small.claim(); --k) {
+        model.push_back(small.next());
+        put_into(small);
+      }
+      both.relieve(kNow);
+      if (up_to(4) == 0 && !model.empty()) {
+        const std::int64_t through = model.front() - 1 + up_to(static_cast<std::int64_t>(model.size()));
+        both.free_through(through);
+        while (!model.empty() && model.front() <= through) model.pop_front();
+      }
+      ASSERT_EQ(both.used(), static_cast<std::int64_t>(model.size()));
+      ASSERT_EQ(both.next(), small.next());
+      if (model.empty()) continue;
+      ASSERT_EQ(both.base(), model.front());
+      const std::int64_t any = both.base() + up_to(both.used() - 1);
+      const SealedBlock* block = both.get(any);
+      ASSERT_NE(block, nullptr);
+      ASSERT_EQ(block->header.sequence, any);
+      ASSERT_EQ(block->size, any % 1000);
+    }
+    EXPECT_GT(small.next(), 1000);
+  }
+}
+
+}  // namespace
+}  // namespace roadbalance
