@@ -7,7 +7,9 @@
 
 namespace roadbalance::test {
 
-Measurement::Measurement() : url(bus_url()), bus(url) {}
+Measurement::Measurement() : Measurement(test::bus_url()) {}
+
+Measurement::Measurement(const std::string& bus_url) : url(bus_url), bus(url) {}
 
 Program Measurement::recorder(const std::filesystem::path& folder,
                               const std::vector<std::string>& more) const {

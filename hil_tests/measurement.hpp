@@ -20,6 +20,7 @@ class Measurement : public ::testing::Test {
   static constexpr std::int32_t kRear = 2;
 
   Measurement();
+  explicit Measurement(const std::string& bus_url);
 
   Program recorder(const std::filesystem::path& folder, const std::vector<std::string>& more = {}) const;
   Program recorder(const std::vector<std::string>& more = {}) const { return recorder(record, more); }

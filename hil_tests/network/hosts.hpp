@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "hil_tests/network/cable.hpp"
+
+namespace roadbalance::test {
+
+/// Computers of their own on one bad cable: network namespaces of this kernel, each with a TAP interface
+/// 10.77.0.<k + 1>/24 and a multicast route, and a thread that carries frames between the interfaces.
+///
+/// The thread that made this object is on host 0 until the object goes: sockets it opens and programs it
+/// starts are there.  Everything ends with the process; nothing else on the computer notices.
+class Hosts {
+ public:
+  /// Why there can be none here, or nothing.
+  static std::optional<std::string> obstacle();
+
+  /// @throws std::system_error, std::runtime_error naming what failed
+  explicit Hosts(std::size_t count);
+  ~Hosts();
+  Hosts(const Hosts&) = delete;
+  Hosts& operator=(const Hosts&) = delete;
+
+  /// Calls `action` as on this host.
+  template <typename Action>
+  auto on(std::size_t host, Action&& action) const {
+    const Visit visit(*this, host);
+    return action();
+  }
+
+  /// Frames that leave a host; by the kernel's netem if it has that, else by the cable.  Returns which.
+  std::string impair(std::size_t host, const CableFaults& faults);
+  void pull(std::size_t host);
+  void plug(std::size_t host);
+  Cable::Counts counts();
+
+ private:
+  class Visit {
+   public:
+    Visit(const Hosts& hosts, std::size_t host);
+    ~Visit();
+
+   private:
+    const Hosts& hosts_;
+  };
+  void enter(int network) const;
+  void make_host(std::size_t number);
+  bool impair_by_netem(std::size_t host, const CableFaults& faults) const;
+  void carry(const std::stop_token& stop);
+  void take_all(std::size_t host);
+  void deliver(WallTime now);
+
+  int home_ = -1;             // network the thread came from
+  std::vector<int> network_;  // [host]
+  std::vector<int> tap_;      // [host]
+  std::mutex mutex_;          // guards cable_
+  Cable cable_;
+  std::jthread carrier_;
+};
+
+}  // namespace roadbalance::test

@@ -1,0 +1,115 @@
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <optional>
+
+#include "hil_tests/measurement.hpp"
+#include "hil_tests/network/hosts.hpp"
+
+namespace roadbalance {
+namespace {
+
+using std::chrono::microseconds;
+using test::CableFaults;
+using test::Program;
+
+/// Made before the measurement, so that its observer is on host 0 too.
+struct ThreeHosts {
+  std::optional<test::Hosts> hosts;
+  ThreeHosts() {
+    if (!test::Hosts::obstacle()) hosts.emplace(3);
+  }
+};
+
+/// The recorder on host 0, a node on each of two others; what a user types is the same but for the address.
+class Network : protected ThreeHosts, public test::Measurement {
+ protected:
+  // The namespaces are apart: one port for all tests.
+  Network() : Measurement("udpm://239.255.76.67:7667?ttl=1&recv_buf_size=4194304") {}
+  void SetUp() override {
+    if (!hosts) GTEST_SKIP() << *test::Hosts::obstacle();
+  }
+
+  Program node_on(std::size_t host, const std::string& name, const std::string& drive) {
+    return hosts->on(host, [&] { return node(name, drive); });
+  }
+  void impair_all(const CableFaults& faults) {
+    std::string by;
+    for (std::size_t host = 0; host < 3; ++host) by = hosts->impair(host, faults);
+    std::printf("frames are lost by %s\n", by.c_str());
+  }
+  void print_figures() {
+    const auto counts = hosts->counts();
+    std::printf("frames: %lld carried, %lld lost, %lld doubled, %lld unplugged\n",
+                static_cast<long long>(counts.carried), static_cast<long long>(counts.lost),
+                static_cast<long long>(counts.duplicated), static_cast<long long>(counts.unplugged));
+    for (const int number : {kFront, kRear}) {
+      const Heartbeat heartbeat = bus.heartbeat(number);
+      std::printf("node %d: %lld blocks, %lld sent, %lld of them again: %.2f sends a block\n", number,
+                  static_cast<long long>(heartbeat.next - 1), static_cast<long long>(heartbeat.blocks_sent),
+                  static_cast<long long>(heartbeat.blocks_repaired),
+                  static_cast<double>(heartbeat.blocks_sent) / static_cast<double>(heartbeat.next - 1));
+    }
+  }
+};
+
+TEST_F(Network, ThirtyPercentLossDuplicatesAndReorderEachWayLoseNothing) {
+  impair_all({.loss = 0.3, .duplicates = 0.05, .longest = microseconds(5000)});
+  Program running = recorder();
+  const std::string drive = "rate=4&seconds=10000";
+  Program front = node_on(1, "front", drive), rear = node_on(2, "rear", drive);
+  const std::int64_t blocks = test::full_run() ? 30'000 : 1500;
+  ASSERT_TRUE(more_are_durable(kFront, blocks));
+  ASSERT_TRUE(more_are_durable(kRear, 1));
+  EXPECT_GT(bus.heartbeat(kFront).blocks_repaired, 0);
+  EXPECT_GT(bus.heartbeat(kRear).blocks_repaired, 0);
+  print_figures();
+  end_well(running, {&front, &rear});
+  expect_complete(2);
+}
+
+TEST_F(Network, OneWayLossEitherWayLosesNothing) {
+  Program running = recorder();
+  const std::string drive = "rate=4&seconds=10000";
+  Program front = node_on(1, "front", drive), rear = node_on(2, "rear", drive);
+  ASSERT_TRUE(more_are_durable(kFront, 100));
+  hosts->impair(0, {.loss = 0.6});  // what the recorder says
+  ASSERT_TRUE(more_are_durable(kFront, 500));
+  hosts->impair(0, {});
+  hosts->impair(1, {.loss = 0.6});  // what the node in front says
+  ASSERT_TRUE(more_are_durable(kFront, 500));
+  ASSERT_TRUE(more_are_durable(kRear, 100));
+  print_figures();
+  end_well(running, {&front, &rear});
+  expect_complete(2);
+}
+
+TEST_F(Network, ACablePulledAndPluggedInAgainLosesNothing) {
+  Program running = recorder();
+  const std::string drive = "rate=1&seconds=10000";
+  Program front = node_on(1, "front", drive), rear = node_on(2, "rear", drive);
+  ASSERT_TRUE(more_are_durable(kFront, 100));
+  ASSERT_TRUE(more_are_durable(kRear, 100));
+
+  hosts->pull(1);
+  bus.listen(0.2);  // what was under way has come
+  const std::int64_t heard = bus.heartbeat(kFront).next;
+  bus.listen(test::full_run() ? 10.0 : 2.5);
+  EXPECT_EQ(bus.heartbeat(kFront).next, heard) << "the cable is still plugged in";
+  ASSERT_TRUE(more_are_durable(kRear, 50)) << "the other node must not care";
+  const auto plugged = WallClock::now();
+  hosts->plug(1);
+  // At real time 30 blocks are what is on its way between two syncs.
+  ASSERT_TRUE(bus.wait([&] {
+    const Heartbeat heartbeat = bus.heartbeat(kFront);
+    return heartbeat.next > heard && heartbeat.ring_used < 60;
+  }));
+  std::printf("backlog gone %.2f s after the cable was plugged in\n",
+              std::chrono::duration<double>(WallClock::now() - plugged).count());
+  ASSERT_TRUE(more_are_durable(kFront, 100));
+  end_well(running, {&front, &rear});
+  expect_complete(2);
+}
+
+}  // namespace
+}  // namespace roadbalance
