@@ -1,18 +1,18 @@
 """What a record holds of one node epoch, proven twice: by block numbers and by scan indices."""
 
 from array import array
+from bisect import bisect_right
 
 
 class Epoch:
     """Takes the blocks of one node epoch in any order; memory grows by 4 bytes a block."""
 
-    def __init__(self, node, epoch, begins_late):
+    def __init__(self, node, epoch, deleted=(0, 0)):
+        """@param deleted  (last sequence, next scan) of what the retention mode has deleted of it"""
         self.node, self.epoch = node, epoch
-        self.begins_late = begins_late  # its beginning may have been deleted by the retention mode
         self.blocks = self.samples = self.samples_missing = 0
-        self.last_sequence = 0
-        self.next_scan = 0  # None: behind a declared loss of unknown length
-        self.deleted_scans = None
+        self.last_sequence, self.next_scan = deleted  # next_scan None: behind a declared loss of unknown length
+        self.first_sequence, self.deleted_scans = deleted[0] + 1, deleted[1]
         self.gaps = []  # (cause, first scan, scans)
         self.undeclared_blocks, self.undeclared_scans = [], []  # (first, last)
         self.identical_repeats = self.other_repeats = self.overlaps = 0
@@ -20,12 +20,9 @@ class Epoch:
         self.end = None
         self.crashed = False
         self._waiting = {}
-        self._first = None
-        self._crcs = array("I")  # [sequence - first]; 0 where no block of that number was seen
+        self._runs, self._crcs = [], []  # first number of each run of blocks; their CRCs
 
     def add(self, block):
-        if self._first is None:
-            self._begin(block)
         if block.sequence <= self.last_sequence or block.sequence in self._waiting:
             self._repeat(block)
         elif block.sequence == self.last_sequence + 1 or block.covers_numbers_before():
@@ -34,10 +31,6 @@ class Epoch:
                 self._take(self._waiting.pop(self.last_sequence + 1))
         else:
             self._waiting[block.sequence] = block
-
-    def first_sequence(self):
-        """Of the first block here; blocks before it were deleted with their segment."""
-        return 1 if self._first is None else self._first
 
     def finish(self):
         """No more will come: what is still waited for is missing."""
@@ -52,27 +45,26 @@ class Epoch:
         self._waiting.clear()
         self._check_totals()
 
-    def _begin(self, block):
-        self._first = 1
-        if self.begins_late and block.sequence > 1:
-            self._first = block.sequence
-            self.last_sequence = block.sequence - 1
-            self.next_scan = None
-
     def _repeat(self, block):
         waiting = self._waiting.get(block.sequence)
-        at = block.sequence - self._first
-        known = waiting.crc if waiting else self._crcs[at] if 0 <= at < len(self._crcs) else 0
+        known = waiting.crc if waiting else self._known_crc(block.sequence)
         if known == block.crc:
             self.identical_repeats += 1
         else:
             self.other_repeats += 1
 
+    def _known_crc(self, sequence):
+        run = bisect_right(self._runs, sequence) - 1
+        at = sequence - self._runs[run] if run >= 0 else 0
+        return self._crcs[run][at] if run >= 0 and at < len(self._crcs[run]) else None
+
     def _take(self, block):
         if self.crashed or self.end:
             self.contradictions.append(f"block {block.sequence} comes behind the epoch's end")
-        self._crcs.extend(0 for _ in range(block.sequence - self._first - len(self._crcs)))
-        self._crcs.append(block.crc)
+        if block.sequence != self.last_sequence + 1 or not self._runs:
+            self._runs.append(block.sequence)
+            self._crcs.append(array("I"))
+        self._crcs[-1].append(block.crc)
         self.last_sequence = block.sequence
         self.blocks += 1
         self._check_scans(block)
@@ -88,8 +80,6 @@ class Epoch:
     def _check_scans(self, block):
         if block.kind not in ("SCAN", "GAP", "END"):
             return
-        if self.deleted_scans is None:
-            self.deleted_scans = block.first_scan if self.next_scan is None else 0
         if self.next_scan is not None:
             if block.first_scan > self.next_scan:
                 self.undeclared_scans.append((self.next_scan, block.first_scan - 1))
@@ -106,7 +96,7 @@ class Epoch:
         if not blocks == self.end.sequence == self.last_sequence:
             self.contradictions.append(f"the end is block {self.end.sequence} of {blocks}, the last one here is block "
                                        f"{self.last_sequence}")
-        here = self.samples + self.samples_missing + (self.deleted_scans or 0)
+        here = self.samples + self.samples_missing + self.deleted_scans
         if sealed + missing != here:
             self.contradictions.append(f"the node took {sealed + missing} scans, {here} are recorded, declared missing "
                                        "or declared deleted")
@@ -116,12 +106,12 @@ class Epoch:
                     self.overlaps or self.contradictions)
 
     def is_complete(self):
-        return not self.is_damaged() and self.end is not None and not self.gaps and self._first == 1
+        return not self.is_damaged() and self.end is not None and not self.gaps and self.first_sequence == 1
 
     def report(self):
         return {"node": self.node, "epoch": self.epoch, "complete": self.is_complete(), "ended": self.end is not None,
                 "crashed": self.crashed, "blocks": self.blocks, "samples_recorded": self.samples,
-                "samples_missing": self.samples_missing,
+                "samples_missing": self.samples_missing, "samples_deleted": self.deleted_scans,
                 "gaps": [{"cause": cause, "first_scan": first, "scans": scans} for cause, first, scans in self.gaps],
                 "undeclared_blocks": self.undeclared_blocks, "undeclared_scans": self.undeclared_scans,
                 "identical_repeats": self.identical_repeats, "other_repeats": self.other_repeats,

@@ -16,6 +16,10 @@ class JournalCheck:
     def append(self, block):
         self.appended[block.sequence] = block
 
+    def restart(self):
+        """Another run of the recorder knows nothing of what the one before had not written down yet."""
+        self.appended.clear()
+
     def entry(self, journal, first_kept):
         """@param first_kept  blocks before this number may have been deleted with their segment"""
         self.entries += 1

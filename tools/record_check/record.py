@@ -8,6 +8,7 @@ from record_check.segments import Segments
 
 COMPLETE, DAMAGED, INCOMPLETE, UNREADABLE = 0, 1, 3, 4
 WORDS = {COMPLETE: "complete", DAMAGED: "damaged", INCOMPLETE: "incomplete, but declared", UNREADABLE: "unreadable"}
+STARTED = 1  # the kind of note that a recorder begins with
 MOST_TOGETHER = 1024  # messages in one CRC pass: they stay in the cache
 
 
@@ -21,6 +22,7 @@ class Checker:
         scan = next(kind for kind in types.values() if kind.name == "scan_block_t")
         self.counts_at = scan.offset("counts")
         self.segments = Segments(folder, types)
+        self.deleted = self.segments.deleted_positions()
         self.epochs, self.journals = {}, {}
         self.damage = []
         self.events = self.other_events = self.refused = self.damaged_bytes = self.torn_bytes = 0
@@ -48,7 +50,7 @@ class Checker:
         if (self.refused or self.damaged_bytes or self.missing_segments or journals or
                 any(epoch.is_damaged() for epoch in self.epochs.values())):
             return DAMAGED
-        whole = not self.damage and not self.segments.begins_late() and self.epochs
+        whole = not self.damage and not self.deleted and self.epochs
         return COMPLETE if whole and all(epoch.is_complete() for epoch in self.epochs.values()) else INCOMPLETE
 
     def _check_events(self, log, events):
@@ -64,7 +66,7 @@ class Checker:
             elif kind.name == "journal_t" and channel == b"RB_JOURNAL":
                 self._take_journal(kind.decode(log[begin:end]))
             elif kind.name == "note_t":
-                self.notes += 1
+                self._take_note(kind.decode(log[begin:end]))
 
     def _check_crcs(self, log, events):
         """({index: type} of the events that are messages with a good CRC, {index: CRC of each channel} of the scans)."""
@@ -96,7 +98,7 @@ class Checker:
 
     def _take_other(self, channel):
         # What should be a message of ours and is not is altered; other programs' messages are none of our business.
-        if channel.startswith((b"RB_BLOCK_", b"RB_JOURNAL", b"RB_NOTE", b"RB_CLOCK_")):
+        if channel.startswith(b"RB_"):
             self.refused += 1
         else:
             self.other_events += 1
@@ -120,22 +122,28 @@ class Checker:
 
     def _take_journal(self, entry):
         epoch = self._epoch(entry["node"], entry["epoch"])
-        first_kept = epoch.first_sequence() if self.segments.begins_late() else 0
-        self._journal(entry["node"], entry["epoch"]).entry(entry, first_kept)
+        self._journal(entry["node"], entry["epoch"]).entry(entry, epoch.first_sequence)
+
+    def _take_note(self, note):
+        self.notes += 1
+        if note["kind"] == STARTED:
+            for journal in self.journals.values():
+                journal.restart()
 
     def _epoch(self, node, epoch):
         key = (node, epoch)
         if key not in self.epochs:
-            self.epochs[key] = Epoch(node, epoch, self.segments.begins_late())
+            self.epochs[key] = Epoch(node, epoch, self.deleted.get(key, (0, 0)))
         return self.epochs[key]
 
     def _journal(self, node, epoch):
         return self.journals.setdefault((node, epoch), JournalCheck())
 
     def _list_damage(self, number, damage, size):
-        end = min(size, self.segments.ends.get(number, size))
-        for offset, count in damage:
-            torn = offset + count == end and self.segments.is_torn_tail(number, offset)
+        pieces = [(offset, count, False) for offset, count in damage]
+        if number in self.segments.torn:
+            pieces.append((*self.segments.torn[number], not self.segments.is_listed_as_finished(number)))
+        for offset, count, torn in pieces:
             if torn:
                 self.torn_bytes += count
             else:

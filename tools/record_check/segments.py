@@ -5,6 +5,7 @@ import pathlib
 import re
 
 from record_check.event_log import HEADER, ends_with_its_crc, split_events
+from record_check.extent import is_finished, read_index, torn_from
 
 SEGMENT = re.compile(r"^seg-(\d{6,})\.lcm$")
 SEGMENT_ABANDONED, SEGMENT_DELETED = 5, 11
@@ -23,13 +24,20 @@ class Segments:
         self.numbers = sorted(self.paths)
         self.finished = self._read_manifest()
         self.ends, self.deleted = {}, set()
-        self._note_type = next(kind for kind in types.values() if kind.name == "note_t")
+        self._types = {kind.name: kind for kind in types.values()}
+        self._note_type = self._types["note_t"]
         for number in self.numbers:
             self._read_notes(self.paths[number].read_bytes())
+        self.torn = {}  # number -> (offset, bytes): what a kill or a power cut leaves at the end of a record
+        self._find_torn()
 
-    def begins_late(self):
-        """True if the retention mode deleted what came before the first segment, and said so."""
-        return self.numbers[0] > 1 and self.numbers[0] - 1 in self.deleted
+    def deleted_positions(self):
+        """{(node, epoch): (last sequence, next scan)} at the end of what the retention mode deleted, and said so."""
+        first = self.numbers[0]
+        if first - 1 not in self.deleted:
+            return {}
+        index = read_index(self.paths[first].with_name(f"seg-{first - 1:06}.lcm"), first - 1)
+        return index[1] if index else {}
 
     def missing(self):
         """Lines of what should be here and is not."""
@@ -40,23 +48,35 @@ class Segments:
                 yield f"{name}: is missing; manifest.json lists it as finished"
             elif path.exists() and path.stat().st_size < size:
                 yield f"{name}: has {path.stat().st_size} of the {size} bytes it was finished with"
-        for before, number in zip([None] + self.numbers, self.numbers):
+        before = max(self.deleted, default=0)
+        for number in self.numbers:
             name = self.paths[number].name
-            if before is not None and number != before + 1:
-                yield f"{name}: does not follow segment {before}"
-            if number != self.numbers[-1] and self.paths[number].stat().st_size == 0 and name not in self.finished:
+            if number > before + 1:
+                yield f"{name}: does not follow segment {before}" if before else f"{name}: is the first one here"
+            before = max(before, number)
+            is_empty = self.paths[number].stat().st_size == 0
+            if is_empty and number != self.numbers[-1] and name not in self.finished and number not in self.ends:
                 yield f"{name}: is empty"
-        if self.numbers[0] > 1 and not self.begins_late():
-            yield f"{self.paths[self.numbers[0]].name}: is the first one, and no note says that those before were deleted"
-
-    def is_torn_tail(self, number, offset):
-        """What a kill leaves: the end of the last segment, if that is not finished and has a beginning."""
-        return number == self.numbers[-1] and offset > 0 and self.paths[number].name not in self.finished
 
     def read(self, number):
         """(bytes, events, damage) of a segment up to where it ends."""
         log = self.paths[number].read_bytes()
         return log, *split_events(log, self.ends.get(number))
+
+    def is_listed_as_finished(self, number):
+        return self.paths[number].name in self.finished
+
+    def _find_torn(self):
+        for number in reversed(self.numbers):
+            if is_finished(self.paths[number], number):
+                return
+            log = self.paths[number].read_bytes()
+            end = torn_from(log, self._types["commit_t"])
+            if end < len(log):
+                self.torn[number] = end, len(log) - end
+                self.ends[number] = min(end, self.ends.get(number, end))
+            if end > 0:
+                return
 
     def _read_notes(self, log):
         at = log.find(b"RB_NOTE")
