@@ -11,6 +11,7 @@ namespace {
 using std::chrono::seconds;
 constexpr std::chrono::milliseconds kDutyPeriod{500};
 constexpr seconds kClockPeriod{10};
+constexpr seconds kJournalPeriod{1};
 
 std::string in_words(double seconds_left) {
   char text[64];
@@ -24,9 +25,27 @@ void RecordKeeper::do_duties(WallTime now) {
   if (now < duties_at_) return;
   duties_at_ = now + kDutyPeriod;
   watch_space(now);
-  if (!segment_is_open_ || !is_caught_up() || now < clock_note_at_) return;
+  if (!segment_is_open_ || !is_caught_up()) return;
+  if (now >= journal_at_) {
+    journal_at_ = now + kJournalPeriod;
+    keep_journal();
+  }
+  if (now < clock_note_at_) return;
   clock_note_at_ = now + kClockPeriod;
   note(NoteKind::kClock, 0, 0, "");
+}
+
+void RecordKeeper::keep_journal() {
+  for (const NodeEpoch& key : journal_.due()) {
+    Journal entry = journal_.take(key.first, key.second);
+    entry.time_us = stamp_.time_us;
+    const auto repaired = counters_.repaired.find(key);
+    entry.repaired = repaired == counters_.repaired.end() ? 0 : repaired->second;
+    entry.refused = counters_.refused;
+    entry.rivals = counters_.rivals;
+    entry.disk_failures = health_.failures();
+    held_.push(kJournalChannel, encode(entry), stamp_.time_us);
+  }
 }
 
 void RecordKeeper::watch_space(WallTime now) {

@@ -1,26 +1,60 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
+#include <stdexcept>
+#include <utility>
 
 #include "common/bus/bus.hpp"
+#include "common/process/service_notify.hpp"
 #include "common/process/stop_on_signal.hpp"
 #include "host/recorder/recorder.hpp"
 #include "host/recorder/report_json.hpp"
+#include "host/recorder/status_line.hpp"
+
+namespace {
+
+using namespace roadbalance;
+
+void add_disk_options(CLI::App& app, RecorderOptions& options, double& keep_gib, std::int64_t& reserve_mib) {
+  app.add_option("--fallback", options.fallback, "folder to go on in when the disk of the first one fails");
+  app.add_option("--keep-gib", keep_gib,
+                 "delete the oldest finished segments beyond so much; default: keep all")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--reserve-mib", reserve_mib, "of the disk, not for measuring")
+      ->check(CLI::Range(1, 1 << 20))
+      ->capture_default_str();
+  app.add_option("--power", options.power,
+                 "say when the supply is gone, and close the segment: supply:NAME or gpio:CHIP:LINE[:low]");
+}
+
+// A supervisor hears that we live only when both the link and the writer have turned since.
+void tell_supervisor(ServiceNotify& notify, RecorderOptions& options) {
+  options.on_alive = [&notify, ready = false](const RecorderStatus& status) mutable {
+    if (!std::exchange(ready, true)) notify.ready();
+    notify.feed();
+    const auto alarm = alarms(status);
+    notify.status(alarm.empty() ? status_line(status) : alarm.front());
+  };
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
-  using namespace roadbalance;
   CLI::App app("rb-recorder: records every node on the bus without loss");
   RecorderOptions options;
   options.url = default_bus_url();
   std::string folder;
   bool no_start = false;
   bool json = false;
+  double keep_gib = 0;
+  std::int64_t reserve_mib = options.reserve_bytes >> 20;
   app.add_option("--record", folder, "folder of the recording; an existing one is continued")->required();
   app.add_option("--url", options.url, "LCM address of the bus")->capture_default_str();
   app.add_option("--nodes", options.nodes, "record only these nodes; default: every node heard");
   app.add_flag("--no-start", no_start, "claim the nodes, but leave starting them to others");
   app.add_flag("--end-with-nodes", options.end_with_nodes, "end when each of --nodes has ended");
   app.add_flag("--json", json, "print the final counts as one JSON object on standard output");
+  add_disk_options(app, options, keep_gib, reserve_mib);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -32,15 +66,25 @@ int main(int argc, char** argv) {
   }
   options.folder = folder;
   options.start = !no_start;
+  options.keep_bytes = static_cast<std::int64_t>(keep_gib * (1 << 30));
+  options.reserve_bytes = reserve_mib << 20;
   options.on_cut_tail = [](const RecordWriter::CutTail& tail) {
     std::fprintf(stderr, "rb-recorder: cut a torn tail of %ju bytes off %s; it is kept in %s\n",
                  static_cast<std::uintmax_t>(tail.cut), tail.segment.c_str(), tail.tail.c_str());
   };
+  options.on_warning = [](const std::string& sentence) {
+    std::fprintf(stderr, "rb-recorder: %s\n", sentence.c_str());
+  };
   try {
     StopOnSignal signals;
+    ServiceNotify notify;
+    if (notify.has_supervisor()) tell_supervisor(notify, options);
     const RecorderReport report = run_recorder(signals.token(), options);
     if (json) std::printf("%s\n", to_json(report).c_str());
     return 0;
+  } catch (const std::invalid_argument& error) {
+    std::fprintf(stderr, "rb-recorder: %s\n", error.what());
+    return 2;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "rb-recorder: %s\n", error.what());
     return 4;

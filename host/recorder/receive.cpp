@@ -15,6 +15,7 @@ using std::chrono::milliseconds;
 constexpr milliseconds kTurn{2};  // longest wait for the bus: bounds the delay of an acknowledgement
 constexpr milliseconds kReport{200};
 constexpr milliseconds kStatus{500};
+constexpr milliseconds kCounters{1000};
 constexpr milliseconds kLastWords{50};  // after the release: answers of the last acks
 constexpr milliseconds kStoreAgain{1000};
 
@@ -34,8 +35,14 @@ std::int64_t utc_us() {
 // The link on its bus.
 class Reception {
  public:
-  Reception(const RecorderOptions& options, std::int64_t incarnation, const RecordState& recovered)
-      : options_(options), bus_(options.url), link_(link_options(options), incarnation, recovered) {
+  Reception(const RecorderOptions& options, std::int64_t incarnation, const RecordState& recovered,
+            Out<ClockPeer> peers)
+      : options_(options),
+        bus_(options.url),
+        link_(link_options(options), incarnation, recovered),
+        peers_(std::move(peers)) {
+    // First: that a node has a clock of its own is said before its blocks are handed on.
+    bus_.subscribe("RB_HEARTBEAT_.*", [this](std::string_view, auto bytes) { tell_of_clock(bytes); });
     for (const char* channels : {"RB_HEARTBEAT_.*", "RB_BLOCK_.*", "RB_REPLY_.*"})
       bus_.subscribe(channels, [this](std::string_view channel, auto bytes) {
         link_.take(channel, bytes, WallClock::now());
@@ -45,14 +52,19 @@ class Reception {
   RecorderLink& link() { return link_; }
 
   /// One turn: what has arrived, what has become durable, what is to be said.
-  std::vector<Delivery> turn(In<WriterNews>& news) {
+  WriteBatch turn(In<WriterNews>& news) {
     bus_.handle(kTurn);
     const WallTime now = WallClock::now();
     while (const auto from_writer = news.receive_for(milliseconds(0))) take(*from_writer, now);
     raise_incarnation_if_needed(now);
     link_.turn(now, publish_);
     if (now - status_at_ >= kStatus) say_status(now);
-    return link_.deliveries();
+    WriteBatch batch{.deliveries = link_.deliveries(), .counters = std::nullopt};
+    if (now - counted_at_ >= kCounters) {
+      counted_at_ = now;
+      batch.counters = link_.counters();
+    }
+    return batch;
   }
 
   void farewell() {
@@ -78,6 +90,17 @@ class Reception {
     }
   }
 
+  void tell_of_clock(std::span<const std::uint8_t> bytes) {
+    const auto beat = decode_heartbeat(bytes);
+    const auto& ours = options_.nodes;
+    if (!beat || beat->time_base != TimeBase::kOwn ||
+        (!ours.empty() && std::find(ours.begin(), ours.end(), beat->node) == ours.end()))
+      return;
+    (void)peers_.try_send({.node = beat->node,
+                           .epoch = beat->epoch,
+                           .address = {beat->clock_address, beat->clock_port}});  // the next one comes soon
+  }
+
   void say_status(WallTime now) {
     status_at_ = now;
     status_.time_us = utc_us();
@@ -90,9 +113,11 @@ class Reception {
   const RecorderOptions& options_;
   Bus bus_;
   RecorderLink link_;
+  Out<ClockPeer> peers_;
   RecorderStatus status_;
   bool writer_turns_ = false;
   WallTime status_at_{};
+  WallTime counted_at_{};
   WallTime store_at_{};
   const Publish publish_ = [this](const std::string& channel, std::span<const std::uint8_t> bytes) {
     return bus_.publish(channel, bytes);
@@ -102,18 +127,19 @@ class Reception {
 }  // namespace
 
 void receive(std::stop_token stop, const RecorderOptions& options, std::int64_t incarnation,
-             const RecordState& recovered, Out<std::vector<Delivery>> deliveries, In<WriterNews> news,
+             const RecordState& recovered, Out<WriteBatch> batches, In<WriterNews> news, Out<ClockPeer> peers,
              RecorderReport& report) {
-  Reception reception(options, incarnation, recovered);
+  Reception reception(options, incarnation, recovered, std::move(peers));
   RecorderLink& link = reception.link();
   WallTime reported_at{};
   for (bool over = false; !over;) {
     // Asked first: a writer that fails closes `news` and only then stops everybody here.  The nodes are not
     // meant: they go on, keep what is not durable and wait for the next recorder.
     const bool told_to_stop = stop.stop_requested();
-    auto delivered = reception.turn(news);
+    auto batch = reception.turn(news);
     if (news.finished()) break;
-    if (!delivered.empty() && !deliveries.send(std::move(delivered))) break;
+    const bool says_something = !batch.deliveries.empty() || batch.counters;
+    if (says_something && !batches.send(std::move(batch))) break;
     const WallTime now = WallClock::now();
     if (told_to_stop) link.stop(now);
     over = link.over(now);
@@ -123,7 +149,8 @@ void receive(std::stop_token stop, const RecorderOptions& options, std::int64_t 
     }
   }
   link.finish(WallClock::now());
-  if (auto last = link.deliveries(); !last.empty()) (void)deliveries.send(std::move(last));
+  if (auto last = link.deliveries(); !last.empty())
+    (void)batches.send({.deliveries = std::move(last), .counters = link.counters()});
   reception.farewell();
   report = link.report();
 }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/process/channel.hpp"
+#include "host/recorder/clock_asker.hpp"
 #include "host/recorder/recorder.hpp"
 #include "host/recorder/recorder_link.hpp"
 #include "host/recorder/write.hpp"
@@ -14,12 +15,13 @@ namespace roadbalance {
 /// on its bus.
 ///
 /// When told to stop it stops the nodes, goes on until their ends are durable or nothing more comes, and
-/// until they know it, releases them, and so closes `deliveries`.  When the writer is gone it ends too, but
+/// until they know it, releases them, and so closes `batches`.  When the writer is gone it ends too, but
 /// leaves the nodes running: they keep what is not durable for the next recorder.
 /// @param recovered  what the record holds
+/// @param peers      hears of every heartbeat of a node that has a clock of its own
 /// @throws std::runtime_error naming the bus
 void receive(std::stop_token stop, const RecorderOptions& options, std::int64_t incarnation,
-             const RecordState& recovered, Out<std::vector<Delivery>> deliveries, In<WriterNews> news,
+             const RecordState& recovered, Out<WriteBatch> batches, In<WriterNews> news, Out<ClockPeer> peers,
              RecorderReport& report);
 
 }  // namespace roadbalance

@@ -77,6 +77,7 @@ void RecordKeeper::append(const Delivery& delivery, WallTime now) {
   bytes_recorded_ += block->size;
   urgent_ = urgent_ || block->kind == BlockKind::kEnd;
   const bool at_once = write_held(now) && may_write(now);
+  journal_.add(*block);
   held_.push(block_channel(header.node, block->kind), block->bytes(), stamp_.time_us);
   if (!at_once) return;
   if (!attempt(now, [&] { writer_->append(*block, stamp_.time_us); })) return;
@@ -150,11 +151,27 @@ void RecordKeeper::go_to_fallback(WallTime now) {
   }
   fallback_ = true;
   segment_is_open_ = false;
+  hold_anew();
   listed_ = 0;
   to_delete_.clear();
   health_.retry(now);
   note(NoteKind::kFallback, 0, 0, options_.fallback.string());
   warnings_.push_back("recording goes on in " + options_.fallback.string());
+}
+
+// What is not on the disk of the first folder begins the second one, and its journal.
+void RecordKeeper::hold_anew() {
+  const HeldEvents before = std::exchange(held_, {});
+  journal_ = {};
+  SealedBlock block;
+  for (std::size_t i = std::exchange(written_, 0); i < before.size(); ++i) {
+    const HeldEvents::Event event = before.at(i);
+    if (event.channel == kJournalChannel) continue;
+    held_.push(event.channel, event.data, event.timestamp_us);
+    if (event.channel.starts_with("RB_BLOCK_") && accept(event.data, block) == Refusal::kNone)
+      journal_.add(block);
+  }
+  appended_before_ = writer_->appended();
 }
 
 bool RecordKeeper::write_held(WallTime now) {
@@ -213,6 +230,7 @@ std::vector<DurableMark> RecordKeeper::all_is_durable() {
 }
 
 std::vector<DurableMark> RecordKeeper::seal(WallTime now) {
+  keep_journal();
   auto marks = commit(now);
   if (held_.size() == 0 && segment_is_open_ && attempt(now, [this] { writer_->close(); })) {
     segment_is_open_ = false;

@@ -14,6 +14,7 @@
 #include "common/bus/recorder_status.hpp"
 #include "common/clock/clocks.hpp"
 #include "common/link/epoch_receiver.hpp"
+#include "common/record/journal_tally.hpp"
 #include "common/record/record.hpp"
 #include "host/recorder/ballast.hpp"
 #include "host/recorder/disk_health.hpp"
@@ -58,6 +59,8 @@ class RecordKeeper {
   /// For the stamp of notes.  The first is that the recorder runs, the second, if so, that a tail was cut.
   void begin(std::int64_t incarnation);
 
+  void set_link_counters(LinkCounters counters) { counters_ = std::move(counters); }
+
   void append(const Delivery& delivery, WallTime now);
   void append(const RecordEvent& event, WallTime now);
   /// What happened; in the record with the next commit, but no segment begins for notes alone.
@@ -93,8 +96,10 @@ class RecordKeeper {
   bool write_held(WallTime now);
   std::vector<DurableMark> all_is_durable();
   void go_to_fallback(WallTime now);
+  void hold_anew();
   // keeper_duties.cpp: what is done beside, some time before or after a commit.
   void do_duties(WallTime now);
+  void keep_journal();
   void watch_space(WallTime now);
   void on_space(SpaceWatch::Event event);
   void list_finished();
@@ -124,6 +129,9 @@ class RecordKeeper {
   Ballast ballast_;
   WallTime duties_at_ = WallTime::min();  // when they are due
   WallTime clock_note_at_ = WallTime::min();
+  WallTime journal_at_ = WallTime::min();
+  JournalTally journal_;
+  LinkCounters counters_;
   int listed_ = 0;           // last segment that the manifest lists as finished
   std::set<int> to_delete_;  // a note says so, which is on the disk after the next commit
   std::int64_t bytes_recorded_ = 0;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/process/parallel.hpp"
+#include "host/recorder/clock_ask.hpp"
 #include "host/recorder/incarnation.hpp"
 #include "host/recorder/receive.hpp"
 #include "host/recorder/record_keeper.hpp"
@@ -13,9 +14,10 @@ namespace roadbalance {
 namespace {
 
 // Credit bounds what is under way to a few thousand blocks a node, so these are never full.
-constexpr std::size_t kDeliveryBatches = 65'536;
+constexpr std::size_t kBatches = 65'536;
 constexpr std::size_t kNews = 64;
 constexpr std::size_t kEvents = 1024;
+constexpr std::size_t kClockPeers = 1024;  // heartbeats: ten a second from each node
 
 std::int64_t utc_ms() {
   using namespace std::chrono;
@@ -40,19 +42,21 @@ RecorderReport run_recorder(std::stop_token stop, const RecorderOptions& options
   if (keeper.cut_tail() && options.on_cut_tail) options.on_cut_tail(*keeper.cut_tail());
   const std::int64_t incarnation = next_incarnation(keeper.folder(), utc_ms());
 
-  auto [deliveries_out, deliveries_in] = make_channel<std::vector<Delivery>>(kDeliveryBatches);
+  auto [batches_out, batches_in] = make_channel<WriteBatch>(kBatches);
   auto [news_out, news_in] = make_channel<WriterNews>(kNews);
   auto [events_out, events_in] = make_channel<RecordEvent>(kEvents);
+  auto [peers_out, peers_in] = make_channel<ClockPeer>(kClockPeers);
   const WriteOptions write_options{
       .incarnation = incarnation, .power = power.get(), .on_warning = options.on_warning};
   RecorderReport report;
 
   Parallel recorder;
   const std::stop_callback pass_on(stop, [&recorder] { recorder.request_stop(); });
-  recorder.run(write_record, std::ref(keeper), std::cref(write_options), std::move(deliveries_in),
+  recorder.run(write_record, std::ref(keeper), std::cref(write_options), std::move(batches_in),
                std::move(events_in), std::move(news_out));
+  recorder.run(ask_clocks, options.url, std::move(peers_in), std::move(events_out));
   recorder.run(receive, std::cref(options), incarnation, std::cref(keeper.recovered()),
-               std::move(deliveries_out), std::move(news_in), std::ref(report));
+               std::move(batches_out), std::move(news_in), std::move(peers_out), std::ref(report));
   recorder.wait();
   return report;
 }

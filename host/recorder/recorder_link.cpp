@@ -12,8 +12,8 @@ namespace {
 
 using std::chrono::milliseconds;
 // At the end the last acks are repeated until each node has heard that all is durable, or is silent.
-constexpr milliseconds kNodeSilence{500};
-constexpr milliseconds kMostLastAcks{2000};
+constexpr milliseconds kNodeSilence{1500};
+constexpr milliseconds kMostLastAcks{10'000};
 constexpr milliseconds kEpochGone{1000};
 
 }  // namespace
@@ -115,6 +115,14 @@ RecorderReport RecorderLink::report() const {
   return report;
 }
 
+LinkCounters RecorderLink::counters() const {
+  const RecorderReport counted = report();
+  LinkCounters counters{
+      .refused = counted.blocks_refused, .rivals = counted.rival_heartbeats, .repaired = {}};
+  for (const NodeReport& node : counted.node) counters.repaired[{node.node, node.epoch}] = node.repaired;
+  return counters;
+}
+
 void RecorderLink::fill(RecorderStatus& status) const {
   if (stopping_) status.state = RecorderState::kStopping;
   status.incarnation = incarnation();
@@ -134,7 +142,8 @@ bool RecorderLink::is_ours(std::int32_t node) const {
 // No more are kept than the receiver has epochs.
 void RecorderLink::hear(NodeEpoch key, Heard heard) {
   if (!heard_.contains(key))
-    std::erase_if(heard_, [this](const auto& old) { return !receiver_.find(old.first.first, old.first.second); });
+    std::erase_if(heard_,
+                  [this](const auto& old) { return !receiver_.find(old.first.first, old.first.second); });
   heard_[key] = heard;
 }
 

@@ -24,6 +24,13 @@ struct DurableMark {
   std::int64_t sequence = 0;
 };
 
+/// What the link counts of the losses that it mended, for the journal.
+struct LinkCounters {
+  std::int64_t refused = 0;
+  std::int64_t rivals = 0;
+  std::map<NodeEpoch, std::int64_t> repaired;
+};
+
 struct RecorderLinkOptions {
   bool start = true;                ///< start each node that is claimed
   std::vector<std::int32_t> nodes;  ///< record only these; empty: every node heard
@@ -66,6 +73,7 @@ class RecorderLink {
   void set_incarnation(std::int64_t incarnation);
 
   RecorderReport report() const;
+  LinkCounters counters() const;
   /// Fills in what the link side of the recorder knows.
   void fill(RecorderStatus& status) const;
   const Receiver& receiver() const { return receiver_; }

@@ -31,12 +31,14 @@ class Writing {
     return std::clamp(keeper_.time_left(WallClock::now()), milliseconds(0), kTurn);
   }
 
-  void turn(const std::optional<std::vector<Delivery>>& deliveries, In<RecordEvent>& events) {
+  void turn(const std::optional<WriteBatch>& batch, In<RecordEvent>& events) {
     set_clocks();
     const WallTime now = WallClock::now();
-    if (deliveries)
-      for (const auto& delivery : *deliveries) keeper_.append(delivery, now);
+    // A fit counts for the blocks behind it in the record: what was known when these came stands before them.
     while (const auto event = events.receive_for(milliseconds(0))) keeper_.append(*event, now);
+    if (batch && batch->counters) keeper_.set_link_counters(*batch->counters);
+    if (batch)
+      for (const auto& delivery : batch->deliveries) keeper_.append(delivery, now);
     if (options_.power) watch_power(now);
     if (keeper_.commit_is_due(now)) take(keeper_.commit(now), now);
     tell();
@@ -104,11 +106,11 @@ class Writing {
 
 }  // namespace
 
-void write_record(RecordKeeper& keeper, const WriteOptions& options, In<std::vector<Delivery>> deliveries,
+void write_record(RecordKeeper& keeper, const WriteOptions& options, In<WriteBatch> batches,
                   In<RecordEvent> events, Out<WriterNews> news) {
   Writing writing(keeper, options, std::move(news));
-  while (!deliveries.finished()) {
-    const auto batch = deliveries.receive_for(writing.patience());
+  while (!batches.finished()) {
+    const auto batch = batches.receive_for(writing.patience());
     writing.turn(batch, events);
   }
   writing.close();

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <functional>
-#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +10,12 @@
 #include "host/recorder/record_keeper.hpp"
 
 namespace roadbalance {
+
+/// From the link to the writer.
+struct WriteBatch {
+  std::vector<Delivery> deliveries;
+  std::optional<LinkCounters> counters;  ///< about once a second
+};
 
 /// From the writer to the link: at least five times a second while it turns.
 struct WriterNews {
@@ -26,9 +32,9 @@ struct WriteOptions {
 
 /// Process: deliveries and other events -> disk: a RecordKeeper and its thread, which watches the supply too.
 ///
-/// Ends, with all on the disk and the record closed, when `deliveries` closes.
+/// Ends, with all on the disk and the record closed, when `batches` closes.
 /// @throws std::runtime_error if something could not be put on the disk in the end: it was not promised
-void write_record(RecordKeeper& keeper, const WriteOptions& options, In<std::vector<Delivery>> deliveries,
+void write_record(RecordKeeper& keeper, const WriteOptions& options, In<WriteBatch> batches,
                   In<RecordEvent> events, Out<WriterNews> news);
 
 }  // namespace roadbalance

@@ -1,0 +1,65 @@
+#include "host/recorder/status_line.hpp"
+
+#include <array>
+#include <cstdio>
+
+namespace roadbalance {
+namespace {
+
+std::string in_words(std::int64_t bytes) {
+  constexpr std::array kUnits{"kB", "MB", "GB", "TB"};
+  double amount = static_cast<double>(bytes) / 1e3;
+  std::size_t unit = 0;
+  for (; amount >= 1000.0 && unit + 1 < kUnits.size(); ++unit) amount /= 1000.0;
+  std::array<char, 48> text;
+  std::snprintf(text.data(), text.size(), amount < 10.0 ? "%.1f %s" : "%.0f %s", amount, kUnits[unit]);
+  return text.data();
+}
+
+std::string duration(double seconds) {
+  std::array<char, 48> text;
+  if (seconds >= 2 * 3600.0)
+    std::snprintf(text.data(), text.size(), "%.1f h", seconds / 3600.0);
+  else
+    std::snprintf(text.data(), text.size(), "%.0f min", seconds / 60.0);
+  return text.data();
+}
+
+constexpr double kSoonFull_s = 3600;
+constexpr double kSlowSync_s = 1;
+
+}  // namespace
+
+std::string status_line(const RecorderStatus& status) {
+  std::string line = status.state == RecorderState::kStopping ? "stops recording" : "records";
+  line += " to segment " + std::to_string(status.segment) + ": " + in_words(status.bytes_recorded) +
+          " so far, " + in_words(status.bytes_free) + " free";
+  if (status.seconds_left >= 0) line += ", " + duration(status.seconds_left) + " left";
+  return line;
+}
+
+std::vector<std::string> alarms(const RecorderStatus& status) {
+  std::vector<std::string> lines;
+  const std::string waiting = std::to_string(status.waiting_blocks) + " blocks wait";
+  if (status.state == RecorderState::kDiskFailing)
+    lines.push_back("THE DISK FAILS (" + std::to_string(status.disk_failures) + " times): " + waiting +
+                    ", the nodes keep what they measure");
+  if (status.state == RecorderState::kDiskFull)
+    lines.push_back("THE DISK IS FULL: " + waiting + ", the nodes keep what they measure; make space");
+  if (status.rivals > 0)
+    lines.push_back("two nodes have one number, or one was paused: " + std::to_string(status.rivals) +
+                    " heartbeats; both are recorded");
+  if (status.on_battery) lines.push_back("the supply is gone: on battery");
+  if (status.fallback) lines.push_back("records to the fallback folder");
+  const bool is_full = status.state == RecorderState::kDiskFull;
+  if (!is_full && status.seconds_left >= 0 && status.seconds_left < kSoonFull_s)
+    lines.push_back("the disk is full in " + duration(status.seconds_left));
+  if (status.sync_s >= kSlowSync_s)
+    lines.push_back("the disk is slow: its last sync took " +
+                    std::to_string(static_cast<int>(status.sync_s)) + " s");
+  if (status.unsent > 0)
+    lines.push_back(std::to_string(status.unsent) + " datagrams could not be sent: is the network up?");
+  return lines;
+}
+
+}  // namespace roadbalance

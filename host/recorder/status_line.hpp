@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/bus/recorder_status.hpp"
+
+namespace roadbalance {
+
+/// "records to segment 3: 1.2 GB so far, 34 GB free, 5.1 h left".
+std::string status_line(const RecorderStatus& status);
+
+/// What a person should know or do about it, most urgent first; empty if all is well.
+std::vector<std::string> alarms(const RecorderStatus& status);
+
+}  // namespace roadbalance

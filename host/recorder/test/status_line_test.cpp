@@ -1,0 +1,47 @@
+#include "host/recorder/status_line.hpp"
+
+#include <gtest/gtest.h>
+
+namespace roadbalance {
+namespace {
+
+TEST(StatusLine, SaysWhereHowMuchAndHowLongStill) {
+  RecorderStatus status;
+  status.segment = 3;
+  status.bytes_recorded = 1'234'000'000;
+  status.bytes_free = 34'000'000'000;
+  EXPECT_EQ(status_line(status), "records to segment 3: 1.2 GB so far, 34 GB free");
+  status.seconds_left = 5.1 * 3600;
+  EXPECT_EQ(status_line(status), "records to segment 3: 1.2 GB so far, 34 GB free, 5.1 h left");
+  status.state = RecorderState::kStopping;
+  status.seconds_left = 90 * 60;
+  EXPECT_EQ(status_line(status), "stops recording to segment 3: 1.2 GB so far, 34 GB free, 90 min left");
+  EXPECT_TRUE(alarms(status).empty());
+}
+
+TEST(StatusLine, PutsTheMostUrgentAlarmFirst) {
+  RecorderStatus status;
+  status.state = RecorderState::kDiskFailing;
+  status.disk_failures = 7;
+  status.waiting_blocks = 120;
+  status.on_battery = true;
+  status.fallback = true;
+  status.rivals = 2;
+  status.seconds_left = 600;
+  status.sync_s = 3.2;
+  status.unsent = 1;
+  const auto lines = alarms(status);
+  ASSERT_EQ(lines.size(), 7u);
+  EXPECT_EQ(lines[0], "THE DISK FAILS (7 times): 120 blocks wait, the nodes keep what they measure");
+  EXPECT_EQ(lines[4], "the disk is full in 10 min");
+}
+
+TEST(StatusLine, SaysOnceThatTheDiskIsFull) {
+  RecorderStatus status;
+  status.state = RecorderState::kDiskFull;
+  status.seconds_left = 0;
+  EXPECT_EQ(alarms(status).size(), 1u);
+}
+
+}  // namespace
+}  // namespace roadbalance
