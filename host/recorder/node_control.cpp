@@ -23,6 +23,7 @@ void NodeControl::take(const Heartbeat& heartbeat) {
   node.heard = ++heartbeats_;
   node.state = heartbeat.state;
   node.owned = heartbeat.owner == incarnation_;
+  node.obeyed = node.obeyed || node.owned;
   node.started = node.started || heartbeat.state != NodeState::kPreview;
   if (heartbeat.owner > incarnation_) obeyed_higher_ = std::max(obeyed_higher_, heartbeat.owner);
 }
@@ -35,7 +36,7 @@ void NodeControl::take(const Reply& reply) {
   if (reply.result == CommandError::kNotOwner && node.verb == Verb::kClaim && reply.sequence > incarnation_)
     obeyed_higher_ = std::max(obeyed_higher_, reply.sequence);
   if (reply.result != CommandError::kNone) return;
-  if (node.verb == Verb::kClaim) node.owned = true;
+  if (node.verb == Verb::kClaim) node.owned = node.obeyed = true;
   if (node.verb == Verb::kStart) node.state = NodeState::kStarted;
 }
 
@@ -104,12 +105,13 @@ std::vector<Command> NodeControl::farewell() {
 
 bool NodeControl::was_started(std::int32_t node, std::int64_t epoch) const {
   const auto found = nodes_.find({node, epoch});
-  return found != nodes_.end() && found->second.started;
+  return found != nodes_.end() && found->second.is_ours_to_end();
 }
 
 bool NodeControl::was_started(std::int32_t node) const {
-  return std::any_of(nodes_.begin(), nodes_.end(),
-                     [node](const auto& known) { return known.first.first == node && known.second.started; });
+  return std::any_of(nodes_.begin(), nodes_.end(), [node](const auto& known) {
+    return known.first.first == node && known.second.is_ours_to_end();
+  });
 }
 
 }  // namespace roadbalance

@@ -36,7 +36,8 @@ class NodeControl {
   /// The highest incarnation above our own that a node says it obeys or has obeyed: an earlier recorder whose
   /// clock was ahead. 0: none.
   std::int64_t obeyed_higher() const { return obeyed_higher_; }
-  /// The epoch was started, or may be about to start: its end is to be waited for.
+  /// The epoch was started, or may be about to start, and has obeyed us: its end is to be waited for.  One
+  /// that only ever obeyed another recorder is that one's to end.
   bool was_started(std::int32_t node, std::int64_t epoch) const;
   /// The same of any epoch of the node.
   bool was_started(std::int32_t node) const;
@@ -48,6 +49,7 @@ class NodeControl {
   struct Node {
     NodeState state = NodeState::kPreview;
     bool owned = false;
+    bool obeyed = false;         // was owned at some time
     bool started = false;        // measures or has measured, or a start is under way to it
     Verb verb = Verb::kRelease;  // of the request below; release: none
     std::int64_t request = 0;
@@ -55,6 +57,7 @@ class NodeControl {
     std::int64_t heard = 0;  // number of its last heartbeat among all
     std::int64_t seen = 0;   // the same, when due() looked last ...
     WallTime heard_at{};     // ... and then
+    bool is_ours_to_end() const { return started && obeyed; }
   };
   Verb wanted(const Node& node) const;
   bool is_silent(Node& node, WallTime now) const;

@@ -128,5 +128,14 @@ TEST_F(NodeControlTest, StopsANodeWhoseStartMayBeUnderWay) {
   ASSERT_EQ(due(kStart + 200ms)->verb, Verb::kStop);
 }
 
+TEST_F(NodeControlTest, DoesNotWaitForTheEndOfANodeThatOnlyObeyedAnother) {
+  control.take(beat(NodeState::kStarted, 49));
+  EXPECT_FALSE(control.was_started(2, 8)) << "an observer told to end would never end";
+  control.take(beat(NodeState::kStarted, 50));
+  EXPECT_TRUE(control.was_started(2, 8));
+  control.take(beat(NodeState::kStarted, 49));
+  EXPECT_TRUE(control.was_started(2, 8));
+}
+
 }  // namespace
 }  // namespace roadbalance
