@@ -1,0 +1,124 @@
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "common/bus/process_port.hpp"
+#include "common/clock/clocks.hpp"
+#include "common/test/source.hpp"
+#include "common/test/temporary_directory.hpp"
+#include "hil_tests/bus_watch.hpp"
+#include "hil_tests/memory_trend.hpp"
+#include "hil_tests/program.hpp"
+
+namespace roadbalance::test {
+namespace {
+
+struct Options {
+  double minutes = 30;
+  double rate = 20;
+  double settle_s = 60;
+  double sample_s = 1;
+  double most_growth_mib = 1;
+};
+
+struct Watched {
+  std::string name;
+  Program program;
+  MemoryTrend memory;
+};
+
+/// A recorder and two nodes on a bus of their own, for as long as asked.
+class Soak {
+ public:
+  explicit Soak(const Options& options) : options_(options), bus_(url_) {
+    start("recorder", "rb-recorder", {"--record", work_ / "record", "--url", url_});
+    for (const char* node : {"front", "rear"})
+      start(node, "rb-node",
+            {"--vehicle", source_path("sim/demo/vehicle.toml"), "--node", node, "--url", url_, "--front-end",
+             "sim:?seconds=1000000&rate=" + std::to_string(options.rate)});
+  }
+
+  void run() {
+    const auto begin = WallClock::now();
+    for (double elapsed_s = 0; elapsed_s < 60 * options_.minutes;) {
+      bus_.listen(options_.sample_s);
+      elapsed_s = std::chrono::duration<double>(WallClock::now() - begin).count();
+      for (auto& watched : watched_) {
+        const auto bytes = own_memory_bytes(watched.program.pid());
+        if (!bytes || watched.program.exit_code(0)) throw std::runtime_error(watched.name + " has ended");
+        watched.memory.add(elapsed_s, *bytes);
+      }
+    }
+  }
+
+  /// Prints what was measured.  True if all is well.
+  bool report() {
+    bool well = true;
+    for (const std::int32_t node : {1, 2}) {
+      const Heartbeat heartbeat = bus_.heartbeat(node);
+      const std::int64_t durable = bus_.ack(node).durable;
+      std::printf("node %d: %lld blocks durable, %lld scans missing\n", node, static_cast<long long>(durable),
+                  static_cast<long long>(heartbeat.scans_missing));
+      well = well && durable > 0 && heartbeat.scans_missing == 0;
+    }
+    for (const auto& watched : watched_) {
+      constexpr double kMiB = 1 << 20;
+      const double growth_mib = static_cast<double>(watched.memory.growth_bytes()) / kMiB;
+      std::printf("%s: %.2f MiB when settled, grew by %.2f MiB\n", watched.name.c_str(),
+                  static_cast<double>(watched.memory.settled_bytes()) / kMiB, growth_mib);
+      well = well && watched.memory.has_settled() && growth_mib < options_.most_growth_mib;
+    }
+    return well;
+  }
+
+  /// Ends the recorder and by that the nodes.
+  void end() {
+    watched_.front().program.signal(SIGTERM);
+    for (auto& watched : watched_)
+      if (watched.program.exit_code(BusWatch::kPatience_s) != 0)
+        throw std::runtime_error(watched.name + " did not end well");
+  }
+
+ private:
+  void start(const std::string& name, const std::string& program, const std::vector<std::string>& arguments) {
+    watched_.push_back({name, Program(program, arguments), MemoryTrend(options_.settle_s)});
+  }
+
+  const Options options_;
+  const TemporaryDirectory work_;
+  const std::string url_ = bus_url_on_port(process_port());
+  BusWatch bus_;
+  std::vector<Watched> watched_;  // the recorder first
+};
+
+}  // namespace
+}  // namespace roadbalance::test
+
+int main(int argc, char** argv) {
+  CLI::App app("rb-soak: records two simulated nodes for a long time and watches the programs' memory");
+  roadbalance::test::Options options;
+  app.add_option("--minutes", options.minutes)->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--rate", options.rate, "times real time")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--settle", options.settle_s, "seconds that count as the start")->capture_default_str();
+  app.add_option("--growth-mib", options.most_growth_mib, "allowed after the start")->capture_default_str();
+  app.footer(
+      "Needs RB_BIN and RB_SOURCE as the tests do.  Exit codes: 0 flat, 1 it grew or lost, 4 it failed.");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    roadbalance::test::Soak soak(options);
+    soak.run();
+    const bool well = soak.report();
+    soak.end();
+    return well ? 0 : 1;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "rb-soak: %s\n", error.what());
+    return 4;
+  }
+}
