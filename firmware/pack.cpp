@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/bus/codec.hpp"
+#include "common/link/planted.hpp"
 
 namespace roadbalance {
 
@@ -217,6 +218,7 @@ void Sealer::keep_block(bool after_jump) noexcept {
 
 void Sealer::lose(std::int64_t first_scan, std::int64_t scans, std::int64_t time_ns,
                   GapCause cause) noexcept {
+  if (planted(PlantedFault::kSilentRingFull)) return;
   if (!gap_) {
     gap_.emplace();
     gap_->header = header(first_scan, 0, time_ns);
@@ -229,7 +231,10 @@ void Sealer::lose(std::int64_t first_scan, std::int64_t scans, std::int64_t time
 /// A gap opened by lost edges alone covers no scan yet: it is not closed before it does.
 bool Sealer::close_gap() noexcept {
   if (!gap_) return true;
-  if (gap_->header.scans == 0 || !write(*gap_)) return false;
+  if (gap_->header.scans == 0) return false;
+  GapBlock gap = *gap_;
+  if (planted(PlantedFault::kGapOffByOne)) --gap.header.scans;
+  if (!write(gap)) return false;
   gap_.reset();
   after_gap_ = true;
   scan_block_.quality |= kQualityAfterGap;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "common/link/planted.hpp"
 #include "common/link/ring.hpp"
 #include "firmware/block_sink.hpp"
 
@@ -16,6 +17,8 @@ class RingSink final : public BlockSink {
   }
   SealedBlock* claim() noexcept override {
     if (closed()) return nullptr;
+    if (planted(PlantedFault::kOverwriteOldest) && ring_.used() == ring_.capacity())
+      ring_.free_through(ring_.base());
     SealedBlock* const block = ring_.claim();
     full_ = block == nullptr;
     return block;

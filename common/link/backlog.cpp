@@ -32,7 +32,10 @@ std::int64_t Backlog::spool_failures() const {
 const SealedBlock* Backlog::get(std::int64_t sequence) {
   assert(base() <= sequence && sequence < next());
   if (!is_spooled(sequence)) return &ring_.get(sequence);
-  if (spool_->read(sequence, block_)) return &block_;
+  if (spool_->read(sequence, block_)) {
+    gave_up_ = false;
+    return &block_;
+  }
   not_read(sequence);
   return nullptr;
 }
@@ -41,7 +44,9 @@ void Backlog::not_read(std::int64_t sequence) {
   if (sequence != base()) return;
   tries_ = sequence == unread_ ? tries_ + 1 : 1;
   unread_ = sequence;
-  if (tries_ >= kMostTries) free_through(sequence);
+  if (tries_ < kMostTries && !gave_up_) return;
+  gave_up_ = true;
+  free_through(sequence);
 }
 
 void Backlog::free_through(std::int64_t sequence) {

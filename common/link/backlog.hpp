@@ -27,7 +27,8 @@ class Backlog {
 
   /// base() <= sequence < next(); valid until the next call of any member.  Nullptr if the node's disk does
   /// not give it back: it is tried again when asked for again.  The oldest block is given up after
-  /// `kMostTries`: base() rises, and the recorder declares it lost at the node.
+  /// `kMostTries`, and so are those behind it at once if they cannot be read either: base() rises, and the
+  /// recorder declares them lost at the node.
   const SealedBlock* get(std::int64_t sequence);
   /// Everything through `sequence` < next() is given back; lower than base() does nothing.
   void free_through(std::int64_t sequence);
@@ -36,7 +37,7 @@ class Backlog {
   /// The program ends: moves all that the spool takes.
   void save(WallTime now);
 
-  static constexpr int kMostTries = 3;
+  static constexpr int kMostTries = 50;  ///< a second or more: nobody asks again within 20 ms
 
  private:
   bool is_spooled(std::int64_t sequence) const { return spool_ && sequence < ring_.base(); }
@@ -50,6 +51,7 @@ class Backlog {
   SealedBlock block_;           // read from the spool
   std::int64_t unread_ = 0;     // the oldest block, if the disk did not give it back ...
   int tries_ = 0;               // ... so often
+  bool gave_up_ = false;        // nothing could be read since a block was given up
 };
 
 }  // namespace roadbalance

@@ -94,11 +94,25 @@ TEST_F(BacklogTest, GivesUpABlockThatTheDiskDoesNotGiveBackOnceItIsTheOldest) {
   put(20);
   backlog.relieve(kNow);  // 1 and 2
   spool.unreadable = 2;
-  for (int k = 0; k < 10; ++k) EXPECT_EQ(backlog.get(2), nullptr);
+  for (int k = 0; k < 100; ++k) EXPECT_EQ(backlog.get(2), nullptr);
   EXPECT_EQ(backlog.base(), 1) << "the one before it is still good";
   backlog.free_through(1);
   for (int k = 0; k < Backlog::kMostTries; ++k) EXPECT_EQ(backlog.get(2), nullptr);
   EXPECT_EQ(backlog.base(), 3);
+}
+
+// A disk that is gone must not keep the memory behind it full for a second a block.
+TEST_F(BacklogTest, GivesUpTheRestAtOnceWhenTheDiskIsGone) {
+  put(30);
+  for (int k = 0; k < 5; ++k) backlog.relieve(kNow);
+  ASSERT_EQ(backlog.spooled(), 10);
+  spool.all_unreadable = true;
+  for (int k = 0; k < Backlog::kMostTries; ++k) EXPECT_EQ(backlog.get(1), nullptr);
+  for (std::int64_t k = 2; k <= 10; ++k) {
+    EXPECT_EQ(backlog.base(), k);
+    EXPECT_EQ(backlog.get(k), nullptr);
+  }
+  EXPECT_EQ(backlog.base(), 11);
 }
 
 // Against a plain queue, with a spool of changing room that refuses now and then.

@@ -21,7 +21,7 @@ class MemorySpool final : public Spool {
       blocks_.push_back(ring.get(k));
   }
   bool read(std::int64_t sequence, SealedBlock& out) override {
-    if (sequence == unreadable) return false;
+    if (sequence == unreadable || all_unreadable) return false;
     out = blocks_.at(static_cast<std::size_t>(sequence - base_));
     return true;
   }
@@ -31,6 +31,7 @@ class MemorySpool final : public Spool {
 
   std::int64_t room = 1000;
   std::int64_t unreadable = 0;
+  bool all_unreadable = false;
   std::vector<std::int64_t> described;
 
  private:
