@@ -88,7 +88,7 @@ bool fields_in_bounds(const wire::edge_block_t& m) {
 
 bool fields_in_bounds(const wire::gap_t& m) {
   return within(m.cause, static_cast<std::int32_t>(GapCause::kRingFull),
-                static_cast<std::int32_t>(GapCause::kSourceGap));
+                static_cast<std::int32_t>(GapCause::kLostInRecord));
 }
 
 bool fields_in_bounds(const wire::meta_t& m) {

@@ -25,20 +25,20 @@ constexpr std::int32_t quality_no_reference(int line) {
   return kQualityNoReference0 << line;
 }
 
-/// Why scans are not in the record; gap_t.cause.
+/// Why scans are not in the record; gap_t.cause.  A device that fails needs none: its epoch ends with it.
 enum class GapCause : std::int32_t {
   kRingFull = 1,       ///< the node could not keep them: recorder away for too long
   kDeviceOverrun = 2,  ///< the device lost them before the node read it
-  kDeviceFailed = 3,   ///< the device was gone
   kLostAtNode = 4,     ///< the node no longer had the block when it was asked for
   kNodeCrash = 5,      ///< the epoch has no end: its length is unknown
   kSourceGap = 6,      ///< imported data had a hole here
+  kLostInRecord = 7,   ///< was damaged in the record or missing there when it was recovered
 };
 
 /// A gap of this cause stands for every block since the one before it and bears the number of the last;
 /// every other gap stands for itself alone.
 constexpr bool stands_for_lost_blocks(GapCause cause) {
-  return cause == GapCause::kLostAtNode;
+  return cause == GapCause::kLostAtNode || cause == GapCause::kLostInRecord;
 }
 
 enum class MetaKind : std::int32_t { kVehicleToml = 1, kRecordJson = 2 };

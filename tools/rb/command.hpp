@@ -22,6 +22,8 @@ void add_watch(CLI::App& app, int& code);
 void add_doctor(CLI::App& app, int& code);
 void add_identify(CLI::App& app, int& code);
 void add_verify(CLI::App& app, int& code);
+void add_recover(CLI::App& app, int& code);
+void add_info(CLI::App& app, int& code);
 void add_levels(CLI::App& app, int& code);
 void add_spectrum(CLI::App& app, int& code);
 void add_study(CLI::App& app, int& code);

@@ -48,6 +48,8 @@ int main(int argc, char** argv) {
   add_doctor(app, code);
   add_identify(app, code);
   add_verify(app, code);
+  add_recover(app, code);
+  add_info(app, code);
   add_levels(app, code);
   add_spectrum(app, code);
   add_study(app, code);

@@ -3,7 +3,8 @@
 import struct
 
 KINDS = {"scan_block_t": "SCAN", "edge_block_t": "EDGE", "gap_t": "GAP", "meta_t": "META", "end_t": "END"}
-CAUSES = {1: "ring_full", 2: "device_overrun", 3: "device_failed", 4: "lost_at_node", 5: "node_crash", 6: "source_gap"}
+CAUSES = {1: "ring_full", 2: "device_overrun", 4: "lost_at_node", 5: "node_crash", 6: "source_gap",
+          7: "lost_in_record"}
 HEADER = struct.Struct(">qiqqqqq")
 HEADER_FIELDS = ["node", "epoch", "sequence", "first_scan", "scans", "time_ns"]
 INDEX_LIMIT = 1 << 48
@@ -20,7 +21,7 @@ class Block:
 
     def covers_numbers_before(self):
         """A loss at the node stands for every block since the one before and bears the number of the last."""
-        return self.cause == "lost_at_node"
+        return self.cause in ("lost_at_node", "lost_in_record")
 
 
 def _good_header(kind, node, sequence, first_scan, scans, time_ns):

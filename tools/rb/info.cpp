@@ -1,0 +1,159 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <limits>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "common/bus/clock_messages.hpp"
+#include "common/bus/codec.hpp"
+#include "common/record/folder.hpp"
+#include "common/record/segment.hpp"
+#include "common/record/segment_index.hpp"
+#include "host/analyser/recorded_vehicle.hpp"
+#include "host/recorder/verify.hpp"
+#include "tools/rb/command.hpp"
+#include "tools/rb/verification_json.hpp"
+
+namespace roadbalance {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct InfoOptions {
+  std::string folder;
+  bool json = false;
+  bool rebuild_index = false;
+};
+
+/// What verify_record() does not look at.
+struct Survey {
+  struct Clock {
+    std::int64_t fits = 0;
+    std::int64_t exchanges = 0;  // recorded
+    std::optional<ClockFit> last;
+  };
+  std::map<int, std::uint64_t> segment_bytes;
+  std::map<NodeEpoch, Clock> clock;
+  std::int64_t first_us = std::numeric_limits<std::int64_t>::max();
+  std::int64_t last_us = 0;
+};
+
+Survey survey(const std::filesystem::path& folder) {
+  Survey found;
+  for (const int number : segment_numbers(folder))
+    found.segment_bytes[number] = size_of_file(segment_path(folder, number));
+  RecordReader reader(folder);
+  reader.finish();
+  while (const auto event = reader.next()) {
+    if (const auto fit = decode_clock_fit(event->data)) {
+      auto& clock = found.clock[{fit->node, fit->epoch}];
+      ++clock.fits;
+      clock.last = *fit;
+    } else if (const auto exchange = decode_clock_exchange(event->data)) {
+      ++found.clock[{exchange->node, exchange->epoch}].exchanges;
+    }
+    if (event->timestamp_us <= 0) continue;  // descriptions before the first block
+    found.first_us = std::min(found.first_us, event->timestamp_us);
+    found.last_us = std::max(found.last_us, event->timestamp_us);
+  }
+  if (found.last_us == 0) found.first_us = 0;
+  return found;
+}
+
+double rate_hz(const VerifiedEpoch& epoch) {
+  return epoch.period_ps > 0 ? 1e12 / static_cast<double>(epoch.period_ps) : 0.0;
+}
+
+double duration_s(const VerifiedEpoch& epoch) {
+  return static_cast<double>(epoch.samples + epoch.samples_missing) * static_cast<double>(epoch.period_ps) *
+         1e-12;
+}
+
+Json info_json(const Survey& found, const Verification& result, const std::string& vehicle) {
+  Json segments = Json::array();
+  for (const auto& [number, bytes] : found.segment_bytes)
+    segments.push_back({{"number", number}, {"bytes", bytes}});
+  Json clocks = Json::array();
+  for (const auto& [key, clock] : found.clock)
+    clocks.push_back({{"node", key.first},
+                      {"epoch", key.second},
+                      {"fits", clock.fits},
+                      {"exchanges", clock.exchanges},
+                      {"drift", clock.last ? clock.last->drift : 0.0},
+                      {"uncertainty_s", clock.last ? clock.last->uncertainty_s : 0.0},
+                      {"breaks", clock.last ? clock.last->breaks : 0}});
+  Json rates = Json::array();
+  for (const auto& epoch : result.epoch)
+    rates.push_back({{"node", epoch.node},
+                     {"epoch", epoch.epoch},
+                     {"rate_hz", rate_hz(epoch)},
+                     {"duration_s", duration_s(epoch)}});
+  return {{"vehicle", vehicle},
+          {"first_us", found.first_us},
+          {"last_us", found.last_us},
+          {"segments", segments},
+          {"rates", rates},
+          {"clocks", clocks},
+          {"record", verification_json(result)}};
+}
+
+void print_info(const Survey& found, const Verification& result, const std::string& vehicle) {
+  std::uint64_t bytes = 0;
+  for (const auto& [number, size] : found.segment_bytes) bytes += size;
+  std::printf("vehicle %s\n%zu segments, %.1f MiB, written within %.1f s\n", vehicle.c_str(),
+              found.segment_bytes.size(), static_cast<double>(bytes) / (1 << 20),
+              static_cast<double>(found.last_us - found.first_us) * 1e-6);
+  for (const auto& epoch : result.epoch) {
+    std::printf("node %d epoch %lld: %.1f s at %.3f Hz\n", epoch.node, static_cast<long long>(epoch.epoch),
+                duration_s(epoch), rate_hz(epoch));
+    const auto clock = found.clock.find({epoch.node, epoch.epoch});
+    if (clock != found.clock.end() && clock->second.last)
+      std::printf("  clock: %lld fits, drift %.2f ppm, last uncertainty %.1f us, %lld breaks\n",
+                  static_cast<long long>(clock->second.fits), clock->second.last->drift * 1e6,
+                  clock->second.last->uncertainty_s * 1e6,
+                  static_cast<long long>(clock->second.last->breaks));
+  }
+  print_verification(result);
+}
+
+std::string vehicle_name(const std::filesystem::path& folder) {
+  try {
+    const auto vehicle = recorded_vehicle(folder);
+    return vehicle ? vehicle->name : "not described";
+  } catch (const std::exception& error) {
+    return std::string("cannot be used: ") + error.what();
+  }
+}
+
+int info(const InfoOptions& options) {
+  if (options.rebuild_index) {
+    const int written = rebuild_indexes(options.folder);
+    std::fprintf(stderr, "rb: %d indexes were missing or wrong, and are made again\n", written);
+  }
+  const Verification result = verify_record(options.folder);
+  if (result.verdict == Verdict::kUnreadable) throw std::runtime_error(result.error);
+  const Survey found = survey(options.folder);
+  const std::string vehicle = vehicle_name(options.folder);
+  if (options.json)
+    std::printf("%s\n", info_json(found, result, vehicle).dump().c_str());
+  else
+    print_info(found, result, vehicle);
+  return kDone;
+}
+
+}  // namespace
+
+void add_info(CLI::App& app, int& code) {
+  auto options = std::make_shared<InfoOptions>();
+  CLI::App* command = app.add_subcommand("info", "Says what is in a recording");
+  command->add_option("folder", options->folder, "the recording")->required();
+  command->add_flag("--rebuild-index", options->rebuild_index,
+                    "first make the indexes again that are missing or wrong; nobody may be writing to it");
+  command->add_flag("--json", options->json, "one JSON object on standard output");
+  command->callback([options, &code] { code = info(*options); });
+}
+
+}  // namespace roadbalance

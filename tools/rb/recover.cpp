@@ -1,0 +1,107 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "common/record/folder.hpp"
+#include "tools/rb/command.hpp"
+#include "tools/rb/salvage.hpp"
+#include "tools/rb/verification_json.hpp"
+
+namespace roadbalance {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct RecoverOptions {
+  std::string folder;
+  std::string target;
+  std::vector<std::string> spools;
+  bool json = false;
+};
+
+void refuse_target(const fs::path& target, const fs::path& part) {
+  if (fs::exists(target) && !(fs::is_directory(target) && fs::is_empty(target)))
+    throw std::runtime_error(target.string() + ": holds something already; allowed: a new or empty folder");
+  if (fs::exists(part))
+    throw std::runtime_error(part.string() +
+                             ": is left from a recovery that was interrupted; remove it first");
+}
+
+/// The new record appears with all it is to hold, or not at all.
+Salvaged recover_whole(const std::vector<fs::path>& sources, fs::path target) {
+  target = fs::absolute(target).lexically_normal();
+  if (!target.has_filename()) target = target.parent_path();  // "drive/"
+  fs::path part = target;
+  part += ".part";
+  refuse_target(target, part);
+  try {
+    const Salvaged salvaged = salvage(sources, part);
+    if (fs::exists(target)) fs::remove(target);
+    fs::rename(part, target);
+    sync_folder(folder_of(target));
+    return salvaged;
+  } catch (...) {
+    std::error_code ignored;  // the first failure is the one to report
+    fs::remove_all(part, ignored);
+    throw;
+  }
+}
+
+void print(const RecoverOptions& options, const Salvaged& salvaged, const Verification& result) {
+  if (options.json) {
+    const nlohmann::ordered_json json = {{"blocks", salvaged.blocks},
+                                         {"blocks_filled", salvaged.blocks_filled},
+                                         {"blocks_repeated", salvaged.blocks_repeated},
+                                         {"blocks_altered", salvaged.blocks_altered},
+                                         {"damaged_bytes", salvaged.damaged_bytes},
+                                         {"damage", salvaged.damage},
+                                         {"record", verification_json(result)}};
+    std::printf("%s\n", json.dump().c_str());
+    return;
+  }
+  for (const auto& line : salvaged.damage) std::printf("%s\n", line.c_str());
+  std::printf(
+      "%lld blocks recovered, %lld of them to fill holes, %lld found more than once, %lld altered; %llu "
+      "bytes "
+      "damaged\n",
+      static_cast<long long>(salvaged.blocks), static_cast<long long>(salvaged.blocks_filled),
+      static_cast<long long>(salvaged.blocks_repeated), static_cast<long long>(salvaged.blocks_altered),
+      static_cast<unsigned long long>(salvaged.damaged_bytes));
+  print_verification(result);
+}
+
+int recover(const RecoverOptions& options) {
+  std::vector<fs::path> sources{options.folder};
+  sources.insert(sources.end(), options.spools.begin(), options.spools.end());
+  try {
+    const Salvaged salvaged = recover_whole(sources, options.target);
+    const Verification result = verify_record(options.target);
+    print(options, salvaged, result);
+    if (result.verdict == Verdict::kComplete) return kDone;
+    return result.verdict == Verdict::kIncomplete ? kIncomplete : kAnswerIsNo;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "rb: cannot recover %s: %s\n", options.folder.c_str(), error.what());
+    return kAnswerIsNo;
+  }
+}
+
+}  // namespace
+
+void add_recover(CLI::App& app, int& code) {
+  auto options = std::make_shared<RecoverOptions>();
+  CLI::App* command = app.add_subcommand(
+      "recover", "Makes a good recording of all that is good in a damaged one, which stays as it is");
+  command->add_option("folder", options->folder, "the damaged recording")->required();
+  command->add_option("-o,--output", options->target, "the new recording: a new or empty folder")->required();
+  command->add_option("--spool", options->spools,
+                      "a spool that a node left, or a fallback recording: its blocks fill what is missing");
+  command->add_flag("--json", options->json, "one JSON object on standard output");
+  command->footer("Exit codes: 0 nothing is lost, 3 something is lost and listed, 1 could not.");
+  command->callback([options, &code] { code = recover(*options); });
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,166 @@
+#include "tools/rb/salvage.hpp"
+
+#include <map>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include "common/bus/codec.hpp"
+#include "common/link/crc32c.hpp"
+#include "common/record/journal_tally.hpp"
+#include "host/recorder/manifest.hpp"
+#include "host/recorder/preamble.hpp"
+#include "tools/rb/salvage_epoch.hpp"
+#include "tools/rb/salvage_sources.hpp"
+#include "tools/rb/sequence_set.hpp"
+
+namespace roadbalance {
+namespace {
+
+using Place = SalvageSources::Place;
+// Blocks for one journal entry: about what a second brings.
+constexpr std::int64_t kBlocksPerEntry = 128;
+
+/// What the first pass finds of one node epoch.
+struct Plan {
+  std::int64_t highest = 0;  // so far, in the order of reading
+  SequenceSet seen;
+  std::map<std::int64_t, Place> elsewhere;  // blocks that come behind later ones
+  SalvageEpoch out;
+  std::int64_t blocks_in_entry = 0;
+};
+
+bool is_declared_by_host(const SealedBlock& block) {
+  if (block.kind != BlockKind::kGap) return false;
+  const GapCause cause = decode_gap(block).cause;
+  return stands_for_lost_blocks(cause) || cause == GapCause::kNodeCrash;
+}
+
+// Notes of files that the new record does not have.
+bool speaks_of_segments(const Note& note) {
+  return note.kind == NoteKind::kSegmentAbandoned || note.kind == NoteKind::kSegmentDeleted ||
+         note.kind == NoteKind::kTailCut;
+}
+
+bool goes_along(const LogEvent& event) {
+  if (event.channel == kJournalChannel || event.channel == kCommitChannel) return false;
+  if (event.channel.starts_with("RB_BLOCK_") || !event.channel.starts_with("RB_")) return false;
+  if (!ends_with_its_crc(event.data)) return false;
+  if (event.channel != kNoteChannel) return true;
+  const auto note = decode_note(event.data);
+  return note && !speaks_of_segments(*note);
+}
+
+class Salvage {
+ public:
+  Salvage(const std::vector<std::filesystem::path>& sources, Disk& disk) : sources_(sources, disk) {}
+
+  Salvaged run(const std::filesystem::path& target, Disk& disk) {
+    std::vector<RecordReader::Damage> damage;
+    sources_.for_each([this](const LogEvent& event, const Place& place, bool) { plan(event, place); },
+                      damage);
+    for (const auto& piece : damage) {
+      result_.damaged_bytes += piece.bytes;
+      result_.damage.push_back(piece.segment.string() + ": " + std::to_string(piece.bytes) + " bytes from " +
+                               std::to_string(piece.offset) + " on are " + piece.what);
+    }
+    if (plans_.empty()) throw std::runtime_error("no good block is there to be recovered");
+    writer_.emplace(RecordWriter::Options{.folder = target}, disk);
+    writer_->set_preamble(make_preamble(vehicle_.vehicle));
+    for (auto& [key, plan] : plans_) plan.highest = 0;
+    sources_.for_each([this](const LogEvent& event, const Place&, bool counts) { write(event, counts); },
+                      damage);
+    for (auto& [key, plan] : plans_) finish(key, plan);
+    writer_->close();
+    write_manifest(target, std::nullopt, disk);
+    return std::move(result_);
+  }
+
+ private:
+  void plan(const LogEvent& event, const Place& place) {
+    SealedBlock block;
+    if (accept(event.data, block) != Refusal::kNone) {
+      result_.blocks_altered += event.channel.starts_with("RB_BLOCK_") ? 1 : 0;
+      return;
+    }
+    if (block.kind == BlockKind::kMeta) add(block, vehicle_);
+    if (block.header.sequence <= 0) return;
+    Plan& plan = plans_[{block.header.node, block.header.epoch}];
+    if (is_declared_by_host(block)) return plan.out.declared(block, event.timestamp_us);
+    if (!plan.seen.insert(block.header.sequence)) {
+      ++result_.blocks_repeated;
+    } else if (block.header.sequence < plan.highest) {
+      plan.elsewhere.emplace(block.header.sequence, place);
+    } else {
+      plan.highest = block.header.sequence;
+    }
+  }
+
+  void write(const LogEvent& event, bool counts) {
+    SealedBlock block;
+    if (accept(event.data, block) != Refusal::kNone) {
+      if (counts && goes_along(event)) writer_->append(event.channel, event.data, event.timestamp_us);
+      return;
+    }
+    if (block.header.sequence <= 0 || is_declared_by_host(block)) return;
+    const NodeEpoch key{block.header.node, block.header.epoch};
+    Plan& plan = plans_.at(key);
+    if (block.header.sequence <= plan.highest) return;
+    plan.highest = block.header.sequence;
+    write_elsewhere_before(block.header.sequence, key, plan);
+    put(block, event.timestamp_us, key, plan);
+  }
+
+  void write_elsewhere_before(std::int64_t sequence, const NodeEpoch& key, Plan& plan) {
+    while (!plan.elsewhere.empty() && plan.elsewhere.begin()->first < sequence) {
+      std::int64_t timestamp_us = 0;
+      const SealedBlock block = sources_.block_at(plan.elsewhere.begin()->second, timestamp_us);
+      plan.elsewhere.erase(plan.elsewhere.begin());
+      ++result_.blocks_filled;
+      put(block, timestamp_us, key, plan);
+    }
+  }
+
+  void put(const SealedBlock& block, std::int64_t timestamp_us, const NodeEpoch& key, Plan& plan) {
+    plan.out.put(block, timestamp_us, writing(key, plan));
+  }
+
+  SalvageEpoch::Write writing(const NodeEpoch& key, Plan& plan) {
+    return [this, &key, &plan](const SealedBlock& block, std::int64_t timestamp_us) {
+      writer_->append(block, timestamp_us);
+      ++result_.blocks;
+      journal_.add(block);
+      if (++plan.blocks_in_entry >= kBlocksPerEntry) write_entry(key, plan, timestamp_us);
+      last_timestamp_us_ = timestamp_us;
+    };
+  }
+
+  void write_entry(const NodeEpoch& key, Plan& plan, std::int64_t timestamp_us) {
+    plan.blocks_in_entry = 0;
+    Journal entry = journal_.take(key.first, key.second);
+    entry.time_us = timestamp_us;
+    writer_->append(kJournalChannel, encode(entry), timestamp_us);
+  }
+
+  void finish(const NodeEpoch& key, Plan& plan) {
+    plan.out.finish(writing(key, plan));
+    if (plan.blocks_in_entry > 0) write_entry(key, plan, last_timestamp_us_);
+  }
+
+  SalvageSources sources_;
+  std::optional<RecordWriter> writer_;
+  std::map<NodeEpoch, Plan> plans_;
+  RecordState vehicle_;  // only the descriptions in it count
+  JournalTally journal_;
+  std::int64_t last_timestamp_us_ = 0;
+  Salvaged result_;
+};
+
+}  // namespace
+
+Salvaged salvage(const std::vector<std::filesystem::path>& sources, const std::filesystem::path& target,
+                 Disk& disk) {
+  return Salvage(sources, disk).run(target, disk);
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,62 @@
+#include "tools/rb/salvage_sources.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <stdexcept>
+
+#include "common/bus/codec.hpp"
+#include "common/record/folder.hpp"
+#include "common/record/log_event.hpp"
+#include "common/record/segment.hpp"
+#include "common/record/segment_extent.hpp"
+
+namespace roadbalance {
+namespace {
+
+// "seg-000001.tail", "seg-000001.tail-2" ...
+std::vector<std::filesystem::path> cut_tails(const std::filesystem::path& folder, Disk& disk) {
+  std::vector<std::filesystem::path> tails;
+  for (const std::string& name : list_folder(folder, disk))
+    if (name.starts_with("seg-") && name.find(".tail") != std::string::npos) tails.push_back(folder / name);
+  std::sort(tails.begin(), tails.end());
+  return tails;
+}
+
+}  // namespace
+
+SalvageSources::SalvageSources(const std::vector<std::filesystem::path>& folders, Disk& disk) : disk_(disk) {
+  for (const auto& folder : folders) {
+    std::map<int, std::uint64_t> abandoned;
+    const auto numbers = segment_numbers(folder, disk);
+    for (const int number : numbers) abandoned.merge(abandoned_before(segment_path(folder, number), disk));
+    for (const int number : numbers) {
+      const auto end = abandoned.find(number);
+      files_.push_back({segment_path(folder, number),
+                        end == abandoned.end() ? std::numeric_limits<std::uint64_t>::max() : end->second});
+    }
+    for (const auto& tail : cut_tails(folder, disk)) files_.push_back({tail, 0});
+  }
+}
+
+void SalvageSources::for_each(const Take& take, std::vector<RecordReader::Damage>& damage) const {
+  for (std::size_t file = 0; file < files_.size(); ++file) {
+    SegmentReader reader(files_[file].path, disk_);
+    while (const auto event = reader.next(true, damage))
+      take(*event, {.file = file, .offset = reader.offset()}, reader.offset() < files_[file].end);
+  }
+}
+
+SealedBlock SalvageSources::block_at(const Place& place, std::int64_t& timestamp_us) const {
+  const File file = File::open_to_read(files_[place.file].path, disk_);
+  std::vector<std::uint8_t> bytes(kLogHeaderBytes + kMaxLogChannelBytes + kMaxBlockBytes);
+  bytes.resize(file.read_at(place.offset, bytes));
+  const ParsedEvent parsed = parse_log_event(bytes);
+  SealedBlock block;
+  if (parsed.status != ParsedEvent::Status::kEvent || accept(parsed.event.data, block) != Refusal::kNone)
+    throw std::runtime_error(files_[place.file].path.string() + ": changed while it was read");
+  timestamp_us = parsed.event.timestamp_us;
+  return block;
+}
+
+}  // namespace roadbalance

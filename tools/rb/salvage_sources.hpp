@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <vector>
+
+#include "common/record/record.hpp"
+
+namespace roadbalance {
+
+/// Every event that can be read in some folders, in an order that is always the same.
+class SalvageSources {
+ public:
+  /// @throws std::system_error naming the folder
+  SalvageSources(const std::vector<std::filesystem::path>& folders, Disk& disk);
+
+  struct Place {
+    std::size_t file = 0;
+    std::uint64_t offset = 0;
+  };
+  /// @param counts  false: it lies behind the end of an abandoned segment, or in a tail that was cut off
+  using Take = std::function<void(const LogEvent& event, const Place& place, bool counts)>;
+  void for_each(const Take& take, std::vector<RecordReader::Damage>& damage) const;
+
+  /// The event at a place that for_each() gave, which must hold a block.  @throws std::runtime_error if it
+  /// changed
+  SealedBlock block_at(const Place& place, std::int64_t& timestamp_us) const;
+
+ private:
+  struct Source {
+    std::filesystem::path path;
+    std::uint64_t end = 0;  // events from here on do not count
+  };
+  std::vector<Source> files_;
+  Disk& disk_;
+};
+
+}  // namespace roadbalance
