@@ -150,6 +150,11 @@ void hold_against(const Expectation& expect, RunResult& run) {
                 std::string(what) + " is " + std::to_string(is) + ", allowed is " + std::to_string(*most));
   };
   if (run.blocks == 0) put_fault(run, "nothing was sealed");
+  const double coverage = run.clock_windows == 0 ? 0
+                                                 : static_cast<double>(run.clock_covered) /
+                                                       static_cast<double>(run.clock_windows);
+  if (expect.clock_coverage && coverage < *expect.clock_coverage)
+    put_fault(run, "the stated uncertainty of clocks covers " + std::to_string(coverage) + " of the windows");
   limit("sends per block", sends_per_block(run), expect.sends_per_block);
   limit("longest sealed to durable, s,", run.longest_to_durable_s, expect.to_durable_s);
   limit("backlog gone after a pull, s,", run.longest_pull_cleared_s, expect.pull_cleared_s);
@@ -202,7 +207,12 @@ std::string line_of(const Summary& summary) {
                 summary.worst_sends_per_block, all.longest_to_durable_s, all.longest_pull_cleared_s,
                 static_cast<long long>(all.recorder_boots), static_cast<long long>(all.node_boots),
                 per_s * 1e-3);
-  return text;
+  if (all.clock_windows == 0) return text;
+  char clocks[80];
+  std::snprintf(clocks, sizeof clocks, "  clocks covered %.5f of %lld",
+                static_cast<double>(all.clock_covered) / static_cast<double>(all.clock_windows),
+                static_cast<long long>(all.clock_windows));
+  return std::string(text) + clocks;
 }
 
 }  // namespace roadbalance::test

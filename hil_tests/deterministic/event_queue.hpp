@@ -16,7 +16,8 @@ struct Event {
     kToHost,    ///< the same
     kFaultOn,   ///< planned fault `what` begins
     kFaultOff,  ///< and is over
-    kExchange,  ///< host `who` asks node `what` for the time
+    kClock,     ///< recorder 1 has asked node `who` for the time
+    kCheck,     ///< what is finished of the records is held against the truth
     kStop,      ///< the drive is over
   };
   std::int64_t at_ns = 0;

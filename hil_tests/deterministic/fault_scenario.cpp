@@ -27,6 +27,7 @@ void read_network(Section table, FaultScenario& scenario) {
 
 void read_disk(Section table, FaultScenario& scenario) {
   scenario.segment_mib = table.number_or("segment_mib", {0.1, 1024}, scenario.segment_mib);
+  scenario.keep_mib = table.number_or("keep_mib", {0, 4096}, 0);
   scenario.slow_syncs = table.number_or("slow_syncs", kShare, 0);
   scenario.slow_sync = read_span(table, "slow_sync_s", scenario.slow_sync);
   table.finish();

@@ -57,7 +57,7 @@ struct Expectation {
 struct FaultScenario {
   std::string name;
   double seconds = 120;       ///< of production
-  double least_seconds = 20;  ///< a shorter run makes no sense
+  double least_seconds = 10;  ///< a shorter run makes no sense
   int nodes = 2;
   int hosts = 1;               ///< recorders; all but the first start after `second_starts`
   double second_starts = 0.3;  ///< of the drive
@@ -65,7 +65,8 @@ struct FaultScenario {
   double rate_hz = 4000;
   double ring_mib = 4;
   double spool_mib = 0;  ///< 0: no spool
-  double segment_mib = 8;
+  double segment_mib = 4;
+  double keep_mib = 0;  ///< retention; 0: everything is kept
   bool clocks = false;  ///< exchanges and fits
 
   double loss_to_host = 0, loss_to_node = 0;

@@ -10,6 +10,7 @@
 
 #include "common/bus/control.hpp"
 #include "common/record/record.hpp"
+#include "common/record/segment.hpp"
 #include "host/recorder/incarnation.hpp"
 #include "host/recorder/record_keeper.hpp"
 
@@ -24,6 +25,15 @@ WallTime wall(std::int64_t ns) {
   return WallTime(std::chrono::nanoseconds(ns));
 }
 
+KeeperOptions keeper_options(const FaultScenario& scenario) {
+  constexpr double kMib = 1024 * 1024;
+  KeeperOptions options;
+  options.folder = HostMachine::kFolder;
+  options.segment_bytes = static_cast<std::uint64_t>(scenario.segment_mib * kMib);
+  options.keep_bytes = static_cast<std::int64_t>(scenario.keep_mib * kMib);
+  return options;
+}
+
 RecorderLinkOptions link_options(std::uint64_t seed) {
   RecorderLinkOptions options;
   options.seed = seed;
@@ -34,9 +44,10 @@ RecorderLinkOptions link_options(std::uint64_t seed) {
 
 struct HostMachine::Program {
   Program(Disk& disk, const FaultScenario& scenario, std::int64_t utc_us, std::uint64_t seed)
-      : keeper(disk, {.folder = kFolder,
-                      .segment_bytes = static_cast<std::uint64_t>(scenario.segment_mib * 1024 * 1024)}),
-        link(link_options(seed), next_incarnation(kFolder, utc_us / 1000, disk), keeper.recovered()) {}
+      : keeper(disk, keeper_options(scenario)),
+        link(link_options(seed), next_incarnation(kFolder, utc_us / 1000, disk), keeper.recovered()) {
+    keeper.begin(link.incarnation());
+  }
 
   RecordKeeper keeper;
   RecorderLink link;
@@ -93,15 +104,16 @@ void HostMachine::cut_power() {
   kill();
 }
 
-void HostMachine::die_at_call(bool power, int calls) {
+void HostMachine::die_at_call(bool power, int calls, bool only_syncs) {
   if (!program_) return;
   dies_of_power_ = power;
+  dies_at_sync_ = only_syncs;
   calls_to_live_ = calls;
 }
 
 void HostMachine::fill_disk(bool full) {
-  constexpr std::int64_t kLeft = 1 << 20;
-  disk_.set_capacity(full ? disk_.used_bytes() + kLeft : std::numeric_limits<std::int64_t>::max() / 2);
+  const std::int64_t left = random_.below(20 << 20);
+  disk_.set_capacity(full ? disk_.used_bytes() + left : std::numeric_limits<std::int64_t>::max() / 2);
 }
 
 std::int64_t HostMachine::take_elapsed_ns() {
@@ -110,7 +122,8 @@ std::int64_t HostMachine::take_elapsed_ns() {
 }
 
 SimulatedDisk::Outcome HostMachine::disk_call(DiskCall call) {
-  if (calls_to_live_ > 0 && --calls_to_live_ == 0) {
+  const bool counts = !dies_at_sync_ || call == DiskCall::kSyncData || call == DiskCall::kSync;
+  if (calls_to_live_ > 0 && counts && --calls_to_live_ == 0) {
     died_ = true;
     if (dies_of_power_) return {.power_cut = true};
     disk_.kill();  // this call and all that follow fail, and nobody hears of them
@@ -133,20 +146,44 @@ std::chrono::nanoseconds HostMachine::disk_cost(DiskCall call, std::size_t bytes
   return std::chrono::nanoseconds(static_cast<std::int64_t>(seconds * 1e9));
 }
 
+// Segments with several behind them are finished: nothing is added, cut or said of them any more.
+void HostMachine::check_finished() {
+  constexpr int kBehind = 4;
+  if (boots_ == 0 || disk_.is_off()) return;
+  const double failing = std::exchange(failing_, 0);
+  const auto numbers = segment_numbers(kFolder, disk_);
+  if (!numbers.empty()) check_through(numbers.back() - kBehind);
+  failing_ = failing;
+}
+
 void HostMachine::check_record() {
   if (boots_ == 0) return;
   disk_.power_on();
+  failing_ = 0;
+  check_through(std::numeric_limits<int>::max());
+}
+
+void HostMachine::check_through(int last) {
+  if (last < next_to_check_) return;
+  const bool all = last == std::numeric_limits<int>::max();
+  const std::string name = "record of recorder " + std::to_string(number_) + ": ";
   try {
-    RecordReader reader(kFolder, disk_);
-    reader.finish();
-    while (const auto event = reader.next()) check_.take(event->channel, event->data);
+    RecordReader reader(kFolder, disk_, next_to_check_);
+    if (all) reader.finish();
+    if (reader.segment() != next_to_check_)
+      truth_.fault(name + "segment " + std::to_string(next_to_check_) + " is gone");
+    while (const auto event = reader.next()) {
+      if (reader.segment() > last) break;
+      check_.take(event->channel, event->data);
+    }
+    next_to_check_ = all ? last : last + 1;
     for (const auto& damage : reader.damage())
-      truth_.fault("record of recorder " + std::to_string(number_) + ": " + std::to_string(damage.bytes) +
-                   " bytes of " + damage.segment.filename().string() + " from " +
-                   std::to_string(damage.offset) + " on are " + damage.what);
+      truth_.fault(name + std::to_string(damage.bytes) + " bytes of " + damage.segment.filename().string() +
+                   " from " + std::to_string(damage.offset) + " on are " + damage.what);
   } catch (const std::system_error& error) {
-    truth_.fault("recorder " + std::to_string(number_) + ": " + error.what());
+    truth_.fault(name + error.what());
   }
+  take_elapsed_ns();  // nobody waits for the check
 }
 
 void HostMachine::take(std::string_view channel, std::span<const std::uint8_t> bytes, std::int64_t now_ns) {
@@ -212,18 +249,23 @@ void HostMachine::write(std::int64_t now_ns) {
   p.busy_until_ns = now_ns + took_ns;
 }
 
+std::vector<Delivery> HostMachine::deliveries() {
+  auto delivered = program_->link.deliveries();
+  for (const Delivery& delivery : delivered)
+    if (const auto* gap = std::get_if<GapBlock>(&delivery))
+      check_.declared(gap->header.node, gap->header.epoch, gap->header.sequence);
+  return delivered;
+}
+
 void HostMachine::receive(std::int64_t now_ns, const Publish& publish) {
   Program& p = *program_;
   if (p.link.obeyed_higher() != 0)
     p.link.set_incarnation(raise_incarnation(kFolder, p.link.obeyed_higher(), disk_));
   p.link.turn(wall(now_ns), publish);
-  auto deliveries = p.link.deliveries();
-  if (deliveries.empty()) return;
-  for (const Delivery& delivery : deliveries)
-    if (const auto* gap = std::get_if<GapBlock>(&delivery))
-      check_.declared(gap->header.node, gap->header.epoch, gap->header.sequence);
-  p.waiting_blocks += static_cast<std::int64_t>(deliveries.size());
-  p.waiting.push_back(std::move(deliveries));
+  auto delivered = deliveries();
+  if (delivered.empty()) return;
+  p.waiting_blocks += static_cast<std::int64_t>(delivered.size());
+  p.waiting.push_back(std::move(delivered));
   if (p.waiting_blocks > kMostWaiting * scenario_.nodes)
     truth_.fault("recorder " + std::to_string(number_) + ": holds more blocks than its credit allows");
 }
@@ -247,6 +289,8 @@ void HostMachine::end(std::int64_t now_ns, const Publish& publish) {
   Program& p = *program_;
   p.link.stop(wall(now_ns));
   if (!p.link.over(wall(now_ns)) || !p.waiting.empty() || now_ns < p.busy_until_ns) return;
+  p.link.finish(wall(now_ns));
+  for (const Delivery& delivery : deliveries()) p.keeper.append(delivery, wall(now_ns));
   p.link.farewell(publish);
   p.keeper.close(wall(now_ns));
   if (died_) return;

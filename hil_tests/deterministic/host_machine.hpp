@@ -35,8 +35,9 @@ class HostMachine {
   void kill();
   /// The same, and what was not synced is gone or torn.
   void cut_power();
-  /// One of the two in the middle of what the recorder does next with its disk, before system call `calls`.
-  void die_at_call(bool power, int calls);
+  /// One of the two in the middle of what the recorder does next with its disk: before system call `calls`,
+  /// or before so many syncs, when most is under way.
+  void die_at_call(bool power, int calls, bool only_syncs);
   bool is_up() const { return program_ != nullptr; }
   bool runs() const { return program_ != nullptr && !paused_; }
   void pause(bool on) { paused_ = on; }
@@ -57,7 +58,9 @@ class HostMachine {
   /// What its disk needed since the last call.
   std::int64_t take_elapsed_ns();
 
-  /// Holds the record against the truth.  The recorder is gone.
+  /// Holds what is finished of the record against the truth, so that it need not be kept.
+  void check_finished();
+  /// Holds the rest against it.  The recorder is gone.
   void check_record();
   RecordCheck& check() { return check_; }
   SimulatedDisk& disk() { return disk_; }
@@ -71,10 +74,12 @@ class HostMachine {
   struct Program;
   bool say(const std::string& channel, std::span<const std::uint8_t> bytes, const Publish& publish);
   void watch(const Ack& ack);
+  std::vector<Delivery> deliveries();
   void receive(std::int64_t now_ns, const Publish& publish);
   void write(std::int64_t now_ns);
   void became_durable(const DurableMark& mark, std::int64_t now_ns);
   void end(std::int64_t now_ns, const Publish& publish);
+  void check_through(int last);
   std::int64_t utc_us(std::int64_t now_ns) const;
   SimulatedDisk::Outcome disk_call(DiskCall call);
   std::chrono::nanoseconds disk_cost(DiskCall call, std::size_t bytes);
@@ -91,8 +96,10 @@ class HostMachine {
   bool closed_ = false;
   int calls_to_live_ = 0;  // 0: it lives
   bool dies_of_power_ = false;
+  bool dies_at_sync_ = false;
   bool died_ = false;
   double failing_ = 0;
+  int next_to_check_ = 1;  // segment
   std::int64_t elapsed_seen_ns_ = 0;
   std::int64_t utc_offset_us_ = 0;
   int boots_ = 0;

@@ -10,6 +10,7 @@
 
 #include "common/config/section.hpp"
 #include "hil_tests/deterministic/campaign.hpp"
+#include "hil_tests/deterministic/planted_name.hpp"
 
 namespace {
 
@@ -57,6 +58,21 @@ bool run(const std::string& file, const CampaignOptions& options, const std::str
   return summary.failed.empty();
 }
 
+#ifdef RB_PLANTED_FAULTS
+void add_plant(CLI::App& app) {
+  app.add_option_function<std::string>(
+      "--plant",
+      [](const std::string& name) {
+        const auto fault = planted_named(name);
+        if (!fault) throw CLI::ValidationError("--plant", name + " is no planted fault");
+        planted_fault = *fault;
+      },
+      "the fault that this build has");
+}
+#else
+void add_plant(CLI::App&) {}
+#endif
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -79,6 +95,7 @@ int main(int argc, char** argv) {
   app.add_option("--seconds", seconds, "of production instead of what the scenario says")
       ->check(CLI::PositiveNumber);
   app.add_option("--dump", options.dump, "write the last run's record and truth.json into this folder");
+  add_plant(app);
   try {
     app.parse(argc, argv);
     if (seconds > 0) options.seconds = seconds;

@@ -63,4 +63,10 @@ void Network::from_host(std::size_t, const std::string& channel, std::span<const
   }
 }
 
+bool Network::exchange(std::size_t node) {
+  const auto& out = cables_[node].out;
+  return out[0] == 0 && out[1] == 0 && !random_.chance(scenario_.loss_to_node) &&
+         !random_.chance(scenario_.loss_to_host);
+}
+
 }  // namespace roadbalance::test

@@ -29,6 +29,9 @@ class Network {
   /// The cable between a node and the others.
   void pull(std::size_t node, Direction direction, bool out);
 
+  /// An exchange of stamps between a recorder and a node comes through.
+  bool exchange(std::size_t node);
+
   DatagramPool& datagrams() { return datagrams_; }
   std::int64_t blocks_sent() const { return blocks_sent_; }
 

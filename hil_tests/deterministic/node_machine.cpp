@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -9,8 +10,10 @@
 
 #include "common/bus/control.hpp"
 #include "common/link/planted.hpp"
+#include "common/record/test/simulated_disk.hpp"
 #include "firmware/node_link.hpp"
 #include "firmware/ring_sink.hpp"
+#include "firmware/spool_folder.hpp"
 #include "hil_tests/deterministic/hashed_sample.hpp"
 
 namespace roadbalance::test {
@@ -31,6 +34,10 @@ VehicleConfig plain_vehicle(std::int32_t number, double rate_hz) {
 
 std::size_t bytes_of(double mib) {
   return static_cast<std::size_t>(mib * 1024 * 1024);
+}
+
+SpoolFolder::Options spool_options(const FaultScenario& scenario, std::int32_t node, std::int64_t epoch) {
+  return {.folder = "/spool", .bytes = bytes_of(scenario.spool_mib), .node = node, .epoch = epoch};
 }
 
 WallTime wall(std::int64_t ns) {
@@ -60,12 +67,16 @@ class WitnessedSink final : public BlockSink {
 
 struct NodeMachine::Program {
   Program(const FaultScenario& scenario, const VehicleConfig& vehicle, std::int32_t node, EpochTruth& of,
-          Truth& all)
+          Truth& all, std::uint64_t seed)
       : truth(of),
         ring(bytes_of(scenario.ring_mib)),
         sink(ring, all, of),
         sealer(vehicle, vehicle.node.front(), of.epoch, sink, &preview),
-        backlog(ring),
+        disk(seed),
+        spool(scenario.spool_mib > 0
+                  ? std::make_unique<SpoolFolder>(spool_options(scenario, node, of.epoch), disk)
+                  : nullptr),
+        backlog(ring, spool.get()),
         uplink(node, of.epoch, backlog, preview, link) {
     for (std::size_t c = 0; c < channels.size(); ++c)
       channels[c].emplace(node, of.epoch, static_cast<int>(c));
@@ -77,6 +88,8 @@ struct NodeMachine::Program {
   PreviewSlot preview;
   AcquireLink link;
   Sealer sealer;
+  SimulatedDisk disk;
+  std::unique_ptr<SpoolFolder> spool;
   Backlog backlog;
   NodeLink uplink;
   std::array<std::optional<HashedChannel>, kAccelerations> channels;
@@ -85,6 +98,7 @@ struct NodeMachine::Program {
   std::int64_t started_ns = 0;    // the device's index 0
   bool stopped = false;
   std::int64_t highest_owner = 0;
+  bool spool_failed = false;
 };
 
 NodeMachine::NodeMachine(const FaultScenario& scenario, std::int32_t number, std::uint64_t seed, Truth& truth)
@@ -103,7 +117,13 @@ void NodeMachine::boot(std::int64_t now_ns) {
   std::int64_t epoch = static_cast<std::int64_t>(random_.bits() >> 1) | 1;
   if (planted(PlantedFault::kEpochReused) && last_epoch_ != 0) epoch = last_epoch_;
   last_epoch_ = epoch;
-  program_ = std::make_unique<Program>(scenario_, vehicle_, number_, truth_.open(number_, epoch), truth_);
+  program_ = std::make_unique<Program>(scenario_, vehicle_, number_, truth_.open(number_, epoch), truth_,
+                                       random_.bits());
+  program_->disk.set_fault([this](DiskCall, std::int64_t, const std::string&) {
+    if (!random_.chance(spool_failing_)) return SimulatedDisk::Outcome{};
+    program_->spool_failed = true;
+    return SimulatedDisk::Outcome{.error = EIO};
+  });
   program_->started_ns = now_ns;
   paused_ = hung_ = false;
 }
@@ -164,6 +184,7 @@ std::int64_t NodeMachine::device(std::int64_t now_ns) {
                                                  1e9 * random_.between(0.5, 1.5));
   if (!runs() || program_->stopped) return now_ns + more_ns;
   Program& p = *program_;
+  const std::int64_t before = p.backlog.base();
   p.sink.now_ns = now_ns;
   if (p.link.start.load()) p.sealer.start();
   if (p.link.stop.load()) {
@@ -173,6 +194,7 @@ std::int64_t NodeMachine::device(std::int64_t now_ns) {
   if (!p.stopped) read(now_ns);
   const NodeState state = p.sealer.started() ? NodeState::kStarted : NodeState::kPreview;
   tell(p.sealer, p.stopped ? NodeState::kEnded : state, p.link);
+  watch_freed({}, {}, before);
   return now_ns + more_ns;
 }
 
@@ -187,7 +209,8 @@ void NodeMachine::watch_freed(std::string_view channel, std::span<const std::uin
   p.highest_owner = std::max(p.highest_owner, p.uplink.owner());
   const std::int64_t base = p.backlog.base();
   if (base == base_before) return;
-  if (base - 1 > p.truth.promised && scenario_.spool_mib == 0)
+  // Only what the node's own disk does not give back is given up, which the recorder then declares.
+  if (base - 1 > p.truth.promised && !p.spool_failed)
     truth_.fault(name + "gave back block " + std::to_string(base - 1) + ", durable is " +
                  std::to_string(p.truth.promised));
   const auto ack = channel.starts_with("RB_ACK_") ? decode_ack(bytes) : std::nullopt;
@@ -211,8 +234,10 @@ bool NodeMachine::turn(std::int64_t now_ns, const Publish& publish) {
   return busy;
 }
 
-void NodeMachine::farewell(const Publish& publish) {
+void NodeMachine::leave(const Publish& publish) {
   program_->uplink.farewell(publish);
+  program_->truth.gone = true;
+  program_.reset();
 }
 
 }  // namespace roadbalance::test

@@ -40,7 +40,8 @@ class NodeMachine {
   void take(std::string_view channel, std::span<const std::uint8_t> bytes, std::int64_t now_ns);
   /// True if it is busy.
   bool turn(std::int64_t now_ns, const Publish& publish);
-  void farewell(const Publish& publish);
+  /// Its program ends as finished() wants it to.
+  void leave(const Publish& publish);
   bool finished() const;
 
   std::int32_t number() const { return number_; }

@@ -78,7 +78,7 @@ void RecordCheck::take_declared(const SealedBlock& block, Seen& of) {
     fault(header, "declares lost what was called durable through " + std::to_string(promised->second));
   if (cause == GapCause::kNodeCrash) {
     if (header.sequence != of.sequence + 1) fault(header, "a crash is declared out of sequence");
-    if (!of.truth->killed) fault(header, "declares the crash of a node that lives");
+    if (!of.truth->killed && !of.truth->gone) fault(header, "declares the crash of a node that lives");
     of.crashed = true;
     of.sequence = header.sequence;
     return;
@@ -118,6 +118,11 @@ void RecordCheck::check_samples(const ScanBlock& block) {
               truth.at(block.header.first_scan + row);
     if (!same) fault(block.header, "samples of channel " + std::to_string(channel) + " are altered");
   }
+}
+
+std::int64_t RecordCheck::checked(std::int32_t node, std::int64_t epoch) const {
+  const auto found = seen_.find({node, epoch});
+  return found == seen_.end() ? 0 : found->second.sequence;
 }
 
 void RecordCheck::finish(bool closed) {

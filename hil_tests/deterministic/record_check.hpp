@@ -29,6 +29,8 @@ class RecordCheck {
   /// The record is whole: what each epoch must have by now.
   /// @param closed  its recorder ended in order, so that every epoch has an end or a declared crash
   void finish(bool closed);
+  /// The last sequence seen of an epoch.
+  std::int64_t checked(std::int32_t node, std::int64_t epoch) const;
 
   std::int64_t blocks() const { return blocks_; }
   std::int64_t declared_scans() const { return declared_scans_; }  ///< in gaps of any cause

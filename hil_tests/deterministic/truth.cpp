@@ -11,6 +11,13 @@ std::uint32_t crc_of(const SealedBlock& block) {
          bytes[3];
 }
 
+void EpochTruth::drop_through(std::int64_t sequence) {
+  constexpr std::int64_t kWorthIt = 1 << 16;
+  if (sequence - dropped < kWorthIt) return;
+  blocks.erase(blocks.begin(), blocks.begin() + static_cast<std::ptrdiff_t>(sequence - dropped));
+  dropped = sequence;
+}
+
 EpochTruth& Truth::open(std::int32_t node, std::int64_t epoch) {
   const auto [at, is_new] = epochs_.try_emplace({node, epoch});
   if (!is_new) fault("node " + std::to_string(node) + " began an epoch it had before");

@@ -17,6 +17,7 @@ struct EpochTruth {
   std::int64_t scans = 0;  ///< taken between start and stop or death, those that the device lost included
   bool ended = false;      ///< its end is sealed
   bool killed = false;
+  bool gone = false;  ///< its program ended in order: its owner had everything, but others may not know
   std::int64_t promised = 0;  ///< called durable by an acknowledgement of any recorder
   struct Block {
     std::uint32_t crc = 0;
@@ -24,6 +25,7 @@ struct EpochTruth {
   };
   std::vector<Block> blocks;  ///< [sequence - 1 - dropped]
   std::int64_t dropped = 0;   ///< checked long ago, kept no longer
+  void drop_through(std::int64_t sequence);
 
   std::int64_t next() const { return dropped + static_cast<std::int64_t>(blocks.size()) + 1; }
   const Block* block(std::int64_t sequence) const {
@@ -41,6 +43,11 @@ class Truth {
   /// In order of node and epoch.
   const std::map<std::pair<std::int32_t, std::int64_t>, EpochTruth>& epochs() const { return epochs_; }
 
+  /// `checked(node, epoch)`: the last sequence that no check will ask for again.
+  template <typename Checked>
+  void drop_checked(Checked&& checked) {
+    for (auto& [key, epoch] : epochs_) epoch.drop_through(checked(key.first, key.second));
+  }
   void sealed(EpochTruth& epoch, const SealedBlock& block, std::int64_t now_ns);
 
   /// A broken promise; the first few are kept.

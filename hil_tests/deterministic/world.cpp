@@ -14,6 +14,7 @@ constexpr std::int64_t kTurn_ns = 2'000'000;  // the link processes look around 
 constexpr std::int64_t kBusyTurn_ns = 100'000;
 constexpr std::int64_t kWake_ns = 50'000;   // from a datagram to the turn it causes
 constexpr std::size_t kSocketHolds = 2000;  // datagrams of a process that does not read
+constexpr std::int64_t kCheck_ns = 5 * kSecond_ns;
 constexpr std::int64_t kLongestDrain_ns = 90 * kSecond_ns;
 
 std::int64_t to_ns(double seconds) {
@@ -72,6 +73,7 @@ void World::boot_node(std::size_t which) {
   if (node.down > 0 || node.machine->is_up()) return;
   node.machine->boot(now_ns_);
   node.cleared_behind = 0;
+  node.clock.reset();
   wake_node(which, now_ns_ + kTurn_ns);
 }
 
@@ -108,8 +110,7 @@ void World::turn_node(std::size_t which) {
   const bool busy = node.machine->turn(now_ns_, publish);
   watch_pull(node);
   if (node.machine->finished()) {
-    node.machine->farewell(publish);
-    node.machine->kill();
+    node.machine->leave(publish);
     node.left = true;
     return;
   }
@@ -206,8 +207,12 @@ void World::handle(const Event& event) {
     case Event::Kind::kFaultOff:
       turn_fault(faults_[event.what], event.kind == Event::Kind::kFaultOn);
       return drain_sockets();
-    case Event::Kind::kExchange:
-      return;
+    case Event::Kind::kClock:
+      exchange_stamps(event.who);
+      return events_.add(now_ns_ + kSecond_ns / 8, Event::Kind::kClock, event.who);
+    case Event::Kind::kCheck:
+      check_finished();
+      return events_.add(now_ns_ + kCheck_ns, Event::Kind::kCheck, 0);
     case Event::Kind::kStop:
       stopped_ = true;
       for (Host& host : hosts_) host.machine->stop();
@@ -215,9 +220,27 @@ void World::handle(const Event& event) {
   }
 }
 
+// The truth of what every record has shown to have is needed no more.
+void World::check_finished() {
+  for (Host& host : hosts_) host.machine->check_finished();
+  if (hosts_.size() > 1) return;
+  truth_.drop_checked([this](std::int32_t node, std::int64_t epoch) {
+    return hosts_.front().machine->check().checked(node, epoch);
+  });
+}
+
 bool World::is_over() const {
   return std::all_of(hosts_.begin(), hosts_.end(), [](const Host& host) { return host.machine->closed(); }) &&
          std::all_of(nodes_.begin(), nodes_.end(), [](const Node& node) { return node.left; });
+}
+
+void World::fault_not_over() {
+  for (const Host& host : hosts_)
+    if (!host.machine->closed()) truth_.fault("the drive is over for 90 s and a recorder has not ended");
+  for (const Node& node : nodes_)
+    if (!node.left)
+      truth_.fault("the drive is over for 90 s and node " + std::to_string(node.machine->number()) +
+                   " holds " + std::to_string(node.machine->used()) + " blocks or has not ended");
 }
 
 RunResult World::run() {
@@ -225,6 +248,7 @@ RunResult World::run() {
     now_ns_ = random_.below(kSecond_ns / 2);
     boot_node(n);
     events_.add(now_ns_, Event::Kind::kDevice, n);
+    if (scenario_.clocks) events_.add(now_ns_, Event::Kind::kClock, n);
   }
   for (std::size_t h = 0; h < hosts_.size(); ++h) {
     const std::int64_t at_ns =
@@ -232,6 +256,7 @@ RunResult World::run() {
                : static_cast<std::int64_t>(scenario_.second_starts * static_cast<double>(production_ns_));
     events_.add(at_ns, Event::Kind::kHostTurn, h, 1);
   }
+  events_.add(kCheck_ns, Event::Kind::kCheck, 0);
   std::int64_t stopped_ns = 0;
   while (!events_.empty() && !is_over()) {
     const Event event = events_.take();
@@ -240,7 +265,7 @@ RunResult World::run() {
     handle(event);
     if (!stopped_) stopped_ns = now_ns_;
     if (now_ns_ - stopped_ns > kLongestDrain_ns) {
-      truth_.fault("the drive is over for 90 s and there are still blocks or recorders that have not ended");
+      fault_not_over();
       break;
     }
   }
@@ -265,6 +290,8 @@ RunResult World::result() {
     result.scans += epoch.scans;
     ++result.node_boots;
   }
+  result.clock_windows = clock_windows_;
+  result.clock_covered = clock_covered_;
   result.bus_s = static_cast<double>(now_ns_) * 1e-9;
   result.blocks = truth_.blocks_sealed();
   result.sent = network_.blocks_sent();

@@ -3,9 +3,11 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "common/clock/clock_model.hpp"
 #include "hil_tests/deterministic/event_queue.hpp"
 #include "hil_tests/deterministic/fault_scenario.hpp"
 #include "hil_tests/deterministic/host_machine.hpp"
@@ -41,6 +43,8 @@ class World {
     int down = 0;                     // faults that keep it off
     std::int64_t cleared_behind = 0;  // the last block sealed when the cable came back; 0: nothing to watch
     std::int64_t plugged_at_ns = 0;
+    std::optional<ClockModel> clock;
+    std::int64_t exchanges = 0;
     bool left = false;  // its program has ended in order
   };
   struct Host {
@@ -64,9 +68,12 @@ class World {
   void turn_node_fault(const Timed& timed, std::size_t node, bool on);
   void turn_death(const Timed& timed, Host& host, bool on);
   void turn_host_fault(const Timed& timed, bool on);
+  void exchange_stamps(std::size_t node);
   void drain_sockets();
   void watch_pull(Node& node);
+  void check_finished();
   bool is_over() const;
+  void fault_not_over();
   RunResult result();
 
   const FaultScenario& scenario_;
@@ -81,6 +88,8 @@ class World {
   std::int64_t now_ns_ = 0;
   bool stopped_ = false;
   double longest_pull_cleared_s_ = 0;
+  std::int64_t clock_windows_ = 0;
+  std::int64_t clock_covered_ = 0;
 };
 
 }  // namespace roadbalance::test

@@ -56,12 +56,13 @@ void World::turn_node_fault(const Timed& timed, std::size_t which, bool on) {
   }
 }
 
-// Half of them in the middle of what the recorder does next with its disk.
+// Two of three in the middle of what the recorder does next with its disk.
 void World::turn_death(const Timed& timed, Host& host, bool on) {
   const bool power = timed.fault->kind == FaultKind::kPowerCut;
-  const int call = static_cast<int>(timed.chance * 24);
+  const int call = static_cast<int>(timed.chance * 36);
   host.down += on ? 1 : -1;
-  if (on && call > 0 && call <= 12 && host.down == 1) return host.machine->die_at_call(power, call);
+  if (on && call < 24 && host.down == 1)
+    return host.machine->die_at_call(power, call < 12 ? call + 1 : (call - 12) / 4 + 1, call >= 12);
   if (host.machine->is_up()) power ? host.machine->cut_power() : host.machine->kill();
   if (!on) boot_host(timed.target);
 }

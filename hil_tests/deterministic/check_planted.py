@@ -1,0 +1,103 @@
+#!/usr/bin/env python3
+"""Every planted fault must be caught:  check_planted.py RB_FAULTS_PLANTED CHECK_RECORD
+
+Runs seeds of a scenario with the fault until the promises checked inside the program break, and, where the fault
+shows in the record, holds the record of that run against tools/check_record.py, too.  Without a fault neither may
+find anything.  Exit codes: 0 all caught, 1 not, 2 usage.
+"""
+
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+SECONDS = "10"
+SEEDS = 12
+
+# Fault: scenario, and whether the record alone shows it.
+FAULTS = {
+    "free_on_receive": ("power_cut", False),
+    "epoch_reused": ("node_killed", False),
+    "no_heartbeat": ("loss_60", False),
+    "no_deduplication": ("duplicates_reordered", True),
+    "overwrite_oldest": ("ring_full", False),
+    "ack_before_sync": ("power_cut", False),
+    "silent_ring_full": ("ring_full", True),
+    "gap_off_by_one": ("ring_full", True),
+    "no_crash_gap": ("node_killed", False),
+    "stale_recorder": ("two_recorders", False),
+    "no_folder_sync": ("power_cut", False),
+    "torn_tail_kept": ("power_cut", True),
+    "retry_failed_sync": ("power_cut_failing_disk", False),
+    "lost_declared_late": ("two_recorders", True),
+    "blocks_swapped": ("loss_00", True),
+    "block_altered": ("loss_00", True),
+}
+
+
+class Checks:
+    def __init__(self, program, check_record, folder):
+        self.program, self.check_record, self.folder = program, check_record, folder
+
+    def run(self, scenario, seeds, first=1, fault=None, dump=None):
+        """True if every promise was kept."""
+        command = [self.program, "--scenario", scenario, "--seeds", str(seeds), "--first", str(first),
+                   "--seconds", SECONDS]
+        command += ["--plant", fault] if fault else []
+        command += ["--dump", str(dump)] if dump else []
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        if done.returncode not in (0, 1):
+            raise RuntimeError(f"{' '.join(command)}: exit code {done.returncode}: {done.stderr}")
+        return done.returncode == 0
+
+    def verdicts(self, dump):
+        """Exit codes of the independent checker for the record of each recorder."""
+        return [subprocess.run([sys.executable, self.check_record, str(record), "--truth", str(record / "truth.json")],
+                               capture_output=True, check=False).returncode
+                for record in sorted(dump.iterdir())]
+
+    def catch(self, fault, scenario, in_record):
+        """What is wrong with the catching of this fault, or nothing."""
+        seed = next((seed for seed in range(1, SEEDS + 1) if not self.run(scenario, 1, seed, fault)), None)
+        if seed is None:
+            return f"not caught in {SEEDS} seeds of {scenario}"
+        print(f"{fault}: caught in {scenario}, seed {seed}", end="", flush=True)
+        if not in_record:
+            return print()
+        for again in range(seed, SEEDS + 1):
+            dump = self.folder / f"{fault}-{again}"
+            self.run(scenario, 1, again, fault, dump)
+            if 1 in self.verdicts(dump):
+                return print(f", and in the record of seed {again} by check_record.py")
+        print()
+        return "not caught by check_record.py in the record"
+
+    def is_clean(self, scenario):
+        dump = self.folder / scenario
+        if not self.run(scenario, SEEDS):
+            return f"{scenario}: something is caught without a fault"
+        self.run(scenario, 1, 1, None, dump)
+        if any(verdict not in (0, 3) for verdict in self.verdicts(dump)):
+            return f"{scenario}: check_record.py finds something without a fault"
+        print(f"{scenario}: nothing to catch without a fault", flush=True)
+        return None
+
+
+def main(arguments):
+    if len(arguments) != 3:
+        print(__doc__.split("\n")[0], file=sys.stderr)
+        return 2
+    wrong = []
+    with tempfile.TemporaryDirectory() as folder:
+        checks = Checks(arguments[1], arguments[2], pathlib.Path(folder))
+        for scenario in sorted({scenario for scenario, _ in FAULTS.values()}):
+            wrong += [found] if (found := checks.is_clean(scenario)) else []
+        for fault, (scenario, in_record) in FAULTS.items():
+            wrong += [f"{fault}: {found}"] if (found := checks.catch(fault, scenario, in_record)) else []
+    for line in wrong:
+        print(line)
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv))

@@ -1,0 +1,51 @@
+#include <cmath>
+
+#include "hil_tests/deterministic/world.hpp"
+
+namespace roadbalance::test {
+namespace {
+
+constexpr std::int64_t kFitEvery = 8;  // exchanges: a second
+
+// One way through kernel and network: never less than 40 us, sometimes milliseconds, each way on its own.
+std::int64_t delay_ns(Random& random) {
+  const double tail = -std::log(1 - random.uniform());
+  const bool burst = random.chance(0.05);
+  return 40'000 + static_cast<std::int64_t>(tail * (burst ? 3e6 : 60e3));
+}
+
+}  // namespace
+
+// The four stamps of an exchange that ends now, and once a second what the model makes of them against the
+// truth.
+void World::exchange_stamps(std::size_t which) {
+  Node& node = nodes_[which];
+  if (!node.machine->is_up() || !hosts_.front().machine->runs()) return;
+  if (!node.clock) node.clock.emplace(node.machine->number(), 1);
+  const std::int64_t back_ns = delay_ns(random_);
+  const std::int64_t answer_ns = 5'000 + random_.below(100'000);
+  const std::int64_t there_ns = delay_ns(random_);
+  const std::int64_t answered = now_ns_ - back_ns;
+  const std::int64_t received = answered - answer_ns;
+  ++node.exchanges;
+  if (network_.exchange(which) && !node.machine->hangs())
+    (void)node.clock->add({.node = node.machine->number(),
+                           .epoch = 1,
+                           .number = node.exchanges,
+                           .asked_ns = received - there_ns,
+                           .received_ns = node.machine->clock_ns(received),
+                           .answered_ns = node.machine->clock_ns(answered),
+                           .heard_ns = now_ns_,
+                           .kernel_stamps = 0});
+  else
+    node.clock->add_unanswered();
+  if (node.exchanges % kFitEvery != 0 || !node.clock->is_locked()) return;
+  const ClockFit fit = node.clock->fit(now_ns_);
+  const double since_ns = static_cast<double>(now_ns_ - fit.host_ns);
+  const double error_ns =
+      static_cast<double>(fit.node_ns - node.machine->clock_ns(now_ns_)) + since_ns * (1 + fit.drift);
+  ++clock_windows_;
+  if (std::abs(error_ns) * 1e-9 <= fit.uncertainty_s) ++clock_covered_;
+}
+
+}  // namespace roadbalance::test
