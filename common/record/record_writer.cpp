@@ -12,6 +12,7 @@
 #include "common/record/folder.hpp"
 #include "common/record/log_event.hpp"
 #include "common/record/record.hpp"
+#include "common/record/record_folder.hpp"
 #include "common/record/segment.hpp"
 #include "common/record/segment_index.hpp"
 #include "common/record/take_over.hpp"
@@ -31,7 +32,7 @@ struct RecordWriter::State {
 
   const Options options;
   Disk& disk;
-  File folder;
+  RecordFolder folder;
   File file;
   int segment = 0;  // number of the current or, with no file open, of the last segment
   std::uint64_t segment_bytes = 0;
@@ -134,6 +135,7 @@ struct RecordWriter::State {
   }
 
   void open_next() {
+    folder.take_again(options.folder, disk);
     if (file.is_open()) sync();
     const std::uint64_t size_before = segment_bytes;
     const std::uint64_t reserved_before = reserved_bytes;
@@ -203,11 +205,10 @@ RecordWriter::RecordWriter(Options options, Disk& disk, RecordState before)
     : state_(std::make_unique<State>(std::move(options), disk)) {
   State& s = *state_;
   create_folders(s.options.folder, disk);
-  s.folder = File::open_folder(s.options.folder, disk);
-  if (!s.folder.try_lock())
+  if (!s.folder.take(s.options.folder, disk))
     throw std::runtime_error("recording " + s.options.folder.string() + ": another program writes to it");
   s.buffer.reserve(kBufferBytes + kMaxLogEventBytes);
-  TakenOver found = take_over(s.folder, std::move(before), disk);
+  TakenOver found = take_over(s.folder.file(), std::move(before), disk);
   s.segment = found.segment;
   s.cut = std::move(found.cut);
   s.holds = std::move(found.holds);
