@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <utility>
+#include <variant>
+
+#include "common/bus/codec.hpp"
+#include "common/link/epoch_receiver.hpp"
+#include "hil_tests/fuzz/property.hpp"
+
+namespace roadbalance::fuzz {
+
+/// What a recorder is given of each node epoch: every number once, in order, by a block or by a gap that says
+/// so.
+class DeliveryCheck {
+ public:
+  void take(const Delivery& delivery) {
+    const auto* gap = std::get_if<GapBlock>(&delivery);
+    const BlockHeader& header = gap ? gap->header : std::get<SealedBlock>(delivery).header;
+    Seen& seen = seen_[{header.node, header.epoch}];
+    const bool is_own = !gap || !stands_for_lost_blocks(gap->cause);
+    require(!seen.ended, "nothing follows the end of an epoch");
+    require(header.sequence > seen.sequence, "no number is delivered twice");
+    require(!is_own || header.sequence == seen.sequence + 1, "no number is passed over");
+    require(header.first_scan >= 0 && header.scans >= 0 && header.scans <= kIndexLimit, "scans are counted");
+    seen.sequence = header.sequence;
+    seen.ended =
+        gap ? gap->cause == GapCause::kNodeCrash : std::get<SealedBlock>(delivery).kind == BlockKind::kEnd;
+  }
+
+  std::int64_t delivered(std::int32_t node, std::int64_t epoch) const {
+    const auto found = seen_.find({node, epoch});
+    return found == seen_.end() ? 0 : found->second.sequence;
+  }
+  void recovered(std::int32_t node, std::int64_t epoch, std::int64_t sequence) {
+    seen_[{node, epoch}].sequence = sequence;
+  }
+
+ private:
+  struct Seen {
+    std::int64_t sequence = 0;
+    bool ended = false;
+  };
+  std::map<std::pair<std::int32_t, std::int64_t>, Seen> seen_;
+};
+
+}  // namespace roadbalance::fuzz

@@ -1,0 +1,75 @@
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <string>
+#include <string_view>
+
+#include "common/config/section.hpp"
+#include "hil_tests/fuzz/property.hpp"
+#include "tools/rb/csv_table.hpp"
+#include "tools/rb/sample_clock.hpp"
+
+// CSV import: the two files behind one another, parted by a byte 0.
+namespace roadbalance {
+namespace {
+
+using fuzz::require;
+
+/// A file without a disk.
+class MemoryFile {
+ public:
+  explicit MemoryFile(std::string_view text) : descriptor_(memfd_create("fuzz", 0)) {
+    require(write(descriptor_, text.data(), text.size()) == static_cast<ssize_t>(text.size()),
+            "memory is writable");
+  }
+  ~MemoryFile() { close(descriptor_); }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+  std::string path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
+
+ private:
+  int descriptor_;
+};
+
+void check_samples(const std::string& path) {
+  const SampleTable table = read_samples(path);
+  require(table.name.size() == table.value_si.size(), "every channel has values");
+  for (const auto& column : table.value_si) {
+    require(column.size() == table.time_s.size(), "every row has every channel");
+    for (const double value : column) require(std::isfinite(value), "a sample is a number");
+  }
+  for (std::size_t row = 1; row < table.time_s.size(); ++row)
+    require(table.time_s[row - 1] <= table.time_s[row], "time never falls");
+}
+
+void check_pulses(const std::string& path) {
+  double before = -std::numeric_limits<double>::infinity();
+  for (const Pulse& pulse : read_pulses(path)) {
+    require(pulse.time_s >= before, "pulses are in order of time");
+    require(pulse.wheel >= 0 && pulse.wheel < kWheels, "a pulse is of one of the wheels");
+    before = pulse.time_s;
+  }
+}
+
+template <typename Check>
+void refused_or(Check check, std::string_view text) {
+  const MemoryFile file(text);
+  try {
+    check(file.path());
+  } catch (const ConfigError& error) {
+    require(std::string_view(error.what()).starts_with(file.path()), "an error names the file");
+  }
+}
+
+}  // namespace
+}  // namespace roadbalance
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace roadbalance;
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  const auto parted = text.find('\0');
+  refused_or(check_samples, text.substr(0, parted));
+  refused_or(check_pulses, parted == std::string_view::npos ? text : text.substr(parted + 1));
+  return 0;
+}

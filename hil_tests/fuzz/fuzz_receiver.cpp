@@ -1,0 +1,138 @@
+#include <array>
+#include <chrono>
+
+#include "common/link/receiver.hpp"
+#include "hil_tests/fuzz/ack_check.hpp"
+#include "hil_tests/fuzz/byte_reader.hpp"
+#include "hil_tests/fuzz/delivery_check.hpp"
+#include "hil_tests/fuzz/true_node.hpp"
+
+// Receiver and EpochReceiver as a sequence of messages.  Honest nodes behind a network that loses, doubles,
+// delays and mixes; strangers that say anything a decoder lets through; a disk that calls durable what it
+// likes.
+namespace roadbalance {
+namespace {
+
+constexpr ReceiverOptions kSmall{.window = 32, .undurable = 64};
+constexpr std::array<fuzz::TrueNode, 4> kHonest{{{1, 11, 60}, {1, 12, 1000}, {2, 21, 9}, {3, -31, 1 << 20}}};
+constexpr std::int32_t kStranger = 7;
+
+class Run {
+ public:
+  explicit Run(std::span<const std::uint8_t> bytes) : in_(bytes) {}
+
+  void play() {
+    if (in_.byte() & 1) recover();
+    while (!in_.empty()) {
+      step();
+      for (const Delivery& delivery : out_) deliveries_.take(delivery);
+      fuzz::require(out_.size() <= 4 * static_cast<std::size_t>(kSmall.window),
+                    "one message delivers no more than the windows hold");
+      out_.clear();
+    }
+    now_ += std::chrono::seconds(1);
+    receiver_.finish(now_, out_);
+    for (const Delivery& delivery : out_) deliveries_.take(delivery);
+    for (const Ack& ack : receiver_.due(now_)) acks_.take(ack);
+  }
+
+ private:
+  void recover() {
+    const auto& node = kHonest[0];
+    const std::int64_t through = in_.below(node.last);
+    receiver_.recover(node.node, node.epoch,
+                      {.contiguous = through, .next_scan = node.first_scan(through + 1)});
+    deliveries_.recovered(node.node, node.epoch, through);
+    acks_.durable(node.node, node.epoch, through);
+  }
+
+  void step() {
+    switch (in_.byte() % 8) {
+      case 0:
+        now_ += std::chrono::milliseconds(in_.below(256));
+        return;
+      case 1:
+        now_ += std::chrono::seconds(in_.below(20));
+        return;
+      case 2:
+        return honest_block();
+      case 3:
+        return honest_heartbeat();
+      case 4:
+        return strange_block();
+      case 5:
+        return strange_heartbeat();
+      case 6:
+        return durable();
+      default:
+        if (in_.byte() % 4 == 0) receiver_.set_credit_open(in_.byte() & 1);
+        for (const Ack& ack : receiver_.due(now_)) acks_.take(ack);
+    }
+  }
+
+  const fuzz::TrueNode& honest() { return kHonest[static_cast<std::size_t>(in_.below(4))]; }
+
+  void honest_block() {
+    const auto& node = honest();
+    const std::int64_t near = deliveries_.delivered(node.node, node.epoch) + in_.below(64) - 16;
+    receiver_.take(node.block(std::clamp<std::int64_t>(near, 1, node.last)), now_, out_);
+  }
+
+  void honest_heartbeat() {
+    const auto& node = honest();
+    const std::int64_t delivered = deliveries_.delivered(node.node, node.epoch);
+    const std::int64_t next = std::min(delivered + 1 + in_.below(256), node.last + 1);
+    const std::int64_t base = std::clamp<std::int64_t>(delivered + in_.below(256) - 200, 1, next);
+    const auto state = next > node.last ? NodeState::kEnded : NodeState::kStarted;
+    receiver_.take(
+        Heartbeat{.node = node.node, .epoch = node.epoch, .base = base, .next = next, .state = state}, now_,
+        out_);
+  }
+
+  std::int64_t index() {
+    const std::uint64_t value = in_.number(in_.byte() % 8 + 1);
+    return static_cast<std::int64_t>(value % (static_cast<std::uint64_t>(kIndexLimit) + 1));
+  }
+
+  void strange_block() {
+    SealedBlock block;
+    block.kind = static_cast<BlockKind>(in_.below(5));
+    block.header = {.node = kStranger + static_cast<std::int32_t>(in_.below(3)),
+                    .epoch = in_.below(3),
+                    .sequence = index(),
+                    .first_scan = index()};
+    block.header.scans = std::min(index(), kIndexLimit - block.header.first_scan);
+    block.header.time_ns = index() * (in_.byte() & 1 ? 1 : -1);
+    receiver_.take(block, now_, out_);
+  }
+
+  void strange_heartbeat() {
+    Heartbeat beat{.node = kStranger + static_cast<std::int32_t>(in_.below(200)), .epoch = in_.below(3)};
+    beat.next = std::max<std::int64_t>(1, index());
+    beat.base = std::clamp<std::int64_t>(index(), 1, beat.next);
+    beat.state = static_cast<NodeState>(in_.below(4));
+    receiver_.take(beat, now_, out_);
+  }
+
+  void durable() {
+    const auto& node = honest();
+    const std::int64_t sequence = std::min(deliveries_.delivered(node.node, node.epoch), in_.below(65536));
+    acks_.durable(node.node, node.epoch, sequence);
+    receiver_.durable(node.node, node.epoch, sequence);
+  }
+
+  fuzz::ByteReader in_;
+  WallTime now_{std::chrono::hours(1)};
+  Receiver receiver_{1, kSmall};
+  std::vector<Delivery> out_;
+  fuzz::DeliveryCheck deliveries_;
+  fuzz::AckCheck acks_;
+};
+
+}  // namespace
+}  // namespace roadbalance
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  roadbalance::Run({data, size}).play();
+  return 0;
+}

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+
+#include "common/bus/codec.hpp"
+
+namespace roadbalance::fuzz {
+
+/// A node that says nothing but the truth: block `sequence` of an epoch is always the same, mostly scans, and
+/// scan indices run on.  Block `last` is the end.
+struct TrueNode {
+  std::int32_t node;
+  std::int64_t epoch;
+  std::int64_t last;
+
+  static constexpr std::int64_t kPerTurn = 8;  ///< one description, one edge block, six scan blocks
+
+  std::int64_t first_scan(std::int64_t sequence) const {
+    const std::int64_t before = sequence - 1;
+    const std::int64_t in_turn = before % kPerTurn;
+    return kScansPerBlock * (6 * (before / kPerTurn) + (in_turn > 2 ? in_turn - 2 : 0));
+  }
+
+  SealedBlock block(std::int64_t sequence) const {
+    const BlockHeader header{.node = node,
+                             .epoch = epoch,
+                             .sequence = sequence,
+                             .first_scan = first_scan(sequence),
+                             .time_ns = 500'000 * first_scan(sequence)};
+    SealedBlock sealed;
+    if (sequence == last) {
+      seal(EndBlock{.header = header, .blocks = last, .scans_sealed = header.first_scan}, sealed);
+    } else if ((sequence - 1) % kPerTurn == 0) {
+      seal(MetaBlock{.header = header, .text = "[model]"}, sealed);
+    } else if ((sequence - 1) % kPerTurn == 1) {
+      EdgeBlock edges;
+      edges.header = header;
+      seal(edges, sealed);
+    } else {
+      ScanBlock scans{.header = header, .period_ps = 500'000'000};
+      scans.header.scans = kScansPerBlock;
+      scans.counts[0][0] = static_cast<std::int32_t>(sequence);
+      seal(scans, sealed);
+    }
+    return sealed;
+  }
+};
+
+}  // namespace roadbalance::fuzz

@@ -1,0 +1,115 @@
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+
+#include "common/bus/bus.hpp"
+#include "common/bus/clock_messages.hpp"
+#include "common/bus/control.hpp"
+#include "common/bus/notes.hpp"
+#include "common/bus/recorder_status.hpp"
+#include "common/bus/results.hpp"
+#include "common/clock/datagram.hpp"
+#include "common/record/log_event.hpp"
+#include "common/record/segment_index.hpp"
+#include "common/test/source.hpp"
+#include "hil_tests/fuzz/true_node.hpp"
+
+// Writes what the fuzzers begin with: one real encoding of each kind.  Usage: rb-fuzz-seeds FOLDER
+namespace roadbalance {
+namespace {
+
+std::filesystem::path folder;
+
+template <typename Bytes>
+void write(const std::string& what, const std::string& name, const Bytes& bytes) {
+  std::filesystem::create_directories(folder / what);
+  std::ofstream file(folder / what / name, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  if (!file.flush()) throw std::runtime_error("cannot write " + (folder / what / name).string());
+}
+
+void write_blocks() {
+  const fuzz::TrueNode node{.node = 2, .epoch = 99, .last = 4};
+  for (const std::int64_t sequence : {1, 2, 3, 4})
+    write("block", "sequence-" + std::to_string(sequence), node.block(sequence).bytes());
+  SealedBlock gap;
+  seal(GapBlock{.header = {.node = 2, .epoch = 99, .sequence = 5, .first_scan = 40, .scans = 7}}, gap);
+  write("block", "gap", gap.bytes());
+
+  std::vector<std::uint8_t> log{0};  // how the target reads it: as it is
+  for (const std::int64_t sequence : {1, 4}) {
+    const SealedBlock block = node.block(sequence);
+    const std::string channel = block_channel(node.node, block.kind);
+    const auto header = encode_log_header({.channel = channel, .data = block.bytes()});
+    log.insert(log.end(), header.begin(), header.end());
+    log.insert(log.end(), channel.begin(), channel.end());
+    log.insert(log.end(), block.bytes().begin(), block.bytes().end());
+  }
+  write("segment", "two-events", log);
+
+  SegmentIndex index{.segment = 3, .bytes = log.size()};
+  index.epoch[{2, 99}] = {
+      .position = {.contiguous = 4, .next_scan = 20, .ended = true}, .samples = 20, .blocks = 4};
+  write("index", "one-epoch", encode(index));
+}
+
+void write_messages() {
+  write("control", "heartbeat", encode(Heartbeat{.node = 1, .epoch = 2, .base = 3, .next = 9}));
+  write("control", "ack",
+        encode(Ack{.node = 1,
+                   .epoch = 2,
+                   .incarnation = 3,
+                   .number = 4,
+                   .received = 9,
+                   .durable = 7,
+                   .credit = 99,
+                   .missing = {{11, 12}, {15, 15}}}));
+  write("control", "command", encode(Command{.node = 1, .request = 5, .incarnation = 3}));
+  write("control", "reply", encode(Reply{.node = 1, .epoch = 2, .request = 5}));
+  write("notes", "journal", encode(Journal{.node = 1, .epoch = 2, .last_sequence = 7, .scans = 100}));
+  write("notes", "note", encode(Note{.kind = NoteKind::kFallback, .text = "/mnt/spare"}));
+  write("notes", "exchange", encode(ClockExchange{.node = 1, .number = 4, .asked_ns = 5, .heard_ns = 9}));
+  write("notes", "fit", encode(ClockFit{.node = 1, .number = 4, .drift = 1e-5}));
+  write("notes", "recorder", encode(RecorderStatus{.segment = 3}));
+  write("results", "level", encode(Level{.node = 1, .seconds = 1}));
+  write("results", "spectrum", encode(SpectrumPart{.node = 1, .step_hz = 0.5, .density = {1.0f, 2.0f}}));
+  write("results", "identification", encode(Identification{.speed_class = {{20.0, 60.0}}}));
+  write("results", "balance", encode(Balance{.unbalance_g = 35}));
+  write("clock", "question", encode(ClockDatagram{.node = 1, .epoch = 2, .number = 3}));
+  write("clock", "answer",
+        encode(ClockDatagram{
+            .kind = ClockDatagramKind::kAnswer, .node = 1, .received_ns = 4, .answered_ns = 5}));
+}
+
+void write_texts() {
+  write("vehicle", "demo", test::read_source("sim/demo/vehicle.toml"));
+  write("scenario", "demo", test::read_source("sim/demo/scenario.toml"));
+  write("address", "all", std::string("drive.toml?seed=7&rate=20&seconds=320&start_ns=123&from=12.5"));
+  write("address", "max", std::string("?rate=max"));
+  const std::string samples = "time_s,body_z,wheel_z\ns,m/s^2,g\n0.0,1.5,-0.25\n0.01,1.25,1e-3\n";
+  const std::string pulses = "time_s,wheel,kind\n0.001,front_left,tooth\n0.002,front_left,zero\n";
+  write("csv", "both", samples + '\0' + pulses);
+}
+
+}  // namespace
+}  // namespace roadbalance
+
+int main(int count, char** arguments) {
+  if (count != 2) {
+    std::fprintf(stderr, "usage: rb-fuzz-seeds FOLDER\n");
+    return 2;
+  }
+  try {
+    roadbalance::folder = arguments[1];
+    roadbalance::write_blocks();
+    roadbalance::write_messages();
+    roadbalance::write_texts();
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "rb-fuzz-seeds: %s\n", error.what());
+    return 4;
+  }
+  return 0;
+}
