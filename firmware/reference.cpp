@@ -80,6 +80,10 @@ std::int32_t Reference::fill(std::span<std::array<std::int32_t, kChannels>> scan
     if (!known_[line] || unsettled_[line] > 0) quality |= quality_no_reference(static_cast<int>(line));
     if (encoder_[line] && encoder_[line]->uncertain()) quality |= kUncertain[line];
   }
+  if (!has_encoder(0) && !has_encoder(1)) {
+    for (auto& scan : scans) std::fill(scan.begin() + kAccelerations, scan.end(), 0);
+    return quality;  // nothing to filter
+  }
   Eigen::Array<double, kReferences, 1> input = Eigen::Array<double, kReferences, 1>::Zero();
   std::size_t at = 0;
   for (auto& scan : scans) {
