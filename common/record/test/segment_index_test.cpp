@@ -1,0 +1,102 @@
+#include "common/record/segment_index.hpp"
+
+#include <gtest/gtest.h>
+
+#include "common/record/segment.hpp"
+#include "common/record/test/numbered_blocks.hpp"
+#include "common/record/test/simulated_disk.hpp"
+
+namespace roadbalance::test {
+namespace {
+
+const std::filesystem::path kFolder = "/drive";
+
+class SegmentIndexTest : public ::testing::Test {
+ protected:
+  SegmentIndexTest() {
+    Feeder feeder({.folder = kFolder, .segment_bytes = 8 << 10}, disk);
+    feeder.append_through(60);
+    feeder.close();
+    holds = feeder.writer().holds().epoch;
+    numbers = segment_numbers(kFolder, disk);
+  }
+
+  SimulatedDisk disk;
+  std::map<NodeEpoch, RecordState::Epoch> holds;
+  std::vector<int> numbers;
+};
+
+TEST_F(SegmentIndexTest, IsReadAsItWasWrittenAndRefusedWithAnyByteChanged) {
+  const SegmentIndex index{
+      .segment = 3,
+      .bytes = 67'000'001,
+      .epoch = {{{2, -7}, {.position = {.contiguous = 5, .next_scan = 90}, .samples = 80}}}};
+  const std::string text = encode(index);
+  EXPECT_EQ(decode_index(text), index);
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    std::string altered = text;
+    altered[at] = static_cast<char>(altered[at] ^ 1);
+    EXPECT_FALSE(decode_index(altered)) << "byte " << at;
+    EXPECT_FALSE(decode_index(text.substr(0, at))) << "cut at " << at;
+  }
+}
+
+TEST_F(SegmentIndexTest, EveryFinishedSegmentHasOneThatSaysWhereItEnds) {
+  ASSERT_GT(numbers.size(), 3u);
+  for (const int number : numbers) EXPECT_TRUE(read_index(kFolder, number, disk)) << number;
+  EXPECT_EQ(read_index(kFolder, numbers.back(), disk)->epoch, holds);
+}
+
+TEST_F(SegmentIndexTest, ARestartReadsOnlyBehindTheLastOne) {
+  std::int64_t segments_read = 0;
+  disk.set_fault([&](DiskCall call, std::int64_t, const std::string& path) -> SimulatedDisk::Outcome {
+    segments_read += call == DiskCall::kOpen && path.ends_with("seg-000001.lcm") ? 1 : 0;
+    return {};
+  });
+  Feeder feeder({.folder = kFolder}, disk);
+  EXPECT_EQ(feeder.found(), 60);
+  EXPECT_EQ(segments_read, 0) << "the first segment was opened";
+}
+
+TEST_F(SegmentIndexTest, OneThatIsGoneOrWrongIsMadeAgainAndNeverBelieved) {
+  SegmentIndex wrong = *read_index(kFolder, numbers.back(), disk);
+  wrong.bytes += 1;
+  wrong.epoch.begin()->second.position.contiguous = 1000;
+  write_index(kFolder, wrong, disk);
+  disk.unlink(index_path(kFolder, 2).c_str());
+  EXPECT_EQ(read_state(kFolder, disk).epoch, holds);
+  EXPECT_EQ(rebuild_indexes(kFolder, disk), 2);
+  EXPECT_EQ(rebuild_indexes(kFolder, disk), 0);
+  EXPECT_EQ(read_index(kFolder, numbers.back(), disk)->epoch, holds);
+}
+
+// What lies behind the end of an abandoned segment was never called durable, and is given again in the next
+// one.
+TEST(AbandonedSegment, EndsWhereTheNextOneSays) {
+  SimulatedDisk disk;
+  Feeder feeder({.folder = kFolder}, disk);
+  ASSERT_TRUE(feeder.append_through(10) && feeder.sync());
+  ASSERT_TRUE(feeder.append_through(20));
+  bool cut_refused = true;
+  disk.set_fault([&](DiskCall call, std::int64_t, const std::string&) -> SimulatedDisk::Outcome {
+    const bool fails = cut_refused && (call == DiskCall::kSyncData || call == DiskCall::kTruncate);
+    if (call == DiskCall::kTruncate) cut_refused = false;
+    return {.error = fails ? EIO : 0};
+  });
+  ASSERT_TRUE(feeder.sync());
+  ASSERT_TRUE(feeder.close());
+  disk.set_fault(nullptr);
+  EXPECT_EQ(segment_numbers(kFolder, disk), (std::vector<int>{1, 2}));
+  const FoundBlocks found = find_blocks(kFolder, disk);
+  EXPECT_EQ(found.sequences, all_through(20));
+  EXPECT_TRUE(found.damage.empty());
+
+  SegmentReader raw(segment_path(kFolder, 1), disk);
+  std::vector<RecordReader::Damage> damage;
+  int events = 0;
+  while (raw.next(true, damage)) ++events;
+  EXPECT_GT(events, 11) << "the cut was refused, so the blocks are still there";
+}
+
+}  // namespace
+}  // namespace roadbalance::test
