@@ -8,8 +8,10 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
+#include "common/link/crc32c.hpp"
 #include "common/record/record.hpp"
 #include "common/record/segment.hpp"
+#include "common/record/segment_index.hpp"
 #include "host/recorder/manifest.hpp"
 
 namespace roadbalance {
@@ -199,6 +201,89 @@ TEST_F(Verify, SaysInWordsOnlyWhatIsProven) {
   writer.emplace(RecordWriter::Options{.folder = folder});
   put_gap(20, 0, GapCause::kNodeCrash);
   EXPECT_EQ(verdict_text(result()), "incomplete, every gap declared");
+}
+
+TEST_F(Verify, TellsABlockThatIsThereAgainFromAnotherOneOfItsNumber) {
+  put_scans(0);
+  --sequence;
+  put_scans(0);
+  --sequence;
+  put_gap(0, 20, GapCause::kRingFull);
+  put_end(20);
+  const Verification v = result();
+  EXPECT_EQ(v.verdict, Verdict::kDamaged);
+  EXPECT_EQ(v.epoch[0].repeated_blocks, 1);
+  EXPECT_EQ(v.epoch[0].contradicting_blocks, 1);
+}
+
+TEST_F(Verify, ComparesTheJournalWithTheBlocks) {
+  const auto entry = [this](std::int64_t first, std::int64_t last, std::int64_t scans,
+                            std::uint32_t crc_of_10) {
+    Journal journal{.node = 1, .epoch = kEpoch};
+    journal.first_sequence = first;
+    journal.last_sequence = last;
+    journal.first_scan = 20 * (first - 1);
+    journal.next_scan = journal.first_scan + scans;
+    journal.scans = scans;
+    // All counts of these blocks are 0, in every channel alike.
+    const std::vector<std::uint8_t> zeros(static_cast<std::size_t>(4 * scans));
+    journal.channel_crc.fill(crc32c(zeros));
+    journal.channel_crc[10] ^= crc_of_10;
+    writer->append(kJournalChannel, encode(journal), 0);
+  };
+  put_scans(0);
+  put_scans(20);
+  entry(1, 2, 40, 0);
+  put_scans(40);
+  entry(3, 3, 20, 0);
+  EXPECT_EQ(result().epoch[0].contradictions, std::vector<std::string>{});
+
+  writer.emplace(RecordWriter::Options{.folder = folder});
+  put_scans(60);
+  entry(4, 4, 20, 1);  // another channel CRC
+  put_scans(80);
+  entry(5, 6, 40, 0);  // a block more than is here
+  const Verification v = result();
+  EXPECT_EQ(v.verdict, Verdict::kDamaged);
+  EXPECT_EQ(v.journal_entries, 4);
+  ASSERT_EQ(v.epoch[0].contradictions.size(), 2u);
+  EXPECT_NE(v.epoch[0].contradictions[0].find("the scans here are others"), std::string::npos);
+  EXPECT_NE(v.epoch[0].contradictions[1].find("blocks 5 to 6"), std::string::npos);
+}
+
+TEST_F(Verify, KnowsWhatTheRetentionModeDeleted) {
+  for (int part = 0; part < 3; ++part) {
+    if (part > 0) writer.emplace(RecordWriter::Options{.folder = folder});
+    put_scans(40 * part);
+    put_scans(40 * part + 20);
+    if (part == 2) {
+      writer->append(kNoteChannel, encode(Note{.kind = NoteKind::kSegmentDeleted, .a = 1, .text = {}}), 0);
+      put_end(120);
+    }
+    writer->close();
+  }
+  ASSERT_EQ(verify_record(folder).verdict, Verdict::kComplete);
+  delete_segment(folder, 1);
+  Verification v = verify_record(folder);
+  EXPECT_EQ(v.verdict, Verdict::kIncomplete) << verdict_text(v);
+  EXPECT_EQ(v.epoch[0].samples, 80);
+  EXPECT_EQ(v.epoch[0].samples_deleted, 40);
+  EXPECT_EQ(v.deleted_segments, 1);
+  delete_segment(folder, 2);  // nobody said so
+  EXPECT_EQ(verify_record(folder).verdict, Verdict::kDamaged);
+}
+
+TEST_F(Verify, AnIndexThatSaysSomethingElseIsNamedAndNoDamage) {
+  put_scans(0);
+  put_end(20);
+  writer->close();
+  SegmentIndex index = *read_index(folder, 1);
+  index.epoch.begin()->second.samples += 1;
+  write_index(folder, index);
+  const Verification v = verify_record(folder);
+  EXPECT_EQ(v.verdict, Verdict::kComplete);
+  ASSERT_EQ(v.indexes.size(), 1u);
+  EXPECT_NE(v.indexes[0].find("seg-000001.idx"), std::string::npos);
 }
 
 // Two segments, finished: what a recorder leaves that was not killed.
