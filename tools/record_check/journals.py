@@ -9,12 +9,12 @@ class JournalCheck:
     """Of one node epoch: the blocks since the last entry, until an entry takes them."""
 
     def __init__(self):
-        self.appended = {}  # sequence -> block, since the last entry
+        self.appended = []  # since the last entry, as they lie in the record
         self.entries = 0
         self.contradictions = []
 
     def append(self, block):
-        self.appended[block.sequence] = block
+        self.appended.append(block)
 
     def restart(self):
         """Another run of the recorder knows nothing of what the one before had not written down yet."""
@@ -24,10 +24,10 @@ class JournalCheck:
         """@param first_kept  blocks before this number may have been deleted with their segment"""
         self.entries += 1
         first, last = journal["first_sequence"], journal["last_sequence"]
-        blocks = [self.appended.pop(sequence) for sequence in sorted(self.appended) if sequence <= last]
+        blocks, self.appended = self.appended, []
         if first <= last and first < first_kept:
             return
-        for what, said, here in self._compare(journal, [block for block in blocks if block.sequence >= first]):
+        for what, said, here in self._compare(journal, blocks):
             if said != here:
                 self.contradictions.append(f"the journal's entry for blocks {first} to {last} says {what} {said}; "
                                            f"here: {here}")
@@ -35,10 +35,11 @@ class JournalCheck:
     @staticmethod
     def _compare(journal, blocks):
         with_scans = [block for block in blocks if block.kind in ("SCAN", "GAP")]
-        # A gap for blocks lost at the node bears the number of the last one it covers.
-        covered = sum(block.sequence - before for before, block in
-                      zip([journal["first_sequence"] - 1] + [block.sequence for block in blocks], blocks))
-        yield "blocks", journal["last_sequence"] - journal["first_sequence"] + 1, covered
+        first, last = journal["first_sequence"], journal["last_sequence"]
+        if blocks:
+            yield "last block", last, blocks[-1].sequence
+        if not blocks or not blocks[0].covers_numbers_before():
+            yield "first block", first, blocks[0].sequence if blocks else last + 1
         yield "scans", journal["scans"], sum(block.scans for block in blocks if block.kind == "SCAN")
         yield "scans missing", journal["scans_missing"], sum(block.scans for block in blocks if block.kind == "GAP")
         if with_scans:

@@ -6,9 +6,10 @@ import struct
 import tempfile
 import unittest
 
-from records import (COMPLETE, DAMAGED, INCOMPLETE, RB, SEGMENT, TYPES, UNREADABLE, Record, altered, check, message,
-                     record_a_drive, run)
+from records import (COMPLETE, DAMAGED, INCOMPLETE, RB, SEGMENT, TYPES, UNREADABLE, Record, altered, check, event, message,
+                     record_a_drive, run, with_crc)
 
+from record_check.crc32c import crc
 from record_check.event_log import HEADER, split_events
 
 
@@ -189,6 +190,65 @@ class CheckRecord(unittest.TestCase):
     def test_an_empty_segment_behind_the_last(self):
         (self.folder / "seg-000002.lcm").touch()
         self.agrees(INCOMPLETE)
+
+    def test_what_lies_behind_the_end_of_an_abandoned_segment_does_not_count(self):
+        self.split()
+        first, second = self.folder / SEGMENT, self.folder / "seg-000002.lcm"
+        end = first.stat().st_size
+        note = event(b"RB_NOTE", message("note_t", incarnation=1, kind=5, a=1, b=end))
+        second.write_bytes(note + second.read_bytes())
+        again = second.read_bytes()[len(note):][:5000]
+        for behind in (b"garbage", again):
+            first.write_bytes(first.read_bytes()[:end] + behind)
+            self.assertEqual(self.agrees(COMPLETE)["damaged_bytes"], 0)
+
+    def test_a_deleted_segment_that_a_note_tells_of(self):
+        self.split()
+        first, second = self.folder / SEGMENT, self.folder / "seg-000002.lcm"
+        blocks = first.read_bytes()
+        positions = {}
+        for channel, begin, end in split_events(blocks)[0]:
+            if not channel.startswith(b"RB_BLOCK_"):
+                continue
+            node, epoch, sequence, first_scan, scans = struct.unpack_from(">iqqqq", blocks, begin + 8)
+            if sequence > 0:
+                known = positions.setdefault((node, epoch), [0, 0])
+                known[0] = sequence
+                known[1] = max(known[1], first_scan + scans if channel.endswith(b"SCAN") else 0)
+        index = f"roadbalance index 1\nsegment 1 bytes {len(blocks)}\n" + "".join(
+            f"epoch {node} {epoch} contiguous {last} next_scan {scan} ended 0 samples {scan} gaps 0 blocks {last}\n"
+            for (node, epoch), (last, scan) in sorted(positions.items()))
+        first.with_suffix(".idx").write_text(f"{index}crc32c {crc(index.encode()):08x}\n", encoding="utf-8")
+        first.unlink()
+        self.agrees(DAMAGED)
+        note = event(b"RB_NOTE", message("note_t", incarnation=1, kind=11, a=1, b=len(blocks)))
+        second.write_bytes(second.read_bytes() + note)
+        self.assertGreater(self.node(self.agrees(INCOMPLETE))["samples_deleted"], 0)
+
+    def test_an_altered_note_is_damage(self):
+        note = message("note_t", incarnation=1, kind=3)
+        self.record.events.insert(5, (b"RB_NOTE", note[:20] + b"x" + note[21:]))
+        self.record.write()
+        self.agrees(DAMAGED)
+
+    def test_a_journal_entry_that_contradicts_the_blocks(self):
+        at, (channel, data) = next((at, each) for at, each in enumerate(self.record.events) if each[0] == b"RB_JOURNAL")
+        scans, = struct.unpack_from(">q", data, TYPES["journal_t"].offset("scans"))
+        crcs = TYPES["journal_t"].offset("channel_crc")
+        other_crc = with_crc(data[:crcs] + bytes([data[crcs] ^ 1]) + data[crcs + 1:])
+        for changed in (altered(data, "journal_t", "scans", scans + 1), other_crc):
+            self.record.events[at] = channel, changed
+            self.record.write()
+            nodes = self.agrees(DAMAGED)["nodes"]
+            self.assertEqual(sum(len(node["journal_contradictions"]) for node in nodes), 1)
+
+    def test_a_sample_altered_under_a_good_crc_contradicts_the_journal(self):
+        at = self.record.places("SCAN")[7]
+        channel, data = self.record.events[at]
+        counts = TYPES["scan_block_t"].offset("counts")
+        self.record.events[at] = channel, with_crc(data[:counts] + bytes([data[counts] ^ 1]) + data[counts + 1:])
+        self.record.write()
+        self.assertEqual(len(self.node(self.agrees(DAMAGED))["journal_contradictions"]), 1)
 
     def test_nothing_readable(self):
         (self.folder / SEGMENT).write_bytes(b"x" * 5000)
