@@ -1,0 +1,133 @@
+#include <algorithm>
+#include <array>
+#include <chrono>
+
+#include "common/bus/bus.hpp"
+#include "hil_tests/fuzz/ack_check.hpp"
+#include "hil_tests/fuzz/byte_reader.hpp"
+#include "hil_tests/fuzz/delivery_check.hpp"
+#include "hil_tests/fuzz/in_form.hpp"
+#include "hil_tests/fuzz/true_node.hpp"
+#include "host/recorder/recorder_link.hpp"
+
+// RecorderLink as a sequence of datagrams: honest nodes, and anything on any channel, with and without a good
+// CRC.
+namespace roadbalance {
+namespace {
+
+constexpr std::array<fuzz::TrueNode, 3> kHonest{{{1, 11, 60}, {1, 12, 1000}, {2, 21, 9}}};
+
+class Run {
+ public:
+  explicit Run(std::span<const std::uint8_t> bytes) : in_(bytes) {}
+
+  void play() {
+    while (!in_.empty()) {
+      step();
+      deliver();
+    }
+    turn();
+    link_.farewell([](const std::string&, std::span<const std::uint8_t>) { return true; });
+    (void)link_.report();
+  }
+
+ private:
+  void step() {
+    switch (in_.byte() % 8) {
+      case 0:
+        now_ += std::chrono::milliseconds(in_.below(256));
+        return;
+      case 1:
+        now_ += std::chrono::seconds(in_.below(20));
+        return;
+      case 2:
+        return honest_block();
+      case 3:
+        return honest_heartbeat();
+      case 4:
+        return anything();
+      case 5:
+        return durable();
+      case 6:
+        return turn();
+      default:
+        if (const auto what = in_.byte(); what == 0)
+          link_.stop(now_);
+        else
+          link_.set_credit_open(what & 1);
+        (void)link_.over(now_);
+    }
+  }
+
+  const fuzz::TrueNode& honest() { return kHonest[static_cast<std::size_t>(in_.below(3))]; }
+
+  void honest_block() {
+    const auto& node = honest();
+    const std::int64_t near = deliveries_.delivered(node.node, node.epoch) + in_.below(64) - 16;
+    const SealedBlock block = node.block(std::clamp<std::int64_t>(near, 1, node.last));
+    link_.take(block_channel(node.node, block.kind), block.bytes(), now_);
+  }
+
+  void honest_heartbeat() {
+    const auto& node = honest();
+    const std::int64_t delivered = deliveries_.delivered(node.node, node.epoch);
+    Heartbeat beat{.node = node.node, .epoch = node.epoch};
+    beat.next = std::min(delivered + 1 + in_.below(256), node.last + 1);
+    beat.base = std::clamp<std::int64_t>(delivered + in_.below(256) - 200, 1, beat.next);
+    beat.state = beat.next > node.last ? NodeState::kEnded : NodeState::kStarted;
+    beat.owner = in_.below(3);
+    link_.take(heartbeat_channel(node.node), encode(beat), now_);
+  }
+
+  // Of the nodes 7 and 8, which say what they like.
+  void anything() {
+    const std::int32_t node = 7 + static_cast<std::int32_t>(in_.below(2));
+    const std::uint8_t how = in_.byte();
+    const auto bytes = in_.take(static_cast<std::size_t>(in_.below(200)));
+    if (how & 1)
+      link_.take(heartbeat_channel(node), fuzz::in_form(encode(Heartbeat{.node = node, .epoch = 1}), bytes),
+                 now_);
+    else if (how & 2)
+      link_.take(reply_channel(node), fuzz::in_form(encode(Reply{.node = node, .epoch = 1}), bytes), now_);
+    else
+      link_.take(how & 4 ? block_channel(node, BlockKind::kScan) : heartbeat_channel(node), bytes, now_);
+  }
+
+  void durable() {
+    const auto& node = honest();
+    const std::int64_t sequence = std::min(deliveries_.delivered(node.node, node.epoch), in_.below(65536));
+    acks_.durable(node.node, node.epoch, sequence);
+    link_.durable({.node = node.node, .epoch = node.epoch, .sequence = sequence}, now_);
+  }
+
+  void deliver() {
+    for (const Delivery& delivery : link_.deliveries()) deliveries_.take(delivery);
+  }
+
+  void turn() {
+    link_.turn(now_, [this](const std::string& channel, std::span<const std::uint8_t> bytes) {
+      if (const auto ack = decode_ack(bytes)) {
+        fuzz::require(channel == ack_channel(ack->node), "an ack goes to its node");
+        acks_.take(*ack);
+      } else {
+        const auto command = decode_command(bytes);
+        fuzz::require(command && channel == command_channel(command->node), "what is no ack is a command");
+      }
+      return in_.byte() % 16 != 1;  // now and then this computer will not send
+    });
+  }
+
+  fuzz::ByteReader in_;
+  WallTime now_{std::chrono::hours(1)};
+  RecorderLink link_{{}, 1, {}};
+  fuzz::DeliveryCheck deliveries_;
+  fuzz::AckCheck acks_;
+};
+
+}  // namespace
+}  // namespace roadbalance
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  roadbalance::Run({data, size}).play();
+  return 0;
+}
