@@ -120,6 +120,11 @@ void RecordCheck::check_samples(const ScanBlock& block) {
   }
 }
 
+bool RecordCheck::is_closed(std::int32_t node, std::int64_t epoch) const {
+  const auto found = seen_.find({node, epoch});
+  return found != seen_.end() && (found->second.ended || found->second.crashed);
+}
+
 std::int64_t RecordCheck::checked(std::int32_t node, std::int64_t epoch) const {
   const auto found = seen_.find({node, epoch});
   return found == seen_.end() ? 0 : found->second.sequence;

@@ -27,8 +27,11 @@ class RecordCheck {
   void declared(std::int32_t node, std::int64_t epoch, std::int64_t sequence);
   void take(std::string_view channel, std::span<const std::uint8_t> bytes);
   /// The record is whole: what each epoch must have by now.
-  /// @param closed  its recorder ended in order, so that every epoch has an end or a declared crash
+  /// @param closed  its recorder ended in order and was the only one, so that every epoch has an end or a
+  ///                declared crash
   void finish(bool closed);
+  /// Its end or its declared crash was seen.
+  bool is_closed(std::int32_t node, std::int64_t epoch) const;
   /// The last sequence seen of an epoch.
   std::int64_t checked(std::int32_t node, std::int64_t epoch) const;
 
