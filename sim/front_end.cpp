@@ -160,11 +160,18 @@ class SimFrontEnd final : public FrontEnd {
   /// Bus time is paced by CLOCK_MONOTONIC, which the system may slew: the two are compared anew.
   NodeTime node_time(MachineTime machine) const noexcept override {
     if (!pace_) return {};
-    const MachineTime before = MachineClock::now();
-    const WallTime wall = WallClock::now();
-    const MachineTime after = MachineClock::now();
-    const auto ago = before + (after - before) / 2 - machine;
-    return clock_(node_time_from_ns((wall - pace_->start() - ago).count()));
+    // An interruption between two readings would shift the pair: the narrowest of a few is taken.
+    auto narrowest = NodeClock::duration::max();
+    WallTime wall;
+    for (int i = 0; i < 20 && narrowest > std::chrono::microseconds(1); ++i) {
+      const MachineTime before = MachineClock::now();
+      const WallTime between = WallClock::now();
+      const MachineTime after = MachineClock::now();
+      if (after - before >= narrowest) continue;
+      narrowest = after - before;
+      wall = between - (before + narrowest / 2 - machine);
+    }
+    return clock_(node_time_from_ns((wall - pace_->start()).count()));
   }
 
  private:

@@ -6,10 +6,13 @@
 #include <string>
 #include <thread>
 
+#include "common/bus/bus.hpp"
 #include "tools/rb/command.hpp"
+#include "tools/rb/quiet_port.hpp"
 #include "tools/rb/temporary_folder.hpp"
 #include "tools/rb/validators.hpp"
 #include "tools/study/campaign.hpp"
+#include "tools/study/clock_skew.hpp"
 #include "tools/study/demo_accuracy.hpp"
 
 namespace roadbalance {
@@ -22,6 +25,8 @@ struct StudyOptions {
   std::string state;
   int jobs = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   double drive_seconds = 320.0;
+  double seconds = 30.0;
+  int nodes = 4;
   bool json = false;
 };
 
@@ -43,7 +48,30 @@ void print(const nlohmann::ordered_json& summary) {
                 line["required"][0].get<double>(), line["required"][1].get<double>());
 }
 
+int study_clock_skew(const StudyOptions& options) {
+  const TemporaryFolder record("rb-clock-skew");
+  const nlohmann::ordered_json result = clock_skew({.bus_url = bus_url_on_port(quiet_port(0)),
+                                                    .folder = record.path(),
+                                                    .seconds = options.seconds,
+                                                    .nodes = options.nodes});
+  if (options.json) {
+    std::printf("%s\n", result.dump().c_str());
+  } else {
+    const auto number = [&](const char* key) { return result[key].get<double>(); };
+    std::printf("skew between %d nodes over %.0f s: p50 %.1f us, p99 %.1f us, largest %.1f us\n",
+                options.nodes, options.seconds, number("skew_p50_us"), number("skew_p99_us"),
+                number("skew_max_us"));
+    std::printf("stated uncertainty (median %.1f us) covers %.2f %% of %d windows; %.1f %% kernel stamps\n",
+                number("uncertainty_p50_us"), number("covered_percent"), result["windows"].get<int>(),
+                number("kernel_stamps_percent"));
+    std::printf("%s  skew p99 at most 50 us and 99.9 %% of the windows covered\n",
+                result["met"].get<bool>() ? "met    " : "NOT MET");
+  }
+  return result["met"].get<bool>() ? kDone : kAnswerIsNo;
+}
+
 int study(const StudyOptions& options) {
+  if (options.name == "clock-skew") return study_clock_skew(options);
   std::unique_ptr<TemporaryFolder> temporary;
   if (options.state.empty()) temporary = std::make_unique<TemporaryFolder>("rb-study");
   const Campaign campaign{options.name,
@@ -70,9 +98,12 @@ void add_study(CLI::App& app, int& code) {
   auto options = std::make_shared<StudyOptions>();
   CLI::App* command =
       app.add_subcommand("study", "Repeats an experiment over many seeds and says what came out");
-  command->add_option("name", options->name, "demo-accuracy: the demo's estimates against the truth")
+  command
+      ->add_option("name", options->name,
+                   "demo-accuracy: the demo's estimates against the truth; clock-skew: the fits of "
+                   "running nodes' clocks against what they show")
       ->required()
-      ->check(CLI::IsMember({"demo-accuracy"}));
+      ->check(CLI::IsMember({"demo-accuracy", "clock-skew"}));
   command->add_option("--runs", options->runs, "how many seeds")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
@@ -84,6 +115,12 @@ void add_study(CLI::App& app, int& code) {
       ->capture_default_str();
   command->add_option("--drive-seconds", options->drive_seconds, "length of each drive")
       ->check(drive_length())
+      ->capture_default_str();
+  command->add_option("--seconds", options->seconds, "how long clock-skew compares")
+      ->check(CLI::Range(1.0, 1e5))
+      ->capture_default_str();
+  command->add_option("--nodes", options->nodes, "how many nodes clock-skew runs")
+      ->check(CLI::Range(2, 16))
       ->capture_default_str();
   command->add_flag("--json", options->json, "one JSON object on standard output");
   command->callback([options, &code] { code = study(*options); });

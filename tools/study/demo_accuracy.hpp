@@ -11,7 +11,8 @@ namespace roadbalance {
 ///
 /// The blocks are those the nodes would send, made by the same code.
 /// @returns {"seed", "wheels": [{name, unbalance_g, ..., truth_g, truth_deg, truth_tyre_stiffness_n_m}]}
-nlohmann::ordered_json demo_accuracy_run(std::uint64_t seed, double drive_seconds);
+nlohmann::ordered_json demo_accuracy_run(std::uint64_t seed, double drive_seconds,
+                                         const std::vector<double>& converter_ppm = {});
 
 /// What the runs say together, with the acceptance lines of the project:
 ///  - all wheels of at least 20 g within 10 % and 6 degrees in 18 of 20 seeds;
