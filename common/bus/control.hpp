@@ -36,6 +36,9 @@ struct Heartbeat {
   TimeBase time_base = TimeBase::kOwn;
   std::uint32_t clock_address = 0;  ///< IPv4, as a number
   std::uint16_t clock_port = 0;
+
+  /// Nothing more is sealed.
+  bool is_over() const { return state == NodeState::kEnded || state == NodeState::kFailed; }
 };
 
 struct SequenceRange {

@@ -110,6 +110,11 @@ EpochReceiver::Take EpochReceiver::block(const SealedBlock& block, WallTime now,
 void EpochReceiver::heartbeat(const Heartbeat& heartbeat, WallTime now, std::vector<Delivery>& out) {
   if (ended_) return;
   if (heartbeat.base > contiguous_ + 1) lose_through(heartbeat.base - 1, out);
+  if (heartbeat.is_over() && loss_through_ > 0 && loss_through_ == heartbeat.next - 1) {
+    // The end went to somebody else; how many scans there were is told all the same.
+    declare_loss(out, heartbeat.scans_sampled);
+    ended_ = true;
+  }
   if (!ended_ && !planted(PlantedFault::kNoHeartbeat))
     extend(std::min({heartbeat.next - 1, credit_given_, contiguous_ + options_.window}), now);
   check();
@@ -131,18 +136,18 @@ void EpochReceiver::deliver(const SealedBlock& block, std::vector<Delivery>& out
 }
 
 void EpochReceiver::deliver_contiguous(std::vector<Delivery>& out) {
-  if (loss_through_ > 0 && !declare_loss(out, false)) return;
+  if (loss_through_ > 0 && !declare_loss(out, std::nullopt)) return;
   while (contiguous_ < highest_ && slot(contiguous_ + 1).arrived) deliver(stored(contiguous_ + 1), out);
 }
 
 // The blocks through loss_through_ are gone.  How many scans they held is told by the next block that has a
-// scan index; until it is there nothing is delivered.
-bool EpochReceiver::declare_loss(std::vector<Delivery>& out, bool at_once) {
+// scan index; until it is there nothing is delivered, unless the caller knows which scan is the next.
+bool EpochReceiver::declare_loss(std::vector<Delivery>& out, std::optional<std::int64_t> next_scan) {
   const std::int64_t behind = loss_through_ + 1;
   std::int64_t at = behind;
   while (at <= highest_ && slot(at).arrived && !tells_scan(stored(at))) ++at;
   const bool told = at <= highest_ && slot(at).arrived;
-  if (!told && !at_once && at - behind < kMostBlocksHeld) return false;
+  if (!told && !next_scan && at - behind < kMostBlocksHeld) return false;
 
   GapBlock gap;
   gap.cause = GapCause::kLostAtNode;
@@ -160,6 +165,9 @@ bool EpochReceiver::declare_loss(std::vector<Delivery>& out, bool at_once) {
     else
       gap.header.time_ns = after.time_ns;
     next_scan_ = after.first_scan;
+  } else if (next_scan) {
+    gap.header.scans = std::max<std::int64_t>(0, *next_scan - next_scan_);
+    next_scan_ += gap.header.scans;
   }
   loss_through_ = 0;
   if (planted(PlantedFault::kLostDeclaredLate)) return true;
@@ -181,7 +189,7 @@ BlockHeader EpochReceiver::next_header(std::int64_t sequence) const {
 void EpochReceiver::lose_through(std::int64_t sequence, std::vector<Delivery>& out) {
   while (contiguous_ < sequence) {
     if (contiguous_ < highest_ && slot(contiguous_ + 1).arrived) {
-      if (loss_through_ > 0) declare_loss(out, true);
+      if (loss_through_ > 0) declare_loss(out, next_scan_);
       deliver(stored(contiguous_ + 1), out);
     } else if (contiguous_ < highest_) {
       loss_through_ = ++contiguous_;
@@ -202,7 +210,7 @@ void EpochReceiver::crash(std::vector<Delivery>& out) {
       has_holes() && slot(newest_arrived_).arrived && stored(newest_arrived_).kind == BlockKind::kEnd;
   if (has_end) slot(newest_arrived_).arrived = false;
   lose_through(has_end ? newest_arrived_ - 1 : newest_arrived_, out);
-  if (loss_through_ > 0) declare_loss(out, true);
+  if (loss_through_ > 0) declare_loss(out, next_scan_);
   deliver_contiguous(out);
   assert(!ended_);
   ended_ = true;

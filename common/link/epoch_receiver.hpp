@@ -88,7 +88,7 @@ class EpochReceiver {
   Take repeated(const SealedBlock& block, std::vector<Delivery>& out);
   void extend(std::int64_t sequence, WallTime now);
   BlockHeader next_header(std::int64_t sequence) const;
-  bool declare_loss(std::vector<Delivery>& out, bool at_once);
+  bool declare_loss(std::vector<Delivery>& out, std::optional<std::int64_t> next_scan);
   void deliver_contiguous(std::vector<Delivery>& out);
   void deliver(const SealedBlock& block, std::vector<Delivery>& out);
   void lose_through(std::int64_t sequence, std::vector<Delivery>& out);

@@ -16,10 +16,6 @@ constexpr std::size_t kMostPastEpochs = 1024;
 // Of an epoch that is over, one every kAckPeriod: nobody says whether an ack was heard.
 constexpr int kLastAcks = 5;
 
-bool is_over(const Heartbeat& heartbeat) {
-  return heartbeat.state == NodeState::kEnded || heartbeat.state == NodeState::kFailed;
-}
-
 }  // namespace
 
 Receiver::Receiver(std::int64_t incarnation, ReceiverOptions options)
@@ -117,7 +113,7 @@ bool Receiver::may_open(Node& node, const Heartbeat& heartbeat, WallTime now, st
     return false;
   }
   // Of an epoch that is over we want the blocks it still has, or it the word that we have them.
-  if (is_over(heartbeat) && !holds_blocks && (!past || past->position.ended)) return false;
+  if (heartbeat.is_over() && !holds_blocks && (!past || past->position.ended)) return false;
   return make_room(node, now, out);
 }
 

@@ -134,5 +134,21 @@ TEST_F(ReceiverTest, TheHighestSequenceAllowedBreaksNothing) {
   EXPECT_TRUE(out.empty());
 }
 
+// Another recorder had it: the node has given everything back and says how much there was.
+TEST_F(ReceiverTest, AnEndThatSomebodyElseGotLeavesAnExactGap) {
+  take(beat(1, 1));
+  take(scans(1));
+  Heartbeat last = beat(12, 12);
+  last.state = NodeState::kEnded;
+  last.scans_sampled = 190;
+  take(last);
+  ASSERT_EQ(sequences(), (Sequences{1, 11}));
+  const auto& gap = std::get<GapBlock>(out[1]);
+  EXPECT_EQ(gap.cause, GapCause::kLostAtNode);
+  EXPECT_EQ(gap.header.first_scan, 20);
+  EXPECT_EQ(gap.header.scans, 170);
+  EXPECT_TRUE(receiver.current(1)->ended());
+}
+
 }  // namespace
 }  // namespace roadbalance
