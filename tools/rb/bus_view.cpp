@@ -25,9 +25,29 @@ BusView::BusView(const std::string& url) : bus_(url) {
     news_ = news_ || (message->wheel == kWheels - 1 && (!last || last->time_ns != message->time_ns));
     last = *message;
   });
+  bus_.subscribe(kRecorderChannel, [this](std::string_view, Bytes bytes) {
+    if (const auto status = decode_recorder_status(bytes)) take(*status);
+  });
   bus_.subscribe("RB_HEARTBEAT_.*", [this](std::string_view, Bytes bytes) {
     if (const auto beat = decode_heartbeat(bytes)) heartbeats_[beat->node] = *beat;
   });
+}
+
+// What comes from the bus is bounded.
+void BusView::take(const RecorderStatus& status) {
+  constexpr std::size_t kMostRecorders = 8;
+  if (!recorders_.contains(status.incarnation) && recorders_.size() >= kMostRecorders) return;
+  recorders_[status.incarnation] = status;
+  recorder_heard_at_[status.incarnation] = WallClock::now();
+}
+
+// It says its state twice a second.
+void BusView::forget_silent_recorders() {
+  static constexpr std::chrono::seconds kSilence{3};
+  std::erase_if(recorders_, [this](const auto& recorder) {
+    return WallClock::now() - recorder_heard_at_[recorder.first] > kSilence;
+  });
+  std::erase_if(recorder_heard_at_, [this](const auto& heard) { return !recorders_.contains(heard.first); });
 }
 
 void BusView::take(const SpectrumPart& part) {
@@ -44,6 +64,7 @@ void BusView::take(const SpectrumPart& part) {
 bool BusView::handle(std::chrono::milliseconds timeout) {
   news_ = false;
   bus_.handle(timeout);
+  forget_silent_recorders();
   return news_;
 }
 

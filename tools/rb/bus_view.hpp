@@ -10,7 +10,9 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/control.hpp"
+#include "common/bus/recorder_status.hpp"
 #include "common/bus/results.hpp"
+#include "common/clock/clocks.hpp"
 
 namespace roadbalance {
 
@@ -28,6 +30,9 @@ class BusView {
   const std::map<std::int32_t, Level>& levels() const { return levels_; }
   const std::map<std::int32_t, Heartbeat>& heartbeats() const { return heartbeats_; }
 
+  /// By incarnation: two recorders are two lines.
+  const std::map<std::int64_t, RecorderStatus>& recorders() const { return recorders_; }
+
   /// The highest line of a channel's spectrum, from the parts seen last.
   struct Line {
     double frequency_hz = 0;
@@ -38,6 +43,8 @@ class BusView {
 
  private:
   void take(const SpectrumPart& part);
+  void take(const RecorderStatus& status);
+  void forget_silent_recorders();
 
   Bus bus_;
   bool news_ = false;
@@ -45,6 +52,8 @@ class BusView {
   std::array<std::optional<Balance>, kWheels> balance_;
   std::map<std::int32_t, Level> levels_;
   std::map<std::int32_t, Heartbeat> heartbeats_;
+  std::map<std::int64_t, RecorderStatus> recorders_;
+  std::map<std::int64_t, WallTime> recorder_heard_at_;
   std::map<std::pair<std::int32_t, std::int32_t>, Line> lines_;
 };
 

@@ -54,6 +54,7 @@ int main(int argc, char** argv) {
   add_spectrum(app, code);
   add_study(app, code);
   add_import(app, code);
+  add_supervise(app, code);
   try {
     refuse_unknown_subcommand(app, std::span(argv, static_cast<std::size_t>(argc)).subspan(1), "rb");
     app.parse(argc, argv);

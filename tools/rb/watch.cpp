@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/process/stop_on_signal.hpp"
+#include "host/recorder/status_line.hpp"
 #include "tools/rb/bus_view.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/readout.hpp"
@@ -27,6 +28,12 @@ std::vector<std::string> draw(const BusView& view) {
     const std::string advice = advice_line(*balance);
     lines.push_back(balance_line(*balance) + (advice.empty() ? "" : "   " + advice));
   }
+  for (const auto& [incarnation, status] : view.recorders()) {
+    lines.push_back("recorder: " + status_line(status));
+    for (const auto& alarm : alarms(status)) lines.push_back("  ! " + alarm);
+  }
+  if (view.recorders().size() > 1)
+    lines.push_back("  ! more than one recorder: a node obeys only one of them");
   for (const auto& [node, heartbeat] : view.heartbeats()) lines.push_back(node_line(heartbeat));
   for (const auto& [node, level] : view.levels()) {
     auto node_lines = level_lines(level);

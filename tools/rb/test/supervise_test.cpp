@@ -1,0 +1,119 @@
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/test/temporary_directory.hpp"
+#include "tools/rb/child.hpp"
+
+namespace roadbalance {
+namespace {
+
+// Real programs under `rb supervise`; each leaves a line in the file `runs` when it starts.
+class Supervise : public ::testing::Test {
+ protected:
+  Child supervise(std::vector<std::string> options, const std::string& shell) {
+    std::vector<std::string> words{"supervise"};
+    words.insert(words.end(), options.begin(), options.end());
+    for (const std::string& word :
+         {std::string("--"), std::string("bash"), std::string("-c"),
+          "echo $$ >> " + (folder / "runs") + "\n" + "run=$(wc -l < " + (folder / "runs") + ")\n" + shell})
+      words.push_back(word);
+    return {std::filesystem::path(std::getenv("RB_BIN")) / "rb", words, folder / "log"};
+  }
+
+  // The process numbers of all runs so far.
+  std::vector<pid_t> runs() const {
+    std::ifstream file(folder / "runs");
+    return {std::istream_iterator<pid_t>(file), {}};
+  }
+
+  // A bound for slow machines, not a measurement.
+  static bool wait_until(const std::function<bool()>& condition) {
+    for (int i = 0; i < 6000; ++i) {
+      if (condition()) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return false;
+  }
+  static int code_of(Child& child) {
+    wait_until([&] { return child.ended().has_value(); });
+    return child.ended().value_or(-1);
+  }
+  bool has_started(std::size_t times) const {
+    return wait_until([&] { return runs().size() >= times; });
+  }
+
+  const test::TemporaryDirectory folder;
+};
+
+// As a program of ours does: one datagram to the supervisor.
+constexpr const char* kFeed =
+    "feed() { python3 -c 'import os,socket; socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)"
+    ".sendto(b\"WATCHDOG=1\\nSTATUS=run '$run'\", os.environ[\"NOTIFY_SOCKET\"])'; }\n";
+
+TEST_F(Supervise, EndsWithTheCodeOfAProgramThatEndedWell) {
+  Child done = supervise({}, "exit 0");
+  EXPECT_EQ(code_of(done), 0);
+  Child usage = supervise({}, "exit 2");
+  EXPECT_EQ(code_of(usage), 2);
+  EXPECT_EQ(runs().size(), 2u);
+}
+
+TEST_F(Supervise, StartsAProgramAgainThatWasKilled) {
+  Child supervisor = supervise({}, "if [ $run -lt 4 ]; then kill -9 $$; fi; exit 0");
+  EXPECT_EQ(code_of(supervisor), 0) << supervisor.log();
+  EXPECT_EQ(runs().size(), 4u);
+  EXPECT_NE(supervisor.log().find("ended by signal 9"), std::string::npos) << supervisor.log();
+}
+
+TEST_F(Supervise, DoesNotStartAProgramForEverThatIsNotThere) {
+  Child supervisor(std::filesystem::path(std::getenv("RB_BIN")) / "rb",
+                   {"supervise", "--", "/no/such/program"}, folder / "log");
+  EXPECT_EQ(code_of(supervisor), 127);
+  EXPECT_NE(supervisor.log().find("/no/such/program"), std::string::npos) << supervisor.log();
+}
+
+TEST_F(Supervise, PassesSignalsOnAndEndsWithTheProgram) {
+  Child supervisor =
+      supervise({}, "trap 'exit 7' TERM; trap 'echo heard >> " + (folder / "heard") + "' USR1; echo > " +
+                        (folder / "ready") + "; while true; do sleep 0.05; done");
+  ASSERT_TRUE(wait_until([&] { return std::filesystem::exists(folder / "ready"); }));
+  kill(supervisor.pid(), SIGUSR1);
+  EXPECT_TRUE(wait_until([&] { return std::filesystem::exists(folder / "heard"); }));
+  supervisor.stop();
+  EXPECT_EQ(code_of(supervisor), 7);
+  EXPECT_EQ(runs().size(), 1u);
+}
+
+TEST_F(Supervise, KillsAProgramThatHangsAndStartsItAgain) {
+  Child supervisor = supervise({"--watchdog", "1"}, std::string(kFeed) +
+                                                        "feed\n"
+                                                        "if [ $run -lt 3 ]; then kill -STOP $$; fi\n"
+                                                        "for i in 1 2 3 4 5 6; do sleep 0.3; feed; done\n"
+                                                        "exit 0");
+  EXPECT_EQ(code_of(supervisor), 0) << supervisor.log();
+  EXPECT_EQ(runs().size(), 3u) << "the third fed its watchdog longer than that waits";
+  const std::string log = supervisor.log();
+  EXPECT_NE(log.find("it hangs and is killed"), std::string::npos) << log;
+  EXPECT_NE(log.find("run 3"), std::string::npos) << "its status line is shown: " << log;
+}
+
+TEST_F(Supervise, StartsACrashingProgramMoreAndMoreSlowlyAndCanStillBeStopped) {
+  Child supervisor = supervise({}, "exit 4");
+  ASSERT_TRUE(has_started(4));
+  supervisor.stop();
+  EXPECT_TRUE(wait_until([&] { return supervisor.ended().has_value(); }));
+  // The waits are 0, 0.1, 0.2, 0.4 s and so on: see supervisor_test.
+  EXPECT_LT(runs().size(), 12u);
+}
+
+}  // namespace
+}  // namespace roadbalance
