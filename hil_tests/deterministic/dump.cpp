@@ -15,18 +15,24 @@ void write_file(const std::filesystem::path& path, const char* bytes, std::size_
   if (!stream) throw std::runtime_error("cannot write " + path.string());
 }
 
-}  // namespace
-
-// Folder N of recorder N: everything its disk holds.  The truth is the same for all.
-void World::dump(const std::string& folder) {
+// Of several recorders only the one that saw the end of an epoch must have it.
+std::string truth_of(const Truth& truth, const RecordCheck& check, bool only_recorder) {
   nlohmann::json epochs = nlohmann::json::array();
-  for (const auto& [key, epoch] : truth_.epochs())
+  for (const auto& [key, epoch] : truth.epochs()) {
+    const bool must_end = only_recorder || check.is_closed(epoch.node, epoch.epoch);
     epochs.push_back({{"node", epoch.node},
                       {"epoch", epoch.epoch},
                       {"scans", epoch.scans},
-                      {"ended", epoch.ended},
-                      {"killed", epoch.killed}});
-  const std::string truth = nlohmann::json{{"hashed", true}, {"epochs", epochs}}.dump(2) + "\n";
+                      {"ended", epoch.ended && must_end},
+                      {"killed", epoch.killed && must_end}});
+  }
+  return nlohmann::json{{"hashed", true}, {"epochs", epochs}}.dump(2) + "\n";
+}
+
+}  // namespace
+
+// Folder N of recorder N: everything its disk holds.
+void World::dump(const std::string& folder) {
   for (std::size_t h = 0; h < hosts_.size(); ++h) {
     const auto into = std::filesystem::path(folder) / std::to_string(h + 1);
     std::filesystem::remove_all(into);
@@ -37,6 +43,7 @@ void World::dump(const std::string& folder) {
       const auto bytes = disk.content(std::string(HostMachine::kFolder) + "/" + name);
       write_file(into / name, reinterpret_cast<const char*>(bytes.data()), bytes.size());
     }
+    const std::string truth = truth_of(truth_, hosts_[h].machine->check(), hosts_.size() == 1);
     write_file(into / "truth.json", truth.data(), truth.size());
   }
 }
