@@ -105,6 +105,7 @@ class Reception {
     status_at_ = now;
     status_.time_us = utc_us();
     link_.fill(status_);
+    status_.refused_datagrams += bus_.dropped();
     (void)publish_(kRecorderChannel, encode(status_));
     // We turn, that is seen here; the writer turns if it has said something since.
     if (std::exchange(writer_turns_, false) && options_.on_alive) options_.on_alive(status_);
