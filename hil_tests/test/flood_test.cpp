@@ -1,9 +1,11 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <cstdio>
 #include <string>
 
 #include "hil_tests/measurement.hpp"
+#include "hil_tests/memory_trend.hpp"
 
 namespace roadbalance {
 namespace {
@@ -27,9 +29,17 @@ TEST_F(Flood, TenThousandMalformedDatagramsASecondCostNoSample) {
   // Any other LCM 1.3.1 receiver shows that the deadly ones are deadly.
   Program victim("lcm-logger", {"--quiet", "--lcm-url=" + url, work / "victim.lcm"});
 
+  const auto memory_before = test::own_memory_bytes(running.pid());
   Program flood("rb-flood", {"--port", port(), "--seconds", std::to_string(seconds)});
   EXPECT_EQ(flood.exit_code(seconds + test::BusWatch::kPatience_s), 0);
+  const auto memory_after = test::own_memory_bytes(running.pid());
   EXPECT_EQ(victim.exit_code(0), 128 + SIGSEGV) << "the crafted datagrams did not reach the bus";
+
+  ASSERT_TRUE(memory_before && memory_after) << "the recorder is gone";
+  std::printf("the recorder's memory grew by %.2f MiB\n",
+              static_cast<double>(*memory_after - *memory_before) / (1 << 20));
+  EXPECT_TRUE(bus.wait([&] { return bus.recorder() && bus.recorder()->refused_datagrams > 0; }))
+      << "what was refused is not counted";
 
   ASSERT_TRUE(more_are_durable(kFront, 100)) << "recording goes on";
   ASSERT_TRUE(more_are_durable(kRear, 100));
