@@ -1,16 +1,11 @@
 #include "hil_tests/deterministic/host_machine.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cerrno>
-#include <limits>
 #include <string>
 #include <system_error>
 #include <utility>
 
 #include "common/bus/control.hpp"
-#include "common/record/record.hpp"
-#include "common/record/segment.hpp"
 #include "host/recorder/incarnation.hpp"
 #include "host/recorder/record_keeper.hpp"
 
@@ -109,81 +104,6 @@ void HostMachine::die_at_call(bool power, int calls, bool only_syncs) {
   dies_of_power_ = power;
   dies_at_sync_ = only_syncs;
   calls_to_live_ = calls;
-}
-
-void HostMachine::fill_disk(bool full) {
-  const std::int64_t left = random_.below(20 << 20);
-  disk_.set_capacity(full ? disk_.used_bytes() + left : std::numeric_limits<std::int64_t>::max() / 2);
-}
-
-std::int64_t HostMachine::take_elapsed_ns() {
-  const std::int64_t all_ns = disk_.busy().count();
-  return all_ns - std::exchange(elapsed_seen_ns_, all_ns);
-}
-
-SimulatedDisk::Outcome HostMachine::disk_call(DiskCall call) {
-  const bool counts = !dies_at_sync_ || call == DiskCall::kSyncData || call == DiskCall::kSync;
-  if (calls_to_live_ > 0 && counts && --calls_to_live_ == 0) {
-    died_ = true;
-    if (dies_of_power_) return {.power_cut = true};
-    disk_.kill();  // this call and all that follow fail, and nobody hears of them
-  }
-  if (!random_.chance(failing_) || call == DiskCall::kClose) return {};
-  constexpr std::array kErrors{EIO, ENOSPC, EROFS, EINTR};
-  const auto which = static_cast<std::size_t>(random_.below(kErrors.size() + 1));
-  if (which == kErrors.size()) return {.short_write = true};
-  return {.error = kErrors[which]};
-}
-
-std::chrono::nanoseconds HostMachine::disk_cost(DiskCall call, std::size_t bytes) {
-  constexpr double kBytes_s = 200e6;
-  double seconds = static_cast<double>(bytes) / kBytes_s;
-  if (call == DiskCall::kSyncData || call == DiskCall::kSync) {
-    seconds += random_.between(0.001, 0.03);
-    if (random_.chance(scenario_.slow_syncs))
-      seconds += random_.between(scenario_.slow_sync.shortest_s, scenario_.slow_sync.longest_s);
-  }
-  return std::chrono::nanoseconds(static_cast<std::int64_t>(seconds * 1e9));
-}
-
-// Segments with several behind them are finished: nothing is added, cut or said of them any more.
-void HostMachine::check_finished() {
-  constexpr int kBehind = 4;
-  if (boots_ == 0 || disk_.is_off()) return;
-  const double failing = std::exchange(failing_, 0);
-  const auto numbers = segment_numbers(kFolder, disk_);
-  if (!numbers.empty()) check_through(numbers.back() - kBehind);
-  failing_ = failing;
-}
-
-void HostMachine::check_record() {
-  if (boots_ == 0) return;
-  disk_.power_on();
-  failing_ = 0;
-  check_through(std::numeric_limits<int>::max());
-}
-
-void HostMachine::check_through(int last) {
-  if (last < next_to_check_) return;
-  const bool all = last == std::numeric_limits<int>::max();
-  const std::string name = "record of recorder " + std::to_string(number_) + ": ";
-  try {
-    RecordReader reader(kFolder, disk_, next_to_check_);
-    if (all) reader.finish();
-    if (reader.segment() != next_to_check_)
-      truth_.fault(name + "segment " + std::to_string(next_to_check_) + " is gone");
-    while (const auto event = reader.next()) {
-      if (reader.segment() > last) break;
-      check_.take(event->channel, event->data);
-    }
-    next_to_check_ = all ? last : last + 1;
-    for (const auto& damage : reader.damage())
-      truth_.fault(name + std::to_string(damage.bytes) + " bytes of " + damage.segment.filename().string() +
-                   " from " + std::to_string(damage.offset) + " on are " + damage.what);
-  } catch (const std::system_error& error) {
-    truth_.fault(name + error.what());
-  }
-  take_elapsed_ns();  // nobody waits for the check
 }
 
 void HostMachine::take(std::string_view channel, std::span<const std::uint8_t> bytes, std::int64_t now_ns) {

@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-
-#include "common/record/record.hpp"
 
 namespace roadbalance::test {
 namespace {
@@ -220,27 +217,9 @@ void World::handle(const Event& event) {
   }
 }
 
-// The truth of what every record has shown to have is needed no more.
-void World::check_finished() {
-  for (Host& host : hosts_) host.machine->check_finished();
-  if (hosts_.size() > 1) return;
-  truth_.drop_checked([this](std::int32_t node, std::int64_t epoch) {
-    return hosts_.front().machine->check().checked(node, epoch);
-  });
-}
-
 bool World::is_over() const {
   return std::all_of(hosts_.begin(), hosts_.end(), [](const Host& host) { return host.machine->closed(); }) &&
          std::all_of(nodes_.begin(), nodes_.end(), [](const Node& node) { return node.left; });
-}
-
-void World::fault_not_over() {
-  for (const Host& host : hosts_)
-    if (!host.machine->closed()) truth_.fault("the drive is over for 90 s and a recorder has not ended");
-  for (const Node& node : nodes_)
-    if (!node.left)
-      truth_.fault("the drive is over for 90 s and node " + std::to_string(node.machine->number()) +
-                   " holds " + std::to_string(node.machine->used()) + " blocks or has not ended");
 }
 
 RunResult World::run() {
@@ -270,46 +249,6 @@ RunResult World::run() {
     }
   }
   return result();
-}
-
-RunResult World::result() {
-  RunResult result;
-  for (Host& host : hosts_) {
-    RecordCheck& check = host.machine->check();
-    host.machine->kill();
-    host.machine->check_record();
-    check.finish(host.machine->closed() && hosts_.size() == 1);
-    result.recorded += check.blocks();
-    result.lost_scans += check.lost_scans();
-    result.declared_scans += check.declared_scans();
-    result.tail_scans += check.crash_tail_scans();
-    result.longest_to_durable_s = std::max(result.longest_to_durable_s, host.machine->longest_to_durable_s());
-    result.recorder_boots += host.machine->boots();
-  }
-  for (const auto& [key, epoch] : truth_.epochs()) {
-    result.scans += epoch.scans;
-    ++result.node_boots;
-    // Of several recorders the last owner has it; what each promised was checked in its own record.
-    const bool has_end = std::any_of(hosts_.begin(), hosts_.end(), [&](const Host& host) {
-      return host.machine->check().is_closed(epoch.node, epoch.epoch);
-    });
-    if (hosts_.size() > 1 && epoch.scans > 0 && !has_end)
-      truth_.fault("node " + std::to_string(epoch.node) + ": no recorder has the end of its epoch");
-  }
-  result.clock_windows = clock_windows_;
-  result.clock_covered = clock_covered_;
-  result.bus_s = static_cast<double>(now_ns_) * 1e-9;
-  result.blocks = truth_.blocks_sealed();
-  result.sent = network_.blocks_sent();
-  result.longest_pull_cleared_s = longest_pull_cleared_s_;
-  if (scenario_.expect.complete && result.declared_scans + result.tail_scans > 0)
-    truth_.fault(std::to_string(result.declared_scans + result.tail_scans) +
-                 " scans are declared missing where all must be there");
-  result.faults = truth_.fault_count();
-  std::string what;
-  for (const std::string& fault : truth_.faults()) what += fault + "\n";
-  std::strncpy(result.what.data(), what.c_str(), result.what.size() - 1);
-  return result;
 }
 
 }  // namespace roadbalance::test
