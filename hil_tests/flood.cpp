@@ -17,6 +17,7 @@ namespace roadbalance::test {
 namespace {
 
 constexpr const char* kGroup = "239.255.76.67";
+constexpr std::chrono::seconds kPatience{30};  // for the first real datagram
 
 [[noreturn]] void fail(const std::string& what) {
   throw std::system_error(errno, std::generic_category(), what);
@@ -78,8 +79,9 @@ void flood(const Options& options) {
   Malformer malformer(options.seed);
   std::array<std::uint8_t, 2000> received;
   // Real ones first, while there is nothing else on the bus.
-  for (const auto end = WallClock::now() + std::chrono::duration<double>(options.listen_s);
-       WallClock::now() < end; std::this_thread::sleep_for(std::chrono::milliseconds(1)))
+  const auto end = WallClock::now() + std::chrono::duration<double>(options.listen_s);
+  for (const auto last = end + kPatience; WallClock::now() < (malformer.has_stock() ? end : last);
+       std::this_thread::sleep_for(std::chrono::milliseconds(1)))
     while (const std::size_t size = bus.receive(received)) malformer.show(std::span(received).first(size));
   if (!malformer.has_stock()) throw std::runtime_error("no real datagram came: nothing to alter");
 
