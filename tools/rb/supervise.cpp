@@ -145,8 +145,7 @@ class Supervision {
     const auto timeout = static_cast<int>(supervisor_.time_left(WallClock::now()).count()) + 1;
     if (::poll(files.data(), files.size(), timeout) < 0 && errno != EINTR) throw_errno("poll");
     std::string message;
-    while (socket_.receive(message))
-      if (supervisor_.take(message, WallClock::now())) say(std::string(supervisor_.status()));
+    while (socket_.receive(message)) supervisor_.take(message, WallClock::now());
     while (const int signal = signals_.next()) on_signal(signal);
     reap();
   }
@@ -170,7 +169,8 @@ class Supervision {
     if (supervisor_.over()) return;
     say((WIFSIGNALED(status) ? "ended by signal " + std::to_string(WTERMSIG(status))
                              : "ended with code " + std::to_string(code)) +
-        "; started again, for the " + std::to_string(supervisor_.restarts()) + ". time");
+        "; started again, for the " + std::to_string(supervisor_.restarts()) + ". time" +
+        (supervisor_.status().empty() ? "" : "; it last said: " + std::string(supervisor_.status())));
   }
 
   void say(const std::string& what) const {
