@@ -39,8 +39,7 @@ void Supervisor::started(WallTime now) {
   fed_ = false;
 }
 
-bool Supervisor::take(std::string_view message, WallTime now) {
-  bool news = false;
+void Supervisor::take(std::string_view message, WallTime now) {
   while (!message.empty()) {
     const auto line = message.substr(0, message.find('\n'));
     message.remove_prefix(std::min(message.size(), line.size() + 1));
@@ -48,11 +47,8 @@ bool Supervisor::take(std::string_view message, WallTime now) {
       fed_ = true;
       fed_at_ = now;
     }
-    if (!line.starts_with("STATUS=") || line.substr(7) == status_) continue;
-    status_ = line.substr(7);
-    news = true;
+    if (line.starts_with("STATUS=")) status_ = line.substr(7);
   }
-  return news;
 }
 
 void Supervisor::ended(int code, WallTime now) {

@@ -37,9 +37,8 @@ class Supervisor {
   std::chrono::milliseconds time_left(WallTime now) const;
 
   void started(WallTime now);
-  /// A datagram of the program's, sd_notify(3): "WATCHDOG=1" and "READY=1" feed.  True: a status line to
-  /// show, see status().
-  bool take(std::string_view message, WallTime now);
+  /// A datagram of the program's, sd_notify(3): "WATCHDOG=1" and "READY=1" feed, "STATUS=" is for people.
+  void take(std::string_view message, WallTime now);
   /// @param code  exit code, 128 + signal if a signal ended it
   void ended(int code, WallTime now);
   /// A request to stop was passed on: the next end is final.
@@ -48,6 +47,7 @@ class Supervisor {
   /// Once it is over: the exit code.
   std::optional<int> over() const { return over_; }
   int restarts() const { return restarts_; }
+  /// What the program said last.
   std::string_view status() const { return status_; }
 
  private:
