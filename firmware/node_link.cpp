@@ -11,6 +11,7 @@ namespace {
 
 using namespace std::chrono_literals;
 constexpr auto kHeartbeatPeriod = 100ms;
+constexpr auto kOwnerSilence = 500ms;
 constexpr int kLastHeartbeats = 3;
 
 }  // namespace
@@ -36,7 +37,11 @@ NodeLink::NodeLink(std::int32_t node, std::int64_t epoch, Backlog& backlog, Prev
 
 void NodeLink::take(std::string_view channel, std::span<const std::uint8_t> bytes, WallTime now) {
   if (channel == ack_channel_) {
-    if (const auto ack = decode_ack(bytes)) sender_.take(*ack, now);
+    const auto ack = decode_ack(bytes);
+    if (!ack || !sender_.take(*ack, now)) return;
+    // The cable is in again: the sooner the recorder hears what there is, the sooner it asks.
+    if (now - owner_heard_ > kOwnerSilence) next_heartbeat_ = now;
+    owner_heard_ = now;
   } else if (channel == command_channel_) {
     if (const auto command = decode_command(bytes)) commands_.take(*command, now);
   }

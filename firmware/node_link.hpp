@@ -62,6 +62,7 @@ class NodeLink {
   const std::string ack_channel_, command_channel_, reply_channel_, heartbeat_channel_, preview_channel_;
   std::array<std::string, 5> block_channel_;  // [BlockKind]
   WallTime next_heartbeat_{};
+  WallTime owner_heard_{};
   std::int64_t blocks_unsent_ = 0;
 };
 
