@@ -2,94 +2,22 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cerrno>
 
-#include "common/bus/codec.hpp"
 #include "common/record/folder.hpp"
-#include "common/record/test/numbered_blocks.hpp"
-#include "common/record/test/simulated_disk.hpp"
+#include "host/recorder/test/keeper_drive.hpp"
 
 namespace roadbalance {
 namespace {
 
 using std::chrono::milliseconds;
 using test::DiskCall;
-using test::SimulatedDisk;
-using Outcome = SimulatedDisk::Outcome;
+using test::kFolder;
+using test::Outcome;
 
-constexpr const char* kFolder = "/record";
 constexpr const char* kFallback = "/other";
 
-// A keeper on a disk of its own, fed with blocks.
-class Drive {
- public:
-  explicit Drive(std::uint64_t seed = 3) : disk(seed) {}
-
-  RecordKeeper& start() {
-    keeper.emplace(disk, options);
-    keeper->set_clocks(1'790'000'000'000'000, 1);
-    keeper->begin(1);
-    return *keeper;
-  }
-
-  // Time passes; so many blocks come, evenly, and what is due is done.
-  void run(milliseconds duration, int blocks = 0) {
-    const std::int64_t first = given;
-    constexpr milliseconds kStep{10};
-    for (milliseconds t{0}; t < duration; t += kStep) {
-      now += kStep;
-      while (given < first + blocks * (t + kStep) / duration)
-        keeper->append(Delivery(test::numbered_block(++given)), now);
-      if (keeper->commit_is_due(now)) note_durable(keeper->commit(now));
-    }
-  }
-  void note_durable(const std::vector<DurableMark>& marks) {
-    for (const auto& mark : marks) {
-      EXPECT_GT(mark.sequence, durable);
-      durable = mark.sequence;
-    }
-  }
-  // Numbers of the blocks in the record, in its order, each with the bytes it was given.
-  std::vector<std::int64_t> recorded(const char* folder = kFolder) {
-    std::vector<std::int64_t> found;
-    RecordReader reader(folder, disk);
-    reader.finish();
-    SealedBlock block;
-    while (const auto event = reader.next()) {
-      if (accept(event->data, block) != Refusal::kNone || block.header.sequence == 0) continue;
-      EXPECT_TRUE(std::ranges::equal(test::numbered_block(block.header.sequence).bytes(), event->data));
-      found.push_back(block.header.sequence);
-    }
-    return found;
-  }
-  std::vector<Note> notes(NoteKind kind, const char* folder = kFolder) {
-    std::vector<Note> found;
-    RecordReader reader(folder, disk);
-    reader.finish();
-    while (const auto event = reader.next())
-      if (const auto note = event->channel == kNoteChannel ? decode_note(event->data) : std::nullopt)
-        if (note->kind == kind) found.push_back(*note);
-    return found;
-  }
-  // Calls of these kinds fail from now on.
-  void fail(std::vector<DiskCall> kinds, int error) {
-    disk.set_fault([kinds, error](DiskCall call, std::int64_t, const std::string&) {
-      return Outcome{.error = std::find(kinds.begin(), kinds.end(), call) == kinds.end() ? 0 : error};
-    });
-  }
-  void fail_nothing() { disk.set_fault(nullptr); }
-  void fail_syncs(int error) { fail({DiskCall::kSyncData, DiskCall::kSync}, error); }
-
-  SimulatedDisk disk;
-  KeeperOptions options{.folder = kFolder, .segment_bytes = 64 << 10};
-  std::optional<RecordKeeper> keeper;
-  WallTime now = WallTime(std::chrono::hours(1));
-  std::int64_t given = 0;
-  std::int64_t durable = 0;
-};
-
-class KeeperTest : public ::testing::Test, protected Drive {};
+class KeeperTest : public ::testing::Test, protected test::Drive {};
 
 TEST_F(KeeperTest, CommitsAsAGroupWhenTheFirstBlockIsOldEnough) {
   start();
@@ -304,56 +232,6 @@ TEST_F(KeeperTest, SealingClosesTheSegmentAndTheNextBlockBeginsAnother) {
   EXPECT_TRUE(path_exists("/record/seg-000002.lcm", disk));
   EXPECT_EQ(recorded(), test::all_through(6));
 }
-
-// For every call in turn, alone or with those that follow: whatever is said to be durable is there after a
-// power cut, and once the disk works again everything is there, without help of the nodes.
-class EveryCall : public ::testing::TestWithParam<Outcome> {
- protected:
-  // False if the drive has no such call.
-  bool drive_with_fault_at(std::int64_t first, std::int64_t count, bool power_cut) {
-    Drive drive(static_cast<std::uint64_t>(first));
-    drive.options.segment_bytes = 16 << 10;
-    drive.disk.set_fault([&](DiskCall, std::int64_t number, const std::string&) {
-      return number >= first && number < first + count ? GetParam() : Outcome{};
-    });
-    try {
-      drive.start();
-    } catch (const std::system_error&) {
-      return true;  // a start may fail: its supervisor tries again
-    }
-    drive.run(milliseconds(2000), 40);
-    const bool reached = drive.disk.calls() >= first;
-    if (power_cut) {
-      drive.disk.cut_power();
-      drive.keeper.reset();
-      drive.disk.power_on();
-    } else {
-      drive.run(milliseconds(1000) * (count + 1));
-      drive.note_durable(drive.keeper->close(drive.now));
-      EXPECT_EQ(drive.durable, 40) << "fault at call " << first;
-    }
-    if (drive.durable == 0) return reached;
-    drive.fail_nothing();
-    const auto found = drive.recorded();
-    EXPECT_TRUE(std::ranges::includes(found, test::all_through(drive.durable)))
-        << drive.durable << " promised, fault at call " << first << ", " << count << " times";
-    return reached;
-  }
-};
-
-TEST_P(EveryCall, ThatFailsLeadsToNoPromiseThatIsNotKept) {
-  for (const bool power_cut : {true, false})
-    for (const std::int64_t count : {1, 2, 7}) {
-      std::int64_t k = 1;
-      while (drive_with_fault_at(k, count, power_cut) && !HasFailure()) ++k;
-      EXPECT_GT(k, 50) << "the drive has too few calls to prove much";
-    }
-}
-
-INSTANTIATE_TEST_SUITE_P(EachError, EveryCall,
-                         ::testing::Values(Outcome{.error = EIO}, Outcome{.error = ENOSPC},
-                                           Outcome{.error = EROFS}, Outcome{.error = EINTR},
-                                           Outcome{.short_write = true}));
 
 }  // namespace
 }  // namespace roadbalance
