@@ -136,6 +136,7 @@ void read(const std::filesystem::path& folder, RecordReader& reader, Disk& disk,
   if (const auto deleted = read_index_of_deleted(folder, reader.segment() - 1, disk)) {
     state.epoch = deleted->epoch;
     reading.epochs.begin_behind(deleted->epoch);
+    reading.journal.begin_behind(deleted->epoch);
   }
   int segment = reader.segment();
   while (const auto event = reader.next()) {

@@ -16,6 +16,8 @@ void JournalCheck::add(const Journal& entry) {
   const bool said_none = entry.last_sequence < entry.first_sequence;
   const bool found_none = found.last_sequence < found.first_sequence;
   if (said_none && found_none) return;
+  const auto deleted = deleted_.find(key);
+  if (deleted != deleted_.end() && entry.first_sequence <= deleted->second.position.contiguous) return;
   const std::string where = "journal entry of " + range(entry.first_sequence, entry.last_sequence) + ": ";
   auto& contradictions = contradictions_[key];
   if (entry.first_sequence != found.first_sequence || entry.last_sequence != found.last_sequence)

@@ -16,6 +16,9 @@ class JournalCheck {
  public:
   void add(const SealedBlock& block) { tally_.add(block); }
   void add(const Journal& entry);
+  /// The retention mode has deleted what stands before these positions: entries that begin there say of the
+  /// rest alone nothing.
+  void begin_behind(const std::map<NodeEpoch, RecordState::Epoch>& deleted) { deleted_ = deleted; }
   /// A recorder began: what stands before and is in no entry was appended just before the one before was
   /// killed.
   void restart() { tally_ = {}; }
@@ -26,6 +29,7 @@ class JournalCheck {
 
  private:
   JournalTally tally_;
+  std::map<NodeEpoch, RecordState::Epoch> deleted_;
   std::int64_t entries_ = 0;
   std::map<NodeEpoch, std::vector<std::string>> contradictions_;
 };
