@@ -70,6 +70,11 @@ class Record:
         events, _ = split_events(log)
         self.events = [(channel, log[begin:end]) for channel, begin, end in events]
 
+    def without_journal(self):
+        """The same of a recorder that kept none: what contradicts the blocks in it is not there to be found."""
+        self.events = [each for each in self.events if each[0] != b"RB_JOURNAL"]
+        return self
+
     def places(self, kind, node=1):
         """Indices of this node's blocks of a kind; those of the preamble left out."""
         return [at for at, (channel, data) in enumerate(self.events)
