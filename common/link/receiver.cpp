@@ -7,6 +7,7 @@ namespace roadbalance {
 namespace {
 
 constexpr std::chrono::milliseconds kAckPeriod{200};
+constexpr std::chrono::milliseconds kRepeatPeriod{40};
 // While blocks are to be asked for.  The sender does not answer twice within twice this time.
 constexpr std::chrono::milliseconds kAskPeriod{5};
 constexpr std::chrono::milliseconds kEpochSilence{1000};
@@ -100,6 +101,7 @@ void Receiver::take(const Heartbeat& heartbeat, WallTime now, std::vector<Delive
   }
   note_rivals(node, *live);
   live->heard_at = now;
+  live->base = heartbeat.base;
   live->receiver->heartbeat(heartbeat, now, out);
   close_silent(node, heartbeat.node, heartbeat.epoch, now, out);
 }
@@ -221,7 +223,10 @@ void Receiver::set_credit_open(bool open) {
 bool Receiver::is_due(const Live& live, WallTime now) const {
   const EpochReceiver& epoch = *live.receiver;
   const bool much_credit_is_used = epoch.received() - live.acked_received >= options_.window / 4;
-  return epoch.durable() > live.acked_durable || much_credit_is_used || now - live.acked_at >= kAckPeriod;
+  // An ack that is lost must not cost the node's memory a whole period.
+  const bool not_heard = live.base <= epoch.durable() && now - live.heard_at < kEpochSilence;
+  return epoch.durable() > live.acked_durable || much_credit_is_used ||
+         now - live.acked_at >= (not_heard ? kRepeatPeriod : kAckPeriod);
 }
 
 void Receiver::acknowledge(Node& node, Live& live, WallTime now, std::vector<Ack>& acks) const {

@@ -46,7 +46,8 @@ class Receiver {
   void finish(WallTime now, std::vector<Delivery>& out);
 
   /// Acknowledgements to send now: five times a second, at once when more is durable and before the credit
-  /// runs out, and up to 200 times a second while there are blocks to ask for.
+  /// runs out, 25 times a second while a living node has not heard what is durable, and up to 200 times while
+  /// there are blocks to ask for.
   std::vector<Ack> due(WallTime now);
 
   /// The epoch if it is being received or was closed a moment ago, else nullptr.
@@ -70,6 +71,7 @@ class Receiver {
     WallTime acked_at{};
     std::int64_t acked_durable = -1;
     std::int64_t acked_received = 0;
+    std::int64_t base = 1;  // the oldest block it holds, as its heartbeats say
     int last_acks;  // left, once it is closed
   };
   struct Past {
