@@ -169,6 +169,7 @@ TEST(StockLcm, TheDecoderOfLcmSpyUnderstandsEveryMessage) {
     append("balance_t", encode(Balance{.wheel = 2, .unbalance_g = 35.0}));
     append("journal_t", encode(Journal{.node = 4, .epoch = 77}));
     append("note_t", encode(Note{.kind = NoteKind::kStarted, .text = "text"}));
+    append("commit_t", encode(Commit{.bytes = 4096}));
     append("clock_exchange_t", encode(ClockExchange{.node = 4, .epoch = 77}));
     append("clock_fit_t", encode(ClockFit{.node = 4, .epoch = 77, .drift = 2e-5}));
     append("recorder_t", encode(RecorderStatus{.segment = 2}));

@@ -1,10 +1,8 @@
 #include "host/recorder/verify.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <fstream>
-#include <optional>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
@@ -12,63 +10,15 @@
 #include "common/record/record.hpp"
 #include "common/record/segment.hpp"
 #include "common/record/segment_index.hpp"
-#include "host/recorder/manifest.hpp"
+#include "host/recorder/test/written_record.hpp"
 
 namespace roadbalance {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::int64_t kEpoch = 42;
+using test::kEpoch;
 
-class Verify : public ::testing::Test {
- protected:
-  Verify()
-      : folder(fs::temp_directory_path() /
-               ("rb-verify-" + std::to_string(::getpid()) + "-" +
-                ::testing::UnitTest::GetInstance()->current_test_info()->name())) {
-    fs::remove_all(folder);
-    writer.emplace(RecordWriter::Options{.folder = folder});
-  }
-  ~Verify() override { fs::remove_all(folder); }
-
-  BlockHeader header(std::int64_t first_scan, std::int64_t scans) {
-    return {.node = 1,
-            .epoch = kEpoch,
-            .sequence = ++sequence,
-            .first_scan = first_scan,
-            .scans = scans,
-            .time_ns = 0};
-  }
-  template <typename Block>
-  void put(const Block& block) {
-    SealedBlock sealed;
-    seal(block, sealed);
-    writer->append(block_channel(1, sealed.kind), sealed.bytes(), 0);
-  }
-  void put_scans(std::int64_t first_scan) {
-    ScanBlock block;
-    block.header = header(first_scan, 20);
-    block.period_ps = 1;
-    put(block);
-  }
-  void put_gap(std::int64_t first_scan, std::int64_t scans, GapCause cause) {
-    put(GapBlock{.header = header(first_scan, scans), .cause = cause});
-  }
-  void put_end(std::int64_t scans, std::int64_t missing = 0) {
-    put(EndBlock{.header = header(scans + missing, 0),
-                 .blocks = sequence,
-                 .scans_sealed = scans,
-                 .scans_missing = missing});
-  }
-  Verification result() {
-    writer->close();
-    return verify_record(folder);
-  }
-
-  const fs::path folder;
-  std::optional<RecordWriter> writer;
-  std::int64_t sequence = 0;
-};
+class Verify : public test::WrittenRecord {};
 
 TEST_F(Verify, CallsARecordWithEverythingComplete) {
   for (int k = 0; k < 10; ++k) put_scans(20 * k);
@@ -284,82 +234,6 @@ TEST_F(Verify, AnIndexThatSaysSomethingElseIsNamedAndNoDamage) {
   EXPECT_EQ(v.verdict, Verdict::kComplete);
   ASSERT_EQ(v.indexes.size(), 1u);
   EXPECT_NE(v.indexes[0].find("seg-000001.idx"), std::string::npos);
-}
-
-// Two segments, finished: what a recorder leaves that was not killed.
-class VerifyFinished : public Verify {
- protected:
-  VerifyFinished() {
-    put_scans(0);
-    put_scans(20);
-    writer->close();
-    writer.emplace(RecordWriter::Options{.folder = folder});
-    put_scans(40);
-    put_end(60);
-    writer->close();
-    write_manifest(folder);
-  }
-  Verdict verdict() const { return verify_record(folder).verdict; }
-  fs::path segment(int number) const { return segment_path(folder, number); }
-};
-
-TEST_F(VerifyFinished, IsComplete) {
-  EXPECT_EQ(verdict(), Verdict::kComplete);
-}
-
-TEST_F(VerifyFinished, ASegmentCutShortIsDamageWhereverItIsCut) {
-  const auto size = fs::file_size(segment(2));
-  for (const auto kept : {size - 1, size / 2, size - (28 + 14 + 92), std::uintmax_t{0}}) {
-    fs::resize_file(segment(2), kept);
-    EXPECT_EQ(verdict(), Verdict::kDamaged) << kept << " of " << size << " bytes";
-  }
-}
-
-TEST_F(VerifyFinished, ASegmentThatIsGoneIsDamage) {
-  fs::remove(segment(2));
-  const Verification v = verify_record(folder);
-  EXPECT_EQ(v.verdict, Verdict::kDamaged);
-  ASSERT_FALSE(v.damage.empty());
-  EXPECT_NE(v.damage[0].find("seg-000002.lcm"), std::string::npos) << v.damage[0];
-}
-
-TEST_F(VerifyFinished, ASegmentOfGarbageIsDamage) {
-  std::ofstream(segment(3), std::ios::binary) << std::string(5000, 'x');
-  EXPECT_EQ(verdict(), Verdict::kDamaged);
-}
-
-TEST_F(VerifyFinished, AnEmptySegmentBeforeOthersIsDamage) {
-  fs::rename(segment(2), segment(3));
-  std::ofstream(segment(2), std::ios::binary);
-  fs::remove(folder / "manifest.json");
-  EXPECT_EQ(verdict(), Verdict::kDamaged);
-}
-
-TEST_F(VerifyFinished, ASegmentNumberThatIsLeftOutIsDamage) {
-  fs::rename(segment(2), segment(3));
-  fs::remove(folder / "manifest.json");
-  EXPECT_EQ(verdict(), Verdict::kDamaged);
-}
-
-TEST_F(VerifyFinished, AnEmptyLastSegmentIsWhatAKillLeaves) {
-  std::ofstream(segment(3), std::ios::binary);
-  EXPECT_EQ(verdict(), Verdict::kIncomplete);
-  writer.emplace(RecordWriter::Options{.folder = folder});
-  EXPECT_EQ(verdict(), Verdict::kComplete);
-}
-
-TEST_F(VerifyFinished, ADamagedManifestIsNotTrustedOverTheSegments) {
-  for (const char* text : {"", "{", "[]", R"({"segments":7})", R"({"segments":[7,{"file":1,"bytes":2}]})"}) {
-    std::ofstream(folder / "manifest.json") << text;
-    EXPECT_EQ(verdict(), Verdict::kComplete) << text;
-  }
-}
-
-TEST_F(VerifyFinished, ARecordOfNothingReadableIsUnreadable) {
-  for (const int number : {1, 2}) std::ofstream(segment(number), std::ios::binary) << std::string(3000, 'x');
-  EXPECT_EQ(verdict(), Verdict::kUnreadable);
-  for (const int number : {1, 2}) std::ofstream(segment(number), std::ios::binary);
-  EXPECT_EQ(verdict(), Verdict::kUnreadable);
 }
 
 TEST_F(Verify, CannotReadWhatIsNoRecording) {

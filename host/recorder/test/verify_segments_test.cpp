@@ -1,0 +1,91 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "common/record/segment.hpp"
+#include "host/recorder/manifest.hpp"
+#include "host/recorder/test/written_record.hpp"
+
+namespace roadbalance {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Two segments, finished: what a recorder leaves that was not killed.
+class VerifyFinished : public test::WrittenRecord {
+ protected:
+  VerifyFinished() {
+    put_scans(0);
+    put_scans(20);
+    writer->close();
+    writer.emplace(RecordWriter::Options{.folder = folder});
+    put_scans(40);
+    put_end(60);
+    writer->close();
+    write_manifest(folder);
+  }
+  Verdict verdict() const { return verify_record(folder).verdict; }
+  fs::path segment(int number) const { return segment_path(folder, number); }
+};
+
+TEST_F(VerifyFinished, IsComplete) {
+  EXPECT_EQ(verdict(), Verdict::kComplete);
+}
+
+TEST_F(VerifyFinished, ASegmentCutShortIsDamageWhereverItIsCut) {
+  const auto size = fs::file_size(segment(2));
+  for (const auto kept : {size - 1, size / 2, size - (28 + 14 + 92), std::uintmax_t{0}}) {
+    fs::resize_file(segment(2), kept);
+    EXPECT_EQ(verdict(), Verdict::kDamaged) << kept << " of " << size << " bytes";
+  }
+}
+
+TEST_F(VerifyFinished, ASegmentThatIsGoneIsDamage) {
+  fs::remove(segment(2));
+  const Verification v = verify_record(folder);
+  EXPECT_EQ(v.verdict, Verdict::kDamaged);
+  ASSERT_FALSE(v.damage.empty());
+  EXPECT_NE(v.damage[0].find("seg-000002.lcm"), std::string::npos) << v.damage[0];
+}
+
+TEST_F(VerifyFinished, ASegmentOfGarbageIsDamage) {
+  std::ofstream(segment(3), std::ios::binary) << std::string(5000, 'x');
+  EXPECT_EQ(verdict(), Verdict::kDamaged);
+}
+
+TEST_F(VerifyFinished, AnEmptySegmentBeforeOthersIsDamage) {
+  fs::rename(segment(2), segment(3));
+  std::ofstream(segment(2), std::ios::binary);
+  fs::remove(folder / "manifest.json");
+  EXPECT_EQ(verdict(), Verdict::kDamaged);
+}
+
+TEST_F(VerifyFinished, ASegmentNumberThatIsLeftOutIsDamage) {
+  fs::rename(segment(2), segment(3));
+  fs::remove(folder / "manifest.json");
+  EXPECT_EQ(verdict(), Verdict::kDamaged);
+}
+
+TEST_F(VerifyFinished, AnEmptyLastSegmentIsWhatAKillLeaves) {
+  std::ofstream(segment(3), std::ios::binary);
+  EXPECT_EQ(verdict(), Verdict::kIncomplete);
+  writer.emplace(RecordWriter::Options{.folder = folder});
+  EXPECT_EQ(verdict(), Verdict::kComplete);
+}
+
+TEST_F(VerifyFinished, ADamagedManifestIsNotTrustedOverTheSegments) {
+  for (const char* text : {"", "{", "[]", R"({"segments":7})", R"({"segments":[7,{"file":1,"bytes":2}]})"}) {
+    std::ofstream(folder / "manifest.json") << text;
+    EXPECT_EQ(verdict(), Verdict::kComplete) << text;
+  }
+}
+
+TEST_F(VerifyFinished, ARecordOfNothingReadableIsUnreadable) {
+  for (const int number : {1, 2}) std::ofstream(segment(number), std::ios::binary) << std::string(3000, 'x');
+  EXPECT_EQ(verdict(), Verdict::kUnreadable);
+  for (const int number : {1, 2}) std::ofstream(segment(number), std::ios::binary);
+  EXPECT_EQ(verdict(), Verdict::kUnreadable);
+}
+
+}  // namespace
+}  // namespace roadbalance
