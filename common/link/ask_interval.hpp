@@ -11,8 +11,9 @@ namespace roadbalance {
 /// `shortest`.
 ///
 /// As in Karn's algorithm only blocks that were asked for once tell the round trip; of others nobody knows
-/// which question was answered. While the interval is too short for any such block, the answers that come
-/// more than once double it.
+/// which question was answered.  While the interval is too short for any such block, the answers that come
+/// more than once double it, but not far: in a network that loses much they are no good witness, and one
+/// block that is missing must not cost half a second a question.
 class AskInterval {
  public:
   explicit AskInterval(WallClock::duration shortest) : shortest_(shortest), interval_(shortest) {}
@@ -21,7 +22,9 @@ class AskInterval {
 
   /// A block came `after` the only question for it.
   void answered_once(WallClock::duration after) {
-    round_trip_ = round_trip_.count() == 0 ? after : (7 * round_trip_ + after) / 8;  // RFC 6298, section 2
+    // Answers that waited at the node behind others are no round trip: what is shorter counts at once.
+    const bool is_news = round_trip_.count() == 0 || after < round_trip_;
+    round_trip_ = is_news ? after : (31 * round_trip_ + after) / 32;
     interval_ = std::clamp(2 * round_trip_, shortest_, kLongest);
   }
   /// A block came that was asked for again.
@@ -31,11 +34,12 @@ class AskInterval {
     too_soon_ += 2;
     if (too_soon_ < 16) return;
     too_soon_ = 0;
-    interval_ = std::min(2 * interval_, kLongest);
+    interval_ = std::max(interval_, std::min(2 * interval_, kLongestGuess));
   }
 
  private:
   static constexpr WallClock::duration kLongest = std::chrono::milliseconds(500);
+  static constexpr WallClock::duration kLongestGuess = std::chrono::milliseconds(200);
 
   const WallClock::duration shortest_;
   WallClock::duration interval_;

@@ -12,8 +12,8 @@ namespace {
 
 using std::chrono::milliseconds;
 // At the end the last acks are repeated until each node has heard that all is durable, or is silent.
-constexpr milliseconds kNodeSilence{1500};
-constexpr milliseconds kMostLastAcks{10'000};
+constexpr milliseconds kNodeSilence{12'000};
+constexpr milliseconds kMostLastAcks{15'000};
 constexpr milliseconds kEpochGone{1000};
 
 }  // namespace
