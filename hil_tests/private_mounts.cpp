@@ -64,6 +64,12 @@ void MemoryDisk::free_again() {
   std::filesystem::remove(filler());
 }
 
+std::optional<std::string> FailingDisk::obstacle() {
+  if (::access("/dev/loop-control", R_OK | W_OK) != 0) return "there are no loop devices";
+  if (!std::filesystem::exists("/sys/fs/ext4")) return "the kernel has no ext4 that can be told to fail";
+  return std::nullopt;
+}
+
 FailingDisk::FailingDisk(const std::filesystem::path& image, std::filesystem::path folder, int mebibytes)
     : image_(image), folder_(std::move(folder)) {
   std::filesystem::create_directories(folder_);

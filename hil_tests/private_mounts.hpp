@@ -34,6 +34,9 @@ class MemoryDisk {
 /// its users' feet as one does when the kernel finds it damaged.
 class FailingDisk {
  public:
+  /// Why this machine cannot have one; nothing if it can.
+  static std::optional<std::string> obstacle();
+
   /// @throws std::runtime_error naming the command that failed
   FailingDisk(const std::filesystem::path& image, std::filesystem::path folder, int mebibytes);
   ~FailingDisk();

@@ -14,6 +14,7 @@
 #include <cstring>
 #include <stdexcept>
 #include <system_error>
+#include <thread>
 
 #include "hil_tests/program.hpp"
 
@@ -56,7 +57,18 @@ int open_tap() {
 std::optional<std::string> Hosts::obstacle() {
   if (::geteuid() != 0) return "networks of one's own need root; try: unshare -Urnm ctest ...";
   if (::access("/dev/net/tun", R_OK | W_OK) != 0) return "there is no /dev/net/tun";
-  return std::nullopt;
+  // A container may be root and yet have no right to these: tried in a thread, which leaves its network with
+  // it.
+  std::optional<std::string> why;
+  std::thread([&why] {
+    try {
+      if (::unshare(CLONE_NEWNET) != 0) fail("make a network of its own");
+      ::close(open_tap());
+    } catch (const std::system_error& error) {
+      why = error.what();
+    }
+  }).join();
+  return why;
 }
 
 Hosts::Hosts(std::size_t count) : home_(open_network()), cable_(count, 1) {

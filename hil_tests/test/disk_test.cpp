@@ -58,6 +58,7 @@ TEST_F(Disk, AFullDiskIsAStateAndLosesNothing) {
 }
 
 TEST_F(Disk, ADiskThatTurnsReadOnlyIsAStateAndLosesNothing) {
+  if (const auto why = test::FailingDisk::obstacle()) GTEST_SKIP() << *why;
   test::FailingDisk disk(work / "image", record, 256);
   Program running = recorder();
   Program front = node("front", drive);

@@ -32,7 +32,7 @@ class Checker:
         for number in self.segments.numbers:
             log, events, damage = self.segments.read(number)
             self.bytes += len(log)
-            self._check_events(log, events)
+            self._check_events(number, log, events)
             self._list_damage(number, damage, len(log))
         for line in self.segments.missing():
             self.missing_segments += 1
@@ -53,16 +53,16 @@ class Checker:
         whole = not self.damage and not self.deleted and self.epochs
         return COMPLETE if whole and all(epoch.is_complete() for epoch in self.epochs.values()) else INCOMPLETE
 
-    def _check_events(self, log, events):
+    def _check_events(self, number, log, events):
         good, channel_crcs = self._check_crcs(log, events)
         for at, (channel, begin, end) in enumerate(events):
             self.events += 1
             if at not in good:
-                self._take_other(channel)
+                self._take_other(channel, number, begin, end)
                 continue
             kind = good[at]
             if channel.startswith(b"RB_BLOCK_"):
-                self._take_block(channel, kind, log[begin:end], channel_crcs.get(at))
+                self._take_block(channel, kind, log[begin:end], channel_crcs.get(at), number, begin)
             elif kind.name == "journal_t" and channel == b"RB_JOURNAL":
                 self._take_journal(kind.decode(log[begin:end]))
             elif kind.name == "note_t":
@@ -96,17 +96,21 @@ class Checker:
                       for channel in range(CHANNELS)]
         return zip(*of_channel)
 
-    def _take_other(self, channel):
+    def _take_other(self, channel, number, begin, end):
         # What should be a message of ours and is not is altered; other programs' messages are none of our business.
         if channel.startswith(b"RB_"):
-            self.refused += 1
+            self._refuse(number, begin, end - begin)
         else:
             self.other_events += 1
 
-    def _take_block(self, channel, kind, data, channel_crc):
+    def _refuse(self, number, begin, count):
+        self.refused += 1
+        self.damage.append(f"{self.segments.paths[number].name}: {count} bytes from {begin} on are an altered message")
+
+    def _take_block(self, channel, kind, data, channel_crc, number, begin):
         block = self.decoder.decode(kind.fingerprint, data) if kind.fingerprint in self.decoder.kinds else None
         if block is None or channel != f"RB_BLOCK_{block.node}_{block.kind}".encode():
-            self.refused += 1
+            self._refuse(number, begin, len(data))
             return
         if block.sequence == 0:
             return
