@@ -29,7 +29,7 @@ void ReadoutClock::correct(std::span<Scan> scans) noexcept {
     if (!started_) restart(scan);
     double at_s = static_cast<double>(scan.index - first_index_) * period_s_;
     double late_s = to_seconds(scan.time - first_time_) - at_s;
-    if (at_s < 0.0 || std::abs(late_s - line_s(at_s)) > kMostLateness_s) {
+    if (at_s < shown_at_s_ || std::abs(late_s - line_s(at_s)) > kMostLateness_s) {
       restart(scan);
       at_s = late_s = 0.0;
     }

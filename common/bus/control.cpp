@@ -27,18 +27,18 @@ bool is_one_of(std::int32_t value, Enum first, Enum last) {
 bool in_bounds(const wire::heartbeat_t& m) {
   return is_node(m.node) && is_one_of(m.state, NodeState::kPreview, NodeState::kFailed) && m.base >= 1 &&
          m.next >= m.base && is_index(m.next) && -kClockLimit_ns <= m.time_ns &&
-         m.time_ns <= kClockLimit_ns && m.owner >= 0 && m.ring_used >= 0 && m.ring_capacity >= m.ring_used &&
-         is_index(m.ring_capacity) && is_index(m.spool_used) && is_index(m.spool_failures) &&
-         is_index(m.scans_refused) && is_one_of(m.time_base, TimeBase::kOwn, TimeBase::kShared) &&
-         0 <= m.clock_port && m.clock_port <= 65'535 && is_index(m.scans_sampled) &&
-         is_index(m.scans_missing) && is_index(m.blocks_sent) && is_index(m.blocks_repaired) &&
-         is_index(m.blocks_unsent);
+         m.time_ns <= kClockLimit_ns && is_index(m.owner) && m.ring_used >= 0 &&
+         m.ring_capacity >= m.ring_used && is_index(m.ring_capacity) && is_index(m.spool_used) &&
+         is_index(m.spool_failures) && is_index(m.scans_refused) &&
+         is_one_of(m.time_base, TimeBase::kOwn, TimeBase::kShared) && 0 <= m.clock_port &&
+         m.clock_port <= 65'535 && is_index(m.scans_sampled) && is_index(m.scans_missing) &&
+         is_index(m.blocks_sent) && is_index(m.blocks_repaired) && is_index(m.blocks_unsent);
 }
 
 // Missing ranges ascend, do not touch the part that has arrived, and do not overlap.
 bool in_bounds(const wire::ack_t& m) {
-  if (!is_node(m.node) || m.incarnation < 1 || m.number < 1 || m.durable < 0 || m.received < m.durable ||
-      m.credit < m.received || !is_index(m.credit) || m.missing < 0 ||
+  if (!is_node(m.node) || m.incarnation < 1 || !is_index(m.incarnation) || m.number < 1 || m.durable < 0 ||
+      m.received < m.durable || m.credit < m.received || !is_index(m.credit) || m.missing < 0 ||
       m.missing > static_cast<std::int32_t>(kMaxMissingRanges))
     return false;
   std::int64_t before = m.received;
@@ -155,7 +155,7 @@ std::vector<std::uint8_t> encode(const Command& c) {
 // An unknown verb passes: the node answers kUnknownVerb, so that a newer host learns of it.
 std::optional<Command> decode_command(std::span<const std::uint8_t> bytes) {
   const auto m = wire_format::decode_with_crc<wire::command_t>(bytes);
-  if (!m || !is_node(m->node) || m->incarnation < 1) return std::nullopt;
+  if (!m || !is_node(m->node) || m->incarnation < 1 || !is_index(m->incarnation)) return std::nullopt;
   return Command{.node = m->node,
                  .request = m->request,
                  .incarnation = m->incarnation,

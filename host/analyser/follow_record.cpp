@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <set>
 #include <thread>
 #include <utility>
 
@@ -74,10 +75,18 @@ class Follower {
     if (waiting_) return false;
     in_sequence_.add(*block_, [this](const SealedBlock& block) {
       estimator_.consume(block);
-      const auto node = running_.find(block.header.node);
-      if (node != running_.end()) node->second = !is_last(block);
+      note_end(block);
     });
     return true;
+  }
+
+  /// Of a node's epochs the one that began last counts: the crash of one before is declared behind its begin.
+  void note_end(const SealedBlock& block) {
+    const auto node = running_.find(block.header.node);
+    if (node == running_.end()) return;
+    if (seen_.emplace(block.header.node, block.header.epoch).second)
+      newest_[block.header.node] = block.header.epoch;
+    if (newest_[block.header.node] == block.header.epoch) node->second = !is_last(block);
   }
 
   void publish_news() {
@@ -91,7 +100,9 @@ class Follower {
   DriveEstimator estimator_;
   DurableGate gate_;
   InSequence in_sequence_;
-  std::map<std::int32_t, bool> running_;  ///< by node: its newest epoch has no end yet
+  std::map<std::int32_t, bool> running_;         ///< by node: its newest epoch has no end yet
+  std::map<std::int32_t, std::int64_t> newest_;  ///< epoch of each node
+  std::set<std::pair<std::int32_t, std::int64_t>> seen_;
   bool caught_up_ = false;
   std::unique_ptr<SealedBlock> block_ = std::make_unique<SealedBlock>();
   bool waiting_ = false;  ///< `block_` was read and is not durable yet

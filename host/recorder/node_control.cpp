@@ -7,6 +7,9 @@ namespace roadbalance {
 namespace {
 constexpr std::chrono::milliseconds kRepeat{100};
 constexpr std::chrono::seconds kSilence{3};
+// A number from the bus that is higher still is nobody's: one above it, and above that at each later start,
+// must remain an incarnation.
+constexpr std::int64_t kHighestObeyed = kIndexLimit - (1 << 20);
 constexpr Verb kNothing = Verb::kRelease;  // released only by farewell()
 }  // namespace
 
@@ -25,7 +28,7 @@ void NodeControl::take(const Heartbeat& heartbeat) {
   node.owned = heartbeat.owner == incarnation_;
   node.obeyed = node.obeyed || node.owned;
   node.started = node.started || heartbeat.state != NodeState::kPreview;
-  if (heartbeat.owner > incarnation_) obeyed_higher_ = std::max(obeyed_higher_, heartbeat.owner);
+  note_obeyed(heartbeat.owner);
 }
 
 void NodeControl::take(const Reply& reply) {
@@ -33,11 +36,15 @@ void NodeControl::take(const Reply& reply) {
   if (found == nodes_.end() || found->second.request != reply.request || reply.request == 0) return;
   Node& node = found->second;
   node.request = 0;  // the next one is a new request
-  if (reply.result == CommandError::kNotOwner && node.verb == Verb::kClaim && reply.sequence > incarnation_)
-    obeyed_higher_ = std::max(obeyed_higher_, reply.sequence);
+  if (reply.result == CommandError::kNotOwner && node.verb == Verb::kClaim) note_obeyed(reply.sequence);
   if (reply.result != CommandError::kNone) return;
   if (node.verb == Verb::kClaim) node.owned = node.obeyed = true;
   if (node.verb == Verb::kStart) node.state = NodeState::kStarted;
+}
+
+void NodeControl::note_obeyed(std::int64_t incarnation) {
+  if (incarnation > incarnation_ && incarnation <= kHighestObeyed)
+    obeyed_higher_ = std::max(obeyed_higher_, incarnation);
 }
 
 void NodeControl::set_incarnation(std::int64_t incarnation) {

@@ -59,6 +59,7 @@ class NodeControl {
     WallTime heard_at{};     // ... and then
     bool is_ours_to_end() const { return started && obeyed; }
   };
+  void note_obeyed(std::int64_t incarnation);
   Verb wanted(const Node& node) const;
   bool is_silent(Node& node, WallTime now) const;
   std::int64_t new_request();

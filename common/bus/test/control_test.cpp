@@ -61,6 +61,11 @@ TEST(Control, RefusesIndicesThatNoDriveReaches) {
   ack = some_ack();
   ack.missing = {{101, kIndexLimit + 1}};
   EXPECT_FALSE(decode_ack(encode(ack)));
+  ack = some_ack();
+  ack.incarnation = kIndexLimit + 1;
+  EXPECT_FALSE(decode_ack(encode(ack)));
+  EXPECT_FALSE(decode_heartbeat(encode(Heartbeat{.node = 1, .owner = kIndexLimit + 1})));
+  EXPECT_FALSE(decode_command(encode(Command{.node = 1, .incarnation = kIndexLimit + 1})));
 }
 
 TEST(Control, RefusesNodesThatCannotBe) {

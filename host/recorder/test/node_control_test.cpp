@@ -75,6 +75,12 @@ TEST_F(NodeControlTest, SeesThatANodeObeysAHigherIncarnation) {
   EXPECT_EQ(due(kStart)->incarnation, 61);
 }
 
+// One datagram must not take away the numbers of all recorders to come.
+TEST_F(NodeControlTest, IsNotDrivenToTheLastIncarnationThereIs) {
+  control.take(beat(NodeState::kPreview, kIndexLimit));
+  EXPECT_EQ(control.obeyed_higher(), 0);
+}
+
 // After a release nobody owns the node, and it obeys no incarnation below the one it had.
 TEST_F(NodeControlTest, LearnsFromARefusalWhichIncarnationTheNodeObeyed) {
   control.take(beat(NodeState::kPreview, 0));
