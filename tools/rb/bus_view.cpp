@@ -3,8 +3,38 @@
 #include <algorithm>
 #include <span>
 #include <string_view>
+#include <tuple>
+
+#include "common/bus/clock_messages.hpp"
 
 namespace roadbalance {
+namespace {
+
+// What a log should hold when it changes.
+auto state_of(const Heartbeat& beat) {
+  return std::tuple(beat.epoch, beat.state, beat.owner, beat.spool_used > 0, beat.spool_failures,
+                    beat.scans_missing > 0, beat.time_base);
+}
+
+auto state_of(const RecorderStatus& status) {
+  return std::tuple(status.state, status.on_battery, status.fallback, status.segment, status.disk_failures,
+                    status.rivals > 0);
+}
+
+auto state_of(const ClockFit& fit) {
+  return std::tuple(fit.epoch, fit.state, fit.breaks);
+}
+
+// True if its state is new.
+template <typename Key, typename Message>
+bool put(std::map<Key, Message>& known, Key key, const Message& message) {
+  const auto [place, is_new] = known.try_emplace(key, message);
+  const bool changed = is_new || state_of(place->second) != state_of(message);
+  place->second = message;
+  return changed;
+}
+
+}  // namespace
 
 BusView::BusView(const std::string& url) : bus_(url) {
   using Bytes = std::span<const std::uint8_t>;
@@ -29,7 +59,10 @@ BusView::BusView(const std::string& url) : bus_(url) {
     if (const auto status = decode_recorder_status(bytes)) take(*status);
   });
   bus_.subscribe("RB_HEARTBEAT_.*", [this](std::string_view, Bytes bytes) {
-    if (const auto beat = decode_heartbeat(bytes)) heartbeats_[beat->node] = *beat;
+    if (const auto beat = decode_heartbeat(bytes)) take(*beat);
+  });
+  bus_.subscribe("RB_CLOCK_.*", [this](std::string_view, Bytes bytes) {
+    if (const auto fit = decode_clock_fit(bytes)) take(*fit);
   });
 }
 
@@ -37,16 +70,31 @@ BusView::BusView(const std::string& url) : bus_(url) {
 void BusView::take(const RecorderStatus& status) {
   constexpr std::size_t kMostRecorders = 8;
   if (!recorders_.contains(status.incarnation) && recorders_.size() >= kMostRecorders) return;
-  recorders_[status.incarnation] = status;
+  state_changed_ = put(recorders_, status.incarnation, status) || state_changed_;
   recorder_heard_at_[status.incarnation] = WallClock::now();
+}
+
+void BusView::take(const Heartbeat& beat) {
+  state_changed_ = put(heartbeats_, beat.node, beat) || state_changed_;
+  sealing_[beat.node].take(beat);
+}
+
+void BusView::take(const ClockFit& fit) {
+  state_changed_ = put(clocks_, fit.node, fit) || state_changed_;
+}
+
+std::optional<double> BusView::memory_left_s(std::int32_t node) const {
+  const auto rate = sealing_.find(node);
+  return rate == sealing_.end() ? std::nullopt : rate->second.seconds_left(heartbeats_.at(node));
 }
 
 // It says its state twice a second.
 void BusView::forget_silent_recorders() {
   static constexpr std::chrono::seconds kSilence{3};
-  std::erase_if(recorders_, [this](const auto& recorder) {
+  const auto gone = std::erase_if(recorders_, [this](const auto& recorder) {
     return WallClock::now() - recorder_heard_at_[recorder.first] > kSilence;
   });
+  state_changed_ = state_changed_ || gone > 0;
   std::erase_if(recorder_heard_at_, [this](const auto& heard) { return !recorders_.contains(heard.first); });
 }
 
@@ -63,6 +111,7 @@ void BusView::take(const SpectrumPart& part) {
 
 bool BusView::handle(std::chrono::milliseconds timeout) {
   news_ = false;
+  state_changed_ = false;
   bus_.handle(timeout);
   forget_silent_recorders();
   return news_;

@@ -13,6 +13,8 @@
 #include "common/bus/recorder_status.hpp"
 #include "common/bus/results.hpp"
 #include "common/clock/clocks.hpp"
+#include "common/clock/exchange.hpp"
+#include "tools/rb/sealing_rate.hpp"
 
 namespace roadbalance {
 
@@ -24,11 +26,22 @@ class BusView {
   /// Waits up to `timeout`, then takes all that has arrived.  True if an estimate differs from the one
   /// before.
   bool handle(std::chrono::milliseconds timeout);
+  /// The last handle() saw a recorder, a node or a clock come, go or change its state: more than counters
+  /// that go on.
+  bool state_changed() const { return state_changed_; }
 
+  bool heard_anything() const {
+    return identification_ || !levels_.empty() || !heartbeats_.empty() || !recorders_.empty() ||
+           !clocks_.empty();
+  }
   const std::optional<Identification>& identification() const { return identification_; }
   const std::array<std::optional<Balance>, kWheels>& balance() const { return balance_; }
   const std::map<std::int32_t, Level>& levels() const { return levels_; }
   const std::map<std::int32_t, Heartbeat>& heartbeats() const { return heartbeats_; }
+  /// Until a node's memory is full if nobody records any more; nothing if that is not known.
+  std::optional<double> memory_left_s(std::int32_t node) const;
+  /// How the nodes' clocks stand, by node; none of a node that nobody asks for its time.
+  const std::map<std::int32_t, ClockFit>& clocks() const { return clocks_; }
 
   /// By incarnation: two recorders are two lines.
   const std::map<std::int64_t, RecorderStatus>& recorders() const { return recorders_; }
@@ -44,14 +57,19 @@ class BusView {
  private:
   void take(const SpectrumPart& part);
   void take(const RecorderStatus& status);
+  void take(const Heartbeat& beat);
+  void take(const ClockFit& fit);
   void forget_silent_recorders();
 
   Bus bus_;
   bool news_ = false;
+  bool state_changed_ = false;
   std::optional<Identification> identification_;
   std::array<std::optional<Balance>, kWheels> balance_;
   std::map<std::int32_t, Level> levels_;
   std::map<std::int32_t, Heartbeat> heartbeats_;
+  std::map<std::int32_t, SealingRate> sealing_;
+  std::map<std::int32_t, ClockFit> clocks_;
   std::map<std::int64_t, RecorderStatus> recorders_;
   std::map<std::int64_t, WallTime> recorder_heard_at_;
   std::map<std::pair<std::int32_t, std::int32_t>, Line> lines_;

@@ -84,14 +84,24 @@ std::string identification_line(const Identification& identification) {
   return line + " kN/m";
 }
 
-std::string node_line(const Heartbeat& heartbeat) {
-  const double ring_part = heartbeat.ring_capacity > 0 ? static_cast<double>(heartbeat.ring_used) /
+std::string node_line(const Heartbeat& heartbeat, std::optional<double> memory_left_s) {
+  const double part_full = heartbeat.ring_capacity > 0 ? static_cast<double>(heartbeat.ring_used) /
                                                              static_cast<double>(heartbeat.ring_capacity)
                                                        : 0.0;
-  return format("node %d: %lld samples taken, %lld missing, %lld blocks repaired, ring %.0f %% full",
-                heartbeat.node, static_cast<long long>(heartbeat.scans_sampled),
-                static_cast<long long>(heartbeat.scans_missing),
-                static_cast<long long>(heartbeat.blocks_repaired), 100.0 * ring_part);
+  std::string line = format(
+      "node %d: %lld samples taken, %lld missing, %lld blocks repaired, memory %.0f %% full", heartbeat.node,
+      static_cast<long long>(heartbeat.scans_sampled), static_cast<long long>(heartbeat.scans_missing),
+      static_cast<long long>(heartbeat.blocks_repaired), 100.0 * part_full);
+  if (memory_left_s) line += format(", lasts %.0f s", *memory_left_s);
+  if (heartbeat.spool_used > 0)
+    line += format(", %lld blocks on its disk", static_cast<long long>(heartbeat.spool_used));
+  if (heartbeat.spool_failures > 0)
+    line += format(", ITS DISK REFUSED %lld times", static_cast<long long>(heartbeat.spool_failures));
+  if (heartbeat.owner > 0)
+    line += format(", obeys recorder %lld", static_cast<long long>(heartbeat.owner));
+  else
+    line += ", obeys no recorder";
+  return line;
 }
 
 std::vector<std::string> level_lines(const Level& level) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,8 +20,10 @@ std::string advice_line(const Balance& balance);
 /// "identified from 48 s of driving; tyres 214 209 221 206 kN/m", or why not.
 std::string identification_line(const Identification& identification);
 
-/// "node 1: 12000 samples taken, 0 missing, 3 blocks repaired, ring 2 % full".
-std::string node_line(const Heartbeat& heartbeat);
+/// "node 1: 12000 samples taken, 0 missing, 3 blocks repaired, memory 2 % full, lasts 640 s, obeys recorder
+/// 1763741000000"; its disk is spoken of if it is used or refuses.
+/// @param memory_left_s  until the memory is full if nobody records any more, as far as it is known
+std::string node_line(const Heartbeat& heartbeat, std::optional<double> memory_left_s);
 
 /// One line a channel with a bar of its rms.
 std::vector<std::string> level_lines(const Level& level);

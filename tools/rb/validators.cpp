@@ -29,6 +29,10 @@ CLI::Validator validator(bool (*accepts)(const std::string&), const std::string&
 
 }  // namespace
 
+CLI::Validator seconds_or_zero() {
+  return validator([](const std::string& text) { return within(text, 0.0, 1e9); }, "0 .. 1000000000 s");
+}
+
 CLI::Validator drive_length() {
   return validator([](const std::string& text) { return within(text, 1.0, 1e6); }, "1 .. 1000000 s");
 }

@@ -6,6 +6,8 @@ namespace roadbalance {
 
 /// Checks of what several commands are given, each saying what is allowed in one line.
 
+/// Seconds from 0 on.
+CLI::Validator seconds_or_zero();
 /// Seconds of driving, 1 .. 1000000.
 CLI::Validator drive_length();
 /// A whole number from 0 on.

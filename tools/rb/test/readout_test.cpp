@@ -4,6 +4,11 @@
 
 #include <numbers>
 
+#include "tools/rb/clock_line.hpp"
+#include "tools/rb/sealing_rate.hpp"
+#include "tools/rb/watch_json.hpp"
+#include "tools/rb/watch_lines.hpp"
+
 namespace roadbalance {
 namespace {
 
@@ -52,7 +57,109 @@ TEST(NodeLine, SaysWhatANodeCounts) {
   beat.blocks_repaired = 7;
   beat.ring_used = 50;
   beat.ring_capacity = 1'000;
-  EXPECT_EQ(node_line(beat), "node 2: 12000 samples taken, 3 missing, 7 blocks repaired, ring 5 % full");
+  EXPECT_EQ(node_line(beat, std::nullopt),
+            "node 2: 12000 samples taken, 3 missing, 7 blocks repaired, memory 5 % full, obeys no recorder");
+  EXPECT_TRUE(node_json(beat, std::nullopt).at("owner").is_null());
+  EXPECT_TRUE(node_json(beat, std::nullopt).at("memory_left_s").is_null());
+}
+
+TEST(NodeLine, SpeaksOfItsDiskItsMemoryAndWhomItObeys) {
+  Heartbeat beat;
+  beat.node = 1;
+  beat.owner = 4711;
+  beat.ring_capacity = 200;
+  beat.ring_used = 150;
+  beat.spool_used = 40;
+  beat.spool_failures = 2;
+  EXPECT_EQ(
+      node_line(beat, 12.4),
+      "node 1: 0 samples taken, 0 missing, 0 blocks repaired, memory 75 % full, lasts 12 s, 40 blocks on "
+      "its disk, ITS DISK REFUSED 2 times, obeys recorder 4711");
+  const auto json = node_json(beat, 12.4);
+  EXPECT_EQ(json.at("owner"), 4711);
+  EXPECT_EQ(json.at("blocks_on_disk"), 40);
+  EXPECT_EQ(json.at("disk_failures"), 2);
+  EXPECT_EQ(json.at("memory_left_s"), 12.4);
+}
+
+// 100 blocks a second; 16000 blocks are free.
+TEST(SealingRate, SaysHowLongTheMemoryLasts) {
+  Heartbeat beat;
+  beat.epoch = 5;
+  beat.ring_capacity = 20'000;
+  beat.ring_used = 4'000;
+  SealingRate rate;
+  for (int k = 0; k <= 30; ++k) {
+    beat.time_ns = 7'000'000'000 + 100'000'000LL * k;
+    beat.next = 1 + 10 * k;
+    rate.take(beat);
+    EXPECT_EQ(rate.seconds_left(beat).has_value(), k >= 20) << k;
+  }
+  EXPECT_NEAR(*rate.seconds_left(beat), 160.0, 1e-6);
+  beat.epoch = 6;  // started again: nothing is known of it
+  rate.take(beat);
+  EXPECT_FALSE(rate.seconds_left(beat));
+}
+
+TEST(SealingRate, OfANodeThatSealsNothingIsNotKnown) {
+  Heartbeat beat;
+  beat.ring_capacity = 100;
+  SealingRate rate;
+  for (int k = 0; k <= 30; ++k) {
+    beat.time_ns = 100'000'000LL * k;
+    rate.take(beat);
+  }
+  EXPECT_FALSE(rate.seconds_left(beat));
+}
+
+TEST(ClockLine, SaysHowSureTheClockIs) {
+  ClockFit fit;
+  fit.node = 3;
+  fit.exchanges = 4;
+  fit.unanswered = 2;
+  EXPECT_EQ(clock_line(fit), "node 3 clock not known yet: 4 answers, 2 questions without");
+  EXPECT_TRUE(clock_json(fit).at("uncertainty_s").is_null());
+  fit.state = ClockState::kHoldover;
+  fit.uncertainty_s = 12.34e-6;
+  fit.drift = -4.5e-6;
+  fit.round_trip_s = 80e-6;
+  fit.breaks = 1;
+  EXPECT_EQ(clock_line(fit),
+            "node 3 clock held over to 12.3 us, drift -4.50 ppm, round trip 80.0 us, breaks 1");
+  EXPECT_EQ(clock_json(fit).at("state"), "holdover");
+  EXPECT_EQ(clock_json(fit).at("uncertainty_s"), 12.34e-6);
+}
+
+TEST(RecorderLines, NameItsAlarms) {
+  RecorderStatus status;
+  status.incarnation = 8;
+  status.segment = 3;
+  status.bytes_recorded = 1'200'000'000;
+  status.bytes_free = 34'000'000'000;
+  auto lines = recorder_lines(status, {});
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_EQ(lines[0], "recorder 8: records to segment 3: 1.2 GB so far, 34 GB free");
+  EXPECT_TRUE(recorder_json(status).at("alarms").empty());
+  EXPECT_TRUE(recorder_json(status).at("seconds_left").is_null());
+  status.state = RecorderState::kDiskFull;
+  status.waiting_blocks = 12;
+  lines = recorder_lines(status, {});
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_NE(lines[1].find("THE DISK IS FULL: 12 blocks wait"), std::string::npos) << lines[1];
+  EXPECT_EQ(recorder_json(status).at("state"), "disk_full");
+  EXPECT_EQ(recorder_json(status).at("alarms").size(), 1u);
+}
+
+TEST(RecorderLines, OfOneThatNoNodeObeysSayWhomTheyObey) {
+  RecorderStatus status;
+  status.incarnation = 9;
+  std::map<std::int32_t, Heartbeat> beats;
+  beats[1].owner = 8;
+  const auto refused = recorder_lines(status, beats);
+  ASSERT_EQ(refused.size(), 2u);
+  EXPECT_EQ(refused[1], "  ! records nothing of node 1, which obeys recorder 8");
+  beats[1].owner = 9;
+  EXPECT_EQ(recorder_lines(status, beats).size(), 1u);
 }
 
 // 30 g opposite to 217 deg: two weights of 15 g side by side at 37 deg.

@@ -1,0 +1,79 @@
+#include "tools/rb/bus_view.hpp"
+
+#include <gtest/gtest.h>
+
+#include "common/bus/clock_messages.hpp"
+#include "common/bus/process_port.hpp"
+#include "tools/rb/watch_json.hpp"
+#include "tools/rb/watch_lines.hpp"
+
+namespace roadbalance {
+namespace {
+
+class BusViewTest : public testing::Test {
+ protected:
+  /// True if the view took it for a change of state.  It comes to itself over loopback.
+  bool hear(const std::string& channel, const std::vector<std::uint8_t>& bytes) {
+    EXPECT_TRUE(bus_.publish(channel, bytes));
+    view_.handle(std::chrono::seconds(5));
+    return view_.state_changed();
+  }
+  bool said(const std::string& part) {
+    for (const auto& line : watch_lines(view_))
+      if (line.find(part) != std::string::npos) return true;
+    return false;
+  }
+
+  const std::string url_ = bus_url_on_port(process_port());
+  BusView view_{url_};
+  Bus bus_{url_};
+};
+
+TEST_F(BusViewTest, ShowsNodesWithTheirClocks) {
+  EXPECT_FALSE(view_.heard_anything());
+  Heartbeat beat;
+  beat.node = 2;
+  beat.epoch = 9;
+  EXPECT_TRUE(hear(heartbeat_channel(2), encode(beat)));
+  beat.scans_sampled = 40;
+  EXPECT_FALSE(hear(heartbeat_channel(2), encode(beat))) << "a counter that goes on is no news";
+  EXPECT_TRUE(said("node 2: 40 samples"));
+  beat.owner = 6;
+  EXPECT_TRUE(hear(heartbeat_channel(2), encode(beat)));
+
+  ClockFit fit;
+  fit.node = 2;
+  fit.epoch = 9;
+  fit.state = ClockState::kLocked;
+  fit.uncertainty_s = 21e-6;
+  EXPECT_TRUE(hear(clock_fit_channel(2), encode(fit)));
+  EXPECT_TRUE(said("node 2 clock locked to 21.0 us"));
+  fit.drift = 1e-6;
+  EXPECT_FALSE(hear(clock_fit_channel(2), encode(fit)));
+  fit.breaks = 1;
+  EXPECT_TRUE(hear(clock_fit_channel(2), encode(fit)));
+
+  const auto json = watch_json(view_);
+  EXPECT_TRUE(json.at("wheels").is_null());
+  EXPECT_EQ(json.at("nodes").at(0).at("owner"), 6);
+  EXPECT_EQ(json.at("clocks").at(0).at("breaks"), 1);
+}
+
+TEST_F(BusViewTest, ShowsRecordersAndWhatAlarmsThem) {
+  RecorderStatus status;
+  status.incarnation = 5;
+  EXPECT_TRUE(hear(kRecorderChannel, encode(status)));
+  status.bytes_recorded = 1000;
+  EXPECT_FALSE(hear(kRecorderChannel, encode(status)));
+  status.state = RecorderState::kDiskFailing;
+  status.disk_failures = 1;
+  EXPECT_TRUE(hear(kRecorderChannel, encode(status)));
+  EXPECT_TRUE(said("THE DISK FAILS (1 times)"));
+  EXPECT_EQ(watch_json(view_).at("recorders").at(0).at("state"), "disk_failing");
+  status.incarnation = 6;
+  EXPECT_TRUE(hear(kRecorderChannel, encode(status)));
+  EXPECT_TRUE(said("more than one recorder"));
+}
+
+}  // namespace
+}  // namespace roadbalance

@@ -1,0 +1,114 @@
+#include "tools/rb/watch_json.hpp"
+
+#include "host/recorder/status_line.hpp"
+#include "tools/study/wheels_json.hpp"
+
+namespace roadbalance {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const char* name_of(RecorderState state) {
+  switch (state) {
+    case RecorderState::kRecording:
+      return "recording";
+    case RecorderState::kDiskFailing:
+      return "disk_failing";
+    case RecorderState::kDiskFull:
+      return "disk_full";
+    case RecorderState::kStopping:
+      return "stopping";
+  }
+  return "unknown";
+}
+
+const char* name_of(NodeState state) {
+  switch (state) {
+    case NodeState::kPreview:
+      return "preview";
+    case NodeState::kStarted:
+      return "started";
+    case NodeState::kEnded:
+      return "ended";
+    case NodeState::kFailed:
+      return "failed";
+  }
+  return "unknown";
+}
+
+const char* name_of(ClockState state) {
+  switch (state) {
+    case ClockState::kAcquire:
+      return "acquire";
+    case ClockState::kLocked:
+      return "locked";
+    case ClockState::kHoldover:
+      return "holdover";
+  }
+  return "unknown";
+}
+
+Json if_known(bool is_known, double value) {
+  return is_known ? Json(value) : Json(nullptr);
+}
+
+Json wheels(const BusView& view) {
+  if (!view.identification()) return nullptr;
+  std::array<Balance, kWheels> balance;
+  for (std::size_t w = 0; w < kWheels; ++w) balance[w] = view.balance()[w].value_or(Balance{});
+  return wheels_json(*view.identification(), balance);
+}
+
+}  // namespace
+
+Json recorder_json(const RecorderStatus& status) {
+  return {{"incarnation", status.incarnation},
+          {"state", name_of(status.state)},
+          {"segment", status.segment},
+          {"bytes_recorded", status.bytes_recorded},
+          {"bytes_free", status.bytes_free},
+          {"seconds_left", if_known(status.seconds_left >= 0, status.seconds_left)},
+          {"longest_sync_s", status.longest_sync_s},
+          {"waiting_blocks", status.waiting_blocks},
+          {"disk_failures", status.disk_failures},
+          {"alarms", alarms(status)}};
+}
+
+Json node_json(const Heartbeat& beat, std::optional<double> memory_left_s) {
+  return {{"node", beat.node},
+          {"epoch", beat.epoch},
+          {"state", name_of(beat.state)},
+          {"owner", beat.owner > 0 ? Json(beat.owner) : Json(nullptr)},
+          {"samples", beat.scans_sampled},
+          {"samples_missing", beat.scans_missing},
+          {"blocks_held", beat.ring_used},
+          {"blocks_that_fit", beat.ring_capacity},
+          {"blocks_on_disk", beat.spool_used},
+          {"disk_failures", beat.spool_failures},
+          {"memory_left_s", if_known(memory_left_s.has_value(), memory_left_s.value_or(0.0))},
+          {"blocks_repaired", beat.blocks_repaired}};
+}
+
+Json clock_json(const ClockFit& fit) {
+  const bool is_known = fit.state != ClockState::kAcquire;
+  return {{"node", fit.node},
+          {"epoch", fit.epoch},
+          {"state", name_of(fit.state)},
+          {"drift", if_known(is_known, fit.drift)},
+          {"uncertainty_s", if_known(is_known, fit.uncertainty_s)},
+          {"round_trip_s", if_known(is_known, fit.round_trip_s)},
+          {"exchanges", fit.exchanges},
+          {"unanswered", fit.unanswered},
+          {"breaks", fit.breaks}};
+}
+
+Json watch_json(const BusView& view) {
+  Json recorders = Json::array(), nodes = Json::array(), clocks = Json::array();
+  for (const auto& [incarnation, status] : view.recorders()) recorders.push_back(recorder_json(status));
+  for (const auto& [node, beat] : view.heartbeats())
+    nodes.push_back(node_json(beat, view.memory_left_s(node)));
+  for (const auto& [node, fit] : view.clocks()) clocks.push_back(clock_json(fit));
+  return {{"wheels", wheels(view)}, {"recorders", recorders}, {"nodes", nodes}, {"clocks", clocks}};
+}
+
+}  // namespace roadbalance
