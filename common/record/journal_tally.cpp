@@ -1,28 +1,11 @@
 #include "common/record/journal_tally.hpp"
 
-#include <algorithm>
-#include <array>
 
 #include "common/bus/codec.hpp"
 #include "common/link/crc32c.hpp"
 
 namespace roadbalance {
 namespace {
-
-constexpr std::size_t kWordBytes = sizeof(std::int32_t);
-
-void add_channel_crcs(const SealedBlock& block, Journal& journal) {
-  const auto counts = encoded_counts(block);
-  const std::size_t rows = counts.size() / (kChannels * kWordBytes);
-  std::array<std::uint8_t, kScansPerBlock * kWordBytes> column;
-  for (std::size_t channel = 0; channel < kChannels; ++channel) {
-    for (std::size_t row = 0; row < rows; ++row)
-      std::copy_n(counts.data() + (row * kChannels + channel) * kWordBytes, kWordBytes,
-                  column.data() + row * kWordBytes);
-    std::uint32_t& crc = journal.channel_crc[channel];
-    crc = crc32c({column.data(), rows * kWordBytes}, crc);
-  }
-}
 
 // The entry that follows: it begins where this one ends.
 Journal next_entry(const Journal& before) {
@@ -57,7 +40,7 @@ void JournalTally::add(const SealedBlock& block) {
   if (journal.scans == 0 && journal.scans_missing == 0) journal.first_scan = header.first_scan;
   journal.next_scan = header.first_scan + header.scans;
   (block.kind == BlockKind::kScan ? journal.scans : journal.scans_missing) += header.scans;
-  if (block.kind == BlockKind::kScan) add_channel_crcs(block, journal);
+  if (block.kind == BlockKind::kScan) crc32c_columns(encoded_counts(block), journal.channel_crc);
 }
 
 Journal JournalTally::take(std::int32_t node, std::int64_t epoch) {

@@ -38,12 +38,35 @@ TEST(Crc32c, InstructionAndTableAgreeForEveryLengthAndOffset) {
   if (!crc32c_has_instruction())
     GTEST_SKIP() << "this processor has no CRC instruction: there is only the table";
   std::mt19937 random(1);
-  std::vector<std::uint8_t> bytes(1500);
+  std::vector<std::uint8_t> bytes(2800);
   for (auto& byte : bytes) byte = static_cast<std::uint8_t>(random());
-  for (std::size_t length = 0; length < 1400; length += (length < 70 ? 1 : 37)) {
+  // 1344 and 2688 bytes are one and two rounds of the three lanes.
+  const auto is_near_lanes = [](std::size_t length) { return length % 1344 > 1320 || length % 1344 < 70; };
+  for (std::size_t length = 0; length < 2760; length += (is_near_lanes(length) ? 1 : 7)) {
     for (std::size_t offset = 0; offset < 8; ++offset) {
       const std::span<const std::uint8_t> part(bytes.data() + offset, length);
       ASSERT_EQ(crc32c(part), crc32c_by_table(part)) << length << " bytes from " << offset;
+    }
+  }
+}
+
+TEST(Crc32c, OfColumnsIsThatOfEachColumnAlone) {
+  std::mt19937 random(2);
+  for (const std::size_t columns : {1, 3, 16}) {
+    std::vector<std::uint8_t> rows(columns * 4 * 20);
+    for (auto& byte : rows) byte = static_cast<std::uint8_t>(random());
+    for (const auto& function : {&crc32c_columns, &crc32c_columns_by_table}) {
+      std::vector<std::uint32_t> crc(columns, 0);
+      const std::size_t five_rows = columns * 4 * 5;
+      function(std::span(rows).first(five_rows), crc);
+      function(std::span(rows).subspan(five_rows), crc);
+      for (std::size_t column = 0; column < columns; ++column) {
+        std::vector<std::uint8_t> alone;
+        for (std::size_t at = 4 * column; at < rows.size(); at += 4 * columns)
+          alone.insert(alone.end(), rows.begin() + static_cast<std::ptrdiff_t>(at),
+                       rows.begin() + static_cast<std::ptrdiff_t>(at) + 4);
+        EXPECT_EQ(crc[column], crc32c_by_table(alone)) << column << " of " << columns;
+      }
     }
   }
 }
