@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstring>
 #include <utility>
 
 #include "common/link/crc32c.hpp"
@@ -11,12 +12,19 @@ namespace {
 constexpr std::size_t kBufferBytes = std::size_t{256} << 10;
 static_assert(kBufferBytes > 2 * kMaxLogEventBytes);
 
+// The first byte at or behind `from` that may begin an event, or the end.  The library's search, which takes
+// many bytes at a time: each event is looked through.
+const std::uint8_t* find_sync(const std::uint8_t* from, const std::uint8_t* end) {
+  if (from == end) return end;
+  const void* found = std::memchr(from, kLogSync >> 24, static_cast<std::size_t>(end - from));
+  return found ? static_cast<const std::uint8_t*>(found) : end;
+}
+
 // A length that was damaged may reach just to the end of a later event, which would be lost with it.
 bool has_event_inside(std::span<const std::uint8_t> bytes) {
-  const auto sync = static_cast<std::uint8_t>(kLogSync >> 24);
-  for (auto at = std::find(bytes.begin(), bytes.end(), sync); at != bytes.end();
-       at = std::find(at + 1, bytes.end(), sync))
-    if (parse_log_event({at, bytes.end()}).status == ParsedEvent::Status::kEvent) return true;
+  const std::uint8_t* end = bytes.data() + bytes.size();
+  for (const auto* at = find_sync(bytes.data(), end); at != end; at = find_sync(at + 1, end))
+    if (parse_log_event({at, end}).status == ParsedEvent::Status::kEvent) return true;
   return false;
 }
 
@@ -65,8 +73,8 @@ SegmentReader::Step SegmentReader::step(LogEvent& event, bool complete) {
 // To the next byte that may begin an event.
 void SegmentReader::skip() {
   const auto bytes = rest();
-  const auto found = std::find(bytes.begin() + 1, bytes.end(), static_cast<std::uint8_t>(kLogSync >> 24));
-  at_ += static_cast<std::size_t>(found - bytes.begin());
+  const std::uint8_t* found = find_sync(bytes.data() + 1, bytes.data() + bytes.size());
+  at_ += static_cast<std::size_t>(found - bytes.data());
 }
 
 void SegmentReader::close_damage(std::vector<RecordReader::Damage>& damage, std::uint64_t end) {

@@ -202,20 +202,19 @@ std::int64_t NodeMachine::device(std::int64_t now_ns) {
 void NodeMachine::watch_freed(std::string_view channel, std::span<const std::uint8_t> bytes,
                               std::int64_t base_before) {
   Program& p = *program_;
-  const std::string name = "node " + std::to_string(number_) + ": ";
+  const auto fault = [this](const std::string& what) {
+    truth_.fault("node " + std::to_string(number_) + ": " + what);
+  };
   if (p.uplink.owner() != 0 && p.uplink.owner() < p.highest_owner)
-    truth_.fault(name + "obeys recorder " + std::to_string(p.uplink.owner()) + " after " +
-                 std::to_string(p.highest_owner));
+    fault("obeys recorder " + std::to_string(p.uplink.owner()) + " after " + std::to_string(p.highest_owner));
   p.highest_owner = std::max(p.highest_owner, p.uplink.owner());
   const std::int64_t base = p.backlog.base();
   if (base == base_before) return;
   // Only what the node's own disk does not give back is given up, which the recorder then declares.
   if (base - 1 > p.truth.promised && !p.spool_failed)
-    truth_.fault(name + "gave back block " + std::to_string(base - 1) + ", durable is " +
-                 std::to_string(p.truth.promised));
+    fault("gave back block " + std::to_string(base - 1) + ", durable is " + std::to_string(p.truth.promised));
   const auto ack = channel.starts_with("RB_ACK_") ? decode_ack(bytes) : std::nullopt;
-  if (ack && ack->incarnation < p.highest_owner)
-    truth_.fault(name + "gave blocks back to a recorder of the past");
+  if (ack && ack->incarnation < p.highest_owner) fault("gave blocks back to a recorder of the past");
 }
 
 void NodeMachine::take(std::string_view channel, std::span<const std::uint8_t> bytes, std::int64_t now_ns) {
