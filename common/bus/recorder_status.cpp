@@ -6,13 +6,19 @@
 #include "common/bus/wire_format.hpp"
 
 namespace roadbalance {
+namespace {
+
+constexpr std::int32_t kOnBattery = 1;  // bits of on_battery
+constexpr std::int32_t kPowerUnknown = 2;
+
+}  // namespace
 
 std::vector<std::uint8_t> encode(const RecorderStatus& s) {
   wire::recorder_t m{};
   m.time_us = s.time_us;
   m.incarnation = s.incarnation;
   m.state = static_cast<std::int32_t>(s.state);
-  m.on_battery = s.on_battery ? 1 : 0;
+  m.on_battery = (s.on_battery ? kOnBattery : 0) | (s.power_unknown ? kPowerUnknown : 0);
   m.fallback = s.fallback ? 1 : 0;
   m.segment = s.segment;
   m.bytes_recorded = s.bytes_recorded;
@@ -38,7 +44,8 @@ std::optional<RecorderStatus> decode_recorder_status(std::span<const std::uint8_
   RecorderStatus s{.time_us = m->time_us,
                    .incarnation = m->incarnation,
                    .state = static_cast<RecorderState>(m->state),
-                   .on_battery = m->on_battery != 0,
+                   .on_battery = (m->on_battery & kOnBattery) != 0,
+                   .power_unknown = (m->on_battery & kPowerUnknown) != 0,
                    .fallback = m->fallback != 0,
                    .segment = m->segment,
                    .bytes_recorded = m->bytes_recorded,

@@ -21,6 +21,7 @@ struct RecorderStatus {
   std::int64_t incarnation = 0;
   RecorderState state = RecorderState::kRecording;
   bool on_battery = false;
+  bool power_unknown = false;  ///< the supply is watched and cannot be read
   bool fallback = false;
   std::int32_t segment = 0;
   std::int64_t bytes_recorded = 0;

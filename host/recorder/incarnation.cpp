@@ -28,12 +28,12 @@ std::int64_t store(const std::filesystem::path& file, std::int64_t number, Disk&
 }  // namespace
 
 std::int64_t next_incarnation(const std::filesystem::path& folder, std::int64_t utc_ms, Disk& disk) {
-  const auto file = folder / "incarnation";
+  const auto file = folder / kIncarnationFile;
   return store(file, std::max(stored(file, disk) + 1, utc_ms), disk);
 }
 
 std::int64_t raise_incarnation(const std::filesystem::path& folder, std::int64_t obeyed, Disk& disk) {
-  const auto file = folder / "incarnation";
+  const auto file = folder / kIncarnationFile;
   return store(file, std::max(stored(file, disk), obeyed) + 1, disk);
 }
 

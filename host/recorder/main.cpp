@@ -19,7 +19,7 @@ void add_disk_options(CLI::App& app, RecorderOptions& options, double& keep_gib,
   app.add_option("--fallback", options.fallback, "folder to go on in when the disk of the first one fails");
   app.add_option("--keep-gib", keep_gib,
                  "delete the oldest finished segments beyond so much; default: keep all")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(0.001, 1e6));
   app.add_option("--reserve-mib", reserve_mib, "of the disk, not for measuring")
       ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str();
@@ -50,7 +50,8 @@ int main(int argc, char** argv) {
   std::int64_t reserve_mib = options.reserve_bytes >> 20;
   app.add_option("--record", folder, "folder of the recording; an existing one is continued")->required();
   app.add_option("--url", options.url, "LCM address of the bus")->capture_default_str();
-  app.add_option("--nodes", options.nodes, "record only these nodes; default: every node heard");
+  app.add_option("--nodes", options.nodes, "record only these nodes; default: every node heard")
+      ->check(CLI::Range(1, 9999));
   app.add_flag("--no-start", no_start, "claim the nodes, but leave starting them to others");
   app.add_flag("--end-with-nodes", options.end_with_nodes, "end when each of --nodes has ended");
   app.add_flag("--json", json, "print the final counts as one JSON object on standard output");

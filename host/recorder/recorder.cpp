@@ -1,11 +1,15 @@
 #include "host/recorder/recorder.hpp"
 
 #include <functional>
+#include <memory>
+#include <stdexcept>
 #include <utility>
 
 #include "common/process/parallel.hpp"
+#include "common/record/folder.hpp"
 #include "host/recorder/clock_ask.hpp"
 #include "host/recorder/incarnation.hpp"
+#include "host/recorder/power/power_line.hpp"
 #include "host/recorder/receive.hpp"
 #include "host/recorder/record_keeper.hpp"
 #include "host/recorder/write.hpp"
@@ -24,6 +28,18 @@ std::int64_t utc_ms() {
   return duration_cast<milliseconds>(system_clock::now().time_since_epoch()).count();
 }
 
+// A supply that was never read is a mistake of whoever named it; but one that goes away while a recording is
+// under way must not keep a recorder that is started again from going on with it.
+std::unique_ptr<PowerLine> open_power(const RecorderOptions& options) {
+  if (options.power.empty()) return nullptr;
+  auto power = open_power_line(options.power);
+  const bool continues = path_exists(options.folder / kIncarnationFile);
+  if (!continues && !power->is_good())
+    throw std::runtime_error("power line " + options.power +
+                             " cannot be read: is the name right, and may this user read it?");
+  return power;
+}
+
 }  // namespace
 
 KeeperOptions RecorderOptions::keeper() const {
@@ -37,7 +53,7 @@ KeeperOptions RecorderOptions::keeper() const {
 }
 
 RecorderReport run_recorder(std::stop_token stop, const RecorderOptions& options) {
-  const auto power = options.power.empty() ? nullptr : open_power_line(options.power);
+  const auto power = open_power(options);
   RecordKeeper keeper(kernel_disk(), options.keeper());
   if (keeper.cut_tail() && options.on_cut_tail) options.on_cut_tail(*keeper.cut_tail());
   const std::int64_t incarnation = next_incarnation(keeper.folder(), utc_ms());

@@ -50,6 +50,7 @@ std::vector<std::string> alarms(const RecorderStatus& status) {
     lines.push_back("two nodes have one number, or one was paused: " + std::to_string(status.rivals) +
                     " heartbeats; both are recorded");
   if (status.on_battery) lines.push_back("the supply is gone: on battery");
+  if (status.power_unknown) lines.push_back("whether the supply is there cannot be read");
   if (status.fallback) lines.push_back("records to the fallback folder");
   const bool is_full = status.state == RecorderState::kDiskFull;
   if (!is_full && status.seconds_left >= 0 && status.seconds_left < kSoonFull_s)

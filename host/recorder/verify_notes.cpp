@@ -38,6 +38,8 @@ std::string what_happened(const Note& note) {
     case NoteKind::kTailCut:
       return number(note.b) + " bytes behind the last event of segment " + number(note.a) +
              " cut, and kept beside";
+    case NoteKind::kPowerUnknown:
+      return note.a != 0 ? "whether the supply is there cannot be read" : "the supply can be read again";
     default:
       return "note of kind " + number(static_cast<std::int64_t>(note.kind)) + " (" + number(note.a) + ", " +
              number(note.b) + ")";

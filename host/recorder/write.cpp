@@ -64,6 +64,12 @@ class Writing {
       case PowerWatch::Event::kReturned:
         keeper_.note(NoteKind::kPowerReturned, 0, 0, options_.power->name());
         return warn("the supply " + options_.power->name() + " is back");
+      case PowerWatch::Event::kUnreadable:
+        keeper_.note(NoteKind::kPowerUnknown, 1, 0, options_.power->name());
+        return warn("the supply " + options_.power->name() + " cannot be read; recording goes on");
+      case PowerWatch::Event::kReadable:
+        keeper_.note(NoteKind::kPowerUnknown, 0, 0, options_.power->name());
+        return warn("the supply " + options_.power->name() + " can be read again");
     }
   }
 
@@ -83,6 +89,7 @@ class Writing {
     news_.wants_credit = keeper_.wants_credit();
     keeper_.fill(news_.status);
     news_.status.on_battery = power_.on_battery();
+    news_.status.power_unknown = power_.is_unreadable();
     news_.status.sync_s = sync_s_;
     news_.status.longest_sync_s = longest_sync_s_;
     if (!out_.try_send(news_)) return;

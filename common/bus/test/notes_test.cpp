@@ -40,6 +40,17 @@ TEST(Notes, ANoteArrivesAsItWasWrittenAndIsCutToItsLength) {
   EXPECT_EQ(back->text, std::string(kMaxNoteBytes, 'x'));
 }
 
+TEST(RecorderStatus, TellsThatTheSupplyIsGoneApartFromThatItCannotBeRead) {
+  for (const bool gone : {false, true})
+    for (const bool unknown : {false, true}) {
+      const auto back =
+          decode_recorder_status(encode(RecorderStatus{.on_battery = gone, .power_unknown = unknown}));
+      ASSERT_TRUE(back);
+      EXPECT_EQ(back->on_battery, gone);
+      EXPECT_EQ(back->power_unknown, unknown);
+    }
+}
+
 TEST(Notes, AJournalEntryArrivesAsItWasWritten) {
   Journal journal{.node = 7,
                   .epoch = -8,

@@ -1,12 +1,20 @@
 #include "host/recorder/power/power_watch.hpp"
 
+#include <utility>
+
 namespace roadbalance {
 
+PowerWatch::Event PowerWatch::take_unreadable(WallTime now) {
+  if (!unread_since_) unread_since_ = now;
+  if (is_unreadable_ || now - *unread_since_ < options_.unreadable) return Event::kNone;
+  is_unreadable_ = true;
+  return Event::kUnreadable;
+}
+
 PowerWatch::Event PowerWatch::take(std::optional<bool> good, WallTime now) {
-  if (!good) {
-    ++unreadable_;
-    return Event::kNone;
-  }
+  if (!good) return take_unreadable(now);
+  unread_since_.reset();
+  if (std::exchange(is_unreadable_, false)) return Event::kReadable;
   if (*good != on_battery_) {
     differs_since_.reset();
     return Event::kNone;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <optional>
 
 #include "common/clock/clocks.hpp"
@@ -10,15 +9,17 @@ namespace roadbalance {
 /// From readings of a power line to the two events that matter; a pure state machine.
 ///
 /// The supply is gone when it was bad for `loss`, and back when it was good for `comeback`: a starter motor's
-/// dip neither closes segments nor ends the battery's time too soon.  A reading that fails tells nothing: it
-/// is counted, and the state stays.
+/// dip neither closes segments nor ends the battery's time too soon.  A reading that fails tells nothing, and
+/// the state stays; that none succeeded for `unreadable` is an event of its own, and so is the next that
+/// does.
 class PowerWatch {
  public:
   struct Options {
     std::chrono::milliseconds loss{100};
     std::chrono::milliseconds comeback{2000};
+    std::chrono::milliseconds unreadable{1000};
   };
-  enum class Event { kNone, kLost, kReturned };
+  enum class Event { kNone, kLost, kReturned, kUnreadable, kReadable };
 
   PowerWatch() : PowerWatch(Options{}) {}
   explicit PowerWatch(Options options) : options_(options) {}
@@ -26,13 +27,16 @@ class PowerWatch {
   Event take(std::optional<bool> good, WallTime now);
 
   bool on_battery() const { return on_battery_; }
-  std::int64_t unreadable() const { return unreadable_; }  ///< readings that failed
+  bool is_unreadable() const { return is_unreadable_; }
 
  private:
+  Event take_unreadable(WallTime now);
+
   const Options options_;
   bool on_battery_ = false;
   std::optional<WallTime> differs_since_;  // readings say the opposite of on_battery_ since then
-  std::int64_t unreadable_ = 0;
+  std::optional<WallTime> unread_since_;
+  bool is_unreadable_ = false;
 };
 
 }  // namespace roadbalance

@@ -95,11 +95,23 @@ TEST_F(PowerWatchTest, IgnoresADipAndAShortComeback) {
   EXPECT_TRUE(watch.on_battery());
 }
 
-TEST_F(PowerWatchTest, KeepsItsStateWhileTheLineCannotBeRead) {
+TEST_F(PowerWatchTest, KeepsItsStateWhileTheLineCannotBeReadAndSaysSoOnce) {
   hold(false, milliseconds(200), Event::kLost);
-  EXPECT_EQ(hold(std::nullopt, milliseconds(10'000), Event::kNone), 0);
+  EXPECT_EQ(hold(std::nullopt, milliseconds(980), Event::kNone), 0);
+  EXPECT_FALSE(watch.is_unreadable());
+  EXPECT_EQ(hold(std::nullopt, milliseconds(10'000), Event::kUnreadable), 1);
+  EXPECT_TRUE(watch.is_unreadable());
   EXPECT_TRUE(watch.on_battery());
-  EXPECT_EQ(watch.unreadable(), 500);
+  EXPECT_EQ(hold(false, milliseconds(1000), Event::kReadable), 1);
+  EXPECT_FALSE(watch.is_unreadable());
+  EXPECT_TRUE(watch.on_battery());
+}
+
+TEST_F(PowerWatchTest, AFailedReadingNowAndThenIsNoEvent) {
+  for (int k = 0; k < 100; ++k) {
+    EXPECT_EQ(hold(std::nullopt, milliseconds(500), Event::kNone), 0);
+    EXPECT_EQ(hold(true, milliseconds(20), Event::kNone), 0);
+  }
 }
 
 }  // namespace

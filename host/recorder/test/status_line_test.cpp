@@ -36,6 +36,13 @@ TEST(StatusLine, PutsTheMostUrgentAlarmFirst) {
   EXPECT_EQ(lines[4], "the disk is full in 10 min");
 }
 
+TEST(StatusLine, SaysThatTheSupplyCannotBeRead) {
+  RecorderStatus status;
+  status.power_unknown = true;
+  ASSERT_EQ(alarms(status).size(), 1u);
+  EXPECT_EQ(alarms(status)[0], "whether the supply is there cannot be read");
+}
+
 TEST(StatusLine, SaysOnceThatTheDiskIsFull) {
   RecorderStatus status;
   status.state = RecorderState::kDiskFull;
