@@ -26,6 +26,7 @@ class Disk {
   virtual int open(const char* path, int flags, mode_t mode) = 0;  ///< O_CLOEXEC is added
   virtual int close(int file) = 0;
   virtual ssize_t write(int file, const void* bytes, std::size_t size) = 0;
+  virtual ssize_t pwrite(int file, const void* bytes, std::size_t size, off_t offset) = 0;
   virtual ssize_t pread(int file, void* bytes, std::size_t size, off_t offset) = 0;
   virtual int fdatasync(int file) = 0;
   virtual int fsync(int file) = 0;  ///< of a folder too

@@ -80,6 +80,18 @@ void File::write_all(std::span<const std::uint8_t> bytes) {
   }
 }
 
+void File::write_all_at(std::uint64_t offset, std::span<const std::uint8_t> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written =
+        disk_->pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (written < 0 && errno == EINTR) continue;
+    if (written == 0) errno = EIO;
+    if (written <= 0) fail("write");
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+    offset += static_cast<std::uint64_t>(written);
+  }
+}
+
 void File::sync_data() {
   if (disk_->fdatasync(descriptor_) != 0) fail("fdatasync");
 }

@@ -32,6 +32,7 @@ class File {
   /// As many bytes as there are at `offset`, up to the size of `into`.
   std::size_t read_at(std::uint64_t offset, std::span<std::uint8_t> into) const;
   void write_all(std::span<const std::uint8_t> bytes);
+  void write_all_at(std::uint64_t offset, std::span<const std::uint8_t> bytes);
   /// The data and what is needed to read it back.
   void sync_data();
   void sync();

@@ -20,6 +20,9 @@ class KernelDisk final : public Disk {
   }
   int close(int file) override { return ::close(file); }
   ssize_t write(int file, const void* bytes, std::size_t size) override { return ::write(file, bytes, size); }
+  ssize_t pwrite(int file, const void* bytes, std::size_t size, off_t offset) override {
+    return ::pwrite(file, bytes, size, offset);
+  }
   ssize_t pread(int file, void* bytes, std::size_t size, off_t offset) override {
     return ::pread(file, bytes, size, offset);
   }

@@ -32,18 +32,41 @@ struct RecordReader::State {
     return std::nullopt;
   }
 
-  void open(int next) {
+  // Of segment `next`, or, if the retention mode takes it away meanwhile, the first behind it.  False if
+  // there is none.
+  bool open(int next) {
+    while (!try_open(next)) {
+      number = next;
+      const auto behind = following();
+      if (!behind) return false;
+      next = *behind;
+    }
     number = next;
-    segment.emplace(segment_path(folder, next), disk);
     honour_abandonment();
     if (finished) find_end();
+    return true;
+  }
+
+  bool try_open(int next) {
+    const auto path = segment_path(folder, next);
+    try {
+      SegmentReader opened(path, disk);
+      segment = std::move(opened);
+      return true;
+    } catch (const std::system_error& error) {
+      if (error.code() != std::errc::no_such_file_or_directory) throw;
+      return false;
+    }
   }
 
   // A segment behind this one may say where this one ends; one without any event says nothing.
   void honour_abandonment() {
     for (const int later : segment_numbers(folder, disk)) {
-      if (later <= number || size_of_file(segment_path(folder, later), disk) == 0) continue;
-      const auto ends = abandoned_before(segment_path(folder, later), disk);
+      if (later <= number) continue;
+      const auto path = segment_path(folder, later);
+      // It may have gone since it was listed; then the present one has gone too.
+      if (!path_exists(path, disk) || size_of_file(path, disk) == 0) continue;
+      const auto ends = abandoned_before(path, disk);
       if (const auto end = ends.find(number); end != ends.end())
         segment->end_at(std::max(end->second, segment->end_of_events()));
       return;
@@ -86,14 +109,14 @@ RecordReader::RecordReader(std::filesystem::path folder, Disk& disk, int first)
     : state_(std::make_unique<State>(std::move(folder), disk)) {
   State& s = *state_;
   if (!is_folder(s.folder, disk))
-    throw std::system_error(ENOTDIR, std::generic_category(), "recording " + s.folder.string());
+    throw std::system_error(path_exists(s.folder, disk) ? ENOTDIR : ENOENT, std::generic_category(),
+                            "recording " + s.folder.string());
   s.number = first - 1;
   const auto begin = s.following();
-  if (!begin)
+  if (!begin || !s.open(*begin))
     throw std::system_error(
         ENOENT, std::generic_category(),
         "recording " + s.folder.string() + " holds no segment (" + segment_path({}, first).string() + ")");
-  s.open(*begin);
 }
 
 RecordReader::~RecordReader() = default;
@@ -113,7 +136,7 @@ std::optional<LogEvent> RecordReader::next() {
       s.torn.clear();
       return std::nullopt;
     }
-    s.open(*following);
+    if (!s.open(*following)) return std::nullopt;
   }
 }
 

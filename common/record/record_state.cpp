@@ -7,6 +7,7 @@
 #include "common/record/folder.hpp"
 #include "common/record/record.hpp"
 #include "common/record/segment.hpp"
+#include "common/record/segment_extent.hpp"
 #include "common/record/segment_index.hpp"
 
 namespace roadbalance {
@@ -17,19 +18,54 @@ bool is_vehicle_part(const SealedBlock& block) {
          decode_meta(block).kind == MetaKind::kVehicleToml;
 }
 
+bool has_ended(const NodeEpoch& key, const RecordState& state) {
+  const auto epoch = state.epoch.find(key);
+  return epoch != state.epoch.end() && epoch->second.position.ended;
+}
+
+// Those that have ended go first.
+bool has_room(RecordState& state) {
+  const auto is_there = [&state] {
+    std::size_t parts = 0;
+    for (const auto& [key, blocks] : state.vehicle) parts += blocks.size();
+    return parts < kMostDescriptionPartsInAll;
+  };
+  if (is_there()) return true;
+  std::erase_if(state.vehicle, [&state](const auto& known) { return has_ended(known.first, state); });
+  return is_there();
+}
+
 // Every segment repeats it.
-void add_vehicle_part(const SealedBlock& block, std::vector<SealedBlock>& parts) {
-  const std::int32_t part = decode_meta(block).part;
-  if (std::none_of(parts.begin(), parts.end(),
-                   [part](const SealedBlock& known) { return decode_meta(known).part == part; }))
-    parts.push_back(block);
+void add_vehicle_part(const SealedBlock& block, RecordState& state) {
+  const NodeEpoch key{block.header.node, block.header.epoch};
+  const MetaBlock meta = decode_meta(block);
+  if (has_ended(key, state) || meta.parts > kMostDescriptionParts) return;
+  if (const auto known = state.vehicle.find(key); known != state.vehicle.end())
+    for (const SealedBlock& part : known->second)
+      if (decode_meta(part).part == meta.part) return;
+  if (has_room(state)) state.vehicle[key].push_back(block);
+}
+
+// Each block with its event, and the end of each segment.
+template <typename AtBlock, typename AtEnd>
+void read_blocks(const std::filesystem::path& folder, int first, AtBlock&& at_block, AtEnd&& at_end,
+                 Disk& disk) {
+  RecordReader reader(folder, disk, first);
+  reader.finish();
+  int segment = reader.segment();
+  SealedBlock block;
+  while (const auto event = reader.next()) {
+    if (reader.segment() != segment) at_end(std::exchange(segment, reader.segment()));
+    if (accept(event->data, block) == Refusal::kNone) at_block(reader, *event, block);
+  }
+  at_end(segment);
 }
 
 }  // namespace
 
 void add(const SealedBlock& block, RecordState& state) {
   const NodeEpoch key{block.header.node, block.header.epoch};
-  if (is_vehicle_part(block)) add_vehicle_part(block, state.vehicle[key]);
+  if (is_vehicle_part(block)) add_vehicle_part(block, state);
   if (block.header.sequence <= 0) return;
   RecordState::Epoch& epoch = state.epoch[key];
   EpochPosition& position = epoch.position;
@@ -48,33 +84,39 @@ void add(const SealedBlock& block, RecordState& state) {
     position.next_scan = block.header.first_scan + block.header.scans;
 }
 
-void read_segments(const std::filesystem::path& folder, int first, RecordState& state,
-                   const AtSegmentEnd& at_end, Disk& disk) {
-  RecordReader reader(folder, disk, first);
-  reader.finish();
-  int segment = reader.segment();
-  SealedBlock block;
-  while (const auto event = reader.next()) {
-    if (reader.segment() != segment) at_end(std::exchange(segment, reader.segment()), state);
-    if (accept(event->data, block) == Refusal::kNone) add(block, state);
-  }
-  at_end(segment, state);
+RecordState::Descriptions going_on(const RecordState& state) {
+  RecordState::Descriptions parts = state.vehicle;
+  std::erase_if(parts, [&state](const auto& known) { return has_ended(known.first, state); });
+  return parts;
 }
 
-RecordState read_state(const std::filesystem::path& folder, Disk& disk, RecordState before) {
+void read_segments(const std::filesystem::path& folder, int first, RecordState& state,
+                   const AtSegmentEnd& at_end, Disk& disk) {
+  read_blocks(
+      folder, first,
+      [&state](const RecordReader&, const LogEvent&, const SealedBlock& block) { add(block, state); },
+      [&](int segment) { at_end(segment, state); }, disk);
+}
+
+RecordState read_state(const std::filesystem::path& folder, Disk& disk, RecordState before,
+                       std::vector<UnsureBlock>* unsure) {
   if (!is_folder(folder, disk)) return before;
   const auto numbers = segment_numbers(folder, disk);
   if (numbers.empty()) return before;
-  int first = numbers.front();
-  for (auto number = numbers.rbegin(); number != numbers.rend(); ++number)
-    if (const auto index = read_index(folder, *number, disk)) {
-      for (const auto& [key, epoch] : index->epoch) before.epoch[key] = epoch;
-      first = *number + 1;
-      break;
-    }
+  const int last = numbers.back();
+  const int first = start_from_index(folder, before, disk);
+  const bool is_finished = first > last;
+  const std::uint64_t durable = is_finished ? 0 : measure_segment(segment_path(folder, last), disk).durable;
+  const auto add_or_doubt = [&](const RecordReader& reader, const LogEvent& event, const SealedBlock& block) {
+    const bool is_durable = is_finished || reader.segment() != last || reader.offset() < durable;
+    if (is_durable)
+      add(block, before);
+    else if (unsure)
+      unsure->push_back({.block = block, .timestamp_us = event.timestamp_us});
+  };
   // The descriptions stand at the beginning of every segment, of the last one at least.
-  read_segments(
-      folder, std::min(first, numbers.back()), before, [](int, const RecordState&) {}, disk);
+  read_blocks(
+      folder, std::min(first, last), add_or_doubt, [](int) {}, disk);
   return before;
 }
 

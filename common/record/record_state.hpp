@@ -31,18 +31,37 @@ struct RecordState {
     }
   };
   std::map<NodeEpoch, Epoch> epoch;
-  std::map<NodeEpoch, std::vector<SealedBlock>> vehicle;  ///< the parts of vehicle.toml of each epoch
+  /// The parts of vehicle.toml of each epoch; of those that have ended only while there is room.
+  using Descriptions = std::map<NodeEpoch, std::vector<SealedBlock>>;
+  Descriptions vehicle;
 };
+
+/// What the next segment repeats: those of epochs that have not ended.  One that is longer, or one more than
+/// there is room for in all, stands in the record where it came, but is not repeated.
+RecordState::Descriptions going_on(const RecordState& state);
+inline constexpr std::int32_t kMostDescriptionParts = 64;        ///< of an epoch: 75 kB of text
+inline constexpr std::size_t kMostDescriptionPartsInAll = 1024;  ///< 1.4 MB in each segment
 
 /// Adds the next block of the record.  One that does not continue its epoch counts for nothing; a description
 /// (sequence 0) only adds to `vehicle`.
 void add(const SealedBlock& block, RecordState& state);
 
-/// Reads a record that nobody writes to: the segments behind the last one with a good index.  Empty if there
-/// is no such folder, or no segment in it.
+/// A block that can be read and that a power cut may take: see read_state().
+struct UnsureBlock {
+  SealedBlock block;
+  std::int64_t timestamp_us = 0;
+};
+
+/// Reads a record that nobody writes to, and changes nothing: the segments behind the last one with a good
+/// index.  Empty if there is no such folder, or no segment in it.
+///
+/// Counts what is known to be on the disk.  Behind the last commit event of a last segment without an index
+/// lies what may have been promised already, or have been left to the page cache by a sync that failed: only
+/// who writes it again may count it.
 /// @param before  what it continues: the record of another folder
+/// @param unsure  gets those blocks, in order, if given
 RecordState read_state(const std::filesystem::path& folder, Disk& disk = kernel_disk(),
-                       RecordState before = {});
+                       RecordState before = {}, std::vector<UnsureBlock>* unsure = nullptr);
 
 /// Told at the end of each segment that is read, with the state there.
 using AtSegmentEnd = std::function<void(int segment, const RecordState& state)>;

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <sstream>
+#include <utility>
 
 #include "common/bus/codec.hpp"
 #include "common/link/crc32c.hpp"
@@ -9,6 +10,7 @@
 #include "common/record/folder.hpp"
 #include "common/record/record.hpp"
 #include "common/record/segment.hpp"
+#include "common/record/write_again.hpp"
 
 namespace roadbalance {
 namespace {
@@ -80,6 +82,43 @@ void write_index(const std::filesystem::path& folder, const SegmentIndex& index,
   write_atomically(index_path(folder, index.segment), encode(index), disk);
 }
 
+int start_from_index(const std::filesystem::path& folder, RecordState& state, Disk& disk) {
+  const auto take = [&state](const SegmentIndex& index) {
+    for (const auto& [key, epoch] : index.epoch) {
+      RecordState::Epoch& known = state.epoch[key];
+      if (epoch.position.contiguous >= known.position.contiguous) known = epoch;
+    }
+  };
+  const auto numbers = segment_numbers(folder, disk);
+  if (numbers.empty()) return 1;
+  for (auto number = numbers.rbegin(); number != numbers.rend(); ++number)
+    if (const auto index = read_index(folder, *number, disk)) {
+      take(*index);
+      return *number + 1;
+    }
+  if (const auto deleted = read_index_of_deleted(folder, numbers.front() - 1, disk)) take(*deleted);
+  return numbers.front();
+}
+
+namespace {
+
+// Where the record stands at the end of a finished segment, which has no good index, and all before are gone.
+std::optional<SegmentIndex> index_anew(const std::filesystem::path& folder, int number, Disk& disk) {
+  const auto before = read_index_of_deleted(folder, number - 1, disk);
+  if (!before && number > 1) return std::nullopt;
+  RecordState state;
+  if (before) state.epoch = before->epoch;
+  RecordReader reader(folder, disk, number);
+  SealedBlock block;
+  for (auto event = reader.next(); event && reader.segment() == number; event = reader.next())
+    if (accept(event->data, block) == Refusal::kNone) add(block, state);
+  return SegmentIndex{.segment = number,
+                      .bytes = size_of_file(segment_path(folder, number), disk),
+                      .epoch = std::move(state.epoch)};
+}
+
+}  // namespace
+
 int rebuild_indexes(const std::filesystem::path& folder, Disk& disk) {
   const auto numbers = segment_numbers(folder, disk);
   if (numbers.empty()) return 0;
@@ -87,6 +126,11 @@ int rebuild_indexes(const std::filesystem::path& folder, Disk& disk) {
   if (const auto before = read_index_of_deleted(folder, numbers.front() - 1, disk))
     state.epoch = before->epoch;
   int written = 0;
+  // A segment with an index counts as durable, and of the last one nobody has said so.
+  if (!read_index(folder, numbers.back(), disk)) {
+    File last = File::open_to_write(segment_path(folder, numbers.back()), disk);
+    write_again(last, 0, disk);
+  }
   const auto at_end = [&](int segment, const RecordState& at) {
     const SegmentIndex index{
         .segment = segment, .bytes = size_of_file(segment_path(folder, segment), disk), .epoch = at.epoch};
@@ -99,6 +143,8 @@ int rebuild_indexes(const std::filesystem::path& folder, Disk& disk) {
 }
 
 void delete_segment(const std::filesystem::path& folder, int number, Disk& disk) {
+  if (!read_index(folder, number, disk))
+    if (const auto index = index_anew(folder, number, disk)) write_index(folder, *index, disk);
   remove_file(segment_path(folder, number), disk);
   remove_file(index_path(folder, number - 1), disk);
   sync_folder(folder, disk);

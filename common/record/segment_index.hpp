@@ -46,6 +46,12 @@ std::optional<SegmentIndex> read_index_of_deleted(const std::filesystem::path& f
 /// @throws std::system_error naming the file
 void write_index(const std::filesystem::path& folder, const SegmentIndex& index, Disk& disk = kernel_disk());
 
+/// Adds to `state` what the newest good index says, or that of the segment deleted last if no segment that is
+/// there has one.  Of two positions of an epoch the larger counts: a record may continue that of another
+/// folder, which may have been written to since.
+/// @return  number of the first segment that the index does not count; of the first one if there is no index
+int start_from_index(const std::filesystem::path& folder, RecordState& state, Disk& disk = kernel_disk());
+
 /// Makes those indexes again that are missing or say something else than the segments, which it reads all; of
 /// a record that nobody writes to.
 /// @return  how many these were
@@ -53,7 +59,7 @@ void write_index(const std::filesystem::path& folder, const SegmentIndex& index,
 int rebuild_indexes(const std::filesystem::path& folder, Disk& disk = kernel_disk());
 
 /// Takes away a finished segment for good, in the retention mode; a note in the record has said so before.
-/// Its index stays until the next one goes, to say where the record begins.
+/// Its index stays until the next one goes, to say where the record begins; it is made now if there is none.
 /// @throws std::system_error naming the file
 void delete_segment(const std::filesystem::path& folder, int number, Disk& disk = kernel_disk());
 

@@ -10,6 +10,7 @@
 #include "common/record/segment.hpp"
 #include "common/record/segment_extent.hpp"
 #include "common/record/segment_index.hpp"
+#include "common/record/write_again.hpp"
 
 namespace roadbalance {
 namespace {
@@ -72,20 +73,15 @@ std::optional<RecordWriter::CutTail> cut(const std::filesystem::path& segment, c
               .cut = extent.size - extent.end};
     file.truncate(extent.end);
   }
-  // A killed writer's last events may be in the page cache only; from now on they count as durable.
-  file.sync();
+  // What lies behind the last commit was synced, and promised to nodes that have let go of it since, or is in
+  // the page cache only, after a kill or a failed sync.  From now on it counts.
+  write_again(file, std::min(extent.durable, extent.end), disk);
   return result;
 }
 
 RecordState read_and_index(const std::filesystem::path& folder, RecordState state, Disk& disk) {
   const auto numbers = segment_numbers(folder, disk);
-  int first = numbers.front();
-  for (auto number = numbers.rbegin(); number != numbers.rend(); ++number)
-    if (const auto index = read_index(folder, *number, disk)) {
-      for (const auto& [key, epoch] : index->epoch) state.epoch[key] = epoch;
-      first = *number + 1;
-      break;
-    }
+  const int first = start_from_index(folder, state, disk);
   const auto keep_index = [&](int segment, const RecordState& at) {
     if (segment < first) return;
     try {

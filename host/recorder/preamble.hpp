@@ -17,8 +17,9 @@ inline constexpr int kRecordFormatVersion = 1;
 using RecordEvents = std::vector<std::pair<std::string, std::vector<std::uint8_t>>>;
 
 /// What every segment begins with, so that it can be read without the others: a JSON text of the format's
-/// version and the names and fingerprints of the block types (from node 0, the host), and the vehicle.toml of
-/// every node.  All have sequence 0: they repeat, and are no part of any node's sequence.
+/// version and the names and fingerprints of the block types (from node 0, the host), and these
+/// vehicle.toml: of the epochs that go on (see going_on()).  All have sequence 0: they repeat, and are no
+/// part of any node's sequence.
 RecordEvents make_preamble(const std::map<NodeEpoch, std::vector<SealedBlock>>& vehicle);
 
 }  // namespace roadbalance

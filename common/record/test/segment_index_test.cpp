@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cerrno>
+#include <system_error>
+
 #include "common/record/segment.hpp"
 #include "common/record/test/numbered_blocks.hpp"
 #include "common/record/test/simulated_disk.hpp"
@@ -64,10 +67,57 @@ TEST_F(SegmentIndexTest, OneThatIsGoneOrWrongIsMadeAgainAndNeverBelieved) {
   wrong.epoch.begin()->second.position.contiguous = 1000;
   write_index(kFolder, wrong, disk);
   disk.unlink(index_path(kFolder, 2).c_str());
-  EXPECT_EQ(read_state(kFolder, disk).epoch, holds);
+  std::vector<UnsureBlock> unsure;
+  const RecordState before = read_state(kFolder, disk, {}, &unsure);
+  EXPECT_LE(before.epoch.begin()->second.position.contiguous, 60);
+  EXPECT_EQ(unsure.back().block.header.sequence, 60);
   EXPECT_EQ(rebuild_indexes(kFolder, disk), 2);
+  EXPECT_EQ(read_state(kFolder, disk).epoch, holds);
   EXPECT_EQ(rebuild_indexes(kFolder, disk), 0);
   EXPECT_EQ(read_index(kFolder, numbers.back(), disk)->epoch, holds);
+}
+
+TEST_F(SegmentIndexTest, ARestartGoesOnBehindDeletedSegmentsThoughNoneThatIsLeftHasAnIndex) {
+  for (const int number : numbers)
+    if (number != numbers.back()) delete_segment(kFolder, number, disk);
+  disk.unlink(index_path(kFolder, numbers.back()).c_str());
+  std::vector<UnsureBlock> unsure;
+  const RecordState state = read_state(kFolder, disk, {}, &unsure);
+  ASSERT_EQ(state.epoch.size(), 1u);
+  ASSERT_FALSE(unsure.empty());
+  EXPECT_GT(state.epoch.begin()->second.position.contiguous, 1);
+  EXPECT_EQ(unsure.back().block.header.sequence, 60);
+  Feeder feeder({.folder = kFolder}, disk);
+  EXPECT_EQ(feeder.found(), 60);
+  EXPECT_EQ(feeder.writer().holds().epoch, holds);
+  EXPECT_EQ(read_index(kFolder, numbers.back(), disk)->epoch, holds);
+}
+
+TEST_F(SegmentIndexTest, NoSegmentIsDeletedWhoseIndexCannotBeMade) {
+  for (const int number : numbers) disk.unlink(index_path(kFolder, number).c_str());
+  disk.set_fault([](DiskCall call, std::int64_t, const std::string& path) -> SimulatedDisk::Outcome {
+    return {.error = call == DiskCall::kOpen && path.ends_with(".idx.new") ? EIO : 0};
+  });
+  EXPECT_THROW(delete_segment(kFolder, numbers.front(), disk), std::system_error);
+  EXPECT_EQ(segment_numbers(kFolder, disk), numbers);
+  disk.set_fault(nullptr);
+  for (const int number : numbers)
+    if (number != numbers.back()) delete_segment(kFolder, number, disk);
+  EXPECT_EQ(Feeder({.folder = kFolder}, disk).writer().holds().epoch, holds);
+}
+
+TEST_F(SegmentIndexTest, OfTwoFoldersTheLargerPositionCounts) {
+  const NodeEpoch key = holds.begin()->first;
+  RecordState ahead;
+  ahead.epoch[key].position.contiguous = 70;
+  EXPECT_EQ(start_from_index(kFolder, ahead, disk), numbers.back() + 1);
+  EXPECT_EQ(ahead.epoch.at(key).position.contiguous, 70);
+  RecordState behind;
+  behind.epoch[key].position.contiguous = 50;
+  behind.epoch[{9, 9}].blocks = 1;
+  start_from_index(kFolder, behind, disk);
+  EXPECT_EQ(behind.epoch.at(key), holds.at(key));
+  EXPECT_EQ(behind.epoch.size(), 2u) << "what only the other folder knows";
 }
 
 // What lies behind the end of an abandoned segment was never called durable, and is given again in the next

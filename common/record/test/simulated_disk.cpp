@@ -138,22 +138,29 @@ int SimulatedDisk::close(int file) {
 ssize_t SimulatedDisk::write(int file, const void* bytes, std::size_t size) {
   Descriptor* open = descriptor(file);
   if (!open) return -1;
+  if (open->appends && open->node->file) open->offset = open->node->file->size();
+  const ssize_t written = pwrite(file, bytes, size, static_cast<off_t>(open->offset));
+  if (written > 0) open->offset += static_cast<std::uint64_t>(written);
+  return written;
+}
+
+ssize_t SimulatedDisk::pwrite(int file, const void* bytes, std::size_t size, off_t at) {
+  Descriptor* open = descriptor(file);
+  if (!open) return -1;
   Outcome outcome;
   if (!begins(DiskCall::kWrite, open->path, size, true, &outcome)) return -1;
   if (!open->writes || !open->node->file) return failed(EBADF);
   SimulatedFile& content = *open->node->file;
-  if (open->appends) open->offset = content.size();
+  const auto offset = static_cast<std::uint64_t>(at);
   if (outcome.short_write) size = std::max<std::size_t>(size / 2, 1);
-  const std::uint64_t end = open->offset + size;
-  if (end > content.size() && !has_space(content, end)) {
-    const std::int64_t room = capacity_bytes_ - *used_bytes_ + content.space_for(content.size()) -
-                              static_cast<std::int64_t>(open->offset);
+  if (offset + size > content.size() && !has_space(content, offset + size)) {
+    const std::int64_t room =
+        capacity_bytes_ - *used_bytes_ + content.space_for(content.size()) - static_cast<std::int64_t>(at);
     if (room <= 0) return failed(ENOSPC);
     size = std::min(size, static_cast<std::size_t>(room));
-    if (!has_space(content, open->offset + size)) return failed(ENOSPC);
+    if (!has_space(content, offset + size)) return failed(ENOSPC);
   }
-  content.write(open->offset, {static_cast<const std::uint8_t*>(bytes), size});
-  open->offset += size;
+  content.write(offset, {static_cast<const std::uint8_t*>(bytes), size});
   return static_cast<ssize_t>(size);
 }
 

@@ -85,6 +85,7 @@ class SimulatedDisk final : public Disk {
   int open(const char* path, int flags, mode_t mode) override;
   int close(int file) override;
   ssize_t write(int file, const void* bytes, std::size_t size) override;
+  ssize_t pwrite(int file, const void* bytes, std::size_t size, off_t offset) override;
   ssize_t pread(int file, void* bytes, std::size_t size, off_t offset) override;
   int fdatasync(int file) override { return sync(DiskCall::kSyncData, file); }
   int fsync(int file) override { return sync(DiskCall::kSync, file); }

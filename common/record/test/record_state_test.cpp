@@ -1,0 +1,70 @@
+#include "common/record/record_state.hpp"
+
+#include <gtest/gtest.h>
+
+#include "common/bus/codec.hpp"
+
+namespace roadbalance {
+namespace {
+
+SealedBlock description(NodeEpoch of, std::int64_t sequence, std::int32_t part = 0, std::int32_t parts = 1) {
+  SealedBlock sealed;
+  seal(MetaBlock{.header = {.node = of.first, .epoch = of.second, .sequence = sequence},
+                 .part = part,
+                 .parts = parts,
+                 .text = "[vehicle]"},
+       sealed);
+  return sealed;
+}
+
+SealedBlock end(NodeEpoch of, std::int64_t sequence) {
+  SealedBlock sealed;
+  seal(EndBlock{.header = {.node = of.first, .epoch = of.second, .sequence = sequence}, .blocks = 2}, sealed);
+  return sealed;
+}
+
+TEST(RecordState, RepeatsTheDescriptionOfAnEpochUntilItHasEnded) {
+  const NodeEpoch first{1, 100};
+  const NodeEpoch second{2, 100};
+  RecordState state;
+  add(description(first, 1), state);
+  add(description(second, 1), state);
+  EXPECT_EQ(going_on(state).size(), 2u);
+  add(end(first, 2), state);
+  ASSERT_EQ(going_on(state).size(), 1u);
+  EXPECT_TRUE(going_on(state).contains(second));
+  add(description(first, 0), state);  // as the segments say it that are read at a restart
+  EXPECT_FALSE(going_on(state).contains(first));
+}
+
+TEST(RecordState, AnEpochThatEndsUnrecordedGoesOn) {
+  const NodeEpoch one{1, 100};
+  RecordState state;
+  add(description(one, 1), state);
+  add(end(one, 7), state);  // does not continue it
+  EXPECT_TRUE(going_on(state).contains(one));
+}
+
+TEST(RecordState, DescriptionsAreBoundedWhateverTheNodesSend) {
+  RecordState state;
+  for (std::int64_t epoch = 1; epoch <= 3000; ++epoch) add(description({1, epoch}, 0), state);
+  EXPECT_EQ(state.vehicle.size(), kMostDescriptionPartsInAll);
+  RecordState one;
+  for (std::int32_t part = 0; part < 5000; ++part) add(description({1, 1}, 0, part, 5000), one);
+  EXPECT_TRUE(one.vehicle.empty()) << "repeated as a whole or not at all";
+}
+
+TEST(RecordState, EpochsThatHaveEndedMakeRoomForNewOnes) {
+  RecordState state;
+  const std::int64_t last = 3 * static_cast<std::int64_t>(kMostDescriptionPartsInAll);
+  for (std::int64_t epoch = 1; epoch <= last; ++epoch) {
+    add(description({1, epoch}, 1), state);
+    if (epoch < last) add(end({1, epoch}, 2), state);
+  }
+  const auto repeated = going_on(state);
+  ASSERT_EQ(repeated.size(), 1u);
+  EXPECT_EQ(repeated.begin()->first.second, last);
+}
+
+}  // namespace
+}  // namespace roadbalance
