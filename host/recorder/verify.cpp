@@ -12,10 +12,10 @@
 #include "common/record/log_event.hpp"
 #include "common/record/record.hpp"
 #include "common/record/segment.hpp"
-#include "common/record/segment_extent.hpp"
 #include "common/record/segment_index.hpp"
 #include "host/recorder/manifest.hpp"
 #include "host/recorder/verify_journal.hpp"
+#include "host/recorder/verify_missing.hpp"
 
 namespace roadbalance {
 namespace {
@@ -29,40 +29,11 @@ struct Reading {
   int deleted_through = 0;  // segment, by the notes
 };
 
-// What no event tells of: a whole segment, or the end of a finished one.
 void list_missing_segments(const std::filesystem::path& folder, const FinishedSegments& finished, Disk& disk,
                            Reading& reading) {
-  const auto missing = [&](const std::string& file, const std::string& what) {
-    ++reading.result.missing_segments;
-    reading.result.damage.push_back(file + ": " + what);
-  };
-  const auto is_deleted = [&](const std::string& file) {
-    return file <= segment_path({}, reading.deleted_through).string();
-  };
-  const std::vector<int> numbers = segment_numbers(folder, disk);
-  for (const auto& [file, bytes] : finished) {
-    const auto path = folder / file;
-    if (!path_exists(path, disk)) {
-      if (!is_deleted(file)) missing(file, "is missing; manifest.json lists it as finished");
-    } else if (const auto size = size_of_file(path, disk); size < bytes) {
-      missing(file, "has " + std::to_string(size) + " of the " + std::to_string(bytes) +
-                        " bytes it was finished with");
-    }
-  }
-  int before = reading.deleted_through;
-  for (const int number : numbers) {
-    const auto path = segment_path(folder, number);
-    const std::string file = path.filename().string();
-    if (number > before + 1)
-      missing(file,
-              before == 0 ? "is the first one here" : "does not follow " + segment_path({}, before).string());
-    before = std::max(before, number);
-    if (size_of_file(path, disk) > 0 || finished.contains(file)) continue;
-    if (number == numbers.back())
-      reading.result.damage.push_back(file + ": is empty: its recorder was killed when it began it");
-    else if (!abandoned_before(segment_path(folder, number + 1), disk).contains(number))
-      missing(file, "is empty");
-  }
+  const MissingSegments found = find_missing_segments(folder, finished, reading.deleted_through, disk);
+  reading.result.missing_segments = found.missing;
+  reading.result.damage.insert(reading.result.damage.end(), found.lines.begin(), found.lines.end());
 }
 
 std::string place(const std::filesystem::path& segment, std::uint64_t bytes, std::uint64_t offset) {

@@ -66,12 +66,22 @@ void EpochCheck::check_scans(const Entry& entry, std::int64_t& next_scan, Verifi
   if (covers_numbers_before(entry) && entry.scans == 0) next_scan = kUnknownScan;
 }
 
-void EpochCheck::count(const Entry& entry, VerifiedEpoch& result) {
+// Of several gaps in a row none is known to be without scans unless the next one bears none either.
+void EpochCheck::prove_without_scans(const Entry& entry, VerifiedEpoch& result) {
+  if (entry.kind != BlockKind::kScan && entry.kind != BlockKind::kEnd) return;
+  for (auto gap = result.gaps.rbegin(); gap != result.gaps.rend(); ++gap) {
+    if (gap->scans > 0 || gap->has_no_scans || gap->cause == GapCause::kNodeCrash) return;
+    if (gap->first_scan != entry.first_scan) return;
+    gap->has_no_scans = true;
+  }
+}
+
+void EpochCheck::count(const Entry& entry, std::int64_t first_block, VerifiedEpoch& result) {
   ++result.blocks;
   if (entry.kind == BlockKind::kScan) result.samples += entry.scans;
   if (entry.kind != BlockKind::kGap) return;
   result.samples_missing += entry.scans;
-  result.gaps.push_back({entry.cause, entry.sequence, entry.first_scan, entry.scans});
+  result.gaps.push_back({entry.cause, first_block, entry.sequence, entry.first_scan, entry.scans});
 }
 
 void EpochCheck::check_totals(const Epoch& epoch, VerifiedEpoch& result) {
@@ -101,9 +111,12 @@ VerifiedEpoch EpochCheck::check(NodeEpoch key, Epoch& epoch) {
   std::int64_t next_scan = epoch.deleted.position.next_scan;  // counted from the start command on
   const Entry* before = nullptr;
   for (const Entry& entry : epoch.entries) {
+    const bool covers = covers_numbers_before(entry) && entry.sequence > result.last_sequence;
+    const std::int64_t first_block = covers ? result.last_sequence + 1 : entry.sequence;
     check_sequence(entry, before, result);
     check_scans(entry, next_scan, result);
-    count(entry, result);
+    prove_without_scans(entry, result);
+    count(entry, first_block, result);
     before = &entry;
   }
   check_totals(epoch, result);

@@ -22,9 +22,12 @@ struct MissingSpan {
 /// A declared gap.
 struct VerifiedGap {
   GapCause cause = GapCause::kRingFull;
-  std::int64_t sequence = 0;
+  std::int64_t first_block =
+      0;                      ///< the first of the blocks it stands for; `sequence` if it stands for itself
+  std::int64_t sequence = 0;  ///< its own number: that of the last of them
   std::int64_t first_scan = 0;
-  std::int64_t scans = 0;  ///< 0 for a crash, or if unknown
+  std::int64_t scans = 0;     ///< 0 for a crash, or if unknown
+  bool has_no_scans = false;  ///< 0 is no unknown: the scans behind it go on where it begins
 };
 
 /// What a record holds of one node epoch.
@@ -85,7 +88,8 @@ class EpochCheck {
   static bool covers_numbers_before(const Entry& entry);
   static void check_sequence(const Entry& entry, const Entry* before, VerifiedEpoch& result);
   static void check_scans(const Entry& entry, std::int64_t& next_scan, VerifiedEpoch& result);
-  static void count(const Entry& entry, VerifiedEpoch& result);
+  static void count(const Entry& entry, std::int64_t first_block, VerifiedEpoch& result);
+  static void prove_without_scans(const Entry& entry, VerifiedEpoch& result);
   static void check_totals(const Epoch& epoch, VerifiedEpoch& result);
   static VerifiedEpoch check(NodeEpoch key, Epoch& epoch);
 

@@ -5,11 +5,13 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <stdexcept>
 #include <string>
 
 #include "common/bus/clock_messages.hpp"
 #include "common/bus/codec.hpp"
 #include "common/record/folder.hpp"
+#include "common/record/record_folder.hpp"
 #include "common/record/segment.hpp"
 #include "common/record/segment_index.hpp"
 #include "host/analyser/recorded_vehicle.hpp"
@@ -128,11 +130,19 @@ std::string vehicle_name(const std::filesystem::path& folder) {
   }
 }
 
+/// The lock keeps a recorder from beginning to write meanwhile.
+void rebuild(const std::filesystem::path& folder) {
+  if (!is_folder(folder)) throw std::runtime_error(folder.string() + ": no such folder");
+  RecordFolder lock;
+  if (!lock.take(folder, kernel_disk()))
+    throw std::runtime_error(folder.string() +
+                             ": a recorder writes to it; its indexes can be made again when that has ended");
+  const int written = rebuild_indexes(folder);
+  std::fprintf(stderr, "rb: %d indexes were missing or wrong, and are made again\n", written);
+}
+
 int info(const InfoOptions& options) {
-  if (options.rebuild_index) {
-    const int written = rebuild_indexes(options.folder);
-    std::fprintf(stderr, "rb: %d indexes were missing or wrong, and are made again\n", written);
-  }
+  if (options.rebuild_index) rebuild(options.folder);
   const Verification result = verify_record(options.folder);
   if (result.verdict == Verdict::kUnreadable) throw std::runtime_error(result.error);
   const Survey found = survey(options.folder);
@@ -150,8 +160,9 @@ void add_info(CLI::App& app, int& code) {
   auto options = std::make_shared<InfoOptions>();
   CLI::App* command = app.add_subcommand("info", "Says what is in a recording");
   command->add_option("folder", options->folder, "the recording")->required();
-  command->add_flag("--rebuild-index", options->rebuild_index,
-                    "first make the indexes again that are missing or wrong; nobody may be writing to it");
+  command->add_flag(
+      "--rebuild-index", options->rebuild_index,
+      "first make the indexes again that are missing or wrong; refused while a recorder writes to it");
   command->add_flag("--json", options->json, "one JSON object on standard output");
   command->callback([options, &code] { code = info(*options); });
 }

@@ -27,6 +27,14 @@ int written(int code) {
   return roadbalance::kCannotAccess;
 }
 
+/// CLI11 alone would not say which program and command does not take it.
+std::string usage_error(const CLI::App* app, const CLI::Error& error) {
+  std::string path = app->get_name();
+  for (auto chosen = app->get_subcommands(); !chosen.empty(); chosen = chosen.front()->get_subcommands())
+    path += " " + chosen.front()->get_name();
+  return path + ": " + error.what() + "; " + path + " --help says more\n";
+}
+
 int fail(const std::exception& error, int code) {
   std::fprintf(stderr, "rb: %s\n", error.what());
   return code;
@@ -40,8 +48,9 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer(
       "Exit codes: 0 done, 1 the answer is no, 2 usage or configuration, 3 incomplete but every gap "
-      "declared, "
-      "4 cannot read or write.");
+      "declared, 4 cannot read or write.\n"
+      "Errors are said on standard error; then --json prints nothing.");
+  app.failure_message(usage_error);
   int code = kDone;
   add_demo(app, code);
   add_watch(app, code);

@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -23,6 +24,21 @@ struct RecoverOptions {
   bool json = false;
 };
 
+/// Only what can be read is there to be recovered, and it stays as it is: nothing may be written into it.
+void refuse_sources(const std::vector<fs::path>& sources, const fs::path& target) {
+  const fs::path whole_target = fs::weakly_canonical(target);
+  for (const fs::path& source : sources) {
+    if (!fs::exists(source)) throw std::runtime_error(source.string() + ": no such folder");
+    if (!fs::is_directory(source)) throw std::runtime_error(source.string() + ": is no folder");
+    const fs::path whole = fs::canonical(source);
+    const auto [end, ignored] =
+        std::mismatch(whole.begin(), whole.end(), whole_target.begin(), whole_target.end());
+    if (end == whole.end())
+      throw std::runtime_error(target.string() + ": lies in " + source.string() +
+                               ", which stays as it is; allowed: a folder beside it");
+  }
+}
+
 void refuse_target(const fs::path& target, const fs::path& part) {
   if (fs::exists(target) && !(fs::is_directory(target) && fs::is_empty(target)))
     throw std::runtime_error(target.string() + ": holds something already; allowed: a new or empty folder");
@@ -37,6 +53,7 @@ Salvaged recover_whole(const std::vector<fs::path>& sources, fs::path target) {
   if (!target.has_filename()) target = target.parent_path();  // "drive/"
   fs::path part = target;
   part += ".part";
+  refuse_sources(sources, target);
   refuse_target(target, part);
   try {
     const Salvaged salvaged = salvage(sources, part);
@@ -54,9 +71,12 @@ Salvaged recover_whole(const std::vector<fs::path>& sources, fs::path target) {
 void print(const RecoverOptions& options, const Salvaged& salvaged, const Verification& result) {
   if (options.json) {
     const nlohmann::ordered_json json = {{"blocks", salvaged.blocks},
+                                         {"gaps", salvaged.gaps},
                                          {"blocks_filled", salvaged.blocks_filled},
                                          {"blocks_repeated", salvaged.blocks_repeated},
                                          {"blocks_altered", salvaged.blocks_altered},
+                                         {"entries_altered", salvaged.entries_altered},
+                                         {"missing_segments", salvaged.missing_segments},
                                          {"damaged_bytes", salvaged.damaged_bytes},
                                          {"damage", salvaged.damage},
                                          {"record", verification_json(result)}};
@@ -65,12 +85,16 @@ void print(const RecoverOptions& options, const Salvaged& salvaged, const Verifi
   }
   for (const auto& line : salvaged.damage) std::printf("%s\n", line.c_str());
   std::printf(
-      "%lld blocks recovered, %lld of them to fill holes, %lld found more than once, %lld altered; %llu "
-      "bytes "
-      "damaged\n",
+      "%lld blocks recovered, %lld of them to fill holes; %lld gaps declared\n"
+      "found: %lld blocks more than once, %lld altered; %lld other entries altered; %llu bytes damaged; %lld "
+      "segments missing or short\n",
       static_cast<long long>(salvaged.blocks), static_cast<long long>(salvaged.blocks_filled),
-      static_cast<long long>(salvaged.blocks_repeated), static_cast<long long>(salvaged.blocks_altered),
-      static_cast<unsigned long long>(salvaged.damaged_bytes));
+      static_cast<long long>(salvaged.gaps), static_cast<long long>(salvaged.blocks_repeated),
+      static_cast<long long>(salvaged.blocks_altered), static_cast<long long>(salvaged.entries_altered),
+      static_cast<unsigned long long>(salvaged.damaged_bytes),
+      static_cast<long long>(salvaged.missing_segments));
+  if (salvaged.missing_segments > 0)
+    std::printf("whether a whole node epoch was in what is missing or short, nothing can tell\n");
   print_verification(result);
 }
 
@@ -81,10 +105,11 @@ int recover(const RecoverOptions& options) {
     const Salvaged salvaged = recover_whole(sources, options.target);
     const Verification result = verify_record(options.target);
     print(options, salvaged, result);
-    if (result.verdict == Verdict::kComplete) return kDone;
-    return result.verdict == Verdict::kIncomplete ? kIncomplete : kAnswerIsNo;
+    if (result.verdict == Verdict::kComplete && salvaged.missing_segments == 0) return kDone;
+    return result.verdict == Verdict::kDamaged || result.verdict == Verdict::kUnreadable ? kAnswerIsNo
+                                                                                         : kIncomplete;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "rb: cannot recover %s: %s\n", options.folder.c_str(), error.what());
+    std::fprintf(stderr, "rb recover: cannot recover %s: %s\n", options.folder.c_str(), error.what());
     return kAnswerIsNo;
   }
 }
@@ -100,7 +125,10 @@ void add_recover(CLI::App& app, int& code) {
   command->add_option("--spool", options->spools,
                       "a spool that a node left, or a fallback recording: its blocks fill what is missing");
   command->add_flag("--json", options->json, "one JSON object on standard output");
-  command->footer("Exit codes: 0 nothing is lost, 3 something is lost and listed, 1 could not.");
+  command->footer(
+      "Exit codes: 0 nothing is lost, 3 something is, or may be with a missing segment, and is listed, 1 "
+      "could "
+      "not.");
   command->callback([options, &code] { code = recover(*options); });
 }
 

@@ -1,5 +1,6 @@
 #include "tools/rb/salvage.hpp"
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <stdexcept>
@@ -8,8 +9,11 @@
 #include "common/bus/codec.hpp"
 #include "common/link/crc32c.hpp"
 #include "common/record/journal_tally.hpp"
+#include "common/record/log_event.hpp"
+#include "common/record/segment.hpp"
 #include "host/recorder/manifest.hpp"
 #include "host/recorder/preamble.hpp"
+#include "host/recorder/verify_missing.hpp"
 #include "tools/rb/salvage_epoch.hpp"
 #include "tools/rb/salvage_sources.hpp"
 #include "tools/rb/sequence_set.hpp"
@@ -53,17 +57,20 @@ bool goes_along(const LogEvent& event) {
 
 class Salvage {
  public:
-  Salvage(const std::vector<std::filesystem::path>& sources, Disk& disk) : sources_(sources, disk) {}
+  Salvage(const std::vector<std::filesystem::path>& folders, Disk& disk)
+      : folders_(folders), disk_(disk), sources_(folders, disk) {}
 
   Salvaged run(const std::filesystem::path& target, Disk& disk) {
     std::vector<RecordReader::Damage> damage;
-    sources_.for_each([this](const LogEvent& event, const Place& place, bool) { plan(event, place); },
-                      damage);
+    sources_.for_each(
+        [this](const LogEvent& event, const Place& place, bool counts) { plan(event, place, counts); },
+        damage);
     for (const auto& piece : damage) {
       result_.damaged_bytes += piece.bytes;
       result_.damage.push_back(piece.segment.string() + ": " + std::to_string(piece.bytes) + " bytes from " +
                                std::to_string(piece.offset) + " on are " + piece.what);
     }
+    list_missing_segments();
     if (plans_.empty()) throw std::runtime_error("no good block is there to be recovered");
     writer_.emplace(RecordWriter::Options{.folder = target}, disk);
     writer_->set_preamble(make_preamble(vehicle_.vehicle));
@@ -77,10 +84,44 @@ class Salvage {
   }
 
  private:
-  void plan(const LogEvent& event, const Place& place) {
+  // What holes the segments' ends and the folders tell of.  A spool begins where it was emptied to.
+  void list_missing_segments() {
+    for (const auto& folder : folders_) {
+      const auto finished = read_manifest(folder, disk_);
+      if (folder != folders_.front() && finished.empty()) continue;
+      const auto found = find_missing_segments(
+          folder, finished, deleted_through_[segment_path(folder, 1).parent_path()], disk_);
+      result_.missing_segments += found.missing;
+      for (const auto& line : found.lines) result_.damage.push_back((folder / line).string());
+    }
+  }
+
+  // What lies behind the end of an abandoned segment is no hole: it was written again.
+  void list_altered(const LogEvent& event, const Place& place, const char* what) {
+    const std::uint64_t bytes = kLogHeaderBytes + event.channel.size() + event.data.size();
+    result_.damage.push_back(sources_.file(place).string() + ": " + std::to_string(bytes) + " bytes from " +
+                             std::to_string(place.offset) + " on are " + what);
+  }
+
+  void plan_other(const LogEvent& event, const Place& place) {
+    if (event.channel.starts_with("RB_BLOCK_")) {
+      ++result_.blocks_altered;
+      list_altered(event, place, "an altered block");
+    } else if (event.channel.starts_with("RB_") && !ends_with_its_crc(event.data)) {
+      ++result_.entries_altered;
+      list_altered(event, place, "an altered entry");
+    } else if (event.channel == kNoteChannel) {
+      const auto note = decode_note(event.data);
+      int& through = deleted_through_[sources_.file(place).parent_path()];
+      if (note && note->kind == NoteKind::kSegmentDeleted)
+        through = std::max(through, static_cast<int>(note->a));
+    }
+  }
+
+  void plan(const LogEvent& event, const Place& place, bool counts) {
     SealedBlock block;
     if (accept(event.data, block) != Refusal::kNone) {
-      result_.blocks_altered += event.channel.starts_with("RB_BLOCK_") ? 1 : 0;
+      if (counts) plan_other(event, place);
       return;
     }
     if (block.kind == BlockKind::kMeta) add(block, vehicle_);
@@ -128,7 +169,7 @@ class Salvage {
   SalvageEpoch::Write writing(const NodeEpoch& key, Plan& plan) {
     return [this, &key, &plan](const SealedBlock& block, std::int64_t timestamp_us) {
       writer_->append(block, timestamp_us);
-      ++result_.blocks;
+      ++(is_declared_by_host(block) ? result_.gaps : result_.blocks);
       journal_.add(block);
       if (++plan.blocks_in_entry >= kBlocksPerEntry) write_entry(key, plan, timestamp_us);
       last_timestamp_us_ = timestamp_us;
@@ -147,7 +188,10 @@ class Salvage {
     if (plan.blocks_in_entry > 0) write_entry(key, plan, last_timestamp_us_);
   }
 
+  const std::vector<std::filesystem::path> folders_;
+  Disk& disk_;
   SalvageSources sources_;
+  std::map<std::filesystem::path, int> deleted_through_;  // segments, by the folder's notes
   std::optional<RecordWriter> writer_;
   std::map<NodeEpoch, Plan> plans_;
   RecordState vehicle_;  // only the descriptions in it count

@@ -23,6 +23,8 @@ class SalvageSources {
   using Take = std::function<void(const LogEvent& event, const Place& place, bool counts)>;
   void for_each(const Take& take, std::vector<RecordReader::Damage>& damage) const;
 
+  const std::filesystem::path& file(const Place& place) const { return files_[place.file].path; }
+
   /// The event at a place that for_each() gave, which must hold a block.  @throws std::runtime_error if it
   /// changed
   SealedBlock block_at(const Place& place, std::int64_t& timestamp_us) const;

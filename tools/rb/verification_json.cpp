@@ -40,8 +40,11 @@ Json epoch_json(const VerifiedEpoch& epoch) {
   Json gaps = Json::array();
   for (const auto& gap : epoch.gaps)
     gaps.push_back({{"cause", cause_name(gap.cause)},
+                    {"first_block", gap.first_block},
+                    {"last_block", gap.sequence},
                     {"first_scan", gap.first_scan},
                     {"scans", gap.scans},
+                    {"scans_known", gap.scans > 0 || gap.has_no_scans},
                     {"milliseconds", milliseconds(gap.scans, epoch)}});
   return {{"node", epoch.node},
           {"epoch", epoch.epoch},
@@ -66,6 +69,23 @@ const char* verdict_of(const VerifiedEpoch& epoch) {
   return epoch.is_complete() ? "complete" : "incomplete";
 }
 
+std::string blocks_of(const VerifiedGap& gap) {
+  if (gap.first_block == gap.sequence) return "block " + std::to_string(gap.sequence);
+  return "blocks " + std::to_string(gap.first_block) + " to " + std::to_string(gap.sequence);
+}
+
+void print_gap(const VerifiedGap& gap, const VerifiedEpoch& epoch) {
+  std::printf("  gap, %s, ", blocks_of(gap).c_str());
+  if (gap.scans > 0)
+    std::printf("from scan %lld on %lld scans, %.1f ms", static_cast<long long>(gap.first_scan),
+                static_cast<long long>(gap.scans), milliseconds(gap.scans, epoch));
+  else if (gap.has_no_scans)
+    std::printf("no scans: edges or description");
+  else
+    std::printf("from scan %lld on, how many is not known", static_cast<long long>(gap.first_scan));
+  std::printf(": %s\n", cause_name(gap.cause));
+}
+
 void print_epoch(const VerifiedEpoch& epoch) {
   std::printf("node %d epoch %lld: %lld blocks, %lld samples of %lld, %zu gaps, %s%s\n", epoch.node,
               static_cast<long long>(epoch.epoch), static_cast<long long>(epoch.blocks),
@@ -74,12 +94,17 @@ void print_epoch(const VerifiedEpoch& epoch) {
   if (epoch.samples_deleted > 0)
     std::printf("  the first %lld scans were in segments that the retention mode deleted\n",
                 static_cast<long long>(epoch.samples_deleted));
-  for (const auto& gap : epoch.gaps)
-    std::printf("  gap from scan %lld, %lld scans, %.1f ms: %s\n", static_cast<long long>(gap.first_scan),
-                static_cast<long long>(gap.scans), milliseconds(gap.scans, epoch), cause_name(gap.cause));
+  for (const auto& gap : epoch.gaps) print_gap(gap, epoch);
   for (const auto& span : epoch.undeclared_blocks)
     std::printf("  blocks %lld to %lld are missing, undeclared\n", static_cast<long long>(span.first),
                 static_cast<long long>(span.last));
+  for (const auto& span : epoch.undeclared_scans)
+    std::printf("  scans %lld to %lld, %.1f ms, are missing, undeclared\n",
+                static_cast<long long>(span.first), static_cast<long long>(span.last),
+                milliseconds(span.last - span.first + 1, epoch));
+  if (epoch.overlapping_blocks > 0)
+    std::printf("  %lld blocks hold scans that an earlier one holds too\n",
+                static_cast<long long>(epoch.overlapping_blocks));
   if (epoch.repeated_blocks > 0)
     std::printf("  %lld blocks are there again, the same\n", static_cast<long long>(epoch.repeated_blocks));
   if (epoch.contradicting_blocks > 0)

@@ -50,6 +50,27 @@ TEST_F(Verify, TakesARecordersGapForTheBlocksGoneAtTheNode) {
   EXPECT_EQ(result().verdict, Verdict::kIncomplete);
 }
 
+TEST_F(Verify, TellsWhichBlocksAGapStandsForAndIfTheyHadScans) {
+  put_scans(0);
+  sequence += 2;  // blocks 2 and 3, and the gap's own number 4: edges
+  put_gap(20, 0, GapCause::kLostInRecord);
+  put_scans(20);
+  sequence += 2;  // blocks 6 and 7, 8: nobody knows how many scans
+  put_gap(40, 0, GapCause::kLostInRecord);
+  put_scans(100);
+  put_gap(120, 10, GapCause::kRingFull);
+  put_end(60, 70);
+  const auto gaps = result().epoch.at(0).gaps;
+  ASSERT_EQ(gaps.size(), 3u);
+  EXPECT_EQ(gaps[0].first_block, 2);
+  EXPECT_EQ(gaps[0].sequence, 4);
+  EXPECT_TRUE(gaps[0].has_no_scans);
+  EXPECT_EQ(gaps[1].first_block, 6);
+  EXPECT_EQ(gaps[1].sequence, 8);
+  EXPECT_FALSE(gaps[1].has_no_scans);
+  EXPECT_EQ(gaps[2].first_block, gaps[2].sequence) << "the node's own gap stands for no other block";
+}
+
 TEST_F(Verify, CallsAnEpochWithoutAnEndIncomplete) {
   put_scans(0);
   EXPECT_EQ(result().verdict, Verdict::kIncomplete);

@@ -158,6 +158,8 @@ TEST_F(RecordingCommands, NameWhatIsAtFault) {
     const Outcome nowhere = rb({command, folder_ / "nowhere"});
     EXPECT_EQ(nowhere.code, 4) << command << ": " << nowhere.log;
     EXPECT_NE(nowhere.log.find("nowhere"), std::string::npos) << nowhere.log;
+    EXPECT_NE(nowhere.log.find("No such file or directory"), std::string::npos) << nowhere.log;
+    EXPECT_NE(rb({command, kWobble}).log.find("Not a directory"), std::string::npos) << command;
   }
   EXPECT_EQ(import(folder_ / "none.csv", folder_ / "other").code, 4);
 }

@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "common/record/file.hpp"
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
 #include "tools/rb/child.hpp"
@@ -55,6 +56,8 @@ TEST_F(RecoverCommand, OfAGoodRecordingLosesNothing) {
   ASSERT_EQ(recovered.code, 0) << recovered.log;
   const Json result = json(recovered);
   EXPECT_EQ(result.at("damaged_bytes"), 0);
+  EXPECT_EQ(result.at("gaps"), 0);
+  EXPECT_EQ(result.at("blocks"), result.at("record").at("nodes").at(0).at("blocks"));
   EXPECT_TRUE(result.at("record").at("complete"));
   EXPECT_EQ(rb({"verify", target_}).code, 0);
 }
@@ -70,6 +73,9 @@ TEST_F(RecoverCommand, OfADamagedOneListsEachHoleAndItsRecordIsGood) {
   EXPECT_EQ(gap.at("cause"), "lost_in_record");
   EXPECT_EQ(node.at("samples_recorded").get<int>() + gap.at("scans").get<int>(), node.at("samples_sent"));
   EXPECT_GT(gap.at("milliseconds"), 0.0);
+  EXPECT_TRUE(gap.at("scans_known"));
+  EXPECT_LE(gap.at("first_block"), gap.at("last_block"));
+  EXPECT_EQ(json(recovered).at("gaps"), 1);
   EXPECT_EQ(rb({"verify", target_}).code, 3);
 }
 
@@ -82,6 +88,54 @@ TEST_F(RecoverCommand, RefusesWhatItCannotDo) {
   EXPECT_TRUE(fs::exists(fs::path(target_) / "mine"));
   EXPECT_EQ(rb({"recover", folder_ / "nothing", "-o", folder_ / "new"}).code, 1);
   EXPECT_FALSE(fs::exists(folder_ / "new"));
+}
+
+TEST_F(RecoverCommand, NeverWritesIntoWhatItReads) {
+  const std::string inside = record_ + "/sub/new", spool = folder_ / "spool";
+  const Outcome refused = rb({"recover", record_, "-o", inside});
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_NE(refused.log.find(inside + ": lies in " + record_), std::string::npos) << refused.log;
+  EXPECT_FALSE(fs::exists(record_ + "/sub"));
+  fs::copy(record_, spool);
+  fs::create_directory_symlink(spool, folder_ / "link");
+  EXPECT_EQ(rb({"recover", record_, "--spool", spool, "-o", folder_ / "link/new"}).code, 1);
+  EXPECT_FALSE(fs::exists(spool + "/new"));
+  EXPECT_EQ(rb({"recover", record_, "--spool", spool, "-o", record_ + "-beside"}).code, 0);
+}
+
+TEST_F(RecoverCommand, SaysWhatAMissingSegmentMayHaveHeld) {
+  const auto segment = fs::path(record_) / "seg-000001.lcm";
+  fs::resize_file(segment, fs::file_size(segment) - 10'000);
+  const Outcome recovered = rb({"recover", record_, "-o", target_, "--json"});
+  EXPECT_EQ(recovered.code, 3) << recovered.log;
+  EXPECT_EQ(json(recovered).at("missing_segments"), 1);
+  EXPECT_NE(json(recovered).at("damage").dump().find("bytes it was finished with"), std::string::npos);
+}
+
+TEST_F(RecoverCommand, SaysWhoDoesNotTakeAnArgument) {
+  const Outcome without = rb({"recover", record_});
+  EXPECT_EQ(without.code, 2);
+  EXPECT_NE(without.log.find("rb recover: --output is required"), std::string::npos) << without.log;
+  const Outcome long_ago = rb({"watch", "--seconds", "-1"});
+  EXPECT_EQ(long_ago.code, 2);
+  EXPECT_NE(long_ago.log.find("rb watch: --seconds: '-1' cannot be used; allowed: 0 .. 1000000000 s"),
+            std::string::npos)
+      << long_ago.log;
+}
+
+TEST_F(RecoverCommand, InfoLeavesARecordAloneThatIsBeingWritten) {
+  const auto index = fs::path(record_) / "seg-000001.idx";
+  fs::remove(index);
+  {
+    File writer = File::open_folder(record_);
+    ASSERT_TRUE(writer.try_lock());
+    const Outcome refused = rb({"info", record_, "--rebuild-index"});
+    EXPECT_EQ(refused.code, 4);
+    EXPECT_NE(refused.log.find("a recorder writes to it"), std::string::npos) << refused.log;
+    EXPECT_FALSE(fs::exists(index));
+  }
+  EXPECT_EQ(rb({"info", record_, "--rebuild-index"}).code, 0);
+  EXPECT_TRUE(fs::exists(index));
 }
 
 TEST_F(RecoverCommand, InfoSaysWhatIsThereAndMakesIndexesAgain) {

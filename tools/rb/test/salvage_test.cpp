@@ -6,9 +6,11 @@
 #include <random>
 
 #include "common/bus/codec.hpp"
+#include "common/record/folder.hpp"
 #include "common/record/record.hpp"
 #include "common/record/segment.hpp"
 #include "common/record/test/simulated_disk.hpp"
+#include "host/recorder/manifest.hpp"
 #include "host/recorder/verify.hpp"
 
 namespace roadbalance {
@@ -78,6 +80,8 @@ TEST_F(SalvageTest, ACompleteRecordStaysCompleteAndTheOriginalIsNotTouched) {
   const auto before = disk.content("/old/seg-000001.lcm");
   const Salvaged salvaged = salvage({"/old"}, "/new", disk);
   EXPECT_EQ(salvaged.blocks, 2 * kBlocks);
+  EXPECT_EQ(salvaged.gaps, 0);
+  EXPECT_TRUE(salvaged.damage.empty());
   const Verification result = verify_record("/new", disk);
   EXPECT_EQ(result.verdict, Verdict::kComplete) << verdict_text(result);
   EXPECT_GT(result.journal_entries, 0);
@@ -103,8 +107,51 @@ TEST_F(SalvageTest, EachHoleIsDeclaredInSamples) {
   const std::int64_t lost = kBlocks - static_cast<std::int64_t>(left.size());
   EXPECT_GE(lost, 2);
   EXPECT_LE(lost, 4);
+  EXPECT_EQ(salvaged.gaps, 1);
+  EXPECT_EQ(salvaged.blocks, kBlocks - lost);
+  EXPECT_EQ(gap.first_block, gap.sequence - lost + 1);
   EXPECT_EQ(gap.scans, 20 * lost);
   EXPECT_EQ(gap.first_scan, 20 * (gap.sequence - lost));
+}
+
+// A bit of a block's content: the log still reads well, the block does not.
+TEST_F(SalvageTest, AnAlteredBlockIsListedWithItsPlaceAsVerifyDoes) {
+  record("/old", {1}, 1, kBlocks);
+  auto bytes = disk.content("/old/seg-000002.lcm");
+  RecordReader reader("/old", disk, 2);
+  reader.next();
+  reader.next();
+  const std::uint64_t offset = reader.offset();
+  bytes[offset + 200] ^= 4;
+  disk.put("/old/seg-000002.lcm", bytes);
+  const Salvaged salvaged = salvage({"/old"}, "/new", disk);
+  EXPECT_EQ(salvaged.blocks_altered, 1);
+  EXPECT_EQ(salvaged.gaps, 1);
+  ASSERT_EQ(salvaged.damage.size(), 1u);
+  EXPECT_EQ("/old/" + verify_record("/old", disk).damage.at(0), salvaged.damage[0]);
+  EXPECT_NE(salvaged.damage[0].find("bytes from " + std::to_string(offset) + " on are an altered block"),
+            std::string::npos)
+      << salvaged.damage[0];
+}
+
+// Nobody but the manifest knows that there was more.
+TEST_F(SalvageTest, ASegmentThatIsGoneOrShortIsListed) {
+  record("/old", {1}, 1, kBlocks);
+  write_manifest("/old", std::nullopt, disk);
+  auto bytes = disk.content("/old/seg-000005.lcm");
+  const std::size_t whole = bytes.size();
+  bytes.resize(whole - 40);
+  disk.put("/old/seg-000005.lcm", bytes);
+  remove_file("/old/seg-000003.lcm", disk);
+  const Salvaged salvaged = salvage({"/old"}, "/new", disk);
+  EXPECT_EQ(salvaged.missing_segments, 3);  // gone, the one behind it not following, and the short one
+  const auto listed = [&](const std::string& line) {
+    return std::ranges::find(salvaged.damage, line) != salvaged.damage.end();
+  };
+  EXPECT_TRUE(listed("/old/seg-000003.lcm: is missing; manifest.json lists it as finished"));
+  EXPECT_TRUE(listed("/old/seg-000005.lcm: has " + std::to_string(whole - 40) + " of the " +
+                     std::to_string(whole) + " bytes it was finished with"));
+  EXPECT_EQ(verify_record("/new", disk).verdict, Verdict::kIncomplete);
 }
 
 TEST_F(SalvageTest, ASpoolFillsWhatIsMissing) {

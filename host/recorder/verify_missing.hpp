@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/record/disk.hpp"
+
+namespace roadbalance {
+
+/// What no event of a record tells of.
+struct MissingSegments {
+  std::int64_t missing = 0;  ///< segments not there, empty or shorter than when they were finished
+  std::vector<std::string>
+      lines;  ///< which, for people; also of one that a kill left empty, which is not missing
+};
+
+/// @param finished  sizes by file name, of the manifest
+/// @param deleted_through  number of the last segment that the retention mode took away, as the notes say
+/// @throws std::system_error naming the file
+MissingSegments find_missing_segments(const std::filesystem::path& folder,
+                                      const std::map<std::string, std::uint64_t>& finished,
+                                      int deleted_through, Disk& disk = kernel_disk());
+
+}  // namespace roadbalance
