@@ -86,14 +86,14 @@ int main(int argc, char** argv) {
   app.add_option("--scenario", asked,
                  "file, or name of one in hil_tests/deterministic/scenarios; all: every one");
   app.add_option("--seeds", options.seeds, "runs of each scenario")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
   app.add_option("--first", options.first_seed, "the first seed")->capture_default_str();
   app.add_option("--jobs", options.jobs, "processes side by side")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   app.add_option("--seconds", seconds, "of production instead of what the scenario says")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(0.1, 1e7));
   app.add_option("--dump", options.dump, "write the last run's record and truth.json into this folder");
   add_plant(app);
   try {
