@@ -8,6 +8,7 @@
 #include <wire/meta_t.hpp>
 #include <wire/scan_block_t.hpp>
 
+#include "common/bus/scan_format.hpp"
 #include "common/bus/wire_format.hpp"
 
 namespace roadbalance {
@@ -17,7 +18,7 @@ constexpr std::int32_t kMostMetaParts = 10'000;
 constexpr std::int64_t kLongestPeriod_ps = 1'000'000'000'000;  // one scan a second
 constexpr std::int32_t kQualityLimit = 1 << 16;                // room for bits of later versions
 
-static_assert(sizeof(wire::scan_block_t::counts) == sizeof(ScanBlock::counts));
+static_assert(sizeof(wire::scan_block_t::counts) == 4 * wire_format::kScanCounts);
 static_assert(sizeof(wire::edge_block_t::words) == sizeof(EdgeBlock::words));
 static_assert(sizeof(wire::meta_t::text) == kMetaBytesPerBlock);
 
@@ -106,39 +107,6 @@ bool fields_in_bounds(const wire::end_t& m) {
          within<std::int64_t>(m.scans_missing, 0, kIndexLimit);
 }
 
-// Scan blocks are the bulk of the bus.  They are read straight from the bytes: LCM's own decoder, byte by
-// byte, takes as long as all else that a recorder does with a block.
-struct ScanFields {
-  std::int32_t node;
-  std::int64_t epoch, sequence, first_scan, scans, time_ns, period_ps;
-  std::int32_t overload, quality;
-};
-constexpr std::size_t kScanCountsAt = 60;  // behind fingerprint and the fields from node to period_ps
-constexpr std::size_t kScanCounts = std::size_t{kScansPerBlock} * kChannels;
-constexpr std::size_t kScanBytes = kScanCountsAt + 4 * kScanCounts + 12;
-
-std::int32_t load_i32(const std::uint8_t* bytes) {
-  return static_cast<std::int32_t>(std::uint32_t{bytes[0]} << 24 | std::uint32_t{bytes[1]} << 16 |
-                                   std::uint32_t{bytes[2]} << 8 | bytes[3]);
-}
-
-ScanFields read_scan_fields(std::span<const std::uint8_t> bytes) {
-  assert(bytes.size() == kScanBytes);
-  const auto i64 = [&bytes](std::size_t field) {
-    return wire_format::load_i64(bytes.data() + 12 + 8 * field);
-  };
-  const std::uint8_t* behind_counts = bytes.data() + kScanCountsAt + 4 * kScanCounts;
-  return {.node = load_i32(bytes.data() + 8),
-          .epoch = i64(0),
-          .sequence = i64(1),
-          .first_scan = i64(2),
-          .scans = i64(3),
-          .time_ns = i64(4),
-          .period_ps = i64(5),
-          .overload = load_i32(behind_counts),
-          .quality = load_i32(behind_counts + 4)};
-}
-
 void take(BlockKind kind, const BlockHeader& header, std::span<const std::uint8_t> bytes, SealedBlock& out) {
   out.kind = kind;
   out.header = header;
@@ -161,9 +129,9 @@ Refusal accept_as(BlockKind kind, std::span<const std::uint8_t> bytes, SealedBlo
 }
 
 Refusal accept_scan(std::span<const std::uint8_t> bytes, SealedBlock& out) {
-  if (bytes.size() != kScanBytes) return Refusal::kWrongSize;
+  if (bytes.size() != wire_format::kScanBytes) return Refusal::kWrongSize;
   if (!ends_with_its_crc(bytes)) return Refusal::kWrongCrc;
-  const ScanFields fields = read_scan_fields(bytes);
+  const auto fields = wire_format::read_scan_fields(bytes);
   const BlockHeader header = header_of(fields);
   if (!in_bounds(header, 1) || !scan_in_bounds(fields)) return Refusal::kOutOfBounds;
   take(BlockKind::kScan, header, bytes, out);
@@ -173,14 +141,12 @@ Refusal accept_scan(std::span<const std::uint8_t> bytes, SealedBlock& out) {
 }  // namespace
 
 void seal(const ScanBlock& block, SealedBlock& out) {
-  wire::scan_block_t message;
-  put_header(block.header, message);
-  message.period_ps = block.period_ps;
-  for (std::size_t scan = 0; scan < block.counts.size(); ++scan)
-    std::copy(block.counts[scan].begin(), block.counts[scan].end(), message.counts[scan]);
-  message.overload = block.overload;
-  message.quality = block.quality;
-  seal_message(BlockKind::kScan, message, out);
+  const std::span<std::uint8_t> bytes(out.storage.data(), wire_format::kScanBytes);
+  out.kind = BlockKind::kScan;
+  out.header = block.header;
+  out.size = wire_format::kScanBytes;
+  wire_format::write_scan(block, wire::scan_block_t::getHash(), bytes);
+  wire_format::write_crc(bytes);
 }
 
 void seal(const EdgeBlock& block, SealedBlock& out) {
@@ -233,16 +199,11 @@ Refusal accept(std::span<const std::uint8_t> bytes, SealedBlock& out) {
 
 ScanBlock decode_scan(const SealedBlock& block) {
   assert(block.kind == BlockKind::kScan);
-  const ScanFields fields = read_scan_fields(block.bytes());
+  const auto fields = wire_format::read_scan_fields(block.bytes());
   ScanBlock result;
   result.header = block.header;
   result.period_ps = fields.period_ps;
-  const std::uint8_t* at = block.storage.data() + kScanCountsAt;
-  for (auto& row : result.counts)
-    for (auto& count : row) {
-      count = load_i32(at);
-      at += 4;
-    }
+  wire_format::read_scan_counts(block.bytes(), result);
   result.overload = fields.overload;
   result.quality = fields.quality;
   return result;
@@ -281,10 +242,8 @@ EndBlock decode_end(const SealedBlock& block) {
 
 std::span<const std::uint8_t> encoded_counts(const SealedBlock& block) {
   assert(block.kind == BlockKind::kScan);
-  // Behind the fingerprint, the node and six numbers of eight bytes; see scan_block_t.lcm.
-  constexpr std::size_t kOffset = 8 + 4 + 6 * 8;
   const auto rows = static_cast<std::size_t>(block.header.scans);
-  return block.bytes().subspan(kOffset, rows * kChannels * sizeof(std::int32_t));
+  return block.bytes().subspan(wire_format::kScanCountsAt, rows * kChannels * sizeof(std::int32_t));
 }
 
 }  // namespace roadbalance

@@ -20,7 +20,10 @@ inline std::int64_t load_i64(const std::uint8_t* bytes) {
 }
 
 inline void store_u32(std::uint32_t value, std::uint8_t* bytes) {
-  for (int k = 0; k < 4; ++k) bytes[k] = static_cast<std::uint8_t>(value >> (24 - 8 * k));
+  bytes[0] = static_cast<std::uint8_t>(value >> 24);
+  bytes[1] = static_cast<std::uint8_t>(value >> 16);
+  bytes[2] = static_cast<std::uint8_t>(value >> 8);
+  bytes[3] = static_cast<std::uint8_t>(value);
 }
 
 /// Encoded size of a message of generated type T: all extents are fixed, so it is the same for every value.

@@ -1,6 +1,5 @@
 #include "common/record/journal_tally.hpp"
 
-
 #include "common/bus/codec.hpp"
 #include "common/link/crc32c.hpp"
 

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <random>
 #include <vector>
+#include <wire/scan_block_t.hpp>
 
 #include "common/bus/types.hpp"
 #include "common/link/crc32c.hpp"
@@ -93,6 +95,31 @@ TEST(Codec, GivesBackWhatWasSealed) {
   EXPECT_EQ(decode_end(accepted[4]).blocks, 9);
   EXPECT_EQ(decode_end(accepted[4]).scans_sealed, 8);
   EXPECT_EQ(decode_end(accepted[4]).scans_missing, 7);
+}
+
+// Scan blocks are written by hand; LCM's generated code must find in them what was meant.
+TEST(Codec, WritesScansAsLcmDoes) {
+  const ScanBlock scans = some_scans();
+  SealedBlock sealed;
+  seal(scans, sealed);
+  wire::scan_block_t message;
+  ASSERT_EQ(message.getEncodedSize(), static_cast<int>(sealed.size));
+  ASSERT_EQ(message.decode(sealed.storage.data(), 0, static_cast<int>(sealed.size)),
+            static_cast<int>(sealed.size));
+  EXPECT_EQ(message.node, scans.header.node);
+  EXPECT_EQ(message.epoch, scans.header.epoch);
+  EXPECT_EQ(message.sequence, scans.header.sequence);
+  EXPECT_EQ(message.first_scan, scans.header.first_scan);
+  EXPECT_EQ(message.scans, scans.header.scans);
+  EXPECT_EQ(message.time_ns, scans.header.time_ns);
+  EXPECT_EQ(message.period_ps, scans.period_ps);
+  for (std::size_t row = 0; row < scans.counts.size(); ++row)
+    EXPECT_TRUE(std::ranges::equal(message.counts[row], scans.counts[row])) << row;
+  EXPECT_EQ(message.overload, scans.overload);
+  EXPECT_EQ(message.quality, scans.quality);
+  std::vector<std::uint8_t> again(sealed.size);
+  message.encode(again.data(), 0, static_cast<int>(again.size()));
+  EXPECT_TRUE(std::ranges::equal(again, sealed.bytes()));
 }
 
 TEST(Codec, EveryBlockFitsIntoOneDatagram) {
