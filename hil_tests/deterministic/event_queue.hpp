@@ -38,23 +38,26 @@ class EventQueue {
                      .kind = kind,
                      .who = static_cast<std::uint16_t>(who),
                      .what = static_cast<std::uint32_t>(what)});
-    std::push_heap(heap_.begin(), heap_.end(), later);
+    std::push_heap(heap_.begin(), heap_.end(), Later{});
   }
 
   bool empty() const { return heap_.empty(); }
 
   Event take() {
-    std::pop_heap(heap_.begin(), heap_.end(), later);
+    std::pop_heap(heap_.begin(), heap_.end(), Later{});
     const Event event = heap_.back();
     heap_.pop_back();
     return event;
   }
 
  private:
-  static bool later(const Event& a, const Event& b) {
-    if (a.at_ns != b.at_ns) return a.at_ns > b.at_ns;
-    return static_cast<std::int32_t>(a.order - b.order) > 0;  // the counter may wrap
-  }
+  // A type, not a function: it is compiled into the loops of the heap.
+  struct Later {
+    bool operator()(const Event& a, const Event& b) const {
+      if (a.at_ns != b.at_ns) return a.at_ns > b.at_ns;
+      return static_cast<std::int32_t>(a.order - b.order) > 0;  // the counter may wrap
+    }
+  };
 
   std::vector<Event> heap_;
   std::uint32_t order_ = 0;

@@ -1,34 +1,39 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "common/frontend/front_end.hpp"
-#include "sim/random.hpp"
 
 namespace roadbalance::test {
 
-/// The samples of one acceleration channel in test mode: a hash of where each belongs, so that one lost,
-/// swapped, doubled or altered shows without a reference copy.
+/// The samples of a node epoch in test mode: a hash of where each belongs, so that one lost, swapped, doubled
+/// or altered shows without a reference copy.
 ///
 /// With the finaliser of SplitMix64, all arithmetic modulo 2^64 and >> without sign,
 ///
-///     mix(x):  x ^= x >> 30;  x *= 0xBF58476D1CE4E5B9;  x ^= x >> 27;  x *= 0x94D049BB133111EB;  x ^= x >>
-///     31 key    = mix(mix(mix(epoch) ^ 9) ^ (16 node + channel))      channel 0 .. 11 sample = (mix(key +
-///     index 0x9E3779B97F4A7C15) >> 40) - 2^23  index: of the scan in its epoch, from 0
+///     mix(x):  x ^= x >> 30;  x *= 0xBF58476D1CE4E5B9;  x ^= x >> 27;  x *= 0x94D049BB133111EB;
+///              x ^= x >> 31
+///     key    = mix(mix(mix(epoch) ^ 9) ^ (16 node + channel))      channel 0 .. 11
+///     sample = (mix(key + index 0x9E3779B97F4A7C15) >> 40) - 2^23  index: of the scan in its epoch, from 0
 ///
-/// tools/check_record.py computes the same on its own.
-class HashedChannel {
+/// That is sim::RandomSequence of Use::kTestSample, all channels at once: a fifth of a fault run's time went
+/// there.  tools/check_record.py computes the same on its own.
+class HashedScans {
  public:
-  HashedChannel(std::int32_t node, std::int64_t epoch, int channel)
-      : sequence_(static_cast<std::uint64_t>(epoch), sim::Use::kTestSample,
-                  static_cast<std::uint64_t>(16 * node + channel)) {}
+  using Row = std::array<std::int32_t, kAccelerations>;
 
-  std::int32_t at(std::int64_t index) const {
-    return static_cast<std::int32_t>(sequence_.bits(index) >> 40) - kFullScaleCounts;
-  }
+  HashedScans() = default;
+  HashedScans(std::int32_t node, std::int64_t epoch);
+
+  /// The samples of scan `index`.
+  Row at(std::int64_t index) const;
+  /// The same without the processor's wide multiplication: for processors that have none, and its check.
+  Row at_one_by_one(std::int64_t index) const;
 
  private:
-  sim::RandomSequence sequence_;
+  static constexpr std::size_t kLanes = 16;  // room for two registers of eight
+  alignas(64) std::array<std::uint64_t, kLanes> key_{};
 };
 
 }  // namespace roadbalance::test

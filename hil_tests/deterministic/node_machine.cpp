@@ -1,11 +1,9 @@
 #include "hil_tests/deterministic/node_machine.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <string>
 
 #include "common/bus/control.hpp"
@@ -77,10 +75,8 @@ struct NodeMachine::Program {
                   ? std::make_unique<SpoolFolder>(spool_options(scenario, node, of.epoch), disk)
                   : nullptr),
         backlog(ring, spool.get()),
-        uplink(node, of.epoch, backlog, preview, link) {
-    for (std::size_t c = 0; c < channels.size(); ++c)
-      channels[c].emplace(node, of.epoch, static_cast<int>(c));
-  }
+        uplink(node, of.epoch, backlog, preview, link),
+        samples(node, of.epoch) {}
 
   EpochTruth& truth;
   Ring ring;
@@ -92,7 +88,7 @@ struct NodeMachine::Program {
   std::unique_ptr<SpoolFolder> spool;
   Backlog backlog;
   NodeLink uplink;
-  std::array<std::optional<HashedChannel>, kAccelerations> channels;
+  HashedScans samples;
   std::int64_t next_index = 0;    // of the device
   std::int64_t first_index = -1;  // that is kept
   std::int64_t started_ns = 0;    // the device's index 0
@@ -155,7 +151,7 @@ bool NodeMachine::finished() const {
 }
 
 void NodeMachine::fill(Scan& scan, std::int64_t place) {
-  for (std::size_t c = 0; c < scan.counts.size(); ++c) scan.counts[c] = program_->channels[c]->at(place);
+  scan.counts = program_->samples.at(place);
 }
 
 void NodeMachine::read(std::int64_t now_ns) {

@@ -5,7 +5,6 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
-#include "hil_tests/deterministic/hashed_sample.hpp"
 
 namespace roadbalance::test {
 
@@ -16,7 +15,10 @@ void RecordCheck::fault(const BlockHeader& header, const std::string& what) {
 
 RecordCheck::Seen& RecordCheck::seen(Key key) {
   Seen& seen = seen_[key];
-  if (!seen.truth) seen.truth = truth_.find(key.first, key.second);
+  if (!seen.truth) {
+    seen.truth = truth_.find(key.first, key.second);
+    seen.samples = HashedScans(key.first, key.second);
+  }
   return seen;
 }
 
@@ -91,7 +93,7 @@ void RecordCheck::take_declared(const SealedBlock& block, Seen& of) {
 void RecordCheck::take_scans(const SealedBlock& block, Seen& of) {
   if (block.kind == BlockKind::kScan) {
     run_on(block.header, of);
-    check_samples(decode_scan(block));
+    check_samples(decode_scan(block), of.samples);
   } else if (block.kind == BlockKind::kGap) {
     run_on(block.header, of);
     declared_scans_ += block.header.scans;
@@ -109,14 +111,11 @@ void RecordCheck::run_on(const BlockHeader& header, Seen& of) {
   of.next_scan = header.first_scan + header.scans;
 }
 
-void RecordCheck::check_samples(const ScanBlock& block) {
-  for (int channel = 0; channel < kAccelerations; ++channel) {
-    const HashedChannel truth(block.header.node, block.header.epoch, channel);
-    bool same = true;
-    for (std::int64_t row = 0; row < block.header.scans; ++row)
-      same &= block.counts[static_cast<std::size_t>(row)][static_cast<std::size_t>(channel)] ==
-              truth.at(block.header.first_scan + row);
-    if (!same) fault(block.header, "samples of channel " + std::to_string(channel) + " are altered");
+void RecordCheck::check_samples(const ScanBlock& block, const HashedScans& samples) {
+  for (std::int64_t row = 0; row < block.header.scans; ++row) {
+    const HashedScans::Row truth = samples.at(block.header.first_scan + row);
+    if (!std::equal(truth.begin(), truth.end(), block.counts[static_cast<std::size_t>(row)].begin()))
+      fault(block.header, "samples of row " + std::to_string(row) + " are altered");
   }
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/link/blocks.hpp"
+#include "hil_tests/deterministic/hashed_sample.hpp"
 #include "hil_tests/deterministic/truth.hpp"
 
 namespace roadbalance::test {
@@ -47,6 +48,7 @@ class RecordCheck {
   using Key = std::pair<std::int32_t, std::int64_t>;
   struct Seen {
     EpochTruth* truth = nullptr;
+    HashedScans samples;
     std::int64_t promised = 0;
     std::map<std::int64_t, std::int64_t> promised_at;  // when the gap with this number was declared
     std::int64_t sequence = 0;                         // last one
@@ -60,7 +62,7 @@ class RecordCheck {
   void take_own(const SealedBlock& block, Seen& seen);
   void take_declared(const SealedBlock& block, Seen& seen);
   void take_scans(const SealedBlock& block, Seen& seen);
-  void check_samples(const ScanBlock& block);
+  void check_samples(const ScanBlock& block, const HashedScans& samples);
   void run_on(const BlockHeader& header, Seen& seen);
   void finish(Seen& seen, bool closed);
   void fault(const BlockHeader& header, const std::string& what);

@@ -1,0 +1,83 @@
+#include "hil_tests/deterministic/hashed_sample.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace roadbalance::test {
+namespace {
+
+constexpr std::uint64_t kUse = 9;  // sim::Use::kTestSample
+constexpr std::uint64_t kStep = 0x9E3779B97F4A7C15;
+
+// Of a number, or of each in a vector.
+#define RB_MIX(x)             \
+  do {                        \
+    x ^= x >> 30;             \
+    x *= 0xBF58476D1CE4E5B9U; \
+    x ^= x >> 27;             \
+    x *= 0x94D049BB133111EBU; \
+    x ^= x >> 31;             \
+  } while (false)
+
+std::uint64_t mix(std::uint64_t x) {
+  RB_MIX(x);
+  return x;
+}
+
+#if defined(__x86_64__)
+bool has_wide_multiplication() {
+  static const bool has_it = __builtin_cpu_supports("avx512dq") != 0;
+  return has_it;
+}
+
+using EightWords = std::uint64_t __attribute__((vector_size(64)));
+using EightCounts = std::int32_t __attribute__((vector_size(32)));
+
+__attribute__((target("avx512f,avx512dq"))) void hash_eight(const std::uint64_t* key, std::uint64_t step,
+                                                            std::int32_t* out) {
+  EightWords x;
+  std::memcpy(&x, key, sizeof x);
+  x += step;
+  RB_MIX(x);
+  x >>= 40;
+  x -= std::uint64_t{kFullScaleCounts};
+  const EightCounts counts = __builtin_convertvector(x, EightCounts);
+  std::memcpy(out, &counts, sizeof counts);
+}
+#else
+bool has_wide_multiplication() {
+  return false;
+}
+
+void hash_eight(const std::uint64_t*, std::uint64_t, std::int32_t*) {}
+#endif
+
+}  // namespace
+
+HashedScans::HashedScans(std::int32_t node, std::int64_t epoch) {
+  const std::uint64_t of_epoch = mix(mix(static_cast<std::uint64_t>(epoch)) ^ kUse);
+  for (int channel = 0; channel < kAccelerations; ++channel)
+    key_[static_cast<std::size_t>(channel)] = mix(of_epoch ^ static_cast<std::uint64_t>(16 * node + channel));
+}
+
+HashedScans::Row HashedScans::at(std::int64_t index) const {
+  if (!has_wide_multiplication()) return at_one_by_one(index);
+  std::array<std::int32_t, kLanes> all;
+  const std::uint64_t step = static_cast<std::uint64_t>(index) * kStep;
+  hash_eight(key_.data(), step, all.data());
+  hash_eight(key_.data() + 8, step, all.data() + 8);
+  Row row;
+  std::copy_n(all.begin(), row.size(), row.begin());
+  return row;
+}
+
+HashedScans::Row HashedScans::at_one_by_one(std::int64_t index) const {
+  Row row;
+  for (std::size_t channel = 0; channel < row.size(); ++channel) {
+    const std::uint64_t bits = mix(key_[channel] + static_cast<std::uint64_t>(index) * kStep);
+    row[channel] = static_cast<std::int32_t>(bits >> 40) - kFullScaleCounts;
+  }
+  return row;
+}
+
+}  // namespace roadbalance::test

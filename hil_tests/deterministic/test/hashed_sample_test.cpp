@@ -1,0 +1,27 @@
+#include "hil_tests/deterministic/hashed_sample.hpp"
+
+#include <gtest/gtest.h>
+
+#include "sim/random.hpp"
+
+namespace roadbalance::test {
+namespace {
+
+TEST(HashedScans, AreTheRandomSequenceOfTheirPlace) {
+  for (const std::int32_t node : {1, 4, 9999})
+    for (const std::int64_t epoch : {std::int64_t{1}, std::int64_t{0x7EDCBA9876543210}}) {
+      const HashedScans scans(node, epoch);
+      for (const std::int64_t index : {std::int64_t{0}, std::int64_t{1}, std::int64_t{1} << 40}) {
+        const auto row = scans.at(index);
+        EXPECT_EQ(row, scans.at_one_by_one(index));
+        for (std::size_t channel = 0; channel < row.size(); ++channel) {
+          const sim::RandomSequence sequence(static_cast<std::uint64_t>(epoch), sim::Use::kTestSample,
+                                             static_cast<std::uint64_t>(node) * 16 + channel);
+          EXPECT_EQ(row[channel], static_cast<std::int32_t>(sequence.bits(index) >> 40) - (1 << 23));
+        }
+      }
+    }
+}
+
+}  // namespace
+}  // namespace roadbalance::test
