@@ -34,6 +34,10 @@ void add(const MetaBlock& meta, RecordEvents& events) {
 
 }  // namespace
 
+RecordEvents make_preamble(const RecordState& holds) {
+  return make_preamble(going_on(holds));
+}
+
 RecordEvents make_preamble(const std::map<NodeEpoch, std::vector<SealedBlock>>& vehicle) {
   RecordEvents events;
   for (const MetaBlock& part : split_text(MetaKind::kRecordJson, description())) add(part, events);

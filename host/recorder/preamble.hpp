@@ -20,6 +20,7 @@ using RecordEvents = std::vector<std::pair<std::string, std::vector<std::uint8_t
 /// version and the names and fingerprints of the block types (from node 0, the host), and these
 /// vehicle.toml: of the epochs that go on (see going_on()).  All have sequence 0: they repeat, and are no
 /// part of any node's sequence.
+RecordEvents make_preamble(const RecordState& holds);
 RecordEvents make_preamble(const std::map<NodeEpoch, std::vector<SealedBlock>>& vehicle);
 
 }  // namespace roadbalance
