@@ -11,10 +11,11 @@ namespace roadbalance {
 /// cleanly.
 class Ballast {
  public:
-  /// Gives up one that an earlier run left.
   Ballast(Disk& disk, const std::filesystem::path& folder, std::int64_t bytes);
 
-  /// Takes the space if it is not taken; a disk that refuses has none for it.
+  /// Gives up one that an earlier run left, for whoever has the folder's lock.  False if there is none.
+  bool remove_old();
+  /// Takes the space if it is not taken; a disk that refuses is not asked again.
   void take();
   /// False if there was none to give up.
   bool give_up();
@@ -27,6 +28,7 @@ class Ballast {
   const std::filesystem::path file_;
   const std::int64_t bytes_;
   bool taken_ = false;
+  bool refused_ = false;
 };
 
 }  // namespace roadbalance

@@ -1,6 +1,7 @@
 #include "host/recorder/held_events.hpp"
 
 #include <cassert>
+#include <utility>
 
 namespace roadbalance {
 
@@ -14,6 +15,16 @@ void HeldEvents::push(std::string_view channel, std::span<const std::uint8_t> da
 void HeldEvents::clear() {
   bytes_.clear();
   places_.clear();
+}
+
+std::int64_t HeldEvents::drop_older_half(std::string_view but) {
+  HeldEvents kept;
+  for (std::size_t i = 0; i < size(); ++i)
+    if (const Event event = at(i); i >= size() / 2 || event.channel == but)
+      kept.push(event.channel, event.data, event.timestamp_us);
+  const auto dropped = static_cast<std::int64_t>(size() - kept.size());
+  *this = std::move(kept);
+  return dropped;
 }
 
 HeldEvents::Event HeldEvents::at(std::size_t index) const {

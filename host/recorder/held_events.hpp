@@ -21,6 +21,8 @@ class HeldEvents {
 
   void push(std::string_view channel, std::span<const std::uint8_t> data, std::int64_t timestamp_us);
   void clear();
+  /// Forgets the older half but for those on the channel `but`.  @return how many
+  std::int64_t drop_older_half(std::string_view but);
 
   std::size_t size() const { return places_.size(); }
   std::size_t bytes() const { return bytes_.size(); }

@@ -10,6 +10,11 @@ namespace roadbalance {
 /// In a recording's folder, from its first start on.
 inline constexpr const char* kIncarnationFile = "incarnation";
 
+struct Incarnation {
+  std::int64_t number = 0;
+  std::filesystem::path folder = {};  ///< that it is stored in
+};
+
 /// The recorder's number in this run: higher than in every earlier run on the folder, and, by the wall clock,
 /// than that of earlier recordings.  On the disk before it is returned.
 /// @param utc_ms  the wall clock, since 1970

@@ -115,10 +115,14 @@ bool NodeControl::was_started(std::int32_t node, std::int64_t epoch) const {
   return found != nodes_.end() && found->second.is_ours_to_end();
 }
 
-bool NodeControl::was_started(std::int32_t node) const {
-  return std::any_of(nodes_.begin(), nodes_.end(), [node](const auto& known) {
-    return known.first.first == node && known.second.is_ours_to_end();
-  });
+bool NodeControl::has_obeyed(std::int32_t node, std::int64_t epoch) const {
+  const auto found = nodes_.find({node, epoch});
+  return found != nodes_.end() && found->second.obeyed;
+}
+
+bool NodeControl::is_owned(std::int32_t node, std::int64_t epoch) const {
+  const auto found = nodes_.find({node, epoch});
+  return found != nodes_.end() && found->second.owned;
 }
 
 }  // namespace roadbalance

@@ -39,8 +39,10 @@ class NodeControl {
   /// The epoch was started, or may be about to start, and has obeyed us: its end is to be waited for.  One
   /// that only ever obeyed another recorder is that one's to end.
   bool was_started(std::int32_t node, std::int64_t epoch) const;
-  /// The same of any epoch of the node.
-  bool was_started(std::int32_t node) const;
+  /// It has been heard to obey us at some time.
+  bool has_obeyed(std::int32_t node, std::int64_t epoch) const;
+  /// It obeys us now, as far as is known.
+  bool is_owned(std::int32_t node, std::int64_t epoch) const;
 
   static constexpr std::size_t kMostEpochs = 2 * kMostNodes;
 

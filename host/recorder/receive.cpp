@@ -35,11 +35,12 @@ std::int64_t utc_us() {
 // The link on its bus.
 class Reception {
  public:
-  Reception(const RecorderOptions& options, std::int64_t incarnation, const RecordState& recovered,
+  Reception(const RecorderOptions& options, const Incarnation& incarnation, const RecordState& recovered,
             Out<ClockPeer> peers)
       : options_(options),
+        incarnation_folder_(incarnation.folder),
         bus_(options.url),
-        link_(link_options(options), incarnation, recovered),
+        link_(link_options(options), incarnation.number, recovered),
         peers_(std::move(peers)) {
     // First: that a node has a clock of its own is said before its blocks are handed on.
     bus_.subscribe("RB_HEARTBEAT_.*", [this](std::string_view, auto bytes) { tell_of_clock(bytes); });
@@ -58,6 +59,7 @@ class Reception {
     while (const auto from_writer = news.receive_for(milliseconds(0))) take(*from_writer, now);
     raise_incarnation_if_needed(now);
     link_.turn(now, publish_);
+    for (const auto& sentence : link_.warnings()) warn(sentence);
     if (now - status_at_ >= kStatus) say_status(now);
     WriteBatch batch{.deliveries = link_.deliveries(), .counters = std::nullopt};
     if (now - counted_at_ >= kCounters) {
@@ -84,8 +86,12 @@ class Reception {
   void raise_incarnation_if_needed(WallTime now) {
     if (link_.obeyed_higher() == 0 || now < store_at_) return;
     try {
-      link_.set_incarnation(raise_incarnation(options_.folder, link_.obeyed_higher()));
-    } catch (const std::system_error&) {
+      link_.set_incarnation(raise_incarnation(incarnation_folder_, link_.obeyed_higher()));
+      refusal_told_ = false;
+    } catch (const std::system_error& error) {
+      if (!std::exchange(refusal_told_, true))
+        warn("a node obeyed incarnation " + std::to_string(link_.obeyed_higher()) +
+             ", and a higher one cannot be stored: " + error.what() + "; until then it obeys nobody");
       store_at_ = now + kStoreAgain;
     }
   }
@@ -111,7 +117,12 @@ class Reception {
     if (std::exchange(writer_turns_, false) && options_.on_alive) options_.on_alive(status_);
   }
 
+  void warn(const std::string& sentence) const {
+    if (options_.on_warning) options_.on_warning(sentence);
+  }
+
   const RecorderOptions& options_;
+  const std::filesystem::path incarnation_folder_;
   Bus bus_;
   RecorderLink link_;
   Out<ClockPeer> peers_;
@@ -120,6 +131,7 @@ class Reception {
   WallTime status_at_{};
   WallTime counted_at_{};
   WallTime store_at_{};
+  bool refusal_told_ = false;
   const Publish publish_ = [this](const std::string& channel, std::span<const std::uint8_t> bytes) {
     return bus_.publish(channel, bytes);
   };
@@ -127,7 +139,7 @@ class Reception {
 
 }  // namespace
 
-void receive(std::stop_token stop, const RecorderOptions& options, std::int64_t incarnation,
+void receive(std::stop_token stop, const RecorderOptions& options, const Incarnation& incarnation,
              const RecordState& recovered, Out<WriteBatch> batches, In<WriterNews> news, Out<ClockPeer> peers,
              RecorderReport& report) {
   Reception reception(options, incarnation, recovered, std::move(peers));

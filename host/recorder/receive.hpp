@@ -5,6 +5,7 @@
 
 #include "common/process/channel.hpp"
 #include "host/recorder/clock_asker.hpp"
+#include "host/recorder/incarnation.hpp"
 #include "host/recorder/recorder.hpp"
 #include "host/recorder/recorder_link.hpp"
 #include "host/recorder/write.hpp"
@@ -20,7 +21,7 @@ namespace roadbalance {
 /// @param recovered  what the record holds
 /// @param peers      hears of every heartbeat of a node that has a clock of its own
 /// @throws std::runtime_error naming the bus
-void receive(std::stop_token stop, const RecorderOptions& options, std::int64_t incarnation,
+void receive(std::stop_token stop, const RecorderOptions& options, const Incarnation& incarnation,
              const RecordState& recovered, Out<WriteBatch> batches, In<WriterNews> news, Out<ClockPeer> peers,
              RecorderReport& report);
 

@@ -7,8 +7,6 @@
 #include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
 #include "common/link/planted.hpp"
-#include "common/record/folder.hpp"
-#include "common/record/segment.hpp"
 #include "host/recorder/preamble.hpp"
 
 namespace roadbalance {
@@ -17,10 +15,6 @@ namespace {
 // While the disk fails the nodes' blocks stay bounded by credit; other events have no such bound.
 constexpr std::size_t kMostHeldForEvents = std::size_t{16} << 20;
 
-bool holds_segments(const std::filesystem::path& folder, Disk& disk) {
-  return !folder.empty() && is_folder(folder, disk) && !segment_numbers(folder, disk).empty();
-}
-
 }  // namespace
 
 RecordKeeper::RecordKeeper(Disk& disk, KeeperOptions options)
@@ -28,26 +22,8 @@ RecordKeeper::RecordKeeper(Disk& disk, KeeperOptions options)
       options_(std::move(options)),
       space_(options_.reserve_bytes),
       ballast_(disk, options_.folder, options_.ballast_bytes) {
-  // A record goes from one folder to the other once and never back: its order stays the folders' order.
-  fallback_ = holds_segments(options_.fallback, disk);
-  RecordState before;
-  try {
-    open(options_.folder, {});
-    before = writer_->holds();
-  } catch (const std::system_error&) {
-    if (options_.fallback.empty()) throw;
-    fallback_ = true;
-    before = read_state(options_.folder, disk);
-  }
-  if (fallback_) open(options_.fallback, std::move(before));
+  open_folders();
   recovered_ = writer_->holds();
-}
-
-void RecordKeeper::open(const std::filesystem::path& folder, RecordState before) {
-  RecordWriter::Options where{.folder = folder, .segment_bytes = options_.segment_bytes};
-  writer_.emplace(std::move(where), disk_, std::move(before));
-  writer_->set_preamble(make_preamble(writer_->holds().vehicle));
-  appended_before_ = -static_cast<std::int64_t>(written_);
 }
 
 void RecordKeeper::begin(std::int64_t incarnation) {
@@ -83,12 +59,16 @@ void RecordKeeper::append(const Delivery& delivery, WallTime now) {
   if (!attempt(now, [&] { writer_->append(*block, stamp_.time_us); })) return;
   ++written_;
   segment_is_open_ = true;
-  if (block->kind == BlockKind::kMeta) writer_->set_preamble(make_preamble(writer_->holds().vehicle));
+  if (block->kind == BlockKind::kMeta) writer_->set_preamble(make_preamble(writer_->holds()));
 }
 
 void RecordKeeper::append(const RecordEvent& event, WallTime) {
+  if (held_.bytes() >= kMostHeldForEvents && held_blocks_ == 0 && written_ == 0)
+    events_dropped_ += held_.drop_older_half(kNoteChannel);
   if (is_caught_up() || held_.bytes() < kMostHeldForEvents)
     held_.push(event.channel, event.bytes, stamp_.time_us);
+  else
+    ++events_dropped_;
 }
 
 void RecordKeeper::note(NoteKind kind, std::int64_t a, std::int64_t b, std::string text) {
@@ -100,9 +80,11 @@ void RecordKeeper::note(NoteKind kind, std::int64_t a, std::int64_t b, std::stri
   held_.push(kNoteChannel, encode(note), stamp_.time_us);
 }
 
-// For notes alone no segment begins.
+// For notes alone no segment begins, but for these that say what is wrong with the disk: nothing else shows
+// that it works again while no credit lets blocks come.
 bool RecordKeeper::may_write(WallTime now) const {
-  return (segment_is_open_ || held_blocks_ > 0) && health_.may_try(now);
+  return (segment_is_open_ || held_blocks_ > 0 || (!wants_credit() && held_.size() > 0)) &&
+         health_.may_try(now);
 }
 
 template <typename Call>
@@ -130,6 +112,7 @@ void RecordKeeper::fail(const std::system_error& error, WallTime now) {
     note(NoteKind::kDiskFailed, error.code().value(), segment, last_failure_);
     warnings_.push_back(last_failure_ + (health_.failing() ? "; the nodes keep what they measure" : ""));
   }
+  removed_ = removed_ || error.code() == std::errc::no_such_file_or_directory;
   const bool no_space = error.code().value() == ENOSPC || error.code().value() == EDQUOT;
   if (no_space) {
     on_space(space_.refuse(now));
@@ -139,53 +122,17 @@ void RecordKeeper::fail(const std::system_error& error, WallTime now) {
   }
 }
 
-void RecordKeeper::go_to_fallback(WallTime now) {
-  if (fallback_ || options_.fallback.empty()) return;
-  // What the failing folder took and never synced is written again.
-  written_ = static_cast<std::size_t>(std::max<std::int64_t>(0, writer_->durable() - appended_before_));
-  try {
-    open(options_.fallback, writer_->holds());
-  } catch (const std::exception& error) {
-    warnings_.push_back(std::string("the fallback folder cannot be used: ") + error.what());
-    return;
-  }
-  fallback_ = true;
-  segment_is_open_ = false;
-  hold_anew();
-  listed_ = 0;
-  to_delete_.clear();
-  health_.retry(now);
-  note(NoteKind::kFallback, 0, 0, options_.fallback.string());
-  warnings_.push_back("recording goes on in " + options_.fallback.string());
-}
-
-// What is not on the disk of the first folder begins the second one, and its journal.
-void RecordKeeper::hold_anew() {
-  const HeldEvents before = std::exchange(held_, {});
-  journal_ = {};
-  SealedBlock block;
-  for (std::size_t i = std::exchange(written_, 0); i < before.size(); ++i) {
-    const HeldEvents::Event event = before.at(i);
-    if (event.channel == kJournalChannel) continue;
-    held_.push(event.channel, event.data, event.timestamp_us);
-    if (event.channel.starts_with("RB_BLOCK_") && accept(event.data, block) == Refusal::kNone)
-      journal_.add(block);
-  }
-  appended_before_ = writer_->appended();
-}
-
 bool RecordKeeper::write_held(WallTime now) {
-  if (is_caught_up()) return true;
+  if (is_caught_up() && !removed_) return true;
   if (!may_write(now)) return false;
-  bool describes = false;
   return attempt(now, [&] {
+    if (removed_) begin_again();
     for (; written_ < held_.size(); ++written_) {
       const HeldEvents::Event event = held_.at(written_);
       writer_->append(event.channel, event.data, event.timestamp_us);
       segment_is_open_ = true;
-      describes = describes || event.channel.ends_with("_META");
+      if (event.channel.ends_with("_META")) writer_->set_preamble(make_preamble(writer_->holds()));
     }
-    if (describes) writer_->set_preamble(make_preamble(writer_->holds().vehicle));
   });
 }
 
@@ -206,8 +153,7 @@ std::vector<DurableMark> RecordKeeper::commit(WallTime now) {
   if (held_.size() == 0) return {};
   // After a first failure at once again, in a new segment.
   for (int attempts = 0; attempts < 2 && may_write(now); ++attempts)
-    if (write_held(now) &&
-        (planted(PlantedFault::kAckBeforeSync) || attempt(now, [this] { writer_->sync(); })))
+    if (write_held(now) && (planted(PlantedFault::kAckBeforeSync) || attempt(now, [this] { sync(); })))
       return all_is_durable();
   return {};
 }
@@ -220,10 +166,18 @@ std::vector<DurableMark> RecordKeeper::all_is_durable() {
   written_ = 0;
   appended_before_ = writer_->appended();
   held_blocks_ = 0;
+  if (urgent_) writer_->set_preamble(make_preamble(writer_->holds()));  // without the epochs that have ended
   urgent_ = false;
   if (failures_in_a_row_ > 1) warnings_.push_back("the disk writes again; nothing was lost");
+  if (events_dropped_ > 0) {
+    const std::string lost = std::to_string(std::exchange(events_dropped_, 0)) +
+                             " measurements of the nodes' clocks were not kept: no memory for more";
+    note(NoteKind::kDiskFailed, 0, writer_->segment(), lost);
+    warnings_.push_back(lost);
+  }
   failures_in_a_row_ = 0;
   health_.succeed();
+  space_.wrote();
   delete_segments();
   list_finished();
   return marks;
@@ -232,6 +186,8 @@ std::vector<DurableMark> RecordKeeper::all_is_durable() {
 std::vector<DurableMark> RecordKeeper::seal(WallTime now) {
   keep_journal();
   auto marks = commit(now);
+  // Finishing a segment may have chosen others to delete, of which a note tells.
+  if (held_blocks_ == 0 && held_.size() > 0) (void)commit(now);
   if (held_.size() == 0 && segment_is_open_ && attempt(now, [this] { writer_->close(); })) {
     segment_is_open_ = false;
     list_finished();

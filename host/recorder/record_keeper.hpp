@@ -25,6 +25,9 @@
 
 namespace roadbalance {
 
+/// In the first folder once the record goes on in the fallback: which that is.
+inline constexpr const char* kContinuedInFile = "continued-in";
+
 /// Anything else that the record keeps: clock exchanges and fits.
 struct RecordEvent {
   std::string channel;
@@ -38,14 +41,17 @@ struct RecordEvent {
 /// written to again; all since the last durable mark is held here and written again into a new one, so that
 /// nothing is lost even if the nodes die meanwhile.  Two failures in ten seconds: no credit, and a new try
 /// each second, from the third on in the fallback folder if there is one.  A full disk: no credit until space
-/// returns.
+/// returns.  A segment or folder removed while it is written is a failing disk; a folder made again is gone
+/// on with.
 ///
 /// Memory: what credit lets arrive between two syncs, and at most 16 MiB of other events.
 class RecordKeeper {
  public:
   /// Creates the folder or continues one: locks it, cuts a torn tail, takes what it holds.  The fallback is
   /// continued if it holds something already, and taken if the folder can be read but not written.
-  /// @throws std::system_error naming the file, std::runtime_error if another recorder writes to the folder
+  /// @throws std::system_error naming the file, std::runtime_error if another recorder writes to the folder,
+  /// or
+  ///         the record goes on in a fallback that is not named
   RecordKeeper(Disk& disk, KeeperOptions options);
 
   /// What the folders held at the start.
@@ -87,7 +93,6 @@ class RecordKeeper {
   std::vector<std::string> warnings() { return std::exchange(warnings_, {}); }
 
  private:
-  void open(const std::filesystem::path& folder, RecordState before);
   bool is_caught_up() const { return written_ == held_.size(); }
   template <typename Call>
   bool attempt(WallTime now, Call&& call);
@@ -95,8 +100,15 @@ class RecordKeeper {
   bool may_write(WallTime now) const;
   bool write_held(WallTime now);
   std::vector<DurableMark> all_is_durable();
+  // keeper_folders.cpp: where the record is.
+  void open_folders();
+  void open_first();
+  void open(const std::filesystem::path& folder, RecordState before);
   void go_to_fallback(WallTime now);
-  void hold_anew();
+  void hold_anew(std::size_t first);
+  void say_where_it_goes_on();
+  void sync();
+  void begin_again();
   // keeper_duties.cpp: what is done beside, some time before or after a commit.
   void do_duties(WallTime now);
   void keep_journal();
@@ -121,6 +133,8 @@ class RecordKeeper {
   WallTime oldest_{};  // when the first of them came
   bool urgent_ = false;
   bool segment_is_open_ = false;
+  bool removed_ = false;             // the folder or what was written in it has lost its name
+  std::int64_t events_dropped_ = 0;  // and not yet told
 
   DiskHealth health_;
   int failures_in_a_row_ = 0;

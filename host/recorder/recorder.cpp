@@ -56,14 +56,15 @@ RecorderReport run_recorder(std::stop_token stop, const RecorderOptions& options
   const auto power = open_power(options);
   RecordKeeper keeper(kernel_disk(), options.keeper());
   if (keeper.cut_tail() && options.on_cut_tail) options.on_cut_tail(*keeper.cut_tail());
-  const std::int64_t incarnation = next_incarnation(keeper.folder(), utc_ms());
+  const Incarnation incarnation{.number = next_incarnation(keeper.folder(), utc_ms()),
+                                .folder = keeper.folder()};
 
   auto [batches_out, batches_in] = make_channel<WriteBatch>(kBatches);
   auto [news_out, news_in] = make_channel<WriterNews>(kNews);
   auto [events_out, events_in] = make_channel<RecordEvent>(kEvents);
   auto [peers_out, peers_in] = make_channel<ClockPeer>(kClockPeers);
   const WriteOptions write_options{
-      .incarnation = incarnation, .power = power.get(), .on_warning = options.on_warning};
+      .incarnation = incarnation.number, .power = power.get(), .on_warning = options.on_warning};
   RecorderReport report;
 
   Parallel recorder;
@@ -71,7 +72,7 @@ RecorderReport run_recorder(std::stop_token stop, const RecorderOptions& options
   recorder.run(write_record, std::ref(keeper), std::cref(write_options), std::move(batches_in),
                std::move(events_in), std::move(news_out));
   recorder.run(ask_clocks, options.url, std::move(peers_in), std::move(events_out));
-  recorder.run(receive, std::cref(options), incarnation, std::cref(keeper.recovered()),
+  recorder.run(receive, std::cref(options), std::cref(incarnation), std::cref(keeper.recovered()),
                std::move(batches_out), std::move(news_in), std::move(peers_out), std::ref(report));
   recorder.wait();
   return report;

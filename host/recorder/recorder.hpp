@@ -32,6 +32,8 @@ struct RecorderReport {
   std::int64_t blocks_refused = 0;
   /// Heartbeats of a second epoch while the first one lived: two nodes with one number, or late datagrams.
   std::int64_t rival_heartbeats = 0;
+  /// Nodes that obey another recorder, and are not recorded here.
+  std::vector<std::int32_t> foreign;
   /// Acknowledgements and commands that this computer would not send.
   std::int64_t unsent = 0;
 };
@@ -55,7 +57,8 @@ struct RecorderOptions {
   std::function<void(const RecorderReport&)> on_progress;
   /// Called about twice a second while both processes turn: proof of life.
   std::function<void(const RecorderStatus&)> on_alive;
-  /// Called with a sentence for people when the disk or the supply changes its state.
+  /// Called with a sentence for people when the disk, the supply or the owner of a node changes; from either
+  /// thread.
   std::function<void(const std::string&)> on_warning;
   /// Called at the start if a kill had torn the last segment: what was cut off, and where it is kept.
   std::function<void(const RecordWriter::CutTail&)> on_cut_tail;

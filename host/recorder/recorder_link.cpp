@@ -40,8 +40,13 @@ void RecorderLink::on_heartbeat(std::span<const std::uint8_t> bytes, WallTime no
     return;
   }
   if (!is_ours(heartbeat->node)) return;
-  receiver_.take(*heartbeat, now, delivered_);
   control_.take(*heartbeat);
+  // What obeys another recorder is in that one's record; here it would be a fragment with gaps that are none.
+  const bool ours = receiver_.find(heartbeat->node, heartbeat->epoch) ||
+                    control_.has_obeyed(heartbeat->node, heartbeat->epoch);
+  foreign_.take(*heartbeat, incarnation(), now);
+  if (!ours) return;
+  receiver_.take(*heartbeat, now, delivered_);
   if (!receiver_.find(heartbeat->node, heartbeat->epoch)) return;
   hear({heartbeat->node, heartbeat->epoch}, {.at = now, .holds_blocks = heartbeat->base < heartbeat->next});
   tally_.take(*heartbeat);
@@ -52,8 +57,10 @@ void RecorderLink::on_block(std::span<const std::uint8_t> bytes, WallTime now) {
     ++refused_;
     return;
   }
-  last_news_ = now;
+  const std::size_t before = delivered_.size();
   receiver_.take(block_, now, delivered_);
+  if (delivered_.size() > before && control_.is_owned(block_.header.node, block_.header.epoch))
+    last_news_ = now;
 }
 
 void RecorderLink::on_reply(std::span<const std::uint8_t> bytes) {
@@ -65,7 +72,7 @@ void RecorderLink::on_reply(std::span<const std::uint8_t> bytes) {
 }
 
 void RecorderLink::durable(const DurableMark& mark, WallTime now) {
-  last_news_ = now;
+  if (control_.is_owned(mark.node, mark.epoch)) last_news_ = now;
   receiver_.durable(mark.node, mark.epoch, mark.sequence);
 }
 
@@ -111,6 +118,7 @@ RecorderReport RecorderLink::report() const {
   report.blocks_refused = refused_;
   for (const std::int64_t count : receiver_.refused()) report.blocks_refused += count;
   report.rival_heartbeats = receiver_.rival_heartbeats();
+  report.foreign = foreign_.nodes();
   report.unsent = unsent_;
   return report;
 }

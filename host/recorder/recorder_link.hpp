@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "common/clock/clocks.hpp"
 #include "common/link/receiver.hpp"
 #include "common/record/record_state.hpp"
+#include "host/recorder/foreign_nodes.hpp"
 #include "host/recorder/node_control.hpp"
 #include "host/recorder/tally.hpp"
 
@@ -41,6 +43,7 @@ struct RecorderLinkOptions {
 };
 
 /// The recorder's half of the bus without a bus: datagrams in; deliveries, acknowledgements and commands out.
+/// An epoch is received from when it obeys us on: until then it is another recorder's.
 /// A pure state machine; time comes in with every call.
 class RecorderLink {
  public:
@@ -76,7 +79,8 @@ class RecorderLink {
   LinkCounters counters() const;
   /// Fills in what the link side of the recorder knows.
   void fill(RecorderStatus& status) const;
-  const Receiver& receiver() const { return receiver_; }
+  /// Sentences for people, since the last call.
+  std::vector<std::string> warnings() { return foreign_.sentences(); }
 
  private:
   struct Heard {
@@ -99,6 +103,7 @@ class RecorderLink {
   Receiver receiver_;
   NodeControl control_;
   Tally tally_;
+  ForeignNodes foreign_;
   std::map<NodeEpoch, Heard> heard_;  // the last heartbeat of each epoch being received
   std::vector<Delivery> delivered_;
   std::size_t tallied_ = 0;  // of delivered_

@@ -18,6 +18,7 @@ std::string to_json(const RecorderReport& report) {
   return nlohmann::json{{"nodes", nodes},
                         {"blocks_refused", report.blocks_refused},
                         {"rival_heartbeats", report.rival_heartbeats},
+                        {"foreign_nodes", report.foreign},
                         {"unsent", report.unsent}}
       .dump();
 }

@@ -30,7 +30,7 @@ SpaceWatch::Event SpaceWatch::take(std::int64_t free_bytes, std::int64_t recorde
                       ? static_cast<double>(usable_bytes()) * span_s / recorded
                       : -1;
 
-  const bool refuses = refused_at_ && now - *refused_at_ < kRefusal;
+  const bool refuses = refuses_ || (refused_at_ && now - *refused_at_ < kRefusal);
   // Half a reserve more than nothing, so that the state does not flicker.
   if (full_ && !refuses && usable_bytes_ >= reserve_bytes_ / 2) {
     full_ = false;
@@ -58,6 +58,7 @@ bool SpaceWatch::crosses_a_warning() {
 
 SpaceWatch::Event SpaceWatch::refuse(WallTime now) {
   refused_at_ = now;
+  refuses_ = true;
   if (full_) return Event::kNone;
   full_ = true;
   return Event::kFull;

@@ -11,7 +11,8 @@ namespace roadbalance {
 /// How long the disk will do, when to warn, and when it is full; a pure state machine.
 ///
 /// The last `reserve_bytes` are not for measuring: they hold what is under way when credit stops.  A disk
-/// that refuses a write although there is space (a quota) is full for a second at least.
+/// that refuses a write although there is space (a quota) is full for a second at least, and until it has
+/// taken a write.
 class SpaceWatch {
  public:
   enum class Event { kNone, kWarning, kFull, kFree };
@@ -23,6 +24,8 @@ class SpaceWatch {
   Event take(std::int64_t free_bytes, std::int64_t recorded_bytes, WallTime now);
   /// A write found no space.
   Event refuse(WallTime now);
+  /// All that waited is on the disk.
+  void wrote() { refuses_ = false; }
 
   bool full() const { return full_; }
   /// Beyond the reserve, never negative.
@@ -44,6 +47,7 @@ class SpaceWatch {
   int warnings_ = 0;  // given since there was enough: for 60, 15 and 5 minutes
   bool full_ = false;
   std::optional<WallTime> refused_at_;
+  bool refuses_ = false;  // no write has succeeded since
 };
 
 }  // namespace roadbalance

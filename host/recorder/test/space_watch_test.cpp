@@ -72,6 +72,9 @@ TEST_F(SpaceWatchTest, IsFullForASecondAtLeastWhenAWriteFoundNoSpace) {
   record(seconds(1), kMB, Event::kNone);
   EXPECT_EQ(watch.refuse(now), Event::kFull);
   EXPECT_EQ(watch.refuse(now), Event::kNone) << "once";
+  EXPECT_EQ(watch.take(free, recorded, now + std::chrono::milliseconds(5000)), Event::kNone)
+      << "no write has succeeded";
+  watch.wrote();
   EXPECT_EQ(watch.take(free, recorded, now + std::chrono::milliseconds(900)), Event::kNone);
   EXPECT_TRUE(watch.full());
   EXPECT_EQ(watch.take(free, recorded, now + std::chrono::milliseconds(1000)), Event::kFree);

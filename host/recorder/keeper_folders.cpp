@@ -1,0 +1,186 @@
+#include <fcntl.h>
+
+#include <cerrno>
+#include <stdexcept>
+#include <utility>
+
+#include "common/bus/codec.hpp"
+#include "common/record/file.hpp"
+#include "common/record/folder.hpp"
+#include "common/record/segment.hpp"
+#include "host/recorder/preamble.hpp"
+#include "host/recorder/record_keeper.hpp"
+
+namespace roadbalance {
+namespace {
+
+bool holds_segments(const std::filesystem::path& folder, Disk& disk) {
+  return !folder.empty() && is_folder(folder, disk) && !segment_numbers(folder, disk).empty();
+}
+
+std::string full_name(const std::filesystem::path& folder) {
+  return std::filesystem::absolute(folder).lexically_normal().string();
+}
+
+// Without the fallback the first folder seems to lack what the other one holds, and a gap would say that it
+// is lost.
+bool is_continued(const KeeperOptions& options, Disk& disk) {
+  const auto file = options.folder / kContinuedInFile;
+  std::optional<std::string> where;
+  try {
+    where = read_text(file, disk);
+  } catch (const std::system_error&) {
+    return false;  // of a disk that fails nothing is known
+  }
+  if (!where) return false;
+  if (!options.fallback.empty() && full_name(options.fallback) + "\n" == *where) return true;
+  where->erase(where->find_last_not_of('\n') + 1);
+  throw std::runtime_error("recording " + options.folder.string() + ": goes on in the fallback folder " +
+                           *where + "; name it with --fallback, or record to another folder (" +
+                           file.string() + " says so)");
+}
+
+// Blocks that stand in the first folder, perhaps in the page cache only, and that nodes may have let go of.
+// True if there were any.
+bool write_unsure(const std::vector<UnsureBlock>& unsure, RecordWriter& writer, JournalTally& journal) {
+  const std::int64_t before = writer.appended();
+  for (const auto& [block, timestamp_us] : unsure) {
+    const auto known = writer.holds().epoch.find({block.header.node, block.header.epoch});
+    const std::int64_t held =
+        known == writer.holds().epoch.end() ? 0 : known->second.position.contiguous;
+    if (block.header.sequence <= held) continue;
+    writer.append(block, timestamp_us);
+    journal.add(block);
+  }
+  if (writer.appended() == before) return false;
+  writer.sync();
+  writer.set_preamble(make_preamble(writer.holds()));
+  return true;
+}
+
+}  // namespace
+
+// A record goes from one folder to the other once and never back: its order stays the folders' order.
+void RecordKeeper::open_folders() {
+  fallback_ = is_continued(options_, disk_) || holds_segments(options_.fallback, disk_);
+  RecordState before;
+  std::vector<UnsureBlock> unsure;
+  try {
+    open_first();
+    before = writer_->holds();
+  } catch (const std::system_error&) {
+    if (options_.fallback.empty()) throw;
+    fallback_ = true;
+    before = read_state(options_.folder, disk_, {}, &unsure);
+  }
+  if (!fallback_) return;
+  open(options_.fallback, std::move(before));
+  segment_is_open_ = write_unsure(unsure, *writer_, journal_);
+  appended_before_ = writer_->appended();
+  say_where_it_goes_on();
+}
+
+// On a disk that is full to the last byte the ballast of an earlier run gives way first; it is ours, for
+// there is space to be found wanting only behind the lock.
+void RecordKeeper::open_first() {
+  try {
+    open(options_.folder, {});
+  } catch (const std::system_error& error) {
+    if (error.code() != std::errc::no_space_on_device || !ballast_.remove_old()) throw;
+    open(options_.folder, {});
+  }
+  (void)ballast_.remove_old();
+}
+
+// Until the new one is good the old one stays.
+void RecordKeeper::open(const std::filesystem::path& folder, RecordState before) {
+  RecordWriter::Options where{.folder = folder, .segment_bytes = options_.segment_bytes};
+  RecordWriter writer(std::move(where), disk_, std::move(before));
+  writer.set_preamble(make_preamble(writer.holds()));
+  if (writer_)
+    *writer_ = std::move(writer);
+  else
+    writer_.emplace(std::move(writer));
+  appended_before_ = -static_cast<std::int64_t>(written_);
+}
+
+void RecordKeeper::go_to_fallback(WallTime now) {
+  if (fallback_ || options_.fallback.empty()) return;
+  // What the failing folder took and never synced is written again.
+  const std::size_t durable =
+      removed_ ? 0
+               : static_cast<std::size_t>(std::max<std::int64_t>(0, writer_->durable() - appended_before_));
+  try {
+    open(options_.fallback, writer_->holds());
+  } catch (const std::exception& error) {
+    warnings_.push_back(std::string("the fallback folder cannot be used: ") + error.what());
+    return;
+  }
+  fallback_ = true;
+  hold_anew(durable);
+  health_.retry(now);
+  note(NoteKind::kFallback, 0, 0, options_.fallback.string());
+  warnings_.push_back("recording goes on in " + options_.fallback.string());
+  say_where_it_goes_on();
+}
+
+// What is not on the disk of the folder before begins this one, and its journal.
+void RecordKeeper::hold_anew(std::size_t first) {
+  const HeldEvents before = std::exchange(held_, {});
+  journal_ = {};
+  SealedBlock block;
+  for (std::size_t i = first; i < before.size(); ++i) {
+    const HeldEvents::Event event = before.at(i);
+    if (event.channel == kJournalChannel) continue;
+    held_.push(event.channel, event.data, event.timestamp_us);
+    if (event.channel.starts_with("RB_BLOCK_") && accept(event.data, block) == Refusal::kNone)
+      journal_.add(block);
+  }
+  written_ = 0;
+  appended_before_ = writer_->appended();
+  segment_is_open_ = false;
+  removed_ = false;
+  listed_ = 0;
+  to_delete_.clear();
+}
+
+// For a start without --fallback; a folder that cannot be written to cannot be told.
+void RecordKeeper::say_where_it_goes_on() {
+  try {
+    write_atomically(options_.folder / kContinuedInFile, full_name(options_.fallback) + "\n", disk_);
+  } catch (const std::system_error&) {
+  }
+}
+
+// A file that has no name any more takes all that is written to it, and keeps nothing.
+void RecordKeeper::sync() {
+  writer_->sync();
+  if (!segment_is_open_) return;
+  const auto segment = segment_path(folder(), writer_->segment());
+  const int file = disk_.open(segment.c_str(), O_RDONLY, 0);
+  if (file >= 0) {
+    (void)disk_.close(file);
+  } else if (errno == ENOENT) {
+    throw std::system_error(ENOENT, std::generic_category(),
+                            segment.string() + " was removed while it was written, with all it held");
+  }
+}
+
+// A folder that is gone is not made again: it may be where a disk was mounted, and what it was on is another.
+void RecordKeeper::begin_again() {
+  if (!is_folder(folder(), disk_))
+    throw std::system_error(ENOENT, std::generic_category(),
+                            "recording " + folder().string() + " (make the folder again, and it goes on)");
+  try {
+    open(folder(), writer_->holds());
+  } catch (const std::system_error&) {
+    throw;
+  } catch (const std::runtime_error&) {
+    throw std::system_error(EBUSY, std::generic_category(),
+                            "recording " + folder().string() +
+                                ": its segment was removed, or another recorder writes there; start again");
+  }
+  hold_anew(0);
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,177 @@
+#include <gtest/gtest.h>
+
+#include <cerrno>
+#include <stdexcept>
+
+#include "common/record/folder.hpp"
+#include "host/recorder/test/keeper_drive.hpp"
+
+namespace roadbalance {
+namespace {
+
+using std::chrono::milliseconds;
+using test::DiskCall;
+using test::kFolder;
+using test::Outcome;
+
+constexpr const char* kFallback = "/other";
+
+class KeeperFoldersTest : public ::testing::Test, protected test::Drive {
+ protected:
+  void fail_writes_below(std::string folder) {
+    disk.set_fault([folder](DiskCall call, std::int64_t, const std::string& path) {
+      const bool changes = call == DiskCall::kSyncData || call == DiskCall::kSync || call == DiskCall::kWrite;
+      return Outcome{.error = changes && path.starts_with(folder) ? EIO : 0};
+    });
+  }
+  bool was_warned_of(const std::string& words) {
+    bool found = false;
+    for (const auto& warning : keeper->warnings()) found = found || warning.find(words) != std::string::npos;
+    return found;
+  }
+};
+
+TEST_F(KeeperFoldersTest, ARecordThatGoesOnInTheFallbackIsNotGoneOnWithWithoutIt) {
+  options.fallback = kFallback;
+  start();
+  run(milliseconds(1000), 20);
+  fail_writes_below(kFolder);
+  run(milliseconds(3000), 30);
+  keeper->close(now);
+  keeper.reset();
+  fail_nothing();
+  start();  // the disk can be written again: it is told where the record goes on
+  keeper.reset();
+
+  options.fallback.clear();
+  try {
+    start();
+    FAIL() << "what is in the fallback would be declared lost";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find(kFallback), std::string::npos) << error.what();
+  }
+  options.fallback = "/third";
+  EXPECT_THROW(start(), std::runtime_error);
+  options.fallback = kFallback;
+  start();
+  EXPECT_EQ(keeper->recovered().epoch.begin()->second.position.contiguous, 50);
+}
+
+TEST_F(KeeperFoldersTest, AFallbackThatCannotBeUsedChangesNothing) {
+  options.fallback = "/no/such/disk";
+  start();
+  run(milliseconds(1000), 20);
+  disk.set_read_only(true);
+  run(milliseconds(5000), 20);
+  EXPECT_TRUE(was_warned_of("the fallback folder cannot be used"));
+  EXPECT_EQ(keeper->state(), RecorderState::kDiskFailing);
+  disk.set_read_only(false);
+  run(milliseconds(2000), 20);
+  note_durable(keeper->close(now));
+  auto all = recorded();
+  if (path_exists("/no/such/disk/seg-000001.lcm", disk))
+    for (const std::int64_t sequence : recorded("/no/such/disk")) all.push_back(sequence);
+  EXPECT_EQ(all, test::all_through(60));
+}
+
+TEST_F(KeeperFoldersTest, WhatIsWrittenToARemovedSegmentIsNeverCalledDurable) {
+  start();
+  run(milliseconds(1000), 20);
+  ASSERT_EQ(disk.unlink("/record/seg-000001.lcm"), 0);
+  run(milliseconds(3000), 30);
+  EXPECT_EQ(durable, 20);
+  EXPECT_EQ(keeper->state(), RecorderState::kDiskFailing);
+  EXPECT_FALSE(keeper->wants_credit());
+  EXPECT_TRUE(was_warned_of("seg-000001.lcm was removed"));
+  keeper->close(now);
+  EXPECT_TRUE(keeper->failure());
+}
+
+TEST_F(KeeperFoldersTest, AfterARemovedSegmentTheFallbackHoldsAllThatWasNotPromised) {
+  options.fallback = kFallback;
+  start();
+  run(milliseconds(1000), 20);
+  ASSERT_EQ(disk.unlink("/record/seg-000001.lcm"), 0);
+  run(milliseconds(5000), 30);
+  note_durable(keeper->close(now));
+  EXPECT_EQ(durable, 50);
+  const auto found = recorded(kFallback);
+  ASSERT_FALSE(found.empty());
+  EXPECT_EQ(found.front(), 21);
+  EXPECT_EQ(found.back(), 50);
+  EXPECT_EQ(found.size(), 30u);
+}
+
+// Credit is closed, so that no block comes that would show it.
+TEST_F(KeeperFoldersTest, ADiskThatWorksAgainIsNoticedWithoutAnyBlock) {
+  start();
+  run(milliseconds(1000), 20);
+  fail_syncs(EIO);
+  for (int k = 0; k < 2; ++k) {
+    keeper->note(NoteKind::kClock, 0, 0, "");
+    note_durable(keeper->commit(now += milliseconds(1100)));
+  }
+  run(milliseconds(5000));
+  fail_nothing();
+  run(milliseconds(5000));
+  EXPECT_EQ(keeper->state(), RecorderState::kRecording);
+  EXPECT_TRUE(keeper->wants_credit());
+}
+
+TEST_F(KeeperFoldersTest, ARefusedSecondRecorderTakesNothingFromTheFirst) {
+  start();
+  run(milliseconds(1000), 20);
+  ASSERT_TRUE(path_exists("/record/ballast", disk));
+  EXPECT_THROW(RecordKeeper(disk, options), std::runtime_error);
+  EXPECT_TRUE(path_exists("/record/ballast", disk));
+}
+
+TEST_F(KeeperFoldersTest, SaysHowManyMeasurementsOfClocksItCouldNotKeep) {
+  start();
+  run(milliseconds(1000), 20);
+  fail_syncs(EIO);
+  run(milliseconds(2000), 20);
+  const RecordEvent event{.channel = "RB_CLOCK", .bytes = std::vector<std::uint8_t>(1000)};
+  for (int k = 0; k < 20'000; ++k) keeper->append(event, now);
+  fail_nothing();
+  run(milliseconds(3000));
+  EXPECT_TRUE(was_warned_of("measurements of the nodes' clocks were not kept"));
+  EXPECT_EQ(durable, 40);
+}
+
+// A step of a day either way, twice a second: the record differs in its table of clocks and nowhere else.
+TEST_F(KeeperFoldersTest, AStepOfTheWallClockChangesNothingButTheTable) {
+  constexpr std::int64_t kDay_us = 86'400'000'000;
+  test::Drive other;
+  start();
+  other.start();
+  for (int k = 1; k <= 100; ++k) {
+    const std::int64_t utc_us = 1'790'000'000'000'000 + k * 500'000;
+    keeper->set_clocks(utc_us, k);
+    other.keeper->set_clocks(utc_us + (k % 3 - 1) * kDay_us, k);
+    run(milliseconds(500), 20);
+    other.run(milliseconds(500), 20);
+    ASSERT_EQ(other.durable, durable);
+    ASSERT_EQ(other.keeper->state(), RecorderState::kRecording);
+  }
+  note_durable(keeper->close(now));
+  other.note_durable(other.keeper->close(other.now));
+  EXPECT_EQ(recorded(), test::all_through(2000));
+  EXPECT_EQ(other.recorded(), test::all_through(2000));
+  RecorderStatus status, other_status;
+  keeper->fill(status);
+  other.keeper->fill(other_status);
+  EXPECT_EQ(other_status.segment, status.segment);
+  EXPECT_EQ(other_status.bytes_recorded, status.bytes_recorded);
+  const auto table = notes(NoteKind::kClock), stepped = other.notes(NoteKind::kClock);
+  ASSERT_EQ(stepped.size(), table.size());
+  bool differs = false;
+  for (std::size_t k = 0; k < table.size(); ++k) {
+    EXPECT_EQ(stepped[k].host_ns, table[k].host_ns);
+    differs = differs || stepped[k].time_us != table[k].time_us;
+  }
+  EXPECT_TRUE(differs);
+}
+
+}  // namespace
+}  // namespace roadbalance

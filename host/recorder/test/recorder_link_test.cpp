@@ -1,0 +1,115 @@
+#include "host/recorder/recorder_link.hpp"
+
+#include <gtest/gtest.h>
+
+#include "common/bus/bus.hpp"
+#include "common/bus/codec.hpp"
+
+namespace roadbalance {
+namespace {
+
+using std::chrono::milliseconds;
+constexpr std::int32_t kNode = 2;
+constexpr std::int64_t kEpoch = 8;
+constexpr std::int64_t kOurs = 50;
+constexpr std::int64_t kOther = 49;
+
+class RecorderLinkTest : public ::testing::Test {
+ protected:
+  void hear(std::int64_t owner, std::int64_t base, std::int64_t next) {
+    link.take(heartbeat_channel(kNode),
+              encode(Heartbeat{.node = kNode,
+                               .epoch = kEpoch,
+                               .base = base,
+                               .next = next,
+                               .state = NodeState::kStarted,
+                               .owner = owner}),
+              now);
+  }
+  void send(std::int64_t first, std::int64_t last) {
+    for (std::int64_t sequence = first; sequence <= last; ++sequence) {
+      ScanBlock block;
+      block.header = {.node = kNode,
+                      .epoch = kEpoch,
+                      .sequence = sequence,
+                      .first_scan = 20 * (sequence - 1),
+                      .scans = 20,
+                      .time_ns = sequence};
+      block.period_ps = 500'000'000;
+      SealedBlock sealed;
+      seal(block, sealed);
+      link.take(block_channel(kNode, BlockKind::kScan), sealed.bytes(), now);
+    }
+  }
+  // Acknowledgements said in a second, with a heartbeat each 100 ms.
+  int run(std::int64_t owner, std::int64_t base, std::int64_t next) {
+    int acks = 0;
+    for (int k = 0; k < 10; ++k, now += milliseconds(100)) {
+      hear(owner, base, next);
+      link.turn(now, [&acks](const std::string& channel, auto) {
+        acks += channel == ack_channel(kNode) ? 1 : 0;
+        return true;
+      });
+    }
+    return acks;
+  }
+
+  RecorderLink link{{}, kOurs, {}};
+  WallTime now{std::chrono::hours(1)};
+};
+
+TEST_F(RecorderLinkTest, RecordsNothingOfANodeThatObeysAnotherAndSaysSoOnce) {
+  std::vector<std::string> said;
+  for (int k = 1; k <= 6; ++k) {
+    EXPECT_EQ(run(kOther, 5 * k, 5 * k + 20), 0);
+    send(5 * k, 5 * k + 4);
+    for (auto& sentence : link.warnings()) said.push_back(sentence);
+  }
+  EXPECT_TRUE(link.deliveries().empty());
+  ASSERT_EQ(said.size(), 1u);
+  EXPECT_NE(said[0].find("node 2 obeys another recorder (incarnation 49)"), std::string::npos) << said[0];
+  EXPECT_EQ(link.report().foreign, std::vector<std::int32_t>{kNode});
+  EXPECT_TRUE(link.report().node.empty());
+}
+
+// The other one has died: what the node still holds is all that is not in its record.
+TEST_F(RecorderLinkTest, RecordsAllThatTheNodeHoldsOnceItObeysUs) {
+  run(kOther, 40, 50);
+  send(40, 49);
+  EXPECT_GT(run(kOurs, 40, 50), 0);
+  send(40, 49);
+  std::vector<std::int64_t> blocks;
+  for (const Delivery& delivery : link.deliveries())
+    if (const auto* block = std::get_if<SealedBlock>(&delivery)) blocks.push_back(block->header.sequence);
+  EXPECT_EQ(blocks, (std::vector<std::int64_t>{40, 41, 42, 43, 44, 45, 46, 47, 48, 49}));
+  EXPECT_TRUE(link.report().foreign.empty());
+  run(kOther, 50, 50);
+  send(50, 52);
+  EXPECT_EQ(link.deliveries().size(), 3u) << "what was begun here is gone on with";
+}
+
+TEST_F(RecorderLinkTest, TheLeaseOfADeadRecorderIsNoNews) {
+  run(kOther, 1, 2);
+  run(kOurs, 1, 2);
+  EXPECT_TRUE(link.warnings().empty());
+}
+
+// Blocks of a node that somebody else ends are no reason to wait.
+TEST_F(RecorderLinkTest, EndsThoughANodeThatObeysAnotherGoesOn) {
+  run(kOurs, 1, 2);
+  send(1, 1);
+  run(kOther, 2, 3);
+  link.stop(now);
+  std::int64_t sequence = 1;
+  const WallTime stopped = now;
+  while (!link.over(now) && now - stopped < std::chrono::seconds(60)) {
+    run(kOther, sequence + 1, sequence + 2);
+    ++sequence;
+    send(sequence, sequence);
+    (void)link.deliveries();
+  }
+  EXPECT_LT(now - stopped, std::chrono::seconds(30));
+}
+
+}  // namespace
+}  // namespace roadbalance
