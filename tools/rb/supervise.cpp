@@ -20,6 +20,7 @@
 #include "tools/rb/command.hpp"
 #include "tools/rb/supervisor.hpp"
 #include "tools/rb/temporary_folder.hpp"
+#include "tools/rb/validators.hpp"
 
 namespace roadbalance {
 namespace {
@@ -208,7 +209,7 @@ void add_supervise(CLI::App& app, int& code) {
   command
       ->add_option("--watchdog", options->watchdog_s,
                    "kill it when it has not sent WATCHDOG=1 to $NOTIFY_SOCKET for so many seconds; 0: never")
-      ->check(CLI::NonNegativeNumber);
+      ->check(seconds_or_zero());
   command->add_option("program", options->words, "the program and its arguments")->required();
   command->footer(
       "Ends with the program's exit code when that is 0, 2 or 127, or after SIGTERM, SIGINT or SIGQUIT.");
