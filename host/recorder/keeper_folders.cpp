@@ -46,8 +46,7 @@ bool write_unsure(const std::vector<UnsureBlock>& unsure, RecordWriter& writer, 
   const std::int64_t before = writer.appended();
   for (const auto& [block, timestamp_us] : unsure) {
     const auto known = writer.holds().epoch.find({block.header.node, block.header.epoch});
-    const std::int64_t held =
-        known == writer.holds().epoch.end() ? 0 : known->second.position.contiguous;
+    const std::int64_t held = known == writer.holds().epoch.end() ? 0 : known->second.position.contiguous;
     if (block.header.sequence <= held) continue;
     writer.append(block, timestamp_us);
     journal.add(block);
@@ -139,7 +138,7 @@ void RecordKeeper::hold_anew(std::size_t first) {
   written_ = 0;
   appended_before_ = writer_->appended();
   segment_is_open_ = false;
-  removed_ = false;
+  lost_by_removal_ = std::exchange(removed_, false);
   listed_ = 0;
   to_delete_.clear();
 }

@@ -168,7 +168,10 @@ std::vector<DurableMark> RecordKeeper::all_is_durable() {
   held_blocks_ = 0;
   if (urgent_) writer_->set_preamble(make_preamble(writer_->holds()));  // without the epochs that have ended
   urgent_ = false;
-  if (failures_in_a_row_ > 1) warnings_.push_back("the disk writes again; nothing was lost");
+  if (failures_in_a_row_ > 1)
+    warnings_.push_back(std::exchange(lost_by_removal_, false)
+                            ? "the disk writes again; what had been recorded to the removed folder is lost"
+                            : "the disk writes again; nothing was lost");
   if (events_dropped_ > 0) {
     const std::string lost = std::to_string(std::exchange(events_dropped_, 0)) +
                              " measurements of the nodes' clocks were not kept: no memory for more";

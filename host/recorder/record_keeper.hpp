@@ -134,6 +134,7 @@ class RecordKeeper {
   bool urgent_ = false;
   bool segment_is_open_ = false;
   bool removed_ = false;             // the folder or what was written in it has lost its name
+  bool lost_by_removal_ = false;     // what was durable there, and not yet told
   std::int64_t events_dropped_ = 0;  // and not yet told
 
   DiskHealth health_;
