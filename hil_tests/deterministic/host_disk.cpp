@@ -68,6 +68,8 @@ void HostMachine::check_through(int last) {
   const bool all = last == std::numeric_limits<int>::max();
   const std::string name = "record of recorder " + std::to_string(number_) + ": ";
   try {
+    // A recorder that nobody obeyed has none; what one promised is held against what was read in any case.
+    if (next_to_check_ == 1 && segment_numbers(kFolder, disk_).empty()) return;
     RecordReader reader(kFolder, disk_, next_to_check_);
     if (all) reader.finish();
     if (reader.segment() != next_to_check_)
