@@ -120,6 +120,14 @@ bool NodeControl::has_obeyed(std::int32_t node, std::int64_t epoch) const {
   return found != nodes_.end() && found->second.obeyed;
 }
 
+bool NodeControl::is_asking(WallTime now) const {
+  return std::any_of(nodes_.begin(), nodes_.end(), [now](const auto& known) {
+    const Node& node = known.second;
+    const bool is_heard = node.seen != node.heard || now - node.heard_at <= kSilence;
+    return node.started && !node.obeyed && is_heard;
+  });
+}
+
 bool NodeControl::is_owned(std::int32_t node, std::int64_t epoch) const {
   const auto found = nodes_.find({node, epoch});
   return found != nodes_.end() && found->second.owned;

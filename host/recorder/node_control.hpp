@@ -41,6 +41,9 @@ class NodeControl {
   bool was_started(std::int32_t node, std::int64_t epoch) const;
   /// It has been heard to obey us at some time.
   bool has_obeyed(std::int32_t node, std::int64_t epoch) const;
+  /// A node that has been started is asked to obey, has not done so yet and is not silent: what it holds is
+  /// not known.
+  bool is_asking(WallTime now) const;
   /// It obeys us now, as far as is known.
   bool is_owned(std::int32_t node, std::int64_t epoch) const;
 
