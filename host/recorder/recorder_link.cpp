@@ -98,8 +98,8 @@ void RecorderLink::stop(WallTime now) {
 
 bool RecorderLink::over(WallTime now) {
   const bool silent = now - std::max(last_news_, stopped_at_) >= options_.patience;
-  const bool done =
-      (stopping_ && ((all_ended(now) && !control_.is_asking(now)) || silent)) || (options_.end_with_nodes && expected_have_ended(now));
+  const bool done = (stopping_ && ((all_ended(now) && !control_.is_asking(now)) || silent)) ||
+                    (options_.end_with_nodes && expected_have_ended(now));
   if (!done) working_at_ = now;
   return done && (nodes_have_let_go(now) || now - working_at_ >= kMostLastAcks);
 }
