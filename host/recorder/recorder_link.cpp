@@ -15,6 +15,8 @@ using std::chrono::milliseconds;
 constexpr milliseconds kNodeSilence{12'000};
 constexpr milliseconds kMostLastAcks{15'000};
 constexpr milliseconds kEpochGone{1000};
+// Some heartbeats of every node: before, nobody knows who is there to be waited for.
+constexpr milliseconds kListening{1000};
 
 }  // namespace
 
@@ -97,8 +99,10 @@ void RecorderLink::stop(WallTime now) {
 }
 
 bool RecorderLink::over(WallTime now) {
+  if (!listening_since_) listening_since_ = now;
+  const bool has_listened = now - *listening_since_ >= kListening;
   const bool silent = now - std::max(last_news_, stopped_at_) >= options_.patience;
-  const bool done = (stopping_ && ((all_ended(now) && !control_.is_asking(now)) || silent)) ||
+  const bool done = (stopping_ && ((has_listened && all_ended(now) && !control_.is_asking(now)) || silent)) ||
                     (options_.end_with_nodes && expected_have_ended(now));
   if (!done) working_at_ = now;
   return done && (nodes_have_let_go(now) || now - working_at_ >= kMostLastAcks);

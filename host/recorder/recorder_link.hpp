@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -105,6 +106,7 @@ class RecorderLink {
   Tally tally_;
   ForeignNodes foreign_;
   std::map<NodeEpoch, Heard> heard_;  // the last heartbeat of each epoch being received
+  std::optional<WallTime> listening_since_;
   std::vector<Delivery> delivered_;
   std::size_t tallied_ = 0;  // of delivered_
   SealedBlock block_;
