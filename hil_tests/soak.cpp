@@ -102,7 +102,7 @@ class Soak {
 int main(int argc, char** argv) {
   CLI::App app("rb-soak: records two simulated nodes for a long time and watches the programs' memory");
   roadbalance::test::Options options;
-  app.add_option("--minutes", options.minutes)->check(CLI::Range(0.1, 1e5))->capture_default_str();
+  app.add_option("--minutes", options.minutes)->check(CLI::Range(0.01, 1e5))->capture_default_str();
   app.add_option("--rate", options.rate, "times real time")
       ->check(CLI::Range(0.001, 1e6))
       ->capture_default_str();

@@ -55,7 +55,9 @@ void EpochReceiver::check() const {
 std::int64_t EpochReceiver::credit() const {
   if (given_up_) return received_at_crash_;
   if (!credit_open_) return std::max(contiguous_, credit_given_);
-  return std::max(contiguous_, std::min(contiguous_ + options_.window, durable_ + options_.undurable));
+  // Blocks that are lost take no memory, and what ends a loss must be let in before it can become durable.
+  const std::int64_t held_behind = std::max(durable_, loss_through_);
+  return std::max(contiguous_, std::min(contiguous_ + options_.window, held_behind + options_.undurable));
 }
 
 void EpochReceiver::set_credit_open(bool open) {

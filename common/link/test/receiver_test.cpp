@@ -126,6 +126,13 @@ TEST_F(ReceiverTest, WaitsTwiceTheRoundTripOnceItIsKnown) {
   EXPECT_EQ(receiver.current(1)->ask_interval(), 160ms);
 }
 
+// A recorder that comes late: what another one has is lost to it, and waits for the next block to be told.
+TEST_F(ReceiverTest, GivesCreditBehindALossThatIsNotDeclaredYet) {
+  take(beat(10'001, 10'500));
+  EXPECT_EQ(receiver.current(1)->received(), 10'000);
+  EXPECT_GT(receiver.current(1)->credit(), 10'000) << "no block can come that would tell the loss";
+}
+
 TEST_F(ReceiverTest, TheHighestSequenceAllowedBreaksNothing) {
   receiver.recover(1, kEpoch, {.contiguous = kIndexLimit - 1, .next_scan = kIndexLimit - 20});
   take(beat(kIndexLimit, kIndexLimit));
