@@ -12,8 +12,8 @@ namespace roadbalance {
 /// What salvage() found.
 struct Salvaged {
   std::int64_t blocks = 0;            ///< of nodes, written
-  std::int64_t gaps = 0;              ///< declared for what is not there, written
   std::int64_t blocks_filled = 0;     ///< of them: from a place behind the one where they were missing
+  std::int64_t gaps = 0;              ///< declared for what is not there, written
   std::int64_t blocks_repeated = 0;   ///< found more than once, written once
   std::int64_t blocks_altered = 0;    ///< good events on a block's channel, but no good block
   std::int64_t entries_altered = 0;   ///< the same of notes, clocks, journal and commits
