@@ -39,7 +39,7 @@ class AskInterval {
 
  private:
   static constexpr WallClock::duration kLongest = std::chrono::milliseconds(500);
-  static constexpr WallClock::duration kLongestGuess = std::chrono::milliseconds(200);
+  static constexpr WallClock::duration kLongestGuess = std::chrono::milliseconds(100);
 
   const WallClock::duration shortest_;
   WallClock::duration interval_;

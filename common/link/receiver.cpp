@@ -102,6 +102,7 @@ void Receiver::take(const Heartbeat& heartbeat, WallTime now, std::vector<Delive
   note_rivals(node, *live);
   live->heard_at = now;
   live->base = heartbeat.base;
+  live->next = heartbeat.next;
   live->receiver->heartbeat(heartbeat, now, out);
   close_silent(node, heartbeat.node, heartbeat.epoch, now, out);
 }
@@ -223,8 +224,10 @@ void Receiver::set_credit_open(bool open) {
 bool Receiver::is_due(const Live& live, WallTime now) const {
   const EpochReceiver& epoch = *live.receiver;
   const bool much_credit_is_used = epoch.received() - live.acked_received >= options_.window / 4;
-  // An ack that is lost must not cost the node's memory a whole period.
-  const bool not_heard = live.base <= epoch.durable() && now - live.heard_at < kEpochSilence;
+  // An ack that is lost must not cost the node a whole period: of memory it could free, or of credit it waits
+  // for.
+  const bool may_wait = live.next - 1 > epoch.received() && epoch.received() == live.acked_received;
+  const bool not_heard = (live.base <= epoch.durable() || may_wait) && now - live.heard_at < kEpochSilence;
   return epoch.durable() > live.acked_durable || much_credit_is_used ||
          now - live.acked_at >= (not_heard ? kRepeatPeriod : kAckPeriod);
 }

@@ -46,8 +46,8 @@ class Receiver {
   void finish(WallTime now, std::vector<Delivery>& out);
 
   /// Acknowledgements to send now: five times a second, at once when more is durable and before the credit
-  /// runs out, 25 times a second while a living node has not heard what is durable, and up to 200 times while
-  /// there are blocks to ask for.
+  /// runs out, 25 times a second while a living node has not heard what is durable or nothing more comes of
+  /// what it has, and up to 200 times while there are blocks to ask for.
   std::vector<Ack> due(WallTime now);
 
   /// The epoch if it is being received or was closed a moment ago, else nullptr.
@@ -71,8 +71,9 @@ class Receiver {
     WallTime acked_at{};
     std::int64_t acked_durable = -1;
     std::int64_t acked_received = 0;
-    std::int64_t base = 1;  // the oldest block it holds, as its heartbeats say
-    int last_acks;  // left, once it is closed
+    std::int64_t base = 1;  // the oldest block it holds, as its heartbeats say, ...
+    std::int64_t next = 1;  // ... and the next it will seal
+    int last_acks;          // left, once it is closed
   };
   struct Past {
     std::int64_t epoch;
