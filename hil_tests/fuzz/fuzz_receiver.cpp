@@ -72,21 +72,18 @@ class Run {
 
   const fuzz::TrueNode& honest() { return kHonest[static_cast<std::size_t>(in_.below(4))]; }
 
+  std::int64_t delivered(const fuzz::TrueNode& node) const {
+    return deliveries_.delivered(node.node, node.epoch);
+  }
+
   void honest_block() {
     const auto& node = honest();
-    const std::int64_t near = deliveries_.delivered(node.node, node.epoch) + in_.below(64) - 16;
-    receiver_.take(node.block(std::clamp<std::int64_t>(near, 1, node.last)), now_, out_);
+    receiver_.take(node.some_block(in_, delivered(node)), now_, out_);
   }
 
   void honest_heartbeat() {
     const auto& node = honest();
-    const std::int64_t delivered = deliveries_.delivered(node.node, node.epoch);
-    const std::int64_t next = std::min(delivered + 1 + in_.below(256), node.last + 1);
-    const std::int64_t base = std::clamp<std::int64_t>(delivered + in_.below(256) - 200, 1, next);
-    const auto state = next > node.last ? NodeState::kEnded : NodeState::kStarted;
-    receiver_.take(
-        Heartbeat{.node = node.node, .epoch = node.epoch, .base = base, .next = next, .state = state}, now_,
-        out_);
+    receiver_.take(node.some_heartbeat(in_, delivered(node)), now_, out_);
   }
 
   std::int64_t index() {
@@ -116,7 +113,7 @@ class Run {
 
   void durable() {
     const auto& node = honest();
-    const std::int64_t sequence = std::min(deliveries_.delivered(node.node, node.epoch), in_.below(65536));
+    const std::int64_t sequence = node.some_durable(in_, delivered(node));
     acks_.durable(node.node, node.epoch, sequence);
     receiver_.durable(node.node, node.epoch, sequence);
   }

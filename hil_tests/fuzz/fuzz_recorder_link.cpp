@@ -61,20 +61,19 @@ class Run {
 
   const fuzz::TrueNode& honest() { return kHonest[static_cast<std::size_t>(in_.below(3))]; }
 
+  std::int64_t delivered(const fuzz::TrueNode& node) const {
+    return deliveries_.delivered(node.node, node.epoch);
+  }
+
   void honest_block() {
     const auto& node = honest();
-    const std::int64_t near = deliveries_.delivered(node.node, node.epoch) + in_.below(64) - 16;
-    const SealedBlock block = node.block(std::clamp<std::int64_t>(near, 1, node.last));
+    const SealedBlock block = node.some_block(in_, delivered(node));
     link_.take(block_channel(node.node, block.kind), block.bytes(), now_);
   }
 
   void honest_heartbeat() {
     const auto& node = honest();
-    const std::int64_t delivered = deliveries_.delivered(node.node, node.epoch);
-    Heartbeat beat{.node = node.node, .epoch = node.epoch};
-    beat.next = std::min(delivered + 1 + in_.below(256), node.last + 1);
-    beat.base = std::clamp<std::int64_t>(delivered + in_.below(256) - 200, 1, beat.next);
-    beat.state = beat.next > node.last ? NodeState::kEnded : NodeState::kStarted;
+    Heartbeat beat = node.some_heartbeat(in_, delivered(node));
     beat.owner = in_.below(3);
     link_.take(heartbeat_channel(node.node), encode(beat), now_);
   }
@@ -95,7 +94,7 @@ class Run {
 
   void durable() {
     const auto& node = honest();
-    const std::int64_t sequence = std::min(deliveries_.delivered(node.node, node.epoch), in_.below(65536));
+    const std::int64_t sequence = node.some_durable(in_, delivered(node));
     acks_.durable(node.node, node.epoch, sequence);
     link_.durable({.node = node.node, .epoch = node.epoch, .sequence = sequence}, now_);
   }

@@ -1,13 +1,19 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "common/bus/codec.hpp"
+#include "common/bus/control.hpp"
+#include "hil_tests/fuzz/byte_reader.hpp"
 
 namespace roadbalance::fuzz {
 
 /// A node that says nothing but the truth: block `sequence` of an epoch is always the same, mostly scans, and
 /// scan indices run on.  Block `last` is the end.
+///
+/// `some_*` are what it may say to a recorder that has handed on its blocks up to `delivered`, or what
+/// becomes of them there; the fuzzer's bytes choose.
 struct TrueNode {
   std::int32_t node;
   std::int64_t epoch;
@@ -43,6 +49,24 @@ struct TrueNode {
       seal(scans, sealed);
     }
     return sealed;
+  }
+
+  /// One that was delivered, the next one, or one ahead of it.
+  SealedBlock some_block(ByteReader& in, std::int64_t delivered) const {
+    return block(std::clamp<std::int64_t>(delivered + in.below(64) - 16, 1, last));
+  }
+
+  Heartbeat some_heartbeat(ByteReader& in, std::int64_t delivered) const {
+    Heartbeat beat{.node = node, .epoch = epoch};
+    beat.next = std::min(delivered + 1 + in.below(256), last + 1);
+    beat.base = std::clamp<std::int64_t>(delivered + in.below(256) - 200, 1, beat.next);
+    beat.state = beat.next > last ? NodeState::kEnded : NodeState::kStarted;
+    return beat;
+  }
+
+  /// A disk calls durable what was delivered, or less.
+  static std::int64_t some_durable(ByteReader& in, std::int64_t delivered) {
+    return std::min(delivered, in.below(65536));
   }
 };
 
