@@ -32,6 +32,7 @@ Framed read_header(std::span<const std::uint8_t> bytes) {
   header.scans_missed = in.take<std::uint32_t>();
   header.edges_lost = in.take<std::uint32_t>();
   header.overloads = in.take<std::uint32_t>();
+  header.glitches = in.take<std::uint32_t>();
   return framed;
 }
 
@@ -121,7 +122,7 @@ void encode_header(const PacketHeader& header, std::span<std::uint8_t, kHeaderBy
   out.put(header.scans_missed);
   out.put(header.edges_lost);
   out.put(header.overloads);
-  out.put(std::uint32_t{0});
+  out.put(header.glitches);
 }
 
 void encode_scan(const PacketScan& scan, std::span<std::uint8_t, kScanBytes> bytes) {

@@ -49,6 +49,7 @@ struct PacketHeader {
   std::uint32_t scans_missed = 0;
   std::uint32_t edges_lost = 0;
   std::uint32_t overloads = 0;
+  std::uint32_t glitches = 0;
 };
 
 struct PacketScan {

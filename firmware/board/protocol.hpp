@@ -153,7 +153,7 @@ enum class Refusal : std::uint8_t {
 };
 
 struct Status {
-  static constexpr std::size_t kBytes = 48;
+  static constexpr std::size_t kBytes = 52;
 
   State state = State::kIdle;
   Refusal last_refusal = Refusal::kNone;
@@ -165,9 +165,10 @@ struct Status {
   std::uint32_t scans_missed = 0;  ///< not converted, e.g. no edge of SYNC
   std::uint32_t edges_lost = 0;
   std::uint32_t overloads = 0;  ///< scans with at least one channel at its limit
-  std::uint32_t packets = 0;    ///< given to the USB
-  std::uint64_t scans = 0;      ///< index of the next scan
-  std::uint64_t ticks = 0;      ///< the timer now
+  std::uint32_t glitches = 0;  ///< conversions within half a period of the one before: dropped (a noisy SYNC)
+  std::uint32_t packets = 0;   ///< given to the USB
+  std::uint64_t scans = 0;     ///< index behind the last scan sent
+  std::uint64_t ticks = 0;     ///< the timer now
 };
 
 std::array<std::uint8_t, Identity::kBytes> encode(const Identity& identity);

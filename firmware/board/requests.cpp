@@ -165,6 +165,7 @@ std::array<std::uint8_t, Status::kBytes> encode(const Status& status) {
     out.put(status.scans_missed);
     out.put(status.edges_lost);
     out.put(status.overloads);
+    out.put(status.glitches);
     out.put(status.packets);
     out.put(status.scans);
     out.put(status.ticks);
@@ -189,6 +190,7 @@ std::optional<Status> decode_status(std::span<const std::uint8_t> bytes) {
   status.scans_missed = in.take<std::uint32_t>();
   status.edges_lost = in.take<std::uint32_t>();
   status.overloads = in.take<std::uint32_t>();
+  status.glitches = in.take<std::uint32_t>();
   status.packets = in.take<std::uint32_t>();
   status.scans = in.take<std::uint64_t>();
   status.ticks = in.take<std::uint64_t>();
