@@ -6,7 +6,6 @@
 namespace roadbalance {
 namespace {
 
-constexpr std::int64_t kLeastBreak_ns = 1'000'000;
 constexpr double kUncertainties = 5.0;  // a break is more than so many
 constexpr double kStaleDrift = 2e-6;    // how far a drift may have moved since all exchanges aged out
 

@@ -14,14 +14,15 @@ namespace roadbalance {
 /// Per second the exchange with the shortest round trip counts (D. Mills' clock filter, RFC 5905, section
 /// 10), over the last 32 s an OffsetLine through these.  Once every exchange has aged out, the drift found
 /// last is kept as prior knowledge.  An exchange proves by its own round trip how far it can be wrong; two in
-/// a row that prove a jump of more than max(1 ms, 5 u) are a break of the node's time base: it is counted and
-/// the line begins anew, nothing is smeared over it.
+/// a row that prove a jump of more than max(kLeastBreak_ns, 5 u) are a break of the node's time base: it is
+/// counted and the line begins anew, nothing is smeared over it.
 class ClockModel {
  public:
   static constexpr std::int64_t kBin_ns = 1'000'000'000;
   static constexpr std::size_t kBins = 32;
   static constexpr std::int64_t kHoldover_ns = 3'000'000'000;  ///< without an exchange
   static constexpr int kLeastExchanges = 4;                    ///< to be locked
+  static constexpr std::int64_t kLeastBreak_ns = 1'000'000;    ///< a smaller jump is none
 
   ClockModel(std::int32_t node, std::int64_t epoch) : node_(node), epoch_(epoch) {}
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/clock/clock_model.hpp"
+
 namespace roadbalance {
 namespace {
 
@@ -12,7 +14,6 @@ constexpr double kGridTolerance = 0.02;
 /// Two nominal rates may differ by so much; no converter is further off.
 constexpr double kRateTolerance = 1e-3;
 constexpr double kSpacingTolerance = 1e-2;  // of stamps that jump
-constexpr double kBreak_ns = 1e6;           // as the recorder's model of the clock has it
 // A second apart: the recorder needs two exchanges to see a break.
 constexpr int kDistrusted = 3;
 constexpr double kFarthest = 1e15;  // periods; still exact as a double
@@ -101,7 +102,8 @@ bool GridStream::jumps(const ScanBlock& block, const Clock& clock) const {
   const std::int64_t passed_ns = mapped ? clock.fit->host_time_ns(block.header.time_ns) - *came_host_ns_
                                         : block.header.time_ns - came_.time_ns;
   const double expected_ns = static_cast<double>(came_.scans) * static_cast<double>(block.period_ps) * 1e-3;
-  return std::abs(static_cast<double>(passed_ns) - expected_ns) > kBreak_ns;
+  return std::abs(static_cast<double>(passed_ns) - expected_ns) >
+         static_cast<double>(ClockModel::kLeastBreak_ns);
 }
 
 double GridStream::awaited_s() const {
