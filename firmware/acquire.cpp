@@ -33,7 +33,8 @@ void acquire(std::stop_token stop, FrontEnd& front_end, Sealer& sealer, BlockSin
              AcquireLink& link) noexcept {
   std::array<Scan, kScansPerRead> scans;
   std::array<Edge, kEdgesPerRead> edges;
-  const std::size_t most = sealer.most_blocks(scans.size(), edges.size());
+  std::array<SignalSample, kSignalsPerRead> signals;
+  const std::size_t most = sealer.most_blocks(scans.size(), edges.size(), signals.size());
   NodeState last = NodeState::kEnded;
   while (!stop.stop_requested()) {
     if (link.start.load(std::memory_order_acquire)) sealer.start();
@@ -45,9 +46,10 @@ void acquire(std::stop_token stop, FrontEnd& front_end, Sealer& sealer, BlockSin
       std::this_thread::sleep_for(kPatience);
       continue;
     }
-    const Read read = front_end.read(scans, edges);
+    const Read read = front_end.read(scans, edges, signals);
     sealer.add(std::span(scans).first(read.scans), std::span(edges).first(read.edges),
                read.edges == edges.size());
+    sealer.add(std::span(signals).first(read.signals));
     tell(sealer, sealer.started() ? NodeState::kStarted : NodeState::kPreview, link);
     if (read.status == ReadStatus::kOk) continue;
     if (read.status == ReadStatus::kFailed) last = NodeState::kFailed;

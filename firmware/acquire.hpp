@@ -39,5 +39,6 @@ void tell(const Sealer& sealer, NodeState state, AcquireLink& link) noexcept;
 /// A read takes at most so many.
 inline constexpr std::size_t kScansPerRead = 256;
 inline constexpr std::size_t kEdgesPerRead = 4096;
+inline constexpr std::size_t kSignalsPerRead = 1024;
 
 }  // namespace roadbalance

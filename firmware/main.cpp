@@ -1,6 +1,7 @@
 #include <cstdio>
 #include <exception>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -16,11 +17,15 @@ using namespace roadbalance;
 int main(int argc, char** argv) {
   const StopOnSignal signals;
   CLI::App app{"rb-node: samples one node of the vehicle and streams its blocks to the recorder"};
-  std::string vehicle_file, node_name, front_end_uri, bus_url = default_bus_url();
+  std::string vehicle_file, node_name, bus_url = default_bus_url();
+  std::vector<std::string> front_end_uris;
   double ring_mib = 16.0;
   app.add_option("--vehicle", vehicle_file, "vehicle.toml")->required();
   app.add_option("--node", node_name, "name of this node in vehicle.toml")->required();
-  app.add_option("--front-end", front_end_uri, "where samples come from, e.g. sim:?seed=1")->required();
+  app.add_option(
+      "--front-end", front_end_uris,
+      "where samples come from, e.g. sim:?seed=1 or usb:1209:5242; again for each device beside it, "
+      "e.g. gpio:gpiochip0 and can:can0; default: front_end of the node in vehicle.toml");
   app.add_option("--url", bus_url, "LCM address")->capture_default_str();
   app.add_option("--ring-mib", ring_mib, "memory for blocks the recorder does not have yet, MiB")
       ->check(CLI::Range(0.25, 4096.0))
@@ -41,7 +46,8 @@ int main(int argc, char** argv) {
     const NodeConfig& node = vehicle.node_named(node_name);
     FrontEndRegistry front_ends;
     front_ends.add("sim", sim::open_sim_front_end);
-    const auto front_end = front_ends.open(front_end_uri, vehicle, node);
+    const auto front_end =
+        front_ends.open(front_end_uris.empty() ? node.wiring.front_end : front_end_uris, vehicle, node);
     run_node(signals.token(), vehicle, node, *front_end,
              {.bus_url = bus_url,
               .ring_bytes = static_cast<std::size_t>(ring_mib * 1024 * 1024),

@@ -1,9 +1,11 @@
 #include "firmware/node.hpp"
 
+#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <limits>
 #include <memory>
+#include <mutex>
 #include <random>
 #include <stdexcept>
 
@@ -14,6 +16,7 @@
 #include "common/process/realtime.hpp"
 #include "firmware/acquire.hpp"
 #include "firmware/clock_answer.hpp"
+#include "firmware/device_diary.hpp"
 #include "firmware/pack.hpp"
 #include "firmware/readout_clock.hpp"
 #include "firmware/ring_sink.hpp"
@@ -74,6 +77,18 @@ std::unique_ptr<SpoolFolder> open_spool(const NodeConfig& node, std::int64_t epo
                            .epoch = epoch});
 }
 
+/// Process: what devices count -> sentences for people, twice a second at most.
+void keep_diary(std::stop_token stop, const FrontEnd& front_end, const NodeOptions& options) {
+  DeviceDiary diary(front_end.reports());
+  std::mutex mutex;
+  std::condition_variable_any never;
+  for (std::unique_lock lock(mutex); !stop.stop_requested();) {
+    diary.look(options.warn);
+    never.wait_for(lock, stop, std::chrono::milliseconds(500), [] { return false; });
+  }
+  diary.look(options.warn);
+}
+
 void leave_spool(Backlog& backlog, const std::filesystem::path& folder, const NodeOptions& options) {
   backlog.save(WallClock::now());
   std::error_code ignored;
@@ -94,7 +109,7 @@ void run_node(std::stop_token stop, const VehicleConfig& vehicle, const NodeConf
   const auto preview = std::make_unique<PreviewSlot>();
   AcquireLink link;
   Sealer sealer(vehicle, node, epoch, sink, preview.get());
-  const std::size_t least = 2 * sealer.most_blocks(kScansPerRead, kEdgesPerRead);
+  const std::size_t least = 2 * sealer.most_blocks(kScansPerRead, kEdgesPerRead, kSignalsPerRead);
   if (static_cast<std::size_t>(ring.capacity()) < least)
     throw ConfigError("ring of " + std::to_string(options.ring_bytes) + " bytes: node " + node.name +
                       " needs at least " + std::to_string(least * sizeof(SealedBlock)));
@@ -103,13 +118,15 @@ void run_node(std::stop_token stop, const VehicleConfig& vehicle, const NodeConf
   Backlog backlog(ring, spool.get());
   ConversionTimes device(front_end, node.rate_hz);
   const auto clock = open_clock(node, front_end, options);
-  NodeLink node_link(node.id, epoch, backlog, *preview, link, clock_address(front_end, clock.get()));
+  NodeLink node_link(node.id, epoch, backlog, *preview, link, clock_address(front_end, clock.get()),
+                     front_end.reports());
   Parallel processes;
   const std::stop_callback pass_on(stop, [&processes] { processes.request_stop(); });
   processes.run([&](std::stop_token stop_here) {
     uplink(stop_here, options.bus_url, node.id, node_link);
     processes.request_stop();  // acquire has ended; the clock answers as long as the node lives
   });
+  processes.run([&](std::stop_token stop_here) { keep_diary(stop_here, front_end, options); });
   if (clock) processes.run(answer_clock, std::ref(*clock), node.id, epoch, std::cref(front_end));
   processes.run([&](std::stop_token stop_here) {
     if (!front_end.waits())

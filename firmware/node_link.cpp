@@ -1,6 +1,7 @@
 #include "firmware/node_link.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/control.hpp"
@@ -17,13 +18,14 @@ constexpr int kLastHeartbeats = 3;
 }  // namespace
 
 NodeLink::NodeLink(std::int32_t node, std::int64_t epoch, Backlog& backlog, PreviewSlot& preview,
-                   AcquireLink& link, NodeClockAddress clock)
+                   AcquireLink& link, NodeClockAddress clock, std::vector<const DeviceReport*> reports)
     : node_(node),
       epoch_(epoch),
       backlog_(backlog),
       preview_(preview),
       link_(link),
       clock_(clock),
+      reports_(std::move(reports)),
       sender_(backlog, node, epoch),
       commands_(node, epoch, backlog, sender_, link),
       ack_channel_(ack_channel(node)),
@@ -107,6 +109,9 @@ void NodeLink::send_heartbeat(const Publish& publish) {
   for (std::size_t line = 0; line < kEncoderLines; ++line)
     beat.encoder_faults[line] = link_.encoder_faults[line].load();
   beat.unreferenced_blocks = link_.unreferenced_blocks.load();
+  for (std::size_t k = 0; k < kDeviceCounters; ++k)
+    for (const DeviceReport* report : reports_)
+      beat.device_counts[k] += report->of(static_cast<DeviceCounter>(k));
   beat.time_base = clock_.time_base;
   beat.clock_address = clock_.address;
   beat.clock_port = clock_.port;

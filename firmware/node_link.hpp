@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/bus/publish.hpp"
 #include "common/clock/clocks.hpp"
@@ -28,8 +29,9 @@ struct NodeClockAddress {
 /// fixed; in steady state it allocates for heartbeats and replies only.
 class NodeLink {
  public:
+  /// @param reports  of the node's devices; their sums go into the heartbeat
   NodeLink(std::int32_t node, std::int64_t epoch, Backlog& backlog, PreviewSlot& preview, AcquireLink& link,
-           NodeClockAddress clock = {});
+           NodeClockAddress clock = {}, std::vector<const DeviceReport*> reports = {});
 
   /// What came on ack_channel(node) or command_channel(node); anything else is ignored.
   void take(std::string_view channel, std::span<const std::uint8_t> bytes, WallTime now);
@@ -57,10 +59,11 @@ class NodeLink {
   PreviewSlot& preview_;
   AcquireLink& link_;
   const NodeClockAddress clock_;
+  const std::vector<const DeviceReport*> reports_;
   Sender sender_;
   Commands commands_;
   const std::string ack_channel_, command_channel_, reply_channel_, heartbeat_channel_, preview_channel_;
-  std::array<std::string, 5> block_channel_;  // [BlockKind]
+  std::array<std::string, kBlockKinds> block_channel_;  // [BlockKind]
   WallTime next_heartbeat_{};
   WallTime owner_heard_{};
   std::int64_t blocks_unsent_ = 0;

@@ -10,8 +10,8 @@ namespace roadbalance {
 
 namespace {
 
-constexpr std::int64_t kLongestEdgeBlock_ns =
-    200'000'000;  // so that edges reach the record soon after their scans
+// So that edges and signals reach the record soon after their scans.
+constexpr std::int64_t kLongestEdgeBlock_ns = 200'000'000;
 
 std::size_t waiting_capacity(double rate_hz) {
   // The longest wait, a block beside it and the lag of edges behind scans.
@@ -26,6 +26,7 @@ Sealer::Sealer(const VehicleConfig& vehicle, const NodeConfig& node, std::int64_
       epoch_(epoch),
       period_ps_(std::llround(1e12 / node.rate_hz)),
       jump_cause_(jump),
+      loop_back_(node.wiring.loop_back),
       sink_(sink),
       preview_(preview),
       reference_(vehicle, node),
@@ -68,13 +69,14 @@ bool Sealer::write_metas() noexcept {
   return true;
 }
 
-std::size_t Sealer::most_blocks(std::size_t scans, std::size_t edges) const noexcept {
+std::size_t Sealer::most_blocks(std::size_t scans, std::size_t edges, std::size_t signals) const noexcept {
   // Index jumps make more, but a device that waits for its reader loses nothing.
   constexpr std::size_t kOthers = 8;
   const std::size_t all_scans = waiting_.size() + scans;
   const auto all_ns = static_cast<std::int64_t>(all_scans) * (period_ps_ / 1000);
-  const auto edge_blocks = edges / kEdgesPerBlock + static_cast<std::size_t>(all_ns / kLongestEdgeBlock_ns);
-  return meta_.size() + all_scans / kScansPerBlock + edge_blocks + kOthers;
+  const auto by_age = 2 * static_cast<std::size_t>(all_ns / kLongestEdgeBlock_ns);  // edges and signals
+  return meta_.size() + all_scans / kScansPerBlock + edges / kEdgesPerBlock + signals / kSamplesPerBlock +
+         by_age + kOthers;
 }
 
 const Scan& Sealer::at(std::int64_t position) const noexcept {
@@ -99,7 +101,7 @@ void Sealer::add(std::span<const Scan> scans, std::span<const Edge> edges, bool 
   auto edge = edges.begin();
   const auto take = [&](const Edge& e) {
     reference_.add(e);
-    if (started() && keep_to_ == kNever) record(e);
+    if (started() && keep_to_ == kNever) record(e, edge_block_);
   };
   for (const Scan& scan : scans) {
     for (; edge != edges.end() && edge->time <= scan.time; ++edge) take(*edge);
@@ -109,6 +111,11 @@ void Sealer::add(std::span<const Scan> scans, std::span<const Edge> edges, bool 
     if (tail_ - head_ == static_cast<std::int64_t>(waiting_.size())) seal_next(scan.time, true);
   }
   for (; edge != edges.end(); ++edge) take(*edge);
+}
+
+void Sealer::add(std::span<const SignalSample> signals) noexcept {
+  if (!started() || keep_to_ != kNever) return;
+  for (const SignalSample& sample : signals) record(sample, signal_block_);
 }
 
 void Sealer::device_ended() noexcept {
@@ -144,6 +151,10 @@ bool Sealer::seal_next(NodeTime edges_through, bool at_once) noexcept {
   build(run.scans);
   scan_block_.quality |=
       reference_.fill(std::span(scan_block_.counts).first(static_cast<std::size_t>(run.scans)), after_jump);
+  if (loop_back_)  // what came back through the real filter takes the place of what was computed
+    for (int i = 0; i < run.scans; ++i)
+      std::copy_n(at(head_ + i).references.begin(), kReferences,
+                  scan_block_.counts[static_cast<std::size_t>(i)].begin() + kAccelerations);
   if (head_ >= keep_from_ && head_ < keep_to_)
     keep_block(after_jump);
   else
@@ -190,9 +201,9 @@ void Sealer::keep_block(bool after_jump) noexcept {
     counts_.scans_sampled += missing;
     GapBlock jump;
     jump.header = header(next_scan_, missing, time_ns);
-    jump.cause = jump_cause_;
+    jump.cause = at(head_).after_absence ? GapCause::kDeviceGone : jump_cause_;
     if (gap_ || !write(jump))
-      lose(next_scan_, missing, time_ns, jump_cause_);
+      lose(next_scan_, missing, time_ns, jump.cause);
     else
       counts_.scans_missing += missing;
     next_scan_ = first;
@@ -212,8 +223,11 @@ void Sealer::keep_block(bool after_jump) noexcept {
     if (unreferenced) ++counts_.unreferenced_blocks;
   }
   next_scan_ = first + scans;
-  const bool old = edge_block_.edges > 0 && to_ns(now_) - edge_block_.header.time_ns > kLongestEdgeBlock_ns;
-  if (old) write_edges();
+  const auto is_old = [&](const auto& block) {
+    return !block.empty() && to_ns(now_) - block.header.time_ns > kLongestEdgeBlock_ns;
+  };
+  if (is_old(edge_block_)) put_beside(edge_block_);
+  if (is_old(signal_block_)) put_beside(signal_block_);
 }
 
 void Sealer::lose(std::int64_t first_scan, std::int64_t scans, std::int64_t time_ns,
@@ -241,19 +255,28 @@ bool Sealer::close_gap() noexcept {
   return true;
 }
 
-void Sealer::record(const Edge& edge) noexcept {
-  if (gap_) return;
-  if (!edge_block_.add(edge)) {
-    write_edges();
-    if (!gap_) edge_block_.add(edge);
-  }
+template <typename Item, typename Block>
+void Sealer::record(const Item& item, Block& block) noexcept {
+  if (gap_ || block.add(item)) return;
+  if (put_beside(block)) block.add(item);
 }
 
-void Sealer::write_edges() noexcept {
-  const std::int64_t time_ns = edge_block_.header.time_ns;
-  edge_block_.header = header(next_scan_, 0, time_ns);
-  if (!write_metas() || !write(edge_block_)) lose(next_scan_, 0, to_ns(now_), GapCause::kRingFull);
-  edge_block_ = EdgeBlock{};
+/// Edges or signals so far, which stand beside the scans that were sealed last.
+template <typename Block>
+bool Sealer::write_beside(Block& block) noexcept {
+  if (block.empty()) return true;
+  block.header = header(next_scan_, 0, block.header.time_ns);
+  if (!write_metas() || !write(block)) return false;
+  block = Block{};
+  return true;
+}
+
+template <typename Block>
+bool Sealer::put_beside(Block& block) noexcept {
+  if (write_beside(block)) return true;
+  lose(next_scan_, 0, to_ns(now_), GapCause::kRingFull);
+  block = Block{};
+  return false;
 }
 
 bool Sealer::finish() noexcept {
@@ -261,11 +284,7 @@ bool Sealer::finish() noexcept {
   if (head_ < keep_to_ || keep_to_ == kNever || !write_metas()) return false;
   if (gap_ && gap_->header.scans == 0) gap_.reset();  // only edges after the last scan were lost
   if (!close_gap()) return false;
-  if (edge_block_.edges > 0) {
-    edge_block_.header = header(next_scan_, 0, edge_block_.header.time_ns);
-    if (!write(edge_block_)) return false;
-    edge_block_ = EdgeBlock{};
-  }
+  if (!write_beside(edge_block_) || !write_beside(signal_block_)) return false;
   EndBlock end;
   end.header = header(next_scan_, 0, next_scan_ > 0 ? kept_end_ns_ : to_ns(now_));
   end.blocks = next_sequence_;

@@ -20,15 +20,15 @@ namespace roadbalance {
 /// Order: the vehicle's description (meta), then scan, edge and gap blocks, at last the end.  Scan blocks and
 /// gaps tile the scans [0, end) of the epoch.  A scan block waits for the edges its references need, at most
 /// 100 ms of node time; then it goes without and says so.  Scans that the device lost, or for which the sink
-/// has no room, become gaps with exact range and cause; of a full sink one gap that grows. Edges are recorded
-/// as they came, except in such a gap.
+/// has no room, become gaps with exact range and cause; of a full sink one gap that grows. Edges and
+/// signals are recorded as they came, except in such a gap.
 ///
 /// Until start() and after stop() scan blocks have sequence 0 and go to the preview slot only.
 /// Never allocates after construction.
 class Sealer {
  public:
   /// @param preview  may be nullptr
-  /// @param jump     cause of a jump in the device's scan index
+  /// @param jump     cause of a jump in the device's scan index unless the device was absent
   Sealer(const VehicleConfig& vehicle, const NodeConfig& node, std::int64_t epoch, BlockSink& sink,
          PreviewSlot* preview, GapCause jump = GapCause::kDeviceOverrun);
 
@@ -40,6 +40,8 @@ class Sealer {
   /// What one read of a front end returned.
   /// @param more_edges  some that were stamped before the last scan come later
   void add(std::span<const Scan> scans, std::span<const Edge> edges, bool more_edges) noexcept;
+  /// Signal samples that came with it.
+  void add(std::span<const SignalSample> signals) noexcept;
   /// The device has no more: seals all there is, and the end.
   void device_ended() noexcept;
 
@@ -61,8 +63,8 @@ class Sealer {
     return reference_.has_encoder(line) ? reference_.encoder(line).faulty_turns() : 0;
   }
 
-  /// Blocks that adding so many scans and edges can write at most, with what is waiting and the end.
-  std::size_t most_blocks(std::size_t scans, std::size_t edges) const noexcept;
+  /// Blocks that adding so many scans, edges and samples can write at most, with what is waiting and the end.
+  std::size_t most_blocks(std::size_t scans, std::size_t edges, std::size_t signals = 0) const noexcept;
 
   static constexpr std::int64_t kLongestWait_ns = 100'000'000;
 
@@ -79,8 +81,12 @@ class Sealer {
   void build(int scans) noexcept;
   void keep_block(bool after_jump) noexcept;
   void preview_block() noexcept;
-  void record(const Edge& edge) noexcept;
-  void write_edges() noexcept;
+  template <typename Item, typename Block>
+  void record(const Item& item, Block& block) noexcept;
+  template <typename Block>
+  bool write_beside(Block& block) noexcept;
+  template <typename Block>
+  bool put_beside(Block& block) noexcept;
   bool write_metas() noexcept;
   void lose(std::int64_t first_scan, std::int64_t scans, std::int64_t time_ns, GapCause cause) noexcept;
   bool close_gap() noexcept;
@@ -92,6 +98,7 @@ class Sealer {
   const std::int64_t epoch_;
   const std::int64_t period_ps_;
   const GapCause jump_cause_;
+  const bool loop_back_;
   BlockSink& sink_;
   PreviewSlot* const preview_;
   Reference reference_;
@@ -108,6 +115,7 @@ class Sealer {
 
   ScanBlock scan_block_;
   EdgeBlock edge_block_;
+  SignalBlock signal_block_;
   std::optional<GapBlock> gap_;     ///< of a full sink, growing
   std::int64_t sealed_index_ = -1;  ///< device index after the last scan sealed
   std::int64_t first_index_ = -1;   ///< device index of the first kept scan

@@ -60,13 +60,14 @@ class ConversionTimes final : public FrontEnd {
   /// @param rate_hz  nominal
   ConversionTimes(FrontEnd& inside, double rate_hz) : inside_(inside), clock_(rate_hz) {}
 
-  Read read(std::span<Scan> scans, std::span<Edge> edges) noexcept override {
-    const Read read = inside_.read(scans, edges);
+  Read read(std::span<Scan> scans, std::span<Edge> edges, std::span<SignalSample> signals) noexcept override {
+    const Read read = inside_.read(scans, edges, signals);
     if (inside_.scan_stamps() == ScanStamps::kReadOut) clock_.correct(scans.first(read.scans));
     return read;
   }
   bool waits() const noexcept override { return inside_.waits(); }
   NodeTime node_time(MachineTime machine) const noexcept override { return inside_.node_time(machine); }
+  std::vector<const DeviceReport*> reports() const override { return inside_.reports(); }
 
  private:
   FrontEnd& inside_;

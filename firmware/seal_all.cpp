@@ -44,11 +44,13 @@ void seal_all(FrontEnd& front_end, const VehicleConfig& vehicle, const NodeConfi
   Sealer sealer(vehicle, node, epoch, sink, nullptr, jump);
   std::vector<Scan> scans(64);
   std::vector<Edge> edges(4096);
+  std::vector<SignalSample> signals(1024);
   sealer.start();
   for (Read read; read.status == ReadStatus::kOk; sink.rethrow()) {
-    read = front_end.read(scans, edges);
+    read = front_end.read(scans, edges, signals);
     sealer.add(std::span(scans).first(read.scans), std::span(edges).first(read.edges),
                read.edges == edges.size());
+    sealer.add(std::span(signals).first(read.signals));
     if (read.status == ReadStatus::kFailed)
       throw std::runtime_error("front end of node " + node.name + " failed");
   }

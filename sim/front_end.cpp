@@ -6,6 +6,7 @@
 #include <thread>
 #include <vector>
 
+#include "common/clock/clock_pair.hpp"
 #include "sim/address.hpp"
 #include "sim/car.hpp"
 #include "sim/conditioner.hpp"
@@ -130,7 +131,7 @@ class SimFrontEnd final : public FrontEnd {
     }
   }
 
-  Read read(std::span<Scan> scans, std::span<Edge> edges) noexcept override {
+  Read read(std::span<Scan> scans, std::span<Edge> edges, std::span<SignalSample>) noexcept override {
     Read read;
     const std::int64_t due = wait(scans.size());
     while (read.scans < scans.size()) {
@@ -160,17 +161,8 @@ class SimFrontEnd final : public FrontEnd {
   /// Bus time is paced by CLOCK_MONOTONIC, which the system may slew: the two are compared anew.
   NodeTime node_time(MachineTime machine) const noexcept override {
     if (!pace_) return {};
-    // An interruption between two readings would shift the pair: the narrowest of a few is taken.
-    auto narrowest = NodeClock::duration::max();
-    WallTime wall;
-    for (int i = 0; i < 20 && narrowest > std::chrono::microseconds(1); ++i) {
-      const MachineTime before = MachineClock::now();
-      const WallTime between = WallClock::now();
-      const MachineTime after = MachineClock::now();
-      if (after - before >= narrowest) continue;
-      narrowest = after - before;
-      wall = between - (before + narrowest / 2 - machine);
-    }
+    // steady_clock is CLOCK_MONOTONIC.
+    const WallTime wall(machine.time_since_epoch() - machine_minus(CLOCK_MONOTONIC));
     return clock_(node_time_from_ns((wall - pace_->start()).count()));
   }
 

@@ -33,6 +33,8 @@ const char* name_of(BlockKind kind) {
       return "META";
     case BlockKind::kEnd:
       return "END";
+    case BlockKind::kSignal:
+      return "SIGNAL";
   }
   return "UNKNOWN";
 }

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <wire/edge_block_t.hpp>
 #include <wire/end_t.hpp>
 #include <wire/gap_t.hpp>
 #include <wire/meta_t.hpp>
 #include <wire/scan_block_t.hpp>
+#include <wire/signal_block_t.hpp>
 
 #include "common/bus/scan_format.hpp"
 #include "common/bus/wire_format.hpp"
@@ -88,9 +90,18 @@ bool fields_in_bounds(const wire::edge_block_t& m) {
          std::all_of(m.words, m.words + m.edges, [](std::int32_t word) { return word >= 0; });
 }
 
+bool fields_in_bounds(const wire::signal_block_t& m) {
+  if (m.scans != 0 || !within(m.samples, 0, kSamplesPerBlock)) return false;
+  for (int k = 0; k < m.samples; ++k)
+    if (!within(m.sample_ns[k], -kClockLimit_ns, kClockLimit_ns) || !std::isfinite(m.value[k]) ||
+        !within<std::int16_t>(m.signal[k], 0, kMostSignals - 1))
+      return false;
+  return true;
+}
+
 bool fields_in_bounds(const wire::gap_t& m) {
   return within(m.cause, static_cast<std::int32_t>(GapCause::kRingFull),
-                static_cast<std::int32_t>(GapCause::kLostInRecord));
+                static_cast<std::int32_t>(GapCause::kDeviceGone));
 }
 
 bool fields_in_bounds(const wire::meta_t& m) {
@@ -157,6 +168,16 @@ void seal(const EdgeBlock& block, SealedBlock& out) {
   seal_message(BlockKind::kEdge, message, out);
 }
 
+void seal(const SignalBlock& block, SealedBlock& out) {
+  wire::signal_block_t message;
+  put_header(block.header, message);
+  message.samples = block.samples;
+  std::copy(block.time_ns.begin(), block.time_ns.end(), message.sample_ns);
+  std::copy(block.value.begin(), block.value.end(), message.value);
+  std::copy(block.signal.begin(), block.signal.end(), message.signal);
+  seal_message(BlockKind::kSignal, message, out);
+}
+
 void seal(const GapBlock& block, SealedBlock& out) {
   wire::gap_t message;
   put_header(block.header, message);
@@ -194,6 +215,8 @@ Refusal accept(std::span<const std::uint8_t> bytes, SealedBlock& out) {
   if (fingerprint == wire::gap_t::getHash()) return accept_as<wire::gap_t>(BlockKind::kGap, bytes, out);
   if (fingerprint == wire::meta_t::getHash()) return accept_as<wire::meta_t>(BlockKind::kMeta, bytes, out);
   if (fingerprint == wire::end_t::getHash()) return accept_as<wire::end_t>(BlockKind::kEnd, bytes, out);
+  if (fingerprint == wire::signal_block_t::getHash())
+    return accept_as<wire::signal_block_t>(BlockKind::kSignal, bytes, out);
   return Refusal::kUnknownType;
 }
 
@@ -215,6 +238,17 @@ EdgeBlock decode_edge(const SealedBlock& block) {
   result.header = block.header;
   result.edges = message.edges;
   std::copy(message.words, message.words + kEdgesPerBlock, result.words.begin());
+  return result;
+}
+
+SignalBlock decode_signal(const SealedBlock& block) {
+  const auto message = open_message<wire::signal_block_t>(BlockKind::kSignal, block);
+  SignalBlock result;
+  result.header = block.header;
+  result.samples = message.samples;
+  std::copy(message.sample_ns, message.sample_ns + kSamplesPerBlock, result.time_ns.begin());
+  std::copy(message.value, message.value + kSamplesPerBlock, result.value.begin());
+  std::copy(message.signal, message.signal + kSamplesPerBlock, result.signal.begin());
   return result;
 }
 

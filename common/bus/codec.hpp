@@ -14,6 +14,7 @@ namespace roadbalance {
 /// Encodes a block and its CRC once and for all.
 void seal(const ScanBlock& block, SealedBlock& out);
 void seal(const EdgeBlock& block, SealedBlock& out);
+void seal(const SignalBlock& block, SealedBlock& out);
 void seal(const GapBlock& block, SealedBlock& out);
 void seal(const MetaBlock& block, SealedBlock& out);
 void seal(const EndBlock& block, SealedBlock& out);
@@ -27,6 +28,7 @@ Refusal accept(std::span<const std::uint8_t> bytes, SealedBlock& out);
 /// Of an accepted or sealed block.  `block.kind` must be the one named.
 ScanBlock decode_scan(const SealedBlock& block);
 EdgeBlock decode_edge(const SealedBlock& block);
+SignalBlock decode_signal(const SealedBlock& block);
 GapBlock decode_gap(const SealedBlock& block);
 MetaBlock decode_meta(const SealedBlock& block);
 EndBlock decode_end(const SealedBlock& block);

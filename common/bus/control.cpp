@@ -32,7 +32,8 @@ bool in_bounds(const wire::heartbeat_t& m) {
          is_index(m.spool_failures) && is_index(m.scans_refused) &&
          is_one_of(m.time_base, TimeBase::kOwn, TimeBase::kShared) && 0 <= m.clock_port &&
          m.clock_port <= 65'535 && is_index(m.scans_sampled) && is_index(m.scans_missing) &&
-         is_index(m.blocks_sent) && is_index(m.blocks_repaired) && is_index(m.blocks_unsent);
+         is_index(m.blocks_sent) && is_index(m.blocks_repaired) && is_index(m.blocks_unsent) &&
+         std::all_of(std::begin(m.device_counts), std::end(m.device_counts), is_index);
 }
 
 // Missing ranges ascend, do not touch the part that has arrived, and do not overlap.
@@ -50,6 +51,8 @@ bool in_bounds(const wire::ack_t& m) {
 }
 
 }  // namespace
+
+static_assert(kDeviceCounters <= sizeof(wire::heartbeat_t::device_counts) / sizeof(std::int64_t));
 
 std::vector<std::uint8_t> encode(const Heartbeat& h) {
   wire::heartbeat_t m{};
@@ -73,6 +76,7 @@ std::vector<std::uint8_t> encode(const Heartbeat& h) {
   m.acks_refused = h.acks_refused;
   std::copy(h.encoder_faults.begin(), h.encoder_faults.end(), m.encoder_faults);
   m.unreferenced_blocks = h.unreferenced_blocks;
+  std::copy(h.device_counts.begin(), h.device_counts.end(), m.device_counts);
   m.time_base = static_cast<std::int32_t>(h.time_base);
   m.clock_address = static_cast<std::int32_t>(h.clock_address);
   m.clock_port = h.clock_port;
@@ -103,6 +107,7 @@ std::optional<Heartbeat> decode_heartbeat(std::span<const std::uint8_t> bytes) {
   h.acks_refused = m->acks_refused;
   std::copy_n(m->encoder_faults, h.encoder_faults.size(), h.encoder_faults.begin());
   h.unreferenced_blocks = m->unreferenced_blocks;
+  std::copy_n(m->device_counts, h.device_counts.size(), h.device_counts.begin());
   h.time_base = static_cast<TimeBase>(m->time_base);
   h.clock_address = static_cast<std::uint32_t>(m->clock_address);
   h.clock_port = static_cast<std::uint16_t>(m->clock_port);

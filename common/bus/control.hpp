@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "common/frontend/device_report.hpp"
 #include "common/link/block.hpp"
 
 namespace roadbalance {
@@ -33,6 +34,7 @@ struct Heartbeat {
   std::int64_t acks_refused = 0;
   std::array<std::int64_t, 2> encoder_faults{};
   std::int64_t unreferenced_blocks = 0;
+  std::array<std::int64_t, kDeviceCounters> device_counts{};  ///< [DeviceCounter]
   TimeBase time_base = TimeBase::kOwn;
   std::uint32_t clock_address = 0;  ///< IPv4, as a number
   std::uint16_t clock_port = 0;

@@ -5,6 +5,7 @@
 #include <wire/gap_t.hpp>
 #include <wire/meta_t.hpp>
 #include <wire/scan_block_t.hpp>
+#include <wire/signal_block_t.hpp>
 
 #include "common/bus/wire_format.hpp"
 
@@ -22,7 +23,7 @@ BlockType type_of() {
 
 std::vector<BlockType> block_types() {
   return {type_of<wire::scan_block_t>(), type_of<wire::edge_block_t>(), type_of<wire::gap_t>(),
-          type_of<wire::meta_t>(), type_of<wire::end_t>()};
+          type_of<wire::meta_t>(),       type_of<wire::end_t>(),        type_of<wire::signal_block_t>()};
 }
 
 }  // namespace roadbalance

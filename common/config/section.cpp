@@ -170,6 +170,22 @@ std::string Section::text_or(const std::string& key, const std::string& otherwis
   return state_->find(key) ? text(key) : otherwise;
 }
 
+std::vector<std::string> Section::texts_or(const std::string& key, std::vector<std::string> otherwise) {
+  constexpr std::size_t kMost = 16;
+  const std::string allowed = "at most 16 texts in quotes in [ ]";
+  const toml::node* node = state_->find(key);
+  if (!node) return otherwise;
+  const auto* array = node->as_array();
+  if (!array || array->size() > kMost) state_->refuse(*node, key, allowed);
+  std::vector<std::string> values;
+  for (const toml::node& element : *array) {
+    const auto* value = element.as_string();
+    if (!value) state_->refuse(element, key, allowed);
+    values.push_back(**value);
+  }
+  return values;
+}
+
 std::size_t Section::choice(const std::string& key, const std::vector<std::string>& allowed) {
   const toml::node& node = state_->require(key, join(allowed));
   const auto* value = node.as_string();

@@ -47,6 +47,8 @@ class Section {
   bool boolean_or(const std::string& key, bool otherwise);
   std::string text(const std::string& key);
   std::string text_or(const std::string& key, const std::string& otherwise);
+  /// A list of texts, at most 16.
+  std::vector<std::string> texts_or(const std::string& key, std::vector<std::string> otherwise);
   /// One of `allowed`, returned as its index.
   std::size_t choice(const std::string& key, const std::vector<std::string>& allowed);
   std::size_t choice_or(const std::string& key, const std::vector<std::string>& allowed,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <set>
 
 #include "common/config/section.hpp"
@@ -112,6 +113,7 @@ NodeConfig parse_node(Section& node) {
   }
   if (n.channel.size() > kAccelerations)
     node.fail("channel", "has " + std::to_string(n.channel.size()) + " channels; allowed: at most 12");
+  n.wiring = NodeWiring::take(node, wheel_names());
   node.finish();
   return n;
 }
@@ -196,7 +198,9 @@ VehicleConfig VehicleConfig::parse(const std::string& text, const std::string& n
 }
 
 VehicleConfig VehicleConfig::read_file(const std::string& path) {
-  return parse(read_text_file(path), path);
+  VehicleConfig vehicle = parse(read_text_file(path), path);
+  vehicle.folder = std::filesystem::path(path).parent_path().string();
+  return vehicle;
 }
 
 const NodeConfig& VehicleConfig::node_named(const std::string& node_name) const {

@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 
+#include "common/config/node_wiring.hpp"
 #include "common/frontend/front_end.hpp"
 
 namespace roadbalance {
@@ -76,6 +77,7 @@ struct NodeConfig {
   int id;                              ///< 1 .. kLastNode, unique
   double rate_hz;                      ///< scans a second, the same for all nodes
   std::vector<ChannelConfig> channel;  ///< 1 .. 12, in converter order
+  NodeWiring wiring;
 };
 
 /// [filter]: the anti-aliasing filter that accelerations pass before conversion.
@@ -106,7 +108,8 @@ struct VehicleConfig {
   FilterConfig filter;
   RoadConfig road;
   DriveConfig drive;
-  std::string text;  ///< the file as it was read; goes into every record
+  std::string text;    ///< the file as it was read; goes into every record
+  std::string folder;  ///< where it was read; other files it names lie relative to that
 
   /// @throws ConfigError "file:line: key: reason; allowed: ..."
   static VehicleConfig parse(const std::string& text, const std::string& name_for_errors);

@@ -3,28 +3,39 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "common/clock/clocks.hpp"
+#include "common/frontend/device_report.hpp"
 
 namespace roadbalance {
 
 inline constexpr int kAccelerations = 12;  ///< acceleration channels of a node, sampled simultaneously
 inline constexpr int kReferences = 4;      ///< sin, cos of the angle of each of the node's two wheels
 inline constexpr int kChannels = kAccelerations + kReferences;
-inline constexpr int kEncoderLines = 2;  ///< wheel encoders of a node
+inline constexpr int kEncoderLines = 2;            ///< wheel encoders of a node
+inline constexpr std::int16_t kMostSignals = 256;  ///< of a node
 
 /// Full scale of every channel: converters are 24 bit; a reference of 1.0 is this many counts.
 inline constexpr std::int32_t kFullScaleCounts = 1 << 23;
 
-/// Twelve simultaneous conversions.
+/// Twelve simultaneous conversions, of a device with loop-back sixteen.
 struct Scan {
   std::int64_t index = 0;  ///< counted by the device from 0; a jump means that scans were lost
   NodeTime time{};         ///< instant of conversion
   std::array<std::int32_t, kAccelerations> counts{};
   std::uint32_t overload = 0;  ///< bit k: channel k left its range
+  /// The references as they came back through the real anti-aliasing filter; of a node with loop-back.
+  std::array<std::int32_t, kReferences> references{};
+  bool after_absence = false;  ///< the scans jumped over are those of a device that was not there
 };
 
-enum class EdgeKind : std::uint8_t { kTooth = 0, kZeroMark = 1 };
+enum class EdgeKind : std::uint8_t {
+  kTooth = 0,
+  kZeroMark = 1,
+  kToothBackward = 2,  ///< the second track says that the wheel turned backwards
+  kLost = 3,           ///< the device knows that it missed edges of this line before this instant
+};
 
 /// One rising edge of a wheel encoder.
 struct Edge {
@@ -39,9 +50,17 @@ enum class ReadStatus {
   kFailed,  ///< the device is gone; what was returned still counts
 };
 
+/// What another device says of the car at an instant: speed, steering angle, a pulse counter.
+struct SignalSample {
+  NodeTime time{};
+  std::uint16_t signal = 0;  ///< which, in the order of vehicle.toml (NodeConfig::signal)
+  double value = 0.0;        ///< in the unit of its SignalQuantity
+};
+
 struct Read {
-  std::size_t scans = 0;  ///< how many of the given scans were filled
-  std::size_t edges = 0;  ///< how many of the given edges were filled
+  std::size_t scans = 0;    ///< how many of the given scans were filled
+  std::size_t edges = 0;    ///< how many of the given edges were filled
+  std::size_t signals = 0;  ///< how many of the given signal samples were filled
   ReadStatus status = ReadStatus::kOk;
 };
 
@@ -60,10 +79,12 @@ class FrontEnd {
   virtual ~FrontEnd() = default;
 
   /// Waits until at least one scan is there (at most 100 ms) and hands over all there are, up to the
-  /// spans' sizes, scans and edges each in order of time.  Every edge stamped before the last returned
-  /// scan has been returned by this or an earlier call, unless `edges` was full: then the rest comes next.
-  /// The caller gives room for at least 64 edges.  Never allocates.
-  virtual Read read(std::span<Scan> scans, std::span<Edge> edges) noexcept = 0;
+  /// spans' sizes, scans and edges each in order of time, samples in order of time for each signal.  Every
+  /// edge stamped before the last returned scan has been returned by this or an earlier call, unless `edges`
+  /// was full: then the rest comes next.
+  /// The caller gives room for at least 64 edges and 64 samples.  Never allocates.
+  virtual Read read(std::span<Scan> scans, std::span<Edge> edges,
+                    std::span<SignalSample> signals) noexcept = 0;
 
   /// True if the device loses nothing while nobody reads it (a simulation faster than real time, a file).
   /// It is then asked only for scans that will be kept.
@@ -74,6 +95,9 @@ class FrontEnd {
   /// The device's clock at an instant of the machine's; of one that does not wait.  Hardware is stamped in
   /// the machine's own clock.  May be called from another thread while read() runs.
   virtual NodeTime node_time(MachineTime machine) const noexcept { return node_time_from_ns(to_ns(machine)); }
+
+  /// What the devices behind it count of their troubles; they live as long as the front end.
+  virtual std::vector<const DeviceReport*> reports() const { return {}; }
 };
 
 }  // namespace roadbalance

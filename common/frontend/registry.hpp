@@ -4,9 +4,11 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "common/config/vehicle_config.hpp"
 #include "common/frontend/front_end.hpp"
+#include "common/frontend/side_source.hpp"
 
 namespace roadbalance {
 
@@ -18,20 +20,40 @@ struct FrontEndRequest {
   const NodeConfig& node;
 };
 
-/// Front ends by URI scheme.  Each program's main registers what it offers.
+/// A device gives scans, or what belongs beside the scans of another, or both.
+struct OpenedDevice {
+  std::unique_ptr<FrontEnd> scans;
+  std::unique_ptr<SideSource> side;
+};
+
+/// Devices by URI scheme.  Each program's main registers what it offers.
 class FrontEndRegistry {
  public:
   using Open = std::function<std::unique_ptr<FrontEnd>(const FrontEndRequest&)>;
+  using OpenDevice = std::function<OpenedDevice(const FrontEndRequest&)>;
 
+  /// A device that gives scans.
   void add(std::string scheme, Open open);
+  /// A device that may give something else.
+  void add_device(std::string scheme, OpenDevice open);
 
   /// @param uri  "scheme:address"
-  /// @throws ConfigError naming the URI and the schemes there are, or what the backend throws
+  /// @throws ConfigError naming the URI and the schemes there are, or if the device gives no scans; or what
+  /// the
+  ///         backend throws
   std::unique_ptr<FrontEnd> open(const std::string& uri, const VehicleConfig& vehicle,
                                  const NodeConfig& node) const;
 
+  /// Several devices as one front end: exactly one that gives scans, any number that give what is beside.
+  /// @throws as open()
+  std::unique_ptr<FrontEnd> open(const std::vector<std::string>& uris, const VehicleConfig& vehicle,
+                                 const NodeConfig& node) const;
+
  private:
-  std::map<std::string, Open> schemes_;
+  OpenedDevice open_device(const std::string& uri, const VehicleConfig& vehicle,
+                           const NodeConfig& node) const;
+
+  std::map<std::string, OpenDevice> schemes_;
 };
 
 }  // namespace roadbalance

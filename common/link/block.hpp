@@ -8,7 +8,8 @@
 namespace roadbalance {
 
 /// The kinds of block that share one sequence per node epoch.
-enum class BlockKind : std::uint8_t { kScan, kEdge, kGap, kMeta, kEnd };
+enum class BlockKind : std::uint8_t { kScan, kEdge, kGap, kMeta, kEnd, kSignal };
+inline constexpr std::size_t kBlockKinds = 6;
 
 /// What may be wrong with a scan block; bits of scan_block_t.quality.
 enum Quality : std::int32_t {
@@ -33,6 +34,7 @@ enum class GapCause : std::int32_t {
   kNodeCrash = 5,      ///< the epoch has no end: its length is unknown
   kSourceGap = 6,      ///< imported data had a hole here
   kLostInRecord = 7,   ///< was damaged in the record or missing there when it was recovered
+  kDeviceGone = 8,     ///< the device was not there: unplugged, its bus down
 };
 
 /// A gap of this cause stands for every block since the one before it and bears the number of the last;

@@ -4,9 +4,9 @@
 
 namespace roadbalance {
 namespace {
-// A word of edge_block_t: bit 0 line, bit 1 kind, bits 2..30 nanoseconds since the edge before.
-constexpr int kTimeShift = 2;
-constexpr std::int64_t kTimeLimit_ns = std::int64_t{1} << 29;
+// A word of edge_block_t: bit 0 line, bits 1 and 2 kind, bits 3..30 nanoseconds since the edge before.
+constexpr int kTimeShift = 3;
+constexpr std::int64_t kTimeLimit_ns = std::int64_t{1} << 28;
 }  // namespace
 
 bool EdgeBlock::add(const Edge& edge) {
@@ -34,8 +34,26 @@ std::vector<Edge> EdgeBlock::unpack() const {
     time_ns += word >> kTimeShift;
     result.push_back({.time = node_time_from_ns(time_ns),
                       .line = static_cast<std::uint8_t>(word & 1),
-                      .kind = (word & 2) ? EdgeKind::kZeroMark : EdgeKind::kTooth});
+                      .kind = static_cast<EdgeKind>(word >> 1 & 3)});
   }
+  return result;
+}
+
+bool SignalBlock::add(const SignalSample& sample) {
+  if (samples == 0) header.time_ns = to_ns(sample.time);
+  if (samples == kSamplesPerBlock) return false;
+  const auto k = static_cast<std::size_t>(samples++);
+  time_ns[k] = to_ns(sample.time);
+  value[k] = sample.value;
+  signal[k] = static_cast<std::int16_t>(sample.signal);
+  return true;
+}
+
+std::vector<SignalSample> SignalBlock::unpack() const {
+  std::vector<SignalSample> result;
+  result.reserve(static_cast<std::size_t>(samples));
+  for (std::size_t k = 0; k < static_cast<std::size_t>(samples); ++k)
+    result.push_back({node_time_from_ns(time_ns[k]), static_cast<std::uint16_t>(signal[k]), value[k]});
   return result;
 }
 

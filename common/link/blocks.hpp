@@ -14,6 +14,7 @@ namespace roadbalance {
 
 inline constexpr int kScansPerBlock = 20;
 inline constexpr int kEdgesPerBlock = 300;
+inline constexpr int kSamplesPerBlock = 64;
 inline constexpr int kMetaBytesPerBlock = 1200;
 
 struct ScanBlock {
@@ -34,13 +35,29 @@ struct EdgeBlock {
   std::array<std::int32_t, kEdgesPerBlock> words{};
 
   /// Adds an edge at or after the last one.  False if the block is full or the edge too far away
-  /// (2^29 ns): then a new block begins.  The first edge sets header.time_ns.
+  /// (2^28 ns): then a new block begins.  The first edge sets header.time_ns.
   bool add(const Edge& edge);
+  bool empty() const { return edges == 0; }
   /// The edges as they were added.
   std::vector<Edge> unpack() const;
 
  private:
   std::int64_t last_ns_ = 0;
+};
+
+/// Samples of the node's signals as they came.
+struct SignalBlock {
+  BlockHeader header;
+  std::int32_t samples = 0;
+  std::array<std::int64_t, kSamplesPerBlock> time_ns{};
+  std::array<double, kSamplesPerBlock> value{};
+  std::array<std::int16_t, kSamplesPerBlock> signal{};
+
+  /// False if the block is full: then a new one begins.  The first sample sets header.time_ns.
+  bool add(const SignalSample& sample);
+  bool empty() const { return samples == 0; }
+  /// The samples as they were added.
+  std::vector<SignalSample> unpack() const;
 };
 
 struct GapBlock {

@@ -27,6 +27,7 @@ WheelEncoder::WheelEncoder(const EncoderConfig& config)
       history_(static_cast<std::size_t>(std::max(256, kHistoryTurns * config.pulses_per_turn))) {}
 
 void WheelEncoder::add(NodeTime time, EdgeKind kind) noexcept {
+  if (kind == EdgeKind::kToothBackward || kind == EdgeKind::kLost) return lose();
   if (kind == EdgeKind::kTooth)
     add_tooth(to_ns(time));
   else if (config_.zero_mark)

@@ -59,7 +59,7 @@ TEST(Acquire, TakesNothingFromAWaitingDeviceBeforeItIsStarted) {
   process.join();
   std::array<Scan, 100> scans;
   std::array<Edge, 64> edges;
-  EXPECT_EQ(device.read(scans, edges).scans, 64U);  // a whole run of the script: none was taken
+  EXPECT_EQ(device.read(scans, edges, {}).scans, 64U);  // a whole run of the script: none was taken
   EXPECT_EQ(node.ring.used(), 0);
 }
 
@@ -90,8 +90,8 @@ TEST(Acquire, LosesNothingOfAWaitingDeviceToASmallRing) {
 class Impatient final : public FrontEnd {
  public:
   explicit Impatient(FrontEnd& inner) : inner_(inner) {}
-  Read read(std::span<Scan> scans, std::span<Edge> edges) noexcept override {
-    return inner_.read(scans, edges);
+  Read read(std::span<Scan> scans, std::span<Edge> edges, std::span<SignalSample>) noexcept override {
+    return inner_.read(scans, edges, {});
   }
 
  private:

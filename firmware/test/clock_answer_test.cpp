@@ -15,7 +15,7 @@ constexpr std::uint32_t kLoopback = 0x7F000001;
 /// Its clock shows 1000 s more than the machine's.
 class Elsewhere final : public FrontEnd {
  public:
-  Read read(std::span<Scan>, std::span<Edge>) noexcept override { return {}; }
+  Read read(std::span<Scan>, std::span<Edge>, std::span<SignalSample>) noexcept override { return {}; }
   NodeTime node_time(MachineTime machine) const noexcept override {
     return node_time_from_ns(to_ns(machine) + 1'000'000'000'000);
   }

@@ -101,7 +101,7 @@ TEST(ReadoutClock, BeginsAnewWhenTheClockJumps) {
 class Late final : public FrontEnd {
  public:
   Late(std::vector<Scan> scans, ScanStamps stamps) : scans_(std::move(scans)), stamps_(stamps) {}
-  Read read(std::span<Scan> scans, std::span<Edge>) noexcept override {
+  Read read(std::span<Scan> scans, std::span<Edge>, std::span<SignalSample>) noexcept override {
     std::copy(scans_.begin(), scans_.end(), scans.begin());
     return {.scans = scans_.size(), .status = ReadStatus::kEnd};
   }

@@ -22,7 +22,7 @@ class ScriptedFrontEnd final : public FrontEnd {
   ScriptedFrontEnd(std::vector<Scan> scans, std::vector<Edge> edges, std::size_t run = 64)
       : scans_(std::move(scans)), edges_(std::move(edges)), run_(run) {}
 
-  Read read(std::span<Scan> scans, std::span<Edge> edges) noexcept override {
+  Read read(std::span<Scan> scans, std::span<Edge> edges, std::span<SignalSample>) noexcept override {
     Read read;
     while (read.scans < std::min(run_, scans.size()) && next_scan_ < scans_.size())
       scans[read.scans++] = scans_[next_scan_++];

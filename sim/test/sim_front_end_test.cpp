@@ -32,7 +32,7 @@ Data read(FrontEnd& device, std::size_t scans, std::size_t scan_room = 100, std:
   std::vector<Edge> some_edges(edge_room);
   while (data.scans.size() < scans) {
     const std::size_t room = std::min(scan_room, scans - data.scans.size());
-    const Read read = device.read(std::span(some_scans).first(room), some_edges);
+    const Read read = device.read(std::span(some_scans).first(room), some_edges, {});
     data.scans.insert(data.scans.end(), some_scans.begin(),
                       some_scans.begin() + static_cast<std::ptrdiff_t>(read.scans));
     data.edges.insert(data.edges.end(), some_edges.begin(),
@@ -91,7 +91,7 @@ TEST(SimFrontEnd, EdgesComeInOrderAndCompleteBeforeTheirScanWhateverRoomTheReade
     std::vector<Scan> scans(7);
     std::vector<Edge> edges(edge_room);
     for (;;) {
-      const Read read = device->read(scans, edges);
+      const Read read = device->read(scans, edges, {});
       for (std::size_t i = 0; i < read.edges; ++i) data.edges.push_back(edges[i]);
       for (std::size_t i = 0; i < read.scans; ++i) data.scans.push_back(scans[i]);
       // Whatever is stamped up to the last scan must have come: then the next edge of the reference is later.
@@ -213,7 +213,7 @@ TEST(SimFrontEnd, ReadNeverAllocates) {
   std::size_t total = 0;
   {
     const roadbalance::test::NoAllocation guard;
-    while (device->read(scans, edges).status == ReadStatus::kOk) ++total;
+    while (device->read(scans, edges, {}).status == ReadStatus::kOk) ++total;
   }
   EXPECT_GE(total, 60U);
 }

@@ -14,7 +14,7 @@ class CsvFrontEnd final : public FrontEnd {
   CsvFrontEnd(std::vector<Scan> scans, std::vector<Edge> edges)
       : scans_(std::move(scans)), edges_(std::move(edges)) {}
 
-  Read read(std::span<Scan> scans, std::span<Edge> edges) noexcept override {
+  Read read(std::span<Scan> scans, std::span<Edge> edges, std::span<SignalSample>) noexcept override {
     Read read;
     read.scans = std::min(scans.size(), scans_.size() - next_scan_);
     std::copy_n(scans_.begin() + static_cast<std::ptrdiff_t>(next_scan_), read.scans, scans.begin());

@@ -10,7 +10,9 @@ namespace {
 
 class Silence final : public FrontEnd {
  public:
-  Read read(std::span<Scan>, std::span<Edge>) noexcept override { return {.status = ReadStatus::kEnd}; }
+  Read read(std::span<Scan>, std::span<Edge>, std::span<SignalSample>) noexcept override {
+    return {.status = ReadStatus::kEnd};
+  }
 };
 
 VehicleConfig car() {

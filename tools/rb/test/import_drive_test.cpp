@@ -51,7 +51,7 @@ Log read_all(FrontEnd& front_end) {
   std::vector<Scan> scans(256);
   std::vector<Edge> edges(4096);
   for (Read read; read.status == ReadStatus::kOk;) {
-    read = front_end.read(scans, edges);
+    read = front_end.read(scans, edges, {});
     log.scans.insert(log.scans.end(), scans.begin(), scans.begin() + static_cast<std::ptrdiff_t>(read.scans));
     log.edges.insert(log.edges.end(), edges.begin(), edges.begin() + static_cast<std::ptrdiff_t>(read.edges));
   }

@@ -1,0 +1,39 @@
+#include "common/frontend/device_report.hpp"
+
+namespace roadbalance {
+namespace {
+
+struct Words {
+  const char* name;
+  const char* sentence;
+};
+
+constexpr std::array<Words, kDeviceCounters> kWords{{
+    {"gone", "was unplugged or went down"},
+    {"returned", "is there again"},
+    {"bus_off", "bus-off: the controller no longer takes part in the bus"},
+    {"error_passive", "error-passive: the controller sees many errors on the bus"},
+    {"bus_errors", "the controller saw errors on the bus"},
+    {"queue_overflow", "frames were lost because the kernel had no room for them"},
+    {"frames_refused", "frames were refused: wrong length, or a value out of its range"},
+    {"stalls", "the board halted its transfers"},
+    {"short_packets", "packets ended before their time"},
+    {"packets_refused", "packets were refused: wrong mark, length or CRC"},
+    {"packets_missing", "packets are missing"},
+    {"board_overrun", "the board lost scans before it could send them"},
+    {"edges_lost", "encoder edges are missing"},
+    {"late_edges", "encoder edges came after their scans and were not used"},
+    {"readers_too_slow", "the node did not fetch in time what the device had"},
+}};
+
+}  // namespace
+
+const char* sentence(DeviceCounter counter) {
+  return kWords[static_cast<std::size_t>(counter)].sentence;
+}
+
+const char* name_of(DeviceCounter counter) {
+  return kWords[static_cast<std::size_t>(counter)].name;
+}
+
+}  // namespace roadbalance

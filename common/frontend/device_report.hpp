@@ -1,0 +1,56 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <utility>
+
+namespace roadbalance {
+
+/// What a device can suffer.  In the order of heartbeat_t.device_counts; new ones go to the end.
+enum class DeviceCounter : std::uint8_t {
+  kGone,            ///< interface down, cable pulled, chip removed
+  kReturned,        ///< after that
+  kBusOff,          ///< the CAN controller took itself off the bus
+  kErrorPassive,    ///< the CAN controller may no longer mark errors
+  kBusErrors,       ///< other CAN error frames
+  kQueueOverflow,   ///< frames that the kernel had no room for
+  kFramesRefused,   ///< of wrong length or with a value out of its range
+  kStalls,          ///< USB transfers that the board halted
+  kShortPackets,    ///< USB packets that ended before their time
+  kPacketsRefused,  ///< USB packets with a wrong mark, length or CRC
+  kPacketsMissing,  ///< numbers left out in the packet sequence
+  kBoardOverrun,    ///< scans that the board lost before it could send them
+  kEdgesLost,       ///< times that the device knows edges are missing
+  kLateEdges,       ///< came after their scans had gone; not used
+  kReadersTooSlow,  ///< what came was dropped because the node did not fetch it
+};
+inline constexpr std::size_t kDeviceCounters = 15;
+
+/// One of them in words, for people: "was unplugged or went down".
+const char* sentence(DeviceCounter counter);
+/// The same as a key: "gone".
+const char* name_of(DeviceCounter counter);
+
+/// One device's count of its troubles since it was opened.  Written by the threads that serve the device,
+/// read by any other; never blocks.
+class DeviceReport {
+ public:
+  /// @param device  its URI, e.g. "can:can0"
+  explicit DeviceReport(std::string device) : device_(std::move(device)) {}
+
+  void count(DeviceCounter counter, std::int64_t times = 1) noexcept {
+    counts_[static_cast<std::size_t>(counter)].fetch_add(times, std::memory_order_relaxed);
+  }
+  std::int64_t of(DeviceCounter counter) const noexcept {
+    return counts_[static_cast<std::size_t>(counter)].load(std::memory_order_relaxed);
+  }
+  const std::string& device() const noexcept { return device_; }
+
+ private:
+  const std::string device_;
+  std::array<std::atomic<std::int64_t>, kDeviceCounters> counts_{};
+};
+
+}  // namespace roadbalance

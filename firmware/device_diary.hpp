@@ -1,0 +1,30 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/frontend/device_report.hpp"
+
+namespace roadbalance {
+
+/// Says in sentences what devices have counted since it was last asked: "can:can0: was unplugged or went down
+/// (2 times by now)".
+class DeviceDiary {
+ public:
+  explicit DeviceDiary(std::vector<const DeviceReport*> reports);
+
+  /// @param say  gets a sentence for each counter that has moved
+  void look(const std::function<void(const std::string&)>& say);
+
+ private:
+  struct Page {
+    const DeviceReport* report;
+    std::array<std::int64_t, kDeviceCounters> said{};
+  };
+  std::vector<Page> pages_;
+};
+
+}  // namespace roadbalance
