@@ -91,6 +91,7 @@ void write_texts() {
   write("address", "max", std::string("?rate=max"));
   const std::string samples = "time_s,body_z,wheel_z\ns,m/s^2,g\n0.0,1.5,-0.25\n0.01,1.25,1e-3\n";
   const std::string pulses = "time_s,wheel,kind\n0.001,front_left,tooth\n0.002,front_left,zero\n";
+  write("dbc", "car", test::read_source("firmware/backends/test/data/rav4.dbc"));
   write("csv", "both", samples + '\0' + pulses);
 }
 
