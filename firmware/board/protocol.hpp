@@ -139,7 +139,12 @@ struct Start {
   std::uint32_t token = 0;  ///< as armed
 };
 
-enum class State : std::uint8_t { kIdle = 0, kArmed = 1, kRunning = 2 };
+enum class State : std::uint8_t {
+  kIdle = 0,
+  kArmed = 1,
+  kRunning = 2,
+  kLost = 3,  ///< no conversion came for so long that the next one's index is unknown; kStop leads to idle
+};
 
 /// Why the last refused request was stalled.
 enum class Refusal : std::uint8_t {

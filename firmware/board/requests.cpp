@@ -178,7 +178,7 @@ std::optional<Status> decode_status(std::span<const std::uint8_t> bytes) {
   Status status;
   const auto state = in.take<std::uint8_t>();
   const auto refusal = in.take<std::uint8_t>();
-  if (state > static_cast<std::uint8_t>(State::kRunning)) return std::nullopt;
+  if (state > static_cast<std::uint8_t>(State::kLost)) return std::nullopt;
   if (refusal > static_cast<std::uint8_t>(Refusal::kHardware)) return std::nullopt;
   status.state = static_cast<State>(state);
   status.last_refusal = static_cast<Refusal>(refusal);
