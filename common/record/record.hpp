@@ -65,9 +65,9 @@ class RecordReader {
 /// Appends events to the segments of a recording folder.  Implements the writing rules of the record:
 /// write(2) with results checked, preallocation, directory sync, group commit by the caller.
 ///
-/// A new segment gets its name when its first events are on the disk, and only then is the one before closed,
-/// which is on the disk by then: a power cut tears the last segment only.  Each finished segment gets an
-/// index.
+/// A new segment gets its name when its first events and all of the one before are on the disk: a power cut
+/// tears the last segment only.  What is left to do for the one before, its index and the space reserved
+/// behind its end, can wait: tidy() does it when there is time.
 ///
 /// A disk that fails: append, sync and close throw std::system_error, and has_failed() tells whether the
 /// segment being written is lost for further writing.  Then call abandon(), append again what durable() does
@@ -108,6 +108,10 @@ class RecordWriter {
   void append(const SealedBlock& block, std::int64_t timestamp_us);
   /// fdatasync (and the directory's sync for a new file).  After it returned, all appended is durable.
   void sync();
+  /// Finishes the segment before the one being written, which the next segment and close() do at the latest.
+  /// Takes three syncs; a disk that fails at it takes nothing from the record.
+  /// @return  false if there is nothing to do
+  bool tidy();
   /// Syncs and closes; a writer that is not closed leaves what a kill would leave.
   void close();
 

@@ -14,8 +14,8 @@
 #include "common/record/record.hpp"
 #include "common/record/record_folder.hpp"
 #include "common/record/segment.hpp"
-#include "common/record/segment_index.hpp"
 #include "common/record/take_over.hpp"
+#include "common/record/written_segment.hpp"
 
 namespace roadbalance {
 namespace {
@@ -34,7 +34,8 @@ struct RecordWriter::State {
   Disk& disk;
   RecordFolder folder;
   File file;
-  int segment = 0;  // number of the current or, with no file open, of the last segment
+  std::optional<WrittenSegment> written;  // the one before, until it is finished
+  int segment = 0;                        // number of the current or, with no file open, of the last segment
   std::uint64_t segment_bytes = 0;
   std::uint64_t durable_bytes = 0;  // of the segment
   std::uint64_t reserved_bytes = 0;
@@ -103,20 +104,21 @@ struct RecordWriter::State {
     all_is_durable();
   }
 
-  void keep_index() {
+  // All of it is on the disk, so that nothing of what fails here matters.
+  bool tidy() {
+    if (!written) return false;
+    WrittenSegment last = *std::exchange(written, std::nullopt);
     try {
-      write_index(options.folder, {.segment = segment, .bytes = segment_bytes, .epoch = holds.epoch}, disk);
+      last.finish(options.folder, disk);
     } catch (const std::system_error&) {
-      // The record is good without it; only the next start takes longer.
     }
+    return true;
   }
 
-  // Space reserved behind the end is given back: a closed segment takes what it holds.
-  void finish(File finished, std::uint64_t size) {
-    finished.truncate(size);
-    finished.sync();
-    finished.close();
-    keep_index();
+  // The present segment, all of which is on the disk.
+  WrittenSegment give_up_present(std::uint64_t bytes) {
+    return {.file = std::exchange(file, File()),
+            .index = {.segment = segment, .bytes = bytes, .epoch = holds.epoch}};
   }
 
   std::filesystem::path path(int number) const { return segment_path(options.folder, number); }
@@ -137,6 +139,7 @@ struct RecordWriter::State {
   void open_next() {
     folder.take_again(options.folder, disk);
     if (file.is_open()) sync();
+    (void)tidy();
     const std::uint64_t size_before = segment_bytes;
     const std::uint64_t reserved_before = reserved_bytes;
     auto unnamed = path(segment + 1);
@@ -152,7 +155,7 @@ struct RecordWriter::State {
       (void)disk.unlink(unnamed.c_str());
       throw;
     }
-    finish_present(size_before);
+    if (file.is_open()) written = give_up_present(size_before);
     file = std::move(next);
     ++segment;
     durable_bytes = 0;
@@ -160,17 +163,6 @@ struct RecordWriter::State {
     all_is_durable();
     commit_due = false;
     abandoned.clear();
-  }
-
-  // All of it is on the disk, so that nothing of what fails here matters.
-  void finish_present(std::uint64_t size) {
-    if (!file.is_open()) return;
-    const std::uint64_t next_size = std::exchange(segment_bytes, size);
-    try {
-      finish(std::exchange(file, File()), size);
-    } catch (const std::system_error&) {
-    }
-    segment_bytes = next_size;
   }
 
   void remember(const NodeEpoch& key) {
@@ -243,7 +235,12 @@ void RecordWriter::close() {
   State& s = *state_;
   if (!s.file.is_open()) return;
   s.sync();
-  s.attempt([&s] { s.finish(std::exchange(s.file, File()), s.segment_bytes); });
+  (void)s.tidy();
+  s.attempt([&s] { s.give_up_present(s.segment_bytes).finish(s.options.folder, s.disk); });
+}
+
+bool RecordWriter::tidy() {
+  return state_->tidy();
 }
 
 void RecordWriter::abandon(const Note& stamp) {

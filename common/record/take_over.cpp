@@ -85,7 +85,10 @@ RecordState read_and_index(const std::filesystem::path& folder, RecordState stat
   const auto keep_index = [&](int segment, const RecordState& at) {
     if (segment < first) return;
     try {
-      const auto bytes = size_of_file(segment_path(folder, segment), disk);
+      File file = File::open_to_write(segment_path(folder, segment), disk);
+      const std::uint64_t bytes = file.size();
+      file.truncate(bytes);  // gives back what is reserved behind
+      file.close();
       write_index(folder, {.segment = segment, .bytes = bytes, .epoch = at.epoch}, disk);
     } catch (const std::system_error&) {
       // The record is good without it; only the next start takes longer.

@@ -58,6 +58,7 @@ std::int64_t live(SimulatedDisk& disk, std::mt19937_64& random, std::int64_t dur
     const auto more = static_cast<std::int64_t>(random() % 12);
     if (!feeder->append_through(std::min(last, feeder->appended() + more))) break;
     if (random() % 3 != 0 && !feeder->sync()) break;
+    if (random() % 3 == 0) (void)feeder->writer().tidy();
     if (random() % 400 == 0) break;  // killed
     durable = std::max(durable, feeder->durable());
   }
@@ -111,6 +112,7 @@ void drive_on(SimulatedDisk& disk, std::int64_t& durable) {
       if (!feeder->append_through(std::min(next + 4, last))) return;
       if (!feeder->sync()) return;
       durable = std::max(durable, feeder->durable());
+      if (last == 25) (void)feeder->writer().tidy();  // else a rotation does it
     }
     if (last == 60) feeder->close();
     durable = std::max(durable, feeder->durable());

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "common/record/file.hpp"
+#include "common/record/segment_index.hpp"
+
+namespace roadbalance {
+
+/// A segment all of which is on the disk, and that nothing is added to any more.  What is left to do takes
+/// nothing from it when it does not happen: a start without it only takes longer.
+struct WrittenSegment {
+  File file;
+  SegmentIndex index;  ///< where the record stands at its end
+
+  /// Gives back the space reserved behind its end, closes it, and writes its index.
+  /// @throws std::system_error naming the segment; an index that cannot be written is no failure
+  void finish(const std::filesystem::path& folder, Disk& disk);
+};
+
+}  // namespace roadbalance
