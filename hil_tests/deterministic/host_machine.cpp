@@ -162,7 +162,10 @@ void HostMachine::write(std::int64_t now_ns) {
     for (const Delivery& delivery : batch) p.keeper.append(delivery, wall(now_ns));
   p.waiting.clear();
   p.waiting_blocks = 0;
-  if (p.keeper.commit_is_due(wall(now_ns))) p.marks = p.keeper.commit(wall(now_ns));
+  if (p.keeper.commit_is_due(wall(now_ns)))
+    p.marks = p.keeper.commit(wall(now_ns));
+  else
+    p.keeper.keep_house();
   if (died_) return;
   const std::int64_t took_ns = take_elapsed_ns();
   longest_sync_s_ = std::max(longest_sync_s_, static_cast<double>(took_ns) * 1e-9);

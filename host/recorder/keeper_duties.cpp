@@ -75,17 +75,24 @@ void RecordKeeper::on_space(SpaceWatch::Event event) {
   }
 }
 
+// Only what the disk takes brings the next piece: what fails is tried again after the next commit.
+void RecordKeeper::keep_house() {
+  if (house_is_due_) house_is_due_ = writer_->tidy() || list_finished() || delete_segment_told();
+}
+
 // The manifest is for people and for transfer: one that cannot be written now is written with the next
 // segment.
-void RecordKeeper::list_finished() {
+bool RecordKeeper::list_finished() {
   const int last = writer_->segment() - (segment_is_open_ ? 1 : 0);
-  if (last <= listed_) return;
+  if (last <= listed_) return false;
   try {
     write_manifest(folder(), last, disk_);
     listed_ = last;
     if (options_.keep_bytes > 0) choose_segments_to_delete();
+    return true;
   } catch (const std::system_error& error) {
     warnings_.push_back(error.what());
+    return false;
   }
 }
 
@@ -100,21 +107,25 @@ void RecordKeeper::choose_segments_to_delete() {
       return;
     total -= size->second;
     if (!to_delete_.insert(number).second) continue;
+    deletion_is_told_ = false;
     note(NoteKind::kSegmentDeleted, number, static_cast<std::int64_t>(size->second), "");
   }
 }
 
-void RecordKeeper::delete_segments() {
-  if (to_delete_.empty()) return;
+// The manifest goes first, so that it lists nothing that is gone.
+bool RecordKeeper::delete_segment_told() {
+  if (to_delete_.empty() || !deletion_is_told_) return false;
+  const int number = *to_delete_.begin();
   try {
-    write_manifest(folder(), listed_, disk_, to_delete_);
-    while (!to_delete_.empty()) {
-      delete_segment(folder(), *to_delete_.begin(), disk_);
-      to_delete_.erase(to_delete_.begin());
-      ++segments_deleted_;
-    }
+    if (read_manifest(folder(), disk_).contains(segment_path(folder(), number).filename().string()))
+      write_manifest(folder(), listed_, disk_, to_delete_);
+    delete_segment(folder(), number, disk_);
+    to_delete_.erase(number);
+    ++segments_deleted_;
+    return true;
   } catch (const std::system_error& error) {
     warnings_.push_back(error.what());  // again after the next commit
+    return false;
   }
 }
 

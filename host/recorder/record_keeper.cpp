@@ -101,6 +101,7 @@ bool RecordKeeper::attempt(WallTime now, Call&& call) {
 void RecordKeeper::fail(const std::system_error& error, WallTime now) {
   const bool was_failing = health_.failing();
   health_.fail(now);
+  house_is_due_ = false;
   last_failure_ = error.what();
   const int segment = writer_->segment();
   if (writer_->has_failed()) {
@@ -181,19 +182,21 @@ std::vector<DurableMark> RecordKeeper::all_is_durable() {
   failures_in_a_row_ = 0;
   health_.succeed();
   space_.wrote();
-  delete_segments();
-  list_finished();
+  house_is_due_ = true;
+  deletion_is_told_ = !to_delete_.empty();
   return marks;
 }
 
 std::vector<DurableMark> RecordKeeper::seal(WallTime now) {
   keep_journal();
   auto marks = commit(now);
-  // Finishing a segment may have chosen others to delete, of which a note tells.
+  while (house_is_due_) keep_house();
+  // That may have chosen segments to delete, of which a note tells.
   if (held_blocks_ == 0 && held_.size() > 0) (void)commit(now);
+  while (house_is_due_) keep_house();
   if (held_.size() == 0 && segment_is_open_ && attempt(now, [this] { writer_->close(); })) {
     segment_is_open_ = false;
-    list_finished();
+    (void)list_finished();
   }
   return marks;
 }

@@ -80,6 +80,11 @@ class RecordKeeper {
   std::chrono::milliseconds time_left(WallTime now) const;
   /// What is durable now and was not before.
   std::vector<DurableMark> commit(WallTime now);
+  /// What can wait: finishes the segment before, lists it in the manifest, deletes what retention has chosen
+  /// and a note on the disk tells of.  One of these a call, of three syncs at most, for what comes meanwhile
+  /// waits. To be called when no commit is due and what commit() returned has been passed on; seal() and
+  /// close() do all of it.
+  void keep_house();
   /// Commits and closes the record.  What could not be made durable is said by failure().
   std::vector<DurableMark> close(WallTime now);
 
@@ -114,9 +119,9 @@ class RecordKeeper {
   void keep_journal();
   void watch_space(WallTime now);
   void on_space(SpaceWatch::Event event);
-  void list_finished();
+  bool list_finished();
   void choose_segments_to_delete();
-  void delete_segments();
+  bool delete_segment_told();
 
   Disk& disk_;
   const KeeperOptions options_;
@@ -147,8 +152,10 @@ class RecordKeeper {
   WallTime journal_at_ = WallTime::min();
   JournalTally journal_;
   LinkCounters counters_;
-  int listed_ = 0;           // last segment that the manifest lists as finished
-  std::set<int> to_delete_;  // a note says so, which is on the disk after the next commit
+  bool house_is_due_ = false;
+  int listed_ = 0;                 // last segment that the manifest lists as finished
+  std::set<int> to_delete_;        // a note says so, which is on the disk after the next commit
+  bool deletion_is_told_ = false;  // of all of them
   std::int64_t bytes_recorded_ = 0;
   std::int64_t segments_deleted_ = 0;
   std::vector<std::string> warnings_;

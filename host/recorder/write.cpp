@@ -40,8 +40,10 @@ class Writing {
     if (batch)
       for (const auto& delivery : batch->deliveries) keeper_.append(delivery, now);
     if (options_.power) watch_power(now);
-    if (keeper_.commit_is_due(now)) take(keeper_.commit(now), now);
+    const bool commits = keeper_.commit_is_due(now);
+    if (commits) take(keeper_.commit(now), now);
     tell();
+    if (!commits) keeper_.keep_house();
   }
 
   void close() {

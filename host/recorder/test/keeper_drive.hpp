@@ -38,7 +38,10 @@ class Drive {
       now += kStep;
       while (given < first + blocks * (t + kStep) / duration)
         keeper->append(Delivery(numbered_block(++given)), now);
-      if (keeper->commit_is_due(now)) note_durable(keeper->commit(now));
+      if (keeper->commit_is_due(now))
+        note_durable(keeper->commit(now));
+      else
+        keeper->keep_house();
     }
   }
   void note_durable(const std::vector<DurableMark>& marks) {

@@ -1,0 +1,106 @@
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+
+#include "common/record/folder.hpp"
+#include "common/record/segment.hpp"
+#include "common/record/segment_index.hpp"
+#include "host/recorder/manifest.hpp"
+#include "host/recorder/test/keeper_drive.hpp"
+#include "host/recorder/verify.hpp"
+
+namespace roadbalance {
+namespace {
+
+using std::chrono::milliseconds;
+using test::DiskCall;
+using test::Drive;
+using test::kFolder;
+using test::Outcome;
+
+// A drive with many segments, of which few are kept.
+class KeeperHouseTest : public ::testing::Test, protected Drive {
+ protected:
+  KeeperHouseTest() { options.keep_bytes = 100 << 10; }
+};
+
+// Marks become acknowledgements: no sync that can wait comes before them.
+TEST_F(KeeperHouseTest, MarksAreGivenBeforeTheSegmentBeforeIsFinishedListedOrDeleted) {
+  start();
+  std::set<std::string> house;  // what was done of it
+  disk.set_fault([&](DiskCall call, std::int64_t, const std::string& path) {
+    const bool changes = call == DiskCall::kWrite || call == DiskCall::kSync || call == DiskCall::kTruncate ||
+                         call == DiskCall::kUnlink;
+    const std::string name = path.substr(path.rfind('/') + 1);
+    if (changes && name.starts_with("manifest.json")) house.insert("listed");
+    if (changes && name.find(".idx") != std::string::npos) house.insert("indexed");
+    if (call == DiskCall::kTruncate && name.starts_with("seg-")) house.insert("cut");
+    if (call == DiskCall::kUnlink && name.ends_with(".lcm")) house.insert("deleted");
+    return Outcome{};
+  });
+  std::set<std::string> done;
+  while (given < 500) {
+    now += milliseconds(10);
+    keeper->append(Delivery(test::numbered_block(++given)), now);
+    const bool commits = keeper->commit_is_due(now);
+    if (commits) note_durable(keeper->commit(now));
+    ASSERT_TRUE(house.empty()) << *house.begin() << " before the marks of block " << given;
+    if (!commits) keeper->keep_house();
+    EXPECT_FALSE(house.contains("cut") && house.contains("listed")) << "one piece after the other";
+    done.merge(house);
+    house.clear();
+  }
+  EXPECT_EQ(done, (std::set<std::string>{"cut", "indexed", "listed", "deleted"}));
+}
+
+TEST_F(KeeperHouseTest, SealingFinishesListsAndDeletesAllThatIsLeftOfIt) {
+  start();
+  while (given < 500) {
+    now += milliseconds(10);
+    keeper->append(Delivery(test::numbered_block(++given)), now);
+    if (keeper->commit_is_due(now)) note_durable(keeper->commit(now));  // and never a time for the house
+  }
+  ASSERT_GT(segment_numbers(kFolder, disk).size(), 4u);
+  EXPECT_TRUE(read_manifest(kFolder, disk).empty());
+  note_durable(keeper->seal(now));
+  const auto listed = read_manifest(kFolder, disk);
+  const auto left = segment_numbers(kFolder, disk);
+  EXPECT_LT(left.size(), 4u);
+  ASSERT_EQ(listed.size(), left.size());
+  for (const int number : left) {
+    EXPECT_TRUE(listed.contains(segment_path(kFolder, number).filename().string()));
+    EXPECT_TRUE(path_exists(index_path(kFolder, number), disk));
+  }
+}
+
+// The power goes after each number of system calls of a drive with rotations, listing and deleting.
+TEST_F(KeeperHouseTest, APowerCutBeforeTheHouseIsKeptIsToldAsWhatItIs) {
+  for (std::int64_t k = 1;; k += 3) {
+    Drive drive(static_cast<std::uint64_t>(k));
+    drive.options.keep_bytes = 100 << 10;
+    drive.start();
+    drive.disk.set_fault(test::SimulatedDisk::at_call(drive.disk.calls() + k, {.power_cut = true}));
+    drive.run(milliseconds(5000), 300);
+    const bool reached = drive.disk.is_off();
+    if (!reached) drive.disk.cut_power();
+    drive.keeper.reset();
+    drive.disk.power_on();
+    drive.fail_nothing();
+    if (drive.durable > 0) {
+      const Verification found = verify_record(kFolder, drive.disk);
+      ASSERT_EQ(found.error, "") << "call " << k;
+      ASSERT_EQ(found.damaged_bytes + found.missing_segments + found.blocks_refused + found.entries_refused,
+                0)
+          << "call " << k << ", " << ::testing::PrintToString(found.damage);
+      EXPECT_GE(drive.recorded().back(), drive.durable) << "call " << k;
+    }
+    if (!reached) {
+      EXPECT_GT(k, 300) << "the drive has too few calls to prove much";
+      return;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace roadbalance
