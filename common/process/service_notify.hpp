@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <optional>
 #include <string>
@@ -7,7 +8,7 @@
 namespace roadbalance {
 
 /// Tells the supervisor that started this program (systemd, or rb supervise) how it is: one datagram to
-/// $NOTIFY_SOCKET, as sd_notify(3).  Without a supervisor it does nothing.
+/// $NOTIFY_SOCKET, as sd_notify(3).  Without a supervisor it does nothing.  Any thread may say something.
 class ServiceNotify {
  public:
   /// @throws std::runtime_error naming the variable if $NOTIFY_SOCKET is no socket address
@@ -21,6 +22,7 @@ class ServiceNotify {
   static std::optional<std::chrono::microseconds> watchdog();
 
   void ready() { send("READY=1"); }
+  /// To be said when the end begins, which may be long before it is over.
   void stopping() { send("STOPPING=1"); }
   /// Proof of life, to be given only by who has seen that all that matters still turns.
   void feed() { send("WATCHDOG=1"); }
@@ -33,7 +35,7 @@ class ServiceNotify {
   void send(const std::string& message);
 
   int socket_ = -1;
-  int unsent_ = 0;
+  std::atomic<int> unsent_ = 0;
 };
 
 }  // namespace roadbalance

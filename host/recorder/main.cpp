@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <exception>
 #include <stdexcept>
+#include <stop_token>
 #include <utility>
 
 #include "common/bus/bus.hpp"
@@ -80,6 +81,7 @@ int main(int argc, char** argv) {
     StopOnSignal signals;
     ServiceNotify notify;
     if (notify.has_supervisor()) tell_supervisor(notify, options);
+    const std::stop_callback tell_of_stop(signals.token(), [&notify] { notify.stopping(); });
     const RecorderReport report = run_recorder(signals.token(), options);
     if (json) std::printf("%s\n", to_json(report).c_str());
     return 0;

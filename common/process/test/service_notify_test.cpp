@@ -1,46 +1,19 @@
 #include "common/process/service_notify.hpp"
 
 #include <gtest/gtest.h>
-#include <sys/socket.h>
-#include <sys/un.h>
-#include <unistd.h>
 
 #include <cstdlib>
-#include <cstring>
 #include <stdexcept>
 
+#include "common/test/notify_socket.hpp"
 #include "common/test/temporary_directory.hpp"
 
 namespace roadbalance {
 namespace {
 
-// The supervisor's end of the socket.
-class Supervisor {
- public:
-  explicit Supervisor(const std::string& path) {
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    std::strncpy(address.sun_path, path.c_str(), sizeof address.sun_path - 1);
-    EXPECT_EQ(::bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-    ::setenv("NOTIFY_SOCKET", path.c_str(), 1);
-  }
-  ~Supervisor() {
-    ::close(socket_);
-    ::unsetenv("NOTIFY_SOCKET");
-  }
-  std::string heard() const {
-    char buffer[256];
-    const ssize_t size = ::recv(socket_, buffer, sizeof buffer, MSG_DONTWAIT);
-    return size < 0 ? "" : std::string(buffer, static_cast<std::size_t>(size));
-  }
-
- private:
-  const int socket_ = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-};
-
 TEST(ServiceNotify, SaysWhatSystemdUnderstands) {
   const test::TemporaryDirectory folder;
-  const Supervisor supervisor(folder / "notify");
+  const test::NotifySocket supervisor(folder / "notify");
   ServiceNotify notify;
   EXPECT_TRUE(notify.has_supervisor());
   notify.ready();
