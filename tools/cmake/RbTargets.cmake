@@ -48,15 +48,44 @@ function(rb_test name)
     return()
   endif()
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "TIMEOUT" "DEPENDS;PROGRAMS")
-  if(NOT arg_TIMEOUT)
-    set(arg_TIMEOUT 120)
+  rb_test_program(${name})
+  add_test(NAME ${name} COMMAND ${name})
+  rb_test_properties(${name})
+endfunction()
+
+# rb_guest_test(name [RT] [DEPENDS target...] [PROGRAMS target...] [TIMEOUT seconds]): the same for a test that
+# needs the guest machine's kernel.  It is of the test configuration `guest`, so that a plain ctest does not know
+# it; hil_tests/run boots the guest and runs there those with the label guest or, with RT, guest-rt.
+function(rb_guest_test name)
+  if(NOT BUILD_TESTING)
+    return()
   endif()
+  cmake_parse_arguments(PARSE_ARGV 1 arg "RT" "TIMEOUT" "DEPENDS;PROGRAMS")
+  rb_test_program(${name})
+  add_test(NAME ${name} CONFIGURATIONS guest COMMAND ${name})
+  rb_test_properties(${name})
+  # hil_tests/run reads REQUIRED_FILES, to have them in the guest's memory before time matters.
+  list(TRANSFORM arg_PROGRAMS REPLACE "(.+)" "$<TARGET_FILE:\\1>" OUTPUT_VARIABLE files)
+  set(label guest)
+  if(arg_RT)
+    set(label guest-rt)
+  endif()
+  set_tests_properties(${name} PROPERTIES LABELS ${label} REQUIRED_FILES "${files}")
+endfunction()
+
+# Of the two above, with their arguments.
+macro(rb_test_program name)
   add_executable(${name} test/${name}.cpp)
   target_link_libraries(${name} PRIVATE rb_options ${arg_DEPENDS} GTest::gtest_main)
   if(arg_PROGRAMS)
     add_dependencies(${name} ${arg_PROGRAMS})
   endif()
-  add_test(NAME ${name} COMMAND ${name})
+endmacro()
+
+macro(rb_test_properties name)
+  if(NOT arg_TIMEOUT)
+    set(arg_TIMEOUT 120)
+  endif()
   set_tests_properties(${name} PROPERTIES TIMEOUT ${arg_TIMEOUT}
     ENVIRONMENT "RB_BIN=${CMAKE_BINARY_DIR}/bin;RB_SOURCE=${CMAKE_SOURCE_DIR};TSAN_OPTIONS=suppressions=${CMAKE_SOURCE_DIR}/tools/cmake/tsan.supp")
-endfunction()
+endmacro()

@@ -1,0 +1,86 @@
+#include "hil_tests/guest/pulse_chip.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <system_error>
+
+namespace roadbalance::test {
+namespace {
+
+constexpr const char* kPlayer = "/dev/gpio-pulse";
+constexpr const char* kDevice = "/sys/bus/platform/devices/gpio-pulse";
+constexpr const char* kDriver = "/sys/bus/platform/drivers/gpio-pulse/";
+
+[[noreturn]] void fail(const std::string& what) {
+  throw std::system_error(errno, std::generic_category(), what);
+}
+
+void tell_driver(const std::string& file) {
+  if (!(std::ofstream(kDriver + file) << "gpio-pulse" << std::flush)) fail(kDriver + file);
+}
+
+}  // namespace
+
+PulseChip::PulseChip() : player_(::open(kPlayer, O_RDWR | O_CLOEXEC)) {
+  if (player_ < 0) fail(std::string("open ") + kPlayer);
+}
+
+PulseChip::~PulseChip() {
+  ::close(player_);
+}
+
+std::int64_t PulseChip::now_ns() {
+  timespec now{};
+  ::clock_gettime(CLOCK_MONOTONIC, &now);
+  return now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec;
+}
+
+std::string PulseChip::name() {
+  for (const auto& entry : std::filesystem::directory_iterator(kDevice))
+    if (const std::string name = entry.path().filename(); name.starts_with("gpiochip")) return name;
+  throw std::runtime_error("the chip gpio-pulse is unplugged");
+}
+
+void PulseChip::play(std::span<const gpio_pulse_step> steps) {
+  auto bytes = std::as_bytes(steps);
+  while (!bytes.empty()) {
+    const ssize_t taken = ::write(player_, bytes.data(), bytes.size());
+    if (taken < 0) fail(std::string("write to ") + kPlayer);
+    bytes = bytes.subspan(static_cast<std::size_t>(taken));
+  }
+}
+
+void PulseChip::set(unsigned line, bool high) {
+  if (::fsync(player_) != 0) fail(std::string("wait for ") + kPlayer);
+  const gpio_pulse_step step{static_cast<std::uint64_t>(now_ns()), line, high};
+  play({&step, 1});
+  if (::fsync(player_) != 0) fail(std::string("wait for ") + kPlayer);
+}
+
+std::vector<gpio_pulse_step> PulseChip::played() {
+  std::vector<gpio_pulse_step> all;
+  std::array<gpio_pulse_step, 4096> part;
+  while (true) {
+    const ssize_t size = ::read(player_, part.data(), sizeof part);
+    if (size < 0) fail(std::string("read ") + kPlayer);
+    if (size == 0) return all;
+    all.insert(all.end(), part.begin(), part.begin() + size / static_cast<ssize_t>(sizeof part[0]));
+  }
+}
+
+void PulseChip::unplug() {
+  tell_driver("unbind");
+}
+
+void PulseChip::plug() {
+  tell_driver("bind");
+}
+
+}  // namespace roadbalance::test

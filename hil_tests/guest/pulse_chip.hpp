@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hil_tests/guest/gpio_pulse/gpio_pulse.h"
+
+namespace roadbalance::test {
+
+/// The guest's GPIO chip, whose inputs play what they are told; see gpio_pulse.h.
+///
+/// Only in the guest machine, and for one program at a time.
+class PulseChip {
+ public:
+  /// @throws std::system_error if there is none, or somebody else plays
+  PulseChip();
+  ~PulseChip();
+  PulseChip(const PulseChip&) = delete;
+  PulseChip& operator=(const PulseChip&) = delete;
+
+  /// CLOCK_MONOTONIC, in which steps and the kernel's stamps of edges are.
+  static std::int64_t now_ns();
+  /// Of the character device, e.g. "gpiochip0".
+  /// @throws std::runtime_error if the chip is unplugged
+  static std::string name();
+
+  /// Queues levels, times not decreasing; waits while the queue is full, which only played() empties.
+  /// @throws std::system_error naming the reason
+  void play(std::span<const gpio_pulse_step> steps);
+  /// One level, now: what was queued before it has been played.
+  void set(unsigned line, bool high);
+  /// What was played since the last call, each step with the time it was; waits until all has been.
+  std::vector<gpio_pulse_step> played();
+
+  /// Removes the chip from the kernel and adds it again.  What is played meanwhile is no edge, but is a
+  /// level.
+  static void unplug();
+  static void plug();
+
+ private:
+  int player_ = -1;
+};
+
+}  // namespace roadbalance::test
