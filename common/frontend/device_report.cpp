@@ -24,12 +24,18 @@ constexpr std::array<Words, kDeviceCounters> kWords{{
     {"edges_lost", "encoder edges are missing"},
     {"late_edges", "encoder edges came after their scans and were not used"},
     {"readers_too_slow", "the node did not fetch in time what the device had"},
+    {"controller_overrun", "the controller lost frames because nobody fetched them from it"},
 }};
 
 }  // namespace
 
 const char* sentence(DeviceCounter counter) {
   return kWords[static_cast<std::size_t>(counter)].sentence;
+}
+
+std::string sentence(DeviceCounter counter, std::int64_t times) {
+  return std::string(sentence(counter)) + " (" + std::to_string(times) + (times == 1 ? " time" : " times") +
+         " by now)";
 }
 
 const char* name_of(DeviceCounter counter) {

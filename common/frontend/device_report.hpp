@@ -10,26 +10,29 @@ namespace roadbalance {
 
 /// What a device can suffer.  In the order of heartbeat_t.device_counts; new ones go to the end.
 enum class DeviceCounter : std::uint8_t {
-  kGone,            ///< interface down, cable pulled, chip removed
-  kReturned,        ///< after that
-  kBusOff,          ///< the CAN controller took itself off the bus
-  kErrorPassive,    ///< the CAN controller may no longer mark errors
-  kBusErrors,       ///< other CAN error frames
-  kQueueOverflow,   ///< frames that the kernel had no room for
-  kFramesRefused,   ///< of wrong length or with a value out of its range
-  kStalls,          ///< USB transfers that the board halted
-  kShortPackets,    ///< USB packets that ended before their time
-  kPacketsRefused,  ///< USB packets with a wrong mark, length or CRC
-  kPacketsMissing,  ///< numbers left out in the packet sequence
-  kBoardOverrun,    ///< scans that the board lost before it could send them
-  kEdgesLost,       ///< times that the device knows edges are missing
-  kLateEdges,       ///< came after their scans had gone; not used
-  kReadersTooSlow,  ///< what came was dropped because the node did not fetch it
+  kGone,               ///< interface down, cable pulled, chip removed
+  kReturned,           ///< after that
+  kBusOff,             ///< the CAN controller took itself off the bus
+  kErrorPassive,       ///< the CAN controller may no longer mark errors
+  kBusErrors,          ///< other CAN error frames
+  kQueueOverflow,      ///< frames that the kernel had no room for
+  kFramesRefused,      ///< of wrong length or with a value out of its range
+  kStalls,             ///< USB transfers that the board halted
+  kShortPackets,       ///< USB packets that ended before their time
+  kPacketsRefused,     ///< USB packets with a wrong mark, length or CRC
+  kPacketsMissing,     ///< numbers left out in the packet sequence
+  kBoardOverrun,       ///< scans that the board lost before it could send them
+  kEdgesLost,          ///< times that the device knows edges are missing
+  kLateEdges,          ///< came after their scans had gone; not used
+  kReadersTooSlow,     ///< what came was dropped because the node did not fetch it
+  kControllerOverrun,  ///< the CAN controller had no room for a frame
 };
-inline constexpr std::size_t kDeviceCounters = 15;
+inline constexpr std::size_t kDeviceCounters = 16;
 
 /// One of them in words, for people: "was unplugged or went down".
 const char* sentence(DeviceCounter counter);
+/// And how often: "was unplugged or went down (2 times by now)".
+std::string sentence(DeviceCounter counter, std::int64_t times);
 /// The same as a key: "gone".
 const char* name_of(DeviceCounter counter);
 
