@@ -9,6 +9,7 @@
 #include "common/config/section.hpp"
 #include "common/frontend/registry.hpp"
 #include "common/process/stop_on_signal.hpp"
+#include "firmware/backends/replay/front_end.hpp"
 #include "firmware/node.hpp"
 #include "sim/front_end.hpp"
 
@@ -46,6 +47,7 @@ int main(int argc, char** argv) {
     const NodeConfig& node = vehicle.node_named(node_name);
     FrontEndRegistry front_ends;
     front_ends.add("sim", sim::open_sim_front_end);
+    front_ends.add("replay", open_replay_front_end);
     const auto front_end =
         front_ends.open(front_end_uris.empty() ? node.wiring.front_end : front_end_uris, vehicle, node);
     run_node(signals.token(), vehicle, node, *front_end,

@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-#include "common/clock/clock_pair.hpp"
+#include "common/frontend/pace.hpp"
 #include "sim/address.hpp"
 #include "sim/car.hpp"
 #include "sim/conditioner.hpp"
@@ -84,24 +84,6 @@ class Device {
   std::int64_t next_ = 0;
 };
 
-/// Bus time as the wall clock has it.
-class Pace {
- public:
-  Pace(double rate, WallTime start) : rate_(rate), start_(start) {}
-
-  double bus_s(WallTime now) const { return rate_ * std::chrono::duration<double>(now - start_).count(); }
-  WallTime wall(double bus_s) const {
-    return start_ +
-           std::chrono::duration_cast<WallClock::duration>(std::chrono::duration<double>(bus_s / rate_));
-  }
-  double rate() const { return rate_; }
-  WallTime start() const { return start_; }
-
- private:
-  double rate_;
-  WallTime start_;
-};
-
 /// A node's clock as it runs against bus time: offset_s at bus time 0, gaining `gain` of it.
 struct ClockError {
   double offset_s = 0.0;
@@ -123,7 +105,7 @@ class SimFrontEnd final : public FrontEnd {
         scans_(std::llround(seconds * rate_hz)),
         pace_(pace),
         clock_(clock) {
-    if (pace_) from_s = std::max(from_s, pace_->bus_s(WallClock::now()));
+    if (pace_) from_s = std::max(from_s, pace_->drive_s(WallClock::now()));
     first_ = std::min(static_cast<std::int64_t>(std::ceil(std::min(from_s, seconds) * rate_hz)), scans_);
     while (device_.next() < first_) {
       const NodeTime time = device_.take().time;
@@ -158,12 +140,8 @@ class SimFrontEnd final : public FrontEnd {
 
   bool waits() const noexcept override { return !pace_ || pace_->rate() != 1.0; }
 
-  /// Bus time is paced by CLOCK_MONOTONIC, which the system may slew: the two are compared anew.
   NodeTime node_time(MachineTime machine) const noexcept override {
-    if (!pace_) return {};
-    // steady_clock is CLOCK_MONOTONIC.
-    const WallTime wall(machine.time_since_epoch() - machine_minus(CLOCK_MONOTONIC));
-    return clock_(node_time_from_ns((wall - pace_->start()).count()));
+    return pace_ ? clock_(node_time_from_ns(pace_->drive_ns(machine))) : NodeTime{};
   }
 
  private:
@@ -179,7 +157,7 @@ class SimFrontEnd final : public FrontEnd {
         rate_hz_;
     const WallTime now = WallClock::now();
     std::this_thread::sleep_until(std::min(pace_->wall(until_s), now + kLongestWait));
-    return static_cast<std::int64_t>(std::floor(pace_->bus_s(WallClock::now()) * rate_hz_)) + 1;
+    return static_cast<std::int64_t>(std::floor(pace_->drive_s(WallClock::now()) * rate_hz_)) + 1;
   }
 
   Device device_;

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <chrono>
+
+#include "common/clock/clock_pair.hpp"
+#include "common/clock/clocks.hpp"
+
+namespace roadbalance {
+
+/// Time of a drive that is not driven now - simulated or recorded - as the wall clock has it.
+class Pace {
+ public:
+  /// @param rate   seconds of the drive a wall second, > 0
+  /// @param start  of the drive
+  Pace(double rate, WallTime start) : rate_(rate), start_(start) {}
+
+  /// Seconds since the drive began.
+  double drive_s(WallTime now) const { return rate_ * std::chrono::duration<double>(now - start_).count(); }
+  WallTime wall(double drive_s) const {
+    return start_ +
+           std::chrono::duration_cast<WallClock::duration>(std::chrono::duration<double>(drive_s / rate_));
+  }
+  /// Of a drive in real time: nanoseconds since it began at an instant of the machine's clock.
+  /// It is paced by CLOCK_MONOTONIC, which is steady_clock and which the system may slew: the two clocks are
+  /// compared anew.
+  std::int64_t drive_ns(MachineTime machine) const {
+    const WallTime wall(machine.time_since_epoch() - machine_minus(CLOCK_MONOTONIC));
+    return (wall - start_).count();
+  }
+  double rate() const { return rate_; }
+
+ private:
+  double rate_;
+  WallTime start_;
+};
+
+}  // namespace roadbalance
