@@ -29,8 +29,7 @@ class PowerLine {
 std::unique_ptr<PowerLine> open_power_line(const std::string& address,
                                            const std::filesystem::path& sys = "/sys");
 
-/// Through libgpiod.  A chip or line that is not there, or goes, is no error: it is tried again at each
-/// reading.  Exercised on a real chip's model only in a guest machine (gpio-sim); here its absence is.
+/// A chip or line that is not there, or goes, is no error: it is tried again at each reading.
 std::unique_ptr<PowerLine> open_gpio_line(std::string address, std::string chip, unsigned line,
                                           bool active_low);
 

@@ -1,0 +1,90 @@
+#include "common/gpio/gpio_chip.hpp"
+
+#include <gpiod.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+namespace roadbalance {
+
+struct GpioChip::State {
+  std::string name;
+  gpiod_chip* chip = nullptr;
+  std::vector<gpiod_line*> lines;
+
+  // Closing a chip releases its lines.
+  ~State() {
+    if (chip) gpiod_chip_close(chip);
+  }
+
+  std::size_t take(unsigned offset, const std::string& consumer, int request, int flags) {
+    const std::string what = "GPIO " + std::to_string(offset) + " of " + name;
+    if (offset >= gpiod_chip_num_lines(chip))
+      throw GpioError(what + ": no such line; allowed: 0 .. " +
+                      std::to_string(gpiod_chip_num_lines(chip) - 1));
+    gpiod_line* const line = gpiod_chip_get_line(chip, offset);
+    if (!line) throw GpioError(what + ": " + std::generic_category().message(errno));
+    const gpiod_line_request_config config{consumer.c_str(), request, flags};
+    if (gpiod_line_request(line, &config, 0) != 0) {
+      const int error = errno;
+      throw GpioError(what + ": " +
+                      (error == EBUSY ? user_of(line) : std::generic_category().message(error)));
+    }
+    lines.push_back(line);
+    return lines.size() - 1;
+  }
+
+  static std::string user_of(gpiod_line* line) {
+    const char* const user = gpiod_line_update(line) == 0 ? gpiod_line_consumer(line) : nullptr;
+    return user ? "in use by \"" + std::string(user) + '"' : "in use by somebody who gives no name";
+  }
+};
+
+GpioChip::GpioChip(const std::string& name) : state_(std::make_unique<State>()) {
+  state_->name = name;
+  state_->chip = gpiod_chip_open_by_name(name.c_str());
+  if (!state_->chip) throw GpioError("GPIO chip " + name + ": " + std::generic_category().message(errno));
+}
+
+GpioChip::~GpioChip() = default;
+GpioChip::GpioChip(GpioChip&&) noexcept = default;
+GpioChip& GpioChip::operator=(GpioChip&&) noexcept = default;
+
+std::size_t GpioChip::take_edges(unsigned offset, Edges edges, const std::string& consumer) {
+  return state_->take(
+      offset, consumer,
+      edges == Edges::kRising ? GPIOD_LINE_REQUEST_EVENT_RISING_EDGE : GPIOD_LINE_REQUEST_EVENT_BOTH_EDGES,
+      0);
+}
+
+std::size_t GpioChip::take_level(unsigned offset, bool active_low, const std::string& consumer) {
+  return state_->take(offset, consumer, GPIOD_LINE_REQUEST_DIRECTION_INPUT,
+                      active_low ? GPIOD_LINE_REQUEST_FLAG_ACTIVE_LOW : 0);
+}
+
+int GpioChip::descriptor(std::size_t line) const noexcept {
+  return gpiod_line_event_get_fd(state_->lines[line]);
+}
+
+std::optional<std::size_t> GpioChip::read(std::size_t line, std::span<GpioEvent> events) noexcept {
+  std::array<gpiod_line_event, kKernelEvents> raw;
+  const int count = gpiod_line_event_read_fd_multiple(
+      descriptor(line), raw.data(), static_cast<unsigned>(std::min(events.size(), raw.size())));
+  if (count < 0) return std::nullopt;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)
+    events[k] = {raw[k].ts.tv_sec * std::int64_t{1'000'000'000} + raw[k].ts.tv_nsec,
+                 raw[k].event_type == GPIOD_LINE_EVENT_RISING_EDGE};
+  return static_cast<std::size_t>(count);
+}
+
+std::optional<bool> GpioChip::level(std::size_t line) noexcept {
+  const int value = gpiod_line_get_value(state_->lines[line]);
+  if (value < 0) return std::nullopt;
+  return value > 0;
+}
+
+}  // namespace roadbalance

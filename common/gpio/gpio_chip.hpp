@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+
+namespace roadbalance {
+
+/// A GPIO chip or line that cannot be had.  The text names it and the reason.
+class GpioError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// An edge of a line as the kernel saw it.
+struct GpioEvent {
+  std::int64_t monotonic_ns = 0;  ///< CLOCK_MONOTONIC, taken by the interrupt
+  bool rising = true;
+};
+
+/// Input lines of one GPIO chip; what is known of libgpiod is in its .cpp.
+///
+/// libgpiod 1.6 speaks the kernel's first GPIO interface: a line keeps 16 events, and what comes while they
+/// wait is lost without a sign; so is an edge that comes before the kernel's interrupt thread has taken the
+/// one before.
+class GpioChip {
+ public:
+  enum class Edges { kRising, kBoth };
+  static constexpr std::size_t kKernelEvents = 16;  ///< of a line
+
+  /// @param name  of the character device, e.g. "gpiochip0"
+  /// @throws GpioError
+  explicit GpioChip(const std::string& name);
+  ~GpioChip();
+  GpioChip(GpioChip&&) noexcept;
+  GpioChip& operator=(GpioChip&&) noexcept;
+
+  /// Takes a line as an input whose edges are kept from now on.
+  /// @param consumer  what others see as its user
+  /// @return the line's number for the functions below: lines are counted from 0 as they are taken
+  /// @throws GpioError, of a line that is in use with its user
+  std::size_t take_edges(unsigned offset, Edges edges, const std::string& consumer);
+  /// Takes a line as an input whose level is asked for.  @param active_low  its level counts upside down
+  std::size_t take_level(unsigned offset, bool active_low, const std::string& consumer);
+
+  /// Readable while events of a line wait; for poll(2).
+  int descriptor(std::size_t line) const noexcept;
+  /// Events of a line that wait, oldest first, at most kKernelEvents; poll must have said that there are
+  /// some, else it waits.  Nothing if the chip is gone.  Never allocates.
+  std::optional<std::size_t> read(std::size_t line, std::span<GpioEvent> events) noexcept;
+  /// Nothing if the chip is gone.
+  std::optional<bool> level(std::size_t line) noexcept;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace roadbalance
