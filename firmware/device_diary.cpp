@@ -13,8 +13,7 @@ void DeviceDiary::look(const std::function<void(const std::string&)>& say) {
       const std::int64_t now = page.report->of(counter);
       if (now == page.said[k]) continue;
       page.said[k] = now;
-      say(page.report->device() + ": " + sentence(counter) + " (" + std::to_string(now) +
-          (now == 1 ? " time" : " times") + " by now)");
+      say(page.report->device() + ": " + sentence(counter, now));
     }
 }
 

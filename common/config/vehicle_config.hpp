@@ -77,7 +77,7 @@ struct NodeConfig {
   int id;                              ///< 1 .. kLastNode, unique
   double rate_hz;                      ///< scans a second, the same for all nodes
   std::vector<ChannelConfig> channel;  ///< 1 .. 12, in converter order
-  NodeWiring wiring;
+  NodeWiring wiring{};
 };
 
 /// [filter]: the anti-aliasing filter that accelerations pass before conversion.

@@ -7,7 +7,9 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <mutex>
 #include <numbers>
+#include <set>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
@@ -139,6 +141,52 @@ TEST(RunNode, DeliversEveryScanOnceOverALossyBusAndEndsWhenAllIsDurable) {
   EXPECT_EQ(owner.last.scans_missing, 0);
   EXPECT_GE(owner.last.blocks_repaired, owner.end / 3);
   EXPECT_EQ(owner.last.state, NodeState::kEnded);
+}
+
+TEST(RunNode, DeliversSignalsAndSaysWhatItsDevicesSuffer) {
+  const std::string url = test::bus_url();
+  const auto vehicle = test::one_node_vehicle(kRate_hz);
+  DeviceReport can("can:can0"), usb("usb:");
+  test::ScriptedFrontEnd device(test::marked_scans(0, 4000, kRate_hz), {});
+  for (int k = 0; k < 300; ++k)
+    device.signals.push_back({node_time_from_ns(k * 6'000'000), static_cast<std::uint16_t>(k % 3), 0.5 * k});
+  device.devices = {&can, &usb};
+  can.count(DeviceCounter::kGone);
+  can.count(DeviceCounter::kBusErrors, 2);
+  usb.count(DeviceCounter::kBusErrors, 3);
+  std::mutex mutex;
+  std::set<std::string> warned;
+  const auto warn = [&](const std::string& sentence) {
+    const std::lock_guard lock(mutex);
+    warned.insert(sentence);
+  };
+  Owner owner(url);
+  Parallel processes;
+  processes.run([&](std::stop_token stop) { owner.run(stop); });
+  processes.run([&](std::stop_token stop) {
+    run_node(stop, vehicle, vehicle.node[0], device,
+             {.bus_url = url, .ring_bytes = std::size_t{1} << 20, .warn = warn});
+  });
+  processes.wait();
+
+  int next = 0;
+  for (const auto& [sequence, block] : owner.blocks) {
+    if (block.kind != BlockKind::kSignal) continue;
+    for (const SignalSample& sample : decode_signal(block).unpack()) {
+      EXPECT_EQ(to_ns(sample.time), next * 6'000'000);
+      EXPECT_EQ(sample.signal, next % 3);
+      EXPECT_EQ(sample.value, 0.5 * next);
+      ++next;
+    }
+  }
+  EXPECT_EQ(next, 300);
+  std::array<std::int64_t, kDeviceCounters> sums{};
+  sums[static_cast<std::size_t>(DeviceCounter::kGone)] = 1;
+  sums[static_cast<std::size_t>(DeviceCounter::kBusErrors)] = 5;
+  EXPECT_EQ(owner.last.device_counts, sums);
+  EXPECT_EQ(warned, (std::set<std::string>{"can:can0: was unplugged or went down (1 time by now)",
+                                           "can:can0: the controller saw errors on the bus (2 times by now)",
+                                           "usb:: the controller saw errors on the bus (3 times by now)"}));
 }
 
 // No recorder at first: more than the ring holds goes to the disk and comes back.

@@ -2,73 +2,20 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <numbers>
 #include <vector>
 
 #include "common/bus/codec.hpp"
-#include "firmware/seal_all.hpp"
-#include "firmware/test/pulse_train.hpp"
-#include "firmware/test/scripted_front_end.hpp"
+#include "firmware/test/sealed_epoch.hpp"
 #include "firmware/test/valve.hpp"
-#include "firmware/test/vehicle.hpp"
 
 namespace roadbalance {
 namespace {
 
-constexpr double kRate_hz = 2000.0;
-constexpr std::int64_t kEpoch = 77;
-
-std::vector<Edge> turning(double seconds, double from_s = 0.0, double hz = 18.0) {
-  std::vector<Edge> all;
-  for (std::uint8_t line = 0; line < 2; ++line) {
-    const test::PulseTrain train{.angle_rad = [=](double t) { return 2 * std::numbers::pi * hz * t; },
-                                 .line = line};
-    const auto edges = train.edges(from_s, seconds);
-    all.insert(all.end(), edges.begin(), edges.end());
-  }
-  std::stable_sort(all.begin(), all.end(), [](const Edge& a, const Edge& b) { return a.time < b.time; });
-  return all;
-}
-
-std::vector<SealedBlock> blocks_of(std::vector<Scan> scans, std::vector<Edge> edges, std::size_t run = 64) {
-  const auto vehicle = test::one_node_vehicle(kRate_hz);
-  test::ScriptedFrontEnd device(std::move(scans), std::move(edges), run);
-  std::vector<SealedBlock> blocks;
-  seal_all(device, vehicle, vehicle.node[0], kEpoch, [&](const SealedBlock& b) { blocks.push_back(b); });
-  return blocks;
-}
-
-/// What every epoch must satisfy: sequence, tiling, every scan where it belongs, totals of the end.
-void check_epoch(const std::vector<SealedBlock>& blocks, std::int64_t scans) {
-  ASSERT_FALSE(blocks.empty());
-  std::int64_t sequence = 1, next = 0, sealed = 0, missing = 0;
-  for (const auto& block : blocks) {
-    SealedBlock copy;
-    ASSERT_EQ(accept(block.bytes(), copy), Refusal::kNone) << "sequence " << block.header.sequence;
-    EXPECT_EQ(block.header.sequence, sequence++);
-    EXPECT_EQ(block.header.epoch, kEpoch);
-    if (block.kind == BlockKind::kScan || block.kind == BlockKind::kGap) {
-      EXPECT_EQ(block.header.first_scan, next);
-      next += block.header.scans;
-    }
-    if (block.kind == BlockKind::kGap) missing += block.header.scans;
-    if (block.kind != BlockKind::kScan) continue;
-    sealed += block.header.scans;
-    const ScanBlock scan = decode_scan(block);
-    for (std::int64_t i = 0; i < scan.header.scans; ++i)
-      for (std::size_t c = 0; c < kAccelerations; ++c)
-        ASSERT_EQ(scan.counts[static_cast<std::size_t>(i)][c],
-                  test::marked_counts(scan.header.first_scan + i, c));
-  }
-  EXPECT_EQ(next, scans);
-  ASSERT_EQ(blocks.back().kind, BlockKind::kEnd);
-  const EndBlock end = decode_end(blocks.back());
-  EXPECT_EQ(end.header.first_scan, scans);
-  EXPECT_EQ(end.blocks, static_cast<std::int64_t>(blocks.size()));
-  EXPECT_EQ(end.scans_sealed, sealed);
-  EXPECT_EQ(end.scans_missing, missing);
-}
+using test::blocks_of;
+using test::check_epoch;
+using test::kEpoch;
+using test::kRate_hz;
+using test::turning;
 
 TEST(Sealer, TilesTheEpochAndEndsWithAShortBlockAndTotals) {
   const auto blocks = blocks_of(test::marked_scans(0, 1007, kRate_hz), turning(0.51));
@@ -205,7 +152,7 @@ TEST(Sealer, CountsScansThatTheDeviceNumbersBackwards) {
   EXPECT_EQ(sealer.counts().scans_refused, 7);
 }
 
-// At ten scans a second edge blocks are cut by time, far from full.
+// At ten scans a second blocks of edges and signals are cut by time, far from full.
 TEST(Sealer, WritesNoMoreBlocksThanItAsksRoomFor) {
   constexpr double kSlow_hz = 10.0;
   const auto vehicle = test::one_node_vehicle(kSlow_hz);
@@ -215,8 +162,11 @@ TEST(Sealer, WritesNoMoreBlocksThanItAsksRoomFor) {
   const auto scans = test::marked_scans(0, 256, kSlow_hz);
   std::vector<Edge> edges;
   for (const Scan& scan : scans) edges.push_back({scan.time, 0, EdgeKind::kTooth});
-  const std::size_t most = sealer.most_blocks(scans.size(), edges.size());
+  std::vector<SignalSample> signals;
+  for (const Scan& scan : scans) signals.push_back({scan.time, 0, 1.0});
+  const std::size_t most = sealer.most_blocks(scans.size(), edges.size(), signals.size());
   sealer.add(scans, edges, false);
+  sealer.add(signals);
   sealer.device_ended();
   ASSERT_TRUE(sealer.finish());
   EXPECT_LE(valve.blocks.size(), most);

@@ -116,9 +116,9 @@ TEST(ConversionTimes, LeavesInstantsOfConversionAlone) {
   const Device d = device(20.0, 40.0, 10, 8);
   std::vector<Scan> read(d.scans.size());
   Late converted(d.scans, ScanStamps::kConversion), read_out(d.scans, ScanStamps::kReadOut);
-  ConversionTimes(converted, kRate_hz).read(read, {});
+  ConversionTimes(converted, kRate_hz).read(read, {}, {});
   for (std::size_t k = 0; k < read.size(); ++k) ASSERT_EQ(read[k].time, d.scans[k].time);
-  ConversionTimes(read_out, kRate_hz).read(read, {});
+  ConversionTimes(read_out, kRate_hz).read(read, {}, {});
   EXPECT_NEAR(to_seconds(read.back().time.time_since_epoch()), d.conversion_s.back() + kShortest_s, 10e-6);
 }
 

@@ -42,6 +42,16 @@ EdgeBlock some_edges() {
   return block;
 }
 
+SignalBlock some_signals() {
+  SignalBlock block;
+  block.header = kHeader;
+  for (int k = 0; k < 50; ++k)
+    block.add({.time = node_time_from_ns(987'654'321'012 + 1000 * k),
+               .signal = static_cast<std::uint16_t>(5 * k),
+               .value = 0.1 * k - 1.0});
+  return block;
+}
+
 MetaBlock some_text() {
   return {.header = kHeader,
           .kind = MetaKind::kVehicleToml,
@@ -51,7 +61,7 @@ MetaBlock some_text() {
 }
 
 std::vector<SealedBlock> one_of_each() {
-  std::vector<SealedBlock> blocks(5);
+  std::vector<SealedBlock> blocks(kBlockKinds);
   seal(some_scans(), blocks[0]);
   seal(some_edges(), blocks[1]);
   GapBlock gap{.header = kHeader, .cause = GapCause::kDeviceOverrun};
@@ -59,6 +69,7 @@ std::vector<SealedBlock> one_of_each() {
   seal(gap, blocks[2]);
   seal(some_text(), blocks[3]);
   seal(EndBlock{.header = kHeader, .blocks = 9, .scans_sealed = 8, .scans_missing = 7}, blocks[4]);
+  seal(some_signals(), blocks[5]);
   return blocks;
 }
 
@@ -95,6 +106,12 @@ TEST(Codec, GivesBackWhatWasSealed) {
   EXPECT_EQ(decode_end(accepted[4]).blocks, 9);
   EXPECT_EQ(decode_end(accepted[4]).scans_sealed, 8);
   EXPECT_EQ(decode_end(accepted[4]).scans_missing, 7);
+  const SignalBlock signals = decode_signal(accepted[5]);
+  EXPECT_EQ(signals.header, some_signals().header);
+  EXPECT_EQ(signals.samples, 50);
+  EXPECT_EQ(signals.time_ns, some_signals().time_ns);
+  EXPECT_EQ(signals.value, some_signals().value);
+  EXPECT_EQ(signals.signal, some_signals().signal);
 }
 
 // Scan blocks are written by hand; LCM's generated code must find in them what was meant.
@@ -199,10 +216,38 @@ TEST(Codec, RefusesFieldsOutOfBoundsThoughTheCrcIsRight) {
   edges = some_edges();
   edges.words[3] = -1;
   EXPECT_TRUE(refused(edges));
-  EXPECT_TRUE(refused(GapBlock{.header = kHeader, .cause = static_cast<GapCause>(99)}));
+  GapBlock absence{.header = kHeader, .cause = GapCause::kDeviceGone};
+  EXPECT_FALSE(refused(absence));
+  absence.cause = static_cast<GapCause>(static_cast<int>(GapCause::kDeviceGone) + 1);
+  EXPECT_TRUE(refused(absence));
   MetaBlock text = some_text();
   text.part = 4;
   EXPECT_TRUE(refused(text));
+}
+
+TEST(Codec, RefusesSignalsOutOfBoundsThoughTheCrcIsRight) {
+  SealedBlock sealed, out;
+  const auto with = [&](auto&& change) {
+    SignalBlock block = some_signals();
+    change(block);
+    seal(block, sealed);
+    return accept(sealed.bytes(), out);
+  };
+  EXPECT_EQ(with([](SignalBlock&) {}), Refusal::kNone);
+  EXPECT_EQ(with([](SignalBlock& b) { b.samples = 0; }), Refusal::kNone);
+  EXPECT_EQ(with([](SignalBlock& b) { b.samples = kSamplesPerBlock; }), Refusal::kNone);
+  EXPECT_EQ(with([](SignalBlock& b) { b.samples = kSamplesPerBlock + 1; }), Refusal::kOutOfBounds);
+  EXPECT_EQ(with([](SignalBlock& b) { b.samples = -1; }), Refusal::kOutOfBounds);
+  EXPECT_EQ(with([](SignalBlock& b) { b.header.scans = 1; }), Refusal::kOutOfBounds);
+  EXPECT_EQ(with([](SignalBlock& b) { b.signal[3] = kMostSignals - 1; }), Refusal::kNone);
+  EXPECT_EQ(with([](SignalBlock& b) { b.signal[3] = kMostSignals; }), Refusal::kOutOfBounds);
+  EXPECT_EQ(with([](SignalBlock& b) { b.signal[49] = -1; }), Refusal::kOutOfBounds);
+  EXPECT_EQ(with([](SignalBlock& b) { b.time_ns[3] = kClockLimit_ns; }), Refusal::kNone);
+  EXPECT_EQ(with([](SignalBlock& b) { b.time_ns[3] = kClockLimit_ns + 1; }), Refusal::kOutOfBounds);
+  EXPECT_EQ(with([](SignalBlock& b) { b.time_ns[0] = -kClockLimit_ns - 1; }), Refusal::kOutOfBounds);
+  for (const double none : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
+                            -std::numeric_limits<double>::infinity()})
+    EXPECT_EQ(with([none](SignalBlock& b) { b.value[49] = none; }), Refusal::kOutOfBounds) << none;
 }
 
 TEST(Codec, RefusesATextLongerThanItsField) {

@@ -86,6 +86,21 @@ TEST(Control, RefusesAnAckThatContradictsItself) {
   EXPECT_FALSE(decode_ack(encode(ack)));
 }
 
+TEST(Control, AHeartbeatArrivesWithWhatItsDevicesCounted) {
+  Heartbeat sent{.node = 1, .epoch = 3, .unreferenced_blocks = 4, .time_base = TimeBase::kShared};
+  for (std::size_t k = 0; k < kDeviceCounters; ++k)
+    sent.device_counts[k] = 100 + 7 * static_cast<std::int64_t>(k);
+  const auto beat = decode_heartbeat(encode(sent));
+  ASSERT_TRUE(beat);
+  EXPECT_EQ(beat->device_counts, sent.device_counts);
+  EXPECT_EQ(beat->unreferenced_blocks, 4);  // the fields on both sides of it
+  EXPECT_EQ(beat->time_base, TimeBase::kShared);
+  sent.device_counts.back() = -1;
+  EXPECT_FALSE(decode_heartbeat(encode(sent)));
+  sent.device_counts.back() = kIndexLimit + 1;
+  EXPECT_FALSE(decode_heartbeat(encode(sent)));
+}
+
 TEST(Control, RefusesAHeartbeatWhoseRingIsInsideOut) {
   EXPECT_FALSE(decode_heartbeat(encode(Heartbeat{.node = 1, .base = 10, .next = 9})));
   EXPECT_FALSE(decode_heartbeat(encode(Heartbeat{.node = 1, .ring_used = 10, .ring_capacity = 9})));

@@ -104,8 +104,7 @@ TEST(VehicleConfig, NamesFileLineKeyAndWhatIsAllowed) {
       {"mass_kg = 34", "mass_g = 34000", "mass_g",
        "mass_g: unknown key (did you mean mass_kg?); allowed: a number 1 .. 1000"},
       {"datum_deg = 30", "datum_rad = 0.5", "datum_rad",
-       "datum_rad: unknown key (did you mean datum_deg?); allowed here: pulses_per_turn, zero_mark, "
-       "datum_deg"},
+       "datum_rad: unknown key (did you mean datum_deg?); allowed here: pulses_per_turn, zero_mark, "},
       {"body_mass_kg = 1300", "body_mass_kg = 1300\ncolour = 1", "colour",
        "colour: unknown key; allowed here: kind, body_mass_kg, roll_inertia_kg_m2, pitch_inertia_kg_m2, "
        "front, rear"},

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <utility>
+
 #include "common/config/section.hpp"
 #include "common/test/source.hpp"
 
@@ -14,6 +17,32 @@ class Silence final : public FrontEnd {
     return {.status = ReadStatus::kEnd};
   }
 };
+
+/// Gives one sample of its signal.
+class Speed final : public SideSource {
+ public:
+  SideRead take(std::span<Edge>, std::span<SignalSample> signals) noexcept override {
+    SideRead read{.complete_until = NodeTime::max()};
+    if (signals.empty() || std::exchange(given_, true)) return read;
+    signals[read.signals++] = {.signal = 4, .value = 27.5};
+    return read;
+  }
+  std::vector<const DeviceReport*> reports() const override { return {&report_}; }
+
+ private:
+  bool given_ = false;
+  DeviceReport report_{"can:can0"};
+};
+
+/// usb: gives scans, can: signals.
+FrontEndRegistry house() {
+  FrontEndRegistry registry;
+  registry.add("usb", [](const FrontEndRequest&) { return std::make_unique<Silence>(); });
+  registry.add_device("can", [](const FrontEndRequest&) {
+    return OpenedDevice{.scans = nullptr, .side = std::make_unique<Speed>()};
+  });
+  return registry;
+}
 
 VehicleConfig car() {
   return VehicleConfig::parse(test::read_source("sim/demo/vehicle.toml"), "vehicle.toml");
@@ -52,6 +81,49 @@ TEST(FrontEndRegistry, NamesTheAddressAndWhatThereIs) {
       EXPECT_EQ(error.what(), "front end \"" + uri + "\": no such kind of front end; allowed: can:, sim:");
     }
   }
+}
+
+TEST(FrontEndRegistry, MakesOneFrontEndOfADeviceWithScansAndThoseBeside) {
+  const auto vehicle = car();
+  const auto both = house().open(std::vector<std::string>{"can:can0", "usb:"}, vehicle, vehicle.node[0]);
+  std::array<Scan, 64> scans;
+  std::array<Edge, 64> edges;
+  std::array<SignalSample, 64> signals;
+  const Read read = both->read(scans, edges, signals);
+  ASSERT_EQ(read.signals, 1U);
+  EXPECT_EQ(signals[0].signal, 4);
+  EXPECT_EQ(signals[0].value, 27.5);
+  EXPECT_EQ(read.status, ReadStatus::kEnd);
+  const auto reports = both->reports();
+  ASSERT_FALSE(reports.empty());
+  EXPECT_EQ(reports.front()->device(), "can:can0");
+}
+
+TEST(FrontEndRegistry, LeavesADeviceThatStandsAloneAsItIs) {
+  const auto vehicle = car();
+  const auto alone = house().open(std::vector<std::string>{"usb:"}, vehicle, vehicle.node[0]);
+  EXPECT_NE(dynamic_cast<Silence*>(alone.get()), nullptr);
+}
+
+TEST(FrontEndRegistry, WantsExactlyOneDeviceThatGivesScans) {
+  const auto vehicle = car();
+  const auto refusal = [&](const std::vector<std::string>& uris) -> std::string {
+    try {
+      house().open(uris, vehicle, vehicle.node[0]);
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "opened";
+  };
+  EXPECT_EQ(refusal({}), "node front: no front end; allowed: one device that gives them, e.g. usb: or sim:");
+  EXPECT_EQ(
+      refusal({"can:can0", "can:can1"}),
+      "node front: no scans come from can:can0, can:can1; allowed: one device that gives them, e.g. usb: "
+      "or sim:");
+  EXPECT_EQ(refusal({"usb:1", "can:can0", "usb:2"}),
+            "front ends usb:1 and usb:2: both give scans; allowed: one that does");
+  EXPECT_EQ(refusal({"usb:1", "gpio:0"}),
+            "front end \"gpio:0\": no such kind of front end; allowed: can:, usb:");
 }
 
 }  // namespace
