@@ -46,6 +46,7 @@ enum class NoteKind : std::int32_t {
   kTailCut = 12,  ///< at the start: bytes behind the last event were cut (segment; bytes) and kept beside it
   kDiskLow = 13,  ///< at the present rate (seconds left; bytes free)
   kPowerUnknown = 14,  ///< the supply cannot be read (1), or can be again (0); text: which
+  kDevice = 15,        ///< devices of a node (a) have counted something (b: DeviceCounter); text: what
 };
 
 struct Note {

@@ -61,7 +61,7 @@ class Reception {
     link_.turn(now, publish_);
     for (const auto& sentence : link_.warnings()) warn(sentence);
     if (now - status_at_ >= kStatus) say_status(now);
-    WriteBatch batch{.deliveries = link_.deliveries(), .counters = std::nullopt};
+    WriteBatch batch{.deliveries = link_.deliveries(), .device_notes = link_.device_notes()};
     if (now - counted_at_ >= kCounters) {
       counted_at_ = now;
       batch.counters = link_.counters();
@@ -151,7 +151,7 @@ void receive(std::stop_token stop, const RecorderOptions& options, const Incarna
     const bool told_to_stop = stop.stop_requested();
     auto batch = reception.turn(news);
     if (news.finished()) break;
-    const bool says_something = !batch.deliveries.empty() || batch.counters;
+    const bool says_something = !batch.deliveries.empty() || batch.counters || !batch.device_notes.empty();
     if (says_something && !batches.send(std::move(batch))) break;
     const WallTime now = WallClock::now();
     if (told_to_stop) link.stop(now);
@@ -162,8 +162,11 @@ void receive(std::stop_token stop, const RecorderOptions& options, const Incarna
     }
   }
   link.finish(WallClock::now());
-  if (auto last = link.deliveries(); !last.empty())
-    (void)batches.send({.deliveries = std::move(last), .counters = link.counters()});
+  WriteBatch last{.deliveries = link.deliveries(), .device_notes = link.device_notes()};
+  if (!last.deliveries.empty() || !last.device_notes.empty()) {
+    last.counters = link.counters();
+    (void)batches.send(std::move(last));
+  }
   reception.farewell();
   report = link.report();
 }

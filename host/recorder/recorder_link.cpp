@@ -50,7 +50,7 @@ void RecorderLink::on_heartbeat(std::span<const std::uint8_t> bytes, WallTime no
   if (!ours) return;
   receiver_.take(*heartbeat, now, delivered_);
   if (!receiver_.find(heartbeat->node, heartbeat->epoch)) return;
-  hear({heartbeat->node, heartbeat->epoch}, {.at = now, .holds_blocks = heartbeat->base < heartbeat->next});
+  hear(*heartbeat, now);
   tally_.take(*heartbeat);
 }
 
@@ -76,6 +76,11 @@ void RecorderLink::on_reply(std::span<const std::uint8_t> bytes) {
 void RecorderLink::durable(const DurableMark& mark, WallTime now) {
   if (control_.is_owned(mark.node, mark.epoch)) last_news_ = now;
   receiver_.durable(mark.node, mark.epoch, mark.sequence);
+}
+
+void RecorderLink::set_credit_open(bool open) {
+  credit_open_ = open;
+  receiver_.set_credit_open(open);
 }
 
 void RecorderLink::turn(WallTime now, const Publish& publish) {
@@ -106,6 +111,11 @@ bool RecorderLink::over(WallTime now) {
                     (options_.end_with_nodes && expected_have_ended(now));
   if (!done) working_at_ = now;
   return done && (nodes_have_let_go(now) || now - working_at_ >= kMostLastAcks);
+}
+
+void RecorderLink::finish(WallTime now) {
+  receiver_.finish(now, delivered_);
+  for (auto& [key, heard] : heard_) heard.devices.finish(key.first, device_notes_);
 }
 
 void RecorderLink::farewell(const Publish& publish) {
@@ -152,11 +162,17 @@ bool RecorderLink::is_ours(std::int32_t node) const {
 }
 
 // No more are kept than the receiver has epochs.
-void RecorderLink::hear(NodeEpoch key, Heard heard) {
+void RecorderLink::hear(const Heartbeat& heartbeat, WallTime now) {
+  const NodeEpoch key{heartbeat.node, heartbeat.epoch};
   if (!heard_.contains(key))
     std::erase_if(heard_,
                   [this](const auto& old) { return !receiver_.find(old.first.first, old.first.second); });
-  heard_[key] = heard;
+  Heard& heard = heard_[key];
+  heard.at = now;
+  heard.holds_blocks = heartbeat.base < heartbeat.next;
+  heard.devices.take(heartbeat.device_counts);
+  // A disk that fails takes no notes either; they would only fill the memory.
+  if (credit_open_) heard.devices.due(heartbeat.node, now, device_notes_);
 }
 
 bool RecorderLink::has_ended(NodeEpoch key) const {

@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "common/bus/publish.hpp"
@@ -14,6 +15,7 @@
 #include "common/clock/clocks.hpp"
 #include "common/link/receiver.hpp"
 #include "common/record/record_state.hpp"
+#include "host/recorder/device_notes.hpp"
 #include "host/recorder/foreign_nodes.hpp"
 #include "host/recorder/node_control.hpp"
 #include "host/recorder/tally.hpp"
@@ -55,18 +57,20 @@ class RecorderLink {
   void take(std::string_view channel, std::span<const std::uint8_t> bytes, WallTime now);
   void durable(const DurableMark& mark, WallTime now);
   /// False: no new credit, because the disk fails or is full; the nodes keep what they have.
-  void set_credit_open(bool open) { receiver_.set_credit_open(open); }
+  void set_credit_open(bool open);
   /// Says what is due: acknowledgements and commands.
   void turn(WallTime now, const Publish& publish);
   /// What the record gets next, since the last call.
   std::vector<Delivery> deliveries();
+  /// What devices of nodes that are recorded here have counted, since the last call.
+  std::vector<DeviceNote> device_notes() { return std::exchange(device_notes_, {}); }
 
   /// From now on nodes are stopped and their ends waited for.
   void stop(WallTime now);
   /// Nothing more is to be waited for, and the nodes know that what they sent is durable, or are silent.
   bool over(WallTime now);
   /// It is over: the last deliveries, with the crash of each epoch that will not go on.
-  void finish(WallTime now) { receiver_.finish(now, delivered_); }
+  void finish(WallTime now);
   /// Releases every node owned, for the end.
   void farewell(const Publish& publish);
 
@@ -87,8 +91,9 @@ class RecorderLink {
   struct Heard {
     WallTime at{};
     bool holds_blocks = false;
+    DeviceNotes devices{};
   };
-  void hear(NodeEpoch key, Heard heard);
+  void hear(const Heartbeat& heartbeat, WallTime now);
   void on_heartbeat(std::span<const std::uint8_t> bytes, WallTime now);
   void on_block(std::span<const std::uint8_t> bytes, WallTime now);
   void on_reply(std::span<const std::uint8_t> bytes);
@@ -109,6 +114,8 @@ class RecorderLink {
   std::optional<WallTime> listening_since_;
   std::vector<Delivery> delivered_;
   std::size_t tallied_ = 0;  // of delivered_
+  std::vector<DeviceNote> device_notes_;
+  bool credit_open_ = true;
   SealedBlock block_;
   bool stopping_ = false;
   WallTime stopped_at_{};

@@ -40,6 +40,8 @@ std::string what_happened(const Note& note) {
              " cut, and kept beside";
     case NoteKind::kPowerUnknown:
       return note.a != 0 ? "whether the supply is there cannot be read" : "the supply can be read again";
+    case NoteKind::kDevice:
+      return "devices of node " + number(note.a);
     default:
       return "note of kind " + number(static_cast<std::int64_t>(note.kind)) + " (" + number(note.a) + ", " +
              number(note.b) + ")";

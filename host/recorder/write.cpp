@@ -39,6 +39,9 @@ class Writing {
     if (batch && batch->counters) keeper_.set_link_counters(*batch->counters);
     if (batch)
       for (const auto& delivery : batch->deliveries) keeper_.append(delivery, now);
+    if (batch)
+      for (const auto& device : batch->device_notes)
+        keeper_.note(NoteKind::kDevice, device.node, static_cast<std::int64_t>(device.counter), device.text);
     if (options_.power) watch_power(now);
     const bool commits = keeper_.commit_is_due(now);
     if (commits) take(keeper_.commit(now), now);

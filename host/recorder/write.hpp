@@ -14,7 +14,8 @@ namespace roadbalance {
 /// From the link to the writer.
 struct WriteBatch {
   std::vector<Delivery> deliveries;
-  std::optional<LinkCounters> counters;  ///< about once a second
+  std::optional<LinkCounters> counters{};  ///< about once a second
+  std::vector<DeviceNote> device_notes{};
 };
 
 /// From the writer to the link: at least five times a second while it turns.

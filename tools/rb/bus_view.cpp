@@ -1,6 +1,7 @@
 #include "tools/rb/bus_view.hpp"
 
 #include <algorithm>
+#include <bitset>
 #include <span>
 #include <string_view>
 #include <tuple>
@@ -12,8 +13,12 @@ namespace {
 
 // What a log should hold when it changes.
 auto state_of(const Heartbeat& beat) {
+  std::bitset<kDeviceCounters> suffers;
+  for (std::size_t k = 0; k < kDeviceCounters; ++k) suffers[k] = beat.device_counts[k] != 0;
+  const auto count = [&](DeviceCounter c) { return beat.device_counts[static_cast<std::size_t>(c)]; };
   return std::tuple(beat.epoch, beat.state, beat.owner, beat.spool_used > 0, beat.spool_failures,
-                    beat.scans_missing > 0, beat.time_base);
+                    beat.scans_missing > 0, beat.time_base, suffers, count(DeviceCounter::kGone),
+                    count(DeviceCounter::kReturned));
 }
 
 auto state_of(const RecorderStatus& status) {

@@ -104,6 +104,15 @@ std::string node_line(const Heartbeat& heartbeat, std::optional<double> memory_l
   return line;
 }
 
+std::string device_line(const Heartbeat& heartbeat) {
+  std::string line;
+  for (std::size_t k = 0; k < kDeviceCounters; ++k)
+    if (const std::int64_t count = heartbeat.device_counts[k]; count != 0)
+      line += (line.empty() ? "devices: " : ", ") + std::string(name_of(static_cast<DeviceCounter>(k))) +
+              " " + std::to_string(count);
+  return line;
+}
+
 std::vector<std::string> level_lines(const Level& level) {
   std::vector<std::string> lines{
       format(

@@ -25,6 +25,9 @@ std::string identification_line(const Identification& identification);
 /// @param memory_left_s  until the memory is full if nobody records any more, as far as it is known
 std::string node_line(const Heartbeat& heartbeat, std::optional<double> memory_left_s);
 
+/// "devices: gone 1, bus_errors 5": what the node's devices have suffered; empty if nothing.
+std::string device_line(const Heartbeat& heartbeat);
+
 /// One line a channel with a bar of its rms.
 std::vector<std::string> level_lines(const Level& level);
 

@@ -22,6 +22,8 @@ const char* cause_name(GapCause cause) {
       return "source_gap";
     case GapCause::kLostInRecord:
       return "lost_in_record";
+    case GapCause::kDeviceGone:
+      return "device_gone";
   }
   return "unknown";
 }

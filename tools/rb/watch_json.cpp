@@ -52,6 +52,15 @@ Json if_known(bool is_known, double value) {
   return is_known ? Json(value) : Json(nullptr);
 }
 
+// Those that are not zero.
+Json device_counts(const Heartbeat& beat) {
+  Json counts = Json::object();
+  for (std::size_t k = 0; k < kDeviceCounters; ++k)
+    if (beat.device_counts[k] != 0)
+      counts[roadbalance::name_of(static_cast<DeviceCounter>(k))] = beat.device_counts[k];
+  return counts;
+}
+
 Json wheels(const BusView& view) {
   if (!view.identification()) return nullptr;
   std::array<Balance, kWheels> balance;
@@ -86,7 +95,8 @@ Json node_json(const Heartbeat& beat, std::optional<double> memory_left_s) {
           {"blocks_on_disk", beat.spool_used},
           {"disk_failures", beat.spool_failures},
           {"memory_left_s", if_known(memory_left_s.has_value(), memory_left_s.value_or(0.0))},
-          {"blocks_repaired", beat.blocks_repaired}};
+          {"blocks_repaired", beat.blocks_repaired},
+          {"devices", device_counts(beat)}};
 }
 
 Json clock_json(const ClockFit& fit) {

@@ -55,6 +55,8 @@ std::vector<std::string> watch_lines(const BusView& view) {
     lines.push_back("  ! more than one recorder: a node obeys only one of them");
   for (const auto& [node, heartbeat] : view.heartbeats()) {
     lines.push_back(node_line(heartbeat, view.memory_left_s(node)));
+    if (const std::string devices = device_line(heartbeat); !devices.empty())
+      lines.push_back("  ! " + devices);
     if (const auto fit = view.clocks().find(node); fit != view.clocks().end())
       lines.push_back("  " + clock_line(fit->second));
   }

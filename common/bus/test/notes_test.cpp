@@ -40,6 +40,13 @@ TEST(Notes, ANoteArrivesAsItWasWrittenAndIsCutToItsLength) {
   EXPECT_EQ(back->text, std::string(kMaxNoteBytes, 'x'));
 }
 
+TEST(Notes, KnowKindsUpToTheLastAndRefuseOthers) {
+  EXPECT_TRUE(decode_note(encode(Note{.kind = NoteKind::kStarted})));
+  EXPECT_TRUE(decode_note(encode(Note{.kind = NoteKind::kDevice})));
+  for (const int kind : {-1, 0, static_cast<int>(NoteKind::kDevice) + 1})
+    EXPECT_FALSE(decode_note(encode(Note{.kind = static_cast<NoteKind>(kind)}))) << kind;
+}
+
 TEST(RecorderStatus, TellsThatTheSupplyIsGoneApartFromThatItCannotBeRead) {
   for (const bool gone : {false, true})
     for (const bool unknown : {false, true}) {

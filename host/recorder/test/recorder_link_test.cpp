@@ -88,6 +88,34 @@ TEST_F(RecorderLinkTest, RecordsAllThatTheNodeHoldsOnceItObeysUs) {
   EXPECT_EQ(link.deliveries().size(), 3u) << "what was begun here is gone on with";
 }
 
+TEST_F(RecorderLinkTest, NotesWhatDevicesOfItsOwnNodesSufferAndTheRestAtTheEnd) {
+  const auto hear_gone = [this](std::int64_t owner, std::int64_t times) {
+    Heartbeat beat{.node = kNode, .epoch = kEpoch, .base = 1, .next = 2, .owner = owner};
+    beat.device_counts[static_cast<std::size_t>(DeviceCounter::kGone)] = times;
+    link.take(heartbeat_channel(kNode), encode(beat), now);
+  };
+  hear_gone(kOther, 1);
+  EXPECT_TRUE(link.device_notes().empty());
+  hear_gone(kOurs, 2);
+  const auto notes = link.device_notes();
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_EQ(notes[0].node, kNode);
+  EXPECT_EQ(notes[0].counter, DeviceCounter::kGone);
+  EXPECT_EQ(notes[0].text, "was unplugged or went down (2 times by now)");
+  hear_gone(kOurs, 3);
+  EXPECT_TRUE(link.device_notes().empty());
+  now += std::chrono::seconds(2);
+  link.set_credit_open(false);
+  hear_gone(kOurs, 4);
+  EXPECT_TRUE(link.device_notes().empty()) << "a disk that fails would not take it";
+  link.set_credit_open(true);
+  hear_gone(kOurs, 4);
+  EXPECT_EQ(link.device_notes().size(), 1u);
+  hear_gone(kOurs, 5);
+  link.finish(now);
+  ASSERT_EQ(link.device_notes().size(), 1u);
+}
+
 TEST_F(RecorderLinkTest, TheLeaseOfADeadRecorderIsNoNews) {
   run(kOther, 1, 2);
   run(kOurs, 1, 2);

@@ -59,6 +59,29 @@ TEST_F(BusViewTest, ShowsNodesWithTheirClocks) {
   EXPECT_EQ(json.at("clocks").at(0).at("breaks"), 1);
 }
 
+TEST_F(BusViewTest, ShowsWhatDevicesSuffer) {
+  Heartbeat beat{.node = 2, .epoch = 9};
+  EXPECT_TRUE(hear(heartbeat_channel(2), encode(beat)));
+  EXPECT_FALSE(said("devices"));
+  EXPECT_EQ(watch_json(view_).at("nodes").at(0).at("devices").size(), 0U);
+  auto& errors = beat.device_counts[static_cast<std::size_t>(DeviceCounter::kBusErrors)];
+  auto& gone = beat.device_counts[static_cast<std::size_t>(DeviceCounter::kGone)];
+  errors = 5;
+  EXPECT_TRUE(hear(heartbeat_channel(2), encode(beat)));
+  EXPECT_TRUE(said("  ! devices: bus_errors 5"));
+  errors = 7;
+  EXPECT_FALSE(hear(heartbeat_channel(2), encode(beat))) << "a counter that goes on is no news";
+  gone = 1;
+  EXPECT_TRUE(hear(heartbeat_channel(2), encode(beat)));
+  gone = 2;
+  EXPECT_TRUE(hear(heartbeat_channel(2), encode(beat))) << "each time it goes is";
+  EXPECT_TRUE(said("  ! devices: gone 2, bus_errors 7"));
+  const auto devices = watch_json(view_).at("nodes").at(0).at("devices");
+  EXPECT_EQ(devices.size(), 2U);
+  EXPECT_EQ(devices.at("gone"), 2);
+  EXPECT_EQ(devices.at("bus_errors"), 7);
+}
+
 TEST_F(BusViewTest, ShowsRecordersAndWhatAlarmsThem) {
   RecorderStatus status;
   status.incarnation = 5;

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/clock/clocks.hpp"
+#include "common/frontend/device_report.hpp"
+
+namespace roadbalance {
+
+/// What the record is to say of a node's devices: a note of kind kDevice.
+struct DeviceNote {
+  std::int32_t node = 0;
+  DeviceCounter counter{};
+  std::string text;  ///< "was unplugged or went down (2 times by now)"
+};
+
+/// What the devices of one node epoch have counted, as its heartbeats say -> notes, one a second at most of
+/// each counter; then of all that came meanwhile.  A pure state machine.
+class DeviceNotes {
+ public:
+  static constexpr std::chrono::seconds kPeriod{1};
+
+  /// @param counts  of a heartbeat: [DeviceCounter], over the node's devices
+  void take(std::span<const std::int64_t, kDeviceCounters> counts);
+  /// Adds what is to be noted now.
+  void due(std::int32_t node, WallTime now, std::vector<DeviceNote>& notes);
+  /// No more heartbeats come: adds what was held back.
+  void finish(std::int32_t node, std::vector<DeviceNote>& notes);
+
+ private:
+  struct Counter {
+    std::int64_t heard = 0, noted = 0;
+    WallTime noted_at{};  ///< if something was
+  };
+  void note(std::int32_t node, std::size_t counter, std::vector<DeviceNote>& notes);
+
+  std::array<Counter, kDeviceCounters> counter_{};
+};
+
+}  // namespace roadbalance
