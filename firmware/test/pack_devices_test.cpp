@@ -71,17 +71,17 @@ TEST(Sealer, RecordsNoSignalBeforeTheStartNorAfterTheStop) {
   const auto vehicle = test::one_node_vehicle(kRate_hz);
   test::Valve valve;
   Sealer sealer(vehicle, vehicle.node[0], kEpoch, valve, nullptr);
-  const auto scans = test::marked_scans(0, 300, kRate_hz);
-  const auto add = [&](std::size_t first, double value) {
-    sealer.add(std::span(scans).subspan(first, 100), {}, false);
+  const auto scans = test::marked_scans(0, 600, kRate_hz);
+  const auto add = [&](std::size_t first, std::size_t count, double value) {
+    sealer.add(std::span(scans).subspan(first, count), {}, false);
     const SignalSample sample{scans[first].time, 1, value};
     sealer.add({&sample, 1});
   };
-  add(0, 1.0);
+  add(0, 100, 1.0);
   sealer.start();
-  add(100, 2.0);
+  add(100, 100, 2.0);
   sealer.stop();
-  add(200, 3.0);
+  add(200, 400, 3.0);  // so many that no angle is waited for any more
   ASSERT_TRUE(sealer.finish());
   const auto recorded = recorded_signals(valve.blocks);
   ASSERT_EQ(recorded.size(), 1U);
