@@ -1,4 +1,5 @@
 #include <array>
+#include <cmath>
 
 #include "common/bus/codec.hpp"
 #include "hil_tests/fuzz/in_form.hpp"
@@ -9,14 +10,17 @@ namespace {
 
 using fuzz::require;
 
-std::array<std::vector<std::uint8_t>, 5> make_forms() {
-  std::array<SealedBlock, 5> sealed;
+using Forms = std::array<std::vector<std::uint8_t>, kBlockKinds>;
+
+Forms make_forms() {
+  std::array<SealedBlock, kBlockKinds> sealed;
   seal(ScanBlock{}, sealed[0]);
   seal(EdgeBlock{}, sealed[1]);
   seal(GapBlock{}, sealed[2]);
   seal(MetaBlock{}, sealed[3]);
   seal(EndBlock{}, sealed[4]);
-  std::array<std::vector<std::uint8_t>, 5> forms;
+  seal(SignalBlock{}, sealed[5]);
+  Forms forms;
   for (std::size_t k = 0; k < sealed.size(); ++k)
     forms[k].assign(sealed[k].bytes().begin(), sealed[k].bytes().end());
   return forms;
@@ -39,7 +43,23 @@ SealedBlock decode_and_seal(const SealedBlock& block) {
       require(unpacked.size() == static_cast<std::size_t>(edges.edges), "a block holds the edges it says");
       for (std::size_t k = 1; k < unpacked.size(); ++k)
         require(unpacked[k - 1].time <= unpacked[k].time, "edges are in order of time");
+      EdgeBlock again;
+      for (const Edge& edge : unpacked) require(again.add(edge), "an edge that was unpacked can be packed");
+      // The first one's time is the block's: what its word says of time is not kept.
+      for (std::size_t k = 1; k < unpacked.size(); ++k)
+        require(again.words[k] == edges.words[k], "packing what was unpacked gives the same words");
       return sealed_again(edges);
+    }
+    case BlockKind::kSignal: {
+      const SignalBlock signals = decode_signal(block);
+      SignalBlock again;
+      for (const SignalSample& sample : signals.unpack()) {
+        require(std::isfinite(sample.value) && sample.signal < kMostSignals,
+                "a sample is a number of a signal");
+        require(again.add(sample), "a block holds no more samples than fit");
+      }
+      require(again.samples == signals.samples, "a block holds the samples it says");
+      return sealed_again(signals);
     }
     case BlockKind::kGap:
       return sealed_again(decode_gap(block));

@@ -19,12 +19,14 @@ struct TrueNode {
   std::int64_t epoch;
   std::int64_t last;
 
-  static constexpr std::int64_t kPerTurn = 8;  ///< one description, one edge block, six scan blocks
+  /// One description, a block of edges, one of signals, then scans.
+  static constexpr std::int64_t kBeside = 3, kPerTurn = kBeside + 6;
 
   std::int64_t first_scan(std::int64_t sequence) const {
     const std::int64_t before = sequence - 1;
     const std::int64_t in_turn = before % kPerTurn;
-    return kScansPerBlock * (6 * (before / kPerTurn) + (in_turn > 2 ? in_turn - 2 : 0));
+    return kScansPerBlock *
+           ((kPerTurn - kBeside) * (before / kPerTurn) + std::max<std::int64_t>(0, in_turn - kBeside));
   }
 
   SealedBlock block(std::int64_t sequence) const {
@@ -42,6 +44,11 @@ struct TrueNode {
       EdgeBlock edges;
       edges.header = header;
       seal(edges, sealed);
+    } else if ((sequence - 1) % kPerTurn == 2) {
+      SignalBlock signals;
+      signals.header = header;
+      static_cast<void>(signals.add({.signal = 7, .value = static_cast<double>(sequence)}));
+      seal(signals, sealed);
     } else {
       ScanBlock scans{.header = header, .period_ps = 500'000'000};
       scans.header.scans = kScansPerBlock;

@@ -32,15 +32,15 @@ void write(const std::string& what, const std::string& name, const Bytes& bytes)
 }
 
 void write_blocks() {
-  const fuzz::TrueNode node{.node = 2, .epoch = 99, .last = 4};
-  for (const std::int64_t sequence : {1, 2, 3, 4})
+  const fuzz::TrueNode node{.node = 2, .epoch = 99, .last = 5};
+  for (const std::int64_t sequence : {1, 2, 3, 4, 5})
     write("block", "sequence-" + std::to_string(sequence), node.block(sequence).bytes());
   SealedBlock gap;
   seal(GapBlock{.header = {.node = 2, .epoch = 99, .sequence = 5, .first_scan = 40, .scans = 7}}, gap);
   write("block", "gap", gap.bytes());
 
   std::vector<std::uint8_t> log{0};  // how the target reads it: as it is
-  for (const std::int64_t sequence : {1, 4}) {
+  for (const std::int64_t sequence : {1, 3, 5}) {
     const SealedBlock block = node.block(sequence);
     const std::string channel = block_channel(node.node, block.kind);
     const auto header = encode_log_header({.channel = channel, .data = block.bytes()});
@@ -48,7 +48,10 @@ void write_blocks() {
     log.insert(log.end(), channel.begin(), channel.end());
     log.insert(log.end(), block.bytes().begin(), block.bytes().end());
   }
-  write("segment", "two-events", log);
+  write("segment", "three-events", log);
+  // Logs that the targets build: each 1 is the next block of a node, whole turns of all kinds.
+  write("segment", "built", std::string(2 * fuzz::TrueNode::kPerTurn, '\x01'));
+  write("recover", "two-places", std::string(6 * fuzz::TrueNode::kPerTurn, '\x01'));
 
   SegmentIndex index{.segment = 3, .bytes = log.size()};
   index.epoch[{2, 99}] = {

@@ -156,6 +156,11 @@ TEST(StockLcm, TheDecoderOfLcmSpyUnderstandsEveryMessage) {
     edges.header = header;
     edges.add({.time = node_time_from_ns(5), .line = 1, .kind = EdgeKind::kZeroMark});
     append_block("edge_block_t", edges);
+    SignalBlock signals;
+    for (int k = 0; k < kSamplesPerBlock; ++k)
+      EXPECT_TRUE(signals.add({node_time_from_ns(5 + k), static_cast<std::uint16_t>(4 * k), -0.3 * k}));
+    signals.header = header;
+    append_block("signal_block_t", signals);
     append_block("gap_t", GapBlock{.header = header, .cause = GapCause::kRingFull});
     append_block("meta_t", MetaBlock{.header = header, .text = "name = \"car\""});
     append_block("end_t", EndBlock{.header = header, .blocks = 3, .scans_sealed = 40});
