@@ -112,7 +112,8 @@ class TestNode {
                                                               .base = ring_.base(),
                                                               .next = ring_.next(),
                                                               .state = state,
-                                                              .owner = sender_.owner()}));
+                                                              .owner = sender_.owner(),
+                                                              .device_counts = {1}}));
   }
 
   const std::int32_t number_;
@@ -161,7 +162,12 @@ TEST_F(RecorderTest, RecordsThreeNodesToTheirEndsThroughALossyNetwork) {
     EXPECT_EQ(node.gaps, 0);
     EXPECT_TRUE(node.ended);
   }
-  EXPECT_EQ(verify_record(options.folder).verdict, Verdict::kComplete);
+  const Verification result = verify_record(options.folder);
+  EXPECT_EQ(result.verdict, Verdict::kComplete);
+  for (const std::string node : {"1", "2", "3"}) {
+    const std::string gone = "devices of node " + node + ": was unplugged or went down (1 time by now)";
+    EXPECT_EQ(std::ranges::count_if(result.notes, [&](const auto& n) { return n.ends_with(gone); }), 1);
+  }
 }
 
 TEST_F(RecorderTest, AStopRequestEndsTheNodesAndWaitsForTheirLastBlocks) {
