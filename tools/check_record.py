@@ -35,13 +35,26 @@ def report(checker):
             "deleted_segments": sorted(checker.segments.deleted), "damage": checker.damage, "nodes": epochs}
 
 
+def blocks_of(gap):
+    first, last = gap["first_block"], gap["last_block"]
+    return f"block {last}" if first == last else f"blocks {first} to {last}"
+
+
+def scans_of(gap):
+    if gap["scans"] > 0:
+        return f'from scan {gap["first_scan"]} on {gap["scans"]} scans'
+    if gap["scans_known"]:
+        return "no scans: edges or description"
+    return f'from scan {gap["first_scan"]} on, how many is not known'
+
+
 def print_report(found):
     for epoch in found["nodes"]:
         print(f'node {epoch["node"]} epoch {epoch["epoch"]}: {epoch["blocks"]} blocks, {epoch["samples_recorded"]} samples, '
               f'{epoch["samples_missing"]} missing in {len(epoch["gaps"])} gaps, {epoch["journal_entries"]} journal entries'
               f'{"" if epoch["ended"] else ", crashed" if epoch["crashed"] else ", no end"}')
         for gap in epoch["gaps"]:
-            print(f'  gap from scan {gap["first_scan"]}, {gap["scans"]} scans: {gap["cause"]}')
+            print(f"  gap, {blocks_of(gap)}, {scans_of(gap)}: {gap['cause']}")
         for what in ("undeclared_blocks", "undeclared_scans"):
             for first, last in epoch[what]:
                 print(f'  {what.split("_")[1]} {first} to {last} are missing, undeclared')

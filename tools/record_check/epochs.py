@@ -13,7 +13,7 @@ class Epoch:
         self.blocks = self.samples = self.samples_missing = 0
         self.last_sequence, self.next_scan = deleted  # next_scan None: behind a declared loss of unknown length
         self.first_sequence, self.deleted_scans = deleted[0] + 1, deleted[1]
-        self.gaps = []  # (cause, first scan, scans)
+        self.gaps = []  # as report() gives them
         self.undeclared_blocks, self.undeclared_scans = [], []  # (first, last)
         self.identical_repeats = self.other_repeats = self.overlaps = 0
         self.contradictions = []
@@ -61,6 +61,7 @@ class Epoch:
     def _take(self, block):
         if self.crashed or self.end:
             self.contradictions.append(f"block {block.sequence} comes behind the epoch's end")
+        first_block = self.last_sequence + 1 if block.covers_numbers_before() else block.sequence
         if block.sequence != self.last_sequence + 1 or not self._runs:
             self._runs.append(block.sequence)
             self._crcs.append(array("I"))
@@ -68,11 +69,13 @@ class Epoch:
         self.last_sequence = block.sequence
         self.blocks += 1
         self._check_scans(block)
+        self._prove_without_scans(block)
         if block.kind == "SCAN":
             self.samples += block.scans
         elif block.kind == "GAP":
             self.samples_missing += block.scans
-            self.gaps.append((block.cause, block.first_scan, block.scans))
+            self.gaps.append({"cause": block.cause, "first_block": first_block, "last_block": block.sequence,
+                              "first_scan": block.first_scan, "scans": block.scans, "scans_known": block.scans > 0})
             self.crashed = block.cause == "node_crash"
         elif block.kind == "END":
             self.end = block
@@ -88,6 +91,15 @@ class Epoch:
         self.next_scan = max(self.next_scan or 0, block.first_scan + block.scans)
         if block.covers_numbers_before() and block.scans == 0:
             self.next_scan = None
+
+    def _prove_without_scans(self, block):
+        """Gaps of no scans, if scans go on where they begin: no scan is missing there, only edges or descriptions."""
+        if block.kind not in ("SCAN", "END"):
+            return
+        for gap in reversed(self.gaps):
+            if gap["scans_known"] or gap["cause"] == "node_crash" or gap["first_scan"] != block.first_scan:
+                return
+            gap["scans_known"] = True
 
     def _check_totals(self):
         if not self.end:
@@ -112,7 +124,7 @@ class Epoch:
         return {"node": self.node, "epoch": self.epoch, "complete": self.is_complete(), "ended": self.end is not None,
                 "crashed": self.crashed, "blocks": self.blocks, "samples_recorded": self.samples,
                 "samples_missing": self.samples_missing, "samples_deleted": self.deleted_scans,
-                "gaps": [{"cause": cause, "first_scan": first, "scans": scans} for cause, first, scans in self.gaps],
+                "gaps": self.gaps,
                 "undeclared_blocks": self.undeclared_blocks, "undeclared_scans": self.undeclared_scans,
                 "identical_repeats": self.identical_repeats, "other_repeats": self.other_repeats,
                 "overlaps": self.overlaps, "contradictions": self.contradictions}

@@ -1,12 +1,15 @@
 """Damages records of the real recorder by hand: the checker finds each damage and says what `rb verify` says."""
 
+import json
 import pathlib
+import re
 import shutil
 import struct
+import sys
 import tempfile
 import unittest
 
-from records import (COMPLETE, DAMAGED, INCOMPLETE, RB, SEGMENT, TYPES, UNREADABLE, Record, altered, check, event, message,
+from records import (COMPLETE, DAMAGED, INCOMPLETE, RB, SEGMENT, TOOLS, TYPES, UNREADABLE, Record, altered, check, event, message,
                      record_a_drive, run, with_crc)
 
 from record_check.crc32c import crc
@@ -30,8 +33,21 @@ class CheckRecord(unittest.TestCase):
         """Both say this; returns what the checker has found."""
         code, found = check(self.folder)
         self.assertEqual(code, verdict, found)
-        self.assertEqual(run(RB, "verify", self.folder).returncode, verdict, "rb verify")
+        product = run(RB, "verify", self.folder, "--json")
+        self.assertEqual(product.returncode, verdict, "rb verify")
+        if product.stdout:
+            self.assertEqual([epoch["gaps"] for epoch in found["nodes"]],
+                             [[{key: gap[key] for key in gap if key != "milliseconds"} for gap in epoch["gaps"]]
+                              for epoch in json.loads(product.stdout)["nodes"]])
         return found
+
+    def printed_gaps(self):
+        """The lines on gaps of both, without the milliseconds that only `rb verify` says."""
+        said = [run(sys.executable, TOOLS / "check_record.py", self.folder).stdout, run(RB, "verify", self.folder).stdout]
+        checker, product = [[re.sub(r", [\d.]+ ms", "", line) for line in each.splitlines() if line.startswith("  gap")]
+                            for each in said]
+        self.assertEqual(checker, product)
+        return checker
 
     def node(self, found, node=1):
         return next(epoch for epoch in found["nodes"] if epoch["node"] == node)
@@ -136,7 +152,7 @@ class CheckRecord(unittest.TestCase):
         low, high = header[2], struct.unpack_from(">q", self.record.events[places[-1]][1], 20)[0]
         kept = [each for each in self.record.events
                 if not (each[0].startswith(b"RB_BLOCK_1_") and low <= struct.unpack_from(">q", each[1], 20)[0] <= high)]
-        self.record.events = kept + [(b"RB_BLOCK_1_GAP", gap)]
+        self.record.events = kept[:places[0]] + [(b"RB_BLOCK_1_GAP", gap)] + kept[places[0]:]
         self.record.write()
         return scans
 
@@ -144,6 +160,29 @@ class CheckRecord(unittest.TestCase):
         self.record.without_journal()
         scans = self.replace_by_gap(4, 10, 14)
         self.assertEqual(self.node(self.agrees(INCOMPLETE))["samples_missing"], scans)
+
+    def test_gaps_are_told_as_rb_verify_tells_them(self):
+        self.record.without_journal()
+        def number(at):
+            return struct.unpack_from(">q", self.record.events[at][1], 20)[0]
+
+        first, last = (number(self.record.places("SCAN")[place]) for place in (10, 14))
+        scans = self.replace_by_gap(4, 10, 14)
+        at = self.record.places("EDGE")[30]  # scans follow it
+        edges, header = number(at), struct.unpack_from(">iqqqqq", self.record.events[at][1], 8)
+        self.record.events[at] = b"RB_BLOCK_1_GAP", message("gap_t", node=1, epoch=header[1], sequence=edges,
+                                                            first_scan=header[3], time_ns=header[5], cause=4)
+        end = self.record.places("END")[0]
+        epoch, sequence, first_scan = struct.unpack_from(">qqq", self.record.events[end][1], 12)
+        self.record.events[end] = b"RB_BLOCK_1_GAP", message("gap_t", node=1, epoch=epoch, sequence=sequence,
+                                                             first_scan=first_scan, cause=5)
+        self.record.write()
+        self.agrees(INCOMPLETE)
+        from_scan = 20 * 10
+        self.assertEqual(self.printed_gaps(), [
+            f"  gap, blocks {first} to {last}, from scan {from_scan} on {scans} scans: lost_at_node",
+            f"  gap, block {edges}, no scans: edges or description: lost_at_node",
+            f"  gap, block {sequence}, from scan {first_scan} on, how many is not known: node_crash"])
 
     def test_a_gap_of_one_scan_too_few(self):
         self.replace_by_gap(4, 10, 14, short=1)
