@@ -71,7 +71,6 @@ class EpochReceiver {
   bool ended() const { return ended_; }        ///< by an end or a crash
   bool given_up() const { return given_up_; }  ///< crash() was called before its end
   std::int64_t gaps() const { return gaps_; }  ///< declared here
-  WallClock::duration ask_interval() const { return ask_interval_.get(); }
 
  private:
   struct Slot {

@@ -27,22 +27,11 @@ void Receiver::recover(std::int32_t node, std::int64_t epoch, EpochPosition posi
 }
 
 const EpochReceiver* Receiver::find(std::int32_t node, std::int64_t epoch) const {
-  for (const EpochReceiver* receiver : live(node))
-    if (receiver->epoch() == epoch) return receiver;
-  return nullptr;
-}
-
-const EpochReceiver* Receiver::current(std::int32_t node) const {
   const auto found = nodes_.find(node);
-  return found == nodes_.end() || found->second.live.empty() ? nullptr
-                                                             : found->second.live.back().receiver.get();
-}
-
-std::vector<const EpochReceiver*> Receiver::live(std::int32_t node) const {
-  std::vector<const EpochReceiver*> all;
-  if (const auto found = nodes_.find(node); found != nodes_.end())
-    for (const Live& live : found->second.live) all.push_back(live.receiver.get());
-  return all;
+  if (found == nodes_.end()) return nullptr;
+  for (const Live& live : found->second.live)
+    if (live.receiver->epoch() == epoch) return live.receiver.get();
+  return nullptr;
 }
 
 std::size_t Receiver::live_in_all() const {

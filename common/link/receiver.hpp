@@ -52,10 +52,6 @@ class Receiver {
 
   /// The epoch if it is being received or was closed a moment ago, else nullptr.
   const EpochReceiver* find(std::int32_t node, std::int64_t epoch) const;
-  /// Of these the one of a node that was opened last, or nullptr.
-  const EpochReceiver* current(std::int32_t node) const;
-  /// All of these of a node, in order of opening.
-  std::vector<const EpochReceiver*> live(std::int32_t node) const;
   std::int64_t incarnation() const { return incarnation_; }
   /// For a restart of the same recorder with a higher number: ack numbers begin again.
   void set_incarnation(std::int64_t incarnation) { incarnation_ = incarnation; }

@@ -56,9 +56,9 @@ TEST_F(ReceiverTest, CallsDurableOnlyWhatTheDiskHas) {
 TEST_F(ReceiverTest, StopsTheCreditWhileTheDiskDoesNotFollow) {
   take(beat(1, 1));
   for (std::int64_t k = 1; k <= 4096; ++k) take(scans(k));
-  EXPECT_EQ(receiver.current(1)->credit(), 4096);
+  EXPECT_EQ(receiver.find(1, kEpoch)->credit(), 4096);
   receiver.durable(1, kEpoch, 4000);
-  EXPECT_EQ(receiver.current(1)->credit(), 4096 + 2048);
+  EXPECT_EQ(receiver.find(1, kEpoch)->credit(), 4096 + 2048);
 }
 
 TEST_F(ReceiverTest, WhatTheNodeNoLongerHasBecomesAGapWithItsExactScans) {
@@ -123,21 +123,28 @@ TEST_F(ReceiverTest, WaitsTwiceTheRoundTripOnceItIsKnown) {
       for (const Ack& ack : receiver.due(at + ms * 1ms)) asks += !ack.missing.empty();
     for (int copy = 0; copy < asks / 2; ++copy) take(scans(k), at + 85ms);
   }
-  EXPECT_EQ(receiver.current(1)->ask_interval(), 160ms);
+  take(beat(1, 103), at);
+  take(scans(102), at);
+  (void)ack_at(at);
+  std::vector<std::int64_t> asked_ms;
+  for (int ms = 1; ms <= 200; ++ms)
+    for (const Ack& ack : receiver.due(at + ms * 1ms))
+      if (!ack.missing.empty()) asked_ms.push_back(ms);
+  EXPECT_EQ(asked_ms, (std::vector<std::int64_t>{5, 10, 165, 170}));
 }
 
 // A recorder that comes late: what another one has is lost to it, and waits for the next block to be told.
 TEST_F(ReceiverTest, GivesCreditBehindALossThatIsNotDeclaredYet) {
   take(beat(10'001, 10'500));
-  EXPECT_EQ(receiver.current(1)->received(), 10'000);
-  EXPECT_GT(receiver.current(1)->credit(), 10'000) << "no block can come that would tell the loss";
+  EXPECT_EQ(receiver.find(1, kEpoch)->received(), 10'000);
+  EXPECT_GT(receiver.find(1, kEpoch)->credit(), 10'000) << "no block can come that would tell the loss";
 }
 
 TEST_F(ReceiverTest, TheHighestSequenceAllowedBreaksNothing) {
   receiver.recover(1, kEpoch, {.contiguous = kIndexLimit - 1, .next_scan = kIndexLimit - 20});
   take(beat(kIndexLimit, kIndexLimit));
-  EXPECT_GE(receiver.current(1)->credit(), kIndexLimit - 1);
-  EXPECT_EQ(receiver.current(1)->received(), kIndexLimit - 1);
+  EXPECT_GE(receiver.find(1, kEpoch)->credit(), kIndexLimit - 1);
+  EXPECT_EQ(receiver.find(1, kEpoch)->received(), kIndexLimit - 1);
   EXPECT_TRUE(out.empty());
 }
 
@@ -154,7 +161,7 @@ TEST_F(ReceiverTest, AnEndThatSomebodyElseGotLeavesAnExactGap) {
   EXPECT_EQ(gap.cause, GapCause::kLostAtNode);
   EXPECT_EQ(gap.header.first_scan, 20);
   EXPECT_EQ(gap.header.scans, 170);
-  EXPECT_TRUE(receiver.current(1)->ended());
+  EXPECT_TRUE(receiver.find(1, kEpoch)->ended());
 }
 
 }  // namespace
