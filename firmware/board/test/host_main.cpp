@@ -1,0 +1,15 @@
+#include <cstdio>
+
+#include "firmware/board/test/check.hpp"
+
+namespace roadbalance::board::test {
+
+void say(const char* text) {
+  std::fputs(text, stdout);
+}
+
+}  // namespace roadbalance::board::test
+
+int main() {
+  return roadbalance::board::test::run_all() == 0 ? 0 : 1;
+}
