@@ -17,6 +17,7 @@
 #include "host/analyser/recorded_vehicle.hpp"
 #include "host/recorder/verify.hpp"
 #include "tools/rb/command.hpp"
+#include "tools/rb/signal_survey.hpp"
 #include "tools/rb/verification_json.hpp"
 
 namespace roadbalance {
@@ -39,6 +40,7 @@ struct Survey {
   };
   std::map<int, std::uint64_t> segment_bytes;
   std::map<NodeEpoch, Clock> clock;
+  SignalSurvey signals;
   std::int64_t first_us = std::numeric_limits<std::int64_t>::max();
   std::int64_t last_us = 0;
 };
@@ -50,6 +52,7 @@ Survey survey(const std::filesystem::path& folder) {
   RecordReader reader(folder);
   reader.finish();
   while (const auto event = reader.next()) {
+    found.signals.add(event->channel, event->data);
     if (const auto fit = decode_clock_fit(event->data)) {
       auto& clock = found.clock[{fit->node, fit->epoch}];
       ++clock.fits;
@@ -74,7 +77,15 @@ double duration_s(const VerifiedEpoch& epoch) {
          1e-12;
 }
 
-Json info_json(const Survey& found, const Verification& result, const std::string& vehicle) {
+/// As the record describes it.
+struct Described {
+  std::optional<VehicleConfig> vehicle;
+  std::string name;  // or why there is none
+
+  const VehicleConfig* get() const { return vehicle ? &*vehicle : nullptr; }
+};
+
+Json info_json(const Survey& found, const Verification& result, const Described& described) {
   Json segments = Json::array();
   for (const auto& [number, bytes] : found.segment_bytes)
     segments.push_back({{"number", number}, {"bytes", bytes}});
@@ -93,19 +104,20 @@ Json info_json(const Survey& found, const Verification& result, const std::strin
                      {"epoch", epoch.epoch},
                      {"rate_hz", rate_hz(epoch)},
                      {"duration_s", duration_s(epoch)}});
-  return {{"vehicle", vehicle},
+  return {{"vehicle", described.name},
           {"first_us", found.first_us},
           {"last_us", found.last_us},
           {"segments", segments},
           {"rates", rates},
           {"clocks", clocks},
+          {"signals", signals_json(found.signals, described.get())},
           {"record", verification_json(result)}};
 }
 
-void print_info(const Survey& found, const Verification& result, const std::string& vehicle) {
+void print_info(const Survey& found, const Verification& result, const Described& described) {
   std::uint64_t bytes = 0;
   for (const auto& [number, size] : found.segment_bytes) bytes += size;
-  std::printf("vehicle %s\n%zu segments, %.1f MiB, written within %.1f s\n", vehicle.c_str(),
+  std::printf("vehicle %s\n%zu segments, %.1f MiB, written within %.1f s\n", described.name.c_str(),
               found.segment_bytes.size(), static_cast<double>(bytes) / (1 << 20),
               static_cast<double>(found.last_us - found.first_us) * 1e-6);
   for (const auto& epoch : result.epoch) {
@@ -117,16 +129,19 @@ void print_info(const Survey& found, const Verification& result, const std::stri
                   static_cast<long long>(clock->second.fits), clock->second.last->drift * 1e6,
                   clock->second.last->uncertainty_s * 1e6,
                   static_cast<long long>(clock->second.last->breaks));
+    for (const auto& line : signal_lines(found.signals, {epoch.node, epoch.epoch}, described.get()))
+      std::printf("  %s\n", line.c_str());
   }
   print_verification(result);
 }
 
-std::string vehicle_name(const std::filesystem::path& folder) {
+Described describe(const std::filesystem::path& folder) {
   try {
-    const auto vehicle = recorded_vehicle(folder);
-    return vehicle ? vehicle->name : "not described";
+    Described described{.vehicle = recorded_vehicle(folder), .name = "not described"};
+    if (described.vehicle) described.name = described.vehicle->name;
+    return described;
   } catch (const std::exception& error) {
-    return std::string("cannot be used: ") + error.what();
+    return {.vehicle = std::nullopt, .name = std::string("cannot be used: ") + error.what()};
   }
 }
 
@@ -146,11 +161,11 @@ int info(const InfoOptions& options) {
   const Verification result = verify_record(options.folder);
   if (result.verdict == Verdict::kUnreadable) throw std::runtime_error(result.error);
   const Survey found = survey(options.folder);
-  const std::string vehicle = vehicle_name(options.folder);
+  const Described described = describe(options.folder);
   if (options.json)
-    std::printf("%s\n", info_json(found, result, vehicle).dump().c_str());
+    std::printf("%s\n", info_json(found, result, described).dump().c_str());
   else
-    print_info(found, result, vehicle);
+    print_info(found, result, described);
   return kDone;
 }
 

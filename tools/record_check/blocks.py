@@ -1,10 +1,12 @@
 """Blocks as the nodes sealed them: which bytes are a good one, and what its header says."""
 
+import math
 import struct
 
-KINDS = {"scan_block_t": "SCAN", "edge_block_t": "EDGE", "gap_t": "GAP", "meta_t": "META", "end_t": "END"}
+KINDS = {"scan_block_t": "SCAN", "edge_block_t": "EDGE", "gap_t": "GAP", "meta_t": "META", "end_t": "END",
+         "signal_block_t": "SIGNAL"}
 CAUSES = {1: "ring_full", 2: "device_overrun", 4: "lost_at_node", 5: "node_crash", 6: "source_gap",
-          7: "lost_in_record"}
+          7: "lost_in_record", 8: "device_gone"}
 HEADER = struct.Struct(">qiqqqqq")
 HEADER_FIELDS = ["node", "epoch", "sequence", "first_scan", "scans", "time_ns"]
 INDEX_LIMIT = 1 << 48
@@ -12,6 +14,8 @@ CLOCK_LIMIT_NS = 1 << 61
 LAST_NODE = 9999
 SCANS_PER_BLOCK = 20
 CHANNELS = 16
+SAMPLES_PER_BLOCK = 64
+SIGNALS = 256
 
 
 class Block:
@@ -32,7 +36,7 @@ def _good_header(kind, node, sequence, first_scan, scans, time_ns):
 
 
 class BlockDecoder:
-    """Takes what has one of the five types and a good CRC; refuses (None) what the wire format does not allow."""
+    """Takes what has the type of a block and a good CRC; refuses (None) what the wire format does not allow."""
 
     def __init__(self, types):
         self.kinds = {kind.fingerprint: (KINDS[kind.name], kind) for kind in types.values() if kind.name in KINDS}
@@ -62,6 +66,15 @@ class BlockDecoder:
     def _edge(block, kind, data):
         edges, = struct.unpack_from(">i", data, HEADER.size)
         return 0 <= edges <= 300 and all(data[HEADER.size + 4 + 4 * edge] < 0x80 for edge in range(edges))
+
+    @staticmethod
+    def _signal(block, kind, data):
+        signals = kind.decode(data)
+        samples = signals["samples"]
+        return (0 <= samples <= SAMPLES_PER_BLOCK and
+                all(abs(time_ns) <= CLOCK_LIMIT_NS for time_ns in signals["sample_ns"][:samples]) and
+                all(math.isfinite(value) for value in signals["value"][:samples]) and
+                all(0 <= number < SIGNALS for number in signals["signal"][:samples]))
 
     @staticmethod
     def _gap(block, kind, data):

@@ -114,6 +114,54 @@ TEST_F(SalvageTest, EachHoleIsDeclaredInSamples) {
   EXPECT_EQ(gap.first_scan, 20 * (gap.sequence - lost));
 }
 
+// Scans 0 .. 39 in two blocks, samples of signals before, between and behind them.
+TEST_F(SalvageTest, SignalsGoAlongAndThoseLostAreAHoleWithoutScans) {
+  const auto build = [](std::int64_t sequence) {
+    SealedBlock sealed;
+    const std::int64_t first_scan = sequence < 3 ? 0 : sequence < 5 ? 20 : 40;
+    BlockHeader header{.node = 1, .epoch = kEpoch, .sequence = sequence, .first_scan = first_scan};
+    if (sequence == 6) {
+      seal(EndBlock{.header = header, .blocks = 6, .scans_sealed = 40, .scans_missing = 0}, sealed);
+    } else if (sequence % 2 == 0) {
+      header.scans = 20;
+      seal(ScanBlock{.header = header, .period_ps = 500'000'000}, sealed);
+    } else {
+      SignalBlock signals;
+      EXPECT_TRUE(signals.add({node_time_from_ns(sequence), 2, 0.5 * static_cast<double>(sequence)}));
+      signals.header = header;
+      seal(signals, sealed);
+    }
+    return sealed;
+  };
+  for (const bool lost : {false, true}) {
+    const std::filesystem::path old = lost ? "/lossy" : "/whole", fresh = old / "new";
+    RecordWriter writer({.folder = old}, disk);
+    for (std::int64_t sequence = 1; sequence <= 6; ++sequence)
+      if (!lost || sequence != 3) writer.append(build(sequence), 1000);
+    writer.close();
+    EXPECT_EQ(salvage({old}, fresh, disk).blocks, lost ? 5 : 6);
+    RecordReader reader(fresh, disk);
+    reader.finish();
+    SealedBlock read;
+    std::vector<std::int64_t> signals;
+    while (const auto event = reader.next()) {
+      if (accept(event->data, read) != Refusal::kNone || read.kind != BlockKind::kSignal) continue;
+      signals.push_back(read.header.sequence);
+      EXPECT_TRUE(std::ranges::equal(read.bytes(), build(read.header.sequence).bytes()));
+    }
+    EXPECT_EQ(signals, lost ? (std::vector<std::int64_t>{1, 5}) : (std::vector<std::int64_t>{1, 3, 5}));
+    const Verification result = verify_record(fresh, disk);
+    EXPECT_EQ(result.verdict, lost ? Verdict::kIncomplete : Verdict::kComplete) << verdict_text(result);
+    ASSERT_EQ(result.epoch.size(), 1u);
+    EXPECT_EQ(result.epoch[0].samples, 40);
+    ASSERT_EQ(result.epoch[0].gaps.size(), lost ? 1u : 0u);
+    if (lost) {
+      EXPECT_EQ(result.epoch[0].gaps[0].cause, GapCause::kLostInRecord);
+      EXPECT_TRUE(result.epoch[0].gaps[0].has_no_scans);
+    }
+  }
+}
+
 // A bit of a block's content: the log still reads well, the block does not.
 TEST_F(SalvageTest, AnAlteredBlockIsListedWithItsPlaceAsVerifyDoes) {
   record("/old", {1}, 1, kBlocks);
