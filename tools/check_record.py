@@ -44,7 +44,7 @@ def scans_of(gap):
     if gap["scans"] > 0:
         return f'from scan {gap["first_scan"]} on {gap["scans"]} scans'
     if gap["scans_known"]:
-        return "no scans: edges or description"
+        return "no scans: edges, signals or description"
     return f'from scan {gap["first_scan"]} on, how many is not known'
 
 

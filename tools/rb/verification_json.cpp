@@ -82,7 +82,7 @@ void print_gap(const VerifiedGap& gap, const VerifiedEpoch& epoch) {
     std::printf("from scan %lld on %lld scans, %.1f ms", static_cast<long long>(gap.first_scan),
                 static_cast<long long>(gap.scans), milliseconds(gap.scans, epoch));
   else if (gap.has_no_scans)
-    std::printf("no scans: edges or description");
+    std::printf("no scans: edges, signals or description");
   else
     std::printf("from scan %lld on, how many is not known", static_cast<long long>(gap.first_scan));
   std::printf(": %s\n", cause_name(gap.cause));

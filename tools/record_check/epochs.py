@@ -93,7 +93,7 @@ class Epoch:
             self.next_scan = None
 
     def _prove_without_scans(self, block):
-        """Gaps of no scans, if scans go on where they begin: no scan is missing there, only edges or descriptions."""
+        """Gaps of no scans, if scans go on where they begin: only edges, signals or descriptions are missing there."""
         if block.kind not in ("SCAN", "END"):
             return
         for gap in reversed(self.gaps):

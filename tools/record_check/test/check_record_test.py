@@ -181,7 +181,7 @@ class CheckRecord(unittest.TestCase):
         from_scan = 20 * 10
         self.assertEqual(self.printed_gaps(), [
             f"  gap, blocks {first} to {last}, from scan {from_scan} on {scans} scans: lost_at_node",
-            f"  gap, block {edges}, no scans: edges or description: lost_at_node",
+            f"  gap, block {edges}, no scans: edges, signals or description: lost_at_node",
             f"  gap, block {sequence}, from scan {first_scan} on, how many is not known: node_crash"])
 
     def test_a_gap_of_one_scan_too_few(self):
