@@ -1,0 +1,69 @@
+#include "firmware/backends/socketcan/accelerometer_frame.hpp"
+
+namespace roadbalance {
+namespace {
+
+constexpr std::uint16_t kAllChannels = (1 << kAccelerations) - 1;
+constexpr std::size_t kPartHead = 2, kFlexibleHead = 8;
+
+std::uint16_t read_16(const CanFrame& frame, std::size_t at) {
+  return static_cast<std::uint16_t>(frame.data[at] | frame.data[at + 1] << 8);
+}
+
+void write_16(std::uint16_t value, CanFrame& frame, std::size_t at) {
+  frame.data[at] = static_cast<std::uint8_t>(value);
+  frame.data[at + 1] = static_cast<std::uint8_t>(value >> 8);
+}
+
+}  // namespace
+
+std::optional<AccelerometerFrame> read_accelerometer(const CanFrame& frame, std::uint32_t first_id) noexcept {
+  const std::uint32_t place = frame.id - first_id;
+  const std::uint32_t parts = frame.flexible ? 1 : AccelerometerFrame::kParts;
+  if (frame.extended || place >= parts) return std::nullopt;
+  if (frame.size != (frame.flexible ? AccelerometerFrame::kFlexibleBytes : kClassicCanBytes))
+    return std::nullopt;
+  if (frame.data[0] >> 4 != AccelerometerFrame::kVersion) return std::nullopt;
+
+  AccelerometerFrame said;
+  if (frame.flexible) {
+    said.overload = read_16(frame, 2);
+    if ((frame.data[0] & 0xF) != 0 || frame.data[1] != 0 || said.overload > kAllChannels) return std::nullopt;
+    said.sequence = read_16(frame, 4) | static_cast<std::uint32_t>(read_16(frame, 6)) << 16;
+    for (std::size_t k = 0; k < said.sample.size(); ++k)
+      said.sample[k] = static_cast<std::int16_t>(read_16(frame, kFlexibleHead + 2 * k));
+    return said;
+  }
+  if ((frame.data[0] & 0x8) != 0) return std::nullopt;
+  said.part = static_cast<int>(place);
+  said.sequence = frame.data[1];
+  const std::size_t first = place * AccelerometerFrame::kChannelsOfPart;
+  said.overload = static_cast<std::uint16_t>((frame.data[0] & 0x7) << first);
+  for (std::size_t k = 0; k < AccelerometerFrame::kChannelsOfPart; ++k)
+    said.sample[first + k] = static_cast<std::int16_t>(read_16(frame, kPartHead + 2 * k));
+  return said;
+}
+
+CanFrame write_accelerometer(const AccelerometerFrame& said, std::uint32_t first_id) {
+  CanFrame frame{.id = first_id + static_cast<std::uint32_t>(said.part.value_or(0))};
+  frame.flexible = !said.part;
+  frame.data[0] = AccelerometerFrame::kVersion << 4;
+  if (frame.flexible) {
+    frame.size = AccelerometerFrame::kFlexibleBytes;
+    write_16(said.overload, frame, 2);
+    write_16(static_cast<std::uint16_t>(said.sequence), frame, 4);
+    write_16(static_cast<std::uint16_t>(said.sequence >> 16), frame, 6);
+    for (std::size_t k = 0; k < said.sample.size(); ++k)
+      write_16(static_cast<std::uint16_t>(said.sample[k]), frame, kFlexibleHead + 2 * k);
+    return frame;
+  }
+  frame.size = kClassicCanBytes;
+  const auto first = static_cast<std::size_t>(*said.part * AccelerometerFrame::kChannelsOfPart);
+  frame.data[0] = static_cast<std::uint8_t>(frame.data[0] | (said.overload >> first & 0x7));
+  frame.data[1] = static_cast<std::uint8_t>(said.sequence);
+  for (std::size_t k = 0; k < AccelerometerFrame::kChannelsOfPart; ++k)
+    write_16(static_cast<std::uint16_t>(said.sample[first + k]), frame, kPartHead + 2 * k);
+  return frame;
+}
+
+}  // namespace roadbalance

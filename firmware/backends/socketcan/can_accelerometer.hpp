@@ -1,0 +1,30 @@
+#pragma once
+
+#include <memory>
+
+#include "firmware/backends/socketcan/accelerometer_scans.hpp"
+#include "firmware/backends/socketcan/can_decoder.hpp"
+#include "firmware/backends/socketcan/can_intake.hpp"
+
+namespace roadbalance {
+
+/// The scans of an accelerometer module on a CAN interface, and the signals that come on the same one.
+class CanAccelerometer final : public FrontEnd {
+ public:
+  CanAccelerometer(std::unique_ptr<CanIntake> intake, CanDecoder decoder, std::uint32_t first_id);
+
+  Read read(std::span<Scan> scans, std::span<Edge> edges, std::span<SignalSample> signals) noexcept override;
+  ScanStamps scan_stamps() const noexcept override { return ScanStamps::kReadOut; }
+  std::vector<const DeviceReport*> reports() const override { return {&intake_->report()}; }
+
+ private:
+  void take(const CanArrival& arrival, std::span<Scan> scans, std::span<SignalSample> signals,
+            Read& read) noexcept;
+
+  const std::unique_ptr<CanIntake> intake_;
+  const CanDecoder decoder_;
+  const std::uint32_t first_id_;
+  AccelerometerScans scans_;
+};
+
+}  // namespace roadbalance

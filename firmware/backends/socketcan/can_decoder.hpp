@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "common/config/vehicle_config.hpp"
+#include "common/frontend/front_end.hpp"
+#include "firmware/backends/dbc/dbc.hpp"
+#include "firmware/backends/socketcan/can_socket.hpp"
+
+namespace roadbalance {
+
+/// Frames of a CAN interface to the signals that vehicle.toml wants of them.
+class CanDecoder {
+ public:
+  /// @param dbc  what describes the frames; may be gone afterwards
+  /// @throws ConfigError naming the signal and its line in the DBC file: not there, of a unit that does not
+  /// go
+  ///         with its quantity, or more than kMostOfOneFrame of one message
+  CanDecoder(const CanConfig& can, const VehicleConfig& vehicle, const Dbc& dbc);
+  /// Of an interface without signals.
+  CanDecoder() = default;
+
+  /// A frame gives at most so many samples, the room that a reader has to have.
+  static constexpr std::size_t kMostOfOneFrame = 64;
+
+  std::vector<CanId> ids() const;
+
+  struct Decoded {
+    std::size_t samples = 0;
+    bool refused = false;  ///< the frame was too short, or a value no measurement; it gave what else it had
+  };
+  /// Nothing from a frame that nobody wants.  Never allocates.
+  Decoded decode(const CanFrame& frame, NodeTime time, std::span<SignalSample> samples) const noexcept;
+
+ private:
+  struct Wanted {
+    std::size_t in_message;  ///< place of the signal there
+    std::uint16_t number;    ///< SignalSample::signal
+    double factor;           ///< from the DBC file's unit to the quantity's
+  };
+  struct Message {
+    CanId id;
+    DbcMessage description;
+    std::vector<Wanted> wanted;
+  };
+  Message& message_of(const DbcMessage& description);
+
+  std::vector<Message> messages_;  // few
+};
+
+}  // namespace roadbalance

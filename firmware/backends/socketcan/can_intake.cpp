@@ -1,0 +1,112 @@
+#include "firmware/backends/socketcan/can_intake.hpp"
+
+#include <system_error>
+#include <utility>
+
+#include "common/config/section.hpp"
+#include "common/process/realtime.hpp"
+
+namespace roadbalance {
+namespace {
+
+constexpr int kPriority = 45;                            // ahead of acquire: frames wait in the kernel only
+constexpr std::chrono::milliseconds kLongestSilence{5};  // scans wait so long for what stands beside them
+constexpr std::chrono::milliseconds kAskAgain{50};
+constexpr int kFramesAtOnce = 1'000;
+
+NodeTime to_node(MachineTime time) {
+  return node_time_from_ns(to_ns(time));
+}
+
+}  // namespace
+
+CanIntake::CanIntake(const std::string& interface, CanRole role, std::vector<CanId> wanted)
+    : interface_(interface),
+      role_(role),
+      wanted_(std::move(wanted)),
+      report_("can:" + interface),
+      complete_ns_(to_ns(MachineClock::now())) {
+  const std::string why = obstacle(query_can_link(interface.c_str()), role, interface);
+  if (!why.empty()) throw ConfigError(why);
+  socket_.emplace(interface, wanted_);
+  thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+}
+
+CanIntake::~CanIntake() = default;
+
+void CanIntake::wait(std::chrono::milliseconds at_most) noexcept {
+  if (size() > 0 || !came_.try_acquire_for(at_most)) return;
+  static_cast<void>(told_.exchange(false, std::memory_order_acq_rel));  // sees what came before it
+}
+
+NodeTime CanIntake::complete_until() const noexcept {
+  if (gone_.load(std::memory_order_acquire)) return to_node(MachineClock::now());
+  return node_time_from_ns(complete_ns_.load(std::memory_order_acquire));
+}
+
+void CanIntake::run(const std::stop_token& stop) noexcept {
+  // What is refused here was refused to the node's own deadline, which has warned of it.
+  static_cast<void>(enter_realtime(kPriority));
+  while (!stop.stop_requested()) {
+    if (socket_) {
+      socket_->wait(kLongestSilence);
+      drain();
+    } else {
+      std::this_thread::sleep_for(kAskAgain);
+      find_interface();
+    }
+  }
+}
+
+void CanIntake::drain() noexcept {
+  using Kind = CanReceived::Kind;
+  // What is stamped before this instant is in the socket by now: the kernel stamps and queues in one go.
+  const MachineTime begun = MachineClock::now();
+  for (int frame = 0; frame < kFramesAtOnce; ++frame) {
+    const CanReceived received = socket_->receive();
+    if (received.kind == Kind::kGone) return lose_interface();
+    if (received.kind == Kind::kTrouble) report_.count(received.trouble);
+    if (received.kind == Kind::kFrame) keep(received);
+    if (received.kind != Kind::kNothing) continue;
+    complete_ns_.store(to_ns(begun), std::memory_order_release);
+    break;
+  }
+  if (const std::uint32_t lost = socket_->take_lost(); lost > 0)
+    report_.count(DeviceCounter::kQueueOverflow, lost);
+}
+
+void CanIntake::keep(const CanReceived& received) noexcept {
+  CanArrival* const place = ring_->room();
+  if (!place) return report_.count(DeviceCounter::kReadersTooSlow);
+  place->frame = received.frame;
+  place->time = to_node(received.time);
+  if (received.hardware_ns) place->time = hardware_->time(*received.hardware_ns, place->time);
+  place->after_absence = std::exchange(after_absence_, false);
+  ring_->publish();
+  if (!told_.exchange(true, std::memory_order_acq_rel)) came_.release();
+}
+
+void CanIntake::lose_interface() noexcept {
+  if (const std::uint32_t lost = socket_->take_lost(); lost > 0)
+    report_.count(DeviceCounter::kQueueOverflow, lost);
+  socket_.reset();
+  gone_.store(true, std::memory_order_release);
+  report_.count(DeviceCounter::kGone);
+}
+
+void CanIntake::find_interface() noexcept {
+  const auto link = query_can_link(interface_.c_str());
+  if (!link || !link->up || !suits(*link, role_)) return;
+  try {
+    socket_.emplace(interface_, wanted_);
+  } catch (const std::system_error&) {
+    return;  // it went away in between; asked for again
+  }
+  hardware_.emplace();
+  after_absence_ = true;
+  complete_ns_.store(to_ns(MachineClock::now()), std::memory_order_release);
+  gone_.store(false, std::memory_order_release);
+  report_.count(DeviceCounter::kReturned);
+}
+
+}  // namespace roadbalance

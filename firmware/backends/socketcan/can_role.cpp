@@ -1,0 +1,26 @@
+#include "firmware/backends/socketcan/can_link.hpp"
+
+namespace roadbalance {
+
+bool suits(const CanLink& link, CanRole role) {
+  if (link.kind == CanLink::Kind::kVirtual) return true;
+  return link.kind == CanLink::Kind::kController && link.listen_only == (role == CanRole::kVehicle);
+}
+
+std::string obstacle(const std::optional<CanLink>& link, CanRole role, const std::string& interface) {
+  const std::string name = "CAN interface " + interface;
+  if (!link) return name + ": there is none of that name; try: ip link show type can";
+  if (link->kind == CanLink::Kind::kOther) return name + ": this is no CAN interface";
+  if (!suits(*link, role)) {
+    const bool vehicle = role == CanRole::kVehicle;
+    return name +
+           (vehicle ? " is not listen-only, as role \"vehicle\" demands: it would answer on the car's own bus"
+                    : " is listen-only, but role \"sensor\" demands that it acknowledges frames") +
+           "; try: ip link set " + interface + " down; ip link set " + interface + " type can listen-only " +
+           (vehicle ? "on" : "off") + "; ip link set " + interface + " up";
+  }
+  if (!link->up) return name + " is down; try: ip link set " + interface + " up";
+  return "";
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "common/clock/clocks.hpp"
+#include "common/frontend/device_report.hpp"
+#include "firmware/backends/dbc/can_frame.hpp"
+
+namespace roadbalance {
+
+struct CanId {
+  std::uint32_t id = 0;
+  bool extended = false;
+  auto operator<=>(const CanId&) const = default;
+};
+
+/// What a CAN socket had to give.
+struct CanReceived {
+  enum class Kind {
+    kNothing,  ///< empty
+    kFrame,
+    kTrouble,  ///< the controller reported an error
+    kIgnored,  ///< something of no interest; there may be more
+    kGone,     ///< the interface went down or away
+  };
+  Kind kind = Kind::kNothing;
+  CanFrame frame;
+  MachineTime time{};  ///< when the kernel had the frame, in order
+  /// The controller's own stamp, of a clock of its own; nothing if it gives none.
+  std::optional<std::int64_t> hardware_ns;
+  DeviceCounter trouble = DeviceCounter::kBusErrors;
+};
+
+/// Listens on a CAN interface for frames of given identifiers, classic and CAN FD.  It cannot send.
+///
+/// The kernel stamps frames in CLOCK_REALTIME; of frames that waited while that clock was set the time of
+/// reading counts.  After construction nothing allocates.
+class CanSocket {
+ public:
+  /// @throws std::system_error naming the call and the interface
+  CanSocket(const std::string& interface, std::span<const CanId> wanted);
+  CanSocket(const CanSocket&) = delete;
+  CanSocket& operator=(const CanSocket&) = delete;
+  ~CanSocket();
+
+  /// Waits until there is something to receive.
+  void wait(std::chrono::milliseconds at_most) const noexcept;
+
+  /// The next.  Never waits.
+  CanReceived receive() noexcept;
+
+  /// Frames that the kernel had no room for, since the last call.
+  std::uint32_t take_lost() noexcept;
+
+ private:
+  struct Control;
+  Control read_control(void* message) noexcept;
+  MachineTime machine_time(std::optional<std::int64_t> wall_ns) noexcept;
+  void count_lost(std::uint32_t total) noexcept;
+  void read_clocks() noexcept;
+
+  int descriptor_;
+  std::uint32_t lost_total_ = 0;  ///< as the kernel counts: since the socket was opened, wrapping
+  std::uint32_t lost_told_ = 0;
+  bool clocks_fresh_ = false;  ///< read since the socket was last found empty
+  bool wall_clock_set_ = false;
+  MachineTime read_at_{};
+  MachineClock::duration machine_minus_wall_{};
+  MachineTime newest_{};
+};
+
+}  // namespace roadbalance

@@ -1,0 +1,66 @@
+#include "firmware/backends/socketcan/open_can.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include "common/config/section.hpp"
+#include "firmware/backends/socketcan/can_accelerometer.hpp"
+#include "firmware/backends/socketcan/can_signal_source.hpp"
+
+namespace roadbalance {
+namespace {
+
+const CanConfig& wiring_of(const FrontEndRequest& request) {
+  const auto& all = request.node.wiring.can;
+  const auto found = std::ranges::find(all, request.address, &CanConfig::interface);
+  if (found != all.end()) return *found;
+  throw ConfigError("front end \"can:" + request.address + "\": node " + request.node.name +
+                    " has no [[node.can]] with interface = \"" + request.address + "\"");
+}
+
+/// The module's identifiers, after a check that it can be what it is wired as.
+std::vector<CanId> module_ids(const CanConfig& can, const NodeConfig& node,
+                              const std::vector<CanId>& others) {
+  const std::string name = "accelerometer on " + can.interface + ": ";
+  if (node.rate_hz != AccelerometerScans::kRateHz)
+    throw ConfigError(name + "it converts 1000 times a second, but rate_hz of node " + node.name + " is " +
+                      std::to_string(node.rate_hz));
+  if (*can.accelerometer_id + AccelerometerFrame::kParts - 1 > kHighestShortId)
+    throw ConfigError(name + "accelerometer_id " + std::to_string(*can.accelerometer_id) +
+                      " leaves no room for its four identifiers; allowed: 0 .. 2044");
+  std::vector<CanId> ids;
+  for (std::uint32_t part = 0; part < AccelerometerFrame::kParts; ++part) {
+    ids.push_back({.id = *can.accelerometer_id + part});
+    if (std::ranges::find(others, ids.back()) != others.end())
+      throw ConfigError(name + "identifier " + std::to_string(ids.back().id) +
+                        " is also that of a signal in " + can.dbc);
+  }
+  return ids;
+}
+
+}  // namespace
+
+OpenedDevice open_can(const FrontEndRequest& request) {
+  const CanConfig& can = wiring_of(request);
+  CanDecoder decoder;
+  if (!can.signal.empty())
+    decoder = CanDecoder(can, request.vehicle,
+                         Dbc::read_file((std::filesystem::path(request.vehicle.folder) / can.dbc).string()));
+  std::vector<CanId> wanted = decoder.ids();
+  if (can.accelerometer_id)
+    for (const CanId& id : module_ids(can, request.node, wanted)) wanted.push_back(id);
+  if (wanted.empty())
+    throw ConfigError("front end \"can:" + can.interface +
+                      "\": nothing is wanted of it; allowed: [[node.can.signal]], accelerometer_id");
+  auto intake = std::make_unique<CanIntake>(can.interface, can.role, std::move(wanted));
+  OpenedDevice opened;
+  if (can.accelerometer_id)
+    opened.scans =
+        std::make_unique<CanAccelerometer>(std::move(intake), std::move(decoder), *can.accelerometer_id);
+  else
+    opened.side = std::make_unique<CanSignalSource>(std::move(intake), std::move(decoder));
+  return opened;
+}
+
+}  // namespace roadbalance
