@@ -1,6 +1,8 @@
 #include "common/link/blocks.hpp"
 
 #include <algorithm>
+#include <cassert>
+#include <cmath>
 
 namespace roadbalance {
 namespace {
@@ -40,6 +42,7 @@ std::vector<Edge> EdgeBlock::unpack() const {
 }
 
 bool SignalBlock::add(const SignalSample& sample) {
+  assert(std::isfinite(sample.value) && sample.signal < kMostSignals);
   if (samples == 0) header.time_ns = to_ns(sample.time);
   if (samples == kSamplesPerBlock) return false;
   const auto k = static_cast<std::size_t>(samples++);

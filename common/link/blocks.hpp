@@ -54,6 +54,7 @@ struct SignalBlock {
   std::array<std::int16_t, kSamplesPerBlock> signal{};
 
   /// False if the block is full: then a new one begins.  The first sample sets header.time_ns.
+  /// A block with a value that is no number would be refused by every receiver: none is given.
   bool add(const SignalSample& sample);
   bool empty() const { return samples == 0; }
   /// The samples as they were added.

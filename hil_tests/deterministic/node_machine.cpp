@@ -170,6 +170,11 @@ void NodeMachine::read(std::int64_t now_ns) {
     fill(scan, scan.index - std::max<std::int64_t>(0, p.first_index));
   }
   p.sealer.add(std::span(scans_).first(count), {}, false);
+  if (count > 0) {  // blocks without scans, which nothing tells of but their numbers
+    const Scan& last = scans_[count - 1];
+    const SignalSample sample{.time = last.time, .signal = 3, .value = static_cast<double>(last.index)};
+    p.sealer.add({&sample, 1});
+  }
   if (p.first_index >= 0 && !p.link.stop.load()) p.truth.scans = p.next_index - p.first_index;
 }
 
