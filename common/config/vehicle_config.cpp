@@ -56,6 +56,7 @@ WheelConfig parse_wheel(Section& wheel) {
   if (auto encoder = wheel.section_if("encoder")) {
     w.encoder.pulses_per_turn = static_cast<int>(encoder->integer("pulses_per_turn", 1, 100'000));
     w.encoder.zero_mark = encoder->boolean_or("zero_mark", true);
+    w.encoder.quadrature = encoder->boolean_or("quadrature", false);
     w.encoder.datum_rad = kRadiansPerDegree * encoder->number_or("datum_deg", {-360, 360}, 0.0);
     encoder->finish();
     if (w.node.empty()) wheel.fail("encoder", "needs the node that reads it; allowed: node = \"name\"");
@@ -88,6 +89,7 @@ ChannelConfig parse_channel(Section channel) {
   c.direction.normalize();
   c.range_m_s2 = channel.number("range_m_s2", {1e-6, 1e6});
   c.scale_m_s2_per_count = c.range_m_s2 / kFullScaleCounts;
+  if (channel.has("input_range_v")) c.input_range_v = channel.number("input_range_v", {1e-3, 1e3});
   if (auto calibration = channel.section_if("calibration")) {
     c.scale_m_s2_per_count = calibration->number("scale_m_s2_per_count", {1e-12, 1e3});
     c.offset_counts = calibration->number_or("offset_counts", {-kFullScaleCounts, kFullScaleCounts}, 0.0);

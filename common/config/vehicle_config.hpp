@@ -42,6 +42,7 @@ struct ModelConfig {
 struct EncoderConfig {
   int pulses_per_turn = 0;  ///< teeth of an ABS ring, lines of a transducer
   bool zero_mark = true;    ///< one zero mark a turn
+  bool quadrature = false;  ///< a second track, which says the direction, is wired to the USB board
   /// Wheel angle (mark at the upward vertical = 0) at the instant the zero mark fires.
   double datum_rad = 0.0;
 };
@@ -67,6 +68,8 @@ struct ChannelConfig {
   double range_m_s2 = 0.0;              ///< full scale of the converter
   double scale_m_s2_per_count = 0.0;    ///< calibration; default range / 2^23
   double offset_counts = 0.0;           ///< reading at rest
+  /// Voltage of that full scale, of a device with ranges to choose from; its widest if not given.
+  std::optional<double> input_range_v{};
 
   double to_si(double counts) const { return (counts - offset_counts) * scale_m_s2_per_count; }
 };

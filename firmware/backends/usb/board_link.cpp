@@ -1,0 +1,231 @@
+#include "firmware/backends/usb/board_link.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+
+#include "common/config/section.hpp"
+#include "common/process/realtime.hpp"
+
+namespace roadbalance {
+namespace {
+
+using board::Request;
+
+/// Above acquire (40), which waits for it; below the kernel's interrupt threads (50).
+constexpr int kPriority = 45;
+constexpr auto kServing = std::chrono::milliseconds(100);
+constexpr auto kSearching = std::chrono::milliseconds(200);
+/// A running board sends ten times as often.
+constexpr auto kLongestSilence = std::chrono::milliseconds(10 * board::kSilenceLimitMs);
+/// A device that just came is refused by the system until its rules have been applied: no reason to complain.
+constexpr auto kPatience = std::chrono::seconds(2);
+constexpr int kExchanges = 8;
+
+NodeTime now() {
+  return node_time_from_ns(to_ns(MachineClock::now()));
+}
+
+std::uint8_t number(Request request) {
+  return static_cast<std::uint8_t>(request);
+}
+
+board::Status status_of(UsbDevice& device) {
+  std::array<std::uint8_t, 256> reply;
+  const auto size = device.get(number(Request::kStatus), reply);
+  const auto status = size ? board::decode_status(std::span(reply).first(*size)) : std::nullopt;
+  if (!status) throw UsbError("the board does not give its status");
+  return *status;
+}
+
+std::string refusal_of(const board::Status& status) {
+  constexpr std::array kWords{"nothing",
+                              "an unknown request",
+                              "a wrong length",
+                              "not in this state",
+                              "a value it lacks",
+                              "a wrong token",
+                              "its hardware does not take it"};
+  return kWords[std::min<std::size_t>(static_cast<std::size_t>(status.last_refusal), kWords.size() - 1)];
+}
+
+template <typename Content>
+void tell(UsbDevice& device, Request request, const char* name, const Content& content) {
+  if (device.put(number(request), board::encode(content))) return;
+  throw UsbError(std::string("the board refuses ") + name + ": " + refusal_of(status_of(device)));
+}
+
+/// The narrowest of a few questions for the board's time.
+BoardInstant instant_of(UsbDevice& device) {
+  BoardInstant instant;
+  auto narrowest = NodeClock::duration::max();
+  for (int k = 0; k < kExchanges; ++k) {
+    const NodeTime before = now();
+    const std::uint64_t ticks = status_of(device).ticks;
+    const auto round_trip = now() - before;
+    if (round_trip >= narrowest) continue;
+    narrowest = round_trip;
+    instant = {ticks, before + round_trip / 2};
+  }
+  return instant;
+}
+
+}  // namespace
+
+BoardLink::Session::~Session() {
+  for (const auto& device : board) try {
+      static_cast<void>(device->put(number(Request::kStop), {}));
+    } catch (const UsbError&) {
+      // It is gone, and so stopped.
+    }
+}
+
+BoardLink::BoardLink(UsbAddress address, VehicleConfig vehicle, const NodeConfig& node,
+                     std::vector<DeviceReport*> reports)
+    : address_(std::move(address)), vehicle_(std::move(vehicle)), node_(node), report_(std::move(reports)) {
+  auto session = begin_session({});
+  thread_ = std::jthread([this, session = std::move(session)](const std::stop_token& stop) mutable {
+    static_cast<void>(enter_realtime(kPriority));  // acquire asks for the same and says what is refused
+    run(stop, std::move(session));
+  });
+}
+
+void BoardLink::say(std::size_t which, const std::string& text) const {
+  std::fprintf(stderr, "%s: %s\n", address_.of_board(which).c_str(), text.c_str());
+}
+
+board::Identity BoardLink::set_up(UsbDevice& device, std::size_t which, std::uint32_t& ticks_per_scan) {
+  std::array<std::uint8_t, 256> reply;
+  const auto size = device.get(number(Request::kIdentify), reply);
+  const auto identity = size ? board::decode_identity(std::span(reply).first(*size)) : std::nullopt;
+  if (!identity) throw UsbError("this is not our board: it does not say what it is");
+  if (const std::string refusal = protocol_refusal(*identity); !refusal.empty()) throw UsbError(refusal);
+  const std::string note = protocol_note(*identity);
+  if (!note.empty() && std::ranges::find(noted_, note) == noted_.end()) {
+    noted_.push_back(note);
+    say(which, note);
+  }
+  // One that another program left running is stopped; what it still sends bears another token.
+  if (!device.put(number(Request::kStop), {})) throw UsbError("the board does not stop");
+  const BoardSetup setup = board_setup(vehicle_, node_, *identity, which, address_.boards());
+  tell(device, Request::kConfigure, "its configuration", setup.configuration);
+  if (setup.configuration.references_on) tell(device, Request::kReferences, "references", setup.references);
+  if (which == 0 && runs_ == 1)
+    for (std::size_t line = 0; line < lines_.size(); ++line)
+      lines_[line] = setup.configuration.encoder[line].pulses_per_turn != 0;
+  ticks_per_scan = setup.configuration.ticks_per_scan;
+  return *identity;
+}
+
+std::unique_ptr<BoardLink::Session> BoardLink::begin_session(std::stop_token stop) {
+  auto session = std::make_unique<Session>();
+  RunBegin run;
+  run.token = static_cast<std::uint32_t>(to_ns(now()) / 1000) + ++runs_;
+  for (std::size_t k = 0; k < address_.boards(); ++k) try {
+      const std::string serial = address_.serial.empty() ? "" : address_.serial[k];
+      session->board.push_back(
+          std::make_unique<UsbDevice>(session->bus, address_.vendor, address_.product, serial));
+      UsbDevice& device = *session->board.back();
+      std::uint32_t ticks_per_scan = 0;
+      run.tick_hz[k] = set_up(device, k, ticks_per_scan).tick_hz;
+      if (k > 0 && std::uint64_t{ticks_per_scan} * run.tick_hz[0] !=
+                       std::uint64_t{run.ticks_per_scan[0]} * run.tick_hz[k])
+        throw UsbError("its timer makes another rate than the first board's");
+      run.ticks_per_scan[k] = ticks_per_scan;
+      run.begin[k] = instant_of(device);
+    } catch (const UsbError& error) {
+      throw UsbError(address_.of_board(k) + ": " + error.what());
+    }
+  Delivery* room = inbox_.room();
+  for (; !room && !stop.stop_requested(); room = inbox_.room()) std::this_thread::sleep_for(kServing);
+  if (!room) return nullptr;
+  room->kind = Delivery::Kind::kRunBegin;
+  room->run = run;
+  inbox_.post();
+  start(*session, run.token);
+  return session;
+}
+
+void BoardLink::start(Session& session, std::uint32_t token) {
+  dropped_ = {};
+  session.heard.assign(session.board.size(), WallClock::now());
+  for (std::size_t k = 0; k < session.board.size(); ++k)
+    session.board[k]->stream(
+        [this, &session, k](std::span<const std::uint8_t> bytes) { receive(session, k, bytes); },
+        *report_[k]);
+  // A follower listens to SYNC before its master drives it.
+  for (std::size_t k = session.board.size() - 1; k > 0; --k) {
+    tell(*session.board[k], Request::kArm, "to be armed", board::Arm{token, board::StartMode::kFollower});
+    if (status_of(*session.board[k]).state != board::State::kArmed)
+      throw UsbError("the second board is not armed");
+  }
+  const bool alone = session.board.size() == 1;
+  const auto mode = alone ? board::StartMode::kImmediate : board::StartMode::kMaster;
+  tell(*session.board[0], Request::kArm, "to be armed", board::Arm{token, mode});
+  tell(*session.board[0], Request::kStart, "to start", board::Start{token});
+}
+
+void BoardLink::receive(Session& session, std::size_t which, std::span<const std::uint8_t> bytes) {
+  if (bytes.empty()) return;
+  session.heard[which] = WallClock::now();
+  Delivery* const room = inbox_.room();
+  if (!room) {
+    ++dropped_[which];
+    report_[which]->count(DeviceCounter::kReadersTooSlow);
+    return;
+  }
+  room->kind = Delivery::Kind::kTransfer;
+  room->board = static_cast<std::uint8_t>(which);
+  room->dropped = std::exchange(dropped_[which], 0);
+  room->arrival = now();
+  room->size = static_cast<std::uint32_t>(bytes.size());
+  std::memcpy(room->bytes.data(), bytes.data(), bytes.size());
+  inbox_.post();
+}
+
+void BoardLink::serve(std::stop_token stop, Session& session) {
+  while (!stop.stop_requested()) {
+    session.bus.serve(kServing);
+    if (wanted_anew_.exchange(false, std::memory_order_relaxed)) {
+      say(1, "is out of step with the first board; starting both again");
+      return report_[1]->count(DeviceCounter::kGone);
+    }
+    for (std::size_t k = 0; k < session.board.size(); ++k) {
+      session.board[k]->maintain();
+      if (session.board[k]->gone()) return report_[k]->count(DeviceCounter::kGone);
+      if (WallClock::now() - session.heard[k] <= kLongestSilence) continue;
+      say(k, "sends nothing; starting it again");
+      return report_[k]->count(DeviceCounter::kGone);
+    }
+  }
+}
+
+std::unique_ptr<BoardLink::Session> BoardLink::find_again(std::stop_token stop) {
+  const WallTime since = WallClock::now();
+  std::string said;
+  while (!stop.stop_requested()) {
+    try {
+      return begin_session(stop);
+    } catch (const std::runtime_error& error) {  // UsbError, or ConfigError of another board than before
+      if (error.what() != said && WallClock::now() - since > kPatience) {
+        said = error.what();
+        std::fprintf(stderr, "%s\n", said.c_str());
+      }
+    }
+    std::this_thread::sleep_for(kSearching);
+  }
+  return nullptr;
+}
+
+void BoardLink::run(std::stop_token stop, std::unique_ptr<Session> session) {
+  while (session) {
+    serve(stop, *session);
+    session.reset();
+    if (stop.stop_requested()) return;
+    session = find_again(stop);
+    if (session)
+      for (DeviceReport* report : report_) report->count(DeviceCounter::kReturned);
+  }
+}
+
+}  // namespace roadbalance

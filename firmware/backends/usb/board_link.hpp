@@ -1,0 +1,66 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "common/config/vehicle_config.hpp"
+#include "firmware/backends/usb/board_setup.hpp"
+#include "firmware/backends/usb/inbox.hpp"
+#include "firmware/backends/usb/usb_address.hpp"
+#include "firmware/backends/usb/usb_device.hpp"
+
+namespace roadbalance {
+
+/// Keeps the boards of a node open, set up and running, in a thread of its own, and puts what they send into
+/// the inbox.  When one is gone or silent all are closed, looked for five times a second, and started
+/// together again.
+class BoardLink {
+ public:
+  /// Sets the boards up and starts them.
+  /// @param reports  one for each board; they outlive this
+  /// @throws ConfigError if the vehicle asks for what a board does not have; UsbError
+  BoardLink(UsbAddress address, VehicleConfig vehicle, const NodeConfig& node,
+            std::vector<DeviceReport*> reports);
+
+  Inbox& inbox() { return inbox_; }
+  /// Which of the node's encoders are at the boards.
+  const std::array<bool, kEncoderLines>& lines() const { return lines_; }
+
+  /// Boards that do not belong together any more are started anew.
+  void start_again() { wanted_anew_.store(true, std::memory_order_relaxed); }
+
+ private:
+  /// The boards as long as they are there.
+  struct Session {
+    UsbBus bus;
+    std::vector<std::unique_ptr<UsbDevice>> board;
+    std::vector<WallTime> heard;  ///< when each sent something last
+    ~Session();
+  };
+
+  std::unique_ptr<Session> begin_session(std::stop_token stop);
+  board::Identity set_up(UsbDevice& device, std::size_t which, std::uint32_t& ticks_per_scan);
+  void start(Session& session, std::uint32_t token);
+  void receive(Session& session, std::size_t which, std::span<const std::uint8_t> bytes);
+  void run(std::stop_token stop, std::unique_ptr<Session> session);
+  void serve(std::stop_token stop, Session& session);
+  std::unique_ptr<Session> find_again(std::stop_token stop);
+  void say(std::size_t which, const std::string& text) const;
+
+  const UsbAddress address_;
+  const VehicleConfig vehicle_;
+  const NodeConfig node_;
+  const std::vector<DeviceReport*> report_;
+  Inbox inbox_;
+  std::array<bool, kEncoderLines> lines_{};
+  std::array<std::uint32_t, 2> dropped_{};  ///< not yet told
+  std::uint32_t runs_ = 0;
+  std::atomic<bool> wanted_anew_{false};
+  std::vector<std::string> noted_;  ///< said once
+  std::jthread thread_;             ///< ends before the rest
+};
+
+}  // namespace roadbalance

@@ -1,0 +1,85 @@
+#include "firmware/backends/usb/packet_stream.hpp"
+
+#include "firmware/board/byte_order.hpp"
+
+namespace roadbalance {
+namespace {
+
+using board::PacketFault;
+using board::PacketHeader;
+
+/// A count that fell: the packet is an old one.
+constexpr std::uint32_t kBackwards = 1u << 31;
+/// Scans that no run can have lost at once: a year at 100 kHz.
+constexpr std::uint64_t kMostMissing = std::uint64_t{1} << 42;
+
+/// Whether a transfer of wrong length ended before what its header says.
+bool ended_early(std::span<const std::uint8_t> transfer) {
+  if (transfer.size() < board::packet_bytes(0, 0)) return true;
+  constexpr std::size_t kScansAt = 36;
+  board::ByteReader in(transfer.subspan(kScansAt));
+  const std::size_t scans = in.take<std::uint16_t>();
+  const std::size_t edges = in.take<std::uint16_t>();
+  return transfer.size() < board::packet_bytes(scans, edges);
+}
+
+DeviceCounter counter_of(PacketFault fault, std::span<const std::uint8_t> transfer) {
+  const bool is_short = fault == PacketFault::kLength && ended_early(transfer);
+  return is_short ? DeviceCounter::kShortPackets : DeviceCounter::kPacketsRefused;
+}
+
+}  // namespace
+
+void PacketStream::start(std::uint32_t token, std::uint32_t ticks_per_scan) noexcept {
+  token_ = token;
+  ticks_per_scan_ = ticks_per_scan;
+  sequence_ = 0;
+  next_scan_ = 0;
+  scan_end_ticks_ = 0;
+  scans_lost_ = 0;
+  dropped_ = 0;
+}
+
+bool PacketStream::goes_on(const PacketHeader& header) const noexcept {
+  return header.sequence - sequence_ < kBackwards && header.first_scan >= next_scan_ &&
+         header.first_scan - next_scan_ < kMostMissing && header.ticks_per_scan == ticks_per_scan_ &&
+         (header.scans == 0 || header.base_ticks >= scan_end_ticks_);
+}
+
+std::optional<PacketStream::Packet> PacketStream::take(std::span<const std::uint8_t> transfer,
+                                                       std::uint32_t dropped) noexcept {
+  dropped_ += dropped;
+  if (transfer.empty()) return std::nullopt;  // ends a packet of whole USB packets
+  PacketFault fault{};
+  const auto packet = board::decode_packet(transfer, &fault);
+  if (!packet) {
+    report_.count(counter_of(fault, transfer));
+    return std::nullopt;
+  }
+  const PacketHeader& header = packet->header();
+  if (header.token != token_) return std::nullopt;
+  if (!goes_on(header)) {
+    report_.count(DeviceCounter::kPacketsRefused);
+    return std::nullopt;
+  }
+  const std::uint32_t missing = header.sequence - sequence_;
+  if (missing > dropped_) report_.count(DeviceCounter::kPacketsMissing, missing - dropped_);
+  count_losses(*packet);
+  dropped_ = 0;
+  sequence_ = header.sequence + 1;
+  next_scan_ = header.first_scan + header.scans;
+  if (header.scans > 0)
+    scan_end_ticks_ = header.base_ticks + (header.scans - std::uint64_t{1}) * ticks_per_scan_ + 1;
+  return Packet{*packet, missing > 0};
+}
+
+void PacketStream::count_losses(const board::PacketView& packet) noexcept {
+  const std::uint32_t scans_lost = packet.header().scans_lost + packet.header().scans_missed;
+  if (scans_lost != scans_lost_) report_.count(DeviceCounter::kBoardOverrun, scans_lost - scans_lost_);
+  scans_lost_ = scans_lost;
+  if (!(packet.header().flags & board::kEdgesLostHere)) return;
+  for (std::size_t k = 0; k < packet.header().edges; ++k)
+    if (packet.edge(k).kind == board::PacketEdgeKind::kLost) report_.count(DeviceCounter::kEdgesLost);
+}
+
+}  // namespace roadbalance

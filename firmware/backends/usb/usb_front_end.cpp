@@ -1,0 +1,78 @@
+#include "firmware/backends/usb/usb_front_end.hpp"
+
+#include <ctime>
+#include <utility>
+#include <vector>
+
+#include "firmware/backends/usb/board_link.hpp"
+#include "firmware/backends/usb/board_reader.hpp"
+
+namespace roadbalance {
+namespace {
+
+constexpr long kLongestWait_ns = 100'000'000;
+constexpr long kSecond_ns = 1'000'000'000;
+
+timespec end_of_wait() {
+  timespec until{};
+  ::clock_gettime(CLOCK_MONOTONIC, &until);
+  until.tv_nsec += kLongestWait_ns;
+  if (until.tv_nsec >= kSecond_ns) until.tv_nsec -= kSecond_ns, ++until.tv_sec;
+  return until;
+}
+
+/// Reads the front-end board, or two.
+class UsbFrontEnd final : public FrontEnd {
+ public:
+  UsbFrontEnd(const UsbAddress& address, const VehicleConfig& vehicle, const NodeConfig& node)
+      : reports_(make_reports(address)),
+        link_(address, vehicle, node, pointers()),
+        reader_(pointers(), node.rate_hz, node.channel.size(), link_.lines()) {}
+
+  Read read(std::span<Scan> scans, std::span<Edge> edges, std::span<SignalSample>) noexcept override {
+    Read read;
+    const timespec until = end_of_wait();
+    Inbox& inbox = link_.inbox();
+    while (reader_.hand_over(scans, edges, read)) {
+      if (!inbox.front() && (read.scans > 0 || !inbox.wait(until))) break;
+      reader_.take(*inbox.front());
+      inbox.drop();
+    }
+    if (std::exchange(aligned_, reader_.aligned()) && !aligned_) link_.start_again();
+    return read;
+  }
+
+  std::vector<const DeviceReport*> reports() const override {
+    std::vector<const DeviceReport*> all;
+    for (const auto& report : reports_) all.push_back(report.get());
+    return all;
+  }
+
+ private:
+  using Reports = std::vector<std::unique_ptr<DeviceReport>>;
+
+  static Reports make_reports(const UsbAddress& address) {
+    Reports reports;
+    for (std::size_t k = 0; k < address.boards(); ++k)
+      reports.push_back(std::make_unique<DeviceReport>(address.of_board(k)));
+    return reports;
+  }
+  std::vector<DeviceReport*> pointers() const {
+    std::vector<DeviceReport*> all;
+    for (const auto& report : reports_) all.push_back(report.get());
+    return all;
+  }
+
+  const Reports reports_;
+  BoardLink link_;
+  BoardReader reader_;
+  bool aligned_ = true;
+};
+
+}  // namespace
+
+std::unique_ptr<FrontEnd> open_usb_front_end(const FrontEndRequest& request) {
+  return std::make_unique<UsbFrontEnd>(UsbAddress::parse(request.address), request.vehicle, request.node);
+}
+
+}  // namespace roadbalance
