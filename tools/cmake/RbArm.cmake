@@ -6,6 +6,16 @@ find_program(RB_ARM_AR arm-none-eabi-ar)
 find_program(RB_PYTHON python3 REQUIRED)
 
 set(RB_ARM_FLAGS -mthumb -mcpu=cortex-m7 -mfpu=fpv5-d16 -mfloat-abi=hard -specs=nano.specs)
+# The compiler comes without its C++ library; asked for a file it does not have, it answers with the bare name.
+set(RB_ARM_READY FALSE)
+if(RB_ARM_CXX AND RB_ARM_AR)
+  execute_process(COMMAND ${RB_ARM_CXX} ${RB_ARM_FLAGS} -print-file-name=libstdc++_nano.a
+    OUTPUT_VARIABLE rb_arm_library OUTPUT_STRIP_TRAILING_WHITESPACE)
+  if(IS_ABSOLUTE "${rb_arm_library}")
+    set(RB_ARM_READY TRUE)
+  endif()
+endif()
+
 set(RB_ARM_CXX_FLAGS ${RB_ARM_FLAGS} -std=c++20 -O2 -ffunction-sections -fdata-sections -fno-exceptions -fno-rtti
   -fno-threadsafe-statics -fno-use-cxa-atexit -I${CMAKE_SOURCE_DIR}
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion -Wnon-virtual-dtor -Wno-register -Werror)
@@ -28,7 +38,7 @@ endfunction()
 
 # rb_arm_library(name source...): lib<name>.a
 function(rb_arm_library name)
-  if(NOT RB_ARM_CXX)
+  if(NOT RB_ARM_READY)
     return()
   endif()
   _rb_arm_objects(objects ${name} ${ARGN})
@@ -39,7 +49,7 @@ endfunction()
 
 # rb_arm_program(name source... SCRIPT link-script [LIBRARIES rb_arm_library...]): ${CMAKE_BINARY_DIR}/bin/<name>.elf
 function(rb_arm_program name)
-  if(NOT RB_ARM_CXX)
+  if(NOT RB_ARM_READY)
     return()
   endif()
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "SCRIPT" "LIBRARIES")

@@ -133,8 +133,8 @@ bool counts_exactly() {
 int report() {
   if (!counts_exactly()) return 1;
   Board& board = *new (memory.data()) Board(test::test_identity(), hardware);
-  if (!begin(board)) return 1;
   arm::mark_stack();
+  if (!begin(board)) return 1;
   const Counted counted = run(board);
   const std::uint32_t stack = arm::stack_used();
   const bool locked = hardware.codes[0] != 0 && hardware.codes[2] != 0;

@@ -27,7 +27,7 @@ def run(elf, count=False):
 
 def skip_without_tools(name, elf):
     """Ends the program as skipped if something that only tools/setup installs is missing."""
-    missing = [] if pathlib.Path(elf).exists() else ["arm-none-eabi-g++ (so there is no " + str(elf) + ")"]
+    missing = [] if pathlib.Path(elf).exists() else ["arm-none-eabi-g++ or its C++ library (so there is no " + str(elf) + ")"]
     if not shutil.which("qemu-system-arm"):
         missing.append("qemu-system-arm")
     if missing:

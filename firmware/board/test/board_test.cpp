@@ -136,6 +136,7 @@ BOARD_TEST(board_whose_host_does_not_read_declares_exactly_what_is_lost) {
   Stream stream;
   std::uint64_t ticks = 0;
   std::uint64_t given_edges = 0;
+  int flagged = 0;
   const auto run = [&](int scans, bool reads) {
     for (int k = 0; k < scans; ++k) {
       for (int n = 1; n <= 2; ++n, ++given_edges)
@@ -145,6 +146,7 @@ BOARD_TEST(board_whose_host_does_not_read_declares_exactly_what_is_lost) {
         const auto packet = rig.packet();
         if (!packet) break;
         stream.take(*packet);
+        flagged += (packet->header().flags & kEdgesLostHere) != 0 ? 1 : 0;
       }
     }
   };
@@ -155,6 +157,7 @@ BOARD_TEST(board_whose_host_does_not_read_declares_exactly_what_is_lost) {
   CHECK(status.scans_lost > 1'000);
   CHECK_EQUAL(stream.holes, status.scans_lost);
   CHECK(status.edges_lost > 1'000);
+  CHECK_EQUAL(flagged, 1);
   // What is not yet sent is less than a packet; the mark that declares the loss counts as one more edge.
   CHECK(5'000 - status.scans_lost - stream.scans <= 51);
   CHECK(given_edges - status.edges_lost - (stream.edges - 1) <= 2 * 51);
@@ -177,6 +180,31 @@ BOARD_TEST(board_begins_a_new_packet_behind_a_conversion_that_did_not_come) {
   CHECK_EQUAL(second->header().flags, kScansLostBefore);
   CHECK_EQUAL(second->header().scans_missed, 3);
   CHECK_EQUAL(second->header().scans_lost, 0);
+}
+
+// 0.5 us are 50 ticks.
+BOARD_TEST(board_begins_a_new_packet_when_a_scan_is_not_where_its_number_has_it) {
+  Rig& rig = Rig::fresh();
+  CHECK(rig.begin(test_configuration()));
+  for (std::uint64_t k = 1; k <= 60; ++k)
+    scan_at(rig, k * kTicksPerScan + (k > 10 ? 50 : 0) + (k > 20 ? 1 : 0));
+  const auto first = rig.packet();
+  REQUIRE(first.has_value());
+  CHECK_EQUAL(first->header().scans, 20);
+  rig.hardware.now += kTickHz / 100;
+  const auto second = rig.packet();
+  REQUIRE(second.has_value());
+  CHECK_EQUAL(second->header().first_scan, 20);
+  CHECK_EQUAL(second->header().base_ticks, 21 * kTicksPerScan + 51);
+  CHECK_EQUAL(second->header().flags, 0);
+}
+
+BOARD_TEST(board_declares_an_edge_that_comes_behind_its_scan_as_lost) {
+  Rig& rig = Rig::fresh();
+  CHECK(rig.begin(with_encoders()));
+  scan_at(rig, kTicksPerScan);
+  rig.board.line_change(0, Signal::kA, true, kTicksPerScan - 1);
+  CHECK_EQUAL(rig.status().edges_lost, 1);
 }
 
 BOARD_TEST(board_fills_a_late_hosts_packets_but_never_beyond_their_size) {
@@ -235,7 +263,9 @@ BOARD_TEST(board_begins_each_run_anew) {
   CHECK(rig.stop());
   CHECK(!rig.packet());
   scan_at(rig, 3'001 * kTicksPerScan);
+  for (std::uint64_t n = 0; n < 2'000; ++n) rig.board.line_change(0, Signal::kA, true, rig.hardware.now + n);
   CHECK(!rig.packet());
+  CHECK_EQUAL(rig.status().edges_lost, 0);
   CHECK(rig.begin(with_encoders()));
   for (std::uint64_t k = 1; k <= 51; ++k) scan_at(rig, rig.hardware.now + kTicksPerScan);
   const auto packet = rig.packet();

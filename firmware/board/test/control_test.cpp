@@ -194,6 +194,14 @@ BOARD_TEST(control_refuses_garbage_and_stays_as_it_was) {
   CHECK(seen(rig) == before);
 }
 
+BOARD_TEST(control_refuses_data_of_another_length_than_announced) {
+  Rig& rig = Rig::fresh();
+  const auto bytes = encode(test_configuration());
+  const SetupPacket setup{kVendorOut, static_cast<std::uint8_t>(Request::kConfigure), 0, 0, bytes.size() + 1};
+  CHECK(!rig.board.control_request(setup, bytes, {}).has_value());
+  CHECK_EQUAL(rig.status().last_refusal, Refusal::kWrongLength);
+}
+
 BOARD_TEST(control_forgets_all_at_a_reset) {
   Rig& rig = Rig::fresh();
   CHECK(rig.begin(with_everything()));
@@ -201,7 +209,22 @@ BOARD_TEST(control_forgets_all_at_a_reset) {
   CHECK(!rig.hardware.running.has_value());
   CHECK_EQUAL(rig.status().state, State::kIdle);
   CHECK_EQUAL(rig.status().configured, 0);
+  CHECK_EQUAL(rig.status().token, 0);
   check_refused(rig, Request::kArm, encode(Arm{}), Refusal::kWrongState);
+
+  // A reference that was still on would lack its encoder, a pattern would be flagged.
+  ReferenceSetup setup;
+  setup.wheel[0] = {.on = 1, .line = 0};
+  CHECK(rig.send(Request::kReferences, encode(setup)));
+  CHECK(rig.send(Request::kTestPattern, encode(TestPattern{Pattern::kCounter})));
+  rig.board.reset();
+  Configuration without_encoder = test_configuration();
+  without_encoder.references_on = 1;
+  REQUIRE(rig.begin(without_encoder));
+  rig.hardware.now = kTickHz;
+  const auto packet = rig.packet();
+  REQUIRE(packet.has_value());
+  CHECK_EQUAL(packet->header().flags, 0);
 }
 
 }  // namespace roadbalance::board::test
