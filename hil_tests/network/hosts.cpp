@@ -108,22 +108,21 @@ Hosts::Visit::~Visit() {
 }
 
 std::string Hosts::impair(std::size_t host, const CableFaults& faults) {
-  if (impair_by_netem(host, faults)) return "netem";
+  const auto mean = (faults.shortest + faults.longest) / 2, spread = (faults.longest - faults.shortest) / 2;
+  const auto percent = [](double probability) { return std::to_string(100 * probability) + "%"; };
+  const auto us = [](std::chrono::microseconds time) { return std::to_string(time.count()) + "us"; };
+  if (netem(host, {"loss", percent(faults.loss), "duplicate", percent(faults.duplicates), "delay", us(mean),
+                   us(spread)}))
+    return "netem";
   const std::lock_guard lock(mutex_);
   cable_.set_faults(host, faults);
   return "the relay";
 }
 
-bool Hosts::impair_by_netem(std::size_t host, const CableFaults& faults) const {
-  const auto mean = (faults.shortest + faults.longest) / 2, spread = (faults.longest - faults.shortest) / 2;
-  const auto percent = [](double probability) { return std::to_string(100 * probability) + "%"; };
-  const auto us = [](std::chrono::microseconds time) { return std::to_string(time.count()) + "us"; };
-  return on(host, [&] {
-    return run("tc",
-               {"-force", "qdisc", "replace", "dev", kInterface, "root", "netem", "loss",
-                percent(faults.loss), "duplicate", percent(faults.duplicates), "delay", us(mean), us(spread)},
-               30) == 0;
-  });
+bool Hosts::netem(std::size_t host, std::vector<std::string> words) const {
+  const std::vector<std::string> begin{"-force", "qdisc", "replace", "dev", kInterface, "root", "netem"};
+  words.insert(words.begin(), begin.begin(), begin.end());
+  return on(host, [&] { return run("tc", words, 30) == 0; });
 }
 
 void Hosts::pull(std::size_t host) {

@@ -37,6 +37,8 @@ class Hosts {
 
   /// Frames that leave a host; by the kernel's netem if it has that, else by the cable.  Returns which.
   std::string impair(std::size_t host, const CableFaults& faults);
+  /// The same by the kernel's netem, in the words of `tc`, e.g. {"corrupt", "5%"}; false if it has none.
+  bool netem(std::size_t host, std::vector<std::string> words) const;
   void pull(std::size_t host);
   void plug(std::size_t host);
   Cable::Counts counts();
@@ -52,7 +54,6 @@ class Hosts {
   };
   void enter(int network) const;
   void make_host(std::size_t number);
-  bool impair_by_netem(std::size_t host, const CableFaults& faults) const;
   void carry(const std::stop_token& stop);
   void take_all(std::size_t host);
   void deliver(WallTime now);

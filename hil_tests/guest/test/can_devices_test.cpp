@@ -1,0 +1,225 @@
+#include <gtest/gtest.h>
+#include <sched.h>
+
+#include <array>
+#include <cmath>
+#include <sstream>
+#include <thread>
+#include <vector>
+
+#include "common/config/vehicle_config.hpp"
+#include "common/test/no_allocation.hpp"
+#include "common/test/source.hpp"
+#include "firmware/backends/socketcan/accelerometer_frame.hpp"
+#include "firmware/backends/socketcan/open_can.hpp"
+#include "hil_tests/guest/can_player.hpp"
+#include "hil_tests/program.hpp"
+
+namespace roadbalance {
+namespace {
+
+using test::CanPlayer;
+using test::ip;
+using test::wait_until;
+
+constexpr std::uint32_t kFirstId = 0x200;
+const std::string kData = "firmware/backends/test/data/";
+
+VehicleConfig car_with(const CanConfig& can) {
+  VehicleConfig vehicle = VehicleConfig::parse(test::read_source("sim/demo/vehicle.toml"), "vehicle.toml");
+  vehicle.folder = test::source_path("");
+  vehicle.node[0].wiring.can = {can};
+  vehicle.node[0].rate_hz = 1'000;
+  return vehicle;
+}
+
+OpenedDevice open(const CanConfig& can) {
+  const VehicleConfig vehicle = car_with(can);
+  return open_can({.address = can.interface, .vehicle = vehicle, .node = vehicle.node[0]});
+}
+
+TEST(CanSignals, OfARecordedDriveThatCanplayerRepeatsAreThePublishedWheelSpeeds) {
+  const test::VirtualCan bus("vcan9");
+  CanConfig can{
+      .interface = bus.name(), .role = CanRole::kVehicle, .dbc = kData + "rav4.dbc", .accelerometer_id = {}};
+  for (const char* wheel : {"FL", "FR", "RL", "RR"})
+    can.signal.push_back({.name = wheel,
+                          .message = "WHEEL_SPEEDS",
+                          .signal = std::string("WHEEL_SPEED_") + wheel,
+                          .quantity = SignalQuantity::kWheelSpeed,
+                          .wheel = "front_left"});
+  const OpenedDevice device = open(can);
+  ASSERT_TRUE(device.side);
+  test::Program player("canplayer",
+                       {"-I", test::source_path(kData + "rav4.candump.log"), bus.name() + "=can0"});
+  std::vector<SignalSample> samples;
+  std::array<SignalSample, 256> room;
+  NodeTime complete{};
+  const auto fetch = [&] {
+    const SideRead read = device.side->take({}, room);
+    EXPECT_GE(read.complete_until, complete);
+    complete = read.complete_until;
+    for (std::size_t k = 0; k < read.signals; ++k) samples.push_back(room[k]);
+    return read.signals;
+  };
+  std::optional<int> code;
+  while (!(code = player.exit_code(0.001))) fetch();
+  ASSERT_EQ(*code, 0);
+  wait_until([&] { return fetch() == 0 && samples.size() >= 4 * 4'974; }, 5);
+  ASSERT_EQ(samples.size(), 4U * 4'974U);
+
+  std::istringstream table(test::read_source(kData + "rav4_wheel_speed.csv"));
+  std::string line, cell;
+  std::getline(table, line);
+  double first_s = 0.0, off_s = 0.0;
+  for (std::size_t k = 0; std::getline(table, line); k += 4) {
+    std::istringstream row(line);
+    std::getline(row, cell, ',');
+    if (k == 0) first_s = std::stod(cell);
+    const double elapsed_s = to_seconds(samples[k].time - samples[0].time);
+    off_s = std::max(off_s, std::abs(elapsed_s - (std::stod(cell) - first_s)));
+    for (std::size_t wheel = 0; wheel < 4; ++wheel) {
+      std::getline(row, cell, ',');
+      ASSERT_EQ(samples[k + wheel].signal, wheel);
+      ASSERT_EQ(samples[k + wheel].time, samples[k].time);
+      ASSERT_NEAR(samples[k + wheel].value, std::stod(cell), 5.1e-8) << line;  // the table has nine digits
+    }
+  }
+  for (const DeviceReport* report : device.side->reports())
+    for (std::size_t k = 0; k < kDeviceCounters; ++k)
+      EXPECT_EQ(report->of(static_cast<DeviceCounter>(k)), 0) << name_of(static_cast<DeviceCounter>(k));
+  std::printf("%zu wheel speeds as published; canplayer kept the log's times within %.1f ms\n",
+              samples.size(), 1e3 * off_s);
+}
+
+/// The module on can1, on one bus with can0 that the node listens to; or on a virtual interface.
+class Module {
+ public:
+  Module(const std::string& interface, bool flexible) : player_(interface), flexible_(flexible) {}
+
+  /// Conversions at 1 kHz, numbered on; channel k of number n is n + 1000 k, in 16 bits.
+  void convert(int count) {
+    timespec due{};
+    clock_gettime(CLOCK_MONOTONIC, &due);
+    for (int n = 0; n < count; ++n, ++number_) {
+      due.tv_nsec += 1'000'000;
+      if (due.tv_nsec >= 1'000'000'000) ++due.tv_sec, due.tv_nsec -= 1'000'000'000;
+      clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, nullptr);
+      AccelerometerFrame frame{.sequence = number_, .part = {}};
+      for (std::size_t k = 0; k < frame.sample.size(); ++k)
+        frame.sample[k] = static_cast<std::int16_t>(number_ + 1'000 * k);
+      if (flexible_) player_.send(write_accelerometer(frame, kFirstId));
+      for (int part = 0; !flexible_ && part < AccelerometerFrame::kParts; ++part) {
+        frame.part = part;
+        player_.send(write_accelerometer(frame, kFirstId));
+      }
+    }
+  }
+  void skip(std::uint32_t count) { number_ += count; }
+
+ private:
+  CanPlayer player_;
+  bool flexible_;
+  std::uint32_t number_ = 0;
+};
+
+/// Reads, as acquire does, until the scan of this index has come.
+std::vector<Scan> read_until(FrontEnd& front_end, std::int64_t index) {
+  std::vector<Scan> all;
+  std::array<Scan, 256> scans;
+  std::array<SignalSample, 64> signals;
+  all.reserve(100'000);
+  for (int empty = 0; empty < 50 && (all.empty() || all.back().index < index);) {
+    const test::NoAllocation guard;
+    const Read read = front_end.read(scans, {}, signals);
+    EXPECT_EQ(read.status, ReadStatus::kOk);
+    empty = read.scans > 0 ? 0 : empty + 1;
+    all.insert(all.end(), scans.begin(), scans.begin() + static_cast<std::ptrdiff_t>(read.scans));
+  }
+  return all;
+}
+
+class AccelerometerTest : public testing::TestWithParam<bool> {
+ protected:
+  bool flexible() const { return GetParam(); }
+  std::string node_side() const { return flexible() ? "vcan9" : "can0"; }
+  std::string module_side() const { return flexible() ? "vcan9" : "can1"; }
+  void SetUp() override {
+    if (flexible()) {
+      virtual_can = std::make_unique<test::VirtualCan>("vcan9");
+      return;
+    }
+    for (const char* interface : {"can0", "can1"}) {
+      ASSERT_TRUE(test::has_interface(interface)) << "the guest has no CAN controllers";
+      ip(std::string("link set ") + interface + " down");
+      ip(std::string("link set ") + interface + " type can bitrate 1000000 listen-only off");
+      ip(std::string("link set ") + interface + " up");
+    }
+  }
+  OpenedDevice open_module() const {
+    CanConfig can;
+    can.interface = node_side();
+    can.role = CanRole::kSensor;
+    can.accelerometer_id = kFirstId;
+    return open(can);
+  }
+  static std::int64_t of(const FrontEnd& front_end, DeviceCounter counter) {
+    return front_end.reports().at(0)->of(counter);
+  }
+  std::unique_ptr<test::VirtualCan> virtual_can;
+};
+
+TEST_P(AccelerometerTest, GivesEveryConversionOfAThousandASecond) {
+  const OpenedDevice device = open_module();
+  ASSERT_TRUE(device.scans);
+  EXPECT_EQ(device.scans->scan_stamps(), ScanStamps::kReadOut);
+  constexpr int kCount = 5'000;
+  Module module(module_side(), flexible());
+  std::jthread converting([&] { module.convert(kCount); });
+  const std::vector<Scan> scans = read_until(*device.scans, kCount - 1);
+  ASSERT_EQ(scans.size(), static_cast<std::size_t>(kCount));
+  for (std::size_t n = 0; n < scans.size(); ++n) {
+    ASSERT_EQ(scans[n].index, static_cast<std::int64_t>(n));
+    for (std::size_t k = 0; k < 12; ++k)
+      ASSERT_EQ(scans[n].counts[k], 256 * static_cast<std::int16_t>(n + 1'000 * k));
+    ASSERT_TRUE(n == 0 || scans[n].time > scans[n - 1].time);
+  }
+  for (std::size_t k = 0; k < kDeviceCounters; ++k)
+    EXPECT_EQ(of(*device.scans, static_cast<DeviceCounter>(k)), 0) << name_of(static_cast<DeviceCounter>(k));
+}
+
+TEST_P(AccelerometerTest, LeavesOutTheIndicesOfMissingConversionsAndOfAnAbsence) {
+  const OpenedDevice device = open_module();
+  Module module(module_side(), flexible());
+  module.convert(100);
+  module.skip(25);  // lost on the way: the time they take passes, too
+  ASSERT_FALSE(wait_until([] { return false; }, 0.025));
+  module.convert(100);
+  std::vector<Scan> scans = read_until(*device.scans, 224);
+  ASSERT_EQ(scans.size(), 200U);
+  EXPECT_EQ(scans[99].index, 99);
+  EXPECT_EQ(scans[100].index, 125);
+  EXPECT_FALSE(scans[100].after_absence);
+  EXPECT_EQ(of(*device.scans, DeviceCounter::kPacketsMissing), 25);
+
+  ip("link set " + node_side() + " down");
+  ASSERT_TRUE(wait_until([&] { return of(*device.scans, DeviceCounter::kGone) == 1; }, 10));
+  ip("link set " + node_side() + " up");
+  ASSERT_TRUE(wait_until([&] { return of(*device.scans, DeviceCounter::kReturned) == 1; }, 10));
+  module.skip(300);
+  module.convert(100);
+  scans = read_until(*device.scans, 624);
+  ASSERT_EQ(scans.size(), 100U);
+  EXPECT_TRUE(scans[0].after_absence);
+  EXPECT_FALSE(scans[1].after_absence);
+  // By 32 bits of number it is known exactly, by 8 bits up to whole turns of them.
+  EXPECT_TRUE(!flexible() || scans[0].index == 525) << scans[0].index;
+  EXPECT_EQ((scans[0].index - 525) % 256, 0);
+  EXPECT_GT(of(*device.scans, DeviceCounter::kPacketsMissing), 25);
+}
+
+INSTANTIATE_TEST_SUITE_P(Forms, AccelerometerTest, testing::Values(true, false),
+                         [](const auto& form) { return form.param ? "CanFd" : "ClassicCan"; });
+
+}  // namespace
+}  // namespace roadbalance

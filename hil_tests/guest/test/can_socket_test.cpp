@@ -1,0 +1,148 @@
+#include "firmware/backends/socketcan/can_socket.hpp"
+
+#include <gtest/gtest.h>
+#include <linux/can/error.h>
+
+#include <cstring>
+#include <vector>
+
+#include "common/test/no_allocation.hpp"
+#include "firmware/backends/socketcan/can_intake.hpp"
+#include "hil_tests/guest/can_player.hpp"
+#include "hil_tests/program.hpp"
+
+namespace roadbalance {
+namespace {
+
+using Kind = CanReceived::Kind;
+using test::CanPlayer;
+using test::VirtualCan;
+
+const std::vector<CanId> kWanted{{0x123, false}, {0x123, true}};
+
+CanFrame numbered(std::uint32_t number) {
+  CanFrame frame{.id = 0x123, .size = 8};
+  std::memcpy(frame.data.data(), &number, sizeof number);
+  return frame;
+}
+
+/// The next frame or trouble, waiting for it.
+CanReceived next(CanSocket& socket) {
+  CanReceived received;
+  for (int tries = 0; tries < 100; ++tries) {
+    received = socket.receive();
+    if (received.kind != Kind::kNothing && received.kind != Kind::kIgnored) return received;
+    socket.wait(std::chrono::milliseconds(20));
+  }
+  return received;
+}
+
+TEST(CanSocket, ReceivesFramesOfCanFdAndOnlyThoseItWants) {
+  const VirtualCan can("vcan7");
+  CanSocket socket(can.name(), kWanted);
+  CanPlayer player(can.name());
+  CanFrame longest{.id = 0x123, .flexible = true, .size = 64};
+  for (std::size_t k = 0; k < 64; ++k) longest.data[k] = static_cast<std::uint8_t>(3 * k);
+  player.send({.id = 0x124, .size = 8});
+  player.send(longest);
+  player.send({.id = 0x124, .extended = true, .size = 8});
+  player.send({.id = 0x123, .extended = true, .size = 3});
+  const CanReceived first = next(socket);
+  ASSERT_EQ(first.kind, Kind::kFrame);
+  EXPECT_TRUE(first.frame.flexible);
+  EXPECT_EQ(first.frame.size, 64);
+  EXPECT_EQ(first.frame.data, longest.data);
+  const CanReceived second = next(socket);
+  ASSERT_EQ(second.kind, Kind::kFrame);
+  EXPECT_TRUE(second.frame.extended);
+  EXPECT_FALSE(second.frame.flexible);
+  EXPECT_EQ(second.frame.size, 3);
+  EXPECT_GE(second.time, first.time);
+  EXPECT_EQ(socket.receive().kind, Kind::kNothing);
+}
+
+TEST(CanSocket, StampsInTheMachinesTimeWhenTheFrameCameNotWhenItWasRead) {
+  const VirtualCan can("vcan7");
+  CanSocket socket(can.name(), kWanted);
+  CanPlayer player(can.name());
+  std::vector<MachineTime> before, after;
+  for (std::uint32_t k = 0; k < 50; ++k) {
+    before.push_back(MachineClock::now());
+    player.send(numbered(k));
+    after.push_back(MachineClock::now());
+  }
+  ASSERT_FALSE(test::wait_until([] { return false; }, 0.05));  // the frames wait
+  for (std::uint32_t k = 0; k < 50; ++k) {
+    const CanReceived received = next(socket);
+    ASSERT_EQ(received.kind, Kind::kFrame);
+    // Sending on a virtual interface is receiving; 1 us is what the pair of clocks is known to.
+    EXPECT_GE(received.time, before[k] - std::chrono::microseconds(1));
+    EXPECT_LE(received.time, after[k] + std::chrono::microseconds(1));
+  }
+}
+
+TEST(CanSocket, CountsWhatTheKernelHadNoRoomForToTheFrame) {
+  const VirtualCan can("vcan7");
+  CanSocket socket(can.name(), kWanted);
+  CanPlayer player(can.name());
+  constexpr std::uint32_t kSent = 60'000;
+  for (std::uint32_t k = 0; k < kSent; ++k) player.send(numbered(k));
+  const test::NoAllocation guard;
+  std::uint32_t received = 0, lost = 0;
+  while (socket.receive().kind == Kind::kFrame) ++received;
+  lost = socket.take_lost();
+  EXPECT_GT(lost, 0U);
+  EXPECT_GT(received, 8'000U);  // a second of a full bus
+  EXPECT_EQ(received + lost, kSent);
+  player.send(numbered(0));
+  EXPECT_EQ(next(socket).kind, Kind::kFrame);
+  EXPECT_EQ(socket.take_lost(), 0U);
+  std::printf("of %u frames against a stopped reader %u received, %u counted as lost\n", kSent, received,
+              lost);
+}
+
+TEST(CanSocket, TellsTheControllersTroublesApart) {
+  const VirtualCan can("vcan7");
+  CanSocket socket(can.name(), kWanted);
+  CanPlayer player(can.name());
+  const auto trouble = [&](std::uint32_t error, std::uint8_t controller = 0) {
+    player.send_error(error, controller);
+    const CanReceived received = next(socket);
+    EXPECT_EQ(received.kind, Kind::kTrouble);
+    return received.trouble;
+  };
+  EXPECT_EQ(trouble(CAN_ERR_BUSOFF), DeviceCounter::kBusOff);
+  EXPECT_EQ(trouble(CAN_ERR_CRTL, CAN_ERR_CRTL_RX_PASSIVE), DeviceCounter::kErrorPassive);
+  EXPECT_EQ(trouble(CAN_ERR_CRTL, CAN_ERR_CRTL_TX_PASSIVE), DeviceCounter::kErrorPassive);
+  EXPECT_EQ(trouble(CAN_ERR_CRTL, CAN_ERR_CRTL_RX_OVERFLOW), DeviceCounter::kControllerOverrun);
+  EXPECT_EQ(trouble(CAN_ERR_CRTL, CAN_ERR_CRTL_RX_WARNING), DeviceCounter::kBusErrors);
+  EXPECT_EQ(trouble(CAN_ERR_PROT | CAN_ERR_BUSERROR), DeviceCounter::kBusErrors);
+  // That all is well again is no trouble.
+  player.send_error(CAN_ERR_RESTARTED);
+  player.send_error(CAN_ERR_CRTL, CAN_ERR_CRTL_ACTIVE);
+  player.send(numbered(1));
+  EXPECT_EQ(next(socket).kind, Kind::kFrame);
+}
+
+TEST(CanIntake, CountsTroublesAndFramesThatItsReaderDoesNotFetch) {
+  const VirtualCan can("vcan7");
+  CanIntake intake(can.name(), CanRole::kVehicle, kWanted);
+  CanPlayer player(can.name());
+  player.send_error(CAN_ERR_BUSOFF);
+  for (std::uint32_t k = 0; k < 20'000; ++k) player.send(numbered(k));
+  const auto of = [&](DeviceCounter counter) { return intake.report().of(counter); };
+  const auto all = [&] {
+    return static_cast<std::int64_t>(intake.size()) + of(DeviceCounter::kReadersTooSlow) +
+           of(DeviceCounter::kQueueOverflow);
+  };
+  EXPECT_TRUE(test::wait_until([&] { return all() >= 20'000; }, 20));
+  EXPECT_EQ(all(), 20'000);
+  EXPECT_GT(of(DeviceCounter::kReadersTooSlow), 0);
+  EXPECT_EQ(of(DeviceCounter::kBusOff), 1);
+  std::uint32_t number = 0;
+  std::memcpy(&number, intake[0].frame.data.data(), sizeof number);
+  EXPECT_EQ(number, 0U);  // the oldest are kept
+}
+
+}  // namespace
+}  // namespace roadbalance
