@@ -139,7 +139,8 @@ TEST(Codec, WritesScansAsLcmDoes) {
   EXPECT_TRUE(std::ranges::equal(again, sealed.bytes()));
 }
 
-TEST(Codec, EveryBlockFitsIntoOneDatagram) {
+TEST(Codec, EveryBlockIsDescribedAndFitsIntoOneDatagram) {
+  EXPECT_EQ(block_types().size(), kBlockKinds);
   for (const auto& type : block_types()) EXPECT_LE(type.bytes, kMaxBlockBytes) << type.name;
 }
 
