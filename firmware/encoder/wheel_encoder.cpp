@@ -27,11 +27,27 @@ WheelEncoder::WheelEncoder(const EncoderConfig& config)
       history_(static_cast<std::size_t>(std::max(256, kHistoryTurns * config.pulses_per_turn))) {}
 
 void WheelEncoder::add(NodeTime time, EdgeKind kind) noexcept {
-  if (kind == EdgeKind::kToothBackward || kind == EdgeKind::kLost) return lose();
-  if (kind == EdgeKind::kTooth)
-    add_tooth(to_ns(time));
-  else if (config_.zero_mark)
-    add_mark(to_ns(time));
+  switch (kind) {
+    case EdgeKind::kTooth:
+      return add_tooth(to_ns(time));
+    case EdgeKind::kZeroMark:
+      if (config_.zero_mark) add_mark(to_ns(time));
+      return;
+    case EdgeKind::kToothBackward:
+      tracker_.forget();  // speed and numbers are of a wheel that went forward; a mark counts only then
+      return declare_lost();
+    case EdgeKind::kLost:
+      return declare_lost();
+  }
+}
+
+/// A turn whose teeth are known to be wrong is one fault, however often that is said.
+void WheelEncoder::declare_lost() noexcept {
+  if (grid_.located) {
+    ++faulty_turns_;
+    turn_faults_ = 1;  // the mark begins another
+  }
+  lose();
 }
 
 void WheelEncoder::lose() noexcept {
@@ -61,8 +77,7 @@ void WheelEncoder::add_tooth(std::int64_t time_ns) noexcept {
       ++turn_faults_;
       break;
     case ToothTracker::Outcome::kLost:
-      if (grid_.located) ++faulty_turns_;
-      lose();
+      declare_lost();
       return;
   }
   refine_mark();

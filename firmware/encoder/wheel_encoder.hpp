@@ -15,8 +15,10 @@ namespace roadbalance {
 ///
 /// Zero marks say which tooth is which, a pitch table takes out the ring's errors, and the angle at an
 /// instant is a local cubic least-squares fit over about 25 ms of teeth around it.  Before the first zero
-/// mark, after pulses stopped and for an encoder without a zero mark there is no angle.  Never allocates
-/// after construction. Driving backwards is not recognised: the angle then runs forward.
+/// mark, after pulses stopped and for an encoder without a zero mark there is no angle.  Where teeth are
+/// declared lost, or came backwards, there is none until the next zero mark that the wheel passes forward.
+/// Driving backwards is recognised by a second track only; without one the angle then runs forward.  Never
+/// allocates after construction.
 class WheelEncoder {
  public:
   explicit WheelEncoder(const EncoderConfig& config);
@@ -34,7 +36,7 @@ class WheelEncoder {
   /// Present speed; 0 while there are no pulses.
   double speed_rad_s(NodeTime now) const noexcept;
 
-  /// The present or the last turn did not have exactly its teeth.
+  /// The present or the last turn did not have exactly its teeth, or teeth are lost since the last zero mark.
   bool uncertain() const noexcept { return turn_faults_ > 0 || last_turn_faults_ > 0; }
   /// Turns that did not.
   std::int64_t faulty_turns() const noexcept { return faulty_turns_; }
@@ -48,6 +50,7 @@ class WheelEncoder {
   void add_mark(std::int64_t time_ns) noexcept;
   void locate(std::int64_t time_ns, double position) noexcept;
   void lose() noexcept;
+  void declare_lost() noexcept;
   void finish_turn(std::int64_t turn) noexcept;
   void refine_mark() noexcept;
   void learn_if_turn_complete() noexcept;
