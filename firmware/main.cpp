@@ -10,6 +10,7 @@
 #include "common/frontend/registry.hpp"
 #include "common/process/stop_on_signal.hpp"
 #include "firmware/backends/replay/front_end.hpp"
+#include "firmware/backends/socketcan/open_can.hpp"
 #include "firmware/node.hpp"
 #include "sim/front_end.hpp"
 
@@ -48,6 +49,7 @@ int main(int argc, char** argv) {
     FrontEndRegistry front_ends;
     front_ends.add("sim", sim::open_sim_front_end);
     front_ends.add("replay", open_replay_front_end);
+    front_ends.add_device("can", open_can);
     const auto front_end =
         front_ends.open(front_end_uris.empty() ? node.wiring.front_end : front_end_uris, vehicle, node);
     run_node(signals.token(), vehicle, node, *front_end,

@@ -95,6 +95,8 @@ CanSocket::CanSocket(const std::string& interface, std::span<const CanId> wanted
   demand(::bind(descriptor_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0,
          "listen on CAN interface");
   read_clocks();
+  wall_clock_set_ = false;  // there is nothing yet to compare with
+  clocks_fresh_ = false;
 }
 
 CanSocket::~CanSocket() {

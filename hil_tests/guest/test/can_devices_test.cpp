@@ -40,8 +40,10 @@ OpenedDevice open(const CanConfig& can) {
 
 TEST(CanSignals, OfARecordedDriveThatCanplayerRepeatsAreThePublishedWheelSpeeds) {
   const test::VirtualCan bus("vcan9");
-  CanConfig can{
-      .interface = bus.name(), .role = CanRole::kVehicle, .dbc = kData + "rav4.dbc", .accelerometer_id = {}};
+  CanConfig can;
+  can.interface = bus.name();
+  can.role = CanRole::kVehicle;
+  can.dbc = kData + "rav4.dbc";
   for (const char* wheel : {"FL", "FR", "RL", "RR"})
     can.signal.push_back({.name = wheel,
                           .message = "WHEEL_SPEEDS",
