@@ -1,0 +1,54 @@
+#pragma once
+
+#include <gtest/gtest.h>
+#include <sys/types.h>
+
+#include <functional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "firmware/backends/gpio/gpio_source.hpp"
+#include "hil_tests/guest/pulse_chip.hpp"
+
+namespace roadbalance::test {
+
+/// Between starting a reader and the first edge.
+inline constexpr std::int64_t kLead_ns = 20'000'000;
+
+/// A pulse that is high for half its period; the line is low before and after.
+void add_pulse(std::vector<gpio_pulse_step>& steps, unsigned line, std::int64_t begin_ns,
+               std::int64_t period_ns);
+/// As PulseChip::play needs them.
+std::vector<gpio_pulse_step> in_order(std::vector<gpio_pulse_step> steps);
+
+/// The guest's chip, the backend on it, and what the backend gave.
+class GpioRig {
+ public:
+  /// @param lines  GPIO numbers as in [[node.line]]; the vehicle is firmware/test/vehicle.hpp's
+  explicit GpioRig(std::vector<LineConfig> lines, int teeth = 96);
+
+  /// Plays, takes edges as they come until all has been played and 20 ms more, and keeps the truth.
+  void play(const std::vector<gpio_pulse_step>& steps);
+  /// Takes edges for so long.
+  void take_for(std::int64_t duration_ns);
+  std::int64_t counted(DeviceCounter counter) const { return source->reports()[0]->of(counter); }
+  std::size_t edges_of(EdgeKind kind, std::uint8_t line = 0) const;
+
+  PulseChip chip;
+  VehicleConfig vehicle;
+  std::string warnings;
+  std::unique_ptr<SideSource> source;
+  std::vector<Edge> edges;
+  std::vector<gpio_pulse_step> truth;
+
+ private:
+  void take();
+  NodeTime complete_ = NodeTime::min();
+};
+
+/// A thread of this priority that does nothing but burn the processor until an instant of CLOCK_MONOTONIC:
+/// who is of lower priority does not run meanwhile.
+std::jthread hog_processor(int priority, std::int64_t from_ns, std::int64_t until_ns);
+
+}  // namespace roadbalance::test

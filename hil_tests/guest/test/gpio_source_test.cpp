@@ -1,0 +1,140 @@
+#include "firmware/backends/gpio/gpio_source.hpp"
+
+#include <gpiod.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "common/clock/clock_pair.hpp"
+#include "common/config/section.hpp"
+#include "hil_tests/guest/gpio_rig.hpp"
+
+namespace roadbalance {
+namespace {
+
+using test::add_pulse;
+using test::GpioRig;
+using test::hog_processor;
+using test::kLead_ns;
+using test::PulseChip;
+
+constexpr std::int64_t kPeriod_ns = 50'000;  // 20 kHz
+
+std::vector<gpio_pulse_step> pulses(unsigned line, int count, std::int64_t period_ns = kPeriod_ns) {
+  std::vector<gpio_pulse_step> steps;
+  const std::int64_t begin_ns = PulseChip::now_ns() + kLead_ns;
+  for (int k = 0; k < count; ++k) add_pulse(steps, line, begin_ns + k * period_ns, period_ns);
+  return steps;
+}
+
+std::string refusal(const std::string& chip, LineConfig line) {
+  VehicleConfig vehicle{};
+  vehicle.node.push_back({.name = "front", .id = 1, .rate_hz = 1000.0, .channel = {}, .wiring = {}});
+  vehicle.node[0].wiring.line = {line};
+  try {
+    open_gpio({chip, vehicle, vehicle.node[0]}, [](const std::string&) {});
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(GpioSource, TwentyThousandEdgesASecondAllArriveWithTrueStamps) {
+  GpioRig rig({{0, 3, {}, {}}}, 1000);
+  rig.play(pulses(3, 40'000));
+  ASSERT_EQ(rig.edges_of(EdgeKind::kTooth), 40'000U);
+  ASSERT_EQ(rig.edges.size(), 40'000U) << "nothing else";
+  const std::int64_t machine_ns = machine_minus(CLOCK_MONOTONIC).count();
+  std::int64_t worst_ns = 0;
+  std::size_t k = 0;
+  for (const auto& step : rig.truth)
+    if (step.value)
+      worst_ns = std::max(
+          worst_ns, std::abs(to_ns(rig.edges[k++].time) - machine_ns - static_cast<std::int64_t>(step.t_ns)));
+  EXPECT_LE(worst_ns, 1000);
+  std::printf("40000 edges at 20 kHz, 0 lost, worst stamp %lld ns from the truth\n",
+              static_cast<long long>(worst_ns));
+  for (std::size_t c = 0; c < kDeviceCounters; ++c) EXPECT_EQ(rig.counted(DeviceCounter(c)), 0) << c;
+}
+
+/// Forward, then backward, as two tracks a quarter of a pitch apart; ends where it began.
+TEST(GpioSource, ATransducerInQuadratureSaysWhichWayItTurns) {
+  GpioRig rig({{1, 6, 7, {}}}, 1000);
+  constexpr int kPitches = 2'000;
+  constexpr std::int64_t kQuarter_ns = 50'000;  // 5 kHz
+  std::vector<gpio_pulse_step> steps;
+  auto at = static_cast<std::uint64_t>(PulseChip::now_ns() + kLead_ns);
+  const auto put = [&](unsigned line, unsigned value) {
+    steps.push_back({at, line, value});
+    at += kQuarter_ns;
+  };
+  for (int k = 0; k < kPitches; ++k) put(6, 1), put(7, 1), put(6, 0), put(7, 0);
+  for (int k = 0; k < kPitches; ++k) put(7, 1), put(6, 1), put(7, 0), put(6, 0);
+  rig.play(steps);
+  EXPECT_EQ(rig.edges_of(EdgeKind::kTooth, 1), static_cast<std::size_t>(kPitches));
+  EXPECT_EQ(rig.edges_of(EdgeKind::kToothBackward, 1), static_cast<std::size_t>(kPitches));
+  EXPECT_EQ(rig.edges.size(), 2U * kPitches);
+  EXPECT_TRUE(std::ranges::is_sorted(rig.edges, {}, [](const Edge& edge) { return int(edge.kind); }))
+      << "all forward ones first";
+}
+
+// Between the kernel's interrupt threads (50) and the reader (45): the kernel takes edges that nobody reads.
+TEST(GpioSource, AReaderThatIsKeptFromTheProcessorDeclaresWhatTheKernelDropped) {
+  GpioRig rig({{0, 3, {}, {}}}, 1000);
+  const auto steps = pulses(3, 8'000);
+  const auto middle_ns = static_cast<std::int64_t>(steps[steps.size() / 2].t_ns);
+  const auto hog = hog_processor(48, middle_ns, middle_ns + 10'000'000);
+  rig.play(steps);
+  const std::size_t missing = 8'000 - rig.edges_of(EdgeKind::kTooth);
+  EXPECT_NEAR(static_cast<double>(missing), 200.0 - 16.0, 10.0) << "10 ms at 20 kHz, less what was kept";
+  EXPECT_GE(rig.counted(DeviceCounter::kEdgesLost), 1);
+  // The declaration lies in the hole.
+  for (std::size_t k = 1; k < rig.edges.size(); ++k)
+    if (rig.edges[k].time - rig.edges[k - 1].time > std::chrono::nanoseconds(2 * kPeriod_ns)) {
+      EXPECT_TRUE(rig.edges[k].kind == EdgeKind::kLost || rig.edges[k - 1].kind == EdgeKind::kLost);
+    }
+  std::printf("%zu of 8000 edges lost in 10 ms, declared %lld time(s)\n", missing,
+              static_cast<long long>(rig.counted(DeviceCounter::kEdgesLost)));
+}
+
+TEST(GpioSource, AnUnpluggedChipIsSaidToBeGoneAndGivesEdgesAgainWhenItIsBack) {
+  GpioRig rig({{0, 3, {}, {}}, {1, 4, {}, {}}});
+  rig.play(pulses(3, 100));
+  for (int time = 1; time <= 3; ++time) {
+    PulseChip::unplug();
+    rig.take_for(100'000'000);
+    EXPECT_EQ(rig.counted(DeviceCounter::kGone), time);
+    EXPECT_EQ(rig.counted(DeviceCounter::kReturned), time - 1);
+    PulseChip::plug();
+    rig.take_for(1'000'000'000);
+    EXPECT_EQ(rig.counted(DeviceCounter::kReturned), time);
+    const std::size_t before = rig.edges_of(EdgeKind::kTooth, 1);
+    rig.play(pulses(4, 100));
+    EXPECT_EQ(rig.edges_of(EdgeKind::kTooth, 1), before + 100);
+  }
+  for (const std::uint8_t line : std::to_array<std::uint8_t>({0, 1}))
+    EXPECT_EQ(rig.edges_of(EdgeKind::kLost, line), 6U) << "gone and back";
+}
+
+TEST(GpioSource, WhatCannotBeHadIsRefusedByTheNameOfItsKey) {
+  const PulseChip chip;
+  EXPECT_EQ(refusal("gpiochip77", {0, 1, {}, {}}),
+            "front end gpio:gpiochip77: GPIO chip gpiochip77: No such file or directory");
+  EXPECT_EQ(refusal(PulseChip::name(), {0, 1, {}, 40}),
+            "[[node.line]] line 0 of node front: zero_mark_gpio: GPIO 40 of " + PulseChip::name() +
+                ": no such line; allowed: 0 .. 31");
+  gpiod_chip* const other = gpiod_chip_open_by_name(PulseChip::name().c_str());
+  ASSERT_TRUE(other);
+  ASSERT_EQ(gpiod_line_request_input(gpiod_chip_get_line(other, 9), "somebody else"), 0);
+  EXPECT_EQ(refusal(PulseChip::name(), {0, 9, {}, {}}),
+            "[[node.line]] line 0 of node front: tooth_gpio: GPIO 9 of " + PulseChip::name() +
+                ": in use by \"somebody else\"");
+  gpiod_chip_close(other);
+  EXPECT_EQ(refusal(PulseChip::name(), {0, 9, {}, {}}), "");
+}
+
+}  // namespace
+}  // namespace roadbalance
