@@ -2,6 +2,7 @@
 
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <string>
 
 #include "hil_tests/measurement.hpp"
@@ -21,13 +22,16 @@ class Flood : public test::Measurement {
 };
 
 TEST_F(Flood, TenThousandMalformedDatagramsASecondCostNoSample) {
-  const int seconds = test::full_run() ? 60 : 3;
+  const int seconds = test::full_run() ? 60 : 5;  // 35 MB
   Program running = recorder();
   Program front = node("front", "rate=5&seconds=10000"), rear = node("rear", "rate=5&seconds=10000");
   ASSERT_TRUE(more_are_durable(kFront, 100));
   ASSERT_TRUE(more_are_durable(kRear, 100));
   // Any other LCM 1.3.1 receiver shows that the deadly ones are deadly.
-  Program victim("lcm-logger", {"--quiet", "--lcm-url=" + url, work / "victim.lcm"});
+  const std::filesystem::path heard = work / "victim.lcm";
+  Program victim("lcm-logger", {"--quiet", "--lcm-url=" + url, heard});
+  const auto hears = [&] { return std::filesystem::exists(heard) && std::filesystem::file_size(heard) > 0; };
+  ASSERT_TRUE(bus.wait(hears)) << "lcm-logger does not log";
 
   const auto memory_before = test::own_memory_bytes(running.pid());
   Program flood("rb-flood", {"--port", port(), "--seconds", std::to_string(seconds)});
@@ -39,7 +43,7 @@ TEST_F(Flood, TenThousandMalformedDatagramsASecondCostNoSample) {
   ASSERT_TRUE(memory_before && memory_after) << "the recorder is gone";
   const double growth_mib = static_cast<double>(*memory_after - *memory_before) / (1 << 20);
   std::printf("the recorder's memory grew by %.2f MiB\n", growth_mib);
-  EXPECT_LT(growth_mib, 8.0) << "of ten thousands of datagrams of 1 kB nothing is kept";
+  EXPECT_LT(growth_mib, 2 * test::kCredit_mib) << "of ten thousands of datagrams of 0.7 kB nothing is kept";
   EXPECT_TRUE(bus.wait([&] { return bus.recorder() && bus.recorder()->refused_datagrams > 0; }))
       << "what was refused is not counted";
 
