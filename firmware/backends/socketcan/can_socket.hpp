@@ -36,8 +36,9 @@ struct CanReceived {
 
 /// Listens on a CAN interface for frames of given identifiers, classic and CAN FD.  It cannot send.
 ///
-/// The kernel stamps frames in CLOCK_REALTIME; of frames that waited while that clock was set the time of
-/// reading counts.  After construction nothing allocates.
+/// The kernel stamps frames in CLOCK_REALTIME; of frames that waited while that clock was set, and of those
+/// of the first milliseconds, before the kernel begins to stamp, the time of reading counts.  After
+/// construction nothing allocates.
 class CanSocket {
  public:
   /// @throws std::system_error naming the call and the interface

@@ -3,8 +3,10 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "firmware/backends/socketcan/can_intake.hpp"
+#include "firmware/device_diary.hpp"
 #include "hil_tests/guest/can_player.hpp"
 #include "hil_tests/guest/serial_can.hpp"
 #include "hil_tests/program.hpp"
@@ -57,6 +59,12 @@ TEST_F(BusOffTest, IsCountedWhenTheKernelSaysBusOffAndOverWhenTheInterfaceIsRest
   EXPECT_TRUE(counts(DeviceCounter::kBusOff, 1));
   EXPECT_EQ(state_of(can.interface()), "BUS-OFF");
   EXPECT_EQ(intake->report().of(DeviceCounter::kGone), 0);
+  std::vector<std::string> said;
+  DeviceDiary({&intake->report()}).look([&](const std::string& sentence) { said.push_back(sentence); });
+  const std::string name = "can:" + can.interface();
+  EXPECT_EQ(said, (std::vector{
+                      name + ": bus-off: the controller no longer takes part in the bus (1 time by now)",
+                      name + ": error-passive: the controller sees many errors on the bus (1 time by now)"}));
 
   // slcan cannot restart its controller; down and up does.
   ip("link set " + can.interface() + " down");

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <sched.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <sstream>
@@ -12,6 +13,7 @@
 #include "common/test/source.hpp"
 #include "firmware/backends/socketcan/accelerometer_frame.hpp"
 #include "firmware/backends/socketcan/open_can.hpp"
+#include "firmware/device_diary.hpp"
 #include "hil_tests/guest/can_player.hpp"
 #include "hil_tests/program.hpp"
 
@@ -65,7 +67,7 @@ TEST(CanSignals, OfARecordedDriveThatCanplayerRepeatsAreThePublishedWheelSpeeds)
     return read.signals;
   };
   std::optional<int> code;
-  while (!(code = player.exit_code(0.001))) fetch();
+  while (!(code = player.exit_code(0.02))) fetch();
   ASSERT_EQ(*code, 0);
   wait_until([&] { return fetch() == 0 && samples.size() >= 4 * 4'974; }, 5);
   ASSERT_EQ(samples.size(), 4U * 4'974U);
@@ -94,7 +96,7 @@ TEST(CanSignals, OfARecordedDriveThatCanplayerRepeatsAreThePublishedWheelSpeeds)
               samples.size(), 1e3 * off_s);
 }
 
-/// The module on can1, on one bus with can0 that the node listens to; or on a virtual interface.
+/// The module at the other end of the cable.
 class Module {
  public:
   Module(const std::string& interface, bool flexible) : player_(interface), flexible_(flexible) {}
@@ -144,12 +146,13 @@ std::vector<Scan> read_until(FrontEnd& front_end, std::int64_t index) {
 class AccelerometerTest : public testing::TestWithParam<bool> {
  protected:
   bool flexible() const { return GetParam(); }
-  std::string node_side() const { return flexible() ? "vcan9" : "can0"; }
-  std::string module_side() const { return flexible() ? "vcan9" : "can1"; }
+  std::string node_side() const { return flexible() ? "vx0" : "can0"; }
+  std::string module_side() const { return flexible() ? "vx1" : "can1"; }
   void SetUp() override {
     if (flexible()) {
-      virtual_can = std::make_unique<test::VirtualCan>("vcan9");
-      return;
+      ip("link add vx0 type vxcan peer name vx1");  // a cable; it carries CAN FD
+      ip("link set vx0 up");
+      return ip("link set vx1 up");
     }
     for (const char* interface : {"can0", "can1"}) {
       ASSERT_TRUE(test::has_interface(interface)) << "the guest has no CAN controllers";
@@ -158,6 +161,9 @@ class AccelerometerTest : public testing::TestWithParam<bool> {
       ip(std::string("link set ") + interface + " up");
     }
   }
+  void TearDown() override {
+    if (test::has_interface("vx0")) ip("link del vx0");
+  }
   OpenedDevice open_module() const {
     CanConfig can;
     can.interface = node_side();
@@ -165,10 +171,17 @@ class AccelerometerTest : public testing::TestWithParam<bool> {
     can.accelerometer_id = kFirstId;
     return open(can);
   }
+  /// What the node would print.
+  static std::vector<std::string> said(const FrontEnd& front_end) {
+    std::vector<std::string> sentences;
+    DeviceDiary(front_end.reports()).look([&](const std::string& sentence) {
+      sentences.push_back(sentence);
+    });
+    return sentences;
+  }
   static std::int64_t of(const FrontEnd& front_end, DeviceCounter counter) {
     return front_end.reports().at(0)->of(counter);
   }
-  std::unique_ptr<test::VirtualCan> virtual_can;
 };
 
 TEST_P(AccelerometerTest, GivesEveryConversionOfAThousandASecond) {
@@ -218,6 +231,10 @@ TEST_P(AccelerometerTest, LeavesOutTheIndicesOfMissingConversionsAndOfAnAbsence)
   EXPECT_TRUE(!flexible() || scans[0].index == 525) << scans[0].index;
   EXPECT_EQ((scans[0].index - 525) % 256, 0);
   EXPECT_GT(of(*device.scans, DeviceCounter::kPacketsMissing), 25);
+  const std::vector<std::string> sentences = said(*device.scans);
+  for (const char* words :
+       {": was unplugged or went down (1 time by now)", ": is there again (1 time by now)"})
+    EXPECT_EQ(std::ranges::count(sentences, "can:" + node_side() + words), 1) << words;
 }
 
 INSTANTIATE_TEST_SUITE_P(Forms, AccelerometerTest, testing::Values(true, false),
