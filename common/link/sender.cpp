@@ -124,7 +124,9 @@ std::span<const std::int64_t> Sender::due(WallTime now) {
   // Blocks freed before they were sent came to the recorder through somebody else's hands.
   sent_through_ = std::max(sent_through_, backlog_.base() - 1);
   const std::int64_t last = std::min(backlog_.next() - 1, credit_);
-  while (sent_through_ < last && spend_token()) send(++sent_through_, now);
+  // What an owner got that has just been taken over from, the new one gets in a moment.
+  while (sent_through_ < last && !was_sent_lately(sent_through_ + 1, now) && spend_token())
+    send(++sent_through_, now);
   check();
   return due_;
 }

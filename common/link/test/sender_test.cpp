@@ -141,6 +141,20 @@ TEST_F(SenderTest, SendsANewOwnerWhatTheOldOneTookWithIt) {
             (std::vector<std::int64_t>{5, 6, 7, 8, 9, 10}));
 }
 
+TEST_F(SenderTest, SendsANewOwnerNothingTwiceWithinTenMilliseconds) {
+  put(10);
+  ASSERT_TRUE(sender.claim(5, kStart));
+  ASSERT_TRUE(sender.take(ack(1, 3), kStart));
+  ASSERT_EQ(due(kStart), 7u);
+  ASSERT_TRUE(sender.release(5));
+  ASSERT_TRUE(sender.claim(6, kStart + 1ms));
+  Ack first = ack(1, 3);
+  first.incarnation = 6;
+  ASSERT_TRUE(sender.take(first, kStart + 1ms));
+  EXPECT_EQ(due(kStart + 9ms), 0u);
+  EXPECT_EQ(due(kStart + 10ms), 7u);
+}
+
 // As often as the network may double, delay or forge an ack: freed is what a good one called durable.
 TEST_F(SenderTest, NoAckFreesMoreThanAGoodOneEverCalledDurable) {
   std::mt19937 random(3);
