@@ -11,6 +11,7 @@ namespace {
 constexpr auto kLatest = std::chrono::milliseconds(500);
 /// So long a run tells the timer's rate better than its nominal value does.
 constexpr double kLongRun_s = 10.0;
+constexpr double kMostWrong_s = 1.0;
 
 }  // namespace
 
@@ -20,6 +21,12 @@ BoardClock::BoardClock(double tick_hz, BoardInstant begin) noexcept
   instant.index = static_cast<std::int64_t>(begin.ticks);
   instant.time = begin.time;
   line_.correct({&instant, 1});
+}
+
+bool BoardClock::is_possible(BoardInstant latest) const noexcept {
+  // In floating point, where no stamp is too far away.
+  const double behind_s = 1e-9 * ticks_behind(latest.ticks) * tick_ns_;
+  return behind_s > -kMostWrong_s && behind_s - to_seconds(latest.time - to_.time) < kMostWrong_s;
 }
 
 void BoardClock::hear(BoardInstant latest) noexcept {

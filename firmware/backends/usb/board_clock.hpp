@@ -24,6 +24,9 @@ class BoardClock {
   /// A run begins.  @param tick_hz  of the timer, nominal
   BoardClock(double tick_hz, BoardInstant begin) noexcept;
 
+  /// False: nothing stamped so can have arrived then; the stamp is wrong.
+  bool is_possible(BoardInstant latest) const noexcept;
+
   /// A packet arrived whose latest content was stamped so.
   void hear(BoardInstant latest) noexcept;
 

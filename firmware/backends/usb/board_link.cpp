@@ -1,7 +1,6 @@
 #include "firmware/backends/usb/board_link.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <cstring>
 
 #include "common/config/section.hpp"
@@ -81,8 +80,12 @@ BoardLink::Session::~Session() {
 }
 
 BoardLink::BoardLink(UsbAddress address, VehicleConfig vehicle, const NodeConfig& node,
-                     std::vector<DeviceReport*> reports)
-    : address_(std::move(address)), vehicle_(std::move(vehicle)), node_(node), report_(std::move(reports)) {
+                     std::vector<DeviceReport*> reports, std::function<void(const std::string&)> warn)
+    : address_(std::move(address)),
+      vehicle_(std::move(vehicle)),
+      node_(node),
+      report_(std::move(reports)),
+      warn_(std::move(warn)) {
   auto session = begin_session({});
   thread_ = std::jthread([this, session = std::move(session)](const std::stop_token& stop) mutable {
     static_cast<void>(enter_realtime(kPriority));  // acquire asks for the same and says what is refused
@@ -91,7 +94,7 @@ BoardLink::BoardLink(UsbAddress address, VehicleConfig vehicle, const NodeConfig
 }
 
 void BoardLink::say(std::size_t which, const std::string& text) const {
-  std::fprintf(stderr, "%s: %s\n", address_.of_board(which).c_str(), text.c_str());
+  warn_(address_.of_board(which) + ": " + text);
 }
 
 board::Identity BoardLink::set_up(UsbDevice& device, std::size_t which, std::uint32_t& ticks_per_scan) {
@@ -209,7 +212,7 @@ std::unique_ptr<BoardLink::Session> BoardLink::find_again(std::stop_token stop) 
     } catch (const std::runtime_error& error) {  // UsbError, or ConfigError of another board than before
       if (error.what() != said && WallClock::now() - since > kPatience) {
         said = error.what();
-        std::fprintf(stderr, "%s\n", said.c_str());
+        warn_(said);
       }
     }
     std::this_thread::sleep_for(kSearching);

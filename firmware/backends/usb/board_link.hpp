@@ -2,6 +2,7 @@
 
 #include <array>
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <thread>
 #include <vector>
@@ -21,9 +22,10 @@ class BoardLink {
  public:
   /// Sets the boards up and starts them.
   /// @param reports  one for each board; they outlive this
+  /// @param warn     see open_usb_front_end()
   /// @throws ConfigError if the vehicle asks for what a board does not have; UsbError
   BoardLink(UsbAddress address, VehicleConfig vehicle, const NodeConfig& node,
-            std::vector<DeviceReport*> reports);
+            std::vector<DeviceReport*> reports, std::function<void(const std::string&)> warn);
 
   Inbox& inbox() { return inbox_; }
   /// Which of the node's encoders are at the boards.
@@ -54,6 +56,7 @@ class BoardLink {
   const VehicleConfig vehicle_;
   const NodeConfig node_;
   const std::vector<DeviceReport*> report_;
+  const std::function<void(const std::string&)> warn_;
   Inbox inbox_;
   std::array<bool, kEncoderLines> lines_{};
   std::array<std::uint32_t, 2> dropped_{};  ///< not yet told

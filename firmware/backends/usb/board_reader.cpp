@@ -42,7 +42,12 @@ std::uint64_t latest_ticks(const board::PacketView& packet) {
 
 BoardReader::BoardReader(const std::vector<DeviceReport*>& reports, double rate_hz, std::size_t channels,
                          std::array<bool, kEncoderLines> lines)
-    : rate_hz_(rate_hz), channels_(channels), lines_(lines), pair_(reports.size()), edges_(*reports.front()) {
+    : report_(reports),
+      rate_hz_(rate_hz),
+      channels_(channels),
+      lines_(lines),
+      pair_(reports.size()),
+      edges_(*reports.front()) {
   for (DeviceReport* report : reports) stream_.emplace_back(*report);
 }
 
@@ -69,7 +74,9 @@ void BoardReader::begin_run(const RunBegin& run) noexcept {
 void BoardReader::take_packet(std::size_t board, const PacketStream::Packet& packet,
                               NodeTime arrival) noexcept {
   BoardClock& clock = *clock_[board];
-  clock.hear({latest_ticks(packet.content), arrival});
+  const BoardInstant latest{latest_ticks(packet.content), arrival};
+  if (!clock.is_possible(latest)) return report_[board]->count(DeviceCounter::kPacketsRefused);
+  clock.hear(latest);
   if (board == 0) take_edges(packet);
   const board::PacketHeader& header = packet.content.header();
   for (std::size_t k = 0; k < header.scans; ++k) {

@@ -40,6 +40,7 @@ class BoardReader {
   void mark_lost(NodeTime time) noexcept;
   Scan scan_of(const BoardPair::Common& common) noexcept;
 
+  const std::vector<DeviceReport*> report_;
   const double rate_hz_;
   const std::size_t channels_;
   const std::array<bool, kEncoderLines> lines_;

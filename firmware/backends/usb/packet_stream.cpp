@@ -1,5 +1,7 @@
 #include "firmware/backends/usb/packet_stream.hpp"
 
+#include <algorithm>
+
 #include "firmware/board/byte_order.hpp"
 
 namespace roadbalance {
@@ -23,6 +25,10 @@ bool ended_early(std::span<const std::uint8_t> transfer) {
   return transfer.size() < board::packet_bytes(scans, edges);
 }
 
+std::uint64_t edge_ticks(const board::PacketView& packet, std::size_t k) {
+  return packet.header().base_ticks + static_cast<std::uint64_t>(std::int64_t{packet.edge(k).offset_ticks});
+}
+
 DeviceCounter counter_of(PacketFault fault, std::span<const std::uint8_t> transfer) {
   const bool is_short = fault == PacketFault::kLength && ended_early(transfer);
   return is_short ? DeviceCounter::kShortPackets : DeviceCounter::kPacketsRefused;
@@ -36,11 +42,14 @@ void PacketStream::start(std::uint32_t token, std::uint32_t ticks_per_scan) noex
   sequence_ = 0;
   next_scan_ = 0;
   scan_end_ticks_ = 0;
+  edge_end_ticks_ = 0;
   scans_lost_ = 0;
   dropped_ = 0;
 }
 
-bool PacketStream::goes_on(const PacketHeader& header) const noexcept {
+bool PacketStream::goes_on(const board::PacketView& packet) const noexcept {
+  const PacketHeader& header = packet.header();
+  if (header.edges > 0 && edge_ticks(packet, 0) < std::max(scan_end_ticks_, edge_end_ticks_)) return false;
   return header.sequence - sequence_ < kBackwards && header.first_scan >= next_scan_ &&
          header.first_scan - next_scan_ < kMostMissing && header.ticks_per_scan == ticks_per_scan_ &&
          (header.scans == 0 || header.base_ticks >= scan_end_ticks_);
@@ -58,7 +67,7 @@ std::optional<PacketStream::Packet> PacketStream::take(std::span<const std::uint
   }
   const PacketHeader& header = packet->header();
   if (header.token != token_) return std::nullopt;
-  if (!goes_on(header)) {
+  if (!goes_on(*packet)) {
     report_.count(DeviceCounter::kPacketsRefused);
     return std::nullopt;
   }
@@ -68,6 +77,7 @@ std::optional<PacketStream::Packet> PacketStream::take(std::span<const std::uint
   dropped_ = 0;
   sequence_ = header.sequence + 1;
   next_scan_ = header.first_scan + header.scans;
+  if (header.edges > 0) edge_end_ticks_ = edge_ticks(*packet, header.edges - std::size_t{1});
   if (header.scans > 0)
     scan_end_ticks_ = header.base_ticks + (header.scans - std::uint64_t{1}) * ticks_per_scan_ + 1;
   return Packet{*packet, missing > 0};

@@ -31,7 +31,7 @@ class PacketStream {
   std::optional<Packet> take(std::span<const std::uint8_t> transfer, std::uint32_t dropped) noexcept;
 
  private:
-  bool goes_on(const board::PacketHeader& header) const noexcept;
+  bool goes_on(const board::PacketView& packet) const noexcept;
   void count_losses(const board::PacketView& packet) noexcept;
 
   DeviceReport& report_;
@@ -40,6 +40,7 @@ class PacketStream {
   std::uint32_t sequence_ = 0;  ///< of the next packet
   std::uint64_t next_scan_ = 0;
   std::uint64_t scan_end_ticks_ = 0;  ///< no scan comes before it
+  std::uint64_t edge_end_ticks_ = 0;  ///< no edge comes before it
   std::uint32_t scans_lost_ = 0;      ///< as the board said last, with those missed
   std::uint32_t dropped_ = 0;
 };

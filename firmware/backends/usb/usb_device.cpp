@@ -97,7 +97,7 @@ Found open_listed(libusb_device* device, const libusb_device_descriptor& descrip
   libusb_device_handle* handle = nullptr;
   const int code = libusb_open(device, &handle);
   if (code == LIBUSB_ERROR_ACCESS)
-    throw UsbError("no permission for " + node_of(device) + "; allowed to all users by a file " +
+    throw UsbError("no permission for " + node_of(device) + "; mended by a file " +
                    "/etc/udev/rules.d/60-roadbalance.rules with: " +
                    udev_rule(descriptor.idVendor, descriptor.idProduct));
   if (code != 0) throw UsbError("open " + node_of(device) + ": " + reason(code));

@@ -24,10 +24,11 @@ timespec end_of_wait() {
 /// Reads the front-end board, or two.
 class UsbFrontEnd final : public FrontEnd {
  public:
-  UsbFrontEnd(const UsbAddress& address, const VehicleConfig& vehicle, const NodeConfig& node)
+  UsbFrontEnd(const UsbAddress& address, const FrontEndRequest& request,
+              std::function<void(const std::string&)> warn)
       : reports_(make_reports(address)),
-        link_(address, vehicle, node, pointers()),
-        reader_(pointers(), node.rate_hz, node.channel.size(), link_.lines()) {}
+        link_(address, request.vehicle, request.node, pointers(), std::move(warn)),
+        reader_(pointers(), request.node.rate_hz, request.node.channel.size(), link_.lines()) {}
 
   Read read(std::span<Scan> scans, std::span<Edge> edges, std::span<SignalSample>) noexcept override {
     Read read;
@@ -71,8 +72,9 @@ class UsbFrontEnd final : public FrontEnd {
 
 }  // namespace
 
-std::unique_ptr<FrontEnd> open_usb_front_end(const FrontEndRequest& request) {
-  return std::make_unique<UsbFrontEnd>(UsbAddress::parse(request.address), request.vehicle, request.node);
+std::unique_ptr<FrontEnd> open_usb_front_end(const FrontEndRequest& request,
+                                             std::function<void(const std::string&)> warn) {
+  return std::make_unique<UsbFrontEnd>(UsbAddress::parse(request.address), request, std::move(warn));
 }
 
 }  // namespace roadbalance

@@ -1,13 +1,19 @@
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <string>
 
 #include "common/frontend/registry.hpp"
 
 namespace roadbalance {
 
 /// Opens usb:VENDOR:PRODUCT[:SERIAL[+SERIAL]], the front-end board, or two that share their start.
+/// @param warn  hears what works but somebody should know, and why a board that is gone cannot be opened;
+/// from
+///              another thread, too
 /// @throws ConfigError, UsbError
-std::unique_ptr<FrontEnd> open_usb_front_end(const FrontEndRequest& request);
+std::unique_ptr<FrontEnd> open_usb_front_end(const FrontEndRequest& request,
+                                             std::function<void(const std::string&)> warn);
 
 }  // namespace roadbalance

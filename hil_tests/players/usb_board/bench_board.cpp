@@ -38,14 +38,16 @@ BenchBoard::BenchBoard(Bench bench)
   if (bench_.next_change) change_ = bench_.next_change();
 }
 
+BenchBoard::Nanoseconds BenchBoard::tick() const {
+  return Nanoseconds(1e9 / (kTickHz * (1.0 + 1e-6 * bench_.oscillator_ppm)));
+}
+
 std::uint64_t BenchBoard::ticks_at(MachineTime time) const {
-  const double tick_ns = 1e9 / (kTickHz * (1.0 + 1e-6 * bench_.oscillator_ppm));
-  return static_cast<std::uint64_t>(static_cast<double>((time - bench_.powered).count()) / tick_ns);
+  return static_cast<std::uint64_t>((time - bench_.powered) / tick());
 }
 
 MachineTime BenchBoard::time_of(std::uint64_t ticks) const {
-  const double tick_ns = 1e9 / (kTickHz * (1.0 + 1e-6 * bench_.oscillator_ppm));
-  return bench_.powered + MachineClock::duration(std::llround(static_cast<double>(ticks) * tick_ns));
+  return bench_.powered + MachineClock::duration(std::llround(static_cast<double>(ticks) * tick().count()));
 }
 
 bool BenchBoard::configure(const board::Configuration& configuration) {
@@ -56,7 +58,8 @@ bool BenchBoard::configure(const board::Configuration& configuration) {
 void BenchBoard::start(board::StartMode mode) {
   running_ = true;
   mode_ = mode;
-  start_ticks_ = ticks();
+  start_ticks_ =
+      bench_.begin ? ticks_at(bench_.begin(now_, tick() * configuration_.ticks_per_scan)) : ticks();
   conversions_ = 0;
   unsent_since_.reset();
   codes_ = {};

@@ -28,6 +28,9 @@ struct Bench {
   MachineTime powered = MachineClock::now();  ///< when its timer began to count
   std::uint16_t major = board::kProtocolMajor;
   std::uint16_t minor = board::kProtocolMinor;
+  /// When a run begins that is asked for at `asked`: not before, and soon; its conversions are `period`
+  /// apart. Empty: at once.
+  std::function<MachineTime(MachineTime asked, std::chrono::duration<double, std::nano> period)> begin;
   /// Words of the twelve inputs at conversion k of the run; those of the loop-back are made of the board.s
   /// references.
   std::function<board::ScanWords(std::int64_t conversion, MachineTime time)> words;
@@ -72,6 +75,8 @@ class BenchBoard final : private board::Hardware {
   }
   std::uint64_t ticks() const override { return ticks_at(now_); }
 
+  using Nanoseconds = std::chrono::duration<double, std::nano>;
+  Nanoseconds tick() const;
   std::uint64_t ticks_at(MachineTime time) const;
   MachineTime time_of(std::uint64_t ticks) const;
   void change_lines(MachineTime until);

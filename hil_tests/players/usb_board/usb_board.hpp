@@ -32,6 +32,10 @@ class UsbBoard {
   void handle();
   /// Sends what is due.
   void serve();
+  /// When the next packet is due that the host waits for; nothing: it waits for none.
+  std::optional<MachineTime> due() const {
+    return waiting_.empty() ? std::nullopt : std::optional(board_.due());
+  }
   /// Plugged out: the board's power is gone.
   void power_off();
 

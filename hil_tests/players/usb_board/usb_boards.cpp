@@ -12,6 +12,9 @@ namespace {
 
 /// Like an interrupt: before every program that reads the boards.
 constexpr int kPriority = 49;
+/// Conversions are caught up with so often, so that few are left to do when a packet is due.
+constexpr auto kStep = std::chrono::milliseconds(1);
+constexpr auto kLeastWait = std::chrono::microseconds(10);
 
 }  // namespace
 
@@ -54,14 +57,13 @@ void UsbBoards::run(const std::stop_token& stop) {
       const std::lock_guard lock(mutex_);
       const MachineTime now = MachineClock::now();
       serve_all(now);
-      until = now + std::chrono::milliseconds(5);
+      until = now + kStep;
       for (std::size_t k = 0; k < board_.size(); ++k) {
         sockets[k] = {.fd = board_[k]->port().socket(), .events = POLLIN, .revents = 0};
-        until = std::min(until, board_[k]->board().due());
+        until = std::min(until, board_[k]->due().value_or(until));
       }
     }
-    const auto patience =
-        std::max<MachineClock::duration>(until - MachineClock::now(), std::chrono::microseconds(1));
+    const auto patience = std::max<MachineClock::duration>(until - MachineClock::now(), kLeastWait);
     const timespec time{.tv_sec = 0, .tv_nsec = patience.count()};
     if (::ppoll(sockets.data(), board_.size(), &time, nullptr) <= 0) continue;
     const std::lock_guard lock(mutex_);

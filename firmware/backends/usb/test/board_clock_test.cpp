@@ -65,6 +65,17 @@ TEST(BoardClock, StaysWhereItWasWhenPacketsAreHandledSecondsLate) {
   }
 }
 
+TEST(BoardClock, KnowsAStampThatCannotBe) {
+  const Timer timer{50.0};
+  const BoardClock clock(kTickHz, {kFirstTicks, timer.time(kFirstTicks)});
+  const std::uint64_t later = kFirstTicks + 100 * 10'000'000ull;
+  EXPECT_TRUE(clock.is_possible({later, timer.time(later)}));
+  EXPECT_TRUE(clock.is_possible({kFirstTicks, timer.time(later)})) << "handled late";
+  EXPECT_FALSE(clock.is_possible({later, timer.time(kFirstTicks)})) << "of the future";
+  EXPECT_FALSE(clock.is_possible({0, timer.time(later)}));
+  EXPECT_FALSE(clock.is_possible({UINT64_MAX, timer.time(later)}));
+}
+
 TEST(BoardClock, TimesRiseEvenlyOverTheEndsOfPackets) {
   const Timer timer{0.0};
   std::mt19937_64 random(6);

@@ -114,6 +114,14 @@ TEST_F(PacketStreamTest, RefusesScansThatGoBackOrOfAnotherRate) {
   EXPECT_EQ(report.of(DeviceCounter::kPacketsRefused), 2);
 }
 
+TEST_F(PacketStreamTest, RefusesEdgesOfATimeThatIsOver) {
+  ASSERT_TRUE(take({}));
+  bytes = packet({.sequence = 1, .first_scan = 10}, {{-1001, 1, board::PacketEdgeKind::kToothForward, 0}});
+  EXPECT_FALSE(stream.take(bytes, 0)) << "before the last scan";
+  bytes = packet({.sequence = 1, .first_scan = 10}, {{-998, 1, board::PacketEdgeKind::kToothForward, 0}});
+  EXPECT_TRUE(stream.take(bytes, 0));
+}
+
 TEST_F(PacketStreamTest, CountsWhatTheBoardLost) {
   ASSERT_TRUE(take({.first_scan = 3, .scans_lost = 3}));
   ASSERT_TRUE(take({.sequence = 1, .first_scan = 20, .scans_lost = 10}));

@@ -1,0 +1,349 @@
+#include <gtest/gtest.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include "firmware/test/vehicle.hpp"
+#include "hil_tests/players/usb_board/test/board_watch.hpp"
+
+namespace roadbalance {
+namespace {
+
+using namespace std::chrono_literals;
+using test::BoardWatch;
+using test::numbered_bench;
+using test::open_when_enumerated;
+using test::UsbBoards;
+
+constexpr double kRateHz = 10'000.0;
+constexpr int kNobody = 65534;
+
+VehicleConfig vehicle() {
+  VehicleConfig vehicle = test::one_node_vehicle(kRateHz, 1000);
+  vehicle.node[0].channel.resize(12, vehicle.node[0].channel[0]);
+  vehicle.text = "# a car";
+  return vehicle;
+}
+
+/// Bytes of memory this process has in RAM.
+std::size_t resident_bytes() {
+  std::size_t pages = 0, resident = 0;
+  std::ifstream("/proc/self/statm") >> pages >> resident;
+  return resident * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+}
+
+std::size_t open_files() {
+  const std::filesystem::directory_iterator files("/proc/self/fd");
+  return static_cast<std::size_t>(std::distance(begin(files), end(files)));
+}
+
+class UsbBoardTest : public testing::Test {
+ protected:
+  void open(const std::string& address = "1209:0001") {
+    front_end = open_when_enumerated({address, car, car.node[0]});
+    watch = std::make_unique<BoardWatch>(*front_end, car);
+  }
+  std::int64_t count(DeviceCounter counter, std::size_t board = 0) const {
+    return front_end->reports()[board]->of(counter);
+  }
+  /// Every counter but these is 0.
+  void expect_only(const std::vector<DeviceCounter>& counters) const {
+    for (std::size_t k = 0; k < kDeviceCounters; ++k) {
+      const auto counter = static_cast<DeviceCounter>(k);
+      const bool expected = std::ranges::find(counters, counter) != counters.end();
+      EXPECT_TRUE(expected || count(counter) == 0) << sentence(counter) << " " << count(counter);
+    }
+  }
+  /// One thing goes wrong; what is missing is one declared gap, all other scans are right.
+  void expect_one_gap(const std::function<void()>& go_wrong, GapCause cause) {
+    boards.plug();
+    open();
+    ASSERT_TRUE(watch->more_scans(1000));
+    go_wrong();
+    ASSERT_TRUE(watch->more_scans(3000));
+    watch->end();
+    EXPECT_EQ(watch->wrong_scans(), 0);
+    ASSERT_EQ(watch->gaps().size(), 1u);
+    EXPECT_EQ(watch->gaps()[0].cause, cause);
+    ASSERT_EQ(watch->jumps().size(), 1u);
+    const auto& [before, after, came] = watch->jumps()[0];
+    EXPECT_EQ(watch->gaps()[0].header.scans, after.index - before.index - 1);
+    std::printf("a gap of %lld scans, %s\n", static_cast<long long>(watch->gaps()[0].header.scans),
+                cause == GapCause::kDeviceGone ? "the device was gone" : "lost on the way");
+  }
+
+  VehicleConfig car = vehicle();
+  UsbBoards boards{{numbered_bench("BENCH1", 30.0)}};
+  std::unique_ptr<FrontEnd> front_end;
+  std::unique_ptr<BoardWatch> watch;
+};
+
+TEST_F(UsbBoardTest, SixteenChannelsAtTenKilohertzLoseNothingAndAreStampedTruly) {
+  car.node[0].wiring.loop_back = true;
+  car.node[0].channel[0].input_range_v = 5.0;
+  boards.plug();
+  open();
+  ASSERT_TRUE(watch->more_scans(60'000));
+  Scan last;
+  MachineTime truth{};
+  watch->end();
+  last = watch->last();
+  boards.with(0, [&](test::BenchBoard& board) { truth = board.conversion_time(last.index); });
+  EXPECT_GE(watch->scans(), 60'000);
+  EXPECT_EQ(watch->jumps().size(), 0u);
+  EXPECT_EQ(watch->gaps().size(), 0u);
+  EXPECT_EQ(watch->wrong_scans(), 0);
+  EXPECT_EQ(watch->end_block().scans_missing, 0);
+  expect_only({});
+  // A packet goes when its last scan is up to one period old; the transfer takes less than that.
+  const double late_us = 1e6 * to_seconds(last.time - node_time_from_ns(to_ns(truth)));
+  EXPECT_NEAR(late_us, 0.0, 1.5e6 / kRateHz);
+  std::printf("%lld scans of 16 channels at %g Hz, none lost; stamps %.1f us late\n",
+              static_cast<long long>(watch->scans()), kRateHz, late_us);
+}
+
+TEST_F(UsbBoardTest, FiftyTimesUnpluggedIsFiftyDeclaredGapsOfTheirTrueLength) {
+  constexpr int kTimes = 50;
+  boards.plug();
+  open();
+  ASSERT_TRUE(watch->more_scans(2000));
+  std::vector<MachineTime> plugged;
+  std::vector<double> truth_scans;
+  std::size_t resident = 0, files = 0;
+  for (int k = 0; k < kTimes; ++k) {
+    MachineTime first{}, second{};
+    boards.with(0, [&](test::BenchBoard& board) { first = board.conversion_time(0); });
+    boards.unplug();
+    std::this_thread::sleep_for(20ms);
+    boards.plug();
+    plugged.push_back(MachineClock::now());
+    ASSERT_TRUE(test::wait_until([&] { return count(DeviceCounter::kReturned) == k + 1; }, 10.0)) << k;
+    ASSERT_TRUE(watch->more_scans(500)) << k;
+    boards.with(0, [&](test::BenchBoard& board) { second = board.conversion_time(0); });
+    truth_scans.push_back(1e-9 * static_cast<double>((second - first).count()) * kRateHz * (1.0 + 30e-6));
+    if (k == 9) resident = resident_bytes(), files = open_files();
+  }
+  const std::size_t grown = resident_bytes() - resident;
+  watch->end();
+  EXPECT_EQ(watch->wrong_scans(), 0);
+  ASSERT_EQ(watch->gaps().size(), static_cast<std::size_t>(kTimes));
+  ASSERT_EQ(watch->jumps().size(), static_cast<std::size_t>(kTimes));
+  double slowest_s = 0.0;
+  for (std::size_t k = 0; k < watch->jumps().size(); ++k) {
+    const auto& [before, after, came] = watch->jumps()[k];
+    EXPECT_EQ(watch->gaps()[k].cause, GapCause::kDeviceGone);
+    EXPECT_EQ(watch->gaps()[k].header.scans, after.index - before.index - 1);
+    EXPECT_TRUE(after.after_absence);
+    // Had the board stayed, the runs' first scans would be so many apart.
+    const std::int64_t first = before.index - before.counts[0], second = after.index - after.counts[0];
+    EXPECT_NEAR(static_cast<double>(second - first), truth_scans[k], 1.0) << k;
+    slowest_s = std::max(slowest_s, 1e-9 * static_cast<double>((came - plugged[k]).count()));
+  }
+  EXPECT_LT(slowest_s, 1.0);
+  EXPECT_EQ(count(DeviceCounter::kGone), kTimes);
+  expect_only({DeviceCounter::kGone, DeviceCounter::kReturned});
+  EXPECT_LE(open_files(), files);
+  EXPECT_LT(static_cast<std::ptrdiff_t>(grown), 256 * 1024) << "in forty times";
+  std::printf("%d times: scans again %.3f s after plugging in at the latest; memory grew by %td bytes\n",
+              kTimes, slowest_s, static_cast<std::ptrdiff_t>(grown));
+}
+
+TEST_F(UsbBoardTest, AHaltedEndpointIsClearedAndTheBoardsRingLosesNothing) {
+  boards.plug();
+  open();
+  ASSERT_TRUE(watch->more_scans(1000));
+  for (int k = 1; k <= 5; ++k) {
+    boards.faults().stall = 1;
+    ASSERT_TRUE(test::wait_until([&] { return count(DeviceCounter::kStalls) == k; }, 5.0));
+    ASSERT_TRUE(watch->more_scans(500));
+  }
+  watch->end();
+  EXPECT_EQ(watch->gaps().size(), 0u);
+  EXPECT_EQ(watch->wrong_scans(), 0);
+  expect_only({DeviceCounter::kStalls});
+}
+
+TEST_F(UsbBoardTest, ACutPacketIsAGap) {
+  expect_one_gap([&] { boards.faults().cut = 1; }, GapCause::kDeviceOverrun);
+  EXPECT_EQ(count(DeviceCounter::kShortPackets), 1);
+  EXPECT_EQ(count(DeviceCounter::kPacketsMissing), 1);
+  expect_only({DeviceCounter::kShortPackets, DeviceCounter::kPacketsMissing});
+}
+
+TEST_F(UsbBoardTest, ASpoiledPacketIsAGap) {
+  expect_one_gap([&] { boards.faults().corrupt = 1; }, GapCause::kDeviceOverrun);
+  EXPECT_EQ(count(DeviceCounter::kPacketsRefused), 1);
+  expect_only({DeviceCounter::kPacketsRefused, DeviceCounter::kPacketsMissing});
+}
+
+TEST_F(UsbBoardTest, PacketsThatNeverComeAreAGap) {
+  expect_one_gap([&] { boards.faults().drop = 3; }, GapCause::kDeviceOverrun);
+  EXPECT_EQ(count(DeviceCounter::kPacketsMissing), 3);
+  expect_only({DeviceCounter::kPacketsMissing});
+}
+
+TEST_F(UsbBoardTest, WhatTheBoardHadNoRoomForIsAGap) {
+  // Nobody serves the endpoint for longer than the board's ring holds, 205 ms.
+  expect_one_gap([&] { boards.with(0, [](test::BenchBoard&) { std::this_thread::sleep_for(400ms); }); },
+                 GapCause::kDeviceOverrun);
+  EXPECT_EQ(count(DeviceCounter::kBoardOverrun), watch->gaps()[0].header.scans);
+  expect_only({DeviceCounter::kBoardOverrun});
+}
+
+TEST_F(UsbBoardTest, WhatTheNodeDoesNotFetchIsAGap) {
+  expect_one_gap(
+      [&] {
+        watch->hold(true);
+        std::this_thread::sleep_for(2500ms);
+        watch->hold(false);
+      },
+      GapCause::kDeviceOverrun);
+  EXPECT_GT(count(DeviceCounter::kReadersTooSlow), 100);
+  expect_only({DeviceCounter::kReadersTooSlow});
+}
+
+TEST_F(UsbBoardTest, ASilentBoardIsStartedAgain) {
+  // Its firmware has forgotten its run, e.g. after a watchdog's reset; the endpoint stays there.
+  expect_one_gap([&] { boards.with(0, [](test::BenchBoard& board) { board.reset(); }); },
+                 GapCause::kDeviceGone);
+  EXPECT_EQ(count(DeviceCounter::kGone), 1);
+  EXPECT_EQ(count(DeviceCounter::kReturned), 1);
+}
+
+TEST_F(UsbBoardTest, ABoardThatAnotherProgramLeftRunningIsTakenOver) {
+  boards.plug();
+  open();
+  ASSERT_TRUE(watch->more_scans(100));
+  watch.reset();
+  front_end.reset();
+  open();
+  ASSERT_TRUE(watch->more_scans(1000));
+  watch->end();
+  EXPECT_EQ(watch->wrong_scans(), 0);
+  expect_only({});
+}
+
+std::string refusal(const std::string& address, const VehicleConfig& car) {
+  try {
+    open_usb_front_end({address, car, car.node[0]}, [](const std::string&) {});
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// The text that is said once the kernel has enumerated the board.
+std::string lasting_refusal(const std::string& address, const VehicleConfig& car) {
+  std::string text;
+  test::wait_until(
+      [&] { return (text = refusal(address, car)).find("is plugged in; there is") == std::string::npos; },
+      5.0);
+  std::printf("%s\n", text.c_str());
+  return text;
+}
+
+std::string told_by_another_process(const std::function<std::string()>& tell) {
+  int ends[2];
+  if (::pipe(ends) != 0) return "no pipe";
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const std::string text = tell();
+    ::_exit(::write(ends[1], text.data(), text.size()) == static_cast<ssize_t>(text.size()) ? 0 : 1);
+  }
+  ::close(ends[1]);
+  std::array<char, 1000> text{};
+  const ssize_t size = ::read(ends[0], text.data(), text.size());
+  ::close(ends[0]);
+  ::waitpid(child, nullptr, 0);
+  return size > 0 ? std::string(text.data(), static_cast<std::size_t>(size)) : "";
+}
+
+TEST_F(UsbBoardTest, RefusalsNameWhatIsAtFault) {
+  EXPECT_NE(refusal("dead:beef", car).find("no device dead:beef is plugged in; there is: 1d6b:"),
+            std::string::npos);
+  boards.plug();
+  VehicleConfig other = car;
+  other.filter.order = 5;
+  EXPECT_NE(lasting_refusal("1209:0001", other).find("filter: order: 5"), std::string::npos);
+  EXPECT_NE(lasting_refusal("1209:0001:NOBODY", car).find("BENCH1"), std::string::npos);
+
+  std::string denied;
+  // Of this thread only; the C library would change all of them.
+  std::thread([&] {
+    ::syscall(SYS_setgroups, 0, nullptr);
+    ::syscall(SYS_setresgid, -1, kNobody, -1);
+    ::syscall(SYS_setresuid, -1, kNobody, -1);
+    denied = lasting_refusal("1209:0001", car);
+  }).join();
+  EXPECT_NE(denied.find("no permission for /dev/bus/usb/"), std::string::npos);
+  EXPECT_NE(
+      denied.find("SUBSYSTEM==\"usb\", ATTR{idVendor}==\"1209\", ATTR{idProduct}==\"0001\", MODE=\"0660\""),
+      std::string::npos);
+
+  open();
+  const std::string busy = told_by_another_process([&] { return lasting_refusal("1209:0001", car); });
+  EXPECT_NE(busy.find("is in use by usb_board_test (process " + std::to_string(::getpid()) + ")"),
+            std::string::npos)
+      << busy;
+}
+
+TEST(UsbBoards, FirmwareOfAnotherMajorVersionIsRefusedNamingBoth) {
+  const VehicleConfig car = vehicle();
+  test::Bench bench = numbered_bench("FUTURE");
+  bench.major = 2;
+  UsbBoards boards({bench});
+  boards.plug();
+  const std::string text = lasting_refusal("1209:0001:FUTURE", car);
+  EXPECT_NE(text.find("the board speaks protocol 2.0, this node 1.0"), std::string::npos);
+}
+
+TEST(UsbBoards, FirmwareOfANewerMinorVersionWorks) {
+  const VehicleConfig car = vehicle();
+  test::Bench bench = numbered_bench("NEWER");
+  bench.minor = 4;
+  UsbBoards boards({bench});
+  boards.plug();
+  std::string warned;
+  const auto front_end =
+      open_when_enumerated({"1209:0001", car, car.node[0]}, [&](const std::string& text) { warned = text; });
+  BoardWatch watch(*front_end, car);
+  EXPECT_TRUE(watch.more_scans(2000));
+  watch.end();
+  EXPECT_NE(warned.find("the board speaks protocol 1.4, this node 1.0"), std::string::npos);
+  EXPECT_EQ(watch.wrong_scans(), 0);
+  EXPECT_EQ(watch.jumps().size(), 0u);
+}
+
+TEST(UsbBoards, TwoStayTogetherAndReturnTogether) {
+  const VehicleConfig car = vehicle();
+  UsbBoards boards({numbered_bench("MASTER", 60.0), numbered_bench("SECOND", -60.0)});
+  boards.plug(0);
+  boards.plug(1);
+  std::int64_t apart = 0;
+  const auto front_end = open_when_enumerated({"1209:0001:MASTER+SECOND", car, car.node[0]});
+  {
+    BoardWatch watch(*front_end, car, [&](const Scan& scan) {
+      for (std::size_t c = 0; c < 6; ++c)
+        if (scan.counts[6 + c] != scan.counts[c]) ++apart;
+    });
+    EXPECT_TRUE(watch.more_scans(20'000));
+    boards.unplug(1);
+    boards.plug(1);
+    EXPECT_TRUE(watch.more_scans(5000));
+    watch.end();
+    EXPECT_EQ(watch.wrong_scans(), 0);
+    ASSERT_EQ(watch.gaps().size(), 1u);
+    EXPECT_EQ(watch.gaps()[0].cause, GapCause::kDeviceGone);
+  }
+  EXPECT_EQ(apart, 0);
+  EXPECT_EQ(front_end->reports()[1]->of(DeviceCounter::kGone), 1);
+  EXPECT_EQ(front_end->reports()[0]->of(DeviceCounter::kReturned), 1);
+}
+
+}  // namespace
+}  // namespace roadbalance
