@@ -62,7 +62,7 @@ TEST_F(PowerLineTest, LossAndReturnAreNotedTheSegmentClosedAndADipIgnored) {
   ASSERT_TRUE(wait_for(false, false));
 
   end_well(running, {&front});
-  expect_complete(1);
+  expect_verified(record, 1);
   EXPECT_EQ(notes("supply lost"), 1);
   EXPECT_EQ(notes("supply returned"), 1);
   EXPECT_EQ(notes("cannot be read"), 0);
@@ -81,7 +81,7 @@ TEST_F(PowerLineTest, AnUnpluggedChipIsNotedAndFoundAgain) {
   ASSERT_TRUE(wait_for(true, false)) << "the chip is there, but not watched";
 
   end_well(running, {&front});
-  expect_complete(1);
+  expect_verified(record, 1);
   EXPECT_EQ(notes("cannot be read"), 1);
   EXPECT_EQ(notes("can be read again"), 1);
   EXPECT_EQ(notes("supply lost"), 1);

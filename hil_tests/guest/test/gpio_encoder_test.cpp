@@ -1,0 +1,143 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "common/bus/codec.hpp"
+#include "common/clock/clock_pair.hpp"
+#include "firmware/pack.hpp"
+#include "firmware/ring_sink.hpp"
+#include "hil_tests/guest/gpio_rig.hpp"
+
+namespace roadbalance {
+namespace {
+
+using std::numbers::pi;
+using test::hog_processor;
+using test::PulseChip;
+
+constexpr double kTurns_hz = 60.0;  // 300 km/h on a small wheel: 5.8 kHz of teeth
+constexpr int kTeeth = 96, kTurns = 90;
+constexpr unsigned kTooth = 3, kMark = 4;
+constexpr double kScans_hz = 2000.0;
+
+/// A ring of 96 teeth with a zero mark at 60 turns a second for 1.5 s, through kernel and backend to sealed
+/// blocks.
+class GpioEncoder : public ::testing::Test {
+ protected:
+  GpioEncoder() {
+    rig.vehicle.wheel[1].node = "";
+    begin_ns = PulseChip::now_ns() + test::kLead_ns;
+    const auto at = [&](double turns) { return begin_ns + std::llround(turns / kTurns_hz * 1e9); };
+    const auto pitch_ns = std::llround(1e9 / kTurns_hz / kTeeth);
+    for (int n = 0; n < kTurns * kTeeth; ++n)
+      test::add_pulse(steps, kTooth, at((n + 0.3) / kTeeth), pitch_ns);
+    for (int turn = 0; turn < kTurns; ++turn) test::add_pulse(steps, kMark, at(turn), pitch_ns);
+    steps = test::in_order(std::move(steps));
+    machine_ns = machine_minus(CLOCK_MONOTONIC).count();
+  }
+
+  std::int64_t middle_ns() const { return begin_ns + static_cast<std::int64_t>(0.75e9); }
+  double turns_at(NodeTime time) const {
+    return static_cast<double>(to_ns(time) - machine_ns - begin_ns) * 1e-9 * kTurns_hz;
+  }
+
+  /// The edges beside scans of the same time, as a node seals them.
+  std::vector<ScanBlock> seal() {
+    Ring ring;
+    RingSink sink(ring);
+    Sealer sealer(rig.vehicle, rig.vehicle.node[0], 5, sink, nullptr);
+    sealer.start();
+    std::size_t next = 0;
+    for (std::int64_t k = 0; k < static_cast<std::int64_t>(1.45 * kScans_hz); ++k) {
+      Scan scan;
+      scan.index = k;
+      scan.time = node_time_from_ns(begin_ns + machine_ns + k * 500'000);
+      const std::size_t first = next;
+      while (next < rig.edges.size() && rig.edges[next].time <= scan.time) ++next;
+      sealer.add({&scan, 1}, std::span(rig.edges).subspan(first, next - first), false);
+    }
+    sealer.stop();
+    sealer.device_ended();
+    faulty_turns = sealer.encoder_faults(0);
+    std::vector<ScanBlock> blocks;
+    for (std::int64_t sequence = 1; sequence < ring.next(); ++sequence)
+      if (ring.get(sequence).kind == BlockKind::kScan) blocks.push_back(decode_scan(ring.get(sequence)));
+    return blocks;
+  }
+  /// Blocks that begin within [from, to) turns and have one of these bits.
+  std::size_t flagged(const std::vector<ScanBlock>& blocks, double from, double to, std::int32_t bits) const {
+    return static_cast<std::size_t>(std::ranges::count_if(blocks, [&](const ScanBlock& block) {
+      const double at = turns_at(node_time_from_ns(block.header.time_ns));
+      return at >= from && at < to && (block.quality & bits) != 0;
+    }));
+  }
+
+  test::GpioRig rig{{{0, static_cast<int>(kTooth), {}, static_cast<int>(kMark)}}};
+  std::vector<gpio_pulse_step> steps;
+  std::int64_t begin_ns = 0, machine_ns = 0;
+  std::int64_t faulty_turns = 0;
+  static constexpr std::int32_t kDoubtful = kQualityUncertainAngle0;
+};
+
+TEST_F(GpioEncoder, AFastRingGivesItsAngle) {
+  rig.play(steps);
+  EXPECT_EQ(rig.edges_of(EdgeKind::kTooth), static_cast<std::size_t>(kTurns * kTeeth));
+  EXPECT_EQ(rig.edges_of(EdgeKind::kZeroMark), static_cast<std::size_t>(kTurns));
+  WheelEncoder encoder(rig.vehicle.wheel[0].encoder);
+  double worst_deg = 0.0;
+  int known = 0;
+  for (const Edge& edge : rig.edges) {
+    encoder.add(edge.time, edge.kind);
+    std::array<double, 1> angle;
+    const NodeTime asked = edge.time - std::chrono::milliseconds(8);
+    if (turns_at(asked) < 10.0 || edge.kind != EdgeKind::kZeroMark) continue;
+    if (!encoder.angles(asked, 0.0, angle)) continue;
+    ++known;
+    worst_deg = std::max(
+        worst_deg, std::abs(std::remainder(angle[0] - 2.0 * pi * turns_at(asked), 2.0 * pi)) * 180 / pi);
+  }
+  EXPECT_GE(known, kTurns - 15);
+  // A microsecond of a stamp is 0.02 degrees here; the mark's phase is learnt from such stamps.
+  EXPECT_LE(worst_deg, 0.05);
+  EXPECT_EQ(encoder.faulty_turns(), 0);
+  EXPECT_EQ(flagged(seal(), 10.0, kTurns, kDoubtful), 0U);
+  std::printf("96 teeth at 60 turns/s: angle within %.4f degrees\n", worst_deg);
+}
+
+TEST_F(GpioEncoder, EdgesThatTheKernelHadNoRoomForMakeAFaultyTurnAndFlagItsBlocks) {
+  const auto hog = hog_processor(48, middle_ns(), middle_ns() + 10'000'000);
+  rig.play(steps);
+  const double lost_at = kTurns_hz * 0.75;
+  EXPECT_GE(rig.counted(DeviceCounter::kEdgesLost), 1);
+  EXPECT_LT(rig.edges_of(EdgeKind::kTooth), static_cast<std::size_t>(kTurns * kTeeth - 20));
+  const auto blocks = seal();
+  EXPECT_GE(faulty_turns, 1);
+  EXPECT_EQ(flagged(blocks, 10.0, lost_at - 2.0, kDoubtful), 0U);
+  EXPECT_GE(flagged(blocks, lost_at - 2.0, lost_at + 2.0, kDoubtful), 1U);
+  EXPECT_GE(flagged(blocks, lost_at - 2.0, lost_at + 2.0, quality_no_reference(0)), 1U);
+  EXPECT_EQ(flagged(blocks, lost_at + 4.0, kTurns, kDoubtful), 0U) << "later turns have all their teeth";
+  std::printf("%zu teeth lost: %lld faulty turn(s)\n",
+              static_cast<std::size_t>(kTurns * kTeeth) - rig.edges_of(EdgeKind::kTooth),
+              static_cast<long long>(faulty_turns));
+}
+
+// Above the interrupt threads: the kernel merges edges, and nothing in its interface shows it.
+TEST_F(GpioEncoder, EdgesThatTheKernelMergedAreFoundByCountingTeeth) {
+  const auto hog = hog_processor(90, middle_ns(), middle_ns() + 1'000'000);
+  rig.play(steps);
+  const double lost_at = kTurns_hz * 0.75;
+  EXPECT_EQ(rig.counted(DeviceCounter::kEdgesLost), 0);
+  EXPECT_LT(rig.edges_of(EdgeKind::kTooth), static_cast<std::size_t>(kTurns * kTeeth - 2));
+  const auto blocks = seal();
+  EXPECT_GE(faulty_turns, 1);
+  EXPECT_EQ(flagged(blocks, 10.0, lost_at - 2.0, kDoubtful), 0U);
+  EXPECT_GE(flagged(blocks, lost_at - 2.0, lost_at + 2.0, kDoubtful), 1U);
+  EXPECT_EQ(flagged(blocks, lost_at + 4.0, kTurns, kDoubtful), 0U);
+}
+
+}  // namespace
+}  // namespace roadbalance
