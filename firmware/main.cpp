@@ -9,12 +9,20 @@
 #include "common/config/section.hpp"
 #include "common/frontend/registry.hpp"
 #include "common/process/stop_on_signal.hpp"
+#include "firmware/backends/gpio/gpio_source.hpp"
 #include "firmware/backends/replay/front_end.hpp"
 #include "firmware/backends/socketcan/open_can.hpp"
+#include "firmware/backends/usb/usb_front_end.hpp"
 #include "firmware/node.hpp"
 #include "sim/front_end.hpp"
 
 using namespace roadbalance;
+
+namespace {
+void warn(const std::string& of) {
+  std::fprintf(stderr, "rb-node: warning: %s\n", of.c_str());
+}
+}  // namespace
 
 int main(int argc, char** argv) {
   const StopOnSignal signals;
@@ -50,6 +58,8 @@ int main(int argc, char** argv) {
     front_ends.add("sim", sim::open_sim_front_end);
     front_ends.add("replay", open_replay_front_end);
     front_ends.add_device("can", open_can);
+    front_ends.add("usb", [](const FrontEndRequest& request) { return open_usb_front_end(request, warn); });
+    front_ends.add_device("gpio", [](const FrontEndRequest& request) { return open_gpio(request, warn); });
     const auto front_end =
         front_ends.open(front_end_uris.empty() ? node.wiring.front_end : front_end_uris, vehicle, node);
     run_node(signals.token(), vehicle, node, *front_end,
@@ -57,9 +67,7 @@ int main(int argc, char** argv) {
               .ring_bytes = static_cast<std::size_t>(ring_mib * 1024 * 1024),
               .spool = spool,
               .spool_bytes = static_cast<std::uint64_t>(spool_mib * 1024 * 1024),
-              .warn = [](const std::string& refused) {
-                std::fprintf(stderr, "rb-node: warning: %s\n", refused.c_str());
-              }});
+              .warn = warn});
     return 0;
   } catch (const ConfigError& error) {
     std::fprintf(stderr, "rb-node: %s\n", error.what());

@@ -44,10 +44,19 @@ struct GpioChip::State {
   }
 };
 
-GpioChip::GpioChip(const std::string& name) : state_(std::make_unique<State>()) {
+GpioChip::GpioChip(const std::string& name, const std::string& label) : state_(std::make_unique<State>()) {
   state_->name = name;
   state_->chip = gpiod_chip_open_by_name(name.c_str());
-  if (!state_->chip) throw GpioError("GPIO chip " + name + ": " + std::generic_category().message(errno));
+  const int error = errno;
+  if (!label.empty() && (!state_->chip || label != gpiod_chip_label(state_->chip))) {
+    if (state_->chip) gpiod_chip_close(state_->chip);
+    state_->chip = gpiod_chip_open_by_label(label.c_str());
+  }
+  if (!state_->chip) throw GpioError("GPIO chip " + name + ": " + std::generic_category().message(error));
+}
+
+std::string GpioChip::label() const {
+  return gpiod_chip_label(state_->chip);
 }
 
 GpioChip::~GpioChip() = default;

@@ -34,10 +34,17 @@ class GpioChip {
 
   /// @param name  of the character device, e.g. "gpiochip0"
   /// @throws GpioError
-  explicit GpioChip(const std::string& name);
+  explicit GpioChip(const std::string& name) : GpioChip(name, "") {}
+  /// The chip that was here before: of this name if it has this label, else the first with the label, for a
+  /// chip that was unplugged may come back with another number.
+  /// @param label  empty: any  @throws GpioError
+  GpioChip(const std::string& name, const std::string& label);
   ~GpioChip();
   GpioChip(GpioChip&&) noexcept;
   GpioChip& operator=(GpioChip&&) noexcept;
+
+  /// What the driver calls it.
+  std::string label() const;
 
   /// Takes a line as an input whose edges are kept from now on.
   /// @param consumer  what others see as its user

@@ -17,6 +17,7 @@ constexpr double kLeastHalfWindow_pitches = 3.0;
 constexpr std::size_t kLeastTeeth = 6;
 constexpr double kStrangeMark_turns = 0.15;
 constexpr std::int64_t kClearSlip_faults = 2;
+constexpr std::int64_t kSealing_ns = 20'000'000;  // a block of 10 ms is sealed half a window after its end
 constexpr int kMarkMemory = 100, kMarkMemoryWhileLearning = 8, kLearning_refinements = 32;
 }  // namespace
 
@@ -27,6 +28,7 @@ WheelEncoder::WheelEncoder(const EncoderConfig& config)
       history_(static_cast<std::size_t>(std::max(256, kHistoryTurns * config.pulses_per_turn))) {}
 
 void WheelEncoder::add(NodeTime time, EdgeKind kind) noexcept {
+  latest_ns_ = to_ns(time);
   switch (kind) {
     case EdgeKind::kTooth:
       return add_tooth(to_ns(time));
@@ -45,7 +47,7 @@ void WheelEncoder::add(NodeTime time, EdgeKind kind) noexcept {
 void WheelEncoder::declare_lost() noexcept {
   if (grid_.located) {
     ++faulty_turns_;
-    turn_faults_ = 1;  // the mark begins another
+    turn_faults_ = 1;
   }
   lose();
 }
@@ -92,7 +94,8 @@ void WheelEncoder::locate(std::int64_t time_ns, double position) noexcept {
   grid_.located = true;
   mark_turn_ = 0;
   learned_turn_ = 0;
-  turn_faults_ = last_turn_faults_ = 0;
+  last_turn_faults_ = turn_faults_;
+  turn_faults_ = 0;
   suspected_slip_ = 0;
   strange_marks_ = 0;
   unrefined_mark_ns_ = time_ns;
@@ -134,6 +137,7 @@ void WheelEncoder::add_mark(std::int64_t time_ns) noexcept {
 
 void WheelEncoder::finish_turn(std::int64_t turn) noexcept {
   if (turn_faults_ > 0) ++faulty_turns_;
+  if (last_turn_faults_ > 0) uncertain_until_ns_ = latest_ns_ + kSealing_ns;
   last_turn_faults_ = turn_faults_;
   turn_faults_ = 0;
   mark_turn_ = turn;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 
@@ -36,8 +37,11 @@ class WheelEncoder {
   /// Present speed; 0 while there are no pulses.
   double speed_rad_s(NodeTime now) const noexcept;
 
-  /// The present or the last turn did not have exactly its teeth, or teeth are lost since the last zero mark.
-  bool uncertain() const noexcept { return turn_faults_ > 0 || last_turn_faults_ > 0; }
+  /// The present or the last turn did not have exactly its teeth, or teeth are lost since the last zero mark;
+  /// and as long afterwards as blocks of that time are sealed.
+  bool uncertain() const noexcept {
+    return turn_faults_ > 0 || last_turn_faults_ > 0 || latest_ns_ < uncertain_until_ns_;
+  }
   /// Turns that did not.
   std::int64_t faulty_turns() const noexcept { return faulty_turns_; }
   const PitchTable& pitch_table() const noexcept { return grid_.table; }
@@ -73,6 +77,8 @@ class WheelEncoder {
   std::int64_t unrefined_mark_ns_ = 0;  ///< not yet in mark_phase_; 0: none
 
   std::int64_t learned_turn_ = 0;
+  std::int64_t latest_ns_ = std::numeric_limits<std::int64_t>::min();  ///< edge added last
+  std::int64_t uncertain_until_ns_ = latest_ns_;
   std::int64_t turn_faults_ = 0, last_turn_faults_ = 0, faulty_turns_ = 0;
 };
 

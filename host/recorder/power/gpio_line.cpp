@@ -22,8 +22,9 @@ class GpioPowerLine final : public PowerLine {
  private:
   bool open() noexcept {
     try {
-      GpioChip chip(chip_name_);
+      GpioChip chip(chip_name_, label_);
       chip.take_level(number_, active_low_, "roadbalance power");
+      label_ = chip.label();
       chip_ = std::move(chip);
       return true;
     } catch (const std::exception&) {
@@ -35,6 +36,7 @@ class GpioPowerLine final : public PowerLine {
   const std::string chip_name_;
   const unsigned number_;
   const bool active_low_;
+  std::string label_;  // of the chip that was opened first
   std::optional<GpioChip> chip_;
 };
 

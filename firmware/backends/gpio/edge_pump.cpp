@@ -1,0 +1,168 @@
+#include "firmware/backends/gpio/edge_pump.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <ctime>
+#include <utility>
+
+#include "common/clock/clock_pair.hpp"
+#include "common/config/section.hpp"
+
+namespace roadbalance {
+namespace {
+
+constexpr std::size_t kEventsHeld = 4096;  // 7 ms of two 1000-pulse transducers in quadrature are 3400
+
+std::int64_t monotonic_now_ns() {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec;
+}
+
+}  // namespace
+
+EdgePump::EdgePump(std::string chip, std::vector<GpioInput> inputs, EdgeStore& store)
+    : chip_name_(std::move(chip)),
+      store_(store),
+      maker_(std::move(inputs), store.report),
+      order_(kEventsHeld),
+      waiting_(maker_.inputs().size()),
+      was_full_(maker_.inputs().size()) {
+  open();
+  read_levels();
+}
+
+void EdgePump::open() {
+  std::optional<GpioChip> chip;
+  try {
+    chip.emplace(chip_name_, label_);
+  } catch (const GpioError& error) {
+    throw ConfigError("front end " + store_.report.device() + ": " + error.what());
+  }
+  for (std::size_t k = 0; k < waiting_.size(); ++k) {
+    const GpioInput& input = maker_.inputs()[k];
+    const bool both = maker_.has_direction(input.line) && input.track != GpioTrack::kZeroMark;
+    try {
+      chip->take_edges(input.offset, both ? GpioChip::Edges::kBoth : GpioChip::Edges::kRising, "roadbalance");
+    } catch (const GpioError& error) {
+      throw ConfigError(input.key + ": " + error.what());
+    }
+    waiting_[k] = {.fd = chip->descriptor(k), .events = POLLIN, .revents = 0};
+  }
+  std::fill(was_full_.begin(), was_full_.end(), false);
+  label_ = chip->label();
+  chip_ = std::move(chip);
+}
+
+void EdgePump::read_levels() noexcept {
+  std::array<std::optional<bool>, kEncoderLines> tooth, direction;
+  for (std::size_t k = 0; k < waiting_.size(); ++k) {
+    const GpioInput& input = maker_.inputs()[k];
+    if (input.track == GpioTrack::kTooth) tooth[input.line] = chip_->level(k);
+    if (input.track == GpioTrack::kDirection) direction[input.line] = chip_->level(k);
+  }
+  for (std::uint8_t line = 0; line < kEncoderLines; ++line) maker_.start(line, tooth[line], direction[line]);
+}
+
+bool EdgePump::open_again() noexcept {
+  retry_ns_ = monotonic_now_ns() + kRetry_ns;
+  try {
+    open();
+    return true;
+  } catch (const std::exception&) {
+    return false;  // not there yet, or its file is but may not be opened yet
+  }
+}
+
+void EdgePump::turn() noexcept {
+  const std::int64_t before_ns = monotonic_now_ns();
+  if (!chip_ && before_ns >= retry_ns_ && open_again()) {
+    store_.report.count(DeviceCounter::kReturned);
+    lose_all(before_ns);
+    read_levels();
+  }
+  poll(waiting_.data(), chip_ ? waiting_.size() : 0, static_cast<int>(kPatience.count()));
+  machine_minus_monotonic_ns_ = machine_minus(CLOCK_MONOTONIC).count();
+  if (!chip_) return complete_before(before_ns);  // nothing will come
+  if (!read_waiting()) return;
+  give_before(before_ns - kSettle_ns);
+  complete_before(before_ns - kSettle_ns);
+}
+
+void EdgePump::complete_before(std::int64_t monotonic_ns) noexcept {
+  store_.complete_ns.store(monotonic_ns + machine_minus_monotonic_ns_ - kClockReading_ns,
+                           std::memory_order_release);
+}
+
+/// True if all that came before the poll has been read.
+bool EdgePump::read_waiting() noexcept {
+  bool drained = true;
+  for (std::size_t k = 0; k < waiting_.size(); ++k) {
+    if (waiting_[k].revents == 0) {
+      was_full_[k] = false;
+      continue;
+    }
+    const auto count = waiting_[k].revents & ~POLLIN ? std::nullopt : chip_->read(k, event_);
+    if (!count) {
+      go();
+      return false;
+    }
+    if (order_.room() <= *count) give_before(INT64_MAX);  // far behind: better in doubtful order than never
+    put_events(k, *count);
+    drained = drained && *count < event_.size();
+  }
+  return drained;
+}
+
+void EdgePump::put_events(std::size_t input, std::size_t count) noexcept {
+  InputEvent event{.machine_minus_monotonic_ns = machine_minus_monotonic_ns_,
+                   .input = static_cast<std::uint8_t>(input)};
+  for (std::size_t k = 0; k < count; ++k) {
+    event.monotonic_ns = event_[k].monotonic_ns;
+    event.kind = event_[k].rising ? InputEvent::kRising : InputEvent::kFalling;
+    if (!order_.add(event)) store_.report.count(DeviceCounter::kLateEdges);
+  }
+  // What the kernel dropped came after what it kept: behind these, or behind those that come until the line
+  // has been seen empty.
+  const bool full = count == event_.size();
+  event.kind = InputEvent::kLost;
+  if ((full || was_full_[input]) && !order_.add(event)) store_.report.count(DeviceCounter::kLateEdges);
+  was_full_[input] = full;
+}
+
+void EdgePump::give_before(std::int64_t monotonic_ns) noexcept {
+  std::array<Edge, EdgeMaker::kMost> edges;
+  while (const auto event = order_.take_before(monotonic_ns)) {
+    const std::size_t count = maker_.take(*event, edges);
+    for (std::size_t k = 0; k < count; ++k) store(edges[k]);
+  }
+}
+
+void EdgePump::store(const Edge& edge) noexcept {
+  // Edges are a nanosecond apart or more, so that before the first one after dropped ones there is room.
+  const Edge lost{.time = edge.time - NodeClock::duration(1), .line = edge.line, .kind = EdgeKind::kLost};
+  if ((!dropped_[edge.line] || store_.edges.push(lost)) && store_.edges.push(edge)) {
+    dropped_[edge.line] = false;
+    return;
+  }
+  dropped_[edge.line] = true;
+  store_.report.count(DeviceCounter::kReadersTooSlow);
+}
+
+void EdgePump::lose_all(std::int64_t monotonic_ns) noexcept {
+  const NodeTime now = node_time_from_ns(monotonic_ns + machine_minus_monotonic_ns_);
+  std::array<bool, kEncoderLines> done{};
+  for (const GpioInput& input : maker_.inputs())
+    if (!std::exchange(done[input.line], true)) store(maker_.lost(input.line, now));
+}
+
+void EdgePump::go() noexcept {
+  const std::int64_t now_ns = monotonic_now_ns();
+  give_before(INT64_MAX);
+  store_.report.count(DeviceCounter::kGone);
+  lose_all(now_ns);
+  chip_.reset();
+  retry_ns_ = now_ns + kRetry_ns;
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <poll.h>
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/clock/clocks.hpp"
+#include "common/frontend/device_report.hpp"
+#include "common/gpio/gpio_chip.hpp"
+#include "common/process/spsc_queue.hpp"
+#include "firmware/backends/gpio/edge_maker.hpp"
+#include "firmware/backends/gpio/event_order.hpp"
+
+namespace roadbalance {
+
+/// What passes from the thread that reads the kernel to the one that takes edges.
+struct EdgeStore {
+  static constexpr std::size_t kEdges = 1 << 15;  ///< 0.25 s of two 1000-pulse transducers at 60 turns/s
+
+  explicit EdgeStore(const std::string& device) : report(device) {}
+
+  SpscQueue<Edge> edges{kEdges};
+  std::atomic<std::int64_t> complete_ns{0};  ///< all stamped before this instant is in `edges` or was taken
+  DeviceReport report;
+};
+
+/// Events of a GPIO chip's lines -> edges in the store; one thread calls it again and again.
+///
+/// A chip that goes is counted and asked for twice a second until it is there again; its edges in between are
+/// declared lost.  16 events read of a line at once are all that the kernel keeps: then more may have come
+/// and gone, and the line's edges are declared lost.  Never allocates, except to open a chip again.
+class EdgePump {
+ public:
+  /// @throws ConfigError naming the key of vehicle.toml whose line cannot be had, or the chip
+  EdgePump(std::string chip, std::vector<GpioInput> inputs, EdgeStore& store);
+
+  /// Waits until something comes, at most 5 ms, and puts it in the store.
+  void turn() noexcept;
+
+ private:
+  static constexpr auto kPatience = std::chrono::milliseconds(5);
+  /// An edge's interrupt thread may come so long after its interrupt.
+  static constexpr std::int64_t kSettle_ns = 2'000'000;
+  static constexpr std::int64_t kClockReading_ns = 2'000;  ///< two comparisons of clocks may differ so much
+  static constexpr std::int64_t kRetry_ns = 500'000'000;
+
+  void open();
+  bool open_again() noexcept;
+  void read_levels() noexcept;
+  bool read_waiting() noexcept;
+  void put_events(std::size_t input, std::size_t count) noexcept;
+  void give_before(std::int64_t monotonic_ns) noexcept;
+  void store(const Edge& edge) noexcept;
+  void lose_all(std::int64_t monotonic_ns) noexcept;
+  void go() noexcept;
+  void complete_before(std::int64_t monotonic_ns) noexcept;
+
+  const std::string chip_name_;
+  std::string label_;  ///< of the chip that was opened first
+  EdgeStore& store_;
+  EdgeMaker maker_;
+  EventOrder order_;
+  std::optional<GpioChip> chip_;
+  std::vector<pollfd> waiting_;                ///< [input]
+  std::vector<bool> was_full_;                 ///< [input] in this drain the kernel had all it keeps
+  std::array<bool, kEncoderLines> dropped_{};  ///< edges since the last one stored
+  std::array<GpioEvent, GpioChip::kKernelEvents> event_;
+  std::int64_t machine_minus_monotonic_ns_ = 0;
+  std::int64_t retry_ns_ = 0;
+};
+
+}  // namespace roadbalance

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/frontend/registry.hpp"
+#include "common/frontend/side_source.hpp"
+#include "firmware/backends/gpio/edge_pump.hpp"
+
+namespace roadbalance {
+
+/// Encoder edges from the inputs of a GPIO chip, stamped by the kernel.
+class GpioSource final : public SideSource {
+ public:
+  using Warn = std::function<void(const std::string&)>;
+
+  /// Below the kernel's interrupt threads (50), above the thread that takes its edges.
+  static constexpr int kPriority = 45;
+
+  /// @param warn  hears, from the thread, what the system refuses of its real-time priority
+  /// @throws ConfigError naming the key of vehicle.toml whose line cannot be had, or the chip
+  GpioSource(const std::string& chip, std::vector<GpioInput> inputs, Warn warn);
+
+  SideRead take(std::span<Edge> edges, std::span<SignalSample> signals) noexcept override;
+  std::vector<const DeviceReport*> reports() const override { return {&store_.report}; }
+
+ private:
+  EdgeStore store_;
+  EdgePump pump_;
+  std::jthread thread_;
+};
+
+/// "gpio:gpiochip0": the inputs of [[node.line]] on that chip.
+/// @param warn  hears what will not do what somebody may expect, and what the system refuses
+/// @throws as GpioSource and gpio_inputs()
+OpenedDevice open_gpio(const FrontEndRequest& request, const GpioSource::Warn& warn);
+
+}  // namespace roadbalance
