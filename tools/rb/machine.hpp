@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "tools/rb/wake_up.hpp"
+
 namespace roadbalance {
 
 /// One thing a measurement needs of the machine, in one sentence.
@@ -30,7 +32,10 @@ Finding realtime_priority(std::int64_t limit, bool root);
 /// Sends itself a message over LCM on this port.
 Finding loopback(int port);
 
-/// All of them on this machine.
+/// How many encoder edges a second the machine takes by GPIO.
+Finding encoder_edges(const WakeUpMeasurement& measured);
+
+/// All of them on this machine.  Takes two seconds.
 std::vector<Finding> examine_machine(const std::filesystem::path& folder);
 
 }  // namespace roadbalance

@@ -65,6 +65,32 @@ TEST(WritableFolder, SaysWhatNoOwnerCanMend) {
   EXPECT_EQ(fixed.remedy.find("install"), std::string::npos);
 }
 
+// One edge per wake-up of the interrupt thread, sixteen per wake-up of the reader; the ring needs
+// 96 * 250 / 3.6 / (2 pi 0.3) = 3537 Hz.
+TEST(EncoderEdges, AreSafeUpToWhatTheWorstWakeUpAllows) {
+  using std::chrono::microseconds;
+  const Finding well = encoder_edges(
+      {.worst = {.interrupt_thread = microseconds(50), .reader = microseconds(800)}, .realtime = true});
+  EXPECT_EQ(well.state, Finding::kWell);
+  EXPECT_NE(well.sentence.find("took 0.80 ms, so up to 20.0 kHz"), std::string::npos) << well.sentence;
+  EXPECT_NE(well.sentence.find("needs 3.5 kHz"), std::string::npos) << well.sentence;
+
+  const Finding slow = encoder_edges(
+      {.worst = {.interrupt_thread = microseconds(400), .reader = microseconds(50)}, .realtime = true});
+  EXPECT_EQ(slow.state, Finding::kNote);
+  EXPECT_NE(slow.sentence.find("up to 2.5 kHz"), std::string::npos) << slow.sentence;
+  EXPECT_NE(slow.remedy.find("linux-image-rt"), std::string::npos) << slow.remedy;
+  const Finding ordinary = encoder_edges(
+      {.worst = {.interrupt_thread = microseconds(400), .reader = microseconds(50)}, .realtime = false});
+  EXPECT_NE(ordinary.remedy.find("rtprio"), std::string::npos) << ordinary.remedy;
+}
+
+TEST(EncoderEdges, WakeUpsAreMeasured) {
+  const WakeUpMeasurement measured = measure_wake_ups(std::chrono::milliseconds(50));
+  EXPECT_GT(measured.worst.interrupt_thread.count(), 0);
+  EXPECT_GT(measured.worst.reader.count(), 0);
+}
+
 TEST(Loopback, BringsAMessageBack) {
   EXPECT_EQ(loopback(process_port()).state, Finding::kWell);
 }
