@@ -11,6 +11,7 @@
 #include "sim/car.hpp"
 #include "sim/conditioner.hpp"
 #include "sim/ring.hpp"
+#include "sim/signals.hpp"
 
 namespace roadbalance::sim {
 namespace {
@@ -29,7 +30,8 @@ class Device {
         conditioner_(scenario, seed, vehicle, node, 1.0 / (kStepsPerScan * rate_hz)),
         lead_scans_(std::ceil(kFarthestJitter * scenario.encoder.stamp_jitter_s * rate_hz)),
         rings_at_{0.0, car_.drive().at(0.0)},
-        edges_(edge_room(vehicle, node)) {
+        edges_(edge_room(vehicle, node)),
+        signals_(vehicle, node, car_.drawn()) {
     for (int line = 0; line < kEncoderLines; ++line) {
       const auto wheel = vehicle.wheel_at(node, line);
       if (!wheel) continue;
@@ -62,6 +64,16 @@ class Device {
   /// Edges up to the last scan taken are complete.
   EdgeQueue& edges() { return edges_; }
 
+  /// The next sample of a signal, if it is not later than `until`.
+  std::optional<SignalSample> take_signal(NodeTime until) {
+    const NodeTime time = node_time_from_ns(signal_instant_ * Signals::kPeriod_ns);
+    if (signals_.size() == 0 || time > until) return std::nullopt;
+    const SignalSample sample =
+        signals_.at(signal_, time, car_.drive().at(to_seconds(time.time_since_epoch())));
+    if (++signal_ == signals_.size()) signal_ = 0, ++signal_instant_;
+    return sample;
+  }
+
  private:
   static constexpr double kFarthestJitter = 3.4642;  ///< of RandomSequence::normal
 
@@ -81,6 +93,9 @@ class Device {
   Ring::Instant rings_at_;
   std::vector<Ring> ring_;
   EdgeQueue edges_;
+  Signals signals_;
+  std::size_t signal_ = 0;           ///< next to give,
+  std::int64_t signal_instant_ = 0;  ///< of this instant, in periods
   std::int64_t next_ = 0;
 };
 
@@ -110,10 +125,12 @@ class SimFrontEnd final : public FrontEnd {
     while (device_.next() < first_) {
       const NodeTime time = device_.take().time;
       while (device_.edges().due(time)) device_.edges().take();
+      while (device_.take_signal(time)) {
+      }
     }
   }
 
-  Read read(std::span<Scan> scans, std::span<Edge> edges, std::span<SignalSample>) noexcept override {
+  Read read(std::span<Scan> scans, std::span<Edge> edges, std::span<SignalSample> signals) noexcept override {
     Read read;
     const std::int64_t due = wait(scans.size());
     while (read.scans < scans.size()) {
@@ -130,7 +147,15 @@ class SimFrontEnd final : public FrontEnd {
         edges[read.edges] = device_.edges().take();
         edges[read.edges].time = clock_(edges[read.edges].time);
       }
-      if (device_.edges().due(taken_->time)) return read;  // the scan comes after its edges
+      for (; read.signals < signals.size(); ++read.signals) {
+        const auto sample = device_.take_signal(taken_->time);
+        if (!sample) break;
+        signals[read.signals] = *sample;
+        signals[read.signals].time = clock_(sample->time);
+      }
+      // The scan comes after its edges and samples; who gives no room for samples wants none.
+      if (device_.edges().due(taken_->time)) return read;
+      if (read.signals == signals.size() && !signals.empty()) return read;
       scans[read.scans] = *taken_;
       scans[read.scans++].time = clock_(taken_->time);
       taken_.reset();

@@ -78,7 +78,7 @@ TEST(SimFrontEnd, DeliversTheWholeDriveAndEnds) {
   }
   std::vector<Scan> scan(1);
   std::vector<Edge> edge(64);
-  const Read after = device->read(scan, edge);
+  const Read after = device->read(scan, edge, {});
   EXPECT_EQ(after.scans, 0U);
   EXPECT_EQ(after.status, ReadStatus::kEnd);
 }

@@ -18,7 +18,7 @@ const DriveScenario kWandering{{{25.0, 20.0}, {36.0, 20.0}}, 6.0, 0.14};
 
 struct Case {
   EncoderScenario scenario = kPitchErrors;
-  EncoderConfig encoder{96, true, 0.3};
+  EncoderConfig encoder{.pulses_per_turn = 96, .datum_rad = 0.3};
   DriveScenario drive = kWandering;
   std::uint64_t seed = 4;
 };
@@ -91,7 +91,7 @@ TEST(Ring, HasNoZeroMarkWithoutOne) {
 TEST(Ring, PitchErrorsHaveZeroMeanTheGivenStrengthAndTheTeethStayInOrder) {
   const EncoderScenario scenario{0.08, 0.0, 0.25, 0.0};
   const Drive drive(kWandering, 9);
-  const Ring ring(scenario, 4, 1, {1000, true, 0.0}, 0, kRadius_m, 0.0, {0.0, drive.at(0.0)});
+  const Ring ring(scenario, 4, 1, {.pulses_per_turn = 1000}, 0, kRadius_m, 0.0, {0.0, drive.at(0.0)});
   const double pitch_rad = kTurn / 1000;
   double sum = 0.0, square = 0.0;
   for (int n = 0; n < 1000; ++n) {

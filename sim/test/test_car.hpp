@@ -20,7 +20,7 @@ inline VehicleConfig reference_vehicle() {
   for (std::size_t w = 0; w < kWheels; ++w) {
     const std::string node = w < 2 ? "front" : "rear";
     const double mass_kg = w < 2 ? 34.0 : 32.0;
-    vehicle.wheel[w] = {kWheelNames[w], mass_kg, 0.30, 0.19, node, static_cast<int>(w % 2), {96, true, 0.0}};
+    vehicle.wheel[w] = {kWheelNames[w], mass_kg, 0.30, 0.19, node, static_cast<int>(w % 2), {.pulses_per_turn = 96}};
   }
   for (std::size_t axle = 0; axle < kAxles; ++axle) {
     NodeConfig node{axle == 0 ? "front" : "rear", static_cast<int>(axle) + 1, 2000.0, {}};
