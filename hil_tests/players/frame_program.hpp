@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "common/config/vehicle_config.hpp"
+#include "firmware/backends/dbc/can_frame.hpp"
+#include "firmware/backends/dbc/dbc.hpp"
+#include "hil_tests/players/node_drive.hpp"
+
+namespace roadbalance::test {
+
+struct DriveFrame {
+  NodeTime time{};
+  std::size_t interface = 0;  ///< in the order of FrameProgram::interfaces()
+  CanFrame frame;
+};
+
+/// The signals of a drive as the frames that the car would send: each message whenever one of its signals has
+/// a sample; its other signals keep what they said last, at first 0.
+///
+/// Samples of one message within 100 us are of one frame, also those of several nodes that listened to the
+/// same bus: on a real one two frames of 8 bytes cannot come that close (ISO 11898-1, 500 kbit/s).
+class FrameProgram {
+ public:
+  /// Samples of one node; nodes that name the same interface are on the same bus.
+  /// @throws ConfigError naming the signal that the DBC file does not have, or that its message cannot say: a
+  ///         multiplexed one, a unit that does not go with its quantity, a value beyond its bits
+  void add(const VehicleConfig& vehicle, const NodeConfig& node, const NodeDrive& drive);
+
+  const std::vector<std::string>& interfaces() const { return interfaces_; }
+  /// In order of time.
+  std::vector<DriveFrame> take();
+
+ private:
+  struct Message {
+    std::size_t interface;
+    DbcMessage description;
+  };
+  /// How a signal of a node is said.
+  struct Way {
+    std::size_t message;  ///< in messages_
+    CanSignal place;
+    double unit;  ///< the file's, in the quantity's
+    std::string name;
+  };
+  struct Value {
+    NodeTime time;
+    std::size_t way;  ///< in ways_
+    double value;     ///< in the file's unit
+  };
+  std::size_t interface_of(const std::string& name);
+  std::size_t message_of(std::size_t interface, const DbcMessage& description);
+
+  std::vector<std::string> interfaces_;
+  std::vector<Message> messages_;
+  std::vector<Way> ways_;
+  std::vector<Value> values_;
+};
+
+}  // namespace roadbalance::test
