@@ -34,7 +34,7 @@ int main(int argc, char** argv) {
   app.add_option("--node", node_name, "name of this node in vehicle.toml")->required();
   app.add_option(
       "--front-end", front_end_uris,
-      "where samples come from, e.g. sim:?seed=1 or usb:1209:5242; again for each device beside it, "
+      "where samples come from, e.g. sim:?seed=1 or usb:1209:0001; again for each device beside it, "
       "e.g. gpio:gpiochip0 and can:can0; default: front_end of the node in vehicle.toml");
   app.add_option("--url", bus_url, "LCM address")->capture_default_str();
   app.add_option("--ring-mib", ring_mib, "memory for blocks the recorder does not have yet, MiB")
