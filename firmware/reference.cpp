@@ -63,6 +63,9 @@ bool Reference::locate(NodeTime first, int scans) noexcept {
         encoder_[line]->angles(first - NodeClock::duration(lead_ns), step_ns,
                                std::span(angle_rad_[line]).first(static_cast<std::size_t>(scans * steps_)));
     if (encoder_[line] && !known_[line]) all = false;
+    uncertain_[line] =
+        encoder_[line] &&
+        encoder_[line]->uncertain(first, first + NodeClock::duration(std::llround((scans - 1) * period_ns_)));
   }
   return all;
 }
@@ -78,7 +81,7 @@ std::int32_t Reference::fill(std::span<std::array<std::int32_t, kChannels>> scan
   for (std::size_t line = 0; line < kEncoderLines; ++line) {
     if (!known_[line]) unsettled_[line] = settling_scans_;
     if (!known_[line] || unsettled_[line] > 0) quality |= quality_no_reference(static_cast<int>(line));
-    if (encoder_[line] && encoder_[line]->uncertain()) quality |= kUncertain[line];
+    if (uncertain_[line]) quality |= kUncertain[line];
   }
   if (!has_encoder(0) && !has_encoder(1)) {
     for (auto& scan : scans) std::fill(scan.begin() + kAccelerations, scan.end(), 0);

@@ -52,7 +52,7 @@ class Reference {
   StateFilter filter_;        ///< rows sin0 cos0 sin1 cos1
   std::array<std::optional<WheelEncoder>, kEncoderLines> encoder_;
   std::array<Angles, kEncoderLines> angle_rad_{};
-  std::array<bool, kEncoderLines> known_{};
+  std::array<bool, kEncoderLines> known_{}, uncertain_{};
   std::array<int, kEncoderLines> unsettled_{};  ///< scans still to come
 };
 

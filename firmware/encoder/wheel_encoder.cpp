@@ -17,7 +17,7 @@ constexpr double kLeastHalfWindow_pitches = 3.0;
 constexpr std::size_t kLeastTeeth = 6;
 constexpr double kStrangeMark_turns = 0.15;
 constexpr std::int64_t kClearSlip_faults = 2;
-constexpr std::int64_t kSealing_ns = 20'000'000;  // a block of 10 ms is sealed half a window after its end
+constexpr std::int64_t kSealing_ns = 200'000'000;  // a block waits 100 ms for edges at most
 constexpr int kMarkMemory = 100, kMarkMemoryWhileLearning = 8, kLearning_refinements = 32;
 }  // namespace
 
@@ -28,7 +28,6 @@ WheelEncoder::WheelEncoder(const EncoderConfig& config)
       history_(static_cast<std::size_t>(std::max(256, kHistoryTurns * config.pulses_per_turn))) {}
 
 void WheelEncoder::add(NodeTime time, EdgeKind kind) noexcept {
-  latest_ns_ = to_ns(time);
   switch (kind) {
     case EdgeKind::kTooth:
       return add_tooth(to_ns(time));
@@ -94,8 +93,7 @@ void WheelEncoder::locate(std::int64_t time_ns, double position) noexcept {
   grid_.located = true;
   mark_turn_ = 0;
   learned_turn_ = 0;
-  last_turn_faults_ = turn_faults_;
-  turn_faults_ = 0;
+  begin_turn(time_ns);
   suspected_slip_ = 0;
   strange_marks_ = 0;
   unrefined_mark_ns_ = time_ns;
@@ -132,15 +130,17 @@ void WheelEncoder::add_mark(std::int64_t time_ns) noexcept {
       suspected_slip_ = slip;  // one mark alone may be the one at fault
     }
   }
-  finish_turn(turn);
+  if (turn_faults_ > 0) ++faulty_turns_;
+  mark_turn_ = turn;
+  begin_turn(time_ns);
 }
 
-void WheelEncoder::finish_turn(std::int64_t turn) noexcept {
-  if (turn_faults_ > 0) ++faulty_turns_;
-  if (last_turn_faults_ > 0) uncertain_until_ns_ = latest_ns_ + kSealing_ns;
+/// A turn with faults makes itself and the next one doubtful; an interval of them is kept until nobody asks.
+void WheelEncoder::begin_turn(std::int64_t time_ns) noexcept {
+  if (uncertain()) doubt_to_ns_ = time_ns;
   last_turn_faults_ = turn_faults_;
   turn_faults_ = 0;
-  mark_turn_ = turn;
+  if (!uncertain() && time_ns > doubt_to_ns_ + kSealing_ns) doubt_from_ns_ = time_ns;
 }
 
 /// Once the teeth after a mark are there, its place in the ring is known better than by prediction.

@@ -37,10 +37,11 @@ class WheelEncoder {
   /// Present speed; 0 while there are no pulses.
   double speed_rad_s(NodeTime now) const noexcept;
 
-  /// The present or the last turn did not have exactly its teeth, or teeth are lost since the last zero mark;
-  /// and as long afterwards as blocks of that time are sealed.
-  bool uncertain() const noexcept {
-    return turn_faults_ > 0 || last_turn_faults_ > 0 || latest_ns_ < uncertain_until_ns_;
+  /// The present or the last turn did not have exactly its teeth, or teeth are lost since the last zero mark.
+  bool uncertain() const noexcept { return turn_faults_ > 0 || last_turn_faults_ > 0; }
+  /// Some instant of [first, last] lay in such a turn, or in the one after it; of what is not long ago.
+  bool uncertain(NodeTime first, NodeTime last) const noexcept {
+    return to_ns(last) >= doubt_from_ns_ && (uncertain() || to_ns(first) < doubt_to_ns_);
   }
   /// Turns that did not.
   std::int64_t faulty_turns() const noexcept { return faulty_turns_; }
@@ -55,7 +56,7 @@ class WheelEncoder {
   void locate(std::int64_t time_ns, double position) noexcept;
   void lose() noexcept;
   void declare_lost() noexcept;
-  void finish_turn(std::int64_t turn) noexcept;
+  void begin_turn(std::int64_t time_ns) noexcept;
   void refine_mark() noexcept;
   void learn_if_turn_complete() noexcept;
   double half_window_ns() const noexcept;
@@ -77,8 +78,8 @@ class WheelEncoder {
   std::int64_t unrefined_mark_ns_ = 0;  ///< not yet in mark_phase_; 0: none
 
   std::int64_t learned_turn_ = 0;
-  std::int64_t latest_ns_ = std::numeric_limits<std::int64_t>::min();  ///< edge added last
-  std::int64_t uncertain_until_ns_ = latest_ns_;
+  // Doubtful turns, from the mark that began the first to the one that ended the last.
+  std::int64_t doubt_from_ns_ = std::numeric_limits<std::int64_t>::min(), doubt_to_ns_ = doubt_from_ns_;
   std::int64_t turn_faults_ = 0, last_turn_faults_ = 0, faulty_turns_ = 0;
 };
 

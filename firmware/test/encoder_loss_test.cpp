@@ -61,8 +61,14 @@ TEST_F(LossTest, ALostEdgeMakesItsTurnFaultyAndTheAngleUnknownUntilTheNextMark) 
   feed_until(21.5 * kTurn_s);
   EXPECT_TRUE(known(21.5 * kTurn_s));
   EXPECT_TRUE(encoder.uncertain()) << "the last turn did not have its teeth";
-  feed_until(22.1 * kTurn_s + 0.02);
+  feed_until(22.1 * kTurn_s);
   EXPECT_FALSE(encoder.uncertain());
+  // Asked later, it knows which turns were: the faulty one and the next.
+  const auto at = [](double turns) { return node_time_from_ns(std::llround(turns * kTurn_s * 1e9)); };
+  EXPECT_FALSE(encoder.uncertain(at(19.5), at(19.9)));
+  EXPECT_TRUE(encoder.uncertain(at(19.5), at(20.1)));
+  EXPECT_TRUE(encoder.uncertain(at(21.9), at(22.5)));
+  EXPECT_FALSE(encoder.uncertain(at(22.01), at(22.5)));
   feed_until(40.0 * kTurn_s);
   EXPECT_EQ(encoder.faulty_turns(), 1);
 }
@@ -115,7 +121,7 @@ TEST_F(LossTest, BackwardsTheAngleIsRefusedUntilAMarkIsPassedForward) {
   for (double t = forth_s + 0.7 * kTurn_s; t < forth_s + 1.9; t += 0.37 * kTurn_s) {
     feed_until(t);
     EXPECT_TRUE(known(t)) << t;
-    EXPECT_EQ(encoder.uncertain(), t < forth_s + 1.1 * kTurn_s + 0.02) << t;
+    EXPECT_EQ(encoder.uncertain(), t < forth_s + 1.1 * kTurn_s) << t;
   }
   EXPECT_EQ(encoder.faulty_turns(), 1);
 }
