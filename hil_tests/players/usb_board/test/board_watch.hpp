@@ -16,10 +16,21 @@
 #include "firmware/backends/usb/usb_device.hpp"
 #include "firmware/backends/usb/usb_front_end.hpp"
 #include "firmware/seal_all.hpp"
+#include "firmware/test/vehicle.hpp"
 #include "hil_tests/players/usb_board/usb_boards.hpp"
 #include "hil_tests/program.hpp"
 
 namespace roadbalance::test {
+
+inline constexpr double kRateHz = 10'000.0;
+
+/// Twelve channels at 10 kHz, two encoders.
+inline VehicleConfig board_vehicle() {
+  VehicleConfig vehicle = one_node_vehicle(kRateHz, 1000);
+  vehicle.node[0].channel.resize(12, vehicle.node[0].channel[0]);
+  vehicle.text = "# a car";
+  return vehicle;
+}
 
 /// What conversion k of a run is at an input: channel 0 says k.
 inline std::int32_t input_counts(std::int64_t k, std::size_t channel) {
