@@ -25,6 +25,13 @@ KEPT = {
     "fftw3": "common/dsp/fft.cpp",
 }
 
+# The same of interfaces of the system, which tests may use to play the other side.
+KEPT_IN_PRODUCT = {
+    "gpiod.h": ("common/gpio/gpio_chip.cpp",),
+    "libusb": ("firmware/backends/usb/usb_device.cpp",),
+    "linux/can": ("firmware/backends/socketcan/can_socket.cpp", "firmware/backends/socketcan/can_link.cpp"),
+}
+
 GENERATED = ("embedded/", "wire/")  # headers made by the build, not in any room
 MOST_LINES = 300
 
@@ -38,6 +45,10 @@ def check_include(path, room, quoted, name):
     for begin, place in KEPT.items():
         if name.startswith(begin) and not path.startswith(place):
             yield f"<{name}> belongs in {place} only"
+    is_test = room == "hil_tests" or "/test/" in path
+    for begin, places in KEPT_IN_PRODUCT.items():
+        if name.startswith(begin) and not is_test and path not in places:
+            yield f"<{name}> belongs in {' and '.join(places)} only"
     target = name.split("/")[0]
     if quoted and target not in ROOMS and not name.startswith(GENERATED):
         yield f'"{name}" is not written from the root'

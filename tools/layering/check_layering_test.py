@@ -58,6 +58,20 @@ class CheckLayering(unittest.TestCase):
             for elsewhere in ("common/dsp/psd.cpp", "host/analyser/main.cpp", "tools/rb/demo.cpp", "sim/test/t.cpp"):
                 self.refuses(elsewhere, f"#include <{name}>\n", 1, f"<{name}> belongs in ")
 
+    def test_interfaces_of_the_system_stay_in_one_file_of_the_product(self):
+        for name, place in [("gpiod.h", "common/gpio/gpio_chip.cpp"),
+                            ("libusb-1.0/libusb.h", "firmware/backends/usb/usb_device.cpp"),
+                            ("libusb.h", "firmware/backends/usb/usb_device.cpp"),
+                            ("linux/can.h", "firmware/backends/socketcan/can_socket.cpp"),
+                            ("linux/can/raw.h", "firmware/backends/socketcan/can_socket.cpp"),
+                            ("linux/can/netlink.h", "firmware/backends/socketcan/can_link.cpp")]:
+            text = f"#include <{name}>\n"
+            for accepted in (place, "hil_tests/guest/player.cpp", "firmware/backends/gpio/test/x_test.cpp"):
+                self.accepts(accepted, text)
+            for elsewhere in ("common/gpio/gpio_chip.hpp", "firmware/backends/usb/board_link.cpp", "firmware/main.cpp",
+                              "host/recorder/power/gpio_line.cpp", "tools/rb/machine.cpp"):
+                self.refuses(elsewhere, text, 1, f"<{name}> belongs in ")
+
     def test_includes_are_written_from_the_root(self):
         self.refuses("host/a/x.cpp", '#include "../../sim/car.hpp"\n', 1, "is not written from the root")
         self.refuses("host/a/x.cpp", '#include "x.hpp"\n', 1, "is not written from the root")

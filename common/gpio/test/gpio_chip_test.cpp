@@ -16,7 +16,8 @@ std::string refusal(const std::string& chip) {
   return "";
 }
 
-// Chips that are there are tested in the guest machine: hil_tests/guest/gpio_chip_test.
+// Chips that are there are tested in the guest machine: gpio_source_test and power_line_test of
+// hil_tests/guest.
 TEST(GpioChip, NamesTheChipThatIsNotThereAndTheFileThatIsNone) {
   EXPECT_EQ(refusal("gpiochip99999"), "GPIO chip gpiochip99999: No such file or directory");
   EXPECT_NE(refusal("null").find("GPIO chip null: "), std::string::npos)
