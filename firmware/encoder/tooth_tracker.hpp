@@ -54,6 +54,8 @@ class ToothTracker {
   /// Time a pitch takes at the present speed.  Needs running().
   double pitch_ns() const noexcept { return 1.0 / state_.speed_per_ns; }
 
+  /// No pulse has come for so long that the number of one at this time would be a guess.  Needs running().
+  bool too_long(std::int64_t time_ns) const noexcept;
   void forget() noexcept;
 
   /// Without a pulse for so long, the wheel counts as standing.
@@ -66,7 +68,6 @@ class ToothTracker {
     double speed_per_ns = 0.0;  ///< pitches per nanosecond
   };
   Outcome collect(std::int64_t time_ns) noexcept;
-  bool too_long(std::int64_t time_ns) const noexcept;
 
   const int teeth_;
   const double gain_, speed_gain_;

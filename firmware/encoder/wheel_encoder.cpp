@@ -101,6 +101,10 @@ void WheelEncoder::locate(std::int64_t time_ns, double position) noexcept {
 
 void WheelEncoder::add_mark(std::int64_t time_ns) noexcept {
   if (!tracker_.running()) return;
+  if (tracker_.too_long(time_ns)) {  // a place told by teeth of long ago is none
+    tracker_.forget();
+    return declare_lost();
+  }
   const double position = tracker_.position(time_ns);
   if (!grid_.located) return locate(time_ns, position);
 

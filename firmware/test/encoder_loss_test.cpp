@@ -89,6 +89,29 @@ TEST_F(LossTest, TeethThatAreLostBehindTheDeclarationDoNotShiftTheAngle) {
   }
 }
 
+// Teeth and marks have lines of their own: one may be cut off.
+TEST_F(LossTest, MarksWithoutTeethTellNoPlaceAndEveryTurnOfThemIsDoubtful) {
+  const double cut_s = 20.4 * kTurn_s, back_s = 23.6 * kTurn_s;
+  std::erase_if(edges, [&](const Edge& edge) {
+    const double t = seconds_of(edge.time);
+    return edge.kind == EdgeKind::kTooth && t > cut_s && t < back_s;
+  });
+  feed_until(cut_s);
+  EXPECT_FALSE(encoder.uncertain());
+  for (double t = 21.02 * kTurn_s; t < 24.0 * kTurn_s; t += 0.1 * kTurn_s) {
+    feed_until(t);
+    EXPECT_TRUE(encoder.uncertain()) << t;
+    EXPECT_FALSE(known(t)) << t;
+  }
+  EXPECT_EQ(encoder.faulty_turns(), 1);
+  for (double t = 24.5 * kTurn_s; t < 40.0 * kTurn_s; t += 0.37 * kTurn_s) {
+    feed_until(t);
+    EXPECT_TRUE(known(t)) << t;
+  }
+  EXPECT_FALSE(encoder.uncertain());
+  EXPECT_EQ(encoder.faulty_turns(), 1);
+}
+
 TEST_F(LossTest, LossBeforeTheFirstMarkIsNoFaultyTurn) {
   declare(EdgeKind::kLost, 0.0);
   declare(EdgeKind::kToothBackward, 0.001);
