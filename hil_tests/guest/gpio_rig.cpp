@@ -6,21 +6,15 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
+#include "common/bus/codec.hpp"
+#include "common/clock/clock_pair.hpp"
+#include "firmware/pack.hpp"
+#include "firmware/ring_sink.hpp"
 #include "firmware/test/vehicle.hpp"
 
 namespace roadbalance::test {
-
-void add_pulse(std::vector<gpio_pulse_step>& steps, unsigned line, std::int64_t begin_ns,
-               std::int64_t period_ns) {
-  steps.push_back({static_cast<std::uint64_t>(begin_ns), line, 1});
-  steps.push_back({static_cast<std::uint64_t>(begin_ns + period_ns / 2), line, 0});
-}
-
-std::vector<gpio_pulse_step> in_order(std::vector<gpio_pulse_step> steps) {
-  std::ranges::stable_sort(steps, {}, &gpio_pulse_step::t_ns);
-  return steps;
-}
 
 GpioRig::GpioRig(std::vector<LineConfig> lines, int teeth) : vehicle(one_node_vehicle(2000.0, teeth)) {
   vehicle.node[0].wiring.line = std::move(lines);
@@ -28,6 +22,7 @@ GpioRig::GpioRig(std::vector<LineConfig> lines, int teeth) : vehicle(one_node_ve
   source = open_gpio({PulseChip::name(), vehicle, vehicle.node[0]}, [this](const std::string& text) {
              warnings += text + '\n';
            }).side;
+  machine_minus_monotonic_ns = machine_minus(CLOCK_MONOTONIC).count();
 }
 
 void GpioRig::take() {
@@ -60,6 +55,31 @@ void GpioRig::play(const std::vector<gpio_pulse_step>& steps) {
 std::size_t GpioRig::edges_of(EdgeKind kind, std::uint8_t line) const {
   return static_cast<std::size_t>(
       std::ranges::count_if(edges, [&](const Edge& edge) { return edge.kind == kind && edge.line == line; }));
+}
+
+Sealed GpioRig::seal(std::int64_t begin_ns, double seconds) const {
+  Ring ring;
+  RingSink sink(ring);
+  const NodeConfig& node = vehicle.node[0];
+  Sealer sealer(vehicle, node, 5, sink, nullptr);
+  sealer.start();
+  const double period_ns = 1e9 / node.rate_hz;
+  std::size_t next = 0;
+  for (std::int64_t k = 0; k < static_cast<std::int64_t>(seconds * node.rate_hz); ++k) {
+    Scan scan;
+    scan.index = k;
+    scan.time = node_time_from_ns(begin_ns + machine_minus_monotonic_ns +
+                                  std::llround(static_cast<double>(k) * period_ns));
+    const std::size_t first = next;
+    while (next < edges.size() && edges[next].time <= scan.time) ++next;
+    sealer.add({&scan, 1}, std::span(edges).subspan(first, next - first), false);
+  }
+  sealer.stop();
+  sealer.device_ended();
+  Sealed sealed{.blocks = {}, .faulty_turns = sealer.encoder_faults(0)};
+  for (std::int64_t sequence = 1; sequence < ring.next(); ++sequence)
+    if (ring.get(sequence).kind == BlockKind::kScan) sealed.blocks.push_back(decode_scan(ring.get(sequence)));
+  return sealed;
 }
 
 std::jthread hog_processor(int priority, std::int64_t from_ns, std::int64_t until_ns) {

@@ -8,19 +8,21 @@
 #include <thread>
 #include <vector>
 
+#include "common/link/blocks.hpp"
 #include "firmware/backends/gpio/gpio_source.hpp"
 #include "hil_tests/guest/pulse_chip.hpp"
+#include "hil_tests/guest/ring_program.hpp"
 
 namespace roadbalance::test {
 
 /// Between starting a reader and the first edge.
 inline constexpr std::int64_t kLead_ns = 20'000'000;
 
-/// A pulse that is high for half its period; the line is low before and after.
-void add_pulse(std::vector<gpio_pulse_step>& steps, unsigned line, std::int64_t begin_ns,
-               std::int64_t period_ns);
-/// As PulseChip::play needs them.
-std::vector<gpio_pulse_step> in_order(std::vector<gpio_pulse_step> steps);
+/// What a node made of edges.
+struct Sealed {
+  std::vector<ScanBlock> blocks;
+  std::int64_t faulty_turns = 0;  ///< of line 0
+};
 
 /// The guest's chip, the backend on it, and what the backend gave.
 class GpioRig {
@@ -34,6 +36,8 @@ class GpioRig {
   void take_for(std::int64_t duration_ns);
   std::int64_t counted(DeviceCounter counter) const { return source->reports()[0]->of(counter); }
   std::size_t edges_of(EdgeKind kind, std::uint8_t line = 0) const;
+  /// The edges beside scans of the same time, from an instant of CLOCK_MONOTONIC on, as a node seals them.
+  Sealed seal(std::int64_t begin_ns, double seconds) const;
 
   PulseChip chip;
   VehicleConfig vehicle;
@@ -41,6 +45,7 @@ class GpioRig {
   std::unique_ptr<SideSource> source;
   std::vector<Edge> edges;
   std::vector<gpio_pulse_step> truth;
+  std::int64_t machine_minus_monotonic_ns = 0;
 
  private:
   void take();

@@ -1,16 +1,11 @@
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <atomic>
 #include <fstream>
 #include <string>
-#include <thread>
-#include <vector>
 
 #include "common/frontend/device_report.hpp"
 #include "common/test/source.hpp"
-#include "firmware/backends/socketcan/accelerometer_frame.hpp"
-#include "hil_tests/guest/can_player.hpp"
+#include "hil_tests/guest/running_module.hpp"
 #include "hil_tests/measurement.hpp"
 
 namespace roadbalance {
@@ -18,36 +13,7 @@ namespace {
 
 using test::ip;
 using test::Program;
-
-constexpr std::uint32_t kFirstId = 0x200;
-
-/// An accelerometer module that converts a thousand times a second until its end.
-class RunningModule {
- public:
-  explicit RunningModule(const std::string& interface)
-      : player_(interface), thread_([this](const std::stop_token& stop) { run(stop); }) {}
-
-  /// So many conversions never reach the bus.
-  void lose(std::uint32_t conversions) { lost_ += conversions; }
-
- private:
-  void run(const std::stop_token& stop) {
-    timespec due{};
-    clock_gettime(CLOCK_MONOTONIC, &due);
-    for (std::uint32_t number = 0; !stop.stop_requested(); ++number) {
-      due.tv_nsec += 1'000'000;
-      if (due.tv_nsec >= 1'000'000'000) ++due.tv_sec, due.tv_nsec -= 1'000'000'000;
-      clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, nullptr);
-      if (lost_ > 0)
-        --lost_;
-      else
-        player_.send(write_accelerometer({.sequence = number, .part = {}}, kFirstId));
-    }
-  }
-  test::CanPlayer player_;
-  std::atomic<std::uint32_t> lost_ = 0;
-  std::jthread thread_;
-};
+using test::RunningModule;
 
 /// rb-node with an accelerometer module on a cable, recorded.
 class CanNodeTest : public test::Measurement {

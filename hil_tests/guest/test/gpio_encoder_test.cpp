@@ -6,10 +6,7 @@
 #include <cstdio>
 #include <numbers>
 
-#include "common/bus/codec.hpp"
-#include "common/clock/clock_pair.hpp"
-#include "firmware/pack.hpp"
-#include "firmware/ring_sink.hpp"
+#include "firmware/encoder/wheel_encoder.hpp"
 #include "hil_tests/guest/gpio_rig.hpp"
 
 namespace roadbalance {
@@ -22,7 +19,6 @@ using test::PulseChip;
 constexpr double kTurns_hz = 60.0;  // 300 km/h on a small wheel: 5.8 kHz of teeth
 constexpr int kTeeth = 96, kTurns = 90;
 constexpr unsigned kTooth = 3, kMark = 4;
-constexpr double kScans_hz = 2000.0;
 
 /// A ring of 96 teeth with a zero mark at 60 turns a second for 1.5 s, through kernel and backend to sealed
 /// blocks.
@@ -30,43 +26,17 @@ class GpioEncoder : public ::testing::Test {
  protected:
   GpioEncoder() {
     rig.vehicle.wheel[1].node = "";
-    begin_ns = PulseChip::now_ns() + test::kLead_ns;
-    const auto at = [&](double turns) { return begin_ns + std::llround(turns / kTurns_hz * 1e9); };
-    const auto pitch_ns = std::llround(1e9 / kTurns_hz / kTeeth);
-    for (int n = 0; n < kTurns * kTeeth; ++n)
-      test::add_pulse(steps, kTooth, at((n + 0.3) / kTeeth), pitch_ns);
-    for (int turn = 0; turn < kTurns; ++turn) test::add_pulse(steps, kMark, at(turn), pitch_ns);
+    ring.begin_ns = PulseChip::now_ns() + test::kLead_ns;
+    ring.add_to(steps);
     steps = test::in_order(std::move(steps));
-    machine_ns = machine_minus(CLOCK_MONOTONIC).count();
   }
 
-  std::int64_t middle_ns() const { return begin_ns + static_cast<std::int64_t>(0.75e9); }
-  double turns_at(NodeTime time) const {
-    return static_cast<double>(to_ns(time) - machine_ns - begin_ns) * 1e-9 * kTurns_hz;
-  }
-
-  /// The edges beside scans of the same time, as a node seals them.
+  std::int64_t middle_ns() const { return ring.begin_ns + static_cast<std::int64_t>(0.75e9); }
+  double turns_at(NodeTime time) const { return ring.turns_at(to_ns(time) - rig.machine_minus_monotonic_ns); }
   std::vector<ScanBlock> seal() {
-    Ring ring;
-    RingSink sink(ring);
-    Sealer sealer(rig.vehicle, rig.vehicle.node[0], 5, sink, nullptr);
-    sealer.start();
-    std::size_t next = 0;
-    for (std::int64_t k = 0; k < static_cast<std::int64_t>(1.45 * kScans_hz); ++k) {
-      Scan scan;
-      scan.index = k;
-      scan.time = node_time_from_ns(begin_ns + machine_ns + k * 500'000);
-      const std::size_t first = next;
-      while (next < rig.edges.size() && rig.edges[next].time <= scan.time) ++next;
-      sealer.add({&scan, 1}, std::span(rig.edges).subspan(first, next - first), false);
-    }
-    sealer.stop();
-    sealer.device_ended();
-    faulty_turns = sealer.encoder_faults(0);
-    std::vector<ScanBlock> blocks;
-    for (std::int64_t sequence = 1; sequence < ring.next(); ++sequence)
-      if (ring.get(sequence).kind == BlockKind::kScan) blocks.push_back(decode_scan(ring.get(sequence)));
-    return blocks;
+    test::Sealed sealed = rig.seal(ring.begin_ns, 1.45);
+    faulty_turns = sealed.faulty_turns;
+    return std::move(sealed.blocks);
   }
   /// Blocks that begin within [from, to) turns and have one of these bits.
   std::size_t flagged(const std::vector<ScanBlock>& blocks, double from, double to, std::int32_t bits) const {
@@ -78,7 +48,7 @@ class GpioEncoder : public ::testing::Test {
 
   test::GpioRig rig{{{0, static_cast<int>(kTooth), {}, static_cast<int>(kMark)}}};
   std::vector<gpio_pulse_step> steps;
-  std::int64_t begin_ns = 0, machine_ns = 0;
+  test::RingProgram ring{kTooth, kMark, kTeeth, kTurns_hz, 0, kTurns};
   std::int64_t faulty_turns = 0;
   static constexpr std::int32_t kDoubtful = kQualityUncertainAngle0;
 };

@@ -1,0 +1,105 @@
+#include "hil_tests/guest/ring_judge.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <optional>
+
+#include "firmware/encoder/wheel_encoder.hpp"
+
+namespace roadbalance::test {
+namespace {
+
+using std::numbers::pi;
+
+/// Of a Butterworth low-pass, from its poles (A. Oppenheim, R. Schafer, Discrete-Time Signal Processing,
+/// 3rd ed., app. B.1): what an even rotation is late.
+double lag_rad(const FilterConfig& filter, double frequency_hz) {
+  double lag = 0.0;
+  for (int k = 0; k < filter.order; ++k) {
+    const auto pole = std::polar(1.0, pi / 2.0 + pi * (2 * k + 1) / (2.0 * filter.order));
+    lag += std::arg(1.0 - std::complex<double>(0.0, frequency_hz / filter.cutoff_hz) / pole);
+  }
+  return lag;
+}
+
+}  // namespace
+
+std::string TurnVerdict::text() const {
+  return std::to_string(whole) + " turns whole, " + std::to_string(declared) + " declared faulty, " +
+         std::to_string(silent) + " faulty in silence";
+}
+
+TurnVerdict judge_turns(std::span<const Edge> edges, const JudgedRing& ring) {
+  TurnVerdict verdict;
+  WheelEncoder encoder(ring.encoder);
+  std::optional<NodeTime> mark;
+  std::int64_t teeth = 0, faults = 0;
+  int marks = 0;
+  bool lost = false;
+  for (const Edge& edge : edges) {
+    if (edge.line != ring.line) continue;
+    encoder.add(edge.time, edge.kind);
+    if (edge.kind == EdgeKind::kTooth) ++teeth;
+    if (edge.kind == EdgeKind::kLost) lost = true;
+    if (edge.kind != EdgeKind::kZeroMark) continue;
+    // The first mark or the second locates the ring: there is nothing to be wrong before.
+    if (mark && ++marks > 2) {
+      const double turns =
+          std::round(std::chrono::duration<double>(edge.time - *mark).count() * ring.program.turns_hz);
+      if (teeth == std::llround(turns * ring.program.teeth))
+        ++verdict.whole;
+      else if (lost || encoder.faulty_turns() > faults || encoder.uncertain())
+        ++verdict.declared;
+      else
+        ++verdict.silent;
+    }
+    mark = edge.time;
+    faults = encoder.faulty_turns();
+    teeth = 0;
+    lost = false;
+  }
+  return verdict;
+}
+
+std::string AngleVerdict::text() const {
+  return std::to_string(right) + " angles right, " + std::to_string(flagged) + " flagged (" +
+         std::to_string(flagged_wrong) + " of them wrong), " + std::to_string(silent_wrong) +
+         " wrong in silence, the worst of the unflagged off by " + std::to_string(worst_silent_pitches) +
+         " pitches";
+}
+
+bool is_flagged(const ScanBlock& block, std::uint8_t line) {
+  const std::int32_t uncertain = line == 0 ? kQualityUncertainAngle0 : kQualityUncertainAngle1;
+  return (block.quality & (quality_no_reference(line) | uncertain)) != 0;
+}
+
+AngleVerdict judge_angles(std::span<const ScanBlock> blocks, const JudgedRing& ring,
+                          const std::function<double(std::int64_t monotonic_ns)>& allowed_pitches) {
+  AngleVerdict verdict;
+  const double lag = lag_rad(ring.filter, ring.program.turns_hz) - ring.encoder.datum_rad;
+  const auto sine = static_cast<std::size_t>(kAccelerations + 2 * ring.line);
+  for (const ScanBlock& block : blocks) {
+    const bool flagged = is_flagged(block, ring.line);
+    for (std::int64_t row = 0; row < block.header.scans; ++row) {
+      const auto& counts = block.counts[static_cast<std::size_t>(row)];
+      const std::int64_t at_ns = ring.monotonic_ns(node_time_from_ns(block.row_time_ns(row)));
+      const bool known = counts[sine] != 0 || counts[sine + 1] != 0;
+      const double angle = std::atan2(counts[sine], counts[sine + 1]);
+      const double truth = 2.0 * pi * ring.program.turns_at(at_ns) - lag;
+      const double off = std::abs(std::remainder(angle - truth, 2.0 * pi)) / (2.0 * pi) * ring.program.teeth;
+      const bool wrong = !known || off > 0.5 + allowed_pitches(at_ns);
+      if (flagged) {
+        ++verdict.flagged;
+        verdict.flagged_wrong += known && wrong;
+        continue;
+      }
+      ++(wrong ? verdict.silent_wrong : verdict.right);
+      verdict.worst_silent_pitches = std::max(verdict.worst_silent_pitches, off);
+    }
+  }
+  return verdict;
+}
+
+}  // namespace roadbalance::test

@@ -1,0 +1,210 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+
+#include "common/bus/codec.hpp"
+#include "common/clock/clock_pair.hpp"
+#include "common/frontend/device_report.hpp"
+#include "common/record/record.hpp"
+#include "common/test/source.hpp"
+#include "firmware/backends/replay/recorded_drive.hpp"
+#include "hil_tests/guest/pulse_chip.hpp"
+#include "hil_tests/guest/ring_judge.hpp"
+#include "hil_tests/guest/running_module.hpp"
+#include "hil_tests/measurement.hpp"
+
+namespace roadbalance {
+namespace {
+
+using test::ip;
+using test::Program;
+using test::PulseChip;
+
+constexpr std::array<double, kEncoderLines> kTurns_hz{10.0, 11.3};
+constexpr double kPlayed_s = 25.0;  // longer than any measurement here: what is not needed is forgotten
+
+/// rb-node whose wheels' rings are on GPIO and whose accelerometer module is on CAN, recorded.
+class GpioNodeTest : public test::Measurement {
+ protected:
+  void SetUp() override {
+    ip("link add vx0 type vxcan peer name vx1");
+    ip("link set vx0 up");
+    ip("link set vx1 up");
+    std::string text = test::read_source("sim/demo/vehicle.toml");
+    for (std::size_t at; (at = text.find("rate_hz = 2000")) != std::string::npos;)
+      text.replace(at, 14, "rate_hz = 1000");
+    const std::string wiring =
+        "[[node.can]]\ninterface = \"vx0\"\nrole = \"sensor\"\naccelerometer_id = 512\n"
+        "[[node.line]]\nline = 0\ntooth_gpio = 3\nzero_mark_gpio = 4\n"
+        "[[node.line]]\nline = 1\ntooth_gpio = 5\nzero_mark_gpio = 6\n";
+    text.insert(text.find("[[node.channel]]"), wiring);
+    std::ofstream(vehicle_file) << text;
+    chip_uri = "gpio:" + PulseChip::name();
+  }
+  void TearDown() override {
+    if (test::has_interface("vx0")) ip("link del vx0");
+  }
+
+  /// Both wheels turn evenly from now on.
+  void turn_wheels() {
+    const VehicleConfig vehicle = VehicleConfig::read_file(vehicle_file);
+    std::vector<gpio_pulse_step> steps;
+    for (std::uint8_t line = 0; line < kEncoderLines; ++line) {
+      test::JudgedRing& ring = rings[line];
+      ring.line = line;
+      ring.encoder = vehicle.wheel[line].encoder;
+      ring.filter = vehicle.filter;
+      ring.program = {3U + 2U * line,
+                      4U + 2U * line,
+                      ring.encoder.pulses_per_turn,
+                      kTurns_hz[line],
+                      0,
+                      static_cast<int>(kPlayed_s * kTurns_hz[line])};
+      ring.program.begin_ns = PulseChip::now_ns() + 500'000'000;
+      ring.program.add_to(steps);
+      ring.machine_minus_monotonic_ns = machine_minus(CLOCK_MONOTONIC).count();
+    }
+    chip.play(test::in_order(std::move(steps)));
+  }
+  Program node_on_gpio() const {
+    const std::string command =
+        "exec \"$0\" --vehicle \"$1\" --node front --front-end can:vx0 --front-end \"$4\" --url \"$2\" "
+        "2>\"$3\"";
+    return {"bash", {"-c", command, test::binaries() / "rb-node", vehicle_file, url, errors, chip_uri}};
+  }
+  std::int64_t counted(DeviceCounter counter) const {
+    return bus.heartbeat(kFront).device_counts[static_cast<std::size_t>(counter)];
+  }
+  std::vector<ScanBlock> recorded_blocks() const {
+    std::vector<ScanBlock> blocks;
+    RecordReader reader(record);
+    reader.finish();
+    SealedBlock block;
+    while (const auto event = reader.next())
+      if (accept(event->data, block) == Refusal::kNone && block.kind == BlockKind::kScan)
+        blocks.push_back(decode_scan(block));
+    return blocks;
+  }
+  std::vector<Edge> recorded_edges() const {
+    std::vector<Edge> edges;
+    RecordedDrive drive(record, kFront, {});
+    while (const auto piece = drive.next())
+      edges.insert(edges.end(), piece->edges.begin(), piece->edges.end());
+    return edges;
+  }
+  bool is_noted(const std::string& words) const {
+    return std::ranges::any_of(verify_record(record).notes, [&](const std::string& note) {
+      return note.find("devices of node 1") != std::string::npos && note.find(words) != std::string::npos;
+    });
+  }
+
+  const std::string vehicle_file = work.path() / "vehicle.toml";
+  const std::string errors = work.path() / "errors";
+  std::string chip_uri;
+  PulseChip chip;
+  std::array<test::JudgedRing, kEncoderLines> rings;
+};
+
+struct Interval {
+  std::int64_t from_ns, to_ns;  ///< CLOCK_MONOTONIC
+};
+
+/// Blocks that lie in the interval: all of them, and those with a flag.
+std::pair<int, int> blocks_in(const std::vector<ScanBlock>& blocks, const test::JudgedRing& ring,
+                              Interval interval) {
+  int all = 0, flagged = 0;
+  for (const ScanBlock& block : blocks) {
+    const auto first_ns = ring.monotonic_ns(node_time_from_ns(block.row_time_ns(0)));
+    const auto last_ns = ring.monotonic_ns(node_time_from_ns(block.row_time_ns(block.header.scans - 1)));
+    if (first_ns < interval.from_ns || last_ns > interval.to_ns) continue;
+    ++all;
+    flagged += test::is_flagged(block, ring.line);
+  }
+  return {all, flagged};
+}
+
+TEST_F(GpioNodeTest, DeclaresEdgesThatWentByWhileItWasHeldAndWhileTheChipWasGone) {
+  turn_wheels();
+  test::RunningModule module("vx1");
+  Program running = recorder();
+  Program front = node_on_gpio();
+  ASSERT_TRUE(more_are_durable(kFront, 20));
+  bus.listen(2.0);
+  EXPECT_EQ(counted(DeviceCounter::kEdgesLost), 0);
+  const Interval well{PulseChip::now_ns() - 1'000'000'000, PulseChip::now_ns() - 200'000'000};
+
+  Interval held{PulseChip::now_ns(), 0};
+  front.signal(SIGSTOP);
+  bus.listen(0.3);
+  held.to_ns = PulseChip::now_ns();
+  front.signal(SIGCONT);
+  EXPECT_TRUE(bus.wait([&] { return counted(DeviceCounter::kEdgesLost) >= 2; })) << "each line";
+  bus.listen(1.5);
+
+  Interval gone{PulseChip::now_ns(), 0};
+  PulseChip::unplug();
+  EXPECT_TRUE(bus.wait([&] { return counted(DeviceCounter::kGone) == 1; }));
+  bus.listen(0.3);
+  gone.to_ns = PulseChip::now_ns();
+  PulseChip::plug();
+  EXPECT_TRUE(bus.wait([&] { return counted(DeviceCounter::kReturned) == 1; }));
+  bus.listen(2.0);
+  const Interval after{PulseChip::now_ns() - 800'000'000, PulseChip::now_ns() - 200'000'000};
+  for (const std::int64_t faults : bus.heartbeat(kFront).encoder_faults) EXPECT_GE(faults, 2);
+  end_well(running, {&front});
+
+  expect_verified(record, 1);  // no scan is missing
+  const std::vector<ScanBlock> blocks = recorded_blocks();
+  const std::vector<Edge> edges = recorded_edges();
+  for (const test::JudgedRing& ring : rings) {
+    const auto lost = std::ranges::count_if(
+        edges, [&](const Edge& edge) { return edge.kind == EdgeKind::kLost && edge.line == ring.line; });
+    EXPECT_GE(lost, 3) << "held, gone and back";
+    const test::TurnVerdict turns = judge_turns(edges, ring);
+    const test::AngleVerdict angles = judge_angles(blocks, ring, [](std::int64_t) { return 0.0; });
+    std::printf("line %d: %s; %s\n", ring.line, turns.text().c_str(), angles.text().c_str());
+    EXPECT_EQ(turns.silent, 0);
+    EXPECT_GE(turns.declared, 2);
+    EXPECT_GE(turns.whole, 30);
+    EXPECT_EQ(angles.silent_wrong, 0);
+    EXPECT_GE(angles.right, 3000);
+    for (const Interval& interval : {well, after}) {
+      const auto [all, flagged] = blocks_in(blocks, ring, interval);
+      EXPECT_GE(all, 20);
+      EXPECT_EQ(flagged, 0) << "doubted for no reason";
+    }
+    // The kernel keeps 16 edges; this wheel makes a thousand a second.
+    for (const Interval& interval : {held, gone}) {
+      const auto [all, flagged] = blocks_in(blocks, ring, {interval.from_ns + 30'000'000, interval.to_ns});
+      EXPECT_GE(all, 10);
+      EXPECT_EQ(flagged, all) << "an angle without edges";
+    }
+  }
+
+  std::ifstream file(errors);
+  const std::string said((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  for (const char* sentence :
+       {": encoder edges are missing (", ": was unplugged or went down (1 time by now)",
+        ": is there again (1 time by now)"}) {
+    EXPECT_NE(said.find(chip_uri + sentence), std::string::npos) << sentence << " is not in: " << said;
+    EXPECT_TRUE(is_noted(std::string(sentence).substr(2))) << sentence << " is no note of the record";
+  }
+}
+
+TEST_F(GpioNodeTest, DoesNotBeginOnAChipThatIsNotThere) {
+  chip_uri = "gpio:gpiochip77";
+  Program front = node_on_gpio();
+  EXPECT_EQ(front.exit_code(bus.kPatience_s), 2);
+  std::ifstream file(errors);
+  const std::string said((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  EXPECT_NE(said.find("front end gpio:gpiochip77: GPIO chip gpiochip77: No such file or directory"),
+            std::string::npos)
+      << said;
+}
+
+}  // namespace
+}  // namespace roadbalance

@@ -1,0 +1,101 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <regex>
+
+#include "common/test/temporary_directory.hpp"
+#include "firmware/encoder/wheel_encoder.hpp"
+#include "hil_tests/guest/gpio_rig.hpp"
+#include "hil_tests/guest/ring_judge.hpp"
+#include "hil_tests/program.hpp"
+
+namespace roadbalance {
+namespace {
+
+using test::PulseChip;
+
+// In real time edges may be lost and the player may be late: how much says the machine, not this test.  What
+// holds on every machine: no turn without all its teeth, and no wrong angle, goes by in silence.
+
+constexpr unsigned kTooth = 3, kMark = 4;
+constexpr double kSeconds = 3.0;
+constexpr std::int64_t kFit_ns = 25'000'000;  // half of what an angle is fitted over, and the filter's memory
+
+/// A ring played to a node; prints what became of it.
+void expect_no_silence(int teeth, double turns_hz) {
+  test::GpioRig rig({{0, static_cast<int>(kTooth), {}, static_cast<int>(kMark)}}, teeth);
+  rig.vehicle.wheel[1].node = "";
+  test::RingProgram program{kTooth, kMark, teeth, turns_hz, 0, static_cast<int>(kSeconds * turns_hz)};
+  program.begin_ns = PulseChip::now_ns() + 200'000'000;
+  std::vector<gpio_pulse_step> steps;
+  program.add_to(steps);
+  steps = test::in_order(std::move(steps));
+  rig.play(steps);
+  ASSERT_GT(rig.edges.size(), 0U);
+
+  const test::JudgedRing ring{.program = program,
+                              .line = 0,
+                              .encoder = rig.vehicle.wheel[0].encoder,
+                              .filter = rig.vehicle.filter,
+                              .machine_minus_monotonic_ns = rig.machine_minus_monotonic_ns};
+  const test::PlayedLate late(steps, rig.truth);
+  const test::TurnVerdict turns = judge_turns(rig.edges, ring);
+  const double pitches_per_ns = 1e-9 * turns_hz * teeth;
+  // The place of the ring comes from the two marks before.
+  const auto marks_ns = static_cast<std::int64_t>(2e9 / turns_hz);
+  std::int64_t strict = 0, asked = 0;
+  const auto allowed = [&](std::int64_t at_ns) {
+    const double pitches =
+        static_cast<double>(late.most_ns(at_ns - marks_ns - kFit_ns, at_ns + kFit_ns)) * pitches_per_ns;
+    ++asked;
+    strict += pitches < 0.5;
+    return pitches;
+  };
+  const test::Sealed sealed = rig.seal(program.begin_ns, (program.turns - 1) / turns_hz);
+  const test::AngleVerdict angles = judge_angles(sealed.blocks, ring, allowed);
+  std::printf(
+      "%d teeth at %.1f turns/s: %zu of %d edges, %lld kLost, %lld faulty turns; %s; %s; the player was late "
+      "by "
+      "%.3f ms at most, less than half a pitch for %lld of %lld angles\n",
+      teeth, turns_hz, rig.edges_of(EdgeKind::kTooth), program.turns * teeth,
+      static_cast<long long>(rig.edges_of(EdgeKind::kLost)), static_cast<long long>(sealed.faulty_turns),
+      turns.text().c_str(), angles.text().c_str(), static_cast<double>(late.most_ns()) * 1e-6,
+      static_cast<long long>(strict), static_cast<long long>(asked));
+  EXPECT_EQ(turns.silent, 0);
+  EXPECT_EQ(angles.silent_wrong, 0);
+  EXPECT_GT(turns.whole + turns.declared, 0);
+}
+
+TEST(GpioRealtime, TwoKilohertzOfEdgesAreWholeOrDeclared) {
+  expect_no_silence(96, 2000.0 / 96);
+}
+
+TEST(GpioRealtime, TwentyKilohertzOfEdgesAreWholeOrDeclared) {
+  expect_no_silence(1000, 20.0);
+}
+
+TEST(GpioRealtime, HalfOfWhatTheDoctorCallsSafeIsWholeOrDeclared) {
+  const test::TemporaryDirectory work;
+  const std::string said_file = work.path() / "said";
+  test::run(
+      "bash",
+      {"-c", "exec \"$0\" doctor --folder \"$1\" >\"$2\"", test::binaries() / "rb", work.path(), said_file},
+      60);
+  std::ifstream file(said_file);
+  const std::string said((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  std::smatch found;
+  ASSERT_TRUE(
+      std::regex_search(said, found, std::regex("Encoder edges by GPIO: .* up to ([0-9.]+) kHz a line")))
+      << said;
+  std::printf("%s\n", found.str().c_str());
+  const double limit_hz = 1000.0 * std::stod(found[1]);
+  ASSERT_GT(limit_hz, 0.0);
+  expect_no_silence(96, std::clamp(limit_hz / 2.0 / 96, 2.0, 60.0));
+}
+
+}  // namespace
+}  // namespace roadbalance
