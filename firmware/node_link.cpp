@@ -12,6 +12,9 @@ namespace {
 
 using namespace std::chrono_literals;
 constexpr auto kHeartbeatPeriod = 100ms;
+// While blocks are held and none goes out, at the start and at the end, only heartbeats tell of them: one
+// that the network loses must not cost a whole period.
+constexpr auto kQuietPeriod = 25ms;
 constexpr auto kOwnerSilence = 500ms;
 constexpr int kLastHeartbeats = 3;
 
@@ -52,10 +55,14 @@ void NodeLink::take(std::string_view channel, std::span<const std::uint8_t> byte
 bool NodeLink::turn(WallTime now, const Publish& publish) {
   backlog_.relieve(now);
   const bool busy = send_blocks(now, publish);
+  if (busy || backlog_.used() == 0) quiet_since_ = now;
   if (const SealedBlock* block = preview_.read()) publish(preview_channel_, block->bytes());
   while (const auto answer = commands_.next_reply()) publish(reply_channel_, encode(*answer));
+  if (now - quiet_since_ >= kQuietPeriod)
+    next_heartbeat_ = std::min(next_heartbeat_, heartbeat_at_ + kQuietPeriod);
   if (now >= next_heartbeat_) {
     send_heartbeat(publish);
+    heartbeat_at_ = now;
     next_heartbeat_ = now + kHeartbeatPeriod;
   }
   return busy;

@@ -37,7 +37,8 @@ class NodeLink {
   void take(std::string_view channel, std::span<const std::uint8_t> bytes, WallTime now);
 
   /// Moves blocks to the spool if it must, then sends what is due: blocks, the preview, replies, ten
-  /// heartbeats a second.  True if there were blocks: more may be due at once.
+  /// heartbeats a second, forty while blocks are held and none goes out.  True if there were blocks: more may
+  /// be due at once.
   bool turn(WallTime now, const Publish& publish);
 
   /// Acquire has ended, its owner has everything durable, and every command is answered.
@@ -64,7 +65,8 @@ class NodeLink {
   Commands commands_;
   const std::string ack_channel_, command_channel_, reply_channel_, heartbeat_channel_, preview_channel_;
   std::array<std::string, kBlockKinds> block_channel_;  // [BlockKind]
-  WallTime next_heartbeat_{};
+  WallTime next_heartbeat_{}, heartbeat_at_{};
+  WallTime quiet_since_{};  ///< blocks are held, and none has gone out since
   WallTime owner_heard_{};
   std::int64_t blocks_unsent_ = 0;
 };
