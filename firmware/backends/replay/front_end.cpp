@@ -1,7 +1,10 @@
 #include "firmware/backends/replay/front_end.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <cmath>
+#include <exception>
 #include <optional>
 #include <string>
 #include <thread>
@@ -19,10 +22,14 @@ constexpr std::size_t kPiecesAhead = 8;  // of half a second each
 constexpr auto kLongestWait = std::chrono::milliseconds(100);
 constexpr std::size_t kRunScans = 64;  // a reader is not woken for every scan
 
-/// Process: record -> pieces, ahead of their time.
-void read_ahead(RecordedDrive drive, Out<RecordedPiece> pieces) {
-  while (auto piece = drive.next())
-    if (!pieces.send(std::move(*piece))) return;
+/// Process: record -> pieces, ahead of their time.  A record that cannot be read any more says so.
+void read_ahead(RecordedDrive drive, Out<RecordedPiece> pieces, std::atomic<bool>& failed) {
+  try {
+    while (auto piece = drive.next())
+      if (!pieces.send(std::move(*piece))) return;
+  } catch (const std::exception&) {
+    failed.store(true);
+  }
 }
 
 class ReplayFrontEnd final : public FrontEnd {
@@ -31,8 +38,8 @@ class ReplayFrontEnd final : public FrontEnd {
       : first_(drive.first_scan()), run_s_(std::min(5e-3, kRunScans / rate_hz)) {
     auto [out, in] = make_channel<RecordedPiece>(kPiecesAhead);
     pieces_.emplace(std::move(in));
-    reader_ = std::jthread([drive = std::move(drive), out = std::move(out)]() mutable {
-      read_ahead(std::move(drive), std::move(out));
+    reader_ = std::jthread([this, drive = std::move(drive), out = std::move(out)]() mutable {
+      read_ahead(std::move(drive), std::move(out), failed_);
     });
     if (rate) pace_.emplace(*rate, WallClock::now());
   }
@@ -42,20 +49,18 @@ class ReplayFrontEnd final : public FrontEnd {
     Read read;
     const NodeTime due = wait();
     while (read.scans < scans.size()) {
-      if (scan_ == piece_.scans.size() && edge_ == piece_.edges.size() && signal_ == piece_.signals.size() &&
-          !next_piece()) {
-        if (pieces_->finished()) read.status = ReadStatus::kEnd;
+      if (piece_is_empty() && !next_piece()) {
+        if (pieces_->finished()) read.status = failed_ ? ReadStatus::kFailed : ReadStatus::kEnd;
         break;
       }
-      const NodeTime until = scan_ < piece_.scans.size() ? piece_.scans[scan_].time : NodeTime::max();
+      const NodeTime next_scan = scan_ < piece_.scans.size() ? piece_.scans[scan_].time : NodeTime::max();
+      const NodeTime until = std::min(next_scan, due);
       give(until, piece_.edges, edge_, edges, read.edges);
       give(until, piece_.signals, signal_, signals, read.signals);
-      const bool held = edge_ < piece_.edges.size() && piece_.edges[edge_].time <= until;
-      if (held || scan_ == piece_.scans.size()) {
-        if (held || read.signals == signals.size()) break;
-        continue;
-      }
-      if (until > due) break;
+      const bool no_room =
+          waits_before(until, piece_.edges, edge_) || waits_before(until, piece_.signals, signal_);
+      if (no_room || (next_scan > due && !piece_is_empty())) break;
+      if (scan_ == piece_.scans.size()) continue;
       scans[read.scans++] = piece_.scans[scan_++];
     }
     return read;
@@ -78,12 +83,21 @@ class ReplayFrontEnd final : public FrontEnd {
     return first_ + NodeClock::duration(std::llround(1e9 * pace_->drive_s(WallClock::now())));
   }
 
+  bool piece_is_empty() const {
+    return scan_ == piece_.scans.size() && edge_ == piece_.edges.size() && signal_ == piece_.signals.size();
+  }
+
   bool next_piece() {
     auto piece = pieces_->receive_for(kLongestWait);
     if (!piece) return false;
     piece_ = std::move(*piece);
     scan_ = edge_ = signal_ = 0;
     return true;
+  }
+
+  template <typename Item>
+  static bool waits_before(NodeTime until, const std::vector<Item>& from, std::size_t next) {
+    return next < from.size() && from[next].time <= until;
   }
 
   /// Copies what is not younger than `until`, as far as there is room.
@@ -95,6 +109,7 @@ class ReplayFrontEnd final : public FrontEnd {
 
   const NodeTime first_;
   const double run_s_;
+  std::atomic<bool> failed_{false};
   std::optional<In<RecordedPiece>> pieces_;
   std::jthread reader_;
   std::optional<Pace> pace_;

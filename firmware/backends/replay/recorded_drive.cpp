@@ -109,7 +109,7 @@ bool RecordedDrive::take(const SealedBlock& block) {
     const std::vector<SignalSample> samples = decode_signal(block).unpack();
     signals_.insert(signals_.end(), samples.begin(), samples.end());
   } else if (block.kind == BlockKind::kGap) {
-    absent_ = decode_gap(block).cause == GapCause::kDeviceGone;
+    absent_ = absent_ || decode_gap(block).cause == GapCause::kDeviceGone;
   }
   return block.kind == BlockKind::kEnd;
 }
