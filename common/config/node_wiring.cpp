@@ -33,7 +33,8 @@ CanConfig parse_can(Section can, int first_signal, const std::vector<std::string
   if (can.has("accelerometer_id")) {
     if (c.role != CanRole::kSensor)
       can.fail("accelerometer_id", "our modules are on no bus of the car's own; allowed: role = \"sensor\"");
-    c.accelerometer_id = static_cast<std::uint32_t>(can.integer("accelerometer_id", 0, 0x7FF));
+    c.accelerometer_id =
+        static_cast<std::uint32_t>(can.integer("accelerometer_id", 0, kHighestAccelerometerId));
   }
   c.first_signal = first_signal;
   for (Section& signal : can.sections("signal")) c.signal.push_back(parse_signal(std::move(signal), wheels));

@@ -32,6 +32,9 @@ enum class CanRole {
   kSensor,   ///< a private bus with our modules, whose frames somebody must acknowledge
 };
 
+/// An accelerometer module of classic frames has its identifier and the three behind it.
+inline constexpr std::uint32_t kHighestAccelerometerId = 0x7FF - 3;
+
 /// [[node.can]]: a CAN interface that the node listens to.
 struct CanConfig {
   std::string interface;  ///< "can0"

@@ -23,8 +23,8 @@ enum class DeviceCounter : std::uint8_t {
   kPacketsMissing,     ///< numbers left out in the packet sequence
   kBoardOverrun,       ///< scans that the board lost before it could send them
   kEdgesLost,          ///< times that the device knows edges are missing
-  kLateEdges,          ///< came after their scans had gone; not used
-  kReadersTooSlow,     ///< what came was dropped because the node did not fetch it
+  kLateEdges,          ///< times that edges came after their scans had gone; not used
+  kReadersTooSlow,     ///< what came was dropped because the node did not fetch it; of edges: times
   kControllerOverrun,  ///< the CAN controller had no room for a frame
 };
 inline constexpr std::size_t kDeviceCounters = 16;

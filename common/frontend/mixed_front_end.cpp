@@ -36,10 +36,11 @@ NodeTime MixedFrontEnd::from_machine(NodeTime stamp) const noexcept {
 Read MixedFrontEnd::read(std::span<Scan> scans, std::span<Edge> edges,
                          std::span<SignalSample> signals) noexcept {
   Read read;
+  // After so long nobody is waited for: a side source that hangs does not hold up the scans.  Known before
+  // the sources are asked: whoever was held up since has not waited for them.
+  const NodeTime patience = scans_->node_time(MachineClock::now()) - kLongestWait;
   fetch_scans(signals, read);
   const NodeTime complete = fetch_sides(signals, read);
-  // After so long nobody is waited for: a side source that hangs does not hold up the scans.
-  const NodeTime patience = scans_->node_time(MachineClock::now()) - kLongestWait;
   const bool over = status_ != ReadStatus::kOk;
   hand_over(over ? NodeTime::max() : std::max(std::min(complete, newest_scan_), patience), scans, edges,
             read);
@@ -74,19 +75,21 @@ NodeTime MixedFrontEnd::fetch_sides(std::span<SignalSample> signals, Read& read)
 
 void MixedFrontEnd::keep_edges(std::span<const Edge> edges) noexcept {
   for (const Edge& edge : edges) {
-    if (edge.time <= given_until_) {
-      report_.count(DeviceCounter::kLateEdges);
-      continue;
-    }
-    if (edges_waiting_ == edge_.size()) {
-      report_.count(DeviceCounter::kReadersTooSlow);
-      continue;
-    }
-    // Those of one source come in order, those of two nearly so: few are moved.
-    auto place = edge_.begin() + static_cast<std::ptrdiff_t>(edges_waiting_++);
-    for (; place != edge_.begin() && edge.time < (place - 1)->time; --place) *place = *(place - 1);
-    *place = edge;
+    // A mark that comes late is dropped like any edge: what it says, the mark before the next edge says, too.
+    const bool is_late = edge.time <= given_until_;
+    if (!is_late && dropped_.pass(edge, [this](const Edge& kept) { return queue(kept); })) continue;
+    if (dropped_.drop(edge.line))
+      report_.count(is_late ? DeviceCounter::kLateEdges : DeviceCounter::kReadersTooSlow);
   }
+}
+
+bool MixedFrontEnd::queue(const Edge& edge) noexcept {
+  if (edges_waiting_ == edge_.size()) return false;
+  // Those of one source come in order, those of two nearly so: few are moved.
+  auto place = edge_.begin() + static_cast<std::ptrdiff_t>(edges_waiting_++);
+  for (; place != edge_.begin() && edge.time < (place - 1)->time; --place) *place = *(place - 1);
+  *place = edge;
+  return true;
 }
 
 void MixedFrontEnd::hand_over(NodeTime until, std::span<Scan> scans, std::span<Edge> edges,

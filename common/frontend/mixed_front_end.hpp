@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "common/frontend/dropped_edges.hpp"
 #include "common/frontend/front_end.hpp"
 #include "common/frontend/side_source.hpp"
 
@@ -12,8 +13,9 @@ namespace roadbalance {
 /// sources are of the machine's clock and become node time as FrontEnd::node_time says.
 ///
 /// A scan waits until every side source has handed over what was stamped before it, at most 50 ms; an edge
-/// that comes later still is counted (kLateEdges) and not used, for its scans have gone.  The edges of all
-/// are merged in order of time.  Never allocates after construction.
+/// that comes later still is counted (kLateEdges) and not used, for its scans have gone; the next one of its
+/// line follows a mark of kLost.  The edges of all are merged in order of time.  Never allocates after
+/// construction.
 class MixedFrontEnd final : public FrontEnd {
  public:
   /// @param rate_hz  of scans, nominal
@@ -34,6 +36,7 @@ class MixedFrontEnd final : public FrontEnd {
   void fetch_scans(std::span<SignalSample> signals, Read& read) noexcept;
   NodeTime fetch_sides(std::span<SignalSample> signals, Read& read) noexcept;
   void keep_edges(std::span<const Edge> edges) noexcept;
+  bool queue(const Edge& edge) noexcept;
   void hand_over(NodeTime until, std::span<Scan> scans, std::span<Edge> edges, Read& read) noexcept;
 
   const std::unique_ptr<FrontEnd> scans_;
@@ -44,6 +47,7 @@ class MixedFrontEnd final : public FrontEnd {
   std::vector<Edge> edge_;  ///< fetched, in order of time; `edges_waiting_` of them count
   std::size_t edges_waiting_ = 0;
   std::vector<Edge> fetched_;
+  DroppedEdges dropped_;
   NodeTime newest_scan_ = NodeTime::min();
   NodeTime given_until_ = NodeTime::min();
   ReadStatus status_ = ReadStatus::kOk;

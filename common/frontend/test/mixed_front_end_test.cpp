@@ -160,6 +160,56 @@ TEST(MixedFrontEnd, GoesOnWithoutASourceThatHangsAndCountsWhatComesLate) {
   EXPECT_EQ(rig.counted(DeviceCounter::kLateEdges), 1);
 }
 
+TEST(MixedFrontEnd, MarksTheNextEdgeAfterLateOnesOfTheLine) {
+  Rig rig;
+  const NodeTime past = now() - 200 * kMillisecond;
+  rig.scans->take(past);
+  rig.side->complete = past - 500 * kMillisecond;
+  EXPECT_EQ(rig.read().scans, 1U);
+  Edge late_mark = edge_at(past - kMillisecond, 1);
+  late_mark.kind = EdgeKind::kLost;
+  rig.side->edges = {late_mark, edge_at(past, 1), edge_at(past + kMillisecond, 0),
+                     edge_at(past + 2 * kMillisecond, 1), edge_at(past + 3 * kMillisecond, 1)};
+  rig.scans->take(past + 9 * kMillisecond);
+  const Read read = rig.read();
+  ASSERT_EQ(read.edges, 4U);
+  EXPECT_EQ(rig.edge[0].line, 0);
+  EXPECT_EQ(rig.edge[1].line, 1);
+  EXPECT_EQ(rig.edge[1].kind, EdgeKind::kLost);
+  EXPECT_EQ(rig.edge[1].time, past + 2 * kMillisecond - NodeClock::duration(1));
+  EXPECT_EQ(rig.edge[2].kind, EdgeKind::kTooth);
+  EXPECT_EQ(rig.edge[3].kind, EdgeKind::kTooth);
+  EXPECT_EQ(rig.counted(DeviceCounter::kLateEdges), 1) << "one hole";
+}
+
+TEST(MixedFrontEnd, MarksTheNextEdgeAfterThoseItHadNoRoomFor) {
+  constexpr std::size_t kRoom = 16'384;
+  Rig rig;
+  const NodeTime start = now() + 500 * kMillisecond;  // nobody is late
+  for (std::size_t k = 0; k < kRoom + 100; ++k)
+    rig.side->edges.push_back(edge_at(start + static_cast<int>(k) * NodeClock::duration(100)));
+  rig.side->complete = start - kMillisecond;
+  while (!rig.side->edges.empty()) EXPECT_EQ(rig.read().edges, 0U);
+  EXPECT_EQ(rig.counted(DeviceCounter::kReadersTooSlow), 1) << "one hole";
+  rig.scans->take(start + 5 * kMillisecond);
+  rig.scans->take(start + 50 * kMillisecond);
+  rig.side->complete = start + 50 * kMillisecond;
+  std::vector<Edge> given;
+  const auto fetch = [&] {
+    const Read read = rig.read();
+    given.insert(given.end(), rig.edge.begin(), rig.edge.begin() + static_cast<std::ptrdiff_t>(read.edges));
+    return read.edges;
+  };
+  fetch();
+  rig.side->edges = {edge_at(start + 40 * kMillisecond)};
+  while (fetch() > 0) {
+  }
+  ASSERT_EQ(given.size(), kRoom + 2);
+  EXPECT_EQ(given[kRoom].kind, EdgeKind::kLost);
+  EXPECT_EQ(given[kRoom + 1].kind, EdgeKind::kTooth);
+  EXPECT_TRUE(std::ranges::is_sorted(given, {}, &Edge::time));
+}
+
 TEST(MixedFrontEnd, PassesSignalsOnAtOnce) {
   Rig rig;
   const NodeTime time = now();

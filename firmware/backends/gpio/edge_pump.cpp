@@ -21,9 +21,10 @@ std::int64_t monotonic_now_ns() {
 
 }  // namespace
 
-EdgePump::EdgePump(std::string chip, std::vector<GpioInput> inputs, EdgeStore& store)
+EdgePump::EdgePump(std::string chip, std::vector<GpioInput> inputs, EdgeStore& store, Warn warn)
     : chip_name_(std::move(chip)),
       store_(store),
+      warn_(std::move(warn)),
       maker_(std::move(inputs), store.report),
       order_(kEventsHeld),
       waiting_(maker_.inputs().size()),
@@ -68,9 +69,11 @@ bool EdgePump::open_again() noexcept {
   retry_ns_ = monotonic_now_ns() + kRetry_ns;
   try {
     open();
+    why_gone_.over();
     return true;
-  } catch (const std::exception&) {
-    return false;  // not there yet, or its file is but may not be opened yet
+  } catch (const std::exception& error) {  // not there yet, or its file is but may not be opened yet
+    if (why_gone_.is_to_be_said(error.what(), WallClock::now())) warn_(error.what());
+    return false;
   }
 }
 
@@ -115,18 +118,19 @@ bool EdgePump::read_waiting() noexcept {
 }
 
 void EdgePump::put_events(std::size_t input, std::size_t count) noexcept {
+  const std::uint8_t line = maker_.inputs()[input].line;
   InputEvent event{.machine_minus_monotonic_ns = machine_minus_monotonic_ns_,
                    .input = static_cast<std::uint8_t>(input)};
   for (std::size_t k = 0; k < count; ++k) {
     event.monotonic_ns = event_[k].monotonic_ns;
     event.kind = event_[k].rising ? InputEvent::kRising : InputEvent::kFalling;
-    if (!order_.add(event)) store_.report.count(DeviceCounter::kLateEdges);
+    if (!order_.add(event)) drop(line, DeviceCounter::kLateEdges);
   }
   // What the kernel dropped came after what it kept: behind these, or behind those that come until the line
   // has been seen empty.
   const bool full = count == event_.size();
   event.kind = InputEvent::kLost;
-  if ((full || was_full_[input]) && !order_.add(event)) store_.report.count(DeviceCounter::kLateEdges);
+  if ((full || was_full_[input]) && !order_.add(event)) drop(line, DeviceCounter::kLateEdges);
   was_full_[input] = full;
 }
 
@@ -138,15 +142,15 @@ void EdgePump::give_before(std::int64_t monotonic_ns) noexcept {
   }
 }
 
+void EdgePump::drop(std::uint8_t line, DeviceCounter why) noexcept {
+  if (dropped_.drop(line)) store_.report.count(why);
+}
+
 void EdgePump::store(const Edge& edge) noexcept {
-  // Edges are a nanosecond apart or more, so that before the first one after dropped ones there is room.
-  const Edge lost{.time = edge.time - NodeClock::duration(1), .line = edge.line, .kind = EdgeKind::kLost};
-  if ((!dropped_[edge.line] || store_.edges.push(lost)) && store_.edges.push(edge)) {
-    dropped_[edge.line] = false;
-    return;
-  }
-  dropped_[edge.line] = true;
-  store_.report.count(DeviceCounter::kReadersTooSlow);
+  // Edges are a nanosecond apart or more, so that before the first one after dropped ones there is time for
+  // the mark.
+  if (!dropped_.pass(edge, [this](const Edge& kept) { return store_.edges.push(kept); }))
+    drop(edge.line, DeviceCounter::kReadersTooSlow);
 }
 
 void EdgePump::lose_all(std::int64_t monotonic_ns) noexcept {

@@ -12,6 +12,8 @@
 
 #include "common/clock/clocks.hpp"
 #include "common/frontend/device_report.hpp"
+#include "common/frontend/dropped_edges.hpp"
+#include "common/frontend/lasting_reason.hpp"
 #include "common/gpio/gpio_chip.hpp"
 #include "common/process/spsc_queue.hpp"
 #include "firmware/backends/gpio/edge_maker.hpp"
@@ -32,13 +34,17 @@ struct EdgeStore {
 
 /// Events of a GPIO chip's lines -> edges in the store; one thread calls it again and again.
 ///
-/// A chip that goes is counted and asked for twice a second until it is there again; its edges in between are
-/// declared lost.  16 events read of a line at once are all that the kernel keeps: then more may have come
-/// and gone, and the line's edges are declared lost.  Never allocates, except to open a chip again.
+/// A chip that goes is counted and asked for twice a second until it is there again; why it cannot be had is
+/// said when that lasts.  Its edges in between are declared lost, as are those that come too late or that the
+/// store has no room for.  16 events read of a line at once are all that the kernel keeps: then more may have
+/// come and gone, and the line's edges are declared lost.  Never allocates, except to open a chip again.
 class EdgePump {
  public:
+  using Warn = std::function<void(const std::string&)>;
+
+  /// @param warn  hears from turn() why a chip that went cannot be had again
   /// @throws ConfigError naming the key of vehicle.toml whose line cannot be had, or the chip
-  EdgePump(std::string chip, std::vector<GpioInput> inputs, EdgeStore& store);
+  EdgePump(std::string chip, std::vector<GpioInput> inputs, EdgeStore& store, Warn warn);
 
   /// Waits until something comes, at most 5 ms, and puts it in the store.
   void turn() noexcept;
@@ -56,6 +62,7 @@ class EdgePump {
   bool read_waiting() noexcept;
   void put_events(std::size_t input, std::size_t count) noexcept;
   void give_before(std::int64_t monotonic_ns) noexcept;
+  void drop(std::uint8_t line, DeviceCounter why) noexcept;
   void store(const Edge& edge) noexcept;
   void lose_all(std::int64_t monotonic_ns) noexcept;
   void go() noexcept;
@@ -64,15 +71,17 @@ class EdgePump {
   const std::string chip_name_;
   std::string label_;  ///< of the chip that was opened first
   EdgeStore& store_;
+  const Warn warn_;
   EdgeMaker maker_;
   EventOrder order_;
   std::optional<GpioChip> chip_;
-  std::vector<pollfd> waiting_;                ///< [input]
-  std::vector<bool> was_full_;                 ///< [input] in this drain the kernel had all it keeps
-  std::array<bool, kEncoderLines> dropped_{};  ///< edges since the last one stored
+  std::vector<pollfd> waiting_;  ///< [input]
+  std::vector<bool> was_full_;   ///< [input] in this drain the kernel had all it keeps
+  DroppedEdges dropped_;
   std::array<GpioEvent, GpioChip::kKernelEvents> event_;
   std::int64_t machine_minus_monotonic_ns_ = 0;
   std::int64_t retry_ns_ = 0;
+  LastingReason why_gone_;
 };
 
 }  // namespace roadbalance

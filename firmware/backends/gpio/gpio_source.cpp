@@ -10,7 +10,7 @@
 namespace roadbalance {
 
 GpioSource::GpioSource(const std::string& chip, std::vector<GpioInput> inputs, Warn warn)
-    : store_("gpio:" + chip), pump_(chip, std::move(inputs), store_) {
+    : store_("gpio:" + chip), pump_(chip, std::move(inputs), store_, warn) {
   // To keep memory in RAM takes long when there is much of it: the edges that matter come afterwards.
   std::latch ready(1);
   thread_ = std::jthread([this, &ready, warn = std::move(warn)](const std::stop_token& stop) {

@@ -14,12 +14,13 @@ namespace roadbalance {
 /// Encoder edges from the inputs of a GPIO chip, stamped by the kernel.
 class GpioSource final : public SideSource {
  public:
-  using Warn = std::function<void(const std::string&)>;
+  using Warn = EdgePump::Warn;
 
   /// Below the kernel's interrupt threads (50), above the thread that takes its edges.
   static constexpr int kPriority = 45;
 
-  /// @param warn  hears, from the thread, what the system refuses of its real-time priority
+  /// @param warn  hears, from the thread, what the system refuses of its real-time priority, and why a chip
+  ///              that went cannot be had again
   /// @throws ConfigError naming the key of vehicle.toml whose line cannot be had, or the chip
   GpioSource(const std::string& chip, std::vector<GpioInput> inputs, Warn warn);
 

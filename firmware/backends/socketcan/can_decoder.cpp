@@ -96,6 +96,11 @@ std::vector<CanId> CanDecoder::ids() const {
   return ids;
 }
 
+bool CanDecoder::needs_flexible() const {
+  return std::ranges::any_of(
+      messages_, [](const Message& message) { return message.description.size > kClassicCanBytes; });
+}
+
 CanDecoder::Decoded CanDecoder::decode(const CanFrame& frame, NodeTime time,
                                        std::span<SignalSample> samples) const noexcept {
   Decoded decoded;

@@ -16,8 +16,7 @@ class CanDecoder {
  public:
   /// @param dbc  what describes the frames; may be gone afterwards
   /// @throws ConfigError naming the signal and its line in the DBC file: not there, of a unit that does not
-  /// go
-  ///         with its quantity, or more than kMostOfOneFrame of one message
+  ///         go with its quantity, or more than kMostOfOneFrame of one message
   CanDecoder(const CanConfig& can, const VehicleConfig& vehicle, const Dbc& dbc);
   /// Of an interface without signals.
   CanDecoder() = default;
@@ -26,6 +25,8 @@ class CanDecoder {
   static constexpr std::size_t kMostOfOneFrame = 64;
 
   std::vector<CanId> ids() const;
+  /// A message is longer than classic CAN carries.
+  bool needs_flexible() const;
 
   struct Decoded {
     std::size_t samples = 0;

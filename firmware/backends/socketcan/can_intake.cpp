@@ -20,13 +20,14 @@ NodeTime to_node(MachineTime time) {
 
 }  // namespace
 
-CanIntake::CanIntake(const std::string& interface, CanRole role, std::vector<CanId> wanted)
+CanIntake::CanIntake(const std::string& interface, CanNeed need, std::vector<CanId> wanted, Warn warn)
     : interface_(interface),
-      role_(role),
+      need_(need),
       wanted_(std::move(wanted)),
+      warn_(std::move(warn)),
       report_("can:" + interface),
       complete_ns_(to_ns(MachineClock::now())) {
-  const std::string why = obstacle(query_can_link(interface.c_str()), role, interface);
+  const std::string why = obstacle(query_can_link(interface.c_str()), need, interface);
   if (!why.empty()) throw ConfigError(why);
   socket_.emplace(interface, wanted_);
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
@@ -45,8 +46,7 @@ NodeTime CanIntake::complete_until() const noexcept {
 }
 
 void CanIntake::run(const std::stop_token& stop) noexcept {
-  // What is refused here was refused to the node's own deadline, which has warned of it.
-  static_cast<void>(enter_realtime(kPriority));
+  for (const std::string& refused : enter_realtime(kPriority)) warn_(report_.device() + ": " + refused);
   while (!stop.stop_requested()) {
     if (socket_) {
       socket_->wait(kLongestSilence);
@@ -94,14 +94,25 @@ void CanIntake::lose_interface() noexcept {
   report_.count(DeviceCounter::kGone);
 }
 
-void CanIntake::find_interface() noexcept {
-  const auto link = query_can_link(interface_.c_str());
-  if (!link || !link->up || !suits(*link, role_)) return;
+/// Why that cannot be; empty: done.
+std::string CanIntake::listen_again() {
+  std::string why = obstacle(query_can_link(interface_.c_str()), need_, interface_);
+  if (!why.empty()) return why;
   try {
     socket_.emplace(interface_, wanted_);
-  } catch (const std::system_error&) {
-    return;  // it went away in between; asked for again
+  } catch (const std::system_error& error) {  // e.g. it went away in between
+    why = error.what();
   }
+  return why;
+}
+
+void CanIntake::find_interface() noexcept {
+  const std::string why = listen_again();
+  if (!why.empty()) {
+    if (why_gone_.is_to_be_said(why, WallClock::now())) warn_(why);
+    return;
+  }
+  why_gone_.over();
   hardware_.emplace();
   after_absence_ = true;
   complete_ns_.store(to_ns(MachineClock::now()), std::memory_order_release);

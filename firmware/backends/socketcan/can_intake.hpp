@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <semaphore>
@@ -11,6 +12,7 @@
 
 #include "common/config/node_wiring.hpp"
 #include "common/frontend/front_end.hpp"
+#include "common/frontend/lasting_reason.hpp"
 #include "firmware/backends/socketcan/can_link.hpp"
 #include "firmware/backends/socketcan/can_socket.hpp"
 #include "firmware/backends/socketcan/hardware_stamps.hpp"
@@ -28,13 +30,17 @@ struct CanArrival {
 /// A real-time thread that fetches the frames of an interface as they come and keeps them for one reader.
 ///
 /// An interface that goes down or away is asked for by its name every 50 ms and heard again once it is up in
-/// its role; in another one it stays gone.  Troubles are counted in the report.  Neither side allocates after
-/// construction while the interface is there.
+/// its role; in another one it stays gone, and why is said when that lasts.  Troubles are counted in the
+/// report.  Neither side allocates after construction while the interface is there.
 class CanIntake {
  public:
+  using Warn = std::function<void(const std::string&)>;
+
   /// @param wanted  identifiers; at least one
-  /// @throws ConfigError if there is no such interface, or not up, or not in its role; std::system_error
-  CanIntake(const std::string& interface, CanRole role, std::vector<CanId> wanted);
+  /// @param warn    hears, from the thread, what the system refuses of its real-time priority, and why an
+  ///                interface that went cannot be heard again
+  /// @throws ConfigError if there is no such interface, or not up, or not as needed; std::system_error
+  CanIntake(const std::string& interface, CanNeed need, std::vector<CanId> wanted, Warn warn);
   CanIntake(const CanIntake&) = delete;
   CanIntake& operator=(const CanIntake&) = delete;
   ~CanIntake();
@@ -63,13 +69,16 @@ class CanIntake {
   void keep(const CanReceived& received) noexcept;
   void lose_interface() noexcept;
   void find_interface() noexcept;
+  std::string listen_again();
 
   const std::string interface_;
-  const CanRole role_;
+  const CanNeed need_;
   const std::vector<CanId> wanted_;
+  const Warn warn_;
   DeviceReport report_;
   std::optional<CanSocket> socket_;  ///< none: the interface is gone
   std::optional<HardwareStamps> hardware_{std::in_place};
+  LastingReason why_gone_;
   bool after_absence_ = false;
   const std::unique_ptr<Ring> ring_ = std::make_unique<Ring>();
   std::atomic<std::int64_t> complete_ns_;

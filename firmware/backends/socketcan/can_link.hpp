@@ -28,7 +28,13 @@ std::optional<CanLink> query_can_link(const char* interface) noexcept;
 /// that is not; one without a controller goes with both.
 bool suits(const CanLink& link, CanRole role);
 
+/// What an interface is wanted for.
+struct CanNeed {
+  CanRole role = CanRole::kVehicle;
+  bool flexible = false;  ///< it must take CAN FD frames
+};
+
 /// Why the interface cannot be used so, with the command that mends it; empty if it can.
-std::string obstacle(const std::optional<CanLink>& link, CanRole role, const std::string& interface);
+std::string obstacle(const std::optional<CanLink>& link, CanNeed need, const std::string& interface);
 
 }  // namespace roadbalance

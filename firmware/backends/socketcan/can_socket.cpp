@@ -39,16 +39,21 @@ can_filter filter_of(const CanId& wanted) {
                          : can_filter{wanted.id, CAN_SFF_MASK | CAN_EFF_FLAG | CAN_RTR_FLAG};
 }
 
-/// What an error frame tells; nothing for the news that all is well again.
+/// What an error frame tells; nothing if it tells no more than the controller's state.
 std::optional<DeviceCounter> trouble_of(const canfd_frame& frame) {
   if (frame.can_id & CAN_ERR_BUSOFF) return DeviceCounter::kBusOff;
   if (frame.can_id & CAN_ERR_CRTL) {
     if (frame.data[1] & CAN_ERR_CRTL_RX_OVERFLOW) return DeviceCounter::kControllerOverrun;
     if (frame.data[1] & (CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE))
       return DeviceCounter::kErrorPassive;
-    if (frame.data[1] & CAN_ERR_CRTL_ACTIVE) return std::nullopt;
   }
-  if ((frame.can_id & CAN_ERR_MASK) == CAN_ERR_RESTARTED) return std::nullopt;
+  // That its error counters passed the warning limit or fell below it, and that it was restarted, is no error
+  // of its own: the errors themselves are told, too.
+  constexpr std::uint8_t kStates = CAN_ERR_CRTL_RX_WARNING | CAN_ERR_CRTL_TX_WARNING | CAN_ERR_CRTL_ACTIVE;
+  const bool no_error =
+      (frame.can_id & CAN_ERR_MASK & ~(CAN_ERR_CRTL | CAN_ERR_RESTARTED | CAN_ERR_CNT)) == 0;
+  const bool only_state = (frame.can_id & CAN_ERR_CRTL) == 0 || (frame.data[1] & kStates) != 0;
+  if (no_error && only_state) return std::nullopt;
   return DeviceCounter::kBusErrors;
 }
 

@@ -26,9 +26,7 @@ std::vector<CanId> module_ids(const CanConfig& can, const NodeConfig& node,
   if (node.rate_hz != AccelerometerScans::kRateHz)
     throw ConfigError(name + "it converts 1000 times a second, but rate_hz of node " + node.name + " is " +
                       std::to_string(node.rate_hz));
-  if (*can.accelerometer_id + AccelerometerFrame::kParts - 1 > kHighestShortId)
-    throw ConfigError(name + "accelerometer_id " + std::to_string(*can.accelerometer_id) +
-                      " leaves no room for its four identifiers; allowed: 0 .. 2044");
+  static_assert(kHighestAccelerometerId + AccelerometerFrame::kParts - 1 == kHighestShortId);
   std::vector<CanId> ids;
   for (std::uint32_t part = 0; part < AccelerometerFrame::kParts; ++part) {
     ids.push_back({.id = *can.accelerometer_id + part});
@@ -41,7 +39,7 @@ std::vector<CanId> module_ids(const CanConfig& can, const NodeConfig& node,
 
 }  // namespace
 
-OpenedDevice open_can(const FrontEndRequest& request) {
+OpenedDevice open_can(const FrontEndRequest& request, const CanIntake::Warn& warn) {
   const CanConfig& can = wiring_of(request);
   CanDecoder decoder;
   if (!can.signal.empty())
@@ -53,7 +51,9 @@ OpenedDevice open_can(const FrontEndRequest& request) {
   if (wanted.empty())
     throw ConfigError("front end \"can:" + can.interface +
                       "\": nothing is wanted of it; allowed: [[node.can.signal]], accelerometer_id");
-  auto intake = std::make_unique<CanIntake>(can.interface, can.role, std::move(wanted));
+  auto intake = std::make_unique<CanIntake>(can.interface,
+                                            CanNeed{.role = can.role, .flexible = decoder.needs_flexible()},
+                                            std::move(wanted), warn);
   OpenedDevice opened;
   if (can.accelerometer_id)
     opened.scans =

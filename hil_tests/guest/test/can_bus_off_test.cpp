@@ -33,8 +33,8 @@ class BusOffTest : public testing::Test {
   void SetUp() override {
     ip("link set " + can.interface() + " type can bitrate 500000");
     ip("link set " + can.interface() + " up");
-    intake =
-        std::make_unique<CanIntake>(can.interface(), CanRole::kSensor, std::vector<CanId>{{0x100, false}});
+    intake = std::make_unique<CanIntake>(can.interface(), CanNeed{.role = CanRole::kSensor},
+                                         std::vector<CanId>{{0x100, false}}, [](const std::string&) {});
   }
   void TearDown() override {
     intake.reset();

@@ -37,7 +37,8 @@ VehicleConfig car_with(const CanConfig& can) {
 
 OpenedDevice open(const CanConfig& can) {
   const VehicleConfig vehicle = car_with(can);
-  return open_can({.address = can.interface, .vehicle = vehicle, .node = vehicle.node[0]});
+  return open_can({.address = can.interface, .vehicle = vehicle, .node = vehicle.node[0]},
+                  [](const std::string&) {});
 }
 
 TEST(CanSignals, OfARecordedDriveThatCanplayerRepeatsAreThePublishedWheelSpeeds) {

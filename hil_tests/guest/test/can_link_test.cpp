@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <mutex>
 #include <string>
+#include <vector>
 
 #include "common/config/section.hpp"
 #include "firmware/backends/socketcan/can_intake.hpp"
@@ -28,7 +30,7 @@ void set_controller(const std::string& interface, const std::string& mode) {
 
 std::string refusal(const std::string& interface, CanRole role) {
   try {
-    const CanIntake intake(interface, role, kWanted);
+    const CanIntake intake(interface, {.role = role}, kWanted, [](const std::string&) {});
   } catch (const ConfigError& error) {
     return error.what();
   }
@@ -70,7 +72,14 @@ TEST(CanLink, TakesAnInterfaceWithoutControllerInBothRoles) {
   EXPECT_TRUE(query_can_link("vcan8").value().flexible);
   ip("link set vcan8 down");
   ip("link set vcan8 mtu 16");
-  EXPECT_FALSE(query_can_link("vcan8").value().flexible);
+  ip("link set vcan8 up");
+  const auto classic = query_can_link("vcan8");
+  EXPECT_FALSE(classic.value().flexible);
+  EXPECT_EQ(obstacle(classic, {.role = CanRole::kVehicle}, "vcan8"), "");
+  EXPECT_EQ(
+      obstacle(classic, {.role = CanRole::kVehicle, .flexible = true}, "vcan8"),
+      "CAN interface vcan8 carries no CAN FD, but a message wanted of it has more than 8 bytes; try: ip link "
+      "set vcan8 down; ip link set vcan8 mtu 72; ip link set vcan8 up");
 }
 
 /// A cable between two interfaces, of which the node listens to one.
@@ -101,7 +110,7 @@ class CableTest : public testing::Test {
 };
 
 TEST_F(CableTest, GoesDownAndComesBackTenTimes) {
-  CanIntake intake("vx0", CanRole::kVehicle, kWanted);
+  CanIntake intake("vx0", {.role = CanRole::kVehicle}, kWanted, [](const std::string&) {});
   ASSERT_TRUE(arrives(intake));
   EXPECT_FALSE(intake[0].after_absence);
   for (int turn = 1; turn <= 10; ++turn) {
@@ -118,7 +127,7 @@ TEST_F(CableTest, GoesDownAndComesBackTenTimes) {
 }
 
 TEST_F(CableTest, IsHeardAgainAfterItWasRemovedAndMadeAnew) {
-  CanIntake intake("vx0", CanRole::kVehicle, kWanted);
+  CanIntake intake("vx0", {.role = CanRole::kVehicle}, kWanted, [](const std::string&) {});
   ASSERT_TRUE(arrives(intake));
   intake.drop(intake.size());
   ip("link del vx0");
@@ -129,13 +138,54 @@ TEST_F(CableTest, IsHeardAgainAfterItWasRemovedAndMadeAnew) {
   EXPECT_TRUE(intake[0].after_absence);
 }
 
+/// What a thread of the intake says.
+class Warnings {
+ public:
+  CanIntake::Warn hear() {
+    return [this](const std::string& text) {
+      const std::lock_guard lock(mutex_);
+      said_.push_back(text);
+    };
+  }
+  std::vector<std::string> said() const {
+    const std::lock_guard lock(mutex_);
+    return said_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<std::string> said_;
+};
+
+TEST_F(CableTest, SaysOnceWhyAnInterfaceStaysAway) {
+  Warnings warnings;
+  CanIntake intake("vx0", {.role = CanRole::kVehicle}, kWanted, warnings.hear());
+  ip("link set vx0 down");
+  const std::string down = "CAN interface vx0 is down; try: ip link set vx0 up";
+  EXPECT_TRUE(wait_until([&] { return !warnings.said().empty(); }, 10));
+  EXPECT_FALSE(wait_until([&] { return warnings.said().size() > 1; }, 2.5));
+  EXPECT_EQ(warnings.said(), std::vector{down});
+  ip("link set vx0 up");
+  EXPECT_TRUE(wait_until([&] { return of(intake, DeviceCounter::kReturned) == 1; }, 10));
+  ip("link set vx0 down");
+  EXPECT_TRUE(wait_until([&] { return warnings.said().size() == 2; }, 10));
+  EXPECT_EQ(warnings.said(), (std::vector{down, down}));
+}
+
 TEST(CanIntake, DoesNotListenToAControllerThatCameBackInAnotherRole) {
   ASSERT_TRUE(test::has_interface("can0")) << "the guest has no CAN controller";
   set_controller("can0", "on");
-  const CanIntake intake("can0", CanRole::kVehicle, kWanted);
+  Warnings warnings;
+  const CanIntake intake("can0", {.role = CanRole::kVehicle}, kWanted, warnings.hear());
   set_controller("can0", "off");
   ASSERT_TRUE(wait_until([&] { return intake.report().of(DeviceCounter::kGone) == 1; }, 10));
-  EXPECT_FALSE(wait_until([&] { return intake.report().of(DeviceCounter::kReturned) > 0; }, 0.5));
+  EXPECT_FALSE(wait_until([&] { return intake.report().of(DeviceCounter::kReturned) > 0; }, 3));
+  EXPECT_EQ(
+      warnings.said(),
+      std::vector<std::string>{
+          "CAN interface can0 is not listen-only, as role \"vehicle\" demands: it would answer on the "
+          "car's own bus; try: ip link set can0 down; ip link set can0 type can listen-only on; ip link "
+          "set can0 up"});
   set_controller("can0", "on");
   EXPECT_TRUE(wait_until([&] { return intake.report().of(DeviceCounter::kReturned) == 1; }, 10));
   ip("link set can0 down");

@@ -116,9 +116,11 @@ TEST(CanSocket, TellsTheControllersTroublesApart) {
   EXPECT_EQ(trouble(CAN_ERR_CRTL, CAN_ERR_CRTL_RX_PASSIVE), DeviceCounter::kErrorPassive);
   EXPECT_EQ(trouble(CAN_ERR_CRTL, CAN_ERR_CRTL_TX_PASSIVE), DeviceCounter::kErrorPassive);
   EXPECT_EQ(trouble(CAN_ERR_CRTL, CAN_ERR_CRTL_RX_OVERFLOW), DeviceCounter::kControllerOverrun);
-  EXPECT_EQ(trouble(CAN_ERR_CRTL, CAN_ERR_CRTL_RX_WARNING), DeviceCounter::kBusErrors);
+  EXPECT_EQ(trouble(CAN_ERR_CRTL | CAN_ERR_PROT, CAN_ERR_CRTL_RX_WARNING), DeviceCounter::kBusErrors);
   EXPECT_EQ(trouble(CAN_ERR_PROT | CAN_ERR_BUSERROR), DeviceCounter::kBusErrors);
-  // That all is well again is no trouble.
+  // The controller's state alone is no trouble.
+  player.send_error(CAN_ERR_CRTL, CAN_ERR_CRTL_RX_WARNING);
+  player.send_error(CAN_ERR_CRTL | CAN_ERR_CNT, CAN_ERR_CRTL_TX_WARNING);
   player.send_error(CAN_ERR_RESTARTED);
   player.send_error(CAN_ERR_CRTL, CAN_ERR_CRTL_ACTIVE);
   player.send(numbered(1));
@@ -127,7 +129,7 @@ TEST(CanSocket, TellsTheControllersTroublesApart) {
 
 TEST(CanIntake, CountsTroublesAndFramesThatItsReaderDoesNotFetch) {
   const VirtualCan can("vcan7");
-  CanIntake intake(can.name(), CanRole::kVehicle, kWanted);
+  CanIntake intake(can.name(), {.role = CanRole::kVehicle}, kWanted, [](const std::string&) {});
   CanPlayer player(can.name());
   player.send_error(CAN_ERR_BUSOFF);
   for (std::uint32_t k = 0; k < 20'000; ++k) player.send(numbered(k));

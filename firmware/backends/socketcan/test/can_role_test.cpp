@@ -28,19 +28,31 @@ TEST(CanRole, TakesAVirtualInterfaceInBothAndAnotherInNone) {
 
 TEST(CanRole, SaysWhatIsWrongAndHowToMendIt) {
   const auto says = [](const std::optional<CanLink>& link, CanRole role, const std::string& words) {
-    return obstacle(link, role, "can3").find(words) != std::string::npos;
+    return obstacle(link, {.role = role}, "can3").find(words) != std::string::npos;
   };
   const CanLink normal{.kind = Kind::kController, .up = true};
   EXPECT_TRUE(says(std::nullopt, CanRole::kVehicle, "can3: there is none of that name"));
   EXPECT_TRUE(says(CanLink{.up = true}, CanRole::kVehicle, "can3: this is no CAN interface"));
   EXPECT_TRUE(says(normal, CanRole::kVehicle, "ip link set can3 type can listen-only on"));
-  EXPECT_EQ(obstacle(normal, CanRole::kSensor, "can3"), "");
+  EXPECT_EQ(obstacle(normal, {.role = CanRole::kSensor}, "can3"), "");
   CanLink silent = normal;
   silent.listen_only = true;
   EXPECT_TRUE(says(silent, CanRole::kSensor, "ip link set can3 type can listen-only off"));
-  EXPECT_EQ(obstacle(silent, CanRole::kVehicle, "can3"), "");
+  EXPECT_EQ(obstacle(silent, {.role = CanRole::kVehicle}, "can3"), "");
   silent.up = false;
   EXPECT_TRUE(says(silent, CanRole::kVehicle, "can3 is down; try: ip link set can3 up"));
+}
+
+TEST(CanRole, RefusesAClassicInterfaceForMessagesOfCanFd) {
+  CanLink link{.kind = Kind::kController, .up = true};
+  const CanNeed fd{.role = CanRole::kSensor, .flexible = true};
+  EXPECT_EQ(
+      obstacle(link, fd, "can3"),
+      "CAN interface can3 carries no CAN FD, but a message wanted of it has more than 8 bytes; try: ip link "
+      "set can3 down; ip link set can3 type can bitrate 500000 dbitrate 2000000 fd on; ip link set can3 up");
+  link.flexible = true;
+  EXPECT_EQ(obstacle(link, fd, "can3"), "");
+  EXPECT_EQ(obstacle(link, {.role = CanRole::kSensor}, "can3"), "") << "it carries classic frames, too";
 }
 
 TEST(CanRole, AsksTheRealKernelAboutAnInterfaceThatIsNoCan) {
