@@ -20,4 +20,9 @@ std::vector<std::string> enter_realtime(int priority) {
   return refused;
 }
 
+void leave_realtime() {
+  const sched_param parameter{};
+  pthread_setschedparam(pthread_self(), SCHED_OTHER, &parameter);  // never refused
+}
+
 }  // namespace roadbalance

@@ -15,4 +15,7 @@ namespace roadbalance {
 /// @return what was refused, each with the reason, for the caller to warn of; empty if all was granted
 [[nodiscard]] std::vector<std::string> enter_realtime(int priority);
 
+/// The calling thread is an ordinary one again; its memory stays in RAM.
+void leave_realtime();
+
 }  // namespace roadbalance

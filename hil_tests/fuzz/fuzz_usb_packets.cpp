@@ -59,7 +59,7 @@ class Run {
   }
 
   void begin() {
-    delivery_.kind = Delivery::Kind::kRunBegin;
+    delivery_.kind = BoardDelivery::Kind::kRunBegin;
     delivery_.run.token = ++token_;
     delivery_.run.ticks_per_scan = {kTicksPerScan, kTicksPerScan};
     delivery_.run.tick_hz = {kTickHz, kTickHz};
@@ -68,7 +68,7 @@ class Run {
       next_[k] = {};
     }
     reader_->take(delivery_);
-    delivery_.kind = Delivery::Kind::kTransfer;
+    delivery_.kind = BoardDelivery::Kind::kTransfer;
     absences_ = 1;
   }
 
@@ -162,7 +162,7 @@ class Run {
   NodeTime now_ = node_time_from_ns(1'000'000'000'000);
   std::uint32_t token_ = 0;
   std::array<board::PacketHeader, 2> next_;
-  Delivery delivery_;
+  BoardDelivery delivery_;
   std::int64_t last_ = -1;
   int absences_ = 0;
   std::array<Scan, 37> scans_;

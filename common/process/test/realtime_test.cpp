@@ -29,6 +29,18 @@ TEST(Realtime, SaysExactlyWhatWasRefused) {
   }).join();
 }
 
+TEST(Realtime, IsLeftForAnOrdinaryThreadAndCanBeEnteredAgain) {
+  std::thread([] {
+    const auto refused = enter_realtime(10);
+    leave_realtime();
+    int policy = SCHED_FIFO;
+    sched_param parameter{};
+    ASSERT_EQ(pthread_getschedparam(pthread_self(), &policy, &parameter), 0);
+    EXPECT_EQ(policy, SCHED_OTHER);
+    EXPECT_EQ(enter_realtime(10), refused);
+  }).join();
+}
+
 TEST(Realtime, RefusesAPriorityThatIsNone) {
   std::thread([] { EXPECT_TRUE(says(enter_realtime(1'000), "real-time priority 1000")); }).join();
 }

@@ -88,7 +88,7 @@ BoardLink::BoardLink(UsbAddress address, VehicleConfig vehicle, const NodeConfig
       warn_(std::move(warn)) {
   auto session = begin_session({});
   thread_ = std::jthread([this, session = std::move(session)](const std::stop_token& stop) mutable {
-    static_cast<void>(enter_realtime(kPriority));  // acquire asks for the same and says what is refused
+    for (const std::string& refused : enter_realtime(kPriority)) say(0, refused);
     run(stop, std::move(session));
   });
 }
@@ -139,17 +139,19 @@ std::unique_ptr<BoardLink::Session> BoardLink::begin_session(std::stop_token sto
     } catch (const UsbError& error) {
       throw UsbError(address_.of_board(k) + ": " + error.what());
     }
-  Delivery* room = inbox_.room();
+  BoardDelivery* room = inbox_.room();
   for (; !room && !stop.stop_requested(); room = inbox_.room()) std::this_thread::sleep_for(kServing);
   if (!room) return nullptr;
-  room->kind = Delivery::Kind::kRunBegin;
+  room->kind = BoardDelivery::Kind::kRunBegin;
   room->run = run;
   inbox_.post();
-  start(*session, run.token);
+  session->token = run.token;
+  start(*session);
   return session;
 }
 
-void BoardLink::start(Session& session, std::uint32_t token) {
+void BoardLink::start(Session& session) {
+  const std::uint32_t token = session.token;
   dropped_ = {};
   session.heard.assign(session.board.size(), WallClock::now());
   for (std::size_t k = 0; k < session.board.size(); ++k)
@@ -171,13 +173,13 @@ void BoardLink::start(Session& session, std::uint32_t token) {
 void BoardLink::receive(Session& session, std::size_t which, std::span<const std::uint8_t> bytes) {
   if (bytes.empty()) return;
   session.heard[which] = WallClock::now();
-  Delivery* const room = inbox_.room();
+  BoardDelivery* const room = inbox_.room();
   if (!room) {
     ++dropped_[which];
     report_[which]->count(DeviceCounter::kReadersTooSlow);
     return;
   }
-  room->kind = Delivery::Kind::kTransfer;
+  room->kind = BoardDelivery::Kind::kTransfer;
   room->board = static_cast<std::uint8_t>(which);
   room->dropped = std::exchange(dropped_[which], 0);
   room->arrival = now();
@@ -189,7 +191,7 @@ void BoardLink::receive(Session& session, std::size_t which, std::span<const std
 void BoardLink::serve(std::stop_token stop, Session& session) {
   while (!stop.stop_requested()) {
     session.bus.serve(kServing);
-    if (wanted_anew_.exchange(false, std::memory_order_relaxed)) {
+    if (slipped_.load(std::memory_order_relaxed) == session.token) {
       say(1, "is out of step with the first board; starting both again");
       return report_[1]->count(DeviceCounter::kGone);
     }
@@ -225,7 +227,10 @@ void BoardLink::run(std::stop_token stop, std::unique_ptr<Session> session) {
     serve(stop, *session);
     session.reset();
     if (stop.stop_requested()) return;
+    // Looking for a board takes the processor from those who read other devices.
+    leave_realtime();
     session = find_again(stop);
+    static_cast<void>(enter_realtime(kPriority));  // what is refused was said at the beginning
     if (session)
       for (DeviceReport* report : report_) report->count(DeviceCounter::kReturned);
   }

@@ -31,13 +31,15 @@ class BoardLink {
   /// Which of the node's encoders are at the boards.
   const std::array<bool, kEncoderLines>& lines() const { return lines_; }
 
-  /// Boards that do not belong together any more are started anew.
-  void start_again() { wanted_anew_.store(true, std::memory_order_relaxed); }
+  /// The boards do not belong together any more in the run of this token: they are started anew, if it is
+  /// still theirs.
+  void start_again(std::uint32_t token) { slipped_.store(token, std::memory_order_relaxed); }
 
  private:
   /// The boards as long as they are there.
   struct Session {
     UsbBus bus;
+    std::uint32_t token = 0;
     std::vector<std::unique_ptr<UsbDevice>> board;
     std::vector<WallTime> heard;  ///< when each sent something last
     ~Session();
@@ -45,7 +47,7 @@ class BoardLink {
 
   std::unique_ptr<Session> begin_session(std::stop_token stop);
   board::Identity set_up(UsbDevice& device, std::size_t which, std::uint32_t& ticks_per_scan);
-  void start(Session& session, std::uint32_t token);
+  void start(Session& session);
   void receive(Session& session, std::size_t which, std::span<const std::uint8_t> bytes);
   void run(std::stop_token stop, std::unique_ptr<Session> session);
   void serve(std::stop_token stop, Session& session);
@@ -61,9 +63,9 @@ class BoardLink {
   std::array<bool, kEncoderLines> lines_{};
   std::array<std::uint32_t, 2> dropped_{};  ///< not yet told
   std::uint32_t runs_ = 0;
-  std::atomic<bool> wanted_anew_{false};
-  std::vector<std::string> noted_;  ///< said once
-  std::jthread thread_;             ///< ends before the rest
+  std::atomic<std::int64_t> slipped_{-1};  ///< token of the last run that did
+  std::vector<std::string> noted_;         ///< said once
+  std::jthread thread_;                    ///< ends before the rest
 };
 
 }  // namespace roadbalance

@@ -64,7 +64,6 @@ class BoardPair {
   bool aligned_ = true;
   bool proved_ = false;                   ///< a common scan has been
   std::array<std::uint64_t, 2> ticks_{};  ///< of the last one
-  std::int64_t index_ = 0;
 };
 
 }  // namespace roadbalance

@@ -51,8 +51,8 @@ BoardReader::BoardReader(const std::vector<DeviceReport*>& reports, double rate_
   for (DeviceReport* report : reports) stream_.emplace_back(*report);
 }
 
-void BoardReader::take(const Delivery& delivery) noexcept {
-  if (delivery.kind == Delivery::Kind::kRunBegin) return begin_run(delivery.run);
+void BoardReader::take(const BoardDelivery& delivery) noexcept {
+  if (delivery.kind == BoardDelivery::Kind::kRunBegin) return begin_run(delivery.run);
   if (delivery.board >= stream_.size() || !clock_[delivery.board]) return;
   const auto transfer = std::span(delivery.bytes).first(delivery.size);
   const auto packet = stream_[delivery.board].take(transfer, delivery.dropped);
@@ -61,11 +61,12 @@ void BoardReader::take(const Delivery& delivery) noexcept {
 
 void BoardReader::begin_run(const RunBegin& run) noexcept {
   for (std::size_t k = 0; k < stream_.size(); ++k) {
-    stream_[k].start(run.token, run.ticks_per_scan[k]);
+    stream_[k].start(run.token, run.ticks_per_scan[k], run.tick_hz[k]);
     clock_[k].emplace(run.tick_hz[k], run.begin[k]);
   }
   pair_.start(run.tick_hz, rate_hz_);
   numbering_.start_run();
+  token_ = run.token;
   ticks_per_scan_ = run.ticks_per_scan[0];
   edges_missing_ = any_run_;
   any_run_ = true;
@@ -75,7 +76,11 @@ void BoardReader::take_packet(std::size_t board, const PacketStream::Packet& pac
                               NodeTime arrival) noexcept {
   BoardClock& clock = *clock_[board];
   const BoardInstant latest{latest_ticks(packet.content), arrival};
-  if (!clock.is_possible(latest)) return report_[board]->count(DeviceCounter::kPacketsRefused);
+  if (!clock.is_possible(latest)) {
+    stream_[board].distrust_time();
+    if (board == 0) edges_missing_ = true;  // the stream goes on behind it as if it had been used
+    return report_[board]->count(DeviceCounter::kPacketsRefused);
+  }
   clock.hear(latest);
   if (board == 0) take_edges(packet);
   const board::PacketHeader& header = packet.content.header();
@@ -85,13 +90,17 @@ void BoardReader::take_packet(std::size_t board, const PacketStream::Packet& pac
                       .ticks = ticks,
                       .time = clock.time(ticks),
                       .content = packet.content.scan(k)});
+    if (board == 0) last_scan_time_ = clock.time(ticks);
   }
 }
 
 void BoardReader::take_edges(const PacketStream::Packet& packet) noexcept {
   const board::PacketHeader& header = packet.content.header();
+  // A scan is converted up to half a microsecond before the instant that its packet says, so that an edge
+  // behind it can be stamped before that; it must not come with a time whose scan has gone.
   const auto time_of = [&](std::int64_t offset_ticks) {
-    return clock_[0]->time(header.base_ticks + static_cast<std::uint64_t>(offset_ticks));
+    return std::max(clock_[0]->time(header.base_ticks + static_cast<std::uint64_t>(offset_ticks)),
+                    last_scan_time_ + NodeClock::duration(1));
   };
   if (packet.after_missing) edges_missing_ = true;
   if (edges_missing_)

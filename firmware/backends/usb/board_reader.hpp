@@ -6,8 +6,8 @@
 
 #include "common/frontend/front_end.hpp"
 #include "firmware/backends/usb/board_clock.hpp"
+#include "firmware/backends/usb/board_edges.hpp"
 #include "firmware/backends/usb/board_pair.hpp"
-#include "firmware/backends/usb/edge_queue.hpp"
 #include "firmware/backends/usb/inbox.hpp"
 #include "firmware/backends/usb/packet_stream.hpp"
 #include "firmware/backends/usb/scan_numbering.hpp"
@@ -24,14 +24,15 @@ class BoardReader {
   BoardReader(const std::vector<DeviceReport*>& reports, double rate_hz, std::size_t channels,
               std::array<bool, kEncoderLines> lines);
 
-  void take(const Delivery& delivery) noexcept;
+  void take(const BoardDelivery& delivery) noexcept;
 
   /// Appends to what `read` says is there already; as FrontEnd::read().  False: the spans are full, more is
   /// there.
   bool hand_over(std::span<Scan> scans, std::span<Edge> edges, Read& read) noexcept;
 
-  /// False: two boards have lost each other and must be started again.
+  /// False: two boards have lost each other in the run token() and must be started again.
   bool aligned() const noexcept { return pair_.aligned(); }
+  std::uint32_t token() const noexcept { return token_; }
 
  private:
   void begin_run(const RunBegin& run) noexcept;
@@ -46,11 +47,13 @@ class BoardReader {
   const std::array<bool, kEncoderLines> lines_;
   std::vector<PacketStream> stream_;
   std::array<std::optional<BoardClock>, 2> clock_;  ///< as many as boards, once a run has begun
+  std::uint32_t token_ = 0;
   std::uint32_t ticks_per_scan_ = 0;
+  NodeTime last_scan_time_{};   ///< of the first board
   bool edges_missing_ = false;  ///< to be told before the next packet's content
   bool any_run_ = false;
   BoardPair pair_;
-  EdgeQueue edges_;
+  BoardEdges edges_;
   ScanNumbering numbering_;
 };
 

@@ -23,7 +23,7 @@ struct RunBegin {
 };
 
 /// What the thread that serves the boards hands over: the beginning of a run, or a transfer as it came.
-struct Delivery {
+struct BoardDelivery {
   enum class Kind : std::uint8_t { kRunBegin, kTransfer };
   Kind kind = Kind::kTransfer;
   std::uint8_t board = 0;
@@ -43,14 +43,14 @@ class Inbox {
   ~Inbox() { ::sem_destroy(&filled_); }
 
   /// Writer: room for the next one; nullptr: none.  It is handed over by post().
-  Delivery* room() { return ring_->room(); }
+  BoardDelivery* room() { return ring_->room(); }
   void post() {
     ring_->publish();
     ::sem_post(&filled_);
   }
 
   /// Reader: the oldest; nullptr: nothing has come.  It stays until drop().
-  const Delivery* front() const { return ring_->size() == 0 ? nullptr : &(*ring_)[0]; }
+  const BoardDelivery* front() const { return ring_->size() == 0 ? nullptr : &(*ring_)[0]; }
   void drop() {
     ring_->drop(1);
     ::sem_trywait(&filled_);  // its call, unless post() has not come to that yet
@@ -66,8 +66,8 @@ class Inbox {
  private:
   /// At the board's 5 ms a packet more than a second's.
   static constexpr std::size_t kDeliveries = 256;
-  std::unique_ptr<board::InterruptRing<Delivery, kDeliveries>> ring_ =
-      std::make_unique<board::InterruptRing<Delivery, kDeliveries>>();
+  std::unique_ptr<board::InterruptRing<BoardDelivery, kDeliveries>> ring_ =
+      std::make_unique<board::InterruptRing<BoardDelivery, kDeliveries>>();
   sem_t filled_;
 };
 

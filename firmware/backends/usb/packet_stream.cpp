@@ -10,6 +10,8 @@ namespace {
 using board::PacketFault;
 using board::PacketHeader;
 
+/// A scan is converted within 0.5 us of the instant that its packet says.
+constexpr std::uint32_t kEarlyPerSecond = 2'000'000;
 /// A count that fell: the packet is an old one.
 constexpr std::uint32_t kBackwards = 1u << 31;
 /// Scans that no run can have lost at once: a year at 100 kHz.
@@ -36,9 +38,10 @@ DeviceCounter counter_of(PacketFault fault, std::span<const std::uint8_t> transf
 
 }  // namespace
 
-void PacketStream::start(std::uint32_t token, std::uint32_t ticks_per_scan) noexcept {
+void PacketStream::start(std::uint32_t token, std::uint32_t ticks_per_scan, std::uint32_t tick_hz) noexcept {
   token_ = token;
   ticks_per_scan_ = ticks_per_scan;
+  early_ticks_ = tick_hz / kEarlyPerSecond;
   sequence_ = 0;
   next_scan_ = 0;
   scan_end_ticks_ = 0;
@@ -49,7 +52,9 @@ void PacketStream::start(std::uint32_t token, std::uint32_t ticks_per_scan) noex
 
 bool PacketStream::goes_on(const board::PacketView& packet) const noexcept {
   const PacketHeader& header = packet.header();
-  if (header.edges > 0 && edge_ticks(packet, 0) < std::max(scan_end_ticks_, edge_end_ticks_)) return false;
+  const std::uint64_t edges_begin =
+      std::max(scan_end_ticks_ - std::min<std::uint64_t>(scan_end_ticks_, early_ticks_), edge_end_ticks_);
+  if (header.edges > 0 && edge_ticks(packet, 0) < edges_begin) return false;
   return header.sequence - sequence_ < kBackwards && header.first_scan >= next_scan_ &&
          header.first_scan - next_scan_ < kMostMissing && header.ticks_per_scan == ticks_per_scan_ &&
          (header.scans == 0 || header.base_ticks >= scan_end_ticks_);

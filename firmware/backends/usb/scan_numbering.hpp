@@ -16,10 +16,10 @@ class ScanNumbering {
   };
 
   /// The board was there (again) and started; its scans count from 0.
-  /// @param period_s  between the run's scans by the machine's clock; of an absence that of the run before
-  /// counts
   void start_run() noexcept { first_of_run_ = true; }
 
+  /// @param period_s  between the run's scans by the machine's clock; of an absence that of the run before
+  /// counts
   Number number(std::int64_t index_in_run, NodeTime time, double period_s) noexcept;
 
  private:

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdio>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -17,6 +18,7 @@ namespace {
 
 constexpr int kInterface = 0;
 constexpr unsigned kControlTimeout_ms = 500;
+constexpr auto kAfterFailure = std::chrono::milliseconds(10);
 /// At the board's 5 ms a packet 80 ms during which this machine need not serve them.
 constexpr std::size_t kTransfers = 16;
 /// After that the kernel keeps cancelled transfers for ever; they are left to it.
@@ -144,7 +146,9 @@ UsbBus::~UsbBus() {
 
 void UsbBus::serve(std::chrono::milliseconds at_most) {
   timeval time{.tv_sec = at_most.count() / 1000, .tv_usec = at_most.count() % 1000 * 1000};
-  libusb_handle_events_timeout_completed(state_->context, &time, nullptr);
+  // What fails at once would otherwise fail again and again, at a real-time priority.
+  if (libusb_handle_events_timeout_completed(state_->context, &time, nullptr) != 0)
+    std::this_thread::sleep_for(kAfterFailure);
 }
 
 struct UsbDevice::State {
@@ -156,7 +160,6 @@ struct UsbDevice::State {
 
   UsbBus* bus;
   libusb_device_handle* handle = nullptr;
-  std::string serial;
   std::function<void(std::span<const std::uint8_t>)> received;
   DeviceReport* report = nullptr;
   std::vector<Transfer> transfer;
@@ -220,7 +223,6 @@ UsbDevice::UsbDevice(UsbBus& bus, std::uint16_t vendor, std::uint16_t product, c
     throw UsbError("claim " + node + ": " + reason(code));
   state_->bus = &bus;
   state_->handle = found.handle.release();
-  state_->serial = found.serial;
 }
 
 UsbDevice::~UsbDevice() {
@@ -231,10 +233,6 @@ UsbDevice::~UsbDevice() {
   for (auto& mine : state_->transfer) libusb_free_transfer(mine.transfer);
   libusb_release_interface(state_->handle, kInterface);
   libusb_close(state_->handle);
-}
-
-const std::string& UsbDevice::serial() const {
-  return state_->serial;
 }
 
 bool UsbDevice::gone() const {

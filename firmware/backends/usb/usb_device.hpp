@@ -49,16 +49,14 @@ class UsbDevice {
   UsbDevice& operator=(const UsbDevice&) = delete;
   ~UsbDevice();
 
-  const std::string& serial() const;
-
-  /// A vendor request.  False or nothing: the device refused it.
+  /// A vendor request.  False or nothing: the device answers that it refuses.
   /// @throws UsbError if the device does not answer
-  bool put(std::uint8_t request, std::span<const std::uint8_t> data);
-  std::optional<std::size_t> get(std::uint8_t request, std::span<std::uint8_t> reply);
+  [[nodiscard]] bool put(std::uint8_t request, std::span<const std::uint8_t> data);
+  [[nodiscard]] std::optional<std::size_t> get(std::uint8_t request, std::span<std::uint8_t> reply);
 
   /// Receives from the bulk endpoint from now on, several transfers at a time.
   /// @param received  what one transfer brought; of one that failed nothing
-  /// @param report    counts stalls
+  /// @param report    counts stalls, and as refused packets transfers longer than their buffer
   /// @throws UsbError if the system takes no transfers
   void stream(std::function<void(std::span<const std::uint8_t>)> received, DeviceReport& report);
 

@@ -39,7 +39,7 @@ class UsbFrontEnd final : public FrontEnd {
       reader_.take(*inbox.front());
       inbox.drop();
     }
-    if (std::exchange(aligned_, reader_.aligned()) && !aligned_) link_.start_again();
+    if (!reader_.aligned()) link_.start_again(reader_.token());
     return read;
   }
 
@@ -67,7 +67,6 @@ class UsbFrontEnd final : public FrontEnd {
   const Reports reports_;
   BoardLink link_;
   BoardReader reader_;
-  bool aligned_ = true;
 };
 
 }  // namespace

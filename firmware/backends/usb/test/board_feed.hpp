@@ -41,8 +41,8 @@ class BoardFeed {
 
   /// Plugs the boards in and starts a run.
   void begin() {
-    Delivery begin;
-    begin.kind = Delivery::Kind::kRunBegin;
+    BoardDelivery begin;
+    begin.kind = BoardDelivery::Kind::kRunBegin;
     begin.run.token = ++token_;
     for (std::size_t k = 0; k < board_.size(); ++k) {
       board_[k]->reset();
@@ -75,6 +75,7 @@ class BoardFeed {
           delivery_.board = static_cast<std::uint8_t>(k);
           delivery_.arrival = as_node(now_);
           delivery_.size = static_cast<std::uint32_t>(size);
+          shift_stamp(size);
           reader_->take(delivery_);
           hand_over();
         }
@@ -88,9 +89,18 @@ class BoardFeed {
 
   std::vector<Scan> scans;  ///< handed over so far
   std::vector<Edge> edges;
+  std::uint64_t shift_ticks = 0;  ///< by which the next packet's stamps are wrong
   std::size_t scans_at_once = 256, edges_at_once = 4096;
 
  private:
+  void shift_stamp(std::size_t size) {
+    if (shift_ticks == 0) return;
+    const auto bytes = std::span(delivery_.bytes).first(size);
+    board::PacketHeader header = board::decode_packet(bytes)->header();
+    header.base_ticks += std::exchange(shift_ticks, 0);
+    board::encode_header(header, bytes.first<board::kHeaderBytes>());
+    board::seal_packet(bytes);
+  }
   void hand_over() {
     for (bool more = true; more;) {
       Read read;
@@ -124,7 +134,7 @@ class BoardFeed {
   std::unique_ptr<BoardReader> reader_;
   MachineTime now_ = kPowered + std::chrono::seconds(50);
   std::uint32_t token_ = 100;
-  Delivery delivery_;
+  BoardDelivery delivery_;
   std::array<Scan, 256> scan_;
   std::array<Edge, 4096> edge_;
 };

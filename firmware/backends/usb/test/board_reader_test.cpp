@@ -168,6 +168,68 @@ TEST(BoardReader, LostPacketsAreAHoleInTheNumbersAndInTheEdges) {
   EXPECT_NEAR(static_cast<double>(feed.report().of(DeviceCounter::kPacketsMissing)), 10.0, 2.0);
 }
 
+TEST(BoardReader, AStampThatCannotBeIsAHoleInTheNumbersAndInTheEdges) {
+  Bench wheel = bench();
+  wheel.next_change = Wheel();
+  BoardFeed feed({std::move(wheel)}, vehicle());
+  feed.begin();
+  feed.run(500ms);
+  const std::size_t before = feed.scans.size(), edges_before = feed.edges.size();
+  feed.shift_ticks = 10ull * test::BenchBoard::kTickHz;  // of a packet, ten seconds ahead
+  feed.run(50ms);
+  ASSERT_EQ(feed.report().of(DeviceCounter::kPacketsRefused), 1);
+  ASSERT_GT(feed.scans.size(), before);
+  EXPECT_NEAR(static_cast<double>(feed.scans[before].index - feed.scans[before - 1].index), 50.0, 5.0);
+  EXPECT_EQ(feed.edges[edges_before].kind, EdgeKind::kLost);
+  EXPECT_EQ(feed.edges[edges_before + 1].kind, EdgeKind::kLost) << "one for each line";
+  EXPECT_EQ(feed.edges[edges_before + 2].kind, EdgeKind::kTooth);
+  EXPECT_EQ(feed.report().of(DeviceCounter::kPacketsMissing), 0);
+}
+
+TEST(BoardReader, AnEdgeBehindAScanThatCameEarlyDoesNotComeBeforeIt) {
+  DeviceReport report("usb:test");
+  BoardReader reader({&report}, kRateHz, 12, {true, true});
+  BoardDelivery delivery;
+  delivery.kind = BoardDelivery::Kind::kRunBegin;
+  constexpr std::uint32_t kTicks = test::BenchBoard::kTickHz / 10'000;
+  delivery.run = {.token = 1,
+                  .ticks_per_scan = {kTicks, 0},
+                  .tick_hz = {test::BenchBoard::kTickHz, 0},
+                  .begin = {BoardInstant{0, node_time_from_ns(0)}, {}}};
+  reader.take(delivery);
+  delivery.kind = BoardDelivery::Kind::kTransfer;
+  std::array<Scan, 8> scans;
+  std::array<Edge, 64> edges;
+  Read read;
+  for (std::uint32_t sequence = 0; sequence < 2; ++sequence) {
+    // The edge is stamped 0.3 us before the nominal instant of the scan of the packet before.
+    const std::size_t with_edges = sequence;
+    const board::PacketHeader header{.token = 1,
+                                     .sequence = sequence,
+                                     .first_scan = sequence,
+                                     .base_ticks = (sequence + 1) * kTicks,
+                                     .ticks_per_scan = kTicks,
+                                     .scans = 1,
+                                     .edges = static_cast<std::uint16_t>(with_edges)};
+    const auto all = std::span(delivery.bytes).first(board::packet_bytes(1, with_edges));
+    board::encode_header(header, all.first<board::kHeaderBytes>());
+    board::encode_scan({}, all.subspan<board::kHeaderBytes, board::kScanBytes>());
+    if (with_edges > 0)
+      board::encode_edge({-static_cast<std::int32_t>(kTicks) - 3, 0, board::PacketEdgeKind::kToothForward, 0},
+                         all.subspan<board::kHeaderBytes + board::kScanBytes, board::kEdgeBytes>());
+    board::seal_packet(all);
+    delivery.size = static_cast<std::uint32_t>(all.size());
+    delivery.arrival = node_time_from_ns(100'000 * (sequence + 1));
+    reader.take(delivery);
+    EXPECT_TRUE(reader.hand_over(scans, edges, read));
+  }
+  EXPECT_EQ(report.of(DeviceCounter::kPacketsRefused), 0);
+  ASSERT_EQ(read.scans, 2u);
+  ASSERT_EQ(read.edges, 1u);
+  EXPECT_GT(edges[0].time, scans[0].time);
+  EXPECT_LT(to_seconds(edges[0].time - scans[0].time), 1e-6);
+}
+
 TEST(BoardReader, ReferencesComeBackAsSineAndCosineOfTheWheel) {
   VehicleConfig car = vehicle();
   car.node[0].wiring.loop_back = true;

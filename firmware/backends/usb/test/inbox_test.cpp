@@ -20,7 +20,7 @@ TEST(Inbox, EveryDeliveryArrivesOnceInOrderHoweverTheTwoThreadsMeet) {
   Inbox inbox;
   std::jthread writer([&] {
     for (std::uint32_t k = 0; k < kCount;) {
-      Delivery* const room = inbox.room();
+      BoardDelivery* const room = inbox.room();
       if (!room) {
         std::this_thread::yield();
         continue;

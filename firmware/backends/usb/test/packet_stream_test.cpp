@@ -11,6 +11,7 @@ using board::PacketHeader;
 
 constexpr std::uint32_t kToken = 77;
 constexpr std::uint32_t kPeriod = 1000;
+constexpr std::uint32_t kTickHz = 10'000'000;
 
 struct Told {
   std::uint32_t sequence = 0;
@@ -48,7 +49,7 @@ std::vector<std::uint8_t> packet(const Told& told, const std::vector<board::Pack
 
 class PacketStreamTest : public testing::Test {
  protected:
-  PacketStreamTest() { stream.start(kToken, kPeriod); }
+  PacketStreamTest() { stream.start(kToken, kPeriod, kTickHz); }
 
   std::optional<PacketStream::Packet> take(const Told& told, std::uint32_t dropped = 0) {
     bytes = packet(told);
@@ -109,17 +110,21 @@ TEST_F(PacketStreamTest, LeavesPacketsOfAnEarlierRunAside) {
 TEST_F(PacketStreamTest, RefusesScansThatGoBackOrOfAnotherRate) {
   ASSERT_TRUE(take({}));
   EXPECT_FALSE(take({.sequence = 1, .first_scan = 9}));
-  stream.start(kToken, kPeriod + 1);
+  stream.start(kToken, kPeriod + 1, kTickHz);
   EXPECT_FALSE(take({}));
   EXPECT_EQ(report.of(DeviceCounter::kPacketsRefused), 2);
 }
 
 TEST_F(PacketStreamTest, RefusesEdgesOfATimeThatIsOver) {
   ASSERT_TRUE(take({}));
-  bytes = packet({.sequence = 1, .first_scan = 10}, {{-1001, 1, board::PacketEdgeKind::kToothForward, 0}});
+  // The last scan was converted up to half a microsecond, five ticks, before its instant.
+  bytes = packet({.sequence = 1, .first_scan = 10}, {{-1005, 1, board::PacketEdgeKind::kToothForward, 0}});
   EXPECT_FALSE(stream.take(bytes, 0)) << "before the last scan";
-  bytes = packet({.sequence = 1, .first_scan = 10}, {{-998, 1, board::PacketEdgeKind::kToothForward, 0}});
+  bytes = packet({.sequence = 1, .first_scan = 10}, {{-1004, 1, board::PacketEdgeKind::kToothForward, 0}});
   EXPECT_TRUE(stream.take(bytes, 0));
+  bytes = packet({.sequence = 2, .first_scan = 20, .scans = 0},
+                 {{-10'000, 1, board::PacketEdgeKind::kZeroMark, 0}});
+  EXPECT_FALSE(stream.take(bytes, 0)) << "before the last edge";
 }
 
 TEST_F(PacketStreamTest, CountsWhatTheBoardLost) {

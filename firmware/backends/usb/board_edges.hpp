@@ -10,9 +10,9 @@ namespace roadbalance {
 
 /// Edges until their scans go; what does not fit is counted and told by a mark.  Never allocates after
 /// construction.
-class EdgeQueue {
+class BoardEdges {
  public:
-  explicit EdgeQueue(DeviceReport& report) : report_(report) {}
+  explicit BoardEdges(DeviceReport& report) : report_(report) {}
 
   void add(const Edge& edge) noexcept {
     bool& lost = lost_[edge.line];
