@@ -179,7 +179,8 @@ TEST(BoardReader, AStampThatCannotBeIsAHoleInTheNumbersAndInTheEdges) {
   feed.run(50ms);
   ASSERT_EQ(feed.report().of(DeviceCounter::kPacketsRefused), 1);
   ASSERT_GT(feed.scans.size(), before);
-  EXPECT_NEAR(static_cast<double>(feed.scans[before].index - feed.scans[before - 1].index), 50.0, 5.0);
+  EXPECT_NEAR(static_cast<double>(feed.scans[before].index - feed.scans[before - 1].index), 55.0, 5.0)
+      << "one packet";
   EXPECT_EQ(feed.edges[edges_before].kind, EdgeKind::kLost);
   EXPECT_EQ(feed.edges[edges_before + 1].kind, EdgeKind::kLost) << "one for each line";
   EXPECT_EQ(feed.edges[edges_before + 2].kind, EdgeKind::kTooth);
