@@ -45,7 +45,8 @@ std::string refusal(const std::string& chip, LineConfig line) {
 TEST(GpioSource, TwentyThousandEdgesASecondAllArriveWithTrueStamps) {
   GpioRig rig({{0, 3, {}, {}}}, 1000);
   rig.play(pulses(3, 40'000));
-  ASSERT_EQ(rig.edges_of(EdgeKind::kTooth), 40'000U);
+  ASSERT_EQ(rig.edges_of(EdgeKind::kTooth), 40'000U) << "declared lost: " << rig.edges_of(EdgeKind::kLost)
+                                                     << ", late: " << rig.counted(DeviceCounter::kLateEdges);
   ASSERT_EQ(rig.edges.size(), 40'000U) << "nothing else";
   const std::int64_t machine_ns = machine_minus(CLOCK_MONOTONIC).count();
   std::int64_t worst_ns = 0;
@@ -117,6 +118,28 @@ TEST(GpioSource, AnUnpluggedChipIsSaidToBeGoneAndGivesEdgesAgainWhenItIsBack) {
   }
   for (const std::uint8_t line : std::to_array<std::uint8_t>({0, 1}))
     EXPECT_EQ(rig.edges_of(EdgeKind::kLost, line), 6U) << "gone and back";
+}
+
+TEST(GpioSource, SaysOnceWhyAChipThatIsBackCannotBeHad) {
+  GpioRig rig({{0, 3, {}, {}}});
+  const std::string chip = PulseChip::name();  // it is called otherwise when it is back
+  const std::string at_start = rig.warnings;
+  PulseChip::unplug();
+  rig.take_for(100'000'000);
+  ASSERT_EQ(rig.counted(DeviceCounter::kGone), 1);
+  PulseChip::plug();
+  gpiod_chip* const other = gpiod_chip_open_by_name(PulseChip::name().c_str());
+  ASSERT_TRUE(other);
+  ASSERT_EQ(gpiod_line_request_input(gpiod_chip_get_line(other, 3), "somebody else"), 0);
+  rig.take_for(4'000'000'000);
+  EXPECT_EQ(rig.counted(DeviceCounter::kReturned), 0);
+  gpiod_chip_close(other);
+  rig.take_for(1'000'000'000);
+  EXPECT_EQ(rig.counted(DeviceCounter::kReturned), 1);
+  EXPECT_EQ(rig.warnings, at_start + "[[node.line]] line 0 of node " + rig.vehicle.node[0].name +
+                              ": tooth_gpio: GPIO 3 of " + chip + ": in use by \"somebody else\"\n");
+  rig.play(pulses(3, 100));
+  EXPECT_EQ(rig.edges_of(EdgeKind::kTooth), 100U);
 }
 
 TEST(GpioSource, WhatCannotBeHadIsRefusedByTheNameOfItsKey) {
