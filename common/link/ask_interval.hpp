@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 
 #include "common/clock/clocks.hpp"
 
@@ -22,10 +23,12 @@ class AskInterval {
 
   /// A block came `after` the only question for it.
   void answered_once(WallClock::duration after) {
-    // Answers that waited at the node behind others are no round trip: what is shorter counts at once.
-    const bool is_news = round_trip_.count() == 0 || after < round_trip_;
-    round_trip_ = is_news ? after : (31 * round_trip_ + after) / 32;
-    interval_ = std::clamp(2 * round_trip_, shortest_, kLongest);
+    // Answers that waited at the node behind others are no round trip, and after a pulled cable there are
+    // hundreds of them: the shortest of the last one to two runs counts.
+    shortest_of_run_ = std::min(shortest_of_run_, after);
+    interval_ = std::clamp(2 * std::min(shortest_of_run_, shortest_before_), shortest_, kLongest);
+    if (++answers_ % kRun != 0) return;
+    shortest_before_ = std::exchange(shortest_of_run_, WallClock::duration::max() / 2);
   }
   /// A block came that was asked for again.
   void answered_late() { too_soon_ = std::max(0, too_soon_ - 1); }
@@ -41,9 +44,13 @@ class AskInterval {
   static constexpr WallClock::duration kLongest = std::chrono::milliseconds(500);
   static constexpr WallClock::duration kLongestGuess = std::chrono::milliseconds(100);
 
+  static constexpr int kRun = 1024;  ///< answers
+
   const WallClock::duration shortest_;
   WallClock::duration interval_;
-  WallClock::duration round_trip_{};
+  WallClock::duration shortest_of_run_ = WallClock::duration::max() / 2;
+  WallClock::duration shortest_before_ = WallClock::duration::max() / 2;  ///< of the run before
+  int answers_ = 0;
   int too_soon_ = 0;
 };
 
