@@ -73,8 +73,9 @@ MachineTime BenchBoard::conversion_time(std::int64_t k) const {
   return time_of(start_ticks_ + static_cast<std::uint64_t>(k + 1) * configuration_.ticks_per_scan);
 }
 
-void BenchBoard::change_lines(MachineTime until) {
-  while (change_ && change_->time <= until) {
+void BenchBoard::change_lines(std::uint64_t until_ticks) {
+  // By stamps: what shares a conversion's tick comes before it, as board::Hardware demands.
+  while (change_ && (change_->time <= bench_.powered || ticks_at(change_->time) <= until_ticks)) {
     level_[change_->line][static_cast<std::size_t>(change_->signal)] = change_->high;
     if (running_) board_->line_change(change_->line, change_->signal, change_->high, ticks_at(change_->time));
     change_ = bench_.next_change();
@@ -82,7 +83,11 @@ void BenchBoard::change_lines(MachineTime until) {
 }
 
 void BenchBoard::convert(MachineTime time) {
-  change_lines(time);
+  const bool exact = mode_ != board::StartMode::kFollower;
+  const std::uint64_t period = configuration_.ticks_per_scan;
+  const std::uint64_t stamp =
+      exact ? start_ticks_ + static_cast<std::uint64_t>(conversions_ + 1) * period : ticks_at(time);
+  change_lines(stamp);
   now_ = std::max(now_, time);
   board::ScanWords words{};
   if (bench_.words) words = bench_.words(conversions_, time);
@@ -90,10 +95,6 @@ void BenchBoard::convert(MachineTime time) {
     for (std::size_t k = 0; k < codes_.size(); ++k)
       words[board::kInputChannels + k] = static_cast<std::uint32_t>(
           std::lround(codes_[k] * (kFullScale / board::ReferenceGenerator::kFullScaleCode)));
-  const bool exact = mode_ != board::StartMode::kFollower;
-  const std::uint64_t period = configuration_.ticks_per_scan;
-  const std::uint64_t stamp =
-      exact ? start_ticks_ + static_cast<std::uint64_t>(conversions_ + 1) * period : ticks_at(time);
   board_->scan(words, 0, stamp);
   if (configuration_.references_on) board_->update_references(stamp + period / 2);
   ++conversions_;
@@ -112,7 +113,7 @@ void BenchBoard::advance(MachineTime now) {
     convert(time);
     if (mode_ == board::StartMode::kMaster && follower_ && follower_->running_) follower_->convert(time);
   }
-  change_lines(now);
+  change_lines(ticks_at(now));
   now_ = std::max(now_, now);
 }
 

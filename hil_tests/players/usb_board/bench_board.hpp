@@ -79,7 +79,7 @@ class BenchBoard final : private board::Hardware {
   Nanoseconds tick() const;
   std::uint64_t ticks_at(MachineTime time) const;
   MachineTime time_of(std::uint64_t ticks) const;
-  void change_lines(MachineTime until);
+  void change_lines(std::uint64_t until_ticks);
   void convert(MachineTime time);
 
   Bench bench_;

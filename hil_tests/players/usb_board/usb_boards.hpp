@@ -36,6 +36,7 @@ class UsbBoards {
 
   std::mutex mutex_;  ///< whoever holds it has the boards
   std::vector<std::unique_ptr<UsbBoard>> board_;
+  MachineTime served_ = MachineClock::now();  ///< they have lived until then
   std::jthread thread_;
 };
 

@@ -32,8 +32,16 @@ inline VehicleConfig board_vehicle() {
   return vehicle;
 }
 
+/// At every so-manieth conversion one input after the other, but the first, is beyond its range.
+inline constexpr std::int64_t kOverloads = 7001;
+inline std::size_t overloaded_input(std::int64_t k) {
+  const auto turn = static_cast<std::size_t>(k / kOverloads);
+  return k % kOverloads == kOverloads - 1 ? 1 + turn % (board::kInputChannels - 1) : 0;
+}
+
 /// What conversion k of a run is at an input: channel 0 says k.
 inline std::int32_t input_counts(std::int64_t k, std::size_t channel) {
+  if (channel > 0 && channel == overloaded_input(k)) return kFullScaleCounts - 1;
   return channel == 0 ? static_cast<std::int32_t>(k & 0x3FFFFF)
                       : static_cast<std::int32_t>((k * 7919 + static_cast<std::int64_t>(channel) * 104'729) %
                                                   8'000'000) -
@@ -48,6 +56,24 @@ inline Bench numbered_bench(const std::string& serial, double ppm = 0.0) {
     board::ScanWords words{};
     for (std::size_t c = 0; c < board::kInputChannels; ++c)
       words[c] = static_cast<std::uint32_t>(input_counts(k, c)) & 0xFFFFFF;
+    return words;
+  };
+  return bench;
+}
+
+/// Its inputs but the first, which says the number of the conversion, say when it is: shared by two boards it
+/// tells whether theirs were at the same instant, whatever each counts.
+inline Bench timed_bench(const std::string& serial, double ppm) {
+  Bench bench;
+  bench.serial = serial;
+  bench.oscillator_ppm = ppm;
+  bench.words = [](std::int64_t k, MachineTime time) {
+    board::ScanWords words{};
+    words[0] = static_cast<std::uint32_t>(k & 0x3FFFFF);
+    for (std::size_t c = 1; c < board::kInputChannels; ++c) {
+      const std::int64_t counts = (to_ns(time) / 100 + static_cast<std::int64_t>(c) * 104'729) % 8'000'000;
+      words[c] = static_cast<std::uint32_t>(counts - 4'000'000) & 0xFFFFFF;
+    }
     return words;
   };
   return bench;
@@ -72,12 +98,18 @@ struct Jump {
   MachineTime came{};  ///< when the first scan behind it was read
 };
 
+/// Who else looks at what comes, and how many inputs are those of a numbered bench.
+struct AlsoLooks {
+  std::function<void(const Scan&)> scan;
+  std::function<void(const Edge&)> edge;
+  std::size_t inputs = board::kInputChannels;
+};
+
 /// Reads a front end as a node does, in a thread of real-time priority, checks every scan of numbered
 /// benches, and seals what it reads.
 class BoardWatch final : private FrontEnd {
  public:
-  /// @param also  checks each scan, too
-  BoardWatch(FrontEnd& front_end, const VehicleConfig& vehicle, std::function<void(const Scan&)> also = {})
+  BoardWatch(FrontEnd& front_end, const VehicleConfig& vehicle, AlsoLooks also = {})
       : inside_(front_end), vehicle_(vehicle), also_(std::move(also)) {
     thread_ = std::jthread([this] { seal(); });
     const sched_param priority{40};
@@ -101,7 +133,6 @@ class BoardWatch final : private FrontEnd {
   const std::vector<Jump>& jumps() const { return jumps_; }
   const std::vector<GapBlock>& gaps() const { return gaps_; }
   const EndBlock& end_block() const { return end_; }
-  std::int64_t edges() const { return edges_; }
   std::int64_t wrong_scans() const { return wrong_; }
   const Scan& last() const { return last_; }
 
@@ -110,7 +141,8 @@ class BoardWatch final : private FrontEnd {
     while (held_.load(std::memory_order_relaxed)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     Read read = inside_.read(scans, edges, signals);
     for (const Scan& scan : scans.first(read.scans)) look(scan);
-    edges_ += static_cast<std::int64_t>(read.edges);
+    if (also_.edge)
+      for (const Edge& edge : edges.first(read.edges)) also_.edge(edge);
     if (over_.load(std::memory_order_relaxed)) read.status = ReadStatus::kEnd;
     return read;
   }
@@ -122,9 +154,12 @@ class BoardWatch final : private FrontEnd {
     // Within a run the board's own number goes as the index does; behind an absence it begins anew.
     const std::int64_t steps = scan.index - last_.index;
     bool right = first || scan.after_absence || scan.counts[0] - last_.counts[0] == steps;
-    for (std::size_t c = 1; c < 6; ++c) right = right && scan.counts[c] == input_counts(scan.counts[0], c);
-    if (!right || scan.overload != 0) ++wrong_;
-    if (also_) also_(scan);
+    for (std::size_t c = 1; c < also_.inputs; ++c)
+      right = right && scan.counts[c] == input_counts(scan.counts[0], c);
+    const std::size_t beyond = overloaded_input(scan.counts[0]);
+    const bool is_beyond = beyond > 0 && beyond < also_.inputs;
+    if (!right || scan.overload != (is_beyond ? 1u << beyond : 0u)) ++wrong_;
+    if (also_.scan) also_.scan(scan);
     last_ = scan;
     scans_.fetch_add(1, std::memory_order_relaxed);
   }
@@ -138,13 +173,13 @@ class BoardWatch final : private FrontEnd {
 
   FrontEnd& inside_;
   const VehicleConfig& vehicle_;
-  const std::function<void(const Scan&)> also_;
+  const AlsoLooks also_;
   std::atomic<bool> over_{false}, held_{false};
   std::atomic<std::int64_t> scans_{0};
   std::vector<Jump> jumps_;
   std::vector<GapBlock> gaps_;
   EndBlock end_{};
-  std::int64_t edges_ = 0, wrong_ = 0;
+  std::int64_t wrong_ = 0;
   Scan last_{};
   std::jthread thread_;
 };

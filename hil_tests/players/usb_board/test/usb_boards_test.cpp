@@ -94,6 +94,19 @@ TEST(UsbBoards, FirmwareOfAnotherMajorVersionIsRefusedNamingBoth) {
   EXPECT_NE(text.find("the board speaks protocol 2.0, this node 1.0"), std::string::npos);
 }
 
+TEST(UsbBoards, FirmwareOfAnOlderMajorVersionIsRefusedNamingBoth) {
+  const VehicleConfig car = test::board_vehicle();
+  test::Bench bench = numbered_bench("PAST");
+  bench.major = 0;
+  UsbBoards boards({bench});
+  boards.plug();
+  const std::string text = lasting_refusal("1209:0001:PAST", car);
+  EXPECT_NE(
+      text.find("usb:1209:0001:PAST: the board speaks protocol 0.0, this node 1.0; newer firmware of the "
+                "board is needed"),
+      std::string::npos);
+}
+
 TEST(UsbBoards, FirmwareOfANewerMinorVersionWorks) {
   const VehicleConfig car = test::board_vehicle();
   test::Bench bench = numbered_bench("NEWER");
@@ -113,16 +126,18 @@ TEST(UsbBoards, FirmwareOfANewerMinorVersionWorks) {
 
 TEST(UsbBoards, TwoStayTogetherAndReturnTogether) {
   const VehicleConfig car = test::board_vehicle();
-  UsbBoards boards({numbered_bench("MASTER", 60.0), numbered_bench("SECOND", -60.0)});
+  UsbBoards boards({test::timed_bench("MASTER", 60.0), test::timed_bench("SECOND", -60.0)});
   boards.plug(0);
   boards.plug(1);
   std::int64_t apart = 0;
   const auto front_end = open_when_enumerated({"1209:0001:MASTER+SECOND", car, car.node[0]});
   {
-    BoardWatch watch(*front_end, car, [&](const Scan& scan) {
+    // Number and instant of the conversion, at six inputs of either board.
+    const auto compare = [&](const Scan& scan) {
       for (std::size_t c = 0; c < 6; ++c)
         if (scan.counts[6 + c] != scan.counts[c]) ++apart;
-    });
+    };
+    BoardWatch watch(*front_end, car, {.scan = compare, .edge = {}, .inputs = 1});
     EXPECT_TRUE(watch.more_scans(20'000));
     boards.unplug(1);
     boards.plug(1);
