@@ -10,8 +10,10 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "common/config/text_file.hpp"
 #include "common/test/source.hpp"
 #include "hil_tests/guest/can_player.hpp"
+#include "hil_tests/guest/pulse_chip.hpp"
 #include "hil_tests/measurement.hpp"
 #include "hil_tests/players/drive_comparison.hpp"
 
@@ -24,9 +26,9 @@ constexpr double kDegrees = 180.0 / std::numbers::pi;
 /// Converters and boards are this far off, each its own: ppm.
 constexpr const char* kConverter[] = {"50", "-30"};
 constexpr const char* kNode[] = {"front", "rear"};
-/// What is compared of a drive begins here: every angle is known.
 /// Half of the coarsest code's step in car.dbc: 0.01 km/h, in m/s.
 constexpr double kHalfStep = 0.5 * 0.01 / 3.6 + 1e-9;
+/// What is compared of a drive begins here: every angle is known.
 constexpr auto kSettled = std::chrono::seconds(1);
 
 /// How many front-end boards the kernel has enumerated.
@@ -126,7 +128,19 @@ class HilDriveTest : public test::Measurement {
     EXPECT_LE(std::abs(b - a), most * sim.unbalance_g);
   }
 
-  const std::string vehicle_file = test::source_path("hil_tests/players/demo/vehicle.toml");
+  /// The demo's car on the GPIO chip as it is called now: one that was unplugged came back by another name.
+  std::string wire_vehicle() const {
+    const std::filesystem::path demo = test::source_path("hil_tests/players/demo");
+    std::string text = read_text_file(demo / "vehicle.toml");
+    const std::string written = "gpio:gpiochip0";
+    for (std::size_t at = 0; (at = text.find(written, at)) != std::string::npos; at += written.size())
+      text.replace(at, written.size(), "gpio:" + test::PulseChip::name());
+    std::filesystem::copy_file(demo / "car.dbc", work.path() / "car.dbc");
+    std::ofstream(work.path() / "vehicle.toml") << text;
+    return work.path() / "vehicle.toml";
+  }
+
+  const std::string vehicle_file = wire_vehicle();
   const std::filesystem::path simulated = work.path() / "simulated", played = work.path() / "played";
   const test::VirtualCan bus_of_the_car{"vcan0"};
   const VehicleConfig vehicle = VehicleConfig::read_file(vehicle_file);
