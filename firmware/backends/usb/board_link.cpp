@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <future>
 
 #include "common/config/section.hpp"
 #include "common/process/realtime.hpp"
@@ -86,11 +87,19 @@ BoardLink::BoardLink(UsbAddress address, VehicleConfig vehicle, const NodeConfig
       node_(node),
       report_(std::move(reports)),
       warn_(std::move(warn)) {
-  auto session = begin_session({});
-  thread_ = std::jthread([this, session = std::move(session)](const std::stop_token& stop) mutable {
-    for (const std::string& refused : enter_realtime(kPriority)) say(0, refused);
+  std::promise<void> begun;
+  auto outcome = begun.get_future();
+  thread_ = std::jthread([this, begun = std::move(begun)](const std::stop_token& stop) mutable {
+    std::unique_ptr<Session> session;
+    try {
+      session = begin_session(stop);
+    } catch (...) {
+      return begun.set_exception(std::current_exception());
+    }
+    begun.set_value();
     run(stop, std::move(session));
   });
+  outcome.get();
 }
 
 void BoardLink::say(std::size_t which, const std::string& text) const {
@@ -145,6 +154,9 @@ std::unique_ptr<BoardLink::Session> BoardLink::begin_session(std::stop_token sto
   room->kind = BoardDelivery::Kind::kRunBegin;
   room->run = run;
   inbox_.post();
+  // To keep memory in RAM takes long when there is much of it: longer than a board's ring holds edges.
+  for (const std::string& refused : enter_realtime(kPriority))
+    if (runs_ == 1) say(0, refused);
   session->token = run.token;
   start(*session);
   return session;
@@ -212,6 +224,7 @@ std::unique_ptr<BoardLink::Session> BoardLink::find_again(std::stop_token stop) 
     try {
       return begin_session(stop);
     } catch (const std::runtime_error& error) {  // UsbError, or ConfigError of another board than before
+      leave_realtime();
       if (error.what() != said && WallClock::now() - since > kPatience) {
         said = error.what();
         warn_(said);
@@ -230,7 +243,6 @@ void BoardLink::run(std::stop_token stop, std::unique_ptr<Session> session) {
     // Looking for a board takes the processor from those who read other devices.
     leave_realtime();
     session = find_again(stop);
-    static_cast<void>(enter_realtime(kPriority));  // what is refused was said at the beginning
     if (session)
       for (DeviceReport* report : report_) report->count(DeviceCounter::kReturned);
   }
