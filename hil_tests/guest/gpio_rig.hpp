@@ -8,6 +8,7 @@
 #include <thread>
 #include <vector>
 
+#include "common/frontend/dropped_edges.hpp"
 #include "common/link/blocks.hpp"
 #include "firmware/backends/gpio/gpio_source.hpp"
 #include "hil_tests/guest/pulse_chip.hpp"
@@ -46,9 +47,11 @@ class GpioRig {
   std::vector<Edge> edges;
   std::vector<gpio_pulse_step> truth;
   std::int64_t machine_minus_monotonic_ns = 0;
+  bool in_real_time = false;  ///< edges may come late and are then marked as missing
 
  private:
   void take();
+  DroppedEdges dropped_;
   NodeTime complete_ = NodeTime::min();
 };
 

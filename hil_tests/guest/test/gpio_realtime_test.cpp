@@ -28,6 +28,7 @@ constexpr std::int64_t kFit_ns = 25'000'000;  // half of what an angle is fitted
 /// A ring played to a node; prints what became of it.
 void expect_no_silence(int teeth, double turns_hz) {
   test::GpioRig rig({{0, static_cast<int>(kTooth), {}, static_cast<int>(kMark)}}, teeth);
+  rig.in_real_time = true;
   rig.vehicle.wheel[1].node = "";
   test::RingProgram program{kTooth, kMark, teeth, turns_hz, 0, static_cast<int>(kSeconds * turns_hz)};
   program.begin_ns = PulseChip::now_ns() + 200'000'000;
