@@ -139,10 +139,13 @@ bool Sealer::seal_next(NodeTime edges_through, bool at_once) noexcept {
   const Run run = next_run();
   if (run.scans == 0 || !(run.whole || at_once)) return false;
   const NodeTime first = at(head_).time, last = at(head_ + run.scans - 1).time;
+  const bool waited = now_ - last >= NodeClock::duration(kLongestWait_ns);
+  // What a wheel's teeth have not told is not asked for anew at every scan, nor are the other wheel's angles.
+  if (!waited && !at_once && tail_ < next_attempt_) return false;
   const bool complete = at_once || edges_through >= reference_.complete_at(last);
   const bool located = complete && reference_.locate(first, run.scans);
   if (!located) {
-    const bool waited = now_ - last >= NodeClock::duration(kLongestWait_ns);
+    if (complete) next_attempt_ = tail_ + kScansPerBlock;
     if (!waited && !at_once) return false;
     if (!complete) static_cast<void>(reference_.locate(first, run.scans));
   }

@@ -108,8 +108,9 @@ class Sealer {
   // Scans not yet sealed, by position: how many came before since construction.
   std::vector<Scan> waiting_;
   std::int64_t head_ = 0, tail_ = 0;
-  std::int64_t jumps_ = 0;        ///< index jumps among the waiting scans
-  std::int64_t next_index_ = -1;  ///< device index after the last scan added
+  std::int64_t next_attempt_ = 0;  ///< at the angles of scans whose angles were not known
+  std::int64_t jumps_ = 0;         ///< index jumps among the waiting scans
+  std::int64_t next_index_ = -1;   ///< device index after the last scan added
   std::int64_t keep_from_ = kNever, keep_to_ = kNever;
   NodeTime now_{};
 
