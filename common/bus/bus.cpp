@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "common/bus/datagram_filter.hpp"
+#include "common/bus/other_wire.hpp"
 
 namespace roadbalance {
 namespace {
@@ -110,6 +111,7 @@ struct Bus::State {
   struct Subscription {
     Handler handler;
     std::exception_ptr* failure;
+    OtherWire* other_wire;
   };
 
   std::string url;
@@ -117,6 +119,7 @@ struct Bus::State {
   std::list<Subscription> subscriptions;
   std::exception_ptr failure;
   DatagramFilter filter;
+  OtherWire other_wire;
 
   ~State() {
     if (lcm) lcm_destroy(lcm);
@@ -124,8 +127,10 @@ struct Bus::State {
 
   static void on_message(const lcm_recv_buf_t* received, const char* channel, void* user) {
     auto& subscription = *static_cast<Subscription*>(user);
+    const std::span bytes(static_cast<const std::uint8_t*>(received->data), received->data_size);
     try {
-      subscription.handler(channel, {static_cast<const std::uint8_t*>(received->data), received->data_size});
+      subscription.other_wire->take(channel, bytes);
+      subscription.handler(channel, bytes);
     } catch (...) {
       *subscription.failure = std::current_exception();
     }
@@ -142,8 +147,8 @@ Bus::Bus(const std::string& url) : state_(std::make_unique<State>()) {
 Bus::~Bus() = default;
 
 void Bus::subscribe(const std::string& pattern, Handler handler) {
-  auto& subscription =
-      state_->subscriptions.emplace_back(State::Subscription{std::move(handler), &state_->failure});
+  auto& subscription = state_->subscriptions.emplace_back(
+      State::Subscription{std::move(handler), &state_->failure, &state_->other_wire});
   // LCM opens its socket with the first subscription.  One at a time, so that the socket without a filter is
   // this bus's.
   static std::mutex one_at_a_time;
@@ -163,6 +168,10 @@ bool Bus::publish(const std::string& channel, std::span<const std::uint8_t> byte
 
 std::int64_t Bus::dropped() const {
   return state_->filter.dropped();
+}
+
+std::vector<std::string> Bus::other_versions() {
+  return state_->other_wire.sentences();
 }
 
 int Bus::handle(std::chrono::milliseconds timeout) {

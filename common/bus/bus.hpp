@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/link/block.hpp"
 
@@ -64,6 +65,10 @@ class Bus {
 
   /// Datagrams that never came this far: no message of one packet (see DatagramFilter), or no room left.
   std::int64_t dropped() const;
+
+  /// For people, since the last call: who on the subscribed channels is of another version of the wire (see
+  /// OtherWire).
+  std::vector<std::string> other_versions();
 
  private:
   struct State;

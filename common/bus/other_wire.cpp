@@ -1,0 +1,123 @@
+#include "common/bus/other_wire.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <optional>
+#include <wire/ack_t.hpp>
+#include <wire/balance_t.hpp>
+#include <wire/clock_fit_t.hpp>
+#include <wire/command_t.hpp>
+#include <wire/edge_block_t.hpp>
+#include <wire/end_t.hpp>
+#include <wire/gap_t.hpp>
+#include <wire/heartbeat_t.hpp>
+#include <wire/identification_t.hpp>
+#include <wire/level_t.hpp>
+#include <wire/meta_t.hpp>
+#include <wire/recorder_t.hpp>
+#include <wire/reply_t.hpp>
+#include <wire/scan_block_t.hpp>
+#include <wire/signal_block_t.hpp>
+#include <wire/spectrum_t.hpp>
+
+#include "common/bus/wire_format.hpp"
+
+namespace roadbalance {
+namespace {
+
+enum class Speaker { kNode, kRecorder, kAnalyser };
+
+/// What is said on channels "front" + number of a node + "back", or on "front" alone.
+struct Kind {
+  std::string_view front, back;
+  std::int64_t fingerprint;
+  Speaker speaker;
+  bool of_a_node = true;
+  bool has_crc = true;
+};
+
+const std::array<Kind, 17>& kinds() {
+  static const std::array<Kind, 17> all{{
+      {"RB_BLOCK_", "_SCAN", wire::scan_block_t::getHash(), Speaker::kNode},
+      {"RB_BLOCK_", "_EDGE", wire::edge_block_t::getHash(), Speaker::kNode},
+      {"RB_BLOCK_", "_GAP", wire::gap_t::getHash(), Speaker::kNode},
+      {"RB_BLOCK_", "_META", wire::meta_t::getHash(), Speaker::kNode},
+      {"RB_BLOCK_", "_END", wire::end_t::getHash(), Speaker::kNode},
+      {"RB_BLOCK_", "_SIGNAL", wire::signal_block_t::getHash(), Speaker::kNode},
+      {"RB_PREVIEW_", "", wire::scan_block_t::getHash(), Speaker::kNode},
+      {"RB_HEARTBEAT_", "", wire::heartbeat_t::getHash(), Speaker::kNode},
+      {"RB_REPLY_", "", wire::reply_t::getHash(), Speaker::kNode},
+      {"RB_ACK_", "", wire::ack_t::getHash(), Speaker::kRecorder},
+      {"RB_COMMAND_", "", wire::command_t::getHash(), Speaker::kRecorder},
+      {"RB_CLOCK_", "", wire::clock_fit_t::getHash(), Speaker::kRecorder},
+      {"RB_RECORDER", "", wire::recorder_t::getHash(), Speaker::kRecorder, false},
+      {"RB_LEVEL", "", wire::level_t::getHash(), Speaker::kAnalyser, false, false},
+      {"RB_SPECTRUM", "", wire::spectrum_t::getHash(), Speaker::kAnalyser, false, false},
+      {"RB_IDENTIFICATION", "", wire::identification_t::getHash(), Speaker::kAnalyser, false, false},
+      {"RB_BALANCE", "", wire::balance_t::getHash(), Speaker::kAnalyser, false, false},
+  }};
+  return all;
+}
+
+bool is_of(std::string_view channel, const Kind& kind) {
+  if (!kind.of_a_node) return channel == kind.front;
+  if (!channel.starts_with(kind.front) || !channel.ends_with(kind.back)) return false;
+  if (channel.size() <= kind.front.size() + kind.back.size()) return false;
+  channel.remove_prefix(kind.front.size());
+  channel.remove_suffix(kind.back.size());
+  return std::all_of(channel.begin(), channel.end(), [](char c) { return '0' <= c && c <= '9'; });
+}
+
+const Kind* kind_of(std::string_view channel) {
+  const auto found = std::find_if(kinds().begin(), kinds().end(),
+                                  [channel](const Kind& kind) { return is_of(channel, kind); });
+  return found == kinds().end() ? nullptr : &*found;
+}
+
+std::string node_of(std::string_view channel, const Kind& kind) {
+  const auto digits =
+      channel.substr(kind.front.size(), channel.size() - kind.front.size() - kind.back.size());
+  return "node " + std::string(digits);
+}
+
+std::string hexadecimal(std::int64_t fingerprint) {
+  char text[24];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(fingerprint));
+  return text;
+}
+
+std::string sentence(std::string_view channel, const Kind& kind, std::int64_t theirs) {
+  std::string who = "an analyser";
+  if (kind.speaker == Speaker::kNode) who = node_of(channel, kind);
+  if (kind.speaker == Speaker::kRecorder)
+    who = "a recorder" + (kind.of_a_node ? " that speaks to " + node_of(channel, kind) : std::string());
+  return who + " is of another version of the wire (" + std::string(channel) + ": " + hexadecimal(theirs) +
+         ", here " + hexadecimal(kind.fingerprint) +
+         "): what it says there is ignored; install the same release of roadbalance on every computer of "
+         "this "
+         "bus";
+}
+
+}  // namespace
+
+void OtherWire::take(std::string_view channel, std::span<const std::uint8_t> bytes) {
+  if (bytes.size() < 8) return;
+  const std::int64_t theirs = wire_format::load_i64(bytes.data());
+  const bool is_ours = std::any_of(kinds().begin(), kinds().end(),
+                                   [theirs](const Kind& kind) { return kind.fingerprint == theirs; });
+  if (is_ours) return;
+  const Kind* kind = kind_of(channel);
+  if (!kind || (kind->has_crc && !ends_with_its_crc(bytes))) return;
+  const std::pair key(std::string(channel), theirs);
+  const auto known = told_.find(key);
+  if (known == told_.end()) {
+    if (told_.size() >= kMostVersions) return;
+    told_[key] = kind->has_crc;
+    if (kind->has_crc) sentences_.push_back(sentence(channel, *kind, theirs));
+  } else if (!std::exchange(known->second, true)) {
+    sentences_.push_back(sentence(channel, *kind, theirs));
+  }
+}
+
+}  // namespace roadbalance
