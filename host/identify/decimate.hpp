@@ -19,9 +19,8 @@ struct IdentificationSample {
 /// Brings all signals to the identification rate with one linear-phase low-pass, so that the relations
 /// between them stay as they are.
 ///
-/// Kaiser-windowed sinc, cut-off at 0.4 of the new rate, 8 new samples to each side, beta = 8 (stop band
-/// -81 dB).  Output samples lie on grid indices that are multiples of the factor, whatever was missing
-/// before.
+/// The low-pass is decimation_taps.  Output samples lie on grid indices that are multiples of the factor,
+/// whatever was missing before.
 class Decimator {
  public:
   using Emit = std::function<void(const IdentificationSample&)>;
