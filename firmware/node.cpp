@@ -123,7 +123,7 @@ void run_node(std::stop_token stop, const VehicleConfig& vehicle, const NodeConf
   Parallel processes;
   const std::stop_callback pass_on(stop, [&processes] { processes.request_stop(); });
   processes.run([&](std::stop_token stop_here) {
-    uplink(stop_here, options.bus_url, node.id, node_link);
+    uplink(stop_here, options.bus_url, node.id, node_link, options.warn);
     processes.request_stop();  // acquire has ended; the clock answers as long as the node lives
   });
   processes.run([&](std::stop_token stop_here) { keep_diary(stop_here, front_end, options); });

@@ -19,10 +19,10 @@ struct NodeOptions {
   /// Where blocks go when the ring is half full, in a folder of this run; empty: nowhere.
   std::filesystem::path spool{};
   std::uint64_t spool_bytes = std::uint64_t{1} << 30;
-  /// Hears what the devices suffer, what earlier runs left in the spool, what the system refuses of real-time
-  /// priority and locked memory (a device that waits for its reader has no deadline and asks for neither),
-  /// and at the end how many scans the device numbered backwards and what stays in the spool because no
-  /// recorder took it.  Called from several threads.
+  /// Hears which recorder is of another version of the wire, what the devices suffer, what earlier runs left
+  /// in the spool, what the system refuses of real-time priority and locked memory (a device that waits for
+  /// its reader has no deadline and asks for neither), and at the end how many scans the device numbered
+  /// backwards and what stays in the spool because no recorder took it.  Called from several threads.
   std::function<void(const std::string&)> warn = [](const std::string&) {};
 };
 

@@ -78,7 +78,7 @@ const Kind* kind_of(std::string_view channel) {
 std::string node_of(std::string_view channel, const Kind& kind) {
   const auto digits =
       channel.substr(kind.front.size(), channel.size() - kind.front.size() - kind.back.size());
-  return "node " + std::string(digits);
+  return digits == "0" ? "a recorder" : "node " + std::string(digits);  // 0: the host's own blocks
 }
 
 std::string hexadecimal(std::int64_t fingerprint) {

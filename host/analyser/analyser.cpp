@@ -1,6 +1,7 @@
 #include "host/analyser/analyser.hpp"
 
 #include <chrono>
+#include <functional>
 #include <optional>
 #include <thread>
 
@@ -20,7 +21,7 @@ void run_analyser(std::stop_token stop, const AnalyserOptions& options) {
 
   Parallel processes;
   const std::stop_callback pass_on(stop, [&] { processes.request_stop(); });
-  processes.run(live_view, options.url, *vehicle);
+  processes.run(live_view, options.url, *vehicle, std::cref(options.on_warning));
   processes.run([&](std::stop_token stop_here) {
     follow_record(stop_here, options, *vehicle);
     processes.request_stop();

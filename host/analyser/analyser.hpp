@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <stop_token>
 #include <string>
 
@@ -10,6 +11,8 @@ struct AnalyserOptions {
   std::string url;               ///< of the bus
   std::filesystem::path record;  ///< folder that the recorder writes
   bool exit_at_end = false;      ///< return once every node has ended and the last estimate is out
+  /// Hears who on the bus is of another version of the wire.  Called from several threads.
+  std::function<void(const std::string&)> on_warning = [](const std::string&) {};
 };
 
 /// Process: record and bus -> results on the bus.
@@ -19,7 +22,9 @@ struct AnalyserOptions {
 /// complete, in sequence).  Knows nothing that the record does not say.
 ///
 /// Returns when told to stop.
-/// @throws ConfigError if the record's vehicle cannot be analysed, std::runtime_error if there is no bus
+/// @throws ConfigError if the record's vehicle cannot be analysed, std::runtime_error if there is no bus or
+/// the
+///         record is of another version of the wire
 void run_analyser(std::stop_token stop, const AnalyserOptions& options);
 
 }  // namespace roadbalance

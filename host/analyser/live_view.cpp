@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
@@ -68,6 +69,8 @@ class LiveView {
     }
   }
 
+  std::vector<std::string> other_versions() { return bus_.other_versions(); }
+
  private:
   void add(std::span<const std::uint8_t> bytes) {
     if (accept(bytes, *block_) != Refusal::kNone) return;
@@ -88,9 +91,13 @@ class LiveView {
 
 }  // namespace
 
-void live_view(std::stop_token stop, const std::string& url, const VehicleConfig& vehicle) {
+void live_view(std::stop_token stop, const std::string& url, const VehicleConfig& vehicle,
+               const std::function<void(const std::string&)>& warn) {
   LiveView view(url, vehicle);
-  while (!stop.stop_requested()) view.step();
+  while (!stop.stop_requested()) {
+    view.step();
+    for (const std::string& sentence : view.other_versions()) warn(sentence);
+  }
 }
 
 }  // namespace roadbalance

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <stop_token>
 #include <string>
 
@@ -10,6 +11,8 @@ namespace roadbalance {
 /// Process: blocks and previews from the bus -> levels ten times and spectra once a second (wall time).
 ///
 /// It asks nobody for repairs: what it did not see it counts in Level::skipped.
-void live_view(std::stop_token stop, const std::string& url, const VehicleConfig& vehicle);
+/// @param warn  hears who is of another version of the wire
+void live_view(std::stop_token stop, const std::string& url, const VehicleConfig& vehicle,
+               const std::function<void(const std::string&)>& warn);
 
 }  // namespace roadbalance

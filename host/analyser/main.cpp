@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <string>
 #include <system_error>
 
 #include "common/bus/bus.hpp"
@@ -22,6 +23,9 @@ int main(int argc, char** argv) {
   const roadbalance::StopOnSignal signals;
   roadbalance::AnalyserOptions options;
   options.url = roadbalance::default_bus_url();
+  options.on_warning = [](const std::string& sentence) {
+    std::fprintf(stderr, "rb-analyser: %s\n", sentence.c_str());
+  };
   CLI::App app("Turns a growing record and the live bus into levels, spectra, identification and balance.");
   app.add_option("--url", options.url, "LCM address of the bus")->capture_default_str();
   app.add_option("--record", options.record, "folder that rb-recorder writes")->required();

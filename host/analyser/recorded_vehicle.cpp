@@ -2,12 +2,14 @@
 
 #include <map>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <system_error>
 #include <tuple>
 #include <utility>
 
 #include "common/bus/codec.hpp"
+#include "common/bus/other_wire.hpp"
 #include "common/record/record.hpp"
 
 namespace roadbalance {
@@ -35,7 +37,9 @@ std::optional<VehicleConfig> recorded_vehicle(const std::filesystem::path& folde
   std::map<std::pair<int, std::int64_t>, std::map<int, std::string>> parts;  // of a node's epoch
   std::optional<VehicleConfig> vehicle;
   const auto block = std::make_unique<SealedBlock>();
+  OtherWire other_wire;
   while (const auto event = reader.next()) {
+    other_wire.take(event->channel, event->data);
     if (accept(event->data, *block) != Refusal::kNone) continue;
     if (vehicle && block->kind == BlockKind::kScan) {
       set_rate(*vehicle, decode_scan(*block).period_ps);
@@ -51,6 +55,8 @@ std::optional<VehicleConfig> recorded_vehicle(const std::filesystem::path& folde
     for (const auto& [number, part] : text) whole += part;
     vehicle = VehicleConfig::parse(whole, folder.string() + ": vehicle.toml");
   }
+  if (const auto other = other_wire.sentences(); !other.empty())
+    throw std::runtime_error("recording " + folder.string() + ": " + other.front());
   return std::nullopt;
 }
 

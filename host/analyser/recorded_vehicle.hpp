@@ -9,7 +9,9 @@ namespace roadbalance {
 
 /// The vehicle.toml that the first node stored in a recording, with the rate at which the samples were really
 /// taken in place of the nominal one; nothing while the description or the first scan is not there.
-/// @throws ConfigError if it is complete and cannot be used
+/// @throws ConfigError if it is complete and cannot be used, std::runtime_error naming who is of another
+/// version of the wire
+///         if the recording holds nothing else
 std::optional<VehicleConfig> recorded_vehicle(const std::filesystem::path& folder);
 
 }  // namespace roadbalance

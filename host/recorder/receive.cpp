@@ -60,6 +60,7 @@ class Reception {
     raise_incarnation_if_needed(now);
     link_.turn(now, publish_);
     for (const auto& sentence : link_.warnings()) warn(sentence);
+    for (const auto& sentence : bus_.other_versions()) warn(sentence);
     if (now - status_at_ >= kStatus) say_status(now);
     WriteBatch batch{.deliveries = link_.deliveries(), .device_notes = link_.device_notes()};
     if (now - counted_at_ >= kCounters) {

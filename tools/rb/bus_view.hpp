@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/control.hpp"
@@ -29,6 +30,9 @@ class BusView {
   /// The last handle() saw a recorder, a node or a clock come, go or change its state: more than counters
   /// that go on.
   bool state_changed() const { return state_changed_; }
+
+  /// For people, since the last call: who on the bus is of another version of the wire.
+  std::vector<std::string> other_versions() { return bus_.other_versions(); }
 
   bool heard_anything() const {
     return identification_ || !levels_.empty() || !heartbeats_.empty() || !recorders_.empty() ||

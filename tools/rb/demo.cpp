@@ -2,6 +2,8 @@
 #include <chrono>
 #include <cstdio>
 #include <memory>
+#include <stdexcept>
+#include <string>
 
 #include "common/process/stop_on_signal.hpp"
 #include "sim/truth.hpp"
@@ -9,6 +11,7 @@
 #include "tools/rb/command.hpp"
 #include "tools/rb/demo_plan.hpp"
 #include "tools/rb/demo_report.hpp"
+#include "tools/rb/demo_start.hpp"
 #include "tools/rb/demo_team.hpp"
 #include "tools/rb/readout.hpp"
 #include "tools/rb/validators.hpp"
@@ -17,6 +20,28 @@ namespace roadbalance {
 namespace {
 
 constexpr std::chrono::milliseconds kStep{50};
+
+/// Ends a demo whose programs do not understand each other: they would wait for each other for ever.
+class Start {
+ public:
+  explicit Start(const VehicleConfig& vehicle) : vehicle_(vehicle) {}
+
+  /// @throws std::runtime_error naming who is of another version, or who has not begun in time
+  void check(BusView& view, const DemoTeam& team) {
+    if (const auto other = view.other_versions(); !other.empty()) throw std::runtime_error(other.front());
+    if (begun_) return;
+    const std::string idle = who_is_idle(vehicle_, view);
+    begun_ = idle.empty();
+    if (!begun_ && WallClock::now() - begin_ > kDemoStart)
+      throw std::runtime_error(idle + " after " + std::to_string(kDemoStart.count()) + " s" +
+                               team.last_words());
+  }
+
+ private:
+  const VehicleConfig& vehicle_;
+  const WallTime begin_ = WallClock::now();
+  bool begun_ = false;
+};
 
 int demo(const DemoOptions& options) {
   const StopOnSignal signals;
@@ -32,12 +57,14 @@ int demo(const DemoOptions& options) {
         options.drive_seconds, options.rate.c_str());
 
   const auto team = options.threads ? start_threads(plan) : start_processes(plan);
+  Start start(plan.vehicle());
   while (team->working()) {
     if (signals.token().stop_requested()) {
       std::fprintf(stderr, "rb demo: interrupted\n");
       return kAnswerIsNo;
     }
     const bool news = view.handle(kStep);
+    start.check(view, *team);
     if (!options.headless) screen.draw(demo_lines(view, truth), news);
   }
   const std::vector<NodeReport> recorded = team->finish();

@@ -36,6 +36,12 @@ class Processes final : public DemoTeam {
     return !all_ended;
   }
 
+  std::string last_words() const override {
+    std::string words = said(recorder_, "rb-recorder") + said(analyser_, "rb-analyser");
+    for (const auto& node : nodes_) words += said(node.program, "node " + node.name);
+    return words;
+  }
+
   std::vector<NodeReport> finish() override {
     recorder_.stop();
     while (!ended_well(recorder_, "rb-recorder")) std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -59,6 +65,9 @@ class Processes final : public DemoTeam {
     Child program;
   };
 
+  static std::string said(const Child& child, const std::string& name) {
+    return "; " + name + ": " + child.last_words();
+  }
   [[noreturn]] static void fail(const Child& child, const std::string& name) {
     throw std::runtime_error(name + " " + child.how_it_ended());
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "host/recorder/recorder.hpp"
@@ -19,6 +20,9 @@ class DemoTeam {
   /// True until every node has driven to the end and the analyser has sent its last estimate.
   /// @throws std::runtime_error naming the member that failed, with its reason
   virtual bool working() = 0;
+
+  /// "; rb-recorder: ...": what each member said last, as far as it is known.
+  virtual std::string last_words() const { return ""; }
 
   /// Ends the recorder in order, once nobody works any more.
   /// @returns what it has of every node epoch

@@ -37,6 +37,8 @@ int watch(const WatchOptions& options) {
   };
   while (!signals.token().stop_requested() && !over()) {
     bool news = view.handle(std::chrono::milliseconds(100));
+    for (const std::string& sentence : view.other_versions())
+      std::fprintf(stderr, "rb watch: %s\n", sentence.c_str());
     const auto silence = WallClock::now() - said_at;
     changed = changed || view.state_changed();
     news = news || (changed && silence >= kAtMostEvery) || silence >= kAtLeastEvery;

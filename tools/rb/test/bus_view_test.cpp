@@ -4,6 +4,8 @@
 
 #include "common/bus/clock_messages.hpp"
 #include "common/bus/process_port.hpp"
+#include "embedded/demo_vehicle.hpp"
+#include "tools/rb/demo_start.hpp"
 #include "tools/rb/watch_json.hpp"
 #include "tools/rb/watch_lines.hpp"
 
@@ -96,6 +98,21 @@ TEST_F(BusViewTest, ShowsRecordersAndWhatAlarmsThem) {
   status.incarnation = 6;
   EXPECT_TRUE(hear(kRecorderChannel, encode(status)));
   EXPECT_TRUE(said("more than one recorder"));
+}
+
+TEST_F(BusViewTest, TellsWhoOfADemoHasNotBegun) {
+  const VehicleConfig car = VehicleConfig::parse(std::string(embedded::kDemoVehicle), "vehicle.toml");
+  EXPECT_EQ(who_is_idle(car, view_), "node front is not heard");
+  Heartbeat beat{.node = 1, .epoch = 9};
+  hear(heartbeat_channel(1), encode(beat));
+  EXPECT_EQ(who_is_idle(car, view_), "no recorder claims node front");
+  beat.owner = 5;
+  hear(heartbeat_channel(1), encode(beat));
+  EXPECT_EQ(who_is_idle(car, view_), "node rear is not heard");
+  hear(heartbeat_channel(2), encode(Heartbeat{.node = 2, .epoch = 9, .state = NodeState::kEnded}));
+  EXPECT_EQ(who_is_idle(car, view_), "no analyser is heard");
+  hear(kLevelChannel, encode(Level{.node = 1}));
+  EXPECT_EQ(who_is_idle(car, view_), "");
 }
 
 }  // namespace
