@@ -66,8 +66,9 @@ TurnVerdict judge_turns(std::span<const Edge> edges, const JudgedRing& ring) {
 std::string AngleVerdict::text() const {
   return std::to_string(right) + " angles right, " + std::to_string(flagged) + " flagged (" +
          std::to_string(flagged_wrong) + " of them wrong), " + std::to_string(silent_wrong) +
-         " wrong in silence, the worst of the unflagged off by " + std::to_string(worst_silent_pitches) +
-         " pitches";
+         " wrong in silence; " + std::to_string(strict) +
+         " judged to less than a pitch, the worst of the unflagged off by " +
+         std::to_string(worst_silent_pitches) + " pitches";
 }
 
 bool is_flagged(const ScanBlock& block, std::uint8_t line) {
@@ -89,12 +90,14 @@ AngleVerdict judge_angles(std::span<const ScanBlock> blocks, const JudgedRing& r
       const double angle = std::atan2(counts[sine], counts[sine + 1]);
       const double truth = 2.0 * pi * ring.program.turns_at(at_ns) - lag;
       const double off = std::abs(std::remainder(angle - truth, 2.0 * pi)) / (2.0 * pi) * ring.program.teeth;
-      const bool wrong = !known || off > 0.5 + allowed_pitches(at_ns);
+      const double allowed = allowed_pitches(at_ns);
+      const bool wrong = !known || off > 0.5 + allowed;
       if (flagged) {
         ++verdict.flagged;
         verdict.flagged_wrong += known && wrong;
         continue;
       }
+      verdict.strict += allowed < 0.5;
       ++(wrong ? verdict.silent_wrong : verdict.right);
       verdict.worst_silent_pitches = std::max(verdict.worst_silent_pitches, off);
     }

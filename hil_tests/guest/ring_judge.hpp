@@ -40,6 +40,8 @@ struct AngleVerdict {
   std::int64_t flagged = 0;        ///< unknown, settling or uncertain, right or wrong
   std::int64_t flagged_wrong = 0;  ///< of these: an angle is given, and it is wrong
   std::int64_t silent_wrong = 0;   ///< wrong, and no flag says so
+  /// Of those without a flag: judged to less than a whole pitch, so that a tooth too many or too few shows.
+  std::int64_t strict = 0;
   double worst_silent_pitches = 0.0;
   std::string text() const;
 };
