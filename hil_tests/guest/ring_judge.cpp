@@ -1,6 +1,8 @@
 #include "hil_tests/guest/ring_judge.hpp"
 
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -22,6 +24,13 @@ double lag_rad(const FilterConfig& filter, double frequency_hz) {
     lag += std::arg(1.0 - std::complex<double>(0.0, frequency_hz / filter.cutoff_hz) / pole);
   }
   return lag;
+}
+
+/// There is an angle shortly before the mark that ends a turn.
+bool gives_angle(const WheelEncoder& encoder, NodeTime begin, NodeTime end) {
+  constexpr NodeClock::duration kShortly = std::chrono::milliseconds(20);
+  std::array<double, 1> angle;
+  return encoder.angles(end - std::min(kShortly, (end - begin) / 2), 0.0, angle);
 }
 
 }  // namespace
@@ -50,7 +59,8 @@ TurnVerdict judge_turns(std::span<const Edge> edges, const JudgedRing& ring) {
           std::round(std::chrono::duration<double>(edge.time - *mark).count() * ring.program.turns_hz);
       if (teeth == std::llround(turns * ring.program.teeth))
         ++verdict.whole;
-      else if (lost || encoder.faulty_turns() > faults || encoder.uncertain())
+      else if (lost || encoder.faulty_turns() > faults || encoder.uncertain() ||
+               !gives_angle(encoder, *mark, edge.time))
         ++verdict.declared;
       else
         ++verdict.silent;
