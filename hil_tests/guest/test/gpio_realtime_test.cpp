@@ -23,20 +23,23 @@ using test::PulseChip;
 
 constexpr unsigned kTooth = 3, kMark = 4;
 constexpr double kSeconds = 3.0;
+constexpr double kFewestTurns = 12.0;
 constexpr std::int64_t kFit_ns = 25'000'000;  // half of what an angle is fitted over, and the filter's memory
 
 /// A ring played to a node; prints what became of it.
-void expect_no_silence(int teeth, double turns_hz) {
+/// @returns how many angles without a flag were judged to less than a pitch
+std::int64_t expect_no_silence(int teeth, double turns_hz) {
   test::GpioRig rig({{0, static_cast<int>(kTooth), {}, static_cast<int>(kMark)}}, teeth);
   rig.in_real_time = true;
   rig.vehicle.wheel[1].node = "";
-  test::RingProgram program{kTooth, kMark, teeth, turns_hz, 0, static_cast<int>(kSeconds * turns_hz)};
+  test::RingProgram program{kTooth,   kMark, teeth,
+                            turns_hz, 0,     static_cast<int>(std::max(kSeconds * turns_hz, kFewestTurns))};
   program.begin_ns = PulseChip::now_ns() + 200'000'000;
   std::vector<gpio_pulse_step> steps;
   program.add_to(steps);
   steps = test::in_order(std::move(steps));
   rig.play(steps);
-  ASSERT_GT(rig.edges.size(), 0U);
+  EXPECT_GT(rig.edges.size(), 0U);
 
   const test::JudgedRing ring{.program = program,
                               .line = 0,
@@ -48,35 +51,37 @@ void expect_no_silence(int teeth, double turns_hz) {
   const double pitches_per_ns = 1e-9 * turns_hz * teeth;
   // The place of the ring comes from the two marks before.
   const auto marks_ns = static_cast<std::int64_t>(2e9 / turns_hz);
-  std::int64_t strict = 0, asked = 0;
   const auto allowed = [&](std::int64_t at_ns) {
-    const double pitches =
-        static_cast<double>(late.most_ns(at_ns - marks_ns - kFit_ns, at_ns + kFit_ns)) * pitches_per_ns;
-    ++asked;
-    strict += pitches < 0.5;
-    return pitches;
+    return static_cast<double>(late.most_ns(at_ns - marks_ns - kFit_ns, at_ns + kFit_ns)) * pitches_per_ns;
   };
   const test::Sealed sealed = rig.seal(program.begin_ns, (program.turns - 1) / turns_hz);
   const test::AngleVerdict angles = judge_angles(sealed.blocks, ring, allowed);
   std::printf(
       "%d teeth at %.1f turns/s: %zu of %d edges, %lld kLost, %lld faulty turns; %s; %s; the player was late "
-      "by "
-      "%.3f ms at most, less than half a pitch for %lld of %lld angles\n",
+      "by %.3f ms at most\n",
       teeth, turns_hz, rig.edges_of(EdgeKind::kTooth), program.turns * teeth,
       static_cast<long long>(rig.edges_of(EdgeKind::kLost)), static_cast<long long>(sealed.faulty_turns),
-      turns.text().c_str(), angles.text().c_str(), static_cast<double>(late.most_ns()) * 1e-6,
-      static_cast<long long>(strict), static_cast<long long>(asked));
+      turns.text().c_str(), angles.text().c_str(), static_cast<double>(late.most_ns()) * 1e-6);
   EXPECT_EQ(turns.silent, 0);
   EXPECT_EQ(angles.silent_wrong, 0);
   EXPECT_GT(turns.whole + turns.declared, 0);
+  return angles.strict;
+}
+
+// Half a pitch is 10 ms here.  A machine that is so busy elsewhere that the player is later than that all the
+// time gets another chance.
+TEST(GpioRealtime, ASlowRingGivesItsAngleAndIsJudgedToLessThanAPitch) {
+  std::int64_t strict = 0;
+  for (int attempt = 0; attempt < 4 && strict == 0; ++attempt) strict = expect_no_silence(24, 2.0);
+  EXPECT_GT(strict, 0);
 }
 
 TEST(GpioRealtime, TwoKilohertzOfEdgesAreWholeOrDeclared) {
-  expect_no_silence(96, 2000.0 / 96);
+  static_cast<void>(expect_no_silence(96, 2000.0 / 96));
 }
 
 TEST(GpioRealtime, TwentyKilohertzOfEdgesAreWholeOrDeclared) {
-  expect_no_silence(1000, 20.0);
+  static_cast<void>(expect_no_silence(1000, 20.0));
 }
 
 TEST(GpioRealtime, HalfOfWhatTheDoctorCallsSafeIsWholeOrDeclared) {
@@ -94,8 +99,11 @@ TEST(GpioRealtime, HalfOfWhatTheDoctorCallsSafeIsWholeOrDeclared) {
       << said;
   std::printf("%s\n", found.str().c_str());
   const double limit_hz = 1000.0 * std::stod(found[1]);
-  ASSERT_GT(limit_hz, 0.0);
-  expect_no_silence(96, std::clamp(limit_hz / 2.0 / 96, 2.0, 60.0));
+  if (limit_hz <= 0.0) GTEST_SKIP() << "this machine is too busy now: no rate of edges is safe on it";
+  // Where little is safe the ring has fewer teeth, so that its turns do not take too long.
+  const double edges_hz = limit_hz / 2.0;
+  const int teeth = edges_hz < 2.0 * 96 ? 24 : 96;
+  static_cast<void>(expect_no_silence(teeth, std::min(edges_hz / teeth, 60.0)));
 }
 
 }  // namespace
