@@ -8,9 +8,9 @@
 #include "common/bus/codec.hpp"
 #include "common/test/no_allocation.hpp"
 #include "firmware/ring_sink.hpp"
-#include "firmware/test/pulse_train.hpp"
 #include "firmware/test/scripted_front_end.hpp"
 #include "firmware/test/vehicle.hpp"
+#include "sim/pulse_train.hpp"
 
 namespace roadbalance {
 namespace {
@@ -33,7 +33,7 @@ struct Node {
 };
 
 std::vector<Edge> turning(double seconds) {
-  return test::PulseTrain{.angle_rad = [](double t) { return 2 * std::numbers::pi * 18.0 * t; }}.edges(
+  return sim::PulseTrain{.angle_rad = [](double t) { return 2 * std::numbers::pi * 18.0 * t; }}.edges(
       0.0, seconds);
 }
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "firmware/encoder/wheel_encoder.hpp"
-#include "firmware/test/pulse_train.hpp"
+#include "sim/pulse_train.hpp"
 
 namespace roadbalance {
 namespace {
@@ -39,7 +39,7 @@ class LossTest : public ::testing::Test {
   void declare(EdgeKind kind, double t) { encoder.add(node_time_from_ns(std::llround(t * 1e9)), kind); }
 
   std::function<double(double)> truth = angle_rad;
-  std::vector<Edge> edges = test::PulseTrain{.angle_rad = angle_rad}.edges(0.0, 4.0);
+  std::vector<Edge> edges = sim::PulseTrain{.angle_rad = angle_rad}.edges(0.0, 4.0);
   std::size_t next = 0;
   WheelEncoder encoder{kRing};
 };
@@ -61,7 +61,7 @@ TEST_F(LossTest, ALostEdgeMakesItsTurnFaultyAndTheAngleUnknownUntilTheNextMark) 
   feed_until(21.5 * kTurn_s);
   EXPECT_TRUE(known(21.5 * kTurn_s));
   EXPECT_TRUE(encoder.uncertain()) << "the last turn did not have its teeth";
-  feed_until(22.1 * kTurn_s);
+  feed_until(22.3 * kTurn_s);  // a mark is judged once the teeth after it are there
   EXPECT_FALSE(encoder.uncertain());
   // Asked later, it knows which turns were: the faulty one and the next.
   const auto at = [](double turns) { return node_time_from_ns(std::llround(turns * kTurn_s * 1e9)); };
@@ -136,7 +136,7 @@ TEST_F(LossTest, BackwardsTheAngleIsRefusedUntilAMarkIsPassedForward) {
   EXPECT_EQ(encoder.faulty_turns(), 1);
   // At 24.9 turns of time it stands at 15.9 turns and goes forward: the mark comes after a tenth of a turn.
   truth = [=](double t) { return angle_rad(t - forth_s + (2.0 * back_s - forth_s)); };
-  edges = test::PulseTrain{.angle_rad = truth}.edges(forth_s + 1e-4, forth_s + 2.0);
+  edges = sim::PulseTrain{.angle_rad = truth}.edges(forth_s + 1e-4, forth_s + 2.0);
   next = 0;
   feed_until(forth_s + 0.08 * kTurn_s);
   EXPECT_FALSE(known(forth_s + 0.08 * kTurn_s));

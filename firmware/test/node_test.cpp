@@ -19,9 +19,9 @@
 #include "common/record/record.hpp"
 #include "common/test/bus_url.hpp"
 #include "firmware/spool_folder.hpp"
-#include "firmware/test/pulse_train.hpp"
 #include "firmware/test/scripted_front_end.hpp"
 #include "firmware/test/vehicle.hpp"
+#include "sim/pulse_train.hpp"
 
 namespace roadbalance {
 namespace {
@@ -115,7 +115,7 @@ class Owner {
 TEST(RunNode, DeliversEveryScanOnceOverALossyBusAndEndsWhenAllIsDurable) {
   const std::string url = test::bus_url();
   const auto vehicle = test::one_node_vehicle(kRate_hz);
-  const test::PulseTrain train{.angle_rad = [](double t) { return 2 * std::numbers::pi * 18.0 * t; }};
+  const sim::PulseTrain train{.angle_rad = [](double t) { return 2 * std::numbers::pi * 18.0 * t; }};
   test::ScriptedFrontEnd device(test::marked_scans(0, 4007, kRate_hz), train.edges(0.0, 2.1));
   Owner owner(url);
   Parallel processes;

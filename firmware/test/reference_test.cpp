@@ -6,8 +6,8 @@
 #include <complex>
 #include <numbers>
 
-#include "firmware/test/pulse_train.hpp"
 #include "firmware/test/vehicle.hpp"
+#include "sim/pulse_train.hpp"
 
 namespace roadbalance {
 namespace {
@@ -59,7 +59,7 @@ double phase_difference_deg(std::function<double(double)> angle, double seconds)
   const auto vehicle = test::one_node_vehicle(kRate_hz);
   Reference reference(vehicle, vehicle.node[0]);
   // Many fine teeth and no errors, so that the filter and not the encoder is measured.
-  const test::PulseTrain train{.angle_rad = angle};
+  const sim::PulseTrain train{.angle_rad = angle};
   const auto edges = train.edges(0.0, seconds + 0.1);
   AnalogueFilter cosine(vehicle.filter.order, vehicle.filter.cutoff_hz), sine = cosine;
   std::complex<double> sum = 0.0;
@@ -106,7 +106,7 @@ TEST(Reference, HasItAlsoWhileTheSpeedDrifts) {
 TEST(Reference, HasTheGainOfTheFilter) {
   const auto vehicle = test::one_node_vehicle(kRate_hz);
   Reference reference(vehicle, vehicle.node[0]);
-  const test::PulseTrain train{.angle_rad = [](double t) { return 2 * pi * 18.0 * t; }};
+  const sim::PulseTrain train{.angle_rad = [](double t) { return 2 * pi * 18.0 * t; }};
   for (const Edge& edge : train.edges(0.0, 1.2)) reference.add(edge);
   std::array<std::array<std::int32_t, kChannels>, kScansPerBlock> rows{};
   for (int block = 90; block < 110; ++block) {
@@ -124,7 +124,7 @@ TEST(Reference, IsFlaggedUntilTheFilterHasSettledAndALineWithoutEncoderAlways) {
   auto vehicle = test::one_node_vehicle(kRate_hz);
   vehicle.wheel[1].node.clear();
   Reference reference(vehicle, vehicle.node[0]);
-  const test::PulseTrain train{.angle_rad = [](double t) { return 2 * pi * 18.0 * t; }};
+  const sim::PulseTrain train{.angle_rad = [](double t) { return 2 * pi * 18.0 * t; }};
   for (const Edge& edge : train.edges(0.0, 1.2)) reference.add(edge);
   std::array<std::array<std::int32_t, kChannels>, kScansPerBlock> rows{};
   int flagged = 0;

@@ -9,9 +9,9 @@
 
 #include "common/bus/codec.hpp"
 #include "firmware/seal_all.hpp"
-#include "firmware/test/pulse_train.hpp"
 #include "firmware/test/scripted_front_end.hpp"
 #include "firmware/test/vehicle.hpp"
+#include "sim/pulse_train.hpp"
 
 namespace roadbalance::test {
 
@@ -22,8 +22,8 @@ inline constexpr std::int64_t kEpoch = 77;
 inline std::vector<Edge> turning(double seconds, double from_s = 0.0, double hz = 18.0) {
   std::vector<Edge> all;
   for (std::uint8_t line = 0; line < 2; ++line) {
-    const PulseTrain train{.angle_rad = [=](double t) { return 2 * std::numbers::pi * hz * t; },
-                           .line = line};
+    const sim::PulseTrain train{.angle_rad = [=](double t) { return 2 * std::numbers::pi * hz * t; },
+                                .line = line};
     const auto edges = train.edges(from_s, seconds);
     all.insert(all.end(), edges.begin(), edges.end());
   }

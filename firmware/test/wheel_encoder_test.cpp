@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-#include "firmware/test/pulse_train.hpp"
+#include "sim/pulse_train.hpp"
 
 namespace roadbalance {
 namespace {
@@ -34,7 +34,7 @@ struct Errors {
 };
 
 /// Runs the encoder as a node does, block by block with the shortest lag, and compares with the truth.
-Errors follow(WheelEncoder& encoder, const test::PulseTrain& train, double seconds, double from_s,
+Errors follow(WheelEncoder& encoder, const sim::PulseTrain& train, double seconds, double from_s,
               double datum_rad = 0.0) {
   const auto edges = train.edges(0.0, seconds);
   Errors errors;
@@ -69,8 +69,8 @@ Errors follow(WheelEncoder& encoder, const test::PulseTrain& train, double secon
 
 TEST(WheelEncoder, MeetsTheAccuracyGoalAfterTwentySecondsOfLearning) {
   WheelEncoder encoder(ring(96));
-  const test::PulseTrain train{
-      .angle_rad = drive(), .pitch_error_rad = test::pitch_errors(96, 0.3 * kDegree, 5), .jitter_s = 5e-6};
+  const sim::PulseTrain train{
+      .angle_rad = drive(), .pitch_error_rad = sim::pitch_errors(96, 0.3 * kDegree, 5), .jitter_s = 5e-6};
   const Errors e = follow(encoder, train, 30.0, 20.0);
   EXPECT_EQ(e.unknown, 0);
   EXPECT_LE(e.rms_deg, 0.02);
@@ -80,9 +80,9 @@ TEST(WheelEncoder, MeetsTheAccuracyGoalAfterTwentySecondsOfLearning) {
 
 TEST(WheelEncoder, FollowsTorsionalMotionAtWheelHop) {
   WheelEncoder encoder(ring(96));
-  const test::PulseTrain train{.angle_rad = drive(1.0 * kDegree),
-                               .pitch_error_rad = test::pitch_errors(96, 0.3 * kDegree, 6),
-                               .jitter_s = 5e-6};
+  const sim::PulseTrain train{.angle_rad = drive(1.0 * kDegree),
+                              .pitch_error_rad = sim::pitch_errors(96, 0.3 * kDegree, 6),
+                              .jitter_s = 5e-6};
   const Errors e = follow(encoder, train, 30.0, 20.0);
   EXPECT_EQ(e.unknown, 0);
   EXPECT_LE(e.rms_deg, 0.05);
@@ -90,7 +90,7 @@ TEST(WheelEncoder, FollowsTorsionalMotionAtWheelHop) {
 
 TEST(WheelEncoder, TakesAThousandPulseTransducer) {
   WheelEncoder encoder(ring(1000));
-  const test::PulseTrain train{.angle_rad = drive(0.5 * kDegree), .teeth = 1000, .jitter_s = 2e-6};
+  const sim::PulseTrain train{.angle_rad = drive(0.5 * kDegree), .teeth = 1000, .jitter_s = 2e-6};
   const Errors e = follow(encoder, train, 8.0, 3.0);
   EXPECT_EQ(e.unknown, 0);
   EXPECT_LE(e.rms_deg, 0.02);
@@ -98,11 +98,11 @@ TEST(WheelEncoder, TakesAThousandPulseTransducer) {
 
 TEST(WheelEncoder, SurvivesLostAndExtraPulses) {
   WheelEncoder encoder(ring(96));
-  const test::PulseTrain train{.angle_rad = drive(),
-                               .pitch_error_rad = test::pitch_errors(96, 0.3 * kDegree, 7),
-                               .jitter_s = 10e-6,
-                               .lost = 0.01,
-                               .extra = 0.01};
+  const sim::PulseTrain train{.angle_rad = drive(),
+                              .pitch_error_rad = sim::pitch_errors(96, 0.3 * kDegree, 7),
+                              .jitter_s = 10e-6,
+                              .lost = 0.01,
+                              .extra = 0.01};
   const Errors e = follow(encoder, train, 30.0, 20.0);
   EXPECT_EQ(e.unknown, 0);
   EXPECT_LE(e.rms_deg, 0.03);
@@ -114,10 +114,10 @@ TEST(WheelEncoder, LearnsEccentricityAndAddsTheDatum) {
   auto config = ring(96);
   config.datum_rad = 0.7;
   WheelEncoder encoder(config);
-  auto errors = test::pitch_errors(96, 0.3 * kDegree, 8);
+  auto errors = sim::pitch_errors(96, 0.3 * kDegree, 8);
   for (std::size_t k = 0; k < errors.size(); ++k)
     errors[k] += 0.5 * kDegree * std::sin(2.0 * pi * static_cast<double>(k) / 96.0 + 0.4);
-  const test::PulseTrain train{.angle_rad = drive(), .pitch_error_rad = errors, .jitter_s = 5e-6};
+  const sim::PulseTrain train{.angle_rad = drive(), .pitch_error_rad = errors, .jitter_s = 5e-6};
   const Errors e = follow(encoder, train, 30.0, 20.0, config.datum_rad);
   EXPECT_LE(e.rms_deg, 0.02);
 }
@@ -163,7 +163,7 @@ double seconds_of(const Edge& edge) {
 
 TEST(WheelEncoder, KnowsNoAngleBeforeTheFirstZeroMarkAndAlwaysAfter) {
   WheelEncoder encoder(ring(96));
-  const test::PulseTrain train{.angle_rad = drive()};
+  const sim::PulseTrain train{.angle_rad = drive()};
   auto edges = without(train.edges(0.0, 3.0),
                        [](const Edge& e) { return e.kind == EdgeKind::kZeroMark && seconds_of(e) < 1.0; });
   Drive test(encoder);
@@ -175,7 +175,7 @@ TEST(WheelEncoder, ClaimsNoAngleWithoutAZeroMark) {
   auto config = ring(96);
   config.zero_mark = false;
   WheelEncoder encoder(config);
-  const test::PulseTrain train{.angle_rad = drive()};
+  const sim::PulseTrain train{.angle_rad = drive()};
   Drive test(encoder);
   EXPECT_EQ(test.known(train.edges(0.0, 2.0), 0.0, 1.9, train.angle_rad, 0.0), 0.0);
   EXPECT_NEAR(encoder.speed_rad_s(node_time_from_ns(1'900'000'000)), 2.0 * pi * 18.0, 2.0);
@@ -183,7 +183,7 @@ TEST(WheelEncoder, ClaimsNoAngleWithoutAZeroMark) {
 
 TEST(WheelEncoder, BridgesMissingZeroMarksAndDropsFalseOnes) {
   WheelEncoder encoder(ring(96));
-  const test::PulseTrain train{.angle_rad = drive()};
+  const sim::PulseTrain train{.angle_rad = drive()};
   int mark = 0;
   auto edges = without(train.edges(0.0, 6.0),
                        [&](const Edge& e) { return e.kind == EdgeKind::kZeroMark && (++mark % 3) == 0; });
@@ -197,7 +197,7 @@ TEST(WheelEncoder, BridgesMissingZeroMarksAndDropsFalseOnes) {
 
 TEST(WheelEncoder, FindsTheToothAgainAfterAHoleInThePulses) {
   WheelEncoder encoder(ring(96));
-  const test::PulseTrain train{.angle_rad = drive()};
+  const sim::PulseTrain train{.angle_rad = drive()};
   const auto edges = without(train.edges(0.0, 4.0), [](const Edge& e) {
     return (seconds_of(e) > 1.5 && seconds_of(e) < 1.58) || (seconds_of(e) > 2.5 && seconds_of(e) < 2.503);
   });
@@ -210,7 +210,7 @@ TEST(WheelEncoder, FindsTheToothAgainAfterAHoleInThePulses) {
 
 TEST(WheelEncoder, StandsStillAndStartsAgain) {
   WheelEncoder encoder(ring(96));
-  const test::PulseTrain train{.angle_rad = drive()};
+  const sim::PulseTrain train{.angle_rad = drive()};
   const auto edges = without(train.edges(0.0, 6.0),
                              [](const Edge& e) { return seconds_of(e) > 2.0 && seconds_of(e) < 4.0; });
   Drive test(encoder);
@@ -222,7 +222,7 @@ TEST(WheelEncoder, StandsStillAndStartsAgain) {
 
 TEST(WheelEncoder, FlagsTheTurnInWhichAToothIsMissing) {
   WheelEncoder encoder(ring(96));
-  const test::PulseTrain train{.angle_rad = drive()};
+  const sim::PulseTrain train{.angle_rad = drive()};
   bool dropped = false, flagged = false;
   for (const Edge& edge : train.edges(0.0, 3.0)) {
     if (!dropped && edge.kind == EdgeKind::kTooth && seconds_of(edge) > 1.5) {
@@ -245,7 +245,7 @@ TEST(WheelEncoder, FlagsTheTurnInWhichAToothIsMissing) {
 TEST(WheelEncoder, FollowsFromWalkingPaceToFullSpeedAndBack) {
   WheelEncoder encoder(ring(96));
   // 0.4 to 20 turns a second and back within 20 s: braking of 4 m/s^2 at a radius of 0.3 m.
-  const test::PulseTrain train{.angle_rad = [](double t) {
+  const sim::PulseTrain train{.angle_rad = [](double t) {
     return 2.0 * pi * (10.2 * t - 9.8 * 20.0 / (2.0 * pi) * std::sin(2.0 * pi * t / 20.0));
   }};
   Drive test(encoder);
@@ -267,7 +267,7 @@ TEST(WheelEncoder, IsNotUpsetByPulsesThatMakeNoSense) {
   }
   // And a wheel that turns afterwards is followed as ever.
   const double start = static_cast<double>(t) * 1e-9 + 0.5;
-  const test::PulseTrain train{.angle_rad = drive()};
+  const sim::PulseTrain train{.angle_rad = drive()};
   Drive test(encoder);
   const auto edges = train.edges(start, start + 8.0);
   // What was learned from noise gives way within a few seconds.

@@ -9,6 +9,7 @@
 #include "common/bus/bus.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/quiet_port.hpp"
+#include "tools/rb/study_encoder.hpp"
 #include "tools/rb/temporary_folder.hpp"
 #include "tools/rb/validators.hpp"
 #include "tools/study/campaign.hpp"
@@ -72,6 +73,7 @@ int study_clock_skew(const StudyOptions& options) {
 
 int study(const StudyOptions& options) {
   if (options.name == "clock-skew") return study_clock_skew(options);
+  if (options.name == "encoder") return study_encoder(options.json);
   std::unique_ptr<TemporaryFolder> temporary;
   if (options.state.empty()) temporary = std::make_unique<TemporaryFolder>("rb-study");
   const Campaign campaign{options.name,
@@ -101,9 +103,10 @@ void add_study(CLI::App& app, int& code) {
   command
       ->add_option("name", options->name,
                    "demo-accuracy: the demo's estimates against the truth; clock-skew: the fits of "
-                   "running nodes' clocks against what they show")
+                   "running nodes' clocks against what they show; encoder: angles from pulse trains "
+                   "against the truth")
       ->required()
-      ->check(CLI::IsMember({"demo-accuracy", "clock-skew"}));
+      ->check(CLI::IsMember({"demo-accuracy", "clock-skew", "encoder"}));
   command->add_option("--runs", options->runs, "how many seeds")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();

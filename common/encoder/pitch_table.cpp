@@ -1,10 +1,10 @@
-#include "firmware/encoder/pitch_table.hpp"
+#include "common/encoder/pitch_table.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "firmware/encoder/least_squares.hpp"
+#include "common/encoder/least_squares.hpp"
 
 namespace roadbalance {
 

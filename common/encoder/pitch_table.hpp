@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "firmware/encoder/tooth_history.hpp"
+#include "common/encoder/tooth_history.hpp"
 
 namespace roadbalance {
 

@@ -13,42 +13,43 @@ struct NumberedTooth {
   std::int64_t number = 0;
 };
 
-/// The latest teeth in order of time; the oldest falls out when it is full.  Allocates once.
-class ToothHistory {
+/// The latest items in order of `time_ns`; the oldest falls out when it is full.  Allocates once.
+template <typename Item>
+class History {
  public:
-  explicit ToothHistory(std::size_t capacity) : teeth_(capacity) {}
+  explicit History(std::size_t capacity) : item_(capacity) {}
 
-  void push(NumberedTooth tooth) noexcept {
-    if (size_ == teeth_.size()) drop_oldest();
-    teeth_[wrapped(first_ + size_)] = tooth;
+  void push(const Item& item) noexcept {
+    if (size_ == item_.size()) drop_oldest();
+    item_[wrapped(first_ + size_)] = item;
     ++size_;
   }
-  /// The latest was no tooth; this one is.
-  void replace_latest(NumberedTooth tooth) noexcept {
-    if (empty()) return push(tooth);
-    teeth_[wrapped(first_ + size_ - 1)] = tooth;
+  /// The latest was none; this one is.
+  void replace_latest(const Item& item) noexcept {
+    if (empty()) return push(item);
+    item_[wrapped(first_ + size_ - 1)] = item;
   }
   void clear() noexcept { size_ = 0; }
 
   bool empty() const noexcept { return size_ == 0; }
   std::size_t size() const noexcept { return size_; }
   /// 0 is the oldest.
-  const NumberedTooth& operator[](std::size_t i) const noexcept { return teeth_[wrapped(first_ + i)]; }
+  const Item& operator[](std::size_t i) const noexcept { return item_[wrapped(first_ + i)]; }
   /// Needs at least one.
-  const NumberedTooth& latest() const noexcept { return (*this)[size_ - 1]; }
+  const Item& latest() const noexcept { return (*this)[size_ - 1]; }
 
-  /// First tooth at or after an instant; size() if there is none.
+  /// First item at or after an instant; size() if there is none.
   std::size_t first_at(std::int64_t time_ns) const noexcept {
-    return first_where([&](const NumberedTooth& tooth) { return tooth.time_ns >= time_ns; });
+    return first_where([&](const Item& item) { return item.time_ns >= time_ns; });
   }
-  /// First tooth with this or a higher number.
+  /// First item with this or a higher number.
   std::size_t first_numbered(std::int64_t number) const noexcept {
-    return first_where([&](const NumberedTooth& tooth) { return tooth.number >= number; });
+    return first_where([&](const Item& item) { return item.number >= number; });
   }
 
  private:
   /// A division here would be most of the encoder's work.
-  std::size_t wrapped(std::size_t i) const noexcept { return i < teeth_.size() ? i : i - teeth_.size(); }
+  std::size_t wrapped(std::size_t i) const noexcept { return i < item_.size() ? i : i - item_.size(); }
 
   void drop_oldest() noexcept {
     first_ = wrapped(first_ + 1);
@@ -68,8 +69,10 @@ class ToothHistory {
     return low;
   }
 
-  std::vector<NumberedTooth> teeth_;
+  std::vector<Item> item_;
   std::size_t first_ = 0, size_ = 0;
 };
+
+using ToothHistory = History<NumberedTooth>;
 
 }  // namespace roadbalance

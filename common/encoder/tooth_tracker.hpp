@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-#include "firmware/encoder/pitch_table.hpp"
+#include "common/encoder/pitch_table.hpp"
 
 namespace roadbalance {
 
@@ -23,8 +23,8 @@ struct ToothGrid {
 /// wins, a pulse more than 0.42 of a pitch from it is dropped.  A missing tooth is simply absent.
 ///
 /// The prediction is a critically damped g-h filter in pitches (E. Brookner, Tracking and Kalman Filtering
-/// Made Easy, Wiley, 1998, ch. 1) with a memory of 1/24 turn: short against torsional motion of the wheel,
-/// long against jitter.
+/// Made Easy, Wiley, 1998, ch. 1).  Its memory is as long as torsional motion of the wheel allows, so that it
+/// bears as much jitter as it can: it lags 0.1 of a pitch behind 1 degree at 13 Hz.
 class ToothTracker {
  public:
   explicit ToothTracker(int teeth);
@@ -40,11 +40,7 @@ class ToothTracker {
   Outcome add(std::int64_t time_ns, const ToothGrid& grid) noexcept;
 
   static constexpr int kStart = 8;  ///< pulses from which the first speed is taken
-  struct First {
-    std::int64_t time_ns;
-    std::int64_t number;
-  };
-  const std::array<First, kStart>& starting() const noexcept { return first_; }
+  const std::array<NumberedTooth, kStart>& starting() const noexcept { return first_; }
 
   bool running() const noexcept { return running_; }
   std::int64_t number() const noexcept { return number_; }
@@ -68,16 +64,20 @@ class ToothTracker {
     double speed_per_ns = 0.0;  ///< pitches per nanosecond
   };
   Outcome collect(std::int64_t time_ns) noexcept;
+  void number_first_pulses() noexcept;
+  void count_fault(bool fault) noexcept;
 
   const int teeth_;
-  const double gain_, speed_gain_;
+  const double longest_memory_ns_;
+  double memory_pitches_ = 0.0;  ///< grows from the start of a run
   bool running_ = false;
   int collected_ = 0;
-  std::array<First, kStart> first_{};
+  std::array<NumberedTooth, kStart> first_{};
   State state_, before_;
   std::int64_t number_ = 0, number_before_ = 0, missed_ = 0;
   double distance_ = 0.0;  ///< of the pulse numbered last from its tooth
   int dropped_ = 0;        ///< since the last numbered pulse
+  double faults_ = 0.0;    ///< pulses missing or dropped of late: a third of them means a false speed
 };
 
 }  // namespace roadbalance

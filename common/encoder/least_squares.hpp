@@ -13,11 +13,13 @@ class LeastSquares {
   static constexpr int kTerms = Order + 1;
   using Terms = std::array<double, kTerms>;
 
-  void add(double u, double y) noexcept {
+  /// @param weight  1 / variance of y, in any unit
+  void add(double u, double y, double weight = 1.0) noexcept {
     const Terms t = terms(u);
     for (int i = 0; i < kTerms; ++i) {
-      for (int j = 0; j <= i; ++j) normal_[at(i)][at(j)] += t[at(i)] * t[at(j)];
-      right_[at(i)] += t[at(i)] * y;
+      const double weighted = weight * t[at(i)];
+      for (int j = 0; j <= i; ++j) normal_[at(i)][at(j)] += weighted * t[at(j)];
+      right_[at(i)] += weighted * y;
     }
   }
 
@@ -42,10 +44,29 @@ class LeastSquares {
     return true;
   }
 
+  /// Variance of value(u), in the unit in which the weights are its inverse.  After solve().
+  double variance(double u) const noexcept {
+    Terms t = terms(u);
+    double sum = 0.0;
+    for (int i = 0; i < kTerms; ++i) {
+      for (int k = 0; k < i; ++k) t[at(i)] -= normal_[at(i)][at(k)] * t[at(k)];
+      t[at(i)] /= normal_[at(i)][at(i)];
+      sum += t[at(i)] * t[at(i)];
+    }
+    return sum;
+  }
+
   double value(double u) const noexcept {
     const Terms t = terms(u);
     double sum = 0.0;
     for (int i = 0; i < kTerms; ++i) sum += coefficient_[at(i)] * t[at(i)];
+    return sum;
+  }
+
+  /// dy/du at u = 1, where that of T_k is k^2.
+  double slope_at_end() const noexcept {
+    double sum = 0.0;
+    for (int i = 1; i < kTerms; ++i) sum += coefficient_[at(i)] * i * i;
     return sum;
   }
 

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+
+namespace roadbalance {
+
+/// Judges each zero mark by where the teeth say that it lies, and learns its mean place among them.
+///
+/// The marks say which tooth is which, but one alone may be missing, doubled, late or false: a count of teeth
+/// that is off at once is put right at once only if many teeth were at fault since the mark before, else when
+/// the next mark says the same.
+class ZeroMarks {
+ public:
+  explicit ZeroMarks(int teeth) : teeth_(teeth) {}
+
+  enum class Verdict {
+    kFits,     ///< as expected
+    kFalse,    ///< twice in a turn or far from its place: it is not counted
+    kDoubted,  ///< it or the count of teeth is off by slip() teeth: the next mark will say
+    kSlipped,  ///< the count of teeth is off by slip()
+    kInsists,  ///< so many false ones in a row are right: the count of teeth means nothing
+  };
+  /// @param position  of the wheel at the mark, pitches from the tooth that is taken for the mark's
+  /// @param faults    teeth at fault since the last mark
+  /// @param learning  the pitch table still changes, and the place of the mark with it
+  Verdict judge(double position, std::int64_t faults, bool learning) noexcept;
+  std::int64_t slip() const noexcept { return slip_; }
+  /// Whole turns from the tooth that is taken for the mark's, of the last mark that counted.
+  std::int64_t turn() const noexcept { return turn_; }
+
+  /// The tooth that a mark at this position names, by the mean place of marks if that is known.
+  std::int64_t locate(double position) noexcept;
+
+  /// Mean place of the mark, pitches after the tooth it names.
+  double place() const noexcept { return place_; }
+  /// Standard deviation of place(), pitches.
+  double sigma() const noexcept;
+
+ private:
+  void learn(double off, bool learning) noexcept;
+
+  const int teeth_;
+  bool known_ = false;
+  double place_ = 0.0, square_ = 0.0;  ///< mean; mean square of what a mark is off, pitches^2
+  int weight_ = 0;
+  std::int64_t turn_ = 0, slip_ = 0;
+  std::int64_t doubted_slip_ = 0;
+  int false_in_a_row_ = 0;
+};
+
+}  // namespace roadbalance

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/config/vehicle_config.hpp"
+#include "common/encoder/tooth_history.hpp"
+#include "common/frontend/front_end.hpp"
+
+namespace roadbalance {
+
+/// A stretch of time in which the wheel turned forward without a stop.
+struct NumberedRun {
+  std::vector<NumberedTooth> teeth;    ///< tooth 0 is the one nearest to a zero mark
+  std::vector<std::int64_t> marks_ns;  ///< zero marks that count
+};
+
+/// What a drive's edges say of the teeth.
+struct NumberedTeeth {
+  std::vector<NumberedRun> runs;  ///< of those that have a zero mark
+  struct Turn {
+    std::int64_t from_ns, to_ns;
+  };
+  std::vector<Turn> faulty_turns;  ///< mark to mark, without exactly their teeth; in order
+  std::int64_t marks_dropped = 0;  ///< doubled, late or false
+  std::int64_t slips = 0;          ///< turns in which the count of teeth went wrong and was put right
+};
+
+/// Numbers every pulse of a drive by the zero marks, looking at both sides of each.
+///
+/// Pulses are followed tooth by tooth (ToothTracker), marks are placed among them.  A mark that stands alone
+/// against those around it is dropped; where the marks agree from one on that the count is off, the turn
+/// before it is numbered by a piecewise cubic through the marks and declared faulty.  So no slip outlives its
+/// turn.  Runs without a zero mark tell no angle and are left out.
+NumberedTeeth number_teeth(const EncoderConfig& config, std::span<const Edge> edges);
+
+}  // namespace roadbalance

@@ -1,0 +1,134 @@
+#include "host/encoder/number_teeth.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sim/pulse_train.hpp"
+
+namespace roadbalance {
+namespace {
+
+using std::numbers::pi;
+constexpr int kTeeth = 96;
+constexpr EncoderConfig kRing{.pulses_per_turn = kTeeth};
+constexpr double kPitch_rad = 2.0 * pi / kTeeth;
+
+double seconds_of(const Edge& edge) {
+  return static_cast<double>(to_ns(edge.time)) * 1e-9;
+}
+
+class NumberTeeth : public ::testing::Test {
+ protected:
+  /// Every tooth has the number of the tooth that truly passed, but for whole turns.
+  void expect_true_numbers(const NumberedTeeth& numbered) {
+    std::size_t teeth = 0;
+    for (const NumberedRun& run : numbered.runs)
+      for (const NumberedTooth& tooth : run.teeth) {
+        const double angle = train.angle_rad(static_cast<double>(tooth.time_ns) * 1e-9);
+        const double off = (angle - train.first_tooth_rad) / kPitch_rad - static_cast<double>(tooth.number);
+        ASSERT_LT(std::abs(std::remainder(off, kTeeth)), 0.5) << tooth.time_ns;
+        ++teeth;
+      }
+    EXPECT_GT(teeth, edges.size() * 9 / 10);
+  }
+  void drop(const std::function<bool(const Edge&)>& which) { std::erase_if(edges, which); }
+  void add(double t, EdgeKind kind) {
+    const Edge edge{node_time_from_ns(std::llround(t * 1e9)), 0, kind};
+    edges.insert(std::ranges::upper_bound(edges, edge.time, {}, &Edge::time), edge);
+  }
+  static constexpr double kTurn_s = 1.0 / 18.0;
+
+  sim::PulseTrain train{.angle_rad = [](double t) { return 2.0 * pi * 18.0 * t + 0.5 * std::sin(1.3 * t); },
+                        .pitch_error_rad = sim::pitch_errors(kTeeth, 0.005, 3),
+                        .jitter_s = 5e-6};
+  std::vector<Edge> edges = train.edges(0.0, 6.0);
+};
+
+TEST_F(NumberTeeth, ACleanTrainIsOneRunWithoutFault) {
+  const NumberedTeeth numbered = number_teeth(kRing, edges);
+  ASSERT_EQ(numbered.runs.size(), 1U);
+  EXPECT_TRUE(numbered.faulty_turns.empty());
+  EXPECT_EQ(numbered.marks_dropped, 0);
+  EXPECT_EQ(numbered.slips, 0);
+  EXPECT_EQ(numbered.runs[0].marks_ns.size(), 108U);  // 6 s at 18 turns a second
+  expect_true_numbers(numbered);
+}
+
+TEST_F(NumberTeeth, MarksMayBeMissingDoubledLateOrFalse) {
+  int mark = 0;
+  drop([&](const Edge& e) { return e.kind == EdgeKind::kZeroMark && (++mark % 4) == 0; });
+  for (Edge& edge : edges)  // two late by five teeth
+    if (edge.kind == EdgeKind::kZeroMark && (++mark % 40) == 0) edge.time += NodeClock::duration(2'900'000);
+  std::ranges::stable_sort(edges, {}, &Edge::time);
+  for (const double t : {1.013, 2.021, 2.5055, 4.7}) add(t, EdgeKind::kZeroMark);
+  const NumberedTeeth numbered = number_teeth(kRing, edges);
+  EXPECT_EQ(numbered.marks_dropped, 6);
+  EXPECT_EQ(numbered.slips, 0);
+  EXPECT_TRUE(numbered.faulty_turns.empty());
+  expect_true_numbers(numbered);
+}
+
+TEST_F(NumberTeeth, ATurnWithoutExactlyItsTeethIsDeclared) {
+  int tooth = 0;
+  drop([&](const Edge& e) { return e.kind == EdgeKind::kTooth && ++tooth == 2000; });
+  add(seconds_of(edges[5000]) + 0.0002, EdgeKind::kTooth);
+  const NumberedTeeth numbered = number_teeth(kRing, edges);
+  ASSERT_EQ(numbered.faulty_turns.size(), 2U);
+  const auto lies_in = [&](double t, const NumberedTeeth::Turn& turn) {
+    return static_cast<double>(turn.from_ns) * 1e-9 <= t && t <= static_cast<double>(turn.to_ns) * 1e-9;
+  };
+  EXPECT_TRUE(lies_in(2000.0 / kTeeth * kTurn_s, numbered.faulty_turns[0]));
+  EXPECT_TRUE(lies_in(seconds_of(edges[5000]), numbered.faulty_turns[1]));
+  expect_true_numbers(numbered);
+}
+
+// Half a turn of pulses squeezed, as by a burst of noise: the count goes wrong there and nowhere else.
+TEST_F(NumberTeeth, ASlipOfTheCountDoesNotOutliveItsTurn) {
+  const double from = 3.01, to = 3.03;
+  drop([&](const Edge& e) {
+    return e.kind == EdgeKind::kTooth && seconds_of(e) > from && seconds_of(e) < to;
+  });
+  for (int i = 0; i < 38; ++i) add(from + (i + 0.3) * (to - from) / 38.0, EdgeKind::kTooth);  // of 34.6
+  const NumberedTeeth numbered = number_teeth(kRing, edges);
+  EXPECT_GE(numbered.slips, 1);
+  ASSERT_GE(numbered.faulty_turns.size(), 1U);
+  for (const auto& turn : numbered.faulty_turns) {
+    EXPECT_GT(static_cast<double>(turn.to_ns) * 1e-9, from);
+    EXPECT_LT(static_cast<double>(turn.from_ns) * 1e-9, to);
+  }
+  expect_true_numbers(numbered);
+}
+
+TEST_F(NumberTeeth, StandstillAndTurningBackEndARunAndTheNextIsAnchoredAnew) {
+  // Forward 0.7 turns a second and back, then forward again.
+  train.angle_rad = [](double t) {
+    return t < 3.0 ? 40.0 * t : 120.0 + 40.0 * (t - 3.0) - 30.0 * std::min(t - 3.0, 1.0) * 2.0;
+  };
+  train.second_track = true;
+  edges = train.edges(0.0, 8.0);
+  const NumberedTeeth numbered = number_teeth(kRing, edges);
+  ASSERT_EQ(numbered.runs.size(), 2U);
+  for (const NumberedRun& run : numbered.runs)
+    for (std::size_t i = 1; i < run.teeth.size(); ++i)
+      ASSERT_GT(run.teeth[i].number, run.teeth[i - 1].number);
+  edges = {};
+  train.second_track = false;
+  train.angle_rad = [](double t) { return t < 3.0 ? 60.0 * t : std::max(180.0, 60.0 * (t - 2.0)); };
+  edges = train.edges(0.0, 8.0);
+  const NumberedTeeth stopped = number_teeth(kRing, edges);
+  EXPECT_EQ(stopped.runs.size(), 2U);
+  expect_true_numbers(stopped);
+}
+
+TEST_F(NumberTeeth, WithoutZeroMarksThereAreNoNumbers) {
+  EXPECT_TRUE(number_teeth({.pulses_per_turn = kTeeth, .zero_mark = false}, edges).runs.empty());
+  drop([](const Edge& e) { return e.kind == EdgeKind::kZeroMark; });
+  EXPECT_TRUE(number_teeth(kRing, edges).runs.empty());
+  EXPECT_TRUE(number_teeth(kRing, {}).runs.empty());
+}
+
+}  // namespace
+}  // namespace roadbalance

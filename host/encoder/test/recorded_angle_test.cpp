@@ -1,0 +1,97 @@
+#include "host/encoder/recorded_angle.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "sim/pulse_train.hpp"
+
+namespace roadbalance {
+namespace {
+
+using std::numbers::pi;
+constexpr double kDegree = pi / 180.0;
+
+NodeTime at(double seconds) {
+  return node_time_from_ns(std::llround(seconds * 1e9));
+}
+
+struct Judged {
+  double rms_deg = 0.0;
+  int known = 0, blocks = 0;
+};
+
+/// Blocks of 10 ms in [from, to) against the truth.
+Judged judge(RecordedAngle& recorded, const sim::PulseTrain& train, double from_s, double to_s,
+             double datum_rad = 0.0) {
+  Judged judged;
+  double square = 0.0;
+  std::array<double, 20> angle;
+  for (double start = from_s; start < to_s - 0.01; start += 0.01) {
+    ++judged.blocks;
+    if (!recorded.angles(at(start), 5e5, angle)) continue;
+    ++judged.known;
+    for (std::size_t i = 0; i < angle.size(); ++i) {
+      const double truth = train.angle_rad(start + 5e-4 * static_cast<double>(i)) + datum_rad;
+      square += std::pow(std::remainder(angle[i] - truth, 2.0 * pi) / kDegree, 2) / 20.0;
+    }
+  }
+  judged.rms_deg = std::sqrt(square / std::max(1, judged.known));
+  return judged;
+}
+
+const auto kDrive = [](double t) { return 2.0 * pi * 15.0 * t + 0.8 * std::sin(1.3 * t) + 1.0; };
+
+TEST(RecordedAngle, IsAsGoodAtTheBeginAsAtTheEnd) {
+  const sim::PulseTrain train{
+      .angle_rad = kDrive, .pitch_error_rad = sim::pitch_errors(96, 0.3 * kDegree, 5), .jitter_s = 10e-6};
+  RecordedAngle recorded({.pulses_per_turn = 96, .datum_rad = 0.7}, train.edges(0.0, 20.0));
+  const Judged begin = judge(recorded, train, 0.1, 3.0, 0.7), end = judge(recorded, train, 16.0, 19.9, 0.7);
+  EXPECT_EQ(begin.known, begin.blocks);
+  EXPECT_EQ(end.known, end.blocks);
+  EXPECT_LT(begin.rms_deg, 0.015);
+  EXPECT_LT(end.rms_deg, 0.015);
+  // It knows how good it is, up to what is no noise: half to twice.
+  EXPECT_GT(recorded.sigma_rad() / kDegree, 0.5 * end.rms_deg);
+  EXPECT_LT(recorded.sigma_rad() / kDegree, 2.0 * end.rms_deg);
+  // And may be asked in any order.
+  EXPECT_LT(judge(recorded, train, 0.1, 1.0, 0.7).rms_deg, 0.015);
+}
+
+TEST(RecordedAngle, FlagsTurnsWithoutExactlyTheirTeeth) {
+  const sim::PulseTrain train{.angle_rad = kDrive};
+  auto edges = train.edges(0.0, 6.0);
+  const auto gone = std::ranges::find_if(
+      edges, [](const Edge& e) { return e.time > at(3.0) && e.kind == EdgeKind::kTooth; });
+  const NodeTime fault = gone->time;
+  edges.erase(gone);
+  RecordedAngle recorded({.pulses_per_turn = 96}, edges);
+  const auto turn = NodeClock::duration(70'000'000);
+  EXPECT_TRUE(recorded.uncertain(fault, fault));
+  EXPECT_FALSE(recorded.uncertain(fault - 3 * turn, fault - turn));
+  EXPECT_FALSE(recorded.uncertain(fault + turn, fault + 3 * turn));
+  EXPECT_LT(judge(recorded, train, 0.1, 5.9).rms_deg, 0.002);
+}
+
+TEST(RecordedAngle, HasNoneWhereTheWheelStoodOrNoMarkCame) {
+  const sim::PulseTrain train{
+      .angle_rad = [](double t) { return t < 3.0 ? 90.0 * t : std::max(270.0, 90.0 * (t - 2.0)); }};
+  RecordedAngle recorded({.pulses_per_turn = 96}, train.edges(0.0, 8.0));
+  EXPECT_EQ(judge(recorded, train, 3.1, 4.9).known, 0);
+  const Judged after = judge(recorded, train, 5.1, 7.9);
+  EXPECT_EQ(after.known, after.blocks);
+  EXPECT_LT(after.rms_deg, 0.002);
+  std::array<double, 2> angle;
+  EXPECT_FALSE(recorded.angles(at(-1.0), 1e6, angle));
+  EXPECT_FALSE(recorded.angles(at(9.0), 1e6, angle));
+
+  RecordedAngle markless({.pulses_per_turn = 96, .zero_mark = false}, train.edges(0.0, 2.0));
+  EXPECT_FALSE(markless.angles(at(1.0), 1e6, angle));
+  RecordedAngle empty({.pulses_per_turn = 96}, {});
+  EXPECT_FALSE(empty.angles(at(1.0), 1e6, angle));
+}
+
+}  // namespace
+}  // namespace roadbalance

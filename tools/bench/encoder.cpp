@@ -1,0 +1,78 @@
+#include <benchmark/benchmark.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "firmware/encoder/wheel_encoder.hpp"
+#include "host/encoder/recorded_angle.hpp"
+#include "sim/pulse_train.hpp"
+
+// What following the encoders of a car costs: "core_percent" of one core, in real time.
+
+namespace roadbalance {
+namespace {
+
+constexpr int kWheels = 4;
+constexpr int kTeeth = 1000;
+constexpr double kEdges_hz = 20'000.0, kDrive_s = 10.0;
+constexpr int kInstants = 40;  // a block of 10 ms, twice the scan rate, as references are made
+constexpr double kBlock_s = 0.01;
+
+const std::vector<Edge>& edges() {
+  static const std::vector<Edge> all =
+      sim::PulseTrain{.angle_rad =
+                          [](double t) {
+                            return 2.0 * std::numbers::pi * kEdges_hz / kTeeth * t +
+                                   0.02 * std::sin(2.0 * std::numbers::pi * 13.0 * t);
+                          },
+                      .teeth = kTeeth,
+                      .jitter_s = 2e-6}
+          .edges(0.0, kDrive_s);
+  return all;
+}
+
+void report(benchmark::State& state, double wheel_seconds) {
+  state.counters["core_percent"] =
+      benchmark::Counter(wheel_seconds / (100.0 * kWheels),
+                         benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  state.counters["edges"] = static_cast<double>(edges().size());
+}
+
+/// Four wheels at 20 000 edges a second each, edges to angles, block by block as a node does.
+void follow_live(benchmark::State& state) {
+  edges();
+  for (auto _ : state) {
+    WheelEncoder encoder({.pulses_per_turn = kTeeth});
+    std::array<double, kInstants> angle;
+    auto edge = edges().begin();
+    for (double start = 0.0; start + 0.2 < kDrive_s; start += kBlock_s) {
+      const NodeTime first = node_time_from_ns(std::llround(start * 1e9));
+      const NodeTime last = first + NodeClock::duration(9'750'000);
+      for (; edge != edges().end() && edge->time < encoder.complete_at(last); ++edge)
+        encoder.add(edge->time, edge->kind);
+      benchmark::DoNotOptimize(encoder.angles(first, 2.5e5, angle));
+    }
+  }
+  report(state, kDrive_s);
+}
+BENCHMARK(follow_live)->Unit(benchmark::kMillisecond);
+
+/// The same edges again from the record.
+void follow_recorded(benchmark::State& state) {
+  edges();
+  for (auto _ : state) {
+    RecordedAngle recorded({.pulses_per_turn = kTeeth}, edges());
+    std::array<double, kInstants> angle;
+    for (double start = 0.2; start + 0.2 < kDrive_s; start += kBlock_s)
+      benchmark::DoNotOptimize(recorded.angles(node_time_from_ns(std::llround(start * 1e9)), 2.5e5, angle));
+  }
+  report(state, kDrive_s);
+}
+BENCHMARK(follow_recorded)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace roadbalance
+
+BENCHMARK_MAIN();

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "tools/study/encoder_rows.hpp"
+
+namespace roadbalance {
+
+/// Difference of an estimated wheel angle to the truth.
+struct AngleErrors {
+  double rms_deg = 0.0, max_deg = 0.0;
+  int blocks = 0, unknown = 0;  ///< of 10 ms; those without an angle are in no error
+  double lag_ms = 0.0;          ///< longest that a block waited for edges
+};
+
+/// The angle as a node computes it while driving: block by block, from the edges up to where the encoder says
+/// that its angles are at their best.
+AngleErrors live_errors(const EncoderRow& row, const std::vector<Edge>& edges);
+
+/// The angle as it is computed again from recorded edges, over the drive but its first and last second.
+AngleErrors offline_errors(const EncoderRow& row, const std::vector<Edge>& edges);
+
+/// The row's errors, live and offline, and whether they are allowed:
+///
+///     {"case", "rms_deg", "max_deg", "allowed_rms_deg", "allowed_max_deg", "unknown_blocks", "lag_ms",
+///     "met"}
+///
+/// A block without an angle is not allowed, nor one that waits longer than a Sealer does.  `allowed_max_deg`
+/// is null where nothing is said of it.
+nlohmann::ordered_json encoder_row_result(const EncoderRow& row);
+
+}  // namespace roadbalance
