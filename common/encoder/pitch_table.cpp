@@ -67,6 +67,13 @@ void PitchTable::weigh() noexcept {
   trust_ = square > variance ? 1.0 - variance / square : 0.0;
 }
 
+void PitchTable::forget() noexcept {
+  std::ranges::fill(error_, 0.0);
+  std::ranges::fill(weight_, 0);
+  refinements_ = 0;
+  scatter_ = trust_ = 0.0;
+}
+
 void PitchTable::make_zero_mean() noexcept {
   double mean = 0.0;
   for (const double e : error_) mean += e;

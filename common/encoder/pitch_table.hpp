@@ -25,6 +25,9 @@ class PitchTable {
   /// `origin`, the number of the tooth at the zero mark.  Does nothing if the turns are not all there.
   void learn(const ToothHistory& history, std::int64_t first, std::int64_t origin) noexcept;
 
+  /// Of another ring, or one of which nobody knows which tooth is which.
+  void forget() noexcept;
+
   /// How many times the table was refined.
   int refinements() const noexcept { return refinements_; }
   /// Standard deviation of an entry, from the scatter of its residuals; pitches.  Infinite before learning.

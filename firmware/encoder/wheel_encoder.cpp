@@ -11,6 +11,8 @@ constexpr int kHistoryTurns = 2 * PitchTable::kTurns;
 constexpr std::int64_t kFollowAgain_ns = 250'000'000;
 constexpr std::int64_t kSealing_ns = 200'000'000;  // a block waits 100 ms for edges at most
 constexpr int kLearning_refinements = 32;
+constexpr std::int64_t kMostTurnsWithoutMark = 8;
+constexpr int kMostSearches = 8;
 }  // namespace
 
 WheelEncoder::WheelEncoder(const EncoderConfig& config)
@@ -19,6 +21,7 @@ WheelEncoder::WheelEncoder(const EncoderConfig& config)
       grid_{PitchTable(config.pulses_per_turn)},
       history_(static_cast<std::size_t>(std::max(256, kHistoryTurns * config.pulses_per_turn))),
       interpolator_(config.pulses_per_turn),
+      pattern_(config.pulses_per_turn),
       marks_(config.pulses_per_turn) {}
 
 void WheelEncoder::add(NodeTime time, EdgeKind kind) noexcept {
@@ -54,6 +57,8 @@ void WheelEncoder::lose() noexcept {
 void WheelEncoder::forget_teeth() noexcept {
   history_.clear();
   interpolator_.clear();
+  next_search_ = 0;
+  searches_ = 0;
 }
 
 void WheelEncoder::add_tooth(std::int64_t time_ns) noexcept {
@@ -86,7 +91,36 @@ void WheelEncoder::add_tooth(std::int64_t time_ns) noexcept {
       return;
   }
   judge_marks();
+  if (!grid_.located) find_tooth_again();
   learn_if_turn_complete();
+}
+
+/// After a loss, by the ring's own errors.  Two turns are enough where they are distinctive.
+void WheelEncoder::find_tooth_again() noexcept {
+  const std::int64_t teeth = config_.pulses_per_turn;
+  const bool learned = grid_.table.refinements() >= kLearning_refinements;
+  if (!learned && !config_.zero_mark) return count_from_here();
+  if (!learned || (config_.zero_mark && !marks_.known())) return;
+  if (next_search_ == 0) next_search_ = history_[0].number + 2 * teeth + 2 * PitchPattern::kBeside;
+  if (tracker_.number() < next_search_) return;
+  next_search_ = tracker_.number() + teeth / 2;
+  if (const auto origin = pattern_.find_origin(history_, grid_.table)) return found(*origin);
+  if (++searches_ >= kMostSearches && !config_.zero_mark) count_from_here();
+}
+
+void WheelEncoder::found(std::int64_t origin) noexcept {
+  grid_.origin = origin;
+  grid_.located = true;
+  learned_turn_ = 0;
+  marks_.resume();
+  follow_again();
+}
+
+void WheelEncoder::count_from_here() noexcept {
+  if (history_.empty()) return;
+  grid_.table.forget();
+  ++count_restarts_;
+  found(history_.latest().number);
 }
 
 void WheelEncoder::add_mark(std::int64_t time_ns) noexcept {
@@ -173,6 +207,10 @@ void WheelEncoder::learn_if_turn_complete() noexcept {
   const std::int64_t turn = (tracker_.number() - grid_.origin) / teeth;
   if (turn <= learned_turn_) return;
   learned_turn_ = turn;
+  if (!config_.zero_mark)
+    end_turn({history_.latest().time_ns, turn_faults_}, turn_faults_ > 0);
+  else if (turn - marks_.turn() > kMostTurnsWithoutMark)
+    ++turn_faults_;
   grid_.table.learn(history_, grid_.origin + (turn - PitchTable::kTurns) * teeth, grid_.origin);
   if (grid_.table.refinements() == kLearning_refinements) interpolator_.measure_again();
 }
@@ -184,6 +222,11 @@ NodeTime WheelEncoder::complete_at(NodeTime last) const noexcept {
 }
 
 bool WheelEncoder::angles(NodeTime first, double step_ns, std::span<double> angle_rad) const noexcept {
+  return config_.zero_mark && counted_angles(first, step_ns, angle_rad);
+}
+
+bool WheelEncoder::counted_angles(NodeTime first, double step_ns,
+                                  std::span<double> angle_rad) const noexcept {
   if (!grid_.located || !tracker_.running() || !interpolator_.positions(to_ns(first), step_ns, angle_rad))
     return false;
   const double pitch_rad = 2.0 * std::numbers::pi / config_.pulses_per_turn;

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "common/config/vehicle_config.hpp"
+#include "common/encoder/pitch_pattern.hpp"
 #include "common/encoder/tooth_history.hpp"
 #include "common/encoder/tooth_tracker.hpp"
 #include "common/frontend/front_end.hpp"
@@ -19,7 +20,15 @@ namespace roadbalance {
 /// Zero marks say which tooth is which, a pitch table takes out the ring's errors, and the angle at an
 /// instant is a local cubic through the teeth around it (AngleInterpolator).  Before the first zero
 /// mark, after pulses stopped and for an encoder without a zero mark there is no angle.  Where teeth are
-/// declared lost, or came backwards, there is none until the next zero mark that the wheel passes forward.
+/// declared lost, or came backwards, there is none until the next zero mark that the wheel passes forward, or
+/// until the learned errors of the ring tell which tooth is which (PitchPattern), and then it is uncertain.
+/// So it is when no mark has come for eight turns.
+///
+/// Without a zero mark the teeth are counted, modulo a turn, from one that is nobody's choice: no angular
+/// location is claimed, and only counted_angles() tells how far the wheel has turned.  The count holds for
+/// stamps that jitter by up to a tenth of a pitch with 1 % of the teeth lost and 1 % extra; beyond, and over
+/// every hole, it may slip unseen.
+///
 /// Driving backwards is recognised by a second track only; without one the angle then runs forward.  Never
 /// allocates after construction.
 class WheelEncoder {
@@ -35,6 +44,11 @@ class WheelEncoder {
   /// Angles at first + i * step_ns, continuous over the call, not reduced to a turn.
   /// False if the angle is not known at all of these instants from the edges so far.
   [[nodiscard]] bool angles(NodeTime first, double step_ns, std::span<double> angle_rad) const noexcept;
+
+  /// The same without a zero mark: from a tooth that stays the same while count_restarts() does.
+  [[nodiscard]] bool counted_angles(NodeTime first, double step_ns,
+                                    std::span<double> angle_rad) const noexcept;
+  int count_restarts() const noexcept { return count_restarts_; }
 
   /// Present speed; 0 while there are no pulses.
   double speed_rad_s(NodeTime now) const noexcept;
@@ -69,6 +83,9 @@ class WheelEncoder {
   void learn_if_turn_complete() noexcept;
   void follow_again() noexcept;
   void forget_teeth() noexcept;
+  void find_tooth_again() noexcept;
+  void count_from_here() noexcept;
+  void found(std::int64_t origin) noexcept;
 
   const EncoderConfig config_;
   ToothTracker tracker_;
@@ -76,6 +93,11 @@ class WheelEncoder {
   ToothHistory history_;
 
   AngleInterpolator interpolator_;
+
+  PitchPattern pattern_;
+  std::int64_t next_search_ = 0;  ///< number of the tooth
+  int searches_ = 0;              ///< since the teeth were lost
+  int count_restarts_ = 0;
 
   ZeroMarks marks_;
   std::array<PendingMark, 4> pending_{};

@@ -17,10 +17,14 @@ std::int64_t ZeroMarks::locate(double position) noexcept {
   const std::int64_t tooth = std::llround(position - place_);
   if (!known_) place_ = position - static_cast<double>(tooth);
   known_ = true;
+  resume();
+  return tooth;
+}
+
+void ZeroMarks::resume() noexcept {
   turn_ = 0;
   doubted_slip_ = 0;
   false_in_a_row_ = 0;
-  return tooth;
 }
 
 ZeroMarks::Verdict ZeroMarks::judge(double position, std::int64_t faults, bool learning) noexcept {

@@ -31,6 +31,10 @@ class ZeroMarks {
   /// The tooth that a mark at this position names, by the mean place of marks if that is known.
   std::int64_t locate(double position) noexcept;
 
+  /// The teeth were found again without a mark: turns count from there.
+  void resume() noexcept;
+  bool known() const noexcept { return known_; }
+
   /// Mean place of the mark, pitches after the tooth it names.
   double place() const noexcept { return place_; }
   /// Standard deviation of place(), pitches.
