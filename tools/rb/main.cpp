@@ -60,6 +60,7 @@ int main(int argc, char** argv) {
   add_recover(app, code);
   add_info(app, code);
   add_levels(app, code);
+  add_orders(app, code);
   add_spectrum(app, code);
   add_study(app, code);
   add_import(app, code);

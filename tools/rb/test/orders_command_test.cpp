@@ -1,0 +1,186 @@
+// Somebody else's measurement with pulses through rb import and rb orders: two orders of the front left wheel
+// at steady 15 turns a second, as an anti-aliasing filter of order 6 at 100 Hz leaves them.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <complex>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/config/vehicle_config.hpp"
+#include "common/test/source.hpp"
+#include "common/test/temporary_directory.hpp"
+#include "tools/rb/child.hpp"
+
+namespace roadbalance {
+namespace {
+
+using Complex = std::complex<double>;
+using Json = nlohmann::json;
+
+constexpr double kRateHz = 500.0, kRotationHz = 15.0, kSeconds = 30.0, kCutoffHz = 100.0;
+constexpr int kFilterOrder = 6, kTeeth = 96;
+constexpr double kPi = std::numbers::pi, kDegree = kPi / 180.0;
+constexpr double kDatumDeg = 30.0;  // of the front left wheel in the demo's vehicle.toml
+const Complex kFirst = std::polar(2.0, 75.0 * kDegree), kSecond = std::polar(0.5, -20.0 * kDegree);
+
+/// Butterworth's poles on the circle.
+Complex filter(double frequency_hz) {
+  Complex product = 1.0;
+  for (int k = 1; k <= kFilterOrder; ++k)
+    product /= 1.0 - Complex(0.0, frequency_hz / kCutoffHz) /
+                         std::polar(1.0, kPi * (2 * k + kFilterOrder - 1) / (2.0 * kFilterOrder));
+  return product;
+}
+
+void replace(std::string& text, const std::string& from, const std::string& to) {
+  std::size_t place = text.find(from);
+  ASSERT_NE(place, std::string::npos) << from;
+  for (; place != std::string::npos; place = text.find(from, place + to.size()))
+    text.replace(place, from.size(), to);
+}
+
+struct Outcome {
+  int code;
+  std::string output, log;
+};
+
+class OrdersCommand : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string text = test::read_source("sim/demo/vehicle.toml");
+    replace(text, "\nrate_hz = 2000", "\nrate_hz = 500");
+    replace(text, "\ncutoff_hz = 200", "\ncutoff_hz = 100");
+    std::ofstream(folder_ / "vehicle.toml") << text;
+    write_samples(VehicleConfig::parse(text, "vehicle.toml"));
+    write_pulses();
+    const Outcome imported =
+        rb({"import", "csv", "--samples", folder_ / "samples.csv", "--pulses", folder_ / "pulses.csv",
+            "--vehicle", folder_ / "vehicle.toml", "-o", record_});
+    ASSERT_EQ(imported.code, 0) << imported.log;
+  }
+
+  Outcome rb(const std::vector<std::string>& arguments) {
+    Child child(std::filesystem::path(std::getenv("RB_BIN")) / "rb", arguments, folder_ / "rb.log");
+    while (!child.ended()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    return {*child.ended(), child.output(), child.log()};
+  }
+
+  /// Channel fl_carrier_z has the orders, every other is silent.
+  void write_samples(const VehicleConfig& vehicle) {
+    std::ofstream file(folder_ / "samples.csv");
+    file.precision(12);
+    file << "time_s";
+    for (const NodeConfig& node : vehicle.node)
+      for (const auto& channel : node.channel) file << "," << channel.name;
+    file << "\ns";
+    for (const NodeConfig& node : vehicle.node)
+      for (std::size_t c = 0; c < node.channel.size(); ++c) file << ",m/s^2";
+    const Complex first = kFirst * filter(kRotationHz), second = kSecond * filter(2.0 * kRotationHz);
+    for (int k = 0; k < std::lround(kSeconds * kRateHz); ++k) {
+      const double angle = 2.0 * kPi * kRotationHz * k / kRateHz;
+      const double sample = (first * std::polar(1.0, angle) + second * std::polar(1.0, 2.0 * angle)).real();
+      file << "\n" << k / kRateHz;
+      for (const NodeConfig& node : vehicle.node)
+        for (const auto& channel : node.channel)
+          file << "," << (channel.name == "fl_carrier_z" ? sample : 0.0);
+    }
+    file << "\n";
+  }
+  /// The zero mark fires where the wheel stands at the datum, and the first tooth with it.
+  void write_pulses() {
+    std::ofstream file(folder_ / "pulses.csv");
+    file.precision(12);
+    file << "time_s,wheel,kind\n";
+    const double first_s = kDatumDeg / 360.0 / kRotationHz;
+    for (int k = 0; k < kTeeth * kRotationHz * (kSeconds - 0.1); ++k) {
+      const double time_s = first_s + k / (kTeeth * kRotationHz);
+      file << time_s << ",front_left,tooth\n";
+      if (k % kTeeth == 0) file << time_s << ",front_left,zero\n";
+    }
+  }
+
+  const test::TemporaryDirectory folder_;
+  const std::string record_ = folder_ / "record";
+};
+
+TEST_F(OrdersCommand, TellsAmplitudeAndPhaseOfTheOrders) {
+  const Outcome outcome =
+      rb({"orders", record_, "--wheel", "front_left", "--channel", "fl_carrier_z", "--json", "--waterfall"});
+  ASSERT_EQ(outcome.code, 0) << outcome.log;
+  const Json wheel = Json::parse(outcome.output)["wheels"][0];
+  EXPECT_EQ(wheel["wheel"], "front_left");
+  EXPECT_NEAR(wheel["seconds"], kSeconds, 0.1);
+  const Json channel = wheel["channels"][0];
+  EXPECT_EQ(channel["unit"], "m/s^2");
+  ASSERT_EQ(channel["orders"].size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Json order = channel["orders"][i];
+    const Complex expected = i == 0 ? kFirst : kSecond;
+    // A count of 50 m/s^2 / 2^23 is nothing beside these; the low-pass is right to 2e-4, the imported angle
+    // to some thousandths of a degree.
+    EXPECT_NEAR(order["amplitude"].get<double>() / std::abs(expected), 1.0, 1e-3) << order;
+    EXPECT_NEAR(order["phase_deg"].get<double>(), std::arg(expected) / kDegree, 0.02) << order;
+    EXPECT_LT(order["phase_95_deg"].get<double>(), 0.1);
+    EXPECT_GT(order["blocks"].get<int>(), 30);
+    ASSERT_EQ(order["by_speed"].size(), 1U);
+    const double speed_m_s = 2.0 * kPi * 0.30 * kRotationHz;
+    EXPECT_LE(order["by_speed"][0]["from_m_s"].get<double>(), speed_m_s);
+    EXPECT_GT(order["by_speed"][0]["to_m_s"].get<double>(), speed_m_s);
+  }
+  ASSERT_EQ(channel["peaks"].size(), 2U);
+  EXPECT_NEAR(channel["peaks"][0]["order"], 1.0, 1e-3);
+  EXPECT_NEAR(channel["peaks"][0]["amplitude"], 2.0, 0.01);
+  EXPECT_NEAR(channel["peaks"][1]["order"], 2.0, 1e-3);
+  EXPECT_EQ(channel["waterfall"].size(), 1U);
+  EXPECT_EQ(channel["waterfall"][0]["amplitude"], channel["spectrum"]["amplitude"]);
+}
+
+TEST_F(OrdersCommand, SaysSoWhereNoAngleIsKnown) {
+  // Only the front left wheel has pulses.
+  const Outcome outcome = rb({"orders", record_, "--wheel", "rear_right", "--json"});
+  EXPECT_EQ(outcome.code, 1) << "the answer is no";
+  EXPECT_NE(outcome.log.find("known angle"), std::string::npos) << outcome.log;
+  const Json wheel = Json::parse(outcome.output)["wheels"][0];
+  EXPECT_NEAR(wheel["no_angle_s"], kSeconds, 0.1);
+  EXPECT_EQ(wheel["channels"].size(), 12U);
+  for (const Json& channel : wheel["channels"]) EXPECT_TRUE(channel["orders"][0]["phase_deg"].is_null());
+}
+
+TEST_F(OrdersCommand, PrintsEveryWheelAndChannel) {
+  const Outcome outcome = rb({"orders", record_});
+  EXPECT_EQ(outcome.code, 0) << outcome.log;
+  for (const char* text :
+       {"front_left, node front", "rear_right, node rear", "fl_carrier_z", "75.0", "peaks  1.00: 2.0"})
+    EXPECT_NE(outcome.output.find(text), std::string::npos) << text << "\n" << outcome.output;
+}
+
+TEST_F(OrdersCommand, NamesWhatIsAtFault) {
+  const auto refused = [&](const std::vector<std::string>& arguments, const std::vector<std::string>& texts) {
+    std::vector<std::string> all{"orders", record_};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    const Outcome outcome = rb(all);
+    EXPECT_EQ(outcome.code, 2) << outcome.log;
+    EXPECT_EQ(outcome.output, "");
+    for (const auto& text : texts)
+      EXPECT_NE(outcome.log.find(text), std::string::npos) << text << ": " << outcome.log;
+  };
+  refused({"--wheel", "spare"}, {"spare", "front_left"});
+  refused({"--channel", "bonnet_z"}, {"bonnet_z", "fl_carrier_z"});
+  refused({"--wheel", "front_left", "--channel", "rl_carrier_z"}, {"rl_carrier_z", "fl_carrier_z"});
+  refused({"--order", "0.01"}, {"--order", "0.01"});
+  refused({"--order", "1", "--order", "1.05"}, {"1.05"});
+  const Outcome nowhere = rb({"orders", folder_ / "nowhere"});
+  EXPECT_EQ(nowhere.code, 4);
+  EXPECT_NE(nowhere.log.find("nowhere"), std::string::npos) << nowhere.log;
+}
+
+}  // namespace
+}  // namespace roadbalance
