@@ -8,11 +8,12 @@ namespace roadbalance {
 namespace {
 
 [[noreturn]] void refuse_wheel(const VehicleConfig& vehicle, const std::string& name) {
+  const char* why = ": there is no such wheel";
   std::string there;
-  for (const WheelConfig& wheel : vehicle.wheel)
+  for (const WheelConfig& wheel : vehicle.wheel) {
     if (!wheel.node.empty()) there += " " + wheel.name;
-  const char* const why =
-      vehicle.wheel_named(name) ? ": vehicle.toml gives it no encoder" : ": there is no such wheel";
+    if (wheel.name == name) why = ": vehicle.toml gives it no encoder";
+  }
   throw ConfigError("--wheel " + name + why + "; allowed:" + (there.empty() ? " none" : there));
 }
 
