@@ -57,9 +57,9 @@ int main(int argc, char** argv) {
     FrontEndRegistry front_ends;
     front_ends.add("sim", sim::open_sim_front_end);
     front_ends.add("replay", open_replay_front_end);
-    front_ends.add_device("can", [](const FrontEndRequest& request) { return open_can(request, warn); });
+    front_ends.add("can", [](const FrontEndRequest& request) { return open_can(request, warn); });
     front_ends.add("usb", [](const FrontEndRequest& request) { return open_usb_front_end(request, warn); });
-    front_ends.add_device("gpio", [](const FrontEndRequest& request) { return open_gpio(request, warn); });
+    front_ends.add("gpio", [](const FrontEndRequest& request) { return open_gpio(request, warn); });
     const auto front_end =
         front_ends.open(front_end_uris.empty() ? node.wiring.front_end : front_end_uris, vehicle, node);
     run_node(signals.token(), vehicle, node, *front_end,

@@ -1,11 +1,9 @@
 #include "firmware/node.hpp"
 
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <limits>
 #include <memory>
-#include <mutex>
 #include <random>
 #include <stdexcept>
 
@@ -13,6 +11,7 @@
 #include "common/clock/clock_socket.hpp"
 #include "common/config/section.hpp"
 #include "common/process/parallel.hpp"
+#include "common/process/pause.hpp"
 #include "common/process/realtime.hpp"
 #include "firmware/acquire.hpp"
 #include "firmware/clock_answer.hpp"
@@ -26,9 +25,6 @@
 namespace roadbalance {
 
 namespace {
-
-/// Above ordinary real-time programs, below the kernel's interrupt threads (50).
-constexpr int kAcquirePriority = 40;
 
 std::int64_t random_epoch() {
   std::random_device device;
@@ -80,12 +76,8 @@ std::unique_ptr<SpoolFolder> open_spool(const NodeConfig& node, std::int64_t epo
 /// Process: what devices count -> sentences for people, twice a second at most.
 void keep_diary(std::stop_token stop, const FrontEnd& front_end, const NodeOptions& options) {
   DeviceDiary diary(front_end.reports());
-  std::mutex mutex;
-  std::condition_variable_any never;
-  for (std::unique_lock lock(mutex); !stop.stop_requested();) {
-    diary.look(options.warn);
-    never.wait_for(lock, stop, std::chrono::milliseconds(500), [] { return false; });
-  }
+  do diary.look(options.warn);
+  while (pause(stop, std::chrono::milliseconds(500)));
   diary.look(options.warn);
 }
 

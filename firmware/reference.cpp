@@ -33,10 +33,8 @@ Reference::Reference(const VehicleConfig& vehicle, const NodeConfig& node)
                                         1.0 / (node.rate_hz * steps_)),
               kReferences) {
   for (int line = 0; line < kEncoderLines; ++line) {
-    const auto wheel = vehicle.wheel_at(node, line);
-    if (wheel)
-      encoder_[static_cast<std::size_t>(line)].emplace(
-          vehicle.wheel[static_cast<std::size_t>(*wheel)].encoder);
+    if (const WheelConfig* const wheel = vehicle.wheel_at(node, line))
+      encoder_[static_cast<std::size_t>(line)].emplace(wheel->encoder);
   }
   unsettled_.fill(settling_scans_);
 }

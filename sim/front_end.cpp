@@ -33,10 +33,10 @@ class Device {
         edges_(edge_room(vehicle, node)),
         signals_(vehicle, node, car_.drawn()) {
     for (int line = 0; line < kEncoderLines; ++line) {
-      const auto wheel = vehicle.wheel_at(node, line);
+      const WheelConfig* const wheel = vehicle.wheel_at(node, line);
       if (!wheel) continue;
-      const auto w = static_cast<std::size_t>(*wheel);
-      ring_.emplace_back(scenario.encoder, seed, w, vehicle.wheel[w].encoder, static_cast<std::uint8_t>(line),
+      const auto w = static_cast<std::size_t>(vehicle.place_of(*wheel));
+      ring_.emplace_back(scenario.encoder, seed, w, wheel->encoder, static_cast<std::uint8_t>(line),
                          car_.drawn().rolling_radius_m[w], car_.drawn().initial_angle_rad[w], rings_at_);
     }
   }
@@ -80,8 +80,8 @@ class Device {
   std::size_t edge_room(const VehicleConfig& vehicle, const NodeConfig& node) const {
     double pulses_per_turn = 0.0;
     for (int line = 0; line < kEncoderLines; ++line)
-      if (const auto wheel = vehicle.wheel_at(node, line))
-        pulses_per_turn += vehicle.wheel[static_cast<std::size_t>(*wheel)].encoder.pulses_per_turn + 1;
+      if (const WheelConfig* const wheel = vehicle.wheel_at(node, line))
+        pulses_per_turn += wheel->encoder.pulses_per_turn + 1;
     const double horizon_s = (2.0 * lead_scans_ + 2.0) / rate_hz_;
     return static_cast<std::size_t>(2.0 * pulses_per_turn * kMostTurnsPerSecond * horizon_s) + 64;
   }

@@ -22,9 +22,8 @@ Signals::Signals(const VehicleConfig& vehicle, const NodeConfig& node, const Dra
                     1.0,
                     0.0,
                     0.0};
-      const auto wheel = std::ranges::find(vehicle.wheel, wanted.wheel, &WheelConfig::name);
-      if (wheel != vehicle.wheel.end()) {
-        const auto w = static_cast<std::size_t>(wheel - vehicle.wheel.begin());
+      if (const WheelConfig* const wheel = vehicle.wheel_named(wanted.wheel)) {
+        const auto w = static_cast<std::size_t>(vehicle.place_of(*wheel));
         source.told_radius_m = wheel->rolling_radius_m;
         source.true_radius_m = car.rolling_radius_m[w];
         source.pulses = wheel->encoder.pulses_per_turn;

@@ -51,6 +51,18 @@ constexpr MachineTime machine_time_from_ns(std::int64_t ns) {
 constexpr std::int64_t to_ns(MachineTime time) {
   return time.time_since_epoch().count();
 }
+constexpr std::int64_t to_ns(WallTime time) {
+  return std::chrono::nanoseconds(time.time_since_epoch()).count();
+}
+
+/// An instant of hardware: a node with hardware lives in its machine's own clock.
+constexpr NodeTime as_node_time(MachineTime time) {
+  return node_time_from_ns(to_ns(time));
+}
+constexpr MachineTime as_machine_time(NodeTime time) {
+  return machine_time_from_ns(to_ns(time));
+}
+
 constexpr double to_seconds(NodeClock::duration duration) {
   return std::chrono::duration<double>(duration).count();
 }

@@ -1,5 +1,6 @@
 #include "common/config/node_wiring.hpp"
 
+#include <algorithm>
 #include <array>
 #include <set>
 #include <utility>
@@ -9,16 +10,18 @@
 namespace roadbalance {
 namespace {
 
+// In the order of SignalQuantity.
+constexpr std::array kQuantityNames{"wheel_speed", "vehicle_speed", "steering_angle", "pulse_counter",
+                                    "other"};
+
 SignalConfig parse_signal(Section signal, const std::vector<std::string>& wheels) {
   SignalConfig s;
   s.name = signal.text("name");
   s.message = signal.text("message");
   s.signal = signal.text("signal");
-  constexpr std::array kQuantities{SignalQuantity::kWheelSpeed, SignalQuantity::kVehicleSpeed,
-                                   SignalQuantity::kSteeringAngle, SignalQuantity::kPulseCounter,
-                                   SignalQuantity::kOther};
-  s.quantity = kQuantities[signal.choice_or(
-      "quantity", {"wheel_speed", "vehicle_speed", "steering_angle", "pulse_counter", "other"}, 4)];
+  const std::vector<std::string> quantities(kQuantityNames.begin(), kQuantityNames.end());
+  s.quantity = static_cast<SignalQuantity>(
+      signal.choice_or("quantity", quantities, static_cast<std::size_t>(SignalQuantity::kOther)));
   if (s.quantity == SignalQuantity::kWheelSpeed || s.quantity == SignalQuantity::kPulseCounter)
     s.wheel = wheels[signal.choice("wheel", wheels)];
   signal.finish();
@@ -70,8 +73,26 @@ LineConfig parse_line(Section line, std::set<int>& used) {
 
 }  // namespace
 
+const char* name_of(SignalQuantity quantity) {
+  return kQuantityNames[static_cast<std::size_t>(quantity)];
+}
+
 std::size_t NodeWiring::signals() const {
   return can.empty() ? 0 : static_cast<std::size_t>(can.back().first_signal) + can.back().signal.size();
+}
+
+const SignalConfig* NodeWiring::signal(int number) const {
+  for (const CanConfig& one : can) {
+    const int place = number - one.first_signal;
+    if (0 <= place && place < static_cast<int>(one.signal.size()))
+      return &one.signal[static_cast<std::size_t>(place)];
+  }
+  return nullptr;
+}
+
+const LineConfig* NodeWiring::line_at(int number) const {
+  const auto found = std::ranges::find(line, number, &LineConfig::line);
+  return found == line.end() ? nullptr : &*found;
 }
 
 NodeWiring NodeWiring::take(Section& node, const std::vector<std::string>& wheels) {

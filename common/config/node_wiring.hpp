@@ -19,6 +19,9 @@ enum class SignalQuantity {
   kOther,          ///< as the car's description gives it
 };
 
+/// As vehicle.toml calls it: "wheel_speed".
+const char* name_of(SignalQuantity quantity);
+
 /// [[node.can.signal]]: a number that a device of the car sends.
 struct SignalConfig {
   std::string name;
@@ -40,8 +43,8 @@ struct CanConfig {
   std::string interface;  ///< "can0"
   CanRole role = CanRole::kVehicle;
   std::string dbc;  ///< file that describes its frames; empty: none
-  std::optional<std::uint32_t>
-      accelerometer_id;  ///< first identifier of an accelerometer module; role sensor
+  /// First identifier of an accelerometer module; role sensor.
+  std::optional<std::uint32_t> accelerometer_id;
   std::vector<SignalConfig> signal;
   int first_signal = 0;  ///< number of signal[0] among the node's signals
 };
@@ -56,13 +59,17 @@ struct LineConfig {
 
 /// What of [[node]] says which devices are connected to it, and how.
 struct NodeWiring {
-  std::vector<std::string>
-      front_end;           ///< URIs: one device that gives scans, and any that give what is beside
+  /// URIs: one device that gives scans, and any that give what is beside.
+  std::vector<std::string> front_end;
   bool loop_back = false;  ///< channels 13 .. 16 come from the converter, not from computation
   std::vector<CanConfig> can;
   std::vector<LineConfig> line;  ///< at most kEncoderLines
 
   std::size_t signals() const;
+  /// Signal of that number (SignalSample::signal); nullptr if there is none.
+  const SignalConfig* signal(int number) const;
+  /// Wiring of an encoder line to GPIO; nullptr: it has none.
+  const LineConfig* line_at(int number) const;
   /// Takes its keys of the table.
   /// @param wheels  names of the wheels there are
   /// @throws ConfigError

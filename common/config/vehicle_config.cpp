@@ -219,10 +219,15 @@ const NodeConfig* VehicleConfig::node_with_id(int id) const {
   return found == node.end() ? nullptr : &*found;
 }
 
-std::optional<int> VehicleConfig::wheel_at(const NodeConfig& at, int line) const {
-  for (std::size_t i = 0; i < kWheels; ++i)
-    if (wheel[i].node == at.name && wheel[i].line == line) return static_cast<int>(i);
-  return std::nullopt;
+const WheelConfig* VehicleConfig::wheel_named(const std::string& wheel_name) const {
+  const auto found = std::ranges::find(wheel, wheel_name, &WheelConfig::name);
+  return found == wheel.end() ? nullptr : &*found;
+}
+
+const WheelConfig* VehicleConfig::wheel_at(const NodeConfig& at, int line) const {
+  const auto is_read = [&](const WheelConfig& one) { return one.node == at.name && one.line == line; };
+  const auto found = std::ranges::find_if(wheel, is_read);
+  return found == wheel.end() ? nullptr : &*found;
 }
 
 }  // namespace roadbalance

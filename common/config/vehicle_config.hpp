@@ -122,8 +122,12 @@ struct VehicleConfig {
   /// @throws ConfigError if there is no such node
   const NodeConfig& node_named(const std::string& node_name) const;
   const NodeConfig* node_with_id(int id) const;
-  /// Wheel read by `line` of `node`, or nothing.
-  std::optional<int> wheel_at(const NodeConfig& node, int line) const;
+  /// nullptr if there is none of that name.
+  const WheelConfig* wheel_named(const std::string& wheel_name) const;
+  /// Wheel read by `line` of `node`; nullptr: none.
+  const WheelConfig* wheel_at(const NodeConfig& node, int line) const;
+  /// Place of one of its wheels in `wheel`.
+  int place_of(const WheelConfig& one) const { return static_cast<int>(&one - wheel.data()); }
 };
 
 }  // namespace roadbalance

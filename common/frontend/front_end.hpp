@@ -94,7 +94,7 @@ class FrontEnd {
 
   /// The device's clock at an instant of the machine's; of one that does not wait.  Hardware is stamped in
   /// the machine's own clock.  May be called from another thread while read() runs.
-  virtual NodeTime node_time(MachineTime machine) const noexcept { return node_time_from_ns(to_ns(machine)); }
+  virtual NodeTime node_time(MachineTime machine) const noexcept { return as_node_time(machine); }
 
   /// What the devices behind it count of their troubles; they live as long as the front end.
   virtual std::vector<const DeviceReport*> reports() const { return {}; }

@@ -30,7 +30,7 @@ std::vector<const DeviceReport*> MixedFrontEnd::reports() const {
 }
 
 NodeTime MixedFrontEnd::from_machine(NodeTime stamp) const noexcept {
-  return scans_->node_time(machine_time_from_ns(to_ns(stamp)));
+  return scans_->node_time(as_machine_time(stamp));
 }
 
 Read MixedFrontEnd::read(std::span<Scan> scans, std::span<Edge> edges,

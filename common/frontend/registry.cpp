@@ -8,12 +8,6 @@
 namespace roadbalance {
 
 void FrontEndRegistry::add(std::string scheme, Open open) {
-  add_device(std::move(scheme), [open = std::move(open)](const FrontEndRequest& request) {
-    return OpenedDevice{.scans = open(request), .side = nullptr};
-  });
-}
-
-void FrontEndRegistry::add_device(std::string scheme, OpenDevice open) {
   schemes_.insert_or_assign(std::move(scheme), std::move(open));
 }
 
@@ -41,12 +35,16 @@ std::unique_ptr<FrontEnd> FrontEndRegistry::open(const std::vector<std::string>&
   std::vector<std::unique_ptr<SideSource>> sides;
   for (const std::string& uri : uris) {
     OpenedDevice device = open_device(uri, vehicle, node);
-    if (device.scans && scans)
+    all += (all.empty() ? "" : ", ") + uri;
+    if (auto* const side = std::get_if<std::unique_ptr<SideSource>>(&device)) {
+      sides.push_back(std::move(*side));
+      continue;
+    }
+    if (scans)
       throw ConfigError("front ends " + scans_uri + " and " + uri +
                         ": both give scans; allowed: one that does");
-    if (device.scans) scans_uri = uri, scans = std::move(device.scans);
-    if (device.side) sides.push_back(std::move(device.side));
-    all += (all.empty() ? "" : ", ") + uri;
+    scans_uri = uri;
+    scans = std::get<std::unique_ptr<FrontEnd>>(std::move(device));
   }
   if (!scans)
     throw ConfigError("node " + node.name + ": " +

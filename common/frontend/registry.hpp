@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "common/config/vehicle_config.hpp"
@@ -20,27 +21,19 @@ struct FrontEndRequest {
   const NodeConfig& node;
 };
 
-/// A device gives scans, or what belongs beside the scans of another, or both.
-struct OpenedDevice {
-  std::unique_ptr<FrontEnd> scans;
-  std::unique_ptr<SideSource> side;
-};
+/// A device gives scans, or what belongs beside the scans of another.
+using OpenedDevice = std::variant<std::unique_ptr<FrontEnd>, std::unique_ptr<SideSource>>;
 
 /// Devices by URI scheme.  Each program's main registers what it offers.
 class FrontEndRegistry {
  public:
-  using Open = std::function<std::unique_ptr<FrontEnd>(const FrontEndRequest&)>;
-  using OpenDevice = std::function<OpenedDevice(const FrontEndRequest&)>;
+  using Open = std::function<OpenedDevice(const FrontEndRequest&)>;
 
-  /// A device that gives scans.
   void add(std::string scheme, Open open);
-  /// A device that may give something else.
-  void add_device(std::string scheme, OpenDevice open);
 
   /// @param uri  "scheme:address"
   /// @throws ConfigError naming the URI and the schemes there are, or if the device gives no scans; or what
-  /// the
-  ///         backend throws
+  ///         the backend throws
   std::unique_ptr<FrontEnd> open(const std::string& uri, const VehicleConfig& vehicle,
                                  const NodeConfig& node) const;
 
@@ -53,7 +46,7 @@ class FrontEndRegistry {
   OpenedDevice open_device(const std::string& uri, const VehicleConfig& vehicle,
                            const NodeConfig& node) const;
 
-  std::map<std::string, OpenDevice> schemes_;
+  std::map<std::string, Open> schemes_;
 };
 
 }  // namespace roadbalance

@@ -1,9 +1,11 @@
 #include "common/gpio/gpio_chip.hpp"
 
 #include <gpiod.h>
+#include <poll.h>
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cerrno>
 #include <system_error>
 #include <utility>
@@ -15,6 +17,7 @@ struct GpioChip::State {
   std::string name;
   gpiod_chip* chip = nullptr;
   std::vector<gpiod_line*> lines;
+  std::vector<pollfd> files;  ///< [line] readable while events wait
 
   // Closing a chip releases its lines.
   ~State() {
@@ -35,6 +38,7 @@ struct GpioChip::State {
                       (error == EBUSY ? user_of(line) : std::generic_category().message(error)));
     }
     lines.push_back(line);
+    files.push_back({.fd = gpiod_line_event_get_fd(line), .events = POLLIN, .revents = 0});
     return lines.size() - 1;
   }
 
@@ -75,14 +79,20 @@ std::size_t GpioChip::take_level(unsigned offset, bool active_low, const std::st
                       active_low ? GPIOD_LINE_REQUEST_FLAG_ACTIVE_LOW : 0);
 }
 
-int GpioChip::descriptor(std::size_t line) const noexcept {
-  return gpiod_line_event_get_fd(state_->lines[line]);
+void GpioChip::wait(std::chrono::milliseconds at_most, std::span<Waiting> lines) noexcept {
+  auto& files = state_->files;
+  assert(lines.size() <= files.size());
+  ::poll(files.data(), lines.size(), static_cast<int>(at_most.count()));
+  for (std::size_t k = 0; k < lines.size(); ++k)
+    lines[k] = files[k].revents == 0        ? Waiting::kNothing
+               : files[k].revents == POLLIN ? Waiting::kEvents
+                                            : Waiting::kGone;
 }
 
 std::optional<std::size_t> GpioChip::read(std::size_t line, std::span<GpioEvent> events) noexcept {
   std::array<gpiod_line_event, kKernelEvents> raw;
   const int count = gpiod_line_event_read_fd_multiple(
-      descriptor(line), raw.data(), static_cast<unsigned>(std::min(events.size(), raw.size())));
+      state_->files[line].fd, raw.data(), static_cast<unsigned>(std::min(events.size(), raw.size())));
   if (count < 0) return std::nullopt;
   for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)
     events[k] = {raw[k].ts.tv_sec * std::int64_t{1'000'000'000} + raw[k].ts.tv_nsec,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -22,6 +23,9 @@ struct GpioEvent {
   bool rising = true;
 };
 
+/// What a line has for its reader.
+enum class Waiting : std::uint8_t { kNothing, kEvents, kGone };
+
 /// Input lines of one GPIO chip; what is known of libgpiod is in its .cpp.
 ///
 /// libgpiod 1.6 speaks the kernel's first GPIO interface: a line keeps 16 events, and what comes while they
@@ -32,13 +36,12 @@ class GpioChip {
   enum class Edges { kRising, kBoth };
   static constexpr std::size_t kKernelEvents = 16;  ///< of a line
 
-  /// @param name  of the character device, e.g. "gpiochip0"
+  /// The chip of this name if it has this label, else the first with the label: one that was unplugged may
+  /// come back with another number.
+  /// @param name   of the character device, e.g. "gpiochip0"
+  /// @param label  empty: any
   /// @throws GpioError
-  explicit GpioChip(const std::string& name) : GpioChip(name, "") {}
-  /// The chip that was here before: of this name if it has this label, else the first with the label, for a
-  /// chip that was unplugged may come back with another number.
-  /// @param label  empty: any  @throws GpioError
-  GpioChip(const std::string& name, const std::string& label);
+  explicit GpioChip(const std::string& name, const std::string& label = "");
   ~GpioChip();
   GpioChip(GpioChip&&) noexcept;
   GpioChip& operator=(GpioChip&&) noexcept;
@@ -54,9 +57,10 @@ class GpioChip {
   /// Takes a line as an input whose level is asked for.  @param active_low  its level counts upside down
   std::size_t take_level(unsigned offset, bool active_low, const std::string& consumer);
 
-  /// Readable while events of a line wait; for poll(2).
-  int descriptor(std::size_t line) const noexcept;
-  /// Events of a line that wait, oldest first, at most kKernelEvents; poll must have said that there are
+  /// Waits until a line has events or the chip is gone, and says what each line has, in the order they were
+  /// taken; their levels are not asked for.  Never allocates.
+  void wait(std::chrono::milliseconds at_most, std::span<Waiting> lines) noexcept;
+  /// Events of a line that wait, oldest first, at most kKernelEvents; wait() must have said that there are
   /// some, else it waits.  Nothing if the chip is gone.  Never allocates.
   std::optional<std::size_t> read(std::size_t line, std::span<GpioEvent> events) noexcept;
   /// Nothing if the chip is gone.

@@ -14,13 +14,20 @@ class SpscQueue {
   /// @param capacity  items that fit
   explicit SpscQueue(std::size_t capacity) : items_(capacity + 1) {}
 
+  /// Writer: where the next item is written before publish(); nullptr: it is full.
+  T* room() noexcept {
+    const std::size_t at = end_.load(std::memory_order_relaxed);
+    return after(at) == begin_.load(std::memory_order_acquire) ? nullptr : &items_[at];
+  }
+  void publish() noexcept {
+    end_.store(after(end_.load(std::memory_order_relaxed)), std::memory_order_release);
+  }
   /// Writer: false if it is full.
   [[nodiscard]] bool push(const T& item) noexcept {
-    const std::size_t at = end_.load(std::memory_order_relaxed);
-    const std::size_t next = after(at);
-    if (next == begin_.load(std::memory_order_acquire)) return false;
-    items_[at] = item;
-    end_.store(next, std::memory_order_release);
+    T* const place = room();
+    if (!place) return false;
+    *place = item;
+    publish();
     return true;
   }
 

@@ -2,9 +2,9 @@
 #include <string>
 
 #include "common/config/section.hpp"
-#include "firmware/backends/dbc/candump.hpp"
 #include "firmware/backends/dbc/dbc.hpp"
 #include "firmware/backends/dbc/dbc_reading.hpp"
+#include "firmware/backends/dbc/test/candump.hpp"
 #include "hil_tests/fuzz/property.hpp"
 
 namespace roadbalance {
@@ -15,7 +15,7 @@ using fuzz::require;
 /// A whole frame of the message with the fuzzer's bytes: each signal is read within its range, and what is
 /// read is written and read again the same.
 void check(const DbcMessage& message, const std::string& bytes) {
-  CanFrame frame{.id = message.id, .extended = message.extended, .flexible = true, .size = kLongestCanBytes};
+  CanFrame frame{.id = message.id, .extended = message.extended, .is_fd = true, .size = kLongestCanBytes};
   std::copy_n(bytes.begin(), std::min(bytes.size(), frame.data.size()), frame.data.begin());
   for (const DbcSignal& signal : message.signals) {
     require(signal.place.fits(message.size), "a signal lies in its message");
@@ -44,11 +44,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace roadbalance;
   const std::string text(reinterpret_cast<const char*>(data), size);
   if (const auto logged = parse_candump(text))
-    require(is_can_size(logged->frame.size, logged->frame.flexible), "a logged frame has a size there is");
+    require(is_can_size(logged->frame.size, logged->frame.is_fd), "a logged frame has a size there is");
   try {
     const Dbc dbc = Dbc::parse(text, "fuzz.dbc");
     for (const DbcMessage& message : dbc.messages) {
-      require(message.id <= (message.extended ? kHighestLongId : kHighestShortId), "an identifier fits");
+      require(message.id <= (message.extended ? kHighestExtendedId : kHighestStandardId),
+              "an identifier fits");
       require(dbc.message(message.name) == &message, "a name is unique");
       check(message, text);
     }

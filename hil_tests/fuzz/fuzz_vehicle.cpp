@@ -20,8 +20,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       require(vehicle.node_with_id(node.id) == &node, "numbers of nodes are unique");
       require(&vehicle.node_named(node.name) == &node, "names of nodes are unique");
       for (int line = 0; line < kEncoderLines; ++line)
-        if (const auto wheel = vehicle.wheel_at(node, line))
-          require(*wheel >= 0 && *wheel < kWheels, "an encoder is on one of the wheels");
+        if (const WheelConfig* const wheel = vehicle.wheel_at(node, line))
+          require(vehicle.wheel_named(wheel->name) == wheel, "an encoder is on one of the wheels");
     }
   } catch (const ConfigError& error) {
     require(std::string(error.what()).starts_with("fuzz.toml"), "an error names the file");

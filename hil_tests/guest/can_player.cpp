@@ -48,12 +48,12 @@ VirtualCan::~VirtualCan() {
 CanPlayer::CanPlayer(const std::string& interface)
     : descriptor_(::socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC, CAN_RAW)) {
   if (descriptor_ < 0) fail("open a CAN socket");
-  const int flexible = 1;
+  const int on = 1;
   sockaddr_can address{};
   address.can_family = AF_CAN;
   address.can_ifindex = static_cast<int>(::if_nametoindex(interface.c_str()));
   if (address.can_ifindex == 0 ||
-      ::setsockopt(descriptor_, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, &flexible, sizeof flexible) != 0 ||
+      ::setsockopt(descriptor_, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, &on, sizeof on) != 0 ||
       ::setsockopt(descriptor_, SOL_CAN_RAW, CAN_RAW_FILTER, nullptr, 0) != 0 ||
       ::bind(descriptor_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
     const int error = errno;
@@ -70,9 +70,9 @@ void CanPlayer::send(const CanFrame& frame) {
   canfd_frame out{};
   out.can_id = frame.id | (frame.extended ? CAN_EFF_FLAG : 0);
   out.len = frame.size;
-  if (frame.flexible) out.flags = CANFD_BRS;
+  if (frame.is_fd) out.flags = CANFD_BRS;
   std::copy_n(frame.data.begin(), frame.size, out.data);
-  send_bytes(&out, frame.flexible ? CANFD_MTU : CAN_MTU);
+  send_bytes(&out, frame.is_fd ? CANFD_MTU : CAN_MTU);
 }
 
 void CanPlayer::send_error(std::uint32_t error, std::uint8_t controller) {

@@ -2,7 +2,6 @@
 
 #include <pthread.h>
 #include <sched.h>
-#include <time.h>
 
 #include <algorithm>
 #include <array>
@@ -19,9 +18,8 @@ namespace roadbalance::test {
 GpioRig::GpioRig(std::vector<LineConfig> lines, int teeth) : vehicle(one_node_vehicle(2000.0, teeth)) {
   vehicle.node[0].wiring.line = std::move(lines);
   edges.reserve(200'000);  // fresh memory costs guest time
-  source = open_gpio({PulseChip::name(), vehicle, vehicle.node[0]}, [this](const std::string& text) {
-             warnings += text + '\n';
-           }).side;
+  source = open_gpio({PulseChip::name(), vehicle, vehicle.node[0]},
+                     [this](const std::string& text) { warnings += text + '\n'; });
   machine_minus_monotonic_ns = machine_minus(CLOCK_MONOTONIC).count();
 }
 
@@ -93,8 +91,7 @@ Sealed GpioRig::seal(std::int64_t begin_ns, double seconds) const {
 
 std::jthread hog_processor(int priority, std::int64_t from_ns, std::int64_t until_ns) {
   std::jthread hog([=] {
-    const timespec from{from_ns / 1'000'000'000, from_ns % 1'000'000'000};
-    ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &from, nullptr);
+    std::this_thread::sleep_until(WallTime(std::chrono::nanoseconds(from_ns)));
     while (PulseChip::now_ns() < until_ns) {
     }
   });

@@ -5,11 +5,12 @@
 
 #include <array>
 #include <cerrno>
-#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
 #include <system_error>
+
+#include "common/clock/clocks.hpp"
 
 namespace roadbalance::test {
 namespace {
@@ -37,9 +38,7 @@ PulseChip::~PulseChip() {
 }
 
 std::int64_t PulseChip::now_ns() {
-  timespec now{};
-  ::clock_gettime(CLOCK_MONOTONIC, &now);
-  return now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec;
+  return to_ns(WallClock::now());
 }
 
 std::string PulseChip::name() {

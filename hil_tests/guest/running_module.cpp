@@ -1,25 +1,23 @@
 #include "hil_tests/guest/running_module.hpp"
 
-#include <time.h>
+#include <chrono>
 
-#include "firmware/backends/socketcan/accelerometer_frame.hpp"
+#include "common/clock/clocks.hpp"
 
 namespace roadbalance::test {
 
 RunningModule::RunningModule(const std::string& interface)
-    : player_(interface), thread_([this](const std::stop_token& stop) { run(stop); }) {}
+    : module_(interface, true), thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
 void RunningModule::run(const std::stop_token& stop) {
-  timespec due{};
-  clock_gettime(CLOCK_MONOTONIC, &due);
-  for (std::uint32_t number = 0; !stop.stop_requested(); ++number) {
-    due.tv_nsec += 1'000'000;
-    if (due.tv_nsec >= 1'000'000'000) ++due.tv_sec, due.tv_nsec -= 1'000'000'000;
-    clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, nullptr);
-    if (lost_ > 0)
+  for (WallTime due = WallClock::now(); !stop.stop_requested();) {
+    std::this_thread::sleep_until(due += std::chrono::milliseconds(1));
+    if (lost_ > 0) {
       --lost_;
-    else
-      player_.send(write_accelerometer({.sequence = number, .part = {}}, kFirstId));
+      module_.skip(1);
+    } else {
+      module_.convert();
+    }
   }
 }
 

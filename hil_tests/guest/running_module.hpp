@@ -5,15 +5,13 @@
 #include <string>
 #include <thread>
 
-#include "hil_tests/guest/can_player.hpp"
+#include "hil_tests/guest/accelerometer_module.hpp"
 
 namespace roadbalance::test {
 
 /// An accelerometer module that converts a thousand times a second until its end.
 class RunningModule {
  public:
-  static constexpr std::uint32_t kFirstId = 0x200;
-
   /// @param interface  of the module's end of the cable
   /// @throws std::system_error
   explicit RunningModule(const std::string& interface);
@@ -24,7 +22,7 @@ class RunningModule {
  private:
   void run(const std::stop_token& stop);
 
-  CanPlayer player_;
+  AccelerometerModule module_;
   std::atomic<std::uint32_t> lost_ = 0;
   std::jthread thread_;
 };

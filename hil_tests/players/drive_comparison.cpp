@@ -16,10 +16,6 @@
 namespace roadbalance::test {
 namespace {
 
-NodeTime in_clock_of_node(MachineTime time) {
-  return node_time_from_ns(to_ns(time));
-}
-
 /// Things of one kind, in order of time.
 template <typename Key, typename Item, typename KeyOf>
 std::map<Key, std::vector<Item>> by_kind(const std::vector<Item>& items, KeyOf key_of) {
@@ -35,7 +31,7 @@ std::int64_t difference(std::size_t a, std::size_t b) {
 void compare_scans(const NodeDrive& truth, const NodeDrive& seen, const Timetable& timetable,
                    DriveDifference& result) {
   // The conversion nearest to the first scan's instant is its own.
-  const NodeTime begin = in_clock_of_node(timetable.at(truth.first_scan()));
+  const NodeTime begin = as_node_time(timetable.at(truth.first_scan()));
   const auto half_period = (truth.scans[1].time - truth.scans[0].time) / 2;
   const auto first = static_cast<std::size_t>(
       std::ranges::lower_bound(seen.scans, begin - half_period, {}, &Scan::time) - seen.scans.begin());
@@ -44,7 +40,7 @@ void compare_scans(const NodeDrive& truth, const NodeDrive& seen, const Timetabl
       ++result.scans;
       continue;
     }
-    result.scan.add(seen.scans[first + k].time - in_clock_of_node(timetable.at(truth.scans[k].time)));
+    result.scan.add(seen.scans[first + k].time - as_node_time(timetable.at(truth.scans[k].time)));
   }
 }
 
@@ -58,7 +54,7 @@ void compare_edges(const NodeDrive& truth, const NodeDrive& seen, const Timetabl
     found.erase(kind);
     result.edges += difference(edges.size(), its.size());
     for (std::size_t k = 0; k < std::min(edges.size(), its.size()); ++k)
-      result.edge.add(its[k].time - in_clock_of_node(timetable.at(edges[k].time)));
+      result.edge.add(its[k].time - as_node_time(timetable.at(edges[k].time)));
   }
   for (const auto& [kind, edges] : found) result.edges += static_cast<std::int64_t>(edges.size());
 }
@@ -74,7 +70,7 @@ void compare_samples(const NodeDrive& truth, const NodeDrive& seen, const Timeta
     result.samples += difference(samples.size(), its.size());
     for (std::size_t k = 0; k < std::min(samples.size(), its.size()); ++k) {
       if (!(std::abs(its[k].value - samples[k].value) <= half_step)) ++result.samples;
-      result.sample.add(its[k].time - in_clock_of_node(timetable.at(samples[k].time)));
+      result.sample.add(its[k].time - as_node_time(timetable.at(samples[k].time)));
     }
   }
   for (const auto& [signal, samples] : found) result.samples += static_cast<std::int64_t>(samples.size());

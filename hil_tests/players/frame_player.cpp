@@ -1,10 +1,10 @@
 #include "hil_tests/players/frame_player.hpp"
 
+#include <algorithm>
 #include <cstdio>
-#include <ctime>
 #include <utility>
 
-#include "common/clock/clock_pair.hpp"
+#include "common/process/pause.hpp"
 #include "common/process/realtime.hpp"
 
 namespace roadbalance::test {
@@ -14,18 +14,11 @@ namespace {
 constexpr int kPriority = 48;
 constexpr auto kSlice = std::chrono::milliseconds(100);
 
-/// False: told to stop.
-bool sleep_until(MachineTime time, const std::stop_token& stop) {
-  while (!stop.stop_requested()) {
-    const MachineTime now = MachineClock::now();
-    if (time <= now) return true;
-    const bool last = time - now <= kSlice;
-    const std::int64_t until_ns = to_ns(last ? time : now + kSlice) - machine_minus(CLOCK_MONOTONIC).count();
-    const timespec until{.tv_sec = until_ns / 1'000'000'000, .tv_nsec = until_ns % 1'000'000'000};
-    ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
-    if (last) return true;
-  }
-  return false;
+/// In slices, for pauses are not timed by the machine's clock.  False: told to stop.
+bool pause_until(MachineTime time, const std::stop_token& stop) {
+  for (MachineTime now = MachineClock::now(); now < time; now = MachineClock::now())
+    if (!pause(stop, std::min<MachineClock::duration>(time - now, kSlice))) return false;
+  return !stop.stop_requested();
 }
 
 }  // namespace
@@ -41,7 +34,7 @@ void FramePlayer::run(std::stop_token stop) {
     std::fprintf(stderr, "rb-play: warning: %s\n", refused.c_str());
   for (const DriveFrame& frame : frames_) {
     const MachineTime time = timetable_.at(frame.time);
-    if (!sleep_until(time, stop)) return;
+    if (!pause_until(time, stop)) return;
     bus_[frame.interface]->send(frame.frame);
     lateness_.add((MachineClock::now() - time).count());
   }

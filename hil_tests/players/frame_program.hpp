@@ -25,12 +25,12 @@ struct DriveFrame {
 class FrameProgram {
  public:
   /// Samples of one node; nodes that name the same interface are on the same bus.
-  /// @throws ConfigError naming the signal that the DBC file does not have, or that its message cannot say: a
-  ///         multiplexed one, a unit that does not go with its quantity, a value beyond its bits
+  /// @throws ConfigError as find_wanted(), or naming a message that is multiplexed
   void add(const VehicleConfig& vehicle, const NodeConfig& node, const NodeDrive& drive);
 
   const std::vector<std::string>& interfaces() const { return interfaces_; }
   /// In order of time.
+  /// @throws ConfigError naming a signal with a value beyond its bits
   std::vector<DriveFrame> take();
 
  private:
@@ -38,24 +38,23 @@ class FrameProgram {
     std::size_t interface;
     DbcMessage description;
   };
-  /// How a signal of a node is said.
-  struct Way {
+  struct SignalEncoding {
     std::size_t message;  ///< in messages_
     CanSignal place;
-    double unit;  ///< the file's, in the quantity's
+    double factor;  ///< from the file's unit to the quantity's
     std::string name;
   };
   struct Value {
     NodeTime time;
-    std::size_t way;  ///< in ways_
-    double value;     ///< in the file's unit
+    std::size_t encoding;  ///< in encodings_
+    double value;          ///< in the file's unit
   };
   std::size_t interface_of(const std::string& name);
   std::size_t message_of(std::size_t interface, const DbcMessage& description);
 
   std::vector<std::string> interfaces_;
   std::vector<Message> messages_;
-  std::vector<Way> ways_;
+  std::vector<SignalEncoding> encodings_;
   std::vector<Value> values_;
 };
 

@@ -3,11 +3,11 @@
 #include <exception>
 #include <fstream>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "common/config/section.hpp"
 #include "common/frontend/registry.hpp"
+#include "common/process/pause.hpp"
 #include "common/process/stop_on_signal.hpp"
 #include "firmware/backends/replay/front_end.hpp"
 #include "hil_tests/players/player.hpp"
@@ -45,7 +45,8 @@ int play(const Options& options, const std::stop_token& stop) {
   if (!options.report.empty() && !(std::ofstream(options.report) << report << std::flush))
     throw std::runtime_error("cannot write " + options.report);
   if (!shortfall.empty()) throw std::runtime_error(shortfall);
-  while (!stop.stop_requested()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  while (pause(stop, std::chrono::hours(24)))
+    ;
   return 0;
 }
 

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <thread>
 #include <utility>
 
 #include "common/config/section.hpp"
 #include "common/process/parallel.hpp"
+#include "common/process/pause.hpp"
 #include "firmware/backends/usb/usb_address.hpp"
 
 namespace roadbalance::test {
@@ -77,9 +77,9 @@ Player::Node Player::prepare(const VehicleConfig& vehicle, Part part, PulseProgr
   if (!node.wiring.line.empty()) check_chip(node);
   PulseProgram capture;
   for (std::uint8_t line = 0; line < kEncoderLines; ++line) {
-    const auto gpio = std::ranges::find(node.wiring.line, int{line}, &LineConfig::line);
+    const LineConfig* const gpio = node.wiring.line_at(line);
     const auto wire = static_cast<std::uint16_t>(2 * line);
-    if (gpio == node.wiring.line.end())
+    if (!gpio)
       capture.add(part.drive, line, wire, static_cast<std::uint16_t>(wire + 1));
     else
       pulses.add(part.drive, line, static_cast<std::uint16_t>(gpio->tooth_gpio),
@@ -103,8 +103,7 @@ void Player::run(std::stop_token stop) {
   all.wait();
   // Packets with the last scans are on their way for some milliseconds.
   const MachineTime over = begin_ + (last_ - first_) + std::chrono::milliseconds(100);
-  while (!stop.stop_requested() && MachineClock::now() < over)
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  pause(stop, over - MachineClock::now());
 }
 
 std::string Player::report() const {

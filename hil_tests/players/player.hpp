@@ -17,8 +17,8 @@ namespace roadbalance::test {
 
 /// Plays a drive into the devices that vehicle.toml says its nodes are wired to: for each node a front-end
 /// board plugged into this machine's kernel, whose converter finds the drive's counts; pulses on the GPIO
-/// lines of
-/// [[node.line]], or at the board's own inputs where there is none; frames on the interfaces of [[node.can]].
+/// lines of [[node.line]], or at the board's own inputs where there is none; frames on the interfaces of
+/// [[node.can]].
 class Player {
  public:
   struct Part {
@@ -33,7 +33,6 @@ class Player {
   /// Until the drive is over, or told to stop.
   void run(std::stop_token stop);
 
-  MachineTime begin() const { return begin_; }
   /// What was played, one JSON object.
   std::string report() const;
   /// Why not everything was played; empty: everything was.

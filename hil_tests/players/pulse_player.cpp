@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/clock/clock_pair.hpp"
+#include "common/process/pause.hpp"
 
 namespace roadbalance::test {
 namespace {
@@ -28,11 +29,10 @@ PulsePlayer::PulsePlayer(std::vector<DriveLevel> levels, Timetable timetable)
 
 void PulsePlayer::run(std::stop_token stop) {
   std::jthread reader;
-  while (next_ < levels_.size() && !stop.stop_requested()) {
+  do {
     queue_until(MachineClock::now() + kAhead);
     if (next_ > 0 && !reader.joinable()) reader = std::jthread([this, stop] { read_truth(stop); });
-    std::this_thread::sleep_for(kPause);
-  }
+  } while (next_ < levels_.size() && pause(stop, kPause));
 }
 
 // The clocks are compared for each piece, for the kernel may slew the one that its timers run by.
@@ -55,7 +55,7 @@ void PulsePlayer::read_truth(std::stop_token stop) {
     const std::lock_guard lock(mutex_);
     for (const gpio_pulse_step& step : truth)
       lateness_.add(static_cast<std::int64_t>(step.t_ns - asked_ns_[read++]));
-    if (truth.empty()) std::this_thread::sleep_for(kPause);
+    if (truth.empty()) pause(stop, kPause);
   }
 }
 

@@ -43,9 +43,8 @@ void check_playable(const VehicleConfig& vehicle, const NodeConfig& node, const 
       throw ConfigError("[[node.line]] line " + std::to_string(line.line) + " of node " + node.name +
                         ": direction_gpio: second tracks are not played");
   for (int line = 0; line < kEncoderLines; ++line)
-    if (const auto wheel = vehicle.wheel_at(node, line))
-      if (const WheelConfig& its = vehicle.wheel[static_cast<std::size_t>(*wheel)]; its.encoder.quadrature)
-        throw ConfigError("wheel " + its.name + ": encoder.quadrature: second tracks are not played");
+    if (const WheelConfig* const wheel = vehicle.wheel_at(node, line); wheel && wheel->encoder.quadrature)
+      throw ConfigError("wheel " + wheel->name + ": encoder.quadrature: second tracks are not played");
   if (std::ranges::find(drive.edges, EdgeKind::kToothBackward, &Edge::kind) != drive.edges.end())
     throw ConfigError("drive of node " + node.name + ": a wheel turns backwards, which is not played");
 }

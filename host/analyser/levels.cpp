@@ -8,9 +8,9 @@ namespace roadbalance {
 
 LevelMeter::LevelMeter(const VehicleConfig& vehicle, const NodeConfig& node) : node_(node) {
   for (int line = kEncoderLines - 1; line >= 0; --line)
-    if (const auto wheel = vehicle.wheel_at(node, line)) {
+    if (const WheelConfig* const wheel = vehicle.wheel_at(node, line)) {
       line_ = line;
-      rolling_radius_m_ = vehicle.wheel[static_cast<std::size_t>(*wheel)].rolling_radius_m;
+      rolling_radius_m_ = wheel->rolling_radius_m;
     }
 }
 

@@ -24,10 +24,11 @@ Assembler::Assembler(const VehicleConfig& vehicle, Emit emit, double longest_wai
       map.overload_mask |= 1 << c;
     }
     for (int line = 0; line < kEncoderLines; ++line) {
-      const auto wheel = vehicle.wheel_at(node, line);
-      if (!wheel) continue;
-      map.from_counts(sine_row(*wheel), kAccelerations + 2 * line) = 1.0 / kFullScaleCounts;
-      map.from_counts(cosine_row(*wheel), kAccelerations + 2 * line + 1) = 1.0 / kFullScaleCounts;
+      const WheelConfig* const encoder = vehicle.wheel_at(node, line);
+      if (!encoder) continue;
+      const int wheel = vehicle.place_of(*encoder);
+      map.from_counts(sine_row(wheel), kAccelerations + 2 * line) = 1.0 / kFullScaleCounts;
+      map.from_counts(cosine_row(wheel), kAccelerations + 2 * line + 1) = 1.0 / kFullScaleCounts;
       map.wheel[static_cast<std::size_t>(line)] = wheel;
     }
     if (map.from_counts.isZero()) continue;  // nothing of it is used

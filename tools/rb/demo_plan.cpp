@@ -29,7 +29,7 @@ DemoPlan::DemoPlan(const DemoOptions& options) : options_(options), vehicle_(rea
                       ": the folder is not empty; allowed: a new or an empty one");
   url_ = bus_url_on_port(quiet_port(options.port));
   constexpr auto kTimeToStart = std::chrono::seconds(1);
-  start_ns_ = std::chrono::nanoseconds((WallClock::now() + kTimeToStart).time_since_epoch()).count();
+  start_ns_ = to_ns(WallClock::now() + kTimeToStart);
   record_ = options.record.empty() ? work() / "record" : std::filesystem::path(options.record);
   std::ofstream file(vehicle_file(), std::ios::binary);
   file << vehicle_.text;

@@ -10,37 +10,25 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Quantity {
-  const char* name;
-  const char* unit;
-};
-
-Quantity words(SignalQuantity quantity) {
+const char* unit_of(SignalQuantity quantity) {
   switch (quantity) {
     case SignalQuantity::kWheelSpeed:
-      return {"wheel_speed", "m/s"};
     case SignalQuantity::kVehicleSpeed:
-      return {"vehicle_speed", "m/s"};
+      return "m/s";
     case SignalQuantity::kSteeringAngle:
-      return {"steering_angle", "rad"};
+      return "rad";
     case SignalQuantity::kPulseCounter:
-      return {"pulse_counter", "pulses"};
+      return "pulses";
     case SignalQuantity::kOther:
       break;
   }
-  return {"other", ""};
+  return "";
 }
 
 /// nullptr if the vehicle has no such signal.
 const SignalConfig* find_signal(const VehicleConfig* vehicle, std::int32_t node, int number) {
   const NodeConfig* config = vehicle ? vehicle->node_with_id(node) : nullptr;
-  if (!config) return nullptr;
-  for (const CanConfig& can : config->wiring.can) {
-    const int place = number - can.first_signal;
-    if (0 <= place && place < static_cast<int>(can.signal.size()))
-      return &can.signal[static_cast<std::size_t>(place)];
-  }
-  return nullptr;
+  return config ? config->wiring.signal(number) : nullptr;
 }
 
 void add_sample(const SignalSample& sample, SignalSurvey::Signal& signal) {
@@ -80,7 +68,7 @@ Json signals_json(const SignalSurvey& survey, const VehicleConfig* vehicle) {
       const SignalConfig* config = find_signal(vehicle, key.first, number);
       Json entry{{"node", key.first}, {"epoch", key.second}, {"signal", number}};
       entry["name"] = config ? Json(config->name) : Json(nullptr);
-      entry["quantity"] = config ? Json(words(config->quantity).name) : Json(nullptr);
+      entry["quantity"] = config ? Json(name_of(config->quantity)) : Json(nullptr);
       entry["wheel"] = config && !config->wheel.empty() ? Json(config->wheel) : Json(nullptr);
       entry.update(Json{{"samples", signal.samples},
                         {"first_ns", signal.first_ns},
@@ -103,7 +91,7 @@ std::vector<std::string> signal_lines(const SignalSurvey& survey, NodeEpoch key,
     std::snprintf(text, sizeof text, ": %lld samples in %.1f s, first %g, last %g, least %g, greatest %g %s",
                   static_cast<long long>(signal.samples),
                   static_cast<double>(signal.last_ns - signal.first_ns) * 1e-9, signal.first, signal.last,
-                  signal.least, signal.greatest, config ? words(config->quantity).unit : "");
+                  signal.least, signal.greatest, config ? unit_of(config->quantity) : "");
     std::string line = "signal " + (config ? config->name : std::to_string(number)) + text;
     while (line.back() == ' ') line.pop_back();
     lines.push_back(std::move(line));

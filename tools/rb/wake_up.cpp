@@ -6,11 +6,10 @@
 #include <algorithm>
 #include <thread>
 
+#include "common/process/realtime.hpp"
+
 namespace roadbalance {
 namespace {
-
-/// Of the kernel's interrupt threads, and of the thread of firmware/backends/gpio.
-constexpr int kInterruptThreadPriority = 50, kReaderPriority = 45;
 
 struct Sleeper {
   std::chrono::nanoseconds worst{};
@@ -35,8 +34,8 @@ struct Sleeper {
 WakeUpMeasurement measure_wake_ups(std::chrono::milliseconds duration) {
   Sleeper interrupt_thread, reader;
   {
-    const std::jthread first([&] { interrupt_thread.sleep_for(duration, kInterruptThreadPriority); });
-    const std::jthread second([&] { reader.sleep_for(duration, kReaderPriority); });
+    const std::jthread first([&] { interrupt_thread.sleep_for(duration, kInterruptPriority); });
+    const std::jthread second([&] { reader.sleep_for(duration, kDevicePriority); });
   }
   return {.worst = {.interrupt_thread = interrupt_thread.worst, .reader = reader.worst},
           .realtime = interrupt_thread.realtime && reader.realtime};

@@ -2,13 +2,16 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
+#include "common/config/test/refusal.hpp"
 #include "common/config/vehicle_config.hpp"
+#include "common/frontend/front_end.hpp"
 #include "common/test/source.hpp"
 
 namespace roadbalance {
 namespace {
+
+using test::expect_refusal;
+using test::refusal;
 
 /// The demo car, whose last node gets these keys and tables.
 std::string car(const std::string& keys, const std::string& tables) {
@@ -110,6 +113,19 @@ TEST(NodeWiring, NumbersTheSignalsOfAllBusesOneAfterTheOther) {
   EXPECT_EQ(w.can[1].signal[0].wheel, "rear_right");
   EXPECT_EQ(w.can[1].signal[1].quantity, SignalQuantity::kOther);
   EXPECT_EQ(w.signals(), 5U);
+  EXPECT_EQ(w.signal(2), &w.can[0].signal[2]);
+  EXPECT_EQ(w.signal(3), &w.can[1].signal[0]);
+  EXPECT_EQ(w.signal(5), nullptr);
+  EXPECT_EQ(w.signal(-1), nullptr);
+}
+
+TEST(NodeWiring, CallsAQuantityAsTheFileDoes) {
+  const NodeWiring w = wiring("", kTables);
+  EXPECT_STREQ(name_of(w.signal(0)->quantity), "wheel_speed");
+  EXPECT_STREQ(name_of(w.signal(1)->quantity), "vehicle_speed");
+  EXPECT_STREQ(name_of(w.signal(2)->quantity), "steering_angle");
+  EXPECT_STREQ(name_of(w.signal(3)->quantity), "pulse_counter");
+  EXPECT_STREQ(name_of(w.signal(4)->quantity), "other");
 }
 
 TEST(NodeWiring, TakesTheWiringOfEncoders) {
@@ -123,27 +139,8 @@ TEST(NodeWiring, TakesTheWiringOfEncoders) {
   EXPECT_EQ(w.line[1].tooth_gpio, 4);
   EXPECT_EQ(w.line[1].direction_gpio, 5);
   EXPECT_EQ(w.line[1].zero_mark_gpio, 6);
-}
-
-std::string refusal(const std::string& text) {
-  try {
-    VehicleConfig::parse(text, "car.toml");
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return "accepted";
-}
-
-/// @param from  where the search for `line` begins: the demo car may have the same words
-void expect_refusal(const std::string& text, std::size_t from, const std::string& line,
-                    const std::string& says) {
-  const auto place = text.find(line, from);
-  ASSERT_NE(place, std::string::npos) << line;
-  const auto end = text.begin() + static_cast<std::ptrdiff_t>(place + line.size());
-  const std::string where = "car.toml:" + std::to_string(1 + std::count(text.begin(), end, '\n')) + ": ";
-  const std::string error = refusal(text);
-  EXPECT_EQ(error.rfind(where, 0), 0U) << error << "\nshould point to: " << where << says;
-  EXPECT_NE(error.find(says), std::string::npos) << error << "\nshould say: " << says;
+  EXPECT_EQ(w.line_at(0), &w.line[1]);
+  EXPECT_EQ(wiring("", "").line_at(0), nullptr);
 }
 
 TEST(NodeWiring, NamesLineKeyAndWhatIsAllowedOfDevices) {
@@ -207,6 +204,7 @@ TEST(NodeWiring, NamesLineKeyAndWhatIsAllowedOfBusesAndLines) {
     const auto place = tables.find(c.from);
     ASSERT_NE(place, std::string::npos) << c.from;
     const std::string text = car("", tables.replace(place, c.from.size(), c.to));
+    // The demo car may have the same words.
     expect_refusal(text, text.size() - tables.size(), c.line, c.says);
   }
 }

@@ -1,16 +1,18 @@
 #include "common/config/vehicle_config.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
 #include "common/config/section.hpp"
+#include "common/config/test/refusal.hpp"
 #include "common/test/source.hpp"
 
 namespace roadbalance {
 namespace {
+
+using test::refusal;
 
 std::string demo() {
   return test::read_source("sim/demo/vehicle.toml");
@@ -22,23 +24,6 @@ std::string changed(const std::string& from, const std::string& to) {
   const auto place = text.find(from);
   EXPECT_NE(place, std::string::npos) << from;
   return text.replace(place, from.size(), to);
-}
-
-/// Line on which the first `words` end.
-std::size_t line_of(const std::string& text, const std::string& words) {
-  const auto place = text.find(words);
-  EXPECT_NE(place, std::string::npos) << words;
-  const auto end = text.begin() + static_cast<std::ptrdiff_t>(place + words.size());
-  return 1 + static_cast<std::size_t>(std::count(text.begin(), end, '\n'));
-}
-
-std::string refusal(const std::string& text) {
-  try {
-    VehicleConfig::parse(text, "car.toml");
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return "accepted";
 }
 
 TEST(VehicleConfig, ReadsTheDemoCar) {
@@ -72,7 +57,7 @@ TEST(VehicleConfig, ReadsTheDemoCarWithACabinNode) {
   ASSERT_EQ(v.node.size(), 3U);
   EXPECT_EQ(v.node[2].name, "cabin");
   EXPECT_EQ(v.node[2].channel.size(), 12U);
-  EXPECT_FALSE(v.wheel_at(v.node[2], 0));
+  EXPECT_EQ(v.wheel_at(v.node[2], 0), nullptr);
 }
 
 TEST(VehicleConfig, FindsNodesAndWheels) {
@@ -81,8 +66,11 @@ TEST(VehicleConfig, FindsNodesAndWheels) {
   EXPECT_THROW(v.node_named("roof"), ConfigError);
   EXPECT_EQ(v.node_with_id(1), &v.node[0]);
   EXPECT_EQ(v.node_with_id(3), nullptr);
-  EXPECT_EQ(v.wheel_at(v.node[1], 1), 3);
-  EXPECT_FALSE(v.wheel_at(v.node[1], 2));
+  EXPECT_EQ(v.wheel_at(v.node[1], 1), &v.wheel[3]);
+  EXPECT_EQ(v.wheel_at(v.node[1], 2), nullptr);
+  EXPECT_EQ(v.wheel_named("rear_left"), &v.wheel[2]);
+  EXPECT_EQ(v.wheel_named("spare"), nullptr);
+  EXPECT_EQ(v.place_of(v.wheel[2]), 2);
 }
 
 TEST(VehicleConfig, TakesCalibrationAndDirectionOfAChannel) {
@@ -150,14 +138,7 @@ TEST(VehicleConfig, NamesFileLineKeyAndWhatIsAllowed) {
       {"x_m = -1.45", "x_m = 1.25", "[model.rear]",
        "rear: x_m of the rear axle must be less than the front's"},
   };
-  for (const Case& c : cases) {
-    const std::string text = changed(c.from, c.to);
-    const std::string where =
-        c.line.empty() ? "car.toml:" : "car.toml:" + std::to_string(line_of(text, c.line)) + ": ";
-    const std::string error = refusal(text);
-    EXPECT_EQ(error.rfind(where, 0), 0U) << error << "\nshould point to: " << where;
-    EXPECT_NE(error.find(c.says), std::string::npos) << error << "\nshould say: " << c.says;
-  }
+  for (const Case& c : cases) test::expect_refusal(changed(c.from, c.to), 0, c.line, c.says);
 }
 
 TEST(VehicleConfig, RefusesMoreChannelsThanAConverterHas) {

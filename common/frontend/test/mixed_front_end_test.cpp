@@ -16,7 +16,7 @@ namespace {
 constexpr double kRateHz = 1'000.0;
 
 NodeTime now() {
-  return node_time_from_ns(to_ns(MachineClock::now()));
+  return as_node_time(MachineClock::now());
 }
 
 Edge edge_at(NodeTime time, std::uint8_t line = 0) {

@@ -38,9 +38,7 @@ class Speed final : public SideSource {
 FrontEndRegistry house() {
   FrontEndRegistry registry;
   registry.add("usb", [](const FrontEndRequest&) { return std::make_unique<Silence>(); });
-  registry.add_device("can", [](const FrontEndRequest&) {
-    return OpenedDevice{.scans = nullptr, .side = std::make_unique<Speed>()};
-  });
+  registry.add("can", [](const FrontEndRequest&) { return std::make_unique<Speed>(); });
   return registry;
 }
 

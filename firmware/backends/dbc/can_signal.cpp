@@ -54,12 +54,6 @@ double CanSignal::raw(std::uint64_t bits) const noexcept {
   return std::numeric_limits<double>::quiet_NaN();
 }
 
-std::optional<double> CanSignal::value(const CanFrame& frame) const noexcept {
-  const auto found = bits(frame);
-  if (!found) return std::nullopt;
-  return raw(*found) * scale + offset;
-}
-
 bool CanSignal::put_bits(std::uint64_t bits, CanFrame& frame) const noexcept {
   if (!fits(frame.size)) return false;
   int bit = start_bit;

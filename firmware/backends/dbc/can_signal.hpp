@@ -35,10 +35,11 @@ struct CanSignal {
   std::optional<std::uint64_t> bits(const CanFrame& frame) const noexcept;
   /// The number the bits stand for, before scale and offset.
   double raw(std::uint64_t bits) const noexcept;
-  /// raw * scale + offset, or nothing if the frame is too short for the signal.
-  std::optional<double> value(const CanFrame& frame) const noexcept;
+  /// What that is in the signal's unit.
+  double value(double raw) const noexcept { return raw * scale + offset; }
 
-  /// Writes the bits into a frame whose size is set; false, and the frame as it was, if it is too short.
+  /// The inverse, for who plays a bus.  Writes the bits into a frame whose size is set; false, and the frame
+  /// as it was, if it is too short.
   [[nodiscard]] bool put_bits(std::uint64_t bits, CanFrame& frame) const noexcept;
   /// Writes what comes nearest to `value`; false if the frame is too short or the bits cannot say it.
   [[nodiscard]] bool put(double value, CanFrame& frame) const noexcept;

@@ -13,8 +13,8 @@ const DbcSignal* DbcMessage::signal(std::string_view signal_name) const {
   return found == signals.end() ? nullptr : &*found;
 }
 
-const DbcSignal* DbcMessage::selector() const {
-  const auto found = std::ranges::find(signals, true, &DbcSignal::selects);
+const DbcSignal* DbcMessage::multiplexor() const {
+  const auto found = std::ranges::find(signals, true, &DbcSignal::is_multiplexor);
   return found == signals.end() ? nullptr : &*found;
 }
 

@@ -25,7 +25,7 @@ struct DbcSignal {
   CanSignal place;
   double low = 0.0, high = 0.0;  ///< range of the value; both 0: none is given
   std::vector<DbcCode> codes;
-  bool selects = false;                    ///< the message's multiplexor ("M")
+  bool is_multiplexor = false;             ///< the message's multiplexor ("M")
   std::optional<std::uint64_t> when_bits;  ///< in the frame only while the multiplexor has these bits ("m3")
 
   bool has_range() const { return low != 0.0 || high != 0.0; }
@@ -43,7 +43,7 @@ struct DbcMessage {
   /// Nothing if there is none of that name.
   const DbcSignal* signal(std::string_view signal_name) const;
   /// Nothing if it is not multiplexed.
-  const DbcSignal* selector() const;
+  const DbcSignal* multiplexor() const;
 };
 
 /// What a DBC file says about frames and their signals.

@@ -52,7 +52,7 @@ void DbcReader::read_message() {
   const Id id = tokens_.integer("the message's identifier", 0, UINT32_MAX);
   message.extended = (id & kLongIdMark) != 0;
   message.id = static_cast<std::uint32_t>(id & ~kLongIdMark);
-  if (id != kUnusedSignals && message.id > (message.extended ? kHighestLongId : kHighestShortId))
+  if (id != kUnusedSignals && message.id > (message.extended ? kHighestExtendedId : kHighestStandardId))
     tokens_.fail(message.line, "message " + std::to_string(id) +
                                    ": the identifier has more than 11 bits, or 29 beside bit 31");
   message.name = tokens_.name("the message's name,");
@@ -102,7 +102,7 @@ void DbcReader::read_multiplexing(DbcSignal& signal) {
   const int line = tokens_.peek().line;
   const std::string_view mark = tokens_.name("\":\", M or m and a number after the signal's name,");
   if (mark == "M") {
-    signal.selects = true;
+    signal.is_multiplexor = true;
     return;
   }
   std::uint32_t value = 0;
@@ -155,16 +155,17 @@ void DbcReader::read_meaning(DbcSignal& signal) {
 }
 
 void DbcReader::check_multiplexing(const DbcMessage& message) const {
-  const DbcSignal* const selector = message.selector();
+  const DbcSignal* const multiplexor = message.multiplexor();
   for (const DbcSignal& signal : message.signals) {
-    if (signal.selects && &signal != selector)
+    if (signal.is_multiplexor && &signal != multiplexor)
       tokens_.fail(signal.line, "message " + message.name + " has a second multiplexor, " + signal.name);
-    if (signal.when_bits && !selector)
+    if (signal.when_bits && !multiplexor)
       tokens_.fail(signal.line, "signal " + signal.name + " is multiplexed, but message " + message.name +
                                     " has no multiplexor");
-    if (signal.when_bits && selector->place.length < 64 && *signal.when_bits >> selector->place.length != 0)
-      tokens_.fail(signal.line,
-                   "signal " + signal.name + ": its multiplexor " + selector->name + " never has that value");
+    if (signal.when_bits && multiplexor->place.length < 64 &&
+        *signal.when_bits >> multiplexor->place.length != 0)
+      tokens_.fail(signal.line, "signal " + signal.name + ": its multiplexor " + multiplexor->name +
+                                    " never has that value");
   }
 }
 

@@ -22,13 +22,14 @@ DbcReading read_signal(const DbcMessage& message, const DbcSignal& signal, const
   using Status = DbcReading::Status;
   if (frame.size < message.size) return {.status = Status::kTooShort};
   if (signal.when_bits) {
-    const DbcSignal* const selector = message.selector();
-    if (!selector || selector->place.bits(frame) != signal.when_bits) return {.status = Status::kAbsent};
+    const DbcSignal* const multiplexor = message.multiplexor();
+    if (!multiplexor || multiplexor->place.bits(frame) != signal.when_bits)
+      return {.status = Status::kAbsent};
   }
   const auto bits = signal.place.bits(frame);
   if (!bits) return {.status = Status::kTooShort};
   const double raw = signal.place.raw(*bits);
-  const double value = raw * signal.place.scale + signal.place.offset;
+  const double value = signal.place.value(raw);
   const bool named = std::ranges::find(signal.codes, raw, &DbcCode::raw) != signal.codes.end();
   const bool inside = signal.has_range() ? in_range(signal, value) : !(named && !signal.unit.empty());
   if (!inside) return {.status = named ? Status::kNotAvailable : Status::kOutOfRange};

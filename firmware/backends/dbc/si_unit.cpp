@@ -19,8 +19,6 @@ constexpr SiUnit kDegree{std::numbers::pi / 180.0, "rad"};
 constexpr SiUnit kTurning{1.0, "rad/s"};
 constexpr SiUnit kDegreePerSecond{std::numbers::pi / 180.0, "rad/s"};
 constexpr SiUnit kPerMinute{2.0 * std::numbers::pi / 60.0, "rad/s"};
-constexpr SiUnit kAcceleration{1.0, "m/s^2"};
-constexpr SiUnit kGravity{9.80665, "m/s^2"};
 
 // The degree sign stands in DBC files in Latin-1 or in UTF-8.
 constexpr Entry kEntries[] = {
@@ -42,9 +40,6 @@ constexpr Entry kEntries[] = {
     {"\xC2\xB0/s", kDegreePerSecond},
     {"rpm", kPerMinute},
     {"1/min", kPerMinute},
-    {"m/s^2", kAcceleration},
-    {"m/s2", kAcceleration},
-    {"g", kGravity},
 };
 
 }  // namespace

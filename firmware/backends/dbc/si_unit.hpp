@@ -11,7 +11,7 @@ struct SiUnit {
   const char* name = "";  ///< of the SI unit, e.g. "m/s"; "" for a pure number
 };
 
-/// Of a unit as DBC files write it: km/h, kph, mph, m/s, deg, rad, deg/s, rad/s, rpm, 1/min, m/s^2, g, none.
+/// Of a unit as DBC files write it: km/h, kph, mph, m/s, deg, rad, deg/s, rad/s, rpm, 1/min, none.
 /// @return nothing if it is another
 std::optional<SiUnit> si_unit(std::string_view unit);
 

@@ -41,7 +41,7 @@ std::size_t EdgeMaker::take(const InputEvent& event, std::span<Edge, kMost> edge
   } else if (!has_direction(input.line)) {
     if (rising) put(EdgeKind::kTooth);
   } else {
-    const auto track = input.track == GpioTrack::kTooth ? Quadrature::kFirst : Quadrature::kSecond;
+    const auto track = input.track == GpioTrack::kTooth ? Quadrature::kA : Quadrature::kB;
     const Quadrature::Step step = quadrature_[input.line].take(track, rising);
     if (step.lost) {
       report_.count(DeviceCounter::kEdgesLost);

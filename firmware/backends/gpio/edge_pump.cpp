@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <ctime>
+#include <thread>
 #include <utility>
 
 #include "common/clock/clock_pair.hpp"
@@ -14,9 +14,7 @@ namespace {
 constexpr std::size_t kEventsHeld = 4096;  // 7 ms of two 1000-pulse transducers in quadrature are 3400
 
 std::int64_t monotonic_now_ns() {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec;
+  return to_ns(WallClock::now());
 }
 
 }  // namespace
@@ -48,7 +46,6 @@ void EdgePump::open() {
     } catch (const GpioError& error) {
       throw ConfigError(input.key + ": " + error.what());
     }
-    waiting_[k] = {.fd = chip->descriptor(k), .events = POLLIN, .revents = 0};
   }
   std::fill(was_full_.begin(), was_full_.end(), false);
   label_ = chip->label();
@@ -84,7 +81,10 @@ void EdgePump::turn() noexcept {
     lose_all(before_ns);
     read_levels();
   }
-  poll(waiting_.data(), chip_ ? waiting_.size() : 0, static_cast<int>(kPatience.count()));
+  if (chip_)
+    chip_->wait(kPatience, waiting_);
+  else
+    std::this_thread::sleep_for(kPatience);
   machine_minus_monotonic_ns_ = machine_minus(CLOCK_MONOTONIC).count();
   if (!chip_) return complete_before(before_ns);  // nothing will come
   if (!read_waiting()) return;
@@ -97,17 +97,17 @@ void EdgePump::complete_before(std::int64_t monotonic_ns) noexcept {
                            std::memory_order_release);
 }
 
-/// True if all that came before the poll has been read.
+/// True if all that came before the wait has been read.
 bool EdgePump::read_waiting() noexcept {
   bool drained = true;
   for (std::size_t k = 0; k < waiting_.size(); ++k) {
-    if (waiting_[k].revents == 0) {
+    if (waiting_[k] == Waiting::kNothing) {
       was_full_[k] = false;
       continue;
     }
-    const auto count = waiting_[k].revents & ~POLLIN ? std::nullopt : chip_->read(k, event_);
+    const auto count = waiting_[k] == Waiting::kGone ? std::nullopt : chip_->read(k, event_);
     if (!count) {
-      go();
+      chip_is_gone();
       return false;
     }
     if (order_.room() <= *count) give_before(INT64_MAX);  // far behind: better in doubtful order than never
@@ -160,7 +160,7 @@ void EdgePump::lose_all(std::int64_t monotonic_ns) noexcept {
     if (!std::exchange(done[input.line], true)) store(maker_.lost(input.line, now));
 }
 
-void EdgePump::go() noexcept {
+void EdgePump::chip_is_gone() noexcept {
   const std::int64_t now_ns = monotonic_now_ns();
   give_before(INT64_MAX);
   store_.report.count(DeviceCounter::kGone);

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <poll.h>
-
 #include <array>
 #include <atomic>
 #include <cstdint>
@@ -65,7 +63,7 @@ class EdgePump {
   void drop(std::uint8_t line, DeviceCounter why) noexcept;
   void store(const Edge& edge) noexcept;
   void lose_all(std::int64_t monotonic_ns) noexcept;
-  void go() noexcept;
+  void chip_is_gone() noexcept;
   void complete_before(std::int64_t monotonic_ns) noexcept;
 
   const std::string chip_name_;
@@ -75,8 +73,8 @@ class EdgePump {
   EdgeMaker maker_;
   EventOrder order_;
   std::optional<GpioChip> chip_;
-  std::vector<pollfd> waiting_;  ///< [input]
-  std::vector<bool> was_full_;   ///< [input] in this drain the kernel had all it keeps
+  std::vector<Waiting> waiting_;  ///< [input]
+  std::vector<bool> was_full_;    ///< [input] in this drain the kernel had all it keeps
   DroppedEdges dropped_;
   std::array<GpioEvent, GpioChip::kKernelEvents> event_;
   std::int64_t machine_minus_monotonic_ns_ = 0;

@@ -1,6 +1,5 @@
 #include "firmware/backends/gpio/gpio_input.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "common/config/section.hpp"
@@ -47,18 +46,16 @@ std::vector<GpioInput> gpio_inputs(const std::string& device, const VehicleConfi
     add(line.tooth_gpio, GpioTrack::kTooth, "tooth_gpio");
     if (line.direction_gpio) add(*line.direction_gpio, GpioTrack::kDirection, "direction_gpio");
     if (line.zero_mark_gpio) add(*line.zero_mark_gpio, GpioTrack::kZeroMark, "zero_mark_gpio");
-    if (const auto wheel = vehicle.wheel_at(node, line.line))
-      check_encoder(where, line, vehicle.wheel[static_cast<std::size_t>(*wheel)], warn);
+    if (const WheelConfig* const wheel = vehicle.wheel_at(node, line.line))
+      check_encoder(where, line, *wheel, warn);
     else
       warn(where + ": no wheel has its encoder there, so nobody uses its edges");
   }
   for (int line = 0; line < kEncoderLines; ++line) {
-    const auto wheel = vehicle.wheel_at(node, line);
-    const auto is_wired = [&](const LineConfig& wired) { return wired.line == line; };
-    if (wheel && std::ranges::none_of(node.wiring.line, is_wired))
-      warn("wheel " + vehicle.wheel[static_cast<std::size_t>(*wheel)].name + " has its encoder on line " +
-           std::to_string(line) + " of node " + node.name + ", which has no [[node.line]]: " + device +
-           " gives it no edges");
+    const WheelConfig* const wheel = vehicle.wheel_at(node, line);
+    if (wheel && !node.wiring.line_at(line))
+      warn("wheel " + wheel->name + " has its encoder on line " + std::to_string(line) + " of node " +
+           node.name + ", which has no [[node.line]]: " + device + " gives it no edges");
   }
   return inputs;
 }

@@ -14,7 +14,7 @@ GpioSource::GpioSource(const std::string& chip, std::vector<GpioInput> inputs, W
   // To keep memory in RAM takes long when there is much of it: the edges that matter come afterwards.
   std::latch ready(1);
   thread_ = std::jthread([this, &ready, warn = std::move(warn)](const std::stop_token& stop) {
-    for (const std::string& refused : enter_realtime(kPriority))
+    for (const std::string& refused : enter_realtime(kDevicePriority))
       warn(store_.report.device() + ": " + refused);
     ready.count_down();
     while (!stop.stop_requested()) pump_.turn();
@@ -35,11 +35,10 @@ SideRead GpioSource::take(std::span<Edge> edges, std::span<SignalSample>) noexce
   return read;
 }
 
-OpenedDevice open_gpio(const FrontEndRequest& request, const GpioSource::Warn& warn) {
+std::unique_ptr<SideSource> open_gpio(const FrontEndRequest& request, const GpioSource::Warn& warn) {
   const std::string device = "gpio:" + request.address;
-  return {.scans = nullptr,
-          .side = std::make_unique<GpioSource>(
-              request.address, gpio_inputs(device, request.vehicle, request.node, warn), warn)};
+  return std::make_unique<GpioSource>(request.address,
+                                      gpio_inputs(device, request.vehicle, request.node, warn), warn);
 }
 
 }  // namespace roadbalance

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <thread>
 #include <vector>
@@ -15,9 +16,6 @@ namespace roadbalance {
 class GpioSource final : public SideSource {
  public:
   using Warn = EdgePump::Warn;
-
-  /// Below the kernel's interrupt threads (50), above the thread that takes its edges.
-  static constexpr int kPriority = 45;
 
   /// @param warn  hears, from the thread, what the system refuses of its real-time priority, and why a chip
   ///              that went cannot be had again
@@ -36,6 +34,6 @@ class GpioSource final : public SideSource {
 /// "gpio:gpiochip0": the inputs of [[node.line]] on that chip.
 /// @param warn  hears what will not do what somebody may expect, and what the system refuses
 /// @throws as GpioSource and gpio_inputs()
-OpenedDevice open_gpio(const FrontEndRequest& request, const GpioSource::Warn& warn);
+std::unique_ptr<SideSource> open_gpio(const FrontEndRequest& request, const GpioSource::Warn& warn);
 
 }  // namespace roadbalance

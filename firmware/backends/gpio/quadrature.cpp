@@ -13,8 +13,7 @@ Quadrature::Step Quadrature::take(Track track, bool rising) noexcept {
   Step step{.lost = level_[track] == rising && !was_read_[track]};
   level_[track] = rising;
   was_read_[track] = false;
-  if (track == kFirst && level_[kSecond] == false)
-    step.tooth = rising ? EdgeKind::kTooth : EdgeKind::kToothBackward;
+  if (track == kA && level_[kB] == false) step.tooth = rising ? EdgeKind::kTooth : EdgeKind::kToothBackward;
   return step;
 }
 

@@ -18,7 +18,7 @@ namespace roadbalance {
 /// the tracks: tooth_gpio and direction_gpio.  Edges come in order of time.
 class Quadrature {
  public:
-  enum Track : std::uint8_t { kFirst, kSecond };
+  enum Track : std::uint8_t { kA, kB };
 
   struct Step {
     bool lost = false;                   ///< an edge of this track is missing before this one

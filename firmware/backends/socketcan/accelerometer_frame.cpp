@@ -19,14 +19,13 @@ void write_16(std::uint16_t value, CanFrame& frame, std::size_t at) {
 
 std::optional<AccelerometerFrame> read_accelerometer(const CanFrame& frame, std::uint32_t first_id) noexcept {
   const std::uint32_t place = frame.id - first_id;
-  const std::uint32_t parts = frame.flexible ? 1 : AccelerometerFrame::kParts;
+  const std::uint32_t parts = frame.is_fd ? 1 : AccelerometerFrame::kParts;
   if (frame.extended || place >= parts) return std::nullopt;
-  if (frame.size != (frame.flexible ? AccelerometerFrame::kFlexibleBytes : kClassicCanBytes))
-    return std::nullopt;
+  if (frame.size != (frame.is_fd ? AccelerometerFrame::kFdBytes : kClassicCanBytes)) return std::nullopt;
   if (frame.data[0] >> 4 != AccelerometerFrame::kVersion) return std::nullopt;
 
   AccelerometerFrame said;
-  if (frame.flexible) {
+  if (frame.is_fd) {
     said.overload = read_16(frame, 2);
     if ((frame.data[0] & 0xF) != 0 || frame.data[1] != 0 || said.overload > kAllChannels) return std::nullopt;
     said.sequence = read_16(frame, 4) | static_cast<std::uint32_t>(read_16(frame, 6)) << 16;
@@ -46,10 +45,10 @@ std::optional<AccelerometerFrame> read_accelerometer(const CanFrame& frame, std:
 
 CanFrame write_accelerometer(const AccelerometerFrame& said, std::uint32_t first_id) {
   CanFrame frame{.id = first_id + static_cast<std::uint32_t>(said.part.value_or(0))};
-  frame.flexible = !said.part;
+  frame.is_fd = !said.part;
   frame.data[0] = AccelerometerFrame::kVersion << 4;
-  if (frame.flexible) {
-    frame.size = AccelerometerFrame::kFlexibleBytes;
+  if (frame.is_fd) {
+    frame.size = AccelerometerFrame::kFdBytes;
     write_16(said.overload, frame, 2);
     write_16(static_cast<std::uint16_t>(said.sequence), frame, 4);
     write_16(static_cast<std::uint16_t>(said.sequence >> 16), frame, 6);

@@ -15,7 +15,7 @@ struct AccelerometerFrame {
   static constexpr std::uint8_t kVersion = 1;
   static constexpr int kParts = 4;  ///< frames of a conversion in classic CAN
   static constexpr int kChannelsOfPart = kAccelerations / kParts;
-  static constexpr std::size_t kFlexibleBytes = 32;
+  static constexpr std::size_t kFdBytes = 32;
 
   std::uint32_t sequence = 0;                         ///< of a part: its low 8 bits
   std::optional<int> part;                            ///< of classic CAN, 0 .. 3; nothing: all channels

@@ -18,15 +18,16 @@ Read CanAccelerometer::read(std::span<Scan> scans, std::span<Edge>,
   Read read;
   const std::int64_t missing = scans_.missing();
   const std::int64_t repeated = scans_.repeated();
-  const MachineTime until = MachineClock::now() + kLongestRead;
+  const WallTime until = WallClock::now() + kLongestRead;
   do {
-    intake_->wait(std::chrono::duration_cast<std::chrono::milliseconds>(until - MachineClock::now()));
-    for (std::size_t waiting = intake_->size(); waiting > 0 && read.scans < scans.size(); --waiting) {
+    intake_->wait_until(until);
+    for (const CanArrival* next = intake_->front(); next && read.scans < scans.size();
+         next = intake_->front()) {
       if (signals.size() - read.signals < CanDecoder::kMostOfOneFrame) break;
-      take((*intake_)[0], scans, signals, read);
-      intake_->drop(1);
+      take(*next, scans, signals, read);
+      intake_->pop();
     }
-  } while (read.scans == 0 && read.signals == 0 && MachineClock::now() < until);
+  } while (read.scans == 0 && read.signals == 0 && WallClock::now() < until);
   DeviceReport& report = intake_->report();
   report.count(DeviceCounter::kPacketsMissing, scans_.missing() - missing);
   report.count(DeviceCounter::kPacketsRefused, scans_.repeated() - repeated);
@@ -35,15 +36,14 @@ Read CanAccelerometer::read(std::span<Scan> scans, std::span<Edge>,
 
 void CanAccelerometer::take(const CanArrival& arrival, std::span<Scan> scans, std::span<SignalSample> signals,
                             Read& read) noexcept {
+  DeviceReport& report = intake_->report();
   const std::uint32_t place = arrival.frame.id - first_id_;
   if (arrival.frame.extended || place >= AccelerometerFrame::kParts) {
-    const auto decoded = decoder_.decode(arrival.frame, arrival.time, signals.subspan(read.signals));
-    read.signals += decoded.samples;
-    if (decoded.refused) intake_->report().count(DeviceCounter::kFramesRefused);
+    read.signals += decoder_.decode(arrival.frame, arrival.time, signals.subspan(read.signals), report);
     return;
   }
   const auto said = read_accelerometer(arrival.frame, first_id_);
-  if (!said) return intake_->report().count(DeviceCounter::kFramesRefused);
+  if (!said) return report.count(DeviceCounter::kFramesRefused);
   if (const auto scan = scans_.add(*said, arrival.time, arrival.after_absence)) scans[read.scans++] = *scan;
 }
 

@@ -15,8 +15,7 @@ namespace roadbalance {
 class CanDecoder {
  public:
   /// @param dbc  what describes the frames; may be gone afterwards
-  /// @throws ConfigError naming the signal and its line in the DBC file: not there, of a unit that does not
-  ///         go with its quantity, or more than kMostOfOneFrame of one message
+  /// @throws ConfigError as find_wanted(), and for more than kMostOfOneFrame of one message
   CanDecoder(const CanConfig& can, const VehicleConfig& vehicle, const Dbc& dbc);
   /// Of an interface without signals.
   CanDecoder() = default;
@@ -26,14 +25,14 @@ class CanDecoder {
 
   std::vector<CanId> ids() const;
   /// A message is longer than classic CAN carries.
-  bool needs_flexible() const;
+  bool needs_fd() const;
 
-  struct Decoded {
-    std::size_t samples = 0;
-    bool refused = false;  ///< the frame was too short, or a value no measurement; it gave what else it had
-  };
   /// Nothing from a frame that nobody wants.  Never allocates.
-  Decoded decode(const CanFrame& frame, NodeTime time, std::span<SignalSample> samples) const noexcept;
+  /// @param report  counts a frame that is too short, or a value of it no measurement; it gives what else it
+  /// has
+  /// @return how many samples it gave
+  std::size_t decode(const CanFrame& frame, NodeTime time, std::span<SignalSample> samples,
+                     DeviceReport& report) const noexcept;
 
  private:
   struct Wanted {

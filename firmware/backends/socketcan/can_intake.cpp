@@ -4,19 +4,15 @@
 #include <utility>
 
 #include "common/config/section.hpp"
+#include "common/process/pause.hpp"
 #include "common/process/realtime.hpp"
 
 namespace roadbalance {
 namespace {
 
-constexpr int kPriority = 45;                            // ahead of acquire: frames wait in the kernel only
 constexpr std::chrono::milliseconds kLongestSilence{5};  // scans wait so long for what stands beside them
 constexpr std::chrono::milliseconds kAskAgain{50};
 constexpr int kFramesAtOnce = 1'000;
-
-NodeTime to_node(MachineTime time) {
-  return node_time_from_ns(to_ns(time));
-}
 
 }  // namespace
 
@@ -35,24 +31,18 @@ CanIntake::CanIntake(const std::string& interface, CanNeed need, std::vector<Can
 
 CanIntake::~CanIntake() = default;
 
-void CanIntake::wait(std::chrono::milliseconds at_most) noexcept {
-  if (size() > 0 || !came_.try_acquire_for(at_most)) return;
-  static_cast<void>(told_.exchange(false, std::memory_order_acq_rel));  // sees what came before it
-}
-
 NodeTime CanIntake::complete_until() const noexcept {
-  if (gone_.load(std::memory_order_acquire)) return to_node(MachineClock::now());
+  if (gone_.load(std::memory_order_acquire)) return as_node_time(MachineClock::now());
   return node_time_from_ns(complete_ns_.load(std::memory_order_acquire));
 }
 
 void CanIntake::run(const std::stop_token& stop) noexcept {
-  for (const std::string& refused : enter_realtime(kPriority)) warn_(report_.device() + ": " + refused);
+  for (const std::string& refused : enter_realtime(kDevicePriority)) warn_(report_.device() + ": " + refused);
   while (!stop.stop_requested()) {
     if (socket_) {
       socket_->wait(kLongestSilence);
       drain();
-    } else {
-      std::this_thread::sleep_for(kAskAgain);
+    } else if (pause(stop, kAskAgain)) {
       find_interface();
     }
   }
@@ -76,14 +66,13 @@ void CanIntake::drain() noexcept {
 }
 
 void CanIntake::keep(const CanReceived& received) noexcept {
-  CanArrival* const place = ring_->room();
+  CanArrival* const place = queue_.room();
   if (!place) return report_.count(DeviceCounter::kReadersTooSlow);
   place->frame = received.frame;
-  place->time = to_node(received.time);
+  place->time = as_node_time(received.time);
   if (received.hardware_ns) place->time = hardware_->time(*received.hardware_ns, place->time);
   place->after_absence = std::exchange(after_absence_, false);
-  ring_->publish();
-  if (!told_.exchange(true, std::memory_order_acq_rel)) came_.release();
+  queue_.post();
 }
 
 void CanIntake::lose_interface() noexcept {

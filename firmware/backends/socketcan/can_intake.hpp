@@ -1,11 +1,8 @@
 #pragma once
 
 #include <atomic>
-#include <chrono>
 #include <functional>
-#include <memory>
 #include <optional>
-#include <semaphore>
 #include <string>
 #include <thread>
 #include <vector>
@@ -13,10 +10,10 @@
 #include "common/config/node_wiring.hpp"
 #include "common/frontend/front_end.hpp"
 #include "common/frontend/lasting_reason.hpp"
+#include "common/process/waking_queue.hpp"
 #include "firmware/backends/socketcan/can_link.hpp"
 #include "firmware/backends/socketcan/can_socket.hpp"
 #include "firmware/backends/socketcan/hardware_stamps.hpp"
-#include "firmware/board/interrupt_ring.hpp"
 
 namespace roadbalance {
 
@@ -45,15 +42,13 @@ class CanIntake {
   CanIntake& operator=(const CanIntake&) = delete;
   ~CanIntake();
 
-  /// The reader's: how many frames wait; more may come.
-  std::size_t size() const { return ring_->size(); }
-  /// The k-th oldest, k < size().
-  const CanArrival& operator[](std::size_t k) const { return (*ring_)[k]; }
-  void drop(std::size_t count) { ring_->drop(count); }
-  /// Until a frame is there.
-  void wait(std::chrono::milliseconds at_most) noexcept;
+  /// The reader's: the oldest frame, or nullptr; it stays until pop().
+  const CanArrival* front() const noexcept { return queue_.front(); }
+  void pop() noexcept { queue_.pop(); }
+  /// Until a frame is there.  False: none came.
+  bool wait_until(WallTime at_most) noexcept { return queue_.wait_until(at_most); }
 
-  /// Every frame stamped before is in the ring or was lost; of an interface that is gone: the present.
+  /// Every frame stamped before is in the queue or was lost; of an interface that is gone: the present.
   NodeTime complete_until() const noexcept;
 
   /// Counts for the reader, too.
@@ -62,7 +57,6 @@ class CanIntake {
 
  private:
   static constexpr std::size_t kFrames = 16'384;  // two seconds of a full bus
-  using Ring = board::InterruptRing<CanArrival, kFrames>;
 
   void run(const std::stop_token& stop) noexcept;
   void drain() noexcept;
@@ -80,11 +74,9 @@ class CanIntake {
   std::optional<HardwareStamps> hardware_{std::in_place};
   LastingReason why_gone_;
   bool after_absence_ = false;
-  const std::unique_ptr<Ring> ring_ = std::make_unique<Ring>();
+  WakingQueue<CanArrival> queue_{kFrames};
   std::atomic<std::int64_t> complete_ns_;
   std::atomic<bool> gone_ = false;
-  std::atomic<bool> told_ = false;  ///< the semaphore is released and not yet taken
-  std::binary_semaphore came_{0};
   std::jthread thread_;
 };
 

@@ -13,7 +13,7 @@
 namespace roadbalance {
 namespace {
 
-constexpr std::size_t kFlexibleBytes = 72;  // of struct canfd_frame: the MTU of CAN FD
+constexpr std::size_t kFdMtu = 72;  // of struct canfd_frame: the MTU of CAN FD
 
 const void* payload(const rtattr& part) {
   return reinterpret_cast<const char*>(&part) + RTA_LENGTH(0);
@@ -45,7 +45,7 @@ CanLink read_link(const nlmsghdr& answer) {
   const std::size_t size = answer.nlmsg_len - NLMSG_LENGTH(sizeof head);
   CanLink link{.up = (head.ifi_flags & IFF_UP) != 0};
   if (head.ifi_type != ARPHRD_CAN) return link;
-  link.flexible = value_of<std::uint32_t>(find(first, size, IFLA_MTU)) >= kFlexibleBytes;
+  link.takes_fd = value_of<std::uint32_t>(find(first, size, IFLA_MTU)) >= kFdMtu;
   const rtattr* const info = find(first, size, IFLA_LINKINFO);
   const rtattr* const kind = find_inside(info, IFLA_INFO_KIND);
   // The kind is text with or without a closing 0.

@@ -18,7 +18,7 @@ struct CanLink {
   Kind kind = Kind::kOther;
   bool up = false;
   bool listen_only = false;
-  bool flexible = false;  ///< takes CAN FD frames
+  bool takes_fd = false;  ///< takes CAN FD frames
 };
 
 /// Nothing if there is no interface of that name.  Never allocates.
@@ -31,7 +31,7 @@ bool suits(const CanLink& link, CanRole role);
 /// What an interface is wanted for.
 struct CanNeed {
   CanRole role = CanRole::kVehicle;
-  bool flexible = false;  ///< it must take CAN FD frames
+  bool fd = false;  ///< it must take CAN FD frames
 };
 
 /// Why the interface cannot be used so, with the command that mends it; empty if it can.

@@ -19,7 +19,7 @@ std::string obstacle(const std::optional<CanLink>& link, CanNeed need, const std
            "; try: ip link set " + interface + " down; ip link set " + interface + " type can listen-only " +
            (vehicle ? "on" : "off") + "; ip link set " + interface + " up";
   }
-  if (need.flexible && !link->flexible) {
+  if (need.fd && !link->takes_fd) {
     const std::string fd =
         link->kind == CanLink::Kind::kVirtual ? " mtu 72" : " type can bitrate 500000 dbitrate 2000000 fd on";
     return name + " carries no CAN FD, but a message wanted of it has more than 8 bytes; try: ip link set " +

@@ -10,15 +10,13 @@ CanSignalSource::CanSignalSource(std::unique_ptr<CanIntake> intake, CanDecoder d
 SideRead CanSignalSource::take(std::span<Edge>, std::span<SignalSample> signals) noexcept {
   // Asked for first: a frame that comes meanwhile is of no harm.
   SideRead read{.complete_until = intake_->complete_until()};
-  for (std::size_t waiting = intake_->size(); waiting > 0; --waiting, intake_->drop(1)) {
-    const CanArrival& arrival = (*intake_)[0];
+  for (const CanArrival* next = intake_->front(); next; intake_->pop(), next = intake_->front()) {
     if (signals.size() - read.signals < CanDecoder::kMostOfOneFrame) {
-      read.complete_until = std::min(read.complete_until, arrival.time);
+      read.complete_until = std::min(read.complete_until, next->time);
       break;
     }
-    const auto decoded = decoder_.decode(arrival.frame, arrival.time, signals.subspan(read.signals));
-    read.signals += decoded.samples;
-    if (decoded.refused) intake_->report().count(DeviceCounter::kFramesRefused);
+    read.signals +=
+        decoder_.decode(next->frame, next->time, signals.subspan(read.signals), intake_->report());
   }
   return read;
 }

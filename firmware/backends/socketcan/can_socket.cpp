@@ -61,11 +61,32 @@ std::int64_t ns_of(std::int64_t seconds, std::int64_t nanoseconds) {
   return seconds * 1'000'000'000LL + nanoseconds;
 }
 
-}  // namespace
-
-struct CanSocket::Control {
+/// What the kernel says beside a frame.
+struct Beside {
   std::optional<std::int64_t> wall_ns, hardware_ns;
+  std::optional<std::uint32_t> lost_total;
 };
+
+Beside read_control(msghdr& head) {
+  Beside beside;
+  for (cmsghdr* part = CMSG_FIRSTHDR(&head); part; part = CMSG_NXTHDR(&head, part)) {
+    if (part->cmsg_level != SOL_SOCKET) continue;
+    if (part->cmsg_type == SCM_TIMESTAMPING) {
+      scm_timestamping stamps;
+      std::memcpy(&stamps, CMSG_DATA(part), sizeof stamps);
+      if (stamps.ts[0].tv_sec != 0) beside.wall_ns = ns_of(stamps.ts[0].tv_sec, stamps.ts[0].tv_nsec);
+      if (stamps.ts[2].tv_sec != 0 || stamps.ts[2].tv_nsec != 0)
+        beside.hardware_ns = ns_of(stamps.ts[2].tv_sec, stamps.ts[2].tv_nsec);
+    } else if (part->cmsg_type == SO_RXQ_OVFL) {
+      std::uint32_t lost = 0;
+      std::memcpy(&lost, CMSG_DATA(part), sizeof lost);
+      beside.lost_total = lost;
+    }
+  }
+  return beside;
+}
+
+}  // namespace
 
 CanSocket::CanSocket(const std::string& interface, std::span<const CanId> wanted)
     : descriptor_(::socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC, CAN_RAW)) {
@@ -130,9 +151,10 @@ CanReceived CanSocket::receive() noexcept {
     received.kind = empty ? Kind::kNothing : Kind::kGone;
     return received;
   }
-  const Control said = read_control(&message);
-  received.hardware_ns = said.hardware_ns;
-  received.time = machine_time(said.wall_ns);
+  const Beside beside = read_control(message);
+  if (beside.lost_total) count_lost(*beside.lost_total);
+  received.hardware_ns = beside.hardware_ns;
+  received.time = machine_time(beside.wall_ns);
   if (size < static_cast<ssize_t>(CAN_MTU) || frame.len > CANFD_MAX_DLEN) {
     received.kind = Kind::kIgnored;
     return received;
@@ -146,7 +168,7 @@ CanReceived CanSocket::receive() noexcept {
   received.kind = Kind::kFrame;
   received.frame.extended = (frame.can_id & CAN_EFF_FLAG) != 0;
   received.frame.id = frame.can_id & (received.frame.extended ? CAN_EFF_MASK : CAN_SFF_MASK);
-  received.frame.flexible = size == static_cast<ssize_t>(CANFD_MTU);
+  received.frame.is_fd = size == static_cast<ssize_t>(CANFD_MTU);
   received.frame.size = frame.len;
   std::copy_n(frame.data, frame.len, received.frame.data.begin());
   return received;
@@ -162,26 +184,6 @@ std::uint32_t CanSocket::take_lost() noexcept {
   const std::uint32_t lost = lost_total_ - lost_told_;
   lost_told_ = lost_total_;
   return lost;
-}
-
-CanSocket::Control CanSocket::read_control(void* message) noexcept {
-  Control control;
-  auto* const head = static_cast<msghdr*>(message);
-  for (cmsghdr* part = CMSG_FIRSTHDR(head); part; part = CMSG_NXTHDR(head, part)) {
-    if (part->cmsg_level != SOL_SOCKET) continue;
-    if (part->cmsg_type == SCM_TIMESTAMPING) {
-      scm_timestamping stamps;
-      std::memcpy(&stamps, CMSG_DATA(part), sizeof stamps);
-      if (stamps.ts[0].tv_sec != 0) control.wall_ns = ns_of(stamps.ts[0].tv_sec, stamps.ts[0].tv_nsec);
-      if (stamps.ts[2].tv_sec != 0 || stamps.ts[2].tv_nsec != 0)
-        control.hardware_ns = ns_of(stamps.ts[2].tv_sec, stamps.ts[2].tv_nsec);
-    } else if (part->cmsg_type == SO_RXQ_OVFL) {
-      std::uint32_t lost = 0;
-      std::memcpy(&lost, CMSG_DATA(part), sizeof lost);
-      count_lost(lost);
-    }
-  }
-  return control;
 }
 
 void CanSocket::count_lost(std::uint32_t total) noexcept {

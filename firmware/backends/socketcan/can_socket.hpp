@@ -57,8 +57,6 @@ class CanSocket {
   std::uint32_t take_lost() noexcept;
 
  private:
-  struct Control;
-  Control read_control(void* message) noexcept;
   MachineTime machine_time(std::optional<std::int64_t> wall_ns) noexcept;
   void count_lost(std::uint32_t total) noexcept;
   void read_clocks() noexcept;

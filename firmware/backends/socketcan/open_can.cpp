@@ -26,7 +26,7 @@ std::vector<CanId> module_ids(const CanConfig& can, const NodeConfig& node,
   if (node.rate_hz != AccelerometerScans::kRateHz)
     throw ConfigError(name + "it converts 1000 times a second, but rate_hz of node " + node.name + " is " +
                       std::to_string(node.rate_hz));
-  static_assert(kHighestAccelerometerId + AccelerometerFrame::kParts - 1 == kHighestShortId);
+  static_assert(kHighestAccelerometerId + AccelerometerFrame::kParts - 1 == kHighestStandardId);
   std::vector<CanId> ids;
   for (std::uint32_t part = 0; part < AccelerometerFrame::kParts; ++part) {
     ids.push_back({.id = *can.accelerometer_id + part});
@@ -51,16 +51,11 @@ OpenedDevice open_can(const FrontEndRequest& request, const CanIntake::Warn& war
   if (wanted.empty())
     throw ConfigError("front end \"can:" + can.interface +
                       "\": nothing is wanted of it; allowed: [[node.can.signal]], accelerometer_id");
-  auto intake = std::make_unique<CanIntake>(can.interface,
-                                            CanNeed{.role = can.role, .flexible = decoder.needs_flexible()},
-                                            std::move(wanted), warn);
-  OpenedDevice opened;
+  auto intake = std::make_unique<CanIntake>(
+      can.interface, CanNeed{.role = can.role, .fd = decoder.needs_fd()}, std::move(wanted), warn);
   if (can.accelerometer_id)
-    opened.scans =
-        std::make_unique<CanAccelerometer>(std::move(intake), std::move(decoder), *can.accelerometer_id);
-  else
-    opened.side = std::make_unique<CanSignalSource>(std::move(intake), std::move(decoder));
-  return opened;
+    return std::make_unique<CanAccelerometer>(std::move(intake), std::move(decoder), *can.accelerometer_id);
+  return std::make_unique<CanSignalSource>(std::move(intake), std::move(decoder));
 }
 
 }  // namespace roadbalance

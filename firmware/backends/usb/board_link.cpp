@@ -12,8 +12,6 @@ namespace {
 
 using board::Request;
 
-/// Above acquire (40), which waits for it; below the kernel's interrupt threads (50).
-constexpr int kPriority = 45;
 constexpr auto kServing = std::chrono::milliseconds(100);
 constexpr auto kSearching = std::chrono::milliseconds(200);
 /// A running board sends ten times as often.
@@ -23,7 +21,7 @@ constexpr auto kPatience = std::chrono::seconds(2);
 constexpr int kExchanges = 8;
 
 NodeTime now() {
-  return node_time_from_ns(to_ns(MachineClock::now()));
+  return as_node_time(MachineClock::now());
 }
 
 std::uint8_t number(Request request) {
@@ -155,7 +153,7 @@ std::unique_ptr<BoardLink::Session> BoardLink::begin_session(std::stop_token sto
   room->run = run;
   inbox_.post();
   // To keep memory in RAM takes long when there is much of it: longer than a board's ring holds edges.
-  for (const std::string& refused : enter_realtime(kPriority))
+  for (const std::string& refused : enter_realtime(kDevicePriority))
     if (runs_ == 1) say(0, refused);
   session->token = run.token;
   start(*session);

@@ -95,10 +95,7 @@ void set_ranges(const Subject& on, std::size_t which, std::size_t boards, Config
 
 /// The wheel whose encoder is wired to this line of the board; nullptr: none.
 const WheelConfig* wheel_at_board(const Subject& on, int line) {
-  for (const LineConfig& gpio : on.node.wiring.line)
-    if (gpio.line == line) return nullptr;
-  const auto wheel = on.vehicle.wheel_at(on.node, line);
-  return wheel ? &on.vehicle.wheel[static_cast<std::size_t>(*wheel)] : nullptr;
+  return on.node.wiring.line_at(line) ? nullptr : on.vehicle.wheel_at(on.node, line);
 }
 
 board::EncoderSetup encoder_of(const Subject& on, const WheelConfig& wheel) {

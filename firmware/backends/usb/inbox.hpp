@@ -1,15 +1,11 @@
 #pragma once
 
-#include <semaphore.h>
-
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <ctime>
-#include <memory>
 
+#include "common/process/waking_queue.hpp"
 #include "firmware/backends/usb/board_clock.hpp"
-#include "firmware/board/interrupt_ring.hpp"
 #include "firmware/board/packet.hpp"
 
 namespace roadbalance {
@@ -34,41 +30,14 @@ struct BoardDelivery {
   std::array<std::uint8_t, board::kTransferBytes> bytes{};
 };
 
-/// From the thread that serves the boards to the one that reads scans: bounded, without locks.
-class Inbox {
+/// From the thread that serves the boards to the one that reads scans.
+class Inbox : public WakingQueue<BoardDelivery> {
  public:
-  Inbox() { ::sem_init(&filled_, 0, 0); }
-  Inbox(const Inbox&) = delete;
-  Inbox& operator=(const Inbox&) = delete;
-  ~Inbox() { ::sem_destroy(&filled_); }
-
-  /// Writer: room for the next one; nullptr: none.  It is handed over by post().
-  BoardDelivery* room() { return ring_->room(); }
-  void post() {
-    ring_->publish();
-    ::sem_post(&filled_);
-  }
-
-  /// Reader: the oldest; nullptr: nothing has come.  It stays until drop().
-  const BoardDelivery* front() const { return ring_->size() == 0 ? nullptr : &(*ring_)[0]; }
-  void drop() {
-    ring_->drop(1);
-    ::sem_trywait(&filled_);  // its call, unless post() has not come to that yet
-  }
-  /// Reader: waits until something is there, or until CLOCK_MONOTONIC says `until`.  False: nothing came.
-  bool wait(const timespec& until) {
-    // A call can be one of something that was dropped before it came: the ring alone says what there is.
-    while (!front())
-      if (::sem_clockwait(&filled_, CLOCK_MONOTONIC, &until) != 0) return front() != nullptr;
-    return true;
-  }
+  Inbox() : WakingQueue(kDeliveries) {}
 
  private:
   /// At the board's 5 ms a packet more than a second's.
   static constexpr std::size_t kDeliveries = 256;
-  std::unique_ptr<board::InterruptRing<BoardDelivery, kDeliveries>> ring_ =
-      std::make_unique<board::InterruptRing<BoardDelivery, kDeliveries>>();
-  sem_t filled_;
 };
 
 }  // namespace roadbalance

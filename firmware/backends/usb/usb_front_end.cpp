@@ -1,6 +1,6 @@
 #include "firmware/backends/usb/usb_front_end.hpp"
 
-#include <ctime>
+#include <chrono>
 #include <utility>
 #include <vector>
 
@@ -10,16 +10,7 @@
 namespace roadbalance {
 namespace {
 
-constexpr long kLongestWait_ns = 100'000'000;
-constexpr long kSecond_ns = 1'000'000'000;
-
-timespec end_of_wait() {
-  timespec until{};
-  ::clock_gettime(CLOCK_MONOTONIC, &until);
-  until.tv_nsec += kLongestWait_ns;
-  if (until.tv_nsec >= kSecond_ns) until.tv_nsec -= kSecond_ns, ++until.tv_sec;
-  return until;
-}
+constexpr auto kLongestWait = std::chrono::milliseconds(100);
 
 /// Reads the front-end board, or two.
 class UsbFrontEnd final : public FrontEnd {
@@ -32,12 +23,12 @@ class UsbFrontEnd final : public FrontEnd {
 
   Read read(std::span<Scan> scans, std::span<Edge> edges, std::span<SignalSample>) noexcept override {
     Read read;
-    const timespec until = end_of_wait();
+    const WallTime until = WallClock::now() + kLongestWait;
     Inbox& inbox = link_.inbox();
     while (reader_.hand_over(scans, edges, read)) {
-      if (!inbox.front() && (read.scans > 0 || !inbox.wait(until))) break;
+      if (!inbox.front() && (read.scans > 0 || !inbox.wait_until(until))) break;
       reader_.take(*inbox.front());
-      inbox.drop();
+      inbox.pop();
     }
     if (!reader_.aligned()) link_.start_again(reader_.token());
     return read;

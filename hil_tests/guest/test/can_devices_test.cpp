@@ -11,20 +11,19 @@
 #include "common/config/vehicle_config.hpp"
 #include "common/test/no_allocation.hpp"
 #include "common/test/source.hpp"
-#include "firmware/backends/socketcan/accelerometer_frame.hpp"
 #include "firmware/backends/socketcan/open_can.hpp"
 #include "firmware/device_diary.hpp"
+#include "hil_tests/guest/accelerometer_module.hpp"
 #include "hil_tests/guest/can_player.hpp"
 #include "hil_tests/program.hpp"
 
 namespace roadbalance {
 namespace {
 
-using test::CanPlayer;
+using test::AccelerometerModule;
 using test::ip;
 using test::wait_until;
 
-constexpr std::uint32_t kFirstId = 0x200;
 const std::string kData = "firmware/backends/test/data/";
 
 VehicleConfig car_with(const CanConfig& can) {
@@ -53,15 +52,14 @@ TEST(CanSignals, OfARecordedDriveThatCanplayerRepeatsAreThePublishedWheelSpeeds)
                           .signal = std::string("WHEEL_SPEED_") + wheel,
                           .quantity = SignalQuantity::kWheelSpeed,
                           .wheel = "front_left"});
-  const OpenedDevice device = open(can);
-  ASSERT_TRUE(device.side);
+  const auto device = std::get<std::unique_ptr<SideSource>>(open(can));
   test::Program player("canplayer",
                        {"-I", test::source_path(kData + "rav4.candump.log"), bus.name() + "=can0"});
   std::vector<SignalSample> samples;
   std::array<SignalSample, 256> room;
   NodeTime complete{};
   const auto fetch = [&] {
-    const SideRead read = device.side->take({}, room);
+    const SideRead read = device->take({}, room);
     EXPECT_GE(read.complete_until, complete);
     complete = read.complete_until;
     for (std::size_t k = 0; k < read.signals; ++k) samples.push_back(room[k]);
@@ -90,43 +88,21 @@ TEST(CanSignals, OfARecordedDriveThatCanplayerRepeatsAreThePublishedWheelSpeeds)
       ASSERT_NEAR(samples[k + wheel].value, std::stod(cell), 5.1e-8) << line;  // the table has nine digits
     }
   }
-  for (const DeviceReport* report : device.side->reports())
+  for (const DeviceReport* report : device->reports())
     for (std::size_t k = 0; k < kDeviceCounters; ++k)
       EXPECT_EQ(report->of(static_cast<DeviceCounter>(k)), 0) << name_of(static_cast<DeviceCounter>(k));
   std::printf("%zu wheel speeds as published; canplayer kept the log's times within %.1f ms\n",
               samples.size(), 1e3 * off_s);
 }
 
-/// The module at the other end of the cable.
-class Module {
- public:
-  Module(const std::string& interface, bool flexible) : player_(interface), flexible_(flexible) {}
-
-  /// Conversions at 1 kHz, numbered on; channel k of number n is n + 1000 k, in 16 bits.
-  void convert(int count) {
-    timespec due{};
-    clock_gettime(CLOCK_MONOTONIC, &due);
-    for (int n = 0; n < count; ++n, ++number_) {
-      due.tv_nsec += 1'000'000;
-      if (due.tv_nsec >= 1'000'000'000) ++due.tv_sec, due.tv_nsec -= 1'000'000'000;
-      clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, nullptr);
-      AccelerometerFrame frame{.sequence = number_, .part = {}};
-      for (std::size_t k = 0; k < frame.sample.size(); ++k)
-        frame.sample[k] = static_cast<std::int16_t>(number_ + 1'000 * k);
-      if (flexible_) player_.send(write_accelerometer(frame, kFirstId));
-      for (int part = 0; !flexible_ && part < AccelerometerFrame::kParts; ++part) {
-        frame.part = part;
-        player_.send(write_accelerometer(frame, kFirstId));
-      }
-    }
+/// Conversions at 1 kHz.
+void convert(AccelerometerModule& module, int count) {
+  WallTime due = WallClock::now();
+  for (int n = 0; n < count; ++n) {
+    std::this_thread::sleep_until(due += std::chrono::milliseconds(1));
+    module.convert();
   }
-  void skip(std::uint32_t count) { number_ += count; }
-
- private:
-  CanPlayer player_;
-  bool flexible_;
-  std::uint32_t number_ = 0;
-};
+}
 
 /// Reads, as acquire does, until the scan of this index has come.
 std::vector<Scan> read_until(FrontEnd& front_end, std::int64_t index) {
@@ -146,11 +122,11 @@ std::vector<Scan> read_until(FrontEnd& front_end, std::int64_t index) {
 
 class AccelerometerTest : public testing::TestWithParam<bool> {
  protected:
-  bool flexible() const { return GetParam(); }
-  std::string node_side() const { return flexible() ? "vx0" : "can0"; }
-  std::string module_side() const { return flexible() ? "vx1" : "can1"; }
+  bool is_fd() const { return GetParam(); }
+  std::string node_side() const { return is_fd() ? "vx0" : "can0"; }
+  std::string module_side() const { return is_fd() ? "vx1" : "can1"; }
   void SetUp() override {
-    if (flexible()) {
+    if (is_fd()) {
       ip("link add vx0 type vxcan peer name vx1");  // a cable; it carries CAN FD
       ip("link set vx0 up");
       return ip("link set vx1 up");
@@ -165,12 +141,12 @@ class AccelerometerTest : public testing::TestWithParam<bool> {
   void TearDown() override {
     if (test::has_interface("vx0")) ip("link del vx0");
   }
-  OpenedDevice open_module() const {
+  std::unique_ptr<FrontEnd> open_module() const {
     CanConfig can;
     can.interface = node_side();
     can.role = CanRole::kSensor;
-    can.accelerometer_id = kFirstId;
-    return open(can);
+    can.accelerometer_id = AccelerometerModule::kFirstId;
+    return std::get<std::unique_ptr<FrontEnd>>(open(can));
   }
   /// What the node would print.
   static std::vector<std::string> said(const FrontEnd& front_end) {
@@ -186,13 +162,12 @@ class AccelerometerTest : public testing::TestWithParam<bool> {
 };
 
 TEST_P(AccelerometerTest, GivesEveryConversionOfAThousandASecond) {
-  const OpenedDevice device = open_module();
-  ASSERT_TRUE(device.scans);
-  EXPECT_EQ(device.scans->scan_stamps(), ScanStamps::kReadOut);
+  const auto device = open_module();
+  EXPECT_EQ(device->scan_stamps(), ScanStamps::kReadOut);
   constexpr int kCount = 5'000;
-  Module module(module_side(), flexible());
-  std::jthread converting([&] { module.convert(kCount); });
-  const std::vector<Scan> scans = read_until(*device.scans, kCount - 1);
+  AccelerometerModule module(module_side(), is_fd());
+  std::jthread converting([&] { convert(module, kCount); });
+  const std::vector<Scan> scans = read_until(*device, kCount - 1);
   ASSERT_EQ(scans.size(), static_cast<std::size_t>(kCount));
   for (std::size_t n = 0; n < scans.size(); ++n) {
     ASSERT_EQ(scans[n].index, static_cast<std::int64_t>(n));
@@ -201,38 +176,38 @@ TEST_P(AccelerometerTest, GivesEveryConversionOfAThousandASecond) {
     ASSERT_TRUE(n == 0 || scans[n].time > scans[n - 1].time);
   }
   for (std::size_t k = 0; k < kDeviceCounters; ++k)
-    EXPECT_EQ(of(*device.scans, static_cast<DeviceCounter>(k)), 0) << name_of(static_cast<DeviceCounter>(k));
+    EXPECT_EQ(of(*device, static_cast<DeviceCounter>(k)), 0) << name_of(static_cast<DeviceCounter>(k));
 }
 
 TEST_P(AccelerometerTest, LeavesOutTheIndicesOfMissingConversionsAndOfAnAbsence) {
-  const OpenedDevice device = open_module();
-  Module module(module_side(), flexible());
-  module.convert(100);
+  const auto device = open_module();
+  AccelerometerModule module(module_side(), is_fd());
+  convert(module, 100);
   module.skip(25);  // lost on the way: the time they take passes, too
   ASSERT_FALSE(wait_until([] { return false; }, 0.025));
-  module.convert(100);
-  std::vector<Scan> scans = read_until(*device.scans, 224);
+  convert(module, 100);
+  std::vector<Scan> scans = read_until(*device, 224);
   ASSERT_EQ(scans.size(), 200U);
   EXPECT_EQ(scans[99].index, 99);
   EXPECT_EQ(scans[100].index, 125);
   EXPECT_FALSE(scans[100].after_absence);
-  EXPECT_EQ(of(*device.scans, DeviceCounter::kPacketsMissing), 25);
+  EXPECT_EQ(of(*device, DeviceCounter::kPacketsMissing), 25);
 
   ip("link set " + node_side() + " down");
-  ASSERT_TRUE(wait_until([&] { return of(*device.scans, DeviceCounter::kGone) == 1; }, 10));
+  ASSERT_TRUE(wait_until([&] { return of(*device, DeviceCounter::kGone) == 1; }, 10));
   ip("link set " + node_side() + " up");
-  ASSERT_TRUE(wait_until([&] { return of(*device.scans, DeviceCounter::kReturned) == 1; }, 10));
+  ASSERT_TRUE(wait_until([&] { return of(*device, DeviceCounter::kReturned) == 1; }, 10));
   module.skip(300);
-  module.convert(100);
-  scans = read_until(*device.scans, 624);
+  convert(module, 100);
+  scans = read_until(*device, 624);
   ASSERT_EQ(scans.size(), 100U);
   EXPECT_TRUE(scans[0].after_absence);
   EXPECT_FALSE(scans[1].after_absence);
   // By 32 bits of number it is known exactly, by 8 bits up to whole turns of them.
-  EXPECT_TRUE(!flexible() || scans[0].index == 525) << scans[0].index;
+  EXPECT_TRUE(!is_fd() || scans[0].index == 525) << scans[0].index;
   EXPECT_EQ((scans[0].index - 525) % 256, 0);
-  EXPECT_GT(of(*device.scans, DeviceCounter::kPacketsMissing), 25);
-  const std::vector<std::string> sentences = said(*device.scans);
+  EXPECT_GT(of(*device, DeviceCounter::kPacketsMissing), 25);
+  const std::vector<std::string> sentences = said(*device);
   for (const char* words :
        {": was unplugged or went down (1 time by now)", ": is there again (1 time by now)"})
     EXPECT_EQ(std::ranges::count(sentences, "can:" + node_side() + words), 1) << words;

@@ -69,15 +69,15 @@ TEST(CanLink, TakesAnInterfaceWithoutControllerInBothRoles) {
   const test::VirtualCan can("vcan8");
   EXPECT_EQ(refusal("vcan8", CanRole::kVehicle), "accepted");
   EXPECT_EQ(refusal("vcan8", CanRole::kSensor), "accepted");
-  EXPECT_TRUE(query_can_link("vcan8").value().flexible);
+  EXPECT_TRUE(query_can_link("vcan8").value().takes_fd);
   ip("link set vcan8 down");
   ip("link set vcan8 mtu 16");
   ip("link set vcan8 up");
   const auto classic = query_can_link("vcan8");
-  EXPECT_FALSE(classic.value().flexible);
+  EXPECT_FALSE(classic.value().takes_fd);
   EXPECT_EQ(obstacle(classic, {.role = CanRole::kVehicle}, "vcan8"), "");
   EXPECT_EQ(
-      obstacle(classic, {.role = CanRole::kVehicle, .flexible = true}, "vcan8"),
+      obstacle(classic, {.role = CanRole::kVehicle, .fd = true}, "vcan8"),
       "CAN interface vcan8 carries no CAN FD, but a message wanted of it has more than 8 bytes; try: ip link "
       "set vcan8 down; ip link set vcan8 mtu 72; ip link set vcan8 up");
 }
@@ -100,9 +100,12 @@ class CableTest : public testing::Test {
     return wait_until(
         [&] {
           player.send({.id = 0x100, .size = 8});
-          return intake.size() > 0;
+          return intake.front() != nullptr;
         },
         10);
+  }
+  static void take_all(CanIntake& intake) {
+    while (intake.front()) intake.pop();
   }
   static std::int64_t of(const CanIntake& intake, DeviceCounter counter) {
     return intake.report().of(counter);
@@ -112,30 +115,30 @@ class CableTest : public testing::Test {
 TEST_F(CableTest, GoesDownAndComesBackTenTimes) {
   CanIntake intake("vx0", {.role = CanRole::kVehicle}, kWanted, [](const std::string&) {});
   ASSERT_TRUE(arrives(intake));
-  EXPECT_FALSE(intake[0].after_absence);
+  EXPECT_FALSE(intake.front()->after_absence);
   for (int turn = 1; turn <= 10; ++turn) {
-    intake.drop(intake.size());
+    take_all(intake);
     ip("link set vx0 down");
     ASSERT_TRUE(wait_until([&] { return of(intake, DeviceCounter::kGone) == turn; }, 10));
-    EXPECT_LE(node_time_from_ns(to_ns(MachineClock::now())) - intake.complete_until(),
+    EXPECT_LE(as_node_time(MachineClock::now()) - intake.complete_until(),
               std::chrono::milliseconds(1));  // nothing to wait for
     ip("link set vx0 up");
     ASSERT_TRUE(wait_until([&] { return of(intake, DeviceCounter::kReturned) == turn; }, 10));
     ASSERT_TRUE(arrives(intake));
-    EXPECT_TRUE(intake[0].after_absence);
+    EXPECT_TRUE(intake.front()->after_absence);
   }
 }
 
 TEST_F(CableTest, IsHeardAgainAfterItWasRemovedAndMadeAnew) {
   CanIntake intake("vx0", {.role = CanRole::kVehicle}, kWanted, [](const std::string&) {});
   ASSERT_TRUE(arrives(intake));
-  intake.drop(intake.size());
+  take_all(intake);
   ip("link del vx0");
   ASSERT_TRUE(wait_until([&] { return of(intake, DeviceCounter::kGone) == 1; }, 10));
   lay();  // with another index
   ASSERT_TRUE(wait_until([&] { return of(intake, DeviceCounter::kReturned) == 1; }, 10));
   ASSERT_TRUE(arrives(intake));
-  EXPECT_TRUE(intake[0].after_absence);
+  EXPECT_TRUE(intake.front()->after_absence);
 }
 
 /// What a thread of the intake says.

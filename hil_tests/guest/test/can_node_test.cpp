@@ -20,6 +20,7 @@
 namespace roadbalance {
 namespace {
 
+using test::AccelerometerModule;
 using test::CanPlayer;
 using test::ip;
 using test::Program;
@@ -46,7 +47,8 @@ class CanNodeTest : public test::Measurement {
   }
   static std::string wiring_of_module(const std::string& interface) {
     return "[[node.can]]\ninterface = \"" + interface +
-           "\"\nrole = \"sensor\"\naccelerometer_id = " + std::to_string(RunningModule::kFirstId) + "\n";
+           "\"\nrole = \"sensor\"\naccelerometer_id = " + std::to_string(AccelerometerModule::kFirstId) +
+           "\n";
   }
   /// Of the interface described last.
   static std::string wiring_of_signal() {
@@ -226,7 +228,7 @@ std::string conversion(std::uint32_t number) {
   std::string words;
   for (int part = 0; part < AccelerometerFrame::kParts; ++part) {
     AccelerometerFrame said{.sequence = number, .part = part};
-    const CanFrame frame = write_accelerometer(said, RunningModule::kFirstId);
+    const CanFrame frame = write_accelerometer(said, AccelerometerModule::kFirstId);
     words += (part == 0 ? "t20" : "\rt20") + std::to_string(part) + "8";
     for (std::size_t k = 0; k < frame.size; ++k)
       words += {kDigits[frame.data[k] >> 4], kDigits[frame.data[k] & 0xF]};

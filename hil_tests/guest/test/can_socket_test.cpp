@@ -41,7 +41,7 @@ TEST(CanSocket, ReceivesFramesOfCanFdAndOnlyThoseItWants) {
   const VirtualCan can("vcan7");
   CanSocket socket(can.name(), kWanted);
   CanPlayer player(can.name());
-  CanFrame longest{.id = 0x123, .flexible = true, .size = 64};
+  CanFrame longest{.id = 0x123, .is_fd = true, .size = 64};
   for (std::size_t k = 0; k < 64; ++k) longest.data[k] = static_cast<std::uint8_t>(3 * k);
   player.send({.id = 0x124, .size = 8});
   player.send(longest);
@@ -49,13 +49,13 @@ TEST(CanSocket, ReceivesFramesOfCanFdAndOnlyThoseItWants) {
   player.send({.id = 0x123, .extended = true, .size = 3});
   const CanReceived first = next(socket);
   ASSERT_EQ(first.kind, Kind::kFrame);
-  EXPECT_TRUE(first.frame.flexible);
+  EXPECT_TRUE(first.frame.is_fd);
   EXPECT_EQ(first.frame.size, 64);
   EXPECT_EQ(first.frame.data, longest.data);
   const CanReceived second = next(socket);
   ASSERT_EQ(second.kind, Kind::kFrame);
   EXPECT_TRUE(second.frame.extended);
-  EXPECT_FALSE(second.frame.flexible);
+  EXPECT_FALSE(second.frame.is_fd);
   EXPECT_EQ(second.frame.size, 3);
   EXPECT_GE(second.time, first.time);
   EXPECT_EQ(socket.receive().kind, Kind::kNothing);

@@ -55,12 +55,21 @@ TEST(FrameProgram, MessagesThatSeveralNodesHearAreSentOnce) {
   const CanDecoder at_rear(vehicle().node[1].wiring.can[0], vehicle(), dbc);
   std::array<SignalSample, CanDecoder::kMostOfOneFrame> got;
   constexpr double kHalfStep_m_s = 0.5 * 0.01 / 3.6;
-  ASSERT_EQ(at_front.decode(frames[0].frame, {}, got).samples, 2U);
+  DeviceReport report("can:vcan0");
+  ASSERT_EQ(at_front.decode(frames[0].frame, {}, got, report), 2U);
   EXPECT_NEAR(got[0].value, 20.0, kHalfStep_m_s);
   EXPECT_NEAR(got[1].value, 21.0, kHalfStep_m_s);
-  ASSERT_EQ(at_rear.decode(frames[1].frame, {}, got).samples, 2U);
+  ASSERT_EQ(at_rear.decode(frames[1].frame, {}, got, report), 2U);
   EXPECT_NEAR(got[0].value, 24.0, kHalfStep_m_s) << "new";
   EXPECT_NEAR(got[1].value, 23.0, kHalfStep_m_s) << "as it was";
+}
+
+// What the node would not take of the bus is not played.
+TEST(FrameProgram, RefusesAUnitThatDoesNotGoWithTheQuantity) {
+  VehicleConfig other = vehicle();
+  other.node[0].wiring.can[0].signal[0].quantity = SignalQuantity::kSteeringAngle;  // it is in km/h
+  FrameProgram program;
+  EXPECT_THROW(program.add(other, other.node[0], {}), ConfigError);
 }
 
 TEST(FrameProgram, RefusesAValueThatTheMessageCannotSay) {

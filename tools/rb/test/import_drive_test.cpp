@@ -84,9 +84,9 @@ class ImportDrive : public testing::Test {
     std::multimap<NodeTime, std::string> rows;
     for (std::size_t n = 0; n < log_.size(); ++n)
       for (const Edge& edge : log_[n].edges) {
-        const auto wheel = vehicle_.wheel_at(vehicle_.node[n], edge.line);
-        EXPECT_TRUE(wheel.has_value());
-        rows.emplace(edge.time, std::string(kWheelNames[static_cast<std::size_t>(wheel.value_or(0))]) +
+        const WheelConfig* const wheel = vehicle_.wheel_at(vehicle_.node[n], edge.line);
+        EXPECT_NE(wheel, nullptr);
+        rows.emplace(edge.time, (wheel ? wheel->name : "none") +
                                     (edge.kind == EdgeKind::kTooth ? ",tooth" : ",zero"));
       }
     const std::filesystem::path path = folder_ / "pulses.csv";

@@ -1,4 +1,4 @@
-#include "firmware/backends/dbc/candump.hpp"
+#include "firmware/backends/dbc/test/candump.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@ TEST(Candump, ReadsShortAndLongIdentifiers) {
   EXPECT_EQ(short_id.interface, "can0");
   EXPECT_EQ(short_id.frame.id, 0x0AAU);
   EXPECT_FALSE(short_id.frame.extended);
-  EXPECT_FALSE(short_id.frame.flexible);
+  EXPECT_FALSE(short_id.frame.is_fd);
   EXPECT_EQ(short_id.frame.size, 4U);
   EXPECT_EQ(short_id.frame.data[1], 0xB5);
   const auto long_id = parse_candump("(0.000001) vcan12 18FEF100#").value();
@@ -22,7 +22,7 @@ TEST(Candump, ReadsShortAndLongIdentifiers) {
 
 TEST(Candump, ReadsFramesOfCanFd) {
   const auto twelve = parse_candump("(1.000000) can0 123##1000102030405060708090A0B").value();
-  EXPECT_TRUE(twelve.frame.flexible);
+  EXPECT_TRUE(twelve.frame.is_fd);
   EXPECT_EQ(twelve.frame.size, 12U);
   EXPECT_EQ(twelve.frame.data[11], 0x0B);
   const auto longest = parse_candump("(1.000000) can0 123##0" + std::string(126, '0') + "5A").value();

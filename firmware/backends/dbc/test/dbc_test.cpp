@@ -86,7 +86,7 @@ TEST(Dbc, ReadsEveryFeature) {
   const DbcMessage& longer = *dbc.message("Long");
   EXPECT_TRUE(longer.extended);
   EXPECT_EQ(longer.id, 2'566'844'672U - (1U << 31));
-  EXPECT_EQ(longer.selector()->name, "Which");
+  EXPECT_EQ(longer.multiplexor()->name, "Which");
   EXPECT_EQ(longer.signal("Steering")->when_bits, 2U);
   EXPECT_EQ(longer.signal("Steering")->place.number, CanNumber::kFloat);
   EXPECT_EQ(longer.signal("Steering")->place.order, ByteOrder::kLittleEndian);

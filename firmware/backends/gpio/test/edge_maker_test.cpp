@@ -16,7 +16,7 @@ std::int64_t ns(const Edge& edge) {
 class EdgeMakerTest : public ::testing::Test {
  protected:
   /// Line 0 is a ring with a zero mark, line 1 a transducer in quadrature.
-  enum Input : std::uint8_t { kRing, kMark, kFirst, kSecond };
+  enum Input : std::uint8_t { kRing, kMark, kA, kB };
 
   std::vector<Edge> take(Input input, Kind kind, std::int64_t monotonic_ns) {
     std::array<Edge, EdgeMaker::kMost> edges;
@@ -63,16 +63,16 @@ TEST_F(EdgeMakerTest, ALostEdgeIsDeclaredOnItsLineAndCounted) {
 
 TEST_F(EdgeMakerTest, ATransducerInQuadratureTellsItsDirection) {
   maker.start(1, false, false);
-  const auto forward = take(kFirst, Kind::kRising, 1);
+  const auto forward = take(kA, Kind::kRising, 1);
   ASSERT_EQ(forward.size(), 1U);
   EXPECT_EQ(forward[0].kind, EdgeKind::kTooth);
   EXPECT_EQ(forward[0].line, 1);
-  const auto backward = take(kFirst, Kind::kFalling, 2);
+  const auto backward = take(kA, Kind::kFalling, 2);
   ASSERT_EQ(backward.size(), 1U);
   EXPECT_EQ(backward[0].kind, EdgeKind::kToothBackward);
-  EXPECT_TRUE(take(kSecond, Kind::kRising, 3).empty());
+  EXPECT_TRUE(take(kB, Kind::kRising, 3).empty());
 
-  const auto after_loss = take(kFirst, Kind::kFalling, 4);  // it is low already
+  const auto after_loss = take(kA, Kind::kFalling, 4);  // it is low already
   ASSERT_EQ(after_loss.size(), 1U);
   EXPECT_EQ(after_loss[0].kind, EdgeKind::kLost);
   EXPECT_EQ(report.of(DeviceCounter::kEdgesLost), 1);
@@ -80,10 +80,10 @@ TEST_F(EdgeMakerTest, ATransducerInQuadratureTellsItsDirection) {
 
 TEST_F(EdgeMakerTest, AfterALossTheDirectionIsLearntAnew) {
   maker.start(1, false, false);
-  take(kSecond, Kind::kLost, 1);
-  EXPECT_TRUE(take(kFirst, Kind::kRising, 2).empty()) << "the level of the second track is not known";
-  take(kSecond, Kind::kFalling, 3);
-  EXPECT_EQ(take(kFirst, Kind::kFalling, 4)[0].kind, EdgeKind::kToothBackward);
+  take(kB, Kind::kLost, 1);
+  EXPECT_TRUE(take(kA, Kind::kRising, 2).empty()) << "the level of the second track is not known";
+  take(kB, Kind::kFalling, 3);
+  EXPECT_EQ(take(kA, Kind::kFalling, 4)[0].kind, EdgeKind::kToothBackward);
 }
 
 TEST_F(EdgeMakerTest, NeverAllocates) {

@@ -20,8 +20,8 @@ class Transducer {
     for (auto steps = std::llround((to - at_) / step); steps > 0; --steps) {
       const double before = at_;
       at_ += step;
-      if (first(at_) != first(before)) take(Quadrature::kFirst, first(at_), kinds);
-      if (second(at_) != second(before)) take(Quadrature::kSecond, second(at_), kinds);
+      if (first(at_) != first(before)) take(Quadrature::kA, first(at_), kinds);
+      if (second(at_) != second(before)) take(Quadrature::kB, second(at_), kinds);
     }
     return kinds;
   }
@@ -70,7 +70,7 @@ TEST(Quadrature, ATremblingWheelGoesNowhere) {
 }
 
 TEST(Quadrature, SaysOnceThatAnEdgeOfATrackIsMissing) {
-  for (const auto track : {Quadrature::kFirst, Quadrature::kSecond}) {
+  for (const auto track : {Quadrature::kA, Quadrature::kB}) {
     Quadrature quadrature;
     quadrature.start(false, false);
     EXPECT_FALSE(quadrature.take(track, true).lost);
@@ -82,19 +82,19 @@ TEST(Quadrature, SaysOnceThatAnEdgeOfATrackIsMissing) {
 TEST(Quadrature, ClaimsNoDirectionBeforeItKnowsTheSecondTrack) {
   Quadrature quadrature;
   quadrature.forget();
-  EXPECT_FALSE(quadrature.take(Quadrature::kFirst, true).tooth);
-  quadrature.take(Quadrature::kSecond, true);
-  EXPECT_FALSE(quadrature.take(Quadrature::kFirst, false).tooth);
-  quadrature.take(Quadrature::kSecond, false);
-  EXPECT_EQ(quadrature.take(Quadrature::kFirst, true).tooth, kForward);
+  EXPECT_FALSE(quadrature.take(Quadrature::kA, true).tooth);
+  quadrature.take(Quadrature::kB, true);
+  EXPECT_FALSE(quadrature.take(Quadrature::kA, false).tooth);
+  quadrature.take(Quadrature::kB, false);
+  EXPECT_EQ(quadrature.take(Quadrature::kA, true).tooth, kForward);
 }
 
 // Between taking a line and reading its level an edge may come.
 TEST(Quadrature, TrustsTheFirstEdgeMoreThanTheLevelRead) {
   Quadrature quadrature;
   quadrature.start(true, true);
-  EXPECT_FALSE(quadrature.take(Quadrature::kFirst, true).lost);
-  EXPECT_FALSE(quadrature.take(Quadrature::kSecond, true).lost);
+  EXPECT_FALSE(quadrature.take(Quadrature::kA, true).lost);
+  EXPECT_FALSE(quadrature.take(Quadrature::kB, true).lost);
 }
 
 }  // namespace

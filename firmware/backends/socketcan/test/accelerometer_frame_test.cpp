@@ -15,7 +15,7 @@ TEST(AccelerometerFrame, LiesInAFrameOfCanFdAsDocumented) {
   said.sample[11] = 0x1234;
   const CanFrame frame = write_accelerometer(said, kFirst);
   EXPECT_EQ(frame.id, kFirst);
-  EXPECT_TRUE(frame.flexible);
+  EXPECT_TRUE(frame.is_fd);
   ASSERT_EQ(frame.size, 32);
   const std::uint8_t head[] = {0x10, 0x00, 0x01, 0x08, 0x04, 0x03, 0x02, 0x01, 0xFE, 0xFF};
   for (std::size_t k = 0; k < sizeof head; ++k) EXPECT_EQ(frame.data[k], head[k]) << k;
@@ -29,7 +29,7 @@ TEST(AccelerometerFrame, LiesInFramesOfClassicCanAsDocumented) {
   said.sample[8] = -32'768;
   const CanFrame frame = write_accelerometer(said, kFirst);
   EXPECT_EQ(frame.id, kFirst + 2);
-  EXPECT_FALSE(frame.flexible);
+  EXPECT_FALSE(frame.is_fd);
   ASSERT_EQ(frame.size, 8);
   const std::uint8_t bytes[] = {0x12, 0xCD, 0x01, 0x00, 0x00, 0x00, 0x00, 0x80};
   for (std::size_t k = 0; k < sizeof bytes; ++k) EXPECT_EQ(frame.data[k], bytes[k]) << k;

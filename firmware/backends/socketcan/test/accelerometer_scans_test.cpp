@@ -12,12 +12,12 @@ struct Rig {
   /// The conversion `number` since the module was switched on at `on_ms`; its four parts or one frame.
   void convert(std::int64_t number, std::int64_t on_ms = 0, bool after_absence = false) {
     const NodeTime time = node_time_from_ns((on_ms + number) * 1'000'000 + 5'000'000'000);
-    for (int part = 0; part < (flexible ? 1 : 4); ++part) {
+    for (int part = 0; part < (is_fd ? 1 : 4); ++part) {
       if (part == dropped_part) continue;
       AccelerometerFrame frame{.sequence = static_cast<std::uint32_t>(number), .part = part};
-      if (flexible) frame.part.reset();
-      if (!flexible) frame.sequence &= 0xFF;
-      const int first = part * 3, count = flexible ? 12 : 3;
+      if (is_fd) frame.part.reset();
+      if (!is_fd) frame.sequence &= 0xFF;
+      const int first = part * 3, count = is_fd ? 12 : 3;
       for (int k = first; k < first + count; ++k)
         frame.sample[static_cast<std::size_t>(k)] = static_cast<std::int16_t>(number + k);
       frame.overload = part == 3 ? 1 << 11 : 0;
@@ -26,7 +26,7 @@ struct Rig {
       if (scan) got.push_back(*scan);
     }
   }
-  bool flexible = true;
+  bool is_fd = true;
   int dropped_part = -1;
   AccelerometerScans scans;
   std::vector<Scan> got;
@@ -34,7 +34,7 @@ struct Rig {
 
 class AccelerometerScansTest : public testing::TestWithParam<bool> {
  protected:
-  void SetUp() override { rig.flexible = GetParam(); }
+  void SetUp() override { rig.is_fd = GetParam(); }
   Rig rig;
 };
 
@@ -46,7 +46,7 @@ TEST_P(AccelerometerScansTest, CountsScansThroughManyWrapsOfTheSequence) {
     EXPECT_EQ(to_ns(rig.got[k].time), 5'007'000'000 + static_cast<std::int64_t>(k) * 1'000'000);
     for (std::size_t channel = 0; channel < 12; ++channel)
       ASSERT_EQ(rig.got[k].counts[channel], 256 * static_cast<int>(7 + k + channel));
-    EXPECT_EQ(rig.got[k].overload, rig.flexible ? 0U : 1U << 11);
+    EXPECT_EQ(rig.got[k].overload, rig.is_fd ? 0U : 1U << 11);
   }
   EXPECT_EQ(rig.scans.missing(), 0);
 }
@@ -54,7 +54,7 @@ TEST_P(AccelerometerScansTest, CountsScansThroughManyWrapsOfTheSequence) {
 TEST_P(AccelerometerScansTest, TurnsMissingNumbersIntoAJumpOfTheIndex) {
   for (const std::int64_t lost : {1, 17, 255, 256, 257, 1'000, 60'000}) {
     Rig one;
-    one.flexible = GetParam();
+    one.is_fd = GetParam();
     one.convert(0);
     one.convert(1);
     one.convert(2 + lost, 0, lost > 500);
@@ -72,7 +72,7 @@ TEST_P(AccelerometerScansTest, FollowsTheStampsWhenTheModuleBeginsAnew) {
   for (std::int64_t number = 0; number < 3'000; ++number) rig.convert(number);
   rig.convert(0, 10'000);  // switched on 7 s after its last conversion at 2999
   // Of eight bits the number is taken as it is, so that the index is right but for half a turn.
-  EXPECT_NEAR(static_cast<double>(rig.got.back().index), 10'000, rig.flexible ? 0 : 128);
+  EXPECT_NEAR(static_cast<double>(rig.got.back().index), 10'000, rig.is_fd ? 0 : 128);
   const std::int64_t index = rig.got.back().index;
   rig.convert(1, 10'000);
   EXPECT_EQ(rig.got.back().index, index + 1);
@@ -93,7 +93,7 @@ INSTANTIATE_TEST_SUITE_P(Forms, AccelerometerScansTest, testing::Bool(),
 TEST(AccelerometerScans, LosesAConversionOfWhichAPartIsMissing) {
   for (int part = 0; part < 4; ++part) {
     Rig rig;
-    rig.flexible = false;
+    rig.is_fd = false;
     rig.convert(0);
     rig.dropped_part = part;
     rig.convert(1);

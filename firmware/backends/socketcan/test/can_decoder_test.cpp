@@ -8,7 +8,7 @@
 #include "common/config/section.hpp"
 #include "common/test/no_allocation.hpp"
 #include "common/test/source.hpp"
-#include "firmware/backends/dbc/candump.hpp"
+#include "firmware/backends/dbc/test/candump.hpp"
 
 namespace roadbalance {
 namespace {
@@ -59,11 +59,10 @@ TEST(CanDecoder, GivesSamplesInTheUnitOfTheirQuantity) {
   std::array<SignalSample, CanDecoder::kMostOfOneFrame> samples;
   const CanFrame wheels_frame = frame("0AA#2328025811070000");
   const CanFrame steering_frame = frame("000000AA#FC7C");
+  DeviceReport report("can:can0");
   const test::NoAllocation guard;
   // 9000 counts are 90 km/h; 600 1/min of a wheel of 0.30 m are 20 pi rad/s times 0.30 m.
-  const auto wheels = car.decode(wheels_frame, kTime, samples);
-  ASSERT_EQ(wheels.samples, 4U);
-  EXPECT_FALSE(wheels.refused);
+  ASSERT_EQ(car.decode(wheels_frame, kTime, samples, report), 4U);
   EXPECT_EQ(samples[0].signal, 3);
   EXPECT_NEAR(samples[0].value, 25.0, 1e-12);
   EXPECT_EQ(samples[0].time, kTime);
@@ -71,8 +70,8 @@ TEST(CanDecoder, GivesSamplesInTheUnitOfTheirQuantity) {
   EXPECT_NEAR(samples[1].value, 6.0 * std::numbers::pi, 1e-12);
   EXPECT_EQ(samples[2].value, 17.0);
   EXPECT_EQ(samples[3].value, 7.0);  // as the DBC file gives it
-  const auto steering = car.decode(steering_frame, kTime, samples);
-  ASSERT_EQ(steering.samples, 1U);
+  ASSERT_EQ(car.decode(steering_frame, kTime, samples, report), 1U);
+  EXPECT_EQ(report.of(DeviceCounter::kFramesRefused), 0);
   EXPECT_EQ(samples[0].signal, 4);
   EXPECT_NEAR(samples[0].value, -90.0 * std::numbers::pi / 180.0, 1e-12);
 }
@@ -81,23 +80,21 @@ TEST(CanDecoder, RefusesAShortFrameAndAValueOutOfRangeButKeepsTheOthers) {
   const CanDecoder car = decoder({signal("Wheels", "Left", SignalQuantity::kWheelSpeed),
                                   signal("Wheels", "Count", SignalQuantity::kPulseCounter)});
   std::array<SignalSample, CanDecoder::kMostOfOneFrame> samples;
-  const auto shorter = car.decode(frame("0AA#23280258110700"), kTime, samples);
-  EXPECT_EQ(shorter.samples, 0U);
-  EXPECT_TRUE(shorter.refused);
-  const auto outside = car.decode(frame("0AA#FFFF025811070000"), kTime, samples);
-  ASSERT_EQ(outside.samples, 1U);
-  EXPECT_TRUE(outside.refused);
+  DeviceReport report("can:can0");
+  EXPECT_EQ(car.decode(frame("0AA#23280258110700"), kTime, samples, report), 0U);
+  EXPECT_EQ(report.of(DeviceCounter::kFramesRefused), 1);
+  ASSERT_EQ(car.decode(frame("0AA#FFFF025811070000"), kTime, samples, report), 1U);
+  EXPECT_EQ(report.of(DeviceCounter::kFramesRefused), 2);
   EXPECT_EQ(samples[0].value, 17.0);
 }
 
 TEST(CanDecoder, PassesOverFramesThatNobodyWants) {
   const CanDecoder car = decoder({signal("Wheels", "Left", SignalQuantity::kWheelSpeed)});
   std::array<SignalSample, CanDecoder::kMostOfOneFrame> samples;
-  for (const char* other : {"0AB#2328025811070000", "000000AA#2328025811070000"}) {
-    const auto decoded = car.decode(frame(other), kTime, samples);
-    EXPECT_EQ(decoded.samples, 0U);
-    EXPECT_FALSE(decoded.refused);
-  }
+  DeviceReport report("can:can0");
+  for (const char* other : {"0AB#2328025811070000", "000000AA#2328025811070000"})
+    EXPECT_EQ(car.decode(frame(other), kTime, samples, report), 0U);
+  EXPECT_EQ(report.of(DeviceCounter::kFramesRefused), 0);
 }
 
 TEST(CanDecoder, NamesTheSignalAndItsLineWhenItCannotBeUsed) {

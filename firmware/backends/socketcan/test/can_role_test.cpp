@@ -45,12 +45,12 @@ TEST(CanRole, SaysWhatIsWrongAndHowToMendIt) {
 
 TEST(CanRole, RefusesAClassicInterfaceForMessagesOfCanFd) {
   CanLink link{.kind = Kind::kController, .up = true};
-  const CanNeed fd{.role = CanRole::kSensor, .flexible = true};
+  const CanNeed fd{.role = CanRole::kSensor, .fd = true};
   EXPECT_EQ(
       obstacle(link, fd, "can3"),
       "CAN interface can3 carries no CAN FD, but a message wanted of it has more than 8 bytes; try: ip link "
       "set can3 down; ip link set can3 type can bitrate 500000 dbitrate 2000000 fd on; ip link set can3 up");
-  link.flexible = true;
+  link.takes_fd = true;
   EXPECT_EQ(obstacle(link, fd, "can3"), "");
   EXPECT_EQ(obstacle(link, {.role = CanRole::kSensor}, "can3"), "") << "it carries classic frames, too";
 }

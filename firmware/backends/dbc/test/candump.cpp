@@ -1,4 +1,4 @@
-#include "firmware/backends/dbc/candump.hpp"
+#include "firmware/backends/dbc/test/candump.hpp"
 
 #include <charconv>
 
@@ -40,13 +40,13 @@ std::optional<std::int64_t> take_time_ns(std::string_view& line) {
 /// What follows the first '#', into `frame`.
 bool read_data(std::string_view text, CanFrame& frame) {
   if (!text.empty() && text.front() == '#') {
-    frame.flexible = true;
+    frame.is_fd = true;
     text.remove_prefix(1);
     if (text.empty() || !whole_number<std::uint8_t>(text.substr(0, 1), 16)) return false;
     text.remove_prefix(1);
   }
   const std::size_t size = text.size() / 2;
-  if (text.size() % 2 != 0 || !is_can_size(size, frame.flexible)) return false;
+  if (text.size() % 2 != 0 || !is_can_size(size, frame.is_fd)) return false;
   frame.size = static_cast<std::uint8_t>(size);
   for (std::size_t i = 0; i < size; ++i) {
     const auto byte = whole_number<std::uint8_t>(text.substr(2 * i, 2), 16);
@@ -68,7 +68,7 @@ std::optional<LoggedFrame> parse_candump(std::string_view line) {
   LoggedFrame logged{.time_ns = *time_ns, .interface = std::string(*interface), .frame = {}};
   const auto id = whole_number<std::uint32_t>(*id_text, 16);
   logged.frame.extended = id_text->size() == 8;
-  if (!id || *id > (logged.frame.extended ? kHighestLongId : kHighestShortId)) return std::nullopt;
+  if (!id || *id > (logged.frame.extended ? kHighestExtendedId : kHighestStandardId)) return std::nullopt;
   logged.frame.id = *id;
   if (!read_data(line, logged.frame)) return std::nullopt;
   return logged;
