@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <charconv>
 #include <cstddef>
 #include <cstdlib>
 #include <cstring>
@@ -34,16 +33,6 @@ ServiceNotify::ServiceNotify() {
 
 ServiceNotify::~ServiceNotify() {
   if (socket_ >= 0) ::close(socket_);
-}
-
-std::optional<std::chrono::microseconds> ServiceNotify::watchdog() {
-  const char* variable = std::getenv("WATCHDOG_USEC");
-  if (!variable) return std::nullopt;
-  const std::string_view text = variable;
-  std::int64_t microseconds = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), microseconds);
-  if (error != std::errc() || end != text.data() + text.size() || microseconds <= 0) return std::nullopt;
-  return std::chrono::microseconds(microseconds);
 }
 
 void ServiceNotify::send(const std::string& message) {

@@ -1,8 +1,6 @@
 #pragma once
 
 #include <atomic>
-#include <chrono>
-#include <optional>
 #include <string>
 
 namespace roadbalance {
@@ -18,8 +16,6 @@ class ServiceNotify {
   ~ServiceNotify();
 
   bool has_supervisor() const { return socket_ >= 0; }
-  /// $WATCHDOG_USEC: ended by the supervisor if not fed for so long; nothing: it does not watch.
-  static std::optional<std::chrono::microseconds> watchdog();
 
   void ready() { send("READY=1"); }
   /// To be said when the end begins, which may be long before it is over.

@@ -50,16 +50,5 @@ TEST(ServiceNotify, NamesAVariableThatIsNoAddress) {
   ::unsetenv("NOTIFY_SOCKET");
 }
 
-TEST(ServiceNotify, TakesTheWatchdogsTimeOnlyIfItIsOne) {
-  ::setenv("WATCHDOG_USEC", "2500000", 1);
-  EXPECT_EQ(ServiceNotify::watchdog(), std::chrono::milliseconds(2500));
-  for (const char* text : {"", "0", "-1", "5s"}) {
-    ::setenv("WATCHDOG_USEC", text, 1);
-    EXPECT_EQ(ServiceNotify::watchdog(), std::nullopt) << text;
-  }
-  ::unsetenv("WATCHDOG_USEC");
-  EXPECT_EQ(ServiceNotify::watchdog(), std::nullopt);
-}
-
 }  // namespace
 }  // namespace roadbalance
