@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <initializer_list>
+#include <vector>
+
 namespace roadbalance {
 namespace {
 
@@ -9,33 +12,31 @@ constexpr WallTime at_ms(int ms) {
   return WallTime(std::chrono::milliseconds(ms));
 }
 
+/// When it is said, of reasons that are told at these milliseconds.
+std::vector<int> said_at(LastingReason& reason, const char* why, std::initializer_list<int> told_at) {
+  std::vector<int> said;
+  for (const int ms : told_at)
+    if (reason.is_to_be_said(why, at_ms(ms))) said.push_back(ms);
+  return said;
+}
+
 TEST(LastingReason, IsSaidOnceWhenItHasBeenTheSameForTwoSeconds) {
   LastingReason reason;
-  EXPECT_FALSE(reason.is_to_be_said("down", at_ms(10'000)));
-  EXPECT_FALSE(reason.is_to_be_said("down", at_ms(11'999)));
-  EXPECT_TRUE(reason.is_to_be_said("down", at_ms(12'000)));
-  EXPECT_FALSE(reason.is_to_be_said("down", at_ms(12'050)));
-  EXPECT_FALSE(reason.is_to_be_said("down", at_ms(60'000)));
+  EXPECT_EQ(said_at(reason, "down", {10'000, 11'999, 12'000, 12'050, 60'000}), std::vector{12'000});
 }
 
 TEST(LastingReason, BeginsAnewWithAnotherReason) {
   LastingReason reason;
-  EXPECT_FALSE(reason.is_to_be_said("none", at_ms(0)));
-  EXPECT_FALSE(reason.is_to_be_said("down", at_ms(1'500)));
-  EXPECT_FALSE(reason.is_to_be_said("down", at_ms(3'400)));
-  EXPECT_TRUE(reason.is_to_be_said("down", at_ms(3'500)));
-  EXPECT_FALSE(reason.is_to_be_said("wrong role", at_ms(3'600)));
-  EXPECT_TRUE(reason.is_to_be_said("wrong role", at_ms(5'600)));
+  EXPECT_EQ(said_at(reason, "none", {0}), std::vector<int>{});
+  EXPECT_EQ(said_at(reason, "down", {1'500, 3'400, 3'500}), std::vector{3'500});
+  EXPECT_EQ(said_at(reason, "wrong role", {3'600, 5'600}), std::vector{5'600});
 }
 
 TEST(LastingReason, IsForgottenWhenTheDeviceWasThere) {
   LastingReason reason;
-  EXPECT_FALSE(reason.is_to_be_said("down", at_ms(0)));
-  EXPECT_TRUE(reason.is_to_be_said("down", at_ms(2'000)));
+  EXPECT_EQ(said_at(reason, "down", {0, 2'000}), std::vector{2'000});
   reason.over();
-  EXPECT_FALSE(reason.is_to_be_said("down", at_ms(9'000)));
-  EXPECT_FALSE(reason.is_to_be_said("down", at_ms(10'900)));
-  EXPECT_TRUE(reason.is_to_be_said("down", at_ms(11'000)));
+  EXPECT_EQ(said_at(reason, "down", {9'000, 10'900, 11'000}), std::vector{11'000});
 }
 
 }  // namespace

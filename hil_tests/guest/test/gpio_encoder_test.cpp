@@ -46,11 +46,21 @@ class GpioEncoder : public ::testing::Test {
     }));
   }
 
+  /// Blocks within two turns of the hole are flagged; those well before and after, whose turns have all their
+  /// teeth, are not.
+  void expect_only_the_hole_flagged(const std::vector<ScanBlock>& blocks) const {
+    EXPECT_GE(faulty_turns, 1);
+    EXPECT_EQ(flagged(blocks, 10.0, kHole - 2.0, kDoubtful), 0U);
+    EXPECT_GE(flagged(blocks, kHole - 2.0, kHole + 2.0, kDoubtful), 1U);
+    EXPECT_EQ(flagged(blocks, kHole + 4.0, kTurns, kDoubtful), 0U);
+  }
+
   test::GpioRig rig{{{0, static_cast<int>(kTooth), {}, static_cast<int>(kMark)}}};
   std::vector<gpio_pulse_step> steps;
   test::RingProgram ring{kTooth, kMark, kTeeth, kTurns_hz, 0, kTurns};
   std::int64_t faulty_turns = 0;
   static constexpr std::int32_t kDoubtful = kQualityUncertainAngle0;
+  static constexpr double kHole = kTurns_hz * 0.75;  ///< in turns, at middle_ns()
 };
 
 TEST_F(GpioEncoder, AFastRingGivesItsAngle) {
@@ -81,15 +91,11 @@ TEST_F(GpioEncoder, AFastRingGivesItsAngle) {
 TEST_F(GpioEncoder, EdgesThatTheKernelHadNoRoomForMakeAFaultyTurnAndFlagItsBlocks) {
   const auto hog = hog_processor(48, middle_ns(), middle_ns() + 10'000'000);
   rig.play(steps);
-  const double lost_at = kTurns_hz * 0.75;
   EXPECT_GE(rig.counted(DeviceCounter::kEdgesLost), 1);
   EXPECT_LT(rig.edges_of(EdgeKind::kTooth), static_cast<std::size_t>(kTurns * kTeeth - 20));
   const auto blocks = seal();
-  EXPECT_GE(faulty_turns, 1);
-  EXPECT_EQ(flagged(blocks, 10.0, lost_at - 2.0, kDoubtful), 0U);
-  EXPECT_GE(flagged(blocks, lost_at - 2.0, lost_at + 2.0, kDoubtful), 1U);
-  EXPECT_GE(flagged(blocks, lost_at - 2.0, lost_at + 2.0, quality_no_reference(0)), 1U);
-  EXPECT_EQ(flagged(blocks, lost_at + 4.0, kTurns, kDoubtful), 0U) << "later turns have all their teeth";
+  expect_only_the_hole_flagged(blocks);
+  EXPECT_GE(flagged(blocks, kHole - 2.0, kHole + 2.0, quality_no_reference(0)), 1U);
   std::printf("%zu teeth lost: %lld faulty turn(s)\n",
               static_cast<std::size_t>(kTurns * kTeeth) - rig.edges_of(EdgeKind::kTooth),
               static_cast<long long>(faulty_turns));
@@ -99,14 +105,9 @@ TEST_F(GpioEncoder, EdgesThatTheKernelHadNoRoomForMakeAFaultyTurnAndFlagItsBlock
 TEST_F(GpioEncoder, EdgesThatTheKernelMergedAreFoundByCountingTeeth) {
   const auto hog = hog_processor(90, middle_ns(), middle_ns() + 1'000'000);
   rig.play(steps);
-  const double lost_at = kTurns_hz * 0.75;
   EXPECT_EQ(rig.counted(DeviceCounter::kEdgesLost), 0);
   EXPECT_LT(rig.edges_of(EdgeKind::kTooth), static_cast<std::size_t>(kTurns * kTeeth - 2));
-  const auto blocks = seal();
-  EXPECT_GE(faulty_turns, 1);
-  EXPECT_EQ(flagged(blocks, 10.0, lost_at - 2.0, kDoubtful), 0U);
-  EXPECT_GE(flagged(blocks, lost_at - 2.0, lost_at + 2.0, kDoubtful), 1U);
-  EXPECT_EQ(flagged(blocks, lost_at + 4.0, kTurns, kDoubtful), 0U);
+  expect_only_the_hole_flagged(seal());
 }
 
 }  // namespace
