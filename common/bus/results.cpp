@@ -23,7 +23,7 @@ void take(const T* from, Array& to) {
 }
 
 bool is_state(std::int32_t value) {
-  return 0 <= value && value <= static_cast<std::int32_t>(Unknown::kNoCommonTime);
+  return 0 <= value && value <= static_cast<std::int32_t>(Unknown::kInStep);
 }
 
 }  // namespace

@@ -48,6 +48,7 @@ enum class Unknown : std::int32_t {
   kIllConditioned = 4,  ///< the drive does not determine it
   kUnfitVehicle = 5,    ///< the vehicle's sensors or rates do not allow it
   kNoCommonTime = 6,    ///< the nodes' samples do not lie on one grid of time
+  kInStep = 7,  ///< this wheel turned in step with another, and sensors on the body do not tell them apart
 };
 
 inline constexpr int kMaxSpeedClasses = 16;

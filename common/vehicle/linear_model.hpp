@@ -73,6 +73,9 @@ struct SensorMap {
 
   /// @throws ConfigError naming the coordinate that no sensor sees
   static SensorMap from(const VehicleConfig& vehicle);
+  /// By the sensors on the body alone: heave'', roll'' and pitch''; the wheels' rows are 0.
+  /// @throws as from()
+  static SensorMap of_body(const VehicleConfig& vehicle);
 };
 
 }  // namespace roadbalance

@@ -7,9 +7,8 @@
 #include "common/bus/codec.hpp"
 
 namespace roadbalance {
-Assembler::Assembler(const VehicleConfig& vehicle, Emit emit, double longest_wait_s)
+Assembler::Assembler(const VehicleConfig& vehicle, const SensorMap& sensors, Emit emit, double longest_wait_s)
     : longest_wait_s_(longest_wait_s), emit_(std::move(emit)) {
-  const SensorMap sensors = SensorMap::from(vehicle);
   std::vector<std::int32_t> used;
   for (std::size_t n = 0; n < vehicle.node.size(); ++n) {
     const NodeConfig& node = vehicle.node[n];

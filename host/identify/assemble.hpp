@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/clock/exchange.hpp"
@@ -31,7 +32,10 @@ class Assembler {
   using Emit = std::function<void(const SignalRun&)>;
 
   /// @throws ConfigError if the sensors do not determine the seven coordinates
-  Assembler(const VehicleConfig& vehicle, Emit emit, double longest_wait_s = kLongestWait_s);
+  Assembler(const VehicleConfig& vehicle, Emit emit, double longest_wait_s = kLongestWait_s)
+      : Assembler(vehicle, SensorMap::from(vehicle), std::move(emit), longest_wait_s) {}
+  Assembler(const VehicleConfig& vehicle, const SensorMap& sensors, Emit emit,
+            double longest_wait_s = kLongestWait_s);
 
   void consume(const SealedBlock& block);
   /// How a node's clock stands to the host's, for the blocks of that node that come next.

@@ -5,7 +5,10 @@
 #include <numbers>
 
 #include "common/config/section.hpp"
+#include "host/identify/body_instrument.hpp"
 #include "host/identify/confidence.hpp"
+#include "host/identify/missing_angle.hpp"
+#include "host/identify/phase_drift.hpp"
 
 namespace roadbalance {
 namespace {
@@ -22,6 +25,39 @@ int decimation(const VehicleConfig& vehicle) {
 /// it.
 constexpr double kPlausible = 2.0;
 
+/// True if the sensors show the body's motion but not every wheel's.
+bool shows_body_only(const VehicleConfig& vehicle) {
+  try {
+    SensorMap::from(vehicle);
+    return false;
+  } catch (const ConfigError&) {
+  }
+  try {
+    SensorMap::of_body(vehicle);
+    return true;
+  } catch (const ConfigError&) {
+    return false;
+  }
+}
+
+/// Wheels that turned in step, and what to do about it; empty: none.
+std::string in_step_sentence(const PhaseDrift& drift) {
+  std::string sentence;
+  for (int a = 0; a < kWheels; ++a)
+    for (int b = a + 1; b < kWheels; ++b) {
+      const auto between = drift.drift_rad(a, b);
+      if (!between || *between >= kLeastDrift_rad) continue;
+      sentence += (sentence.empty() ? "" : ", ") + std::string(kWheelNames[static_cast<std::size_t>(a)]) +
+                  " and " + kWheelNames[static_cast<std::size_t>(b)] + " turned in step (" +
+                  std::to_string(std::lround(*between * 180.0 / std::numbers::pi)) + " deg of drift)";
+    }
+  if (sentence.empty()) return sentence;
+  return sentence +
+         ": the body does not tell their unbalances apart; take a bend or change lanes so that they turn "
+         "against one "
+         "another, or fit sensors to their carriers";
+}
+
 double sigma(const UnknownMatrix& covariance, int i) {
   return std::sqrt(covariance(i, i));
 }
@@ -32,7 +68,15 @@ DriveEstimator::DriveEstimator(const VehicleConfig& vehicle)
     : vehicle_(vehicle),
       geometry_(geometry_of(vehicle.model)),
       known_(nominal_parameters(vehicle)),
-      sections_(vehicle_, [this](const DriveMoments& section) { add_section(section); }) {
+      obstacle_(why_no_angle(vehicle)),
+      body_only_(shows_body_only(vehicle)),
+      sections_(
+          vehicle_, [this](const DriveMoments& section) { add_section(section); }, body_only_) {
+  if (body_only_)
+    obstacle_ +=
+        std::string(obstacle_.empty() ? "" : "; ") +
+        "no vertical sensor shows the carrier of some wheel: unbalances come from the body alone, with "
+        "springs, dampers and tyres as vehicle.toml has them";
   for (int i = 0; i < kWheels; ++i) estimate_.balance[static_cast<std::size_t>(i)].wheel = i;
   const bool angle =
       std::any_of(vehicle.wheel.begin(), vehicle.wheel.end(), [](const auto& w) { return !w.node.empty(); });
@@ -40,10 +84,11 @@ DriveEstimator::DriveEstimator(const VehicleConfig& vehicle)
   try {
     decimator_.emplace(decimation(vehicle_),
                        [this](const IdentificationSample& sample) { add_sample(sample); });
-    assembler_.emplace(vehicle_, [this](const SignalRun& run) { decimator_->consume(run); });
+    assembler_.emplace(vehicle_, body_only_ ? SensorMap::of_body(vehicle_) : SensorMap::from(vehicle_),
+                       [this](const SignalRun& run) { decimator_->consume(run); });
   } catch (const ConfigError& error) {
     // Levels and spectra of such a vehicle are as good as any: only this estimate is not to be had.
-    obstacle_ = error.what();
+    obstacle_ = error.what() + (obstacle_.empty() ? "" : "; " + obstacle_);
     publish_unknown(Unknown::kUnfitVehicle);
   }
 }
@@ -68,7 +113,8 @@ std::string DriveEstimator::obstacle() const {
   if (const auto wheel = sections_.missing_reference(); wheel && classes_.empty())
     return std::string(kWheelNames[static_cast<std::size_t>(*wheel)]) +
            ": its encoder gave no angle; sections without it are not used";
-  return obstacle_;
+  const std::string refused = body_only_ ? in_step_sentence(sections_.phase_drift()) : "";
+  return obstacle_ + (obstacle_.empty() || refused.empty() ? "" : "; ") + refused;
 }
 
 void DriveEstimator::add_sample(const IdentificationSample& sample) {
@@ -105,6 +151,7 @@ void DriveEstimator::update_estimate() {
   const auto x = solve(drive, geometry_, known_);
   const auto covariance = x ? jackknife_covariance(groups, geometry_, known_) : std::nullopt;
   if (!covariance) return publish_unknown(Unknown::kIllConditioned);
+  if (body_only_) return publish(*x, *covariance);
   for (int p = 0; p < kEstimatedUnbalance; ++p) {
     const double ratio = (*x)(p) / known_(kSpring + p);
     const bool stabiliser = p >= kEstimatedStabiliser && p < kEstimatedTyre;  // may truly be weak
@@ -146,6 +193,14 @@ void DriveEstimator::publish_unknown(Unknown state) {
 
 void DriveEstimator::publish(const UnknownVector& x, const UnknownMatrix& covariance) {
   publish_unknown(Unknown::kNone);
+  if (!body_only_) publish_suspension(x, covariance);
+  publish_balances(x, covariance);
+  if (!body_only_) return;
+  estimate_.identification.state = Unknown::kUnfitVehicle;
+  add_doubt_of_parameters();
+}
+
+void DriveEstimator::publish_suspension(const UnknownVector& x, const UnknownMatrix& covariance) {
   Identification& result = estimate_.identification;
   for (int i = 0; i < kWheels; ++i) {
     const auto w = static_cast<std::size_t>(i);
@@ -160,8 +215,17 @@ void DriveEstimator::publish(const UnknownVector& x, const UnknownMatrix& covari
     result.stabiliser_n_m[static_cast<std::size_t>(a)] = x(kEstimatedStabiliser + a);
     result.sigma_stabiliser_n_m[static_cast<std::size_t>(a)] = sigma(covariance, kEstimatedStabiliser + a);
   }
+}
+
+void DriveEstimator::publish_balances(const UnknownVector& x, const UnknownMatrix& covariance) {
+  std::array<std::optional<int>, kWheels> with;
+  if (body_only_) with = in_step(sections_.phase_drift());
   for (int i = 0; i < kWheels; ++i) {
     Balance& balance = estimate_.balance[static_cast<std::size_t>(i)];
+    if (with[static_cast<std::size_t>(i)]) {
+      balance.state = Unknown::kInStep;
+      continue;
+    }
     const int u = kEstimatedUnbalance + 2 * i;
     const double grams = 1000.0 / balance.weight_radius_m;  // per kg m
     const Eigen::Vector2d vector = grams * x.segment<2>(u);
@@ -179,6 +243,26 @@ void DriveEstimator::publish(const UnknownVector& x, const UnknownMatrix& covari
     const double angle = std::atan2(vector.y(), vector.x());
     balance.angle_rad = angle < 0.0 ? angle + kTurn : angle;
     balance.weight_angle_rad = std::fmod(balance.angle_rad + std::numbers::pi, kTurn);
+  }
+}
+
+void DriveEstimator::add_doubt_of_parameters() {
+  double seconds = 0.0, metres = 0.0;
+  for (const auto& [key, speed_class] : classes_) {
+    seconds += speed_class.total.seconds;
+    metres += speed_class.total.speed_seconds;
+  }
+  const auto doubt = response_doubt(vehicle_, metres / seconds);
+  for (std::size_t w = 0; w < kWheels; ++w) {
+    Balance& balance = estimate_.balance[w];
+    if (balance.state != Unknown::kNone) continue;
+    const Eigen::Vector2d along =
+        balance.unbalance_g * Eigen::Vector2d(std::cos(balance.angle_rad), std::sin(balance.angle_rad));
+    const Eigen::Vector2d across(-along.y(), along.x());
+    balance.covariance_g2 +=
+        doubt[w].along * along * along.transpose() + doubt[w].across * across * across.transpose();
+    balance.sigma_g = std::hypot(balance.sigma_g, balance.unbalance_g * std::sqrt(doubt[w].along));
+    balance.sigma_rad = std::hypot(balance.sigma_rad, std::sqrt(doubt[w].across));
   }
 }
 

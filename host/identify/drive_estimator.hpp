@@ -27,6 +27,9 @@ struct DriveEstimate {
 
 /// Sealed blocks in, estimate out: the one path of identification, live and offline.
 ///
+/// Where no sensor sits on some wheel's carrier the unbalances come from the body alone (BodyInstrument), and
+/// wheels that turned in step are refused: their shares in what the body feels differ by a model only.
+///
 /// Blocks of one node come in the order of their sequence with the fits of its clock between them; how those
 /// of different nodes interleave does not matter.  Memory is bounded: moments are kept per speed class and
 /// jackknife group, not per section.
@@ -61,6 +64,10 @@ class DriveEstimator {
   void add_section(const DriveMoments& section);
   void update_estimate();
   void publish(const UnknownVector& x, const UnknownMatrix& covariance);
+  void publish_suspension(const UnknownVector& x, const UnknownMatrix& covariance);
+  void publish_balances(const UnknownVector& x, const UnknownMatrix& covariance);
+  /// In the balances: what vehicle.toml may be wrong by, where the body alone was heard.
+  void add_doubt_of_parameters();
   void publish_unknown(Unknown state);
   void describe_drive();
 
@@ -72,6 +79,7 @@ class DriveEstimator {
   DriveEstimate estimate_;
   std::int64_t version_ = 0;
   std::string obstacle_;
+  bool body_only_;
   SectionBuilder sections_;
   std::optional<Decimator> decimator_;
   std::optional<Assembler> assembler_;

@@ -99,10 +99,21 @@ void solve_wheels(const DriveMoments& moments, const Geometry& geometry, const P
   }
 }
 
+std::optional<UnknownVector> solve_body(const BodyMoments& body) {
+  const Eigen::Vector4cd unbalance = inverse_where_known(body.normal) * body.right;
+  if (!unbalance.allFinite()) return std::nullopt;
+  UnknownVector x = UnknownVector::Constant(std::numeric_limits<double>::quiet_NaN());
+  for (int i = 0; i < kWheels; ++i)
+    if (body.normal(i, i) != 0.0)
+      x.segment<2>(kEstimatedUnbalance + 2 * i) << unbalance(i).real(), unbalance(i).imag();
+  return x;
+}
+
 }  // namespace
 
 std::optional<UnknownVector> solve(const DriveMoments& moments, const Geometry& geometry,
                                    const ParameterVector& known) {
+  if (!moments.body.normal.isZero()) return solve_body(moments.body);
   const auto suspension = solve_suspension(moments, geometry, known);
   if (!suspension) return std::nullopt;
   UnknownVector x;

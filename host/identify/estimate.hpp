@@ -32,7 +32,8 @@ using UnknownMatrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 ///    masses are known and fix the scale.
 ///
 /// Wheels without a reference have NaN as unbalance, and their ct is found as if they were balanced.
-/// Returns nothing if the drive does not determine the suspension.
+/// From BodyMoments there are the unbalances alone, the rest is NaN.
+/// Returns nothing if the drive does not determine the suspension, or what the body alone tells.
 ///
 /// Source: covariance method, relation (2) of moments.hpp with positive lags in place of the unknown C_yu.
 std::optional<UnknownVector> solve(const DriveMoments& moments, const Geometry& geometry,

@@ -4,18 +4,13 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
-#include <utility>
+#include <vector>
 
 namespace roadbalance {
 namespace {
 
 using Complex = std::complex<double>;
 constexpr Complex kJ(0.0, 1.0);
-/// Side bins lie this far from the line: outside every wheel's own line, near enough for one road spectrum.
-constexpr double kSideFromHz = 0.3;
-constexpr double kSideToHz = 2.0;
-/// Wheels in step make K singular; this share of independent noise keeps the weights finite.
-constexpr double kIndependentShare = 1e-2;
 
 /// What phasors of z'' at one frequency contribute to M, P and Q of relation (1): z' = z''/(j om), z =
 /// -z''/om^2.
@@ -49,34 +44,14 @@ Eigen::MatrixXcd expected_forces(const LinearModel& model, const std::vector<int
 
 }  // namespace
 
-HarmonicInstrument::HarmonicInstrument(const VehicleConfig& vehicle, Taper taper, double rate_hz)
-    : geometry_(geometry_of(vehicle.model)), taper_(std::move(taper)) {
-  const Eigen::Index samples = taper_.value.size();
-  const double step_hz = rate_hz / static_cast<double>(samples);
-  const auto first = static_cast<Eigen::Index>(std::ceil(kSideFromHz / step_hz - 1e-9));
-  const auto last = static_cast<Eigen::Index>(std::floor(kSideToHz / step_hz + 1e-9));
-  const Eigen::Index side = last - first + 1;
-  side_hz_.resize(2 * side);
-  for (Eigen::Index k = 0; k < side; ++k) {
-    side_hz_(2 * k) = static_cast<double>(first + k) * step_hz;
-    side_hz_(2 * k + 1) = -side_hz_(2 * k);
-  }
-  side_shift_.resize(side_hz_.size(), samples);
-  for (Eigen::Index b = 0; b < side_hz_.size(); ++b)
-    for (Eigen::Index t = 0; t < samples; ++t)
-      side_shift_(b, t) =
-          std::polar(1.0, -2.0 * std::numbers::pi * side_hz_(b) * static_cast<double>(t) / rate_hz);
-}
-
 Eigen::Matrix4cd HarmonicInstrument::road_spectrum(const Eigen::Ref<const SignalMatrix>& signals,
-                                                   const Eigen::RowVectorXcd& down, double omega,
-                                                   double speed_m_s, const LinearModel& model) const {
-  const Eigen::MatrixXcd mixed =
-      (down.asDiagonal() * signals.topRows<kCoordinates>().transpose().cast<Complex>()).eval();
-  const Eigen::MatrixXcd Z = side_shift_ * mixed;  // [side bin x coordinate]
+                                                   const Demodulated& line, double omega, double speed_m_s,
+                                                   const LinearModel& model) const {
+  const Eigen::MatrixXcd Z = demodulator_.beside(signals, line);  // [side bin x coordinate]
+  const Eigen::VectorXd& side_hz = demodulator_.side_hz();
   Eigen::Matrix4cd spectrum = Eigen::Matrix4cd::Zero();
-  for (Eigen::Index b = 0; b < side_hz_.size(); ++b) {
-    const double x = 2.0 * std::numbers::pi * side_hz_(b);
+  for (Eigen::Index b = 0; b < side_hz.size(); ++b) {
+    const double x = 2.0 * std::numbers::pi * side_hz(b);
     const auto m = instrument(Z.row(b), omega + x);
     Eigen::Vector4cd force;
     for (int j = 0; j < kWheels; ++j) {
@@ -85,52 +60,36 @@ Eigen::Matrix4cd HarmonicInstrument::road_spectrum(const Eigen::Ref<const Signal
     }
     spectrum += force * force.adjoint();
   }
-  return spectrum / static_cast<double>(side_hz_.size());
+  return spectrum / static_cast<double>(side_hz.size());
 }
 
 HarmonicMoments HarmonicInstrument::moments(const Eigen::Ref<const SignalMatrix>& signals,
                                             const Eigen::Vector4d& omega, double speed_m_s,
                                             const ParameterVector& parameters) const {
   HarmonicMoments result;
-  std::vector<int> wheels;  // that have a reference
-  for (int i = 0; i < kWheels; ++i)
-    if (omega(i) > 0.0) wheels.push_back(i);
+  const Demodulated line = demodulator_(signals, omega);
+  const std::vector<int>& wheels = line.wheels;
   if (wheels.empty()) return result;
   const auto n = static_cast<Eigen::Index>(wheels.size());
   const auto wheel = [&](Eigen::Index k) { return wheels[static_cast<std::size_t>(k)]; };
 
-  Eigen::MatrixXcd r(n, signals.cols()), down(n, signals.cols());  // [reference x sample]
-  for (Eigen::Index k = 0; k < n; ++k) {
-    r.row(k) = signals.row(cosine_row(wheel(k))).cast<Complex>() +
-               kJ * signals.row(sine_row(wheel(k))).cast<Complex>();
-    const double power = (r.row(k).cwiseAbs2().array() * taper_.value.transpose()).sum();
-    down.row(k) =
-        (r.row(k).conjugate().array() * taper_.value.transpose().cast<Complex>()).matrix() * (2.0 / power);
-  }
-  const Eigen::MatrixXcd Z = down * signals.topRows<kCoordinates>().transpose().cast<Complex>();
-  const Eigen::MatrixXcd overlap = 0.5 * r * down.transpose();  // c [j x k]
-  Eigen::MatrixXcd K = down * down.adjoint();
-  K /= K.diagonal().real().mean();
-  K.diagonal().array() += kIndependentShare;
-
   const LinearModel model = linear_model(geometry_, parameters);
-  const Eigen::Matrix4cd spectrum = road_spectrum(signals, down.row(0), omega(wheel(0)), speed_m_s, model);
+  const Eigen::Matrix4cd spectrum = road_spectrum(signals, line, omega(wheel(0)), speed_m_s, model);
   const Eigen::MatrixXcd S = Eigen::MatrixXcd::NullaryExpr(
       n, n, [&](Eigen::Index a, Eigen::Index b) { return spectrum(wheel(a), wheel(b)); });
   if (!(S.determinant().real() > 0.0)) return result;  // nothing shakes the car: no weights, no equations
   const Eigen::MatrixXcd S_inverse = S.inverse();
-  const Eigen::MatrixXcd K_inverse = K.inverse();
 
   std::vector<Eigen::MatrixXcd> mean(static_cast<std::size_t>(n));  // of y [row j x reference k] per unit U_i
   for (Eigen::Index i = 0; i < n; ++i)
-    mean[static_cast<std::size_t>(i)] = expected_forces(model, wheels, omega, wheel(i), overlap.row(i));
+    mean[static_cast<std::size_t>(i)] = expected_forces(model, wheels, omega, wheel(i), line.overlap.row(i));
   for (Eigen::Index i = 0; i < n; ++i) {
     const Eigen::MatrixXcd weight =
-        S_inverse.transpose() * mean[static_cast<std::size_t>(i)].conjugate() * K_inverse;
+        S_inverse.transpose() * mean[static_cast<std::size_t>(i)].conjugate() * line.K_inverse;
     for (Eigen::Index j = 0; j < n; ++j) {
       result.normal(wheel(i), wheel(j)) = weight.cwiseProduct(mean[static_cast<std::size_t>(j)]).sum();
       auto& right = result.right[static_cast<std::size_t>(wheel(i))][static_cast<std::size_t>(wheel(j))];
-      for (Eigen::Index k = 0; k < n; ++k) right += weight(j, k) * instrument(Z.row(k), omega(wheel(k)));
+      for (Eigen::Index k = 0; k < n; ++k) right += weight(j, k) * instrument(line.Z.row(k), omega(wheel(k)));
     }
   }
   return result;

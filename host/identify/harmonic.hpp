@@ -1,10 +1,12 @@
 #pragma once
 
+#include <utility>
+
 #include <Eigen/Core>
 
 #include "common/config/vehicle_config.hpp"
-#include "common/dsp/taper.hpp"
 #include "common/vehicle/linear_model.hpp"
+#include "host/identify/demodulation.hpp"
 #include "host/identify/moments.hpp"
 #include "host/identify/signals.hpp"
 
@@ -26,8 +28,8 @@ namespace roadbalance {
 /// equations.
 class HarmonicInstrument {
  public:
-  /// @param taper  of a section; its length is the section's
-  HarmonicInstrument(const VehicleConfig& vehicle, Taper taper, double rate_hz);
+  HarmonicInstrument(const VehicleConfig& vehicle, Taper taper, double rate_hz)
+      : geometry_(geometry_of(vehicle.model)), demodulator_(std::move(taper), rate_hz) {}
 
   /// @param signals     [kSignals x samples], a section of steady speed
   /// @param omega       rotation rate of each wheel, rad/s; 0: it has no reference here
@@ -38,14 +40,11 @@ class HarmonicInstrument {
 
  private:
   /// S: mean over the side bins of the demodulated forces' products.
-  Eigen::Matrix4cd road_spectrum(const Eigen::Ref<const SignalMatrix>& signals,
-                                 const Eigen::RowVectorXcd& down, double omega, double speed_m_s,
-                                 const LinearModel& model) const;
+  Eigen::Matrix4cd road_spectrum(const Eigen::Ref<const SignalMatrix>& signals, const Demodulated& line,
+                                 double omega, double speed_m_s, const LinearModel& model) const;
 
   Geometry geometry_;
-  Taper taper_;
-  Eigen::VectorXd side_hz_;      ///< distance of the side bins from the line
-  Eigen::MatrixXcd side_shift_;  ///< [side bin x sample] e^{-2 pi j x t}
+  Demodulator demodulator_;
 };
 
 }  // namespace roadbalance

@@ -22,6 +22,8 @@ DriveMoments& DriveMoments::operator+=(const DriveMoments& other) {
     wheel[i].tyre_unbalance += other.wheel[i].tyre_unbalance;
   }
   harmonic += other.harmonic;
+  body.normal += other.body.normal;
+  body.right += other.body.right;
   return *this;
 }
 

@@ -54,6 +54,13 @@ struct HarmonicMoments {
   HarmonicMoments& operator+=(const HarmonicMoments& other);
 };
 
+/// Normal equations N U = right of the unbalance phasors from the body's accelerations alone
+/// (body_instrument.hpp).
+struct BodyMoments {
+  Eigen::Matrix4cd normal = Eigen::Matrix4cd::Zero();
+  Eigen::Vector4cd right = Eigen::Vector4cd::Zero();
+};
+
 /// All that the estimate needs of a stretch of driving; moments of stretches add.
 struct DriveMoments {
   double seconds = 0.0;
@@ -74,6 +81,9 @@ struct DriveMoments {
 
   /// The angle references as instruments.
   HarmonicMoments harmonic;
+
+  /// In place of all these where no sensor sits on some wheel's carrier.
+  BodyMoments body;
 
   DriveMoments& operator+=(const DriveMoments& other);
 };

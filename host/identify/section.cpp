@@ -55,7 +55,7 @@ Tapered tapered(const Eigen::Ref<const Eigen::MatrixXd>& y0, const Eigen::Ref<co
 
 }  // namespace
 
-SectionBuilder::SectionBuilder(const VehicleConfig& vehicle, Emit emit)
+SectionBuilder::SectionBuilder(const VehicleConfig& vehicle, Emit emit, bool body_only)
     : rate_hz_(vehicle.drive.identification_rate_hz),
       least_speed_m_s_(vehicle.drive.least_speed_m_s),
       samples_(kParts * samples_in(vehicle.drive.section_s / kParts, rate_hz_)),
@@ -69,6 +69,7 @@ SectionBuilder::SectionBuilder(const VehicleConfig& vehicle, Emit emit)
       harmonic_(vehicle, taper_, rate_hz_),
       parameters_(nominal_parameters(vehicle)),
       emit_(std::move(emit)) {
+  if (body_only) body_.emplace(vehicle, taper_, rate_hz_);
   const Eigen::Index columns = samples_ + std::max(chassis_lag_, tyre_lag_);
   signals_.setZero(kSignals, columns);
   chassis_states_.setZero(kFilterOrder * kCoordinates, columns);
@@ -137,7 +138,13 @@ void SectionBuilder::finish_section() {
       complete = false;
     }
   slow_s_ = 0.0;
-  if (complete) emit_(moments());
+  if (complete) {
+    std::array<bool, kWheels> has_angle{};
+    for (int wheel = 0; wheel < kWheels; ++wheel)
+      has_angle[static_cast<std::size_t>(wheel)] = has_reference(wheel, 0, filled_);
+    phase_drift_.add(signals_.leftCols(filled_), has_angle);
+    emit_(moments());
+  }
   restart(filled_ - samples_);
 }
 
@@ -171,12 +178,15 @@ DriveMoments SectionBuilder::moments() const {
   const double speed_m_s =
       mean_rotation(timer, 0, samples_) * rolling_radius_m_[static_cast<std::size_t>(timer)];
   sum.speed_seconds = sum.seconds * speed_m_s;
-  add_chassis(sum);
   Eigen::Vector4d omega = Eigen::Vector4d::Zero();
-  for (int wheel = 0; wheel < kWheels; ++wheel) {
+  for (int wheel = 0; wheel < kWheels; ++wheel)
     if (has_reference(wheel, 0, filled_)) omega(wheel) = mean_rotation(wheel, 0, samples_);
-    add_tyre(sum, wheel, omega(wheel));
+  if (body_) {
+    sum.body = body_->moments(signals_.leftCols(samples_), omega);
+    return sum;
   }
+  add_chassis(sum);
+  for (int wheel = 0; wheel < kWheels; ++wheel) add_tyre(sum, wheel, omega(wheel));
   sum.harmonic = harmonic_.moments(signals_.leftCols(samples_), omega, speed_m_s, parameters_);
   return sum;
 }

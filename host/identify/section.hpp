@@ -8,9 +8,11 @@
 #include "common/config/vehicle_config.hpp"
 #include "common/dsp/state_filter.hpp"
 #include "common/dsp/taper.hpp"
+#include "host/identify/body_instrument.hpp"
 #include "host/identify/decimate.hpp"
 #include "host/identify/harmonic.hpp"
 #include "host/identify/moments.hpp"
+#include "host/identify/phase_drift.hpp"
 
 namespace roadbalance {
 
@@ -24,11 +26,14 @@ class SectionBuilder {
  public:
   using Emit = std::function<void(const DriveMoments&)>;
 
-  SectionBuilder(const VehicleConfig& vehicle, Emit emit);
+  /// @param body_only  no sensor sits on the wheel carriers: the moments are BodyMoments
+  SectionBuilder(const VehicleConfig& vehicle, Emit emit, bool body_only = false);
   void consume(const IdentificationSample& sample);
 
   /// A wheel whose encoder gave no angle in some section, which was therefore not used; nothing: none.
   std::optional<int> missing_reference() const { return missing_reference_; }
+  /// Of the sections so far.
+  const PhaseDrift& phase_drift() const { return phase_drift_; }
   /// Driving below the least speed since the last section.
   double slow_seconds() const { return slow_s_; }
 
@@ -56,6 +61,8 @@ class SectionBuilder {
   StateFilter chassis_filter_, tyre_filter_;
   Taper taper_;
   HarmonicInstrument harmonic_;
+  std::optional<BodyInstrument> body_;  ///< in its place
+  PhaseDrift phase_drift_;
   ParameterVector parameters_;
   SignalMatrix signals_;            ///< [signal x sample], samples_ + the longest lag
   Eigen::MatrixXd chassis_states_;  ///< [coordinate + 7 * state x sample]

@@ -52,6 +52,8 @@ std::string reason(Unknown state) {
       return "this vehicle's sensors or rates do not allow it";
     case Unknown::kNoCommonTime:
       return "the nodes' samples do not lie on one grid of time";
+    case Unknown::kInStep:
+      return "it turns in step with another wheel: take a bend or change lanes";
   }
   return "unknown reason";
 }

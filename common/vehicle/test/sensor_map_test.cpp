@@ -92,5 +92,24 @@ TEST(SensorMap, NamesTheCoordinateThatNobodySees) {
   EXPECT_EQ(refusal(vehicle), "vehicle.toml: the vertical sensors of all nodes do not determine: roll");
 }
 
+TEST(SensorMap, MapsTheBodyWhereTheCarriersHaveNoSensors) {
+  VehicleConfig vehicle = car();
+  for (const char* wheel : {"fl", "fr", "rl", "rr"})
+    find(vehicle, std::string(wheel) + "_carrier_z")->role = ChannelRole::kUnused;
+  EXPECT_NE(refusal(vehicle).find("rear_left"), std::string::npos) << refusal(vehicle);
+  const SensorMap map = SensorMap::of_body(vehicle);
+  ASSERT_EQ(map.input.size(), 4U);
+  Vector7 z;
+  z << 0.3, -0.2, 0.7, 1.0, 2.0, 3.0, 4.0;
+  Eigen::Vector4d measured;
+  for (std::size_t i = 0; i < 4; ++i)
+    measured(static_cast<Eigen::Index>(i)) =
+        reading(vehicle.node[static_cast<std::size_t>(map.input[i].node)]
+                    .channel[static_cast<std::size_t>(map.input[i].channel)],
+                z);
+  z.tail<kWheels>().setZero();
+  EXPECT_LT((map.pseudo_inverse * measured - z).norm(), 1e-12);
+}
+
 }  // namespace
 }  // namespace roadbalance

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <regex>
 #include <string>
 
 #include "common/bus/codec.hpp"
@@ -73,6 +74,33 @@ TEST(DriveEstimator, SaysThatNoEncoderGivesAnAngle) {
     }
   EXPECT_EQ(estimator.estimate().identification.state, Unknown::kNoReference);
   EXPECT_NE(estimator.obstacle().find("front_left"), std::string::npos) << estimator.obstacle();
+}
+
+/// Of the demo car without encoders, whose front node hears these signals of its bus.
+std::string obstacle_with(const std::string& signals) {
+  const std::regex encoder(R"(node = .*\nline = .*\n\[wheel\.encoder\]\n[^\[]*)");
+  std::string text = std::regex_replace(demo_toml(), encoder, "\n");
+  if (!signals.empty())
+    text.insert(text.find("[[node.channel]]"),
+                "[[node.can]]\ninterface = \"can0\"\nrole = \"vehicle\"\ndbc = \"car.dbc\"\nsignal = [" +
+                    signals + "]\n");
+  DriveEstimator estimator(VehicleConfig::parse(text, "t"));
+  for (const Balance& balance : estimator.estimate().balance) EXPECT_EQ(balance.state, Unknown::kNoReference);
+  return estimator.obstacle();
+}
+
+TEST(DriveEstimator, SaysThatNeitherSpeedNorCountOfABusIsAnAngle) {
+  EXPECT_NE(obstacle_with("").find("no wheel has an encoder"), std::string::npos) << obstacle_with("");
+  const std::string speed =
+      R"({name = "a", message = "M", signal = "S", quantity = "wheel_speed", wheel = "front_left"})";
+  const std::string said = obstacle_with(speed);
+  EXPECT_EQ(said.find("front_left: the bus tells the wheel's speed only"), 0U) << said;
+  EXPECT_NE(said.find("carries no angle"), std::string::npos) << said;
+  const std::string both = obstacle_with(
+      speed +
+      R"(, {name = "b", message = "M", signal = "C", quantity = "pulse_counter", wheel = "rear_left"})");
+  EXPECT_NE(both.find("rear_left: the bus counts pulses but sends no zero mark"), std::string::npos) << both;
+  EXPECT_NE(both.find("front_left"), std::string::npos) << both;
 }
 
 TEST(DriveEstimator, ClaimsNothingOfACarThatNothingShakes) {

@@ -1,0 +1,73 @@
+#include "host/identify/demodulation.hpp"
+
+#include <Eigen/LU>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <utility>
+
+namespace roadbalance {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr Complex kJ(0.0, 1.0);
+/// Side bins lie this far from the line: outside every wheel's own line, near enough for one road spectrum.
+constexpr double kSideFromHz = 0.3;
+constexpr double kSideToHz = 2.0;
+/// Wheels in step make K singular; this share of independent noise keeps the weights finite.
+constexpr double kIndependentShare = 1e-2;
+
+}  // namespace
+
+Demodulator::Demodulator(Taper taper, double rate_hz) : taper_(std::move(taper)) {
+  const Eigen::Index samples = taper_.value.size();
+  const double step_hz = rate_hz / static_cast<double>(samples);
+  const auto first = static_cast<Eigen::Index>(std::ceil(kSideFromHz / step_hz - 1e-9));
+  const auto last = static_cast<Eigen::Index>(std::floor(kSideToHz / step_hz + 1e-9));
+  const Eigen::Index side = last - first + 1;
+  side_hz_.resize(2 * side);
+  for (Eigen::Index k = 0; k < side; ++k) {
+    side_hz_(2 * k) = static_cast<double>(first + k) * step_hz;
+    side_hz_(2 * k + 1) = -side_hz_(2 * k);
+  }
+  side_shift_.resize(side_hz_.size(), samples);
+  for (Eigen::Index b = 0; b < side_hz_.size(); ++b)
+    for (Eigen::Index t = 0; t < samples; ++t)
+      side_shift_(b, t) =
+          std::polar(1.0, -2.0 * std::numbers::pi * side_hz_(b) * static_cast<double>(t) / rate_hz);
+}
+
+Demodulated Demodulator::operator()(const Eigen::Ref<const SignalMatrix>& signals,
+                                    const Eigen::Vector4d& omega) const {
+  Demodulated result;
+  for (int i = 0; i < kWheels; ++i)
+    if (omega(i) > 0.0) result.wheels.push_back(i);
+  if (result.wheels.empty()) return result;
+  const auto n = static_cast<Eigen::Index>(result.wheels.size());
+  Eigen::MatrixXcd r(n, signals.cols()), down(n, signals.cols());  // [reference x sample]
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const int wheel = result.wheels[static_cast<std::size_t>(k)];
+    r.row(k) =
+        signals.row(cosine_row(wheel)).cast<Complex>() + kJ * signals.row(sine_row(wheel)).cast<Complex>();
+    const double power = (r.row(k).cwiseAbs2().array() * taper_.value.transpose()).sum();
+    down.row(k) =
+        (r.row(k).conjugate().array() * taper_.value.transpose().cast<Complex>()).matrix() * (2.0 / power);
+  }
+  result.Z = down * signals.topRows<kCoordinates>().transpose().cast<Complex>();
+  result.overlap = 0.5 * r * down.transpose();
+  Eigen::MatrixXcd K = down * down.adjoint();
+  K /= K.diagonal().real().mean();
+  K.diagonal().array() += kIndependentShare;
+  result.K_inverse = K.inverse();
+  result.down = std::move(down);
+  return result;
+}
+
+Eigen::MatrixXcd Demodulator::beside(const Eigen::Ref<const SignalMatrix>& signals,
+                                     const Demodulated& line) const {
+  const Eigen::MatrixXcd mixed =
+      (line.down.row(0).asDiagonal() * signals.topRows<kCoordinates>().transpose().cast<Complex>()).eval();
+  return side_shift_ * mixed;
+}
+
+}  // namespace roadbalance
