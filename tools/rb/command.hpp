@@ -20,6 +20,7 @@ enum ExitCode : int {
 void add_demo(CLI::App& app, int& code);
 void add_watch(CLI::App& app, int& code);
 void add_doctor(CLI::App& app, int& code);
+void add_distance(CLI::App& app, int& code);
 void add_identify(CLI::App& app, int& code);
 void add_verify(CLI::App& app, int& code);
 void add_recover(CLI::App& app, int& code);

@@ -56,6 +56,7 @@ int main(int argc, char** argv) {
   add_watch(app, code);
   add_doctor(app, code);
   add_identify(app, code);
+  add_distance(app, code);
   add_verify(app, code);
   add_recover(app, code);
   add_info(app, code);

@@ -1,4 +1,4 @@
-#include "firmware/backends/dbc/test/candump.hpp"
+#include "firmware/backends/dbc/candump.hpp"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "common/test/source.hpp"
-#include "firmware/backends/dbc/test/candump.hpp"
+#include "firmware/backends/dbc/candump.hpp"
 
 namespace roadbalance {
 namespace {

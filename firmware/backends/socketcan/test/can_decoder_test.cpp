@@ -8,7 +8,7 @@
 #include "common/config/section.hpp"
 #include "common/test/no_allocation.hpp"
 #include "common/test/source.hpp"
-#include "firmware/backends/dbc/test/candump.hpp"
+#include "firmware/backends/dbc/candump.hpp"
 
 namespace roadbalance {
 namespace {
