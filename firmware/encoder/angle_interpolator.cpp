@@ -11,6 +11,7 @@ constexpr double kPiece_ns = 5e6;  // instants that share one fit
 constexpr double kLeastHalfWindow_points = 3.0;
 constexpr std::int64_t kComparison_ns = 50'000'000;
 constexpr int kMemory_comparisons = 400;  // 20 s
+constexpr double kChance = 4.0;           // standard deviations; a smoothed torsional motion is far beyond
 constexpr int kFirstChoice_comparisons = 20;
 constexpr double kGoodEnough_deg = 0.0015;  // of two windows that are as good as this the shorter waits less
 
@@ -96,7 +97,7 @@ void AngleInterpolator::choose() noexcept {
 /// variances, and the mean square of so many chances to be larger.
 double AngleInterpolator::bias_square(std::size_t k) const noexcept {
   const double by_noise = noise_ * (trial_[0].variance - trial_[k].variance);
-  const double by_chance = 2.0 * by_noise * std::sqrt(2.0 / comparisons_);
+  const double by_chance = kChance * by_noise * std::sqrt(2.0 / comparisons_);
   return std::max(0.0, trial_[k].difference_square - by_noise - by_chance);
 }
 
