@@ -5,17 +5,13 @@
 #include <filesystem>
 #include <fstream>
 
-#include "hil_tests/players/usb_board/test/board_watch.hpp"
+#include "hil_tests/players/usb_board/test/usb_board_fixture.hpp"
 
 namespace roadbalance {
 namespace {
 
 using namespace std::chrono_literals;
-using test::BoardWatch;
 using test::kRateHz;
-using test::numbered_bench;
-using test::open_when_enumerated;
-using test::UsbBoards;
 
 /// Bytes of memory this process has in RAM.
 std::size_t resident_bytes() {
@@ -29,23 +25,8 @@ std::size_t open_files() {
   return static_cast<std::size_t>(std::distance(begin(files), end(files)));
 }
 
-class UsbBoardTest : public testing::Test {
+class UsbBoardTest : public test::UsbBoardFixture {
  protected:
-  void open(const std::string& address = "1209:0001") {
-    front_end = open_when_enumerated({address, car, car.node[0]});
-    watch = std::make_unique<BoardWatch>(*front_end, car);
-  }
-  std::int64_t count(DeviceCounter counter, std::size_t board = 0) const {
-    return front_end->reports()[board]->of(counter);
-  }
-  /// Every counter but these is 0.
-  void expect_only(const std::vector<DeviceCounter>& counters) const {
-    for (std::size_t k = 0; k < kDeviceCounters; ++k) {
-      const auto counter = static_cast<DeviceCounter>(k);
-      const bool expected = std::ranges::find(counters, counter) != counters.end();
-      EXPECT_TRUE(expected || count(counter) == 0) << sentence(counter) << " " << count(counter);
-    }
-  }
   /// One thing goes wrong; what is missing is one declared gap, all other scans are right.
   void expect_one_gap(const std::function<void()>& go_wrong, GapCause cause) {
     boards.plug();
@@ -63,36 +44,7 @@ class UsbBoardTest : public testing::Test {
     std::printf("a gap of %lld scans, %s\n", static_cast<long long>(watch->gaps()[0].header.scans),
                 cause == GapCause::kDeviceGone ? "the device was gone" : "lost on the way");
   }
-
-  VehicleConfig car = test::board_vehicle();
-  UsbBoards boards{{numbered_bench("BENCH1", 30.0)}};
-  std::unique_ptr<FrontEnd> front_end;
-  std::unique_ptr<BoardWatch> watch;
 };
-
-TEST_F(UsbBoardTest, SixteenChannelsAtTenKilohertzLoseNothingAndAreStampedTruly) {
-  car.node[0].wiring.loop_back = true;
-  car.node[0].channel[0].input_range_v = 5.0;
-  boards.plug();
-  open();
-  ASSERT_TRUE(watch->more_scans(40'000));
-  Scan last;
-  MachineTime truth{};
-  watch->end();
-  last = watch->last();
-  boards.with(0, [&](test::BenchBoard& board) { truth = board.conversion_time(last.index); });
-  EXPECT_GE(watch->scans(), 40'000);
-  EXPECT_EQ(watch->jumps().size(), 0u);
-  EXPECT_EQ(watch->gaps().size(), 0u);
-  EXPECT_EQ(watch->wrong_scans(), 0);
-  EXPECT_EQ(watch->end_block().scans_missing, 0);
-  expect_only({});
-  // A packet goes when its last scan is up to one period old; the transfer takes less than that.
-  const double late_us = 1e6 * to_seconds(last.time - node_time_from_ns(to_ns(truth)));
-  EXPECT_NEAR(late_us, 0.0, 1.5e6 / kRateHz);
-  std::printf("%lld scans of 16 channels at %g Hz, none lost; stamps %.1f us late\n",
-              static_cast<long long>(watch->scans()), kRateHz, late_us);
-}
 
 TEST_F(UsbBoardTest, FiftyTimesUnpluggedIsFiftyDeclaredGapsOfTheirTrueLength) {
   constexpr int kTimes = 50;
@@ -135,8 +87,9 @@ TEST_F(UsbBoardTest, FiftyTimesUnpluggedIsFiftyDeclaredGapsOfTheirTrueLength) {
   EXPECT_EQ(count(DeviceCounter::kGone), kTimes);
   expect_only({DeviceCounter::kGone, DeviceCounter::kReturned});
   EXPECT_LE(open_files(), files);
-#ifndef __SANITIZE_ADDRESS__  // which keeps freed memory, and looks for leaks itself
-  EXPECT_LT(static_cast<std::ptrdiff_t>(grown), 256 * 1024) << "in forty times";
+#ifndef __SANITIZE_ADDRESS__  // which keeps freed memory, and finds leaks to the byte
+  // A session takes 150 kB, and the heap grows by 264 KiB at a time.
+  EXPECT_LT(static_cast<std::ptrdiff_t>(grown), 512 * 1024) << "in forty times";
 #endif
   std::printf("%d times: scans again %.3f s after plugging in at the latest; memory grew by %td bytes\n",
               kTimes, slowest_s, static_cast<std::ptrdiff_t>(grown));
@@ -190,6 +143,7 @@ TEST_F(UsbBoardTest, WhatTheNodeDoesNotFetchIsAGap) {
         watch->hold(true);
         std::this_thread::sleep_for(2500ms);
         watch->hold(false);
+        ASSERT_TRUE(watch->more_scans(15'000));  // first comes what was kept, of 1.3 s
       },
       GapCause::kDeviceOverrun);
   EXPECT_GT(count(DeviceCounter::kReadersTooSlow), 100);
