@@ -16,25 +16,36 @@ namespace roadbalance {
 namespace {
 
 struct DistanceOptions {
-  std::string log, dbc, counter;
+  std::string log, dbc, counter, interface;
   std::optional<double> metres_per_count;
   bool json = false;
 };
 
-/// Frames of the log; lines that are none (remote and error frames, and what is no log) are counted.
-std::vector<LoggedFrame> read_log(const std::string& path, std::int64_t& passed_over) {
-  std::ifstream file(path);
-  if (!file) throw std::system_error(errno, std::generic_category(), "open " + path);
+/// Frames of the log from one interface; lines that are none (remote and error frames, and what is no log)
+/// are counted.
+std::vector<LoggedFrame> read_log(const DistanceOptions& options, std::int64_t& passed_over) {
+  std::ifstream file(options.log);
+  if (!file) throw std::system_error(errno, std::generic_category(), "open " + options.log);
   std::vector<LoggedFrame> log;
   std::string line;
   while (std::getline(file, line)) {
-    if (auto frame = parse_candump(line))
-      log.push_back(std::move(*frame));
-    else
+    auto frame = parse_candump(line);
+    if (!frame) {
       ++passed_over;
+      continue;
+    }
+    if (!options.interface.empty() && frame->interface != options.interface) continue;
+    // Two buses may use one identifier for different messages.
+    if (!log.empty() && frame->interface != log.front().interface)
+      throw ConfigError(options.log + ": holds frames of " + log.front().interface + " and " +
+                        frame->interface + ": --interface must say whose");
+    log.push_back(std::move(*frame));
   }
-  if (file.bad()) throw std::system_error(errno, std::generic_category(), "read " + path);
-  if (log.empty()) throw ConfigError(path + ": no line is a frame as candump -L writes them");
+  if (file.bad()) throw std::system_error(errno, std::generic_category(), "read " + options.log);
+  if (log.empty())
+    throw ConfigError(options.log + ": no line is a frame " +
+                      (options.interface.empty() ? "" : "of " + options.interface + " ") +
+                      "as candump -L writes them");
   return log;
 }
 
@@ -42,7 +53,7 @@ int distance(const DistanceOptions& options) {
   const Dbc dbc = Dbc::read_file(options.dbc);
   std::int64_t passed_over = 0;
   const BusDistance found =
-      bus_distance(read_log(options.log, passed_over), dbc, options.counter, options.metres_per_count);
+      bus_distance(read_log(options, passed_over), dbc, options.counter, options.metres_per_count);
   if (passed_over > 0)
     std::fprintf(stderr, "rb distance: %s: %lld lines are no frames\n", options.log.c_str(),
                  static_cast<long long>(passed_over));
@@ -66,6 +77,7 @@ void add_distance(CLI::App& app, int& code) {
       ->add_option("--metres-per-count", options->metres_per_count,
                    "what a count is worth if its unit is not m")
       ->check(CLI::PositiveNumber);
+  command->add_option("--interface", options->interface, "whose frames, if the log holds those of several");
   command->add_flag("--json", options->json, "one JSON object on standard output");
   command->callback([options, &code] { code = distance(*options); });
 }

@@ -3,6 +3,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <regex>
@@ -13,9 +14,9 @@
 #include "common/record/record.hpp"
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
+#include "firmware/backends/dbc/candump.hpp"
 #include "firmware/backends/dbc/dbc.hpp"
 #include "firmware/backends/dbc/dbc_reading.hpp"
-#include "firmware/backends/dbc/candump.hpp"
 #include "firmware/seal_all.hpp"
 #include "firmware/test/scripted_front_end.hpp"
 #include "tools/rb/child.hpp"
@@ -109,6 +110,20 @@ TEST_F(SpeedOnly, TheDistanceCommandGivesBothDistancesAndNoAngle) {
                     test::source_path(kData + "rav4.dbc"), "--counter", "SPEED.WHEEL"});
   EXPECT_EQ(wrong.ended(), 2);
   EXPECT_NE(wrong.log().find("SPEED.WHEEL"), std::string::npos) << wrong.log();
+}
+
+TEST_F(SpeedOnly, TheDistanceCommandMixesNoTwoBuses) {
+  const std::string log = folder_ / "two.log";
+  std::ofstream(log) << "(1.000000) can0 0B4#000000001D0B7A5E\n(1.020000) can1 0B4#000000001D0B7A5E\n";
+  std::vector<std::string> arguments{
+      "distance", log, "--dbc", test::source_path(kData + "rav4.dbc"), "--counter", "SPEED.ENCODER"};
+  Child mixed = rb(arguments);
+  EXPECT_EQ(mixed.ended(), 2);
+  EXPECT_NE(mixed.log().find("can0 and can1"), std::string::npos) << mixed.log();
+  arguments.insert(arguments.end(), {"--interface", "can1", "--json"});
+  Child chosen = rb(arguments);
+  EXPECT_EQ(chosen.ended(), 0) << chosen.log();
+  EXPECT_EQ(nlohmann::json::parse(chosen.output()).at("counter").at("messages"), 1);
 }
 
 }  // namespace
