@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "sim/pulse_train.hpp"
 
@@ -91,6 +93,33 @@ TEST(RecordedAngle, HasNoneWhereTheWheelStoodOrNoMarkCame) {
   EXPECT_FALSE(markless.angles(at(1.0), 1e6, angle));
   RecordedAngle empty({.pulses_per_turn = 96}, {});
   EXPECT_FALSE(empty.angles(at(1.0), 1e6, angle));
+}
+
+// From pulses of a wheel with a few strangers to nothing but strangers.
+TEST(RecordedAngle, IsNotUpsetByPulsesThatMakeNoSense) {
+  std::mt19937_64 random(3);
+  int known = 0;
+  for (const std::uint64_t strangers : {20U, 200U, 2000U, 1'000'000U}) {
+    std::vector<Edge> edges = sim::PulseTrain{.angle_rad = kDrive, .jitter_s = 50e-6}.edges(0.0, 10.0);
+    for (Edge& edge : edges) {
+      const auto dice = random() % 1'000'000;
+      if (dice >= strangers) continue;
+      edge.time += NodeClock::duration(static_cast<std::int64_t>(random() % 4'000'000) >> (random() % 20));
+      edge.kind = dice % 50 == 0   ? EdgeKind::kToothBackward
+                  : dice % 50 == 1 ? EdgeKind::kLost
+                  : dice % 50 < 4  ? EdgeKind::kZeroMark
+                                   : EdgeKind::kTooth;
+    }
+    std::ranges::stable_sort(edges, {}, &Edge::time);
+    RecordedAngle recorded({.pulses_per_turn = 96}, edges);
+    std::array<double, 20> angle;
+    for (double start = 0.0; start < 10.0; start += 0.005) {
+      if (!recorded.angles(at(start), 5e5, angle)) continue;
+      ++known;
+      for (const double a : angle) ASSERT_TRUE(std::isfinite(a)) << strangers << " at " << start;
+    }
+  }
+  EXPECT_GT(known, 2000);
 }
 
 }  // namespace
