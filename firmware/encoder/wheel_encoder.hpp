@@ -100,7 +100,7 @@ class WheelEncoder {
   int count_restarts_ = 0;
 
   ZeroMarks marks_;
-  std::array<PendingMark, 4> pending_{};
+  std::array<PendingMark, 8> pending_{};
   std::size_t pending_marks_ = 0;
 
   std::int64_t learned_turn_ = 0;
