@@ -50,8 +50,8 @@ void follow_live(benchmark::State& state) {
     WheelEncoder encoder({.pulses_per_turn = kTeeth});
     std::array<double, kInstants> angle;
     auto edge = edges().begin();
-    for (double start = 0.0; start + 0.2 < kDrive_s; start += kBlock_s) {
-      const NodeTime first = node_time_from_ns(std::llround(start * 1e9));
+    for (double block_s = 0.0; block_s + 0.2 < kDrive_s; block_s += kBlock_s) {
+      const NodeTime first = node_time_from_ns(std::llround(block_s * 1e9));
       const NodeTime last = first + NodeClock::duration(9'750'000);
       for (; edge != edges().end() && edge->time < encoder.complete_at(last); ++edge)
         encoder.add(edge->time, edge->kind);
@@ -69,8 +69,8 @@ void follow_recorded(benchmark::State& state) {
   for (auto _ : state) {
     RecordedAngle recorded({.pulses_per_turn = kTeeth}, edges());
     std::array<double, kInstants> angle;
-    for (double start = 0.2; start + 0.2 < kDrive_s; start += kBlock_s)
-      benchmark::DoNotOptimize(recorded.angles(node_time_from_ns(std::llround(start * 1e9)), 2.5e5, angle));
+    for (double block_s = 0.2; block_s + 0.2 < kDrive_s; block_s += kBlock_s)
+      benchmark::DoNotOptimize(recorded.angles(node_time_from_ns(std::llround(block_s * 1e9)), 2.5e5, angle));
   }
   report(state, start);
 }
