@@ -5,15 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "common/link/epoch_receiver.hpp"
-
 namespace roadbalance::test {
-
-/// What a recorder may have of a node in memory at a time, by the credit it gives: blocks that came out of
-/// order and blocks not yet on the disk.  How much of it is ever used depends on how busy the computer is.
-inline constexpr double kCredit_mib =
-    static_cast<double>(ReceiverOptions{}.window + ReceiverOptions{}.undurable) * sizeof(SealedBlock) /
-    (1 << 20);
 
 /// Bytes of its own (anonymous, resident: heap and stacks) that a living program has in memory; nothing once
 /// it is gone.

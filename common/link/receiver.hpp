@@ -55,6 +55,8 @@ class Receiver {
   std::int64_t incarnation() const { return incarnation_; }
   /// For a restart of the same recorder with a higher number: ack numbers begin again.
   void set_incarnation(std::int64_t incarnation) { incarnation_ = incarnation; }
+  /// That have been heard.
+  std::size_t nodes() const { return nodes_.size(); }
   const RefusedCounts& refused() const { return refused_; }
   /// Heartbeats of an epoch between which another one of the node was heard, and of epochs that were closed
   /// and still hold blocks: two nodes have one number, or a node that slept is awake again.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/bus/bus.hpp"
+#include "common/process/heap.hpp"
 #include "common/process/service_notify.hpp"
 #include "common/process/stop_on_signal.hpp"
 #include "host/recorder/recorder.hpp"
@@ -78,6 +79,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "rb-recorder: %s\n", sentence.c_str());
   };
   try {
+    keep_heap();
     StopOnSignal signals;
     ServiceNotify notify;
     if (notify.has_supervisor()) tell_supervisor(notify, options);

@@ -6,6 +6,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/recorder_status.hpp"
+#include "common/process/heap.hpp"
 #include "host/recorder/incarnation.hpp"
 
 namespace roadbalance {
@@ -26,6 +27,11 @@ RecorderLinkOptions link_options(const RecorderOptions& options) {
           .patience = options.patience,
           .seed = std::random_device{}()};
 }
+
+// What a slow disk will need is had before it is slow: blocks out of order, and those that wait for the disk,
+// which take up to three times their size while the memory that holds them grows.
+constexpr std::size_t kHeapOfANode =
+    static_cast<std::size_t>(ReceiverOptions{}.window + 3 * ReceiverOptions{}.undurable) * sizeof(Delivery);
 
 std::int64_t utc_us() {
   using namespace std::chrono;
@@ -59,6 +65,10 @@ class Reception {
     while (const auto from_writer = news.receive_for(milliseconds(0))) take(*from_writer, now);
     raise_incarnation_if_needed(now);
     link_.turn(now, publish_);
+    if (nodes_provided_for_ < link_.nodes()) {
+      nodes_provided_for_ = link_.nodes();
+      reserve_heap(nodes_provided_for_ * kHeapOfANode);
+    }
     for (const auto& sentence : link_.warnings()) warn(sentence);
     for (const auto& sentence : bus_.other_versions()) warn(sentence);
     if (now - status_at_ >= kStatus) say_status(now);
@@ -128,6 +138,7 @@ class Reception {
   RecorderLink link_;
   Out<ClockPeer> peers_;
   RecorderStatus status_;
+  std::size_t nodes_provided_for_ = 0;
   bool writer_turns_ = false;
   WallTime status_at_{};
   WallTime counted_at_{};

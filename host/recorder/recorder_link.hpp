@@ -78,6 +78,7 @@ class RecorderLink {
   /// stores a higher one and sets it.
   std::int64_t obeyed_higher() const { return control_.obeyed_higher(); }
   std::int64_t incarnation() const { return receiver_.incarnation(); }
+  std::size_t nodes() const { return receiver_.nodes(); }  ///< that have been heard
   void set_incarnation(std::int64_t incarnation);
 
   RecorderReport report() const;
