@@ -1,6 +1,9 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "common/clock/clocks.hpp"
 #include "firmware/readout_clock.hpp"
@@ -13,12 +16,23 @@ struct BoardInstant {
   NodeTime time{};
 };
 
+/// The board was asked for its time: its timer stood at `ticks` at some instant between the two.
+struct BoardExchange {
+  std::uint64_t ticks = 0;
+  NodeTime asked{}, answered{};
+
+  NodeClock::duration half_round_trip() const noexcept { return (answered - asked) / 2; }
+  /// Right within half the round trip.
+  BoardInstant instant() const noexcept { return {ticks, asked + half_round_trip()}; }
+};
+
 /// Gives what the board stamped with its timer the time of the machine's clock, in which the node lives:
 /// scans and edges by one and the same line.
 ///
-/// Begins where an exchange with the board said (right within half its round trip), then follows the arrival
-/// of packets, which are only ever late: see ReadoutClock.  Between the packets time runs evenly.  Handling
-/// a packet late, however long, does not move it.  Never allocates.
+/// Begins where an exchange with the board said, then follows the arrival of packets, which are only ever
+/// late: see ReadoutClock.  What the fastest of them takes shows in further exchanges and is taken off: their
+/// mean, each weighted by the square of what it can be wrong by.  Between the packets time runs evenly.
+/// Handling a packet late, however long, does not move it.  Never allocates.
 class BoardClock {
  public:
   /// A run begins.  @param tick_hz  of the timer, nominal
@@ -30,6 +44,13 @@ class BoardClock {
   /// A packet arrived whose latest content was stamped so.
   void hear(BoardInstant latest) noexcept;
 
+  /// The board said its time, since the last packet that was heard of.  Takes effect with the next one.
+  void compare(const BoardExchange& exchange) noexcept;
+
+  /// By how much times can be wrong at the board's time `ticks`: half a round trip, and what oscillators can
+  /// have drifted since then, in the mean of the last exchanges.  Infinite before the first one.
+  double uncertainty_s(std::uint64_t ticks) const noexcept;
+
   NodeTime time(std::uint64_t ticks) const noexcept;
 
   /// Between two ticks of the timer by the machine's clock: as measured since the run began, nominal at
@@ -37,6 +58,14 @@ class BoardClock {
   double tick_s() const noexcept;
 
  private:
+  /// By how much what an exchange said can be wrong at the board's time `ticks`.
+  double wrong_ns(const BoardExchange& exchange, std::uint64_t ticks) const noexcept;
+  std::span<const BoardExchange> exchanges() const noexcept;
+  double exchanged_tick_s() const noexcept;
+  double lateness_ns() const noexcept;
+
+  static constexpr std::size_t kExchanges = 16;
+
   /// Behind `to_`, in ticks; negative: before it.
   double ticks_behind(std::uint64_t ticks) const noexcept {
     return static_cast<double>(static_cast<std::int64_t>(ticks - to_.ticks));
@@ -45,7 +74,11 @@ class BoardClock {
   ReadoutClock line_;
   double nominal_s_;
   BoardInstant begin_;
-  BoardInstant to_;  ///< end of the piece of the line that is in force
+  BoardInstant heard_;  ///< end of the line of arrivals
+  std::array<BoardExchange, kExchanges> exchange_{};
+  std::size_t exchanges_ = 0;  ///< so far
+  double taken_off_ns_ = 0.0;
+  BoardInstant to_;  ///< end of the piece of the times' line that is in force
   double tick_ns_;   ///< its slope
 };
 

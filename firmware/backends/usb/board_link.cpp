@@ -19,6 +19,7 @@ constexpr auto kLongestSilence = std::chrono::milliseconds(10 * board::kSilenceL
 /// A device that just came is refused by the system until its rules have been applied: no reason to complain.
 constexpr auto kPatience = std::chrono::seconds(2);
 constexpr int kExchanges = 8;
+constexpr auto kComparing = std::chrono::milliseconds(250);
 
 NodeTime now() {
   return as_node_time(MachineClock::now());
@@ -53,19 +54,22 @@ void tell(UsbDevice& device, Request request, const char* name, const Content& c
   throw UsbError(std::string("the board refuses ") + name + ": " + refusal_of(status_of(device)));
 }
 
-/// The narrowest of a few questions for the board's time.
-BoardInstant instant_of(UsbDevice& device) {
-  BoardInstant instant;
-  auto narrowest = NodeClock::duration::max();
-  for (int k = 0; k < kExchanges; ++k) {
-    const NodeTime before = now();
-    const std::uint64_t ticks = status_of(device).ticks;
-    const auto round_trip = now() - before;
-    if (round_trip >= narrowest) continue;
-    narrowest = round_trip;
-    instant = {ticks, before + round_trip / 2};
-  }
-  return instant;
+/// Asks the board for its time.
+BoardExchange exchange_with(UsbDevice& device) {
+  BoardExchange exchange{.asked = now()};
+  exchange.ticks = status_of(device).ticks;
+  exchange.answered = now();
+  return exchange;
+}
+
+/// The narrowest of a few: a question that follows a packet waits for whoever reads that.
+BoardExchange narrowest_exchange(UsbDevice& device) {
+  BoardExchange narrowest = exchange_with(device);
+  for (int k = 1; k < kExchanges; ++k)
+    if (const BoardExchange other = exchange_with(device);
+        other.half_round_trip() < narrowest.half_round_trip())
+      narrowest = other;
+  return narrowest;
 }
 
 }  // namespace
@@ -142,7 +146,7 @@ std::unique_ptr<BoardLink::Session> BoardLink::begin_session(std::stop_token sto
                        std::uint64_t{run.ticks_per_scan[0]} * run.tick_hz[k])
         throw UsbError("its timer makes another rate than the first board's");
       run.ticks_per_scan[k] = ticks_per_scan;
-      run.begin[k] = instant_of(device);
+      run.begin[k] = narrowest_exchange(device).instant();
     } catch (const UsbError& error) {
       throw UsbError(address_.of_board(k) + ": " + error.what());
     }
@@ -198,6 +202,24 @@ void BoardLink::receive(Session& session, std::size_t which, std::span<const std
   inbox_.post();
 }
 
+/// Of the first board, whose timer stamps what the node gets.
+void BoardLink::compare_clocks(Session& session) {
+  const WallTime time = WallClock::now();
+  if (time - session.compared < kComparing) return;
+  session.compared = time;
+  try {
+    const BoardExchange exchange = narrowest_exchange(*session.board[0]);
+    BoardDelivery* const room = inbox_.room();
+    if (!room) return;
+    room->kind = BoardDelivery::Kind::kExchange;
+    room->board = 0;
+    room->exchange = exchange;
+    inbox_.post();
+  } catch (const UsbError&) {
+    // A board that is gone shows in its transfers; one that only does not answer still sends.
+  }
+}
+
 void BoardLink::serve(std::stop_token stop, Session& session) {
   while (!stop.stop_requested()) {
     session.bus.serve(kServing);
@@ -212,6 +234,7 @@ void BoardLink::serve(std::stop_token stop, Session& session) {
       say(k, "sends nothing; starting it again");
       return report_[k]->count(DeviceCounter::kGone);
     }
+    compare_clocks(session);
   }
 }
 

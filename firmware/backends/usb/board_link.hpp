@@ -42,6 +42,7 @@ class BoardLink {
     std::uint32_t token = 0;
     std::vector<std::unique_ptr<UsbDevice>> board;
     std::vector<WallTime> heard;  ///< when each sent something last
+    WallTime compared{};          ///< when the first was asked for its time last
     ~Session();
   };
 
@@ -51,6 +52,7 @@ class BoardLink {
   void receive(Session& session, std::size_t which, std::span<const std::uint8_t> bytes);
   void run(std::stop_token stop, std::unique_ptr<Session> session);
   void serve(std::stop_token stop, Session& session);
+  void compare_clocks(Session& session);
   std::unique_ptr<Session> find_again(std::stop_token stop);
   void say(std::size_t which, const std::string& text) const;
 

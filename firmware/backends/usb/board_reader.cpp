@@ -54,6 +54,8 @@ BoardReader::BoardReader(const std::vector<DeviceReport*>& reports, double rate_
 void BoardReader::take(const BoardDelivery& delivery) noexcept {
   if (delivery.kind == BoardDelivery::Kind::kRunBegin) return begin_run(delivery.run);
   if (delivery.board >= stream_.size() || !clock_[delivery.board]) return;
+  if (delivery.kind == BoardDelivery::Kind::kExchange)
+    return clock_[delivery.board]->compare(delivery.exchange);
   const auto transfer = std::span(delivery.bytes).first(delivery.size);
   const auto packet = stream_[delivery.board].take(transfer, delivery.dropped);
   if (packet) take_packet(delivery.board, *packet, delivery.arrival);

@@ -18,14 +18,16 @@ struct RunBegin {
   std::array<BoardInstant, 2> begin{};  ///< of each board, from an exchange just before the run
 };
 
-/// What the thread that serves the boards hands over: the beginning of a run, or a transfer as it came.
+/// What the thread that serves the boards hands over: the beginning of a run, a transfer as it came, or what
+/// the board said of its time.
 struct BoardDelivery {
-  enum class Kind : std::uint8_t { kRunBegin, kTransfer };
+  enum class Kind : std::uint8_t { kRunBegin, kTransfer, kExchange };
   Kind kind = Kind::kTransfer;
   std::uint8_t board = 0;
   std::uint32_t dropped = 0;  ///< transfers of this board before this one for which there was no room
   NodeTime arrival{};
   RunBegin run;
+  BoardExchange exchange;
   std::uint32_t size = 0;
   std::array<std::uint8_t, board::kTransferBytes> bytes{};
 };

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <random>
 
 namespace roadbalance {
@@ -40,6 +41,49 @@ TEST(BoardClock, FindsTheInstantsWhateverTheDelaysOfReading) {
           << ppm;
     }
     EXPECT_NEAR(clock.tick_s() * kTickHz, 1.0 - 1e-6 * ppm, 1e-6);
+  }
+}
+
+TEST(BoardClock, TakesOffWhatTheFastestPacketTakesOnceTheBoardIsAsked) {
+  constexpr std::uint64_t kQuestionTicks = 2'500'000;
+  for (const double ppm : {-45.0, 0.0, 45.0}) {
+    const Timer timer{ppm};
+    std::mt19937_64 random(7);
+    std::exponential_distribution<double> delay_ns(1.0 / 300e3), way_ns(1.0 / 10e3);
+    BoardClock clock(kTickHz, {kFirstTicks, timer.time(kFirstTicks, -15e3)});
+    EXPECT_EQ(clock.uncertainty_s(kFirstTicks), std::numeric_limits<double>::infinity());
+    for (std::uint64_t ticks = kFirstTicks + kPacketTicks; ticks < kFirstTicks + 60 * 10'000'000ull;
+         ticks += kPacketTicks) {
+      clock.hear({ticks, timer.time(ticks, 50e3 + delay_ns(random))});
+      const std::uint64_t asked = ticks + 700;
+      if ((ticks - kFirstTicks) % kQuestionTicks == 0)
+        clock.compare(
+            {asked, timer.time(asked, -20e3 - way_ns(random)), timer.time(asked, 20e3 + way_ns(random))});
+      if (ticks < kFirstTicks + 10'000'000ull) continue;
+      const std::uint64_t between = ticks - kPacketTicks / 3;
+      const double late_ns = static_cast<double>(to_ns(clock.time(between))) - timer.time_ns(between);
+      ASSERT_LT(std::abs(late_ns), 1e9 * clock.uncertainty_s(between)) << ppm;
+      ASSERT_LT(clock.uncertainty_s(between), 150e-6);  // half a round trip and 100 ppm of a second
+      // An exchange is off by half the difference of its two ways, 7 us rms; the last few of them count.
+      if (ticks > kFirstTicks + 12 * 10'000'000ull) {
+        ASSERT_NEAR(late_ns, 0.0, 20e3) << ppm;
+      }
+    }
+  }
+}
+
+TEST(BoardClock, AQuestionThatWasAnsweredLateCountsLittle) {
+  const Timer timer{0.0};
+  BoardClock clock(kTickHz, {kFirstTicks, timer.time(kFirstTicks)});
+  for (std::uint64_t k = 1; k < 2000; ++k) {
+    const std::uint64_t ticks = kFirstTicks + k * kPacketTicks;
+    clock.hear({ticks, timer.time(ticks, 40e3)});
+    if (k % 50 == 0)  // each eighth comes back 4 ms late
+      clock.compare({ticks, timer.time(ticks, -30e3), timer.time(ticks, k % 400 == 0 ? 4e6 : 30e3)});
+    if (k > 200) {
+      // Its 2 ms weigh against the last one's 55 us, half a round trip and its age, as the squares: 1.5 us.
+      ASSERT_NEAR(static_cast<double>(to_ns(clock.time(ticks))) - timer.time_ns(ticks), 0.0, 2e3) << k;
+    }
   }
 }
 
