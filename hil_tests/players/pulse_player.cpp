@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <set>
 #include <thread>
 #include <utility>
 
@@ -20,11 +19,6 @@ constexpr auto kPause = std::chrono::milliseconds(100);
 PulsePlayer::PulsePlayer(std::vector<DriveLevel> levels, Timetable timetable)
     : levels_(std::move(levels)), timetable_(timetable) {
   asked_ns_.reserve(levels_.size());
-  // A line that the player before this one left high would swallow its first edge.
-  std::set<unsigned> wires;
-  for (const DriveLevel& level : levels_) wires.insert(level.wire);
-  for (const unsigned wire : wires) chip_.set(wire, false);
-  [[maybe_unused]] const auto nobody_asks = chip_.played();
 }
 
 void PulsePlayer::run(std::stop_token stop) {

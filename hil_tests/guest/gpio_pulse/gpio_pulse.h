@@ -2,7 +2,8 @@
 /*
  * What programs and the module gpio-pulse agree on.
  *
- * /dev/gpio-pulse is a player of levels for the GPIO chip "gpio-pulse".  One program at a time may open it.
+ * /dev/gpio-pulse is a player of levels for the GPIO chip "gpio-pulse".  One program at a time may open it, and
+ * finds all lines low.
  *
  * write  queues whole gpio_pulse_steps; their times must not decrease, ever (EINVAL).  A time that has passed
  *        plays at once.  Blocks while the queue is full.  Opened for reading too, a step keeps its place until

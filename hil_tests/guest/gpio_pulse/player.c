@@ -79,12 +79,26 @@ static enum hrtimer_restart play(struct hrtimer *t)
 	return again;
 }
 
+/* What a player before left high would swallow the first edge of this one. */
+static void take_lines_low(void)
+{
+	unsigned long flags;
+	u32 line;
+
+	for (line = 0; line < GPIO_PULSE_LINES; line++) {
+		local_irq_save(flags);
+		gpio_pulse_chip_set(line, false);
+		local_irq_restore(flags);
+	}
+}
+
 static int open(struct inode *inode, struct file *file)
 {
 	if (atomic_cmpxchg(&is_open, 0, 1) != 0)
 		return -EBUSY;
 	written = played = read_out = last_ns = 0;
 	keeps_truth = file->f_mode & FMODE_READ;
+	take_lines_low();
 	return nonseekable_open(inode, file);
 }
 
