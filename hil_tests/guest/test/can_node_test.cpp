@@ -236,7 +236,7 @@ std::string conversion(std::uint32_t number) {
   return words;
 }
 
-TEST_F(CanNodeTest, SaysThatTheBusIsOffAndDeclaresWhatWentByUntilItWasRestarted) {
+TEST_F(CanNodeTest, SaysWhatTheControllerSuffersAndDeclaresWhatWentByWhileTheBusWasOff) {
   const SerialCan adapter;
   const std::string can = adapter.interface();
   ip("link set " + can + " type can bitrate 1000000");
@@ -253,6 +253,14 @@ TEST_F(CanNodeTest, SaysThatTheBusIsOffAndDeclaresWhatWentByUntilItWasRestarted)
     }
   });
   ASSERT_TRUE(more_are_durable(kFront, 20));
+  adapter.report("e1a");  // nobody acknowledged
+  ASSERT_TRUE(counted(DeviceCounter::kBusErrors, 1));
+  adapter.report("e1o");  // the controller had no room
+  ASSERT_TRUE(counted(DeviceCounter::kControllerOverrun, 1));
+  adapter.report("sp130130");
+  ASSERT_TRUE(counted(DeviceCounter::kErrorPassive, 1));
+  ASSERT_TRUE(more_are_durable(kFront, 20));
+  EXPECT_EQ(count_of(DeviceCounter::kPacketsMissing), 0) << "none of this lost a conversion";
   is_off = true;
   adapter.report("sb256256");
   ASSERT_TRUE(counted(DeviceCounter::kBusOff, 1));
@@ -271,7 +279,10 @@ TEST_F(CanNodeTest, SaysThatTheBusIsOffAndDeclaresWhatWentByUntilItWasRestarted)
   EXPECT_EQ(found[0].cause, GapCause::kDeviceGone);
   EXPECT_EQ(found[0].scans, missing);
   const std::string name = "can:" + can;
-  expect_said({name + ": bus-off: the controller no longer takes part in the bus (1 time by now)",
+  expect_said({name + ": " + sentence(DeviceCounter::kBusErrors, 1),
+               name + ": " + sentence(DeviceCounter::kControllerOverrun, 1),
+               name + ": error-passive: the controller sees many errors on the bus (1 time by now)",
+               name + ": bus-off: the controller no longer takes part in the bus (1 time by now)",
                name + ": was unplugged or went down (1 time by now)",
                name + ": is there again (1 time by now)"});
 }

@@ -1,19 +1,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <csignal>
 #include <cstdio>
 #include <fstream>
 
-#include "common/bus/codec.hpp"
-#include "common/clock/clock_pair.hpp"
 #include "common/frontend/device_report.hpp"
-#include "common/record/record.hpp"
 #include "common/test/source.hpp"
-#include "firmware/backends/replay/recorded_drive.hpp"
-#include "hil_tests/guest/pulse_chip.hpp"
-#include "hil_tests/guest/ring_judge.hpp"
+#include "hil_tests/guest/played_rings.hpp"
+#include "hil_tests/guest/recorded_parts.hpp"
 #include "hil_tests/guest/running_module.hpp"
 #include "hil_tests/measurement.hpp"
 
@@ -24,7 +19,6 @@ using test::ip;
 using test::Program;
 using test::PulseChip;
 
-constexpr std::array<double, kEncoderLines> kTurns_hz{10.0, 11.3};
 constexpr double kPlayed_s = 25.0;  // longer than any measurement here: what is not needed is forgotten
 
 /// rb-node whose wheels' rings are on GPIO and whose accelerometer module is on CAN, recorded.
@@ -38,9 +32,8 @@ class GpioNodeTest : public test::Measurement {
     for (std::size_t at; (at = text.find("rate_hz = 2000")) != std::string::npos;)
       text.replace(at, 14, "rate_hz = 1000");
     const std::string wiring =
-        "[[node.can]]\ninterface = \"vx0\"\nrole = \"sensor\"\naccelerometer_id = 512\n"
-        "[[node.line]]\nline = 0\ntooth_gpio = 3\nzero_mark_gpio = 4\n"
-        "[[node.line]]\nline = 1\ntooth_gpio = 5\nzero_mark_gpio = 6\n";
+        "[[node.can]]\ninterface = \"vx0\"\nrole = \"sensor\"\naccelerometer_id = 512\n" +
+        std::string(test::PlayedRings::kWiring);
     text.insert(text.find("[[node.channel]]"), wiring);
     std::ofstream(vehicle_file) << text;
     chip_uri = "gpio:" + PulseChip::name();
@@ -49,27 +42,7 @@ class GpioNodeTest : public test::Measurement {
     if (test::has_interface("vx0")) ip("link del vx0");
   }
 
-  /// Both wheels turn evenly from now on.
-  void turn_wheels() {
-    const VehicleConfig vehicle = VehicleConfig::read_file(vehicle_file);
-    std::vector<gpio_pulse_step> steps;
-    for (std::uint8_t line = 0; line < kEncoderLines; ++line) {
-      test::JudgedRing& ring = rings[line];
-      ring.line = line;
-      ring.encoder = vehicle.wheel[line].encoder;
-      ring.filter = vehicle.filter;
-      ring.program = {3U + 2U * line,
-                      4U + 2U * line,
-                      ring.encoder.pulses_per_turn,
-                      kTurns_hz[line],
-                      0,
-                      static_cast<int>(kPlayed_s * kTurns_hz[line])};
-      ring.program.begin_ns = PulseChip::now_ns() + 500'000'000;
-      ring.program.add_to(steps);
-      ring.machine_minus_monotonic_ns = machine_minus(CLOCK_MONOTONIC).count();
-    }
-    chip.play(test::in_order(std::move(steps)));
-  }
+  void turn_wheels() { wheels.turn(VehicleConfig::read_file(vehicle_file), kPlayed_s); }
   Program node_on_gpio() const {
     const std::string command =
         "exec \"$0\" --vehicle \"$1\" --node front --front-end can:vx0 --front-end \"$4\" --url \"$2\" "
@@ -78,23 +51,6 @@ class GpioNodeTest : public test::Measurement {
   }
   std::int64_t counted(DeviceCounter counter) const {
     return bus.heartbeat(kFront).device_counts[static_cast<std::size_t>(counter)];
-  }
-  std::vector<ScanBlock> recorded_blocks() const {
-    std::vector<ScanBlock> blocks;
-    RecordReader reader(record);
-    reader.finish();
-    SealedBlock block;
-    while (const auto event = reader.next())
-      if (accept(event->data, block) == Refusal::kNone && block.kind == BlockKind::kScan)
-        blocks.push_back(decode_scan(block));
-    return blocks;
-  }
-  std::vector<Edge> recorded_edges() const {
-    std::vector<Edge> edges;
-    RecordedDrive drive(record, kFront, {});
-    while (const auto piece = drive.next())
-      edges.insert(edges.end(), piece->edges.begin(), piece->edges.end());
-    return edges;
   }
   bool is_noted(const std::string& words) const {
     return std::ranges::any_of(verify_record(record).notes, [&](const std::string& note) {
@@ -105,8 +61,7 @@ class GpioNodeTest : public test::Measurement {
   const std::string vehicle_file = work.path() / "vehicle.toml";
   const std::string errors = work.path() / "errors";
   std::string chip_uri;
-  PulseChip chip;
-  std::array<test::JudgedRing, kEncoderLines> rings;
+  test::PlayedRings wheels;
 };
 
 struct Interval {
@@ -158,9 +113,9 @@ TEST_F(GpioNodeTest, DeclaresEdgesThatWentByWhileItWasHeldAndWhileTheChipWasGone
   end_well(running, {&front});
 
   expect_verified(record, 1);  // no scan is missing
-  const std::vector<ScanBlock> blocks = recorded_blocks();
-  const std::vector<Edge> edges = recorded_edges();
-  for (const test::JudgedRing& ring : rings) {
+  const std::vector<ScanBlock> blocks = test::recorded_blocks(record);
+  const std::vector<Edge> edges = test::recorded_events(record, kFront).edges;
+  for (const test::JudgedRing& ring : wheels.all()) {
     const auto lost = std::ranges::count_if(
         edges, [&](const Edge& edge) { return edge.kind == EdgeKind::kLost && edge.line == ring.line; });
     EXPECT_GE(lost, 3) << "held, gone and back";

@@ -10,12 +10,14 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "common/bus/results.hpp"
 #include "common/config/text_file.hpp"
 #include "common/test/source.hpp"
 #include "hil_tests/guest/can_player.hpp"
 #include "hil_tests/guest/pulse_chip.hpp"
 #include "hil_tests/measurement.hpp"
 #include "hil_tests/players/drive_comparison.hpp"
+#include "host/analyser/identify_record.hpp"
 
 namespace roadbalance {
 namespace {
@@ -81,9 +83,12 @@ class HilDriveTest : public test::Measurement {
                     "--lead", "6", "--report", report_file});
     ASSERT_TRUE(test::wait_until([] { return usb_boards() == 2; }, 60)) << "no boards";
     Program running = recorder(played);
+    Program analysis("rb-analyser", {"--record", played, "--url", url, "--exit-at-end"});
     Program front = wired_node(0), rear = wired_node(1);
     ASSERT_TRUE(test::wait_until([&] { return std::filesystem::exists(report_file); }, 120));
     end_well(running, {&front, &rear});
+    EXPECT_EQ(analysis.exit_code(60), 0);
+    bus.listen(0.1);  // it says its last estimate three times
     player.signal(SIGTERM);
     EXPECT_EQ(player.exit_code(30), 0);
     report = nlohmann::json::parse(std::ifstream(report_file));
@@ -128,6 +133,25 @@ class HilDriveTest : public test::Measurement {
     EXPECT_LE(std::abs(b - a), most * sim.unbalance_g);
   }
 
+  /// What rb-analyser, which followed the record as it grew, said last on the bus is what the finished record
+  /// gives, to the last bit.
+  void expect_published() const {
+    const DriveEstimate whole = identify_record(played).estimate;
+    const auto said = [&](const char* channel, int wheel) {
+      const auto found = bus.results().find({channel, wheel});
+      return found == bus.results().end() ? std::vector<std::uint8_t>{} : found->second;
+    };
+    EXPECT_EQ(said(kIdentificationChannel, 0), encode(whole.identification));
+    for (const Balance& balance : whole.balance) {
+      EXPECT_EQ(balance.state, Unknown::kNone);
+      EXPECT_EQ(said(kBalanceChannel, balance.wheel), encode(balance))
+          << kWheelNames[static_cast<std::size_t>(balance.wheel)];
+      std::printf("%-11s rb-analyser said %.3f g %.3f deg of the whole drive\n",
+                  kWheelNames[static_cast<std::size_t>(balance.wheel)], balance.unbalance_g,
+                  balance.angle_rad * kDegrees);
+    }
+  }
+
   /// The demo's car on the GPIO chip as it is called now: one that was unplugged came back by another name.
   std::string wire_vehicle() const {
     const std::filesystem::path demo = test::source_path("hil_tests/players/demo");
@@ -167,11 +191,12 @@ TEST_F(HilDriveTest, APlayedDriveGivesTheSimulatedBackendsResult) {
 
   const NodeTime from = timetable.first + kSettled;
   const DriveEstimate expected = test::identify_from(simulated, from);
-  const DriveEstimate found = test::identify_from(played, node_time_from_ns(to_ns(timetable.at(from))));
+  const DriveEstimate found = test::identify_from(played, as_node_time(timetable.at(from)));
   EXPECT_EQ(found.identification.sections, expected.identification.sections);
   for (std::size_t w = 0; w < kWheels; ++w)
     expect_same_unbalance(expected.balance[w], found.balance[w],
                           mean_speed_m_s(expected) / vehicle.wheel[w].rolling_radius_m, difference[w / 2]);
+  expect_published();
 }
 
 }  // namespace
