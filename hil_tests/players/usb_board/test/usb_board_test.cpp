@@ -1,9 +1,8 @@
 #include <gtest/gtest.h>
-#include <unistd.h>
+#include <malloc.h>
 
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 
 #include "hil_tests/players/usb_board/test/usb_board_fixture.hpp"
 
@@ -13,11 +12,10 @@ namespace {
 using namespace std::chrono_literals;
 using test::kRateHz;
 
-/// Bytes of memory this process has in RAM.
-std::size_t resident_bytes() {
-  std::size_t pages = 0, resident = 0;
-  std::ifstream("/proc/self/statm") >> pages >> resident;
-  return resident * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+/// Bytes that this process has allocated and not given back.
+std::size_t bytes_in_use() {
+  const struct mallinfo2 heap = ::mallinfo2();
+  return heap.uordblks + heap.hblkhd;
 }
 
 std::size_t open_files() {
@@ -53,7 +51,7 @@ TEST_F(UsbBoardTest, FiftyTimesUnpluggedIsFiftyDeclaredGapsOfTheirTrueLength) {
   ASSERT_TRUE(watch->more_scans(2000));
   std::vector<MachineTime> plugged;
   std::vector<double> truth_scans;
-  std::size_t resident = 0, files = 0;
+  std::size_t in_use = 0, files = 0;
   for (int k = 0; k < kTimes; ++k) {
     MachineTime first{}, second{};
     boards.with(0, [&](test::BenchBoard& board) { first = board.conversion_time(0); });
@@ -65,9 +63,9 @@ TEST_F(UsbBoardTest, FiftyTimesUnpluggedIsFiftyDeclaredGapsOfTheirTrueLength) {
     ASSERT_TRUE(watch->more_scans(200)) << k;
     boards.with(0, [&](test::BenchBoard& board) { second = board.conversion_time(0); });
     truth_scans.push_back(1e-9 * static_cast<double>((second - first).count()) * kRateHz * (1.0 + 30e-6));
-    if (k == 9) resident = resident_bytes(), files = open_files();
+    if (k == 9) in_use = bytes_in_use(), files = open_files();
   }
-  const std::size_t grown = resident_bytes() - resident;
+  const std::size_t grown = bytes_in_use() - in_use;
   watch->end();
   EXPECT_EQ(watch->wrong_scans(), 0);
   ASSERT_EQ(watch->gaps().size(), static_cast<std::size_t>(kTimes));
@@ -87,9 +85,9 @@ TEST_F(UsbBoardTest, FiftyTimesUnpluggedIsFiftyDeclaredGapsOfTheirTrueLength) {
   EXPECT_EQ(count(DeviceCounter::kGone), kTimes);
   expect_only({DeviceCounter::kGone, DeviceCounter::kReturned});
   EXPECT_LE(open_files(), files);
-#ifndef __SANITIZE_ADDRESS__  // which keeps freed memory, and finds leaks to the byte
-  // A session takes 150 kB, and the heap grows by 264 KiB at a time.
-  EXPECT_LT(static_cast<std::ptrdiff_t>(grown), 512 * 1024) << "in forty times";
+#ifndef __SANITIZE_ADDRESS__  // which has a heap of its own, and finds leaks to the byte
+  EXPECT_LT(static_cast<std::ptrdiff_t>(grown), 128 * 1024)
+      << "in forty times: 3 kB each, of the 150 a session takes";
 #endif
   std::printf("%d times: scans again %.3f s after plugging in at the latest; memory grew by %td bytes\n",
               kTimes, slowest_s, static_cast<std::ptrdiff_t>(grown));
