@@ -91,7 +91,7 @@ struct Section::State {
   }
   [[noreturn]] void refuse(const toml::node& node, const std::string& key, const std::string& allowed) const {
     std::ostringstream text;
-    node.visit([&](const auto& n) { text << n; });
+    if (node.is_value()) node.visit([&](const auto& n) { text << n; });
     const bool short_enough = node.is_value() && text.str().size() <= 60;
     fail_at(line_of(node), key, (short_enough ? "is " + text.str() + "; " : "") + "allowed: " + allowed);
   }

@@ -98,6 +98,8 @@ TEST(VehicleConfig, NamesFileLineKeyAndWhatIsAllowed) {
        "front, rear"},
       {"body_mass_kg = 1300", "body_mass_kg = -1300", "body_mass_kg",
        "body_mass_kg: is -1300; allowed: a number > 0"},
+      {"body_mass_kg = 1300", "body_mass_kg = [0.1]", "body_mass_kg",
+       "body_mass_kg: allowed: a number > 0"},
       {"body_mass_kg = 1300", "body_mass_kg = nan", "body_mass_kg",
        "body_mass_kg: is nan; allowed: a number > 0"},
       {"body_mass_kg = 1300", "body_mass_kg = \"heavy\"", "body_mass_kg",
