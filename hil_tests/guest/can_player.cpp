@@ -22,6 +22,11 @@ namespace {
   throw std::system_error(errno, std::generic_category(), what);
 }
 
+void bring_up(const std::string& interface) {
+  ip("link set " + interface + " mtu 72");
+  ip("link set " + interface + " up");
+}
+
 }  // namespace
 
 void ip(const std::string& words) {
@@ -37,8 +42,13 @@ bool has_interface(const std::string& name) {
 
 VirtualCan::VirtualCan(std::string name) : name_(std::move(name)) {
   ip("link add " + name_ + " type vcan");
-  ip("link set " + name_ + " mtu 72");
-  ip("link set " + name_ + " up");
+  bring_up(name_);
+}
+
+VirtualCan::VirtualCan(std::string name, const std::string& other_end) : name_(std::move(name)) {
+  ip("link add " + name_ + " type vxcan peer name " + other_end);
+  bring_up(name_);
+  bring_up(other_end);
 }
 
 VirtualCan::~VirtualCan() {

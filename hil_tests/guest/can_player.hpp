@@ -17,6 +17,8 @@ bool has_interface(const std::string& name);
 class VirtualCan {
  public:
   explicit VirtualCan(std::string name);
+  /// One end of a cable between two interfaces.
+  VirtualCan(std::string name, const std::string& other_end);
   VirtualCan(const VirtualCan&) = delete;
   VirtualCan& operator=(const VirtualCan&) = delete;
   ~VirtualCan();

@@ -61,8 +61,12 @@ void CanIntake::drain() noexcept {
     complete_ns_.store(to_ns(begun), std::memory_order_release);
     break;
   }
-  if (const std::uint32_t lost = socket_->take_lost(); lost > 0)
-    report_.count(DeviceCounter::kQueueOverflow, lost);
+  count_lost();
+}
+
+void CanIntake::count_lost() noexcept {
+  if (const std::uint64_t lost = socket_->take_lost(); lost > 0)
+    report_.count(DeviceCounter::kQueueOverflow, static_cast<std::int64_t>(lost));
 }
 
 void CanIntake::keep(const CanReceived& received) noexcept {
@@ -76,8 +80,7 @@ void CanIntake::keep(const CanReceived& received) noexcept {
 }
 
 void CanIntake::lose_interface() noexcept {
-  if (const std::uint32_t lost = socket_->take_lost(); lost > 0)
-    report_.count(DeviceCounter::kQueueOverflow, lost);
+  count_lost();
   socket_.reset();
   gone_.store(true, std::memory_order_release);
   report_.count(DeviceCounter::kGone);

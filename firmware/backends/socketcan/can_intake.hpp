@@ -60,6 +60,7 @@ class CanIntake {
 
   void run(const std::stop_token& stop) noexcept;
   void drain() noexcept;
+  void count_lost() noexcept;
   void keep(const CanReceived& received) noexcept;
   void lose_interface() noexcept;
   void find_interface() noexcept;

@@ -1,5 +1,6 @@
 #include "firmware/backends/socketcan/can_socket.hpp"
 
+#include <fcntl.h>
 #include <linux/can.h>
 #include <linux/can/error.h>
 #include <linux/can/raw.h>
@@ -14,6 +15,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <charconv>
 #include <cstdlib>
 #include <cstring>
 #include <system_error>
@@ -120,12 +122,17 @@ CanSocket::CanSocket(const std::string& interface, std::span<const CanId> wanted
   demand(address.can_ifindex != 0, "find CAN interface");
   demand(::bind(descriptor_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0,
          "listen on CAN interface");
+  // A system without sysfs has no such count; the socket's own is always there.
+  dropped_descriptor_ =
+      ::open(("/sys/class/net/" + interface + "/statistics/rx_dropped").c_str(), O_RDONLY | O_CLOEXEC);
+  dropped_told_ = dropped_before_the_socket();
   read_clocks();
   wall_clock_set_ = false;  // there is nothing yet to compare with
   clocks_fresh_ = false;
 }
 
 CanSocket::~CanSocket() {
+  if (dropped_descriptor_ >= 0) ::close(dropped_descriptor_);
   ::close(descriptor_);
 }
 
@@ -174,16 +181,27 @@ CanReceived CanSocket::receive() noexcept {
   return received;
 }
 
-std::uint32_t CanSocket::take_lost() noexcept {
+std::uint64_t CanSocket::take_lost() noexcept {
   // A frame tells what was lost before it; after the last one the socket itself has to be asked.
   std::array<std::uint32_t, SK_MEMINFO_VARS> memory{};
   socklen_t size = sizeof memory;
   if (::getsockopt(descriptor_, SOL_SOCKET, SO_MEMINFO, memory.data(), &size) == 0 &&
       size > SK_MEMINFO_DROPS * sizeof memory[0])
     count_lost(memory[SK_MEMINFO_DROPS]);
-  const std::uint32_t lost = lost_total_ - lost_told_;
+  const std::uint32_t in_socket = lost_total_ - lost_told_;
   lost_told_ = lost_total_;
-  return lost;
+  const std::uint64_t dropped = dropped_before_the_socket();
+  const std::uint64_t before_socket = std::max(dropped, dropped_told_) - dropped_told_;
+  dropped_told_ += before_socket;
+  return in_socket + before_socket;
+}
+
+std::uint64_t CanSocket::dropped_before_the_socket() const noexcept {
+  std::array<char, 24> text{};
+  std::uint64_t count = dropped_told_;  // of an interface that has gone nothing more is known
+  const ssize_t size = ::pread(dropped_descriptor_, text.data(), text.size(), 0);
+  if (size > 0) static_cast<void>(std::from_chars(text.data(), text.data() + size, count));
+  return count;
 }
 
 void CanSocket::count_lost(std::uint32_t total) noexcept {

@@ -53,17 +53,21 @@ class CanSocket {
   /// The next.  Never waits.
   CanReceived receive() noexcept;
 
-  /// Frames that the kernel had no room for, since the last call.
-  std::uint32_t take_lost() noexcept;
+  /// Frames that the kernel had no room for, since the last call: in this socket, and in the queue before it,
+  /// which all identifiers share, so that what was lost there may not have been wanted.
+  std::uint64_t take_lost() noexcept;
 
  private:
   MachineTime machine_time(std::optional<std::int64_t> wall_ns) noexcept;
   void count_lost(std::uint32_t total) noexcept;
+  std::uint64_t dropped_before_the_socket() const noexcept;
   void read_clocks() noexcept;
 
   int descriptor_;
   std::uint32_t lost_total_ = 0;  ///< as the kernel counts: since the socket was opened, wrapping
   std::uint32_t lost_told_ = 0;
+  int dropped_descriptor_ = -1;  ///< the interface's own count
+  std::uint64_t dropped_told_ = 0;
   bool clocks_fresh_ = false;  ///< read since the socket was last found empty
   bool wall_clock_set_ = false;
   MachineTime read_at_{};
