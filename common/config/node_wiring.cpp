@@ -14,6 +14,19 @@ namespace {
 constexpr std::array kQuantityNames{"wheel_speed", "vehicle_speed", "steering_angle", "pulse_counter",
                                     "other"};
 
+void parse_counter(Section counter, SignalConfig& s) {
+  constexpr std::int64_t kMost = std::int64_t{1} << 32;
+  s.counter.modulus = counter.integer_or("modulus", 2, kMost, s.counter.modulus);
+  s.counter.invalid_code.reset();
+  if (counter.has("invalid_code")) s.counter.invalid_code = counter.integer("invalid_code", 0, kMost);
+  s.counter.step = counter.integer_or("step", 1, s.counter.modulus - 1, s.counter.step);
+  s.latency.mean_s = 1e-3 * counter.number_or("latency_ms", {0, 1000}, 0.0);
+  s.latency.mean_sigma_s = 1e-3 * counter.number_or("latency_sigma_ms", {0, 1000}, 0.0);
+  s.latency.jitter_s = 1e-3 * counter.number_or("jitter_ms", {0, 1000}, 0.0);
+  s.counter.jitter_s = std::max(s.counter.jitter_s, 3 * s.latency.jitter_s);
+  counter.finish();
+}
+
 SignalConfig parse_signal(Section signal, const std::vector<std::string>& wheels) {
   SignalConfig s;
   s.name = signal.text("name");
@@ -24,6 +37,11 @@ SignalConfig parse_signal(Section signal, const std::vector<std::string>& wheels
       signal.choice_or("quantity", quantities, static_cast<std::size_t>(SignalQuantity::kOther)));
   if (s.quantity == SignalQuantity::kWheelSpeed || s.quantity == SignalQuantity::kPulseCounter)
     s.wheel = wheels[signal.choice("wheel", wheels)];
+  if (auto counter = signal.section_if("counter")) {
+    if (s.quantity != SignalQuantity::kPulseCounter)
+      signal.fail("counter", "only a pulse_counter has one; allowed: quantity = \"pulse_counter\"");
+    parse_counter(std::move(*counter), s);
+  }
   signal.finish();
   return s;
 }

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "common/config/section.hpp"
+#include "common/wheel_counter/counter_track.hpp"
+#include "common/wheel_counter/counter_unwrap.hpp"
 
 namespace roadbalance {
 
@@ -28,6 +30,9 @@ struct SignalConfig {
   std::string message, signal;  ///< as the DBC file calls them
   SignalQuantity quantity = SignalQuantity::kOther;
   std::string wheel;  ///< which, for wheel_speed and pulse_counter; else empty
+  // [node.can.signal.counter], of a pulse_counter
+  CounterForm counter{};
+  CounterLatency latency{};
 };
 
 enum class CanRole {

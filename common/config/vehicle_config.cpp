@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <set>
 
+#include "common/config/parse_wheels.hpp"
 #include "common/config/section.hpp"
 #include "common/config/text_file.hpp"
 #include "common/link/block.hpp"
@@ -13,10 +14,6 @@ namespace roadbalance {
 namespace {
 
 constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
-
-std::vector<std::string> wheel_names() {
-  return {kWheelNames.begin(), kWheelNames.end()};
-}
 
 AxleConfig parse_axle(Section axle) {
   AxleConfig a{};
@@ -43,36 +40,12 @@ ModelConfig parse_model(Section model) {
   return m;
 }
 
-WheelConfig parse_wheel(Section& wheel) {
-  WheelConfig w;
-  w.name = kWheelNames[wheel.choice("name", wheel_names())];
-  w.mass_kg = wheel.number("mass_kg", {1, 1000});
-  w.rolling_radius_m = wheel.number("rolling_radius_m", {0.05, 2});
-  w.weight_radius_m = wheel.number("weight_radius_m", {0.02, 2});
-  if (w.weight_radius_m >= w.rolling_radius_m)
-    wheel.fail("weight_radius_m", "must be less than rolling_radius_m");
-  w.node = wheel.text_or("node", "");
-  w.line = static_cast<int>(wheel.integer_or("line", 0, kEncoderLines - 1, 0));
-  if (auto encoder = wheel.section_if("encoder")) {
-    w.encoder.pulses_per_turn = static_cast<int>(encoder->integer("pulses_per_turn", 1, 100'000));
-    w.encoder.zero_mark = encoder->boolean_or("zero_mark", true);
-    w.encoder.quadrature = encoder->boolean_or("quadrature", false);
-    w.encoder.datum_rad = kRadiansPerDegree * encoder->number_or("datum_deg", {-360, 360}, 0.0);
-    encoder->finish();
-    if (w.node.empty()) wheel.fail("encoder", "needs the node that reads it; allowed: node = \"name\"");
-  } else if (!w.node.empty()) {
-    wheel.fail("encoder", "missing although a node reads it; allowed: a table [wheel.encoder]");
-  }
-  wheel.finish();
-  return w;
-}
-
 ChannelConfig parse_channel(Section channel) {
   ChannelConfig c;
   c.name = channel.text("name");
   constexpr std::array kRoles{ChannelRole::kAcceleration, ChannelRole::kRoad, ChannelRole::kUnused};
   c.role = kRoles[channel.choice_or("role", {"acceleration", "road", "unused"}, 0)];
-  auto mounts = wheel_names();
+  auto mounts = wheel_name_list();
   mounts.emplace_back("body");
   mounts.emplace_back("elsewhere");
   const bool used = c.role != ChannelRole::kUnused;
@@ -93,6 +66,7 @@ ChannelConfig parse_channel(Section channel) {
   if (auto calibration = channel.section_if("calibration")) {
     c.scale_m_s2_per_count = calibration->number("scale_m_s2_per_count", {1e-12, 1e3});
     c.offset_counts = calibration->number_or("offset_counts", {-kFullScaleCounts, kFullScaleCounts}, 0.0);
+    c.delay_s = 1e-6 * calibration->number_or("delay_us", {-10'000, 10'000}, 0.0);
     calibration->finish();
   }
   channel.finish();
@@ -115,7 +89,7 @@ NodeConfig parse_node(Section& node) {
   }
   if (n.channel.size() > kAccelerations)
     node.fail("channel", "has " + std::to_string(n.channel.size()) + " channels; allowed: at most 12");
-  n.wiring = NodeWiring::take(node, wheel_names());
+  n.wiring = NodeWiring::take(node, wheel_name_list());
   node.finish();
   return n;
 }
@@ -133,27 +107,6 @@ DriveConfig parse_drive(Section drive, double rate_hz) {
     drive.fail("identification_rate_hz", "must divide the nodes' rate_hz");
   drive.finish();
   return d;
-}
-
-void parse_wheels(Section& root, VehicleConfig& v) {
-  std::set<std::string> seen;
-  std::set<std::pair<std::string, int>> lines;
-  for (Section& section : root.sections("wheel", kWheels)) {
-    const WheelConfig wheel = parse_wheel(section);
-    if (!seen.insert(wheel.name).second) section.fail("name", "\"" + wheel.name + "\" stands twice");
-    if (!wheel.node.empty()) {
-      const bool known =
-          std::any_of(v.node.begin(), v.node.end(), [&](const auto& n) { return n.name == wheel.node; });
-      std::string names;
-      for (const auto& node : v.node) names += (names.empty() ? "" : ", ") + node.name;
-      if (!known) section.fail("node", "there is no node \"" + wheel.node + "\"; allowed: " + names);
-      if (!lines.insert({wheel.node, wheel.line}).second)
-        section.fail(
-            "line", "line " + std::to_string(wheel.line) + " of node " + wheel.node + " has a wheel already");
-    }
-    const auto place = std::find(kWheelNames.begin(), kWheelNames.end(), wheel.name) - kWheelNames.begin();
-    v.wheel[static_cast<std::size_t>(place)] = wheel;
-  }
 }
 
 void parse_nodes(Section& root, VehicleConfig& v) {
@@ -186,6 +139,7 @@ VehicleConfig VehicleConfig::parse(const std::string& text, const std::string& n
   }
   parse_nodes(root, v);
   parse_wheels(root, v);
+  parse_rotors(root, v);
   if (auto road = root.section_if("road")) {
     v.road.measured = road->boolean_or("measured", false);
     if (v.road.measured)
@@ -222,6 +176,11 @@ const NodeConfig* VehicleConfig::node_with_id(int id) const {
 const WheelConfig* VehicleConfig::wheel_named(const std::string& wheel_name) const {
   const auto found = std::ranges::find(wheel, wheel_name, &WheelConfig::name);
   return found == wheel.end() ? nullptr : &*found;
+}
+
+const RotorConfig* VehicleConfig::rotor_named(const std::string& rotor_name) const {
+  const auto found = std::ranges::find(rotor, rotor_name, &RotorConfig::name);
+  return found == rotor.end() ? nullptr : &*found;
 }
 
 const WheelConfig* VehicleConfig::wheel_at(const NodeConfig& at, int line) const {

@@ -45,6 +45,13 @@ struct EncoderConfig {
   bool quadrature = false;  ///< a second track, which says the direction, is wired to the USB board
   /// Wheel angle (mark at the upward vertical = 0) at the instant the zero mark fires.
   double datum_rad = 0.0;
+  double datum_sigma_rad = 0.0;  ///< its standard deviation, as calibration found it
+  /// What a transducer fixed to the body gains when the steering wheel turns left by 1 rad; 0: it is fixed to
+  /// the wheel's carrier.
+  double steering_ratio = 0.0;
+  /// Teeth come from this pulse counter on the bus, only the zero mark from the line; empty: both from the
+  /// line.
+  std::string counter;
 };
 struct WheelConfig {
   std::string name;  ///< one of kWheelNames
@@ -54,6 +61,21 @@ struct WheelConfig {
   std::string node;        ///< node that reads the encoder; empty: no encoder
   int line = 0;            ///< which of the node's encoder lines
   EncoderConfig encoder;
+};
+
+/// [[rotor.plane]]: where weights can be put on a rotor.
+struct PlaneConfig {
+  std::string name;
+  Eigen::Vector3d position_m{0, 0, 0};  ///< from the body's centre of mass
+  double weight_radius_m;
+};
+
+/// [[rotor]]: what turns with wheels at a fixed ratio, e.g. a drive shaft.
+struct RotorConfig {
+  std::string name;
+  std::vector<int> wheel;  ///< places in VehicleConfig::wheel; of several the mean turns it (a differential)
+  double ratio;            ///< turns of it in a turn of the wheel
+  std::vector<PlaneConfig> plane;
 };
 
 enum class ChannelRole { kAcceleration, kRoad, kUnused };
@@ -68,6 +90,7 @@ struct ChannelConfig {
   double range_m_s2 = 0.0;              ///< full scale of the converter
   double scale_m_s2_per_count = 0.0;    ///< calibration; default range / 2^23
   double offset_counts = 0.0;           ///< reading at rest
+  double delay_s = 0.0;                 ///< by which it lags what it measures, filter of [filter] apart
   /// Voltage of that full scale, of a device with ranges to choose from; its widest if not given.
   std::optional<double> input_range_v{};
 
@@ -107,6 +130,7 @@ struct VehicleConfig {
   std::string name;
   ModelConfig model;
   std::array<WheelConfig, kWheels> wheel;
+  std::vector<RotorConfig> rotor;
   std::vector<NodeConfig> node;
   FilterConfig filter;
   RoadConfig road;
@@ -124,6 +148,8 @@ struct VehicleConfig {
   const NodeConfig* node_with_id(int id) const;
   /// nullptr if there is none of that name.
   const WheelConfig* wheel_named(const std::string& wheel_name) const;
+  /// nullptr if there is none of that name.
+  const RotorConfig* rotor_named(const std::string& rotor_name) const;
   /// Wheel read by `line` of `node`; nullptr: none.
   const WheelConfig* wheel_at(const NodeConfig& node, int line) const;
   /// Place of one of its wheels in `wheel`.

@@ -72,6 +72,44 @@ direction_gpio = 5
 zero_mark_gpio = 6
 )";
 
+const std::string kCounter = R"(
+[node.can.signal.counter]
+modulus = 256
+invalid_code = 255
+latency_ms = 12.5
+jitter_ms = 2
+)";
+
+TEST(NodeWiring, TakesHowAPulseCounterCounts) {
+  std::string tables = kTables;
+  const std::string wheel = "wheel = \"rear_right\"\n";
+  tables.insert(tables.find(wheel) + wheel.size(), kCounter);
+  const SignalConfig& counts = wiring("", tables).can[1].signal[0];
+  EXPECT_EQ(counts.counter.modulus, 256);
+  EXPECT_EQ(counts.counter.invalid_code, 255);
+  EXPECT_EQ(counts.counter.step, 1);
+  EXPECT_NEAR(counts.latency.mean_s, 0.0125, 1e-15);
+  EXPECT_NEAR(counts.latency.jitter_s, 0.002, 1e-15);
+  EXPECT_GE(counts.counter.jitter_s, 3 * counts.latency.jitter_s);
+
+  EXPECT_NE(refusal(car("", kTables + kCounter)).find("counter: only a pulse_counter has one"),
+            std::string::npos);
+}
+
+TEST(NodeWiring, GivesAWheelTheCounterThatItsEncoderNames) {
+  const std::string of_rear_right = "datum_deg = 140";
+  const auto with = [&](const std::string& counter) {
+    std::string text = car("", kTables);
+    const auto place = text.find(of_rear_right);
+    EXPECT_NE(place, std::string::npos);
+    return text.insert(place, "counter = \"" + counter + "\"\n");
+  };
+  EXPECT_EQ(VehicleConfig::parse(with("rr_pulses"), "car.toml").wheel[3].encoder.counter, "rr_pulses");
+  EXPECT_NE(refusal(with("fl_speed"))
+                .find("node rear receives no pulse_counter \"fl_speed\" of this wheel; allowed: rr_pulses"),
+            std::string::npos);
+}
+
 TEST(NodeWiring, IsEmptyWhereTheFileSaysNothing) {
   const auto vehicle = VehicleConfig::parse(test::read_source("sim/demo/vehicle.toml"), "vehicle.toml");
   const NodeWiring& none = vehicle.node.front().wiring;

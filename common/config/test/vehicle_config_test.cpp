@@ -76,11 +76,60 @@ TEST(VehicleConfig, FindsNodesAndWheels) {
 TEST(VehicleConfig, TakesCalibrationAndDirectionOfAChannel) {
   const auto v = VehicleConfig::parse(
       changed("direction = [1, 0, 0]",
-              "direction = [0.3, 0, -0.4]\ncalibration = {scale_m_s2_per_count = 1e-4, offset_counts = 12}"),
+              "direction = [0.3, 0, -0.4]\ncalibration = {scale_m_s2_per_count = 1e-4, offset_counts = 12, "
+              "delay_us = -3.5}"),
       "car.toml");
   const ChannelConfig& c = v.node[0].channel[0];
   EXPECT_LT((c.direction - Eigen::Vector3d(0.6, 0, -0.8)).norm(), 1e-15);
   EXPECT_NEAR(c.to_si(112.0), 0.01, 1e-15);
+  EXPECT_NEAR(c.delay_s, -3.5e-6, 1e-15);
+  EXPECT_EQ(v.node[0].channel[1].delay_s, 0.0);
+}
+
+TEST(VehicleConfig, TakesWhatIsKnownOfAnEncoder) {
+  const auto v = VehicleConfig::parse(
+      changed("datum_deg = 30", "datum_deg = 30\ndatum_sigma_deg = 0.5\nsteering_ratio = 0.0625"),
+      "car.toml");
+  EXPECT_NEAR(v.wheel[0].encoder.datum_sigma_rad, 0.5 * std::numbers::pi / 180, 1e-15);
+  EXPECT_EQ(v.wheel[0].encoder.steering_ratio, 0.0625);
+  EXPECT_EQ(v.wheel[1].encoder.datum_sigma_rad, 0.0);
+  EXPECT_EQ(v.wheel[1].encoder.steering_ratio, 0.0);
+}
+
+const std::string kDriveShaft = R"(
+[[rotor]]
+name = "drive_shaft"
+wheel = ["rear_left", "rear_right"]
+ratio = 3.73
+[[rotor.plane]]
+name = "pinion_flange"
+position_m = [-1.2, 0, -0.2]
+weight_radius_m = 0.05
+)";
+
+TEST(VehicleConfig, TakesARotorThatWheelsTurn) {
+  const auto v = VehicleConfig::parse(demo() + kDriveShaft, "car.toml");
+  ASSERT_EQ(v.rotor.size(), 1U);
+  const RotorConfig* const shaft = v.rotor_named("drive_shaft");
+  ASSERT_NE(shaft, nullptr);
+  EXPECT_EQ(shaft->wheel, (std::vector<int>{2, 3}));
+  EXPECT_EQ(shaft->ratio, 3.73);
+  ASSERT_EQ(shaft->plane.size(), 1U);
+  EXPECT_EQ(shaft->plane[0].position_m, Eigen::Vector3d(-1.2, 0, -0.2));
+  EXPECT_EQ(shaft->plane[0].weight_radius_m, 0.05);
+  EXPECT_EQ(v.rotor_named("gearbox"), nullptr);
+}
+
+TEST(VehicleConfig, RefusesARotorThatNothingTurns) {
+  const auto says = [](const std::string& from, const std::string& to) {
+    std::string shaft = kDriveShaft;
+    return refusal(demo() + shaft.replace(shaft.find(from), from.size(), to));
+  };
+  EXPECT_NE(says("\"rear_left\"", "\"fifth\"").find("wheel: \"fifth\" is no wheel with an encoder"),
+            std::string::npos);
+  EXPECT_NE(says("[\"rear_left\", \"rear_right\"]", "[]").find("wheel: missing"), std::string::npos);
+  EXPECT_NE(says("ratio = 3.73", "ratio = 0").find("ratio: is 0"), std::string::npos);
+  EXPECT_NE(says("drive_shaft", "front_left").find("name: \"front_left\" stands twice"), std::string::npos);
 }
 
 TEST(VehicleConfig, NamesFileLineKeyAndWhatIsAllowed) {
@@ -98,8 +147,7 @@ TEST(VehicleConfig, NamesFileLineKeyAndWhatIsAllowed) {
        "front, rear"},
       {"body_mass_kg = 1300", "body_mass_kg = -1300", "body_mass_kg",
        "body_mass_kg: is -1300; allowed: a number > 0"},
-      {"body_mass_kg = 1300", "body_mass_kg = [0.1]", "body_mass_kg",
-       "body_mass_kg: allowed: a number > 0"},
+      {"body_mass_kg = 1300", "body_mass_kg = [0.1]", "body_mass_kg", "body_mass_kg: allowed: a number > 0"},
       {"body_mass_kg = 1300", "body_mass_kg = nan", "body_mass_kg",
        "body_mass_kg: is nan; allowed: a number > 0"},
       {"body_mass_kg = 1300", "body_mass_kg = \"heavy\"", "body_mass_kg",
