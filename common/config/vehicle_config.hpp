@@ -51,7 +51,7 @@ struct EncoderConfig {
   double steering_ratio = 0.0;
   /// Teeth come from this pulse counter on the bus, only the zero mark from the line; empty: both from the
   /// line.
-  std::string counter;
+  std::string counter{};
 };
 struct WheelConfig {
   std::string name;  ///< one of kWheelNames
