@@ -18,8 +18,9 @@ MAY_INCLUDE = {
 
 # What stays in one place: beginning of an include -> the only paths that may have it.
 KEPT = {
-    "toml++/": "common/config/section.cpp",
-    "toml.hpp": "common/config/section.cpp",
+    "toml++/": "common/config/toml_library.hpp",
+    "toml.hpp": "common/config/toml_library.hpp",
+    "common/config/toml_library.hpp": "common/config/",
     "lcm/": "common/bus/",
     "wire/": "common/bus/",
     "fftw3": "common/dsp/fft.cpp",

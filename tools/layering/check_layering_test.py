@@ -52,11 +52,14 @@ class CheckLayering(unittest.TestCase):
         self.refuses("firmware/domain.cpp", '#include "sim/front_end.hpp"\n', 1, "firmware must not know sim")
 
     def test_libraries_stay_in_their_place(self):
-        for name, place in [("toml++/toml.h", "common/config/section.cpp"), ("lcm/lcm-cpp.hpp", "common/bus/bus.cpp"),
+        for name, place in [("toml++/toml.h", "common/config/toml_library.hpp"), ("lcm/lcm-cpp.hpp", "common/bus/bus.cpp"),
                             ("wire/meta_t.hpp", "common/bus/codec.cpp"), ("fftw3.h", "common/dsp/fft.cpp")]:
             self.accepts(place, f"#include <{name}>\n")
             for elsewhere in ("common/dsp/psd.cpp", "host/analyser/main.cpp", "tools/rb/demo.cpp", "sim/test/t.cpp"):
                 self.refuses(elsewhere, f"#include <{name}>\n", 1, f"<{name}> belongs in ")
+        library = '#include "common/config/toml_library.hpp"\n'
+        self.accepts("common/config/section.cpp", library)
+        self.refuses("tools/rb/datum.cpp", library, 1, "belongs in common/config/ only")
 
     def test_interfaces_of_the_system_stay_in_one_file_of_the_product(self):
         for name, place in [("gpiod.h", "common/gpio/gpio_chip.cpp"),
