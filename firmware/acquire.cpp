@@ -47,9 +47,9 @@ void acquire(std::stop_token stop, FrontEnd& front_end, Sealer& sealer, BlockSin
       continue;
     }
     const Read read = front_end.read(scans, edges, signals);
+    sealer.add(std::span(signals).first(read.signals));
     sealer.add(std::span(scans).first(read.scans), std::span(edges).first(read.edges),
                read.edges == edges.size());
-    sealer.add(std::span(signals).first(read.signals));
     tell(sealer, sealer.started() ? NodeState::kStarted : NodeState::kPreview, link);
     if (read.status == ReadStatus::kOk) continue;
     if (read.status == ReadStatus::kFailed) last = NodeState::kFailed;

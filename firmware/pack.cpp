@@ -51,8 +51,7 @@ bool Sealer::write(Block& block) noexcept {
 void Sealer::start() noexcept {
   if (started()) return;
   keep_from_ = tail_;
-  const bool written = write_metas();
-  static_cast<void>(written);  // a sink too small is asked again before the first scan block
+  static_cast<void>(write_metas());  // a sink too small is asked again before the first scan block
 }
 
 void Sealer::stop() noexcept {
@@ -114,6 +113,7 @@ void Sealer::add(std::span<const Scan> scans, std::span<const Edge> edges, bool 
 }
 
 void Sealer::add(std::span<const SignalSample> signals) noexcept {
+  reference_.add(signals);
   if (!started() || keep_to_ != kNever) return;
   for (const SignalSample& sample : signals) record(sample, signal_block_);
 }

@@ -40,7 +40,7 @@ class Sealer {
   /// What one read of a front end returned.
   /// @param more_edges  some that were stamped before the last scan come later
   void add(std::span<const Scan> scans, std::span<const Edge> edges, bool more_edges) noexcept;
-  /// Signal samples that came with it.
+  /// Signal samples that came with it; before its scans, whose angles may need them.
   void add(std::span<const SignalSample> signals) noexcept;
   /// The device has no more: seals all there is, and the end.
   void device_ended() noexcept;
@@ -59,9 +59,7 @@ class Sealer {
     std::int64_t unreferenced_blocks = 0;  ///< kept without the angle of a wheel that has an encoder
   };
   const Counts& counts() const noexcept { return counts_; }
-  std::int64_t encoder_faults(int line) const noexcept {
-    return reference_.has_encoder(line) ? reference_.encoder(line).faulty_turns() : 0;
-  }
+  std::int64_t encoder_faults(int line) const noexcept { return reference_.faulty_turns(line); }
 
   /// Blocks that adding so many scans, edges and samples can write at most, with what is waiting and the end.
   std::size_t most_blocks(std::size_t scans, std::size_t edges, std::size_t signals = 0) const noexcept;

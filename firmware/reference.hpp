@@ -2,58 +2,67 @@
 
 #include <array>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "common/config/vehicle_config.hpp"
-#include "common/dsp/state_filter.hpp"
+#include "common/encoder/reference_filter.hpp"
 #include "common/link/blocks.hpp"
+#include "common/wheel_counter/steering_track.hpp"
+#include "firmware/counter_encoder.hpp"
 #include "firmware/encoder/wheel_encoder.hpp"
 
 namespace roadbalance {
 
 /// Wheel angles -> channels 13 .. 16: sin and cos of both wheels, as the accelerations have them after their
-/// anti-aliasing filter, so that no later stage corrects phase.
+/// anti-aliasing filter (ReferenceFilter), so that no later stage corrects phase.
 ///
-/// sin and cos are computed at twice the scan rate or more and pass a digital copy of the filter of
-/// vehicle.toml (ramp-invariant, exact between samples up to their curvature); its value at the scan instant
-/// is the reference, 1.0 = kFullScaleCounts.  While an angle is unknown the filter gets zeros and the
-/// reference is 0 and flagged, as it is afterwards until the filter has settled.  A line without an encoder
-/// is flagged always.  Never allocates after construction.
+/// A wheel's teeth come from its line, or from a pulse counter on the node's bus.  What steering adds to a
+/// transducer that is fixed to the body is taken off by the steering angle of the node's bus; where that is
+/// not known the angle is flagged as uncertain.  A line without an encoder is flagged always.  Never
+/// allocates after construction.
 class Reference {
  public:
   Reference(const VehicleConfig& vehicle, const NodeConfig& node);
 
   /// Edges in order of time; those of a line that no wheel uses are ignored.
   void add(const Edge& edge) noexcept;
+  /// Samples of the node's signals, in order of time for each; those that no angle needs are ignored.
+  void add(std::span<const SignalSample> samples) noexcept;
 
   /// The instant up to which edges must have come before references up to `last` are at their best.
   NodeTime complete_at(NodeTime last) const noexcept;
 
-  /// Looks up the angles for `scans` scans from `first` on.  True if those of all encoders are known.
+  /// Looks up the angles for `scans` scans from `first` on.  True if those of all encoders are known, and no
+  /// message that comes soon would tell more of them.
   bool locate(NodeTime first, int scans) noexcept;
 
   /// Fills channels 12 .. 15 of the scans located last and returns their Quality bits.
   /// @param after_jump  scans before these are missing: the filter starts from rest
   std::int32_t fill(std::span<std::array<std::int32_t, kChannels>> scans, bool after_jump) noexcept;
 
-  bool has_encoder(int line) const noexcept { return encoder_[static_cast<std::size_t>(line)].has_value(); }
-  const WheelEncoder& encoder(int line) const noexcept { return *encoder_[static_cast<std::size_t>(line)]; }
+  bool has_encoder(int line) const noexcept {
+    const auto at = static_cast<std::size_t>(line);
+    return encoder_[at].has_value() || counter_[at].has_value();
+  }
+  /// Turns that did not have exactly their teeth; of a counter, breaks of its count.
+  std::int64_t faulty_turns(int line) const noexcept;
 
  private:
-  static constexpr int kMaxSteps = 32;  ///< a scan
-  using Angles = std::array<double, static_cast<std::size_t>(kScansPerBlock* kMaxSteps)>;
+  using Angles = std::array<double, static_cast<std::size_t>(kScansPerBlock* ReferenceFilter::kMostSteps)>;
+  bool look_up(std::size_t line, NodeTime from, NodeTime last, std::span<double> angle_rad) noexcept;
+  bool steer(std::size_t line, NodeTime from, std::span<double> angle_rad) noexcept;
 
-  const int steps_;           ///< of the filter in a scan
-  const double period_ns_;    ///< between scans
-  const int settling_scans_;  ///< until the filter has forgotten a jump of its input
-  StateFilter filter_;        ///< rows sin0 cos0 sin1 cos1
+  ReferenceFilter filter_;
   std::array<std::optional<WheelEncoder>, kEncoderLines> encoder_;
+  std::array<std::optional<CounterEncoder>, kEncoderLines> counter_;
+  std::array<std::optional<int>, kEncoderLines> counter_signal_;
+  std::optional<int> steering_signal_;
+  SteeringTrack steering_;
+  std::array<double, kEncoderLines> steering_ratio_{};
   std::array<Angles, kEncoderLines> angle_rad_{};
-  std::array<bool, kEncoderLines> known_{}, uncertain_{};
-  std::array<int, kEncoderLines> unsettled_{};  ///< scans still to come
+  ReferenceFilter::Angles known_{};  ///< of those, what is known of the scans located last
+  std::array<bool, kEncoderLines> uncertain_{};
 };
 
 }  // namespace roadbalance

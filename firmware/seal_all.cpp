@@ -48,9 +48,9 @@ void seal_all(FrontEnd& front_end, const VehicleConfig& vehicle, const NodeConfi
   sealer.start();
   for (Read read; read.status == ReadStatus::kOk; sink.rethrow()) {
     read = front_end.read(scans, edges, signals);
+    sealer.add(std::span(signals).first(read.signals));
     sealer.add(std::span(scans).first(read.scans), std::span(edges).first(read.edges),
                read.edges == edges.size());
-    sealer.add(std::span(signals).first(read.signals));
     if (read.status == ReadStatus::kFailed)
       throw std::runtime_error("front end of node " + node.name + " failed");
   }

@@ -23,7 +23,8 @@ void parse_counter(Section counter, SignalConfig& s) {
   s.latency.mean_s = 1e-3 * counter.number_or("latency_ms", {0, 1000}, 0.0);
   s.latency.mean_sigma_s = 1e-3 * counter.number_or("latency_sigma_ms", {0, 1000}, 0.0);
   s.latency.jitter_s = 1e-3 * counter.number_or("jitter_ms", {0, 1000}, 0.0);
-  s.counter.jitter_s = std::max(s.counter.jitter_s, 3 * s.latency.jitter_s);
+  // Of two messages, each within three times the rms.
+  s.counter.jitter_s = std::max(s.counter.jitter_s, 6 * s.latency.jitter_s);
   counter.finish();
 }
 

@@ -24,12 +24,30 @@ bool CounterAngle::mark(std::int64_t time_ns, const CounterTrack& track) noexcep
     run_ = track.run();
   }
   const double phase = kTurn * position->pulses / pulses_;
+  if (is_false(phase)) {
+    if (++false_in_a_row_ < kSettled) return false;
+    *this = CounterAngle(static_cast<std::int64_t>(pulses_));
+    run_ = track.run();
+  }
+  false_in_a_row_ = 0;
   cosine_ += std::cos(phase);
   sine_ += std::sin(phase);
   random2_ += position->random_sigma * position->random_sigma;
   latency_rate_hz_ += position->rate_hz;
   ++marks_;
   return true;
+}
+
+/// Only where the marks before agree: of a wrong number of pulses each lies elsewhere.
+bool CounterAngle::is_false(double phase) const noexcept {
+  const double widest = std::max(kWidestMark_pulses, 4.0 * expected_pulses());
+  if (marks_ < kSettled || scatter_pulses() > widest) return false;
+  const double off = std::remainder(phase - std::atan2(sine_, cosine_), kTurn) * pulses_ / kTurn;
+  return std::abs(off) > std::max(widest, 4.0 * scatter_pulses());
+}
+
+double CounterAngle::expected_pulses() const noexcept {
+  return marks_ == 0 ? 0.0 : std::sqrt(random2_ / static_cast<double>(marks_));
 }
 
 double CounterAngle::scatter_pulses() const noexcept {
@@ -43,7 +61,7 @@ std::optional<CounterAngle::Angle> CounterAngle::at(std::int64_t time_ns,
   if (marks_ == 0 || run_ != track.run()) return std::nullopt;
   const double scatter = scatter_pulses();
   const auto n = static_cast<double>(marks_);
-  const double expected = std::sqrt(random2_ / n);
+  const double expected = expected_pulses();
   if (scatter > std::max(kWidestMark_pulses, 4.0 * expected)) return std::nullopt;
   const auto position = track.at(time_ns);
   if (!position) return std::nullopt;

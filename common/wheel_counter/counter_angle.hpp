@@ -11,7 +11,9 @@ namespace roadbalance {
 /// wheel: the bus sends none).
 ///
 /// Where the mark lies among the pulses of a turn is the circular mean over all marks of the counter's run.
-/// Without a mark there is no angle, only an angle turned through.
+/// Once kSettled agree, one that lies elsewhere is false, doubled or late and does not count; as many in a
+/// row are right, for the control unit lost counts, and the mean begins anew. Without a mark there is no
+/// angle, only an angle turned through.
 class CounterAngle {
  public:
   struct Angle {
@@ -22,6 +24,7 @@ class CounterAngle {
   /// Marks further from their mean than this are not of one turn: the number of pulses is wrong or counts
   /// were lost by the control unit.
   static constexpr double kWidestMark_pulses = 2.0;
+  static constexpr int kSettled = 8;
 
   /// @throws std::invalid_argument if pulses_per_turn < 1
   explicit CounterAngle(std::int64_t pulses_per_turn);
@@ -40,7 +43,11 @@ class CounterAngle {
 
  private:
   double pulses_;  ///< of a turn
+  bool is_false(double phase) const noexcept;
+  double expected_pulses() const noexcept;
+
   std::int64_t run_ = 0, marks_ = 0;
+  int false_in_a_row_ = 0;
   double cosine_ = 0.0, sine_ = 0.0;  ///< sums over the marks
   double random2_ = 0.0;              ///< sum of the marks' random variance, pulses^2
   double latency_rate_hz_ = 0.0;      ///< sum of the rates at which they passed

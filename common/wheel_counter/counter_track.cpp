@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "common/encoder/least_squares.hpp"
@@ -20,6 +21,17 @@ void CounterTrack::add(std::int64_t time_ns, std::int64_t count, std::int64_t ru
   run_ = run;
   const auto latency_ns = static_cast<std::int64_t>(std::llround(latency_.mean_s * 1e9));
   points_[taken_++ % kKept] = {time_ns - latency_ns, static_cast<double>(count) + 0.5 * step_};
+}
+
+std::int64_t CounterTrack::newest_ns() const noexcept {
+  return taken_ == 0 ? std::numeric_limits<std::int64_t>::min() : point(taken_ - 1).time_ns;
+}
+
+std::size_t CounterTrack::behind(std::int64_t time_ns) const noexcept {
+  const std::size_t kept = std::min(taken_, kKept);
+  std::size_t count = 0;
+  while (count < kept && point(taken_ - 1 - count).time_ns > time_ns) ++count;
+  return count;
 }
 
 std::optional<CounterPosition> CounterTrack::at(std::int64_t time_ns) const noexcept {

@@ -41,6 +41,11 @@ class CounterTrack {
   /// @return nothing unless the instant lies between messages of one run and there are enough of them
   std::optional<CounterPosition> at(std::int64_t time_ns) const noexcept;
 
+  /// Messages that came behind an instant; all that are remembered if it lies before them.
+  std::size_t behind(std::int64_t time_ns) const noexcept;
+  /// The instant of the youngest message; the smallest number there is if none came.
+  std::int64_t newest_ns() const noexcept;
+
   std::int64_t run() const noexcept { return run_; }
 
  private:

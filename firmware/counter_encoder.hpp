@@ -1,0 +1,55 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "common/config/vehicle_config.hpp"
+#include "common/frontend/front_end.hpp"
+#include "common/wheel_counter/counter_angle.hpp"
+#include "common/wheel_counter/counter_track.hpp"
+#include "common/wheel_counter/counter_unwrap.hpp"
+
+namespace roadbalance {
+
+/// A pulse counter on the bus and the zero marks of an encoder line -> wheel angle (conventions.md), live.
+///
+/// An instant lies between messages, and its angle is better the more come behind it: up to kBehind are worth
+/// waiting for.  There is no angle before the first mark of a run of the counter, where messages stay away,
+/// where marks contradict one another, and without a zero mark.  What the counter knows of the wheel's speed
+/// changes is as slow as its messages: torsional motion is not followed.  Never allocates after construction.
+class CounterEncoder {
+ public:
+  static constexpr std::size_t kBehind = CounterTrack::kPoints / 2;
+
+  CounterEncoder(const EncoderConfig& config, const SignalConfig& counter);
+
+  /// An edge of the line: only zero marks count.
+  void add(NodeTime time, EdgeKind kind) noexcept;
+  /// A message of the counter.
+  void add(NodeTime time, double code) noexcept;
+
+  /// As WheelEncoder::angles.
+  [[nodiscard]] bool angles(NodeTime first, double step_ns, std::span<double> angle_rad) const noexcept;
+
+  /// Messages that come soon tell more of this instant.
+  bool is_awaited(NodeTime time) const noexcept;
+
+  const CounterUnwrap::Tally& tally() const noexcept { return unwrap_.tally(); }
+  /// Breaks of the count, after which no mark is known.
+  std::int64_t breaks() const noexcept { return unwrap_.run() > 0 ? unwrap_.run() - 1 : 0; }
+
+ private:
+  static constexpr std::int64_t kSilence_ns = 1'000'000'000;
+  void take_marks() noexcept;
+
+  const EncoderConfig config_;
+  CounterUnwrap unwrap_;
+  CounterTrack track_;
+  CounterAngle angle_;
+  std::array<std::int64_t, 64> pending_ns_{};  ///< marks whose messages are still to come, in order
+  std::size_t pending_marks_ = 0;
+};
+
+}  // namespace roadbalance

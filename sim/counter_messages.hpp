@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "common/frontend/front_end.hpp"
+
+namespace roadbalance::sim {
+
+/// What a control unit sends of a ring whose wheel turns by any function of time: how many of its even teeth
+/// have passed, sampled some time before the message is stamped.
+struct CounterMessages {
+  std::function<double(double)> angle_rad;  ///< of seconds
+  int teeth = 96;
+  double first_tooth_rad = 0.02;
+  std::int64_t modulus = 1024;
+  double rate_hz = 50.0;
+  double latency_s = 0.010, jitter_s = 0.0;  ///< of the stamp behind the count: mean, rms of a normal one
+  double lost = 0.0;                         ///< share of messages
+  std::uint64_t seed = 1;
+  std::uint16_t signal = 0;
+
+  /// In order of stamp.
+  std::vector<SignalSample> samples(double from_s, double to_s) const;
+};
+
+}  // namespace roadbalance::sim
