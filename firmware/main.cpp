@@ -8,6 +8,7 @@
 #include "common/bus/bus.hpp"
 #include "common/config/section.hpp"
 #include "common/frontend/registry.hpp"
+#include "common/frontend/unopened_wiring.hpp"
 #include "common/process/stop_on_signal.hpp"
 #include "firmware/backends/gpio/gpio_source.hpp"
 #include "firmware/backends/replay/front_end.hpp"
@@ -60,15 +61,16 @@ int main(int argc, char** argv) {
     front_ends.add("can", [](const FrontEndRequest& request) { return open_can(request, warn); });
     front_ends.add("usb", [](const FrontEndRequest& request) { return open_usb_front_end(request, warn); });
     front_ends.add("gpio", [](const FrontEndRequest& request) { return open_gpio(request, warn); });
-    const auto front_end =
-        front_ends.open(front_end_uris.empty() ? node.wiring.front_end : front_end_uris, vehicle, node);
-    run_node(signals.token(), vehicle, node, *front_end,
-             {.bus_url = bus_url,
-              .ring_bytes = static_cast<std::size_t>(ring_mib * 1024 * 1024),
-              .spool = spool,
-              .spool_bytes = static_cast<std::uint64_t>(spool_mib * 1024 * 1024),
-              .warn = warn});
-    return 0;
+    const auto& uris = front_end_uris.empty() ? node.wiring.front_end : front_end_uris;
+    const auto front_end = front_ends.open(uris, vehicle, node);
+    for (const std::string& unread : unopened_wiring(node, uris)) warn(unread);
+    const std::int64_t lost = run_node(signals.token(), vehicle, node, *front_end,
+                                       {.bus_url = bus_url,
+                                        .ring_bytes = static_cast<std::size_t>(ring_mib * 1024 * 1024),
+                                        .spool = spool,
+                                        .spool_bytes = static_cast<std::uint64_t>(spool_mib * 1024 * 1024),
+                                        .warn = warn});
+    return lost > 0 ? 3 : 0;
   } catch (const ConfigError& error) {
     std::fprintf(stderr, "rb-node: %s\n", error.what());
     return 2;

@@ -49,7 +49,7 @@ std::unique_ptr<FrontEnd> FrontEndRegistry::open(const std::vector<std::string>&
   if (!scans)
     throw ConfigError("node " + node.name + ": " +
                       (all.empty() ? "no front end" : "no scans come from " + all) +
-                      "; allowed: one device that gives them, e.g. usb: or sim:");
+                      "; allowed: one device that gives them, e.g. usb:1209:0001 or sim:");
   if (sides.empty()) return scans;
   return std::make_unique<MixedFrontEnd>(std::move(scans), std::move(sides), node.rate_hz);
 }

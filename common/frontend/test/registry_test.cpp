@@ -113,11 +113,11 @@ TEST(FrontEndRegistry, WantsExactlyOneDeviceThatGivesScans) {
     }
     return "opened";
   };
-  EXPECT_EQ(refusal({}), "node front: no front end; allowed: one device that gives them, e.g. usb: or sim:");
-  EXPECT_EQ(
-      refusal({"can:can0", "can:can1"}),
-      "node front: no scans come from can:can0, can:can1; allowed: one device that gives them, e.g. usb: "
-      "or sim:");
+  EXPECT_EQ(refusal({}),
+            "node front: no front end; allowed: one device that gives them, e.g. usb:1209:0001 or sim:");
+  EXPECT_EQ(refusal({"can:can0", "can:can1"}),
+            "node front: no scans come from can:can0, can:can1; allowed: one device that gives them, e.g. "
+            "usb:1209:0001 or sim:");
   EXPECT_EQ(refusal({"usb:1", "can:can0", "usb:2"}),
             "front ends usb:1 and usb:2: both give scans; allowed: one that does");
   EXPECT_EQ(refusal({"usb:1", "gpio:0"}),
