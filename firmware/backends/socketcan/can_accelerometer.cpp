@@ -1,17 +1,24 @@
 #include "firmware/backends/socketcan/can_accelerometer.hpp"
 
+#include <array>
+#include <cstdio>
 #include <utility>
 
 namespace roadbalance {
 namespace {
 
 constexpr std::chrono::milliseconds kLongestRead{100};
+constexpr std::chrono::seconds kLongestSilence{2};
 
 }  // namespace
 
 CanAccelerometer::CanAccelerometer(std::unique_ptr<CanIntake> intake, CanDecoder decoder,
-                                   std::uint32_t first_id)
-    : intake_(std::move(intake)), decoder_(std::move(decoder)), first_id_(first_id) {}
+                                   const CanConfig& can, CanIntake::Warn warn)
+    : intake_(std::move(intake)),
+      decoder_(std::move(decoder)),
+      interface_(can.interface),
+      first_id_(can.accelerometer_id.value()),
+      warn_(std::move(warn)) {}
 
 Read CanAccelerometer::read(std::span<Scan> scans, std::span<Edge>,
                             std::span<SignalSample> signals) noexcept {
@@ -31,7 +38,31 @@ Read CanAccelerometer::read(std::span<Scan> scans, std::span<Edge>,
   DeviceReport& report = intake_->report();
   report.count(DeviceCounter::kPacketsMissing, scans_.missing() - missing);
   report.count(DeviceCounter::kPacketsRefused, scans_.repeated() - repeated);
+  listen_for_silence(read.scans > 0);
   return read;
+}
+
+void CanAccelerometer::listen_for_silence(bool any_scan) noexcept {
+  const WallTime now = WallClock::now();
+  if (any_scan || intake_->gone()) {
+    heard_ = now;
+    silence_said_ = false;
+  } else if (!silence_said_ && now - heard_ > kLongestSilence) {
+    silence_said_ = true;
+    warn_(silence());
+  }
+}
+
+std::string CanAccelerometer::silence() const {
+  std::array<char, 80> ids{};
+  std::snprintf(ids.data(), ids.size(),
+                "no scan of the accelerometer module comes (identifiers 0x%X to 0x%X)", first_id_,
+                first_id_ + AccelerometerFrame::kParts - 1);
+  std::string text = intake_->report().device() + ": " + ids.data();
+  const auto link = query_can_link(interface_.c_str());
+  if (link && !link->takes_fd)
+    text += "; " + interface_ + " carries no CAN FD, in case the module sends that";
+  return text;
 }
 
 void CanAccelerometer::take(const CanArrival& arrival, std::span<Scan> scans, std::span<SignalSample> signals,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "firmware/backends/socketcan/accelerometer_scans.hpp"
 #include "firmware/backends/socketcan/can_decoder.hpp"
@@ -9,9 +10,13 @@
 namespace roadbalance {
 
 /// The scans of an accelerometer module on a CAN interface, and the signals that come on the same one.
+///
+/// A module that gives no scan for two seconds while the interface is there is told, once for each silence.
 class CanAccelerometer final : public FrontEnd {
  public:
-  CanAccelerometer(std::unique_ptr<CanIntake> intake, CanDecoder decoder, std::uint32_t first_id);
+  /// @param warn  hears that, from the thread that reads
+  CanAccelerometer(std::unique_ptr<CanIntake> intake, CanDecoder decoder, const CanConfig& can,
+                   CanIntake::Warn warn);
 
   Read read(std::span<Scan> scans, std::span<Edge> edges, std::span<SignalSample> signals) noexcept override;
   ScanStamps scan_stamps() const noexcept override { return ScanStamps::kReadOut; }
@@ -20,11 +25,17 @@ class CanAccelerometer final : public FrontEnd {
  private:
   void take(const CanArrival& arrival, std::span<Scan> scans, std::span<SignalSample> signals,
             Read& read) noexcept;
+  void listen_for_silence(bool any_scan) noexcept;
+  std::string silence() const;
 
   const std::unique_ptr<CanIntake> intake_;
   const CanDecoder decoder_;
+  const std::string interface_;
   const std::uint32_t first_id_;
+  const CanIntake::Warn warn_;
   AccelerometerScans scans_;
+  WallTime heard_ = WallClock::now();  ///< a scan, or that the interface is gone
+  bool silence_said_ = false;
 };
 
 }  // namespace roadbalance

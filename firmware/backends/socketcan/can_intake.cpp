@@ -32,7 +32,7 @@ CanIntake::CanIntake(const std::string& interface, CanNeed need, std::vector<Can
 CanIntake::~CanIntake() = default;
 
 NodeTime CanIntake::complete_until() const noexcept {
-  if (gone_.load(std::memory_order_acquire)) return as_node_time(MachineClock::now());
+  if (gone()) return as_node_time(MachineClock::now());
   return node_time_from_ns(complete_ns_.load(std::memory_order_acquire));
 }
 

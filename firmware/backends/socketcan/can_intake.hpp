@@ -51,6 +51,9 @@ class CanIntake {
   /// Every frame stamped before is in the queue or was lost; of an interface that is gone: the present.
   NodeTime complete_until() const noexcept;
 
+  /// The interface is away; why, is said by this.
+  bool gone() const noexcept { return gone_.load(std::memory_order_acquire); }
+
   /// Counts for the reader, too.
   DeviceReport& report() { return report_; }
   const DeviceReport& report() const { return report_; }

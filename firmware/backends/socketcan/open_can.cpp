@@ -54,7 +54,7 @@ OpenedDevice open_can(const FrontEndRequest& request, const CanIntake::Warn& war
   auto intake = std::make_unique<CanIntake>(
       can.interface, CanNeed{.role = can.role, .fd = decoder.needs_fd()}, std::move(wanted), warn);
   if (can.accelerometer_id)
-    return std::make_unique<CanAccelerometer>(std::move(intake), std::move(decoder), *can.accelerometer_id);
+    return std::make_unique<CanAccelerometer>(std::move(intake), std::move(decoder), can, warn);
   return std::make_unique<CanSignalSource>(std::move(intake), std::move(decoder));
 }
 
