@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <ctime>
@@ -171,6 +172,7 @@ void add(const RunResult& run, RunResult& all) {
   all.declared_scans += run.declared_scans;
   all.tail_scans += run.tail_scans;
   all.recorder_boots += run.recorder_boots;
+  all.deaths_at_call += run.deaths_at_call;
   all.node_boots += run.node_boots;
   all.clock_windows += run.clock_windows;
   all.clock_covered += run.clock_covered;
@@ -181,7 +183,8 @@ void add(const RunResult& run, RunResult& all) {
 
 }  // namespace
 
-Summary summarise(const FaultScenario& scenario, const std::vector<RunResult>& results) {
+Summary summarise(const FaultScenario& scenario, const std::vector<RunResult>& results,
+                  const CampaignOptions& options) {
   Summary summary;
   summary.scenario = scenario.name;
   for (RunResult run : results) {
@@ -191,22 +194,27 @@ Summary summarise(const FaultScenario& scenario, const std::vector<RunResult>& r
     ++summary.runs;
     if (run.faults > 0) summary.failed.push_back(run);
   }
+  if (scenario.expect.dies_at_calls && summary.all.deaths_at_call < summary.runs)
+    summary.missed = "recorders died before a call of their disk " +
+                     std::to_string(summary.all.deaths_at_call) + " times only";
+  if (summary.blocks_per_s() < options.least_blocks_per_s)
+    summary.missed = std::to_string(std::lround(summary.blocks_per_s())) + " blocks a second, wanted are " +
+                     std::to_string(std::lround(options.least_blocks_per_s));
   return summary;
 }
 
 std::string line_of(const Summary& summary) {
   const RunResult& all = summary.all;
-  const double per_s = all.processor_s > 0 ? static_cast<double>(all.blocks) / all.processor_s : 0;
   char text[400];
   std::snprintf(text, sizeof text,
                 "%-22s %5lld seeds %6.0f s of bus %9lld blocks  lost %lld  declared %lld + tails %lld scans  "
-                "sends %.3f  durable %.2f s  pull %.2f s  boots %lld+%lld  %4.0f k blocks/s",
+                "sends %.3f  durable %.2f s  pull %.2f s  boots %lld+%lld, %lld at calls  %4.0f k blocks/s",
                 summary.scenario.c_str(), static_cast<long long>(summary.runs), all.bus_s,
                 static_cast<long long>(all.blocks), static_cast<long long>(all.lost_scans),
                 static_cast<long long>(all.declared_scans), static_cast<long long>(all.tail_scans),
                 summary.worst_sends_per_block, all.longest_to_durable_s, all.longest_pull_cleared_s,
                 static_cast<long long>(all.recorder_boots), static_cast<long long>(all.node_boots),
-                per_s * 1e-3);
+                static_cast<long long>(all.deaths_at_call), summary.blocks_per_s() * 1e-3);
   if (all.clock_windows == 0) return text;
   char clocks[80];
   std::snprintf(clocks, sizeof clocks, "  clocks covered %.5f of %lld",

@@ -16,6 +16,7 @@ struct CampaignOptions {
   int jobs = 1;
   std::optional<double> seconds;  ///< of production instead of the scenario's own, but no less than it needs
   std::string dump;               ///< folder; empty: none
+  double least_blocks_per_s = 0;  ///< of one core
 };
 
 /// All runs of one scenario, in order of seed.
@@ -28,8 +29,16 @@ struct Summary {
   RunResult all;                     ///< sums; longest of what is a longest
   double worst_sends_per_block = 0;  ///< of the runs
   std::vector<RunResult> failed;     ///< broke a promise, or did not reach what the scenario expects
+  std::string missed;                ///< what all of them together did not reach; empty: nothing
+
+  bool good() const { return failed.empty() && missed.empty(); }
+  /// Of one core.
+  double blocks_per_s() const {
+    return all.processor_s > 0 ? static_cast<double>(all.blocks) / all.processor_s : 0;
+  }
 };
-Summary summarise(const FaultScenario& scenario, const std::vector<RunResult>& results);
+Summary summarise(const FaultScenario& scenario, const std::vector<RunResult>& results,
+                  const CampaignOptions& options);
 
 /// One line for people.
 std::string line_of(const Summary& summary);

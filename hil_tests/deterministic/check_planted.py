@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Every planted fault must be caught:  check_planted.py RB_FAULTS_PLANTED CHECK_RECORD
 
-Runs seeds of a scenario with the fault until the promises checked inside the program break, and, where the fault
-shows in the record, holds the record of that run against tools/check_record.py, too.  Without a fault neither may
-find anything.  Exit codes: 0 all caught, 1 not, 2 usage.
+Runs seeds of a scenario with the fault until the promises checked inside the program break, and from there on until
+tools/check_record.py, which shares nothing with it, calls a record damaged.  Without a fault neither may find
+anything.  Exit codes: 0 all caught by both, 1 not, 2 usage.
 """
 
 import pathlib
@@ -14,24 +14,24 @@ import tempfile
 SECONDS = "10"
 SEEDS = 12
 
-# Fault: scenario, and whether the record alone shows it.
+# Fault: the scenario that brings it out.
 FAULTS = {
-    "free_on_receive": ("power_cut", False),
-    "epoch_reused": ("node_killed", False),
-    "no_heartbeat": ("loss_60", False),
-    "no_deduplication": ("duplicates_reordered", True),
-    "overwrite_oldest": ("ring_full", False),
-    "ack_before_sync": ("power_cut", False),
-    "silent_ring_full": ("ring_full", True),
-    "gap_off_by_one": ("ring_full", True),
-    "no_crash_gap": ("node_killed", False),
-    "stale_recorder": ("two_recorders", False),
-    "no_folder_sync": ("power_cut", False),
-    "torn_tail_kept": ("power_cut", True),
-    "retry_failed_sync": ("power_cut_failing_disk", False),
-    "lost_declared_late": ("two_recorders", True),
-    "blocks_swapped": ("loss_00", True),
-    "block_altered": ("loss_00", True),
+    "free_on_receive": "power_cut",
+    "epoch_reused": "node_killed",
+    "no_heartbeat": "loss_60",
+    "no_deduplication": "duplicates_reordered",
+    "overwrite_oldest": "ring_full",
+    "ack_before_sync": "power_cut",
+    "silent_ring_full": "ring_full",
+    "gap_off_by_one": "ring_full",
+    "no_crash_gap": "node_killed",
+    "stale_recorder": "two_recorders",
+    "no_folder_sync": "power_cut",
+    "torn_tail_kept": "power_cut",
+    "retry_failed_sync": "power_cut_failing_disk",
+    "lost_declared_late": "two_recorders",
+    "blocks_swapped": "loss_00",
+    "block_altered": "loss_00",
 }
 
 
@@ -56,21 +56,19 @@ class Checks:
                                capture_output=True, check=False).returncode
                 for record in sorted(dump.iterdir())]
 
-    def catch(self, fault, scenario, in_record):
+    def catch(self, fault, scenario):
         """What is wrong with the catching of this fault, or nothing."""
         seed = next((seed for seed in range(1, SEEDS + 1) if not self.run(scenario, 1, seed, fault)), None)
         if seed is None:
             return f"not caught in {SEEDS} seeds of {scenario}"
         print(f"{fault}: caught in {scenario}, seed {seed}", end="", flush=True)
-        if not in_record:
-            return print()
         for again in range(seed, SEEDS + 1):
             dump = self.folder / f"{fault}-{again}"
             self.run(scenario, 1, again, fault, dump)
             if 1 in self.verdicts(dump):
                 return print(f", and in the record of seed {again} by check_record.py")
         print()
-        return "not caught by check_record.py in the record"
+        return f"not caught by check_record.py in {SEEDS} seeds of {scenario}"
 
     def is_clean(self, scenario):
         dump = self.folder / scenario
@@ -90,10 +88,10 @@ def main(arguments):
     wrong = []
     with tempfile.TemporaryDirectory() as folder:
         checks = Checks(arguments[1], arguments[2], pathlib.Path(folder))
-        for scenario in sorted({scenario for scenario, _ in FAULTS.values()}):
+        for scenario in sorted(set(FAULTS.values())):
             wrong += [found] if (found := checks.is_clean(scenario)) else []
-        for fault, (scenario, in_record) in FAULTS.items():
-            wrong += [f"{fault}: {found}"] if (found := checks.catch(fault, scenario, in_record)) else []
+        for fault, scenario in FAULTS.items():
+            wrong += [f"{fault}: {found}"] if (found := checks.catch(fault, scenario)) else []
     for line in wrong:
         print(line)
     return 1 if wrong else 0

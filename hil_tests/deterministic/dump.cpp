@@ -15,16 +15,25 @@ void write_file(const std::filesystem::path& path, const char* bytes, std::size_
   if (!stream) throw std::runtime_error("cannot write " + path.string());
 }
 
+// What an epoch's nodes and recorders said and did, for tools/record_check/truth.py to judge.
+nlohmann::json deeds_of(const EpochTruth& epoch, const RecordCheck::Said& said) {
+  nlohmann::json declared = nlohmann::json::array();
+  for (const auto& [sequence, then] : said.declared)
+    declared.push_back({{"sequence", sequence}, {"promised", then.promised}, {"released", then.released}});
+  return {{"node", epoch.node},       {"epoch", epoch.epoch},      {"openings", epoch.openings},
+          {"scans", epoch.scans},     {"promised", said.promised}, {"declared", declared},
+          {"gave_up", epoch.gave_up}, {"obeyed", epoch.obeyed}};
+}
+
 // Of several recorders only the one that saw the end of an epoch must have it.
 std::string truth_of(const Truth& truth, const RecordCheck& check, bool only_recorder) {
   nlohmann::json epochs = nlohmann::json::array();
   for (const auto& [key, epoch] : truth.epochs()) {
     const bool must_end = only_recorder || check.is_closed(epoch.node, epoch.epoch);
-    epochs.push_back({{"node", epoch.node},
-                      {"epoch", epoch.epoch},
-                      {"scans", epoch.scans},
-                      {"ended", epoch.ended && must_end},
-                      {"killed", epoch.killed && must_end}});
+    const RecordCheck::Said* said = check.said(epoch.node, epoch.epoch);
+    epochs.push_back(deeds_of(epoch, said ? *said : RecordCheck::Said()));
+    epochs.back()["ended"] = epoch.ended && must_end;
+    epochs.back()["killed"] = epoch.killed && must_end;
   }
   return nlohmann::json{{"hashed", true}, {"epochs", epochs}}.dump(2) + "\n";
 }

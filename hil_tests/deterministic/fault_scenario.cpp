@@ -57,6 +57,7 @@ std::optional<double> read_limit(Section& table, const std::string& key) {
 Expectation read_expectation(Section table) {
   Expectation expect;
   expect.complete = table.boolean_or("complete", false);
+  expect.dies_at_calls = table.boolean_or("dies_at_calls", false);
   expect.sends_per_block = read_limit(table, "most_sends_per_block");
   expect.to_durable_s = read_limit(table, "longest_to_durable_s");
   expect.pull_cleared_s = read_limit(table, "longest_pull_cleared_s");

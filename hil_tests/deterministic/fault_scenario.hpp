@@ -49,7 +49,8 @@ struct PlannedFault {
 
 /// [expect]: what a run must reach beyond the promise itself.
 struct Expectation {
-  bool complete = false;  ///< nothing may be missing, not even declared
+  bool complete = false;       ///< nothing may be missing, not even declared
+  bool dies_at_calls = false;  ///< a recorder dies before a call of its disk once a run at least, on average
   std::optional<double> sends_per_block, to_durable_s, pull_cleared_s, clock_coverage;
 };
 

@@ -25,6 +25,7 @@ SimulatedDisk::Outcome HostMachine::disk_call(DiskCall call) {
   const bool counts = !dies_at_sync_ || call == DiskCall::kSyncData || call == DiskCall::kSync;
   if (calls_to_live_ > 0 && counts && --calls_to_live_ == 0) {
     died_ = true;
+    ++deaths_at_call_;
     if (dies_of_power_) return {.power_cut = true};
     disk_.kill();  // this call and all that follow fail, and nobody hears of them
   }
@@ -50,10 +51,13 @@ std::chrono::nanoseconds HostMachine::disk_cost(DiskCall call, std::size_t bytes
 void HostMachine::check_finished() {
   constexpr int kBehind = 4;
   if (boots_ == 0 || disk_.is_off()) return;
+  // The check's own calls are none of the recorder's.
   const double failing = std::exchange(failing_, 0);
+  const int calls_to_live = std::exchange(calls_to_live_, 0);
   const auto numbers = segment_numbers(kFolder, disk_);
   if (!numbers.empty()) check_through(numbers.back() - kBehind);
   failing_ = failing;
+  calls_to_live_ = calls_to_live;
 }
 
 void HostMachine::check_record() {

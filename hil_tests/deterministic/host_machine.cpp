@@ -167,9 +167,7 @@ void HostMachine::write(std::int64_t now_ns) {
   else
     p.keeper.keep_house();
   if (died_) return;
-  const std::int64_t took_ns = take_elapsed_ns();
-  longest_sync_s_ = std::max(longest_sync_s_, static_cast<double>(took_ns) * 1e-9);
-  p.busy_until_ns = now_ns + took_ns;
+  p.busy_until_ns = now_ns + take_elapsed_ns();
 }
 
 std::vector<Delivery> HostMachine::deliveries() {

@@ -67,8 +67,9 @@ class HostMachine {
   static constexpr const char* kFolder = "/record";
 
   double longest_to_durable_s() const { return longest_to_durable_s_; }
-  double longest_sync_s() const { return longest_sync_s_; }
   int boots() const { return boots_; }
+  /// How often it died before a call of its disk, not between two turns.
+  int deaths_at_call() const { return deaths_at_call_; }
 
  private:
   struct Program;
@@ -103,9 +104,9 @@ class HostMachine {
   std::int64_t elapsed_seen_ns_ = 0;
   std::int64_t utc_offset_us_ = 0;
   int boots_ = 0;
+  int deaths_at_call_ = 0;
   std::map<std::pair<std::int32_t, std::int64_t>, std::int64_t> durable_;
   double longest_to_durable_s_ = 0;
-  double longest_sync_s_ = 0;
 };
 
 }  // namespace roadbalance::test

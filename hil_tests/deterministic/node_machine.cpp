@@ -94,7 +94,6 @@ struct NodeMachine::Program {
   std::int64_t started_ns = 0;    // the device's index 0
   bool stopped = false;
   std::int64_t highest_owner = 0;
-  bool spool_failed = false;
 };
 
 NodeMachine::NodeMachine(const FaultScenario& scenario, std::int32_t number, std::uint64_t seed, Truth& truth)
@@ -117,7 +116,7 @@ void NodeMachine::boot(std::int64_t now_ns) {
                                        random_.bits());
   program_->disk.set_fault([this](DiskCall, std::int64_t, const std::string&) {
     if (!random_.chance(spool_failing_)) return SimulatedDisk::Outcome{};
-    program_->spool_failed = true;
+    program_->truth.gave_up = true;
     return SimulatedDisk::Outcome{.error = EIO};
   });
   program_->started_ns = now_ns;
@@ -209,13 +208,16 @@ void NodeMachine::watch_freed(std::string_view channel, std::span<const std::uin
   if (p.uplink.owner() != 0 && p.uplink.owner() < p.highest_owner)
     fault("obeys recorder " + std::to_string(p.uplink.owner()) + " after " + std::to_string(p.highest_owner));
   p.highest_owner = std::max(p.highest_owner, p.uplink.owner());
+  if (p.uplink.owner() != 0) p.truth.obeys(p.uplink.owner());
   const std::int64_t base = p.backlog.base();
   if (base == base_before) return;
   // Only what the node's own disk does not give back is given up, which the recorder then declares.
-  if (base - 1 > p.truth.promised && !p.spool_failed)
+  if (base - 1 > p.truth.promised && !p.truth.gave_up)
     fault("gave back block " + std::to_string(base - 1) + ", durable is " + std::to_string(p.truth.promised));
   const auto ack = channel.starts_with("RB_ACK_") ? decode_ack(bytes) : std::nullopt;
-  if (ack && ack->incarnation < p.highest_owner) fault("gave blocks back to a recorder of the past");
+  if (!ack) return;
+  p.truth.obeys(ack->incarnation);
+  if (ack->incarnation < p.highest_owner) fault("gave blocks back to a recorder of the past");
 }
 
 void NodeMachine::take(std::string_view channel, std::span<const std::uint8_t> bytes, std::int64_t now_ns) {

@@ -23,13 +23,13 @@ RecordCheck::Seen& RecordCheck::seen(Key key) {
 }
 
 void RecordCheck::promised(std::int32_t node, std::int64_t epoch, std::int64_t sequence) {
-  Seen& of = seen({node, epoch});
+  Said& of = seen({node, epoch}).said;
   of.promised = std::max(of.promised, sequence);
 }
 
 void RecordCheck::declared(std::int32_t node, std::int64_t epoch, std::int64_t sequence) {
   Seen& of = seen({node, epoch});
-  of.promised_at[sequence] = of.promised;
+  of.said.declared[sequence] = {.promised = of.said.promised, .released = of.truth ? of.truth->promised : 0};
 }
 
 void RecordCheck::take(std::string_view channel, std::span<const std::uint8_t> bytes) {
@@ -74,10 +74,11 @@ void RecordCheck::take_declared(const SealedBlock& block, Seen& of) {
   if (cause != GapCause::kLostAtNode && cause != GapCause::kNodeCrash)
     return fault(header, "declares what only a node can");
   if (header.sequence <= of.sequence) return fault(header, "a declared gap is there twice or out of order");
-  const auto promised = of.promised_at.find(header.sequence);
-  if (promised == of.promised_at.end()) return fault(header, "is a gap that no recorder declared");
-  if (promised->second > of.sequence)
-    fault(header, "declares lost what was called durable through " + std::to_string(promised->second));
+  const auto declared = of.said.declared.find(header.sequence);
+  if (declared == of.said.declared.end()) return fault(header, "is a gap that no recorder declared");
+  if (declared->second.promised > of.sequence)
+    fault(header,
+          "declares lost what was called durable through " + std::to_string(declared->second.promised));
   if (cause == GapCause::kNodeCrash) {
     if (header.sequence != of.sequence + 1) fault(header, "a crash is declared out of sequence");
     if (!of.truth->killed && !of.truth->gone) fault(header, "declares the crash of a node that lives");
@@ -124,6 +125,11 @@ bool RecordCheck::is_closed(std::int32_t node, std::int64_t epoch) const {
   return found != seen_.end() && (found->second.ended || found->second.crashed);
 }
 
+const RecordCheck::Said* RecordCheck::said(std::int32_t node, std::int64_t epoch) const {
+  const auto found = seen_.find({node, epoch});
+  return found == seen_.end() ? nullptr : &found->second.said;
+}
+
 std::int64_t RecordCheck::checked(std::int32_t node, std::int64_t epoch) const {
   const auto found = seen_.find({node, epoch});
   return found == seen_.end() ? 0 : found->second.sequence;
@@ -140,9 +146,9 @@ void RecordCheck::finish(Seen& of, bool closed) {
   const EpochTruth& epoch = *of.truth;
   const std::string name = "node " + std::to_string(epoch.node) + " epoch " + std::to_string(epoch.epoch);
   const std::int64_t missing = of.next_scan == kUnknown ? 0 : epoch.scans - of.next_scan;
-  if (of.promised > of.sequence)
-    truth_.fault(name + ": called durable through " + std::to_string(of.promised) + ", recorded through " +
-                 std::to_string(of.sequence));
+  if (of.said.promised > of.sequence)
+    truth_.fault(name + ": called durable through " + std::to_string(of.said.promised) +
+                 ", recorded through " + std::to_string(of.sequence));
   if (of.ended && !of.crashed) {
     if (missing != 0) truth_.fault(name + ": " + std::to_string(missing) + " scans lie behind its end");
   } else if (of.crashed || (epoch.killed && of.sequence == 0)) {

@@ -33,6 +33,16 @@ class RecordCheck {
   void finish(bool closed);
   /// Its end or its declared crash was seen.
   bool is_closed(std::int32_t node, std::int64_t epoch) const;
+  /// What was said of an epoch before its record is looked at; null: nothing.
+  struct Said {
+    std::int64_t promised = 0;  ///< by this recorder: durable through
+    struct Declared {
+      std::int64_t promised = 0;  ///< by this recorder, then
+      std::int64_t released = 0;  ///< by any, then
+    };
+    std::map<std::int64_t, Declared> declared;  ///< [sequence of a gap]
+  };
+  const Said* said(std::int32_t node, std::int64_t epoch) const;
   /// The last sequence seen of an epoch.
   std::int64_t checked(std::int32_t node, std::int64_t epoch) const;
 
@@ -49,10 +59,9 @@ class RecordCheck {
   struct Seen {
     EpochTruth* truth = nullptr;
     HashedScans samples;
-    std::int64_t promised = 0;
-    std::map<std::int64_t, std::int64_t> promised_at;  // when the gap with this number was declared
-    std::int64_t sequence = 0;                         // last one
-    std::int64_t next_scan = 0;                        // kUnknown behind a loss of unknown length
+    Said said;
+    std::int64_t sequence = 0;   // last one
+    std::int64_t next_scan = 0;  // kUnknown behind a loss of unknown length
     bool crashed = false;
     bool ended = false;
   };

@@ -20,6 +20,7 @@ struct RunResult {
   double longest_to_durable_s = 0;
   double longest_pull_cleared_s = 0;
   std::int64_t recorder_boots = 0;
+  std::int64_t deaths_at_call = 0;  ///< of recorders, before a call of their disk
   std::int64_t node_boots = 0;
   std::int64_t clock_windows = 0;
   std::int64_t clock_covered = 0;

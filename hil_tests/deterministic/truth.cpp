@@ -23,6 +23,7 @@ EpochTruth& Truth::open(std::int32_t node, std::int64_t epoch) {
   if (!is_new) fault("node " + std::to_string(node) + " began an epoch it had before");
   at->second.node = node;
   at->second.epoch = epoch;
+  ++at->second.openings;
   return at->second;
 }
 

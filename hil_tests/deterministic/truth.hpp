@@ -18,7 +18,14 @@ struct EpochTruth {
   bool ended = false;      ///< its end is sealed
   bool killed = false;
   bool gone = false;  ///< its program ended in order: its owner had everything, but others may not know
+  int openings = 0;   ///< runs of the node that called it theirs; one, if all is well
   std::int64_t promised = 0;  ///< called durable by an acknowledgement of any recorder
+  bool gave_up = false;       ///< its own disk failed: it may give back what nobody called durable
+  /// Incarnations of the recorders it gave blocks back to or took as its owner, each change.
+  std::vector<std::int64_t> obeyed;
+  void obeys(std::int64_t incarnation) {
+    if (obeyed.empty() || obeyed.back() != incarnation) obeyed.push_back(incarnation);
+  }
   struct Block {
     std::uint32_t crc = 0;
     std::int64_t sealed_ns = 0;

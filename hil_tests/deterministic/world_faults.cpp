@@ -72,7 +72,6 @@ void World::turn_host_fault(const Timed& timed, bool on) {
   switch (timed.fault->kind) {
     case FaultKind::kKillRecorder:
     case FaultKind::kPowerCut:
-      host.down += on ? 1 : -1;
       return turn_death(timed, host, on);
     case FaultKind::kPauseRecorder:
       host.machine->pause(on);

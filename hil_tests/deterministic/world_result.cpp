@@ -37,6 +37,7 @@ RunResult World::result() {
     result.tail_scans += check.crash_tail_scans();
     result.longest_to_durable_s = std::max(result.longest_to_durable_s, host.machine->longest_to_durable_s());
     result.recorder_boots += host.machine->boots();
+    result.deaths_at_call += host.machine->deaths_at_call();
   }
   for (const auto& [key, epoch] : truth_.epochs()) {
     result.scans += epoch.scans;
