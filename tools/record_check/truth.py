@@ -14,6 +14,9 @@ A block's samples are computed together: each in a lane of 128 bits of one big i
 
 import json
 import struct
+from itertools import chain
+
+from record_check.promises import broken_promises
 
 MASK = (1 << 64) - 1
 STEP = 0x9E3779B97F4A7C15
@@ -66,7 +69,7 @@ def first_wrong_sample(expected, counts, scans):
 
 
 class Truth:
-    """truth.json: {"hashed": true, "epochs": [{"node", "epoch", "scans", "ended", "killed"}]}."""
+    """truth.json: {"hashed": true, "epochs": [{"node", "epoch", "scans", "ended", "killed", and as promises.py says}]}."""
 
     def __init__(self, path):
         with open(path, encoding="utf-8") as file:
@@ -74,11 +77,10 @@ class Truth:
         if text.get("hashed") is not True:
             raise ValueError(f'{path}: "hashed": true is missing')
         self.epochs = {}
-        self.twice = []
         for entry in text["epochs"]:
             key = (int(entry["node"]), int(entry["epoch"]))
             if key in self.epochs:
-                self.twice.append(key)
+                raise ValueError(f"{path}: node {key[0]} epoch {key[1]} is there twice")
             self.epochs[key] = entry
         self._hashed = {}
 
@@ -94,12 +96,11 @@ class Truth:
 
     def contradictions(self, epochs):
         """Where the record does not hold what was produced: (node, epoch, why).  @param epochs  Epoch by key"""
-        for key in self.twice:
-            yield *key, "two runs of the node had this epoch"
         for key in epochs.keys() - self.epochs.keys():
             yield *key, "no such epoch was produced"
         for key, true in self.epochs.items():
-            yield from ((*key, why) for why in self._against(true, epochs.get(key)))
+            epoch = epochs.get(key)
+            yield from ((*key, why) for why in chain(self._against(true, epoch), broken_promises(true, epoch)))
 
     @staticmethod
     def _against(true, epoch):

@@ -7,7 +7,7 @@ import struct
 import tempfile
 import unittest
 
-from records import COMPLETE, DAMAGED, INCOMPLETE, TYPES, Record, check, message, record_a_drive, with_crc
+from records import COMPLETE, DAMAGED, INCOMPLETE, TYPES, UNREADABLE, Record, check, message, record_a_drive, with_crc
 
 from record_check.truth import ACCELERATIONS, CHANNELS, HashedEpoch
 
@@ -17,6 +17,12 @@ JOURNAL = b"RB_JOURNAL"
 
 def counts(data):
     return list(struct.unpack_from(">320i", data, COUNTS_AT))
+
+
+def true_epoch(node, epoch):
+    """What truth.json says of an epoch that one run of a node began and ended, and of which nothing was promised."""
+    return {"node": node, "epoch": epoch, "openings": 1, "scans": 0, "ended": True, "killed": False, "promised": 0,
+            "declared": [], "gave_up": False, "obeyed": []}
 
 
 def with_counts(data, values):
@@ -41,7 +47,7 @@ class TruthMode(unittest.TestCase):
             for at in record.places("SCAN", node):
                 channel, data = record.events[at]
                 _, epoch, _, first, scans = struct.unpack_from(">iqqqq", data, 8)
-                true = cls.epochs.setdefault(node, {"node": node, "epoch": epoch, "scans": 0, "ended": True, "killed": False})
+                true = cls.epochs.setdefault(node, true_epoch(node, epoch))
                 true["scans"] += scans
                 values, rows = counts(data), HashedEpoch(node, epoch).rows(first)
                 for row in range(20):
@@ -61,6 +67,9 @@ class TruthMode(unittest.TestCase):
         code, found = check(self.folder, "--truth", path)
         self.assertEqual(code, verdict, found)
         return found
+
+    def says_of_node_1(self, line):
+        self.assertEqual(self.says(DAMAGED)["nodes"][0]["contradictions"], [line])
 
     def change(self, places, change):
         """`change` the counts of the blocks in these places, all together."""
@@ -109,12 +118,62 @@ class TruthMode(unittest.TestCase):
         self.says(DAMAGED)
 
     def test_an_epoch_that_is_not_there(self):
-        self.true["3"] = {"node": 3, "epoch": 5, "scans": 100, "ended": True, "killed": False}
+        self.true["3"] = true_epoch(3, 5) | {"scans": 100}
         self.says(DAMAGED)
 
     def test_an_epoch_that_two_runs_shared(self):
+        self.true["1"]["openings"] = 2
+        self.says_of_node_1("2 runs of the node had this epoch")
+
+    def test_a_truth_that_names_an_epoch_twice_is_refused(self):
         self.true["again"] = self.true["1"]
-        self.says(DAMAGED)
+        self.says(UNREADABLE)
+
+    def test_a_node_that_obeyed_a_recorder_of_the_past(self):
+        self.true["1"]["obeyed"] = [5, 7, 7, 8]
+        self.says(COMPLETE)
+        self.true["1"]["obeyed"] = [5, 7, 5]
+        self.says_of_node_1("the node obeyed recorder 5 after recorder 7")
+
+    def test_more_was_called_durable_than_is_there(self):
+        last = self.sequence(self.record.places("END")[0])
+        self.true["1"]["promised"] = last
+        self.says(COMPLETE)
+        self.true["1"]["promised"] = last + 1
+        self.says_of_node_1(f"called durable through block {last + 1}, recorded through {last}")
+
+    def sequence(self, at):
+        return struct.unpack_from(">q", self.record.events[at][1], 20)[0]
+
+    def lose_a_block_at_the_node(self):
+        """A recorder's gap takes the place of one block; returns its number."""
+        at = self.record.places("SCAN", 1)[40]
+        _, epoch, sequence, first_scan, scans = struct.unpack_from(">iqqqq", self.record.events[at][1], 8)
+        gap = message("gap_t", node=1, epoch=epoch, sequence=sequence, first_scan=first_scan, scans=scans, cause=4)
+        self.record.events[at] = b"RB_BLOCK_1_GAP", gap
+        self.record.write()
+        return sequence
+
+    def test_a_loss_at_the_node_of_what_another_recorder_has(self):
+        lost = self.lose_a_block_at_the_node()
+        self.true["1"]["declared"] = [{"sequence": lost, "promised": lost - 1, "released": lost}]
+        self.says(INCOMPLETE)
+
+    def test_a_loss_at_the_node_of_what_nobody_has(self):
+        lost = self.lose_a_block_at_the_node()
+        self.true["1"]["declared"] = [{"sequence": lost, "promised": lost - 1, "released": lost - 1}]
+        self.says_of_node_1(f"the node gave back blocks through {lost}; through {lost - 1} they were called durable")
+        self.true["1"]["gave_up"] = True
+        self.says(INCOMPLETE)
+
+    def test_a_loss_of_what_was_called_durable(self):
+        lost = self.lose_a_block_at_the_node()
+        self.true["1"]["declared"] = [{"sequence": lost, "promised": lost, "released": lost}]
+        self.says_of_node_1(f"blocks {lost} to {lost} are declared lost; through {lost} they were called durable")
+
+    def test_a_loss_that_its_recorder_never_declared(self):
+        lost = self.lose_a_block_at_the_node()
+        self.says_of_node_1(f"gap {lost} is one that its recorder never declared")
 
     def kill_node_1(self, declared):
         end = self.record.places("END")[0]
@@ -123,6 +182,7 @@ class TruthMode(unittest.TestCase):
         if declared:
             gap = message("gap_t", node=1, epoch=epoch, sequence=sequence, first_scan=first_scan, cause=5)
             self.record.events.append((b"RB_BLOCK_1_GAP", gap))
+            self.true["1"]["declared"] = [{"sequence": sequence, "promised": sequence - 1, "released": sequence - 1}]
         self.record.write()
         self.true["1"].update(killed=True, ended=False, scans=self.true["1"]["scans"] + 30)
 
