@@ -24,8 +24,11 @@ void tell(const Sealer& sealer, NodeState state, AcquireLink& link) noexcept {
   link.scans_missing.store(sealer.counts().scans_missing, kRelaxed);
   link.unreferenced_blocks.store(sealer.counts().unreferenced_blocks, kRelaxed);
   link.scans_refused.store(sealer.counts().scans_refused, kRelaxed);
-  for (std::size_t line = 0; line < kEncoderLines; ++line)
-    link.encoder_faults[line].store(sealer.encoder_faults(static_cast<int>(line)), kRelaxed);
+  for (std::size_t line = 0; line < kEncoderLines; ++line) {
+    DeviceReport& encoder = link.encoder[line];
+    const std::int64_t faults = sealer.encoder_faults(static_cast<int>(line));
+    encoder.count(DeviceCounter::kFaultyTurns, faults - encoder.of(DeviceCounter::kFaultyTurns));
+  }
   link.state.store(state, std::memory_order_release);
 }
 

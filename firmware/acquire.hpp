@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <stop_token>
 
+#include "common/frontend/device_report.hpp"
 #include "common/frontend/front_end.hpp"
 #include "firmware/pack.hpp"
 
@@ -21,7 +22,8 @@ struct AcquireLink {
       NodeState::kPreview};  ///< kEnded and kFailed are final: nothing more is sealed
   std::atomic<std::int64_t> time_ns{0};
   std::atomic<std::int64_t> scans_sampled{0}, scans_missing{0}, scans_refused{0}, unreferenced_blocks{0};
-  std::array<std::atomic<std::int64_t>, kEncoderLines> encoder_faults{};
+  std::array<DeviceReport, kEncoderLines> encoder{DeviceReport("encoder of line 0"),
+                                                  DeviceReport("encoder of line 1")};
 };
 
 /// Process: front end -> sealed blocks.  The one process with a deadline: it never allocates, locks, logs,

@@ -6,6 +6,7 @@
 #include <memory>
 #include <random>
 #include <stdexcept>
+#include <utility>
 
 #include "common/bus/bus_route.hpp"
 #include "common/clock/clock_socket.hpp"
@@ -73,9 +74,12 @@ std::unique_ptr<SpoolFolder> open_spool(const NodeConfig& node, std::int64_t epo
                            .epoch = epoch});
 }
 
-/// Process: what devices count -> sentences for people, twice a second at most.
-void keep_diary(std::stop_token stop, const FrontEnd& front_end, const NodeOptions& options) {
-  DeviceDiary diary(front_end.reports());
+/// Process: what devices and encoders count -> sentences for people, twice a second at most.
+void keep_diary(std::stop_token stop, const FrontEnd& front_end, const AcquireLink& link,
+                const NodeOptions& options) {
+  auto reports = front_end.reports();
+  for (const DeviceReport& encoder : link.encoder) reports.push_back(&encoder);
+  DeviceDiary diary(std::move(reports));
   do diary.look(options.warn);
   while (pause(stop, std::chrono::milliseconds(500)));
   diary.look(options.warn);
@@ -118,7 +122,7 @@ void run_node(std::stop_token stop, const VehicleConfig& vehicle, const NodeConf
     uplink(stop_here, options.bus_url, node.id, node_link, options.warn);
     processes.request_stop();  // acquire has ended; the clock answers as long as the node lives
   });
-  processes.run([&](std::stop_token stop_here) { keep_diary(stop_here, front_end, options); });
+  processes.run([&](std::stop_token stop_here) { keep_diary(stop_here, front_end, link, options); });
   if (clock) processes.run(answer_clock, std::ref(*clock), node.id, epoch, std::cref(front_end));
   processes.run([&](std::stop_token stop_here) {
     if (!front_end.waits())

@@ -114,11 +114,14 @@ void NodeLink::send_heartbeat(const Publish& publish) {
   beat.blocks_unsent = blocks_unsent_;
   beat.acks_refused = sender_.acks_refused();
   for (std::size_t line = 0; line < kEncoderLines; ++line)
-    beat.encoder_faults[line] = link_.encoder_faults[line].load();
+    beat.encoder_faults[line] = link_.encoder[line].of(DeviceCounter::kFaultyTurns);
   beat.unreferenced_blocks = link_.unreferenced_blocks.load();
-  for (std::size_t k = 0; k < kDeviceCounters; ++k)
+  for (std::size_t k = 0; k < kDeviceCounters; ++k) {
     for (const DeviceReport* report : reports_)
       beat.device_counts[k] += report->of(static_cast<DeviceCounter>(k));
+    for (const DeviceReport& encoder : link_.encoder)
+      beat.device_counts[k] += encoder.of(static_cast<DeviceCounter>(k));
+  }
   beat.time_base = clock_.time_base;
   beat.clock_address = clock_.address;
   beat.clock_port = clock_.port;

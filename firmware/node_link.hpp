@@ -29,7 +29,7 @@ struct NodeClockAddress {
 /// fixed; in steady state it allocates for heartbeats and replies only.
 class NodeLink {
  public:
-  /// @param reports  of the node's devices; their sums go into the heartbeat
+  /// @param reports  of the node's devices; their sums, with what its encoders count, go into the heartbeat
   NodeLink(std::int32_t node, std::int64_t epoch, Backlog& backlog, PreviewSlot& preview, AcquireLink& link,
            NodeClockAddress clock = {}, std::vector<const DeviceReport*> reports = {});
 

@@ -25,6 +25,11 @@ constexpr std::array<Words, kDeviceCounters> kWords{{
     {"late_edges", "encoder edges came after their scans and were not used"},
     {"readers_too_slow", "the node did not fetch in time what the device had"},
     {"controller_overrun", "the controller lost frames because nobody fetched them from it"},
+    {"glitches", "the board dropped conversions that came too soon: is its SYNC noisy?"},
+    {"out_of_step", "was out of step with the first board; both were started again"},
+    {"partner_late", "scans of the other board were dropped because this one's did not come"},
+    {"clock_unanswered", "the board did not say what its clock shows: stamps are worse"},
+    {"faulty_turns", "turns came without exactly their teeth; they are flagged"},
 }};
 
 }  // namespace

@@ -26,8 +26,13 @@ enum class DeviceCounter : std::uint8_t {
   kLateEdges,          ///< times that edges came after their scans had gone; not used
   kReadersTooSlow,     ///< what came was dropped because the node did not fetch it; of edges: times
   kControllerOverrun,  ///< the CAN controller had no room for a frame
+  kGlitches,           ///< conversions that a board dropped as they came too soon
+  kOutOfStep,          ///< two boards, of which this one slipped, were started anew
+  kPartnerLate,        ///< scans of the other board that went because this one's did not come
+  kClockUnanswered,    ///< the board did not say what its clock shows
+  kFaultyTurns,        ///< turns of an encoder without exactly their teeth: flagged
 };
-inline constexpr std::size_t kDeviceCounters = 16;
+inline constexpr std::size_t kDeviceCounters = 21;
 
 /// One of them in words, for people: "was unplugged or went down".
 const char* sentence(DeviceCounter counter);

@@ -20,6 +20,8 @@ constexpr auto kLongestSilence = std::chrono::milliseconds(10 * board::kSilenceL
 constexpr auto kPatience = std::chrono::seconds(2);
 constexpr int kExchanges = 8;
 constexpr auto kComparing = std::chrono::milliseconds(250);
+/// Of a board that does not answer: each question then takes up the whole of its time limit.
+constexpr auto kComparingLater = std::chrono::seconds(10);
 
 NodeTime now() {
   return as_node_time(MachineClock::now());
@@ -205,8 +207,9 @@ void BoardLink::receive(Session& session, std::size_t which, std::span<const std
 /// Of the first board, whose timer stamps what the node gets.
 void BoardLink::compare_clocks(Session& session) {
   const WallTime time = WallClock::now();
-  if (time - session.compared < kComparing) return;
+  if (time - session.compared < session.until_next) return;
   session.compared = time;
+  session.until_next = kComparing;
   try {
     const BoardExchange exchange = narrowest_exchange(*session.board[0]);
     BoardDelivery* const room = inbox_.room();
@@ -217,25 +220,29 @@ void BoardLink::compare_clocks(Session& session) {
     inbox_.post();
   } catch (const UsbError&) {
     // A board that is gone shows in its transfers; one that only does not answer still sends.
+    report_[0]->count(DeviceCounter::kClockUnanswered);
+    session.until_next = kComparingLater;
   }
 }
 
-void BoardLink::serve(std::stop_token stop, Session& session) {
+std::optional<std::size_t> BoardLink::serve(std::stop_token stop, Session& session) {
   while (!stop.stop_requested()) {
     session.bus.serve(kServing);
     if (slipped_.load(std::memory_order_relaxed) == session.token) {
-      say(1, "is out of step with the first board; starting both again");
-      return report_[1]->count(DeviceCounter::kGone);
+      report_[1]->count(DeviceCounter::kOutOfStep);
+      return std::nullopt;
     }
     for (std::size_t k = 0; k < session.board.size(); ++k) {
       session.board[k]->maintain();
-      if (session.board[k]->gone()) return report_[k]->count(DeviceCounter::kGone);
-      if (WallClock::now() - session.heard[k] <= kLongestSilence) continue;
-      say(k, "sends nothing; starting it again");
-      return report_[k]->count(DeviceCounter::kGone);
+      const bool is_silent = WallClock::now() - session.heard[k] > kLongestSilence;
+      if (!session.board[k]->gone() && !is_silent) continue;
+      if (!session.board[k]->gone()) say(k, "sends nothing; starting it again");
+      report_[k]->count(DeviceCounter::kGone);
+      return k;
     }
     compare_clocks(session);
   }
+  return std::nullopt;
 }
 
 std::unique_ptr<BoardLink::Session> BoardLink::find_again(std::stop_token stop) {
@@ -258,14 +265,13 @@ std::unique_ptr<BoardLink::Session> BoardLink::find_again(std::stop_token stop) 
 
 void BoardLink::run(std::stop_token stop, std::unique_ptr<Session> session) {
   while (session) {
-    serve(stop, *session);
+    const std::optional<std::size_t> gone = serve(stop, *session);
     session.reset();
     if (stop.stop_requested()) return;
     // Looking for a board takes the processor from those who read other devices.
     leave_realtime();
     session = find_again(stop);
-    if (session)
-      for (DeviceReport* report : report_) report->count(DeviceCounter::kReturned);
+    if (session && gone) report_[*gone]->count(DeviceCounter::kReturned);
   }
 }
 

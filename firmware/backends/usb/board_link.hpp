@@ -2,8 +2,10 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -41,8 +43,9 @@ class BoardLink {
     UsbBus bus;
     std::uint32_t token = 0;
     std::vector<std::unique_ptr<UsbDevice>> board;
-    std::vector<WallTime> heard;  ///< when each sent something last
-    WallTime compared{};          ///< when the first was asked for its time last
+    std::vector<WallTime> heard;             ///< when each sent something last
+    WallTime compared{};                     ///< when the first was asked for its time last
+    std::chrono::milliseconds until_next{};  ///< and how long after that it is asked again
     ~Session();
   };
 
@@ -51,7 +54,8 @@ class BoardLink {
   void start(Session& session);
   void receive(Session& session, std::size_t which, std::span<const std::uint8_t> bytes);
   void run(std::stop_token stop, std::unique_ptr<Session> session);
-  void serve(std::stop_token stop, Session& session);
+  /// @return the board that is gone, if that is why the session is over
+  std::optional<std::size_t> serve(std::stop_token stop, Session& session);
   void compare_clocks(Session& session);
   std::unique_ptr<Session> find_again(std::stop_token stop);
   void say(std::size_t which, const std::string& text) const;

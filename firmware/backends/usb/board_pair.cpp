@@ -22,10 +22,12 @@ void BoardPair::start(std::array<std::uint32_t, 2> tick_hz, double rate_hz) noex
   proved_ = false;
 }
 
-void BoardPair::add(std::size_t board, const BoardScan& scan) noexcept {
+bool BoardPair::add(std::size_t board, const BoardScan& scan) noexcept {
   Queue& queue = queue_[board];
-  if (queue.size == kScans) queue.pop();
+  const bool is_full = queue.size == kScans;
+  if (is_full) queue.pop();
   queue.scan[(queue.begin + queue.size++) % kScans] = scan;
+  return !is_full;
 }
 
 bool BoardPair::keeps_step(const BoardScan& first, const BoardScan& second) const noexcept {

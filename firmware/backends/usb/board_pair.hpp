@@ -7,6 +7,7 @@
 
 #include "common/clock/clocks.hpp"
 #include "firmware/board/packet.hpp"
+#include "firmware/board/sample_ring.hpp"
 
 namespace roadbalance {
 
@@ -26,6 +27,9 @@ struct BoardScan {
 /// whole period.  Never allocates after construction.
 class BoardPair {
  public:
+  /// What a board can hold back, twice: when it comes at last the other's have not gone.
+  static constexpr std::size_t kScans = 2 * board::SampleRing::kScans;
+
   /// @param boards  1 or 2
   explicit BoardPair(std::size_t boards);
 
@@ -33,8 +37,9 @@ class BoardPair {
   /// @param tick_hz  of each board's timer
   void start(std::array<std::uint32_t, 2> tick_hz, double rate_hz) noexcept;
 
-  /// Scans of one board come in order.  When one is a thousand scans ahead, its oldest goes.
-  void add(std::size_t board, const BoardScan& scan) noexcept;
+  /// Scans of one board come in order.
+  /// @return false if this one is kScans ahead of the other, so that its oldest went
+  [[nodiscard]] bool add(std::size_t board, const BoardScan& scan) noexcept;
 
   /// The next common scan; nullptr: none yet.  It stays until drop().
   struct Common {
@@ -48,8 +53,6 @@ class BoardPair {
   bool aligned() const noexcept { return aligned_; }
 
  private:
-  static constexpr std::size_t kScans = 1024;
-
   struct Queue {
     std::vector<BoardScan> scan = std::vector<BoardScan>(kScans);
     std::size_t begin = 0, size = 0;

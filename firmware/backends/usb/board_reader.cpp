@@ -88,10 +88,11 @@ void BoardReader::take_packet(std::size_t board, const PacketStream::Packet& pac
   const board::PacketHeader& header = packet.content.header();
   for (std::size_t k = 0; k < header.scans; ++k) {
     const std::uint64_t ticks = header.base_ticks + k * std::uint64_t{header.ticks_per_scan};
-    pair_.add(board, {.index = static_cast<std::int64_t>(header.first_scan + k),
-                      .ticks = ticks,
-                      .time = clock.time(ticks),
-                      .content = packet.content.scan(k)});
+    const bool kept = pair_.add(board, {.index = static_cast<std::int64_t>(header.first_scan + k),
+                                        .ticks = ticks,
+                                        .time = clock.time(ticks),
+                                        .content = packet.content.scan(k)});
+    if (!kept) report_[1 - board]->count(DeviceCounter::kPartnerLate);
     if (board == 0) last_scan_time_ = clock.time(ticks);
   }
 }

@@ -47,6 +47,7 @@ void PacketStream::start(std::uint32_t token, std::uint32_t ticks_per_scan, std:
   scan_end_ticks_ = 0;
   edge_end_ticks_ = 0;
   scans_lost_ = 0;
+  glitches_ = 0;
   dropped_ = 0;
 }
 
@@ -92,6 +93,9 @@ void PacketStream::count_losses(const board::PacketView& packet) noexcept {
   const std::uint32_t scans_lost = packet.header().scans_lost + packet.header().scans_missed;
   if (scans_lost != scans_lost_) report_.count(DeviceCounter::kBoardOverrun, scans_lost - scans_lost_);
   scans_lost_ = scans_lost;
+  const std::uint32_t glitches = packet.header().glitches;
+  if (glitches != glitches_) report_.count(DeviceCounter::kGlitches, glitches - glitches_);
+  glitches_ = glitches;
   if (!(packet.header().flags & board::kEdgesLostHere)) return;
   for (std::size_t k = 0; k < packet.header().edges; ++k)
     if (packet.edge(k).kind == board::PacketEdgeKind::kLost) report_.count(DeviceCounter::kEdgesLost);

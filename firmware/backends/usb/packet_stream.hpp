@@ -46,6 +46,7 @@ class PacketStream {
   std::uint64_t scan_end_ticks_ = 0;  ///< no scan comes before it, and no edge more than early_ticks_
   std::uint64_t edge_end_ticks_ = 0;  ///< no edge comes before it
   std::uint32_t scans_lost_ = 0;      ///< as the board said last, with those missed
+  std::uint32_t glitches_ = 0;        ///< as the board said last
   std::uint32_t dropped_ = 0;
 };
 

@@ -96,6 +96,7 @@ void BenchBoard::convert(MachineTime time) {
       words[board::kInputChannels + k] = static_cast<std::uint32_t>(
           std::lround(codes_[k] * (kFullScale / board::ReferenceGenerator::kFullScaleCode)));
   board_->scan(words, 0, stamp);
+  if (bench_.bounces && bench_.bounces(conversions_)) board_->scan({}, 0, stamp + period / 10);
   if (configuration_.references_on) board_->update_references(stamp + period / 2);
   ++conversions_;
   if (!unsent_since_) unsent_since_ = time;

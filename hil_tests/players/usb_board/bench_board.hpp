@@ -34,6 +34,8 @@ struct Bench {
   /// Words of the twelve inputs at conversion k of the run; those of the loop-back are made of the board.s
   /// references.
   std::function<board::ScanWords(std::int64_t conversion, MachineTime time)> words;
+  /// Whether SYNC bounces right behind conversion k of the run.  May be empty.
+  std::function<bool(std::int64_t conversion)> bounces;
   /// The next level of a wire, in order of time; nothing: no more.  May be empty.
   std::function<std::optional<LineChange>()> next_change;
 };
@@ -61,6 +63,8 @@ class BenchBoard final : private board::Hardware {
   MachineTime due() const;
 
   const Bench& bench() const { return bench_; }
+  /// What the host has set up.
+  const board::Configuration& configuration() const { return configuration_; }
   bool running() const { return running_; }
   /// When conversion k of the present or last run is, or was.
   MachineTime conversion_time(std::int64_t k) const;

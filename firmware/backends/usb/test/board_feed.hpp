@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -70,7 +71,9 @@ class BoardFeed {
       now_ = std::min(end, now_ + std::chrono::microseconds(500));
       for (auto& board : board_) board->advance(now_);
       for (std::size_t k = 0; k < board_.size(); ++k)
-        while (const std::size_t size = board_[k]->next_packet(delivery_.bytes)) {
+        while (k != not_fetched) {
+          const std::size_t size = board_[k]->next_packet(delivery_.bytes);
+          if (size == 0) break;
           if (losing) continue;
           delivery_.board = static_cast<std::uint8_t>(k);
           delivery_.arrival = as_node(now_);
@@ -89,7 +92,8 @@ class BoardFeed {
 
   std::vector<Scan> scans;  ///< handed over so far
   std::vector<Edge> edges;
-  std::uint64_t shift_ticks = 0;  ///< by which the next packet's stamps are wrong
+  std::size_t not_fetched = SIZE_MAX;  ///< board whose packets nobody asks for
+  std::uint64_t shift_ticks = 0;       ///< by which the next packet's stamps are wrong
   std::size_t scans_at_once = 256, edges_at_once = 4096;
 
  private:

@@ -294,5 +294,50 @@ TEST(BoardReader, NeverAllocates) {
   feed.run(1s);
 }
 
+/// Two boards, of which the second is not fetched for a while.
+BoardFeed two_boards() {
+  return BoardFeed({bench(60.0), bench(-60.0)}, vehicle());
+}
+
+TEST(BoardReader, WaitsForTheOtherBoardAsLongAsThatKeepsItsScans) {
+  BoardFeed feed = two_boards();
+  feed.begin();
+  feed.run(1s);
+  feed.not_fetched = 1;
+  feed.run(190ms);  // its ring holds 205
+  feed.not_fetched = SIZE_MAX;
+  feed.run(1s);
+  ASSERT_GT(feed.scans.size(), 21'800u);
+  for (std::size_t k = 0; k < feed.scans.size(); ++k)
+    ASSERT_EQ(feed.scans[k].index, static_cast<std::int64_t>(k));
+  for (std::size_t which = 0; which < 2; ++which)
+    for (std::size_t k = 0; k < kDeviceCounters; ++k)
+      EXPECT_EQ(feed.report(which).of(DeviceCounter(k)), 0) << which << sentence(DeviceCounter(k));
+}
+
+TEST(BoardReader, CountsTheScansThatGoBecauseTheOtherBoardsDoNotCome) {
+  BoardFeed feed = two_boards();
+  feed.begin();
+  feed.run(1s);
+  feed.not_fetched = 1;
+  feed.run(600ms);
+  const std::int64_t dropped = feed.report(1).of(DeviceCounter::kPartnerLate);
+  // But for the scans of a packet that is not full yet.
+  EXPECT_NEAR(static_cast<double>(dropped), 6000.0 - static_cast<double>(BoardPair::kScans), 30.0);
+  EXPECT_EQ(feed.report(0).of(DeviceCounter::kPartnerLate), 0);
+}
+
+TEST(BoardReader, SaysHowOftenSyncBounced) {
+  Bench follower = bench(-60.0);
+  follower.bounces = [](std::int64_t conversion) { return conversion % 1000 == 500; };
+  BoardFeed feed({bench(60.0), std::move(follower)}, vehicle());
+  feed.begin();
+  feed.run(10s);
+  EXPECT_EQ(feed.report(1).of(DeviceCounter::kGlitches), 100);
+  EXPECT_EQ(feed.report(0).of(DeviceCounter::kGlitches), 0);
+  for (std::size_t k = 0; k < feed.scans.size(); ++k)
+    ASSERT_EQ(feed.scans[k].index, static_cast<std::int64_t>(k));
+}
+
 }  // namespace
 }  // namespace roadbalance

@@ -19,6 +19,7 @@ struct Told {
   std::uint16_t scans = 10;
   std::uint32_t token = kToken;
   std::uint32_t scans_lost = 0;
+  std::uint32_t glitches = 0;
 };
 
 std::vector<std::uint8_t> packet(const Told& told, const std::vector<board::PacketEdge>& edges = {}) {
@@ -33,6 +34,7 @@ std::vector<std::uint8_t> packet(const Told& told, const std::vector<board::Pack
   header.scans = told.scans;
   header.edges = static_cast<std::uint16_t>(edges.size());
   header.scans_lost = told.scans_lost;
+  header.glitches = told.glitches;
   for (const auto& edge : edges)
     if (edge.kind == board::PacketEdgeKind::kLost) header.flags |= board::kEdgesLostHere;
   board::encode_header(header, all.first<board::kHeaderBytes>());
@@ -135,6 +137,17 @@ TEST_F(PacketStreamTest, CountsWhatTheBoardLost) {
                  {{0, 0, board::PacketEdgeKind::kLost, 5}, {0, 0, board::PacketEdgeKind::kToothForward, 0}});
   ASSERT_TRUE(stream.take(bytes, 0));
   EXPECT_EQ(report.of(DeviceCounter::kEdgesLost), 1);
+}
+
+TEST_F(PacketStreamTest, CountsConversionsThatTheBoardDroppedAsTheyCameTooSoon) {
+  ASSERT_TRUE(take({.glitches = 2}));
+  ASSERT_TRUE(take({.sequence = 1, .first_scan = 10, .glitches = 2}));
+  ASSERT_TRUE(take({.sequence = 2, .first_scan = 20, .glitches = 7}));
+  EXPECT_EQ(report.of(DeviceCounter::kGlitches), 7);
+  EXPECT_EQ(report.of(DeviceCounter::kBoardOverrun), 0);
+  stream.start(kToken, kPeriod, kTickHz);  // the board counts from 0 again
+  ASSERT_TRUE(take({.glitches = 1}));
+  EXPECT_EQ(report.of(DeviceCounter::kGlitches), 8);
 }
 
 }  // namespace
