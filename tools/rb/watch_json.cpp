@@ -96,6 +96,8 @@ Json node_json(const Heartbeat& beat, std::optional<double> memory_left_s) {
           {"disk_failures", beat.spool_failures},
           {"memory_left_s", if_known(memory_left_s.has_value(), memory_left_s.value_or(0.0))},
           {"blocks_repaired", beat.blocks_repaired},
+          {"faulty_turns", beat.encoder_faults},
+          {"blocks_without_angle", beat.unreferenced_blocks},
           {"devices", device_counts(beat)}};
 }
 

@@ -82,6 +82,15 @@ TEST_F(BusViewTest, ShowsWhatDevicesSuffer) {
   EXPECT_EQ(devices.size(), 2U);
   EXPECT_EQ(devices.at("gone"), 2);
   EXPECT_EQ(devices.at("bus_errors"), 7);
+
+  beat.encoder_faults = {0, 3};
+  beat.unreferenced_blocks = 11;
+  beat.device_counts[static_cast<std::size_t>(DeviceCounter::kFaultyTurns)] = 3;
+  EXPECT_TRUE(hear(heartbeat_channel(2), encode(beat)));
+  EXPECT_TRUE(said("  ! devices: gone 2, bus_errors 7, faulty_turns 3"));
+  const auto node = watch_json(view_).at("nodes").at(0);
+  EXPECT_EQ(node.at("faulty_turns"), (std::vector<std::int64_t>{0, 3}));
+  EXPECT_EQ(node.at("blocks_without_angle"), 11);
 }
 
 TEST_F(BusViewTest, ShowsRecordersAndWhatAlarmsThem) {
