@@ -1,6 +1,7 @@
 #include "firmware/node.hpp"
 
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -64,7 +65,7 @@ std::unique_ptr<SpoolFolder> open_spool(const NodeConfig& node, std::int64_t epo
   if (options.spool_bytes < SpoolFolder::kLeastBytes)
     throw ConfigError("spool " + options.spool.string() + ": at least " +
                       std::to_string(SpoolFolder::kLeastBytes) + " bytes are needed");
-  for (const auto& left : spools_left(options.spool))
+  for (const auto& left : spools_left(options.spool, options.warn))
     options.warn("an earlier run left blocks in " + left.string() +
                  ": `rb recover --spool` takes them into their recording");
   return std::make_unique<SpoolFolder>(
@@ -85,20 +86,27 @@ void keep_diary(std::stop_token stop, const FrontEnd& front_end, const AcquireLi
   diary.look(options.warn);
 }
 
-void leave_spool(Backlog& backlog, const std::filesystem::path& folder, const NodeOptions& options) {
-  backlog.save(WallClock::now());
-  std::error_code ignored;
-  if (backlog.spooled() == 0)
-    std::filesystem::remove(folder, ignored);  // it is empty, or somebody put something there
-  else
-    options.warn(std::to_string(backlog.spooled()) + " blocks that no recorder has stay in " +
-                 folder.string());
+/// Saves what no recorder has.  Returns how many blocks are lost with this program.
+std::int64_t leave(Backlog& backlog, bool has_spool, const std::filesystem::path& folder,
+                   const NodeOptions& options) {
+  if (has_spool) {
+    backlog.save(WallClock::now());
+    std::error_code ignored;
+    if (backlog.spooled() == 0)
+      std::filesystem::remove(folder, ignored);  // it is empty, or somebody put something there
+    else
+      options.warn(std::to_string(backlog.spooled()) + " blocks that no recorder has stay in " +
+                   folder.string());
+  }
+  const std::int64_t lost = backlog.used() - backlog.spooled();
+  if (lost > 0) options.warn(std::to_string(lost) + " blocks that no recorder has are lost");
+  return lost;
 }
 
 }  // namespace
 
-void run_node(std::stop_token stop, const VehicleConfig& vehicle, const NodeConfig& node, FrontEnd& front_end,
-              const NodeOptions& options) {
+std::int64_t run_node(std::stop_token stop, const VehicleConfig& vehicle, const NodeConfig& node,
+                      FrontEnd& front_end, const NodeOptions& options) {
   const std::int64_t epoch = random_epoch();
   Ring ring(options.ring_bytes);
   RingSink sink(ring);
@@ -129,13 +137,21 @@ void run_node(std::stop_token stop, const VehicleConfig& vehicle, const NodeConf
       for (const std::string& refused : enter_realtime(kAcquirePriority)) options.warn(refused);
     acquire(stop_here, device, sealer, sink, link);
   });
-  processes.wait();
-  if (spool) leave_spool(backlog, spool_path(options.spool, node.id, epoch), options);
+  std::exception_ptr failure;
+  try {
+    processes.wait();
+  } catch (...) {
+    failure = std::current_exception();  // what was measured is saved first
+  }
+  const std::int64_t lost =
+      leave(backlog, spool != nullptr, spool_path(options.spool, node.id, epoch), options);
+  if (failure) std::rethrow_exception(failure);
   if (const std::int64_t refused = link.scans_refused.load(); refused > 0)
     options.warn("front end of node " + node.name + " numbered " + std::to_string(refused) +
                  " scans backwards; they are not recorded");
   if (link.state.load() == NodeState::kFailed)
     throw std::runtime_error("front end of node " + node.name + " failed");
+  return lost;
 }
 
 }  // namespace roadbalance

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <deque>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -84,8 +85,10 @@ std::filesystem::path spool_path(const std::filesystem::path& directory, std::in
 
 /// What earlier nodes that were killed left in `directory`, as folders; it is made if it does not exist.  Of
 /// nodes that live nothing is said.
+/// @param warn  hears what bears such a name and cannot be looked into
 /// @throws std::system_error naming the directory if it cannot be made or read
 std::vector<std::filesystem::path> spools_left(const std::filesystem::path& directory,
+                                               const std::function<void(const std::string&)>& warn,
                                                Disk& disk = kernel_disk());
 
 }  // namespace roadbalance

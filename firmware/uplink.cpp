@@ -1,10 +1,14 @@
 #include "firmware/uplink.hpp"
 
 #include <chrono>
+#include <exception>
+#include <memory>
 #include <optional>
+#include <thread>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/recorder_status.hpp"
+#include "common/frontend/lasting_reason.hpp"
 
 namespace roadbalance {
 
@@ -12,23 +16,32 @@ namespace {
 
 using namespace std::chrono_literals;
 constexpr auto kIdleWait = 2ms;
+constexpr auto kAskAgain = 1s;
 constexpr auto kFarewell = 1s;  // told to stop, how long the owner may take to call the rest durable
+
+std::unique_ptr<Bus> open_bus(const std::string& url, std::int32_t node, NodeLink& link) {
+  auto bus = std::make_unique<Bus>(url);
+  const auto take = [&link](std::string_view channel, std::span<const std::uint8_t> bytes) {
+    link.take(channel, bytes, WallClock::now());
+  };
+  bus->subscribe(ack_channel(node), take);
+  bus->subscribe(command_channel(node), take);
+  // A recorder that does not understand this node says no more to it than to everybody.
+  bus->subscribe(kRecorderChannel, [](std::string_view, std::span<const std::uint8_t>) {});
+  return bus;
+}
 
 }  // namespace
 
 void uplink(std::stop_token stop, const std::string& bus_url, std::int32_t node, NodeLink& link,
             const std::function<void(const std::string&)>& warn) {
-  Bus bus(bus_url);
-  const auto take = [&link](std::string_view channel, std::span<const std::uint8_t> bytes) {
-    link.take(channel, bytes, WallClock::now());
-  };
-  bus.subscribe(ack_channel(node), take);
-  bus.subscribe(command_channel(node), take);
-  // A recorder that does not understand this node says no more to it than to everybody.
-  bus.subscribe(kRecorderChannel, [](std::string_view, std::span<const std::uint8_t>) {});
+  std::unique_ptr<Bus> bus = open_bus(bus_url, node, link);
   const Publish publish = [&bus](const std::string& channel, std::span<const std::uint8_t> bytes) {
-    return bus.publish(channel, bytes);
+    return bus && bus->publish(channel, bytes);
   };
+  // A bus that fails later costs the link, not the measurement.
+  WallTime ask_again{};
+  LastingReason lost;
 
   std::optional<WallTime> told_to_stop;
   while (!link.finished()) {
@@ -36,8 +49,21 @@ void uplink(std::stop_token stop, const std::string& bus_url, std::int32_t node,
     if (stop.stop_requested() && !told_to_stop) told_to_stop = now;
     if (told_to_stop && (now - *told_to_stop > kFarewell || link.owner() == 0)) break;
     const bool busy = link.turn(now, publish);
-    bus.handle(busy ? 0ms : kIdleWait);
-    for (const std::string& sentence : bus.other_versions()) warn(sentence);
+    try {
+      if (!bus && now < ask_again) {
+        std::this_thread::sleep_for(kIdleWait);
+        continue;
+      }
+      if (!bus) bus = open_bus(bus_url, node, link);
+      bus->handle(busy ? 0ms : kIdleWait);
+      lost.over();
+      for (const std::string& sentence : bus->other_versions()) warn(sentence);
+    } catch (const std::exception& error) {
+      bus.reset();
+      ask_again = now + kAskAgain;
+      if (lost.is_to_be_said(error.what(), now))
+        warn(std::string(error.what()) + "; sampling goes on, the bus is tried again");
+    }
   }
   link.farewell(publish);
 }

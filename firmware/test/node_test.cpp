@@ -189,6 +189,37 @@ TEST(RunNode, DeliversSignalsAndSaysWhatItsDevicesSuffer) {
                                            "usb:: the controller saw errors on the bus (3 times by now)"}));
 }
 
+TEST(RunNode, SaysWhichEncoderHadTurnsWithoutTheirTeeth) {
+  const std::string url = test::bus_url();
+  auto vehicle = test::one_node_vehicle(kRate_hz);
+  for (auto& wheel : vehicle.wheel) wheel.encoder.zero_mark = true;
+  const sim::PulseTrain train{.angle_rad = [](double t) { return 2 * std::numbers::pi * 18.0 * t; },
+                              .line = 1};
+  std::vector<Edge> edges = train.edges(0.0, 2.1);
+  // As if the kernel had taken two edges as one, and nobody knows of it.
+  edges.erase(edges.begin() + 18 * 97 + 40);
+  test::ScriptedFrontEnd device(test::marked_scans(0, 4007, kRate_hz), std::move(edges));
+  std::mutex mutex;
+  std::vector<std::string> warned;
+  const auto warn = [&](const std::string& sentence) {
+    const std::lock_guard lock(mutex);
+    warned.push_back(sentence);
+  };
+  Owner owner(url);
+  Parallel processes;
+  processes.run([&](std::stop_token stop) { owner.run(stop); });
+  processes.run([&](std::stop_token stop) {
+    run_node(stop, vehicle, vehicle.node[0], device,
+             {.bus_url = url, .ring_bytes = std::size_t{1} << 20, .warn = warn});
+  });
+  processes.wait();
+  EXPECT_EQ(owner.last.encoder_faults, (std::array<std::int64_t, 2>{0, 1}));
+  EXPECT_EQ(owner.last.device_counts[static_cast<std::size_t>(DeviceCounter::kFaultyTurns)], 1);
+  EXPECT_EQ(warned,
+            std::vector<std::string>{"encoder of line 1: turns came without exactly their teeth; they "
+                                     "are flagged (1 time by now)"});
+}
+
 // No recorder at first: more than the ring holds goes to the disk and comes back.
 TEST(RunNode, DeliversWhatItHadToMoveToItsDiskAndLeavesNothingThere) {
   const std::string url = test::bus_url();
@@ -250,8 +281,8 @@ TEST(RunNode, SavesWhatNoRecorderTookAndTheNextRunNamesIt) {
   EXPECT_NE(warned.find("an earlier run left blocks in " + folder.string()), std::string::npos) << warned;
 
   std::int64_t scans = 0;
-  ASSERT_EQ(spools_left(folder).size(), 1u);
-  RecordReader reader(spools_left(folder).front());
+  ASSERT_EQ(spools_left(folder, options.warn).size(), 1u);
+  RecordReader reader(spools_left(folder, options.warn).front());
   reader.finish();
   SealedBlock block;
   while (const auto event = reader.next()) {
@@ -260,6 +291,31 @@ TEST(RunNode, SavesWhatNoRecorderTookAndTheNextRunNamesIt) {
   }
   EXPECT_EQ(scans, 4000);
   std::filesystem::remove_all(folder);
+}
+
+TEST(RunNode, SaysHowMuchIsLostIfNobodyTookItAndThereIsNoSpool) {
+  const std::string url = test::bus_url();
+  const auto vehicle = test::one_node_vehicle(kRate_hz);
+  std::string warned;
+  test::ScriptedFrontEnd device(test::marked_scans(0, 4000, kRate_hz), {});
+  Owner owner(url);
+  owner.takes_nothing = true;
+  std::stop_source stop;
+  owner.on_all_sealed = [&stop] { stop.request_stop(); };
+  std::int64_t lost = 0;
+  Parallel processes;
+  processes.run([&](std::stop_token stop_here) { owner.run(stop_here); });
+  processes.run([&](std::stop_token) {
+    lost = run_node(stop.get_token(), vehicle, vehicle.node[0], device,
+                    {.bus_url = url, .ring_bytes = std::size_t{1} << 20, .warn = [&warned](const auto& text) {
+                       warned += text + "\n";
+                     }});
+    processes.request_stop();
+  });
+  processes.wait();
+  EXPECT_GT(lost, 4000 / kScansPerBlock);
+  EXPECT_NE(warned.find(std::to_string(lost) + " blocks that no recorder has are lost"), std::string::npos)
+      << warned;
 }
 
 TEST(RunNode, NamesARingThatIsTooSmall) {

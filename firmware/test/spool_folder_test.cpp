@@ -3,12 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <cerrno>
+#include <fstream>
 #include <random>
 
 #include "common/bus/codec.hpp"
 #include "common/link/backlog.hpp"
 #include "common/record/record.hpp"
 #include "common/record/test/simulated_disk.hpp"
+#include "common/test/temporary_directory.hpp"
 
 namespace roadbalance {
 namespace {
@@ -214,15 +216,28 @@ TEST_F(SpoolFolderTest, ABlockThatTheDiskAlteredIsNotGivenBack) {
 }
 
 TEST_F(SpoolFolderTest, NamesWhatAKilledNodeLeftAndNothingOfOneThatLives) {
-  EXPECT_TRUE(spools_left("/spools", disk).empty());
+  std::string warned;
+  const auto warn = [&warned](const std::string& text) { warned += text; };
+  EXPECT_TRUE(spools_left("/spools", warn, disk).empty());
   options.folder = spool_path("/spools", kNode, kEpoch);
   SpoolFolder spool(options, disk);
   Backlog backlog(ring, &spool);
   fill(backlog, 200);
-  EXPECT_TRUE(spools_left("/spools", disk).empty());
+  EXPECT_TRUE(spools_left("/spools", warn, disk).empty());
   disk.kill();
-  EXPECT_EQ(spools_left("/spools", disk),
+  EXPECT_EQ(spools_left("/spools", warn, disk),
             std::vector<std::filesystem::path>{"/spools/node-3-000000000000004d"});
+  EXPECT_EQ(warned, "");
+}
+
+TEST(SpoolFolder, PassesByWhatIsNoFolderOfANode) {
+  const test::TemporaryDirectory work;
+  std::ofstream(work.path() / "node-notes") << "of somebody";
+  std::string warned;
+  const auto warn = [&warned](const std::string& text) { warned += text; };
+  EXPECT_TRUE(spools_left(work.path(), warn).empty());
+  EXPECT_NE(warned.find("not looked into: open " + (work.path() / "node-notes").string()), std::string::npos)
+      << warned;
 }
 
 TEST(SpoolFolder, NamesAFolderThatCannotBeMade) {
