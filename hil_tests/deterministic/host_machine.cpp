@@ -46,7 +46,8 @@ struct HostMachine::Program {
 
   RecordKeeper keeper;
   RecorderLink link;
-  std::deque<std::vector<Delivery>> waiting;  // for the writer
+  BatchMaker batches;
+  std::deque<WriteBatch> waiting;  // for the writer
   std::int64_t waiting_blocks = 0;
   std::vector<DurableMark> marks;  // of the commit under way
   std::int64_t busy_until_ns = 0;  // the writer
@@ -158,8 +159,7 @@ void HostMachine::write(std::int64_t now_ns) {
   p.marks.clear();
   p.link.set_credit_open(p.keeper.wants_credit());
   p.keeper.set_clocks(utc_us(now_ns), now_ns);
-  for (const auto& batch : p.waiting)
-    for (const Delivery& delivery : batch) p.keeper.append(delivery, wall(now_ns));
+  for (const WriteBatch& batch : p.waiting) append(p.keeper, batch, wall(now_ns));
   p.waiting.clear();
   p.waiting_blocks = 0;
   if (p.keeper.commit_is_due(wall(now_ns)))
@@ -170,12 +170,10 @@ void HostMachine::write(std::int64_t now_ns) {
   p.busy_until_ns = now_ns + take_elapsed_ns();
 }
 
-std::vector<Delivery> HostMachine::deliveries() {
-  auto delivered = program_->link.deliveries();
-  for (const Delivery& delivery : delivered)
+void HostMachine::watch(const WriteBatch& batch) {
+  for (const Delivery& delivery : batch.deliveries)
     if (const auto* gap = std::get_if<GapBlock>(&delivery))
       check_.declared(gap->header.node, gap->header.epoch, gap->header.sequence);
-  return delivered;
 }
 
 void HostMachine::receive(std::int64_t now_ns, const Publish& publish) {
@@ -183,10 +181,11 @@ void HostMachine::receive(std::int64_t now_ns, const Publish& publish) {
   if (p.link.obeyed_higher() != 0)
     p.link.set_incarnation(raise_incarnation(kFolder, p.link.obeyed_higher(), disk_));
   p.link.turn(wall(now_ns), publish);
-  auto delivered = deliveries();
-  if (delivered.empty()) return;
-  p.waiting_blocks += static_cast<std::int64_t>(delivered.size());
-  p.waiting.push_back(std::move(delivered));
+  WriteBatch batch = p.batches.take(p.link, wall(now_ns));
+  if (!batch.says_something()) return;
+  watch(batch);
+  p.waiting_blocks += static_cast<std::int64_t>(batch.deliveries.size());
+  p.waiting.push_back(std::move(batch));
   if (p.waiting_blocks > kMostWaiting * scenario_.nodes)
     truth_.fault("recorder " + std::to_string(number_) + ": holds more blocks than its credit allows");
 }
@@ -211,7 +210,9 @@ void HostMachine::end(std::int64_t now_ns, const Publish& publish) {
   p.link.stop(wall(now_ns));
   if (!p.link.over(wall(now_ns)) || !p.waiting.empty() || now_ns < p.busy_until_ns) return;
   p.link.finish(wall(now_ns));
-  for (const Delivery& delivery : deliveries()) p.keeper.append(delivery, wall(now_ns));
+  const WriteBatch last = BatchMaker::take_last(p.link);
+  watch(last);
+  append(p.keeper, last, wall(now_ns));
   p.link.farewell(publish);
   p.keeper.close(wall(now_ns));
   if (died_) return;

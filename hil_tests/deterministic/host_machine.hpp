@@ -18,6 +18,7 @@
 #include "hil_tests/deterministic/record_check.hpp"
 #include "hil_tests/deterministic/truth.hpp"
 #include "host/recorder/recorder_link.hpp"
+#include "host/recorder/write_batch.hpp"
 
 namespace roadbalance::test {
 
@@ -75,7 +76,7 @@ class HostMachine {
   struct Program;
   bool say(const std::string& channel, std::span<const std::uint8_t> bytes, const Publish& publish);
   void watch(const Ack& ack);
-  std::vector<Delivery> deliveries();
+  void watch(const WriteBatch& batch);
   void receive(std::int64_t now_ns, const Publish& publish);
   void write(std::int64_t now_ns);
   void became_durable(const DurableMark& mark, std::int64_t now_ns);

@@ -16,7 +16,6 @@ using std::chrono::milliseconds;
 constexpr milliseconds kTurn{2};  // longest wait for the bus: bounds the delay of an acknowledgement
 constexpr milliseconds kReport{200};
 constexpr milliseconds kStatus{500};
-constexpr milliseconds kCounters{1000};
 constexpr milliseconds kLastWords{50};  // after the release: answers of the last acks
 constexpr milliseconds kStoreAgain{1000};
 
@@ -72,12 +71,7 @@ class Reception {
     for (const auto& sentence : link_.warnings()) warn(sentence);
     for (const auto& sentence : bus_.other_versions()) warn(sentence);
     if (now - status_at_ >= kStatus) say_status(now);
-    WriteBatch batch{.deliveries = link_.deliveries(), .device_notes = link_.device_notes()};
-    if (now - counted_at_ >= kCounters) {
-      counted_at_ = now;
-      batch.counters = link_.counters();
-    }
-    return batch;
+    return batches_.take(link_, now);
   }
 
   void farewell() {
@@ -138,10 +132,10 @@ class Reception {
   RecorderLink link_;
   Out<ClockPeer> peers_;
   RecorderStatus status_;
+  BatchMaker batches_;
   std::size_t nodes_provided_for_ = 0;
   bool writer_turns_ = false;
   WallTime status_at_{};
-  WallTime counted_at_{};
   WallTime store_at_{};
   bool refusal_told_ = false;
   const Publish publish_ = [this](const std::string& channel, std::span<const std::uint8_t> bytes) {
@@ -163,8 +157,7 @@ void receive(std::stop_token stop, const RecorderOptions& options, const Incarna
     const bool told_to_stop = stop.stop_requested();
     auto batch = reception.turn(news);
     if (news.finished()) break;
-    const bool says_something = !batch.deliveries.empty() || batch.counters || !batch.device_notes.empty();
-    if (says_something && !batches.send(std::move(batch))) break;
+    if (batch.says_something() && !batches.send(std::move(batch))) break;
     const WallTime now = WallClock::now();
     if (told_to_stop) link.stop(now);
     over = link.over(now);
@@ -174,11 +167,8 @@ void receive(std::stop_token stop, const RecorderOptions& options, const Incarna
     }
   }
   link.finish(WallClock::now());
-  WriteBatch last{.deliveries = link.deliveries(), .device_notes = link.device_notes()};
-  if (!last.deliveries.empty() || !last.device_notes.empty()) {
-    last.counters = link.counters();
+  if (WriteBatch last = BatchMaker::take_last(link); last.says_something())
     (void)batches.send(std::move(last));
-  }
   reception.farewell();
   report = link.report();
 }

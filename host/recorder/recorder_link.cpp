@@ -55,10 +55,11 @@ void RecorderLink::on_heartbeat(std::span<const std::uint8_t> bytes, WallTime no
 }
 
 void RecorderLink::on_block(std::span<const std::uint8_t> bytes, WallTime now) {
-  if (accept(bytes, block_) != Refusal::kNone || !is_ours(block_.header.node)) {
+  if (accept(bytes, block_) != Refusal::kNone) {
     ++refused_;
     return;
   }
+  if (!is_ours(block_.header.node)) return;  // another recorder's
   const std::size_t before = delivered_.size();
   receiver_.take(block_, now, delivered_);
   if (delivered_.size() > before && control_.is_owned(block_.header.node, block_.header.epoch))

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <ctime>
+#include <optional>
 #include <stdexcept>
 
 #include "host/recorder/power/power_watch.hpp"
@@ -36,12 +37,7 @@ class Writing {
     const WallTime now = WallClock::now();
     // A fit counts for the blocks behind it in the record: what was known when these came stands before them.
     while (const auto event = events.receive_for(milliseconds(0))) keeper_.append(*event, now);
-    if (batch && batch->counters) keeper_.set_link_counters(*batch->counters);
-    if (batch)
-      for (const auto& delivery : batch->deliveries) keeper_.append(delivery, now);
-    if (batch)
-      for (const auto& device : batch->device_notes)
-        keeper_.note(NoteKind::kDevice, device.node, static_cast<std::int64_t>(device.counter), device.text);
+    if (batch) append(keeper_, *batch, now);
     if (options_.power) watch_power(now);
     const bool commits = keeper_.commit_is_due(now);
     if (commits) take(keeper_.commit(now), now);

@@ -1,22 +1,15 @@
 #pragma once
 
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "common/process/channel.hpp"
 #include "host/recorder/power/power_line.hpp"
 #include "host/recorder/record_keeper.hpp"
+#include "host/recorder/write_batch.hpp"
 
 namespace roadbalance {
-
-/// From the link to the writer.
-struct WriteBatch {
-  std::vector<Delivery> deliveries;
-  std::optional<LinkCounters> counters{};  ///< about once a second
-  std::vector<DeviceNote> device_notes{};
-};
 
 /// From the writer to the link: at least five times a second while it turns.
 struct WriterNews {

@@ -72,6 +72,22 @@ TEST_F(RecorderLinkTest, RecordsNothingOfANodeThatObeysAnotherAndSaysSoOnce) {
   EXPECT_TRUE(link.report().node.empty());
 }
 
+TEST_F(RecorderLinkTest, CountsWhatIsDamagedAndNotWhatIsForAnother) {
+  RecorderLinkOptions options;
+  options.nodes = {1};
+  RecorderLink of_node_1{options, kOurs, {}};
+  SealedBlock sealed;
+  ScanBlock block;
+  block.header = {.node = kNode, .epoch = kEpoch, .sequence = 1, .first_scan = 0, .scans = 20, .time_ns = 1};
+  block.period_ps = 500'000'000;
+  seal(block, sealed);
+  const std::string channel = block_channel(kNode, BlockKind::kScan);
+  of_node_1.take(channel, sealed.bytes(), now);
+  EXPECT_EQ(of_node_1.report().blocks_refused, 0);
+  of_node_1.take(channel, sealed.bytes().first(sealed.bytes().size() / 2), now);
+  EXPECT_EQ(of_node_1.report().blocks_refused, 1);
+}
+
 // The other one has died: what the node still holds is all that is not in its record.
 TEST_F(RecorderLinkTest, RecordsAllThatTheNodeHoldsOnceItObeysUs) {
   run(kOther, 40, 50);
