@@ -9,7 +9,7 @@
 namespace roadbalance {
 Assembler::Assembler(const VehicleConfig& vehicle, const SensorMap& sensors, Emit emit, double longest_wait_s)
     : longest_wait_s_(longest_wait_s), emit_(std::move(emit)) {
-  std::vector<std::int32_t> used;
+  std::vector<const NodeConfig*> used;
   for (std::size_t n = 0; n < vehicle.node.size(); ++n) {
     const NodeConfig& node = vehicle.node[n];
     NodeMap map{decltype(NodeMap::from_counts)::Zero(), SignalVector::Zero(), 0, {}};
@@ -31,10 +31,10 @@ Assembler::Assembler(const VehicleConfig& vehicle, const SensorMap& sensors, Emi
       map.wheel[static_cast<std::size_t>(line)] = wheel;
     }
     if (map.from_counts.isZero()) continue;  // nothing of it is used
-    used.push_back(node.id);
+    used.push_back(&node);
     maps_.push_back(map);
   }
-  for (const std::int32_t node : used) streams_.emplace_back(node, used.size() == 1);
+  for (const NodeConfig* node : used) streams_.emplace_back(node->id, used.size() == 1, delays_of(*node));
 }
 
 GridStream* Assembler::stream_of(std::int32_t node) {

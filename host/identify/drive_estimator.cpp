@@ -7,6 +7,7 @@
 #include "common/config/section.hpp"
 #include "host/identify/body_instrument.hpp"
 #include "host/identify/confidence.hpp"
+#include "host/identify/doubt.hpp"
 #include "host/identify/missing_angle.hpp"
 #include "host/identify/phase_drift.hpp"
 
@@ -111,7 +112,7 @@ void DriveEstimator::consume(const SealedBlock& block) {
 std::string DriveEstimator::obstacle() const {
   if (assembler_ && !assembler_->no_common_time().empty()) return assembler_->no_common_time();
   if (const auto wheel = sections_.missing_reference(); wheel && classes_.empty())
-    return std::string(kWheelNames[static_cast<std::size_t>(*wheel)]) +
+    return obstacle_ + (obstacle_.empty() ? "" : "; ") + kWheelNames[static_cast<std::size_t>(*wheel)] +
            ": its encoder gave no angle; sections without it are not used";
   const std::string refused = body_only_ ? in_step_sentence(sections_.phase_drift()) : "";
   return obstacle_ + (obstacle_.empty() || refused.empty() ? "" : "; ") + refused;
@@ -195,6 +196,7 @@ void DriveEstimator::publish(const UnknownVector& x, const UnknownMatrix& covari
   publish_unknown(Unknown::kNone);
   if (!body_only_) publish_suspension(x, covariance);
   publish_balances(x, covariance);
+  add_doubt_of_datums();
   if (!body_only_) return;
   estimate_.identification.state = Unknown::kUnfitVehicle;
   add_doubt_of_parameters();
@@ -246,6 +248,15 @@ void DriveEstimator::publish_balances(const UnknownVector& x, const UnknownMatri
   }
 }
 
+/// No scatter of a drive shows where its zero marks are thought to be.
+void DriveEstimator::add_doubt_of_datums() {
+  for (std::size_t w = 0; w < kWheels; ++w) {
+    const double sigma_rad = vehicle_.wheel[w].encoder.datum_sigma_rad;
+    if (estimate_.balance[w].state == Unknown::kNone)
+      add_doubt(estimate_.balance[w], 0.0, sigma_rad * sigma_rad);
+  }
+}
+
 void DriveEstimator::add_doubt_of_parameters() {
   double seconds = 0.0, metres = 0.0;
   for (const auto& [key, speed_class] : classes_) {
@@ -256,13 +267,7 @@ void DriveEstimator::add_doubt_of_parameters() {
   for (std::size_t w = 0; w < kWheels; ++w) {
     Balance& balance = estimate_.balance[w];
     if (balance.state != Unknown::kNone) continue;
-    const Eigen::Vector2d along =
-        balance.unbalance_g * Eigen::Vector2d(std::cos(balance.angle_rad), std::sin(balance.angle_rad));
-    const Eigen::Vector2d across(-along.y(), along.x());
-    balance.covariance_g2 +=
-        doubt[w].along * along * along.transpose() + doubt[w].across * across * across.transpose();
-    balance.sigma_g = std::hypot(balance.sigma_g, balance.unbalance_g * std::sqrt(doubt[w].along));
-    balance.sigma_rad = std::hypot(balance.sigma_rad, std::sqrt(doubt[w].across));
+    add_doubt(balance, doubt[w].along, doubt[w].across);
   }
 }
 

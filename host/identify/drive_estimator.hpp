@@ -66,6 +66,8 @@ class DriveEstimator {
   void publish(const UnknownVector& x, const UnknownMatrix& covariance);
   void publish_suspension(const UnknownVector& x, const UnknownMatrix& covariance);
   void publish_balances(const UnknownVector& x, const UnknownMatrix& covariance);
+  /// In the balances: how well the zero marks' datums are known.
+  void add_doubt_of_datums();
   /// In the balances: what vehicle.toml may be wrong by, where the body alone was heard.
   void add_doubt_of_parameters();
   void publish_unknown(Unknown state);

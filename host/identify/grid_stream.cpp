@@ -73,6 +73,10 @@ void GridStream::take(const ClockFit& fit, Grid& grid) {
 }
 
 void GridStream::take(const ScanBlock& block, Grid& grid) {
+  aligner_.add(block, [&](const ScanBlock& aligned) { take_aligned(aligned, grid); });
+}
+
+void GridStream::take_aligned(const ScanBlock& block, Grid& grid) {
   if (grid.period_ps == 0) grid.period_ps = block.period_ps;
   const double rates = static_cast<double>(block.period_ps) / static_cast<double>(grid.period_ps);
   if (std::abs(rates - 1.0) > kRateTolerance) {

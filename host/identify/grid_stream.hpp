@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/clock/exchange.hpp"
+#include "host/identify/channel_aligner.hpp"
 #include "host/identify/grid.hpp"
 #include "host/identify/resampler.hpp"
 
@@ -19,13 +20,14 @@ namespace roadbalance {
 /// are its rows unchanged, else they are resampled, to the end of the epoch.  A node with a clock of its own
 /// is resampled always: each block by the fit that came last before it, live and later alike.  Blocks that
 /// come before the first fit, or after a break of the time base, wait for the next one, at most
-/// kLongestWait_s.
+/// kLongestWait_s.  Before all that ChannelAligner takes off by how much channels lag.
 class GridStream {
  public:
   static constexpr double kLongestWait_s = 60.0;  ///< of drive; older blocks are left out
 
   /// @param alone  the only node there is: its own time will do
-  GridStream(std::int32_t node, bool alone) : node_(node), alone_(alone) {}
+  GridStream(std::int32_t node, bool alone, const ChannelDelays& delays = {})
+      : node_(node), alone_(alone), aligner_(delays) {}
 
   std::int32_t node() const { return node_; }
   void take(const ClockFit& fit, Grid& grid);
@@ -46,6 +48,7 @@ class GridStream {
     std::int64_t breaks = 0;
     int distrusted = 0;  ///< so many fits may still be from before a jump, if they do not say that it broke
   };
+  void take_aligned(const ScanBlock& block, Grid& grid);
   Clock* clock_of(std::int64_t epoch);
   Clock& declare(std::int64_t epoch);
   double awaited_s() const;
@@ -57,6 +60,7 @@ class GridStream {
 
   const std::int32_t node_;
   const bool alone_;
+  ChannelAligner aligner_;
   std::deque<Clock> clocks_;          ///< of epochs that have their own, the latest ones
   std::deque<ScanBlock> waiting_;     ///< for a fit
   std::int64_t other_period_ps_ = 0;  ///< of a block that was refused; 0: none was

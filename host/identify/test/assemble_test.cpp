@@ -74,6 +74,33 @@ TEST(Assembler, GivesTheSevenAccelerationsAndAllAngles) {
   }
 }
 
+TEST(Assembler, TakesOffByHowMuchAChannelLags) {
+  const std::size_t lagging = 2;  // fl_carrier_z
+  VehicleConfig vehicle = car();
+  vehicle.node[0].channel[lagging].delay_s = 1.2e-3;
+  std::vector<SignalRun> runs;
+  Assembler assembler(vehicle, [&](const SignalRun& run) { runs.push_back(run); });
+  const double lag_counts =
+      0.01 * 1.2e-3 / (1e-9 * kPeriodNs) / car().node[0].channel[lagging].scale_m_s2_per_count;
+  for (int number = 0; number < 5; ++number) {
+    ScanBlock late = decode_scan(block_of(0, number));
+    for (auto& row : late.counts) row[lagging] -= static_cast<std::int32_t>(std::lround(lag_counts));
+    SealedBlock sealed;
+    seal(late, sealed);
+    assembler.consume(sealed);
+    assembler.consume(block_of(1, number));
+  }
+  Eigen::Index rows = 0;
+  for (const SignalRun& run : runs)
+    for (Eigen::Index i = 0; i < run.samples.cols(); ++i, ++rows) {
+      const double k = static_cast<double>(run.first_index + i);
+      // Two counts of 2.4e-5 m/s^2 are rounded.
+      EXPECT_NEAR(run.samples(kBodyCoordinates, i), 0.01 * (k + 1), 6e-5) << k;
+      EXPECT_NEAR(run.samples(sine_row(0), i), std::sin(k / 100), 1e-6) << k;
+    }
+  EXPECT_EQ(rows, 100 - 13 - 18);
+}
+
 TEST(Assembler, ResultDoesNotDependOnHowNodesInterleave) {
   std::vector<SealedBlock> in_turn, one_after_the_other;
   for (int number = 0; number < 6; ++number)
