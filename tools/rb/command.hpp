@@ -17,8 +17,11 @@ enum ExitCode : int {
 
 /// Each adds its subcommand to `app`.  When it is chosen it runs and puts its exit code into `code`; it
 /// throws ConfigError (kUsage) or another std::exception (kCannotAccess), which main prints.
+void add_balance(CLI::App& app, int& code);
+void add_calibrate(CLI::App& app, int& code);
 void add_demo(CLI::App& app, int& code);
 void add_watch(CLI::App& app, int& code);
+void add_datum(CLI::App& app, int& code);
 void add_doctor(CLI::App& app, int& code);
 void add_distance(CLI::App& app, int& code);
 void add_identify(CLI::App& app, int& code);

@@ -54,6 +54,8 @@ int main(int argc, char** argv) {
   int code = kDone;
   add_demo(app, code);
   add_watch(app, code);
+  add_datum(app, code);
+  add_calibrate(app, code);
   add_doctor(app, code);
   add_identify(app, code);
   add_distance(app, code);
@@ -62,6 +64,7 @@ int main(int argc, char** argv) {
   add_info(app, code);
   add_levels(app, code);
   add_orders(app, code);
+  add_balance(app, code);
   add_spectrum(app, code);
   add_study(app, code);
   add_import(app, code);

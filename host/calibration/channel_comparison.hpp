@@ -1,0 +1,70 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/config/vehicle_config.hpp"
+#include "common/link/blocks.hpp"
+#include "host/calibration/channel_match.hpp"
+
+namespace roadbalance {
+
+/// Channel-matching calibration of a node: all its inputs were given one signal, and what they make of it
+/// says how their gains and delays differ.
+///
+/// Beside channels in use those of a loop-back are compared, which pass the same filters and converters: an
+/// angle is known against them, so that their mean is the reference for delays; without a loop-back it is the
+/// mean of all channels.  For gains it is the mean of the accelerations always.
+class ChannelComparison {
+ public:
+  struct Settings {
+    double low_hz = 2.0, high_hz = 30.0;
+    double segment_s = 2.0;
+    /// All sensors felt one motion; else all inputs were given one voltage, and sensors have no part in it.
+    bool motion = false;
+    std::string reference{};  ///< channel that stays as it is; empty: the means
+  };
+
+  /// @throws ConfigError naming what cannot be compared
+  ChannelComparison(const NodeConfig& node, const Settings& settings);
+
+  /// Blocks of the node as they come; what an overload or a hole touches is left out.
+  void add(const ScanBlock& block);
+
+  struct Channel {
+    std::string name;
+    ChannelMatch match;
+    // What makes it as the reference is, of an acceleration that is matched.
+    bool can_be_set = false;
+    double scale_m_s2_per_count = 0.0;
+    double offset_counts = 0.0;  ///< as it was
+    double delay_s = 0.0;
+  };
+  struct Result {
+    std::vector<Channel> channel;  ///< empty: no two show the same signal
+    double seconds = 0.0;
+  };
+  Result result() const;
+
+ private:
+  struct Input {
+    std::string name;
+    std::size_t place;  ///< among the node's 16
+    double per_count;   ///< to what is compared
+    double base_scale;  ///< m/s^2 per count of a channel of gain 1
+    double present_delay_s, offset_counts;
+    bool reference;  ///< of the loop-back
+  };
+  Input input_of(const ChannelConfig& channel, std::size_t place) const;
+  bool loops_back() const;
+
+  const NodeConfig node_;
+  const Settings settings_;
+  std::vector<Input> input_;
+  std::vector<double> sample_;
+  std::optional<CrossSpectra> spectra_;
+  std::int64_t epoch_ = 0, next_scan_ = -1, scans_ = 0;
+};
+
+}  // namespace roadbalance

@@ -1,0 +1,82 @@
+#include "host/calibration/datum_readings.hpp"
+
+#include <cassert>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+namespace roadbalance {
+namespace {
+
+constexpr double kTurn_rad = 2.0 * std::numbers::pi;
+
+}  // namespace
+
+double DatumReadings::pitch_rad() const {
+  return kTurn_rad / config_.pulses_per_turn;
+}
+
+void DatumReadings::add(const Edge& edge) {
+  const std::int64_t time_ns = to_ns(edge.time);
+  switch (edge.kind) {
+    case EdgeKind::kZeroMark:
+      tooth_ = 0;
+      mark_ns_ = time_ns;
+      return;
+    case EdgeKind::kTooth:
+      // Across one pitch a hand turns evenly enough.
+      if (mark_ns_ && last_tooth_ns_ && time_ns > *last_tooth_ns_) {
+        places_ += static_cast<double>(time_ns - *mark_ns_) / static_cast<double>(time_ns - *last_tooth_ns_);
+        ++marks_;
+      }
+      last_tooth_ns_ = time_ns;
+      if (tooth_) ++*tooth_;
+      break;
+    case EdgeKind::kToothBackward:
+      last_tooth_ns_.reset();
+      if (tooth_) --*tooth_;
+      break;
+    case EdgeKind::kLost:
+      last_tooth_ns_.reset();
+      tooth_.reset();
+      break;
+  }
+  mark_ns_.reset();
+}
+
+/// Middle of where the wheel may stand.
+double DatumReadings::since_mark_pitches() const {
+  const double place = marks_ > 0 ? places_ / marks_ : 0.5;
+  return *tooth_ == 0 ? 0.5 * place : static_cast<double>(*tooth_) - 0.5 + place;
+}
+
+double DatumReadings::read(double angle_rad) {
+  assert(can_read());
+  const double datum_rad = std::remainder(angle_rad - since_mark_pitches() * pitch_rad(), kTurn_rad);
+  datum_rad_.push_back(datum_rad);
+  tooth_.reset();
+  return datum_rad;
+}
+
+void DatumReadings::undo() {
+  if (!datum_rad_.empty()) datum_rad_.pop_back();
+}
+
+std::optional<DatumReadings::Datum> DatumReadings::datum() const {
+  if (datum_rad_.size() < 2) return std::nullopt;
+  std::complex<double> sum = 0.0;
+  for (const double reading : datum_rad_) sum += std::polar(1.0, reading);
+  Datum datum{std::arg(sum), 0.0, 0.0, 0.0};
+  double square = 0.0;
+  for (const double reading : datum_rad_) {
+    const double off = std::remainder(reading - datum.datum_rad, kTurn_rad);
+    square += off * off;
+    if (std::abs(off) > std::abs(datum.worst_rad)) datum.worst_rad = off;
+  }
+  const auto count = static_cast<double>(datum_rad_.size());
+  datum.scatter_rad = std::max(std::sqrt(square / (count - 1.0)), pitch_rad() / std::sqrt(12.0));
+  datum.sigma_rad = datum.scatter_rad / std::sqrt(count);
+  return datum;
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "common/config/vehicle_config.hpp"
+
+namespace roadbalance {
+
+/// The zero mark's datum (common/vehicle/conventions.md) from a wheel that is turned by hand: it is turned on
+/// until its mark has fired and stands, then somebody reads at which angle its reference point is, and that
+/// several times over.
+///
+/// The wheel stops behind the mark, not on it: by the teeth that have passed since.  The place of the mark
+/// between two teeth is told by their stamps.  Then a reading is good to the tooth that has not come yet,
+///
+///     datum = read - (teeth - 1/2 + place) pitches,   each +- pitch / sqrt(12)
+///
+/// and their mean to the scatter of the readings, but not less than that, over the root of their number.
+/// What all readings have in common (the car stands aslant) nobody sees.
+class DatumReadings {
+ public:
+  explicit DatumReadings(const EncoderConfig& config) : config_(config) {}
+
+  /// The wheel's edges in order of time.  A single track takes every tooth for one that goes forward.
+  void add(const Edge& edge);
+
+  /// The mark has fired since the last reading, and no edge was lost since.
+  bool can_read() const { return tooth_.has_value(); }
+  /// Takes a reading of where the reference point stands now, and what it says of the datum.
+  /// @pre can_read()
+  double read(double angle_rad);
+  /// Takes the last reading back.
+  void undo();
+  std::size_t readings() const { return datum_rad_.size(); }
+
+  struct Datum {
+    double datum_rad;    ///< -pi .. pi
+    double sigma_rad;    ///< of it
+    double scatter_rad;  ///< of a single reading
+    double worst_rad;    ///< furthest reading from the mean, with its sign
+  };
+  /// Of two readings and more.
+  std::optional<Datum> datum() const;
+
+ private:
+  double pitch_rad() const;
+  double since_mark_pitches() const;
+
+  const EncoderConfig config_;
+  std::optional<std::int64_t> tooth_;                    ///< since the mark, those backward taken off
+  std::optional<std::int64_t> last_tooth_ns_, mark_ns_;  ///< mark: until the tooth behind it has come
+  double places_ = 0.0;  ///< sum: pitches from the mark to the first tooth behind it
+  int marks_ = 0;        ///< in that sum
+  std::vector<double> datum_rad_;
+};
+
+}  // namespace roadbalance

@@ -1,0 +1,40 @@
+#include "tools/rb/typed_lines.hpp"
+
+#include <poll.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "common/config/section.hpp"
+
+namespace roadbalance {
+
+TypedLines::TypedLines(int descriptor) : descriptor_(descriptor), terminal_(isatty(descriptor) == 1) {
+  struct stat what {};
+  const bool open = fstat(descriptor, &what) == 0;
+  const bool can_be_read =
+      open && (terminal_ || S_ISFIFO(what.st_mode) || S_ISREG(what.st_mode) || S_ISSOCK(what.st_mode));
+  if (!can_be_read)
+    throw ConfigError(std::string("standard input is ") +
+                      (open ? "a device that nobody types at" : "closed") +
+                      "; allowed: a terminal, a pipe or a file with the answers");
+}
+
+std::optional<std::string> TypedLines::next() {
+  pollfd ready{descriptor_, POLLIN, 0};
+  while (!ended_ && read_.find('\n') == std::string::npos && poll(&ready, 1, 0) > 0) {
+    char part[512];
+    const ssize_t size = read(descriptor_, part, sizeof part);
+    if (size > 0)
+      read_.append(part, static_cast<std::size_t>(size));
+    else
+      ended_ = true;
+  }
+  const std::size_t end = read_.find('\n');
+  if (end == std::string::npos && !(ended_ && !read_.empty())) return std::nullopt;
+  std::string line = read_.substr(0, end);
+  read_.erase(0, end == std::string::npos ? end : end + 1);
+  if (!line.empty() && line.back() == '\r') line.pop_back();
+  return line;
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+namespace roadbalance {
+
+/// Where a point of a wheel stands, as people say it: degrees in the direction of forward rotation from the
+/// upward vertical ("45", "-30", "45.5deg"), or the hour of a clock laid on the wheel as it is seen from
+/// outside the car ("10:30", "3:00"), which runs against the rotation on the left side of the car
+/// (common/vehicle/conventions.md).
+/// @return radians 0 .. 2 pi; nothing if it is neither
+std::optional<double> parse_wheel_angle(const std::string& text, bool left_side);
+
+/// The same backwards: "10:30".
+std::string clock_of(double angle_rad, bool left_side);
+
+}  // namespace roadbalance
