@@ -15,6 +15,7 @@
 #include <wire/identification_t.hpp>
 #include <wire/level_t.hpp>
 #include <wire/meta_t.hpp>
+#include <wire/orders_t.hpp>
 #include <wire/recorder_t.hpp>
 #include <wire/reply_t.hpp>
 #include <wire/scan_block_t.hpp>
@@ -37,8 +38,8 @@ struct Kind {
   bool has_crc = true;
 };
 
-const std::array<Kind, 17>& kinds() {
-  static const std::array<Kind, 17> all{{
+const std::array<Kind, 18>& kinds() {
+  static const std::array<Kind, 18> all{{
       {"RB_BLOCK_", "_SCAN", wire::scan_block_t::getHash(), Speaker::kNode},
       {"RB_BLOCK_", "_EDGE", wire::edge_block_t::getHash(), Speaker::kNode},
       {"RB_BLOCK_", "_GAP", wire::gap_t::getHash(), Speaker::kNode},
@@ -54,6 +55,7 @@ const std::array<Kind, 17>& kinds() {
       {"RB_RECORDER", "", wire::recorder_t::getHash(), Speaker::kRecorder, false},
       {"RB_LEVEL", "", wire::level_t::getHash(), Speaker::kAnalyser, false, false},
       {"RB_SPECTRUM", "", wire::spectrum_t::getHash(), Speaker::kAnalyser, false, false},
+      {"RB_ORDERS", "", wire::orders_t::getHash(), Speaker::kAnalyser, false, false},
       {"RB_IDENTIFICATION", "", wire::identification_t::getHash(), Speaker::kAnalyser, false, false},
       {"RB_BALANCE", "", wire::balance_t::getHash(), Speaker::kAnalyser, false, false},
   }};

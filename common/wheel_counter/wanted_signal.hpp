@@ -29,4 +29,11 @@ inline std::optional<int> counter_signal(const NodeWiring& wiring, const std::st
   });
 }
 
+/// Of the one that tells the speed of that wheel.
+inline std::optional<int> speed_signal(const NodeWiring& wiring, const std::string& wheel) {
+  return first_signal(wiring, [&](const SignalConfig& signal) {
+    return signal.quantity == SignalQuantity::kWheelSpeed && signal.wheel == wheel;
+  });
+}
+
 }  // namespace roadbalance

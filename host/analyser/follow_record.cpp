@@ -15,6 +15,7 @@
 #include "common/record/record.hpp"
 #include "host/analyser/durable_gate.hpp"
 #include "host/analyser/in_sequence.hpp"
+#include "host/analyser/live_orders.hpp"
 #include "host/identify/drive_estimator.hpp"
 
 namespace roadbalance {
@@ -27,7 +28,7 @@ constexpr int kFarewells = 3;
 class Follower {
  public:
   Follower(const AnalyserOptions& options, const VehicleConfig& vehicle)
-      : bus_(options.url), reader_(options.record), estimator_(vehicle) {
+      : bus_(options.url), reader_(options.record), estimator_(vehicle), orders_(vehicle) {
     for (const auto& node : vehicle.node) running_[node.id] = true;
     bus_.subscribe("RB_ACK_.*", [this](std::string_view, std::span<const std::uint8_t> bytes) {
       if (const auto ack = decode_ack(bytes)) gate_.acknowledge(*ack, WallClock::now());
@@ -45,6 +46,7 @@ class Follower {
     bus_.handle(kRecordPoll);
     while (!stop.stop_requested() && !(caught_up_ = !take())) publish_news();
     if (WallClock::now() - published_ > kRepeat) publish();
+    if (WallClock::now() - orders_published_ > kRepeat) publish_orders();
   }
 
   void publish() {
@@ -52,6 +54,11 @@ class Follower {
     bus_.publish(kIdentificationChannel, encode(estimate.identification));
     for (const Balance& balance : estimate.balance) bus_.publish(kBalanceChannel, encode(balance));
     published_ = WallClock::now();
+  }
+
+  void publish_orders() {
+    for (const OrderReport& report : orders_.reports()) bus_.publish(kOrdersChannel, encode(report));
+    orders_published_ = WallClock::now();
   }
 
  private:
@@ -67,7 +74,10 @@ class Follower {
       if (!event) return false;
       if (accept(event->data, *block_) != Refusal::kNone) {
         // A fit counts for the blocks behind it, and the gate stops at the first that is not durable yet.
-        if (const auto fit = decode_clock_fit(event->data)) estimator_.consume(*fit);
+        if (const auto fit = decode_clock_fit(event->data)) {
+          estimator_.consume(*fit);
+          orders_.consume(*fit);
+        }
         return true;
       }
     }
@@ -75,6 +85,7 @@ class Follower {
     if (waiting_) return false;
     in_sequence_.add(*block_, [this](const SealedBlock& block) {
       estimator_.consume(block);
+      orders_.consume(block);
       note_end(block);
     });
     return true;
@@ -92,12 +103,15 @@ class Follower {
   void publish_news() {
     if (std::exchange(version_, estimator_.version()) != version_) publish();
     // A long record must not keep acknowledgements waiting.
-    if (++taken_ % 256 == 0) bus_.handle(std::chrono::milliseconds(0));
+    if (++taken_ % 256 != 0) return;
+    bus_.handle(std::chrono::milliseconds(0));
+    if (WallClock::now() - orders_published_ > kRepeat) publish_orders();
   }
 
   Bus bus_;
   RecordReader reader_;
   DriveEstimator estimator_;
+  LiveOrders orders_;
   DurableGate gate_;
   InSequence in_sequence_;
   std::map<std::int32_t, bool> running_;         ///< by node: its newest epoch has no end yet
@@ -108,7 +122,7 @@ class Follower {
   bool waiting_ = false;  ///< `block_` was read and is not durable yet
   std::int64_t version_ = 0;
   std::int64_t taken_ = 0;
-  WallTime published_{};
+  WallTime published_{}, orders_published_{};
 };
 
 }  // namespace
@@ -118,6 +132,7 @@ void follow_record(std::stop_token stop, const AnalyserOptions& options, const V
   while (!stop.stop_requested() && !(follower.ended() && options.exit_at_end)) follower.step(stop);
   for (int i = 0; i < kFarewells && follower.ended(); ++i) {
     follower.publish();
+    follower.publish_orders();
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
 }

@@ -11,13 +11,14 @@ namespace roadbalance {
 /// How often a growing record is looked at.
 inline constexpr std::chrono::milliseconds kRecordPoll{50};
 
-/// Process: the record as it grows -> identification and balance on the bus.
+/// Process: the record as it grows -> identification, balance and orders on the bus.
 ///
 /// Takes the blocks of each node in sequence and only those the recorder has acknowledged as durable, so that
 /// the estimates are bit for bit those of the finished record.  A recorder that has been silent for some
 /// seconds promises nothing more; then what the record holds counts.
 ///
-/// Publishes each new estimate, and the last one again every second for those who come late.
+/// Publishes each new estimate, and the last one again every second for those who come late; orders once a
+/// second.
 void follow_record(std::stop_token stop, const AnalyserOptions& options, const VehicleConfig& vehicle);
 
 }  // namespace roadbalance

@@ -17,6 +17,9 @@ struct RecordedEstimate {
 /// The estimate that a finished recording gives: every block of every node in sequence through
 /// DriveEstimator, the path the live analyser takes, so the numbers are the same bit for bit.
 ///
+/// But of wheels whose teeth are counted on the bus: their angles are computed again from all that was
+/// recorded (AngleAgain), and what is not known of them is in the result.
+///
 /// @param refine  do not use the clocks' relations as they were known live: compute them again from the
 ///                recorded exchanges, with what came before and after each instant
 /// @throws as read_recording

@@ -22,11 +22,14 @@ void append(std::string& list, const std::string& name, const char* between) {
 }  // namespace
 
 std::string why_no_angle(const VehicleConfig& vehicle) {
-  std::string speed, counter;
+  std::string speed, counter, teeth;
   bool any = false;
   for (const WheelConfig& wheel : vehicle.wheel) {
     any = any || !wheel.node.empty();
-    if (!wheel.node.empty()) continue;
+    if (!wheel.node.empty()) {
+      if (!wheel.encoder.zero_mark) append(wheel.encoder.counter.empty() ? teeth : counter, wheel.name, ", ");
+      continue;
+    }
     if (bus_tells(vehicle, wheel, SignalQuantity::kPulseCounter))
       append(counter, wheel.name, ", ");
     else if (bus_tells(vehicle, wheel, SignalQuantity::kWheelSpeed))
@@ -43,9 +46,16 @@ std::string why_no_angle(const VehicleConfig& vehicle) {
   if (!counter.empty())
     append(why,
            counter +
-               ": the bus counts pulses but sends no zero mark; a count is an angle turned through, not the "
+               ": the bus counts pulses but sends no zero mark, and none is on a line; a count is an angle "
+               "turned through, not the "
                "wheel's angle",
            "; ");
+  if (!teeth.empty())
+    append(
+        why,
+        teeth +
+            ": its encoder has no zero mark; teeth tell how far the wheel has turned, not the wheel's angle",
+        "; ");
   if (why.empty() && !any)
     why = "no wheel has an encoder, and the bus tells nothing of the wheels: there is no angle";
   return why;

@@ -10,8 +10,8 @@
 namespace roadbalance {
 namespace {
 
-bool is_whole(double order) {
-  return order == std::round(order);
+bool is_whole(double periods) {
+  return std::abs(periods - std::round(periods)) < 1e-9;
 }
 
 const OrderVectors::Settings& checked(const OrderVectors::Settings& s) {
@@ -78,7 +78,7 @@ void OrderVectors::add(const TurnBlock& block) {
 
 void OrderVectors::add(const TurnBlock& block, std::size_t order, std::complex<double> vector,
                        Accumulator& to) const {
-  if (!is_whole(settings_.order[order]) && block.run != to.current.run) {
+  if (!has_phase(order) && block.run != to.current.run) {
     if (to.current.all.count() > to.best.all.count()) to.best = std::move(to.current);
     to.current = {};
   }
@@ -86,6 +86,10 @@ void OrderVectors::add(const TurnBlock& block, std::size_t order, std::complex<d
   to.current.all.add(vector);
   const double place = block.rotation_hz / settings_.class_hz;
   if (place < kMostClasses) to.current.by_speed[static_cast<int>(place)].add(vector);
+}
+
+bool OrderVectors::has_phase(std::size_t order) const {
+  return settings_.known_share > 0.0 && is_whole(settings_.order[order] * settings_.known_share);
 }
 
 OrderVectors::Result OrderVectors::result(int channel, std::size_t order) const {

@@ -18,9 +18,10 @@ namespace roadbalance {
 /// filter's response H, its phase phi and the angle that has passed the same filter, order h at f turns a
 /// second is recorded as X H(h f) e^{-j h phi(f)}.
 ///
-/// An order that is no whole number has a phase only within an uninterrupted run, counted from the run's own
-/// first turn: of such an order the longest run counts.  A block whose order lies above highest_hz is left
-/// out.
+/// An order of which a whole number of periods does not go into what the angle is known modulo - of a wheel
+/// with a zero mark, an order that is no whole number - has a phase only within an uninterrupted run, counted
+/// from the run's own first turn: of such an order the longest run counts.  A block whose order lies above
+/// highest_hz is left out.
 class OrderVectors {
  public:
   static constexpr int kMostClasses = 100;
@@ -34,6 +35,7 @@ class OrderVectors {
     double class_hz;            ///< width of a speed class, turns a second
     /// What the recording makes of a unit vector of an order at so many turns a second; empty: nothing.
     std::function<std::complex<double>(double order, double rotation_hz)> as_recorded;
+    double known_share = 1.0;  ///< of a turn, that the angle is known modulo; 0: of what it is counted from
   };
   struct Class {
     double from_hz, to_hz;  ///< turns a second
@@ -51,6 +53,9 @@ class OrderVectors {
 
   /// @param order  place in Settings::order
   Result result(int channel, std::size_t order) const;
+
+  /// Whether its phase is the same in all runs, and in another drive.
+  bool has_phase(std::size_t order) const;
 
  private:
   struct Sums {

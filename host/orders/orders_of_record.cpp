@@ -1,79 +1,84 @@
 #include "host/orders/orders_of_record.hpp"
 
+#include <algorithm>
+#include <optional>
 #include <stdexcept>
+#include <utility>
 
-#include "common/config/section.hpp"
+#include "common/wheel_counter/wanted_signal.hpp"
+#include "host/analyser/recorded_vehicle.hpp"
+#include "host/orders/wanted_rotors.hpp"
 
 namespace roadbalance {
 namespace {
 
-[[noreturn]] void refuse_wheel(const VehicleConfig& vehicle, const std::string& name) {
-  const char* why = ": there is no such wheel";
-  std::string there;
-  for (const WheelConfig& wheel : vehicle.wheel) {
-    if (!wheel.node.empty()) there += " " + wheel.name;
-    if (wheel.name == name) why = ": vehicle.toml gives it no encoder";
+/// What is read in one go: analyses, and the vehicle whose angles they take.
+struct Job {
+  VehicleConfig vehicle;
+  WantedOrders wanted;
+};
+
+/// The vehicle as if the node that hears the wheel's speed read an encoder of it, without zero mark.
+std::optional<VehicleConfig> with_speed_of_bus(const VehicleConfig& vehicle, const WheelConfig& wheel) {
+  for (const NodeConfig& node : vehicle.node) {
+    if (!speed_signal(node.wiring, wheel.name)) continue;
+    VehicleConfig seen = vehicle;
+    for (WheelConfig& other : seen.wheel) other.node.clear();
+    WheelConfig& own = seen.wheel[static_cast<std::size_t>(vehicle.place_of(wheel))];
+    own.node = node.name;
+    own.line = 0;
+    own.encoder = {.zero_mark = false};
+    return seen;
   }
-  throw ConfigError("--wheel " + name + why + "; allowed:" + (there.empty() ? " none" : there));
+  return std::nullopt;
 }
 
-std::vector<std::size_t> accelerations_of(const NodeConfig& node) {
-  std::vector<std::size_t> channels;
-  for (std::size_t c = 0; c < node.channel.size(); ++c)
-    if (node.channel[c].role == ChannelRole::kAcceleration) channels.push_back(c);
-  return channels;
-}
-
-/// Place of the channel in the node; nothing if it has none of that name.
-std::vector<std::size_t> channel_named(const NodeConfig& node, const std::string& name) {
-  for (std::size_t c = 0; c < node.channel.size(); ++c)
-    if (node.channel[c].name == name) return {c};
-  return {};
-}
-
-[[noreturn]] void refuse_channel(const VehicleConfig& vehicle, const WantedOrders& wanted) {
-  std::string there;
+std::vector<Job> jobs_of(const VehicleConfig& vehicle, const WantedOrders& wanted) {
+  std::vector<Job> jobs;
+  const auto is_wanted = [&](const WheelConfig& wheel) {
+    return !wanted.wheel || wheel.name == *wanted.wheel;
+  };
+  const bool encoder = std::ranges::any_of(
+      vehicle.wheel, [&](const WheelConfig& wheel) { return !wheel.node.empty() && is_wanted(wheel); });
+  if (encoder || wanted.rotor) jobs.push_back({vehicle, wanted});
   for (const WheelConfig& wheel : vehicle.wheel) {
-    if (wheel.node.empty() || (wanted.wheel && wheel.name != *wanted.wheel)) continue;
-    for (const ChannelConfig& channel : vehicle.node_named(wheel.node).channel)
-      if (there.find(" " + channel.name + " ") == std::string::npos) there += " " + channel.name + " ";
+    if (!wheel.node.empty() || wanted.rotor || !is_wanted(wheel)) continue;
+    auto seen = with_speed_of_bus(vehicle, wheel);
+    if (!seen) continue;
+    jobs.push_back({std::move(*seen), wanted});
+    jobs.back().wanted.wheel = wheel.name;
   }
-  throw ConfigError("--channel " + *wanted.channel + ": no node that reads " +
-                    (wanted.wheel ? "that wheel's" : "an") + " encoder has such a channel; allowed:" + there);
+  if (jobs.empty()) jobs.push_back({vehicle, wanted});  // which says what is wrong
+  return jobs;
 }
 
-std::vector<std::unique_ptr<WheelOrders>> analyses(const VehicleConfig& vehicle, const WantedOrders& wanted) {
-  std::vector<std::unique_ptr<WheelOrders>> all;
-  bool any_wheel = false;
-  for (const WheelConfig& wheel : vehicle.wheel) {
-    if (wheel.node.empty() || (wanted.wheel && wheel.name != *wanted.wheel)) continue;
-    any_wheel = true;
-    const NodeConfig& node = vehicle.node_named(wheel.node);
-    auto channels = wanted.channel ? channel_named(node, *wanted.channel) : accelerations_of(node);
-    if (channels.empty()) continue;
-    try {
-      all.push_back(std::make_unique<WheelOrders>(vehicle, wheel, std::move(channels), wanted.order));
-    } catch (const std::invalid_argument& error) {
-      throw ConfigError("--order: " + std::string(error.what()));
-    }
-  }
-  if (!any_wheel && wanted.wheel) refuse_wheel(vehicle, *wanted.wheel);
-  if (!any_wheel)
-    throw ConfigError("vehicle.toml of the recording gives no wheel an encoder: no angle, no orders");
-  if (all.empty() && wanted.channel) refuse_channel(vehicle, wanted);
-  if (all.empty()) throw ConfigError("no node that reads an encoder has a channel of role acceleration");
-  return all;
+void analyse(const std::filesystem::path& folder, const Job& job, RecordOrders& result) {
+  auto rotors = wanted_rotors(job.vehicle, job.wanted);
+  AngleAgain angles(job.vehicle, AngleAgain::WithoutMark::kTurned);
+  if (angles.wanted())
+    read_recording(
+        folder, [](const VehicleConfig&) {}, [&](const SealedBlock& block) { angles.learn(block); });
+  result.defects = read_recording(
+      folder, [](const VehicleConfig&) {},
+      [&](const SealedBlock& block) {
+        const SealedBlock& again = angles.again(block);
+        for (const auto& rotor : rotors) rotor->consume(again);
+      },
+      [&](const ClockFit& fit) {
+        for (const auto& rotor : rotors) rotor->consume(fit);
+      });
+  for (int wheel = 0; wheel < kWheels; ++wheel)
+    if (const auto quality = angles.quality(wheel)) result.angle.emplace(wheel, *quality);
+  for (auto& rotor : rotors) result.rotor.push_back(std::move(rotor));
 }
 
 }  // namespace
 
 RecordOrders orders_of_record(const std::filesystem::path& folder, const WantedOrders& wanted) {
+  const auto vehicle = recorded_vehicle(folder);
+  if (!vehicle) throw std::runtime_error(folder.string() + ": holds no complete vehicle.toml, or no scan");
   RecordOrders result;
-  result.defects = read_recording(
-      folder, [&](const VehicleConfig& vehicle) { result.wheel = analyses(vehicle, wanted); },
-      [&](const SealedBlock& block) {
-        for (const auto& wheel : result.wheel) wheel->consume(block);
-      });
+  for (const Job& job : jobs_of(*vehicle, wanted)) analyse(folder, job, result);
   return result;
 }
 

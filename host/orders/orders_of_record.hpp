@@ -1,29 +1,41 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "host/analyser/read_recording.hpp"
-#include "host/orders/wheel_orders.hpp"
+#include "host/orders/rotor_orders.hpp"
+#include "host/references/angle_again.hpp"
 
 namespace roadbalance {
 
 struct WantedOrders {
-  std::optional<std::string> wheel;    ///< nothing: every wheel that has an encoder
-  std::optional<std::string> channel;  ///< nothing: every acceleration of the node that reads the encoder
+  std::optional<std::string> wheel{};  ///< nothing, and no rotor: every wheel of which anything is known
+  std::optional<std::string> rotor{};  ///< of vehicle.toml, instead
+  /// Of any node, those that read the encoders first; nothing: every acceleration.
+  std::optional<std::string> channel{};
+  bool all_nodes = false;  ///< accelerations of all nodes, not only of those that read the encoders
   std::vector<double> order{1.0, 2.0};
 };
 
 struct RecordOrders {
-  std::vector<std::unique_ptr<WheelOrders>> wheel;  ///< at least one
+  /// At least one; for each rotor one for each node whose channels are wanted.
+  std::vector<std::unique_ptr<RotorOrders>> rotor;
+  /// Of wheels whose angle was computed from what the bus tells, by place in VehicleConfig::wheel.
+  std::map<int, AngleAgain::Quality> angle;
   RecordingDefects defects;
 };
 
 /// Orders in a finished recording.
-/// @throws ConfigError naming a wheel, channel or order that cannot be analysed, and what can; else as
+///
+/// Angles of wheels whose teeth are counted on the bus are computed again (AngleAgain).  A wheel without an
+/// encoder of which the bus tells the speed is analysed in the node that hears it, by how far it has turned:
+/// Quality::by_speed.  Then only spectra hold, for the turns run away from the wheel.
+/// @throws ConfigError naming a wheel, rotor, channel or order that cannot be analysed, and what can; else as
 ///         read_recording
 RecordOrders orders_of_record(const std::filesystem::path& folder, const WantedOrders& wanted);
 

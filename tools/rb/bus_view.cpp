@@ -49,6 +49,9 @@ BusView::BusView(const std::string& url) : bus_(url) {
   bus_.subscribe(kSpectrumChannel, [this](std::string_view, Bytes bytes) {
     if (const auto part = decode_spectrum(bytes)) take(*part);
   });
+  bus_.subscribe(kOrdersChannel, [this](std::string_view, Bytes bytes) {
+    if (const auto report = decode_orders(bytes)) take(*report);
+  });
   bus_.subscribe(kIdentificationChannel, [this](std::string_view, Bytes bytes) {
     if (const auto message = decode_identification(bytes)) identification_ = *message;
   });
@@ -72,6 +75,12 @@ BusView::BusView(const std::string& url) : bus_(url) {
 }
 
 // What comes from the bus is bounded.
+void BusView::take(const OrderReport& report) {
+  constexpr std::size_t kMost = kMostNodes * kWheels;
+  const std::pair key(report.wheel, report.node);
+  if (orders_.contains(key) || orders_.size() < kMost) orders_[key] = report;
+}
+
 void BusView::take(const RecorderStatus& status) {
   constexpr std::size_t kMostRecorders = 8;
   if (!recorders_.contains(status.incarnation) && recorders_.size() >= kMostRecorders) return;

@@ -11,6 +11,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/control.hpp"
+#include "common/bus/order_report.hpp"
 #include "common/bus/recorder_status.hpp"
 #include "common/bus/results.hpp"
 #include "common/clock/clocks.hpp"
@@ -41,6 +42,8 @@ class BusView {
   const std::optional<Identification>& identification() const { return identification_; }
   const std::array<std::optional<Balance>, kWheels>& balance() const { return balance_; }
   const std::map<std::int32_t, Level>& levels() const { return levels_; }
+  /// By wheel and node.
+  const std::map<std::pair<std::int32_t, std::int32_t>, OrderReport>& orders() const { return orders_; }
   const std::map<std::int32_t, Heartbeat>& heartbeats() const { return heartbeats_; }
   /// Until a node's memory is full if nobody records any more; nothing if that is not known.
   std::optional<double> memory_left_s(std::int32_t node) const;
@@ -63,6 +66,7 @@ class BusView {
   void take(const RecorderStatus& status);
   void take(const Heartbeat& beat);
   void take(const ClockFit& fit);
+  void take(const OrderReport& report);
   void forget_silent_recorders();
 
   Bus bus_;
@@ -71,6 +75,7 @@ class BusView {
   std::optional<Identification> identification_;
   std::array<std::optional<Balance>, kWheels> balance_;
   std::map<std::int32_t, Level> levels_;
+  std::map<std::pair<std::int32_t, std::int32_t>, OrderReport> orders_;
   std::map<std::int32_t, Heartbeat> heartbeats_;
   std::map<std::int32_t, SealingRate> sealing_;
   std::map<std::int32_t, ClockFit> clocks_;

@@ -1,6 +1,7 @@
 #include "tools/rb/watch_json.hpp"
 
 #include "host/recorder/status_line.hpp"
+#include "tools/rb/order_lines.hpp"
 #include "tools/study/wheels_json.hpp"
 
 namespace roadbalance {
@@ -120,7 +121,13 @@ Json watch_json(const BusView& view) {
   for (const auto& [node, beat] : view.heartbeats())
     nodes.push_back(node_json(beat, view.memory_left_s(node)));
   for (const auto& [node, fit] : view.clocks()) clocks.push_back(clock_json(fit));
-  return {{"wheels", wheels(view)}, {"recorders", recorders}, {"nodes", nodes}, {"clocks", clocks}};
+  Json orders = Json::array();
+  for (const auto& [key, report] : view.orders()) orders.push_back(order_report_json(report));
+  return {{"wheels", wheels(view)},
+          {"recorders", recorders},
+          {"nodes", nodes},
+          {"clocks", clocks},
+          {"orders", orders}};
 }
 
 }  // namespace roadbalance

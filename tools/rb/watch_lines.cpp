@@ -4,6 +4,7 @@
 
 #include "host/recorder/status_line.hpp"
 #include "tools/rb/clock_line.hpp"
+#include "tools/rb/order_lines.hpp"
 #include "tools/rb/readout.hpp"
 
 namespace roadbalance {
@@ -60,6 +61,7 @@ std::vector<std::string> watch_lines(const BusView& view) {
     if (const auto fit = view.clocks().find(node); fit != view.clocks().end())
       lines.push_back("  " + clock_line(fit->second));
   }
+  for (int wheel = 0; wheel < kWheels; ++wheel) add(strongest_order_lines(view.orders(), wheel));
   add_levels(view, lines);
   if (lines.empty()) lines.push_back("waiting for an analyser on the bus");
   return lines;

@@ -1,4 +1,4 @@
-// A drive of the simulated car, sealed as its front node would, through WheelOrders.  What the wheel carrier
+// A drive of the simulated car, sealed as its front node would, through RotorOrders.  What the wheel carrier
 // does under an unbalance is computed beside it: (M + P / jw - Q / w^2) z'' = W F.
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@
 #include "common/vehicle/linear_model.hpp"
 #include "firmware/seal_all.hpp"
 #include "host/orders/order_peaks.hpp"
-#include "host/orders/wheel_orders.hpp"
+#include "host/orders/rotor_orders.hpp"
 #include "sim/front_end.hpp"
 
 namespace roadbalance {
@@ -56,7 +56,7 @@ std::string scenario(const std::string& road, double noise_m_s2) {
 
 class SimulatedDrive : public testing::Test {
  protected:
-  WheelOrders orders_{vehicle(), vehicle().wheel[0], {2}, {1.0, 2.0}};
+  RotorOrders orders_{vehicle(), rotor_of(vehicle(), vehicle().wheel[0]), 0, {2}, {1.0, 2.0}};
 
   void drive(const std::string& text, const std::function<void(const SealedBlock&)>& take) {
     std::ofstream(folder_ / "scenario.toml") << text;

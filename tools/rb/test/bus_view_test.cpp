@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "common/bus/clock_messages.hpp"
 #include "common/bus/process_port.hpp"
 #include "embedded/demo_vehicle.hpp"
@@ -107,6 +109,28 @@ TEST_F(BusViewTest, ShowsRecordersAndWhatAlarmsThem) {
   status.incarnation = 6;
   EXPECT_TRUE(hear(kRecorderChannel, encode(status)));
   EXPECT_TRUE(said("more than one recorder"));
+}
+
+TEST_F(BusViewTest, ShowsWhatTurnsWithAWheelWhereItShowsMost) {
+  OrderReport near{.wheel = 1, .node = 2, .seconds = 60.0}, far{.wheel = 1, .node = 3, .seconds = 60.0};
+  near.order[0][4] = {{0.0, 2.0}, 0.25, 0.1, 40};
+  near.order[0][5] = {{9.0, 0.0}, std::numeric_limits<double>::quiet_NaN(), 0.1, 3};
+  near.order[1][4] = {{0.5, 0.0}, 0.75, std::numeric_limits<double>::quiet_NaN(), 40};
+  far.order[0][0] = {{0.3, 0.0}, 0.25, 0.1, 40};
+  hear(kOrdersChannel, encode(near));
+  hear(kOrdersChannel, encode(far));
+  EXPECT_TRUE(
+      said("front_right, order 1: node 2 channel 5  2.0000 ± 0.2500 m/s²  90.0 ± 5.7 deg  40 blocks"));
+  EXPECT_TRUE(said("front_right, order 2: node 2 channel 5  0.5000 ± 0.7500 m/s²  40 blocks")) << "no phase";
+  EXPECT_FALSE(said("channel 6  9.0")) << "three blocks have no confidence";
+  EXPECT_FALSE(said("node 3 channel"));
+  const auto orders = watch_json(view_).at("orders");
+  ASSERT_EQ(orders.size(), 2U);
+  EXPECT_EQ(orders[0].at("wheel"), "front_right");
+  EXPECT_EQ(orders[0].at("orders").size(), 3U);
+  EXPECT_EQ(orders[0].at("orders")[0].at("phase_deg"), 90.0);
+  EXPECT_TRUE(orders[0].at("orders")[1].at("amplitude_95").is_null());
+  EXPECT_TRUE(orders[0].at("orders")[2].at("phase_deg").is_null());
 }
 
 TEST_F(BusViewTest, TellsWhoOfADemoHasNotBegun) {

@@ -174,7 +174,8 @@ TEST_F(OrdersCommand, NamesWhatIsAtFault) {
   };
   refused({"--wheel", "spare"}, {"spare", "front_left"});
   refused({"--channel", "bonnet_z"}, {"bonnet_z", "fl_carrier_z"});
-  refused({"--wheel", "front_left", "--channel", "rl_carrier_z"}, {"rl_carrier_z", "fl_carrier_z"});
+  refused({"--rotor", "drive_shaft"}, {"drive_shaft", "no [[rotor]]"});
+  refused({"--rotor", "drive_shaft", "--wheel", "front_left"}, {"--rotor", "--wheel"});
   refused({"--order", "0.01"}, {"--order", "0.01"});
   refused({"--order", "1", "--order", "1.05"}, {"1.05"});
   const Outcome nowhere = rb({"orders", folder_ / "nowhere"});

@@ -100,6 +100,23 @@ TEST_F(SpeedOnly, TheSpeedsAreInTheRecordButIdentificationRefusesAnAngle) {
   }
 }
 
+TEST_F(SpeedOnly, OrdersAreMagnitudesAndHaveNoPhase) {
+  Child said = rb({"orders", record_, "--json"});
+  EXPECT_EQ(said.ended(), 0) << said.log();
+  const auto json = nlohmann::json::parse(said.output());
+  ASSERT_EQ(json.at("wheels").size(), kWheels);
+  for (const auto& wheel : json.at("wheels")) {
+    EXPECT_NE(wheel.at("remark").get<std::string>().find("speed only"), std::string::npos)
+        << wheel.at("remark");
+    EXPECT_FALSE(wheel.at("angle_located"));
+    for (const auto& channel : wheel.at("channels"))
+      for (const auto& order : channel.at("orders")) {
+        EXPECT_TRUE(order.at("amplitude").is_number());
+        EXPECT_TRUE(order.at("phase_deg").is_null());
+      }
+  }
+}
+
 TEST_F(SpeedOnly, TheDistanceCommandGivesBothDistancesAndNoAngle) {
   Child said = rb({"distance", test::source_path(kData + "rav4.candump.log"), "--dbc",
                    test::source_path(kData + "rav4.dbc"), "--counter", "SPEED.ENCODER"});

@@ -1,0 +1,67 @@
+#include "host/analyser/live_orders.hpp"
+
+#include <utility>
+
+namespace roadbalance {
+namespace {
+
+OrderReport::Vector vector_of(const MeanVector& mean) {
+  OrderReport::Vector vector;
+  vector.value = mean.mean();
+  vector.blocks = mean.count();
+  const auto confidence = mean.confidence();
+  if (!confidence) return vector;
+  vector.amplitude_95 = confidence->amplitude;
+  if (confidence->phase_rad) vector.phase_95_rad = *confidence->phase_rad;
+  return vector;
+}
+
+}  // namespace
+
+LiveOrders::LiveOrders(const VehicleConfig& vehicle) {
+  for (int w = 0; w < kWheels; ++w) {
+    const WheelConfig& wheel = vehicle.wheel[static_cast<std::size_t>(w)];
+    if (wheel.node.empty()) continue;
+    for (std::size_t n = 0; n < vehicle.node.size(); ++n) {
+      std::vector<std::size_t> channels;
+      for (std::size_t c = 0; c < vehicle.node[n].channel.size(); ++c)
+        if (vehicle.node[n].channel[c].role == ChannelRole::kAcceleration) channels.push_back(c);
+      if (channels.empty()) continue;
+      all_.push_back(
+          {w, std::make_unique<RotorOrders>(vehicle, rotor_of(vehicle, wheel), static_cast<int>(n),
+                                            std::move(channels), std::vector<double>{1.0, 2.0}, false)});
+    }
+  }
+}
+
+void LiveOrders::consume(const SealedBlock& block) {
+  for (One& one : all_) {
+    one.orders->consume(block);
+    if (block.kind == BlockKind::kScan && block.header.node == one.orders->node().id)
+      one.time_ns = block.header.time_ns;
+  }
+}
+
+void LiveOrders::consume(const ClockFit& fit) {
+  for (One& one : all_) one.orders->consume(fit);
+}
+
+std::vector<OrderReport> LiveOrders::reports() const {
+  std::vector<OrderReport> reports;
+  for (const One& one : all_) {
+    const RotorOrders& orders = *one.orders;
+    if (!(orders.seconds().recorded > 0.0)) continue;
+    OrderReport& report = reports.emplace_back();
+    report.wheel = one.wheel;
+    report.node = orders.node().id;
+    report.time_ns = one.time_ns;
+    report.seconds = orders.seconds().recorded;
+    report.no_angle_s = orders.seconds().no_angle;
+    for (std::size_t h = 0; h < OrderReport::kOrders; ++h)
+      for (std::size_t c = 0; c < orders.channel().size(); ++c)
+        report.order[h][orders.channel()[c]] = vector_of(orders.vectors().result(static_cast<int>(c), h).all);
+  }
+  return reports;
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "common/bus/order_report.hpp"
+#include "common/config/vehicle_config.hpp"
+#include "host/orders/rotor_orders.hpp"
+
+namespace roadbalance {
+
+/// First and second order of every wheel with an encoder in the accelerations of every node, from the growing
+/// record: the vectors that `rb orders` finds in the finished one.
+///
+/// Each wheel is analysed in each node for itself, so that a node that stays away costs its own channels
+/// only.
+class LiveOrders {
+ public:
+  explicit LiveOrders(const VehicleConfig& vehicle);
+
+  /// Blocks of each node in sequence, with the fits of its clock between them.
+  void consume(const SealedBlock& block);
+  void consume(const ClockFit& fit);
+
+  /// Over the drive so far; one for each wheel and node of which scans came.
+  std::vector<OrderReport> reports() const;
+
+ private:
+  struct One {
+    int wheel;
+    std::unique_ptr<RotorOrders> orders;
+    std::int64_t time_ns = 0;
+  };
+  std::vector<One> all_;
+};
+
+}  // namespace roadbalance

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/clock/exchange.hpp"
+#include "common/config/vehicle_config.hpp"
+#include "common/link/block.hpp"
+#include "host/identify/grid_stream.hpp"
+
+namespace roadbalance {
+
+/// The scans of some nodes at common instants: each node's are brought to one grid by its clock, and its
+/// channels to each other by their delays (GridStream).
+///
+/// The rows of a single node without delays are its scans unchanged.  Rows that one node lacks are left out,
+/// and the next is a restart.  A node that is kLongestWait_s behind is not waited for.
+class GridJoin {
+ public:
+  static constexpr double kLongestWait_s = 300.0;  ///< of drive; 40 MB a node at 2 kHz
+
+  /// What a node's 16 channels show at an instant.
+  struct Sample {
+    const std::array<float, kChannels>* counts;
+    std::int32_t overload, quality;
+  };
+  struct Row {
+    bool restart;                       ///< it does not go on from the row before
+    const std::vector<Sample>& sample;  ///< [node], as they were given
+  };
+  using Emit = std::function<void(const Row&)>;
+
+  /// @param nodes  each once
+  GridJoin(const std::vector<const NodeConfig*>& nodes, Emit emit);
+
+  void consume(const SealedBlock& block);
+  /// In the order of the record: a fit counts for the blocks of its node that come after it.
+  void consume(const ClockFit& fit);
+
+  /// Why a node's scans cannot be brought to the others'; empty: they can.
+  const std::string& obstacle() const { return obstacle_; }
+
+ private:
+  GridStream* stream_of(std::int32_t node);
+  void emit(const GridStream& changed);
+  bool drop_used(GridStream& stream);
+  bool align();
+  void emit_rows();
+  void drop_what_nobody_meets();
+
+  std::vector<GridStream> streams_;
+  Grid grid_;
+  std::int64_t expected_ = -1;
+  std::vector<Sample> sample_;
+  std::string obstacle_;
+  Emit emit_;
+};
+
+}  // namespace roadbalance

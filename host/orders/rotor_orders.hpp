@@ -1,0 +1,97 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/config/vehicle_config.hpp"
+#include "host/orders/angle_resampler.hpp"
+#include "host/orders/grid_join.hpp"
+#include "host/orders/order_vectors.hpp"
+#include "host/orders/order_waterfall.hpp"
+#include "host/orders/rotor.hpp"
+
+namespace roadbalance {
+
+/// Orders of a wheel, or of what wheels turn, in channels of one node.
+///
+///     scan blocks ─▶ GridJoin ─▶ angle, channels ─▶ AngleResampler ─┬▶ blocks of 32 turns ─▶ OrderWaterfall
+///                                                                   └▶ blocks of 8 turns ──▶ OrderVectors
+///
+/// Where channels and angle are of one node no clock comes between; else all are brought to common instants.
+/// Where the angle of a wheel is not known, or a turn had not exactly its teeth, or scans are missing, or the
+/// rotor turns slower than kLeastRotation_hz, nothing is used; an overload takes its channel out of the
+/// blocks it touches.  Memory does not grow with the drive.
+class RotorOrders {
+ public:
+  static constexpr int kRowsPerTurn = 64;
+  static constexpr int kSpectrumTurns = 32;
+  static constexpr int kVectorTurns = 8;
+  static constexpr double kLeastRotation_hz = 2.0;  ///< of a wheel: 13 km/h
+
+  /// Seconds of the drive; those that are not used, by their reason.
+  struct Seconds {
+    double recorded = 0.0;
+    double no_angle = 0.0;   ///< a node did not know its wheel's angle
+    double uncertain = 0.0;  ///< known, but a turn did not have exactly its teeth
+    double slow = 0.0;
+  };
+
+  /// @param rotor    of wheels with an encoder
+  /// @param node     whose channels, a place in VehicleConfig::node
+  /// @param channel  places in its channels; at least one
+  /// @param order    of the vectors
+  /// @param spectra  vectors only if not
+  /// @throws std::invalid_argument if vectors of these orders cannot be had
+  RotorOrders(const VehicleConfig& vehicle, Rotor rotor, int node, std::vector<std::size_t> channel,
+              std::vector<double> order, bool spectra = true);
+  RotorOrders(const RotorOrders&) = delete;
+  RotorOrders& operator=(const RotorOrders&) = delete;
+
+  /// Blocks of all nodes, those of each in sequence, and the fits of their clocks between them.
+  void consume(const SealedBlock& block) { join_.consume(block); }
+  void consume(const ClockFit& fit) { join_.consume(fit); }
+
+  const Rotor& rotor() const { return rotor_; }
+  const NodeConfig& node() const { return node_; }
+  const std::vector<std::size_t>& channel() const { return channel_; }
+  const std::vector<double>& order() const { return order_; }
+  double way_m() const { return way_m_; }  ///< of the car in a turn of the rotor
+  Seconds seconds() const;
+  std::int64_t gaps() const { return gaps_; }
+  /// Why nodes' scans cannot be brought to each other; empty: they can.
+  const std::string& obstacle() const { return join_.obstacle(); }
+  /// Channels are counted as in channel().
+  const OrderWaterfall& waterfall() const { return waterfall_; }
+  const OrderVectors& vectors() const { return vectors_; }
+
+ private:
+  /// Where a wheel's angle is.
+  struct Wheel {
+    std::size_t node;  ///< of the join
+    int line;
+    std::optional<double> angle_rad{};  ///< unwrapped, of the row before
+  };
+  void take(const GridJoin::Row& row);
+  std::optional<double> angle(const GridJoin::Row& row);
+  void forget_turns();
+
+  Rotor rotor_;
+  NodeConfig node_;
+  std::vector<std::size_t> channel_;
+  std::vector<double> order_;
+  double way_m_;
+  bool spectra_;
+  std::vector<Wheel> wheel_;
+  OrderWaterfall waterfall_;
+  OrderVectors vectors_;
+  TurnBlocks spectrum_blocks_, vector_blocks_;
+  AngleResampler resampler_;
+  Eigen::VectorXd values_;
+  GridJoin join_;
+  std::int64_t rows_ = 0, no_angle_ = 0, uncertain_ = 0, gaps_ = 0;
+};
+
+}  // namespace roadbalance

@@ -1,0 +1,171 @@
+#include "host/references/angle_again.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/bus/codec.hpp"
+#include "common/wheel_counter/wanted_signal.hpp"
+
+namespace roadbalance {
+namespace {
+
+constexpr std::array kUncertain{kQualityUncertainAngle0, kQualityUncertainAngle1};
+
+}  // namespace
+
+AngleAgain::AngleAgain(const VehicleConfig& vehicle, WithoutMark without_mark)
+    : vehicle_(vehicle), without_mark_(without_mark) {
+  for (const WheelConfig& wheel : vehicle_.wheel) {
+    if (wheel.node.empty()) continue;
+    const NodeConfig& node = vehicle_.node_named(wheel.node);
+    if (const auto counter = counter_signal(node.wiring, wheel.encoder.counter))
+      add(wheel, node, *counter, false);
+    else if (const auto speed = speed_signal(node.wiring, wheel.name);
+             speed && !wheel.encoder.zero_mark && without_mark == WithoutMark::kTurned)
+      add(wheel, node, *speed, true);
+  }
+}
+
+void AngleAgain::add(const WheelConfig& wheel, const NodeConfig& node, int signal_number, bool by_speed) {
+  Wheel& added = wheel_.emplace_back();
+  added.config = &wheel;
+  added.node = node.id;
+  added.signal = node.wiring.signal(signal_number);
+  added.signal_number = signal_number;
+  added.by_speed = by_speed;
+  if (!node_.contains(node.id))
+    node_.emplace(node.id, Node{.filter = ReferenceFilter(vehicle_.filter, node.rate_hz),
+                                .steering_signal = steering_signal(node.wiring),
+                                .steering = {},
+                                .track = {},
+                                .angle_rad = {}});
+}
+
+void AngleAgain::learn(const SealedBlock& block) {
+  const auto node = node_.find(block.header.node);
+  if (node == node_.end()) return;
+  const std::int64_t epoch = block.header.epoch;
+  if (block.kind == BlockKind::kSignal) {
+    for (const SignalSample& sample : decode_signal(block).unpack()) {
+      if (sample.signal == node->second.steering_signal) node->second.steering[epoch].push_back(sample);
+      for (Wheel& wheel : wheel_)
+        if (wheel.node == block.header.node && sample.signal == wheel.signal_number)
+          wheel.epoch[epoch].told.push_back(sample);
+    }
+  } else if (block.kind == BlockKind::kEdge) {
+    for (const Edge& edge : decode_edge(block).unpack())
+      for (Wheel& wheel : wheel_)
+        if (wheel.node == block.header.node && edge.line == wheel.config->line &&
+            edge.kind == EdgeKind::kZeroMark)
+          wheel.epoch[epoch].marks.push_back(edge);
+  }
+}
+
+const AngleAgain::Epoch& AngleAgain::made(Wheel& wheel, std::int64_t epoch) {
+  Epoch& data = wheel.epoch[epoch];
+  if (data.counter || data.speed) return data;
+  if (wheel.by_speed)
+    data.speed = std::make_unique<RecordedSpeed>(data.told, wheel.config->rolling_radius_m);
+  else
+    data.counter =
+        std::make_unique<RecordedCounter>(wheel.config->encoder, *wheel.signal, data.told, data.marks);
+  data.told = {};
+  return data;
+}
+
+/// Angles if they are known, else how far the wheel has turned if that is wanted.
+bool AngleAgain::turned(Wheel& wheel, const ScanBlock& block, NodeTime from, double step_ns,
+                        std::span<double> angle_rad) {
+  const Epoch& epoch = made(wheel, block.header.epoch);
+  if (epoch.speed) return epoch.speed->turned(from, step_ns, angle_rad);
+  RecordedCounter& counter = *epoch.counter;
+  if (without_mark_ == WithoutMark::kTurned && !counter.common_sigma_rad())
+    return counter.turned(from, step_ns, angle_rad);
+  if (!counter.angles(from, step_ns, angle_rad)) return false;
+  wheel.square += counter.sigma_rad() * counter.sigma_rad() * static_cast<double>(block.header.scans);
+  wheel.rows += block.header.scans;
+  return true;
+}
+
+/// Angles at all of the filter's steps; false if they are not known.
+bool AngleAgain::look_up(Wheel& wheel, Node& node, const ScanBlock& block, std::vector<double>& angle_rad,
+                         bool& uncertain) {
+  angle_rad.resize(static_cast<std::size_t>(node.filter.steps(static_cast<int>(block.header.scans))));
+  const NodeTime from = node.filter.first_step(node_time_from_ns(block.header.time_ns));
+  const double step_ns = node.filter.step_ns();
+  if (!turned(wheel, block, from, step_ns, angle_rad)) return false;
+  const double ratio = wheel.config->encoder.steering_ratio;
+  if (ratio == 0.0) return true;
+  const auto& samples = node.steering[block.header.epoch];
+  auto track = node.track.find(block.header.epoch);
+  if (track == node.track.end()) {
+    track = node.track.emplace(block.header.epoch, SteeringTrack(samples.size() + 2)).first;
+    for (const SignalSample& sample : samples) track->second.add(to_ns(sample.time), sample.value);
+  }
+  uncertain = !track->second.take_out(ratio, to_ns(from), step_ns, angle_rad);
+  return true;
+}
+
+void AngleAgain::replace(ScanBlock& block, Node& node) {
+  const BlockHeader& header = block.header;
+  const bool after_jump = header.epoch != node.epoch || header.first_scan != node.next_scan;
+  node.epoch = header.epoch;
+  node.next_scan = header.first_scan + header.scans;
+  ReferenceFilter::Angles known{};
+  std::array<bool, kEncoderLines> here{}, uncertain{};
+  for (Wheel& wheel : wheel_) {
+    if (wheel.node != header.node) continue;
+    const auto line = static_cast<std::size_t>(wheel.config->line);
+    here[line] = true;
+    if (look_up(wheel, node, block, node.angle_rad[line], uncertain[line]))
+      known[line] = node.angle_rad[line];
+  }
+  auto filled = block.counts;
+  const auto rows = std::span(filled).first(static_cast<std::size_t>(header.scans));
+  const std::int32_t quality = node.filter.fill(rows, known, after_jump);
+  for (std::size_t line = 0; line < kEncoderLines; ++line) {
+    if (!here[line]) continue;
+    const std::int32_t unknown = quality_no_reference(static_cast<int>(line));
+    block.quality &= ~(unknown | kUncertain[line]);
+    block.quality |= (quality & unknown) | (uncertain[line] ? kUncertain[line] : 0);
+    for (std::size_t row = 0; row < rows.size(); ++row)
+      std::copy_n(rows[row].begin() + static_cast<std::ptrdiff_t>(kAccelerations + 2 * line), 2,
+                  block.counts[row].begin() + static_cast<std::ptrdiff_t>(kAccelerations + 2 * line));
+  }
+}
+
+const SealedBlock& AngleAgain::again(const SealedBlock& block) {
+  const auto node = node_.find(block.header.node);
+  if (block.kind != BlockKind::kScan || node == node_.end()) return block;
+  ScanBlock scans = decode_scan(block);
+  replace(scans, node->second);
+  seal(scans, out_);
+  return out_;
+}
+
+std::optional<AngleAgain::Quality> AngleAgain::quality(int wheel) const {
+  const WheelConfig* const config = &vehicle_.wheel[static_cast<std::size_t>(wheel)];
+  const auto found = std::ranges::find(wheel_, config, &Wheel::config);
+  if (found == wheel_.end()) return std::nullopt;
+  Quality quality;
+  double common = 0.0, epochs = 0.0;
+  quality.located = true;
+  quality.by_speed = found->by_speed;
+  for (const auto& [number, epoch] : found->epoch) {
+    if (epoch.speed) quality.runs += epoch.speed->runs();
+    if (!epoch.counter) continue;
+    quality.runs += epoch.counter->runs();
+    quality.marks += epoch.counter->marks();
+    quality.marks_dropped += epoch.counter->marks_dropped();
+    const auto sigma = epoch.counter->common_sigma_rad();
+    quality.located = quality.located && sigma;
+    common += sigma ? *sigma * *sigma : 0.0;
+    epochs += 1.0;
+  }
+  quality.located = quality.located && epochs > 0.0;
+  quality.sigma_rad = std::sqrt(found->square / static_cast<double>(std::max<std::int64_t>(found->rows, 1)));
+  quality.common_sigma_rad = std::sqrt(common / std::max(epochs, 1.0));
+  return quality;
+}
+
+}  // namespace roadbalance

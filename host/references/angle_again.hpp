@@ -1,0 +1,95 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/config/vehicle_config.hpp"
+#include "common/encoder/reference_filter.hpp"
+#include "common/link/block.hpp"
+#include "common/wheel_counter/steering_track.hpp"
+#include "host/encoder/recorded_counter.hpp"
+#include "host/encoder/recorded_speed.hpp"
+
+namespace roadbalance {
+
+/// The references of a recording's scans computed again, of wheels whose teeth are counted on the bus
+/// (EncoderConfig::counter): from all that was recorded, before and after each instant.
+///
+/// A drive is read twice: learn() of all its blocks, then again() of each.  Where a wheel has no zero mark,
+/// or marks that contradict one another, there is no angle; but it can be had how far the wheel has turned,
+/// from an origin that is nobody's choice, by its counter or by the speed that the bus tells.
+class AngleAgain {
+ public:
+  enum class WithoutMark { kNoAngle, kTurned };
+
+  explicit AngleAgain(const VehicleConfig& vehicle, WithoutMark without_mark = WithoutMark::kNoAngle);
+  AngleAgain(const AngleAgain&) = delete;
+  AngleAgain& operator=(const AngleAgain&) = delete;
+
+  /// Whether there is such a wheel; else all blocks stay as they are.
+  bool wanted() const { return !wheel_.empty(); }
+
+  void learn(const SealedBlock& block);
+
+  /// The same block; a scan block with new references and Quality bits.  Blocks of each node in sequence.
+  /// The result holds until the next call.
+  const SealedBlock& again(const SealedBlock& block);
+
+  /// What is known of a wheel's angle, a place in VehicleConfig::wheel; nothing: it is not computed again.
+  struct Quality {
+    bool located = false;           ///< by zero marks, in all that was recorded
+    double sigma_rad = 0.0;         ///< of an angle, rms over the scans so far; the datum apart
+    double common_sigma_rad = 0.0;  ///< of this the part that is the same all through the drive
+    bool by_speed = false;          ///< the speed on the bus and the rolling radius are all there is
+    std::int64_t runs = 0, marks = 0, marks_dropped = 0;
+  };
+  std::optional<Quality> quality(int wheel) const;
+
+ private:
+  /// Of a wheel in an epoch of its node.
+  struct Epoch {
+    std::vector<SignalSample> told;  ///< by the bus
+    std::vector<Edge> marks;
+    // One of these, once it is asked for.
+    std::unique_ptr<RecordedCounter> counter;
+    std::unique_ptr<RecordedSpeed> speed;
+  };
+  struct Wheel {
+    const WheelConfig* config;
+    std::int32_t node;
+    const SignalConfig* signal;
+    int signal_number;
+    bool by_speed;
+    std::map<std::int64_t, Epoch> epoch;
+    double square = 0.0;  ///< of the angles' sigma, sum
+    std::int64_t rows = 0;
+  };
+  struct Node {
+    ReferenceFilter filter;
+    std::optional<int> steering_signal;
+    std::map<std::int64_t, std::vector<SignalSample>> steering;  ///< by epoch
+    std::map<std::int64_t, SteeringTrack> track;
+    std::int64_t epoch = 0, next_scan = -1;
+    std::array<std::vector<double>, kEncoderLines> angle_rad;
+  };
+  void add(const WheelConfig& wheel, const NodeConfig& node, int signal_number, bool by_speed);
+  const Epoch& made(Wheel& wheel, std::int64_t epoch);
+  bool turned(Wheel& wheel, const ScanBlock& block, NodeTime from, double step_ns,
+              std::span<double> angle_rad);
+  bool look_up(Wheel& wheel, Node& node, const ScanBlock& block, std::vector<double>& angle_rad,
+               bool& uncertain);
+  void replace(ScanBlock& block, Node& node);
+
+  VehicleConfig vehicle_;
+  WithoutMark without_mark_;
+  std::vector<Wheel> wheel_;
+  std::map<std::int32_t, Node> node_;
+  SealedBlock out_;
+};
+
+}  // namespace roadbalance

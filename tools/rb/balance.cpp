@@ -1,0 +1,122 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <list>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "common/config/section.hpp"
+#include "host/analyser/recorded_vehicle.hpp"
+#include "host/orders/orders_of_record.hpp"
+#include "host/orders/rotor_balance.hpp"
+#include "tools/rb/command.hpp"
+#include "tools/rb/defects.hpp"
+#include "tools/rb/weighted_drive.hpp"
+
+namespace roadbalance {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct BalanceOptions {
+  std::string rotor;
+  std::vector<std::string> drive;
+  std::optional<std::string> channel;
+  bool json = false;
+};
+
+double degrees(double radians) {
+  return radians * 180.0 / std::numbers::pi;
+}
+
+RotorConfig rotor_of_record(const std::string& folder, const std::string& name) {
+  const auto vehicle = recorded_vehicle(folder);
+  if (!vehicle) throw std::runtime_error(folder + ": holds no complete vehicle.toml, or no scan");
+  const RotorConfig* const rotor = vehicle->rotor_named(name);
+  if (rotor) return *rotor;
+  std::string there;
+  for (const RotorConfig& each : vehicle->rotor) there += " " + each.name;
+  throw ConfigError("--rotor " + name + ": " + folder + ": there is no such rotor; allowed:" +
+                    (there.empty() ? " none: vehicle.toml has no [[rotor]]" : there));
+}
+
+Json balance_json(const RotorConfig& rotor, const RotorBalance& found) {
+  Json json{{"rotor", rotor.name},
+            {"refusal", found.refusal.empty() ? Json() : Json(found.refusal)},
+            {"method", found.by_amplitude ? "four_runs" : "influence"},
+            {"observations", found.observations},
+            {"planes", Json::array()}};
+  for (std::size_t p = 0; p < found.plane.size(); ++p)
+    json["planes"].push_back({{"plane", rotor.plane[p].name},
+                              {"mass_g", found.plane[p].mass_g},
+                              {"mass_sigma_g", found.plane[p].mass_sigma_g},
+                              {"angle_deg", degrees(found.plane[p].angle_rad)},
+                              {"angle_sigma_deg", degrees(found.plane[p].angle_sigma_rad)},
+                              {"weight_radius_m", rotor.plane[p].weight_radius_m}});
+  if (found.by_amplitude)
+    json["agreement"] = found.agreement;
+  else
+    json.update({{"rms_before", found.rms_before}, {"rms_after", found.rms_after}});
+  return json;
+}
+
+void print(const RotorConfig& rotor, const RotorBalance& found) {
+  std::printf(
+      "# on the rotor without any weight; angles from its own mark in the direction of rotation; ± is one "
+      "standard deviation\n");
+  for (std::size_t p = 0; p < found.plane.size(); ++p) {
+    const PlaneCorrection& plane = found.plane[p];
+    if (plane.mass_g == 0.0) continue;
+    std::printf("%s: %.1f ± %.1f g at %.0f ± %.0f deg\n", rotor.plane[p].name.c_str(), plane.mass_g,
+                plane.mass_sigma_g, degrees(plane.angle_rad), degrees(plane.angle_sigma_rad));
+  }
+  if (found.by_amplitude)
+    std::printf("from amplitudes alone, %d channels and speeds; the drives agree to %.0f %%\n",
+                found.observations, 100.0 * std::abs(found.agreement - 1.0));
+  else
+    std::printf("%d channels and speeds: %.4f m/s^2 rms before, %.4f expected after\n", found.observations,
+                found.rms_before, found.rms_after);
+}
+
+int balance(const BalanceOptions& options) {
+  std::vector<WeightedDrive> drives;
+  for (const std::string& text : options.drive) drives.push_back(WeightedDrive::parse(text));
+  const RotorConfig rotor = rotor_of_record(drives.front().folder, options.rotor);
+  std::list<RecordOrders> records;
+  std::vector<WeightedRun> runs;
+  for (const WeightedDrive& drive : drives) {
+    WeightedRun& run = runs.emplace_back(WeightedRun{drive.in_planes(rotor), {}});
+    const WantedOrders wanted{
+        .rotor = options.rotor, .channel = options.channel, .all_nodes = !options.channel, .order = {1.0}};
+    const RecordOrders& found = records.emplace_back(orders_of_record(drive.folder, wanted));
+    warn_of_defects("balance", drive.folder, found.defects);
+    for (const auto& orders : found.rotor) run.orders.push_back(orders.get());
+  }
+  const RotorBalance found = balance_rotor(rotor, runs);
+  if (!found.refusal.empty()) std::fprintf(stderr, "rb balance: %s\n", found.refusal.c_str());
+  if (options.json)
+    std::printf("%s\n", balance_json(rotor, found).dump().c_str());
+  else if (found.refusal.empty())
+    print(rotor, found);
+  return found.refusal.empty() ? kDone : kAnswerIsNo;
+}
+
+}  // namespace
+
+void add_balance(CLI::App& app, int& code) {
+  auto options = std::make_shared<BalanceOptions>();
+  CLI::App* command = app.add_subcommand(
+      "balance", "Weights for the planes of a rotor that wheels turn, from drives with known weights on it");
+  command
+      ->add_option("drives", options->drive,
+                   "recordings: DIR of a drive without weights, DIR:PLANE=GRAMS@DEGREES[,...] of one with")
+      ->required();
+  command->add_option("--rotor", options->rotor, "a [[rotor]] of vehicle.toml")->required();
+  command->add_option("--channel", options->channel, "this channel only; default: every acceleration");
+  command->add_flag("--json", options->json, "one JSON object on standard output");
+  command->callback([options, &code] { code = balance(*options); });
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <complex>
+#include <string>
+#include <vector>
+
+#include "common/config/vehicle_config.hpp"
+
+namespace roadbalance {
+
+/// A recording and the weights that were on a rotor then, as somebody types them:
+/// DIR, or DIR:PLANE=GRAMS@DEGREES[,PLANE=GRAMS@DEGREES ...].
+struct WeightedDrive {
+  std::string folder;
+  struct Weight {
+    std::string plane;
+    std::complex<double> weight_g;  ///< at its angle
+  };
+  std::vector<Weight> weight;
+
+  /// @throws ConfigError saying what is wrong with it and what is allowed
+  static WeightedDrive parse(const std::string& text);
+
+  /// [plane] of the rotor; weights in one plane add up.
+  /// @throws ConfigError naming a plane that the rotor does not have, and those it has
+  std::vector<std::complex<double>> in_planes(const RotorConfig& rotor) const;
+};
+
+}  // namespace roadbalance
