@@ -22,6 +22,24 @@ std::string full_name(const std::filesystem::path& folder) {
   return std::filesystem::absolute(folder).lexically_normal().string();
 }
 
+// Lines: the folders whose rest is in this one.
+std::string continued_here(const std::filesystem::path& folder, Disk& disk) {
+  return read_text(folder / kContinuesFile, disk).value_or("");
+}
+
+bool is_line_of(const std::string& line, const std::string& text) {
+  return ("\n" + text).find("\n" + line + "\n") != std::string::npos;
+}
+
+// A fallback that serves every drive, from a service's file, must not swallow the next one.
+[[noreturn]] void refuse_fallback(const KeeperOptions& options, Disk& disk) {
+  std::string of = continued_here(options.fallback, disk);
+  of = of.substr(0, of.find('\n'));
+  throw std::invalid_argument("fallback folder " + options.fallback.string() + " holds another recording" +
+                              (of.empty() ? "" : ", the rest of " + of) +
+                              "; move that away or name an empty folder");
+}
+
 // Without the fallback the first folder seems to lack what the other one holds, and a gap would say that it
 // is lost.
 bool is_continued(const KeeperOptions& options, Disk& disk) {
@@ -61,19 +79,25 @@ bool write_unsure(const std::vector<UnsureBlock>& unsure, RecordWriter& writer, 
 
 // A record goes from one folder to the other once and never back: its order stays the folders' order.
 void RecordKeeper::open_folders() {
-  fallback_ = is_continued(options_, disk_) || holds_segments(options_.fallback, disk_);
+  const bool fallback_is_used = holds_segments(options_.fallback, disk_);
+  fallback_ =
+      is_continued(options_, disk_) ||
+      (fallback_is_used && is_line_of(full_name(options_.folder), continued_here(options_.fallback, disk_)));
   RecordState before;
   std::vector<UnsureBlock> unsure;
   try {
     open_first();
     before = writer_->holds();
-  } catch (const std::system_error&) {
+    if (!fallback_ && fallback_is_used) refuse_fallback(options_, disk_);
+  } catch (const std::system_error& error) {
     if (options_.fallback.empty()) throw;
+    if (!fallback_) warnings_.push_back(error.what());
     fallback_ = true;
     before = read_state(options_.folder, disk_, {}, &unsure);
   }
   if (!fallback_) return;
   open(options_.fallback, std::move(before));
+  warnings_.push_back("recording goes on in " + options_.fallback.string());
   segment_is_open_ = write_unsure(unsure, *writer_, journal_);
   appended_before_ = writer_->appended();
   say_where_it_goes_on();
@@ -96,6 +120,7 @@ void RecordKeeper::open(const std::filesystem::path& folder, RecordState before)
   RecordWriter::Options where{.folder = folder, .segment_bytes = options_.segment_bytes};
   RecordWriter writer(std::move(where), disk_, std::move(before));
   writer.set_preamble(make_preamble(writer.holds()));
+  if (folder != options_.folder) say_what_is_continued();
   if (writer_)
     *writer_ = std::move(writer);
   else
@@ -149,6 +174,13 @@ void RecordKeeper::say_where_it_goes_on() {
     write_atomically(options_.folder / kContinuedInFile, full_name(options_.fallback) + "\n", disk_);
   } catch (const std::system_error&) {
   }
+}
+
+// Before anything is in the fallback: else it could be taken for another drive's.
+void RecordKeeper::say_what_is_continued() {
+  const std::string before = continued_here(options_.fallback, disk_), name = full_name(options_.folder);
+  if (is_line_of(name, before)) return;
+  write_atomically(options_.fallback / kContinuesFile, before + name + "\n", disk_);
 }
 
 // A file that has no name any more takes all that is written to it, and keeps nothing.

@@ -27,6 +27,8 @@ namespace roadbalance {
 
 /// In the first folder once the record goes on in the fallback: which that is.
 inline constexpr const char* kContinuedInFile = "continued-in";
+/// In the fallback, before anything else: the folders whose rest it holds, one a line.
+inline constexpr const char* kContinuesFile = "continues";
 
 /// Anything else that the record keeps: clock exchanges and fits.
 struct RecordEvent {
@@ -48,10 +50,11 @@ struct RecordEvent {
 class RecordKeeper {
  public:
   /// Creates the folder or continues one: locks it, cuts a torn tail, takes what it holds.  The fallback is
-  /// continued if it holds something already, and taken if the folder can be read but not written.
-  /// @throws std::system_error naming the file, std::runtime_error if another recorder writes to the folder,
-  /// or
-  ///         the record goes on in a fallback that is not named
+  /// continued if it holds the rest of this record, and taken if the folder can be read but not written.
+  /// @throws std::invalid_argument if the fallback holds another recording, std::system_error naming the
+  /// file,
+  ///         std::runtime_error if another recorder writes to the folder, or the record goes on in a fallback
+  ///         that is not named
   RecordKeeper(Disk& disk, KeeperOptions options);
 
   /// What the folders held at the start.
@@ -112,6 +115,7 @@ class RecordKeeper {
   void go_to_fallback(WallTime now);
   void hold_anew(std::size_t first);
   void say_where_it_goes_on();
+  void say_what_is_continued();
   void sync();
   void begin_again();
   // keeper_duties.cpp: what is done beside, some time before or after a commit.

@@ -40,6 +40,18 @@ std::unique_ptr<PowerLine> open_power(const RecorderOptions& options) {
   return power;
 }
 
+// By their names, for neither need be there yet.
+void refuse_one_folder_twice(const RecorderOptions& options) {
+  if (options.fallback.empty()) return;
+  const auto real_name = [](const std::filesystem::path& folder) {
+    const auto name = std::filesystem::weakly_canonical(std::filesystem::absolute(folder));
+    return name.has_filename() ? name : name.parent_path();
+  };
+  if (real_name(options.folder) == real_name(options.fallback))
+    throw std::invalid_argument("fallback folder " + options.fallback.string() +
+                                ": is the folder of the recording itself; name one on another disk");
+}
+
 }  // namespace
 
 KeeperOptions RecorderOptions::keeper() const {
@@ -53,6 +65,7 @@ KeeperOptions RecorderOptions::keeper() const {
 }
 
 RecorderReport run_recorder(std::stop_token stop, const RecorderOptions& options) {
+  refuse_one_folder_twice(options);
   const auto power = open_power(options);
   RecordKeeper keeper(kernel_disk(), options.keeper());
   if (keeper.cut_tail() && options.on_cut_tail) options.on_cut_tail(*keeper.cut_tail());

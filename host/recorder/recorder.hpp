@@ -71,7 +71,8 @@ struct RecorderOptions {
 ///
 /// Bus -> receive -> channel -> write -> disk; what is durable flows back and is acknowledged.  A disk that
 /// fails or is full is a state that the nodes bridge, not an end.
-/// @throws std::runtime_error, std::system_error naming bus, folder or file; also if something is not on the
+/// @throws std::invalid_argument if the fallback is the folder itself or holds another recording,
+///         std::runtime_error, std::system_error naming bus, folder or file; also if something is not on the
 /// disk
 ///         in the end
 RecorderReport run_recorder(std::stop_token stop, const RecorderOptions& options);

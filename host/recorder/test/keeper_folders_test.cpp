@@ -57,6 +57,69 @@ TEST_F(KeeperFoldersTest, ARecordThatGoesOnInTheFallbackIsNotGoneOnWithWithoutIt
   EXPECT_EQ(keeper->recovered().epoch.begin()->second.position.contiguous, 50);
 }
 
+// What a service's file does each day: another folder for the record, the same for the fallback.
+TEST_F(KeeperFoldersTest, TheFallbackOfAnotherDriveIsRefusedAndLeftAlone) {
+  options.fallback = kFallback;
+  start();
+  run(milliseconds(1000), 20);
+  fail_writes_below(kFolder);
+  run(milliseconds(3000), 30);
+  keeper->close(now);
+  keeper.reset();
+  fail_nothing();
+  const auto held = recorded(kFallback);
+  options.folder = "/next drive";
+  try {
+    start();
+    FAIL() << "the next drive would be swallowed by the fallback of the one before";
+  } catch (const std::invalid_argument& error) {
+    const std::string words = error.what();
+    EXPECT_NE(words.find(kFallback), std::string::npos) << words;
+    EXPECT_NE(words.find(kFolder), std::string::npos) << words;
+  }
+  EXPECT_EQ(recorded(kFallback), held);
+  options.fallback = "/empty";
+  start();
+  EXPECT_EQ(keeper->folder(), "/next drive");
+}
+
+// If the next drive cannot be written at all, measuring goes before order.
+TEST_F(KeeperFoldersTest, TheFallbackOfAnotherDriveIsTakenWithAWarningIfThereIsNothingElse) {
+  options.fallback = kFallback;
+  start();
+  run(milliseconds(1000), 20);
+  fail_writes_below(kFolder);
+  run(milliseconds(3000), 30);
+  keeper->close(now);
+  keeper.reset();
+  options.folder = "/next drive";
+  fail_writes_below("/next drive");
+  ASSERT_EQ(disk.mkdir("/next drive", 0755), 0);
+  start();
+  EXPECT_EQ(keeper->folder(), kFallback);
+  EXPECT_TRUE(was_warned_of("recording goes on in /other"));
+  keeper.reset();
+  fail_nothing();
+  start();
+  EXPECT_EQ(keeper->folder(), kFallback) << "that is where this drive is, too";
+}
+
+// The first folder could never be told where the record goes on.
+TEST_F(KeeperFoldersTest, AFallbackKnowsByItselfWhatItContinues) {
+  options.fallback = kFallback;
+  start();
+  run(milliseconds(1000), 20);
+  fail_writes_below(kFolder);
+  run(milliseconds(3000), 30);
+  keeper->close(now);
+  keeper.reset();
+  fail_nothing();
+  ASSERT_FALSE(path_exists("/record/continued-in", disk));
+  start();
+  EXPECT_EQ(keeper->folder(), kFallback);
+  EXPECT_TRUE(was_warned_of("recording goes on in /other"));
+}
+
 TEST_F(KeeperFoldersTest, AFallbackThatCannotBeUsedChangesNothing) {
   options.fallback = "/no/such/disk";
   start();
