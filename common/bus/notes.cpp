@@ -96,13 +96,17 @@ std::optional<Note> decode_note(std::span<const std::uint8_t> bytes) {
 std::vector<std::uint8_t> encode(const Commit& commit) {
   wire::commit_t m{};
   m.bytes = commit.bytes;
+  m.headers_from = commit.headers_from;
+  m.headers_crc32c = static_cast<std::int32_t>(commit.headers_crc32c);
   return wire_format::encode_with_crc(m);
 }
 
 std::optional<Commit> decode_commit(std::span<const std::uint8_t> bytes) {
   const auto m = wire_format::decode_with_crc<wire::commit_t>(bytes);
-  if (!m || m->bytes < 0) return std::nullopt;
-  return Commit{.bytes = m->bytes};
+  if (!m || m->bytes < 0 || m->headers_from < 0) return std::nullopt;
+  return Commit{.bytes = m->bytes,
+                .headers_from = m->headers_from,
+                .headers_crc32c = static_cast<std::uint32_t>(m->headers_crc32c)};
 }
 
 }  // namespace roadbalance

@@ -61,9 +61,11 @@ struct Note {
 inline constexpr std::size_t kMaxNoteBytes = 400;
 
 /// After each sync: so many bytes of the segment it stands in are on the disk, so that damage among them is
-/// no torn tail.
+/// no torn tail; and the headers of the events since the commit before.
 struct Commit {
   std::int64_t bytes = 0;
+  std::int64_t headers_from = 0;     ///< offset of the commit before; 0: of the segment
+  std::uint32_t headers_crc32c = 0;  ///< of the headers and channels from there up to this event
 };
 
 inline constexpr const char* kJournalChannel = "RB_JOURNAL";

@@ -10,6 +10,7 @@
 #include "common/link/planted.hpp"
 #include "common/record/alter_blocks.hpp"
 #include "common/record/folder.hpp"
+#include "common/record/header_check.hpp"
 #include "common/record/log_event.hpp"
 #include "common/record/record.hpp"
 #include "common/record/record_folder.hpp"
@@ -24,6 +25,12 @@ namespace {
 constexpr std::uint64_t kReserveBytes = std::uint64_t{16} << 20;
 // Appended events wait here for one write(2).
 constexpr std::size_t kBufferBytes = std::size_t{256} << 10;
+
+std::uint64_t commit_event_bytes() {
+  static const std::uint64_t bytes =
+      kLogHeaderBytes + std::string_view(kCommitChannel).size() + encode(Commit()).size();
+  return bytes;
+}
 
 }  // namespace
 
@@ -45,6 +52,7 @@ struct RecordWriter::State {
   std::int64_t durable = 0;
   bool failed = false;
   bool commit_due = false;  // the next event is to say what is durable
+  HeaderSum headers;        // since the last commit
   std::vector<std::uint8_t> buffer;
   std::vector<std::pair<std::string, std::vector<std::uint8_t>>> preamble;
   std::vector<Note> abandoned;  // not yet said durably
@@ -54,12 +62,28 @@ struct RecordWriter::State {
   AlterBlocks altered;
 
   void put(std::string_view channel, std::span<const std::uint8_t> data) {
-    const auto header = encode_log_header(
-        {.number = event_number++, .timestamp_us = last_timestamp_us, .channel = channel, .data = data});
+    const LogEvent event{
+        .number = event_number++, .timestamp_us = last_timestamp_us, .channel = channel, .data = data};
+    const auto header = encode_log_header(event);
+    headers.add(event);
     buffer.insert(buffer.end(), header.begin(), header.end());
     buffer.insert(buffer.end(), channel.begin(), channel.end());
     buffer.insert(buffer.end(), data.begin(), data.end());
     segment_bytes += header.size() + channel.size() + data.size();
+  }
+
+  void put_commit() {
+    const Commit commit{.bytes = static_cast<std::int64_t>(durable_bytes),
+                        .headers_from = static_cast<std::int64_t>(headers.from),
+                        .headers_crc32c = headers.crc};
+    headers = {.from = segment_bytes, .crc = 0};
+    put(kCommitChannel, encode(commit));
+  }
+
+  // For the headers behind the last one.
+  void put_last_commit() {
+    const std::uint64_t covered = headers.from > 0 ? headers.from + commit_event_bytes() : 0;
+    if (segment_bytes > covered) put_commit();
   }
 
   void flush(File& into) {
@@ -138,10 +162,14 @@ struct RecordWriter::State {
 
   void open_next() {
     folder.take_again(options.folder, disk);
-    if (file.is_open()) sync();
+    if (file.is_open()) {
+      put_last_commit();
+      sync();
+    }
     (void)tidy();
     const std::uint64_t size_before = segment_bytes;
     const std::uint64_t reserved_before = reserved_bytes;
+    const HeaderSum headers_before = std::exchange(headers, {});
     auto unnamed = path(segment + 1);
     unnamed += ".new";
     File next;
@@ -152,6 +180,7 @@ struct RecordWriter::State {
       buffer.clear();  // the present segment is as it was, and can be gone on with
       segment_bytes = size_before;
       reserved_bytes = reserved_before;
+      headers = headers_before;
       (void)disk.unlink(unnamed.c_str());
       throw;
     }
@@ -178,9 +207,9 @@ struct RecordWriter::State {
                                   std::to_string(data.size()) + " bytes does not fit into a record");
     last_timestamp_us = timestamp_us;
     const std::uint64_t size = kLogHeaderBytes + channel.size() + data.size();
-    if (!file.is_open() || segment_bytes + size > options.segment_bytes) open_next();
-    if (std::exchange(commit_due, false))
-      put(kCommitChannel, encode(Commit{.bytes = static_cast<std::int64_t>(durable_bytes)}));
+    const std::uint64_t commits = 2 * commit_event_bytes();  // one now and the last one
+    if (!file.is_open() || segment_bytes + size + commits > options.segment_bytes) open_next();
+    if (std::exchange(commit_due, false)) put_commit();
     put(channel, data);
     if (buffer.size() >= kBufferBytes) attempt([this] { flush(file); });
     ++appended;
@@ -234,6 +263,7 @@ void RecordWriter::sync() {
 void RecordWriter::close() {
   State& s = *state_;
   if (!s.file.is_open()) return;
+  s.put_last_commit();
   s.sync();
   (void)s.tidy();
   s.attempt([&s] { s.give_up_present(s.segment_bytes).finish(s.options.folder, s.disk); });

@@ -74,6 +74,7 @@ void write_messages() {
   write("control", "reply", encode(Reply{.node = 1, .epoch = 2, .request = 5}));
   write("notes", "journal", encode(Journal{.node = 1, .epoch = 2, .last_sequence = 7, .scans = 100}));
   write("notes", "note", encode(Note{.kind = NoteKind::kFallback, .text = "/mnt/spare"}));
+  write("notes", "commit", encode(Commit{.bytes = 4096, .headers_from = 2048, .headers_crc32c = 7}));
   write("notes", "exchange", encode(ClockExchange{.node = 1, .number = 4, .asked_ns = 5, .heard_ns = 9}));
   write("notes", "fit", encode(ClockFit{.node = 1, .number = 4, .drift = 1e-5}));
   write("notes", "recorder", encode(RecorderStatus{.segment = 3}));

@@ -9,6 +9,7 @@
 #include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
 #include "common/record/folder.hpp"
+#include "common/record/header_check.hpp"
 #include "common/record/log_event.hpp"
 #include "common/record/record.hpp"
 #include "common/record/segment.hpp"
@@ -26,6 +27,7 @@ struct Reading {
   Verification& result;
   EpochCheck epochs{};
   JournalCheck journal{};
+  HeaderCheck headers{};
   int deleted_through = 0;  // segment, by the notes
 };
 
@@ -93,6 +95,16 @@ void take_other(const LogEvent& event, Reading& reading) {
   reading.result.entries_refused += good ? 0 : 1;
 }
 
+void check_header(const RecordReader& reader, const std::filesystem::path& folder, const LogEvent& event,
+                  Reading& reading) {
+  const auto from = reading.headers.take(reader.segment(), reader.offset(), event);
+  if (!from) return;
+  ++reading.result.altered_headers;
+  reading.result.damage.push_back(
+      place(segment_path(folder, reader.segment()), reader.offset() - *from, *from) +
+      "events of which one has an altered number, stamp or channel");
+}
+
 void check_index(const std::filesystem::path& folder, int segment, const RecordState& state, Disk& disk,
                  Verification& result) {
   if (!path_exists(index_path(folder, segment), disk)) return;
@@ -114,6 +126,7 @@ void read(const std::filesystem::path& folder, RecordReader& reader, Disk& disk,
     if (reader.segment() != segment)
       check_index(folder, std::exchange(segment, reader.segment()), state, disk, reading.result);
     ++reading.result.events;
+    check_header(reader, folder, *event, reading);
     if (event->channel.starts_with("RB_BLOCK_"))
       take_block(reader, folder, *event, state, reading);
     else
@@ -134,7 +147,7 @@ void conclude(Reading& reading) {
 
 Verdict judge(const Verification& result) {
   bool damaged = result.blocks_refused > 0 || result.entries_refused > 0 || result.damaged_bytes > 0 ||
-                 result.missing_segments > 0;
+                 result.altered_headers > 0 || result.missing_segments > 0;
   bool complete = result.damage.empty() && !result.epoch.empty();
   for (const auto& epoch : result.epoch) {
     damaged = damaged || epoch.is_damaged();

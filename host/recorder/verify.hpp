@@ -29,6 +29,8 @@ struct Verification {
   std::int64_t other_events = 0;      ///< on other channels: not looked at
   std::int64_t deleted_segments = 0;  ///< by the retention mode, as a note says
   std::uint64_t damaged_bytes = 0;    ///< no events
+  /// Stretches between two commits in which a number, stamp or channel is not what the second one says.
+  std::int64_t altered_headers = 0;
   std::int64_t missing_segments = 0;  ///< not there, empty or shorter than when they were finished
   /// At the end of the last segment, if that is not finished: what a kill leaves, never acknowledged.
   std::uint64_t torn_bytes = 0;

@@ -130,6 +130,7 @@ nlohmann::ordered_json verification_json(const Verification& result) {
           {"journal_entries", result.journal_entries},
           {"deleted_segments", result.deleted_segments},
           {"damaged_bytes", result.damaged_bytes},
+          {"altered_headers", result.altered_headers},
           {"torn_bytes", result.torn_bytes},
           {"damage", result.damage},
           {"notes", result.notes},

@@ -5,6 +5,8 @@
 #include <system_error>
 
 #include "common/bus/codec.hpp"
+#include "common/link/crc32c.hpp"
+#include "common/record/header_check.hpp"
 
 namespace roadbalance::test {
 namespace {
@@ -44,10 +46,14 @@ FoundBlocks find_blocks(const std::filesystem::path& folder, Disk& disk) {
   RecordReader reader(folder, disk);
   reader.finish();
   SealedBlock block;
+  HeaderCheck headers;
   while (const auto event = reader.next()) {
+    if (const auto from = headers.take(reader.segment(), reader.offset(), *event))
+      found.altered_headers.push_back({.from = *from, .to = reader.offset()});
     // By content: the channel's name may be what was damaged.
     if (accept(event->data, block) != Refusal::kNone) {
-      found.altered += event->channel.starts_with("RB_BLOCK_") ? 1 : 0;
+      const bool is_other = !event->channel.starts_with("RB_BLOCK_") && ends_with_its_crc(event->data);
+      found.altered += event->channel.starts_with("RB_") && !is_other ? 1 : 0;
       continue;
     }
     const auto expected = numbered_block(block.header.sequence).bytes();

@@ -16,7 +16,11 @@ const SealedBlock& numbered_block(std::int64_t sequence);
 struct FoundBlocks {
   std::vector<std::int64_t> sequences;
   std::int64_t false_blocks = 0;  ///< good by their CRC, but not as numbered_block() has them
-  std::int64_t altered = 0;       ///< on a block's channel, but no good block
+  std::int64_t altered = 0;       ///< on a channel of ours, but not as it was written
+  struct Stretch {
+    std::uint64_t from, to;
+  };
+  std::vector<Stretch> altered_headers;  ///< as HeaderCheck finds them
   std::vector<RecordReader::Damage> damage;
 };
 /// Of a record that does not grow any more.

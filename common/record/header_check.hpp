@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "common/record/record.hpp"
+
+namespace roadbalance {
+
+/// The sum of events' headers and channel names that a commit event says: see commit_t.lcm.
+struct HeaderSum {
+  std::uint64_t from = 0;  ///< offset in the segment
+  std::uint32_t crc = 0;
+
+  void add(const LogEvent& event);
+};
+
+/// Holds number, stamp and channel of each event of a record against what the commit events say of them.
+///
+/// What lies behind the last commit of a segment is not covered: that commit itself, and what a kill left.
+class HeaderCheck {
+ public:
+  /// Events as they lie in the record.
+  /// @return  at a commit, if it says something else: the offset from which on a header is altered
+  std::optional<std::uint64_t> take(int segment, std::uint64_t offset, const LogEvent& event);
+
+ private:
+  int segment_ = 0;
+  std::uint64_t next_ = 0;  // where the next event begins if nothing between is damaged
+  bool whole_ = true;       // since sum_.from; else what is not is listed elsewhere
+  HeaderSum sum_;
+};
+
+}  // namespace roadbalance
