@@ -14,6 +14,8 @@ import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
+from record_check.description import read_recorded_types  # noqa: E402
+from record_check.event_log import split_events  # noqa: E402
 from record_check.record import UNREADABLE, WORDS, Checker  # noqa: E402
 from record_check.truth import Truth  # noqa: E402
 from record_check.wire_types import read_wire_types  # noqa: E402
@@ -31,8 +33,10 @@ def report(checker):
     return {"verdict": WORDS[checker.verdict()], "exit_code": checker.verdict(), "events": checker.events,
             "bytes": checker.bytes, "notes": checker.notes, "messages_refused": checker.refused,
             "damaged_bytes": checker.damaged_bytes, "torn_bytes": checker.torn_bytes,
+            "altered_headers": checker.altered_headers,
             "missing_segments": checker.missing_segments,
-            "deleted_segments": sorted(checker.segments.deleted), "damage": checker.damage, "nodes": epochs}
+            "deleted_segments": sorted(checker.segments.deleted), "damage": checker.damage,
+            "description": checker.description.report(), "nodes": epochs}
 
 
 def blocks_of(gap):
@@ -49,6 +53,8 @@ def scans_of(gap):
 
 
 def print_report(found):
+    if found["description"]["program"]:
+        print(f'written by {found["description"]["program"]}, format {found["description"]["format_version"]}')
     for epoch in found["nodes"]:
         print(f'node {epoch["node"]} epoch {epoch["epoch"]}: {epoch["blocks"]} blocks, {epoch["samples_recorded"]} samples, '
               f'{epoch["samples_missing"]} missing in {len(epoch["gaps"])} gaps, {epoch["journal_entries"]} journal entries'
@@ -70,15 +76,21 @@ def print_report(found):
     print(found["verdict"])
 
 
+def types_in(folder):
+    logs = (path.read_bytes() for path in sorted(pathlib.Path(folder).glob("seg-*.lcm")))
+    return read_recorded_types((log, split_events(log)[0]) for log in logs)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("folder", help="the recording")
     parser.add_argument("--truth", help="truth.json of a run whose samples are hashes")
     parser.add_argument("--json", action="store_true", help="one JSON object on standard output")
-    parser.add_argument("--wire", default=WIRE, help="folder of the .lcm files (default: %(default)s)")
+    parser.add_argument("--wire", default=WIRE, help="folder of the .lcm files, or the word record: the texts that the "
+                                                      "record itself holds (default: %(default)s)")
     arguments = parser.parse_args()
     try:
-        types = read_wire_types(arguments.wire)
+        types = types_in(arguments.folder) if arguments.wire == "record" else read_wire_types(arguments.wire)
         checker = Checker(arguments.folder, types, Truth(arguments.truth) if arguments.truth else None)
         checker.check()
     except (OSError, ValueError, KeyError) as error:

@@ -2,16 +2,22 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace roadbalance {
 
-/// A message type that occurs in a record: LCM's name and fingerprint, and its constant encoded size.
-struct BlockType {
+/// A message type that occurs in a record: LCM's name and fingerprint, its constant encoded size, and its
+/// .lcm file, from which the other three and every field follow.
+struct RecordedType {
   std::string name;
   std::int64_t fingerprint;
   std::size_t bytes;
+  std::string_view text;
 };
-std::vector<BlockType> block_types();
+/// What nodes seal.
+std::vector<RecordedType> block_types();
+/// These and what the recorder adds.
+std::vector<RecordedType> recorded_types();
 
 }  // namespace roadbalance

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,15 +14,26 @@
 namespace roadbalance {
 
 inline constexpr const char* kRecordFormat = "roadbalance record";
-inline constexpr int kRecordFormatVersion = 1;
+/// 2: commits say the sum of headers; the description holds the texts of the message types.
+inline constexpr int kRecordFormatVersion = 2;
 
 using RecordEvents = std::vector<std::pair<std::string, std::vector<std::uint8_t>>>;
 
-/// What every segment begins with, so that it can be read without the others: a JSON text of the format's
-/// version and the names and fingerprints of the block types (from node 0, the host), and these
-/// vehicle.toml: of the epochs that go on (see going_on()).  All have sequence 0: they repeat, and are no
-/// part of any node's sequence.
+/// What every segment begins with, so that it can be read without the others and without this program: a JSON
+/// text (from node 0, the host) of the format's and the program's version, and name, fingerprint, size and
+/// .lcm text of each message type in it; and these vehicle.toml: of the epochs that go on (see going_on()).
+/// All have sequence 0: they repeat, and are no part of any node's sequence.
 RecordEvents make_preamble(const RecordState& holds);
 RecordEvents make_preamble(const std::map<NodeEpoch, std::vector<SealedBlock>>& vehicle);
+
+/// What a recording says of itself.
+struct RecordDescription {
+  std::string program;  ///< that wrote it: name and version
+  int format_version = 0;
+  std::vector<std::string> types;  ///< whose texts are in it
+};
+/// As the first segment has it; nothing if that has no whole one.
+/// @throws std::system_error naming the folder if it holds no segment
+std::optional<RecordDescription> read_description(const std::filesystem::path& folder);
 
 }  // namespace roadbalance

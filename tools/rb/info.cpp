@@ -15,6 +15,7 @@
 #include "common/record/segment.hpp"
 #include "common/record/segment_index.hpp"
 #include "host/analyser/recorded_vehicle.hpp"
+#include "host/recorder/preamble.hpp"
 #include "host/recorder/verify.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/signal_survey.hpp"
@@ -80,7 +81,8 @@ double duration_s(const VerifiedEpoch& epoch) {
 /// As the record describes it.
 struct Described {
   std::optional<VehicleConfig> vehicle;
-  std::string name;  // or why there is none
+  std::string name;               // or why there is none
+  RecordDescription record = {};  // format 0: it does not describe itself
 
   const VehicleConfig* get() const { return vehicle ? &*vehicle : nullptr; }
 };
@@ -105,6 +107,9 @@ Json info_json(const Survey& found, const Verification& result, const Described&
                      {"rate_hz", rate_hz(epoch)},
                      {"duration_s", duration_s(epoch)}});
   return {{"vehicle", described.name},
+          {"program", described.record.program},
+          {"format_version", described.record.format_version},
+          {"types", described.record.types},
           {"first_us", found.first_us},
           {"last_us", found.last_us},
           {"segments", segments},
@@ -117,6 +122,10 @@ Json info_json(const Survey& found, const Verification& result, const Described&
 void print_info(const Survey& found, const Verification& result, const Described& described) {
   std::uint64_t bytes = 0;
   for (const auto& [number, size] : found.segment_bytes) bytes += size;
+  const RecordDescription& by = described.record;
+  if (by.format_version > 0)
+    std::printf("written by %s, format %d, %zu message types described in it\n", by.program.c_str(),
+                by.format_version, by.types.size());
   std::printf("vehicle %s\n%zu segments, %.1f MiB, written within %.1f s\n", described.name.c_str(),
               found.segment_bytes.size(), static_cast<double>(bytes) / (1 << 20),
               static_cast<double>(found.last_us - found.first_us) * 1e-6);
@@ -136,13 +145,15 @@ void print_info(const Survey& found, const Verification& result, const Described
 }
 
 Described describe(const std::filesystem::path& folder) {
+  Described described{.vehicle = std::nullopt, .name = "not described"};
+  described.record = read_description(folder).value_or(RecordDescription());
   try {
-    Described described{.vehicle = recorded_vehicle(folder), .name = "not described"};
+    described.vehicle = recorded_vehicle(folder);
     if (described.vehicle) described.name = described.vehicle->name;
-    return described;
   } catch (const std::exception& error) {
-    return {.vehicle = std::nullopt, .name = std::string("cannot be used: ") + error.what()};
+    described.name = std::string("cannot be used: ") + error.what();
   }
+  return described;
 }
 
 /// The lock keeps a recorder from beginning to write meanwhile.

@@ -2,7 +2,9 @@
 
 from record_check.blocks import CHANNELS, SCANS_PER_BLOCK, BlockDecoder
 from record_check.crc32c import crc_of_columns, crc_of_each
+from record_check.description import Description
 from record_check.epochs import Epoch
+from record_check.headers import altered_headers
 from record_check.journals import JournalCheck, channel_crcs_of_one
 from record_check.segments import Segments
 
@@ -24,9 +26,10 @@ class Checker:
         self.segments = Segments(folder, types)
         self.deleted = self.segments.deleted_positions()
         self.epochs, self.journals = {}, {}
+        self.description = Description()
         self.damage = []
         self.events = self.other_events = self.refused = self.damaged_bytes = self.torn_bytes = 0
-        self.missing_segments = self.bytes = self.notes = 0
+        self.missing_segments = self.bytes = self.notes = self.altered_headers = 0
 
     def check(self):
         for number in self.segments.numbers:
@@ -34,6 +37,7 @@ class Checker:
             self.bytes += len(log)
             self._check_events(number, log, events)
             self._list_damage(number, damage, len(log))
+        self.damage += self.description.contradictions
         for line in self.segments.missing():
             self.missing_segments += 1
             self.damage.append(line)
@@ -47,7 +51,7 @@ class Checker:
 
     def verdict(self):
         journals = any(journal.contradictions for journal in self.journals.values())
-        if (self.refused or self.damaged_bytes or self.missing_segments or journals or
+        if (self.refused or self.damaged_bytes or self.altered_headers or self.description.contradictions or self.missing_segments or journals or
                 any(epoch.is_damaged() for epoch in self.epochs.values())):
             return DAMAGED
         whole = not self.damage and not self.deleted and self.epochs
@@ -55,6 +59,10 @@ class Checker:
 
     def _check_events(self, number, log, events):
         good, channel_crcs = self._check_crcs(log, events)
+        for begin, end in altered_headers(log, events, good):
+            self.altered_headers += 1
+            self.damage.append(f"{self.segments.paths[number].name}: {end - begin} bytes from {begin} on are events of "
+                               "which one has an altered number, stamp or channel")
         for at, (channel, begin, end) in enumerate(events):
             self.events += 1
             if at not in good:
@@ -113,6 +121,8 @@ class Checker:
             self._refuse(number, begin, len(data))
             return
         if block.sequence == 0:
+            if block.kind == "META" and block.node == 0:
+                self.description.take(kind.decode(data))
             return
         epoch = self._epoch(block.node, block.epoch)
         if block.kind == "SCAN":

@@ -9,10 +9,12 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
+#include "common/bus/types.hpp"
 #include "common/link/ring.hpp"
 #include "common/link/sender.hpp"
 #include "common/record/record.hpp"
 #include "common/record/record_state.hpp"
+#include "host/recorder/preamble.hpp"
 #include "host/recorder/verify.hpp"
 
 namespace roadbalance {
@@ -259,14 +261,11 @@ TEST_F(RecorderTest, EverySegmentDescribesItself) {
   TestNode node(options.url, 1, 100);
   const std::jthread thread([&node](std::stop_token stop) { node.run(stop); });
   run_recorder({}, options);
-  RecordReader reader(options.folder);
-  const auto first = reader.next();
-  ASSERT_TRUE(first);
-  SealedBlock block;
-  ASSERT_EQ(accept(first->data, block), Refusal::kNone);
-  const MetaBlock meta = decode_meta(block);
-  EXPECT_EQ(meta.kind, MetaKind::kRecordJson);
-  EXPECT_NE(meta.text.find("scan_block_t"), std::string::npos);
+  const auto described = read_description(options.folder);
+  ASSERT_TRUE(described);
+  EXPECT_TRUE(described->program.starts_with("roadbalance ")) << described->program;
+  EXPECT_EQ(described->format_version, kRecordFormatVersion);
+  EXPECT_EQ(described->types.size(), recorded_types().size());
   EXPECT_TRUE(fs::exists(options.folder / "manifest.json"));
 }
 

@@ -148,6 +148,8 @@ TEST_F(RecoverCommand, InfoSaysWhatIsThereAndMakesIndexesAgain) {
   EXPECT_EQ(result.at("segments").size(), 1u);
   EXPECT_GT(result.at("rates").at(0).at("rate_hz"), 0.0);
   EXPECT_NE(result.at("vehicle"), "not described");
+  EXPECT_TRUE(result.at("program").get<std::string>().starts_with("roadbalance "));
+  EXPECT_GT(result.at("types").size(), 8u);
   EXPECT_EQ(rb({"info", folder_ / "nothing"}).code, 4);
 }
 

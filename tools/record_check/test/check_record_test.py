@@ -10,7 +10,7 @@ import tempfile
 import unittest
 
 from records import (COMPLETE, DAMAGED, INCOMPLETE, RB, SEGMENT, TOOLS, TYPES, UNREADABLE, Record, altered, check, event, message,
-                     record_a_drive, run, with_crc)
+                     record_a_drive, run, segment, with_crc)
 
 from record_check.crc32c import crc
 from record_check.event_log import HEADER, split_events
@@ -213,12 +213,10 @@ class CheckRecord(unittest.TestCase):
             (self.folder / SEGMENT).write_bytes(log[:kept])
             self.assertGreater(self.agrees(INCOMPLETE)["torn_bytes"], 0)
 
-    def split(self):
-        """Two segments of the one."""
-        log = (self.folder / SEGMENT).read_bytes()
-        end = split_events(log)[0][2000][2]
-        (self.folder / SEGMENT).write_bytes(log[:end])
-        (self.folder / "seg-000002.lcm").write_bytes(log[end:])
+    def split(self, *before_the_second):
+        """Two segments of the one, the second one with these events at its beginning."""
+        (self.folder / SEGMENT).write_bytes(segment(self.record.events[:2001]))
+        (self.folder / "seg-000002.lcm").write_bytes(segment([*before_the_second, *self.record.events[2001:]]))
         (self.folder / "manifest.json").unlink()
 
     def test_two_segments(self):
@@ -235,12 +233,11 @@ class CheckRecord(unittest.TestCase):
         self.agrees(INCOMPLETE)
 
     def test_what_lies_behind_the_end_of_an_abandoned_segment_does_not_count(self):
-        self.split()
+        end = len(segment(self.record.events[:2001]))
+        note = b"RB_NOTE", message("note_t", incarnation=1, kind=5, a=1, b=end)
+        self.split(note)
         first, second = self.folder / SEGMENT, self.folder / "seg-000002.lcm"
-        end = first.stat().st_size
-        note = event(b"RB_NOTE", message("note_t", incarnation=1, kind=5, a=1, b=end))
-        second.write_bytes(note + second.read_bytes())
-        again = second.read_bytes()[len(note):][:5000]
+        again = second.read_bytes()[len(event(*note)):][:5000]
         for behind in (b"garbage", again):
             first.write_bytes(first.read_bytes()[:end] + behind)
             self.assertEqual(self.agrees(COMPLETE)["damaged_bytes"], 0)
@@ -267,6 +264,62 @@ class CheckRecord(unittest.TestCase):
         note = event(b"RB_NOTE", message("note_t", incarnation=1, kind=11, a=1, b=len(blocks)))
         second.write_bytes(second.read_bytes() + note)
         self.assertGreater(self.node(self.agrees(INCOMPLETE))["samples_deleted"], 0)
+
+    def test_an_altered_number_stamp_or_channel_of_any_event_but_the_last(self):
+        log = (self.folder / SEGMENT).read_bytes()
+        events = split_events(log)[0]
+        self.assertEqual(events[-1][0], b"RB_COMMIT", "nothing answers for the last event, so that is no other one")
+        for channel in (b"RB_BLOCK_0_META", b"RB_BLOCK_1_META", b"RB_NOTE", b"RB_COMMIT", b"RB_JOURNAL", b"RB_BLOCK_2_SCAN"):
+            _, begin, _ = next(each for each in events if each[0] == channel)
+            name = begin - len(channel)
+            for what, place in {"number": name - 17, "stamp": name - 9, "channel": name, "channel's end": begin - 1}.items():
+                (self.folder / SEGMENT).write_bytes(log[:place] + bytes([log[place] ^ 1]) + log[place + 1:])
+                with self.subTest(channel=channel, altered=what):
+                    found = self.agrees(DAMAGED)
+                    self.assertEqual(found["altered_headers"], 1)
+                    self.assertTrue(any("number, stamp or channel" in line for line in found["damage"]))
+
+    def test_numbers_and_indexes_that_pass_31_and_32_bits(self):
+        """Node 1 as it would be after months: what was before is gone, declared by one gap."""
+        drive = list(self.record.without_journal().events)
+        for blocks, scans in ((2**31 - 500, 2**32 - 5000), (2**32 - 500, 2**31 - 5000), (2**32, 2**32)):
+            self.record.events, gap = [], None
+            for channel, data in drive:
+                is_block = channel.startswith(b"RB_BLOCK_1_") and struct.unpack_from(">q", data, 20)[0] > 0
+                if is_block:
+                    epoch, sequence, first_scan = struct.unpack_from(">qqq", data, 12)
+                    data = with_crc(data[:20] + struct.pack(">qq", sequence + blocks, first_scan + scans) + data[36:])
+                    if channel.endswith(b"_END"):
+                        data = altered(data, "end_t", "blocks", sequence + blocks)
+                        data = altered(data, "end_t", "scans_missing", scans)
+                if is_block and not gap:
+                    gap = message("gap_t", node=1, epoch=epoch, sequence=blocks, scans=scans, cause=4)
+                    self.record.events.append((b"RB_BLOCK_1_GAP", gap))
+                self.record.events.append((channel, data))
+            self.record.write()
+            node = self.node(self.agrees(INCOMPLETE))
+            self.assertEqual((node["samples_recorded"], node["samples_missing"]), (24000, scans))
+            self.assertEqual([(gap["first_block"], gap["last_block"]) for gap in node["gaps"]], [(1, blocks)])
+
+    def test_the_record_alone_tells_how_to_read_it(self):
+        code, found = check(self.folder, "--wire", "record")
+        self.assertEqual((code, found), check(self.folder))
+        self.assertEqual(code, COMPLETE)
+        said = found["description"]
+        self.assertRegex(said["program"], r"^roadbalance \d+\.\d+")
+        self.assertEqual(said["types"], sorted(["scan_block_t", "edge_block_t", "gap_t", "meta_t", "end_t", "signal_block_t",
+                                                "journal_t", "note_t", "commit_t", "clock_exchange_t", "clock_fit_t"]))
+
+    def test_a_text_of_another_message_is_damage(self):
+        for at, (channel, data) in enumerate(self.record.events):
+            if channel == b"RB_BLOCK_0_META" and b"overload;" in data:
+                self.record.events[at] = channel, with_crc(data.replace(b"overload;", b"overlord;"))
+                break
+        self.record.write()
+        code, found = check(self.folder)
+        self.assertEqual(code, DAMAGED)
+        self.assertIn("the text of wire.scan_block_t is of another message", found["damage"])
+        self.assertEqual(check(self.folder, "--wire", "record")[0], UNREADABLE)
 
     def test_an_altered_note_is_damage(self):
         note = message("note_t", incarnation=1, kind=3)

@@ -61,6 +61,21 @@ def altered(data, name, field, value, code=">q"):
     return with_crc(data[:at] + struct.pack(code, value) + data[at + struct.calcsize(code):])
 
 
+def segment(events):
+    """The bytes of a segment of these events; each commit among them says what is true of the headers before it."""
+    log, begin, covered = bytearray(), 0, b""
+    for number, (channel, data) in enumerate(events):
+        is_commit = channel == b"RB_COMMIT"
+        if is_commit:
+            data = altered(data, "commit_t", "headers_from", begin)
+            data = altered(data, "commit_t", "headers_crc32c", crc(covered), ">I")
+            begin, covered = len(log), b""
+        made = event(channel, data, number)
+        covered += made[:HEADER.size + len(channel)]
+        log += made
+    return bytes(log)
+
+
 class Record:
     """The events of a record's only segment, to be changed and written back."""
 
@@ -81,7 +96,7 @@ class Record:
                 if channel == f"RB_BLOCK_{node}_{kind}".encode() and struct.unpack_from(">q", data, 20)[0] > 0]
 
     def write(self):
-        (self.folder / SEGMENT).write_bytes(b"".join(event(*each) for each in self.events))
+        (self.folder / SEGMENT).write_bytes(segment(self.events))
         (self.folder / "manifest.json").unlink(missing_ok=True)
 
 
