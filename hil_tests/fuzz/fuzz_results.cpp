@@ -1,3 +1,4 @@
+#include "common/bus/order_report.hpp"
 #include "common/bus/results.hpp"
 #include "hil_tests/fuzz/round_trip.hpp"
 
@@ -8,5 +9,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::check_message<SpectrumPart>(bytes, decode_spectrum);
   fuzz::check_message<Identification>(bytes, decode_identification);
   fuzz::check_message<Balance>(bytes, decode_balance);
+  fuzz::check_message<OrderReport>(bytes, decode_orders);
   return 0;
 }

@@ -10,6 +10,7 @@
 #include "common/bus/control.hpp"
 #include "common/bus/notes.hpp"
 #include "common/bus/recorder_status.hpp"
+#include "common/bus/order_report.hpp"
 #include "common/bus/results.hpp"
 #include "common/clock/datagram.hpp"
 #include "common/record/log_event.hpp"
@@ -82,6 +83,7 @@ void write_messages() {
   write("results", "spectrum", encode(SpectrumPart{.node = 1, .step_hz = 0.5, .density = {1.0f, 2.0f}}));
   write("results", "identification", encode(Identification{.speed_class = {{20.0, 60.0}}}));
   write("results", "balance", encode(Balance{.unbalance_g = 35}));
+  write("results", "orders", encode(OrderReport{.wheel = 2, .node = 1, .seconds = 60}));
   write("clock", "question", encode(ClockDatagram{.node = 1, .epoch = 2, .number = 3}));
   write("clock", "answer",
         encode(ClockDatagram{
