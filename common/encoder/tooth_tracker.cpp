@@ -16,6 +16,13 @@ constexpr double kTorsion_rad_s2 = 116.0;     // 1 degree at 13 Hz
 constexpr double kLeastMemory_pitches = 1.5;  // when slow: then jitter is nothing and a start or stop is all
 constexpr double kStraight_pitches = 0.25;
 constexpr double kFaultMemory_pulses = 64.0, kMostFaults = 24.0;
+constexpr double kJitter_pitches = 0.1;  // 1 of 40 000 stamps that scatter so little leaves its gate
+// Where stamps scatter by 0.2 of a pitch and 1 % of the teeth are lost, one so far off is still likelier to
+// be the next tooth than the one beside it; but not right after a pulse that was none or a tooth without one:
+// those may have been it.
+constexpr double kJitterGate_pitches = 0.65;
+constexpr std::int64_t kOutOfStep_teeth = 2;
+constexpr double kJitterMemory_pulses = 64.0;
 constexpr double kStartMemory_pitches = 4.0, kMemoryGrowth_pitches = 0.5;
 }  // namespace
 
@@ -32,6 +39,10 @@ void ToothTracker::forget() noexcept {
 
 double ToothTracker::position(std::int64_t time_ns) const noexcept {
   return state_.position + state_.speed_per_ns * static_cast<double>(time_ns - state_.time_ns);
+}
+
+bool ToothTracker::jitters() const noexcept {
+  return distance_square_ > kJitter_pitches * kJitter_pitches;
 }
 
 bool ToothTracker::too_long(std::int64_t time_ns) const noexcept {
@@ -94,8 +105,8 @@ void ToothTracker::number_first_pulses() noexcept {
   if (solved && square < kStraight_pitches * kStraight_pitches && motion.slope_at_end() > 0.0)
     state_ = {end_ns, static_cast<double>(number) + motion.value(1.0), motion.slope_at_end() / half_ns};
   before_ = state_;
-  number_ = number_before_ = number;
-  distance_ = 0.0;
+  number_ = number_before_ = in_step_from_ = number;
+  distance_ = distance_square_ = 0.0;
   faults_ = 0.0;
   memory_pitches_ = std::min(kStartMemory_pitches, longest_memory_ns_ * state_.speed_per_ns);
 }
@@ -121,16 +132,25 @@ ToothTracker::Outcome ToothTracker::add(std::int64_t time_ns, const ToothGrid& g
       distance = d;
     }
   }
+  double gate = kGate_pitches;
+  if (const double d = grid.position(number_ + 1) - predicted;
+      jitters() && number_ >= in_step_from_ && std::abs(d) < kJitterGate_pitches) {
+    nearest = number_ + 1;
+    distance = d;
+    gate = kJitterGate_pitches;
+  }
   const bool again = nearest == number_;
-  if (std::abs(distance) > kGate_pitches || nearest < number_ ||
+  if (std::abs(distance) > gate || nearest < number_ ||
       (again && std::abs(distance) >= std::abs(distance_))) {
     count_fault(true);
+    in_step_from_ = number_ + kOutOfStep_teeth;
     if (++dropped_ <= std::max(8, teeth_ / 12) && faults_ < kMostFaults) return Outcome::kDropped;
     forget();
     collect(time_ns);
     return Outcome::kLost;
   }
   if (again) {  // what was taken for this tooth was none: step back and take this pulse
+    in_step_from_ = number_ + kOutOfStep_teeth;
     state_ = before_;
     number_ = number_before_;
     distance = grid.position(nearest) - position(time_ns);
@@ -147,7 +167,9 @@ ToothTracker::Outcome ToothTracker::add(std::int64_t time_ns, const ToothGrid& g
   state_ = {time_ns, here + fading * (2.0 - fading) * distance,
             speed + fading * fading * distance * speed / steps};
   number_ = nearest;
+  if (missed_ > 0) in_step_from_ = number_ + kOutOfStep_teeth;
   distance_ = distance;
+  distance_square_ += (distance * distance - distance_square_) / kJitterMemory_pulses;
   dropped_ = 0;
   count_fault(missed_ > 0);
   if (!(state_.speed_per_ns > 0.0) || faults_ >= kMostFaults) {

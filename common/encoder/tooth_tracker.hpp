@@ -20,7 +20,9 @@ struct ToothGrid {
 };
 
 /// Gives every pulse the number of its tooth: predicts the angle with the present speed, the nearest tooth
-/// wins, a pulse more than 0.42 of a pitch from it is dropped.  A missing tooth is simply absent.
+/// wins, a pulse more than 0.42 of a pitch from it is dropped.  A missing tooth is simply absent.  Where
+/// stamps jitter so much that they leave that gate, the next pulse is the next tooth though it is 0.65 of a
+/// pitch off.
 ///
 /// The prediction is a critically damped g-h filter in pitches (E. Brookner, Tracking and Kalman Filtering
 /// Made Easy, Wiley, 1998, ch. 1).  Its memory is as long as torsional motion of the wheel allows, so that it
@@ -46,6 +48,8 @@ class ToothTracker {
   std::int64_t number() const noexcept { return number_; }
   /// Teeth jumped over by the pulse numbered last.
   std::int64_t missed() const noexcept { return missed_; }
+  /// Stamps of late were so far from their teeth that jitter can put one out of its gate.
+  bool jitters() const noexcept;
   double position(std::int64_t time_ns) const noexcept;
   /// Time a pitch takes at the present speed.  Needs running().
   double pitch_ns() const noexcept { return 1.0 / state_.speed_per_ns; }
@@ -75,9 +79,11 @@ class ToothTracker {
   std::array<NumberedTooth, kStart> first_{};
   State state_, before_;
   std::int64_t number_ = 0, number_before_ = 0, missed_ = 0;
-  double distance_ = 0.0;  ///< of the pulse numbered last from its tooth
-  int dropped_ = 0;        ///< since the last numbered pulse
-  double faults_ = 0.0;    ///< pulses missing or dropped of late: a third of them means a false speed
+  std::int64_t in_step_from_ = 0;  ///< number from which the next pulse is expected to be the next tooth
+  double distance_ = 0.0;          ///< of the pulse numbered last from its tooth
+  double distance_square_ = 0.0;   ///< mean of late, pitches^2
+  int dropped_ = 0;                ///< since the last numbered pulse
+  double faults_ = 0.0;            ///< pulses missing or dropped of late: a third of them means a false speed
 };
 
 }  // namespace roadbalance

@@ -57,6 +57,7 @@ void WheelEncoder::lose() noexcept {
 void WheelEncoder::forget_teeth() noexcept {
   history_.clear();
   interpolator_.clear();
+  balance_.forget();
   next_search_ = 0;
   searches_ = 0;
 }
@@ -74,17 +75,17 @@ void WheelEncoder::add_tooth(std::int64_t time_ns) noexcept {
       }
       return;
     case ToothTracker::Outcome::kNumbered:
-      turn_faults_ += tracker_.missed();
+      count_faults(time_ns, -tracker_.missed());
       history_.push(tooth);
       interpolator_.push(tooth, grid_.position(tooth.number));
       break;
     case ToothTracker::Outcome::kReplaces:
-      ++turn_faults_;
+      count_faults(time_ns, 1);
       history_.replace_latest(tooth);
       interpolator_.replace_latest(tooth, grid_.position(tooth.number));
       break;
     case ToothTracker::Outcome::kDropped:
-      ++turn_faults_;
+      count_faults(time_ns, 1);
       break;
     case ToothTracker::Outcome::kLost:
       declare_lost();
@@ -93,6 +94,15 @@ void WheelEncoder::add_tooth(std::int64_t time_ns) noexcept {
   judge_marks();
   if (!grid_.located) find_tooth_again();
   learn_if_turn_complete();
+}
+
+/// One that is known only now counts for the turn in which it came, if that is not judged yet.
+void WheelEncoder::count_faults(std::int64_t time_ns, std::int64_t surplus) noexcept {
+  const auto faults = balance_.add(time_ns, tracker_.number(), surplus, tracker_.jitters());
+  if (faults.count == 0) return;
+  turn_faults_ += faults.count;
+  for (std::size_t i = 0; i < pending_marks_; ++i)
+    if (faults.since_ns < pending_[i].time_ns) pending_[i].faults += faults.count;
 }
 
 /// After a loss, by the ring's own errors.  Two turns are enough where they are distinctive.

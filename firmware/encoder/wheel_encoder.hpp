@@ -6,6 +6,7 @@
 #include <span>
 
 #include "common/config/vehicle_config.hpp"
+#include "common/encoder/fault_balance.hpp"
 #include "common/encoder/pitch_pattern.hpp"
 #include "common/encoder/tooth_history.hpp"
 #include "common/encoder/tooth_tracker.hpp"
@@ -73,6 +74,7 @@ class WheelEncoder {
     std::int64_t faults;  ///< of the turn that it ends
   };
   void add_tooth(std::int64_t time_ns) noexcept;
+  void count_faults(std::int64_t time_ns, std::int64_t surplus) noexcept;
   void add_mark(std::int64_t time_ns) noexcept;
   void judge_marks() noexcept;
   void judge(const PendingMark& mark, double position) noexcept;
@@ -106,6 +108,7 @@ class WheelEncoder {
   std::int64_t learned_turn_ = 0;
   // Doubtful turns, from the mark that began the first to the one that ended the last.
   std::int64_t doubt_from_ns_ = std::numeric_limits<std::int64_t>::min(), doubt_to_ns_ = doubt_from_ns_;
+  FaultBalance balance_;
   std::int64_t turn_faults_ = 0, faulty_turns_ = 0;
   bool last_turn_faulty_ = false;
 };

@@ -2,13 +2,16 @@
 
 #include <cstdint>
 
+#include "common/encoder/mark_scatter.hpp"
+
 namespace roadbalance {
 
 /// Judges each zero mark by where the teeth say that it lies, and learns its mean place among them.
 ///
 /// The marks say which tooth is which, but one alone may be missing, doubled, late or false: a count of teeth
-/// that is off at once is put right at once only if many teeth were at fault since the mark before, else when
-/// the next mark says the same.
+/// that is off is put right at once only if many teeth were at fault since the mark before, else when enough
+/// of the marks after it say the same (Page's test: E. S. Page, Continuous inspection schemes, Biometrika 41,
+/// 1954): the next one, or a few where marks jitter by a good part of a pitch.
 class ZeroMarks {
  public:
   explicit ZeroMarks(int teeth) : teeth_(teeth) {}
@@ -42,13 +45,16 @@ class ZeroMarks {
 
  private:
   void learn(double off, bool learning) noexcept;
+  Verdict end_doubt(Verdict verdict) noexcept;
 
   const int teeth_;
   bool known_ = false;
-  double place_ = 0.0, square_ = 0.0;  ///< mean; mean square of what a mark is off, pitches^2
+  double place_ = 0.0;  ///< mean, pitches
   int weight_ = 0;
+  MarkScatter scatter_;
   std::int64_t turn_ = 0, slip_ = 0;
   std::int64_t doubted_slip_ = 0;
+  double doubt_ = 0.0;  ///< evidence of that slip so far
   int false_in_a_row_ = 0;
 };
 

@@ -143,6 +143,43 @@ TEST_F(BadPulses, StampsAsBadAsASixthOfAPitchDoNotShiftTheCount) {
   EXPECT_EQ(count(2.0, 10.0, [](const Block& b) { return b.error_rad > 0.3 * kPitch_rad; }), 0);
 }
 
+// A stamp that leaves its tooth's gate is missing there and too many beside: the turn has its teeth.
+TEST_F(BadPulses, ATurnWithExactlyItsTeethIsNoFaultHoweverTheyJitter) {
+  train.jitter_s = 100e-6;
+  edges = train.edges(0.0, 10.0);
+  follow(10.0);
+  EXPECT_LT(count(2.0, 10.0, [](const Block& b) { return b.uncertain; }), 800 / 20);
+}
+
+TEST_F(BadPulses, OneToothLessOrMoreIsAFaultHoweverTheyJitter) {
+  train.jitter_s = 100e-6;
+  edges = train.edges(0.0, 10.0);
+  const auto tooth_after = [&](double t) {
+    return std::ranges::find_if(
+        edges, [&](const Edge& e) { return seconds_of(e) > t && e.kind == EdgeKind::kTooth; });
+  };
+  edges.erase(tooth_after(4.0));
+  add(0.5 * (seconds_of(*tooth_after(7.0)) + seconds_of(*tooth_after(7.0003))), EdgeKind::kTooth);
+  follow(10.0);
+  for (const double fault : {4.0, 7.0})  // the turn after the one with the fault is doubtful too
+    EXPECT_EQ(count(fault, fault + 0.9 * kTurn_s, [](const Block& b) { return !b.uncertain; }), 0) << fault;
+}
+
+// Marks that jitter by a sixth of a pitch: one that is off by more than half a pitch is no slip.
+TEST_F(BadPulses, ASlipIsToldFromMarksThatJitter) {
+  train.jitter_s = 100e-6;
+  edges = train.edges(0.0, 20.0);
+  // From 8 s on the count is off by one: a tooth too many, as long as all the others of half a turn.
+  const double from = 8.01, to = 8.03;
+  std::erase_if(edges, [&](const Edge& e) {
+    return e.kind == EdgeKind::kTooth && seconds_of(e) > from && seconds_of(e) < to;
+  });
+  for (int i = 0; i < 36; ++i) add(from + (i + 0.3) * (to - from) / 36.0, EdgeKind::kTooth);  // of 34.6
+  follow(20.0);
+  EXPECT_EQ(silently_wrong(2.0, 20.0, 0.5 * kPitch_rad), 0);
+  EXPECT_EQ(count(9.0, 20.0, [](const Block& b) { return b.error_rad > 0.3 * kPitch_rad; }), 0);
+}
+
 TEST_F(BadPulses, NeverAllocates) {
   std::array<double, 20> angle;
   const test::NoAllocation guard;

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
+#include <span>
 
 #include "common/encoder/local_fit.hpp"
+#include "common/encoder/mark_scatter.hpp"
 
 namespace roadbalance {
 namespace {
@@ -27,9 +30,9 @@ std::optional<double> position_of(const FollowedRun& run, std::int64_t time_ns) 
 }
 
 /// Where marks are expected: the mean of those before, so that the jitter of one does not count twice.
-class Reference {
+class Expected {
  public:
-  explicit Reference(int teeth) : teeth_(teeth) {}
+  explicit Expected(int teeth) : teeth_(teeth) {}
 
   void begin(const ChainedMark& mark) {
     position_ = mark.position;
@@ -41,10 +44,32 @@ class Reference {
     const std::int64_t turn = std::llround(way / teeth_);
     return {turn, way - static_cast<double>(turn) * teeth_};
   }
-  void take(double off) {
-    const double slip = std::round(off);
+  /// The count of teeth has slipped by so many from the first of these marks on, as the next ones say too.
+  bool slipped(std::span<const ChainedMark> marks, std::int64_t slip) const {
+    double evidence = 0.0;
+    std::int64_t last_turn = std::numeric_limits<std::int64_t>::min();
+    for (const ChainedMark& mark : marks) {
+      const auto [turn, off] = place(mark);
+      if (turn <= last_turn || !MarkScatter::speaks_of(off, slip)) continue;
+      last_turn = turn;
+      evidence += scatter_.evidence_of_one(off, slip);
+      if (evidence > MarkScatter::kSure) return true;
+      if (evidence <= 0.0) return false;
+    }
+    return false;
+  }
+  /// A mark that is off by so much jitters as marks do.
+  bool fits(double off) const { return scatter_.evidence(off, std::llround(off)) < MarkScatter::kDoubt; }
+  /// A mark some turns later agrees with the one with which it began.
+  bool bears_out(const ChainedMark& next) const {
+    const auto [turn, off] = place(next);
+    return turn > 0 && fits(off);
+  }
+  void take(double off, std::int64_t slip) {
+    const double jitter = off - static_cast<double>(slip);
     marks_ = std::min(marks_ + 1, kMemory_marks);
-    position_ += slip + (off - slip) / marks_;
+    position_ += static_cast<double>(slip) + jitter / marks_;
+    scatter_.learn(jitter);
   }
 
  private:
@@ -52,6 +77,7 @@ class Reference {
   const int teeth_;
   double position_ = 0.0;
   int marks_ = 0;
+  MarkScatter scatter_;
 };
 
 }  // namespace
@@ -62,27 +88,26 @@ MarkChain chain_marks(const FollowedRun& run, int teeth) {
   for (const std::int64_t time_ns : run.marks_ns) {
     if (const auto position = position_of(run, time_ns)) placed.push_back({time_ns, *position, 0, 0});
   }
-  Reference reference(teeth);
+  Expected expected(teeth);
   for (std::size_t i = 0; i < placed.size(); ++i) {
     ChainedMark& mark = placed[i];
-    if (chain.marks.empty()) reference.begin(mark);  // until another mark bears it out
-    const auto [turn, off] = reference.place(mark);
-    const std::int64_t slip = std::llround(off);
-    const auto bears_out = [&](const ChainedMark& next) {
-      const auto [next_turn, next_off] = reference.place(next);
-      return next_turn > turn && std::llround(next_off) == slip;
-    };
+    if (chain.marks.empty()) expected.begin(mark);  // until another mark bears it out
+    const auto [turn, off] = expected.place(mark);
+    const std::int64_t nearest = std::llround(off);
+    const auto from_here = std::span<const ChainedMark>(placed).subspan(i);
+    const std::int64_t slip = nearest != 0 && expected.slipped(from_here, nearest) ? nearest : 0;
     const bool doubled = !chain.marks.empty() && turn <= chain.marks.back().turn;
-    const bool expected = slip == 0 && !chain.marks.empty();
-    const bool alone = placed.size() == 1;
-    if (doubled || !(expected || alone || (i + 1 < placed.size() && bears_out(placed[i + 1])))) {
+    const bool first = chain.marks.empty() && placed.size() > 1;
+    const bool false_one = first ? i + 1 == placed.size() || !expected.bears_out(placed[i + 1])
+                                 : slip == 0 && !expected.fits(off);
+    if (doubled || false_one) {
       ++chain.dropped;
       continue;
     }
     mark.turn = turn;
     mark.slip = slip + (chain.marks.empty() ? 0 : chain.marks.back().slip);
     if (slip != 0) ++chain.slips;
-    reference.take(off);
+    expected.take(off, slip);
     chain.marks.push_back(mark);
   }
   return chain;

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <optional>
 
+#include "common/encoder/fault_balance.hpp"
 #include "common/encoder/local_fit.hpp"
 #include "common/encoder/tooth_tracker.hpp"
 #include "host/encoder/anchor_run.hpp"
@@ -12,10 +14,32 @@
 namespace roadbalance {
 namespace {
 
+/// Tells which tooth an earlier numbering took a pulse for.  Asked in order of time.
+class EarlierNumbers {
+ public:
+  explicit EarlierNumbers(std::span<const NumberedRun> runs) : runs_(runs) {}
+
+  std::optional<std::int64_t> number(std::int64_t time_ns) {
+    for (; run_ < runs_.size(); ++run_, tooth_ = 0) {
+      const auto& teeth = runs_[run_].teeth;
+      while (tooth_ < teeth.size() && teeth[tooth_].time_ns < time_ns) ++tooth_;
+      if (tooth_ == teeth.size()) continue;
+      return teeth[tooth_].time_ns == time_ns ? std::optional(teeth[tooth_].number) : std::nullopt;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  const std::span<const NumberedRun> runs_;
+  std::size_t run_ = 0, tooth_ = 0;
+};
+
 /// Follows the pulses of one line; each loss of them begins a run.
 class Follower {
  public:
-  explicit Follower(int teeth) : tracker_(teeth), grid_{PitchTable(teeth)} {}
+  /// @param earlier  says where the table begins, from a tooth that it has numbered on
+  Follower(const PitchTable& table, int teeth, std::span<const NumberedRun> earlier)
+      : tracker_(teeth), grid_{table}, earlier_(earlier) {}
 
   void add(const Edge& edge) {
     const std::int64_t time_ns = to_ns(edge.time);
@@ -24,6 +48,7 @@ class Follower {
         return tooth(time_ns);
       case EdgeKind::kZeroMark:
         if (tracker_.running() && !tracker_.too_long(time_ns)) run_.marks_ns.push_back(time_ns);
+        located_again_ = false;
         return;
       case EdgeKind::kToothBackward:
       case EdgeKind::kLost:
@@ -44,29 +69,46 @@ class Follower {
         return;
       case ToothTracker::Outcome::kStarted:
         run_.teeth.assign(tracker_.starting().begin(), tracker_.starting().end());
+        grid_.located = located_again_ = false;
         return;
       case ToothTracker::Outcome::kNumbered:
-        if (tracker_.missed() > 0) run_.faults_ns.push_back(time_ns);
+        count_faults(time_ns, -tracker_.missed());
         run_.teeth.push_back({time_ns, tracker_.number()});
-        return;
+        return locate(time_ns);
       case ToothTracker::Outcome::kReplaces:
-        run_.faults_ns.push_back(time_ns);
+        count_faults(time_ns, 1);
         run_.teeth.back() = {time_ns, tracker_.number()};
         return;
       case ToothTracker::Outcome::kDropped:
-        run_.faults_ns.push_back(time_ns);
+        count_faults(time_ns, 1);
         return;
       case ToothTracker::Outcome::kLost:
         return end_run();
     }
   }
+  /// Once a turn, as the earlier numbers jump where a count was put right.
+  void locate(std::int64_t time_ns) {
+    if (located_again_) return;
+    const auto number = earlier_.number(time_ns);
+    if (!number) return;
+    grid_.origin = tracker_.number() - *number;
+    grid_.located = located_again_ = true;
+  }
+  void count_faults(std::int64_t time_ns, std::int64_t surplus) {
+    const auto faults = balance_.add(time_ns, tracker_.number(), surplus, tracker_.jitters());
+    if (faults.count > 0) run_.faults_ns.push_back(faults.since_ns);
+  }
   void end_run() {
+    balance_.forget();
     if (!run_.teeth.empty()) runs_.push_back(std::move(run_));
     run_ = {};
   }
 
   ToothTracker tracker_;
-  const ToothGrid grid_;
+  ToothGrid grid_;
+  EarlierNumbers earlier_;
+  bool located_again_ = false;  ///< since the last mark
+  FaultBalance balance_;
   FollowedRun run_;
   std::vector<FollowedRun> runs_;
 };
@@ -74,9 +116,14 @@ class Follower {
 }  // namespace
 
 NumberedTeeth number_teeth(const EncoderConfig& config, std::span<const Edge> edges) {
+  return number_again(config, edges, PitchTable(config.pulses_per_turn), {});
+}
+
+NumberedTeeth number_again(const EncoderConfig& config, std::span<const Edge> edges, const PitchTable& table,
+                           const NumberedTeeth& earlier) {
   NumberedTeeth all;
   if (!config.zero_mark) return all;
-  Follower follower(config.pulses_per_turn);
+  Follower follower(table, config.pulses_per_turn, earlier.runs);
   for (const Edge& edge : edges) follower.add(edge);
   std::vector<FollowedRun> runs = follower.finish();
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/config/vehicle_config.hpp"
+#include "common/encoder/pitch_table.hpp"
 #include "common/encoder/tooth_history.hpp"
 #include "common/frontend/front_end.hpp"
 
@@ -34,5 +35,12 @@ struct NumberedTeeth {
 /// before it is numbered by a piecewise cubic through the marks and declared faulty.  So no slip outlives its
 /// turn.  Runs without a zero mark tell no angle and are left out.
 NumberedTeeth number_teeth(const EncoderConfig& config, std::span<const Edge> edges);
+
+/// The same once the ring's errors are known: a pulse is then told from its neighbours though errors and
+/// jitter together are half a pitch.
+/// @param table    of the teeth as `earlier` numbers them
+/// @param earlier  what the same edges said without it
+NumberedTeeth number_again(const EncoderConfig& config, std::span<const Edge> edges, const PitchTable& table,
+                           const NumberedTeeth& earlier);
 
 }  // namespace roadbalance

@@ -34,6 +34,9 @@ double noise_of(const std::vector<WheelPoint>& points) {
 RecordedAngle::RecordedAngle(const EncoderConfig& config, std::span<const Edge> edges)
     : config_(config), numbered_(number_teeth(config, edges)), table_(config.pulses_per_turn) {
   learn_table();
+  numbered_ = number_again(config, edges, table_, numbered_);
+  table_.forget();
+  learn_table();
   learn_place();
 }
 

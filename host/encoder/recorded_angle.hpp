@@ -38,7 +38,7 @@ class RecordedAngle {
   std::vector<WheelPoint> points(const NumberedRun& run, std::int64_t from_ns, std::int64_t to_ns) const;
 
   const EncoderConfig config_;
-  const NumberedTeeth numbered_;
+  NumberedTeeth numbered_;
   PitchTable table_;
   double place_ = 0.0, place_sigma_ = 0.0;  ///< of the mark after tooth 0, pitches
 

@@ -73,7 +73,6 @@ int study_clock_skew(const StudyOptions& options) {
 
 int study(const StudyOptions& options) {
   if (options.name == "clock-skew") return study_clock_skew(options);
-  if (options.name == "encoder") return study_encoder(options.json);
   std::unique_ptr<TemporaryFolder> temporary;
   if (options.state.empty()) temporary = std::make_unique<TemporaryFolder>("rb-study");
   const Campaign campaign{options.name,
@@ -107,10 +106,12 @@ void add_study(CLI::App& app, int& code) {
                    "against the truth")
       ->required()
       ->check(CLI::IsMember({"demo-accuracy", "clock-skew", "encoder"}));
-  command->add_option("--runs", options->runs, "how many seeds")
+  command->add_option("--runs", options->runs, "how many seeds; encoder: 1 unless said")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
-  command->add_option("--seed", options->seed, "the first seed")->check(seed_number())->capture_default_str();
+  command->add_option("--seed", options->seed, "the first seed; encoder: 11 unless said")
+      ->check(seed_number())
+      ->capture_default_str();
   command->add_option("--state", options->state,
                       "folder of results; a study found there goes on where it stopped");
   command->add_option("--jobs", options->jobs, "runs at a time")
@@ -126,7 +127,17 @@ void add_study(CLI::App& app, int& code) {
       ->check(CLI::Range(2, 16))
       ->capture_default_str();
   command->add_flag("--json", options->json, "one JSON object on standard output");
-  command->callback([options, &code] { code = study(*options); });
+  command->callback([options, command, &code] {
+    if (options->name != "encoder") {
+      code = study(*options);
+      return;
+    }
+    EncoderStudyOptions encoder;
+    encoder.json = options->json;
+    if (command->count("--runs") > 0) encoder.runs = options->runs;
+    if (command->count("--seed") > 0) encoder.seed = options->seed;
+    code = study_encoder(encoder);
+  });
 }
 
 }  // namespace roadbalance

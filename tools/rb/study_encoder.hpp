@@ -1,10 +1,19 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
+
 namespace roadbalance {
+
+struct EncoderStudyOptions {
+  bool json = false;
+  int runs = 1;                       ///< of each row, with other noise
+  std::optional<std::uint64_t> seed;  ///< of the first run; unset: the rows' own
+};
 
 /// `rb study encoder`: every pulse train of encoder_rows() through the live encoder and the offline one;
 /// prints a table or, with `json`, {"rows": [...], "met"} on one line.  Exit code kAnswerIsNo if a row is not
 /// met.
-int study_encoder(bool json);
+int study_encoder(const EncoderStudyOptions& options);
 
 }  // namespace roadbalance

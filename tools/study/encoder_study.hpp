@@ -9,7 +9,14 @@ namespace roadbalance {
 
 /// Difference of an estimated wheel angle to the truth.
 struct AngleErrors {
-  double rms_deg = 0.0, max_deg = 0.0;
+  struct Size {
+    double rms_deg = 0.0, max_deg = 0.0;
+  };
+  Size all;
+  /// The same without what the stamps of the zero marks are off in their mean.  The angle counts from there
+  /// and nothing else tells where the wheel is: of marks that jitter by s no estimate from n turns is more
+  /// certain than s / sqrt(n) (Cramer and Rao).
+  Size but_for_marks;
   int blocks = 0, unknown = 0;  ///< of 10 ms; those without an angle are in no error
   double lag_ms = 0.0;          ///< longest that a block waited for edges
 };
@@ -23,11 +30,13 @@ AngleErrors offline_errors(const EncoderRow& row, const std::vector<Edge>& edges
 
 /// The row's errors, live and offline, and whether they are allowed:
 ///
-///     {"case", "rms_deg", "max_deg", "allowed_rms_deg", "allowed_max_deg", "unknown_blocks", "lag_ms",
-///     "met"}
+///     {"case", "rms_deg", "max_deg", "offline_rms_deg", "offline_max_deg", "allowed_rms_deg",
+///     "allowed_max_deg", "unknown_blocks", "lag_ms", "runs", "runs_met", "runs_met_but_for_marks",
+///     "worst_run_rms_deg", "met"}
 ///
-/// A block without an angle is not allowed, nor one that waits longer than a Sealer does.  `allowed_max_deg`
-/// is null where nothing is said of it.
-nlohmann::ordered_json encoder_row_result(const EncoderRow& row);
+/// Each run has the seed after that of the one before; rms is over all of them, max and lag are the largest.
+/// `met` asks it of every run.  A block without an angle is not allowed, nor one that waits longer than a
+/// Sealer does.  `allowed_max_deg` is null where nothing is said of it.
+nlohmann::ordered_json encoder_row_result(EncoderRow row, int runs = 1);
 
 }  // namespace roadbalance

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "sim/pulse_train.hpp"
 
@@ -33,6 +34,20 @@ class NumberTeeth : public ::testing::Test {
         ++teeth;
       }
     EXPECT_GT(teeth, edges.size() * 9 / 10);
+  }
+  /// The same of stamps that jitter by much of a pitch: in the mean of each turn.
+  void expect_true_turns(const NumberedTeeth& numbered) {
+    for (const NumberedRun& run : numbered.runs)
+      for (std::size_t first = 0; first + kTeeth <= run.teeth.size(); first += kTeeth) {
+        double sum = 0.0;
+        for (std::size_t i = first; i < first + kTeeth; ++i) {
+          const double angle = train.angle_rad(static_cast<double>(run.teeth[i].time_ns) * 1e-9);
+          const double off =
+              (angle - train.first_tooth_rad) / kPitch_rad - static_cast<double>(run.teeth[i].number);
+          sum += std::remainder(off, kTeeth);
+        }
+        ASSERT_LT(std::abs(sum / kTeeth), 0.4) << run.teeth[first].time_ns;
+      }
   }
   void drop(const std::function<bool(const Edge&)>& which) { std::erase_if(edges, which); }
   void add(double t, EdgeKind kind) {
@@ -99,6 +114,39 @@ TEST_F(NumberTeeth, ASlipOfTheCountDoesNotOutliveItsTurn) {
     EXPECT_GT(static_cast<double>(turn.to_ns) * 1e-9, from);
     EXPECT_LT(static_cast<double>(turn.from_ns) * 1e-9, to);
   }
+  expect_true_numbers(numbered);
+}
+
+// Errors of a fifth of a pitch and jitter of a sixth: without the table pulses are taken for their
+// neighbours.
+TEST_F(NumberTeeth, WithTheTableErrorsAndJitterTogetherDoNotShiftTheCount) {
+  for (const std::uint64_t seed : {12U, 16U, 18U}) {
+    train.pitch_error_rad =
+        sim::with_eccentricity(sim::pitch_errors(kTeeth, 0.3 * pi / 180.0, 5), 0.5 * pi / 180.0, 0.4);
+    train.jitter_s = 100e-6;
+    train.seed = seed;
+    edges = train.edges(0.0, 40.0);
+    PitchTable table(kTeeth);
+    const NumberedTeeth first = number_teeth(kRing, edges);
+    ToothHistory history(edges.size());
+    for (const NumberedTooth& tooth : first.runs.front().teeth) history.push(tooth);
+    for (std::int64_t turn = 1; turn < 100; ++turn) table.learn(history, turn * kTeeth, 0);
+    const NumberedTeeth again = number_again(kRing, edges, table, first);
+    EXPECT_EQ(again.runs.size(), 1U);
+    EXPECT_EQ(again.slips, 0);
+    expect_true_turns(again);
+  }
+}
+
+TEST_F(NumberTeeth, MarksThatJitterAreNoSlips) {
+  std::mt19937_64 random(4);
+  std::normal_distribution<double> jitter_ns(0.0, 0.3 * kTurn_s / kTeeth * 1e9);
+  for (Edge& edge : edges)
+    if (edge.kind == EdgeKind::kZeroMark) edge.time += NodeClock::duration(std::llround(jitter_ns(random)));
+  std::ranges::stable_sort(edges, {}, &Edge::time);
+  const NumberedTeeth numbered = number_teeth(kRing, edges);
+  EXPECT_EQ(numbered.slips, 0);
+  EXPECT_LE(numbered.marks_dropped, 2);
   expect_true_numbers(numbered);
 }
 

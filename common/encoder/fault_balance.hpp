@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <cstdlib>
+
+namespace roadbalance {
+
+/// Tells teeth that are missing or too many from teeth whose stamps jitter.
+///
+/// A stamp that jitters by nearly half a pitch leaves its own tooth without a pulse and is one too many at
+/// the next: where stamps jitter so much, the two cancel within two teeth, as a turn with them has exactly
+/// its teeth.  Where they do not, each is a fault of the ring or its line, though the count comes out right.
+class FaultBalance {
+ public:
+  struct Faults {
+    std::int64_t count = 0;
+    std::int64_t since_ns = 0;  ///< when the first of them came
+  };
+  /// @param number   of the tooth numbered last
+  /// @param surplus  pulses that were no tooth less teeth that had no pulse, since the call before
+  /// @param jitter   stamps jitter so much that they can leave their tooth
+  /// What is known to be a fault now.
+  Faults add(std::int64_t time_ns, std::int64_t number, std::int64_t surplus, bool jitter) noexcept {
+    if (open_ == 0) {
+      since_ns_ = time_ns;
+      number_ = number;
+    }
+    if (!jitter) return close(std::abs(open_) + std::abs(surplus));
+    open_ += surplus;
+    return number - number_ > kReach_teeth ? close(std::abs(open_)) : Faults{};
+  }
+  void forget() noexcept { open_ = 0; }
+
+ private:
+  static constexpr std::int64_t kReach_teeth = 2;
+
+  Faults close(std::int64_t count) noexcept {
+    open_ = 0;
+    return {count, since_ns_};
+  }
+  std::int64_t open_ = 0, number_ = 0, since_ns_ = 0;
+};
+
+}  // namespace roadbalance
