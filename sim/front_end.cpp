@@ -10,6 +10,7 @@
 #include "sim/address.hpp"
 #include "sim/car.hpp"
 #include "sim/conditioner.hpp"
+#include "sim/loop_back.hpp"
 #include "sim/ring.hpp"
 #include "sim/signals.hpp"
 
@@ -28,6 +29,7 @@ class Device {
       : rate_hz_(rate_hz),
         car_(scenario, seed, vehicle, 1.0 / (kStepsPerScan * rate_hz)),
         conditioner_(scenario, seed, vehicle, node, 1.0 / (kStepsPerScan * rate_hz)),
+        loop_back_(vehicle, node, car_.drawn(), rate_hz),
         lead_scans_(std::ceil(kFarthestJitter * scenario.encoder.stamp_jitter_s * rate_hz)),
         rings_at_{0.0, car_.drive().at(0.0)},
         edges_(edge_room(vehicle, node)),
@@ -56,6 +58,7 @@ class Device {
     Scan scan;
     scan.time = node_time_from_ns(std::llround(static_cast<double>(next_) * 1e9 / rate_hz_));
     conditioner_.convert(scan);
+    loop_back_.convert(car_.drive(), next_, scan);
     ++next_;
     return scan;
   }
@@ -89,6 +92,7 @@ class Device {
   double rate_hz_;
   Car car_;
   Conditioner conditioner_;
+  LoopBack loop_back_;
   double lead_scans_;  ///< rings run this far ahead, so that no jittered stamp comes too late
   Ring::Instant rings_at_;
   std::vector<Ring> ring_;

@@ -34,5 +34,6 @@ void add_spectrum(CLI::App& app, int& code);
 void add_study(CLI::App& app, int& code);
 void add_import(CLI::App& app, int& code);
 void add_supervise(CLI::App& app, int& code);
+void add_wiring(CLI::App& app, int& code);
 
 }  // namespace roadbalance

@@ -56,6 +56,7 @@ int main(int argc, char** argv) {
   add_watch(app, code);
   add_datum(app, code);
   add_calibrate(app, code);
+  add_wiring(app, code);
   add_doctor(app, code);
   add_identify(app, code);
   add_distance(app, code);
