@@ -12,6 +12,7 @@
 
 #include "common/clock/clocks.hpp"
 #include "hil_tests/malformer.hpp"
+#include "hil_tests/throw_errno.hpp"
 
 namespace roadbalance::test {
 namespace {
@@ -19,24 +20,20 @@ namespace {
 constexpr const char* kGroup = "239.255.76.67";
 constexpr std::chrono::seconds kPatience{30};  // for the first real datagram
 
-[[noreturn]] void fail(const std::string& what) {
-  throw std::system_error(errno, std::generic_category(), what);
-}
-
 /// Hears the bus as it is and sends it anything; knows nothing of LCM.
 class RawBus {
  public:
   explicit RawBus(int port) : port_(htons(static_cast<std::uint16_t>(port))) {
-    if (receiver_ < 0 || sender_ < 0) fail("socket");
+    if (receiver_ < 0 || sender_ < 0) throw_errno("socket");
     const int yes = 1;
     ::setsockopt(receiver_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
     const sockaddr_in any{.sin_family = AF_INET, .sin_port = port_, .sin_addr = {}, .sin_zero = {}};
     if (::bind(receiver_, reinterpret_cast<const sockaddr*>(&any), sizeof any) != 0)
-      fail("bind port " + std::to_string(port));
+      throw_errno("bind port " + std::to_string(port));
     ip_mreq group{};
     group.imr_multiaddr.s_addr = inet_addr(kGroup);
     if (::setsockopt(receiver_, IPPROTO_IP, IP_ADD_MEMBERSHIP, &group, sizeof group) != 0)
-      fail("join the bus");
+      throw_errno("join the bus");
     const unsigned char ttl = 0;
     ::setsockopt(sender_, IPPROTO_IP, IP_MULTICAST_TTL, &ttl, sizeof ttl);
   }

@@ -13,15 +13,12 @@
 #include <vector>
 
 #include "hil_tests/program.hpp"
+#include "hil_tests/throw_errno.hpp"
 
 namespace roadbalance::test {
 namespace {
 
 constexpr double kPatience_s = 60;
-
-[[noreturn]] void fail(const std::string& what) {
-  throw std::system_error(errno, std::generic_category(), what);
-}
 
 void run_or_throw(const std::string& name, const std::vector<std::string>& arguments) {
   if (run(name, arguments, kPatience_s) == 0) return;
@@ -44,7 +41,7 @@ MemoryDisk::MemoryDisk(std::filesystem::path folder, std::uint64_t bytes) : fold
   std::filesystem::create_directories(folder_);
   const std::string size = "size=" + std::to_string(bytes);
   if (::mount("tmpfs", folder_.c_str(), "tmpfs", 0, size.c_str()) != 0)
-    fail("mount a small disk on " + folder_.string());
+    throw_errno("mount a small disk on " + folder_.string());
 }
 
 MemoryDisk::~MemoryDisk() {
@@ -54,7 +51,7 @@ MemoryDisk::~MemoryDisk() {
 void MemoryDisk::fill_leaving(std::uint64_t bytes) {
   const std::uint64_t available = std::filesystem::space(folder_).available;
   const int file = ::open(filler().c_str(), O_CREAT | O_WRONLY | O_CLOEXEC, 0600);
-  if (file < 0) fail("open " + filler().string());
+  if (file < 0) throw_errno("open " + filler().string());
   const int error = ::posix_fallocate(file, 0, static_cast<off_t>(available - bytes));
   ::close(file);
   if (error != 0) throw std::system_error(error, std::generic_category(), "fill " + folder_.string());
@@ -101,7 +98,7 @@ void FailingDisk::turn_read_only() {
 
 // Whoever has files open keeps the old one alive, read-only; so what it holds goes on as a copy.
 void FailingDisk::repair() {
-  if (::umount2(folder_.c_str(), MNT_DETACH) != 0) fail("unmount " + folder_.string());
+  if (::umount2(folder_.c_str(), MNT_DETACH) != 0) throw_errno("unmount " + folder_.string());
   const std::filesystem::path copy = image_.string() + ".repaired";
   run_or_throw("cp", {"--sparse=always", image_, copy});
   image_ = copy;

@@ -14,13 +14,10 @@
 #include <utility>
 
 #include "hil_tests/program.hpp"
+#include "hil_tests/throw_errno.hpp"
 
 namespace roadbalance::test {
 namespace {
-
-[[noreturn]] void fail(const std::string& what) {
-  throw std::system_error(errno, std::generic_category(), what);
-}
 
 void bring_up(const std::string& interface) {
   ip("link set " + interface + " mtu 72");
@@ -57,7 +54,7 @@ VirtualCan::~VirtualCan() {
 
 CanPlayer::CanPlayer(const std::string& interface)
     : descriptor_(::socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC, CAN_RAW)) {
-  if (descriptor_ < 0) fail("open a CAN socket");
+  if (descriptor_ < 0) throw_errno("open a CAN socket");
   const int on = 1;
   sockaddr_can address{};
   address.can_family = AF_CAN;
@@ -95,7 +92,7 @@ void CanPlayer::send_error(std::uint32_t error, std::uint8_t controller) {
 
 void CanPlayer::send_bytes(const void* bytes, std::size_t size) {
   while (::write(descriptor_, bytes, size) != static_cast<ssize_t>(size)) {
-    if (errno != ENOBUFS && errno != EAGAIN) fail("send a CAN frame");
+    if (errno != ENOBUFS && errno != EAGAIN) throw_errno("send a CAN frame");
     ::usleep(100);  // poll() does not say when there is room again
   }
 }

@@ -8,18 +8,14 @@
 #include <unistd.h>
 
 #include <array>
-#include <cerrno>
 #include <cstdlib>
-#include <system_error>
+
+#include "hil_tests/throw_errno.hpp"
 
 namespace roadbalance::test {
 namespace {
 
 constexpr int kSerialCan = 17;  // N_SLCAN, the line discipline
-
-[[noreturn]] void fail(const std::string& what) {
-  throw std::system_error(errno, std::generic_category(), what);
-}
 
 void make_raw(int line) {
   termios settings{};
@@ -31,14 +27,15 @@ void make_raw(int line) {
 }  // namespace
 
 SerialCan::SerialCan() : adapter_(::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)), line_(-1) {
-  if (adapter_ < 0 || ::grantpt(adapter_) != 0 || ::unlockpt(adapter_) != 0) fail("open a pseudo-terminal");
+  if (adapter_ < 0 || ::grantpt(adapter_) != 0 || ::unlockpt(adapter_) != 0)
+    throw_errno("open a pseudo-terminal");
   line_ = ::open(::ptsname(adapter_), O_RDWR | O_NOCTTY | O_CLOEXEC);
-  if (line_ < 0) fail("open the pseudo-terminal's line");
+  if (line_ < 0) throw_errno("open the pseudo-terminal's line");
   make_raw(line_);
   make_raw(adapter_);
   std::array<char, IFNAMSIZ> name{};
-  if (::ioctl(line_, TIOCSETD, &kSerialCan) != 0) fail("make a CAN interface of a serial line");
-  if (::ioctl(line_, SIOCGIFNAME, name.data()) != 0) fail("ask for the CAN interface's name");
+  if (::ioctl(line_, TIOCSETD, &kSerialCan) != 0) throw_errno("make a CAN interface of a serial line");
+  if (::ioctl(line_, SIOCGIFNAME, name.data()) != 0) throw_errno("ask for the CAN interface's name");
   interface_ = name.data();
   // The kernel waits until its commands are read.
   listener_ = std::jthread([this](const std::stop_token& stop) {
@@ -63,7 +60,7 @@ SerialCan::~SerialCan() {
 void SerialCan::report(const std::string& words) const {
   const std::string line = words + "\r";
   if (::write(adapter_, line.data(), line.size()) != static_cast<ssize_t>(line.size()))
-    fail("report to slcan");
+    throw_errno("report to slcan");
 }
 
 std::string SerialCan::told() const {

@@ -17,16 +17,13 @@
 #include <thread>
 
 #include "hil_tests/program.hpp"
+#include "hil_tests/throw_errno.hpp"
 
 namespace roadbalance::test {
 namespace {
 
 constexpr const char* kInterface = "rb0";
 constexpr std::chrono::milliseconds kLongestWait{20};
-
-[[noreturn]] void fail(const std::string& what) {
-  throw std::system_error(errno, std::generic_category(), what);
-}
 
 void ip(const std::vector<std::string>& words) {
   if (run("ip", words, 30) == 0) return;
@@ -37,18 +34,18 @@ void ip(const std::vector<std::string>& words) {
 
 int open_network() {
   const int network = ::open("/proc/thread-self/ns/net", O_RDONLY | O_CLOEXEC);
-  if (network < 0) fail("open /proc/thread-self/ns/net");
+  if (network < 0) throw_errno("open /proc/thread-self/ns/net");
   return network;
 }
 
 /// Frames written to it arrive at the interface, frames the interface sends are read from it.
 int open_tap() {
   const int tap = ::open("/dev/net/tun", O_RDWR | O_NONBLOCK | O_CLOEXEC);
-  if (tap < 0) fail("open /dev/net/tun");
+  if (tap < 0) throw_errno("open /dev/net/tun");
   ifreq request{};
   std::strncpy(request.ifr_name, kInterface, IFNAMSIZ - 1);
   request.ifr_flags = IFF_TAP | IFF_NO_PI;
-  if (::ioctl(tap, TUNSETIFF, &request) != 0) fail("make TAP interface");
+  if (::ioctl(tap, TUNSETIFF, &request) != 0) throw_errno("make TAP interface");
   return tap;
 }
 
@@ -62,7 +59,7 @@ std::optional<std::string> Hosts::obstacle() {
   std::optional<std::string> why;
   std::thread([&why] {
     try {
-      if (::unshare(CLONE_NEWNET) != 0) fail("make a network of its own");
+      if (::unshare(CLONE_NEWNET) != 0) throw_errno("make a network of its own");
       ::close(open_tap());
     } catch (const std::system_error& error) {
       why = error.what();
@@ -86,7 +83,7 @@ Hosts::~Hosts() {
 }
 
 void Hosts::make_host(std::size_t number) {
-  if (::unshare(CLONE_NEWNET) != 0) fail("make a network of its own");
+  if (::unshare(CLONE_NEWNET) != 0) throw_errno("make a network of its own");
   network_.push_back(open_network());
   tap_.push_back(open_tap());
   ip({"link", "set", "lo", "up"});
@@ -96,7 +93,7 @@ void Hosts::make_host(std::size_t number) {
 }
 
 void Hosts::enter(int network) const {
-  if (::setns(network, CLONE_NEWNET) != 0) fail("enter a network");
+  if (::setns(network, CLONE_NEWNET) != 0) throw_errno("enter a network");
 }
 
 Hosts::Visit::Visit(const Hosts& hosts, std::size_t host) : hosts_(hosts) {
