@@ -53,14 +53,15 @@ function(rb_test name)
   rb_test_properties(${name})
 endfunction()
 
-# rb_guest_test(name [RT] [DEPENDS target...] [PROGRAMS target...] [TIMEOUT seconds]): the same for a test that
-# needs the guest machine's kernel.  It is of the test configuration `guest`, so that a plain ctest does not know
-# it; hil_tests/run boots the guest and runs there those with the label guest or, with RT, guest-rt.
+# rb_guest_test(name [RT] [DEPENDS target...] [PROGRAMS target...] [FILES path...] [TIMEOUT seconds]): the same for a
+# test that needs the guest machine's kernel, and FILES beside its programs.  It is of the test configuration `guest`,
+# so that a plain ctest does not know it; hil_tests/run boots the guest and runs there those with the label guest or,
+# with RT, guest-rt.
 function(rb_guest_test name)
   if(NOT BUILD_TESTING)
     return()
   endif()
-  cmake_parse_arguments(PARSE_ARGV 1 arg "RT" "TIMEOUT" "DEPENDS;PROGRAMS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "RT" "TIMEOUT" "DEPENDS;PROGRAMS;FILES")
   rb_test_program(${name})
   add_test(NAME ${name} CONFIGURATIONS guest COMMAND ${name})
   rb_test_properties(${name})
@@ -70,7 +71,7 @@ function(rb_guest_test name)
   if(arg_RT)
     set(label guest-rt)
   endif()
-  set_tests_properties(${name} PROPERTIES LABELS ${label} REQUIRED_FILES "${files}")
+  set_tests_properties(${name} PROPERTIES LABELS ${label} REQUIRED_FILES "${files};${arg_FILES}")
 endfunction()
 
 # Of the two above, with their arguments.
