@@ -1,5 +1,6 @@
 #include "hil_tests/program.hpp"
 
+#include <fcntl.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -25,14 +26,21 @@ int decode_status(int status) {
 
 }  // namespace
 
-Program::Program(const std::string& name, const std::vector<std::string>& arguments) {
+Program::Program(const std::string& name, const std::vector<std::string>& arguments,
+                 const std::filesystem::path& said) {
   const auto ours = binaries() / name;
   std::vector<std::string> words{std::filesystem::exists(ours) ? ours.string() : name};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   for (auto& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
-  const int error = ::posix_spawnp(&pid_, argv[0], nullptr, nullptr, argv.data(), environ);
+  posix_spawn_file_actions_t files;
+  ::posix_spawn_file_actions_init(&files);
+  if (!said.empty())
+    ::posix_spawn_file_actions_addopen(&files, STDERR_FILENO, said.c_str(), O_WRONLY | O_CREAT | O_APPEND,
+                                       0644);
+  const int error = ::posix_spawnp(&pid_, argv[0], &files, nullptr, argv.data(), environ);
+  ::posix_spawn_file_actions_destroy(&files);
   if (error != 0) throw std::system_error(error, std::generic_category(), "start " + words[0]);
 }
 

@@ -14,8 +14,10 @@ namespace roadbalance::test {
 class Program {
  public:
   /// @param name  of a program in build/<preset>/bin, or one on the search path
+  /// @param said  file that gets what it says on stderr, after what stands there; empty: ours
   /// @throws std::system_error naming it
-  Program(const std::string& name, const std::vector<std::string>& arguments);
+  Program(const std::string& name, const std::vector<std::string>& arguments,
+          const std::filesystem::path& said = {});
   ~Program();
   Program(Program&& other) noexcept;
   Program& operator=(Program&& other) noexcept;

@@ -9,6 +9,11 @@ namespace roadbalance::test {
 RunningModule::RunningModule(const std::string& interface)
     : module_(interface, true), thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
+std::string RunningModule::wiring(const std::string& interface) {
+  return "[[node.can]]\ninterface = \"" + interface +
+         "\"\nrole = \"sensor\"\naccelerometer_id = " + std::to_string(AccelerometerModule::kFirstId) + "\n";
+}
+
 void RunningModule::run(const std::stop_token& stop) {
   for (WallTime due = WallClock::now(); !stop.stop_requested();) {
     std::this_thread::sleep_until(due += std::chrono::milliseconds(1));

@@ -16,6 +16,9 @@ class RunningModule {
   /// @throws std::system_error
   explicit RunningModule(const std::string& interface);
 
+  /// As [[node.can]] of a node that hears it at this interface.
+  static std::string wiring(const std::string& interface);
+
   /// So many conversions never reach the bus.
   void lose(std::uint32_t conversions) { lost_ += conversions; }
 

@@ -7,6 +7,7 @@
 
 #include "common/bus/recorder_status.hpp"
 #include "common/bus/test/foreign_message.hpp"
+#include "common/config/text_file.hpp"
 #include "common/record/log_event.hpp"
 #include "common/record/segment.hpp"
 #include "common/test/source.hpp"
@@ -24,16 +25,10 @@ class MixedReleases : public test::Measurement {
  protected:
   Program saying(const std::string& name, const std::vector<std::string>& arguments,
                  const std::string& command) {
-    std::vector<std::string> words{"-c", "exec \"$0\" \"$@\" 2>\"" + said_file(name) + "\"",
-                                   test::binaries() / command};
-    words.insert(words.end(), arguments.begin(), arguments.end());
-    return {"bash", words};
+    return {command, arguments, said_file(name)};
   }
   std::string said_file(const std::string& name) const { return work.path() / (name + ".said"); }
-  std::string said(const std::string& name) const {
-    std::ifstream file(said_file(name));
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
+  std::string said(const std::string& name) const { return read_text_file(said_file(name)); }
   /// What another release would send on this bus, once.
   void say_foreign() {
     Heartbeat beat;

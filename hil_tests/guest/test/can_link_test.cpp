@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -85,15 +86,6 @@ TEST(CanLink, TakesAnInterfaceWithoutControllerInBothRoles) {
 /// A cable between two interfaces, of which the node listens to one.
 class CableTest : public testing::Test {
  protected:
-  void SetUp() override { lay(); }
-  void TearDown() override {
-    if (test::has_interface("vx0")) ip("link del vx0");
-  }
-  static void lay() {
-    ip("link add vx0 type vxcan peer name vx1");
-    ip("link set vx0 up");
-    ip("link set vx1 up");
-  }
   /// Sends until one arrives: how many then wait, and whether the first of them says it follows an absence.
   static bool arrives(CanIntake& intake) {
     CanPlayer player("vx1");
@@ -110,6 +102,8 @@ class CableTest : public testing::Test {
   static std::int64_t of(const CanIntake& intake, DeviceCounter counter) {
     return intake.report().of(counter);
   }
+
+  std::optional<test::VirtualCan> cable{std::in_place, "vx0", "vx1"};
 };
 
 TEST_F(CableTest, GoesDownAndComesBackTenTimes) {
@@ -133,9 +127,9 @@ TEST_F(CableTest, IsHeardAgainAfterItWasRemovedAndMadeAnew) {
   CanIntake intake("vx0", {.role = CanRole::kVehicle}, kWanted, [](const std::string&) {});
   ASSERT_TRUE(arrives(intake));
   take_all(intake);
-  ip("link del vx0");
+  cable.reset();
   ASSERT_TRUE(wait_until([&] { return of(intake, DeviceCounter::kGone) == 1; }, 10));
-  lay();  // with another index
+  cable.emplace("vx0", "vx1");  // with another index
   ASSERT_TRUE(wait_until([&] { return of(intake, DeviceCounter::kReturned) == 1; }, 10));
   ASSERT_TRUE(arrives(intake));
   EXPECT_TRUE(intake.front()->after_absence);

@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <fstream>
@@ -8,14 +7,12 @@
 #include <thread>
 #include <vector>
 
-#include "common/bus/codec.hpp"
-#include "common/frontend/device_report.hpp"
-#include "common/record/record.hpp"
-#include "common/test/source.hpp"
 #include "firmware/backends/socketcan/accelerometer_frame.hpp"
+#include "hil_tests/guest/device_measurement.hpp"
+#include "hil_tests/guest/recorded_parts.hpp"
 #include "hil_tests/guest/running_module.hpp"
 #include "hil_tests/guest/serial_can.hpp"
-#include "hil_tests/measurement.hpp"
+#include "hil_tests/guest/speed_message.hpp"
 
 namespace roadbalance {
 namespace {
@@ -26,104 +23,28 @@ using test::ip;
 using test::Program;
 using test::RunningModule;
 using test::SerialCan;
+using test::SpeedMessage;
 
-constexpr std::uint32_t kWheels = 0xAA;
-constexpr const char* kCar = R"(
-BO_ 170 Wheels: 8 X
- SG_ Left : 7|16@0+ (0.01,0) [0|300] "km/h" X
-)";
+constexpr int kRate_hz = 1000;  // the module's
 
 /// rb-node with an accelerometer module on a cable, recorded.
-class CanNodeTest : public test::Measurement {
+class CanNodeTest : public test::DeviceMeasurement {
  protected:
   void SetUp() override {
-    ip("link add vx0 type vxcan peer name vx1");
-    ip("link set vx0 up");
-    ip("link set vx1 up");
-    wire(wiring_of_module("vx0"));
+    wire_module("vx0");
+    std::ofstream(work.path() / "car.dbc") << SpeedMessage::kDbc;
   }
-  void TearDown() override {
-    if (test::has_interface("vx0")) ip("link del vx0");
+  void wire_module(const std::string& interface, const std::string& more = {}) const {
+    wire(test::RunningModule::wiring(interface) + more, kRate_hz);
   }
-  static std::string wiring_of_module(const std::string& interface) {
-    return "[[node.can]]\ninterface = \"" + interface +
-           "\"\nrole = \"sensor\"\naccelerometer_id = " + std::to_string(AccelerometerModule::kFirstId) +
-           "\n";
-  }
-  /// Of the interface described last.
-  static std::string wiring_of_signal() {
-    return "dbc = \"car.dbc\"\n[[node.can.signal]]\nname = \"speed\"\nmessage = \"Wheels\"\nsignal = "
-           "\"Left\"\n"
-           "quantity = \"vehicle_speed\"\n";
-  }
-  void wire(const std::string& wiring) const {
-    std::string text = test::read_source("sim/demo/vehicle.toml");
-    for (std::size_t at; (at = text.find("rate_hz = 2000")) != std::string::npos;)
-      text.replace(at, 14, "rate_hz = 1000");
-    text.insert(text.find("[[node.channel]]"), wiring);
-    std::ofstream(vehicle) << text;
-    std::ofstream(work.path() / "car.dbc") << kCar;
-  }
-  static CanFrame wheels(std::uint16_t raw) {
-    CanFrame frame{.id = kWheels, .size = 8};
-    frame.data[0] = static_cast<std::uint8_t>(raw >> 8);
-    frame.data[1] = static_cast<std::uint8_t>(raw);
-    return frame;
-  }
-  Program node_on_can(const std::string& devices = "--front-end can:vx0") const {
-    const std::string command =
-        "exec \"$0\" --vehicle \"$1\" --node front " + devices + " --url \"$2\" 2>\"$3\"";
-    return {"bash", {"-c", command, test::binaries() / "rb-node", vehicle, url, errors}};
-  }
-  std::int64_t count_of(DeviceCounter counter) const {
-    return bus.heartbeat(kFront).device_counts[static_cast<std::size_t>(counter)];
-  }
-  bool counted(DeviceCounter counter, std::int64_t times) {
-    return bus.wait([&] { return count_of(counter) == times; });
-  }
-  /// The node prints it and the record keeps it.
-  void expect_said(const std::vector<std::string>& sentences) const {
-    std::ifstream file(errors);
-    const std::string said((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-    const std::vector<std::string> notes = verify_record(record).notes;
-    for (const std::string& sentence : sentences) {
-      EXPECT_NE(said.find(sentence), std::string::npos) << sentence << " is not in: " << said;
-      EXPECT_TRUE(std::ranges::any_of(notes,
-                                      [&](const std::string& note) {
-                                        return note.find("devices of node 1") != std::string::npos &&
-                                               note.find(sentence.substr(sentence.find(' ') + 1)) !=
-                                                   std::string::npos;
-                                      }))
-          << sentence << " is no note of the record";
-    }
-  }
-  std::vector<SignalSample> recorded_signals() const {
-    std::vector<SignalSample> samples;
-    RecordReader reader(record);
-    reader.finish();
-    SealedBlock block;
-    while (const auto event = reader.next())
-      if (accept(event->data, block) == Refusal::kNone && block.kind == BlockKind::kSignal)
-        for (const SignalSample& sample : decode_signal(block).unpack()) samples.push_back(sample);
-    return samples;
-  }
-  /// The one epoch's gaps; all else of the record must be sound.
-  std::vector<VerifiedGap> gaps() const {
-    const Verification verified = verify_record(record);
-    EXPECT_EQ(verified.verdict, Verdict::kIncomplete) << verdict_text(verified);
-    EXPECT_EQ(verified.epoch.size(), 1U);
-    if (verified.epoch.size() != 1) return {};
-    EXPECT_FALSE(verified.epoch[0].is_damaged());
-    return verified.epoch[0].gaps;
-  }
-  const std::string vehicle = work.path() / "vehicle.toml";
-  const std::string errors = work.path() / "errors";
+
+  const test::VirtualCan cable{"vx0", "vx1"};
 };
 
 TEST_F(CanNodeTest, DeclaresWhatItsModuleLostAndWhatWentByWhileTheInterfaceWasDown) {
   RunningModule module("vx1");
   Program running = recorder();
-  Program front = node_on_can();
+  Program front = device_node({"can:vx0"});
   ASSERT_TRUE(more_are_durable(kFront, 20));
   module.lose(25);
   ASSERT_TRUE(counted(DeviceCounter::kPacketsMissing, 25));
@@ -143,21 +64,20 @@ TEST_F(CanNodeTest, DeclaresWhatItsModuleLostAndWhatWentByWhileTheInterfaceWasDo
   EXPECT_EQ(found[0].scans, 25);
   EXPECT_EQ(found[1].cause, GapCause::kDeviceGone);
   EXPECT_EQ(found[1].scans, missing - 25);
-  expect_said({"can:vx0: packets are missing (25 times by now)",
-               "can:vx0: was unplugged or went down (1 time by now)",
-               "can:vx0: is there again (1 time by now)"});
+  expect_said("can:vx0", {"packets are missing (25 times by now)",
+                          "was unplugged or went down (1 time by now)", "is there again (1 time by now)"});
 }
 
 TEST_F(CanNodeTest, DeclaresWhatAFloodCostsWhileItIsHeld) {
-  wire(wiring_of_module("vx0") + wiring_of_signal());
+  wire_module("vx0", SpeedMessage::kSignal);
   RunningModule module("vx1");
   CanPlayer car("vx1");
   Program running = recorder();
-  Program front = node_on_can();
+  Program front = device_node({"can:vx0"});
   ASSERT_TRUE(more_are_durable(kFront, 20));
   front.signal(SIGSTOP);
   constexpr int kFlood = 60'000;  // the kernel has room for less
-  for (int k = 0; k < kFlood; ++k) car.send(wheels(1'000));
+  for (int k = 0; k < kFlood; ++k) car.send(SpeedMessage::frame(1'000));
   bus.listen(0.2);  // the module's conversions find no room
   front.signal(SIGCONT);
   ASSERT_TRUE(bus.wait([&] { return count_of(DeviceCounter::kQueueOverflow) > 0; }));
@@ -175,41 +95,38 @@ TEST_F(CanNodeTest, DeclaresWhatAFloodCostsWhileItIsHeld) {
     scans += gap.scans;
   }
   EXPECT_EQ(scans, missing);
-  const auto signals = static_cast<std::int64_t>(recorded_signals().size());
+  const auto signals = static_cast<std::int64_t>(test::recorded_events(record, kFront).signals.size());
   // Every frame was recorded or counted.  Those that were lost are of the flood and of the module.
   EXPECT_EQ(signals + overflow + too_slow, kFlood + missing);
-  expect_said({"can:vx0: frames were lost because the kernel had no room for them (" +
-               std::to_string(overflow) + " times by now)"});
+  expect_said("can:vx0", {sentence(DeviceCounter::kQueueOverflow, overflow)});
 }
 
 TEST_F(CanNodeTest, RecordsSignalsAsTheyWereSentAndRefusesFramesThatCannotBe) {
-  ip("link add vcan5 type vcan");
-  ip("link set vcan5 up");
-  wire(wiring_of_module("vx0") + "[[node.can]]\ninterface = \"vcan5\"\nrole = \"vehicle\"\n" +
-       wiring_of_signal());
+  const test::VirtualCan bus_of_the_car("vcan5");
+  wire_module("vx0", std::string("[[node.can]]\ninterface = \"vcan5\"\nrole = \"vehicle\"\n") +
+                         SpeedMessage::kSignal);
   RunningModule module("vx1");
   CanPlayer car("vcan5");
   Program running = recorder();
-  Program front = node_on_can("--front-end can:vx0 --front-end can:vcan5");
+  Program front = device_node({"can:vx0", "can:vcan5"});
   ASSERT_TRUE(more_are_durable(kFront, 20));
   constexpr int kFrames = 300;
   for (int k = 0; k < kFrames; ++k) {
-    car.send(wheels(static_cast<std::uint16_t>(100 * k)));
+    car.send(SpeedMessage::frame(static_cast<std::uint16_t>(100 * k)));
     if (k == 100) {
-      CanFrame short_one = wheels(1'234);
+      CanFrame short_one = SpeedMessage::frame(1'234);
       short_one.size = 1;
       car.send(short_one);
     }
-    if (k == 200) car.send(wheels(30'001));  // 300.01 km/h
+    if (k == 200) car.send(SpeedMessage::frame(30'001));  // 300.01 km/h
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   ASSERT_TRUE(counted(DeviceCounter::kFramesRefused, 2));
   ASSERT_TRUE(more_are_durable(kFront, 20));
   end_well(running, {&front});
-  ip("link del vcan5");
 
   expect_verified(record, 1);  // signals are not scans: none is missing
-  const std::vector<SignalSample> signals = recorded_signals();
+  const std::vector<SignalSample> signals = test::recorded_events(record, kFront).signals;
   ASSERT_EQ(signals.size(), static_cast<std::size_t>(kFrames));
   for (int k = 0; k < kFrames; ++k) {
     const SignalSample& sample = signals[static_cast<std::size_t>(k)];
@@ -219,7 +136,8 @@ TEST_F(CanNodeTest, RecordsSignalsAsTheyWereSentAndRefusesFramesThatCannotBe) {
       EXPECT_GT(sample.time, signals[static_cast<std::size_t>(k) - 1].time);
     }
   }
-  expect_said({"can:vcan5: frames were refused: wrong length, or a value out of its range (2 times by now)"});
+  expect_said("can:vcan5",
+              {"frames were refused: wrong length, or a value out of its range (2 times by now)"});
 }
 
 /// The module on the serial adapter's bus: the frames of a conversion in the adapter's words.
@@ -241,9 +159,9 @@ TEST_F(CanNodeTest, SaysWhatTheControllerSuffersAndDeclaresWhatWentByWhileTheBus
   const std::string can = adapter.interface();
   ip("link set " + can + " type can bitrate 1000000");
   ip("link set " + can + " up");
-  wire(wiring_of_module(can));
+  wire_module(can);
   Program running = recorder();
-  Program front = node_on_can("--front-end can:" + can);
+  Program front = device_node({"can:" + can});
   std::atomic<bool> is_off = false;
   const std::jthread module([&](const std::stop_token& stop) {
     auto due = WallClock::now();
@@ -278,22 +196,18 @@ TEST_F(CanNodeTest, SaysWhatTheControllerSuffersAndDeclaresWhatWentByWhileTheBus
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].cause, GapCause::kDeviceGone);
   EXPECT_EQ(found[0].scans, missing);
-  const std::string name = "can:" + can;
-  expect_said({name + ": " + sentence(DeviceCounter::kBusErrors, 1),
-               name + ": " + sentence(DeviceCounter::kControllerOverrun, 1),
-               name + ": error-passive: the controller sees many errors on the bus (1 time by now)",
-               name + ": bus-off: the controller no longer takes part in the bus (1 time by now)",
-               name + ": was unplugged or went down (1 time by now)",
-               name + ": is there again (1 time by now)"});
+  expect_said("can:" + can,
+              {sentence(DeviceCounter::kBusErrors, 1), sentence(DeviceCounter::kControllerOverrun, 1),
+               "error-passive: the controller sees many errors on the bus (1 time by now)",
+               "bus-off: the controller no longer takes part in the bus (1 time by now)",
+               "was unplugged or went down (1 time by now)", "is there again (1 time by now)"});
 }
 
 TEST_F(CanNodeTest, DoesNotBeginOnAnInterfaceThatIsDown) {
   ip("link set vx0 down");
-  Program front = node_on_can();
+  Program front = device_node({"can:vx0"});
   EXPECT_EQ(front.exit_code(bus.kPatience_s), 2);
-  std::ifstream file(errors);
-  const std::string said((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  EXPECT_NE(said.find("CAN interface vx0 is down; try: ip link set vx0 up"), std::string::npos) << said;
+  EXPECT_NE(said().find("CAN interface vx0 is down; try: ip link set vx0 up"), std::string::npos) << said();
 }
 
 }  // namespace

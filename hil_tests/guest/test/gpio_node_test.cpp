@@ -3,64 +3,30 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
-#include <fstream>
 
-#include "common/frontend/device_report.hpp"
-#include "common/test/source.hpp"
+#include "hil_tests/guest/can_player.hpp"
+#include "hil_tests/guest/device_measurement.hpp"
 #include "hil_tests/guest/played_rings.hpp"
 #include "hil_tests/guest/recorded_parts.hpp"
 #include "hil_tests/guest/running_module.hpp"
-#include "hil_tests/measurement.hpp"
 
 namespace roadbalance {
 namespace {
 
-using test::ip;
 using test::Program;
 using test::PulseChip;
 
 constexpr double kPlayed_s = 25.0;  // longer than any measurement here: what is not needed is forgotten
 
 /// rb-node whose wheels' rings are on GPIO and whose accelerometer module is on CAN, recorded.
-class GpioNodeTest : public test::Measurement {
+class GpioNodeTest : public test::DeviceMeasurement {
  protected:
-  void SetUp() override {
-    ip("link add vx0 type vxcan peer name vx1");
-    ip("link set vx0 up");
-    ip("link set vx1 up");
-    std::string text = test::read_source("sim/demo/vehicle.toml");
-    for (std::size_t at; (at = text.find("rate_hz = 2000")) != std::string::npos;)
-      text.replace(at, 14, "rate_hz = 1000");
-    const std::string wiring =
-        "[[node.can]]\ninterface = \"vx0\"\nrole = \"sensor\"\naccelerometer_id = 512\n" +
-        std::string(test::PlayedRings::kWiring);
-    text.insert(text.find("[[node.channel]]"), wiring);
-    std::ofstream(vehicle_file) << text;
-    chip_uri = "gpio:" + PulseChip::name();
-  }
-  void TearDown() override {
-    if (test::has_interface("vx0")) ip("link del vx0");
-  }
-
+  void SetUp() override { wire(test::RunningModule::wiring("vx0") + test::PlayedRings::kWiring, 1000); }
   void turn_wheels() { wheels.turn(VehicleConfig::read_file(vehicle_file), kPlayed_s); }
-  Program node_on_gpio() const {
-    const std::string command =
-        "exec \"$0\" --vehicle \"$1\" --node front --front-end can:vx0 --front-end \"$4\" --url \"$2\" "
-        "2>\"$3\"";
-    return {"bash", {"-c", command, test::binaries() / "rb-node", vehicle_file, url, errors, chip_uri}};
-  }
-  std::int64_t counted(DeviceCounter counter) const {
-    return bus.heartbeat(kFront).device_counts[static_cast<std::size_t>(counter)];
-  }
-  bool is_noted(const std::string& words) const {
-    return std::ranges::any_of(verify_record(record).notes, [&](const std::string& note) {
-      return note.find("devices of node 1") != std::string::npos && note.find(words) != std::string::npos;
-    });
-  }
+  Program node_on_gpio() const { return device_node({"can:vx0", chip}); }
 
-  const std::string vehicle_file = work.path() / "vehicle.toml";
-  const std::string errors = work.path() / "errors";
-  std::string chip_uri;
+  const std::string chip = "gpio:" + PulseChip::name();
+  const test::VirtualCan cable{"vx0", "vx1"};
   test::PlayedRings wheels;
 };
 
@@ -89,7 +55,7 @@ TEST_F(GpioNodeTest, DeclaresEdgesThatWentByWhileItWasHeldAndWhileTheChipWasGone
   Program front = node_on_gpio();
   ASSERT_TRUE(more_are_durable(kFront, 20));
   bus.listen(2.0);
-  EXPECT_EQ(counted(DeviceCounter::kEdgesLost), 0);
+  EXPECT_EQ(count_of(DeviceCounter::kEdgesLost), 0);
   const Interval well{PulseChip::now_ns() - 1'000'000'000, PulseChip::now_ns() - 200'000'000};
 
   Interval held{PulseChip::now_ns(), 0};
@@ -97,16 +63,16 @@ TEST_F(GpioNodeTest, DeclaresEdgesThatWentByWhileItWasHeldAndWhileTheChipWasGone
   bus.listen(0.3);
   held.to_ns = PulseChip::now_ns();
   front.signal(SIGCONT);
-  EXPECT_TRUE(bus.wait([&] { return counted(DeviceCounter::kEdgesLost) >= 2; })) << "each line";
+  EXPECT_TRUE(bus.wait([&] { return count_of(DeviceCounter::kEdgesLost) >= 2; })) << "each line";
   bus.listen(1.5);
 
   Interval gone{PulseChip::now_ns(), 0};
   PulseChip::unplug();
-  EXPECT_TRUE(bus.wait([&] { return counted(DeviceCounter::kGone) == 1; }));
+  EXPECT_TRUE(counted(DeviceCounter::kGone, 1));
   bus.listen(0.3);
   gone.to_ns = PulseChip::now_ns();
   PulseChip::plug();
-  EXPECT_TRUE(bus.wait([&] { return counted(DeviceCounter::kReturned) == 1; }));
+  EXPECT_TRUE(counted(DeviceCounter::kReturned, 1));
   bus.listen(2.0);
   const Interval after{PulseChip::now_ns() - 800'000'000, PulseChip::now_ns() - 200'000'000};
   for (const std::int64_t faults : bus.heartbeat(kFront).encoder_faults) EXPECT_GE(faults, 2);
@@ -140,25 +106,16 @@ TEST_F(GpioNodeTest, DeclaresEdgesThatWentByWhileItWasHeldAndWhileTheChipWasGone
     }
   }
 
-  std::ifstream file(errors);
-  const std::string said((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  for (const char* sentence :
-       {": encoder edges are missing (", ": was unplugged or went down (1 time by now)",
-        ": is there again (1 time by now)"}) {
-    EXPECT_NE(said.find(chip_uri + sentence), std::string::npos) << sentence << " is not in: " << said;
-    EXPECT_TRUE(is_noted(std::string(sentence).substr(2))) << sentence << " is no note of the record";
-  }
+  expect_said(chip, {"encoder edges are missing (", "was unplugged or went down (1 time by now)",
+                     "is there again (1 time by now)"});
 }
 
 TEST_F(GpioNodeTest, DoesNotBeginOnAChipThatIsNotThere) {
-  chip_uri = "gpio:gpiochip77";
-  Program front = node_on_gpio();
+  Program front = device_node({"can:vx0", "gpio:gpiochip77"});
   EXPECT_EQ(front.exit_code(bus.kPatience_s), 2);
-  std::ifstream file(errors);
-  const std::string said((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  EXPECT_NE(said.find("front end gpio:gpiochip77: GPIO chip gpiochip77: No such file or directory"),
+  EXPECT_NE(said().find("front end gpio:gpiochip77: GPIO chip gpiochip77: No such file or directory"),
             std::string::npos)
-      << said;
+      << said();
 }
 
 }  // namespace

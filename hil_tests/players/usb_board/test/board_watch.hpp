@@ -92,6 +92,13 @@ inline std::unique_ptr<FrontEnd> open_when_enumerated(
     }
 }
 
+/// Plugs the boards in and waits until one can be opened at the address, e.g. "usb:1209:0001".
+inline void plug(UsbBoards& boards, const std::string& uri) {
+  boards.plug();
+  const VehicleConfig vehicle = board_vehicle();
+  open_when_enumerated({uri.substr(uri.find(':') + 1), vehicle, vehicle.node[0]});
+}
+
 /// A jump in the numbers of scans, and where the boards' own numbers stood.
 struct Jump {
   Scan before, after;
