@@ -20,19 +20,22 @@ void DatumReadings::add(const Edge& edge) {
   const std::int64_t time_ns = to_ns(edge.time);
   switch (edge.kind) {
     case EdgeKind::kZeroMark:
+      if (backward_) return;
       tooth_ = 0;
       mark_ns_ = time_ns;
+      place_.reset();
       return;
     case EdgeKind::kTooth:
       // Across one pitch a hand turns evenly enough.
       if (mark_ns_ && last_tooth_ns_ && time_ns > *last_tooth_ns_) {
-        places_ += static_cast<double>(time_ns - *mark_ns_) / static_cast<double>(time_ns - *last_tooth_ns_);
-        ++marks_;
+        place_ = static_cast<double>(time_ns - *mark_ns_) / static_cast<double>(time_ns - *last_tooth_ns_);
       }
       last_tooth_ns_ = time_ns;
+      backward_ = false;
       if (tooth_) ++*tooth_;
       break;
     case EdgeKind::kToothBackward:
+      backward_ = true;
       last_tooth_ns_.reset();
       if (tooth_) --*tooth_;
       break;
@@ -46,7 +49,7 @@ void DatumReadings::add(const Edge& edge) {
 
 /// Middle of where the wheel may stand.
 double DatumReadings::since_mark_pitches() const {
-  const double place = marks_ > 0 ? places_ / marks_ : 0.5;
+  const double place = place_.value_or(0.5);
   return *tooth_ == 0 ? 0.5 * place : static_cast<double>(*tooth_) - 0.5 + place;
 }
 

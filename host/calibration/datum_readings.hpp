@@ -51,8 +51,8 @@ class DatumReadings {
   const EncoderConfig config_;
   std::optional<std::int64_t> tooth_;                    ///< since the mark, those backward taken off
   std::optional<std::int64_t> last_tooth_ns_, mark_ns_;  ///< mark: until the tooth behind it has come
-  double places_ = 0.0;  ///< sum: pitches from the mark to the first tooth behind it
-  int marks_ = 0;        ///< in that sum
+  bool backward_ = false;        ///< so the last tooth went; a mark's other edge fires then
+  std::optional<double> place_;  ///< pitches from that mark to the first tooth behind it
   std::vector<double> datum_rad_;
 };
 

@@ -86,6 +86,9 @@ TEST(DatumReadings, NeedsAMarkAndEveryToothSince) {
   readings.read(0.1);
   EXPECT_FALSE(readings.can_read()) << "the mark counts once";
   EXPECT_FALSE(readings.datum()) << "one reading has no scatter";
+  readings.add(edge(5, EdgeKind::kToothBackward));
+  readings.add(edge(6, EdgeKind::kZeroMark));
+  EXPECT_FALSE(readings.can_read()) << "backwards the mark fires at its other end";
 }
 
 TEST(DatumReadings, TellsTheReadingThatIsOffAndTakesItBack) {
