@@ -46,6 +46,8 @@ class ChannelComparison {
     double seconds = 0.0;
   };
   Result result() const;
+  /// A drive without a hole must last so long at least.
+  double least_s() const { return 0.5 * (kLeastAverages + 1) * settings_.segment_s; }
 
  private:
   struct Input {

@@ -27,6 +27,7 @@ struct CalibrateOptions {
 
 struct NodeResult {
   std::string name;
+  double least_s;
   ChannelComparison::Result found;
 };
 
@@ -48,7 +49,8 @@ std::vector<NodeResult> compare(const CalibrateOptions& options) {
       });
   warn_of_defects("calibrate", options.folder, defects);
   std::vector<NodeResult> results;
-  for (const auto& [id, node] : nodes) results.push_back({node.first, node.second->result()});
+  for (const auto& [id, node] : nodes)
+    results.push_back({node.first, node.second->least_s(), node.second->result()});
   return results;
 }
 
@@ -132,8 +134,11 @@ int calibrate(const CalibrateOptions& options) {
   for (const NodeResult& node : nodes) {
     if (!options.json && !node.found.channel.empty()) print(node);
     if (node.found.channel.empty())
-      std::fprintf(stderr, "rb calibrate: node %s: no two channels show the same signal in %.0f s\n",
-                   node.name.c_str(), node.found.seconds);
+      std::fprintf(
+          stderr,
+          "rb calibrate: node %s: no two channels show the same signal in %.0f s; it must be there for "
+          "%.0f s at least (--segment-s)\n",
+          node.name.c_str(), node.found.seconds, node.least_s);
     all_matched = all_matched && !node.found.channel.empty();
     Json channels = Json::array();
     for (const auto& channel : node.found.channel) {
@@ -180,6 +185,9 @@ void add_calibrate(CLI::App& app, int& code) {
       ->capture_default_str();
   command->add_option("--high-hz", options->settings.high_hz, "its upper end")
       ->check(CLI::Range(0.1, 1e4))
+      ->capture_default_str();
+  command->add_option("--segment-s", options->settings.segment_s, "length of the averaged segments, s")
+      ->check(CLI::Range(0.01, 100.0))
       ->capture_default_str();
   command->add_flag("--json", options->json, "one JSON object on standard output");
   command->callback([options, &code] { code = calibrate(*options); });
