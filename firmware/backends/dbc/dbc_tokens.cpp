@@ -1,8 +1,10 @@
 #include "firmware/backends/dbc/dbc_tokens.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
 #include "common/config/section.hpp"
@@ -59,12 +61,24 @@ std::size_t closing_quote(std::string_view text, std::size_t at) {
   return at;
 }
 
+/// Bytes of the file that would end a message or speak to a terminal, as \x1B; what may be UTF-8 stays.
+std::string printable(std::string_view text) {
+  std::string shown;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    std::array<char, 5> code{};
+    if (byte < 0x20 || byte == 0x7F) std::snprintf(code.data(), code.size(), "\\x%02X", byte);
+    shown += code[0] ? std::string(code.data()) : std::string(1, c);
+  }
+  return shown;
+}
+
 }  // namespace
 
 std::string DbcToken::shown() const {
   if (kind == Kind::kEnd) return "the end of the file";
   const bool is_long = text.size() > kLongestShown;
-  return "\"" + std::string(text.substr(0, kLongestShown)) + (is_long ? "...\"" : "\"");
+  return "\"" + printable(text.substr(0, kLongestShown)) + (is_long ? "...\"" : "\"");
 }
 
 DbcTokens::DbcTokens(std::string_view text, std::string name) : name_(std::move(name)) {

@@ -181,6 +181,14 @@ TEST(Dbc, SaysInWhichLineWhatWasExpected) {
   }
 }
 
+// The message would end at a zero, and a terminal would obey an escape.
+TEST(Dbc, ShowsBytesThatAreNoTextByTheirNumbers) {
+  EXPECT_EQ(error_of(std::string(1, '\0')), "bad.dbc:1: expected a section such as BO_, found \"\\x00\"");
+  EXPECT_EQ(error_of("\x1B[2J"), "bad.dbc:1: expected a section such as BO_, found \"\\x1B\"");
+  EXPECT_EQ(error_of("BO_ \"a\aN\x7F\""),
+            "bad.dbc:1: expected the message's identifier, 0 .. 4294967295, found \"a\\x07N\\x7F\"");
+}
+
 TEST(Dbc, HasBounds) {
   std::string many;
   for (std::size_t k = 0; k <= Dbc::kMostMessages; ++k)
