@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <span>
 
 namespace roadbalance {
@@ -95,17 +94,6 @@ double BoardClock::lateness_ns() const noexcept {
     sum += weight * (arrived_ns - tick_ns * passed);
   }
   return sum / weights;
-}
-
-double BoardClock::uncertainty_s(std::uint64_t ticks) const noexcept {
-  // Of a mean with weights 1 / wrong^2 whose parts are wrong by at most that.
-  double weights = 0.0, sum = 0.0;
-  for (const BoardExchange& exchange : exchanges()) {
-    const double wrong = wrong_ns(exchange, ticks);
-    weights += 1.0 / (wrong * wrong);
-    sum += 1.0 / wrong;
-  }
-  return weights == 0.0 ? std::numeric_limits<double>::infinity() : 1e-9 * sum / weights;
 }
 
 NodeTime BoardClock::time(std::uint64_t ticks) const noexcept {

@@ -47,10 +47,6 @@ class BoardClock {
   /// The board said its time, since the last packet that was heard of.  Takes effect with the next one.
   void compare(const BoardExchange& exchange) noexcept;
 
-  /// By how much times can be wrong at the board's time `ticks`: half a round trip, and what oscillators can
-  /// have drifted since then, in the mean of the last exchanges.  Infinite before the first one.
-  double uncertainty_s(std::uint64_t ticks) const noexcept;
-
   NodeTime time(std::uint64_t ticks) const noexcept;
 
   /// Between two ticks of the timer by the machine's clock: as measured since the run began, nominal at

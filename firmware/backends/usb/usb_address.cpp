@@ -1,5 +1,6 @@
 #include "firmware/backends/usb/usb_address.hpp"
 
+#include <array>
 #include <charconv>
 #include <cstdio>
 
@@ -48,10 +49,14 @@ UsbAddress UsbAddress::parse(const std::string& address) {
   return usb;
 }
 
+std::string usb_name(std::uint16_t vendor, std::uint16_t product) {
+  std::array<char, 16> text{};
+  std::snprintf(text.data(), text.size(), "%04x:%04x", vendor, product);
+  return text.data();
+}
+
 std::string UsbAddress::of_board(std::size_t k) const {
-  char text[16];
-  std::snprintf(text, sizeof text, "usb:%04x:%04x", vendor, product);
-  return text + (k < serial.size() ? ":" + serial[k] : std::string());
+  return "usb:" + usb_name(vendor, product) + (k < serial.size() ? ":" + serial[k] : "");
 }
 
 }  // namespace roadbalance

@@ -6,6 +6,9 @@
 
 namespace roadbalance {
 
+/// "1209:0001"
+std::string usb_name(std::uint16_t vendor, std::uint16_t product);
+
 /// Which USB board, or which two boards, a node reads.
 struct UsbAddress {
   std::uint16_t vendor = 0;

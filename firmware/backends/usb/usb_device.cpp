@@ -11,6 +11,7 @@
 
 #include "common/clock/clocks.hpp"
 #include "firmware/backends/usb/device_holder.hpp"
+#include "firmware/backends/usb/usb_address.hpp"
 #include "firmware/board/packet.hpp"
 
 namespace roadbalance {
@@ -26,12 +27,6 @@ constexpr auto kLongestCancelling = std::chrono::seconds(2);
 
 std::string reason(int code) {
   return libusb_strerror(code);
-}
-
-std::string name_of(std::uint16_t vendor, std::uint16_t product) {
-  std::array<char, 16> text{};
-  std::snprintf(text.data(), text.size(), "%04x:%04x", vendor, product);
-  return text.data();
 }
 
 std::string udev_rule(std::uint16_t vendor, std::uint16_t product) {
@@ -79,7 +74,7 @@ class DeviceList {
     for (libusb_device* device : devices()) {
       libusb_device_descriptor descriptor{};
       libusb_get_device_descriptor(device, &descriptor);
-      all += (all.empty() ? "" : ", ") + name_of(descriptor.idVendor, descriptor.idProduct);
+      all += (all.empty() ? "" : ", ") + usb_name(descriptor.idVendor, descriptor.idProduct);
     }
     return all.empty() ? "no USB device at all" : all;
   }
@@ -111,22 +106,23 @@ Found open_listed(libusb_device* device, const libusb_device_descriptor& descrip
 Found find(libusb_context* context, std::uint16_t vendor, std::uint16_t product, const std::string& serial) {
   const DeviceList list(context);
   std::vector<Found> found;
-  std::string others;
+  std::string all;  // of that kind, by their serial numbers
   for (libusb_device* device : list.devices()) {
     libusb_device_descriptor descriptor{};
     libusb_get_device_descriptor(device, &descriptor);
     if (descriptor.idVendor != vendor || descriptor.idProduct != product) continue;
     found.push_back(open_listed(device, descriptor));
-    others += (others.empty() ? "" : ", ") + found.back().serial;
-    if (!serial.empty() && found.back().serial != serial) found.pop_back();
+    const std::string& its = found.back().serial;
+    all += (all.empty() ? "" : ", ") + (its.empty() ? "one without" : its);
+    if (!serial.empty() && its != serial) found.pop_back();
   }
   if (found.size() == 1) return std::move(found.front());
-  const std::string kind = name_of(vendor, product);
+  const std::string kind = usb_name(vendor, product);
   if (found.size() > 1)
     throw UsbError(std::to_string(found.size()) + " devices " + kind +
-                   " are plugged in; the address must say which by its serial number: " + others);
-  throw UsbError(others.empty() ? "no device " + kind + " is plugged in; there is: " + list.names()
-                                : "no device " + kind + " has this serial number; there is: " + others);
+                   " are plugged in; the address must say which by its serial number: " + all);
+  throw UsbError(all.empty() ? "no device " + kind + " is plugged in; there is: " + list.names()
+                             : "no device " + kind + " has this serial number; there is: " + all);
 }
 
 }  // namespace
