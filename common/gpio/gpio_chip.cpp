@@ -48,19 +48,29 @@ struct GpioChip::State {
   }
 };
 
-GpioChip::GpioChip(const std::string& name, const std::string& label) : state_(std::make_unique<State>()) {
+GpioChip::GpioChip(const std::string& name, const Identity& before) : state_(std::make_unique<State>()) {
   state_->name = name;
   state_->chip = gpiod_chip_open_by_name(name.c_str());
-  const int error = errno;
-  if (!label.empty() && (!state_->chip || label != gpiod_chip_label(state_->chip))) {
-    if (state_->chip) gpiod_chip_close(state_->chip);
-    state_->chip = gpiod_chip_open_by_label(label.c_str());
+  std::string why = std::generic_category().message(errno);
+  if (state_->chip && !before.label.empty() && before.label != gpiod_chip_label(state_->chip)) {
+    why = "it is called " + std::string(gpiod_chip_label(state_->chip)) + " now, not " + before.label;
+    gpiod_chip_close(std::exchange(state_->chip, nullptr));
   }
-  if (!state_->chip) throw GpioError("GPIO chip " + name + ": " + std::generic_category().message(error));
+  // Of several that are called alike another one would be taken for it.
+  if (!state_->chip && before.is_the_only) state_->chip = gpiod_chip_open_by_label(before.label.c_str());
+  if (!state_->chip) throw GpioError("GPIO chip " + name + ": " + why);
 }
 
-std::string GpioChip::label() const {
-  return gpiod_chip_label(state_->chip);
+GpioChip::Identity GpioChip::identity() const {
+  Identity identity{.label = gpiod_chip_label(state_->chip), .is_the_only = true};
+  const std::string name = gpiod_chip_name(state_->chip);
+  gpiod_chip_iter* const all = gpiod_chip_iter_new();
+  if (!all) return {identity.label, false};
+  for (gpiod_chip* other = gpiod_chip_iter_next(all); other; other = gpiod_chip_iter_next(all))
+    if (identity.label == gpiod_chip_label(other) && name != gpiod_chip_name(other))
+      identity.is_the_only = false;
+  gpiod_chip_iter_free(all);
+  return identity;
 }
 
 GpioChip::~GpioChip() = default;

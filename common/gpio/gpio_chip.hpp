@@ -36,18 +36,24 @@ class GpioChip {
   enum class Edges { kRising, kBoth };
   static constexpr std::size_t kKernelEvents = 16;  ///< of a line
 
-  /// The chip of this name if it has this label, else the first with the label: one that was unplugged may
-  /// come back with another number.
-  /// @param name   of the character device, e.g. "gpiochip0"
-  /// @param label  empty: any
+  /// What tells a chip from others.
+  struct Identity {
+    std::string label;         ///< what its driver calls it; empty: any
+    bool is_the_only = false;  ///< no other chip was called so
+  };
+
+  /// The chip of this name if it has this label, else, if one alone was called so, the one with the label: a
+  /// chip that was unplugged may come back with another number.
+  /// @param name  of the character device, e.g. "gpiochip0"
   /// @throws GpioError
-  explicit GpioChip(const std::string& name, const std::string& label = "");
+  explicit GpioChip(const std::string& name, const Identity& before);
+  explicit GpioChip(const std::string& name) : GpioChip(name, Identity()) {}
   ~GpioChip();
   GpioChip(GpioChip&&) noexcept;
   GpioChip& operator=(GpioChip&&) noexcept;
 
-  /// What the driver calls it.
-  std::string label() const;
+  /// As it is now.
+  Identity identity() const;
 
   /// Takes a line as an input whose edges are kept from now on.
   /// @param consumer  what others see as its user

@@ -34,7 +34,7 @@ EdgePump::EdgePump(std::string chip, std::vector<GpioInput> inputs, EdgeStore& s
 void EdgePump::open() {
   std::optional<GpioChip> chip;
   try {
-    chip.emplace(chip_name_, label_);
+    chip.emplace(chip_name_, identity_);
   } catch (const GpioError& error) {
     throw ConfigError("front end " + store_.report.device() + ": " + error.what());
   }
@@ -48,7 +48,7 @@ void EdgePump::open() {
     }
   }
   std::fill(was_full_.begin(), was_full_.end(), false);
-  label_ = chip->label();
+  if (identity_.label.empty()) identity_ = chip->identity();
   chip_ = std::move(chip);
 }
 

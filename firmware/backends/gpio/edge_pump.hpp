@@ -67,7 +67,7 @@ class EdgePump {
   void complete_before(std::int64_t monotonic_ns) noexcept;
 
   const std::string chip_name_;
-  std::string label_;  ///< of the chip that was opened first
+  GpioChip::Identity identity_;  ///< of the chip that was opened first
   EdgeStore& store_;
   const Warn warn_;
   EdgeMaker maker_;

@@ -22,9 +22,9 @@ class GpioPowerLine final : public PowerLine {
  private:
   bool open() noexcept {
     try {
-      GpioChip chip(chip_name_, label_);
+      GpioChip chip(chip_name_, identity_);
       chip.take_level(number_, active_low_, "roadbalance power");
-      label_ = chip.label();
+      if (identity_.label.empty()) identity_ = chip.identity();
       chip_ = std::move(chip);
       return true;
     } catch (const std::exception&) {
@@ -36,7 +36,7 @@ class GpioPowerLine final : public PowerLine {
   const std::string chip_name_;
   const unsigned number_;
   const bool active_low_;
-  std::string label_;  // of the chip that was opened first
+  GpioChip::Identity identity_;  // of the chip that was opened first
   std::optional<GpioChip> chip_;
 };
 
