@@ -10,8 +10,10 @@ namespace roadbalance {
 
 namespace {
 
-// So that edges and signals reach the record soon after their scans.
-constexpr std::int64_t kLongestEdgeBlock_ns = 200'000'000;
+// So that signals reach the record soon after their scans.
+constexpr std::int64_t kLongestSignalBlock_ns = 200'000'000;
+// Edges of a slow wheel fill a block so late; that of a fast one is full in a quarter of it.
+constexpr std::int64_t kLongestEdgeBlock_ns = 1'000'000'000;
 
 std::size_t waiting_capacity(double rate_hz) {
   // The longest wait, a block beside it and the lag of edges behind scans.
@@ -73,9 +75,11 @@ std::size_t Sealer::most_blocks(std::size_t scans, std::size_t edges, std::size_
   constexpr std::size_t kOthers = 8;
   const std::size_t all_scans = waiting_.size() + scans;
   const auto all_ns = static_cast<std::int64_t>(all_scans) * (period_ps_ / 1000);
-  const auto by_age = 2 * static_cast<std::size_t>(all_ns / kLongestEdgeBlock_ns);  // edges and signals
-  return meta_.size() + all_scans / kScansPerBlock + edges / kEdgesPerBlock + signals / kSamplesPerBlock +
-         by_age + kOthers;
+  const auto by_age =
+      static_cast<std::size_t>(all_ns / kLongestEdgeBlock_ns + all_ns / kLongestSignalBlock_ns);
+  constexpr std::size_t kLeastEdgesPerBlock = kEdgeBytesPerBlock / kMostEdgeCodeBytes;
+  return meta_.size() + all_scans / kScansPerBlock + edges / kLeastEdgesPerBlock +
+         signals / kSamplesPerBlock + by_age + kOthers;
 }
 
 const Scan& Sealer::at(std::int64_t position) const noexcept {
@@ -226,11 +230,11 @@ void Sealer::keep_block(bool after_jump) noexcept {
     if (unreferenced) ++counts_.unreferenced_blocks;
   }
   next_scan_ = first + scans;
-  const auto is_old = [&](const auto& block) {
-    return !block.empty() && to_ns(now_) - block.header.time_ns > kLongestEdgeBlock_ns;
+  const auto is_old = [&](const auto& block, std::int64_t longest_ns) {
+    return !block.empty() && to_ns(now_) - block.header.time_ns > longest_ns;
   };
-  if (is_old(edge_block_)) put_beside(edge_block_);
-  if (is_old(signal_block_)) put_beside(signal_block_);
+  if (is_old(edge_block_, kLongestEdgeBlock_ns)) put_beside(edge_block_);
+  if (is_old(signal_block_, kLongestSignalBlock_ns)) put_beside(signal_block_);
 }
 
 void Sealer::lose(std::int64_t first_scan, std::int64_t scans, std::int64_t time_ns,

@@ -21,7 +21,7 @@ constexpr std::int64_t kLongestPeriod_ps = 1'000'000'000'000;  // one scan a sec
 constexpr std::int32_t kQualityLimit = 1 << 16;                // room for bits of later versions
 
 static_assert(sizeof(wire::scan_block_t::counts) == 4 * wire_format::kScanCounts);
-static_assert(sizeof(wire::edge_block_t::words) == sizeof(EdgeBlock::words));
+static_assert(sizeof(wire::edge_block_t::codes) == kEdgeBytesPerBlock);
 static_assert(sizeof(wire::meta_t::text) == kMetaBytesPerBlock);
 
 template <typename Message>
@@ -85,9 +85,17 @@ bool scan_in_bounds(const Scan& m) {
          within(m.overload, 0, (1 << kChannels) - 1) && within(m.quality, 0, kQualityLimit - 1);
 }
 
+EdgeBlock edges_of(const wire::edge_block_t& m) {
+  EdgeBlock block;
+  block.header = header_of(m);
+  block.edges = m.edges;
+  block.size = m.size;
+  std::copy(m.codes, m.codes + kEdgeBytesPerBlock, block.codes.begin());
+  return block;
+}
+
 bool fields_in_bounds(const wire::edge_block_t& m) {
-  return m.scans == 0 && within(m.edges, 0, kEdgesPerBlock) &&
-         std::all_of(m.words, m.words + m.edges, [](std::int32_t word) { return word >= 0; });
+  return m.scans == 0 && edges_of(m).is_sound();
 }
 
 bool fields_in_bounds(const wire::signal_block_t& m) {
@@ -164,7 +172,8 @@ void seal(const EdgeBlock& block, SealedBlock& out) {
   wire::edge_block_t message;
   put_header(block.header, message);
   message.edges = block.edges;
-  std::copy(block.words.begin(), block.words.end(), message.words);
+  message.size = block.size;
+  std::copy(block.codes.begin(), block.codes.end(), message.codes);
   seal_message(BlockKind::kEdge, message, out);
 }
 
@@ -233,12 +242,7 @@ ScanBlock decode_scan(const SealedBlock& block) {
 }
 
 EdgeBlock decode_edge(const SealedBlock& block) {
-  const auto message = open_message<wire::edge_block_t>(BlockKind::kEdge, block);
-  EdgeBlock result;
-  result.header = block.header;
-  result.edges = message.edges;
-  std::copy(message.words, message.words + kEdgesPerBlock, result.words.begin());
-  return result;
+  return edges_of(open_message<wire::edge_block_t>(BlockKind::kEdge, block));
 }
 
 SignalBlock decode_signal(const SealedBlock& block) {

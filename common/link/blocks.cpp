@@ -5,39 +5,34 @@
 #include <cmath>
 
 namespace roadbalance {
-namespace {
-// A word of edge_block_t: bit 0 line, bits 1 and 2 kind, bits 3..30 nanoseconds since the edge before.
-constexpr int kTimeShift = 3;
-constexpr std::int64_t kTimeLimit_ns = std::int64_t{1} << 28;
-}  // namespace
-
 bool EdgeBlock::add(const Edge& edge) {
   const std::int64_t time_ns = to_ns(edge.time);
   if (edges == 0) {
-    header.time_ns = time_ns;
-    last_ns_ = time_ns;
+    header.time_ns = last_ns_ = time_ns;
+    expected_ = ExpectedEdges(time_ns);
   }
-  const std::int64_t since_ns = time_ns - last_ns_;
-  if (edges == kEdgesPerBlock || since_ns < 0 || since_ns >= kTimeLimit_ns) return false;
-  const std::int64_t word =
-      (since_ns << kTimeShift) | (static_cast<std::int64_t>(edge.kind) << 1) | edge.line;
-  words[static_cast<std::size_t>(edges)] = static_cast<std::int32_t>(word);
+  if (time_ns < last_ns_) return false;
+  const std::size_t bytes = write_edge(edge, codes, static_cast<std::size_t>(size), expected_);
+  if (bytes == 0) return false;
+  size += static_cast<std::int32_t>(bytes);
   ++edges;
   last_ns_ = time_ns;
   return true;
 }
 
+bool EdgeBlock::is_sound() const {
+  if (size < 0 || size > kEdgeBytesPerBlock) return false;
+  EdgeReader codes_left = reader();
+  std::int32_t count = 0;
+  while (codes_left.next()) ++count;
+  return codes_left.at_end() && count == edges;
+}
+
 std::vector<Edge> EdgeBlock::unpack() const {
   std::vector<Edge> result;
   result.reserve(static_cast<std::size_t>(edges));
-  std::int64_t time_ns = header.time_ns;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(edges); ++k) {
-    const std::int32_t word = words[k];
-    time_ns += word >> kTimeShift;
-    result.push_back({.time = node_time_from_ns(time_ns),
-                      .line = static_cast<std::uint8_t>(word & 1),
-                      .kind = static_cast<EdgeKind>(word >> 1 & 3)});
-  }
+  EdgeReader codes_left = reader();
+  while (const auto edge = codes_left.next()) result.push_back(*edge);
   return result;
 }
 

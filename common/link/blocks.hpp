@@ -2,18 +2,20 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "common/frontend/front_end.hpp"
 #include "common/link/block.hpp"
+#include "common/link/edge_code.hpp"
 
 namespace roadbalance {
 
 /// What is inside a SealedBlock, one struct per kind; fields as in common/wire.
 
 inline constexpr int kScansPerBlock = 20;
-inline constexpr int kEdgesPerBlock = 300;
+inline constexpr int kEdgeBytesPerBlock = 1200;
 inline constexpr int kSamplesPerBlock = 64;
 inline constexpr int kMetaBytesPerBlock = 1200;
 
@@ -28,20 +30,27 @@ struct ScanBlock {
   std::int64_t row_time_ns(std::int64_t row) const { return header.time_ns + row * period_ps / 1000; }
 };
 
-/// Edges of both lines in order of time; `words` as on the wire, see edge_block_t.
+/// Edges of both lines in order of time; `codes` as on the wire, see edge_code.hpp.
 struct EdgeBlock {
   BlockHeader header;
   std::int32_t edges = 0;
-  std::array<std::int32_t, kEdgesPerBlock> words{};
+  std::int32_t size = 0;  ///< bytes of `codes` that count
+  std::array<std::uint8_t, kEdgeBytesPerBlock> codes{};
 
-  /// Adds an edge at or after the last one.  False if the block is full or the edge too far away
-  /// (2^28 ns): then a new block begins.  The first edge sets header.time_ns.
+  /// Adds an edge at or after the last one.  False if the block is full or the edge too far away (2^30 ns):
+  /// then a new block begins.  The first edge sets header.time_ns.
   bool add(const Edge& edge);
   bool empty() const { return edges == 0; }
+  /// The codes are those of so many edges in order of time.
+  bool is_sound() const;
   /// The edges as they were added.
   std::vector<Edge> unpack() const;
 
  private:
+  EdgeReader reader() const {
+    return {header.time_ns, std::span(codes).first(static_cast<std::size_t>(size))};
+  }
+  ExpectedEdges expected_;
   std::int64_t last_ns_ = 0;
 };
 

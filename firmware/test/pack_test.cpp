@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+#include <string_view>
 #include <vector>
 
 #include "common/bus/codec.hpp"
@@ -48,6 +51,31 @@ TEST(Sealer, RecordsEveryEdgeAsItCame) {
     EXPECT_EQ(recorded[i].time, edges[i].time);
     EXPECT_EQ(recorded[i].line, edges[i].line);
     EXPECT_EQ(recorded[i].kind, edges[i].kind);
+  }
+}
+
+// Header and CRC of their blocks shared, and those of the recorded event: 28 bytes and the channel's name.
+TEST(Sealer, KeepsARawEdgeInFourBytesFromFiveTurnsASecondOn) {
+  constexpr std::size_t kOfEvent_bytes = 28 + std::string_view("RB_BLOCK_1_EDGE").size();
+  struct Case {
+    int teeth;
+    double turns_hz, pitch_error_deg, jitter_s;
+  };
+  for (const Case& c : {Case{96, 5.0, 0.3, 10e-6}, Case{96, 18.0, 0.3, 10e-6}, Case{96, 18.0, 0.3, 100e-6},
+                        Case{96, 30.0, 0.3, 10e-6}, Case{1000, 18.0, 0.01, 10e-6}}) {
+    const sim::PulseTrain train{
+        .angle_rad =
+            [&](double t) { return 2.0 * std::numbers::pi * c.turns_hz * t + 0.3 * std::sin(1.3 * t); },
+        .teeth = c.teeth,
+        .pitch_error_rad = sim::pitch_errors(c.teeth, c.pitch_error_deg * std::numbers::pi / 180.0, 3),
+        .jitter_s = c.jitter_s};
+    const auto edges = train.edges(0.0, 8.0);
+    std::size_t bytes = 0;
+    for (const auto& block : blocks_of(test::marked_scans(0, 16'000, kRate_hz), edges))
+      if (block.kind == BlockKind::kEdge) bytes += block.size + kOfEvent_bytes;
+    const double of_an_edge = static_cast<double>(bytes) / static_cast<double>(edges.size());
+    EXPECT_LE(of_an_edge, 4.0) << c.teeth << " teeth at " << c.turns_hz << " Hz";
+    EXPECT_GT(of_an_edge, 2.0) << "less than the entropy of such stamps";
   }
 }
 

@@ -45,9 +45,13 @@ SealedBlock decode_and_seal(const SealedBlock& block) {
         require(unpacked[k - 1].time <= unpacked[k].time, "edges are in order of time");
       EdgeBlock again;
       for (const Edge& edge : unpacked) require(again.add(edge), "an edge that was unpacked can be packed");
-      // The first one's time is the block's: what its word says of time is not kept.
-      for (std::size_t k = 1; k < unpacked.size(); ++k)
-        require(again.words[k] == edges.words[k], "packing what was unpacked gives the same words");
+      // Not the same codes: the time of a block that was packed is that of its first edge.
+      const auto twice = again.unpack();
+      require(twice.size() == unpacked.size(), "packing what was unpacked keeps every edge");
+      for (std::size_t k = 0; k < twice.size(); ++k)
+        require(twice[k].time == unpacked[k].time && twice[k].line == unpacked[k].line &&
+                    twice[k].kind == unpacked[k].kind,
+                "packing what was unpacked gives the same edges");
       return sealed_again(edges);
     }
     case BlockKind::kSignal: {

@@ -15,6 +15,9 @@ LAST_NODE = 9999
 SCANS_PER_BLOCK = 20
 CHANNELS = 16
 SAMPLES_PER_BLOCK = 64
+EDGE_BYTES_PER_BLOCK = 1200
+TOOTH = 0
+TEETH = (TOOTH, 2)  # of EdgeKind: forward and backward
 SIGNALS = 256
 
 
@@ -33,6 +36,34 @@ def _good_header(kind, node, sequence, first_scan, scans, time_ns):
     return (lowest <= node <= LAST_NODE and 0 <= sequence <= INDEX_LIMIT and 0 <= first_scan <= INDEX_LIMIT and
             0 <= scans <= INDEX_LIMIT - first_scan and abs(time_ns) <= CLOCK_LIMIT_NS and
             (scans == 0 or kind in ("SCAN", "GAP")))
+
+
+def count_edges(begin_ns, codes):
+    """How many edges the codes of an edge_block_t hold (common/link/edge_code.hpp); None if one is no good."""
+    lines = [[begin_ns, 0, 0], [begin_ns, 0, 0]]  # time of the tooth before, period, teeth so far
+    last_ns, count, at = begin_ns, 0, 0
+    while at < len(codes):
+        begin, code = at, 0
+        while True:
+            if at == len(codes) or at == begin + 5 or (at > begin and codes[at] == 0):
+                return None
+            code |= (codes[at] & 0x7F) << 7 * (at - begin)
+            at += 1
+            if codes[at - 1] < 0x80:
+                break
+        line, kind = lines[code & 1], code >> 2 & 3 if code & 2 else TOOTH
+        is_tooth = kind in TEETH
+        folded = code >> (4 if code & 2 else 2)
+        time_ns = line[0] + (line[1] if is_tooth else 0) + (-(folded >> 1) - 1 if folded & 1 else folded >> 1)
+        if time_ns < last_ns or (code & 2 and kind == TOOTH):
+            return None
+        if is_tooth:
+            interval_ns = time_ns - line[0]
+            line[1] = (0, interval_ns, line[1] + (interval_ns - line[1] >> 3))[line[2]]
+            line[0], line[2] = time_ns, min(2, line[2] + 1)
+        last_ns = time_ns
+        count += 1
+    return count
 
 
 class BlockDecoder:
@@ -64,8 +95,9 @@ class BlockDecoder:
 
     @staticmethod
     def _edge(block, kind, data):
-        edges, = struct.unpack_from(">i", data, HEADER.size)
-        return 0 <= edges <= 300 and all(data[HEADER.size + 4 + 4 * edge] < 0x80 for edge in range(edges))
+        edges, size = struct.unpack_from(">ii", data, HEADER.size)
+        begin_ns, = struct.unpack_from(">q", data, HEADER.size - 8)
+        return 0 <= size <= EDGE_BYTES_PER_BLOCK and edges == count_edges(begin_ns, data[HEADER.size + 8:][:size])
 
     @staticmethod
     def _signal(block, kind, data):

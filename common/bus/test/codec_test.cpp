@@ -96,7 +96,7 @@ TEST(Codec, GivesBackWhatWasSealed) {
   EXPECT_EQ(scans.period_ps, some_scans().period_ps);
   EXPECT_EQ(scans.overload, some_scans().overload);
   EXPECT_EQ(scans.quality, some_scans().quality);
-  EXPECT_EQ(decode_edge(accepted[1]).words, some_edges().words);
+  EXPECT_EQ(decode_edge(accepted[1]).codes, some_edges().codes);
   EXPECT_EQ(decode_edge(accepted[1]).edges, 200);
   EXPECT_EQ(decode_gap(accepted[2]).cause, GapCause::kDeviceOverrun);
   EXPECT_EQ(decode_gap(accepted[2]).header.scans, 12345);
@@ -212,11 +212,16 @@ TEST(Codec, RefusesFieldsOutOfBoundsThoughTheCrcIsRight) {
   scans.period_ps = 0;
   EXPECT_TRUE(refused(scans));
   EdgeBlock edges = some_edges();
-  edges.edges = 301;
+  ++edges.edges;
   EXPECT_TRUE(refused(edges));
   edges = some_edges();
-  edges.words[3] = -1;
+  edges.size = kEdgeBytesPerBlock + 1;
   EXPECT_TRUE(refused(edges));
+  edges.size = -1;
+  EXPECT_TRUE(refused(edges));
+  edges = some_edges();
+  edges.codes[static_cast<std::size_t>(edges.size - 1)] |= 0x80;
+  EXPECT_TRUE(refused(edges)) << "a code that does not end";
   GapBlock absence{.header = kHeader, .cause = GapCause::kDeviceGone};
   EXPECT_FALSE(refused(absence));
   absence.cause = static_cast<GapCause>(static_cast<int>(GapCause::kDeviceGone) + 1);

@@ -64,9 +64,25 @@ class Signals(unittest.TestCase):
         self.assertEqual(self.agrees(DAMAGED)["messages_refused"], 1)
 
     def test_edges_of_every_kind(self):
-        words = [5 << 3 | kind << 1 | line for kind in range(4) for line in range(2)] + [0x7FFFFFFF]
-        self.put("edge_block_t", b"RB_BLOCK_1_EDGE", edges=len(words), words=words + [0] * (300 - len(words)))
+        self.put_edges([10 << 4 | kind << 2 | 2 | line for kind in range(1, 4) for line in range(2)] + [10 << 2, (1 << 31) - 2 << 2])
         self.agrees(COMPLETE)
+
+    def test_edges_that_no_node_may_send(self):
+        for codes, fields in (([0x50], {"edges": 2}), ([0x50], {"edges": 0}), ([0x50], {"size": 1201}), ([0x50], {"size": -1}),
+                              ([0x50], {"size": 2}), ([0x0C], {}), ([0x50, 0xB6], {}), ([0x52], {}), ([1 << 35], {})):
+            self.put_edges(codes, **fields)
+            self.assertEqual(self.agrees(DAMAGED)["messages_refused"], 1, (codes, fields))
+
+    def put_edges(self, codes, **fields):
+        """Codes in the shortest form; 0x0C is of an edge before the block's time, 0x52 a tooth as if it were another kind."""
+        data = bytearray()
+        for code in codes:
+            while code >= 0x80:
+                data.append(code & 0x7F | 0x80)
+                code >>= 7
+            data.append(code)
+        given = {"edges": len(codes), "size": len(data), "codes": bytes(data) + bytes(1200 - len(data))} | fields
+        self.put("edge_block_t", b"RB_BLOCK_1_EDGE", **given)
 
     def test_a_device_that_was_not_there(self):
         at = self.record.places("SCAN")[10]
