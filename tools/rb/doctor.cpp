@@ -11,11 +11,13 @@ namespace {
 
 struct DoctorOptions {
   std::string folder = "recordings";
+  double seconds = 2.0;
   bool json = false;
 };
 
 int examine(const DoctorOptions& options) {
-  const std::vector<Finding> findings = examine_machine(options.folder);
+  const std::vector<Finding> findings = examine_machine(
+      options.folder, std::chrono::milliseconds(static_cast<std::int64_t>(1000.0 * options.seconds)));
   bool well = true;
   auto list = nlohmann::ordered_json::array();
   for (const Finding& finding : findings) {
@@ -44,6 +46,11 @@ void add_doctor(CLI::App& app, int& code) {
   CLI::App* command =
       app.add_subcommand("doctor", "Says what this machine lacks, and the command that mends it");
   command->add_option("--folder", options->folder, "where recordings will be written")->capture_default_str();
+  command
+      ->add_option("--seconds", options->seconds,
+                   "how long the wake-ups of threads are measured; load the machine meanwhile as it will be")
+      ->check(CLI::Range(0.1, 86'400.0))
+      ->capture_default_str();
   command->add_flag("--json", options->json, "one JSON object on standard output");
   command->callback([options, &code] { code = examine(*options); });
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -32,10 +33,10 @@ Finding realtime_priority(std::int64_t limit, bool root);
 /// Sends itself a message over LCM on this port.
 Finding loopback(int port);
 
-/// How many encoder edges a second the machine takes by GPIO.
+/// How many encoder edges a second the machine took by GPIO while that was measured.
 Finding encoder_edges(const WakeUpMeasurement& measured);
 
-/// All of them on this machine.  Takes two seconds.
-std::vector<Finding> examine_machine(const std::filesystem::path& folder);
+/// All of them on this machine.  @param wake_ups  how long those of its threads are measured
+std::vector<Finding> examine_machine(const std::filesystem::path& folder, std::chrono::milliseconds wake_ups);
 
 }  // namespace roadbalance

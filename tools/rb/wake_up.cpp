@@ -38,6 +38,7 @@ WakeUpMeasurement measure_wake_ups(std::chrono::milliseconds duration) {
     const std::jthread second([&] { reader.sleep_for(duration, kDevicePriority); });
   }
   return {.worst = {.interrupt_thread = interrupt_thread.worst, .reader = reader.worst},
+          .duration = duration,
           .realtime = interrupt_thread.realtime && reader.realtime};
 }
 
