@@ -14,6 +14,7 @@
 #include "firmware/backends/replay/front_end.hpp"
 #include "firmware/backends/socketcan/open_can.hpp"
 #include "firmware/backends/usb/usb_front_end.hpp"
+#include "firmware/missing_signals.hpp"
 #include "firmware/node.hpp"
 #include "sim/front_end.hpp"
 
@@ -64,6 +65,7 @@ int main(int argc, char** argv) {
     const auto& uris = front_end_uris.empty() ? node.wiring.front_end : front_end_uris;
     const auto front_end = front_ends.open(uris, vehicle, node);
     for (const std::string& unread : unopened_wiring(node, uris)) warn(unread);
+    for (const std::string& untold : missing_signals(vehicle, node)) warn(untold);
     const std::int64_t lost = run_node(signals.token(), vehicle, node, *front_end,
                                        {.bus_url = bus_url,
                                         .ring_bytes = static_cast<std::size_t>(ring_mib * 1024 * 1024),

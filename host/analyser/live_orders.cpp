@@ -5,6 +5,8 @@
 namespace roadbalance {
 namespace {
 
+constexpr RotorOrders::Effort kEffort{.spectra = false, .least_rotation_hz = LiveOrders::kLeastRotation_hz};
+
 OrderReport::Vector vector_of(const MeanVector& mean) {
   OrderReport::Vector vector;
   vector.value = mean.mean();
@@ -29,7 +31,7 @@ LiveOrders::LiveOrders(const VehicleConfig& vehicle) {
       if (channels.empty()) continue;
       all_.push_back(
           {w, std::make_unique<RotorOrders>(vehicle, rotor_of(vehicle, wheel), static_cast<int>(n),
-                                            std::move(channels), std::vector<double>{1.0, 2.0}, false)});
+                                            std::move(channels), std::vector<double>{1.0, 2.0}, kEffort)});
     }
   }
 }

@@ -10,12 +10,15 @@
 namespace roadbalance {
 
 /// First and second order of every wheel with an encoder in the accelerations of every node, from the growing
-/// record: the vectors that `rb orders` finds in the finished one.
+/// record: the vectors that `rb orders` finds in the finished one, but for what turned slower than
+/// kLeastRotation_hz.
 ///
 /// Each wheel is analysed in each node for itself, so that a node that stays away costs its own channels
 /// only.
 class LiveOrders {
  public:
+  static constexpr double kLeastRotation_hz = 6.0;  ///< 40 km/h
+
   explicit LiveOrders(const VehicleConfig& vehicle);
 
   /// Blocks of each node in sequence, with the fits of its clock between them.

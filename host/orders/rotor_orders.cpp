@@ -50,13 +50,13 @@ std::vector<const NodeConfig*> nodes_of(const VehicleConfig& vehicle, const Roto
 }  // namespace
 
 RotorOrders::RotorOrders(const VehicleConfig& vehicle, Rotor rotor, int node,
-                         std::vector<std::size_t> channel, std::vector<double> order, bool spectra)
+                         std::vector<std::size_t> channel, std::vector<double> order, const Effort& effort)
     : rotor_(std::move(rotor)),
       node_(vehicle.node[static_cast<std::size_t>(node)]),
       channel_(std::move(channel)),
       order_(std::move(order)),
       way_m_(rotor_.way_m(vehicle)),
-      spectra_(spectra),
+      effort_(effort),
       waterfall_({static_cast<int>(channel_.size()), kRowsPerTurn, kSpectrumTurns,
                   kDecimationFlatTo * kRowsPerTurn, highest_hz(vehicle, node_), rotor_.class_hz(vehicle)}),
       vectors_(vector_settings(vehicle, rotor_, node_, static_cast<int>(channel_.size()), order_)),
@@ -64,12 +64,12 @@ RotorOrders::RotorOrders(const VehicleConfig& vehicle, Rotor rotor, int node,
                        [this](const TurnBlock& block) { waterfall_.add(block); }),
       vector_blocks_({static_cast<int>(channel_.size()), kRowsPerTurn, kVectorTurns, kVectorTurns},
                      [this](const TurnBlock& block) { vectors_.add(block); }),
-      resampler_(
-          {static_cast<int>(channel_.size()), node_.rate_hz, kRowsPerTurn, kLeastRotation_hz * rotor_.ratio},
-          [this](const AngleRow& row) {
-            if (spectra_) spectrum_blocks_.add(row);
-            vector_blocks_.add(row);
-          }),
+      resampler_({static_cast<int>(channel_.size()), node_.rate_hz, kRowsPerTurn,
+                  effort_.least_rotation_hz * rotor_.ratio},
+                 [this](const AngleRow& row) {
+                   if (effort_.spectra) spectrum_blocks_.add(row);
+                   vector_blocks_.add(row);
+                 }),
       values_(std::ssize(channel_)),
       join_(nodes_of(vehicle, rotor_, node), [this](const GridJoin::Row& row) { take(row); }) {
   const auto nodes = nodes_of(vehicle, rotor_, node);

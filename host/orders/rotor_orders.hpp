@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/config/vehicle_config.hpp"
@@ -31,6 +32,12 @@ class RotorOrders {
   static constexpr int kVectorTurns = 8;
   static constexpr double kLeastRotation_hz = 2.0;  ///< of a wheel: 13 km/h
 
+  /// How much is computed; most of the cost goes with the inverse of the least rotation.
+  struct Effort {
+    bool spectra = true;  ///< else vectors only
+    double least_rotation_hz = kLeastRotation_hz;
+  };
+
   /// Seconds of the drive; those that are not used, by their reason.
   struct Seconds {
     double recorded = 0.0;
@@ -43,10 +50,12 @@ class RotorOrders {
   /// @param node     whose channels, a place in VehicleConfig::node
   /// @param channel  places in its channels; at least one
   /// @param order    of the vectors
-  /// @param spectra  vectors only if not
   /// @throws std::invalid_argument if vectors of these orders cannot be had
   RotorOrders(const VehicleConfig& vehicle, Rotor rotor, int node, std::vector<std::size_t> channel,
-              std::vector<double> order, bool spectra = true);
+              std::vector<double> order)
+      : RotorOrders(vehicle, std::move(rotor), node, std::move(channel), std::move(order), Effort{}) {}
+  RotorOrders(const VehicleConfig& vehicle, Rotor rotor, int node, std::vector<std::size_t> channel,
+              std::vector<double> order, const Effort& effort);
   RotorOrders(const RotorOrders&) = delete;
   RotorOrders& operator=(const RotorOrders&) = delete;
 
@@ -83,7 +92,7 @@ class RotorOrders {
   std::vector<std::size_t> channel_;
   std::vector<double> order_;
   double way_m_;
-  bool spectra_;
+  Effort effort_;
   std::vector<Wheel> wheel_;
   OrderWaterfall waterfall_;
   OrderVectors vectors_;

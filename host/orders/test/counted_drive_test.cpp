@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <fstream>
 #include <numbers>
+#include <optional>
 #include <regex>
 
 #include "common/config/section.hpp"
@@ -14,6 +15,7 @@
 #include "common/test/temporary_directory.hpp"
 #include "firmware/seal_all.hpp"
 #include "host/analyser/identify_record.hpp"
+#include "host/analyser/live_orders.hpp"
 #include "host/orders/orders_of_record.hpp"
 #include "sim/front_end.hpp"
 
@@ -107,6 +109,30 @@ TEST_F(CountedDrive, HasTheOrdersThatTheRingTellsWithinWhatIsStated) {
   EXPECT_LT(quality.common_sigma_rad, 0.3 * kDegree);
   EXPECT_GT(counter.rotor[0]->seconds().recorded, 59.0);
   EXPECT_LT(counter.rotor[0]->seconds().no_angle, 1.0);
+}
+
+TEST_F(CountedDrive, LiveOrdersAreThoseOfTheFinishedRecording) {
+  const std::string folder = record(Teeth::kOnLine, 40.0);
+  std::optional<LiveOrders> live;
+  read_recording(
+      folder, [&](const VehicleConfig& vehicle) { live.emplace(vehicle); },
+      [&](const SealedBlock& block) { live->consume(block); });
+  const RecordOrders finished = orders_of_record(folder, {.all_nodes = true});
+  int compared = 0;
+  for (const OrderReport& report : live->reports())
+    for (const auto& rotor : finished.rotor) {
+      if (rotor->rotor().wheel.front() != report.wheel || rotor->node().id != report.node) continue;
+      for (std::size_t c = 0; c < rotor->channel().size(); ++c) {
+        const MeanVector expected = rotor->vectors().result(static_cast<int>(c), 0).all;
+        const OrderReport::Vector& found = report.order[0][rotor->channel()[c]];
+        // The same samples, resampled more coarsely: the low-pass is another.
+        EXPECT_LT(std::abs(found.value - expected.mean()), 0.02 * expected.confidence()->amplitude);
+        EXPECT_NEAR(found.blocks, expected.count(), 1);
+        EXPECT_GT(expected.count(), 50);
+        ++compared;
+      }
+    }
+  EXPECT_EQ(compared, 4 * 24) << "four wheels in the twelve channels of two nodes";
 }
 
 TEST_F(CountedDrive, WithoutAMarkHasMagnitudesAndNoPhase) {

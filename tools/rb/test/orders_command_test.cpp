@@ -162,6 +162,24 @@ TEST_F(OrdersCommand, PrintsEveryWheelAndChannel) {
     EXPECT_NE(outcome.output.find(text), std::string::npos) << text << "\n" << outcome.output;
 }
 
+TEST_F(OrdersCommand, LooksIntoOtherNodesForTheWheelToo) {
+  const Outcome all = rb({"orders", record_, "--wheel", "front_left", "--all-nodes", "--json"});
+  ASSERT_EQ(all.code, 0) << all.log;
+  const Json wheels = Json::parse(all.output)["wheels"];
+  ASSERT_EQ(wheels.size(), 2U) << "one for each node";
+  EXPECT_EQ(wheels[0]["node"], "front");
+  EXPECT_EQ(wheels[1]["node"], "rear");
+  EXPECT_EQ(wheels[1]["remark"], "");
+  EXPECT_NEAR(wheels[1]["seconds"], kSeconds, 0.2);
+  for (const Json& channel : wheels[1]["channels"]) {
+    EXPECT_GT(channel["orders"][0]["blocks"].get<int>(), 30) << channel["channel"];
+    EXPECT_NEAR(channel["orders"][0]["amplitude"], 0.0, 1e-4) << "nothing turns there";
+  }
+  const Outcome one = rb({"orders", record_, "--wheel", "front_left", "--channel", "rl_carrier_z", "--json"});
+  ASSERT_EQ(one.code, 0) << one.log;
+  EXPECT_EQ(Json::parse(one.output)["wheels"][0]["node"], "rear");
+}
+
 TEST_F(OrdersCommand, NamesWhatIsAtFault) {
   const auto refused = [&](const std::vector<std::string>& arguments, const std::vector<std::string>& texts) {
     std::vector<std::string> all{"orders", record_};
