@@ -10,10 +10,8 @@ namespace roadbalance {
 
 namespace {
 
-// So that signals reach the record soon after their scans.
-constexpr std::int64_t kLongestSignalBlock_ns = 200'000'000;
-// Edges of a slow wheel fill a block so late; that of a fast one is full in a quarter of it.
-constexpr std::int64_t kLongestEdgeBlock_ns = 1'000'000'000;
+// Signals reach the record soon after their scans; edges of a slow wheel fill a block so late.
+constexpr std::int64_t kLongestSignalBlock_ns = 200'000'000, kLongestEdgeBlock_ns = 1'000'000'000;
 
 std::size_t waiting_capacity(double rate_hz) {
   // The longest wait, a block beside it and the lag of edges behind scans.
@@ -75,11 +73,9 @@ std::size_t Sealer::most_blocks(std::size_t scans, std::size_t edges, std::size_
   constexpr std::size_t kOthers = 8;
   const std::size_t all_scans = waiting_.size() + scans;
   const auto all_ns = static_cast<std::int64_t>(all_scans) * (period_ps_ / 1000);
-  const auto by_age =
-      static_cast<std::size_t>(all_ns / kLongestEdgeBlock_ns + all_ns / kLongestSignalBlock_ns);
-  constexpr std::size_t kLeastEdgesPerBlock = kEdgeBytesPerBlock / kMostEdgeCodeBytes;
-  return meta_.size() + all_scans / kScansPerBlock + edges / kLeastEdgesPerBlock +
-         signals / kSamplesPerBlock + by_age + kOthers;
+  const std::int64_t by_age = all_ns / kLongestEdgeBlock_ns + all_ns / kLongestSignalBlock_ns;
+  return meta_.size() + all_scans / kScansPerBlock + edges / (kEdgeBytesPerBlock / kMostEdgeCodeBytes) +
+         signals / kSamplesPerBlock + static_cast<std::size_t>(by_age) + kOthers;
 }
 
 const Scan& Sealer::at(std::int64_t position) const noexcept {

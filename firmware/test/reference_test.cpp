@@ -97,6 +97,44 @@ TEST(Reference, HasThePhaseOfAnAccelerationBehindTheAnalogueFilter) {
   EXPECT_NEAR(phase_difference_deg([](double t) { return 2 * pi * 18.0 * t; }, 3.0), 0.0, 0.002);
 }
 
+/// Of a Butterworth low-pass, from its poles (S. Butterworth, 1930).
+double phase_of_filter_deg(int order, double cutoff_hz, double hz) {
+  const std::complex<double> s(0.0, hz / cutoff_hz);
+  std::complex<double> gain = 1.0;
+  for (int k = 0; k < order; ++k) {
+    const auto pole = std::polar(1.0, pi * (2 * k + order + 1) / (2.0 * order));
+    gain *= -pole / (s - pole);
+  }
+  return std::arg(gain) / kDegree;
+}
+
+TEST(Reference, HasThePhaseOfEveryFilterAtEverySpeed) {
+  for (const int order : {4, 5, 6, 7, 8})
+    for (const double cutoff_hz : {100.0, 200.0, 400.0})
+      for (const double hz : {5.0, 18.0, 25.0}) {
+        auto vehicle = test::one_node_vehicle(kRate_hz);
+        vehicle.filter = {order, cutoff_hz};
+        Reference reference(vehicle, vehicle.node[0]);
+        const auto angle = [hz](double t) { return 2 * pi * hz * t; };
+        for (const Edge& edge : sim::PulseTrain{.angle_rad = angle}.edges(0.0, 2.0)) reference.add(edge);
+        std::array<std::array<std::int32_t, kChannels>, kScansPerBlock> rows{};
+        std::complex<double> sum = 0.0;
+        for (int block = 150; block < 180; ++block) {
+          static_cast<void>(reference.locate(node_time_from_ns(block * 10'000'000), kScansPerBlock));
+          const auto quality = reference.fill(rows, block == 150);
+          for (int row = 0; row < kScansPerBlock && !(quality & kQualityNoReference0); ++row) {
+            const auto& counts = rows[static_cast<std::size_t>(row)];
+            sum += std::complex<double>(counts[kAccelerations + 1], counts[kAccelerations]) *
+                   std::polar(1.0, -angle((block * kScansPerBlock + row) / kRate_hz));
+          }
+        }
+        EXPECT_NEAR(
+            std::remainder(std::arg(sum) / kDegree - phase_of_filter_deg(order, cutoff_hz, hz), 360.0), 0.0,
+            0.01)
+            << order << " " << cutoff_hz << " " << hz;
+      }
+}
+
 TEST(Reference, HasItAlsoWhileTheSpeedDrifts) {
   // 5 km/h per minute are 0.0125 turns/s^2; here ten times that.
   EXPECT_NEAR(phase_difference_deg([](double t) { return 2 * pi * (17.0 * t + 0.0625 * t * t); }, 4.0), 0.0,

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "common/config/vehicle_config.hpp"
+
+namespace roadbalance {
+
+/// An electrical sine of known phase on an acceleration channel and the pulses of a ring that turns with it,
+/// as from two outputs of one generator.
+struct PhaseInjection {
+  FilterConfig filter;
+  double turns_hz;
+  double scan_rate_hz = 2000.0;
+  double phase_rad = 0.7;    ///< of the sine behind the wheel's angle
+  double sine_late_s = 0.0;  ///< on its way to the converter, as nothing in the chain corrects
+};
+
+/// By how much the phase that comes back differs: the sine through the simulated conditioner and its filter,
+/// the pulses through the encoder and the filter's digital copy into channels 13 and 14, both sealed into
+/// blocks, and the channel demodulated by the reference.
+double injected_phase_error_deg(const PhaseInjection& injection);
+
+/// One row for each order of the filter, 4 to 8, with cut-offs of 100 to 400 Hz and 5 to 25 turns a second;
+/// keys as in encoder_row_result().
+std::vector<nlohmann::ordered_json> phase_injection_rows();
+
+}  // namespace roadbalance
