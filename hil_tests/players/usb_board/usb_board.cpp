@@ -117,6 +117,7 @@ void UsbBoard::answer_control(const Urb& urb) {
   if ((setup.request_type & 0x60) != kVendor) {
     size = standard_request(setup, reply);
   } else {
+    if (take_one(faults_.deaf)) return;
     board_.advance(MachineClock::now());
     size = board_.control_request(setup, urb.data, reply);
     const bool newer = board_.bench().minor > board::kProtocolMinor;

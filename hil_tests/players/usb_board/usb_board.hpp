@@ -16,6 +16,7 @@ struct UsbFaults {
   std::atomic<int> cut{0};      ///< a packet ends before its time
   std::atomic<int> corrupt{0};  ///< a bit of a packet turns
   std::atomic<int> drop{0};     ///< a packet does not come
+  std::atomic<int> deaf{0};     ///< a request of ours gets no answer
 };
 
 /// A bench board as a USB device: its descriptors, EP0 and bulk endpoint.  The kernel's requests come in

@@ -114,10 +114,9 @@ std::optional<Urb> UsbipPort::receive(std::vector<Urb>& pending) {
     Header answer{};
     put_number(answer, 0, kUnlinkedAnswer);
     put_number(answer, 1, urb.number);
-    if (found != pending.end()) {
-      put_number(answer, 5, static_cast<std::uint32_t>(kUnlinked));
-      pending.erase(found);
-    }
+    if (found != pending.end()) pending.erase(found);
+    // One that has been completed the kernel does not look for any more; others were never answered.
+    put_number(answer, 5, static_cast<std::uint32_t>(kUnlinked));
     write_all(answer);
     return std::nullopt;
   }

@@ -148,6 +148,22 @@ TEST_F(UsbBoardTest, WhatTheNodeDoesNotFetchIsAGap) {
   expect_only({DeviceCounter::kReadersTooSlow});
 }
 
+TEST_F(UsbBoardTest, ABoardThatDoesNotSayItsTimeIsCountedAndNotAskedAllTheTime) {
+  boards.plug();
+  open();
+  ASSERT_TRUE(watch->more_scans(1000));
+  boards.faults().deaf = 1000;
+  ASSERT_TRUE(test::wait_until([&] { return count(DeviceCounter::kClockUnanswered) == 1; }, 5.0));
+  ASSERT_TRUE(watch->more_scans(20'000));
+  boards.faults().deaf = 0;
+  watch->end();
+  EXPECT_EQ(count(DeviceCounter::kClockUnanswered), 1)
+      << "in two seconds, of which a question takes half a one";
+  EXPECT_EQ(watch->gaps().size(), 0u);
+  EXPECT_EQ(watch->wrong_scans(), 0);
+  expect_only({DeviceCounter::kClockUnanswered});
+}
+
 TEST_F(UsbBoardTest, ASilentBoardIsStartedAgain) {
   // Its firmware has forgotten its run, e.g. after a watchdog's reset; the endpoint stays there.
   expect_one_gap([&] { boards.with(0, [](test::BenchBoard& board) { board.reset(); }); },

@@ -107,6 +107,15 @@ TEST(UsbBoards, FirmwareOfAnOlderMajorVersionIsRefusedNamingBoth) {
       std::string::npos);
 }
 
+TEST(UsbBoards, ABoardWithoutASerialNumberIsSaidToBeThere) {
+  const VehicleConfig car = test::board_vehicle();
+  UsbBoards boards({numbered_bench("")});
+  boards.plug();
+  EXPECT_NE(lasting_refusal("1209:0001:A17", car)
+                .find("no device 1209:0001 has this serial number; there is: one without"),
+            std::string::npos);
+}
+
 TEST(UsbBoards, FirmwareOfANewerMinorVersionWorks) {
   const VehicleConfig car = test::board_vehicle();
   test::Bench bench = numbered_bench("NEWER");
@@ -149,7 +158,9 @@ TEST(UsbBoards, TwoStayTogetherAndReturnTogether) {
   }
   EXPECT_EQ(apart, 0);
   EXPECT_EQ(front_end->reports()[1]->of(DeviceCounter::kGone), 1);
-  EXPECT_EQ(front_end->reports()[0]->of(DeviceCounter::kReturned), 1);
+  EXPECT_EQ(front_end->reports()[1]->of(DeviceCounter::kReturned), 1);
+  for (std::size_t k = 0; k < kDeviceCounters; ++k)
+    EXPECT_EQ(front_end->reports()[0]->of(DeviceCounter(k)), 0) << sentence(DeviceCounter(k));
 }
 
 }  // namespace

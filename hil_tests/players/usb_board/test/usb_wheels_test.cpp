@@ -38,7 +38,9 @@ class UsbWheelsTest : public test::UsbBoardFixture {
     for (const TurningWheel& wheel : wheels)
       car.wheel[wheel.line].encoder = {.pulses_per_turn = wheel.teeth, .zero_mark = true, .quadrature = true};
     car.node[0].wiring.loop_back = true;
-    car.node[0].channel[0].input_range_v = 5.0;
+    car.node[0].channel[0].input_range_v = 5.0;  // the others: the widest there is
+    car.node[0].channel[7].input_range_v = 1.25;
+    car.filter = {.order = 6, .cutoff_hz = 1250.0};
     // Pages that are touched for the first time while the board runs would hold up the reader.
     scans.assign(2 * kScans, Scan{});
     edges.assign(500'000, Edge{});
@@ -94,6 +96,14 @@ TEST_F(UsbWheelsTest, SixteenChannelsAtTenKilohertzAndTwoEncodersLoseNothingAndA
   const auto overloads = std::ranges::count_if(scans, [](const Scan& scan) { return scan.overload != 0; });
   EXPECT_EQ(overloads, (scans.back().index + 1) / test::kOverloads);
   expect_only({});
+  boards.with(0, [](const test::BenchBoard& board) {
+    const board::Configuration& set_up = board.configuration();
+    EXPECT_EQ(set_up.filter_order, 6);
+    EXPECT_EQ(set_up.filter_corner_hz, 1250u);
+    // As the board numbers them: 10, 5, 2.5 and 1.25 V.
+    for (std::size_t k = 0; k < board::kInputChannels; ++k)
+      EXPECT_EQ(set_up.range[k], k == 0 ? 1 : k == 7 ? 3 : 0) << k;
+  });
   const std::vector<StampedScan> truth = stamped();
   // Half the difference of a question's two ways; the earliest packets alone are 40 to 60 us late.
   const double late_us =
