@@ -14,6 +14,11 @@
 #include "firmware/test/vehicle.hpp"
 
 namespace roadbalance::test {
+namespace {
+
+constexpr std::int64_t kLongestWait_ns = 30'000'000'000;
+
+}  // namespace
 
 GpioRig::GpioRig(std::vector<LineConfig> lines, int teeth) : vehicle(one_node_vehicle(2000.0, teeth)) {
   vehicle.node[0].wiring.line = std::move(lines);
@@ -44,19 +49,34 @@ void GpioRig::take() {
   complete_ = read.complete_until;
 }
 
-void GpioRig::take_for(std::int64_t duration_ns) {
-  for (const std::int64_t end = PulseChip::now_ns() + duration_ns; PulseChip::now_ns() < end; take()) {
-    const timespec pause{0, 5'000'000};
-    ::nanosleep(&pause, nullptr);
-  }
+/// False once that instant has come.
+bool GpioRig::take_for_a_moment(std::int64_t end_ns) {
+  const timespec pause{0, 5'000'000};
+  ::nanosleep(&pause, nullptr);
   take();
+  return PulseChip::now_ns() < end_ns;
+}
+
+void GpioRig::take_for(std::int64_t duration_ns) {
+  for (const std::int64_t end = PulseChip::now_ns() + duration_ns; take_for_a_moment(end);) {
+  }
+}
+
+void GpioRig::take_until(DeviceCounter counter, std::int64_t times) {
+  for (const std::int64_t end = PulseChip::now_ns() + kLongestWait_ns; counted(counter) < times;)
+    ASSERT_TRUE(take_for_a_moment(end)) << name_of(counter) << " stays at " << counted(counter);
 }
 
 void GpioRig::play(const std::vector<gpio_pulse_step>& steps) {
   chip.play(steps);
-  take_for(static_cast<std::int64_t>(steps.back().t_ns) - PulseChip::now_ns() + 20'000'000);
-  const auto played = chip.played();
+  take_for(static_cast<std::int64_t>(steps.back().t_ns) - PulseChip::now_ns());
+  const auto played = chip.played();  // all: it waits for a player that is late
   truth.insert(truth.end(), played.begin(), played.end());
+  if (played.empty()) return;
+  const NodeTime last =
+      node_time_from_ns(static_cast<std::int64_t>(played.back().t_ns) + machine_minus_monotonic_ns);
+  for (const std::int64_t end = PulseChip::now_ns() + kLongestWait_ns; complete_ <= last;)
+    ASSERT_TRUE(take_for_a_moment(end)) << "the backend does not say that all edges have come";
 }
 
 std::size_t GpioRig::edges_of(EdgeKind kind, std::uint8_t line) const {

@@ -16,9 +16,6 @@
 
 namespace roadbalance::test {
 
-/// Between starting a reader and the first edge.
-inline constexpr std::int64_t kLead_ns = 20'000'000;
-
 /// What a node made of edges.
 struct Sealed {
   std::vector<ScanBlock> blocks;
@@ -31,10 +28,13 @@ class GpioRig {
   /// @param lines  GPIO numbers as in [[node.line]]; the vehicle is firmware/test/vehicle.hpp's
   explicit GpioRig(std::vector<LineConfig> lines, int teeth = 96);
 
-  /// Plays, takes edges as they come until all has been played and 20 ms more, and keeps the truth.
+  /// Plays, takes edges as they come until the backend says that it has given all that was played, and keeps
+  /// the truth.
   void play(const std::vector<gpio_pulse_step>& steps);
   /// Takes edges for so long.
   void take_for(std::int64_t duration_ns);
+  /// Takes edges until the device has counted so many of these; fails after half a minute.
+  void take_until(DeviceCounter counter, std::int64_t times);
   std::int64_t counted(DeviceCounter counter) const { return source->reports()[0]->of(counter); }
   std::size_t edges_of(EdgeKind kind, std::uint8_t line = 0) const;
   /// The edges beside scans of the same time, from an instant of CLOCK_MONOTONIC on, as a node seals them.
@@ -51,6 +51,7 @@ class GpioRig {
 
  private:
   void take();
+  bool take_for_a_moment(std::int64_t end_ns);
   DroppedEdges dropped_;
   NodeTime complete_ = NodeTime::min();
 };

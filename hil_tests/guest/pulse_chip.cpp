@@ -4,13 +4,12 @@
 #include <unistd.h>
 
 #include <array>
-#include <cerrno>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
-#include <system_error>
 
 #include "common/clock/clocks.hpp"
+#include "hil_tests/throw_errno.hpp"
 
 namespace roadbalance::test {
 namespace {
@@ -19,18 +18,14 @@ constexpr const char* kPlayer = "/dev/gpio-pulse";
 constexpr const char* kDevice = "/sys/bus/platform/devices/gpio-pulse";
 constexpr const char* kDriver = "/sys/bus/platform/drivers/gpio-pulse/";
 
-[[noreturn]] void fail(const std::string& what) {
-  throw std::system_error(errno, std::generic_category(), what);
-}
-
-void tell_driver(const std::string& file) {
-  if (!(std::ofstream(kDriver + file) << "gpio-pulse" << std::flush)) fail(kDriver + file);
+void tell_driver(const std::string& file, const char* device = "gpio-pulse") {
+  if (!(std::ofstream(kDriver + file) << device << std::flush)) throw_errno(kDriver + file + " of " + device);
 }
 
 }  // namespace
 
 PulseChip::PulseChip() : player_(::open(kPlayer, O_RDWR | O_CLOEXEC)) {
-  if (player_ < 0) fail(std::string("open ") + kPlayer);
+  if (player_ < 0) throw_errno(std::string("open ") + kPlayer);
 }
 
 PulseChip::~PulseChip() {
@@ -51,16 +46,16 @@ void PulseChip::play(std::span<const gpio_pulse_step> steps) {
   auto bytes = std::as_bytes(steps);
   while (!bytes.empty()) {
     const ssize_t taken = ::write(player_, bytes.data(), bytes.size());
-    if (taken < 0) fail(std::string("write to ") + kPlayer);
+    if (taken < 0) throw_errno(std::string("write to ") + kPlayer);
     bytes = bytes.subspan(static_cast<std::size_t>(taken));
   }
 }
 
 void PulseChip::set(unsigned line, bool high) {
-  if (::fsync(player_) != 0) fail(std::string("wait for ") + kPlayer);
+  if (::fsync(player_) != 0) throw_errno(std::string("wait for ") + kPlayer);
   const gpio_pulse_step step{static_cast<std::uint64_t>(now_ns()), line, high};
   play({&step, 1});
-  if (::fsync(player_) != 0) fail(std::string("wait for ") + kPlayer);
+  if (::fsync(player_) != 0) throw_errno(std::string("wait for ") + kPlayer);
 }
 
 std::vector<gpio_pulse_step> PulseChip::played() {
@@ -68,7 +63,7 @@ std::vector<gpio_pulse_step> PulseChip::played() {
   std::array<gpio_pulse_step, 4096> part;
   while (true) {
     const ssize_t size = ::read(player_, part.data(), sizeof part);
-    if (size < 0) fail(std::string("read ") + kPlayer);
+    if (size < 0) throw_errno(std::string("read ") + kPlayer);
     if (size == 0) return all;
     all.insert(all.end(), part.begin(), part.begin() + size / static_cast<ssize_t>(sizeof part[0]));
   }
@@ -80,6 +75,14 @@ void PulseChip::unplug() {
 
 void PulseChip::plug() {
   tell_driver("bind");
+}
+
+void PulseChip::plug_twin() {
+  tell_driver("bind", "gpio-pulse.1");
+}
+
+void PulseChip::unplug_twin() {
+  tell_driver("unbind", "gpio-pulse.1");
 }
 
 }  // namespace roadbalance::test

@@ -9,6 +9,9 @@
 
 namespace roadbalance::test {
 
+/// Between starting a reader and the first edge.
+inline constexpr std::int64_t kLead_ns = 20'000'000;
+
 /// The guest's GPIO chip, whose inputs play what they are told; see gpio_pulse.h.
 ///
 /// Only in the guest machine, and for one program at a time.
@@ -38,6 +41,9 @@ class PulseChip {
   /// level.
   static void unplug();
   static void plug();
+  /// Adds a second chip of the same label, whose lines play nothing, and removes it.
+  static void plug_twin();
+  static void unplug_twin();
 
  private:
   int player_ = -1;

@@ -18,6 +18,12 @@ void add_pulse(std::vector<gpio_pulse_step>& steps, unsigned line, std::int64_t 
   steps.push_back({static_cast<std::uint64_t>(begin_ns + period_ns / 2), line, 0});
 }
 
+std::vector<gpio_pulse_step> pulses(unsigned line, std::int64_t begin_ns, std::int64_t period_ns, int count) {
+  std::vector<gpio_pulse_step> steps;
+  for (int k = 0; k < count; ++k) add_pulse(steps, line, begin_ns + k * period_ns, period_ns);
+  return steps;
+}
+
 std::vector<gpio_pulse_step> in_order(std::vector<gpio_pulse_step> steps) {
   std::ranges::stable_sort(steps, {}, &gpio_pulse_step::t_ns);
   return steps;

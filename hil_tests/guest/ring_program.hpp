@@ -10,6 +10,8 @@ namespace roadbalance::test {
 /// A pulse that is high for half its period; the line is low before and after.
 void add_pulse(std::vector<gpio_pulse_step>& steps, unsigned line, std::int64_t begin_ns,
                std::int64_t period_ns);
+/// So many of them, one after the other.
+std::vector<gpio_pulse_step> pulses(unsigned line, std::int64_t begin_ns, std::int64_t period_ns, int count);
 /// As PulseChip::play needs them.
 std::vector<gpio_pulse_step> in_order(std::vector<gpio_pulse_step> steps);
 

@@ -188,16 +188,19 @@ TEST(CanIntake, CountsTroublesAndFramesThatItsReaderDoesNotFetch) {
   for (std::uint32_t k = 0; k < 20'000; ++k) player.send(numbered(k));
   const auto of = [&](DeviceCounter counter) { return intake.report().of(counter); };
   const auto lost = [&] { return of(DeviceCounter::kReadersTooSlow) + of(DeviceCounter::kQueueOverflow); };
-  EXPECT_TRUE(test::wait_until([&] { return lost() >= 20'000 - 16'384; }, 20));  // what it holds
-  EXPECT_GT(of(DeviceCounter::kReadersTooSlow), 0);
+  EXPECT_TRUE(test::wait_until([&] { return of(DeviceCounter::kReadersTooSlow) > 0; }, 20));  // it is full
   EXPECT_EQ(of(DeviceCounter::kBusOff), 1);
   std::uint32_t number = 0;
   ASSERT_NE(intake.front(), nullptr);
   std::memcpy(&number, intake.front()->frame.data.data(), sizeof number);
   EXPECT_EQ(number, 0U);  // the oldest are kept
+  // The rest may still be on its way through the kernel.
   std::int64_t held = 0;
-  for (; intake.front(); intake.pop()) ++held;
-  EXPECT_EQ(held + lost(), 20'000);
+  const auto all_are_told = [&] {
+    for (; intake.front(); intake.pop()) ++held;
+    return held + lost() == 20'000;
+  };
+  EXPECT_TRUE(test::wait_until(all_are_told, 20)) << held << " + " << lost();
 }
 
 }  // namespace

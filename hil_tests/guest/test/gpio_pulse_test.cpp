@@ -9,13 +9,15 @@
 #include <thread>
 
 #include "hil_tests/guest/pulse_chip.hpp"
+#include "hil_tests/guest/ring_program.hpp"
 
 namespace roadbalance {
 namespace {
 
+using test::kLead_ns;
 using test::PulseChip;
+using test::pulses;
 
-constexpr std::int64_t kLead_ns = 20'000'000;  // between starting the reader and the first edge
 constexpr std::int64_t kTolerance_ns = 1000;
 constexpr std::int64_t kLost_ns = 25'000;  // shorter than any time between edges here
 constexpr std::size_t kMostEdges = 100'000;
@@ -78,17 +80,6 @@ class EdgeReader {
   std::vector<Edge> edges_;
   std::jthread thread_;
 };
-
-/// `count` pulses a period apart, high for half of it.
-std::vector<gpio_pulse_step> pulses(unsigned line, std::int64_t begin_ns, std::int64_t period_ns, int count) {
-  std::vector<gpio_pulse_step> steps;
-  for (int k = 0; k < count; ++k) {
-    const auto t_ns = static_cast<std::uint64_t>(begin_ns + k * period_ns);
-    steps.push_back({t_ns, line, 1});
-    steps.push_back({t_ns + static_cast<std::uint64_t>(period_ns / 2), line, 0});
-  }
-  return steps;
-}
 
 /// Each true edge was seen once, in order, with a stamp near the truth.
 void expect_seen(const std::vector<Edge>& seen, const std::vector<gpio_pulse_step>& truth, bool both) {

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 #include <regex>
+#include <stdexcept>
 
 #include "common/test/temporary_directory.hpp"
 #include "firmware/encoder/wheel_encoder.hpp"
@@ -26,9 +27,13 @@ constexpr double kSeconds = 3.0;
 constexpr double kFewestTurns = 12.0;
 constexpr std::int64_t kFit_ns = 25'000'000;  // half of what an angle is fitted over, and the filter's memory
 
+struct Played {
+  std::int64_t strict = 0;  ///< angles without a flag that were judged to less than a pitch
+  bool is_mostly_whole = false;
+};
+
 /// A ring played to a node; prints what became of it.
-/// @returns how many angles without a flag were judged to less than a pitch
-std::int64_t expect_no_silence(int teeth, double turns_hz) {
+Played expect_no_silence(int teeth, double turns_hz) {
   test::GpioRig rig({{0, static_cast<int>(kTooth), {}, static_cast<int>(kMark)}}, teeth);
   rig.in_real_time = true;
   rig.vehicle.wheel[1].node = "";
@@ -65,14 +70,14 @@ std::int64_t expect_no_silence(int teeth, double turns_hz) {
   EXPECT_EQ(turns.silent, 0);
   EXPECT_EQ(angles.silent_wrong, 0);
   EXPECT_GT(turns.whole + turns.declared, 0);
-  return angles.strict;
+  return {angles.strict, turns.whole > turns.declared};
 }
 
 // Half a pitch is 10 ms here.  A machine that is so busy elsewhere that the player is later than that all the
 // time gets another chance.
 TEST(GpioRealtime, ASlowRingGivesItsAngleAndIsJudgedToLessThanAPitch) {
   std::int64_t strict = 0;
-  for (int attempt = 0; attempt < 4 && strict == 0; ++attempt) strict = expect_no_silence(24, 2.0);
+  for (int attempt = 0; attempt < 4 && strict == 0; ++attempt) strict = expect_no_silence(24, 2.0).strict;
   EXPECT_GT(strict, 0);
 }
 
@@ -84,7 +89,8 @@ TEST(GpioRealtime, TwentyKilohertzOfEdgesAreWholeOrDeclared) {
   static_cast<void>(expect_no_silence(1000, 20.0));
 }
 
-TEST(GpioRealtime, HalfOfWhatTheDoctorCallsSafeIsWholeOrDeclared) {
+/// What `rb doctor` says of this machine now.
+double limit_by_the_doctor_hz() {
   const test::TemporaryDirectory work;
   const std::string said_file = work.path() / "said";
   test::run(
@@ -94,16 +100,25 @@ TEST(GpioRealtime, HalfOfWhatTheDoctorCallsSafeIsWholeOrDeclared) {
   std::ifstream file(said_file);
   const std::string said((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
   std::smatch found;
-  ASSERT_TRUE(
-      std::regex_search(said, found, std::regex("Encoder edges by GPIO: .* up to ([0-9.]+) kHz a line")))
-      << said;
+  if (!std::regex_search(said, found, std::regex("Encoder edges by GPIO: .* up to ([0-9.]+) kHz a line")))
+    throw std::runtime_error("rb doctor does not speak of edges: " + said);
   std::printf("%s\n", found.str().c_str());
-  const double limit_hz = 1000.0 * std::stod(found[1]);
-  if (limit_hz <= 0.0) GTEST_SKIP() << "this machine is too busy now: no rate of edges is safe on it";
-  // Where little is safe the ring has fewer teeth, so that its turns do not take too long.
-  const double edges_hz = limit_hz / 2.0;
-  const int teeth = edges_hz < 2.0 * 96 ? 24 : 96;
-  static_cast<void>(expect_no_silence(teeth, std::min(edges_hz / teeth, 60.0)));
+  return 1000.0 * std::stod(found[1]);
+}
+
+// The doctor looks for two seconds only, and the machine may be busier later: then it is asked again.
+TEST(GpioRealtime, AtHalfOfWhatTheDoctorSaysMostTurnsAreWhole) {
+  bool is_mostly_whole = false;
+  for (int attempt = 0; attempt < 4 && !is_mostly_whole; ++attempt) {
+    const double limit_hz = limit_by_the_doctor_hz();
+    if (limit_hz <= 0.0) continue;
+    // Where little is safe the ring has fewer teeth, so that its turns do not take too long; where much is,
+    // more.
+    const double edges_hz = limit_hz / 2.0;
+    const int teeth = edges_hz < 2.0 * 96 ? 24 : edges_hz < 40.0 * 96 ? 96 : 1000;
+    is_mostly_whole = expect_no_silence(teeth, std::min(edges_hz / teeth, 40.0)).is_mostly_whole;
+  }
+  EXPECT_TRUE(is_mostly_whole);
 }
 
 }  // namespace

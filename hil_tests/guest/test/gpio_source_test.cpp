@@ -15,7 +15,6 @@
 namespace roadbalance {
 namespace {
 
-using test::add_pulse;
 using test::GpioRig;
 using test::hog_processor;
 using test::kLead_ns;
@@ -23,11 +22,9 @@ using test::PulseChip;
 
 constexpr std::int64_t kPeriod_ns = 50'000;  // 20 kHz
 
-std::vector<gpio_pulse_step> pulses(unsigned line, int count, std::int64_t period_ns = kPeriod_ns) {
-  std::vector<gpio_pulse_step> steps;
-  const std::int64_t begin_ns = PulseChip::now_ns() + kLead_ns;
-  for (int k = 0; k < count; ++k) add_pulse(steps, line, begin_ns + k * period_ns, period_ns);
-  return steps;
+/// From soon on, at 20 kHz.
+std::vector<gpio_pulse_step> pulses(unsigned line, int count) {
+  return test::pulses(line, PulseChip::now_ns() + kLead_ns, kPeriod_ns, count);
 }
 
 std::string refusal(const std::string& chip, LineConfig line) {
@@ -106,12 +103,11 @@ TEST(GpioSource, AnUnpluggedChipIsSaidToBeGoneAndGivesEdgesAgainWhenItIsBack) {
   rig.play(pulses(3, 100));
   for (int time = 1; time <= 3; ++time) {
     PulseChip::unplug();
-    rig.take_for(100'000'000);
-    EXPECT_EQ(rig.counted(DeviceCounter::kGone), time);
+    rig.take_until(DeviceCounter::kGone, time);
     EXPECT_EQ(rig.counted(DeviceCounter::kReturned), time - 1);
     PulseChip::plug();
-    rig.take_for(1'000'000'000);
-    EXPECT_EQ(rig.counted(DeviceCounter::kReturned), time);
+    rig.take_until(DeviceCounter::kReturned, time);
+    EXPECT_EQ(rig.counted(DeviceCounter::kGone), time);
     const std::size_t before = rig.edges_of(EdgeKind::kTooth, 1);
     rig.play(pulses(4, 100));
     EXPECT_EQ(rig.edges_of(EdgeKind::kTooth, 1), before + 100);
@@ -125,8 +121,7 @@ TEST(GpioSource, SaysOnceWhyAChipThatIsBackCannotBeHad) {
   const std::string chip = PulseChip::name();  // it is called otherwise when it is back
   const std::string at_start = rig.warnings;
   PulseChip::unplug();
-  rig.take_for(100'000'000);
-  ASSERT_EQ(rig.counted(DeviceCounter::kGone), 1);
+  rig.take_until(DeviceCounter::kGone, 1);
   PulseChip::plug();
   gpiod_chip* const other = gpiod_chip_open_by_name(PulseChip::name().c_str());
   ASSERT_TRUE(other);
@@ -134,12 +129,26 @@ TEST(GpioSource, SaysOnceWhyAChipThatIsBackCannotBeHad) {
   rig.take_for(4'000'000'000);
   EXPECT_EQ(rig.counted(DeviceCounter::kReturned), 0);
   gpiod_chip_close(other);
-  rig.take_for(1'000'000'000);
-  EXPECT_EQ(rig.counted(DeviceCounter::kReturned), 1);
+  rig.take_until(DeviceCounter::kReturned, 1);
   EXPECT_EQ(rig.warnings, at_start + "[[node.line]] line 0 of node " + rig.vehicle.node[0].name +
                               ": tooth_gpio: GPIO 3 of " + chip + ": in use by \"somebody else\"\n");
   rig.play(pulses(3, 100));
   EXPECT_EQ(rig.edges_of(EdgeKind::kTooth), 100U);
+}
+
+TEST(GpioSource, AnotherChipOfTheSameLabelIsNotTakenForTheOneThatIsGone) {
+  const std::string chip = PulseChip::name();
+  PulseChip::plug_twin();
+  GpioRig rig({{0, 3, {}, {}}});
+  const std::string at_start = rig.warnings;
+  PulseChip::unplug();
+  rig.take_until(DeviceCounter::kGone, 1);
+  for (int k = 0; k < 100 && rig.warnings == at_start; ++k) rig.take_for(100'000'000);
+  PulseChip::unplug_twin();
+  EXPECT_EQ(rig.warnings,
+            at_start + "front end gpio:" + chip + ": GPIO chip " + chip + ": No such file or directory\n");
+  EXPECT_EQ(rig.counted(DeviceCounter::kReturned), 0);
+  PulseChip::plug();
 }
 
 TEST(GpioSource, WhatCannotBeHadIsRefusedByTheNameOfItsKey) {
