@@ -58,6 +58,9 @@ class OrdersCommand : public testing::Test {
     std::string text = test::read_source("sim/demo/vehicle.toml");
     replace(text, "\nrate_hz = 2000", "\nrate_hz = 500");
     replace(text, "\ncutoff_hz = 200", "\ncutoff_hz = 100");
+    text +=
+        "\n[[rotor]]\nname = \"shaft\"\nwheel = [\"front_left\"]\nratio = 2\n"
+        "[[rotor.plane]]\nname = \"flange\"\nposition_m = [0, 0, 0]\nweight_radius_m = 0.05\n";
     std::ofstream(folder_ / "vehicle.toml") << text;
     write_samples(VehicleConfig::parse(text, "vehicle.toml"));
     write_pulses();
@@ -180,6 +183,33 @@ TEST_F(OrdersCommand, LooksIntoOtherNodesForTheWheelToo) {
   EXPECT_EQ(Json::parse(one.output)["wheels"][0]["node"], "rear");
 }
 
+TEST_F(OrdersCommand, CountsOrdersOfARotorByItsOwnTurns) {
+  const Outcome outcome = rb({"orders", record_, "--rotor", "shaft", "--channel", "fl_carrier_z", "--json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.log;
+  const Json shaft = Json::parse(outcome.output)["wheels"][0];
+  EXPECT_EQ(shaft["wheel"], "shaft");
+  EXPECT_EQ(shaft["ratio"], 2.0);
+  EXPECT_EQ(shaft["remark"], "") << "a whole ratio: its angle is known";
+  const Json first = shaft["channels"][0]["orders"][0];
+  EXPECT_TRUE(first["phase_lasts"]);
+  // A turn of the shaft is half a turn of the wheel: its first order is the wheel's second.
+  EXPECT_NEAR(first["amplitude"].get<double>() / std::abs(kSecond), 1.0, 1e-3);
+  EXPECT_NEAR(first["phase_deg"].get<double>(), std::arg(kSecond) / kDegree, 0.03);
+  EXPECT_NEAR(shaft["channels"][0]["peaks"][0]["order"], 0.5, 1e-3)
+      << "and the wheel's first is half an order";
+}
+
+TEST_F(OrdersCommand, BalancesNoRotorByDrivesThatTellNothingOfIt) {
+  const Outcome same = rb({"balance", "--rotor", "shaft", record_, record_ + ":flange=20@0", "--json"});
+  EXPECT_EQ(same.code, 1) << "the weight did nothing";
+  EXPECT_NE(same.log.find("do not tell what a weight"), std::string::npos) << same.log;
+  EXPECT_EQ(Json::parse(same.output)["planes"].size(), 0U);
+  const Outcome wrong = rb({"balance", "--rotor", "shaft", record_, record_ + ":side=20@0"});
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_NE(wrong.log.find("side: rotor shaft has no such plane; allowed: flange"), std::string::npos)
+      << wrong.log;
+}
+
 TEST_F(OrdersCommand, NamesWhatIsAtFault) {
   const auto refused = [&](const std::vector<std::string>& arguments, const std::vector<std::string>& texts) {
     std::vector<std::string> all{"orders", record_};
@@ -192,7 +222,7 @@ TEST_F(OrdersCommand, NamesWhatIsAtFault) {
   };
   refused({"--wheel", "spare"}, {"spare", "front_left"});
   refused({"--channel", "bonnet_z"}, {"bonnet_z", "fl_carrier_z"});
-  refused({"--rotor", "drive_shaft"}, {"drive_shaft", "no [[rotor]]"});
+  refused({"--rotor", "drive_shaft"}, {"drive_shaft", "allowed: shaft"});
   refused({"--rotor", "drive_shaft", "--wheel", "front_left"}, {"--rotor", "--wheel"});
   refused({"--order", "0.01"}, {"--order", "0.01"});
   refused({"--order", "1", "--order", "1.05"}, {"1.05"});
