@@ -17,12 +17,28 @@ namespace {
 
 using namespace roadbalance;
 
-void add_disk_options(CLI::App& app, RecorderOptions& options, double& keep_gib, std::int64_t& reserve_mib) {
+/// As they are typed.
+struct DiskSizes {
+  double segment_mib = 64;
+  double keep_gib = 0;
+  std::int64_t reserve_mib = RecorderOptions().reserve_bytes >> 20;
+
+  void apply_to(RecorderOptions& options) const {
+    options.segment_bytes = static_cast<std::uint64_t>(segment_mib * (1 << 20));
+    options.keep_bytes = static_cast<std::int64_t>(keep_gib * (1 << 30));
+    options.reserve_bytes = reserve_mib << 20;
+  }
+};
+
+void add_disk_options(CLI::App& app, RecorderOptions& options, DiskSizes& sizes) {
   app.add_option("--fallback", options.fallback, "folder to go on in when the disk of the first one fails");
-  app.add_option("--keep-gib", keep_gib,
+  app.add_option("--segment-mib", sizes.segment_mib, "size of a segment of the recording")
+      ->check(CLI::Range(0.25, 4096.0))
+      ->capture_default_str();
+  app.add_option("--keep-gib", sizes.keep_gib,
                  "delete the oldest finished segments beyond so much; default: keep all")
       ->check(CLI::Range(0.001, 1e6));
-  app.add_option("--reserve-mib", reserve_mib, "of the disk, not for measuring")
+  app.add_option("--reserve-mib", sizes.reserve_mib, "of the disk, not for measuring")
       ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str();
   app.add_option("--power", options.power,
@@ -48,8 +64,7 @@ int main(int argc, char** argv) {
   std::string folder;
   bool no_start = false;
   bool json = false;
-  double keep_gib = 0;
-  std::int64_t reserve_mib = options.reserve_bytes >> 20;
+  DiskSizes sizes;
   app.add_option("--record", folder, "folder of the recording; an existing one is continued")->required();
   app.add_option("--url", options.url, "LCM address of the bus")->capture_default_str();
   app.add_option("--nodes", options.nodes, "record only these nodes; default: every node heard")
@@ -57,7 +72,7 @@ int main(int argc, char** argv) {
   app.add_flag("--no-start", no_start, "claim the nodes, but leave starting them to others");
   app.add_flag("--end-with-nodes", options.end_with_nodes, "end when each of --nodes has ended");
   app.add_flag("--json", json, "print the final counts as one JSON object on standard output");
-  add_disk_options(app, options, keep_gib, reserve_mib);
+  add_disk_options(app, options, sizes);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -69,8 +84,7 @@ int main(int argc, char** argv) {
   }
   options.folder = folder;
   options.start = !no_start;
-  options.keep_bytes = static_cast<std::int64_t>(keep_gib * (1 << 30));
-  options.reserve_bytes = reserve_mib << 20;
+  sizes.apply_to(options);
   options.on_cut_tail = [](const RecordWriter::CutTail& tail) {
     std::fprintf(stderr, "rb-recorder: cut a torn tail of %ju bytes off %s; it is kept in %s\n",
                  static_cast<std::uintmax_t>(tail.cut), tail.segment.c_str(), tail.tail.c_str());
