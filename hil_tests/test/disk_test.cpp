@@ -78,6 +78,7 @@ TEST_F(Disk, ADiskThatTurnsReadOnlyIsAStateAndLosesNothing) {
 }
 
 TEST_F(Disk, AFallbackFolderTakesOverAndTogetherTheyAreComplete) {
+  if (const auto why = test::FailingDisk::obstacle()) GTEST_SKIP() << *why;
   test::FailingDisk disk(work / "image", record, 256);
   const std::filesystem::path fallback = work / "fallback";
   Program running = recorder({"--fallback", fallback});
@@ -95,6 +96,11 @@ TEST_F(Disk, AFallbackFolderTakesOverAndTogetherTheyAreComplete) {
   EXPECT_FALSE(first.epoch[0].ended);
   EXPECT_TRUE(rest.epoch[0].ended);
   EXPECT_EQ(first.epoch[0].samples + rest.epoch[0].samples, rest.epoch[0].samples_sent);
+  EXPECT_EQ(test::check_record(record), static_cast<int>(Verdict::kIncomplete)) << "it has no end";
+
+  const std::filesystem::path whole = work / "whole";
+  ASSERT_EQ(test::run("rb", {"recover", record, "--spool", fallback, "-o", whole}, 60), 0);
+  expect_complete(whole, 1);
 }
 
 }  // namespace
