@@ -8,7 +8,7 @@ namespace roadbalance {
 
 CounterEncoder::CounterEncoder(const EncoderConfig& config, const SignalConfig& counter)
     : config_(config),
-      unwrap_(counter.counter),
+      unwrap_(of_ring(counter.counter, config.pulses_per_turn)),
       track_(counter.latency, counter.counter.step),
       angle_(config.pulses_per_turn) {}
 

@@ -12,6 +12,13 @@ constexpr double kTurn = 2.0 * std::numbers::pi;
 
 }  // namespace
 
+CounterForm of_ring(CounterForm form, std::int64_t pulses_per_turn) {
+  const auto pulses = static_cast<double>(pulses_per_turn);
+  form.highest_rate_hz = std::max(form.highest_rate_hz, 45.0 * pulses);
+  form.highest_change_hz_s = std::max(form.highest_change_hz_s, 12.0 * pulses);
+  return form;
+}
+
 CounterAngle::CounterAngle(std::int64_t pulses_per_turn) : pulses_(static_cast<double>(pulses_per_turn)) {
   if (pulses_per_turn < 1) throw std::invalid_argument("pulse counter: pulses_per_turn must be at least 1");
 }

@@ -4,8 +4,13 @@
 #include <optional>
 
 #include "common/wheel_counter/counter_track.hpp"
+#include "common/wheel_counter/counter_unwrap.hpp"
 
 namespace roadbalance {
+
+/// The same form with limits that suit a wheel's ring: no wheel turns faster than 45 times a second (300
+/// km/h) or gains more than 12 turns a second in one.
+CounterForm of_ring(CounterForm form, std::int64_t pulses_per_turn);
 
 /// Angle of a wheel from its pulse counter on the bus and a zero mark of its own (a sensor of ours on the
 /// wheel: the bus sends none).

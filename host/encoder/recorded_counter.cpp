@@ -73,7 +73,7 @@ RecordedCounter::RecordedCounter(const EncoderConfig& config, const SignalConfig
 }
 
 void RecordedCounter::unwrap(std::span<const SignalSample> samples) {
-  CounterUnwrap counter(counter_.counter);
+  CounterUnwrap counter(of_ring(counter_.counter, config_.pulses_per_turn));
   const auto latency_ns = std::llround(1e9 * counter_.latency.mean_s);
   const double half = 0.5 * static_cast<double>(counter_.counter.step);
   for (const SignalSample& sample : samples) {

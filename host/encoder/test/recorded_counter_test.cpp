@@ -128,6 +128,20 @@ TEST(RecordedCounter, ListensToMostMarksAndToNoneThatContradictOneAnother) {
   EXPECT_FALSE(other_ring.common_sigma_rad());
 }
 
+TEST(RecordedCounter, FollowsARingOfAThousandPulses) {
+  const auto samples =
+      sim::CounterMessages{.angle_rad = wheel_rad, .teeth = 1000, .rate_hz = 50.0, .jitter_s = 0.0005}
+          .samples(0.0, kSeconds);
+  EncoderConfig fine = kEncoder;
+  fine.pulses_per_turn = 1000;
+  RecordedCounter recorded(fine, counter(0.0005), samples, marks());
+  EXPECT_EQ(recorded.runs(), 1);
+  const Judged judged = judge(recorded, 0.5, kSeconds - 0.5);
+  EXPECT_EQ(judged.known, judged.blocks);
+  EXPECT_GT(judged.within, 0.93 * judged.known);
+  EXPECT_LT(judged.rms_deg, 1.2) << "what 0.5 ms of jitter leave of 3 degrees";
+}
+
 TEST(RecordedCounter, WithoutAMarkTellsOnlyHowFarTheWheelHasTurned) {
   const auto samples =
       sim::CounterMessages{.angle_rad = wheel_rad, .jitter_s = 0.0005}.samples(0.0, kSeconds);
