@@ -5,7 +5,8 @@
 namespace roadbalance {
 namespace {
 
-constexpr RotorOrders::Effort kEffort{.spectra = false, .least_rotation_hz = LiveOrders::kLeastRotation_hz};
+constexpr RotorOrders::Effort kEffort{
+    .spectra = false, .least_rotation_hz = LiveOrders::kLeastRotation_hz, .longest_wait_s = 60.0};
 
 OrderReport::Vector vector_of(const MeanVector& mean) {
   OrderReport::Vector vector;

@@ -15,8 +15,8 @@ std::int64_t next_index(const GridStream& stream) {
 
 }  // namespace
 
-GridJoin::GridJoin(const std::vector<const NodeConfig*>& nodes, Emit emit)
-    : sample_(nodes.size()), emit_(std::move(emit)) {
+GridJoin::GridJoin(const std::vector<const NodeConfig*>& nodes, Emit emit, double longest_wait_s)
+    : sample_(nodes.size()), longest_wait_s_(longest_wait_s), emit_(std::move(emit)) {
   for (const NodeConfig* const node : nodes)
     streams_.emplace_back(node->id, nodes.size() == 1, delays_of(*node));
 }
@@ -100,7 +100,7 @@ void GridJoin::emit_rows() {
 
 void GridJoin::drop_what_nobody_meets() {
   const double longest =
-      kLongestWait_s * 1e12 / static_cast<double>(std::max<std::int64_t>(grid_.period_ps, 1));
+      longest_wait_s_ * 1e12 / static_cast<double>(std::max<std::int64_t>(grid_.period_ps, 1));
   for (auto& stream : streams_)
     while (!stream.rows.empty() &&
            static_cast<double>(stream.rows.back().first_index - stream.rows.front().first_index) > longest) {

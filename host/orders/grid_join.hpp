@@ -33,8 +33,9 @@ class GridJoin {
   };
   using Emit = std::function<void(const Row&)>;
 
-  /// @param nodes  each once
-  GridJoin(const std::vector<const NodeConfig*>& nodes, Emit emit);
+  /// @param nodes           each once
+  /// @param longest_wait_s  for a node that is behind
+  GridJoin(const std::vector<const NodeConfig*>& nodes, Emit emit, double longest_wait_s = kLongestWait_s);
 
   void consume(const SealedBlock& block);
   /// In the order of the record: a fit counts for the blocks of its node that come after it.
@@ -56,6 +57,7 @@ class GridJoin {
   std::int64_t expected_ = -1;
   std::vector<Sample> sample_;
   std::string obstacle_;
+  double longest_wait_s_;
   Emit emit_;
 };
 

@@ -71,7 +71,9 @@ RotorOrders::RotorOrders(const VehicleConfig& vehicle, Rotor rotor, int node,
                    vector_blocks_.add(row);
                  }),
       values_(std::ssize(channel_)),
-      join_(nodes_of(vehicle, rotor_, node), [this](const GridJoin::Row& row) { take(row); }) {
+      join_(
+          nodes_of(vehicle, rotor_, node), [this](const GridJoin::Row& row) { take(row); },
+          effort.longest_wait_s) {
   const auto nodes = nodes_of(vehicle, rotor_, node);
   for (const int w : rotor_.wheel) {
     const WheelConfig& wheel = vehicle.wheel[static_cast<std::size_t>(w)];

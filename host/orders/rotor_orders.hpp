@@ -36,6 +36,7 @@ class RotorOrders {
   struct Effort {
     bool spectra = true;  ///< else vectors only
     double least_rotation_hz = kLeastRotation_hz;
+    double longest_wait_s = GridJoin::kLongestWait_s;  ///< for a node that is behind, in drive
   };
 
   /// Seconds of the drive; those that are not used, by their reason.
