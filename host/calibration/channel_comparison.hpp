@@ -14,8 +14,8 @@ namespace roadbalance {
 /// says how their gains and delays differ.
 ///
 /// Beside channels in use those of a loop-back are compared, which pass the same filters and converters: an
-/// angle is known against them, so that their mean is the reference for delays; without a loop-back it is the
-/// mean of all channels.  For gains it is the mean of the accelerations always.
+/// angle is known against them, so that their median is the reference for delays; without a loop-back it is
+/// the median of all channels.  For gains it is the median of the accelerations always.
 class ChannelComparison {
  public:
   struct Settings {
@@ -23,7 +23,7 @@ class ChannelComparison {
     double segment_s = 2.0;
     /// All sensors felt one motion; else all inputs were given one voltage, and sensors have no part in it.
     bool motion = false;
-    std::string reference{};  ///< channel that stays as it is; empty: the means
+    std::string reference{};  ///< channel that stays as it is; empty: the medians
   };
 
   /// @throws ConfigError naming what cannot be compared

@@ -121,32 +121,43 @@ void share_with_pilot(std::vector<ChannelMatch>& all, int pilot, double ChannelM
   }
 }
 
-/// From relative to the pilot to relative to the mean of the reference.
+double median(std::vector<double> values) {
+  std::ranges::sort(values);
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+}
+
+/// From relative to the pilot to relative to the median of the reference: one channel that is off must not
+/// put all others off.
 bool refer_to(const std::vector<int>& reference, std::vector<ChannelMatch>& all) {
-  double gain = 0.0, gain_variance = 0.0, delay = 0.0, delay_variance = 0.0, count = 0.0;
+  std::vector<double> gains, delays;
+  double gain_variance = 0.0, delay_variance = 0.0;
   std::vector<bool> counts(all.size());
   for (const int r : reference) {
     const ChannelMatch& one = all[static_cast<std::size_t>(r)];
     if (one.verdict != ChannelMatch::Verdict::kMatched) continue;
     counts[static_cast<std::size_t>(r)] = true;
-    gain += one.gain;
+    gains.push_back(one.gain);
+    delays.push_back(one.delay_s);
     gain_variance += one.gain_sigma * one.gain_sigma;
-    delay += one.delay_s;
     delay_variance += one.delay_sigma_s * one.delay_sigma_s;
-    ++count;
   }
-  if (count == 0.0) return false;
+  if (gains.empty()) return false;
+  const double gain = median(gains), delay_s = median(delays);
+  const auto count = static_cast<double>(gains.size());
+  // A median of many scatters by that much more than a mean.
+  const double cost = count > 2.0 ? std::numbers::pi / 2.0 : 1.0;
   for (std::size_t k = 0; k < all.size(); ++k) {
     ChannelMatch& one = all[k];
-    // Its own noise is in the mean, too.
+    // Its own noise is in the median, too.
     const double rest = counts[k] ? 1.0 - 2.0 / count : 1.0;
     const auto sigma = [&](double own, double sum) {
-      return std::sqrt(std::max(0.0, own * own * rest + sum / (count * count)));
+      return std::sqrt(std::max(0.0, own * own * rest + cost * sum / (count * count)));
     };
-    one.gain_sigma = sigma(one.gain_sigma, gain_variance) * count / gain;
-    one.gain *= count / gain;
+    one.gain_sigma = sigma(one.gain_sigma, gain_variance) / gain;
+    one.gain /= gain;
     one.delay_sigma_s = sigma(one.delay_sigma_s, delay_variance);
-    one.delay_s -= delay / count;
+    one.delay_s -= delay_s;
   }
   return true;
 }

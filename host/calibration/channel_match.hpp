@@ -22,7 +22,7 @@ struct ChannelMatch {
   double misfit_rad = 0.0;  ///< rms of its phase about that of the delay, over the bins used
 };
 
-/// Gain and delay of each channel from cross spectra, relative to the mean over `reference`.
+/// Gain and delay of each channel from cross spectra, relative to the median over `reference`.
 ///
 /// The channel that agrees best with all others is the pilot p.  Over the bins at which both are coherent,
 ///
@@ -33,7 +33,8 @@ struct ChannelMatch {
 /// (Bendat, Piersol, Random Data, 4th ed., section 9.2); weighted by its inverse the line of phase over
 /// frequency through 0 gives the delay, the mean of |H_k| the gain.
 ///
-/// @param reference  places of channels whose mean is the reference; those that are not matched do not count
+/// @param reference  places of channels whose median is the reference; those that are not matched do not
+/// count
 /// @return by channel; the figures of those not matched say what was seen.  Nothing if no two agree, none of
 /// the
 ///         reference is matched, or there are fewer than kLeastAverages.

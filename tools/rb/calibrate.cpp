@@ -115,7 +115,7 @@ Json json_of(const ChannelComparison::Channel& channel) {
 
 void print(const NodeResult& node) {
   std::printf("node %s, %.0f s\n%-24s %19s %22s  18 Hz   %9s\n", node.name.c_str(), node.found.seconds,
-              "channel", "gain over mean, %", "delay, us", "coherence");
+              "channel", "gain, % off", "delay, us", "coherence");
   for (const auto& channel : node.found.channel) {
     const ChannelMatch& match = channel.match;
     if (match.verdict == ChannelMatch::Verdict::kNoCoherence)
@@ -177,7 +177,7 @@ void add_calibrate(CLI::App& app, int& code) {
   command->add_option("--node", options->node, "this node's channels only; default: every node's");
   command->add_option(
       "--reference-channel", options->settings.reference,
-      "stays as it is; default: the mean, for delays the mean of the loop-back if there is one");
+      "stays as it is; default: the median, for delays that of the loop-back if there is one");
   command->add_flag("--motion", options->settings.motion,
                     "all sensors felt one motion; default: all inputs were given one voltage");
   command->add_option("--low-hz", options->settings.low_hz, "band that is compared")
