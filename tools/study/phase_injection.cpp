@@ -1,11 +1,12 @@
 #include "tools/study/phase_injection.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
-#include <functional>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "common/bus/codec.hpp"
 #include "firmware/pack.hpp"
@@ -16,9 +17,21 @@ namespace roadbalance {
 namespace {
 
 using std::numbers::pi;
-constexpr double kLearn_s = 2.0, kSeconds = 10.0;
+constexpr double kLearn_s = 2.0, kSeconds = 10.0, kMiddle_s = 0.5 * (kLearn_s + kSeconds);
 constexpr double kAmplitude_m_s2 = 10.0;
-constexpr double kAllowed_deg = 0.05;
+constexpr double kAllowed_deg = 0.05, kAllowedShare = 0.001;
+constexpr double kDrift_turns_s2 = 5.0 / 3.6 / 60.0 / (2.0 * std::numbers::pi * 0.3);  // 5 km/h a minute
+
+/// Of the generator, in turns.
+struct Motion {
+  double turns_hz, drift_turns_s2;
+
+  double speed(double t) const { return turns_hz + drift_turns_s2 * (t - kMiddle_s); }
+  double angle_rad(double t) const {
+    const double after_s = t - kMiddle_s;
+    return 2.0 * pi * (turns_hz + 0.5 * drift_turns_s2 * after_s) * after_s + 1.0;
+  }
+};
 
 /// A node with one acceleration on the front left carrier, and that wheel's encoder.
 VehicleConfig bench(const PhaseInjection& injection) {
@@ -46,7 +59,7 @@ sim::Scenario silent() {
 }
 
 std::vector<Scan> converted(const PhaseInjection& injection, const VehicleConfig& vehicle,
-                            const std::function<double(double)>& angle_rad) {
+                            const Motion& motion) {
   const double step_s = 0.5 / injection.scan_rate_hz;
   sim::Conditioner conditioner(silent(), 1, vehicle, vehicle.node[0], step_s);
   std::vector<Scan> scans(static_cast<std::size_t>(kSeconds * injection.scan_rate_hz));
@@ -54,9 +67,11 @@ std::vector<Scan> converted(const PhaseInjection& injection, const VehicleConfig
   std::int64_t step = 0;
   for (std::size_t k = 0; k < scans.size(); ++k) {
     for (; step <= 2 * static_cast<std::int64_t>(k); ++step) {
+      const double speed = motion.speed(static_cast<double>(step) * step_s) / motion.speed(kMiddle_s);
       sources(sim::kCoordinateSource + kBodyCoordinates) =
-          kAmplitude_m_s2 * std::cos(angle_rad(static_cast<double>(step) * step_s - injection.sine_late_s) -
-                                     injection.phase_rad);
+          kAmplitude_m_s2 * speed * speed *
+          std::cos(motion.angle_rad(static_cast<double>(step) * step_s - injection.sine_late_s) -
+                   injection.phase_rad);
       conditioner.feed(sources, step);
     }
     scans[k].index = static_cast<std::int64_t>(k);
@@ -70,46 +85,98 @@ std::vector<Scan> converted(const PhaseInjection& injection, const VehicleConfig
 /// frequency pass.
 class Demodulation final : public BlockSink {
  public:
+  /// @param mean_hz  demodulate by this frequency instead; nothing: by the reference
+  explicit Demodulation(std::optional<double> mean_hz) : mean_hz_(mean_hz) {}
+
   std::size_t room() const noexcept override { return std::numeric_limits<std::size_t>::max(); }
   SealedBlock* claim() noexcept override { return &block_; }
   void commit() noexcept override {
     if (block_.kind != BlockKind::kScan) return;
     const ScanBlock scans = decode_scan(block_);
     for (std::int64_t row = 0; row < scans.header.scans; ++row) {
-      const double at =
-          (static_cast<double>(scans.row_time_ns(row)) * 1e-9 - kLearn_s) / (kSeconds - kLearn_s);
+      const double t = static_cast<double>(scans.row_time_ns(row)) * 1e-9;
+      const double at = (t - kLearn_s) / (kSeconds - kLearn_s);
       if (at <= 0.0 || at >= 1.0) continue;
       if ((scans.quality & kQualityNoReference0) != 0) ++unknown_;
       const auto& counts = scans.counts[static_cast<std::size_t>(row)];
-      const std::complex<double> reference(counts[kAccelerations + 1], counts[kAccelerations]);
-      sum_ += std::pow(std::sin(pi * at), 2) * static_cast<double>(counts[0]) * std::conj(reference);
+      std::complex<double> reference(counts[kAccelerations + 1], counts[kAccelerations]);
+      if (first_s_ < 0.0)
+        first_s_ = t;
+      else
+        turned_rad_ += std::arg(reference * std::conj(last_));
+      last_s_ = t;
+      last_ = reference;
+      if (mean_hz_) reference = std::polar(std::abs(reference), 2.0 * pi * *mean_hz_ * (t - kMiddle_s) + 1.0);
+      const double weight = std::pow(std::sin(pi * at), 2);
+      sum_ += weight * static_cast<double>(counts[0]) * std::conj(reference);
+      power_ += weight * std::norm(reference);
     }
   }
-  /// Phase behind the reference; no number if a reference was not known.
-  double phase_rad() const {
-    return unknown_ > 0 ? std::numeric_limits<double>::quiet_NaN() : -std::arg(sum_);
+  /// Counts, of the phase before the reference.
+  std::complex<double> phasor() const {
+    if (unknown_ > 0) return std::numeric_limits<double>::quiet_NaN();
+    return 2.0 * static_cast<double>(kFullScaleCounts) * sum_ / power_;
   }
+  double mean_hz() const { return turned_rad_ / (2.0 * pi * (last_s_ - first_s_)); }
 
  private:
+  const std::optional<double> mean_hz_;
   SealedBlock block_;
-  std::complex<double> sum_;
+  std::complex<double> sum_, last_;
+  double power_ = 0.0, turned_rad_ = 0.0, first_s_ = -1.0, last_s_ = 0.0;
   std::int64_t unknown_ = 0;
 };
 
 }  // namespace
 
-double injected_phase_error_deg(const PhaseInjection& injection) {
+std::complex<double> injected_over_sent(const PhaseInjection& injection, bool by_mean_speed) {
   const VehicleConfig vehicle = bench(injection);
-  const auto angle_rad = [&](double t) { return 2.0 * pi * injection.turns_hz * t + 1.0; };
-  const sim::PulseTrain train{.angle_rad = angle_rad, .jitter_s = 1e-6};
-  Demodulation demodulation;
+  const Motion motion{injection.turns_hz, injection.drift_turns_s2};
+  const sim::PulseTrain train{.angle_rad = [&](double t) { return motion.angle_rad(t); }, .jitter_s = 1e-6};
+  Demodulation demodulation(by_mean_speed ? std::optional(injection.turns_hz) : std::nullopt);
   Sealer sealer(vehicle, vehicle.node[0], 1, demodulation, nullptr);
   sealer.start();
-  sealer.add(converted(injection, vehicle, angle_rad), train.edges(0.0, kSeconds), false);
+  sealer.add(converted(injection, vehicle, motion), train.edges(0.0, kSeconds), false);
   sealer.device_ended();
   static_cast<void>(sealer.finish());  // this sink always takes it
-  return std::remainder(demodulation.phase_rad() - injection.phase_rad, 2.0 * pi) * 180.0 / pi;
+  const double speed = demodulation.mean_hz() / injection.turns_hz;
+  const double sent = kAmplitude_m_s2 / vehicle.node[0].channel[0].scale_m_s2_per_count;
+  return demodulation.phasor() / (speed * speed) / std::polar(sent, -injection.phase_rad);
 }
+
+double injected_phase_error_deg(const PhaseInjection& injection) {
+  return -std::arg(injected_over_sent(injection)) * 180.0 / pi;
+}
+
+namespace {
+
+/// An unbalance while the speed drifts, against the same one at a constant speed.
+nlohmann::ordered_json drift_row() {
+  double square = 0.0, largest_deg = 0.0, largest_share = 0.0;
+  constexpr std::array kTurns_hz{10.0, 14.0, 18.0};
+  for (const double turns_hz : kTurns_hz) {
+    PhaseInjection injection{.filter = {}, .turns_hz = turns_hz};
+    const auto steady = injected_over_sent(injection);
+    injection.drift_turns_s2 = kDrift_turns_s2;
+    const auto cost = injected_over_sent(injection) / steady;
+    const double error_deg = std::abs(std::arg(cost)) * 180.0 / pi;
+    square += error_deg * error_deg / kTurns_hz.size();
+    largest_deg = std::isfinite(error_deg) ? std::max(largest_deg, error_deg) : error_deg;
+    largest_share = std::max(largest_share, std::abs(std::abs(cost) - 1.0));
+  }
+  const bool met = largest_deg <= kAllowed_deg && largest_share <= kAllowedShare;  // of no number neither
+  return {{"case", "unbalance while the speed drifts by 5 km/h a minute"},
+          {"rms_deg", std::sqrt(square)},
+          {"max_deg", largest_deg},
+          {"max_percent", 100.0 * largest_share},
+          {"allowed_rms_deg", kAllowed_deg},
+          {"allowed_max_deg", kAllowed_deg},
+          {"allowed_max_percent", 100.0 * kAllowedShare},
+          {"unknown_blocks", 0},
+          {"met", met}};
+}
+
+}  // namespace
 
 std::vector<nlohmann::ordered_json> phase_injection_rows() {
   std::vector<nlohmann::ordered_json> rows;
@@ -135,6 +202,7 @@ std::vector<nlohmann::ordered_json> phase_injection_rows() {
                     {"unknown_blocks", unknown},
                     {"met", unknown == 0 && largest <= kAllowed_deg}});
   }
+  rows.push_back(drift_row());
   return rows;
 }
 
