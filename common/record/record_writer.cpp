@@ -10,11 +10,11 @@
 #include "common/link/planted.hpp"
 #include "common/record/alter_blocks.hpp"
 #include "common/record/folder.hpp"
-#include "common/record/header_check.hpp"
 #include "common/record/log_event.hpp"
 #include "common/record/record.hpp"
 #include "common/record/record_folder.hpp"
 #include "common/record/segment.hpp"
+#include "common/record/segment_events.hpp"
 #include "common/record/take_over.hpp"
 #include "common/record/written_segment.hpp"
 
@@ -26,15 +26,9 @@ constexpr std::uint64_t kReserveBytes = std::uint64_t{16} << 20;
 // Appended events wait here for one write(2).
 constexpr std::size_t kBufferBytes = std::size_t{256} << 10;
 
-std::uint64_t commit_event_bytes() {
-  static const std::uint64_t bytes =
-      kLogHeaderBytes + std::string_view(kCommitChannel).size() + encode(Commit()).size();
-  return bytes;
-}
-
 }  // namespace
 
-struct RecordWriter::State {
+struct RecordWriter::State : SegmentEvents {
   State(Options with, Disk& on) : options(std::move(with)), disk(on) {}
 
   const Options options;
@@ -43,48 +37,18 @@ struct RecordWriter::State {
   File file;
   std::optional<WrittenSegment> written;  // the one before, until it is finished
   int segment = 0;                        // number of the current or, with no file open, of the last segment
-  std::uint64_t segment_bytes = 0;
-  std::uint64_t durable_bytes = 0;  // of the segment
+  std::uint64_t durable_bytes = 0;        // of the segment
   std::uint64_t reserved_bytes = 0;
-  std::int64_t event_number = 0;
-  std::int64_t last_timestamp_us = 0;
   std::int64_t appended = 0;
   std::int64_t durable = 0;
   bool failed = false;
   bool commit_due = false;  // the next event is to say what is durable
-  HeaderSum headers;        // since the last commit
-  std::vector<std::uint8_t> buffer;
   std::vector<std::pair<std::string, std::vector<std::uint8_t>>> preamble;
   std::vector<Note> abandoned;  // not yet said durably
   std::optional<CutTail> cut;
   RecordState holds;
   std::map<NodeEpoch, std::optional<RecordState::Epoch>> before;  // as of the last sync, where it was another
   AlterBlocks altered;
-
-  void put(std::string_view channel, std::span<const std::uint8_t> data) {
-    const LogEvent event{
-        .number = event_number++, .timestamp_us = last_timestamp_us, .channel = channel, .data = data};
-    const auto header = encode_log_header(event);
-    headers.add(event);
-    buffer.insert(buffer.end(), header.begin(), header.end());
-    buffer.insert(buffer.end(), channel.begin(), channel.end());
-    buffer.insert(buffer.end(), data.begin(), data.end());
-    segment_bytes += header.size() + channel.size() + data.size();
-  }
-
-  void put_commit() {
-    const Commit commit{.bytes = static_cast<std::int64_t>(durable_bytes),
-                        .headers_from = static_cast<std::int64_t>(headers.from),
-                        .headers_crc32c = headers.crc};
-    headers = {.from = segment_bytes, .crc = 0};
-    put(kCommitChannel, encode(commit));
-  }
-
-  // For the headers behind the last one.
-  void put_last_commit() {
-    const std::uint64_t covered = headers.from > 0 ? headers.from + commit_event_bytes() : 0;
-    if (segment_bytes > covered) put_commit();
-  }
 
   void flush(File& into) {
     while (reserved_bytes < segment_bytes) {
@@ -163,7 +127,7 @@ struct RecordWriter::State {
   void open_next() {
     folder.take_again(options.folder, disk);
     if (file.is_open()) {
-      put_last_commit();
+      put_last_commit(durable_bytes);
       sync();
     }
     (void)tidy();
@@ -209,7 +173,7 @@ struct RecordWriter::State {
     const std::uint64_t size = kLogHeaderBytes + channel.size() + data.size();
     const std::uint64_t commits = 2 * commit_event_bytes();  // one now and the last one
     if (!file.is_open() || segment_bytes + size + commits > options.segment_bytes) open_next();
-    if (std::exchange(commit_due, false)) put_commit();
+    if (std::exchange(commit_due, false)) put_commit(durable_bytes);
     put(channel, data);
     if (buffer.size() >= kBufferBytes) attempt([this] { flush(file); });
     ++appended;
@@ -263,7 +227,7 @@ void RecordWriter::sync() {
 void RecordWriter::close() {
   State& s = *state_;
   if (!s.file.is_open()) return;
-  s.put_last_commit();
+  s.put_last_commit(s.durable_bytes);
   s.sync();
   (void)s.tidy();
   s.attempt([&s] { s.give_up_present(s.segment_bytes).finish(s.options.folder, s.disk); });
