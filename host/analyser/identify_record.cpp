@@ -14,7 +14,8 @@ RecordedEstimate identify_record(const std::filesystem::path& folder, bool refin
   if (refine) clocks.emplace(folder);
   std::optional<AngleAgain> angles;
   const auto vehicle = recorded_vehicle(folder);
-  if (vehicle) angles.emplace(*vehicle);
+  const auto teeth = refine ? AngleAgain::Teeth::kAgain : AngleAgain::Teeth::kAsLive;
+  if (vehicle) angles.emplace(*vehicle, AngleAgain::WithoutMark::kNoAngle, teeth);
   if (angles && angles->wanted())
     read_recording(
         folder, [](const VehicleConfig&) {}, [&](const SealedBlock& block) { angles->learn(block); });

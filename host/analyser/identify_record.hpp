@@ -20,8 +20,9 @@ struct RecordedEstimate {
 /// But of wheels whose teeth are counted on the bus: their angles are computed again from all that was
 /// recorded (AngleAgain), and what is not known of them is in the result.
 ///
-/// @param refine  do not use the clocks' relations as they were known live: compute them again from the
-///                recorded exchanges, with what came before and after each instant
+/// @param refine  do not use the clocks' relations and the wheels' angles as they were known live: compute
+///                them again from the recorded exchanges and edges, with what came before and after each
+///                instant
 /// @throws as read_recording
 RecordedEstimate identify_record(const std::filesystem::path& folder, bool refine = false);
 

@@ -131,6 +131,10 @@ bool RecordedAngle::uncertain(NodeTime first, NodeTime last) const {
   return turn != numbered_.faulty_turns.end() && turn->from_ns <= to_ns(last);
 }
 
+double RecordedAngle::common_sigma_rad() const {
+  return place_sigma_ * 2.0 * std::numbers::pi / config_.pulses_per_turn;
+}
+
 double RecordedAngle::sigma_rad() const {
   return sigma_;
 }

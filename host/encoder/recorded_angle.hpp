@@ -28,6 +28,9 @@ class RecordedAngle {
   /// Standard deviation of an angle of the last call; the datum is not in it.
   double sigma_rad() const;
 
+  /// Of this the part that is the same all through the drive: the place of the mark.
+  double common_sigma_rad() const;
+
   const PitchTable& pitch_table() const { return table_; }
   const NumberedTeeth& teeth() const { return numbered_; }
 

@@ -13,7 +13,7 @@ constexpr std::array kUncertain{kQualityUncertainAngle0, kQualityUncertainAngle1
 
 }  // namespace
 
-AngleAgain::AngleAgain(const VehicleConfig& vehicle, WithoutMark without_mark)
+AngleAgain::AngleAgain(const VehicleConfig& vehicle, WithoutMark without_mark, Teeth teeth)
     : vehicle_(vehicle), without_mark_(without_mark) {
   for (const WheelConfig& wheel : vehicle_.wheel) {
     if (wheel.node.empty()) continue;
@@ -23,14 +23,17 @@ AngleAgain::AngleAgain(const VehicleConfig& vehicle, WithoutMark without_mark)
     else if (const auto speed = speed_signal(node.wiring, wheel.name);
              speed && !wheel.encoder.zero_mark && without_mark == WithoutMark::kTurned)
       add(wheel, node, *speed, true);
+    else if (teeth == Teeth::kAgain && wheel.encoder.zero_mark)
+      add(wheel, node, std::nullopt, false);
   }
 }
 
-void AngleAgain::add(const WheelConfig& wheel, const NodeConfig& node, int signal_number, bool by_speed) {
+void AngleAgain::add(const WheelConfig& wheel, const NodeConfig& node, std::optional<int> signal_number,
+                     bool by_speed) {
   Wheel& added = wheel_.emplace_back();
   added.config = &wheel;
   added.node = node.id;
-  added.signal = node.wiring.signal(signal_number);
+  added.signal = signal_number ? node.wiring.signal(*signal_number) : nullptr;
   added.signal_number = signal_number;
   added.by_speed = by_speed;
   if (!node_.contains(node.id))
@@ -56,20 +59,23 @@ void AngleAgain::learn(const SealedBlock& block) {
     for (const Edge& edge : decode_edge(block).unpack())
       for (Wheel& wheel : wheel_)
         if (wheel.node == block.header.node && edge.line == wheel.config->line &&
-            edge.kind == EdgeKind::kZeroMark)
-          wheel.epoch[epoch].marks.push_back(edge);
+            (!wheel.signal || edge.kind == EdgeKind::kZeroMark))
+          wheel.epoch[epoch].edges.push_back(edge);
   }
 }
 
 const AngleAgain::Epoch& AngleAgain::made(Wheel& wheel, std::int64_t epoch) {
   Epoch& data = wheel.epoch[epoch];
-  if (data.counter || data.speed) return data;
+  if (data.counter || data.speed || data.teeth) return data;
   if (wheel.by_speed)
     data.speed = std::make_unique<RecordedSpeed>(data.told, wheel.config->rolling_radius_m);
-  else
+  else if (wheel.signal)
     data.counter =
-        std::make_unique<RecordedCounter>(wheel.config->encoder, *wheel.signal, data.told, data.marks);
+        std::make_unique<RecordedCounter>(wheel.config->encoder, *wheel.signal, data.told, data.edges);
+  else
+    data.teeth = std::make_unique<RecordedAngle>(wheel.config->encoder, data.edges);
   data.told = {};
+  data.edges = {};
   return data;
 }
 
@@ -78,13 +84,22 @@ bool AngleAgain::turned(Wheel& wheel, const ScanBlock& block, NodeTime from, dou
                         std::span<double> angle_rad) {
   const Epoch& epoch = made(wheel, block.header.epoch);
   if (epoch.speed) return epoch.speed->turned(from, step_ns, angle_rad);
+  if (epoch.teeth) {
+    if (!epoch.teeth->angles(from, step_ns, angle_rad)) return false;
+    count(wheel, epoch.teeth->sigma_rad(), block);
+    return true;
+  }
   RecordedCounter& counter = *epoch.counter;
   if (without_mark_ == WithoutMark::kTurned && !counter.common_sigma_rad())
     return counter.turned(from, step_ns, angle_rad);
   if (!counter.angles(from, step_ns, angle_rad)) return false;
-  wheel.square += counter.sigma_rad() * counter.sigma_rad() * static_cast<double>(block.header.scans);
-  wheel.rows += block.header.scans;
+  count(wheel, counter.sigma_rad(), block);
   return true;
+}
+
+void AngleAgain::count(Wheel& wheel, double sigma_rad, const ScanBlock& block) {
+  wheel.square += sigma_rad * sigma_rad * static_cast<double>(block.header.scans);
+  wheel.rows += block.header.scans;
 }
 
 /// Angles at all of the filter's steps; false if they are not known.
@@ -94,6 +109,10 @@ bool AngleAgain::look_up(Wheel& wheel, Node& node, const ScanBlock& block, std::
   const NodeTime from = node.filter.first_step(node_time_from_ns(block.header.time_ns));
   const double step_ns = node.filter.step_ns();
   if (!turned(wheel, block, from, step_ns, angle_rad)) return false;
+  if (const auto& teeth = wheel.epoch[block.header.epoch].teeth) {
+    const auto last_row_ns = block.row_time_ns(block.header.scans - 1);
+    uncertain = teeth->uncertain(node_time_from_ns(block.header.time_ns), node_time_from_ns(last_row_ns));
+  }
   const double ratio = wheel.config->encoder.steering_ratio;
   if (ratio == 0.0) return true;
   const auto& samples = node.steering[block.header.epoch];
@@ -102,7 +121,7 @@ bool AngleAgain::look_up(Wheel& wheel, Node& node, const ScanBlock& block, std::
     track = node.track.emplace(block.header.epoch, SteeringTrack(samples.size() + 2)).first;
     for (const SignalSample& sample : samples) track->second.add(to_ns(sample.time), sample.value);
   }
-  uncertain = !track->second.take_out(ratio, to_ns(from), step_ns, angle_rad);
+  if (!track->second.take_out(ratio, to_ns(from), step_ns, angle_rad)) uncertain = true;
   return true;
 }
 
@@ -153,6 +172,16 @@ std::optional<AngleAgain::Quality> AngleAgain::quality(int wheel) const {
   quality.by_speed = found->by_speed;
   for (const auto& [number, epoch] : found->epoch) {
     if (epoch.speed) quality.runs += epoch.speed->runs();
+    if (epoch.teeth) {
+      const NumberedTeeth& teeth = epoch.teeth->teeth();
+      quality.runs += static_cast<std::int64_t>(teeth.runs.size());
+      quality.marks_dropped += teeth.marks_dropped;
+      for (const NumberedRun& run : teeth.runs)
+        quality.marks += static_cast<std::int64_t>(run.marks_ns.size());
+      quality.located = quality.located && !teeth.runs.empty();
+      common += std::pow(epoch.teeth->common_sigma_rad(), 2);
+      epochs += 1.0;
+    }
     if (!epoch.counter) continue;
     quality.runs += epoch.counter->runs();
     quality.marks += epoch.counter->marks();

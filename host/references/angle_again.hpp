@@ -12,13 +12,15 @@
 #include "common/encoder/reference_filter.hpp"
 #include "common/link/block.hpp"
 #include "common/wheel_counter/steering_track.hpp"
+#include "host/encoder/recorded_angle.hpp"
 #include "host/encoder/recorded_counter.hpp"
 #include "host/encoder/recorded_speed.hpp"
 
 namespace roadbalance {
 
 /// The references of a recording's scans computed again, of wheels whose teeth are counted on the bus
-/// (EncoderConfig::counter): from all that was recorded, before and after each instant.
+/// (EncoderConfig::counter), and if it is wanted of those with an encoder line: from all that was recorded,
+/// before and after each instant.
 ///
 /// A drive is read twice: learn() of all its blocks, then again() of each.  Where a wheel has no zero mark,
 /// or marks that contradict one another, there is no angle; but it can be had how far the wheel has turned,
@@ -27,7 +29,12 @@ class AngleAgain {
  public:
   enum class WithoutMark { kNoAngle, kTurned };
 
-  explicit AngleAgain(const VehicleConfig& vehicle, WithoutMark without_mark = WithoutMark::kNoAngle);
+  /// Of wheels with a line and a zero mark: the references as the node computed them live, or those of its
+  /// recorded edges (RecordedAngle; some 100 bytes of memory an edge).
+  enum class Teeth { kAsLive, kAgain };
+
+  explicit AngleAgain(const VehicleConfig& vehicle, WithoutMark without_mark = WithoutMark::kNoAngle,
+                      Teeth teeth = Teeth::kAsLive);
   AngleAgain(const AngleAgain&) = delete;
   AngleAgain& operator=(const AngleAgain&) = delete;
 
@@ -54,16 +61,17 @@ class AngleAgain {
   /// Of a wheel in an epoch of its node.
   struct Epoch {
     std::vector<SignalSample> told;  ///< by the bus
-    std::vector<Edge> marks;
+    std::vector<Edge> edges;         ///< of the line; where a bus counts the teeth, zero marks only
     // One of these, once it is asked for.
     std::unique_ptr<RecordedCounter> counter;
     std::unique_ptr<RecordedSpeed> speed;
+    std::unique_ptr<RecordedAngle> teeth;
   };
   struct Wheel {
     const WheelConfig* config;
     std::int32_t node;
-    const SignalConfig* signal;
-    int signal_number;
+    const SignalConfig* signal;        ///< nothing: its line tells
+    std::optional<int> signal_number;  ///< likewise
     bool by_speed;
     std::map<std::int64_t, Epoch> epoch;
     double square = 0.0;  ///< of the angles' sigma, sum
@@ -77,8 +85,9 @@ class AngleAgain {
     std::int64_t epoch = 0, next_scan = -1;
     std::array<std::vector<double>, kEncoderLines> angle_rad;
   };
-  void add(const WheelConfig& wheel, const NodeConfig& node, int signal_number, bool by_speed);
+  void add(const WheelConfig& wheel, const NodeConfig& node, std::optional<int> signal_number, bool by_speed);
   const Epoch& made(Wheel& wheel, std::int64_t epoch);
+  static void count(Wheel& wheel, double sigma_rad, const ScanBlock& block);
   bool turned(Wheel& wheel, const ScanBlock& block, NodeTime from, double step_ns,
               std::span<double> angle_rad);
   bool look_up(Wheel& wheel, Node& node, const ScanBlock& block, std::vector<double>& angle_rad,

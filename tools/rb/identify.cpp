@@ -47,8 +47,10 @@ void add_identify(CLI::App& app, int& code) {
       app.add_subcommand("identify", "Finds tyre stiffness and unbalance of every wheel from a recording");
   command->add_option("folder", options->folder, "the recording")->required();
   command->add_flag("--json", options->json, "one JSON object on standard output");
-  command->add_flag("--refine", options->refine,
-                    "compute the relations of the nodes' clocks again from all recorded exchanges");
+  command->add_flag(
+      "--refine", options->refine,
+      "compute the relations of the nodes' clocks and the wheels' angles again from all recorded "
+      "exchanges and edges");
   command->callback([options, &code] { code = identify(*options); });
 }
 
