@@ -175,11 +175,11 @@ std::string of_filter(const LoopBackComparison::Verdict& verdict, const FilterCo
         "filter?",
         -1e6 * verdict.delay_s);
   else
-    std::snprintf(
-        text, sizeof text,
-        "it comes back %.1f us later than the filter of vehicle.toml (order %d, %g Hz) makes it; of "
-        "this order that is one of %.1f Hz: check [filter] and what is fitted",
-        1e6 * verdict.delay_s, filter.order, filter.cutoff_hz, filter.cutoff_hz * nominal_s / real_s);
+    std::snprintf(text, sizeof text,
+                  "it comes back %.1f us %s than the filter of vehicle.toml (order %d, %g Hz) makes it; of "
+                  "this order that is one of %.1f Hz: check [filter] and what is fitted",
+                  1e6 * std::abs(verdict.delay_s), verdict.delay_s < 0.0 ? "earlier" : "later", filter.order,
+                  filter.cutoff_hz, filter.cutoff_hz * nominal_s / real_s);
   return text;
 }
 
