@@ -86,7 +86,7 @@ TEST(CanLink, TakesAnInterfaceWithoutControllerInBothRoles) {
 /// A cable between two interfaces, of which the node listens to one.
 class CableTest : public testing::Test {
  protected:
-  /// Sends until one arrives: how many then wait, and whether the first of them says it follows an absence.
+  /// Sends until one has arrived, which waits at the front then.
   static bool arrives(CanIntake& intake) {
     CanPlayer player("vx1");
     return wait_until(

@@ -6,6 +6,7 @@
 
 #include "hil_tests/guest/can_player.hpp"
 #include "hil_tests/guest/device_measurement.hpp"
+#include "hil_tests/guest/gpio_rig.hpp"
 #include "hil_tests/guest/played_rings.hpp"
 #include "hil_tests/guest/recorded_parts.hpp"
 #include "hil_tests/guest/running_module.hpp"
@@ -16,7 +17,7 @@ namespace {
 using test::Program;
 using test::PulseChip;
 
-constexpr double kPlayed_s = 25.0;  // longer than any measurement here: what is not needed is forgotten
+constexpr double kPlayed_s = 60.0;  // longer than any measurement here: what is not needed is forgotten
 
 /// rb-node whose wheels' rings are on GPIO and whose accelerometer module is on CAN, recorded.
 class GpioNodeTest : public test::DeviceMeasurement {
@@ -49,12 +50,12 @@ std::pair<int, int> blocks_in(const std::vector<ScanBlock>& blocks, const test::
 }
 
 TEST_F(GpioNodeTest, DeclaresEdgesThatWentByWhileItWasHeldAndWhileTheChipWasGone) {
-  turn_wheels();
   test::RunningModule module("vx1");
   Program running = recorder();
   Program front = node_on_gpio();
   ASSERT_TRUE(more_are_durable(kFront, 20));
-  bus.listen(2.0);
+  turn_wheels();
+  bus.listen(3.0);
   EXPECT_EQ(count_of(DeviceCounter::kEdgesLost), 0);
   const Interval well{PulseChip::now_ns() - 1'000'000'000, PulseChip::now_ns() - 200'000'000};
 
@@ -108,6 +109,40 @@ TEST_F(GpioNodeTest, DeclaresEdgesThatWentByWhileItWasHeldAndWhileTheChipWasGone
 
   expect_said(chip, {"encoder edges are missing (", "was unplugged or went down (1 time by now)",
                      "is there again (1 time by now)"});
+}
+
+TEST_F(GpioNodeTest, SaysTurnsOfWhichTheKernelTookTwoEdgesAsOne) {
+  test::RunningModule module("vx1");
+  Program running = recorder();
+  Program front = node_on_gpio();
+  ASSERT_TRUE(more_are_durable(kFront, 20));
+  turn_wheels();
+  bus.listen(2.0);
+  EXPECT_EQ(count_of(DeviceCounter::kFaultyTurns), 0);
+  // The kernel's interrupt thread does not run for four milliseconds, in which both wheels give edges.
+  const std::int64_t from_ns = PulseChip::now_ns() + 50'000'000;
+  test::hog_processor(90, from_ns, from_ns + 4'000'000).join();
+  const auto both_are_counted = [&] {
+    const auto& faults = bus.heartbeat(kFront).encoder_faults;
+    return faults[0] > 0 && faults[1] > 0;
+  };
+  EXPECT_TRUE(bus.wait(both_are_counted));
+  EXPECT_EQ(count_of(DeviceCounter::kEdgesLost), 0) << "the kernel gives no sign";
+  bus.listen(1.0);
+  end_well(running, {&front});
+
+  expect_verified(record, 1);
+  const std::vector<ScanBlock> blocks = test::recorded_blocks(record);
+  const std::vector<Edge> edges = test::recorded_events(record, kFront).edges;
+  for (const test::JudgedRing& ring : wheels.all()) {
+    const test::TurnVerdict turns = judge_turns(edges, ring);
+    const test::AngleVerdict angles = judge_angles(blocks, ring, [](std::int64_t) { return 0.0; });
+    std::printf("line %d: %s; %s\n", ring.line, turns.text().c_str(), angles.text().c_str());
+    EXPECT_GE(turns.declared, 1);
+    EXPECT_EQ(turns.silent, 0);
+    EXPECT_EQ(angles.silent_wrong, 0);
+    expect_said("encoder of line " + std::to_string(ring.line), {sentence(DeviceCounter::kFaultyTurns)});
+  }
 }
 
 TEST_F(GpioNodeTest, DoesNotBeginOnAChipThatIsNotThere) {

@@ -75,7 +75,6 @@ void expect_every_number(const std::vector<SignalSample>& signals, int least) {
 }
 
 TEST_F(MixedNodeTest, ABoardThatForgetsItsRunAndIsPulledCostsItsOwnSamplesAndNoMore) {
-  wheels.turn(VehicleConfig::read_file(vehicle_file), 25.0);
   test::CanPlayer car("vcan6");
   const std::jthread driving([&car](const std::stop_token& stop) {
     for (std::uint16_t number = 0; !stop.stop_requested(); ++number) {
@@ -86,7 +85,8 @@ TEST_F(MixedNodeTest, ABoardThatForgetsItsRunAndIsPulledCostsItsOwnSamplesAndNoM
   Program running = recorder();
   Program front = mixed_node();
   ASSERT_TRUE(more_are_durable(kFront, 20));
-  bus.listen(1.0);
+  wheels.turn(VehicleConfig::read_file(vehicle_file), 60.0);  // longer than this measurement
+  bus.listen(1.5);
   // Its firmware has forgotten its run: it says nothing any more, and is started again.
   boards.with(0, [](test::BenchBoard& board) { board.reset(); });
   ASSERT_TRUE(counted(DeviceCounter::kReturned, 1));
@@ -112,6 +112,15 @@ TEST_F(MixedNodeTest, ABoardThatForgetsItsRunAndIsPulledCostsItsOwnSamplesAndNoM
   const RecordedPiece events = test::recorded_events(record, kFront);
   expect_every_number(events.signals, 600);
   expect_whole_rings(events.edges, absences);
+}
+
+TEST_F(MixedNodeTest, SaysWhatIsWiredToItButNotAmongItsFrontEnds) {
+  const Program front = device_node({kBoard});
+  for (const char* sentence :
+       {"[[node.line]] wires the encoder of line 0 to GPIO, but no gpio: is among its front ends",
+        "[[node.line]] wires the encoder of line 1 to GPIO, but no gpio: is among its front ends",
+        "[[node.can]] describes vcan6, but no can:vcan6 is among its front ends"})
+    EXPECT_TRUE(bus.wait([&] { return said().find(sentence) != std::string::npos; })) << said();
 }
 
 // Without wheels: a board that catches up takes this machine's one processor from the GPIO, as no real one
