@@ -1,7 +1,10 @@
 #include "firmware/acquire.hpp"
 
 #include <chrono>
+#include <optional>
 #include <thread>
+
+#include "common/clock/clocks.hpp"
 
 namespace roadbalance {
 
@@ -9,6 +12,9 @@ namespace {
 
 /// How long to leave a device alone that waits for us, or a sink that is full after the end.
 constexpr auto kPatience = std::chrono::microseconds(200);
+/// Told to stop, how long the last scans may wait for what their references need: a silent device brings it
+/// never.
+constexpr auto kLastReferences = std::chrono::seconds(1);
 
 /// Until the end is written; a sink that stays full is asked again and again.
 void finish(std::stop_token stop, Sealer& sealer) noexcept {
@@ -39,10 +45,13 @@ void acquire(std::stop_token stop, FrontEnd& front_end, Sealer& sealer, BlockSin
   std::array<SignalSample, kSignalsPerRead> signals;
   const std::size_t most = sealer.most_blocks(scans.size(), edges.size(), signals.size());
   NodeState last = NodeState::kEnded;
+  std::optional<WallTime> told_to_stop;
   while (!stop.stop_requested()) {
     if (link.start.load(std::memory_order_acquire)) sealer.start();
     if (link.stop.load(std::memory_order_acquire)) {
       sealer.stop();
+      if (!told_to_stop) told_to_stop = WallClock::now();
+      if (!front_end.waits() && WallClock::now() - *told_to_stop > kLastReferences) sealer.device_ended();
       if (sealer.finish()) break;
     }
     if (front_end.waits() && (!sealer.started() || sink.room() < most)) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <numbers>
 #include <thread>
 
@@ -113,6 +114,39 @@ TEST(Acquire, OfAFullRingKeepsTheOldestAndTellsHowManyScansAreMissing) {
   EXPECT_GT(decode_end(end).scans_missing, 20'000 - 256 * kScansPerBlock);
   EXPECT_EQ(decode_end(end).scans_missing, node.link.scans_missing.load());
   EXPECT_EQ(decode_end(end).header.first_scan, 20'000);
+}
+
+/// A device that gives nothing more, and does not know that it ended.
+class FallsSilent final : public FrontEnd {
+ public:
+  explicit FallsSilent(FrontEnd& inner) : inner_(inner) {}
+  Read read(std::span<Scan> scans, std::span<Edge> edges, std::span<SignalSample>) noexcept override {
+    Read read = inner_.read(scans, edges, {});
+    if (read.status != ReadStatus::kEnd) return read;
+    if (read.scans == 0) is_silent = true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    read.status = ReadStatus::kOk;
+    return read;
+  }
+  std::atomic<bool> is_silent = false;
+
+ private:
+  FrontEnd& inner_;
+};
+
+TEST(Acquire, EndsWhenToldToThoughItsDeviceHasFallenSilent) {
+  Node node;
+  test::ScriptedFrontEnd scripted(test::marked_scans(0, 4000, kRate_hz), turning(1.9), 10);
+  FallsSilent device(scripted);
+  node.link.start = true;
+  std::thread process([&] { acquire({}, device, node.sealer, node.sink, node.link); });
+  while (!device.is_silent) std::this_thread::yield();
+  EXPECT_LT(node.link.scans_sampled.load(), 4000) << "the last scans wait for edges";
+  node.link.stop = true;
+  process.join();
+  const SealedBlock& end = node.ring.get(node.ring.next() - 1);
+  ASSERT_EQ(end.kind, BlockKind::kEnd);
+  EXPECT_EQ(decode_end(end).scans_sealed, 4000);
 }
 
 TEST(Acquire, EndsWhenToldToWithWhatItHas) {
