@@ -25,7 +25,7 @@ class Sender {
  public:
   struct Options {
     std::chrono::milliseconds repeat_after{10};
-    std::chrono::milliseconds lease{1000};  ///< an owner not heard for so long may be replaced
+    std::chrono::milliseconds lease{700};  ///< an owner not heard for so long may be replaced
     double blocks_per_s = 20'000;           ///< token bucket over all transmissions ...
     double burst_blocks = 64;               ///< ... and its size: what a small receive buffer holds
   };

@@ -11,7 +11,7 @@ using test::Program;
 
 class Pause : public test::Measurement {
  protected:
-  // Longer than the owner's lease of a second.
+  // Longer than the owner's lease of 0.7 s.
   const double pause_s = test::full_run() ? 5.0 : 1.5;
   // The ring holds 5 s at this rate.
   const std::string drive = "rate=10&seconds=10000";
