@@ -8,7 +8,9 @@ public class PrintBlocks {
     Log log = new Log(args[0], "r");
     try (PrintWriter out = new PrintWriter(args[1])) {
       while (true) {
-        scan_block_t b = new scan_block_t(log.readNext().data);
+        Log.Event event = log.readNext();
+        if (!event.channel.endsWith("_SCAN")) continue; // the recorder's own
+        scan_block_t b = new scan_block_t(event.data);
         out.print(b.node + " " + b.epoch + " " + b.sequence + " " + b.first_scan + " " + b.scans + " " + b.time_ns
             + " " + b.period_ps + " " + b.counts[0][0] + " " + b.counts[19][15] + " " + b.quality + "\n");
       }

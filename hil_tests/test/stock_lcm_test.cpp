@@ -13,6 +13,7 @@
 #include "common/bus/codec.hpp"
 #include "common/bus/control.hpp"
 #include "common/bus/notes.hpp"
+#include "common/bus/order_report.hpp"
 #include "common/bus/recorder_status.hpp"
 #include "common/bus/results.hpp"
 #include "common/record/record.hpp"
@@ -178,6 +179,7 @@ TEST(StockLcm, TheDecoderOfLcmSpyUnderstandsEveryMessage) {
     append("clock_exchange_t", encode(ClockExchange{.node = 4, .epoch = 77}));
     append("clock_fit_t", encode(ClockFit{.node = 4, .epoch = 77, .drift = 2e-5}));
     append("recorder_t", encode(RecorderStatus{.segment = 2}));
+    append("orders_t", encode(OrderReport{.wheel = 2, .node = 4}));
     writer.close();
   }
   const auto all = std::filesystem::directory_iterator(test::source_path("common/wire"));
@@ -189,6 +191,7 @@ TEST(StockLcm, TheDecoderOfLcmSpyUnderstandsEveryMessage) {
   const JavaDecoder decoder("DecodeEvents", types, folder.path());
   std::string expected;
   for (const auto& type : types) expected += type + " true\n";
+  expected += "commit_t true\n";  // which closes the segment
   EXPECT_EQ(decoder.run(folder.path() / "record/seg-000001.lcm", types), expected);
 }
 
