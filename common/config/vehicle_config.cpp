@@ -13,8 +13,6 @@
 namespace roadbalance {
 namespace {
 
-constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
-
 AxleConfig parse_axle(Section axle) {
   AxleConfig a{};
   a.x_m = axle.number("x_m", {-10, 10});
