@@ -21,7 +21,7 @@ class EveryCall : public ::testing::TestWithParam<Outcome> {
   // False if the drive has no such call.
   bool drive_with_fault_at(std::int64_t first, std::int64_t count, bool power_cut) {
     Drive drive(static_cast<std::uint64_t>(first));
-    drive.options.segment_bytes = 16 << 10;
+    drive.options.segment_bytes = 28 << 10;  // a preamble is half of it
     drive.disk.set_fault([&](DiskCall, std::int64_t number, const std::string&) {
       return number >= first && number < first + count ? GetParam() : Outcome{};
     });
