@@ -13,6 +13,7 @@
 #include "common/bus/codec.hpp"
 #include "common/test/no_allocation.hpp"
 #include "firmware/seal_all.hpp"
+#include "firmware/test/butterworth.hpp"
 #include "firmware/test/scripted_front_end.hpp"
 #include "firmware/test/vehicle.hpp"
 #include "sim/counter_messages.hpp"
@@ -32,14 +33,6 @@ double wheel_rad(double t) {
 }
 double turns_hz(double t) {
   return 15.0 - 3.0 * std::cos(pi * t / 10.0);
-}
-
-Complex response(const FilterConfig& filter, double hz) {
-  Complex product = 1.0;
-  for (int k = 1; k <= filter.order; ++k)
-    product /= 1.0 - Complex(0.0, hz / filter.cutoff_hz) /
-                         std::polar(1.0, pi * (2 * k + filter.order - 1) / (2.0 * filter.order));
-  return product;
 }
 
 struct Judged {
@@ -86,7 +79,8 @@ class CounterEncoderInNode : public testing::Test {
       for (std::size_t row = 0; row < kScansPerBlock; ++row) {
         const double t = start + static_cast<double>(row) / kRate_hz;
         const Complex found(block.counts[row][kAccelerations + 1], block.counts[row][kAccelerations]);
-        const Complex truth = std::polar(1.0, wheel_rad(t) + 0.4) * response(vehicle_.filter, turns_hz(t));
+        const Complex truth =
+            std::polar(1.0, wheel_rad(t) + 0.4) * test::response(vehicle_.filter, turns_hz(t));
         const double off = std::arg(found / truth) / kDegree;
         judged.rms_deg += off * off;
         judged.mean_deg += off;

@@ -10,6 +10,7 @@
 
 #include "common/bus/codec.hpp"
 #include "firmware/seal_all.hpp"
+#include "firmware/test/butterworth.hpp"
 #include "firmware/test/scripted_front_end.hpp"
 #include "firmware/test/vehicle.hpp"
 #include "sim/pulse_train.hpp"
@@ -27,15 +28,6 @@ double steering_rad(double t) {
   return 30.0 * kDegree * std::sin(2 * pi * 0.5 * t);
 }
 
-/// Butterworth's response, from its poles on the circle.
-Complex response(const FilterConfig& filter, double hz) {
-  Complex product = 1.0;
-  for (int k = 1; k <= filter.order; ++k)
-    product /= 1.0 - Complex(0.0, hz / filter.cutoff_hz) /
-                         std::polar(1.0, pi * (2 * k + filter.order - 1) / (2.0 * filter.order));
-  return product;
-}
-
 struct Judged {
   double most_deg[kEncoderLines]{};
   int uncertain = 0, no_reference = 0, blocks = 0;
@@ -45,7 +37,7 @@ struct Judged {
 Judged judge(const std::vector<SealedBlock>& blocks, const VehicleConfig& vehicle, double from_s,
              double to_s) {
   Judged judged;
-  const double lag = std::arg(response(vehicle.filter, kTurns_hz));
+  const double lag = std::arg(test::response(vehicle.filter, kTurns_hz));
   for (const SealedBlock& sealed : blocks) {
     if (sealed.kind != BlockKind::kScan) continue;
     const ScanBlock block = decode_scan(sealed);

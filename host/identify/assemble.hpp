@@ -12,7 +12,7 @@
 #include "common/config/vehicle_config.hpp"
 #include "common/link/block.hpp"
 #include "common/vehicle/linear_model.hpp"
-#include "host/identify/grid_stream.hpp"
+#include "host/identify/common_rows.hpp"
 #include "host/identify/signals.hpp"
 
 namespace roadbalance {
@@ -53,20 +53,14 @@ class Assembler {
     std::array<std::optional<int>, kEncoderLines> wheel;  ///< by encoder line
   };
 
-  GridStream* stream_of(std::int32_t node);
   void emit(const GridStream& changed);
-  void drop_unusable(GridStream& stream, const NodeMap& map);
-  void drop_what_nobody_meets();
   void add_rows(const GridStream& stream, const NodeMap& map);
-  void emit_common_rows();
+  void emit_run(const CommonRows::Run& run);
 
-  std::vector<GridStream> streams_;
+  CommonRows rows_;
   std::vector<NodeMap> maps_;
-  Grid grid_;
-  std::int64_t expected_ = -1;
   std::string no_common_time_;
   std::int32_t stream_of_obstacle_ = 0;
-  double longest_wait_s_;
   SignalRun run_;
   Emit emit_;
 };

@@ -9,15 +9,12 @@
 #include "common/clock/exchange.hpp"
 #include "common/config/vehicle_config.hpp"
 #include "common/link/block.hpp"
-#include "host/identify/grid_stream.hpp"
+#include "host/identify/common_rows.hpp"
 
 namespace roadbalance {
 
-/// The scans of some nodes at common instants: each node's are brought to one grid by its clock, and its
-/// channels to each other by their delays (GridStream).
-///
-/// The rows of a single node without delays are its scans unchanged.  Rows that one node lacks are left out,
-/// and the next is a restart.  A node that is kLongestWait_s behind is not waited for.
+/// The scans of some nodes at common instants, row by row (CommonRows).  The rows of a single node without
+/// delays are its scans unchanged.
 class GridJoin {
  public:
   static constexpr double kLongestWait_s = 300.0;  ///< of drive; 40 MB a node at 2 kHz
@@ -45,19 +42,12 @@ class GridJoin {
   const std::string& obstacle() const { return obstacle_; }
 
  private:
-  GridStream* stream_of(std::int32_t node);
   void emit(const GridStream& changed);
-  bool drop_used(GridStream& stream);
-  bool align();
-  void emit_rows();
-  void drop_what_nobody_meets();
+  void emit_rows(const CommonRows::Run& run);
 
-  std::vector<GridStream> streams_;
-  Grid grid_;
-  std::int64_t expected_ = -1;
+  CommonRows rows_;
   std::vector<Sample> sample_;
   std::string obstacle_;
-  double longest_wait_s_;
   Emit emit_;
 };
 

@@ -24,6 +24,16 @@ class KeeperFoldersTest : public ::testing::Test, protected test::Drive {
       return Outcome{.error = changes && path.starts_with(folder) ? EIO : 0};
     });
   }
+  /// A finished drive of 50 blocks, of which the last 30 went to the fallback; its first folder still fails.
+  void drive_into_the_fallback() {
+    options.fallback = kFallback;
+    start();
+    run(milliseconds(1000), 20);
+    fail_writes_below(kFolder);
+    run(milliseconds(3000), 30);
+    keeper->close(now);
+    keeper.reset();
+  }
   bool was_warned_of(const std::string& words) {
     bool found = false;
     for (const auto& warning : keeper->warnings()) found = found || warning.find(words) != std::string::npos;
@@ -32,13 +42,7 @@ class KeeperFoldersTest : public ::testing::Test, protected test::Drive {
 };
 
 TEST_F(KeeperFoldersTest, ARecordThatGoesOnInTheFallbackIsNotGoneOnWithWithoutIt) {
-  options.fallback = kFallback;
-  start();
-  run(milliseconds(1000), 20);
-  fail_writes_below(kFolder);
-  run(milliseconds(3000), 30);
-  keeper->close(now);
-  keeper.reset();
+  drive_into_the_fallback();
   fail_nothing();
   start();  // the disk can be written again: it is told where the record goes on
   keeper.reset();
@@ -59,13 +63,7 @@ TEST_F(KeeperFoldersTest, ARecordThatGoesOnInTheFallbackIsNotGoneOnWithWithoutIt
 
 // What a service's file does each day: another folder for the record, the same for the fallback.
 TEST_F(KeeperFoldersTest, TheFallbackOfAnotherDriveIsRefusedAndLeftAlone) {
-  options.fallback = kFallback;
-  start();
-  run(milliseconds(1000), 20);
-  fail_writes_below(kFolder);
-  run(milliseconds(3000), 30);
-  keeper->close(now);
-  keeper.reset();
+  drive_into_the_fallback();
   fail_nothing();
   const auto held = recorded(kFallback);
   options.folder = "/next drive";
@@ -85,13 +83,7 @@ TEST_F(KeeperFoldersTest, TheFallbackOfAnotherDriveIsRefusedAndLeftAlone) {
 
 // If the next drive cannot be written at all, measuring goes before order.
 TEST_F(KeeperFoldersTest, TheFallbackOfAnotherDriveIsTakenWithAWarningIfThereIsNothingElse) {
-  options.fallback = kFallback;
-  start();
-  run(milliseconds(1000), 20);
-  fail_writes_below(kFolder);
-  run(milliseconds(3000), 30);
-  keeper->close(now);
-  keeper.reset();
+  drive_into_the_fallback();
   options.folder = "/next drive";
   fail_writes_below("/next drive");
   ASSERT_EQ(disk.mkdir("/next drive", 0755), 0);
@@ -106,13 +98,7 @@ TEST_F(KeeperFoldersTest, TheFallbackOfAnotherDriveIsTakenWithAWarningIfThereIsN
 
 // The first folder could never be told where the record goes on.
 TEST_F(KeeperFoldersTest, AFallbackKnowsByItselfWhatItContinues) {
-  options.fallback = kFallback;
-  start();
-  run(milliseconds(1000), 20);
-  fail_writes_below(kFolder);
-  run(milliseconds(3000), 30);
-  keeper->close(now);
-  keeper.reset();
+  drive_into_the_fallback();
   fail_nothing();
   ASSERT_FALSE(path_exists("/record/continued-in", disk));
   start();
