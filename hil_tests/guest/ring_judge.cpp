@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <complex>
+#include <deque>
 #include <numbers>
 #include <optional>
 
@@ -26,11 +27,26 @@ double lag_rad(const FilterConfig& filter, double frequency_hz) {
   return lag;
 }
 
-/// There is an angle shortly before the mark that ends a turn.
-bool gives_angle(const WheelEncoder& encoder, NodeTime begin, NodeTime end) {
+/// From one zero mark that was read to the next.
+struct Turn {
+  NodeTime begin, end;
+  bool is_whole, has_lost;
+};
+
+/// There is an angle shortly before the mark that ends it.
+bool gives_angle(const WheelEncoder& encoder, const Turn& turn) {
   constexpr NodeClock::duration kShortly = std::chrono::milliseconds(20);
   std::array<double, 1> angle;
-  return encoder.angles(end - std::min(kShortly, (end - begin) / 2), 0.0, angle);
+  return encoder.angles(turn.end - std::min(kShortly, (turn.end - turn.begin) / 2), 0.0, angle);
+}
+
+void judge(TurnVerdict& verdict, const Turn& turn, const WheelEncoder& encoder) {
+  if (turn.is_whole)
+    ++verdict.whole;
+  else if (turn.has_lost || encoder.uncertain(turn.begin, turn.end) || !gives_angle(encoder, turn))
+    ++verdict.declared;
+  else
+    ++verdict.silent;
 }
 
 }  // namespace
@@ -43,12 +59,15 @@ std::string TurnVerdict::text() const {
 TurnVerdict judge_turns(std::span<const Edge> edges, const JudgedRing& ring) {
   TurnVerdict verdict;
   WheelEncoder encoder(ring.encoder);
+  std::deque<Turn> open;  // the encoder is asked when a node asks it: a tooth behind the mark may tell more
   std::optional<NodeTime> mark;
-  std::int64_t teeth = 0, faults = 0;
+  std::int64_t teeth = 0;
   int marks = 0;
   bool lost = false;
   for (const Edge& edge : edges) {
     if (edge.line != ring.line) continue;
+    for (; !open.empty() && edge.time > encoder.complete_at(open.front().end); open.pop_front())
+      judge(verdict, open.front(), encoder);
     encoder.add(edge.time, edge.kind);
     if (edge.kind == EdgeKind::kTooth) ++teeth;
     if (edge.kind == EdgeKind::kLost) lost = true;
@@ -57,19 +76,13 @@ TurnVerdict judge_turns(std::span<const Edge> edges, const JudgedRing& ring) {
     if (mark && ++marks > 2) {
       const double turns =
           std::round(std::chrono::duration<double>(edge.time - *mark).count() * ring.program.turns_hz);
-      if (teeth == std::llround(turns * ring.program.teeth))
-        ++verdict.whole;
-      else if (lost || encoder.faulty_turns() > faults || encoder.uncertain() ||
-               !gives_angle(encoder, *mark, edge.time))
-        ++verdict.declared;
-      else
-        ++verdict.silent;
+      open.push_back({*mark, edge.time, teeth == std::llround(turns * ring.program.teeth), lost});
     }
     mark = edge.time;
-    faults = encoder.faulty_turns();
     teeth = 0;
     lost = false;
   }
+  for (const Turn& turn : open) judge(verdict, turn, encoder);
   return verdict;
 }
 

@@ -27,7 +27,7 @@ struct JudgedRing {
 /// Turns from one zero mark that was read to the next.
 struct TurnVerdict {
   int whole = 0;     ///< have exactly their teeth
-  int declared = 0;  ///< have not, and the encoder counts a fault or gives no angle, or there is a kLost edge
+  int declared = 0;  ///< have not, and the encoder doubts it or gives no angle, or there is a kLost edge
   int silent = 0;    ///< have not, and nobody says so
   std::string text() const;
 };

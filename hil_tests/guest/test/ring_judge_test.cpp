@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <random>
 
 #include "common/bus/codec.hpp"
 #include "firmware/seal_all.hpp"
@@ -133,6 +135,48 @@ TEST_F(RingJudge, SaysThatItJudgesNothingStrictlyWhereAPitchIsAllowed) {
   const auto some = judge_angles(blocks, ring, [=](std::int64_t at_ns) { return at_ns < half ? 0.0 : 1.0; });
   EXPECT_GT(some.strict, 0);
   EXPECT_LT(some.strict, some.right);
+}
+
+/// What a busy kernel makes of a played line: its thread is late at times; of the edges that come meanwhile
+/// the last one that waits gets the stamp of the thread's return, the others are lost.
+std::vector<Edge> as_a_busy_kernel_reads(const std::vector<Edge>& edges, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> some(0.0, 1.0);
+  const double often = std::pow(10.0, -3.0 + 2.0 * some(random)), latest_ns = 4e6 * some(random);
+  struct Thread {
+    NodeTime busy_until{};
+    bool has_waiting = false;
+  };
+  std::map<EdgeKind, Thread> threads;
+  std::vector<Edge> read;
+  const auto take = [&](EdgeKind kind, NodeTime time) {
+    read.push_back({.time = time, .kind = kind});
+    const double busy_ns = some(random) < often ? latest_ns * some(random) : 5e3 + 5e4 * some(random);
+    threads[kind] = {time + std::chrono::nanoseconds(std::llround(busy_ns)), false};
+  };
+  for (const Edge& edge : edges) {
+    for (auto& [kind, thread] : threads)
+      if (thread.has_waiting && thread.busy_until <= edge.time) take(kind, thread.busy_until);
+    if (edge.time < threads[edge.kind].busy_until)
+      threads[edge.kind].has_waiting = true;
+    else
+      take(edge.kind, edge.time);
+  }
+  std::ranges::stable_sort(read, {}, &Edge::time);
+  return read;
+}
+
+// Teeth that are missing right before a mark are known by the teeth behind it.
+TEST_F(RingJudge, SeesThatWhatABusyKernelLosesIsDeclared) {
+  int whole = 0, declared = 0;
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    const test::TurnVerdict turns = judge_turns(as_a_busy_kernel_reads(edges, seed), ring);
+    EXPECT_EQ(turns.silent, 0) << "seed " << seed;
+    whole += turns.whole;
+    declared += turns.declared;
+  }
+  EXPECT_GT(whole, 1000);
+  EXPECT_GT(declared, 1000);
 }
 
 }  // namespace
