@@ -1,6 +1,5 @@
 #include "hil_tests/deterministic/hashed_sample.hpp"
 
-#include <algorithm>
 #include <cstring>
 
 namespace roadbalance::test {
@@ -30,26 +29,37 @@ bool has_wide_multiplication() {
   return has_it;
 }
 
+#define RB_WIDE_TARGET __attribute__((target("avx512f,avx512dq")))
 using EightWords = std::uint64_t __attribute__((vector_size(64)));
 using EightCounts = std::int32_t __attribute__((vector_size(32)));
 
-__attribute__((target("avx512f,avx512dq"))) void hash_eight(const std::uint64_t* key, std::uint64_t step,
-                                                            std::int32_t* out) {
-  EightWords x;
-  std::memcpy(&x, key, sizeof x);
-  x += step;
+RB_WIDE_TARGET inline EightCounts counts_of(EightWords x) {
   RB_MIX(x);
   x >>= 40;
   x -= std::uint64_t{kFullScaleCounts};
-  const EightCounts counts = __builtin_convertvector(x, EightCounts);
-  std::memcpy(out, &counts, sizeof counts);
+  return __builtin_convertvector(x, EightCounts);
+}
+
+// Eight channels, then the others.
+RB_WIDE_TARGET void hash_wide(const std::uint64_t* key, std::uint64_t step,
+                              std::span<HashedScans::Row> rows) {
+  EightWords first, others;
+  std::memcpy(&first, key, sizeof first);
+  std::memcpy(&others, key + 8, sizeof others);
+  for (HashedScans::Row& row : rows) {
+    const EightCounts first_counts = counts_of(first + step);
+    const EightCounts other_counts = counts_of(others + step);
+    std::memcpy(row.data(), &first_counts, sizeof first_counts);
+    std::memcpy(row.data() + 8, &other_counts, sizeof row - sizeof first_counts);
+    step += kStep;
+  }
 }
 #else
 bool has_wide_multiplication() {
   return false;
 }
 
-void hash_eight(const std::uint64_t*, std::uint64_t, std::int32_t*) {}
+void hash_wide(const std::uint64_t*, std::uint64_t, std::span<HashedScans::Row>) {}
 #endif
 
 }  // namespace
@@ -60,18 +70,13 @@ HashedScans::HashedScans(std::int32_t node, std::int64_t epoch) {
     key_[static_cast<std::size_t>(channel)] = mix(of_epoch ^ static_cast<std::uint64_t>(16 * node + channel));
 }
 
-HashedScans::Row HashedScans::at(std::int64_t index) const {
-  if (!has_wide_multiplication()) return at_one_by_one(index);
-  std::array<std::int32_t, kLanes> all;
-  const std::uint64_t step = static_cast<std::uint64_t>(index) * kStep;
-  hash_eight(key_.data(), step, all.data());
-  hash_eight(key_.data() + 8, step, all.data() + 8);
-  Row row;
-  std::copy_n(all.begin(), row.size(), row.begin());
-  return row;
+void HashedScans::fill(std::int64_t first, std::span<Row> rows) const {
+  if (has_wide_multiplication())
+    return hash_wide(key_.data(), static_cast<std::uint64_t>(first) * kStep, rows);
+  for (Row& row : rows) row = at(first++);
 }
 
-HashedScans::Row HashedScans::at_one_by_one(std::int64_t index) const {
+HashedScans::Row HashedScans::at(std::int64_t index) const {
   Row row;
   for (std::size_t channel = 0; channel < row.size(); ++channel) {
     const std::uint64_t bits = mix(key_[channel] + static_cast<std::uint64_t>(index) * kStep);

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include "common/frontend/front_end.hpp"
 
@@ -28,8 +29,8 @@ class HashedScans {
 
   /// The samples of scan `index`.
   Row at(std::int64_t index) const;
-  /// The same without the processor's wide multiplication: for processors that have none, and its check.
-  Row at_one_by_one(std::int64_t index) const;
+  /// Of scans `first`, `first` + 1 ..., by the processor's wide multiplication where it has one.
+  void fill(std::int64_t first, std::span<Row> rows) const;
 
  private:
   static constexpr std::size_t kLanes = 16;  // room for two registers of eight

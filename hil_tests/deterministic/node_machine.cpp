@@ -12,7 +12,6 @@
 #include "firmware/node_link.hpp"
 #include "firmware/ring_sink.hpp"
 #include "firmware/spool_folder.hpp"
-#include "hil_tests/deterministic/hashed_sample.hpp"
 
 namespace roadbalance::test {
 namespace {
@@ -104,7 +103,8 @@ NodeMachine::NodeMachine(const FaultScenario& scenario, std::int32_t number, std
       vehicle_(plain_vehicle(number, scenario.rate_hz)),
       clock_offset_ns_(random_.below(std::int64_t{1} << 50)),
       clock_drift_(random_.between(-50e-6, 50e-6)),
-      scans_(kScansPerRead) {}
+      scans_(kScansPerRead),
+      counts_(kScansPerRead) {}
 
 NodeMachine::~NodeMachine() = default;
 
@@ -149,24 +149,22 @@ bool NodeMachine::finished() const {
   return program_ && program_->uplink.finished();
 }
 
-void NodeMachine::fill(Scan& scan, std::int64_t place) {
-  scan.counts = program_->samples.at(place);
-}
-
 void NodeMachine::read(std::int64_t now_ns) {
   Program& p = *program_;
   const double since_s = static_cast<double>(now_ns - p.started_ns) * 1e-9;
   const auto end = static_cast<std::int64_t>(since_s * scenario_.rate_hz);
   p.next_index = std::max(p.next_index, end - kDeviceHolds);
-  std::size_t count = 0;
-  for (; p.next_index < end; ++p.next_index, ++count) {
-    Scan& scan = scans_[count];
-    scan.index = p.next_index;
+  const auto count = static_cast<std::size_t>(end - p.next_index);
+  if (p.sealer.started() && p.first_index < 0 && count > 0) p.first_index = p.next_index;
+  const std::int64_t first = p.next_index - std::max<std::int64_t>(0, p.first_index);
+  p.samples.fill(first, std::span(counts_).first(count));
+  for (std::size_t k = 0; k < count; ++k) {
+    Scan& scan = scans_[k];
+    scan.index = p.next_index++;
     const auto taken_ns =
         static_cast<std::int64_t>(1e9 / scenario_.rate_hz * static_cast<double>(scan.index));
     scan.time = node_time_from_ns(clock_ns(p.started_ns + taken_ns));
-    if (p.sealer.started() && p.first_index < 0) p.first_index = scan.index;
-    fill(scan, scan.index - std::max<std::int64_t>(0, p.first_index));
+    scan.counts = counts_[k];
   }
   p.sealer.add(std::span(scans_).first(count), {}, false);
   if (count > 0) {  // blocks without scans, which nothing tells of but their numbers

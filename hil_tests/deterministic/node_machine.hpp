@@ -10,6 +10,7 @@
 #include "common/config/vehicle_config.hpp"
 #include "common/frontend/front_end.hpp"
 #include "hil_tests/deterministic/fault_scenario.hpp"
+#include "hil_tests/deterministic/hashed_sample.hpp"
 #include "hil_tests/deterministic/random.hpp"
 #include "hil_tests/deterministic/truth.hpp"
 
@@ -54,7 +55,6 @@ class NodeMachine {
  private:
   struct Program;
   void read(std::int64_t now_ns);
-  void fill(Scan& scan, std::int64_t place);
   void watch_freed(std::string_view what, std::span<const std::uint8_t> bytes, std::int64_t base_before);
 
   const FaultScenario& scenario_;
@@ -69,7 +69,8 @@ class NodeMachine {
   std::int64_t last_epoch_ = 0;
   std::int64_t clock_offset_ns_;
   double clock_drift_;
-  std::vector<Scan> scans_;
+  std::vector<Scan> scans_;               // of one read
+  std::vector<HashedScans::Row> counts_;  // of these
 };
 
 }  // namespace roadbalance::test

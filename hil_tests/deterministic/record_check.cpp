@@ -113,11 +113,12 @@ void RecordCheck::run_on(const BlockHeader& header, Seen& of) {
 }
 
 void RecordCheck::check_samples(const ScanBlock& block, const HashedScans& samples) {
-  for (std::int64_t row = 0; row < block.header.scans; ++row) {
-    const HashedScans::Row truth = samples.at(block.header.first_scan + row);
-    if (!std::equal(truth.begin(), truth.end(), block.counts[static_cast<std::size_t>(row)].begin()))
+  std::array<HashedScans::Row, kScansPerBlock> truth;
+  const auto rows = static_cast<std::size_t>(block.header.scans);
+  samples.fill(block.header.first_scan, std::span(truth).first(rows));
+  for (std::size_t row = 0; row < rows; ++row)
+    if (!std::equal(truth[row].begin(), truth[row].end(), block.counts[row].begin()))
       fault(block.header, "samples of row " + std::to_string(row) + " are altered");
-  }
 }
 
 bool RecordCheck::is_closed(std::int32_t node, std::int64_t epoch) const {

@@ -13,7 +13,6 @@ TEST(HashedScans, AreTheRandomSequenceOfTheirPlace) {
       const HashedScans scans(node, epoch);
       for (const std::int64_t index : {std::int64_t{0}, std::int64_t{1}, std::int64_t{1} << 40}) {
         const auto row = scans.at(index);
-        EXPECT_EQ(row, scans.at_one_by_one(index));
         for (std::size_t channel = 0; channel < row.size(); ++channel) {
           const sim::RandomSequence sequence(static_cast<std::uint64_t>(epoch), sim::Use::kTestSample,
                                              static_cast<std::uint64_t>(node) * 16 + channel);
@@ -21,6 +20,16 @@ TEST(HashedScans, AreTheRandomSequenceOfTheirPlace) {
         }
       }
     }
+}
+
+TEST(HashedScans, FilledAtOnceAreThoseOfEachPlace) {
+  const HashedScans scans(3, 0x1234567890ABCDE);
+  for (const std::int64_t first : {std::int64_t{0}, std::int64_t{7}, (std::int64_t{1} << 40) - 2}) {
+    std::array<HashedScans::Row, 21> rows{};
+    scans.fill(first, std::span(rows).first(20));
+    for (std::size_t k = 0; k < 20; ++k) EXPECT_EQ(rows[k], scans.at(first + static_cast<std::int64_t>(k)));
+    EXPECT_EQ(rows[20], HashedScans::Row{});
+  }
 }
 
 }  // namespace
