@@ -1,8 +1,10 @@
 #pragma once
 
+#include <bit>
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 
 #include "common/bus/wire_format.hpp"
@@ -23,8 +25,7 @@ inline constexpr std::size_t kScanCounts = std::size_t{kScansPerBlock} * kChanne
 inline constexpr std::size_t kScanBytes = kScanCountsAt + 4 * kScanCounts + 12;
 
 inline std::int32_t load_i32(const std::uint8_t* bytes) {
-  return static_cast<std::int32_t>(std::uint32_t{bytes[0]} << 24 | std::uint32_t{bytes[1]} << 16 |
-                                   std::uint32_t{bytes[2]} << 8 | bytes[3]);
+  return static_cast<std::int32_t>(load_u32(bytes));
 }
 
 inline void store_i32(std::int32_t value, std::uint8_t* bytes) {
@@ -52,14 +53,27 @@ inline ScanFields read_scan_fields(std::span<const std::uint8_t> bytes) {
           .quality = load_i32(behind_counts + 4)};
 }
 
+/// Of two counts side by side in memory, each big endian, to or from those of this processor.
+inline std::uint64_t swap_pair(std::uint64_t pair) {
+  if constexpr (std::endian::native == std::endian::big) return pair;
+  return std::rotl(__builtin_bswap64(pair), 32);
+}
+
+/// Counts to or from the wire, two at a time: they are nearly all of a block.
+inline void swap_counts(const void* from, void* to) {
+  static_assert(kScanCounts % 2 == 0);
+  for (std::size_t at = 0; at < 4 * kScanCounts; at += 8) {
+    std::uint64_t pair;
+    std::memcpy(&pair, static_cast<const std::uint8_t*>(from) + at, sizeof pair);
+    pair = swap_pair(pair);
+    std::memcpy(static_cast<std::uint8_t*>(to) + at, &pair, sizeof pair);
+  }
+}
+
 inline void read_scan_counts(std::span<const std::uint8_t> bytes, ScanBlock& out) {
   assert(bytes.size() == kScanBytes);
-  const std::uint8_t* at = bytes.data() + kScanCountsAt;
-  for (auto& row : out.counts)
-    for (auto& count : row) {
-      count = load_i32(at);
-      at += 4;
-    }
+  static_assert(sizeof out.counts == 4 * kScanCounts);
+  swap_counts(bytes.data() + kScanCountsAt, out.counts.data());
 }
 
 /// All but the CRC.
@@ -74,11 +88,8 @@ inline void write_scan(const ScanBlock& block, std::int64_t fingerprint, std::sp
     store_i64(field, at);
     at += 8;
   }
-  for (const auto& row : block.counts)
-    for (const std::int32_t count : row) {
-      store_i32(count, at);
-      at += 4;
-    }
+  swap_counts(block.counts.data(), at);
+  at += sizeof block.counts;
   store_i32(block.overload, at);
   store_i32(block.quality, at + 4);
 }

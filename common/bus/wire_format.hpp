@@ -13,10 +13,13 @@ namespace roadbalance::wire_format {
 
 inline constexpr std::size_t kCrcBytes = 4;
 
+inline std::uint32_t load_u32(const std::uint8_t* bytes) {
+  return std::uint32_t{bytes[0]} << 24 | std::uint32_t{bytes[1]} << 16 | std::uint32_t{bytes[2]} << 8 |
+         bytes[3];
+}
+
 inline std::int64_t load_i64(const std::uint8_t* bytes) {
-  std::uint64_t value = 0;
-  for (int k = 0; k < 8; ++k) value = value << 8 | bytes[k];
-  return static_cast<std::int64_t>(value);
+  return static_cast<std::int64_t>(std::uint64_t{load_u32(bytes)} << 32 | load_u32(bytes + 4));
 }
 
 inline void store_u32(std::uint32_t value, std::uint8_t* bytes) {
