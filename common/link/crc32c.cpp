@@ -95,6 +95,16 @@ std::uint64_t word_at(const std::uint8_t* bytes) {
   return word;
 }
 
+RB_CRC_TARGET inline Register add_four_bytes(Register value, const std::uint8_t* bytes) {
+  std::uint32_t word = 0;
+  std::memcpy(&word, bytes, sizeof word);
+#if defined(__x86_64__)
+  return _mm_crc32_u32(static_cast<std::uint32_t>(value), word);
+#else
+  return __crc32cw(value, word);
+#endif
+}
+
 RB_CRC_TARGET Register add_three_lanes(Register first, const std::uint8_t* bytes) {
   Register second = 0;
   Register third = 0;
@@ -114,26 +124,37 @@ RB_CRC_TARGET std::uint32_t by_instruction(std::span<const std::uint8_t> bytes, 
   for (; at + 3 * kLaneBytes <= bytes.size(); at += 3 * kLaneBytes)
     value = add_three_lanes(value, bytes.data() + at);
   for (; at + 8 <= bytes.size(); at += 8) value = add_word(value, word_at(bytes.data() + at));
+  if (at + 4 <= bytes.size()) {
+    value = add_four_bytes(value, bytes.data() + at);
+    at += 4;
+  }
   for (; at < bytes.size(); ++at) value = add_byte(value, bytes[at]);
   return ~static_cast<std::uint32_t>(value);
 }
-RB_CRC_TARGET inline std::uint32_t add_column(std::uint32_t value, const std::uint8_t* bytes) {
-  std::uint32_t word = 0;
-  std::memcpy(&word, bytes, sizeof word);
-#if defined(__x86_64__)
-  return _mm_crc32_u32(value, word);
-#else
-  return __crc32cw(value, word);
-#endif
-}
 
-// Row by row, so that the columns' chains run side by side.
+// Four columns at a time, whose chains run side by side in registers.
 RB_CRC_TARGET void columns_by_instruction(std::span<const std::uint8_t> rows, std::span<std::uint32_t> crc) {
-  for (std::uint32_t& value : crc) value = ~value;
-  for (std::size_t at = 0; at < rows.size();)
-    for (std::size_t column = 0; column < crc.size(); ++column, at += kCrcColumnBytes)
-      crc[column] = add_column(crc[column], rows.data() + at);
-  for (std::uint32_t& value : crc) value = ~value;
+  const std::size_t row_bytes = kCrcColumnBytes * crc.size();
+  std::size_t column = 0;
+  for (; column + 4 <= crc.size(); column += 4) {
+    Register a = ~crc[column], b = ~crc[column + 1], c = ~crc[column + 2], d = ~crc[column + 3];
+    for (std::size_t at = kCrcColumnBytes * column; at < rows.size(); at += row_bytes) {
+      a = add_four_bytes(a, rows.data() + at);
+      b = add_four_bytes(b, rows.data() + at + kCrcColumnBytes);
+      c = add_four_bytes(c, rows.data() + at + 2 * kCrcColumnBytes);
+      d = add_four_bytes(d, rows.data() + at + 3 * kCrcColumnBytes);
+    }
+    crc[column] = ~static_cast<std::uint32_t>(a);
+    crc[column + 1] = ~static_cast<std::uint32_t>(b);
+    crc[column + 2] = ~static_cast<std::uint32_t>(c);
+    crc[column + 3] = ~static_cast<std::uint32_t>(d);
+  }
+  for (; column < crc.size(); ++column) {
+    Register value = ~crc[column];
+    for (std::size_t at = kCrcColumnBytes * column; at < rows.size(); at += row_bytes)
+      value = add_four_bytes(value, rows.data() + at);
+    crc[column] = ~static_cast<std::uint32_t>(value);
+  }
 }
 #else
 bool processor_has_it() {
