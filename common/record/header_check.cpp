@@ -5,9 +5,9 @@
 
 namespace roadbalance {
 
-void HeaderSum::add(const LogEvent& event) {
-  crc = crc32c(encode_log_header(event), crc);
-  crc = crc32c({reinterpret_cast<const std::uint8_t*>(event.channel.data()), event.channel.size()}, crc);
+void HeaderSum::add(std::span<const std::uint8_t> header, std::string_view channel) {
+  crc = crc32c(header, crc);
+  crc = crc32c({reinterpret_cast<const std::uint8_t*>(channel.data()), channel.size()}, crc);
 }
 
 std::optional<std::uint64_t> HeaderCheck::take(int segment, std::uint64_t offset, const LogEvent& event) {
@@ -29,7 +29,7 @@ std::optional<std::uint64_t> HeaderCheck::take(int segment, std::uint64_t offset
     whole_ = commit.has_value();
     sum_ = {.from = offset, .crc = 0};
   }
-  sum_.add(event);
+  sum_.add(encode_log_header(event), event.channel);
   return altered;
 }
 

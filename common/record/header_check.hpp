@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <string_view>
 
 #include "common/record/record.hpp"
 
@@ -12,7 +14,8 @@ struct HeaderSum {
   std::uint64_t from = 0;  ///< offset in the segment
   std::uint32_t crc = 0;
 
-  void add(const LogEvent& event);
+  /// @param header  as encode_log_header() gives it
+  void add(std::span<const std::uint8_t> header, std::string_view channel);
 };
 
 /// Holds number, stamp and channel of each event of a record against what the commit events say of them.
