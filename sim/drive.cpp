@@ -8,7 +8,8 @@
 
 namespace roadbalance::sim {
 
-Drive::Drive(const DriveScenario& scenario, std::uint64_t seed) {
+Drive::Drive(const DriveScenario& scenario, std::uint64_t seed)
+    : drift_m_s2_(scenario.drift_m_s2), end_s_(0.0) {
   double before_m_s = scenario.plateau.front().speed_m_s;
   Leg leg{0.0, 0.0, before_m_s, before_m_s, 0.0};
   for (const Plateau& plateau : scenario.plateau) {
@@ -20,6 +21,7 @@ Drive::Drive(const DriveScenario& scenario, std::uint64_t seed) {
     leg.start_m = on_leg(leg_.back(), leg.start_s).position_m;
     before_m_s = plateau.speed_m_s;
   }
+  end_s_ = leg.start_s;
   const RandomSequence random(seed, Use::kWander, 0);
   for (std::size_t i = 0; i < wander_.size(); ++i) {
     const auto n = static_cast<std::int64_t>(i);
@@ -44,10 +46,21 @@ Motion Drive::on_leg(const Leg& leg, double time_s) {
       step_m_s / leg.ramp_s * 30.0 * x2 * (1.0 - x) * (1.0 - x)};
 }
 
+Motion Drive::drift(double time_s) const {
+  const double until_s = std::clamp(time_s, 0.0, end_s_);
+  const double speed_m_s = drift_m_s2_ * until_s;
+  return {0.5 * speed_m_s * until_s + speed_m_s * (time_s - until_s), speed_m_s,
+          time_s == until_s ? drift_m_s2_ : 0.0};
+}
+
 Motion Drive::at(double time_s) const {
   std::size_t i = 0;
   while (i + 1 < leg_.size() && time_s >= leg_[i + 1].start_s) ++i;
   Motion motion = on_leg(leg_[i], time_s);
+  const Motion drifted = drift(time_s);
+  motion.position_m += drifted.position_m;
+  motion.speed_m_s += drifted.speed_m_s;
+  motion.acceleration_m_s2 += drifted.acceleration_m_s2;
   for (const Wander& w : wander_) {
     const double sine = std::sin(w.rate_rad_s * time_s + w.phase_rad);
     const double cosine = std::cos(w.rate_rad_s * time_s + w.phase_rad);

@@ -18,8 +18,8 @@ struct Motion {
 /// The drive in closed form, so that any instant can be asked for without what came before.
 ///
 /// Speed = plateaus joined by quintic smooth steps (speed, acceleration and jerk continuous) + four sinusoids
-/// with periods of 7 .. 40 s; position is its exact integral.  Before time 0 and after the end the speed of
-/// the first and the last plateau goes on.
+/// with periods of 7 .. 40 s + a drift that grows from time 0 to the end; position is its exact integral.
+/// Before time 0 and after the end the speed of the first and the last plateau goes on.
 class Drive {
  public:
   Drive(const DriveScenario& scenario, std::uint64_t seed);
@@ -41,9 +41,11 @@ class Drive {
     double phase_rad;
   };
   static Motion on_leg(const Leg& leg, double time_s);
+  Motion drift(double time_s) const;
 
   std::vector<Leg> leg_;
   std::array<Wander, 4> wander_;
+  double drift_m_s2_, end_s_;
 };
 
 }  // namespace roadbalance::sim

@@ -16,6 +16,7 @@ DriveScenario parse_drive(Section section) {
   DriveScenario drive;
   drive.ramp_s = section.number_or("ramp_s", {0.5, 60.0}, 6.0);
   drive.wander_m_s = section.number_or("wander_km_h", {0.0, 5.0}, 0.5) * kKmH;
+  drive.drift_m_s2 = section.number_or("drift_km_h_min", {0.0, 60.0}, 0.0) * kKmH / 60.0;
   for (Section& plateau : section.sections("plateau", 1)) {
     const double speed_m_s = plateau.number("speed_km_h", {0.0, 300.0}) * kKmH;
     if (drive.wander_m_s > 0.0 && speed_m_s < 4.0 * drive.wander_m_s)

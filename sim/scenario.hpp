@@ -18,8 +18,9 @@ struct Plateau {
 
 struct DriveScenario {
   std::vector<Plateau> plateau;
-  double ramp_s;      ///< length of a speed change, shortened to half a plateau if need be
-  double wander_m_s;  ///< four slow sinusoids, together as strong as one of this amplitude
+  double ramp_s;            ///< length of a speed change, shortened to half a plateau if need be
+  double wander_m_s;        ///< four slow sinusoids, together as strong as one of this amplitude
+  double drift_m_s2 = 0.0;  ///< steadily faster from beginning to end, on top of all else
 };
 
 struct RoadScenario {

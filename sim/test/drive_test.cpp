@@ -42,6 +42,20 @@ TEST(Drive, WanderIsAsStrongAsOneSinusoidOfItsAmplitude) {
   EXPECT_NEAR(std::sqrt(sum / n), 0.2 / std::sqrt(2.0), 0.02 * 0.2);
 }
 
+TEST(Drive, DriftsFromItsBeginningToItsEnd) {
+  DriveScenario scenario = three_speeds(0.0);
+  scenario.drift_m_s2 = 0.1;
+  const Drive drive(scenario, 7);
+  const Drive steady(three_speeds(0.0), 7);
+  EXPECT_DOUBLE_EQ(drive.at(-3.0).speed_m_s, 25.0);
+  EXPECT_DOUBLE_EQ(drive.at(30.0).speed_m_s, 25.0 + 3.0);
+  EXPECT_DOUBLE_EQ(drive.at(80.0).speed_m_s, 36.0 + 8.0);
+  EXPECT_NEAR(drive.at(80.0).position_m, steady.at(80.0).position_m + 0.5 * 0.1 * 80.0 * 80.0, 1e-9);
+  EXPECT_DOUBLE_EQ(drive.at(30.0).acceleration_m_s2, 0.1);
+  EXPECT_DOUBLE_EQ(drive.at(200.0).speed_m_s, 30.0 + 9.8);
+  EXPECT_NEAR(drive.at(200.0).position_m - drive.at(100.0).position_m, 100.0 * 39.8, 1e-9);
+}
+
 TEST(Drive, DependsOnTheSeedOnlyInItsWander) {
   EXPECT_EQ(Drive(three_speeds(0.0), 1).at(12.0).position_m, Drive(three_speeds(0.0), 2).at(12.0).position_m);
   EXPECT_NE(Drive(three_speeds(0.1), 1).at(12.0).position_m, Drive(three_speeds(0.1), 2).at(12.0).position_m);
