@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <cstdlib>
+#include <utility>
 
 namespace roadbalance {
 
@@ -21,23 +22,25 @@ class FaultBalance {
   /// @param jitter   stamps jitter so much that they can leave their tooth
   /// What is known to be a fault now.
   Faults add(std::int64_t time_ns, std::int64_t number, std::int64_t surplus, bool jitter) noexcept {
+    Faults known;
+    if (!jitter || number - number_ > kReach_teeth) known = close();  // what comes now cancels none of it
+    if (surplus == 0) return known;
     if (open_ == 0) {
       since_ns_ = time_ns;
       number_ = number;
     }
-    if (!jitter) return close(std::abs(open_) + std::abs(surplus));
     open_ += surplus;
-    return number - number_ > kReach_teeth ? close(std::abs(open_)) : Faults{};
+    if (jitter) return known;
+    const Faults now = close();
+    return known.count > 0 ? Faults{known.count + now.count, known.since_ns} : now;
   }
   void forget() noexcept { open_ = 0; }
 
  private:
   static constexpr std::int64_t kReach_teeth = 2;
 
-  Faults close(std::int64_t count) noexcept {
-    open_ = 0;
-    return {count, since_ns_};
-  }
+  Faults close() noexcept { return {std::abs(std::exchange(open_, 0)), since_ns_}; }
+
   std::int64_t open_ = 0, number_ = 0, since_ns_ = 0;
 };
 
