@@ -13,6 +13,12 @@ constexpr double kFrame_s = 1e-4;
 
 }  // namespace
 
+double counter_code(double teeth_passed, std::int64_t modulus, std::int64_t step) {
+  const auto wraps = static_cast<double>(modulus), by = static_cast<double>(step);
+  const double shown = by * std::floor(teeth_passed / by);
+  return shown - wraps * std::floor(shown / wraps);
+}
+
 std::vector<SignalSample> CounterMessages::samples(double from_s, double to_s) const {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
@@ -28,11 +34,9 @@ std::vector<SignalSample> CounterMessages::samples(double from_s, double to_s) c
     last_s = stamped_s;
     const bool is_lost = uniform(random) < lost;
     if (is_lost) continue;
-    const double teeth_passed =
-        std::floor((angle_rad(sampled_s) - first_tooth_rad) / (2.0 * std::numbers::pi) * teeth);
-    const auto wraps = static_cast<double>(modulus);
+    const double teeth_passed = (angle_rad(sampled_s) - first_tooth_rad) / (2.0 * std::numbers::pi) * teeth;
     all.push_back({node_time_from_ns(std::llround(stamped_s * 1e9)), signal,
-                   teeth_passed - wraps * std::floor(teeth_passed / wraps)});
+                   counter_code(teeth_passed - lost_counts(sampled_s), modulus)});
   }
   return all;
 }

@@ -8,6 +8,9 @@
 
 namespace roadbalance::sim {
 
+/// What a control unit's counter shows once so many teeth have passed: it moves by steps and wraps.
+double counter_code(double teeth_passed, std::int64_t modulus, std::int64_t step = 1);
+
 /// What a control unit sends of a ring whose wheel turns by any function of time: how many of its even teeth
 /// have passed, sampled some time before the message is stamped.
 struct CounterMessages {
@@ -18,6 +21,8 @@ struct CounterMessages {
   double rate_hz = 50.0;
   double latency_s = 0.010, jitter_s = 0.0;  ///< of the stamp behind the count: mean, rms of a normal one
   double lost = 0.0;                         ///< share of messages
+  /// Teeth that the unit had not counted by then.
+  std::function<double(double)> lost_counts = [](double) { return 0.0; };
   std::uint64_t seed = 1;
   std::uint16_t signal = 0;
 

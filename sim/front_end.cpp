@@ -33,7 +33,7 @@ class Device {
         lead_scans_(std::ceil(kFarthestJitter * scenario.encoder.stamp_jitter_s * rate_hz)),
         rings_at_{0.0, car_.drive().at(0.0)},
         edges_(edge_room(vehicle, node)),
-        signals_(vehicle, node, car_.drawn()) {
+        signals_(vehicle, node, car_.drawn(), seed) {
     for (int line = 0; line < kEncoderLines; ++line) {
       const WheelConfig* const wheel = vehicle.wheel_at(node, line);
       if (!wheel) continue;
@@ -71,8 +71,7 @@ class Device {
   std::optional<SignalSample> take_signal(NodeTime until) {
     const NodeTime time = node_time_from_ns(signal_instant_ * Signals::kPeriod_ns);
     if (signals_.size() == 0 || time > until) return std::nullopt;
-    const SignalSample sample =
-        signals_.at(signal_, time, car_.drive().at(to_seconds(time.time_since_epoch())));
+    const SignalSample sample = signals_.at(signal_, signal_instant_, car_.drive());
     if (++signal_ == signals_.size()) signal_ = 0, ++signal_instant_;
     return sample;
   }

@@ -17,6 +17,7 @@ enum class Use : std::uint64_t {
   kStampJitter,
   kTestSample,  ///< hil_tests/deterministic/hashed_sample.hpp
   kTestFault,
+  kCounterAge,
 };
 
 /// Random numbers that are a pure function of (seed, use, which, counter): no state, so every process

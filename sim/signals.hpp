@@ -8,25 +8,28 @@
 #include "common/frontend/front_end.hpp"
 #include "sim/drawn_car.hpp"
 #include "sim/drive.hpp"
+#include "sim/random.hpp"
 
 namespace roadbalance::sim {
 
 /// What the car's own controllers say on its buses: the signals that vehicle.toml wants of a node's CAN
 /// interfaces, all of them every 10 ms of bus time, from 0 on.
 ///
-/// Wheel speed is rotation times the rolling radius of vehicle.toml, as a brake controller knows it; a pulse
-/// counter counts the teeth of an even ring and wraps at 256; the car drives straight on.  A signal of
-/// quantity "other" is never sent: nobody knows what it means.
+/// Wheel speed is rotation times the rolling radius of vehicle.toml, as a brake controller knows it; the car
+/// drives straight on.  A pulse counter counts the teeth of an even ring, wraps and steps as its
+/// [node.can.signal.counter] says, and is as old as that says with its jitter; the mean is right to the full,
+/// and the code that would say "no count" is sent as any other.  A signal of quantity "other" is never sent:
+/// nobody knows what it means.
 class Signals {
  public:
   static constexpr std::int64_t kPeriod_ns = 10'000'000;
 
-  Signals(const VehicleConfig& vehicle, const NodeConfig& node, const DrawnCar& car);
+  Signals(const VehicleConfig& vehicle, const NodeConfig& node, const DrawnCar& car, std::uint64_t seed);
 
   /// How many there are at each instant.
   std::size_t size() const { return source_.size(); }
-  /// The k-th at an instant; k < size().
-  SignalSample at(std::size_t k, NodeTime time, const Motion& motion) const;
+  /// The k-th at the instant that is so many periods after 0; k < size().
+  SignalSample at(std::size_t k, std::int64_t instant, const Drive& drive) const;
 
  private:
   struct Source {
@@ -34,7 +37,11 @@ class Signals {
     SignalQuantity quantity;
     double told_radius_m, true_radius_m;  ///< of its wheel
     double pulses, angle_rad;             ///< of its ring: teeth, and encoder angle at position 0
+    CounterForm counter;
+    CounterLatency latency;
+    RandomSequence age;  ///< of a counter's messages
   };
+  double teeth_passed(const Source& source, std::int64_t instant, const Drive& drive) const;
   std::vector<Source> source_;
 };
 
