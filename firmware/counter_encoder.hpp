@@ -17,7 +17,8 @@ namespace roadbalance {
 ///
 /// An instant lies between messages, and its angle is better the more come behind it: up to kBehind are worth
 /// waiting for.  There is no angle before the first mark of a run of the counter, where messages stay away,
-/// where marks contradict one another, and without a zero mark.  What the counter knows of the wheel's speed
+/// where marks contradict one another, and without a zero mark; after a mark that lies elsewhere it is
+/// uncertain until the next (CounterAngle).  What the counter knows of the wheel's speed
 /// changes is as slow as its messages: torsional motion is not followed.  Never allocates after construction.
 class CounterEncoder {
  public:
@@ -36,9 +37,16 @@ class CounterEncoder {
   /// Messages that come soon tell more of this instant.
   bool is_awaited(NodeTime time) const noexcept;
 
-  const CounterUnwrap::Tally& tally() const noexcept { return unwrap_.tally(); }
-  /// Breaks of the count, after which no mark is known.
-  std::int64_t breaks() const noexcept { return unwrap_.run() > 0 ? unwrap_.run() - 1 : 0; }
+  /// The last mark lay elsewhere than those before it.
+  bool uncertain() const noexcept { return angle_.is_doubtful(); }
+
+  /// Times that the count did not go on where it was: messages stayed away for too long, the unit began anew,
+  /// or the marks say that it lost counts.
+  std::int64_t breaks() const noexcept {
+    return unwrap_.tally().ambiguous + unwrap_.tally().implausible + angle_.moved();
+  }
+  /// Marks that lay elsewhere than those before them.
+  std::int64_t marks_elsewhere() const noexcept { return angle_.elsewhere(); }
 
  private:
   static constexpr std::int64_t kSilence_ns = 1'000'000'000;

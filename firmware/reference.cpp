@@ -51,7 +51,8 @@ bool Reference::locate(NodeTime first, int scans) noexcept {
   for (std::size_t line = 0; line < kEncoderLines; ++line) {
     const auto angle_rad = std::span(angle_rad_[line]).first(static_cast<std::size_t>(filter_.steps(scans)));
     known_[line] = {};
-    uncertain_[line] = encoder_[line] && encoder_[line]->uncertain(first, last);
+    uncertain_[line] = encoder_[line] ? encoder_[line]->uncertain(first, last)
+                                      : counter_[line] && counter_[line]->uncertain();
     if (!encoder_[line] && !counter_[line]) continue;
     if (!look_up(line, from, last, angle_rad)) all = false;
   }
@@ -91,10 +92,11 @@ std::int32_t Reference::fill(std::span<std::array<std::int32_t, kChannels>> scan
   return quality | filter_.fill(scans, known_, after_jump);
 }
 
-std::int64_t Reference::faulty_turns(int line) const noexcept {
+EncoderFaults Reference::faults(int line) const noexcept {
   const auto at = static_cast<std::size_t>(line);
-  if (counter_[at]) return counter_[at]->breaks();
-  return encoder_[at] ? encoder_[at]->faulty_turns() : 0;
+  if (counter_[at])
+    return {.breaks = counter_[at]->breaks(), .marks_elsewhere = counter_[at]->marks_elsewhere()};
+  return {.turns = encoder_[at] ? encoder_[at]->faulty_turns() : 0};
 }
 
 }  // namespace roadbalance

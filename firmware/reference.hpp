@@ -14,6 +14,13 @@
 
 namespace roadbalance {
 
+/// What went wrong with an encoder so far.
+struct EncoderFaults {
+  std::int64_t turns = 0;            ///< that did not have exactly their teeth
+  std::int64_t breaks = 0;           ///< of the count of a pulse counter on the bus
+  std::int64_t marks_elsewhere = 0;  ///< zero marks of such a counter that lay elsewhere than those before
+};
+
 /// Wheel angles -> channels 13 .. 16: sin and cos of both wheels, as the accelerations have them after their
 /// anti-aliasing filter (ReferenceFilter), so that no later stage corrects phase.
 ///
@@ -45,8 +52,8 @@ class Reference {
     const auto at = static_cast<std::size_t>(line);
     return encoder_[at].has_value() || counter_[at].has_value();
   }
-  /// Turns that did not have exactly their teeth; of a counter, breaks of its count.
-  std::int64_t faulty_turns(int line) const noexcept;
+  EncoderFaults faults(int line) const noexcept;
+  std::int64_t faulty_turns(int line) const noexcept { return faults(line).turns; }
 
  private:
   using Angles = std::array<double, static_cast<std::size_t>(kScansPerBlock* ReferenceFilter::kMostSteps)>;

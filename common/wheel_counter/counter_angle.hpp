@@ -15,10 +15,12 @@ CounterForm of_ring(CounterForm form, std::int64_t pulses_per_turn);
 /// Angle of a wheel from its pulse counter on the bus and a zero mark of its own (a sensor of ours on the
 /// wheel: the bus sends none).
 ///
-/// Where the mark lies among the pulses of a turn is the circular mean over all marks of the counter's run.
-/// Once kSettled agree, one that lies elsewhere is false, doubled or late and does not count; as many in a
-/// row are right, for the control unit lost counts, and the mean begins anew. Without a mark there is no
-/// angle, only an angle turned through.
+/// Where the mark lies among the pulses of a turn is the circular mean over the marks of the counter's run,
+/// the last kMemory of them: what the unit loses within kWidestMark_pulses is not seen, and fades with these.
+/// Once kSettled agree, one that lies elsewhere does not count: it may be false, doubled or late, or the
+/// control unit has lost counts and it is right.  Nobody knows before the next: the angle is doubtful after
+/// one, there is none after kMostElsewhere in a row, and where kSettled of these agree on another place that
+/// is the place.  Without a mark there is no angle, only an angle turned through.
 class CounterAngle {
  public:
   struct Angle {
@@ -30,6 +32,8 @@ class CounterAngle {
   /// were lost by the control unit.
   static constexpr double kWidestMark_pulses = 2.0;
   static constexpr int kSettled = 8;
+  static constexpr int kMostElsewhere = 2;
+  static constexpr int kMemory = 256;
 
   /// @throws std::invalid_argument if pulses_per_turn < 1
   explicit CounterAngle(std::int64_t pulses_per_turn);
@@ -39,23 +43,45 @@ class CounterAngle {
   [[nodiscard]] bool mark(std::int64_t time_ns, const CounterTrack& track) noexcept;
 
   /// @return nothing unless the track knows the instant and a mark of the same run was seen, and if the marks
-  ///         contradict one another
+  ///         contradict one another or the place they had before
   std::optional<Angle> at(std::int64_t time_ns, const CounterTrack& track) const noexcept;
 
-  std::int64_t marks() const noexcept { return marks_; }
+  /// The last mark lay elsewhere than those before it.
+  bool is_doubtful() const noexcept { return elsewhere_in_a_row_ > 0; }
+
+  /// Marks that lay elsewhere, of all runs.
+  std::int64_t elsewhere() const noexcept { return elsewhere_; }
+  /// Times that they came to have another place in the same run: the control unit lost counts.
+  std::int64_t moved() const noexcept { return moved_; }
+
+  std::int64_t marks() const noexcept { return place_.marks; }
   /// Standard deviation of one mark about their mean, pulses.
-  double scatter_pulses() const noexcept;
+  double scatter_pulses() const noexcept { return scatter_pulses(place_); }
 
  private:
-  double pulses_;  ///< of a turn
-  bool is_false(double phase) const noexcept;
-  double expected_pulses() const noexcept;
+  /// Where marks lie: sums over them, the older the less.
+  struct Place {
+    std::int64_t marks = 0;
+    double cosine = 0.0, sine = 0.0;
+    double random2 = 0.0;          ///< random variance, pulses^2
+    double latency_rate_hz = 0.0;  ///< rates at which they passed
 
-  std::int64_t run_ = 0, marks_ = 0;
-  int false_in_a_row_ = 0;
-  double cosine_ = 0.0, sine_ = 0.0;  ///< sums over the marks
-  double random2_ = 0.0;              ///< sum of the marks' random variance, pulses^2
-  double latency_rate_hz_ = 0.0;      ///< sum of the rates at which they passed
+    void add(double phase, const CounterPosition& position) noexcept;
+    void fade() noexcept;
+  };
+  double scatter_pulses(const Place& place) const noexcept;
+  static double expected_pulses(const Place& place) noexcept;
+  static double widest_pulses(const Place& place) noexcept;
+  bool agree(const Place& place) const noexcept { return scatter_pulses(place) <= widest_pulses(place); }
+  bool is_elsewhere(double phase) const noexcept;
+  void hear_of_another_place(double phase, const CounterPosition& position) noexcept;
+
+  double pulses_;  ///< of a turn
+  std::int64_t run_ = 0;
+  Place place_;
+  Place other_;  ///< of the marks in a row that lay elsewhere
+  int elsewhere_in_a_row_ = 0;
+  std::int64_t elsewhere_ = 0, moved_ = 0;
 };
 
 }  // namespace roadbalance

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <complex>
@@ -35,15 +36,31 @@ double turns_hz(double t) {
   return 15.0 - 3.0 * std::cos(pi * t / 10.0);
 }
 
+struct JudgedBlock {
+  double start_s;
+  bool is_known, is_uncertain;
+  double most_deg;  ///< that a row is off
+};
 struct Judged {
   int blocks = 0, unknown = 0;
   double rms_deg = 0.0, mean_deg = 0.0;
+  std::vector<JudgedBlock> each;
+
+  /// Blocks from [from, to) of which that is so.
+  template <typename Is>
+  std::ptrdiff_t count(double from_s, double to_s, Is is) const {
+    return std::ranges::count_if(each, [&](const JudgedBlock& block) {
+      return block.start_s >= from_s && block.start_s < to_s && is(block);
+    });
+  }
 };
+constexpr auto kIsClean = [](const JudgedBlock& block) { return block.is_known && !block.is_uncertain; };
 
 class CounterEncoderInNode : public testing::Test {
  protected:
   VehicleConfig vehicle_ = test::one_node_vehicle(kRate_hz);
   sim::CounterMessages messages_{.angle_rad = wheel_rad, .jitter_s = 0.0005};
+  NodeTime late_from_{NodeTime::max()};  ///< the first mark from then on comes 20 ms late
 
   void SetUp() override {
     SignalConfig counter{"fl_pulses", "ABS", "FL", SignalQuantity::kPulseCounter, "front_left"};
@@ -61,6 +78,8 @@ class CounterEncoderInNode : public testing::Test {
     std::vector<Edge> marks;
     for (const Edge& edge : sim::PulseTrain{.angle_rad = wheel_rad, .teeth = 4}.edges(0.0, kSeconds))
       if (edge.kind == EdgeKind::kZeroMark) marks.push_back(edge);
+    if (const auto late = std::ranges::lower_bound(marks, late_from_, {}, &Edge::time); late != marks.end())
+      late->time += NodeClock::duration(20'000'000);
     test::ScriptedFrontEnd device(test::marked_scans(0, static_cast<int>(kSeconds * kRate_hz), kRate_hz),
                                   std::move(marks), 20);
     device.signals = messages_.samples(0.0, kSeconds);
@@ -72,7 +91,12 @@ class CounterEncoderInNode : public testing::Test {
       const double start = 1e-9 * static_cast<double>(block.header.time_ns);
       if (start < from_s || start > kSeconds - 0.5) return;
       ++judged.blocks;
-      if ((block.quality & kQualityNoReference0) != 0) {
+      JudgedBlock& this_one =
+          judged.each.emplace_back(JudgedBlock{.start_s = start,
+                                               .is_known = (block.quality & kQualityNoReference0) == 0,
+                                               .is_uncertain = (block.quality & kQualityUncertainAngle0) != 0,
+                                               .most_deg = 0.0});
+      if (!this_one.is_known) {
         ++judged.unknown;
         return;
       }
@@ -84,6 +108,7 @@ class CounterEncoderInNode : public testing::Test {
         const double off = std::arg(found / truth) / kDegree;
         judged.rms_deg += off * off;
         judged.mean_deg += off;
+        this_one.most_deg = std::max(this_one.most_deg, std::abs(off));
         ++rows;
       }
     });
@@ -117,6 +142,37 @@ TEST_F(CounterEncoderInNode, HasNoAngleWhereMessagesComeTooSeldomOrMarksAreMissi
   vehicle_.wheel[0].encoder.zero_mark = false;
   const Judged unmarked = drive(3.0);
   EXPECT_EQ(unmarked.unknown, unmarked.blocks) << "a count is no angle";
+}
+
+TEST_F(CounterEncoderInNode, FlagsOrWithdrawsAnAngleThatTheMarksContradict) {
+  constexpr double kLost_s = 10.0;
+  messages_.jitter_s = 0.0;
+  messages_.lost_counts = [](double t) { return t > kLost_s ? 5.0 : 0.0; };  // 18.75 degrees
+  const Judged judged = drive(3.0);
+  const auto is_wrong = [](const JudgedBlock& block) { return kIsClean(block) && block.most_deg > 9.0; };
+  // A block is sealed without the messages that come later than 0.1 s, and a quadratic through nine of them
+  // is no step; then the next mark is 1/18 s away, and four messages stand behind it 80 ms later.
+  std::printf("clean but wrong: %td blocks before the loss is known, %td after it; none known of %td\n",
+              judged.count(kLost_s - 0.1, kLost_s + 0.15, is_wrong),
+              judged.count(kLost_s + 0.15, kSeconds, is_wrong),
+              judged.count(3.0, kSeconds, [](const JudgedBlock& block) { return !block.is_known; }));
+  EXPECT_EQ(judged.count(3.0, kLost_s - 0.1, is_wrong), 0);
+  EXPECT_EQ(judged.count(kLost_s + 0.15, kSeconds, is_wrong), 0);
+  EXPECT_EQ(judged.count(kLost_s + 0.15, kLost_s + 0.4, kIsClean), 0) << "nothing is claimed";
+  // Eight marks later the new place is known: 0.45 s, and what a block waits.
+  EXPECT_EQ(judged.count(kLost_s + 0.7, kSeconds, kIsClean),
+            judged.count(kLost_s + 0.7, kSeconds, [](const JudgedBlock&) { return true; }));
+}
+
+TEST_F(CounterEncoderInNode, OnlyDoubtsItsAngleForATurnWhereOneMarkIsLate) {
+  messages_.jitter_s = 0.0;
+  late_from_ = node_time_from_ns(12'000'000'000);
+  const Judged judged = drive(3.0);
+  EXPECT_EQ(judged.unknown, 0);
+  const auto is_uncertain = [](const JudgedBlock& block) { return block.is_uncertain; };
+  // 17.7 turns a second: the next mark is 36 ms behind the late one, in messages of 20 ms.
+  EXPECT_NEAR(static_cast<double>(judged.count(11.9, 12.3, is_uncertain)), 3.6, 2.0);
+  EXPECT_EQ(judged.count(3.0, 11.9, is_uncertain) + judged.count(12.3, kSeconds, is_uncertain), 0);
 }
 
 TEST_F(CounterEncoderInNode, HasNoneFromABreakOfTheCountToTheNextMark) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <numbers>
+#include <optional>
 #include <random>
 #include <stdexcept>
 #include <vector>
@@ -140,6 +141,82 @@ TEST(CounterAngle, IsRefusedWhereTheMarksContradictTheNumberOfPulses) {
   EXPECT_TRUE(result.error_rad.empty()) << result.error_rad.size();
   EXPECT_GT(result.refused, 500);
   EXPECT_GT(result.scatter_pulses, CounterAngle::kWidestMark_pulses);
+}
+
+/// A steady counter of 1500 pulses a second, 30 every 20 ms, of a ring of 96: marks every 64 ms.
+class SteadyCounter {
+ public:
+  static constexpr std::int64_t kTurn_ns = 64'000'000;
+  /// The next mark, so many pulses off its place.
+  bool mark(double off_pulses) {
+    next_ns_ += kTurn_ns;
+    const std::int64_t mark_ns = next_ns_ + std::llround(off_pulses / 1500.0 * 1e9);
+    for (; message_ * 20'000'000 < mark_ns + 100'000'000; ++message_)
+      track_.add(message_ * 20'000'000, 30 * message_, 1);
+    return angle.mark(mark_ns, track_);
+  }
+  /// Of the instant of the last mark's place.
+  std::optional<double> angle_deg() const {
+    const auto found = angle.at(next_ns_, track_);
+    if (!found) return std::nullopt;
+    return std::remainder(found->angle_rad, kTurn) * 180.0 / std::numbers::pi;
+  }
+  CounterAngle angle{96};
+
+ private:
+  CounterTrack track_{{}, 1};
+  std::int64_t message_ = 0, next_ns_ = 200'000'000;
+};
+
+TEST(CounterAngle, DoubtsItselfAfterAMarkElsewhereAndIsNotGivenAfterTwo) {
+  SteadyCounter counter;
+  for (int k = 0; k < CounterAngle::kSettled; ++k) ASSERT_TRUE(counter.mark(0.0));
+  EXPECT_FALSE(counter.angle.is_doubtful());
+  EXPECT_FALSE(counter.mark(5.0));
+  EXPECT_TRUE(counter.angle.is_doubtful());
+  ASSERT_TRUE(counter.angle_deg());
+  EXPECT_NEAR(*counter.angle_deg(), 0.0, 1e-6);
+  EXPECT_FALSE(counter.mark(-7.0));
+  EXPECT_FALSE(counter.angle_deg());
+  EXPECT_TRUE(counter.mark(0.0)) << "they were false";
+  EXPECT_FALSE(counter.angle.is_doubtful());
+  EXPECT_NEAR(*counter.angle_deg(), 0.0, 1e-6);
+  EXPECT_EQ(counter.angle.elsewhere(), 2);
+  EXPECT_EQ(counter.angle.moved(), 0);
+}
+
+TEST(CounterAngle, TakesThePlaceThatAsManyMarksAgreeOnAndSaysThatItMoved) {
+  SteadyCounter counter;
+  for (int k = 0; k < 100; ++k) ASSERT_TRUE(counter.mark(0.0));
+  for (int k = 1; k < CounterAngle::kSettled; ++k) {
+    EXPECT_FALSE(counter.mark(5.0));
+    EXPECT_EQ(counter.angle_deg().has_value(), k == 1);
+  }
+  EXPECT_FALSE(counter.mark(5.0));
+  EXPECT_EQ(counter.angle.moved(), 1);
+  EXPECT_FALSE(counter.angle.is_doubtful());
+  EXPECT_EQ(counter.angle.marks(), CounterAngle::kSettled);
+  EXPECT_NEAR(*counter.angle_deg(), -5.0 * 360.0 / 96.0, 1e-3);
+  EXPECT_TRUE(counter.mark(5.0));
+}
+
+TEST(CounterAngle, TakesNoPlaceThatMarksElsewhereDoNotAgreeOn) {
+  SteadyCounter counter;
+  for (int k = 0; k < 20; ++k) ASSERT_TRUE(counter.mark(0.0));
+  for (int k = 0; k < 40; ++k) EXPECT_FALSE(counter.mark(k % 2 == 0 ? 8.0 : -20.0));
+  EXPECT_EQ(counter.angle.moved(), 0);
+  EXPECT_FALSE(counter.angle_deg());
+  EXPECT_TRUE(counter.mark(0.0));
+  EXPECT_NEAR(*counter.angle_deg(), 0.0, 1e-6);
+}
+
+TEST(CounterAngle, FollowsASmallLossWithinItsMemory) {
+  SteadyCounter counter;
+  for (int k = 0; k < 2000; ++k) ASSERT_TRUE(counter.mark(0.0));
+  for (int k = 0; k < CounterAngle::kMemory; ++k)
+    ASSERT_TRUE(counter.mark(1.0)) << "too little to be elsewhere";
+  // Of the older ones 1/e is left; of a mean over all 2000 it would be 0.89.
+  EXPECT_NEAR(*counter.angle_deg(), -(1.0 - std::exp(-1.0)) * 360.0 / 96.0, 0.02 * 3.75);
 }
 
 TEST(CounterAngle, RefusesWhatCannotBe) {
