@@ -11,12 +11,15 @@ namespace roadbalance {
 /// The steering wheel's angle between the messages that tell it, and what it adds to a transducer that is
 /// fixed to the body (EncoderConfig::steering_ratio, conventions.md).
 ///
-/// A straight line between two messages, the last one's angle after it; a message is worth nothing after
-/// kStale_ns.  How old an angle is when it is sent is not known: 20 ms at 100 degrees/s and a ratio of 1/16
-/// are 0.13 degrees.  Never allocates after construction.
+/// A straight line between two messages, the last one's angle after it.  Once kPeriods of the messages before
+/// it have passed, kLongest_ns at most, a message is worth nothing: the wheel has turned on.  At 100 degrees/s
+/// and a ratio of 1/16 that is 0.4 degrees for messages every 20 ms.  How old an angle is when it is sent is
+/// not known: 20 ms are 0.13 degrees.  Never allocates after construction.
 class SteeringTrack {
  public:
-  static constexpr std::int64_t kStale_ns = 1'000'000'000;
+  static constexpr std::int64_t kPeriods = 3, kLongest_ns = 150'000'000;
+  /// A bus that said nothing for so long is not waited for.
+  static constexpr std::int64_t kSilence_ns = 1'000'000'000;
 
   /// @param kept  so many messages are remembered
   explicit SteeringTrack(std::size_t kept = 256);
@@ -41,6 +44,7 @@ class SteeringTrack {
     double angle_rad;
   };
   const Point& point(std::size_t n) const noexcept { return points_[n % points_.size()]; }
+  std::int64_t worth_ns(std::size_t n) const noexcept;
 
   std::vector<Point> points_;
   std::size_t taken_ = 0;

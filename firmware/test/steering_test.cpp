@@ -29,7 +29,7 @@ double steering_rad(double t) {
 }
 
 struct Judged {
-  double most_deg[kEncoderLines]{};
+  double most_deg[kEncoderLines]{}, most_clean_deg = 0.0;  ///< of all blocks; of those that are not flagged
   int uncertain = 0, no_reference = 0, blocks = 0;
 };
 
@@ -46,14 +46,16 @@ Judged judge(const std::vector<SealedBlock>& blocks, const VehicleConfig& vehicl
     ++judged.blocks;
     for (int line = 0; line < kEncoderLines; ++line) {
       judged.no_reference += (block.quality & quality_no_reference(line)) != 0;
-      judged.uncertain +=
+      const bool is_uncertain =
           (block.quality & (line == 0 ? kQualityUncertainAngle0 : kQualityUncertainAngle1)) != 0;
+      judged.uncertain += is_uncertain;
       for (std::size_t row = 0; row < kScansPerBlock; ++row) {
         const auto sine = static_cast<std::size_t>(kAccelerations + 2 * line);
         const Complex found(block.counts[row][sine + 1], block.counts[row][sine]);
         const double truth = 2 * pi * kTurns_hz * (start + static_cast<double>(row) / kRate_hz) + lag;
         const double off = std::abs(std::arg(found * std::polar(1.0, -truth))) / kDegree;
         judged.most_deg[line] = std::max(judged.most_deg[line], off);
+        if (!is_uncertain) judged.most_clean_deg = std::max(judged.most_clean_deg, off);
       }
     }
   }
@@ -115,9 +117,16 @@ TEST_F(Steering, IsTakenOffTheReferencesOfBothWheels) {
 
 TEST_F(Steering, ThatNoMessageTellsMakesTheAngleUncertain) {
   const auto blocks = drive(50.0, 5.0, 9.0);
-  // The last message came at 4.98 s, and is worth something for a second.
-  EXPECT_EQ(judge(blocks, vehicle_, 2.0, 5.9).uncertain, 0);
-  const Judged silent = judge(blocks, vehicle_, 6.0, 8.98);
+  // The last message came at 4.98 s, and is worth something for three periods of 20 ms; the wheel turns at
+  // its fastest then.
+  EXPECT_EQ(judge(blocks, vehicle_, 2.0, 5.035).uncertain, 0);
+  const double turned_on_deg = 30.0 * 2 * pi * 0.5 * 0.060 / 16.0;
+  const Judged all = judge(blocks, vehicle_, 2.0, 11.0);
+  std::printf("off by %.2f degrees at the most, %.2f where it is not flagged\n", all.most_deg[0],
+              all.most_clean_deg);
+  EXPECT_LT(all.most_clean_deg, turned_on_deg + 0.02);
+  EXPECT_GT(all.most_deg[0], 3.0 * turned_on_deg) << "there is something to flag";
+  const Judged silent = judge(blocks, vehicle_, 5.04, 8.98);
   EXPECT_EQ(silent.uncertain, 2 * silent.blocks);
   EXPECT_EQ(silent.no_reference, 0);
   EXPECT_EQ(judge(blocks, vehicle_, 9.02, 11.0).uncertain, 0);

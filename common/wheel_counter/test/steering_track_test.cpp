@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -24,15 +25,29 @@ TEST(SteeringTrack, IsAStraightLineBetweenMessagesAndTheLastOneAfterThem) {
   EXPECT_NEAR(*track.at(100 * kMs), 0.5, 1e-12);
   EXPECT_NEAR(*track.at(125 * kMs), 0.75, 1e-12);
   EXPECT_NEAR(*track.at(200 * kMs), 1.5, 1e-12);
-  EXPECT_NEAR(*track.at(1'200 * kMs), 1.5, 1e-12);
-  EXPECT_FALSE(track.at(1'200 * kMs + 1)) << "a second old";
+  EXPECT_NEAR(*track.at(350 * kMs), 1.5, 1e-12);
+  EXPECT_FALSE(track.at(350 * kMs + 1)) << "150 ms old";
+}
+
+TEST(SteeringTrack, TellsNothingOnceThreePeriodsHavePassedWithoutAMessage) {
+  for (const std::int64_t period_ms : {10, 20, 40, 50, 100, 1000}) {
+    SteeringTrack track;
+    for (int k = 0; k <= 20; ++k) track.add(k * period_ms * kMs, 0.1 * k);
+    const std::int64_t last = 20 * period_ms * kMs, worth = std::min(3 * period_ms * kMs, 150 * kMs);
+    ASSERT_TRUE(track.at(last + worth)) << period_ms;
+    EXPECT_NEAR(*track.at(last + worth), 2.0, 1e-12);
+    EXPECT_FALSE(track.at(last + worth + 1)) << period_ms;
+    const bool is_line = period_ms <= 150;
+    EXPECT_EQ(track.at(last - 1).has_value(), is_line) << period_ms;
+  }
 }
 
 TEST(SteeringTrack, DrawsNoLineOverASilence) {
   SteeringTrack track;
   track.add(0, 0.0);
   track.add(3'000 * kMs, 3.0);
-  EXPECT_NEAR(*track.at(900 * kMs), 0.0, 1e-12);
+  EXPECT_NEAR(*track.at(150 * kMs), 0.0, 1e-12);
+  EXPECT_FALSE(track.at(150 * kMs + 1));
   EXPECT_FALSE(track.at(1'500 * kMs));
   EXPECT_NEAR(*track.at(3'000 * kMs), 3.0, 1e-12);
 }
