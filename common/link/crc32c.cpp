@@ -132,28 +132,40 @@ RB_CRC_TARGET std::uint32_t by_instruction(std::span<const std::uint8_t> bytes, 
   return ~static_cast<std::uint32_t>(value);
 }
 
-// Four columns at a time, whose chains run side by side in registers.
+// The counts of a column in two rows, as if they followed one another.
+std::uint64_t word_of_rows(const std::uint8_t* bytes, std::size_t row_bytes) {
+  std::uint32_t upper = 0, lower = 0;
+  std::memcpy(&upper, bytes, sizeof upper);
+  std::memcpy(&lower, bytes + row_bytes, sizeof lower);
+  return std::uint64_t{lower} << 32 | upper;
+}
+
+// Two rows of four columns at a time: each instruction has eight bytes, and the columns' chains run side by
+// side in registers.  Then what that leaves over.
 RB_CRC_TARGET void columns_by_instruction(std::span<const std::uint8_t> rows, std::span<std::uint32_t> crc) {
   const std::size_t row_bytes = kCrcColumnBytes * crc.size();
-  std::size_t column = 0;
-  for (; column + 4 <= crc.size(); column += 4) {
-    Register a = ~crc[column], b = ~crc[column + 1], c = ~crc[column + 2], d = ~crc[column + 3];
-    for (std::size_t at = kCrcColumnBytes * column; at < rows.size(); at += row_bytes) {
-      a = add_four_bytes(a, rows.data() + at);
-      b = add_four_bytes(b, rows.data() + at + kCrcColumnBytes);
-      c = add_four_bytes(c, rows.data() + at + 2 * kCrcColumnBytes);
-      d = add_four_bytes(d, rows.data() + at + 3 * kCrcColumnBytes);
+  const std::size_t pair_bytes = 2 * row_bytes;
+  const std::size_t in_pairs = rows.size() / pair_bytes * pair_bytes;
+  const std::size_t in_fours = crc.size() / 4 * 4;
+  for (std::size_t k = 0; k < in_fours; k += 4) {
+    Register a = ~crc[k], b = ~crc[k + 1], c = ~crc[k + 2], d = ~crc[k + 3];
+    const std::uint8_t* at = rows.data() + kCrcColumnBytes * k;
+    for (std::size_t done = 0; done < in_pairs; done += pair_bytes, at += pair_bytes) {
+      a = add_word(a, word_of_rows(at, row_bytes));
+      b = add_word(b, word_of_rows(at + kCrcColumnBytes, row_bytes));
+      c = add_word(c, word_of_rows(at + 2 * kCrcColumnBytes, row_bytes));
+      d = add_word(d, word_of_rows(at + 3 * kCrcColumnBytes, row_bytes));
     }
-    crc[column] = ~static_cast<std::uint32_t>(a);
-    crc[column + 1] = ~static_cast<std::uint32_t>(b);
-    crc[column + 2] = ~static_cast<std::uint32_t>(c);
-    crc[column + 3] = ~static_cast<std::uint32_t>(d);
+    crc[k] = ~static_cast<std::uint32_t>(a);
+    crc[k + 1] = ~static_cast<std::uint32_t>(b);
+    crc[k + 2] = ~static_cast<std::uint32_t>(c);
+    crc[k + 3] = ~static_cast<std::uint32_t>(d);
   }
-  for (; column < crc.size(); ++column) {
-    Register value = ~crc[column];
-    for (std::size_t at = kCrcColumnBytes * column; at < rows.size(); at += row_bytes)
-      value = add_four_bytes(value, rows.data() + at);
-    crc[column] = ~static_cast<std::uint32_t>(value);
+  for (std::size_t k = 0; k < crc.size(); ++k) {
+    Register value = ~crc[k];
+    for (std::size_t at = k < in_fours ? in_pairs : 0; at < rows.size(); at += row_bytes)
+      value = add_four_bytes(value, rows.data() + at + kCrcColumnBytes * k);
+    crc[k] = ~static_cast<std::uint32_t>(value);
   }
 }
 #else
