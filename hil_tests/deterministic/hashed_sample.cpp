@@ -40,26 +40,33 @@ RB_WIDE_TARGET inline EightCounts counts_of(EightWords x) {
   return __builtin_convertvector(x, EightCounts);
 }
 
-// Eight channels, then the others.
-RB_WIDE_TARGET void hash_wide(const std::uint64_t* key, std::uint64_t step,
-                              std::span<HashedScans::Row> rows) {
+// Two rows at a time: eight channels of each, then the four others of both.  Returns how many rows that are.
+RB_WIDE_TARGET std::size_t hash_pairs(const std::uint64_t* key, std::uint64_t step,
+                                      std::span<HashedScans::Row> rows) {
   EightWords first, others;
   std::memcpy(&first, key, sizeof first);
   std::memcpy(&others, key + 8, sizeof others);
-  for (HashedScans::Row& row : rows) {
-    const EightCounts first_counts = counts_of(first + step);
-    const EightCounts other_counts = counts_of(others + step);
-    std::memcpy(row.data(), &first_counts, sizeof first_counts);
-    std::memcpy(row.data() + 8, &other_counts, sizeof row - sizeof first_counts);
-    step += kStep;
+  std::size_t k = 0;
+  for (; k + 2 <= rows.size(); k += 2, step += 2 * kStep) {
+    const EightCounts one = counts_of(first + step);
+    const EightCounts two = counts_of(first + (step + kStep));
+    const EightCounts both = counts_of(others + step);
+    std::memcpy(rows[k].data(), &one, sizeof one);
+    std::memcpy(rows[k].data() + 8, &both, sizeof both / 2);
+    std::memcpy(rows[k + 1].data(), &two, sizeof two);
+    std::memcpy(rows[k + 1].data() + 8, reinterpret_cast<const char*>(&both) + sizeof both / 2,
+                sizeof both / 2);
   }
+  return k;
 }
 #else
 bool has_wide_multiplication() {
   return false;
 }
 
-void hash_wide(const std::uint64_t*, std::uint64_t, std::span<HashedScans::Row>) {}
+std::size_t hash_pairs(const std::uint64_t*, std::uint64_t, std::span<HashedScans::Row>) {
+  return 0;
+}
 #endif
 
 }  // namespace
@@ -68,12 +75,13 @@ HashedScans::HashedScans(std::int32_t node, std::int64_t epoch) {
   const std::uint64_t of_epoch = mix(mix(static_cast<std::uint64_t>(epoch)) ^ kUse);
   for (int channel = 0; channel < kAccelerations; ++channel)
     key_[static_cast<std::size_t>(channel)] = mix(of_epoch ^ static_cast<std::uint64_t>(16 * node + channel));
+  for (std::size_t lane = kAccelerations; lane < kLanes; ++lane) key_[lane] = key_[lane - 4] + kStep;
 }
 
 void HashedScans::fill(std::int64_t first, std::span<Row> rows) const {
-  if (has_wide_multiplication())
-    return hash_wide(key_.data(), static_cast<std::uint64_t>(first) * kStep, rows);
-  for (Row& row : rows) row = at(first++);
+  const std::uint64_t step = static_cast<std::uint64_t>(first) * kStep;
+  std::size_t k = has_wide_multiplication() ? hash_pairs(key_.data(), step, rows) : 0;
+  for (; k < rows.size(); ++k) rows[k] = at(first + static_cast<std::int64_t>(k));
 }
 
 HashedScans::Row HashedScans::at(std::int64_t index) const {

@@ -33,7 +33,8 @@ class HashedScans {
   void fill(std::int64_t first, std::span<Row> rows) const;
 
  private:
-  static constexpr std::size_t kLanes = 16;  // room for two registers of eight
+  // Two registers of eight: of each channel, and of channels 8 to 11 once more for the next scan.
+  static constexpr std::size_t kLanes = 16;
   alignas(64) std::array<std::uint64_t, kLanes> key_{};
 };
 

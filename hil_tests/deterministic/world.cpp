@@ -237,7 +237,7 @@ RunResult World::run() {
   }
   events_.add(kCheck_ns, Event::Kind::kCheck, 0);
   std::int64_t stopped_ns = 0;
-  while (!events_.empty() && !is_over()) {
+  while (!events_.empty() && !(stopped_ && is_over())) {
     const Event event = events_.take();
     now_ns_ = event.at_ns;
     truth_.set_now(now_ns_);

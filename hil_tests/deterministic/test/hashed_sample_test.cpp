@@ -25,10 +25,13 @@ TEST(HashedScans, AreTheRandomSequenceOfTheirPlace) {
 TEST(HashedScans, FilledAtOnceAreThoseOfEachPlace) {
   const HashedScans scans(3, 0x1234567890ABCDE);
   for (const std::int64_t first : {std::int64_t{0}, std::int64_t{7}, (std::int64_t{1} << 40) - 2}) {
-    std::array<HashedScans::Row, 21> rows{};
-    scans.fill(first, std::span(rows).first(20));
-    for (std::size_t k = 0; k < 20; ++k) EXPECT_EQ(rows[k], scans.at(first + static_cast<std::int64_t>(k)));
-    EXPECT_EQ(rows[20], HashedScans::Row{});
+    for (const std::size_t count : {0, 1, 6, 19}) {
+      std::array<HashedScans::Row, 20> rows{};
+      scans.fill(first, std::span(rows).first(count));
+      for (std::size_t k = 0; k < count; ++k)
+        EXPECT_EQ(rows[k], scans.at(first + static_cast<std::int64_t>(k)));
+      EXPECT_EQ(rows[count], HashedScans::Row{});
+    }
   }
 }
 
