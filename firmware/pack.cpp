@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "common/bus/codec.hpp"
 #include "common/link/planted.hpp"
@@ -178,7 +179,7 @@ void Sealer::build(int scans) noexcept {
       continue;
     }
     const Scan& scan = at(head_ + i);
-    std::copy(scan.counts.begin(), scan.counts.end(), row.begin());
+    std::memcpy(row.data(), scan.counts.data(), sizeof scan.counts);  // of known size: no call
     scan_block_.overload |= static_cast<std::int32_t>(scan.overload);
   }
   scan_block_.quality = scan_block_.overload ? kQualityOverload : 0;
