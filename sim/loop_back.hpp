@@ -1,7 +1,7 @@
 #pragma once
 
-#include <array>
-#include <functional>
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "common/config/vehicle_config.hpp"
@@ -21,9 +21,8 @@ class LoopBack {
  public:
   LoopBack(const VehicleConfig& vehicle, const NodeConfig& node, const DrawnCar& car, double rate_hz);
 
-  /// Of a node whose references are computed there is nothing to do.
-  bool wanted() const { return wanted_; }
-  /// Goes on to scan number `scan`, each one in turn, and fills its references.
+  /// Goes on to scan number `scan`, each one in turn, and fills its references; of a node that computes them
+  /// itself there is nothing to do.
   void convert(const Drive& drive, std::int64_t scan, Scan& out);
 
  private:
