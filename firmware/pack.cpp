@@ -8,7 +8,6 @@
 #include "common/link/planted.hpp"
 
 namespace roadbalance {
-
 namespace {
 
 // Signals reach the record soon after their scans; edges of a slow wheel fill a block so late.
@@ -44,6 +43,7 @@ bool Sealer::write(Block& block) noexcept {
   if (!room) return false;
   block.header.sequence = next_sequence_;
   seal(block, *room);
+  sum_.add(*room);
   sink_.commit();
   ++next_sequence_;
   return true;
@@ -289,11 +289,11 @@ bool Sealer::finish() noexcept {
   if (gap_ && gap_->header.scans == 0) gap_.reset();  // only edges after the last scan were lost
   if (!close_gap()) return false;
   if (!write_beside(edge_block_) || !write_beside(signal_block_)) return false;
-  EndBlock end;
-  end.header = header(next_scan_, 0, next_scan_ > 0 ? kept_end_ns_ : to_ns(now_));
-  end.blocks = next_sequence_;
-  end.scans_missing = counts_.scans_missing;
-  end.scans_sealed = counts_.scans_sampled - counts_.scans_missing;
+  EndBlock end{.header = header(next_scan_, 0, next_scan_ > 0 ? kept_end_ns_ : to_ns(now_)),
+               .blocks = next_sequence_,
+               .scans_sealed = counts_.scans_sampled - counts_.scans_missing,
+               .scans_missing = counts_.scans_missing,
+               .blocks_crc32c = sum_.crc32c()};
   ended_ = write(end);
   return ended_;
 }

@@ -123,6 +123,7 @@ class Sealer {
   bool after_gap_ = false;
   bool ended_ = false;
   std::int64_t next_sequence_ = 1;
+  BlockSum sum_;  ///< of all blocks before next_sequence_
   Counts counts_;
 };
 

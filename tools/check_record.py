@@ -29,7 +29,8 @@ def report(checker):
     for key, epoch in sorted(checker.epochs.items()):
         journal = checker.journals.get(key)
         epochs.append(epoch.report() | {"journal_entries": journal.entries if journal else 0,
-                                        "journal_contradictions": journal.contradictions if journal else []})
+                                        "journal_contradictions": journal.contradictions if journal else [],
+                                        "losses": journal.losses if journal else {}})
     return {"verdict": WORDS[checker.verdict()], "exit_code": checker.verdict(), "events": checker.events,
             "bytes": checker.bytes, "notes": checker.notes, "messages_refused": checker.refused,
             "damaged_bytes": checker.damaged_bytes, "torn_bytes": checker.torn_bytes,
@@ -52,6 +53,13 @@ def scans_of(gap):
     return f'from scan {gap["first_scan"]} on, how many is not known'
 
 
+def losses_of(epoch):
+    """Counters of the last journal entry that are not 0."""
+    said = {name: sum(value) if isinstance(value, tuple) else value for name, value in epoch["losses"].items()}
+    counted = [f"{name} {value}" for name, value in said.items() if value]
+    return ["counted by then: " + ", ".join(counted)] if counted else []
+
+
 def print_report(found):
     if found["description"]["program"]:
         print(f'written by {found["description"]["program"]}, format {found["description"]["format_version"]}')
@@ -67,6 +75,8 @@ def print_report(found):
         for what in ("identical_repeats", "other_repeats", "overlaps"):
             if epoch[what]:
                 print(f'  {epoch[what]} {what.replace("_", " ")}')
+        for line in losses_of(epoch):
+            print(f"  {line}")
         for line in epoch["contradictions"] + epoch["journal_contradictions"]:
             print(f"  {line}")
     for line in found["damage"]:

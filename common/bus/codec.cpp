@@ -212,6 +212,7 @@ void seal(const EndBlock& block, SealedBlock& out) {
   message.blocks = block.blocks;
   message.scans_sealed = block.scans_sealed;
   message.scans_missing = block.scans_missing;
+  message.blocks_crc32c = static_cast<std::int32_t>(block.blocks_crc32c);
   seal_message(BlockKind::kEnd, message, out);
 }
 
@@ -275,7 +276,8 @@ EndBlock decode_end(const SealedBlock& block) {
   return {.header = block.header,
           .blocks = message.blocks,
           .scans_sealed = message.scans_sealed,
-          .scans_missing = message.scans_missing};
+          .scans_missing = message.scans_missing,
+          .blocks_crc32c = static_cast<std::uint32_t>(message.blocks_crc32c)};
 }
 
 std::span<const std::uint8_t> encoded_counts(const SealedBlock& block) {

@@ -13,8 +13,33 @@ namespace {
 
 static_assert(sizeof(wire::note_t::text) == kMaxNoteBytes);
 
+static_assert(kDeviceCounters <= sizeof(wire::journal_t::device_counts) / sizeof(std::int64_t));
+
 bool is_index(std::int64_t value) {
   return 0 <= value && value <= kIndexLimit;
+}
+
+void put(const NodeLosses& losses, wire::journal_t& m) {
+  m.repaired = losses.repaired;
+  m.spool_failures = losses.spool_failures;
+  m.scans_refused = losses.scans_refused;
+  m.blocks_unsent = losses.blocks_unsent;
+  m.acks_refused = losses.acks_refused;
+  std::copy(losses.encoder_faults.begin(), losses.encoder_faults.end(), m.encoder_faults);
+  m.unreferenced_blocks = losses.unreferenced_blocks;
+  std::copy(losses.device_counts.begin(), losses.device_counts.end(), m.device_counts);
+}
+
+NodeLosses node_losses_of(const wire::journal_t& m) {
+  NodeLosses losses{.repaired = m.repaired,
+                    .spool_failures = m.spool_failures,
+                    .scans_refused = m.scans_refused,
+                    .blocks_unsent = m.blocks_unsent,
+                    .acks_refused = m.acks_refused,
+                    .unreferenced_blocks = m.unreferenced_blocks};
+  std::copy_n(m.encoder_faults, losses.encoder_faults.size(), losses.encoder_faults.begin());
+  std::copy_n(m.device_counts, losses.device_counts.size(), losses.device_counts.begin());
+  return losses;
 }
 
 bool in_bounds(const wire::journal_t& m) {
@@ -37,9 +62,10 @@ std::vector<std::uint8_t> encode(const Journal& j) {
   m.scans = j.scans;
   m.scans_missing = j.scans_missing;
   std::copy(j.channel_crc.begin(), j.channel_crc.end(), m.channel_crc);
-  m.repaired = j.repaired;
+  put(j.node_losses, m);
   m.refused = j.refused;
   m.rivals = j.rivals;
+  m.unsent = j.unsent;
   m.disk_failures = j.disk_failures;
   return wire_format::encode_with_crc(m);
 }
@@ -56,9 +82,10 @@ std::optional<Journal> decode_journal(std::span<const std::uint8_t> bytes) {
             .next_scan = m->next_scan,
             .scans = m->scans,
             .scans_missing = m->scans_missing,
-            .repaired = m->repaired,
+            .node_losses = node_losses_of(*m),
             .refused = m->refused,
             .rivals = m->rivals,
+            .unsent = m->unsent,
             .disk_failures = m->disk_failures};
   for (std::size_t k = 0; k < j.channel_crc.size(); ++k)
     j.channel_crc[k] = static_cast<std::uint32_t>(m->channel_crc[k]);
@@ -82,7 +109,7 @@ std::optional<Note> decode_note(std::span<const std::uint8_t> bytes) {
   const auto m = wire_format::decode_with_crc<wire::note_t>(bytes);
   if (!m || m->size < 0 || m->size > static_cast<std::int32_t>(kMaxNoteBytes) ||
       m->kind < static_cast<std::int32_t>(NoteKind::kStarted) ||
-      m->kind > static_cast<std::int32_t>(NoteKind::kDevice))
+      m->kind > static_cast<std::int32_t>(NoteKind::kEndContradicts))
     return std::nullopt;
   return Note{.time_us = m->time_us,
               .host_ns = m->host_ns,

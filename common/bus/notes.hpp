@@ -7,11 +7,26 @@
 #include <string>
 #include <vector>
 
+#include "common/frontend/device_report.hpp"
 #include "common/frontend/front_end.hpp"
 
 namespace roadbalance {
 
 /// What the recorder writes into the record about itself; fields as in common/wire.
+
+/// What a node says that it lost or had to mend, in its epoch so far; fields as in its heartbeats.
+struct NodeLosses {
+  std::int64_t repaired = 0;
+  std::int64_t spool_failures = 0;
+  std::int64_t scans_refused = 0;
+  std::int64_t blocks_unsent = 0;
+  std::int64_t acks_refused = 0;
+  std::array<std::int64_t, 2> encoder_faults{};
+  std::int64_t unreferenced_blocks = 0;
+  std::array<std::int64_t, kDeviceCounters> device_counts{};  ///< [DeviceCounter]
+
+  bool operator==(const NodeLosses&) const = default;
+};
 
 struct Journal {
   std::int32_t node = 0;
@@ -24,9 +39,10 @@ struct Journal {
   std::int64_t scans = 0;
   std::int64_t scans_missing = 0;
   std::array<std::uint32_t, kChannels> channel_crc{};
-  std::int64_t repaired = 0;
+  NodeLosses node_losses{};
   std::int64_t refused = 0;
   std::int64_t rivals = 0;
+  std::int64_t unsent = 0;
   std::int64_t disk_failures = 0;
 };
 
@@ -45,8 +61,9 @@ enum class NoteKind : std::int32_t {
   kSegmentDeleted = 11,  ///< by the retention mode (segment; bytes)
   kTailCut = 12,  ///< at the start: bytes behind the last event were cut (segment; bytes) and kept beside it
   kDiskLow = 13,  ///< at the present rate (seconds left; bytes free)
-  kPowerUnknown = 14,  ///< the supply cannot be read (1), or can be again (0); text: which
-  kDevice = 15,        ///< devices of a node (a) have counted something (b: DeviceCounter); text: what
+  kPowerUnknown = 14,    ///< the supply cannot be read (1), or can be again (0); text: which
+  kDevice = 15,          ///< devices of a node (a) have counted something (b: DeviceCounter); text: what
+  kEndContradicts = 16,  ///< the blocks received of a node (a) are not those that its end (block b) sums up
 };
 
 struct Note {

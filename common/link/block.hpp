@@ -43,6 +43,11 @@ constexpr bool stands_for_lost_blocks(GapCause cause) {
   return cause == GapCause::kLostAtNode || cause == GapCause::kLostInRecord;
 }
 
+/// A gap of this cause is declared by who has the record; every other is a block that its node sealed.
+constexpr bool is_declared_by_host(GapCause cause) {
+  return stands_for_lost_blocks(cause) || cause == GapCause::kNodeCrash;
+}
+
 enum class MetaKind : std::int32_t { kVehicleToml = 1, kRecordJson = 2 };
 enum class NodeState : std::int32_t { kPreview = 0, kStarted = 1, kEnded = 2, kFailed = 3 };
 /// What a node's clock is; heartbeat_t.time_base.

@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "common/link/crc32c.hpp"
+
 namespace roadbalance {
 bool EdgeBlock::add(const Edge& edge) {
   const std::int64_t time_ns = to_ns(edge.time);
@@ -53,6 +55,17 @@ std::vector<SignalSample> SignalBlock::unpack() const {
   for (std::size_t k = 0; k < static_cast<std::size_t>(samples); ++k)
     result.push_back({node_time_from_ns(time_ns[k]), static_cast<std::uint16_t>(signal[k]), value[k]});
   return result;
+}
+
+void BlockSum::add(const SealedBlock& block) {
+  crc32c_ = roadbalance::crc32c(block.bytes().last(4), crc32c_);
+}
+
+void BlockSum::add(std::uint32_t block_crc32c) {
+  std::array<std::uint8_t, 4> bytes{};
+  for (std::size_t k = 0; k < bytes.size(); ++k)
+    bytes[k] = static_cast<std::uint8_t>(block_crc32c >> (24 - 8 * k));
+  crc32c_ = roadbalance::crc32c(bytes, crc32c_);
 }
 
 std::vector<MetaBlock> split_text(MetaKind kind, const std::string& text) {

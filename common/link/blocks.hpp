@@ -91,6 +91,24 @@ struct EndBlock {
   std::int64_t blocks = 0;
   std::int64_t scans_sealed = 0;
   std::int64_t scans_missing = 0;
+  std::uint32_t blocks_crc32c = 0;  ///< see BlockSum
+};
+
+/// What an epoch's end says of the blocks before it: CRC-32C over the CRC that each one ends with, in
+/// sequence.  A block that is another, or in another place, shows by it, whatever its own CRC says.
+class BlockSum {
+ public:
+  BlockSum() = default;
+  explicit BlockSum(std::uint32_t crc32c) : crc32c_(crc32c) {}
+
+  /// The next block of the epoch; never the end.
+  void add(const SealedBlock& block);
+  /// The same by the CRC that it ends with.
+  void add(std::uint32_t block_crc32c);
+  std::uint32_t crc32c() const { return crc32c_; }
+
+ private:
+  std::uint32_t crc32c_ = 0;
 };
 
 }  // namespace roadbalance

@@ -88,7 +88,8 @@ class RecordWriter {
   RecordWriter(RecordWriter&&) noexcept;
   RecordWriter& operator=(RecordWriter&&) noexcept;
 
-  /// Event to begin every segment with; set before the first append and whenever it changes.
+  /// Events to begin every segment with; set before the first append and whenever they change.  Behind them
+  /// the writer repeats what the record says of the clocks by then.
   void set_preamble(std::vector<std::pair<std::string, std::vector<std::uint8_t>>> events);
 
   /// What the constructor cut off the folder's last segment.

@@ -46,17 +46,20 @@ void add_vehicle_part(const SealedBlock& block, RecordState& state) {
   if (has_room(state)) state.vehicle[key].push_back(block);
 }
 
-// Each block with its event, and the end of each segment.
+// Each block with its event, and the end of each segment; the clocks on the way.
 template <typename AtBlock, typename AtEnd>
-void read_blocks(const std::filesystem::path& folder, int first, AtBlock&& at_block, AtEnd&& at_end,
-                 Disk& disk) {
+void read_events(const std::filesystem::path& folder, int first, RecordedClocks& clocks, AtBlock&& at_block,
+                 AtEnd&& at_end, Disk& disk) {
   RecordReader reader(folder, disk, first);
   reader.finish();
   int segment = reader.segment();
   SealedBlock block;
   while (const auto event = reader.next()) {
     if (reader.segment() != segment) at_end(std::exchange(segment, reader.segment()));
-    if (accept(event->data, block) == Refusal::kNone) at_block(reader, *event, block);
+    if (accept(event->data, block) == Refusal::kNone)
+      at_block(reader, *event, block);
+    else
+      static_cast<void>(clocks.take(event->channel, event->data));
   }
   at_end(segment);
 }
@@ -75,6 +78,12 @@ void add(const SealedBlock& block, RecordState& state) {
   if (block.header.sequence <= position.contiguous) return;
   if (block.header.sequence != position.contiguous + 1 && !covers_those_before) return;
   position.contiguous = block.header.sequence;
+  if (is_gap && is_declared_by_host(cause)) epoch.sum.reset();
+  if (epoch.sum && block.kind != BlockKind::kEnd) {
+    BlockSum sum(*epoch.sum);
+    sum.add(block);
+    epoch.sum = sum.crc32c();
+  }
   ++epoch.blocks;
   epoch.gaps += is_gap ? 1 : 0;
   epoch.samples += block.kind == BlockKind::kScan ? block.header.scans : 0;
@@ -82,6 +91,10 @@ void add(const SealedBlock& block, RecordState& state) {
   if (block.kind == BlockKind::kEnd || position.crashed) position.ended = true;
   if (block.kind == BlockKind::kScan || is_gap)
     position.next_scan = block.header.first_scan + block.header.scans;
+}
+
+RecordedClocks::Events clocks_going_on(const RecordState& state) {
+  return state.clocks.events([&state](const NodeEpoch& key) { return !has_ended(key, state); });
 }
 
 RecordState::Descriptions going_on(const RecordState& state) {
@@ -92,8 +105,8 @@ RecordState::Descriptions going_on(const RecordState& state) {
 
 void read_segments(const std::filesystem::path& folder, int first, RecordState& state,
                    const AtSegmentEnd& at_end, Disk& disk) {
-  read_blocks(
-      folder, first,
+  read_events(
+      folder, first, state.clocks,
       [&state](const RecordReader&, const LogEvent&, const SealedBlock& block) { add(block, state); },
       [&](int segment) { at_end(segment, state); }, disk);
 }
@@ -114,9 +127,9 @@ RecordState read_state(const std::filesystem::path& folder, Disk& disk, RecordSt
     else if (unsure)
       unsure->push_back({.block = block, .timestamp_us = event.timestamp_us});
   };
-  // The descriptions stand at the beginning of every segment, of the last one at least.
-  read_blocks(
-      folder, std::min(first, last), add_or_doubt, [](int) {}, disk);
+  // Descriptions and clocks stand at the beginning of every segment, of the last one at least.
+  read_events(
+      folder, std::min(first, last), before.clocks, add_or_doubt, [](int) {}, disk);
   return before;
 }
 

@@ -8,12 +8,12 @@
 #include <utility>
 #include <vector>
 
+#include "common/link/blocks.hpp"
 #include "common/link/epoch_receiver.hpp"
 #include "common/record/disk.hpp"
+#include "common/record/recorded_clocks.hpp"
 
 namespace roadbalance {
-
-using NodeEpoch = std::pair<std::int32_t, std::int64_t>;
 
 /// What a record holds, as far as a recorder must know to continue it.
 struct RecordState {
@@ -22,18 +22,21 @@ struct RecordState {
     std::int64_t samples = 0;
     std::int64_t gaps = 0;
     std::int64_t blocks = 0;
+    /// Of the blocks before the end; nothing once one is not the node's own.
+    std::optional<std::uint32_t> sum = 0;
 
     bool operator==(const Epoch& other) const {
       return position.contiguous == other.position.contiguous &&
              position.next_scan == other.position.next_scan && position.ended == other.position.ended &&
              position.crashed == other.position.crashed && samples == other.samples && gaps == other.gaps &&
-             blocks == other.blocks;
+             blocks == other.blocks && sum == other.sum;
     }
   };
   std::map<NodeEpoch, Epoch> epoch;
   /// The parts of vehicle.toml of each epoch; of those that have ended only while there is room.
   using Descriptions = std::map<NodeEpoch, std::vector<SealedBlock>>;
   Descriptions vehicle;
+  RecordedClocks clocks;
 };
 
 /// What the next segment repeats: those of epochs that have not ended.  One that is longer, or one more than
@@ -45,6 +48,9 @@ inline constexpr std::size_t kMostDescriptionPartsInAll = 1024;  ///< 1.4 MB in 
 /// Adds the next block of the record.  One that does not continue its epoch counts for nothing; a description
 /// (sequence 0) only adds to `vehicle`.
 void add(const SealedBlock& block, RecordState& state);
+
+/// What the next segment repeats of the clocks: of epochs that have not ended.
+RecordedClocks::Events clocks_going_on(const RecordState& state);
 
 /// A block that can be read and that a power cut may take: see read_state().
 struct UnsureBlock {

@@ -48,6 +48,8 @@ struct RecordWriter::State : SegmentEvents {
   std::optional<CutTail> cut;
   RecordState holds;
   std::map<NodeEpoch, std::optional<RecordState::Epoch>> before;  // as of the last sync, where it was another
+  RecordedClocks durable_clocks;
+  bool clocks_changed = false;  // since the last sync
   AlterBlocks altered;
 
   void flush(File& into) {
@@ -82,6 +84,7 @@ struct RecordWriter::State : SegmentEvents {
     durable_bytes = segment_bytes;
     durable = appended;
     before.clear();
+    if (std::exchange(clocks_changed, false)) durable_clocks = holds.clocks;
   }
 
   void sync() {
@@ -119,6 +122,7 @@ struct RecordWriter::State : SegmentEvents {
     buffer.clear();
     for (const Note& note : abandoned) put(kNoteChannel, encode(note));
     for (const auto& [channel, data] : preamble) put(channel, data);
+    for (const auto& [channel, data] : clocks_going_on(holds)) put(channel, data);
     flush(next);
     next.sync();
     return next;
@@ -179,6 +183,12 @@ struct RecordWriter::State : SegmentEvents {
     ++appended;
   }
 
+  void append_other(std::string_view channel, std::span<const std::uint8_t> data, std::int64_t timestamp_us) {
+    append(channel, data, timestamp_us);
+    clocks_changed = clocks_changed || channel == kNoteChannel || channel.starts_with("RB_CLOCK_");
+    static_cast<void>(holds.clocks.take(channel, data));
+  }
+
   void append(const SealedBlock& block, std::int64_t timestamp_us) {
     append(block_channel(block.header.node, block.kind), block.bytes(), timestamp_us);
     remember({block.header.node, block.header.epoch});
@@ -197,6 +207,7 @@ RecordWriter::RecordWriter(Options options, Disk& disk, RecordState before)
   s.segment = found.segment;
   s.cut = std::move(found.cut);
   s.holds = std::move(found.holds);
+  s.durable_clocks = s.holds.clocks;
 }
 
 RecordWriter::~RecordWriter() = default;
@@ -213,7 +224,7 @@ void RecordWriter::append(std::string_view channel, std::span<const std::uint8_t
   if (channel.starts_with("RB_BLOCK_") && accept(data, block) == Refusal::kNone)
     append(block, timestamp_us);
   else
-    state_->append(channel, data, timestamp_us);
+    state_->append_other(channel, data, timestamp_us);
 }
 
 void RecordWriter::append(const SealedBlock& block, std::int64_t timestamp_us) {
@@ -249,6 +260,7 @@ void RecordWriter::abandon(const Note& stamp) {
     else
       s.holds.epoch.erase(key);
   }
+  s.holds.clocks = s.durable_clocks;
   if (!s.file.is_open()) return;
   Note note = stamp;
   note.kind = NoteKind::kSegmentAbandoned;

@@ -1,5 +1,6 @@
 #include "common/record/segment_index.hpp"
 
+#include <charconv>
 #include <cstdio>
 #include <sstream>
 #include <utility>
@@ -22,18 +23,35 @@ std::string crc_line(std::string_view text) {
   return line;
 }
 
+std::string sum_word(const RecordState::Epoch& epoch) {
+  if (!epoch.sum) return "none";
+  char word[16];
+  std::snprintf(word, sizeof word, "%08x", *epoch.sum);
+  return word;
+}
+
+// What is no such word is none, which encode() then shows.
+std::optional<std::uint32_t> parse_sum(const std::string& word) {
+  std::uint32_t sum = 0;
+  const char* const end = word.data() + word.size();
+  const auto parsed = std::from_chars(word.data(), end, sum, 16);
+  if (word.empty() || parsed.ec != std::errc() || parsed.ptr != end) return std::nullopt;
+  return sum;
+}
+
 }  // namespace
 
 std::string encode(const SegmentIndex& index) {
   std::ostringstream text;
-  text << "roadbalance index 1\nsegment " << index.segment << " bytes " << index.bytes << '\n';
+  text << "roadbalance index 2\nsegment " << index.segment << " bytes " << index.bytes << '\n';
   for (const auto& [key, epoch] : index.epoch)
     text << "epoch " << key.first << ' ' << key.second << " contiguous " << epoch.position.contiguous
          << " next_scan " << epoch.position.next_scan << " ended "
          << (epoch.position.crashed ? 2
              : epoch.position.ended ? 1
                                     : 0)
-         << " samples " << epoch.samples << " gaps " << epoch.gaps << " blocks " << epoch.blocks << '\n';
+         << " samples " << epoch.samples << " gaps " << epoch.gaps << " blocks " << epoch.blocks << " sum "
+         << sum_word(epoch) << '\n';
   return text.str() + crc_line(text.str());
 }
 
@@ -47,7 +65,8 @@ std::optional<SegmentIndex> decode_index(std::string_view text) {
     RecordState::Epoch epoch;
     int ended = 0;
     in >> key.first >> key.second >> word >> epoch.position.contiguous >> word >> epoch.position.next_scan >>
-        word >> ended >> word >> epoch.samples >> word >> epoch.gaps >> word >> epoch.blocks;
+        word >> ended >> word >> epoch.samples >> word >> epoch.gaps >> word >> epoch.blocks >> word >> word;
+    epoch.sum = parse_sum(word);
     epoch.position.ended = ended != 0;
     epoch.position.crashed = ended == 2;
     index.epoch[key] = epoch;

@@ -16,13 +16,14 @@ namespace roadbalance {
 ///
 /// A text of lines, "seg-000001.idx" beside the segment:
 ///
-///     roadbalance index 1
+///     roadbalance index 2
 ///     segment 1 bytes 67108001
-///     epoch NODE EPOCH contiguous C next_scan N ended E samples S gaps G blocks B
+///     epoch NODE EPOCH contiguous C next_scan N ended E samples S gaps G blocks B sum D
 ///     crc32c 89abcdef
 ///
-/// E is 1 for an end, 2 for a declared crash, else 0.  It can be made again from the segments at any time,
-/// and nothing in it counts more than they do.
+/// E is 1 for an end, 2 for a declared crash, else 0; D is the sum of blocks (common/link/blocks.hpp) as
+/// eight hexadecimal digits, or "none".  It can be made again from the segments at any time, and nothing in
+/// it counts more than they do.
 struct SegmentIndex {
   int segment = 0;
   std::uint64_t bytes = 0;  ///< length of the segment

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/bus/codec.hpp"
+#include "common/link/crc32c.hpp"
 #include "firmware/seal_all.hpp"
 #include "firmware/test/scripted_front_end.hpp"
 #include "firmware/test/vehicle.hpp"
@@ -45,11 +46,13 @@ inline std::vector<SealedBlock> blocks_of(std::vector<Scan> scans, std::vector<E
 inline void check_epoch(const std::vector<SealedBlock>& blocks, std::int64_t scans) {
   ASSERT_FALSE(blocks.empty());
   std::int64_t sequence = 1, next = 0, sealed = 0, missing = 0;
+  std::vector<std::uint8_t> crcs;  // as the blocks end with them
   for (const auto& block : blocks) {
     SealedBlock copy;
     ASSERT_EQ(accept(block.bytes(), copy), Refusal::kNone) << "sequence " << block.header.sequence;
     EXPECT_EQ(block.header.sequence, sequence++);
     EXPECT_EQ(block.header.epoch, kEpoch);
+    if (block.kind != BlockKind::kEnd) crcs.insert(crcs.end(), block.bytes().end() - 4, block.bytes().end());
     if (block.kind == BlockKind::kScan || block.kind == BlockKind::kGap) {
       EXPECT_EQ(block.header.first_scan, next);
       next += block.header.scans;
@@ -69,6 +72,7 @@ inline void check_epoch(const std::vector<SealedBlock>& blocks, std::int64_t sca
   EXPECT_EQ(end.blocks, static_cast<std::int64_t>(blocks.size()));
   EXPECT_EQ(end.scans_sealed, sealed);
   EXPECT_EQ(end.scans_missing, missing);
+  EXPECT_EQ(end.blocks_crc32c, crc32c_by_table(crcs));
 }
 
 }  // namespace roadbalance::test

@@ -29,6 +29,12 @@ struct TrueNode {
            ((kPerTurn - kBeside) * (before / kPerTurn) + std::max<std::int64_t>(0, in_turn - kBeside));
   }
 
+  std::uint32_t sum_before_end() const {
+    BlockSum sum;
+    for (std::int64_t sequence = 1; sequence < last; ++sequence) sum.add(block(sequence));
+    return sum.crc32c();
+  }
+
   SealedBlock block(std::int64_t sequence) const {
     const BlockHeader header{.node = node,
                              .epoch = epoch,
@@ -37,7 +43,11 @@ struct TrueNode {
                              .time_ns = 500'000 * first_scan(sequence)};
     SealedBlock sealed;
     if (sequence == last) {
-      seal(EndBlock{.header = header, .blocks = last, .scans_sealed = header.first_scan}, sealed);
+      seal(EndBlock{.header = header,
+                    .blocks = last,
+                    .scans_sealed = header.first_scan,
+                    .blocks_crc32c = sum_before_end()},
+           sealed);
     } else if ((sequence - 1) % kPerTurn == 0) {
       seal(MetaBlock{.header = header, .text = "[model]"}, sealed);
     } else if ((sequence - 1) % kPerTurn == 1) {

@@ -46,7 +46,7 @@ GridStream::Clock& GridStream::declare(std::int64_t epoch) {
 }
 
 void GridStream::take(const ClockFit& fit, Grid& grid) {
-  if (alone_) return;
+  if (alone_ || !heard_.take(fit)) return;
   Clock& clock = declare(fit.epoch);
   if (fit.state == ClockState::kAcquire) {
     if (fit.breaks > clock.breaks) {

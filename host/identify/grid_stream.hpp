@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "common/clock/exchange.hpp"
+#include "common/clock/clock_table.hpp"
 #include "host/identify/channel_aligner.hpp"
 #include "host/identify/grid.hpp"
 #include "host/identify/resampler.hpp"
@@ -30,6 +30,7 @@ class GridStream {
       : node_(node), alone_(alone), aligner_(delays) {}
 
   std::int32_t node() const { return node_; }
+  /// A fit that a segment only repeats says nothing.
   void take(const ClockFit& fit, Grid& grid);
   /// The first block of all sets the grid.
   void take(const ScanBlock& block, Grid& grid);
@@ -61,6 +62,7 @@ class GridStream {
   const std::int32_t node_;
   const bool alone_;
   ChannelAligner aligner_;
+  ClockTable heard_;
   std::deque<Clock> clocks_;          ///< of epochs that have their own, the latest ones
   std::deque<ScanBlock> waiting_;     ///< for a fit
   std::int64_t other_period_ps_ = 0;  ///< of a block that was refused; 0: none was

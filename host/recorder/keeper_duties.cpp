@@ -39,10 +39,11 @@ void RecordKeeper::keep_journal() {
   for (const NodeEpoch& key : journal_.due()) {
     Journal entry = journal_.take(key.first, key.second);
     entry.time_us = stamp_.time_us;
-    const auto repaired = counters_.repaired.find(key);
-    entry.repaired = repaired == counters_.repaired.end() ? 0 : repaired->second;
+    if (const auto node = counters_.node.find(key); node != counters_.node.end())
+      entry.node_losses = node->second;
     entry.refused = counters_.refused;
     entry.rivals = counters_.rivals;
+    entry.unsent = counters_.unsent;
     entry.disk_failures = health_.failures();
     held_.push(kJournalChannel, encode(entry), stamp_.time_us);
   }

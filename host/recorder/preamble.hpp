@@ -14,8 +14,9 @@
 namespace roadbalance {
 
 inline constexpr const char* kRecordFormat = "roadbalance record";
-/// 2: commits say the sum of headers; the description holds the texts of the message types.
-inline constexpr int kRecordFormatVersion = 2;
+/// 3: segments begin with the clocks; ends say the sum of their epoch's blocks, journal entries all counters
+/// of loss.
+inline constexpr int kRecordFormatVersion = 3;
 
 using RecordEvents = std::vector<std::pair<std::string, std::vector<std::uint8_t>>>;
 

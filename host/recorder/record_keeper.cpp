@@ -24,6 +24,8 @@ RecordKeeper::RecordKeeper(Disk& disk, KeeperOptions options)
       ballast_(disk, options_.folder, options_.ballast_bytes) {
   open_folders();
   recovered_ = writer_->holds();
+  for (const auto& [key, epoch] : recovered_.epoch)
+    sums_[key] = epoch.sum ? std::optional(BlockSum(*epoch.sum)) : std::nullopt;
 }
 
 void RecordKeeper::begin(std::int64_t incarnation) {
@@ -55,11 +57,25 @@ void RecordKeeper::append(const Delivery& delivery, WallTime now) {
   const bool at_once = write_held(now) && may_write(now);
   journal_.add(*block);
   held_.push(block_channel(header.node, block->kind), block->bytes(), stamp_.time_us);
-  if (!at_once) return;
-  if (!attempt(now, [&] { writer_->append(*block, stamp_.time_us); })) return;
-  ++written_;
-  segment_is_open_ = true;
-  if (block->kind == BlockKind::kMeta) writer_->set_preamble(make_preamble(writer_->holds()));
+  if (at_once && attempt(now, [&] { writer_->append(*block, stamp_.time_us); })) {
+    ++written_;
+    segment_is_open_ = true;
+    if (block->kind == BlockKind::kMeta) writer_->set_preamble(make_preamble(writer_->holds()));
+  }
+  check_sum(*block);
+}
+
+// What the end says against what was given to be recorded, whose blocks' own CRCs are all good.
+void RecordKeeper::check_sum(const SealedBlock& block) {
+  const NodeEpoch key{block.header.node, block.header.epoch};
+  auto& sum = sums_.try_emplace(key, BlockSum()).first->second;
+  if (block.kind == BlockKind::kGap && is_declared_by_host(decode_gap(block).cause)) sum.reset();
+  if (!sum) return;
+  if (block.kind != BlockKind::kEnd) return sum->add(block);
+  if (decode_end(block).blocks_crc32c == sum->crc32c()) return;
+  note(NoteKind::kEndContradicts, block.header.node, block.header.sequence, "");
+  warnings_.push_back("node " + std::to_string(block.header.node) +
+                      ": the blocks received are not those that its end sums up; rb verify says more");
 }
 
 void RecordKeeper::append(const RecordEvent& event, WallTime) {

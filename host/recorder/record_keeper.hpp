@@ -101,6 +101,7 @@ class RecordKeeper {
   std::vector<std::string> warnings() { return std::exchange(warnings_, {}); }
 
  private:
+  void check_sum(const SealedBlock& block);
   bool is_caught_up() const { return written_ == held_.size(); }
   template <typename Call>
   bool attempt(WallTime now, Call&& call);
@@ -156,6 +157,7 @@ class RecordKeeper {
   WallTime journal_at_ = WallTime::min();
   JournalTally journal_;
   LinkCounters counters_;
+  std::map<NodeEpoch, std::optional<BlockSum>> sums_;  // of the blocks given; nothing: one is not the node's
   bool house_is_due_ = false;
   int listed_ = 0;                 // last segment that the manifest lists as finished
   std::set<int> to_delete_;        // a note says so, which is on the disk after the next commit

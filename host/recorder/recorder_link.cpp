@@ -140,10 +140,10 @@ RecorderReport RecorderLink::report() const {
 
 LinkCounters RecorderLink::counters() const {
   const RecorderReport counted = report();
-  LinkCounters counters{
-      .refused = counted.blocks_refused, .rivals = counted.rival_heartbeats, .repaired = {}};
-  for (const NodeReport& node : counted.node) counters.repaired[{node.node, node.epoch}] = node.repaired;
-  return counters;
+  return {.refused = counted.blocks_refused,
+          .rivals = counted.rival_heartbeats,
+          .unsent = unsent_,
+          .node = tally_.losses()};
 }
 
 void RecorderLink::fill(RecorderStatus& status) const {

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/bus/notes.hpp"
 #include "common/bus/publish.hpp"
 #include "common/bus/recorder_status.hpp"
 #include "common/clock/clocks.hpp"
@@ -29,11 +30,12 @@ struct DurableMark {
   std::int64_t sequence = 0;
 };
 
-/// What the link counts of the losses that it mended, for the journal.
+/// What the link counts, and hears from the nodes, of losses and how they were mended, for the journal.
 struct LinkCounters {
   std::int64_t refused = 0;
   std::int64_t rivals = 0;
-  std::map<NodeEpoch, std::int64_t> repaired;
+  std::int64_t unsent = 0;
+  std::map<NodeEpoch, NodeLosses> node;
 };
 
 struct RecorderLinkOptions {

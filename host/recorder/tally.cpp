@@ -5,6 +5,26 @@
 #include "common/bus/codec.hpp"
 
 namespace roadbalance {
+namespace {
+
+void raise(std::int64_t& count, std::int64_t heard) {
+  count = std::max(count, heard);
+}
+
+// Counts only rise; an old heartbeat may come behind a newer one.
+void raise(NodeLosses& losses, const Heartbeat& heard) {
+  raise(losses.repaired, heard.blocks_repaired);
+  raise(losses.spool_failures, heard.spool_failures);
+  raise(losses.scans_refused, heard.scans_refused);
+  raise(losses.blocks_unsent, heard.blocks_unsent);
+  raise(losses.acks_refused, heard.acks_refused);
+  for (std::size_t line = 0; line < losses.encoder_faults.size(); ++line)
+    raise(losses.encoder_faults[line], heard.encoder_faults[line]);
+  raise(losses.unreferenced_blocks, heard.unreferenced_blocks);
+  for (std::size_t k = 0; k < kDeviceCounters; ++k) raise(losses.device_counts[k], heard.device_counts[k]);
+}
+
+}  // namespace
 
 Tally::Tally(const RecordState& recovered) {
   for (const auto& [key, epoch] : recovered.epoch)
@@ -29,8 +49,10 @@ void Tally::take(const Heartbeat& heartbeat) {
   if (std::find(heard_.begin(), heard_.end(), key) == heard_.end()) heard_.push_back(key);
   NodeReport& report = of(heartbeat.node, heartbeat.epoch);
   report.samples_sent = std::max(report.samples_sent, heartbeat.scans_sampled);
+  NodeLosses& losses = losses_[key];
+  raise(losses, heartbeat);
   // The node's own count: what is asked for may be new, and on its way anyway.
-  report.repaired = std::max(report.repaired, heartbeat.blocks_repaired);
+  report.repaired = losses.repaired;
 }
 
 void Tally::take(const Delivery& delivery) {

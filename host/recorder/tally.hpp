@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/bus/control.hpp"
+#include "common/bus/notes.hpp"
 #include "common/link/epoch_receiver.hpp"
 #include "common/record/record_state.hpp"
 #include "host/recorder/recorder.hpp"
@@ -21,11 +22,14 @@ class Tally {
 
   /// The epochs received in this run.
   RecorderReport report() const;
+  /// Of each of them what its heartbeats have said so far.
+  const std::map<NodeEpoch, NodeLosses>& losses() const { return losses_; }
 
  private:
   NodeReport& of(std::int32_t node, std::int64_t epoch);
 
   std::map<NodeEpoch, NodeReport> counts_;
+  std::map<NodeEpoch, NodeLosses> losses_;
   std::vector<NodeEpoch> heard_;  // in order of time
 };
 

@@ -139,6 +139,9 @@ void conclude(Reading& reading) {
   reading.result.epoch = reading.epochs.result();
   reading.result.journal_entries = reading.journal.entries();
   for (auto& epoch : reading.result.epoch) {
+    if (const auto counted = reading.journal.losses().find({epoch.node, epoch.epoch});
+        counted != reading.journal.losses().end())
+      epoch.losses = counted->second.node;
     const auto found = reading.journal.contradictions().find({epoch.node, epoch.epoch});
     if (found == reading.journal.contradictions().end()) continue;
     epoch.contradictions.insert(epoch.contradictions.end(), found->second.begin(), found->second.end());

@@ -1,6 +1,7 @@
 #include "host/recorder/verify_epochs.hpp"
 
 #include <algorithm>
+#include <cstdio>
 
 #include "common/bus/codec.hpp"
 
@@ -99,6 +100,29 @@ void EpochCheck::check_totals(const Epoch& epoch, VerifiedEpoch& result) {
                                     std::to_string(here) + " are recorded or declared missing");
 }
 
+// Of blocks that are all here, once and as the node sealed them, if it is so.
+void EpochCheck::check_sum(const Epoch& epoch, VerifiedEpoch& result) {
+  if (!epoch.end || !epoch.deleted.sum || !result.undeclared_blocks.empty() ||
+      result.contradicting_blocks > 0)
+    return;
+  BlockSum sum(*epoch.deleted.sum);
+  std::int64_t last = epoch.deleted.position.contiguous;
+  for (const Entry& entry : epoch.entries) {
+    if (entry.kind == BlockKind::kGap && is_declared_by_host(entry.cause)) return;
+    if (entry.kind == BlockKind::kEnd) break;
+    if (entry.sequence > last) sum.add(entry.crc);
+    last = std::max(last, entry.sequence);
+  }
+  if (sum.crc32c() == epoch.end->blocks_crc32c) return;
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "the node's sum of its blocks is %08x, that of those here is %08x: one is another than it "
+                "sealed, or in "
+                "another's place",
+                epoch.end->blocks_crc32c, sum.crc32c());
+  result.contradictions.emplace_back(text);
+}
+
 VerifiedEpoch EpochCheck::check(NodeEpoch key, Epoch& epoch) {
   VerifiedEpoch result;
   result.node = key.first;
@@ -120,6 +144,7 @@ VerifiedEpoch EpochCheck::check(NodeEpoch key, Epoch& epoch) {
     before = &entry;
   }
   check_totals(epoch, result);
+  check_sum(epoch, result);
   return result;
 }
 

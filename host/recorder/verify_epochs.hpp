@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/bus/notes.hpp"
 #include "common/link/block.hpp"
 #include "common/link/blocks.hpp"
 #include "common/record/record_state.hpp"
@@ -49,6 +50,7 @@ struct VerifiedEpoch {
   std::int64_t contradicting_blocks = 0;    ///< of a number that is there already, but another block
   std::int64_t overlapping_blocks = 0;      ///< scans that an earlier block has too
   std::vector<std::string> contradictions;  ///< of the end's totals, or of the journal, with what is there
+  NodeLosses losses;                        ///< as the last journal entry counts them
 
   bool is_damaged() const {
     return !undeclared_blocks.empty() || !undeclared_scans.empty() || repeated_blocks > 0 ||
@@ -90,6 +92,7 @@ class EpochCheck {
   static void check_scans(const Entry& entry, std::int64_t& next_scan, VerifiedEpoch& result);
   static void count(const Entry& entry, std::int64_t first_block, VerifiedEpoch& result);
   static void prove_without_scans(const Entry& entry, VerifiedEpoch& result);
+  static void check_sum(const Epoch& epoch, VerifiedEpoch& result);
   static void check_totals(const Epoch& epoch, VerifiedEpoch& result);
   static VerifiedEpoch check(NodeEpoch key, Epoch& epoch);
 

@@ -1,5 +1,7 @@
 #include "host/recorder/verify_journal.hpp"
 
+#include <utility>
+
 namespace roadbalance {
 namespace {
 
@@ -7,10 +9,45 @@ std::string range(std::int64_t first, std::int64_t last) {
   return last < first ? "no blocks" : "blocks " + std::to_string(first) + " to " + std::to_string(last);
 }
 
+std::vector<std::pair<const char*, std::int64_t>> counts_of(const JournalCheck::Losses& l) {
+  std::vector<std::pair<const char*, std::int64_t>> counts{
+      {"repaired", l.node.repaired},
+      {"spool_failures", l.node.spool_failures},
+      {"scans_refused", l.node.scans_refused},
+      {"blocks_unsent", l.node.blocks_unsent},
+      {"acks_refused", l.node.acks_refused},
+      {"encoder_faults", l.node.encoder_faults[0]},
+      {"encoder_faults", l.node.encoder_faults[1]},
+      {"unreferenced_blocks", l.node.unreferenced_blocks},
+      {"refused", l.refused},
+      {"rivals", l.rivals},
+      {"unsent", l.unsent},
+      {"disk_failures", l.disk_failures}};
+  for (const std::int64_t count : l.node.device_counts) counts.emplace_back("device_counts", count);
+  return counts;
+}
+
 }  // namespace
+
+void JournalCheck::count_losses(const Journal& entry) {
+  const NodeEpoch key{entry.node, entry.epoch};
+  const Losses said{.node = entry.node_losses,
+                    .refused = entry.refused,
+                    .rivals = entry.rivals,
+                    .unsent = entry.unsent,
+                    .disk_failures = entry.disk_failures};
+  const auto now = counts_of(said), before = counts_of(counted_[key]);
+  for (std::size_t k = 0; k < now.size(); ++k)
+    if (now[k].second < before[k].second)
+      contradictions_[key].push_back(std::string("the journal's count of ") + now[k].first +
+                                     " goes down, from " + std::to_string(before[k].second) + " to " +
+                                     std::to_string(now[k].second));
+  losses_[key] = counted_[key] = said;
+}
 
 void JournalCheck::add(const Journal& entry) {
   ++entries_;
+  count_losses(entry);
   const NodeEpoch key{entry.node, entry.epoch};
   const Journal found = tally_.take(entry.node, entry.epoch);
   const bool said_none = entry.last_sequence < entry.first_sequence;

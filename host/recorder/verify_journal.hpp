@@ -21,15 +21,28 @@ class JournalCheck {
   void begin_behind(const std::map<NodeEpoch, RecordState::Epoch>& deleted) { deleted_ = deleted; }
   /// A recorder began: what stands before and is in no entry was appended just before the one before was
   /// killed.
-  void restart() { tally_ = {}; }
+  void restart() {
+    tally_ = {};
+    counted_.clear();
+  }
+
+  /// What the last entry of each node epoch counts of losses.
+  struct Losses {
+    NodeLosses node{};
+    std::int64_t refused = 0, rivals = 0, unsent = 0, disk_failures = 0;
+  };
+  const std::map<NodeEpoch, Losses>& losses() const { return losses_; }
 
   std::int64_t entries() const { return entries_; }
   /// By node epoch, in words.
   const std::map<NodeEpoch, std::vector<std::string>>& contradictions() const { return contradictions_; }
 
  private:
+  void count_losses(const Journal& entry);
+
   JournalTally tally_;
   std::map<NodeEpoch, RecordState::Epoch> deleted_;
+  std::map<NodeEpoch, Losses> losses_, counted_;  // the second: of this run of the recorder
   std::int64_t entries_ = 0;
   std::map<NodeEpoch, std::vector<std::string>> contradictions_;
 };

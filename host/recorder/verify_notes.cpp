@@ -42,6 +42,9 @@ std::string what_happened(const Note& note) {
       return note.a != 0 ? "whether the supply is there cannot be read" : "the supply can be read again";
     case NoteKind::kDevice:
       return "devices of node " + number(note.a);
+    case NoteKind::kEndContradicts:
+      return "the blocks received of node " + number(note.a) + " are not those that its end, block " +
+             number(note.b) + ", sums up";
     default:
       return "note of kind " + number(static_cast<std::int64_t>(note.kind)) + " (" + number(note.a) + ", " +
              number(note.b) + ")";
@@ -50,13 +53,17 @@ std::string what_happened(const Note& note) {
 
 }  // namespace
 
-std::string note_text(const Note& note) {
-  const std::time_t seconds = note.time_us / 1'000'000;
+std::string utc_text(std::int64_t time_us) {
+  const std::time_t seconds = time_us / 1'000'000;
   std::tm utc{};
   ::gmtime_r(&seconds, &utc);
   char time[32];
-  std::strftime(time, sizeof time, "%Y-%m-%dT%H:%M:%SZ ", &utc);
-  return time + what_happened(note) + (note.text.empty() ? "" : ": " + note.text);
+  std::strftime(time, sizeof time, "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return time;
+}
+
+std::string note_text(const Note& note) {
+  return utc_text(note.time_us) + " " + what_happened(note) + (note.text.empty() ? "" : ": " + note.text);
 }
 
 }  // namespace roadbalance

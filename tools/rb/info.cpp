@@ -11,6 +11,7 @@
 #include "common/bus/clock_messages.hpp"
 #include "common/bus/codec.hpp"
 #include "common/record/folder.hpp"
+#include "common/record/record.hpp"
 #include "common/record/record_folder.hpp"
 #include "common/record/segment.hpp"
 #include "common/record/segment_index.hpp"
@@ -38,6 +39,7 @@ struct Survey {
     std::int64_t fits = 0;
     std::int64_t exchanges = 0;  // recorded
     std::optional<ClockFit> last;
+    std::optional<std::int64_t> begins_us, ends_us;  // UTC of blocks placed by it
   };
   std::map<int, std::uint64_t> segment_bytes;
   std::map<NodeEpoch, Clock> clock;
@@ -46,15 +48,29 @@ struct Survey {
   std::int64_t last_us = 0;
 };
 
+// UTC of the block, if its segment or one before says how its node's clock stands.
+void place(const LogEvent& event, const RecordedClocks& clocks, Survey& found) {
+  SealedBlock block;
+  if (!event.channel.ends_with("_SCAN") || accept(event.data, block) != Refusal::kNone) return;
+  const NodeEpoch key{block.header.node, block.header.epoch};
+  const auto host_ns = clocks.host_ns(key, block.header.time_ns);
+  if (block.header.sequence <= 0 || !host_ns) return;
+  Survey::Clock& clock = found.clock[key];
+  clock.ends_us = clocks.utc_us(*host_ns);
+  if (!clock.begins_us) clock.begins_us = clock.ends_us;
+}
+
 Survey survey(const std::filesystem::path& folder) {
   Survey found;
   for (const int number : segment_numbers(folder))
     found.segment_bytes[number] = size_of_file(segment_path(folder, number));
   RecordReader reader(folder);
   reader.finish();
+  RecordedClocks clocks;
   while (const auto event = reader.next()) {
+    place(*event, clocks, found);
     found.signals.add(event->channel, event->data);
-    if (const auto fit = decode_clock_fit(event->data)) {
+    if (const auto fit = clocks.take(event->channel, event->data)) {
       auto& clock = found.clock[{fit->node, fit->epoch}];
       ++clock.fits;
       clock.last = *fit;
@@ -99,7 +115,9 @@ Json info_json(const Survey& found, const Verification& result, const Described&
                       {"exchanges", clock.exchanges},
                       {"drift", clock.last ? clock.last->drift : 0.0},
                       {"uncertainty_s", clock.last ? clock.last->uncertainty_s : 0.0},
-                      {"breaks", clock.last ? clock.last->breaks : 0}});
+                      {"breaks", clock.last ? clock.last->breaks : 0},
+                      {"begins_us", clock.begins_us ? Json(*clock.begins_us) : Json()},
+                      {"ends_us", clock.ends_us ? Json(*clock.ends_us) : Json()}});
   Json rates = Json::array();
   for (const auto& epoch : result.epoch)
     rates.push_back({{"node", epoch.node},
@@ -138,6 +156,9 @@ void print_info(const Survey& found, const Verification& result, const Described
                   static_cast<long long>(clock->second.fits), clock->second.last->drift * 1e6,
                   clock->second.last->uncertainty_s * 1e6,
                   static_cast<long long>(clock->second.last->breaks));
+    if (clock != found.clock.end() && clock->second.begins_us && clock->second.ends_us)
+      std::printf("  from %s to %s\n", utc_text(*clock->second.begins_us).c_str(),
+                  utc_text(*clock->second.ends_us).c_str());
     for (const auto& line : signal_lines(found.signals, {epoch.node, epoch.epoch}, described.get()))
       std::printf("  %s\n", line.c_str());
   }

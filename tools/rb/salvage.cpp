@@ -35,9 +35,7 @@ struct Plan {
 };
 
 bool is_declared_by_host(const SealedBlock& block) {
-  if (block.kind != BlockKind::kGap) return false;
-  const GapCause cause = decode_gap(block).cause;
-  return stands_for_lost_blocks(cause) || cause == GapCause::kNodeCrash;
+  return block.kind == BlockKind::kGap && is_declared_by_host(decode_gap(block).cause);
 }
 
 // Notes of files that the new record does not have.
@@ -140,7 +138,7 @@ class Salvage {
   void write(const LogEvent& event, bool counts) {
     SealedBlock block;
     if (accept(event.data, block) != Refusal::kNone) {
-      if (counts && goes_along(event)) writer_->append(event.channel, event.data, event.timestamp_us);
+      if (counts) write_other(event);
       return;
     }
     if (block.header.sequence <= 0 || is_declared_by_host(block)) return;
@@ -150,6 +148,15 @@ class Salvage {
     plan.highest = block.header.sequence;
     write_elsewhere_before(block.header.sequence, key, plan);
     put(block, event.timestamp_us, key, plan);
+  }
+
+  void write_other(const LogEvent& event) {
+    if (event.channel == kJournalChannel)
+      if (const auto entry = decode_journal(event.data)) counted_[{entry->node, entry->epoch}] = *entry;
+    if (!goes_along(event)) return;
+    if (event.channel == kNoteChannel && decode_note(event.data)->kind == NoteKind::kStarted)
+      counted_.clear();
+    writer_->append(event.channel, event.data, event.timestamp_us);
   }
 
   void write_elsewhere_before(std::int64_t sequence, const NodeEpoch& key, Plan& plan) {
@@ -180,6 +187,12 @@ class Salvage {
     plan.blocks_in_entry = 0;
     Journal entry = journal_.take(key.first, key.second);
     entry.time_us = timestamp_us;
+    const Journal& counted = counted_[key];
+    entry.node_losses = counted.node_losses;
+    entry.refused = counted.refused;
+    entry.rivals = counted.rivals;
+    entry.unsent = counted.unsent;
+    entry.disk_failures = counted.disk_failures;
     writer_->append(kJournalChannel, encode(entry), timestamp_us);
   }
 
@@ -196,6 +209,7 @@ class Salvage {
   std::map<NodeEpoch, Plan> plans_;
   RecordState vehicle_;  // only the descriptions in it count
   JournalTally journal_;
+  std::map<NodeEpoch, Journal> counted_;  // the last entry of this run of the recorder: its losses count
   std::int64_t last_timestamp_us_ = 0;
   Salvaged result_;
 };

@@ -38,6 +38,17 @@ Json spans(const std::vector<MissingSpan>& missing) {
   return list;
 }
 
+Json losses_json(const NodeLosses& losses) {
+  return {{"repaired", losses.repaired},
+          {"spool_failures", losses.spool_failures},
+          {"scans_refused", losses.scans_refused},
+          {"blocks_unsent", losses.blocks_unsent},
+          {"acks_refused", losses.acks_refused},
+          {"encoder_faults", losses.encoder_faults},
+          {"unreferenced_blocks", losses.unreferenced_blocks},
+          {"device_counts", losses.device_counts}};
+}
+
 Json epoch_json(const VerifiedEpoch& epoch) {
   Json gaps = Json::array();
   for (const auto& gap : epoch.gaps)
@@ -63,7 +74,8 @@ Json epoch_json(const VerifiedEpoch& epoch) {
           {"repeated_blocks", epoch.repeated_blocks},
           {"contradicting_blocks", epoch.contradicting_blocks},
           {"overlapping_blocks", epoch.overlapping_blocks},
-          {"contradictions", epoch.contradictions}};
+          {"contradictions", epoch.contradictions},
+          {"losses", losses_json(epoch.losses)}};
 }
 
 const char* verdict_of(const VerifiedEpoch& epoch) {

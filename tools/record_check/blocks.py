@@ -24,11 +24,15 @@ SIGNALS = 256
 class Block:
     """One good block.  `crc` is the one it carries."""
 
-    __slots__ = ("kind", "node", "epoch", "sequence", "first_scan", "scans", "cause", "totals", "crc", "channel_crc")
+    __slots__ = ("kind", "node", "epoch", "sequence", "first_scan", "scans", "cause", "totals", "sum", "crc", "channel_crc")
 
     def covers_numbers_before(self):
         """A loss at the node stands for every block since the one before and bears the number of the last."""
         return self.cause in ("lost_at_node", "lost_in_record")
+
+    def is_declared_by_host(self):
+        """Every other block is one that its node sealed."""
+        return self.covers_numbers_before() or self.cause == "node_crash"
 
 
 def _good_header(kind, node, sequence, first_scan, scans, time_ns):
@@ -81,7 +85,7 @@ class BlockDecoder:
         block.kind = name
         _, block.node, block.epoch, block.sequence, block.first_scan, block.scans, time_ns = HEADER.unpack_from(data)
         block.crc = int.from_bytes(data[-4:], "big")
-        block.cause = block.totals = block.channel_crc = None
+        block.cause = block.totals = block.sum = block.channel_crc = None
         if not _good_header(name, block.node, block.sequence, block.first_scan, block.scans, time_ns):
             return None
         return block if getattr(self, "_" + name.lower())(block, kind, data) else None
@@ -121,5 +125,6 @@ class BlockDecoder:
     @staticmethod
     def _end(block, kind, data):
         end = kind.decode(data)
+        block.sum = end["blocks_crc32c"] & 0xFFFFFFFF
         block.totals = (end["blocks"], end["scans_sealed"], end["scans_missing"])
         return all(0 <= total <= INDEX_LIMIT for total in block.totals)

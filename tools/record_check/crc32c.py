@@ -20,9 +20,9 @@ TABLE = _make_table()
 PLANES = [bytes((entry >> shift) & 0xFF for entry in TABLE) for shift in (0, 8, 16, 24)]
 
 
-def crc(message):
-    """Of one message, byte by byte."""
-    state = 0xFFFFFFFF
+def crc(message, before=0):
+    """Of one message, byte by byte.  before: the result for the bytes that come before these"""
+    state = before ^ 0xFFFFFFFF
     for byte in message:
         state = TABLE[(state ^ byte) & 0xFF] ^ (state >> 8)
     return state ^ 0xFFFFFFFF

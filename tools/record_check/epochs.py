@@ -1,17 +1,20 @@
 """What a record holds of one node epoch, proven twice: by block numbers and by scan indices."""
 
+import sys
 from array import array
 from bisect import bisect_right
+
+from record_check.crc32c import crc
 
 
 class Epoch:
     """Takes the blocks of one node epoch in any order; memory grows by 4 bytes a block."""
 
-    def __init__(self, node, epoch, deleted=(0, 0)):
-        """@param deleted  (last sequence, next scan) of what the retention mode has deleted of it"""
+    def __init__(self, node, epoch, deleted=(0, 0, 0)):
+        """@param deleted  (last sequence, next scan, sum) of what the retention mode has deleted of it"""
         self.node, self.epoch = node, epoch
         self.blocks = self.samples = self.samples_missing = 0
-        self.last_sequence, self.next_scan = deleted  # next_scan None: behind a declared loss of unknown length
+        self.last_sequence, self.next_scan = deleted[:2]  # next_scan None: behind a declared loss of unknown length
         self.first_sequence, self.deleted_scans = deleted[0] + 1, deleted[1]
         self.gaps = []  # as report() gives them
         self.undeclared_blocks, self.undeclared_scans = [], []  # (first, last)
@@ -19,6 +22,8 @@ class Epoch:
         self.contradictions = []
         self.end = None
         self.crashed = False
+        # CRC-32C over the CRCs of the blocks, big endian, in their order: the node's end says it of those before.
+        self._sum_before, self._only_of_node = deleted[2], True
         self._waiting = {}
         self._runs, self._crcs = [], []  # first number of each run of blocks; their CRCs
 
@@ -68,6 +73,7 @@ class Epoch:
         self._crcs[-1].append(block.crc)
         self.last_sequence = block.sequence
         self.blocks += 1
+        self._only_of_node = self._only_of_node and not block.is_declared_by_host()
         self._check_scans(block)
         self._prove_without_scans(block)
         if block.kind == "SCAN":
@@ -112,6 +118,19 @@ class Epoch:
         if sealed + missing != here:
             self.contradictions.append(f"the node took {sealed + missing} scans, {here} are recorded, declared missing "
                                        "or declared deleted")
+
+        self._check_sum()
+
+    def _check_sum(self):
+        """Of blocks that are all here, once and as the node sealed them, if it is so."""
+        if self._sum_before is None or not self._only_of_node or self.undeclared_blocks or self.other_repeats:
+            return
+        crcs = array("I", [value for run in self._crcs for value in run][:-1])  # without the end's
+        if sys.byteorder == "little":
+            crcs.byteswap()
+        here = crc(crcs.tobytes(), self._sum_before)
+        if here != self.end.sum:
+            self.contradictions.append(f"the node's sum of its blocks is {self.end.sum:08x}, that of those here is {here:08x}")
 
     def is_damaged(self):
         return bool(self.undeclared_blocks or self.undeclared_scans or self.identical_repeats or self.other_repeats or

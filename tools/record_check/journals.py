@@ -3,6 +3,9 @@
 from record_check.crc32c import Shift, crc
 
 CHANNELS = 16
+OF_NODE = ("repaired", "spool_failures", "scans_refused", "blocks_unsent", "acks_refused", "encoder_faults",
+           "unreferenced_blocks", "device_counts")
+OF_RUN = ("refused", "rivals", "unsent", "disk_failures")
 
 
 class JournalCheck:
@@ -11,6 +14,7 @@ class JournalCheck:
     def __init__(self):
         self.appended = []  # since the last entry, as they lie in the record
         self.entries = 0
+        self.losses = {}  # counters by name, as the last entry says: of the node's epoch, and of the recorder's run
         self.contradictions = []
 
     def append(self, block):
@@ -19,10 +23,12 @@ class JournalCheck:
     def restart(self):
         """Another run of the recorder knows nothing of what the one before had not written down yet."""
         self.appended.clear()
+        self.losses = {}
 
     def entry(self, journal, first_kept):
         """@param first_kept  blocks before this number may have been deleted with their segment"""
         self.entries += 1
+        self._count_losses(journal)
         first, last = journal["first_sequence"], journal["last_sequence"]
         blocks, self.appended = self.appended, []
         if first <= last and first < first_kept:
@@ -31,6 +37,14 @@ class JournalCheck:
             if said != here:
                 self.contradictions.append(f"the journal's entry for blocks {first} to {last} says {what} {said}; "
                                            f"here: {here}")
+
+    def _count_losses(self, journal):
+        said = {name: journal[name] for name in OF_NODE + OF_RUN}
+        for name, value in said.items():
+            values, before = (each if isinstance(each, tuple) else (each,) for each in (value, self.losses.get(name, 0)))
+            if any(new < old for new, old in zip(values, before)) or min(values) < 0:
+                self.contradictions.append(f"the journal's count of {name} goes down, from {before} to {values}")
+        self.losses = said
 
     @staticmethod
     def _compare(journal, blocks):

@@ -147,7 +147,7 @@ class Checker:
     def _epoch(self, node, epoch):
         key = (node, epoch)
         if key not in self.epochs:
-            self.epochs[key] = Epoch(node, epoch, self.deleted.get(key, (0, 0)))
+            self.epochs[key] = Epoch(node, epoch, self.deleted.get(key, (0, 0, 0)))
         return self.epochs[key]
 
     def _journal(self, node, epoch):

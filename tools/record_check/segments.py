@@ -32,7 +32,7 @@ class Segments:
         self._find_torn()
 
     def deleted_positions(self):
-        """{(node, epoch): (last sequence, next scan)} at the end of what the retention mode deleted, and said so."""
+        """{(node, epoch): (last sequence, next scan, sum)} at the end of what the retention mode deleted, and said so."""
         first = self.numbers[0]
         if first - 1 not in self.deleted:
             return {}

@@ -68,7 +68,12 @@ std::vector<SealedBlock> one_of_each() {
   gap.header.scans = 12345;
   seal(gap, blocks[2]);
   seal(some_text(), blocks[3]);
-  seal(EndBlock{.header = kHeader, .blocks = 9, .scans_sealed = 8, .scans_missing = 7}, blocks[4]);
+  seal(EndBlock{.header = kHeader,
+                .blocks = 9,
+                .scans_sealed = 8,
+                .scans_missing = 7,
+                .blocks_crc32c = 0xFEDCBA98u},
+       blocks[4]);
   seal(some_signals(), blocks[5]);
   return blocks;
 }
@@ -106,6 +111,7 @@ TEST(Codec, GivesBackWhatWasSealed) {
   EXPECT_EQ(decode_end(accepted[4]).blocks, 9);
   EXPECT_EQ(decode_end(accepted[4]).scans_sealed, 8);
   EXPECT_EQ(decode_end(accepted[4]).scans_missing, 7);
+  EXPECT_EQ(decode_end(accepted[4]).blocks_crc32c, 0xFEDCBA98u);
   const SignalBlock signals = decode_signal(accepted[5]);
   EXPECT_EQ(signals.header, some_signals().header);
   EXPECT_EQ(signals.samples, 50);

@@ -45,8 +45,9 @@ TEST(Notes, KnowKindsUpToTheLastAndRefuseOthers) {
     return decode_note(encode(Note{.kind = static_cast<NoteKind>(kind), .text = ""})).has_value();
   };
   EXPECT_TRUE(is_known(static_cast<int>(NoteKind::kStarted)));
-  EXPECT_TRUE(is_known(static_cast<int>(NoteKind::kDevice)));
-  for (const int kind : {-1, 0, static_cast<int>(NoteKind::kDevice) + 1}) EXPECT_FALSE(is_known(kind)) << kind;
+  EXPECT_TRUE(is_known(static_cast<int>(NoteKind::kEndContradicts)));
+  for (const int kind : {-1, 0, static_cast<int>(NoteKind::kEndContradicts) + 1})
+    EXPECT_FALSE(is_known(kind)) << kind;
 }
 
 TEST(RecorderStatus, TellsThatTheSupplyIsGoneApartFromThatItCannotBeRead) {
@@ -70,17 +71,29 @@ TEST(Notes, AJournalEntryArrivesAsItWasWritten) {
                   .next_scan = 99,
                   .scans = 80,
                   .scans_missing = 6,
-                  .repaired = 1,
+                  .node_losses = {.repaired = 1,
+                                  .spool_failures = 5,
+                                  .scans_refused = 6,
+                                  .blocks_unsent = 7,
+                                  .acks_refused = 8,
+                                  .encoder_faults = {9, 10},
+                                  .unreferenced_blocks = 11},
                   .refused = 2,
                   .rivals = 3,
+                  .unsent = 12,
                   .disk_failures = 4};
   journal.channel_crc[15] = 0xFFFFFFFFu;
+  journal.node_losses.device_counts[kDeviceCounters - 1] = 13;
   const auto back = decode_journal(encode(journal));
   ASSERT_TRUE(back);
   EXPECT_EQ(back->epoch, -8);
   EXPECT_EQ(back->last_sequence, 12);
   EXPECT_EQ(back->next_scan, 99);
   EXPECT_EQ(back->channel_crc, journal.channel_crc);
+  EXPECT_EQ(back->node_losses, journal.node_losses);
+  EXPECT_EQ(back->refused, 2);
+  EXPECT_EQ(back->rivals, 3);
+  EXPECT_EQ(back->unsent, 12);
   EXPECT_EQ(back->disk_failures, 4);
 }
 

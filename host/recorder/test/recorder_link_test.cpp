@@ -72,6 +72,35 @@ TEST_F(RecorderLinkTest, RecordsNothingOfANodeThatObeysAnotherAndSaysSoOnce) {
   EXPECT_TRUE(link.report().node.empty());
 }
 
+TEST_F(RecorderLinkTest, KeepsTheHighestOfEachCounterOfANodesHeartbeats) {
+  Heartbeat heartbeat{.node = kNode, .epoch = kEpoch, .base = 1, .next = 2, .owner = kOurs};
+  const auto hear_counts = [&](std::int64_t plus) {
+    heartbeat.spool_failures = 10 + plus;
+    heartbeat.scans_refused = 20 + plus;
+    heartbeat.blocks_repaired = 30 + plus;
+    heartbeat.blocks_unsent = 40 + plus;
+    heartbeat.acks_refused = 50 + plus;
+    heartbeat.encoder_faults = {60 + plus, 70 + plus};
+    heartbeat.unreferenced_blocks = 80 + plus;
+    heartbeat.device_counts.fill(90 + plus);
+    link.take(heartbeat_channel(kNode), encode(heartbeat), now);
+  };
+  hear_counts(1);
+  hear_counts(3);
+  hear_counts(2);  // overtaken on the way
+  NodeLosses highest{.repaired = 33,
+                     .spool_failures = 13,
+                     .scans_refused = 23,
+                     .blocks_unsent = 43,
+                     .acks_refused = 53,
+                     .encoder_faults = {63, 73},
+                     .unreferenced_blocks = 83};
+  highest.device_counts.fill(93);
+  const auto counters = link.counters();
+  ASSERT_EQ(counters.node.size(), 1u);
+  EXPECT_EQ(counters.node.begin()->second, highest);
+}
+
 TEST_F(RecorderLinkTest, CountsWhatIsDamagedAndNotWhatIsForAnother) {
   RecorderLinkOptions options;
   options.nodes = {1};

@@ -93,15 +93,16 @@ class TestNode {
                                .scans = 0,
                                .time_ns = scans};
       if (sequence > blocks_) {
-        seal(EndBlock{.header = header, .blocks = sequence, .scans_sealed = scans, .scans_missing = 0},
-             *slot);
+        EndBlock end{.header = header, .blocks = sequence, .scans_sealed = scans};
+        end.blocks_crc32c = sum_.crc32c();
+        seal(end, *slot);
         ended_ = true;
       } else {
-        ScanBlock block;
-        block.header = header;
+        ScanBlock block{.header = header};
         block.header.scans = 20;
         block.period_ps = 500'000'000;
         seal(block, *slot);
+        sum_.add(*slot);
       }
       ring_.commit();
     }
@@ -129,6 +130,7 @@ class TestNode {
   std::atomic<bool> started_ = false;
   std::atomic<bool> stopped_ = false;
   bool ended_ = false;
+  BlockSum sum_;
   std::int64_t sent_ = 0;
 };
 

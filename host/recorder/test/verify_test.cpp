@@ -71,6 +71,33 @@ TEST_F(Verify, TellsWhichBlocksAGapStandsForAndIfTheyHadScans) {
   EXPECT_EQ(gaps[2].first_block, gaps[2].sequence) << "the node's own gap stands for no other block";
 }
 
+// Each block's own CRC, its number and its scans are good.
+TEST_F(Verify, NamesBlocksThatAreNotThoseTheNodeSumsUp) {
+  for (int k = 0; k < 10; ++k) put_scans(20 * k);
+  sum = BlockSum(sum.crc32c() ^ 1);
+  put_end(200);
+  const Verification v = result();
+  EXPECT_EQ(v.verdict, Verdict::kDamaged);
+  ASSERT_EQ(v.epoch.at(0).contradictions.size(), 1u);
+  EXPECT_NE(v.epoch[0].contradictions[0].find("the node's sum of its blocks"), std::string::npos);
+}
+
+TEST_F(Verify, NothingIsKnownOfTheSumWhereBlocksAreDeclaredLost) {
+  put_scans(0);
+  put_gap(20, 20, GapCause::kLostAtNode);  // in the place of one that nobody has
+  sum = BlockSum(1);
+  put_end(40);
+  EXPECT_EQ(result().verdict, Verdict::kIncomplete);
+}
+
+TEST_F(Verify, TheNodesOwnGapsAreInTheSum) {
+  put_scans(0);
+  put_gap(20, 100, GapCause::kRingFull);
+  sum = BlockSum(sum.crc32c() ^ 1);
+  put_end(20, 100);
+  EXPECT_EQ(result().verdict, Verdict::kDamaged);
+}
+
 TEST_F(Verify, CallsAnEpochWithoutAnEndIncomplete) {
   put_scans(0);
   EXPECT_EQ(result().verdict, Verdict::kIncomplete);

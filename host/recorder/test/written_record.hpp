@@ -40,6 +40,7 @@ class WrittenRecord : public ::testing::Test {
   void put(const Block& block) {
     SealedBlock sealed;
     seal(block, sealed);
+    if (sealed.header.sequence > 0) sum.add(sealed);
     writer->append(block_channel(1, sealed.kind), sealed.bytes(), 0);
   }
   void put_scans(std::int64_t first_scan) {
@@ -55,7 +56,8 @@ class WrittenRecord : public ::testing::Test {
     put(EndBlock{.header = header(scans + missing, 0),
                  .blocks = sequence,
                  .scans_sealed = scans,
-                 .scans_missing = missing});
+                 .scans_missing = missing,
+                 .blocks_crc32c = sum.crc32c()});
   }
   Verification result() {
     writer->close();
@@ -65,6 +67,7 @@ class WrittenRecord : public ::testing::Test {
   const std::filesystem::path folder;
   std::optional<RecordWriter> writer;
   std::int64_t sequence = 0;
+  BlockSum sum;
 };
 
 }  // namespace roadbalance::test

@@ -19,15 +19,23 @@ namespace {
 constexpr std::int64_t kEpoch = 77;
 constexpr std::int64_t kBlocks = 200;  // the last one is the end
 
+SealedBlock block(std::int32_t node, std::int64_t sequence);
+
+std::uint32_t sum_of_all(std::int32_t node) {
+  BlockSum sum;
+  for (std::int64_t sequence = 1; sequence < kBlocks; ++sequence) sum.add(block(node, sequence));
+  return sum.crc32c();
+}
+
 SealedBlock block(std::int32_t node, std::int64_t sequence) {
   BlockHeader header{.node = node, .epoch = kEpoch, .sequence = sequence};
   SealedBlock sealed;
   header.first_scan = 20 * (sequence - 1);
   header.time_ns = 10'000'000 * (sequence - 1);
   if (sequence == kBlocks) {
-    seal(
-        EndBlock{.header = header, .blocks = kBlocks, .scans_sealed = 20 * (kBlocks - 1), .scans_missing = 0},
-        sealed);
+    EndBlock end{.header = header, .blocks = kBlocks, .scans_sealed = 20 * (kBlocks - 1)};
+    end.blocks_crc32c = sum_of_all(node);
+    seal(end, sealed);
     return sealed;
   }
   std::mt19937 random(static_cast<unsigned>(1000 * node + sequence));
@@ -116,12 +124,15 @@ TEST_F(SalvageTest, EachHoleIsDeclaredInSamples) {
 
 // Scans 0 .. 39 in two blocks, samples of signals before, between and behind them.
 TEST_F(SalvageTest, SignalsGoAlongAndThoseLostAreAHoleWithoutScans) {
-  const auto build = [](std::int64_t sequence) {
+  BlockSum sum;
+  const auto build = [&sum](std::int64_t sequence) {
     SealedBlock sealed;
     const std::int64_t first_scan = sequence < 3 ? 0 : sequence < 5 ? 20 : 40;
     BlockHeader header{.node = 1, .epoch = kEpoch, .sequence = sequence, .first_scan = first_scan};
     if (sequence == 6) {
-      seal(EndBlock{.header = header, .blocks = 6, .scans_sealed = 40, .scans_missing = 0}, sealed);
+      EndBlock end{.header = header, .blocks = 6, .scans_sealed = 40};
+      end.blocks_crc32c = sum.crc32c();
+      seal(end, sealed);
     } else if (sequence % 2 == 0) {
       header.scans = 20;
       seal(ScanBlock{.header = header, .period_ps = 500'000'000}, sealed);
@@ -136,8 +147,12 @@ TEST_F(SalvageTest, SignalsGoAlongAndThoseLostAreAHoleWithoutScans) {
   for (const bool lost : {false, true}) {
     const std::filesystem::path old = lost ? "/lossy" : "/whole", fresh = old / "new";
     RecordWriter writer({.folder = old}, disk);
-    for (std::int64_t sequence = 1; sequence <= 6; ++sequence)
-      if (!lost || sequence != 3) writer.append(build(sequence), 1000);
+    sum = {};
+    for (std::int64_t sequence = 1; sequence <= 6; ++sequence) {
+      const SealedBlock made = build(sequence);
+      if (!lost || sequence != 3) writer.append(made, 1000);
+      sum.add(made);
+    }
     writer.close();
     EXPECT_EQ(salvage({old}, fresh, disk).blocks, lost ? 5 : 6);
     RecordReader reader(fresh, disk);

@@ -14,6 +14,7 @@ from records import (COMPLETE, DAMAGED, INCOMPLETE, RB, SEGMENT, TOOLS, TYPES, U
 
 from record_check.crc32c import crc
 from record_check.event_log import HEADER, split_events
+from record_check.journals import OF_NODE, OF_RUN
 
 
 class CheckRecord(unittest.TestCase):
@@ -252,18 +253,25 @@ class CheckRecord(unittest.TestCase):
                 continue
             node, epoch, sequence, first_scan, scans = struct.unpack_from(">iqqqq", blocks, begin + 8)
             if sequence > 0:
-                known = positions.setdefault((node, epoch), [0, 0])
+                known = positions.setdefault((node, epoch), [0, 0, b""])
                 known[0] = sequence
                 known[1] = max(known[1], first_scan + scans if channel.endswith(b"SCAN") else 0)
-        index = f"roadbalance index 1\nsegment 1 bytes {len(blocks)}\n" + "".join(
-            f"epoch {node} {epoch} contiguous {last} next_scan {scan} ended 0 samples {scan} gaps 0 blocks {last}\n"
-            for (node, epoch), (last, scan) in sorted(positions.items()))
-        first.with_suffix(".idx").write_text(f"{index}crc32c {crc(index.encode()):08x}\n", encoding="utf-8")
+                known[2] += blocks[end - 4:end]
+        def index_with(change):
+            index = f"roadbalance index 2\nsegment 1 bytes {len(blocks)}\n" + "".join(
+                f"epoch {node} {epoch} contiguous {last} next_scan {scan} ended 0 samples {scan} gaps 0 blocks {last} "
+                f"sum {crc(crcs) ^ change:08x}\n"
+                for (node, epoch), (last, scan, crcs) in sorted(positions.items()))
+            first.with_suffix(".idx").write_text(f"{index}crc32c {crc(index.encode()):08x}\n", encoding="utf-8")
+
+        index_with(0)
         first.unlink()
         self.agrees(DAMAGED)
         note = event(b"RB_NOTE", message("note_t", incarnation=1, kind=11, a=1, b=len(blocks)))
         second.write_bytes(second.read_bytes() + note)
         self.assertGreater(self.node(self.agrees(INCOMPLETE))["samples_deleted"], 0)
+        index_with(1)
+        self.assertIn("the node's sum of its blocks", self.node(self.agrees(DAMAGED))["contradictions"][0])
 
     def test_an_altered_number_stamp_or_channel_of_any_event_but_the_last(self):
         log = (self.folder / SEGMENT).read_bytes()
@@ -345,6 +353,66 @@ class CheckRecord(unittest.TestCase):
         self.record.events[at] = channel, with_crc(data[:counts] + bytes([data[counts] ^ 1]) + data[counts + 1:])
         self.record.write()
         self.assertEqual(len(self.node(self.agrees(DAMAGED))["journal_contradictions"]), 1)
+
+    def contradicts_only_the_sum(self):
+        self.record.without_journal().write()
+        node = self.node(self.agrees(DAMAGED))
+        self.assertEqual(len(node["contradictions"]), 1)
+        self.assertIn("the node's sum of its blocks", node["contradictions"][0])
+        self.assertFalse(node["undeclared_scans"] or node["undeclared_blocks"] or node["overlaps"] or node["other_repeats"])
+        self.assertIn("the node's sum of its blocks", run(RB, "verify", self.folder).stdout)
+
+    def test_a_sample_altered_under_a_good_crc_contradicts_the_end(self):
+        at = self.record.places("SCAN")[7]
+        channel, data = self.record.events[at]
+        counts = TYPES["scan_block_t"].offset("counts")
+        self.record.events[at] = channel, with_crc(data[:counts] + bytes([data[counts] ^ 1]) + data[counts + 1:])
+        self.contradicts_only_the_sum()
+
+    def test_blocks_that_changed_places_and_numbers_contradict_the_end(self):
+        first, second = self.record.places("SCAN")[7:9]
+        (channel, left), (_, right) = self.record.events[first], self.record.events[second]
+        self.record.events[first] = channel, with_crc(left[:20] + left[20:52] + right[52:])
+        self.record.events[second] = channel, with_crc(right[:20] + right[20:52] + left[52:])
+        self.contradicts_only_the_sum()
+
+    def test_an_end_that_sums_up_other_blocks(self):
+        at = self.record.places("END")[0]
+        channel, data = self.record.events[at]
+        self.record.events[at] = channel, altered(data, "end_t", "blocks_crc32c", 0, ">I")
+        self.contradicts_only_the_sum()
+
+    def test_the_journal_counts_every_loss_and_no_count_goes_down(self):
+        at, data = [(at, data) for at, (channel, data) in enumerate(self.record.events)
+                    if channel == b"RB_JOURNAL" and struct.unpack_from(">i", data, 8)[0] == 1][-1]
+        said = TYPES["journal_t"].decode(data)
+        later = message("journal_t", node=1, epoch=said["epoch"], first_sequence=said["last_sequence"] + 1,
+                        last_sequence=said["last_sequence"], first_scan=said["next_scan"], next_scan=said["next_scan"])
+        self.record.events.insert(at + 1, (b"RB_JOURNAL", later))
+        for name, value in said.items():  # as the entry before counted
+            if name in OF_NODE + OF_RUN and not isinstance(value, tuple):
+                later = altered(later, "journal_t", name, value)
+        for name in ("encoder_faults", "device_counts"):
+            begin = TYPES["journal_t"].offset(name)
+            later = with_crc(later[:begin] + data[begin:begin + 8 * len(said[name])] + later[begin + 8 * len(said[name]):])
+        def count(entry, field, change):
+            before = said[field][0] if isinstance(said[field], tuple) else said[field]
+            return altered(entry, "journal_t", field, before + change)
+
+        more = later
+        for field in OF_NODE + OF_RUN:
+            more = count(more, field, 1)
+        self.record.events[at + 1] = b"RB_JOURNAL", more
+        self.record.write()
+        for field, counted in self.node(self.agrees(COMPLETE))["losses"].items():
+            self.assertEqual((counted[0] if isinstance(counted, list) else counted) - 1,
+                             said[field][0] if isinstance(said[field], tuple) else said[field], field)
+        for field in OF_NODE + OF_RUN:
+            self.record.events[at + 1] = b"RB_JOURNAL", count(later, field, -1)
+            self.record.write()
+            lines = self.node(self.agrees(DAMAGED))["journal_contradictions"]
+            self.assertEqual(len(lines), 1, lines)
+            self.assertIn(field, lines[0])
 
     def test_nothing_readable(self):
         (self.folder / SEGMENT).write_bytes(b"x" * 5000)

@@ -29,7 +29,7 @@ class Signals(unittest.TestCase):
         _, epoch, sequence, first_scan, _, time_ns = struct.unpack_from(">iqqqqq", self.record.events[self.at][1], 8)
         data = message(name, node=1, epoch=epoch, sequence=sequence, first_scan=first_scan, time_ns=time_ns, **fields)
         self.record.events[self.at] = channel, data
-        self.record.write()
+        self.record.with_true_sums().write()
 
     def put_signals(self, samples=2, times=(10, 20), values=(1.5, -2.0), numbers=(0, 255), **fields):
         fill = lambda given: list(given) + [0] * (64 - len(given))
@@ -94,7 +94,7 @@ class Signals(unittest.TestCase):
         sealed, missing = struct.unpack_from(">qq", data, 60)
         data = altered(data, "end_t", "scans_sealed", sealed - scans)
         self.record.events[end] = channel, altered(data, "end_t", "scans_missing", missing + scans)
-        self.record.write()
+        self.record.with_true_sums().write()
         gaps = next(epoch["gaps"] for epoch in self.agrees(INCOMPLETE)["nodes"] if epoch["node"] == 1)
         self.assertEqual([(gap["cause"], gap["scans"]) for gap in gaps], [("device_gone", scans)])
         self.assertIn("device_gone", run(RB, "verify", self.folder).stdout)

@@ -53,7 +53,7 @@ class TruthMode(unittest.TestCase):
                 for row in range(20):
                     values[CHANNELS * row:CHANNELS * row + ACCELERATIONS] = rows[ACCELERATIONS * row:ACCELERATIONS * (row + 1)]
                 record.events[at] = channel, with_counts(data, values)
-        record.write()
+        record.with_true_sums().write()
 
     def setUp(self):
         self.folder = self.root / self.id().rsplit(".", 1)[1]
@@ -78,7 +78,7 @@ class TruthMode(unittest.TestCase):
         for at, new in zip(places, values):
             channel, data = self.record.events[at]
             self.record.events[at] = channel, with_counts(data, new)
-        self.record.write()
+        self.record.with_true_sums().write()
 
     def test_every_sample_in_its_place(self):
         self.says(COMPLETE)

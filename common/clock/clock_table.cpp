@@ -1,0 +1,31 @@
+#include "common/clock/clock_table.hpp"
+
+#include <algorithm>
+
+namespace roadbalance {
+
+void ClockTable::make_room() {
+  if (rows_.size() < kMostClocks) return;
+  rows_.erase(std::min_element(rows_.begin(), rows_.end(), [](const auto& a, const auto& b) {
+    return a.second.last.host_ns < b.second.last.host_ns;
+  }));
+}
+
+bool ClockTable::take(const ClockFit& fit) {
+  const std::pair key{fit.node, fit.epoch};
+  auto row = rows_.find(key);
+  if (row == rows_.end()) {
+    make_room();
+    row = rows_.emplace(key, Row{.known = std::nullopt, .last = {}}).first;
+  }
+  auto& [known, last] = row->second;
+  if (fit == last || (known && fit == *known)) return false;
+  if (fit.state != ClockState::kAcquire)
+    known = fit;
+  else if (fit.breaks > last.breaks)
+    known.reset();
+  last = fit;
+  return true;
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "common/clock/exchange.hpp"
+
+namespace roadbalance {
+
+/// What is known of each node's clock at an instant of a record: the fit that came last and, while that says
+/// kAcquire, the one before it that holds until a better one comes.
+///
+/// Of more than kMostClocks epochs the one whose last fit is the oldest is forgotten.
+class ClockTable {
+ public:
+  static constexpr std::size_t kMostClocks = 128;
+
+  /// False if it says nothing that the table does not: segments of a record begin with what it says.
+  bool take(const ClockFit& fit);
+
+  struct Row {
+    std::optional<ClockFit> known;  ///< not kAcquire; nothing at first and after a break of the time base
+    ClockFit last;                  ///< may be the same
+  };
+  /// By (node, epoch).
+  const std::map<std::pair<std::int32_t, std::int64_t>, Row>& rows() const { return rows_; }
+
+ private:
+  void make_room();
+
+  std::map<std::pair<std::int32_t, std::int64_t>, Row> rows_;
+};
+
+}  // namespace roadbalance

@@ -1,0 +1,73 @@
+#include "common/clock/clock_table.hpp"
+
+#include <gtest/gtest.h>
+
+namespace roadbalance {
+namespace {
+
+ClockFit locked(std::int64_t number, std::int64_t breaks = 0) {
+  return {.node = 1,
+          .epoch = 7,
+          .number = number,
+          .state = ClockState::kLocked,
+          .host_ns = 1'000 * number,
+          .node_ns = 5'000 * number,
+          .breaks = breaks};
+}
+
+ClockFit acquiring(std::int64_t number, std::int64_t breaks = 0) {
+  ClockFit fit = locked(number, breaks);
+  fit.state = ClockState::kAcquire;
+  return fit;
+}
+
+const ClockTable::Row& only_row(const ClockTable& table) {
+  EXPECT_EQ(table.rows().size(), 1U);
+  return table.rows().begin()->second;
+}
+
+TEST(ClockTable, WhatASegmentRepeatsSaysNothingNew) {
+  ClockTable table;
+  EXPECT_TRUE(table.take(locked(1)));
+  EXPECT_TRUE(table.take(locked(2)));
+  EXPECT_FALSE(table.take(locked(2)));
+  EXPECT_TRUE(table.take(locked(3))) << "one fit like another is still another";
+}
+
+// A recorder that was started again asks anew, and counts its fits from 1.
+TEST(ClockTable, WhatWasKnownHoldsWhileARecorderThatHasJustBegunKnowsNothing) {
+  ClockTable table;
+  EXPECT_TRUE(table.take(locked(50)));
+  EXPECT_TRUE(table.take(acquiring(1)));
+  EXPECT_EQ(only_row(table).known, locked(50));
+  EXPECT_EQ(only_row(table).last, acquiring(1));
+  EXPECT_FALSE(table.take(locked(50)));
+  EXPECT_FALSE(table.take(acquiring(1)));
+  EXPECT_EQ(only_row(table).last, acquiring(1)) << "the repetition has changed nothing";
+  EXPECT_TRUE(table.take(locked(2)));
+  EXPECT_EQ(only_row(table).known, locked(2));
+}
+
+TEST(ClockTable, NothingIsKnownBehindABreakUntilTheNextFit) {
+  ClockTable table;
+  table.take(locked(50));
+  EXPECT_TRUE(table.take(acquiring(51, 1)));
+  EXPECT_FALSE(only_row(table).known);
+  EXPECT_TRUE(table.take(locked(52, 1)));
+  EXPECT_EQ(only_row(table).known, locked(52, 1));
+}
+
+TEST(ClockTable, ForgetsTheEpochThatWasHeardOfLongestAgo) {
+  ClockTable table;
+  for (std::size_t k = 0; k <= ClockTable::kMostClocks; ++k) {
+    ClockFit fit = locked(static_cast<std::int64_t>(k) + 1);
+    fit.epoch = static_cast<std::int64_t>(1000 - k);
+    table.take(fit);
+  }
+  EXPECT_EQ(table.rows().size(), ClockTable::kMostClocks);
+  EXPECT_FALSE(table.rows().contains({1, 1000}));
+  EXPECT_TRUE(table.rows().contains({1, 999}));
+}
+
+}  // namespace
+}  // namespace roadbalance

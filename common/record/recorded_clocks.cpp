@@ -1,0 +1,47 @@
+#include "common/record/recorded_clocks.hpp"
+
+#include "common/bus/clock_messages.hpp"
+
+namespace roadbalance {
+
+std::optional<ClockFit> RecordedClocks::take(std::string_view channel, std::span<const std::uint8_t> data) {
+  if (channel == kNoteChannel) {
+    const auto note = decode_note(data);
+    // One that was taken before the host's clocks were read has none.
+    if (note && note->time_us != 0)
+      pair_ = Note{.time_us = note->time_us,
+                   .host_ns = note->host_ns,
+                   .incarnation = note->incarnation,
+                   .kind = NoteKind::kClock,
+                   .text = {}};
+  } else if (channel.starts_with("RB_CLOCK_")) {
+    const auto fit = decode_clock_fit(data);
+    if (fit && fits_.take(*fit)) return fit;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::int64_t> RecordedClocks::host_ns(const NodeEpoch& key, std::int64_t node_ns) const {
+  const auto row = fits_.rows().find(key);
+  if (row == fits_.rows().end() || !row->second.known) return std::nullopt;
+  return row->second.known->host_time_ns(node_ns);
+}
+
+std::optional<std::int64_t> RecordedClocks::utc_us(std::int64_t host_ns) const {
+  if (!pair_) return std::nullopt;
+  return pair_->time_us + (host_ns - pair_->host_ns) / 1000;
+}
+
+RecordedClocks::Events RecordedClocks::events(const std::function<bool(const NodeEpoch&)>& wanted) const {
+  Events events;
+  if (pair_) events.emplace_back(kNoteChannel, encode(*pair_));
+  for (const auto& [key, row] : fits_.rows()) {
+    if (!wanted(key)) continue;
+    const std::string channel = clock_fit_channel(key.first);
+    if (row.known && *row.known != row.last) events.emplace_back(channel, encode(*row.known));
+    events.emplace_back(channel, encode(row.last));
+  }
+  return events;
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,194 @@
+#include "common/record/recorded_clocks.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cerrno>
+#include <cmath>
+#include <system_error>
+
+#include "common/bus/clock_messages.hpp"
+#include "common/bus/codec.hpp"
+#include "common/record/record.hpp"
+#include "common/record/segment.hpp"
+#include "common/record/test/simulated_disk.hpp"
+
+namespace roadbalance {
+namespace {
+
+using test::DiskCall;
+using test::SimulatedDisk;
+
+constexpr NodeEpoch kOne{1, 77}, kOther{2, 78};
+constexpr std::int64_t kBlock_ns = 10'000'000;
+constexpr std::int64_t kBlocksPerFit = 100;
+constexpr std::int64_t kNotedUtc_us = 1'790'000'000'000'000;  // at the host's instant 0
+
+// The truth: node 1 gains 20 us a second, node 2 loses 30.
+std::int64_t node_ns(const NodeEpoch& of, std::int64_t host_ns) {
+  const double drift = of == kOne ? 20e-6 : -30e-6;
+  return 5'000'000'000 * of.first + host_ns + std::llround(drift * static_cast<double>(host_ns));
+}
+
+ClockFit fit_at(const NodeEpoch& of, std::int64_t host_ns) {
+  return {.node = of.first,
+          .epoch = of.second,
+          .number = 1 + host_ns / (kBlocksPerFit * kBlock_ns),
+          .state = ClockState::kLocked,
+          .host_ns = host_ns,
+          .node_ns = node_ns(of, host_ns),
+          .drift = of == kOne ? 20e-6 : -30e-6};
+}
+
+class RecordedClocksTest : public ::testing::Test {
+ protected:
+  void begin() {
+    writer.emplace(RecordWriter::Options{.folder = "/record", .segment_bytes = 64 << 10}, disk);
+  }
+  void append(const ClockFit& fit) { writer->append(clock_fit_channel(fit.node), encode(fit), 0); }
+  void note(std::int64_t host_ns) {
+    writer->append(kNoteChannel,
+                   encode(Note{.time_us = kNotedUtc_us + host_ns / 1000,
+                               .host_ns = host_ns,
+                               .incarnation = 3,
+                               .kind = NoteKind::kDevice,
+                               .text = "whatever it tells, it has the pair"}),
+                   0);
+  }
+  void append_scans(const NodeEpoch& of, std::int64_t sequence) {
+    ScanBlock block{.header = {.node = of.first,
+                               .epoch = of.second,
+                               .sequence = sequence,
+                               .first_scan = 20 * (sequence - 1),
+                               .scans = 20,
+                               .time_ns = node_ns(of, sequence * kBlock_ns)},
+                    .period_ps = 500'000'000};
+    SealedBlock sealed;
+    seal(block, sealed);
+    writer->append(sealed, 0);
+  }
+  // A fit of each node and a note every second, as a recorder keeps them; from block to block in 10 ms.
+  void drive(std::int64_t first, std::int64_t last) {
+    for (std::int64_t k = first; k <= last; ++k) {
+      if (k % kBlocksPerFit == 0) {
+        append(fit_at(kOne, k * kBlock_ns));
+        append(fit_at(kOther, k * kBlock_ns));
+        note(k * kBlock_ns);
+      }
+      append_scans(kOne, k);
+      append_scans(kOther, k);
+    }
+  }
+  // The events of one segment alone: nothing else of the record is there.
+  std::vector<std::pair<std::string, std::vector<std::uint8_t>>> alone(int number) {
+    SimulatedDisk elsewhere;
+    EXPECT_EQ(elsewhere.mkdir("/alone", 0755), 0);
+    elsewhere.put(segment_path("/alone", number), disk.content(segment_path("/record", number)));
+    RecordReader reader("/alone", elsewhere);
+    reader.finish();
+    std::vector<std::pair<std::string, std::vector<std::uint8_t>>> events;
+    while (const auto event = reader.next())
+      events.emplace_back(event->channel, std::vector<std::uint8_t>(event->data.begin(), event->data.end()));
+    return events;
+  }
+  std::vector<ClockFit> fits_of(int number) {
+    std::vector<ClockFit> fits;
+    for (const auto& [channel, data] : alone(number))
+      if (const auto fit = decode_clock_fit(data)) fits.push_back(*fit);
+    return fits;
+  }
+
+  SimulatedDisk disk;
+  std::optional<RecordWriter> writer;
+};
+
+TEST_F(RecordedClocksTest, EachSegmentAlonePlacesEachOfItsBlocksOnHostTimeAndUtc) {
+  begin();
+  drive(kBlocksPerFit, 5 * kBlocksPerFit);
+  writer->close();
+  const int segments = writer->segment();
+  ASSERT_GE(segments, 10) << "most hold no fit of their own";
+  std::int64_t blocks = 0;
+  for (int number = 1; number <= segments; ++number) {
+    RecordedClocks clocks;
+    for (const auto& [channel, data] : alone(number)) {
+      SealedBlock block;
+      if (accept(data, block) != Refusal::kNone) {
+        static_cast<void>(clocks.take(channel, data));
+        continue;
+      }
+      const auto host_ns = clocks.host_ns({block.header.node, block.header.epoch}, block.header.time_ns);
+      ASSERT_TRUE(host_ns) << "segment " << number;
+      // Both instants of the line are whole nanoseconds.
+      EXPECT_NEAR(static_cast<double>(*host_ns - block.header.sequence * kBlock_ns), 0.0, 2.0);
+      const auto utc_us = clocks.utc_us(*host_ns);
+      ASSERT_TRUE(utc_us);
+      EXPECT_NEAR(static_cast<double>(*utc_us - kNotedUtc_us - block.header.sequence * kBlock_ns / 1000), 0.0,
+                  1.0);
+      ++blocks;
+    }
+  }
+  EXPECT_EQ(blocks, 2 * (4 * kBlocksPerFit + 1));
+}
+
+// Each fit is there once for who reads all of it, however often it is repeated.
+TEST_F(RecordedClocksTest, WhoReadsTheWholeRecordIsGivenEachFitOnce) {
+  begin();
+  drive(kBlocksPerFit, 5 * kBlocksPerFit);
+  writer->close();
+  RecordReader reader("/record", disk);
+  reader.finish();
+  RecordedClocks clocks;
+  std::int64_t fits = 0, events = 0;
+  while (const auto event = reader.next()) {
+    events += decode_clock_fit(event->data) ? 1 : 0;
+    if (const auto fit = clocks.take(event->channel, event->data)) ++fits;
+  }
+  EXPECT_EQ(fits, 2 * 5);
+  EXPECT_GT(events, fits);
+}
+
+TEST_F(RecordedClocksTest, ARecorderThatIsStartedAgainKnowsTheClocksOfTheRecord) {
+  begin();
+  drive(kBlocksPerFit, kBlocksPerFit + 10);
+  writer->sync();
+  disk.kill();
+  begin();
+  append_scans(kOne, kBlocksPerFit + 11);
+  writer->close();
+  EXPECT_EQ(fits_of(writer->segment()), (std::vector<ClockFit>{fit_at(kOne, kBlocksPerFit * kBlock_ns),
+                                                               fit_at(kOther, kBlocksPerFit * kBlock_ns)}));
+}
+
+TEST_F(RecordedClocksTest, TheClockOfAnEpochThatHasEndedIsNotRepeated) {
+  begin();
+  drive(1, kBlocksPerFit);
+  SealedBlock end;
+  seal(EndBlock{.header = {.node = 1, .epoch = kOne.second, .sequence = kBlocksPerFit + 1}}, end);
+  writer->append(end, 0);
+  const int segment = writer->segment();
+  for (std::int64_t k = kBlocksPerFit + 1; writer->segment() == segment; ++k) append_scans(kOther, k);
+  writer->close();
+  EXPECT_EQ(fits_of(segment + 1), std::vector<ClockFit>{fit_at(kOther, kBlocksPerFit * kBlock_ns)});
+}
+
+// The recorder writes it again, in its place.
+TEST_F(RecordedClocksTest, AFitThatTheDiskLostIsNotKnownBeforeItIsWrittenAgain) {
+  begin();
+  append(fit_at(kOne, 0));
+  append_scans(kOne, 1);
+  writer->sync();
+  append(fit_at(kOne, kBlocksPerFit * kBlock_ns));
+  disk.set_fault([](DiskCall call, std::int64_t, const std::string&) {
+    return SimulatedDisk::Outcome{.error = call == DiskCall::kSyncData ? EIO : 0};
+  });
+  EXPECT_THROW(writer->sync(), std::system_error);
+  disk.set_fault({});
+  writer->abandon({});
+  append_scans(kOne, 2);
+  append(fit_at(kOne, kBlocksPerFit * kBlock_ns));
+  writer->close();
+  EXPECT_EQ(fits_of(2), (std::vector<ClockFit>{fit_at(kOne, 0), fit_at(kOne, kBlocksPerFit * kBlock_ns)}));
+}
+
+}  // namespace
+}  // namespace roadbalance

@@ -1,0 +1,73 @@
+#include "common/bus/bus.hpp"
+#include "host/recorder/test/keeper_drive.hpp"
+
+namespace roadbalance {
+namespace {
+
+using std::chrono::milliseconds;
+using test::Drive;
+
+class KeeperLosses : public ::testing::Test, protected Drive {};
+
+TEST_F(KeeperLosses, TheJournalSaysEveryCounterOfLossOfNodeAndRecorder) {
+  const BlockHeader& header = test::numbered_block(1).header;
+  LinkCounters counters{.refused = 1, .rivals = 2, .unsent = 3, .node = {}};
+  counters.node[{header.node, header.epoch}] = {.repaired = 4,
+                                                .spool_failures = 5,
+                                                .scans_refused = 6,
+                                                .blocks_unsent = 7,
+                                                .acks_refused = 8,
+                                                .encoder_faults = {9, 10},
+                                                .unreferenced_blocks = 11,
+                                                .device_counts = {12, 13}};
+  start();
+  keeper->set_link_counters(counters);
+  run(milliseconds(5000), 100);
+  note_durable(keeper->close(now));
+  int entries = 0;
+  RecordReader reader(test::kFolder, disk);
+  reader.finish();
+  while (const auto event = reader.next()) {
+    const auto entry = event->channel == kJournalChannel ? decode_journal(event->data) : std::nullopt;
+    if (!entry) continue;
+    ++entries;
+    EXPECT_EQ(entry->node_losses, counters.node.begin()->second);
+    EXPECT_EQ(entry->refused, 1);
+    EXPECT_EQ(entry->rivals, 2);
+    EXPECT_EQ(entry->unsent, 3);
+  }
+  EXPECT_GE(entries, 4) << "once a second";
+}
+
+// The first half is in the record when the recorder is started again.
+TEST_F(KeeperLosses, SaysWhenTheBlocksReceivedAreNotThoseThatTheEndSumsUp) {
+  for (const std::uint32_t altered : {0u, 1u}) {
+    Drive drive;
+    drive.start();
+    drive.run(milliseconds(1000), 20);
+    drive.note_durable(drive.keeper->close(drive.now));
+    drive.start();
+    drive.run(milliseconds(1000), 20);
+    BlockSum sum;
+    for (std::int64_t k = 1; k <= 40; ++k) sum.add(test::numbered_block(k));
+    const BlockHeader& last = test::numbered_block(40).header;
+    SealedBlock end;
+    seal(
+        EndBlock{
+            .header = {.node = last.node, .epoch = last.epoch, .sequence = 41, .first_scan = last.first_scan},
+            .blocks_crc32c = sum.crc32c() ^ altered},
+        end);
+    drive.keeper->append(Delivery(end), drive.now);
+    const auto warnings = drive.keeper->warnings();
+    drive.note_durable(drive.keeper->close(drive.now));
+    const auto notes = drive.notes(NoteKind::kEndContradicts);
+    ASSERT_EQ(notes.size(), altered);
+    EXPECT_EQ(warnings.size(), altered);
+    if (altered == 0) continue;
+    EXPECT_EQ(notes[0].a, last.node);
+    EXPECT_EQ(notes[0].b, 41);
+  }
+}
+
+}  // namespace
+}  // namespace roadbalance
