@@ -1,5 +1,6 @@
 #include "sim/scenario.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <numbers>
 
@@ -9,7 +10,7 @@
 namespace roadbalance::sim {
 namespace {
 
-constexpr double kKmH = 1.0 / 3.6;
+constexpr double kKmH = 1.0 / 3.6, kFastest_km_h = 300.0;
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 DriveScenario parse_drive(Section section) {
@@ -17,13 +18,18 @@ DriveScenario parse_drive(Section section) {
   drive.ramp_s = section.number_or("ramp_s", {0.5, 60.0}, 6.0);
   drive.wander_m_s = section.number_or("wander_km_h", {0.0, 5.0}, 0.5) * kKmH;
   drive.drift_m_s2 = section.number_or("drift_km_h_min", {0.0, 60.0}, 0.0) * kKmH / 60.0;
+  double fastest_m_s = 0.0, end_s = 0.0;
   for (Section& plateau : section.sections("plateau", 1)) {
-    const double speed_m_s = plateau.number("speed_km_h", {0.0, 300.0}) * kKmH;
+    const double speed_m_s = plateau.number("speed_km_h", {0.0, kFastest_km_h}) * kKmH;
     if (drive.wander_m_s > 0.0 && speed_m_s < 4.0 * drive.wander_m_s)
       plateau.fail("speed_km_h", "must be at least four times wander_km_h, the car never reverses");
     drive.plateau.push_back({speed_m_s, plateau.number("seconds", {1.0, 1e6})});
     plateau.finish();
+    fastest_m_s = std::max(fastest_m_s, speed_m_s);
+    end_s += drive.plateau.back().seconds;
   }
+  if (fastest_m_s + drive.drift_m_s2 * end_s > kFastest_km_h * kKmH)
+    section.fail("drift_km_h_min", "must not make the car faster than 300 km/h");
   section.finish();
   return drive;
 }
@@ -80,6 +86,7 @@ double Scenario::seconds() const {
 void Scenario::scale_to(double seconds_wanted) {
   const double factor = seconds_wanted / seconds();
   for (Plateau& plateau : drive.plateau) plateau.seconds *= factor;
+  drive.drift_m_s2 /= factor;
 }
 
 namespace {

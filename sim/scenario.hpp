@@ -60,7 +60,7 @@ struct Scenario {
   EncoderScenario encoder;
 
   double seconds() const;
-  /// Stretches every plateau alike so that the drive lasts `seconds`.
+  /// Stretches every plateau alike so that the drive lasts `seconds`; a drift ends at the same speed.
   void scale_to(double seconds);
 
   /// @param vehicle  weight radii, where the scenario names none

@@ -44,6 +44,13 @@ TEST(Scenario, ScalesItsPlateausAlike) {
   for (const Plateau& plateau : scenario.drive.plateau) EXPECT_DOUBLE_EQ(plateau.seconds, 10.0);
 }
 
+TEST(Scenario, ADriftEndsAtTheSameSpeedHoweverLongTheDrive) {
+  Scenario scenario = parse("[drive]\ndrift_km_h_min = 5\n" + kShortest);
+  EXPECT_DOUBLE_EQ(scenario.drive.drift_m_s2, 5.0 / 3.6 / 60.0);
+  scenario.scale_to(60.0);
+  EXPECT_DOUBLE_EQ(scenario.drive.drift_m_s2, 2.5 / 3.6 / 60.0);
+}
+
 TEST(Scenario, MassesOnOneWheelAddAsVectorsAtTheirRadius) {
   const std::string mass = "[[unbalance]]\nwheel = \"rear_left\"\nmass_g = 30\n";
   const Scenario scenario =
@@ -105,6 +112,8 @@ TEST(Scenario, ErrorsNameTheKey) {
   expect_refused("[[drive.plateau]]\nspeed_km_h = 100\n", "seconds");
   expect_refused("[[drive.plateau]]\nspeed_km_h = 900\nseconds = 3\n", "speed_km_h");
   expect_refused("[[drive.plateau]]\nspeed_km_h = 1\nseconds = 3\n", "speed_km_h");
+  expect_refused("[drive]\ndrift_km_h_min = 60\n[[drive.plateau]]\nspeed_km_h = 290\nseconds = 30\n",
+                 "drift");
   expect_refused(kShortest + "wheels = 3\n", "wheels");
   expect_refused(kShortest + "[road]\nclass = \"F\"\n", "class");
   expect_refused(kShortest + "[road]\nrear_coherence2 = 1.5\n", "rear_coherence2");

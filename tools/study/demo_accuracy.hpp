@@ -6,10 +6,7 @@
 
 namespace roadbalance {
 
-/// How near the demo comes to the truth: a simulated car, its nodes and identification without bus and
-/// record.
-///
-/// The blocks are those the nodes would send, made by the same code.
+/// How near the demo comes to the truth.
 /// @returns {"seed", "wheels": [{name, unbalance_g, ..., truth_g, truth_deg, truth_tyre_stiffness_n_m}]}
 nlohmann::ordered_json demo_accuracy_run(std::uint64_t seed, double drive_seconds,
                                          const std::vector<double>& converter_ppm = {});
