@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
 
 #include "common/wheel_counter/counter_angle.hpp"
+#include "common/wheel_counter/counter_unwrap.hpp"
+#include "host/encoder/mark_place.hpp"
 
 namespace roadbalance {
 namespace {
@@ -13,7 +14,6 @@ namespace {
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr std::int64_t kStretch_ns = 30'000'000'000, kOverlap_ns = 3'000'000'000;
 constexpr std::size_t kLeastPoints = 16;
-constexpr std::size_t kPlacesTried = 64;
 constexpr std::size_t kRateOver = 8;  // messages on either side
 
 /// A constant speed may make every count of a stretch round the same way, unless jitter shakes it: by the
@@ -26,49 +26,14 @@ double mean_rate_hz(const WheelPoint& a, const WheelPoint& b) {
   return (b.position - a.position) * 1e9 / static_cast<double>(b.time_ns - a.time_ns);
 }
 
-struct PlacedMark {
-  double position;  ///< pulses
-  double rate_hz;
-};
-
-/// The circular mean of marks, modulo a turn, and which lie within `width` of it.
-double mean_place(const std::vector<PlacedMark>& marks, double pulses) {
-  std::complex<double> sum = 0.0;
-  for (const PlacedMark& mark : marks) sum += std::polar(1.0, kTurn * mark.position / pulses);
-  return std::arg(sum) * pulses / kTurn;
-}
-
-double scatter_about(const std::vector<PlacedMark>& marks, double place, double pulses) {
-  double square = 0.0;
-  for (const PlacedMark& mark : marks) square += std::pow(std::remainder(mark.position - place, pulses), 2);
-  return std::sqrt(square / static_cast<double>(std::max<std::size_t>(marks.size(), 1)));
-}
-
-/// The place nearest to which most marks lie: a mean would follow the false ones.
-double densest_place(const std::vector<PlacedMark>& marks, double pulses, double width) {
-  double best = 0.0;
-  std::ptrdiff_t most = -1;
-  // A sample of all, that keeps step with nothing.
-  const std::size_t asked = std::min(marks.size(), kPlacesTried);
-  for (std::size_t k = 0; k < asked; ++k) {
-    const double part = std::fmod(static_cast<double>(k) * std::numbers::phi, 1.0);
-    const double at = marks[static_cast<std::size_t>(part * static_cast<double>(marks.size()))].position;
-    const auto near = std::ranges::count_if(marks, [&](const PlacedMark& mark) {
-      return std::abs(std::remainder(mark.position - at, pulses)) < width;
-    });
-    if (near <= most) continue;
-    most = near;
-    best = at;
-  }
-  return best;
-}
-
 }  // namespace
 
 RecordedCounter::RecordedCounter(const EncoderConfig& config, const SignalConfig& counter,
                                  std::span<const SignalSample> samples, std::span<const Edge> edges)
     : config_(config), counter_(counter) {
   unwrap(samples);
+  for (std::size_t k = 0; k < runs_.size(); ++k) split(k, edges);
+  drop_short_runs();
   for (Run& run : runs_) place_marks(run, edges);
 }
 
@@ -85,8 +50,12 @@ void RecordedCounter::unwrap(std::span<const SignalSample> samples) {
     runs_.back().points.push_back(
         {to_ns(sample.time) - latency_ns, static_cast<double>(counter.count()) + half, 1.0});
   }
-  tally_ = counter.tally();
+  drop_short_runs();
+}
+
+void RecordedCounter::drop_short_runs() {
   std::erase_if(runs_, [](const Run& run) { return run.points.size() < kLeastPoints; });
+  smoothed_ = nullptr;
 }
 
 /// Over a few messages about the instant.
@@ -131,24 +100,47 @@ const RecordedCounter::Run* RecordedCounter::prepare(std::int64_t from_ns, std::
   return nullptr;
 }
 
-void RecordedCounter::place_marks(Run& run, std::span<const Edge> edges) {
-  if (!config_.zero_mark) return;
-  const double pulses = config_.pulses_per_turn;
-  std::vector<PlacedMark> marks;
-  double noise = 0.0, bandwidth = 0.0;
+RecordedCounter::Marks RecordedCounter::marks_of(const Run& run, std::span<const Edge> edges) {
+  Marks marks;
+  double noise = 0.0;
   for (const Edge& edge : edges) {
     const std::int64_t time_ns = to_ns(edge.time);
     if (edge.kind != EdgeKind::kZeroMark || time_ns < run.points.front().time_ns ||
         time_ns > run.points.back().time_ns)
       continue;
     if (prepare(time_ns, time_ns) != &run) continue;
-    marks.push_back({smoother_.position(time_ns), rate_hz(run, time_ns)});
+    marks.mark.push_back({time_ns, smoother_.position(time_ns), rate_hz(run, time_ns)});
     noise += std::pow(smoother_.sigma(time_ns), 2);
-    bandwidth += smoother_.bandwidth_hz();
+    marks.bandwidth_hz += smoother_.bandwidth_hz();
   }
+  const auto all = static_cast<double>(std::max<std::size_t>(marks.mark.size(), 1));
+  marks.noise = noise / all;
+  marks.bandwidth_hz /= all;
+  marks.widest = std::max(CounterAngle::kWidestMark_pulses, 4.0 * std::sqrt(marks.noise));
+  return marks;
+}
+
+/// What lies between the marks on either side of the loss belongs to neither.
+void RecordedCounter::split(std::size_t run, std::span<const Edge> edges) {
+  if (!config_.zero_mark) return;
+  const Marks marks = marks_of(runs_[run], edges);
+  const auto moved = first_move(marks.mark, config_.pulses_per_turn, marks.widest);
+  if (!moved) return;
+  auto& points = runs_[run].points;
+  const auto end = std::ranges::upper_bound(points, moved->before_ns, {}, &WheelPoint::time_ns);
+  const auto begin = std::ranges::lower_bound(points, moved->behind_ns, {}, &WheelPoint::time_ns);
+  Run behind;
+  behind.points.assign(begin, points.end());
+  points.erase(end, points.end());
+  runs_.insert(runs_.begin() + static_cast<std::ptrdiff_t>(run) + 1, std::move(behind));
+  smoothed_ = nullptr;
+}
+
+void RecordedCounter::place_marks(Run& run, std::span<const Edge> edges) {
+  if (!config_.zero_mark) return;
+  const double pulses = config_.pulses_per_turn;
+  auto [marks, noise, bandwidth_hz, widest] = marks_of(run, edges);
   if (marks.empty()) return;
-  const auto all = static_cast<double>(marks.size());
-  const double widest = std::max(CounterAngle::kWidestMark_pulses, 4.0 * std::sqrt(noise / all));
   run.place = densest_place(marks, pulses, widest);
   const auto is_elsewhere = [&](const PlacedMark& mark) {
     return std::abs(std::remainder(mark.position - run.place, pulses)) > widest;
@@ -162,9 +154,9 @@ void RecordedCounter::place_marks(Run& run, std::span<const Edge> edges) {
   for (const PlacedMark& mark : marks) run.mark_rate_hz += mark.rate_hz / static_cast<double>(run.marks);
   // Marks within the smoother's memory see the same error of the count.
   const double seconds = 1e-9 * static_cast<double>(run.points.back().time_ns - run.points.front().time_ns);
-  const double independent = std::clamp(seconds * bandwidth / all, 1.0, static_cast<double>(run.marks));
+  const double independent = std::clamp(seconds * bandwidth_hz, 1.0, static_cast<double>(run.marks));
   run.place_sigma =
-      std::max(scatter_about(marks, run.place, pulses), std::sqrt(noise / all)) / std::sqrt(independent);
+      std::max(scatter_about(marks, run.place, pulses), std::sqrt(noise)) / std::sqrt(independent);
 }
 
 const RecordedCounter::Run* RecordedCounter::look_up(NodeTime first, double step_ns,
@@ -178,7 +170,6 @@ const RecordedCounter::Run* RecordedCounter::look_up(NodeTime first, double step
   const double pulse_rad = kTurn / config_.pulses_per_turn;
   for (std::size_t i = 0; i < angle_rad.size(); ++i)
     angle_rad[i] = smoother_.position(instant(i)) * pulse_rad;
-  run_ = 1 + (run - runs_.data());
   return run;
 }
 

@@ -7,8 +7,8 @@
 
 #include "common/config/vehicle_config.hpp"
 #include "common/frontend/front_end.hpp"
-#include "common/wheel_counter/counter_unwrap.hpp"
 #include "host/encoder/angle_smoother.hpp"
+#include "host/encoder/mark_place.hpp"
 
 namespace roadbalance {
 
@@ -17,8 +17,9 @@ namespace roadbalance {
 /// of every instant (AngleSmoother) and knows all marks from the begin.
 ///
 /// Where in a turn the mark lies is learned for each run of the counter: the circular mean of its marks
-/// without those that lie elsewhere.  A run without marks, or whose marks contradict one another, has no
-/// angle, only an angle turned through.
+/// without those that lie elsewhere.  Where most marks before agree on one place and most behind on another,
+/// the control unit lost counts, and another run begins.  A run without marks, or whose marks contradict one
+/// another, has no angle, only an angle turned through.
 class RecordedCounter {
  public:
   /// @param counter  of the vehicle's signals, whose samples these are; in order of time
@@ -32,8 +33,6 @@ class RecordedCounter {
 
   /// The same from an origin that is nobody's choice, and another in each run: how far the wheel has turned.
   [[nodiscard]] bool turned(NodeTime first, double step_ns, std::span<double> angle_rad);
-  /// Of the last call that was true.
-  std::int64_t run() const { return run_; }
 
   /// Standard deviation of an angle of the last call that was true, all causes but the datum.
   double sigma_rad() const { return sigma_rad_; }
@@ -41,7 +40,6 @@ class RecordedCounter {
   /// speeds than the marks'.  Over the whole drive; nothing: no run has a mark.
   std::optional<double> common_sigma_rad() const;
 
-  const CounterUnwrap::Tally& tally() const { return tally_; }
   std::int64_t runs() const { return static_cast<std::int64_t>(runs_.size()); }
   std::int64_t marks() const;          ///< used
   std::int64_t marks_dropped() const;  ///< that lay elsewhere
@@ -54,7 +52,16 @@ class RecordedCounter {
     double mark_rate_hz = 0.0;              ///< mean, of the counter at the marks
     std::int64_t marks = 0, dropped = 0;
   };
+  struct Marks {
+    std::vector<PlacedMark> mark;
+    double noise = 0.0;         ///< mean variance of their positions, pulses^2
+    double bandwidth_hz = 0.0;  ///< mean, of the smoother at them
+    double widest = 0.0;        ///< pulses; marks further from their place than this are of another
+  };
+  void drop_short_runs();
   void unwrap(std::span<const SignalSample> samples);
+  Marks marks_of(const Run& run, std::span<const Edge> edges);
+  void split(std::size_t run, std::span<const Edge> edges);
   void place_marks(Run& run, std::span<const Edge> edges);
   const Run* prepare(std::int64_t from_ns, std::int64_t to_ns);
   bool smooth(const Run& run, std::int64_t from_ns, std::int64_t to_ns);
@@ -63,7 +70,6 @@ class RecordedCounter {
 
   EncoderConfig config_;
   SignalConfig counter_;
-  CounterUnwrap::Tally tally_;
   std::vector<Run> runs_;
 
   // The stretch that was asked for last.
@@ -71,7 +77,6 @@ class RecordedCounter {
   const Run* smoothed_ = nullptr;
   std::int64_t from_ns_ = 0, to_ns_ = 0;
   double noise_ = 0.0;  ///< variance of a message, pulses^2
-  std::int64_t run_ = 0;
   double sigma_rad_ = 0.0;
 };
 
