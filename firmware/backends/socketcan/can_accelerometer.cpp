@@ -13,12 +13,8 @@ constexpr std::chrono::seconds kLongestSilence{2};
 }  // namespace
 
 CanAccelerometer::CanAccelerometer(std::unique_ptr<CanIntake> intake, CanDecoder decoder,
-                                   const CanConfig& can, CanIntake::Warn warn)
-    : intake_(std::move(intake)),
-      decoder_(std::move(decoder)),
-      interface_(can.interface),
-      first_id_(can.accelerometer_id.value()),
-      warn_(std::move(warn)) {}
+                                   const CanConfig& can)
+    : intake_(std::move(intake)), decoder_(std::move(decoder)), first_id_(can.accelerometer_id.value()) {}
 
 Read CanAccelerometer::read(std::span<Scan> scans, std::span<Edge>,
                             std::span<SignalSample> signals) noexcept {
@@ -46,22 +42,23 @@ void CanAccelerometer::listen_for_silence(bool any_scan) noexcept {
   const WallTime now = WallClock::now();
   if (any_scan || intake_->gone()) {
     heard_ = now;
-    silence_said_ = false;
-  } else if (!silence_said_ && now - heard_ > kLongestSilence) {
-    silence_said_ = true;
-    warn_(silence());
+    silence_told_ = false;
+  } else if (!silence_told_ && now - heard_ > kLongestSilence) {
+    silence_told_ = true;
+    intake_->say_silence();
   }
 }
 
-std::string CanAccelerometer::silence() const {
+std::string CanAccelerometer::silence(const CanConfig& can) {
+  const std::uint32_t first = can.accelerometer_id.value();
   std::array<char, 80> ids{};
   std::snprintf(ids.data(), ids.size(),
-                "no scan of the accelerometer module comes (identifiers 0x%X to 0x%X)", first_id_,
-                first_id_ + AccelerometerFrame::kParts - 1);
-  std::string text = intake_->report().device() + ": " + ids.data();
-  const auto link = query_can_link(interface_.c_str());
+                "no scan of the accelerometer module comes (identifiers 0x%X to 0x%X)", first,
+                first + AccelerometerFrame::kParts - 1);
+  std::string text = "can:" + can.interface + ": " + ids.data();
+  const auto link = query_can_link(can.interface.c_str());
   if (link && !link->takes_fd)
-    text += "; " + interface_ + " carries no CAN FD, in case the module sends that";
+    text += "; " + can.interface + " carries no CAN FD, in case the module sends that";
   return text;
 }
 

@@ -11,12 +11,14 @@ namespace roadbalance {
 
 /// The scans of an accelerometer module on a CAN interface, and the signals that come on the same one.
 ///
-/// A module that gives no scan for two seconds while the interface is there is told, once for each silence.
+/// A module that gives no scan for two seconds while the interface is there: the intake's thread is asked to
+/// say so, once for each silence.
 class CanAccelerometer final : public FrontEnd {
  public:
-  /// @param warn  hears that, from the thread that reads
-  CanAccelerometer(std::unique_ptr<CanIntake> intake, CanDecoder decoder, const CanConfig& can,
-                   CanIntake::Warn warn);
+  CanAccelerometer(std::unique_ptr<CanIntake> intake, CanDecoder decoder, const CanConfig& can);
+
+  /// That no scan comes, and what may be why.
+  static std::string silence(const CanConfig& can);
 
   Read read(std::span<Scan> scans, std::span<Edge> edges, std::span<SignalSample> signals) noexcept override;
   ScanStamps scan_stamps() const noexcept override { return ScanStamps::kReadOut; }
@@ -26,16 +28,13 @@ class CanAccelerometer final : public FrontEnd {
   void take(const CanArrival& arrival, std::span<Scan> scans, std::span<SignalSample> signals,
             Read& read) noexcept;
   void listen_for_silence(bool any_scan) noexcept;
-  std::string silence() const;
 
   const std::unique_ptr<CanIntake> intake_;
   const CanDecoder decoder_;
-  const std::string interface_;
   const std::uint32_t first_id_;
-  const CanIntake::Warn warn_;
   AccelerometerScans scans_;
   WallTime heard_ = WallClock::now();  ///< a scan, or that the interface is gone
-  bool silence_said_ = false;
+  bool silence_told_ = false;
 };
 
 }  // namespace roadbalance

@@ -16,11 +16,13 @@ constexpr int kFramesAtOnce = 1'000;
 
 }  // namespace
 
-CanIntake::CanIntake(const std::string& interface, CanNeed need, std::vector<CanId> wanted, Warn warn)
+CanIntake::CanIntake(const std::string& interface, CanNeed need, std::vector<CanId> wanted, Warn warn,
+                     Sentence silence)
     : interface_(interface),
       need_(need),
       wanted_(std::move(wanted)),
       warn_(std::move(warn)),
+      silence_(std::move(silence)),
       report_("can:" + interface),
       complete_ns_(to_ns(MachineClock::now())) {
   const std::string why = obstacle(query_can_link(interface.c_str()), need, interface);
@@ -45,7 +47,13 @@ void CanIntake::run(const std::stop_token& stop) noexcept {
     } else if (pause(stop, kAskAgain)) {
       find_interface();
     }
+    tell_silence();
   }
+}
+
+/// Of an interface that is gone other things are said.
+void CanIntake::tell_silence() noexcept {
+  if (silent_.exchange(false, std::memory_order_relaxed) && socket_) warn_(silence_());
 }
 
 void CanIntake::drain() noexcept {

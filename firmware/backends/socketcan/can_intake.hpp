@@ -28,16 +28,20 @@ struct CanArrival {
 ///
 /// An interface that goes down or away is asked for by its name every 50 ms and heard again once it is up in
 /// its role; in another one it stays gone, and why is said when that lasts.  Troubles are counted in the
-/// report.  Neither side allocates after construction while the interface is there.
+/// report.  The reader's side never allocates; the thread only while the interface is gone, and to say
+/// something.
 class CanIntake {
  public:
   using Warn = std::function<void(const std::string&)>;
+  using Sentence = std::function<std::string()>;
 
-  /// @param wanted  identifiers; at least one
-  /// @param warn    hears, from the thread, what the system refuses of its real-time priority, and why an
-  ///                interface that went cannot be heard again
+  /// @param wanted   identifiers; at least one
+  /// @param warn     hears, from the thread, what the system refuses of its real-time priority, why an
+  ///                 interface that went cannot be heard again, and of silence
+  /// @param silence  makes the sentence of say_silence(), in the thread; empty: that is never called
   /// @throws ConfigError if there is no such interface, or not up, or not as needed; std::system_error
-  CanIntake(const std::string& interface, CanNeed need, std::vector<CanId> wanted, Warn warn);
+  CanIntake(const std::string& interface, CanNeed need, std::vector<CanId> wanted, Warn warn,
+            Sentence silence = {});
   CanIntake(const CanIntake&) = delete;
   CanIntake& operator=(const CanIntake&) = delete;
   ~CanIntake();
@@ -54,6 +58,9 @@ class CanIntake {
   /// The interface is away; why, is said by this.
   bool gone() const noexcept { return gone_.load(std::memory_order_acquire); }
 
+  /// The reader's: what it waits for does not come.  The thread says so soon.
+  void say_silence() noexcept { silent_.store(true, std::memory_order_relaxed); }
+
   /// Counts for the reader, too.
   DeviceReport& report() { return report_; }
   const DeviceReport& report() const { return report_; }
@@ -67,12 +74,14 @@ class CanIntake {
   void keep(const CanReceived& received) noexcept;
   void lose_interface() noexcept;
   void find_interface() noexcept;
+  void tell_silence() noexcept;
   std::string listen_again();
 
   const std::string interface_;
   const CanNeed need_;
   const std::vector<CanId> wanted_;
   const Warn warn_;
+  const Sentence silence_;
   DeviceReport report_;
   std::optional<CanSocket> socket_;  ///< none: the interface is gone
   std::optional<HardwareStamps> hardware_{std::in_place};
@@ -81,6 +90,7 @@ class CanIntake {
   WakingQueue<CanArrival> queue_{kFrames};
   std::atomic<std::int64_t> complete_ns_;
   std::atomic<bool> gone_ = false;
+  std::atomic<bool> silent_ = false;  ///< to be said
   std::jthread thread_;
 };
 

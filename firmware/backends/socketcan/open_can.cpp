@@ -51,10 +51,11 @@ OpenedDevice open_can(const FrontEndRequest& request, const CanIntake::Warn& war
   if (wanted.empty())
     throw ConfigError("front end \"can:" + can.interface +
                       "\": nothing is wanted of it; allowed: [[node.can.signal]], accelerometer_id");
-  auto intake = std::make_unique<CanIntake>(
-      can.interface, CanNeed{.role = can.role, .fd = decoder.needs_fd()}, std::move(wanted), warn);
+  auto intake =
+      std::make_unique<CanIntake>(can.interface, CanNeed{.role = can.role, .fd = decoder.needs_fd()},
+                                  std::move(wanted), warn, [can] { return CanAccelerometer::silence(can); });
   if (can.accelerometer_id)
-    return std::make_unique<CanAccelerometer>(std::move(intake), std::move(decoder), can, warn);
+    return std::make_unique<CanAccelerometer>(std::move(intake), std::move(decoder), can);
   return std::make_unique<CanSignalSource>(std::move(intake), std::move(decoder));
 }
 

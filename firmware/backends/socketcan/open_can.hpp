@@ -8,7 +8,7 @@ namespace roadbalance {
 /// Opens "can:INTERFACE" as the node's [[node.can]] describes it: its signals beside the scans of another
 /// device or, with accelerometer_id, the scans of that module with the signals.
 ///
-/// @param warn  see CanIntake and CanAccelerometer
+/// @param warn  see CanIntake
 /// @throws ConfigError naming what is wrong with the interface, the wiring or the DBC file, with the command
 ///         that mends an interface's role; std::system_error
 OpenedDevice open_can(const FrontEndRequest& request, const CanIntake::Warn& warn);

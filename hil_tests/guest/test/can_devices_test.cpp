@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <mutex>
 #include <optional>
 #include <sstream>
 #include <thread>
@@ -35,10 +36,9 @@ VehicleConfig car_with(const CanConfig& can) {
   return vehicle;
 }
 
-OpenedDevice open(const CanConfig& can) {
+OpenedDevice open(const CanConfig& can, const CanIntake::Warn& warn) {
   const VehicleConfig vehicle = car_with(can);
-  return open_can({.address = can.interface, .vehicle = vehicle, .node = vehicle.node[0]},
-                  [](const std::string&) {});
+  return open_can({.address = can.interface, .vehicle = vehicle, .node = vehicle.node[0]}, warn);
 }
 
 TEST(CanSignals, OfARecordedDriveThatCanplayerRepeatsAreThePublishedWheelSpeeds) {
@@ -53,7 +53,7 @@ TEST(CanSignals, OfARecordedDriveThatCanplayerRepeatsAreThePublishedWheelSpeeds)
                           .signal = std::string("WHEEL_SPEED_") + wheel,
                           .quantity = SignalQuantity::kWheelSpeed,
                           .wheel = "front_left"});
-  const auto device = std::get<std::unique_ptr<SideSource>>(open(can));
+  const auto device = std::get<std::unique_ptr<SideSource>>(open(can, [](const std::string&) {}));
   test::Program player("canplayer",
                        {"-I", test::source_path(kData + "rav4.candump.log"), bus.name() + "=can0"});
   std::vector<SignalSample> samples;
@@ -106,17 +106,19 @@ void convert(AccelerometerModule& module, int count) {
   }
 }
 
-/// Reads, as acquire does, until the scan of this index has come.
-std::vector<Scan> read_until(FrontEnd& front_end, std::int64_t index) {
+/// Reads, as acquire does, until the scan of this index has come or none for so long.
+std::vector<Scan> read_until(FrontEnd& front_end, std::int64_t index,
+                             WallClock::duration patience = std::chrono::seconds(5)) {
   std::vector<Scan> all;
   std::array<Scan, 256> scans;
   std::array<SignalSample, 64> signals;
   all.reserve(100'000);
-  for (int empty = 0; empty < 50 && (all.empty() || all.back().index < index);) {
+  WallTime heard = WallClock::now();
+  while (WallClock::now() - heard < patience && (all.empty() || all.back().index < index)) {
     const test::NoAllocation guard;
     const Read read = front_end.read(scans, {}, signals);
     EXPECT_EQ(read.status, ReadStatus::kOk);
-    empty = read.scans > 0 ? 0 : empty + 1;
+    if (read.scans > 0) heard = WallClock::now();
     all.insert(all.end(), scans.begin(), scans.begin() + static_cast<std::ptrdiff_t>(read.scans));
   }
   return all;
@@ -139,12 +141,12 @@ class AccelerometerTest : public testing::TestWithParam<bool> {
       ip(std::string("link set ") + interface + " up");
     }
   }
-  std::unique_ptr<FrontEnd> open_module() const {
+  std::unique_ptr<FrontEnd> open_module(const CanIntake::Warn& warn = [](const std::string&) {}) const {
     CanConfig can;
     can.interface = node_side();
     can.role = CanRole::kSensor;
     can.accelerometer_id = AccelerometerModule::kFirstId;
-    return std::get<std::unique_ptr<FrontEnd>>(open(can));
+    return std::get<std::unique_ptr<FrontEnd>>(open(can, warn));
   }
   /// What the node would print.
   static std::vector<std::string> said(const FrontEnd& front_end) {
@@ -214,6 +216,36 @@ TEST_P(AccelerometerTest, LeavesOutTheIndicesOfMissingConversionsAndOfAnAbsence)
   for (const char* words :
        {": was unplugged or went down (1 time by now)", ": is there again (1 time by now)"})
     EXPECT_EQ(std::ranges::count(sentences, "can:" + node_side() + words), 1) << words;
+}
+
+/// What a device says, and who says it.
+struct Warning {
+  std::string text;
+  std::thread::id thread;
+};
+
+TEST_P(AccelerometerTest, SaysOnceOfEachSilenceButNotFromTheThreadThatReads) {
+  std::mutex mutex;
+  std::vector<Warning> warnings;
+  const auto device = open_module([&](const std::string& text) {
+    const std::lock_guard lock(mutex);
+    warnings.push_back({text, std::this_thread::get_id()});
+  });
+  const std::string silence = "can:" + node_side() + ": no scan of the accelerometer module comes";
+  const auto said = [&] {
+    const std::lock_guard lock(mutex);
+    return std::ranges::count_if(warnings, [&](const Warning& w) { return w.text.starts_with(silence); });
+  };
+  AccelerometerModule module(module_side(), is_fd());
+  for (int silences = 1; silences <= 2; ++silences) {
+    EXPECT_TRUE(read_until(*device, INT64_MAX, std::chrono::milliseconds(2'500)).empty());
+    EXPECT_TRUE(wait_until([&] { return said() == silences; }, 5));
+    EXPECT_TRUE(read_until(*device, INT64_MAX, std::chrono::milliseconds(2'500)).empty());
+    EXPECT_EQ(said(), silences);
+    convert(module, 1);
+    EXPECT_EQ(read_until(*device, 0).size(), 1U);
+  }
+  for (const Warning& warning : warnings) EXPECT_NE(warning.thread, std::this_thread::get_id());
 }
 
 INSTANTIATE_TEST_SUITE_P(Forms, AccelerometerTest, testing::Values(true, false),
