@@ -127,7 +127,8 @@ std::int64_t run_node(std::stop_token stop, const VehicleConfig& vehicle, const 
   Parallel processes;
   const std::stop_callback pass_on(stop, [&processes] { processes.request_stop(); });
   processes.run([&](std::stop_token stop_here) {
-    uplink(stop_here, options.bus_url, node.id, node_link, options.warn);
+    const auto open = [&] { return open_node_bus(options.bus_url, node.id, node_link); };
+    uplink(stop_here, open, node_link, options.warn);
     processes.request_stop();  // acquire has ended; the clock answers as long as the node lives
   });
   processes.run([&](std::stop_token stop_here) { keep_diary(stop_here, front_end, link, options); });

@@ -53,7 +53,7 @@ void NodeLink::take(std::string_view channel, std::span<const std::uint8_t> byte
 }
 
 bool NodeLink::turn(WallTime now, const Publish& publish) {
-  backlog_.relieve(now);
+  relieve(now);
   const bool busy = send_blocks(now, publish);
   if (busy || backlog_.used() == 0) quiet_since_ = now;
   if (const SealedBlock* block = preview_.read()) publish(preview_channel_, block->bytes());

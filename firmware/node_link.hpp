@@ -41,6 +41,9 @@ class NodeLink {
   /// be due at once.
   bool turn(WallTime now, const Publish& publish);
 
+  /// While there is no bus, in place of turn(): moves blocks to the spool if it must.
+  void relieve(WallTime now) { backlog_.relieve(now); }
+
   /// Acquire has ended, its owner has everything durable, and every command is answered.
   bool finished() const;
   std::int64_t owner() const { return sender_.owner(); }

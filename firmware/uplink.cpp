@@ -2,11 +2,9 @@
 
 #include <chrono>
 #include <exception>
-#include <memory>
 #include <optional>
 #include <thread>
 
-#include "common/bus/bus.hpp"
 #include "common/bus/recorder_status.hpp"
 #include "common/frontend/lasting_reason.hpp"
 
@@ -19,7 +17,9 @@ constexpr auto kIdleWait = 2ms;
 constexpr auto kAskAgain = 1s;
 constexpr auto kFarewell = 1s;  // told to stop, how long the owner may take to call the rest durable
 
-std::unique_ptr<Bus> open_bus(const std::string& url, std::int32_t node, NodeLink& link) {
+}  // namespace
+
+std::unique_ptr<Bus> open_node_bus(const std::string& url, std::int32_t node, NodeLink& link) {
   auto bus = std::make_unique<Bus>(url);
   const auto take = [&link](std::string_view channel, std::span<const std::uint8_t> bytes) {
     link.take(channel, bytes, WallClock::now());
@@ -31,11 +31,9 @@ std::unique_ptr<Bus> open_bus(const std::string& url, std::int32_t node, NodeLin
   return bus;
 }
 
-}  // namespace
-
-void uplink(std::stop_token stop, const std::string& bus_url, std::int32_t node, NodeLink& link,
+void uplink(std::stop_token stop, const std::function<std::unique_ptr<Bus>()>& open, NodeLink& link,
             const std::function<void(const std::string&)>& warn) {
-  std::unique_ptr<Bus> bus = open_bus(bus_url, node, link);
+  std::unique_ptr<Bus> bus = open();
   const Publish publish = [&bus](const std::string& channel, std::span<const std::uint8_t> bytes) {
     return bus && bus->publish(channel, bytes);
   };
@@ -48,13 +46,14 @@ void uplink(std::stop_token stop, const std::string& bus_url, std::int32_t node,
     const WallTime now = WallClock::now();
     if (stop.stop_requested() && !told_to_stop) told_to_stop = now;
     if (told_to_stop && (now - *told_to_stop > kFarewell || link.owner() == 0)) break;
-    const bool busy = link.turn(now, publish);
+    if (!bus && now < ask_again) {
+      link.relieve(now);
+      std::this_thread::sleep_for(kIdleWait);
+      continue;
+    }
+    const bool busy = bus && link.turn(now, publish);
     try {
-      if (!bus && now < ask_again) {
-        std::this_thread::sleep_for(kIdleWait);
-        continue;
-      }
-      if (!bus) bus = open_bus(bus_url, node, link);
+      if (!bus) bus = open();
       bus->handle(busy ? 0ms : kIdleWait);
       lost.over();
       for (const std::string& sentence : bus->other_versions()) warn(sentence);
