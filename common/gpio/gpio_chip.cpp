@@ -7,11 +7,60 @@
 #include <array>
 #include <cassert>
 #include <cerrno>
+#include <filesystem>
 #include <system_error>
 #include <utility>
 #include <vector>
 
+#include "common/gpio/device_place.hpp"
+
 namespace roadbalance {
+namespace {
+
+constexpr const char* kChips = "/sys/bus/gpio/devices";
+
+struct Closes {
+  void operator()(gpiod_chip* chip) const { gpiod_chip_close(chip); }
+};
+using Chip = std::unique_ptr<gpiod_chip, Closes>;
+
+Chip open_chip(const std::string& name) {
+  Chip chip(gpiod_chip_open_by_name(name.c_str()));
+  if (!chip) throw GpioError("GPIO chip " + name + ": " + std::generic_category().message(errno));
+  return chip;
+}
+
+/// Empty: it is gone.
+std::string place_of(const std::string& chip) {
+  std::error_code gone;
+  const auto folder = std::filesystem::canonical(std::filesystem::path(kChips) / chip, gone);
+  return gone ? "" : device_place(folder.parent_path());
+}
+
+/// All that are called so at that place.
+std::vector<Chip> chips_like(const GpioChip::Identity& wanted) {
+  std::vector<Chip> alike;
+  std::error_code none;
+  for (const auto& entry : std::filesystem::directory_iterator(kChips, none)) {
+    const std::string name = entry.path().filename();
+    if (place_of(name) != wanted.place) continue;
+    Chip chip = open_chip(name);
+    if (wanted.label == gpiod_chip_label(chip.get())) alike.push_back(std::move(chip));
+  }
+  return alike;
+}
+
+Chip find_again(const std::string& name, const GpioChip::Identity& before) {
+  const std::string chip = "GPIO chip " + name + ": ", known = before.label + " at " + before.place;
+  std::vector<Chip> alike = chips_like(before);
+  if (alike.size() == 1 && before.is_the_only) return std::move(alike.front());
+  if (!alike.empty()) throw GpioError(chip + "of several " + known + " it cannot be told which it was");
+  const Chip other = open_chip(name);
+  throw GpioError(chip + gpiod_chip_label(other.get()) + " at " + place_of(name) + " is called so now, not " +
+                  known);
+}
+
+}  // namespace
 
 struct GpioChip::State {
   std::string name;
@@ -50,26 +99,14 @@ struct GpioChip::State {
 
 GpioChip::GpioChip(const std::string& name, const Identity& before) : state_(std::make_unique<State>()) {
   state_->name = name;
-  state_->chip = gpiod_chip_open_by_name(name.c_str());
-  std::string why = std::generic_category().message(errno);
-  if (state_->chip && !before.label.empty() && before.label != gpiod_chip_label(state_->chip)) {
-    why = "it is called " + std::string(gpiod_chip_label(state_->chip)) + " now, not " + before.label;
-    gpiod_chip_close(std::exchange(state_->chip, nullptr));
-  }
-  // Of several that are called alike another one would be taken for it.
-  if (!state_->chip && before.is_the_only) state_->chip = gpiod_chip_open_by_label(before.label.c_str());
-  if (!state_->chip) throw GpioError("GPIO chip " + name + ": " + why);
+  state_->chip = (before.label.empty() ? open_chip(name) : find_again(name, before)).release();
 }
 
 GpioChip::Identity GpioChip::identity() const {
-  Identity identity{.label = gpiod_chip_label(state_->chip), .is_the_only = true};
-  const std::string name = gpiod_chip_name(state_->chip);
-  gpiod_chip_iter* const all = gpiod_chip_iter_new();
-  if (!all) return {identity.label, false};
-  for (gpiod_chip* other = gpiod_chip_iter_next(all); other; other = gpiod_chip_iter_next(all))
-    if (identity.label == gpiod_chip_label(other) && name != gpiod_chip_name(other))
-      identity.is_the_only = false;
-  gpiod_chip_iter_free(all);
+  Identity identity{.label = gpiod_chip_label(state_->chip),
+                    .place = place_of(gpiod_chip_name(state_->chip))};
+  if (identity.place.empty()) return {};
+  identity.is_the_only = chips_like(identity).size() == 1;
   return identity;
 }
 

@@ -36,15 +36,16 @@ class GpioChip {
   enum class Edges { kRising, kBoth };
   static constexpr std::size_t kKernelEvents = 16;  ///< of a line
 
-  /// What tells a chip from others.
+  /// What tells a chip from others.  Its number does not: the kernel gives them as chips come.
   struct Identity {
     std::string label;         ///< what its driver calls it; empty: any
-    bool is_the_only = false;  ///< no other chip was called so
+    std::string place;         ///< see device_place()
+    bool is_the_only = false;  ///< no other chip at this place was called so
   };
 
-  /// The chip of this name if it has this label, else, if one alone was called so, the one with the label: a
-  /// chip that was unplugged may come back with another number.
-  /// @param name  of the character device, e.g. "gpiochip0"
+  /// The chip of this name or, if one was opened before, that one, whatever its name is by now.
+  /// @param name    of the character device, e.g. "gpiochip0"
+  /// @param before  identity() of the chip that was opened first
   /// @throws GpioError
   explicit GpioChip(const std::string& name, const Identity& before);
   explicit GpioChip(const std::string& name) : GpioChip(name, Identity()) {}
@@ -52,7 +53,8 @@ class GpioChip {
   GpioChip(GpioChip&&) noexcept;
   GpioChip& operator=(GpioChip&&) noexcept;
 
-  /// As it is now.
+  /// As it is now; of a chip that is gone: any.
+  /// @throws GpioError naming another chip at its place that cannot be had
   Identity identity() const;
 
   /// Takes a line as an input whose edges are kept from now on.

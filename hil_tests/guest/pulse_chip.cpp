@@ -15,11 +15,19 @@ namespace roadbalance::test {
 namespace {
 
 constexpr const char* kPlayer = "/dev/gpio-pulse";
-constexpr const char* kDevice = "/sys/bus/platform/devices/gpio-pulse";
+const std::string kDevices = "/sys/bus/platform/devices/";
+constexpr const char* kChip = "gpio-pulse";
+constexpr const char* kTwin = "gpio-pulse.1";
 constexpr const char* kDriver = "/sys/bus/platform/drivers/gpio-pulse/";
 
-void tell_driver(const std::string& file, const char* device = "gpio-pulse") {
+void tell_driver(const std::string& file, const char* device) {
   if (!(std::ofstream(kDriver + file) << device << std::flush)) throw_errno(kDriver + file + " of " + device);
+}
+
+std::string chip_of(const std::string& device) {
+  for (const auto& entry : std::filesystem::directory_iterator(kDevices + device))
+    if (const std::string name = entry.path().filename(); name.starts_with("gpiochip")) return name;
+  throw std::runtime_error("the chip " + device + " is unplugged");
 }
 
 }  // namespace
@@ -37,9 +45,7 @@ std::int64_t PulseChip::now_ns() {
 }
 
 std::string PulseChip::name() {
-  for (const auto& entry : std::filesystem::directory_iterator(kDevice))
-    if (const std::string name = entry.path().filename(); name.starts_with("gpiochip")) return name;
-  throw std::runtime_error("the chip gpio-pulse is unplugged");
+  return chip_of(kChip);
 }
 
 void PulseChip::play(std::span<const gpio_pulse_step> steps) {
@@ -70,19 +76,23 @@ std::vector<gpio_pulse_step> PulseChip::played() {
 }
 
 void PulseChip::unplug() {
-  tell_driver("unbind");
+  tell_driver("unbind", kChip);
 }
 
 void PulseChip::plug() {
-  tell_driver("bind");
+  tell_driver("bind", kChip);
 }
 
 void PulseChip::plug_twin() {
-  tell_driver("bind", "gpio-pulse.1");
+  tell_driver("bind", kTwin);
 }
 
 void PulseChip::unplug_twin() {
-  tell_driver("unbind", "gpio-pulse.1");
+  tell_driver("unbind", kTwin);
+}
+
+std::string PulseChip::twin_name() {
+  return chip_of(kTwin);
 }
 
 }  // namespace roadbalance::test

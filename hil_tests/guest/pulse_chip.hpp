@@ -44,6 +44,7 @@ class PulseChip {
   /// Adds a second chip of the same label, whose lines play nothing, and removes it.
   static void plug_twin();
   static void unplug_twin();
+  static std::string twin_name();
 
  private:
   int player_ = -1;

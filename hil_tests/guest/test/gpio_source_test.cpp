@@ -7,9 +7,13 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <thread>
+#include <utility>
+#include <vector>
 
 #include "common/clock/clock_pair.hpp"
 #include "common/config/section.hpp"
+#include "common/gpio/gpio_chip.hpp"
 #include "hil_tests/guest/gpio_rig.hpp"
 
 namespace roadbalance {
@@ -136,7 +140,7 @@ TEST(GpioSource, SaysOnceWhyAChipThatIsBackCannotBeHad) {
   EXPECT_EQ(rig.edges_of(EdgeKind::kTooth), 100U);
 }
 
-TEST(GpioSource, AnotherChipOfTheSameLabelIsNotTakenForTheOneThatIsGone) {
+TEST(GpioSource, AnotherChipOfTheSameLabelIsNotTakenForTheOneThatIsGoneWhichIsFoundBesideIt) {
   const std::string chip = PulseChip::name();
   PulseChip::plug_twin();
   GpioRig rig({{0, 3, {}, {}}});
@@ -144,11 +148,47 @@ TEST(GpioSource, AnotherChipOfTheSameLabelIsNotTakenForTheOneThatIsGone) {
   PulseChip::unplug();
   rig.take_until(DeviceCounter::kGone, 1);
   for (int k = 0; k < 100 && rig.warnings == at_start; ++k) rig.take_for(100'000'000);
-  PulseChip::unplug_twin();
   EXPECT_EQ(rig.warnings,
             at_start + "front end gpio:" + chip + ": GPIO chip " + chip + ": No such file or directory\n");
   EXPECT_EQ(rig.counted(DeviceCounter::kReturned), 0);
   PulseChip::plug();
+  rig.take_until(DeviceCounter::kReturned, 1);
+  rig.play(pulses(3, 100));
+  EXPECT_EQ(rig.edges_of(EdgeKind::kTooth), 100U);
+  PulseChip::unplug_twin();
+}
+
+// The chip that was in use keeps its number on this kernel even when it is gone, so that one of which no line
+// was taken stands for those of others.
+TEST(GpioChip, OfTwoAlikeThatComeBackInTheOtherOrderIsTheOneThatItWas) {
+  PulseChip player;
+  PulseChip::unplug();
+  PulseChip::plug();  // the kernel gives the lowest number that is free
+  PulseChip::plug_twin();
+  const std::string own = PulseChip::name(), other = PulseChip::twin_name();
+  const GpioChip::Identity identity = GpioChip(own).identity();
+  PulseChip::unplug();
+  PulseChip::unplug_twin();
+  PulseChip::plug_twin();
+  ASSERT_EQ(PulseChip::twin_name(), own);
+  try {
+    const GpioChip twin(own, identity);
+    ADD_FAILURE() << "another chip was taken for it";
+  } catch (const GpioError& error) {
+    EXPECT_EQ(error.what(), "GPIO chip " + own +
+                                ": gpio-pulse at /sys/devices/platform/gpio-pulse.1 is called so now, not "
+                                "gpio-pulse at /sys/devices/platform/gpio-pulse");
+  }
+  PulseChip::plug();
+  ASSERT_EQ(PulseChip::name(), other);
+  GpioChip found(own, identity);
+  static_cast<void>(found.take_edges(3, GpioChip::Edges::kRising, "test"));
+  player.set(3, true);
+  Waiting waiting = Waiting::kNothing;
+  found.wait(std::chrono::seconds(1), {&waiting, 1});
+  EXPECT_EQ(waiting, Waiting::kEvents);
+  player.set(3, false);
+  PulseChip::unplug_twin();
 }
 
 TEST(GpioSource, WhatCannotBeHadIsRefusedByTheNameOfItsKey) {
