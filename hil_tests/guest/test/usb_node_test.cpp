@@ -1,9 +1,12 @@
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "hil_tests/guest/device_measurement.hpp"
+#include "hil_tests/guest/recorded_parts.hpp"
 #include "hil_tests/players/usb_board/test/board_watch.hpp"
 #include "hil_tests/players/usb_board/test/turning_wheels.hpp"
 
@@ -79,6 +82,96 @@ TEST_F(UsbNodeTest, DeclaresWhatTheCableSpoiledAndWhatWentByWhileItWasPulled) {
                        "packets were refused: wrong mark, length or CRC (1 time by now)",
                        "packets are missing (2 times by now)", "was unplugged or went down (1 time by now)",
                        "is there again (1 time by now)"});
+}
+
+/// rb-node with two boards, half of its channels at each, whose inputs say when they were converted.
+class TwoBoardsNodeTest : public test::DeviceMeasurement {
+ protected:
+  /// 0.4 s are more than the node keeps of one board; a silent one is started again after 1 s.
+  static constexpr int kRate_hz = 10'000;
+  static constexpr const char* kBoards = "usb:1209:0001:MASTER+SECOND";
+  static constexpr const char* kMaster = "usb:1209:0001:MASTER";
+  static constexpr const char* kSecond = "usb:1209:0001:SECOND";
+
+  void SetUp() override { wire({}, kRate_hz); }
+
+  test::Bench second() {
+    test::Bench bench = test::timed_bench("SECOND", -60.0);
+    bench.bounces = [this](std::int64_t) -> std::optional<double> {
+      if (early > 0 && early-- > 0) return 0.1;
+      if (late > 0 && late-- > 0) return 0.6;
+      return std::nullopt;
+    };
+    return bench;
+  }
+  std::int64_t rows_apart() const {
+    std::int64_t apart = 0, rows = 0;
+    for (const ScanBlock& block : test::recorded_blocks(record))
+      for (std::size_t row = 0; row < static_cast<std::size_t>(block.header.scans); ++row, ++rows)
+        for (std::size_t c = 0; c < 6; ++c) apart += block.counts[row][c] != block.counts[row][6 + c];
+    EXPECT_GT(rows, kRate_hz);
+    return apart;
+  }
+
+  /// Edges too many of SYNC: so soon that the board drops the conversion, and so late that it drops the true
+  /// one behind it.
+  std::atomic<int> early{0}, late{0};
+  UsbBoards boards{{test::timed_bench("MASTER", 60.0), second()}};
+};
+
+TEST_F(TwoBoardsNodeTest, SaysAndDeclaresWhatComesBetweenThem) {
+  boards.plug(1);
+  test::plug(boards, kBoards);
+  Program running = recorder();
+  Program front = device_node({kBoards});
+  ASSERT_TRUE(more_are_durable(kFront, 20));
+  early = 3;
+  ASSERT_TRUE(counted(DeviceCounter::kGlitches, 3));
+  boards.faults().deaf = 1000;
+  ASSERT_TRUE(counted(DeviceCounter::kClockUnanswered, 1));
+  boards.faults().deaf = 0;
+  ASSERT_TRUE(more_are_durable(kFront, 20));
+
+  boards.faults(1).held = true;
+  bus.listen(0.5);
+  boards.faults(1).held = false;
+  ASSERT_TRUE(bus.wait([&] { return count_of(DeviceCounter::kBoardOverrun) > 0; }));
+  ASSERT_TRUE(more_are_durable(kFront, 20));
+  bus.listen(1.0);  // all is counted by then, and said: twice a second
+  const std::int64_t overrun = count_of(DeviceCounter::kBoardOverrun);
+  const std::int64_t partner_late = count_of(DeviceCounter::kPartnerLate);
+  EXPECT_GT(partner_late, 0);
+
+  const MachineTime slipped = MachineClock::now();
+  late = 1;
+  ASSERT_TRUE(counted(DeviceCounter::kOutOfStep, 1));
+  ASSERT_TRUE(more_are_durable(kFront, 20));
+  MachineTime again{};
+  boards.with(0, [&](test::BenchBoard& board) { again = board.conversion_time(0); });
+  EXPECT_EQ(count_of(DeviceCounter::kGone), 0);
+  end_well(running, {&front});
+
+  EXPECT_EQ(rows_apart(), 0);
+  const std::vector<VerifiedGap> found = gaps();
+  ASSERT_GE(found.size(), 3U);
+  // As the second board's scans came at last, more of the first's went between them.
+  std::int64_t went = 0;
+  for (std::size_t k = 0; k + 2 < found.size(); ++k) {
+    EXPECT_EQ(found[k].cause, GapCause::kDeviceOverrun);
+    went += found[k].scans;
+  }
+  EXPECT_EQ(went, partner_late);
+  const VerifiedGap &full = found[found.size() - 2], &absent = found.back();
+  EXPECT_EQ(full.cause, GapCause::kDeviceOverrun);
+  EXPECT_EQ(full.scans, overrun) << "its ring had no room";
+  EXPECT_EQ(absent.cause, GapCause::kDeviceGone);
+  const double absent_s = 1e-9 * static_cast<double>((again - slipped).count());
+  EXPECT_NEAR(static_cast<double>(absent.scans), absent_s * kRate_hz, 2.0 * kPacket_s * kRate_hz);
+
+  expect_said(kMaster, {sentence(DeviceCounter::kClockUnanswered, 1)});
+  expect_said(kSecond,
+              {sentence(DeviceCounter::kGlitches, 3), sentence(DeviceCounter::kPartnerLate, partner_late),
+               sentence(DeviceCounter::kBoardOverrun, overrun), sentence(DeviceCounter::kOutOfStep, 1)});
 }
 
 }  // namespace

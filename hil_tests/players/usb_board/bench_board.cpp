@@ -96,10 +96,19 @@ void BenchBoard::convert(MachineTime time) {
       words[board::kInputChannels + k] = static_cast<std::uint32_t>(
           std::lround(codes_[k] * (kFullScale / board::ReferenceGenerator::kFullScaleCode)));
   board_->scan(words, 0, stamp);
-  if (bench_.bounces && bench_.bounces(conversions_)) board_->scan({}, 0, stamp + period / 10);
   if (configuration_.references_on) board_->update_references(stamp + period / 2);
+  bounce(stamp);
   ++conversions_;
   if (!unsent_since_) unsent_since_ = time;
+}
+
+/// A conversion beside the true ones: what it gives is none of the bench's words.
+void BenchBoard::bounce(std::uint64_t stamp) {
+  const auto part = bench_.bounces ? bench_.bounces(conversions_) : std::nullopt;
+  if (!part) return;
+  const std::uint64_t bounced = stamp + static_cast<std::uint64_t>(*part * configuration_.ticks_per_scan);
+  change_lines(bounced);
+  board_->scan({}, 0, bounced);
 }
 
 std::size_t BenchBoard::next_packet(std::span<std::uint8_t> packet) {

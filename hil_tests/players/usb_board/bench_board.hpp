@@ -34,8 +34,9 @@ struct Bench {
   /// Words of the twelve inputs at conversion k of the run; those of the loop-back are made of the board.s
   /// references.
   std::function<board::ScanWords(std::int64_t conversion, MachineTime time)> words;
-  /// Whether SYNC bounces right behind conversion k of the run.  May be empty.
-  std::function<bool(std::int64_t conversion)> bounces;
+  /// After which part of a period SYNC has an edge too many behind conversion k of the run; nothing: none.
+  /// May be empty.
+  std::function<std::optional<double>(std::int64_t conversion)> bounces;
   /// The next level of a wire, in order of time; nothing: no more.  May be empty.
   std::function<std::optional<LineChange>()> next_change;
 };
@@ -85,6 +86,7 @@ class BenchBoard final : private board::Hardware {
   MachineTime time_of(std::uint64_t ticks) const;
   void change_lines(std::uint64_t until_ticks);
   void convert(MachineTime time);
+  void bounce(std::uint64_t stamp);
 
   Bench bench_;
   std::unique_ptr<board::Board> board_;

@@ -145,7 +145,7 @@ std::size_t UsbBoard::spoil(std::span<std::uint8_t> packet, std::size_t size) {
 
 void UsbBoard::serve() {
   std::array<std::uint8_t, board::kTransferBytes> packet;
-  while (port_.socket() >= 0 && !waiting_.empty()) {
+  while (port_.socket() >= 0 && !waiting_.empty() && !faults_.held) {
     if (take_one(faults_.stall)) halted_ = true;
     if (halted_) {
       for (const Urb& urb : waiting_) port_.complete(urb, UsbipPort::kStalled, {});

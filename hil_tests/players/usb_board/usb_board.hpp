@@ -12,11 +12,12 @@ namespace roadbalance::test {
 
 /// What a test makes go wrong, once for each count.
 struct UsbFaults {
-  std::atomic<int> stall{0};    ///< the bulk endpoint halts until the host clears it
-  std::atomic<int> cut{0};      ///< a packet ends before its time
-  std::atomic<int> corrupt{0};  ///< a bit of a packet turns
-  std::atomic<int> drop{0};     ///< a packet does not come
-  std::atomic<int> deaf{0};     ///< a request of ours gets no answer
+  std::atomic<int> stall{0};      ///< the bulk endpoint halts until the host clears it
+  std::atomic<int> cut{0};        ///< a packet ends before its time
+  std::atomic<int> corrupt{0};    ///< a bit of a packet turns
+  std::atomic<int> drop{0};       ///< a packet does not come
+  std::atomic<int> deaf{0};       ///< a request of ours gets no answer
+  std::atomic<bool> held{false};  ///< as long as it is set packets wait
 };
 
 /// A bench board as a USB device: its descriptors, EP0 and bulk endpoint.  The kernel's requests come in
@@ -35,7 +36,7 @@ class UsbBoard {
   void serve();
   /// When the next packet is due that the host waits for; nothing: it waits for none.
   std::optional<MachineTime> due() const {
-    return waiting_.empty() ? std::nullopt : std::optional(board_.due());
+    return waiting_.empty() || faults_.held ? std::nullopt : std::optional(board_.due());
   }
   /// Plugged out: the board's power is gone.
   void power_off();

@@ -79,7 +79,9 @@ TEST(TwoBoards, CountTheScansThatGoBecauseTheOtherBoardsDoNotCome) {
 
 TEST(TwoBoards, SayHowOftenSyncBounced) {
   Bench follower = bench(-60.0);
-  follower.bounces = [](std::int64_t conversion) { return conversion % 1000 == 500; };
+  follower.bounces = [](std::int64_t conversion) {
+    return conversion % 1000 == 500 ? std::optional(0.1) : std::nullopt;
+  };
   BoardFeed feed({bench(60.0), std::move(follower)}, vehicle());
   feed.begin();
   feed.run(10s);
