@@ -126,6 +126,8 @@ class BoardWatch final : private FrontEnd {
  public:
   BoardWatch(FrontEnd& front_end, const VehicleConfig& vehicle, AlsoLooks also = {})
       : inside_(front_end), vehicle_(vehicle), also_(std::move(also)) {
+    jumps_.reserve(kMostJumps);
+    gaps_.reserve(kMostJumps);
     thread_ = std::jthread([this] { seal(); });
     const sched_param priority{40};
     if (kReadsInRealTime) ::pthread_setschedparam(thread_.native_handle(), SCHED_FIFO, &priority);
@@ -164,7 +166,7 @@ class BoardWatch final : private FrontEnd {
 
   void look(const Scan& scan) {
     const bool first = scans_.load(std::memory_order_relaxed) == 0;
-    if (!first && scan.index != last_.index + 1 && jumps_.size() < 1000)
+    if (!first && scan.index != last_.index + 1 && jumps_.size() < kMostJumps)
       jumps_.push_back({last_, scan, MachineClock::now()});
     // Within a run the board's own number goes as the index does; behind an absence it begins anew.
     const std::int64_t steps = scan.index - last_.index;
@@ -185,6 +187,8 @@ class BoardWatch final : private FrontEnd {
       if (block.kind == BlockKind::kEnd) end_ = decode_end(block);
     });
   }
+
+  static constexpr std::size_t kMostJumps = 1000;  ///< their memory is taken first, so that leaks show
 
   FrontEnd& inside_;
   const VehicleConfig& vehicle_;
