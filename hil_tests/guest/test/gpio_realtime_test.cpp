@@ -27,13 +27,9 @@ constexpr double kSeconds = 3.0;
 constexpr double kFewestTurns = 12.0;
 constexpr std::int64_t kFit_ns = 25'000'000;  // half of what an angle is fitted over, and the filter's memory
 
-struct Played {
-  std::int64_t strict = 0;  ///< angles without a flag that were judged to less than a pitch
-  bool is_mostly_whole = false;
-};
-
 /// A ring played to a node; prints what became of it.
-Played expect_no_silence(int teeth, double turns_hz) {
+/// @return angles without a flag that were judged to less than a pitch
+std::int64_t expect_no_silence(int teeth, double turns_hz) {
   test::GpioRig rig({{0, static_cast<int>(kTooth), {}, static_cast<int>(kMark)}}, teeth);
   rig.in_real_time = true;
   rig.vehicle.wheel[1].node = "";
@@ -70,14 +66,14 @@ Played expect_no_silence(int teeth, double turns_hz) {
   EXPECT_EQ(turns.silent, 0);
   EXPECT_EQ(angles.silent_wrong, 0);
   EXPECT_GT(turns.whole + turns.declared, 0);
-  return {angles.strict, turns.whole > turns.declared};
+  return angles.strict;
 }
 
 // Half a pitch is 10 ms here.  A machine that is so busy elsewhere that the player is later than that all the
 // time gets another chance.
 TEST(GpioRealtime, ASlowRingGivesItsAngleAndIsJudgedToLessThanAPitch) {
   std::int64_t strict = 0;
-  for (int attempt = 0; attempt < 4 && strict == 0; ++attempt) strict = expect_no_silence(24, 2.0).strict;
+  for (int attempt = 0; attempt < 4 && strict == 0; ++attempt) strict = expect_no_silence(24, 2.0);
   EXPECT_GT(strict, 0);
 }
 
@@ -89,7 +85,8 @@ TEST(GpioRealtime, TwentyKilohertzOfEdgesAreWholeOrDeclared) {
   static_cast<void>(expect_no_silence(1000, 20.0));
 }
 
-/// What `rb doctor` says of this machine now.
+/// What `rb doctor` says of this machine now: the limit, which must be what follows from the lateness that it
+/// measured.
 double limit_by_the_doctor_hz() {
   const test::TemporaryDirectory work;
   const std::string said_file = work.path() / "said";
@@ -100,25 +97,31 @@ double limit_by_the_doctor_hz() {
   std::ifstream file(said_file);
   const std::string said((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
   std::smatch found;
-  if (!std::regex_search(said, found, std::regex("Encoder edges by GPIO: .* up to ([0-9.]+) kHz a line")))
+  const std::regex sentence(
+      "Encoder edges by GPIO: .* woke up ([0-9.]+) ms late .* one by one, ([0-9.]+) ms where .* up to 16: "
+      "up to ([0-9.]+) kHz a line");
+  if (!std::regex_search(said, found, sentence))
     throw std::runtime_error("rb doctor does not speak of edges: " + said);
   std::printf("%s\n", found.str().c_str());
-  return 1000.0 * std::stod(found[1]);
+  const double interrupt_ms = std::stod(found[1]), reader_ms = std::stod(found[2]);
+  const double limit_khz = std::stod(found[3]);
+  // Both are rounded to 0.01 ms, the limit to 0.1 kHz.
+  const auto follows_khz = [&](double off_ms) {
+    return std::min(1.0 / std::max(1e-6, interrupt_ms + off_ms), 16.0 / std::max(1e-6, reader_ms + off_ms));
+  };
+  EXPECT_GE(limit_khz, follows_khz(5e-3) - 0.05);
+  EXPECT_LE(limit_khz, follows_khz(-5e-3) + 0.05);
+  return 1000.0 * limit_khz;
 }
 
-// The doctor looks for two seconds only, and the machine may be busier later: then it is asked again.
-TEST(GpioRealtime, AtHalfOfWhatTheDoctorSaysMostTurnsAreWhole) {
-  bool is_mostly_whole = false;
-  for (int attempt = 0; attempt < 4 && !is_mostly_whole; ++attempt) {
-    const double limit_hz = limit_by_the_doctor_hz();
-    if (limit_hz <= 0.0) continue;
-    // Where little is safe the ring has fewer teeth, so that its turns do not take too long; where much is,
-    // more.
-    const double edges_hz = limit_hz / 2.0;
-    const int teeth = edges_hz < 2.0 * 96 ? 24 : edges_hz < 40.0 * 96 ? 96 : 1000;
-    is_mostly_whole = expect_no_silence(teeth, std::min(edges_hz / teeth, 40.0)).is_mostly_whole;
-  }
-  EXPECT_TRUE(is_mostly_whole);
+// The limit holds as long as no thread wakes up later than the doctor saw it, which no machine promises: in
+// guest time gpio_source_test holds it to that.  Here the share of whole turns is printed.
+TEST(GpioRealtime, AtHalfOfWhatTheDoctorSaysTurnsAreWholeOrDeclared) {
+  // Where little is safe the ring has fewer teeth, so that its turns do not take too long; where much is,
+  // more.
+  const double edges_hz = std::max(limit_by_the_doctor_hz() / 2.0, 24.0);
+  const int teeth = edges_hz < 2.0 * 96 ? 24 : edges_hz < 40.0 * 96 ? 96 : 1000;
+  static_cast<void>(expect_no_silence(teeth, std::min(edges_hz / teeth, 40.0)));
 }
 
 }  // namespace

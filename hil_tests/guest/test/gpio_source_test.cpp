@@ -13,6 +13,7 @@
 
 #include "common/clock/clock_pair.hpp"
 #include "common/config/section.hpp"
+#include "common/gpio/edge_limit.hpp"
 #include "common/gpio/gpio_chip.hpp"
 #include "hil_tests/guest/gpio_rig.hpp"
 
@@ -100,6 +101,36 @@ TEST(GpioSource, AReaderThatIsKeptFromTheProcessorDeclaresWhatTheKernelDropped) 
     }
   std::printf("%zu of 8000 edges lost in 10 ms, declared %lld time(s)\n", missing,
               static_cast<long long>(rig.counted(DeviceCounter::kEdgesLost)));
+}
+
+/// Of edges at this rate that come while ten times nobody of lower priority runs for so long.
+std::size_t missing_edges(double rate_hz, int priority, std::chrono::nanoseconds held) {
+  GpioRig rig({{0, 3, {}, {}}}, 1000);
+  constexpr int kTimes = 10;
+  constexpr std::int64_t kApart_ns = 103'000'000;
+  const auto count = static_cast<int>(1e-9 * kApart_ns * (kTimes + 1) * rate_hz);
+  const auto steps =
+      test::pulses(3, PulseChip::now_ns() + kLead_ns, static_cast<std::int64_t>(1e9 / rate_hz), count);
+  std::vector<std::jthread> hogs;
+  for (int k = 1; k <= kTimes; ++k) {
+    const auto from_ns = static_cast<std::int64_t>(steps[0].t_ns) + k * kApart_ns;
+    hogs.push_back(hog_processor(priority, from_ns, from_ns + held.count()));
+  }
+  rig.play(steps);
+  return static_cast<std::size_t>(count) - rig.edges_of(EdgeKind::kTooth);
+}
+
+// Who wakes up late is, at priority 90, the kernel's interrupt thread (50), at 48 the reader (45).
+TEST(GpioSource, UpToTheLimitOfItsWakeUpsNoEdgeIsMissing) {
+  using std::chrono::microseconds;
+  using std::chrono::milliseconds;
+  constexpr WakeUps kInterruptThread{.interrupt_thread = milliseconds(2), .reader = milliseconds(2)};
+  constexpr WakeUps kReader{.interrupt_thread = microseconds(50), .reader = milliseconds(20)};
+  for (const auto& [priority, late] : {std::pair(90, kInterruptThread), std::pair(48, kReader)}) {
+    const double limit_hz = edge_limit_hz(late);
+    EXPECT_EQ(missing_edges(0.8 * limit_hz, priority, late.reader), 0U) << priority;
+    EXPECT_GT(missing_edges(2.0 * limit_hz, priority, late.reader), 0U) << priority;
+  }
 }
 
 TEST(GpioSource, AnUnpluggedChipIsSaidToBeGoneAndGivesEdgesAgainWhenItIsBack) {
