@@ -5,6 +5,7 @@
 #include <complex>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "common/encoder/fault_balance.hpp"
 #include "common/encoder/local_fit.hpp"
@@ -122,10 +123,13 @@ NumberedTeeth number_teeth(const EncoderConfig& config, std::span<const Edge> ed
 NumberedTeeth number_again(const EncoderConfig& config, std::span<const Edge> edges, const PitchTable& table,
                            const NumberedTeeth& earlier) {
   NumberedTeeth all;
-  if (!config.zero_mark) return all;
   Follower follower(table, config.pulses_per_turn, earlier.runs);
   for (const Edge& edge : edges) follower.add(edge);
   std::vector<FollowedRun> runs = follower.finish();
+  if (!config.zero_mark) {
+    for (FollowedRun& run : runs) all.runs.push_back({std::move(run.teeth), {}});
+    return all;
+  }
 
   // Where the mark lies between two teeth is the same in every run.
   std::vector<MarkChain> chains;
@@ -142,6 +146,7 @@ NumberedTeeth number_again(const EncoderConfig& config, std::span<const Edge> ed
     all.runs.push_back(anchor_run(runs[i], chains[i], config.pulses_per_turn, place));
     all.slips += chains[i].slips;
     declare_faulty_turns(runs[i], chains[i], all.faulty_turns);
+    runs[i] = {};  // a drive's teeth are many
   }
   return all;
 }

@@ -19,7 +19,7 @@ struct NumberedRun {
 
 /// What a drive's edges say of the teeth.
 struct NumberedTeeth {
-  std::vector<NumberedRun> runs;  ///< of those that have a zero mark
+  std::vector<NumberedRun> runs;  ///< of those that have a zero mark; all, of a ring without one
   struct Turn {
     std::int64_t from_ns, to_ns;
   };
@@ -33,7 +33,8 @@ struct NumberedTeeth {
 /// Pulses are followed tooth by tooth (ToothTracker), marks are placed among them.  A mark that stands alone
 /// against those around it is dropped; where the marks agree from one on that the count is off, the turn
 /// before it is numbered by a piecewise cubic through the marks and declared faulty.  So no slip outlives its
-/// turn.  Runs without a zero mark tell no angle and are left out.
+/// turn.  Runs without a zero mark tell no angle and are left out.  Of a ring that has no zero mark each run
+/// is numbered from a tooth of its own.
 NumberedTeeth number_teeth(const EncoderConfig& config, std::span<const Edge> edges);
 
 /// The same once the ring's errors are known: a pulse is then told from its neighbours though errors and

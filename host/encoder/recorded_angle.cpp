@@ -33,6 +33,7 @@ double noise_of(const std::vector<WheelPoint>& points) {
 
 RecordedAngle::RecordedAngle(const EncoderConfig& config, std::span<const Edge> edges)
     : config_(config), numbered_(number_teeth(config, edges)), table_(config.pulses_per_turn) {
+  if (!config.zero_mark) return;  // nobody knows which tooth is which
   learn_table();
   numbered_ = number_again(config, edges, table_, numbered_);
   table_.forget();
@@ -114,6 +115,14 @@ bool RecordedAngle::prepare(std::int64_t from_ns, std::int64_t to_ns) {
 }
 
 bool RecordedAngle::angles(NodeTime first, double step_ns, std::span<double> angle_rad) {
+  return config_.zero_mark && look_up(first, step_ns, angle_rad);
+}
+
+bool RecordedAngle::turned(NodeTime first, double step_ns, std::span<double> angle_rad) {
+  return !config_.zero_mark && look_up(first, step_ns, angle_rad);
+}
+
+bool RecordedAngle::look_up(NodeTime first, double step_ns, std::span<double> angle_rad) {
   const auto instant = [&](std::size_t i) {
     return to_ns(first) + std::llround(static_cast<double>(i) * step_ns);
   };

@@ -14,7 +14,8 @@ namespace roadbalance {
 /// encoder computes, again and better, as it may look at both sides of every instant.
 ///
 /// The pitch table and the place of the zero mark are learned from the whole drive first, so that its begin
-/// is as good as its end.  Where the wheel stood, turned backwards or had no zero mark, there is no angle.
+/// is as good as its end.  Where the wheel stood, turned backwards or had no zero mark, there is no angle. Of
+/// a ring without a zero mark it can be had how far the wheel has turned, ring errors and all.
 class RecordedAngle {
  public:
   RecordedAngle(const EncoderConfig& config, std::span<const Edge> edges);
@@ -22,6 +23,9 @@ class RecordedAngle {
   /// Angles at first + i * step_ns, continuous over the call, not reduced to a turn.  False if not all are
   /// known.  Fast where calls go forward in time.
   [[nodiscard]] bool angles(NodeTime first, double step_ns, std::span<double> angle_rad);
+
+  /// The same of a ring without zero mark, from an origin that is nobody's choice, and another in each run.
+  [[nodiscard]] bool turned(NodeTime first, double step_ns, std::span<double> angle_rad);
 
   /// Some instant of [first, last] lies in a turn without exactly its teeth.
   bool uncertain(NodeTime first, NodeTime last) const;
@@ -37,6 +41,7 @@ class RecordedAngle {
  private:
   void learn_table();
   void learn_place();
+  bool look_up(NodeTime first, double step_ns, std::span<double> angle_rad);
   bool prepare(std::int64_t from_ns, std::int64_t to_ns);
   std::vector<WheelPoint> points(const NumberedRun& run, std::int64_t from_ns, std::int64_t to_ns) const;
 

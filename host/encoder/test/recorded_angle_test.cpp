@@ -122,5 +122,22 @@ TEST(RecordedAngle, IsNotUpsetByPulsesThatMakeNoSense) {
   EXPECT_GT(known, 2000);
 }
 
+TEST(RecordedAngle, OfARingWithoutMarkTellsHowFarTheWheelHasTurned) {
+  const sim::PulseTrain train{.angle_rad = [](double t) { return 2 * pi * (12.0 * t + 0.2 * t * t); },
+                              .jitter_s = 2e-6};
+  auto edges = train.edges(0.0, 10.0);
+  std::erase_if(edges, [](const Edge& edge) { return edge.kind == EdgeKind::kZeroMark; });
+  RecordedAngle recorded({.pulses_per_turn = 96, .zero_mark = false}, edges);
+  std::array<double, 2> from, to;
+  EXPECT_FALSE(recorded.angles(at(2.0), 5e5, from));
+  ASSERT_TRUE(recorded.turned(at(2.0), 5e5, from));
+  ASSERT_TRUE(recorded.turned(at(8.0), 5e5, to));
+  EXPECT_NEAR((to[0] - from[0] - train.angle_rad(8.0) + train.angle_rad(2.0)) / kDegree, 0.0, 0.05);
+  // With its marks nobody needs that.
+  RecordedAngle marked({.pulses_per_turn = 96}, train.edges(0.0, 10.0));
+  EXPECT_FALSE(marked.turned(at(2.0), 5e5, from));
+  EXPECT_TRUE(marked.angles(at(2.0), 5e5, from));
+}
+
 }  // namespace
 }  // namespace roadbalance
