@@ -35,23 +35,19 @@ Assembler::Assembler(const VehicleConfig& vehicle, const SensorMap& sensors, Emi
 }
 
 void Assembler::consume(const SealedBlock& block) {
-  if (const GridStream* const stream = rows_.take(block)) emit(*stream);
+  if (rows_.take(block)) emit();
 }
 
 void Assembler::consume(const ClockFit& fit) {
-  if (const GridStream* const stream = rows_.take(fit)) emit(*stream);
+  if (rows_.take(fit)) emit();
 }
 
-void Assembler::emit(const GridStream& changed) {
+void Assembler::emit() {
   while (const auto run = rows_.next()) {
     emit_run(*run);
     rows_.use(*run);
   }
   rows_.drop_what_nobody_meets();
-  if (no_common_time_.empty() || stream_of_obstacle_ == changed.node()) {
-    no_common_time_ = changed.obstacle();
-    stream_of_obstacle_ = changed.node();
-  }
 }
 
 /// Adds one node's share to all columns of the run.

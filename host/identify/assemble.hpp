@@ -42,7 +42,7 @@ class Assembler {
   void consume(const ClockFit& fit);
 
   /// Why a node's samples cannot be brought to the grid of the others; empty: all can.
-  const std::string& no_common_time() const { return no_common_time_; }
+  std::string no_common_time() const { return rows_.obstacle(); }
 
  private:
   /// Where signals come from: `from_counts` times the 16 channels of that node.
@@ -53,14 +53,12 @@ class Assembler {
     std::array<std::optional<int>, kEncoderLines> wheel;  ///< by encoder line
   };
 
-  void emit(const GridStream& changed);
+  void emit();
   void add_rows(const GridStream& stream, const NodeMap& map);
   void emit_run(const CommonRows::Run& run);
 
   CommonRows rows_;
   std::vector<NodeMap> maps_;
-  std::string no_common_time_;
-  std::int32_t stream_of_obstacle_ = 0;
   SignalRun run_;
   Emit emit_;
 };

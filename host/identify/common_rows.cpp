@@ -25,17 +25,23 @@ GridStream* CommonRows::stream_of(std::int32_t node) {
   return found == streams_.end() ? nullptr : &*found;
 }
 
-const GridStream* CommonRows::take(const SealedBlock& block) {
-  if (block.kind != BlockKind::kScan || block.header.scans == 0) return nullptr;
+bool CommonRows::take(const SealedBlock& block) {
+  if (block.kind != BlockKind::kScan || block.header.scans == 0) return false;
   GridStream* const stream = stream_of(block.header.node);
   if (stream) stream->take(decode_scan(block), grid_);
-  return stream;
+  return stream != nullptr;
 }
 
-const GridStream* CommonRows::take(const ClockFit& fit) {
+bool CommonRows::take(const ClockFit& fit) {
   GridStream* const stream = stream_of(fit.node);
   if (stream) stream->take(fit, grid_);
-  return stream;
+  return stream != nullptr;
+}
+
+std::string CommonRows::obstacle() const {
+  for (const GridStream& stream : streams_)
+    if (std::string why = stream.obstacle(); !why.empty()) return why;
+  return {};
 }
 
 /// Removes rows that are used, or must not be, from the front.  False if nothing is left.

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "common/clock/exchange.hpp"
@@ -32,16 +33,19 @@ class CommonRows {
   /// @param unusable  channels that leave a row out if one of them left its range, as bits
   void add(const NodeConfig& node, bool alone, std::int32_t unusable = 0);
 
-  /// The stream that has taken it; nullptr: it is none of a node here, or no block of scans.
-  const GridStream* take(const SealedBlock& block);
+  /// False: it is none of a node here, or no block of scans.
+  bool take(const SealedBlock& block);
   /// In the order of the record: a fit counts for the blocks of its node that come after it.
-  const GridStream* take(const ClockFit& fit);
+  bool take(const ClockFit& fit);
 
   /// The next run; nothing if a node has no row left.  use() passes it.
   std::optional<Run> next();
   void use(const Run& run);
   /// After all that next() gives: a node that stays away must not make the others' rows pile up.
   void drop_what_nobody_meets();
+
+  /// Why a node's samples cannot be brought to the grid of the others at present; empty: all can.
+  std::string obstacle() const;
 
   const std::vector<GridStream>& streams() const { return streams_; }  ///< as they were added
   const Grid& grid() const { return grid_; }

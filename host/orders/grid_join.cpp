@@ -10,20 +10,19 @@ GridJoin::GridJoin(const std::vector<const NodeConfig*>& nodes, Emit emit, doubl
 }
 
 void GridJoin::consume(const SealedBlock& block) {
-  if (const GridStream* const stream = rows_.take(block)) emit(*stream);
+  if (rows_.take(block)) emit();
 }
 
 void GridJoin::consume(const ClockFit& fit) {
-  if (const GridStream* const stream = rows_.take(fit)) emit(*stream);
+  if (rows_.take(fit)) emit();
 }
 
-void GridJoin::emit(const GridStream& changed) {
+void GridJoin::emit() {
   while (const auto run = rows_.next()) {
     emit_rows(*run);
     rows_.use(*run);
   }
   rows_.drop_what_nobody_meets();
-  obstacle_ = changed.obstacle();
 }
 
 void GridJoin::emit_rows(const CommonRows::Run& run) {

@@ -39,15 +39,14 @@ class GridJoin {
   void consume(const ClockFit& fit);
 
   /// Why a node's scans cannot be brought to the others'; empty: they can.
-  const std::string& obstacle() const { return obstacle_; }
+  std::string obstacle() const { return rows_.obstacle(); }
 
  private:
-  void emit(const GridStream& changed);
+  void emit();
   void emit_rows(const CommonRows::Run& run);
 
   CommonRows rows_;
   std::vector<Sample> sample_;
-  std::string obstacle_;
   Emit emit_;
 };
 

@@ -72,7 +72,7 @@ class RotorOrders {
   Seconds seconds() const;
   std::int64_t gaps() const { return gaps_; }
   /// Why nodes' scans cannot be brought to each other; empty: they can.
-  const std::string& obstacle() const { return join_.obstacle(); }
+  std::string obstacle() const { return join_.obstacle(); }
   /// Channels are counted as in channel().
   const OrderWaterfall& waterfall() const { return waterfall_; }
   const OrderVectors& vectors() const { return vectors_; }

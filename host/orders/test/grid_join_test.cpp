@@ -112,5 +112,27 @@ TEST(GridJoin, ComparesNodesWhoseClocksRunApartByTheirFits) {
   EXPECT_LT(most, 1e-4) << "the interpolation is right to 3e-5";
 }
 
+TEST(GridJoin, SaysWhatStandsInTheWayWhoeverSentLast) {
+  int rows = 0;
+  GridJoin join({&kFour, &kFive}, [&](const GridJoin::Row&) { ++rows; });
+  // Node 5 takes 2500 scans a second.
+  const auto of_five = [](std::int64_t first) {
+    ScanBlock block = decode_scan(block_of(5, first, 0));
+    block.header.time_ns = first * 400'000;
+    block.period_ps = 400'000'000;
+    SealedBlock sealed;
+    seal(block, sealed);
+    return sealed;
+  };
+  join.consume(block_of(4, 0, 0));
+  join.consume(of_five(0));
+  for (const std::int32_t last : {4, 5, 4}) {
+    join.consume(last == 4 ? block_of(4, 20, 0) : of_five(20));
+    EXPECT_NE(join.obstacle().find("node 5: its samples have another rate"), std::string::npos)
+        << "node " << last << " sent last: " << join.obstacle();
+  }
+  EXPECT_EQ(rows, 0);
+}
+
 }  // namespace
 }  // namespace roadbalance
