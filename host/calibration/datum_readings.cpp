@@ -47,10 +47,11 @@ void DatumReadings::add(const Edge& edge) {
   mark_ns_.reset();
 }
 
-/// Middle of where the wheel may stand.
+/// Middle of where the wheel may stand: tooth n lies at n - 1 + place.  No tooth has come since the mark: it
+/// stands between the mark and the first one.
 double DatumReadings::since_mark_pitches() const {
   const double place = place_.value_or(0.5);
-  return *tooth_ == 0 ? 0.5 * place : static_cast<double>(*tooth_) - 0.5 + place;
+  return mark_ns_ ? 0.5 * place : static_cast<double>(*tooth_) - 0.5 + place;
 }
 
 double DatumReadings::read(double angle_rad) {

@@ -50,7 +50,7 @@ class DatumReadings {
 
   const EncoderConfig config_;
   std::optional<std::int64_t> tooth_;                    ///< since the mark, those backward taken off
-  std::optional<std::int64_t> last_tooth_ns_, mark_ns_;  ///< mark: until the tooth behind it has come
+  std::optional<std::int64_t> last_tooth_ns_, mark_ns_;  ///< mark: until a tooth has come
   bool backward_ = false;        ///< so the last tooth went; a mark's other edge fires then
   std::optional<double> place_;  ///< pitches from that mark to the first tooth behind it
   std::vector<double> datum_rad_;

@@ -70,11 +70,10 @@ class LoopBackComparison {
     bool follows = false;
     std::int64_t rows = 0, silent = 0;
     Eigen::Vector2d power = Eigen::Vector2d::Zero();  ///< of what came back, sin and cos
-    /// Sums of what came back [sin, cos] with both wheels' computed [sin, cos, sin, cos], where both are
-    /// known.
+    /// Sums of what came back [sin, cos] with both wheels' computed [sin, cos, sin, cos]; a wheel whose angle
+    /// is not known has 0.
     Eigen::Matrix<double, 2, 4> with = Eigen::Matrix<double, 2, 4>::Zero();
     Eigen::Matrix4d among = Eigen::Matrix4d::Zero();
-    Eigen::Vector2d power_of_both = Eigen::Vector2d::Zero();
   };
   void add_row(const std::array<std::int32_t, kChannels>& back,
                const std::array<std::int32_t, kChannels>& made, const std::array<bool, kEncoderLines>& known);

@@ -73,6 +73,34 @@ TEST(DatumReadings, CountsTeethThatGoBackwards) {
   EXPECT_LT(datum->sigma_rad, 0.5 * kDegree);
 }
 
+TEST(DatumReadings, KnowsWhereItStandsAfterASmallStepBack) {
+  const double pitch_deg = 360.0 / kTeeth;
+  // Teeth every 10 ns forward at -6, 4, 14 of the mark: the first one 0.4 pitches behind it.
+  struct Case {
+    std::vector<EdgeKind> steps;
+    double stands;  ///< pitches behind the mark, in the middle of where it may
+  };
+  const auto forward = EdgeKind::kTooth, back = EdgeKind::kToothBackward;
+  for (const Case& one : {Case{{}, 0.25},  // half of what nobody knows
+                          {{forward}, 0.9},
+                          {{forward, forward}, 1.9},
+                          {{forward, forward, back}, 0.9},
+                          {{forward, back}, -0.1},
+                          {{forward, back, back}, -1.1},
+                          {{forward, back, forward}, 0.9},
+                          {{back}, -1.0}}) {
+    DatumReadings readings({.pulses_per_turn = kTeeth});
+    readings.add({node_time_from_ns(4), 0, EdgeKind::kTooth});
+    readings.add({node_time_from_ns(10), 0, EdgeKind::kZeroMark});
+    std::int64_t time_ns = 14;
+    for (const EdgeKind step : one.steps) {
+      readings.add({node_time_from_ns(time_ns), 0, step});
+      time_ns += 10;
+    }
+    EXPECT_NEAR(readings.read(0.0) / kDegree, -one.stands * pitch_deg, 1e-9) << one.stands;
+  }
+}
+
 TEST(DatumReadings, NeedsAMarkAndEveryToothSince) {
   DatumReadings readings({.pulses_per_turn = kTeeth});
   const auto edge = [](std::int64_t ns, EdgeKind kind) { return Edge{node_time_from_ns(ns), 0, kind}; };
