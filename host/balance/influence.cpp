@@ -1,9 +1,11 @@
 #include "host/balance/influence.hpp"
 
+#include <Eigen/LU>
 #include <Eigen/QR>
 #include <cmath>
 #include <complex>
 #include <stdexcept>
+#include <utility>
 
 namespace roadbalance {
 namespace {
@@ -21,12 +23,16 @@ void check(const std::vector<InfluenceRun>& runs) {
       throw std::invalid_argument("balancing by influence: runs differ in their planes or observations");
     if (!(run.variance.minCoeff() > 0.0))
       throw std::invalid_argument("balancing by influence: a variance is not positive");
+    if (!(run.phase_sigma_rad >= 0.0))
+      throw std::invalid_argument("balancing by influence: a phase sigma is negative");
   }
 }
 
 struct Fit {
   Eigen::MatrixXcd influence;
   Eigen::VectorXcd bare, correction;
+  /// [observation] of 1 + plane by run: what a change of what a run observed does to bare and influence.
+  std::vector<Eigen::MatrixXcd> from_observed;
 };
 
 /// Least squares; nothing if the left side does not tell all unknowns.
@@ -37,27 +43,27 @@ std::optional<Eigen::MatrixXcd> solve(const Eigen::MatrixXcd& left, const Eigen:
   return qr.solve(right);
 }
 
-/// @param change  of observation `at` of run `changed`, so that derivatives can be had
-std::optional<Fit> fit(const std::vector<InfluenceRun>& runs, std::size_t changed, Eigen::Index at,
-                       Complex change) {
+std::optional<Fit> fit(const std::vector<InfluenceRun>& runs) {
   const Eigen::Index planes = runs.front().weight.size(), observations = runs.front().observed.size();
   const Eigen::Index count = std::ssize(runs);
-  Fit result{Eigen::MatrixXcd(observations, planes), Eigen::VectorXcd(observations), {}};
+  Fit result{Eigen::MatrixXcd(observations, planes), Eigen::VectorXcd(observations), {}, {}};
   for (Eigen::Index o = 0; o < observations; ++o) {
-    Eigen::MatrixXcd left(count, planes + 1);
-    Eigen::VectorXcd right(count);
+    Eigen::MatrixXcd left(count, planes + 1), weighting = Eigen::MatrixXcd::Zero(count, count);
+    Eigen::VectorXcd observed(count);
     for (Eigen::Index r = 0; r < count; ++r) {
       const InfluenceRun& run = runs[static_cast<std::size_t>(r)];
       const double sigma = std::sqrt(run.variance(o));
-      const bool is_changed = static_cast<std::size_t>(r) == changed && o == at;
       left(r, 0) = 1.0 / sigma;
       left.row(r).tail(planes) = run.weight.transpose() / sigma;
-      right(r) = (run.observed(o) + (is_changed ? change : Complex(0.0))) / sigma;
+      weighting(r, r) = 1.0 / sigma;
+      observed(r) = run.observed(o);
     }
-    const auto solved = solve(left, right);
+    auto solved = solve(left, weighting);
     if (!solved) return std::nullopt;
-    result.bare(o) = (*solved)(0, 0);
-    result.influence.row(o) = solved->col(0).tail(planes).transpose();
+    const Eigen::VectorXcd terms = *solved * observed;
+    result.bare(o) = terms(0);
+    result.influence.row(o) = terms.tail(planes).transpose();
+    result.from_observed.push_back(std::move(*solved));
   }
   const auto weights = solve(result.influence, -result.bare);
   if (!weights) return std::nullopt;
@@ -65,21 +71,31 @@ std::optional<Fit> fit(const std::vector<InfluenceRun>& runs, std::size_t change
   return result;
 }
 
-constexpr std::size_t kNone = static_cast<std::size_t>(-1);
-
 /// Of each part of the correction weights: the mean of the two parts' variances, to first order.
+///
+/// With N = A* A, residual r = b + A w and changes db, dA of an observation's row, N dw = -dA* r - A* (db +
+/// dA w): one share goes with what was observed, the other with its conjugate.
 Eigen::VectorXd sigma_of(const std::vector<InfluenceRun>& runs, const Fit& best) {
-  Eigen::VectorXd variance = Eigen::VectorXd::Zero(best.correction.size());
-  for (std::size_t r = 0; r < runs.size(); ++r)
-    for (Eigen::Index o = 0; o < runs[r].observed.size(); ++o) {
-      const double part = std::sqrt(0.5 * runs[r].variance(o));
-      const double step = 1e-3 * part;
-      for (const Complex change : {Complex(step, 0.0), Complex(0.0, step)}) {
-        const auto moved = fit(runs, r, o, change);
-        if (!moved) continue;
-        variance += 0.5 * ((moved->correction - best.correction) * (part / step)).cwiseAbs2();
-      }
+  const Eigen::MatrixXcd& a = best.influence;
+  const Eigen::MatrixXcd normal_inverse = (a.adjoint() * a).inverse();
+  const Eigen::VectorXcd residual = best.bare + a * best.correction;
+  const Eigen::Index planes = a.cols();
+  Eigen::VectorXd variance = Eigen::VectorXd::Zero(planes);
+  for (Eigen::Index r = 0; r < std::ssize(runs); ++r) {
+    const InfluenceRun& run = runs[static_cast<std::size_t>(r)];
+    Eigen::VectorXcd turned = Eigen::VectorXcd::Zero(planes);  // by all phases together
+    for (Eigen::Index o = 0; o < run.observed.size(); ++o) {
+      const Eigen::VectorXcd change = best.from_observed[static_cast<std::size_t>(o)].col(r);
+      const Eigen::VectorXcd of_influence = change.tail(planes);
+      const Complex direct = change(0) + (of_influence.transpose() * best.correction).value();
+      const Eigen::VectorXcd with = -normal_inverse * (a.row(o).adjoint() * direct);
+      const Eigen::VectorXcd with_conjugate = -normal_inverse * (of_influence.conjugate() * residual(o));
+      variance += 0.5 * run.variance(o) * (with.cwiseAbs2() + with_conjugate.cwiseAbs2());
+      const Complex aside = Complex(0.0, run.phase_sigma_rad) * run.observed(o);
+      turned += with * aside + with_conjugate * std::conj(aside);
     }
+    variance += 0.5 * turned.cwiseAbs2();
+  }
   return variance.cwiseSqrt();
 }
 
@@ -87,7 +103,7 @@ Eigen::VectorXd sigma_of(const std::vector<InfluenceRun>& runs, const Fit& best)
 
 std::optional<InfluenceBalance> balance_by_influence(const std::vector<InfluenceRun>& runs) {
   check(runs);
-  const auto best = fit(runs, kNone, 0, 0.0);
+  const auto best = fit(runs);
   if (!best) return std::nullopt;
   InfluenceBalance balance{
       best->influence, best->bare, best->correction, sigma_of(runs, *best), {}, 0.0, 0.0};

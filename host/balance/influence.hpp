@@ -9,9 +9,10 @@ namespace roadbalance {
 
 /// One run of a rotor with known weights in its planes, and what was observed of it.
 struct InfluenceRun {
-  Eigen::VectorXcd weight;    ///< [plane] mass at its angle, in any unit; 0: none
-  Eigen::VectorXcd observed;  ///< [channel and speed] order vector: amplitude at its phase
-  Eigen::VectorXd variance;   ///< [channel and speed] of the observed vector, both parts together; > 0
+  Eigen::VectorXcd weight;       ///< [plane] mass at its angle, in any unit; 0: none
+  Eigen::VectorXcd observed;     ///< [channel and speed] order vector: amplitude at its phase
+  Eigen::VectorXd variance;      ///< [channel and speed] of the observed vector, both parts together; > 0
+  double phase_sigma_rad = 0.0;  ///< by which all its phases may be off together; beside the variance
 };
 
 /// What weights do to a rotor, and which ones quieten it.
@@ -19,7 +20,7 @@ struct InfluenceBalance {
   Eigen::MatrixXcd influence;    ///< [channel and speed x plane] per unit of weight
   Eigen::VectorXcd bare;         ///< [channel and speed] of the rotor without any weight
   Eigen::VectorXcd correction;   ///< [plane] weights to put on the bare rotor
-  Eigen::VectorXd sigma;         ///< [plane] of each part of a correction, by the runs' variances
+  Eigen::VectorXd sigma;         ///< [plane] of each part of a correction, by the runs' variances and phases
   Eigen::VectorXcd residual;     ///< [channel and speed] that will be left
   double rms_before, rms_after;  ///< of the amplitudes, over channels and speeds
 };
@@ -36,7 +37,8 @@ struct InfluenceBalance {
 ///
 /// Source: T. P. Goodman, A Least-Squares Method for Computing Balance Corrections, J. Engineering for
 /// Industry 86 (1964) 273-279.
-/// @throws std::invalid_argument if runs have different sizes or a variance is not positive
+/// @throws std::invalid_argument if runs have different sizes or a variance is not positive, a phase sigma
+///         negative
 /// @return nothing if the runs do not tell the influences, or the observations not the weights
 std::optional<InfluenceBalance> balance_by_influence(const std::vector<InfluenceRun>& runs);
 

@@ -84,6 +84,37 @@ TEST(BalanceByInfluence, KnowsItsUncertainty) {
   EXPECT_NEAR(balance->sigma(0) / std::sqrt(square), 1.0, 0.06);  // 4000 draws: 1 %, and second order
 }
 
+TEST(BalanceByInfluence, KnowsWhatAPhaseReferenceCostsThatIsOffInAWholeRun) {
+  // Two channels and one plane, so that both kinds of doubt are in both sums; drawn by its own solution.
+  const Eigen::Vector2cd bare(at(2.0, 40), at(1.0, 170)), influence(at(0.5, -70), at(0.3, 20));
+  const Complex trial = 3.0;
+  constexpr double kSigma_rad = 0.03, kSigma = 0.02;
+  std::vector<InfluenceRun> runs;
+  for (const Complex& weight : {Complex(0.0), trial}) {
+    runs.push_back(
+        run({weight}, {bare(0) + influence(0) * weight, bare(1) + influence(1) * weight}, kSigma * kSigma));
+    runs.back().phase_sigma_rad = kSigma_rad;
+  }
+  const auto balance = balance_by_influence(runs);
+  ASSERT_TRUE(balance);
+  const Complex exact = -influence.dot(bare) / influence.squaredNorm();
+  EXPECT_LT(std::abs(balance->correction(0) - exact), 1e-9);
+  std::mt19937 random(5);
+  std::normal_distribution<double> part(0.0, kSigma / std::sqrt(2.0)), phase(0.0, kSigma_rad);
+  double square = 0.0;
+  constexpr int kDraws = 20'000;
+  for (int k = 0; k < kDraws; ++k) {
+    Eigen::Vector2cd drawn[2];
+    for (std::size_t r = 0; r < 2; ++r) {
+      drawn[r] = runs[r].observed * std::polar(1.0, phase(random));
+      for (Complex& value : drawn[r]) value += Complex(part(random), part(random));
+    }
+    const Eigen::Vector2cd a = (drawn[1] - drawn[0]) / trial;
+    square += 0.5 * std::norm(-a.dot(drawn[0]) / a.squaredNorm() - exact) / kDraws;
+  }
+  EXPECT_NEAR(balance->sigma(0) / std::sqrt(square), 1.0, 0.03);  // 20000 draws: 0.5 %, and second order
+}
+
 TEST(BalanceByInfluence, RefusesRunsThatDoNotTellTheInfluences) {
   EXPECT_FALSE(balance_by_influence({run({0.0}, {1.0})}));
   EXPECT_FALSE(balance_by_influence({run({0.0, 0.0}, {1.0, 2.0}), run({1.0, 0.0}, {2.0, 2.0})}))
