@@ -6,9 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "common/config/counter_form.hpp"
 #include "common/config/section.hpp"
-#include "common/wheel_counter/counter_track.hpp"
-#include "common/wheel_counter/counter_unwrap.hpp"
 
 namespace roadbalance {
 

@@ -5,14 +5,9 @@
 #include <cstdint>
 #include <optional>
 
-namespace roadbalance {
+#include "common/config/counter_form.hpp"
 
-/// How old a count is when its message is stamped: sampled by the control unit, then sent when its turn came.
-struct CounterLatency {
-  double mean_s = 0.0;        ///< stamp minus the instant at which the counter had the count
-  double mean_sigma_s = 0.0;  ///< standard deviation of our knowledge of the mean
-  double jitter_s = 0.0;      ///< standard deviation of one message about the mean
-};
+namespace roadbalance {
 
 /// Where a counter stood at an instant, in pulses since the run began, with its uncertainty.
 struct CounterPosition {
