@@ -154,9 +154,15 @@ class Salvage {
     if (event.channel == kJournalChannel)
       if (const auto entry = decode_journal(event.data)) counted_[{entry->node, entry->epoch}] = *entry;
     if (!goes_along(event)) return;
-    if (event.channel == kNoteChannel && decode_note(event.data)->kind == NoteKind::kStarted)
-      counted_.clear();
+    if (event.channel == kNoteChannel && decode_note(event.data)->kind == NoteKind::kStarted) begin_run();
     writer_->append(event.channel, event.data, event.timestamp_us);
+  }
+
+  // Behind the note that a recorder began the journal begins anew, and its counts.
+  void begin_run() {
+    for (auto& [key, plan] : plans_)
+      if (plan.blocks_in_entry > 0) write_entry(key, plan, last_timestamp_us_);
+    counted_.clear();
   }
 
   void write_elsewhere_before(std::int64_t sequence, const NodeEpoch& key, Plan& plan) {

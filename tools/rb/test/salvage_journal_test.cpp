@@ -1,0 +1,72 @@
+#include <gtest/gtest.h>
+
+#include "common/bus/notes.hpp"
+#include "common/record/journal_tally.hpp"
+#include "common/record/record.hpp"
+#include "common/record/test/numbered_blocks.hpp"
+#include "common/record/test/simulated_disk.hpp"
+#include "host/recorder/verify.hpp"
+#include "tools/rb/salvage.hpp"
+
+namespace roadbalance {
+namespace {
+
+using test::numbered_block;
+
+class SalvageJournalTest : public ::testing::Test {
+ protected:
+  void start() {
+    const Note note{.time_us = 1, .incarnation = 1, .kind = NoteKind::kStarted, .text = {}};
+    writer.append(kNoteChannel, encode(note), 1);
+  }
+  void append(std::int64_t first, std::int64_t last) {
+    for (std::int64_t k = first; k <= last; ++k) writer.append(numbered_block(k), 1);
+  }
+  // What a recorder of this run had counted by then.
+  void count(std::int64_t first, std::int64_t last, std::int64_t repaired, std::int64_t refused) {
+    JournalTally tally;
+    for (std::int64_t k = first; k <= last; ++k) tally.add(numbered_block(k));
+    Journal entry = tally.take(numbered_block(1).header.node, numbered_block(1).header.epoch);
+    entry.node_losses.repaired = repaired;
+    entry.refused = refused;
+    writer.append(kJournalChannel, encode(entry), 1);
+  }
+  VerifiedEpoch salvaged() {
+    writer.close();
+    EXPECT_EQ(verify_record("/old", disk).epoch.at(0).contradictions, std::vector<std::string>());
+    salvage({"/old"}, "/new", disk);
+    const Verification result = verify_record("/new", disk);
+    EXPECT_GT(result.journal_entries, 0);
+    return result.epoch.at(0);
+  }
+
+  test::SimulatedDisk disk;
+  RecordWriter writer{{.folder = "/old"}, disk};
+};
+
+// A recorder that was killed wrote no entry of its last blocks; the one that is made knows them.
+TEST_F(SalvageJournalTest, ARestartOfTheRecorderBetweenTwoEntriesContradictsNothing) {
+  start();
+  append(1, 50);
+  start();
+  append(51, 300);
+  count(51, 300, 0, 0);
+  EXPECT_EQ(salvaged().contradictions, std::vector<std::string>());
+}
+
+TEST_F(SalvageJournalTest, CountsOfLossesGoAlongAndBeginAnewWithTheRecorder) {
+  start();
+  append(1, 200);
+  count(1, 200, 7, 90);
+  append(201, 400);
+  start();
+  append(401, 500);
+  count(401, 500, 8, 2);
+  append(501, 700);
+  const VerifiedEpoch found = salvaged();
+  EXPECT_EQ(found.contradictions, std::vector<std::string>());
+  EXPECT_EQ(found.losses.repaired, 8);
+}
+
+}  // namespace
+}  // namespace roadbalance
