@@ -31,9 +31,13 @@ void tell(const Sealer& sealer, NodeState state, AcquireLink& link) noexcept {
   link.unreferenced_blocks.store(sealer.counts().unreferenced_blocks, kRelaxed);
   link.scans_refused.store(sealer.counts().scans_refused, kRelaxed);
   for (std::size_t line = 0; line < kEncoderLines; ++line) {
-    DeviceReport& encoder = link.encoder[line];
-    const std::int64_t faults = sealer.encoder_faults(static_cast<int>(line));
-    encoder.count(DeviceCounter::kFaultyTurns, faults - encoder.of(DeviceCounter::kFaultyTurns));
+    const EncoderFaults faults = sealer.encoder_faults(static_cast<int>(line));
+    const auto say = [&encoder = link.encoder[line]](DeviceCounter counter, std::int64_t by_now) {
+      encoder.count(counter, by_now - encoder.of(counter));
+    };
+    say(DeviceCounter::kFaultyTurns, faults.turns);
+    say(DeviceCounter::kCountBroken, faults.breaks);
+    say(DeviceCounter::kMarksElsewhere, faults.marks_elsewhere);
   }
   link.state.store(state, std::memory_order_release);
 }

@@ -59,7 +59,7 @@ class Sealer {
     std::int64_t unreferenced_blocks = 0;  ///< kept without the angle of a wheel that has an encoder
   };
   const Counts& counts() const noexcept { return counts_; }
-  std::int64_t encoder_faults(int line) const noexcept { return reference_.faulty_turns(line); }
+  EncoderFaults encoder_faults(int line) const noexcept { return reference_.faults(line); }
 
   /// Blocks that adding so many scans, edges and samples can write at most, with what is waiting and the end.
   std::size_t most_blocks(std::size_t scans, std::size_t edges, std::size_t signals = 0) const noexcept;

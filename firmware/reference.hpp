@@ -53,7 +53,6 @@ class Reference {
     return encoder_[at].has_value() || counter_[at].has_value();
   }
   EncoderFaults faults(int line) const noexcept;
-  std::int64_t faulty_turns(int line) const noexcept { return faults(line).turns; }
 
  private:
   using Angles = std::array<double, static_cast<std::size_t>(kScansPerBlock* ReferenceFilter::kMostSteps)>;

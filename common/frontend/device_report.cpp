@@ -30,6 +30,8 @@ constexpr std::array<Words, kDeviceCounters> kWords{{
     {"partner_late", "scans of the other board were dropped because this one's did not come"},
     {"clock_unanswered", "the board did not say what its clock shows: stamps are worse"},
     {"faulty_turns", "turns came without exactly their teeth; they are flagged"},
+    {"count_broken", "the count of teeth on the bus broke; no angle until zero marks place it again"},
+    {"marks_elsewhere", "zero marks lay elsewhere among the bus's teeth than those before; flagged"},
 }};
 
 }  // namespace

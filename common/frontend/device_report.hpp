@@ -31,8 +31,10 @@ enum class DeviceCounter : std::uint8_t {
   kPartnerLate,        ///< scans of the other board that went because this one's did not come
   kClockUnanswered,    ///< the board did not say what its clock shows
   kFaultyTurns,        ///< turns of an encoder without exactly their teeth: flagged
+  kCountBroken,     ///< times that the count of teeth on a bus did not go on: no angle until marks place it
+  kMarksElsewhere,  ///< zero marks that lay elsewhere among a bus's teeth than those before: flagged
 };
-inline constexpr std::size_t kDeviceCounters = 21;
+inline constexpr std::size_t kDeviceCounters = 23;
 
 /// One of them in words, for people: "was unplugged or went down".
 const char* sentence(DeviceCounter counter);

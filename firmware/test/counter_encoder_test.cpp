@@ -8,11 +8,14 @@
 #include <cmath>
 #include <complex>
 #include <cstdio>
+#include <memory>
 #include <numbers>
 #include <vector>
 
 #include "common/bus/codec.hpp"
 #include "common/test/no_allocation.hpp"
+#include "firmware/acquire.hpp"
+#include "firmware/ring_sink.hpp"
 #include "firmware/seal_all.hpp"
 #include "firmware/test/butterworth.hpp"
 #include "firmware/test/scripted_front_end.hpp"
@@ -73,19 +76,24 @@ class CounterEncoderInNode : public testing::Test {
     vehicle_.wheel[1].node.clear();
   }
 
-  /// What the node's references say against the wheel.
-  Judged drive(double from_s) {
+  std::unique_ptr<FrontEnd> bus_and_line() const {
     std::vector<Edge> marks;
     for (const Edge& edge : sim::PulseTrain{.angle_rad = wheel_rad, .teeth = 4}.edges(0.0, kSeconds))
       if (edge.kind == EdgeKind::kZeroMark) marks.push_back(edge);
     if (const auto late = std::ranges::lower_bound(marks, late_from_, {}, &Edge::time); late != marks.end())
       late->time += NodeClock::duration(20'000'000);
-    test::ScriptedFrontEnd device(test::marked_scans(0, static_cast<int>(kSeconds * kRate_hz), kRate_hz),
-                                  std::move(marks), 20);
-    device.signals = messages_.samples(0.0, kSeconds);
+    auto device = std::make_unique<test::ScriptedFrontEnd>(
+        test::marked_scans(0, static_cast<int>(kSeconds * kRate_hz), kRate_hz), std::move(marks), 20);
+    device->signals = messages_.samples(0.0, kSeconds);
+    return device;
+  }
+
+  /// What the node's references say against the wheel.
+  Judged drive(double from_s) {
+    const auto device = bus_and_line();
     Judged judged;
     int rows = 0;
-    seal_all(device, vehicle_, vehicle_.node[0], 1, [&](const SealedBlock& sealed) {
+    seal_all(*device, vehicle_, vehicle_.node[0], 1, [&](const SealedBlock& sealed) {
       if (sealed.kind != BlockKind::kScan) return;
       const ScanBlock block = decode_scan(sealed);
       const double start = 1e-9 * static_cast<double>(block.header.time_ns);
@@ -162,6 +170,25 @@ TEST_F(CounterEncoderInNode, FlagsOrWithdrawsAnAngleThatTheMarksContradict) {
   // Eight marks later the new place is known: 0.45 s, and what a block waits.
   EXPECT_EQ(judged.count(kLost_s + 0.7, kSeconds, kIsClean),
             judged.count(kLost_s + 0.7, kSeconds, [](const JudgedBlock&) { return true; }));
+}
+
+TEST_F(CounterEncoderInNode, CountsBreaksOfTheCountApartFromFaultyTurns) {
+  messages_.jitter_s = 0.0;
+  messages_.lost_counts = [](double t) { return t > 10.0 ? 5.0 : 0.0; };
+  const auto device = bus_and_line();
+  Ring ring;
+  RingSink sink(ring);
+  Sealer sealer(vehicle_, vehicle_.node[0], 1, sink, nullptr);
+  AcquireLink link;
+  link.start = true;
+  acquire({}, *device, sealer, sink, link);
+  const DeviceReport& said = link.encoder[0];
+  EXPECT_EQ(said.of(DeviceCounter::kCountBroken), 1);
+  // The place moved once as many agreed; one that the loss smears may lie where they do not.
+  EXPECT_NEAR(static_cast<double>(said.of(DeviceCounter::kMarksElsewhere)), CounterAngle::kSettled, 2.0);
+  EXPECT_EQ(said.of(DeviceCounter::kFaultyTurns), 0);
+  for (std::size_t k = 0; k < kDeviceCounters; ++k)
+    EXPECT_EQ(link.encoder[1].of(static_cast<DeviceCounter>(k)), 0) << "no wheel is there";
 }
 
 TEST_F(CounterEncoderInNode, OnlyDoubtsItsAngleForATurnWhereOneMarkIsLate) {

@@ -103,7 +103,7 @@ Sealed GpioRig::seal(std::int64_t begin_ns, double seconds) const {
   }
   sealer.stop();
   sealer.device_ended();
-  Sealed sealed{.blocks = {}, .faulty_turns = sealer.encoder_faults(0)};
+  Sealed sealed{.blocks = {}, .faulty_turns = sealer.encoder_faults(0).turns};
   for (std::int64_t sequence = 1; sequence < ring.next(); ++sequence)
     if (ring.get(sequence).kind == BlockKind::kScan) sealed.blocks.push_back(decode_scan(ring.get(sequence)));
   return sealed;
