@@ -10,8 +10,10 @@
 namespace roadbalance {
 namespace {
 
-// Signals reach the record soon after their scans; edges of a slow wheel fill a block so late.
-constexpr std::int64_t kLongestSignalBlock_ns = 200'000'000, kLongestEdgeBlock_ns = 1'000'000'000;
+// Signals reach the record soon after their scans, and edges where so many are worth a block of 1.3 kB: 4
+// bytes each, with all that the record puts around it.
+constexpr std::int64_t kSoon_ns = 200'000'000, kLongestEdgeBlock_ns = 1'000'000'000;
+constexpr std::int32_t kEdgesThatPay = 350;
 
 std::size_t waiting_capacity(double rate_hz) {
   // The longest wait, a block beside it and the lag of edges behind scans.
@@ -74,7 +76,7 @@ std::size_t Sealer::most_blocks(std::size_t scans, std::size_t edges, std::size_
   constexpr std::size_t kOthers = 8;
   const std::size_t all_scans = waiting_.size() + scans;
   const auto all_ns = static_cast<std::int64_t>(all_scans) * (period_ps_ / 1000);
-  const std::int64_t by_age = all_ns / kLongestEdgeBlock_ns + all_ns / kLongestSignalBlock_ns;
+  const std::int64_t by_age = all_ns / kLongestEdgeBlock_ns + all_ns / kSoon_ns;
   return meta_.size() + all_scans / kScansPerBlock + edges / (kEdgeBytesPerBlock / kMostEdgeCodeBytes) +
          signals / kSamplesPerBlock + static_cast<std::size_t>(by_age) + kOthers;
 }
@@ -220,18 +222,14 @@ void Sealer::keep_block(bool after_jump) noexcept {
     after_gap_ = true;
   } else {
     after_gap_ = false;
-    bool unreferenced = false;
-    for (int line = 0; line < kEncoderLines; ++line)
-      if (reference_.has_encoder(line) && (scan_block_.quality & quality_no_reference(line)))
-        unreferenced = true;
-    if (unreferenced) ++counts_.unreferenced_blocks;
+    if (reference_.lacks_angle(scan_block_.quality)) ++counts_.unreferenced_blocks;
   }
   next_scan_ = first + scans;
-  const auto is_old = [&](const auto& block, std::int64_t longest_ns) {
-    return !block.empty() && to_ns(now_) - block.header.time_ns > longest_ns;
+  const auto put_if_old = [&](auto& block, std::int64_t longest_ns) {
+    if (!block.empty() && to_ns(now_) - block.header.time_ns > longest_ns) put_beside(block);
   };
-  if (is_old(edge_block_, kLongestEdgeBlock_ns)) put_beside(edge_block_);
-  if (is_old(signal_block_, kLongestSignalBlock_ns)) put_beside(signal_block_);
+  put_if_old(edge_block_, edge_block_.edges < kEdgesThatPay ? kLongestEdgeBlock_ns : kSoon_ns);
+  put_if_old(signal_block_, kSoon_ns);
 }
 
 void Sealer::lose(std::int64_t first_scan, std::int64_t scans, std::int64_t time_ns,

@@ -21,7 +21,8 @@ namespace roadbalance {
 /// gaps tile the scans [0, end) of the epoch.  A scan block waits for the edges its references need, at most
 /// 100 ms of node time; then it goes without and says so.  Scans that the device lost, or for which the sink
 /// has no room, become gaps with exact range and cause; of a full sink one gap that grows. Edges and
-/// signals are recorded as they came, except in such a gap.
+/// signals are recorded as they came, except in such a gap: signals within 0.2 s; edges too, but of slow
+/// wheels once there are 350, or after 1 s.
 ///
 /// Until start() and after stop() scan blocks have sequence 0 and go to the preview slot only.
 /// Never allocates after construction.

@@ -52,6 +52,11 @@ class Reference {
     const auto at = static_cast<std::size_t>(line);
     return encoder_[at].has_value() || counter_[at].has_value();
   }
+  /// Of a wheel that has an encoder the angle is not known, by a block's Quality bits.
+  bool lacks_angle(std::int32_t quality) const noexcept {
+    return (has_encoder(0) && (quality & quality_no_reference(0)) != 0) ||
+           (has_encoder(1) && (quality & quality_no_reference(1)) != 0);
+  }
   EncoderFaults faults(int line) const noexcept;
 
  private:

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 #include <string_view>
 #include <vector>
@@ -55,6 +57,7 @@ TEST(Sealer, RecordsEveryEdgeAsItCame) {
 }
 
 // Header and CRC of their blocks shared, and those of the recorded event: 28 bytes and the channel's name.
+// All but the last block of an epoch, which is as full as it is.
 TEST(Sealer, KeepsARawEdgeInFourBytesFromFiveTurnsASecondOn) {
   constexpr std::size_t kOfEvent_bytes = 28 + std::string_view("RB_BLOCK_1_EDGE").size();
   struct Case {
@@ -71,11 +74,33 @@ TEST(Sealer, KeepsARawEdgeInFourBytesFromFiveTurnsASecondOn) {
         .jitter_s = c.jitter_s};
     const auto edges = train.edges(0.0, 8.0);
     std::size_t bytes = 0;
-    for (const auto& block : blocks_of(test::marked_scans(0, 16'000, kRate_hz), edges))
-      if (block.kind == BlockKind::kEdge) bytes += block.size + kOfEvent_bytes;
-    const double of_an_edge = static_cast<double>(bytes) / static_cast<double>(edges.size());
+    std::int32_t recorded = 0;
+    for (const auto& block : blocks_of(test::marked_scans(0, 16'000, kRate_hz), edges)) {
+      if (block.kind != BlockKind::kEdge || block.header.first_scan == 16'000) continue;
+      bytes += block.size + kOfEvent_bytes;
+      recorded += decode_edge(block).edges;
+    }
+    const double of_an_edge = static_cast<double>(bytes) / recorded;
     EXPECT_LE(of_an_edge, 4.0) << c.teeth << " teeth at " << c.turns_hz << " Hz";
     EXPECT_GT(of_an_edge, 2.0) << "less than the entropy of such stamps";
+  }
+}
+
+// A node that is killed loses what is not sealed.
+TEST(Sealer, HoldsEdgesBackNoLongerThanTheyNeedToBeWorthABlock) {
+  for (const double turns_hz : {0.5, 2.0, 5.0, 8.0, 18.0}) {
+    const double edges_hz = 2.0 * 97.0 * turns_hz;  // of both wheels, with their marks
+    double longest_s = 0.0;
+    for (const auto& block :
+         blocks_of(test::marked_scans(0, 16'000, kRate_hz), turning(7.9, 0.0, turns_hz))) {
+      if (block.kind != BlockKind::kEdge || block.header.first_scan == 16'000) continue;
+      const double sealed_s = static_cast<double>(block.header.first_scan) / kRate_hz;
+      const double first_s = 1e-9 * static_cast<double>(to_ns(decode_edge(block).unpack().front().time));
+      longest_s = std::max(longest_s, sealed_s - first_s);
+    }
+    std::printf("%4.0f edges/s: %.2f s\n", edges_hz, longest_s);
+    // Looked at after each block of scans, which itself waits for the angle.
+    EXPECT_LT(longest_s, std::max(0.2, std::min(1.0, 350.0 / edges_hz)) + 0.1) << turns_hz;
   }
 }
 
