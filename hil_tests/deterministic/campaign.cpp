@@ -174,6 +174,8 @@ void add(const RunResult& run, RunResult& all) {
   all.recorder_boots += run.recorder_boots;
   all.deaths_at_call += run.deaths_at_call;
   all.node_boots += run.node_boots;
+  all.fallbacks += run.fallbacks;
+  all.clock_events += run.clock_events;
   all.clock_windows += run.clock_windows;
   all.clock_covered += run.clock_covered;
   all.faults += run.faults;
@@ -197,6 +199,9 @@ Summary summarise(const FaultScenario& scenario, const std::vector<RunResult>& r
   if (scenario.expect.dies_at_calls && summary.all.deaths_at_call < summary.runs)
     summary.missed = "recorders died before a call of their disk " +
                      std::to_string(summary.all.deaths_at_call) + " times only";
+  if (scenario.expect.falls_back && 2 * summary.all.fallbacks < summary.runs)
+    summary.missed =
+        "recorders went to their fallback folder " + std::to_string(summary.all.fallbacks) + " times only";
   if (summary.blocks_per_s() < options.least_blocks_per_s)
     summary.missed = std::to_string(std::lround(summary.blocks_per_s())) + " blocks a second, wanted are " +
                      std::to_string(std::lround(options.least_blocks_per_s));
@@ -216,10 +221,10 @@ std::string line_of(const Summary& summary) {
                 static_cast<long long>(all.recorder_boots), static_cast<long long>(all.node_boots),
                 static_cast<long long>(all.deaths_at_call), summary.blocks_per_s() * 1e-3);
   if (all.clock_windows == 0) return text;
-  char clocks[80];
-  std::snprintf(clocks, sizeof clocks, "  clocks covered %.5f of %lld",
+  char clocks[120];
+  std::snprintf(clocks, sizeof clocks, "  clocks covered %.5f of %lld, %lld events recorded",
                 static_cast<double>(all.clock_covered) / static_cast<double>(all.clock_windows),
-                static_cast<long long>(all.clock_windows));
+                static_cast<long long>(all.clock_windows), static_cast<long long>(all.clock_events));
   return std::string(text) + clocks;
 }
 

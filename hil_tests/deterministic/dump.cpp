@@ -40,16 +40,17 @@ std::string truth_of(const Truth& truth, const RecordCheck& check, bool only_rec
 
 }  // namespace
 
-// Folder N of recorder N: everything its disk holds.
+// Folder N of recorder N: everything its disk holds, of two folders what rb recover made of them.
 void World::dump(const std::string& folder) {
   for (std::size_t h = 0; h < hosts_.size(); ++h) {
     const auto into = std::filesystem::path(folder) / std::to_string(h + 1);
     std::filesystem::remove_all(into);
     std::filesystem::create_directories(into);
     SimulatedDisk& disk = hosts_[h].machine->disk();
-    const auto names = disk.list(HostMachine::kFolder);
+    const std::string from = hosts_[h].machine->record_folder();
+    const auto names = disk.list(from.c_str());
     for (const std::string& name : names ? *names : std::vector<std::string>()) {
-      const auto bytes = disk.content(std::string(HostMachine::kFolder) + "/" + name);
+      const auto bytes = disk.content(from + "/" + name);
       write_file(into / name, reinterpret_cast<const char*>(bytes.data()), bytes.size());
     }
     const std::string truth = truth_of(truth_, hosts_[h].machine->check(), hosts_.size() == 1);

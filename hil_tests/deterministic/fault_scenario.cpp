@@ -28,6 +28,7 @@ void read_network(Section table, FaultScenario& scenario) {
 void read_disk(Section table, FaultScenario& scenario) {
   scenario.segment_mib = table.number_or("segment_mib", {0.1, 1024}, scenario.segment_mib);
   scenario.keep_mib = table.number_or("keep_mib", {0, 4096}, 0);
+  scenario.fallback = table.boolean_or("fallback", false);
   scenario.slow_syncs = table.number_or("slow_syncs", kShare, 0);
   scenario.slow_sync = read_span(table, "slow_sync_s", scenario.slow_sync);
   table.finish();
@@ -57,6 +58,7 @@ std::optional<double> read_limit(Section& table, const std::string& key) {
 Expectation read_expectation(Section table) {
   Expectation expect;
   expect.complete = table.boolean_or("complete", false);
+  expect.falls_back = table.boolean_or("falls_back", false);
   expect.dies_at_calls = table.boolean_or("dies_at_calls", false);
   expect.sends_per_block = read_limit(table, "most_sends_per_block");
   expect.to_durable_s = read_limit(table, "longest_to_durable_s");

@@ -50,6 +50,7 @@ struct PlannedFault {
 /// [expect]: what a run must reach beyond the promise itself.
 struct Expectation {
   bool complete = false;       ///< nothing may be missing, not even declared
+  bool falls_back = false;     ///< the record goes on in the fallback folder in half of the runs at least
   bool dies_at_calls = false;  ///< a recorder dies before a call of its disk once a run at least, on average
   std::optional<double> sends_per_block, to_durable_s, pull_cleared_s, clock_coverage;
 };
@@ -67,8 +68,9 @@ struct FaultScenario {
   double ring_mib = 4;
   double spool_mib = 0;  ///< 0: no spool
   double segment_mib = 4;
-  double keep_mib = 0;  ///< retention; 0: everything is kept
-  bool clocks = false;  ///< exchanges and fits
+  double keep_mib = 0;    ///< retention; 0: everything is kept
+  bool clocks = false;    ///< exchanges and fits
+  bool fallback = false;  ///< each recorder has a folder on another disk, which does not fail
 
   double loss_to_host = 0, loss_to_node = 0;
   double duplicates = 0;

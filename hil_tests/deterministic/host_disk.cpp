@@ -5,9 +5,12 @@
 #include <system_error>
 #include <utility>
 
+#include "common/record/folder.hpp"
 #include "common/record/record.hpp"
 #include "common/record/segment.hpp"
 #include "hil_tests/deterministic/host_machine.hpp"
+#include "host/recorder/verify.hpp"
+#include "tools/rb/salvage.hpp"
 
 namespace roadbalance::test {
 
@@ -21,7 +24,7 @@ std::int64_t HostMachine::take_elapsed_ns() {
   return all_ns - std::exchange(elapsed_seen_ns_, all_ns);
 }
 
-SimulatedDisk::Outcome HostMachine::disk_call(DiskCall call) {
+SimulatedDisk::Outcome HostMachine::disk_call(DiskCall call, const std::string& path) {
   const bool counts = !dies_at_sync_ || call == DiskCall::kSyncData || call == DiskCall::kSync;
   if (calls_to_live_ > 0 && counts && --calls_to_live_ == 0) {
     died_ = true;
@@ -29,7 +32,8 @@ SimulatedDisk::Outcome HostMachine::disk_call(DiskCall call) {
     if (dies_of_power_) return {.power_cut = true};
     disk_.kill();  // this call and all that follow fail, and nobody hears of them
   }
-  if (!random_.chance(failing_) || call == DiskCall::kClose) return {};
+  const bool on_other_disk = scenario_.fallback && !path.starts_with(kFolder);
+  if (!random_.chance(failing_) || call == DiskCall::kClose || on_other_disk) return {};
   constexpr std::array kErrors{EIO, ENOSPC, EROFS, EINTR};
   const auto which = static_cast<std::size_t>(random_.below(kErrors.size() + 1));
   if (which == kErrors.size()) return {.short_write = true};
@@ -50,12 +54,12 @@ std::chrono::nanoseconds HostMachine::disk_cost(DiskCall call, std::size_t bytes
 // Segments with several behind them are finished: nothing is added, cut or said of them any more.
 void HostMachine::check_finished() {
   constexpr int kBehind = 4;
-  if (boots_ == 0 || disk_.is_off()) return;
+  if (boots_ == 0 || disk_.is_off() || scenario_.fallback) return;
   // The check's own calls are none of the recorder's.
   const double failing = std::exchange(failing_, 0);
   const int calls_to_live = std::exchange(calls_to_live_, 0);
   const auto numbers = segment_numbers(kFolder, disk_);
-  if (!numbers.empty()) check_through(numbers.back() - kBehind);
+  if (!numbers.empty()) check_through(kFolder, numbers.back() - kBehind);
   failing_ = failing;
   calls_to_live_ = calls_to_live;
 }
@@ -64,23 +68,46 @@ void HostMachine::check_record() {
   if (boots_ == 0) return;
   disk_.power_on();
   failing_ = 0;
-  check_through(std::numeric_limits<int>::max());
+  if (fell_back()) make_whole();
+  check_through(record_folder(), std::numeric_limits<int>::max());
+  clock_events_.finish();
 }
 
-void HostMachine::check_through(int last) {
+bool HostMachine::fell_back() {
+  return is_folder(kFallback, disk_) && !segment_numbers(kFallback, disk_).empty();
+}
+
+// As rb recover DIR --spool FALLBACK does.
+void HostMachine::make_whole() {
+  try {
+    const Salvaged salvaged = salvage({kFolder, kFallback}, kWhole, disk_);
+    if (salvaged.gaps > 0 || salvaged.blocks_altered > 0)
+      truth_.fault("the two folders of recorder " + std::to_string(number_) + " together lack " +
+                   std::to_string(salvaged.gaps) + " runs of blocks; " +
+                   std::to_string(salvaged.blocks_altered) + " are altered");
+    if (verify_record(kWhole, disk_).verdict == Verdict::kDamaged)
+      truth_.fault("rb verify calls damaged what rb recover made of the two folders of recorder " +
+                   std::to_string(number_));
+  } catch (const std::exception& error) {
+    truth_.fault("the two folders of recorder " + std::to_string(number_) + ": " + error.what());
+  }
+}
+
+void HostMachine::check_through(const char* folder, int last) {
   if (last < next_to_check_) return;
   const bool all = last == std::numeric_limits<int>::max();
   const std::string name = "record of recorder " + std::to_string(number_) + ": ";
   try {
     // A recorder that nobody obeyed has none; what one promised is held against what was read in any case.
-    if (next_to_check_ == 1 && segment_numbers(kFolder, disk_).empty()) return;
-    RecordReader reader(kFolder, disk_, next_to_check_);
+    if (next_to_check_ == 1 && segment_numbers(folder, disk_).empty()) return;
+    RecordReader reader(folder, disk_, next_to_check_);
     if (all) reader.finish();
     if (reader.segment() != next_to_check_)
       truth_.fault(name + "segment " + std::to_string(next_to_check_) + " is gone");
     while (const auto event = reader.next()) {
       if (reader.segment() > last) break;
       check_.take(event->channel, event->data);
+      clock_events_.take(event->channel, event->data);
     }
     next_to_check_ = all ? last : last + 1;
     for (const auto& damage : reader.damage())

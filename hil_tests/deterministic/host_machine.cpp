@@ -24,6 +24,7 @@ KeeperOptions keeper_options(const FaultScenario& scenario) {
   constexpr double kMib = 1024 * 1024;
   KeeperOptions options;
   options.folder = HostMachine::kFolder;
+  if (scenario.fallback) options.fallback = HostMachine::kFallback;
   options.segment_bytes = static_cast<std::uint64_t>(scenario.segment_mib * kMib);
   options.keep_bytes = static_cast<std::int64_t>(scenario.keep_mib * kMib);
   return options;
@@ -38,14 +39,21 @@ RecorderLinkOptions link_options(std::uint64_t seed) {
 }  // namespace
 
 struct HostMachine::Program {
-  Program(Disk& disk, const FaultScenario& scenario, std::int64_t utc_us, std::uint64_t seed)
+  Program(Disk& disk, const FaultScenario& scenario, std::int64_t utc_us, std::int64_t host_ns,
+          std::uint64_t seed)
       : keeper(disk, keeper_options(scenario)),
-        link(link_options(seed), next_incarnation(kFolder, utc_us / 1000, disk), keeper.recovered()) {
+        incarnation_folder(keeper.folder()),
+        link(link_options(seed), next_incarnation(incarnation_folder, utc_us / 1000, disk),
+             keeper.recovered()) {
+    keeper.set_clocks(utc_us, host_ns);
     keeper.begin(link.incarnation());
   }
 
   RecordKeeper keeper;
+  const std::filesystem::path incarnation_folder;
   RecorderLink link;
+  std::vector<RecordEvent> events;  // of clocks, for the writer
+  std::size_t events_in_commit = 0;
   BatchMaker batches;
   std::deque<WriteBatch> waiting;  // for the writer
   std::int64_t waiting_blocks = 0;
@@ -60,8 +68,10 @@ HostMachine::HostMachine(const FaultScenario& scenario, int number, std::uint64_
       truth_(truth),
       random_(seed, 0),
       disk_(random_.bits()),
-      check_(truth) {
-  disk_.set_fault([this](DiskCall call, std::int64_t, const std::string&) { return disk_call(call); });
+      check_(truth),
+      clock_events_(truth) {
+  disk_.set_fault(
+      [this](DiskCall call, std::int64_t, const std::string& path) { return disk_call(call, path); });
   disk_.set_cost([this](DiskCall call, std::size_t bytes) { return disk_cost(call, bytes); });
 }
 
@@ -76,8 +86,7 @@ bool HostMachine::boot(std::int64_t now_ns) {
   calls_to_live_ = 0;
   disk_.power_on();
   try {
-    program_ = std::make_unique<Program>(disk_, scenario_, utc_us(now_ns), random_.bits());
-    program_->keeper.set_clocks(utc_us(now_ns), now_ns);
+    program_ = std::make_unique<Program>(disk_, scenario_, utc_us(now_ns), now_ns, random_.bits());
   } catch (const std::system_error&) {
     kill();
     return false;  // its supervisor tries again
@@ -91,6 +100,7 @@ bool HostMachine::boot(std::int64_t now_ns) {
 
 void HostMachine::kill() {
   disk_.kill();
+  clock_events_.died();
   program_.reset();
   calls_to_live_ = 0;
 }
@@ -129,6 +139,10 @@ void HostMachine::watch(const Ack& ack) {
   check_.promised(ack.node, ack.epoch, ack.durable);
 }
 
+void HostMachine::record(RecordEvent event) {
+  if (program_) program_->events.push_back(std::move(event));
+}
+
 bool HostMachine::say(const std::string& channel, std::span<const std::uint8_t> bytes,
                       const Publish& publish) {
   if (channel.starts_with("RB_ACK_")) {
@@ -156,12 +170,19 @@ void HostMachine::write(std::int64_t now_ns) {
   Program& p = *program_;
   if (now_ns < p.busy_until_ns) return;
   for (const DurableMark& mark : p.marks) became_durable(mark, now_ns);
+  if (!p.marks.empty()) clock_events_.durable(p.events_in_commit);
   p.marks.clear();
   p.link.set_credit_open(p.keeper.wants_credit());
   p.keeper.set_clocks(utc_us(now_ns), now_ns);
+  for (const RecordEvent& event : p.events) {
+    clock_events_.given(event.channel, event.bytes);
+    p.keeper.append(event, wall(now_ns));
+  }
+  p.events.clear();
   for (const WriteBatch& batch : p.waiting) append(p.keeper, batch, wall(now_ns));
   p.waiting.clear();
   p.waiting_blocks = 0;
+  p.events_in_commit = clock_events_.count();
   if (p.keeper.commit_is_due(wall(now_ns)))
     p.marks = p.keeper.commit(wall(now_ns));
   else
@@ -179,7 +200,7 @@ void HostMachine::watch(const WriteBatch& batch) {
 void HostMachine::receive(std::int64_t now_ns, const Publish& publish) {
   Program& p = *program_;
   if (p.link.obeyed_higher() != 0)
-    p.link.set_incarnation(raise_incarnation(kFolder, p.link.obeyed_higher(), disk_));
+    p.link.set_incarnation(raise_incarnation(p.incarnation_folder, p.link.obeyed_higher(), disk_));
   p.link.turn(wall(now_ns), publish);
   WriteBatch batch = p.batches.take(p.link, wall(now_ns));
   if (!batch.says_something()) return;

@@ -13,10 +13,12 @@
 #include "common/bus/publish.hpp"
 #include "common/link/epoch_receiver.hpp"
 #include "common/record/test/simulated_disk.hpp"
+#include "hil_tests/deterministic/clock_events.hpp"
 #include "hil_tests/deterministic/fault_scenario.hpp"
 #include "hil_tests/deterministic/random.hpp"
 #include "hil_tests/deterministic/record_check.hpp"
 #include "hil_tests/deterministic/truth.hpp"
+#include "host/recorder/record_keeper.hpp"
 #include "host/recorder/recorder_link.hpp"
 #include "host/recorder/write_batch.hpp"
 
@@ -49,6 +51,8 @@ class HostMachine {
   void turn(std::int64_t now_ns, const Publish& publish);
   /// The drive is over: nodes are stopped, and the recorder ends when their ends are durable.
   void stop() { stopping_ = true; }
+  /// A clock exchange or fit, to be recorded with what comes next.
+  void record(RecordEvent event);
   /// It was told to stop, has, and closed the record.
   bool closed() const { return closed_; }
 
@@ -64,8 +68,15 @@ class HostMachine {
   /// Holds the rest against it.  The recorder is gone.
   void check_record();
   RecordCheck& check() { return check_; }
+  const ClockEvents& clock_events() const { return clock_events_; }
+  /// Its record goes on in the fallback folder.
+  bool fell_back();
+  /// Behind check_record(): the whole record, which rb recover made of both folders if there are two.
+  const char* record_folder() { return fell_back() ? kWhole : kFolder; }
   SimulatedDisk& disk() { return disk_; }
   static constexpr const char* kFolder = "/record";
+  static constexpr const char* kFallback = "/fallback";  ///< on another disk, which does not fail
+  static constexpr const char* kWhole = "/whole";
 
   double longest_to_durable_s() const { return longest_to_durable_s_; }
   int boots() const { return boots_; }
@@ -81,9 +92,10 @@ class HostMachine {
   void write(std::int64_t now_ns);
   void became_durable(const DurableMark& mark, std::int64_t now_ns);
   void end(std::int64_t now_ns, const Publish& publish);
-  void check_through(int last);
+  void check_through(const char* folder, int last);
+  void make_whole();
   std::int64_t utc_us(std::int64_t now_ns) const;
-  SimulatedDisk::Outcome disk_call(DiskCall call);
+  SimulatedDisk::Outcome disk_call(DiskCall call, const std::string& path);
   std::chrono::nanoseconds disk_cost(DiskCall call, std::size_t bytes);
 
   const FaultScenario& scenario_;
@@ -92,6 +104,7 @@ class HostMachine {
   Random random_;
   SimulatedDisk disk_;
   RecordCheck check_;
+  ClockEvents clock_events_;
   std::unique_ptr<Program> program_;
   bool paused_ = false;
   bool stopping_ = false;

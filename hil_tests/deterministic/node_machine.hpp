@@ -46,6 +46,7 @@ class NodeMachine {
   bool finished() const;
 
   std::int32_t number() const { return number_; }
+  std::int64_t epoch() const { return last_epoch_; }  ///< the latest
   std::int64_t base() const;
   std::int64_t next() const;
   std::int64_t used() const { return next() - base(); }

@@ -57,9 +57,13 @@ void RecordCheck::take_own(const SealedBlock& block, Seen& of) {
     fault(header, "follows block " + std::to_string(of.sequence) + ": those between are lost");
   of.sequence = header.sequence;
   take_scans(block, of);
-  if (block.kind == BlockKind::kEnd) {
+  if (block.kind != BlockKind::kEnd) {
+    of.sum.add(crc_of(block));
+  } else {
     of.ended = true;
     const EndBlock end = decode_end(block);
+    if (of.all_its_own && end.blocks_crc32c != of.sum.crc32c())
+      fault(header, "the end sums up other blocks than its node sealed");
     if (end.scans_sealed + end.scans_missing != of.truth->scans)
       fault(header, "the end counts " + std::to_string(end.scans_sealed + end.scans_missing) + " of " +
                         std::to_string(of.truth->scans) + " scans");
@@ -68,6 +72,7 @@ void RecordCheck::take_own(const SealedBlock& block, Seen& of) {
 
 // A gap that the recorder declares; any other block that nobody sealed is a forgery.
 void RecordCheck::take_declared(const SealedBlock& block, Seen& of) {
+  of.all_its_own = false;
   const BlockHeader& header = block.header;
   if (block.kind != BlockKind::kGap) return fault(header, "is not as its node sealed it");
   const GapCause cause = decode_gap(block).cause;

@@ -62,6 +62,8 @@ class RecordCheck {
     Said said;
     std::int64_t sequence = 0;   // last one
     std::int64_t next_scan = 0;  // kUnknown behind a loss of unknown length
+    BlockSum sum;                // of the blocks that its node sealed ...
+    bool all_its_own = true;     // ... and all are
     bool crashed = false;
     bool ended = false;
   };

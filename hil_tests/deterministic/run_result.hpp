@@ -22,6 +22,8 @@ struct RunResult {
   std::int64_t recorder_boots = 0;
   std::int64_t deaths_at_call = 0;  ///< of recorders, before a call of their disk
   std::int64_t node_boots = 0;
+  std::int64_t fallbacks = 0;     ///< recorders whose record goes on in the fallback folder
+  std::int64_t clock_events = 0;  ///< exchanges and fits found in records
   std::int64_t clock_windows = 0;
   std::int64_t clock_covered = 0;
   std::int64_t faults = 0;        ///< promises broken

@@ -77,6 +77,9 @@ void World::boot_node(std::size_t which) {
 void World::boot_host(std::size_t which) {
   Host& host = hosts_[which];
   if (host.down > 0 || host.machine->is_up() || host.machine->closed()) return;
+  // A recorder that has just begun knows no clock.
+  if (which == 0)
+    for (Node& node : nodes_) node.clock.reset();
   if (host.machine->boot(now_ns_))
     wake_host(which, now_ns_ + host.machine->take_elapsed_ns() + kTurn_ns);
   else

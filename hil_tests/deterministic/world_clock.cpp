@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "common/bus/clock_messages.hpp"
 #include "hil_tests/deterministic/world.hpp"
 
 namespace roadbalance::test {
@@ -20,27 +21,34 @@ std::int64_t delay_ns(Random& random) {
 // truth.
 void World::exchange_stamps(std::size_t which) {
   Node& node = nodes_[which];
-  if (!node.machine->is_up() || !hosts_.front().machine->runs()) return;
-  if (!node.clock) node.clock.emplace(node.machine->number(), 1);
+  HostMachine& host = *hosts_.front().machine;
+  if (!node.machine->is_up() || !host.runs()) return;
+  const std::int32_t number = node.machine->number();
+  if (!node.clock) node.clock.emplace(number, node.machine->epoch());
   const std::int64_t back_ns = delay_ns(random_);
   const std::int64_t answer_ns = 5'000 + random_.below(100'000);
   const std::int64_t there_ns = delay_ns(random_);
   const std::int64_t answered = now_ns_ - back_ns;
   const std::int64_t received = answered - answer_ns;
   ++node.exchanges;
-  if (network_.exchange(which) && !node.machine->hangs())
-    (void)node.clock->add({.node = node.machine->number(),
-                           .epoch = 1,
-                           .number = node.exchanges,
-                           .asked_ns = received - there_ns,
-                           .received_ns = node.machine->clock_ns(received),
-                           .answered_ns = node.machine->clock_ns(answered),
-                           .heard_ns = now_ns_,
-                           .kernel_stamps = 0});
-  else
+  if (network_.exchange(which) && !node.machine->hangs()) {
+    const ClockExchange exchange{.node = number,
+                                 .epoch = node.machine->epoch(),
+                                 .number = node.exchanges,
+                                 .asked_ns = received - there_ns,
+                                 .received_ns = node.machine->clock_ns(received),
+                                 .answered_ns = node.machine->clock_ns(answered),
+                                 .heard_ns = now_ns_,
+                                 .kernel_stamps = 0};
+    (void)node.clock->add(exchange);
+    host.record({clock_exchange_channel(number), encode(exchange)});
+  } else {
     node.clock->add_unanswered();
-  if (node.exchanges % kFitEvery != 0 || !node.clock->is_locked()) return;
+  }
+  if (node.exchanges % kFitEvery != 0) return;
   const ClockFit fit = node.clock->fit(now_ns_);
+  host.record({clock_fit_channel(number), encode(fit)});
+  if (fit.state == ClockState::kAcquire) return;
   const double since_ns = static_cast<double>(now_ns_ - fit.host_ns);
   const double error_ns =
       static_cast<double>(fit.node_ns - node.machine->clock_ns(now_ns_)) + since_ns * (1 + fit.drift);

@@ -36,6 +36,8 @@ RunResult World::result() {
     result.declared_scans += check.declared_scans();
     result.tail_scans += check.crash_tail_scans();
     result.longest_to_durable_s = std::max(result.longest_to_durable_s, host.machine->longest_to_durable_s());
+    result.fallbacks += host.machine->fell_back() ? 1 : 0;
+    result.clock_events += host.machine->clock_events().found();
     result.recorder_boots += host.machine->boots();
     result.deaths_at_call += host.machine->deaths_at_call();
   }
