@@ -12,9 +12,9 @@ namespace roadbalance {
 /// fixed to the body (EncoderConfig::steering_ratio, conventions.md).
 ///
 /// A straight line between two messages, the last one's angle after it.  Once kPeriods of the messages before
-/// it have passed, kLongest_ns at most, a message is worth nothing: the wheel has turned on.  At 100 degrees/s
-/// and a ratio of 1/16 that is 0.4 degrees for messages every 20 ms.  How old an angle is when it is sent is
-/// not known: 20 ms are 0.13 degrees.  Never allocates after construction.
+/// it have passed, kLongest_ns at most, a message is worth nothing: the wheel has turned on.  At 100
+/// degrees/s and a ratio of 1/16 that is 0.4 degrees for messages every 20 ms.  How old an angle is when it
+/// is sent is not known: 20 ms are 0.13 degrees.  Never allocates after construction.
 class SteeringTrack {
  public:
   static constexpr std::int64_t kPeriods = 3, kLongest_ns = 150'000'000;
