@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace roadbalance {
@@ -64,6 +65,11 @@ bool CounterEncoder::angles(NodeTime first, double step_ns, std::span<double> an
         angle->angle_rad + config_.datum_rad + x * (4.0 * half - whole + x * (2.0 * whole - 4.0 * half));
   }
   return true;
+}
+
+double CounterEncoder::sigma_rad(NodeTime time) const noexcept {
+  const auto angle = angle_.at(to_ns(time), track_);
+  return angle ? angle->sigma_rad : std::numeric_limits<double>::infinity();
 }
 
 bool CounterEncoder::is_awaited(NodeTime time) const noexcept {

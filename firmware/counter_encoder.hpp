@@ -34,6 +34,9 @@ class CounterEncoder {
   /// As WheelEncoder::angles.
   [[nodiscard]] bool angles(NodeTime first, double step_ns, std::span<double> angle_rad) const noexcept;
 
+  /// Standard deviation of the angle at an instant, all causes but the datum; infinite where it is not known.
+  double sigma_rad(NodeTime time) const noexcept;
+
   /// Messages that come soon tell more of this instant.
   bool is_awaited(NodeTime time) const noexcept;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/link/angle_sigma.hpp"
 #include "common/wheel_counter/wanted_signal.hpp"
 
 namespace roadbalance {
@@ -66,6 +67,7 @@ bool Reference::look_up(std::size_t line, NodeTime from, NodeTime last,
                                     : counter_[line]->angles(from, filter_.step_ns(), angle_rad);
   if (!known) return false;
   known_[line] = angle_rad;
+  sigma_rad_[line] = encoder_[line] ? encoder_[line]->sigma_rad() : counter_[line]->sigma_rad(from);
   const bool awaited = counter_[line] && counter_[line]->is_awaited(last);
   const bool steered = steering_ratio_[line] == 0.0 || steer(line, from, angle_rad);
   return steered && !awaited;
@@ -89,7 +91,16 @@ std::int32_t Reference::fill(std::span<std::array<std::int32_t, kChannels>> scan
     for (auto& scan : scans) std::fill(scan.begin() + kAccelerations, scan.end(), 0);
     return quality | quality_no_reference(0) | quality_no_reference(1);  // nothing to filter
   }
-  return quality | filter_.fill(scans, known_, after_jump);
+  return quality | fill_known(scans, after_jump);
+}
+
+std::int32_t Reference::fill_known(std::span<std::array<std::int32_t, kChannels>> scans,
+                                   bool after_jump) noexcept {
+  std::int32_t quality = filter_.fill(scans, known_, after_jump);
+  for (int line = 0; line < kEncoderLines; ++line)
+    if (!known_[static_cast<std::size_t>(line)].empty())
+      quality = with_angle_sigma(quality, line, sigma_rad_[static_cast<std::size_t>(line)]);
+  return quality;
 }
 
 EncoderFaults Reference::faults(int line) const noexcept {

@@ -44,7 +44,8 @@ class Reference {
   /// message that comes soon would tell more of them.
   bool locate(NodeTime first, int scans) noexcept;
 
-  /// Fills channels 12 .. 15 of the scans located last and returns their Quality bits.
+  /// Fills channels 12 .. 15 of the scans located last and returns their Quality bits, with how well the
+  /// angles are known (angle_sigma.hpp).
   /// @param after_jump  scans before these are missing: the filter starts from rest
   std::int32_t fill(std::span<std::array<std::int32_t, kChannels>> scans, bool after_jump) noexcept;
 
@@ -62,6 +63,7 @@ class Reference {
  private:
   using Angles = std::array<double, static_cast<std::size_t>(kScansPerBlock* ReferenceFilter::kMostSteps)>;
   bool look_up(std::size_t line, NodeTime from, NodeTime last, std::span<double> angle_rad) noexcept;
+  std::int32_t fill_known(std::span<std::array<std::int32_t, kChannels>> scans, bool after_jump) noexcept;
   bool steer(std::size_t line, NodeTime from, std::span<double> angle_rad) noexcept;
 
   ReferenceFilter filter_;
@@ -74,6 +76,7 @@ class Reference {
   std::array<Angles, kEncoderLines> angle_rad_{};
   ReferenceFilter::Angles known_{};  ///< of those, what is known of the scans located last
   std::array<bool, kEncoderLines> uncertain_{};
+  std::array<double, kEncoderLines> sigma_rad_{};  ///< of those that are known
 };
 
 }  // namespace roadbalance

@@ -11,7 +11,7 @@ namespace roadbalance {
 enum class BlockKind : std::uint8_t { kScan, kEdge, kGap, kMeta, kEnd, kSignal };
 inline constexpr std::size_t kBlockKinds = 6;
 
-/// What may be wrong with a scan block; bits of scan_block_t.quality.
+/// What may be wrong with a scan block; bits of scan_block_t.quality.  Above them: angle_sigma.hpp.
 enum Quality : std::int32_t {
   kQualityOverload = 1 << 0,         ///< a channel left its range
   kQualityNoReference0 = 1 << 1,     ///< the angle of the wheel on line 0 is not known; its references are 0
@@ -20,6 +20,9 @@ enum Quality : std::int32_t {
   kQualityUncertainAngle1 = 1 << 4,  ///< the same for line 1
   kQualityAfterGap = 1 << 5,         ///< first block after lost scans: filters restart here
 };
+
+inline constexpr int kQualityBits = 6;
+inline constexpr std::int32_t kQualityFlags = (1 << kQualityBits) - 1;
 
 /// The bit that says so of the wheel on `line`, 0 or 1.
 constexpr std::int32_t quality_no_reference(int line) {

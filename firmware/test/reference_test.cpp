@@ -2,10 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
+#include <cstdio>
 #include <numbers>
 
+#include "common/link/angle_sigma.hpp"
 #include "firmware/test/butterworth.hpp"
 #include "firmware/test/vehicle.hpp"
 #include "sim/pulse_train.hpp"
@@ -144,6 +147,45 @@ TEST(Reference, HasTheGainOfTheFilter) {
   const double amplitude = std::hypot(row[kAccelerations], row[kAccelerations + 1]) / kFullScaleCounts;
   const double expected = 1.0 / std::sqrt(1.0 + std::pow(18.0 / 200.0, 12.0));
   EXPECT_NEAR(amplitude, expected, 1e-4);  // linear between steps of 0.25 ms: (w h)^2 / 12 = 7e-5
+}
+
+TEST(Reference, TellsHowWellItsAnglesAreKnown) {
+  for (const double jitter_s : {10e-6, 100e-6}) {
+    auto vehicle = test::one_node_vehicle(kRate_hz);
+    vehicle.wheel[1].node.clear();
+    Reference reference(vehicle, vehicle.node[0]);
+    const auto angle = [](double t) { return 2 * pi * 18.0 * t; };
+    const sim::PulseTrain train{
+        .angle_rad = angle, .pitch_error_rad = sim::pitch_errors(96, 0.3 * kDegree, 3), .jitter_s = jitter_s};
+    const auto edges = train.edges(0.0, 40.2);
+    std::array<std::array<std::int32_t, kChannels>, kScansPerBlock> rows{};
+    std::size_t edge = 0;
+    double square = 0.0, told = 0.0;
+    int judged = 0;
+    for (int block = 0; block < 4000; ++block) {
+      const NodeTime first = node_time_from_ns(block * 10'000'000LL);
+      const NodeTime last = first + NodeClock::duration(9'500'000);
+      for (; edge < edges.size() && edges[edge].time <= reference.complete_at(last); ++edge)
+        reference.add(edges[edge]);
+      static_cast<void>(reference.locate(first, kScansPerBlock));
+      const auto quality = reference.fill(rows, block == 0);
+      EXPECT_FALSE(angle_sigma_rad(quality, 1)) << "no encoder is there";
+      if (block < 2000) continue;  // the ring is learned
+      ASSERT_TRUE(angle_sigma_rad(quality, 0));
+      told = std::max(told, *angle_sigma_rad(quality, 0) / kDegree);
+      const double t = block * 0.01;
+      const std::complex<double> ours(rows[0][kAccelerations + 1], rows[0][kAccelerations]);
+      const double off =
+          std::arg(ours / test::response(vehicle.filter, 18.0) * std::polar(1.0, -angle(t))) / kDegree;
+      square += off * off;
+      ++judged;
+    }
+    const double rms = std::sqrt(square / judged);
+    std::printf("%3.0f us: %.4f degrees rms, %.4f told\n", 1e6 * jitter_s, rms, told);
+    // It is told in half octaves, rounded up, and bounds a bias of the window that a steady wheel has not.
+    EXPECT_GT(told, 0.8 * rms);
+    EXPECT_LT(told, 3.0 * rms);
+  }
 }
 
 TEST(Reference, IsFlaggedUntilTheFilterHasSettledAndALineWithoutEncoderAlways) {

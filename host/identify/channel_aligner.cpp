@@ -62,7 +62,7 @@ void ChannelAligner::fill(ScanBlock& out, std::int64_t row) const {
   }
   for (std::int64_t k = row - before_; k <= row + behind_; ++k) {
     out.overload |= rows_[static_cast<std::size_t>(k)].overload;
-    out.quality |= rows_[static_cast<std::size_t>(k)].quality;
+    out.quality |= rows_[static_cast<std::size_t>(k)].quality & kQualityFlags;
   }
 }
 

@@ -65,7 +65,7 @@ void Resampler::emit(const Grid& grid, std::vector<GridRows>& out) {
         (counts_.middleCols<FractionalDelay::kTaps>(first) * taps).cast<float>();
     for (Eigen::Index i = first; i < first + FractionalDelay::kTaps; ++i) {
       rows->overload |= sample(i).overload;
-      rows->quality |= sample(i).quality;
+      rows->quality |= sample(i).quality & kQualityFlags;
     }
     ++rows->rows;
   }

@@ -1,15 +1,19 @@
 #include <CLI/CLI.hpp>
+#include <array>
+#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <string>
 
 #include "common/bus/clock_messages.hpp"
 #include "common/bus/codec.hpp"
+#include "common/link/angle_sigma.hpp"
 #include "common/record/folder.hpp"
 #include "common/record/record.hpp"
 #include "common/record/record_folder.hpp"
@@ -41,6 +45,16 @@ struct Survey {
     std::optional<ClockFit> last;
     std::optional<std::int64_t> begins_us, ends_us;  // UTC of blocks placed by it
   };
+  /// How well the wheel on a line is known by what its blocks say.
+  struct Angle {
+    double square = 0.0;  ///< of the standard deviation, summed over scans
+    std::int64_t scans = 0;
+    std::optional<double> sigma_deg() const {
+      if (scans == 0) return std::nullopt;
+      return std::sqrt(square / static_cast<double>(scans)) * 180.0 / std::numbers::pi;
+    }
+  };
+  std::map<NodeEpoch, std::array<Angle, kEncoderLines>> angle;
   std::map<int, std::uint64_t> segment_bytes;
   std::map<NodeEpoch, Clock> clock;
   SignalSurvey signals;
@@ -48,11 +62,23 @@ struct Survey {
   std::int64_t last_us = 0;
 };
 
-// UTC of the block, if its segment or one before says how its node's clock stands.
-void place(const LogEvent& event, const RecordedClocks& clocks, Survey& found) {
+void count_angles(const ScanBlock& block, std::array<Survey::Angle, kEncoderLines>& angle) {
+  for (int line = 0; line < kEncoderLines; ++line) {
+    const auto sigma = angle_sigma_rad(block.quality, line);
+    if (!sigma || (block.quality & quality_no_reference(line)) != 0) continue;
+    Survey::Angle& of_line = angle[static_cast<std::size_t>(line)];
+    of_line.square += *sigma * *sigma * static_cast<double>(block.header.scans);
+    of_line.scans += block.header.scans;
+  }
+}
+
+// UTC of the block, if its segment or one before says how its node's clock stands, and what it says of
+// itself.
+void look_at(const LogEvent& event, const RecordedClocks& clocks, Survey& found) {
   SealedBlock block;
   if (!event.channel.ends_with("_SCAN") || accept(event.data, block) != Refusal::kNone) return;
   const NodeEpoch key{block.header.node, block.header.epoch};
+  count_angles(decode_scan(block), found.angle[key]);
   const auto host_ns = clocks.host_ns(key, block.header.time_ns);
   if (block.header.sequence <= 0 || !host_ns) return;
   Survey::Clock& clock = found.clock[key];
@@ -68,7 +94,7 @@ Survey survey(const std::filesystem::path& folder) {
   reader.finish();
   RecordedClocks clocks;
   while (const auto event = reader.next()) {
-    place(*event, clocks, found);
+    look_at(*event, clocks, found);
     found.signals.add(event->channel, event->data);
     if (const auto fit = clocks.take(event->channel, event->data)) {
       auto& clock = found.clock[{fit->node, fit->epoch}];
@@ -103,6 +129,17 @@ struct Described {
   const VehicleConfig* get() const { return vehicle ? &*vehicle : nullptr; }
 };
 
+/// Of both lines: null where no block tells.
+Json angles_json(const Survey& found, const NodeEpoch& key) {
+  Json sigma_deg = Json::array();
+  const auto angle = found.angle.find(key);
+  for (std::size_t line = 0; line < kEncoderLines; ++line) {
+    const auto told = angle == found.angle.end() ? std::nullopt : angle->second[line].sigma_deg();
+    sigma_deg.push_back(told ? Json(*told) : Json());
+  }
+  return sigma_deg;
+}
+
 Json info_json(const Survey& found, const Verification& result, const Described& described) {
   Json segments = Json::array();
   for (const auto& [number, bytes] : found.segment_bytes)
@@ -123,7 +160,8 @@ Json info_json(const Survey& found, const Verification& result, const Described&
     rates.push_back({{"node", epoch.node},
                      {"epoch", epoch.epoch},
                      {"rate_hz", rate_hz(epoch)},
-                     {"duration_s", duration_s(epoch)}});
+                     {"duration_s", duration_s(epoch)},
+                     {"angle_sigma_deg", angles_json(found, {epoch.node, epoch.epoch})}});
   return {{"vehicle", described.name},
           {"program", described.record.program},
           {"format_version", described.record.format_version},
@@ -150,6 +188,11 @@ void print_info(const Survey& found, const Verification& result, const Described
   for (const auto& epoch : result.epoch) {
     std::printf("node %d epoch %lld: %.1f s at %.3f Hz\n", epoch.node, static_cast<long long>(epoch.epoch),
                 duration_s(epoch), rate_hz(epoch));
+    for (int line = 0; const auto& sigma_deg : angles_json(found, {epoch.node, epoch.epoch})) {
+      if (!sigma_deg.is_null())
+        std::printf("  angle on line %d: known to %.3f degrees (rms)\n", line, sigma_deg.get<double>());
+      ++line;
+    }
     const auto clock = found.clock.find({epoch.node, epoch.epoch});
     if (clock != found.clock.end() && clock->second.last)
       std::printf("  clock: %lld fits, drift %.2f ppm, last uncertainty %.1f us, %lld breaks\n",

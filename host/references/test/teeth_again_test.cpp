@@ -9,6 +9,8 @@
 #include <numbers>
 
 #include "common/bus/codec.hpp"
+#include "common/link/angle_sigma.hpp"
+#include "firmware/test/butterworth.hpp"
 #include "firmware/test/sealed_epoch.hpp"
 
 namespace roadbalance {
@@ -40,19 +42,8 @@ class TeethAgain : public testing::Test {
     EXPECT_GT(count, 0.9 * kSeconds * test::kRate_hz);
     return std::sqrt(square / count);
   }
-  /// Of a Butterworth filter of order 6 at 200 Hz at 18 turns a second: 1 / (2 sin) of its poles' angles, and
-  /// the terms beyond w / wc, from the poles.
-  static double filter_lag_rad() {
-    std::complex<double> gain = 1.0;
-    for (int k = 0; k < 6; ++k) {
-      const auto pole = std::polar(1.0, pi * (2 * k + 7) / 12.0);
-      gain *= -pole / (std::complex<double>(0.0, 18.0 / 200.0) - pole);
-    }
-    return -std::arg(gain);
-  }
-  const double kLag_rad = filter_lag_rad();
-
   const VehicleConfig vehicle = test::one_node_vehicle(test::kRate_hz);
+  const double kLag_rad = -std::arg(test::response(vehicle.filter, 18.0));
   const sim::PulseTrain train{.angle_rad = [](double t) { return 2.0 * pi * 18.0 * t + 1.0; },
                               .pitch_error_rad = sim::pitch_errors(96, 0.3 * pi / 180.0, 5),
                               .jitter_s = 20e-6};
@@ -71,7 +62,8 @@ class TeethAgain : public testing::Test {
 TEST_F(TeethAgain, AreNearerToTheTruthThanLive) {
   AngleAgain angles(vehicle, AngleAgain::WithoutMark::kNoAngle, AngleAgain::Teeth::kAgain);
   ASSERT_TRUE(angles.wanted());
-  const double before = error_deg(live), after = error_deg(again(angles));
+  const auto computed_again = again(angles);
+  const double before = error_deg(live), after = error_deg(computed_again);
   EXPECT_LT(after, 0.8 * before);
   const auto quality = angles.quality(0);
   ASSERT_TRUE(quality && quality->located);
@@ -79,6 +71,19 @@ TEST_F(TeethAgain, AreNearerToTheTruthThanLive) {
   // 20 us are 0.13 degrees a mark, and so much less in the mean of all.
   EXPECT_NEAR(quality->common_sigma_rad * 180.0 / pi, 0.13 / std::sqrt(360.0), 0.002);
   EXPECT_LT(after, 3.0 * quality->sigma_rad * 180.0 / pi);
+  // What the blocks tell of it is rounded up by half an octave at most; and not what the node told live.
+  double square = 0.0, scans = 0.0;
+  for (const SealedBlock& block : computed_again) {
+    if (block.kind != BlockKind::kScan) continue;
+    const auto told = angle_sigma_rad(decode_scan(block).quality, 0);
+    if (!told) continue;
+    square += *told * *told * static_cast<double>(block.header.scans);
+    scans += static_cast<double>(block.header.scans);
+  }
+  EXPECT_GT(scans, 0.9 * kSeconds * test::kRate_hz);
+  const double told = std::sqrt(square / scans) / quality->sigma_rad;
+  EXPECT_GT(told, 1.0 - 1e-6);
+  EXPECT_LT(told, std::sqrt(2.0) + 1e-6);
 }
 
 TEST_F(TeethAgain, StayAsTheyAreUnlessItIsWanted) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <numbers>
 #include <thread>
 
 #include "common/bus/bus.hpp"
@@ -14,6 +15,7 @@
 #include "common/test/temporary_directory.hpp"
 #include "firmware/seal_all.hpp"
 #include "firmware/test/scripted_front_end.hpp"
+#include "sim/pulse_train.hpp"
 #include "tools/rb/child.hpp"
 
 namespace roadbalance {
@@ -94,7 +96,10 @@ class SignalsInARecord : public testing::Test {
       device.signals.push_back({time, 0, 0.25 * k});
       if (k % 2 == 0) device.signals.push_back({time, 1, 1.0 - 0.01 * k});
     }
-    RecordWriter writer({.folder = record_});
+    record(device, record_);
+  }
+  static void record(FrontEnd& device, const std::string& folder) {
+    RecordWriter writer({.folder = folder});
     const VehicleConfig vehicle = car();
     seal_all(device, vehicle, vehicle.node[0], 7,
              [&](const SealedBlock& block) { writer.append(block, 1000); });
@@ -128,6 +133,20 @@ TEST_F(SignalsInARecord, AreListedByInfo) {
           .find(
               "  signal fl_speed: 100 samples in 2.0 s, first 0, last 24.75, least 0, greatest 24.75 m/s\n"),
       std::string::npos);
+}
+
+TEST_F(SignalsInARecord, StandBesideHowWellTheAnglesAreKnown) {
+  const sim::PulseTrain train{.angle_rad = [](double t) { return 2.0 * std::numbers::pi * 18.0 * t; },
+                              .jitter_s = 10e-6};
+  test::ScriptedFrontEnd turning(test::marked_scans(0, 40'000, 2000.0), train.edges(0.0, 20.0));
+  record(turning, again_);
+  const auto sigma_deg =
+      nlohmann::json::parse(rb({"info", again_, "--json"}, 0)).at("rates").at(0).at("angle_sigma_deg");
+  // A mark is off by 0.065 degrees, their mean by less and less, and the ring must be learned first.
+  EXPECT_GT(sigma_deg.at(0).get<double>(), 0.005);
+  EXPECT_LT(sigma_deg.at(0).get<double>(), 0.065 * std::sqrt(2.0));
+  EXPECT_TRUE(sigma_deg.at(1).is_null()) << "no wheel turns there";
+  EXPECT_NE(rb({"info", again_}, 0).find("  angle on line 0: known to 0.0"), std::string::npos);
 }
 
 TEST_F(SignalsInARecord, AreProvenByVerifyAndCarriedByRecover) {
