@@ -95,23 +95,28 @@ void add_datum(CLI::App& app, int& code) {
   command->add_option("--wheel", options->wheel, "which")->required();
   command->add_option("--vehicle", options->vehicle, "vehicle.toml to set datum_deg and datum_sigma_deg in");
   command->add_flag("--dry-run", options->dry_run, "change no file");
+  CLI::Option* const before =
+      command->add_option("--before", options->before, "by weight: recording without it");
+  CLI::Option* const after = command->add_option("--after", options->after, "by weight: recording with it");
   command->add_option("--readings", options->readings, "by turning: so many")
       ->check(CLI::Range(2, 100))
       ->capture_default_str();
   command->add_option("--url", options->url, "by turning: LCM address of the bus")->capture_default_str();
   command->add_option("--seconds", options->patience_s, "by turning: give up after so long; 0: never")
       ->check(seconds_or_zero());
-  command->add_option("--before", options->before, "by weight: recording without it");
-  command->add_option("--after", options->after, "by weight: recording with it");
-  command->add_option("--grams", options->grams, "by weight: its mass")->check(CLI::Range(0.1, 10e3));
+  command->add_option("--grams", options->grams, "by weight: its mass")->check(number_within(0.1, 10e3));
   command->add_option("--at", options->at,
                       "by weight: where it is, degrees from the reference point (valve) in the direction of "
                       "rotation, or the clock with that point at 12");
   command->add_option("--at-sigma-deg", options->at_sigma_deg, "by weight: how well it was put there")
-      ->check(CLI::Range(0.0, 90.0))
+      ->check(number_within(0.0, 90.0))
       ->capture_default_str();
   command->add_option("--radius-m", options->radius_m, "by weight: its radius; default: weight_radius_m")
-      ->check(CLI::Range(0.01, 2.0));
+      ->check(number_within(0.01, 2.0));
+  for (const char* const by_turning : {"--readings", "--url", "--seconds"})
+    command->get_option(by_turning)->excludes(before)->excludes(after);
+  for (const char* const by_weight : {"--grams", "--at", "--at-sigma-deg", "--radius-m"})
+    command->get_option(by_weight)->needs(before);
   command->add_flag("--json", options->json, "one JSON object on standard output");
   command->callback([options, &code] { code = datum(*options); });
 }

@@ -11,6 +11,7 @@
 #include "common/config/section.hpp"
 #include "tools/rb/bus_distance.hpp"
 #include "tools/rb/command.hpp"
+#include "tools/rb/validators.hpp"
 
 namespace roadbalance {
 namespace {
@@ -76,7 +77,7 @@ void add_distance(CLI::App& app, int& code) {
   command
       ->add_option("--metres-per-count", options->metres_per_count,
                    "what a count is worth if its unit is not m")
-      ->check(CLI::PositiveNumber);
+      ->check(number_within(1e-9, 1e9));
   command->add_option("--interface", options->interface, "whose frames, if the log holds those of several");
   command->add_flag("--json", options->json, "one JSON object on standard output");
   command->callback([options, &code] { code = distance(*options); });

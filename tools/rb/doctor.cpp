@@ -5,6 +5,7 @@
 
 #include "tools/rb/command.hpp"
 #include "tools/rb/machine.hpp"
+#include "tools/rb/validators.hpp"
 
 namespace roadbalance {
 namespace {
@@ -49,7 +50,7 @@ void add_doctor(CLI::App& app, int& code) {
   command
       ->add_option("--seconds", options->seconds,
                    "how long the wake-ups of threads are measured; load the machine meanwhile as it will be")
-      ->check(CLI::Range(0.1, 86'400.0))
+      ->check(number_within(0.1, 86'400.0))
       ->capture_default_str();
   command->add_flag("--json", options->json, "one JSON object on standard output");
   command->callback([options, &code] { code = examine(*options); });

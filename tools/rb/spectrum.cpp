@@ -13,6 +13,7 @@
 #include "host/analyser/read_recording.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/defects.hpp"
+#include "tools/rb/validators.hpp"
 
 namespace roadbalance {
 namespace {
@@ -134,7 +135,7 @@ void add_spectrum(CLI::App& app, int& code) {
   command
       ->add_option("--segment-s", options->segment_s,
                    "length of the averaged segments, s; resolves 1.5 / length")
-      ->check(CLI::Range(0.01, 1000.0))
+      ->check(number_within(0.01, 1000.0))
       ->capture_default_str();
   command->add_flag("--json", options->json, "one JSON object on standard output");
   command->callback([options, &code] { code = spectrum(*options); });

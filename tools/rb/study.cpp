@@ -2,11 +2,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <thread>
 
 #include "common/bus/bus.hpp"
+#include "common/config/section.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/quiet_port.hpp"
 #include "tools/rb/study_encoder.hpp"
@@ -93,6 +96,18 @@ int study(const StudyOptions& options) {
   return summary["accepted"].get<bool>() ? kDone : kAnswerIsNo;
 }
 
+/// What was asked for and would not be done.
+void refuse_options_of_others(const CLI::App& command, const std::string& name) {
+  static const std::map<std::string, std::set<std::string>> kOfStudy{
+      {"--runs", {"demo-accuracy", "encoder"}}, {"--seed", {"demo-accuracy", "encoder"}},
+      {"--state", {"demo-accuracy"}},           {"--jobs", {"demo-accuracy"}},
+      {"--drive-seconds", {"demo-accuracy"}},   {"--seconds", {"clock-skew"}},
+      {"--nodes", {"clock-skew"}}};
+  for (const auto& [option, studies] : kOfStudy)
+    if (command.count(option) > 0 && !studies.contains(name))
+      throw ConfigError(option + ": is not of study " + name + "; allowed with " + *studies.begin());
+}
+
 }  // namespace
 
 void add_study(CLI::App& app, int& code) {
@@ -121,13 +136,14 @@ void add_study(CLI::App& app, int& code) {
       ->check(drive_length())
       ->capture_default_str();
   command->add_option("--seconds", options->seconds, "how long clock-skew compares")
-      ->check(CLI::Range(1.0, 1e5))
+      ->check(number_within(1.0, 1e5))
       ->capture_default_str();
   command->add_option("--nodes", options->nodes, "how many nodes clock-skew runs")
       ->check(CLI::Range(2, 16))
       ->capture_default_str();
   command->add_flag("--json", options->json, "one JSON object on standard output");
   command->callback([options, command, &code] {
+    refuse_options_of_others(*command, options->name);
     if (options->name != "encoder") {
       code = study(*options);
       return;

@@ -4,6 +4,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <string_view>
+
 #include "common/config/section.hpp"
 
 namespace roadbalance {
@@ -19,15 +22,24 @@ TypedLines::TypedLines(int descriptor) : descriptor_(descriptor), terminal_(isat
                       "; allowed: a terminal, a pipe or a file with the answers");
 }
 
+/// Lines no longer than the longest.
+void TypedLines::take(const char* part, std::size_t size) {
+  for (const char byte : std::string_view(part, size)) {
+    const std::size_t end = read_.rfind('\n');
+    const std::size_t begun = end == std::string::npos ? read_.size() : read_.size() - end - 1;
+    if (byte == '\n' || begun < kLongestLine) read_ += byte;
+  }
+}
+
 std::optional<std::string> TypedLines::next() {
   pollfd ready{descriptor_, POLLIN, 0};
-  while (!ended_ && read_.find('\n') == std::string::npos && poll(&ready, 1, 0) > 0) {
+  if (!ended_ && read_.find('\n') == std::string::npos && poll(&ready, 1, 0) > 0) {
     char part[512];
     const ssize_t size = read(descriptor_, part, sizeof part);
     if (size > 0)
-      read_.append(part, static_cast<std::size_t>(size));
+      take(part, static_cast<std::size_t>(size));
     else
-      ended_ = true;
+      ended_ = size == 0 || errno != EINTR;
   }
   const std::size_t end = read_.find('\n');
   if (end == std::string::npos && !(ended_ && !read_.empty())) return std::nullopt;

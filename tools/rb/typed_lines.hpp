@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 
@@ -8,12 +9,15 @@ namespace roadbalance {
 /// Lines that somebody types, or that come through a pipe, without waiting for them.
 class TypedLines {
  public:
+  /// Nobody types more: what goes beyond is cut off.
+  static constexpr std::size_t kLongestLine = 1000;
+
   /// @param descriptor  0: standard input
   /// @throws ConfigError if it is closed or no terminal, pipe or file: nobody can answer there
   explicit TypedLines(int descriptor);
 
   bool terminal() const { return terminal_; }
-  /// The next whole line that is there, without its end.
+  /// The next whole line that is there, without its end.  One read at the most.
   std::optional<std::string> next();
   /// There will be no more.
   bool ended() const { return ended_ && read_.empty(); }
@@ -21,6 +25,8 @@ class TypedLines {
  private:
   const int descriptor_;
   bool terminal_ = false;
+  void take(const char* part, std::size_t size);
+
   std::string read_;  ///< not yet given
   bool ended_ = false;
 };

@@ -2,7 +2,11 @@
 
 #include <charconv>
 #include <cstdint>
+#include <cstdio>
+#include <functional>
 #include <optional>
+#include <string>
+#include <utility>
 
 namespace roadbalance {
 namespace {
@@ -20,21 +24,36 @@ bool within(const std::string& text, double low, double high) {
   return number && *number >= low && *number <= high;
 }
 
-CLI::Validator validator(bool (*accepts)(const std::string&), const std::string& allowed) {
-  return {[accepts, allowed](std::string& text) {
+CLI::Validator validator(std::function<bool(const std::string&)> accepts, const std::string& allowed) {
+  return {[accepts = std::move(accepts), allowed](std::string& text) {
             return accepts(text) ? "" : "'" + text + "' cannot be used; allowed: " + allowed;
           },
           ""};
 }
 
+std::string plain(double number) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.10g", number);
+  return text;
+}
+
+CLI::Validator number_within(double low, double high, const std::string& unit) {
+  return validator([=](const std::string& text) { return within(text, low, high); },
+                   plain(low) + " .. " + plain(high) + unit);
+}
+
 }  // namespace
 
+CLI::Validator number_within(double low, double high) {
+  return number_within(low, high, "");
+}
+
 CLI::Validator seconds_or_zero() {
-  return validator([](const std::string& text) { return within(text, 0.0, 1e9); }, "0 .. 1000000000 s");
+  return number_within(0.0, 1e9, " s");
 }
 
 CLI::Validator drive_length() {
-  return validator([](const std::string& text) { return within(text, 1.0, 1e6); }, "1 .. 1000000 s");
+  return number_within(1.0, 1e6, " s");
 }
 
 CLI::Validator seed_number() {

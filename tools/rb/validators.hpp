@@ -6,6 +6,8 @@ namespace roadbalance {
 
 /// Checks of what several commands are given, each saying what is allowed in one line.
 
+/// A number from `low` to `high`, so that NaN is none: it passes every comparison of CLI::Range.
+CLI::Validator number_within(double low, double high);
 /// Seconds from 0 on.
 CLI::Validator seconds_or_zero();
 /// Seconds of driving, 1 .. 1000000.

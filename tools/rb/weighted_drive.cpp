@@ -23,13 +23,16 @@ std::optional<double> number(const std::string& text) {
 }  // namespace
 
 WeightedDrive WeightedDrive::parse(const std::string& text) {
-  const auto equals = text.find('=');
-  if (equals == std::string::npos) return {text, {}};
-  const auto colon = text.rfind(':', equals);
+  const auto colon = text.rfind(':');
+  const std::string last = colon == std::string::npos ? text : text.substr(colon + 1);
+  // Weights, right or wrong, are not of a folder's name; neither is a slash of theirs.
+  const bool weighted = last.find('/') == std::string::npos &&
+                        (colon == std::string::npos ? last.find('@') : last.find('=')) != std::string::npos;
+  if (!weighted) return {text, {}};
   if (colon == std::string::npos || colon == 0)
     throw ConfigError(text + ": no recording before the weights; allowed: DIR:PLANE=GRAMS@DEGREES,...");
   WeightedDrive drive{text.substr(0, colon), {}};
-  std::istringstream weights(text.substr(colon + 1));
+  std::istringstream weights(last);
   for (std::string one; std::getline(weights, one, ',');) {
     const auto is = one.find('='), angle = one.find('@');
     const bool formed = is != std::string::npos && angle != std::string::npos && 0 < is && is < angle;

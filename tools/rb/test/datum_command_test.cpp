@@ -118,7 +118,11 @@ TEST_F(DatumCommand, RefusesWhatNobodyCanAnswerOrWrite) {
   refused("--wheel spare --vehicle " + vehicle_, vehicle_,
           "--wheel spare: no wheel with a zero mark; allowed: "
           "front_left");
-  refused("--wheel front_left --before a --grams 30", vehicle_, "needs all of --before, --after");
+  refused("--wheel front_left --before a --grams 30", vehicle_, "excludes");
+  refused(left + " --grams 30 --at 90", vehicle_, "requires --before");
+  Child child = start("--wheel front_left --before a --grams 30", vehicle_);
+  EXPECT_EQ(wait(child), 2);
+  EXPECT_NE(child.log().find("needs all of --before, --after"), std::string::npos) << child.log();
   refused(left + " --readings 1", vehicle_, "--readings");
   const std::string text = test::read_source("sim/demo/vehicle.toml");
   const std::string table = "[wheel.encoder]\npulses_per_turn = 96\nzero_mark = true\ndatum_deg = 30\n";

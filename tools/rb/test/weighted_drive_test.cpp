@@ -31,6 +31,14 @@ std::string refusal(const std::function<void()>& what) {
 TEST(WeightedDrive, IsARecordingAndItsWeights) {
   EXPECT_EQ(WeightedDrive::parse("/rec/bare").folder, "/rec/bare");
   EXPECT_TRUE(WeightedDrive::parse("/rec/a:b").weight.empty()) << "a colon alone is of the name";
+  for (const char* folder : {"/rec/speed=80/a", "/rec:run=1/a", "run=1", "/rec/10:20:30"}) {
+    EXPECT_EQ(WeightedDrive::parse(folder).folder, folder);
+    EXPECT_TRUE(WeightedDrive::parse(folder).weight.empty()) << folder;
+  }
+  const auto in_it = WeightedDrive::parse("/rec:run=1/a=b:front=20@3");
+  EXPECT_EQ(in_it.folder, "/rec:run=1/a=b");
+  ASSERT_EQ(in_it.weight.size(), 1U);
+  EXPECT_EQ(in_it.weight[0].plane, "front");
   const auto drive = WeightedDrive::parse("/rec:1/a:back=20@90,front=5.5@-180,back=1@90");
   EXPECT_EQ(drive.folder, "/rec:1/a");
   const auto weights = drive.in_planes(shaft());
