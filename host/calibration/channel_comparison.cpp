@@ -1,6 +1,9 @@
 #include "host/calibration/channel_comparison.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
 #include <stdexcept>
 
 #include "common/config/section.hpp"
@@ -16,12 +19,11 @@ ChannelComparison::ChannelComparison(const NodeConfig& node, const Settings& set
     : node_(node), settings_(settings) {
   for (std::size_t c = 0; c < node.channel.size(); ++c)
     if (node.channel[c].role != ChannelRole::kUnused) input_.push_back(input_of(node.channel[c], c));
-  if (node.wiring.loop_back)
+  if (node.wiring.loop_back && !settings.motion)
     for (std::size_t r = 0; r < kReferences; ++r)
       input_.push_back({kReferenceNames[r], kAccelerations + r, 1.0, 0.0, 0.0, 0.0, true});
-  const bool known =
-      std::ranges::any_of(input_, [&](const Input& in) { return in.name == settings.reference; });
-  if (!settings.reference.empty() && !known)
+  for (const Input& input : input_) compared_ |= 1 << input.place;
+  if (!has_reference(node, settings))
     throw ConfigError("node " + node.name + " has no channel \"" + settings.reference + "\" in use");
   try {
     spectra_.emplace(CrossSpectra::Settings{static_cast<int>(input_.size()), node.rate_hz, settings.segment_s,
@@ -30,6 +32,15 @@ ChannelComparison::ChannelComparison(const NodeConfig& node, const Settings& set
     throw ConfigError("node " + node.name + ": " + error.what());
   }
   sample_.resize(input_.size());
+}
+
+bool ChannelComparison::has_reference(const NodeConfig& node, const Settings& settings) {
+  const std::string& name = settings.reference;
+  const bool loop_back = node.wiring.loop_back && !settings.motion;
+  return name.empty() || (loop_back && std::ranges::find(kReferenceNames, name) != kReferenceNames.end()) ||
+         std::ranges::any_of(node.channel, [&](const ChannelConfig& channel) {
+           return channel.role != ChannelRole::kUnused && channel.name == name;
+         });
 }
 
 ChannelComparison::Input ChannelComparison::input_of(const ChannelConfig& channel, std::size_t place) const {
@@ -62,7 +73,10 @@ void ChannelComparison::add(const ScanBlock& block) {
   epoch_ = block.header.epoch;
   next_scan_ = block.header.first_scan + block.header.scans;
   if (!follows) spectra_->interrupt();
-  if (block.overload != 0) return spectra_->interrupt();
+  if ((block.overload & compared_) != 0) {
+    overloaded_ += block.header.scans;
+    return spectra_->interrupt();
+  }
   for (std::int64_t r = 0; r < block.header.scans; ++r) {
     const auto& counts = block.counts[static_cast<std::size_t>(r)];
     for (std::size_t i = 0; i < input_.size(); ++i)
@@ -77,26 +91,82 @@ bool ChannelComparison::loops_back() const {
   return std::ranges::any_of(input_, &Input::reference);
 }
 
-ChannelComparison::Result ChannelComparison::result() const {
-  std::vector<int> accelerations, delays;
-  for (std::size_t i = 0; i < input_.size(); ++i) {
-    const bool named = settings_.reference.empty() || input_[i].name == settings_.reference;
-    if (named && !input_[i].reference) accelerations.push_back(static_cast<int>(i));
-    if (named && input_[i].reference) delays.push_back(static_cast<int>(i));
+std::string ChannelComparison::text_of(ChannelMatches::Obstacle obstacle) const {
+  char text[200];
+  switch (obstacle) {
+    case ChannelMatches::Obstacle::kNone:
+      return {};
+    case ChannelMatches::Obstacle::kTooShort:
+      std::snprintf(text, sizeof text,
+                    "%.0f s could be compared; the signal must be there for %.0f s at least (--segment-s)",
+                    static_cast<double>(scans_) / node_.rate_hz, least_s());
+      return text;
+    case ChannelMatches::Obstacle::kNoTwoAlike:
+      return "no two channels show the same signal";
+    case ChannelMatches::Obstacle::kReference:
+      return (settings_.reference.empty() ? "the accelerations do" : settings_.reference + " does") +
+             std::string(" not show the signal as the other channels do, and cannot be the reference");
   }
-  Result result{{}, static_cast<double>(scans_) / node_.rate_hz};
-  auto by_gain = match_channels(*spectra_, accelerations);
-  auto by_delay = loops_back() ? match_channels(*spectra_, delays) : std::nullopt;
-  if (!by_delay) by_delay = by_gain;  // the loop-back was not given the signal
-  if (!by_gain) by_gain = by_delay;
-  if (!by_gain) return result;
+  return {};
+}
+
+/// Median of the gains of what is matched; 0: nothing is.
+double ChannelComparison::size_of(const std::vector<ChannelMatch>& all, bool reference) const {
+  std::vector<double> gains;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (input_[i].reference == reference && all[i].verdict == ChannelMatch::Verdict::kMatched)
+      gains.push_back(all[i].gain);
+  return gains.empty() ? 0.0 : median(gains);
+}
+
+/// What it hears of its neighbours alone is no signal; its range nobody told.
+bool ChannelComparison::loop_back_was_fed(const std::vector<ChannelMatch>& all) const {
+  constexpr double kLeast = 0.05;
+  const double accelerations = size_of(all, false), references = size_of(all, true);
+  return references > 0.0 && references >= kLeast * accelerations / input_.front().per_count;
+}
+
+void ChannelComparison::doubt_other_sizes(std::vector<ChannelMatch>& all) const {
+  const double usual = size_of(all, false);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (!input_[i].reference && all[i].verdict == ChannelMatch::Verdict::kMatched &&
+        std::abs(all[i].gain / usual - 1.0) > kMostMismatch)
+      all[i].verdict = ChannelMatch::Verdict::kOtherSize;
+}
+
+ChannelComparison::Result ChannelComparison::result() const {
+  std::vector<int> accelerations, references;
   const auto named = std::ranges::find(input_, settings_.reference, &Input::name);
+  for (std::size_t i = 0; i < input_.size(); ++i) {
+    auto& kind = input_[i].reference ? references : accelerations;
+    const bool counts =
+        named == input_.end() || named->reference != input_[i].reference || &*named == &input_[i];
+    if (counts) kind.push_back(static_cast<int>(i));
+  }
+  const auto seconds = [&](std::int64_t scans) { return static_cast<double>(scans) / node_.rate_hz; };
+  Result result{.channel = {}, .seconds = seconds(scans_), .overload_s = seconds(overloaded_)};
+  ChannelMatches by_gain = match_channels(*spectra_, accelerations);
+  result.obstacle = text_of(by_gain.obstacle);
+  if (!result.obstacle.empty()) return result;
+  doubt_other_sizes(by_gain.channel);
+  const bool named_acceleration = named != input_.end() && !named->reference;
+  ChannelMatches by_delay = by_gain;
+  // The loop-back may not have been given the signal.
+  if (loops_back() && !named_acceleration && loop_back_was_fed(by_gain.channel)) {
+    by_delay = match_channels(*spectra_, references);
+    if (by_delay.channel.empty()) by_delay = by_gain;
+  }
+  if (named != input_.end() && by_gain.channel[static_cast<std::size_t>(named - input_.begin())].verdict !=
+                                   ChannelMatch::Verdict::kMatched) {
+    result.obstacle = text_of(ChannelMatches::Obstacle::kReference);
+    return result;
+  }
   // What stays as it is has the delay that it was given before; nobody compares that one.
   const double stays_s = named == input_.end() ? 0.0 : named->present_delay_s;
   for (std::size_t i = 0; i < input_.size(); ++i) {
-    Channel channel{input_[i].name, (*by_delay)[i]};
-    channel.match.gain = (*by_gain)[i].gain;
-    channel.match.gain_sigma = (*by_gain)[i].gain_sigma;
+    Channel channel{input_[i].name, by_gain.channel[i]};
+    channel.match.delay_s = by_delay.channel[i].delay_s;
+    channel.match.delay_sigma_s = by_delay.channel[i].delay_sigma_s;
     channel.can_be_set = !input_[i].reference && channel.match.verdict == ChannelMatch::Verdict::kMatched;
     if (channel.can_be_set) {
       channel.scale_m_s2_per_count = input_[i].base_scale / channel.match.gain;

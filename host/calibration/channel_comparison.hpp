@@ -15,7 +15,8 @@ namespace roadbalance {
 ///
 /// Beside channels in use those of a loop-back are compared, which pass the same filters and converters: an
 /// angle is known against them, so that their median is the reference for delays; without a loop-back it is
-/// the median of all channels.  For gains it is the median of the accelerations always.
+/// the median of all channels.  For gains it is the median of the accelerations always.  Motion does not go
+/// through a loop-back: then it has no part.
 class ChannelComparison {
  public:
   struct Settings {
@@ -25,11 +26,17 @@ class ChannelComparison {
     bool motion = false;
     std::string reference{};  ///< channel that stays as it is; empty: the medians
   };
+  /// A channel further from the others' size than this share is not matched but left as it is: what an input
+  /// hears of its neighbours, or a range that vehicle.toml does not know.
+  static constexpr double kMostMismatch = 0.2;
+
+  /// Whether the node has the reference that is named, if one is.
+  static bool has_reference(const NodeConfig& node, const Settings& settings);
 
   /// @throws ConfigError naming what cannot be compared
   ChannelComparison(const NodeConfig& node, const Settings& settings);
 
-  /// Blocks of the node as they come; what an overload or a hole touches is left out.
+  /// Blocks of the node as they come; what an overload of what is compared, or a hole touches is left out.
   void add(const ScanBlock& block);
 
   struct Channel {
@@ -42,8 +49,10 @@ class ChannelComparison {
     double delay_s = 0.0;
   };
   struct Result {
-    std::vector<Channel> channel;  ///< empty: no two show the same signal
-    double seconds = 0.0;
+    std::vector<Channel> channel;  ///< empty: there is an obstacle
+    double seconds = 0.0;          ///< compared
+    double overload_s = 0.0;       ///< left out
+    std::string obstacle{};        ///< why nothing can be said and what would help, for people
   };
   Result result() const;
   /// A drive without a hole must last so long at least.
@@ -60,13 +69,18 @@ class ChannelComparison {
   };
   Input input_of(const ChannelConfig& channel, std::size_t place) const;
   bool loops_back() const;
+  std::string text_of(ChannelMatches::Obstacle obstacle) const;
+  double size_of(const std::vector<ChannelMatch>& all, bool reference) const;
+  bool loop_back_was_fed(const std::vector<ChannelMatch>& all) const;
+  void doubt_other_sizes(std::vector<ChannelMatch>& all) const;
 
   const NodeConfig node_;
   const Settings settings_;
   std::vector<Input> input_;
   std::vector<double> sample_;
   std::optional<CrossSpectra> spectra_;
-  std::int64_t epoch_ = 0, next_scan_ = -1, scans_ = 0;
+  std::int32_t compared_ = 0;  ///< as bits of an overload
+  std::int64_t epoch_ = 0, next_scan_ = -1, scans_ = 0, overloaded_ = 0;
 };
 
 }  // namespace roadbalance

@@ -5,6 +5,7 @@
 #include <complex>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace roadbalance {
 namespace {
@@ -121,12 +122,6 @@ void share_with_pilot(std::vector<ChannelMatch>& all, int pilot, double ChannelM
   }
 }
 
-double median(std::vector<double> values) {
-  std::ranges::sort(values);
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
-}
-
 /// From relative to the pilot to relative to the median of the reference: one channel that is off must not
 /// put all others off.
 bool refer_to(const std::vector<int>& reference, std::vector<ChannelMatch>& all) {
@@ -164,23 +159,30 @@ bool refer_to(const std::vector<int>& reference, std::vector<ChannelMatch>& all)
 
 }  // namespace
 
-std::optional<std::vector<ChannelMatch>> match_channels(const CrossSpectra& spectra,
-                                                        const std::vector<int>& reference) {
+double median(std::vector<double> values) {
+  std::ranges::sort(values);
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+}
+
+ChannelMatches match_channels(const CrossSpectra& spectra, const std::vector<int>& reference) {
+  using Obstacle = ChannelMatches::Obstacle;
   const auto channels = static_cast<int>(spectra.matrix(0).rows());
-  if (spectra.averages() < kLeastAverages || channels < 2) return std::nullopt;
+  if (spectra.averages() < kLeastAverages) return {Obstacle::kTooShort};
+  if (channels < 2) return {Obstacle::kNoTwoAlike};
   const auto bins = bins_with_signal(spectra);
-  if (bins.empty()) return std::nullopt;
+  if (bins.empty()) return {Obstacle::kNoTwoAlike};
   const int pilot = pilot_of(spectra, bins, channels);
   std::vector<int> coherent;
   for (int k = 0; k < channels; ++k)
     if (mean_coherence(spectra, bins, k, pilot) >= kLeastCoherence) coherent.push_back(k);
-  if (coherent.size() < 2) return std::nullopt;
+  if (coherent.size() < 2) return {Obstacle::kNoTwoAlike};
   std::vector<ChannelMatch> all;
   for (int k = 0; k < channels; ++k) all.push_back(compare(spectra, bins, k, pilot, coherent));
   share_with_pilot(all, pilot, &ChannelMatch::gain_sigma);
   share_with_pilot(all, pilot, &ChannelMatch::delay_sigma_s);
-  if (!refer_to(reference, all)) return std::nullopt;
-  return all;
+  if (!refer_to(reference, all)) return {Obstacle::kReference};
+  return {Obstacle::kNone, std::move(all)};
 }
 
 }  // namespace roadbalance

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "host/calibration/cross_spectra.hpp"
@@ -14,12 +13,25 @@ struct ChannelMatch {
     kNoCoherence,  ///< it does not show that signal
     kInverted,     ///< it shows it upside down
     kNoDelay,      ///< its phase against the others is not that of a gain and a delay
+    kOtherSize,    ///< it shows it so much larger or smaller that it is no mismatch but crosstalk or a wrong
+                   ///< range
   };
   Verdict verdict = Verdict::kNoCoherence;
   double coherence = 0.0;                     ///< squared, with the others: mean over the band
   double gain = 1.0, gain_sigma = 0.0;        ///< over the reference's
   double delay_s = 0.0, delay_sigma_s = 0.0;  ///< behind the reference
   double misfit_rad = 0.0;  ///< rms of its phase about that of the delay, over the bins used
+};
+
+struct ChannelMatches {
+  enum class Obstacle {
+    kNone,
+    kTooShort,  ///< fewer than kLeastAverages
+    kNoTwoAlike,
+    kReference,  ///< none of the reference is matched
+  };
+  Obstacle obstacle = Obstacle::kNone;
+  std::vector<ChannelMatch> channel{};  ///< empty if there is an obstacle
 };
 
 /// Gain and delay of each channel from cross spectra, relative to the median over `reference`.
@@ -35,11 +47,10 @@ struct ChannelMatch {
 ///
 /// @param reference  places of channels whose median is the reference; those that are not matched do not
 /// count
-/// @return by channel; the figures of those not matched say what was seen.  Nothing if no two agree, none of
-/// the
-///         reference is matched, or there are fewer than kLeastAverages.
-std::optional<std::vector<ChannelMatch>> match_channels(const CrossSpectra& spectra,
-                                                        const std::vector<int>& reference);
+/// @return by channel; the figures of those not matched say what was seen
+ChannelMatches match_channels(const CrossSpectra& spectra, const std::vector<int>& reference);
+
+double median(std::vector<double> values);
 
 /// A bin counts if both channels show there the same signal.
 inline constexpr double kLeastCoherence = 0.9;

@@ -4,8 +4,9 @@
 
 namespace roadbalance {
 
-ComputedReferences::ComputedReferences(const VehicleConfig& vehicle, const NodeConfig& node)
-    : node_(node.id), filter_(vehicle.filter, node.rate_hz) {
+ComputedReferences::ComputedReferences(const VehicleConfig& vehicle, const NodeConfig& node,
+                                       EdgeMemory memory)
+    : node_(node.id), filter_(vehicle.filter, node.rate_hz), memory_(memory) {
   for (std::size_t line = 0; line < kEncoderLines; ++line) {
     const WheelConfig* const wheel = vehicle.wheel_at(node, static_cast<int>(line));
     if (wheel && wheel->encoder.counter.empty()) wheel_[line] = wheel;
@@ -15,8 +16,10 @@ ComputedReferences::ComputedReferences(const VehicleConfig& vehicle, const NodeC
 void ComputedReferences::learn(const SealedBlock& block) {
   if (block.kind != BlockKind::kEdge || block.header.node != node_) return;
   for (const Edge& edge : decode_edge(block).unpack())
-    if (edge.line < kEncoderLines && wheel_[edge.line])
+    if (edge.line < kEncoderLines && wheel_[edge.line]) {
+      memory_.add(1);
       edges_[{block.header.epoch, edge.line}].push_back(edge);
+    }
 }
 
 RecordedAngle* ComputedReferences::angle(std::int64_t epoch, std::size_t line) {

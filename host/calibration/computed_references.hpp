@@ -9,6 +9,7 @@
 
 #include "common/config/vehicle_config.hpp"
 #include "common/encoder/reference_filter.hpp"
+#include "host/encoder/edge_memory.hpp"
 #include "host/encoder/recorded_angle.hpp"
 
 namespace roadbalance {
@@ -19,8 +20,10 @@ namespace roadbalance {
 /// A drive is read twice: learn() of all its blocks, then of() each scan block in sequence.
 class ComputedReferences {
  public:
-  ComputedReferences(const VehicleConfig& vehicle, const NodeConfig& node);
+  /// @param memory  that its edges may take
+  ComputedReferences(const VehicleConfig& vehicle, const NodeConfig& node, EdgeMemory memory = EdgeMemory());
 
+  /// @throws std::runtime_error if there are more edges than the machine can hold
   void learn(const SealedBlock& block);
 
   struct Rows {
@@ -35,6 +38,7 @@ class ComputedReferences {
   const std::int32_t node_;
   std::array<const WheelConfig*, kEncoderLines> wheel_{};  ///< nullptr: none that gives edges
   ReferenceFilter filter_;
+  EdgeMemory memory_;
   std::map<std::pair<std::int64_t, std::size_t>, std::vector<Edge>> edges_;  ///< by epoch and line
   std::map<std::pair<std::int64_t, std::size_t>, std::unique_ptr<RecordedAngle>> angles_;
   std::array<std::vector<double>, kEncoderLines> angle_rad_;

@@ -11,7 +11,8 @@ double available_memory();
 /// many before the machine suffers.
 class EdgeMemory {
  public:
-  /// While the angle of a wheel is computed from them, as measured; 45 of a wheel before and behind that.
+  /// Most of all while a wheel's angle is computed: measured 94 of one wheel alone, 54 of four, whose turn
+  /// comes one after the other.
   static constexpr double kBytesAnEdge = 100.0;
 
   /// @param available  bytes that may be used

@@ -12,6 +12,7 @@
 #include "host/calibration/channel_comparison.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/defects.hpp"
+#include "tools/rb/validators.hpp"
 #include "tools/rb/vehicle_file.hpp"
 
 namespace roadbalance {
@@ -27,7 +28,6 @@ struct CalibrateOptions {
 
 struct NodeResult {
   std::string name;
-  double least_s;
   ChannelComparison::Result found;
 };
 
@@ -39,8 +39,12 @@ std::vector<NodeResult> compare(const CalibrateOptions& options) {
       [&](const VehicleConfig& vehicle) {
         if (!options.node.empty()) vehicle.node_named(options.node);
         for (const NodeConfig& node : vehicle.node)
-          if (options.node.empty() || node.name == options.node)
+          if (options.node.empty() ? ChannelComparison::has_reference(node, options.settings)
+                                   : node.name == options.node)
             nodes[node.id] = {node.name, std::make_unique<ChannelComparison>(node, options.settings)};
+        if (nodes.empty())
+          throw ConfigError("--reference-channel " + options.settings.reference +
+                            ": no node has such a channel in use");
       },
       [&](const SealedBlock& block) {
         const auto node = nodes.find(block.header.node);
@@ -49,8 +53,7 @@ std::vector<NodeResult> compare(const CalibrateOptions& options) {
       });
   warn_of_defects("calibrate", options.folder, defects);
   std::vector<NodeResult> results;
-  for (const auto& [id, node] : nodes)
-    results.push_back({node.first, node.second->least_s(), node.second->result()});
+  for (const auto& [id, node] : nodes) results.push_back({node.first, node.second->result()});
   return results;
 }
 
@@ -64,6 +67,8 @@ const char* said(ChannelMatch::Verdict verdict) {
       return "inverted";
     case ChannelMatch::Verdict::kNoDelay:
       return "no delay";
+    case ChannelMatch::Verdict::kOtherSize:
+      return "other size";
   }
   return "";
 }
@@ -79,6 +84,10 @@ const char* remedy(ChannelMatch::Verdict verdict) {
       return "it shows the signal upside down: swap its two wires";
     case ChannelMatch::Verdict::kNoDelay:
       return "it differs by more than a gain and a delay: its filter is another one";
+    case ChannelMatch::Verdict::kOtherSize:
+      return "it shows the signal more than 20 % larger or smaller than the others do: is it connected, and "
+             "its "
+             "range that of vehicle.toml?";
   }
   return "";
 }
@@ -133,12 +142,11 @@ int calibrate(const CalibrateOptions& options) {
   Json list = Json::array();
   for (const NodeResult& node : nodes) {
     if (!options.json && !node.found.channel.empty()) print(node);
-    if (node.found.channel.empty())
-      std::fprintf(
-          stderr,
-          "rb calibrate: node %s: no two channels show the same signal in %.0f s; it must be there for "
-          "%.0f s at least (--segment-s)\n",
-          node.name.c_str(), node.found.seconds, node.least_s);
+    if (node.found.overload_s > 0.0)
+      std::fprintf(stderr, "rb calibrate: node %s: %.1f s are left out, in which an input was overloaded\n",
+                   node.name.c_str(), node.found.overload_s);
+    if (!node.found.obstacle.empty())
+      std::fprintf(stderr, "rb calibrate: node %s: %s\n", node.name.c_str(), node.found.obstacle.c_str());
     all_matched = all_matched && !node.found.channel.empty();
     Json channels = Json::array();
     for (const auto& channel : node.found.channel) {
@@ -148,7 +156,11 @@ int calibrate(const CalibrateOptions& options) {
       std::fprintf(stderr, "rb calibrate: %s is left as it is: %s\n", channel.name.c_str(),
                    remedy(channel.match.verdict));
     }
-    list.push_back({{"node", node.name}, {"seconds", node.found.seconds}, {"channels", channels}});
+    list.push_back({{"node", node.name},
+                    {"seconds", node.found.seconds},
+                    {"overload_s", node.found.overload_s},
+                    {"obstacle", node.found.obstacle.empty() ? Json() : Json(node.found.obstacle)},
+                    {"channels", channels}});
   }
   const auto to_set = values(nodes);
   const bool write = !to_set.empty() && !options.vehicle.empty() && !options.dry_run;
@@ -177,17 +189,18 @@ void add_calibrate(CLI::App& app, int& code) {
   command->add_option("--node", options->node, "this node's channels only; default: every node's");
   command->add_option(
       "--reference-channel", options->settings.reference,
-      "stays as it is; default: the median, for delays that of the loop-back if there is one");
+      "stays as it is, of nodes that have it; default: the median, for delays that of the loop-back if there "
+      "is one");
   command->add_flag("--motion", options->settings.motion,
                     "all sensors felt one motion; default: all inputs were given one voltage");
   command->add_option("--low-hz", options->settings.low_hz, "band that is compared")
-      ->check(CLI::Range(0.1, 1e4))
+      ->check(number_within(0.1, 1e4))
       ->capture_default_str();
   command->add_option("--high-hz", options->settings.high_hz, "its upper end")
-      ->check(CLI::Range(0.1, 1e4))
+      ->check(number_within(0.1, 1e4))
       ->capture_default_str();
   command->add_option("--segment-s", options->settings.segment_s, "length of the averaged segments, s")
-      ->check(CLI::Range(0.01, 100.0))
+      ->check(number_within(0.01, 100.0))
       ->capture_default_str();
   command->add_flag("--json", options->json, "one JSON object on standard output");
   command->callback([options, &code] { code = calibrate(*options); });

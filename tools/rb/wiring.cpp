@@ -11,6 +11,7 @@
 #include "host/calibration/loop_back_comparison.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/defects.hpp"
+#include "tools/rb/validators.hpp"
 
 namespace roadbalance {
 namespace {
@@ -25,8 +26,8 @@ struct WiringOptions {
 };
 
 struct NodeTest {
-  explicit NodeTest(const VehicleConfig& vehicle, const NodeConfig& node)
-      : computed(vehicle, node), comparison(node.rate_hz) {}
+  NodeTest(const VehicleConfig& vehicle, const NodeConfig& node, EdgeMemory memory)
+      : computed(vehicle, node, memory), comparison(node.rate_hz) {}
 
   ComputedReferences computed;
   LoopBackComparison comparison;
@@ -37,8 +38,9 @@ VehicleConfig compare(const std::string& folder, std::map<std::int32_t, NodeTest
   VehicleConfig recorded;
   const auto begin = [&](const VehicleConfig& vehicle) {
     recorded = vehicle;
+    const EdgeMemory share(available_memory() / static_cast<double>(vehicle.node.size()));
     for (const NodeConfig& node : vehicle.node)
-      if (node.wiring.loop_back) nodes.try_emplace(node.id, vehicle, node);
+      if (node.wiring.loop_back) nodes.try_emplace(node.id, vehicle, node, share);
   };
   const RecordingDefects defects = read_recording(folder, begin, [&](const SealedBlock& block) {
     if (const auto node = nodes.find(block.header.node); node != nodes.end())
@@ -58,10 +60,19 @@ VehicleConfig compare(const std::string& folder, std::map<std::int32_t, NodeTest
   return recorded;
 }
 
+/// What is probably wrong, or why it was not tested; empty: nothing.
+std::string cause_of(const WheelConfig& wheel, const LoopBackComparison::Verdict& verdict,
+                     const FilterConfig& filter) {
+  if (verdict.cause == LoopBackComparison::Cause::kTooShort && !wheel.encoder.zero_mark)
+    return "its encoder has no zero mark, so that its angle is never known: there is nothing to compare with";
+  return explain(verdict, filter);
+}
+
 Json json_of(const WheelConfig& wheel, const NodeConfig& node, const LoopBackComparison::Verdict& verdict,
              const FilterConfig& filter) {
   return {{"wheel", wheel.name},
           {"node", node.name},
+          {"tested", verdict.cause != LoopBackComparison::Cause::kTooShort},
           {"good", verdict.cause == LoopBackComparison::Cause::kNone},
           {"seconds", verdict.seconds},
           {"angle_error_deg", verdict.worst_rad * kDegrees},
@@ -69,12 +80,14 @@ Json json_of(const WheelConfig& wheel, const NodeConfig& node, const LoopBackCom
           {"mean_error_deg", verdict.mean_rad * kDegrees},
           {"delay_us", verdict.delay_s * 1e6},
           {"gain", verdict.gain},
-          {"cause", explain(verdict, filter)}};
+          {"cause", cause_of(wheel, verdict, filter)}};
 }
 
 void print(const Json& wheel) {
   std::printf("%-12s %s", wheel["wheel"].get<std::string>().c_str(),
-              wheel["good"].get<bool>() ? "good" : "WRONG");
+              !wheel["tested"].get<bool>() ? "not tested"
+              : wheel["good"].get<bool>()  ? "good"
+                                           : "WRONG");
   if (wheel["gain"].get<double>() > 0.0)
     std::printf(": angle off by %+.3f deg in the mean, %+.3f deg at %.1f turns a second, gain %.3f, %.0f s",
                 wheel["mean_error_deg"].get<double>(), wheel["angle_error_deg"].get<double>(),
@@ -111,13 +124,14 @@ int wiring(const WiringOptions& options) {
 
 void add_wiring(CLI::App& app, int& code) {
   auto options = std::make_shared<WiringOptions>();
-  CLI::App* command = app.add_subcommand(
-      "wiring",
-      "Compares references that came back through the real filter with those computed from the edges");
+  CLI::App* command = app.add_subcommand("wiring",
+                                         "Compares references that came back through the real filter with "
+                                         "those computed from the edges, which are in "
+                                         "memory at once: up to 100 bytes an edge");
   command->add_option("folder", options->folder, "the recording, of a node with loop_back = true")
       ->required();
   command->add_option("--tolerance-deg", options->tolerance_deg, "an angle error that is none")
-      ->check(CLI::Range(0.001, 45.0))
+      ->check(number_within(0.001, 45.0))
       ->capture_default_str();
   command->add_flag("--json", options->json, "one JSON object on standard output");
   command->callback([options, &code] { code = wiring(*options); });

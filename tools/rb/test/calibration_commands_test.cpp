@@ -101,9 +101,14 @@ TEST_F(CalibrationCommands, ChannelsAreSetInTheVehicleFileAndOneWithoutTheSignal
 
   EXPECT_EQ(rb({"calibrate", "channels", record_, "--node", "spare"}).code, 2);
   EXPECT_EQ(rb({"calibrate", "channels", record_, "--reference-channel", "spare"}).code, 2);
+  const Outcome by_one =
+      rb({"calibrate", "channels", record_, "--reference-channel", "fl_strut_z", "--json"});
+  const Json of_nodes = Json::parse(by_one.output)["nodes"];
+  ASSERT_EQ(of_nodes.size(), 1U) << "the rear node has no such channel";
+  EXPECT_EQ(of_nodes[0]["channels"].size(), 12U) << by_one.log;
   const Outcome silent = rb({"calibrate", "channels", record_, "--node", "rear"});
   EXPECT_EQ(silent.code, 1);
-  EXPECT_NE(silent.log.find("no two channels show the same signal"), std::string::npos) << silent.log;
+  EXPECT_NE(silent.log.find("0 s could be compared"), std::string::npos) << silent.log;
 }
 
 TEST_F(CalibrationCommands, WiringSaysWhatAgreesAndWhatIsProbablyWrong) {
@@ -135,6 +140,28 @@ TEST_F(CalibrationCommands, WiringSaysWhatAgreesAndWhatIsProbablyWrong) {
               std::string::npos)
         << words.output;
   }
+}
+
+TEST_F(CalibrationCommands, WiringDoesNotCallWrongWhatItCouldNotTest) {
+  std::string text = with_value(text_, {{"node", "front"}}, "loop_back", "true", "car");
+  text = with_value(text, {{"wheel", "front_left"}, {"encoder"}}, "zero_mark", "false", "car");
+  const VehicleConfig vehicle = VehicleConfig::parse(text, "car");
+  const auto device = sim::open_sim_front_end({"?seed=3&seconds=3&rate=max", vehicle, vehicle.node[0]});
+  record(*device, vehicle, vehicle.node[0]);
+  const Outcome outcome = rb({"wiring", record_, "--json"});
+  EXPECT_EQ(outcome.code, 1) << "nothing is proven";
+  const Json wheels = Json::parse(outcome.output)["wheels"];
+  ASSERT_EQ(wheels.size(), 2U);
+  for (const Json& wheel : wheels) {
+    EXPECT_EQ(wheel["tested"], false);
+    const bool marked = wheel["wheel"] != "front_left";
+    EXPECT_NE(wheel["cause"].get<std::string>().find(marked ? "drive a little" : "no zero mark"),
+              std::string::npos)
+        << wheel;
+  }
+  const Outcome words = rb({"wiring", record_});
+  EXPECT_NE(words.output.find("front_left   not tested\n"), std::string::npos) << words.output;
+  EXPECT_EQ(words.output.find("WRONG"), std::string::npos);
 }
 
 TEST_F(CalibrationCommands, WiringNeedsALoopBack) {
