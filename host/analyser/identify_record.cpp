@@ -1,6 +1,7 @@
 #include "host/analyser/identify_record.hpp"
 
 #include <optional>
+#include <string>
 
 #include "host/analyser/recorded_vehicle.hpp"
 #include "host/analyser/refined_clocks.hpp"
@@ -32,14 +33,18 @@ RecordedEstimate identify_record(const std::filesystem::path& folder, bool refin
         if (!clocks || !clocks->knows(fit.node, fit.epoch)) estimator->consume(fit);
       });
   DriveEstimate estimate = estimator->estimate();
+  std::string obstacle = estimator->obstacle();
   for (int wheel = 0; wheel < kWheels; ++wheel)
     if (const auto quality = angles ? angles->quality(wheel) : std::nullopt) {
       // What is wrong with a wheel's angle all through the drive is wrong with the place of its unbalance.
       Balance& balance = estimate.balance[static_cast<std::size_t>(wheel)];
       const double sigma_rad = quality->common_sigma_rad;
       if (balance.state == Unknown::kNone) add_doubt(balance, 0.0, sigma_rad * sigma_rad);
+      if (const std::string why = quality->contradiction(); !why.empty())
+        obstacle += (obstacle.empty() ? "" : "; ") +
+                    std::string(kWheelNames[static_cast<std::size_t>(wheel)]) + ": " + why;
     }
-  return {estimate, estimator->obstacle(), defects};
+  return {estimate, obstacle, defects};
 }
 
 }  // namespace roadbalance

@@ -10,7 +10,7 @@ namespace roadbalance {
 
 struct RecordedEstimate {
   DriveEstimate estimate;
-  std::string obstacle;  ///< why this vehicle can never be identified; empty: it can
+  std::string obstacle;  ///< why this vehicle, or a wheel of it, can never be identified; empty: it can
   RecordingDefects defects;
 };
 

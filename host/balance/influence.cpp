@@ -99,12 +99,26 @@ Eigen::VectorXd sigma_of(const std::vector<InfluenceRun>& runs, const Fit& best)
   return variance.cwiseSqrt();
 }
 
+/// Whether what a weight does stands out of what the runs scatter, in every plane.
+bool tells_influences(const std::vector<InfluenceRun>& runs, const Fit& best) {
+  constexpr double kLeast = 4.0;  // times the variance: of scatter alone one observation is so large in 2 %
+  for (Eigen::Index p = 0; p < best.influence.cols(); ++p) {
+    double scatter = 0.0;
+    for (Eigen::Index o = 0; o < best.influence.rows(); ++o)
+      for (Eigen::Index r = 0; r < std::ssize(runs); ++r)
+        scatter += std::norm(best.from_observed[static_cast<std::size_t>(o)](1 + p, r)) *
+                   runs[static_cast<std::size_t>(r)].variance(o);
+    if (best.influence.col(p).squaredNorm() < kLeast * scatter) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 std::optional<InfluenceBalance> balance_by_influence(const std::vector<InfluenceRun>& runs) {
   check(runs);
   const auto best = fit(runs);
-  if (!best) return std::nullopt;
+  if (!best || !tells_influences(runs, *best)) return std::nullopt;
   InfluenceBalance balance{
       best->influence, best->bare, best->correction, sigma_of(runs, *best), {}, 0.0, 0.0};
   balance.residual = best->bare + best->influence * best->correction;

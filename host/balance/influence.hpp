@@ -39,7 +39,8 @@ struct InfluenceBalance {
 /// Industry 86 (1964) 273-279.
 /// @throws std::invalid_argument if runs have different sizes or a variance is not positive, a phase sigma
 ///         negative
-/// @return nothing if the runs do not tell the influences, or the observations not the weights
+/// @return nothing if the runs do not tell the influences, which must stand out of their variances, or the
+/// observations not the weights
 std::optional<InfluenceBalance> balance_by_influence(const std::vector<InfluenceRun>& runs);
 
 }  // namespace roadbalance

@@ -52,12 +52,27 @@ std::vector<Job> jobs_of(const VehicleConfig& vehicle, const WantedOrders& wante
   return jobs;
 }
 
-void analyse(const std::filesystem::path& folder, const Job& job, RecordOrders& result) {
+/// A wheel whose zero marks do not say where it stands is as good as one without.
+bool forget_useless_marks(AngleAgain& angles, VehicleConfig& vehicle) {
+  bool any = false;
+  for (int w = 0; w < kWheels; ++w) {
+    bool& marked = vehicle.wheel[static_cast<std::size_t>(w)].encoder.zero_mark;
+    const auto quality = angles.quality(w);
+    if (!marked || !quality || quality->located) continue;
+    marked = false;
+    any = true;
+  }
+  return any;
+}
+
+void analyse(const std::filesystem::path& folder, Job job, RecordOrders& result) {
   auto rotors = wanted_rotors(job.vehicle, job.wanted);
   AngleAgain angles(job.vehicle, AngleAgain::WithoutMark::kTurned);
-  if (angles.wanted())
+  if (angles.wanted()) {
     read_recording(
         folder, [](const VehicleConfig&) {}, [&](const SealedBlock& block) { angles.learn(block); });
+    if (forget_useless_marks(angles, job.vehicle)) rotors = wanted_rotors(job.vehicle, job.wanted);
+  }
   result.defects = read_recording(
       folder, [](const VehicleConfig&) {},
       [&](const SealedBlock& block) {
@@ -77,7 +92,7 @@ void analyse(const std::filesystem::path& folder, const Job& job, RecordOrders& 
 RecordOrders orders_of_record(const std::filesystem::path& folder, const WantedOrders& wanted) {
   const auto vehicle = recorded_vehicle(folder);
   if (!vehicle) throw std::runtime_error(folder.string() + ": holds no complete vehicle.toml, or no scan");
-  RecordOrders result;
+  RecordOrders result{.vehicle = *vehicle};
   for (const Job& job : jobs_of(*vehicle, wanted)) analyse(folder, job, result);
   return result;
 }

@@ -23,18 +23,22 @@ struct WantedOrders {
 };
 
 struct RecordOrders {
+  VehicleConfig vehicle;  ///< as it was recorded
   /// At least one; for each rotor one for each node whose channels are wanted.
-  std::vector<std::unique_ptr<RotorOrders>> rotor;
+  std::vector<std::unique_ptr<RotorOrders>> rotor{};
   /// Of wheels whose angle was computed from what the bus tells, by place in VehicleConfig::wheel.
-  std::map<int, AngleAgain::Quality> angle;
-  RecordingDefects defects;
+  std::map<int, AngleAgain::Quality> angle{};
+  RecordingDefects defects{};
 };
 
 /// Orders in a finished recording.
 ///
-/// Angles of wheels whose teeth are counted on the bus are computed again (AngleAgain).  A wheel without an
-/// encoder of which the bus tells the speed is analysed in the node that hears it, by how far it has turned:
-/// Quality::by_speed.  Then only spectra hold, for the turns run away from the wheel.
+/// Angles of wheels whose teeth are counted on the bus are computed again (AngleAgain); of one whose zero
+/// marks do not say where it stands it is counted how far it has turned, and Rotor::known_share is 0.  A
+/// wheel without an encoder of which the bus tells the speed is analysed in the node that hears it, by how
+/// far it has turned: Quality::by_speed.  Then only spectra hold, for the turns run away from the wheel.
+/// Each rotor is analysed in each node for itself, and decodes and aligns the blocks of its nodes for itself.
+/// Where a node is behind or stays away every analysis with it holds GridJoin::kLongestWait_s of the others.
 /// @throws ConfigError naming a wheel, rotor, channel or order that cannot be analysed, and what can; else as
 ///         read_recording
 RecordOrders orders_of_record(const std::filesystem::path& folder, const WantedOrders& wanted);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -18,6 +19,7 @@ constexpr double kTurn = 2.0 * std::numbers::pi;
 struct Observed {
   std::complex<double> vector;
   double variance;
+  double from_m_s, to_m_s;
 };
 /// By node, channel and class of speed.
 using Key = std::pair<std::string, long>;
@@ -33,7 +35,8 @@ Observations observations_of(const WeightedRun& run) {
         if (!(variance > 0.0)) continue;
         const std::string name =
             orders->node().name + "." + orders->node().channel[orders->channel()[c]].name;
-        all[{name, std::lround(1e3 * speed.from_hz)}] = {speed.vector.mean(), variance};
+        all[{name, std::lround(1e3 * speed.from_hz)}] = {
+            speed.vector.mean(), variance, speed.from_hz * orders->way_m(), speed.to_hz * orders->way_m()};
       }
   return all;
 }
@@ -62,11 +65,14 @@ RotorBalance by_influence(const RotorConfig& rotor, const std::vector<WeightedRu
   std::vector<InfluenceRun> all;
   const Eigen::Index planes = std::ssize(rotor.plane), count = std::ssize(observed.front());
   for (std::size_t r = 0; r < runs.size(); ++r) {
-    InfluenceRun one{Eigen::VectorXcd(planes), Eigen::VectorXcd(count), Eigen::VectorXd(count)};
+    InfluenceRun one{Eigen::VectorXcd(planes), Eigen::VectorXcd(count), Eigen::VectorXd(count),
+                     runs[r].phase_sigma_rad};
+    // An angle that is counted with more datum shows every phase behind by as much.
+    const auto to_first = std::polar(1.0, runs[r].datum_rad - runs.front().datum_rad);
     for (Eigen::Index p = 0; p < planes; ++p) one.weight(p) = runs[r].weight_g[static_cast<std::size_t>(p)];
     Eigen::Index at = 0;
     for (const auto& [key, value] : observed[r]) {
-      one.observed(at) = value.vector;
+      one.observed(at) = value.vector * to_first;
       one.variance(at++) = value.variance;
     }
     all.push_back(std::move(one));
@@ -118,8 +124,27 @@ std::optional<FourRuns> four_runs(const std::vector<WeightedRun>& runs) {
 
 const char* const kFourRuns =
     "without phase weights are found in one plane at a time, from one drive without weights and three or "
-    "more with "
-    "the same trial weight at different angles of that plane";
+    "more with the same trial weight at different angles of that plane";
+
+/// Of the trial weight, a degree apart at least.
+int different_angles(const std::vector<WeightedRun>& runs, const FourRuns& wanted) {
+  constexpr double kApart_rad = kTurn / 360.0;
+  std::vector<double> angles;
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    const double angle = std::arg(runs[r].weight_g[wanted.plane]);
+    const auto is_near = [&](double other) {
+      return std::abs(std::remainder(angle - other, kTurn)) < kApart_rad;
+    };
+    if (r != wanted.bare && std::ranges::none_of(angles, is_near)) angles.push_back(angle);
+  }
+  return static_cast<int>(angles.size());
+}
+
+std::string text_of(const Key& key, const Observed& observed) {
+  char speed[60];
+  std::snprintf(speed, sizeof speed, " at %.1f .. %.1f m/s", observed.from_m_s, observed.to_m_s);
+  return key.first + speed;
+}
 
 RotorBalance by_amplitude(const RotorConfig& rotor, const std::vector<WeightedRun>& runs,
                           const std::vector<Observations>& observed) {
@@ -131,6 +156,11 @@ RotorBalance by_amplitude(const RotorConfig& rotor, const std::vector<WeightedRu
                       .plane = {}};
   const auto wanted = four_runs(runs);
   if (!wanted) return result;
+  if (const int angles = different_angles(runs, *wanted); angles < 3) {
+    result.refusal = "the trial weight was at " + std::to_string(angles) +
+                     (angles == 1 ? " angle" : " different angles") + " of its plane only; " + kFourRuns;
+    return result;
+  }
   std::optional<FourRunBalance> best;
   for (const auto& [key, bare] : observed[wanted->bare]) {
     std::vector<AmplitudeRun> trials;
@@ -144,7 +174,9 @@ RotorBalance by_amplitude(const RotorConfig& rotor, const std::vector<WeightedRu
                                             trials, wanted->mass_g);
     if (!found) continue;
     ++result.observations;
-    if (!best || found->mass_sigma / found->mass < best->mass_sigma / best->mass) best = found;
+    if (best && found->mass_sigma / found->mass >= best->mass_sigma / best->mass) continue;
+    best = found;
+    result.observation = text_of(key, bare);
   }
   if (!best) {
     result.refusal = "in no channel do the drives agree on a rotor that answers to the trial weight linearly";

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "common/bus/codec.hpp"
-#include "common/link/angle_sigma.hpp"
 #include "common/wheel_counter/wanted_signal.hpp"
 
 namespace roadbalance {
@@ -19,13 +18,14 @@ AngleAgain::AngleAgain(const VehicleConfig& vehicle, WithoutMark without_mark, T
   for (const WheelConfig& wheel : vehicle_.wheel) {
     if (wheel.node.empty()) continue;
     const NodeConfig& node = vehicle_.node_named(wheel.node);
+    const bool turned = !wheel.encoder.zero_mark && without_mark == WithoutMark::kTurned;
+    const auto speed = speed_signal(node.wiring, wheel.name);
     if (const auto counter = counter_signal(node.wiring, wheel.encoder.counter))
       add(wheel, node, *counter, false);
-    else if (const auto speed = speed_signal(node.wiring, wheel.name);
-             speed && !wheel.encoder.zero_mark && without_mark == WithoutMark::kTurned)
-      add(wheel, node, *speed, true);
-    else if (teeth == Teeth::kAgain && wheel.encoder.zero_mark)
+    else if (turned ? wheel.encoder.pulses_per_turn > 0 : teeth == Teeth::kAgain && wheel.encoder.zero_mark)
       add(wheel, node, std::nullopt, false);
+    else if (turned && speed)
+      add(wheel, node, *speed, true);
   }
 }
 
@@ -60,8 +60,10 @@ void AngleAgain::learn(const SealedBlock& block) {
     for (const Edge& edge : decode_edge(block).unpack())
       for (Wheel& wheel : wheel_)
         if (wheel.node == block.header.node && edge.line == wheel.config->line &&
-            (!wheel.signal || edge.kind == EdgeKind::kZeroMark))
+            (!wheel.signal || edge.kind == EdgeKind::kZeroMark)) {
+          memory_.add(1);
           wheel.epoch[epoch].edges.push_back(edge);
+        }
   }
 }
 
@@ -80,18 +82,33 @@ const AngleAgain::Epoch& AngleAgain::made(Wheel& wheel, std::int64_t epoch) {
   return data;
 }
 
+/// Whether any epoch has a mark to count from.
+bool AngleAgain::located(Wheel& wheel) {
+  if (wheel.located) return *wheel.located;
+  wheel.located = false;
+  for (auto& [number, data] : wheel.epoch) {
+    const Epoch& epoch = made(wheel, number);
+    const bool marked =
+        (epoch.counter && epoch.counter->common_sigma_rad()) ||
+        (epoch.teeth && wheel.config->encoder.zero_mark && !epoch.teeth->teeth().runs.empty());
+    wheel.located = *wheel.located || marked;
+  }
+  return *wheel.located;
+}
+
 /// Angles if they are known, else how far the wheel has turned if that is wanted.
 bool AngleAgain::turned(Wheel& wheel, const ScanBlock& block, NodeTime from, double step_ns,
                         std::span<double> angle_rad) {
   const Epoch& epoch = made(wheel, block.header.epoch);
   if (epoch.speed) return epoch.speed->turned(from, step_ns, angle_rad);
   if (epoch.teeth) {
+    if (!located(wheel)) return epoch.teeth->turned(from, step_ns, angle_rad);
     if (!epoch.teeth->angles(from, step_ns, angle_rad)) return false;
     count(wheel, epoch.teeth->sigma_rad(), block);
     return true;
   }
   RecordedCounter& counter = *epoch.counter;
-  if (without_mark_ == WithoutMark::kTurned && !counter.common_sigma_rad())
+  if (without_mark_ == WithoutMark::kTurned && !located(wheel))
     return counter.turned(from, step_ns, angle_rad);
   if (!counter.angles(from, step_ns, angle_rad)) return false;
   count(wheel, counter.sigma_rad(), block);
@@ -101,13 +118,11 @@ bool AngleAgain::turned(Wheel& wheel, const ScanBlock& block, NodeTime from, dou
 void AngleAgain::count(Wheel& wheel, double sigma_rad, const ScanBlock& block) {
   wheel.square += sigma_rad * sigma_rad * static_cast<double>(block.header.scans);
   wheel.rows += block.header.scans;
-  wheel.told_sigma_rad = sigma_rad;
 }
 
 /// Angles at all of the filter's steps; false if they are not known.
 bool AngleAgain::look_up(Wheel& wheel, Node& node, const ScanBlock& block, std::vector<double>& angle_rad,
                          bool& uncertain) {
-  wheel.told_sigma_rad = -1.0;
   angle_rad.resize(static_cast<std::size_t>(node.filter.steps(static_cast<int>(block.header.scans))));
   const NodeTime from = node.filter.first_step(node_time_from_ns(block.header.time_ns));
   const double step_ns = node.filter.step_ns();
@@ -135,14 +150,12 @@ void AngleAgain::replace(ScanBlock& block, Node& node) {
   node.next_scan = header.first_scan + header.scans;
   ReferenceFilter::Angles known{};
   std::array<bool, kEncoderLines> here{}, uncertain{};
-  std::array<double, kEncoderLines> sigma_rad{};
   for (Wheel& wheel : wheel_) {
     if (wheel.node != header.node) continue;
     const auto line = static_cast<std::size_t>(wheel.config->line);
     here[line] = true;
     if (look_up(wheel, node, block, node.angle_rad[line], uncertain[line]))
       known[line] = node.angle_rad[line];
-    sigma_rad[line] = known[line].empty() ? -1.0 : wheel.told_sigma_rad;
   }
   auto filled = block.counts;
   const auto rows = std::span(filled).first(static_cast<std::size_t>(header.scans));
@@ -152,7 +165,6 @@ void AngleAgain::replace(ScanBlock& block, Node& node) {
     const std::int32_t unknown = quality_no_reference(static_cast<int>(line));
     block.quality &= ~(unknown | kUncertain[line]);
     block.quality |= (quality & unknown) | (uncertain[line] ? kUncertain[line] : 0);
-    block.quality = with_angle_sigma(block.quality, static_cast<int>(line), sigma_rad[line]);
     for (std::size_t row = 0; row < rows.size(); ++row)
       std::copy_n(rows[row].begin() + static_cast<std::ptrdiff_t>(kAccelerations + 2 * line), 2,
                   block.counts[row].begin() + static_cast<std::ptrdiff_t>(kAccelerations + 2 * line));
@@ -168,39 +180,39 @@ const SealedBlock& AngleAgain::again(const SealedBlock& block) {
   return out_;
 }
 
-std::optional<AngleAgain::Quality> AngleAgain::quality(int wheel) const {
+std::optional<AngleAgain::Quality> AngleAgain::quality(int wheel) {
   const WheelConfig* const config = &vehicle_.wheel[static_cast<std::size_t>(wheel)];
   const auto found = std::ranges::find(wheel_, config, &Wheel::config);
   if (found == wheel_.end()) return std::nullopt;
-  Quality quality;
+  Quality quality{.located = located(*found), .by_speed = found->by_speed};
   double common = 0.0, epochs = 0.0;
-  quality.located = true;
-  quality.by_speed = found->by_speed;
   for (const auto& [number, epoch] : found->epoch) {
-    if (epoch.speed) quality.runs += epoch.speed->runs();
+    std::optional<double> sigma;
     if (epoch.teeth) {
       const NumberedTeeth& teeth = epoch.teeth->teeth();
-      quality.runs += static_cast<std::int64_t>(teeth.runs.size());
       quality.marks_dropped += teeth.marks_dropped;
       for (const NumberedRun& run : teeth.runs)
         quality.marks += static_cast<std::int64_t>(run.marks_ns.size());
-      quality.located = quality.located && !teeth.runs.empty();
-      common += std::pow(epoch.teeth->common_sigma_rad(), 2);
-      epochs += 1.0;
+      if (quality.located && !teeth.runs.empty()) sigma = epoch.teeth->common_sigma_rad();
     }
-    if (!epoch.counter) continue;
-    quality.runs += epoch.counter->runs();
-    quality.marks += epoch.counter->marks();
-    quality.marks_dropped += epoch.counter->marks_dropped();
-    const auto sigma = epoch.counter->common_sigma_rad();
-    quality.located = quality.located && sigma;
-    common += sigma ? *sigma * *sigma : 0.0;
+    if (epoch.counter) {
+      quality.marks += epoch.counter->marks();
+      quality.marks_dropped += epoch.counter->marks_dropped();
+      sigma = epoch.counter->common_sigma_rad();
+    }
+    if (!sigma) continue;
+    common += *sigma * *sigma;
     epochs += 1.0;
   }
-  quality.located = quality.located && epochs > 0.0;
   quality.sigma_rad = std::sqrt(found->square / static_cast<double>(std::max<std::int64_t>(found->rows, 1)));
   quality.common_sigma_rad = std::sqrt(common / std::max(epochs, 1.0));
   return quality;
+}
+
+std::string AngleAgain::Quality::contradiction() const {
+  if (located || marks_dropped == 0) return {};
+  return "of its " + std::to_string(marks + marks_dropped) + " zero marks " + std::to_string(marks_dropped) +
+         " lie elsewhere than the rest, so that none counts: is pulses_per_turn right?";
 }
 
 }  // namespace roadbalance

@@ -6,12 +6,14 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "common/config/vehicle_config.hpp"
 #include "common/encoder/reference_filter.hpp"
 #include "common/link/block.hpp"
 #include "common/wheel_counter/steering_track.hpp"
+#include "host/encoder/edge_memory.hpp"
 #include "host/encoder/recorded_angle.hpp"
 #include "host/encoder/recorded_counter.hpp"
 #include "host/encoder/recorded_speed.hpp"
@@ -23,14 +25,16 @@ namespace roadbalance {
 /// before and after each instant.
 ///
 /// A drive is read twice: learn() of all its blocks, then again() of each.  Where a wheel has no zero mark,
-/// or marks that contradict one another, there is no angle; but it can be had how far the wheel has turned,
-/// from an origin that is nobody's choice, by its counter or by the speed that the bus tells.
+/// or marks that contradict one another, there is no angle; but if there is none in all that was learned, it
+/// can be had how far the wheel has turned, from an origin that is nobody's choice and another in each run:
+/// by its counter, by its teeth, or if it has neither by the speed that the bus tells.  Angles and turned
+/// angles of a wheel never mix.
 class AngleAgain {
  public:
   enum class WithoutMark { kNoAngle, kTurned };
 
-  /// Of wheels with a line and a zero mark: the references as the node computed them live, or those of its
-  /// recorded edges (RecordedAngle; some 100 bytes of memory an edge).
+  /// Of wheels with teeth on a line and a zero mark: the references as the node computed them live, or those
+  /// of its recorded edges (RecordedAngle; memory: EdgeMemory).
   enum class Teeth { kAsLive, kAgain };
 
   explicit AngleAgain(const VehicleConfig& vehicle, WithoutMark without_mark = WithoutMark::kNoAngle,
@@ -41,21 +45,28 @@ class AngleAgain {
   /// Whether there is such a wheel; else all blocks stay as they are.
   bool wanted() const { return !wheel_.empty(); }
 
+  /// @throws std::runtime_error if there are more edges than the machine can hold
   void learn(const SealedBlock& block);
 
   /// The same block; a scan block with new references and Quality bits.  Blocks of each node in sequence.
   /// The result holds until the next call.
   const SealedBlock& again(const SealedBlock& block);
 
-  /// What is known of a wheel's angle, a place in VehicleConfig::wheel; nothing: it is not computed again.
+  /// What is known of a wheel's angle.
   struct Quality {
-    bool located = false;           ///< by zero marks, in all that was recorded
+    bool located = false;           ///< by zero marks; else there are no angles, turned ones at the most
     double sigma_rad = 0.0;         ///< of an angle, rms over the scans so far; the datum apart
     double common_sigma_rad = 0.0;  ///< of this the part that is the same all through the drive
     bool by_speed = false;          ///< the speed on the bus and the rolling radius are all there is
-    std::int64_t runs = 0, marks = 0, marks_dropped = 0;
+    std::int64_t marks = 0, marks_dropped = 0;  ///< zero marks where the most lie, and elsewhere
+
+    /// What speaks against the marks, for people; empty: nothing.
+    std::string contradiction() const;
   };
-  std::optional<Quality> quality(int wheel) const;
+  /// @param wheel  a place in VehicleConfig::wheel
+  /// @pre all was learned
+  /// @return nothing: it is not computed again
+  std::optional<Quality> quality(int wheel);
 
  private:
   /// Of a wheel in an epoch of its node.
@@ -74,8 +85,8 @@ class AngleAgain {
     std::optional<int> signal_number;  ///< likewise
     bool by_speed;
     std::map<std::int64_t, Epoch> epoch;
-    double told_sigma_rad = -1.0;  ///< of the angles looked up last; negative: of none
-    double square = 0.0;  ///< of the angles' sigma, sum
+    std::optional<bool> located{};  ///< once it is asked for
+    double square = 0.0;            ///< of the angles' sigma, sum
     std::int64_t rows = 0;
   };
   struct Node {
@@ -88,6 +99,7 @@ class AngleAgain {
   };
   void add(const WheelConfig& wheel, const NodeConfig& node, std::optional<int> signal_number, bool by_speed);
   const Epoch& made(Wheel& wheel, std::int64_t epoch);
+  bool located(Wheel& wheel);
   static void count(Wheel& wheel, double sigma_rad, const ScanBlock& block);
   bool turned(Wheel& wheel, const ScanBlock& block, NodeTime from, double step_ns,
               std::span<double> angle_rad);
@@ -97,6 +109,7 @@ class AngleAgain {
 
   VehicleConfig vehicle_;
   WithoutMark without_mark_;
+  EdgeMemory memory_;
   std::vector<Wheel> wheel_;
   std::map<std::int32_t, Node> node_;
   SealedBlock out_;

@@ -4,15 +4,19 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "common/config/section.hpp"
 #include "host/analyser/recorded_vehicle.hpp"
+#include "host/orders/angle_doubt.hpp"
 #include "host/orders/orders_of_record.hpp"
 #include "host/orders/rotor_balance.hpp"
+#include "host/orders/same_rotor.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/defects.hpp"
+#include "tools/rb/orders_json.hpp"
 #include "tools/rb/weighted_drive.hpp"
 
 namespace roadbalance {
@@ -31,11 +35,11 @@ double degrees(double radians) {
   return radians * 180.0 / std::numbers::pi;
 }
 
-RotorConfig rotor_of_record(const std::string& folder, const std::string& name) {
+/// Of a recording that has the rotor.
+VehicleConfig vehicle_of_record(const std::string& folder, const std::string& name) {
   const auto vehicle = recorded_vehicle(folder);
   if (!vehicle) throw std::runtime_error(folder + ": holds no complete vehicle.toml, or no scan");
-  const RotorConfig* const rotor = vehicle->rotor_named(name);
-  if (rotor) return *rotor;
+  if (vehicle->rotor_named(name)) return *vehicle;
   std::string there;
   for (const RotorConfig& each : vehicle->rotor) there += " " + each.name;
   throw ConfigError("--rotor " + name + ": " + folder + ": there is no such rotor; allowed:" +
@@ -47,6 +51,7 @@ Json balance_json(const RotorConfig& rotor, const RotorBalance& found) {
             {"refusal", found.refusal.empty() ? Json() : Json(found.refusal)},
             {"method", found.by_amplitude ? "four_runs" : "influence"},
             {"observations", found.observations},
+            {"observation", found.observation.empty() ? Json() : Json(found.observation)},
             {"planes", Json::array()}};
   for (std::size_t p = 0; p < found.plane.size(); ++p)
     json["planes"].push_back({{"plane", rotor.plane[p].name},
@@ -73,26 +78,47 @@ void print(const RotorConfig& rotor, const RotorBalance& found) {
                 plane.mass_sigma_g, degrees(plane.angle_rad), degrees(plane.angle_sigma_rad));
   }
   if (found.by_amplitude)
-    std::printf("from amplitudes alone, %d channels and speeds; the drives agree to %.0f %%\n",
-                found.observations, 100.0 * std::abs(found.agreement - 1.0));
+    std::printf(
+        "from amplitudes alone, of %s, the surest of %d channels and speeds; the drives agree to %.0f %%\n",
+        found.observation.c_str(), found.observations, 100.0 * std::abs(found.agreement - 1.0));
   else
     std::printf("%d channels and speeds: %.4f m/s^2 rms before, %.4f expected after\n", found.observations,
                 found.rms_before, found.rms_after);
 }
 
+/// @throws ConfigError naming the recording whose rotor is another than that of the first
+RotorConfig rotor_of_records(const std::vector<WeightedDrive>& drives, const std::string& name) {
+  const VehicleConfig first = vehicle_of_record(drives.front().folder, name);
+  for (const WeightedDrive& drive : drives)
+    if (const std::string why = difference(first, vehicle_of_record(drive.folder, name), name); !why.empty())
+      throw ConfigError(drives.front().folder + " and " + drive.folder + " cannot be compared: " + why);
+  return *first.rotor_named(name);
+}
+
+/// What keeps the drive's channels or phases from being used.
+void warn_of(const std::string& folder, const RecordOrders& found) {
+  std::set<std::string> remarks;
+  for (const auto& orders : found.rotor) remarks.insert(remark_on(found, *orders));
+  for (const std::string& remark : remarks)
+    if (!remark.empty()) std::fprintf(stderr, "rb balance: %s: %s\n", folder.c_str(), remark.c_str());
+}
+
 int balance(const BalanceOptions& options) {
   std::vector<WeightedDrive> drives;
   for (const std::string& text : options.drive) drives.push_back(WeightedDrive::parse(text));
-  const RotorConfig rotor = rotor_of_record(drives.front().folder, options.rotor);
+  const RotorConfig rotor = rotor_of_records(drives, options.rotor);
   std::list<RecordOrders> records;
   std::vector<WeightedRun> runs;
   for (const WeightedDrive& drive : drives) {
-    WeightedRun& run = runs.emplace_back(WeightedRun{drive.in_planes(rotor), {}});
+    WeightedRun& run = runs.emplace_back(WeightedRun{.weight_g = drive.in_planes(rotor), .orders = {}});
     const WantedOrders wanted{
         .rotor = options.rotor, .channel = options.channel, .all_nodes = !options.channel, .order = {1.0}};
     const RecordOrders& found = records.emplace_back(orders_of_record(drive.folder, wanted));
     warn_of_defects("balance", drive.folder, found.defects);
+    warn_of(drive.folder, found);
     for (const auto& orders : found.rotor) run.orders.push_back(orders.get());
+    run.datum_rad = datum_of(found.vehicle, rotor);
+    run.phase_sigma_rad = doubt_of(found, found.rotor.front()->rotor()).common_sigma_rad;
   }
   const RotorBalance found = balance_rotor(rotor, runs);
   if (!found.refusal.empty()) std::fprintf(stderr, "rb balance: %s\n", found.refusal.c_str());

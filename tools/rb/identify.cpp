@@ -50,7 +50,8 @@ void add_identify(CLI::App& app, int& code) {
   command->add_flag(
       "--refine", options->refine,
       "compute the relations of the nodes' clocks and the wheels' angles again from all recorded "
-      "exchanges and edges");
+      "exchanges and edges, which are in memory at once: up to 100 bytes an edge, 1.4 GB for an hour of "
+      "four rings of 96 at 18 turns a second");
   command->callback([options, &code] { code = identify(*options); });
 }
 

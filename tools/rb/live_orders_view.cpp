@@ -36,7 +36,9 @@ int show_live_orders(const LiveOrdersOptions& options) {
       if (options.json) json.push_back(order_report_json(report));
       for (std::string& line : order_lines(report)) lines.push_back(std::move(line));
     }
-    if (lines.empty()) lines.emplace_back("waiting for an analyser that knows orders");
+    if (lines.empty())
+      lines.emplace_back(view.orders().empty() ? "waiting for an analyser that knows orders"
+                                               : "the analyser knows no order well enough yet: drive on");
     if (!options.json)
       screen.draw(lines, true);
     else if (!json.empty()) {

@@ -135,9 +135,13 @@ void add_orders(CLI::App& app, int& code) {
   command->add_flag("--all-nodes", options->wanted.all_nodes, "every acceleration of every node")
       ->excludes(channel);
   command->add_option("--order", options->wanted.order, "orders of the vectors")->capture_default_str();
-  command->add_flag("--waterfall", options->waterfall,
-                    "with --json: a spectrum for each class of speed, too");
-  command->add_flag("--json", options->json, "one JSON object on standard output");
+  CLI::Option* const json = command->add_flag("--json", options->json, "one JSON object on standard output");
+  command->add_flag("--waterfall", options->waterfall, "with --json: a spectrum for each class of speed, too")
+      ->needs(json);
+  // The analyser has chosen already.
+  for (const char* const of_record :
+       {"--wheel", "--rotor", "--channel", "--all-nodes", "--order", "--waterfall"})
+    live->excludes(command->get_option(of_record));
   command->callback([options, &code] { code = orders(*options); });
 }
 

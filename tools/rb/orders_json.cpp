@@ -6,6 +6,7 @@
 #include <numbers>
 #include <string>
 
+#include "host/orders/angle_doubt.hpp"
 #include "host/orders/order_peaks.hpp"
 
 namespace roadbalance {
@@ -18,29 +19,6 @@ constexpr double kNinetyFivePercent = 1.96;  // of a normal distribution
 
 double degrees(double radians) {
   return radians * 180.0 / std::numbers::pi;
-}
-
-/// What is known of the rotor's angle beyond its references.
-struct AngleDoubt {
-  bool located = true;
-  double common_sigma_rad = 0.0, sigma_rad = 0.0;
-  bool counted = false;   ///< on the bus
-  bool by_speed = false;  ///< of the bus: only spectra hold
-};
-
-AngleDoubt doubt_of(const RecordOrders& found, const Rotor& rotor) {
-  AngleDoubt doubt{.located = rotor.known_share > 0.0 || rotor.ratio != 1.0};
-  const double share = rotor.ratio / static_cast<double>(rotor.wheel.size());
-  for (const int wheel : rotor.wheel) {
-    const auto quality = found.angle.find(wheel);
-    if (quality == found.angle.end()) continue;
-    doubt.counted = true;
-    doubt.by_speed = doubt.by_speed || quality->second.by_speed;
-    doubt.located = doubt.located && quality->second.located;
-    doubt.common_sigma_rad = std::hypot(doubt.common_sigma_rad, share * quality->second.common_sigma_rad);
-    doubt.sigma_rad = std::hypot(doubt.sigma_rad, share * quality->second.sigma_rad);
-  }
-  return doubt;
 }
 
 /// The highest line about an order: a rolling radius is known to a few per cent.
@@ -157,13 +135,15 @@ nlohmann::ordered_json rotor_json(const RecordOrders& found, const RotorOrders& 
 }
 
 std::string remark_on(const RecordOrders& found, const RotorOrders& rotor) {
-  if (!rotor.obstacle().empty()) return rotor.obstacle();
+  if (std::string obstacle = rotor.obstacle(); !obstacle.empty()) return obstacle;
   const Rotor& turns = rotor.rotor();
   const AngleDoubt doubt = doubt_of(found, turns);
   if (doubt.by_speed)
     return "the bus tells its speed only: orders to a few per cent and their magnitudes, from the spectrum, "
            "but no "
            "angle, and no place for a weight";
+  if (!doubt.contradiction.empty())
+    return doubt.contradiction + " Until then magnitudes, but no angle, and no place for a weight";
   if (!doubt.located)
     return "no zero mark says where it stands: magnitudes of what turns with it, but no angle, and no place "
            "for a "

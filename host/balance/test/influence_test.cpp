@@ -123,6 +123,18 @@ TEST(BalanceByInfluence, RefusesRunsThatDoNotTellTheInfluences) {
   EXPECT_FALSE(balance_by_influence(
       {run({0.0, 0.0}, {1.0, 1.0}), run({1.0, 0.0}, {2.0, 2.0}), run({0.0, 1.0}, {2.0, 2.0})}))
       << "both planes do the same to what is observed";
+  // Scatter alone, in eight channels: it is no influence.
+  std::mt19937 random(9);
+  std::normal_distribution<double> part(0.0, 1e-2 / std::sqrt(2.0));
+  std::vector<InfluenceRun> nothing;
+  for (const double weight : {0.0, 5.0}) {
+    std::vector<Complex> seen;
+    for (int k = 0; k < 8; ++k) seen.push_back(at(1.0, 40.0 * k) + Complex(part(random), part(random)));
+    nothing.push_back(run({weight}, seen));
+  }
+  EXPECT_FALSE(balance_by_influence(nothing)) << "the weight did nothing";
+  for (Eigen::Index k = 0; k < 8; ++k) nothing[1].observed(k) += 0.05;
+  EXPECT_TRUE(balance_by_influence(nothing)) << "five times the scatter";
   EXPECT_THROW(balance_by_influence({}), std::invalid_argument);
   EXPECT_THROW(balance_by_influence({run({0.0}, {1.0}), run({1.0, 0.0}, {1.0})}), std::invalid_argument);
   EXPECT_THROW(balance_by_influence({run({0.0}, {1.0}, 0.0)}), std::invalid_argument);

@@ -14,6 +14,7 @@
 #include <thread>
 #include <vector>
 
+#include "common/config/text_file.hpp"
 #include "common/config/vehicle_config.hpp"
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
@@ -64,9 +65,12 @@ class OrdersCommand : public testing::Test {
     std::ofstream(folder_ / "vehicle.toml") << text;
     write_samples(VehicleConfig::parse(text, "vehicle.toml"));
     write_pulses();
+    import(record_);
+  }
+  void import(const std::string& record) {
     const Outcome imported =
         rb({"import", "csv", "--samples", folder_ / "samples.csv", "--pulses", folder_ / "pulses.csv",
-            "--vehicle", folder_ / "vehicle.toml", "-o", record_});
+            "--vehicle", folder_ / "vehicle.toml", "-o", record});
     ASSERT_EQ(imported.code, 0) << imported.log;
   }
 
@@ -210,6 +214,19 @@ TEST_F(OrdersCommand, BalancesNoRotorByDrivesThatTellNothingOfIt) {
       << wrong.log;
 }
 
+TEST_F(OrdersCommand, BalancesNoRotorByDrivesOfVehiclesThatDiffer) {
+  std::string text = read_text_file(folder_ / "vehicle.toml");
+  replace(text, "ratio = 2\n", "ratio = 3\n");
+  std::ofstream(folder_ / "vehicle.toml") << text;
+  const std::string other = folder_ / "other";
+  import(other);
+  const Outcome refused = rb({"balance", "--rotor", "shaft", record_, other + ":flange=20@0"});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_NE(refused.log.find(record_ + " and " + other + " cannot be compared: ratio of shaft is 2 in one"),
+            std::string::npos)
+      << refused.log;
+}
+
 TEST_F(OrdersCommand, NamesWhatIsAtFault) {
   const auto refused = [&](const std::vector<std::string>& arguments, const std::vector<std::string>& texts) {
     std::vector<std::string> all{"orders", record_};
@@ -224,6 +241,15 @@ TEST_F(OrdersCommand, NamesWhatIsAtFault) {
   refused({"--channel", "bonnet_z"}, {"bonnet_z", "fl_carrier_z"});
   refused({"--rotor", "drive_shaft"}, {"drive_shaft", "allowed: shaft"});
   refused({"--rotor", "drive_shaft", "--wheel", "front_left"}, {"--rotor", "--wheel"});
+  refused({"--waterfall"}, {"--waterfall requires --json"});
+  for (const std::vector<std::string>& of_record :
+       {std::vector<std::string>{"--wheel", "front_left"}, {"--order", "7"}, {"--all-nodes"}}) {
+    std::vector<std::string> live{"orders", "--live"};
+    live.insert(live.end(), of_record.begin(), of_record.end());
+    const Outcome outcome = rb(live);
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_NE(outcome.log.find("excludes"), std::string::npos) << outcome.log;
+  }
   refused({"--order", "0.01"}, {"--order", "0.01"});
   refused({"--order", "1", "--order", "1.05"}, {"1.05"});
   const Outcome nowhere = rb({"orders", folder_ / "nowhere"});
