@@ -2,6 +2,7 @@
 
 #include <complex>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <vector>
 
 #include "common/config/vehicle_config.hpp"
@@ -30,8 +31,12 @@ std::complex<double> injected_over_sent(const PhaseInjection& injection, bool by
 /// By how much the phase that comes back differs.
 double injected_phase_error_deg(const PhaseInjection& injection);
 
+/// A row with keys as in encoder_row_result(): rms and largest of the errors that are numbers, and how many
+/// are none ("unknown_blocks").
+nlohmann::ordered_json phase_row(const std::string& name, const std::vector<double>& errors_deg);
+
 /// One row for each order of the filter, 4 to 8, with cut-offs of 100 to 400 Hz and 5 to 25 turns a second;
-/// keys as in encoder_row_result(); and one for an unbalance while the speed drifts, with "max_percent".
+/// as phase_row(); and one for an unbalance while the speed drifts, with "max_percent".
 std::vector<nlohmann::ordered_json> phase_injection_rows();
 
 }  // namespace roadbalance

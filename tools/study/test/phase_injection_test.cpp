@@ -15,6 +15,17 @@ TEST(PhaseInjection, ComesBackWithinATwentiethOfADegreeThroughEveryFilter) {
   for (const auto& row : rows) EXPECT_TRUE(row["met"].get<bool>()) << row.dump();
 }
 
+TEST(PhaseInjection, CountsWhatIsNoNumberAndLeavesItOutOfTheMean) {
+  const double nan = std::nan("");
+  const auto row = phase_row("some", {0.01, nan, -0.03});
+  EXPECT_EQ(row["unknown_blocks"], 1);
+  EXPECT_NEAR(row["rms_deg"], std::sqrt((1e-4 + 9e-4) / 2.0), 1e-12);
+  EXPECT_NEAR(row["max_deg"], 0.03, 1e-12);
+  EXPECT_FALSE(row["met"]);
+  EXPECT_TRUE(phase_row("all", {0.01, -0.03})["met"]);
+  EXPECT_FALSE(phase_row("none", {nan})["met"]);
+}
+
 // The simulated conditioner steps twice a scan, the reference at least at 4 kHz: here they differ.
 TEST(PhaseInjection, ComesBackAtOtherScanRates) {
   for (const double rate_hz : {1000.0, 1500.0, 4000.0})
