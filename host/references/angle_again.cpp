@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/bus/codec.hpp"
+#include "common/link/angle_sigma.hpp"
 #include "common/wheel_counter/wanted_signal.hpp"
 
 namespace roadbalance {
@@ -118,11 +119,13 @@ bool AngleAgain::turned(Wheel& wheel, const ScanBlock& block, NodeTime from, dou
 void AngleAgain::count(Wheel& wheel, double sigma_rad, const ScanBlock& block) {
   wheel.square += sigma_rad * sigma_rad * static_cast<double>(block.header.scans);
   wheel.rows += block.header.scans;
+  wheel.told_sigma_rad = sigma_rad;
 }
 
 /// Angles at all of the filter's steps; false if they are not known.
 bool AngleAgain::look_up(Wheel& wheel, Node& node, const ScanBlock& block, std::vector<double>& angle_rad,
                          bool& uncertain) {
+  wheel.told_sigma_rad = -1.0;
   angle_rad.resize(static_cast<std::size_t>(node.filter.steps(static_cast<int>(block.header.scans))));
   const NodeTime from = node.filter.first_step(node_time_from_ns(block.header.time_ns));
   const double step_ns = node.filter.step_ns();
@@ -150,12 +153,14 @@ void AngleAgain::replace(ScanBlock& block, Node& node) {
   node.next_scan = header.first_scan + header.scans;
   ReferenceFilter::Angles known{};
   std::array<bool, kEncoderLines> here{}, uncertain{};
+  std::array<double, kEncoderLines> sigma_rad{};
   for (Wheel& wheel : wheel_) {
     if (wheel.node != header.node) continue;
     const auto line = static_cast<std::size_t>(wheel.config->line);
     here[line] = true;
     if (look_up(wheel, node, block, node.angle_rad[line], uncertain[line]))
       known[line] = node.angle_rad[line];
+    sigma_rad[line] = known[line].empty() ? -1.0 : wheel.told_sigma_rad;
   }
   auto filled = block.counts;
   const auto rows = std::span(filled).first(static_cast<std::size_t>(header.scans));
@@ -165,6 +170,7 @@ void AngleAgain::replace(ScanBlock& block, Node& node) {
     const std::int32_t unknown = quality_no_reference(static_cast<int>(line));
     block.quality &= ~(unknown | kUncertain[line]);
     block.quality |= (quality & unknown) | (uncertain[line] ? kUncertain[line] : 0);
+    block.quality = with_angle_sigma(block.quality, static_cast<int>(line), sigma_rad[line]);
     for (std::size_t row = 0; row < rows.size(); ++row)
       std::copy_n(rows[row].begin() + static_cast<std::ptrdiff_t>(kAccelerations + 2 * line), 2,
                   block.counts[row].begin() + static_cast<std::ptrdiff_t>(kAccelerations + 2 * line));

@@ -85,6 +85,7 @@ class AngleAgain {
     std::optional<int> signal_number;  ///< likewise
     bool by_speed;
     std::map<std::int64_t, Epoch> epoch;
+    double told_sigma_rad = -1.0;  ///< of the angles looked up last; negative: of none
     std::optional<bool> located{};  ///< once it is asked for
     double square = 0.0;            ///< of the angles' sigma, sum
     std::int64_t rows = 0;
