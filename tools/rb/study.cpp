@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <set>
@@ -18,6 +19,7 @@
 #include "tools/study/campaign.hpp"
 #include "tools/study/clock_skew.hpp"
 #include "tools/study/demo_accuracy.hpp"
+#include "tools/study/drift_cost.hpp"
 
 namespace roadbalance {
 namespace {
@@ -34,22 +36,28 @@ struct StudyOptions {
   bool json = false;
 };
 
-void print(const nlohmann::ordered_json& summary) {
+void print_line(const nlohmann::ordered_json& line) {
+  const std::string error =
+      line.contains("standard_error") ? " +- " + line["standard_error"].dump().substr(0, 6) : "";
+  std::printf("%s  %-72s %8s%s  (%g .. %g)\n", line["met"].get<bool>() ? "met    " : "NOT MET",
+              line["line"].get<std::string>().c_str(), line["value"].dump().substr(0, 8).c_str(),
+              error.c_str(), line["required"][0].get<double>(), line["required"][1].get<double>());
+}
+
+/// @param percent, degrees  keys of a wheel in summary["seeds"]
+void print(const nlohmann::ordered_json& summary, const char* percent, const char* degrees) {
   for (const auto& run : summary["seeds"]) {
-    std::printf("seed %5llu %s", static_cast<unsigned long long>(run["seed"].get<std::uint64_t>()),
-                run["good"].get<bool>() ? "good" : "BAD ");
+    std::printf("seed %5llu", static_cast<unsigned long long>(run["seed"].get<std::uint64_t>()));
+    if (run.contains("good")) std::printf(" %s", run["good"].get<bool>() ? "good" : "BAD ");
     for (const auto& wheel : run["wheels"])
-      if (wheel["error_deg"].is_null() || !std::isfinite(wheel["error_deg"].get<double>()))
+      if (!wheel[degrees].is_number() || !std::isfinite(wheel[degrees].get<double>()))
         std::printf("  %s unknown", wheel["name"].get<std::string>().c_str());
       else
-        std::printf("  %s %5.1f %% %5.1f°", wheel["name"].get<std::string>().c_str(),
-                    wheel["error_percent"].get<double>(), wheel["error_deg"].get<double>());
+        std::printf("  %s %6.2f %% %6.2f°", wheel["name"].get<std::string>().c_str(),
+                    wheel[percent].get<double>(), wheel[degrees].get<double>());
     std::printf("\n");
   }
-  for (const auto& line : summary["acceptance"])
-    std::printf("%s  %-72s %8s  (%g .. %g)\n", line["met"].get<bool>() ? "met    " : "NOT MET",
-                line["line"].get<std::string>().c_str(), line["value"].dump().substr(0, 8).c_str(),
-                line["required"][0].get<double>(), line["required"][1].get<double>());
+  for (const auto& line : summary["acceptance"]) print_line(line);
 }
 
 int study_clock_skew(const StudyOptions& options) {
@@ -78,20 +86,26 @@ int study(const StudyOptions& options) {
   if (options.name == "clock-skew") return study_clock_skew(options);
   std::unique_ptr<TemporaryFolder> temporary;
   if (options.state.empty()) temporary = std::make_unique<TemporaryFolder>("rb-study");
+  const std::filesystem::path folder = temporary ? temporary->path().string() : options.state;
+  const bool drifts = options.name == "drift";
   const Campaign campaign{options.name,
-                          {{"drive_seconds", options.drive_seconds}},
+                          drifts ? nlohmann::ordered_json::object()
+                                 : nlohmann::ordered_json{{"drive_seconds", options.drive_seconds}},
                           options.runs,
                           options.seed,
-                          temporary ? temporary->path().string() : options.state,
+                          folder,
                           options.jobs};
-  const auto runs = run_campaign(
-      campaign, [&](std::uint64_t seed) { return demo_accuracy_run(seed, options.drive_seconds); });
-  nlohmann::ordered_json summary = demo_accuracy_summary(runs);
+  const auto runs = run_campaign(campaign, [&](std::uint64_t seed) {
+    return drifts ? drift_cost_run(seed, folder) : demo_accuracy_run(seed, options.drive_seconds);
+  });
+  nlohmann::ordered_json summary = drifts ? drift_cost_summary(runs) : demo_accuracy_summary(runs);
   if (options.json) {
-    summary["results"] = runs;
+    if (!drifts) summary["results"] = runs;
     std::printf("%s\n", summary.dump().c_str());
+  } else if (drifts) {
+    print(summary, "change_percent", "change_deg");
   } else {
-    print(summary);
+    print(summary, "error_percent", "error_deg");
   }
   return summary["accepted"].get<bool>() ? kDone : kAnswerIsNo;
 }
@@ -99,9 +113,12 @@ int study(const StudyOptions& options) {
 /// What was asked for and would not be done.
 void refuse_options_of_others(const CLI::App& command, const std::string& name) {
   static const std::map<std::string, std::set<std::string>> kOfStudy{
-      {"--runs", {"demo-accuracy", "encoder"}}, {"--seed", {"demo-accuracy", "encoder"}},
-      {"--state", {"demo-accuracy"}},           {"--jobs", {"demo-accuracy"}},
-      {"--drive-seconds", {"demo-accuracy"}},   {"--seconds", {"clock-skew"}},
+      {"--runs", {"demo-accuracy", "drift", "encoder"}},
+      {"--seed", {"demo-accuracy", "drift", "encoder"}},
+      {"--state", {"demo-accuracy", "drift"}},
+      {"--jobs", {"demo-accuracy", "drift"}},
+      {"--drive-seconds", {"demo-accuracy"}},
+      {"--seconds", {"clock-skew"}},
       {"--nodes", {"clock-skew"}}};
   for (const auto& [option, studies] : kOfStudy)
     if (command.count(option) > 0 && !studies.contains(name))
@@ -116,11 +133,12 @@ void add_study(CLI::App& app, int& code) {
       app.add_subcommand("study", "Repeats an experiment over many seeds and says what came out");
   command
       ->add_option("name", options->name,
-                   "demo-accuracy: the demo's estimates against the truth; clock-skew: the fits of "
+                   "demo-accuracy: the demo's estimates against the truth; drift: what a drift of "
+                   "5 km/h a minute costs the identified unbalance; clock-skew: the fits of "
                    "running nodes' clocks against what they show; encoder: angles from pulse trains "
                    "against the truth")
       ->required()
-      ->check(CLI::IsMember({"demo-accuracy", "clock-skew", "encoder"}));
+      ->check(CLI::IsMember({"demo-accuracy", "drift", "clock-skew", "encoder"}));
   command->add_option("--runs", options->runs, "how many seeds; encoder: 1 unless said")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
