@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/config/section.hpp"
 #include "tools/rb/command.hpp"
 
 namespace roadbalance {
@@ -59,6 +60,23 @@ TEST(Validators, KeepNanOutOfEveryCommand) {
   add_supervise(app, code);
   expect_no_nan(app, app, {}, asked);
   EXPECT_GE(asked, 15);
+}
+
+TEST(Options, OfAnotherStudyAreRefused) {
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"study", "encoder", "--jobs", "3"},
+                                                {"study", "clock-skew", "--drive-seconds", "100"},
+                                                {"study", "demo-accuracy", "--nodes", "3"}}) {
+    CLI::App app;
+    int code = 0;
+    add_study(app, code);
+    try {
+      app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
+      ADD_FAILURE() << words[1] << " ran";
+    } catch (const ConfigError& error) {
+      EXPECT_NE(std::string(error.what()).find(words[2] + ": is not of study " + words[1]),
+                std::string::npos);
+    }
+  }
 }
 
 }  // namespace
