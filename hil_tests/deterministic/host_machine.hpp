@@ -93,6 +93,7 @@ class HostMachine {
   void became_durable(const DurableMark& mark, std::int64_t now_ns);
   void end(std::int64_t now_ns, const Publish& publish);
   void check_through(const char* folder, int last);
+  void check_segments(const char* folder);
   void make_whole();
   std::int64_t utc_us(std::int64_t now_ns) const;
   SimulatedDisk::Outcome disk_call(DiskCall call, const std::string& path);

@@ -16,12 +16,29 @@ void add(MissingSegments& found, const std::string& file, const std::string& wha
   found.lines.push_back(file + ": " + what);
 }
 
+/// Where segments end that were given up, by their number.  One that ends at byte 0 was never promised
+/// anything, and a power cut may have taken its name, too.
+std::map<int, std::uint64_t> ends_of_abandoned(const std::filesystem::path& folder,
+                                               const std::vector<int>& numbers, Disk& disk) {
+  std::map<int, std::uint64_t> ends;
+  for (const int number : numbers) {
+    const auto path = segment_path(folder, number);
+    if (size_of_file(path, disk) > 0) ends.merge(abandoned_before(path, disk));
+  }
+  return ends;
+}
+
 void compare_with_manifest(const std::filesystem::path& folder, const FinishedSegments& finished,
-                           int deleted_through, Disk& disk, MissingSegments& found) {
-  for (const auto& [file, bytes] : finished) {
+                           int deleted_through, const std::map<int, std::uint64_t>& abandoned, Disk& disk,
+                           MissingSegments& found) {
+  std::map<std::string, std::uint64_t> least;
+  for (const auto& [number, bytes] : abandoned) least[segment_path({}, number).string()] = bytes;
+  for (const auto& [file, listed] : finished) {
+    const auto given_up = least.find(file);
+    const std::uint64_t bytes = given_up == least.end() ? listed : std::min(listed, given_up->second);
     const auto path = folder / file;
     if (!path_exists(path, disk)) {
-      if (file > segment_path({}, deleted_through).string())
+      if (bytes > 0 && file > segment_path({}, deleted_through).string())
         add(found, file, "is missing; manifest.json lists it as finished");
     } else if (const auto size = size_of_file(path, disk); size < bytes) {
       add(found, file,
@@ -35,12 +52,18 @@ void compare_with_manifest(const std::filesystem::path& folder, const FinishedSe
 MissingSegments find_missing_segments(const std::filesystem::path& folder, const FinishedSegments& finished,
                                       int deleted_through, Disk& disk) {
   MissingSegments found;
-  compare_with_manifest(folder, finished, deleted_through, disk, found);
   const std::vector<int> numbers = segment_numbers(folder, disk);
+  const auto abandoned = ends_of_abandoned(folder, numbers, disk);
+  const auto never_began = [&](int number) {
+    const auto end = abandoned.find(number);
+    return end != abandoned.end() && end->second == 0;
+  };
+  compare_with_manifest(folder, finished, deleted_through, abandoned, disk, found);
   int before = deleted_through;
   for (const int number : numbers) {
     const auto path = segment_path(folder, number);
     const std::string file = path.filename().string();
+    while (before + 1 < number && never_began(before + 1)) ++before;
     if (number > before + 1)
       add(found, file,
           before == 0 ? "is the first one here" : "does not follow " + segment_path({}, before).string());
@@ -48,7 +71,7 @@ MissingSegments find_missing_segments(const std::filesystem::path& folder, const
     if (size_of_file(path, disk) > 0 || finished.contains(file)) continue;
     if (number == numbers.back())
       found.lines.push_back(file + ": is empty: its recorder was killed when it began it");
-    else if (!abandoned_before(segment_path(folder, number + 1), disk).contains(number))
+    else if (!abandoned.contains(number))
       add(found, file, "is empty");
   }
   return found;

@@ -44,13 +44,16 @@ class Segments:
         for name, size in self.finished.items():
             number = int(found[1]) if (found := SEGMENT.match(name)) else None
             path = self.folder / name
-            if not path.exists() and number not in self.deleted:
+            size = min(size, self.ends.get(number, size))
+            if not path.exists() and size > 0 and number not in self.deleted:
                 yield f"{name}: is missing; manifest.json lists it as finished"
             elif path.exists() and path.stat().st_size < size:
                 yield f"{name}: has {path.stat().st_size} of the {size} bytes it was finished with"
         before = max(self.deleted, default=0)
         for number in self.numbers:
             name = self.paths[number].name
+            while before + 1 < number and self.ends.get(before + 1) == 0:
+                before += 1  # given up before anything was promised of it: a power cut may have taken its name
             if number > before + 1:
                 yield f"{name}: does not follow segment {before}" if before else f"{name}: is the first one here"
             before = max(before, number)

@@ -2,6 +2,8 @@
 
 #include <fstream>
 
+#include "common/bus/notes.hpp"
+#include "common/record/log_event.hpp"
 #include "common/record/segment.hpp"
 #include "host/recorder/manifest.hpp"
 #include "host/recorder/test/written_record.hpp"
@@ -64,6 +66,33 @@ TEST_F(VerifyFinished, ASegmentNumberThatIsLeftOutIsDamage) {
   fs::rename(segment(2), segment(3));
   fs::remove(folder / "manifest.json");
   EXPECT_EQ(verdict(), Verdict::kDamaged);
+}
+
+// Its folder could not be synced: nothing in it was promised, and a power cut takes its name.  Another ended
+// where it had been synced last, and lost what was behind.
+TEST_F(VerifyFinished, SegmentsGivenUpMayLackWhatWasNeverPromised) {
+  const auto write_fourth = [&](std::initializer_list<std::pair<int, std::uint64_t>> given_up) {
+    std::ofstream file(segment(4), std::ios::binary);
+    for (const auto& [number, end] : given_up) {
+      const auto note = encode(Note{
+          .kind = NoteKind::kSegmentAbandoned, .a = number, .b = static_cast<std::int64_t>(end), .text = ""});
+      const auto header = encode_log_header({.channel = kNoteChannel, .data = note});
+      file.write(reinterpret_cast<const char*>(header.data()), std::ssize(header));
+      file << kNoteChannel;
+      file.write(reinterpret_cast<const char*>(note.data()), std::ssize(note));
+    }
+  };
+  const auto size = fs::file_size(segment(2));
+  std::ofstream(segment(2), std::ios::binary | std::ios::app) << std::string(500, 'x');
+  fs::remove(folder / "manifest.json");
+  write_manifest(folder);
+  fs::resize_file(segment(2), size);
+  write_fourth({{2, size}, {3, 0}});
+  EXPECT_NE(verdict(), Verdict::kDamaged);
+  write_fourth({{2, size}});
+  EXPECT_EQ(verdict(), Verdict::kDamaged) << "segment 3 is missing";
+  write_fourth({{3, 0}});
+  EXPECT_EQ(verdict(), Verdict::kDamaged) << "segment 2 is cut";
 }
 
 TEST_F(VerifyFinished, AnEmptyLastSegmentIsWhatAKillLeaves) {

@@ -229,6 +229,11 @@ class CheckRecord(unittest.TestCase):
         (self.folder / "seg-000002.lcm").rename(self.folder / "seg-000003.lcm")
         self.assertEqual(self.agrees(DAMAGED)["missing_segments"], 1)
 
+    def test_a_segment_that_was_given_up_before_anything_was_promised_of_it(self):
+        self.split((b"RB_NOTE", message("note_t", incarnation=1, kind=5, a=2, b=0)))
+        (self.folder / "seg-000002.lcm").rename(self.folder / "seg-000003.lcm")
+        self.assertEqual(self.agrees(COMPLETE)["missing_segments"], 0)
+
     def test_an_empty_segment_behind_the_last(self):
         (self.folder / "seg-000002.lcm").touch()
         self.agrees(INCOMPLETE)
