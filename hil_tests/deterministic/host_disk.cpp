@@ -32,7 +32,8 @@ SimulatedDisk::Outcome HostMachine::disk_call(DiskCall call, const std::string& 
     died_ = true;
     ++deaths_at_call_;
     if (dies_of_power_) return {.power_cut = true};
-    disk_.kill();  // this call and all that follow fail, and nobody hears of them
+    disk_.kill();  // this call and all that follow do nothing, and nobody hears of them
+    return {};
   }
   const bool on_other_disk = scenario_.fallback && !path.starts_with(kFolder);
   if (!random_.chance(failing_) || call == DiskCall::kClose || on_other_disk) return {};

@@ -39,6 +39,7 @@ bool SimulatedDisk::begins(DiskCall call, const std::string& path, std::size_t b
   errno = EIO;
   if (off_) return false;
   if (cost_) busy_ += cost_(call, bytes);
+  const int kills = kills_;
   const Outcome given = fault_ ? fault_(call, calls_, path) : Outcome{};
   if (outcome) *outcome = given;
   if (given.power_cut) {
@@ -46,11 +47,16 @@ bool SimulatedDisk::begins(DiskCall call, const std::string& path, std::size_t b
     errno = EIO;
     return false;
   }
+  if (kills_ != kills) {  // in this call: it does nothing, nor does it fail
+    errno = EINTR;
+    return false;
+  }
   errno = given.error != 0 ? given.error : EROFS;
   return given.error == 0 && !(read_only_ && changes);
 }
 
 void SimulatedDisk::kill() {
+  ++kills_;
   for (const auto& [file, open] : descriptors_) forget_locks(file, open.node);
   descriptors_.clear();
 }

@@ -131,6 +131,7 @@ class SimulatedDisk final : public Disk {
   Fault fault_;
   Cost cost_;
   std::int64_t calls_ = 0;
+  int kills_ = 0;
   std::chrono::nanoseconds busy_{0};
   std::int64_t capacity_bytes_ = std::numeric_limits<std::int64_t>::max() / 2;
   bool read_only_ = false;

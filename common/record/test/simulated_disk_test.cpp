@@ -5,6 +5,7 @@
 
 #include <set>
 #include <string>
+#include <utility>
 
 #include "common/record/file.hpp"
 #include "common/record/folder.hpp"
@@ -168,6 +169,35 @@ TEST(SimulatedDisk, AKilledProcessLosesItsDescriptorsAndLocksAndNoData) {
   EXPECT_EQ(disk.content("/file"), pattern(100, 6));
   File next = File::open_folder("/", disk);
   EXPECT_TRUE(next.try_lock());
+}
+
+TEST(SimulatedDisk, ACallInWhichTheProcessIsKilledDoesNothing) {
+  SimulatedDisk disk;
+  bool dies = false;
+  disk.set_fault([&](DiskCall, std::int64_t, const std::string&) {
+    if (std::exchange(dies, false)) disk.kill();
+    return SimulatedDisk::Outcome{};
+  });
+  const auto at_death = [&](auto&& call) {
+    File folder = File::open_folder("/", disk);
+    File file = File::create("/file", disk);
+    file.write_all(pattern(100, 6));
+    dies = true;
+    EXPECT_THROW(call(folder, file), std::system_error);
+    EXPECT_FALSE(dies);
+    EXPECT_EQ(disk.content("/file"), pattern(100, 6));
+    EXPECT_TRUE(File::open_folder("/", disk).try_lock());
+    remove_file("/file", disk);
+  };
+  at_death([](File&, File& file) { file.write_all(pattern(1, 7)); });
+  at_death([](File&, File& file) { file.truncate(3); });
+  at_death([](File&, File& file) { file.sync(); });
+  at_death([](File&, File& file) { file.sync_data(); });
+  at_death([](File&, File& file) { static_cast<void>(file.size()); });
+  at_death([](File& folder, File&) { static_cast<void>(folder.try_lock()); });
+  at_death([](File&, File& file) { file.close(); });
+  at_death([&](File&, File&) { remove_file("/file", disk); });
+  at_death([&](File&, File&) { rename_file("/file", "/other", disk); });
 }
 
 TEST(SimulatedDisk, AnInterruptedOrShortWriteIsFinished) {
