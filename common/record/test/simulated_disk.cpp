@@ -42,17 +42,10 @@ bool SimulatedDisk::begins(DiskCall call, const std::string& path, std::size_t b
   const int kills = kills_;
   const Outcome given = fault_ ? fault_(call, calls_, path) : Outcome{};
   if (outcome) *outcome = given;
-  if (given.power_cut) {
-    cut_power();
-    errno = EIO;
-    return false;
-  }
-  if (kills_ != kills) {  // in this call: it does nothing, nor does it fail
-    errno = EINTR;
-    return false;
-  }
-  errno = given.error != 0 ? given.error : EROFS;
-  return given.error == 0 && !(read_only_ && changes);
+  if (given.power_cut) cut_power();
+  // A call in which the process is killed does nothing, nor does it fail.
+  errno = off_ ? EIO : kills_ != kills ? EINTR : given.error != 0 ? given.error : EROFS;
+  return kills_ == kills && given.error == 0 && !(read_only_ && changes);
 }
 
 void SimulatedDisk::kill() {

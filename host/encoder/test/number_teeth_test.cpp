@@ -171,11 +171,19 @@ TEST_F(NumberTeeth, StandstillAndTurningBackEndARunAndTheNextIsAnchoredAnew) {
   expect_true_numbers(stopped);
 }
 
-TEST_F(NumberTeeth, WithoutZeroMarksThereAreNoNumbers) {
-  EXPECT_TRUE(number_teeth({.pulses_per_turn = kTeeth, .zero_mark = false}, edges).runs.empty());
+TEST_F(NumberTeeth, ARingThatShouldHaveAZeroMarkHasNoNumbersWithoutOne) {
   drop([](const Edge& e) { return e.kind == EdgeKind::kZeroMark; });
   EXPECT_TRUE(number_teeth(kRing, edges).runs.empty());
   EXPECT_TRUE(number_teeth(kRing, {}).runs.empty());
+}
+
+TEST_F(NumberTeeth, ARingWithoutZeroMarkIsCountedFromAToothOfItsOwn) {
+  drop([](const Edge& e) { return e.kind == EdgeKind::kZeroMark; });
+  const NumberedTeeth numbered = number_teeth({.pulses_per_turn = kTeeth, .zero_mark = false}, edges);
+  ASSERT_EQ(numbered.runs.size(), 1U);
+  const std::vector<NumberedTooth>& teeth = numbered.runs[0].teeth;
+  ASSERT_EQ(teeth.size(), edges.size());
+  for (std::size_t i = 1; i < teeth.size(); ++i) ASSERT_EQ(teeth[i].number, teeth[i - 1].number + 1);
 }
 
 }  // namespace

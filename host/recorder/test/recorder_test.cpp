@@ -85,8 +85,7 @@ class TestNode {
     while (!ended_) {
       SealedBlock* slot = ring_.claim();
       if (!slot) return;
-      const std::int64_t sequence = ring_.next();
-      const std::int64_t scans = 20 * (sequence - 1);
+      const std::int64_t sequence = ring_.next(), scans = 20 * (sequence - 1);
       const BlockHeader header{.node = number_,
                                .epoch = kEpoch,
                                .sequence = sequence,
@@ -94,14 +93,13 @@ class TestNode {
                                .scans = 0,
                                .time_ns = scans};
       if (sequence > blocks_) {
-        EndBlock end{.header = header, .blocks = sequence, .scans_sealed = scans};
-        end.blocks_crc32c = sum_.crc32c();
-        seal(end, *slot);
+        const auto sum = sum_.crc32c();
+        seal(EndBlock{.header = header, .blocks = sequence, .scans_sealed = scans, .blocks_crc32c = sum},
+             *slot);
         ended_ = true;
       } else {
-        ScanBlock block{.header = header};
+        ScanBlock block{.header = header, .period_ps = 500'000'000};
         block.header.scans = 20;
-        block.period_ps = 500'000'000;
         seal(block, *slot);
         sum_.add(*slot);
       }
@@ -224,8 +222,7 @@ TEST_F(RecorderTest, ADiskThatFailsDoesNotStopTheNodes) {
   TestNode node(options.url, 7, 1'000'000'000);
   std::atomic<bool> failing = false;
   options.on_progress = [&](const RecorderReport& report) {
-    // The next segment cannot be made.  Another may be in the making, so that this takes more than one
-    // attempt.
+    // The next segment cannot be made.  One that is being made may need another attempt.
     std::error_code ignored;
     if (!report.node.empty() && report.node[0].samples_recorded > 0) fs::remove_all(options.folder, ignored);
   };
