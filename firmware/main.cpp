@@ -7,6 +7,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/config/section.hpp"
+#include "common/config/validators.hpp"
 #include "common/frontend/registry.hpp"
 #include "common/frontend/unopened_wiring.hpp"
 #include "common/process/stop_on_signal.hpp"
@@ -40,13 +41,13 @@ int main(int argc, char** argv) {
       "e.g. gpio:gpiochip0 and can:can0; default: front_end of the node in vehicle.toml");
   app.add_option("--url", bus_url, "LCM address")->capture_default_str();
   app.add_option("--ring-mib", ring_mib, "memory for blocks the recorder does not have yet, MiB")
-      ->check(CLI::Range(0.25, 4096.0))
+      ->check(number_within(0.25, 4096.0))
       ->capture_default_str();
   std::string spool;
   double spool_mib = 1024.0;
   app.add_option("--spool", spool, "folder for blocks when the memory is half full; none: memory only");
   app.add_option("--spool-mib", spool_mib, "what the spool may take of the disk, MiB")
-      ->check(CLI::Range(1.0, 1048576.0))
+      ->check(number_within(1.0, 1048576.0))
       ->capture_default_str();
   try {
     app.parse(argc, argv);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/bus/bus.hpp"
+#include "common/config/validators.hpp"
 #include "common/process/heap.hpp"
 #include "common/process/service_notify.hpp"
 #include "common/process/stop_on_signal.hpp"
@@ -33,11 +34,11 @@ struct DiskSizes {
 void add_disk_options(CLI::App& app, RecorderOptions& options, DiskSizes& sizes) {
   app.add_option("--fallback", options.fallback, "folder to go on in when the disk of the first one fails");
   app.add_option("--segment-mib", sizes.segment_mib, "size of a segment of the recording")
-      ->check(CLI::Range(0.25, 4096.0))
+      ->check(number_within(0.25, 4096.0))
       ->capture_default_str();
   app.add_option("--keep-gib", sizes.keep_gib,
                  "delete the oldest finished segments beyond so much; default: keep all")
-      ->check(CLI::Range(0.001, 1e6));
+      ->check(number_within(0.001, 1e6));
   app.add_option("--reserve-mib", sizes.reserve_mib, "of the disk, not for measuring")
       ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str();

@@ -8,9 +8,9 @@
 
 #include "common/bus/bus.hpp"
 #include "common/config/section.hpp"
+#include "common/config/validators.hpp"
 #include "host/analyser/recorded_vehicle.hpp"
 #include "tools/rb/command.hpp"
-#include "tools/rb/validators.hpp"
 #include "tools/rb/vehicle_file.hpp"
 
 namespace roadbalance {

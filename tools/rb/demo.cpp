@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/config/validators.hpp"
 #include "common/process/stop_on_signal.hpp"
 #include "sim/truth.hpp"
 #include "tools/rb/bus_view.hpp"
@@ -14,7 +15,6 @@
 #include "tools/rb/demo_start.hpp"
 #include "tools/rb/demo_team.hpp"
 #include "tools/rb/readout.hpp"
-#include "tools/rb/validators.hpp"
 
 namespace roadbalance {
 namespace {

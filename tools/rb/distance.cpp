@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "common/config/section.hpp"
+#include "common/config/validators.hpp"
 #include "tools/rb/bus_distance.hpp"
 #include "tools/rb/command.hpp"
-#include "tools/rb/validators.hpp"
 
 namespace roadbalance {
 namespace {

@@ -3,9 +3,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "common/config/validators.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/machine.hpp"
-#include "tools/rb/validators.hpp"
 
 namespace roadbalance {
 namespace {

@@ -6,12 +6,12 @@
 
 #include "common/bus/bus.hpp"
 #include "common/config/section.hpp"
+#include "common/config/validators.hpp"
 #include "host/orders/orders_of_record.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/defects.hpp"
 #include "tools/rb/live_orders_view.hpp"
 #include "tools/rb/orders_json.hpp"
-#include "tools/rb/validators.hpp"
 
 namespace roadbalance {
 namespace {

@@ -9,11 +9,11 @@
 
 #include "common/bus/codec.hpp"
 #include "common/config/section.hpp"
+#include "common/config/validators.hpp"
 #include "common/dsp/psd.hpp"
 #include "host/analyser/read_recording.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/defects.hpp"
-#include "tools/rb/validators.hpp"
 
 namespace roadbalance {
 namespace {

@@ -11,11 +11,11 @@
 
 #include "common/bus/bus.hpp"
 #include "common/config/section.hpp"
+#include "common/config/validators.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/quiet_port.hpp"
 #include "tools/rb/study_encoder.hpp"
 #include "tools/rb/temporary_folder.hpp"
-#include "tools/rb/validators.hpp"
 #include "tools/study/campaign.hpp"
 #include "tools/study/clock_skew.hpp"
 #include "tools/study/demo_accuracy.hpp"

@@ -17,10 +17,10 @@
 #include <system_error>
 #include <vector>
 
+#include "common/config/validators.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/supervisor.hpp"
 #include "tools/rb/temporary_folder.hpp"
-#include "tools/rb/validators.hpp"
 
 namespace roadbalance {
 namespace {

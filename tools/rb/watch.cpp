@@ -2,11 +2,11 @@
 #include <memory>
 #include <string>
 
+#include "common/config/validators.hpp"
 #include "common/process/stop_on_signal.hpp"
 #include "tools/rb/bus_view.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/readout.hpp"
-#include "tools/rb/validators.hpp"
 #include "tools/rb/watch_json.hpp"
 #include "tools/rb/watch_lines.hpp"
 

@@ -7,11 +7,11 @@
 
 #include "common/bus/codec.hpp"
 #include "common/config/section.hpp"
+#include "common/config/validators.hpp"
 #include "host/analyser/read_recording.hpp"
 #include "host/calibration/loop_back_comparison.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/defects.hpp"
-#include "tools/rb/validators.hpp"
 
 namespace roadbalance {
 namespace {

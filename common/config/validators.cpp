@@ -1,4 +1,4 @@
-#include "tools/rb/validators.hpp"
+#include "common/config/validators.hpp"
 
 #include <charconv>
 #include <cstdint>
