@@ -67,7 +67,9 @@ bool Reference::look_up(std::size_t line, NodeTime from, NodeTime last,
                                     : counter_[line]->angles(from, filter_.step_ns(), angle_rad);
   if (!known) return false;
   known_[line] = angle_rad;
-  sigma_rad_[line] = encoder_[line] ? encoder_[line]->sigma_rad() : counter_[line]->sigma_rad(from);
+  sigma_rad_[line] = encoder_[line]
+                         ? encoder_[line]->sigma_rad()
+                         : std::max(counter_[line]->sigma_rad(from), counter_[line]->sigma_rad(last));
   const bool awaited = counter_[line] && counter_[line]->is_awaited(last);
   const bool steered = steering_ratio_[line] == 0.0 || steer(line, from, angle_rad);
   return steered && !awaited;
