@@ -95,6 +95,15 @@ RotorConfig rotor_of_records(const std::vector<WeightedDrive>& drives, const std
   return *first.rotor_named(name);
 }
 
+/// The angle may have been read better, or the encoder fitted anew: a record does not tell which.
+void warn_of_datum(const WeightedDrive& first, double first_rad, const WeightedDrive& drive, double rad) {
+  if (rad != first_rad)
+    std::fprintf(stderr,
+                 "rb balance: %s: its datum is %.1f deg ahead of that of %s; taken as read anew, the encoder "
+                 "as it was\n",
+                 drive.folder.c_str(), degrees(rad - first_rad), first.folder.c_str());
+}
+
 /// What keeps the drive's channels or phases from being used.
 void warn_of(const std::string& folder, const RecordOrders& found) {
   std::set<std::string> remarks;
@@ -118,6 +127,7 @@ int balance(const BalanceOptions& options) {
     warn_of(drive.folder, found);
     for (const auto& orders : found.rotor) run.orders.push_back(orders.get());
     run.datum_rad = datum_of(found.vehicle, rotor);
+    warn_of_datum(drives.front(), runs.front().datum_rad, drive, run.datum_rad);
     run.phase_sigma_rad = doubt_of(found, found.rotor.front()->rotor()).common_sigma_rad;
   }
   const RotorBalance found = balance_rotor(rotor, runs);
