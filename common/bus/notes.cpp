@@ -48,7 +48,24 @@ bool in_bounds(const wire::journal_t& m) {
          is_index(m.scans) && is_index(m.scans_missing);
 }
 
+void raise(std::int64_t& count, std::int64_t said) {
+  count = std::max(count, said);
+}
+
 }  // namespace
+
+void NodeLosses::raise(const NodeLosses& said) {
+  roadbalance::raise(repaired, said.repaired);
+  roadbalance::raise(spool_failures, said.spool_failures);
+  roadbalance::raise(scans_refused, said.scans_refused);
+  roadbalance::raise(blocks_unsent, said.blocks_unsent);
+  roadbalance::raise(acks_refused, said.acks_refused);
+  for (std::size_t line = 0; line < encoder_faults.size(); ++line)
+    roadbalance::raise(encoder_faults[line], said.encoder_faults[line]);
+  roadbalance::raise(unreferenced_blocks, said.unreferenced_blocks);
+  for (std::size_t k = 0; k < device_counts.size(); ++k)
+    roadbalance::raise(device_counts[k], said.device_counts[k]);
+}
 
 std::vector<std::uint8_t> encode(const Journal& j) {
   wire::journal_t m{};

@@ -25,6 +25,8 @@ struct NodeLosses {
   std::int64_t unreferenced_blocks = 0;
   std::array<std::int64_t, kDeviceCounters> device_counts{};  ///< [DeviceCounter]
 
+  /// Counts of an epoch only rise; what says less was said earlier, or by someone who had heard less.
+  void raise(const NodeLosses& said);
   bool operator==(const NodeLosses&) const = default;
 };
 

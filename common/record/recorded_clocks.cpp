@@ -8,12 +8,15 @@ std::optional<ClockFit> RecordedClocks::take(std::string_view channel, std::span
   if (channel == kNoteChannel) {
     const auto note = decode_note(data);
     // One that was taken before the host's clocks were read has none.
-    if (note && note->time_us != 0)
+    if (note && note->time_us != 0) {
+      // The host's clock begins anew with it: fits to the one before say nothing of this one.
+      if (pair_ && note->host_ns < pair_->host_ns && note->time_us > pair_->time_us) fits_ = {};
       pair_ = Note{.time_us = note->time_us,
                    .host_ns = note->host_ns,
                    .incarnation = note->incarnation,
                    .kind = NoteKind::kClock,
                    .text = {}};
+    }
   } else if (channel.starts_with("RB_CLOCK_")) {
     const auto fit = decode_clock_fit(data);
     if (fit && fits_.take(*fit)) return fit;

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 
 #include "common/record/segment.hpp"
@@ -35,12 +36,24 @@ void RecordKeeper::do_duties(WallTime now) {
   note(NoteKind::kClock, 0, 0, "");
 }
 
+// Those with new blocks, and those that have lost more since their last entry: behind their last block, too.
+std::vector<NodeEpoch> RecordKeeper::journal_due() const {
+  std::vector<NodeEpoch> due = journal_.due();
+  if (!segment_is_open_) return due;  // a segment for counts alone would be much
+  for (const auto& [key, said] : journalled_)
+    if (const auto node = counters_.node.find(key);
+        node != counters_.node.end() && node->second != said && std::ranges::find(due, key) == due.end())
+      due.push_back(key);
+  return due;
+}
+
 void RecordKeeper::keep_journal() {
-  for (const NodeEpoch& key : journal_.due()) {
+  for (const NodeEpoch& key : journal_due()) {
     Journal entry = journal_.take(key.first, key.second);
     entry.time_us = stamp_.time_us;
     if (const auto node = counters_.node.find(key); node != counters_.node.end())
       entry.node_losses = node->second;
+    journalled_[key] = entry.node_losses;
     entry.refused = counters_.refused;
     entry.rivals = counters_.rivals;
     entry.unsent = counters_.unsent;

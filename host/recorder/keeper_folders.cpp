@@ -152,6 +152,7 @@ void RecordKeeper::go_to_fallback(WallTime now) {
 void RecordKeeper::hold_anew(std::size_t first) {
   const HeldEvents before = std::exchange(held_, {});
   journal_ = {};
+  journalled_.clear();
   SealedBlock block;
   for (std::size_t i = first; i < before.size(); ++i) {
     const HeldEvents::Event event = before.at(i);

@@ -122,6 +122,7 @@ class RecordKeeper {
   // keeper_duties.cpp: what is done beside, some time before or after a commit.
   void do_duties(WallTime now);
   void keep_journal();
+  std::vector<NodeEpoch> journal_due() const;
   void watch_space(WallTime now);
   void on_space(SpaceWatch::Event event);
   bool list_finished();
@@ -157,6 +158,7 @@ class RecordKeeper {
   WallTime journal_at_ = WallTime::min();
   JournalTally journal_;
   LinkCounters counters_;
+  std::map<NodeEpoch, NodeLosses> journalled_;         // by the last entries
   std::map<NodeEpoch, std::optional<BlockSum>> sums_;  // of the blocks given; nothing: one is not the node's
   bool house_is_due_ = false;
   int listed_ = 0;                 // last segment that the manifest lists as finished

@@ -7,21 +7,15 @@
 namespace roadbalance {
 namespace {
 
-void raise(std::int64_t& count, std::int64_t heard) {
-  count = std::max(count, heard);
-}
-
-// Counts only rise; an old heartbeat may come behind a newer one.
-void raise(NodeLosses& losses, const Heartbeat& heard) {
-  raise(losses.repaired, heard.blocks_repaired);
-  raise(losses.spool_failures, heard.spool_failures);
-  raise(losses.scans_refused, heard.scans_refused);
-  raise(losses.blocks_unsent, heard.blocks_unsent);
-  raise(losses.acks_refused, heard.acks_refused);
-  for (std::size_t line = 0; line < losses.encoder_faults.size(); ++line)
-    raise(losses.encoder_faults[line], heard.encoder_faults[line]);
-  raise(losses.unreferenced_blocks, heard.unreferenced_blocks);
-  for (std::size_t k = 0; k < kDeviceCounters; ++k) raise(losses.device_counts[k], heard.device_counts[k]);
+NodeLosses losses_of(const Heartbeat& heard) {
+  return {.repaired = heard.blocks_repaired,
+          .spool_failures = heard.spool_failures,
+          .scans_refused = heard.scans_refused,
+          .blocks_unsent = heard.blocks_unsent,
+          .acks_refused = heard.acks_refused,
+          .encoder_faults = heard.encoder_faults,
+          .unreferenced_blocks = heard.unreferenced_blocks,
+          .device_counts = heard.device_counts};
 }
 
 }  // namespace
@@ -50,7 +44,7 @@ void Tally::take(const Heartbeat& heartbeat) {
   NodeReport& report = of(heartbeat.node, heartbeat.epoch);
   report.samples_sent = std::max(report.samples_sent, heartbeat.scans_sampled);
   NodeLosses& losses = losses_[key];
-  raise(losses, heartbeat);
+  losses.raise(losses_of(heartbeat));  // an old heartbeat may come behind a newer one
   // The node's own count: what is asked for may be new, and on its way anyway.
   report.repaired = losses.repaired;
 }

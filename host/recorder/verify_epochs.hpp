@@ -50,7 +50,7 @@ struct VerifiedEpoch {
   std::int64_t contradicting_blocks = 0;    ///< of a number that is there already, but another block
   std::int64_t overlapping_blocks = 0;      ///< scans that an earlier block has too
   std::vector<std::string> contradictions;  ///< of the end's totals, or of the journal, with what is there
-  NodeLosses losses;                        ///< as the last journal entry counts them
+  NodeLosses losses;                        ///< as the journal counts them
 
   bool is_damaged() const {
     return !undeclared_blocks.empty() || !undeclared_scans.empty() || repeated_blocks > 0 ||

@@ -42,7 +42,12 @@ void JournalCheck::count_losses(const Journal& entry) {
       contradictions_[key].push_back(std::string("the journal's count of ") + now[k].first +
                                      " goes down, from " + std::to_string(before[k].second) + " to " +
                                      std::to_string(now[k].second));
-  losses_[key] = counted_[key] = said;
+  counted_[key] = said;
+  // A recorder that began anew may not have heard the node since.
+  NodeLosses heard = losses_[key].node;
+  losses_[key] = said;
+  heard.raise(said.node);
+  losses_[key].node = heard;
 }
 
 void JournalCheck::add(const Journal& entry) {

@@ -26,7 +26,7 @@ class JournalCheck {
     counted_.clear();
   }
 
-  /// What the last entry of each node epoch counts of losses.
+  /// What each node epoch has counted of losses, by all entries, and its recorder in its last run.
   struct Losses {
     NodeLosses node{};
     std::int64_t refused = 0, rivals = 0, unsent = 0, disk_failures = 0;

@@ -152,17 +152,21 @@ class Salvage {
 
   void write_other(const LogEvent& event) {
     if (event.channel == kJournalChannel)
-      if (const auto entry = decode_journal(event.data)) counted_[{entry->node, entry->epoch}] = *entry;
+      if (auto entry = decode_journal(event.data)) {
+        Journal& counted = counted_[{entry->node, entry->epoch}];
+        entry->node_losses.raise(counted.node_losses);
+        counted = *entry;
+      }
     if (!goes_along(event)) return;
     if (event.channel == kNoteChannel && decode_note(event.data)->kind == NoteKind::kStarted) begin_run();
     writer_->append(event.channel, event.data, event.timestamp_us);
   }
 
-  // Behind the note that a recorder began the journal begins anew, and its counts.
+  // Behind the note that a recorder began the journal begins anew, and the recorder's counts.
   void begin_run() {
     for (auto& [key, plan] : plans_)
       if (plan.blocks_in_entry > 0) write_entry(key, plan, last_timestamp_us_);
-    counted_.clear();
+    for (auto& [key, counted] : counted_) counted = {.node_losses = counted.node_losses};
   }
 
   void write_elsewhere_before(std::int64_t sequence, const NodeEpoch& key, Plan& plan) {
@@ -215,7 +219,7 @@ class Salvage {
   std::map<NodeEpoch, Plan> plans_;
   RecordState vehicle_;  // only the descriptions in it count
   JournalTally journal_;
-  std::map<NodeEpoch, Journal> counted_;  // the last entry of this run of the recorder: its losses count
+  std::map<NodeEpoch, Journal> counted_;  // what the nodes lost, and this run of the recorder
   std::int64_t last_timestamp_us_ = 0;
   Salvaged result_;
 };

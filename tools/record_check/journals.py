@@ -14,7 +14,8 @@ class JournalCheck:
     def __init__(self):
         self.appended = []  # since the last entry, as they lie in the record
         self.entries = 0
-        self.losses = {}  # counters by name, as the last entry says: of the node's epoch, and of the recorder's run
+        self.losses = {}  # counters by name: of the node's epoch by all entries, of the recorder's last run
+        self.counted = {}  # the same as this run's last entry says
         self.contradictions = []
 
     def append(self, block):
@@ -23,7 +24,7 @@ class JournalCheck:
     def restart(self):
         """Another run of the recorder knows nothing of what the one before had not written down yet."""
         self.appended.clear()
-        self.losses = {}
+        self.counted = {}
 
     def entry(self, journal, first_kept):
         """@param first_kept  blocks before this number may have been deleted with their segment"""
@@ -41,10 +42,12 @@ class JournalCheck:
     def _count_losses(self, journal):
         said = {name: journal[name] for name in OF_NODE + OF_RUN}
         for name, value in said.items():
-            values, before = (each if isinstance(each, tuple) else (each,) for each in (value, self.losses.get(name, 0)))
+            values, before = (each if isinstance(each, tuple) else (each,) for each in (value, self.counted.get(name, 0)))
             if any(new < old for new, old in zip(values, before)) or min(values) < 0:
                 self.contradictions.append(f"the journal's count of {name} goes down, from {before} to {values}")
-        self.losses = said
+        self.counted = said
+        heard = {name: _larger(said[name], self.losses.get(name, said[name])) for name in OF_NODE}
+        self.losses = said | heard  # a recorder that began anew may not have heard the node since
 
     @staticmethod
     def _compare(journal, blocks):
@@ -60,6 +63,10 @@ class JournalCheck:
             yield "first scan", journal["first_scan"], with_scans[0].first_scan
             yield "next scan", journal["next_scan"], with_scans[-1].first_scan + with_scans[-1].scans
         yield "channel CRCs", [value & 0xFFFFFFFF for value in journal["channel_crc"]], _channel_crcs(blocks)
+
+
+def _larger(one, other):
+    return tuple(map(max, one, other)) if isinstance(one, tuple) else max(one, other)
 
 
 def _channel_crcs(blocks):

@@ -130,6 +130,27 @@ TEST_F(RecordedClocksTest, EachSegmentAlonePlacesEachOfItsBlocksOnHostTimeAndUtc
   EXPECT_EQ(blocks, 2 * (4 * kBlocksPerFit + 1));
 }
 
+// The host's clock begins anew; a fit to the one before would be off by both uptimes.
+TEST(RecordedClocks, ForgetsFitsWhenTheHostIsBootedAnew) {
+  RecordedClocks clocks;
+  const auto take_pair = [&](std::int64_t host_ns, std::int64_t time_us) {
+    const Note pair{.time_us = time_us, .host_ns = host_ns, .kind = NoteKind::kClock, .text = {}};
+    static_cast<void>(clocks.take(kNoteChannel, encode(pair)));
+  };
+  const auto take_fit = [&](std::int64_t host_ns) {
+    static_cast<void>(clocks.take(clock_fit_channel(kOne.first), encode(fit_at(kOne, host_ns))));
+  };
+  constexpr std::int64_t kBefore_ns = 5'000'000'000'000, kAfter_ns = 20'000'000'000;
+  take_pair(kBefore_ns, kNotedUtc_us);
+  take_fit(kBefore_ns);
+  take_pair(kBefore_ns - 1, kNotedUtc_us - 1);  // a segment repeats one of before
+  EXPECT_TRUE(clocks.host_ns(kOne, node_ns(kOne, kBefore_ns)));
+  take_pair(kAfter_ns, kNotedUtc_us + 60'000'000);
+  EXPECT_FALSE(clocks.host_ns(kOne, node_ns(kOne, kBefore_ns)));
+  take_fit(kAfter_ns);
+  EXPECT_TRUE(clocks.host_ns(kOne, node_ns(kOne, kAfter_ns)));
+}
+
 // Each fit is there once for who reads all of it, however often it is repeated.
 TEST_F(RecordedClocksTest, WhoReadsTheWholeRecordIsGivenEachFitOnce) {
   begin();

@@ -1,5 +1,6 @@
 #include "common/bus/bus.hpp"
 #include "host/recorder/test/keeper_drive.hpp"
+#include "host/recorder/verify_journal.hpp"
 
 namespace roadbalance {
 namespace {
@@ -37,6 +38,44 @@ TEST_F(KeeperLosses, TheJournalSaysEveryCounterOfLossOfNodeAndRecorder) {
     EXPECT_EQ(entry->unsent, 3);
   }
   EXPECT_GE(entries, 4) << "once a second";
+}
+
+// A node goes on counting when its last block has come.
+TEST_F(KeeperLosses, TheJournalSaysWhatIsLostBehindTheLastBlock) {
+  const BlockHeader& header = test::numbered_block(1).header;
+  LinkCounters counters{.node = {{{header.node, header.epoch}, {.repaired = 4}}}};
+  start();
+  keeper->set_link_counters(counters);
+  run(milliseconds(3000), 60);
+  run(milliseconds(2000), 0);  // an entry for the last of them
+  counters.node.begin()->second.repaired = 5;
+  keeper->set_link_counters(counters);
+  note_durable(keeper->close(now));
+  std::int64_t last = 0;
+  RecordReader reader(test::kFolder, disk);
+  reader.finish();
+  while (const auto event = reader.next())
+    if (const auto entry = event->channel == kJournalChannel ? decode_journal(event->data) : std::nullopt)
+      last = entry->node_losses.repaired;
+  EXPECT_EQ(last, 5);
+}
+
+// It may not have heard the node, of which it declares the crash.
+TEST(JournalCheck, KeepsWhatANodeHasLostWhenItsRecorderBeginsAnew) {
+  const NodeEpoch key{3, 77};
+  JournalCheck check;
+  Journal entry{.node = key.first, .epoch = key.second};
+  entry.node_losses = {.blocks_unsent = 8, .device_counts = {0, 2}};
+  entry.refused = 6;
+  check.add(entry);
+  check.restart();
+  check.add(Journal{.node = key.first, .epoch = key.second});
+  EXPECT_EQ(check.losses().at(key).node, entry.node_losses);
+  EXPECT_EQ(check.losses().at(key).refused, 0) << "of the last run";
+  EXPECT_TRUE(check.contradictions().empty());
+  check.add(entry);
+  check.add(Journal{.node = key.first, .epoch = key.second});
+  EXPECT_FALSE(check.contradictions().empty()) << "in one run counts only rise";
 }
 
 // The first half is in the record when the recorder is started again.

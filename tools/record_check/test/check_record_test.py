@@ -14,7 +14,7 @@ from records import (COMPLETE, DAMAGED, INCOMPLETE, RB, SEGMENT, TOOLS, TYPES, U
 
 from record_check.crc32c import crc
 from record_check.event_log import HEADER, split_events
-from record_check.journals import OF_NODE, OF_RUN
+from record_check.journals import OF_NODE, OF_RUN, JournalCheck
 
 
 class CheckRecord(unittest.TestCase):
@@ -279,6 +279,16 @@ class CheckRecord(unittest.TestCase):
         # Where one node was fast all it sent, its end too, is in the deleted segment.
         contradictions = [text for epoch in self.agrees(DAMAGED)["nodes"] for text in epoch["contradictions"]]
         self.assertTrue(any("the node's sum of its blocks" in text for text in contradictions), contradictions)
+
+    def test_what_a_node_has_lost_when_its_recorder_begins_anew(self):
+        journal = JournalCheck()
+        none = {"first_sequence": 1, "last_sequence": 0, "scans": 0, "scans_missing": 0, "channel_crc": [0] * 16}
+        zeros = {name: (0, 0) if name in ("encoder_faults", "device_counts") else 0 for name in OF_NODE + OF_RUN}
+        journal.entry(none | zeros | {"blocks_unsent": 8, "device_counts": (0, 2), "refused": 6}, 0)
+        journal.restart()
+        journal.entry(none | zeros, 0)
+        self.assertEqual(journal.losses, zeros | {"blocks_unsent": 8, "device_counts": (0, 2)})
+        self.assertEqual(journal.contradictions, [])
 
     def test_an_altered_number_stamp_or_channel_of_any_event_but_the_last(self):
         log = (self.folder / SEGMENT).read_bytes()
