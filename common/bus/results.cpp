@@ -111,6 +111,11 @@ std::vector<std::uint8_t> encode(const Identification& i) {
   put(i.sigma_stabiliser_n_m, m.sigma_stabiliser_n_m);
   put(i.tyre_n_m, m.tyre_n_m);
   put(i.sigma_tyre_n_m, m.sigma_tyre_n_m);
+  m.condition = i.condition;
+  put(i.mass_share, m.mass_share);
+  put(i.sigma_mass_share, m.sigma_mass_share);
+  put(i.misfit, m.misfit);
+  put(i.misfit_chance, m.misfit_chance);
   m.speed_classes = static_cast<std::int32_t>(i.speed_class.size());
   for (std::size_t k = 0; k < i.speed_class.size(); ++k) {
     m.speed_m_s[k] = i.speed_class[k].speed_m_s;
@@ -136,6 +141,11 @@ std::optional<Identification> decode_identification(std::span<const std::uint8_t
   take(m->sigma_stabiliser_n_m, i.sigma_stabiliser_n_m);
   take(m->tyre_n_m, i.tyre_n_m);
   take(m->sigma_tyre_n_m, i.sigma_tyre_n_m);
+  i.condition = m->condition;
+  take(m->mass_share, i.mass_share);
+  take(m->sigma_mass_share, i.sigma_mass_share);
+  take(m->misfit, i.misfit);
+  take(m->misfit_chance, i.misfit_chance);
   for (std::int32_t k = 0; k < m->speed_classes; ++k)
     i.speed_class.push_back({.speed_m_s = m->speed_m_s[k], .seconds = m->speed_seconds[k]});
   return i;
@@ -155,12 +165,25 @@ std::vector<std::uint8_t> encode(const Balance& b) {
   m.weight_radius_m = b.weight_radius_m;
   m.weight_angle_rad = b.weight_angle_rad;
   m.seconds_used = b.seconds_used;
+  m.sigma_drive_g = b.sigma_drive_g;
+  m.phase_drift_rad = b.phase_drift_rad;
+  m.least_speed_m_s = b.least_speed_m_s;
+  m.greatest_speed_m_s = b.greatest_speed_m_s;
+  m.force_state = static_cast<std::int32_t>(b.force_state);
+  m.force_n = b.force_n;
+  m.force_angle_rad = b.force_angle_rad;
+  m.sigma_force_n = b.sigma_force_n;
+  m.alone_g = b.alone_g;
+  m.alone_angle_rad = b.alone_angle_rad;
+  m.sigma_alone_g = b.sigma_alone_g;
   return wire_format::encode(m);
 }
 
 std::optional<Balance> decode_balance(std::span<const std::uint8_t> bytes) {
   const auto m = wire_format::decode<wire::balance_t>(bytes);
-  if (!m || !is_state(m->state) || m->wheel < 0 || m->wheel >= kWheels) return std::nullopt;
+  if (!m || !is_state(m->state) || m->wheel < 0 || m->wheel >= kWheels || m->force_state < 0 ||
+      m->force_state > static_cast<std::int32_t>(ForceState::kNotSeparable))
+    return std::nullopt;
   Balance b;
   b.wheel = m->wheel;
   b.time_ns = m->time_ns;
@@ -174,6 +197,17 @@ std::optional<Balance> decode_balance(std::span<const std::uint8_t> bytes) {
   b.weight_radius_m = m->weight_radius_m;
   b.weight_angle_rad = m->weight_angle_rad;
   b.seconds_used = m->seconds_used;
+  b.sigma_drive_g = m->sigma_drive_g;
+  b.phase_drift_rad = m->phase_drift_rad;
+  b.least_speed_m_s = m->least_speed_m_s;
+  b.greatest_speed_m_s = m->greatest_speed_m_s;
+  b.force_state = static_cast<ForceState>(m->force_state);
+  b.force_n = m->force_n;
+  b.force_angle_rad = m->force_angle_rad;
+  b.sigma_force_n = m->sigma_force_n;
+  b.alone_g = m->alone_g;
+  b.alone_angle_rad = m->alone_angle_rad;
+  b.sigma_alone_g = m->sigma_alone_g;
   return b;
 }
 

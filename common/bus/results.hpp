@@ -60,11 +60,22 @@ struct Identification {
   std::array<double, kWheels> spring_n_m{}, sigma_spring_n_m{}, damper_n_s_m{}, sigma_damper_n_s_m{};
   std::array<double, kAxles> stabiliser_n_m{}, sigma_stabiliser_n_m{};
   std::array<double, kWheels> tyre_n_m{}, sigma_tyre_n_m{};
+  double condition = 0;
+  std::array<double, kWheels> mass_share{}, sigma_mass_share{};
+  std::array<double, 1 + kWheels> misfit{}, misfit_chance{};  ///< body, then the wheels
   struct SpeedClass {
     double speed_m_s = 0;
     double seconds = 0;
   };
   std::vector<SpeedClass> speed_class;  ///< at most kMaxSpeedClasses
+};
+
+/// Whether the speeds driven tell a wheel's unbalance from a first-order force that does not grow with speed:
+/// a tyre's radial force variation.
+enum class ForceState : std::int32_t {
+  kNotJudged = 0,
+  kSeparated = 1,
+  kNotSeparable = 2,  ///< the unbalance is the equivalent one of the speeds driven
 };
 
 struct Balance {
@@ -79,6 +90,17 @@ struct Balance {
   double weight_radius_m = 0;
   double weight_angle_rad = 0;
   double seconds_used = 0;
+  double sigma_drive_g = 0;
+  double phase_drift_rad = 0;
+  double least_speed_m_s = 0;
+  double greatest_speed_m_s = 0;
+  ForceState force_state = ForceState::kNotJudged;
+  double force_n = 0;
+  double force_angle_rad = 0;
+  double sigma_force_n = 0;
+  double alone_g = 0;
+  double alone_angle_rad = 0;
+  double sigma_alone_g = 0;
 };
 
 std::vector<std::uint8_t> encode(const Level& message);

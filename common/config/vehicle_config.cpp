@@ -31,6 +31,12 @@ ModelConfig parse_model(Section model) {
   m.body_mass_kg = model.number("body_mass_kg", kPositive);
   m.roll_inertia_kg_m2 = model.number("roll_inertia_kg_m2", kPositive);
   m.pitch_inertia_kg_m2 = model.number("pitch_inertia_kg_m2", kPositive);
+  const auto sigma = [&](const char* key, double value, double doubt) {
+    return model.number_or(key, {0, value}, doubt * value);
+  };
+  m.body_mass_sigma_kg = sigma("body_mass_sigma_kg", m.body_mass_kg, kBodyMassDoubt);
+  m.roll_inertia_sigma_kg_m2 = sigma("roll_inertia_sigma_kg_m2", m.roll_inertia_kg_m2, kInertiaDoubt);
+  m.pitch_inertia_sigma_kg_m2 = sigma("pitch_inertia_sigma_kg_m2", m.pitch_inertia_kg_m2, kInertiaDoubt);
   m.axle = {parse_axle(model.section("front")), parse_axle(model.section("rear"))};
   if (m.axle[1].x_m >= m.axle[0].x_m)
     model.fail("rear", "x_m of the rear axle must be less than the front's");

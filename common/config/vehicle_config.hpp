@@ -20,6 +20,12 @@ inline constexpr std::array<const char*, kWheels> kWheelNames{"front_left", "fro
                                                               "rear_right"};
 inline constexpr int kAxles = 2;  ///< front, rear
 
+/// What is taken for known to one standard deviation where vehicle.toml does not say how well it is: a wheel
+/// weighed with its carrier, a car weighed with the people in it, inertias from a table.
+inline constexpr double kWheelMassDoubt = 0.02;
+inline constexpr double kBodyMassDoubt = 0.03;
+inline constexpr double kInertiaDoubt = 0.10;
+
 /// [model]: parameters of the 7-degree-of-freedom car, kind = "seven_dof".
 /// Axes: x forward, y left, z up; origin in the body's centre of mass.  Both wheels of an axle are alike
 /// here; identification finds each wheel's own values, starting from these.
@@ -35,6 +41,11 @@ struct ModelConfig {
   double body_mass_kg;
   double roll_inertia_kg_m2;
   double pitch_inertia_kg_m2;
+  /// How well these three are known, one standard deviation.  All stiffnesses that are found are in
+  /// proportion to them.
+  double body_mass_sigma_kg;
+  double roll_inertia_sigma_kg_m2;
+  double pitch_inertia_sigma_kg_m2;
   std::array<AxleConfig, kAxles> axle;  ///< [model.front], [model.rear]
 };
 
@@ -54,8 +65,9 @@ struct EncoderConfig {
   std::string counter{};
 };
 struct WheelConfig {
-  std::string name;  ///< one of kWheelNames
-  double mass_kg;    ///< unsprung mass moving with the wheel, mounted transducer included
+  std::string name;      ///< one of kWheelNames
+  double mass_kg;        ///< unsprung mass moving with the wheel, mounted transducer included
+  double mass_sigma_kg;  ///< how well it is known, one standard deviation: unbalances are in proportion to it
   double rolling_radius_m;
   double weight_radius_m;  ///< where weights are clipped
   std::string node;        ///< node that reads the encoder; empty: no encoder

@@ -109,12 +109,21 @@ TEST(Control, RefusesAHeartbeatWhoseRingIsInsideOut) {
 TEST(Results, ABalanceArrivesAsItWasSent) {
   Balance sent{.wheel = 3, .time_ns = 5, .state = Unknown::kNone, .unbalance_g = 35.5, .angle_rad = 3.75};
   sent.covariance_g2 << 1, 2, 3, 4;
+  sent.force_state = ForceState::kSeparated;
+  sent.force_n = 25.0;
+  sent.sigma_alone_g = 2.5;
   const auto balance = decode_balance(encode(sent));
   ASSERT_TRUE(balance);
   EXPECT_EQ(balance->wheel, 3);
   EXPECT_EQ(balance->unbalance_g, 35.5);
   EXPECT_EQ(balance->angle_rad, 3.75);
   EXPECT_EQ(balance->covariance_g2, sent.covariance_g2);
+  EXPECT_EQ(balance->force_state, ForceState::kSeparated);
+  EXPECT_EQ(balance->force_n, 25.0);
+  EXPECT_EQ(balance->sigma_alone_g, 2.5);
+  sent.force_state = static_cast<ForceState>(3);
+  EXPECT_FALSE(decode_balance(encode(sent)));
+  sent.force_state = ForceState::kNotJudged;
   sent.wheel = 4;
   EXPECT_FALSE(decode_balance(encode(sent)));
 }
@@ -137,10 +146,14 @@ TEST(Results, IdentificationAndLevelArriveAsTheyWereSent) {
   Identification sent{.sections = 4,
                       .state = Unknown::kNone,
                       .tyre_n_m = {1, 2, 3, 4},
+                      .condition = 12.0,
+                      .misfit_chance = {0.5, 0.25},
                       .speed_class = {{.speed_m_s = 25, .seconds = 80}}};
   const auto identification = decode_identification(encode(sent));
   ASSERT_TRUE(identification);
   EXPECT_EQ(identification->tyre_n_m, sent.tyre_n_m);
+  EXPECT_EQ(identification->condition, 12.0);
+  EXPECT_EQ(identification->misfit_chance, sent.misfit_chance);
   ASSERT_EQ(identification->speed_class.size(), 1u);
   EXPECT_EQ(identification->speed_class[0].seconds, 80);
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <regex>
 
 #include <gtest/gtest.h>
 
@@ -132,6 +133,16 @@ TEST(VehicleConfig, RefusesARotorThatNothingTurns) {
   EXPECT_NE(says("drive_shaft", "front_left").find("name: \"front_left\" stands twice"), std::string::npos);
 }
 
+TEST(VehicleConfig, TakesMassesForKnownAsWellAsItSays) {
+  const std::string exact = demo();
+  EXPECT_EQ(VehicleConfig::parse(exact, "car.toml").wheel[2].mass_sigma_kg, 0.0);
+  const auto v = VehicleConfig::parse(
+      std::regex_replace(exact, std::regex("[a-z_]*sigma_kg[_m2]* = 0\n"), ""), "car.toml");
+  EXPECT_DOUBLE_EQ(v.wheel[2].mass_sigma_kg, 0.02 * 32.0);
+  EXPECT_DOUBLE_EQ(v.model.body_mass_sigma_kg, 0.03 * 1300.0);
+  EXPECT_DOUBLE_EQ(v.model.pitch_inertia_sigma_kg_m2, 0.10 * 2200.0);
+}
+
 TEST(VehicleConfig, NamesFileLineKeyAndWhatIsAllowed) {
   struct Case {
     std::string from, to;    ///< change of the demo vehicle
@@ -144,7 +155,7 @@ TEST(VehicleConfig, NamesFileLineKeyAndWhatIsAllowed) {
        "datum_rad: unknown key (did you mean datum_deg?); allowed here: pulses_per_turn, zero_mark, "},
       {"body_mass_kg = 1300", "body_mass_kg = 1300\ncolour = 1", "colour",
        "colour: unknown key; allowed here: kind, body_mass_kg, roll_inertia_kg_m2, pitch_inertia_kg_m2, "
-       "front, rear"},
+       "body_mass_sigma_kg, roll_inertia_sigma_kg_m2, pitch_inertia_sigma_kg_m2, front, rear"},
       {"body_mass_kg = 1300", "body_mass_kg = -1300", "body_mass_kg",
        "body_mass_kg: is -1300; allowed: a number > 0"},
       {"body_mass_kg = 1300", "body_mass_kg = [0.1]", "body_mass_kg", "body_mass_kg: allowed: a number > 0"},
@@ -169,8 +180,8 @@ TEST(VehicleConfig, NamesFileLineKeyAndWhatIsAllowed) {
       {"node = \"front\"", "node = \"roof\"", "node = \"roof\"",
        "node: there is no node \"roof\"; allowed: front, rear"},
       {"line = 1", "line = 0",
-       "name = \"front_right\"\nmass_kg = 34\nrolling_radius_m = 0.30\nweight_radius_m = 0.19\nnode = "
-       "\"front\"\nline",
+       "name = \"front_right\"\nmass_kg = 34\nmass_sigma_kg = 0\nrolling_radius_m = 0.30\n"
+       "weight_radius_m = 0.19\nnode = \"front\"\nline",
        "line: line 0 of node front has a wheel already"},
       {"line = 1", "line = 2", "line = 2", "line: is 2; allowed: an integer 0 .. 1"},
       {"id = 2", "id = 1", "name = \"rear\"\nid", "id: 1 stands twice"},
