@@ -53,6 +53,10 @@ Car::Forces Car::wheel_forces() {
     const auto w = static_cast<std::size_t>(i);
     const RoadPoint road = road_[w].at(motion_.position_m + drawn_.geometry.x_m[w]);
     const double tyre_n_m = drawn_.parameters(kTyre + i);
+    const double tyre_n_s_m = drawn_.parameters(kTyreDamper + i);
+    const double lift_m_s = road.slope * motion_.speed_m_s;
+    const double lift_m_s2 =
+        road.curvature_1_m * motion_.speed_m_s * motion_.speed_m_s + road.slope * motion_.acceleration_m_s2;
     const double radius_m = drawn_.rolling_radius_m[w];
     const double omega = motion_.speed_m_s / radius_m;
     const double omega_rate = motion_.acceleration_m_s2 / radius_m;
@@ -62,8 +66,8 @@ Car::Forces Car::wheel_forces() {
     const std::complex<double> unbalance = drawn_.wheel[w].unbalance_kg_m * turn;
     const std::complex<double> centrifugal = unbalance * (omega * omega);
     const std::complex<double> first_order = centrifugal + drawn_.wheel[w].radial_force_n * turn;
-    forces.vertical.force_n(i) = tyre_n_m * road.height_m + first_order.real();
-    forces.vertical.rate_n_s(i) = tyre_n_m * road.slope * motion_.speed_m_s +
+    forces.vertical.force_n(i) = tyre_n_m * road.height_m + tyre_n_s_m * lift_m_s + first_order.real();
+    forces.vertical.rate_n_s(i) = tyre_n_m * lift_m_s + tyre_n_s_m * lift_m_s2 +
                                   2.0 * omega * omega_rate * unbalance.real() - omega * first_order.imag();
     // At the front of its turn (a quarter ahead of the upward vertical) the heavy spot pulls forward.
     forces.forward_n(i) = centrifugal.imag() - static_load_n_(i) * road.slope;

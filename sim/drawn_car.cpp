@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "common/config/section.hpp"
 #include "sim/random.hpp"
 
 namespace roadbalance::sim {
@@ -23,6 +24,9 @@ std::array<double, kWheels> draw_radius_offsets(std::uint64_t seed) {
 }  // namespace
 
 DrawnCar draw_car(const Scenario& scenario, std::uint64_t seed, const VehicleConfig& vehicle) {
+  if (!vehicle.model.description.empty())
+    throw ConfigError("vehicle " + vehicle.name +
+                      ": kind of [model] is \"description\"; the simulated car is a \"seven_dof\" only");
   DrawnCar car{geometry_of(vehicle.model), nominal_parameters(vehicle), {}, {}, scenario.wheel};
   const RandomSequence spread(seed, Use::kParameters, 0);
   for (int p = kSpring; p < kParameters; ++p)

@@ -64,7 +64,7 @@ void RoadProfile::advance() {
 
 RoadPoint RoadProfile::at(double place_m) {
   const double cells = place_m / RoadFilter::kGrid_m;
-  if (ingredient_.empty()) return {0.0, 0.0};
+  if (ingredient_.empty()) return {0.0, 0.0, 0.0};
   while (cells >= static_cast<double>(cell_ + 1)) advance();
   // Cubic Hermite curve through height and slope at both grid points.
   const double x = cells - static_cast<double>(cell_);
@@ -73,7 +73,8 @@ RoadPoint RoadProfile::at(double place_m) {
   const double b = RoadFilter::kGrid_m * to_(1);
   const double c2 = 3.0 * rise_m - 2.0 * a - b;
   const double c3 = a + b - 2.0 * rise_m;
-  return {from_(0) + x * (a + x * (c2 + x * c3)), (a + x * (2.0 * c2 + 3.0 * x * c3)) / RoadFilter::kGrid_m};
+  return {from_(0) + x * (a + x * (c2 + x * c3)), (a + x * (2.0 * c2 + 3.0 * x * c3)) / RoadFilter::kGrid_m,
+          (2.0 * c2 + 6.0 * x * c3) / (RoadFilter::kGrid_m * RoadFilter::kGrid_m)};
 }
 
 }  // namespace roadbalance::sim

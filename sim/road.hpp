@@ -12,10 +12,11 @@
 
 namespace roadbalance::sim {
 
-/// Road under a wheel: height and slope along the road.
+/// Road under a wheel: height, and its first and second derivative along the road.
 struct RoadPoint {
   double height_m;
   double slope;
+  double curvature_1_m;
 };
 
 /// Shape of the road's spectrum: height u = w2 / ((s + w1)(s + w2)) * white noise in the distance domain,

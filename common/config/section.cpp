@@ -81,6 +81,13 @@ struct Section::State {
       refuse(node, key, allowed_numbers(range));
     return *value;
   }
+  std::string formula(const toml::node& node, const std::string& key, const std::string& allowed) const {
+    if (const auto* text = node.as_string()) return **text;
+    if (!node.is_number()) refuse(node, key, allowed);
+    char text[32];
+    std::snprintf(text, sizeof text, "%.17g", number(node, key, kAnyNumber));
+    return text;
+  }
 };
 
 Section::Section(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -185,8 +192,32 @@ std::vector<double> Section::numbers_or(const std::string& key, std::size_t size
   return state_->find(key) ? numbers(key, size, range) : otherwise;
 }
 
+std::string Section::formula(const std::string& key) {
+  const std::string allowed = "a formula in quotes, or a number";
+  return state_->formula(state_->require(key, allowed), key, allowed);
+}
+
+std::vector<std::string> Section::formulas(const std::string& key, std::size_t size) {
+  const std::string allowed = std::to_string(size) + " formulas in quotes, or numbers, in [ ]";
+  const toml::node& node = state_->require(key, allowed);
+  const auto* array = node.as_array();
+  if (!array || array->size() != size) state_->refuse(node, key, allowed);
+  std::vector<std::string> texts;
+  for (const toml::node& element : *array) texts.push_back(state_->formula(element, key, allowed));
+  return texts;
+}
+
 bool Section::has(const std::string& key) const {
   return state_->find(key) != nullptr;
+}
+
+std::vector<std::string> Section::keys() const {
+  std::vector<std::pair<toml::source_position, std::string>> places;
+  for (const auto& [key, node] : *state_->table) places.emplace_back(key.source().begin, key.str());
+  std::ranges::sort(places, [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<std::string> names;
+  for (auto& [place, name] : places) names.push_back(std::move(name));
+  return names;
 }
 
 Section Section::section(const std::string& key) {

@@ -57,8 +57,14 @@ class Section {
   std::vector<double> numbers(const std::string& key, std::size_t size, Range range);
   std::vector<double> numbers_or(const std::string& key, std::size_t size, Range range,
                                  std::vector<double> otherwise);
+  /// A text, or a number as it would be written.
+  std::string formula(const std::string& key);
+  /// Exactly `size` of them in [ ].
+  std::vector<std::string> formulas(const std::string& key, std::size_t size);
 
   bool has(const std::string& key) const;
+  /// All keys of this table, in the order of the file.
+  std::vector<std::string> keys() const;
   Section section(const std::string& key);
   std::optional<Section> section_if(const std::string& key);
   /// [[key]], at least `least` of them.

@@ -21,13 +21,18 @@ AxleConfig parse_axle(Section axle) {
   a.damper_n_s_m = axle.number("damper_n_s_m", kPositive);
   a.stabiliser_n_m = axle.number("stabiliser_n_m", kNotNegative);
   a.tyre_n_m = axle.number("tyre_n_m", kPositive);
+  a.tyre_damper_n_s_m = axle.number_or("tyre_damper_n_s_m", kNotNegative, 0.0);
   axle.finish();
   return a;
 }
 
 ModelConfig parse_model(Section model) {
-  model.choice("kind", {"seven_dof"});
   ModelConfig m{};
+  if (model.choice("kind", {"seven_dof", "description"}) == 1) {
+    m.description = model.text("file");
+    model.finish();
+    return m;
+  }
   m.body_mass_kg = model.number("body_mass_kg", kPositive);
   m.roll_inertia_kg_m2 = model.number("roll_inertia_kg_m2", kPositive);
   m.pitch_inertia_kg_m2 = model.number("pitch_inertia_kg_m2", kPositive);

@@ -26,16 +26,18 @@ inline constexpr double kWheelMassDoubt = 0.02;
 inline constexpr double kBodyMassDoubt = 0.03;
 inline constexpr double kInertiaDoubt = 0.10;
 
-/// [model]: parameters of the 7-degree-of-freedom car, kind = "seven_dof".
+/// [model]: parameters of the 7-degree-of-freedom car, kind = "seven_dof", or of kind = "description" the
+/// file that describes a car of another form (common/multibody), which can be recorded but not identified.
 /// Axes: x forward, y left, z up; origin in the body's centre of mass.  Both wheels of an axle are alike
 /// here; identification finds each wheel's own values, starting from these.
 struct AxleConfig {
-  double x_m;             ///< of the axle; rear is negative
-  double half_track_m;    ///< left wheel at +, right at -
-  double spring_n_m;      ///< each suspension spring, at the wheel
-  double damper_n_s_m;    ///< each damper, at the wheel
-  double stabiliser_n_m;  ///< acts on the difference of left and right suspension stretch
-  double tyre_n_m;        ///< vertical stiffness of each tyre
+  double x_m;                      ///< of the axle; rear is negative
+  double half_track_m;             ///< left wheel at +, right at -
+  double spring_n_m;               ///< each suspension spring, at the wheel
+  double damper_n_s_m;             ///< each damper, at the wheel
+  double stabiliser_n_m;           ///< acts on the difference of left and right suspension stretch
+  double tyre_n_m;                 ///< vertical stiffness of each tyre
+  double tyre_damper_n_s_m = 0.0;  ///< vertical damping of each tyre
 };
 struct ModelConfig {
   double body_mass_kg;
@@ -47,6 +49,7 @@ struct ModelConfig {
   double roll_inertia_sigma_kg_m2;
   double pitch_inertia_sigma_kg_m2;
   std::array<AxleConfig, kAxles> axle;  ///< [model.front], [model.rear]
+  std::string description{};            ///< file of kind = "description"; empty: seven_dof
 };
 
 /// [[wheel]]

@@ -21,6 +21,9 @@ Eigen::Matrix<double, kWheels, kCoordinates> stretch_rows(const Geometry& geomet
 
 /// The map to the first `coordinates` of the seven.
 SensorMap map_to(int coordinates, const VehicleConfig& vehicle) {
+  if (!vehicle.model.description.empty())
+    throw ConfigError(
+        "vehicle.toml: kind of [model] is \"description\"; the car is identified as \"seven_dof\" only");
   SensorMap map;
   std::vector<Vector7> rows;
   for (std::size_t n = 0; n < vehicle.node.size(); ++n) {
@@ -79,6 +82,7 @@ ParameterVector nominal_parameters(const VehicleConfig& vehicle) {
     p(kSpring + i) = axle.spring_n_m;
     p(kDamper + i) = axle.damper_n_s_m;
     p(kTyre + i) = axle.tyre_n_m;
+    p(kTyreDamper + i) = axle.tyre_damper_n_s_m;
   }
   for (int a = 0; a < kAxles; ++a)
     p(kStabiliser + a) = vehicle.model.axle[static_cast<std::size_t>(a)].stabiliser_n_m;
@@ -96,8 +100,11 @@ LinearModel linear_model(const Geometry& geometry, const ParameterVector& p) {
     m.Q += p(kStabiliser + a) * twist.transpose() * twist;
   }
   m.Q.diagonal().tail<kWheels>() += p.segment<kWheels>(kTyre);
+  m.P.diagonal().tail<kWheels>() += p.segment<kWheels>(kTyreDamper);
   m.S.setZero();
   m.S.bottomRows<kWheels>() = p.segment<kWheels>(kTyre).asDiagonal();
+  m.Sd.setZero();
+  m.Sd.bottomRows<kWheels>() = p.segment<kWheels>(kTyreDamper).asDiagonal();
   m.W.setZero();
   m.W.bottomRows<kWheels>().setIdentity();
   return m;

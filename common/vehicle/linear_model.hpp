@@ -20,7 +20,8 @@ using Matrix74 = Eigen::Matrix<double, kCoordinates, kWheels>;
 using Vector7 = Eigen::Matrix<double, kCoordinates, 1>;
 
 /// Parameters of the 7-degree-of-freedom car, each an entry of one vector.
-/// Order: body mass, roll inertia, pitch inertia, wheel mass[4], spring[4], damper[4], stabiliser[2], tyre[4].
+/// Order: body mass, roll inertia, pitch inertia, wheel mass[4], spring[4], damper[4], stabiliser[2],
+/// tyre[4], tyre damper[4].
 enum Parameter : int {
   kBodyMass = 0,
   kRollInertia = 1,
@@ -30,17 +31,19 @@ enum Parameter : int {
   kDamper = 11,
   kStabiliser = 15,
   kTyre = 17,
-  kParameters = 21,
+  kTyreDamper = 21,
+  kParameters = 25,
 };
 using ParameterVector = Eigen::Matrix<double, kParameters, 1>;
 
-/// M z'' + P z' + Q z = T d + S u                                                              (1)
+/// M z'' + P z' + Q z = T d + S u + Sd u'                                                      (1)
 struct LinearModel {
-  Matrix7 M;   ///< mass, kg (kg m^2 for angles)
-  Matrix7 P;   ///< damping
-  Matrix7 Q;   ///< stiffness
-  Matrix74 S;  ///< road height under the four wheels to force: tyre stiffness
-  Matrix74 W;  ///< vertical force on the four wheels to generalised force; T d = W F_z
+  Matrix7 M;    ///< mass, kg (kg m^2 for angles)
+  Matrix7 P;    ///< damping
+  Matrix7 Q;    ///< stiffness
+  Matrix74 S;   ///< road height under the four wheels to force: tyre stiffness
+  Matrix74 Sd;  ///< its rate of change to force: tyre damping
+  Matrix74 W;   ///< vertical force on the four wheels to generalised force; T d = W F_z
 };
 
 /// Places of the axles, all that (1) needs beside the parameters.
@@ -56,22 +59,24 @@ ParameterVector nominal_parameters(const VehicleConfig& vehicle);
 
 /// Every matrix is linear in every parameter: the matrices of a parameter are those of its unit vector,
 /// the others zero.  Strut stretch D_i = corner_i - z_i is row i of B, then
-///   M = diag(masses), P = B' diag(ds) B, Q = B' diag(cs) B + sum st (B_L - B_R)'(B_L - B_R) + diag(0,0,0,ct).
+///   M = diag(masses), P = B' diag(ds) B, Q = B' diag(cs) B + sum st (B_L - B_R)'(B_L - B_R) +
+///   diag(0,0,0,ct).
 LinearModel linear_model(const Geometry& geometry, const ParameterVector& parameters);
 
 /// Least-squares map from vertical sensors of all nodes to the seven accelerations z''.
 ///
-/// A sensor on the body at (x, y) with direction (0, 0, +-1) reads +-(heave'' + y roll'' - x pitch''), one on a
-/// wheel carrier the wheel's z''.  Sensors whose direction is not vertical (|d_z| < 0.999) take no part.
+/// A sensor on the body at (x, y) with direction (0, 0, +-1) reads +-(heave'' + y roll'' - x pitch''), one on
+/// a wheel carrier the wheel's z''.  Sensors whose direction is not vertical (|d_z| < 0.999) take no part.
 struct SensorMap {
   struct Input {
     int node;     ///< index into VehicleConfig::node
     int channel;  ///< index into NodeConfig::channel
   };
-  std::vector<Input> input;      ///< columns of `pseudo_inverse`
+  std::vector<Input> input;        ///< columns of `pseudo_inverse`
   Eigen::MatrixXd pseudo_inverse;  ///< [7 x inputs]
 
-  /// @throws ConfigError naming the coordinate that no sensor sees
+  /// @throws ConfigError naming the coordinate that no sensor sees, or if the car has a description of its
+  /// own
   static SensorMap from(const VehicleConfig& vehicle);
   /// By the sensors on the body alone: heave'', roll'' and pitch''; the wheels' rows are 0.
   /// @throws as from()

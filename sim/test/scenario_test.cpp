@@ -66,7 +66,7 @@ TEST(Scenario, DrawsSpringsDampersStabilisersAndTyresWithinTheSpreadAndLeavesMas
   const int seeds = 200;
   for (std::uint64_t seed = 0; seed < seeds; ++seed) {
     const DrawnCar car = truth_of("", seed, vehicle).car;
-    for (int p = 0; p < kParameters; ++p) {
+    for (int p = 0; p < kTyreDamper; ++p) {
       const double ratio = car.parameters(p) / nominal(p);
       if (p < kSpring) {
         EXPECT_EQ(ratio, 1.0);
@@ -74,7 +74,7 @@ TEST(Scenario, DrawsSpringsDampersStabilisersAndTyresWithinTheSpreadAndLeavesMas
       }
       least = std::min(least, ratio);
       most = std::max(most, ratio);
-      sum += (ratio - 1.0) / (seeds * (kParameters - kSpring));
+      sum += (ratio - 1.0) / (seeds * (kTyreDamper - kSpring));
     }
   }
   EXPECT_GE(least, 0.9);

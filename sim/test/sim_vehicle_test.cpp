@@ -7,6 +7,7 @@
 #include <complex>
 #include <numbers>
 
+#include "common/config/section.hpp"
 #include "sim/car.hpp"
 #include "sim/test/test_car.hpp"
 
@@ -149,8 +150,10 @@ Vector7 analytic_density(const DrawnCar& car, const RoadScenario& road, double s
       roads(i, j) = height * sides * axles * std::polar(1.0, -w * delay_s);
     }
   const LinearModel model = linear_model(car.geometry, car.parameters);
-  const auto h =
-      (response(model, w) * car.parameters.segment<kWheels>(kTyre).cast<Complex>().asDiagonal()).eval();
+  const auto h = (response(model, w) * (car.parameters.segment<kWheels>(kTyre) +
+                                        Complex(0.0, w) * car.parameters.segment<kWheels>(kTyreDamper))
+                                           .asDiagonal())
+                     .eval();
   return (h * roads * h.adjoint()).diagonal().real();
 }
 
@@ -170,13 +173,13 @@ Vector7 smoothed_density(const DrawnCar& car, const RoadScenario& road, double s
   return sum / weights;
 }
 
-TEST(Car, AccelerationsOnARoadHaveTheAnalyticSpectrum) {
+void expect_analytic_spectrum(const VehicleConfig& vehicle) {
   Scenario scenario = test::ideal_scenario(30.0);
   scenario.road = {16e-6, 0.3, 0.95};
   scenario.parameter_spread = 0.1;
   const double step_s = 1e-3;
   constexpr int kSections = 150, kSection = 2000;
-  Car car(scenario, 11, test::reference_vehicle(), step_s);
+  Car car(scenario, 11, vehicle, step_s);
 
   std::vector<double> frequencies_hz;
   for (double f = 3.0; f < 36.0; f += 1.5) frequencies_hz.push_back(f);
@@ -209,6 +212,23 @@ TEST(Car, AccelerationsOnARoadHaveTheAnalyticSpectrum) {
   }
   // Seven accelerations under four roads, of which rear repeat front: take two as independent.
   EXPECT_NEAR(mean, 1.0, 4.5 / std::sqrt(2.0 * static_cast<double>(bins) * kSections));
+}
+
+TEST(Car, AccelerationsOnARoadHaveTheAnalyticSpectrum) {
+  expect_analytic_spectrum(test::reference_vehicle());
+}
+
+TEST(Car, DampedTyresHaveTheAnalyticSpectrum) {
+  VehicleConfig vehicle = test::reference_vehicle();
+  // Of any tyre some 100 N s/m; here enough to rule the force at 30 Hz.
+  for (AxleConfig& axle : vehicle.model.axle) axle.tyre_damper_n_s_m = 2000.0;
+  expect_analytic_spectrum(vehicle);
+}
+
+TEST(Car, IsOfNoOtherForm) {
+  VehicleConfig vehicle = test::reference_vehicle();
+  vehicle.model.description = "three_wheeler.toml";
+  EXPECT_THROW(Car(test::ideal_scenario(30.0), 11, vehicle, 1e-3), ConfigError);
 }
 
 TEST(Car, IsTheSameForTheSameSeedAndAnotherForAnother) {

@@ -74,6 +74,21 @@ TEST(VehicleConfig, FindsNodesAndWheels) {
   EXPECT_EQ(v.place_of(v.wheel[2]), 2);
 }
 
+TEST(VehicleConfig, TakesACarOfAnotherFormByItsDescription) {
+  std::string text = demo();
+  const auto begin = text.find("kind = \"seven_dof\""), end = text.find("[filter]");
+  text.replace(begin, end - begin, "kind = \"description\"\nfile = \"three_wheeler.toml\"\n");
+  EXPECT_EQ(VehicleConfig::parse(text, "vehicle.toml").model.description, "three_wheeler.toml");
+  EXPECT_EQ(VehicleConfig::parse(demo(), "vehicle.toml").model.description, "");
+}
+
+TEST(VehicleConfig, TakesTheDampingOfTyres) {
+  const auto damped = changed("tyre_n_m = 210000", "tyre_n_m = 210000\ntyre_damper_n_s_m = 120");
+  const auto axle = VehicleConfig::parse(damped, "vehicle.toml").model.axle;
+  EXPECT_EQ(axle[0].tyre_damper_n_s_m, 0.0);
+  EXPECT_EQ(axle[1].tyre_damper_n_s_m, 120.0);
+}
+
 TEST(VehicleConfig, TakesCalibrationAndDirectionOfAChannel) {
   const auto v = VehicleConfig::parse(
       changed("direction = [1, 0, 0]",
@@ -136,8 +151,8 @@ TEST(VehicleConfig, RefusesARotorThatNothingTurns) {
 TEST(VehicleConfig, TakesMassesForKnownAsWellAsItSays) {
   const std::string exact = demo();
   EXPECT_EQ(VehicleConfig::parse(exact, "car.toml").wheel[2].mass_sigma_kg, 0.0);
-  const auto v = VehicleConfig::parse(
-      std::regex_replace(exact, std::regex("[a-z_]*sigma_kg[_m2]* = 0\n"), ""), "car.toml");
+  const auto v =
+      VehicleConfig::parse(std::regex_replace(exact, std::regex("[a-z_]*sigma_kg[_m2]* = 0\n"), ""), "car.toml");
   EXPECT_DOUBLE_EQ(v.wheel[2].mass_sigma_kg, 0.02 * 32.0);
   EXPECT_DOUBLE_EQ(v.model.body_mass_sigma_kg, 0.03 * 1300.0);
   EXPECT_DOUBLE_EQ(v.model.pitch_inertia_sigma_kg_m2, 0.10 * 2200.0);
@@ -164,7 +179,8 @@ TEST(VehicleConfig, NamesFileLineKeyAndWhatIsAllowed) {
       {"body_mass_kg = 1300", "body_mass_kg = \"heavy\"", "body_mass_kg",
        "body_mass_kg: is 'heavy'; allowed: a number > 0"},
       {"body_mass_kg = 1300", "", "[model]", "body_mass_kg: missing; allowed: a number > 0"},
-      {"kind = \"seven_dof\"", "kind = \"bicycle\"", "bicycle", "kind: is 'bicycle'; allowed: seven_dof"},
+      {"kind = \"seven_dof\"", "kind = \"bicycle\"", "bicycle",
+       "kind: is 'bicycle'; allowed: seven_dof, description"},
       {"order = 6", "order = 13", "order = 13", "order: is 13; allowed: an integer 1 .. 12"},
       {"order = 6", "order = 5.5", "order = 5.5", "order: is 5.5; allowed: an integer 1 .. 12"},
       {"zero_mark = true", "zero_mark = 1", "zero_mark = 1", "zero_mark: is 1; allowed: true, false"},
