@@ -12,8 +12,8 @@ struct EncoderStudyOptions {
 };
 
 /// `rb study encoder`: every pulse train of encoder_rows() through the live encoder and the offline one, and
-/// phases injected into the chain from edges and conversions to blocks (phase_injection_rows()); prints a table or, with `json`, {"rows": [...], "met"} on one line.  Exit code kAnswerIsNo if a row is not
-/// met.
+/// phases injected into the chain from edges and conversions to blocks (phase_injection_rows()); prints a
+/// table or, with `json`, {"rows": [...], "met"} on one line.  Exit code kAnswerIsNo if a row is not met.
 int study_encoder(const EncoderStudyOptions& options);
 
 }  // namespace roadbalance

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "tools/study/campaign.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace roadbalance {
+
+/// How the runs of a study are shared out: over the cores of this machine, or over a cluster.
+using Campaigner = std::function<std::vector<nlohmann::ordered_json>(const Campaign& campaign,
+                                                                     const Experiment& experiment)>;
+
+/// add_study() of command.hpp with another campaigner than run_campaign().
+/// @param jobs  runs at a time unless --jobs says
+void add_study_over(CLI::App& app, int& code, const Campaigner& campaigner, int jobs);
+
+}  // namespace roadbalance

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace roadbalance {
+
+struct Axis {
+  std::string label;  ///< with the unit
+  bool logarithmic = false;
+};
+
+/// Points (x[i], y[i]) joined in this order; one that the axes cannot show (no number, not positive on a
+/// logarithmic axis) interrupts the line.
+struct Series {
+  std::string name;
+  std::vector<double> x, y;
+  bool dashed = false;
+  bool markers = true;
+};
+
+/// What a study shows as one picture.
+struct Figure {
+  std::string name;  ///< of the file, without .svg
+  std::string title;
+  Axis x, y;
+  std::vector<Series> series;
+};
+
+/// The picture as a self-contained SVG: no fonts, scripts or files from elsewhere; black on white or white
+/// on black as the reader's screen prefers.
+std::string svg(const Figure& figure);
+
+/// Writes each as FOLDER/NAME.svg.
+/// @throws std::system_error
+void write_figures(const std::vector<Figure>& figures, const std::filesystem::path& folder);
+
+}  // namespace roadbalance

@@ -1,0 +1,52 @@
+#include "tools/study/statistics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace roadbalance {
+
+double quantile(std::vector<double> values, double part) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  std::sort(values.begin(), values.end());
+  const double place = part * static_cast<double>(values.size() - 1);
+  const auto below = static_cast<std::size_t>(place);
+  const std::size_t above = std::min(below + 1, values.size() - 1);
+  const double between = place - static_cast<double>(below);
+  if (between == 0.0) return values[below];  // not 0 times infinity
+  return values[below] + between * (values[above] - values[below]);
+}
+
+double standard_deviation(const std::vector<double>& values) {
+  const auto n = static_cast<double>(values.size());
+  if (n < 2.0) return std::numeric_limits<double>::quiet_NaN();
+  double mean = 0.0, squares = 0.0;
+  for (const double value : values) mean += value / n;
+  for (const double value : values) squares += (value - mean) * (value - mean);
+  return std::sqrt(squares / (n - 1.0));
+}
+
+ErrorSizes sizes_of(const std::vector<double>& errors) {
+  std::vector<double> sizes;
+  for (const double error : errors)
+    sizes.push_back(std::isfinite(error) ? std::abs(error) : std::numeric_limits<double>::infinity());
+  return {quantile(sizes, 0.5), quantile(sizes, 0.95), standard_deviation(errors)};
+}
+
+nlohmann::ordered_json number_or_null(double value) {
+  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+}
+
+nlohmann::ordered_json acceptance_line(const std::string& text, double value, double least, double most) {
+  return {{"line", text},
+          {"value", number_or_null(value)},
+          {"required", {least, most}},
+          {"met", value >= least && value <= most}};
+}
+
+bool all_met(const nlohmann::ordered_json& acceptance) {
+  return std::all_of(acceptance.begin(), acceptance.end(),
+                     [](const nlohmann::ordered_json& line) { return line["met"].get<bool>(); });
+}
+
+}  // namespace roadbalance

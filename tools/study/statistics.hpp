@@ -1,0 +1,33 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace roadbalance {
+
+/// Of `values` in any order; an infinity counts as the largest.  NaN: there are none.
+/// Between two values linearly, so that quantile(v, 0.5) of an even number is the mean of the middle two.
+/// @param part  0 .. 1
+double quantile(std::vector<double> values, double part);
+
+/// About their own mean.  NaN: fewer than two values, or one that is not finite.
+double standard_deviation(const std::vector<double>& values);
+
+/// @returns median and 95th percentile of the absolute values, and the standard deviation
+struct ErrorSizes {
+  double median, p95, deviation;
+};
+/// Errors that are not numbers count as larger than all others.
+ErrorSizes sizes_of(const std::vector<double>& errors);
+
+/// JSON has neither infinity nor NaN: null.
+nlohmann::ordered_json number_or_null(double value);
+
+/// A line of acceptance: {"line", "value", "required": [least, most], "met"}.  No number is never met.
+nlohmann::ordered_json acceptance_line(const std::string& text, double value, double least, double most);
+
+/// Whether every line is met.
+bool all_met(const nlohmann::ordered_json& acceptance);
+
+}  // namespace roadbalance

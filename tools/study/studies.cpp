@@ -1,0 +1,114 @@
+#include <algorithm>
+
+#include "common/config/section.hpp"
+#include "tools/study/demo_accuracy.hpp"
+#include "tools/study/drift_cost.hpp"
+#include "tools/study/fig3.hpp"
+#include "tools/study/study.hpp"
+
+namespace roadbalance {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json run_demo(const StudyRun& run) {
+  return demo_accuracy_run(run.seed, run.settings["drive_seconds"].get<double>());
+}
+
+StudyResult summarise_demo(const Json&, const std::vector<Json>& runs) {
+  Json summary = demo_accuracy_summary(runs);
+  summary["results"] = runs;
+  return {summary, {}};
+}
+
+Json run_drift(const StudyRun& run) {
+  return drift_cost_run(run.seed, run.folder);
+}
+
+StudyResult summarise_drift(const Json&, const std::vector<Json>& runs) {
+  return {drift_cost_summary(runs), {}};
+}
+
+std::vector<Study> old_studies() {
+  const std::vector<std::string> repeated{"--runs", "--seed", "--state", "--jobs"};
+  std::vector<std::string> with_length = repeated;
+  with_length.push_back("--drive-seconds");
+  return {{.name = "demo-accuracy",
+           .line = "the demo's estimates against the truth",
+           .options = with_length,
+           .settings = {{"drive_seconds", 320.0}},
+           .run = run_demo,
+           .summarise = summarise_demo},
+          {.name = "drift",
+           .line = "what a drift of 5 km/h a minute costs the identified unbalance",
+           .options = repeated,
+           .settings = Json::object(),
+           .run = run_drift,
+           .summarise = summarise_drift},
+          {.name = "clock-skew",
+           .line = "the fits of running nodes' clocks against what they show",
+           .options = {"--seconds", "--nodes"},
+           .settings = Json::object()},
+          {.name = "encoder",
+           .line = "angles from pulse trains against the truth",
+           .options = {"--runs", "--seed"},
+           .settings = Json::object(),
+           .runs = 1,
+           .seed = 11}};
+}
+
+std::string names(const auto& all, const auto& name_of) {
+  std::string text;
+  for (const auto& one : all) text += (text.empty() ? "" : ", ") + name_of(one);
+  return text;
+}
+
+/// `text` as a value of the kind that `old` is of.
+Json value_like(const Json& old, const std::string& text, const std::string& change) {
+  if (old.is_string()) return text;
+  if (old.is_array()) {
+    Json array = Json::array();
+    for (std::size_t begin = 0; begin <= text.size();) {
+      const std::size_t end = std::min(text.find(',', begin), text.size());
+      if (end > begin) array.push_back(value_like(old.front(), text.substr(begin, end - begin), change));
+      begin = end + 1;
+    }
+    if (array.empty()) throw ConfigError("--set " + change + ": at least one value is needed");
+    return array;
+  }
+  const Json value = Json::parse(text, nullptr, false);
+  const bool fits = old.is_number_integer() ? value.is_number_integer()
+                    : old.is_number()       ? value.is_number()
+                                            : value.is_boolean() && old.is_boolean();
+  if (!fits) throw ConfigError("--set " + change + ": allowed: a value like " + old.dump());
+  return old.is_number_float() ? Json(value.get<double>()) : value;
+}
+
+}  // namespace
+
+std::span<const Study> studies() {
+  static const std::vector<Study> kAll = [] {
+    std::vector<Study> all{fig3_study()};
+    for (Study& study : old_studies()) all.push_back(std::move(study));
+    return all;
+  }();
+  return kAll;
+}
+
+const Study& study_of(const std::string& name) {
+  for (const Study& study : studies())
+    if (study.name == name) return study;
+  throw ConfigError("study " + name + ": there is none of this name; allowed: list, " +
+                    names(studies(), [](const Study& study) { return study.name; }));
+}
+
+void change_setting(Json& settings, const std::string& change) {
+  const std::size_t equals = change.find('=');
+  const std::string key = change.substr(0, equals);
+  if (equals == std::string::npos || !settings.contains(key))
+    throw ConfigError("--set " + change + ": allowed: KEY=VALUE with KEY one of " +
+                      names(settings.items(), [](const auto& entry) { return entry.key(); }));
+  settings[key] = value_like(settings[key], change.substr(equals + 1), change);
+}
+
+}  // namespace roadbalance

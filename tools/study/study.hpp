@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tools/study/figure.hpp"
+
+namespace roadbalance {
+
+/// One run of a study.
+struct StudyRun {
+  std::uint64_t seed;
+  const nlohmann::ordered_json& settings;
+  const std::filesystem::path& folder;  ///< for its files, which nobody reads afterwards
+};
+
+struct StudyResult {
+  /// {"tables": [{"title", "rows": [{column: value}]}], "acceptance": [{"line", "value", "required", "met"}],
+  /// "accepted"} and what else there is to say; without "acceptance" nothing was required.
+  nlohmann::ordered_json summary;
+  std::vector<Figure> figures;
+};
+
+/// An experiment repeated over many seeds, and what the runs say together.
+struct Study {
+  std::string name;
+  std::string line;                  ///< what it is, in one line
+  std::vector<std::string> options;  ///< of `rb study`, beside --json, that mean something to it
+  nlohmann::ordered_json settings;   ///< what decides a run beside its seed, with what holds unless said
+  int runs = 20;
+  std::uint64_t seed = 1;
+  /// A pure function of its argument.  None: there is nothing to repeat.
+  nlohmann::ordered_json (*run)(const StudyRun&) = nullptr;
+  /// None: the command has its own way.
+  StudyResult (*summarise)(const nlohmann::ordered_json& settings,
+                           const std::vector<nlohmann::ordered_json>& runs) = nullptr;
+};
+
+/// All there are, in the order in which they are listed.
+std::span<const Study> studies();
+
+/// @throws ConfigError naming the studies there are
+const Study& study_of(const std::string& name);
+
+/// Changes a setting as "key=value" says; the value is of the kind that it has already, an array's elements
+/// divided by commas.
+/// @throws ConfigError naming the settings there are, or what is allowed
+void change_setting(nlohmann::ordered_json& settings, const std::string& change);
+
+/// The tables of a summary, for a terminal: columns side by side.
+std::string plain_tables(const nlohmann::ordered_json& summary);
+/// The same and the acceptance as Markdown.
+std::string markdown_tables(const nlohmann::ordered_json& summary);
+
+}  // namespace roadbalance

@@ -1,0 +1,39 @@
+#include "tools/study/statistics.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace roadbalance {
+namespace {
+
+TEST(Quantile, LiesBetweenTheNeighbours) {
+  EXPECT_DOUBLE_EQ(quantile({3.0, 1.0, 2.0}, 0.5), 2.0);
+  EXPECT_DOUBLE_EQ(quantile({4.0, 1.0, 2.0, 3.0}, 0.5), 2.5);
+  EXPECT_DOUBLE_EQ(quantile({0.0, 10.0}, 0.95), 9.5);
+  EXPECT_TRUE(std::isnan(quantile({}, 0.5)));
+}
+
+TEST(Sizes, CountWhatIsUnknownAsTheWorst) {
+  const ErrorSizes sizes = sizes_of({-1.0, std::nan(""), 2.0});
+  EXPECT_DOUBLE_EQ(sizes.median, 2.0);
+  EXPECT_TRUE(std::isinf(sizes.p95));
+  EXPECT_TRUE(std::isnan(sizes.deviation));
+}
+
+TEST(StandardDeviation, IsAboutTheMean) {
+  EXPECT_DOUBLE_EQ(standard_deviation({4.0, 6.0, 8.0}), 2.0);
+  EXPECT_TRUE(std::isnan(standard_deviation({1.0})));
+}
+
+TEST(Acceptance, OfNoNumberIsNotMet) {
+  const auto line = acceptance_line("x", std::nan(""), 0.0, 1.0);
+  EXPECT_FALSE(line["met"].get<bool>());
+  EXPECT_TRUE(line["value"].is_null());
+  EXPECT_TRUE(acceptance_line("x", 1.0, 0.0, 1.0)["met"].get<bool>());
+  EXPECT_FALSE(all_met({acceptance_line("x", 1.0, 0.0, 1.0), line}));
+}
+
+}  // namespace
+}  // namespace roadbalance

@@ -1,0 +1,64 @@
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+
+#include "common/config/section.hpp"
+#include "tools/study/study.hpp"
+
+namespace roadbalance {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+TEST(Studies, HaveNamesOfTheirOwnAndALineEach) {
+  std::set<std::string> names;
+  for (const Study& study : studies()) {
+    EXPECT_TRUE(names.insert(study.name).second) << study.name;
+    EXPECT_FALSE(study.line.empty()) << study.name;
+    EXPECT_EQ(study.line.find('\n'), std::string::npos);
+    EXPECT_EQ(&study_of(study.name), &study);
+  }
+  for (const char* name : {"demo-accuracy", "drift", "clock-skew", "encoder"})
+    EXPECT_TRUE(names.contains(name));
+}
+
+TEST(Studies, NameOneAnotherWhereThereIsNone) {
+  try {
+    study_of("fig4711");
+    FAIL();
+  } catch (const ConfigError& error) {
+    EXPECT_NE(std::string(error.what()).find("demo-accuracy"), std::string::npos);
+  }
+}
+
+TEST(Settings, ChangeInTheirKind) {
+  Json settings{{"samples", {1, 2}}, {"roughness", 16e-6}, {"names", ""}, {"runs", 3}};
+  change_setting(settings, "samples=5,6,7");
+  change_setting(settings, "roughness=1");
+  change_setting(settings, "names=a,b=c");
+  EXPECT_EQ(settings, Json({{"samples", {5, 6, 7}}, {"roughness", 1.0}, {"names", "a,b=c"}, {"runs", 3}}));
+}
+
+TEST(Settings, RefuseWhatIsNotOfTheirKind) {
+  Json settings{{"samples", {1, 2}}, {"roughness", 16e-6}};
+  for (const char* change :
+       {"samples=x", "samples=1.5", "samples=", "roughness=high", "other=1", "roughness"})
+    EXPECT_THROW(change_setting(settings, change), ConfigError) << change;
+}
+
+TEST(Tables, SayTheSameOnATerminalAndInMarkdown) {
+  const Json summary{
+      {"tables",
+       {{{"title", "Errors"},
+         {"rows", {{{"wheel", "left"}, {"error", 0.12345}}, {{"wheel", "right"}, {"error", nullptr}}}}}}},
+      {"acceptance", {{{"line", "all"}, {"value", 0.5}, {"required", {0.0, 1.0}}, {"met", true}}}}};
+  EXPECT_EQ(plain_tables(summary), "Errors\nwheel  error  \nleft   0.123  \nright      -  \n\n");
+  EXPECT_EQ(markdown_tables(summary),
+            "**Errors**\n\n| wheel | error |\n| --- | ---: |\n| left | 0.123 |\n| right | - |\n\n"
+            "| acceptance | value | required | |\n| --- | ---: | ---: | --- |\n"
+            "| all | 0.5 | 0 .. 1 | met |\n");
+}
+
+}  // namespace
+}  // namespace roadbalance
