@@ -6,6 +6,8 @@
 #include <complex>
 #include <limits>
 
+#include "host/identify/unbalances.hpp"
+
 namespace roadbalance {
 namespace {
 
@@ -13,16 +15,44 @@ constexpr int kSuspension = kEstimatedTyre;  ///< unknowns of step 1: spring[4],
 static_assert(kDamper - kSpring == kEstimatedDamper && kStabiliser - kSpring == kEstimatedStabiliser &&
               kTyre - kSpring == kEstimatedTyre);
 
-LinearModel unit_model(const Geometry& geometry, int parameter) {
-  ParameterVector unit = ParameterVector::Zero();
-  unit(parameter) = 1.0;
-  return linear_model(geometry, unit);
+/// Step 2.  With U = U_0 + sum_j u_j ct_j one equation per wheel for the ct asked for.
+void solve_wheels(const DriveMoments& moments, const Geometry& geometry, const ParameterVector& without_tyres,
+                  const UnknownSet& asked, UnknownVector& x) {
+  const LinearModel known = linear_model(geometry, without_tyres);
+  const Unbalances unbalances =
+      solve_unbalances(moments.harmonic, geometry, without_tyres, wheels_asked_for_unbalance(asked));
+  Eigen::Matrix4d A = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d b;
+  for (int i = 0; i < kWheels; ++i) {
+    const auto& wheel = moments.wheel[static_cast<std::size_t>(i)];
+    A(i, i) = wheel.tyre.force(unit_model(geometry, kTyre + i), kBodyCoordinates + i);
+    A.row(i) -= (wheel.tyre_unbalance * unbalances.per_tyre.row(i)).real();
+    b(i) = (wheel.tyre_unbalance * unbalances.without_tyres(i)).real() -
+           wheel.tyre.force(known, kBodyCoordinates + i);
+    if (asked[static_cast<std::size_t>(kEstimatedTyre + i)]) continue;
+    A.row(i) = Eigen::RowVector4d::Unit(i);
+    b(i) = x(kEstimatedTyre + i);
+  }
+  const Eigen::Vector4d tyre = A.partialPivLu().solve(b);
+  x.segment<kWheels>(kEstimatedTyre) = tyre;
+  put_unbalances(unbalances.at(tyre), unbalances.found, asked, x);
 }
 
+std::optional<UnknownVector> solve_body(const BodyMoments& body) {
+  const Eigen::Vector4cd unbalance = inverse_where_known(body.normal) * body.right;
+  if (!unbalance.allFinite()) return std::nullopt;
+  UnknownVector x = UnknownVector::Constant(std::numeric_limits<double>::quiet_NaN());
+  for (int i = 0; i < kWheels; ++i)
+    if (body.normal(i, i) != 0.0)
+      x.segment<2>(kEstimatedUnbalance + 2 * i) << unbalance(i).real(), unbalance(i).imag();
+  return x;
+}
+
+}  // namespace
+
 /// Step 1.  Equations: each body row of (2) for each instrument; unknowns: the suspension.
-std::optional<Eigen::Matrix<double, kSuspension, 1>> solve_suspension(const DriveMoments& moments,
-                                                                      const Geometry& geometry,
-                                                                      const ParameterVector& known) {
+std::optional<SuspensionVector> solve_suspension(const DriveMoments& moments, const Geometry& geometry,
+                                                 const ParameterVector& known) {
   constexpr int kEquations = kBodyCoordinates * kChassisInstruments;
   Eigen::Matrix<double, kEquations, kSuspension> A;
   Eigen::Matrix<double, kEquations, 1> b;
@@ -46,83 +76,43 @@ std::optional<Eigen::Matrix<double, kSuspension, 1>> solve_suspension(const Driv
   return (-qr.solve(b)).cwiseQuotient(size).eval();
 }
 
-/// Right side of the normal equations of the unbalances, contribution of the force on one wheel.
-Eigen::Vector4cd unbalance_right_side(const HarmonicMoments& moments, const LinearModel& model, int wheel) {
-  Eigen::Vector4cd right;
-  for (int i = 0; i < kWheels; ++i)
-    right(i) = moments.right[static_cast<std::size_t>(i)][static_cast<std::size_t>(wheel)].force(
-        model, kBodyCoordinates + wheel);
-  return right;
+UnknownSet suspension_unknowns() {
+  UnknownSet set;
+  for (std::size_t i = 0; i < kSuspension; ++i) set.set(i);
+  return set;
 }
 
-/// Inverse of N over the wheels that have equations, zero elsewhere.
-Eigen::Matrix4cd inverse_where_known(const Eigen::Matrix4cd& normal) {
-  Eigen::Matrix4cd filled = normal;
-  for (int i = 0; i < kWheels; ++i)
-    if (normal(i, i) == 0.0) filled(i, i) = 1.0;
-  Eigen::Matrix4cd inverse = filled.inverse();
-  for (int i = 0; i < kWheels; ++i)
-    if (normal(i, i) == 0.0) inverse(i, i) = 0.0;
-  return inverse;
+std::bitset<kWheels> wheels_asked_for_unbalance(const UnknownSet& asked) {
+  std::bitset<kWheels> wheels;
+  for (std::size_t i = 0; i < kWheels; ++i) wheels[i] = asked[kEstimatedUnbalance + 2 * i];
+  return wheels;
 }
 
-/// Step 2.  U = u0 + sum_j u_j ct_j from the references; with it one equation per wheel for the four ct.
-void solve_wheels(const DriveMoments& moments, const Geometry& geometry, const ParameterVector& without_tyres,
-                  UnknownVector& x) {
-  const LinearModel known = linear_model(geometry, without_tyres);
-  const Eigen::Matrix4cd inverse = inverse_where_known(moments.harmonic.normal);
-  Eigen::Vector4cd u0 = Eigen::Vector4cd::Zero();
-  Eigen::Matrix4cd u;  // column j: per unit of ct_j
-  Eigen::Matrix4d A = Eigen::Matrix4d::Zero();
-  Eigen::Vector4d b;
-  for (int j = 0; j < kWheels; ++j) {
-    const LinearModel unit = unit_model(geometry, kTyre + j);
-    u0 += inverse * unbalance_right_side(moments.harmonic, known, j);
-    u.col(j) = inverse * unbalance_right_side(moments.harmonic, unit, j);
-    const auto& wheel = moments.wheel[static_cast<std::size_t>(j)];
-    A(j, j) = wheel.tyre.force(unit, kBodyCoordinates + j);
-    b(j) = -wheel.tyre.force(known, kBodyCoordinates + j);
-  }
-  for (int i = 0; i < kWheels; ++i) {
-    const auto share = moments.wheel[static_cast<std::size_t>(i)].tyre_unbalance;
-    A.row(i) -= (share * u.row(i)).real();
-    b(i) += (share * u0(i)).real();
-  }
-  const Eigen::Vector4d tyre = A.partialPivLu().solve(b);
-  x.segment<kWheels>(kEstimatedTyre) = tyre;
-  const Eigen::Vector4cd unbalance = u0 + u * tyre.cast<std::complex<double>>();
+void put_unbalances(const Eigen::Vector4cd& unbalance, const std::bitset<kWheels>& found,
+                    const UnknownSet& asked, UnknownVector& x) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   for (int i = 0; i < kWheels; ++i) {
-    const bool referenced = moments.harmonic.normal(i, i) != 0.0;
-    x(kEstimatedUnbalance + 2 * i) = referenced ? unbalance(i).real() : kNone;
-    x(kEstimatedUnbalance + 2 * i + 1) = referenced ? unbalance(i).imag() : kNone;
+    const auto w = static_cast<std::size_t>(i);
+    const bool unknown = asked[kEstimatedUnbalance + 2 * w] && !found[w];
+    x(kEstimatedUnbalance + 2 * i) = unknown ? kNone : unbalance(i).real();
+    x(kEstimatedUnbalance + 2 * i + 1) = unknown ? kNone : unbalance(i).imag();
   }
 }
 
-std::optional<UnknownVector> solve_body(const BodyMoments& body) {
-  const Eigen::Vector4cd unbalance = inverse_where_known(body.normal) * body.right;
-  if (!unbalance.allFinite()) return std::nullopt;
-  UnknownVector x = UnknownVector::Constant(std::numeric_limits<double>::quiet_NaN());
-  for (int i = 0; i < kWheels; ++i)
-    if (body.normal(i, i) != 0.0)
-      x.segment<2>(kEstimatedUnbalance + 2 * i) << unbalance(i).real(), unbalance(i).imag();
-  return x;
-}
-
-}  // namespace
-
 std::optional<UnknownVector> solve(const DriveMoments& moments, const Geometry& geometry,
-                                   const ParameterVector& known) {
+                                   const ParameterVector& known, const UnknownSet& asked) {
   if (!moments.body.normal.isZero()) return solve_body(moments.body);
-  const auto suspension = solve_suspension(moments, geometry, known);
-  if (!suspension) return std::nullopt;
-  UnknownVector x;
-  x.head<kSuspension>() = *suspension;
-
+  UnknownVector x = UnknownVector::Zero();
+  x.head<kEstimatedUnbalance>() = known.segment<kEstimatedUnbalance>(kSpring);
+  if ((asked & suspension_unknowns()).any()) {
+    const auto suspension = solve_suspension(moments, geometry, known);
+    if (!suspension) return std::nullopt;
+    x.head<kSuspension>() = *suspension;
+  }
   ParameterVector parameters = known;
-  parameters.segment<kSuspension>(kSpring) = *suspension;
+  parameters.segment<kSuspension>(kSpring) = x.head<kSuspension>();
   parameters.segment<kWheels>(kTyre).setZero();
-  solve_wheels(moments, geometry, parameters, x);
+  solve_wheels(moments, geometry, parameters, asked, x);
   return x;
 }
 

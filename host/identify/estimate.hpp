@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bitset>
 #include <optional>
 
 #include <Eigen/Core>
@@ -23,6 +24,20 @@ enum Unknowns : int {
 using UnknownVector = Eigen::Matrix<double, kUnknowns, 1>;
 using UnknownMatrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 
+/// Places in UnknownVector; both parts of an unbalance together.
+using UnknownSet = std::bitset<kUnknowns>;
+UnknownSet suspension_unknowns();
+std::bitset<kWheels> wheels_asked_for_unbalance(const UnknownSet& asked);
+
+/// Into x; those of wheels asked for and not found are NaN.
+void put_unbalances(const Eigen::Vector4cd& unbalance, const std::bitset<kWheels>& found,
+                    const UnknownSet& asked, UnknownVector& x);
+
+/// Step 1 alone: springs, dampers, stabilisers from each body row of (2) for each instrument.
+using SuspensionVector = Eigen::Matrix<double, kEstimatedTyre, 1>;
+std::optional<SuspensionVector> solve_suspension(const DriveMoments& moments, const Geometry& geometry,
+                                                 const ParameterVector& known);
+
 /// Solves the moments of a drive, in two steps:
 ///
 /// 1. Springs, dampers and stabilisers from the body's rows of (2) by least squares over all instruments;
@@ -31,12 +46,14 @@ using UnknownMatrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 ///    each wheel's own past acceleration as instrument gives one equation for ct with that U.  The wheels'
 ///    masses are known and fix the scale.
 ///
+/// What is not asked for is as known; an unbalance not asked for is 0 (any suspension asked for: all of it).
 /// Wheels without a reference have NaN as unbalance, and their ct is found as if they were balanced.
 /// From BodyMoments there are the unbalances alone, the rest is NaN.
 /// Returns nothing if the drive does not determine the suspension, or what the body alone tells.
 ///
 /// Source: covariance method, relation (2) of moments.hpp with positive lags in place of the unknown C_yu.
 std::optional<UnknownVector> solve(const DriveMoments& moments, const Geometry& geometry,
-                                   const ParameterVector& known);
+                                   const ParameterVector& known,
+                                   const UnknownSet& asked = UnknownSet().set());
 
 }  // namespace roadbalance

@@ -60,6 +60,7 @@ Eigen::Matrix4cd HarmonicInstrument::road_spectrum(const Eigen::Ref<const Signal
     }
     spectrum += force * force.adjoint();
   }
+  if (share_ == RoadShare::kApart) spectrum = spectrum.diagonal().asDiagonal().toDenseMatrix();
   return spectrum / static_cast<double>(side_hz.size());
 }
 

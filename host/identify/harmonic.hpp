@@ -12,6 +12,11 @@
 
 namespace roadbalance {
 
+enum class RoadShare {
+  kApart,   ///< each wheel for itself: S is taken for diagonal
+  kShared,  ///< what wheels share of the road is cancelled
+};
+
 /// Unbalance by windowed demodulation, with the road cancelled as far as the wheels share it.
 ///
 /// The force that relation (1) leaves on wheel j is F_j = U_j Om_j^2 e^{j alpha_j} + ct_j u_j.  It is
@@ -28,8 +33,8 @@ namespace roadbalance {
 /// equations.
 class HarmonicInstrument {
  public:
-  HarmonicInstrument(const VehicleConfig& vehicle, Taper taper, double rate_hz)
-      : geometry_(geometry_of(vehicle.model)), demodulator_(std::move(taper), rate_hz) {}
+  HarmonicInstrument(const Geometry& geometry, Taper taper, double rate_hz, RoadShare share)
+      : geometry_(geometry), demodulator_(std::move(taper), rate_hz), share_(share) {}
 
   /// @param signals     [kSignals x samples], a section of steady speed
   /// @param omega       rotation rate of each wheel, rad/s; 0: it has no reference here
@@ -45,6 +50,7 @@ class HarmonicInstrument {
 
   Geometry geometry_;
   Demodulator demodulator_;
+  RoadShare share_;
 };
 
 }  // namespace roadbalance

@@ -107,7 +107,8 @@ TEST(DriveEstimator, ClaimsNothingOfACarThatNothingShakes) {
   const auto vehicle = VehicleConfig::parse(demo_toml(), "t");
   DriveEstimator estimator(vehicle);
   drive(estimator, vehicle, 100.0, 80);
-  EXPECT_EQ(estimator.estimate().identification.sections, 7);
+  EXPECT_EQ(estimator.estimate().identification.sections,
+            8);  // of 10 s, each begun in the last second of another
   EXPECT_EQ(estimator.estimate().identification.state, Unknown::kIllConditioned);
 }
 

@@ -92,9 +92,10 @@ TEST(SectionBuilder, KnowsSpeedAndLength) {
   std::vector<DriveMoments> found;
   SectionBuilder sections(car(), [&](const DriveMoments& section) { found.push_back(section); });
   feed(sections, {100.0, 100.1, 100.2, 100.3}, 24.0, 1e-4);
-  // 3 s of settling, then 10 s a section and 20 ms for the longest lag.
+  // 3 s of settling, then 10 s a section, 1 s of which it shares with the next, and 20 ms for the longest
+  // lag.
   ASSERT_EQ(found.size(), 2U);
-  EXPECT_DOUBLE_EQ(found[0].seconds, 10.0);
+  EXPECT_DOUBLE_EQ(found[0].seconds, 9.0);
   EXPECT_NEAR(found[0].speed_seconds / found[0].seconds, 30.0, 0.01);
 }
 

@@ -1,0 +1,151 @@
+#include "host/identify/section_buffer.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+namespace roadbalance {
+namespace {
+
+constexpr double kChassisCutoffHz = 15.0;
+constexpr int kFilterOrder = 5;
+constexpr double kChassisLagS = 0.020;
+constexpr double kTyreLowHz = 1.0;
+constexpr double kTyreHighHz = 80.0;
+constexpr double kTyreLagS = 0.004;
+constexpr double kTaperS = 1.0;  ///< rise and fall, the whole section if that is shorter
+
+/// 1 / ((p + wl/wh)^2 (p^3 + 2 p^2 + 2 p + 1)) with p = s / wh, in companion form scaled by wh.
+ContinuousFilter tyre_instrument() {
+  const double low = kTyreLowHz / kTyreHighHz;
+  const Eigen::Vector3d high_pass(low * low, 2.0 * low, 1.0);
+  const Eigen::Vector4d low_pass(1.0, 2.0, 2.0, 1.0);
+  Eigen::VectorXd product = Eigen::VectorXd::Zero(kFilterOrder + 1);
+  for (int i = 0; i < 3; ++i) product.segment<4>(i) += high_pass(i) * low_pass;
+  ContinuousFilter filter = companion(product.head(kFilterOrder));
+  filter.F *= 2.0 * std::numbers::pi * kTyreHighHz;
+  filter.G *= 2.0 * std::numbers::pi * kTyreHighHz;
+  return filter;
+}
+
+Eigen::Index samples_in(double seconds, double rate_hz) {
+  return std::max<Eigen::Index>(1, std::lround(seconds * rate_hz));
+}
+
+/// Three successive states of a scaled companion filter as w, w', w'': y_j / wc^2, y_(j+1) / wc, y_(j+2),
+/// under the taper.  Rows instruments, columns samples.
+struct Tapered {
+  Eigen::MatrixXd w2, w1, w0;
+};
+Tapered tapered(const Eigen::Ref<const Eigen::MatrixXd>& y0, const Eigen::Ref<const Eigen::MatrixXd>& y1,
+                const Eigen::Ref<const Eigen::MatrixXd>& y2, double corner_hz, const Taper& taper) {
+  const double corner = 2.0 * std::numbers::pi * corner_hz;
+  const Eigen::MatrixXd w0 = y0 / (corner * corner);
+  const Eigen::MatrixXd w1 = y1 / corner;
+  const auto h = taper.value.matrix().asDiagonal();
+  const auto h1 = taper.first.matrix().asDiagonal();
+  const auto h2 = taper.second.matrix().asDiagonal();
+  return {y2 * h + 2.0 * w1 * h1 + w0 * h2, w1 * h + w0 * h1, w0 * h};
+}
+
+}  // namespace
+
+Eigen::Index SectionBuffer::lag(double rate_hz) {
+  return samples_in(std::max(kChassisLagS, kTyreLagS), rate_hz);
+}
+
+Eigen::Index SectionBuffer::overlap(double rate_hz, Eigen::Index samples) {
+  return std::min(samples_in(kTaperS, rate_hz), samples / 2);
+}
+
+SectionBuffer::SectionBuffer(const Geometry& geometry, double rate_hz, Eigen::Index samples, RoadShare share)
+    : rate_hz_(rate_hz),
+      chassis_lag_(samples_in(kChassisLagS, rate_hz)),
+      tyre_lag_(samples_in(kTyreLagS, rate_hz)),
+      overlap_(overlap(rate_hz, samples)),
+      chassis_filter_(discretise_ramp_invariant(butterworth(kFilterOrder, kChassisCutoffHz), 1.0 / rate_hz),
+                      kCoordinates),
+      tyre_filter_(discretise_ramp_invariant(tyre_instrument(), 1.0 / rate_hz), kWheels),
+      taper_(c2_taper(samples, static_cast<double>(overlap_) / static_cast<double>(samples), 1.0 / rate_hz)),
+      harmonic_(geometry, taper_, rate_hz, share) {
+  const Eigen::Index columns = samples + lag(rate_hz);
+  signals_.setZero(kSignals, columns);
+  chassis_states_.setZero(kFilterOrder * kCoordinates, columns);
+  tyre_states_.setZero(kFilterOrder * kWheels, columns);
+}
+
+void SectionBuffer::reset() {
+  chassis_filter_.reset();
+  tyre_filter_.reset();
+  filled_ = 0;
+}
+
+void SectionBuffer::settle(const SignalVector& sample) {
+  chassis_filter_.update(sample.head<kCoordinates>().array());
+  tyre_filter_.update(sample.segment<kWheels>(kBodyCoordinates).array());
+}
+
+void SectionBuffer::push(const SignalVector& sample) {
+  assert(!full());
+  settle(sample);
+  signals_.col(filled_) = sample;
+  chassis_states_.col(filled_) = chassis_filter_.states().reshaped().matrix();
+  tyre_states_.col(filled_) = tyre_filter_.states().reshaped().matrix();
+  ++filled_;
+}
+
+void SectionBuffer::keep(Eigen::Index count) {
+  const Eigen::Index from = filled_ - count;
+  signals_.leftCols(count) = signals_.middleCols(from, count).eval();
+  chassis_states_.leftCols(count) = chassis_states_.middleCols(from, count).eval();
+  tyre_states_.leftCols(count) = tyre_states_.middleCols(from, count).eval();
+  filled_ = count;
+}
+
+DriveMoments SectionBuffer::moments(const Eigen::Vector4d& omega, double speed_m_s,
+                                    const ParameterVector& parameters) const {
+  DriveMoments sum;
+  sum.sections = 1;
+  sum.seconds = seconds();
+  sum.speed_seconds = sum.seconds * speed_m_s;
+  add_chassis(sum);
+  for (int wheel = 0; wheel < kWheels; ++wheel) add_tyre(sum, wheel, omega(wheel));
+  sum.harmonic = harmonic_.moments(section(), omega, speed_m_s, parameters);
+  return sum;
+}
+
+void SectionBuffer::add_chassis(DriveMoments& sum) const {
+  const auto z = signals_.block(0, chassis_lag_, kCoordinates, taper_.value.size());
+  for (int j = 0; j < kChassisInstrumentsPerSignal; ++j) {
+    const auto state = [&](int k) {
+      return chassis_states_.block((j + k) * kCoordinates, 0, kCoordinates, taper_.value.size());
+    };
+    const Tapered w = tapered(state(0), state(1), state(2), kChassisCutoffHz, taper_);
+    const Eigen::MatrixXd w2 = w.w2 * z.transpose();
+    const Eigen::MatrixXd w1 = w.w1 * z.transpose();
+    const Eigen::MatrixXd w0 = w.w0 * z.transpose();
+    for (int s = 0; s < kCoordinates; ++s) {
+      const auto i = static_cast<std::size_t>(j * kCoordinates + s);
+      sum.chassis[i] = {w2.row(s), w1.row(s), w0.row(s)};
+      sum.chassis_power[i] = w.w2.row(s).squaredNorm();
+    }
+  }
+}
+
+void SectionBuffer::add_tyre(DriveMoments& sum, int wheel, double omega) const {
+  auto& moments = sum.wheel[static_cast<std::size_t>(wheel)];
+  const auto state = [&](int k) {
+    return tyre_states_.block(k * kWheels + wheel, 0, 1, taper_.value.size());
+  };
+  const Tapered w = tapered(state(0), state(1), state(2), kTyreHighHz, taper_);
+  const auto z = signals_.block(0, tyre_lag_, kCoordinates, taper_.value.size());
+  moments.tyre = {w.w2 * z.transpose(), w.w1 * z.transpose(), w.w0 * z.transpose()};
+  const auto later = [&](int row) { return signals_.row(row).segment(tyre_lag_, taper_.value.size()); };
+  moments.tyre_unbalance = omega * omega *
+                           std::complex<double>(w.w2.row(0).dot(later(cosine_row(wheel))),
+                                                w.w2.row(0).dot(later(sine_row(wheel))));
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "common/dsp/state_filter.hpp"
+#include "common/dsp/taper.hpp"
+#include "host/identify/harmonic.hpp"
+#include "host/identify/moments.hpp"
+#include "host/identify/signals.hpp"
+
+namespace roadbalance {
+
+/// The section of a drive that is being filled, with the filtered accelerations that are its instruments.
+///
+/// Every section is closed by a C2 taper on its instruments, so that (2) holds for the finite section without
+/// end terms.  Instruments: for the chassis, Butterworth order 5 at 15 Hz of each acceleration with lag 20
+/// ms; for a tyre, s^2 / ((s + wl)^2 B3(s / wh)) of the wheel's own acceleration, 1 .. 80 Hz, lag 4 ms.  Lags
+/// are positive (instrument past, acceleration future): the road to come and sensor noise then drop out.
+/// A section that follows another begins in its last second, where one taper falls as the other rises: their
+/// sum is 1, and nothing of a drive counts less.
+class SectionBuffer {
+ public:
+  /// @param samples  of a section
+  SectionBuffer(const Geometry& geometry, double rate_hz, Eigen::Index samples, RoadShare share);
+
+  /// Samples beyond `samples` that a section needs for its longest lag.
+  static Eigen::Index lag(double rate_hz);
+  /// Samples that a section has in common with the one before it.
+  static Eigen::Index overlap(double rate_hz, Eigen::Index samples);
+
+  /// Samples are missing: holds nothing, filters begin anew.
+  void reset();
+  /// Runs the filters only.
+  void settle(const SignalVector& sample);
+  /// The next sample; not when full.
+  void push(const SignalVector& sample);
+  /// Keeps the newest `count` samples as the beginning of the next section.
+  void keep(Eigen::Index count);
+
+  Eigen::Index filled() const { return filled_; }
+  bool full() const { return filled_ == signals_.cols(); }
+  /// What the next section keeps of a full one.
+  Eigen::Index shared() const { return overlap_ + filled_ - taper_.value.size(); }
+  /// [signal x sample] so far.
+  auto signals() const { return signals_.leftCols(filled_); }
+  /// Of a full one, without its lag.
+  auto section() const { return signals_.leftCols(taper_.value.size()); }
+  const Taper& taper() const { return taper_; }
+  /// Of driving that a section counts for.
+  double seconds() const { return static_cast<double>(taper_.value.size() - overlap_) / rate_hz_; }
+
+  /// Of a full one.
+  /// @param omega       rotation rate of each wheel, rad/s; 0: it has no reference here
+  /// @param speed_m_s   of the car
+  /// @param parameters  present knowledge, for weights only
+  DriveMoments moments(const Eigen::Vector4d& omega, double speed_m_s,
+                       const ParameterVector& parameters) const;
+
+ private:
+  void add_chassis(DriveMoments& sum) const;
+  void add_tyre(DriveMoments& sum, int wheel, double omega) const;
+
+  double rate_hz_;
+  Eigen::Index chassis_lag_, tyre_lag_, overlap_;
+  StateFilter chassis_filter_, tyre_filter_;
+  Taper taper_;
+  HarmonicInstrument harmonic_;
+  SignalMatrix signals_;            ///< [signal x sample], a section and the longest lag
+  Eigen::MatrixXd chassis_states_;  ///< [coordinate + 7 * state x sample]
+  Eigen::MatrixXd tyre_states_;     ///< [wheel + 4 * state x sample]
+  Eigen::Index filled_ = 0;
+};
+
+}  // namespace roadbalance
