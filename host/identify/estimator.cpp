@@ -1,6 +1,9 @@
 #include "host/identify/estimator.hpp"
 
+#include <utility>
+
 #include "common/config/section.hpp"
+#include "host/identify/estimators/paper.hpp"
 
 namespace roadbalance {
 
@@ -11,7 +14,12 @@ bool Question::asks_for_suspension() const {
 }
 
 std::span<const EstimatorKind> estimators() {
-  static const std::vector<EstimatorKind> kAll{};
+  static const std::vector<EstimatorKind> kAll = [] {
+    std::vector<EstimatorKind> all;
+    for (const auto kinds : {paper_kinds, own_past_kinds})
+      for (EstimatorKind& kind : kinds()) all.push_back(std::move(kind));
+    return all;
+  }();
   return kAll;
 }
 

@@ -1,9 +1,10 @@
 #include "host/identify/test/exact_covariance.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <numbers>
 #include <unsupported/Eigen/MatrixFunctions>
+
+#include "common/linear/lyapunov.hpp"
 
 namespace roadbalance::test {
 namespace {
@@ -12,32 +13,7 @@ using std::numbers::pi;
 constexpr Eigen::Index kRoad = 2 * kCoordinates;  ///< first road state
 constexpr Eigen::Index kFilter = kRoad + 2 * kWheels;
 
-/// Columns of T Y + Y T^H = R from the last to the first, T upper triangular.
-Eigen::MatrixXcd solve_triangular(const Eigen::MatrixXcd& T, const Eigen::MatrixXcd& R) {
-  const Eigen::Index n = T.rows();
-  Eigen::MatrixXcd Y = Eigen::MatrixXcd::Zero(n, n);
-  for (Eigen::Index k = n - 1; k >= 0; --k) {
-    Eigen::VectorXcd b = R.col(k);
-    for (Eigen::Index j = k + 1; j < n; ++j) b -= std::conj(T(k, j)) * Y.col(j);
-    Eigen::MatrixXcd shifted = T;
-    shifted.diagonal().array() += std::conj(T(k, k));
-    Y.col(k) = shifted.triangularView<Eigen::Upper>().solve(b);
-  }
-  return Y;
-}
-
 }  // namespace
-
-Eigen::MatrixXd lyapunov(const Eigen::MatrixXd& A, const Eigen::MatrixXd& Q) {
-  const Eigen::ComplexSchur<Eigen::MatrixXcd> schur(A.cast<std::complex<double>>());
-  const Eigen::MatrixXcd& U = schur.matrixU();
-  const auto solve = [&](const Eigen::MatrixXd& right) -> Eigen::MatrixXd {
-    return (U * solve_triangular(schur.matrixT(), -(U.adjoint() * right * U)) * U.adjoint()).real();
-  };
-  Eigen::MatrixXd X = solve(Q);
-  X += solve(A * X + X * A.transpose() + Q);
-  return 0.5 * (X + X.transpose());
-}
 
 ExactDrive::ExactDrive(const Geometry& geometry, const ParameterVector& parameters,
                        const std::array<std::complex<double>, kWheels>& unbalance_kg_m, double speed_m_s,
@@ -70,10 +46,10 @@ ExactDrive::ExactDrive(const Geometry& geometry, const ParameterVector& paramete
   }
   // States in units of their own standard deviation: the exponential and Lyapunov's equation then lose no
   // digits.
-  scale_ = lyapunov(A_, B * B.transpose()).diagonal().cwiseSqrt();
+  scale_ = continuous_lyapunov(A_, B * B.transpose()).diagonal().cwiseSqrt();
   A_ = (scale_.cwiseInverse().asDiagonal() * A_ * scale_.asDiagonal()).eval();
   B = (scale_.cwiseInverse().asDiagonal() * B).eval();
-  X_ = lyapunov(A_, B * B.transpose());
+  X_ = continuous_lyapunov(A_, B * B.transpose());
 
   phasor_.resize(kCoordinates, kWheels);
   const std::complex<double> j(0.0, 1.0);
@@ -90,11 +66,16 @@ ExactDrive::ExactDrive(const Geometry& geometry, const ParameterVector& paramete
   }
 }
 
-ExactDrive::Row ExactDrive::filter_state(int coordinate, int k) const {
-  Row row{Eigen::RowVectorXd::Zero(A_.rows()), Eigen::RowVectorXcd(kWheels)};
-  row.state(kFilter + coordinate * order_ + k) = 1.0;
-  for (int i = 0; i < kWheels; ++i)
-    row.phasor(i) = filter_response_[static_cast<std::size_t>(i)](k) * phasor_(coordinate, i);
+ExactDrive::Row ExactDrive::filter_state(int signal, int k) const {
+  Row row{Eigen::RowVectorXd::Zero(A_.rows()), Eigen::RowVectorXcd::Zero(kWheels)};
+  if (signal < kCoordinates) row.state(kFilter + signal * order_ + k) = 1.0;
+  for (int i = 0; i < kWheels; ++i) {
+    // cos alpha = Re{e^{j alpha}}, sin alpha = Re{-j e^{j alpha}}.
+    const std::complex<double> own = signal == cosine_row(i) ? 1.0 : std::complex<double>(0.0, -1.0);
+    const bool reference = signal == cosine_row(i) || signal == sine_row(i);
+    const std::complex<double> input = signal < kCoordinates ? phasor_(signal, i) : reference ? own : 0.0;
+    row.phasor(i) = filter_response_[static_cast<std::size_t>(i)](k) * input;
+  }
   return row;
 }
 
@@ -113,11 +94,11 @@ double ExactDrive::covariance(const Row& past, const Eigen::RowVectorXd& future_
   return sum;
 }
 
-InstrumentMoments<double> ExactDrive::moments(int coordinate, int j, double lag_s) const {
+InstrumentMoments<double> ExactDrive::moments(int signal, int j, double lag_s) const {
   InstrumentMoments<double> m;
   for (int c = 0; c < kCoordinates; ++c) {
     const auto with = [&](int k) {
-      return covariance(filter_state(coordinate, j + k), acceleration_rows_.row(c), phasor_.row(c), lag_s);
+      return covariance(filter_state(signal, j + k), acceleration_rows_.row(c), phasor_.row(c), lag_s);
     };
     m.w2(c) = with(2);
     m.w1(c) = with(1) / corner_rad_s_;
@@ -126,34 +107,34 @@ InstrumentMoments<double> ExactDrive::moments(int coordinate, int j, double lag_
   return m;
 }
 
-Eigen::RowVector4d ExactDrive::with_road(int coordinate, int j, double lag_s) const {
+Eigen::RowVector4d ExactDrive::with_road(int signal, int j, double lag_s) const {
   Eigen::RowVector4d row;
   for (int i = 0; i < kWheels; ++i) {
     Eigen::RowVectorXd u = Eigen::RowVectorXd::Zero(A_.rows());
     u(kRoad + 2 * i + 1) = 1.0;
-    row(i) = covariance(filter_state(coordinate, j + 2), u, Eigen::RowVectorXcd::Zero(kWheels), lag_s);
+    row(i) = covariance(filter_state(signal, j + 2), u, Eigen::RowVectorXcd::Zero(kWheels), lag_s);
   }
   return row;
 }
 
-Eigen::RowVector4d ExactDrive::with_unbalance_force(int coordinate, int j, double lag_s) const {
+Eigen::RowVector4d ExactDrive::with_unbalance_force(int signal, int j, double lag_s) const {
   Eigen::RowVector4d row;
   for (int i = 0; i < kWheels; ++i) {
     Eigen::RowVectorXcd force = Eigen::RowVectorXcd::Zero(kWheels);
     force(i) = force_[static_cast<std::size_t>(i)];
-    row(i) = covariance(filter_state(coordinate, j + 2), Eigen::RowVectorXd::Zero(A_.rows()), force, lag_s);
+    row(i) = covariance(filter_state(signal, j + 2), Eigen::RowVectorXd::Zero(A_.rows()), force, lag_s);
   }
   return row;
 }
 
-std::complex<double> ExactDrive::with_reference(int coordinate, int j, double lag_s, int wheel) const {
+std::complex<double> ExactDrive::with_reference(int signal, int j, double lag_s, int wheel) const {
   const double om = omega(wheel);
-  return om * om * 0.5 * std::conj(filter_state(coordinate, j + 2).phasor(wheel)) *
+  return om * om * 0.5 * std::conj(filter_state(signal, j + 2).phasor(wheel)) *
          std::polar(1.0, om * lag_s);
 }
 
-double ExactDrive::power(int coordinate, int j) const {
-  const Row row = filter_state(coordinate, j + 2);
+double ExactDrive::power(int signal, int j) const {
+  const Row row = filter_state(signal, j + 2);
   return covariance(row, row.state, row.phasor, 0.0);
 }
 

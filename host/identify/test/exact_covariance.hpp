@@ -9,11 +9,9 @@
 #include "common/dsp/linear_filter.hpp"
 #include "common/vehicle/linear_model.hpp"
 #include "host/identify/moments.hpp"
+#include "host/identify/signals.hpp"
 
 namespace roadbalance::test {
-
-/// Solves A X + X A' + Q = 0 by the complex Schur form, with one step of refinement.  A must be stable.
-Eigen::MatrixXd lyapunov(const Eigen::MatrixXd& A, const Eigen::MatrixXd& Q);
 
 /// A car at constant speed on four independent roads, with the filter that makes the instruments, as one
 /// linear system: state x = [z, z', (shaping state, u) of each wheel, 5 filter states of each coordinate].
@@ -24,14 +22,15 @@ class ExactDrive {
              const std::array<std::complex<double>, kWheels>& unbalance_kg_m, double speed_m_s,
              double rolling_radius_m, double road_gd_m3, const ContinuousFilter& filter, double corner_hz);
 
-  /// Exact averages of relation (2) for instrument j (states j, j+1, j+2) of one coordinate's acceleration.
-  InstrumentMoments<double> moments(int coordinate, int j, double lag_s) const;
+  /// Exact averages of relation (2) for instrument j (states j, j+1, j+2) of one coordinate's acceleration, or of
+  /// the cosine or sine of a wheel's angle: rows as in signals.hpp.
+  InstrumentMoments<double> moments(int signal, int j, double lag_s) const;
   /// E[W'' u'] and E[W'' F'] of the same instrument: road heights and unbalance forces of the four wheels.
-  Eigen::RowVector4d with_road(int coordinate, int j, double lag_s) const;
-  Eigen::RowVector4d with_unbalance_force(int coordinate, int j, double lag_s) const;
+  Eigen::RowVector4d with_road(int signal, int j, double lag_s) const;
+  Eigen::RowVector4d with_unbalance_force(int signal, int j, double lag_s) const;
   /// E[W''(t) Om^2 e^{j alpha_i(t + lag)}]: what DriveMoments calls tyre_unbalance.
-  std::complex<double> with_reference(int coordinate, int j, double lag_s, int wheel) const;
-  double power(int coordinate, int j) const;
+  std::complex<double> with_reference(int signal, int j, double lag_s, int wheel) const;
+  double power(int signal, int j) const;
 
   double omega(int wheel) const { return omega_[static_cast<std::size_t>(wheel)]; }
   /// Phasors of z'' at the order of one wheel.
@@ -42,7 +41,7 @@ class ExactDrive {
     Eigen::RowVectorXd state;
     Eigen::RowVectorXcd phasor;
   };
-  Row filter_state(int coordinate, int k) const;
+  Row filter_state(int signal, int k) const;
   double covariance(const Row& past, const Eigen::RowVectorXd& future_state,
                     const Eigen::RowVectorXcd& future_phasor, double lag_s) const;
 

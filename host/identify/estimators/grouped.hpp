@@ -1,0 +1,68 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "host/identify/confidence.hpp"
+#include "host/identify/estimator.hpp"
+
+namespace roadbalance {
+
+/// Sums of stretches driven at about one speed, by speed.
+template <typename Sums>
+struct BySpeed {
+  static constexpr double kClass_m_s = 1.0;  ///< width of a class
+
+  std::map<int, Sums> at;
+
+  BySpeed& operator+=(const BySpeed& other) {
+    for (const auto& [key, sums] : other.at) at[key] += sums;
+    return *this;
+  }
+};
+
+/// Sums of parts of a drive, dealt out in turn to the groups of the jackknife.
+///
+/// @tparam Sums  of a part; an empty one is made by default, two add by +=
+template <typename Sums>
+class Grouped {
+ public:
+  static constexpr std::size_t kGroups = 10;
+
+  void add(double speed_m_s, const Sums& part) {
+    group_[parts_++ % kGroups].at[static_cast<int>(speed_m_s / BySpeed<Sums>::kClass_m_s)] += part;
+  }
+
+  /// How many classes of speed there are.
+  std::size_t speeds() const {
+    BySpeed<Sums> all;
+    for (const auto& group : group_) all += group;
+    return all.at.size();
+  }
+
+  /// `solve` of all, with the covariance that the groups show; NaN, with a remark, where nothing is told.
+  /// @param solve  const BySpeed<Sums>& -> std::optional<UnknownVector>, as Answer::x
+  template <typename Solve>
+  Answer solve(const Question& question, const Solve& solve) const {
+    const std::vector<BySpeed<Sums>> groups(group_.begin(), group_.begin() + std::min(parts_, kGroups));
+    BySpeed<Sums> all;
+    for (const auto& group : groups) all += group;
+    return judged(question, solve(all), jackknife_covariance(groups, solve));
+  }
+
+ private:
+  std::array<BySpeed<Sums>, kGroups> group_{};
+  std::size_t parts_ = 0;
+};
+
+/// An answer from what was solved: rows of what was not asked are 0, of what is not known NaN.
+Answer judged(const Question& question, const std::optional<UnknownVector>& x,
+              const std::optional<UnknownMatrix>& covariance);
+
+/// What is taken as known: Answer::x of a question that asks for nothing.
+UnknownVector known_unknowns(const Question& question);
+
+}  // namespace roadbalance

@@ -1,0 +1,93 @@
+#include "host/identify/estimators/paper.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+namespace roadbalance {
+namespace {
+
+template <auto Filter, auto Relation>
+std::unique_ptr<Estimator> make(const Question& question) {
+  return std::make_unique<RelationEstimator>(question, Filter(), Relation);
+}
+
+RelationFilter::Options one_lag() {
+  return {};
+}
+RelationFilter::Options lags() {
+  return {.lags_s = {0.0, 0.010, 0.020, 0.040}};
+}
+RelationFilter::Options road_lags() {
+  return {.lags_s = {0.0, 0.004, 0.010}};
+}
+RelationFilter::Options windowed() {
+  return {.windowed = true};
+}
+RelationFilter::Options past() {
+  return {.lags_s = {0.010, 0.020, 0.040}};
+}
+RelationFilter::Options windowed_past() {
+  return {.lags_s = {0.010, 0.020, 0.040}, .windowed = true};
+}
+
+using Instruments = RelationInstruments;
+using Road = RelationRoad;
+constexpr RelationOptions kPaper{.instruments = Instruments::kAll, .road = Road::kUnknown};
+constexpr RelationOptions kOwn{.instruments = Instruments::kOwn, .road = Road::kUnknownForAccelerations};
+constexpr RelationOptions kRoad{.instruments = Instruments::kAll, .road = Road::kMeasured};
+constexpr RelationOptions kPast{.instruments = Instruments::kOwn, .road = Road::kNone};
+
+}  // namespace
+
+RelationEstimator::RelationEstimator(Question question, RelationFilter::Options filter,
+                                     RelationOptions relation)
+    : question_(std::move(question)), filter_(std::move(filter)), relation_(relation) {}
+
+void RelationEstimator::add(const Stretch& stretch) {
+  if (relation_.road == Road::kMeasured && stretch.road_m.cols() == 0) return;
+  filter_.parts(stretch,
+                [this](double speed_m_s, const RelationCovariances& part) { sums_.add(speed_m_s, part); });
+}
+
+Answer RelationEstimator::solve() const {
+  Answer answer = sums_.solve(question_, [this](const BySpeed<RelationCovariances>& sums) {
+    return solve_relation(sums, question_, relation_);
+  });
+  if (answer.x.allFinite()) return answer;
+  const std::size_t speeds = sums_.speeds();
+  if (speeds == 0)
+    answer.remarks.emplace_back(relation_.road == Road::kMeasured ? "no steady driving over a measured road"
+                                                                  : "no steady driving");
+  else if (relation_.road == Road::kUnknown && speeds < 2)
+    answer.remarks.emplace_back(
+        "the road is not measured and only speeds tell it from the unbalance: drive at two speeds or more");
+  else
+    answer.remarks.emplace_back(
+        "the drive does not tell all that was asked; a wheel without angle has no unbalance");
+  return answer;
+}
+
+std::vector<EstimatorKind> paper_kinds() {
+  return {
+      {"paper", "the paper: all covariances at lag 0, those with the road unknown", false,
+       make<one_lag, kPaper>},
+      {"paper-lags", "the paper with lags of 0, 10, 20 and 40 ms", false, make<lags, kPaper>},
+      {"paper-own", "the same, instruments the wheel's own acceleration and angle", false, make<lags, kOwn>},
+      {"paper-road", "the paper, road measured, lag 0", true, make<one_lag, kRoad>},
+      {"paper-road-lags", "the paper, road measured, lags of 0, 4 and 10 ms", true, make<road_lags, kRoad>},
+      {"windowed-road", "road measured, the relation's exact form for a finite record", true,
+       make<windowed, kRoad>},
+  };
+}
+
+std::vector<EstimatorKind> own_past_kinds() {
+  return {
+      {"own-past", "instruments the wheel's acceleration 10, 20 and 40 ms ago and its angle: no road in them",
+       false, make<past, kPast>},
+      {"own-past-windowed", "own-past in the exact form for a finite record", false,
+       make<windowed_past, kPast>},
+  };
+}
+
+}  // namespace roadbalance
