@@ -1,6 +1,7 @@
 # The four kinds of target of this project.  Each carries its own requirements.
 
 include(RbEmbed)
+include(RbDerive)
 
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 

@@ -24,6 +24,8 @@ KEPT = {
     "lcm/": "common/bus/",
     "wire/": "common/bus/",
     "fftw3": "common/dsp/fft.cpp",
+    "ginac/": "common/multibody/algebra.cpp",
+    "cln/": "common/multibody/algebra.cpp",
 }
 
 # The same of interfaces of the system, which tests may use to play the other side.
@@ -33,7 +35,7 @@ KEPT_IN_PRODUCT = {
     "linux/can": ("firmware/backends/socketcan/can_socket.cpp", "firmware/backends/socketcan/can_link.cpp"),
 }
 
-GENERATED = ("embedded/", "wire/")  # headers made by the build, not in any room
+GENERATED = ("embedded/", "derived/", "wire/")  # headers made by the build, not in any room
 MOST_LINES = 300
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')

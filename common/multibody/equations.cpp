@@ -1,0 +1,271 @@
+#include "common/multibody/equations.hpp"
+
+#include <Eigen/Cholesky>
+#include <exception>
+
+#include "common/config/section.hpp"
+#include "common/multibody/equilibrium.hpp"
+#include "common/multibody/kinematics.hpp"
+#include "common/multibody/linearisation.hpp"
+
+namespace roadbalance {
+namespace {
+
+/// Something that force goes through: k s + d s', s = stretch(q) - (height of a road).
+struct Element {
+  std::string name;
+  Stretch stretch;
+  Expression stiffness, damping;
+  bool carries = false;  ///< its tension at rest may be other than 0
+  int road = -1;
+};
+
+class Derivation {
+ public:
+  explicit Derivation(const Description& description)
+      : d_(description),
+        names_(description),
+        frames_(frames(description, names_)),
+        f_(d_.coordinate.size()),
+        at_(names_.coordinates()) {
+    for (const NamedValue& one : d_.parameter)
+      values_.emplace_back(names_.parameters()[values_.size()], one.value);
+    for (std::size_t k = 0; k < d_.geometry.size(); ++k)
+      values_.emplace_back(names_.geometry()[k], d_.geometry[k].value);
+  }
+
+  Equations all() {
+    e_.name = d_.name;
+    e_.coordinate = d_.coordinate;
+    e_.parameter = d_.parameter;
+    e_.geometry = d_.geometry;
+    e_.parameter_symbol = names_.parameters();
+    e_.geometry_symbol = names_.geometry();
+    e_.rotor = d_.rotors();
+    e_.unbalance = d_.unbalance;
+    for (const TyreDescription& tyre : d_.tyre) e_.tyre.push_back(tyre.name);
+    for (const SensorDescription& sensor : d_.sensor) e_.sensor.push_back(sensor.name);
+    e_.M = e_.P = e_.Q = ExpressionMatrix(f_, f_);
+    e_.S = e_.Sd = ExpressionMatrix(f_, d_.tyre.size());
+    e_.T = ExpressionMatrix(f_, 2 * e_.rotor.size());
+    weight_.assign(f_, Expression(0.0));
+    bodies();
+    elements();
+    unbalances();
+    sensors();
+    for (ExpressionMatrix* m :
+         {&e_.M, &e_.P, &e_.Q, &e_.S, &e_.Sd, &e_.T, &e_.up, &e_.forward, &e_.acceleration, &e_.tilt})
+      for (std::size_t i = 0; i < m->rows(); ++i)
+        for (std::size_t j = 0; j < m->columns(); ++j) (*m)(i, j) = (*m)(i, j).simplified();
+    check_masses();
+    return std::move(e_);
+  }
+
+ private:
+  double number(const Expression& x) const {
+    std::vector<std::pair<Expression, Expression>> lengths;
+    for (const auto& one : e_.length) lengths.emplace_back(one.symbol, one.value);
+    return x.with(lengths).with(values_).number();
+  }
+
+  ExpressionVector point(int place) const {
+    const PointDescription& p = d_.point[static_cast<std::size_t>(place)];
+    return frame(p.body).at(names_(p.position));
+  }
+  Frame frame(int body) const {
+    return body == BodyDescription::kGround ? ground() : frames_[static_cast<std::size_t>(body)];
+  }
+
+  void bodies() {
+    const Expression g(d_.gravity_m_s2);
+    for (std::size_t b = 0; b < d_.body.size(); ++b) {
+      const Expression mass = names_(d_.body[b].mass);
+      if (!mass.is_zero()) {
+        for (const Expression& x : frames_[b].position) {
+          const ExpressionRow row = at_.slope(x);
+          e_.M.add_product(mass, row, row);
+        }
+        const Stretch height = at_.stretch(frames_[b].position[2]);
+        for (std::size_t i = 0; i < f_; ++i) weight_[i] += mass * g * height.slope[i];
+        e_.Q.add(mass * g, height.curvature);
+      }
+      add_inertia(d_.body[b], frames_[b].rotation);
+    }
+  }
+
+  /// J_R in the body's axes: the angular velocity's cross product is R' dR/dq.
+  void add_inertia(const BodyDescription& body, const ExpressionRows& rotation) {
+    const ExpressionVector inertia = names_(body.inertia), product = names_(body.product);
+    std::array<ExpressionRow, 3> rates{ExpressionRow(f_), ExpressionRow(f_), ExpressionRow(f_)};
+    ExpressionRows back = transposed(rotation);
+    for (ExpressionVector& row : back)
+      for (Expression& x : row) x = at_.at_rest(x);
+    for (std::size_t i = 0; i < f_; ++i) {
+      ExpressionRows change;
+      for (std::size_t r = 0; r < 3; ++r)
+        for (std::size_t c = 0; c < 3; ++c)
+          change[r][c] = at_.at_rest(rotation[r][c].derivative(names_.coordinates()[i]));
+      const ExpressionRows cross = back * change;
+      for (std::size_t a = 0; a < 3; ++a) rates[a][i] = cross[(a + 2) % 3][(a + 1) % 3].simplified();
+    }
+    for (std::size_t a = 0; a < 3; ++a) {
+      const std::size_t b = (a + 1) % 3;
+      e_.M.add_product(inertia[a], rates[a], rates[a]);
+      e_.M.add_product(-product[a], rates[a], rates[b]);
+      e_.M.add_product(-product[a], rates[b], rates[a]);
+    }
+  }
+
+  Stretch stretch(const std::string& name, const StretchDescription& s) {
+    if (s.point[0] < 0) return at_.stretch(names_(s.formula));
+    const ExpressionVector apart = point(s.point[0]) - point(s.point[1]);
+    if (s.along) return at_.stretch(dot(names_(s.direction), apart));
+    Expression length = sqrt(at_.at_rest(dot(apart, apart)));
+    if (length.is_sum_below_root()) {
+      e_.length.push_back({"length_" + name,
+                           Expression::symbol("length_" + name, "l_{" + latex_name(name) + "}", true),
+                           length});
+      length = e_.length.back().symbol;
+    }
+    return at_.of_length(apart, length);
+  }
+
+  std::vector<Element> all_elements() {
+    std::vector<Element> all;
+    for (const SpringDescription& s : d_.spring)
+      all.push_back(
+          {"spring_" + s.name, stretch("spring_" + s.name, s.stretch), names_(s.stiffness), 0.0, true});
+    for (const DamperDescription& s : d_.damper)
+      all.push_back({"damper_" + s.name, stretch("damper_" + s.name, s.stretch), 0.0, names_(s.damping)});
+    for (const StabiliserDescription& s : d_.stabiliser) {
+      Element bar{"stabiliser_" + s.name, all[static_cast<std::size_t>(s.spring[0])].stretch,
+                  names_(s.stiffness), 0.0};
+      for (std::size_t i = 0; i < f_; ++i) {
+        const Expression& other = all[static_cast<std::size_t>(s.spring[1])].stretch.slope[i];
+        bar.stretch.slope[i] = (bar.stretch.slope[i] - other).simplified();
+      }
+      all.push_back(std::move(bar));
+    }
+    for (const TyreDescription& t : d_.tyre)
+      all.push_back({"tyre_" + t.name, at_.stretch(point(t.point)[2]), names_(t.stiffness), names_(t.damping),
+                     true, static_cast<int>(&t - d_.tyre.data())});
+    return all;
+  }
+
+  void elements() {
+    const std::vector<Element> all = all_elements();
+    const std::vector<Expression> tensions = tensions_at_rest(all);
+    for (std::size_t n = 0; n < all.size(); ++n) {
+      const Element& element = all[n];
+      const ExpressionRow& slope = element.stretch.slope;
+      e_.Q.add_product(element.stiffness, slope, slope);
+      e_.P.add_product(element.damping, slope, slope);
+      if (element.road >= 0)
+        for (std::size_t i = 0; i < f_; ++i) {
+          e_.S(i, static_cast<std::size_t>(element.road)) = element.stiffness * slope[i];
+          e_.Sd(i, static_cast<std::size_t>(element.road)) = element.damping * slope[i];
+        }
+      if (tensions[n].is_zero() || element.stretch.curvature.is_zero()) continue;
+      const std::string name = "tension_" + element.name;
+      e_.tension.push_back(
+          {name, Expression::symbol(name, "f_{" + latex_name(element.name) + "}", false), tensions[n]});
+      e_.Q.add(e_.tension.back().symbol, element.stretch.curvature);
+    }
+  }
+
+  std::vector<Expression> tensions_at_rest(const std::vector<Element>& all) const {
+    const auto f = static_cast<Eigen::Index>(f_), n = static_cast<Eigen::Index>(all.size());
+    const Eigen::MatrixXd slope = Eigen::MatrixXd::NullaryExpr(f, n, [&](Eigen::Index i, Eigen::Index k) {
+      const Element& element = all[static_cast<std::size_t>(k)];
+      return element.carries ? number(element.stretch.slope[static_cast<std::size_t>(i)]) : 0.0;
+    });
+    const Eigen::VectorXd weight = Eigen::VectorXd::NullaryExpr(
+        f, [this](Eigen::Index i) { return number(weight_[static_cast<std::size_t>(i)]); });
+    const Equilibrium rest = equilibrium(slope, weight);
+    if (rest.not_carried)
+      fail(
+          "it is not in equilibrium where all coordinates are 0: no spring or tyre carries the weight "
+          "along " +
+          d_.coordinate[static_cast<std::size_t>(*rest.not_carried)].name);
+    std::vector<Expression> tensions(all.size());
+    for (Eigen::Index k = 0; k < n; ++k) {
+      Expression& tension = tensions[static_cast<std::size_t>(k)];
+      for (Eigen::Index i = 0; i < f; ++i)
+        if (const double share = rest.tension_of_weight(k, i); share != 0.0)
+          tension += share * weight_[static_cast<std::size_t>(i)];
+      tension = tension.simplified();
+    }
+    return tensions;
+  }
+
+  /// F_z = Om^2 (uc cos a - us sin a), F_x = Om^2 (uc sin a + us cos a)   (conventions.md)
+  void unbalances() {
+    e_.up = e_.forward = ExpressionMatrix(f_, d_.unbalance.size());
+    for (std::size_t n = 0; n < d_.unbalance.size(); ++n) {
+      const UnbalanceDescription& plane = d_.unbalance[n];
+      const ExpressionVector centre = point(plane.point);
+      const ExpressionRow up = at_.slope(centre[2]), forward = at_.slope(centre[0]);
+      const Expression cosine = names_(plane.cosine), sine = names_(plane.sine);
+      const auto rotor = std::ranges::find(e_.rotor, plane.rotor) - e_.rotor.begin();
+      const auto column = 2 * static_cast<std::size_t>(rotor);
+      for (std::size_t i = 0; i < f_; ++i) {
+        e_.up(i, n) = up[i];
+        e_.forward(i, n) = forward[i];
+        e_.T(i, column) += cosine * forward[i] - sine * up[i];
+        e_.T(i, column + 1) += cosine * up[i] + sine * forward[i];
+      }
+    }
+  }
+
+  void sensors() {
+    e_.acceleration = e_.tilt = ExpressionMatrix(d_.sensor.size(), f_);
+    for (std::size_t n = 0; n < d_.sensor.size(); ++n) {
+      const SensorDescription& sensor = d_.sensor[n];
+      const int body = d_.point[static_cast<std::size_t>(sensor.point)].body;
+      const ExpressionVector place = point(sensor.point),
+                             direction = frame(body).rotation * names_(sensor.direction);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const ExpressionRow row = at_.slope(place[axis]);
+        for (std::size_t i = 0; i < f_; ++i) e_.acceleration(n, i) += at_.at_rest(direction[axis]) * row[i];
+      }
+      const ExpressionRow tilted = at_.slope(direction[2]);
+      for (std::size_t i = 0; i < f_; ++i) e_.tilt(n, i) = Expression(d_.gravity_m_s2) * tilted[i];
+    }
+  }
+
+  void check_masses() const {
+    const auto f = static_cast<Eigen::Index>(f_);
+    const Eigen::MatrixXd mass = Eigen::MatrixXd::NullaryExpr(f, f, [this](Eigen::Index i, Eigen::Index j) {
+      return number(e_.M(static_cast<std::size_t>(i), static_cast<std::size_t>(j)));
+    });
+    for (Eigen::Index i = 0; i < f; ++i)
+      if (!(mass(i, i) > 0.0)) fail(d_.coordinate[static_cast<std::size_t>(i)].name + " moves no mass");
+    if (Eigen::LLT<Eigen::MatrixXd>(mass).info() != Eigen::Success)
+      fail("two coordinates move the same masses alike, or a mass is negative");
+  }
+
+  [[noreturn]] void fail(const std::string& reason) const { throw ConfigError(d_.name + ": " + reason); }
+
+  const Description& d_;
+  Names names_;
+  std::vector<Frame> frames_;
+  std::size_t f_;
+  Linearisation at_;
+  std::vector<std::pair<Expression, Expression>> values_;
+  ExpressionRow weight_;
+  Equations e_;
+};
+
+}  // namespace
+
+Equations derive(const Description& description) {
+  try {
+    return Derivation(description).all();
+  } catch (const ConfigError&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw ConfigError(description.name + ": the equations cannot be derived: " + error.what());
+  }
+}
+
+}  // namespace roadbalance
