@@ -57,10 +57,12 @@ Geometry geometry_of(const ModelConfig& model);
 /// Parameters as vehicle.toml states them.
 ParameterVector nominal_parameters(const VehicleConfig& vehicle);
 
+/// As derived, when the program was built, from common/multibody/descriptions/seven_dof.toml.
+///
 /// Every matrix is linear in every parameter: the matrices of a parameter are those of its unit vector,
-/// the others zero.  Strut stretch D_i = corner_i - z_i is row i of B, then
-///   M = diag(masses), P = B' diag(ds) B, Q = B' diag(cs) B + sum st (B_L - B_R)'(B_L - B_R) +
-///   diag(0,0,0,ct).
+/// the others zero.  Strut stretch D_i = corner_i - z_i is row i of B; by hand the equations are
+///   M = diag(masses), P = B' diag(ds) B + diag(0,0,0,dt),
+///   Q = B' diag(cs) B + sum st (B_L - B_R)'(B_L - B_R) + diag(0,0,0,ct).
 LinearModel linear_model(const Geometry& geometry, const ParameterVector& parameters);
 
 /// Least-squares map from vertical sensors of all nodes to the seven accelerations z''.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <random>
 
 #include <gtest/gtest.h>
 #include <Eigen/Eigenvalues>
@@ -54,6 +55,55 @@ TEST(LinearModel, MatricesAreTheReferenceCars) {
   }
 }
 
+/// (1) by hand, from the strut stretches: what the derived equations must be for any car of this form.
+LinearModel by_hand(const Geometry& geometry, const ParameterVector& p) {
+  Eigen::Matrix<double, kWheels, kCoordinates> B = decltype(B)::Zero();
+  for (int i = 0; i < kWheels; ++i) {
+    const auto w = static_cast<std::size_t>(i);
+    B.row(i).head<3>() << 1.0, geometry.y_m[w], -geometry.x_m[w];
+    B(i, kBodyCoordinates + i) = -1.0;
+  }
+  LinearModel m;
+  m.M = p.head<kCoordinates>().asDiagonal();
+  m.P = B.transpose() * p.segment<kWheels>(kDamper).asDiagonal() * B;
+  m.Q = B.transpose() * p.segment<kWheels>(kSpring).asDiagonal() * B;
+  for (int a = 0; a < kAxles; ++a) {
+    const auto twist = (B.row(2 * a) - B.row(2 * a + 1)).eval();
+    m.Q += p(kStabiliser + a) * twist.transpose() * twist;
+  }
+  m.Q.diagonal().tail<kWheels>() += p.segment<kWheels>(kTyre);
+  m.P.diagonal().tail<kWheels>() += p.segment<kWheels>(kTyreDamper);
+  m.S.setZero();
+  m.S.bottomRows<kWheels>() = p.segment<kWheels>(kTyre).asDiagonal();
+  m.Sd.setZero();
+  m.Sd.bottomRows<kWheels>() = p.segment<kWheels>(kTyreDamper).asDiagonal();
+  m.W.setZero();
+  m.W.bottomRows<kWheels>().setIdentity();
+  return m;
+}
+
+TEST(LinearModel, IsWhatIsDerivedByHandForAnyCar) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> number(0.5, 2.0);
+  for (int repeat = 0; repeat < 20; ++repeat) {
+    Geometry geometry{};
+    for (std::size_t w = 0; w < kWheels; ++w) {
+      geometry.x_m[w] = (w < 2 ? 1.0 : -1.0) * number(random);
+      geometry.y_m[w] = (w % 2 == 0 ? 1.0 : -1.0) * number(random);
+    }
+    ParameterVector p;
+    for (double& value : p) value = number(random);
+    const LinearModel derived = linear_model(geometry, p), expected = by_hand(geometry, p);
+    // Rounding of sums of some ten entries of size 10.
+    EXPECT_LT((derived.M - expected.M).norm(), 1e-12);
+    EXPECT_LT((derived.P - expected.P).norm(), 1e-12);
+    EXPECT_LT((derived.Q - expected.Q).norm(), 1e-12);
+    EXPECT_LT((derived.S - expected.S).norm(), 1e-12);
+    EXPECT_LT((derived.Sd - expected.Sd).norm(), 1e-12);
+    EXPECT_EQ(derived.W, expected.W);
+  }
+}
+
 TEST(LinearModel, MatricesAreSymmetricAndStable) {
   const LinearModel m = model();
   EXPECT_LT((m.P - m.P.transpose()).cwiseAbs().maxCoeff(), 1e-9);
@@ -83,10 +133,11 @@ TEST(LinearModel, ModesAreTheReferenceCars) {
 TEST(LinearModel, IsTheSumOfItsParametersMatrices) {
   const auto vehicle = car();
   const Geometry geometry = geometry_of(vehicle.model);
-  const ParameterVector p = nominal_parameters(vehicle);
+  ParameterVector p = nominal_parameters(vehicle);
+  p.segment<kWheels>(kTyreDamper).setConstant(120.0);
   const LinearModel whole = linear_model(geometry, p);
   LinearModel sum = linear_model(geometry, ParameterVector::Zero());
-  EXPECT_EQ(sum.M.norm() + sum.P.norm() + sum.Q.norm() + sum.S.norm(), 0.0);
+  EXPECT_EQ(sum.M.norm() + sum.P.norm() + sum.Q.norm() + sum.S.norm() + sum.Sd.norm(), 0.0);
   for (int k = 0; k < kParameters; ++k) {
     const LinearModel unit = linear_model(geometry, ParameterVector::Unit(k));
     EXPECT_GT(unit.M.norm() + unit.P.norm() + unit.Q.norm() + unit.S.norm(), 0.0) << k;
@@ -94,11 +145,13 @@ TEST(LinearModel, IsTheSumOfItsParametersMatrices) {
     sum.P += p(k) * unit.P;
     sum.Q += p(k) * unit.Q;
     sum.S += p(k) * unit.S;
+    sum.Sd += p(k) * unit.Sd;
   }
   EXPECT_LT((sum.M - whole.M).norm(), 1e-9);
   EXPECT_LT((sum.P - whole.P).norm(), 1e-9);
   EXPECT_LT((sum.Q - whole.Q).norm(), 1e-9);
   EXPECT_LT((sum.S - whole.S).norm(), 1e-9);
+  EXPECT_LT((sum.Sd - whole.Sd).norm(), 1e-9);
 }
 
 TEST(LinearModel, AnswersAnUnbalanceAsTheReferenceCar) {
