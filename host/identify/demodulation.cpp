@@ -1,6 +1,7 @@
 #include "host/identify/demodulation.hpp"
 
 #include <Eigen/LU>
+#include <Eigen/QR>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -14,8 +15,19 @@ constexpr Complex kJ(0.0, 1.0);
 /// Side bins lie this far from the line: outside every wheel's own line, near enough for one road spectrum.
 constexpr double kSideFromHz = 0.3;
 constexpr double kSideToHz = 2.0;
+/// Wheels in step share one line: phasors that only smaller parts of the overlap tell apart are left
+/// together.
+constexpr double kApart = 1e-2;
 /// Wheels in step make K singular; this share of independent noise keeps the weights finite.
 constexpr double kIndependentShare = 1e-2;
+
+/// Phasors whose sum over the references is in Z, [reference x coordinate]: Z_k = sum_j c_jk a_j.
+Eigen::MatrixXcd lines(const Demodulated& line) {
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXcd> overlap;
+  overlap.setThreshold(kApart);
+  overlap.compute(line.overlap.transpose());
+  return overlap.solve(line.Z);
+}
 
 }  // namespace
 
@@ -65,8 +77,15 @@ Demodulated Demodulator::operator()(const Eigen::Ref<const SignalMatrix>& signal
 
 Eigen::MatrixXcd Demodulator::beside(const Eigen::Ref<const SignalMatrix>& signals,
                                      const Demodulated& line) const {
-  const Eigen::MatrixXcd mixed =
-      (line.down.row(0).asDiagonal() * signals.topRows<kCoordinates>().transpose().cast<Complex>()).eval();
+  // The taper is short, its side lobes reach far: the lines themselves are taken out first.
+  const Eigen::MatrixXcd phasors = lines(line);  // [reference x coordinate]
+  Eigen::MatrixXd rest = signals.topRows<kCoordinates>();
+  for (std::size_t k = 0; k < line.wheels.size(); ++k) {
+    const auto phasor = phasors.row(static_cast<Eigen::Index>(k)).transpose();
+    rest -= phasor.real() * signals.row(cosine_row(line.wheels[k])) -
+            phasor.imag() * signals.row(sine_row(line.wheels[k]));
+  }
+  const Eigen::MatrixXcd mixed = (line.down.row(0).asDiagonal() * rest.transpose().cast<Complex>()).eval();
   return side_shift_ * mixed;
 }
 

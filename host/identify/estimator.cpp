@@ -4,6 +4,7 @@
 
 #include "common/config/section.hpp"
 #include "host/identify/estimators/paper.hpp"
+#include "host/identify/estimators/two_stage.hpp"
 
 namespace roadbalance {
 
@@ -16,7 +17,7 @@ bool Question::asks_for_suspension() const {
 std::span<const EstimatorKind> estimators() {
   static const std::vector<EstimatorKind> kAll = [] {
     std::vector<EstimatorKind> all;
-    for (const auto kinds : {paper_kinds, own_past_kinds})
+    for (const auto kinds : {paper_kinds, own_past_kinds, two_stage_kinds})
       for (EstimatorKind& kind : kinds()) all.push_back(std::move(kind));
     return all;
   }();

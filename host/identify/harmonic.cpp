@@ -44,29 +44,33 @@ Eigen::MatrixXcd expected_forces(const LinearModel& model, const std::vector<int
 
 }  // namespace
 
-Eigen::Matrix4cd HarmonicInstrument::road_spectrum(const Eigen::Ref<const SignalMatrix>& signals,
-                                                   const Demodulated& line, double omega, double speed_m_s,
-                                                   const LinearModel& model) const {
+RoadSpectrum HarmonicInstrument::road(const Eigen::Ref<const SignalMatrix>& signals,
+                                      const Eigen::Vector4d& omega, double speed_m_s,
+                                      const ParameterVector& parameters) const {
+  RoadSpectrum spectrum;
+  const Demodulated line = demodulator_(signals, omega);
+  if (line.wheels.empty()) return spectrum;
+  const LinearModel model = linear_model(geometry_, parameters);
   const Eigen::MatrixXcd Z = demodulator_.beside(signals, line);  // [side bin x coordinate]
   const Eigen::VectorXd& side_hz = demodulator_.side_hz();
-  Eigen::Matrix4cd spectrum = Eigen::Matrix4cd::Zero();
   for (Eigen::Index b = 0; b < side_hz.size(); ++b) {
     const double x = 2.0 * std::numbers::pi * side_hz(b);
-    const auto m = instrument(Z.row(b), omega + x);
+    const auto m = instrument(Z.row(b), omega(line.wheels.front()) + x);
     Eigen::Vector4cd force;
     for (int j = 0; j < kWheels; ++j) {
       const double later_s = (geometry_.x_m[0] - geometry_.x_m[static_cast<std::size_t>(j)]) / speed_m_s;
       force(j) = m.force(model, kBodyCoordinates + j) * std::polar(1.0, x * later_s);
     }
-    spectrum += force * force.adjoint();
+    spectrum.sum += speed_m_s * force * force.adjoint();
+    spectrum.bins += 1.0;
   }
-  if (share_ == RoadShare::kApart) spectrum = spectrum.diagonal().asDiagonal().toDenseMatrix();
-  return spectrum / static_cast<double>(side_hz.size());
+  return spectrum;
 }
 
 HarmonicMoments HarmonicInstrument::moments(const Eigen::Ref<const SignalMatrix>& signals,
                                             const Eigen::Vector4d& omega, double speed_m_s,
-                                            const ParameterVector& parameters) const {
+                                            const ParameterVector& parameters,
+                                            const RoadSpectrum& road) const {
   HarmonicMoments result;
   const Demodulated line = demodulator_(signals, omega);
   const std::vector<int>& wheels = line.wheels;
@@ -75,9 +79,14 @@ HarmonicMoments HarmonicInstrument::moments(const Eigen::Ref<const SignalMatrix>
   const auto wheel = [&](Eigen::Index k) { return wheels[static_cast<std::size_t>(k)]; };
 
   const LinearModel model = linear_model(geometry_, parameters);
-  const Eigen::Matrix4cd spectrum = road_spectrum(signals, line, omega(wheel(0)), speed_m_s, model);
-  const Eigen::MatrixXcd S = Eigen::MatrixXcd::NullaryExpr(
-      n, n, [&](Eigen::Index a, Eigen::Index b) { return spectrum(wheel(a), wheel(b)); });
+  // The inverse of a mean over B bins is too large by B / (B - n) in the mean (complex Wishart): short
+  // sections, which have fewer, would count for more than they tell.
+  if (road.bins <= static_cast<double>(n)) return result;
+  const double scale =
+      1.0 / (speed_m_s * (road.bins - (share_ == RoadShare::kShared ? static_cast<double>(n) : 1.0)));
+  const Eigen::MatrixXcd S = Eigen::MatrixXcd::NullaryExpr(n, n, [&](Eigen::Index a, Eigen::Index b) {
+    return a == b || share_ == RoadShare::kShared ? scale * road.sum(wheel(a), wheel(b)) : Complex(0.0);
+  });
   if (!(S.determinant().real() > 0.0)) return result;  // nothing shakes the car: no weights, no equations
   const Eigen::MatrixXcd S_inverse = S.inverse();
 

@@ -37,20 +37,26 @@ class Grouped {
   }
 
   /// How many classes of speed there are.
-  std::size_t speeds() const {
-    BySpeed<Sums> all;
-    for (const auto& group : group_) all += group;
-    return all.at.size();
+  std::size_t speeds() const { return all().at.size(); }
+
+  BySpeed<Sums> all() const {
+    BySpeed<Sums> sum;
+    for (const auto& group : group_) sum += group;
+    return sum;
+  }
+
+  /// What the groups show of the covariance of what `solve` says; nothing: they are too few.
+  template <typename Solve>
+  std::optional<UnknownMatrix> covariance(const Solve& solve) const {
+    const std::vector<BySpeed<Sums>> groups(group_.begin(), group_.begin() + std::min(parts_, kGroups));
+    return jackknife_covariance(groups, solve);
   }
 
   /// `solve` of all, with the covariance that the groups show; NaN, with a remark, where nothing is told.
   /// @param solve  const BySpeed<Sums>& -> std::optional<UnknownVector>, as Answer::x
   template <typename Solve>
   Answer solve(const Question& question, const Solve& solve) const {
-    const std::vector<BySpeed<Sums>> groups(group_.begin(), group_.begin() + std::min(parts_, kGroups));
-    BySpeed<Sums> all;
-    for (const auto& group : groups) all += group;
-    return judged(question, solve(all), jackknife_covariance(groups, solve));
+    return judged(question, solve(all()), covariance(solve));
   }
 
  private:

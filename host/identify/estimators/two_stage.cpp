@@ -1,0 +1,177 @@
+#include "host/identify/estimators/two_stage.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <memory>
+
+#include "host/identify/unbalances.hpp"
+#include "host/identify/whittle.hpp"
+
+namespace roadbalance {
+namespace {
+
+constexpr double kSectionS = 10.0;
+constexpr double kDifference = 1e-3;  ///< of a parameter
+
+/// Length of the equal sections that fill a stretch.
+Eigen::Index section_samples(const Stretch& stretch) {
+  const Eigen::Index room = stretch.signals.cols() - SectionBuffer::lag(stretch.rate_hz);
+  const auto wanted = static_cast<Eigen::Index>(std::lround(kSectionS * stretch.rate_hz));
+  const Eigen::Index overlap = SectionBuffer::overlap(stretch.rate_hz, std::min(wanted, room));
+  const auto sections = static_cast<Eigen::Index>(
+      std::lround(static_cast<double>(room - overlap) / static_cast<double>(wanted - overlap)));
+  return (room - overlap) / std::max<Eigen::Index>(1, sections) + overlap;
+}
+
+DriveMoments total(const BySpeed<SectionMoments>& drive) {
+  DriveMoments sum;
+  for (const auto& [speed, moments] : drive.at) sum += moments.drive;
+  return sum;
+}
+
+/// [Re, Im of each wheel] from circular complex numbers.
+Eigen::Matrix<double, 2 * kWheels, 2 * kWheels> by_axes(const Eigen::Matrix4cd& covariance) {
+  Eigen::Matrix<double, 2 * kWheels, 2 * kWheels> axes;
+  for (int i = 0; i < kWheels; ++i)
+    for (int j = 0; j < kWheels; ++j) {
+      const std::complex<double> c = covariance(i, j) / 2.0;
+      axes.block<2, 2>(2 * i, 2 * j) << c.real(), -c.imag(), c.imag(), c.real();
+    }
+  return axes;
+}
+
+}  // namespace
+
+void TwoStage::add(const Stretch& stretch) {
+  const Eigen::Index samples = section_samples(stretch);
+  if (!buffer_ || buffer_->section().cols() != samples)
+    buffer_.emplace(question_.geometry, stretch.rate_hz, samples, options_.share);
+  if (!road_) road_.emplace(question_.geometry, stretch.rate_hz);
+  const auto for_each_section = [&](const auto& use) {
+    buffer_->reset();
+    for (Eigen::Index k = 0; k < stretch.signals.cols(); ++k) {
+      buffer_->push(stretch.signals.col(k));
+      if (!buffer_->full()) continue;
+      use();
+      buffer_->keep(buffer_->shared());
+    }
+  };
+  for_each_section([&] {
+    SectionMoments section;
+    section.drive = buffer_->moments(stretch.omega, stretch.speed_m_s, question_.known);
+    if (options_.tyre == TyreFrom::kWhittle)
+      section.road = road_->moments(buffer_->section(), stretch.omega, stretch.speed_m_s);
+    sections_.add(stretch.speed_m_s, section);
+  });
+}
+
+Answer TwoStage::solve() const {
+  if (options_.tyre == TyreFrom::kInstrument)
+    return sections_.solve(question_, [this](const Drive& drive) {
+      return roadbalance::solve(total(drive), question_.geometry, question_.known, question_.asked);
+    });
+  const Drive drive = sections_.all();
+  const auto parameters = with_suspension(total(drive));
+  auto solution = parameters ? solve_wheels(drive, *parameters) : std::nullopt;
+  if (!solution) return judged(question_, std::nullopt, std::nullopt);
+  if (question_.asks_for_suspension()) add_doubt_of_suspension(drive, *parameters, *solution);
+  return judged(question_, solution->x, solution->covariance);
+}
+
+std::optional<ParameterVector> TwoStage::with_suspension(const DriveMoments& drive) const {
+  ParameterVector parameters = question_.known;
+  if (!question_.asks_for_suspension()) return parameters;
+  const auto suspension = solve_suspension(drive, question_.geometry, question_.known);
+  if (!suspension) return std::nullopt;
+  for (int i = 0; i < kEstimatedTyre; ++i)
+    if (question_.asked[static_cast<std::size_t>(i)]) parameters(kSpring + i) = (*suspension)(i);
+  return parameters;
+}
+
+std::optional<TwoStage::Solution> TwoStage::solve_wheels(const Drive& drive,
+                                                         const ParameterVector& parameters) const {
+  WhittleTyres tyres{parameters.segment<kWheels>(kTyre), Eigen::Matrix4d::Zero()};
+  std::bitset<kWheels> free;
+  for (int i = 0; i < kWheels; ++i) free[static_cast<std::size_t>(i)] = question_.asks_for_tyre(i);
+  if (options_.tyre == TyreFrom::kWhittle && free.any()) {
+    std::vector<const WhittleMoments*> speeds;
+    for (const auto& [speed, moments] : drive.at) speeds.push_back(&moments.road);
+    const auto found = whittle_tyres(speeds, question_.geometry, parameters, free);
+    if (!found) return std::nullopt;
+    tyres = *found;
+  }
+  ParameterVector without_tyres = parameters;
+  without_tyres.segment<kWheels>(kTyre).setZero();
+  const Unbalances unbalances = solve_unbalances(total(drive).harmonic, question_.geometry, without_tyres,
+                                                 wheels_asked_for_unbalance(question_.asked));
+
+  Solution solution;
+  solution.x.head<kEstimatedUnbalance>() = parameters.segment<kEstimatedUnbalance>(kSpring);
+  solution.x.segment<kWheels>(kEstimatedTyre) = tyres.tyre_n_m;
+  put_unbalances(unbalances.at(tyres.tyre_n_m), unbalances.found, question_.asked, solution.x);
+
+  Eigen::Matrix<double, 3 * kWheels, kWheels> slope;  // of tyres and unbalances by the tyres
+  slope.topRows<kWheels>().setIdentity();
+  for (int i = 0; i < kWheels; ++i) {
+    slope.row(kWheels + 2 * i) = unbalances.per_tyre.row(i).real();
+    slope.row(kWheels + 2 * i + 1) = unbalances.per_tyre.row(i).imag();
+  }
+  solution.covariance.setZero();
+  solution.covariance.bottomRightCorner<3 * kWheels, 3 * kWheels>() =
+      slope * tyres.covariance * slope.transpose();
+  solution.covariance.bottomRightCorner<2 * kWheels, 2 * kWheels>() += by_axes(unbalances.covariance);
+  return solution;
+}
+
+void TwoStage::add_doubt_of_suspension(const Drive& drive, const ParameterVector& parameters,
+                                       Solution& solution) const {
+  const auto suspension = sections_.covariance([this](const Drive& part) -> std::optional<UnknownVector> {
+    const auto found = with_suspension(total(part));
+    if (!found) return std::nullopt;
+    UnknownVector x = UnknownVector::Zero();
+    x.head<kEstimatedTyre>() = found->segment<kEstimatedTyre>(kSpring);
+    return x;
+  });
+  Eigen::Matrix<double, kUnknowns, kEstimatedTyre> slope;
+  for (int p = 0; p < kEstimatedTyre; ++p) {
+    ParameterVector moved = parameters;
+    const double step = kDifference * question_.known(kSpring + p);
+    moved(kSpring + p) += step;
+    const auto found = solve_wheels(drive, moved);
+    if (found)
+      slope.col(p) = (found->x - solution.x) / step;
+    else
+      slope.col(p).setConstant(std::numeric_limits<double>::quiet_NaN());
+  }
+  if (suspension)
+    solution.covariance +=
+        slope * suspension->topLeftCorner<kEstimatedTyre, kEstimatedTyre>() * slope.transpose();
+  else
+    solution.covariance.setConstant(std::numeric_limits<double>::quiet_NaN());
+}
+
+namespace {
+
+template <TyreFrom tyre, RoadShare share>
+std::unique_ptr<Estimator> make(const Question& question) {
+  return std::make_unique<TwoStage>(question, TwoStage::Options{tyre, share});
+}
+
+}  // namespace
+
+std::vector<EstimatorKind> two_stage_kinds() {
+  using enum TyreFrom;
+  using enum RoadShare;
+  return {
+      {"known-tyre", "tyre as known, unbalance by demodulation", false, make<kKnown, kApart>},
+      {"instrument", "tyre by its wheel's past acceleration (1 to 80 Hz, 4 ms), unbalance by demodulation",
+       false, make<kInstrument, kApart>},
+      {"whittle", "tyre by the likelihood of the road, unbalance by demodulation", false,
+       make<kWhittle, kApart>},
+      {"cancellation", "as whittle, and the road that wheels share cancelled", false,
+       make<kWhittle, kShared>},
+  };
+}
+
+}  // namespace roadbalance

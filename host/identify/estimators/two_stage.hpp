@@ -1,0 +1,74 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "host/identify/estimator.hpp"
+#include "host/identify/estimators/grouped.hpp"
+#include "host/identify/section_buffer.hpp"
+#include "host/identify/whittle_moments.hpp"
+
+namespace roadbalance {
+
+/// What two-stage estimators gather of sections driven at about one speed.
+struct SectionMoments {
+  DriveMoments drive;
+  WhittleMoments road;
+
+  SectionMoments& operator+=(const SectionMoments& other) {
+    drive += other.drive;
+    road += other.road;
+    return *this;
+  }
+};
+
+/// Where the stiffness of a tyre is taken from.
+enum class TyreFrom {
+  kKnown,       ///< Question::known
+  kInstrument,  ///< the wheel's own past acceleration (SectionBuffer)
+  kWhittle,     ///< the likelihood of the road (whittle.hpp)
+};
+
+/// First the suspension from the body's rows, then the tyres, then the unbalances by demodulation
+/// (harmonic.hpp): the product's own way, put together anew for each kind of TyreFrom and RoadShare.
+///
+/// The covariance is computed from the road that is left about the wheels' order, from the likelihood's
+/// information and from the slopes dU/dct; what the suspension is known to comes from its jackknife and
+/// differences.  Where tyres come from the instrument it is the jackknife's all through.
+///
+/// Each stretch is cut into equal sections of about 10 s that overlap as SectionBuffer says.  A stretch below
+/// 4 s has no segment for the likelihood.
+class TwoStage final : public Estimator {
+ public:
+  struct Options {
+    TyreFrom tyre = TyreFrom::kKnown;
+    RoadShare share = RoadShare::kApart;
+  };
+  TwoStage(const Question& question, const Options& options) : question_(question), options_(options) {}
+
+  void add(const Stretch& stretch) override;
+  Answer solve() const override;
+
+ private:
+  using Drive = BySpeed<SectionMoments>;
+  struct Solution {
+    UnknownVector x;
+    UnknownMatrix covariance;  ///< suspension taken for exact
+  };
+  /// Question::known with what the body's rows tell of what is asked.
+  std::optional<ParameterVector> with_suspension(const DriveMoments& drive) const;
+  std::optional<Solution> solve_wheels(const Drive& drive, const ParameterVector& parameters) const;
+  void add_doubt_of_suspension(const Drive& drive, const ParameterVector& parameters,
+                               Solution& solution) const;
+
+  Question question_;
+  Options options_;
+  std::optional<SectionBuffer> buffer_;  ///< for stretches of one length
+  std::optional<WhittleGatherer> road_;
+  Grouped<SectionMoments> sections_;
+};
+
+/// known-tyre, instrument, whittle, cancellation.
+std::vector<EstimatorKind> two_stage_kinds();
+
+}  // namespace roadbalance
