@@ -2,14 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <utility>
 
 #include "common/config/section.hpp"
 #include "host/identify/body_instrument.hpp"
-#include "host/identify/confidence.hpp"
 #include "host/identify/doubt.hpp"
 #include "host/identify/missing_angle.hpp"
 #include "host/identify/phase_drift.hpp"
+#include "host/identify/publish_estimate.hpp"
 
 namespace roadbalance {
 namespace {
@@ -59,16 +61,12 @@ std::string in_step_sentence(const PhaseDrift& drift) {
          "another, or fit sensors to their carriers";
 }
 
-double sigma(const UnknownMatrix& covariance, int i) {
-  return std::sqrt(covariance(i, i));
-}
-
 }  // namespace
 
 DriveEstimator::DriveEstimator(const VehicleConfig& vehicle)
     : vehicle_(vehicle),
-      geometry_(geometry_of(vehicle.model)),
-      known_(nominal_parameters(vehicle)),
+      known_(Known::of(vehicle)),
+      classes_(vehicle.drive.speed_class_m_s),
       obstacle_(why_no_angle(vehicle)),
       body_only_(shows_body_only(vehicle)),
       sections_(
@@ -120,7 +118,16 @@ std::string DriveEstimator::obstacle() const {
 
 void DriveEstimator::add_sample(const IdentificationSample& sample) {
   time_ns_ = sample.time_ns;
+  const std::int64_t before = sections_.news();
   sections_.consume(sample);
+  if (sections_.news() == before) return;
+  ++version_;
+  stale_ = true;
+}
+
+const DriveEstimate& DriveEstimator::estimate() {
+  if (std::exchange(stale_, false)) update_estimate();
+  return estimate_;
 }
 
 /// Before the first section: why there is none.
@@ -131,56 +138,70 @@ void DriveEstimator::report_unknown(Unknown state) {
 }
 
 void DriveEstimator::add_section(const DriveMoments& section) {
-  const double speed = section.speed_seconds / section.seconds;
-  SpeedClass& speed_class = classes_[static_cast<int>(speed / vehicle_.drive.speed_class_m_s)];
-  speed_class.group[static_cast<std::size_t>(speed_class.total.sections) % SpeedClass::kGroups] += section;
-  speed_class.total += section;
-  update_estimate();
+  classes_.add(section);
+  ++version_;
+  stale_ = true;
+  learn_weights();
 }
 
-void DriveEstimator::update_estimate() {
-  ++version_;
-  describe_drive();
-  std::vector<DriveMoments> groups;
-  DriveMoments drive;
-  for (const auto& [key, speed_class] : classes_) {
-    drive += speed_class.total;
-    for (const auto& group : speed_class.group)
-      if (group.sections > 0) groups.push_back(group);
-  }
-  if (drive.sections < kLeastSections) return publish_unknown(Unknown::kTooShort);
-  const auto x = solve(drive, geometry_, known_);
-  const auto covariance = x ? jackknife_covariance(groups, geometry_, known_) : std::nullopt;
-  if (!covariance) return publish_unknown(Unknown::kIllConditioned);
-  if (body_only_) return publish(*x, *covariance);
-  for (int p = 0; p < kEstimatedUnbalance; ++p) {
-    const double ratio = (*x)(p) / known_(kSpring + p);
-    const bool stabiliser = p >= kEstimatedStabiliser && p < kEstimatedTyre;  // may truly be weak
-    if (!stabiliser && !(ratio > 1.0 / kPlausible && ratio < kPlausible))
-      return publish_unknown(Unknown::kIllConditioned);
-  }
-  publish(*x, *covariance);
-  ParameterVector parameters = known_;
+/// What is known of the car makes the weights of the sections to come.
+void DriveEstimator::learn_weights() {
+  if (body_only_ || classes_.sections() < kLeastSections) return;
+  const auto x = solve(classes_.total(), known_.geometry, known_.value);
+  if (!x || !is_plausible(*x)) return;
+  ParameterVector parameters = known_.value;
   parameters.segment<kEstimatedUnbalance>(kSpring) = x->head<kEstimatedUnbalance>();
   sections_.set_parameters(parameters);
 }
 
-void DriveEstimator::describe_drive() {
+bool DriveEstimator::is_plausible(const UnknownVector& x) const {
+  for (int p = 0; p < kEstimatedUnbalance; ++p) {
+    const double ratio = x(p) / known_.value(kSpring + p);
+    const bool stabiliser = p >= kEstimatedStabiliser && p < kEstimatedTyre;  // may truly be weak
+    if (!stabiliser && !(ratio > 1.0 / kPlausible && ratio < kPlausible)) return false;
+  }
+  return true;
+}
+
+void DriveEstimator::update_estimate() {
+  SpeedClasses all = classes_;
+  if (const auto running = sections_.running()) all.add(*running);
+  if (all.empty()) return;
+  describe_drive(all);
+  const DriveMoments drive = all.total();
+  if (drive.sections < kLeastSections) return publish_unknown(Unknown::kTooShort);
+  const auto x = solve(drive, known_.geometry, known_.value);
+  const auto judgement = x ? judge(all, known_) : std::nullopt;
+  if (!judgement || (!body_only_ && !is_plausible(*x))) return publish_unknown(Unknown::kIllConditioned);
+  publish(*x, *judgement);
+  if (!body_only_) return;
+  estimate_.identification.state = Unknown::kUnfitVehicle;
+  add_doubt_of_parameters(drive);
+}
+
+void DriveEstimator::describe_drive(const SpeedClasses& drive) {
   Identification& result = estimate_.identification;
   result.time_ns = time_ns_;
   result.seconds_used = 0.0;
   result.sections = 0;
   result.speed_class.clear();
-  for (const auto& [key, speed_class] : classes_) {
-    result.seconds_used += speed_class.total.seconds;
-    result.sections += speed_class.total.sections;
+  const std::vector<DriveMoments> classes = drive.totals();
+  for (const DriveMoments& total : classes) {
+    result.seconds_used += total.seconds;
+    result.sections += total.sections;
     if (result.speed_class.size() < kMaxSpeedClasses)
-      result.speed_class.push_back(
-          {speed_class.total.speed_seconds / speed_class.total.seconds, speed_class.total.seconds});
+      result.speed_class.push_back({total.speed_seconds / total.seconds, total.seconds});
   }
-  for (auto& balance : estimate_.balance) {
+  for (int w = 0; w < kWheels; ++w) {
+    Balance& balance = estimate_.balance[static_cast<std::size_t>(w)];
     balance.time_ns = time_ns_;
     balance.seconds_used = result.seconds_used;
+    balance.least_speed_m_s = classes.front().speed_seconds / classes.front().seconds;
+    balance.greatest_speed_m_s = classes.back().speed_seconds / classes.back().seconds;
+    balance.phase_drift_rad = std::numeric_limits<double>::quiet_NaN();
+    for (int other = 0; other < kWheels; ++other)
+      if (const auto drift = sections_.phase_drift().drift_rad(w, other); drift && other != w)
+        balance.phase_drift_rad = std::fmin(balance.phase_drift_rad, *drift);
   }
 }
 
@@ -192,83 +213,42 @@ void DriveEstimator::publish_unknown(Unknown state) {
   }
 }
 
-void DriveEstimator::publish(const UnknownVector& x, const UnknownMatrix& covariance) {
+void DriveEstimator::publish(const UnknownVector& x, const Judgement& judgement) {
   publish_unknown(Unknown::kNone);
-  if (!body_only_) publish_suspension(x, covariance);
-  publish_balances(x, covariance);
-  add_doubt_of_datums();
-  if (!body_only_) return;
-  estimate_.identification.state = Unknown::kUnfitVehicle;
-  add_doubt_of_parameters();
+  publish_balances(x, judgement);
+  if (body_only_) return;
+  put_suspension(x, judgement.drive + judgement.masses, estimate_.identification);
+  put_judgement(judgement, estimate_.identification);
 }
 
-void DriveEstimator::publish_suspension(const UnknownVector& x, const UnknownMatrix& covariance) {
-  Identification& result = estimate_.identification;
-  for (int i = 0; i < kWheels; ++i) {
-    const auto w = static_cast<std::size_t>(i);
-    result.spring_n_m[w] = x(kEstimatedSpring + i);
-    result.sigma_spring_n_m[w] = sigma(covariance, kEstimatedSpring + i);
-    result.damper_n_s_m[w] = x(kEstimatedDamper + i);
-    result.sigma_damper_n_s_m[w] = sigma(covariance, kEstimatedDamper + i);
-    result.tyre_n_m[w] = x(kEstimatedTyre + i);
-    result.sigma_tyre_n_m[w] = sigma(covariance, kEstimatedTyre + i);
-  }
-  for (int a = 0; a < kAxles; ++a) {
-    result.stabiliser_n_m[static_cast<std::size_t>(a)] = x(kEstimatedStabiliser + a);
-    result.sigma_stabiliser_n_m[static_cast<std::size_t>(a)] = sigma(covariance, kEstimatedStabiliser + a);
-  }
-}
-
-void DriveEstimator::publish_balances(const UnknownVector& x, const UnknownMatrix& covariance) {
+void DriveEstimator::publish_balances(const UnknownVector& x, const Judgement& judgement) {
   std::array<std::optional<int>, kWheels> with;
   if (body_only_) with = in_step(sections_.phase_drift());
   for (int i = 0; i < kWheels; ++i) {
-    Balance& balance = estimate_.balance[static_cast<std::size_t>(i)];
-    if (with[static_cast<std::size_t>(i)]) {
-      balance.state = Unknown::kInStep;
-      continue;
-    }
-    const int u = kEstimatedUnbalance + 2 * i;
-    const double grams = 1000.0 / balance.weight_radius_m;  // per kg m
-    const Eigen::Vector2d vector = grams * x.segment<2>(u);
-    if (!vector.allFinite()) {
-      balance.state = Unknown::kNoReference;
-      continue;
-    }
-    balance.covariance_g2 = grams * grams * covariance.block<2, 2>(u, u);
-    balance.unbalance_g = vector.norm();
-    const Eigen::Vector2d radial = vector.normalized();
-    const Eigen::Vector2d tangential(-radial.y(), radial.x());
-    balance.sigma_g = std::sqrt(radial.dot(balance.covariance_g2 * radial));
-    balance.sigma_rad = std::sqrt(tangential.dot(balance.covariance_g2 * tangential)) / balance.unbalance_g;
-    constexpr double kTurn = 2.0 * std::numbers::pi;
-    const double angle = std::atan2(vector.y(), vector.x());
-    balance.angle_rad = angle < 0.0 ? angle + kTurn : angle;
-    balance.weight_angle_rad = std::fmod(balance.angle_rad + std::numbers::pi, kTurn);
-  }
-}
-
-/// No scatter of a drive shows where its zero marks are thought to be.
-void DriveEstimator::add_doubt_of_datums() {
-  for (std::size_t w = 0; w < kWheels; ++w) {
-    const double sigma_rad = vehicle_.wheel[w].encoder.datum_sigma_rad;
-    if (estimate_.balance[w].state == Unknown::kNone)
-      add_doubt(estimate_.balance[w], 0.0, sigma_rad * sigma_rad);
-  }
-}
-
-void DriveEstimator::add_doubt_of_parameters() {
-  double seconds = 0.0, metres = 0.0;
-  for (const auto& [key, speed_class] : classes_) {
-    seconds += speed_class.total.seconds;
-    metres += speed_class.total.speed_seconds;
-  }
-  const auto doubt = response_doubt(vehicle_, metres / seconds);
-  for (std::size_t w = 0; w < kWheels; ++w) {
+    const auto w = static_cast<std::size_t>(i);
     Balance& balance = estimate_.balance[w];
+    const int u = kEstimatedUnbalance + 2 * i;
+    const auto unbalance = x.segment<2>(u);
+    if (with[w])
+      balance.state = Unknown::kInStep;
+    else if (!unbalance.allFinite())
+      balance.state = Unknown::kNoReference;
     if (balance.state != Unknown::kNone) continue;
-    add_doubt(balance, doubt[w].along, doubt[w].across);
+    put_unbalance(unbalance, judgement.drive.block<2, 2>(u, u), balance);
+    balance.sigma_drive_g = balance.sigma_g;
+    put_unbalance(unbalance, (judgement.drive + judgement.masses).block<2, 2>(u, u), balance);
+    if (!body_only_) put_first_order(judgement.first_order[w], balance);
+    // No scatter of a drive shows where its zero marks are thought to be.
+    const double datum_sigma_rad = vehicle_.wheel[w].encoder.datum_sigma_rad;
+    add_doubt(balance, 0.0, datum_sigma_rad * datum_sigma_rad);
   }
+}
+
+void DriveEstimator::add_doubt_of_parameters(const DriveMoments& drive) {
+  const auto doubt = response_doubt(vehicle_, drive.speed_seconds / drive.seconds);
+  for (std::size_t w = 0; w < kWheels; ++w)
+    if (estimate_.balance[w].state == Unknown::kNone)
+      add_doubt(estimate_.balance[w], doubt[w].along, doubt[w].across);
 }
 
 }  // namespace roadbalance

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,7 +12,9 @@
 #include "host/identify/assemble.hpp"
 #include "host/identify/decimate.hpp"
 #include "host/identify/estimate.hpp"
+#include "host/identify/judgement.hpp"
 #include "host/identify/section.hpp"
+#include "host/identify/speed_classes.hpp"
 
 namespace roadbalance {
 
@@ -33,6 +34,10 @@ struct DriveEstimate {
 /// Blocks of one node come in the order of their sequence with the fits of its clock between them; how those
 /// of different nodes interleave does not matter.  Memory is bounded: moments are kept per speed class and
 /// jackknife group, not per section.
+///
+/// There is a new estimate for every second of steady driving: the section that is still being driven counts
+/// as far as it goes, in the jackknife's group that it will belong to.  An estimate is a function of the
+/// blocks so far; when it was asked for makes no difference.
 class DriveEstimator {
  public:
   explicit DriveEstimator(const VehicleConfig& vehicle);
@@ -46,40 +51,32 @@ class DriveEstimator {
   /// What stands in the way of an estimate, naming the thing at fault; empty: nothing but time.
   std::string obstacle() const;
 
-  /// The newest estimate; its states say what is not known yet and why.
-  const DriveEstimate& estimate() const { return estimate_; }
+  /// The newest estimate; its states say what is not known yet and why.  Computed when asked for.
+  const DriveEstimate& estimate();
   /// Grows by one with each new estimate.
   std::int64_t version() const { return version_; }
 
  private:
-  /// Sections of about one speed, dealt out to the jackknife's groups in turn.
-  struct SpeedClass {
-    static constexpr std::size_t kGroups = 10;
-    std::array<DriveMoments, kGroups> group;
-    DriveMoments total;
-  };
-
   void report_unknown(Unknown state);
   void add_sample(const IdentificationSample& sample);
   void add_section(const DriveMoments& section);
+  void learn_weights();
   void update_estimate();
-  void publish(const UnknownVector& x, const UnknownMatrix& covariance);
-  void publish_suspension(const UnknownVector& x, const UnknownMatrix& covariance);
-  void publish_balances(const UnknownVector& x, const UnknownMatrix& covariance);
-  /// In the balances: how well the zero marks' datums are known.
-  void add_doubt_of_datums();
+  bool is_plausible(const UnknownVector& x) const;
+  void publish(const UnknownVector& x, const Judgement& judgement);
+  void publish_balances(const UnknownVector& x, const Judgement& judgement);
   /// In the balances: what vehicle.toml may be wrong by, where the body alone was heard.
-  void add_doubt_of_parameters();
+  void add_doubt_of_parameters(const DriveMoments& drive);
   void publish_unknown(Unknown state);
-  void describe_drive();
+  void describe_drive(const SpeedClasses& drive);
 
   VehicleConfig vehicle_;
-  Geometry geometry_;
-  ParameterVector known_;
-  std::map<int, SpeedClass> classes_;
+  Known known_;
+  SpeedClasses classes_;
   std::int64_t time_ns_ = 0;
   DriveEstimate estimate_;
   std::int64_t version_ = 0;
+  bool stale_ = false;  ///< there is more to tell than estimate_ does
   std::string obstacle_;
   bool body_only_;
   SectionBuilder sections_;

@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <Eigen/QR>
+#include <Eigen/SVD>
 #include <cmath>
 #include <complex>
 #include <limits>
@@ -14,6 +15,47 @@ namespace {
 constexpr int kSuspension = kEstimatedTyre;  ///< unknowns of step 1: spring[4], damper[4], stabiliser[2]
 static_assert(kDamper - kSpring == kEstimatedDamper && kStabiliser - kSpring == kEstimatedStabiliser &&
               kTyre - kSpring == kEstimatedTyre);
+
+constexpr int kBodyEquations = kBodyCoordinates * kChassisInstruments;
+using BodyColumn = Eigen::Matrix<double, kBodyEquations, 1>;
+
+/// Each body row of (2) for each instrument with these parameters: mean force per instrument rms, over the
+/// row's mass, so that all equations have one unit.
+BodyColumn body_forces(const DriveMoments& moments, const LinearModel& model, const ParameterVector& known) {
+  BodyColumn column;
+  for (int row = 0; row < kBodyCoordinates; ++row)
+    for (int i = 0; i < kChassisInstruments; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      const double scale = known(row) * std::sqrt(moments.chassis_power[k]);
+      column(row * kChassisInstruments + i) = moments.chassis[k].force(model, row) / scale;
+    }
+  return column;
+}
+
+/// Step 1: A x + b = 0, x the suspension.
+struct BodyEquations {
+  Eigen::Matrix<double, kBodyEquations, kSuspension> A;
+  BodyColumn b;
+};
+BodyEquations body_equations(const DriveMoments& moments, const Geometry& geometry,
+                             const ParameterVector& known) {
+  BodyEquations equations;
+  for (int p = 0; p < kSuspension; ++p)
+    equations.A.col(p) = body_forces(moments, unit_model(geometry, kSpring + p), known);
+  ParameterVector masses = ParameterVector::Zero();
+  masses.head<kSpring>() = known.head<kSpring>();
+  equations.b = body_forces(moments, linear_model(geometry, masses), known);
+  return equations;
+}
+
+/// Columns are brought to one length first; nothing if they do not determine the unknowns.
+std::optional<Eigen::VectorXd> least_squares(const Eigen::MatrixXd& A, const Eigen::VectorXd& right) {
+  const Eigen::VectorXd size = A.colwise().norm();
+  if (!(size.minCoeff() > 0.0) || !A.allFinite()) return std::nullopt;
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(A * size.cwiseInverse().asDiagonal());
+  if (qr.rank() < A.cols()) return std::nullopt;
+  return qr.solve(right).cwiseQuotient(size).eval();
+}
 
 /// Step 2.  With U = U_0 + sum_j u_j ct_j one equation per wheel for the ct asked for.
 void solve_wheels(const DriveMoments& moments, const Geometry& geometry, const ParameterVector& without_tyres,
@@ -50,30 +92,32 @@ std::optional<UnknownVector> solve_body(const BodyMoments& body) {
 
 }  // namespace
 
-/// Step 1.  Equations: each body row of (2) for each instrument; unknowns: the suspension.
 std::optional<SuspensionVector> solve_suspension(const DriveMoments& moments, const Geometry& geometry,
                                                  const ParameterVector& known) {
-  constexpr int kEquations = kBodyCoordinates * kChassisInstruments;
-  Eigen::Matrix<double, kEquations, kSuspension> A;
-  Eigen::Matrix<double, kEquations, 1> b;
-  ParameterVector masses = ParameterVector::Zero();
-  masses.head<kSpring>() = known.head<kSpring>();
-  const auto fill = [&](const LinearModel& model, auto column) {
-    for (int row = 0; row < kBodyCoordinates; ++row)
-      for (int i = 0; i < kChassisInstruments; ++i) {
-        const auto k = static_cast<std::size_t>(i);
-        // One unit for all equations: mean force per instrument rms, over the row's mass.
-        const double scale = known(row) * std::sqrt(moments.chassis_power[k]);
-        column(row * kChassisInstruments + i) = moments.chassis[k].force(model, row) / scale;
-      }
-  };
-  for (int p = 0; p < kSuspension; ++p) fill(unit_model(geometry, kSpring + p), A.col(p));
-  fill(linear_model(geometry, masses), b.col(0));
-  const Eigen::Matrix<double, kSuspension, 1> size = A.colwise().norm();
-  if (!(size.minCoeff() > 0.0) || !A.allFinite()) return std::nullopt;
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(A * size.cwiseInverse().asDiagonal());
-  if (qr.rank() < kSuspension) return std::nullopt;
-  return (-qr.solve(b)).cwiseQuotient(size).eval();
+  const BodyEquations equations = body_equations(moments, geometry, known);
+  const auto x = least_squares(equations.A, -equations.b);
+  if (!x) return std::nullopt;
+  return SuspensionVector(*x);
+}
+
+double suspension_condition(const DriveMoments& moments, const Geometry& geometry,
+                            const ParameterVector& known) {
+  const Eigen::MatrixXd A = body_equations(moments, geometry, known).A.colwise().normalized();
+  const Eigen::VectorXd singular = Eigen::JacobiSVD<Eigen::MatrixXd>(A).singularValues();
+  return singular(0) / singular(singular.size() - 1);
+}
+
+Eigen::Vector2d inertia_shares(const DriveMoments& moments, const Geometry& geometry,
+                               const ParameterVector& known) {
+  const BodyEquations equations = body_equations(moments, geometry, known);
+  Eigen::Matrix<double, kBodyEquations, kSuspension + 2> A;
+  A.leftCols<kSuspension>() = equations.A;
+  for (int k = 0; k < 2; ++k)
+    A.col(kSuspension + k) =
+        known(kRollInertia + k) * body_forces(moments, unit_model(geometry, kRollInertia + k), known);
+  const auto x = least_squares(A, -equations.b);
+  if (!x) return Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+  return x->tail<2>();
 }
 
 UnknownSet suspension_unknowns() {

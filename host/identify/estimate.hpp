@@ -38,6 +38,15 @@ using SuspensionVector = Eigen::Matrix<double, kEstimatedTyre, 1>;
 std::optional<SuspensionVector> solve_suspension(const DriveMoments& moments, const Geometry& geometry,
                                                  const ParameterVector& known);
 
+/// Of step 1's equations, columns of unit length: how many times a small disturbance may grow.
+double suspension_condition(const DriveMoments& moments, const Geometry& geometry,
+                            const ParameterVector& known);
+
+/// By which share the body's roll and pitch inertia would have to be larger for step 1 to fit best: one set
+/// of springs must serve heave, roll and pitch alike.  NaN: the drive does not tell.
+Eigen::Vector2d inertia_shares(const DriveMoments& moments, const Geometry& geometry,
+                               const ParameterVector& known);
+
 /// Solves the moments of a drive, in two steps:
 ///
 /// 1. Springs, dampers and stabilisers from the body's rows of (2) by least squares over all instruments;

@@ -20,6 +20,10 @@ DriveMoments& DriveMoments::operator+=(const DriveMoments& other) {
   for (std::size_t i = 0; i < wheel.size(); ++i) {
     wheel[i].tyre += other.wheel[i].tyre;
     wheel[i].tyre_unbalance += other.wheel[i].tyre_unbalance;
+    for (std::size_t k = 0; k < wheel[i].check.size(); ++k) {
+      wheel[i].check[k].tyre += other.wheel[i].check[k].tyre;
+      wheel[i].check[k].tyre_unbalance += other.wheel[i].check[k].tyre_unbalance;
+    }
   }
   harmonic += other.harmonic;
   body.normal += other.body.normal;

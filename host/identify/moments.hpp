@@ -43,6 +43,7 @@ struct InstrumentMoments {
 
 inline constexpr int kChassisInstrumentsPerSignal = 3;
 inline constexpr int kChassisInstruments = kChassisInstrumentsPerSignal * kCoordinates;
+inline constexpr int kWheelChecks = 2;
 
 /// Normal equations N U = sum_j force of right[.][j] on wheel j's row, for the unbalance phasors U of all
 /// wheels (harmonic.hpp).
@@ -76,6 +77,13 @@ struct DriveMoments {
     InstrumentMoments<double> tyre{};
     std::complex<double> tyre_unbalance =
         0.0;  ///< sum of W''(t) Om^2 r(t + lag): its share of U is Re{U ...}
+    /// The same at other lags, which the estimate does not use: they tell whether the model fits
+    /// (misfit.hpp).
+    struct Check {
+      InstrumentMoments<double> tyre{};
+      std::complex<double> tyre_unbalance = 0.0;
+    };
+    std::array<Check, kWheelChecks> check{};
   };
   std::array<Wheel, kWheels> wheel{};
 

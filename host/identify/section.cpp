@@ -11,6 +11,8 @@ namespace {
 
 constexpr double kSettlingS = 3.0;
 constexpr int kParts = 10;
+constexpr Eigen::Index kLeastParts = 5;
+constexpr double kRoadBins = 300.0;   ///< beside the lines, that weights remember: about 80 s of driving
 constexpr double kSteadiness = 0.02;  ///< a part's speed may differ from the section's by this share
 
 Eigen::Index samples_in(double seconds, double rate_hz) {
@@ -24,9 +26,10 @@ SectionBuilder::SectionBuilder(const VehicleConfig& vehicle, Emit emit, bool bod
       least_speed_m_s_(vehicle.drive.least_speed_m_s),
       part_(samples_in(vehicle.drive.section_s / kParts, rate_hz_)),
       buffer_(geometry_of(vehicle.model), rate_hz_, kParts * part_, RoadShare::kShared),
+      vehicle_(vehicle),
+      body_only_(body_only),
       parameters_(nominal_parameters(vehicle)),
       emit_(std::move(emit)) {
-  if (body_only) body_.emplace(vehicle, buffer_.taper(), rate_hz_);
   for (std::size_t i = 0; i < kWheels; ++i) {
     rolling_radius_m_[i] = vehicle.wheel[i].rolling_radius_m;
     has_encoder_[i] = !vehicle.wheel[i].node.empty();
@@ -35,6 +38,8 @@ SectionBuilder::SectionBuilder(const VehicleConfig& vehicle, Emit emit, bool bod
 
 void SectionBuilder::consume(const IdentificationSample& sample) {
   if (sample.restart) {
+    take(whole_parts(buffer_.filled()));
+    keep(0);
     buffer_.reset();
     settling_ = samples_in(kSettlingS, rate_hz_);
   }
@@ -44,7 +49,21 @@ void SectionBuilder::consume(const IdentificationSample& sample) {
   }
   buffer_.push(sample.signals);
   if (buffer_.filled() % part_ == 0) check_steadiness();
+  if (whole_parts(buffer_.filled()) > 0 && (buffer_.filled() - SectionBuffer::lag(rate_hz_)) % part_ == 0)
+    ++news_;
   if (buffer_.full()) finish_section();
+}
+
+/// Of the first `samples` those that whole parts have, with their lag behind them.
+Eigen::Index SectionBuilder::whole_parts(Eigen::Index samples) const {
+  const Eigen::Index parts = (samples - SectionBuffer::lag(rate_hz_)) / part_;
+  return parts < kLeastParts ? 0 : parts * part_;
+}
+
+/// Keeps the newest samples only; what running() would have told is gone.
+void SectionBuilder::keep(Eigen::Index count) {
+  if (whole_parts(buffer_.filled()) > 0) ++news_;
+  buffer_.keep(count);
 }
 
 /// A section whose speed has changed begins again with its newest part, one without a speed from nothing.
@@ -54,36 +73,54 @@ void SectionBuilder::check_steadiness() {
   if (!wheel) {
     for (int i = kWheels - 1; i >= 0; --i)
       if (has_encoder_[static_cast<std::size_t>(i)]) missing_reference_ = i;
-    return buffer_.keep(speed_wheel(filled - part_, part_) ? part_ : 0);
+    return keep(speed_wheel(filled - part_, part_) ? part_ : 0);
   }
   const double newest = mean_rotation(*wheel, filled - part_, part_);
   const double before = filled == part_ ? newest : mean_rotation(*wheel, 0, filled - part_);
   if (newest * rolling_radius_m_[static_cast<std::size_t>(*wheel)] < least_speed_m_s_) {
     slow_s_ += static_cast<double>(part_) / rate_hz_;
-    buffer_.keep(0);
+    keep(0);
   } else if (std::abs(newest - before) > kSteadiness * before) {
-    buffer_.keep(part_);
+    take(whole_parts(filled - part_ + SectionBuffer::lag(rate_hz_)));
+    keep(part_);
   }
 }
 
-/// A wheel that turns without its angle would leave its unbalance in the equations of all: such a section is
-/// not used.
 void SectionBuilder::finish_section() {
-  bool complete = true;
-  for (int wheel = 0; wheel < kWheels; ++wheel)
-    if (has_encoder_[static_cast<std::size_t>(wheel)] && !has_reference(wheel, 0, buffer_.filled())) {
-      missing_reference_ = wheel;
-      complete = false;
-    }
   slow_s_ = 0.0;
-  if (complete) {
-    std::array<bool, kWheels> has_angle{};
-    for (int wheel = 0; wheel < kWheels; ++wheel)
-      has_angle[static_cast<std::size_t>(wheel)] = has_reference(wheel, 0, buffer_.filled());
-    phase_drift_.add(buffer_.signals(), has_angle);
-    emit_(moments());
+  take(buffer_.section().cols());
+  keep(buffer_.shared());
+}
+
+/// Takes the first `samples` for a section.  A wheel that turns without its angle would leave its unbalance
+/// in the equations of all: such a section is not used.
+void SectionBuilder::take(Eigen::Index samples) {
+  if (samples == 0) return;
+  if (const auto wheel = wheel_without_angle(samples)) {
+    missing_reference_ = wheel;
+    return;
   }
-  buffer_.keep(buffer_.shared());
+  std::array<bool, kWheels> has_angle{};
+  for (int wheel = 0; wheel < kWheels; ++wheel)
+    has_angle[static_cast<std::size_t>(wheel)] = has_reference(wheel, 0, samples);
+  phase_drift_.add(buffer_.signals().leftCols(samples), has_angle);
+  emit_(moments(samples));
+  road_ = newest_road_;
+}
+
+std::optional<DriveMoments> SectionBuilder::running() {
+  const Eigen::Index samples = whole_parts(buffer_.filled());
+  if (samples == 0 || wheel_without_angle(samples)) return std::nullopt;
+  return moments(samples);
+}
+
+/// With an encoder, but without an angle somewhere in the first `samples` or their lag.
+std::optional<int> SectionBuilder::wheel_without_angle(Eigen::Index samples) const {
+  for (int wheel = kWheels - 1; wheel >= 0; --wheel)
+    if (has_encoder_[static_cast<std::size_t>(wheel)] &&
+        !has_reference(wheel, 0, samples + SectionBuffer::lag(rate_hz_)))
+      return wheel;
+  return std::nullopt;
 }
 
 /// Mean rotation rate of a wheel over `count` samples from `first`, rad/s, from its reference's phase.
@@ -109,20 +146,27 @@ std::optional<int> SectionBuilder::speed_wheel(Eigen::Index first, Eigen::Index 
   return std::nullopt;
 }
 
-DriveMoments SectionBuilder::moments() const {
-  const Eigen::Index samples = buffer_.section().cols();
+DriveMoments SectionBuilder::moments(Eigen::Index samples) {
   const int timer = *speed_wheel(0, samples);  // check_steadiness saw to it that there is one
   const double speed_m_s =
       mean_rotation(timer, 0, samples) * rolling_radius_m_[static_cast<std::size_t>(timer)];
   Eigen::Vector4d omega = Eigen::Vector4d::Zero();
   for (int wheel = 0; wheel < kWheels; ++wheel)
-    if (has_reference(wheel, 0, buffer_.filled())) omega(wheel) = mean_rotation(wheel, 0, samples);
-  if (!body_) return buffer_.moments(omega, speed_m_s, parameters_);
+    if (has_reference(wheel, 0, samples + SectionBuffer::lag(rate_hz_)))
+      omega(wheel) = mean_rotation(wheel, 0, samples);
+  if (!body_only_) {
+    newest_road_ = road_.remembering(kRoadBins);
+    newest_road_ += buffer_.road(samples, omega, speed_m_s, parameters_);
+    return buffer_.moments(samples, omega, speed_m_s, parameters_, newest_road_);
+  }
+  auto body = body_.find(samples);
+  if (body == body_.end())
+    body = body_.emplace(samples, BodyInstrument(vehicle_, buffer_.taper(samples), rate_hz_)).first;
   DriveMoments sum;
   sum.sections = 1;
-  sum.seconds = buffer_.seconds();
+  sum.seconds = buffer_.seconds(samples);
   sum.speed_seconds = sum.seconds * speed_m_s;
-  sum.body = body_->moments(buffer_.section(), omega);
+  sum.body = body->second.moments(buffer_.signals().leftCols(samples), omega);
   return sum;
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 
 #include <Eigen/Core>
@@ -16,7 +18,9 @@ namespace roadbalance {
 
 /// Cuts the drive into sections of steady speed and turns each into its moments.
 ///
-/// What a section holds, and how those that follow one another overlap, says SectionBuffer.
+/// What a section holds, and how those that follow one another overlap, says SectionBuffer.  It is looked at
+/// in ten parts: one that a hole or a change of speed ends early counts as it is if it has half of them, and
+/// one that is still being driven can be asked for as far as it goes.
 class SectionBuilder {
  public:
   using Emit = std::function<void(const DriveMoments&)>;
@@ -24,6 +28,11 @@ class SectionBuilder {
   /// @param body_only  no sensor sits on the wheel carriers: the moments are BodyMoments
   SectionBuilder(const VehicleConfig& vehicle, Emit emit, bool body_only = false);
   void consume(const IdentificationSample& sample);
+
+  /// The section being driven, as far as whole parts go; nothing: too short yet, or a wheel lacks its angle.
+  std::optional<DriveMoments> running();
+  /// Grows whenever running() has something else to tell.
+  std::int64_t news() const { return news_; }
 
   /// A wheel whose encoder gave no angle in some section, which was therefore not used; nothing: none.
   std::optional<int> missing_reference() const { return missing_reference_; }
@@ -37,8 +46,12 @@ class SectionBuilder {
 
  private:
   void check_steadiness();
+  void keep(Eigen::Index count);
   void finish_section();
-  DriveMoments moments() const;
+  void take(Eigen::Index samples);
+  Eigen::Index whole_parts(Eigen::Index samples) const;
+  std::optional<int> wheel_without_angle(Eigen::Index samples) const;
+  DriveMoments moments(Eigen::Index samples);
   bool has_reference(int wheel, Eigen::Index first, Eigen::Index count) const;
   std::optional<int> speed_wheel(Eigen::Index first, Eigen::Index count) const;
   double mean_rotation(int wheel, Eigen::Index first, Eigen::Index count) const;
@@ -49,9 +62,13 @@ class SectionBuilder {
   std::array<bool, kWheels> has_encoder_;
   Eigen::Index part_;  ///< of a section, between checks of steadiness
   SectionBuffer buffer_;
-  std::optional<BodyInstrument> body_;  ///< in place of the buffer's moments
+  const VehicleConfig vehicle_;
+  bool body_only_;
+  std::map<Eigen::Index, BodyInstrument> body_;  ///< in place of the buffer's moments, by samples
   PhaseDrift phase_drift_;
   ParameterVector parameters_;
+  RoadSpectrum road_, newest_road_;  ///< of the sections taken; with that of the newest moments
+  std::int64_t news_ = 0;
   double slow_s_ = 0.0;
   std::optional<int> missing_reference_;
   Eigen::Index settling_ = 0;  ///< samples still to skip until the filters have settled

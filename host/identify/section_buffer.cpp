@@ -15,6 +15,8 @@ constexpr double kChassisLagS = 0.020;
 constexpr double kTyreLowHz = 1.0;
 constexpr double kTyreHighHz = 80.0;
 constexpr double kTyreLagS = 0.004;
+/// The contact patch leaves next to nothing of the road at these; at 20 ms E[W z] is about 0.
+constexpr std::array<double, kWheelChecks> kCheckLagS{0.010, 0.030};
 constexpr double kTaperS = 1.0;  ///< rise and fall, the whole section if that is shorter
 
 /// 1 / ((p + wl/wh)^2 (p^3 + 2 p^2 + 2 p + 1)) with p = s / wh, in companion form scaled by wh.
@@ -53,7 +55,7 @@ Tapered tapered(const Eigen::Ref<const Eigen::MatrixXd>& y0, const Eigen::Ref<co
 }  // namespace
 
 Eigen::Index SectionBuffer::lag(double rate_hz) {
-  return samples_in(std::max(kChassisLagS, kTyreLagS), rate_hz);
+  return samples_in(std::max({kChassisLagS, kTyreLagS, kCheckLagS[0], kCheckLagS[1]}), rate_hz);
 }
 
 Eigen::Index SectionBuffer::overlap(double rate_hz, Eigen::Index samples) {
@@ -65,11 +67,13 @@ SectionBuffer::SectionBuffer(const Geometry& geometry, double rate_hz, Eigen::In
       chassis_lag_(samples_in(kChassisLagS, rate_hz)),
       tyre_lag_(samples_in(kTyreLagS, rate_hz)),
       overlap_(overlap(rate_hz, samples)),
+      check_lag_{samples_in(kCheckLagS[0], rate_hz), samples_in(kCheckLagS[1], rate_hz)},
       chassis_filter_(discretise_ramp_invariant(butterworth(kFilterOrder, kChassisCutoffHz), 1.0 / rate_hz),
                       kCoordinates),
       tyre_filter_(discretise_ramp_invariant(tyre_instrument(), 1.0 / rate_hz), kWheels),
       taper_(c2_taper(samples, static_cast<double>(overlap_) / static_cast<double>(samples), 1.0 / rate_hz)),
-      harmonic_(geometry, taper_, rate_hz, share) {
+      geometry_(geometry),
+      share_(share) {
   const Eigen::Index columns = samples + lag(rate_hz);
   signals_.setZero(kSignals, columns);
   chassis_states_.setZero(kFilterOrder * kCoordinates, columns);
@@ -104,25 +108,41 @@ void SectionBuffer::keep(Eigen::Index count) {
   filled_ = count;
 }
 
-DriveMoments SectionBuffer::moments(const Eigen::Vector4d& omega, double speed_m_s,
-                                    const ParameterVector& parameters) const {
+const SectionBuffer::Window& SectionBuffer::window(Eigen::Index samples) {
+  const auto found = windows_.find(samples);
+  if (found != windows_.end()) return found->second;
+  const double share = static_cast<double>(overlap_) / static_cast<double>(samples);
+  const Taper taper = c2_taper(samples, std::min(share, 0.5), 1.0 / rate_hz_);
+  return windows_.emplace(samples, Window{taper, HarmonicInstrument(geometry_, taper, rate_hz_, share_)})
+      .first->second;
+}
+
+RoadSpectrum SectionBuffer::road(Eigen::Index samples, const Eigen::Vector4d& omega, double speed_m_s,
+                                 const ParameterVector& parameters) {
+  return window(samples).harmonic.road(signals_.leftCols(samples), omega, speed_m_s, parameters);
+}
+
+DriveMoments SectionBuffer::moments(Eigen::Index samples, const Eigen::Vector4d& omega, double speed_m_s,
+                                    const ParameterVector& parameters, const RoadSpectrum& road) {
+  const Window& with = window(samples);
   DriveMoments sum;
   sum.sections = 1;
-  sum.seconds = seconds();
+  sum.seconds = seconds(samples);
   sum.speed_seconds = sum.seconds * speed_m_s;
-  add_chassis(sum);
-  for (int wheel = 0; wheel < kWheels; ++wheel) add_tyre(sum, wheel, omega(wheel));
-  sum.harmonic = harmonic_.moments(section(), omega, speed_m_s, parameters);
+  add_chassis(sum, with.taper);
+  for (int wheel = 0; wheel < kWheels; ++wheel) add_tyre(sum, with.taper, wheel, omega(wheel));
+  sum.harmonic = with.harmonic.moments(signals_.leftCols(samples), omega, speed_m_s, parameters, road);
   return sum;
 }
 
-void SectionBuffer::add_chassis(DriveMoments& sum) const {
-  const auto z = signals_.block(0, chassis_lag_, kCoordinates, taper_.value.size());
+void SectionBuffer::add_chassis(DriveMoments& sum, const Taper& taper) const {
+  const Eigen::Index samples = taper.value.size();
+  const auto z = signals_.block(0, chassis_lag_, kCoordinates, samples);
   for (int j = 0; j < kChassisInstrumentsPerSignal; ++j) {
     const auto state = [&](int k) {
-      return chassis_states_.block((j + k) * kCoordinates, 0, kCoordinates, taper_.value.size());
+      return chassis_states_.block((j + k) * kCoordinates, 0, kCoordinates, samples);
     };
-    const Tapered w = tapered(state(0), state(1), state(2), kChassisCutoffHz, taper_);
+    const Tapered w = tapered(state(0), state(1), state(2), kChassisCutoffHz, taper);
     const Eigen::MatrixXd w2 = w.w2 * z.transpose();
     const Eigen::MatrixXd w1 = w.w1 * z.transpose();
     const Eigen::MatrixXd w0 = w.w0 * z.transpose();
@@ -134,18 +154,23 @@ void SectionBuffer::add_chassis(DriveMoments& sum) const {
   }
 }
 
-void SectionBuffer::add_tyre(DriveMoments& sum, int wheel, double omega) const {
-  auto& moments = sum.wheel[static_cast<std::size_t>(wheel)];
-  const auto state = [&](int k) {
-    return tyre_states_.block(k * kWheels + wheel, 0, 1, taper_.value.size());
+void SectionBuffer::add_tyre(DriveMoments& sum, const Taper& taper, int wheel, double omega) const {
+  const Eigen::Index samples = taper.value.size();
+  const auto state = [&](int k) { return tyre_states_.block(k * kWheels + wheel, 0, 1, samples); };
+  const Tapered w = tapered(state(0), state(1), state(2), kTyreHighHz, taper);
+  const auto gather = [&](Eigen::Index lag, InstrumentMoments<double>& tyre,
+                          std::complex<double>& unbalance) {
+    const auto z = signals_.block(0, lag, kCoordinates, samples);
+    tyre = {w.w2 * z.transpose(), w.w1 * z.transpose(), w.w0 * z.transpose()};
+    const auto later = [&](int row) { return signals_.row(row).segment(lag, samples); };
+    unbalance = omega * omega *
+                std::complex<double>(w.w2.row(0).dot(later(cosine_row(wheel))),
+                                     w.w2.row(0).dot(later(sine_row(wheel))));
   };
-  const Tapered w = tapered(state(0), state(1), state(2), kTyreHighHz, taper_);
-  const auto z = signals_.block(0, tyre_lag_, kCoordinates, taper_.value.size());
-  moments.tyre = {w.w2 * z.transpose(), w.w1 * z.transpose(), w.w0 * z.transpose()};
-  const auto later = [&](int row) { return signals_.row(row).segment(tyre_lag_, taper_.value.size()); };
-  moments.tyre_unbalance = omega * omega *
-                           std::complex<double>(w.w2.row(0).dot(later(cosine_row(wheel))),
-                                                w.w2.row(0).dot(later(sine_row(wheel))));
+  auto& moments = sum.wheel[static_cast<std::size_t>(wheel)];
+  gather(tyre_lag_, moments.tyre, moments.tyre_unbalance);
+  for (std::size_t k = 0; k < moments.check.size(); ++k)
+    gather(check_lag_[k], moments.check[k].tyre, moments.check[k].tyre_unbalance);
 }
 
 }  // namespace roadbalance

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <array>
+#include <map>
+
 #include <Eigen/Core>
 
 #include "common/dsp/state_filter.hpp"
@@ -16,6 +19,7 @@ namespace roadbalance {
 /// end terms.  Instruments: for the chassis, Butterworth order 5 at 15 Hz of each acceleration with lag 20
 /// ms; for a tyre, s^2 / ((s + wl)^2 B3(s / wh)) of the wheel's own acceleration, 1 .. 80 Hz, lag 4 ms.  Lags
 /// are positive (instrument past, acceleration future): the road to come and sensor noise then drop out.
+/// The same at lags of 10 and 30 ms is gathered to check the model by.
 /// A section that follows another begins in its last second, where one taper falls as the other rises: their
 /// sum is 1, and nothing of a drive counts less.
 class SectionBuffer {
@@ -46,28 +50,49 @@ class SectionBuffer {
   /// Of a full one, without its lag.
   auto section() const { return signals_.leftCols(taper_.value.size()); }
   const Taper& taper() const { return taper_; }
-  /// Of driving that a section counts for.
-  double seconds() const { return static_cast<double>(taper_.value.size() - overlap_) / rate_hz_; }
+  /// Of driving that a section of `samples` counts for.
+  double seconds(Eigen::Index samples) const { return static_cast<double>(samples - overlap_) / rate_hz_; }
 
-  /// Of a full one.
+  /// True if its first `samples` and their lag are there: then there are moments of them.
+  bool holds(Eigen::Index samples) const { return filled_ >= samples + lag(rate_hz_); }
+
+  /// Of the first `samples`, as HarmonicInstrument.
   /// @param omega       rotation rate of each wheel, rad/s; 0: it has no reference here
   /// @param speed_m_s   of the car
   /// @param parameters  present knowledge, for weights only
-  DriveMoments moments(const Eigen::Vector4d& omega, double speed_m_s,
-                       const ParameterVector& parameters) const;
+  /// @param road        for weights only
+  RoadSpectrum road(Eigen::Index samples, const Eigen::Vector4d& omega, double speed_m_s,
+                    const ParameterVector& parameters);
+  DriveMoments moments(Eigen::Index samples, const Eigen::Vector4d& omega, double speed_m_s,
+                       const ParameterVector& parameters, const RoadSpectrum& road);
+  DriveMoments moments(const Eigen::Vector4d& omega, double speed_m_s, const ParameterVector& parameters) {
+    const Eigen::Index samples = taper_.value.size();
+    return moments(samples, omega, speed_m_s, parameters, road(samples, omega, speed_m_s, parameters));
+  }
+  /// Of the first `samples`.
+  const Taper& taper(Eigen::Index samples) { return window(samples).taper; }
 
  private:
-  void add_chassis(DriveMoments& sum) const;
-  void add_tyre(DriveMoments& sum, int wheel, double omega) const;
+  /// What depends on a section's length.
+  struct Window {
+    Taper taper;
+    HarmonicInstrument harmonic;
+  };
+  const Window& window(Eigen::Index samples);
+  void add_chassis(DriveMoments& sum, const Taper& taper) const;
+  void add_tyre(DriveMoments& sum, const Taper& taper, int wheel, double omega) const;
 
   double rate_hz_;
   Eigen::Index chassis_lag_, tyre_lag_, overlap_;
+  std::array<Eigen::Index, kWheelChecks> check_lag_;
   StateFilter chassis_filter_, tyre_filter_;
   Taper taper_;
-  HarmonicInstrument harmonic_;
-  SignalMatrix signals_;            ///< [signal x sample], a section and the longest lag
-  Eigen::MatrixXd chassis_states_;  ///< [coordinate + 7 * state x sample]
-  Eigen::MatrixXd tyre_states_;     ///< [wheel + 4 * state x sample]
+  Geometry geometry_;
+  RoadShare share_;
+  std::map<Eigen::Index, Window> windows_;  ///< by samples; made when they are first needed
+  SignalMatrix signals_;                    ///< [signal x sample], a section and the longest lag
+  Eigen::MatrixXd chassis_states_;          ///< [coordinate + 7 * state x sample]
+  Eigen::MatrixXd tyre_states_;             ///< [wheel + 4 * state x sample]
   Eigen::Index filled_ = 0;
 };
 

@@ -99,6 +99,42 @@ TEST(SectionBuilder, KnowsSpeedAndLength) {
   EXPECT_NEAR(found[0].speed_seconds / found[0].seconds, 30.0, 0.01);
 }
 
+TEST(SectionBuilder, TellsOfTheSectionBeingDrivenAsFarAsItGoes) {
+  DriveMoments drive;
+  SectionBuilder sections(car(), [&](const DriveMoments& section) { drive += section; });
+  feed(sections, {108.0, 108.4, 107.7, 109.0}, 3.0 + 4.9, 1e-4);
+  EXPECT_FALSE(sections.running()) << "less than five seconds";
+  const auto before = sections.news();
+  SectionBuilder longer(car(), [&](const DriveMoments& section) { drive += section; });
+  feed(longer, {108.0, 108.4, 107.7, 109.0}, 3.0 + 6.5, 1e-4);
+  EXPECT_EQ(drive.sections, 0);
+  EXPECT_GT(longer.news(), before);
+  const auto running = longer.running();
+  ASSERT_TRUE(running);
+  EXPECT_DOUBLE_EQ(running->seconds, 5.0) << "six whole parts, less what sections have in common";
+  const Eigen::Vector4cd U = unbalances(*running);
+  for (int i = 0; i < kWheels; ++i)
+    EXPECT_LT(std::abs(U(i) / kUnbalance[static_cast<std::size_t>(i)] - 1.0), 3e-3)
+        << kWheelNames[static_cast<std::size_t>(i)];
+  EXPECT_EQ(longer.running()->harmonic.normal, running->harmonic.normal) << "asking changes nothing";
+}
+
+TEST(SectionBuilder, UsesWhatAHoleLeavesOfASection) {
+  std::vector<DriveMoments> found;
+  SectionBuilder sections(car(), [&](const DriveMoments& section) { found.push_back(section); });
+  feed(sections, {108.0, 108.4, 107.7, 109.0}, 3.0 + 7.9, 1e-4);
+  EXPECT_TRUE(found.empty());
+  const auto before = sections.news();
+  feed(sections, {108.0, 108.4, 107.7, 109.0}, 3.0 + 2.0, 1e-4);  // begins with a restart
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_DOUBLE_EQ(found[0].seconds, 6.0);
+  EXPECT_GT(sections.news(), before) << "the section that was being driven is no more";
+  const Eigen::Vector4cd U = unbalances(found[0]);
+  for (int i = 0; i < kWheels; ++i)
+    EXPECT_LT(std::abs(U(i) / kUnbalance[static_cast<std::size_t>(i)] - 1.0), 3e-3)
+        << kWheelNames[static_cast<std::size_t>(i)];
+}
+
 TEST(SectionBuilder, UsesNoSectionInWhichAWheelHasNoAngleAndNamesIt) {
   int found = 0;
   SectionBuilder sections(car(), [&](const DriveMoments&) { ++found; });

@@ -1,0 +1,195 @@
+#include "host/identify/judgement.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace roadbalance {
+namespace {
+
+/// One vector of all that a drive says: the unknowns, the wheels' residuals, unbalance and force of each
+/// wheel, the body's residuals.
+constexpr int kResiduals = kUnknowns;
+constexpr int kForces = kResiduals + kWheels * kWheelChecks;
+constexpr int kForceParts = 4;  ///< of a wheel: Re U, Im U, Re R, Im R
+constexpr int kBodyResiduals = kForces + kForceParts * kWheels;
+constexpr int kSaid = kBodyResiduals + 2;
+using Said = Eigen::Matrix<double, kSaid, 1>;
+using SaidMatrix = Eigen::Matrix<double, kSaid, kSaid>;
+using Changes = Eigen::Matrix<double, kSaid, kSpring>;
+
+/// What the contact patch leaves of the road at the tyre's lag is as much of a wheel's mass.
+constexpr double kPatchShare = 0.01;
+constexpr double kStep = 0.01;  ///< of a parameter, for differences
+
+std::array<FirstOrderFit, kWheels> fit_forces(const std::vector<DriveMoments>& classes,
+                                              const UnknownVector& x, const Known& known) {
+  ParameterVector parameters = known.value;
+  parameters.segment<kEstimatedUnbalance>(kSpring) = x.head<kEstimatedUnbalance>();
+  std::array<std::vector<FirstOrderForce>, kWheels> forces;
+  for (const DriveMoments& total : classes) {
+    const double speed_m_s = total.speed_seconds / total.seconds;
+    const auto found = first_order_forces(total.harmonic, known.geometry, parameters,
+                                          speed_m_s * known.rolling_radius_m.cwiseInverse());
+    for (std::size_t w = 0; w < kWheels; ++w)
+      if (found[w].variance_n2 > 0.0 && std::isfinite(found[w].variance_n2)) forces[w].push_back(found[w]);
+  }
+  std::array<FirstOrderFit, kWheels> fits{};
+  for (std::size_t w = 0; w < kWheels; ++w)
+    if (!forces[w].empty()) fits[w] = fit_first_order(forces[w]);
+  return fits;
+}
+
+DriveMoments sum_of(const std::vector<DriveMoments>& classes) {
+  DriveMoments sum;
+  for (const DriveMoments& total : classes) sum += total;
+  return sum;
+}
+
+std::optional<Said> say(const std::vector<DriveMoments>& classes, const Known& known) {
+  const DriveMoments drive = sum_of(classes);
+  const auto x = solve(drive, known.geometry, known.value);
+  if (!x) return std::nullopt;
+  Said said = Said::Zero();
+  said.head<kUnknowns>() = *x;
+  if (!drive.body.normal.isZero()) return said;
+  const CheckResiduals residuals = check_residuals(drive, *x, known.geometry, known.value);
+  const auto fits = fit_forces(classes, *x, known);
+  for (int w = 0; w < kWheels; ++w) {
+    const FirstOrderFit& fit = fits[static_cast<std::size_t>(w)];
+    said.segment<kWheelChecks>(kResiduals + kWheelChecks * w) = residuals.row(w).transpose();
+    said.segment<kForceParts>(kForces + kForceParts * w) << fit.unbalance_kg_m.real(),
+        fit.unbalance_kg_m.imag(), fit.force_n.real(), fit.force_n.imag();
+  }
+  said.tail<2>() = inertia_shares(drive, known.geometry, known.value);
+  return said;
+}
+
+/// As in confidence.hpp.
+std::optional<SaidMatrix> jackknife(const SpeedClasses& drive, const Known& known) {
+  const std::vector<DriveMoments> classes = drive.totals();
+  std::vector<Said> partial;
+  Said mean = Said::Zero();
+  for (const SpeedClasses::LeftOut& left_out : drive.left_out()) {
+    std::vector<DriveMoments> rest = classes;
+    rest[left_out.which] = left_out.total;
+    if (left_out.total.sections == 0) rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(left_out.which));
+    const auto said = say(rest, known);
+    if (!said) return std::nullopt;
+    partial.push_back(*said);
+    mean += *said;
+  }
+  const auto n = static_cast<double>(partial.size());
+  mean /= n;
+  SaidMatrix covariance = SaidMatrix::Zero();
+  for (const Said& said : partial) covariance += (said - mean) * (said - mean).transpose();
+  return covariance * ((n - 1.0) / n);
+}
+
+/// Groups of equal weight that would tell as much of the unbalances: fast driving tells more than slow.
+double equal_groups(const std::vector<DriveMoments>& groups) {
+  double sum = 0.0, squares = 0.0;
+  for (const DriveMoments& group : groups) {
+    const double weight = group.harmonic.normal.trace().real() + group.body.normal.trace().real();
+    sum += weight;
+    squares += weight * weight;
+  }
+  constexpr double kLeast = 4.0;  // below it there is no end to the doubt
+  return squares > 0.0 ? std::max(kLeast, sum * sum / squares) : kLeast;
+}
+
+/// How what is said changes with the share of each known parameter, columns by parameter.
+std::optional<Changes> per_share(const std::vector<DriveMoments>& classes, const Said& said,
+                                 const Known& known) {
+  Changes change;
+  for (int p = 0; p < kSpring; ++p) {
+    Known changed = known;
+    changed.value(p) *= 1.0 + kStep;
+    const auto then = say(classes, changed);
+    if (!then) return std::nullopt;
+    change.col(p) = (*then - said) / kStep;
+  }
+  return change;
+}
+
+void judge_wheels(const Said& said, const SaidMatrix& covariance, const Changes& change, std::size_t groups,
+                  Judgement& judgement) {
+  constexpr int kAll = kWheels * kWheelChecks;
+  double information = 0.0;
+  Eigen::Matrix<double, kAll, 1> gain = Eigen::Matrix<double, kAll, 1>::Zero();
+  for (int w = 0; w < kWheels; ++w) {
+    const int at = kResiduals + kWheelChecks * w;
+    const Eigen::Vector2d grows = change.block<2, 1>(at, kWheelMass + w);
+    const Eigen::Matrix2d scatter =
+        covariance.block<2, 2>(at, at) + kPatchShare * kPatchShare * grows * grows.transpose();
+    Misfit& misfit = judgement.misfit[static_cast<std::size_t>(1 + w)];
+    misfit = judge_misfit(said.segment<2>(at), scatter, grows, groups);
+    if (misfit.sigma_share == 0.0) return;
+    const double weight = 1.0 / (misfit.sigma_share * misfit.sigma_share);
+    information += weight;
+    gain.segment<2>(kWheelChecks * w) = weight * misfit.gain;
+  }
+  gain /= information;
+  const auto among = covariance.block<kAll, kAll>(kResiduals, kResiduals);
+  const double widen = few_groups_factor(static_cast<double>(groups));
+  judgement.mass_share = gain.dot(said.segment<kAll>(kResiduals));
+  judgement.sigma_mass_share = std::sqrt(widen * gain.dot(among * gain) + kPatchShare * kPatchShare);
+}
+
+void judge_forces(const SaidMatrix& covariance, double widen, Judgement& judgement) {
+  for (int w = 0; w < kWheels; ++w) {
+    const auto variance = [&](int part) {
+      const int at = kForces + kForceParts * w + part;
+      return widen * 0.5 * (covariance(at, at) + covariance(at + 1, at + 1));
+    };
+    FirstOrderFit& fit = judgement.first_order[static_cast<std::size_t>(w)];
+    fit.sigma_unbalance_kg_m = std::sqrt(variance(0));
+    fit.sigma_force_n = std::sqrt(variance(2));
+  }
+}
+
+}  // namespace
+
+Known Known::of(const VehicleConfig& vehicle) {
+  Known known{geometry_of(vehicle.model), nominal_parameters(vehicle), ParameterVector::Zero(), {}};
+  known.sigma(kBodyMass) = vehicle.model.body_mass_sigma_kg;
+  known.sigma(kRollInertia) = vehicle.model.roll_inertia_sigma_kg_m2;
+  known.sigma(kPitchInertia) = vehicle.model.pitch_inertia_sigma_kg_m2;
+  for (int i = 0; i < kWheels; ++i) {
+    const WheelConfig& wheel = vehicle.wheel[static_cast<std::size_t>(i)];
+    known.sigma(kWheelMass + i) = wheel.mass_sigma_kg;
+    known.rolling_radius_m(i) = wheel.rolling_radius_m;
+  }
+  return known;
+}
+
+std::optional<Judgement> judge(const SpeedClasses& drive, const Known& known) {
+  const std::vector<DriveMoments> groups = drive.groups();
+  if (groups.size() < 4) return std::nullopt;
+  const std::vector<DriveMoments> classes = drive.totals();
+  const auto said = say(classes, known);
+  const auto covariance = said ? jackknife(drive, known) : std::nullopt;
+  if (!covariance) return std::nullopt;
+  const double widen = few_groups_factor(equal_groups(groups));
+  Judgement judgement;
+  judgement.drive = widen * covariance->topLeftCorner<kUnknowns, kUnknowns>();
+  judgement.masses.setZero();
+  const DriveMoments total = sum_of(classes);
+  if (!total.body.normal.isZero()) return judgement;
+
+  judgement.condition = suspension_condition(total, known.geometry, known.value);
+  const auto change = per_share(classes, *said, known);
+  if (!change) return std::nullopt;
+  const Eigen::Matrix<double, kUnknowns, kSpring> of_masses =
+      change->topRows<kUnknowns>() *
+      known.sigma.head<kSpring>().cwiseQuotient(known.value.head<kSpring>()).asDiagonal();
+  judgement.masses = of_masses * of_masses.transpose();
+  judge_wheels(*said, *covariance, *change, groups.size(), judgement);
+  judgement.misfit[0] = judge_misfit(said->tail<2>(), covariance->bottomRightCorner<2, 2>(),
+                                     change->block<2, 1>(kBodyResiduals, kRollInertia), groups.size());
+  judgement.first_order = fit_forces(classes, said->head<kUnknowns>(), known);
+  judge_forces(*covariance, widen, judgement);
+  return judgement;
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "common/bus/results.hpp"
+
+namespace roadbalance {
+
+/// Sentences for the driver: what an estimate rests on, where the car is not as it was described, and what
+/// would tell more.  None while nothing is known.
+std::vector<std::string> remarks(const Identification& identification,
+                                 const std::array<Balance, kWheels>& balance);
+
+/// A model that fits shows a misfit as large by chance once in so many.
+inline constexpr double kMisfitChance = 1e-3;
+
+/// Words for the wheels that do not fit, e.g. "front_left"; empty: all do.
+std::string misfitting(const Identification& identification);
+
+}  // namespace roadbalance

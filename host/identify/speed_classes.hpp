@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <map>
+#include <vector>
+
+#include "common/bus/results.hpp"
+#include "host/identify/moments.hpp"
+
+namespace roadbalance {
+
+/// The moments of a drive: sections of about one speed together, dealt out to the jackknife's groups in turn.
+/// Memory is bounded by the speeds driven, not by the length of the drive.
+class SpeedClasses {
+ public:
+  static constexpr std::size_t kGroups = 10;  ///< of a class
+
+  explicit SpeedClasses(double width_m_s) : width_m_s_(width_m_s) {}
+
+  void add(const DriveMoments& section);
+
+  bool empty() const { return class_.empty(); }
+  int sections() const;
+  /// Of all classes that hold sections; their sum is the drive.
+  std::vector<DriveMoments> groups() const;
+  /// Of each class, slowest first.
+  std::vector<DriveMoments> totals() const;
+  DriveMoments total() const;
+  /// The totals without one of the groups(), which is of that class; empty: it was all of it.
+  struct LeftOut {
+    std::size_t which;
+    DriveMoments total;
+  };
+  std::vector<LeftOut> left_out() const;
+
+ private:
+  struct Class {
+    std::array<DriveMoments, kGroups> group;
+    DriveMoments total;
+  };
+  double width_m_s_;
+  std::map<int, Class> class_;
+};
+
+}  // namespace roadbalance

@@ -1,0 +1,88 @@
+#include "host/identify/misfit.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <random>
+
+namespace roadbalance {
+namespace {
+
+/// Residuals of two kinds with this covariance, and the covariance that n groups show of their mean.
+struct Draw {
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+};
+Draw draw(std::mt19937_64& random, int n, const Eigen::Vector2d& truth) {
+  std::normal_distribution<double> normal;
+  Eigen::Matrix2d mix;
+  mix << 1.0, 0.0, 0.8, 0.4;
+  std::vector<Eigen::Vector2d> groups;
+  Draw result;
+  for (int g = 0; g < n; ++g) {
+    groups.push_back(truth + mix * Eigen::Vector2d(normal(random), normal(random)));
+    result.mean += groups.back() / n;
+  }
+  for (const auto& group : groups)
+    result.covariance += (group - result.mean) * (group - result.mean).transpose() / (n * (n - 1.0));
+  return result;
+}
+
+TEST(JudgeMisfit, FindsAChanceOfFivePercentInFivePercentOfSoundCars) {
+  for (const int n : {6, 12, 40}) {
+    std::mt19937_64 random(1);
+    constexpr int kDraws = 20'000;
+    int rare = 0;
+    for (int k = 0; k < kDraws; ++k) {
+      const Draw seen = draw(random, n, Eigen::Vector2d::Zero());
+      rare += judge_misfit(seen.mean, seen.covariance, {1.0, 1.0}, static_cast<std::size_t>(n)).chance < 0.05;
+    }
+    // Exact by Hotelling; four standard deviations of a proportion.
+    EXPECT_NEAR(static_cast<double>(rare) / kDraws, 0.05, 4.0 * std::sqrt(0.05 * 0.95 / kDraws)) << n;
+  }
+}
+
+TEST(JudgeMisfit, SaysHowLargeTheCauseWouldHaveToBe) {
+  std::mt19937_64 random(2);
+  const Eigen::Vector2d grows(3.0, -2.0);
+  const double cause = 0.25;
+  constexpr int kDraws = 4000, kGroups = 40;
+  double sum = 0.0, squares = 0.0, stated = 0.0;
+  for (int k = 0; k < kDraws; ++k) {
+    const Draw seen = draw(random, kGroups, -cause * grows);
+    const Misfit misfit = judge_misfit(seen.mean, seen.covariance, grows, kGroups);
+    EXPECT_NEAR(misfit.gain.dot(seen.mean), misfit.share, 1e-12);
+    sum += misfit.share / kDraws;
+    squares += misfit.share * misfit.share / kDraws;
+    stated += misfit.sigma_share / kDraws;
+  }
+  const double sigma = std::sqrt(squares - sum * sum);
+  EXPECT_NEAR(sum, cause, 4.0 * sigma / std::sqrt(kDraws));
+  EXPECT_NEAR(stated / sigma, 1.0, 0.08);  // estimated weights cost 1.3 %, the widening adds 5 %
+}
+
+TEST(JudgeMisfit, JudgesNothingByTooFewGroupsOrWithoutScatter) {
+  const Eigen::Matrix2d unit = Eigen::Matrix2d::Identity();
+  EXPECT_EQ(judge_misfit({9.0, 9.0}, unit, {1.0, 0.0}, 3).chance, 1.0);
+  EXPECT_EQ(judge_misfit({9.0, 9.0}, Eigen::Matrix2d::Zero(), {1.0, 0.0}, 30).sigma_share, 0.0);
+}
+
+// The definition: an ellipse so widened holds the truth in 95 of 100 cases however few the groups.
+TEST(FewGroupsFactor, MakesTheEllipseHoldNinetyFivePercent) {
+  for (const int n : {5, 10, 32}) {
+    std::mt19937_64 random(3);
+    constexpr int kDraws = 20'000;
+    int within = 0;
+    for (int k = 0; k < kDraws; ++k) {
+      const Draw seen = draw(random, n, Eigen::Vector2d::Zero());
+      const Eigen::Matrix2d wide = few_groups_factor(n) * seen.covariance;
+      within += seen.mean.dot(wide.inverse() * seen.mean) <= 5.991464547;
+    }
+    EXPECT_NEAR(static_cast<double>(within) / kDraws, 0.95, 4.0 * std::sqrt(0.05 * 0.95 / kDraws)) << n;
+  }
+  EXPECT_NEAR(few_groups_factor(1e6), 1.0, 1e-5);
+}
+
+}  // namespace
+}  // namespace roadbalance
