@@ -65,9 +65,9 @@ std::optional<Fit> fit(const std::vector<InfluenceRun>& runs) {
     result.influence.row(o) = terms.tail(planes).transpose();
     result.from_observed.push_back(std::move(*solved));
   }
-  const auto weights = solve(result.influence, -result.bare);
+  const auto weights = correction_by_influence(result.influence, result.bare);
   if (!weights) return std::nullopt;
-  result.correction = weights->col(0);
+  result.correction = *weights;
   return result;
 }
 
@@ -113,14 +113,50 @@ bool tells_influences(const std::vector<InfluenceRun>& runs, const Fit& best) {
   return true;
 }
 
+/// Of chi^2 with 2 m degrees of freedom: e^-x/2 sum_{k < m} (x/2)^k / k!.
+double chance_of_chi_square(double x, Eigen::Index m) {
+  double term = std::exp(-0.5 * x), sum = 0.0;
+  for (Eigen::Index k = 0; k < m; ++k) {
+    sum += term;
+    term *= 0.5 * x / static_cast<double>(k + 1);
+  }
+  return sum;
+}
+
+double chance_of_contradictions(const std::vector<InfluenceRun>& runs, const Fit& best) {
+  const Eigen::Index beyond = std::ssize(runs) - best.influence.cols() - 1;
+  if (beyond == 0) return 1.0;
+  double square = 0.0;
+  for (const InfluenceRun& run : runs) {
+    const Eigen::VectorXcd off = run.observed - best.bare - best.influence * run.weight;
+    const double turned = run.phase_sigma_rad * run.phase_sigma_rad;
+    for (Eigen::Index o = 0; o < off.size(); ++o)
+      square += 2.0 * std::norm(off(o)) / (run.variance(o) + 2.0 * turned * std::norm(run.observed(o)));
+  }
+  return chance_of_chi_square(square, beyond * best.bare.size());
+}
+
 }  // namespace
+
+std::optional<Eigen::VectorXcd> correction_by_influence(const Eigen::MatrixXcd& influence,
+                                                        const Eigen::VectorXcd& bare) {
+  const auto weights = solve(influence, -bare);
+  if (!weights) return std::nullopt;
+  return Eigen::VectorXcd(weights->col(0));
+}
 
 std::optional<InfluenceBalance> balance_by_influence(const std::vector<InfluenceRun>& runs) {
   check(runs);
   const auto best = fit(runs);
   if (!best || !tells_influences(runs, *best)) return std::nullopt;
-  InfluenceBalance balance{
-      best->influence, best->bare, best->correction, sigma_of(runs, *best), {}, 0.0, 0.0};
+  InfluenceBalance balance{best->influence,
+                           best->bare,
+                           best->correction,
+                           sigma_of(runs, *best),
+                           {},
+                           0.0,
+                           0.0,
+                           chance_of_contradictions(runs, *best)};
   balance.residual = best->bare + best->influence * best->correction;
   const double root = std::sqrt(static_cast<double>(balance.bare.size()));
   balance.rms_before = balance.bare.norm() / root;

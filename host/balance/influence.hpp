@@ -23,7 +23,14 @@ struct InfluenceBalance {
   Eigen::VectorXd sigma;         ///< [plane] of each part of a correction, by the runs' variances and phases
   Eigen::VectorXcd residual;     ///< [channel and speed] that will be left
   double rms_before, rms_after;  ///< of the amplitudes, over channels and speeds
+  /// Runs beyond those needed check the others: that a linear rotor whose runs scatter so shows
+  /// contradictions as large as these; 1 if there is none beyond.
+  double chance = 1.0;
 };
+
+/// w = -(A* A)^-1 A* bare; nothing if the influences A [observation x plane] do not tell the weights.
+std::optional<Eigen::VectorXcd> correction_by_influence(const Eigen::MatrixXcd& influence,
+                                                        const Eigen::VectorXcd& bare);
 
 /// Correction weights by influence coefficients, least squares.
 ///
@@ -33,7 +40,8 @@ struct InfluenceBalance {
 ///     w = -(A* A)^-1 A* bare
 ///
 /// As many runs as planes and one more are needed, whose weights differ in all planes: one without weights,
-/// and one with a trial weight in each.  All must have the same phase reference and speed.
+/// and one with a trial weight in each; a trial weight may stay on for the runs that follow, which then say
+/// so. All must have the same phase reference and speed.
 ///
 /// Source: T. P. Goodman, A Least-Squares Method for Computing Balance Corrections, J. Engineering for
 /// Industry 86 (1964) 273-279.

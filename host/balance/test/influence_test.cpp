@@ -64,6 +64,29 @@ TEST(BalanceByInfluence, LeavesTheLeastSquaresWhereThereAreMoreChannelsThanPlane
   EXPECT_LT(balance->rms_after, balance->rms_before);
 }
 
+TEST(BalanceByInfluence, ChecksRunsByOneAnother) {
+  const Complex bare = at(2.0, 40), influence = at(0.5, -70);
+  std::mt19937 random(11);
+  const double sigma = 0.02;
+  std::normal_distribution<double> part(0.0, sigma / std::sqrt(2.0));
+  const auto runs = [&](double wrong) {
+    std::vector<InfluenceRun> all;
+    for (const Complex& weight : {Complex(0.0), Complex(3.0), at(3.0, 120), at(3.0, 240)})
+      all.push_back(
+          run({weight}, {bare + influence * weight + Complex(part(random), part(random))}, sigma * sigma));
+    all.back().observed(0) += wrong;
+    return all;
+  };
+  constexpr int kDraws = 4000;
+  int rare = 0;
+  for (int k = 0; k < kDraws; ++k) rare += balance_by_influence(runs(0.0))->chance < 0.05;
+  EXPECT_NEAR(static_cast<double>(rare) / kDraws, 0.05, 4.0 * std::sqrt(0.05 * 0.95 / kDraws));
+  EXPECT_LT(balance_by_influence(runs(0.3))->chance, 1e-6) << "a weight was not where it was said to be";
+  auto enough = runs(0.0);
+  enough.resize(2);
+  EXPECT_EQ(balance_by_influence(enough)->chance, 1.0) << "nothing checks them";
+}
+
 TEST(BalanceByInfluence, KnowsItsUncertainty) {
   // One plane, one channel: w = -t e0 / (e1 - e0).
   const Complex bare = at(2.0, 40), influence = at(0.5, -70), trial = 3.0;

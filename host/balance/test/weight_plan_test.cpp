@@ -1,0 +1,128 @@
+#include "host/balance/weight_plan.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <stdexcept>
+
+namespace roadbalance {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kRadius = 0.19;
+const WeightStock kStock{.radius_m = {kRadius}};
+
+Complex unbalance(double grams, double degrees) {
+  return std::polar(grams * kRadius, degrees * kDegree);
+}
+double left_g(const WeightPlan& plan, Complex unbalance_g_m) {
+  return std::abs(plan.residual_g_m(unbalance_g_m)) / kRadius;
+}
+
+TEST(WeightPlan, IsOneWeightOppositeIfOneDoes) {
+  const WeightPlan plan = plan_weights(unbalance(30.0, 217.0), kStock);
+  ASSERT_EQ(plan.step.size(), 1U);
+  EXPECT_EQ(to_string(plan.step[0]), "add 30 g at 37°");
+  EXPECT_LT(left_g(plan, unbalance(30.0, 217.0)), 1e-9);
+}
+
+TEST(WeightPlan, ClosesTheTriangleByTwoWeightsAtFreeAngles) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> mass(3.0, 110.0), angle(0.0, 360.0);
+  for (int k = 0; k < 200; ++k) {
+    const Complex out = unbalance(mass(random), angle(random));
+    const WeightPlan plan = plan_weights(out, kStock);
+    Complex applied = 0.0;
+    for (const WeightStep& step : plan.step) {
+      applied += step.weight.moment_g_m();
+      EXPECT_EQ(std::fmod(step.weight.mass_g, 5.0), 0.0);
+      EXPECT_LE(step.weight.mass_g, 60.0);
+    }
+    EXPECT_LT(std::abs(applied - plan.applied_g_m), 1e-12);
+    // One weight more is worth half a gram; 0.15 g is lost where two lie side by side.
+    EXPECT_LT(left_g(plan, out), 0.7) << std::abs(out) / kRadius;
+  }
+}
+
+TEST(WeightPlan, KeepsWithinHalfAStepWithOneWeight) {
+  WeightStock stock = kStock;
+  stock.most = 1;
+  for (double grams = 5.0; grams < 62.0; grams += 0.7)
+    EXPECT_LE(left_g(plan_weights(unbalance(grams, 100.0), stock), unbalance(grams, 100.0)), 2.5 + 1e-9);
+  stock.step_g = 7.0874;  // a quarter of an ounce
+  EXPECT_EQ(to_string(plan_weights(unbalance(14.0, 0.0), stock).step[0]), "add 14.1748 g at 180°");
+}
+
+TEST(WeightPlan, LaysTwoWeightsNotOnOneAnother) {
+  WeightStock stock = kStock;
+  stock.heaviest_g = 15.0;
+  const WeightPlan plan = plan_weights(unbalance(30.0, 0.0), stock);
+  ASSERT_EQ(plan.step.size(), 2U);
+  const double apart = std::abs(
+      std::remainder(plan.step[0].weight.angle_rad - plan.step[1].weight.angle_rad, 2.0 * std::numbers::pi));
+  EXPECT_GE(apart, 15.0 * stock.length_m_per_g / kRadius - 1e-9);
+}
+
+TEST(WeightPlan, FindsTheBestPlacesOfARaster) {
+  WeightStock stock = kStock;
+  stock.raster_rad = 10.0 * kDegree;
+  stock.heaviest_g = 30.0;
+  stock.length_m_per_g = 0.0;
+  const Complex out = unbalance(23.0, 13.0);
+  const WeightPlan plan = plan_weights(out, stock);
+  for (const WeightStep& step : plan.step)
+    EXPECT_NEAR(std::remainder(step.weight.angle_rad, stock.raster_rad), 0.0, 1e-9);
+  // All pairs by brute force.
+  double best = 1e9;
+  for (int a = 0; a < 36; ++a)
+    for (int b = 0; b < 36; ++b)
+      for (double m = 5.0; m <= 30.0; m += 5.0)
+        for (double n = 0.0; n <= 30.0; n += 5.0)
+          best = std::min(best, std::abs(out / kRadius + std::polar(m, 10.0 * a * kDegree) +
+                                         std::polar(n, 10.0 * b * kDegree)));
+  EXPECT_LE(left_g(plan, out), best + 0.5 + 1e-9) << "a second weight must be worth half a gram";
+  EXPECT_GE(left_g(plan, out), best - 1e-9);
+}
+
+TEST(WeightPlan, ChoosesTheRadius) {
+  WeightStock stock = kStock;
+  stock.most = 1;
+  stock.radius_m = {0.19, 0.16};
+  const WeightPlan plan = plan_weights(std::polar(20.0 * 0.16, 1.0), stock);
+  ASSERT_EQ(plan.step.size(), 1U);
+  EXPECT_EQ(plan.step[0].weight.radius_m, 0.16);
+}
+
+TEST(WeightPlan, MovesAWeightThatIsInTheWrongPlace) {
+  // 20 g at 90 degrees were meant for 50: the wheel is out by what is missing and by what is too much.
+  const WheelWeight fitted{20.0, 90.0 * kDegree, kRadius};
+  const Complex out = fitted.moment_g_m() - unbalance(20.0, 50.0);
+  const WeightPlan plan = plan_weights(out, kStock, {fitted});
+  ASSERT_EQ(plan.step.size(), 1U);
+  EXPECT_EQ(to_string(plan.step[0]), "move 20 g from 90° to 50°");
+  EXPECT_LT(left_g(plan, out), 1e-9);
+}
+
+TEST(WeightPlan, RemovesWhatDoesHarmAndKeepsWhatDoesNot) {
+  const WheelWeight good{30.0, 0.0, kRadius}, bad{10.0, 200.0 * kDegree, kRadius};
+  const WeightPlan plan = plan_weights(bad.moment_g_m(), kStock, {good, bad});
+  ASSERT_EQ(plan.step.size(), 2U);
+  EXPECT_EQ(to_string(plan.step[0]), "keep 30 g at 0°");
+  EXPECT_EQ(to_string(plan.step[1]), "remove 10 g at 200°");
+  EXPECT_LT(left_g(plan, bad.moment_g_m()), 1e-9);
+}
+
+TEST(WeightPlan, LeavesABalancedWheelAlone) {
+  EXPECT_TRUE(plan_weights(0.0, kStock).step.empty());
+  const WeightPlan plan = plan_weights(0.0, kStock, {{20.0, 1.0, kRadius}});
+  EXPECT_EQ(to_string(plan.step.at(0)), "keep 20 g at 57°");
+  EXPECT_TRUE(plan_weights(unbalance(0.4, 10.0), kStock).step.empty()) << "less than a touch is worth";
+  EXPECT_THROW(plan_weights(1.0, WeightStock{}), std::invalid_argument) << "nowhere to put a weight";
+}
+
+}  // namespace
+}  // namespace roadbalance
