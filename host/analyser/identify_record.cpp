@@ -6,6 +6,7 @@
 #include "host/analyser/recorded_vehicle.hpp"
 #include "host/analyser/refined_clocks.hpp"
 #include "host/identify/doubt.hpp"
+#include "host/identify/remarks.hpp"
 #include "host/references/angle_again.hpp"
 
 namespace roadbalance {
@@ -44,7 +45,7 @@ RecordedEstimate identify_record(const std::filesystem::path& folder, bool refin
         obstacle += (obstacle.empty() ? "" : "; ") +
                     std::string(kWheelNames[static_cast<std::size_t>(wheel)]) + ": " + why;
     }
-  return {estimate, obstacle, defects};
+  return {estimate, obstacle, remarks(estimate.identification, estimate.balance), defects};
 }
 
 }  // namespace roadbalance

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "host/analyser/read_recording.hpp"
 #include "host/identify/drive_estimator.hpp"
@@ -11,6 +12,7 @@ namespace roadbalance {
 struct RecordedEstimate {
   DriveEstimate estimate;
   std::string obstacle;  ///< why this vehicle, or a wheel of it, can never be identified; empty: it can
+  std::vector<std::string> remarks;  ///< what it rests on, and where the car is not as it was described
   RecordingDefects defects;
 };
 

@@ -21,11 +21,12 @@ struct IdentifyOptions {
 };
 
 int identify(const IdentifyOptions& options) {
-  const auto [estimate, obstacle, defects] = identify_record(options.folder, options.refine);
+  const auto [estimate, obstacle, remarks, defects] = identify_record(options.folder, options.refine);
   warn_of_defects("identify", options.folder, defects);
   if (!obstacle.empty()) std::fprintf(stderr, "rb identify: %s\n", obstacle.c_str());
   if (options.json) {
-    const nlohmann::ordered_json result{{"wheels", wheels_json(estimate.identification, estimate.balance)}};
+    const nlohmann::ordered_json result{{"wheels", wheels_json(estimate.identification, estimate.balance)},
+                                        {"remarks", remarks}};
     std::printf("%s\n", result.dump().c_str());
   } else {
     std::printf("%s\n", identification_line(estimate.identification).c_str());
@@ -33,6 +34,7 @@ int identify(const IdentifyOptions& options) {
       const std::string advice = advice_line(balance);
       std::printf("%s%s\n", balance_line(balance).c_str(), advice.empty() ? "" : ("   " + advice).c_str());
     }
+    for (const std::string& remark : remarks) std::printf("  %s\n", remark.c_str());
   }
   const bool any = std::any_of(estimate.balance.begin(), estimate.balance.end(),
                                [](const Balance& balance) { return balance.state == Unknown::kNone; });

@@ -10,6 +10,7 @@
 
 #include "host/balance/weights.hpp"
 #include "host/identify/drive_estimator.hpp"
+#include "host/identify/remarks.hpp"
 
 namespace roadbalance {
 namespace {
@@ -83,7 +84,9 @@ std::string identification_line(const Identification& identification) {
   std::string line = format("from %.0f s of driving; tyres", identification.seconds_used);
   for (std::size_t w = 0; w < kWheels; ++w)
     line += format(" %.0f ± %.0f", identification.tyre_n_m[w] / 1e3, identification.sigma_tyre_n_m[w] / 1e3);
-  return line + " kN/m";
+  line += " kN/m";
+  const std::string names = misfitting(identification);
+  return names.empty() ? line : line + "; DOES NOT FIT: " + names;
 }
 
 std::string node_line(const Heartbeat& heartbeat, std::optional<double> memory_left_s) {

@@ -17,7 +17,8 @@ std::string balance_line(const Balance& balance);
 /// What to do about it: where to clip which weights, or to leave the wheel alone.  Empty if it is not known.
 std::string advice_line(const Balance& balance);
 
-/// "identified from 48 s of driving; tyres 214 209 221 206 kN/m", or why not.
+/// "from 48 s of driving; tyres 214 ± 2 209 ± 2 221 ± 3 206 ± 2 kN/m", and who does not fit the model; or why
+/// not.
 std::string identification_line(const Identification& identification);
 
 /// "node 1: 12000 samples taken, 0 missing, 3 blocks repaired, memory 2 % full, lasts 640 s, obeys recorder

@@ -8,8 +8,9 @@
 
 namespace roadbalance {
 
-/// The "wheels" of rb demo and rb identify: one object a wheel, null where a value is not known.
-/// The same estimate gives the same text, wherever it comes from.
+/// The "wheels" of rb demo and rb identify: one object a wheel, null where a value is not known; force_n is
+/// that which does not grow with speed, if the speeds tell it apart. The same estimate gives the same text,
+/// wherever it comes from.
 nlohmann::ordered_json wheels_json(const Identification& identification,
                                    const std::array<Balance, kWheels>& balance);
 
