@@ -20,6 +20,8 @@ using Changes = Eigen::Matrix<double, kSaid, kSpring>;
 
 /// What the contact patch leaves of the road at the tyre's lag is as much of a wheel's mass.
 constexpr double kPatchShare = 0.01;
+/// What samples in place of a continuous record, and a car that no equation holds exactly, are of an inertia.
+constexpr double kInertiaShare = 0.005;
 constexpr double kStep = 0.01;  ///< of a parameter, for differences
 
 std::array<FirstOrderFit, kWheels> fit_forces(const std::vector<DriveMoments>& classes,
@@ -185,7 +187,9 @@ std::optional<Judgement> judge(const SpeedClasses& drive, const Known& known) {
       known.sigma.head<kSpring>().cwiseQuotient(known.value.head<kSpring>()).asDiagonal();
   judgement.masses = of_masses * of_masses.transpose();
   judge_wheels(*said, *covariance, *change, groups.size(), judgement);
-  judgement.misfit[0] = judge_misfit(said->tail<2>(), covariance->bottomRightCorner<2, 2>(),
+  const Eigen::Matrix2d of_inertias =
+      covariance->bottomRightCorner<2, 2>() + kInertiaShare * kInertiaShare * Eigen::Matrix2d::Identity();
+  judgement.misfit[0] = judge_misfit(said->tail<2>(), of_inertias,
                                      change->block<2, 1>(kBodyResiduals, kRollInertia), groups.size());
   judgement.first_order = fit_forces(classes, said->head<kUnknowns>(), known);
   judge_forces(*covariance, widen, judgement);
