@@ -92,6 +92,9 @@ void write_messages() {
 
 void write_texts() {
   write("vehicle", "demo", test::read_source("sim/demo/vehicle.toml"));
+  for (const char* name : {"descriptions/quarter_car", "test/data/hub_axis", "test/data/swing_arm"})
+    write("description", std::filesystem::path(name).filename(),
+          test::read_source(std::string("common/multibody/") + name + ".toml"));
   write("scenario", "demo", test::read_source("sim/demo/scenario.toml"));
   write("address", "all", std::string("drive.toml?seed=7&rate=20&seconds=320&start_ns=123&from=12.5"));
   write("address", "max", std::string("?rate=max"));
