@@ -37,10 +37,11 @@ FirstOrderFit fit_first_order(std::span<const FirstOrderForce> forces) {
 std::array<FirstOrderForce, kWheels> first_order_forces(const HarmonicMoments& moments,
                                                         const Geometry& geometry,
                                                         const ParameterVector& parameters,
-                                                        const Eigen::Vector4d& omega) {
+                                                        const Eigen::Vector4d& omega,
+                                                        const std::bitset<kWheels>& asked) {
   ParameterVector without_tyres = parameters;
   without_tyres.segment<kWheels>(kTyre).setZero();
-  const Unbalances unbalances = solve_unbalances(moments, geometry, without_tyres);
+  const Unbalances unbalances = solve_unbalances(moments, geometry, without_tyres, asked);
   const Eigen::Vector4cd equivalent = unbalances.at(parameters.segment<kWheels>(kTyre));
   std::array<FirstOrderForce, kWheels> forces{};
   for (int i = 0; i < kWheels; ++i) {

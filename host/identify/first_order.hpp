@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <complex>
 #include <span>
 
@@ -47,9 +48,9 @@ FirstOrderFit fit_first_order(std::span<const FirstOrderForce> forces);
 /// Of the wheels that have equations in the moments of about one speed; others have no variance: 0.
 /// @param parameters  the car's, tyres included
 /// @param omega       mean rotation rates there
-std::array<FirstOrderForce, kWheels> first_order_forces(const HarmonicMoments& moments,
-                                                        const Geometry& geometry,
-                                                        const ParameterVector& parameters,
-                                                        const Eigen::Vector4d& omega);
+/// @param asked       wheels that may be out of balance
+std::array<FirstOrderForce, kWheels> first_order_forces(
+    const HarmonicMoments& moments, const Geometry& geometry, const ParameterVector& parameters,
+    const Eigen::Vector4d& omega, const std::bitset<kWheels>& asked = std::bitset<kWheels>().set());
 
 }  // namespace roadbalance

@@ -61,14 +61,10 @@ class HarmonicInstrument {
   RoadSpectrum road(const Eigen::Ref<const SignalMatrix>& signals, const Eigen::Vector4d& omega,
                     double speed_m_s, const ParameterVector& parameters) const;
 
-  /// @param road  for the weights: of this section and such as are like it; without: of this section
+  /// @param road  for the weights: of this section and such as are like it
   HarmonicMoments moments(const Eigen::Ref<const SignalMatrix>& signals, const Eigen::Vector4d& omega,
                           double speed_m_s, const ParameterVector& parameters,
                           const RoadSpectrum& road) const;
-  HarmonicMoments moments(const Eigen::Ref<const SignalMatrix>& signals, const Eigen::Vector4d& omega,
-                          double speed_m_s, const ParameterVector& parameters) const {
-    return moments(signals, omega, speed_m_s, parameters, road(signals, omega, speed_m_s, parameters));
-  }
 
  private:
   Geometry geometry_;

@@ -65,10 +65,6 @@ class SectionBuffer {
                     const ParameterVector& parameters);
   DriveMoments moments(Eigen::Index samples, const Eigen::Vector4d& omega, double speed_m_s,
                        const ParameterVector& parameters, const RoadSpectrum& road);
-  DriveMoments moments(const Eigen::Vector4d& omega, double speed_m_s, const ParameterVector& parameters) {
-    const Eigen::Index samples = taper_.value.size();
-    return moments(samples, omega, speed_m_s, parameters, road(samples, omega, speed_m_s, parameters));
-  }
   /// Of the first `samples`.
   const Taper& taper(Eigen::Index samples) { return window(samples).taper; }
 

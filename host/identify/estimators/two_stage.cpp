@@ -5,6 +5,7 @@
 #include <complex>
 #include <memory>
 
+#include "host/identify/first_order.hpp"
 #include "host/identify/unbalances.hpp"
 #include "host/identify/whittle.hpp"
 
@@ -57,9 +58,13 @@ void TwoStage::add(const Stretch& stretch) {
       buffer_->keep(buffer_->shared());
     }
   };
+  RoadSpectrum road;
+  for_each_section(
+      [&] { road += buffer_->road(samples, stretch.omega, stretch.speed_m_s, question_.known); });
   for_each_section([&] {
     SectionMoments section;
-    section.drive = buffer_->moments(stretch.omega, stretch.speed_m_s, question_.known);
+    section.turned_rad = buffer_->seconds(samples) * stretch.omega;
+    section.drive = buffer_->moments(samples, stretch.omega, stretch.speed_m_s, question_.known, road);
     if (options_.tyre == TyreFrom::kWhittle)
       section.road = road_->moments(buffer_->section(), stretch.omega, stretch.speed_m_s);
     sections_.add(stretch.speed_m_s, section);
@@ -76,7 +81,11 @@ Answer TwoStage::solve() const {
   auto solution = parameters ? solve_wheels(drive, *parameters) : std::nullopt;
   if (!solution) return judged(question_, std::nullopt, std::nullopt);
   if (question_.asks_for_suspension()) add_doubt_of_suspension(drive, *parameters, *solution);
-  return judged(question_, solution->x, solution->covariance);
+  std::vector<std::string> said;
+  if (options_.separate_force) said = separate_forces(drive, *solution);
+  Answer answer = judged(question_, solution->x, solution->covariance);
+  answer.remarks.insert(answer.remarks.end(), said.begin(), said.end());
+  return answer;
 }
 
 std::optional<ParameterVector> TwoStage::with_suspension(const DriveMoments& drive) const {
@@ -124,6 +133,39 @@ std::optional<TwoStage::Solution> TwoStage::solve_wheels(const Drive& drive,
   return solution;
 }
 
+std::vector<std::string> TwoStage::separate_forces(const Drive& drive, Solution& solution) const {
+  ParameterVector parameters = question_.known;
+  parameters.segment<kEstimatedUnbalance>(kSpring) = solution.x.head<kEstimatedUnbalance>();
+  std::array<std::vector<FirstOrderForce>, kWheels> forces;
+  for (const auto& [speed, moments] : drive.at) {
+    const auto at_speed = first_order_forces(moments.drive.harmonic, question_.geometry, parameters,
+                                             moments.turned_rad / moments.drive.seconds,
+                                             wheels_asked_for_unbalance(question_.asked));
+    for (std::size_t i = 0; i < kWheels; ++i)
+      if (at_speed[i].variance_n2 > 0.0) forces[i].push_back(at_speed[i]);
+  }
+  std::vector<std::string> said;
+  for (std::size_t i = 0; i < kWheels; ++i) {
+    if (forces[i].empty()) continue;
+    const FirstOrderFit fit = fit_first_order(forces[i]);
+    if (!fit.separable) {
+      said.push_back(std::string(kWheelNames[i]) +
+                     ": unbalance and radial force variation are not separable at these speeds; told is the "
+                     "equivalent unbalance");
+      continue;
+    }
+    const auto place = static_cast<Eigen::Index>(kEstimatedUnbalance + 2 * i);
+    solution.x.segment<2>(place) << fit.unbalance_kg_m.real(), fit.unbalance_kg_m.imag();
+    // What tyres and suspension are not known to is small beside what the force costs, and stays.
+    const double grown = std::pow(fit.sigma_unbalance_kg_m, 2) - std::pow(fit.sigma_equivalent_kg_m, 2);
+    solution.covariance.diagonal().segment<2>(place).array() += grown;
+    said.push_back(std::string(kWheelNames[i]) + ": radial force variation " +
+                   std::to_string(std::lround(std::abs(fit.force_n))) + " N +- " +
+                   std::to_string(std::lround(fit.sigma_force_n)) + " N, separated from the unbalance");
+  }
+  return said;
+}
+
 void TwoStage::add_doubt_of_suspension(const Drive& drive, const ParameterVector& parameters,
                                        Solution& solution) const {
   const auto suspension = sections_.covariance([this](const Drive& part) -> std::optional<UnknownVector> {
@@ -153,9 +195,9 @@ void TwoStage::add_doubt_of_suspension(const Drive& drive, const ParameterVector
 
 namespace {
 
-template <TyreFrom tyre, RoadShare share>
+template <TyreFrom tyre, RoadShare share, bool separate_force = false>
 std::unique_ptr<Estimator> make(const Question& question) {
-  return std::make_unique<TwoStage>(question, TwoStage::Options{tyre, share});
+  return std::make_unique<TwoStage>(question, TwoStage::Options{tyre, share, separate_force});
 }
 
 }  // namespace
@@ -171,6 +213,9 @@ std::vector<EstimatorKind> two_stage_kinds() {
        make<kWhittle, kApart>},
       {"cancellation", "as whittle, and the road that wheels share cancelled", false,
        make<kWhittle, kShared>},
+      {"force-variation",
+       "as cancellation, unbalance and speed-independent force separated where the speeds allow it", false,
+       make<kWhittle, kShared, true>},
   };
 }
 

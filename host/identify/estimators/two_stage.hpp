@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "host/identify/estimator.hpp"
@@ -14,10 +15,12 @@ namespace roadbalance {
 struct SectionMoments {
   DriveMoments drive;
   WhittleMoments road;
+  Eigen::Vector4d turned_rad = Eigen::Vector4d::Zero();  ///< in DriveMoments::seconds
 
   SectionMoments& operator+=(const SectionMoments& other) {
     drive += other.drive;
     road += other.road;
+    turned_rad += other.turned_rad;
     return *this;
   }
 };
@@ -43,6 +46,7 @@ class TwoStage final : public Estimator {
   struct Options {
     TyreFrom tyre = TyreFrom::kKnown;
     RoadShare share = RoadShare::kApart;
+    bool separate_force = false;  ///< from a force that does not grow with speed (first_order.hpp)
   };
   TwoStage(const Question& question, const Options& options) : question_(question), options_(options) {}
 
@@ -58,6 +62,8 @@ class TwoStage final : public Estimator {
   /// Question::known with what the body's rows tell of what is asked.
   std::optional<ParameterVector> with_suspension(const DriveMoments& drive) const;
   std::optional<Solution> solve_wheels(const Drive& drive, const ParameterVector& parameters) const;
+  /// Unbalances beside a force that does not grow with speed, where speeds tell them apart; what is said.
+  std::vector<std::string> separate_forces(const Drive& drive, Solution& solution) const;
   void add_doubt_of_suspension(const Drive& drive, const ParameterVector& parameters,
                                Solution& solution) const;
 
@@ -68,7 +74,7 @@ class TwoStage final : public Estimator {
   Grouped<SectionMoments> sections_;
 };
 
-/// known-tyre, instrument, whittle, cancellation.
+/// known-tyre, instrument, whittle, cancellation, force-variation.
 std::vector<EstimatorKind> two_stage_kinds();
 
 }  // namespace roadbalance
