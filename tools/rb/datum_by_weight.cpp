@@ -23,7 +23,7 @@ struct Drive {
 /// Nothing, and said, if the drive did not tell the wheel's unbalance.
 std::optional<Drive> unbalance_in(const std::string& folder, const std::string& wheel_name) {
   const auto vehicle = recorded_vehicle(folder);
-  const auto [estimate, obstacle, defects] = identify_record(folder);  // refuses what has no vehicle
+  const auto [estimate, obstacle, remarks, defects] = identify_record(folder);  // refuses what has no vehicle
   warn_of_defects("datum", folder, defects);
   const WheelConfig& wheel = wheel_with_mark(*vehicle, wheel_name);
   const Balance& balance = estimate.balance[static_cast<std::size_t>(vehicle->place_of(wheel))];
