@@ -1,6 +1,7 @@
 #include <benchmark/benchmark.h>
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/bus/codec.hpp"
@@ -23,16 +24,18 @@ const VehicleConfig& vehicle() {
 }
 
 /// All blocks of a drive, both nodes, as they would come from the bus.
+std::vector<SealedBlock> blocks_of(double seconds) {
+  std::vector<SealedBlock> list;
+  for (const NodeConfig& node : vehicle().node) {
+    const auto front_end =
+        sim::open_sim_front_end({"?seed=1&rate=max&seconds=" + std::to_string(seconds), vehicle(), node});
+    seal_all(*front_end, vehicle(), node, 1, [&](const SealedBlock& block) { list.push_back(block); });
+  }
+  return list;
+}
+
 const std::vector<SealedBlock>& drive(double seconds) {
-  static const std::vector<SealedBlock> blocks = [&] {
-    std::vector<SealedBlock> list;
-    for (const NodeConfig& node : vehicle().node) {
-      const auto front_end =
-          sim::open_sim_front_end({"?seed=1&rate=max&seconds=" + std::to_string(seconds), vehicle(), node});
-      seal_all(*front_end, vehicle(), node, 1, [&](const SealedBlock& block) { list.push_back(block); });
-    }
-    return list;
-  }();
+  static const std::vector<SealedBlock> blocks = blocks_of(seconds);
   return blocks;
 }
 
@@ -85,6 +88,27 @@ void identify_blocks(benchmark::State& state) {
   report(state, 2.0 * kDrive_s);
 }
 BENCHMARK(identify_blocks)->Unit(benchmark::kMillisecond);
+
+constexpr double kLong_s = 160.0;
+
+/// As the live analyser does it: an estimate with its covariance for every second of driving.
+/// "core_percent" is what that costs of one core in real time.
+void estimate_every_second(benchmark::State& state) {
+  static const auto blocks = blocks_of(kLong_s);
+  for (auto _ : state) {
+    DriveEstimator estimator(vehicle());
+    std::int64_t version = 0;
+    for (const auto& block : blocks) {
+      estimator.consume(block);
+      if (std::exchange(version, estimator.version()) != version)
+        benchmark::DoNotOptimize(estimator.estimate());
+    }
+  }
+  report(state, 2.0 * kLong_s);
+  state.counters["core_percent"] = benchmark::Counter(
+      kLong_s / 100.0, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+BENCHMARK(estimate_every_second)->Unit(benchmark::kMillisecond);
 
 void average_spectrum(benchmark::State& state) {
   WelchPsd psd({.rate_hz = 2000.0, .segment = 4000});
