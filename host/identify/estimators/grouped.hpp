@@ -18,6 +18,8 @@ struct BySpeed {
 
   std::map<int, Sums> at;
 
+  static int key(double speed_m_s) { return static_cast<int>(speed_m_s / kClass_m_s); }
+
   BySpeed& operator+=(const BySpeed& other) {
     for (const auto& [key, sums] : other.at) at[key] += sums;
     return *this;
@@ -33,7 +35,7 @@ class Grouped {
   static constexpr std::size_t kGroups = 10;
 
   void add(double speed_m_s, const Sums& part) {
-    group_[parts_++ % kGroups].at[static_cast<int>(speed_m_s / BySpeed<Sums>::kClass_m_s)] += part;
+    group_[parts_++ % kGroups].at[BySpeed<Sums>::key(speed_m_s)] += part;
   }
 
   /// How many classes of speed there are.

@@ -65,10 +65,11 @@ void TwoStage::add(const Stretch& stretch) {
     SectionMoments section;
     section.turned_rad = buffer_->seconds(samples) * stretch.omega;
     section.drive = buffer_->moments(samples, stretch.omega, stretch.speed_m_s, question_.known, road);
-    if (options_.tyre == TyreFrom::kWhittle)
-      section.road = road_->moments(buffer_->section(), stretch.omega, stretch.speed_m_s);
     sections_.add(stretch.speed_m_s, section);
   });
+  if (options_.tyre == TyreFrom::kWhittle)
+    roads_.at[BySpeed<WhittleMoments>::key(stretch.speed_m_s)] +=
+        road_->moments(stretch.signals, stretch.omega, stretch.speed_m_s);
 }
 
 Answer TwoStage::solve() const {
@@ -105,7 +106,7 @@ std::optional<TwoStage::Solution> TwoStage::solve_wheels(const Drive& drive,
   for (int i = 0; i < kWheels; ++i) free[static_cast<std::size_t>(i)] = question_.asks_for_tyre(i);
   if (options_.tyre == TyreFrom::kWhittle && free.any()) {
     std::vector<const WhittleMoments*> speeds;
-    for (const auto& [speed, moments] : drive.at) speeds.push_back(&moments.road);
+    for (const auto& [speed, moments] : roads_.at) speeds.push_back(&moments);
     const auto found = whittle_tyres(speeds, question_.geometry, parameters, free);
     if (!found) return std::nullopt;
     tyres = *found;

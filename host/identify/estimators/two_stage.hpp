@@ -14,12 +14,10 @@ namespace roadbalance {
 /// What two-stage estimators gather of sections driven at about one speed.
 struct SectionMoments {
   DriveMoments drive;
-  WhittleMoments road;
   Eigen::Vector4d turned_rad = Eigen::Vector4d::Zero();  ///< in DriveMoments::seconds
 
   SectionMoments& operator+=(const SectionMoments& other) {
     drive += other.drive;
-    road += other.road;
     turned_rad += other.turned_rad;
     return *this;
   }
@@ -72,6 +70,7 @@ class TwoStage final : public Estimator {
   std::optional<SectionBuffer> buffer_;  ///< for stretches of one length
   std::optional<WhittleGatherer> road_;
   Grouped<SectionMoments> sections_;
+  BySpeed<WhittleMoments> roads_;  ///< of whole stretches
 };
 
 /// known-tyre, instrument, whittle, cancellation, force-variation.
