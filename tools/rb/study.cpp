@@ -112,7 +112,11 @@ int run_study(const Study& study, const CLI::App& command, const StudyOptions& o
                             command.count("--seed") > 0 ? options.seed : study.seed,
                             folder,
                             options.jobs};
-    runs = campaigner(campaign, [&](std::uint64_t seed) { return study.run({seed, settings, folder}); });
+    auto results = campaigner(campaign, [&](std::uint64_t seed) {
+      return study.run({seed, settings, folder});
+    });
+    if (!results) return kDone;
+    runs = std::move(*results);
   }
   const StudyResult result = study.summarise(settings, runs);
   if (!options.svg.empty()) write_figures(result.figures, options.svg);

@@ -85,15 +85,21 @@ pid_t start_run(const ResultFiles& files, const Experiment& experiment, std::uin
 
 }  // namespace
 
-std::vector<nlohmann::ordered_json> run_campaign(const Campaign& campaign, const Experiment& experiment) {
+std::vector<Json> run_campaign(const Campaign& campaign, const Experiment& experiment) {
+  std::vector<std::uint64_t> seeds;
+  for (int i = 0; i < campaign.runs; ++i)
+    seeds.push_back(campaign.first_seed + static_cast<std::uint64_t>(i));
+  return run_seeds(campaign, seeds, experiment);
+}
+
+std::vector<Json> run_seeds(const Campaign& campaign, const std::vector<std::uint64_t>& seeds,
+                            const Experiment& experiment) {
   const ResultFiles files(campaign);
   std::vector<std::uint64_t> to_do;
-  for (int i = 0; i < campaign.runs; ++i) {
-    const std::uint64_t seed = campaign.first_seed + static_cast<std::uint64_t>(i);
+  for (const std::uint64_t seed : seeds)
     if (!files.read(seed)) to_do.push_back(seed);
-  }
-  std::size_t done = static_cast<std::size_t>(campaign.runs) - to_do.size();
-  if (done > 0) std::fprintf(stderr, "%zu of %d runs were done before\n", done, campaign.runs);
+  std::size_t done = seeds.size() - to_do.size();
+  if (done > 0) std::fprintf(stderr, "%zu of %zu runs were done before\n", done, seeds.size());
 
   std::map<pid_t, std::uint64_t> running;
   std::optional<std::uint64_t> failed;
@@ -108,14 +114,13 @@ std::vector<nlohmann::ordered_json> run_campaign(const Campaign& campaign, const
     if (!WIFEXITED(status) || WEXITSTATUS(status) != EXIT_SUCCESS) failed = ended->second;
     running.erase(ended);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    if (!failed) std::fprintf(stderr, "%zu of %d runs done, %.0f s\n", ++done, campaign.runs, seconds);
+    if (!failed) std::fprintf(stderr, "%zu of %zu runs done, %.0f s\n", ++done, seeds.size(), seconds);
   }
   if (failed)
     throw std::runtime_error(campaign.name + ": the run with seed " + std::to_string(*failed) + " failed");
 
   std::vector<Json> results;
-  for (int i = 0; i < campaign.runs; ++i)
-    results.push_back(files.read(campaign.first_seed + static_cast<std::uint64_t>(i)).value());
+  for (const std::uint64_t seed : seeds) results.push_back(files.read(seed).value());
   return results;
 }
 

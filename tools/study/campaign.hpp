@@ -29,4 +29,9 @@ using Experiment = std::function<nlohmann::ordered_json(std::uint64_t seed)>;
 /// @throws std::runtime_error naming the seed if a run fails, std::system_error if `state` cannot be written
 std::vector<nlohmann::ordered_json> run_campaign(const Campaign& campaign, const Experiment& experiment);
 
+/// The same of these seeds only, instead of campaign.runs from campaign.first_seed on, in their order.
+std::vector<nlohmann::ordered_json> run_seeds(const Campaign& campaign,
+                                              const std::vector<std::uint64_t>& seeds,
+                                              const Experiment& experiment);
+
 }  // namespace roadbalance

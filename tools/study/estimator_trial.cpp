@@ -35,8 +35,11 @@ std::vector<Stretch> shortened(std::span<const Stretch> stretches, Eigen::Index 
   return result;
 }
 
-Answer ask(const EstimatorKind& kind, const Question& question, std::span<const Stretch> stretches) {
-  const std::unique_ptr<Estimator> estimator = kind.make(question);
+Answer ask(const EstimatorKind& kind, const Question& question, const CarTruth& truth,
+           std::span<const Stretch> stretches) {
+  Question put = question;
+  if (kind.name == "known-tyre") put.known.segment<kWheels>(kTyre) = truth.parameters.segment<kWheels>(kTyre);
+  const std::unique_ptr<Estimator> estimator = kind.make(put);
   for (const Stretch& stretch : stretches) estimator->add(stretch);
   return estimator->solve();
 }

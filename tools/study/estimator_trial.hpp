@@ -24,8 +24,10 @@ CarTruth truth_of(const IdealDrive& drive, std::uint64_t seed, const VehicleConf
 /// The first `samples` of each stretch, or all there are.
 std::vector<Stretch> shortened(std::span<const Stretch> stretches, Eigen::Index samples);
 
-/// What one estimator makes of these stretches.
-Answer ask(const EstimatorKind& kind, const Question& question, std::span<const Stretch> stretches);
+/// What one estimator makes of these stretches.  `known-tyre` is told the true tyres, which it takes as
+/// known.
+Answer ask(const EstimatorKind& kind, const Question& question, const CarTruth& truth,
+           std::span<const Stretch> stretches);
 
 /// Errors of an answer about a wheel of the truth:
 ///

@@ -56,7 +56,7 @@ Json run_fig3(const StudyRun& run) {
     for (Stretch& stretch : blind) stretch.road_m.resize(kWheels, 0);
     for (const EstimatorKind& kind : chosen_estimators(run.settings["estimators"].get<std::string>()))
       result[key_of(samples)][kind.name] =
-          errors_of(ask(kind, question, kind.road_measured ? measured : blind), truth, kWheel);
+          errors_of(ask(kind, question, truth, kind.road_measured ? measured : blind), truth, kWheel);
   }
   return result;
 }

@@ -1,9 +1,12 @@
 #include <algorithm>
 
 #include "common/config/section.hpp"
+#include "tools/study/chain_studies.hpp"
 #include "tools/study/demo_accuracy.hpp"
 #include "tools/study/drift_cost.hpp"
+#include "tools/study/exact_studies.hpp"
 #include "tools/study/fig3.hpp"
+#include "tools/study/ideal_studies.hpp"
 #include "tools/study/study.hpp"
 
 namespace roadbalance {
@@ -88,7 +91,10 @@ Json value_like(const Json& old, const std::string& text, const std::string& cha
 
 std::span<const Study> studies() {
   static const std::vector<Study> kAll = [] {
-    std::vector<Study> all{fig3_study()};
+    std::vector<Study> all{fig3_study(),         fig4_study(),         influences_study(),
+                           estimators_study(),   cancellation_study(), parameters_study(),
+                           quantisation_study(), radial_force_study(), coverage_study(),
+                           end_to_end_study(),   equations_study()};
     for (Study& study : old_studies()) all.push_back(std::move(study));
     return all;
   }();

@@ -1,0 +1,89 @@
+#include <cmath>
+
+#include "tools/study/ideal_studies.hpp"
+#include "tools/study/statistics.hpp"
+#include "tools/study/trial_cases.hpp"
+
+namespace roadbalance {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const char* const kInStep = "0.95, wheels in step";
+
+std::vector<TrialCase> cases_of(const Json& settings) {
+  const auto samples = settings["samples"].get<Eigen::Index>();
+  std::vector<TrialCase> cases;
+  for (const auto& [name, coherence2] :
+       {std::pair{"0", 0.0}, {"0.9", 0.9}, {"0.95", 0.95}, {"0.99", 0.99}, {kInStep, 0.95}})
+    cases.push_back(four_wheels(name, samples, coherence2));
+  cases.back().drive.scenario.rolling_radius_spread = 0.0;
+  for (TrialCase& one : cases) one.estimators = registered({"known-tyre", "harmonic", "cancellation"});
+  return cases;
+}
+
+Json run(const StudyRun& run) {
+  return run_cases(cases_of(run.settings), run.seed);
+}
+
+/// Part of the answers about wheels in step that are more than 10 % off.
+double copied(const std::vector<Json>& runs, const TrialCase& one, const char* estimator) {
+  double answers = 0.0, wrong = 0.0;
+  for (const double error : errors_in(runs, one, estimator, "mass_percent")) {
+    if (!std::isfinite(error)) continue;  // refused
+    answers += 1.0;
+    wrong += std::abs(error) > 10.0 ? 1.0 : 0.0;
+  }
+  return answers > 0.0 ? wrong / answers : 0.0;
+}
+
+StudyResult summarise(const Json& settings, const std::vector<Json>& runs) {
+  const std::vector<TrialCase> cases = cases_of(settings);
+  const Json rows = case_rows(cases, runs);
+  Json lines = Json::array();
+  if (!cases.front().estimators.empty()) {
+    const auto deviation = [&](std::size_t one, const char* estimator) {
+      return registered({estimator}).empty() ? std::nan("")
+                                             : unbalance_deviation(runs, cases[one], estimator);
+    };
+    const double none = std::numeric_limits<double>::infinity();
+    lines = {
+        acceptance_line("coherence^2 0.95: standard deviation without over with cancellation",
+                        deviation(2, "known-tyre") / deviation(2, "cancellation"), 3.5, none),
+        acceptance_line("coherence^2 0: standard deviation with over without cancellation",
+                        deviation(0, "cancellation") / deviation(0, "known-tyre"), 0.0, 1.05),
+        acceptance_line("coherence^2 0.95: efficiency with cancellation",
+                        value_in(rows, "0.95", "cancellation", "efficiency U"), 0.7, none),
+        acceptance_line(
+            "wheels in step: part of the answers that are more than 10 % off",
+            registered({"cancellation"}).empty() ? std::nan("") : copied(runs, cases.back(), "cancellation"),
+            0.0, 0.02)};
+  }
+  Figure figure{"cancellation",
+                "Standard deviation of an unbalance per axis",
+                {"coherence^2 of rear and front"},
+                {"% of it", true},
+                {}};
+  for (const EstimatorKind& kind : cases.front().estimators) {
+    Series series{kind.name, {0.0, 0.9, 0.95, 0.99}, {}};
+    for (std::size_t i = 0; i < 4; ++i) series.y.push_back(unbalance_deviation(runs, cases[i], kind.name));
+    figure.series.push_back(series);
+  }
+  return {summary_of(settings, runs.size(), "Four wheels unbalanced, all else known; case: coherence^2", rows,
+                     lines),
+          {figure}};
+}
+
+}  // namespace
+
+Study cancellation_study() {
+  return {.name = "cancellation",
+          .line = "what the road that rear and front wheels share is worth, by their coherence (table 6)",
+          .options = kIdealOptions,
+          .settings = {{"samples", 50000}},
+          .runs = 30,
+          .run = run,
+          .summarise = summarise};
+}
+
+}  // namespace roadbalance

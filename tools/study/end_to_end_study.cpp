@@ -1,0 +1,97 @@
+#include <algorithm>
+#include <cmath>
+
+#include "tools/study/chain_drive.hpp"
+#include "tools/study/chain_studies.hpp"
+#include "tools/study/ideal_studies.hpp"
+#include "tools/study/statistics.hpp"
+
+namespace roadbalance {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// A drive and what the worst wheel's median may be.
+struct Row {
+  const char* name;
+  ChainDrive drive;
+  double percent, degrees, grams;
+};
+
+std::vector<Row> rows_of() {
+  const double any = std::numeric_limits<double>::infinity();
+  const ChainDrive b{.road_class = "B"}, five_minutes{.seconds = 75.0};
+  return {{"A, 4 x 40 s", {}, 1.5, 0.9, 0.45},
+          {"B, 4 x 40 s", b, 2.7, 1.1, any},
+          {"A, 4 x 75 s", five_minutes, any, any, any}};
+}
+
+Json run(const StudyRun& run) {
+  Json result{{"seed", run.seed}};
+  for (const Row& row : rows_of()) result[row.name] = chain_errors(row.drive, run.seed, run.folder);
+  return result;
+}
+
+/// Of the worst wheel.
+double worst(const std::vector<Json>& runs, const char* row, const char* what, double ErrorSizes::*size) {
+  double value = 0.0;
+  for (int wheel = 0; wheel < kWheels; ++wheel)
+    value = std::max(value, sizes_of(chain_values(runs, row, wheel, what)).*size);
+  return value;
+}
+
+/// Column, and what is asked of the worst wheel's median.
+struct Column {
+  const char *what, *median, *p95, *asked;
+  double Row::*most;
+};
+constexpr Column kColumns[] = {
+    {"mass_percent", "mass %, worst median", "mass % p95", "mass, %", &Row::percent},
+    {"angle_deg", "angle deg, worst median", "angle deg p95", "angle, deg", &Row::degrees},
+    {"residual_g", "residual g, worst median", "residual g p95", "residual vector, g", &Row::grams},
+    {"tyre_percent", "ct %, worst median", "ct % p95", "", nullptr},
+    {"rounded_g", "after 5 g weights, worst median g", "after 5 g weights p95", "", nullptr}};
+
+StudyResult summarise(const Json& settings, const std::vector<Json>& runs) {
+  Json rows = Json::array(), lines = Json::array();
+  for (const Row& row : rows_of()) {
+    Json cells{{"case", row.name}};
+    for (const Column& column : kColumns) {
+      const double median = worst(runs, row.name, column.what, &ErrorSizes::median);
+      cells[column.median] = number_or_null(median);
+      cells[column.p95] = number_or_null(worst(runs, row.name, column.what, &ErrorSizes::p95));
+      if (column.most == nullptr || !std::isfinite(row.*column.most)) continue;
+      std::string text = row.name;
+      text.append(": worst wheel's median of the ").append(column.asked);
+      lines.push_back(acceptance_line(text, median, 0.0, row.*column.most));
+    }
+    rows.push_back(cells);
+  }
+  const ErrorSizes rounded = sizes_of(chain_values(runs, rows_of().back().name, -1, "rounded_g"));
+  lines.push_back(acceptance_line("5 minutes, one weight in steps of 5 g: residual in the median, g",
+                                  rounded.median, 0.0, 4.0));
+  lines.push_back(acceptance_line("5 minutes, one weight in steps of 5 g: residual in 95 % of the wheels, g",
+                                  rounded.p95, 0.0, 7.0));
+  return {{{"runs", runs.size()},
+           {"settings", settings},
+           {"tables",
+            {{{"title", "The whole chain: noise, 16 bit, pitch errors, parameters drawn; 30, 20, 25, 15 g"},
+              {"rows", rows}}}},
+           {"acceptance", lines},
+           {"accepted", all_met(lines)}},
+          {}};
+}
+
+}  // namespace
+
+Study end_to_end_study() {
+  return {.name = "end-to-end",
+          .line = "the whole chain from simulated converters and pulses to weights (table 11)",
+          .options = kIdealOptions,
+          .settings = Json::object(),
+          .runs = 20,
+          .run = run,
+          .summarise = summarise};
+}
+
+}  // namespace roadbalance

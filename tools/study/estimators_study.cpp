@@ -1,0 +1,71 @@
+#include <limits>
+
+#include "tools/study/ideal_studies.hpp"
+#include "tools/study/statistics.hpp"
+#include "tools/study/trial_cases.hpp"
+
+namespace roadbalance {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::vector<TrialCase> cases_of(const Json& settings) {
+  std::vector<TrialCase> cases;
+  for (const double coherence2 : {0.0, 0.95}) {
+    TrialCase one = four_wheels("coherence^2 " + Json(coherence2).dump(),
+                                settings["samples"].get<Eigen::Index>(), coherence2);
+    ask_for_tyres(one);
+    for (const EstimatorKind& kind : chosen_estimators(settings["estimators"].get<std::string>()))
+      if (!kind.road_measured) one.estimators.push_back(kind);
+    cases.push_back(one);
+  }
+  return cases;
+}
+
+Json run(const StudyRun& run) {
+  return run_cases(cases_of(run.settings), run.seed);
+}
+
+Figure efficiencies(const Json& rows, const char* name, const char* column) {
+  Figure figure{name,
+                std::string("Efficiency, ") + column,
+                {"coherence^2 of rear and front"},
+                {"bound variance / measured variance"},
+                {}};
+  for (const Json& row : rows) {
+    const std::string estimator = row["estimator"].get<std::string>();
+    if (row["case"] != "coherence^2 0.0") continue;
+    figure.series.push_back({estimator,
+                             {0.0, 0.95},
+                             {value_in(rows, "coherence^2 0.0", estimator, column),
+                              value_in(rows, "coherence^2 0.95", estimator, column)}});
+  }
+  return figure;
+}
+
+StudyResult summarise(const Json& settings, const std::vector<Json>& runs) {
+  const Json rows = case_rows(cases_of(settings), runs);
+  const Json lines = Json::array(
+      {acceptance_line("whittle: efficiency of the tyre stiffness, independent roads, exponent free",
+                       value_in(rows, "coherence^2 0.0", "whittle", "efficiency ct"), 0.4,
+                       std::numeric_limits<double>::infinity())});
+  return {summary_of(settings, runs.size(),
+                     "Four wheels unbalanced, tyres and unbalances asked for; bound with the exponent free",
+                     rows, lines),
+          {efficiencies(rows, "estimators-u", "efficiency U"),
+           efficiencies(rows, "estimators-ct", "efficiency ct")}};
+}
+
+}  // namespace
+
+Study estimators_study() {
+  return {.name = "estimators",
+          .line = "every estimator beside the Cramer-Rao bound, four wheels unbalanced",
+          .options = kIdealOptions,
+          .settings = {{"samples", 20000}, {"estimators", ""}},
+          .runs = 30,
+          .run = run,
+          .summarise = summarise};
+}
+
+}  // namespace roadbalance

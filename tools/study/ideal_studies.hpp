@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/study/study.hpp"
+
+namespace roadbalance {
+
+/// What studies of many seeds take on the command line.
+inline const std::vector<std::string> kIdealOptions{"--runs", "--seed", "--state",   "--jobs",
+                                                    "--set",  "--svg",  "--markdown"};
+
+/// Studies behind perfect sensors, one file each.
+Study estimators_study();    ///< every estimator beside the bound
+Study cancellation_study();  ///< table 6
+Study influences_study();    ///< speed, size, left on right, frequency difference, stabiliser
+Study quantisation_study();  ///< converter and noise
+Study equations_study();     ///< order of the filter and number of equations
+
+}  // namespace roadbalance

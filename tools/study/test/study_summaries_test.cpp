@@ -1,0 +1,176 @@
+// What studies say of runs whose numbers are known beforehand.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "host/identify/estimator.hpp"
+#include "tools/study/study.hpp"
+
+namespace roadbalance {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json summary_of(const std::string& name, const std::vector<Json>& runs, const Json& settings = {}) {
+  const Study& study = study_of(name);
+  return study.summarise(settings.is_null() ? study.settings : settings, runs).summary;
+}
+
+const Json& line_of(const Json& summary, const std::string& begin) {
+  for (const Json& line : summary["acceptance"])
+    if (line["line"].get<std::string>().starts_with(begin)) return line;
+  throw std::out_of_range("no acceptance line " + begin);
+}
+
+/// Four wheels of a chain's drive that are off by so much.
+Json wheels(double percent, double deg, double grams, double rounded_g, double ellipse) {
+  Json all = Json::array();
+  for (int w = 0; w < 4; ++w)
+    all.push_back({{"told", true},
+                   {"mass_percent", percent},
+                   {"angle_deg", deg},
+                   {"residual_g", grams},
+                   {"rounded_g", rounded_g},
+                   {"tyre_percent", 1.0},
+                   {"ellipse", ellipse},
+                   {"force_state", 1},
+                   {"alone_residual_g", 1.0},
+                   {"sigma_alone_g", 1.0},
+                   {"force_error_n", 1.0},
+                   {"sigma_force_n", 1.0}});
+  return all;
+}
+
+TEST(Coverage, OfEllipsesThatAreRightIsMet) {
+  std::vector<Json> right, too_wide;
+  for (int i = 0; i < 250; ++i) {
+    Json run{{"wheels", wheels(0, 0, 0, 0, 0)}};
+    // Quantiles of chi^2 with two degrees of freedom, evenly spread: 1000 of them.
+    for (std::size_t w = 0; w < 4; ++w)
+      run["wheels"][w]["ellipse"] = -2.0 * std::log(1.0 - (4.0 * i + static_cast<double>(w) + 0.5) / 1000.0);
+    right.push_back(run);
+    for (std::size_t w = 0; w < 4; ++w)
+      run["wheels"][w]["ellipse"] = 0.5 * run["wheels"][w]["ellipse"].get<double>();
+    too_wide.push_back(run);
+  }
+  EXPECT_TRUE(summary_of("coverage", right)["accepted"].get<bool>());
+  EXPECT_NEAR(line_of(summary_of("coverage", right), "covered")["value"].get<double>(), 95.0, 0.11);
+  // An ellipse of twice the variance holds 1 - exp(-5.99).
+  EXPECT_NEAR(line_of(summary_of("coverage", too_wide), "covered")["value"].get<double>(), 99.75, 0.11);
+  EXPECT_FALSE(summary_of("coverage", too_wide)["accepted"].get<bool>());
+  right.pop_back();
+  EXPECT_FALSE(summary_of("coverage", right)["accepted"].get<bool>()) << "too few ellipses";
+  Json untold = right.front();
+  for (Json& wheel : untold["wheels"]) wheel["ellipse"] = nullptr;
+  EXPECT_EQ(line_of(summary_of("coverage", {untold}), "covered")["value"], 0.0);
+}
+
+TEST(EndToEnd, JudgesTheWorstWheel) {
+  const auto run = [](const Json& a) {
+    return Json{
+        {"A, 4 x 40 s", a}, {"B, 4 x 40 s", wheels(2, 1, 9, 9, 1)}, {"A, 4 x 75 s", wheels(9, 9, 9, 3, 1)}};
+  };
+  const Json good = wheels(1.4, -0.8, 0.4, 3, 1);
+  EXPECT_TRUE(summary_of("end-to-end", {run(good)})["accepted"].get<bool>());
+  for (const auto& [key, value] :
+       {std::pair{"mass_percent", -1.6}, {"angle_deg", 1.0}, {"residual_g", 0.5}}) {
+    Json bad = good;
+    bad[2][key] = value;
+    EXPECT_FALSE(summary_of("end-to-end", {run(bad)})["accepted"].get<bool>()) << key;
+  }
+  Json unknown = good;
+  unknown[3]["mass_percent"] = nullptr;
+  EXPECT_FALSE(summary_of("end-to-end", {run(unknown)})["accepted"].get<bool>());
+  EXPECT_EQ(line_of(summary_of("end-to-end", {run(good)}), "5 minutes")["value"], 3.0);
+}
+
+TEST(RadialForce, IsSeparatedOrSaidNotToBe) {
+  Json narrow = wheels(1, 1, 1, 1, 1);
+  for (Json& wheel : narrow) wheel["force_state"] = 2;
+  const auto run = [&](const Json& wide) {
+    return Json{{"110 .. 130 km/h", narrow}, {"60 .. 140 km/h", wide}};
+  };
+  EXPECT_TRUE(summary_of("radial-force", {run(wheels(1, 1, 1, 1, 1))})["accepted"].get<bool>());
+  Json far = wheels(1, 1, 1, 1, 1);
+  for (std::size_t w = 0; w < 2; ++w) far[w]["alone_residual_g"] = 2.1;  // of a sigma of 1
+  EXPECT_FALSE(summary_of("radial-force", {run(far)})["accepted"].get<bool>());
+  narrow[1]["force_state"] = 1;
+  EXPECT_FALSE(summary_of("radial-force", {run(wheels(1, 1, 1, 1, 1))})["accepted"].get<bool>());
+}
+
+/// Table 8: 30 g, 160 s in all, class A, tyre known.
+TEST(RadialForce, BoundsAreThoseOfTheDerivation) {
+  const Json summary =
+      summary_of("radial-force",
+                 {{{"110 .. 130 km/h", wheels(1, 1, 1, 1, 1)}, {"60 .. 140 km/h", wheels(1, 1, 1, 1, 1)}}});
+  const Json& rows = summary["tables"][0]["rows"];
+  const double expected[3][3] = {{3.1, 25.0, 18.0}, {3.8, 12.4, 7.7}, {3.6, 8.8, 5.8}};
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(rows[i]["sd of U alone %"].get<double>() / expected[i][0], 1.0, 0.03) << i;
+    EXPECT_NEAR(rows[i]["sd of U with the force %"].get<double>() / expected[i][1], 1.0, 0.03) << i;
+    EXPECT_NEAR(rows[i]["sd of the force N"].get<double>() / expected[i][2], 1.0, 0.03) << i;
+  }
+}
+
+/// Table 9, filter of 30 Hz from 90 km/h and of 100 Hz from 60 km/h, over 1 .. 1.7 times the speed.
+TEST(Fig4, ExponentsAreThoseOfTheDerivation) {
+  const Json rows = summary_of("fig4", {})["tables"][1]["rows"];
+  EXPECT_NEAR(rows[0]["C_yd"].get<double>(), 2.6, 0.1);
+  EXPECT_NEAR(rows[1]["C_yd"].get<double>(), 1.4, 0.1);
+  EXPECT_NEAR(rows[0]["C_yu"].get<double>(), 1.99, 0.05);
+  EXPECT_NEAR(rows[1]["C_yu"].get<double>(), 1.96, 0.05);
+  EXPECT_NEAR(rows[2]["C_yd"].get<double>(), 4.9, 0.1);
+  EXPECT_NEAR(rows[3]["C_yd"].get<double>(), 4.1, 0.1);
+}
+
+/// Table 7: known parameters that are wrong.
+TEST(Parameters, BiasesAreThoseOfTheDerivation) {
+  const Json rows = summary_of("parameters", {})["tables"][0]["rows"];
+  const auto expect = [&](const char* name, double percent, double deg) {
+    for (const Json& row : rows)
+      if (row["error of vehicle.toml"] == name) {
+        EXPECT_NEAR(row["fixed: mass %"].get<double>(), percent, 0.15) << name;
+        EXPECT_NEAR(row["fixed: angle deg"].get<double>(), deg, 0.15) << name;
+        return;
+      }
+    ADD_FAILURE() << name;
+  };
+  expect("none", 0.0, 0.0);
+  expect("body mass, inertias +5 %", 0.0, 0.0);
+  expect("wheel masses +5 %", 6.3, 3.1);
+  expect("springs +10 %", -0.6, -0.4);
+  expect("dampers +20 %", 9.9, -4.9);
+  expect("stabilisers +20 %", -0.7, -0.4);
+  expect("stabilisers omitted", 3.4, 2.0);
+  expect("tyres +5 %", -3.0, -1.7);
+}
+
+/// Errors of +-1 % in turn, from every estimator.
+TEST(Fig3, TellsMediansAndDeviations) {
+  Json settings = study_of("fig3").settings;
+  settings["samples"] = {20000};
+  std::vector<Json> runs;
+  for (int i = 0; i < 10; ++i) {
+    const double error = i % 2 == 0 ? 1.0 : -1.0;
+    Json run{{"seed", i}};
+    for (const EstimatorKind& kind : estimators())
+      run["20000"][kind.name] = {
+          {"tyre_percent", error}, {"mass_percent", 2.0 * error}, {"angle_deg", 3.0 * error}};
+    runs.push_back(run);
+  }
+  const StudyResult result = study_of("fig3").summarise(settings, runs);
+  std::size_t told = 0;
+  for (const Json& row : result.summary["tables"][0]["rows"]) {
+    if (row["estimator"].get<std::string>().starts_with("bound")) continue;
+    ++told;
+    EXPECT_DOUBLE_EQ(row["ct median %"].get<double>(), 1.0);
+    EXPECT_DOUBLE_EQ(row["mass p95 %"].get<double>(), 2.0);
+    EXPECT_NEAR(row["angle sd deg"].get<double>(), 3.0 * std::sqrt(10.0 / 9.0), 1e-12);
+  }
+  EXPECT_EQ(told, estimators().size());
+  EXPECT_EQ(result.figures.size(), 3u);
+}
+
+}  // namespace
+}  // namespace roadbalance
