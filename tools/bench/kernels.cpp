@@ -6,13 +6,16 @@
 
 #include "common/bus/codec.hpp"
 #include "common/dsp/psd.hpp"
+#include "common/multibody/affine_model.hpp"
+#include "common/vehicle/vehicle_description.hpp"
 #include "embedded/demo_vehicle.hpp"
 #include "firmware/seal_all.hpp"
 #include "host/analyser/levels.hpp"
 #include "host/identify/drive_estimator.hpp"
 #include "sim/front_end.hpp"
 
-// What each stage costs, in times real time of one node of 16 channels at 2 kHz ("real_time_x").
+// What each stage costs, in times real time of one node of 16 channels at 2 kHz ("real_time_x"); and the
+// model.
 
 namespace roadbalance {
 namespace {
@@ -118,6 +121,22 @@ void average_spectrum(benchmark::State& state) {
       benchmark::Counter(10.0, benchmark::Counter::kIsIterationInvariantRate);
 }
 BENCHMARK(average_spectrum)->Unit(benchmark::kMillisecond);
+
+/// Description of the 7-degree-of-freedom car to the matrices of its 33 parameters; promised within 1 s.
+void derive_seven_dof(benchmark::State& state) {
+  for (auto _ : state) benchmark::DoNotOptimize(affine_model(derive(description_of(vehicle()))));
+}
+BENCHMARK(derive_seven_dof)->Unit(benchmark::kMillisecond);
+
+void evaluate_linear_model(benchmark::State& state) {
+  const Geometry geometry = geometry_of(vehicle().model);
+  ParameterVector parameters = nominal_parameters(vehicle());
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(parameters.data());
+    benchmark::DoNotOptimize(linear_model(geometry, parameters));
+  }
+}
+BENCHMARK(evaluate_linear_model)->Unit(benchmark::kNanosecond);
 
 }  // namespace
 }  // namespace roadbalance

@@ -29,6 +29,7 @@ void add_verify(CLI::App& app, int& code);
 void add_recover(CLI::App& app, int& code);
 void add_info(CLI::App& app, int& code);
 void add_levels(CLI::App& app, int& code);
+void add_model(CLI::App& app, int& code);
 void add_orders(CLI::App& app, int& code);
 void add_spectrum(CLI::App& app, int& code);
 void add_study(CLI::App& app, int& code);

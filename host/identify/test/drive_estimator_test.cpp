@@ -52,6 +52,18 @@ TEST(DriveEstimator, SaysThatTheSensorsDoNotSuffice) {
   EXPECT_EQ(estimator.estimate().identification.state, Unknown::kUnfitVehicle);
 }
 
+TEST(DriveEstimator, SaysThatACarOfAnotherFormIsNotIdentified) {
+  std::string text = demo_toml();
+  const auto begin = text.find("kind = \"seven_dof\""), end = text.find("[filter]");
+  text.replace(begin, end - begin, "kind = \"description\"\nfile = \"three_wheeler.toml\"\n");
+  const auto vehicle = VehicleConfig::parse(text, "t");
+  DriveEstimator estimator(vehicle);
+  EXPECT_NE(estimator.obstacle().find("identified as \"seven_dof\" only"), std::string::npos)
+      << estimator.obstacle();
+  drive(estimator, vehicle, 100.0, 1);
+  EXPECT_EQ(estimator.estimate().identification.state, Unknown::kUnfitVehicle);
+}
+
 TEST(DriveEstimator, SaysThatTheCarWasTooSlow) {
   const auto vehicle = VehicleConfig::parse(demo_toml(), "t");
   DriveEstimator estimator(vehicle);
