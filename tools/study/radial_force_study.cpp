@@ -79,7 +79,7 @@ Json row_of(const std::vector<Json>& runs, const char* name) {
   return {{"case", name},
           {"not separable, % of wheels", part_of_states(runs, name, ForceState::kNotSeparable)},
           {"separated, % of wheels", part_of_states(runs, name, ForceState::kSeparated)},
-          {"equivalent unbalance off, median g", median("residual_g")},
+          {"equivalent less unbalance alone, median g", median("residual_g")},
           {"unbalance alone off, median g", median("alone_residual_g")},
           {"its printed sigma g", median("sigma_alone_g")},
           {"force off, median N", median("force_error_n")},
