@@ -66,9 +66,10 @@ TEST(OverallCompensation, TakesWhatForcesHaveInCommonOverTheSpeeds) {
   for (int w = 0; w < 2; ++w) {
     const Complex expected = -(car.unbalance[w] + car.force[w] * (g2 / g4));
     EXPECT_LT(std::abs(found->correction_kg_m(w) - expected), 1e-12);
-    opposite += g0 * std::norm(car.force[w]) / std::ssize(points);
+    opposite += g0 * std::norm(car.force[w]) / static_cast<double>(points.size());
   }
-  for (const ResponsePoint& point : points) before += std::norm(point.measured) / std::ssize(points);
+  for (const ResponsePoint& point : points)
+    before += std::norm(point.measured) / static_cast<double>(points.size());
   EXPECT_NEAR(found->rms_before, std::sqrt(before), 1e-12);
   const double left = std::sqrt(opposite * (1.0 - g2 * g2 / (g4 * g0)));
   EXPECT_NEAR(found->rms_after, left, 1e-12);

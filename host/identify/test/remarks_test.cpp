@@ -8,9 +8,10 @@ namespace roadbalance {
 namespace {
 
 struct Found {
-  Identification identification{.state = Unknown::kNone};
+  Identification identification;
   std::array<Balance, kWheels> balance{};
   Found() {
+    identification.state = Unknown::kNone;
     for (Balance& wheel : balance) wheel.state = Unknown::kNone;
   }
   bool says(const std::string& words) const {
