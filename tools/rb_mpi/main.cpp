@@ -1,0 +1,43 @@
+// rb study over a cluster: mpirun -n 2 rb-mpi study fig3 --runs 400
+#include <mpi.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+
+#include "common/config/section.hpp"
+#include "tools/rb/command.hpp"
+#include "tools/rb/study.hpp"
+#include "tools/rb_mpi/cluster_campaign.hpp"
+
+namespace {
+
+int run(int argc, char** argv) {
+  using namespace roadbalance;
+  CLI::App app("roadbalance: studies over a cluster.", "rb-mpi");
+  app.require_subcommand(1);
+  int code = kDone;
+  add_study_over(app, code, run_campaign_on_cluster, 1);
+  try {
+    app.parse(argc, argv);
+    return code;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kDone : kUsage;
+  } catch (const ConfigError& error) {
+    std::fprintf(stderr, "rb-mpi: %s\n", error.what());
+    return kUsage;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "rb-mpi: %s\n", error.what());
+    return kCannotAccess;
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  MPI_Init(&argc, &argv);
+  int code = run(argc, argv);
+  if (std::fflush(stdout) != 0) code = roadbalance::kCannotAccess;
+  MPI_Finalize();
+  return code;
+}
