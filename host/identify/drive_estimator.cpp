@@ -120,9 +120,14 @@ void DriveEstimator::add_sample(const IdentificationSample& sample) {
   time_ns_ = sample.time_ns;
   const std::int64_t before = sections_.news();
   sections_.consume(sample);
-  if (sections_.news() == before) return;
+  if (sections_.news() != before) note_news();
+}
+
+/// The estimate is to be that of this instant, whenever it is asked for.
+void DriveEstimator::note_news() {
   ++version_;
   stale_ = true;
+  news_ns_ = time_ns_;
 }
 
 const DriveEstimate& DriveEstimator::estimate() {
@@ -139,8 +144,7 @@ void DriveEstimator::report_unknown(Unknown state) {
 
 void DriveEstimator::add_section(const DriveMoments& section) {
   classes_.add(section);
-  ++version_;
-  stale_ = true;
+  note_news();
   learn_weights();
 }
 
@@ -181,7 +185,7 @@ void DriveEstimator::update_estimate() {
 
 void DriveEstimator::describe_drive(const SpeedClasses& drive) {
   Identification& result = estimate_.identification;
-  result.time_ns = time_ns_;
+  result.time_ns = news_ns_;
   result.seconds_used = 0.0;
   result.sections = 0;
   result.speed_class.clear();
@@ -194,7 +198,7 @@ void DriveEstimator::describe_drive(const SpeedClasses& drive) {
   }
   for (int w = 0; w < kWheels; ++w) {
     Balance& balance = estimate_.balance[static_cast<std::size_t>(w)];
-    balance.time_ns = time_ns_;
+    balance.time_ns = news_ns_;
     balance.seconds_used = result.seconds_used;
     balance.least_speed_m_s = classes.front().speed_seconds / classes.front().seconds;
     balance.greatest_speed_m_s = classes.back().speed_seconds / classes.back().seconds;

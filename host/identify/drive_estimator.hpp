@@ -60,6 +60,7 @@ class DriveEstimator {
   void report_unknown(Unknown state);
   void add_sample(const IdentificationSample& sample);
   void add_section(const DriveMoments& section);
+  void note_news();
   void learn_weights();
   void update_estimate();
   bool is_plausible(const UnknownVector& x) const;
@@ -73,7 +74,7 @@ class DriveEstimator {
   VehicleConfig vehicle_;
   Known known_;
   SpeedClasses classes_;
-  std::int64_t time_ns_ = 0;
+  std::int64_t time_ns_ = 0, news_ns_ = 0;
   DriveEstimate estimate_;
   std::int64_t version_ = 0;
   bool stale_ = false;  ///< there is more to tell than estimate_ does

@@ -59,6 +59,7 @@ TEST(OnlineEstimate, IsANewOneEverySecondAndTheSameWhenItIsAskedForOnceOnly) {
   EXPECT_GE(estimates, 25) << "from 60 s on";
   const DriveEstimate a = asked.estimate(), b = quiet.estimate();
   ASSERT_EQ(a.identification.state, Unknown::kNone);
+  EXPECT_EQ(a.identification.time_ns, b.identification.time_ns);
   EXPECT_EQ(a.identification.tyre_n_m, b.identification.tyre_n_m);
   EXPECT_EQ(a.identification.misfit_chance, b.identification.misfit_chance);
   for (std::size_t w = 0; w < kWheels; ++w) {
