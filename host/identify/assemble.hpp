@@ -17,13 +17,17 @@
 
 namespace roadbalance {
 
+/// True if one channel of role road sits at every wheel.
+bool measures_road(const VehicleConfig& vehicle);
+
 /// Joins the scan blocks of all nodes to runs of signals on one grid of time.
 ///
 /// The grid is that of the block that comes first: its time and period; GridStream brings each node's samples
 /// to it. Rows that one node lacks, and blocks with overload, are left out; the run after them is marked
-/// `restart`, so no estimate runs across a hole.  A wheel whose angle is not known has the reference 0.  The
-/// result depends on the blocks and fits of each node in their order only, but for the grid not on how the
-/// nodes' blocks interleave, as long as no node is kLongestWait_s behind: then the others go on without it.
+/// `restart`, so no estimate runs across a hole.  The road is in the runs if a channel measures it at every
+/// wheel. A wheel whose angle is not known has the reference 0.  The result depends on the blocks and fits of
+/// each node in their order only, but for the grid not on how the nodes' blocks interleave, as long as no
+/// node is kLongestWait_s behind: then the others go on without it.
 class Assembler {
  public:
   /// Of drive, not of waiting: faster than real time one node may be a whole ring ahead of another and more.
@@ -49,16 +53,20 @@ class Assembler {
   struct NodeMap {
     Eigen::Matrix<double, kSignals, kChannels> from_counts;
     SignalVector at_zero_counts;
+    Eigen::Matrix<double, kWheels, kChannels> road_from_counts;
+    Eigen::Vector4d road_at_zero_counts;
     std::int32_t overload_mask;
     std::array<std::optional<int>, kEncoderLines> wheel;  ///< by encoder line
   };
 
   void emit();
   void add_rows(const GridStream& stream, const NodeMap& map);
+  void add_road(NodeMap& map, const NodeConfig& node) const;
   void emit_run(const CommonRows::Run& run);
 
   CommonRows rows_;
   std::vector<NodeMap> maps_;
+  bool road_measured_;
   SignalRun run_;
   Emit emit_;
 };

@@ -2,18 +2,25 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 
 #include <Eigen/Core>
 
+#include "common/config/vehicle_config.hpp"
 #include "host/identify/signals.hpp"
 
 namespace roadbalance {
+
+/// Samples of the nodes for one of identification.
+/// @throws ConfigError if identification wants more than the nodes take
+int decimation_factor(const VehicleConfig& vehicle);
 
 /// One sample at the identification rate.
 struct IdentificationSample {
   SignalVector signals;
   bool restart = false;  ///< samples are missing before it
   std::int64_t time_ns = 0;
+  std::optional<Eigen::Vector4d> road_m{};  ///< nothing: not measured
 };
 
 /// Brings all signals to the identification rate with one linear-phase low-pass, so that the relations
@@ -34,6 +41,7 @@ class Decimator {
   int factor_;
   Eigen::VectorXd taps_;
   SignalMatrix history_;  // the last taps_.size() samples, column filled_ - 1 the newest
+  RoadMatrix road_;       // the same of the road, where it is measured
   Eigen::Index filled_ = 0;
   bool restart_ = true;
   Emit emit_;

@@ -16,14 +16,6 @@
 namespace roadbalance {
 namespace {
 
-/// Grid samples per identification sample.
-int decimation(const VehicleConfig& vehicle) {
-  const double factor = vehicle.node.front().rate_hz / vehicle.drive.identification_rate_hz;
-  if (factor < 1.0)
-    throw ConfigError("vehicle " + vehicle.name + ": identification_rate_hz is above the nodes' rate_hz");
-  return static_cast<int>(std::lround(factor));
-}
-
 /// An estimate of a stiffness further from vehicle.toml than this factor means that the drive did not tell
 /// it.
 constexpr double kPlausible = 2.0;
@@ -81,7 +73,7 @@ DriveEstimator::DriveEstimator(const VehicleConfig& vehicle)
       std::any_of(vehicle.wheel.begin(), vehicle.wheel.end(), [](const auto& w) { return !w.node.empty(); });
   publish_unknown(angle ? Unknown::kTooShort : Unknown::kNoReference);
   try {
-    decimator_.emplace(decimation(vehicle_),
+    decimator_.emplace(decimation_factor(vehicle_),
                        [this](const IdentificationSample& sample) { add_sample(sample); });
     assembler_.emplace(vehicle_, body_only_ ? SensorMap::of_body(vehicle_) : SensorMap::from(vehicle_),
                        [this](const SignalRun& run) { decimator_->consume(run); });

@@ -3,6 +3,9 @@
 #include <utility>
 
 #include "common/config/section.hpp"
+#include "host/identify/estimators/chassis.hpp"
+#include "host/identify/estimators/correlation.hpp"
+#include "host/identify/estimators/harmonic_ml.hpp"
 #include "host/identify/estimators/paper.hpp"
 #include "host/identify/estimators/two_stage.hpp"
 
@@ -17,7 +20,8 @@ bool Question::asks_for_suspension() const {
 std::span<const EstimatorKind> estimators() {
   static const std::vector<EstimatorKind> kAll = [] {
     std::vector<EstimatorKind> all;
-    for (const auto kinds : {paper_kinds, own_past_kinds, two_stage_kinds})
+    for (const auto kinds :
+         {paper_kinds, own_past_kinds, harmonic_kinds, correlation_kinds, two_stage_kinds, chassis_kinds})
       for (EstimatorKind& kind : kinds()) all.push_back(std::move(kind));
     return all;
   }();

@@ -17,6 +17,9 @@ inline constexpr int kSignals = kCoordinates + 2 * kWheels;
 using SignalVector = Eigen::Matrix<double, kSignals, 1>;
 using SignalMatrix = Eigen::Matrix<double, kSignals, Eigen::Dynamic>;
 
+/// Height under the four wheels, m, a column a sample.
+using RoadMatrix = Eigen::Matrix<double, kWheels, Eigen::Dynamic>;
+
 constexpr int cosine_row(int wheel) {
   return kCoordinates + 2 * wheel;
 }
@@ -36,6 +39,8 @@ struct SignalRun {
   bool restart = false;          ///< samples are missing before column 0: filters begin anew
   std::int64_t time_ns = 0;      ///< node time of the last column
   SignalMatrix samples;
+  /// The same filters passed; no columns: the road was not measured.
+  RoadMatrix road_m{};
 };
 
 }  // namespace roadbalance

@@ -6,8 +6,6 @@
 
 namespace roadbalance {
 
-using RoadMatrix = Eigen::Matrix<double, kWheels, Eigen::Dynamic>;
-
 /// Consecutive samples of driving at one steady speed, filters settled: what estimators work on.
 struct Stretch {
   double rate_hz = 0.0;
@@ -15,8 +13,7 @@ struct Stretch {
   /// Mean rotation rate of each wheel, rad/s; 0: it has no reference here.
   Eigen::Vector4d omega = Eigen::Vector4d::Zero();
   SignalMatrix signals;
-  /// Height under the four wheels, m, a column a sample, having passed the filters of `signals`; no columns:
-  /// the road was not measured.
+  /// Having passed the filters of `signals`; no columns: the road was not measured.
   RoadMatrix road_m;
 
   double seconds() const { return static_cast<double>(signals.cols()) / rate_hz; }

@@ -33,8 +33,9 @@ RelationFilter::Options windowed_past() {
 
 using Instruments = RelationInstruments;
 using Road = RelationRoad;
-constexpr RelationOptions kPaper{.instruments = Instruments::kAll, .road = Road::kUnknown};
-constexpr RelationOptions kOwn{.instruments = Instruments::kOwn, .road = Road::kUnknownForAccelerations};
+constexpr RelationOptions kPaper{.instruments = Instruments::kAll, .road = Road::kUnknown, .scaled = false};
+constexpr RelationOptions kOwn{
+    .instruments = Instruments::kOwn, .road = Road::kUnknownForAccelerations, .scaled = false};
 constexpr RelationOptions kRoad{.instruments = Instruments::kAll, .road = Road::kMeasured};
 constexpr RelationOptions kPast{.instruments = Instruments::kOwn, .road = Road::kNone};
 
@@ -54,6 +55,14 @@ Answer RelationEstimator::solve() const {
   Answer answer = sums_.solve(question_, [this](const BySpeed<RelationCovariances>& sums) {
     return solve_relation(sums, question_, relation_);
   });
+  const bool few_tell_it = relation_.road == Road::kUnknown ||
+                           relation_.road == Road::kUnknownForAccelerations ||
+                           relation_.instruments == Instruments::kAngles;
+  if (few_tell_it)
+    answer.remarks.emplace_back(
+        "± is the scatter alone: the road's share in the equations pulls stiffness and unbalance off beyond "
+        "it, "
+        "the more the shorter the drive");
   if (answer.x.allFinite()) return answer;
   const std::size_t speeds = sums_.speeds();
   if (speeds == 0)

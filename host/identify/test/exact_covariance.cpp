@@ -81,7 +81,8 @@ ExactDrive::Row ExactDrive::filter_state(int signal, int k) const {
 
 const Eigen::MatrixXd& ExactDrive::at_lag(double lag_s) const {
   const auto [found, missing] = at_lag_.try_emplace(lag_s);
-  if (missing) found->second = X_ * (A_ * lag_s).exp().transpose();
+  if (missing && lag_s >= 0.0) found->second = X_ * (A_ * lag_s).exp().transpose();
+  if (missing && lag_s < 0.0) found->second = (A_ * -lag_s).exp() * X_;
   return found->second;
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "host/identify/test/reference_car.hpp"
 
@@ -120,6 +121,55 @@ TEST(RelationLeastSquares, MissesTheTruthWithTheSignOfTheStiffnessTermFlipped) {
   const auto flipped = exact_drives({0.0}, 5, 30.0, 16e-6, -1.0);
   EXPECT_GT(error(solve_relation(flipped, question(Asked::kWheels), {Instruments::kAll, Road::kMeasured})),
             0.5);
+}
+
+/// On a road so smooth that its speeds hardly differ in anything but lambda, the unknown takes it all.
+TEST(RelationLeastSquares, EliminatesAnUnknownRoadBySpeeds) {
+  const std::vector lags{0.0, 0.010, 0.020, 0.040};
+  const RelationOptions paper{Instruments::kAll, Road::kUnknown};
+  EXPECT_LT(error(solve_relation(exact_drives(lags, 5, 30.0, 16e-12), question(Asked::kWheels), paper)),
+            1e-6);
+  // The contact patch's corner moves with the speed: C_yu is not the same but for lambda.
+  EXPECT_LT(error(solve_relation(exact_drives(lags), question(Asked::kWheels), paper)), 0.01);
+  const RelationOptions own{Instruments::kOwn, Road::kUnknownForAccelerations};
+  EXPECT_LT(error(solve_relation(exact_drives(lags), question(Asked::kWheels), own)), 0.01);
+}
+
+TEST(RelationLeastSquares, NeedsTwoSpeedsWithTheRoadUnknown) {
+  BySpeed<RelationCovariances> one;
+  one.at[0] = exact_drives({0.0}).at.begin()->second;
+  EXPECT_FALSE(
+      solve_relation(one, question(Asked::kWheels), {Instruments::kAll, Road::kUnknown}).has_value());
+}
+
+TEST(RelationLeastSquares, NeedsNoRoadForTheAngles) {
+  EXPECT_LT(error(solve_relation(exact_drives({0.0}), question(Asked::kWheels),
+                                 {Instruments::kAngles, Road::kNone})),
+            1e-8);
+}
+
+TEST(RelationLeastSquares, NeedsNoRoadForThePast) {
+  const RelationOptions past{Instruments::kOwn, Road::kNone};
+  EXPECT_LT(error(solve_relation(exact_drives({0.010, 0.020, 0.040}), question(Asked::kWheels), past)), 1e-4);
+}
+
+/// The contact patch's memory makes lag 0 wrong by some per cent; with negative lags the instrument knows the
+/// road.
+TEST(RelationLeastSquares, IsWrongWithoutARoadAtLagsThatAreNotPositive) {
+  const RelationOptions none{Instruments::kOwn, Road::kNone};
+  const double at_zero = error(solve_relation(exact_drives({0.0}), question(Asked::kWheels), none));
+  EXPECT_GT(at_zero, 0.03);
+  EXPECT_LT(at_zero, 0.20);
+  EXPECT_GT(error(solve_relation(exact_drives({-0.020}), question(Asked::kWheels), none)), 0.4);
+}
+
+TEST(RelationLeastSquares, LeavesTheUnbalanceOfAWheelWithoutReferenceOpen) {
+  auto sums = exact_drives({0.020});
+  for (auto& [key, at] : sums.at) at.lag[0].w2_d.middleCols<2>(2).setZero();
+  const auto x = solve_relation(sums, question(Asked::kWheels), {Instruments::kOwn, Road::kNone});
+  ASSERT_TRUE(x.has_value());
+  EXPECT_TRUE(std::isnan((*x)(kEstimatedUnbalance + 2)));
+  EXPECT_NEAR((*x)(kEstimatedUnbalance) / truth()(kEstimatedUnbalance), 1.0, 1e-3);
 }
 
 }  // namespace
