@@ -49,6 +49,13 @@ ModelConfig parse_model(Section model) {
   return m;
 }
 
+bool has_road_channel(const VehicleConfig& vehicle, const std::string& wheel) {
+  for (const NodeConfig& node : vehicle.node)
+    for (const ChannelConfig& channel : node.channel)
+      if (channel.role == ChannelRole::kRoad && channel.mount == wheel) return true;
+  return false;
+}
+
 ChannelConfig parse_channel(Section channel) {
   ChannelConfig c;
   c.name = channel.text("name");
@@ -151,8 +158,9 @@ VehicleConfig VehicleConfig::parse(const std::string& text, const std::string& n
   parse_rotors(root, v);
   if (auto road = root.section_if("road")) {
     v.road.measured = road->boolean_or("measured", false);
-    if (v.road.measured)
-      road->fail("measured", "a measured road is not used by identification yet; allowed: false");
+    for (const char* wheel : kWheelNames)
+      if (v.road.measured && !has_road_channel(v, wheel))
+        road->fail("measured", std::string("no channel of role road has mount ") + wheel + "; allowed: false");
     road->finish();
   }
   auto drive = root.section_if("drive");

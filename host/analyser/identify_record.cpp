@@ -1,38 +1,83 @@
 #include "host/analyser/identify_record.hpp"
 
+#include <functional>
 #include <optional>
 #include <string>
 
+#include "common/config/section.hpp"
 #include "host/analyser/recorded_vehicle.hpp"
 #include "host/analyser/refined_clocks.hpp"
+#include "host/identify/assemble.hpp"
+#include "host/identify/decimate.hpp"
 #include "host/identify/doubt.hpp"
 #include "host/identify/remarks.hpp"
+#include "host/identify/stretch_collector.hpp"
 #include "host/references/angle_again.hpp"
 
 namespace roadbalance {
+namespace {
 
-RecordedEstimate identify_record(const std::filesystem::path& folder, bool refine) {
+/// Blocks and fits of a recording as identification takes them.
+struct Reader {
+  std::function<void(const VehicleConfig&)> begin;
+  std::function<void(const SealedBlock&)> consume;
+  std::function<void(const ClockFit&)> consume_fit;
+};
+
+/// @param angles  made here, if the recording has a vehicle
+RecordingDefects read_with_angles(const std::filesystem::path& folder, bool refine,
+                                  std::optional<AngleAgain>& angles, const Reader& reader) {
   std::optional<RefinedClocks> clocks;
   if (refine) clocks.emplace(folder);
-  std::optional<AngleAgain> angles;
   const auto vehicle = recorded_vehicle(folder);
   const auto teeth = refine ? AngleAgain::Teeth::kAgain : AngleAgain::Teeth::kAsLive;
   if (vehicle) angles.emplace(*vehicle, AngleAgain::WithoutMark::kNoAngle, teeth);
   if (angles && angles->wanted())
     read_recording(
         folder, [](const VehicleConfig&) {}, [&](const SealedBlock& block) { angles->learn(block); });
-
-  std::optional<DriveEstimator> estimator;
-  const RecordingDefects defects = read_recording(
-      folder, [&](const VehicleConfig& recorded) { estimator.emplace(recorded); },
+  return read_recording(
+      folder, reader.begin,
       [&](const SealedBlock& block) {
         if (clocks && block.kind == BlockKind::kScan)
-          if (const auto fit = clocks->next(block.header)) estimator->consume(*fit);
-        estimator->consume(angles ? angles->again(block) : block);
+          if (const auto fit = clocks->next(block.header)) reader.consume_fit(*fit);
+        reader.consume(angles ? angles->again(block) : block);
       },
       [&](const ClockFit& fit) {
-        if (!clocks || !clocks->knows(fit.node, fit.epoch)) estimator->consume(fit);
+        if (!clocks || !clocks->knows(fit.node, fit.epoch)) reader.consume_fit(fit);
       });
+}
+
+}  // namespace
+
+RecordingDefects collect_stretches(const std::filesystem::path& folder, bool refine,
+                                   const std::function<void(const Stretch&)>& emit) {
+  std::optional<AngleAgain> angles;
+  std::optional<StretchCollector> stretches;
+  std::optional<Decimator> decimator;
+  std::optional<Assembler> assembler;
+  const auto begin = [&](const VehicleConfig& vehicle) {
+    stretches.emplace(vehicle, emit);
+    decimator.emplace(decimation_factor(vehicle),
+                      [&](const IdentificationSample& sample) { stretches->consume(sample); });
+    assembler.emplace(vehicle, [&](const SignalRun& run) { decimator->consume(run); });
+  };
+  const RecordingDefects defects =
+      read_with_angles(folder, refine, angles,
+                       {begin, [&](const SealedBlock& block) { assembler->consume(block); },
+                        [&](const ClockFit& fit) { assembler->consume(fit); }});
+  if (const std::string why = assembler->no_common_time(); !why.empty()) throw ConfigError(why);
+  stretches->finish();
+  return defects;
+}
+
+RecordedEstimate identify_record(const std::filesystem::path& folder, bool refine) {
+  std::optional<AngleAgain> angles;
+  std::optional<DriveEstimator> estimator;
+  const RecordingDefects defects =
+      read_with_angles(folder, refine, angles,
+                       {[&](const VehicleConfig& recorded) { estimator.emplace(recorded); },
+                        [&](const SealedBlock& block) { estimator->consume(block); },
+                        [&](const ClockFit& fit) { estimator->consume(fit); }});
   DriveEstimate estimate = estimator->estimate();
   std::string obstacle = estimator->obstacle();
   for (int wheel = 0; wheel < kWheels; ++wheel)

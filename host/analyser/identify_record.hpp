@@ -1,11 +1,13 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "host/analyser/read_recording.hpp"
 #include "host/identify/drive_estimator.hpp"
+#include "host/identify/stretch.hpp"
 
 namespace roadbalance {
 
@@ -27,5 +29,12 @@ struct RecordedEstimate {
 ///                instant
 /// @throws as read_recording
 RecordedEstimate identify_record(const std::filesystem::path& folder, bool refine = false);
+
+/// The steady stretches of a finished recording for any Estimator: the same blocks and angles.
+///
+/// @throws as read_recording; ConfigError if the sensors do not determine the seven coordinates, or the
+/// nodes' samples do not lie on one grid
+RecordingDefects collect_stretches(const std::filesystem::path& folder, bool refine,
+                                   const std::function<void(const Stretch&)>& emit);
 
 }  // namespace roadbalance

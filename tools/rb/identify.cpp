@@ -6,8 +6,10 @@
 #include <string>
 
 #include "host/analyser/identify_record.hpp"
+#include "host/identify/estimator.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/defects.hpp"
+#include "tools/rb/identify_with.hpp"
 #include "tools/rb/readout.hpp"
 #include "tools/study/wheels_json.hpp"
 
@@ -16,11 +18,14 @@ namespace {
 
 struct IdentifyOptions {
   std::string folder;
+  std::string estimator;
   bool json = false;
   bool refine = false;
 };
 
 int identify(const IdentifyOptions& options) {
+  if (!options.estimator.empty())
+    return identify_with(options.estimator, options.folder, options.refine, options.json);
   const auto [estimate, obstacle, remarks, defects] = identify_record(options.folder, options.refine);
   warn_of_defects("identify", options.folder, defects);
   if (!obstacle.empty()) std::fprintf(stderr, "rb identify: %s\n", obstacle.c_str());
@@ -48,6 +53,10 @@ void add_identify(CLI::App& app, int& code) {
   CLI::App* command =
       app.add_subcommand("identify", "Finds tyre stiffness and unbalance of every wheel from a recording");
   command->add_option("folder", options->folder, "the recording")->required();
+  std::string kinds;
+  for (const EstimatorKind& kind : estimators()) kinds += "\n  " + kind.name + ": " + kind.what;
+  command->add_option("--estimator", options->estimator,
+                      "put the drive to one estimator instead of the product's chain:" + kinds);
   command->add_flag("--json", options->json, "one JSON object on standard output");
   command->add_flag(
       "--refine", options->refine,

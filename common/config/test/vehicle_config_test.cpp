@@ -237,9 +237,9 @@ TEST(VehicleConfig, RefusesWhatTheTomlLibraryTakesForItsOwnMistake) {
   }
 }
 
-TEST(VehicleConfig, RefusesAMeasuredRoadThatNobodyWouldUse) {
+TEST(VehicleConfig, RefusesAMeasuredRoadThatNoChannelMeasures) {
   const auto error = refusal(demo() + "\n[road]\nmeasured = true\n");
-  EXPECT_NE(error.find("measured: a measured road is not used by identification yet; allowed: false"),
+  EXPECT_NE(error.find("measured: no channel of role road has mount front_left; allowed: false"),
             std::string::npos)
       << error;
 }

@@ -1,0 +1,185 @@
+#include "tools/rb/identify_with.hpp"
+
+#include <cmath>
+#include <complex>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <stdexcept>
+
+#include "common/config/section.hpp"
+#include "host/analyser/identify_record.hpp"
+#include "host/analyser/recorded_vehicle.hpp"
+#include "host/identify/assemble.hpp"
+#include "host/identify/estimator.hpp"
+#include "tools/rb/command.hpp"
+#include "tools/rb/defects.hpp"
+
+namespace roadbalance {
+namespace {
+
+using Json = nlohmann::ordered_json;
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+/// What a drive was put to, and what it told.
+struct Told {
+  Answer answer;
+  int stretches = 0;
+  double seconds = 0.0;
+};
+
+Told ask(const std::string& name, const Question& question, const std::string& folder, bool refine,
+         RecordingDefects& defects) {
+  Told told;
+  const auto estimator = make_estimator(name, question);
+  defects = collect_stretches(folder, refine, [&](const Stretch& stretch) {
+    estimator->add(stretch);
+    ++told.stretches;
+    told.seconds += stretch.seconds();
+  });
+  told.answer = estimator->solve();
+  return told;
+}
+
+void refuse_without_road(const std::string& name, const VehicleConfig& vehicle) {
+  for (const EstimatorKind& kind : estimators())
+    if (kind.name == name && kind.road_measured && !measures_road(vehicle))
+      throw ConfigError(
+          "estimator " + name +
+          " needs a measured road: this record's vehicle.toml has no channel of role road at every "
+          "wheel");
+}
+
+Question of_suspension(const VehicleConfig& vehicle) {
+  Question question{geometry_of(vehicle.model), nominal_parameters(vehicle), suspension_unknowns()};
+  return question;
+}
+
+/// Tyres and the unbalances of wheels with an encoder, with what was told of the suspension.
+Question of_wheels(const VehicleConfig& vehicle, const Answer& suspension) {
+  Question question = of_suspension(vehicle);
+  question.asked.reset();
+  for (int p = 0; p < kEstimatedTyre; ++p)
+    if (std::isfinite(suspension.x(p))) question.known(kSpring + p) = suspension.x(p);
+  for (std::size_t i = 0; i < kWheels; ++i) {
+    question.asked.set(kEstimatedTyre + i);
+    if (vehicle.wheel[i].node.empty()) continue;
+    question.asked.set(kEstimatedUnbalance + 2 * i);
+    question.asked.set(kEstimatedUnbalance + 2 * i + 1);
+  }
+  return question;
+}
+
+/// An unbalance as mass at the weights' radius, with its standard deviations along and across.
+struct Mass {
+  double mass_g, angle_deg, sigma_g, sigma_deg;
+};
+Mass mass_of(const Answer& answer, int wheel, double radius_m) {
+  const int at = kEstimatedUnbalance + 2 * wheel;
+  const Eigen::Vector2d grams = 1000.0 / radius_m * answer.x.segment<2>(at);
+  const Eigen::Matrix2d covariance = std::pow(1000.0 / radius_m, 2) * answer.covariance.block<2, 2>(at, at);
+  const Eigen::Vector2d radial = grams.normalized(), tangential(-radial.y(), radial.x());
+  const double angle = std::atan2(grams.y(), grams.x()) * kDegrees;
+  return {grams.norm(), angle < 0.0 ? angle + 360.0 : angle, std::sqrt(radial.dot(covariance * radial)),
+          std::sqrt(tangential.dot(covariance * tangential)) / grams.norm() * kDegrees};
+}
+
+Json number(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+double sigma(const Answer& answer, int i) {
+  return std::sqrt(answer.covariance(i, i));
+}
+
+Json suspension_json(const Answer& answer) {
+  const auto values = [&](int first, int count) {
+    Json array = Json::array();
+    for (int i = first; i < first + count; ++i)
+      array.push_back({{"value", number(answer.x(i))}, {"sigma", number(sigma(answer, i))}});
+    return array;
+  };
+  return {{"spring_n_m", values(kEstimatedSpring, kWheels)},
+          {"damper_n_s_m", values(kEstimatedDamper, kWheels)},
+          {"stabiliser_n_m", values(kEstimatedStabiliser, kAxles)}};
+}
+
+Json wheels_json(const Answer& answer, const VehicleConfig& vehicle) {
+  Json wheels = Json::array();
+  for (int i = 0; i < kWheels; ++i) {
+    const auto w = static_cast<std::size_t>(i);
+    const bool turns = !vehicle.wheel[w].node.empty();
+    const Mass mass = mass_of(answer, i, vehicle.wheel[w].weight_radius_m);
+    const auto of_mass = [&](double value) { return turns ? number(value) : Json(nullptr); };
+    wheels.push_back({{"name", kWheelNames[w]},
+                      {"unbalance_g", of_mass(mass.mass_g)},
+                      {"angle_deg", of_mass(mass.angle_deg)},
+                      {"sigma_g", of_mass(mass.sigma_g)},
+                      {"sigma_deg", of_mass(mass.sigma_deg)},
+                      {"tyre_stiffness_n_m", number(answer.x(kEstimatedTyre + i))},
+                      {"sigma_tyre_stiffness_n_m", number(sigma(answer, kEstimatedTyre + i))}});
+  }
+  return wheels;
+}
+
+void print_suspension(const Answer& answer) {
+  const auto line = [&](const char* name, int first, int count, double unit, const char* unit_name) {
+    std::printf("%-12s", name);
+    for (int i = first; i < first + count; ++i)
+      std::printf("  %7.2f ± %5.2f", answer.x(i) / unit, sigma(answer, i) / unit);
+    std::printf("  %s\n", unit_name);
+  };
+  line("springs", kEstimatedSpring, kWheels, 1e3, "kN/m");
+  line("dampers", kEstimatedDamper, kWheels, 1e3, "kN s/m");
+  line("stabilisers", kEstimatedStabiliser, kAxles, 1e3, "kN/m");
+}
+
+void print_wheels(const Answer& answer, const VehicleConfig& vehicle) {
+  for (int i = 0; i < kWheels; ++i) {
+    const auto w = static_cast<std::size_t>(i);
+    std::printf("%-12s  tyre %6.1f ± %4.1f kN/m", kWheelNames[w], answer.x(kEstimatedTyre + i) / 1e3,
+                sigma(answer, kEstimatedTyre + i) / 1e3);
+    const Mass mass = mass_of(answer, i, vehicle.wheel[w].weight_radius_m);
+    if (vehicle.wheel[w].node.empty())
+      std::printf("  no encoder\n");
+    else
+      std::printf("  %5.1f ± %4.1f g  at %5.1f ± %4.1f°\n", mass.mass_g, mass.sigma_g, mass.angle_deg,
+                  mass.sigma_deg);
+  }
+}
+
+}  // namespace
+
+int identify_with(const std::string& estimator, const std::string& folder, bool refine, bool json) {
+  const auto vehicle = recorded_vehicle(folder);
+  if (!vehicle) throw std::runtime_error(folder + ": holds no vehicle.toml or no scan");
+  refuse_without_road(estimator, *vehicle);
+  const bool chassis = estimator == "chassis";
+  if (!chassis) make_estimator(estimator, of_suspension(*vehicle));  // before the drive is read: the name
+  RecordingDefects defects;
+  const Told suspension = ask("chassis", of_suspension(*vehicle), folder, refine, defects);
+  warn_of_defects("identify", folder, defects);
+  const Told told =
+      chassis ? suspension : ask(estimator, of_wheels(*vehicle, suspension.answer), folder, refine, defects);
+  bool any = false;
+  for (int i = chassis ? 0 : kEstimatedTyre; i < (chassis ? kEstimatedTyre : kUnknowns); ++i)
+    any = any || (std::isfinite(told.answer.x(i)) && told.answer.covariance(i, i) > 0.0);
+  if (json) {
+    Json result{{"estimator", estimator},
+                {"stretches", told.stretches},
+                {"seconds", told.seconds},
+                {"suspension", suspension_json(suspension.answer)}};
+    if (!chassis) result["wheels"] = wheels_json(told.answer, *vehicle);
+    result["remarks"] = told.answer.remarks;
+    std::printf("%s\n", result.dump().c_str());
+  } else {
+    std::printf("%s, from %.0f s of steady driving in %d stretches\n", estimator.c_str(), told.seconds,
+                told.stretches);
+    print_suspension(suspension.answer);
+    if (!chassis) print_wheels(told.answer, *vehicle);
+    for (const std::string& remark : told.answer.remarks) std::printf("%s\n", remark.c_str());
+  }
+  return any ? kDone : kAnswerIsNo;
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+
+namespace roadbalance {
+
+/// `rb identify --estimator`: puts a recorded drive to one of estimators().
+///
+/// Springs, dampers and stabilisers come from the body's motion in the same drive (`chassis`), then the named
+/// estimator is asked for tyres and unbalances; `chassis` itself for the former alone.
+///
+/// @return an ExitCode
+/// @throws ConfigError if there is none of this name, or if it needs a measured road and the record has none;
+///         else as collect_stretches
+int identify_with(const std::string& estimator, const std::string& folder, bool refine, bool json);
+
+}  // namespace roadbalance
