@@ -1,26 +1,13 @@
 #include "host/identify/confidence.hpp"
 
-#include <algorithm>
-#include <iterator>
+#include <cmath>
 
 namespace roadbalance {
 
-UnknownMatrix jackknife_covariance(const std::vector<UnknownVector>& left_out) {
-  UnknownVector mean = UnknownVector::Zero();
-  for (const auto& x : left_out) mean += x;
-  const auto n = static_cast<double>(left_out.size());
-  mean /= n;
-  UnknownMatrix covariance = UnknownMatrix::Zero();
-  for (const auto& x : left_out) covariance += (x - mean) * (x - mean).transpose();
-  return covariance * ((n - 1.0) / n);
-}
-
-std::optional<UnknownMatrix> jackknife_covariance(const std::vector<DriveMoments>& groups,
-                                                  const Geometry& geometry, const ParameterVector& known) {
-  std::vector<DriveMoments> driven;
-  std::copy_if(groups.begin(), groups.end(), std::back_inserter(driven),
-               [](const DriveMoments& group) { return group.sections > 0; });
-  return jackknife_covariance(driven, [&](const DriveMoments& rest) { return solve(rest, geometry, known); });
+double few_groups_factor(double groups) {
+  constexpr double kChiSquared95 = 5.991464547;  // of two
+  const double quantile = (groups - 1.0) * (std::pow(0.05, -2.0 / (groups - 2.0)) - 1.0);
+  return quantile / kChiSquared95;
 }
 
 }  // namespace roadbalance

@@ -17,7 +17,17 @@ namespace roadbalance {
 /// Source: B. Efron, The Jackknife, the Bootstrap and Other Resampling Plans, SIAM 1982, ch. 3.
 ///
 /// @param left_out  the estimates with one group left out each, at least two
-UnknownMatrix jackknife_covariance(const std::vector<UnknownVector>& left_out);
+template <int Size>
+Eigen::Matrix<double, Size, Size> jackknife_covariance(
+    const std::vector<Eigen::Matrix<double, Size, 1>>& left_out) {
+  Eigen::Matrix<double, Size, 1> mean = Eigen::Matrix<double, Size, 1>::Zero();
+  for (const auto& x : left_out) mean += x;
+  const auto n = static_cast<double>(left_out.size());
+  mean /= n;
+  Eigen::Matrix<double, Size, Size> covariance = Eigen::Matrix<double, Size, Size>::Zero();
+  for (const auto& x : left_out) covariance += (x - mean) * (x - mean).transpose();
+  return covariance * ((n - 1.0) / n);
+}
 
 /// The same from the groups' sums.
 ///
@@ -42,8 +52,10 @@ std::optional<UnknownMatrix> jackknife_covariance(const std::vector<Sum>& groups
   return jackknife_covariance(left_out);
 }
 
-/// Of the moments of a drive; groups without sections are passed over.
-std::optional<UnknownMatrix> jackknife_covariance(const std::vector<DriveMoments>& groups,
-                                                  const Geometry& geometry, const ParameterVector& known);
+/// By how much a 95 % ellipse with the axes sqrt(5.991 eig C) must be widened, as a variance, because C was
+/// taken from n groups and not from very many: Hotelling's T^2 in place of chi^2, n > 2.
+///
+/// Source: H. Hotelling, The generalization of Student's ratio, Ann. Math. Statist. 2 (1931) 360-378.
+double few_groups_factor(double groups);
 
 }  // namespace roadbalance

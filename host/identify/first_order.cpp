@@ -25,7 +25,11 @@ FirstOrderFit fit_first_order(std::span<const FirstOrderForce> forces) {
   // 1 - r^2 of the two columns; below rounding all speeds are one.
   const double apart = 1.0 - k2 * k2 / (k4 * k0);
   fit.sigma_unbalance_kg_m = fit.sigma_force_n = std::numeric_limits<double>::infinity();
-  if (apart < 1e-12) return fit;
+  if (apart < 1e-12) {
+    constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+    fit.unbalance_kg_m = fit.force_n = {kUnknown, kUnknown};
+    return fit;
+  }
   fit.sigma_unbalance_kg_m = fit.sigma_equivalent_kg_m / std::sqrt(apart);
   fit.sigma_force_n = 1.0 / std::sqrt(k0 * apart);
   fit.unbalance_kg_m = (a2 / k4 - a0 * (k2 / (k4 * k0))) / apart;

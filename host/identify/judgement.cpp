@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "host/identify/confidence.hpp"
+
 namespace roadbalance {
 namespace {
 
@@ -67,11 +69,9 @@ std::optional<Said> say(const std::vector<DriveMoments>& classes, const Known& k
   return said;
 }
 
-/// As in confidence.hpp.
 std::optional<SaidMatrix> jackknife(const SpeedClasses& drive, const Known& known) {
   const std::vector<DriveMoments> classes = drive.totals();
   std::vector<Said> partial;
-  Said mean = Said::Zero();
   for (const SpeedClasses::LeftOut& left_out : drive.left_out()) {
     std::vector<DriveMoments> rest = classes;
     rest[left_out.which] = left_out.total;
@@ -79,13 +79,8 @@ std::optional<SaidMatrix> jackknife(const SpeedClasses& drive, const Known& know
     const auto said = say(rest, known);
     if (!said) return std::nullopt;
     partial.push_back(*said);
-    mean += *said;
   }
-  const auto n = static_cast<double>(partial.size());
-  mean /= n;
-  SaidMatrix covariance = SaidMatrix::Zero();
-  for (const Said& said : partial) covariance += (said - mean) * (said - mean).transpose();
-  return covariance * ((n - 1.0) / n);
+  return jackknife_covariance(partial);
 }
 
 /// Groups of equal weight that would tell as much of the unbalances: fast driving tells more than slow.
@@ -145,6 +140,13 @@ void judge_forces(const SaidMatrix& covariance, double widen, Judgement& judgeme
       return widen * 0.5 * (covariance(at, at) + covariance(at + 1, at + 1));
     };
     FirstOrderFit& fit = judgement.first_order[static_cast<std::size_t>(w)];
+    // Without some group there may be one speed only, which tells neither: then the whole hangs on that
+    // group.
+    if (!std::isfinite(variance(0))) {
+      fit.separable = false;
+      fit.sigma_unbalance_kg_m = fit.sigma_force_n = std::numeric_limits<double>::infinity();
+      continue;
+    }
     fit.sigma_unbalance_kg_m = std::sqrt(variance(0));
     fit.sigma_force_n = std::sqrt(variance(2));
   }

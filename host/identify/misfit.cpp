@@ -4,6 +4,8 @@
 #include <cmath>
 #include <complex>
 
+#include "host/identify/confidence.hpp"
+
 namespace roadbalance {
 
 CheckResiduals check_residuals(const DriveMoments& moments, const UnknownVector& x, const Geometry& geometry,
@@ -39,12 +41,6 @@ Misfit judge_misfit(const Eigen::Vector2d& residual, const Eigen::Matrix2d& cova
   misfit.share = misfit.gain.dot(residual);
   misfit.sigma_share = std::sqrt(few_groups_factor(n) / information);
   return misfit;
-}
-
-double few_groups_factor(double groups) {
-  constexpr double kChiSquared95 = 5.991464547;  // of two
-  const double quantile = (groups - 1.0) * (std::pow(0.05, -2.0 / (groups - 2.0)) - 1.0);
-  return quantile / kChiSquared95;
 }
 
 }  // namespace roadbalance

@@ -40,8 +40,4 @@ struct Misfit {
 Misfit judge_misfit(const Eigen::Vector2d& residual, const Eigen::Matrix2d& covariance,
                     const Eigen::Vector2d& per_share, std::size_t groups);
 
-/// By how much a 95 % ellipse with the axes sqrt(5.991 eig C) must be widened, as a variance, because C was
-/// taken from n groups and not from very many: Hotelling's T^2 in place of chi^2, n > 2.
-double few_groups_factor(double groups);
-
 }  // namespace roadbalance

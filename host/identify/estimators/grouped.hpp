@@ -47,11 +47,17 @@ class Grouped {
     return sum;
   }
 
-  /// What the groups show of the covariance of what `solve` says; nothing: they are too few.
+  static constexpr std::size_t kLeastGroups = 4;  ///< fewer: there is no end to the doubt
+
+  /// What the groups show of the covariance of what `solve` says, widened because they are few; nothing: they
+  /// are too few.
   template <typename Solve>
   std::optional<UnknownMatrix> covariance(const Solve& solve) const {
     const std::vector<BySpeed<Sums>> groups(group_.begin(), group_.begin() + std::min(parts_, kGroups));
-    return jackknife_covariance(groups, solve);
+    if (groups.size() < kLeastGroups) return std::nullopt;
+    auto covariance = jackknife_covariance(groups, solve);
+    if (covariance) *covariance *= few_groups_factor(static_cast<double>(groups.size()));
+    return covariance;
   }
 
   /// `solve` of all, with the covariance that the groups show; NaN, with a remark, where nothing is told.

@@ -53,6 +53,7 @@ TEST(FirstOrderFit, SeparatesOverAWideRangeOfSpeedsOnly) {
   const FirstOrderFit one = fit_first_order(class_a({120}));
   EXPECT_FALSE(one.separable);
   EXPECT_TRUE(std::isinf(one.sigma_unbalance_kg_m));
+  EXPECT_TRUE(std::isnan(one.unbalance_kg_m.real()) && std::isnan(one.force_n.imag()));
 }
 
 TEST(FirstOrderFit, FindsWhatTheForcesAreMadeOf) {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <random>
 
+#include "host/identify/confidence.hpp"
+
 namespace roadbalance {
 namespace {
 
