@@ -47,7 +47,8 @@ StudyResult summarise(const Json& settings, const std::vector<Json>& runs) {
   figure.series = {found, right};
   const Json lines{acceptance_line("ellipses", static_cast<double>(ellipses.size()), 1000.0,
                                    std::numeric_limits<double>::infinity()),
-                   acceptance_line("covered by 95 % ellipses, %", covered(ellipses, 0.95), 92.0, 98.0)};
+                   acceptance_line("covered by 95 % ellipses, %", covered(ellipses, 0.95), 92.0, 98.0,
+                                   answers_among(ellipses))};
   return {{{"runs", runs.size()},
            {"settings", settings},
            {"tables", {{{"title", "Stated ellipses of the unbalances against the truth"}, {"rows", rows}}}},

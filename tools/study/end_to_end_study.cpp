@@ -65,15 +65,17 @@ StudyResult summarise(const Json& settings, const std::vector<Json>& runs) {
       if (column.most == nullptr || !std::isfinite(row.*column.most)) continue;
       std::string text = row.name;
       text.append(": worst wheel's median of the ").append(column.asked);
-      lines.push_back(acceptance_line(text, median, 0.0, row.*column.most));
+      lines.push_back(acceptance_line(text, median, 0.0, row.*column.most,
+                                      answers_among(chain_values(runs, row.name, -1, column.what))));
     }
     rows.push_back(cells);
   }
-  const ErrorSizes rounded = sizes_of(chain_values(runs, rows_of().back().name, -1, "rounded_g"));
+  const auto after = chain_values(runs, rows_of().back().name, -1, "rounded_g");
+  const ErrorSizes rounded = sizes_of(after);
   lines.push_back(acceptance_line("5 minutes, one weight in steps of 5 g: residual in the median, g",
-                                  rounded.median, 0.0, 4.0));
+                                  rounded.median, 0.0, 4.0, answers_among(after)));
   lines.push_back(acceptance_line("5 minutes, one weight in steps of 5 g: residual in 95 % of the wheels, g",
-                                  rounded.p95, 0.0, 7.0));
+                                  rounded.p95, 0.0, 7.0, answers_among(after)));
   return {{{"runs", runs.size()},
            {"settings", settings},
            {"tables",

@@ -45,10 +45,10 @@ Figure efficiencies(const Json& rows, const char* name, const char* column) {
 
 StudyResult summarise(const Json& settings, const std::vector<Json>& runs) {
   const Json rows = case_rows(cases_of(settings), runs);
-  const Json lines = Json::array(
-      {acceptance_line("whittle: efficiency of the tyre stiffness, independent roads, exponent free",
-                       value_in(rows, "coherence^2 0.0", "whittle", "efficiency ct"), 0.4,
-                       std::numeric_limits<double>::infinity())});
+  const Json lines = Json::array({acceptance_line(
+      "whittle: efficiency of the tyre stiffness, independent roads, exponent free",
+      value_in(rows, "coherence^2 0.0", "whittle", "efficiency ct"), 0.4,
+      std::numeric_limits<double>::infinity(), answers_in(rows, "coherence^2 0.0", "whittle"))});
   return {summary_of(settings, runs.size(),
                      "Four wheels unbalanced, tyres and unbalances asked for; bound with the exponent free",
                      rows, lines),

@@ -37,15 +37,22 @@ nlohmann::ordered_json number_or_null(double value) {
   return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
 }
 
-nlohmann::ordered_json acceptance_line(const std::string& text, double value, double least, double most) {
-  return {{"line", text},
-          {"value", number_or_null(value)},
-          {"required", {least, most}},
-          {"met", value >= least && value <= most}};
+std::size_t answers_among(const std::vector<double>& values) {
+  return static_cast<std::size_t>(
+      std::count_if(values.begin(), values.end(), [](double value) { return std::isfinite(value); }));
+}
+
+nlohmann::ordered_json acceptance_line(const std::string& text, double value, double least, double most,
+                                       std::optional<std::size_t> answers) {
+  nlohmann::ordered_json line{{"line", text}, {"value", number_or_null(value)}, {"required", {least, most}}};
+  if (answers) line["answers"] = *answers;
+  line["met"] = value >= least && value <= most && answers != std::size_t{0};
+  return line;
 }
 
 bool all_met(const nlohmann::ordered_json& acceptance) {
-  return std::all_of(acceptance.begin(), acceptance.end(),
+  return !acceptance.empty() &&
+         std::all_of(acceptance.begin(), acceptance.end(),
                      [](const nlohmann::ordered_json& line) { return line["met"].get<bool>(); });
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,10 +26,16 @@ ErrorSizes sizes_of(const std::vector<double>& errors);
 /// JSON has neither infinity nor NaN: null.
 nlohmann::ordered_json number_or_null(double value);
 
-/// A line of acceptance: {"line", "value", "required": [least, most], "met"}.  No number is never met.
-nlohmann::ordered_json acceptance_line(const std::string& text, double value, double least, double most);
+/// How many of the values are told, that is, finite.
+std::size_t answers_among(const std::vector<double>& values);
 
-/// Whether every line is met.
+/// A line of acceptance: {"line", "value", "required": [least, most], "answers", "met"}.  No number is never
+/// met, nor is one that rests on no answers.
+/// @param answers  how many the value rests on, by answers_among(); none: it is not made of answers
+nlohmann::ordered_json acceptance_line(const std::string& text, double value, double least, double most,
+                                       std::optional<std::size_t> answers = {});
+
+/// Whether every line is met, and there is one.
 bool all_met(const nlohmann::ordered_json& acceptance);
 
 }  // namespace roadbalance

@@ -97,6 +97,7 @@ std::string markdown_tables(const Json& summary) {
   std::string text;
   for (const Json& table : summary.value("tables", Json::array())) text += markdown(table);
   if (!summary.contains("acceptance")) return text;
+  if (summary["acceptance"].empty()) return text + "NOT MET: nothing was judged\n";
   text += "| acceptance | value | required | |\n| --- | ---: | ---: | --- |\n";
   for (const Json& line : summary["acceptance"])
     text += "| " + cell(line["line"]) + " | " + cell(line["value"]) + " | " + required(line) + " | " +

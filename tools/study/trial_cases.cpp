@@ -159,8 +159,9 @@ Json case_rows(const std::vector<TrialCase>& cases, const std::vector<Json>& run
   Json rows = Json::array();
   for (const TrialCase& one : cases)
     for (const EstimatorKind& kind : one.estimators) {
-      Json row{{"case", one.name}, {"estimator", kind.name}};
       const auto errors = [&](const char* key) { return errors_in(runs, one, kind.name, key); };
+      Json row{
+          {"case", one.name}, {"estimator", kind.name}, {"answers", answers_among(errors("mass_percent"))}};
       if (one.question.asks_for_tyre(one.wheels.front())) add_sizes(row, errors("tyre_percent"), "ct", "%");
       add_sizes(row, errors("mass_percent"), "mass", "%");
       add_sizes(row, errors("angle_deg"), "angle", "deg");
@@ -179,10 +180,15 @@ double value_in(const Json& rows, const std::string& name, const std::string& es
   return std::nan("");
 }
 
+std::size_t answers_in(const Json& rows, const std::string& name, const std::string& estimator) {
+  const double answers = value_in(rows, name, estimator, "answers");
+  return std::isfinite(answers) ? static_cast<std::size_t>(answers) : 0;
+}
+
 Json summary_of(const Json& settings, std::size_t runs, const std::string& title, const Json& rows,
                 const Json& acceptance) {
   Json summary{{"runs", runs}, {"settings", settings}, {"tables", {{{"title", title}, {"rows", rows}}}}};
-  if (!acceptance.empty()) {
+  if (!acceptance.is_null()) {
     summary["acceptance"] = acceptance;
     summary["accepted"] = all_met(acceptance);
   }

@@ -45,10 +45,14 @@ UnknownMatrix bound_of(const TrialCase& one, double rear_coherence2 = -1.0);
 
 /// A row for each case and estimator: sizes of the errors over all runs and judged wheels, the bound's
 /// standard deviations (root mean square over the wheels) and the efficiencies, bound variance over measured
-/// variance: {"case", "estimator", "ct median %", "ct p95 %", "ct sd %", "mass ...", "angle ...",
-/// "mass bound %", "efficiency U", "ct bound %", "efficiency ct"}.
+/// variance: {"case", "estimator", "answers": of runs and wheels, "ct median %", "ct p95 %", "ct sd %", "mass
+/// ...", "angle ...", "mass bound %", "efficiency U", "ct bound %", "efficiency ct"}.
 nlohmann::ordered_json case_rows(const std::vector<TrialCase>& cases,
                                  const std::vector<nlohmann::ordered_json>& runs);
+
+/// How many answers a row rests on.
+std::size_t answers_in(const nlohmann::ordered_json& rows, const std::string& name,
+                       const std::string& estimator);
 
 /// What a column says of a case and estimator; NaN: nothing.
 double value_in(const nlohmann::ordered_json& rows, const std::string& name, const std::string& estimator,
@@ -60,6 +64,7 @@ double unbalance_deviation(const std::vector<nlohmann::ordered_json>& runs, cons
                            const std::string& estimator);
 
 /// A summary of one table.
+/// @param acceptance  null: nothing is required; an empty array: what is required was not looked at
 nlohmann::ordered_json summary_of(const nlohmann::ordered_json& settings, std::size_t runs,
                                   const std::string& title, const nlohmann::ordered_json& rows,
                                   const nlohmann::ordered_json& acceptance);

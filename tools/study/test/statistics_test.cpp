@@ -35,5 +35,13 @@ TEST(Acceptance, OfNoNumberIsNotMet) {
   EXPECT_FALSE(all_met({acceptance_line("x", 1.0, 0.0, 1.0), line}));
 }
 
+TEST(Acceptance, OfNothingIsNotMet) {
+  EXPECT_FALSE(all_met(nlohmann::ordered_json::array()));
+  EXPECT_FALSE(acceptance_line("x", 0.0, 0.0, 1.0, answers_among({std::nan("")}))["met"].get<bool>());
+  const auto line = acceptance_line("x", 0.0, 0.0, 1.0, answers_among({std::nan(""), 0.0, 3.0}));
+  EXPECT_TRUE(line["met"].get<bool>());
+  EXPECT_EQ(line["answers"], 2);
+}
+
 }  // namespace
 }  // namespace roadbalance
