@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
 #include <utility>
+
+#include "host/identify/rotation.hpp"
 
 namespace roadbalance {
 namespace {
@@ -123,20 +124,14 @@ std::optional<int> SectionBuilder::wheel_without_angle(Eigen::Index samples) con
   return std::nullopt;
 }
 
-/// Mean rotation rate of a wheel over `count` samples from `first`, rad/s, from its reference's phase.
+/// Mean rotation rate over `count` samples from `first`, rad/s, of a wheel that has its angle there.
 double SectionBuilder::mean_rotation(int wheel, Eigen::Index first, Eigen::Index count) const {
-  double turned = 0.0;
-  for (Eigen::Index k = first + 1; k < first + count; ++k)
-    turned += std::arg(reference(buffer_.signals().col(k), wheel) *
-                       std::conj(reference(buffer_.signals().col(k - 1), wheel)));
-  return turned * rate_hz_ / static_cast<double>(count - 1);
+  return *roadbalance::mean_rotation(buffer_.signals().middleCols(first, count), wheel, rate_hz_);
 }
 
 /// True if the wheel's angle was known all through.
 bool SectionBuilder::has_reference(int wheel, Eigen::Index first, Eigen::Index count) const {
-  const auto power = buffer_.signals().row(cosine_row(wheel)).array().square() +
-                     buffer_.signals().row(sine_row(wheel)).array().square();
-  return power.segment(first, count).minCoeff() > 0.25;
+  return roadbalance::has_reference(buffer_.signals().middleCols(first, count), wheel);
 }
 
 /// A wheel whose angle tells the speed all through.

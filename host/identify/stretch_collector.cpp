@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <utility>
+
+#include "host/identify/rotation.hpp"
 
 namespace roadbalance {
 namespace {
@@ -13,17 +14,6 @@ constexpr double kSettling_s = 3.0;   ///< of the suspension, after a hole
 constexpr double kSteadiness = 0.02;  ///< a second's speed may differ from the stretch's by this share
 
 }  // namespace
-
-std::optional<double> mean_rotation(const Eigen::Ref<const SignalMatrix>& signals, int wheel,
-                                    double rate_hz) {
-  double turned = 0.0;
-  for (Eigen::Index k = 0; k < signals.cols(); ++k) {
-    const std::complex<double> now = reference(signals.col(k), wheel);
-    if (!(std::norm(now) > 0.25)) return std::nullopt;
-    if (k > 0) turned += std::arg(now * std::conj(reference(signals.col(k - 1), wheel)));
-  }
-  return turned * rate_hz / static_cast<double>(signals.cols() - 1);
-}
 
 StretchCollector::StretchCollector(const VehicleConfig& vehicle, Emit emit)
     : vehicle_(vehicle),

@@ -9,11 +9,6 @@
 
 namespace roadbalance {
 
-/// Mean rotation rate of a wheel, rad/s, from the phase of its reference; nothing if it lacks its angle
-/// somewhere.
-/// @param signals  [kSignals x samples], at least two samples
-std::optional<double> mean_rotation(const Eigen::Ref<const SignalMatrix>& signals, int wheel, double rate_hz);
-
 /// Cuts a recorded drive into stretches of steady driving for the estimators.
 ///
 /// It is looked at second by second: a stretch ends before a hole, before a second whose mean speed differs
