@@ -63,7 +63,9 @@ void print_seed(const Json& run) {
 void print(const Json& summary) {
   for (const Json& run : summary.value("seeds", Json::array())) print_seed(run);
   std::printf("%s", plain_tables(summary).c_str());
-  for (const Json& line : summary.value("acceptance", Json::array())) print_line(line);
+  const Json lines = summary.value("acceptance", Json());
+  for (const Json& line : lines) print_line(line);
+  if (lines.is_array() && lines.empty()) std::printf("NOT MET  nothing was judged\n");
 }
 
 int list_studies(bool json) {
@@ -129,10 +131,11 @@ int run_study(const Study& study, const CLI::App& command, const StudyOptions& o
   return result.summary.value("accepted", true) ? kDone : kAnswerIsNo;
 }
 
-int study(const CLI::App& command, const StudyOptions& options, const Campaigner& campaigner) {
-  if (options.name == "list") return list_studies(options.json);
+int study(const CLI::App& command, const StudyOptions& options, const Campaigner& campaigner, bool speaks) {
+  if (options.name == "list") return speaks ? list_studies(options.json) : kDone;
   const Study& study = study_of(options.name);
   refuse_options_of_others(command, study);
+  if (study.run == nullptr && !speaks) return kDone;
   if (study.name == "clock-skew")
     return study_clock_skew({.seconds = options.seconds, .nodes = options.nodes, .json = options.json});
   if (study.name == "encoder") {
@@ -147,7 +150,7 @@ int study(const CLI::App& command, const StudyOptions& options, const Campaigner
 
 }  // namespace
 
-void add_study_over(CLI::App& app, int& code, const Campaigner& campaigner, int jobs) {
+void add_study_over(CLI::App& app, int& code, const Campaigner& campaigner, int jobs, bool speaks) {
   auto options = std::make_shared<StudyOptions>();
   options->jobs = jobs;
   CLI::App* command =
@@ -175,12 +178,14 @@ void add_study_over(CLI::App& app, int& code, const Campaigner& campaigner, int 
       ->check(CLI::Range(2, 16))
       ->capture_default_str();
   command->add_flag("--json", options->json, "one JSON object on standard output");
-  command->callback([options, command, campaigner, &code] { code = study(*command, *options, campaigner); });
+  command->callback([options, command, campaigner, speaks, &code] {
+    code = study(*command, *options, campaigner, speaks);
+  });
 }
 
 void add_study(CLI::App& app, int& code) {
-  add_study_over(app, code, run_campaign,
-                 static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
+  add_study_over(app, code, run_campaign, static_cast<int>(std::max(1U, std::thread::hardware_concurrency())),
+                 true);
 }
 
 }  // namespace roadbalance

@@ -20,6 +20,7 @@ using Campaigner = std::function<std::optional<std::vector<nlohmann::ordered_jso
 
 /// add_study() of command.hpp with another campaigner than run_campaign().
 /// @param jobs  runs at a time unless --jobs says
-void add_study_over(CLI::App& app, int& code, const Campaigner& campaigner, int jobs);
+/// @param speaks  whether this process does and prints what is not shared out: lists, studies without runs
+void add_study_over(CLI::App& app, int& code, const Campaigner& campaigner, int jobs, bool speaks);
 
 }  // namespace roadbalance

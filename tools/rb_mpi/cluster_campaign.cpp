@@ -45,7 +45,9 @@ std::optional<std::vector<Json>> run_campaign_on_cluster(const Campaign& campaig
   std::exception_ptr failure;
   Json results = Json::array();
   try {
-    results = run_seeds(campaign, mine, experiment);
+    Campaign share = campaign;
+    share.in_process = campaign.jobs == 1;  // what MPI has opened does not like a fork
+    results = run_seeds(share, mine, experiment);
   } catch (...) {
     failure = std::current_exception();
   }

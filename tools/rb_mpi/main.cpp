@@ -16,8 +16,9 @@ int run(int argc, char** argv) {
   using namespace roadbalance;
   CLI::App app("roadbalance: studies over a cluster.", "rb-mpi");
   app.require_subcommand(1);
-  int code = kDone;
-  add_study_over(app, code, run_campaign_on_cluster, 1);
+  int code = kDone, rank = 0;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  add_study_over(app, code, run_campaign_on_cluster, 1, rank == 0);
   try {
     app.parse(argc, argv);
     return code;

@@ -101,6 +101,17 @@ std::vector<Json> run_seeds(const Campaign& campaign, const std::vector<std::uin
   std::size_t done = seeds.size() - to_do.size();
   if (done > 0) std::fprintf(stderr, "%zu of %zu runs were done before\n", done, seeds.size());
 
+  for (; campaign.in_process && !to_do.empty(); to_do.erase(to_do.begin())) {
+    const std::uint64_t seed = to_do.front();
+    try {
+      files.write(seed, experiment(seed));
+    } catch (const std::exception& error) {
+      throw std::runtime_error(campaign.name + ": the run with seed " + std::to_string(seed) +
+                               " failed: " + error.what());
+    }
+    std::fprintf(stderr, "%zu of %zu runs done\n", ++done, seeds.size());
+  }
+
   std::map<pid_t, std::uint64_t> running;
   std::optional<std::uint64_t> failed;
   const auto begin = std::chrono::steady_clock::now();

@@ -17,9 +17,10 @@ struct Campaign {
   std::uint64_t first_seed = 1;
   std::filesystem::path state;  ///< folder for one result file a run
   int jobs = 1;                 ///< runs at a time
+  bool in_process = false;      ///< one after another, without processes of their own; `jobs` is not used
 };
 
-/// One run.  It is called in a process of its own.
+/// One run.  It is called in a process of its own, unless Campaign::in_process.
 using Experiment = std::function<nlohmann::ordered_json(std::uint64_t seed)>;
 
 /// Results in order of seed.  Progress goes to standard error.

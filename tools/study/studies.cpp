@@ -1,9 +1,12 @@
 #include <algorithm>
+#include <map>
+#include <set>
 
 #include "common/config/section.hpp"
 #include "tools/study/chain_studies.hpp"
 #include "tools/study/demo_accuracy.hpp"
 #include "tools/study/drift_cost.hpp"
+#include "tools/study/estimator_trial.hpp"
 #include "tools/study/exact_studies.hpp"
 #include "tools/study/fig3.hpp"
 #include "tools/study/ideal_studies.hpp"
@@ -66,6 +69,28 @@ std::string names(const auto& all, const auto& name_of) {
   return text;
 }
 
+/// Of numbers that a setting may be, by its key, which means the same to all studies.  Drives of less than a
+/// second have no spectrum; the bound needs a rough road, and a rear road that is not the front's alone.
+const std::map<std::string, Range> kAllowed{{"samples", {500.0, 1e7}},
+                                            {"road_gd_m3", {1e-9, 1.0}},
+                                            {"rear_coherence2", {0.0, 0.9999}},
+                                            {"seconds", {10.0, 1e5}},
+                                            {"force_n", {0.0, 1e4}}};
+
+/// @throws ConfigError if the setting's value, of the right kind, cannot be studied
+void check(const std::string& key, const Json& value, const std::string& change) {
+  if (value.is_array())
+    for (const Json& element : value) check(key, element, change);
+  if (key == "estimators") chosen_estimators(value.get<std::string>());
+  if (key == "road" && !std::set<Json>{"A", "B", "C", "S"}.contains(value))
+    throw ConfigError("--set " + change + ": allowed: A, B, C or S");
+  const auto allowed = kAllowed.find(key);
+  if (allowed == kAllowed.end() || !value.is_number()) return;
+  const auto [low, high] = allowed->second;
+  if (!(value.get<double>() >= low && value.get<double>() <= high))
+    throw ConfigError("--set " + change + ": allowed: " + Json(low).dump() + " .. " + Json(high).dump());
+}
+
 /// `text` as a value of the kind that `old` is of.
 Json value_like(const Json& old, const std::string& text, const std::string& change) {
   if (old.is_string()) return text;
@@ -114,7 +139,9 @@ void change_setting(Json& settings, const std::string& change) {
   if (equals == std::string::npos || !settings.contains(key))
     throw ConfigError("--set " + change + ": allowed: KEY=VALUE with KEY one of " +
                       names(settings.items(), [](const auto& entry) { return entry.key(); }));
-  settings[key] = value_like(settings[key], change.substr(equals + 1), change);
+  const Json value = value_like(settings[key], change.substr(equals + 1), change);
+  check(key, value, change);
+  settings[key] = value;
 }
 
 }  // namespace roadbalance

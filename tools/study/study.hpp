@@ -19,8 +19,9 @@ struct StudyRun {
 };
 
 struct StudyResult {
-  /// {"tables": [{"title", "rows": [{column: value}]}], "acceptance": [{"line", "value", "required", "met"}],
-  /// "accepted"} and what else there is to say; without "acceptance" nothing was required.
+  /// {"tables": [{"title", "rows": [{column: value}]}],
+  /// "acceptance": [{"line", "value", "required", "answers", "met"}], "accepted"} and what else there is to
+  /// say; without "acceptance" nothing was required, and with none in it nothing is accepted.
   nlohmann::ordered_json summary;
   std::vector<Figure> figures;
 };
@@ -48,7 +49,7 @@ const Study& study_of(const std::string& name);
 
 /// Changes a setting as "key=value" says; the value is of the kind that it has already, an array's elements
 /// divided by commas.
-/// @throws ConfigError naming the settings there are, or what is allowed
+/// @throws ConfigError naming the settings there are, or what is allowed; `settings` are unchanged then
 void change_setting(nlohmann::ordered_json& settings, const std::string& change);
 
 /// The tables of a summary, for a terminal: columns side by side.

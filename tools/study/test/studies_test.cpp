@@ -34,10 +34,11 @@ TEST(Studies, NameOneAnotherWhereThereIsNone) {
 
 TEST(Settings, ChangeInTheirKind) {
   Json settings{{"samples", {1, 2}}, {"roughness", 16e-6}, {"names", ""}, {"runs", 3}};
-  change_setting(settings, "samples=5,6,7");
+  change_setting(settings, "samples=500,600,700");
   change_setting(settings, "roughness=1");
   change_setting(settings, "names=a,b=c");
-  EXPECT_EQ(settings, Json({{"samples", {5, 6, 7}}, {"roughness", 1.0}, {"names", "a,b=c"}, {"runs", 3}}));
+  EXPECT_EQ(settings,
+            Json({{"samples", {500, 600, 700}}, {"roughness", 1.0}, {"names", "a,b=c"}, {"runs", 3}}));
 }
 
 TEST(Settings, RefuseWhatIsNotOfTheirKind) {
@@ -45,6 +46,36 @@ TEST(Settings, RefuseWhatIsNotOfTheirKind) {
   for (const char* change :
        {"samples=x", "samples=1.5", "samples=", "roughness=high", "other=1", "roughness"})
     EXPECT_THROW(change_setting(settings, change), ConfigError) << change;
+}
+
+TEST(Settings, RefuseWhatCannotBeStudied) {
+  Json settings = study_of("fig3").settings;
+  for (const char* change :
+       {"samples=-5", "samples=0", "samples=5000,16", "rear_coherence2=1", "rear_coherence2=2",
+        "rear_coherence2=-0.1", "road_gd_m3=0", "road_gd_m3=-1", "estimators=none-such"})
+    EXPECT_THROW(change_setting(settings, change), ConfigError) << change;
+  EXPECT_EQ(settings, study_of("fig3").settings);
+  try {
+    change_setting(settings, "rear_coherence2=1");
+  } catch (const ConfigError& error) {
+    EXPECT_STREQ(error.what(), "--set rear_coherence2=1: allowed: 0.0 .. 0.9999");
+  }
+  settings = study_of("coverage").settings;
+  for (const char* change : {"road=Q", "road=", "seconds=0", "seconds=-20"})
+    EXPECT_THROW(change_setting(settings, change), ConfigError) << change;
+  settings = study_of("radial-force").settings;
+  EXPECT_THROW(change_setting(settings, "force_n=-1"), ConfigError);
+}
+
+TEST(Settings, AreWhatTheyMayBeUnlessSaid) {
+  for (const Study& study : studies())
+    for (const auto& [key, value] : study.settings.items()) {
+      std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+      if (value.is_array()) text = text.substr(1, text.size() - 2);
+      Json settings = study.settings;
+      EXPECT_NO_THROW(change_setting(settings, key + "=" + text)) << study.name;
+      EXPECT_EQ(settings, study.settings);
+    }
 }
 
 TEST(Tables, SayTheSameOnATerminalAndInMarkdown) {
