@@ -159,8 +159,10 @@ int identify_with(const std::string& estimator, const std::string& folder, bool 
   RecordingDefects defects;
   const Told suspension = ask("chassis", of_suspension(*vehicle), folder, refine, defects);
   warn_of_defects("identify", folder, defects);
-  const Told told =
+  Told told =
       chassis ? suspension : ask(estimator, of_wheels(*vehicle, suspension.answer), folder, refine, defects);
+  if (!chassis)
+    told.answer.remarks.emplace_back("± takes springs, dampers and stabilisers as told here for exact");
   bool any = false;
   for (int i = chassis ? 0 : kEstimatedTyre; i < (chassis ? kEstimatedTyre : kUnknowns); ++i)
     any = any || (std::isfinite(told.answer.x(i)) && told.answer.covariance(i, i) > 0.0);

@@ -106,6 +106,7 @@ TEST_F(IdentifyWith, UsesARoadThatWasMeasured) {
   ASSERT_EQ(identify("windowed-road"), kDone) << log_;
   expect_found(0.02, 0.06);
   EXPECT_GT(told_["seconds"].get<double>(), 120.0);
+  EXPECT_NE(told_["remarks"].back().get<std::string>().find("for exact"), std::string::npos);
 }
 
 TEST_F(IdentifyWith, RefusesWhatNeedsARoadAndFindsWithoutOneWhatDoesNot) {
