@@ -31,8 +31,8 @@ class RelationEstimator final : public Estimator {
 /// The paper's own, and those with the road measured.
 ///
 /// paper, paper-lags and paper-own take the equations as (27) has them, unscaled.  Least squares with the
-/// road's noise in the coefficients is biased, which no scatter shows; with scaled equations their errors are
-/// half as large (RelationOptions::scaled).
+/// road's noise in the coefficients is biased, which no scatter shows; with scaled equations the errors of
+/// mass and angle are half as large (RelationOptions::scaled).
 std::vector<EstimatorKind> paper_kinds();
 
 /// Without any unknown of the road: a wheel's past does not know the road to come, and white noise of the
