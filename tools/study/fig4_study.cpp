@@ -3,7 +3,7 @@
 #include <numbers>
 
 #include "common/dsp/linear_filter.hpp"
-#include "host/identify/test/exact_covariance.hpp"
+#include "host/identify/exact_covariance.hpp"
 #include "tools/study/estimator_trial.hpp"
 #include "tools/study/exact_studies.hpp"
 #include "tools/study/statistics.hpp"
@@ -23,7 +23,7 @@ struct Sizes {
   double yz, yd, yu;
 };
 
-test::ExactDrive drive_at(double speed_m_s, double corner_hz, double unbalance_kg_m) {
+ExactDrive drive_at(double speed_m_s, double corner_hz, double unbalance_kg_m) {
   const VehicleConfig vehicle = demo_vehicle();
   std::array<std::complex<double>, kWheels> unbalance{};
   unbalance[kWheel] = unbalance_kg_m;
@@ -38,7 +38,7 @@ test::ExactDrive drive_at(double speed_m_s, double corner_hz, double unbalance_k
 }
 
 /// E[y_k z''] of the wheel's own filter, k = 0 .. 4; instrument j is made of the states j, j + 1, j + 2.
-Eigen::Matrix<double, kOrder, kCoordinates> states_with_accelerations(const test::ExactDrive& drive,
+Eigen::Matrix<double, kOrder, kCoordinates> states_with_accelerations(const ExactDrive& drive,
                                                                       double corner_hz) {
   const double wc = 2.0 * std::numbers::pi * corner_hz;
   Eigen::Matrix<double, kOrder, kCoordinates> C;
@@ -51,8 +51,8 @@ Eigen::Matrix<double, kOrder, kCoordinates> states_with_accelerations(const test
 
 /// C_yz and C_yd of the turning wheel, C_yu of the road.
 Sizes sizes_at(double speed_m_s, double corner_hz) {
-  const test::ExactDrive balanced = drive_at(speed_m_s, corner_hz, 0.0);
-  const test::ExactDrive turning = drive_at(speed_m_s, corner_hz, 0.030 * 0.19);
+  const ExactDrive balanced = drive_at(speed_m_s, corner_hz, 0.0);
+  const ExactDrive turning = drive_at(speed_m_s, corner_hz, 0.030 * 0.19);
   const double om = turning.omega(kWheel);
   constexpr int kLowPass = -2;  // instrument whose w'' is state 0
   return {

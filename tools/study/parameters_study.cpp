@@ -5,7 +5,7 @@
 
 #include "common/dsp/linear_filter.hpp"
 #include "host/identify/estimate.hpp"
-#include "host/identify/test/exact_covariance.hpp"
+#include "host/identify/exact_covariance.hpp"
 #include "tools/study/estimator_trial.hpp"
 #include "tools/study/exact_studies.hpp"
 #include "tools/study/statistics.hpp"
@@ -65,7 +65,7 @@ class EndlessDrive {
     const int row = kBodyCoordinates + kWheel;
     Complex sum = 0.0;
     double weight = 0.0;
-    for (const test::ExactDrive& drive : tyre_) {
+    for (const ExactDrive& drive : tyre_) {
       const double om = drive.omega(of);
       const Eigen::VectorXcd Z = drive.acceleration_phasor(of);
       const Eigen::RowVectorXcd dynamic = model.M.row(row).cast<Complex>() +
@@ -86,7 +86,7 @@ class EndlessDrive {
   }
 
  private:
-  test::ExactDrive at(double speed_m_s, double corner_hz,
+  ExactDrive at(double speed_m_s, double corner_hz,
                       const std::array<Complex, kWheels>& unbalance) const {
     return {geometry_of(vehicle_.model),
             nominal_parameters(vehicle_),
@@ -98,7 +98,7 @@ class EndlessDrive {
             corner_hz};
   }
 
-  static void add(DriveMoments& sum, const test::ExactDrive& chassis, const test::ExactDrive& tyre) {
+  static void add(DriveMoments& sum, const ExactDrive& chassis, const ExactDrive& tyre) {
     constexpr double kLag_s = 0.020;
     sum.sections += 10;
     for (int j = 0; j < kChassisInstrumentsPerSignal; ++j)
@@ -120,7 +120,7 @@ class EndlessDrive {
   }
 
   VehicleConfig vehicle_;
-  std::vector<test::ExactDrive> chassis_, tyre_;
+  std::vector<ExactDrive> chassis_, tyre_;
 };
 
 StudyResult summarise(const Json& settings, const std::vector<Json>&) {

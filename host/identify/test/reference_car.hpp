@@ -1,6 +1,6 @@
 #pragma once
 
-#include "host/identify/test/exact_covariance.hpp"
+#include "host/identify/exact_covariance.hpp"
 
 namespace roadbalance::test {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "host/identify/estimate.hpp"
-#include "host/identify/test/exact_covariance.hpp"
+#include "host/identify/exact_covariance.hpp"
 
 namespace roadbalance::test {
 namespace {

@@ -11,7 +11,7 @@
 #include "host/identify/moments.hpp"
 #include "host/identify/signals.hpp"
 
-namespace roadbalance::test {
+namespace roadbalance {
 
 /// A car at constant speed on four independent roads, with the filter that makes the instruments, as one
 /// linear system: state x = [z, z', (shaping state, u) of each wheel, 5 filter states of each coordinate].
@@ -60,4 +60,4 @@ class ExactDrive {
   std::vector<Eigen::VectorXcd> filter_response_;  ///< per wheel order: filter states per unit input
 };
 
-}  // namespace roadbalance::test
+}  // namespace roadbalance

@@ -1,4 +1,4 @@
-#include "host/identify/test/exact_covariance.hpp"
+#include "host/identify/exact_covariance.hpp"
 
 #include <Eigen/LU>
 #include <numbers>
@@ -6,7 +6,7 @@
 
 #include "common/linear/lyapunov.hpp"
 
-namespace roadbalance::test {
+namespace roadbalance {
 namespace {
 
 using std::numbers::pi;
@@ -139,4 +139,4 @@ double ExactDrive::power(int signal, int j) const {
   return covariance(row, row.state, row.phasor, 0.0);
 }
 
-}  // namespace roadbalance::test
+}  // namespace roadbalance
