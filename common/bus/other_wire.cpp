@@ -8,6 +8,7 @@
 #include <wire/balance_t.hpp>
 #include <wire/clock_fit_t.hpp>
 #include <wire/command_t.hpp>
+#include <wire/compensation_t.hpp>
 #include <wire/edge_block_t.hpp>
 #include <wire/end_t.hpp>
 #include <wire/gap_t.hpp>
@@ -38,8 +39,8 @@ struct Kind {
   bool has_crc = true;
 };
 
-const std::array<Kind, 18>& kinds() {
-  static const std::array<Kind, 18> all{{
+const std::array<Kind, 19>& kinds() {
+  static const std::array<Kind, 19> all{{
       {"RB_BLOCK_", "_SCAN", wire::scan_block_t::getHash(), Speaker::kNode},
       {"RB_BLOCK_", "_EDGE", wire::edge_block_t::getHash(), Speaker::kNode},
       {"RB_BLOCK_", "_GAP", wire::gap_t::getHash(), Speaker::kNode},
@@ -58,6 +59,7 @@ const std::array<Kind, 18>& kinds() {
       {"RB_ORDERS", "", wire::orders_t::getHash(), Speaker::kAnalyser, false, false},
       {"RB_IDENTIFICATION", "", wire::identification_t::getHash(), Speaker::kAnalyser, false, false},
       {"RB_BALANCE", "", wire::balance_t::getHash(), Speaker::kAnalyser, false, false},
+      {"RB_COMPENSATION", "", wire::compensation_t::getHash(), Speaker::kAnalyser, false, false},
   }};
   return all;
 }

@@ -4,6 +4,7 @@
 #include <set>
 #include <utility>
 
+#include "common/config/parse_balancing.hpp"
 #include "common/link/block.hpp"
 
 namespace roadbalance {
@@ -26,7 +27,7 @@ EncoderConfig parse_encoder(Section encoder) {
   return e;
 }
 
-WheelConfig parse_wheel(Section& wheel) {
+WheelConfig parse_wheel(Section& wheel, const WeightStock& stock) {
   WheelConfig w;
   w.name = kWheelNames[wheel.choice("name", wheel_name_list())];
   w.mass_kg = wheel.number("mass_kg", {1, 1000});
@@ -35,6 +36,7 @@ WheelConfig parse_wheel(Section& wheel) {
   w.weight_radius_m = wheel.number("weight_radius_m", {0.02, 2});
   if (w.weight_radius_m >= w.rolling_radius_m)
     wheel.fail("weight_radius_m", "must be less than rolling_radius_m");
+  parse_places(wheel, stock, w);
   w.node = wheel.text_or("node", "");
   w.line = static_cast<int>(wheel.integer_or("line", 0, kEncoderLines - 1, 0));
   if (auto encoder = wheel.section_if("encoder")) {
@@ -83,8 +85,9 @@ std::vector<std::string> wheel_name_list() {
 void parse_wheels(Section& root, VehicleConfig& v) {
   std::set<std::string> seen;
   std::set<std::pair<std::string, int>> lines;
+  const WeightStock stock = parse_stock(root);
   for (Section& section : root.sections("wheel", kWheels)) {
-    const WheelConfig wheel = parse_wheel(section);
+    const WheelConfig wheel = parse_wheel(section, stock);
     if (!seen.insert(wheel.name).second) section.fail("name", "\"" + wheel.name + "\" stands twice");
     if (!wheel.node.empty()) {
       const bool known =

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <set>
 
+#include "common/config/parse_balancing.hpp"
 #include "common/config/parse_wheels.hpp"
 #include "common/config/section.hpp"
 #include "common/config/text_file.hpp"
@@ -156,11 +157,14 @@ VehicleConfig VehicleConfig::parse(const std::string& text, const std::string& n
   parse_nodes(root, v);
   parse_wheels(root, v);
   parse_rotors(root, v);
+  v.limits = parse_limits(root);
+  v.seat = parse_seats(root);
   if (auto road = root.section_if("road")) {
     v.road.measured = road->boolean_or("measured", false);
     for (const char* wheel : kWheelNames)
       if (v.road.measured && !has_road_channel(v, wheel))
-        road->fail("measured", std::string("no channel of role road has mount ") + wheel + "; allowed: false");
+        road->fail("measured",
+                   std::string("no channel of role road has mount ") + wheel + "; allowed: false");
     road->finish();
   }
   auto drive = root.section_if("drive");

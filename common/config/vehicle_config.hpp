@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "common/config/node_wiring.hpp"
+#include "common/config/weight_stock.hpp"
 #include "common/frontend/front_end.hpp"
 
 namespace roadbalance {
@@ -72,10 +73,32 @@ struct WheelConfig {
   double mass_kg;        ///< unsprung mass moving with the wheel, mounted transducer included
   double mass_sigma_kg;  ///< how well it is known, one standard deviation: unbalances are in proportion to it
   double rolling_radius_m;
-  double weight_radius_m;  ///< where weights are clipped
-  std::string node;        ///< node that reads the encoder; empty: no encoder
-  int line = 0;            ///< which of the node's encoder lines
+  double weight_radius_m;           ///< where weights are clipped; grams of unbalance are told at it
+  WeightStock stock;                ///< [weights], at the radii of this wheel's places
+  std::vector<WheelWeight> fitted;  ///< [[wheel.weight]]: those on it during the drive
+  std::string node;                 ///< node that reads the encoder; empty: no encoder
+  int line = 0;                     ///< which of the node's encoder lines
   EncoderConfig encoder;
+};
+
+/// [limits]: what a wheel is judged by.
+struct BalanceLimits {
+  /// Static unbalance that a shop leaves: balancing machines show less as nothing (usual thresholds 5 .. 7
+  /// g).
+  double shop_g = 7.0;
+  /// ISO 21940-11 (before: ISO 1940-1), table 1: cars, wheels, wheel rims and wheel sets are of grade G 40.
+  double grade_mm_s = 40.0;
+  /// A wheel that needs more is usually mounted anew, its tyre turned on the rim.
+  double heaviest_g = 60.0;
+  /// First harmonic of radial force variation at which tyres are usually matched or refused, about 20 lbf.
+  double force_n = 90.0;
+};
+
+/// [[seat]]: where vibration is to be little.
+struct SeatConfig {
+  std::string name;
+  Eigen::Vector3d position_m{0, 0, 0};  ///< from the body's centre of mass
+  double weight = 1.0;                  ///< > 0, of its mean square beside that of the others
 };
 
 /// [[rotor.plane]]: where weights can be put on a rotor.
@@ -145,6 +168,8 @@ struct VehicleConfig {
   std::string name;
   ModelConfig model;
   std::array<WheelConfig, kWheels> wheel;
+  BalanceLimits limits;
+  std::vector<SeatConfig> seat;
   std::vector<RotorConfig> rotor;
   std::vector<NodeConfig> node;
   FilterConfig filter;

@@ -11,6 +11,7 @@
 #include "common/bus/bus.hpp"
 #include "common/bus/clock_messages.hpp"
 #include "common/bus/codec.hpp"
+#include "common/bus/compensation.hpp"
 #include "common/bus/control.hpp"
 #include "common/bus/notes.hpp"
 #include "common/bus/order_report.hpp"
@@ -173,6 +174,7 @@ TEST(StockLcm, TheDecoderOfLcmSpyUnderstandsEveryMessage) {
     append("spectrum_t", encode(SpectrumPart{.node = 4, .density = {1.0F, 2.0F}}));
     append("identification_t", encode(Identification{.speed_class = {{25.0, 70.0}}}));
     append("balance_t", encode(Balance{.wheel = 2, .unbalance_g = 35.0}));
+    append("compensation_t", encode(Compensation{.wheel = 2}));
     append("journal_t", encode(Journal{.node = 4, .epoch = 77}));
     append("note_t", encode(Note{.kind = NoteKind::kStarted, .text = "text"}));
     append("commit_t", encode(Commit{.bytes = 4096}));

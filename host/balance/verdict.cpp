@@ -23,7 +23,7 @@ double mean_square(Complex unbalance_kg_m, Complex force_n, double least_rad_s, 
 }
 
 std::string incurable(const Balance& balance, const BalanceVerdict& verdict, const BalanceLimits& limits) {
-  char text[200] = "";
+  char text[kMostReasonBytes + 1] = "";
   if (balance.force_state == ForceState::kSeparated &&
       balance.force_n - 2.0 * balance.sigma_force_n > limits.force_n)
     std::snprintf(
@@ -60,7 +60,8 @@ BalanceVerdict judge_balance(const Balance& balance, const WeightPlan& plan, dou
   const Complex residual_g =
       plan.residual_g_m(std::polar(balance.unbalance_g * radius_m, balance.angle_rad)) / radius_m;
   verdict.residual_g = std::sqrt(std::norm(residual_g) + balance.covariance_g2.trace());
-  verdict.within_shop = verdict.residual_g <= limits.shop_g;
+  verdict.shop_g = limits.shop_g;
+  verdict.permissible_grade_mm_s = limits.grade_mm_s;
   const double turns_per_min =
       60.0 * balance.greatest_speed_m_s / (2.0 * std::numbers::pi * rolling_radius_m);
   if (turns_per_min > 0.0) {
@@ -69,7 +70,6 @@ BalanceVerdict judge_balance(const Balance& balance, const WeightPlan& plan, dou
     verdict.permissible_g = limits.grade_mm_s * per_grade_g;
     verdict.grade_mm_s = verdict.residual_g / per_grade_g;
   }
-  verdict.force_left_share = 1.0;
   if (balance.force_state == ForceState::kSeparated && turns_per_min > 0.0) {
     const Complex alone = std::polar(1e-3 * balance.alone_g * radius_m, balance.alone_angle_rad);
     const Complex force = std::polar(balance.force_n, balance.force_angle_rad);

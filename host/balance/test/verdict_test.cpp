@@ -30,8 +30,8 @@ TEST(JudgeBalance, ExpectsWhatIsLeftAndWhatIsNotKnown) {
   const Balance balance = wheel(30.0);
   const BalanceVerdict verdict = judge_balance(balance, opposite(balance, 27.0), 20.0, 0.30);
   EXPECT_NEAR(verdict.residual_g, std::sqrt(9.0 + 4.0), 1e-12);
-  EXPECT_TRUE(verdict.within_shop);
-  EXPECT_FALSE(judge_balance(balance, {}, 20.0, 0.30).within_shop);
+  EXPECT_TRUE(verdict.within_shop());
+  EXPECT_FALSE(judge_balance(balance, {}, 20.0, 0.30).within_shop());
   // 140 km/h on 0.30 m: 1237.9 1/min; 9549 * 40 * 20 / 1237.9 = 6171 g mm at 190 mm.
   EXPECT_NEAR(verdict.permissible_g, 32.48, 0.02);
   EXPECT_NEAR(verdict.grade_mm_s, 40.0 * verdict.residual_g / verdict.permissible_g, 1e-9);

@@ -1,0 +1,81 @@
+#include "common/bus/compensation.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <wire/compensation_t.hpp>
+
+#include "common/bus/wire_format.hpp"
+#include "common/config/vehicle_config.hpp"
+
+namespace roadbalance {
+namespace {
+
+static_assert(sizeof(wire::compensation_t::action) / sizeof(std::int32_t) == kMostWeightSteps);
+static_assert(sizeof(wire::compensation_t::incurable) == kMostReasonBytes);
+
+bool in_bounds(const wire::compensation_t& m) {
+  const bool counts = 0 <= m.steps && m.steps <= static_cast<std::int32_t>(kMostWeightSteps) && 0 <= m.size &&
+                      m.size <= static_cast<std::int32_t>(kMostReasonBytes);
+  return counts && 0 <= m.wheel && m.wheel < kWheels && 0 <= m.advice &&
+         m.advice <= static_cast<std::int32_t>(Advice::kLeaveSmall) &&
+         std::all_of(m.action, m.action + m.steps, [](std::int32_t action) {
+           return 0 <= action && action <= static_cast<std::int32_t>(WeightAction::kAdd);
+         });
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> encode(const Compensation& c) {
+  assert(c.plan.step.size() <= kMostWeightSteps && c.verdict.incurable.size() <= kMostReasonBytes);
+  wire::compensation_t m{};
+  m.wheel = c.wheel;
+  m.time_ns = c.time_ns;
+  m.advice = static_cast<std::int32_t>(c.advice);
+  m.radii = c.radii;
+  m.steps = static_cast<std::int32_t>(c.plan.step.size());
+  for (std::size_t k = 0; k < c.plan.step.size(); ++k) {
+    const WeightStep& step = c.plan.step[k];
+    m.action[k] = static_cast<std::int32_t>(step.action);
+    m.mass_g[k] = step.weight.mass_g;
+    m.angle_rad[k] = step.weight.angle_rad;
+    m.radius_m[k] = step.weight.radius_m;
+    m.from_angle_rad[k] = step.from.angle_rad;
+    m.from_radius_m[k] = step.from.radius_m;
+  }
+  m.applied_g_m[0] = c.plan.applied_g_m.real();
+  m.applied_g_m[1] = c.plan.applied_g_m.imag();
+  m.residual_g = c.verdict.residual_g;
+  m.shop_g = c.verdict.shop_g;
+  m.permissible_g = c.verdict.permissible_g;
+  m.permissible_grade_mm_s = c.verdict.permissible_grade_mm_s;
+  m.grade_mm_s = c.verdict.grade_mm_s;
+  m.force_left_share = c.verdict.force_left_share;
+  m.size = static_cast<std::int32_t>(c.verdict.incurable.size());
+  std::ranges::copy(c.verdict.incurable, m.incurable);
+  return wire_format::encode(m);
+}
+
+std::optional<Compensation> decode_compensation(std::span<const std::uint8_t> bytes) {
+  const auto m = wire_format::decode<wire::compensation_t>(bytes);
+  if (!m || !in_bounds(*m)) return std::nullopt;
+  Compensation c;
+  c.wheel = m->wheel;
+  c.time_ns = m->time_ns;
+  c.advice = static_cast<Advice>(m->advice);
+  c.radii = m->radii;
+  for (std::int32_t k = 0; k < m->steps; ++k)
+    c.plan.step.push_back({static_cast<WeightAction>(m->action[k]),
+                           {m->mass_g[k], m->angle_rad[k], m->radius_m[k]},
+                           {m->mass_g[k], m->from_angle_rad[k], m->from_radius_m[k]}});
+  c.plan.applied_g_m = {m->applied_g_m[0], m->applied_g_m[1]};
+  c.verdict = {.residual_g = m->residual_g,
+               .shop_g = m->shop_g,
+               .permissible_g = m->permissible_g,
+               .permissible_grade_mm_s = m->permissible_grade_mm_s,
+               .grade_mm_s = m->grade_mm_s,
+               .force_left_share = m->force_left_share,
+               .incurable = std::string(m->incurable, m->incurable + m->size)};
+  return c;
+}
+
+}  // namespace roadbalance

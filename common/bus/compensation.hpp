@@ -1,0 +1,74 @@
+#pragma once
+
+#include <complex>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/config/weight_stock.hpp"
+
+namespace roadbalance {
+
+inline constexpr const char* kCompensationChannel = "RB_COMPENSATION";
+
+enum class WeightAction : std::int32_t { kKeep = 0, kMove = 1, kRemove = 2, kAdd = 3 };
+
+struct WeightStep {
+  WeightAction action = WeightAction::kAdd;
+  WheelWeight weight;  ///< where it shall be; of one to remove where it is
+  WheelWeight from;    ///< of one to move: where it is
+};
+inline constexpr std::size_t kMostWeightSteps = kMostFittedWeights + 2;
+
+struct WeightPlan {
+  std::vector<WeightStep> step{};  ///< at most kMostWeightSteps
+  /// What the steps add to what was on the wheel when its unbalance was found, g m.
+  std::complex<double> applied_g_m = 0.0;
+
+  /// What is left of an unbalance, g m: of the estimate the prediction, of the truth what came of it.
+  std::complex<double> residual_g_m(std::complex<double> unbalance_g_m) const {
+    return unbalance_g_m + applied_g_m;
+  }
+};
+
+struct BalanceVerdict {
+  /// Expected rms of what is left after the plan, sqrt(|e|^2 + tr C), at the balance's weight radius.
+  double residual_g = 0.0;
+  double shop_g = 0.0;                  ///< what a shop leaves
+  double permissible_g = 0.0;           ///< by ISO at the greatest speed driven, at the weight radius
+  double permissible_grade_mm_s = 0.0;  ///< by which G
+  double grade_mm_s = 0.0;              ///< that the expected residual is of, G
+  /// Of the first-order force that is left over the speeds driven to what was there, rms; 1 if unknown.
+  double force_left_share = 1.0;
+  /// Why weights will not cure this, at most kMostReasonBytes; empty: they will.
+  std::string incurable{};
+
+  bool within_shop() const { return residual_g <= shop_g; }
+  bool within_iso() const { return residual_g <= permissible_g; }
+};
+inline constexpr std::size_t kMostReasonBytes = 240;
+
+enum class Advice : std::int32_t {
+  kUnknown = 0,         ///< the unbalance is not known
+  kSteps = 1,           ///< what the plan says
+  kLeaveUncertain = 2,  ///< it may be none: it lies inside its own 95 % ellipse
+  kLeaveSmall = 3,      ///< no weight there is would make it enough less
+};
+
+/// What to do about a wheel's unbalance; fields as in common/wire/compensation_t.
+struct Compensation {
+  std::int32_t wheel = 0;
+  std::int64_t time_ns = 0;
+  Advice advice = Advice::kUnknown;
+  std::int32_t radii = 1;
+  WeightPlan plan{};         ///< empty while nothing is known
+  BalanceVerdict verdict{};  ///< of it
+};
+
+std::vector<std::uint8_t> encode(const Compensation& message);
+std::optional<Compensation> decode_compensation(std::span<const std::uint8_t> bytes);
+
+}  // namespace roadbalance

@@ -1,0 +1,75 @@
+#include "common/bus/compensation.hpp"
+
+#include <gtest/gtest.h>
+
+#include "common/bus/other_wire.hpp"
+
+namespace roadbalance {
+namespace {
+
+Compensation message() {
+  Compensation sent{
+      .wheel = 3, .time_ns = 123, .advice = Advice::kSteps, .radii = 2};
+  sent.plan.step = {{WeightAction::kMove, {20.0, 0.5, 0.19}, {20.0, 1.5, 0.16}},
+                    {WeightAction::kAdd, {5.0, 2.5, 0.19}, {}}};
+  sent.plan.applied_g_m = {1.25, -2.5};
+  sent.verdict = {.residual_g = 1.5,
+                  .shop_g = 7.0,
+                  .permissible_g = 32.0,
+                  .permissible_grade_mm_s = 40.0,
+                  .grade_mm_s = 2.0,
+                  .force_left_share = 0.25,
+                  .incurable = "speed² dominates"};
+  return sent;
+}
+
+TEST(Compensation, ComesBackAsItWasSent) {
+  const auto bytes = encode(message());
+  EXPECT_LT(bytes.size(), 1400U) << "one datagram";
+  const auto got = decode_compensation(bytes);
+  ASSERT_TRUE(got);
+  EXPECT_EQ(got->wheel, 3);
+  EXPECT_EQ(got->time_ns, 123);
+  EXPECT_EQ(got->advice, Advice::kSteps);
+  EXPECT_EQ(got->radii, 2);
+  ASSERT_EQ(got->plan.step.size(), 2U);
+  EXPECT_EQ(got->plan.step[0].action, WeightAction::kMove);
+  EXPECT_EQ(got->plan.step[0].weight.mass_g, 20.0);
+  EXPECT_EQ(got->plan.step[0].weight.angle_rad, 0.5);
+  EXPECT_EQ(got->plan.step[0].weight.radius_m, 0.19);
+  EXPECT_EQ(got->plan.step[0].from.angle_rad, 1.5);
+  EXPECT_EQ(got->plan.step[0].from.radius_m, 0.16);
+  EXPECT_EQ(got->plan.step[1].action, WeightAction::kAdd);
+  EXPECT_EQ(got->plan.applied_g_m, std::complex<double>(1.25, -2.5));
+  EXPECT_EQ(got->verdict.residual_g, 1.5);
+  EXPECT_EQ(got->verdict.shop_g, 7.0);
+  EXPECT_EQ(got->verdict.permissible_g, 32.0);
+  EXPECT_EQ(got->verdict.permissible_grade_mm_s, 40.0);
+  EXPECT_EQ(got->verdict.grade_mm_s, 2.0);
+  EXPECT_EQ(got->verdict.force_left_share, 0.25);
+  EXPECT_EQ(got->verdict.incurable, "speed² dominates");
+}
+
+TEST(Compensation, RefusesWhatCannotBe) {
+  Compensation sent = message();
+  sent.wheel = kMostWeightSteps;
+  EXPECT_FALSE(decode_compensation(encode(sent)));
+  sent = message();
+  sent.advice = static_cast<Advice>(4);
+  EXPECT_FALSE(decode_compensation(encode(sent)));
+  sent = message();
+  sent.plan.step[1].action = static_cast<WeightAction>(-1);
+  EXPECT_FALSE(decode_compensation(encode(sent)));
+}
+
+TEST(Compensation, OfAnotherVersionIsNoticed) {
+  auto bytes = encode(message());
+  bytes[3] ^= 1U;
+  OtherWire wire;
+  wire.take(kCompensationChannel, bytes);
+  wire.take(kCompensationChannel, bytes);
+  EXPECT_EQ(wire.sentences().size(), 1U);
+}
+
+}  // namespace
+}  // namespace roadbalance
