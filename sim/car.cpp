@@ -40,7 +40,8 @@ Car::Car(const Scenario& scenario, std::uint64_t seed, const VehicleConfig& vehi
       motion_(drive_.at(time_s())),
       road_(make_road(scenario, seed, drawn_.geometry, motion_.position_m)),
       static_load_n_(static_load(drawn_)),
-      dynamics_(linear_model(drawn_.geometry, drawn_.parameters), step_s),
+      dynamics_(linear_model(drawn_.geometry, drawn_.parameters),
+                Dampers(scenario.damper, drawn_.geometry, drawn_.parameters), step_s),
       planar_(drawn_.parameters, step_s),
       sources_(SourceVector::Zero()) {
   dynamics_.reset(wheel_forces().vertical);

@@ -69,6 +69,16 @@ EncoderScenario parse_encoder(Section section) {
   return encoder;
 }
 
+DamperScenario parse_damper(Section section) {
+  DamperScenario damper;
+  damper.compression = section.number_or("compression", {0.0, 3.0}, damper.compression);
+  damper.rebound = section.number_or("rebound", {0.0, 3.0}, damper.rebound);
+  damper.knee_m_s = section.number_or("knee_m_s", {0.0, 10.0}, damper.knee_m_s);
+  damper.friction_n = section.number_or("friction_n", {0.0, 300.0}, damper.friction_n);
+  section.finish();
+  return damper;
+}
+
 /// An absent table means its defaults.
 Section table_or_empty(Section& root, const std::string& key) {
   auto table = root.section_if(key);
@@ -118,6 +128,7 @@ Scenario parse_root(Section root, const VehicleConfig& vehicle) {
   spread.finish();
   scenario.sensor = parse_sensor(table_or_empty(root, "sensor"));
   scenario.encoder = parse_encoder(table_or_empty(root, "encoder"));
+  scenario.damper = parse_damper(table_or_empty(root, "damper"));
   root.finish();
   return scenario;
 }

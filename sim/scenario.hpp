@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/config/vehicle_config.hpp"
+#include "sim/damper.hpp"
 
 namespace roadbalance::sim {
 
@@ -58,6 +59,7 @@ struct Scenario {
   double rolling_radius_spread;  ///< radii of the four wheels differ by up to +- this part
   SensorScenario sensor;
   EncoderScenario encoder;
+  DamperScenario damper;
 
   double seconds() const;
   /// Stretches every plateau alike so that the drive lasts `seconds`; a drift ends at the same speed.

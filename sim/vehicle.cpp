@@ -36,8 +36,27 @@ VehicleDynamics::VehicleDynamics(const LinearModel& model, double step_s) : step
   reset({});
 }
 
+VehicleDynamics::VehicleDynamics(const LinearModel& model, const Dampers& dampers, double step_s)
+    : VehicleDynamics(model, step_s) {
+  if (dampers.are_linear()) return;
+  dampers_ = dampers;
+  from_strut_ = model.M.inverse() * dampers.direction();
+  // Force f0 + (f1 - f0) t, t in steps, as two further states.
+  constexpr int kAll = kStates + 2 * kWheels;
+  Eigen::MatrixXd block = Eigen::MatrixXd::Zero(kAll, kAll);
+  block.block(0, kCoordinates, kCoordinates, kCoordinates).setIdentity();
+  block.block(kCoordinates, 0, kCoordinates, kStates) = from_state_;
+  block.block(kCoordinates, kStates, kCoordinates, kWheels) = from_strut_;
+  block.topRows(kStates) *= step_s;
+  block.block(kStates, kStates + kWheels, kWheels, kWheels).setIdentity();
+  const Eigen::MatrixXd e = block.exp();
+  from_end_ = e.block(0, kStates + kWheels, kStates, kWheels);
+  from_begin_ = e.block(0, kStates, kStates, kWheels) - from_end_;
+}
+
 void VehicleDynamics::reset(const WheelForces& forces) {
   state_.setZero();
+  strut_n_.setZero();
   hold_.tail<2 * kWheels>() << forces.force_n, step_s_ * forces.rate_n_s;
   accelerate(forces);
 }
@@ -46,12 +65,26 @@ void VehicleDynamics::step(const WheelForces& forces) {
   hold_.head<2 * kWheels>() = hold_.tail<2 * kWheels>().eval();
   hold_.tail<2 * kWheels>() << forces.force_n, step_s_ * forces.rate_n_s;
   state_ = (transition_ * state_ + input_ * hold_).eval();
+  if (dampers_) advance_with_dampers();
   accelerate(forces);
+}
+
+/// Adds to the linear step what the dampers' further forces make of it.
+void VehicleDynamics::advance_with_dampers() {
+  constexpr int kTimes = 2;
+  state_.noalias() += from_begin_ * strut_n_;
+  Eigen::Matrix<double, kStates, 1> end = state_ + from_end_ * strut_n_;
+  for (int k = 0; k < kTimes; ++k) {
+    strut_n_ = dampers_->excess_n(end.tail<kCoordinates>());
+    end = state_ + from_end_ * strut_n_;
+  }
+  state_ = end;
 }
 
 void VehicleDynamics::accelerate(const WheelForces& forces) {
   acceleration_.noalias() = from_state_ * state_;
   acceleration_.noalias() += from_force_ * forces.force_n;
+  if (dampers_) acceleration_.noalias() += from_strut_ * strut_n_;
 }
 
 }  // namespace roadbalance::sim

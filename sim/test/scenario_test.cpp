@@ -59,6 +59,18 @@ TEST(Scenario, MassesOnOneWheelAddAsVectorsAtTheirRadius) {
   EXPECT_NEAR(scenario.wheel[2].unbalance_kg_m.imag(), 0.030 * 0.10, 1e-15);
 }
 
+TEST(Scenario, DampersAreLinearUnlessItSaysOtherwise) {
+  EXPECT_TRUE(Scenario::read("", test::reference_vehicle()).damper.is_linear());
+  const DamperScenario damper =
+      parse(kShortest + "[damper]\ncompression = 0.5\nrebound = 1.5\nknee_m_s = 0.3\nfriction_n = 40\n")
+          .damper;
+  EXPECT_EQ(damper.compression, 0.5);
+  EXPECT_EQ(damper.rebound, 1.5);
+  EXPECT_EQ(damper.knee_m_s, 0.3);
+  EXPECT_EQ(damper.friction_n, 40.0);
+  EXPECT_THROW(parse(kShortest + "[damper]\nfriction_n = -1\n"), ConfigError);
+}
+
 TEST(Scenario, DrawsSpringsDampersStabilisersAndTyresWithinTheSpreadAndLeavesMasses) {
   const VehicleConfig vehicle = test::reference_vehicle();
   const ParameterVector nominal = nominal_parameters(vehicle);

@@ -21,10 +21,15 @@ inline VehicleConfig reference_vehicle() {
       0.0,
       {AxleConfig{1.25, 0.74, 22e3, 1500.0, 12e3, 215e3}, AxleConfig{-1.45, 0.74, 24e3, 1600.0, 5e3, 210e3}}};
   for (std::size_t w = 0; w < kWheels; ++w) {
-    const std::string node = w < 2 ? "front" : "rear";
-    const double mass_kg = w < 2 ? 34.0 : 32.0;
-    vehicle.wheel[w] = {kWheelNames[w],         mass_kg, 0.0, 0.30, 0.19, node, static_cast<int>(w % 2),
-                        {.pulses_per_turn = 96}};
+    WheelConfig& wheel = vehicle.wheel[w];
+    wheel.name = kWheelNames[w];
+    wheel.mass_kg = w < 2 ? 34.0 : 32.0;
+    wheel.mass_sigma_kg = 0.0;
+    wheel.rolling_radius_m = 0.30;
+    wheel.weight_radius_m = 0.19;
+    wheel.node = w < 2 ? "front" : "rear";
+    wheel.line = static_cast<int>(w % 2);
+    wheel.encoder.pulses_per_turn = 96;
   }
   for (std::size_t axle = 0; axle < kAxles; ++axle) {
     NodeConfig node{axle == 0 ? "front" : "rear", static_cast<int>(axle) + 1, 2000.0, {}};
