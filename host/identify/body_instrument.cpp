@@ -4,20 +4,17 @@
 #include <complex>
 #include <vector>
 
+#include "common/vehicle/unbalance_response.hpp"
+
 namespace roadbalance {
 namespace {
 
 using Complex = std::complex<double>;
 using BodyVector = Eigen::Matrix<Complex, kBodyCoordinates, 1>;
 
-/// G: phasors of the body's accelerations per unit of a wheel's unbalance.
+/// Phasors of the body's accelerations per unit of a wheel's unbalance.
 BodyVector response(const LinearModel& model, int wheel, double omega) {
-  const Eigen::Matrix<Complex, kCoordinates, kCoordinates> dynamic =
-      model.Q.cast<Complex>() + Complex(0.0, omega) * model.P.cast<Complex>() -
-      (omega * omega * model.M).cast<Complex>();
-  const double om2 = omega * omega;
-  return (-om2 * om2 * dynamic.partialPivLu().solve(model.W.col(wheel).cast<Complex>()))
-      .head<kBodyCoordinates>();
+  return unbalance_response(model, wheel, omega).head<kBodyCoordinates>();
 }
 
 }  // namespace

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <vector>
 
+#include "common/vehicle/unbalance_response.hpp"
+
 namespace roadbalance {
 namespace {
 
@@ -27,11 +29,7 @@ InstrumentMoments<Complex> operator*(Complex factor, const InstrumentMoments<Com
 /// sees the neighbouring line.
 Eigen::MatrixXcd expected_forces(const LinearModel& model, const std::vector<int>& wheels,
                                  const Eigen::Vector4d& omega, int i, const Eigen::RowVectorXcd& overlap) {
-  const double om = omega(i);
-  const Eigen::Matrix<Complex, kCoordinates, kCoordinates> dynamic =
-      model.Q.cast<Complex>() + kJ * om * model.P.cast<Complex>() - (om * om * model.M).cast<Complex>();
-  const Eigen::RowVectorXcd Z =
-      (-om * om * om * om * dynamic.partialPivLu().solve(model.W.col(i).cast<Complex>())).transpose();
+  const Eigen::RowVectorXcd Z = unbalance_response(model, i, omega(i)).transpose();
   const auto n = static_cast<Eigen::Index>(wheels.size());
   Eigen::MatrixXcd forces(n, n);
   for (Eigen::Index k = 0; k < n; ++k) {

@@ -6,31 +6,14 @@
 #include <complex>
 #include <numbers>
 
+#include "host/identify/instruments.hpp"
+
 namespace roadbalance {
 namespace {
 
-constexpr double kChassisCutoffHz = 15.0;
-constexpr int kFilterOrder = 5;
-constexpr double kChassisLagS = 0.020;
-constexpr double kTyreLowHz = 1.0;
-constexpr double kTyreHighHz = 80.0;
-constexpr double kTyreLagS = 0.004;
-/// The contact patch leaves next to nothing of the road at these; at 20 ms E[W z] is about 0.
+/// Either side of the 20 ms at which a tyre's instrument tells nothing.
 constexpr std::array<double, kWheelChecks> kCheckLagS{0.010, 0.030};
 constexpr double kTaperS = 1.0;  ///< rise and fall, the whole section if that is shorter
-
-/// 1 / ((p + wl/wh)^2 (p^3 + 2 p^2 + 2 p + 1)) with p = s / wh, in companion form scaled by wh.
-ContinuousFilter tyre_instrument() {
-  const double low = kTyreLowHz / kTyreHighHz;
-  const Eigen::Vector3d high_pass(low * low, 2.0 * low, 1.0);
-  const Eigen::Vector4d low_pass(1.0, 2.0, 2.0, 1.0);
-  Eigen::VectorXd product = Eigen::VectorXd::Zero(kFilterOrder + 1);
-  for (int i = 0; i < 3; ++i) product.segment<4>(i) += high_pass(i) * low_pass;
-  ContinuousFilter filter = companion(product.head(kFilterOrder));
-  filter.F *= 2.0 * std::numbers::pi * kTyreHighHz;
-  filter.G *= 2.0 * std::numbers::pi * kTyreHighHz;
-  return filter;
-}
 
 Eigen::Index samples_in(double seconds, double rate_hz) {
   return std::max<Eigen::Index>(1, std::lround(seconds * rate_hz));
@@ -55,7 +38,8 @@ Tapered tapered(const Eigen::Ref<const Eigen::MatrixXd>& y0, const Eigen::Ref<co
 }  // namespace
 
 Eigen::Index SectionBuffer::lag(double rate_hz) {
-  return samples_in(std::max({kChassisLagS, kTyreLagS, kCheckLagS[0], kCheckLagS[1]}), rate_hz);
+  return samples_in(
+      std::max({chassis_instrument().lag_s, tyre_instrument().lag_s, kCheckLagS[0], kCheckLagS[1]}), rate_hz);
 }
 
 Eigen::Index SectionBuffer::overlap(double rate_hz, Eigen::Index samples) {
@@ -64,20 +48,19 @@ Eigen::Index SectionBuffer::overlap(double rate_hz, Eigen::Index samples) {
 
 SectionBuffer::SectionBuffer(const Geometry& geometry, double rate_hz, Eigen::Index samples, RoadShare share)
     : rate_hz_(rate_hz),
-      chassis_lag_(samples_in(kChassisLagS, rate_hz)),
-      tyre_lag_(samples_in(kTyreLagS, rate_hz)),
+      chassis_lag_(samples_in(chassis_instrument().lag_s, rate_hz)),
+      tyre_lag_(samples_in(tyre_instrument().lag_s, rate_hz)),
       overlap_(overlap(rate_hz, samples)),
       check_lag_{samples_in(kCheckLagS[0], rate_hz), samples_in(kCheckLagS[1], rate_hz)},
-      chassis_filter_(discretise_ramp_invariant(butterworth(kFilterOrder, kChassisCutoffHz), 1.0 / rate_hz),
-                      kCoordinates),
-      tyre_filter_(discretise_ramp_invariant(tyre_instrument(), 1.0 / rate_hz), kWheels),
+      chassis_filter_(discretise_ramp_invariant(chassis_instrument().filter, 1.0 / rate_hz), kCoordinates),
+      tyre_filter_(discretise_ramp_invariant(tyre_instrument().filter, 1.0 / rate_hz), kWheels),
       taper_(c2_taper(samples, static_cast<double>(overlap_) / static_cast<double>(samples), 1.0 / rate_hz)),
       geometry_(geometry),
       share_(share) {
   const Eigen::Index columns = samples + lag(rate_hz);
   signals_.setZero(kSignals, columns);
-  chassis_states_.setZero(kFilterOrder * kCoordinates, columns);
-  tyre_states_.setZero(kFilterOrder * kWheels, columns);
+  chassis_states_.setZero(kInstrumentOrder * kCoordinates, columns);
+  tyre_states_.setZero(kInstrumentOrder * kWheels, columns);
 }
 
 void SectionBuffer::reset() {
@@ -142,7 +125,7 @@ void SectionBuffer::add_chassis(DriveMoments& sum, const Taper& taper) const {
     const auto state = [&](int k) {
       return chassis_states_.block((j + k) * kCoordinates, 0, kCoordinates, samples);
     };
-    const Tapered w = tapered(state(0), state(1), state(2), kChassisCutoffHz, taper);
+    const Tapered w = tapered(state(0), state(1), state(2), chassis_instrument().corner_hz, taper);
     const Eigen::MatrixXd w2 = w.w2 * z.transpose();
     const Eigen::MatrixXd w1 = w.w1 * z.transpose();
     const Eigen::MatrixXd w0 = w.w0 * z.transpose();
@@ -157,7 +140,7 @@ void SectionBuffer::add_chassis(DriveMoments& sum, const Taper& taper) const {
 void SectionBuffer::add_tyre(DriveMoments& sum, const Taper& taper, int wheel, double omega) const {
   const Eigen::Index samples = taper.value.size();
   const auto state = [&](int k) { return tyre_states_.block(k * kWheels + wheel, 0, 1, samples); };
-  const Tapered w = tapered(state(0), state(1), state(2), kTyreHighHz, taper);
+  const Tapered w = tapered(state(0), state(1), state(2), tyre_instrument().corner_hz, taper);
   const auto gather = [&](Eigen::Index lag, InstrumentMoments<double>& tyre,
                           std::complex<double>& unbalance) {
     const auto z = signals_.block(0, lag, kCoordinates, samples);

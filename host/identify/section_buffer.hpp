@@ -16,10 +16,9 @@ namespace roadbalance {
 /// The section of a drive that is being filled, with the filtered accelerations that are its instruments.
 ///
 /// Every section is closed by a C2 taper on its instruments, so that (2) holds for the finite section without
-/// end terms.  Instruments: for the chassis, Butterworth order 5 at 15 Hz of each acceleration with lag 20
-/// ms; for a tyre, s^2 / ((s + wl)^2 B3(s / wh)) of the wheel's own acceleration, 1 .. 80 Hz, lag 4 ms.  Lags
-/// are positive (instrument past, acceleration future): the road to come and sensor noise then drop out.
-/// The same at lags of 10 and 30 ms is gathered to check the model by.
+/// end terms.  Instruments say instruments.hpp.  Their lags are positive (instrument past, acceleration
+/// future): the road to come and sensor noise then drop out.  A tyre's at lags of 10 and 30 ms is gathered to
+/// check the model by.
 /// A section that follows another begins in its last second, where one taper falls as the other rises: their
 /// sum is 1, and nothing of a drive counts less.
 class SectionBuffer {

@@ -9,6 +9,8 @@
 #include <numbers>
 #include <string>
 
+#include "common/vehicle/unbalance_response.hpp"
+
 namespace roadbalance {
 namespace {
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <memory>
 
+#include "common/vehicle/unbalance_response.hpp"
 #include "host/identify/estimators/paper.hpp"
 
 namespace roadbalance {

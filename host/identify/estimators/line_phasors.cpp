@@ -22,16 +22,6 @@ LinePhasors& LinePhasors::operator+=(const LinePhasors& other) {
   return *this;
 }
 
-Eigen::Matrix<std::complex<double>, kCoordinates, 1> unbalance_response(const LinearModel& model, int wheel,
-                                                                        double omega) {
-  using Complex = std::complex<double>;
-  const double om2 = omega * omega;
-  const Eigen::Matrix<Complex, kCoordinates, kCoordinates> dynamic =
-      model.Q.cast<Complex>() + Complex(0.0, omega) * model.P.cast<Complex>() -
-      (om2 * model.M).cast<Complex>();
-  return -om2 * om2 * dynamic.partialPivLu().solve(model.W.col(wheel).cast<Complex>());
-}
-
 void LineCorrelator::parts(const Stretch& stretch, const Emit& emit) {
   const auto count = std::max<Eigen::Index>(1, static_cast<Eigen::Index>(stretch.seconds() / kPart_s));
   const Eigen::Index samples = stretch.signals.cols() / count;

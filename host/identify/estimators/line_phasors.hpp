@@ -40,10 +40,6 @@ struct LinePhasors {
   LinePhasors& operator+=(const LinePhasors& other);
 };
 
-/// Accelerations of the car, as phasors, for 1 kg m of unbalance of a wheel that turns at omega: (1).
-Eigen::Matrix<std::complex<double>, kCoordinates, 1> unbalance_response(const LinearModel& model, int wheel,
-                                                                        double omega);
-
 /// Takes the phasors of stretches, in parts of about 10 s under a C2 taper of 20 %.
 class LineCorrelator {
  public:
