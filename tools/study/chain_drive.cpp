@@ -6,7 +6,7 @@
 #include <fstream>
 #include <numbers>
 
-#include "host/balance/weights.hpp"
+#include "host/balance/compensation.hpp"
 #include "sim/truth.hpp"
 #include "tools/study/estimator_trial.hpp"
 #include "tools/study/simulated_drive.hpp"
@@ -41,10 +41,11 @@ std::string scenario_of(const ChainDrive& drive) {
   return text;
 }
 
-/// What is left when the nearest multiple of 5 g sits opposite to the estimated heavy spot.
-double after_one_weight(Complex estimate, Complex truth) {
-  const double weight_g = kWeightStepG * std::round(std::abs(estimate) / kWeightStepG);
-  return std::abs(truth - std::polar(weight_g, std::arg(estimate)));
+/// What is left of the truth when all is done that the product says.
+double after_weights(const Balance& balance, Complex truth_g, const VehicleConfig& vehicle) {
+  const WheelConfig& wheel = vehicle.wheel[static_cast<std::size_t>(balance.wheel)];
+  const WeightPlan plan = compensate(balance, wheel, vehicle.limits).plan;
+  return std::abs(plan.residual_g_m(truth_g * wheel.weight_radius_m)) / wheel.weight_radius_m;
 }
 
 Json force_of(const Balance& balance, Complex truth_g, double force_n, int force_deg) {
@@ -83,7 +84,7 @@ Json chain_errors(const ChainDrive& drive, std::uint64_t seed, const std::filesy
         {"mass_percent", only(told, 100.0 * (std::abs(x / x0) - 1.0))},
         {"angle_deg", only(told, std::arg(x / x0) / kDegree)},
         {"residual_g", only(told, std::abs(x - x0))},
-        {"rounded_g", told ? after_one_weight(x, x0) : std::abs(x0)},
+        {"rounded_g", after_weights(balance, x0, vehicle)},
         {"tyre_percent",
          only(pressed,
               100.0 * (estimate.identification.tyre_n_m[w] / truth.wheel[w].tyre_stiffness_n_m - 1.0))},

@@ -27,7 +27,7 @@ struct ChainDrive {
 /// What comes out, against the truth; one object a wheel:
 ///
 ///     {"name", "told", "mass_percent", "angle_deg", "residual_g": what an ideal counterweight leaves,
-///      "rounded_g": what one weight of the nearest multiple of 5 g opposite to the heavy spot leaves,
+///      "rounded_g": what the weights leave that the product says, in steps of 5 g,
 ///      "tyre_percent", "ellipse": (x - truth)' C^-1 (x - truth) of the stated covariance C,
 ///      "force_state", "alone_residual_g", "sigma_alone_g", "force_error_n", "sigma_force_n"}
 ///

@@ -46,7 +46,8 @@ UnknownMatrix bound_of(const TrialCase& one, double rear_coherence2 = -1.0);
 /// A row for each case and estimator: sizes of the errors over all runs and judged wheels, the bound's
 /// standard deviations (root mean square over the wheels) and the efficiencies, bound variance over measured
 /// variance: {"case", "estimator", "answers": of runs and wheels, "ct median %", "ct p95 %", "ct sd %", "mass
-/// ...", "angle ...", "mass bound %", "efficiency U", "ct bound %", "efficiency ct"}.
+/// ...", "angle ...", "mass bound %", "efficiency U", "ct bound %", "efficiency ct", and the latter two of
+/// the band that the likelihood looks at: above it tyres' belts move}.
 nlohmann::ordered_json case_rows(const std::vector<TrialCase>& cases,
                                  const std::vector<nlohmann::ordered_json>& runs);
 

@@ -69,8 +69,8 @@ TEST(JudgedDrive, EllipsesHoldTheTruthAndAllSpeedsFit) {
     }
     for (const Misfit& misfit : judgement->misfit) misfits += misfit.chance < 0.01;
     EXPECT_TRUE(judgement->masses.isZero()) << "the demonstration car's masses are exact";
-    EXPECT_GT(judgement->condition, 1.0);
-    EXPECT_LT(judgement->condition, 50.0);
+    EXPECT_GT(judgement->suspension.condition, 1.0);
+    EXPECT_LT(judgement->suspension.condition, 50.0);
   }
   // 48 ellipses of 95 %: fewer than 40 in one case of a thousand.
   EXPECT_GE(within, 40);
