@@ -10,12 +10,14 @@
 #include "common/bus/bus.hpp"
 #include "common/bus/clock_messages.hpp"
 #include "common/bus/codec.hpp"
+#include "common/bus/compensation.hpp"
 #include "common/bus/control.hpp"
 #include "common/bus/results.hpp"
 #include "common/record/record.hpp"
 #include "host/analyser/durable_gate.hpp"
 #include "host/analyser/in_sequence.hpp"
 #include "host/analyser/live_orders.hpp"
+#include "host/balance/compensation.hpp"
 #include "host/identify/drive_estimator.hpp"
 
 namespace roadbalance {
@@ -28,7 +30,7 @@ constexpr int kFarewells = 3;
 class Follower {
  public:
   Follower(const AnalyserOptions& options, const VehicleConfig& vehicle)
-      : bus_(options.url), reader_(options.record), estimator_(vehicle), orders_(vehicle) {
+      : bus_(options.url), reader_(options.record), vehicle_(vehicle), estimator_(vehicle), orders_(vehicle) {
     for (const auto& node : vehicle.node) running_[node.id] = true;
     bus_.subscribe("RB_ACK_.*", [this](std::string_view, std::span<const std::uint8_t> bytes) {
       if (const auto ack = decode_ack(bytes)) gate_.acknowledge(*ack, WallClock::now());
@@ -52,7 +54,12 @@ class Follower {
   void publish() {
     const DriveEstimate& estimate = estimator_.estimate();
     bus_.publish(kIdentificationChannel, encode(estimate.identification));
-    for (const Balance& balance : estimate.balance) bus_.publish(kBalanceChannel, encode(balance));
+    // What there is to do comes before what it follows from: who has the one has the other.
+    for (std::size_t w = 0; w < kWheels; ++w) {
+      const Balance& balance = estimate.balance[w];
+      bus_.publish(kCompensationChannel, encode(compensate(balance, vehicle_.wheel[w], vehicle_.limits)));
+      bus_.publish(kBalanceChannel, encode(balance));
+    }
     published_ = WallClock::now();
   }
 
@@ -110,6 +117,7 @@ class Follower {
 
   Bus bus_;
   RecordReader reader_;
+  const VehicleConfig& vehicle_;
   DriveEstimator estimator_;
   LiveOrders orders_;
   DurableGate gate_;

@@ -7,6 +7,7 @@
 #include "common/config/section.hpp"
 #include "host/analyser/recorded_vehicle.hpp"
 #include "host/analyser/refined_clocks.hpp"
+#include "host/balance/compensation.hpp"
 #include "host/identify/assemble.hpp"
 #include "host/identify/decimate.hpp"
 #include "host/identify/doubt.hpp"
@@ -73,9 +74,10 @@ RecordingDefects collect_stretches(const std::filesystem::path& folder, bool ref
 RecordedEstimate identify_record(const std::filesystem::path& folder, bool refine) {
   std::optional<AngleAgain> angles;
   std::optional<DriveEstimator> estimator;
+  std::optional<VehicleConfig> vehicle;
   const RecordingDefects defects =
       read_with_angles(folder, refine, angles,
-                       {[&](const VehicleConfig& recorded) { estimator.emplace(recorded); },
+                       {[&](const VehicleConfig& recorded) { estimator.emplace(vehicle.emplace(recorded)); },
                         [&](const SealedBlock& block) { estimator->consume(block); },
                         [&](const ClockFit& fit) { estimator->consume(fit); }});
   DriveEstimate estimate = estimator->estimate();
@@ -90,7 +92,10 @@ RecordedEstimate identify_record(const std::filesystem::path& folder, bool refin
         obstacle += (obstacle.empty() ? "" : "; ") +
                     std::string(kWheelNames[static_cast<std::size_t>(wheel)]) + ": " + why;
     }
-  return {estimate, obstacle, remarks(estimate.identification, estimate.balance), defects};
+  std::array<Compensation, kWheels> compensation;
+  for (std::size_t w = 0; w < kWheels; ++w)
+    compensation[w] = compensate(estimate.balance[w], vehicle->wheel[w], vehicle->limits);
+  return {estimate, obstacle, remarks(estimate.identification, estimate.balance), defects, compensation};
 }
 
 }  // namespace roadbalance

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
 
+#include "common/bus/compensation.hpp"
 #include "host/analyser/read_recording.hpp"
 #include "host/identify/drive_estimator.hpp"
 #include "host/identify/stretch.hpp"
@@ -16,6 +18,7 @@ struct RecordedEstimate {
   std::string obstacle;  ///< why this vehicle, or a wheel of it, can never be identified; empty: it can
   std::vector<std::string> remarks;  ///< what it rests on, and where the car is not as it was described
   RecordingDefects defects;
+  std::array<Compensation, kWheels> compensation;  ///< of each balance
 };
 
 /// The estimate that a finished recording gives: every block of every node in sequence through

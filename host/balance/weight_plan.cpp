@@ -1,10 +1,12 @@
 #include "host/balance/weight_plan.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <limits>
 #include <numbers>
+#include <span>
 #include <stdexcept>
 
 namespace roadbalance {
@@ -13,6 +15,7 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kTouch = 0.1;  ///< of a step's moment
+constexpr double kMass = 0.01;  ///< of the moments of the weights
 /// A fitted weight is where it should be if it is so near, and of the mass it should have.
 constexpr double kSamePlace_rad = 3.0 * std::numbers::pi / 180.0;
 constexpr double kSameMass_g = 0.5;
@@ -20,6 +23,9 @@ constexpr double kSameMass_g = 0.5;
 void check(const WeightStock& stock) {
   const bool sound = stock.step_g > 0.0 && stock.heaviest_g >= stock.step_g && stock.most >= 1 &&
                      stock.most <= 2 && stock.raster_rad >= 0.0 && stock.length_m_per_g >= 0.0;
+  if (stock.raster_rad > 0.0 && (stock.raster_rad > kTurn ||
+                                 std::abs(std::remainder(kTurn, stock.raster_rad)) > 1e-6 * stock.raster_rad))
+    throw std::invalid_argument("weights: a raster that does not divide a turn");
   if (!sound || stock.radius_m.empty() || !(*std::ranges::min_element(stock.radius_m) > 0.0))
     throw std::invalid_argument("weights: a stock without radius, or with a number out of its range");
 }
@@ -29,15 +35,22 @@ double wrap(double angle_rad) {
   return positive < kTurn ? positive : 0.0;
 }
 
-/// Weights and what they leave of the moment that was wanted.
-struct Choice {
-  std::vector<WheelWeight> weight;
-  double left_g_m = std::numeric_limits<double>::infinity();
-};
+/// Angle between two weights that touch, if they are on one radius.
+double apart_rad(const WheelWeight& a, const WheelWeight& b, const WeightStock& stock) {
+  if (a.radius_m != b.radius_m) return 0.0;
+  return 0.5 * (a.mass_g + b.mass_g) * stock.length_m_per_g / a.radius_m;
+}
 
+bool lies_on(const WheelWeight& a, const WheelWeight& b, const WeightStock& stock) {
+  return std::abs(std::remainder(a.angle_rad - b.angle_rad, kTurn)) < apart_rad(a, b, stock) - 1e-9;
+}
+
+/// Weights that leave least of the moment that was wanted.
 class Chooser {
  public:
-  Chooser(const WeightStock& stock, Complex wanted_g_m) : stock_(stock), wanted_(wanted_g_m) {
+  /// @param staying  weights that stay where they are
+  Chooser(const WeightStock& stock, Complex wanted_g_m, const std::vector<WheelWeight>& staying)
+      : stock_(stock), wanted_(wanted_g_m), staying_(staying) {
     consider({});
     one();
     if (stock.most < 2) return;
@@ -46,19 +59,22 @@ class Chooser {
     else
       two_anywhere();
   }
-  const Choice& best() const { return best_; }
+  const std::vector<WheelWeight>& best() const { return best_; }
 
  private:
-  /// A touch of a weight costs, so that nobody is sent to clip two where one does nearly as well.
-  double cost(const Choice& choice) const {
-    return choice.left_g_m +
-           kTouch * stock_.step_g * stock_.radius_m.front() * static_cast<double>(choice.weight.size());
-  }
-  void consider(std::vector<WheelWeight> weights) {
+  /// A touch of a weight costs, so that nobody is sent to clip two where one does nearly as well, and of what
+  /// leaves as much that of little mass is best.
+  void consider(std::span<const WheelWeight> weights) {
     Complex sum = 0.0;
-    for (const WheelWeight& weight : weights) sum += weight.moment_g_m();
-    Choice choice{std::move(weights), std::abs(wanted_ - sum)};
-    if (!std::isfinite(best_.left_g_m) || cost(choice) < cost(best_)) best_ = std::move(choice);
+    double cost = 0.0;
+    for (const WheelWeight& weight : weights) {
+      sum += weight.moment_g_m();
+      cost += kTouch * stock_.step_g * stock_.radius_m.front() + kMass * weight.mass_g * weight.radius_m;
+    }
+    cost += std::abs(wanted_ - sum);
+    if (cost >= least_cost_) return;
+    least_cost_ = cost;
+    best_.assign(weights.begin(), weights.end());
   }
   double place(double angle_rad) const {
     if (stock_.raster_rad == 0.0) return wrap(angle_rad);
@@ -74,15 +90,38 @@ class Chooser {
     const double along = (moment_g_m * std::polar(1.0, -angle_rad)).real();
     return {stocked(along / radius_m), angle_rad, radius_m};
   }
-  /// Half the angle that two weights need at least between them if they are on one radius.
-  double apart_rad(const WheelWeight& a, const WheelWeight& b) const {
-    if (a.radius_m != b.radius_m) return 0.0;
-    return 0.5 * (a.mass_g + b.mass_g) * stock_.length_m_per_g / a.radius_m;
+  bool is_free(const WheelWeight& weight) const {
+    return std::ranges::none_of(staying_, [&](const auto& other) { return lies_on(weight, other, stock_); });
+  }
+  /// The weight where it is, or on either side of those that stay, nothing where there is no room.
+  std::vector<WheelWeight> beside_staying(const WheelWeight& weight) const {
+    if (is_free(weight)) return {weight};
+    std::vector<WheelWeight> places;
+    for (const WheelWeight& other : staying_)
+      for (const double side : {-1.0, 1.0}) {
+        WheelWeight moved = weight;
+        double angle_rad = other.angle_rad + side * apart_rad(weight, other, stock_);
+        if (const double raster = stock_.raster_rad; raster > 0.0)
+          angle_rad = side * std::ceil(side * angle_rad / raster - 1e-6) * raster;
+        moved.angle_rad = wrap(angle_rad);
+        if (is_free(moved)) places.push_back(moved);
+      }
+    return places;
+  }
+  void consider_pair(const WheelWeight& one, const WheelWeight& other) {
+    if (staying_.empty()) {
+      if (!lies_on(one, other, stock_)) consider(std::array{one, other});
+      return;
+    }
+    for (const WheelWeight& first : beside_staying(one))
+      for (const WheelWeight& second : beside_staying(other))
+        if (!lies_on(first, second, stock_)) consider(std::array{first, second});
   }
 
   void one() {
     for (const double radius_m : stock_.radius_m)
-      if (const WheelWeight weight = nearest(wanted_, radius_m); weight.mass_g > 0.0) consider({weight});
+      if (const WheelWeight weight = nearest(wanted_, radius_m); weight.mass_g > 0.0)
+        for (const WheelWeight& place : beside_staying(weight)) consider(std::array{place});
   }
 
   template <typename Use>
@@ -104,13 +143,13 @@ class Chooser {
               std::clamp((wanted * wanted + own * own - other * other) / (2.0 * wanted * own), -1.0, 1.0));
         };
         double ahead = corner(a, b), behind = corner(b, a);
-        if (const double lacking = apart_rad(first, second) - (ahead + behind); lacking > 0.0) {
+        if (const double lacking = apart_rad(first, second, stock_) - (ahead + behind); lacking > 0.0) {
           ahead += 0.5 * lacking;
           behind += 0.5 * lacking;
         }
         first.angle_rad = wrap(std::arg(wanted_) + ahead);
         second.angle_rad = wrap(std::arg(wanted_) - behind);
-        consider({first, second});
+        consider_pair(first, second);
       });
     });
   }
@@ -120,10 +159,10 @@ class Chooser {
     each_mass([&](WheelWeight first) {
       for (int k = 0; k < places; ++k) {
         first.angle_rad = wrap(k * stock_.raster_rad);
+        if (!is_free(first)) continue;
         for (const double radius_m : stock_.radius_m) {
           const WheelWeight second = nearest(wanted_ - first.moment_g_m(), radius_m);
-          const double between = std::abs(std::remainder(second.angle_rad - first.angle_rad, kTurn));
-          if (second.mass_g > 0.0 && between >= apart_rad(first, second) - 1e-9) consider({first, second});
+          if (second.mass_g > 0.0) consider_pair(first, second);
         }
       }
     });
@@ -131,7 +170,9 @@ class Chooser {
 
   const WeightStock& stock_;
   Complex wanted_;
-  Choice best_;
+  const std::vector<WheelWeight>& staying_;
+  std::vector<WheelWeight> best_;
+  double least_cost_ = std::numeric_limits<double>::infinity();
 };
 
 bool at_one_place(const WheelWeight& a, const WheelWeight& b) {
@@ -140,7 +181,8 @@ bool at_one_place(const WheelWeight& a, const WheelWeight& b) {
 }
 
 /// How to come from what is fitted to what is wanted with few touches.
-std::vector<WeightStep> steps_between(std::vector<WheelWeight> fitted, std::vector<WheelWeight> wanted) {
+std::vector<WeightStep> steps_between(std::vector<WheelWeight> fitted, std::vector<WheelWeight> wanted,
+                                      const WeightStock& stock) {
   std::vector<WeightStep> steps;
   const auto match = [&](WeightAction action, auto alike) {
     for (auto want = wanted.begin(); want != wanted.end();) {
@@ -158,8 +200,15 @@ std::vector<WeightStep> steps_between(std::vector<WheelWeight> fitted, std::vect
   const auto same_mass = [](const WheelWeight& a, const WheelWeight& b) {
     return std::abs(a.mass_g - b.mass_g) < kSameMass_g;
   };
-  match(WeightAction::kKeep,
-        [&](const auto& a, const auto& b) { return same_mass(a, b) && at_one_place(a, b); });
+  const std::vector<WheelWeight> all = wanted;
+  const auto in_the_way = [&](const WheelWeight& have, const WheelWeight& want) {
+    return std::ranges::any_of(all, [&](const WheelWeight& other) {
+      return other.angle_rad != want.angle_rad && lies_on(have, other, stock);
+    });
+  };
+  match(WeightAction::kKeep, [&](const auto& have, const auto& want) {
+    return same_mass(have, want) && at_one_place(have, want) && !in_the_way(have, want);
+  });
   match(WeightAction::kMove, same_mass);
   for (const WheelWeight& weight : fitted) steps.push_back({WeightAction::kRemove, weight, weight});
   for (const WheelWeight& weight : wanted) steps.push_back({WeightAction::kAdd, weight, weight});
@@ -190,9 +239,8 @@ WeightPlan plan_weights(Complex unbalance_g_m, const WeightStock& stock,
   }
   if (unbalance_g_m == 0.0) return plan_of(kept);
   std::vector<WeightStep> added = kept;
-  const Choice more = Chooser(stock, -unbalance_g_m).best();
-  for (const WheelWeight& weight : more.weight)
-    added.push_back({WeightAction::kAdd, weight, weight});
+  const std::vector<WheelWeight> more = Chooser(stock, -unbalance_g_m, fitted).best();
+  for (const WheelWeight& weight : more) added.push_back({WeightAction::kAdd, weight, weight});
   const auto cost = [&](const WeightPlan& plan) {
     const auto touches = std::ranges::count_if(
         plan.step, [](const WeightStep& step) { return step.action != WeightAction::kKeep; });
@@ -201,27 +249,33 @@ WeightPlan plan_weights(Complex unbalance_g_m, const WeightStock& stock,
   };
   const WeightPlan adding = plan_of(std::move(added));
   if (fitted.empty()) return adding;
-  const WeightPlan anew =
-      plan_of(steps_between(fitted, Chooser(stock, on_wheel - unbalance_g_m).best().weight));
+  const std::vector<WheelWeight> all = Chooser(stock, on_wheel - unbalance_g_m, {}).best();
+  const WeightPlan anew = plan_of(steps_between(fitted, all, stock));
   return cost(anew) < cost(adding) ? anew : adding;
 }
 
-std::string to_string(const WeightStep& step) {
-  const auto degrees = [](double angle_rad) {
-    return static_cast<int>(std::lround(angle_rad * 180.0 / std::numbers::pi)) % 360;
+std::string to_string(const WeightStep& step, int radii) {
+  const auto text = [](const char* pattern, auto... values) {
+    char buffer[96];
+    std::snprintf(buffer, sizeof buffer, pattern, values...);
+    return std::string(buffer);
   };
-  char text[96];
-  const WheelWeight& weight = step.weight;
-  if (step.action == WeightAction::kMove)
-    std::snprintf(text, sizeof text, "move %g g from %d° to %d°", weight.mass_g, degrees(step.from.angle_rad),
-                  degrees(weight.angle_rad));
-  else
-    std::snprintf(text, sizeof text, "%s %g g at %d°",
-                  step.action == WeightAction::kAdd      ? "add"
-                  : step.action == WeightAction::kRemove ? "remove"
-                                                         : "keep",
-                  weight.mass_g, degrees(weight.angle_rad));
-  return text;
+  const auto place = [&](const WheelWeight& weight) {
+    const long degrees = std::lround(wrap(weight.angle_rad) * 180.0 / std::numbers::pi) % 360;
+    return text("%ld°", degrees) + (radii > 1 ? text(" on %.0f mm", 1e3 * weight.radius_m) : "");
+  };
+  const std::string mass = text("%g g", step.weight.mass_g);
+  switch (step.action) {
+    case WeightAction::kKeep:
+      return "keep " + mass + " at " + place(step.weight);
+    case WeightAction::kMove:
+      return "move " + mass + " from " + place(step.from) + " to " + place(step.weight);
+    case WeightAction::kRemove:
+      return "remove " + mass + " at " + place(step.weight);
+    case WeightAction::kAdd:
+      return "add " + mass + " at " + place(step.weight);
+  }
+  return "";
 }
 
 }  // namespace roadbalance

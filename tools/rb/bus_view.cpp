@@ -55,6 +55,10 @@ BusView::BusView(const std::string& url) : bus_(url) {
   bus_.subscribe(kIdentificationChannel, [this](std::string_view, Bytes bytes) {
     if (const auto message = decode_identification(bytes)) identification_ = *message;
   });
+  bus_.subscribe(kCompensationChannel, [this](std::string_view, Bytes bytes) {
+    if (const auto message = decode_compensation(bytes))
+      compensation_[static_cast<std::size_t>(message->wheel)] = *message;
+  });
   bus_.subscribe(kBalanceChannel, [this](std::string_view, Bytes bytes) {
     const auto message = decode_balance(bytes);
     if (!message || message->wheel < 0 || message->wheel >= kWheels) return;
@@ -72,6 +76,13 @@ BusView::BusView(const std::string& url) : bus_(url) {
   bus_.subscribe("RB_CLOCK_.*", [this](std::string_view, Bytes bytes) {
     if (const auto fit = decode_clock_fit(bytes)) take(*fit);
   });
+}
+
+Compensation BusView::compensation(std::size_t wheel) const {
+  const auto& found = compensation_[wheel];
+  const auto& of = balance_[wheel];
+  if (found && of && found->time_ns == of->time_ns) return *found;
+  return {.wheel = static_cast<std::int32_t>(wheel)};
 }
 
 // What comes from the bus is bounded.

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/compensation.hpp"
 #include "common/bus/control.hpp"
 #include "common/bus/order_report.hpp"
 #include "common/bus/recorder_status.hpp"
@@ -41,6 +42,8 @@ class BusView {
   }
   const std::optional<Identification>& identification() const { return identification_; }
   const std::array<std::optional<Balance>, kWheels>& balance() const { return balance_; }
+  /// What there is to do about the wheel; of a balance that nothing came with it is to be unknown.
+  Compensation compensation(std::size_t wheel) const;
   const std::map<std::int32_t, Level>& levels() const { return levels_; }
   /// By wheel and node.
   const std::map<std::pair<std::int32_t, std::int32_t>, OrderReport>& orders() const { return orders_; }
@@ -74,6 +77,7 @@ class BusView {
   bool state_changed_ = false;
   std::optional<Identification> identification_;
   std::array<std::optional<Balance>, kWheels> balance_;
+  std::array<std::optional<Compensation>, kWheels> compensation_;
   std::map<std::int32_t, Level> levels_;
   std::map<std::pair<std::int32_t, std::int32_t>, OrderReport> orders_;
   std::map<std::int32_t, Heartbeat> heartbeats_;

@@ -23,14 +23,14 @@ struct Drive {
 /// Nothing, and said, if the drive did not tell the wheel's unbalance.
 std::optional<Drive> unbalance_in(const std::string& folder, const std::string& wheel_name) {
   const auto vehicle = recorded_vehicle(folder);
-  const auto [estimate, obstacle, remarks, defects] = identify_record(folder);  // refuses what has no vehicle
-  warn_of_defects("datum", folder, defects);
+  const RecordedEstimate found = identify_record(folder);  // refuses what has no vehicle
+  warn_of_defects("datum", folder, found.defects);
   const WheelConfig& wheel = wheel_with_mark(*vehicle, wheel_name);
-  const Balance& balance = estimate.balance[static_cast<std::size_t>(vehicle->place_of(wheel))];
+  const Balance& balance = found.estimate.balance[static_cast<std::size_t>(vehicle->place_of(wheel))];
   if (balance.state != Unknown::kNone) {
     std::fprintf(stderr, "rb datum: %s: the unbalance of %s is not known: %s%s%s\n", folder.c_str(),
-                 wheel_name.c_str(), reason(balance.state).c_str(), obstacle.empty() ? "" : "; ",
-                 obstacle.c_str());
+                 wheel_name.c_str(), reason(balance.state).c_str(), found.obstacle.empty() ? "" : "; ",
+                 found.obstacle.c_str());
     return std::nullopt;
   }
   return Drive{FoundUnbalance::from(balance, wheel.encoder), wheel.weight_radius_m};

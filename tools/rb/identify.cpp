@@ -8,6 +8,7 @@
 #include "host/analyser/identify_record.hpp"
 #include "host/identify/estimator.hpp"
 #include "tools/rb/command.hpp"
+#include "tools/rb/compensation_json.hpp"
 #include "tools/rb/defects.hpp"
 #include "tools/rb/identify_with.hpp"
 #include "tools/rb/readout.hpp"
@@ -26,18 +27,21 @@ struct IdentifyOptions {
 int identify(const IdentifyOptions& options) {
   if (!options.estimator.empty())
     return identify_with(options.estimator, options.folder, options.refine, options.json);
-  const auto [estimate, obstacle, remarks, defects] = identify_record(options.folder, options.refine);
+  const auto [estimate, obstacle, remarks, defects, compensation] =
+      identify_record(options.folder, options.refine);
   warn_of_defects("identify", options.folder, defects);
   if (!obstacle.empty()) std::fprintf(stderr, "rb identify: %s\n", obstacle.c_str());
   if (options.json) {
     const nlohmann::ordered_json result{{"wheels", wheels_json(estimate.identification, estimate.balance)},
+                                        {"compensation", compensation_json(estimate.balance, compensation)},
                                         {"remarks", remarks}};
     std::printf("%s\n", result.dump().c_str());
   } else {
     std::printf("%s\n", identification_line(estimate.identification).c_str());
-    for (const Balance& balance : estimate.balance) {
-      const std::string advice = advice_line(balance);
-      std::printf("%s%s\n", balance_line(balance).c_str(), advice.empty() ? "" : ("   " + advice).c_str());
+    for (std::size_t w = 0; w < kWheels; ++w) {
+      std::printf("%s\n", balance_line(estimate.balance[w]).c_str());
+      for (const std::string& line : advice_lines(estimate.balance[w], compensation[w]))
+        std::printf("%s\n", line.c_str());
     }
     for (const std::string& remark : remarks) std::printf("  %s\n", remark.c_str());
   }

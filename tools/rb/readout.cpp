@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <numbers>
 
-#include "host/balance/weights.hpp"
+#include "host/balance/weight_plan.hpp"
 #include "host/identify/drive_estimator.hpp"
 #include "host/identify/remarks.hpp"
 
@@ -67,12 +67,34 @@ std::string balance_line(const Balance& balance) {
                        std::ceil(balance.sigma_rad * 180.0 / std::numbers::pi));
 }
 
-std::string advice_line(const Balance& balance) {
-  if (balance.state != Unknown::kNone || balance.unbalance_g <= 0.0) return "";
-  if (within_own_uncertainty(balance)) return "leave it: the unbalance is within its own uncertainty";
-  const Counterweight weight = counterweight(balance.unbalance_g, balance.angle_rad);
-  return format("clip %.0f g at %d° and at %d°", weight.pair.weight_g, degrees(weight.pair.angle_rad[0]),
-                degrees(weight.pair.angle_rad[1]));
+std::vector<std::string> advice_lines(const Balance& balance, const Compensation& compensation) {
+  const BalanceVerdict& verdict = compensation.verdict;
+  std::string what;
+  switch (compensation.advice) {
+    case Advice::kUnknown:
+      return {};
+    case Advice::kSteps:
+      for (const WeightStep& step : compensation.plan.step)
+        what += (what.empty() ? "" : ", ") + to_string(step, compensation.radii);
+      break;
+    case Advice::kLeaveUncertain:
+      what = "leave it: the unbalance is within its own uncertainty";
+      break;
+    case Advice::kLeaveSmall:
+      what = "leave it: no weight there is makes it enough less";
+      break;
+  }
+  std::vector<std::string> lines{"  " + what};
+  std::string left = format("  leaves %.1f g, %s what a shop leaves (%g g)", verdict.residual_g,
+                            verdict.within_shop() ? "within" : "MORE THAN", verdict.shop_g);
+  if (verdict.permissible_g > 0.0)
+    left += format(", ISO G %.2g%s G %g (%.0f g)", verdict.grade_mm_s,
+                   verdict.within_iso() ? " within" : " BEYOND", verdict.permissible_grade_mm_s,
+                   verdict.permissible_g);
+  lines.push_back(left + format("; of the equivalent unbalance at %.0f–%.0f km/h",
+                                3.6 * balance.least_speed_m_s, 3.6 * balance.greatest_speed_m_s));
+  if (!verdict.incurable.empty()) lines.push_back("  WEIGHTS WILL NOT CURE THIS: " + verdict.incurable);
+  return lines;
 }
 
 std::string identification_line(const Identification& identification) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "common/bus/compensation.hpp"
 #include "common/bus/control.hpp"
 #include "common/bus/results.hpp"
 
@@ -14,8 +15,9 @@ namespace roadbalance {
 /// "front left:  heavy spot 217°, 35 g, ± 2 g ± 3°", or why it is not known.
 std::string balance_line(const Balance& balance);
 
-/// What to do about it: where to clip which weights, or to leave the wheel alone.  Empty if it is not known.
-std::string advice_line(const Balance& balance);
+/// What to do about it: which weights to add, move or remove, or to leave the wheel alone; what that leaves
+/// by the limits; and why weights will not cure it, if so.  None if it is not known.
+std::vector<std::string> advice_lines(const Balance& balance, const Compensation& compensation);
 
 /// "from 48 s of driving; tyres 214 ± 2 209 ± 2 221 ± 3 206 ± 2 kN/m", and who does not fit the model; or why
 /// not.

@@ -1,6 +1,7 @@
 #include "tools/rb/watch_json.hpp"
 
 #include "host/recorder/status_line.hpp"
+#include "tools/rb/compensation_json.hpp"
 #include "tools/rb/order_lines.hpp"
 #include "tools/study/wheels_json.hpp"
 
@@ -62,11 +63,22 @@ Json device_counts(const Heartbeat& beat) {
   return counts;
 }
 
-Json wheels(const BusView& view) {
-  if (!view.identification()) return nullptr;
+std::array<Balance, kWheels> balance_of(const BusView& view) {
   std::array<Balance, kWheels> balance;
   for (std::size_t w = 0; w < kWheels; ++w) balance[w] = view.balance()[w].value_or(Balance{});
-  return wheels_json(*view.identification(), balance);
+  return balance;
+}
+
+Json wheels(const BusView& view) {
+  if (!view.identification()) return nullptr;
+  return wheels_json(*view.identification(), balance_of(view));
+}
+
+Json compensation(const BusView& view) {
+  if (!view.identification()) return nullptr;
+  std::array<Compensation, kWheels> compensation;
+  for (std::size_t w = 0; w < kWheels; ++w) compensation[w] = view.compensation(w);
+  return compensation_json(balance_of(view), compensation);
 }
 
 }  // namespace
@@ -123,11 +135,9 @@ Json watch_json(const BusView& view) {
   for (const auto& [node, fit] : view.clocks()) clocks.push_back(clock_json(fit));
   Json orders = Json::array();
   for (const auto& [key, report] : view.orders()) orders.push_back(order_report_json(report));
-  return {{"wheels", wheels(view)},
-          {"recorders", recorders},
-          {"nodes", nodes},
-          {"clocks", clocks},
-          {"orders", orders}};
+  return {{"wheels", wheels(view)}, {"compensation", compensation(view)},
+          {"recorders", recorders}, {"nodes", nodes},
+          {"clocks", clocks},       {"orders", orders}};
 }
 
 }  // namespace roadbalance

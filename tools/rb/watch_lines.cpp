@@ -46,10 +46,11 @@ std::vector<std::string> watch_lines(const BusView& view) {
     lines.insert(lines.end(), more.begin(), more.end());
   };
   if (view.identification()) lines.push_back(identification_line(*view.identification()));
-  for (const auto& balance : view.balance()) {
+  for (std::size_t w = 0; w < kWheels; ++w) {
+    const auto& balance = view.balance()[w];
     if (!balance) continue;
-    const std::string advice = advice_line(*balance);
-    lines.push_back(balance_line(*balance) + (advice.empty() ? "" : "   " + advice));
+    lines.push_back(balance_line(*balance));
+    add(advice_lines(*balance, view.compensation(w)));
   }
   for (const auto& [incarnation, status] : view.recorders()) add(recorder_lines(status, view.heartbeats()));
   if (view.recorders().size() > 1)

@@ -43,9 +43,18 @@ TEST(WeightPlan, ClosesTheTriangleByTwoWeightsAtFreeAngles) {
       EXPECT_LE(step.weight.mass_g, 60.0);
     }
     EXPECT_LT(std::abs(applied - plan.applied_g_m), 1e-12);
-    // One weight more is worth half a gram; 0.15 g is lost where two lie side by side.
-    EXPECT_LT(left_g(plan, out), 0.7) << std::abs(out) / kRadius;
+    // One weight more is worth half a gram, and its mass a hundredth; 0.15 g is lost where two lie side by
+    // side.
+    EXPECT_LT(left_g(plan, out), 0.8) << std::abs(out) / kRadius;
   }
+}
+
+// 10 + 5 g reach 5 to 15 g; any heavier pair would close the triangle as well.
+TEST(WeightPlan, TakesTheLightestThatClosesTheTriangle) {
+  const WeightPlan plan = plan_weights(unbalance(13.5, 128.0), kStock);
+  ASSERT_EQ(plan.step.size(), 2U);
+  EXPECT_EQ(plan.step[0].weight.mass_g + plan.step[1].weight.mass_g, 15.0);
+  EXPECT_LT(left_g(plan, unbalance(13.5, 128.0)), 1e-9);
 }
 
 TEST(WeightPlan, KeepsWithinHalfAStepWithOneWeight) {
@@ -114,6 +123,61 @@ TEST(WeightPlan, RemovesWhatDoesHarmAndKeepsWhatDoesNot) {
   EXPECT_EQ(to_string(plan.step[0]), "keep 30 g at 0°");
   EXPECT_EQ(to_string(plan.step[1]), "remove 10 g at 200°");
   EXPECT_LT(left_g(plan, bad.moment_g_m()), 1e-9);
+}
+
+/// The angle between them that weights on one radius need.
+double least_apart(const WheelWeight& a, const WheelWeight& b) {
+  return 0.5 * (a.mass_g + b.mass_g) * kStock.length_m_per_g / kRadius;
+}
+
+TEST(WeightPlan, PutsAWeightBesideOneThatStays) {
+  // 30 g are missing where 40 g sit; a touch of theirs would not pay with this raster and these sizes.
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> mass(3.0, 60.0), angle(0.0, 360.0);
+  for (const double raster_deg : {0.0, 5.0}) {
+    WeightStock stock = kStock;
+    stock.raster_rad = raster_deg * kDegree;
+    int beside = 0;
+    for (int k = 0; k < 100; ++k) {
+      const WheelWeight fitted{40.0, angle(random) * kDegree, kRadius};
+      // What is wanted lies within 20 degrees of the fitted weight.
+      const double wanted_deg = fitted.angle_rad / kDegree + angle(random) / 9.0 - 20.0;
+      const WeightPlan plan = plan_weights(unbalance(mass(random), wanted_deg + 180.0), stock, {fitted});
+      for (const WeightStep& step : plan.step)
+        for (const WeightStep& other : plan.step) {
+          if (&step == &other || step.action == WeightAction::kRemove ||
+              other.action == WeightAction::kRemove)
+            continue;
+          const double apart = std::abs(
+              std::remainder(step.weight.angle_rad - other.weight.angle_rad, 2.0 * std::numbers::pi));
+          EXPECT_GE(apart, least_apart(step.weight, other.weight) - 1e-6);
+          beside += step.action == WeightAction::kAdd && other.action == WeightAction::kKeep;
+        }
+    }
+    EXPECT_GT(beside, 20) << "the case that is tested";
+  }
+}
+
+TEST(WeightPlan, IsNotHinderedByAWeightOnAnotherRadius) {
+  WeightStock stock = kStock;
+  stock.radius_m = {0.16};
+  const WeightPlan plan =
+      plan_weights(std::polar(20.0 * 0.16, 1.0 + std::numbers::pi), stock, {{30.0, 1.0, kRadius}});
+  ASSERT_EQ(plan.step.size(), 2U);
+  EXPECT_EQ(to_string(plan.step[0], 2), "keep 30 g at 57° on 190 mm");
+  EXPECT_EQ(to_string(plan.step[1], 2), "add 20 g at 57° on 160 mm");
+  const WeightStep move{WeightAction::kMove, {20.0, 1.0, 0.16}, {20.0, 2.0, 0.19}};
+  EXPECT_EQ(to_string(move, 2), "move 20 g from 115° on 190 mm to 57° on 160 mm");
+}
+
+TEST(WeightPlan, RefusesARasterThatDoesNotDivideATurn) {
+  WeightStock stock = kStock;
+  for (const double raster_deg : {7.0, 400.0}) {
+    stock.raster_rad = raster_deg * kDegree;
+    EXPECT_THROW(plan_weights(unbalance(20.0, 0.0), stock), std::invalid_argument) << raster_deg;
+  }
+  stock.raster_rad = 7.5 * kDegree;
+  EXPECT_NO_THROW(plan_weights(unbalance(20.0, 0.0), stock));
 }
 
 TEST(WeightPlan, LeavesABalancedWheelAlone) {

@@ -95,6 +95,21 @@ TEST_F(BusViewTest, ShowsWhatDevicesSuffer) {
   EXPECT_EQ(node.at("blocks_without_angle"), 11);
 }
 
+TEST_F(BusViewTest, ShowsAPlanBesideTheBalanceThatItFollowsFrom) {
+  Balance balance{.wheel = 1, .time_ns = 50, .state = Unknown::kNone, .unbalance_g = 20.0};
+  Compensation compensation{.wheel = 1, .time_ns = 50, .advice = Advice::kSteps};
+  compensation.plan.step = {{WeightAction::kAdd, {20.0, 0.0, 0.19}, {}}};
+  hear(kIdentificationChannel, encode(Identification{}));
+  hear(kCompensationChannel, encode(compensation));
+  hear(kBalanceChannel, encode(balance));
+  EXPECT_TRUE(said("  add 20 g at 0°"));
+  EXPECT_EQ(watch_json(view_).at("compensation").at(1).at("advice"), "steps");
+  balance.time_ns = 51;
+  hear(kBalanceChannel, encode(balance));
+  EXPECT_FALSE(said("add 20 g")) << "of another balance";
+  EXPECT_TRUE(watch_json(view_).at("compensation").at(1).at("advice").is_null());
+}
+
 TEST_F(BusViewTest, ShowsRecordersAndWhatAlarmsThem) {
   RecorderStatus status;
   status.incarnation = 5;

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "tools/rb/clock_line.hpp"
+#include "tools/rb/compensation_json.hpp"
 #include "tools/rb/sealing_rate.hpp"
 #include "tools/rb/watch_json.hpp"
 #include "tools/rb/watch_lines.hpp"
@@ -36,7 +37,7 @@ TEST(BalanceLine, SaysWhyItIsNotKnown) {
   balance.wheel = 3;
   balance.state = Unknown::kTooSlow;
   EXPECT_EQ(balance_line(balance), "rear right:  not known: the car never went fast enough");
-  EXPECT_EQ(advice_line(balance), "");
+  EXPECT_TRUE(advice_lines(balance, {}).empty());
 }
 
 TEST(IdentificationLine, SaysHowFarItIsFromAnEstimate) {
@@ -162,15 +163,78 @@ TEST(RecorderLines, OfOneThatNoNodeObeysSayWhomTheyObey) {
   EXPECT_EQ(recorder_lines(status, beats).size(), 1u);
 }
 
-// 30 g opposite to 217 deg: two weights of 15 g side by side at 37 deg.
-TEST(AdviceLine, SaysWhereToClipStockWeights) {
-  EXPECT_EQ(advice_line(known(30.0, 217.0)), "clip 15 g at 37° and at 37°");
+/// One weight added, one moved; what is left is within a limit and beyond another.
+Compensation two_steps() {
+  Compensation found{.advice = Advice::kSteps};
+  found.plan.step = {{WeightAction::kAdd, {15.0, 37.0 * kDegree, 0.19}, {}},
+                     {WeightAction::kMove, {5.0, 90.0 * kDegree, 0.16}, {5.0, 10.0 * kDegree, 0.19}}};
+  found.verdict = {.residual_g = 1.26,
+                   .shop_g = 7.0,
+                   .permissible_g = 1.0,
+                   .permissible_grade_mm_s = 40.0,
+                   .grade_mm_s = 50.0};
+  return found;
 }
 
-// sqrt(5.99) * 2 g = 4.9 g is the radius of the 95 % circle.
-TEST(AdviceLine, LeavesAWheelAloneThatMayHaveNoUnbalance) {
-  EXPECT_EQ(advice_line(known(4.8, 90.0)), "leave it: the unbalance is within its own uncertainty");
-  EXPECT_EQ(advice_line(known(5.0, 90.0)).substr(0, 4), "clip");
+Balance driven() {
+  Balance balance = known(30.0, 217.0);
+  balance.least_speed_m_s = 25.0;
+  balance.greatest_speed_m_s = 36.0;
+  return balance;
+}
+
+TEST(AdviceLines, SayWhatToDoAndWhatThatLeaves) {
+  const auto lines = advice_lines(driven(), two_steps());
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_EQ(lines[0], "  add 15 g at 37°, move 5 g from 10° to 90°");
+  EXPECT_EQ(lines[1],
+            "  leaves 1.3 g, within what a shop leaves (7 g), ISO G 50 BEYOND G 40 (1 g); of the equivalent "
+            "unbalance at 90–130 km/h");
+}
+
+TEST(AdviceLines, SayTheRadiusIfThereIsMoreThanOne) {
+  Compensation found = two_steps();
+  found.radii = 2;
+  EXPECT_EQ(advice_lines(driven(), found)[0],
+            "  add 15 g at 37° on 190 mm, move 5 g from 10° on 190 mm to 90° on 160 mm");
+}
+
+TEST(AdviceLines, SayWhenAWheelIsToBeLeftAlone) {
+  Compensation found{.advice = Advice::kLeaveUncertain};
+  found.verdict = {.residual_g = 8.0, .shop_g = 7.0};
+  const auto lines = advice_lines(driven(), found);
+  EXPECT_EQ(lines[0], "  leave it: the unbalance is within its own uncertainty");
+  EXPECT_EQ(lines[1].rfind("  leaves 8.0 g, MORE THAN what a shop leaves (7 g); of", 0), 0u) << lines[1];
+  found.advice = Advice::kLeaveSmall;
+  EXPECT_EQ(advice_lines(driven(), found)[0], "  leave it: no weight there is makes it enough less");
+}
+
+TEST(AdviceLines, SayThatWeightsWillNotCureIt) {
+  Compensation found = two_steps();
+  found.verdict.incurable = "force dominates";
+  EXPECT_EQ(advice_lines(driven(), found).at(2), "  WEIGHTS WILL NOT CURE THIS: force dominates");
+}
+
+TEST(CompensationJson, HoldsTheStepsAndIsNullWhereNothingIsKnown) {
+  std::array<Balance, kWheels> balance;
+  std::array<Compensation, kWheels> compensation;
+  balance[1] = driven();
+  compensation[1] = two_steps();
+  const auto json = compensation_json(balance, compensation);
+  EXPECT_TRUE(json[0]["advice"].is_null());
+  EXPECT_TRUE(json[0]["steps"].is_null());
+  EXPECT_EQ(json[1]["advice"], "steps");
+  EXPECT_EQ(json[1]["of"], "equivalent unbalance");
+  EXPECT_NEAR(json[1]["greatest_speed_km_h"].get<double>(), 129.6, 1e-9);
+  EXPECT_EQ(json[1]["within_shop"], true);
+  EXPECT_TRUE(json[1]["incurable"].is_null());
+  const auto& steps = json[1]["steps"];
+  ASSERT_EQ(steps.size(), 2u);
+  EXPECT_EQ(steps[0]["action"], "add");
+  EXPECT_NEAR(steps[0]["angle_deg"].get<double>(), 37.0, 1e-9);
+  EXPECT_FALSE(steps[0].contains("from_deg"));
+  EXPECT_NEAR(steps[1]["from_deg"].get<double>(), 10.0, 1e-9);
+  EXPECT_EQ(steps[1]["from_radius_m"], 0.19);
 }
 
 TEST(LevelLines, MarkDeadAndOverloadedChannels) {

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "common/bus/compensation.hpp"
+#include "common/bus/results.hpp"
+#include "common/config/vehicle_config.hpp"
+
+namespace roadbalance {
+
+/// What there is to do about a wheel's unbalance with the weights that vehicle.toml has: the plan whose steps
+/// leave least of it, or to leave it, and how that is to be judged.
+///
+/// The unbalance is that of the balance: the equivalent one of the speeds driven, in which a force that does
+/// not grow with speed has its share.  Its opposite leaves least of both at those speeds.
+///
+/// @param wheel  of the balance
+/// @throws std::invalid_argument if its stock of weights is none (plan_weights)
+Compensation compensate(const Balance& balance, const WheelConfig& wheel, const BalanceLimits& limits);
+
+/// True if the unbalance could as well be none: it lies inside its own 95 % ellipse.  Then a weight is as
+/// likely to do harm as good.
+/// @param balance  state kNone
+bool within_own_uncertainty(const Balance& balance);
+
+}  // namespace roadbalance

@@ -1,0 +1,120 @@
+#include "host/balance/compensation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+namespace roadbalance {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kRadius_m = 0.19;
+
+WheelConfig wheel() {
+  WheelConfig config{};
+  config.mass_kg = 34.0;
+  config.rolling_radius_m = 0.30;
+  config.weight_radius_m = kRadius_m;
+  config.stock.radius_m = {kRadius_m};
+  return config;
+}
+
+/// 2 g known in one direction, 1 g in the other.
+Balance known(double grams, double degrees) {
+  Balance balance;
+  balance.wheel = 2;
+  balance.time_ns = 77;
+  balance.state = Unknown::kNone;
+  balance.unbalance_g = grams;
+  balance.angle_rad = degrees * kDegree;
+  balance.covariance_g2 = Eigen::Vector2d(4.0, 1.0).asDiagonal();
+  balance.weight_radius_m = kRadius_m;
+  balance.least_speed_m_s = 25.0;
+  balance.greatest_speed_m_s = 36.0;
+  return balance;
+}
+
+TEST(Compensate, LeavesWhatIsLeftAndWhatIsNotKnown) {
+  const Compensation found = compensate(known(30.0, 217.0), wheel(), {});
+  EXPECT_EQ(found.wheel, 2);
+  EXPECT_EQ(found.time_ns, 77);
+  EXPECT_EQ(found.radii, 1);
+  EXPECT_EQ(found.advice, Advice::kSteps);
+  ASSERT_EQ(found.plan.step.size(), 1U);
+  EXPECT_EQ(found.plan.step[0].weight.mass_g, 30.0);
+  EXPECT_NEAR(found.plan.step[0].weight.angle_rad, 37.0 * kDegree, 1e-12);
+  EXPECT_NEAR(found.verdict.residual_g, std::sqrt(4.0 + 1.0), 1e-9);
+  EXPECT_TRUE(found.verdict.within_shop());
+  EXPECT_EQ(found.verdict.shop_g, 7.0);
+}
+
+TEST(Compensate, HasNoStepsWhileNothingIsKnown) {
+  Balance balance = known(30.0, 0.0);
+  balance.state = Unknown::kTooShort;
+  const Compensation found = compensate(balance, wheel(), {});
+  EXPECT_EQ(found.advice, Advice::kUnknown);
+  EXPECT_TRUE(found.plan.step.empty());
+}
+
+// The 95 % ellipse reaches to sqrt(5.99) sigma: 4.9 g in one direction, 2.45 g in the other.
+TEST(Compensate, LeavesAWheelThatMayHaveNoUnbalance) {
+  WheelConfig config = wheel();
+  config.fitted = {{20.0, 1.0, kRadius_m}};
+  for (const auto& [grams, degrees] : {std::pair{4.85, 0.0}, {2.4, 90.0}}) {
+    const Compensation found = compensate(known(grams, degrees), config, {});
+    EXPECT_EQ(found.advice, Advice::kLeaveUncertain);
+    ASSERT_EQ(found.plan.step.size(), 1U);
+    EXPECT_EQ(found.plan.step[0].action, WeightAction::kKeep);
+    EXPECT_EQ(found.plan.applied_g_m, 0.0);
+    EXPECT_NEAR(found.verdict.residual_g, std::sqrt(grams * grams + 5.0), 1e-9);
+  }
+  EXPECT_EQ(compensate(known(4.95, 0.0), wheel(), {}).advice, Advice::kSteps);
+}
+
+TEST(Compensate, LeavesWhatNoWeightLessens) {
+  WheelConfig config = wheel();
+  config.stock.most = 1;
+  EXPECT_EQ(compensate(known(2.6, 90.0), config, {}).advice, Advice::kLeaveSmall)
+      << "half a step and a touch";
+  EXPECT_EQ(compensate(known(3.1, 90.0), config, {}).advice, Advice::kSteps);
+}
+
+TEST(Compensate, KnowsTheWeightsOnTheWheel) {
+  WheelConfig config = wheel();
+  config.fitted = {{20.0, 90.0 * kDegree, kRadius_m}};
+  // What a weight of 20 g at 90 degrees does that should be at 50.
+  const auto out = std::polar(20.0, 90.0 * kDegree) - std::polar(20.0, 50.0 * kDegree);
+  const Compensation found = compensate(known(std::abs(out), std::arg(out) / kDegree), config, {});
+  ASSERT_EQ(found.plan.step.size(), 1U);
+  EXPECT_EQ(found.plan.step[0].action, WeightAction::kMove);
+}
+
+TEST(Compensate, JudgesByTheLimitsOfTheShop) {
+  EXPECT_FALSE(compensate(known(30.0, 0.0), wheel(), {.shop_g = 2.0}).verdict.within_shop());
+  EXPECT_NE(compensate(known(30.0, 0.0), wheel(), {.heaviest_g = 25.0}).verdict.incurable, "");
+}
+
+// The definition of the ellipse: of estimates of nothing it holds 95 in 100.
+TEST(WithinOwnUncertainty, HoldsForNinetyFivePercentOfPureNoise) {
+  Eigen::Matrix2d factor;
+  factor << 2.0, 0.0, 1.2, 0.5;
+  Balance balance;
+  balance.covariance_g2 = factor * factor.transpose();
+  std::mt19937 random(2);
+  std::normal_distribution<double> normal;
+  const int runs = 20'000;
+  int within = 0;
+  for (int i = 0; i < runs; ++i) {
+    const Eigen::Vector2d noise = factor * Eigen::Vector2d(normal(random), normal(random));
+    balance.unbalance_g = noise.norm();
+    balance.angle_rad = std::atan2(noise.y(), noise.x());
+    within += within_own_uncertainty(balance);
+  }
+  // Four standard deviations of a binomial proportion.
+  EXPECT_NEAR(static_cast<double>(within) / runs, 0.95, 4.0 * std::sqrt(0.95 * 0.05 / runs));
+}
+
+}  // namespace
+}  // namespace roadbalance
