@@ -96,13 +96,8 @@ TEST(Observability, ASecondAxisOfTheHubTellsTheCouple) {
 TEST(Observability, AStiffHubTellsNoCouple) {
   // Without the axes: toe and camber held, so that only the sum of the planes moves anything.
   std::string text = test::read_source("common/multibody/test/data/hub_axis.toml");
-  const auto replace = [&text](const std::string& from, const std::string& to) {
-    const auto place = text.find(from);
-    ASSERT_NE(place, std::string::npos) << from;
-    text.replace(place, from.size(), to);
-  };
-  replace("[\"body\", \"wheel\", \"toe\", \"camber\"]", "[\"body\", \"wheel\"]");
-  replace("axes = \"zx\"\nangles = [\"toe\", \"camber\"]\n", "");
+  text = test::replaced(text, "[\"body\", \"wheel\", \"toe\", \"camber\"]", "[\"body\", \"wheel\"]");
+  text = test::replaced(text, "axes = \"zx\"\nangles = [\"toe\", \"camber\"]\n", "");
   for (const char* what :
        {"[[spring]]\nname = \"mount\"", "[[spring]]\nname = \"rod\"", "[[damper]]\nname = \"mount\""}) {
     const auto begin = text.find(what);

@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <random>
-#include <thread>
 
 #include "common/config/set_value.hpp"
 #include "common/config/text_file.hpp"
@@ -18,7 +17,7 @@
 #include "firmware/seal_all.hpp"
 #include "firmware/test/scripted_front_end.hpp"
 #include "sim/front_end.hpp"
-#include "tools/rb/child.hpp"
+#include "tools/rb/test/run_rb.hpp"
 
 namespace roadbalance {
 namespace {
@@ -29,14 +28,8 @@ class CalibrationCommands : public testing::Test {
  protected:
   CalibrationCommands() { std::ofstream(vehicle_file_) << text_; }
 
-  struct Outcome {
-    int code;
-    std::string output, log;
-  };
-  Outcome rb(const std::vector<std::string>& arguments) {
-    Child child(std::filesystem::path(std::getenv("RB_BIN")) / "rb", arguments, folder_ / "rb.log");
-    while (!child.ended()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    return {*child.ended(), child.output(), child.log()};
+  test::Outcome rb(const std::vector<std::string>& arguments) {
+    return test::run_rb(arguments, folder_ / "rb.log");
   }
   void record(FrontEnd& device, const VehicleConfig& vehicle, const NodeConfig& node) {
     RecordWriter writer({.folder = record_});
@@ -81,7 +74,7 @@ TEST_F(CalibrationCommands, ChannelsAreSetInTheVehicleFileAndOneWithoutTheSignal
   record(device, vehicle, vehicle.node[0]);
   const std::vector<std::string> arguments{"calibrate", "channels",  record_,       "--node",
                                            "front",     "--vehicle", vehicle_file_, "--json"};
-  const Outcome outcome = rb(arguments);
+  const test::Outcome outcome = rb(arguments);
   EXPECT_EQ(outcome.code, 1) << "one is left as it is";
   EXPECT_NE(outcome.log.find("fl_strut_x is left as it is: it does not show the signal"), std::string::npos)
       << outcome.log;
@@ -101,12 +94,12 @@ TEST_F(CalibrationCommands, ChannelsAreSetInTheVehicleFileAndOneWithoutTheSignal
 
   EXPECT_EQ(rb({"calibrate", "channels", record_, "--node", "spare"}).code, 2);
   EXPECT_EQ(rb({"calibrate", "channels", record_, "--reference-channel", "spare"}).code, 2);
-  const Outcome by_one =
+  const test::Outcome by_one =
       rb({"calibrate", "channels", record_, "--reference-channel", "fl_strut_z", "--json"});
   const Json of_nodes = Json::parse(by_one.output)["nodes"];
   ASSERT_EQ(of_nodes.size(), 1U) << "the rear node has no such channel";
   EXPECT_EQ(of_nodes[0]["channels"].size(), 12U) << by_one.log;
-  const Outcome silent = rb({"calibrate", "channels", record_, "--node", "rear"});
+  const test::Outcome silent = rb({"calibrate", "channels", record_, "--node", "rear"});
   EXPECT_EQ(silent.code, 1);
   EXPECT_NE(silent.log.find("0 s could be compared"), std::string::npos) << silent.log;
 }
@@ -120,7 +113,7 @@ TEST_F(CalibrationCommands, WiringSaysWhatAgreesAndWhatIsProbablyWrong) {
     std::filesystem::remove_all(record_);
     const auto device = sim::open_sim_front_end({"?seed=3&seconds=40&rate=max", *fitted, fitted->node[0]});
     record(*device, right, right.node[0]);
-    const Outcome outcome = rb({"wiring", record_, "--json"});
+    const test::Outcome outcome = rb({"wiring", record_, "--json"});
     EXPECT_EQ(outcome.code, fitted == &right ? 0 : 1) << outcome.log;
     const Json wheels = Json::parse(outcome.output)["wheels"];
     ASSERT_EQ(wheels.size(), 2U);
@@ -135,7 +128,7 @@ TEST_F(CalibrationCommands, WiringSaysWhatAgreesAndWhatIsProbablyWrong) {
                   std::string::npos);
       }
     }
-    const Outcome words = rb({"wiring", record_});
+    const test::Outcome words = rb({"wiring", record_});
     EXPECT_NE(words.output.find(fitted == &right ? "good: angle off by" : "WRONG: angle off by"),
               std::string::npos)
         << words.output;
@@ -148,7 +141,7 @@ TEST_F(CalibrationCommands, WiringDoesNotCallWrongWhatItCouldNotTest) {
   const VehicleConfig vehicle = VehicleConfig::parse(text, "car");
   const auto device = sim::open_sim_front_end({"?seed=3&seconds=3&rate=max", vehicle, vehicle.node[0]});
   record(*device, vehicle, vehicle.node[0]);
-  const Outcome outcome = rb({"wiring", record_, "--json"});
+  const test::Outcome outcome = rb({"wiring", record_, "--json"});
   EXPECT_EQ(outcome.code, 1) << "nothing is proven";
   const Json wheels = Json::parse(outcome.output)["wheels"];
   ASSERT_EQ(wheels.size(), 2U);
@@ -159,7 +152,7 @@ TEST_F(CalibrationCommands, WiringDoesNotCallWrongWhatItCouldNotTest) {
               std::string::npos)
         << wheel;
   }
-  const Outcome words = rb({"wiring", record_});
+  const test::Outcome words = rb({"wiring", record_});
   EXPECT_NE(words.output.find("front_left   not tested\n"), std::string::npos) << words.output;
   EXPECT_EQ(words.output.find("WRONG"), std::string::npos);
 }
@@ -168,7 +161,7 @@ TEST_F(CalibrationCommands, WiringNeedsALoopBack) {
   const VehicleConfig vehicle = VehicleConfig::parse(text_, "car");
   test::ScriptedFrontEnd device(one_signal_on_all(1.0, 2000.0), {});
   record(device, vehicle, vehicle.node[0]);
-  const Outcome outcome = rb({"wiring", record_});
+  const test::Outcome outcome = rb({"wiring", record_});
   EXPECT_EQ(outcome.code, 2);
   EXPECT_NE(outcome.log.find("no node has a loop-back"), std::string::npos) << outcome.log;
 }

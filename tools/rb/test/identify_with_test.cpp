@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <string>
-#include <thread>
 
 #include "common/record/record.hpp"
 #include "common/test/source.hpp"
@@ -16,34 +15,26 @@
 #include "firmware/seal_all.hpp"
 #include "sim/front_end.hpp"
 #include "sim/truth.hpp"
-#include "tools/rb/child.hpp"
 #include "tools/rb/command.hpp"
+#include "tools/rb/test/run_rb.hpp"
 
 namespace roadbalance {
 namespace {
 
 constexpr std::uint64_t kSeed = 4;
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  std::size_t place = text.find(from);
-  EXPECT_NE(place, std::string::npos) << from;
-  for (; place != std::string::npos; place = text.find(from, place + to.size()))
-    text.replace(place, from.size(), to);
-  return text;
-}
-
 /// The demo car at 500 scans a second; if `road`, with the road's height in place of the carriers'
 /// fore-and-aft accelerations, full scale 1 m.
 VehicleConfig car(bool road) {
   std::string text = test::read_source("sim/demo/vehicle.toml");
-  text = replaced(text, "\nrate_hz = 2000", "\nrate_hz = 500");
-  text = replaced(text, "\ncutoff_hz = 200", "\ncutoff_hz = 60");
+  text = test::replaced(text, "\nrate_hz = 2000", "\nrate_hz = 500");
+  text = test::replaced(text, "\ncutoff_hz = 200", "\ncutoff_hz = 60");
   for (const char* wheel : {"fl", "fr", "rl", "rr"}) {
     const std::string name = std::string("name = \"") + wheel + "_carrier_x\"";
     const auto range = text.find("range_m_s2 = 200", text.find(name));
     if (road) {
       text.replace(range, std::string("range_m_s2 = 200").size(), "range_m_s2 = 1");
-      text = replaced(text, name, name + "\nrole = \"road\"");
+      text = test::replaced(text, name, name + "\nrole = \"road\"");
     }
   }
   return VehicleConfig::parse(road ? text + "\n[road]\nmeasured = true\n" : text, "vehicle.toml");
@@ -68,12 +59,11 @@ class IdentifyWith : public testing::Test {
   int identify(const std::string& estimator, bool json = true) {
     std::vector<std::string> arguments{"identify", "--estimator", estimator, record_};
     if (json) arguments.emplace_back("--json");
-    Child child(std::filesystem::path(std::getenv("RB_BIN")) / "rb", arguments, folder_ / "rb.log");
-    while (!child.ended()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    output_ = child.output();
-    log_ = child.log();
-    if (json && *child.ended() == kDone) told_ = nlohmann::json::parse(output_);
-    return *child.ended();
+    const auto [code, output, log] = test::run_rb(arguments, folder_ / "rb.log");
+    output_ = output;
+    log_ = log;
+    if (json && code == kDone) told_ = nlohmann::json::parse(output_);
+    return code;
   }
 
   /// Each told wheel within a share of the truth, the unbalance as a vector.

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/config/vehicle_config.hpp"
+#include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
 #include "embedded/demo_vehicle.hpp"
 #include "firmware/seal_all.hpp"
@@ -26,14 +27,8 @@ namespace {
 /// 500 scans a second, the rate identification works at, keep the files small.
 VehicleConfig vehicle() {
   std::string text(embedded::kDemoVehicle);
-  const auto replace = [&](const std::string& from, const std::string& to) {
-    std::size_t place = text.find(from);
-    EXPECT_NE(place, std::string::npos) << from;
-    for (; place != std::string::npos; place = text.find(from, place + to.size()))
-      text.replace(place, from.size(), to);
-  };
-  replace("\nrate_hz = 2000", "\nrate_hz = 500");
-  replace("\ncutoff_hz = 200", "\ncutoff_hz = 60");
+  text = test::replaced(text, "\nrate_hz = 2000", "\nrate_hz = 500");
+  text = test::replaced(text, "\ncutoff_hz = 200", "\ncutoff_hz = 60");
   return VehicleConfig::parse(text, "vehicle.toml");
 }
 
@@ -86,8 +81,8 @@ class ImportDrive : public testing::Test {
       for (const Edge& edge : log_[n].edges) {
         const WheelConfig* const wheel = vehicle_.wheel_at(vehicle_.node[n], edge.line);
         EXPECT_NE(wheel, nullptr);
-        rows.emplace(edge.time, (wheel ? wheel->name : "none") +
-                                    (edge.kind == EdgeKind::kTooth ? ",tooth" : ",zero"));
+        rows.emplace(edge.time,
+                     (wheel ? wheel->name : "none") + (edge.kind == EdgeKind::kTooth ? ",tooth" : ",zero"));
       }
     const std::filesystem::path path = folder_ / "pulses.csv";
     std::FILE* const file = std::fopen(path.c_str(), "w");

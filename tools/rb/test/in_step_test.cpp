@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <string>
-#include <thread>
 
 #include "common/record/record.hpp"
 #include "common/test/source.hpp"
@@ -18,24 +17,16 @@
 #include "host/analyser/identify_record.hpp"
 #include "sim/front_end.hpp"
 #include "sim/truth.hpp"
-#include "tools/rb/child.hpp"
+#include "tools/rb/test/run_rb.hpp"
 
 namespace roadbalance {
 namespace {
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  std::size_t place = text.find(from);
-  EXPECT_NE(place, std::string::npos) << from;
-  for (; place != std::string::npos; place = text.find(from, place + to.size()))
-    text.replace(place, from.size(), to);
-  return text;
-}
-
 /// The demo car at 500 scans a second, its front wheels of one radius to 10 ppm, the rear wheels of others.
 VehicleConfig car(bool hub_sensors) {
   std::string text = test::read_source("sim/demo/vehicle.toml");
-  text = replaced(text, "\nrate_hz = 2000", "\nrate_hz = 500");
-  text = replaced(text, "\ncutoff_hz = 200", "\ncutoff_hz = 60");
+  text = test::replaced(text, "\nrate_hz = 2000", "\nrate_hz = 500");
+  text = test::replaced(text, "\ncutoff_hz = 200", "\ncutoff_hz = 60");
   const auto radius = [&](const std::string& wheel, const std::string& metres) {
     const auto at = text.find("rolling_radius_m = 0.30", text.find("name = \"" + wheel + "\""));
     text.replace(at, std::string("rolling_radius_m = 0.30").size(), "rolling_radius_m = " + metres);
@@ -46,7 +37,7 @@ VehicleConfig car(bool hub_sensors) {
   if (!hub_sensors)
     for (const char* wheel : {"fl", "fr", "rl", "rr"}) {
       const std::string name = std::string("name = \"") + wheel + "_carrier_z\"";
-      text = replaced(text, name, name + "\nrole = \"unused\"");
+      text = test::replaced(text, name, name + "\nrole = \"unused\"");
     }
   return VehicleConfig::parse(text, "vehicle.toml");
 }
@@ -55,9 +46,9 @@ class InStep : public testing::Test {
  protected:
   /// Drives 200 s and records it.
   void drive(const VehicleConfig& vehicle, double rolling_radius_spread) {
-    std::ofstream(scenario_) << replaced(test::read_source("sim/demo/scenario.toml"),
-                                         "rolling_radius = 0.003",
-                                         "rolling_radius = " + std::to_string(rolling_radius_spread));
+    std::ofstream(scenario_) << test::replaced(test::read_source("sim/demo/scenario.toml"),
+                                               "rolling_radius = 0.003",
+                                               "rolling_radius = " + std::to_string(rolling_radius_spread));
     RecordWriter writer({.folder = record_});
     for (const NodeConfig& node : vehicle.node) {
       const auto device =
@@ -86,17 +77,13 @@ class InStep : public testing::Test {
     EXPECT_LT(std::abs(off_rad), most) << kWheelNames[wheel];
   }
   void expect_refused_by_the_command() {
-    Child child(std::filesystem::path(std::getenv("RB_BIN")) / "rb", {"identify", record_},
-                folder_ / "rb.log");
-    while (!child.ended()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    std::printf("%s%s", child.log().c_str(), child.output().c_str());
-    EXPECT_NE(child.log().find("front_left and front_right turned in step"), std::string::npos)
-        << child.log();
+    const auto [code, output, log] = test::run_rb({"identify", record_}, folder_ / "rb.log");
+    std::printf("%s%s", log.c_str(), output.c_str());
+    EXPECT_NE(log.find("front_left and front_right turned in step"), std::string::npos) << log;
     for (const char* words : {"take a bend or change lanes", "fit sensors to their carriers"})
-      EXPECT_NE(child.log().find(words), std::string::npos) << child.log();
-    EXPECT_NE(child.output().find("front left:  not known: it turns in step with another wheel"),
-              std::string::npos)
-        << child.output();
+      EXPECT_NE(log.find(words), std::string::npos) << log;
+    EXPECT_NE(output.find("front left:  not known: it turns in step with another wheel"), std::string::npos)
+        << output;
   }
 
   const test::TemporaryDirectory folder_;

@@ -1,35 +1,25 @@
 // rb model on what a user has: a vehicle.toml, a description, the name of one that ships.
 #include <gtest/gtest.h>
 
-#include <chrono>
-#include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
-#include "tools/rb/child.hpp"
+#include "tools/rb/test/run_rb.hpp"
 
 namespace roadbalance {
 namespace {
 
 using Json = nlohmann::json;
 
-struct Outcome {
-  int code;
-  std::string output, log;
-};
-
 class ModelCommand : public testing::Test {
  protected:
-  Outcome model(std::vector<std::string> arguments) const {
+  test::Outcome model(std::vector<std::string> arguments) const {
     arguments.insert(arguments.begin(), "model");
-    Child rb(std::string(std::getenv("RB_BIN")) + "/rb", arguments, folder_ / "log");
-    for (;; std::this_thread::sleep_for(std::chrono::milliseconds(5)))
-      if (const auto code = rb.ended()) return {*code, rb.output(), rb.log()};
+    return test::run_rb(arguments, folder_ / "rb.log");
   }
   std::string write(const std::string& name, const std::string& text) const {
     std::ofstream(folder_ / name) << text;

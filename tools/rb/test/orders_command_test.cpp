@@ -2,7 +2,6 @@
 // at steady 15 turns a second, as an anti-aliasing filter of order 6 at 100 Hz leaves them.
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <cmath>
 #include <complex>
 #include <cstdlib>
@@ -11,14 +10,13 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "common/config/text_file.hpp"
 #include "common/config/vehicle_config.hpp"
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
-#include "tools/rb/child.hpp"
+#include "tools/rb/test/run_rb.hpp"
 
 namespace roadbalance {
 namespace {
@@ -41,24 +39,12 @@ Complex filter(double frequency_hz) {
   return product;
 }
 
-void replace(std::string& text, const std::string& from, const std::string& to) {
-  std::size_t place = text.find(from);
-  ASSERT_NE(place, std::string::npos) << from;
-  for (; place != std::string::npos; place = text.find(from, place + to.size()))
-    text.replace(place, from.size(), to);
-}
-
-struct Outcome {
-  int code;
-  std::string output, log;
-};
-
 class OrdersCommand : public testing::Test {
  protected:
   void SetUp() override {
     std::string text = test::read_source("sim/demo/vehicle.toml");
-    replace(text, "\nrate_hz = 2000", "\nrate_hz = 500");
-    replace(text, "\ncutoff_hz = 200", "\ncutoff_hz = 100");
+    text = test::replaced(text, "\nrate_hz = 2000", "\nrate_hz = 500");
+    text = test::replaced(text, "\ncutoff_hz = 200", "\ncutoff_hz = 100");
     text +=
         "\n[[rotor]]\nname = \"shaft\"\nwheel = [\"front_left\"]\nratio = 2\n"
         "[[rotor.plane]]\nname = \"flange\"\nposition_m = [0, 0, 0]\nweight_radius_m = 0.05\n";
@@ -68,16 +54,14 @@ class OrdersCommand : public testing::Test {
     import(record_);
   }
   void import(const std::string& record) {
-    const Outcome imported =
+    const test::Outcome imported =
         rb({"import", "csv", "--samples", folder_ / "samples.csv", "--pulses", folder_ / "pulses.csv",
             "--vehicle", folder_ / "vehicle.toml", "-o", record});
     ASSERT_EQ(imported.code, 0) << imported.log;
   }
 
-  Outcome rb(const std::vector<std::string>& arguments) {
-    Child child(std::filesystem::path(std::getenv("RB_BIN")) / "rb", arguments, folder_ / "rb.log");
-    while (!child.ended()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    return {*child.ended(), child.output(), child.log()};
+  test::Outcome rb(const std::vector<std::string>& arguments) {
+    return test::run_rb(arguments, folder_ / "rb.log");
   }
 
   /// Channel fl_carrier_z has the orders, every other is silent.
@@ -119,7 +103,7 @@ class OrdersCommand : public testing::Test {
 };
 
 TEST_F(OrdersCommand, TellsAmplitudeAndPhaseOfTheOrders) {
-  const Outcome outcome =
+  const test::Outcome outcome =
       rb({"orders", record_, "--wheel", "front_left", "--channel", "fl_carrier_z", "--json", "--waterfall"});
   ASSERT_EQ(outcome.code, 0) << outcome.log;
   const Json wheel = Json::parse(outcome.output)["wheels"][0];
@@ -152,7 +136,7 @@ TEST_F(OrdersCommand, TellsAmplitudeAndPhaseOfTheOrders) {
 
 TEST_F(OrdersCommand, SaysSoWhereNoAngleIsKnown) {
   // Only the front left wheel has pulses.
-  const Outcome outcome = rb({"orders", record_, "--wheel", "rear_right", "--json"});
+  const test::Outcome outcome = rb({"orders", record_, "--wheel", "rear_right", "--json"});
   EXPECT_EQ(outcome.code, 1) << "the answer is no";
   EXPECT_NE(outcome.log.find("known angle"), std::string::npos) << outcome.log;
   const Json wheel = Json::parse(outcome.output)["wheels"][0];
@@ -162,7 +146,7 @@ TEST_F(OrdersCommand, SaysSoWhereNoAngleIsKnown) {
 }
 
 TEST_F(OrdersCommand, PrintsEveryWheelAndChannel) {
-  const Outcome outcome = rb({"orders", record_});
+  const test::Outcome outcome = rb({"orders", record_});
   EXPECT_EQ(outcome.code, 0) << outcome.log;
   for (const char* text :
        {"front_left, node front", "rear_right, node rear", "fl_carrier_z", "75.0", "peaks  1.00: 2.0"})
@@ -170,7 +154,7 @@ TEST_F(OrdersCommand, PrintsEveryWheelAndChannel) {
 }
 
 TEST_F(OrdersCommand, LooksIntoOtherNodesForTheWheelToo) {
-  const Outcome all = rb({"orders", record_, "--wheel", "front_left", "--all-nodes", "--json"});
+  const test::Outcome all = rb({"orders", record_, "--wheel", "front_left", "--all-nodes", "--json"});
   ASSERT_EQ(all.code, 0) << all.log;
   const Json wheels = Json::parse(all.output)["wheels"];
   ASSERT_EQ(wheels.size(), 2U) << "one for each node";
@@ -182,13 +166,15 @@ TEST_F(OrdersCommand, LooksIntoOtherNodesForTheWheelToo) {
     EXPECT_GT(channel["orders"][0]["blocks"].get<int>(), 30) << channel["channel"];
     EXPECT_NEAR(channel["orders"][0]["amplitude"], 0.0, 1e-4) << "nothing turns there";
   }
-  const Outcome one = rb({"orders", record_, "--wheel", "front_left", "--channel", "rl_carrier_z", "--json"});
+  const test::Outcome one =
+      rb({"orders", record_, "--wheel", "front_left", "--channel", "rl_carrier_z", "--json"});
   ASSERT_EQ(one.code, 0) << one.log;
   EXPECT_EQ(Json::parse(one.output)["wheels"][0]["node"], "rear");
 }
 
 TEST_F(OrdersCommand, CountsOrdersOfARotorByItsOwnTurns) {
-  const Outcome outcome = rb({"orders", record_, "--rotor", "shaft", "--channel", "fl_carrier_z", "--json"});
+  const test::Outcome outcome =
+      rb({"orders", record_, "--rotor", "shaft", "--channel", "fl_carrier_z", "--json"});
   ASSERT_EQ(outcome.code, 0) << outcome.log;
   const Json shaft = Json::parse(outcome.output)["wheels"][0];
   EXPECT_EQ(shaft["wheel"], "shaft");
@@ -204,11 +190,11 @@ TEST_F(OrdersCommand, CountsOrdersOfARotorByItsOwnTurns) {
 }
 
 TEST_F(OrdersCommand, BalancesNoRotorByDrivesThatTellNothingOfIt) {
-  const Outcome same = rb({"balance", "--rotor", "shaft", record_, record_ + ":flange=20@0", "--json"});
+  const test::Outcome same = rb({"balance", "--rotor", "shaft", record_, record_ + ":flange=20@0", "--json"});
   EXPECT_EQ(same.code, 1) << "the weight did nothing";
   EXPECT_NE(same.log.find("do not tell what a weight"), std::string::npos) << same.log;
   EXPECT_EQ(Json::parse(same.output)["planes"].size(), 0U);
-  const Outcome wrong = rb({"balance", "--rotor", "shaft", record_, record_ + ":side=20@0"});
+  const test::Outcome wrong = rb({"balance", "--rotor", "shaft", record_, record_ + ":side=20@0"});
   EXPECT_EQ(wrong.code, 2);
   EXPECT_NE(wrong.log.find("side: rotor shaft has no such plane; allowed: flange"), std::string::npos)
       << wrong.log;
@@ -216,11 +202,11 @@ TEST_F(OrdersCommand, BalancesNoRotorByDrivesThatTellNothingOfIt) {
 
 TEST_F(OrdersCommand, BalancesNoRotorByDrivesOfVehiclesThatDiffer) {
   std::string text = read_text_file(folder_ / "vehicle.toml");
-  replace(text, "ratio = 2\n", "ratio = 3\n");
+  text = test::replaced(text, "ratio = 2\n", "ratio = 3\n");
   std::ofstream(folder_ / "vehicle.toml") << text;
   const std::string other = folder_ / "other";
   import(other);
-  const Outcome refused = rb({"balance", "--rotor", "shaft", record_, other + ":flange=20@0"});
+  const test::Outcome refused = rb({"balance", "--rotor", "shaft", record_, other + ":flange=20@0"});
   EXPECT_EQ(refused.code, 2);
   EXPECT_NE(refused.log.find(record_ + " and " + other + " cannot be compared: ratio of shaft is 2 in one"),
             std::string::npos)
@@ -231,7 +217,7 @@ TEST_F(OrdersCommand, NamesWhatIsAtFault) {
   const auto refused = [&](const std::vector<std::string>& arguments, const std::vector<std::string>& texts) {
     std::vector<std::string> all{"orders", record_};
     all.insert(all.end(), arguments.begin(), arguments.end());
-    const Outcome outcome = rb(all);
+    const test::Outcome outcome = rb(all);
     EXPECT_EQ(outcome.code, 2) << outcome.log;
     EXPECT_EQ(outcome.output, "");
     for (const auto& text : texts)
@@ -246,13 +232,13 @@ TEST_F(OrdersCommand, NamesWhatIsAtFault) {
        {std::vector<std::string>{"--wheel", "front_left"}, {"--order", "7"}, {"--all-nodes"}}) {
     std::vector<std::string> live{"orders", "--live"};
     live.insert(live.end(), of_record.begin(), of_record.end());
-    const Outcome outcome = rb(live);
+    const test::Outcome outcome = rb(live);
     EXPECT_EQ(outcome.code, 2);
     EXPECT_NE(outcome.log.find("excludes"), std::string::npos) << outcome.log;
   }
   refused({"--order", "0.01"}, {"--order", "0.01"});
   refused({"--order", "1", "--order", "1.05"}, {"1.05"});
-  const Outcome nowhere = rb({"orders", folder_ / "nowhere"});
+  const test::Outcome nowhere = rb({"orders", folder_ / "nowhere"});
   EXPECT_EQ(nowhere.code, 4);
   EXPECT_NE(nowhere.log.find("nowhere"), std::string::npos) << nowhere.log;
 }

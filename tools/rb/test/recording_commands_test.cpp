@@ -1,39 +1,29 @@
 // Somebody else's measurement through the documented commands: import, verify, levels, spectrum, identify.
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
-#include "tools/rb/child.hpp"
+#include "tools/rb/test/run_rb.hpp"
 
 namespace roadbalance {
 namespace {
 
 using Json = nlohmann::json;
 
-struct Outcome {
-  int code;
-  std::string output, log;
-};
-
 class RecordingCommands : public testing::Test {
  protected:
-  Outcome rb(const std::vector<std::string>& arguments) {
-    Child child(std::filesystem::path(std::getenv("RB_BIN")) / "rb", arguments, folder_ / "rb.log");
-    while (!child.ended()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    return {*child.ended(), child.output(), child.log()};
+  test::Outcome rb(const std::vector<std::string>& arguments) {
+    return test::run_rb(arguments, folder_ / "rb.log");
   }
-  Outcome import(const std::string& samples, const std::string& into) {
+  test::Outcome import(const std::string& samples, const std::string& into) {
     return rb({"import", "csv", "--samples", samples, "--vehicle",
                test::source_path("tools/rb/test/data/wobbletracker.toml"), "-o", into});
   }
@@ -86,7 +76,7 @@ double rate_of_stamps() {
 }
 
 TEST_F(RecordingCommands, ARealCarsMeasurementGoesAllTheWay) {
-  const Outcome imported = import(kWobble, record_);
+  const test::Outcome imported = import(kWobble, record_);
   ASSERT_EQ(imported.code, 0) << imported.log;
   EXPECT_NE(imported.log.find("from an even clock"), std::string::npos) << "uneven stamps are said";
   EXPECT_NE(imported.log.find("passenger_axle_z"), std::string::npos) << "the faulty sensor is named";
@@ -113,7 +103,7 @@ TEST_F(RecordingCommands, ARealCarsMeasurementGoesAllTheWay) {
   EXPECT_NEAR(rate_hz, rate_of_stamps(), 1e-4 * rate_of_stamps());
   EXPECT_NEAR(frequency.back(), rate_hz / 2, spectrum["step_hz"]);
 
-  const Outcome identified = rb({"identify", record_, "--json"});
+  const test::Outcome identified = rb({"identify", record_, "--json"});
   EXPECT_EQ(identified.code, 1) << "the answer is no";
   EXPECT_TRUE(Json::parse(identified.output)["wheels"][0]["unbalance_g"].is_null());
   EXPECT_NE(identified.log.find("identification_rate_hz"), std::string::npos) << identified.log;
@@ -132,7 +122,7 @@ TEST_F(RecordingCommands, DamageCostsWhatItHitAndIsSaid) {
   file.close();
 
   EXPECT_EQ(rb({"verify", record_}).code, 1);
-  const Outcome levels = rb({"levels", record_, "--json"});
+  const test::Outcome levels = rb({"levels", record_, "--json"});
   EXPECT_EQ(levels.code, 0) << levels.log;
   EXPECT_NE(levels.log.find("damaged"), std::string::npos) << levels.log;
   // One event is lost, a block of 20 scans at the most.
@@ -145,17 +135,17 @@ TEST_F(RecordingCommands, DamageCostsWhatItHitAndIsSaid) {
 
 TEST_F(RecordingCommands, NameWhatIsAtFault) {
   ASSERT_EQ(import(kWobble, record_).code, 0);
-  const Outcome again = import(kWobble, record_);
+  const test::Outcome again = import(kWobble, record_);
   EXPECT_EQ(again.code, 2) << again.log;
   EXPECT_NE(again.log.find(record_), std::string::npos) << "a recording is never overwritten: " << again.log;
 
-  const Outcome channel = rb({"spectrum", record_, "--channel", "bonnet_z"});
+  const test::Outcome channel = rb({"spectrum", record_, "--channel", "bonnet_z"});
   EXPECT_EQ(channel.code, 2);
   EXPECT_NE(channel.log.find("bonnet_z"), std::string::npos);
   EXPECT_NE(channel.log.find("driver_knuckle_z"), std::string::npos) << "and what there is";
 
   for (const char* command : {"verify", "levels", "identify"}) {
-    const Outcome nowhere = rb({command, folder_ / "nowhere"});
+    const test::Outcome nowhere = rb({command, folder_ / "nowhere"});
     EXPECT_EQ(nowhere.code, 4) << command << ": " << nowhere.log;
     EXPECT_NE(nowhere.log.find("nowhere"), std::string::npos) << nowhere.log;
     EXPECT_NE(nowhere.log.find("No such file or directory"), std::string::npos) << nowhere.log;
