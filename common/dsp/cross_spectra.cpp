@@ -1,0 +1,199 @@
+#include "common/dsp/cross_spectra.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+#include <utility>
+
+namespace roadbalance {
+namespace {
+
+const CrossSpectra::Settings& checked(const CrossSpectra::Settings& settings) {
+  const auto& welch = settings.welch;
+  if (!(welch.rate_hz > 0.0)) throw std::invalid_argument("sampling rate of spectra must be positive");
+  if (welch.segment < 2) throw std::invalid_argument("segment of spectra must have at least 2 samples");
+  if (!(welch.overlap >= 0.0 && welch.overlap < 1.0))
+    throw std::invalid_argument("overlap of spectra must be 0 <= overlap < 1");
+  if (settings.channels < 1) throw std::invalid_argument("spectra need a channel");
+  if (settings.memory < 0)
+    throw std::invalid_argument("memory of an exponential average must not be negative");
+  return settings;
+}
+
+/// Squared correlation of the spectra of two segments, one `shift` samples after the other, of white noise.
+double correlation(const std::vector<double>& window, std::size_t shift) {
+  if (shift >= window.size()) return 0.0;
+  const auto later = window.begin() + static_cast<std::ptrdiff_t>(shift);
+  const double common = std::inner_product(later, window.end(), window.begin(), 0.0);
+  return std::pow(common / std::inner_product(window.begin(), window.end(), window.begin(), 0.0), 2);
+}
+
+}  // namespace
+
+CrossSpectra::CrossSpectra(const Settings& settings)
+    : settings_(checked(settings)),
+      fft_(settings.welch.segment),
+      window_(window(settings.welch.window, settings.welch.segment)),
+      tapered_(window_.size()),
+      lines_(static_cast<std::size_t>(fft_.bins())),
+      hop_(std::max<Eigen::Index>(1, std::lround((1.0 - settings.welch.overlap) * settings.welch.segment))),
+      tiles_((fft_.bins() + kLane - 1) / kLane),
+      pairs_(settings.channels * (settings.channels + 1) / 2),
+      step_hz_(settings.welch.rate_hz / settings.welch.segment),
+      enbw_hz_(equivalent_noise_bandwidth_bins(window_) * step_hz_),
+      scale_(1.0 / (settings.welch.rate_hz *
+                    std::inner_product(window_.begin(), window_.end(), window_.begin(), 0.0))),
+      history_(settings.welch.segment, settings.channels),
+      batch_(static_cast<std::size_t>(tiles_) * kBatch * static_cast<std::size_t>(settings.channels) * 2,
+             Lane::Zero()),
+      sum_(static_cast<std::size_t>(tiles_) * static_cast<std::size_t>(pairs_) * 2, Lane::Zero()) {
+  if (settings.hold_peaks)
+    peak_.assign(static_cast<std::size_t>(tiles_) * static_cast<std::size_t>(settings.channels),
+                 Lane::Zero());
+}
+
+void CrossSpectra::add(const Eigen::Ref<const Eigen::MatrixXd>& samples) {
+  if (samples.rows() != settings_.channels)
+    throw std::invalid_argument("spectra of " + std::to_string(settings_.channels) + " channels got " +
+                                std::to_string(samples.rows()));
+  for (Eigen::Index taken = 0; taken < samples.cols();) {
+    const Eigen::Index n = std::min(samples.cols() - taken, history_.rows() - filled_);
+    history_.middleRows(filled_, n) = samples.middleCols(taken, n).transpose();
+    filled_ += n;
+    taken += n;
+    if (filled_ == history_.rows()) add_segment();
+  }
+}
+
+void CrossSpectra::add_segment() {
+  const auto channels = static_cast<std::size_t>(settings_.channels);
+  for (std::size_t c = 0; c < channels; ++c) {
+    const auto samples = history_.col(static_cast<Eigen::Index>(c));
+    for (std::size_t n = 0; n < tapered_.size(); ++n)
+      tapered_[n] = window_[n] * samples(static_cast<Eigen::Index>(n));
+    fft_.forward(tapered_, lines_);
+    for (std::size_t k = 0; k < lines_.size(); ++k) {
+      const std::size_t lane =
+          2 * (((k / kLane) * kBatch + static_cast<std::size_t>(waiting_)) * channels + c);
+      batch_[lane](static_cast<Eigen::Index>(k % kLane)) = lines_[k].real();
+      batch_[lane + 1](static_cast<Eigen::Index>(k % kLane)) = lines_[k].imag();
+    }
+  }
+  ++averages_;
+  ++waiting_;
+  const Eigen::Index kept = history_.rows() - hop_;
+  history_.topRows(kept) = history_.bottomRows(kept).eval();
+  filled_ = kept;
+  if (waiting_ == kBatch) sum_up();
+}
+
+std::size_t CrossSpectra::place(int tile, int a, int b) const {
+  // Rows of the upper triangle one after the other.
+  const int pair = a * settings_.channels - a * (a - 1) / 2 + (b - a);
+  return 2 *
+         (static_cast<std::size_t>(tile) * static_cast<std::size_t>(pairs_) + static_cast<std::size_t>(pair));
+}
+
+void CrossSpectra::sum_up() {
+  if (waiting_ == 0) return;
+  // The mean after segment m is (1 - 1/m) times the mean before it and 1/m of it; m stops at the memory.
+  std::array<double, kBatch> weight{};
+  double before = 1.0;
+  for (int s = 0; s < waiting_; ++s) {
+    const int m = ++summed_;
+    const double share = 1.0 / (settings_.memory > 0 ? std::min(m, settings_.memory) : m);
+    for (int earlier = 0; earlier < s; ++earlier) weight[static_cast<std::size_t>(earlier)] *= 1.0 - share;
+    weight[static_cast<std::size_t>(s)] = share;
+    before *= 1.0 - share;
+  }
+  const auto channels = static_cast<std::size_t>(settings_.channels);
+  for (int tile = 0; tile < tiles_; ++tile) {
+    const Lane* const lines = &batch_[2 * static_cast<std::size_t>(tile) * kBatch * channels];
+    const auto line = [&](int segment, std::size_t channel) {
+      return lines + 2 * (static_cast<std::size_t>(segment) * channels + channel);
+    };
+    Lane* sum = &sum_[place(tile, 0, 0)];
+    for (std::size_t a = 0; a < channels; ++a) {
+      std::array<Lane, kBatch> re, im;
+      for (int s = 0; s < waiting_; ++s) {
+        const auto i = static_cast<std::size_t>(s);
+        re[i] = weight[i] * line(s, a)[0];
+        im[i] = weight[i] * line(s, a)[1];
+        if (settings_.hold_peaks) {
+          Lane& peak = peak_[static_cast<std::size_t>(tile) * channels + a];
+          peak = peak.max(line(s, a)[0].square() + line(s, a)[1].square());
+        }
+      }
+      for (std::size_t b = a; b < channels; ++b, sum += 2) {
+        Lane real = before * sum[0], imaginary = before * sum[1];
+        for (int s = 0; s < waiting_; ++s) {
+          const auto i = static_cast<std::size_t>(s);
+          const Lane* const other = line(s, b);
+          real += re[i] * other[0] + im[i] * other[1];
+          imaginary += re[i] * other[1] - im[i] * other[0];
+        }
+        sum[0] = real;
+        sum[1] = imaginary;
+      }
+    }
+  }
+  waiting_ = 0;
+}
+
+void CrossSpectra::reset() {
+  filled_ = 0;
+  waiting_ = averages_ = summed_ = 0;
+  std::fill(sum_.begin(), sum_.end(), Lane::Zero());
+  std::fill(peak_.begin(), peak_.end(), Lane::Zero());
+}
+
+double CrossSpectra::independent_averages() const {
+  if (averages_ == 0) return 0.0;
+  const auto hop = static_cast<std::size_t>(hop_);
+  const bool settled = settings_.memory > 0 && averages_ > settings_.memory;
+  const double n = averages_, decay = settled ? 1.0 - 1.0 / settings_.memory : 1.0;
+  double doubled = 1.0;
+  for (std::size_t k = 1; k * hop < window_.size() && static_cast<double>(k) < n; ++k) {
+    const auto apart = static_cast<double>(k);
+    doubled += 2.0 * correlation(window_, k * hop) * (settled ? std::pow(decay, apart) : 1.0 - apart / n);
+  }
+  return (settled ? 2.0 * settings_.memory - 1.0 : n) / doubled;
+}
+
+double CrossSpectra::one_sided(int bin) const {
+  const bool alone = bin == 0 || 2 * bin == settings_.welch.segment;  // its own mirror image
+  return (alone ? 1.0 : 2.0) * scale_;
+}
+
+std::vector<std::complex<double>> CrossSpectra::density(int a, int b) {
+  sum_up();
+  std::vector<std::complex<double>> result(static_cast<std::size_t>(bins()));
+  for (int k = 0; k < bins(); ++k) {
+    const std::size_t at = place(k / kLane, std::min(a, b), std::max(a, b));
+    const std::complex<double> mean(sum_[at](k % kLane), sum_[at + 1](k % kLane));
+    result[static_cast<std::size_t>(k)] = one_sided(k) * (a <= b ? mean : std::conj(mean));
+  }
+  return result;
+}
+
+std::vector<double> CrossSpectra::density(int a) {
+  const auto with_itself = density(a, a);
+  std::vector<double> result(with_itself.size());
+  std::transform(with_itself.begin(), with_itself.end(), result.begin(), [](auto g) { return g.real(); });
+  return result;
+}
+
+std::vector<double> CrossSpectra::peak_density(int a) {
+  sum_up();
+  std::vector<double> result(static_cast<std::size_t>(bins()));
+  if (peak_.empty()) return result;
+  for (int k = 0; k < bins(); ++k) {
+    const auto at = static_cast<std::size_t>(k / kLane) * static_cast<std::size_t>(settings_.channels) +
+                    static_cast<std::size_t>(a);
+    result[static_cast<std::size_t>(k)] = one_sided(k) * peak_[at](k % kLane);
+  }
+  return result;
+}
+
+}  // namespace roadbalance

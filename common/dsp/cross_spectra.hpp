@@ -1,0 +1,85 @@
+#pragma once
+
+#include <complex>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "common/dsp/fft.hpp"
+#include "common/dsp/psd.hpp"
+
+namespace roadbalance {
+
+/// One-sided spectral densities of all pairs of some signals by Welch's method, normalised as WelchPsd:
+///
+///     G_ab[k] = c / (rate sum(w^2)) * mean over segments of conj(X_a[k]) X_b[k],   X = DFT(w x)
+///
+/// G_ab is what SciPy calls csd(a, b); unit of a times unit of b per Hz.
+///
+/// Segments wait until eight are together: the sums of all pairs are far larger than a cache, and are then
+/// gone through once for eight.
+class CrossSpectra {
+ public:
+  struct Settings {
+    WelchPsd::Settings welch;
+    int channels;  ///< >= 1
+    /// Segments that an exponential average remembers: each new one weighs 1 / memory, the first ones all
+    /// alike.  0: linear average, all segments alike for ever.
+    int memory = 0;
+    bool hold_peaks = false;
+  };
+
+  /// @throws std::invalid_argument
+  explicit CrossSpectra(const Settings& settings);
+
+  /// Takes further samples, without a hole.
+  /// @param samples  [channel x sample]
+  void add(const Eigen::Ref<const Eigen::MatrixXd>& samples);
+  /// Samples are missing: the segment that the hole cuts is dropped, what was averaged stays.
+  void gap() { filled_ = 0; }
+  /// Forgets everything.
+  void reset();
+
+  int channels() const { return settings_.channels; }
+  int bins() const { return fft_.bins(); }
+  double step_hz() const { return step_hz_; }
+  double enbw_hz() const { return enbw_hz_; }
+  /// Segments averaged.
+  int averages() const { return averages_; }
+  /// Segments side by side whose average would scatter as much: those that overlap tell less.
+  double independent_averages() const;
+
+  /// [bins] G_ab; zero before the first segment is full.
+  std::vector<std::complex<double>> density(int a, int b);
+  /// [bins] G_aa.
+  std::vector<double> density(int a);
+  /// [bins] the greatest that any one segment had; zero if not asked for.
+  std::vector<double> peak_density(int a);
+
+ private:
+  static constexpr int kLane = 8;   ///< bins side by side, a cache line of doubles
+  static constexpr int kBatch = 8;  ///< segments
+  using Lane = Eigen::Array<double, kLane, 1>;
+
+  void add_segment();
+  void sum_up();
+  std::size_t place(int tile, int a, int b) const;
+  double one_sided(int bin) const;
+
+  Settings settings_;
+  RealFft fft_;
+  std::vector<double> window_, tapered_;
+  std::vector<std::complex<double>> lines_;
+  Eigen::Index hop_;
+  int tiles_, pairs_;
+  double step_hz_, enbw_hz_, scale_;
+  Eigen::MatrixXd history_;  ///< [sample x channel] the segment that is being filled
+  Eigen::Index filled_ = 0;
+  int waiting_ = 0;
+  std::vector<Lane> batch_;  ///< [tile][segment][channel][re, im]
+  std::vector<Lane> sum_;    ///< [tile][pair][re, im], weighted mean of those summed up
+  std::vector<Lane> peak_;   ///< [tile][channel]
+  int averages_ = 0, summed_ = 0;
+};
+
+}  // namespace roadbalance
