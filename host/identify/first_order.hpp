@@ -42,6 +42,12 @@ struct FirstOrderFit {
   double sigma_force_n = 0.0;
 };
 
+/// Speeds of one car and road of which one that is this share of another tells an unbalance from a force, if
+/// both are driven for the same time: k grows as V, so with a share of q
+///
+///     1 - r^2 = 1 - (1 + q^3)^2 / ((1 + q) (1 + q^5)) >= 1 / kSeparable^2,    q <= 0.66.
+inline constexpr double kSeparatingShare = 0.65;
+
 /// @param forces  at least one, omega and variance > 0
 FirstOrderFit fit_first_order(std::span<const FirstOrderForce> forces);
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "host/identify/first_order.hpp"
+
 namespace roadbalance {
 namespace {
 
@@ -51,14 +53,24 @@ void remark_on_masses(const Identification& found, std::vector<std::string>& sen
         found.misfit_chance[0]));
 }
 
+/// Where to drive as long again, so that the speeds tell an unbalance from a force.
+std::string separating_speeds(double greatest_m_s) {
+  constexpr double kSlowest_km_h = 50.0;  // an unbalance hardly shakes below
+  constexpr double kRound_km_h = 5.0;
+  const double slow_km_h = kRound_km_h * std::floor(3.6 * kSeparatingShare * greatest_m_s / kRound_km_h);
+  if (slow_km_h >= kSlowest_km_h) return format("at %.0f km/h or slower", slow_km_h);
+  return format("at %.0f km/h or faster",
+                kRound_km_h * std::ceil(3.6 * greatest_m_s / kSeparatingShare / kRound_km_h));
+}
+
 void remark_on_forces(const std::array<Balance, kWheels>& balance, std::vector<std::string>& sentences) {
   for (const Balance& wheel : balance) {
     if (wheel.state != Unknown::kNone || wheel.force_state != ForceState::kNotSeparable) continue;
-    sentences.push_back(format(
-        "not separable: %.0f–%.0f km/h do not tell an unbalance from a tyre's force variation, which does "
-        "not "
-        "grow with speed; the grams do at these speeds what both do together. Drive at 60–80 km/h as well",
-        3.6 * wheel.least_speed_m_s, 3.6 * wheel.greatest_speed_m_s));
+    sentences.push_back(
+        format("not separable: %.0f–%.0f km/h do not tell an unbalance from a tyre's force variation, which "
+               "does not grow with speed; the grams do at these speeds what both do together. Drive as long ",
+               3.6 * wheel.least_speed_m_s, 3.6 * wheel.greatest_speed_m_s) +
+        separating_speeds(wheel.greatest_speed_m_s) + " as well");
     return;
   }
 }

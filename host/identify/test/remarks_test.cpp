@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <vector>
+
+#include "host/identify/first_order.hpp"
 
 namespace roadbalance {
 namespace {
@@ -58,15 +61,39 @@ TEST(Remarks, SayThatTheBodyDoesNotFit) {
   EXPECT_TRUE(found.says("heave, roll and pitch do not fit"));
 }
 
-TEST(Remarks, SayOnceThatTheSpeedsDoNotSeparate) {
+Found not_separable(double least_km_h, double greatest_km_h) {
   Found found;
   for (Balance& wheel : found.balance) {
     wheel.force_state = ForceState::kNotSeparable;
-    wheel.least_speed_m_s = 110.0 / 3.6;
-    wheel.greatest_speed_m_s = 130.0 / 3.6;
+    wheel.least_speed_m_s = least_km_h / 3.6;
+    wheel.greatest_speed_m_s = greatest_km_h / 3.6;
   }
+  return found;
+}
+
+TEST(Remarks, SayOnceThatTheSpeedsDoNotSeparate) {
+  const Found found = not_separable(110.0, 130.0);
   EXPECT_TRUE(found.says("not separable: 110–130 km/h"));
   EXPECT_EQ(remarks(found.identification, found.balance).size(), 3U);
+}
+
+/// Forces of one road: their weight grows as the speed.
+std::vector<FirstOrderForce> at(const std::vector<double>& speeds_km_h) {
+  std::vector<FirstOrderForce> forces;
+  for (const double km_h : speeds_km_h) forces.push_back({km_h / 3.6 / 0.3, 0.0, 1.0 / km_h});
+  return forces;
+}
+
+TEST(Remarks, SayAtWhichSpeedsToDriveSoThatTheyDo) {
+  EXPECT_TRUE(not_separable(110.0, 130.0).says("Drive as long at 80 km/h or slower as well"));
+  EXPECT_TRUE(not_separable(90.0, 130.0).says("at 80 km/h or slower"));
+  EXPECT_TRUE(not_separable(60.0, 70.0).says("at 110 km/h or faster"));
+  // As long as at the two ends of what was driven: twice one of them.
+  for (const std::vector<double>& driven :
+       {std::vector<double>{110, 130, 80, 80}, {90, 130, 80, 80}, {60, 70, 110, 110}, {60, 70, 130, 130}}) {
+    EXPECT_FALSE(fit_first_order(at({driven[0], driven[1]})).separable) << driven[0];
+    EXPECT_TRUE(fit_first_order(at(driven)).separable) << driven[0];
+  }
 }
 
 }  // namespace
