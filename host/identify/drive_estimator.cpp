@@ -12,13 +12,10 @@
 #include "host/identify/missing_angle.hpp"
 #include "host/identify/phase_drift.hpp"
 #include "host/identify/publish_estimate.hpp"
+#include "host/identify/refusal.hpp"
 
 namespace roadbalance {
 namespace {
-
-/// An estimate of a stiffness further from vehicle.toml than this factor means that the drive did not tell
-/// it.
-constexpr double kPlausible = 2.0;
 
 /// True if the sensors show the body's motion but not every wheel's.
 bool shows_body_only(const VehicleConfig& vehicle) {
@@ -104,7 +101,7 @@ std::string DriveEstimator::obstacle() const {
   if (const auto wheel = sections_.missing_reference(); wheel && classes_.empty())
     return obstacle_ + (obstacle_.empty() ? "" : "; ") + kWheelNames[static_cast<std::size_t>(*wheel)] +
            ": its encoder gave no angle; sections without it are not used";
-  const std::string refused = body_only_ ? in_step_sentence(sections_.phase_drift()) : "";
+  const std::string refused = body_only_ ? in_step_sentence(sections_.phase_drift()) : refusal_;
   return obstacle_ + (obstacle_.empty() || refused.empty() ? "" : "; ") + refused;
 }
 
@@ -144,19 +141,10 @@ void DriveEstimator::add_section(const DriveMoments& section) {
 void DriveEstimator::learn_weights() {
   if (body_only_ || classes_.sections() < kLeastSections) return;
   const auto x = solve(classes_.total(), known_.geometry, known_.value);
-  if (!x || !is_plausible(*x)) return;
+  if (!x || implausible(*x, known_)) return;
   ParameterVector parameters = known_.value;
   parameters.segment<kEstimatedUnbalance>(kSpring) = x->head<kEstimatedUnbalance>();
   sections_.set_parameters(parameters);
-}
-
-bool DriveEstimator::is_plausible(const UnknownVector& x) const {
-  for (int p = 0; p < kEstimatedUnbalance; ++p) {
-    const double ratio = x(p) / known_.value(kSpring + p);
-    const bool stabiliser = p >= kEstimatedStabiliser && p < kEstimatedTyre;  // may truly be weak
-    if (!stabiliser && !(ratio > 1.0 / kPlausible && ratio < kPlausible)) return false;
-  }
-  return true;
 }
 
 void DriveEstimator::update_estimate() {
@@ -168,7 +156,9 @@ void DriveEstimator::update_estimate() {
   if (drive.sections < kLeastSections) return publish_unknown(Unknown::kTooShort);
   const auto x = solve(drive, known_.geometry, known_.value);
   const auto judgement = x ? judge(all, known_) : std::nullopt;
-  if (!judgement || (!body_only_ && !is_plausible(*x))) return publish_unknown(Unknown::kIllConditioned);
+  if (!body_only_) refusal_ = refusal(x, judgement, known_);
+  estimate_.identification.condition = judgement ? judgement->suspension.condition : 0.0;
+  if (!judgement || !refusal_.empty()) return publish_unknown(Unknown::kIllConditioned);
   publish(*x, *judgement);
   if (!body_only_) return;
   estimate_.identification.state = Unknown::kUnfitVehicle;

@@ -63,7 +63,6 @@ class DriveEstimator {
   void note_news();
   void learn_weights();
   void update_estimate();
-  bool is_plausible(const UnknownVector& x) const;
   void publish(const UnknownVector& x, const Judgement& judgement);
   void publish_balances(const UnknownVector& x, const Judgement& judgement);
   /// In the balances: what vehicle.toml may be wrong by, where the body alone was heard.
@@ -79,6 +78,7 @@ class DriveEstimator {
   std::int64_t version_ = 0;
   bool stale_ = false;  ///< there is more to tell than estimate_ does
   std::string obstacle_;
+  std::string refusal_;  ///< of the estimate; empty: it is given, or there is none yet
   bool body_only_;
   SectionBuilder sections_;
   std::optional<Decimator> decimator_;

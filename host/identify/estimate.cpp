@@ -16,9 +16,6 @@ constexpr int kSuspension = kEstimatedTyre;  ///< unknowns of step 1: spring[4],
 static_assert(kDamper - kSpring == kEstimatedDamper && kStabiliser - kSpring == kEstimatedStabiliser &&
               kTyre - kSpring == kEstimatedTyre);
 
-constexpr int kBodyEquations = kBodyCoordinates * kChassisInstruments;
-using BodyColumn = Eigen::Matrix<double, kBodyEquations, 1>;
-
 /// Each body row of (2) for each instrument with these parameters: mean force per instrument rms, over the
 /// row's mass, so that all equations have one unit.
 BodyColumn body_forces(const DriveMoments& moments, const LinearModel& model, const ParameterVector& known) {
@@ -100,24 +97,33 @@ std::optional<SuspensionVector> solve_suspension(const DriveMoments& moments, co
   return SuspensionVector(*x);
 }
 
-double suspension_condition(const DriveMoments& moments, const Geometry& geometry,
-                            const ParameterVector& known) {
-  const Eigen::MatrixXd A = body_equations(moments, geometry, known).A.colwise().normalized();
-  const Eigen::VectorXd singular = Eigen::JacobiSVD<Eigen::MatrixXd>(A).singularValues();
-  return singular(0) / singular(singular.size() - 1);
+SuspensionConditioning suspension_conditioning(const DriveMoments& moments, const Geometry& geometry,
+                                               const ParameterVector& known) {
+  const BodyEquations equations = body_equations(moments, geometry, known);
+  const Eigen::MatrixXd A = equations.A.colwise().normalized();
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const Eigen::VectorXd& singular = svd.singularValues();
+  const Eigen::VectorXd x = svd.solve(-equations.b);
+  SuspensionConditioning found;
+  found.condition = singular(0) / singular(kSuspension - 1);
+  found.margin = singular(kSuspension - 1) * x.norm() / (A * x + equations.b).norm();
+  svd.matrixV().col(kSuspension - 1).cwiseAbs().maxCoeff(&found.weakest);
+  return found;
 }
 
-Eigen::Vector2d inertia_shares(const DriveMoments& moments, const Geometry& geometry,
-                               const ParameterVector& known) {
+BodyFit body_fit(const DriveMoments& moments, const Geometry& geometry, const ParameterVector& known) {
   const BodyEquations equations = body_equations(moments, geometry, known);
   Eigen::Matrix<double, kBodyEquations, kSuspension + 2> A;
   A.leftCols<kSuspension>() = equations.A;
   for (int k = 0; k < 2; ++k)
     A.col(kSuspension + k) =
         known(kRollInertia + k) * body_forces(moments, unit_model(geometry, kRollInertia + k), known);
-  const auto x = least_squares(A, -equations.b);
-  if (!x) return Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
-  return x->tail<2>();
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  BodyFit fit{Eigen::Vector2d::Constant(kNone), BodyColumn::Constant(kNone)};
+  if (const auto x = least_squares(A, -equations.b)) fit.inertia_shares = x->tail<2>();
+  if (const auto x = least_squares(equations.A, -equations.b))
+    fit.residual = (equations.A * *x + equations.b) / equations.b.norm();
+  return fit;
 }
 
 UnknownSet suspension_unknowns() {

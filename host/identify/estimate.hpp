@@ -38,14 +38,35 @@ using SuspensionVector = Eigen::Matrix<double, kEstimatedTyre, 1>;
 std::optional<SuspensionVector> solve_suspension(const DriveMoments& moments, const Geometry& geometry,
                                                  const ParameterVector& known);
 
-/// Of step 1's equations, columns of unit length: how many times a small disturbance may grow.
-double suspension_condition(const DriveMoments& moments, const Geometry& geometry,
-                            const ParameterVector& known);
+/// How well step 1's equations A x = -b, columns of unit length, determine the suspension.
+struct SuspensionConditioning {
+  double condition = 0.0;  ///< of A: how many times a small disturbance may grow; 0: not judged
+  /// sigma_min |x| / |A x + b|: how many times as far A is from one that leaves a combination of the unknowns
+  /// free as the residual shows A to be off.  Where it is not well above 1 the estimate leans to nothing in
+  /// particular and no covariance tells by how much.
+  ///
+  /// Source: G. W. Stewart, J. Sun, Matrix Perturbation Theory, Academic Press 1990, ch. III (first-order
+  /// bounds hold as long as the perturbation is small beside sigma_min); the least perturbation that makes x
+  /// exact is |A x + b| / |x|.
+  double margin = 0.0;
+  int weakest = 0;  ///< place in UnknownVector with the largest share in the combination told least
+};
+SuspensionConditioning suspension_conditioning(const DriveMoments& moments, const Geometry& geometry,
+                                               const ParameterVector& known);
 
-/// By which share the body's roll and pitch inertia would have to be larger for step 1 to fit best: one set
-/// of springs must serve heave, roll and pitch alike.  NaN: the drive does not tell.
-Eigen::Vector2d inertia_shares(const DriveMoments& moments, const Geometry& geometry,
-                               const ParameterVector& known);
+/// Step 1's equations, one for each body row and instrument.
+inline constexpr int kBodyEquations = kBodyCoordinates * kChassisInstruments;
+using BodyColumn = Eigen::Matrix<double, kBodyEquations, 1>;
+
+/// What step 1's equations say beside the suspension.  NaN: the drive does not tell.
+struct BodyFit {
+  /// By which share the body's roll and pitch inertia would have to be larger to fit best: one set of springs
+  /// must serve heave, roll and pitch alike.
+  Eigen::Vector2d inertia_shares;
+  /// What the best suspension leaves of them, as parts of |b|: what nothing shakes.
+  BodyColumn residual;
+};
+BodyFit body_fit(const DriveMoments& moments, const Geometry& geometry, const ParameterVector& known);
 
 /// Solves the moments of a drive, in two steps:
 ///

@@ -10,20 +10,26 @@ namespace roadbalance {
 namespace {
 
 /// One vector of all that a drive says: the unknowns, the wheels' residuals, unbalance and force of each
-/// wheel, the body's residuals.
+/// wheel, the shares by which the body's inertias seem wrong.
 constexpr int kResiduals = kUnknowns;
 constexpr int kForces = kResiduals + kWheels * kWheelChecks;
 constexpr int kForceParts = 4;  ///< of a wheel: Re U, Im U, Re R, Im R
-constexpr int kBodyResiduals = kForces + kForceParts * kWheels;
-constexpr int kSaid = kBodyResiduals + 2;
+constexpr int kInertias = kForces + kForceParts * kWheels;
+constexpr int kSaid = kInertias + 2;
 using Said = Eigen::Matrix<double, kSaid, 1>;
 using SaidMatrix = Eigen::Matrix<double, kSaid, kSaid>;
+struct Told {
+  Said said = Said::Zero();
+  BodyColumn body_residual = BodyColumn::Zero();
+};
 using Changes = Eigen::Matrix<double, kSaid, kSpring>;
 
 /// What the contact patch leaves of the road at the tyre's lag is as much of a wheel's mass.
 constexpr double kPatchShare = 0.01;
 /// What samples in place of a continuous record, and a car that no equation holds exactly, are of an inertia.
 constexpr double kInertiaShare = 0.005;
+/// The same of all that moves the body.
+constexpr double kBodyShare = 0.005;
 constexpr double kStep = 0.01;  ///< of a parameter, for differences
 
 std::array<FirstOrderFit, kWheels> fit_forces(const std::vector<DriveMoments>& classes,
@@ -50,13 +56,14 @@ DriveMoments sum_of(const std::vector<DriveMoments>& classes) {
   return sum;
 }
 
-std::optional<Said> say(const std::vector<DriveMoments>& classes, const Known& known) {
+std::optional<Told> tell(const std::vector<DriveMoments>& classes, const Known& known) {
   const DriveMoments drive = sum_of(classes);
   const auto x = solve(drive, known.geometry, known.value);
   if (!x) return std::nullopt;
-  Said said = Said::Zero();
+  Told told;
+  Said& said = told.said;
   said.head<kUnknowns>() = *x;
-  if (!drive.body.normal.isZero()) return said;
+  if (!drive.body.normal.isZero()) return told;
   const CheckResiduals residuals = check_residuals(drive, *x, known.geometry, known.value);
   const auto fits = fit_forces(classes, *x, known);
   for (int w = 0; w < kWheels; ++w) {
@@ -65,22 +72,32 @@ std::optional<Said> say(const std::vector<DriveMoments>& classes, const Known& k
     said.segment<kForceParts>(kForces + kForceParts * w) << fit.unbalance_kg_m.real(),
         fit.unbalance_kg_m.imag(), fit.force_n.real(), fit.force_n.imag();
   }
-  said.tail<2>() = inertia_shares(drive, known.geometry, known.value);
-  return said;
+  const BodyFit body = body_fit(drive, known.geometry, known.value);
+  said.tail<2>() = body.inertia_shares;
+  told.body_residual = body.residual;
+  return told;
 }
 
-std::optional<SaidMatrix> jackknife(const SpeedClasses& drive, const Known& known) {
+struct Scatter {
+  SaidMatrix covariance;
+  Eigen::MatrixXd body_residual;  ///< [equation x group left out]
+};
+std::optional<Scatter> jackknife(const SpeedClasses& drive, const Known& known) {
   const std::vector<DriveMoments> classes = drive.totals();
+  const std::vector<SpeedClasses::LeftOut> all = drive.left_out();
   std::vector<Said> partial;
-  for (const SpeedClasses::LeftOut& left_out : drive.left_out()) {
+  Scatter scatter{.covariance = {}, .body_residual = Eigen::MatrixXd(kBodyEquations, std::ssize(all))};
+  for (const SpeedClasses::LeftOut& left_out : all) {
     std::vector<DriveMoments> rest = classes;
     rest[left_out.which] = left_out.total;
     if (left_out.total.sections == 0) rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(left_out.which));
-    const auto said = say(rest, known);
-    if (!said) return std::nullopt;
-    partial.push_back(*said);
+    const auto told = tell(rest, known);
+    if (!told) return std::nullopt;
+    scatter.body_residual.col(std::ssize(partial)) = told->body_residual;
+    partial.push_back(told->said);
   }
-  return jackknife_covariance(partial);
+  scatter.covariance = jackknife_covariance(partial);
+  return scatter;
 }
 
 /// Groups of equal weight that would tell as much of the unbalances: fast driving tells more than slow.
@@ -102,14 +119,14 @@ std::optional<Changes> per_share(const std::vector<DriveMoments>& classes, const
   for (int p = 0; p < kSpring; ++p) {
     Known changed = known;
     changed.value(p) *= 1.0 + kStep;
-    const auto then = say(classes, changed);
+    const auto then = tell(classes, changed);
     if (!then) return std::nullopt;
-    change.col(p) = (*then - said) / kStep;
+    change.col(p) = (then->said - said) / kStep;
   }
   return change;
 }
 
-void judge_wheels(const Said& said, const SaidMatrix& covariance, const Changes& change, std::size_t groups,
+void judge_wheels(const Said& said, const SaidMatrix& covariance, const Changes& change, double groups,
                   Judgement& judgement) {
   constexpr int kAll = kWheels * kWheelChecks;
   double information = 0.0;
@@ -128,9 +145,21 @@ void judge_wheels(const Said& said, const SaidMatrix& covariance, const Changes&
   }
   gain /= information;
   const auto among = covariance.block<kAll, kAll>(kResiduals, kResiduals);
-  const double widen = few_groups_factor(static_cast<double>(groups));
+  const double widen = few_groups_factor(groups);
   judgement.mass_share = gain.dot(said.segment<kAll>(kResiduals));
   judgement.sigma_mass_share = std::sqrt(widen * gain.dot(among * gain) + kPatchShare * kPatchShare);
+}
+
+/// By the inertias that would fit better, and by whether any suspension fits at all.
+void judge_body(const Told& told, const Scatter& scatter, const Changes& change, double groups,
+                Judgement& judgement) {
+  const Eigen::Matrix2d of_inertias = scatter.covariance.bottomRightCorner<2, 2>() +
+                                      kInertiaShare * kInertiaShare * Eigen::Matrix2d::Identity();
+  Misfit& misfit = judgement.misfit[0];
+  misfit =
+      judge_misfit(told.said.tail<2>(), of_inertias, change.block<2, 1>(kInertias, kRollInertia), groups);
+  const double left = chance_of_residuals(told.body_residual, scatter.body_residual, groups, kBodyShare);
+  misfit.chance = std::min(1.0, 2.0 * std::min(misfit.chance, left));  // of two tests
 }
 
 void judge_forces(const SaidMatrix& covariance, double widen, Judgement& judgement) {
@@ -171,30 +200,29 @@ std::optional<Judgement> judge(const SpeedClasses& drive, const Known& known) {
   const std::vector<DriveMoments> groups = drive.groups();
   if (groups.size() < 4) return std::nullopt;
   const std::vector<DriveMoments> classes = drive.totals();
-  const auto said = say(classes, known);
-  const auto covariance = said ? jackknife(drive, known) : std::nullopt;
-  if (!covariance) return std::nullopt;
-  const double widen = few_groups_factor(equal_groups(groups));
+  const auto told = tell(classes, known);
+  const auto scatter = told ? jackknife(drive, known) : std::nullopt;
+  if (!scatter) return std::nullopt;
+  const SaidMatrix& covariance = scatter->covariance;
+  const double equal = equal_groups(groups);
+  const double widen = few_groups_factor(equal);
   Judgement judgement;
-  judgement.drive = widen * covariance->topLeftCorner<kUnknowns, kUnknowns>();
+  judgement.drive = widen * covariance.topLeftCorner<kUnknowns, kUnknowns>();
   judgement.masses.setZero();
   const DriveMoments total = sum_of(classes);
   if (!total.body.normal.isZero()) return judgement;
 
-  judgement.condition = suspension_condition(total, known.geometry, known.value);
-  const auto change = per_share(classes, *said, known);
+  judgement.suspension = suspension_conditioning(total, known.geometry, known.value);
+  const auto change = per_share(classes, told->said, known);
   if (!change) return std::nullopt;
   const Eigen::Matrix<double, kUnknowns, kSpring> of_masses =
       change->topRows<kUnknowns>() *
       known.sigma.head<kSpring>().cwiseQuotient(known.value.head<kSpring>()).asDiagonal();
   judgement.masses = of_masses * of_masses.transpose();
-  judge_wheels(*said, *covariance, *change, groups.size(), judgement);
-  const Eigen::Matrix2d of_inertias =
-      covariance->bottomRightCorner<2, 2>() + kInertiaShare * kInertiaShare * Eigen::Matrix2d::Identity();
-  judgement.misfit[0] = judge_misfit(said->tail<2>(), of_inertias,
-                                     change->block<2, 1>(kBodyResiduals, kRollInertia), groups.size());
-  judgement.first_order = fit_forces(classes, said->head<kUnknowns>(), known);
-  judge_forces(*covariance, widen, judgement);
+  judge_wheels(told->said, covariance, *change, equal, judgement);
+  judge_body(*told, *scatter, *change, equal, judgement);
+  judgement.first_order = fit_forces(classes, told->said.head<kUnknowns>(), known);
+  judge_forces(covariance, widen, judgement);
   return judgement;
 }
 

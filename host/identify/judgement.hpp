@@ -19,7 +19,7 @@ struct Judgement {
   /// Covariance by what the drive scatters (jackknife, widened for few groups) and by what the masses and
   /// inertias taken for known are good to.
   UnknownMatrix drive, masses;
-  double condition = 0.0;  ///< of the suspension's equations, columns of unit length; 0: not judged
+  SuspensionConditioning suspension;
   /// Body, then the wheels.  Of the body the share is that of its roll inertia.
   std::array<Misfit, 1 + kWheels> misfit{};
   /// By which share the mass of all wheels seems to differ from what is taken for known; 0 sigma: not judged.

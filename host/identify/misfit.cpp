@@ -1,6 +1,7 @@
 #include "host/identify/misfit.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <complex>
 
@@ -28,19 +29,40 @@ CheckResiduals check_residuals(const DriveMoments& moments, const UnknownVector&
 }
 
 Misfit judge_misfit(const Eigen::Vector2d& residual, const Eigen::Matrix2d& covariance,
-                    const Eigen::Vector2d& per_share, std::size_t groups) {
+                    const Eigen::Vector2d& per_share, double groups) {
   Misfit misfit;
   const Eigen::Matrix2d inverse = covariance.inverse();
   const double information = per_share.dot(inverse * per_share);
-  if (groups < 4 || !inverse.allFinite() || !(information > 0.0)) return misfit;
-  const double n = static_cast<double>(groups);
+  if (groups < 4.0 || !inverse.allFinite() || !(information > 0.0)) return misfit;
   misfit.square = residual.dot(inverse * residual);
   // The tail of F(2, d) at f is (1 + 2 f / d)^(-d / 2).
-  misfit.chance = std::pow(1.0 + misfit.square / (n - 1.0), -0.5 * (n - 2.0));
+  misfit.chance = std::pow(1.0 + misfit.square / (groups - 1.0), -0.5 * (groups - 2.0));
   misfit.gain = -inverse * per_share / information;
   misfit.share = misfit.gain.dot(residual);
-  misfit.sigma_share = std::sqrt(few_groups_factor(n) / information);
+  misfit.sigma_share = std::sqrt(few_groups_factor(groups) / information);
   return misfit;
+}
+
+double chance_of_residuals(const Eigen::VectorXd& residual, const Eigen::MatrixXd& left_out, double groups,
+                           double allowed) {
+  const auto n = static_cast<double>(left_out.cols());
+  const auto many = static_cast<double>(residual.size());
+  if (groups < 8.0) return 1.0;  // from so few no sigma is told
+  Eigen::MatrixXd scatter = left_out.colwise() - left_out.rowwise().mean();
+  scatter *= std::sqrt((n - 1.0) / n);
+  const Eigen::VectorXd sigma =
+      (scatter.rowwise().squaredNorm().array() + allowed * allowed / many).sqrt().matrix();
+  const Eigen::MatrixXd inner = scatter.transpose() * sigma.cwiseAbs2().cwiseInverse().asDiagonal() * scatter;
+  const double trace = inner.trace();
+  if (!std::isfinite(trace)) return 1.0;
+  // tr R^2 from few groups is too large by what its own scatter adds.
+  const double square = (inner.squaredNorm() - trace * trace / (groups - 1.0)) * (groups - 1.0) *
+                        (groups - 1.0) / ((groups - 2.0) * (groups + 1.0));
+  const double alike = square > 0.0 ? std::clamp(trace * trace / square, 1.0, many) : many;
+  const double k = alike * (groups - 5.0) / (groups - 2.0);
+  const double X = residual.cwiseQuotient(sigma).squaredNorm() / many * (groups - 3.0) / (groups - 1.0);
+  const double a = 2.0 / (9.0 * k);
+  return 0.5 * std::erfc((std::cbrt(X) - (1.0 - a)) / std::sqrt(2.0 * a));
 }
 
 }  // namespace roadbalance

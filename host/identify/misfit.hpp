@@ -36,8 +36,28 @@ struct Misfit {
 ///
 /// Source: H. Hotelling, The generalization of Student's ratio, Ann. Math. Statist. 2 (1931) 360-378.
 /// @param per_share  g, by how much the residuals grow with the cause
-/// @param groups     n, from which the covariance was taken; below 4 nothing is judged
+/// @param groups     n, groups of equal weight that would tell as much as those from which the covariance was
+///                   taken; below 4 nothing is judged
 Misfit judge_misfit(const Eigen::Vector2d& residual, const Eigen::Matrix2d& covariance,
-                    const Eigen::Vector2d& per_share, std::size_t groups);
+                    const Eigen::Vector2d& per_share, double groups);
+
+/// Chance that residuals of a model that fits are in the mean as far from 0 as these, however many they are:
+/// each by its own sigma, and the sum of squares judged as of so many independent ones,
+///
+///     X = (n - 3) / (n - 1)  1/p sum_i r_i^2 / (C_ii + a^2 / p),    k X ~ chi^2(k),
+///     k = (tr R)^2 / tr R^2 (n - 5) / (n - 2),
+///
+/// C the jackknife's covariance, R the same of the scaled residuals; the factors of n are mean and variance
+/// of the square of Student's t.  The tail of chi^2 is Wilson's and Hilferty's.
+///
+/// Sources: M. S. Srivastava, M. Du, A test for the mean vector with fewer observations than the dimension,
+/// J. Multivariate Anal. 99 (2008) 386-402; E. B. Wilson, M. M. Hilferty, The distribution of chi-square,
+/// Proc. Nat. Acad. Sci. 17 (1931) 684-688.
+/// @param residual  p of them
+/// @param left_out  [residual x group], without one group each
+/// @param groups    n, groups of equal weight that would tell as much; below 8 nothing is judged
+/// @param allowed   a, length that says nothing against the model
+double chance_of_residuals(const Eigen::VectorXd& residual, const Eigen::MatrixXd& left_out, double groups,
+                           double allowed);
 
 }  // namespace roadbalance

@@ -36,7 +36,7 @@ void put_suspension(const UnknownVector& x, const UnknownMatrix& covariance, Ide
 }
 
 void put_judgement(const Judgement& judgement, Identification& result) {
-  result.condition = judgement.condition;
+  result.condition = judgement.suspension.condition;
   for (std::size_t k = 0; k < judgement.misfit.size(); ++k) {
     result.misfit[k] = judgement.misfit[k].square;
     result.misfit_chance[k] = judgement.misfit[k].chance;

@@ -122,6 +122,7 @@ TEST(DriveEstimator, ClaimsNothingOfACarThatNothingShakes) {
   EXPECT_EQ(estimator.estimate().identification.sections,
             8);  // of 10 s, each begun in the last second of another
   EXPECT_EQ(estimator.estimate().identification.state, Unknown::kIllConditioned);
+  EXPECT_NE(estimator.obstacle().find("drive on a rougher road"), std::string::npos) << estimator.obstacle();
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ TEST(JudgeMisfit, FindsAChanceOfFivePercentInFivePercentOfSoundCars) {
     int rare = 0;
     for (int k = 0; k < kDraws; ++k) {
       const Draw seen = draw(random, n, Eigen::Vector2d::Zero());
-      rare += judge_misfit(seen.mean, seen.covariance, {1.0, 1.0}, static_cast<std::size_t>(n)).chance < 0.05;
+      rare += judge_misfit(seen.mean, seen.covariance, {1.0, 1.0}, n).chance < 0.05;
     }
     // Exact by Hotelling; four standard deviations of a proportion.
     EXPECT_NEAR(static_cast<double>(rare) / kDraws, 0.05, 4.0 * std::sqrt(0.05 * 0.95 / kDraws)) << n;
@@ -68,6 +68,56 @@ TEST(JudgeMisfit, JudgesNothingByTooFewGroupsOrWithoutScatter) {
   const Eigen::Matrix2d unit = Eigen::Matrix2d::Identity();
   EXPECT_EQ(judge_misfit({9.0, 9.0}, unit, {1.0, 0.0}, 3).chance, 1.0);
   EXPECT_EQ(judge_misfit({9.0, 9.0}, Eigen::Matrix2d::Zero(), {1.0, 0.0}, 30).sigma_share, 0.0);
+}
+
+/// The mean of n groups of 30 residuals that go together by fives and differ in size, and the means without
+/// one group each.
+struct ManyResiduals {
+  static constexpr int kMany = 30;
+  Eigen::VectorXd mean;
+  Eigen::MatrixXd left_out;
+  ManyResiduals(std::mt19937_64& random, int n, double systematic) {
+    std::normal_distribution<double> normal;
+    Eigen::MatrixXd all(kMany, n);
+    for (int g = 0; g < n; ++g)
+      for (int five = 0; five < kMany / 5; ++five) {
+        const double common = normal(random);
+        for (int k = 0; k < 5; ++k) {
+          const double size = 1.0 + five;
+          all(5 * five + k, g) = size * (0.6 * common + 0.8 * normal(random) + systematic);
+        }
+      }
+    mean = all.rowwise().mean();
+    left_out = (-all + n * mean.replicate(1, n)) / (n - 1.0);
+  }
+};
+
+double share_below_five_percent(int n, double systematic, double allowed) {
+  std::mt19937_64 random(5);
+  constexpr int kDraws = 4000;
+  int rare = 0;
+  for (int k = 0; k < kDraws; ++k) {
+    const ManyResiduals drawn(random, n, systematic);
+    rare += chance_of_residuals(drawn.mean, drawn.left_out, n, allowed) < 0.05;
+  }
+  return static_cast<double>(rare) / kDraws;
+}
+
+TEST(ChanceOfResiduals, IsBelowFivePercentInFivePercentOfSoundCars) {
+  // The distribution is an approximation: within a quarter of what it says, and four sigmas of a proportion.
+  for (const int n : {10, 20, 40}) EXPECT_NEAR(share_below_five_percent(n, 0.0, 0.0), 0.05, 0.026) << n;
+}
+
+TEST(ChanceOfResiduals, SeesWhatEachResidualAloneHides) {
+  // Half a sigma of the mean in each of thirty: no single one stands out.
+  EXPECT_GT(share_below_five_percent(40, 0.6 / std::sqrt(40.0), 0.0), 0.25);
+  EXPECT_GT(share_below_five_percent(40, 1.2 / std::sqrt(40.0), 0.0), 0.8);
+}
+
+TEST(ChanceOfResiduals, SaysNothingAgainstWhatIsAllowed) {
+  // Of length sum size^2 5 s^2 = 455 s^2.
+  const double systematic = 1.2 / std::sqrt(40.0);
+  EXPECT_LT(share_below_five_percent(40, systematic, 2.0 * std::sqrt(455.0) * systematic), 0.1);
 }
 
 // The definition: an ellipse so widened holds the truth in 95 of 100 cases however few the groups.

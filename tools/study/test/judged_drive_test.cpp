@@ -5,40 +5,20 @@
 #include <complex>
 #include <numbers>
 
-#include "common/test/source.hpp"
 #include "host/identify/judgement.hpp"
-#include "host/identify/section.hpp"
-#include "tools/study/ideal_drive.hpp"
+#include "host/identify/refusal.hpp"
+#include "tools/study/test/gathered_drive.hpp"
 
 namespace roadbalance {
 namespace {
 
+using test::gather;
+
 const VehicleConfig& car() {
-  static const VehicleConfig vehicle = VehicleConfig::read_file(test::source_path("sim/demo/vehicle.toml"));
-  return vehicle;
+  return test::demo_car();
 }
-
-/// Plateaus of 40 s on a road of class A, parameters drawn within 10 %, with four wheels out of balance.
 IdealDrive plateaus(const std::vector<double>& km_h) {
-  IdealDrive drive{.scenario = sim::Scenario::read("", car()), .speeds_m_s = {}, .samples = 40 * 500};
-  for (const double speed : km_h) drive.speeds_m_s.push_back(speed / 3.6);
-  return drive;
-}
-
-SpeedClasses gather(const IdealDrive& drive, std::uint64_t seed, const VehicleConfig& described) {
-  SpeedClasses classes(described.drive.speed_class_m_s);
-  const Known known = Known::of(described);
-  ParameterVector weights = known.value;
-  for (const Stretch& stretch : drive_ideally(drive, seed, car())) {
-    SectionBuilder sections(described, [&](const DriveMoments& section) { classes.add(section); });
-    sections.set_parameters(weights);
-    for (Eigen::Index k = 0; k < stretch.signals.cols(); ++k)
-      sections.consume({.signals = stretch.signals.col(k), .restart = k == 0});
-    if (const auto running = sections.running()) classes.add(*running);
-    if (const auto x = solve(classes.total(), known.geometry, known.value))
-      weights.segment<kEstimatedUnbalance>(kSpring) = x->head<kEstimatedUnbalance>();
-  }
-  return classes;
+  return test::plateaus(km_h, 40);
 }
 
 UnknownVector solved(const SpeedClasses& drive, const Known& known) {
@@ -52,6 +32,7 @@ TEST(JudgedDrive, EllipsesHoldTheTruthAndAllSpeedsFit) {
   const IdealDrive drive = plateaus({110, 117, 123, 130});
   const Known known = Known::of(car());
   int within = 0, misfits = 0;
+  double squares = 0.0;
   constexpr int kSeeds = 12;
   for (int seed = 1; seed <= kSeeds; ++seed) {
     const SpeedClasses classes = gather(drive, static_cast<std::uint64_t>(seed), car());
@@ -64,16 +45,22 @@ TEST(JudgedDrive, EllipsesHoldTheTruthAndAllSpeedsFit) {
           x.segment<2>(kEstimatedUnbalance + 2 * w) - Eigen::Vector2d(truth.real(), truth.imag());
       const Eigen::Matrix2d covariance =
           judgement->drive.block<2, 2>(kEstimatedUnbalance + 2 * w, kEstimatedUnbalance + 2 * w);
-      within += off.dot(covariance.inverse() * off) <= 5.991;
+      const double square = off.dot(covariance.inverse() * off);
+      within += square <= 5.991;
+      squares += square;
       EXPECT_FALSE(judgement->first_order[static_cast<std::size_t>(w)].separable);
     }
     for (const Misfit& misfit : judgement->misfit) misfits += misfit.chance < 0.01;
     EXPECT_TRUE(judgement->masses.isZero()) << "the demonstration car's masses are exact";
     EXPECT_GT(judgement->suspension.condition, 1.0);
     EXPECT_LT(judgement->suspension.condition, 50.0);
+    EXPECT_EQ(refusal(x, judgement, known), "");
   }
   // 48 ellipses of 95 %: fewer than 40 in one case of a thousand.
   EXPECT_GE(within, 40);
+  // Nor are they too wide, which all 48 within would not show: of 96 squares of unit normals the mean is
+  // below 0.61 in one case of a thousand (Wilson and Hilferty), and the widening for 40 groups is 1.11.
+  EXPECT_GT(squares / (2.0 * 4 * kSeeds), 0.61 / 1.11);
   EXPECT_LE(misfits, 4) << "of 60, 1 in 100 each";
 }
 
@@ -127,6 +114,21 @@ TEST(JudgedDrive, HoldsTheDoubtOfTheMasses) {
   EXPECT_NEAR(block.trace() / std::norm(moved), 1.0, 0.02);  // 1 % against 2 % of a nearly linear change
 }
 
+TEST(JudgedDrive, IsNoSurerForGroupsThatTellNothing) {
+  SpeedClasses classes = gather(plateaus({110, 110}), 8, car());
+  const auto few = judge(classes, Known::of(car()));
+  const DriveMoments nothing{.seconds = 1e-6, .speed_seconds = 20e-6, .sections = 1};
+  for (int k = 0; k < 10; ++k) classes.add(nothing);
+  const auto padded = judge(classes, Known::of(car()));
+  ASSERT_TRUE(few && padded);
+  // Of nearly twice as many groups the widening would be less: their number is not what counts.
+  EXPECT_GE(padded->sigma_mass_share, 0.99 * few->sigma_mass_share);
+  for (std::size_t k = 0; k < few->misfit.size(); ++k) {
+    EXPECT_GE(padded->misfit[k].sigma_share, 0.99 * few->misfit[k].sigma_share) << k;
+    EXPECT_GE(padded->misfit[k].chance, 0.99 * few->misfit[k].chance) << k;
+  }
+}
+
 TEST(JudgedDrive, SeparatesAForceWhereTheSpeedsDo) {
   IdealDrive drive = plateaus({60, 80, 100, 120, 140});
   drive.scenario.wheel[0].radial_force_n = std::polar(30.0, 1.0);
@@ -142,6 +144,44 @@ TEST(JudgedDrive, SeparatesAForceWhereTheSpeedsDo) {
             3.5 * fit.sigma_unbalance_kg_m);
   // The equivalent one is another: it has the force's share in it.
   EXPECT_GT(std::abs(fit.equivalent_kg_m - drive.scenario.wheel[0].unbalance_kg_m), 1e-3);
+}
+
+// A road so smooth, and sensors so noisy, that the body's equations are made of noise: 60 s tell no springs.
+TEST(JudgedDrive, RefusesADriveWhoseEquationsAreMostlyNoise) {
+  IdealDrive drive = plateaus({90, 103, 117, 130});
+  drive.samples = 15 * 500;
+  drive.scenario.road.roughness_m3 /= 50.0;
+  const Known known = Known::of(car());
+  const auto refused = [&](double noise_m_s2) {
+    const SpeedClasses classes = gather(drive, 1, car(), noise_m_s2);
+    const auto judgement = judge(classes, known);
+    return judgement ? refusal(solve(classes.total(), known.geometry, known.value), judgement, known)
+                     : "none";
+  };
+  EXPECT_EQ(refused(0.02), "");
+  EXPECT_NE(refused(0.5).find("does not tell springs, dampers and stabilisers apart"), std::string::npos)
+      << refused(0.5);
+}
+
+/// In how many of so many drives of 160 s the body's equations say that one set of springs and dampers does
+/// not fit.
+int misfits_of(const sim::DamperScenario& damper, int drives) {
+  IdealDrive drive = plateaus({90, 103, 117, 130});
+  drive.scenario.damper = damper;
+  int found = 0;
+  for (int seed = 1; seed <= drives; ++seed) {
+    const auto judgement =
+        judge(gather(drive, static_cast<std::uint64_t>(seed), car(), 0.02), Known::of(car()));
+    found += judgement && judgement->misfit[0].chance < 0.01;
+  }
+  return found;
+}
+
+TEST(JudgedDrive, WarnsOfDampersThatDifferByDirectionAndNotOfLinearOnes) {
+  constexpr int kDrives = 6;
+  EXPECT_EQ(misfits_of({}, kDrives), 0);
+  EXPECT_EQ(misfits_of({.compression = 1.3, .rebound = 1.3}, kDrives), 0) << "linear, and not vehicle.toml's";
+  EXPECT_GE(misfits_of({.compression = 0.3, .rebound = 1.7}, kDrives), 4);
 }
 
 /// Dampers 20 %, springs 10 % and stabilisers 20 % off: they are found in the run, and what vehicle.toml says

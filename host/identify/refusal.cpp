@@ -1,0 +1,69 @@
+#include "host/identify/refusal.hpp"
+
+#include <cstdio>
+
+namespace roadbalance {
+namespace {
+
+constexpr double kPlausible = 2.0;  ///< factor between an estimate and vehicle.toml
+
+/// "rear_left damper", "front stabiliser"
+std::string name_of(int place) {
+  const auto wheel = [&](int first) {
+    return std::string(kWheelNames[static_cast<std::size_t>(place - first)]);
+  };
+  if (place < kEstimatedDamper) return wheel(kEstimatedSpring) + " spring";
+  if (place < kEstimatedStabiliser) return wheel(kEstimatedDamper) + " damper";
+  if (place < kEstimatedTyre)
+    return std::string(place == kEstimatedStabiliser ? "front" : "rear") + " stabiliser";
+  return wheel(kEstimatedTyre) + " tyre";
+}
+
+std::string implausible_sentence(int place, double found, double known) {
+  char text[300];
+  const bool damper = place >= kEstimatedDamper && place < kEstimatedStabiliser;
+  std::snprintf(text, sizeof text,
+                "%s: the drive says %.0f %s and vehicle.toml %.0f, more than a factor of %.0f apart: look "
+                "whether the sensors' "
+                "places, directions and ranges in vehicle.toml are those of the car; if they are, drive on",
+                name_of(place).c_str(), found, damper ? "N s/m" : "N/m", known, kPlausible);
+  return text;
+}
+
+std::string weak_sentence(const SuspensionConditioning& found) {
+  char text[400];
+  std::snprintf(text, sizeof text,
+                "the drive does not tell springs, dampers and stabilisers apart, the %s least: their "
+                "equations are %.1f "
+                "times as far from leaving one free as they are from being met, %.0f times are needed "
+                "(condition number "
+                "%.0f): drive on, on a rougher road, where left and right wheels meet bumps of their own",
+                name_of(found.weakest).c_str(), found.margin, kLeastMargin, found.condition);
+  return text;
+}
+
+}  // namespace
+
+std::optional<int> implausible(const UnknownVector& x, const Known& known) {
+  for (int p = 0; p < kEstimatedUnbalance; ++p) {
+    const double ratio = x(p) / known.value(kSpring + p);
+    const bool stabiliser = p >= kEstimatedStabiliser && p < kEstimatedTyre;
+    if (!stabiliser && !(ratio > 1.0 / kPlausible && ratio < kPlausible)) return p;
+  }
+  return std::nullopt;
+}
+
+std::string refusal(const std::optional<UnknownVector>& x, const std::optional<Judgement>& judgement,
+                    const Known& known) {
+  if (!x) return "the drive leaves some spring, damper or stabiliser unmoved: drive on a rougher road";
+  // Scatter of equations that tell nothing is no covariance: this comes first.
+  if (judgement && !(judgement->suspension.margin >= kLeastMargin))
+    return weak_sentence(judgement->suspension);
+  if (const auto place = implausible(*x, known))
+    return implausible_sentence(*place, (*x)(*place), known.value(kSpring + *place));
+  if (!judgement)
+    return "without some tenth of it the drive tells nothing, so how sure it is cannot be told: drive on";
+  return "";
+}
+
+}  // namespace roadbalance
