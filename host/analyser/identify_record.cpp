@@ -95,7 +95,11 @@ RecordedEstimate identify_record(const std::filesystem::path& folder, bool refin
   std::array<Compensation, kWheels> compensation;
   for (std::size_t w = 0; w < kWheels; ++w)
     compensation[w] = compensate(estimate.balance[w], vehicle->wheel[w], vehicle->limits);
-  return {estimate, obstacle, remarks(estimate.identification, estimate.balance), defects, compensation};
+  std::optional<OverallPlan> overall;
+  if (const DriveForces& forces = estimator->forces(); !forces.speed.empty())
+    overall = plan_overall(forces, *vehicle, compensation);
+  return {estimate, obstacle,     remarks(estimate.identification, estimate.balance),
+          defects,  compensation, overall};
 }
 
 }  // namespace roadbalance

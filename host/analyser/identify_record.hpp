@@ -3,11 +3,13 @@
 #include <array>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "common/bus/compensation.hpp"
 #include "host/analyser/read_recording.hpp"
+#include "host/balance/overall_plan.hpp"
 #include "host/identify/drive_estimator.hpp"
 #include "host/identify/stretch.hpp"
 
@@ -19,6 +21,7 @@ struct RecordedEstimate {
   std::vector<std::string> remarks;  ///< what it rests on, and where the car is not as it was described
   RecordingDefects defects;
   std::array<Compensation, kWheels> compensation;  ///< of each balance
+  std::optional<OverallPlan> overall;  ///< of all speeds together; none if the wheels' forces are not known
 };
 
 /// The estimate that a finished recording gives: every block of every node in sequence through

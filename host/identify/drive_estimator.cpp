@@ -160,7 +160,10 @@ void DriveEstimator::update_estimate() {
   estimate_.identification.condition = judgement ? judgement->suspension.condition : 0.0;
   if (!judgement || !refusal_.empty()) return publish_unknown(Unknown::kIllConditioned);
   publish(*x, *judgement);
-  if (!body_only_) return;
+  if (!body_only_) {
+    forces_ = drive_forces(all.totals(), *x, known_);
+    return;
+  }
   estimate_.identification.state = Unknown::kUnfitVehicle;
   add_doubt_of_parameters(drive);
 }
@@ -192,6 +195,7 @@ void DriveEstimator::describe_drive(const SpeedClasses& drive) {
 }
 
 void DriveEstimator::publish_unknown(Unknown state) {
+  forces_.speed.clear();
   estimate_.identification.state = state;
   for (std::size_t i = 0; i < kWheels; ++i) {
     estimate_.balance[i].weight_radius_m = vehicle_.wheel[i].weight_radius_m;

@@ -14,6 +14,7 @@
 #include "host/identify/estimate.hpp"
 #include "host/identify/judgement.hpp"
 #include "host/identify/section.hpp"
+#include "host/identify/speed_forces.hpp"
 #include "host/identify/speed_classes.hpp"
 
 namespace roadbalance {
@@ -53,6 +54,9 @@ class DriveEstimator {
 
   /// The newest estimate; its states say what is not known yet and why.  Computed when asked for.
   const DriveEstimate& estimate();
+  /// What the newest estimate makes of each class of speed; empty where it gives no balance, or none but from
+  /// the body alone.
+  const DriveForces& forces() const { return forces_; }
   /// Grows by one with each new estimate.
   std::int64_t version() const { return version_; }
 
@@ -75,6 +79,7 @@ class DriveEstimator {
   SpeedClasses classes_;
   std::int64_t time_ns_ = 0, news_ns_ = 0;
   DriveEstimate estimate_;
+  DriveForces forces_{};
   std::int64_t version_ = 0;
   bool stale_ = false;  ///< there is more to tell than estimate_ does
   std::string obstacle_;

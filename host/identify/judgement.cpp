@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "host/identify/confidence.hpp"
+#include "host/identify/speed_forces.hpp"
 
 namespace roadbalance {
 namespace {
@@ -34,16 +35,10 @@ constexpr double kStep = 0.01;  ///< of a parameter, for differences
 
 std::array<FirstOrderFit, kWheels> fit_forces(const std::vector<DriveMoments>& classes,
                                               const UnknownVector& x, const Known& known) {
-  ParameterVector parameters = known.value;
-  parameters.segment<kEstimatedUnbalance>(kSpring) = x.head<kEstimatedUnbalance>();
   std::array<std::vector<FirstOrderForce>, kWheels> forces;
-  for (const DriveMoments& total : classes) {
-    const double speed_m_s = total.speed_seconds / total.seconds;
-    const auto found = first_order_forces(total.harmonic, known.geometry, parameters,
-                                          speed_m_s * known.rolling_radius_m.cwiseInverse());
+  for (const SpeedForces& speed : drive_forces(classes, x, known).speed)
     for (std::size_t w = 0; w < kWheels; ++w)
-      if (found[w].variance_n2 > 0.0 && std::isfinite(found[w].variance_n2)) forces[w].push_back(found[w]);
-  }
+      if (speed.wheel[w].variance_n2 > 0.0) forces[w].push_back(speed.wheel[w]);
   std::array<FirstOrderFit, kWheels> fits{};
   for (std::size_t w = 0; w < kWheels; ++w)
     if (!forces[w].empty()) fits[w] = fit_first_order(forces[w]);

@@ -11,6 +11,7 @@
 #include "tools/rb/compensation_json.hpp"
 #include "tools/rb/defects.hpp"
 #include "tools/rb/identify_with.hpp"
+#include "tools/rb/overall_lines.hpp"
 #include "tools/rb/readout.hpp"
 #include "tools/study/wheels_json.hpp"
 
@@ -22,32 +23,39 @@ struct IdentifyOptions {
   std::string estimator;
   bool json = false;
   bool refine = false;
+  bool overall = false;
 };
 
 int identify(const IdentifyOptions& options) {
   if (!options.estimator.empty())
     return identify_with(options.estimator, options.folder, options.refine, options.json);
-  const auto [estimate, obstacle, remarks, defects, compensation] =
-      identify_record(options.folder, options.refine);
-  warn_of_defects("identify", options.folder, defects);
-  if (!obstacle.empty()) std::fprintf(stderr, "rb identify: %s\n", obstacle.c_str());
+  const RecordedEstimate found = identify_record(options.folder, options.refine);
+  const auto& [identification, balance] = found.estimate;
+  warn_of_defects("identify", options.folder, found.defects);
+  if (!found.obstacle.empty()) std::fprintf(stderr, "rb identify: %s\n", found.obstacle.c_str());
+  if (options.overall && !found.overall)
+    std::fprintf(stderr, "rb identify: no overall compensation: what turns with the wheels is not known\n");
   if (options.json) {
-    const nlohmann::ordered_json result{{"wheels", wheels_json(estimate.identification, estimate.balance)},
-                                        {"compensation", compensation_json(estimate.balance, compensation)},
-                                        {"remarks", remarks}};
+    nlohmann::ordered_json result{{"wheels", wheels_json(identification, balance)},
+                                  {"compensation", compensation_json(balance, found.compensation)},
+                                  {"remarks", found.remarks}};
+    if (options.overall)
+      result["overall"] = found.overall ? overall_json(*found.overall) : nlohmann::ordered_json();
     std::printf("%s\n", result.dump().c_str());
   } else {
-    std::printf("%s\n", identification_line(estimate.identification).c_str());
+    std::printf("%s\n", identification_line(identification).c_str());
     for (std::size_t w = 0; w < kWheels; ++w) {
-      std::printf("%s\n", balance_line(estimate.balance[w]).c_str());
-      for (const std::string& line : advice_lines(estimate.balance[w], compensation[w]))
+      std::printf("%s\n", balance_line(balance[w]).c_str());
+      for (const std::string& line : advice_lines(balance[w], found.compensation[w]))
         std::printf("%s\n", line.c_str());
     }
-    for (const std::string& remark : remarks) std::printf("  %s\n", remark.c_str());
+    if (options.overall && found.overall)
+      for (const std::string& line : overall_lines(*found.overall)) std::printf("%s\n", line.c_str());
+    for (const std::string& remark : found.remarks) std::printf("  %s\n", remark.c_str());
   }
-  const bool any = std::any_of(estimate.balance.begin(), estimate.balance.end(),
-                               [](const Balance& balance) { return balance.state == Unknown::kNone; });
-  return any ? kDone : kAnswerIsNo;
+  const bool any =
+      std::ranges::any_of(balance, [](const Balance& wheel) { return wheel.state == Unknown::kNone; });
+  return any && (found.overall || !options.overall) ? kDone : kAnswerIsNo;
 }
 
 }  // namespace
@@ -61,6 +69,12 @@ void add_identify(CLI::App& app, int& code) {
   for (const EstimatorKind& kind : estimators()) kinds += "\n  " + kind.name + ": " + kind.what;
   command->add_option("--estimator", options->estimator,
                       "put the drive to one estimator instead of the product's chain:" + kinds);
+  command
+      ->add_flag(
+          "--overall", options->overall,
+          "also weights that make the vertical vibration at every [[seat]] of vehicle.toml least over all "
+          "speeds driven, whatever turns with the wheels")
+      ->excludes("--estimator");
   command->add_flag("--json", options->json, "one JSON object on standard output");
   command->add_flag(
       "--refine", options->refine,

@@ -72,9 +72,9 @@ StudyResult summarise(const Json& settings, const std::vector<Json>& runs) {
   }
   const auto after = chain_values(runs, rows_of().back().name, -1, "rounded_g");
   const ErrorSizes rounded = sizes_of(after);
-  lines.push_back(acceptance_line("5 minutes, one weight in steps of 5 g: residual in the median, g",
+  lines.push_back(acceptance_line("5 minutes, weights in steps of 5 g: residual in the median, g",
                                   rounded.median, 0.0, 4.0, answers_among(after)));
-  lines.push_back(acceptance_line("5 minutes, one weight in steps of 5 g: residual in 95 % of the wheels, g",
+  lines.push_back(acceptance_line("5 minutes, weights in steps of 5 g: residual in 95 % of the wheels, g",
                                   rounded.p95, 0.0, 7.0, answers_among(after)));
   return {{{"runs", runs.size()},
            {"settings", settings},

@@ -1,0 +1,86 @@
+#include "tools/rb/overall_lines.hpp"
+
+#include <cstdio>
+#include <numbers>
+
+#include "host/balance/weight_plan.hpp"
+#include "tools/rb/compensation_json.hpp"
+
+namespace roadbalance {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+template <typename... Values>
+std::string format(const char* pattern, Values... values) {
+  char text[200];
+  std::snprintf(text, sizeof text, pattern, values...);
+  return text;
+}
+
+/// 0 .. 360
+double degrees(double angle_rad) {
+  const double found = angle_rad * 180.0 / std::numbers::pi;
+  return found < 0.0 ? found + 360.0 : found;
+}
+
+std::string steps_of(const OverallPlan::Wheel& wheel) {
+  std::string steps;
+  for (const WeightStep& step : wheel.plan.step)
+    steps += (steps.empty() ? "" : ", ") + to_string(step, wheel.radii);
+  return steps.empty() ? "leave it" : steps;
+}
+
+std::string row(const std::string& what, const SeatVibration& vibration) {
+  return format("  %-14s %8.4f %9.4f %8.4f %8.4f", what.c_str(), vibration.now, vibration.by_wheel,
+                vibration.overall, vibration.least);
+}
+
+Json vibration_json(const SeatVibration& vibration) {
+  return {{"now_m_s2", vibration.now},
+          {"by_wheel_m_s2", vibration.by_wheel},
+          {"overall_m_s2", vibration.overall},
+          {"least_m_s2", vibration.least}};
+}
+
+}  // namespace
+
+std::vector<std::string> overall_lines(const OverallPlan& plan) {
+  std::string seats;
+  for (const SeatConfig& seat : plan.seat) seats += (seats.empty() ? "" : ", ") + seat.name;
+  std::vector<std::string> lines{"overall compensation, least vertical vibration at " + seats};
+  for (std::size_t w = 0; w < kWheels; ++w) {
+    const WheelWeight& best = plan.wheel[w].best;
+    std::string line = format("  %-12s ", kWheelNames[w]) + steps_of(plan.wheel[w]);
+    if (best.mass_g > 0.0) line += format("  (best %.1f g at %.0f°)", best.mass_g, degrees(best.angle_rad));
+    lines.push_back(line);
+  }
+  lines.emplace_back("  what turns with the wheels there, m/s² rms, predicted by the identified car:");
+  lines.emplace_back("  speed               now  by wheel  overall     best");
+  for (const OverallPlan::Speed& speed : plan.speed)
+    lines.push_back(row(format("%.0f km/h %.0f s", 3.6 * speed.speed_m_s, speed.seconds), speed.vibration));
+  lines.push_back(row("all", plan.vibration));
+  return lines;
+}
+
+Json overall_json(const OverallPlan& plan) {
+  Json seats = Json::array(), wheels = Json::array(), speeds = Json::array();
+  for (const SeatConfig& seat : plan.seat)
+    seats.push_back({{"name", seat.name},
+                     {"position_m", {seat.position_m.x(), seat.position_m.y(), seat.position_m.z()}},
+                     {"weight", seat.weight}});
+  for (std::size_t w = 0; w < kWheels; ++w) {
+    const WheelWeight& best = plan.wheel[w].best;
+    wheels.push_back({{"name", kWheelNames[w]},
+                      {"best_g", best.mass_g},
+                      {"best_deg", degrees(best.angle_rad)},
+                      {"steps", steps_json(plan.wheel[w].plan)}});
+  }
+  for (const OverallPlan::Speed& speed : plan.speed) {
+    speeds.push_back({{"speed_km_h", 3.6 * speed.speed_m_s}, {"seconds", speed.seconds}});
+    speeds.back().update(vibration_json(speed.vibration));
+  }
+  return {{"seats", seats}, {"wheels", wheels}, {"speeds", speeds}, {"all", vibration_json(plan.vibration)}};
+}
+
+}  // namespace roadbalance

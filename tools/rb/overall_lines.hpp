@@ -1,0 +1,18 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "host/balance/overall_plan.hpp"
+
+namespace roadbalance {
+
+/// What rb identify --overall shows a person: the weights of each wheel, and what the seats feel at each
+/// speed and over all of them as it is, with each wheel balanced for itself, and with these weights.
+std::vector<std::string> overall_lines(const OverallPlan& plan);
+
+/// The same as an object: "seats", "wheels", "speeds" and "all".
+nlohmann::ordered_json overall_json(const OverallPlan& plan);
+
+}  // namespace roadbalance
