@@ -70,8 +70,9 @@ void CrossSpectra::add_segment() {
   const auto channels = static_cast<std::size_t>(settings_.channels);
   for (std::size_t c = 0; c < channels; ++c) {
     const auto samples = history_.col(static_cast<Eigen::Index>(c));
+    const double mean = settings_.remove_means ? samples.mean() : 0.0;
     for (std::size_t n = 0; n < tapered_.size(); ++n)
-      tapered_[n] = window_[n] * samples(static_cast<Eigen::Index>(n));
+      tapered_[n] = window_[n] * (samples(static_cast<Eigen::Index>(n)) - mean);
     fft_.forward(tapered_, lines_);
     for (std::size_t k = 0; k < lines_.size(); ++k) {
       const std::size_t lane =
@@ -95,7 +96,7 @@ std::size_t CrossSpectra::place(int tile, int a, int b) const {
          (static_cast<std::size_t>(tile) * static_cast<std::size_t>(pairs_) + static_cast<std::size_t>(pair));
 }
 
-void CrossSpectra::sum_up() {
+void CrossSpectra::sum_up() const {
   if (waiting_ == 0) return;
   // The mean after segment m is (1 - 1/m) times the mean before it and 1/m of it; m stops at the memory.
   std::array<double, kBatch> weight{};
@@ -166,7 +167,7 @@ double CrossSpectra::one_sided(int bin) const {
   return (alone ? 1.0 : 2.0) * scale_;
 }
 
-std::vector<std::complex<double>> CrossSpectra::density(int a, int b) {
+std::vector<std::complex<double>> CrossSpectra::density(int a, int b) const {
   sum_up();
   std::vector<std::complex<double>> result(static_cast<std::size_t>(bins()));
   for (int k = 0; k < bins(); ++k) {
@@ -177,14 +178,26 @@ std::vector<std::complex<double>> CrossSpectra::density(int a, int b) {
   return result;
 }
 
-std::vector<double> CrossSpectra::density(int a) {
+std::vector<double> CrossSpectra::density(int a) const {
   const auto with_itself = density(a, a);
   std::vector<double> result(with_itself.size());
   std::transform(with_itself.begin(), with_itself.end(), result.begin(), [](auto g) { return g.real(); });
   return result;
 }
 
-std::vector<double> CrossSpectra::peak_density(int a) {
+Eigen::MatrixXcd CrossSpectra::matrix(int bin) const {
+  sum_up();
+  Eigen::MatrixXcd G(settings_.channels, settings_.channels);
+  for (int a = 0; a < settings_.channels; ++a)
+    for (int b = a; b < settings_.channels; ++b) {
+      const std::size_t at = place(bin / kLane, a, b);
+      G(a, b) = one_sided(bin) * std::complex<double>(sum_[at](bin % kLane), sum_[at + 1](bin % kLane));
+      G(b, a) = std::conj(G(a, b));
+    }
+  return G;
+}
+
+std::vector<double> CrossSpectra::peak_density(int a) const {
   sum_up();
   std::vector<double> result(static_cast<std::size_t>(bins()));
   if (peak_.empty()) return result;

@@ -27,6 +27,7 @@ class CrossSpectra {
     /// alike.  0: linear average, all segments alike for ever.
     int memory = 0;
     bool hold_peaks = false;
+    bool remove_means = false;  ///< of each segment: what rests would leak into the lowest bins
   };
 
   /// @throws std::invalid_argument
@@ -50,11 +51,13 @@ class CrossSpectra {
   double independent_averages() const;
 
   /// [bins] G_ab; zero before the first segment is full.
-  std::vector<std::complex<double>> density(int a, int b);
+  std::vector<std::complex<double>> density(int a, int b) const;
   /// [bins] G_aa.
-  std::vector<double> density(int a);
+  std::vector<double> density(int a) const;
   /// [bins] the greatest that any one segment had; zero if not asked for.
-  std::vector<double> peak_density(int a);
+  std::vector<double> peak_density(int a) const;
+  /// [channel x channel] G of one bin.
+  Eigen::MatrixXcd matrix(int bin) const;
 
  private:
   static constexpr int kLane = 8;   ///< bins side by side, a cache line of doubles
@@ -62,7 +65,7 @@ class CrossSpectra {
   using Lane = Eigen::Array<double, kLane, 1>;
 
   void add_segment();
-  void sum_up();
+  void sum_up() const;
   std::size_t place(int tile, int a, int b) const;
   double one_sided(int bin) const;
 
@@ -75,11 +78,12 @@ class CrossSpectra {
   double step_hz_, enbw_hz_, scale_;
   Eigen::MatrixXd history_;  ///< [sample x channel] the segment that is being filled
   Eigen::Index filled_ = 0;
-  int waiting_ = 0;
-  std::vector<Lane> batch_;  ///< [tile][segment][channel][re, im]
-  std::vector<Lane> sum_;    ///< [tile][pair][re, im], weighted mean of those summed up
-  std::vector<Lane> peak_;   ///< [tile][channel]
-  int averages_ = 0, summed_ = 0;
+  mutable int waiting_ = 0;
+  std::vector<Lane> batch_;         ///< [tile][segment][channel][re, im]
+  mutable std::vector<Lane> sum_;   ///< [tile][pair][re, im], weighted mean of those summed up
+  mutable std::vector<Lane> peak_;  ///< [tile][channel]
+  int averages_ = 0;
+  mutable int summed_ = 0;
 };
 
 }  // namespace roadbalance

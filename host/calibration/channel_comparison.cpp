@@ -25,13 +25,17 @@ ChannelComparison::ChannelComparison(const NodeConfig& node, const Settings& set
   for (const Input& input : input_) compared_ |= 1 << input.place;
   if (!has_reference(node, settings))
     throw ConfigError("node " + node.name + " has no channel \"" + settings.reference + "\" in use");
+  const int segment = std::max(2, static_cast<int>(std::lround(settings.segment_s * node.rate_hz)));
   try {
-    spectra_.emplace(CrossSpectra::Settings{static_cast<int>(input_.size()), node.rate_hz, settings.segment_s,
-                                            settings.low_hz, settings.high_hz});
+    spectra_.emplace(CrossSpectra::Settings{.welch = {.rate_hz = node.rate_hz, .segment = segment},
+                                            .channels = static_cast<int>(input_.size()),
+                                            .remove_means = true});
   } catch (const std::invalid_argument& error) {
     throw ConfigError("node " + node.name + ": " + error.what());
   }
-  sample_.resize(input_.size());
+  if (const auto band = within(*spectra_, settings.low_hz, settings.high_hz);
+      band.frequency_hz.empty() || band.frequency_hz.front() == 0.0)
+    throw ConfigError("node " + node.name + ": cross spectra: no bin lies within the band");
 }
 
 bool ChannelComparison::has_reference(const NodeConfig& node, const Settings& settings) {
@@ -72,17 +76,18 @@ void ChannelComparison::add(const ScanBlock& block) {
   const bool follows = block.header.epoch == epoch_ && block.header.first_scan == next_scan_;
   epoch_ = block.header.epoch;
   next_scan_ = block.header.first_scan + block.header.scans;
-  if (!follows) spectra_->interrupt();
+  if (!follows) spectra_->gap();
   if ((block.overload & compared_) != 0) {
     overloaded_ += block.header.scans;
-    return spectra_->interrupt();
+    return spectra_->gap();
   }
+  samples_.resize(static_cast<Eigen::Index>(input_.size()), block.header.scans);
   for (std::int64_t r = 0; r < block.header.scans; ++r) {
     const auto& counts = block.counts[static_cast<std::size_t>(r)];
     for (std::size_t i = 0; i < input_.size(); ++i)
-      sample_[i] = input_[i].per_count * counts[input_[i].place];
-    spectra_->add(sample_);
+      samples_(static_cast<Eigen::Index>(i), r) = input_[i].per_count * counts[input_[i].place];
   }
+  spectra_->add(samples_);
   scans_ += block.header.scans;
 }
 
@@ -145,7 +150,8 @@ ChannelComparison::Result ChannelComparison::result() const {
   }
   const auto seconds = [&](std::int64_t scans) { return static_cast<double>(scans) / node_.rate_hz; };
   Result result{.channel = {}, .seconds = seconds(scans_), .overload_s = seconds(overloaded_)};
-  ChannelMatches by_gain = match_channels(*spectra_, accelerations);
+  const BandSpectra band = within(*spectra_, settings_.low_hz, settings_.high_hz);
+  ChannelMatches by_gain = match_channels(band, accelerations);
   result.obstacle = text_of(by_gain.obstacle);
   if (!result.obstacle.empty()) return result;
   doubt_other_sizes(by_gain.channel);
@@ -153,7 +159,7 @@ ChannelComparison::Result ChannelComparison::result() const {
   ChannelMatches by_delay = by_gain;
   // The loop-back may not have been given the signal.
   if (loops_back() && !named_acceleration && loop_back_was_fed(by_gain.channel)) {
-    by_delay = match_channels(*spectra_, references);
+    by_delay = match_channels(band, references);
     if (by_delay.channel.empty()) by_delay = by_gain;
   }
   if (named != input_.end() && by_gain.channel[static_cast<std::size_t>(named - input_.begin())].verdict !=

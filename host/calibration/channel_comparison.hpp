@@ -77,7 +77,7 @@ class ChannelComparison {
   const NodeConfig node_;
   const Settings settings_;
   std::vector<Input> input_;
-  std::vector<double> sample_;
+  Eigen::MatrixXd samples_;  ///< [input x scan] of a block
   std::optional<CrossSpectra> spectra_;
   std::int32_t compared_ = 0;  ///< as bits of an overload
   std::int64_t epoch_ = 0, next_scan_ = -1, scans_ = 0, overloaded_ = 0;

@@ -20,10 +20,10 @@ double coherence(const Eigen::MatrixXcd& s, int a, int b) {
 }
 
 /// Bins of the band in which there is a signal at all: it is in two channels at least.
-std::vector<std::size_t> bins_with_signal(const CrossSpectra& spectra) {
-  std::vector<double> level(spectra.bins());
+std::vector<std::size_t> bins_with_signal(const BandSpectra& spectra) {
+  std::vector<double> level(spectra.matrix.size());
   for (std::size_t k = 0; k < level.size(); ++k) {
-    Eigen::VectorXd power = spectra.matrix(k).diagonal().real();
+    Eigen::VectorXd power = spectra.matrix[k].diagonal().real();
     std::sort(power.begin(), power.end());
     level[k] = power(power.size() - 2);
   }
@@ -34,14 +34,14 @@ std::vector<std::size_t> bins_with_signal(const CrossSpectra& spectra) {
   return bins;
 }
 
-double mean_coherence(const CrossSpectra& spectra, const std::vector<std::size_t>& bins, int a, int b) {
+double mean_coherence(const BandSpectra& spectra, const std::vector<std::size_t>& bins, int a, int b) {
   double sum = 0.0;
-  for (const std::size_t k : bins) sum += coherence(spectra.matrix(k), a, b);
+  for (const std::size_t k : bins) sum += coherence(spectra.matrix[k], a, b);
   return bins.empty() ? 0.0 : sum / static_cast<double>(bins.size());
 }
 
 /// The channel whose coherence with the others is best in the median.
-int pilot_of(const CrossSpectra& spectra, const std::vector<std::size_t>& bins, int channels) {
+int pilot_of(const BandSpectra& spectra, const std::vector<std::size_t>& bins, int channels) {
   int best = 0;
   double most = -1.0;
   for (int a = 0; a < channels; ++a) {
@@ -66,7 +66,7 @@ std::complex<double> over_pilot(const Eigen::MatrixXcd& s, int k, int p, const s
   return power > 0.0 ? sum / power : s(p, k) / s(p, p);
 }
 
-ChannelMatch compare(const CrossSpectra& spectra, const std::vector<std::size_t>& bins, int k, int p,
+ChannelMatch compare(const BandSpectra& spectra, const std::vector<std::size_t>& bins, int k, int p,
                      const std::vector<int>& coherent) {
   ChannelMatch match;
   match.coherence = mean_coherence(spectra, bins, k, p);
@@ -77,11 +77,11 @@ ChannelMatch compare(const CrossSpectra& spectra, const std::vector<std::size_t>
   std::vector<Point> points;
   std::complex<double> mean = 0.0;
   for (const std::size_t bin : bins) {
-    const double g2 = coherence(spectra.matrix(bin), k, p);
+    const double g2 = coherence(spectra.matrix[bin], k, p);
     if (g2 < kLeastCoherence) continue;
-    const double weight = 2.0 * spectra.independent_averages() * g2 / (1.0 - g2);
-    points.push_back({2.0 * std::numbers::pi * spectra.frequency_hz(bin), weight,
-                      over_pilot(spectra.matrix(bin), k, p, coherent)});
+    const double weight = 2.0 * spectra.independent_averages * g2 / (1.0 - g2);
+    points.push_back({2.0 * std::numbers::pi * spectra.frequency_hz[bin], weight,
+                      over_pilot(spectra.matrix[bin], k, p, coherent)});
     mean += weight * points.back().h;
   }
   if (points.empty() || static_cast<double>(points.size()) < kLeastShare * static_cast<double>(bins.size()))
@@ -159,16 +159,27 @@ bool refer_to(const std::vector<int>& reference, std::vector<ChannelMatch>& all)
 
 }  // namespace
 
+BandSpectra within(const CrossSpectra& spectra, double low_hz, double high_hz) {
+  BandSpectra band{{}, {}, spectra.averages(), spectra.independent_averages()};
+  for (int k = 0; k < spectra.bins(); ++k) {
+    const double frequency_hz = k * spectra.step_hz();
+    if (frequency_hz < low_hz || frequency_hz > high_hz) continue;
+    band.frequency_hz.push_back(frequency_hz);
+    band.matrix.push_back(spectra.matrix(k));
+  }
+  return band;
+}
+
 double median(std::vector<double> values) {
   std::ranges::sort(values);
   const std::size_t half = values.size() / 2;
   return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
 }
 
-ChannelMatches match_channels(const CrossSpectra& spectra, const std::vector<int>& reference) {
+ChannelMatches match_channels(const BandSpectra& spectra, const std::vector<int>& reference) {
   using Obstacle = ChannelMatches::Obstacle;
-  const auto channels = static_cast<int>(spectra.matrix(0).rows());
-  if (spectra.averages() < kLeastAverages) return {Obstacle::kTooShort};
+  const auto channels = static_cast<int>(spectra.matrix.front().rows());
+  if (spectra.averages < kLeastAverages) return {Obstacle::kTooShort};
   if (channels < 2) return {Obstacle::kNoTwoAlike};
   const auto bins = bins_with_signal(spectra);
   if (bins.empty()) return {Obstacle::kNoTwoAlike};

@@ -2,9 +2,20 @@
 
 #include <vector>
 
-#include "host/calibration/cross_spectra.hpp"
+#include <Eigen/Core>
+
+#include "common/dsp/cross_spectra.hpp"
 
 namespace roadbalance {
+
+/// Cross spectra of some channels at the bins of a band.
+struct BandSpectra {
+  std::vector<double> frequency_hz;
+  std::vector<Eigen::MatrixXcd> matrix;  ///< [bin], [channel x channel] as CrossSpectra::matrix
+  int averages = 0;
+  double independent_averages = 0.0;
+};
+BandSpectra within(const CrossSpectra& spectra, double low_hz, double high_hz);
 
 /// How one channel shows a signal that others show, too.
 struct ChannelMatch {
@@ -48,7 +59,7 @@ struct ChannelMatches {
 /// @param reference  places of channels whose median is the reference; those that are not matched do not
 /// count
 /// @return by channel; the figures of those not matched say what was seen
-ChannelMatches match_channels(const CrossSpectra& spectra, const std::vector<int>& reference);
+ChannelMatches match_channels(const BandSpectra& spectra, const std::vector<int>& reference);
 
 double median(std::vector<double> values);
 

@@ -1,7 +1,9 @@
 // Somebody else's measurement through the documented commands: import, verify, levels, spectrum, identify.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <complex>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -107,6 +109,42 @@ TEST_F(RecordingCommands, ARealCarsMeasurementGoesAllTheWay) {
   EXPECT_EQ(identified.code, 1) << "the answer is no";
   EXPECT_TRUE(Json::parse(identified.output)["wheels"][0]["unbalance_g"].is_null());
   EXPECT_NE(identified.log.find("identification_rate_hz"), std::string::npos) << identified.log;
+}
+
+TEST_F(RecordingCommands, TransferTellsHowTwoChannelsGoTogether) {
+  ASSERT_EQ(import(kWobble, record_).code, 0);
+  const auto transfer = [&](const std::string& input, const std::string& output) {
+    const test::Outcome told = rb({"transfer", record_, "--input", input, "--output", output, "--json"});
+    EXPECT_EQ(told.code, 0) << told.log;
+    return Json::parse(told.output);
+  };
+  const std::string driver = "driver_knuckle_z", passenger = "passenger_knuckle_z";
+  const Json there = transfer(driver, passenger), back = transfer(passenger, driver),
+             itself = transfer(driver, driver);
+  EXPECT_GE(there["averages"], 3);
+  ASSERT_EQ(there["bins"].size(), back["bins"].size());
+  double largest = 0.0;
+  for (std::size_t k = 1; k < there["bins"].size(); ++k) {
+    const auto h = [&](const Json& of) {
+      return std::complex<double>(of["bins"][k]["h1"][0], of["bins"][k]["h1"][1]);
+    };
+    const double coherence = there["bins"][k]["coherence"];
+    largest = std::max(largest, coherence);
+    // G_xy / G_xx times G_yx / G_yy is the coherence.
+    EXPECT_LT(std::abs(h(there) * h(back) - coherence), 1e-12) << k;
+    EXPECT_LT(std::abs(h(itself) - 1.0), 1e-12) << k;
+    EXPECT_NEAR(itself["bins"][k]["coherence"].get<double>(), 1.0, 1e-12);
+  }
+  EXPECT_GT(largest, there["coherence_by_chance"]) << "two knuckles of one car";
+  const test::Outcome text = rb({"transfer", record_, "--input", driver, "--output", passenger});
+  EXPECT_NE(text.output.find("# passenger_knuckle_z / driver_knuckle_z"), std::string::npos) << text.output;
+  const test::Outcome unknown = rb({"transfer", record_, "--input", driver, "--output", "bonnet_z"});
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_NE(unknown.log.find("--output bonnet_z"), std::string::npos) << unknown.log;
+  const test::Outcome too_long =
+      rb({"transfer", record_, "--input", driver, "--output", passenger, "--segment-s", "900"});
+  EXPECT_EQ(too_long.code, 1);
+  EXPECT_NE(too_long.log.find("no stretch without a hole is as long as a segment"), std::string::npos);
 }
 
 TEST_F(RecordingCommands, DamageCostsWhatItHitAndIsSaid) {

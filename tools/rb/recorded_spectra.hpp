@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+
+#include "common/config/vehicle_config.hpp"
+#include "host/analyser/joint_spectra.hpp"
+
+namespace roadbalance {
+
+/// What commands that make spectra of a recording have in common.
+
+/// @param option  that named the channel, for the error
+/// @throws ConfigError listing the channels there are
+ChannelPlace find_channel(const VehicleConfig& vehicle, const std::string& option, const std::string& name);
+
+int segment_samples(double segment_s, double rate_hz);
+
+/// Says on standard error why not one segment was found.
+void say_no_segment(const char* command, const JointSpectra& spectra);
+
+}  // namespace roadbalance
