@@ -23,6 +23,7 @@ AxleConfig parse_axle(Section axle) {
   a.stabiliser_n_m = axle.number("stabiliser_n_m", kNotNegative);
   a.tyre_n_m = axle.number("tyre_n_m", kPositive);
   a.tyre_damper_n_s_m = axle.number_or("tyre_damper_n_s_m", kNotNegative, 0.0);
+  a.tyre_damper_sigma_n_s_m = axle.number_or("tyre_damper_sigma_n_s_m", kNotNegative, kTyreDamperDoubt_n_s_m);
   axle.finish();
   return a;
 }

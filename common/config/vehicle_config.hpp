@@ -22,23 +22,26 @@ inline constexpr std::array<const char*, kWheels> kWheelNames{"front_left", "fro
 inline constexpr int kAxles = 2;  ///< front, rear
 
 /// What is taken for known to one standard deviation where vehicle.toml does not say how well it is: a wheel
-/// weighed with its carrier, a car weighed with the people in it, inertias from a table.
+/// weighed with its carrier, a car weighed with the people in it, inertias from a table, the damping of a
+/// tyre that rolls.
 inline constexpr double kWheelMassDoubt = 0.02;
 inline constexpr double kBodyMassDoubt = 0.03;
 inline constexpr double kInertiaDoubt = 0.10;
+inline constexpr double kTyreDamperDoubt_n_s_m = 50.0;
 
 /// [model]: parameters of the 7-degree-of-freedom car, kind = "seven_dof", or of kind = "description" the
 /// file that describes a car of another form (common/multibody), which can be recorded but not identified.
 /// Axes: x forward, y left, z up; origin in the body's centre of mass.  Both wheels of an axle are alike
 /// here; identification finds each wheel's own values, starting from these.
 struct AxleConfig {
-  double x_m;                      ///< of the axle; rear is negative
-  double half_track_m;             ///< left wheel at +, right at -
-  double spring_n_m;               ///< each suspension spring, at the wheel
-  double damper_n_s_m;             ///< each damper, at the wheel
-  double stabiliser_n_m;           ///< acts on the difference of left and right suspension stretch
-  double tyre_n_m;                 ///< vertical stiffness of each tyre
-  double tyre_damper_n_s_m = 0.0;  ///< vertical damping of each tyre
+  double x_m;                            ///< of the axle; rear is negative
+  double half_track_m;                   ///< left wheel at +, right at -
+  double spring_n_m;                     ///< each suspension spring, at the wheel
+  double damper_n_s_m;                   ///< each damper, at the wheel
+  double stabiliser_n_m;                 ///< acts on the difference of left and right suspension stretch
+  double tyre_n_m;                       ///< vertical stiffness of each tyre
+  double tyre_damper_n_s_m = 0.0;        ///< vertical damping of each tyre
+  double tyre_damper_sigma_n_s_m = 0.0;  ///< how well it is known, one standard deviation: no drive tells it
 };
 struct ModelConfig {
   double body_mass_kg;

@@ -207,7 +207,7 @@ void DriveEstimator::publish(const UnknownVector& x, const Judgement& judgement)
   publish_unknown(Unknown::kNone);
   publish_balances(x, judgement);
   if (body_only_) return;
-  put_suspension(x, judgement.drive + judgement.masses, estimate_.identification);
+  put_suspension(x, judgement.drive + judgement.model, estimate_.identification);
   put_judgement(judgement, estimate_.identification);
 }
 
@@ -226,7 +226,7 @@ void DriveEstimator::publish_balances(const UnknownVector& x, const Judgement& j
     if (balance.state != Unknown::kNone) continue;
     put_unbalance(unbalance, judgement.drive.block<2, 2>(u, u), balance);
     balance.sigma_drive_g = balance.sigma_g;
-    put_unbalance(unbalance, (judgement.drive + judgement.masses).block<2, 2>(u, u), balance);
+    put_unbalance(unbalance, (judgement.drive + judgement.model).block<2, 2>(u, u), balance);
     if (!body_only_) put_first_order(judgement.first_order[w], balance);
     // No scatter of a drive shows where its zero marks are thought to be.
     const double datum_sigma_rad = vehicle_.wheel[w].encoder.datum_sigma_rad;

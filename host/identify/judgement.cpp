@@ -121,6 +121,21 @@ std::optional<Changes> per_share(const std::vector<DriveMoments>& classes, const
   return change;
 }
 
+/// What the tyres' dampers do to the unknowns, which no drive tells: those of an axle are wrong alike.
+bool add_tyre_dampers(const std::vector<DriveMoments>& classes, const Said& said, const Known& known,
+                      Judgement& judgement) {
+  for (int first = kTyreDamper; first < kTyreDamper + kWheels; first += 2) {
+    if (known.sigma(first) == 0.0) continue;
+    Known changed = known;
+    changed.value.segment<2>(first) += known.sigma.segment<2>(first);
+    const auto then = tell(classes, changed);
+    if (!then) return false;
+    const UnknownVector change = (then->said - said).head<kUnknowns>();
+    judgement.model += change * change.transpose();
+  }
+  return true;
+}
+
 void judge_wheels(const Said& said, const SaidMatrix& covariance, const Changes& change, double groups,
                   Judgement& judgement) {
   constexpr int kAll = kWheels * kWheelChecks;
@@ -186,6 +201,8 @@ Known Known::of(const VehicleConfig& vehicle) {
   for (int i = 0; i < kWheels; ++i) {
     const WheelConfig& wheel = vehicle.wheel[static_cast<std::size_t>(i)];
     known.sigma(kWheelMass + i) = wheel.mass_sigma_kg;
+    known.sigma(kTyreDamper + i) =
+        vehicle.model.axle[static_cast<std::size_t>(i / 2)].tyre_damper_sigma_n_s_m;
     known.rolling_radius_m(i) = wheel.rolling_radius_m;
   }
   return known;
@@ -203,7 +220,7 @@ std::optional<Judgement> judge(const SpeedClasses& drive, const Known& known) {
   const double widen = few_groups_factor(equal);
   Judgement judgement;
   judgement.drive = widen * covariance.topLeftCorner<kUnknowns, kUnknowns>();
-  judgement.masses.setZero();
+  judgement.model.setZero();
   const DriveMoments total = sum_of(classes);
   if (!total.body.normal.isZero()) return judgement;
 
@@ -213,7 +230,8 @@ std::optional<Judgement> judge(const SpeedClasses& drive, const Known& known) {
   const Eigen::Matrix<double, kUnknowns, kSpring> of_masses =
       change->topRows<kUnknowns>() *
       known.sigma.head<kSpring>().cwiseQuotient(known.value.head<kSpring>()).asDiagonal();
-  judgement.masses = of_masses * of_masses.transpose();
+  judgement.model = of_masses * of_masses.transpose();
+  if (!add_tyre_dampers(classes, told->said, known, judgement)) return std::nullopt;
   judge_wheels(told->said, covariance, *change, equal, judgement);
   judge_body(*told, *scatter, *change, equal, judgement);
   judgement.first_order = fit_forces(classes, told->said.head<kUnknowns>(), known);

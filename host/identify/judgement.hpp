@@ -16,9 +16,9 @@ namespace roadbalance {
 
 /// How far an estimate is to be trusted.
 struct Judgement {
-  /// Covariance by what the drive scatters (jackknife, widened for few groups) and by what the masses and
-  /// inertias taken for known are good to.
-  UnknownMatrix drive, masses;
+  /// Covariance by what the drive scatters (jackknife, widened for few groups) and by what masses, inertias
+  /// and tyre dampers taken for known are good to.
+  UnknownMatrix drive, model;
   SuspensionConditioning suspension;
   /// Body, then the wheels.  Of the body the share is that of its roll inertia.
   std::array<Misfit, 1 + kWheels> misfit{};

@@ -87,6 +87,7 @@ TEST(VehicleConfig, TakesTheDampingOfTyres) {
   const auto axle = VehicleConfig::parse(damped, "vehicle.toml").model.axle;
   EXPECT_EQ(axle[0].tyre_damper_n_s_m, 0.0);
   EXPECT_EQ(axle[1].tyre_damper_n_s_m, 120.0);
+  EXPECT_EQ(axle[1].tyre_damper_sigma_n_s_m, 0.0);
 }
 
 TEST(VehicleConfig, TakesCalibrationAndDirectionOfAChannel) {
@@ -151,11 +152,12 @@ TEST(VehicleConfig, RefusesARotorThatNothingTurns) {
 TEST(VehicleConfig, TakesMassesForKnownAsWellAsItSays) {
   const std::string exact = demo();
   EXPECT_EQ(VehicleConfig::parse(exact, "car.toml").wheel[2].mass_sigma_kg, 0.0);
-  const auto v =
-      VehicleConfig::parse(std::regex_replace(exact, std::regex("[a-z_]*sigma_kg[_m2]* = 0\n"), ""), "car.toml");
+  const auto v = VehicleConfig::parse(
+      std::regex_replace(exact, std::regex("[a-z_]*sigma_(kg[_m2]*|n_s_m) = 0\n"), ""), "car.toml");
   EXPECT_DOUBLE_EQ(v.wheel[2].mass_sigma_kg, 0.02 * 32.0);
   EXPECT_DOUBLE_EQ(v.model.body_mass_sigma_kg, 0.03 * 1300.0);
   EXPECT_DOUBLE_EQ(v.model.pitch_inertia_sigma_kg_m2, 0.10 * 2200.0);
+  EXPECT_DOUBLE_EQ(v.model.axle[0].tyre_damper_sigma_n_s_m, 50.0);
 }
 
 TEST(VehicleConfig, NamesFileLineKeyAndWhatIsAllowed) {

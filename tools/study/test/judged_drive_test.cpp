@@ -51,7 +51,7 @@ TEST(JudgedDrive, EllipsesHoldTheTruthAndAllSpeedsFit) {
       EXPECT_FALSE(judgement->first_order[static_cast<std::size_t>(w)].separable);
     }
     for (const Misfit& misfit : judgement->misfit) misfits += misfit.chance < 0.01;
-    EXPECT_TRUE(judgement->masses.isZero()) << "the demonstration car's masses are exact";
+    EXPECT_TRUE(judgement->model.isZero()) << "the demonstration car's masses and tyre dampers are exact";
     EXPECT_GT(judgement->suspension.condition, 1.0);
     EXPECT_LT(judgement->suspension.condition, 50.0);
     EXPECT_EQ(refusal(x, judgement, known), "");
@@ -110,14 +110,36 @@ TEST(JudgedDrive, HoldsTheDoubtOfTheMasses) {
   heavier.value(kWheelMass) *= 1.02;
   const std::complex<double> moved =
       unbalance(solved(classes, heavier), 0) - unbalance(solved(classes, known), 0);
-  const auto block = judgement->masses.block<2, 2>(kEstimatedUnbalance, kEstimatedUnbalance);
+  const auto block = judgement->model.block<2, 2>(kEstimatedUnbalance, kEstimatedUnbalance);
   EXPECT_NEAR(block.trace() / std::norm(moved), 1.0, 0.02);  // 1 % against 2 % of a nearly linear change
+}
+
+/// Tyres with the damping that vehicle.toml is silent of: the error is what ± says, at one sigma.
+TEST(JudgedDrive, HoldsTheDoubtOfTheTyresDamping) {
+  const SpeedClasses classes = gather(plateaus({110, 120, 130}), 5, car());
+  Known known = Known::of(car());
+  known.sigma.segment<kWheels>(kTyreDamper).setConstant(50.0);
+  const auto judgement = judge(classes, known);
+  ASSERT_TRUE(judgement);
+  Known damped = known;
+  damped.value.segment<kWheels>(kTyreDamper).setConstant(50.0);
+  for (int w = 0; w < kWheels; ++w) {
+    const std::complex<double> U = unbalance(solved(classes, known), w);
+    const double moved = std::abs(unbalance(solved(classes, damped), w) - U);
+    const int at = kEstimatedUnbalance + 2 * w;
+    // Two causes, front and rear; of the other axle's an unbalance hears through the road that both share.
+    EXPECT_NEAR(std::sqrt(judgement->model.block<2, 2>(at, at).trace()) / moved, 1.0, 0.2) << w;
+    EXPECT_GT(moved, 0.01 * std::abs(U)) << w;
+  }
 }
 
 TEST(JudgedDrive, IsNoSurerForGroupsThatTellNothing) {
   SpeedClasses classes = gather(plateaus({110, 110}), 8, car());
   const auto few = judge(classes, Known::of(car()));
-  const DriveMoments nothing{.seconds = 1e-6, .speed_seconds = 20e-6, .sections = 1};
+  DriveMoments nothing;
+  nothing.seconds = 1e-6;
+  nothing.speed_seconds = 20e-6;
+  nothing.sections = 1;
   for (int k = 0; k < 10; ++k) classes.add(nothing);
   const auto padded = judge(classes, Known::of(car()));
   ASSERT_TRUE(few && padded);
