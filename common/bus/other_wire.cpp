@@ -22,13 +22,15 @@
 #include <wire/scan_block_t.hpp>
 #include <wire/signal_block_t.hpp>
 #include <wire/spectrum_t.hpp>
+#include <wire/transfer_t.hpp>
+#include <wire/view_t.hpp>
 
 #include "common/bus/wire_format.hpp"
 
 namespace roadbalance {
 namespace {
 
-enum class Speaker { kNode, kRecorder, kAnalyser };
+enum class Speaker { kNode, kRecorder, kAnalyser, kViewer };
 
 /// What is said on channels "front" + number of a node + "back", or on "front" alone.
 struct Kind {
@@ -39,8 +41,8 @@ struct Kind {
   bool has_crc = true;
 };
 
-const std::array<Kind, 19>& kinds() {
-  static const std::array<Kind, 19> all{{
+const std::array<Kind, 21>& kinds() {
+  static const std::array<Kind, 21> all{{
       {"RB_BLOCK_", "_SCAN", wire::scan_block_t::getHash(), Speaker::kNode},
       {"RB_BLOCK_", "_EDGE", wire::edge_block_t::getHash(), Speaker::kNode},
       {"RB_BLOCK_", "_GAP", wire::gap_t::getHash(), Speaker::kNode},
@@ -59,6 +61,8 @@ const std::array<Kind, 19>& kinds() {
       {"RB_ORDERS", "", wire::orders_t::getHash(), Speaker::kAnalyser, false, false},
       {"RB_IDENTIFICATION", "", wire::identification_t::getHash(), Speaker::kAnalyser, false, false},
       {"RB_BALANCE", "", wire::balance_t::getHash(), Speaker::kAnalyser, false, false},
+      {"RB_TRANSFER", "", wire::transfer_t::getHash(), Speaker::kAnalyser, false, false},
+      {"RB_VIEW", "", wire::view_t::getHash(), Speaker::kViewer, false, false},
       {"RB_COMPENSATION", "", wire::compensation_t::getHash(), Speaker::kAnalyser, false, false},
   }};
   return all;
@@ -93,6 +97,7 @@ std::string hexadecimal(std::int64_t fingerprint) {
 
 std::string sentence(std::string_view channel, const Kind& kind, std::int64_t theirs) {
   std::string who = "an analyser";
+  if (kind.speaker == Speaker::kViewer) who = "a viewer";
   if (kind.speaker == Speaker::kNode) who = node_of(channel, kind);
   if (kind.speaker == Speaker::kRecorder)
     who = "a recorder" + (kind.of_a_node ? " that speaks to " + node_of(channel, kind) : std::string());

@@ -8,11 +8,13 @@
 #include <vector>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/clock_messages.hpp"
 #include "common/bus/codec.hpp"
 #include "common/bus/results.hpp"
 #include "common/clock/clocks.hpp"
 #include "host/analyser/levels.hpp"
 #include "host/analyser/spectra.hpp"
+#include "host/analyser/transfer_view.hpp"
 
 namespace roadbalance {
 namespace {
@@ -43,12 +45,18 @@ struct NodeView {
 
 class LiveView {
  public:
-  LiveView(const std::string& url, const VehicleConfig& vehicle) : bus_(url) {
+  LiveView(const std::string& url, const VehicleConfig& vehicle) : bus_(url), transfers_(vehicle) {
     for (const auto& node : vehicle.node)
       nodes_.emplace(node.id, NodeView{LevelMeter(vehicle, node), SpectrumMeter(node)});
     const auto take = [this](std::string_view, std::span<const std::uint8_t> bytes) { add(bytes); };
     bus_.subscribe("RB_BLOCK_.*", take);
     bus_.subscribe("RB_PREVIEW_.*", take);
+    bus_.subscribe("RB_CLOCK_.*", [this](std::string_view, std::span<const std::uint8_t> bytes) {
+      if (const auto fit = decode_clock_fit(bytes)) transfers_.consume(*fit);
+    });
+    bus_.subscribe(kViewChannel, [this](std::string_view, std::span<const std::uint8_t> bytes) {
+      if (const auto view = decode_view(bytes)) transfers_.take(*view, WallClock::now());
+    });
   }
 
   void step() {
@@ -61,6 +69,8 @@ class LiveView {
           level->skipped = node.skipped;
           bus_.publish(kLevelChannel, encode(*level));
         }
+      for (const TransferPart& part : transfers_.parts(WallClock::now()))
+        bus_.publish(kTransferChannel, encode(part));
     }
     if (now - spectra_published_ >= kSpectrumInterval) {
       spectra_published_ = now;
@@ -80,10 +90,12 @@ class LiveView {
     const ScanBlock scans = decode_scan(*block_);
     node->second.levels.add(scans);
     node->second.spectra.add(scans);
+    if (block_->header.sequence != 0) transfers_.consume(*block_);  // no preview: it skips
   }
 
   Bus bus_;
   std::map<std::int32_t, NodeView> nodes_;
+  TransferView transfers_;
   std::unique_ptr<SealedBlock> block_ = std::make_unique<SealedBlock>();
   WallTime levels_published_{};
   WallTime spectra_published_{};

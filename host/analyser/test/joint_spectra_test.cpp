@@ -2,66 +2,18 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
 #include <complex>
-#include <random>
 #include <string>
 
-#include "common/bus/codec.hpp"
 #include "common/config/section.hpp"
 #include "common/dsp/transfer_function.hpp"
-#include "common/test/source.hpp"
+#include "host/analyser/test/noise_drive.hpp"
 
 namespace roadbalance {
 namespace {
 
-constexpr std::int64_t kPeriodNs = 500'000;
-constexpr ChannelPlace kFront{0, 2}, kRear{1, 5};
-
-const VehicleConfig& car() {
-  static const VehicleConfig vehicle = VehicleConfig::read_file(test::source_path("sim/demo/vehicle.toml"));
-  return vehicle;
-}
-
-/// White noise of 1 m/s^2 at the front; half of it, three samples later, at the rear.
-class Drive {
- public:
-  SealedBlock next(int node_index, std::int32_t overload = 0) {
-    auto& number = number_[static_cast<std::size_t>(node_index)];
-    const NodeConfig& node = car().node[static_cast<std::size_t>(node_index)];
-    ScanBlock block;
-    block.header = {
-        node.id, 1, number + 1, number * kScansPerBlock, kScansPerBlock, number * kScansPerBlock * kPeriodNs};
-    block.period_ps = kPeriodNs * 1000;
-    block.overload = overload;
-    const auto c = static_cast<std::size_t>(node_index == 0 ? kFront.channel : kRear.channel);
-    for (int row = 0; row < kScansPerBlock; ++row) {
-      const std::int64_t k = number * kScansPerBlock + row;
-      const double value = node_index == 0 ? noise(k) : 0.5 * noise(k - 3);
-      const ChannelConfig& channel = node.channel[c];
-      block.counts[static_cast<std::size_t>(row)][c] =
-          static_cast<std::int32_t>(std::lround((value - channel.to_si(0.0)) / channel.scale_m_s2_per_count));
-    }
-    ++number;
-    SealedBlock sealed;
-    seal(block, sealed);
-    return sealed;
-  }
-
- private:
-  static double noise(std::int64_t k) {
-    static const auto values = [] {
-      std::array<double, 8192> list{};
-      std::mt19937 random(17);
-      std::normal_distribution<double> normal;
-      for (double& value : list) value = normal(random);
-      return list;
-    }();
-    return values[static_cast<std::size_t>(k + 3)];
-  }
-  std::array<std::int64_t, 2> number_{};
-};
+using test::car, test::kFront, test::kRear, test::NoiseDrive;
 
 JointSpectra both(int segment) {
   return {car(), {kFront, kRear}, {.segment = segment}};
@@ -69,7 +21,7 @@ JointSpectra both(int segment) {
 
 TEST(JointSpectra, ChannelsOfDifferentNodesHaveATransferFunction) {
   JointSpectra joint = both(200);
-  Drive drive;
+  NoiseDrive drive;
   for (int i = 0; i < 200; ++i)
     for (const int node : {1, 0}) joint.consume(drive.next(node));
   EXPECT_EQ(joint.runs(), 1);
@@ -87,7 +39,7 @@ TEST(JointSpectra, ChannelsOfDifferentNodesHaveATransferFunction) {
 
 TEST(JointSpectra, NoSegmentRunsAcrossAHoleOfAnyNode) {
   JointSpectra joint = both(100);
-  Drive drive;
+  NoiseDrive drive;
   for (int i = 0; i < 9; ++i) {
     joint.consume(drive.next(0));
     const SealedBlock rear = drive.next(1);
@@ -103,7 +55,7 @@ TEST(JointSpectra, NoSegmentRunsAcrossAHoleOfAnyNode) {
 TEST(JointSpectra, AChannelThatLeftItsRangeIsAHoleAnotherIsNot) {
   for (const int overloaded : {kRear.channel, kRear.channel + 1}) {
     JointSpectra joint = both(100);
-    Drive drive;
+    NoiseDrive drive;
     for (int i = 0; i < 5; ++i) {
       joint.consume(drive.next(0));
       joint.consume(drive.next(1, i == 2 ? 1 << overloaded : 0));

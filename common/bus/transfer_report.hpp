@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/dsp/window.hpp"
+
+namespace roadbalance {
+
+inline constexpr const char* kViewChannel = "RB_VIEW";
+inline constexpr const char* kTransferChannel = "RB_TRANSFER";
+
+/// A channel as messages name it.
+struct ChannelId {
+  std::int32_t node = 0;
+  std::int32_t channel = 0;
+
+  friend auto operator<=>(const ChannelId&, const ChannelId&) = default;
+};
+
+struct ChannelPair {
+  ChannelId input, output;
+};
+
+inline constexpr std::size_t kMostViewPairs = 16;
+inline constexpr int kShortestSegment = 1024, kLongestSegment = 65'536;  ///< that a view may ask for
+
+/// What somebody wants to see of channels together; fields as in common/wire/view_t.
+struct View {
+  std::int64_t viewer = 0;
+  std::int32_t segment = 4096;
+  Window window = Window::kHann;
+  std::int32_t memory = 0;
+  double overlap = 0.5;
+  double highest_hz = 250.0;
+  std::vector<ChannelPair> pair{};  ///< at most kMostViewPairs
+};
+
+inline constexpr std::size_t kTransferBinsPerPart = 48;
+
+/// Part of a transfer function; fields as in common/wire/transfer_t.
+struct TransferPart {
+  std::int64_t viewer = 0;
+  ChannelPair pair{};
+  std::int64_t time_ns = 0;
+  std::int32_t part = 0, parts = 1;
+  double first_hz = 0.0, step_hz = 0.0, enbw_hz = 0.0;
+  double independent_averages = 0.0, coherence_by_chance = 1.0;
+  struct Bin {
+    float input = 0.0F, output = 0.0F, h1_re = 0.0F, h1_im = 0.0F, radius_95 = 0.0F, coherence = 0.0F;
+  };
+  std::vector<Bin> bin{};  ///< at most kTransferBinsPerPart
+};
+
+std::vector<std::uint8_t> encode(const View& message);
+std::vector<std::uint8_t> encode(const TransferPart& message);
+std::optional<View> decode_view(std::span<const std::uint8_t> bytes);
+std::optional<TransferPart> decode_transfer(std::span<const std::uint8_t> bytes);
+
+}  // namespace roadbalance

@@ -1,0 +1,55 @@
+#include "host/analyser/live_view.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "common/bus/bus.hpp"
+#include "common/bus/results.hpp"
+#include "common/bus/transfer_report.hpp"
+#include "common/test/bus_url.hpp"
+#include "host/analyser/test/noise_drive.hpp"
+
+namespace roadbalance {
+namespace {
+
+using namespace std::chrono_literals;
+using test::car, test::kFront, test::kRear;
+
+TEST(LiveView, TellsATransferFunctionToWhoAsksForItOnTheBus) {
+  const std::string url = test::bus_url();
+  std::jthread process([&](const std::stop_token& stop) { live_view(stop, url, car(), [](const auto&) {}); });
+  Bus bus(url);
+  std::optional<TransferPart> told;
+  bool levels = false;
+  bus.subscribe(kTransferChannel, [&](std::string_view, std::span<const std::uint8_t> bytes) {
+    told = decode_transfer(bytes);
+  });
+  bus.subscribe(kLevelChannel, [&](std::string_view, std::span<const std::uint8_t> bytes) {
+    levels = levels || decode_level(bytes);
+  });
+  const View view{.viewer = 9,
+                  .segment = 1024,
+                  .pair = {{{car().node[0].id, kFront.channel}, {car().node[1].id, kRear.channel}}}};
+  test::NoiseDrive drive;
+  // Not a limit of the product's: a test that hears nothing has to end.
+  for (const auto end = WallClock::now() + 60s; !told && WallClock::now() < end;) {
+    bus.publish(kViewChannel, encode(view));
+    for (const int node : {0, 1}) {
+      const SealedBlock block = drive.next(node);
+      bus.publish(block_channel(block.header.node, block.kind), block.bytes());
+    }
+    bus.handle(5ms);
+  }
+  ASSERT_TRUE(told);
+  EXPECT_EQ(told->viewer, 9);
+  EXPECT_EQ(told->pair.output.channel, kRear.channel);
+  EXPECT_FALSE(told->bin.empty());
+  EXPECT_TRUE(levels);
+}
+
+}  // namespace
+}  // namespace roadbalance

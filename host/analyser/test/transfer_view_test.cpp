@@ -1,0 +1,127 @@
+#include "host/analyser/transfer_view.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+
+#include "host/analyser/test/noise_drive.hpp"
+
+namespace roadbalance {
+namespace {
+
+using namespace std::chrono_literals;
+using test::car, test::kFront, test::kRear, test::NoiseDrive;
+
+const ChannelId kInput{car().node[0].id, kFront.channel}, kOutput{car().node[1].id, kRear.channel};
+
+View view(std::int64_t viewer = 1) {
+  return {.viewer = viewer, .segment = 1024, .highest_hz = 1000.0, .pair = {{kInput, kOutput}}};
+}
+
+class TransferViewTest : public testing::Test {
+ protected:
+  void drive(int blocks) {
+    for (int i = 0; i < blocks; ++i)
+      for (const int node : {0, 1}) shown_.consume(drive_.next(node));
+  }
+  TransferView shown_{car()};
+  NoiseDrive drive_;
+  const WallTime begin_ = WallClock::now();
+};
+
+TEST_F(TransferViewTest, TellsNothingThatNobodyAskedFor) {
+  drive(200);
+  EXPECT_TRUE(shown_.parts(begin_).empty());
+}
+
+TEST_F(TransferViewTest, APairOfTwoNodesComesInPartsThatFitTogether) {
+  shown_.take(view(), begin_);
+  drive(200);
+  const auto parts = shown_.parts(begin_ + 1s);
+  ASSERT_FALSE(parts.empty());
+  // 513 bins are fewer than may be shown: each is.
+  EXPECT_EQ(parts.size(), (513 + kTransferBinsPerPart - 1) / kTransferBinsPerPart);
+  std::size_t bins = 0;
+  for (const TransferPart& part : parts) {
+    EXPECT_EQ(part.viewer, 1);
+    EXPECT_EQ(part.pair.output, kOutput);
+    EXPECT_EQ(part.parts, static_cast<std::int32_t>(parts.size()));
+    EXPECT_NEAR(part.first_hz, static_cast<double>(bins) * 2000.0 / 1024.0, 1e-9);
+    for (const TransferPart::Bin& bin : part.bin) {
+      const double hz = static_cast<double>(bins++) * part.step_hz;
+      if (hz < 10.0 || hz > 990.0) continue;
+      // Half as much, three samples later.
+      const auto expected = std::polar(0.5, -2.0 * std::acos(-1.0) * hz * 3.0 / 2000.0);
+      EXPECT_LT(std::abs(std::complex<double>(bin.h1_re, bin.h1_im) - expected), 0.02) << hz;
+      EXPECT_GT(bin.coherence, 0.99F);
+      EXPECT_NEAR(bin.output / bin.input, 0.25F, 0.02F);
+    }
+  }
+  EXPECT_EQ(bins, 513U);
+  EXPECT_TRUE(shown_.parts(begin_ + 1s).empty()) << "nothing new";
+  drive(60);
+  EXPECT_FALSE(shown_.parts(begin_ + 1s).empty());
+}
+
+TEST_F(TransferViewTest, ManyBinsAreShownAsFewerThatScatterLess) {
+  View fine = view();
+  fine.segment = 8192;  // 4097 bins, eight of which are shown as one
+  shown_.take(fine, begin_);
+  drive(1000);
+  const auto parts = shown_.parts(begin_);
+  ASSERT_FALSE(parts.empty());
+  EXPECT_NEAR(parts[0].step_hz, 8.0 * 2000.0 / 8192.0, 1e-9);
+  EXPECT_NEAR(parts[0].first_hz, 3.5 * 2000.0 / 8192.0, 1e-9);
+  EXPECT_EQ(parts.size(), (512 + kTransferBinsPerPart - 1) / kTransferBinsPerPart);
+  // 20 000 samples, half over half: three segments, worth 2.8; eight bins of Hann are worth 8 / 1.5.
+  EXPECT_NEAR(parts[0].independent_averages, 2.82 * 8.0 / 1.5, 0.6);
+  EXPECT_NEAR(parts[5].bin[7].output / parts[5].bin[7].input, 0.25F, 0.02F);
+}
+
+TEST_F(TransferViewTest, AViewerWhoFallsSilentIsForgottenAndWhatHeLookedAtBeginsAnew) {
+  shown_.take(view(), begin_);
+  drive(200);
+  EXPECT_TRUE(shown_.parts(begin_ + TransferView::kForgotten + 1ms).empty());
+  shown_.take(view(), begin_ + 10s);
+  EXPECT_TRUE(shown_.parts(begin_ + 10s).empty()) << "what was averaged is gone";
+  drive(60);
+  EXPECT_FALSE(shown_.parts(begin_ + 10s).empty());
+}
+
+TEST_F(TransferViewTest, WhatIsAskedForAnewIsToldAtOnceFromTheSameAverage) {
+  shown_.take(view(), begin_);
+  drive(200);
+  const auto first = shown_.parts(begin_);
+  View other = view();
+  other.pair = {{kOutput, kInput}};
+  shown_.take(other, begin_);
+  const auto second = shown_.parts(begin_);
+  ASSERT_EQ(second.size(), first.size());
+  EXPECT_EQ(second[0].pair.input, kOutput);
+  EXPECT_EQ(second[0].independent_averages, first[0].independent_averages);
+  EXPECT_EQ(second[3].bin[5].input, first[3].bin[5].output);
+  shown_.take(other, begin_);
+  EXPECT_TRUE(shown_.parts(begin_).empty()) << "the same again is no news";
+}
+
+TEST_F(TransferViewTest, LimitsWhatViewersCanCost) {
+  for (int k = 0; k < 10; ++k) {
+    View one = view(k);
+    one.segment = 1024 + k;
+    one.pair.push_back({{99, 0}, kInput});  // no such node
+    shown_.take(one, begin_);
+  }
+  drive(200);
+  std::size_t viewers = 0;
+  std::int64_t last = -1;
+  for (const TransferPart& part : shown_.parts(begin_)) {
+    if (part.viewer != last) ++viewers;
+    last = part.viewer;
+    EXPECT_NE(part.pair.input.node, 99);
+  }
+  EXPECT_EQ(viewers, TransferView::kMostKinds);
+}
+
+}  // namespace
+}  // namespace roadbalance
