@@ -1,0 +1,28 @@
+#include "host/web/bus_listener.hpp"
+
+#include <chrono>
+#include <span>
+#include <string_view>
+
+#include "common/bus/bus.hpp"
+
+namespace roadbalance {
+
+void listen_to_bus(std::stop_token stop, const std::string& url, Out<TopicMessage> messages,
+                   const std::function<void(const std::string&)>& on_warning) {
+  constexpr std::chrono::milliseconds kPatience{100};
+  Bus bus(url);
+  for (std::size_t kind = 0; kind < page_messages().size(); ++kind) {
+    const PageMessage& message = page_messages()[kind];
+    bus.subscribe(message.channels, [&, kind](std::string_view, std::span<const std::uint8_t> bytes) {
+      if (const auto key = message.key(bytes))
+        messages.try_send({{kind, *key}, {bytes.begin(), bytes.end()}});
+    });
+  }
+  while (!stop.stop_requested()) {
+    bus.handle(kPatience);
+    for (const std::string& sentence : bus.other_versions()) on_warning(sentence);
+  }
+}
+
+}  // namespace roadbalance

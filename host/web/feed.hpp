@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "common/clock/clocks.hpp"
+#include "host/web/topics.hpp"
+
+namespace roadbalance {
+
+/// What one page is sent at once: binary, all numbers big endian.
+///
+///     u32 "RBF1"; u32 number of messages; of each: u32 age in ms, u32 size, the message as it was on the bus
+using FrameBytes = std::vector<std::uint8_t>;
+inline constexpr std::uint32_t kFrameMark = 0x52424631;
+
+struct Frame {
+  std::uint64_t revision = 0;                 ///< of the feed, that it leads to
+  std::shared_ptr<const FrameBytes> bytes{};  ///< none: nothing is new
+};
+
+/// The newest message of each topic, for pages that come late and pages that are slow: a page that missed ten
+/// gets the last one.  A pure state machine of bounded memory.
+class Feed {
+ public:
+  static constexpr std::size_t kMostTopics = 512;
+  /// A state that is not said again for so long is forgotten.
+  static constexpr std::chrono::seconds kForget{10};
+
+  void take(TopicMessage message, WallTime now);
+  void forget_silent(WallTime now);
+
+  /// All that came after a revision; 0: all there is.  Pages that are equally far share one frame.
+  Frame since(std::uint64_t revision, WallTime now);
+
+  std::size_t topics() const { return newest_.size(); }
+
+ private:
+  struct Newest {
+    std::uint64_t revision;
+    WallTime came;
+    std::vector<std::uint8_t> bytes;
+  };
+
+  std::map<Topic, Newest> newest_;
+  std::uint64_t revision_ = 0;
+  std::uint64_t shared_since_ = 0;
+  Frame shared_;
+};
+
+}  // namespace roadbalance

@@ -1,0 +1,104 @@
+// What is known of the car: the newest of every message, and when it was on the bus.
+import {decode, readFrame, type Arrival} from "./decode";
+import {
+  type Balance, type ClockFit, type Compensation, type Heartbeat, type Identification, kBalance, kClockFit,
+  kCompensation, kHeartbeat, kIdentification, kLevel, kRecorder, type Level, type Recorder,
+} from "./wire";
+
+/** A message and the page's time (ms) at which it was on the bus. */
+export interface Heard<T> {
+  readonly message: T;
+  readonly atMs: number;
+}
+
+/** A state is said twice a second or more; in silence for so long nobody says it any more. */
+export const kSilenceMs = 3000;
+/** So long a peak is held and an overload shown as present. */
+const kHoldMs = 3000;
+const kForgetMs = 60_000;
+
+/** Largest value of late, of a channel. */
+interface Peak {
+  value: number;
+  atMs: number;
+}
+
+export class Car {
+  readonly recorders = new Map<number, Heard<Recorder>>();
+  readonly heartbeats = new Map<number, Heard<Heartbeat>>();
+  readonly clocks = new Map<number, Heard<ClockFit>>();
+  readonly levels = new Map<number, Heard<Level>>();
+  readonly balance = new Map<number, Heard<Balance>>();
+  readonly compensation = new Map<number, Heard<Compensation>>();
+  identification: Heard<Identification> | undefined;
+  /** By "node.channel", counted from 1: when it last left its range. */
+  readonly overloadMs = new Map<string, number>();
+  readonly peaks = new Map<string, Peak>();
+  /** Messages of no type that this page knows: the program is of another version. */
+  strangers = 0;
+
+  /** Takes a frame that came now. */
+  take(frame: ArrayBuffer, nowMs: number): void {
+    for (const arrival of readFrame(frame)) this.takeOne(arrival, nowMs - arrival.ageMs);
+    for (const states of [this.recorders, this.heartbeats, this.clocks, this.levels])
+      for (const [key, heard] of states) if (nowMs - heard.atMs > kForgetMs) states.delete(key);
+  }
+
+  private takeOne(arrival: Arrival, atMs: number): void {
+    switch (arrival.fingerprint) {
+      case kRecorder.fingerprint: {
+        const message = decode(kRecorder, arrival);
+        this.recorders.set(message.incarnation, {message, atMs});
+        break;
+      }
+      case kHeartbeat.fingerprint: {
+        const message = decode(kHeartbeat, arrival);
+        this.heartbeats.set(message.node, {message, atMs});
+        break;
+      }
+      case kClockFit.fingerprint: {
+        const message = decode(kClockFit, arrival);
+        this.clocks.set(message.node, {message, atMs});
+        break;
+      }
+      case kLevel.fingerprint: this.takeLevel(decode(kLevel, arrival), atMs); break;
+      case kBalance.fingerprint: {
+        const message = decode(kBalance, arrival);
+        this.balance.set(message.wheel, {message, atMs});
+        break;
+      }
+      case kCompensation.fingerprint: {
+        const message = decode(kCompensation, arrival);
+        this.compensation.set(message.wheel, {message, atMs});
+        break;
+      }
+      case kIdentification.fingerprint: this.identification = {message: decode(kIdentification, arrival), atMs}; break;
+      default: ++this.strangers;
+    }
+  }
+
+  private takeLevel(message: Level, atMs: number): void {
+    this.levels.set(message.node, {message, atMs});
+    message.peak.forEach((peak, channel) => {
+      const name = `${message.node}.${channel + 1}`;
+      if ((message.overload >> channel) & 1) this.overloadMs.set(name, atMs);
+      const held = this.peaks.get(name);
+      if (!held || peak >= held.value || atMs - held.atMs > kHoldMs) this.peaks.set(name, {value: peak, atMs});
+    });
+  }
+
+  /** Recorders that live. */
+  livingRecorders(nowMs: number): Recorder[] {
+    return [...this.recorders.values()].filter((heard) => isFresh(heard, nowMs)).map((heard) => heard.message);
+  }
+
+  /** What there is to do about a wheel, of its newest balance. */
+  advice(wheel: number): Compensation | undefined {
+    const found = this.compensation.get(wheel)?.message;
+    return found && found.time_ns === this.balance.get(wheel)?.message.time_ns ? found : undefined;
+  }
+}
+
+export function isFresh(heard: Heard<unknown>, nowMs: number): boolean {
+  return nowMs - heard.atMs <= kSilenceMs;
+}

@@ -1,0 +1,39 @@
+// The one connection to rb-web.  It is opened again for ever: whoever looks must see that it is gone, and need do
+// nothing when it is back.
+
+export interface FeedEvents {
+  frame(frame: ArrayBuffer): void;
+  connected(is: boolean): void;
+}
+
+const kRetryMs = 1000;
+const kLongestFrameBytes = 1 << 20;
+
+/** The session's token stands behind the # of the address, where browsers keep it to themselves; it is taken out of
+    sight, and kept as long as the tab. */
+function sessionToken(): string {
+  const found = /token=([\w-]+)/.exec(location.hash)?.[1];
+  if (found) {
+    sessionStorage.setItem("token", found);
+    history.replaceState(null, "", location.pathname);
+  }
+  return found ?? sessionStorage.getItem("token") ?? "";
+}
+
+export function connectFeed(events: FeedEvents): void {
+  const token = sessionToken();
+  const protocols = ["roadbalance", ...(token ? [`token.${token}`] : [])];
+  const open = () => {
+    const socket = new WebSocket(`ws://${location.host}/feed`, protocols);
+    socket.binaryType = "arraybuffer";
+    socket.onopen = () => events.connected(true);
+    socket.onmessage = ({data}: MessageEvent<ArrayBuffer | string>) => {
+      if (data instanceof ArrayBuffer && data.byteLength <= kLongestFrameBytes) events.frame(data);
+    };
+    socket.onclose = () => {
+      events.connected(false);
+      setTimeout(open, kRetryMs);
+    };
+  };
+  open();
+}

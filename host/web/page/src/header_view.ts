@@ -1,0 +1,45 @@
+// State, always in the same place: by word, shape and colour.
+import type {Car} from "./car";
+import {el, setAttributes, setLines, setText, svg} from "./dom";
+import {stateWord, warnings, type Alarm} from "./state";
+import {duration} from "./words";
+
+/** Told apart without colours. */
+const kShapes: Readonly<Record<Alarm, string>> = {
+  good: "M16 3a13 13 0 1 0 0 26a13 13 0 1 0 0-26z",     // disc
+  idle: "M5 5h22v22h-22z",                              // square
+  warn: "M16 3l14 26h-28z",                             // triangle
+  bad: "M7 3l9 9l9-9l4 4l-9 9l9 9l-4 4l-9-9l-9 9l-4-4l9-9l-9-9z",  // cross
+};
+
+export class HeaderView {
+  readonly element: HTMLElement;
+  private readonly shape = svg("path");
+  private readonly word = el("span", {class: "word"});
+  private readonly time = el("span", {class: "time"});
+  private readonly amounts = el("p", {class: "amounts"});
+  private readonly detail = el("div", {class: "detail", role: "alert"});
+  private readonly state: HTMLElement;
+
+  constructor(buttons: readonly HTMLElement[]) {
+    this.state = el("h1", {class: "state", id: "state"}, [
+      svg("svg", {viewBox: "0 0 32 32", "aria-hidden": "true"}, [this.shape]), this.word, this.time]);
+    this.element = el("header", {}, [this.state, this.amounts, el("div", {class: "buttons"}, buttons), this.detail]);
+  }
+
+  draw(car: Car, connected: boolean, nowMs: number): void {
+    const {alarm, word, detail, recordingS, recorder} = stateWord(car, connected, nowMs);
+    setAttributes(this.state, {"data-alarm": alarm});
+    setAttributes(this.shape, {d: kShapes[alarm]});
+    setText(this.word, word);
+    setText(this.time, recordingS === undefined ? "" : duration(recordingS));
+    setText(this.amounts, recorder ? amounts(recorder.bytes_recorded, recorder.seconds_left) : "");
+    setLines(this.detail, [detail, ...warnings(car, nowMs)].filter((line) => line !== ""));
+    document.title = `${word} – roadbalance`;
+  }
+}
+
+function amounts(bytes: number, secondsLeft: number): string {
+  const left = secondsLeft < 0 ? "room not known yet" : `${(secondsLeft / 3600).toFixed(secondsLeft < 36_000 ? 1 : 0)} h left`;
+  return `${(bytes / 1e9).toFixed(2)} GB · ${left}`;
+}

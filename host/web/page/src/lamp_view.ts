@@ -1,0 +1,55 @@
+// The four lamps; a tap on one says what it means and what to do.
+import type {Car} from "./car";
+import {el, setAttributes, setText, svg} from "./dom";
+import {acknowledge, lamps, type Acknowledged, type Light} from "./lamps";
+
+const kShapes: Readonly<Record<Light, string>> = {
+  good: "M8 2a6 6 0 1 0 0 12a6 6 0 1 0 0-12z",
+  unknown: "M2 7h12v2h-12z",
+  warn: "M8 1l7 13h-14z",
+  bad: "M3 1l5 5l5-5l2 2l-5 5l5 5l-2 2l-5-5l-5 5l-2-2l5-5l-5-5z",
+};
+
+class LampButton {
+  readonly shape = svg("path");
+  readonly number = el("span", {class: "number"});
+  readonly element: HTMLButtonElement;
+
+  constructor(name: string, open: () => void) {
+    this.element = el("button", {class: "lamp", type: "button", id: `lamp-${name}`, "aria-expanded": "false"}, [
+      svg("svg", {viewBox: "0 0 16 16", "aria-hidden": "true"}, [this.shape]), el("span", {class: "name"}, [name]), this.number]);
+    this.element.onclick = open;
+  }
+}
+
+export class LampView {
+  readonly element: HTMLElement;
+  private readonly seen: Acknowledged = new Map();
+  private readonly buttons = new Map<string, LampButton>();
+  private readonly sentence = el("p", {class: "sentence", role: "status"});
+  private open = "";
+
+  constructor(private readonly car: Car) {
+    for (const name of ["LOSS", "SYNC", "OVERLOAD", "ENCODER"])
+      this.buttons.set(name, new LampButton(name, () => { this.open = this.open === name ? "" : name; }));
+    this.element = el("section", {class: "lamps", "aria-label": "Lamps"},
+                      [...[...this.buttons.values()].map(({element}) => element), this.sentence]);
+  }
+
+  acknowledge(): void {
+    acknowledge(this.car, this.seen);
+  }
+
+  draw(nowMs: number): void {
+    let text = "";
+    for (const lamp of lamps(this.car, this.seen, nowMs)) {
+      const button = this.buttons.get(lamp.name);
+      if (!button) continue;
+      setAttributes(button.element, {"data-light": lamp.light, "aria-expanded": String(this.open === lamp.name)});
+      setAttributes(button.shape, {d: kShapes[lamp.light]});
+      setText(button.number, lamp.number);
+      if (this.open === lamp.name) text = `${lamp.name}: ${lamp.sentence}`;
+    }
+    setText(this.sentence, text);
+  }
+}

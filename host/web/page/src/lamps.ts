@@ -1,0 +1,113 @@
+// Four lamps with numbers.  What has lit one stays until it is acknowledged, though the cause be gone.
+import {isFresh, type Car} from "./car";
+import {ClockState, TimeBase, type Heartbeat} from "./wire";
+
+export type Light = "good" | "unknown" | "warn" | "bad";
+
+export interface Lamp {
+  readonly name: string;
+  readonly light: Light;
+  /** "0 lost, 3 repaired" */
+  readonly number: string;
+  /** What it means, and the remedy. */
+  readonly sentence: string;
+}
+
+/** Clocks of two nodes may be apart by so much: 0.3 degrees at 18 turns a second. */
+const kSync_s = 50e-6;
+
+/** Counts that somebody has seen, by name. */
+export type Acknowledged = Map<string, number>;
+
+const beats = (car: Car) => [...car.heartbeats.values()].map(({message}) => message);
+const sum = (counts: readonly number[]) => counts.reduce((a, b) => a + b, 0);
+const times = (count: number, one: string, many: string) => `${count} ${count === 1 ? one : many}`;
+
+// Counts begin anew with each start of a node.
+const latched = (beat: Heartbeat, what: string) => `${what} ${beat.node} ${beat.epoch}`;
+const lost = (beat: Heartbeat) => beat.scans_missing + beat.scans_refused;
+const faults = (beat: Heartbeat) => sum(beat.encoder_faults);
+
+function unseen(car: Car, seen: Acknowledged, what: string, count: (beat: Heartbeat) => number): Heartbeat[] {
+  return beats(car).filter((beat) => count(beat) > (seen.get(latched(beat, what)) ?? 0));
+}
+
+const nodes = (found: readonly {readonly node: number}[]) =>
+  `node${found.length > 1 ? "s" : ""} ${found.map(({node}) => node).join(", ")}`;
+
+function lossLamp(car: Car, seen: Acknowledged): Lamp {
+  const gone = sum(beats(car).map(lost));
+  const repaired = sum(beats(car).map((beat) => beat.blocks_repaired));
+  const number = `${gone} lost, ${repaired} repaired`;
+  if (car.heartbeats.size === 0) return {name: "LOSS", light: "unknown", number: "no node", sentence: "No node is heard."};
+  const found = unseen(car, seen, "loss", lost);
+  if (found.length > 0)
+    return {name: "LOSS", light: "bad", number,
+            sentence: `${times(gone, "sample is", "samples are")} lost for good in ${nodes(found)}, each declared in the ` +
+              "record: look at the node's device and supply."};
+  const failing = beats(car).filter((beat) => beat.spool_failures > 0);
+  if (failing.length > 0)
+    return {name: "LOSS", light: "warn", number,
+            sentence: `The disk of ${nodes(failing)} refuses: what it holds is in its memory only.`};
+  return {name: "LOSS", light: "good", number, sentence: "Every sample taken is recorded or on its way."};
+}
+
+function syncLamp(car: Car, seen: Acknowledged, nowMs: number): Lamp {
+  const name = "SYNC";
+  const broken = [...car.clocks.values()].map(({message}) => message)
+    .filter((fit) => fit.breaks > (seen.get(`sync ${fit.node} ${fit.epoch}`) ?? 0));
+  if (broken.length > 0)
+    return {name, light: "bad", number: times(sum(broken.map((fit) => fit.breaks)), "break", "breaks"),
+            sentence: `The clock of ${nodes(broken)} has jumped; the break is declared in the record.`};
+  if (car.heartbeats.size > 0 && beats(car).every((beat) => beat.time_base === TimeBase.Shared))
+    return {name, light: "good", number: "one time", sentence: "All nodes have one time by construction: a simulation."};
+  const fits = [...car.clocks.values()].filter((heard) => isFresh(heard, nowMs)).map(({message}) => message);
+  const known = fits.filter((fit) => fit.state !== ClockState.Acquire);
+  if (known.length === 0) return {name, light: "unknown", number: "not known", sentence: "No clock is known yet."};
+  const worst = known.reduce((a, b) => (b.uncertainty_s > a.uncertainty_s ? b : a));
+  const number = `${Math.ceil(worst.uncertainty_s * 1e6)} µs`;
+  const held = known.filter((fit) => fit.state === ClockState.Holdover);
+  if (held.length > 0)
+    return {name, light: "warn", number, sentence: `The clock of ${nodes(held)} is not heard: look at its network.`};
+  if (known.length < fits.length || worst.uncertainty_s > kSync_s)
+    return {name, light: "warn", number, sentence: `Node ${worst.node} is known to ${number}; 50 µs are wanted: wait, or ` +
+              "look at the network."};
+  return {name, light: "good", number, sentence: `Every clock is known to ${number}.`};
+}
+
+function overloadLamp(car: Car, nowMs: number): Lamp {
+  const name = "OVERLOAD";
+  if (car.levels.size === 0) return {name, light: "unknown", number: "no levels", sentence: "No analyser is heard."};
+  const channels = [...car.overloadMs.keys()].sort((a, b) => Number(a) - Number(b));
+  if (channels.length === 0) return {name, light: "good", number: "0 channels", sentence: "No channel has left its range."};
+  const agoS = Math.round((nowMs - Math.max(...car.overloadMs.values())) / 1000);
+  return {name, light: "bad", number: `${times(channels.length, "channel", "channels")}, ${agoS < 2 ? "now" : `${agoS} s ago`}`,
+          sentence: `Channel ${channels.join(", ")} (node.channel) has left its range: choose a larger range.`};
+}
+
+function encoderLamp(car: Car, seen: Acknowledged): Lamp {
+  const name = "ENCODER";
+  if (car.heartbeats.size === 0) return {name, light: "unknown", number: "no node", sentence: "No node is heard."};
+  const number = times(sum(beats(car).map(faults)), "faulty turn", "faulty turns");
+  const found = unseen(car, seen, "encoder", faults);
+  if (found.length === 0)
+    return {name, light: "good", number, sentence: "Every turn has all its teeth."};
+  const lines = found.flatMap((beat) =>
+    beat.encoder_faults.flatMap((count, line) => (count > 0 ? [`node ${beat.node} line ${line + 1}: ${count}`] : [])));
+  return {name, light: "bad", number,
+          sentence: `Turns without exactly their teeth (${lines.join("; ")}): look at the sensor's gap and its cable.`};
+}
+
+export function lamps(car: Car, seen: Acknowledged, nowMs: number): Lamp[] {
+  return [lossLamp(car, seen), syncLamp(car, seen, nowMs), overloadLamp(car, nowMs), encoderLamp(car, seen)];
+}
+
+/** Puts out what is lit and whose cause is gone. */
+export function acknowledge(car: Car, seen: Acknowledged): void {
+  for (const beat of beats(car)) {
+    seen.set(latched(beat, "loss"), lost(beat));
+    seen.set(latched(beat, "encoder"), faults(beat));
+  }
+  for (const {message: fit} of car.clocks.values()) seen.set(`sync ${fit.node} ${fit.epoch}`, fit.breaks);
+  car.overloadMs.clear();
+}

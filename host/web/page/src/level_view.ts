@@ -1,0 +1,83 @@
+// A bar for each acceleration: rms, and the peak of the last seconds.
+import {isFresh, type Car, type Heard} from "./car";
+import {el, setAttributes, setText} from "./dom";
+import type {Level} from "./wire";
+
+/** Channels 13 to 16 are the wheels' references. */
+const kAccelerations = 12;
+
+/** Height of a bar, 0 .. 1: four decades up to 100 m/s^2. */
+export function height(acceleration_m_s2: number): number {
+  return Math.min(1, Math.max(0, (Math.log10(Math.max(acceleration_m_s2, 1e-9)) + 2) / 4));
+}
+
+class Bar {
+  private readonly rms = el("div", {class: "rms"});
+  private readonly peak = el("div", {class: "peak"});
+  private readonly number = el("span", {class: "value"});
+  readonly element: HTMLElement;
+
+  constructor(private readonly node: number, private readonly channel: number) {
+    this.element = el("div", {class: "bar"}, [
+      el("div", {class: "track"}, [this.rms, this.peak]), this.number, el("span", {class: "channel"}, [`${channel}`])]);
+  }
+
+  draw(car: Car, level: Level): void {
+    const k = this.channel - 1;
+    const rms = level.rms[k] ?? 0;
+    const over = car.overloadMs.has(`${this.node}.${this.channel}`);
+    const dead = ((level.dead >> k) & 1) === 1;
+    setAttributes(this.element, {"data-light": over ? "bad" : dead ? "warn" : "good"});
+    this.rms.style.transform = `scaleY(${height(rms).toFixed(3)})`;
+    this.peak.style.bottom = `${(100 * height(car.peaks.get(`${this.node}.${this.channel}`)?.value ?? 0)).toFixed(1)}%`;
+    setText(this.number, over ? "OVER" : dead ? "dead" : rms.toPrecision(2));
+  }
+}
+
+class NodeLevels {
+  private readonly title = el("h3");
+  private readonly bars: Bar[];
+  readonly element: HTMLElement;
+
+  constructor(private readonly node: number) {
+    this.bars = Array.from({length: kAccelerations}, (_, k) => new Bar(node, k + 1));
+    this.element = el("div", {class: "node"}, [this.title, el("div", {class: "bars"}, this.bars.map(({element}) => element))]);
+  }
+
+  draw(car: Car, heard: Heard<Level>, nowMs: number): void {
+    const level = heard.message;
+    const speed = Number.isFinite(level.speed_m_s) ? `${(3.6 * level.speed_m_s).toFixed(0)} km/h` : "no speed";
+    const old = isFresh(heard, nowMs) ? "" : ` · OLD: ${Math.round((nowMs - heard.atMs) / 1000)} s`;
+    setText(this.title, `Node ${this.node} · ${speed}${old}`);
+    setAttributes(this.element, {"data-old": String(old !== "")});
+    for (const bar of this.bars) bar.draw(car, level);
+  }
+}
+
+export class LevelView {
+  readonly element: HTMLElement;
+  private readonly nodes = new Map<number, NodeLevels>();
+  private readonly none = el("p", {}, ["No levels: no analyser is heard."]);
+
+  constructor(private readonly car: Car) {
+    this.element = el("section", {class: "levels", id: "levels"}, [
+      el("h2", {}, ["Levels ", el("small", {}, ["rms in m/s², line: peak of 3 s"])]), this.none]);
+  }
+
+  draw(nowMs: number): void {
+    this.none.hidden = this.car.levels.size > 0;
+    for (const [node, view] of this.nodes)
+      if (!this.car.levels.has(node)) {
+        view.element.remove();
+        this.nodes.delete(node);
+      }
+    for (const [node, heard] of [...this.car.levels].sort(([a], [b]) => a - b)) {
+      let view = this.nodes.get(node);
+      if (!view) {
+        this.nodes.set(node, view = new NodeLevels(node));
+        this.element.append(view.element);
+      }
+      view.draw(this.car, heard, nowMs);
+    }
+  }
+}

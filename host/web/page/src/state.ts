@@ -1,0 +1,89 @@
+// The one word: is it recording everything?
+import {isFresh, type Car} from "./car";
+import {NodeState, RecorderState, type Heartbeat, type Recorder} from "./wire";
+
+export type Alarm = "good" | "idle" | "warn" | "bad";
+
+export interface StateWord {
+  readonly alarm: Alarm;
+  readonly word: string;
+  /** What a person should know or do about it. */
+  readonly detail: string;
+  /** Seconds that it has been recording. */
+  readonly recordingS?: number;
+  readonly recorder?: Recorder;
+}
+
+const isOver = (beat: Heartbeat) => beat.state === NodeState.Ended || beat.state === NodeState.Failed;
+
+function ofRecorder(car: Car, recorder: Recorder, nowMs: number): StateWord {
+  if (recorder.state === RecorderState.DiskFailing)
+    return {alarm: "bad", word: "FAULT", recorder,
+            detail: `The disk fails (${recorder.disk_failures} times). The nodes keep what they measure: change the disk.`};
+  if (recorder.state === RecorderState.DiskFull)
+    return {alarm: "bad", word: "FAULT", recorder,
+            detail: "The disk is full. The nodes keep what they measure: make space."};
+  const own = [...car.heartbeats.values()].filter(({message}) => message.owner === recorder.incarnation);
+  const silent = own.filter((heard) => !isFresh(heard, nowMs) && !isOver(heard.message));
+  if (silent.length > 0)
+    return {alarm: "bad", word: "FAULT", recorder,
+            detail: `Node ${silent.map(({message}) => message.node).join(", ")} is silent: look at its cable and supply.`};
+  const failed = own.filter(({message}) => message.state === NodeState.Failed);
+  if (failed.length > 0)
+    return {alarm: "bad", word: "FAULT", recorder,
+            detail: `The device of node ${failed.map(({message}) => message.node).join(", ")} has failed.`};
+  if (recorder.state === RecorderState.Stopping)
+    return {alarm: "idle", word: "STOPPING", detail: "The last blocks are written.", recorder};
+  if (own.some(({message}) => message.state === NodeState.Started))
+    return {alarm: "good", word: "RECORDING", detail: "", recorder,
+            recordingS: Math.max(0, recorder.time_us / 1e6 - recorder.incarnation / 1e3)};
+  if (own.some(({message}) => message.state === NodeState.Ended))
+    return {alarm: "idle", word: "ENDED", detail: "Every node has ended.", recorder};
+  return {alarm: "idle", word: "ARMED", detail: "A recorder waits for nodes.", recorder};
+}
+
+function withoutRecorder(car: Car, nowMs: number): StateWord {
+  const beats = [...car.heartbeats.values()];
+  const gone = [...car.recorders.values()].map(({message}) => message);
+  const inOrder = (recorder: Recorder) => recorder.state === RecorderState.Stopping ||
+    beats.every(({message}) => message.owner !== recorder.incarnation || isOver(message));
+  if (gone.some((recorder) => !inOrder(recorder)))
+    return {alarm: "bad", word: "FAULT",
+            detail: "The recorder is silent. The nodes keep what they measure: start it again."};
+  const running = beats.some((heard) => isFresh(heard, nowMs) && !isOver(heard.message));
+  return {alarm: "idle", word: "IDLE",
+          detail: running ? "Nothing is recorded: start a recorder."
+            : gone.length > 0 ? "The recording has ended." : "No recorder and no node is heard."};
+}
+
+/** @param connected  to rb-web */
+export function stateWord(car: Car, connected: boolean, nowMs: number): StateWord {
+  if (!connected)
+    return {alarm: "bad", word: "NO CONNECTION",
+            detail: "This page does not reach rb-web: what it shows is old. The recording does not depend on it."};
+  const recorders = car.livingRecorders(nowMs);
+  const states = recorders.map((recorder) => ofRecorder(car, recorder, nowMs));
+  const worst = states.find(({alarm}) => alarm === "bad") ?? states.find(({alarm}) => alarm === "good") ?? states[0];
+  if (!worst) return withoutRecorder(car, nowMs);
+  if (recorders.length > 1)
+    return {...worst, alarm: "bad", detail: "More than one recorder: a node obeys only one of them. " + worst.detail};
+  return worst;
+}
+
+/** Second lines: what threatens though it is recorded still. */
+export function warnings(car: Car, nowMs: number): string[] {
+  const found: string[] = [];
+  for (const recorder of car.livingRecorders(nowMs)) {
+    if (recorder.on_battery & 1) found.push("The supply is gone: on battery.");
+    if (recorder.fallback) found.push("Records to the fallback folder: the first disk has failed.");
+    if (recorder.rivals > 0) found.push("Two nodes have one number, or one was paused.");
+    if (recorder.seconds_left >= 0 && recorder.seconds_left < 3600 && recorder.state !== RecorderState.DiskFull)
+      found.push(`The disk is full in ${Math.floor(recorder.seconds_left / 60)} min.`);
+  }
+  const levels = [...car.levels.values()];
+  if (levels.length > 0 && !levels.some((heard) => isFresh(heard, nowMs)) &&
+      [...car.heartbeats.values()].some((heard) => isFresh(heard, nowMs) && heard.message.state === NodeState.Started))
+    found.push("The analyser is silent: levels and balance are old.");
+  if (car.strangers > 0) found.push("rb-web is of another version than this page: load it again.");
+  return found;
+}

@@ -1,0 +1,77 @@
+// What the tests of the page need: programs, a browser, and a look at colours.
+import {spawn} from "node:child_process";
+import {mkdirSync} from "node:fs";
+import {join} from "node:path";
+import {createRequire} from "node:module";
+
+/** Where npm has put the packages, and where pictures go: both in the build. */
+const kPackages = process.env.RB_PAGE_PACKAGES, kPictures = process.env.RB_PAGE_PICTURES, kPrograms = process.env.RB_BIN;
+if (!kPackages || !kPictures || !kPrograms) throw new Error("RB_PAGE_PACKAGES, RB_PAGE_PICTURES and RB_BIN must be set");
+
+const {chromium} = createRequire(join(kPackages, "package.json"))("playwright-core");
+
+export const launch = () => chromium.launch({
+  executablePath: "/usr/bin/chromium",
+  args: ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
+         "--disable-component-update", "--disable-sync"],
+});
+
+let bus = 0;
+/** A bus of this process's own, each time another: only the port isolates. */
+export const busUrl = () => `udpm://239.255.76.67:${20_000 + (process.pid + 4_799 * bus++) % 20_000}?ttl=0`;
+
+export function start(program, ...args) {
+  const child = spawn(join(kPrograms, program), args, {stdio: ["ignore", "pipe", "inherit"]});
+  process.once("exit", () => child.kill());
+  return child;
+}
+
+/** The first line that a program says. */
+export const firstLine = (child) => new Promise((resolve, reject) => {
+  child.stdout.once("data", (data) => resolve(String(data).trim()));
+  child.once("exit", (code) => reject(new Error(`ended with code ${code}`)));
+});
+
+export async function startWeb(url, ...args) {
+  const web = start("rb-web", "--url", url, "--port", "0", ...args);
+  return {web, where: await firstLine(web)};
+}
+
+export async function picture(page, name) {
+  mkdirSync(kPictures, {recursive: true});
+  await page.screenshot({path: join(kPictures, `${name}.png`)});
+}
+
+/** Texts whose contrast is below 4.5 : 1 (WCAG 2.1, 1.4.3), in the page: ["text 3.9"]. */
+export const weakTexts = (page) => page.evaluate(() => {
+  const rgba = (text) => {
+    const [r, g, b, a = 1] = text.match(/[\d.]+/g).map(Number);
+    return [r, g, b, a];
+  };
+  const luminance = (colour) => {
+    const [r, g, b] = colour.slice(0, 3).map((value) => {
+      const c = value / 255;
+      return c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4;
+    });
+    return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+  };
+  const ground = (element) => {
+    for (let at = element; at; at = at.parentElement) {
+      const colour = rgba(getComputedStyle(at).backgroundColor);
+      if (colour[3] === 1) return colour;
+    }
+    return [255, 255, 255];
+  };
+  const weak = [];
+  for (const element of document.querySelectorAll("body *")) {
+    const text = [...element.childNodes].filter((node) => node.nodeType === Node.TEXT_NODE)
+      .map((node) => node.textContent.trim()).join("");
+    if (!text || element.getClientRects().length === 0) continue;
+    const style = getComputedStyle(element);
+    const [a, b] = [luminance(rgba(element instanceof SVGElement ? style.fill : style.color)), luminance(ground(element))]
+      .sort((x, y) => y - x);
+    const contrast = (a + 0.05) / (b + 0.05);
+    if (contrast < 4.5) weak.push(`${text} ${contrast.toFixed(2)}`);
+  }
+  return weak;
+});

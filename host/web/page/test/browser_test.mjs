@@ -1,0 +1,217 @@
+// The page in a real browser, beside the real rb-web; rb-web-scene is the car.
+import assert from "node:assert/strict";
+import {after, before, test} from "node:test";
+import {busUrl, launch, picture, start, startWeb, weakTexts} from "./browser.mjs";
+
+const kDesk = {width: 1366, height: 768}, kPhone = {width: 390, height: 844};
+const kThemes = {night: "dark", day: "light"};
+const kWithinMs = 10_000;
+
+let browser;
+const scenes = {};
+before(async () => {
+  browser = await launch();
+  for (const scene of ["known", "unknown", "trouble"]) {
+    const url = busUrl();
+    scenes[scene] = {car: start("rb-web-scene", url, scene), ...await startWeb(url)};
+  }
+});
+after(async () => {
+  await browser?.close();
+  for (const {car, web} of Object.values(scenes)) {
+    car.kill();
+    web.kill();
+  }
+});
+
+/** A page that shows the scene; every complaint of the browser fails the test. */
+async function open(t, scene, options = {}) {
+  const page = await browser.newPage({viewport: kDesk, ...options});
+  const complaints = [];
+  page.on("console", (message) => {
+    if (["error", "warning"].includes(message.type())) complaints.push(message.text());
+  });
+  page.on("pageerror", (error) => complaints.push(error.message));
+  t.after(async () => {
+    await page.close();
+    assert.deepEqual(complaints, []);
+  });
+  await page.goto(scenes[scene].where);
+  await page.waitForFunction(() => document.querySelectorAll(".bar").length === 24, null, {timeout: kWithinMs});
+  return page;
+}
+const text = (page, selector) => page.locator(selector).innerText().then((found) => found.replace(/\s+/g, " "));
+const light = (page, lamp) => page.locator(`#lamp-${lamp}`).getAttribute("data-light");
+
+test("shows live data within 10 s, at 10 updates a second or more", async (t) => {
+  const page = await open(t, "known");
+  const rate = await page.evaluate(async () => {
+    const drawn = () => Number(document.body.dataset.drawn);
+    const [count, from] = [drawn(), performance.now()];
+    await new Promise((done) => setTimeout(done, 3000));
+    return 1000 * (drawn() - count) / (performance.now() - from);
+  });
+  assert.ok(rate >= 10, `${rate.toFixed(1)} updates a second`);
+  assert.ok(rate <= 21, `${rate.toFixed(1)} updates a second`);
+});
+
+test("says in one word whether everything is recorded", async (t) => {
+  const page = await open(t, "known");
+  assert.equal(await text(page, "#state"), "RECORDING 01:23:45");
+  assert.equal(await text(page, ".amounts"), "4.56 GB · 5.5 h left");
+  for (const lamp of ["LOSS", "SYNC", "OVERLOAD", "ENCODER"]) assert.equal(await light(page, lamp), "good", lamp);
+  assert.equal(await text(page, "#lamp-LOSS .number"), "0 lost, 6 repaired");
+  assert.equal(await text(page, "#lamp-SYNC .number"), "12 µs");
+});
+
+test("places heavy spot and weight right on both sides of the car", async (t) => {
+  const page = await open(t, "known");
+  // Seen from outside driving forward a left wheel turns counter-clockwise: 12 - 217/30 = 4:46, 12 - 37/30 = 10:46;
+  // a right one clockwise: 217/30 = 7:14, 37/30 = 1:14.
+  assert.match(await text(page, "#wheel-1"), /Add 35 g at 37° \(clock 10:46\).*Heavy spot at 217° \(clock 4:46\), 35\.0 g/);
+  assert.match(await text(page, "#wheel-2"), /Add 35 g at 37° \(clock 1:14\).*Heavy spot at 217° \(clock 7:14\), 35\.0 g/);
+  // And on the drawing: 4:46 is below and to the right of the hub, 7:14 below and to the left; weights opposite.
+  for (const [card, right] of [[1, 1], [2, -1]]) {
+    const {hub, spot, weight} = await page.evaluate((id) => {
+      const centre = (selector) => {
+        const {left, right, top, bottom} = document.querySelector(`#wheel-${id} ${selector}`).getBoundingClientRect();
+        return {x: (left + right) / 2, y: (top + bottom) / 2};
+      };
+      return {hub: centre(".rim"), spot: centre(".spot"), weight: centre(".weight")};
+    }, card);
+    const angle = (a) => Math.atan2(right * (a.x - hub.x), -(a.y - hub.y)) * 180 / Math.PI;  // clockwise from 12, mirrored
+    assert.ok(Math.abs(angle(spot) - 143) < 1.5, `spot of wheel ${card} at ${angle(spot)}`);
+    assert.ok(Math.abs(angle(weight) + 37) < 1.5, `weight of wheel ${card} at ${angle(weight)}`);
+  }
+});
+
+test("says what to do with weights that are on the wheel, and when they will not help", async (t) => {
+  const page = await open(t, "known");
+  assert.match(await text(page, "#wheel-3"), /WEIGHTS WILL NOT CURE THIS: force that does not grow with speed/);
+  assert.match(await text(page, "#wheel-3"), /Move 20 g from 30° \(clock 11:00\) to 90° \(clock 9:00\)\. Remove 5 g at 200° \(clock 5:20\)/);
+  assert.match(await text(page, "#wheel-4"), /Leave it: the unbalance is within its own uncertainty/);
+  assert.match(await text(page, "#wheel-1"), /leaves 2\.6 g, within the 7 g that a shop leaves/);
+});
+
+test("gives the reason of what is not known, and no angle", async (t) => {
+  const page = await open(t, "unknown");
+  for (const [card, reason] of [[1, "not enough driving"], [2, "take a bend or change lanes"], [3, "has no angle"],
+                                [4, "never went fast enough"]]) {
+    const said = await text(page, `#wheel-${card}`);
+    assert.match(said, new RegExp(`Not known: .*${reason}`));
+    assert.doesNotMatch(said, /clock/);
+    assert.equal(await page.locator(`#wheel-${card} .spot`).isVisible(), false);
+  }
+});
+
+test("says what is wrong and what to do about it", async (t) => {
+  const page = await open(t, "trouble");
+  assert.equal(await text(page, "#state"), "FAULT");
+  assert.match(await text(page, "header"), /The disk is full\. .* make space/);
+  assert.deepEqual(await Promise.all(["LOSS", "SYNC", "OVERLOAD", "ENCODER"].map((lamp) => light(page, lamp))),
+                   ["bad", "warn", "bad", "bad"]);
+  await page.locator("#lamp-LOSS").click();
+  await page.waitForFunction(() => /80 samples are lost for good in nodes 1, 2/.test(document.body.innerText));
+  assert.equal(await page.locator(".bar[data-light=bad]").count(), 2);
+  assert.equal(await page.locator(".bar[data-light=warn]").count(), 2);
+});
+
+test("keeps a lamp lit until it is acknowledged", async (t) => {
+  const page = await open(t, "trouble");
+  assert.equal(await light(page, "LOSS"), "bad");
+  await page.keyboard.press("a");
+  await page.waitForFunction(() => document.querySelector("#lamp-LOSS").dataset.light === "good");
+  // Losses are past; the overload goes on, and lights its lamp again.
+  await page.waitForFunction(() => document.querySelector("#lamp-OVERLOAD").dataset.light === "bad");
+});
+
+test("is worked by the keyboard alone, with its focus in sight", async (t) => {
+  const page = await open(t, "known");
+  for (const wheel of ["1", "2", "3", "4"]) {
+    await page.keyboard.press(wheel);
+    assert.equal(await page.evaluate(() => document.activeElement.id), `wheel-${wheel}`);
+    const outline = await page.evaluate(() => getComputedStyle(document.activeElement).outlineWidth);
+    assert.ok(parseFloat(outline) >= 2, outline);
+  }
+  const theme = () => page.evaluate(() => document.documentElement.dataset.theme);
+  const before = await theme();
+  await page.keyboard.press("n");
+  assert.notEqual(await theme(), before);
+  await page.keyboard.press("?");
+  assert.equal(await page.locator("#help").isVisible(), true);
+  await picture(page, "help");
+  await page.keyboard.press("Escape");
+  assert.equal(await page.locator("#help").isVisible(), false);
+  // Everything that can be pressed can be reached.
+  const reached = new Set();
+  for (let k = 0; k < 20; ++k) {
+    await page.keyboard.press("Tab");
+    reached.add(await page.evaluate(() => document.activeElement.id || document.activeElement.textContent));
+  }
+  for (const id of ["lamp-LOSS", "lamp-SYNC", "lamp-OVERLOAD", "lamp-ENCODER", "Help (?)", "Day/night (N)"])
+    assert.ok(reached.has(id), `${id} among ${[...reached]}`);
+});
+
+test("keeps the theme that was chosen, without a flash", async (t) => {
+  const page = await open(t, "known", {colorScheme: "light"});
+  await page.keyboard.press("n");
+  // From the very first frame the ground is dark.
+  await page.addInitScript(() => {
+    globalThis.grounds = new Set();
+    const look = () => {
+      if (document.body) globalThis.grounds.add(getComputedStyle(document.documentElement).backgroundColor);
+      requestAnimationFrame(look);
+    };
+    look();
+  });
+  await page.reload();
+  await page.waitForFunction(() => Number(document.body.dataset.drawn) > 5);
+  assert.deepEqual(await page.evaluate(() => [...globalThis.grounds]), ["rgb(0, 0, 0)"]);
+});
+
+for (const [theme, colorScheme] of Object.entries(kThemes))
+  for (const scene of ["known", "unknown", "trouble"])
+    test(`can be read: ${scene}, by ${theme}`, async (t) => {
+      const page = await open(t, scene, {colorScheme});
+      if (scene === "trouble") await page.locator("#lamp-SYNC").click();
+      await picture(page, `${scene}-${theme}`);
+      assert.deepEqual(await weakTexts(page), []);
+      await page.keyboard.press("?");
+      assert.deepEqual(await weakTexts(page), []);
+    });
+
+test("fits a phone, a small window and 200 %", async (t) => {
+  for (const [name, options] of Object.entries({
+    phone: {viewport: kPhone, hasTouch: true}, zoomed: {viewport: {width: kDesk.width / 2, height: kDesk.height / 2}, deviceScaleFactor: 2}})) {
+    const page = await open(t, "known", options);
+    await picture(page, name);
+    const {wide, window} = await page.evaluate(() => ({wide: document.documentElement.scrollWidth, window: innerWidth}));
+    assert.ok(wide <= window, `${name}: ${wide} in ${window}`);
+    const small = await page.evaluate(() => [...document.querySelectorAll("button")].filter((button) => {
+      const {width, height} = button.getBoundingClientRect();
+      return button.checkVisibility() && (width < 48 || height < 48);
+    }).map((button) => button.textContent));
+    assert.deepEqual(small, [], "too small for a finger");
+  }
+});
+
+test("says that it is cut off, and comes back by itself", async (t) => {
+  const url = busUrl();
+  const car = start("rb-web-scene", url, "known");
+  const first = await startWeb(url);
+  const port = new URL(first.where).port;
+  const page = await browser.newPage();
+  t.after(() => { car.kill(); return page.close(); });
+  await page.goto(first.where);
+  const says = (word) => page.waitForFunction((wanted) => document.querySelector("#state")?.innerText.includes(wanted), word);
+  await says("RECORDING");
+  first.web.kill("SIGKILL");
+  await says("NO CONNECTION");
+  await picture(page, "cut-off");
+  const again = start("rb-web", "--url", url, "--port", port);
+  t.after(() => again.kill());
+  await says("RECORDING");
+  // The recorder falls silent: nobody may take the last word for the present.
+  car.kill("SIGKILL");
+  await says("FAULT");
+});

@@ -1,0 +1,120 @@
+#include "host/web/feed.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "common/bus/control.hpp"
+#include "common/bus/results.hpp"
+
+namespace roadbalance {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+/// The kind whose channel it is.
+std::size_t kind(const std::string& channels) {
+  const auto messages = page_messages();
+  const auto found = std::ranges::find_if(messages, [&](const auto& m) { return channels == m.channels; });
+  EXPECT_NE(found, messages.end()) << channels;
+  return static_cast<std::size_t>(found - messages.begin());
+}
+const std::size_t kState = kind("RB_HEARTBEAT_.*");
+const std::size_t kResult = kind("RB_BALANCE");
+
+/// What a frame holds: ages and first bytes.
+struct Entry {
+  std::uint32_t age_ms;
+  std::vector<std::uint8_t> bytes;
+  bool operator==(const Entry&) const = default;
+};
+std::vector<Entry> entries(const Frame& frame) {
+  const FrameBytes& bytes = *frame.bytes;
+  const auto u32 = [&](std::size_t at) {
+    return std::uint32_t{bytes.at(at)} << 24 | std::uint32_t{bytes.at(at + 1)} << 16 |
+           std::uint32_t{bytes.at(at + 2)} << 8 | bytes.at(at + 3);
+  };
+  EXPECT_EQ(u32(0), kFrameMark);
+  std::vector<Entry> found(u32(4));
+  std::size_t at = 8;
+  for (Entry& entry : found) {
+    entry.age_ms = u32(at);
+    const auto begin = bytes.begin() + static_cast<std::ptrdiff_t>(at) + 8;
+    entry.bytes = {begin, begin + u32(at + 4)};
+    at += 8 + u32(at + 4);
+  }
+  EXPECT_EQ(at, bytes.size());
+  return found;
+}
+
+class FeedTest : public testing::Test {
+ protected:
+  void take(std::size_t what, std::int64_t key, std::uint8_t byte) {
+    feed_.take({{what, key}, {byte}}, now_);
+  }
+
+  Feed feed_;
+  WallTime now_{seconds(1000)};
+};
+
+TEST_F(FeedTest, ALatePageGetsTheNewestOfEachTopicWithItsAge) {
+  take(kState, 1, 10);
+  take(kResult, 0, 20);
+  take(kState, 1, 11);
+  now_ += milliseconds(1500);
+  take(kState, 2, 12);
+  EXPECT_EQ(entries(feed_.since(0, now_)), (std::vector<Entry>{{1500, {11}}, {0, {12}}, {1500, {20}}}));
+}
+
+TEST_F(FeedTest, ASlowPageSkipsToTheNewest) {
+  take(kState, 1, 1);
+  const std::uint64_t seen = feed_.since(0, now_).revision;
+  EXPECT_EQ(feed_.since(seen, now_).bytes, nullptr);
+  for (std::uint8_t i = 2; i < 100; ++i) take(kState, 1, i);
+  take(kState, 2, 200);
+  EXPECT_EQ(entries(feed_.since(seen, now_)), (std::vector<Entry>{{0, {99}}, {0, {200}}}));
+}
+
+TEST_F(FeedTest, PagesThatAreEquallyFarShareOneFrame) {
+  take(kState, 1, 1);
+  EXPECT_EQ(feed_.since(0, now_).bytes, feed_.since(0, now_).bytes);
+  const auto before = feed_.since(0, now_).bytes;
+  take(kState, 1, 2);
+  EXPECT_NE(feed_.since(0, now_).bytes, before);
+}
+
+TEST_F(FeedTest, AStateThatIsNotSaidAgainIsForgottenAndAResultIsNot) {
+  take(kState, 1, 1);
+  take(kResult, 0, 2);
+  now_ += Feed::kForget + milliseconds(1);
+  feed_.forget_silent(now_);
+  EXPECT_EQ(entries(feed_.since(0, now_)), (std::vector<Entry>{{10'001, {2}}}));
+}
+
+TEST_F(FeedTest, KeepsNoMoreTopicsThanItMay) {
+  for (std::int64_t key = 0; key < 10'000; ++key) take(kState, key, 1);
+  EXPECT_EQ(feed_.topics(), Feed::kMostTopics);
+  take(kState, 3, 7);
+  EXPECT_EQ(entries(feed_.since(0, now_)).at(3).bytes, std::vector<std::uint8_t>{7});
+}
+
+TEST(PageMessages, TellWhomAGoodMessageIsAboutAndRefuseOthers) {
+  Heartbeat beat;
+  beat.node = 7;
+  auto bytes = encode(beat);
+  EXPECT_EQ(page_messages()[kState].key(bytes), 7);
+  EXPECT_EQ(page_messages()[kResult].key(bytes), std::nullopt);
+  bytes.back() ^= 1;
+  EXPECT_EQ(page_messages()[kState].key(bytes), std::nullopt);
+
+  Balance balance;
+  balance.wheel = 3;
+  EXPECT_EQ(page_messages()[kResult].key(encode(balance)), 3);
+  balance.wheel = 4;
+  EXPECT_EQ(page_messages()[kResult].key(encode(balance)), std::nullopt);
+}
+
+}  // namespace
+}  // namespace roadbalance

@@ -1,0 +1,354 @@
+"""Speaks to the real rb-web as strangers, crowds and sluggards do.  Needs $RB_BIN and
+$RB_SOURCE.
+"""
+
+import base64
+import contextlib
+import http.client
+import os
+import pathlib
+import re
+import select
+import socket
+import struct
+import subprocess
+import tempfile
+import time
+import unittest
+
+PROGRAM = pathlib.Path(os.environ["RB_BIN"], "rb-web")
+PATIENCE_S = 60  # for what must happen; sanitizers are slow
+
+
+def bus_url():
+    """A bus of this process's own: only the port isolates."""
+    return f"udpm://239.255.76.67:{20_000 + os.getpid() % 20_000}?ttl=0"
+
+
+@contextlib.contextmanager
+def rb_web(*arguments):
+    """A running program, and the port it listens on."""
+    with subprocess.Popen([PROGRAM, "--url", bus_url(), "--port", "0", *arguments], stdout=subprocess.PIPE,
+                          stderr=subprocess.PIPE, text=True) as program:
+        try:
+            where = program.stdout.readline()
+            found = re.fullmatch(r"http://(\S+):(\d+)/#token=(\S+)\n", where)
+            if not found:
+                raise AssertionError(where + program.stderr.read())
+            program.port, program.token = int(found[2]), found[3]
+            yield program
+        finally:
+            program.terminate()
+            program.communicate()
+
+
+def get(program, path="/", method="GET", host=None, body=None, **headers):
+    """Status, headers and body."""
+    with contextlib.closing(http.client.HTTPConnection("127.0.0.1", program.port, timeout=PATIENCE_S)) as connection:
+        connection.putrequest(method, path, skip_host=True, skip_accept_encoding=True)
+        if host != "":
+            connection.putheader("Host", host or f"127.0.0.1:{program.port}")
+        for name, value in headers.items():
+            connection.putheader(name.replace("_", "-"), value)
+        if body is not None:
+            connection.putheader("Content-Length", str(len(body)))
+        connection.endheaders(body)
+        answer = connection.getresponse()
+        return answer.status, answer.headers, answer.read()
+
+
+def own(program):
+    return f"http://127.0.0.1:{program.port}"
+
+
+def raw(program, data=b""):
+    stream = socket.create_connection(("127.0.0.1", program.port), timeout=PATIENCE_S)
+    stream.sendall(data)
+    return stream
+
+
+def upgrade(program, origin=None, protocols="roadbalance", path="/feed", host=None):
+    lines = [f"GET {path} HTTP/1.1", f"Host: {host or f'127.0.0.1:{program.port}'}", "Connection: Upgrade",
+             "Upgrade: websocket", "Sec-WebSocket-Version: 13",
+             "Sec-WebSocket-Key: " + base64.b64encode(os.urandom(16)).decode()]
+    if origin != "":
+        lines.append(f"Origin: {origin or own(program)}")
+    if protocols:
+        lines.append(f"Sec-WebSocket-Protocol: {protocols}")
+    stream = raw(program, "\r\n".join(lines + ["", ""]).encode())
+    return stream, read_head(stream)
+
+
+def read_head(stream):
+    """Status line and headers of an answer; empty if the other side hung up."""
+    head = b""
+    with contextlib.suppress(ConnectionResetError):
+        while not head.endswith(b"\r\n\r\n"):
+            byte = stream.recv(1)
+            if not byte:
+                break
+            head += byte
+    return head.decode()
+
+
+def status(head):
+    return int(head.split()[1]) if head else None
+
+
+def is_hung_up(stream, seconds=PATIENCE_S):
+    """True once nothing can be read any more."""
+    stream.settimeout(seconds)
+    try:
+        while stream.recv(65536):
+            pass
+        return True
+    except ConnectionResetError:
+        return True
+    except TimeoutError:
+        return False
+
+
+def frame(opcode, payload):
+    """Of a client: masked, with a mask of zeros."""
+    length = len(payload)
+    size = bytes([0x80 | length]) if length < 126 else b"\xfe" + struct.pack(">H", length)
+    return bytes([0x80 | opcode]) + size + bytes(4) + payload
+
+
+class Local(unittest.TestCase):
+    """As it runs by itself: on this machine's loopback."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.stack = contextlib.ExitStack()
+        cls.program = cls.stack.enter_context(rb_web())
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.stack.close()
+
+    def test_listens_on_loopback_only(self):
+        wanted = f"{self.program.port:04X}"
+        addresses = [line.split()[1] for table in ("tcp", "tcp6")
+                     for line in pathlib.Path("/proc/net", table).read_text(encoding="ascii").splitlines()[1:]
+                     if line.split()[3] == "0A" and line.split()[1].endswith(":" + wanted)]
+        self.assertEqual(addresses, ["0100007F:" + wanted])
+
+    def test_serves_the_page_and_nothing_else(self):
+        for path, kind in (("/", "text/html"), ("/page.js", "text/javascript"), ("/page.css", "text/css"),
+                           ("/favicon.ico", "image/svg+xml")):
+            code, headers, body = get(self.program, path)
+            self.assertEqual((code, headers["Content-Type"].split(";")[0]), (200, kind))
+            self.assertEqual(len(body), int(headers["Content-Length"]))
+            self.assertGreater(len(body), 100)
+        for path in ("/index.html", "/../../etc/passwd", "/%2e%2e/etc/passwd", "//etc/passwd", "/page.js/", "/proc/self/environ",
+                     "/page.js%00", "*", "/?/etc/passwd"):
+            self.assertEqual(get(self.program, path)[0], 404, path)
+
+    def test_head_says_what_get_would(self):
+        code, headers, body = get(self.program, "/page.js", method="HEAD")
+        self.assertEqual((code, body), (200, b""))
+        self.assertEqual(headers["Content-Length"], get(self.program, "/page.js")[1]["Content-Length"])
+
+    def test_refuses_hosts_that_are_not_us(self):
+        for host in ("", "evil.example", f"evil.example:{self.program.port}", "127.0.0.1",
+                     f"127.0.0.1:{self.program.port + 1}", f"127.0.0.1:{self.program.port}.evil.example"):
+            self.assertEqual(get(self.program, host=host)[0], 421, host)
+        self.assertEqual(get(self.program, host=f"localhost:{self.program.port}")[0], 200)
+
+    def test_refuses_two_hosts(self):
+        host = f"Host: 127.0.0.1:{self.program.port}\r\n"
+        with raw(self.program, f"GET / HTTP/1.1\r\n{host}{host}\r\n".encode()) as stream:
+            self.assertIn(status(read_head(stream)), (400, 421))
+
+    def test_says_nothing_to_pages_of_others(self):
+        for path in ("/", "/page.js", "/nothing"):
+            _, headers, _ = get(self.program, path)
+            self.assertFalse([name for name in headers if name.lower().startswith("access-control")])
+        self.assertEqual(get(self.program, Origin="http://evil.example")[0], 403)
+        code, headers, _ = get(self.program, method="OPTIONS", Origin="http://evil.example",
+                               Access_Control_Request_Method="POST")
+        self.assertEqual(code, 405)
+        self.assertFalse([name for name in headers if name.lower().startswith("access-control")])
+
+    def test_every_answer_forbids_what_the_page_does_not_need(self):
+        for path, host in (("/", None), ("/nothing", None), ("/", "evil.example")):
+            _, headers, _ = get(self.program, path, host=host)
+            policy = dict(rule.strip().split(" ", 1) for rule in headers["Content-Security-Policy"].split(";"))
+            self.assertEqual(policy["default-src"], "'none'")
+            for rule in ("script-src", "style-src", "connect-src", "img-src"):
+                self.assertEqual(policy[rule], "'self'")
+            for rule in ("frame-ancestors", "base-uri", "form-action"):
+                self.assertEqual(policy[rule], "'none'")
+            self.assertEqual(headers["X-Content-Type-Options"], "nosniff")
+            self.assertEqual(headers["Cross-Origin-Resource-Policy"], "same-origin")
+            self.assertEqual(headers["Referrer-Policy"], "no-referrer")
+            self.assertEqual(headers["Cache-Control"], "no-store")
+
+    def test_the_page_has_nothing_inline_and_nothing_from_elsewhere(self):
+        _, _, body = get(self.program)
+        html = body.decode()
+        self.assertNotRegex(html, r"<script(?![^>]*\bsrc=\"/[^/])")
+        self.assertNotRegex(html, r"<style|\bstyle=|\bon\w+=|javascript:")
+        for path in ("/", "/page.js", "/page.css"):
+            text = get(self.program, path)[2].decode()
+            urls = set(re.findall(r"(?:https?|wss?):?//[\w.]*", text)) - {"http://www.w3.org", "ws://"}
+            self.assertEqual(urls, set(), path)
+
+    def test_the_feed_is_for_our_own_page_only(self):
+        stream, head = upgrade(self.program)
+        self.assertEqual(status(head), 101)
+        self.assertIn("Sec-WebSocket-Protocol: roadbalance\r\n", head)
+        stream.close()
+        for origin in ("", "null", "http://evil.example", f"https://127.0.0.1:{self.program.port}",
+                       f"http://localhost:{self.program.port}"):
+            stream, head = upgrade(self.program, origin=origin)
+            self.assertEqual(status(head), 403, origin)
+            stream.close()
+        stream, head = upgrade(self.program, host="evil.example", origin="http://evil.example")
+        self.assertEqual(status(head), 421)
+        stream.close()
+        stream, head = upgrade(self.program, path="/elsewhere")
+        self.assertEqual(status(head), 404)
+        stream.close()
+
+    def test_a_change_of_state_needs_origin_and_token(self):
+        right = {"Origin": own(self.program), "X_Roadbalance_Token": self.program.token}
+        # There is nothing to change yet; what gets that far finds no such page.
+        self.assertEqual(get(self.program, "/command", method="POST", body=b"{}", **right)[0], 404)
+        self.assertEqual(get(self.program, "/", method="POST", body=b"{}", **right)[0], 405)
+        for wrong, code in (({"Origin": "http://evil.example"}, 403), ({"Origin": "null"}, 403),
+                            ({"X_Roadbalance_Token": "0" * 32}, 401), ({"X_Roadbalance_Token": ""}, 401)):
+            self.assertEqual(get(self.program, "/command", method="POST", body=b"{}", **{**right, **wrong})[0], code, wrong)
+        for missing, code in (("Origin", 403), ("X_Roadbalance_Token", 401)):
+            rest = {name: value for name, value in right.items() if name != missing}
+            self.assertEqual(get(self.program, "/command", method="POST", body=b"{}", **rest)[0], code, missing)
+
+    def test_other_methods_are_refused(self):
+        for method in ("PUT", "DELETE", "PATCH", "TRACE", "FROBNICATE"):
+            self.assertEqual(get(self.program, method=method)[0], 405, method)
+
+    def test_headers_are_bounded(self):
+        self.assertEqual(get(self.program, X_Long="x" * 9000)[0], 431)
+        with raw(self.program, b"GET /" + b"a" * 100_000) as stream:
+            self.assertTrue(is_hung_up(stream))
+        self.assertEqual(get(self.program)[0], 200)
+
+    def test_bodies_are_bounded(self):
+        host = f"Host: 127.0.0.1:{self.program.port}\r\nOrigin: {own(self.program)}\r\n"
+        token = f"X-Roadbalance-Token: {self.program.token}\r\n"
+        head = f"POST /command HTTP/1.1\r\n{host}{token}"
+        with raw(self.program, f"{head}Content-Length: 100000000\r\n\r\n".encode()) as stream:
+            self.assertEqual(status(read_head(stream)), 413)
+        with raw(self.program, f"{head}Transfer-Encoding: chunked\r\n\r\n".encode()) as stream:
+            with contextlib.suppress(ConnectionError):
+                for _ in range(100):
+                    stream.sendall(b"1000\r\n" + b"x" * 4096 + b"\r\n")
+            self.assertIn(status(read_head(stream)), (413, None))
+
+    def test_what_is_no_request_is_refused(self):
+        for garbage in (b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03" + bytes(64), b"GET\r\n\r\n",
+                        b"GET / HTTP/9.9\r\n\r\n", b"\r\n\r\n\x00\xff" * 100):
+            with raw(self.program, garbage) as stream:
+                with contextlib.suppress(OSError):  # it may have hung up already
+                    stream.shutdown(socket.SHUT_WR)
+                self.assertTrue(is_hung_up(stream))
+        self.assertEqual(get(self.program)[0], 200)
+
+    def test_the_page_may_say_nothing_on_the_feed(self):
+        for payload in (frame(1, b"hello"), frame(2, b"x" * 60_000)):
+            stream, _ = upgrade(self.program)
+            stream.sendall(payload)
+            self.assertTrue(is_hung_up(stream))
+            stream.close()
+
+    def test_who_never_ends_a_request_is_dropped(self):
+        with raw(self.program, b"GET / HTTP/1.1\r\nHost: ") as stream:
+            self.assertTrue(is_hung_up(stream))
+
+
+class Crowd(unittest.TestCase):
+    def test_connections_are_bounded_and_their_places_come_back(self):
+        with rb_web() as program, contextlib.ExitStack() as stack:
+            crowd = [stack.enter_context(raw(program)) for _ in range(100)]
+            turned_away = []
+            while len(turned_away) < 100 - 64:
+                turned_away = select.select(crowd, [], [], PATIENCE_S)[0]
+            self.assertEqual(len(turned_away), 100 - 64)
+            for stream in crowd:
+                stream.close()
+            end = time.monotonic() + PATIENCE_S
+            while time.monotonic() < end:
+                with contextlib.suppress(OSError, http.client.HTTPException):
+                    if get(program)[0] == 200:
+                        return
+            self.fail("nobody is served any more")
+
+    def test_twenty_pages_are_served_at_once(self):
+        with rb_web() as program, contextlib.ExitStack() as stack:
+            for _ in range(20):
+                stream, head = upgrade(program)
+                stack.enter_context(stream)
+                self.assertEqual(status(head), 101)
+            self.assertEqual(get(program)[0], 200)
+
+
+class Elsewhere(unittest.TestCase):
+    """On an address that others reach."""
+
+    def test_needs_a_token(self):
+        done = subprocess.run([PROGRAM, "--url", bus_url(), "--port", "0", "--listen", "0.0.0.0"], capture_output=True,
+                              text=True, check=False, timeout=PATIENCE_S)
+        self.assertEqual((done.returncode, done.stdout), (2, ""))
+        self.assertIn("--token-file", done.stderr)
+
+    def test_a_short_token_is_none(self):
+        with tempfile.NamedTemporaryFile("w") as file:
+            file.write("short\n")
+            file.flush()
+            done = subprocess.run([PROGRAM, "--url", bus_url(), "--port", "0", "--token-file", file.name],
+                                  capture_output=True, text=True, check=False, timeout=PATIENCE_S)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("shorter than 16", done.stderr)
+
+    def test_watching_needs_the_token_and_the_program_does_not_repeat_it(self):
+        secret = "correct-horse-battery"
+        with tempfile.NamedTemporaryFile("w") as file:
+            file.write(secret + "\n")
+            file.flush()
+            with rb_web("--listen", "0.0.0.0", "--token-file", file.name, "--host", "car.lan") as program:
+                self.assertEqual(program.token, "...")
+                for protocols, code in (("roadbalance", 401), ("roadbalance, token.wrong-horse-battery", 401),
+                                        (f"roadbalance, token.{secret}", 101)):
+                    stream, head = upgrade(program, protocols=protocols)
+                    self.assertEqual(status(head), code, protocols)
+                    stream.close()
+                self.assertEqual(get(program, host=f"car.lan:{program.port}")[0], 200)
+                for host in ("localhost", "0.0.0.0", "other.lan"):
+                    self.assertEqual(get(program, host=f"{host}:{program.port}")[0], 421, host)
+
+
+class Port(unittest.TestCase):
+    def test_a_port_in_use_is_named(self):
+        with socket.socket() as taken:
+            taken.bind(("127.0.0.1", 0))
+            taken.listen()
+            port = taken.getsockname()[1]
+            done = subprocess.run([PROGRAM, "--url", bus_url(), "--port", str(port)], capture_output=True, text=True,
+                                  check=False, timeout=PATIENCE_S)
+        self.assertEqual(done.returncode, 4)
+        self.assertIn(f"127.0.0.1 port {port}", done.stderr)
+
+
+class Unit(unittest.TestCase):
+    def test_runs_sandboxed_and_for_this_machine_only(self):
+        lines = pathlib.Path(os.environ["RB_SOURCE"], "host/web/rb-web.service").read_text(encoding="ascii").splitlines()
+        for needed in ("DynamicUser=yes", "CapabilityBoundingSet=", "NoNewPrivileges=yes", "ProtectSystem=strict",
+                       "ProtectHome=yes", "PrivateDevices=yes", "RestrictAddressFamilies=AF_INET AF_INET6",
+                       "MemoryDenyWriteExecute=yes", "SystemCallFilter=@system-service", "IPAddressDeny=any"):
+            self.assertIn(needed, lines)
+        self.assertIn("ExecStart=/usr/local/bin/rb-web", lines)
+
+
+if __name__ == "__main__":
+    unittest.main()

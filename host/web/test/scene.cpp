@@ -1,0 +1,182 @@
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <complex>
+#include <cstdio>
+#include <map>
+#include <numbers>
+#include <string>
+#include <string_view>
+#include <thread>
+
+#include "common/bus/bus.hpp"
+#include "common/bus/clock_messages.hpp"
+#include "common/bus/compensation.hpp"
+#include "common/bus/control.hpp"
+#include "common/bus/recorder_status.hpp"
+#include "common/bus/results.hpp"
+#include "common/process/stop_on_signal.hpp"
+
+// rb-web-scene URL SCENE: says on the bus, 25 times a second, what a car in a state that is wanted would
+// say, so that a test of the page knows what it must show.
+
+namespace {
+
+using namespace roadbalance;
+
+constexpr std::int64_t kIncarnation = 1'763'741'000'000;
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+struct Scene {
+  bool known = true;     ///< the unbalances
+  bool trouble = false;  ///< disk full, samples lost, clock held over, overload, dead channel, faulty turns
+};
+const std::map<std::string_view, Scene> kScenes{
+    {"known", {}}, {"unknown", {.known = false}}, {"trouble", {.trouble = true}}};
+
+RecorderStatus recorder(const Scene& scene) {
+  RecorderStatus status;
+  status.time_us = 1000 * kIncarnation + 5'025'000'000;  // 1:23:45
+  status.incarnation = kIncarnation;
+  status.state = scene.trouble ? RecorderState::kDiskFull : RecorderState::kRecording;
+  status.bytes_recorded = 4'560'000'000;
+  status.seconds_left = scene.trouble ? 0.0 : 5.5 * 3600;
+  return status;
+}
+
+Heartbeat heartbeat(const Scene& scene, int node) {
+  Heartbeat beat;
+  beat.node = node;
+  beat.epoch = 7;
+  beat.state = NodeState::kStarted;
+  beat.owner = kIncarnation;
+  beat.scans_sampled = 1'000'000;
+  beat.blocks_repaired = 3;
+  beat.scans_missing = scene.trouble ? 40 : 0;
+  beat.encoder_faults = {0, scene.trouble ? 2 : 0};
+  return beat;
+}
+
+ClockFit clock_fit(const Scene& scene, int node) {
+  ClockFit fit;
+  fit.node = node;
+  fit.epoch = 7;
+  fit.number = 1;
+  fit.state = scene.trouble ? ClockState::kHoldover : ClockState::kLocked;
+  fit.uncertainty_s = scene.trouble ? 120e-6 : 12e-6;
+  return fit;
+}
+
+Level level(const Scene& scene, int node) {
+  Level level;
+  level.node = node;
+  level.seconds = 0.1;
+  level.speed_m_s = 31.0;
+  for (std::size_t c = 0; c < kChannels; ++c) {
+    level.rms[c] = 0.2 * static_cast<double>(c + 1);
+    level.peak[c] = 4 * level.rms[c];
+  }
+  if (scene.trouble) {
+    level.overload = 1U << 2;
+    level.dead = 1U << 4;
+    level.rms[4] = level.peak[4] = 0;
+  }
+  return level;
+}
+
+/// 35 g at 217 degrees on both front wheels, whose weights then go to 37.
+Balance balance(const Scene& scene, std::int32_t wheel) {
+  constexpr std::array kGrams{35.0, 35.0, 12.0, 14.0};
+  constexpr std::array kDegrees{217.0, 217.0, 305.0, 128.0};
+  const auto w = static_cast<std::size_t>(wheel);
+  Balance balance;
+  balance.wheel = wheel;
+  balance.time_ns = 1;
+  if (!scene.known) {
+    constexpr std::array kWhy{Unknown::kTooShort, Unknown::kInStep, Unknown::kNoReference, Unknown::kTooSlow};
+    balance.state = kWhy[w];
+    return balance;
+  }
+  balance.state = Unknown::kNone;
+  balance.unbalance_g = kGrams[w];
+  balance.angle_rad = kDegrees[w] * kDegree;
+  balance.covariance_g2 << 9.0, 2.0, 2.0, 4.0;
+  balance.sigma_g = 2.5;
+  balance.sigma_rad = 4.0 * kDegree;
+  balance.weight_radius_m = 0.19;
+  balance.weight_angle_rad = std::fmod(kDegrees[w] + 180.0, 360.0) * kDegree;
+  balance.seconds_used = 280.0;
+  balance.least_speed_m_s = 25.0;
+  balance.greatest_speed_m_s = 36.0;
+  return balance;
+}
+
+Compensation compensation(const Balance& of) {
+  Compensation plan;
+  plan.wheel = of.wheel;
+  plan.time_ns = of.time_ns;
+  if (of.state != Unknown::kNone) return plan;
+  plan.verdict = {.residual_g = 2.6,
+                  .shop_g = 7.0,
+                  .permissible_g = 30.0,
+                  .permissible_grade_mm_s = 40.0,
+                  .grade_mm_s = 3.4,
+                  .force_left_share = 0.1};
+  const auto weight = [&](double grams, double angle_rad) { return WheelWeight{grams, angle_rad, 0.19}; };
+  switch (of.wheel) {
+    case 0:
+    case 1:
+      plan.advice = Advice::kSteps;
+      plan.plan.step.push_back({WeightAction::kAdd, weight(35.0, of.weight_angle_rad), {}});
+      break;
+    case 2:
+      plan.advice = Advice::kSteps;
+      plan.plan.step.push_back({WeightAction::kMove, weight(20.0, 90 * kDegree), weight(20.0, 30 * kDegree)});
+      plan.plan.step.push_back({WeightAction::kRemove, weight(5.0, 200 * kDegree), {}});
+      plan.verdict.incurable =
+          "force that does not grow with speed dominates: match-mount or replace the tyre";
+      break;
+    default:
+      plan.advice = Advice::kLeaveUncertain;
+  }
+  return plan;
+}
+
+Identification identification(const Scene& scene) {
+  Identification known;
+  known.seconds_used = scene.known ? 280.0 : 18.0;
+  known.state = scene.known ? Unknown::kNone : Unknown::kTooShort;
+  return known;
+}
+
+void say(Bus& bus, const Scene& scene) {
+  bus.publish(kRecorderChannel, encode(recorder(scene)));
+  for (int node = 1; node <= 2; ++node) {
+    bus.publish(heartbeat_channel(node), encode(heartbeat(scene, node)));
+    bus.publish(clock_fit_channel(node), encode(clock_fit(scene, node)));
+    bus.publish(kLevelChannel, encode(level(scene, node)));
+  }
+  bus.publish(kIdentificationChannel, encode(identification(scene)));
+  for (std::int32_t wheel = 0; wheel < kWheels; ++wheel) {
+    const Balance of = balance(scene, wheel);
+    bus.publish(kBalanceChannel, encode(of));
+    bus.publish(kCompensationChannel, encode(compensation(of)));
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const StopOnSignal signals;
+  const auto scene = argc == 3 ? kScenes.find(argv[2]) : kScenes.end();
+  if (scene == kScenes.end()) {
+    std::fprintf(stderr, "usage: rb-web-scene URL known|unknown|trouble\n");
+    return 2;
+  }
+  Bus bus(argv[1]);
+  while (!signals.token().stop_requested()) {
+    say(bus, scene->second);
+    std::this_thread::sleep_for(std::chrono::milliseconds(40));
+  }
+  return 0;
+}

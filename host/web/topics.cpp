@@ -1,0 +1,51 @@
+#include "host/web/topics.hpp"
+
+#include <array>
+
+#include "common/bus/bus.hpp"
+#include "common/bus/clock_messages.hpp"
+#include "common/bus/compensation.hpp"
+#include "common/bus/control.hpp"
+#include "common/bus/recorder_status.hpp"
+#include "common/bus/results.hpp"
+
+namespace roadbalance {
+namespace {
+
+using Bytes = std::span<const std::uint8_t>;
+using Key = std::optional<std::int64_t>;
+
+template <typename Message>
+Key node_of(const std::optional<Message>& message) {
+  return message ? Key(message->node) : std::nullopt;
+}
+
+template <typename Message>
+Key wheel_of(const std::optional<Message>& message) {
+  return message && message->wheel >= 0 && message->wheel < kWheels ? Key(message->wheel) : std::nullopt;
+}
+
+const std::array kPageMessages{
+    PageMessage{kRecorderChannel,
+                [](Bytes bytes) {
+                  const auto status = decode_recorder_status(bytes);
+                  return status ? Key(status->incarnation) : std::nullopt;
+                },
+                true},
+    PageMessage{"RB_HEARTBEAT_.*", [](Bytes bytes) { return node_of(decode_heartbeat(bytes)); }, true},
+    PageMessage{"RB_CLOCK_.*", [](Bytes bytes) { return node_of(decode_clock_fit(bytes)); }, true},
+    PageMessage{kLevelChannel, [](Bytes bytes) { return node_of(decode_level(bytes)); }, true},
+    PageMessage{kIdentificationChannel,
+                [](Bytes bytes) { return decode_identification(bytes) ? Key(0) : std::nullopt; }, false},
+    PageMessage{kBalanceChannel, [](Bytes bytes) { return wheel_of(decode_balance(bytes)); }, false},
+    PageMessage{kCompensationChannel, [](Bytes bytes) { return wheel_of(decode_compensation(bytes)); },
+                false},
+};
+
+}  // namespace
+
+std::span<const PageMessage> page_messages() {
+  return kPageMessages;
+}
+
+}  // namespace roadbalance
