@@ -1,5 +1,6 @@
 #include "hil_tests/bus_watch.hpp"
 
+#include "common/bus/compensation.hpp"
 #include "common/bus/results.hpp"
 #include "common/clock/clocks.hpp"
 
@@ -26,6 +27,10 @@ BusWatch::BusWatch(const std::string& url) : bus_(url) {
   bus_.subscribe(kBalanceChannel, [this](std::string_view channel, std::span<const std::uint8_t> bytes) {
     if (const auto balance = decode_balance(bytes))
       results_[{std::string(channel), balance->wheel}].assign(bytes.begin(), bytes.end());
+  });
+  bus_.subscribe(kCompensationChannel, [this](std::string_view channel, std::span<const std::uint8_t> bytes) {
+    if (const auto compensation = decode_compensation(bytes))
+      results_[{std::string(channel), compensation->wheel}].assign(bytes.begin(), bytes.end());
   });
 }
 

@@ -3,6 +3,7 @@
 #include <csignal>
 #include <random>
 
+#include "common/bus/compensation.hpp"
 #include "common/bus/results.hpp"
 #include "hil_tests/measurement.hpp"
 #include "host/analyser/identify_record.hpp"
@@ -42,6 +43,8 @@ TEST_F(AnalyserKill, AfterManyKillsTheResultIsBitIdenticalToThatOfTheRecord) {
   ASSERT_EQ(recorded.estimate.balance.size(), static_cast<std::size_t>(kWheels));
   for (const Balance& balance : recorded.estimate.balance)
     EXPECT_EQ(bus.results().at({kBalanceChannel, balance.wheel}), encode(balance));
+  for (const Compensation& compensation : recorded.compensation)
+    EXPECT_EQ(bus.results().at({kCompensationChannel, compensation.wheel}), encode(compensation));
 }
 
 }  // namespace

@@ -1,0 +1,140 @@
+// `rb identify` on what to do: weights of a car whose vehicle.toml says which there are, where they go and
+// which are fitted.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <string>
+
+#include "common/record/record.hpp"
+#include "common/test/source.hpp"
+#include "common/test/temporary_directory.hpp"
+#include "firmware/seal_all.hpp"
+#include "sim/front_end.hpp"
+#include "tools/rb/command.hpp"
+#include "tools/rb/test/run_rb.hpp"
+
+namespace roadbalance {
+namespace {
+
+using Json = nlohmann::json;
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+/// The demo car at 500 scans a second with weights in steps of 10 g, one for each wheel and place of a raster
+/// of 15 degrees, at two radii of the front left wheel, where 20 g are fitted opposite to the heavy spot.
+VehicleConfig car() {
+  std::string text = test::read_source("sim/demo/vehicle.toml");
+  text = test::replaced(text, "\nrate_hz = 2000", "\nrate_hz = 500");
+  text = test::replaced(text, "\ncutoff_hz = 200", "\ncutoff_hz = 60");
+  text = test::replaced(text, "datum_deg = 30\n",
+                        "datum_deg = 30\n[[wheel.weight]]\nmass_g = 20\nangle_deg = 210\nradius_m = 0.16\n");
+  const std::string radius = "weight_radius_m = 0.19\n";
+  text.insert(text.find(radius) + radius.size(), "weight_radii_m = [0.19, 0.16]\n");
+  text +=
+      "\n[weights]\nstep_g = 10\nmost = 1\nraster_deg = 15\n[limits]\nshop_g = 2\n"
+      "[[seat]]\nname = \"driver\"\nposition_m = [0.1, 0.35, 0.2]\n";
+  return VehicleConfig::parse(text, "vehicle.toml");
+}
+
+/// What the steps add, g at 0.19 m.
+std::complex<double> added_g(const Json& steps) {
+  std::complex<double> sum = 0.0;
+  for (const Json& step : steps) {
+    const auto moment = std::polar(step["mass_g"].get<double>() * step["radius_m"].get<double>() / 0.19,
+                                   step["angle_deg"].get<double>() * kDegree);
+    if (step["action"] == "add" || step["action"] == "move") sum += moment;
+    if (step["action"] == "remove") sum -= moment;
+    if (step["action"] == "move")
+      sum -= std::polar(step["mass_g"].get<double>() * step["from_radius_m"].get<double>() / 0.19,
+                        step["from_deg"].get<double>() * kDegree);
+  }
+  return sum;
+}
+
+class IdentifyWeights : public testing::Test {
+ protected:
+  void drive(int seconds) {
+    const VehicleConfig vehicle = car();
+    RecordWriter writer({.folder = record_});
+    for (const NodeConfig& node : vehicle.node) {
+      const auto device = sim::open_sim_front_end(
+          {"?seed=4&seconds=" + std::to_string(seconds) + "&rate=max", vehicle, node});
+      seal_all(*device, vehicle, node, node.id,
+               [&](const SealedBlock& block) { writer.append(block, 1000); });
+    }
+    writer.close();
+  }
+  test::Outcome identify(const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"identify", record_, "--overall"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return test::run_rb(arguments, folder_ / "rb.log");
+  }
+
+  const test::TemporaryDirectory folder_;
+  const std::string record_ = folder_.path() / "record";
+};
+
+TEST_F(IdentifyWeights, TellsStepsOfTheStockThatLeaveWhatItSays) {
+  drive(200);
+  const test::Outcome outcome = identify({"--json"});
+  ASSERT_EQ(outcome.code, kDone) << outcome.log;
+  const Json told = Json::parse(outcome.output);
+  for (std::size_t w = 0; w < kWheels; ++w) {
+    const Json &wheel = told["wheels"][w], &compensation = told["compensation"][w];
+    ASSERT_EQ(compensation["advice"], "steps") << w;
+    EXPECT_EQ(compensation["of"], "equivalent unbalance");
+    EXPECT_EQ(compensation["shop_g"], 2.0);
+    const auto touched = std::ranges::count_if(compensation["steps"],
+                                               [](const Json& step) { return step["action"] != "keep"; });
+    EXPECT_LE(touched, 2);
+    for (const Json& step : compensation["steps"])
+      if (step["action"] == "add") {
+        EXPECT_EQ(std::fmod(step["mass_g"].get<double>(), 10.0), 0.0);
+        EXPECT_NEAR(std::remainder(step["angle_deg"].get<double>(), 15.0), 0.0, 1e-9);
+      }
+    // Half a step, and half a place of the raster.
+    const auto left =
+        std::polar(wheel["unbalance_g"].get<double>(), wheel["angle_deg"].get<double>() * kDegree) +
+        added_g(compensation["steps"]);
+    EXPECT_LT(std::abs(left), std::hypot(5.0, 35.0 * std::sin(7.5 * kDegree)) + 1.0) << w;
+    // What it says to be left has what is not known in it.
+    EXPECT_GT(compensation["residual_g"].get<double>(), std::abs(left));
+    EXPECT_LT(compensation["residual_g"].get<double>(), std::abs(left) + 3.0);
+    EXPECT_EQ(compensation["within_shop"], compensation["residual_g"].get<double>() <= 2.0);
+  }
+  const auto& front_left = told["compensation"][0]["steps"];
+  EXPECT_TRUE(std::ranges::any_of(front_left, [](const Json& step) { return step["action"] != "add"; }))
+      << "the fitted weight is spoken of";
+
+  const Json& overall = told["overall"];
+  EXPECT_EQ(overall["seats"].at(0)["name"], "driver");
+  EXPECT_FALSE(overall["speeds"].empty());
+  const auto all = [&](const char* key) { return overall["all"][key].get<double>(); };
+  EXPECT_LE(all("least_m_s2"), all("overall_m_s2"));
+  EXPECT_LT(all("overall_m_s2"), all("now_m_s2"));
+
+  const test::Outcome read = identify({});
+  EXPECT_NE(read.output.find(" on 160 mm"), std::string::npos) << read.output;
+  EXPECT_NE(read.output.find("what a shop leaves (2 g)"), std::string::npos);
+  EXPECT_NE(read.output.find("least vertical vibration at driver"), std::string::npos);
+}
+
+TEST_F(IdentifyWeights, SaysNothingOfWeightsWhileNothingIsKnown) {
+  drive(20);
+  const test::Outcome outcome = identify({"--json"});
+  EXPECT_EQ(outcome.code, kAnswerIsNo);
+  const Json told = Json::parse(outcome.output);
+  EXPECT_TRUE(told["compensation"][0]["advice"].is_null());
+  EXPECT_TRUE(told["compensation"][0]["steps"].is_null());
+  EXPECT_TRUE(told["overall"].is_null());
+  EXPECT_NE(outcome.log.find("no overall compensation: what turns with the wheels is not known"),
+            std::string::npos)
+      << outcome.log;
+}
+
+}  // namespace
+}  // namespace roadbalance
