@@ -26,6 +26,7 @@ KEPT = {
     "fftw3": "common/dsp/fft.cpp",
     "ginac/": "common/multibody/algebra.cpp",
     "cln/": "common/multibody/algebra.cpp",
+    "boost/": "host/web/web_server.cpp",
 }
 
 # The same of interfaces of the system, which tests may use to play the other side.
