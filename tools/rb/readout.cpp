@@ -48,7 +48,7 @@ std::string reason(Unknown state) {
     case Unknown::kNoReference:
       return "this wheel has no angle";
     case Unknown::kIllConditioned:
-      return "the drive does not determine it";
+      return "the drive does not determine it: drive on, on a rougher road; rb identify says what is missing";
     case Unknown::kUnfitVehicle:
       return "this vehicle's sensors or rates do not allow it";
     case Unknown::kNoCommonTime:
@@ -63,8 +63,8 @@ std::string balance_line(const Balance& balance) {
   const std::string name = wheel_name(balance.wheel);
   if (balance.state != Unknown::kNone) return name + " not known: " + reason(balance.state);
   return name + format(" heavy spot %3d°, %4.1f g, ± %.1f g ± %.0f°", degrees(balance.angle_rad),
-                       balance.unbalance_g, balance.sigma_g,
-                       std::ceil(balance.sigma_rad * 180.0 / std::numbers::pi));
+                       balance.unbalance_g, std::max(0.1, balance.sigma_g),  // none is exact
+                       std::min(180.0, std::ceil(balance.sigma_rad * 180.0 / std::numbers::pi)));
 }
 
 std::vector<std::string> advice_lines(const Balance& balance, const Compensation& compensation) {
@@ -105,7 +105,8 @@ std::string identification_line(const Identification& identification) {
   if (identification.state != Unknown::kNone) return "suspension: not known: " + reason(identification.state);
   std::string line = format("from %.0f s of driving; tyres", identification.seconds_used);
   for (std::size_t w = 0; w < kWheels; ++w)
-    line += format(" %.0f ± %.0f", identification.tyre_n_m[w] / 1e3, identification.sigma_tyre_n_m[w] / 1e3);
+    line += format(" %.0f ± %.0f", identification.tyre_n_m[w] / 1e3,
+                   std::max(1.0, identification.sigma_tyre_n_m[w] / 1e3));
   line += " kN/m";
   const std::string names = misfitting(identification);
   return names.empty() ? line : line + "; DOES NOT FIT: " + names;

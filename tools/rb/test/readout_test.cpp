@@ -32,6 +32,14 @@ TEST(BalanceLine, SaysHeavySpotMassAndHowSure) {
   EXPECT_EQ(balance_line(known(35.0, 359.7)), "front left:  heavy spot   0°, 35.0 g, ± 2.0 g ± 3°");
 }
 
+TEST(BalanceLine, ClaimsNothingExactlyAndNoAngleWorseThanNone) {
+  Balance balance = known(35.0, 217.0);
+  balance.sigma_g = 0.004;
+  EXPECT_EQ(balance_line(balance), "front left:  heavy spot 217°, 35.0 g, ± 0.1 g ± 3°");
+  balance.sigma_rad = 9.0;
+  EXPECT_EQ(balance_line(balance), "front left:  heavy spot 217°, 35.0 g, ± 0.1 g ± 180°");
+}
+
 TEST(BalanceLine, SaysWhyItIsNotKnown) {
   Balance balance;
   balance.wheel = 3;
@@ -48,6 +56,16 @@ TEST(IdentificationLine, SaysHowFarItIsFromAnEstimate) {
   identification.seconds_used = 40.0;
   EXPECT_EQ(identification_line(identification),
             "suspension: not known: 40 s of steady driving so far, 60 needed");
+}
+
+TEST(IdentificationLine, ClaimsNoTyreExactly) {
+  Identification identification;
+  identification.state = Unknown::kNone;
+  identification.seconds_used = 3600.0;
+  identification.tyre_n_m.fill(200'000.0);
+  identification.sigma_tyre_n_m = {100.0, 1'000.0, 2'600.0, 400.0};
+  EXPECT_EQ(identification_line(identification),
+            "from 3600 s of driving; tyres 200 ± 1 200 ± 1 200 ± 3 200 ± 1 kN/m");
 }
 
 TEST(NodeLine, SaysWhatANodeCounts) {
