@@ -9,7 +9,8 @@
 namespace roadbalance {
 namespace {
 
-/// A mass that is right seems wrong by so much in one drive of a hundred.
+/// A mass that is right seems wrong by so much at the end of one drive in a hundred.  An estimate every
+/// second is no drive of its own: watched all through, one sound drive in six says so at some time.
 constexpr double kSigmas = 2.5;
 
 template <typename... Values>

@@ -10,10 +10,13 @@ namespace roadbalance {
 
 /// Sentences for the driver: what an estimate rests on, where the car is not as it was described, and what
 /// would tell more.  None while nothing is known.
+///
+/// Their chances are those of a drive that is judged once, at its end: what is said and unsaid again while it
+/// goes on is no more than that.
 std::vector<std::string> remarks(const Identification& identification,
                                  const std::array<Balance, kWheels>& balance);
 
-/// A model that fits shows a misfit as large by chance once in so many.
+/// A model that fits shows a misfit as large by chance in so many drives, each judged once.
 inline constexpr double kMisfitChance = 1e-3;
 
 /// Words for the wheels that do not fit, e.g. "front_left"; empty: all do.
