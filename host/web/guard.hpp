@@ -12,11 +12,11 @@ namespace roadbalance {
 
 /// What of a request decides.
 struct RequestHead {
-  std::string_view method{};    ///< as it came: "GET"
-  std::string_view target{};    ///< "/feed"
-  std::string_view host{};      ///< empty: none, or several
-  std::string_view origin{};    ///< empty: none
-  std::string_view token{};     ///< empty: none
+  std::string_view method{};  ///< as it came: "GET"
+  std::string_view target{};  ///< "/feed"
+  std::string_view host{};    ///< empty: none, or several
+  std::string_view origin{};  ///< empty: none
+  std::string_view token{};   ///< empty: none
   bool is_websocket = false;  ///< asks to become one
 };
 

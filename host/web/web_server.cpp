@@ -80,6 +80,7 @@ class Watcher : public std::enable_shared_from_this<Watcher> {
     }));
     socket_.read_message_max(kMostBytesFromPage);
     socket_.binary(true);
+    socket_.auto_fragment(false);
     socket_.async_accept(request, [self = shared_from_this(), &watchers](Error error) {
       if (error) return;
       watchers.push_back(self);
