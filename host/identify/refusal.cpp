@@ -20,13 +20,15 @@ std::string name_of(int place) {
 }
 
 std::string implausible_sentence(int place, double found, double known) {
-  char text[300];
+  char text[400];
   const bool damper = place >= kEstimatedDamper && place < kEstimatedStabiliser;
-  std::snprintf(text, sizeof text,
-                "%s: the drive says %.0f %s and vehicle.toml %.0f, more than a factor of %.0f apart: look "
-                "whether the sensors' "
-                "places, directions and ranges in vehicle.toml are those of the car; if they are, drive on",
-                name_of(place).c_str(), found, damper ? "N s/m" : "N/m", known, kPlausible);
+  std::snprintf(
+      text, sizeof text,
+      "%s: the drive says %.0f %s and vehicle.toml %.0f, more than a factor of %.0f apart: either "
+      "vehicle.toml has not this car's value, or not its sensors' places, directions and ranges, or "
+      "%s; if none of it, drive on",
+      name_of(place).c_str(), found, damper ? "N s/m" : "N/m", known, kPlausible,
+      damper ? "the damper is worn or far from linear" : "a part is broken");
   return text;
 }
 

@@ -48,7 +48,7 @@ std::string reason(Unknown state) {
     case Unknown::kNoReference:
       return "this wheel has no angle";
     case Unknown::kIllConditioned:
-      return "the drive does not determine it: drive on, on a rougher road; rb identify says what is missing";
+      return "the drive does not determine it: rb identify says what is missing";
     case Unknown::kUnfitVehicle:
       return "this vehicle's sensors or rates do not allow it";
     case Unknown::kNoCommonTime:
