@@ -36,7 +36,7 @@ WeightStock parse_stock(Section& root) {
   stock.most = static_cast<int>(weights->integer_or("most", 1, 2, stock.most));
   const double raster_deg = weights->number_or("raster_deg", {0, 180}, 0.0);
   if (raster_deg > 0.0 &&
-      (raster_deg < 1.0 || std::abs(std::remainder(360.0, raster_deg)) > 1e-6 * raster_deg))
+      (raster_deg < 1.0 || std::abs(std::remainder(360.0, raster_deg)) > 5e-7 * raster_deg))
     weights->fail("raster_deg", "allowed: 0, or a part of 360 that is at least 1");
   stock.raster_rad = raster_deg * kRadiansPerDegree;
   stock.length_m_per_g = 1e-3 * weights->number_or("length_mm_per_g", {0, 10}, 1e3 * stock.length_m_per_g);

@@ -1,3 +1,4 @@
+#include "common/bus/compensation.hpp"
 #include "common/bus/order_report.hpp"
 #include "common/bus/results.hpp"
 #include "hil_tests/fuzz/round_trip.hpp"
@@ -10,5 +11,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::check_message<Identification>(bytes, decode_identification);
   fuzz::check_message<Balance>(bytes, decode_balance);
   fuzz::check_message<OrderReport>(bytes, decode_orders);
+  fuzz::check_message<Compensation>(bytes, decode_compensation);
   return 0;
 }

@@ -3,6 +3,7 @@
 #include "common/config/section.hpp"
 #include "common/config/vehicle_config.hpp"
 #include "hil_tests/fuzz/property.hpp"
+#include "host/balance/weight_plan.hpp"
 
 // vehicle.toml: refused with an error that names the file, or within all bounds that the rest relies on.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -22,6 +23,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       for (int line = 0; line < kEncoderLines; ++line)
         if (const WheelConfig* const wheel = vehicle.wheel_at(node, line))
           require(vehicle.wheel_named(wheel->name) == wheel, "an encoder is on one of the wheels");
+    }
+    for (const WheelConfig& wheel : vehicle.wheel) {
+      const auto steps = plan_weights({3.0, 4.0}, wheel.stock, wheel.fitted).step.size();
+      require(steps <= kMostWeightSteps, "every stock of weights makes a plan that a message holds");
     }
   } catch (const ConfigError& error) {
     require(std::string(error.what()).starts_with("fuzz.toml"), "an error names the file");

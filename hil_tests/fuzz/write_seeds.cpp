@@ -7,10 +7,11 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/clock_messages.hpp"
+#include "common/bus/compensation.hpp"
 #include "common/bus/control.hpp"
 #include "common/bus/notes.hpp"
-#include "common/bus/recorder_status.hpp"
 #include "common/bus/order_report.hpp"
+#include "common/bus/recorder_status.hpp"
 #include "common/bus/results.hpp"
 #include "common/clock/datagram.hpp"
 #include "common/record/log_event.hpp"
@@ -84,6 +85,9 @@ void write_messages() {
   write("results", "identification", encode(Identification{.speed_class = {{20.0, 60.0}}}));
   write("results", "balance", encode(Balance{.unbalance_g = 35}));
   write("results", "orders", encode(OrderReport{.wheel = 2, .node = 1, .seconds = 60}));
+  write("results", "compensation",
+        encode(Compensation{
+            .wheel = 2, .plan = {.step = {WeightStep{}, WeightStep{}}}, .verdict = {.incurable = "bent"}}));
   write("clock", "question", encode(ClockDatagram{.node = 1, .epoch = 2, .number = 3}));
   write("clock", "answer",
         encode(ClockDatagram{
@@ -91,7 +95,12 @@ void write_messages() {
 }
 
 void write_texts() {
-  write("vehicle", "demo", test::read_source("sim/demo/vehicle.toml"));
+  const std::string vehicle = test::read_source("sim/demo/vehicle.toml");
+  write("vehicle", "demo", vehicle);
+  write("vehicle", "weights",
+        vehicle +
+            "\n[weights]\nstep_g = 5\nheaviest_g = 60\nmost = 2\nraster_deg = 10\nlength_mm_per_g = 2\n"
+            "[limits]\nshop_g = 7\n[[seat]]\nname = \"driver\"\nposition_m = [0, 0.4, 0]\n");
   for (const char* name : {"descriptions/quarter_car", "test/data/hub_axis", "test/data/swing_arm"})
     write("description", std::filesystem::path(name).filename(),
           test::read_source(std::string("common/multibody/") + name + ".toml"));
