@@ -17,7 +17,7 @@ namespace roadbalance {
 
 struct RecordedEstimate {
   DriveEstimate estimate;
-  std::string obstacle;  ///< why this vehicle, or a wheel of it, can never be identified; empty: it can
+  std::string obstacle;  ///< why this vehicle, a wheel of it or this drive is not identified; empty: it is
   std::vector<std::string> remarks;  ///< what it rests on, and where the car is not as it was described
   RecordingDefects defects;
   std::array<Compensation, kWheels> compensation;  ///< of each balance
