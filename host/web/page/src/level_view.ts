@@ -5,6 +5,10 @@ import type {Level} from "./wire";
 
 /** Channels 13 to 16 are the wheels' references. */
 const kAccelerations = 12;
+/** As in style.css. */
+const kTrackPixels = 64;
+/** Nobody reads numbers that change faster. */
+const kNumbersMs = 250;
 
 /** Height of a bar, 0 .. 1: four decades up to 100 m/s^2. */
 export function height(acceleration_m_s2: number): number {
@@ -22,15 +26,16 @@ class Bar {
       el("div", {class: "track"}, [this.rms, this.peak]), this.number, el("span", {class: "channel"}, [`${channel}`])]);
   }
 
-  draw(car: Car, level: Level): void {
+  draw(car: Car, level: Level, withNumbers: boolean): void {
     const k = this.channel - 1;
     const rms = level.rms[k] ?? 0;
     const over = car.overloadMs.has(`${this.node}.${this.channel}`);
     const dead = ((level.dead >> k) & 1) === 1;
     setAttributes(this.element, {"data-light": over ? "bad" : dead ? "warn" : "good"});
     this.rms.style.transform = `scaleY(${height(rms).toFixed(3)})`;
-    this.peak.style.bottom = `${(100 * height(car.peaks.get(`${this.node}.${this.channel}`)?.value ?? 0)).toFixed(1)}%`;
-    setText(this.number, over ? "OVER" : dead ? "dead" : rms.toPrecision(2));
+    const peak = height(car.peaks.get(`${this.node}.${this.channel}`)?.value ?? 0);
+    this.peak.style.transform = `translateY(${(-kTrackPixels * peak).toFixed(1)}px)`;
+    if (withNumbers) setText(this.number, over ? "OVER" : dead ? "dead" : rms.toPrecision(2));
   }
 }
 
@@ -44,19 +49,20 @@ class NodeLevels {
     this.element = el("div", {class: "node"}, [this.title, el("div", {class: "bars"}, this.bars.map(({element}) => element))]);
   }
 
-  draw(car: Car, heard: Heard<Level>, nowMs: number): void {
+  draw(car: Car, heard: Heard<Level>, nowMs: number, withNumbers: boolean): void {
     const level = heard.message;
     const speed = Number.isFinite(level.speed_m_s) ? `${(3.6 * level.speed_m_s).toFixed(0)} km/h` : "no speed";
     const old = isFresh(heard, nowMs) ? "" : ` · OLD: ${Math.round((nowMs - heard.atMs) / 1000)} s`;
     setText(this.title, `Node ${this.node} · ${speed}${old}`);
     setAttributes(this.element, {"data-old": String(old !== "")});
-    for (const bar of this.bars) bar.draw(car, level);
+    for (const bar of this.bars) bar.draw(car, level, withNumbers);
   }
 }
 
 export class LevelView {
   readonly element: HTMLElement;
   private readonly nodes = new Map<number, NodeLevels>();
+  private numbersAtMs = -Infinity;
   private readonly none = el("p", {}, ["No levels: no analyser is heard."]);
 
   constructor(private readonly car: Car) {
@@ -65,6 +71,8 @@ export class LevelView {
   }
 
   draw(nowMs: number): void {
+    const withNumbers = nowMs - this.numbersAtMs >= kNumbersMs;
+    if (withNumbers) this.numbersAtMs = nowMs;
     this.none.hidden = this.car.levels.size > 0;
     for (const [node, view] of this.nodes)
       if (!this.car.levels.has(node)) {
@@ -77,7 +85,7 @@ export class LevelView {
         this.nodes.set(node, view = new NodeLevels(node));
         this.element.append(view.element);
       }
-      view.draw(this.car, heard, nowMs);
+      view.draw(this.car, heard, nowMs, withNumbers);
     }
   }
 }

@@ -3,7 +3,7 @@ import type {Car} from "./car";
 import {el, setAttributes, setLines, setText} from "./dom";
 import {fullScale, WheelDrawing} from "./wheel_drawing";
 import {kWheelNames} from "./wheel_place";
-import {Unknown} from "./wire";
+import {Unknown, type Balance, type Compensation} from "./wire";
 import {basis, heavySpot, whatIsLeft, whatToDo, whyIncurable} from "./words";
 
 class WheelCard {
@@ -13,6 +13,7 @@ class WheelCard {
   private readonly steps = el("div", {class: "steps"});
   private readonly left = el("p", {class: "left"});
   private readonly incurable = el("p", {class: "incurable"});
+  private drawn: {balance?: Balance | undefined; plan?: Compensation | undefined; rim_g?: number} = {};
 
   constructor(private readonly wheel: number, name: string) {
     this.drawing = new WheelDrawing(wheel);
@@ -24,6 +25,8 @@ class WheelCard {
   draw(car: Car, rim_g: number): void {
     const balance = car.balance.get(this.wheel)?.message;
     const plan = car.advice(this.wheel);
+    if (balance && balance === this.drawn.balance && plan === this.drawn.plan && rim_g === this.drawn.rim_g) return;
+    this.drawn = {balance, plan, rim_g};
     setAttributes(this.element, {"data-known": String(balance?.state === Unknown.None)});
     this.drawing.draw(balance, plan, rim_g);
     setLines(this.steps, whatToDo(plan));

@@ -75,3 +75,15 @@ export const weakTexts = (page) => page.evaluate(() => {
   }
   return weak;
 });
+
+/** Times that the page draws in a second: the most of ten seconds, as a machine may have else to do. */
+export const updatesPerSecond = (page) => page.evaluate(async () => {
+  const drawn = () => Number(document.body.dataset.drawn);
+  let most = 0;
+  for (let k = 0; k < 10 && most < 10; ++k) {
+    const [count, from] = [drawn(), performance.now()];
+    await new Promise((done) => setTimeout(done, 1000));
+    most = Math.max(most, 1000 * (drawn() - count) / (performance.now() - from));
+  }
+  return most;
+});
