@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -10,6 +11,7 @@
 #include "sim/truth.hpp"
 #include "tools/rb/bus_view.hpp"
 #include "tools/rb/command.hpp"
+#include "tools/rb/demo_page.hpp"
 #include "tools/rb/demo_plan.hpp"
 #include "tools/rb/demo_report.hpp"
 #include "tools/rb/demo_start.hpp"
@@ -50,11 +52,15 @@ int demo(const DemoOptions& options) {
   const sim::Truth truth = sim::truth_of(options.scenario, options.seed, plan.vehicle());
   BusView view(plan.url());
   Screen screen;
-  if (!options.headless)
+  std::optional<DemoPage> page;
+  if (!options.headless) {
     std::printf(
         "A simulated car drives %.0f s at %s times real time (assumption: tyres without radial force "
         "variation).\n",
         options.drive_seconds, options.rate.c_str());
+    page.emplace(plan);
+    std::printf("%s\n", page->where().c_str());
+  }
 
   const auto team = options.threads ? start_threads(plan) : start_processes(plan);
   Start start(plan.vehicle());
@@ -86,6 +92,7 @@ int demo(const DemoOptions& options) {
   if (options.json) std::printf("%s\n", report.dump().c_str());
   if (const std::string obstacle = demo_obstacle(view); !obstacle.empty())
     std::fprintf(stderr, "rb demo: no wheel was identified: %s\n", obstacle.c_str());
+  if (page) page->stay(signals.token());
   return demo_exit_code(report);
 }
 
@@ -108,7 +115,9 @@ void add_demo(CLI::App& app, int& code) {
   command->add_option("--vehicle", options->vehicle, "another vehicle.toml");
   command->add_option("--scenario", options->scenario, "another scenario.toml");
   command->add_option("--port", options->port, "of the bus; 0: a free one")->check(CLI::Range(0, 65'535));
-  command->add_flag("--headless", options->headless, "the result alone, at the end");
+  command->add_option("--page-port", options->page_port, "of the page for a browser; 0: a free one")
+      ->check(CLI::Range(0, 65'535));
+  command->add_flag("--headless", options->headless, "the result alone, at the end, and no page");
   command->add_flag("--json", options->json, "one JSON object on standard output; implies --headless");
   command->add_flag("--threads", options->threads, "recorder, analyser and nodes as threads of this program");
   command->callback([options, &code] {

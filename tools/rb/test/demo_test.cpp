@@ -197,6 +197,30 @@ TEST_F(DemoTest, LeavesNothingBehindWhenInterrupted) {
   unsetenv("TMPDIR");
 }
 
+TEST_F(DemoTest, PrintsWhereThePageIsAndTakesItAlongWhenItEnds) {
+  Child rb = start({"demo", "--rate", "max", "--drive-seconds", "100"});
+  std::vector<pid_t> web;
+  while (!rb.ended() && (web = children(rb.pid(), "rb-web")).empty())
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_EQ(wait(rb), 0) << rb.last_words();
+  ASSERT_EQ(web.size(), 1U);
+  EXPECT_NE(kill(web[0], 0), 0);
+  EXPECT_NE(rb.output().find("Watch it in a browser: http://127.0.0.1:"), std::string::npos) << rb.output();
+}
+
+TEST_F(DemoTest, DoesWithoutAPage) {
+  Child taken(program("rb-web"), {"--port", "0"}, folder_ / "web.log");
+  std::string where;
+  while (!taken.ended() && !(where = taken.output()).ends_with('\n'))
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  const std::string port = where.substr(where.rfind(':') + 1, where.find("/#") - where.rfind(':') - 1);
+  Child rb = start({"demo", "--rate", "max", "--drive-seconds", "100", "--page-port", port});
+  EXPECT_EQ(wait(rb), 0) << rb.last_words();
+  EXPECT_NE(rb.output().find("No page: rb-web ended with code 4: rb-web: listen on 127.0.0.1 port " + port),
+            std::string::npos)
+      << rb.output();
+}
+
 TEST_F(DemoTest, NamesWhatIsWrongBeforeAnythingStarts) {
   const auto fails = [&](const std::vector<std::string>& arguments, const std::string& named, int code = 2) {
     Child rb = start(arguments);

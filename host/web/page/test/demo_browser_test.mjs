@@ -1,0 +1,42 @@
+// What the first user sees: rb demo, and the page whose address it prints.
+import assert from "node:assert/strict";
+import {test} from "node:test";
+import {launch, picture, start, updatesPerSecond} from "./browser.mjs";
+
+test("rb demo prints where the page is, and the page tells the car's balance before the drive is over", async (t) => {
+  const demo = start("rb", "demo", "--seed", "1", "--drive-seconds", "320", "--rate", "20");
+  const browser = await launch();
+  t.after(async () => {
+    await browser.close();
+    demo.kill("SIGINT");
+  });
+  const ended = new Promise((resolve) => demo.once("exit", (code) => resolve(code)));
+  let said = "";
+  const url = await new Promise((resolve, reject) => {
+    demo.stdout.on("data", (data) => {
+      said += data;
+      const found = /Watch it in a browser: (\S+)/.exec(said);
+      if (found) resolve(found[1]);
+    });
+    demo.once("exit", (code) => reject(new Error(`rb demo ended with code ${code}`)));
+  });
+
+  const page = await browser.newPage({viewport: {width: 1366, height: 768}});
+  await page.goto(url);
+  assert.equal(new URL(page.url()).hash, "", "the token stays in sight");
+  await page.waitForFunction(() => document.querySelectorAll(".bar").length === 24, null, {timeout: 10_000});
+  const rate = await updatesPerSecond(page);
+  assert.ok(rate >= 10, `${rate.toFixed(1)} updates a second`);
+  assert.match(await page.locator("#state").innerText(), /RECORDING/);
+  await picture(page, "demo-begins");
+
+  await page.waitForFunction(() => document.querySelectorAll(".wheel[data-known=true]").length === 4 &&
+    /Add \d+/.test(document.querySelector("#wheel-1").innerText), null, {timeout: 60_000});
+  await picture(page, "demo-knows");
+  // The truth is 35 g at 217 degrees; an early estimate may be a few degrees off.
+  const [, degrees] = /Heavy spot at (\d+)°/.exec(await page.locator("#wheel-1").innerText());
+  assert.ok(Math.abs(degrees - 217) <= 12, `${degrees}°`);
+  assert.equal(await page.locator("#lamp-LOSS").getAttribute("data-light"), "good");
+
+  assert.equal(await ended, 0, said);
+});

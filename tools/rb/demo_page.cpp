@@ -1,0 +1,48 @@
+#include "tools/rb/demo_page.hpp"
+
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <system_error>
+#include <thread>
+
+#include "common/clock/clocks.hpp"
+
+namespace roadbalance {
+namespace {
+
+constexpr std::chrono::milliseconds kLook{10};
+
+}  // namespace
+
+DemoPage::DemoPage(const DemoPlan& plan) {
+  try {
+    web_.emplace(sibling_program("rb-web"),
+                 std::vector<std::string>{"--url", plan.url(), "--port", plan.page_port()},
+                 plan.work() / "web.log");
+  } catch (const std::system_error& error) {
+    obstacle_ = error.what();
+  }
+}
+
+std::string DemoPage::where() {
+  constexpr std::chrono::seconds kPatience{5};
+  if (!web_) return "No page: " + obstacle_;
+  for (const WallTime end = WallClock::now() + kPatience; WallClock::now() < end;) {
+    if (const std::string url = web_->output(); url.ends_with('\n'))
+      return "Watch it in a browser: " + url.substr(0, url.size() - 1);
+    if (web_->ended()) return "No page: rb-web " + web_->how_it_ended();
+    std::this_thread::sleep_for(kLook);
+  }
+  return "No page: rb-web has not said where it is";
+}
+
+void DemoPage::stay(std::stop_token stop) {
+  if (!web_ || web_->ended() || isatty(STDIN_FILENO) != 1 || isatty(STDOUT_FILENO) != 1) return;
+  std::printf("The page shows the result until you press Ctrl-C.\n");
+  std::fflush(stdout);
+  while (!stop.stop_requested() && !web_->ended()) std::this_thread::sleep_for(kLook);
+}
+
+}  // namespace roadbalance
