@@ -5,6 +5,7 @@ $RB_SOURCE.
 import base64
 import contextlib
 import http.client
+import json
 import os
 import pathlib
 import re
@@ -371,6 +372,15 @@ class Port(unittest.TestCase):
                                   check=False, timeout=PATIENCE_S)
         self.assertEqual(done.returncode, 4)
         self.assertIn(f"127.0.0.1 port {port}", done.stderr)
+
+
+class Sources(unittest.TestCase):
+    def test_packages_are_exact_and_name_no_registry(self):
+        page = pathlib.Path(os.environ["RB_SOURCE"], "host/web/page")
+        self.assertNotRegex((page / "package-lock.json").read_text(encoding="utf-8"), r"://|\"resolved\"")
+        wanted = json.loads((page / "package.json").read_text(encoding="utf-8"))
+        for version in (*wanted["dependencies"].values(), *wanted["devDependencies"].values()):
+            self.assertRegex(version, r"^\d+\.\d+\.\d+$")
 
 
 class Unit(unittest.TestCase):
