@@ -62,6 +62,30 @@ Json force_of(const Balance& balance, Complex truth_g, double force_n, int force
 
 }  // namespace
 
+std::array<WheelBound, kWheels> chain_bound(const ChainDrive& drive) {
+  const VehicleConfig vehicle = demo_vehicle();
+  const sim::Scenario scenario = sim::Scenario::parse(scenario_of(drive), "chain drive", vehicle);
+  BoundQuestion question{.geometry = geometry_of(vehicle.model),
+                         .parameters = nominal_parameters(vehicle),
+                         .seconds = drive.seconds,
+                         .exponent_free = true};
+  question.road = {.roughness_m3 = scenario.road.roughness_m3,
+                   .left_right_correlation = scenario.road.left_right_correlation,
+                   .rear_coherence2 = scenario.road.rear_coherence2,
+                   .rear_own_correlation = scenario.road.left_right_correlation};
+  for (const double speed_km_h : drive.speeds_km_h) question.speeds_m_s.push_back(speed_km_h / 3.6);
+  for (std::size_t w = 0; w < kWheels; ++w) {
+    question.unbalance_kg_m[w] = scenario.wheel[w].unbalance_kg_m;
+    question.asked.set(kEstimatedTyre + w)
+        .set(kEstimatedUnbalance + 2 * w)
+        .set(kEstimatedUnbalance + 2 * w + 1);
+  }
+  const UnknownMatrix least = cramer_rao(question);
+  std::array<WheelBound, kWheels> bounds;
+  for (std::size_t w = 0; w < kWheels; ++w) bounds[w] = wheel_bound(least, question, static_cast<int>(w));
+  return bounds;
+}
+
 Json chain_errors(const ChainDrive& drive, std::uint64_t seed, const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / ("chain-" + std::to_string(seed) + ".toml");
   std::ofstream(file) << scenario_of(drive);  // one that is not written is not found

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/vehicle/linear_model.hpp"
+#include "tools/study/cramer_rao.hpp"
 
 namespace roadbalance {
 
@@ -23,6 +24,10 @@ struct ChainDrive {
   std::array<double, kWheels> unbalance_g{30.0, 20.0, 25.0, 15.0};
   std::array<double, kWheels> radial_force_n{};
 };
+
+/// The least standard deviations of what such a drive can tell (cramer_rao): tyres, unbalances and the road's
+/// exponent unknown, all else known.
+std::array<WheelBound, kWheels> chain_bound(const ChainDrive& drive);
 
 /// What comes out, against the truth; one object a wheel:
 ///

@@ -54,6 +54,14 @@ constexpr Column kColumns[] = {
     {"tyre_percent", "ct %, worst median", "ct % p95", "", nullptr},
     {"rounded_g", "after 5 g weights, worst median g", "after 5 g weights p95", "", nullptr}};
 
+/// Median of the worst wheel's error if the estimate were as good as any can be: of a normal distribution
+/// 0.6745 of its standard deviation.
+double least_median(const std::array<WheelBound, kWheels>& bounds, double WheelBound::*deviation) {
+  double worst = 0.0;
+  for (const WheelBound& bound : bounds) worst = std::max(worst, 0.6745 * (bound.*deviation));
+  return worst;
+}
+
 StudyResult summarise(const Json& settings, const std::vector<Json>& runs) {
   Json rows = Json::array(), lines = Json::array();
   for (const Row& row : rows_of()) {
@@ -68,6 +76,10 @@ StudyResult summarise(const Json& settings, const std::vector<Json>& runs) {
       lines.push_back(acceptance_line(text, median, 0.0, row.*column.most,
                                       answers_among(chain_values(runs, row.name, -1, column.what))));
     }
+    const auto bounds = chain_bound(row.drive);
+    cells["mass %, bound of that median"] = least_median(bounds, &WheelBound::mass_percent);
+    cells["angle deg, bound"] = least_median(bounds, &WheelBound::angle_deg);
+    cells["ct %, bound"] = least_median(bounds, &WheelBound::tyre_percent);
     rows.push_back(cells);
   }
   const auto after = chain_values(runs, rows_of().back().name, -1, "rounded_g");
