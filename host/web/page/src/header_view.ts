@@ -1,7 +1,7 @@
 // State, always in the same place: by word, shape and colour.
 import type {Car} from "./car";
 import {el, setAttributes, setLines, setText, svg} from "./dom";
-import {stateWord, warnings, type Alarm} from "./state";
+import {stateWord, warnings, type Alarm, type Connection} from "./state";
 import {duration} from "./words";
 
 /** Told apart without colours. */
@@ -27,8 +27,8 @@ export class HeaderView {
     this.element = el("header", {}, [this.state, this.amounts, el("div", {class: "buttons"}, buttons), this.detail]);
   }
 
-  draw(car: Car, connected: boolean, nowMs: number): void {
-    const {alarm, word, detail, recordingS, recorder} = stateWord(car, connected, nowMs);
+  draw(car: Car, connection: Connection, nowMs: number): void {
+    const {alarm, word, detail, recordingS, recorder} = stateWord(car, connection, nowMs);
     setAttributes(this.state, {"data-alarm": alarm});
     setAttributes(this.shape, {d: kShapes[alarm]});
     setText(this.word, word);

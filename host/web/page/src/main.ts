@@ -6,6 +6,7 @@ import {HeaderView} from "./header_view";
 import {listenToKeys, type Key} from "./keys";
 import {LampView} from "./lamp_view";
 import {LevelView} from "./level_view";
+import type {Connection} from "./state";
 import {startTheme, toggleTheme} from "./theme";
 import {WheelView} from "./wheel_view";
 
@@ -30,7 +31,7 @@ function helpDialog(keys: readonly Key[]): HTMLDialogElement {
 
 function start(): void {
   const car = new Car();
-  let connected = false;
+  let connection: Connection = "never";
   let dirty = true;
   let drawn = 0;
 
@@ -59,11 +60,11 @@ function start(): void {
   const draw = () => {
     dirty = false;
     const nowMs = performance.now();
-    header.draw(car, connected, nowMs);
+    header.draw(car, connection, nowMs);
     lampView.draw(nowMs);
     levelView.draw(nowMs);
     wheelView.draw();
-    setAttributes(document.body, {"data-connected": String(connected), "data-drawn": ++drawn});
+    setAttributes(document.body, {"data-connected": String(connection === "open"), "data-drawn": ++drawn});
   };
   const soon = () => {
     if (!dirty) requestAnimationFrame(draw);
@@ -71,7 +72,7 @@ function start(): void {
   };
   let framesAtLastCount = 0, frames = 0;
   setInterval(() => {
-    setText(rate, connected ? `${frames - framesAtLastCount} updates/s` : "no updates");
+    setText(rate, connection === "open" ? `${frames - framesAtLastCount} updates/s` : "no updates");
     framesAtLastCount = frames;
   }, 1000);
   setInterval(soon, kRedrawMs);
@@ -86,7 +87,8 @@ function start(): void {
       soon();
     },
     connected(is) {
-      connected = is;
+      if (is) connection = "open";
+      else if (connection === "open") connection = "lost";
       soon();
     },
   });

@@ -56,9 +56,14 @@ function withoutRecorder(car: Car, nowMs: number): StateWord {
             : gone.length > 0 ? "The recording has ended." : "No recorder and no node is heard."};
 }
 
-/** @param connected  to rb-web */
-export function stateWord(car: Car, connected: boolean, nowMs: number): StateWord {
-  if (!connected)
+export type Connection = "open" | "lost" | "never";
+
+/** @param connection  to rb-web */
+export function stateWord(car: Car, connection: Connection, nowMs: number): StateWord {
+  if (connection === "never")
+    return {alarm: "bad", word: "NO CONNECTION",
+            detail: "rb-web does not admit this page, or has not answered yet: open its whole address, with #token=…"};
+  if (connection === "lost")
     return {alarm: "bad", word: "NO CONNECTION",
             detail: "This page does not reach rb-web: what it shows is old. The recording does not depend on it."};
   const recorders = car.livingRecorders(nowMs);

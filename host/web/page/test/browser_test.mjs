@@ -1,5 +1,8 @@
 // The page in a real browser, beside the real rb-web; rb-web-scene is the car.
 import assert from "node:assert/strict";
+import {mkdtempSync, rmSync, writeFileSync} from "node:fs";
+import {tmpdir} from "node:os";
+import {join} from "node:path";
 import {after, before, test} from "node:test";
 import {busUrl, launch, picture, start, startWeb, updatesPerSecond, weakTexts} from "./browser.mjs";
 
@@ -209,4 +212,30 @@ test("says that it is cut off, and comes back by itself", async (t) => {
   // The recorder falls silent: nobody may take the last word for the present.
   car.kill("SIGKILL");
   await says("FAULT");
+});
+
+test("asks for the token where others reach the address, and puts it out of sight", async (t) => {
+  const folder = mkdtempSync(join(tmpdir(), "rb-page-"));
+  const file = join(folder, "token");
+  writeFileSync(file, "correct-horse-battery\n");
+  const url = busUrl();
+  const car = start("rb-web-scene", url, "known");
+  const {web, where} = await startWeb(url, "--listen", "0.0.0.0", "--token-file", file);
+  const page = await browser.newPage();
+  t.after(async () => {
+    await page.close();
+    car.kill();
+    web.kill();
+    rmSync(folder, {recursive: true});
+  });
+  const address = `http://127.0.0.1:${new URL(where).port}/`;
+  const says = (words) => page.waitForFunction((wanted) => document.querySelector("header")?.innerText.includes(wanted), words);
+  await page.goto(address);
+  await says("open its whole address, with #token=");
+  await page.goto("about:blank");
+  await page.goto(`${address}#token=correct-horse-battery`);
+  await says("RECORDING");
+  assert.equal(page.url(), address);
+  await page.reload();
+  await says("RECORDING");
 });
