@@ -72,6 +72,7 @@ std::vector<std::uint8_t> encode(const TransferPart& part) {
   m.input_channel = part.pair.input.channel;
   m.output_node = part.pair.output.node;
   m.output_channel = part.pair.output.channel;
+  m.state = static_cast<std::int32_t>(part.state);
   m.time_ns = part.time_ns;
   m.part = part.part;
   m.parts = part.parts;
@@ -95,11 +96,13 @@ std::vector<std::uint8_t> encode(const TransferPart& part) {
 
 std::optional<TransferPart> decode_transfer(std::span<const std::uint8_t> bytes) {
   const auto m = wire_format::decode<wire::transfer_t>(bytes);
-  if (!m || m->bins < 0 || m->bins > static_cast<std::int32_t>(kTransferBinsPerPart) || m->part < 0 ||
-      m->part >= m->parts || !is_channel(m->input_channel) || !is_channel(m->output_channel))
+  if (!m || m->bins < 0 || m->state < 0 || m->state > static_cast<std::int32_t>(TransferState::kTooMuch) ||
+      m->bins > static_cast<std::int32_t>(kTransferBinsPerPart) || m->part < 0 || m->part >= m->parts ||
+      !is_channel(m->input_channel) || !is_channel(m->output_channel))
     return std::nullopt;
   TransferPart part{.viewer = m->viewer,
                     .pair = {{m->input_node, m->input_channel}, {m->output_node, m->output_channel}},
+                    .state = static_cast<TransferState>(m->state),
                     .time_ns = m->time_ns,
                     .part = m->part,
                     .parts = m->parts,

@@ -40,10 +40,20 @@ struct View {
 
 inline constexpr std::size_t kTransferBinsPerPart = 48;
 
+/// Why there is no transfer function (yet).
+enum class TransferState : std::int32_t {
+  kTold = 0,
+  kTooShort = 1,      ///< no segment is full yet
+  kNoChannel = 2,     ///< the vehicle has no such channel in use
+  kNoCommonTime = 3,  ///< the nodes' samples do not lie on one grid of time
+  kTooMuch = 4,       ///< segments this long of so many channels are more than the analyser holds
+};
+
 /// Part of a transfer function; fields as in common/wire/transfer_t.
 struct TransferPart {
   std::int64_t viewer = 0;
   ChannelPair pair{};
+  TransferState state = TransferState::kTold;
   std::int64_t time_ns = 0;
   std::int32_t part = 0, parts = 1;
   double first_hz = 0.0, step_hz = 0.0, enbw_hz = 0.0;

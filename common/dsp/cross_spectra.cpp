@@ -23,7 +23,6 @@ const CrossSpectra::Settings& checked(const CrossSpectra::Settings& settings) {
 
 /// Squared correlation of the spectra of two segments, one `shift` samples after the other, of white noise.
 double correlation(const std::vector<double>& window, std::size_t shift) {
-  if (shift >= window.size()) return 0.0;
   const auto later = window.begin() + static_cast<std::ptrdiff_t>(shift);
   const double common = std::inner_product(later, window.end(), window.begin(), 0.0);
   return std::pow(common / std::inner_product(window.begin(), window.end(), window.begin(), 0.0), 2);
@@ -48,6 +47,10 @@ CrossSpectra::CrossSpectra(const Settings& settings)
       batch_(static_cast<std::size_t>(tiles_) * kBatch * static_cast<std::size_t>(settings.channels) * 2,
              Lane::Zero()),
       sum_(static_cast<std::size_t>(tiles_) * static_cast<std::size_t>(pairs_) * 2, Lane::Zero()) {
+  for (auto k = static_cast<std::size_t>(hop_); k < window_.size(); k += static_cast<std::size_t>(hop_))
+    overlap_.push_back(correlation(window_, k));
+  recent_.resize(overlap_.size());
+  lagged_.resize(overlap_.size() + 1);
   if (settings.hold_peaks)
     peak_.assign(static_cast<std::size_t>(tiles_) * static_cast<std::size_t>(settings.channels),
                  Lane::Zero());
@@ -83,6 +86,7 @@ void CrossSpectra::add_segment() {
   }
   ++averages_;
   ++waiting_;
+  weigh_newest();
   const Eigen::Index kept = history_.rows() - hop_;
   history_.topRows(kept) = history_.bottomRows(kept).eval();
   filled_ = kept;
@@ -145,21 +149,29 @@ void CrossSpectra::sum_up() const {
 void CrossSpectra::reset() {
   filled_ = 0;
   waiting_ = averages_ = summed_ = 0;
+  std::fill(recent_.begin(), recent_.end(), 0.0);
+  std::fill(lagged_.begin(), lagged_.end(), 0.0);
   std::fill(sum_.begin(), sum_.end(), Lane::Zero());
   std::fill(peak_.begin(), peak_.end(), Lane::Zero());
 }
 
+/// The newest segment has its share, those before it what is left.
+void CrossSpectra::weigh_newest() {
+  const double share = 1.0 / (settings_.memory > 0 ? std::min(averages_, settings_.memory) : averages_);
+  for (double& weight : recent_) weight *= 1.0 - share;
+  for (double& sum : lagged_) sum *= (1.0 - share) * (1.0 - share);
+  lagged_[0] += share * share;
+  for (std::size_t k = 0; k < recent_.size(); ++k) lagged_[k + 1] += share * recent_[k];
+  if (recent_.empty()) return;
+  std::rotate(recent_.begin(), recent_.end() - 1, recent_.end());
+  recent_.front() = share;
+}
+
 double CrossSpectra::independent_averages() const {
   if (averages_ == 0) return 0.0;
-  const auto hop = static_cast<std::size_t>(hop_);
-  const bool settled = settings_.memory > 0 && averages_ > settings_.memory;
-  const double n = averages_, decay = settled ? 1.0 - 1.0 / settings_.memory : 1.0;
-  double doubled = 1.0;
-  for (std::size_t k = 1; k * hop < window_.size() && static_cast<double>(k) < n; ++k) {
-    const auto apart = static_cast<double>(k);
-    doubled += 2.0 * correlation(window_, k * hop) * (settled ? std::pow(decay, apart) : 1.0 - apart / n);
-  }
-  return (settled ? 2.0 * settings_.memory - 1.0 : n) / doubled;
+  double variance = lagged_[0];  // of the average, over that of one segment
+  for (std::size_t k = 0; k < overlap_.size(); ++k) variance += 2.0 * overlap_[k] * lagged_[k + 1];
+  return 1.0 / variance;
 }
 
 double CrossSpectra::one_sided(int bin) const {

@@ -65,6 +65,7 @@ class CrossSpectra {
   using Lane = Eigen::Array<double, kLane, 1>;
 
   void add_segment();
+  void weigh_newest();
   void sum_up() const;
   std::size_t place(int tile, int a, int b) const;
   double one_sided(int bin) const;
@@ -84,6 +85,9 @@ class CrossSpectra {
   mutable std::vector<Lane> peak_;  ///< [tile][channel]
   int averages_ = 0;
   mutable int summed_ = 0;
+  std::vector<double> overlap_;  ///< [k - 1] squared correlation of segments k apart
+  std::vector<double> recent_;   ///< [k - 1] weight in the average of the segment k before the newest
+  std::vector<double> lagged_;   ///< [k] sum over segments of weight times weight k apart
 };
 
 }  // namespace roadbalance

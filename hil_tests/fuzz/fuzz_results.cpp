@@ -1,6 +1,7 @@
 #include "common/bus/compensation.hpp"
 #include "common/bus/order_report.hpp"
 #include "common/bus/results.hpp"
+#include "common/bus/transfer_report.hpp"
 #include "hil_tests/fuzz/round_trip.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -12,5 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::check_message<Balance>(bytes, decode_balance);
   fuzz::check_message<OrderReport>(bytes, decode_orders);
   fuzz::check_message<Compensation>(bytes, decode_compensation);
+  fuzz::check_message<View>(bytes, decode_view);
+  fuzz::check_message<TransferPart>(bytes, decode_transfer);
   return 0;
 }

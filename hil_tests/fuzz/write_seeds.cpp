@@ -13,6 +13,7 @@
 #include "common/bus/order_report.hpp"
 #include "common/bus/recorder_status.hpp"
 #include "common/bus/results.hpp"
+#include "common/bus/transfer_report.hpp"
 #include "common/clock/datagram.hpp"
 #include "common/record/log_event.hpp"
 #include "common/record/segment_index.hpp"
@@ -85,6 +86,9 @@ void write_messages() {
   write("results", "identification", encode(Identification{.speed_class = {{20.0, 60.0}}}));
   write("results", "balance", encode(Balance{.unbalance_g = 35}));
   write("results", "orders", encode(OrderReport{.wheel = 2, .node = 1, .seconds = 60}));
+  write("results", "view", encode(View{.viewer = 1, .pair = {{{1, 2}, {2, 3}}}}));
+  write("results", "transfer",
+        encode(TransferPart{.viewer = 1, .bin = {{1.0F, 2.0F, 3.0F, 4.0F, 5.0F, 0.5F}}}));
   write("results", "compensation",
         encode(Compensation{
             .wheel = 2, .plan = {.step = {WeightStep{}, WeightStep{}}}, .verdict = {.incurable = "bent"}}));

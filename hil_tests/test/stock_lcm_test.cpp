@@ -17,6 +17,7 @@
 #include "common/bus/order_report.hpp"
 #include "common/bus/recorder_status.hpp"
 #include "common/bus/results.hpp"
+#include "common/bus/transfer_report.hpp"
 #include "common/record/record.hpp"
 #include "common/test/bus_url.hpp"
 #include "common/test/source.hpp"
@@ -182,6 +183,8 @@ TEST(StockLcm, TheDecoderOfLcmSpyUnderstandsEveryMessage) {
     append("clock_fit_t", encode(ClockFit{.node = 4, .epoch = 77, .drift = 2e-5}));
     append("recorder_t", encode(RecorderStatus{.segment = 2}));
     append("orders_t", encode(OrderReport{.wheel = 2, .node = 4}));
+    append("view_t", encode(View{.viewer = 1, .pair = {{{4, 2}, {4, 3}}}}));
+    append("transfer_t", encode(TransferPart{.viewer = 1, .bin = {{1.0F, 2.0F, 3.0F, 4.0F, 5.0F, 0.5F}}}));
     writer.close();
   }
   const auto all = std::filesystem::directory_iterator(test::source_path("common/wire"));

@@ -1,34 +1,15 @@
 #include "host/analyser/joint_spectra.hpp"
 
 #include <algorithm>
-#include <string>
 #include <utility>
 
-#include "common/config/section.hpp"
 #include "host/identify/assemble.hpp"
 
 namespace roadbalance {
-namespace {
-
-double common_rate_hz(const VehicleConfig& vehicle, const std::vector<ChannelPlace>& channels) {
-  if (channels.empty()) throw std::invalid_argument("joint spectra need a channel");
-  const NodeConfig& first = vehicle.node.at(static_cast<std::size_t>(channels.front().node));
-  for (const ChannelPlace& place : channels) {
-    const NodeConfig& node = vehicle.node.at(static_cast<std::size_t>(place.node));
-    if (node.rate_hz != first.rate_hz)
-      throw ConfigError("node " + node.name + " samples at " + std::to_string(node.rate_hz) + " Hz, node " +
-                        first.name + " at " + std::to_string(first.rate_hz) +
-                        " Hz: their channels have no spectra together");
-  }
-  return first.rate_hz;
-}
-
-}  // namespace
-
 JointSpectra::JointSpectra(const VehicleConfig& vehicle, std::vector<ChannelPlace> channels,
                            const Settings& settings)
     : rows_(Assembler::kLongestWait_s),
-      spectra_({.welch = {.rate_hz = common_rate_hz(vehicle, channels),
+      spectra_({.welch = {.rate_hz = vehicle.node.front().rate_hz,
                           .segment = settings.segment,
                           .overlap = settings.overlap,
                           .window = settings.window},
@@ -77,6 +58,8 @@ void JointSpectra::take_runs() {
       }
     }
     spectra_.add(samples_);
+    const GridRows& front = rows_.streams().front().rows.front();
+    end_ns_ = front.time_ns + (rows_.streams().front().row + run->rows - 1) * rows_.grid().period_ps / 1000;
     rows_.use(*run);
   }
   rows_.drop_what_nobody_meets();

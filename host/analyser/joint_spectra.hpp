@@ -30,15 +30,17 @@ class JointSpectra {
     int memory = 0;  ///< as CrossSpectra::Settings
   };
 
-  /// @param channels  of nodes that sample at one rate; a's index in spectra() is its place here
-  /// @throws ConfigError naming the node that samples at another rate, std::invalid_argument
+  /// @param channels  one or more; a channel's index in spectra() is its place here
+  /// @throws std::invalid_argument
   JointSpectra(const VehicleConfig& vehicle, std::vector<ChannelPlace> channels, const Settings& settings);
 
   void consume(const SealedBlock& block);
   /// How a node's clock stands to the host's, for the blocks of that node that come next.
   void consume(const ClockFit& fit);
 
-  CrossSpectra& spectra() { return spectra_; }
+  const CrossSpectra& spectra() const { return spectra_; }
+  /// Time of the newest sample taken, ns: the host's, but of one node alone that node's.
+  std::int64_t end_ns() const { return end_ns_; }
   /// Runs of samples without a hole so far.
   int runs() const { return runs_; }
   /// Why a node's samples cannot be brought to the grid of the others; empty: all can.
@@ -56,6 +58,7 @@ class JointSpectra {
   CrossSpectra spectra_;
   std::vector<Source> sources_;
   Eigen::MatrixXd samples_;
+  std::int64_t end_ns_ = 0;
   int runs_ = 0;
 };
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <cstdint>
 #include <map>
@@ -19,50 +18,47 @@ namespace roadbalance {
 
 /// Transfer functions that somebody wants to see, and no others.
 ///
-/// A viewer says again what it wants, and is forgotten after kForgotten.  Views of the same segments, window
-/// and average share one JointSpectra of all channels whose nodes sample at one rate; there are at most
-/// kMostKinds of those, since each costs memory for all pairs.  One is begun anew when it is first asked for.
+/// A viewer says again what it wants, and is forgotten after kForgotten.  Views of the same channels,
+/// segments, window and average share one JointSpectra, begun anew when it is first asked for: a channel that
+/// clips, or a node that is silent, keeps nobody from seeing others.
 class TransferView {
  public:
   static constexpr std::chrono::seconds kForgotten{3};
-  static constexpr std::size_t kMostKinds = 4, kMostViewers = 32;
-  static constexpr std::size_t kMostShown = 576;  ///< bins; of more, neighbours are averaged
+  static constexpr std::size_t kMostSpectra = 8, kMostViewers = 32;
+  static constexpr std::size_t kMostBytes = 48U << 20U;  ///< of one JointSpectra's sums
+  static constexpr std::size_t kMostShown = 576;         ///< bins; of more, neighbours are averaged
 
   explicit TransferView(const VehicleConfig& vehicle);
 
-  /// Pairs of channels that there are not, or of nodes of different rates, are left out.
   void take(const View& view, WallTime now);
   void consume(const SealedBlock& block);
+  /// A fit is kept for spectra that somebody will ask for later.
   void consume(const ClockFit& fit);
 
-  /// All parts of all pairs that are wanted and have something new to tell.
+  /// All parts of all pairs that have something new to tell; of those that cannot be told, once, why.
   std::vector<TransferPart> parts(WallTime now);
 
  private:
-  using Kind = std::tuple<int, Window, int, double>;  ///< segment, window, memory, overlap
-  struct Spectra {
-    std::vector<std::unique_ptr<JointSpectra>> of_rate;  ///< as rate_
-  };
+  /// What spectra are made of.
+  using Kind = std::tuple<std::vector<ChannelId>, int, Window, int, double>;
   struct Viewer {
     View view;
+    Kind kind;
     WallTime heard;
-    std::map<std::size_t, int> told;  ///< averages that were told, by rate
+    TransferState state = TransferState::kTold;
+    int told = -1;  ///< averages, or minus what was told in place of them
   };
-  struct Place {
-    std::size_t rate;
-    int channel;  ///< index of JointSpectra
-  };
+  Kind kind_of(const View& view) const;
+  TransferState begin(const Kind& kind);
   void forget(WallTime now);
-  const Place* place_of(const ChannelId& id) const;
-  void add_pair(const Viewer& viewer, const ChannelPair& pair, const CrossSpectra& spectra, int input,
-                int output, std::vector<TransferPart>& parts) const;
+  void add_pairs(const Viewer& viewer, TransferState state, const JointSpectra* spectra,
+                 std::vector<TransferPart>& parts) const;
 
   VehicleConfig vehicle_;
-  std::vector<std::vector<ChannelPlace>> rate_;  ///< channels of nodes that sample alike
-  std::map<ChannelId, Place> place_;
-  std::map<Kind, Spectra> kinds_;
+  std::map<ChannelId, ChannelPlace> place_;  ///< of channels in use
+  std::map<Kind, std::unique_ptr<JointSpectra>> spectra_;
   std::map<std::int64_t, Viewer> viewers_;
-  std::int64_t newest_ns_ = 0;
+  std::map<std::int32_t, ClockFit> newest_fit_;  ///< by node
 };
 
 }  // namespace roadbalance

@@ -22,7 +22,8 @@ struct SpectrumOptions {
   bool json = false;
 };
 
-nlohmann::ordered_json to_json(const NodeConfig& node, const std::string& channel, CrossSpectra& spectra) {
+nlohmann::ordered_json to_json(const NodeConfig& node, const std::string& channel,
+                               const CrossSpectra& spectra) {
   nlohmann::ordered_json json{{"channel", channel},
                               {"node", node.name},
                               {"unit", "(m/s^2)^2/Hz"},

@@ -92,7 +92,7 @@ int transfer(const TransferOptions& options) {
       [&](const SealedBlock& block) { joint->consume(block); },
       [&](const ClockFit& fit) { joint->consume(fit); });
   warn_of_defects("transfer", options.folder, defects);
-  CrossSpectra& spectra = joint->spectra();
+  const CrossSpectra& spectra = joint->spectra();
   if (spectra.averages() == 0) {
     say_no_segment("transfer", *joint);
     return kAnswerIsNo;

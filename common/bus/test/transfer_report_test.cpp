@@ -77,6 +77,10 @@ TEST(TransferReport, APartComesBackAsItWasSent) {
   ASSERT_EQ(got->bin.size(), kTransferBinsPerPart);
   EXPECT_EQ(got->bin[47].h1_im, 4.0F);
   EXPECT_EQ(got->bin[47].coherence, 0.5F);
+  sent.state = static_cast<TransferState>(5);
+  EXPECT_FALSE(decode_transfer(encode(sent))) << "there is no such state";
+  sent.state = TransferState::kNoCommonTime;
+  EXPECT_EQ(decode_transfer(encode(sent))->state, TransferState::kNoCommonTime);
   sent.part = 3;
   EXPECT_FALSE(decode_transfer(encode(sent))) << "there is no such part";
 }

@@ -133,7 +133,32 @@ TEST(CrossSpectra, AnExponentialAverageForgetsAsItSays) {
   }
   EXPECT_NEAR(spectra.peak_density(0)[0], 1.0, 1e-12);
   // sum of a_i^2 with a_i = (1 - q) q^i is (1 - q) / (1 + q).
-  EXPECT_NEAR(spectra.independent_averages(), 2.0 * kMemory - 1.0, 1e-12);
+  EXPECT_NEAR(spectra.independent_averages(), 2.0 * kMemory - 1.0, 0.05);
+}
+
+TEST(CrossSpectra, AnExponentialAverageIsWorthNoMoreThanItsWeightsSay) {
+  // Against the weights themselves, one after the other, before and long after the memory is full.
+  constexpr int kMemory = 6;
+  const std::vector<double> hann = window(Window::kHann, 64);
+  double common = 0.0, power = 0.0;
+  for (std::size_t n = 0; n < 64; ++n) power += hann[n] * hann[n];
+  for (std::size_t n = 0; n < 32; ++n) common += hann[n] * hann[n + 32];
+  const double overlap = common * common / (power * power);  // half over half
+  CrossSpectra spectra({.welch = {.rate_hz = 64.0, .segment = 64}, .channels = 1, .memory = kMemory});
+  spectra.add(Eigen::MatrixXd::Ones(1, 32));
+  std::vector<double> weight;
+  for (int m = 1; m <= 40; ++m) {
+    spectra.add(Eigen::MatrixXd::Ones(1, 32));
+    const double share = 1.0 / std::min(m, kMemory);
+    for (double& w : weight) w *= 1.0 - share;
+    weight.push_back(share);
+    double variance = 0.0;
+    for (std::size_t i = 0; i < weight.size(); ++i) {
+      variance += weight[i] * weight[i];
+      if (i > 0) variance += 2.0 * overlap * weight[i] * weight[i - 1];
+    }
+    EXPECT_NEAR(spectra.independent_averages() * variance, 1.0, 1e-12) << m;
+  }
 }
 
 TEST(CrossSpectra, TellsHowManyAveragesItsScatterIsWorth) {

@@ -25,8 +25,12 @@ TEST(LiveView, TellsATransferFunctionToWhoAsksForItOnTheBus) {
   Bus bus(url);
   std::optional<TransferPart> told;
   bool levels = false;
+  bool too_short = false;
   bus.subscribe(kTransferChannel, [&](std::string_view, std::span<const std::uint8_t> bytes) {
-    told = decode_transfer(bytes);
+    const auto part = decode_transfer(bytes);
+    ASSERT_TRUE(part);
+    if (part->state == TransferState::kTold) told = part;
+    too_short = too_short || part->state == TransferState::kTooShort;
   });
   bus.subscribe(kLevelChannel, [&](std::string_view, std::span<const std::uint8_t> bytes) {
     levels = levels || decode_level(bytes);
@@ -48,6 +52,7 @@ TEST(LiveView, TellsATransferFunctionToWhoAsksForItOnTheBus) {
   EXPECT_EQ(told->viewer, 9);
   EXPECT_EQ(told->pair.output.channel, kRear.channel);
   EXPECT_FALSE(told->bin.empty());
+  EXPECT_TRUE(too_short) << "what is not there yet is said";
   EXPECT_TRUE(levels);
 }
 

@@ -53,7 +53,7 @@ class NoiseDrive {
       for (double& value : list) value = normal(random);
       return list;
     }();
-    return values.at(static_cast<std::size_t>(k + 3));
+    return values[static_cast<std::size_t>(k + 3) % values.size()];
   }
   std::array<std::int64_t, 2> number_{};
 };

@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <complex>
+#include <map>
+#include <set>
 
 #include "host/analyser/test/noise_drive.hpp"
 
@@ -84,7 +86,10 @@ TEST_F(TransferViewTest, AViewerWhoFallsSilentIsForgottenAndWhatHeLookedAtBegins
   drive(200);
   EXPECT_TRUE(shown_.parts(begin_ + TransferView::kForgotten + 1ms).empty());
   shown_.take(view(), begin_ + 10s);
-  EXPECT_TRUE(shown_.parts(begin_ + 10s).empty()) << "what was averaged is gone";
+  const auto first = shown_.parts(begin_ + 10s);
+  ASSERT_EQ(first.size(), 1U);
+  EXPECT_EQ(first[0].state, TransferState::kTooShort) << "what was averaged is gone";
+  EXPECT_TRUE(shown_.parts(begin_ + 10s).empty()) << "said once";
   drive(60);
   EXPECT_FALSE(shown_.parts(begin_ + 10s).empty());
 }
@@ -105,22 +110,78 @@ TEST_F(TransferViewTest, WhatIsAskedForAnewIsToldAtOnceFromTheSameAverage) {
   EXPECT_TRUE(shown_.parts(begin_).empty()) << "the same again is no news";
 }
 
-TEST_F(TransferViewTest, LimitsWhatViewersCanCost) {
-  for (int k = 0; k < 10; ++k) {
-    View one = view(k);
-    one.segment = 1024 + k;
+TEST_F(TransferViewTest, LimitsWhatViewersCanCostAndSaysSo) {
+  for (std::size_t k = 0; k < TransferView::kMostSpectra + 2; ++k) {
+    View one = view(static_cast<std::int64_t>(k));
+    one.segment = 1024 + static_cast<std::int32_t>(k);
     one.pair.push_back({{99, 0}, kInput});  // no such node
     shown_.take(one, begin_);
   }
+  View dear = view(100);
+  dear.segment = kLongestSegment;
+  dear.pair.clear();
+  for (std::int32_t c = 0; c < 12; ++c) dear.pair.push_back({{kInput.node, c}, {kOutput.node, c}});
+  shown_.take(dear, begin_);
   drive(200);
-  std::size_t viewers = 0;
-  std::int64_t last = -1;
+  std::map<TransferState, std::set<std::int64_t>> viewers;
   for (const TransferPart& part : shown_.parts(begin_)) {
-    if (part.viewer != last) ++viewers;
-    last = part.viewer;
-    EXPECT_NE(part.pair.input.node, 99);
+    viewers[part.state].insert(part.viewer);
+    if (part.pair.input.node == 99) {
+      EXPECT_EQ(part.state, TransferState::kNoChannel);
+    }
+    EXPECT_EQ(part.bin.empty(), part.state != TransferState::kTold);
   }
-  EXPECT_EQ(viewers, TransferView::kMostKinds);
+  EXPECT_EQ(viewers[TransferState::kTold].size(), TransferView::kMostSpectra);
+  EXPECT_EQ(viewers[TransferState::kTooMuch], (std::set<std::int64_t>{8, 9, 100}));
+  // Two who were refused stay, the others leave.
+  for (const std::int64_t id : {8, 9}) {
+    View again = view(id);
+    again.segment = 1024 + static_cast<std::int32_t>(id);
+    again.pair.push_back({{99, 0}, kInput});
+    shown_.take(again, begin_ + 2s);
+    shown_.take(again, begin_ + 4s);
+  }
+  drive(60);
+  viewers.clear();
+  for (const TransferPart& part : shown_.parts(begin_ + 4s)) viewers[part.state].insert(part.viewer);
+  EXPECT_EQ(viewers[TransferState::kTold], (std::set<std::int64_t>{8, 9}));
+}
+
+TEST_F(TransferViewTest, ASilentNodeOrAClippingChannelKeepsNobodyFromSeeingOthers) {
+  View front = view();
+  front.pair = {{kInput, {kInput.node, kInput.channel + 1}}};
+  shown_.take(front, begin_);
+  shown_.take(view(2), begin_);
+  for (int i = 0; i < 200; ++i)
+    shown_.consume(drive_.next(0, i % 5 == 0 ? 1 << 9 : 0));  // the rear is silent
+  bool told = false;
+  for (const TransferPart& part : shown_.parts(begin_)) {
+    EXPECT_EQ(part.state, part.viewer == 1 ? TransferState::kTold : TransferState::kTooShort);
+    told = told || part.viewer == 1;
+  }
+  EXPECT_TRUE(told);
+}
+
+TEST_F(TransferViewTest, NodesOfWhoseClocksItHeardBeforeAreJoinedByThem) {
+  // The rear node's clock is 1 ms (two samples) ahead of the host's: of the three samples that its signal
+  // lags by its own clock, it truly lags five.
+  for (const int node : {0, 1})
+    shown_.consume(ClockFit{.node = car().node[static_cast<std::size_t>(node)].id,
+                            .epoch = 1,
+                            .number = 1,
+                            .state = ClockState::kLocked,
+                            .host_ns = 0,
+                            .node_ns = node == 1 ? -1'000'000 : 0,
+                            .uncertainty_s = 1e-6});
+  shown_.take(view(), begin_);
+  drive(200);
+  const auto parts = shown_.parts(begin_);
+  ASSERT_FALSE(parts.empty());
+  ASSERT_EQ(parts[0].state, TransferState::kTold);
+  const TransferPart::Bin& bin = parts[0].bin[40];
+  const double hz = 40.0 * parts[0].step_hz;
+  EXPECT_NEAR(std::arg(std::complex<double>(bin.h1_re, bin.h1_im)),
+              -2.0 * std::acos(-1.0) * hz * 5.0 / 2000.0, 0.02);
 }
 
 }  // namespace
