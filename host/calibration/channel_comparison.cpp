@@ -33,7 +33,7 @@ ChannelComparison::ChannelComparison(const NodeConfig& node, const Settings& set
   } catch (const std::invalid_argument& error) {
     throw ConfigError("node " + node.name + ": " + error.what());
   }
-  if (const auto band = within(*spectra_, settings.low_hz, settings.high_hz);
+  if (const auto band = spectra_in_band(*spectra_, settings.low_hz, settings.high_hz);
       band.frequency_hz.empty() || band.frequency_hz.front() == 0.0)
     throw ConfigError("node " + node.name + ": cross spectra: no bin lies within the band");
 }
@@ -150,7 +150,7 @@ ChannelComparison::Result ChannelComparison::result() const {
   }
   const auto seconds = [&](std::int64_t scans) { return static_cast<double>(scans) / node_.rate_hz; };
   Result result{.channel = {}, .seconds = seconds(scans_), .overload_s = seconds(overloaded_)};
-  const BandSpectra band = within(*spectra_, settings_.low_hz, settings_.high_hz);
+  const BandSpectra band = spectra_in_band(*spectra_, settings_.low_hz, settings_.high_hz);
   ChannelMatches by_gain = match_channels(band, accelerations);
   result.obstacle = text_of(by_gain.obstacle);
   if (!result.obstacle.empty()) return result;

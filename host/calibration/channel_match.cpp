@@ -159,7 +159,7 @@ bool refer_to(const std::vector<int>& reference, std::vector<ChannelMatch>& all)
 
 }  // namespace
 
-BandSpectra within(const CrossSpectra& spectra, double low_hz, double high_hz) {
+BandSpectra spectra_in_band(const CrossSpectra& spectra, double low_hz, double high_hz) {
   BandSpectra band{{}, {}, spectra.averages(), spectra.independent_averages()};
   for (int k = 0; k < spectra.bins(); ++k) {
     const double frequency_hz = k * spectra.step_hz();
@@ -178,8 +178,9 @@ double median(std::vector<double> values) {
 
 ChannelMatches match_channels(const BandSpectra& spectra, const std::vector<int>& reference) {
   using Obstacle = ChannelMatches::Obstacle;
-  const auto channels = static_cast<int>(spectra.matrix.front().rows());
   if (spectra.averages < kLeastAverages) return {Obstacle::kTooShort};
+  if (spectra.matrix.empty()) return {Obstacle::kNoTwoAlike};
+  const auto channels = static_cast<int>(spectra.matrix.front().rows());
   if (channels < 2) return {Obstacle::kNoTwoAlike};
   const auto bins = bins_with_signal(spectra);
   if (bins.empty()) return {Obstacle::kNoTwoAlike};

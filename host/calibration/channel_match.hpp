@@ -8,14 +8,17 @@
 
 namespace roadbalance {
 
-/// Cross spectra of some channels at the bins of a band.
+/// Cross spectra of some channels at the bins of a band; empty if no bin lies in it.
 struct BandSpectra {
-  std::vector<double> frequency_hz;
+  std::vector<double> frequency_hz;      ///< [bin]
   std::vector<Eigen::MatrixXcd> matrix;  ///< [bin], [channel x channel] as CrossSpectra::matrix
   int averages = 0;
   double independent_averages = 0.0;
 };
-BandSpectra within(const CrossSpectra& spectra, double low_hz, double high_hz);
+
+/// The bins from low_hz to high_hz, both included: none where the band is narrower than the bins' distance
+/// and lies between two, beyond half the rate, or ends below its beginning.
+BandSpectra spectra_in_band(const CrossSpectra& spectra, double low_hz, double high_hz);
 
 /// How one channel shows a signal that others show, too.
 struct ChannelMatch {
@@ -37,9 +40,9 @@ struct ChannelMatch {
 struct ChannelMatches {
   enum class Obstacle {
     kNone,
-    kTooShort,  ///< fewer than kLeastAverages
-    kNoTwoAlike,
-    kReference,  ///< none of the reference is matched
+    kTooShort,    ///< fewer than kLeastAverages
+    kNoTwoAlike,  ///< or the band is empty
+    kReference,   ///< none of the reference is matched
   };
   Obstacle obstacle = Obstacle::kNone;
   std::vector<ChannelMatch> channel{};  ///< empty if there is an obstacle
@@ -61,6 +64,7 @@ struct ChannelMatches {
 /// @return by channel; the figures of those not matched say what was seen
 ChannelMatches match_channels(const BandSpectra& spectra, const std::vector<int>& reference);
 
+/// @param values  in any order, at least one
 double median(std::vector<double> values);
 
 /// A bin counts if both channels show there the same signal.
