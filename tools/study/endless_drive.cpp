@@ -81,8 +81,8 @@ WhittleMoments EndlessDrive::spectra(const ExactDrive& drive, double speed_m_s) 
   return sum;
 }
 
-Complex EndlessDrive::fixed(const ParameterVector& known, int wheel, int of) const {
-  const LinearModel model = linear_model(geometry_, known);
+Complex EndlessDrive::fixed(const Geometry& geometry, const ParameterVector& known, int wheel, int of) const {
+  const LinearModel model = linear_model(geometry, known);
   const int row = kBodyCoordinates + wheel;
   Complex sum = 0.0;
   double weight = 0.0;
@@ -104,22 +104,24 @@ DriveMoments EndlessDrive::moments() const {
   return sum;
 }
 
-std::optional<UnknownVector> EndlessDrive::identified(const ParameterVector& known) const {
-  return solve(moments(), geometry_, known);
+std::optional<UnknownVector> EndlessDrive::identified(const Geometry& geometry,
+                                                      const ParameterVector& known) const {
+  return solve(moments(), geometry, known);
 }
 
-std::optional<UnknownVector> EndlessDrive::identified_by_likelihood(const ParameterVector& known) const {
-  auto x = identified(known);
+std::optional<UnknownVector> EndlessDrive::identified_by_likelihood(const Geometry& geometry,
+                                                                    const ParameterVector& known) const {
+  auto x = identified(geometry, known);
   if (!x) return x;
   ParameterVector parameters = known;
   parameters.segment<kEstimatedUnbalance>(kSpring) = x->head<kEstimatedUnbalance>();
   parameters.segment<kWheels>(kTyre) = known.segment<kWheels>(kTyre);
   std::vector<const WhittleMoments*> speeds;
   for (const WhittleMoments& speed : spectra_) speeds.push_back(&speed);
-  const auto tyres = whittle_tyres(speeds, geometry_, parameters, std::bitset<kWheels>().set());
+  const auto tyres = whittle_tyres(speeds, geometry, parameters, std::bitset<kWheels>().set());
   if (!tyres) return std::nullopt;
   parameters.segment<kWheels>(kTyre).setZero();
-  const Unbalances unbalances = solve_unbalances(moments().harmonic, geometry_, parameters);
+  const Unbalances unbalances = solve_unbalances(moments().harmonic, geometry, parameters);
   x->segment<kWheels>(kEstimatedTyre) = tyres->tyre_n_m;
   put_unbalances(unbalances.at(tyres->tyre_n_m), unbalances.found, UnknownSet().set(), *x);
   return x;

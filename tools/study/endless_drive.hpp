@@ -26,12 +26,14 @@ class EndlessDrive {
   /// What a wheel's row takes for unbalance at the order of wheel `of`, every parameter taken as known, kg m:
   /// U = row(Om) Z'' / Om^2 by (1), speeds weighted by Om^4 as an unbalance's force asks.  At another wheel's
   /// order it should be 0.
-  std::complex<double> fixed(const ParameterVector& known, int wheel, int of) const;
+  /// @param geometry  as it is taken for known, here and below: that of vehicle() is true
+  std::complex<double> fixed(const Geometry& geometry, const ParameterVector& known, int wheel, int of) const;
 
   /// By solve(): suspension and tyres identified from the same drive.
-  std::optional<UnknownVector> identified(const ParameterVector& known) const;
+  std::optional<UnknownVector> identified(const Geometry& geometry, const ParameterVector& known) const;
   /// The same with tyres by whittle_tyres().
-  std::optional<UnknownVector> identified_by_likelihood(const ParameterVector& known) const;
+  std::optional<UnknownVector> identified_by_likelihood(const Geometry& geometry,
+                                                        const ParameterVector& known) const;
 
  private:
   ExactDrive at(double speed_m_s, const Instrument& instrument,

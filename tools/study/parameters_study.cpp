@@ -1,5 +1,6 @@
 #include <cmath>
 #include <complex>
+#include <functional>
 #include <numbers>
 
 #include "tools/study/endless_drive.hpp"
@@ -16,28 +17,49 @@ constexpr int kWheel = 0;
 const std::array<Complex, kWheels> kUnbalance{std::polar(0.030 * 0.19, 0.7), std::polar(0.020 * 0.19, -1.7),
                                               std::polar(0.025 * 0.19, 2.8), std::polar(0.015 * 0.19, 1.3)};
 
-/// What vehicle.toml may be wrong by: parameters times a factor.
-struct Mistake {
-  const char* name;
-  std::vector<int> parameters;
-  double factor;
+/// The car as vehicle.toml describes it.
+struct Described {
+  Geometry geometry;
+  ParameterVector value;
+
+  void scale(int first, int n, double factor) { value.segment(first, n) *= factor; }
 };
 
-std::vector<int> range(int first, int n) {
-  std::vector<int> result;
-  for (int i = 0; i < n; ++i) result.push_back(first + i);
-  return result;
+/// What vehicle.toml may be wrong by.
+struct Mistake {
+  const char* name;
+  std::function<void(Described&)> make;
+  bool told = false;  ///< the drive tells what it is of: springs, dampers, stabilisers, tyres
+};
+
+constexpr const char* kHeavyWheels = "wheel masses +5 %";
+
+Mistake scaled(const char* name, int first, int n, double factor, bool told = false) {
+  return {name, [=](Described& car) { car.scale(first, n, factor); }, told};
 }
 
 std::vector<Mistake> mistakes() {
-  return {{"none", {}, 1.0},
-          {"body mass, inertias +5 %", range(kBodyMass, 3), 1.05},
-          {"wheel masses +5 %", range(kWheelMass, 4), 1.05},
-          {"springs +10 %", range(kSpring, 4), 1.10},
-          {"dampers +20 %", range(kDamper, 4), 1.20},
-          {"stabilisers +20 %", range(kStabiliser, 2), 1.20},
-          {"stabilisers omitted", range(kStabiliser, 2), 0.0},
-          {"tyres +5 %", range(kTyre, 4), 1.05}};
+  return {{"none", [](Described&) {}, true},
+          scaled("body mass, inertias +5 %", kBodyMass, 3, 1.05),
+          scaled(kHeavyWheels, kWheelMass, 4, 1.05),
+          scaled("springs +10 %", kSpring, 4, 1.10, true),
+          scaled("dampers +20 %", kDamper, 4, 1.20, true),
+          scaled("stabilisers +20 %", kStabiliser, 2, 1.20, true),
+          scaled("stabilisers omitted", kStabiliser, 2, 0.0, true),
+          scaled("tyres +5 %", kTyre, 4, 1.05, true),
+          scaled("body mass +1 %", kBodyMass, 1, 1.01),
+          scaled("roll inertia +1 %", kRollInertia, 1, 1.01),
+          scaled("pitch inertia +1 %", kPitchInertia, 1, 1.01),
+          scaled("wheel masses +1 %", kWheelMass, 4, 1.01),
+          {"tyre dampers +50 N s/m",
+           [](Described& car) { car.value.segment(kTyreDamper, kWheels).array() += 50.0; }},
+          {"half track +1 %",
+           [](Described& car) {
+             for (double& y_m : car.geometry.y_m) y_m *= 1.01;
+           }},
+          {"centre of mass 27 mm further back", [](Described& car) {
+             for (double& x_m : car.geometry.x_m) x_m += 0.027;
+           }}};
 }
 
 /// Share of the front left wheel's unbalance that is told for it; NaN: none.
@@ -65,11 +87,12 @@ StudyResult summarise(const Json& settings, const std::vector<Json>&) {
   double worst_percent = 0.0, worst_deg = 0.0;
   Complex mass_fixed, mass_instrument, mass_likelihood;
   for (const Mistake& mistake : mistakes()) {
-    ParameterVector known = truth;
-    for (const int p : mistake.parameters) known(p) *= mistake.factor;
-    const Complex fixed = one.fixed(known, kWheel, kWheel) / kUnbalance[kWheel];
-    const double spurious = std::abs(four.fixed(known, kWheel, 1)) / std::abs(kUnbalance[1]);
-    const auto x = four.identified(known), y = four.identified_by_likelihood(known);
+    Described known{geometry_of(one.vehicle().model), truth};
+    mistake.make(known);
+    const auto& [geometry, value] = known;
+    const Complex fixed = one.fixed(geometry, value, kWheel, kWheel) / kUnbalance[kWheel];
+    const double spurious = std::abs(four.fixed(geometry, value, kWheel, 1)) / std::abs(kUnbalance[1]);
+    const auto x = four.identified(geometry, value), y = four.identified_by_likelihood(geometry, value);
     const Complex instrument = told(x), likelihood = told(y);
     rows.push_back({{"error of vehicle.toml", mistake.name},
                     {"fixed: mass %", percent(fixed)},
@@ -81,10 +104,9 @@ StudyResult summarise(const Json& settings, const std::vector<Json>&) {
                     {"by likelihood: mass %", number_or_null(percent(likelihood))},
                     {"by likelihood: angle deg", number_or_null(degrees(likelihood))},
                     {"by likelihood: ct %", number_or_null(tyre_percent(y))}});
-    const std::string name = mistake.name;
-    if (name.starts_with("wheel masses")) {
+    if (mistake.name == std::string(kHeavyWheels)) {
       mass_fixed = fixed, mass_instrument = instrument, mass_likelihood = likelihood;
-    } else if (!name.starts_with("body mass")) {
+    } else if (mistake.told) {
       for (const Complex share : {instrument, likelihood}) {
         raise(worst_percent, percent(share));
         raise(worst_deg, degrees(share));

@@ -146,6 +146,59 @@ TEST(Parameters, BiasesAreThoseOfTheDerivation) {
   expect("tyres +5 %", -3.0, -1.7);
 }
 
+/// One percent of what vehicle.toml says, of what no drive tells.
+TEST(Parameters, CostAsMuchInProportion) {
+  const Json rows = summary_of("parameters", {})["tables"][0]["rows"];
+  const auto in_the_run = [&](const std::string& name, const char* column) {
+    for (const Json& row : rows)
+      if (row["error of vehicle.toml"] == name)
+        return row[column].get<double>() - rows[0][column].get<double>();
+    ADD_FAILURE() << name;
+    return 0.0;
+  };
+  for (const char* column : {"by likelihood: mass %", "by likelihood: angle deg"}) {
+    // Small errors add up, to second order.
+    const double inertias = in_the_run("body mass +1 %", column) + in_the_run("roll inertia +1 %", column) +
+                            in_the_run("pitch inertia +1 %", column);
+    EXPECT_NEAR(5.0 * inertias, in_the_run("body mass, inertias +5 %", column), 0.15) << column;
+    EXPECT_NEAR(5.0 * in_the_run("wheel masses +1 %", column), in_the_run("wheel masses +5 %", column), 0.15)
+        << column;
+    // Levers 1 % longer turn the body as if it were 1 % easier to turn; that they stretch the struts more as
+    // well is the rest.
+    EXPECT_NEAR(in_the_run("half track +1 %", column), -in_the_run("roll inertia +1 %", column), 0.03)
+        << column;
+    EXPECT_NE(in_the_run("tyre dampers +50 N s/m", column), 0.0) << column;
+    EXPECT_NE(in_the_run("centre of mass 27 mm further back", column), 0.0) << column;
+  }
+}
+
+/// Tyres off by so many percent in turn, and nothing else.
+TEST(Estimators, JudgesTyresOverBothBandsWithAndWithoutASharedRoad) {
+  const auto judged = [](double percent) {
+    std::vector<Json> runs;
+    for (const double error : {percent, -percent}) {
+      Json wheel{{"tyre_percent", error}, {"mass_percent", 0.0}, {"angle_deg", 0.0}};
+      wheel["re_percent"] = wheel["im_percent"] = error;
+      Json run;
+      for (const char* of : {"coherence^2 0.0", "coherence^2 0.95"})
+        for (const EstimatorKind& kind : estimators()) run[of][kind.name] = Json(4, wheel);
+      runs.push_back(run);
+    }
+    return summary_of("estimators", runs);
+  };
+  const Json good = judged(0.01), bad = judged(100.0);
+  for (const char* of : {"coherence^2 0.0", "coherence^2 0.95"})
+    for (const char* band : {"efficiency ct", "efficiency ct of 3-40 Hz"}) {
+      const auto met = [&](const Json& summary) {
+        for (const Json& line : summary["acceptance"])
+          if (line["line"] == std::string("whittle, ") + of + ": " + band) return line["met"].get<bool>();
+        throw std::out_of_range(std::string(of) + band);
+      };
+      EXPECT_TRUE(met(good)) << of << band;
+      EXPECT_FALSE(met(bad)) << of << band;
+    }
+}
+
 /// Errors of +-1 % in turn, from every estimator.
 TEST(Fig3, TellsMediansAndDeviations) {
   Json settings = study_of("fig3").settings;
