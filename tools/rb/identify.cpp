@@ -10,6 +10,7 @@
 #include "tools/rb/command.hpp"
 #include "tools/rb/compensation_json.hpp"
 #include "tools/rb/defects.hpp"
+#include "tools/rb/identification_json.hpp"
 #include "tools/rb/identify_with.hpp"
 #include "tools/rb/overall_lines.hpp"
 #include "tools/rb/readout.hpp"
@@ -37,13 +38,16 @@ int identify(const IdentifyOptions& options) {
     std::fprintf(stderr, "rb identify: no overall compensation: what turns with the wheels is not known\n");
   if (options.json) {
     nlohmann::ordered_json result{{"wheels", wheels_json(identification, balance)},
-                                  {"compensation", compensation_json(balance, found.compensation)},
-                                  {"remarks", found.remarks}};
+                                  {"suspension", suspension_json(identification)}};
+    result.update(fit_json(identification));
+    result["compensation"] = compensation_json(balance, found.compensation);
+    result["remarks"] = found.remarks;
     if (options.overall)
       result["overall"] = found.overall ? overall_json(*found.overall) : nlohmann::ordered_json();
     std::printf("%s\n", result.dump().c_str());
   } else {
-    std::printf("%s\n", identification_line(identification).c_str());
+    std::printf("%s\n", identification_line(identification, found.obstacle).c_str());
+    for (const std::string& line : suspension_lines(identification)) std::printf("  %s\n", line.c_str());
     for (std::size_t w = 0; w < kWheels; ++w) {
       std::printf("%s\n", balance_line(balance[w]).c_str());
       for (const std::string& line : advice_lines(balance[w], found.compensation[w]))

@@ -12,8 +12,12 @@
 #include "host/analyser/recorded_vehicle.hpp"
 #include "host/identify/assemble.hpp"
 #include "host/identify/estimator.hpp"
+#include "host/identify/publish_estimate.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/defects.hpp"
+#include "tools/rb/identification_json.hpp"
+#include "tools/rb/readout.hpp"
+#include "tools/study/statistics.hpp"
 
 namespace roadbalance {
 namespace {
@@ -84,24 +88,16 @@ Mass mass_of(const Answer& answer, int wheel, double radius_m) {
           std::sqrt(tangential.dot(covariance * tangential)) / grams.norm() * kDegrees};
 }
 
-Json number(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
 double sigma(const Answer& answer, int i) {
   return std::sqrt(answer.covariance(i, i));
 }
 
-Json suspension_json(const Answer& answer) {
-  const auto values = [&](int first, int count) {
-    Json array = Json::array();
-    for (int i = first; i < first + count; ++i)
-      array.push_back({{"value", number(answer.x(i))}, {"sigma", number(sigma(answer, i))}});
-    return array;
-  };
-  return {{"spring_n_m", values(kEstimatedSpring, kWheels)},
-          {"damper_n_s_m", values(kEstimatedDamper, kWheels)},
-          {"stabiliser_n_m", values(kEstimatedStabiliser, kAxles)}};
+/// Springs, dampers and stabilisers as the product tells them.
+Identification suspension_of(const Answer& answer) {
+  Identification result;
+  result.state = Unknown::kNone;
+  put_suspension(answer.x, answer.covariance, result);
+  return result;
 }
 
 Json wheels_json(const Answer& answer, const VehicleConfig& vehicle) {
@@ -110,41 +106,29 @@ Json wheels_json(const Answer& answer, const VehicleConfig& vehicle) {
     const auto w = static_cast<std::size_t>(i);
     const bool turns = !vehicle.wheel[w].node.empty();
     const Mass mass = mass_of(answer, i, vehicle.wheel[w].weight_radius_m);
-    const auto of_mass = [&](double value) { return turns ? number(value) : Json(nullptr); };
+    const auto of_mass = [&](double value) { return turns ? number_or_null(value) : Json(nullptr); };
     wheels.push_back({{"name", kWheelNames[w]},
                       {"unbalance_g", of_mass(mass.mass_g)},
                       {"angle_deg", of_mass(mass.angle_deg)},
                       {"sigma_g", of_mass(mass.sigma_g)},
                       {"sigma_deg", of_mass(mass.sigma_deg)},
-                      {"tyre_stiffness_n_m", number(answer.x(kEstimatedTyre + i))},
-                      {"sigma_tyre_stiffness_n_m", number(sigma(answer, kEstimatedTyre + i))}});
+                      {"tyre_stiffness_n_m", number_or_null(answer.x(kEstimatedTyre + i))},
+                      {"sigma_tyre_stiffness_n_m", number_or_null(sigma(answer, kEstimatedTyre + i))}});
   }
   return wheels;
-}
-
-void print_suspension(const Answer& answer) {
-  const auto line = [&](const char* name, int first, int count, double unit, const char* unit_name) {
-    std::printf("%-12s", name);
-    for (int i = first; i < first + count; ++i)
-      std::printf("  %7.2f ± %5.2f", answer.x(i) / unit, sigma(answer, i) / unit);
-    std::printf("  %s\n", unit_name);
-  };
-  line("springs", kEstimatedSpring, kWheels, 1e3, "kN/m");
-  line("dampers", kEstimatedDamper, kWheels, 1e3, "kN s/m");
-  line("stabilisers", kEstimatedStabiliser, kAxles, 1e3, "kN/m");
 }
 
 void print_wheels(const Answer& answer, const VehicleConfig& vehicle) {
   for (int i = 0; i < kWheels; ++i) {
     const auto w = static_cast<std::size_t>(i);
     std::printf("%-12s  tyre %6.1f ± %4.1f kN/m", kWheelNames[w], answer.x(kEstimatedTyre + i) / 1e3,
-                sigma(answer, kEstimatedTyre + i) / 1e3);
+                shown_sigma(sigma(answer, kEstimatedTyre + i) / 1e3, 0.1));
     const Mass mass = mass_of(answer, i, vehicle.wheel[w].weight_radius_m);
     if (vehicle.wheel[w].node.empty())
       std::printf("  no encoder\n");
     else
-      std::printf("  %5.1f ± %4.1f g  at %5.1f ± %4.1f°\n", mass.mass_g, mass.sigma_g, mass.angle_deg,
-                  mass.sigma_deg);
+      std::printf("  %5.1f ± %4.1f g  at %5.1f ± %4.1f°\n", mass.mass_g, shown_sigma(mass.sigma_g, 0.1),
+                  mass.angle_deg, shown_sigma(mass.sigma_deg, 0.1));
   }
 }
 
@@ -170,14 +154,15 @@ int identify_with(const std::string& estimator, const std::string& folder, bool 
     Json result{{"estimator", estimator},
                 {"stretches", told.stretches},
                 {"seconds", told.seconds},
-                {"suspension", suspension_json(suspension.answer)}};
+                {"suspension", suspension_json(suspension_of(suspension.answer))}};
     if (!chassis) result["wheels"] = wheels_json(told.answer, *vehicle);
     result["remarks"] = told.answer.remarks;
     std::printf("%s\n", result.dump().c_str());
   } else {
     std::printf("%s, from %.0f s of steady driving in %d stretches\n", estimator.c_str(), told.seconds,
                 told.stretches);
-    print_suspension(suspension.answer);
+    for (const std::string& line : suspension_lines(suspension_of(suspension.answer)))
+      std::printf("%s\n", line.c_str());
     if (!chassis) print_wheels(told.answer, *vehicle);
     for (const std::string& remark : told.answer.remarks) std::printf("%s\n", remark.c_str());
   }

@@ -48,7 +48,7 @@ std::string reason(Unknown state) {
     case Unknown::kNoReference:
       return "this wheel has no angle";
     case Unknown::kIllConditioned:
-      return "the drive does not determine it: rb identify says what is missing";
+      return "the drive does not determine it";
     case Unknown::kUnfitVehicle:
       return "this vehicle's sensors or rates do not allow it";
     case Unknown::kNoCommonTime:
@@ -63,7 +63,7 @@ std::string balance_line(const Balance& balance) {
   const std::string name = wheel_name(balance.wheel);
   if (balance.state != Unknown::kNone) return name + " not known: " + reason(balance.state);
   return name + format(" heavy spot %3d°, %4.1f g, ± %.1f g ± %.0f°", degrees(balance.angle_rad),
-                       balance.unbalance_g, std::max(0.1, balance.sigma_g),  // none is exact
+                       balance.unbalance_g, shown_sigma(balance.sigma_g, 0.1),
                        std::min(180.0, std::ceil(balance.sigma_rad * 180.0 / std::numbers::pi)));
 }
 
@@ -97,19 +97,42 @@ std::vector<std::string> advice_lines(const Balance& balance, const Compensation
   return lines;
 }
 
-std::string identification_line(const Identification& identification) {
+std::string identification_line(const Identification& identification, const std::string& missing) {
   if (identification.state == Unknown::kTooShort && identification.sections > 0)
     return format("suspension: not known: %.0f s of steady driving so far, %.0f needed",
                   identification.seconds_used,
                   kLeastSections * identification.seconds_used / identification.sections);
-  if (identification.state != Unknown::kNone) return "suspension: not known: " + reason(identification.state);
+  if (identification.state != Unknown::kNone)
+    return "suspension: not known: " + reason(identification.state) +
+           (identification.state == Unknown::kIllConditioned && !missing.empty() ? ": " + missing : "");
   std::string line = format("from %.0f s of driving; tyres", identification.seconds_used);
   for (std::size_t w = 0; w < kWheels; ++w)
     line += format(" %.0f ± %.0f", identification.tyre_n_m[w] / 1e3,
-                   std::max(1.0, identification.sigma_tyre_n_m[w] / 1e3));
+                   shown_sigma(identification.sigma_tyre_n_m[w] / 1e3, 1.0));
   line += " kN/m";
   const std::string names = misfitting(identification);
   return names.empty() ? line : line + "; DOES NOT FIT: " + names;
+}
+
+double shown_sigma(double sigma, double last_digit) {
+  return sigma < last_digit ? last_digit : sigma;
+}
+
+std::vector<std::string> suspension_lines(const Identification& identification) {
+  if (identification.state != Unknown::kNone) return {};
+  const auto values = [](const char* name, const auto& value, const auto& sigma, double unit, int digits,
+                         const char* unit_name) {
+    std::string text = name;
+    for (std::size_t i = 0; i < value.size(); ++i)
+      text += format(" %.*f ± %.*f", digits, value[i] / unit, digits,
+                     shown_sigma(sigma[i] / unit, std::pow(10.0, -digits)));
+    return text + " " + unit_name;
+  };
+  return {
+      values("springs", identification.spring_n_m, identification.sigma_spring_n_m, 1e3, 1, "kN/m") + "; " +
+          values("dampers", identification.damper_n_s_m, identification.sigma_damper_n_s_m, 1.0, 0, "N s/m"),
+      values("stabilisers", identification.stabiliser_n_m, identification.sigma_stabiliser_n_m, 1e3, 1,
+             "kN/m")};
 }
 
 std::string node_line(const Heartbeat& heartbeat, std::optional<double> memory_left_s) {

@@ -21,7 +21,17 @@ std::vector<std::string> advice_lines(const Balance& balance, const Compensation
 
 /// "from 48 s of driving; tyres 214 ± 2 209 ± 2 221 ± 3 206 ± 2 kN/m", and who does not fit the model; or why
 /// not.
-std::string identification_line(const Identification& identification);
+/// @param missing  why the drive does not determine it, or who says so; used if it does not
+std::string identification_line(const Identification& identification,
+                                const std::string& missing = "rb identify says what is missing");
+
+/// "springs 30.1 ± 0.1 ... kN/m; dampers 1440 ± 4 ... N s/m" by wheel and "stabilisers 12.0 ± 0.2 ... kN/m";
+/// none if they are not known.
+std::vector<std::string> suspension_lines(const Identification& identification);
+
+/// A standard deviation as it is shown beside a value: no less than one of the value's last digits, for none
+/// is exact.  NaN stays NaN.
+double shown_sigma(double sigma, double last_digit);
 
 /// "node 1: 12000 samples taken, 0 missing, 3 blocks repaired, memory 2 % full, lasts 640 s, obeys recorder
 /// 1763741000000"; its disk is spoken of if it is used or refuses.

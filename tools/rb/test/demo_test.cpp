@@ -97,9 +97,9 @@ TEST_F(DemoTest, RecordsEverySampleAndTheRecordingSaysWhatTheLiveRunSaid) {
   ASSERT_EQ(demo["wheels"].size(), 4U);
   for (const Json& wheel : demo["wheels"])
     EXPECT_EQ(keys(wheel), (std::set<std::string>{"name", "unbalance_g", "angle_deg", "sigma_g", "sigma_deg",
-                                                  "tyre_stiffness_n_m", "force_n", "sigma_force_n",
-                                                  "sigma_tyre_stiffness_n_m", "truth_g", "truth_deg",
-                                                  "truth_tyre_stiffness_n_m"}));
+                                                  "covariance_g2", "force_state", "tyre_stiffness_n_m",
+                                                  "force_n", "sigma_force_n", "sigma_tyre_stiffness_n_m",
+                                                  "truth_g", "truth_deg", "truth_tyre_stiffness_n_m"}));
   ASSERT_EQ(demo["nodes"].size(), 2U);
   for (const Json& node : demo["nodes"]) {
     EXPECT_EQ(keys(node),

@@ -9,12 +9,14 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <string>
+#include <tuple>
 
 #include "common/record/record.hpp"
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
 #include "firmware/seal_all.hpp"
 #include "sim/front_end.hpp"
+#include "sim/truth.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/test/run_rb.hpp"
 
@@ -53,6 +55,21 @@ std::complex<double> added_g(const Json& steps) {
                         step["from_deg"].get<double>() * kDegree);
   }
   return sum;
+}
+
+/// Within four of their standard deviations of the car that was driven, and those no wider than 5 %.
+void expect_suspension(const Json& told) {
+  const ParameterVector truth = sim::truth_of("", 4, car()).car.parameters;
+  for (const auto& [name, first, count] : {std::tuple{"spring_n_m", +kSpring, +kWheels},
+                                           {"damper_n_s_m", +kDamper, +kWheels},
+                                           {"stabiliser_n_m", +kStabiliser, +kAxles}}) {
+    ASSERT_EQ(told[name].size(), static_cast<std::size_t>(count)) << name;
+    for (int i = 0; i < count; ++i) {
+      const Json& one = told[name][static_cast<std::size_t>(i)];
+      EXPECT_NEAR(one["value"].get<double>(), truth(first + i), 4.0 * one["sigma"].get<double>()) << name;
+      EXPECT_LT(one["sigma"].get<double>(), 0.05 * truth(first + i)) << name;
+    }
+  }
 }
 
 class IdentifyWeights : public testing::Test {
@@ -106,6 +123,11 @@ TEST_F(IdentifyWeights, TellsStepsOfTheStockThatLeaveWhatItSays) {
     EXPECT_LT(compensation["residual_g"].get<double>(), std::abs(left) + 3.0);
     EXPECT_EQ(compensation["within_shop"], compensation["residual_g"].get<double>() <= 2.0);
   }
+  expect_suspension(told["suspension"]);
+  EXPECT_GT(told["condition"].get<double>(), 1.0);
+  EXPECT_EQ(told["misfit"].size(), 1U + kWheels);
+  EXPECT_EQ(told["mass_share"].size(), 1U + kWheels);
+  EXPECT_EQ(told["wheels"][0]["force_state"], "not_separable");
   const auto& front_left = told["compensation"][0]["steps"];
   EXPECT_TRUE(std::ranges::any_of(front_left, [](const Json& step) { return step["action"] != "add"; }))
       << "the fitted weight is spoken of";
@@ -119,6 +141,7 @@ TEST_F(IdentifyWeights, TellsStepsOfTheStockThatLeaveWhatItSays) {
 
   const test::Outcome read = identify({});
   EXPECT_NE(read.output.find(" on 160 mm"), std::string::npos) << read.output;
+  EXPECT_NE(read.output.find("\n  springs "), std::string::npos) << read.output;
   EXPECT_NE(read.output.find("what a shop leaves (2 g)"), std::string::npos);
   EXPECT_NE(read.output.find("least vertical vibration at driver"), std::string::npos);
 }

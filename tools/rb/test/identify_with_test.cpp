@@ -115,6 +115,10 @@ TEST_F(IdentifyWith, RefusesWhatNeedsARoadAndFindsWithoutOneWhatDoesNot) {
                 1.0, 0.02)
         << w;
   EXPECT_FALSE(told_.contains("wheels"));
+  ASSERT_EQ(identify("chassis", false), kDone);
+  EXPECT_NE(output_.find(" N s/m\nstabilisers "), std::string::npos) << output_;
+  EXPECT_EQ(output_.find("± 0 "), std::string::npos) << output_;
+  EXPECT_EQ(output_.find("± 0.0 "), std::string::npos) << output_;
   ASSERT_EQ(identify("harmonic", false), kDone);
   EXPECT_NE(output_.find("front_left    tyre "), std::string::npos) << output_;
 }

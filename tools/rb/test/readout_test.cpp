@@ -48,26 +48,6 @@ TEST(BalanceLine, SaysWhyItIsNotKnown) {
   EXPECT_TRUE(advice_lines(balance, {}).empty());
 }
 
-TEST(IdentificationLine, SaysHowFarItIsFromAnEstimate) {
-  Identification identification;
-  EXPECT_EQ(identification_line(identification),
-            "suspension: not known: not enough driving at a steady speed yet");
-  identification.sections = 4;
-  identification.seconds_used = 40.0;
-  EXPECT_EQ(identification_line(identification),
-            "suspension: not known: 40 s of steady driving so far, 60 needed");
-}
-
-TEST(IdentificationLine, ClaimsNoTyreExactly) {
-  Identification identification;
-  identification.state = Unknown::kNone;
-  identification.seconds_used = 3600.0;
-  identification.tyre_n_m.fill(200'000.0);
-  identification.sigma_tyre_n_m = {100.0, 1'000.0, 2'600.0, 400.0};
-  EXPECT_EQ(identification_line(identification),
-            "from 3600 s of driving; tyres 200 ± 1 200 ± 1 200 ± 3 200 ± 1 kN/m");
-}
-
 TEST(NodeLine, SaysWhatANodeCounts) {
   Heartbeat beat;
   beat.node = 2;
