@@ -35,7 +35,9 @@ class Bar {
     this.rms.style.transform = `scaleY(${height(rms).toFixed(3)})`;
     const peak = height(car.peaks.get(`${this.node}.${this.channel}`)?.value ?? 0);
     this.peak.style.transform = `translateY(${(-kTrackPixels * peak).toFixed(1)}px)`;
-    if (withNumbers) setText(this.number, over ? "OVER" : dead ? "dead" : rms.toPrecision(2));
+    // Numbers that change with every frame cannot be read; words are worth an instant.
+    if (withNumbers || over || dead || this.number.textContent === "")
+      setText(this.number, over ? "OVER" : dead ? "dead" : rms.toPrecision(2));
   }
 }
 

@@ -53,6 +53,13 @@ test("shows live data within 10 s, at 10 updates a second or more", async (t) =>
   assert.ok(rate <= 23, `${rate.toFixed(1)} updates a second`);  // 20 frames, and twice a second without one
 });
 
+test("no bar is ever without its number", async (t) => {
+  const page = await open(t, "known");
+  const numbers = await page.locator(".bar .value").allTextContents();
+  assert.equal(numbers.length, 24);
+  assert.ok(numbers.every((number) => number !== ""), numbers.join(" "));
+});
+
 test("says in one word whether everything is recorded", async (t) => {
   const page = await open(t, "known");
   assert.equal(await text(page, "#state"), "RECORDING 01:23:45");
