@@ -2,14 +2,18 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
 #include "common/bus/other_wire.hpp"
 
 namespace roadbalance {
 namespace {
 
 Compensation message() {
-  Compensation sent{
-      .wheel = 3, .time_ns = 123, .advice = Advice::kSteps, .radii = 2};
+  Compensation sent{.wheel = 3, .time_ns = 123, .advice = Advice::kSteps, .radii = 2};
   sent.plan.step = {{WeightAction::kMove, {20.0, 0.5, 0.19}, {20.0, 1.5, 0.16}},
                     {WeightAction::kAdd, {5.0, 2.5, 0.19}, {}}};
   sent.plan.applied_g_m = {1.25, -2.5};
@@ -51,15 +55,54 @@ TEST(Compensation, ComesBackAsItWasSent) {
 }
 
 TEST(Compensation, RefusesWhatCannotBe) {
-  Compensation sent = message();
-  sent.wheel = kMostWeightSteps;
-  EXPECT_FALSE(decode_compensation(encode(sent)));
-  sent = message();
-  sent.advice = static_cast<Advice>(4);
-  EXPECT_FALSE(decode_compensation(encode(sent)));
-  sent = message();
-  sent.plan.step[1].action = static_cast<WeightAction>(-1);
-  EXPECT_FALSE(decode_compensation(encode(sent)));
+  const auto taken = [](auto spoil) {
+    Compensation sent = message();
+    spoil(sent);
+    return decode_compensation(encode(sent)).has_value();
+  };
+  for (const std::int32_t wheel : {-1, 4, 5})
+    EXPECT_FALSE(taken([&](Compensation& sent) { sent.wheel = wheel; })) << wheel;
+  for (const std::int32_t advice : {-1, 4})
+    EXPECT_FALSE(taken([&](Compensation& sent) { sent.advice = static_cast<Advice>(advice); })) << advice;
+  for (const std::int32_t action : {-1, 4})
+    EXPECT_FALSE(taken([&](Compensation& sent) {
+      sent.plan.step[1].action = static_cast<WeightAction>(action);
+    })) << action;
+  for (const std::int32_t wheel : {0, 3})
+    EXPECT_TRUE(taken([&](Compensation& sent) { sent.wheel = wheel; })) << wheel;
+}
+
+/// Where a number stands in the encoded message: the one place in which two messages differ.
+std::size_t place_of(const Compensation& one, const Compensation& other) {
+  const auto a = encode(one), b = encode(other);
+  for (std::size_t k = 0; k + 4 <= a.size(); k += 4)
+    if (!std::equal(a.begin() + static_cast<std::ptrdiff_t>(k),
+                    a.begin() + static_cast<std::ptrdiff_t>(k + 4),
+                    b.begin() + static_cast<std::ptrdiff_t>(k)))
+      return k;
+  return a.size();
+}
+
+/// Network order, as LCM writes it.
+void put(std::vector<std::uint8_t>& bytes, std::size_t at, std::int32_t value) {
+  for (std::size_t k = 0; k < 4; ++k)
+    bytes.at(at + k) = static_cast<std::uint8_t>(static_cast<std::uint32_t>(value) >> (24 - 8 * k));
+}
+
+TEST(Compensation, RefusesCountsBeyondItsRoom) {
+  Compensation empty = message(), longer = message();
+  empty.plan.step.clear();
+  longer.verdict.incurable += "!";
+  const std::size_t steps = place_of(message(), empty), size = place_of(message(), longer);
+  for (const auto& [at, most] : {std::pair{steps, 10}, {size, 240}}) {
+    auto bytes = encode(message());
+    put(bytes, at, most);
+    EXPECT_TRUE(decode_compensation(bytes)) << at;
+    for (const std::int32_t beyond : {most + 1, -1, INT32_MIN, INT32_MAX}) {
+      put(bytes, at, beyond);
+      EXPECT_FALSE(decode_compensation(bytes)) << at << " " << beyond;
+    }
+  }
 }
 
 TEST(Compensation, OfAnotherVersionIsNoticed) {
