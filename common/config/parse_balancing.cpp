@@ -11,6 +11,7 @@ namespace {
 constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 constexpr Range kRadius_m{0.02, 2};
 constexpr double kMostSteps = 100.0;  ///< of mass: plans try them all
+constexpr int kMostChoices = 200;     ///< radii times masses: plans try all pairs, every second of a drive
 
 WheelWeight parse_weight(Section section, const WheelConfig& wheel) {
   WheelWeight weight;
@@ -54,6 +55,12 @@ void parse_places(Section& section, const WeightStock& stock, WheelConfig& wheel
   for (const double radius_m : wheel.stock.radius_m)
     if (radius_m >= wheel.rolling_radius_m)
       section.fail("weight_radii_m", "must be less than rolling_radius_m");
+  const double masses = std::floor(stock.heaviest_g / stock.step_g + 1e-9);
+  if (const double choices = masses * static_cast<double>(wheel.stock.radius_m.size());
+      choices > kMostChoices)
+    section.fail("weight_radii_m", "with " + std::to_string(static_cast<int>(masses)) +
+                                       " masses on each radius; allowed: at most " +
+                                       std::to_string(kMostChoices) + " choices");
   for (Section& weight : section.sections("weight"))
     wheel.fitted.push_back(parse_weight(std::move(weight), wheel));
   if (wheel.fitted.size() > kMostFittedWeights)

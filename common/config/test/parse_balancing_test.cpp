@@ -91,6 +91,10 @@ TEST(Balancing, NamesTheKeyThatCannotBe) {
           "weight_radii_m: must be less than rolling_radius_m");
   refuses(with_wheel("weight_radii_m = [0.1, 0.12, 0.14, 0.16, 0.18]\n"), "weight_radii_m",
           "weight_radii_m: has 5 radii; allowed: at most 4");
+  const std::string three = with_wheel("weight_radii_m = [0.1, 0.12, 0.14]\n") + "\n[weights]\nstep_g = 1\n";
+  refuses(three + "heaviest_g = 67\n", "weight_radii_m",
+          "weight_radii_m: with 67 masses on each radius; allowed: at most 200 choices");
+  EXPECT_EQ(test::refusal(three + "heaviest_g = 66\n"), "accepted");
   refuses(with_wheel("", "[[wheel.weight]]\nmass_g = 20\n"), "[[wheel.weight]]", "angle_deg: missing");
   refuses(with_wheel("", "[[wheel.weight]]\nmass_g = 20\nangle_deg = 0\nradius_m = 0.3\n"),
           "\nradius_m = 0.3", "radius_m: must be less than rolling_radius_m");
