@@ -25,7 +25,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
           require(vehicle.wheel_named(wheel->name) == wheel, "an encoder is on one of the wheels");
     }
     for (const WheelConfig& wheel : vehicle.wheel) {
-      const auto steps = plan_weights({3.0, 4.0}, wheel.stock, wheel.fitted).step.size();
+      const auto steps = plan_weights({3.0, 4.0}, 0.1, wheel.stock, wheel.fitted).step.size();
       require(steps <= kMostWeightSteps, "every stock of weights makes a plan that a message holds");
     }
   } catch (const ConfigError& error) {

@@ -16,9 +16,4 @@ namespace roadbalance {
 /// @throws std::invalid_argument if its stock of weights is none (plan_weights)
 Compensation compensate(const Balance& balance, const WheelConfig& wheel, const BalanceLimits& limits);
 
-/// True if the unbalance could as well be none: it lies inside its own 95 % ellipse.  Then a weight is as
-/// likely to do harm as good.
-/// @param balance  state kNone
-bool within_own_uncertainty(const Balance& balance);
-
 }  // namespace roadbalance

@@ -52,6 +52,22 @@ Complex best_weight(const std::vector<Feeling>& felt, std::size_t wheel) {
   return found ? found->correction_kg_m(0) : 0.0;
 }
 
+/// Its standard deviation by that of the forces, kg m.  Minus the best weight is
+/// sum k |H|^2 Om^2 a / sum k |H|^2 Om^4; the seats share the force of a speed, a, speeds do not.
+double best_weight_deviation(const std::vector<Feeling>& felt, const DriveForces& drive, std::size_t wheel) {
+  std::vector<double> gain(drive.speed.size(), 0.0);
+  double all = 0.0, variance = 0.0;
+  for (const Feeling& f : felt)
+    if (f.wheel == wheel) {
+      const double share = f.weight * std::norm(f.per_force) * f.omega * f.omega;
+      gain[f.speed] += share;
+      all += share * f.omega * f.omega;
+    }
+  for (std::size_t s = 0; s < gain.size(); ++s)
+    variance += gain[s] * gain[s] * 2.0 * drive.speed[s].wheel[wheel].variance_n2;
+  return all > 0.0 ? std::sqrt(variance) / all : 0.0;
+}
+
 /// Of one speed, or of all: -1.
 double rms(const std::vector<Feeling>& felt, int speed, const Weights& weights, double all_weights) {
   double sum = 0.0;
@@ -90,7 +106,8 @@ OverallPlan plan_overall(const DriveForces& drive, const VehicleConfig& vehicle,
       const WheelConfig& config = vehicle.wheel[w];
       wheel.best = {std::abs(best[w]) / (kKilogram * config.weight_radius_m), std::arg(best[w]),
                     config.weight_radius_m};
-      wheel.plan = plan_weights(-best[w] / kKilogram, config.stock, config.fitted);
+      wheel.plan = plan_weights(-best[w] / kKilogram, best_weight_deviation(felt, drive, w) / kKilogram,
+                                config.stock, config.fitted);
     }
     each[w] = kKilogram * by_wheel[w].plan.applied_g_m;
     bought[w] = kKilogram * wheel.plan.applied_g_m;

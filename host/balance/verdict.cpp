@@ -1,5 +1,6 @@
 #include "host/balance/verdict.hpp"
 
+#include <Eigen/Cholesky>
 #include <cmath>
 #include <complex>
 #include <cstdio>
@@ -24,6 +25,7 @@ double mean_square(Complex unbalance_kg_m, Complex force_n, double least_rad_s, 
 
 std::string incurable(const Balance& balance, const BalanceVerdict& verdict, const BalanceLimits& limits) {
   char text[kMostReasonBytes + 1] = "";
+  const bool perhaps_none = within_own_uncertainty(balance);
   if (balance.force_state == ForceState::kSeparated &&
       balance.force_n - 2.0 * balance.sigma_force_n > limits.force_n)
     std::snprintf(
@@ -31,23 +33,30 @@ std::string incurable(const Balance& balance, const BalanceVerdict& verdict, con
         "a force of %.0f ± %.0f N that does not grow with speed² turns with the wheel: match-mount or "
         "replace the tyre, look for a bent rim",
         balance.force_n, balance.sigma_force_n);
-  else if (balance.force_state == ForceState::kSeparated && verdict.force_left_share > 0.5 &&
+  else if (!perhaps_none && balance.force_state == ForceState::kSeparated && verdict.force_left_share > 0.5 &&
            balance.force_n > 3.0 * balance.sigma_force_n)
     std::snprintf(
         text, sizeof text,
         "force that does not grow with speed² (%.0f ± %.0f N) dominates: weights leave %.0f %% of what "
         "turns with the wheel; match-mount or replace the tyre",
         balance.force_n, balance.sigma_force_n, 100.0 * verdict.force_left_share);
-  else if (balance.unbalance_g > limits.heaviest_g)
-    std::snprintf(
-        text, sizeof text,
-        "%.0f g is more than the %.0f g that a sound wheel needs: clean it, look for a lost weight or a "
-        "bent rim, turn the tyre on the rim",
-        balance.unbalance_g, limits.heaviest_g);
+  else if (!perhaps_none && balance.unbalance_g - 2.0 * balance.sigma_g > limits.heaviest_g)
+    std::snprintf(text, sizeof text,
+                  "%.0f ± %.0f g is more than the %.0f g that a sound wheel needs: clean it, look for a lost "
+                  "weight or a "
+                  "bent rim, turn the tyre on the rim",
+                  balance.unbalance_g, balance.sigma_g, limits.heaviest_g);
   return text;
 }
 
 }  // namespace
+
+bool within_own_uncertainty(const Balance& balance) {
+  constexpr double kChiSquared95 = 5.991464547107979;  // two degrees of freedom: -2 ln 0.05
+  const Eigen::Vector2d unbalance_g =
+      balance.unbalance_g * Eigen::Vector2d(std::cos(balance.angle_rad), std::sin(balance.angle_rad));
+  return unbalance_g.dot(balance.covariance_g2.ldlt().solve(unbalance_g)) <= kChiSquared95;
+}
 
 double permissible_unbalance_g_mm(double grade_mm_s, double mass_kg, double turns_per_min) {
   return 60'000.0 / (2.0 * std::numbers::pi) * grade_mm_s * mass_kg / turns_per_min;

@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <numbers>
-#include <random>
 
 namespace roadbalance {
 namespace {
@@ -94,26 +93,6 @@ TEST(Compensate, KnowsTheWeightsOnTheWheel) {
 TEST(Compensate, JudgesByTheLimitsOfTheShop) {
   EXPECT_FALSE(compensate(known(30.0, 0.0), wheel(), {.shop_g = 2.0}).verdict.within_shop());
   EXPECT_NE(compensate(known(30.0, 0.0), wheel(), {.heaviest_g = 25.0}).verdict.incurable, "");
-}
-
-// The definition of the ellipse: of estimates of nothing it holds 95 in 100.
-TEST(WithinOwnUncertainty, HoldsForNinetyFivePercentOfPureNoise) {
-  Eigen::Matrix2d factor;
-  factor << 2.0, 0.0, 1.2, 0.5;
-  Balance balance;
-  balance.covariance_g2 = factor * factor.transpose();
-  std::mt19937 random(2);
-  std::normal_distribution<double> normal;
-  const int runs = 20'000;
-  int within = 0;
-  for (int i = 0; i < runs; ++i) {
-    const Eigen::Vector2d noise = factor * Eigen::Vector2d(normal(random), normal(random));
-    balance.unbalance_g = noise.norm();
-    balance.angle_rad = std::atan2(noise.y(), noise.x());
-    within += within_own_uncertainty(balance);
-  }
-  // Four standard deviations of a binomial proportion.
-  EXPECT_NEAR(static_cast<double>(within) / runs, 0.95, 4.0 * std::sqrt(0.95 * 0.05 / runs));
 }
 
 }  // namespace

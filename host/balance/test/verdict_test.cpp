@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 namespace roadbalance {
 namespace {
@@ -65,8 +66,49 @@ TEST(JudgeBalance, SaysThatWeightsWillNotCureAForce) {
 }
 
 TEST(JudgeBalance, SaysThatASoundWheelNeedsNoSuchWeight) {
-  EXPECT_NE(judge_balance(wheel(80.0), {}, 20.0, 0.30).incurable.find("more than the 60 g"),
+  Balance balance = wheel(80.0);
+  balance.sigma_g = 9.9;
+  EXPECT_NE(judge_balance(balance, {}, 20.0, 0.30).incurable.find("80 ± 10 g is more than the 60 g"),
             std::string::npos);
+  balance.sigma_g = 10.1;
+  EXPECT_EQ(judge_balance(balance, {}, 20.0, 0.30).incurable, "") << "60 g lie within two sigma";
+}
+
+// 2.4 g of standard deviation 1 lie inside their own 95 % ellipse, which reaches to 2.45 g.
+TEST(JudgeBalance, SaysOfAWheelThatMayHaveNoneOnlyThatItsForceIsTooLarge) {
+  Balance balance = wheel(2.4);
+  balance.sigma_g = 1.0;
+  const BalanceLimits limits{.heaviest_g = 0.3};
+  EXPECT_EQ(judge_balance(balance, {}, 20.0, 0.30, limits).incurable, "");
+  balance.force_state = ForceState::kSeparated;
+  balance.force_n = 20.0;
+  balance.sigma_force_n = 1.0;
+  EXPECT_EQ(judge_balance(balance, {}, 20.0, 0.30, limits).incurable, "");
+  balance.force_n = 150.0;
+  EXPECT_NE(judge_balance(balance, {}, 20.0, 0.30, limits).incurable.find("150 ± 1 N"), std::string::npos);
+  balance.unbalance_g = 2.5;
+  balance.force_n = 20.0;
+  EXPECT_NE(judge_balance(balance, {}, 20.0, 0.30, limits).incurable, "");
+}
+
+// The definition of the ellipse: of estimates of nothing it holds 95 in 100.
+TEST(WithinOwnUncertainty, HoldsForNinetyFivePercentOfPureNoise) {
+  Eigen::Matrix2d factor;
+  factor << 2.0, 0.0, 1.2, 0.5;
+  Balance balance;
+  balance.covariance_g2 = factor * factor.transpose();
+  std::mt19937 random(2);
+  std::normal_distribution<double> normal;
+  const int runs = 20'000;
+  int within = 0;
+  for (int i = 0; i < runs; ++i) {
+    const Eigen::Vector2d noise = factor * Eigen::Vector2d(normal(random), normal(random));
+    balance.unbalance_g = noise.norm();
+    balance.angle_rad = std::atan2(noise.y(), noise.x());
+    within += within_own_uncertainty(balance);
+  }
+  // Four standard deviations of a binomial proportion.
+  EXPECT_NEAR(static_cast<double>(within) / runs, 0.95, 4.0 * std::sqrt(0.95 * 0.05 / runs));
 }
 
 }  // namespace
