@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace roadbalance {
 
@@ -40,6 +41,22 @@ nlohmann::ordered_json number_or_null(double value) {
 std::size_t answers_among(const std::vector<double>& values) {
   return static_cast<std::size_t>(
       std::count_if(values.begin(), values.end(), [](double value) { return std::isfinite(value); }));
+}
+
+ShareLimits share_limits(double probability, std::size_t answers) {
+  if (answers == 0) return {0.0, 100.0};
+  const double beyond = 0.5 * std::erfc(4.0 / std::numbers::sqrt2);
+  const double n = static_cast<double>(answers);
+  // How many are still few by chance, if each is right with p.
+  const auto fewest = [&](double p) {
+    double k = 0.0, sum = 0.0;
+    for (;; ++k) {
+      sum += std::exp(std::lgamma(n + 1.0) - std::lgamma(k + 1.0) - std::lgamma(n - k + 1.0) +
+                      k * std::log(p) + (n - k) * std::log1p(-p));
+      if (sum > beyond || k == n) return k;
+    }
+  };
+  return {100.0 * fewest(probability) / n, 100.0 * (n - fewest(1.0 - probability)) / n};
 }
 
 nlohmann::ordered_json acceptance_line(const std::string& text, double value, double least, double most,

@@ -29,6 +29,15 @@ nlohmann::ordered_json number_or_null(double value);
 /// How many of the values are told, that is, finite.
 std::size_t answers_among(const std::vector<double>& values);
 
+/// Percentages between which the share lies of answers of which each is right with a probability: beyond
+/// either limit with no more than that of four standard deviations of a normal distribution, 3.2e-5, by the
+/// binomial one.  0 .. 100 for no answers.
+/// @param probability  0 < p < 1
+struct ShareLimits {
+  double least, most;
+};
+ShareLimits share_limits(double probability, std::size_t answers);
+
 /// A line of acceptance: {"line", "value", "required": [least, most], "answers", "met"}.  No number is never
 /// met, nor is one that rests on no answers.
 /// @param answers  how many the value rests on, by answers_among(); none: it is not made of answers

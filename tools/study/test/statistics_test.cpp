@@ -43,5 +43,17 @@ TEST(Acceptance, OfNothingIsNotMet) {
   EXPECT_EQ(line["answers"], 2);
 }
 
+// One side of four sigma is 3.2e-5.  Of 20 throws of a coin none and 1 are rarer (21 / 2^20 = 2.0e-5), 2 are
+// not (211 / 2^20 = 2.0e-4).
+TEST(ShareLimits, AreThoseOfTheBinomialDistribution) {
+  EXPECT_NEAR(share_limits(0.5, 20).least, 10.0, 1e-9);
+  EXPECT_NEAR(share_limits(0.5, 20).most, 90.0, 1e-9);
+  EXPECT_EQ(share_limits(0.5, 0).most, 100.0);
+  // Many: as the normal distribution has it, to one answer and its skewness.
+  const ShareLimits many = share_limits(0.8, 1'000'000);
+  EXPECT_NEAR(many.least, 80.0 - 400.0 * std::sqrt(0.8 * 0.2 / 1e6), 2e-3);
+  EXPECT_NEAR(many.most, 80.0 + 400.0 * std::sqrt(0.8 * 0.2 / 1e6), 2e-3);
+}
+
 }  // namespace
 }  // namespace roadbalance
