@@ -31,8 +31,9 @@ std::string steps_of(const OverallPlan::Wheel& wheel) {
   return steps.empty() ? "leave it" : steps;
 }
 
+/// Two digits: the forces that this follows from are known to a few percent.
 std::string row(const std::string& what, const SeatVibration& vibration) {
-  return format("  %-14s %8.4f %9.4f %8.4f %8.4f", what.c_str(), vibration.now, vibration.by_wheel,
+  return format("  %-14s %8.2g %9.2g %8.2g %8.2g", what.c_str(), vibration.now, vibration.by_wheel,
                 vibration.overall, vibration.least);
 }
 
