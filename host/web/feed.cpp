@@ -26,6 +26,7 @@ void Feed::take(TopicMessage message, WallTime now) {
 }
 
 void Feed::forget_silent(WallTime now) {
+  shared_ = {};  // ages go on while nothing comes
   std::erase_if(newest_, [&](const auto& entry) {
     return page_messages()[entry.first.kind].is_state && now - entry.second.came > kForget;
   });

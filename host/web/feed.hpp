@@ -27,8 +27,9 @@ struct Frame {
 class Feed {
  public:
   static constexpr std::size_t kMostTopics = 512;
-  /// A state that is not said again for so long is forgotten.
-  static constexpr std::chrono::seconds kForget{10};
+  /// A state that is not said again for so long is forgotten.  Its age is sent with it: a page that is opened
+  /// later still learns of a node or recorder that has fallen silent.
+  static constexpr std::chrono::hours kForget{1};
 
   void take(TopicMessage message, WallTime now);
   void forget_silent(WallTime now);

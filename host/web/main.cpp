@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <fstream>
@@ -43,6 +44,12 @@ std::string read_token(const std::string& path) {
   std::ifstream file(path);
   std::string token;
   if (!(file >> token)) throw std::runtime_error("--token-file " + path + ": cannot be read or is empty");
+  const auto is_sendable = [](char c) {
+    return ('0' <= c && c <= '9') || ('a' <= c && c <= 'z') || ('A' <= c && c <= 'Z') || c == '-' || c == '_';
+  };
+  if (!std::ranges::all_of(token, is_sendable))
+    throw ConfigError("--token-file " + path +
+                      ": the token has a character that a browser cannot send; allowed: A-Z a-z 0-9 - _");
   if (token.size() < kLeastToken)
     throw ConfigError("--token-file " + path + ": the token is shorter than " + std::to_string(kLeastToken) +
                       " characters");

@@ -336,14 +336,16 @@ class Elsewhere(unittest.TestCase):
         self.assertEqual((done.returncode, done.stdout), (2, ""))
         self.assertIn("--token-file", done.stderr)
 
-    def test_a_short_token_is_none(self):
-        with tempfile.NamedTemporaryFile("w") as file:
-            file.write("short\n")
-            file.flush()
-            done = subprocess.run([PROGRAM, "--url", bus_url(), "--port", "0", "--token-file", file.name],
-                                  capture_output=True, text=True, check=False, timeout=PATIENCE_S)
-        self.assertEqual(done.returncode, 2)
-        self.assertIn("shorter than 16", done.stderr)
+    def test_a_token_that_is_short_or_that_no_browser_can_send_is_none(self):
+        for token, fault in (("short", "shorter than 16"), ("c3RhcGxl/battery+horse==", "a browser cannot send")):
+            with tempfile.NamedTemporaryFile("w") as file:
+                file.write(token + "\n")
+                file.flush()
+                done = subprocess.run([PROGRAM, "--url", bus_url(), "--port", "0", "--token-file", file.name],
+                                      capture_output=True, text=True, check=False, timeout=PATIENCE_S)
+                self.assertIn(file.name, done.stderr)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn(fault, done.stderr)
 
     def test_watching_needs_the_token_and_the_program_does_not_repeat_it(self):
         secret = "correct-horse-battery"
@@ -384,11 +386,12 @@ class Sources(unittest.TestCase):
 
 
 class Unit(unittest.TestCase):
-    def test_runs_sandboxed_and_for_this_machine_only(self):
+    def test_asks_systemd_for_a_sandbox_and_hears_nodes_of_private_networks(self):
         lines = pathlib.Path(os.environ["RB_SOURCE"], "host/web/rb-web.service").read_text(encoding="ascii").splitlines()
         for needed in ("DynamicUser=yes", "CapabilityBoundingSet=", "NoNewPrivileges=yes", "ProtectSystem=strict",
                        "ProtectHome=yes", "PrivateDevices=yes", "RestrictAddressFamilies=AF_INET AF_INET6",
-                       "MemoryDenyWriteExecute=yes", "SystemCallFilter=@system-service", "IPAddressDeny=any"):
+                       "MemoryDenyWriteExecute=yes", "SystemCallFilter=@system-service", "IPAddressDeny=any",
+                       "IPAddressAllow=localhost link-local 239.255.76.67 10.0.0.0/8 172.16.0.0/12 192.168.0.0/16"):
             self.assertIn(needed, lines)
         self.assertIn("ExecStart=/usr/local/bin/rb-web", lines)
 

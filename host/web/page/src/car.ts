@@ -15,7 +15,8 @@ export interface Heard<T> {
 export const kSilenceMs = 3000;
 /** So long a peak is held and an overload shown as present. */
 const kHoldMs = 3000;
-const kForgetMs = 60_000;
+/** As rb-web: a node or recorder that is silent is a fault until somebody has had time to see it. */
+const kForgetMs = 3_600_000;
 
 /** Largest value of late, of a channel. */
 interface Peak {

@@ -21,9 +21,9 @@ function sessionToken(): string {
 }
 
 export function connectFeed(events: FeedEvents): void {
-  const token = sessionToken();
-  const protocols = ["roadbalance", ...(token ? [`token.${token}`] : [])];
   const open = () => {
+    const token = sessionToken();  // a person may have put it into the address since the last try
+    const protocols = ["roadbalance", ...(token ? [`token.${token}`] : [])];
     const socket = new WebSocket(`ws://${location.host}/feed`, protocols);
     socket.binaryType = "arraybuffer";
     socket.onopen = () => events.connected(true);

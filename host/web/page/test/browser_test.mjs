@@ -239,7 +239,6 @@ test("asks for the token where others reach the address, and puts it out of sigh
   const says = (words) => page.waitForFunction((wanted) => document.querySelector("header")?.innerText.includes(wanted), words);
   await page.goto(address);
   await says("open its whole address, with #token=");
-  await page.goto("about:blank");
   await page.goto(`${address}#token=correct-horse-battery`);
   await says("RECORDING");
   assert.equal(page.url(), address);
