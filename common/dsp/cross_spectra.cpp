@@ -56,6 +56,12 @@ CrossSpectra::CrossSpectra(const Settings& settings)
                  Lane::Zero());
 }
 
+std::size_t CrossSpectra::bytes(int channels, int segment) {
+  const auto n = static_cast<std::size_t>(channels), samples = static_cast<std::size_t>(segment);
+  const std::size_t bins = samples / 2 + kLane, pairs = n * (n + 1) / 2;
+  return sizeof(double) * (2 * bins * (pairs + kBatch * n) + samples * (n + 4));
+}
+
 void CrossSpectra::add(const Eigen::Ref<const Eigen::MatrixXd>& samples) {
   if (samples.rows() != settings_.channels)
     throw std::invalid_argument("spectra of " + std::to_string(settings_.channels) + " channels got " +

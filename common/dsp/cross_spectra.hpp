@@ -33,6 +33,9 @@ class CrossSpectra {
   /// @throws std::invalid_argument
   explicit CrossSpectra(const Settings& settings);
 
+  /// Memory that such spectra take, about: sums of all pairs, the segments that wait, the one being filled.
+  static std::size_t bytes(int channels, int segment);
+
   /// Takes further samples, without a hole.
   /// @param samples  [channel x sample]
   void add(const Eigen::Ref<const Eigen::MatrixXd>& samples);

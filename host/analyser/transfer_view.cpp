@@ -117,9 +117,8 @@ TransferState TransferView::begin(const Kind& kind) {
   const auto& [channels, segment, window, memory, overlap] = kind;
   if (channels.empty()) return TransferState::kNoChannel;
   if (spectra_.contains(kind)) return TransferState::kTold;
-  const std::size_t pairs = channels.size() * (channels.size() + 1) / 2;
-  const auto bins = static_cast<std::size_t>(segment / 2 + 1);
-  if (spectra_.size() >= kMostSpectra || pairs * bins * 2 * sizeof(double) > kMostBytes)
+  if (spectra_.size() >= kMostSpectra ||
+      CrossSpectra::bytes(static_cast<int>(channels.size()), segment) > kMostBytes)
     return TransferState::kTooMuch;
   std::vector<ChannelPlace> places;
   for (const ChannelId& id : channels) places.push_back(place_.at(id));
@@ -145,6 +144,8 @@ void TransferView::consume(const SealedBlock& block) {
 }
 
 void TransferView::consume(const ClockFit& fit) {
+  const bool ours = std::ranges::any_of(vehicle_.node, [&](const auto& node) { return node.id == fit.node; });
+  if (!ours) return;
   newest_fit_.insert_or_assign(fit.node, fit);
   for (auto& [kind, joint] : spectra_) joint->consume(fit);
 }

@@ -25,7 +25,7 @@ class TransferView {
  public:
   static constexpr std::chrono::seconds kForgotten{3};
   static constexpr std::size_t kMostSpectra = 8, kMostViewers = 32;
-  static constexpr std::size_t kMostBytes = 48U << 20U;  ///< of one JointSpectra's sums
+  static constexpr std::size_t kMostBytes = 48U << 20U;  ///< of one JointSpectra, about
   static constexpr std::size_t kMostShown = 576;         ///< bins; of more, neighbours are averaged
 
   explicit TransferView(const VehicleConfig& vehicle);

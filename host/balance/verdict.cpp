@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <numbers>
 
+#include "host/identify/confidence.hpp"
+
 namespace roadbalance {
 namespace {
 
@@ -52,7 +54,6 @@ std::string incurable(const Balance& balance, const BalanceVerdict& verdict, con
 }  // namespace
 
 bool within_own_uncertainty(const Balance& balance) {
-  constexpr double kChiSquared95 = 5.991464547107979;  // two degrees of freedom: -2 ln 0.05
   const Eigen::Vector2d unbalance_g =
       balance.unbalance_g * Eigen::Vector2d(std::cos(balance.angle_rad), std::sin(balance.angle_rad));
   return unbalance_g.dot(balance.covariance_g2.ldlt().solve(unbalance_g)) <= kChiSquared95;

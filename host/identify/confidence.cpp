@@ -5,7 +5,6 @@
 namespace roadbalance {
 
 double few_groups_factor(double groups) {
-  constexpr double kChiSquared95 = 5.991464547;  // of two
   const double quantile = (groups - 1.0) * (std::pow(0.05, -2.0 / (groups - 2.0)) - 1.0);
   return quantile / kChiSquared95;
 }

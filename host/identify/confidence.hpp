@@ -52,8 +52,12 @@ std::optional<UnknownMatrix> jackknife_covariance(const std::vector<Sum>& groups
   return jackknife_covariance(left_out);
 }
 
-/// By how much a 95 % ellipse with the axes sqrt(5.991 eig C) must be widened, as a variance, because C was
-/// taken from n groups and not from very many: Hotelling's T^2 in place of chi^2, n > 2.
+/// 95 % quantile of chi^2 with two degrees of freedom, -2 ln 0.05: half axes of an ellipse squared, in units
+/// of the eigenvalues of its covariance.
+inline constexpr double kChiSquared95 = 5.991464547107979;
+
+/// By how much a 95 % ellipse with the axes sqrt(kChiSquared95 eig C) must be widened, as a variance, because
+/// C was taken from n groups and not from very many: Hotelling's T^2 in place of chi^2, n > 2.
 ///
 /// Source: H. Hotelling, The generalization of Student's ratio, Ann. Math. Statist. 2 (1931) 360-378.
 double few_groups_factor(double groups);

@@ -28,7 +28,7 @@ ExactDrive::ExactDrive(const Geometry& geometry, const ParameterVector& paramete
   acceleration_rows_.middleCols(kCoordinates, kCoordinates) = -inverse_mass * model.P;
   A_ = Eigen::MatrixXd::Zero(n, n);
   Eigen::MatrixXd B = Eigen::MatrixXd::Zero(n, kWheels);
-  const double w1 = 2.0 * pi * 0.01 * speed_m_s, w2 = 2.0 * pi * 4.0 * speed_m_s;
+  const double w1 = 2.0 * pi * kLeastWave_1_m * speed_m_s, w2 = 2.0 * pi * kPatchWave_1_m * speed_m_s;
   for (int i = 0; i < kWheels; ++i) {  // u = 1/(s + w1) w2/(s + w2) w
     const Eigen::Index shaping = kRoad + 2 * i;
     acceleration_rows_.col(shaping + 1) = inverse_mass * model.S.col(i);
@@ -130,8 +130,7 @@ Eigen::RowVector4d ExactDrive::with_unbalance_force(int signal, int j, double la
 
 std::complex<double> ExactDrive::with_reference(int signal, int j, double lag_s, int wheel) const {
   const double om = omega(wheel);
-  return om * om * 0.5 * std::conj(filter_state(signal, j + 2).phasor(wheel)) *
-         std::polar(1.0, om * lag_s);
+  return om * om * 0.5 * std::conj(filter_state(signal, j + 2).phasor(wheel)) * std::polar(1.0, om * lag_s);
 }
 
 double ExactDrive::power(int signal, int j) const {

@@ -18,12 +18,16 @@ namespace roadbalance {
 /// Gives exact covariances, computed by nothing that the product uses for estimation.
 class ExactDrive {
  public:
+  /// Corners of the roads, in waves a metre: u = 1/(s + w1) w2/(s + w2) w, w = 2 pi V times these; below the
+  /// first a road is flat in its spectrum, above the second the contact patch evens it out.
+  static constexpr double kLeastWave_1_m = 0.01, kPatchWave_1_m = 4.0;
+
   ExactDrive(const Geometry& geometry, const ParameterVector& parameters,
              const std::array<std::complex<double>, kWheels>& unbalance_kg_m, double speed_m_s,
              double rolling_radius_m, double road_gd_m3, const ContinuousFilter& filter, double corner_hz);
 
-  /// Exact averages of relation (2) for instrument j (states j, j+1, j+2) of one coordinate's acceleration, or of
-  /// the cosine or sine of a wheel's angle: rows as in signals.hpp.
+  /// Exact averages of relation (2) for instrument j (states j, j+1, j+2) of one coordinate's acceleration,
+  /// or of the cosine or sine of a wheel's angle: rows as in signals.hpp.
   InstrumentMoments<double> moments(int signal, int j, double lag_s) const;
   /// E[W'' u'] and E[W'' F'] of the same instrument: road heights and unbalance forces of the four wheels.
   Eigen::RowVector4d with_road(int signal, int j, double lag_s) const;

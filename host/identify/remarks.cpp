@@ -4,21 +4,15 @@
 #include <cmath>
 #include <cstdio>
 
+#include "common/text/format.hpp"
 #include "host/identify/first_order.hpp"
 
 namespace roadbalance {
 namespace {
 
 /// A mass that is right seems wrong by so much at the end of one drive in a hundred.  An estimate every
-/// second is no drive of its own: watched all through, one sound drive in six says so at some time.
+/// second is no drive of its own: watched all through, more say so at some time.
 constexpr double kSigmas = 2.5;
-
-template <typename... Values>
-std::string format(const char* pattern, Values... values) {
-  char text[400];
-  std::snprintf(text, sizeof text, pattern, values...);
-  return text;
-}
 
 /// "5 ± 1 % larger"
 std::string share(double value, double sigma) {

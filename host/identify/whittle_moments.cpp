@@ -10,7 +10,6 @@ namespace roadbalance {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double kLineBins = 2.6;  ///< half width of what a line takes: the Hann window's main lobe and a bit
 /// Hann segments this share of their length apart use 99.9 % of what a record holds; half apart, 95 %.
 constexpr double kHop = 0.375;
 /// Independent bins in a bin of one Hann segment: one over the sum of the squared correlations of bins.
@@ -60,7 +59,7 @@ WhittleMoments WhittleGatherer::moments(const Eigen::Ref<const SignalMatrix>& si
   for (std::size_t k = 0; k < bins; ++k)
     for (int i = 0; i < kWheels; ++i) {
       const double bins_away = (sum.omega(static_cast<Eigen::Index>(k)) - omega(i)) / (kTurn * sum.step_hz);
-      if (omega(i) > 0.0 && std::abs(bins_away) < kLineBins) masked_[k] = true;
+      if (omega(i) > 0.0 && std::abs(bins_away) < kWhittleLineBins) masked_[k] = true;
     }
   const auto room = static_cast<double>(signals.cols() - size);
   const double hops = std::ceil(room / (kHop * static_cast<double>(size)));

@@ -16,6 +16,7 @@
 #include "host/orders/same_rotor.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/defects.hpp"
+#include "tools/rb/degrees.hpp"
 #include "tools/rb/orders_json.hpp"
 #include "tools/rb/weighted_drive.hpp"
 
@@ -30,10 +31,6 @@ struct BalanceOptions {
   std::optional<std::string> channel;
   bool json = false;
 };
-
-double degrees(double radians) {
-  return radians * 180.0 / std::numbers::pi;
-}
 
 /// Of a recording that has the rotor.
 VehicleConfig vehicle_of_record(const std::string& folder, const std::string& name) {

@@ -2,14 +2,12 @@
 
 #include <numbers>
 
+#include "tools/rb/degrees.hpp"
+
 namespace roadbalance {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-double degrees(double radians) {
-  return radians * 180.0 / std::numbers::pi;
-}
 
 const char* name_of(WeightAction action) {
   switch (action) {

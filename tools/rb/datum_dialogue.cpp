@@ -4,19 +4,13 @@
 #include <cstdio>
 #include <numbers>
 
+#include "common/text/format.hpp"
 #include "tools/rb/wheel_angle.hpp"
 
 namespace roadbalance {
 namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
-
-template <typename... Values>
-std::string format(const char* pattern, Values... values) {
-  char buffer[400];
-  std::snprintf(buffer, sizeof buffer, pattern, values...);
-  return buffer;
-}
 
 }  // namespace
 

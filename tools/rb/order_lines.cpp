@@ -5,15 +5,12 @@
 #include <numbers>
 
 #include "common/config/vehicle_config.hpp"
+#include "tools/rb/degrees.hpp"
 
 namespace roadbalance {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-double degrees(double radians) {
-  return radians * 180.0 / std::numbers::pi;
-}
 
 const char* wheel_name(const OrderReport& report) {
   return kWheelNames[static_cast<std::size_t>(report.wheel)];

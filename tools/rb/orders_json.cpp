@@ -8,6 +8,7 @@
 
 #include "host/orders/angle_doubt.hpp"
 #include "host/orders/order_peaks.hpp"
+#include "tools/rb/degrees.hpp"
 
 namespace roadbalance {
 namespace {
@@ -16,10 +17,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostPeaks = 8;
 constexpr double kNinetyFivePercent = 1.96;  // of a normal distribution
-
-double degrees(double radians) {
-  return radians * 180.0 / std::numbers::pi;
-}
 
 /// The highest line about an order: a rolling radius is known to a few per cent.
 Json highest_about(const OrderSpectrum& spectrum, double order) {

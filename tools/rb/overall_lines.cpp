@@ -1,27 +1,22 @@
 #include "tools/rb/overall_lines.hpp"
 
-#include <cstdio>
+#include <cmath>
 #include <numbers>
 
+#include "common/text/format.hpp"
+#include "host/balance/weight_choice.hpp"
 #include "host/balance/weight_plan.hpp"
 #include "tools/rb/compensation_json.hpp"
+#include "tools/rb/degrees.hpp"
 
 namespace roadbalance {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-template <typename... Values>
-std::string format(const char* pattern, Values... values) {
-  char text[200];
-  std::snprintf(text, sizeof text, pattern, values...);
-  return text;
-}
-
-/// 0 .. 360
-double degrees(double angle_rad) {
-  const double found = angle_rad * 180.0 / std::numbers::pi;
-  return found < 0.0 ? found + 360.0 : found;
+/// 0 .. 359
+double degrees_of_turn(double angle_rad) {
+  return std::fmod(std::round(degrees(wrap_turn(angle_rad))), 360.0);
 }
 
 std::string steps_of(const OverallPlan::Wheel& wheel) {
@@ -53,7 +48,8 @@ std::vector<std::string> overall_lines(const OverallPlan& plan) {
   for (std::size_t w = 0; w < kWheels; ++w) {
     const WheelWeight& best = plan.wheel[w].best;
     std::string line = format("  %-12s ", kWheelNames[w]) + steps_of(plan.wheel[w]);
-    if (best.mass_g > 0.0) line += format("  (best %.1f g at %.0f°)", best.mass_g, degrees(best.angle_rad));
+    if (best.mass_g > 0.0)
+      line += format("  (best %.1f g at %.0f°)", best.mass_g, degrees_of_turn(best.angle_rad));
     lines.push_back(line);
   }
   lines.emplace_back("  what turns with the wheels there, m/s² rms, predicted by the identified car:");
@@ -74,7 +70,7 @@ Json overall_json(const OverallPlan& plan) {
     const WheelWeight& best = plan.wheel[w].best;
     wheels.push_back({{"name", kWheelNames[w]},
                       {"best_g", best.mass_g},
-                      {"best_deg", degrees(best.angle_rad)},
+                      {"best_deg", degrees_of_turn(best.angle_rad)},
                       {"steps", steps_json(plan.wheel[w].plan)}});
   }
   for (const OverallPlan::Speed& speed : plan.speed) {

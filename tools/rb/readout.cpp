@@ -8,19 +8,13 @@
 #include <cstdio>
 #include <numbers>
 
+#include "common/text/format.hpp"
 #include "host/balance/weight_plan.hpp"
 #include "host/identify/drive_estimator.hpp"
 #include "host/identify/remarks.hpp"
 
 namespace roadbalance {
 namespace {
-
-template <typename... Values>
-std::string format(const char* pattern, Values... values) {
-  char buffer[256];
-  std::snprintf(buffer, sizeof buffer, pattern, values...);
-  return buffer;
-}
 
 /// Whole degrees 0 .. 359.
 int degrees(double angle_rad) {

@@ -57,7 +57,8 @@ ExactDrive EndlessDrive::at(double speed_m_s, const Instrument& instrument,
 WhittleMoments EndlessDrive::spectra(const ExactDrive& drive, double speed_m_s) const {
   const LinearModel model = linear_model(geometry_, nominal_parameters(vehicle_));
   const double turn = 2.0 * std::numbers::pi;
-  const double least = turn * 0.01 * speed_m_s, patch = turn * 4.0 * speed_m_s;  // ExactDrive's road
+  const double least = turn * ExactDrive::kLeastWave_1_m * speed_m_s;
+  const double patch = turn * ExactDrive::kPatchWave_1_m * speed_m_s;
   WhittleMoments sum;
   sum.step_hz = 1.0 / kWhittleSegment_s;
   sum.first = std::lround(kWhittleFrom_hz / sum.step_hz);
@@ -74,7 +75,7 @@ WhittleMoments EndlessDrive::spectra(const ExactDrive& drive, double speed_m_s) 
         -om * om * (model.S.cast<Complex>() + Complex(0.0, om) * model.Sd.cast<Complex>()));
     const double density = 1.0 / ((om * om + least * least) * (1.0 + om * om / (patch * patch)));
     for (int i = 0; i < kWheels; ++i)  // no line is in the spectrum here, but its bins do not count there
-      if (std::abs(om - drive.omega(i)) < 2.6 * turn * sum.step_hz) sum.count(k) = 0.0;
+      if (std::abs(om - drive.omega(i)) < kWhittleLineBins * turn * sum.step_hz) sum.count(k) = 0.0;
     sum.same.emplace_back(sum.count(k) * density * Z * Z.adjoint());
     sum.delayed.emplace_back(std::polar(1.0, -om * sum.delay_seconds) * sum.same.back());
   }

@@ -276,6 +276,12 @@ TEST(TransferFunction, AHammeredStructureRingsWhereItsMeasurersFoundIt) {
   EXPECT_NEAR(band[1450], 0.9993, 1e-4);
 }
 
+TEST(CrossSpectra, TellsNoLessThanTheMemoryOfItsSumsAndWaitingSegments) {
+  // Complex numbers of 16 bytes: 24 channels have 300 pairs, and eight segments of each wait.
+  EXPECT_GE(CrossSpectra::bytes(24, 4096), 16U * 2049U * (300U + 8U * 24U));
+  EXPECT_LE(CrossSpectra::bytes(24, 4096), 16U * 2049U * (300U + 8U * 24U) * 11U / 10U);
+}
+
 TEST(CrossSpectra, RefusesWhatMakesNoSense) {
   const WelchPsd::Settings good{.rate_hz = 1.0, .segment = 8};
   EXPECT_THROW(CrossSpectra({.welch = good, .channels = 0}), std::invalid_argument);
