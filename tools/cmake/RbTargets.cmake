@@ -7,8 +7,9 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 
 find_program(RB_CCACHE ccache)
 if(RB_CCACHE)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${RB_CCACHE})
-  set(CMAKE_C_COMPILER_LAUNCHER ${RB_CCACHE})
+  # Paths below the source tree are looked up as relative ones, so that another clone finds what this one compiled.
+  set(CMAKE_CXX_COMPILER_LAUNCHER env CCACHE_BASEDIR=${CMAKE_SOURCE_DIR} ${RB_CCACHE})
+  set(CMAKE_C_COMPILER_LAUNCHER ${CMAKE_CXX_COMPILER_LAUNCHER})
 endif()
 
 set(RB_SANITIZE "" CACHE STRING "Sanitizers to build with, e.g. address,undefined")
