@@ -1,6 +1,7 @@
 // Balance: four wheels, what is on them and what to do.
 import type {Car} from "./car";
 import {el, setAttributes, setLines, setText} from "./dom";
+import type {View} from "./view";
 import {fullScale, WheelDrawing} from "./wheel_drawing";
 import {kWheelNames} from "./wheel_place";
 import {Unknown, type Balance, type Compensation} from "./wire";
@@ -37,13 +38,18 @@ class WheelCard {
   }
 }
 
-export class WheelView {
+export class WheelView implements View {
+  readonly id = "balance";
+  readonly title = "Balance";
+  readonly key = "B";
+  readonly does = "balance of the wheels";
+  readonly withLevels = true;
   readonly element: HTMLElement;
   private readonly cards = kWheelNames.map((name, wheel) => new WheelCard(wheel, name));
   private readonly basis = el("small");
 
   constructor(private readonly car: Car) {
-    this.element = el("section", {class: "balance", id: "balance"}, [
+    this.element = el("section", {class: "balance"}, [
       el("h2", {}, ["Balance ", this.basis]),
       el("div", {class: "cards"}, this.cards.map(({element}) => element)),
       el("p", {class: "legend"}, [
@@ -52,8 +58,7 @@ export class WheelView {
         el("span", {class: "key vector-key"}, ["― unbalance and where it is with 95 %"])])]);
   }
 
-  /** Keys 1 to 4. */
-  show(wheel: number): void {
+  focus(wheel: number): void {
     const card = this.cards[wheel]?.element;
     card?.focus();
     card?.scrollIntoView({block: "nearest"});

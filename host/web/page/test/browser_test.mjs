@@ -147,14 +147,35 @@ test("is worked by the keyboard alone, with its focus in sight", async (t) => {
   await picture(page, "help");
   await page.keyboard.press("Escape");
   assert.equal(await page.locator("#help").isVisible(), false);
+  // Arrows go from tab to tab, and round.
+  await page.locator("#tab-balance").focus();
+  const tabs = await page.locator("[role=tab]").count();
+  for (let k = 0; k < tabs; ++k) {
+    await page.keyboard.press("ArrowRight");
+    assert.equal(await page.locator("[role=tab][aria-selected=true]").count(), 1);
+    const id = await page.evaluate(() => document.activeElement.getAttribute("aria-controls"));
+    assert.equal(await page.locator(`#${id}`).isVisible(), true);
+    assert.equal(await page.locator("[role=tabpanel]:visible").count(), 1);
+  }
+  assert.equal(await page.evaluate(() => document.activeElement.id), "tab-balance");
   // Everything that can be pressed can be reached.
   const reached = new Set();
   for (let k = 0; k < 20; ++k) {
     await page.keyboard.press("Tab");
     reached.add(await page.evaluate(() => document.activeElement.id || document.activeElement.textContent));
   }
-  for (const id of ["lamp-LOSS", "lamp-SYNC", "lamp-OVERLOAD", "lamp-ENCODER", "Help (?)", "Day/night (N)"])
+  for (const id of ["lamp-LOSS", "lamp-SYNC", "lamp-OVERLOAD", "lamp-ENCODER", "tab-balance", "Day/night (N)"])
     assert.ok(reached.has(id), `${id} among ${[...reached]}`);
+});
+
+test("shows the same view after a reload", async (t) => {
+  const page = await open(t, "known");
+  await page.keyboard.press("?");
+  await page.reload();
+  await page.waitForFunction(() => document.querySelector("#help")?.checkVisibility());
+  assert.equal(await page.locator("#balance").isVisible(), false);
+  await page.keyboard.press("b");
+  assert.equal(await page.locator("#balance").isVisible(), true);
 });
 
 test("keeps the theme that was chosen, without a flash", async (t) => {
