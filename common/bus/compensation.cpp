@@ -50,6 +50,10 @@ std::vector<std::uint8_t> encode(const Compensation& c) {
   m.permissible_grade_mm_s = c.verdict.permissible_grade_mm_s;
   m.grade_mm_s = c.verdict.grade_mm_s;
   m.force_left_share = c.verdict.force_left_share;
+  m.wanted_sigma_g = c.wanted_sigma_g;
+  m.seconds_wanted = c.seconds_wanted;
+  m.seat_now_m_s2 = c.seat_now_m_s2;
+  m.seat_left_m_s2 = c.seat_left_m_s2;
   m.size = static_cast<std::int32_t>(c.verdict.incurable.size());
   std::ranges::copy(c.verdict.incurable, m.incurable);
   return wire_format::encode(m);
@@ -75,6 +79,10 @@ std::optional<Compensation> decode_compensation(std::span<const std::uint8_t> by
                .grade_mm_s = m->grade_mm_s,
                .force_left_share = m->force_left_share,
                .incurable = std::string(m->incurable, m->incurable + m->size)};
+  c.wanted_sigma_g = m->wanted_sigma_g;
+  c.seconds_wanted = m->seconds_wanted;
+  c.seat_now_m_s2 = m->seat_now_m_s2;
+  c.seat_left_m_s2 = m->seat_left_m_s2;
   return c;
 }
 

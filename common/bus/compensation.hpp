@@ -3,6 +3,7 @@
 #include <complex>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -66,6 +67,10 @@ struct Compensation {
   std::int32_t radii = 1;
   WeightPlan plan{};         ///< empty while nothing is known
   BalanceVerdict verdict{};  ///< of it
+  double wanted_sigma_g = 0.0;
+  double seconds_wanted = std::numeric_limits<double>::infinity();
+  double seat_now_m_s2 = std::numeric_limits<double>::quiet_NaN();
+  double seat_left_m_s2 = std::numeric_limits<double>::quiet_NaN();
 };
 
 std::vector<std::uint8_t> encode(const Compensation& message);

@@ -14,15 +14,20 @@
 #include <wire/gap_t.hpp>
 #include <wire/heartbeat_t.hpp>
 #include <wire/identification_t.hpp>
+#include <wire/knock_t.hpp>
 #include <wire/level_t.hpp>
 #include <wire/meta_t.hpp>
 #include <wire/orders_t.hpp>
 #include <wire/recorder_t.hpp>
+#include <wire/recording_t.hpp>
+#include <wire/remark_t.hpp>
 #include <wire/reply_t.hpp>
 #include <wire/scan_block_t.hpp>
+#include <wire/setup_t.hpp>
 #include <wire/signal_block_t.hpp>
 #include <wire/spectrum_t.hpp>
 #include <wire/transfer_t.hpp>
+#include <wire/verification_t.hpp>
 #include <wire/view_t.hpp>
 
 #include "common/bus/wire_format.hpp"
@@ -41,8 +46,8 @@ struct Kind {
   bool has_crc = true;
 };
 
-const std::array<Kind, 21>& kinds() {
-  static const std::array<Kind, 21> all{{
+const std::array<Kind, 26>& kinds() {
+  static const std::array<Kind, 26> all{{
       {"RB_BLOCK_", "_SCAN", wire::scan_block_t::getHash(), Speaker::kNode},
       {"RB_BLOCK_", "_EDGE", wire::edge_block_t::getHash(), Speaker::kNode},
       {"RB_BLOCK_", "_GAP", wire::gap_t::getHash(), Speaker::kNode},
@@ -64,6 +69,11 @@ const std::array<Kind, 21>& kinds() {
       {"RB_TRANSFER", "", wire::transfer_t::getHash(), Speaker::kAnalyser, false, false},
       {"RB_VIEW", "", wire::view_t::getHash(), Speaker::kViewer, false, false},
       {"RB_COMPENSATION", "", wire::compensation_t::getHash(), Speaker::kAnalyser, false, false},
+      {"RB_REMARK", "", wire::remark_t::getHash(), Speaker::kAnalyser, false, false},
+      {"RB_KNOCK", "", wire::knock_t::getHash(), Speaker::kAnalyser, false, false},
+      {"RB_VERIFICATION", "", wire::verification_t::getHash(), Speaker::kAnalyser, false, false},
+      {"RB_SETUP_", "", wire::setup_t::getHash(), Speaker::kNode, true, false},
+      {"RB_RECORDING", "", wire::recording_t::getHash(), Speaker::kRecorder, false, false},
   }};
   return all;
 }

@@ -103,6 +103,8 @@ std::vector<std::uint8_t> encode(const Identification& i) {
   m.seconds_used = i.seconds_used;
   m.sections = i.sections;
   m.state = static_cast<std::int32_t>(i.state);
+  m.seconds_needed = i.seconds_needed;
+  m.least_speed_m_s = i.least_speed_m_s;
   put(i.spring_n_m, m.spring_n_m);
   put(i.sigma_spring_n_m, m.sigma_spring_n_m);
   put(i.damper_n_s_m, m.damper_n_s_m);
@@ -133,6 +135,8 @@ std::optional<Identification> decode_identification(std::span<const std::uint8_t
   i.seconds_used = m->seconds_used;
   i.sections = m->sections;
   i.state = static_cast<Unknown>(m->state);
+  i.seconds_needed = m->seconds_needed;
+  i.least_speed_m_s = m->least_speed_m_s;
   take(m->spring_n_m, i.spring_n_m);
   take(m->sigma_spring_n_m, i.sigma_spring_n_m);
   take(m->damper_n_s_m, i.damper_n_s_m);

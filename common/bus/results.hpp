@@ -57,11 +57,13 @@ struct Identification {
   double seconds_used = 0;
   std::int32_t sections = 0;
   Unknown state = Unknown::kTooShort;
+  double seconds_needed = 0;
+  double least_speed_m_s = 0;
   std::array<double, kWheels> spring_n_m{}, sigma_spring_n_m{}, damper_n_s_m{}, sigma_damper_n_s_m{};
   std::array<double, kAxles> stabiliser_n_m{}, sigma_stabiliser_n_m{};
   std::array<double, kWheels> tyre_n_m{}, sigma_tyre_n_m{};
   double condition = 0;
-  std::array<double, 1 + kWheels> mass_share{}, sigma_mass_share{};  ///< all wheels, then each
+  std::array<double, 1 + kWheels> mass_share{}, sigma_mass_share{};        ///< all wheels, then each
   std::array<double, 1 + kWheels> misfit{}, misfit_chance{1, 1, 1, 1, 1};  ///< body, then the wheels
   struct SpeedClass {
     double speed_m_s = 0;

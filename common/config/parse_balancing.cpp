@@ -76,6 +76,7 @@ BalanceLimits parse_limits(Section& root) {
   limits.grade_mm_s = section->number_or("grade_mm_s", {0.1, 4000}, limits.grade_mm_s);
   limits.heaviest_g = section->number_or("heaviest_g", {1, 1000}, limits.heaviest_g);
   limits.force_n = section->number_or("force_n", {1, 10'000}, limits.force_n);
+  limits.sigma_g = section->number_or("sigma_g", {0.05, 1000}, limits.sigma_g);
   section->finish();
   return limits;
 }

@@ -95,6 +95,8 @@ struct BalanceLimits {
   double heaviest_g = 60.0;
   /// First harmonic of radial force variation at which tyres are usually matched or refused, about 20 lbf.
   double force_n = 90.0;
+  /// Standard deviation to which an unbalance is wanted: less than half a step of the usual weights.
+  double sigma_g = 2.0;
 };
 
 /// [[seat]]: where vibration is to be little.

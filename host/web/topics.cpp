@@ -6,8 +6,13 @@
 #include "common/bus/clock_messages.hpp"
 #include "common/bus/compensation.hpp"
 #include "common/bus/control.hpp"
+#include "common/bus/knock.hpp"
 #include "common/bus/recorder_status.hpp"
+#include "common/bus/recording.hpp"
+#include "common/bus/remark.hpp"
 #include "common/bus/results.hpp"
+#include "common/bus/setup.hpp"
+#include "common/bus/verification.hpp"
 
 namespace roadbalance {
 namespace {
@@ -40,6 +45,22 @@ const std::array kPageMessages{
     PageMessage{kBalanceChannel, [](Bytes bytes) { return wheel_of(decode_balance(bytes)); }, false},
     PageMessage{kCompensationChannel, [](Bytes bytes) { return wheel_of(decode_compensation(bytes)); },
                 false},
+    PageMessage{kRemarkChannel,
+                [](Bytes bytes) {
+                  const auto remark = decode_remark(bytes);
+                  return remark ? Key(remark->number) : std::nullopt;
+                },
+                false},
+    PageMessage{kKnockChannel, [](Bytes bytes) { return node_of(decode_knock(bytes)); }, false},
+    PageMessage{"RB_SETUP_.*", [](Bytes bytes) { return node_of(decode_setup(bytes)); }, true},
+    PageMessage{kVerificationChannel, [](Bytes bytes) { return wheel_of(decode_verification(bytes)); },
+                false},
+    PageMessage{kRecordingChannel,
+                [](Bytes bytes) {
+                  const auto recording = decode_recording(bytes);
+                  return recording ? Key(recording->number) : std::nullopt;
+                },
+                true},
 };
 
 }  // namespace

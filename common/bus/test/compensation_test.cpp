@@ -24,6 +24,10 @@ Compensation message() {
                   .grade_mm_s = 2.0,
                   .force_left_share = 0.25,
                   .incurable = "speed² dominates"};
+  sent.wanted_sigma_g = 2.0;
+  sent.seconds_wanted = 42.0;
+  sent.seat_now_m_s2 = 0.05;
+  sent.seat_left_m_s2 = 0.01;
   return sent;
 }
 
@@ -52,6 +56,10 @@ TEST(Compensation, ComesBackAsItWasSent) {
   EXPECT_EQ(got->verdict.grade_mm_s, 2.0);
   EXPECT_EQ(got->verdict.force_left_share, 0.25);
   EXPECT_EQ(got->verdict.incurable, "speed² dominates");
+  EXPECT_EQ(got->wanted_sigma_g, 2.0);
+  EXPECT_EQ(got->seconds_wanted, 42.0);
+  EXPECT_EQ(got->seat_now_m_s2, 0.05);
+  EXPECT_EQ(got->seat_left_m_s2, 0.01);
 }
 
 TEST(Compensation, RefusesWhatCannotBe) {

@@ -48,7 +48,7 @@ TEST(Balancing, TakesWhatWeightsAndPlacesThereAre) {
                      "[[wheel.weight]]\nmass_g = 20\nangle_deg = 45\n"
                      "[[wheel.weight]]\nmass_g = 5\nangle_deg = -90\nradius_m = 0.16\n") +
           "\n[weights]\nstep_g = 7.5\nheaviest_g = 45\nmost = 1\nraster_deg = 7.5\nlength_mm_per_g = 0.5\n"
-          "[limits]\nshop_g = 5\ngrade_mm_s = 16\nheaviest_g = 80\nforce_n = 50\n"
+          "[limits]\nshop_g = 5\ngrade_mm_s = 16\nheaviest_g = 80\nforce_n = 50\nsigma_g = 3\n"
           "[[seat]]\nname = \"driver\"\nposition_m = [0.1, 0.4, 0.2]\n"
           "[[seat]]\nname = \"behind\"\nposition_m = [-0.9, 0.4, 0.2]\nweight = 0.25\n");
   const WheelConfig& wheel = vehicle.wheel[0];
@@ -69,6 +69,7 @@ TEST(Balancing, TakesWhatWeightsAndPlacesThereAre) {
   EXPECT_EQ(vehicle.limits.grade_mm_s, 16.0);
   EXPECT_EQ(vehicle.limits.heaviest_g, 80.0);
   EXPECT_EQ(vehicle.limits.force_n, 50.0);
+  EXPECT_EQ(vehicle.limits.sigma_g, 3.0);
   ASSERT_EQ(vehicle.seat.size(), 2U);
   EXPECT_EQ(vehicle.seat[0].weight, 1.0);
   EXPECT_EQ(vehicle.seat[1].position_m, Eigen::Vector3d(-0.9, 0.4, 0.2));

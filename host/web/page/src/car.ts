@@ -2,7 +2,8 @@
 import {decode, readFrame, type Arrival} from "./decode";
 import {
   type Balance, type ClockFit, type Compensation, type Heartbeat, type Identification, kBalance, kClockFit,
-  kCompensation, kHeartbeat, kIdentification, kLevel, kRecorder, type Level, type Recorder,
+  kCompensation, kHeartbeat, kIdentification, kKnock, kLevel, kRecorder, kRecording, kRemark, kSetup, kVerification,
+  type Knock, type Level, type Recorder, type Recording, type Remark, type Setup, type Verification,
 } from "./wire";
 
 /** A message and the page's time (ms) at which it was on the bus. */
@@ -32,6 +33,11 @@ export class Car {
   readonly balance = new Map<number, Heard<Balance>>();
   readonly compensation = new Map<number, Heard<Compensation>>();
   identification: Heard<Identification> | undefined;
+  readonly remarks = new Map<number, Heard<Remark>>();
+  readonly knocks = new Map<number, Heard<Knock>>();
+  readonly setups = new Map<number, Heard<Setup>>();
+  readonly verification = new Map<number, Heard<Verification>>();
+  readonly recordings = new Map<number, Heard<Recording>>();
   /** By "node.channel", counted from 1: when it last left its range. */
   readonly overloadMs = new Map<string, number>();
   readonly peaks = new Map<string, Peak>();
@@ -41,7 +47,7 @@ export class Car {
   /** Takes a frame that came now. */
   take(frame: ArrayBuffer, nowMs: number): void {
     for (const arrival of readFrame(frame)) this.takeOne(arrival, nowMs - arrival.ageMs);
-    for (const states of [this.recorders, this.heartbeats, this.clocks, this.levels])
+    for (const states of [this.recorders, this.heartbeats, this.clocks, this.levels, this.setups, this.recordings])
       for (const [key, heard] of states) if (nowMs - heard.atMs > kForgetMs) states.delete(key);
   }
 
@@ -71,6 +77,31 @@ export class Car {
       case kCompensation.fingerprint: {
         const message = decode(kCompensation, arrival);
         this.compensation.set(message.wheel, {message, atMs});
+        break;
+      }
+      case kRemark.fingerprint: {
+        const message = decode(kRemark, arrival);
+        this.remarks.set(message.number, {message, atMs});
+        break;
+      }
+      case kKnock.fingerprint: {
+        const message = decode(kKnock, arrival);
+        this.knocks.set(message.node, {message, atMs});
+        break;
+      }
+      case kSetup.fingerprint: {
+        const message = decode(kSetup, arrival);
+        this.setups.set(message.node, {message, atMs});
+        break;
+      }
+      case kVerification.fingerprint: {
+        const message = decode(kVerification, arrival);
+        this.verification.set(message.wheel, {message, atMs});
+        break;
+      }
+      case kRecording.fingerprint: {
+        const message = decode(kRecording, arrival);
+        this.recordings.set(message.number, {message, atMs});
         break;
       }
       case kIdentification.fingerprint: this.identification = {message: decode(kIdentification, arrival), atMs}; break;

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/frontend/front_end.hpp"
+
+namespace roadbalance {
+
+inline constexpr const char* kKnockChannel = "RB_KNOCK";
+
+/// A knock on the car at rest, as one node's channels felt it; fields as in common/wire/knock_t.
+struct Knock {
+  std::int32_t node = 0;
+  std::int64_t time_ns = 0;
+  std::int64_t number = 0;
+  std::int32_t channel = 0;  ///< 0 .. kAccelerations - 1
+  std::array<double, kAccelerations> first_m_s2{}, peak_m_s2{};
+};
+
+std::vector<std::uint8_t> encode(const Knock& knock);
+std::optional<Knock> decode_knock(std::span<const std::uint8_t> bytes);
+
+}  // namespace roadbalance

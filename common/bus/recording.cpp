@@ -1,0 +1,81 @@
+#include "common/bus/recording.hpp"
+
+#include <algorithm>
+#include <wire/recording_t.hpp>
+
+#include "common/bus/wire_format.hpp"
+
+namespace roadbalance {
+namespace {
+
+static_assert(sizeof(wire::recording_t::node) / sizeof(std::int32_t) == kMostReceiptNodes);
+static_assert(sizeof(wire::recording_t::mark_us) / sizeof(std::int64_t) == kMostReceiptMarks);
+
+bool in_bounds(const wire::recording_t& m) {
+  return 0 <= m.recordings && m.recordings <= kMostRecordings && 0 <= m.number &&
+         m.number < std::max(m.recordings, 1) && 0 <= m.state &&
+         m.state <= static_cast<std::int32_t>(RecordingState::kUnreadable) && 0 <= m.nodes &&
+         m.nodes <= static_cast<std::int32_t>(kMostReceiptNodes) && 0 <= m.marks && 0 <= m.size &&
+         m.size <= static_cast<std::int32_t>(sizeof m.verdict);
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> encode(const RecordingReceipt& r) {
+  wire::recording_t m{};
+  m.number = r.number;
+  m.recordings = r.recordings;
+  wire_format::put_text(r.name, m.name);
+  wire_format::put_text(r.vehicle, m.vehicle);
+  m.state = static_cast<std::int32_t>(r.state);
+  m.first_us = r.first_us;
+  m.last_us = r.last_us;
+  m.bytes = r.bytes;
+  m.refused = r.refused;
+  m.damaged_bytes = r.damaged_bytes;
+  m.nodes = static_cast<std::int32_t>(std::min(r.node.size(), kMostReceiptNodes));
+  for (std::int32_t k = 0; k < m.nodes; ++k) {
+    const auto& node = r.node[static_cast<std::size_t>(k)];
+    m.node[k] = node.node;
+    m.samples[k] = node.samples;
+    m.samples_lost[k] = node.samples_lost;
+    m.repaired[k] = node.repaired;
+    m.seconds[k] = node.seconds;
+    m.overload_s[k] = node.overload_s;
+    m.sync_residual_s[k] = node.sync_residual_s;
+  }
+  m.marks = r.marks;
+  for (std::size_t k = 0; k < std::min(r.mark.size(), kMostReceiptMarks); ++k) {
+    m.mark_us[k] = r.mark[k].time_us;
+    wire_format::put_text(r.mark[k].text, m.mark[k]);
+  }
+  m.size = static_cast<std::int32_t>(wire_format::fitting(r.verdict, sizeof m.verdict));
+  wire_format::put_text(r.verdict, m.verdict);
+  return wire_format::encode(m);
+}
+
+std::optional<RecordingReceipt> decode_recording(std::span<const std::uint8_t> bytes) {
+  const auto m = wire_format::decode<wire::recording_t>(bytes);
+  if (!m || !in_bounds(*m)) return std::nullopt;
+  RecordingReceipt r;
+  r.number = m->number;
+  r.recordings = m->recordings;
+  r.name = wire_format::take_text(m->name);
+  r.vehicle = wire_format::take_text(m->vehicle);
+  r.state = static_cast<RecordingState>(m->state);
+  r.first_us = m->first_us;
+  r.last_us = m->last_us;
+  r.bytes = m->bytes;
+  r.refused = m->refused;
+  r.damaged_bytes = m->damaged_bytes;
+  for (std::int32_t k = 0; k < m->nodes; ++k)
+    r.node.push_back({m->node[k], m->samples[k], m->samples_lost[k], m->repaired[k], m->seconds[k],
+                      m->overload_s[k], m->sync_residual_s[k]});
+  r.marks = m->marks;
+  for (std::int32_t k = 0; k < std::min(m->marks, static_cast<std::int32_t>(kMostReceiptMarks)); ++k)
+    r.mark.push_back({m->mark_us[k], wire_format::take_text(m->mark[k])});
+  r.verdict.assign(m->verdict, m->verdict + m->size);
+  return r;
+}
+
+}  // namespace roadbalance
