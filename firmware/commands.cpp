@@ -19,7 +19,9 @@ bool Commands::ended() const {
 }
 
 void Commands::take(const Command& command, WallTime now) {
-  if (command.node != node_ || to_send_.size() >= kMostUnsent) return;
+  if (command.node != node_ || (command.epoch != 0 && command.epoch != epoch_) ||
+      to_send_.size() >= kMostUnsent)
+    return;
   const auto known = std::find_if(known_.begin(), known_.end(),
                                   [&](const Reply& reply) { return reply.request == command.request; });
   if (known != known_.end()) {
@@ -52,12 +54,14 @@ CommandError Commands::act(const Command& command, WallTime now) {
       if (!owner) return CommandError::kNotOwner;
       link_.stop.store(true, std::memory_order_release);
       return CommandError::kNone;
+    case Verb::kConfigure:
+      break;
   }
   return CommandError::kUnknownVerb;
 }
 
 void Commands::answer(const Command& command, CommandError result, std::int64_t sequence) {
-  const Reply reply{node_, epoch_, command.request, result, sequence};
+  const Reply reply{node_, epoch_, command.request, result, sequence, {}};
   known_.push_back(reply);
   if (known_.size() > kKnownReplies) known_.pop_front();
   to_send_.push_back(reply);

@@ -107,6 +107,10 @@ std::string reply_channel(int node) {
   return "RB_REPLY_" + std::to_string(node);
 }
 
+std::string vehicle_channel(int node) {
+  return "RB_VEHICLE_" + std::to_string(node);
+}
+
 std::string default_bus_url() {
   return bus_url_on_port(kDefaultPort);
 }

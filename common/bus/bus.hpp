@@ -14,14 +14,15 @@
 namespace roadbalance {
 
 /// Names of LCM channels.  Blocks: "RB_BLOCK_<node>_<KIND>", e.g. RB_BLOCK_1_SCAN; control:
-/// RB_HEARTBEAT_<node>, RB_ACK_<node>, RB_COMMAND_<node>, RB_REPLY_<node>; preview: RB_PREVIEW_<node>;
-/// results: RB_LEVEL, RB_SPECTRUM, RB_IDENTIFICATION, RB_BALANCE.
+/// RB_HEARTBEAT_<node>, RB_ACK_<node>, RB_COMMAND_<node>, RB_REPLY_<node>, RB_VEHICLE_<node>; preview:
+/// RB_PREVIEW_<node>; results: RB_LEVEL, RB_SPECTRUM, RB_IDENTIFICATION, RB_BALANCE.
 std::string block_channel(int node, BlockKind kind);
 std::string preview_channel(int node);
 std::string heartbeat_channel(int node);
 std::string ack_channel(int node);
 std::string command_channel(int node);
 std::string reply_channel(int node);
+std::string vehicle_channel(int node);
 inline constexpr const char* kLevelChannel = "RB_LEVEL";
 inline constexpr const char* kSpectrumChannel = "RB_SPECTRUM";
 inline constexpr const char* kIdentificationChannel = "RB_IDENTIFICATION";

@@ -5,8 +5,10 @@
 #include <wire/command_t.hpp>
 #include <wire/heartbeat_t.hpp>
 #include <wire/reply_t.hpp>
+#include <wire/vehicle_t.hpp>
 
 #include "common/bus/wire_format.hpp"
+#include "common/bus/wire_text.hpp"
 
 namespace roadbalance {
 namespace {
@@ -52,6 +54,7 @@ bool in_bounds(const wire::ack_t& m) {
 
 }  // namespace
 
+static_assert(sizeof(wire::vehicle_t::text) == kMostVehiclePart);
 static_assert(kDeviceCounters <= sizeof(wire::heartbeat_t::device_counts) / sizeof(std::int64_t));
 
 std::vector<std::uint8_t> encode(const Heartbeat& h) {
@@ -80,6 +83,7 @@ std::vector<std::uint8_t> encode(const Heartbeat& h) {
   m.time_base = static_cast<std::int32_t>(h.time_base);
   m.clock_address = static_cast<std::int32_t>(h.clock_address);
   m.clock_port = h.clock_port;
+  m.vehicle_crc32c = static_cast<std::int32_t>(h.vehicle_crc32c);
   return wire_format::encode_with_crc(m);
 }
 
@@ -111,6 +115,7 @@ std::optional<Heartbeat> decode_heartbeat(std::span<const std::uint8_t> bytes) {
   h.time_base = static_cast<TimeBase>(m->time_base);
   h.clock_address = static_cast<std::uint32_t>(m->clock_address);
   h.clock_port = static_cast<std::uint16_t>(m->clock_port);
+  h.vehicle_crc32c = static_cast<std::uint32_t>(m->vehicle_crc32c);
   return h;
 }
 
@@ -154,6 +159,8 @@ std::vector<std::uint8_t> encode(const Command& c) {
   m.request = c.request;
   m.incarnation = c.incarnation;
   m.verb = static_cast<std::int32_t>(c.verb);
+  m.epoch = c.epoch;
+  m.vehicle_crc32c = static_cast<std::int32_t>(c.vehicle_crc32c);
   return wire_format::encode_with_crc(m);
 }
 
@@ -164,7 +171,9 @@ std::optional<Command> decode_command(std::span<const std::uint8_t> bytes) {
   return Command{.node = m->node,
                  .request = m->request,
                  .incarnation = m->incarnation,
-                 .verb = static_cast<Verb>(m->verb)};
+                 .verb = static_cast<Verb>(m->verb),
+                 .epoch = m->epoch,
+                 .vehicle_crc32c = static_cast<std::uint32_t>(m->vehicle_crc32c)};
 }
 
 std::vector<std::uint8_t> encode(const Reply& r) {
@@ -174,19 +183,50 @@ std::vector<std::uint8_t> encode(const Reply& r) {
   m.request = r.request;
   m.result = static_cast<std::int32_t>(r.result);
   m.sequence = r.sequence;
+  wire_text::put_text(r.text, m.text, m.size);
   return wire_format::encode_with_crc(m);
 }
 
 std::optional<Reply> decode_reply(std::span<const std::uint8_t> bytes) {
   const auto m = wire_format::decode_with_crc<wire::reply_t>(bytes);
   if (!m || !is_node(m->node) || !is_index(m->sequence) ||
-      !is_one_of(m->result, CommandError::kNone, CommandError::kEnded))
+      !is_one_of(m->result, CommandError::kNone, CommandError::kVehicleRefused))
     return std::nullopt;
+  const auto text = wire_text::text_of(m->text, m->size);
+  if (!text) return std::nullopt;
   return Reply{.node = m->node,
                .epoch = m->epoch,
                .request = m->request,
                .result = static_cast<CommandError>(m->result),
-               .sequence = m->sequence};
+               .sequence = m->sequence,
+               .text = *text};
+}
+
+std::vector<std::uint8_t> encode(const VehiclePart& v) {
+  wire::vehicle_t m{};
+  m.node = v.node;
+  m.incarnation = v.incarnation;
+  m.vehicle_crc32c = static_cast<std::int32_t>(v.vehicle_crc32c);
+  m.part = v.part;
+  m.parts = v.parts;
+  m.size = static_cast<std::int32_t>(std::min(v.text.size(), kMostVehiclePart));
+  std::copy_n(v.text.begin(), m.size, m.text);
+  return wire_format::encode_with_crc(m);
+}
+
+// A part may end amid a character; the whole text is checked by its parser.
+std::optional<VehiclePart> decode_vehicle_part(std::span<const std::uint8_t> bytes) {
+  const auto m = wire_format::decode_with_crc<wire::vehicle_t>(bytes);
+  if (!m || !is_node(m->node) || m->incarnation < 1 || !is_index(m->incarnation) || m->parts < 1 ||
+      m->parts > static_cast<std::int32_t>(kMostVehicleParts) || m->part < 0 || m->part >= m->parts ||
+      m->size < 1 || m->size > static_cast<std::int32_t>(kMostVehiclePart))
+    return std::nullopt;
+  return VehiclePart{.node = m->node,
+                     .incarnation = m->incarnation,
+                     .vehicle_crc32c = static_cast<std::uint32_t>(m->vehicle_crc32c),
+                     .part = m->part,
+                     .parts = m->parts,
+                     .text = std::string(m->text, m->text + m->size)};
 }
 
 }  // namespace roadbalance

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "common/frontend/device_report.hpp"
@@ -38,6 +39,7 @@ struct Heartbeat {
   TimeBase time_base = TimeBase::kOwn;
   std::uint32_t clock_address = 0;  ///< IPv4, as a number
   std::uint16_t clock_port = 0;
+  std::uint32_t vehicle_crc32c = 0;
 
   /// Nothing more is sealed.
   bool is_over() const { return state == NodeState::kEnded || state == NodeState::kFailed; }
@@ -66,6 +68,8 @@ struct Command {
   std::int64_t request = 0;
   std::int64_t incarnation = 0;
   Verb verb = Verb::kClaim;
+  std::int64_t epoch = 0;
+  std::uint32_t vehicle_crc32c = 0;
 };
 
 struct Reply {
@@ -74,16 +78,31 @@ struct Reply {
   std::int64_t request = 0;
   CommandError result = CommandError::kNone;
   std::int64_t sequence = 0;
+  std::string text{};  ///< cut after 300 bytes
 };
+
+/// vehicle_t.
+struct VehiclePart {
+  std::int32_t node = 0;
+  std::int64_t incarnation = 0;
+  std::uint32_t vehicle_crc32c = 0;
+  std::int32_t part = 0;
+  std::int32_t parts = 0;
+  std::string text{};  ///< at most kMostVehiclePart bytes
+};
+inline constexpr std::size_t kMostVehiclePart = 1200;
+inline constexpr std::size_t kMostVehicleParts = 256;
 
 /// Encoded with CRC where the message has one; decoding refuses wrong size, type, CRC or bounds.
 std::vector<std::uint8_t> encode(const Heartbeat& message);
 std::vector<std::uint8_t> encode(const Ack& message);
 std::vector<std::uint8_t> encode(const Command& message);
 std::vector<std::uint8_t> encode(const Reply& message);
+std::vector<std::uint8_t> encode(const VehiclePart& message);
 std::optional<Heartbeat> decode_heartbeat(std::span<const std::uint8_t> bytes);
 std::optional<Ack> decode_ack(std::span<const std::uint8_t> bytes);
 std::optional<Command> decode_command(std::span<const std::uint8_t> bytes);
 std::optional<Reply> decode_reply(std::span<const std::uint8_t> bytes);
+std::optional<VehiclePart> decode_vehicle_part(std::span<const std::uint8_t> bytes);
 
 }  // namespace roadbalance

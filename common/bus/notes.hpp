@@ -66,6 +66,8 @@ enum class NoteKind : std::int32_t {
   kPowerUnknown = 14,    ///< the supply cannot be read (1), or can be again (0); text: which
   kDevice = 15,          ///< devices of a node (a) have counted something (b: DeviceCounter); text: what
   kEndContradicts = 16,  ///< the blocks received of a node (a) are not those that its end (block b) sums up
+  kMark = 17,            ///< somebody set a mark (its number in this recording); text: what he said
+  kAsked = 18,           ///< somebody asked for something (Operation; RefusalReason); text: what became of it
 };
 
 struct Note {

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <optional>
 #include <wire/ack_t.hpp>
+#include <wire/answer_t.hpp>
 #include <wire/balance_t.hpp>
 #include <wire/clock_fit_t.hpp>
 #include <wire/command_t.hpp>
@@ -18,16 +19,19 @@
 #include <wire/level_t.hpp>
 #include <wire/meta_t.hpp>
 #include <wire/orders_t.hpp>
+#include <wire/receipt_t.hpp>
 #include <wire/recorder_t.hpp>
 #include <wire/recording_t.hpp>
 #include <wire/remark_t.hpp>
 #include <wire/reply_t.hpp>
+#include <wire/request_t.hpp>
 #include <wire/scan_block_t.hpp>
 #include <wire/setup_t.hpp>
 #include <wire/signal_block_t.hpp>
 #include <wire/spectrum_t.hpp>
 #include <wire/transfer_t.hpp>
 #include <wire/verification_t.hpp>
+#include <wire/vehicle_t.hpp>
 #include <wire/view_t.hpp>
 
 #include "common/bus/wire_format.hpp"
@@ -46,8 +50,8 @@ struct Kind {
   bool has_crc = true;
 };
 
-const std::array<Kind, 26>& kinds() {
-  static const std::array<Kind, 26> all{{
+const std::array<Kind, 30>& kinds() {
+  static const std::array<Kind, 30> all{{
       {"RB_BLOCK_", "_SCAN", wire::scan_block_t::getHash(), Speaker::kNode},
       {"RB_BLOCK_", "_EDGE", wire::edge_block_t::getHash(), Speaker::kNode},
       {"RB_BLOCK_", "_GAP", wire::gap_t::getHash(), Speaker::kNode},
@@ -60,6 +64,10 @@ const std::array<Kind, 26>& kinds() {
       {"RB_ACK_", "", wire::ack_t::getHash(), Speaker::kRecorder},
       {"RB_COMMAND_", "", wire::command_t::getHash(), Speaker::kRecorder},
       {"RB_CLOCK_", "", wire::clock_fit_t::getHash(), Speaker::kRecorder},
+      {"RB_VEHICLE_", "", wire::vehicle_t::getHash(), Speaker::kRecorder},
+      {"RB_REQUEST", "", wire::request_t::getHash(), Speaker::kViewer, false},
+      {"RB_ANSWER", "", wire::answer_t::getHash(), Speaker::kRecorder, false},
+      {"RB_RECEIPT", "", wire::receipt_t::getHash(), Speaker::kRecorder, false},
       {"RB_RECORDER", "", wire::recorder_t::getHash(), Speaker::kRecorder, false},
       {"RB_LEVEL", "", wire::level_t::getHash(), Speaker::kAnalyser, false, false},
       {"RB_SPECTRUM", "", wire::spectrum_t::getHash(), Speaker::kAnalyser, false, false},

@@ -1,9 +1,11 @@
 #include "common/bus/recorder_status.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <wire/recorder_t.hpp>
 
 #include "common/bus/wire_format.hpp"
+#include "common/bus/wire_text.hpp"
 
 namespace roadbalance {
 namespace {
@@ -16,6 +18,7 @@ constexpr std::int32_t kPowerUnknown = 2;
 std::vector<std::uint8_t> encode(const RecorderStatus& s) {
   wire::recorder_t m{};
   m.time_us = s.time_us;
+  m.recorder = s.recorder;
   m.incarnation = s.incarnation;
   m.state = static_cast<std::int32_t>(s.state);
   m.on_battery = (s.on_battery ? kOnBattery : 0) | (s.power_unknown ? kPowerUnknown : 0);
@@ -33,15 +36,25 @@ std::vector<std::uint8_t> encode(const RecorderStatus& s) {
   std::copy(s.refused_blocks.begin(), s.refused_blocks.end(), m.refused_blocks);
   m.rivals = s.rivals;
   m.unsent = s.unsent;
+  m.recording_s = s.recording_s;
+  m.nodes = s.nodes;
+  m.marks = s.marks;
+  m.operable = s.operable ? 1 : 0;
+  wire_text::put_text(s.name, m.name, m.name_size);
+  wire_text::put_text(s.fault, m.fault, m.fault_size);
   return wire_format::encode_with_crc(m);
 }
 
 std::optional<RecorderStatus> decode_recorder_status(std::span<const std::uint8_t> bytes) {
   const auto m = wire_format::decode_with_crc<wire::recorder_t>(bytes);
   if (!m || m->state < static_cast<std::int32_t>(RecorderState::kRecording) ||
-      m->state > static_cast<std::int32_t>(RecorderState::kStopping))
+      m->state > static_cast<std::int32_t>(RecorderState::kFault) || !std::isfinite(m->recording_s))
     return std::nullopt;
+  const auto name = wire_text::text_of(m->name, m->name_size);
+  const auto fault = wire_text::text_of(m->fault, m->fault_size);
+  if (!name || !fault) return std::nullopt;
   RecorderStatus s{.time_us = m->time_us,
+                   .recorder = m->recorder,
                    .incarnation = m->incarnation,
                    .state = static_cast<RecorderState>(m->state),
                    .on_battery = (m->on_battery & kOnBattery) != 0,
@@ -58,7 +71,13 @@ std::optional<RecorderStatus> decode_recorder_status(std::span<const std::uint8_
                    .segments_deleted = m->segments_deleted,
                    .refused_datagrams = m->refused_datagrams,
                    .rivals = m->rivals,
-                   .unsent = m->unsent};
+                   .unsent = m->unsent,
+                   .recording_s = m->recording_s,
+                   .nodes = m->nodes,
+                   .marks = m->marks,
+                   .operable = m->operable != 0,
+                   .name = *name,
+                   .fault = *fault};
   std::copy(std::begin(m->refused_blocks), std::end(m->refused_blocks), s.refused_blocks.begin());
   return s;
 }

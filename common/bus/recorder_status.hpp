@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace roadbalance {
@@ -13,11 +14,15 @@ enum class RecorderState : std::int32_t {
   kDiskFailing = 2,  ///< no credit: the disk refuses; it goes on trying and the nodes keep everything
   kDiskFull = 3,     ///< no credit: it waits for space
   kStopping = 4,
+  kIdle = 5,   ///< nothing is recorded, and none of the nodes that would be is there
+  kArmed = 6,  ///< nothing is recorded; a start would record the nodes that are there
+  kFault = 7,  ///< a recording should be under way and is not; fault says why
 };
 
 /// recorder_t; fields as in common/wire.
 struct RecorderStatus {
   std::int64_t time_us = 0;
+  std::int64_t recorder = 0;
   std::int64_t incarnation = 0;
   RecorderState state = RecorderState::kRecording;
   bool on_battery = false;
@@ -36,6 +41,12 @@ struct RecorderStatus {
   std::array<std::int64_t, 5> refused_blocks{};
   std::int64_t rivals = 0;
   std::int64_t unsent = 0;
+  double recording_s = 0;
+  std::int32_t nodes = 0;
+  std::int32_t marks = 0;
+  bool operable = false;  ///< takes requests
+  std::string name{};       ///< of the recording
+  std::string fault{};
 };
 
 inline constexpr const char* kRecorderChannel = "RB_RECORDER";

@@ -58,8 +58,16 @@ enum class TimeBase : std::int32_t {
   kOwn = 0,     ///< the node's own oscillator: related to the host's by exchanges of stamps
   kShared = 1,  ///< one time for all nodes by construction: a simulation faster than real time, an import
 };
-enum class Verb : std::int32_t { kClaim = 1, kRelease = 2, kStart = 3, kStop = 4 };
-enum class CommandError : std::int32_t { kNone = 0, kNotOwner = 1, kUnknownVerb = 2, kEnded = 3 };
+enum class Verb : std::int32_t { kClaim = 1, kRelease = 2, kStart = 3, kStop = 4, kConfigure = 5 };
+enum class CommandError : std::int32_t {
+  kNone = 0,
+  kNotOwner = 1,
+  kUnknownVerb = 2,
+  kEnded = 3,           ///< the epoch is over
+  kMeasuring = 4,       ///< not between start and end: an epoch has one vehicle.toml
+  kVehicleMissing = 5,  ///< parts of the vehicle.toml have not arrived: send them again
+  kVehicleRefused = 6,  ///< the node cannot measure by it; reply_t.text says why
+};
 
 inline constexpr std::int32_t kLastNode = 9999;  ///< nodes are numbered from 1; 0 is the host
 inline constexpr std::size_t kMostNodes = 64;    ///< recorded at a time; more are refused

@@ -17,7 +17,7 @@ struct Fixture : testing::Test {
   WallTime now{};
 
   std::optional<Reply> say(Verb verb, std::int64_t request, std::int64_t incarnation = kOwner) {
-    commands.take({kNode, request, incarnation, verb}, now);
+    commands.take({.node = kNode, .request = request, .incarnation = incarnation, .verb = verb}, now);
     return commands.next_reply();
   }
 };
@@ -32,6 +32,19 @@ TEST_F(NodeCommands, StartOnlyForTheOwner) {
   EXPECT_EQ(reply->result, CommandError::kNone);
   EXPECT_EQ(reply->sequence, 1);
   EXPECT_EQ(reply->epoch, kEpoch);
+  EXPECT_TRUE(link.start);
+}
+
+// A start that the network delivers late must not start the epoch after the one that it was for.
+TEST_F(NodeCommands, WhatIsForAnotherEpochIsNotObeyed) {
+  say(Verb::kClaim, 1);
+  commands.take(
+      {.node = kNode, .request = 2, .incarnation = kOwner, .verb = Verb::kStart, .epoch = kEpoch + 1}, now);
+  EXPECT_FALSE(commands.next_reply());
+  EXPECT_FALSE(link.start);
+  commands.take({.node = kNode, .request = 3, .incarnation = kOwner, .verb = Verb::kStart, .epoch = kEpoch},
+                now);
+  EXPECT_TRUE(commands.next_reply());
   EXPECT_TRUE(link.start);
 }
 

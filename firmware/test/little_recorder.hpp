@@ -52,7 +52,8 @@ class LittleRecorder {
 
  private:
   void say(std::int64_t request, Verb verb) {
-    bus_.publish(command_channel(node_), encode(Command{node_, request, 1, verb}));
+    bus_.publish(command_channel(node_),
+                 encode(Command{.node = node_, .request = request, .incarnation = 1, .verb = verb}));
   }
   void heard(const Heartbeat& beat) {
     last = beat;

@@ -10,6 +10,7 @@
 #include "common/bus/compensation.hpp"
 #include "common/bus/control.hpp"
 #include "common/bus/notes.hpp"
+#include "common/bus/operation.hpp"
 #include "common/bus/order_report.hpp"
 #include "common/bus/recorder_status.hpp"
 #include "common/bus/results.hpp"
@@ -74,7 +75,15 @@ void write_messages() {
                    .credit = 99,
                    .missing = {{11, 12}, {15, 15}}}));
   write("control", "command", encode(Command{.node = 1, .request = 5, .incarnation = 3}));
-  write("control", "reply", encode(Reply{.node = 1, .epoch = 2, .request = 5}));
+  write("control", "reply", encode(Reply{.node = 1, .epoch = 2, .request = 5, .text = "no such range"}));
+  write("control", "vehicle",
+        encode(VehiclePart{.node = 1, .incarnation = 3, .parts = 2, .text = "name = \"car\"\n"}));
+  write("control", "request",
+        encode(Request{.asker = 7, .request = 8, .operation = Operation::kMark, .text = "bridge"}));
+  write("control", "answer",
+        encode(Answer{.asker = 7, .request = 8, .state = AnswerState::kDone, .text = "mark 1"}));
+  write("control", "receipt",
+        encode(Receipt{.incarnation = 3, .nodes = 1, .node = 1, .epochs = 1, .name = "drive"}));
   write("notes", "journal", encode(Journal{.node = 1, .epoch = 2, .last_sequence = 7, .scans = 100}));
   write("notes", "note", encode(Note{.kind = NoteKind::kFallback, .text = "/mnt/spare"}));
   write("notes", "commit", encode(Commit{.bytes = 4096, .headers_from = 2048, .headers_crc32c = 7}));

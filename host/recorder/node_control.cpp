@@ -65,8 +65,12 @@ Verb NodeControl::wanted(const Node& node) const {
   return kNothing;
 }
 
-Command NodeControl::command(std::int32_t number, const Node& node) const {
-  return {.node = number, .request = node.request, .incarnation = incarnation_, .verb = node.verb};
+Command NodeControl::command(const Key& key, const Node& node) const {
+  return {.node = key.first,
+          .request = node.request,
+          .incarnation = incarnation_,
+          .verb = node.verb,
+          .epoch = key.second};
 }
 
 std::int64_t NodeControl::new_request() {
@@ -94,7 +98,7 @@ std::vector<Command> NodeControl::due(WallTime now) {
     }
     node.sent_at = now;
     node.started = node.started || verb == Verb::kStart;
-    commands.push_back(command(key.first, node));
+    commands.push_back(command(key, node));
   }
   return commands;
 }
@@ -105,7 +109,7 @@ std::vector<Command> NodeControl::farewell() {
     if (!node.owned) continue;
     node.verb = Verb::kRelease;
     node.request = new_request();
-    commands.push_back(command(key.first, node));
+    commands.push_back(command(key, node));
   }
   return commands;
 }

@@ -13,7 +13,7 @@
 namespace roadbalance {
 
 /// Claims the node epochs heard, starts them, and stops and releases them in the end; a pure state machine.
-/// Two epochs of one node are led apart: a command reaches both, but each answers for itself.
+/// Two epochs of one node are led apart: a command names the one that it is for.
 ///
 /// A command is repeated with the same request number until it is answered or the heartbeat shows its effect;
 /// after a refusal it is asked anew.  An epoch that is silent is told nothing.  Of more than kMostEpochs the
@@ -68,7 +68,7 @@ class NodeControl {
   Verb wanted(const Node& node) const;
   bool is_silent(Node& node, WallTime now) const;
   std::int64_t new_request();
-  Command command(std::int32_t number, const Node& node) const;
+  Command command(const Key& key, const Node& node) const;
 
   std::int64_t incarnation_;
   const bool start_;

@@ -45,6 +45,10 @@ std::string what_happened(const Note& note) {
     case NoteKind::kEndContradicts:
       return "the blocks received of node " + number(note.a) + " are not those that its end, block " +
              number(note.b) + ", sums up";
+    case NoteKind::kMark:
+      return "mark " + number(note.a);
+    case NoteKind::kAsked:
+      return "asked";
     default:
       return "note of kind " + number(static_cast<std::int64_t>(note.kind)) + " (" + number(note.a) + ", " +
              number(note.b) + ")";

@@ -7,6 +7,7 @@
 #include "common/bus/compensation.hpp"
 #include "common/bus/control.hpp"
 #include "common/bus/knock.hpp"
+#include "common/bus/operation.hpp"
 #include "common/bus/recorder_status.hpp"
 #include "common/bus/recording.hpp"
 #include "common/bus/remark.hpp"
@@ -34,7 +35,21 @@ const std::array kPageMessages{
     PageMessage{kRecorderChannel,
                 [](Bytes bytes) {
                   const auto status = decode_recorder_status(bytes);
-                  return status ? Key(status->incarnation) : std::nullopt;
+                  return status ? Key(status->recorder) : std::nullopt;
+                },
+                true},
+    // Newest of what each asker asks of a kind: a page asks one thing of a kind at a time.
+    PageMessage{kAnswerChannel,
+                [](Bytes bytes) {
+                  const auto answer = decode_answer(bytes);
+                  return answer ? Key(answer->asker * 16 + static_cast<std::int64_t>(answer->operation) % 16)
+                                : std::nullopt;
+                },
+                true},
+    PageMessage{kReceiptChannel,
+                [](Bytes bytes) {
+                  const auto receipt = decode_receipt(bytes);
+                  return receipt ? Key(receipt->index) : std::nullopt;
                 },
                 true},
     PageMessage{"RB_HEARTBEAT_.*", [](Bytes bytes) { return node_of(decode_heartbeat(bytes)); }, true},

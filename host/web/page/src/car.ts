@@ -55,7 +55,7 @@ export class Car {
     switch (arrival.fingerprint) {
       case kRecorder.fingerprint: {
         const message = decode(kRecorder, arrival);
-        this.recorders.set(message.incarnation, {message, atMs});
+        this.recorders.set(message.recorder, {message, atMs});
         break;
       }
       case kHeartbeat.fingerprint: {

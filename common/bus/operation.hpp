@@ -1,0 +1,110 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace roadbalance {
+
+/// What a person asks of the measuring system, and what becomes of it; fields as in common/wire.  One form
+/// for page and command line.  The recorder answers: it owns the nodes, which obey nobody else.
+
+/// request_t.operation; in brackets what the other fields are.
+enum class Operation : std::int32_t {
+  kStart = 1,    ///< begins a recording (text: its name; empty: by date and time)
+  kStop = 2,     ///< ends it; done when all is on the disk, with a receipt
+  kMark = 3,     ///< puts an event into the recording (text)
+  kRange = 4,    ///< of a channel (node, channel; value 0: m/s²)
+  kFilter = 5,   ///< anti-aliasing of all nodes (value 0: corner, Hz; value 1: order)
+  kZero = 6,     ///< the mean of the last seconds is the reading at rest (node; 0: every one)
+  kVehicle = 7,  ///< chooses the vehicle file (text: its name in the recorder's folder, no path)
+};
+
+/// answer_t.state.
+enum class AnswerState : std::int32_t { kUnderWay = 1, kDone = 2, kRefused = 3 };
+
+/// answer_t.reason.
+enum class RefusalReason : std::int32_t {
+  kNone = 0,
+  kUnknownOperation = 1,
+  kBadArgument = 2,   ///< a name, number, node or channel that cannot be; text: which
+  kRecording = 3,     ///< not while a recording is under way
+  kNotRecording = 4,  ///< only while one is
+  kNameTaken = 5,     ///< there is a recording of this name
+  kNoNode = 6,        ///< the node is not on the bus, or none is
+  kDisk = 7,          ///< the disk refuses
+  kMoving = 8,        ///< the car must stand still
+  kNotSupported = 9,  ///< the node's device does not have it; text: what it has
+  kNoAnswer = 10,     ///< a node did not answer
+  kNotOperable = 11,  ///< this recorder records what its command line says, until it is stopped there
+};
+
+struct Request {
+  std::int64_t asker = 0;
+  std::int64_t request = 0;
+  Operation operation = Operation::kMark;
+  std::int32_t node = 0;
+  std::int32_t channel = -1;
+  std::array<double, 2> value{};
+  std::string text{};  ///< at most kMostRequestText bytes
+
+  bool operator==(const Request&) const = default;
+};
+inline constexpr std::size_t kMostRequestText = 400;
+/// Of askers' and requests' numbers: a browser's numbers are exact so far.
+inline constexpr std::int64_t kRequestLimit = std::int64_t{1} << 53;
+
+struct Answer {
+  std::int64_t asker = 0;
+  std::int64_t request = 0;
+  std::int64_t time_us = 0;
+  Operation operation = Operation::kMark;
+  AnswerState state = AnswerState::kUnderWay;
+  RefusalReason reason = RefusalReason::kNone;
+  std::int32_t node = 0;
+  std::int32_t channel = -1;
+  std::array<double, 2> value{};
+  std::string text{};  ///< cut after kMostRequestText bytes
+};
+
+/// receipt_t: of one node in a finished recording.
+struct Receipt {
+  std::int64_t incarnation = 0;
+  std::int64_t began_us = 0;
+  std::int64_t ended_us = 0;
+  std::int32_t index = 0;
+  std::int32_t nodes = 0;
+  std::int32_t node = 0;
+  std::int32_t epochs = 0;
+  std::int32_t open_epochs = 0;
+  std::int64_t samples_sent = 0;
+  std::int64_t samples_recorded = 0;
+  std::int64_t gaps = 0;
+  std::int64_t repaired = 0;
+  double overload_s = 0;
+  double sync_us = -1;
+  std::uint32_t blocks_crc32c = 0;
+  bool sums_agree = false;
+  std::int64_t bytes = 0;
+  std::int32_t marks = 0;
+  std::string name{};  ///< at most kMostNameBytes
+};
+inline constexpr std::size_t kMostNameBytes = 64;
+
+inline constexpr const char* kRequestChannel = "RB_REQUEST";
+inline constexpr const char* kAnswerChannel = "RB_ANSWER";
+inline constexpr const char* kReceiptChannel = "RB_RECEIPT";
+
+/// Decoding refuses wrong size, type, CRC or bounds, and text that is no UTF-8 or has control characters.  An
+/// operation of a newer page passes, so that it is answered kUnknownOperation.
+std::vector<std::uint8_t> encode(const Request& request);
+std::vector<std::uint8_t> encode(const Answer& answer);
+std::vector<std::uint8_t> encode(const Receipt& receipt);
+std::optional<Request> decode_request(std::span<const std::uint8_t> bytes);
+std::optional<Answer> decode_answer(std::span<const std::uint8_t> bytes);
+std::optional<Receipt> decode_receipt(std::span<const std::uint8_t> bytes);
+
+}  // namespace roadbalance

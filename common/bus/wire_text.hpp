@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+/// Text for people in a message: a field of fixed extent and how many of its bytes count.  For use inside
+/// common/bus only.
+namespace roadbalance::wire_text {
+
+/// UTF-8 as Unicode has it (no surrogates, nothing longer than it must be), without control characters.
+bool is_plain_text(std::string_view text);
+
+/// As much of the text as fits, cut between characters.
+std::string_view cut_to(std::string_view text, std::size_t bytes);
+
+template <typename Byte, std::size_t kBytes>
+void put_text(std::string_view text, Byte (&field)[kBytes], std::int32_t& size) {
+  text = cut_to(text, kBytes);
+  for (std::size_t k = 0; k < text.size(); ++k) field[k] = static_cast<Byte>(text[k]);
+  size = static_cast<std::int32_t>(text.size());
+}
+
+/// Nothing if the size cannot be or it is no plain text.
+template <typename Byte, std::size_t kBytes>
+std::optional<std::string> text_of(const Byte (&field)[kBytes], std::int32_t size) {
+  if (size < 0 || size > static_cast<std::int32_t>(kBytes)) return std::nullopt;
+  std::string text(field, field + size);
+  if (!is_plain_text(text)) return std::nullopt;
+  return text;
+}
+
+}  // namespace roadbalance::wire_text
