@@ -12,6 +12,7 @@
 #include <wire/compensation_t.hpp>
 #include <wire/edge_block_t.hpp>
 #include <wire/end_t.hpp>
+#include <wire/envelope_t.hpp>
 #include <wire/gap_t.hpp>
 #include <wire/heartbeat_t.hpp>
 #include <wire/identification_t.hpp>
@@ -33,6 +34,7 @@
 #include <wire/verification_t.hpp>
 #include <wire/vehicle_t.hpp>
 #include <wire/view_t.hpp>
+#include <wire/waterfall_t.hpp>
 
 #include "common/bus/wire_format.hpp"
 
@@ -50,8 +52,8 @@ struct Kind {
   bool has_crc = true;
 };
 
-const std::array<Kind, 30>& kinds() {
-  static const std::array<Kind, 30> all{{
+const std::array<Kind, 32>& kinds() {
+  static const std::array<Kind, 32> all{{
       {"RB_BLOCK_", "_SCAN", wire::scan_block_t::getHash(), Speaker::kNode},
       {"RB_BLOCK_", "_EDGE", wire::edge_block_t::getHash(), Speaker::kNode},
       {"RB_BLOCK_", "_GAP", wire::gap_t::getHash(), Speaker::kNode},
@@ -76,6 +78,8 @@ const std::array<Kind, 30>& kinds() {
       {"RB_BALANCE", "", wire::balance_t::getHash(), Speaker::kAnalyser, false, false},
       {"RB_TRANSFER", "", wire::transfer_t::getHash(), Speaker::kAnalyser, false, false},
       {"RB_VIEW", "", wire::view_t::getHash(), Speaker::kViewer, false, false},
+      {"RB_ENVELOPE", "", wire::envelope_t::getHash(), Speaker::kAnalyser, false, false},
+      {"RB_WATERFALL", "", wire::waterfall_t::getHash(), Speaker::kAnalyser, false, false},
       {"RB_COMPENSATION", "", wire::compensation_t::getHash(), Speaker::kAnalyser, false, false},
       {"RB_REMARK", "", wire::remark_t::getHash(), Speaker::kAnalyser, false, false},
       {"RB_KNOCK", "", wire::knock_t::getHash(), Speaker::kAnalyser, false, false},

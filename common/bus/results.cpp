@@ -39,6 +39,7 @@ std::vector<std::uint8_t> encode(const Level& l) {
   m.overload = static_cast<std::int32_t>(l.overload);
   m.dead = static_cast<std::int32_t>(l.dead);
   m.speed_m_s = l.speed_m_s;
+  put(l.rotation_hz, m.rotation_hz);
   m.skipped = l.skipped;
   return wire_format::encode(m);
 }
@@ -56,6 +57,7 @@ std::optional<Level> decode_level(std::span<const std::uint8_t> bytes) {
   l.overload = static_cast<std::uint32_t>(m->overload);
   l.dead = static_cast<std::uint32_t>(m->dead);
   l.speed_m_s = m->speed_m_s;
+  take(m->rotation_hz, l.rotation_hz);
   l.skipped = m->skipped;
   return l;
 }
@@ -63,6 +65,7 @@ std::optional<Level> decode_level(std::span<const std::uint8_t> bytes) {
 std::vector<std::uint8_t> encode(const SpectrumPart& s) {
   assert(s.density.size() <= kSpectrumBinsPerPart);
   wire::spectrum_t m{};
+  m.viewer = s.viewer;
   m.node = s.node;
   m.channel = s.channel;
   m.time_ns = s.time_ns;
@@ -73,6 +76,7 @@ std::vector<std::uint8_t> encode(const SpectrumPart& s) {
   m.step_hz = s.step_hz;
   m.enbw_hz = s.enbw_hz;
   m.averages = s.averages;
+  m.held = s.held ? 1 : 0;
   put(s.density, m.density);
   return wire_format::encode(m);
 }
@@ -80,9 +84,10 @@ std::vector<std::uint8_t> encode(const SpectrumPart& s) {
 std::optional<SpectrumPart> decode_spectrum(std::span<const std::uint8_t> bytes) {
   const auto m = wire_format::decode<wire::spectrum_t>(bytes);
   if (!m || m->channel < 0 || m->channel >= kChannels || m->parts < 1 || m->part < 0 || m->part >= m->parts ||
-      m->bins < 0 || m->bins > kSpectrumBinsPerPart)
+      m->bins < 0 || m->bins > kSpectrumBinsPerPart || m->held < 0 || m->held > 1)
     return std::nullopt;
   SpectrumPart s;
+  s.viewer = m->viewer;
   s.node = m->node;
   s.channel = m->channel;
   s.time_ns = m->time_ns;
@@ -92,6 +97,7 @@ std::optional<SpectrumPart> decode_spectrum(std::span<const std::uint8_t> bytes)
   s.step_hz = m->step_hz;
   s.enbw_hz = m->enbw_hz;
   s.averages = m->averages;
+  s.held = m->held == 1;
   s.density.assign(m->density, m->density + m->bins);
   return s;
 }

@@ -22,11 +22,13 @@ struct Level {
   std::uint32_t overload = 0;
   std::uint32_t dead = 0;
   double speed_m_s = 0;
+  std::array<double, kEncoderLines> rotation_hz{};  ///< [encoder line]; NaN: not known
   std::int64_t skipped = 0;
 };
 
 inline constexpr int kSpectrumBinsPerPart = 300;
 struct SpectrumPart {
+  std::int64_t viewer = 0;  ///< of the View that asked; 0: for everybody
   std::int32_t node = 0;
   std::int32_t channel = 0;
   std::int64_t time_ns = 0;
@@ -36,7 +38,8 @@ struct SpectrumPart {
   double step_hz = 0;
   double enbw_hz = 0;
   std::int32_t averages = 0;
-  std::vector<float> density;  ///< at most kSpectrumBinsPerPart, (m/s^2)^2 / Hz
+  bool held = false;             ///< the greatest that any one segment had
+  std::vector<float> density{};  ///< at most kSpectrumBinsPerPart, (m/s^2)^2 / Hz
 };
 
 /// Why an estimate cannot be given (yet); 0 = it is given.

@@ -24,18 +24,30 @@ struct ChannelPair {
   ChannelId input, output;
 };
 
-inline constexpr std::size_t kMostViewPairs = 16;
+/// What turns with a wheel in a channel.
+struct WheelChannel {
+  std::int32_t wheel = 0;  ///< 0 .. kWheels - 1
+  ChannelId channel{};
+
+  friend auto operator<=>(const WheelChannel&, const WheelChannel&) = default;
+};
+
+inline constexpr std::size_t kMostViewPairs = 16, kMostViewChannels = 16, kMostViewWaterfalls = 4;
 inline constexpr int kShortestSegment = 1024, kLongestSegment = 65'536;  ///< that a view may ask for
 
-/// What somebody wants to see of channels together; fields as in common/wire/view_t.
+/// What somebody wants to see; fields as in common/wire/view_t.
 struct View {
   std::int64_t viewer = 0;
   std::int32_t segment = 4096;
   Window window = Window::kHann;
   std::int32_t memory = 0;
+  bool hold_peaks = false;
   double overlap = 0.5;
   double highest_hz = 250.0;
-  std::vector<ChannelPair> pair{};  ///< at most kMostViewPairs
+  std::vector<ChannelPair> pair{};        ///< at most kMostViewPairs
+  std::vector<ChannelId> spectrum{};      ///< at most kMostViewChannels
+  std::vector<ChannelId> envelope{};      ///< at most kMostViewChannels
+  std::vector<WheelChannel> waterfall{};  ///< at most kMostViewWaterfalls
 };
 
 inline constexpr std::size_t kTransferBinsPerPart = 48;

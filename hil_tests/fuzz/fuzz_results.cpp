@@ -1,4 +1,5 @@
 #include "common/bus/compensation.hpp"
+#include "common/bus/display.hpp"
 #include "common/bus/order_report.hpp"
 #include "common/bus/results.hpp"
 #include "common/bus/transfer_report.hpp"
@@ -15,5 +16,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::check_message<Compensation>(bytes, decode_compensation);
   fuzz::check_message<View>(bytes, decode_view);
   fuzz::check_message<TransferPart>(bytes, decode_transfer);
+  fuzz::check_message<Envelope>(bytes, decode_envelope);
+  fuzz::check_message<WaterfallRow>(bytes, decode_waterfall);
   return 0;
 }

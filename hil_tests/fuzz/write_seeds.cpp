@@ -8,6 +8,7 @@
 #include "common/bus/bus.hpp"
 #include "common/bus/clock_messages.hpp"
 #include "common/bus/compensation.hpp"
+#include "common/bus/display.hpp"
 #include "common/bus/control.hpp"
 #include "common/bus/notes.hpp"
 #include "common/bus/operation.hpp"
@@ -98,6 +99,9 @@ void write_messages() {
   write("results", "view", encode(View{.viewer = 1, .pair = {{{1, 2}, {2, 3}}}}));
   write("results", "transfer",
         encode(TransferPart{.viewer = 1, .bin = {{1.0F, 2.0F, 3.0F, 4.0F, 5.0F, 0.5F}}}));
+  write("results", "envelope", encode(Envelope{.node = 1, .channel = 2, .bucket = {{-1.0F, 2.0F}}}));
+  write("results", "waterfall",
+        encode(WaterfallRow{.of = {2, {1, 1}}, .blocks = 3, .amplitude = {0.5F, 2.0F}}));
   write("results", "compensation",
         encode(Compensation{
             .wheel = 2, .plan = {.step = {WeightStep{}, WeightStep{}}}, .verdict = {.incurable = "bent"}}));

@@ -13,6 +13,7 @@
 #include "common/bus/codec.hpp"
 #include "common/bus/compensation.hpp"
 #include "common/bus/control.hpp"
+#include "common/bus/display.hpp"
 #include "common/bus/notes.hpp"
 #include "common/bus/order_report.hpp"
 #include "common/bus/recorder_status.hpp"
@@ -185,6 +186,8 @@ TEST(StockLcm, TheDecoderOfLcmSpyUnderstandsEveryMessage) {
     append("orders_t", encode(OrderReport{.wheel = 2, .node = 4}));
     append("view_t", encode(View{.viewer = 1, .pair = {{{4, 2}, {4, 3}}}}));
     append("transfer_t", encode(TransferPart{.viewer = 1, .bin = {{1.0F, 2.0F, 3.0F, 4.0F, 5.0F, 0.5F}}}));
+    append("envelope_t", encode(Envelope{.node = 4, .channel = 2, .bucket = {{-1.0F, 2.0F}}}));
+    append("waterfall_t", encode(WaterfallRow{.of = {2, {4, 1}}, .blocks = 3, .amplitude = {0.5F, 2.0F}}));
     writer.close();
   }
   const auto all = std::filesystem::directory_iterator(test::source_path("common/wire"));

@@ -14,7 +14,8 @@ JointSpectra::JointSpectra(const VehicleConfig& vehicle, std::vector<ChannelPlac
                           .overlap = settings.overlap,
                           .window = settings.window},
                 .channels = static_cast<int>(channels.size()),
-                .memory = settings.memory}) {
+                .memory = settings.memory,
+                .hold_peaks = settings.hold_peaks}) {
   std::vector<int> nodes;
   for (const ChannelPlace& place : channels)
     if (std::find(nodes.begin(), nodes.end(), place.node) == nodes.end()) nodes.push_back(place.node);

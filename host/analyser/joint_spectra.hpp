@@ -27,7 +27,8 @@ class JointSpectra {
     int segment;           ///< samples, >= 2
     double overlap = 0.5;  ///< 0 <= overlap < 1
     Window window = Window::kHann;
-    int memory = 0;  ///< as CrossSpectra::Settings
+    int memory = 0;           ///< as CrossSpectra::Settings
+    bool hold_peaks = false;  ///< the same
   };
 
   /// @param channels  one or more; a channel's index in spectra() is its place here

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace roadbalance {
 
 LevelMeter::LevelMeter(const VehicleConfig& vehicle, const NodeConfig& node) : node_(node) {
   for (int line = kEncoderLines - 1; line >= 0; --line)
     if (const WheelConfig* const wheel = vehicle.wheel_at(node, line)) {
+      has_wheel_[static_cast<std::size_t>(line)] = true;
       line_ = line;
       rolling_radius_m_ = wheel->rolling_radius_m;
     }
@@ -18,7 +20,8 @@ void LevelMeter::add(const ScanBlock& block) {
   overload_ |= static_cast<std::uint32_t>(block.overload);
   period_s_ = static_cast<double>(block.period_ps) * 1e-12;
   end_ns_ = block.row_time_ns(block.header.scans);
-  if (block.header.first_scan != next_scan_) before_.reset();  // the angle across a hole is not a speed
+  if (block.header.first_scan != next_scan_)
+    for (Turning& turning : turning_) turning.before.reset();  // the angle across a hole is not a speed
   next_scan_ = block.header.first_scan + block.header.scans;
   for (std::int64_t r = 0; r < block.header.scans; ++r) {
     const auto& row = block.counts[static_cast<std::size_t>(r)];
@@ -34,24 +37,30 @@ void LevelMeter::add(const ScanBlock& block) {
       sums.most = std::max(sums.most, value);
     }
     ++scans_;
-    add_speed(block, row);
+    for (int line = 0; line < kEncoderLines; ++line) add_turn(line, block, row);
   }
 }
 
 /// Adds the angle between this scan's reference and the last one's.
-void LevelMeter::add_speed(const ScanBlock& block, const std::array<std::int32_t, kChannels>& row) {
-  if (!line_ || (block.quality & quality_no_reference(*line_)) != 0) {
-    before_.reset();
+void LevelMeter::add_turn(int line, const ScanBlock& block, const std::array<std::int32_t, kChannels>& row) {
+  Turning& turning = turning_[static_cast<std::size_t>(line)];
+  if (!has_wheel_[static_cast<std::size_t>(line)] || (block.quality & quality_no_reference(line)) != 0) {
+    turning.before.reset();
     return;
   }
-  const auto sine = static_cast<std::size_t>(kAccelerations + 2 * *line_);
+  const auto sine = static_cast<std::size_t>(kAccelerations + 2 * line);
   const std::array<double, 2> now{static_cast<double>(row[sine]), static_cast<double>(row[sine + 1])};
-  if (before_) {
-    const auto [s, c] = *before_;
-    turned_rad_ += std::atan2(now[0] * c - now[1] * s, now[1] * c + now[0] * s);
-    ++turning_scans_;
+  if (turning.before) {
+    const auto [s, c] = *turning.before;
+    turning.turned_rad += std::atan2(now[0] * c - now[1] * s, now[1] * c + now[0] * s);
+    ++turning.scans;
   }
-  before_ = now;
+  turning.before = now;
+}
+
+double LevelMeter::Turning::rotation_hz(double period_s) const {
+  if (scans == 0) return std::numeric_limits<double>::quiet_NaN();
+  return turned_rad / (2.0 * std::numbers::pi * static_cast<double>(scans) * period_s);
 }
 
 std::optional<Level> LevelMeter::take() {
@@ -74,13 +83,15 @@ std::optional<Level> LevelMeter::take() {
     level.peak[c] = std::max(sums.most - mean, mean - sums.least) * std::abs(scale);
     if (acceleration && sums.unchanged >= kDeadScans) level.dead |= 1U << c;
   }
-  level.speed_m_s = turning_scans_ > 0
-                        ? turned_rad_ / (static_cast<double>(turning_scans_) * period_s_) * rolling_radius_m_
-                        : std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t line = 0; line < turning_.size(); ++line) {
+    level.rotation_hz[line] = turning_[line].rotation_hz(period_s_);
+    turning_[line] = {.before = turning_[line].before};
+  }
+  level.speed_m_s =
+      line_ ? level.rotation_hz[static_cast<std::size_t>(*line_)] * 2.0 * std::numbers::pi * rolling_radius_m_
+            : std::numeric_limits<double>::quiet_NaN();
   scans_ = 0;
   overload_ = 0;
-  turned_rad_ = 0;
-  turning_scans_ = 0;
   return level;
 }
 

@@ -11,7 +11,7 @@
 namespace roadbalance {
 
 /// Levels of one node's channels over intervals: mean, rms and peak about the mean, overload, dead channels,
-/// speed.
+/// speed and the rotation of its wheels.
 class LevelMeter {
  public:
   /// A channel that shows not one count of noise in this many scans carries no signal.
@@ -34,7 +34,15 @@ class LevelMeter {
     std::int32_t last = 0;       ///< newest reading
     std::int64_t unchanged = 0;  ///< scans since it last changed, over intervals
   };
-  void add_speed(const ScanBlock& block, const std::array<std::int32_t, kChannels>& row);
+  /// What a wheel's reference did since the last take().
+  struct Turning {
+    double turned_rad = 0;
+    std::int64_t scans = 0;
+    std::optional<std::array<double, 2>> before{};  ///< last sin, cos
+
+    double rotation_hz(double period_s) const;  ///< NaN: not known
+  };
+  void add_turn(int line, const ScanBlock& block, const std::array<std::int32_t, kChannels>& row);
 
   NodeConfig node_;
   std::optional<int> line_;  ///< encoder line of the node's first wheel
@@ -44,9 +52,8 @@ class LevelMeter {
   double period_s_ = 0;
   std::int64_t end_ns_ = 0;
   std::uint32_t overload_ = 0;
-  double turned_rad_ = 0;
-  std::int64_t turning_scans_ = 0;
-  std::optional<std::array<double, 2>> before_;  ///< last sin, cos
+  std::array<bool, kEncoderLines> has_wheel_{};
+  std::array<Turning, kEncoderLines> turning_{};
   std::int64_t next_scan_ = -1;
 };
 

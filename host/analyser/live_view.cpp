@@ -10,21 +10,42 @@
 #include "common/bus/bus.hpp"
 #include "common/bus/clock_messages.hpp"
 #include "common/bus/codec.hpp"
+#include "common/bus/display.hpp"
 #include "common/bus/results.hpp"
 #include "common/clock/clocks.hpp"
+#include "host/analyser/envelopes.hpp"
 #include "host/analyser/levels.hpp"
 #include "host/analyser/spectra.hpp"
+#include "host/analyser/spectrum_view.hpp"
 #include "host/analyser/transfer_view.hpp"
+#include "host/analyser/waterfall_view.hpp"
 
 namespace roadbalance {
 namespace {
 
 constexpr std::chrono::milliseconds kLevelInterval{100};
+constexpr std::chrono::milliseconds kEnvelopeInterval{50};
 constexpr std::chrono::milliseconds kSpectrumInterval{1000};
+
+/// Says whether it is time again.
+class Every {
+ public:
+  explicit Every(std::chrono::milliseconds interval) : interval_(interval) {}
+  bool due(WallTime now) {
+    if (now - last_ < interval_) return false;
+    last_ = now;
+    return true;
+  }
+
+ private:
+  std::chrono::milliseconds interval_;
+  WallTime last_{};
+};
 
 struct NodeView {
   LevelMeter levels;
   SpectrumMeter spectra;
+  EnvelopeMeter envelopes;
   std::int64_t epoch = 0;
   std::int64_t last_sequence = 0;
   std::int64_t skipped = 0;
@@ -45,43 +66,71 @@ struct NodeView {
 
 class LiveView {
  public:
-  LiveView(const std::string& url, const VehicleConfig& vehicle) : bus_(url), transfers_(vehicle) {
+  LiveView(const std::string& url, const VehicleConfig& vehicle)
+      : bus_(url), transfers_(vehicle), spectra_(vehicle), waterfalls_(vehicle) {
     for (const auto& node : vehicle.node)
-      nodes_.emplace(node.id, NodeView{LevelMeter(vehicle, node), SpectrumMeter(node)});
+      nodes_.emplace(node.id, NodeView{LevelMeter(vehicle, node), SpectrumMeter(node), EnvelopeMeter(node)});
     const auto take = [this](std::string_view, std::span<const std::uint8_t> bytes) { add(bytes); };
     bus_.subscribe("RB_BLOCK_.*", take);
     bus_.subscribe("RB_PREVIEW_.*", take);
     bus_.subscribe("RB_CLOCK_.*", [this](std::string_view, std::span<const std::uint8_t> bytes) {
-      if (const auto fit = decode_clock_fit(bytes)) transfers_.consume(*fit);
+      if (const auto fit = decode_clock_fit(bytes)) add(*fit);
     });
     bus_.subscribe(kViewChannel, [this](std::string_view, std::span<const std::uint8_t> bytes) {
-      if (const auto view = decode_view(bytes)) transfers_.take(*view, WallClock::now());
+      if (const auto view = decode_view(bytes)) add(*view);
     });
   }
 
   void step() {
     bus_.handle(std::chrono::milliseconds(20));
     const WallTime now = WallClock::now();
-    if (now - levels_published_ >= kLevelInterval) {
-      levels_published_ = now;
-      for (auto& [id, node] : nodes_)
-        if (auto level = node.levels.take()) {
-          level->skipped = node.skipped;
-          bus_.publish(kLevelChannel, encode(*level));
-        }
-      for (const TransferPart& part : transfers_.parts(WallClock::now()))
-        bus_.publish(kTransferChannel, encode(part));
-    }
-    if (now - spectra_published_ >= kSpectrumInterval) {
-      spectra_published_ = now;
-      for (auto& [id, node] : nodes_)
-        for (const auto& part : node.spectra.take()) bus_.publish(kSpectrumChannel, encode(part));
-    }
+    if (levels_.due(now)) publish_levels(now);
+    if (envelopes_.due(now)) publish_envelopes(now);
+    if (all_spectra_.due(now)) publish_spectra(now);
   }
 
   std::vector<std::string> other_versions() { return bus_.other_versions(); }
 
  private:
+  void publish_levels(WallTime now) {
+    for (auto& [id, node] : nodes_)
+      if (auto level = node.levels.take()) {
+        level->skipped = node.skipped;
+        bus_.publish(kLevelChannel, encode(*level));
+      }
+    for (const TransferPart& part : transfers_.parts(now)) bus_.publish(kTransferChannel, encode(part));
+    for (const SpectrumPart& part : spectra_.parts(now)) bus_.publish(kSpectrumChannel, encode(part));
+  }
+
+  void publish_envelopes(WallTime now) {
+    std::erase_if(watched_, [now](const auto& one) { return now - one.second > kForgotten; });
+    for (const auto& [channel, heard] : watched_)
+      if (const auto node = nodes_.find(channel.node); node != nodes_.end())
+        if (const auto envelope = node->second.envelopes.envelope(channel.channel))
+          bus_.publish(kEnvelopeChannel, encode(*envelope));
+  }
+
+  void publish_spectra(WallTime now) {
+    for (auto& [id, node] : nodes_)
+      for (const SpectrumPart& part : node.spectra.take()) bus_.publish(kSpectrumChannel, encode(part));
+    for (const WaterfallRow& row : waterfalls_.rows(now)) bus_.publish(kWaterfallChannel, encode(row));
+  }
+
+  void add(const View& view) {
+    const WallTime now = WallClock::now();
+    transfers_.take(view, now);
+    spectra_.take(view, now);
+    waterfalls_.take(view, now);
+    for (const ChannelId& channel : view.envelope)
+      if (watched_.contains(channel) || watched_.size() < kMostEnvelopes) watched_[channel] = now;
+  }
+
+  void add(const ClockFit& fit) {
+    transfers_.consume(fit);
+    spectra_.consume(fit);
+    waterfalls_.consume(fit);
+  }
+
   void add(std::span<const std::uint8_t> bytes) {
     if (accept(bytes, *block_) != Refusal::kNone) return;
     const auto node = nodes_.find(block_->header.node);
@@ -90,15 +139,24 @@ class LiveView {
     const ScanBlock scans = decode_scan(*block_);
     node->second.levels.add(scans);
     node->second.spectra.add(scans);
-    if (block_->header.sequence != 0) transfers_.consume(*block_);  // no preview: it skips
+    if (block_->header.sequence == 0) return;  // a preview skips
+    node->second.envelopes.add(scans);
+    transfers_.consume(*block_);
+    spectra_.consume(*block_);
+    waterfalls_.consume(*block_);
   }
+
+  static constexpr std::chrono::seconds kForgotten{3};
+  static constexpr std::size_t kMostEnvelopes = 64;
 
   Bus bus_;
   std::map<std::int32_t, NodeView> nodes_;
   TransferView transfers_;
+  SpectrumView spectra_;
+  WaterfallView waterfalls_;
+  std::map<ChannelId, WallTime> watched_;  ///< envelopes that somebody wants, and when he said so
   std::unique_ptr<SealedBlock> block_ = std::make_unique<SealedBlock>();
-  WallTime levels_published_{};
-  WallTime spectra_published_{};
+  Every levels_{kLevelInterval}, envelopes_{kEnvelopeInterval}, all_spectra_{kSpectrumInterval};
 };
 
 }  // namespace

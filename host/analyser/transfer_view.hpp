@@ -3,8 +3,6 @@
 #include <chrono>
 #include <cstdint>
 #include <map>
-#include <memory>
-#include <tuple>
 #include <vector>
 
 #include "common/bus/transfer_report.hpp"
@@ -12,7 +10,7 @@
 #include "common/clock/exchange.hpp"
 #include "common/config/vehicle_config.hpp"
 #include "common/link/block.hpp"
-#include "host/analyser/joint_spectra.hpp"
+#include "host/analyser/spectra_pool.hpp"
 
 namespace roadbalance {
 
@@ -28,19 +26,18 @@ class TransferView {
   static constexpr std::size_t kMostBytes = 48U << 20U;  ///< of one JointSpectra, about
   static constexpr std::size_t kMostShown = 576;         ///< bins; of more, neighbours are averaged
 
-  explicit TransferView(const VehicleConfig& vehicle);
+  explicit TransferView(const VehicleConfig& vehicle)
+      : pool_(vehicle, {kMostSpectra, kMostBytes, kMostSpectra * kMostBytes}) {}
 
   void take(const View& view, WallTime now);
-  void consume(const SealedBlock& block);
-  /// A fit is kept for spectra that somebody will ask for later.
-  void consume(const ClockFit& fit);
+  void consume(const SealedBlock& block) { pool_.consume(block); }
+  void consume(const ClockFit& fit) { pool_.consume(fit); }
 
   /// All parts of all pairs that have something new to tell; of those that cannot be told, once, why.
   std::vector<TransferPart> parts(WallTime now);
 
  private:
-  /// What spectra are made of.
-  using Kind = std::tuple<std::vector<ChannelId>, int, Window, int, double>;
+  using Kind = SpectraPool::Kind;
   struct Viewer {
     View view;
     Kind kind;
@@ -49,16 +46,12 @@ class TransferView {
     int told = -1;  ///< averages, or minus what was told in place of them
   };
   Kind kind_of(const View& view) const;
-  TransferState begin(const Kind& kind);
   void forget(WallTime now);
   void add_pairs(const Viewer& viewer, TransferState state, const JointSpectra* spectra,
                  std::vector<TransferPart>& parts) const;
 
-  VehicleConfig vehicle_;
-  std::map<ChannelId, ChannelPlace> place_;  ///< of channels in use
-  std::map<Kind, std::unique_ptr<JointSpectra>> spectra_;
+  SpectraPool pool_;
   std::map<std::int64_t, Viewer> viewers_;
-  std::map<std::int32_t, ClockFit> newest_fit_;  ///< by node
 };
 
 }  // namespace roadbalance

@@ -124,6 +124,7 @@ void BusView::forget_silent_recorders() {
 }
 
 void BusView::take(const SpectrumPart& part) {
+  if (part.viewer != 0) return;       // of somebody else's window and average
   constexpr double kLowest_hz = 2.0;  // a mean value is no line
   Line& line = lines_[{part.node, part.channel}];
   if (part.part == 0) line = {};

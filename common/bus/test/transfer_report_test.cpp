@@ -12,9 +12,13 @@ View view() {
           .segment = 8192,
           .window = Window::kFlatTop,
           .memory = 12,
+          .hold_peaks = true,
           .overlap = 0.75,
           .highest_hz = 400.0,
-          .pair = {{{1, 2}, {2, 11}}, {{2, 0}, {1, 3}}}};
+          .pair = {{{1, 2}, {2, 11}}, {{2, 0}, {1, 3}}},
+          .spectrum = {{1, 2}, {3, 4}},
+          .envelope = {{5, 6}},
+          .waterfall = {{3, {2, 9}}}};
 }
 
 TEST(TransferReport, AViewComesBackAsItWasSent) {
@@ -31,6 +35,10 @@ TEST(TransferReport, AViewComesBackAsItWasSent) {
   ASSERT_EQ(got->pair.size(), 2U);
   EXPECT_EQ(got->pair[0].output, (ChannelId{2, 11}));
   EXPECT_EQ(got->pair[1].input, (ChannelId{2, 0}));
+  EXPECT_TRUE(got->hold_peaks);
+  EXPECT_EQ(got->spectrum, view().spectrum);
+  EXPECT_EQ(got->envelope, view().envelope);
+  EXPECT_EQ(got->waterfall, view().waterfall);
 }
 
 TEST(TransferReport, AViewThatCannotBeIsRefused) {
@@ -48,6 +56,9 @@ TEST(TransferReport, AViewThatCannotBeIsRefused) {
   EXPECT_TRUE(refused([](View& v) { v.window = static_cast<Window>(3); }));
   EXPECT_TRUE(refused([](View& v) { v.memory = -1; }));
   EXPECT_TRUE(refused([](View& v) { v.pair[1].output.channel = 16; }));
+  EXPECT_TRUE(refused([](View& v) { v.spectrum[1].channel = -1; }));
+  EXPECT_TRUE(refused([](View& v) { v.envelope[0].channel = 16; }));
+  EXPECT_TRUE(refused([](View& v) { v.waterfall[0].wheel = 4; }));
   auto bytes = encode(view());
   bytes.push_back(0);
   EXPECT_FALSE(decode_view(bytes));

@@ -84,7 +84,10 @@ TEST(LevelMeter, GivesTheSpeedFromTheReferenceWhateverItsAmplitude) {
     Source source(wheel_hz);
     for (int i = 0; i < 10; ++i) meter.add(source.next());
     // Counts resolve the angle to 1e-7 rad, over 0.1 s.
-    EXPECT_NEAR(meter.take()->speed_m_s, 2.0 * std::numbers::pi * wheel_hz * kRollingRadius_m, 1e-5);
+    const auto level = meter.take();
+    EXPECT_NEAR(level->speed_m_s, 2.0 * std::numbers::pi * wheel_hz * kRollingRadius_m, 1e-5);
+    EXPECT_NEAR(level->rotation_hz[0], wheel_hz, 1e-5);
+    EXPECT_TRUE(std::isnan(level->rotation_hz[1])) << "no wheel is on this line";
   }
 }
 
