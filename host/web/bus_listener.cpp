@@ -16,7 +16,8 @@ void listen_to_bus(std::stop_token stop, const std::string& url, Out<TopicMessag
     const PageMessage& message = page_messages()[kind];
     bus.subscribe(message.channels, [&, kind](std::string_view, std::span<const std::uint8_t> bytes) {
       if (const auto key = message.key(bytes))
-        messages.try_send({{kind, *key}, {bytes.begin(), bytes.end()}});
+        messages.try_send(
+            {{kind, *key, message.viewer ? message.viewer(bytes) : 0}, {bytes.begin(), bytes.end()}});
     });
   }
   while (!stop.stop_requested()) {

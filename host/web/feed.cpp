@@ -20,9 +20,19 @@ std::uint64_t age_ms(WallTime came, WallTime now) {
 
 }  // namespace
 
+bool Feed::expect(std::int64_t viewer, WallTime now) {
+  if (!viewers_.contains(viewer) && viewers_.size() >= kMostViewers) return false;
+  viewers_[viewer].heard = now;
+  return true;
+}
+
 void Feed::take(TopicMessage message, WallTime now) {
-  if (!newest_.contains(message.topic) && newest_.size() >= kMostTopics) return;
-  newest_[message.topic] = {++revision_, now, std::move(message.bytes)};
+  const std::int64_t viewer = message.topic.viewer;
+  if (viewer != 0 && !viewers_.contains(viewer)) return;
+  Newests& newest = viewer == 0 ? newest_ : viewers_.at(viewer).newest;
+  if (!newest.contains(message.topic) && newest.size() >= (viewer == 0 ? kMostTopics : kMostTopicsOfAViewer))
+    return;
+  newest[message.topic] = {++revision_, now, std::move(message.bytes)};
 }
 
 void Feed::forget_silent(WallTime now) {
@@ -30,26 +40,35 @@ void Feed::forget_silent(WallTime now) {
   std::erase_if(newest_, [&](const auto& entry) {
     return page_messages()[entry.first.kind].is_state && now - entry.second.came > kForget;
   });
+  std::erase_if(viewers_, [&](const auto& viewer) { return now - viewer.second.heard > kForgetViewer; });
+  for (auto& [id, viewer] : viewers_)
+    std::erase_if(viewer.newest, [&](const auto& entry) { return now - entry.second.came > kForgetViewer; });
 }
 
-Frame Feed::since(std::uint64_t revision, WallTime now) {
+Frame Feed::since(std::uint64_t revision, WallTime now, std::int64_t viewer) {
   if (revision == revision_) return {revision_, nullptr};
+  if (const auto own = viewers_.find(viewer); viewer != 0 && own != viewers_.end())
+    return frame(revision, now, &own->second.newest);
   if (shared_.bytes && shared_.revision == revision_ && shared_since_ == revision) return shared_;
+  shared_since_ = revision;
+  return shared_ = frame(revision, now, nullptr);
+}
+
+Frame Feed::frame(std::uint64_t revision, WallTime now, const Newests* own) const {
+  std::vector<const Newest*> news;
+  for (const Newests* newests : {&newest_, own})
+    if (newests)
+      for (const auto& [topic, newest] : *newests)
+        if (newest.revision > revision) news.push_back(&newest);
   FrameBytes bytes;
   append_u32(bytes, kFrameMark);
-  append_u32(bytes,
-             static_cast<std::uint64_t>(std::count_if(newest_.begin(), newest_.end(), [&](const auto& entry) {
-               return entry.second.revision > revision;
-             })));
-  for (const auto& [topic, newest] : newest_) {
-    if (newest.revision <= revision) continue;
-    append_u32(bytes, age_ms(newest.came, now));
-    append_u32(bytes, newest.bytes.size());
-    bytes.insert(bytes.end(), newest.bytes.begin(), newest.bytes.end());
+  append_u32(bytes, news.size());
+  for (const Newest* const newest : news) {
+    append_u32(bytes, age_ms(newest->came, now));
+    append_u32(bytes, newest->bytes.size());
+    bytes.insert(bytes.end(), newest->bytes.begin(), newest->bytes.end());
   }
-  shared_since_ = revision;
-  shared_ = {revision_, std::make_shared<const FrameBytes>(std::move(bytes))};
-  return shared_;
+  return {revision_, std::make_shared<const FrameBytes>(std::move(bytes))};
 }
 
 }  // namespace roadbalance

@@ -23,7 +23,7 @@ struct Frame {
 };
 
 /// The newest message of each topic, for pages that come late and pages that are slow: a page that missed ten
-/// gets the last one.  A pure state machine of bounded memory.
+/// gets the last one.  What a page asked for goes to it alone.  A pure state machine of bounded memory.
 class Feed {
  public:
   static constexpr std::size_t kMostTopics = 512;
@@ -31,11 +31,20 @@ class Feed {
   /// later still learns of a node or recorder that has fallen silent.
   static constexpr std::chrono::hours kForget{1};
 
+  /// So many pages may ask for what is for them alone, so many topics each.
+  static constexpr std::size_t kMostViewers = 32, kMostTopicsOfAViewer = 512;
+  /// A page that asks no more is forgotten, and what it was told.
+  static constexpr std::chrono::seconds kForgetViewer{10};
+
+  /// A page asks for what is for it alone.  False: too many do.
+  bool expect(std::int64_t viewer, WallTime now);
+  /// What is for a page that did not ask, or for none that is known here, is dropped.
   void take(TopicMessage message, WallTime now);
   void forget_silent(WallTime now);
 
-  /// All that came after a revision; 0: all there is.  Pages that are equally far share one frame.
-  Frame since(std::uint64_t revision, WallTime now);
+  /// All that came after a revision; 0: all there is.  Pages that are equally far, and asked for nothing,
+  /// share one frame.
+  Frame since(std::uint64_t revision, WallTime now, std::int64_t viewer = 0);
 
   std::size_t topics() const { return newest_.size(); }
 
@@ -45,8 +54,15 @@ class Feed {
     WallTime came;
     std::vector<std::uint8_t> bytes;
   };
+  using Newests = std::map<Topic, Newest>;
+  struct Viewer {
+    WallTime heard;
+    Newests newest{};
+  };
+  Frame frame(std::uint64_t revision, WallTime now, const Newests* own) const;
 
-  std::map<Topic, Newest> newest_;
+  Newests newest_;
+  std::map<std::int64_t, Viewer> viewers_;
   std::uint64_t revision_ = 0;
   std::uint64_t shared_since_ = 0;
   Frame shared_;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <charconv>
 #include <system_error>
 
 namespace roadbalance {
@@ -20,6 +21,19 @@ bool is_ours(std::string_view origin, std::string_view host) {
   return origin.starts_with(kScheme) && origin.substr(kScheme.size()) == host;
 }
 
+/// The rest of the first protocol that begins so; empty: none does.
+std::string_view after(std::string_view mark, std::string_view protocols) {
+  while (!protocols.empty()) {
+    const std::size_t comma = protocols.find(',');
+    std::string_view protocol = protocols.substr(0, comma);
+    protocols = comma == std::string_view::npos ? "" : protocols.substr(comma + 1);
+    while (protocol.starts_with(' ')) protocol.remove_prefix(1);
+    while (protocol.ends_with(' ')) protocol.remove_suffix(1);
+    if (protocol.starts_with(mark)) return protocol.substr(mark.size());
+  }
+  return {};
+}
+
 }  // namespace
 
 Admission admit(const RequestHead& request, const OwnAddress& here, const GuardRules& rules) {
@@ -30,7 +44,8 @@ Admission admit(const RequestHead& request, const OwnAddress& here, const GuardR
   const bool must_show_origin = request.is_websocket || !reads;
   if ((must_show_origin || !request.origin.empty()) && !is_ours(request.origin, request.host))
     return Admission::kForeignOrigin;
-  const bool needs_token = !reads || (request.is_websocket && rules.token_to_watch);
+  const bool watches = request.is_websocket || request.only_watches;
+  const bool needs_token = watches ? rules.token_to_watch : !reads;
   if (needs_token && (rules.token.size() < kLeastToken || !same_secret(request.token, rules.token)))
     return Admission::kNoToken;
   return Admission::kAdmitted;
@@ -54,16 +69,14 @@ std::string new_token() {
 }
 
 std::string_view token_of_protocols(std::string_view protocols) {
-  constexpr std::string_view kMark = "token.";
-  while (!protocols.empty()) {
-    const std::size_t comma = protocols.find(',');
-    std::string_view protocol = protocols.substr(0, comma);
-    protocols = comma == std::string_view::npos ? "" : protocols.substr(comma + 1);
-    while (protocol.starts_with(' ')) protocol.remove_prefix(1);
-    while (protocol.ends_with(' ')) protocol.remove_suffix(1);
-    if (protocol.starts_with(kMark)) return protocol.substr(kMark.size());
-  }
-  return {};
+  return after("token.", protocols);
+}
+
+std::int64_t viewer_of_protocols(std::string_view protocols) {
+  const std::string_view digits = after("viewer.", protocols);
+  std::int64_t number = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  return error == std::errc() && end == digits.data() + digits.size() ? number : 0;
 }
 
 }  // namespace roadbalance

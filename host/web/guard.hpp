@@ -18,6 +18,7 @@ struct RequestHead {
   std::string_view origin{};  ///< empty: none
   std::string_view token{};   ///< empty: none
   bool is_websocket = false;  ///< asks to become one
+  bool only_watches = false;  ///< it changes what is shown to it, and nothing else
 };
 
 struct GuardRules {
@@ -50,9 +51,11 @@ bool same_secret(std::string_view a, std::string_view b);
 /// 32 hexadecimal digits nobody can guess.
 std::string new_token();
 
-/// The page asks for "roadbalance" and "token.<token>" as WebSocket protocols: a browser lets it say nothing
-/// else.  The token of Sec-WebSocket-Protocol; empty: none.
+/// The page asks for "roadbalance", "token.<token>" and "viewer.<number>" as WebSocket protocols: a browser
+/// lets it say nothing else.  The token of Sec-WebSocket-Protocol; empty: none.
 std::string_view token_of_protocols(std::string_view protocols);
+/// The number of "viewer.<number>" among them, by which the page calls itself in its View; 0: none.
+std::int64_t viewer_of_protocols(std::string_view protocols);
 inline constexpr const char* kFeedProtocol = "roadbalance";
 
 }  // namespace roadbalance

@@ -13,6 +13,7 @@
 #include "common/process/stop_on_signal.hpp"
 #include "host/web/bus_listener.hpp"
 #include "host/web/feed.hpp"
+#include "host/web/view_post.hpp"
 #include "host/web/web_server.hpp"
 
 namespace {
@@ -80,19 +81,22 @@ void serve(const Options& options, std::stop_token stop) {
   constexpr std::size_t kWaitingMessages = 4096;
   auto [messages_out, messages_in] = make_channel<TopicMessage>(kWaitingMessages);
   Feed feed;
+  Bus bus(options.url);
   const GuardRules rules = rules_of(options);
   const auto refresh = [&feed, &messages = messages_in] {
     const WallTime now = WallClock::now();
     while (auto message = messages.receive_for(std::chrono::seconds(0))) feed.take(std::move(*message), now);
     feed.forget_silent(now);
   };
-  WebServer server(
-      {.address = options.listen,
-       .port = static_cast<std::uint16_t>(options.port),
-       .rules = rules,
-       .assets = page_assets(),
-       .refresh = refresh,
-       .frame = [&feed](std::uint64_t revision) { return feed.since(revision, WallClock::now()); }});
+  WebServer server({.address = options.listen,
+                    .port = static_cast<std::uint16_t>(options.port),
+                    .rules = rules,
+                    .assets = page_assets(),
+                    .posts = {view_post(bus, feed)},
+                    .refresh = refresh,
+                    .frame = [&feed](std::uint64_t revision, std::int64_t viewer) {
+                      return feed.since(revision, WallClock::now(), viewer);
+                    }});
   Parallel processes;
   const std::stop_callback pass_on(stop, [&] { processes.request_stop(); });
   processes.run([&server](std::stop_token stop_here) { server.run(stop_here); });

@@ -1,18 +1,22 @@
 #include "host/web/topics.hpp"
 
 #include <array>
+#include <initializer_list>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/clock_messages.hpp"
 #include "common/bus/compensation.hpp"
 #include "common/bus/control.hpp"
+#include "common/bus/display.hpp"
 #include "common/bus/knock.hpp"
 #include "common/bus/operation.hpp"
+#include "common/bus/order_report.hpp"
 #include "common/bus/recorder_status.hpp"
 #include "common/bus/recording.hpp"
 #include "common/bus/remark.hpp"
 #include "common/bus/results.hpp"
 #include "common/bus/setup.hpp"
+#include "common/bus/transfer_report.hpp"
 #include "common/bus/verification.hpp"
 
 namespace roadbalance {
@@ -29,6 +33,43 @@ Key node_of(const std::optional<Message>& message) {
 template <typename Message>
 Key wheel_of(const std::optional<Message>& message) {
   return message && message->wheel >= 0 && message->wheel < kWheels ? Key(message->wheel) : std::nullopt;
+}
+
+/// Tells apart what there is at a time, in no order.
+std::int64_t packed(std::initializer_list<std::int64_t> values) {
+  std::uint64_t key = 0;
+  for (const std::int64_t value : values) key = key * 1021 + static_cast<std::uint64_t>(value);
+  return static_cast<std::int64_t>(key);
+}
+
+Key transfer_key(Bytes bytes) {
+  const auto part = decode_transfer(bytes);
+  if (!part || part->viewer == 0) return std::nullopt;
+  return packed({part->pair.input.node, part->pair.input.channel, part->pair.output.node,
+                 part->pair.output.channel, part->part});
+}
+
+/// Of spectra those that a page asked for.
+Key spectrum_key(Bytes bytes) {
+  const auto part = decode_spectrum(bytes);
+  if (!part || part->viewer == 0) return std::nullopt;
+  return packed({part->node, part->channel, part->part});
+}
+
+Key envelope_key(Bytes bytes) {
+  const auto envelope = decode_envelope(bytes);
+  return envelope ? Key(packed({envelope->node, envelope->channel})) : std::nullopt;
+}
+
+Key waterfall_key(Bytes bytes) {
+  const auto row = decode_waterfall(bytes);
+  if (!row) return std::nullopt;
+  return packed({row->of.wheel, row->of.channel.node, row->of.channel.channel, row->speed_class});
+}
+
+Key orders_key(Bytes bytes) {
+  const auto report = decode_orders(bytes);
+  return wheel_of(report) ? Key(packed({report->wheel, report->node})) : std::nullopt;
 }
 
 const std::array kPageMessages{
@@ -76,6 +117,13 @@ const std::array kPageMessages{
                   return recording ? Key(recording->number) : std::nullopt;
                 },
                 true},
+    PageMessage{kOrdersChannel, orders_key, false},
+    PageMessage{kEnvelopeChannel, envelope_key, true},
+    PageMessage{kWaterfallChannel, waterfall_key, true},
+    PageMessage{kTransferChannel, transfer_key, true,
+                [](Bytes bytes) { return decode_transfer(bytes)->viewer; }},
+    PageMessage{kSpectrumChannel, spectrum_key, true,
+                [](Bytes bytes) { return decode_spectrum(bytes)->viewer; }},
 };
 
 }  // namespace

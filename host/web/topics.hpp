@@ -11,8 +11,9 @@ namespace roadbalance {
 
 /// A thing of which only the newest message counts: the levels of node 2, the balance of wheel 0.
 struct Topic {
-  std::size_t kind = 0;  ///< which of page_messages()
-  std::int64_t key = 0;  ///< node, wheel or incarnation; 0 where there is one only
+  std::size_t kind = 0;     ///< which of page_messages()
+  std::int64_t key = 0;     ///< node, wheel or incarnation; 0 where there is one only
+  std::int64_t viewer = 0;  ///< the page that asked for it (View); 0: it is for all
   auto operator<=>(const Topic&) const = default;
 };
 
@@ -23,6 +24,8 @@ struct PageMessage {
   std::optional<std::int64_t> (*key)(std::span<const std::uint8_t> bytes);
   /// True of a state, which is said again and again: in silence it is forgotten.  A result stays.
   bool is_state;
+  /// Topic::viewer of a good message; nullptr: it is for all.
+  std::int64_t (*viewer)(std::span<const std::uint8_t> bytes) = nullptr;
 };
 
 /// All that the page is told.  It decodes them itself: see page/README.md.

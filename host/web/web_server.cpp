@@ -69,7 +69,8 @@ class Place {
 /// A page that watches.
 class Watcher : public std::enable_shared_from_this<Watcher> {
  public:
-  Watcher(beast::tcp_stream stream, Place place) : place_(std::move(place)), socket_(std::move(stream)) {}
+  Watcher(beast::tcp_stream stream, Place place, std::int64_t viewer)
+      : place_(std::move(place)), socket_(std::move(stream)), viewer_(viewer) {}
 
   void accept(const Request& request, std::vector<std::weak_ptr<Watcher>>& watchers) {
     beast::get_lowest_layer(socket_).expires_never();
@@ -89,12 +90,12 @@ class Watcher : public std::enable_shared_from_this<Watcher> {
   }
 
   /// Sends what is new, if it has taken what was sent before.
-  void offer(const std::function<Frame(std::uint64_t)>& frame_since) {
+  void offer(const std::function<Frame(std::uint64_t, std::int64_t)>& frame_since) {
     if (under_way_.bytes) {
       if (WallClock::now() - sent_at_ > WebServer::kFrameTime) beast::get_lowest_layer(socket_).close();
       return;
     }
-    under_way_ = frame_since(seen_);
+    under_way_ = frame_since(seen_, viewer_);
     if (!under_way_.bytes) return;
     sent_at_ = WallClock::now();
     socket_.async_write(asio::buffer(*under_way_.bytes),
@@ -118,6 +119,7 @@ class Watcher : public std::enable_shared_from_this<Watcher> {
   Frame under_way_;
   WallTime sent_at_{};
   std::uint64_t seen_ = 0;
+  std::int64_t viewer_;
 };
 
 /// What all connections know of the server.
@@ -156,17 +158,32 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
     Error no_address;
     const Tcp::endpoint here = stream_.socket().local_endpoint(no_address);
     if (no_address) return;
+    const Post* const post = post_at(request);
     const RequestHead head{.method = view(request.method_string()),
                            .target = view(request.target()),
                            .host = sole(request, http::field::host),
                            .origin = sole(request, http::field::origin),
                            .token = token_of(request, is_websocket),
-                           .is_websocket = is_websocket};
+                           .is_websocket = is_websocket,
+                           .only_watches = post && !post->changes_state};
     if (request.count(http::field::origin) > 1) return refuse(http::status::bad_request);
     const Admission admission = admit(head, {name_of(here.address()), here.port()}, shared_.options.rules);
     if (admission != Admission::kAdmitted) return refuse(static_cast<http::status>(admission));
     if (is_websocket && head.target == kFeedPath) return watch();
+    if (post) return answer(*post);
     serve(head);
+  }
+
+  /// The post that it is; nullptr: none.
+  const Post* post_at(const Request& request) const {
+    const auto& posts = shared_.options.posts;
+    const auto found = std::ranges::find(posts, view(request.target()), &Post::path);
+    return request.method() == http::verb::post && found != posts.end() ? &*found : nullptr;
+  }
+
+  void answer(const Post& post) {
+    post_answer_ = post.take(parser_->get().body());
+    answer(static_cast<http::status>(post_answer_.status), "text/plain; charset=utf-8", post_answer_.text);
   }
 
   static std::string_view token_of(const Request& request, bool is_websocket) {
@@ -178,7 +195,9 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
   void watch() {
     Error ignored;  // a page that stalls is noticed a little later then
     stream_.socket().set_option(asio::socket_base::send_buffer_size(kSendBufferBytes), ignored);
-    std::make_shared<Watcher>(std::move(stream_), std::move(place_))
+    const std::int64_t viewer =
+        viewer_of_protocols(sole(parser_->get(), http::field::sec_websocket_protocol));
+    std::make_shared<Watcher>(std::move(stream_), std::move(place_), viewer)
         ->accept(parser_->get(), shared_.watchers);
   }
 
@@ -230,6 +249,7 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
   using Answer = http::response<http::buffer_body>;
   std::optional<Answer> answer_;
   std::optional<http::response_serializer<http::buffer_body>> serializer_;
+  PostAnswer post_answer_;
   bool hang_up_ = false;
 };
 

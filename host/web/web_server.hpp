@@ -8,6 +8,7 @@
 #include <stop_token>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "host/web/feed.hpp"
 #include "host/web/guard.hpp"
@@ -23,15 +24,30 @@ struct Asset {
 /// Those that the build has put into the program.
 std::span<const Asset> page_assets();
 
+struct PostAnswer {
+  std::uint16_t status = 200;
+  std::string text{};  ///< plain
+};
+/// What a page may say, by POST to a path.
+struct Post {
+  std::string_view path;  ///< "/view"
+  /// It changes more than what is shown to this page, so it needs the session's token even where watching
+  /// needs none.
+  bool changes_state;
+  /// In the server's own thread: it may not wait.
+  std::function<PostAnswer(std::string_view body)> take;
+};
+
 struct WebServerOptions {
   std::string address = "127.0.0.1";  ///< to listen on, a number
   std::uint16_t port = 0;             ///< 0: a free one
   GuardRules rules{};                 ///< who may speak to it
   std::span<const Asset> assets{};
+  std::vector<Post> posts{};
   /// Both in the server's own thread, WebServer::kPerSecond times a second: first refresh, then frame for
-  /// each page, with the revision it has: what is new since.
+  /// each page, with the revision it has and the number it calls itself by: what is new since.
   std::function<void()> refresh{};
-  std::function<Frame(std::uint64_t revision)> frame{};
+  std::function<Frame(std::uint64_t revision, std::int64_t viewer)> frame{};
 };
 
 /// HTTP and WebSocket ("/feed") on one port, without mathematics and without mercy: whoever is slow, long or

@@ -101,6 +101,39 @@ TEST_F(FeedTest, KeepsNoMoreTopicsThanItMay) {
   EXPECT_EQ(entries(feed_.since(0, now_)).at(3).bytes, std::vector<std::uint8_t>{7});
 }
 
+TEST_F(FeedTest, WhatAPageAskedForGoesToItAlone) {
+  const auto take_for = [&](std::int64_t viewer, std::uint8_t byte) {
+    feed_.take({{kState, 1, viewer}, {byte}}, now_);
+  };
+  take_for(5, 1);
+  EXPECT_EQ(feed_.since(0, now_, 5).bytes, nullptr) << "nobody asked here";
+  ASSERT_TRUE(feed_.expect(5, now_));
+  take_for(5, 2);
+  take_for(6, 3);
+  take(kState, 1, 9);
+  EXPECT_EQ(entries(feed_.since(0, now_, 5)), (std::vector<Entry>{{0, {9}}, {0, {2}}}));
+  EXPECT_EQ(entries(feed_.since(0, now_, 6)), (std::vector<Entry>{{0, {9}}}));
+  EXPECT_EQ(entries(feed_.since(0, now_)), (std::vector<Entry>{{0, {9}}}));
+}
+
+TEST_F(FeedTest, APageThatAsksNoMoreIsForgotten) {
+  ASSERT_TRUE(feed_.expect(5, now_));
+  feed_.take({{kState, 1, 5}, {1}}, now_);
+  now_ += Feed::kForgetViewer + milliseconds(1);
+  feed_.forget_silent(now_);
+  EXPECT_EQ(entries(feed_.since(0, now_, 5)).size(), 0U);
+  feed_.take({{kState, 1, 5}, {1}}, now_);
+  EXPECT_EQ(entries(feed_.since(0, now_, 5)).size(), 0U);
+}
+
+TEST_F(FeedTest, PagesThatAskAndWhatTheyAreToldAreBounded) {
+  for (std::size_t viewer = 1; viewer <= 2 * Feed::kMostViewers; ++viewer)
+    EXPECT_EQ(feed_.expect(static_cast<std::int64_t>(viewer), now_), viewer <= Feed::kMostViewers);
+  EXPECT_TRUE(feed_.expect(1, now_)) << "who is known may go on";
+  for (std::int64_t key = 0; key < 10'000; ++key) feed_.take({{kState, key, 1}, {1}}, now_);
+  EXPECT_EQ(entries(feed_.since(0, now_, 1)).size(), Feed::kMostTopicsOfAViewer);
+}
+
 TEST(PageMessages, TellWhomAGoodMessageIsAboutAndRefuseOthers) {
   Heartbeat beat;
   beat.node = 7;
@@ -115,6 +148,18 @@ TEST(PageMessages, TellWhomAGoodMessageIsAboutAndRefuseOthers) {
   EXPECT_EQ(page_messages()[kResult].key(encode(balance)), 3);
   balance.wheel = 4;
   EXPECT_EQ(page_messages()[kResult].key(encode(balance)), std::nullopt);
+}
+
+TEST(PageMessages, ASpectrumIsOfWhoAskedAndThatForEverybodyIsNotShown) {
+  const PageMessage& spectrum = page_messages()[kind("RB_SPECTRUM")];
+  SpectrumPart part{.viewer = 77, .node = 2, .channel = 3, .parts = 2};
+  const auto first = spectrum.key(encode(part));
+  ASSERT_TRUE(first);
+  EXPECT_EQ(spectrum.viewer(encode(part)), 77);
+  part.part = 1;
+  EXPECT_NE(spectrum.key(encode(part)), first) << "each part is a topic";
+  part.viewer = 0;
+  EXPECT_EQ(spectrum.key(encode(part)), std::nullopt);
 }
 
 }  // namespace

@@ -83,6 +83,20 @@ TEST(Guard, WatchingFromElsewhereNeedsTheToken) {
   EXPECT_EQ(admit(head, kHere, local), Admission::kAdmitted);
 }
 
+TEST(Guard, WhatChangesOnlyWhatIsShownShowsOriginAndTheTokenOnlyWhereWatchingNeedsIt) {
+  GuardRules local = kRules;
+  local.token_to_watch = false;
+  RequestHead head = change();
+  head.only_watches = true;
+  head.token = "";
+  EXPECT_EQ(admit(head, kHere, local), Admission::kAdmitted);
+  EXPECT_EQ(admit(head, kHere, kRules), Admission::kNoToken);
+  for (const char* origin : {"", "null", "http://evil.example"}) {
+    head.origin = origin;
+    EXPECT_EQ(admit(head, kHere, local), Admission::kForeignOrigin) << origin;
+  }
+}
+
 TEST(Guard, NoTokenIsNotAToken) {
   GuardRules rules = kRules;
   rules.token = "";
@@ -111,6 +125,13 @@ TEST(Guard, FindsTheTokenAmongTheProtocols) {
   EXPECT_EQ(token_of_protocols("roadbalance"), "");
   EXPECT_EQ(token_of_protocols("xtoken.abc"), "");
   EXPECT_EQ(token_of_protocols(""), "");
+}
+
+TEST(Guard, FindsTheViewerAmongTheProtocols) {
+  EXPECT_EQ(viewer_of_protocols("roadbalance, viewer.9007199254740991"), 9'007'199'254'740'991);
+  EXPECT_EQ(viewer_of_protocols("viewer.12 , token.abc"), 12);
+  for (const char* none : {"", "roadbalance", "viewer.", "viewer.12x", "viewer.99999999999999999999"})
+    EXPECT_EQ(viewer_of_protocols(none), 0) << none;
 }
 
 TEST(Guard, NoTwoTokensAreEqual) {

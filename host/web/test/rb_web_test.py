@@ -249,6 +249,16 @@ class Local(unittest.TestCase):
             rest = {name: value for name, value in right.items() if name != missing}
             self.assertEqual(get(self.program, "/command", method="POST", body=b"{}", **rest)[0], code, missing)
 
+    def test_a_page_may_ask_for_a_view_without_a_token_but_only_our_own(self):
+        for origin, code in ((own(self.program), 400), ("http://evil.example", 403), ("null", 403),
+                             (f"http://localhost:{self.program.port}", 403)):
+            # 400: admitted, but what it says is no view.
+            for body in (b"", b"{}", bytes(700), os.urandom(16_000)):
+                self.assertEqual(get(self.program, "/view", method="POST", body=body, Origin=origin)[0], code, origin)
+        self.assertEqual(get(self.program, "/view", method="POST", body=b"")[0], 403)
+        self.assertEqual(get(self.program, "/view", method="POST", body=bytes(20_000), Origin=own(self.program))[0], 413)
+        self.assertEqual(get(self.program, "/view")[0], 404)
+
     def test_other_methods_are_refused(self):
         for method in ("PUT", "DELETE", "PATCH", "TRACE", "FROBNICATE"):
             self.assertEqual(get(self.program, method=method)[0], 405, method)
@@ -359,6 +369,9 @@ class Elsewhere(unittest.TestCase):
                     stream, head = upgrade(program, protocols=protocols)
                     self.assertEqual(status(head), code, protocols)
                     stream.close()
+                for token, code in ((None, 401), ("wrong-horse-battery", 401), (secret, 400)):
+                    headers = {"X_Roadbalance_Token": token} if token else {}
+                    self.assertEqual(get(program, "/view", method="POST", body=b"", Origin=own(program), **headers)[0], code)
                 self.assertEqual(get(program, host=f"car.lan:{program.port}")[0], 200)
                 for host in ("localhost", "0.0.0.0", "other.lan"):
                     self.assertEqual(get(program, host=f"{host}:{program.port}")[0], 421, host)

@@ -60,7 +60,7 @@ TEST(WebServer, APageThatDoesNotReadIsDroppedAndNobodyWaitsForIt) {
                     .assets = {},
                     .refresh = [&] { ++revision; },
                     .frame =
-                        [&](std::uint64_t) {
+                        [&](std::uint64_t, std::int64_t) {
                           return Frame{revision, large};
                         }});
   std::jthread running([&](std::stop_token stop) { server.run(stop); });
