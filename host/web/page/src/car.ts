@@ -1,5 +1,6 @@
 // What is known of the car: the newest of every message, and when it was on the bus.
 import {decode, readFrame, type Arrival} from "./decode";
+import {PlotData} from "./plot_data";
 import {
   type Balance, type ClockFit, type Compensation, type Heartbeat, type Identification, kBalance, kClockFit,
   kCompensation, kHeartbeat, kIdentification, kKnock, kLevel, kRecorder, kRecording, kRemark, kSetup, kVerification,
@@ -41,6 +42,7 @@ export class Car {
   /** By "node.channel", counted from 1: when it last left its range. */
   readonly overloadMs = new Map<string, number>();
   readonly peaks = new Map<string, Peak>();
+  readonly plots = new PlotData();
   /** Messages of no type that this page knows: the program is of another version. */
   strangers = 0;
 
@@ -105,7 +107,7 @@ export class Car {
         break;
       }
       case kIdentification.fingerprint: this.identification = {message: decode(kIdentification, arrival), atMs}; break;
-      default: ++this.strangers;
+      default: if (!this.plots.take(arrival)) ++this.strangers;
     }
   }
 

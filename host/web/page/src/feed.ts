@@ -11,7 +11,7 @@ const kLongestFrameBytes = 1 << 20;
 
 /** The session's token stands behind the # of the address, where browsers keep it to themselves; it is taken out of
     sight, and kept as long as the tab. */
-function sessionToken(): string {
+export function sessionToken(): string {
   const found = /token=([\w-]+)/.exec(location.hash)?.[1];
   if (found) {
     sessionStorage.setItem("token", found);
@@ -20,10 +20,11 @@ function sessionToken(): string {
   return found ?? sessionStorage.getItem("token") ?? "";
 }
 
-export function connectFeed(events: FeedEvents): void {
+/** @param viewer  what this page calls itself in what it asks (view_t) */
+export function connectFeed(viewer: number, events: FeedEvents): void {
   const open = () => {
     const token = sessionToken();  // a person may have put it into the address since the last try
-    const protocols = ["roadbalance", ...(token ? [`token.${token}`] : [])];
+    const protocols = ["roadbalance", `viewer.${viewer}`, ...(token ? [`token.${token}`] : [])];
     const socket = new WebSocket(`ws://${location.host}/feed`, protocols);
     socket.binaryType = "arraybuffer";
     socket.onopen = () => events.connected(true);

@@ -7,6 +7,7 @@ import {HelpView} from "./help_view";
 import {listenToKeys, type Key} from "./keys";
 import {LampView} from "./lamp_view";
 import {LevelView} from "./level_view";
+import {PlotView} from "./plot_view";
 import type {Connection} from "./state";
 import {startTheme, toggleTheme} from "./theme";
 import {Views} from "./view";
@@ -29,6 +30,7 @@ function start(): void {
   const balance = new WheelView(car);
   const views: Views = new Views([
     balance,
+    new PlotView(car),
     new HelpView(() => keys().filter(({key}) => key !== "Escape"), () => views.back()),
   ], levelView.element);
   const keys = (): Key[] => [
@@ -70,7 +72,7 @@ function start(): void {
     framesAtLastCount = frames;
   }, 1000);
   setInterval(soon, kRedrawMs);
-  connectFeed({
+  connectFeed(car.plots.viewer, {
     frame(frame) {
       ++frames;
       try {

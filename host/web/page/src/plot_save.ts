@@ -1,0 +1,83 @@
+// Saves what is drawn as a picture and as a table, without anybody's help.
+import {colour} from "./plot_figure";
+import type {Curve} from "./plot_figure";
+import type {Table} from "./plot";
+
+/** Curves beside each other; those with other x get a column of their own. */
+export function curvesTable(xName: string, curves: readonly Curve[], unit: string): Table {
+  const head: string[] = [], columns: (readonly (number | null)[])[] = [];
+  let x: readonly number[] | undefined;
+  for (const curve of curves) {
+    if (!x || !sameNumbers(curve.x, x)) {
+      head.push(xName);
+      columns.push(curve.x);
+      x = curve.x;
+    }
+    head.push(`${curve.name} ${unit}`.trim());
+    columns.push(curve.y);
+  }
+  return {head, columns};
+}
+
+const sameNumbers = (a: readonly number[], b: readonly number[]) =>
+  a === b || (a.length === b.length && a.every((value, k) => value === b[k]));
+
+/** RFC 4180. */
+export function csv({head, columns}: Table): string {
+  const field = (value: number | string | null | undefined) => {
+    const text = value === null || value === undefined ? "" : String(value);
+    return /[",\n\r]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
+  };
+  const rows = Math.max(0, ...columns.map(({length}) => length));
+  const lines = [head.map(field).join(",")];
+  for (let row = 0; row < rows; ++row) lines.push(columns.map((column) => field(column[row])).join(","));
+  return lines.join("\r\n") + "\r\n";
+}
+
+const kMargin = 16, kLine = 20;
+
+/** The canvases below each other with texts under them, on the ground of the theme. */
+export function picture(canvases: readonly HTMLCanvasElement[], texts: readonly string[]): HTMLCanvasElement {
+  const scale = devicePixelRatio;
+  const width = Math.max(640 * scale, ...canvases.map((one) => one.width));
+  const font = `${14 * scale}px system-ui, "DejaVu Sans", sans-serif`;
+  const made = document.createElement("canvas");
+  const measure = made.getContext("2d") as CanvasRenderingContext2D;
+  measure.font = font;
+  const lines = texts.flatMap((text) => wrapped(text, width - 2 * kMargin * scale, (part) => measure.measureText(part).width));
+  made.width = width;
+  made.height = canvases.reduce((sum, one) => sum + one.height, 0) + (lines.length * kLine + 2 * kMargin) * scale;
+  const ctx = made.getContext("2d") as CanvasRenderingContext2D;
+  ctx.fillStyle = colour("--ground");
+  ctx.fillRect(0, 0, made.width, made.height);
+  let y = 0;
+  for (const one of canvases) {
+    ctx.drawImage(one, 0, y);
+    y += one.height;
+  }
+  ctx.fillStyle = colour("--text");
+  ctx.font = font;
+  lines.forEach((line, k) => ctx.fillText(line, kMargin * scale, y + (kMargin + k * kLine) * scale));
+  return made;
+}
+
+/** Lines no wider than may be. */
+export function wrapped(text: string, most: number, widthOf: (text: string) => number): string[] {
+  const lines: string[] = [];
+  for (const word of text.split(/\s+/).filter(Boolean)) {
+    const last = lines.at(-1);
+    if (last !== undefined && widthOf(`${last} ${word}`) <= most) lines[lines.length - 1] = `${last} ${word}`;
+    else lines.push(word);
+  }
+  return lines;
+}
+
+/** As the browser saves what it is given. */
+export function save(content: Blob, name: string): void {
+  const address = URL.createObjectURL(content);
+  const link = document.createElement("a");
+  link.href = address;
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(address), 10_000);
+}

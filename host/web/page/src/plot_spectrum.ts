@@ -1,0 +1,118 @@
+// Spectra of channels, with a cursor and the orders of a wheel.
+import {accelerations, carriers, channelKey, channelName, rotationHz, type ChannelId} from "./channels";
+import type {Car} from "./car";
+import {el, setText} from "./dom";
+import type {Plot, Scene, Table} from "./plot";
+import type {Spectral, Wish} from "./plot_ask";
+import {Choice, ChannelsChoice} from "./plot_choice";
+import {frequencies, joined} from "./plot_data";
+import {Figure, figures, kColours, type Curve, type Marker} from "./plot_figure";
+import {curvesTable} from "./plot_save";
+import {kWheelNames} from "./wheel_place";
+import type {Spectrum} from "./wire";
+
+export type Quantity = "density" | "peak" | "rms";
+const kQuantities: Readonly<Record<Quantity, string>> = {
+  density: "density, (m/s²)²/Hz", peak: "amplitude (peak), m/s²", rms: "amplitude (rms), m/s²"};
+export const kWindowNames = ["rectangular", "Hann", "flat top"] as const;
+const kOrders = 4;
+
+/** A line of density G is as strong as a sine of rms sqrt(G B), B the equivalent noise bandwidth. */
+export function amplitude(density: number, enbw_hz: number, quantity: Quantity): number {
+  if (quantity === "density") return density;
+  return Math.sqrt(density * enbw_hz * (quantity === "peak" ? 2 : 1));
+}
+
+/** Where the orders of a wheel are. */
+export function orderMarkers(car: Car, wheel: number): Marker[] {
+  const hz = rotationHz(car, wheel);
+  if (hz === undefined || hz < 0.5) return [];
+  return Array.from({length: kOrders}, (_, k) => ({x: (k + 1) * hz, label: `${k + 1}×`}));
+}
+
+export const orderChoice = (id: string, changed: () => void) =>
+  new Choice<string>(id, "Orders of", {"": "no wheel", ...Object.fromEntries(kWheelNames.map((name, k) => [k, name]))}, "0", changed);
+
+/** How such spectra were made, in a sentence. */
+export function spectralCaption(spectral: Spectral, part: {readonly step_hz: number; readonly enbw_hz: number}): string {
+  const mean = spectral.holdPeaks ? "the greatest of each bin is held" :
+    spectral.memory === 0 ? "linear average" : `exponential average over ${spectral.memory}`;
+  return `${kWindowNames[spectral.window]} window, ${spectral.segment} samples, ${100 * spectral.overlap} % overlap, ${mean}; ` +
+    `lines ${figures(part.step_hz)} Hz apart, equivalent noise bandwidth ${figures(part.enbw_hz)} Hz`;
+}
+
+export class SpectrumPlot implements Plot {
+  readonly id = "spectrum";
+  readonly title = "Spectrum";
+  readonly isSpectral = true;
+  readonly element: HTMLElement;
+  private readonly channels: ChannelsChoice;
+  private readonly quantity: Choice<Quantity>;
+  private readonly orders: Choice<string>;
+  private readonly caption = el("p", {class: "caption", id: "spectrum-caption"});
+  private readonly figure = new Figure({
+    id: "spectrum-figure", label: "Spectrum", xLabel: "Frequency, Hz", share: 1, logarithmic: true,
+    xText: (x) => `${x.toFixed(2)} Hz`});
+  private reference: Curve[] = [];
+
+  constructor(changed: () => void) {
+    this.channels = new ChannelsChoice("spectrum-channels", kColours, changed);
+    this.quantity = new Choice("spectrum-quantity", "Show", kQuantities, "density", changed);
+    this.orders = orderChoice("spectrum-orders", changed);
+    this.element = el("section", {class: "plot"}, [
+      el("div", {class: "choices"}, [this.channels.element, this.quantity.element, this.orders.element]),
+      this.figure.element, this.caption]);
+  }
+
+  wish(): Wish {
+    return {spectra: this.channels.value};
+  }
+
+  draw({car, spectral}: Scene): void {
+    this.channels.offer(car, accelerations(car), carriers(car));
+    const wanted = this.channels.value;
+    const curves: Curve[] = [];
+    let about: Spectrum | undefined;
+    const waiting: ChannelId[] = [];
+    wanted.forEach((id, k) => {
+      const parts = car.plots.spectra.get(channelKey(id))?.whole ?? [];
+      const [part] = parts;
+      if (!part || part.averages === 0) {
+        waiting.push(id);
+        return;
+      }
+      about = part;
+      const quantity = this.quantity.value;
+      curves.push({name: channelName(car, id), colour: k, x: frequencies(parts),
+                   y: joined(parts, ({density}) => density).map((value) => amplitude(value, part.enbw_hz, quantity))});
+    });
+    const markers = this.orders.value === "" ? [] : orderMarkers(car, Number(this.orders.value));
+    this.figure.show([...curves, ...this.reference], kQuantities[this.quantity.value], markers);
+    const why = waiting.length === 0 ? "" :
+      ` No spectrum yet of ${waiting.map((id) => channelName(car, id)).join(", ")}: a block of ${spectral.segment} samples ` +
+      "without a gap or overload must be full first.";
+    setText(this.caption, (about ? `${spectralCaption(spectral, about)}; ${about.averages} blocks.` : "") +
+      (wanted.length === 0 ? "Choose a channel." : why));
+  }
+
+  table(): Table {
+    return curvesTable("frequency_hz", this.figure.shown(), this.quantity.value === "density" ? "(m/s2)^2/Hz" : `m/s2 ${this.quantity.value}`);
+  }
+
+  canvases(): HTMLCanvasElement[] {
+    return [this.figure.canvas() ?? []].flat();
+  }
+
+  captions(): string[] {
+    return [this.figure.text(), this.caption.textContent ?? ""];
+  }
+
+  keepReference(): void {
+    this.reference = this.figure.shown().filter(({dashed}) => !dashed)
+      .map((curve) => ({...curve, name: `${curve.name} (reference)`, dashed: true}));
+  }
+
+  dropReference(): void {
+    this.reference = [];
+  }
+}
