@@ -9,15 +9,19 @@
 
 namespace roadbalance {
 
-/// A section demodulated with the angle of each wheel that has one.
-struct Demodulated {
-  std::vector<int> wheels;  ///< the references, in this order; empty: none
-  Eigen::MatrixXcd down;    ///< [reference x sample] conjugate reference under the taper, gain 1 for a phasor
-  Eigen::MatrixXcd Z;       ///< [reference x coordinate] phasors of z''
+/// What a section's phasors at its wheels' rates are.
+struct DemodulatedLines {
+  std::vector<int> wheels;   ///< the references, in this order; empty: none
+  Eigen::MatrixXcd Z;        ///< [reference x coordinate] phasors of z''
   Eigen::MatrixXcd overlap;  ///< c [j x k]: what a unit phasor of reference j gives at reference k
   /// [reference x reference] inverse of K, the overlap of the references under the squared taper: how noise
   /// of one reference's phasor goes with that of another's.
   Eigen::MatrixXcd K_inverse;
+};
+
+/// A section demodulated with the angle of each wheel that has one.
+struct Demodulated : DemodulatedLines {
+  Eigen::MatrixXcd down;  ///< [reference x sample] conjugate reference under the taper, gain 1 for a phasor
 };
 
 /// Demodulates sections of one length, at the wheels' rates and beside them.

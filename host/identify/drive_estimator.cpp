@@ -17,6 +17,9 @@
 namespace roadbalance {
 namespace {
 
+/// An hour of driving that does not tell the car is not kept to be weighed anew.
+constexpr std::size_t kMostEarly = 400;
+
 /// True if the sensors show the body's motion but not every wheel's.
 bool shows_body_only(const VehicleConfig& vehicle) {
   try {
@@ -59,7 +62,7 @@ DriveEstimator::DriveEstimator(const VehicleConfig& vehicle)
       obstacle_(why_no_angle(vehicle)),
       body_only_(shows_body_only(vehicle)),
       sections_(
-          vehicle_, [this](const DriveMoments& section) { add_section(section); }, body_only_) {
+          vehicle_, [this](const DrivenSection& section) { add_section(section); }, body_only_) {
   if (body_only_)
     obstacle_ +=
         std::string(obstacle_.empty() ? "" : "; ") +
@@ -131,8 +134,9 @@ void DriveEstimator::report_unknown(Unknown state) {
   ++version_;
 }
 
-void DriveEstimator::add_section(const DriveMoments& section) {
+void DriveEstimator::add_section(const DrivenSection& section) {
   classes_.add(section);
+  if (!weights_known_ && early_.size() < kMostEarly) early_.push_back(section);
   note_news();
   learn_weights();
 }
@@ -145,6 +149,19 @@ void DriveEstimator::learn_weights() {
   ParameterVector parameters = known_.value;
   parameters.segment<kEstimatedUnbalance>(kSpring) = x->head<kEstimatedUnbalance>();
   sections_.set_parameters(parameters);
+  if (!std::exchange(weights_known_, true)) weigh_early_sections();
+}
+
+/// What was driven before the car was known is weighed as well as what comes.
+void DriveEstimator::weigh_early_sections() {
+  if (classes_.sections() == std::ssize(early_)) {
+    classes_ = SpeedClasses(vehicle_.drive.speed_class_m_s);
+    for (DrivenSection& section : early_) {
+      sections_.weigh_anew(section);
+      classes_.add(section);
+    }
+  }
+  early_.clear();
 }
 
 void DriveEstimator::update_estimate() {

@@ -14,8 +14,8 @@
 #include "host/identify/estimate.hpp"
 #include "host/identify/judgement.hpp"
 #include "host/identify/section.hpp"
-#include "host/identify/speed_forces.hpp"
 #include "host/identify/speed_classes.hpp"
+#include "host/identify/speed_forces.hpp"
 
 namespace roadbalance {
 
@@ -63,9 +63,10 @@ class DriveEstimator {
  private:
   void report_unknown(Unknown state);
   void add_sample(const IdentificationSample& sample);
-  void add_section(const DriveMoments& section);
+  void add_section(const DrivenSection& section);
   void note_news();
   void learn_weights();
+  void weigh_early_sections();
   void update_estimate();
   void publish(const UnknownVector& x, const Judgement& judgement);
   void publish_balances(const UnknownVector& x, const Judgement& judgement);
@@ -77,6 +78,8 @@ class DriveEstimator {
   VehicleConfig vehicle_;
   Known known_;
   SpeedClasses classes_;
+  std::vector<DrivenSection> early_;  ///< of classes_, while the car is as vehicle.toml has it
+  bool weights_known_ = false;
   std::int64_t time_ns_ = 0, news_ns_ = 0;
   DriveEstimate estimate_;
   DriveForces forces_{};

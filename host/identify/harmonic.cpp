@@ -42,62 +42,70 @@ Eigen::MatrixXcd expected_forces(const LinearModel& model, const std::vector<int
 
 }  // namespace
 
-RoadSpectrum HarmonicInstrument::road(const Eigen::Ref<const SignalMatrix>& signals,
-                                      const Eigen::Vector4d& omega, double speed_m_s,
-                                      const ParameterVector& parameters) const {
-  RoadSpectrum spectrum;
+Eigen::Matrix4cd RoadSpectrum::forces(const LinearModel& model) const {
+  Eigen::Matrix<double, kWheels, kRows> R = Eigen::Matrix<double, kWheels, kRows>::Zero();
+  for (int j = 0; j < kWheels; ++j) {
+    const int row = kBodyCoordinates + j;
+    R.row(j).segment<kRows / 2>(j < 2 ? 0 : kRows / 2) << model.M.row(row), -model.P.row(row),
+        model.Q.row(row);
+  }
+  return R.cast<Complex>() * sum * R.cast<Complex>().transpose();
+}
+
+HarmonicReading HarmonicInstrument::read(const Eigen::Ref<const SignalMatrix>& signals,
+                                         const Eigen::Vector4d& omega, double speed_m_s) const {
   const Demodulated line = demodulator_(signals, omega);
-  if (line.wheels.empty()) return spectrum;
-  const LinearModel model = linear_model(geometry_, parameters);
+  HarmonicReading reading{.lines = {line, omega, speed_m_s}, .road = {}};
+  if (line.wheels.empty()) return reading;
   const Eigen::MatrixXcd Z = demodulator_.beside(signals, line);  // [side bin x coordinate]
   const Eigen::VectorXd& side_hz = demodulator_.side_hz();
+  Eigen::Matrix<Complex, RoadSpectrum::kRows, Eigen::Dynamic> w(RoadSpectrum::kRows, side_hz.size());
   for (Eigen::Index b = 0; b < side_hz.size(); ++b) {
     const double x = 2.0 * std::numbers::pi * side_hz(b);
     const auto m = instrument(Z.row(b), omega(line.wheels.front()) + x);
-    Eigen::Vector4cd force;
-    for (int j = 0; j < kWheels; ++j) {
-      const double later_s = (geometry_.x_m[0] - geometry_.x_m[static_cast<std::size_t>(j)]) / speed_m_s;
-      force(j) = m.force(model, kBodyCoordinates + j) * std::polar(1.0, x * later_s);
-    }
-    spectrum.sum += speed_m_s * force * force.adjoint();
-    spectrum.bins += 1.0;
+    Eigen::Matrix<Complex, 1, RoadSpectrum::kRows / 2> v;
+    v << m.w2, m.w1, m.w0;
+    w.col(b) << v.transpose(), v.transpose() * std::polar(1.0, x * wheelbase_m_ / speed_m_s);
   }
-  return spectrum;
+  reading.road.sum = speed_m_s * w * w.adjoint();
+  reading.road.bins = static_cast<double>(side_hz.size());
+  return reading;
 }
 
-HarmonicMoments HarmonicInstrument::moments(const Eigen::Ref<const SignalMatrix>& signals,
-                                            const Eigen::Vector4d& omega, double speed_m_s,
-                                            const ParameterVector& parameters,
-                                            const RoadSpectrum& road) const {
+HarmonicMoments harmonic_moments(const SectionLines& line, const Geometry& geometry,
+                                 const ParameterVector& parameters, const RoadSpectrum& road,
+                                 RoadShare share) {
   HarmonicMoments result;
-  const Demodulated line = demodulator_(signals, omega);
   const std::vector<int>& wheels = line.wheels;
   if (wheels.empty()) return result;
   const auto n = static_cast<Eigen::Index>(wheels.size());
   const auto wheel = [&](Eigen::Index k) { return wheels[static_cast<std::size_t>(k)]; };
 
-  const LinearModel model = linear_model(geometry_, parameters);
+  const LinearModel model = linear_model(geometry, parameters);
   // The inverse of a mean over B bins is too large by B / (B - n) in the mean (complex Wishart): short
   // sections, which have fewer, would count for more than they tell.
   if (road.bins <= static_cast<double>(n)) return result;
   const double scale =
-      1.0 / (speed_m_s * (road.bins - (share_ == RoadShare::kShared ? static_cast<double>(n) : 1.0)));
+      1.0 / (line.speed_m_s * (road.bins - (share == RoadShare::kShared ? static_cast<double>(n) : 1.0)));
+  const Eigen::Matrix4cd forces = road.forces(model);
   const Eigen::MatrixXcd S = Eigen::MatrixXcd::NullaryExpr(n, n, [&](Eigen::Index a, Eigen::Index b) {
-    return a == b || share_ == RoadShare::kShared ? scale * road.sum(wheel(a), wheel(b)) : Complex(0.0);
+    return a == b || share == RoadShare::kShared ? scale * forces(wheel(a), wheel(b)) : Complex(0.0);
   });
   if (!(S.determinant().real() > 0.0)) return result;  // nothing shakes the car: no weights, no equations
   const Eigen::MatrixXcd S_inverse = S.inverse();
 
   std::vector<Eigen::MatrixXcd> mean(static_cast<std::size_t>(n));  // of y [row j x reference k] per unit U_i
   for (Eigen::Index i = 0; i < n; ++i)
-    mean[static_cast<std::size_t>(i)] = expected_forces(model, wheels, omega, wheel(i), line.overlap.row(i));
+    mean[static_cast<std::size_t>(i)] =
+        expected_forces(model, wheels, line.omega, wheel(i), line.overlap.row(i));
   for (Eigen::Index i = 0; i < n; ++i) {
     const Eigen::MatrixXcd weight =
         S_inverse.transpose() * mean[static_cast<std::size_t>(i)].conjugate() * line.K_inverse;
     for (Eigen::Index j = 0; j < n; ++j) {
       result.normal(wheel(i), wheel(j)) = weight.cwiseProduct(mean[static_cast<std::size_t>(j)]).sum();
       auto& right = result.right[static_cast<std::size_t>(wheel(i))][static_cast<std::size_t>(wheel(j))];
-      for (Eigen::Index k = 0; k < n; ++k) right += weight(j, k) * instrument(line.Z.row(k), omega(wheel(k)));
+      for (Eigen::Index k = 0; k < n; ++k)
+        right += weight(j, k) * instrument(line.Z.row(k), line.omega(wheel(k)));
     }
   }
   return result;

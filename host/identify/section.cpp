@@ -25,8 +25,9 @@ SectionBuilder::SectionBuilder(const VehicleConfig& vehicle, Emit emit, bool bod
     : rate_hz_(vehicle.drive.identification_rate_hz),
       least_speed_m_s_(vehicle.drive.least_speed_m_s),
       part_(samples_in(vehicle.drive.section_s / kParts, rate_hz_)),
-      buffer_(geometry_of(vehicle.model), rate_hz_, kParts * part_, RoadShare::kShared),
+      buffer_(geometry_of(vehicle.model), rate_hz_, kParts * part_),
       vehicle_(vehicle),
+      geometry_(geometry_of(vehicle.model)),
       body_only_(body_only),
       parameters_(nominal_parameters(vehicle)),
       emit_(std::move(emit)) {
@@ -104,14 +105,15 @@ void SectionBuilder::take(Eigen::Index samples) {
   for (int wheel = 0; wheel < kWheels; ++wheel)
     has_angle[static_cast<std::size_t>(wheel)] = has_reference(wheel, 0, samples);
   phase_drift_.add(buffer_.signals().leftCols(samples), has_angle);
-  emit_(moments(samples));
+  const DrivenSection taken = section(samples);
   road_ = newest_road_;
+  emit_(taken);
 }
 
-std::optional<DriveMoments> SectionBuilder::running() {
+std::optional<DrivenSection> SectionBuilder::running() {
   const Eigen::Index samples = whole_parts(buffer_.filled());
   if (samples == 0 || wheel_without_angle(samples)) return std::nullopt;
-  return moments(samples);
+  return section(samples);
 }
 
 /// With an encoder, but without an angle somewhere in the first `samples` or their lag.
@@ -140,7 +142,11 @@ std::optional<int> SectionBuilder::speed_wheel(Eigen::Index first, Eigen::Index 
   return std::nullopt;
 }
 
-DriveMoments SectionBuilder::moments(Eigen::Index samples) {
+void SectionBuilder::weigh_anew(DrivenSection& section) const {
+  section.harmonic = harmonic_moments(section.lines, geometry_, parameters_, road_, RoadShare::kShared);
+}
+
+DrivenSection SectionBuilder::section(Eigen::Index samples) {
   const int timer = *speed_wheel(0, samples);  // check_steadiness saw to it that there is one
   const double speed_m_s =
       mean_rotation(timer, 0, samples) * rolling_radius_m_[static_cast<std::size_t>(timer)];
@@ -149,14 +155,18 @@ DriveMoments SectionBuilder::moments(Eigen::Index samples) {
     if (has_reference(wheel, 0, samples + SectionBuffer::lag(rate_hz_)))
       omega(wheel) = mean_rotation(wheel, 0, samples);
   if (!body_only_) {
+    const HarmonicReading reading = buffer_.harmonic(samples, omega, speed_m_s);
     newest_road_ = road_.remembering(kRoadBins);
-    newest_road_ += buffer_.road(samples, omega, speed_m_s, parameters_);
-    return buffer_.moments(samples, omega, speed_m_s, parameters_, newest_road_);
+    newest_road_ += reading.road;
+    DrivenSection section{buffer_.moments(samples, omega, speed_m_s), reading.lines};
+    section.harmonic =
+        harmonic_moments(section.lines, geometry_, parameters_, newest_road_, RoadShare::kShared);
+    return section;
   }
   auto body = body_.find(samples);
   if (body == body_.end())
     body = body_.emplace(samples, BodyInstrument(vehicle_, buffer_.taper(samples), rate_hz_)).first;
-  DriveMoments sum;
+  DrivenSection sum;
   sum.sections = 1;
   sum.seconds = buffer_.seconds(samples);
   sum.speed_seconds = sum.seconds * speed_m_s;

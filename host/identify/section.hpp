@@ -16,6 +16,11 @@
 
 namespace roadbalance {
 
+/// The moments of a section, and what its unbalance equations can be weighed anew from.
+struct DrivenSection : DriveMoments {
+  SectionLines lines;
+};
+
 /// Cuts the drive into sections of steady speed and turns each into its moments.
 ///
 /// What a section holds, and how those that follow one another overlap, says SectionBuffer.  It is looked at
@@ -23,14 +28,14 @@ namespace roadbalance {
 /// one that is still being driven can be asked for as far as it goes.
 class SectionBuilder {
  public:
-  using Emit = std::function<void(const DriveMoments&)>;
+  using Emit = std::function<void(const DrivenSection&)>;
 
   /// @param body_only  no sensor sits on the wheel carriers: the moments are BodyMoments
   SectionBuilder(const VehicleConfig& vehicle, Emit emit, bool body_only = false);
   void consume(const IdentificationSample& sample);
 
   /// The section being driven, as far as whole parts go; nothing: too short yet, or a wheel lacks its angle.
-  std::optional<DriveMoments> running();
+  std::optional<DrivenSection> running();
   /// Grows whenever running() has something else to tell.
   std::int64_t news() const { return news_; }
 
@@ -43,6 +48,8 @@ class SectionBuilder {
 
   /// Present knowledge of the car, for the weights of the sections to come.
   void set_parameters(const ParameterVector& parameters) { parameters_ = parameters; }
+  /// Weighs a section's unbalance equations by present knowledge of car and road.
+  void weigh_anew(DrivenSection& section) const;
 
  private:
   void check_steadiness();
@@ -51,7 +58,7 @@ class SectionBuilder {
   void take(Eigen::Index samples);
   Eigen::Index whole_parts(Eigen::Index samples) const;
   std::optional<int> wheel_without_angle(Eigen::Index samples) const;
-  DriveMoments moments(Eigen::Index samples);
+  DrivenSection section(Eigen::Index samples);
   bool has_reference(int wheel, Eigen::Index first, Eigen::Index count) const;
   std::optional<int> speed_wheel(Eigen::Index first, Eigen::Index count) const;
   double mean_rotation(int wheel, Eigen::Index first, Eigen::Index count) const;
@@ -63,6 +70,7 @@ class SectionBuilder {
   Eigen::Index part_;  ///< of a section, between checks of steadiness
   SectionBuffer buffer_;
   const VehicleConfig vehicle_;
+  const Geometry geometry_;
   bool body_only_;
   std::map<Eigen::Index, BodyInstrument> body_;  ///< in place of the buffer's moments, by samples
   PhaseDrift phase_drift_;

@@ -46,7 +46,7 @@ Eigen::Index SectionBuffer::overlap(double rate_hz, Eigen::Index samples) {
   return std::min(samples_in(kTaperS, rate_hz), samples / 2);
 }
 
-SectionBuffer::SectionBuffer(const Geometry& geometry, double rate_hz, Eigen::Index samples, RoadShare share)
+SectionBuffer::SectionBuffer(const Geometry& geometry, double rate_hz, Eigen::Index samples)
     : rate_hz_(rate_hz),
       chassis_lag_(samples_in(chassis_instrument().lag_s, rate_hz)),
       tyre_lag_(samples_in(tyre_instrument().lag_s, rate_hz)),
@@ -55,8 +55,7 @@ SectionBuffer::SectionBuffer(const Geometry& geometry, double rate_hz, Eigen::In
       chassis_filter_(discretise_ramp_invariant(chassis_instrument().filter, 1.0 / rate_hz), kCoordinates),
       tyre_filter_(discretise_ramp_invariant(tyre_instrument().filter, 1.0 / rate_hz), kWheels),
       taper_(c2_taper(samples, static_cast<double>(overlap_) / static_cast<double>(samples), 1.0 / rate_hz)),
-      geometry_(geometry),
-      share_(share) {
+      geometry_(geometry) {
   const Eigen::Index columns = samples + lag(rate_hz);
   signals_.setZero(kSignals, columns);
   chassis_states_.setZero(kInstrumentOrder * kCoordinates, columns);
@@ -96,25 +95,23 @@ const SectionBuffer::Window& SectionBuffer::window(Eigen::Index samples) {
   if (found != windows_.end()) return found->second;
   const double share = static_cast<double>(overlap_) / static_cast<double>(samples);
   const Taper taper = c2_taper(samples, std::min(share, 0.5), 1.0 / rate_hz_);
-  return windows_.emplace(samples, Window{taper, HarmonicInstrument(geometry_, taper, rate_hz_, share_)})
+  return windows_.emplace(samples, Window{taper, HarmonicInstrument(geometry_, taper, rate_hz_)})
       .first->second;
 }
 
-RoadSpectrum SectionBuffer::road(Eigen::Index samples, const Eigen::Vector4d& omega, double speed_m_s,
-                                 const ParameterVector& parameters) {
-  return window(samples).harmonic.road(signals_.leftCols(samples), omega, speed_m_s, parameters);
+HarmonicReading SectionBuffer::harmonic(Eigen::Index samples, const Eigen::Vector4d& omega,
+                                        double speed_m_s) {
+  return window(samples).harmonic.read(signals_.leftCols(samples), omega, speed_m_s);
 }
 
-DriveMoments SectionBuffer::moments(Eigen::Index samples, const Eigen::Vector4d& omega, double speed_m_s,
-                                    const ParameterVector& parameters, const RoadSpectrum& road) {
-  const Window& with = window(samples);
+DriveMoments SectionBuffer::moments(Eigen::Index samples, const Eigen::Vector4d& omega, double speed_m_s) {
+  const Taper& taper = window(samples).taper;
   DriveMoments sum;
   sum.sections = 1;
   sum.seconds = seconds(samples);
   sum.speed_seconds = sum.seconds * speed_m_s;
-  add_chassis(sum, with.taper);
-  for (int wheel = 0; wheel < kWheels; ++wheel) add_tyre(sum, with.taper, wheel, omega(wheel));
-  sum.harmonic = with.harmonic.moments(signals_.leftCols(samples), omega, speed_m_s, parameters, road);
+  add_chassis(sum, taper);
+  for (int wheel = 0; wheel < kWheels; ++wheel) add_tyre(sum, taper, wheel, omega(wheel));
   return sum;
 }
 

@@ -24,7 +24,7 @@ namespace roadbalance {
 class SectionBuffer {
  public:
   /// @param samples  of a section
-  SectionBuffer(const Geometry& geometry, double rate_hz, Eigen::Index samples, RoadShare share);
+  SectionBuffer(const Geometry& geometry, double rate_hz, Eigen::Index samples);
 
   /// Samples beyond `samples` that a section needs for its longest lag.
   static Eigen::Index lag(double rate_hz);
@@ -55,15 +55,12 @@ class SectionBuffer {
   /// True if its first `samples` and their lag are there: then there are moments of them.
   bool holds(Eigen::Index samples) const { return filled_ >= samples + lag(rate_hz_); }
 
-  /// Of the first `samples`, as HarmonicInstrument.
-  /// @param omega       rotation rate of each wheel, rad/s; 0: it has no reference here
-  /// @param speed_m_s   of the car
-  /// @param parameters  present knowledge, for weights only
-  /// @param road        for weights only
-  RoadSpectrum road(Eigen::Index samples, const Eigen::Vector4d& omega, double speed_m_s,
-                    const ParameterVector& parameters);
-  DriveMoments moments(Eigen::Index samples, const Eigen::Vector4d& omega, double speed_m_s,
-                       const ParameterVector& parameters, const RoadSpectrum& road);
+  /// Of the first `samples`.
+  /// @param omega      rotation rate of each wheel, rad/s; 0: it has no reference here
+  /// @param speed_m_s  of the car
+  HarmonicReading harmonic(Eigen::Index samples, const Eigen::Vector4d& omega, double speed_m_s);
+  /// All but DriveMoments::harmonic, which harmonic_moments makes of the reading.
+  DriveMoments moments(Eigen::Index samples, const Eigen::Vector4d& omega, double speed_m_s);
   /// Of the first `samples`.
   const Taper& taper(Eigen::Index samples) { return window(samples).taper; }
 
@@ -83,7 +80,6 @@ class SectionBuffer {
   StateFilter chassis_filter_, tyre_filter_;
   Taper taper_;
   Geometry geometry_;
-  RoadShare share_;
   std::map<Eigen::Index, Window> windows_;  ///< by samples; made when they are first needed
   SignalMatrix signals_;                    ///< [signal x sample], a section and the longest lag
   Eigen::MatrixXd chassis_states_;          ///< [coordinate + 7 * state x sample]

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 #include <memory>
+#include <utility>
 
 #include "host/identify/first_order.hpp"
 #include "host/identify/unbalances.hpp"
@@ -47,26 +48,26 @@ Eigen::Matrix<double, 2 * kWheels, 2 * kWheels> by_axes(const Eigen::Matrix4cd& 
 void TwoStage::add(const Stretch& stretch) {
   const Eigen::Index samples = section_samples(stretch);
   if (!buffer_ || buffer_->section().cols() != samples)
-    buffer_.emplace(question_.geometry, stretch.rate_hz, samples, options_.share);
+    buffer_.emplace(question_.geometry, stretch.rate_hz, samples);
   if (!road_) road_.emplace(question_.geometry, stretch.rate_hz);
-  const auto for_each_section = [&](const auto& use) {
-    buffer_->reset();
-    for (Eigen::Index k = 0; k < stretch.signals.cols(); ++k) {
-      buffer_->push(stretch.signals.col(k));
-      if (!buffer_->full()) continue;
-      use();
-      buffer_->keep(buffer_->shared());
-    }
-  };
   RoadSpectrum road;
-  for_each_section(
-      [&] { road += buffer_->road(samples, stretch.omega, stretch.speed_m_s, question_.known); });
-  for_each_section([&] {
-    SectionMoments section;
-    section.turned_rad = buffer_->seconds(samples) * stretch.omega;
-    section.drive = buffer_->moments(samples, stretch.omega, stretch.speed_m_s, question_.known, road);
+  std::vector<std::pair<SectionMoments, SectionLines>> sections;
+  buffer_->reset();
+  for (Eigen::Index k = 0; k < stretch.signals.cols(); ++k) {
+    buffer_->push(stretch.signals.col(k));
+    if (!buffer_->full()) continue;
+    const HarmonicReading reading = buffer_->harmonic(samples, stretch.omega, stretch.speed_m_s);
+    road += reading.road;
+    sections.push_back({{buffer_->moments(samples, stretch.omega, stretch.speed_m_s),
+                         buffer_->seconds(samples) * stretch.omega},
+                        reading.lines});
+    buffer_->keep(buffer_->shared());
+  }
+  for (auto& [section, lines] : sections) {
+    section.drive.harmonic =
+        harmonic_moments(lines, question_.geometry, question_.known, road, options_.share);
     sections_.add(stretch.speed_m_s, section);
-  });
+  }
   if (options_.tyre == TyreFrom::kWhittle)
     roads_.at[BySpeed<WhittleMoments>::key(stretch.speed_m_s)] +=
         road_->moments(stretch.signals, stretch.omega, stretch.speed_m_s);

@@ -88,6 +88,30 @@ TEST(HarmonicInstrument, StaysRightWhenAllWheelsTurnInStep) {
         << kWheelNames[static_cast<std::size_t>(i)];
 }
 
+TEST(SectionBuilder, WeighsWhatWasDrivenBeforeTheCarWasKnownAsIfItHadKnownIt) {
+  ParameterVector known = nominal_parameters(car());
+  known.segment<kWheels>(kTyre) *= 1.1;
+  known.segment<kWheels>(kDamper) *= 0.8;
+  std::vector<DrivenSection> early, late;
+  SectionBuilder sections(car(), [&](const DrivenSection& section) { early.push_back(section); });
+  SectionBuilder knowing(car(), [&](const DrivenSection& section) { late.push_back(section); });
+  knowing.set_parameters(known);
+  for (SectionBuilder* each : {&sections, &knowing}) feed(*each, {100.0, 101.0, 102.5, 98.0}, 14.0, 0.3);
+  ASSERT_EQ(early.size(), 1U);
+  ASSERT_EQ(late.size(), 1U);
+  const Eigen::Matrix4cd before = early[0].harmonic.normal, wanted = late[0].harmonic.normal;
+  EXPECT_GT((before - wanted).norm(), 0.02 * wanted.norm());
+  sections.set_parameters(known);
+  sections.weigh_anew(early[0]);
+  EXPECT_LT((early[0].harmonic.normal - wanted).norm(), 1e-12 * wanted.norm());
+  for (int i = 0; i < kWheels; ++i)
+    for (std::size_t j = 0; j < kWheels; ++j) {
+      const auto& anew = early[0].harmonic.right[static_cast<std::size_t>(i)][j].w2;
+      const auto& then = late[0].harmonic.right[static_cast<std::size_t>(i)][j].w2;
+      EXPECT_LT((anew - then).norm(), 1e-12 * then.norm());
+    }
+}
+
 TEST(SectionBuilder, KnowsSpeedAndLength) {
   std::vector<DriveMoments> found;
   SectionBuilder sections(car(), [&](const DriveMoments& section) { found.push_back(section); });
