@@ -68,6 +68,7 @@ void acquire(std::stop_token stop, FrontEnd& front_end, Sealer& sealer, BlockSin
                read.edges == edges.size());
     tell(sealer, sealer.started() ? NodeState::kStarted : NodeState::kPreview, link);
     if (read.status == ReadStatus::kOk) continue;
+    link.device_ended = true;
     if (read.status == ReadStatus::kFailed) last = NodeState::kFailed;
     break;
   }

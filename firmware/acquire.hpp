@@ -19,7 +19,8 @@ struct AcquireLink {
 
   // Written by acquire.
   std::atomic<NodeState> state{
-      NodeState::kPreview};  ///< kEnded and kFailed are final: nothing more is sealed
+      NodeState::kPreview};               ///< kEnded and kFailed are final: nothing more is sealed
+  std::atomic<bool> device_ended{false};  ///< or has failed: there is nothing more to be had from it
   std::atomic<std::int64_t> time_ns{0};
   std::atomic<std::int64_t> scans_sampled{0}, scans_missing{0}, scans_refused{0}, unreferenced_blocks{0};
   std::array<DeviceReport, kEncoderLines> encoder{DeviceReport("encoder of line 0"),

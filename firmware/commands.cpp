@@ -10,8 +10,8 @@ constexpr std::size_t kMostUnsent = 64;
 }  // namespace
 
 Commands::Commands(std::int32_t node, std::int64_t epoch, const Backlog& backlog, Sender& sender,
-                   AcquireLink& link)
-    : node_(node), epoch_(epoch), backlog_(backlog), sender_(sender), link_(link) {}
+                   AcquireLink& link, VehicleChange& vehicle)
+    : node_(node), epoch_(epoch), backlog_(backlog), sender_(sender), link_(link), vehicle_(vehicle) {}
 
 bool Commands::ended() const {
   const NodeState state = link_.state.load(std::memory_order_acquire);
@@ -22,6 +22,7 @@ void Commands::take(const Command& command, WallTime now) {
   if (command.node != node_ || (command.epoch != 0 && command.epoch != epoch_) ||
       to_send_.size() >= kMostUnsent)
     return;
+  if (command.verb == Verb::kConfigure) return configure(command);
   const auto known = std::find_if(known_.begin(), known_.end(),
                                   [&](const Reply& reply) { return reply.request == command.request; });
   if (known != known_.end()) {
@@ -47,7 +48,7 @@ CommandError Commands::act(const Command& command, WallTime now) {
       return sender_.release(command.incarnation) ? CommandError::kNone : CommandError::kNotOwner;
     case Verb::kStart:
       if (!owner) return CommandError::kNotOwner;
-      if (ended()) return CommandError::kEnded;
+      if (ended() || vehicle_.wanted()) return CommandError::kEnded;
       link_.start.store(true, std::memory_order_release);
       return CommandError::kNone;
     case Verb::kStop:
@@ -58,6 +59,25 @@ CommandError Commands::act(const Command& command, WallTime now) {
       break;
   }
   return CommandError::kUnknownVerb;
+}
+
+// Its answers are not kept here: what is wanted now may be had later, and what was done is known to the epoch
+// after.  Only between recordings: nothing that was sampled may be lost for it.
+void Commands::configure(const Command& command) {
+  auto outcome = vehicle_.outcome(command.request);
+  if (!outcome) {
+    const bool is_idle =
+        link_.state.load(std::memory_order_acquire) == NodeState::kPreview && !link_.start.load();
+    const bool obeys = sender_.owner() == 0 || command.incarnation == sender_.owner();
+    if (!obeys)
+      outcome = {CommandError::kNotOwner, "the node obeys another recorder"};
+    else if (!is_idle)
+      outcome = {CommandError::kMeasuring, "the node is measuring"};
+    else
+      outcome = vehicle_.ask(command);
+  }
+  if (outcome)
+    to_send_.push_back({node_, epoch_, command.request, outcome->result, backlog_.next(), outcome->why});
 }
 
 void Commands::answer(const Command& command, CommandError result, std::int64_t sequence) {

@@ -7,6 +7,7 @@
 #include "common/bus/control.hpp"
 #include "common/link/sender.hpp"
 #include "firmware/acquire.hpp"
+#include "firmware/vehicle_change.hpp"
 
 namespace roadbalance {
 
@@ -15,7 +16,8 @@ namespace roadbalance {
 /// refused claim with the highest incarnation obeyed, above which the next claim may be heard.
 class Commands {
  public:
-  Commands(std::int32_t node, std::int64_t epoch, const Backlog& backlog, Sender& sender, AcquireLink& link);
+  Commands(std::int32_t node, std::int64_t epoch, const Backlog& backlog, Sender& sender, AcquireLink& link,
+           VehicleChange& vehicle);
 
   void take(const Command& command, WallTime now);
 
@@ -25,6 +27,7 @@ class Commands {
   bool waiting() const { return stop_request_.has_value(); }
 
  private:
+  void configure(const Command& command);
   void answer(const Command& command, CommandError result, std::int64_t sequence);
   CommandError act(const Command& command, WallTime now);
   bool ended() const;
@@ -34,6 +37,7 @@ class Commands {
   const Backlog& backlog_;
   Sender& sender_;
   AcquireLink& link_;
+  VehicleChange& vehicle_;
   std::optional<Command> stop_request_;
   std::deque<Reply> known_;  ///< latest replies, to repeat
   std::deque<Reply> to_send_;

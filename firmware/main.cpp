@@ -16,7 +16,7 @@
 #include "firmware/backends/socketcan/open_can.hpp"
 #include "firmware/backends/usb/usb_front_end.hpp"
 #include "firmware/missing_signals.hpp"
-#include "firmware/node.hpp"
+#include "firmware/node_service.hpp"
 #include "sim/front_end.hpp"
 
 using namespace roadbalance;
@@ -49,6 +49,8 @@ int main(int argc, char** argv) {
   app.add_option("--spool-mib", spool_mib, "what the spool may take of the disk, MiB")
       ->check(number_within(1.0, 1048576.0))
       ->capture_default_str();
+  bool stays = false;
+  app.add_flag("--stay", stays, "when a recording is stopped wait for the next; default: exit");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -56,23 +58,25 @@ int main(int argc, char** argv) {
   }
   try {
     const VehicleConfig vehicle = VehicleConfig::read_file(vehicle_file);
-    const NodeConfig& node = vehicle.node_named(node_name);
     FrontEndRegistry front_ends;
     front_ends.add("sim", sim::open_sim_front_end);
     front_ends.add("replay", open_replay_front_end);
     front_ends.add("can", [](const FrontEndRequest& request) { return open_can(request, warn); });
     front_ends.add("usb", [](const FrontEndRequest& request) { return open_usb_front_end(request, warn); });
     front_ends.add("gpio", [](const FrontEndRequest& request) { return open_gpio(request, warn); });
-    const auto& uris = front_end_uris.empty() ? node.wiring.front_end : front_end_uris;
-    const auto front_end = front_ends.open(uris, vehicle, node);
-    for (const std::string& unread : unopened_wiring(node, uris)) warn(unread);
-    for (const std::string& untold : missing_signals(vehicle, node)) warn(untold);
-    const std::int64_t lost = run_node(signals.token(), vehicle, node, *front_end,
-                                       {.bus_url = bus_url,
-                                        .ring_bytes = static_cast<std::size_t>(ring_mib * 1024 * 1024),
-                                        .spool = spool,
-                                        .spool_bytes = static_cast<std::uint64_t>(spool_mib * 1024 * 1024),
-                                        .warn = warn});
+    const auto open = [&](const VehicleConfig& car, const NodeConfig& of) {
+      const auto& uris = front_end_uris.empty() ? of.wiring.front_end : front_end_uris;
+      auto front_end = front_ends.open(uris, car, of);
+      for (const std::string& unread : unopened_wiring(of, uris)) warn(unread);
+      for (const std::string& untold : missing_signals(car, of)) warn(untold);
+      return front_end;
+    };
+    const std::int64_t lost = serve_node(signals.token(), vehicle, node_name, open, stays,
+                                         {.bus_url = bus_url,
+                                          .ring_bytes = static_cast<std::size_t>(ring_mib * 1024 * 1024),
+                                          .spool = spool,
+                                          .spool_bytes = static_cast<std::uint64_t>(spool_mib * 1024 * 1024),
+                                          .warn = warn});
     return lost > 0 ? 3 : 0;
   } catch (const ConfigError& error) {
     std::fprintf(stderr, "rb-node: %s\n", error.what());

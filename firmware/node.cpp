@@ -77,10 +77,11 @@ std::unique_ptr<SpoolFolder> open_spool(const NodeConfig& node, std::int64_t epo
 
 /// Process: what devices and encoders count -> sentences for people, twice a second at most.
 void keep_diary(std::stop_token stop, const FrontEnd& front_end, const AcquireLink& link,
-                const NodeOptions& options) {
+                const NodeOptions& options, bool is_first) {
   auto reports = front_end.reports();
   for (const DeviceReport& encoder : link.encoder) reports.push_back(&encoder);
   DeviceDiary diary(std::move(reports));
+  if (!is_first) diary.look([](const std::string&) {});
   do diary.look(options.warn);
   while (pause(stop, std::chrono::milliseconds(500)));
   diary.look(options.warn);
@@ -107,6 +108,12 @@ std::int64_t leave(Backlog& backlog, bool has_spool, const std::filesystem::path
 
 std::int64_t run_node(std::stop_token stop, const VehicleConfig& vehicle, const NodeConfig& node,
                       FrontEnd& front_end, const NodeOptions& options) {
+  VehicleChange none(vehicle.text, false);
+  return run_epoch(stop, vehicle, node, front_end, options, none, true).lost;
+}
+
+EpochResult run_epoch(std::stop_token stop, const VehicleConfig& vehicle, const NodeConfig& node,
+                      FrontEnd& front_end, const NodeOptions& options, VehicleChange& change, bool is_first) {
   const std::int64_t epoch = random_epoch();
   Ring ring(options.ring_bytes);
   RingSink sink(ring);
@@ -122,7 +129,7 @@ std::int64_t run_node(std::stop_token stop, const VehicleConfig& vehicle, const 
   Backlog backlog(ring, spool.get());
   ConversionTimes device(front_end, node.rate_hz);
   const auto clock = open_clock(node, front_end, options);
-  NodeLink node_link(node.id, epoch, backlog, *preview, link, clock_address(front_end, clock.get()),
+  NodeLink node_link(node.id, epoch, backlog, *preview, link, change, clock_address(front_end, clock.get()),
                      front_end.reports());
   Parallel processes;
   const std::stop_callback pass_on(stop, [&processes] { processes.request_stop(); });
@@ -131,11 +138,13 @@ std::int64_t run_node(std::stop_token stop, const VehicleConfig& vehicle, const 
     uplink(stop_here, open, node_link, options.warn);
     processes.request_stop();  // acquire has ended; the clock answers as long as the node lives
   });
-  processes.run([&](std::stop_token stop_here) { keep_diary(stop_here, front_end, link, options); });
+  processes.run(
+      [&](std::stop_token stop_here) { keep_diary(stop_here, front_end, link, options, is_first); });
   if (clock) processes.run(answer_clock, std::ref(*clock), node.id, epoch, std::cref(front_end));
   processes.run([&](std::stop_token stop_here) {
     if (!front_end.waits())
-      for (const std::string& refused : enter_realtime(kAcquirePriority)) options.warn(refused);
+      for (const std::string& refused : enter_realtime(kAcquirePriority))
+        if (is_first) options.warn(refused);
     acquire(stop_here, device, sealer, sink, link);
   });
   std::exception_ptr failure;
@@ -152,7 +161,7 @@ std::int64_t run_node(std::stop_token stop, const VehicleConfig& vehicle, const 
                  " scans backwards; they are not recorded");
   if (link.state.load() == NodeState::kFailed)
     throw std::runtime_error("front end of node " + node.name + " failed");
-  return lost;
+  return {.lost = lost, .device_ended = link.device_ended.load()};
 }
 
 }  // namespace roadbalance

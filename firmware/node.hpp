@@ -10,6 +10,7 @@
 #include "common/config/vehicle_config.hpp"
 #include "common/frontend/front_end.hpp"
 #include "common/link/ring.hpp"
+#include "firmware/vehicle_change.hpp"
 
 namespace roadbalance {
 
@@ -39,5 +40,16 @@ struct NodeOptions {
 ///         opened or the device failed (then after all it gave is durable)
 std::int64_t run_node(std::stop_token stop, const VehicleConfig& vehicle, const NodeConfig& node,
                       FrontEnd& front_end, const NodeOptions& options);
+
+struct EpochResult {
+  std::int64_t lost = 0;      ///< as run_node
+  bool device_ended = false;  ///< there is nothing more to be had from it
+};
+
+/// One epoch of a node: run_node, which also returns when another vehicle.toml is wanted while nothing is
+/// kept.
+/// @param is_first  of this program: what devices and system have suffered before is not said again
+EpochResult run_epoch(std::stop_token stop, const VehicleConfig& vehicle, const NodeConfig& node,
+                      FrontEnd& front_end, const NodeOptions& options, VehicleChange& change, bool is_first);
 
 }  // namespace roadbalance

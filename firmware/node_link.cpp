@@ -21,18 +21,21 @@ constexpr int kLastHeartbeats = 3;
 }  // namespace
 
 NodeLink::NodeLink(std::int32_t node, std::int64_t epoch, Backlog& backlog, PreviewSlot& preview,
-                   AcquireLink& link, NodeClockAddress clock, std::vector<const DeviceReport*> reports)
+                   AcquireLink& link, VehicleChange& vehicle, NodeClockAddress clock,
+                   std::vector<const DeviceReport*> reports)
     : node_(node),
       epoch_(epoch),
       backlog_(backlog),
       preview_(preview),
       link_(link),
+      vehicle_(vehicle),
       clock_(clock),
       reports_(std::move(reports)),
       sender_(backlog, node, epoch),
-      commands_(node, epoch, backlog, sender_, link),
+      commands_(node, epoch, backlog, sender_, link, vehicle),
       ack_channel_(ack_channel(node)),
       command_channel_(command_channel(node)),
+      vehicle_channel_(vehicle_channel(node)),
       reply_channel_(reply_channel(node)),
       heartbeat_channel_(heartbeat_channel(node)),
       preview_channel_(preview_channel(node)) {
@@ -49,6 +52,8 @@ void NodeLink::take(std::string_view channel, std::span<const std::uint8_t> byte
     owner_heard_ = now;
   } else if (channel == command_channel_) {
     if (const auto command = decode_command(bytes)) commands_.take(*command, now);
+  } else if (channel == vehicle_channel_) {
+    if (const auto part = decode_vehicle_part(bytes); part && part->node == node_) vehicle_.take(*part);
   }
 }
 
@@ -85,7 +90,7 @@ bool NodeLink::ended() const {
 }
 
 bool NodeLink::finished() const {
-  return ended() && backlog_.used() == 0 && !commands_.waiting();
+  return vehicle_.wanted() || (ended() && backlog_.used() == 0 && !commands_.waiting());
 }
 
 void NodeLink::farewell(const Publish& publish) {
@@ -125,6 +130,7 @@ void NodeLink::send_heartbeat(const Publish& publish) {
   beat.time_base = clock_.time_base;
   beat.clock_address = clock_.address;
   beat.clock_port = clock_.port;
+  beat.vehicle_crc32c = vehicle_.in_force();
   publish(heartbeat_channel_, encode(beat));
 }
 

@@ -31,9 +31,11 @@ class NodeLink {
  public:
   /// @param reports  of the node's devices; their sums, with what its encoders count, go into the heartbeat
   NodeLink(std::int32_t node, std::int64_t epoch, Backlog& backlog, PreviewSlot& preview, AcquireLink& link,
-           NodeClockAddress clock = {}, std::vector<const DeviceReport*> reports = {});
+           VehicleChange& vehicle, NodeClockAddress clock = {},
+           std::vector<const DeviceReport*> reports = {});
 
-  /// What came on ack_channel(node) or command_channel(node); anything else is ignored.
+  /// What came on ack_channel(node), command_channel(node) or vehicle_channel(node); anything else is
+  /// ignored.
   void take(std::string_view channel, std::span<const std::uint8_t> bytes, WallTime now);
 
   /// Moves blocks to the spool if it must, then sends what is due: blocks, the preview, replies, ten
@@ -44,7 +46,8 @@ class NodeLink {
   /// While there is no bus, in place of turn(): moves blocks to the spool if it must.
   void relieve(WallTime now) { backlog_.relieve(now); }
 
-  /// Acquire has ended, its owner has everything durable, and every command is answered.
+  /// Acquire has ended, its owner has everything durable, and every command is answered; or before anything
+  /// was kept another vehicle.toml is wanted.
   bool finished() const;
   std::int64_t owner() const { return sender_.owner(); }
   const Sender& sender() const { return sender_; }
@@ -62,11 +65,13 @@ class NodeLink {
   Backlog& backlog_;
   PreviewSlot& preview_;
   AcquireLink& link_;
+  VehicleChange& vehicle_;
   const NodeClockAddress clock_;
   const std::vector<const DeviceReport*> reports_;
   Sender sender_;
   Commands commands_;
-  const std::string ack_channel_, command_channel_, reply_channel_, heartbeat_channel_, preview_channel_;
+  const std::string ack_channel_, command_channel_, vehicle_channel_, reply_channel_, heartbeat_channel_,
+      preview_channel_;
   std::array<std::string, kBlockKinds> block_channel_;  // [BlockKind]
   WallTime next_heartbeat_{}, heartbeat_at_{};
   WallTime quiet_since_{};  ///< blocks are held, and none has gone out since

@@ -26,6 +26,7 @@ std::unique_ptr<Bus> open_node_bus(const std::string& url, std::int32_t node, No
   };
   bus->subscribe(ack_channel(node), take);
   bus->subscribe(command_channel(node), take);
+  bus->subscribe(vehicle_channel(node), take);
   // A recorder that does not understand this node says no more to it than to everybody.
   bus->subscribe(kRecorderChannel, [](std::string_view, std::span<const std::uint8_t>) {});
   return bus;

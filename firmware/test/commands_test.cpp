@@ -13,7 +13,8 @@ struct Fixture : testing::Test {
   Backlog backlog{ring};
   Sender sender{backlog, kNode, kEpoch};
   AcquireLink link;
-  Commands commands{kNode, kEpoch, backlog, sender, link};
+  VehicleChange vehicle{"old", true};
+  Commands commands{kNode, kEpoch, backlog, sender, link, vehicle};
   WallTime now{};
 
   std::optional<Reply> say(Verb verb, std::int64_t request, std::int64_t incarnation = kOwner) {

@@ -34,7 +34,8 @@ struct Rig {
   Backlog backlog{ring};
   std::unique_ptr<PreviewSlot> preview = std::make_unique<PreviewSlot>();
   AcquireLink acquire;
-  NodeLink link{kNode, 77, backlog, *preview, acquire};
+  VehicleChange vehicle{"", false};
+  NodeLink link{kNode, 77, backlog, *preview, acquire, vehicle};
   WallTime now{1h};
 };
 

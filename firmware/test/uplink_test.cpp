@@ -30,7 +30,8 @@ TEST(Uplink, OpensABusThatFailsAgainAndSpendsNothingWhileThereIsNone) {
   const auto preview = std::make_unique<PreviewSlot>();
   AcquireLink acquire;
   acquire.state = NodeState::kEnded;
-  NodeLink link(kNode, test::kEpoch, backlog, *preview, acquire);
+  VehicleChange vehicle("", false);
+  NodeLink link(kNode, test::kEpoch, backlog, *preview, acquire, vehicle);
 
   int opened = 0, acks = 0;
   std::int64_t sent_before = 0, sent_after = 0;

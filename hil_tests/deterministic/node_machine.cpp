@@ -74,7 +74,7 @@ struct NodeMachine::Program {
                   ? std::make_unique<SpoolFolder>(spool_options(scenario, node, of.epoch), disk)
                   : nullptr),
         backlog(ring, spool.get()),
-        uplink(node, of.epoch, backlog, preview, link),
+        uplink(node, of.epoch, backlog, preview, link, described),
         samples(node, of.epoch) {}
 
   EpochTruth& truth;
@@ -86,6 +86,7 @@ struct NodeMachine::Program {
   SimulatedDisk disk;
   std::unique_ptr<SpoolFolder> spool;
   Backlog backlog;
+  VehicleChange described{"", false};
   NodeLink uplink;
   HashedScans samples;
   std::int64_t next_index = 0;    // of the device

@@ -139,7 +139,8 @@ class Run {
   Backlog backlog_{ring_};
   PreviewSlot preview_;
   AcquireLink acquire_;
-  NodeLink link_{kNode.node, kNode.epoch, backlog_, preview_, acquire_};
+  VehicleChange vehicle_{"", true};
+  NodeLink link_{kNode.node, kNode.epoch, backlog_, preview_, acquire_, vehicle_};
   std::map<std::int64_t, WallTime> sent_at_;
   std::int64_t base_ = 1;
   std::int64_t durable_ = 0;
