@@ -280,6 +280,12 @@ EndBlock decode_end(const SealedBlock& block) {
           .blocks_crc32c = static_cast<std::uint32_t>(message.blocks_crc32c)};
 }
 
+ScanSummary summary_of(const SealedBlock& block) {
+  assert(block.kind == BlockKind::kScan);
+  const auto fields = wire_format::read_scan_fields(block.bytes());
+  return {.period_ps = fields.period_ps, .overload = fields.overload, .quality = fields.quality};
+}
+
 std::span<const std::uint8_t> encoded_counts(const SealedBlock& block) {
   assert(block.kind == BlockKind::kScan);
   const auto rows = static_cast<std::size_t>(block.header.scans);

@@ -33,6 +33,13 @@ GapBlock decode_gap(const SealedBlock& block);
 MetaBlock decode_meta(const SealedBlock& block);
 EndBlock decode_end(const SealedBlock& block);
 
+/// What a scan block says beside its counts.
+struct ScanSummary {
+  std::int64_t period_ps;
+  std::int32_t overload, quality;
+};
+ScanSummary summary_of(const SealedBlock& scan_block);
+
 /// The counts of a scan block as they travel: big endian, [scan][channel], header.scans rows of them.
 std::span<const std::uint8_t> encoded_counts(const SealedBlock& scan_block);
 

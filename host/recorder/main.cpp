@@ -1,15 +1,20 @@
 #include <CLI/CLI.hpp>
+#include <atomic>
 #include <cstdio>
 #include <exception>
+#include <memory>
+#include <optional>
 #include <stdexcept>
 #include <stop_token>
-#include <utility>
+#include <string>
 
 #include "common/bus/bus.hpp"
 #include "common/config/validators.hpp"
 #include "common/process/heap.hpp"
 #include "common/process/service_notify.hpp"
 #include "common/process/stop_on_signal.hpp"
+#include "host/recorder/desk_book.hpp"
+#include "host/recorder/operate.hpp"
 #include "host/recorder/recorder.hpp"
 #include "host/recorder/report_json.hpp"
 #include "host/recorder/status_line.hpp"
@@ -48,8 +53,9 @@ void add_disk_options(CLI::App& app, RecorderOptions& options, DiskSizes& sizes)
 
 // A supervisor hears that we live only when both the link and the writer have turned since.
 void tell_supervisor(ServiceNotify& notify, RecorderOptions& options) {
-  options.on_alive = [&notify, ready = false](const RecorderStatus& status) mutable {
-    if (!std::exchange(ready, true)) notify.ready();
+  const auto ready = std::make_shared<std::atomic<bool>>(false);
+  options.on_alive = [&notify, ready](const RecorderStatus& status) {
+    if (!ready->exchange(true)) notify.ready();
     notify.feed();
     const auto alarm = alarms(status);
     notify.status(alarm.empty() ? status_line(status) : alarm.front());
@@ -66,18 +72,35 @@ int main(int argc, char** argv) {
   bool no_start = false;
   bool json = false;
   DiskSizes sizes;
-  app.add_option("--record", folder, "folder of the recording; an existing one is continued")->required();
+  std::string recordings;
+  std::optional<std::string> start;
+  auto* record = app.add_option("--record", folder, "folder of the recording; an existing one is continued");
+  auto* operated =
+      app.add_option("--recordings", recordings,
+                     "folder of recordings that start and stop on request: rb start, or the page");
+  operated->excludes(record);
+  app.add_option("--start", start, "with --recordings: begin one of this name at once")->needs(operated);
   app.add_option("--url", options.url, "LCM address of the bus")->capture_default_str();
   app.add_option("--nodes", options.nodes, "record only these nodes; default: every node heard")
       ->check(CLI::Range(1, 9999));
-  app.add_flag("--no-start", no_start, "claim the nodes, but leave starting them to others");
-  app.add_flag("--end-with-nodes", options.end_with_nodes, "end when each of --nodes has ended");
+  app.add_flag("--no-start", no_start, "claim the nodes, but leave starting them to others")
+      ->excludes(operated);
+  app.add_flag("--end-with-nodes", options.end_with_nodes, "end when each of --nodes has ended")
+      ->excludes(operated);
   app.add_flag("--json", json, "print the final counts as one JSON object on standard output");
   add_disk_options(app, options, sizes);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
+  }
+  if (folder.empty() && recordings.empty()) {
+    std::fprintf(stderr, "rb-recorder: --record or --recordings must say where to\n");
+    return 2;
+  }
+  if (const std::string fault = start ? fault_of_name(*start) : ""; !fault.empty()) {
+    std::fprintf(stderr, "rb-recorder: --start %s: %s\n", start->c_str(), fault.c_str());
+    return 2;
   }
   if (options.end_with_nodes && options.nodes.empty()) {
     std::fprintf(stderr, "rb-recorder: --end-with-nodes needs --nodes\n");
@@ -99,7 +122,10 @@ int main(int argc, char** argv) {
     ServiceNotify notify;
     if (notify.has_supervisor()) tell_supervisor(notify, options);
     const std::stop_callback tell_of_stop(signals.token(), [&notify] { notify.stopping(); });
-    const RecorderReport report = run_recorder(signals.token(), options);
+    const RecorderReport report =
+        recordings.empty()
+            ? run_recorder(signals.token(), options)
+            : operate(signals.token(), {.recorder = options, .recordings = recordings, .start = start});
     if (json) std::printf("%s\n", to_json(report).c_str());
     return 0;
   } catch (const std::invalid_argument& error) {

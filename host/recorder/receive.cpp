@@ -116,7 +116,12 @@ class Reception {
     status_at_ = now;
     status_.time_us = utc_us();
     link_.fill(status_);
+    status_.recorder = recorder_;
+    status_.name = options_.folder.filename().string();
+    status_.recording_s = std::chrono::duration<double>(now - began_).count();
+    status_.nodes = static_cast<std::int32_t>(link_.nodes());
     status_.refused_datagrams += bus_.dropped();
+    if (options_.complete) options_.complete(status_);
     (void)publish_(kRecorderChannel, encode(status_));
     // We turn, that is seen here; the writer turns if it has said something since.
     if (std::exchange(writer_turns_, false) && options_.on_alive) options_.on_alive(status_);
@@ -135,6 +140,8 @@ class Reception {
   BatchMaker batches_;
   std::size_t nodes_provided_for_ = 0;
   bool writer_turns_ = false;
+  const std::int64_t recorder_ = static_cast<std::int64_t>(std::random_device{}()) + 1;
+  const WallTime began_ = WallClock::now();
   WallTime status_at_{};
   WallTime store_at_{};
   bool refusal_told_ = false;

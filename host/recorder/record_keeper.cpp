@@ -93,6 +93,7 @@ void RecordKeeper::note(NoteKind kind, std::int64_t a, std::int64_t b, std::stri
   note.a = a;
   note.b = b;
   note.text = std::move(text);
+  if (kind == NoteKind::kMark) last_mark_ = a;
   held_.push(kNoteChannel, encode(note), stamp_.time_us);
 }
 
@@ -195,6 +196,7 @@ std::vector<DurableMark> RecordKeeper::all_is_durable() {
     note(NoteKind::kDiskFailed, 0, writer_->segment(), lost);
     warnings_.push_back(lost);
   }
+  last_durable_mark_ = last_mark_;
   failures_in_a_row_ = 0;
   health_.succeed();
   space_.wrote();
@@ -245,6 +247,7 @@ void RecordKeeper::fill(RecorderStatus& status) const {
   status.waiting_blocks = held_blocks_;
   status.disk_failures = health_.failures();
   status.segments_deleted = segments_deleted_;
+  status.marks = static_cast<std::int32_t>(last_durable_mark_);
 }
 
 }  // namespace roadbalance

@@ -166,6 +166,7 @@ class RecordKeeper {
   bool deletion_is_told_ = false;  // of all of them
   std::int64_t bytes_recorded_ = 0;
   std::int64_t segments_deleted_ = 0;
+  std::int64_t last_mark_ = 0, last_durable_mark_ = 0;  // numbers, which rise
   std::vector<std::string> warnings_;
 };
 

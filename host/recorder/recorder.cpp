@@ -76,8 +76,10 @@ RecorderReport run_recorder(std::stop_token stop, const RecorderOptions& options
   auto [news_out, news_in] = make_channel<WriterNews>(kNews);
   auto [events_out, events_in] = make_channel<RecordEvent>(kEvents);
   auto [peers_out, peers_in] = make_channel<ClockPeer>(kClockPeers);
-  const WriteOptions write_options{
-      .incarnation = incarnation.number, .power = power.get(), .on_warning = options.on_warning};
+  const WriteOptions write_options{.incarnation = incarnation.number,
+                                   .power = power.get(),
+                                   .on_warning = options.on_warning,
+                                   .notes = options.notes};
   RecorderReport report;
 
   Parallel recorder;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/bus/notes.hpp"
 #include "common/bus/recorder_status.hpp"
 #include "common/record/record.hpp"
 #include "host/recorder/keeper_options.hpp"
@@ -24,16 +25,29 @@ struct NodeReport {
   std::int64_t repaired = 0;          ///< blocks the node had to send again
   std::int64_t blocks = 0;            ///< recorded, gaps included
   bool ended = false;                 ///< the end of the epoch is recorded
+  double overload_s = 0;              ///< in this run: in blocks with a channel that left its range
+  std::uint32_t blocks_crc32c = 0;    ///< as the end says
+  bool sums_agree = false;            ///< the end is recorded and sums up exactly the blocks that are
+};
+
+/// Something to be put into the record at once.
+struct NoteToRecord {
+  NoteKind kind = NoteKind::kMark;
+  std::int64_t a = 0;
+  std::int64_t b = 0;
+  std::string text{};
 };
 
 struct RecorderReport {
   std::vector<NodeReport> node;  ///< every epoch opened in this run, by node and then in order of time
+  /// Those that the folder held before and that were not heard in this run.
+  std::vector<NodeReport> earlier{};
   /// Datagrams that are no block of an epoch being recorded, repeats included.
   std::int64_t blocks_refused = 0;
   /// Heartbeats of a second epoch while the first one lived: two nodes with one number, or late datagrams.
   std::int64_t rival_heartbeats = 0;
   /// Nodes that obey another recorder, and are not recorded here.
-  std::vector<std::int32_t> foreign;
+  std::vector<std::int32_t> foreign{};
   /// Acknowledgements and commands that this computer would not send.
   std::int64_t unsent = 0;
 };
@@ -57,6 +71,10 @@ struct RecorderOptions {
   std::function<void(const RecorderReport&)> on_progress;
   /// Called about twice a second while both processes turn: proof of life.
   std::function<void(const RecorderStatus&)> on_alive;
+  /// Fills in what only the caller knows of the state that goes to the bus: who records, name, duration.
+  std::function<void(RecorderStatus&)> complete;
+  /// Called from the writer's thread some times a second: what is to be noted in the record now.
+  std::function<std::vector<NoteToRecord>()> notes;
   /// Called with a sentence for people when the disk, the supply or the owner of a node changes; from either
   /// thread.
   std::function<void(const std::string&)> on_warning;

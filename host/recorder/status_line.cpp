@@ -31,6 +31,11 @@ constexpr double kSlowSync_s = 1;
 }  // namespace
 
 std::string status_line(const RecorderStatus& status) {
+  if (status.state == RecorderState::kIdle) return "waits for a start; no node is there";
+  if (status.state == RecorderState::kArmed)
+    return "waits for a start; " + std::to_string(status.nodes) +
+           (status.nodes == 1 ? " node is" : " nodes are") + " there, " + in_words(status.bytes_free) +
+           " free";
   std::string line = status.state == RecorderState::kStopping ? "stops recording" : "records";
   line += " to segment " + std::to_string(status.segment) + ": " + in_words(status.bytes_recorded) +
           " so far, " + in_words(status.bytes_free) + " free";
@@ -41,6 +46,8 @@ std::string status_line(const RecorderStatus& status) {
 std::vector<std::string> alarms(const RecorderStatus& status) {
   std::vector<std::string> lines;
   const std::string waiting = std::to_string(status.waiting_blocks) + " blocks wait";
+  if (status.state == RecorderState::kFault)
+    lines.push_back("NOTHING IS RECORDED: " + status.fault + "; the nodes keep what they measure");
   if (status.state == RecorderState::kDiskFailing)
     lines.push_back("THE DISK FAILS (" + std::to_string(status.disk_failures) + " times): " + waiting +
                     ", the nodes keep what they measure");

@@ -21,14 +21,18 @@ NodeLosses losses_of(const Heartbeat& heard) {
 }  // namespace
 
 Tally::Tally(const RecordState& recovered) {
-  for (const auto& [key, epoch] : recovered.epoch)
+  for (const auto& [key, epoch] : recovered.epoch) {
+    sums_[key] = epoch.sum ? std::optional(BlockSum(*epoch.sum)) : std::nullopt;
     counts_[key] = {.node = key.first,
                     .epoch = key.second,
                     .samples_sent = epoch.samples,
                     .samples_recorded = epoch.samples,
                     .gaps = epoch.gaps,
                     .blocks = epoch.blocks,
-                    .ended = epoch.position.ended};
+                    .ended = epoch.position.ended,
+                    .blocks_crc32c = epoch.sum.value_or(0),
+                    .sums_agree = epoch.position.ended && epoch.sum.has_value()};
+  }
 }
 
 NodeReport& Tally::of(std::int32_t node, std::int64_t epoch) {
@@ -51,6 +55,7 @@ void Tally::take(const Heartbeat& heartbeat) {
 
 void Tally::take(const Delivery& delivery) {
   if (const auto* gap = std::get_if<GapBlock>(&delivery)) {
+    sums_[{gap->header.node, gap->header.epoch}].reset();
     NodeReport& report = of(gap->header.node, gap->header.epoch);
     ++report.gaps;
     ++report.blocks;
@@ -61,17 +66,28 @@ void Tally::take(const Delivery& delivery) {
   NodeReport& report = of(block.header.node, block.header.epoch);
   ++report.blocks;
   if (block.kind == BlockKind::kGap) ++report.gaps;
-  if (block.kind == BlockKind::kScan) report.samples_recorded += block.header.scans;
+  if (block.kind == BlockKind::kScan) {
+    report.samples_recorded += block.header.scans;
+    if (const ScanSummary scans = summary_of(block); scans.overload != 0)
+      report.overload_s +=
+          1e-12 * static_cast<double>(scans.period_ps) * static_cast<double>(block.header.scans);
+  }
+  auto& sum = sums_.try_emplace({block.header.node, block.header.epoch}, BlockSum()).first->second;
+  if (sum && block.kind != BlockKind::kEnd) sum->add(block);
   if (block.kind == BlockKind::kEnd) {
     const EndBlock end = decode_end(block);
     report.samples_sent = end.scans_sealed + end.scans_missing;
     report.ended = true;
+    report.blocks_crc32c = end.blocks_crc32c;
+    report.sums_agree = sum && sum->crc32c() == end.blocks_crc32c;
   }
 }
 
 RecorderReport Tally::report() const {
   RecorderReport report;
   for (const auto& key : heard_) report.node.push_back(counts_.at(key));
+  for (const auto& [key, count] : counts_)
+    if (std::find(heard_.begin(), heard_.end(), key) == heard_.end()) report.earlier.push_back(count);
   std::stable_sort(report.node.begin(), report.node.end(),
                    [](const NodeReport& a, const NodeReport& b) { return a.node < b.node; });
   return report;

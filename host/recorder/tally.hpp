@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "common/bus/control.hpp"
@@ -30,7 +31,8 @@ class Tally {
 
   std::map<NodeEpoch, NodeReport> counts_;
   std::map<NodeEpoch, NodeLosses> losses_;
-  std::vector<NodeEpoch> heard_;  // in order of time
+  std::map<NodeEpoch, std::optional<BlockSum>> sums_;  // nothing once a block is not the node's own
+  std::vector<NodeEpoch> heard_;                       // in order of time
 };
 
 }  // namespace roadbalance

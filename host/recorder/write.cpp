@@ -38,6 +38,7 @@ class Writing {
     // A fit counts for the blocks behind it in the record: what was known when these came stands before them.
     while (const auto event = events.receive_for(milliseconds(0))) keeper_.append(*event, now);
     if (batch) append(keeper_, *batch, now);
+    take_notes();
     if (options_.power) watch_power(now);
     const bool commits = keeper_.commit_is_due(now);
     if (commits) take(keeper_.commit(now), now);
@@ -46,12 +47,18 @@ class Writing {
   }
 
   void close() {
+    take_notes();
     const WallTime now = WallClock::now();
     take(keeper_.close(now), now);
     tell();
   }
 
  private:
+  void take_notes() {
+    if (!options_.notes) return;
+    for (const NoteToRecord& note : options_.notes()) keeper_.note(note.kind, note.a, note.b, note.text);
+  }
+
   void set_clocks() { keeper_.set_clocks(clock_ns(CLOCK_REALTIME) / 1000, clock_ns(CLOCK_MONOTONIC_RAW)); }
 
   void watch_power(WallTime now) {

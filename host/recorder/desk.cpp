@@ -1,0 +1,297 @@
+#include "host/recorder/desk.hpp"
+
+#include <algorithm>
+#include <ctime>
+#include <system_error>
+#include <utility>
+
+namespace roadbalance {
+namespace {
+
+constexpr std::size_t kKnownAnswers = 64;
+constexpr int kMostRefusalsNoted = 100;  // in a recording: they come from whoever is on the bus
+
+RequestKey key_of(const Request& request) {
+  return {request.asker, request.request};
+}
+
+Answer answer_to(const Request& request, std::int64_t utc_us) {
+  return {.asker = request.asker,
+          .request = request.request,
+          .time_us = utc_us,
+          .operation = request.operation,
+          .node = request.node,
+          .channel = request.channel,
+          .value = request.value};
+}
+
+Answer done(const RequestKey& key, Operation operation, std::string text, std::int64_t utc_us) {
+  return {.asker = key.asker,
+          .request = key.request,
+          .time_us = utc_us,
+          .operation = operation,
+          .state = AnswerState::kDone,
+          .text = std::move(text)};
+}
+
+Answer answer_about(const Mark& mark, std::int64_t utc_us) {
+  return {.asker = mark.asked.asker,
+          .request = mark.asked.request,
+          .time_us = utc_us,
+          .operation = Operation::kMark,
+          .value = {static_cast<double>(mark.number), 0},
+          .text = "mark " + std::to_string(mark.number) + " is not on the disk yet"};
+}
+
+bool was_asked(const RequestKey& key) {
+  return key.asker != 0;
+}
+
+}  // namespace
+
+std::string name_by_time(std::int64_t utc_us) {
+  const std::time_t seconds = utc_us / 1'000'000;
+  std::tm utc{};
+  ::gmtime_r(&seconds, &utc);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%d %H-%M-%S", &utc);
+  return text;
+}
+
+Desk::Desk(Hands hands, DeskBook book) : hands_(std::move(hands)), book_(std::move(book)) {
+  if (book_.under_way) again();
+}
+
+void Desk::take(const Request& request, std::int64_t utc_us, int nodes) {
+  if (answer_again(request, utc_us)) return;
+  switch (request.operation) {
+    case Operation::kStart:
+      return start(request, utc_us, nodes);
+    case Operation::kStop:
+      return stop(request, utc_us);
+    case Operation::kMark:
+      return mark(request, utc_us);
+    case Operation::kRange:
+    case Operation::kFilter:
+    case Operation::kZero:
+    case Operation::kVehicle:
+      // What a count means is said once in an epoch, before its first sample.
+      if (book_.under_way)
+        return refuse(request, RefusalReason::kRecording,
+                      "a recording has one set-up from its first sample to its last: stop it first", utc_us);
+      if (const auto answer = hands_.set_up(request)) say(*answer);
+      return;
+  }
+  refuse(request, RefusalReason::kUnknownOperation, "this recorder is of an older release", utc_us);
+}
+
+// What is known of it, from memory or from the book.
+bool Desk::answer_again(const Request& request, std::int64_t utc_us) {
+  const RequestKey key = key_of(request);
+  const auto known = std::find_if(known_.begin(), known_.end(), [&](const Answer& answer) {
+    return answer.asker == key.asker && answer.request == key.request;
+  });
+  if (known != known_.end()) {
+    to_send_.push_back(*known);
+    return true;
+  }
+  if (const auto& recording = book_.under_way) {
+    if (key == recording->start || (recording->stop && key == *recording->stop)) {
+      say(answer_to(request, utc_us));  // runs() or ended() says the rest
+      return true;
+    }
+    if (const auto mark = std::ranges::find(recording->mark, key, &Mark::asked);
+        mark != recording->mark.end()) {
+      say(answer_about(*mark, utc_us));
+      if (mark->number <= recording->durable_marks) runs(0, recording->durable_marks, utc_us);
+      return true;
+    }
+  }
+  if (const auto& finished = book_.finished; finished && (key == finished->start || key == finished->stop)) {
+    say(done(key, request.operation, "the recording has ended", utc_us));
+    return true;
+  }
+  return false;
+}
+
+bool Desk::store(DeskBook book) {
+  try {
+    hands_.store(book);
+    book_ = std::move(book);
+    return true;
+  } catch (const std::system_error& error) {
+    store_fault_ = error.what();
+    return false;
+  }
+}
+
+void Desk::start(const Request& request, std::int64_t utc_us, int nodes) {
+  if (book_.under_way)
+    return refuse(request, RefusalReason::kRecording,
+                  "\"" + book_.under_way->name + "\" is being recorded: stop it first", utc_us);
+  const std::string name = request.text.empty() ? name_by_time(utc_us) : request.text;
+  if (const std::string fault = fault_of_name(name); !fault.empty())
+    return refuse(request, RefusalReason::kBadArgument, "\"" + name + "\": " + fault, utc_us);
+  if (hands_.exists(name))
+    return refuse(request, RefusalReason::kNameTaken,
+                  "there is a recording \"" + name + "\": choose another name", utc_us);
+  if (nodes == 0)
+    return refuse(request, RefusalReason::kNoNode,
+                  "no node is on the bus: is rb-node running, and are its cables plugged in?", utc_us);
+  DeskBook book = book_;
+  book.under_way = UnderWay{.name = name, .began_us = utc_us, .start = key_of(request)};
+  if (!store(std::move(book))) return refuse(request, RefusalReason::kDisk, store_fault_, utc_us);
+  again();
+  note_asked(request, RefusalReason::kNone, "start \"" + name + "\"");
+  Answer answer = answer_to(request, utc_us);
+  answer.text = "waits for the first samples of \"" + name + "\"";
+  say(answer);
+}
+
+void Desk::begin(const std::string& name, std::int64_t utc_us) {
+  if (book_.under_way) return;
+  DeskBook book = book_;
+  book.under_way = UnderWay{.name = name, .began_us = utc_us};
+  hands_.store(book);
+  book_ = std::move(book);
+  again();
+}
+
+void Desk::again() {
+  runs_ = false;
+  refusals_noted_ = 0;
+  fault_.clear();
+  hands_.begin(*book_.under_way);
+  for (const Mark& mark : book_.under_way->mark)
+    if (mark.number > book_.under_way->durable_marks) note(mark);
+  if (is_stopping()) hands_.stop();
+}
+
+void Desk::end() {
+  ends_ = true;
+  if (book_.under_way) hands_.stop();
+}
+
+void Desk::stop(const Request& request, std::int64_t utc_us) {
+  if (!book_.under_way)
+    return refuse(request, RefusalReason::kNotRecording, "nothing is being recorded", utc_us);
+  if (book_.under_way->stop)
+    return refuse(request, RefusalReason::kNotRecording, "it is being stopped already", utc_us);
+  note_asked(request, RefusalReason::kNone, "stop");
+  DeskBook book = book_;
+  book.under_way->stop = key_of(request);
+  // A book that cannot be written now must not keep a recording from its end.
+  if (!store(book)) book_ = std::move(book);
+  Answer answer = answer_to(request, utc_us);
+  answer.text = "waits for the nodes' last samples";
+  say(answer);
+  hands_.stop();
+}
+
+void Desk::mark(const Request& request, std::int64_t utc_us) {
+  if (!book_.under_way || is_stopping())
+    return refuse(request, RefusalReason::kNotRecording, "a mark is set into a recording: start one", utc_us);
+  DeskBook book = book_;
+  UnderWay& recording = *book.under_way;
+  const Mark mark{.number = ++recording.marks, .asked = key_of(request), .text = request.text};
+  recording.mark.push_back(mark);
+  if (recording.mark.size() > kMarksRemembered) recording.mark.pop_front();
+  if (!store(book)) book_ = std::move(book);
+  note(mark);
+  say(answer_about(mark, utc_us));
+}
+
+void Desk::note(const Mark& mark) {
+  hands_.note({.kind = NoteKind::kMark, .a = mark.number, .b = mark.asked.request, .text = mark.text});
+}
+
+void Desk::runs(int recorded_nodes, std::int32_t durable_marks, std::int64_t utc_us) {
+  fault_.clear();
+  if (!book_.under_way) return;
+  if (recorded_nodes > 0 && !std::exchange(runs_, true) && was_asked(book_.under_way->start))
+    say(done(book_.under_way->start, Operation::kStart, "\"" + book_.under_way->name + "\" is being recorded",
+             utc_us));
+  if (durable_marks > book_.under_way->durable_marks) {
+    book_.under_way->durable_marks = durable_marks;
+    (void)store(book_);  // otherwise it is noted once more, under the same number
+  }
+  for (Answer& known : known_) {
+    if (known.operation != Operation::kMark || known.state != AnswerState::kUnderWay) continue;
+    if (known.value[0] < 1 || known.value[0] > durable_marks) continue;
+    Answer answer = known;
+    answer.state = AnswerState::kDone;
+    answer.time_us = utc_us;
+    answer.text = "mark " + std::to_string(static_cast<int>(known.value[0])) + " is on the disk";
+    known = answer;
+    to_send_.push_back(std::move(answer));
+  }
+}
+
+void Desk::ended(std::vector<Receipt> receipts, std::int64_t utc_us) {
+  if (!book_.under_way) return;
+  const UnderWay recording = *book_.under_way;
+  const RequestKey stop = recording.stop.value_or(RequestKey{});
+  DeskBook book{.finished = Finished{.start = recording.start, .stop = stop, .receipt = std::move(receipts)}};
+  if (!store(book)) book_ = std::move(book);
+  fault_.clear();
+  if (!std::exchange(runs_, true) && was_asked(recording.start))
+    say(done(recording.start, Operation::kStart, "\"" + recording.name + "\" has ended", utc_us));
+  if (was_asked(stop)) say(done(stop, Operation::kStop, "\"" + recording.name + "\" is on the disk", utc_us));
+  for (Answer& known : known_) {
+    if (known.operation != Operation::kMark || known.state != AnswerState::kUnderWay) continue;
+    known.state = AnswerState::kDone;
+    known.text = "on the disk with the recording";
+    to_send_.push_back(known);
+  }
+}
+
+void Desk::failed(const std::string& why, bool has_run, std::int64_t utc_us) {
+  fault_ = why;
+  if (!book_.under_way || has_run || runs_ || !was_asked(book_.under_way->start)) return;
+  const RequestKey start = book_.under_way->start;
+  const auto asked = std::ranges::find_if(known_, [&](const Answer& answer) {
+    return answer.asker == start.asker && answer.request == start.request;
+  });
+  if (asked == known_.end()) return;  // by a recorder before us: it may hold samples
+  DeskBook book = book_;
+  book.under_way.reset();
+  if (!store(book)) book_ = std::move(book);
+  fault_.clear();
+  Answer answer = done(start, Operation::kStart, why, utc_us);
+  answer.state = AnswerState::kRefused;
+  answer.reason = RefusalReason::kDisk;
+  say(answer);
+}
+
+void Desk::refuse(const Request& request, RefusalReason reason, std::string why, std::int64_t utc_us) {
+  Answer answer = answer_to(request, utc_us);
+  answer.state = AnswerState::kRefused;
+  answer.reason = reason;
+  answer.text = std::move(why);
+  if (refusals_noted_ < kMostRefusalsNoted) {
+    ++refusals_noted_;
+    note_asked(request, reason, "refused: " + answer.text);
+  }
+  say(answer);
+}
+
+void Desk::note_asked(const Request& request, RefusalReason reason, const std::string& what) {
+  if (!book_.under_way) return;
+  hands_.note({.kind = NoteKind::kAsked,
+               .a = static_cast<std::int64_t>(request.operation),
+               .b = static_cast<std::int64_t>(reason),
+               .text = what});
+}
+
+void Desk::say(Answer answer) {
+  const auto known = std::ranges::find_if(
+      known_, [&](const Answer& old) { return old.asker == answer.asker && old.request == answer.request; });
+  if (known != known_.end())
+    *known = answer;
+  else
+    known_.push_back(answer);
+  if (known_.size() > kKnownAnswers) known_.pop_front();
+  to_send_.push_back(std::move(answer));
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/bus/operation.hpp"
+#include "host/recorder/desk_book.hpp"
+#include "host/recorder/recorder.hpp"
+
+namespace roadbalance {
+
+/// Obeys and answers requests; a pure state machine.  One recording at a time.
+///
+/// What was asked is in the book, on the disk, before it is done, and each request acts once, however often
+/// it comes and whenever the recorder is killed: a start that was obeyed is answered as done by the recorder
+/// that comes after, a stop goes on, a mark is noted again under the same number.
+class Desk {
+ public:
+  /// What it can do.
+  struct Hands {
+    std::function<void(const DeskBook&)> store;                   ///< @throws std::system_error
+    std::function<bool(const std::string& name)> exists;          ///< a recording of this name
+    std::function<void(const UnderWay&)> begin;                   ///< lets a recorder run on its folder
+    std::function<void()> stop;                                   ///< lets it come to its end
+    std::function<void(NoteToRecord)> note;                       ///< into the recording that runs
+    std::function<std::optional<Answer>(const Request&)> set_up;  ///< other operations; nothing: under way
+  };
+  Desk(Hands hands, DeskBook book);
+
+  /// @param nodes  how many could be recorded
+  void take(const Request& request, std::int64_t utc_us, int nodes);
+  /// Begins a recording without a request.
+  void begin(const std::string& name, std::int64_t utc_us);
+  /// The program ends: so does a recording.
+  void end();
+
+  /// The recorder runs: samples of so many nodes, and marks through this number, are on the disk.
+  void runs(int recorded_nodes, std::int32_t durable_marks, std::int64_t utc_us);
+  /// It has come to its end as told, with these receipts.
+  void ended(std::vector<Receipt> receipts, std::int64_t utc_us);
+  /// It has ended with an error and is to be begun again; one that has never run is given up.
+  void failed(const std::string& why, bool has_run, std::int64_t utc_us);
+  /// Begins it again.
+  void again();
+  /// What became of something passed to Hands::set_up.
+  void was_set_up(const Answer& answer) { say(answer); }
+
+  /// To be sent, since the last call.
+  std::vector<Answer> answers() { return std::exchange(to_send_, {}); }
+
+  const std::optional<UnderWay>& under_way() const { return book_.under_way; }
+  const std::optional<Finished>& finished() const { return book_.finished; }
+  bool is_stopping() const { return book_.under_way && (book_.under_way->stop || ends_); }
+  /// Why no recording runs that should; empty: it does, or none should.
+  const std::string& fault() const { return fault_; }
+
+ private:
+  void start(const Request& request, std::int64_t utc_us, int nodes);
+  void stop(const Request& request, std::int64_t utc_us);
+  void mark(const Request& request, std::int64_t utc_us);
+  void note(const Mark& mark);
+  bool answer_again(const Request& request, std::int64_t utc_us);
+  bool store(DeskBook book);
+  void note_asked(const Request& request, RefusalReason reason, const std::string& what);
+  void refuse(const Request& request, RefusalReason reason, std::string why, std::int64_t utc_us);
+  void say(Answer answer);
+
+  const Hands hands_;
+  DeskBook book_;
+  bool ends_ = false;
+  bool runs_ = false;  // samples have been recorded since it was begun
+  std::string fault_;
+  std::string store_fault_;
+  int refusals_noted_ = 0;
+  std::deque<Answer> known_;  // the latest, to repeat
+  std::vector<Answer> to_send_;
+};
+
+/// "2026-01-31 12-00-05": what a recording is called that nobody names.
+std::string name_by_time(std::int64_t utc_us);
+
+}  // namespace roadbalance

@@ -1,0 +1,111 @@
+#include "host/recorder/desk_book.hpp"
+
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "common/record/file.hpp"
+
+namespace roadbalance {
+namespace {
+
+using Json = nlohmann::json;
+
+Json to_json(const RequestKey& key) {
+  return {key.asker, key.request};
+}
+
+RequestKey key_of(const Json& json) {
+  return {json.at(0).get<std::int64_t>(), json.at(1).get<std::int64_t>()};
+}
+
+Json to_json(const UnderWay& recording) {
+  Json marks = Json::array();
+  for (const Mark& mark : recording.mark) marks.push_back({mark.number, to_json(mark.asked), mark.text});
+  Json json = {{"name", recording.name},
+               {"began_us", recording.began_us},
+               {"start", to_json(recording.start)},
+               {"marks", recording.marks},
+               {"durable_marks", recording.durable_marks},
+               {"mark", marks}};
+  if (recording.stop) json["stop"] = to_json(*recording.stop);
+  return json;
+}
+
+UnderWay under_way_of(const Json& json) {
+  UnderWay recording{.name = json.at("name").get<std::string>(),
+                     .began_us = json.at("began_us").get<std::int64_t>(),
+                     .start = key_of(json.at("start")),
+                     .marks = json.at("marks").get<std::int32_t>(),
+                     .durable_marks = json.at("durable_marks").get<std::int32_t>()};
+  for (const Json& mark : json.at("mark"))
+    recording.mark.push_back(
+        {mark.at(0).get<std::int32_t>(), key_of(mark.at(1)), mark.at(2).get<std::string>()});
+  if (json.contains("stop")) recording.stop = key_of(json.at("stop"));
+  if (!fault_of_name(recording.name).empty()) throw std::runtime_error("no name of a recording");
+  return recording;
+}
+
+// Receipts as they go to the bus, in hexadecimal: one form of them is enough.
+Json to_json(const Finished& finished) {
+  constexpr const char* kDigits = "0123456789abcdef";
+  Json receipts = Json::array();
+  for (const Receipt& receipt : finished.receipt) {
+    std::string text;
+    for (const std::uint8_t byte : encode(receipt)) (text += kDigits[byte >> 4]) += kDigits[byte & 15];
+    receipts.push_back(text);
+  }
+  return {{"start", to_json(finished.start)}, {"stop", to_json(finished.stop)}, {"receipt", receipts}};
+}
+
+// A receipt of another release is passed over: it only repeats what the record proves.
+Finished finished_of(const Json& json) {
+  Finished finished{.start = key_of(json.at("start")), .stop = key_of(json.at("stop"))};
+  for (const Json& receipt : json.at("receipt")) {
+    const auto text = receipt.get<std::string>();
+    std::vector<std::uint8_t> bytes;
+    for (std::size_t k = 0; k + 1 < text.size(); k += 2)
+      bytes.push_back(static_cast<std::uint8_t>(std::stoi(text.substr(k, 2), nullptr, 16)));
+    if (auto known = decode_receipt(bytes)) finished.receipt.push_back(std::move(*known));
+  }
+  return finished;
+}
+
+}  // namespace
+
+DeskBook read_desk_book(const std::filesystem::path& recordings, Disk& disk) {
+  const auto file = recordings / kDeskBookFile;
+  const auto text = read_text(file, disk);
+  if (!text) return {};
+  try {
+    const Json json = Json::parse(*text);
+    DeskBook book;
+    if (json.contains("under_way")) book.under_way = under_way_of(json.at("under_way"));
+    if (json.contains("finished")) book.finished = finished_of(json.at("finished"));
+    return book;
+  } catch (const std::exception& error) {
+    throw std::runtime_error(file.string() + ": cannot be read (" + error.what() +
+                             "); remove it if no recording is to go on");
+  }
+}
+
+void write_desk_book(const std::filesystem::path& recordings, const DeskBook& book, Disk& disk) {
+  Json json = Json::object();
+  if (book.under_way) json["under_way"] = to_json(*book.under_way);
+  if (book.finished) json["finished"] = to_json(*book.finished);
+  write_atomically(recordings / kDeskBookFile, json.dump() + "\n", disk);
+}
+
+std::string fault_of_name(const std::string& name) {
+  if (name.empty()) return "a recording needs a name";
+  if (name.size() > kMostNameBytes) return "longer than " + std::to_string(kMostNameBytes) + " bytes";
+  if (name.front() == '.' || name.front() == '-' || name.front() == ' ' || name.back() == ' ')
+    return "a name begins with a letter or digit and ends with no space";
+  constexpr std::string_view kForbidden = "/\\:*?\"<>|";
+  for (const char c : name)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F || kForbidden.find(c) != std::string_view::npos)
+      return "a name has none of / \\ : * ? \" < > |";
+  if (name == kDeskBookFile) return "this name is the recorder's own";
+  return "";
+}
+
+}  // namespace roadbalance

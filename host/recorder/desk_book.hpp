@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/bus/operation.hpp"
+#include "common/record/disk.hpp"
+
+namespace roadbalance {
+
+/// Who asked, and the number of what he asked.
+struct RequestKey {
+  std::int64_t asker = 0;
+  std::int64_t request = 0;
+  bool operator==(const RequestKey&) const = default;
+};
+
+struct Mark {
+  std::int32_t number = 0;  ///< in its recording, from 1
+  RequestKey asked{};
+  std::string text{};
+};
+
+/// A recording that somebody wants.
+struct UnderWay {
+  std::string name;           ///< of its folder
+  std::int64_t began_us = 0;  ///< UTC
+  RequestKey start{};
+  std::optional<RequestKey> stop{};  ///< it is to end
+  std::int32_t marks = 0;            ///< numbered so far
+  std::int32_t durable_marks = 0;    ///< of these, in the record
+  std::deque<Mark> mark{};           ///< the latest kMarksRemembered of them
+};
+
+/// The recording that was ended last.
+struct Finished {
+  RequestKey start{}, stop{};
+  std::vector<Receipt> receipt{};  ///< of each node
+};
+
+/// What a recorder that takes requests must know after a crash: a recording that is under way goes on, and a
+/// request that was obeyed is not obeyed again.
+struct DeskBook {
+  std::optional<UnderWay> under_way{};
+  std::optional<Finished> finished{};
+};
+
+inline constexpr const char* kDeskBookFile = "recorder.json";
+inline constexpr std::size_t kMarksRemembered = 32;
+
+/// An empty book if there is no file.  @throws std::runtime_error naming the file if it is no book
+DeskBook read_desk_book(const std::filesystem::path& recordings, Disk& disk = kernel_disk());
+/// Durable on return.  @throws std::system_error naming the file
+void write_desk_book(const std::filesystem::path& recordings, const DeskBook& book,
+                     Disk& disk = kernel_disk());
+
+/// Why a recording cannot be called so; empty: it can.  It becomes the name of a folder.
+std::string fault_of_name(const std::string& name);
+
+}  // namespace roadbalance

@@ -1,0 +1,241 @@
+#include "host/recorder/operate.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <map>
+#include <memory>
+#include <random>
+#include <stdexcept>
+#include <utility>
+
+#include "common/bus/bus.hpp"
+#include "common/bus/clock_messages.hpp"
+#include "common/bus/control.hpp"
+#include "common/bus/operation.hpp"
+#include "common/clock/clocks.hpp"
+#include "common/record/file.hpp"
+#include "common/record/folder.hpp"
+#include "host/recorder/desk.hpp"
+#include "host/recorder/receipts.hpp"
+#include "host/recorder/recording_session.hpp"
+
+namespace roadbalance {
+namespace {
+
+using std::chrono::milliseconds;
+constexpr milliseconds kTurn{20};
+constexpr milliseconds kStatus{500};
+constexpr milliseconds kReceipts{1000};
+constexpr milliseconds kAgain{1000};
+constexpr milliseconds kNodeSilence{3000};
+
+std::int64_t utc_us() {
+  using namespace std::chrono;
+  return duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
+}
+
+std::int64_t random_number() {
+  std::random_device device;
+  return std::uniform_int_distribution<std::int64_t>(1, kRequestLimit - 1)(device);
+}
+
+void append(RecorderReport& all, const RecorderReport& one) {
+  all.node.insert(all.node.end(), one.node.begin(), one.node.end());
+  all.blocks_refused += one.blocks_refused;
+  all.rival_heartbeats += one.rival_heartbeats;
+  all.unsent += one.unsent;
+  all.foreign = one.foreign;
+}
+
+// The desk on its bus, and its hands.
+class Operating {
+ public:
+  explicit Operating(const OperateOptions& options)
+      : options_(options),
+        recorder_(random_number()),
+        bus_(options.recorder.url),
+        desk_(hands(), read_desk_book(options.recordings)) {
+    bus_.subscribe(kRequestChannel, [this](std::string_view, auto bytes) {
+      if (const auto request = decode_request(bytes)) desk_.take(*request, utc_us(), nodes());
+    });
+    bus_.subscribe("RB_HEARTBEAT_.*", [this](std::string_view, auto bytes) { hear(bytes); });
+    bus_.subscribe("RB_CLOCK_.*", [this](std::string_view, auto bytes) { hear_clock(bytes); });
+    if (options.start) desk_.begin(*options.start, utc_us());
+  }
+
+  /// False: told to stop, and nothing is left to be done.
+  bool turn(bool told_to_stop) {
+    bus_.handle(kTurn);
+    if (told_to_stop && !std::exchange(ends_, true)) desk_.end();
+    look_after_recording();
+    for (const Answer& answer : desk_.answers()) (void)bus_.publish(kAnswerChannel, encode(answer));
+    const WallTime now = WallClock::now();
+    if (now - status_at_ >= kStatus && !session_speaks()) say_status(now);
+    if (now - receipts_at_ >= kReceipts) say_receipts(now);
+    return !ends_ || session_;
+  }
+
+  RecorderReport report() const { return report_; }
+
+ private:
+  Desk::Hands hands() {
+    return {
+        .store = [this](const DeskBook& book) { write_desk_book(options_.recordings, book); },
+        .exists = [this](const std::string& name) { return path_exists(options_.recordings / name); },
+        .begin = [this](const UnderWay& recording) { begin(recording); },
+        .stop =
+            [this] {
+              if (session_) session_->stop();
+            },
+        .note =
+            [this](NoteToRecord note) {
+              if (session_) session_->note(std::move(note));
+            },
+        .set_up =
+            [](const Request& request) {
+              return std::optional(Answer{
+                  .asker = request.asker,
+                  .request = request.request,
+                  .time_us = utc_us(),
+                  .operation = request.operation,
+                  .state = AnswerState::kRefused,
+                  .reason = RefusalReason::kNotSupported,
+                  .node = request.node,
+                  .channel = request.channel,
+                  .text = "this recorder leads no vehicle file: start rb-recorder with --vehicles FOLDER"});
+            }};
+  }
+
+  void begin(const UnderWay& recording) {
+    RecorderOptions options = options_.recorder;
+    options.folder = options_.recordings / recording.name;
+    options.start = true;
+    if (!options.fallback.empty()) options.fallback /= recording.name;
+    sync_us_.clear();
+    session_ = std::make_unique<RecordingSession>(
+        std::move(options), [recorder = recorder_, recording, this](RecorderStatus& status) {
+          status.recorder = recorder;
+          status.operable = true;
+          status.name = recording.name;
+          status.recording_s = 1e-6 * static_cast<double>(utc_us() - recording.began_us);
+          status.marks = std::max(status.marks, recording.durable_marks);
+          status.nodes = nodes_recorded_;
+        });
+  }
+
+  void look_after_recording() {
+    const WallTime now = WallClock::now();
+    if (!session_) {
+      if (desk_.under_way() && now - failed_at_ >= kAgain && !ends_) desk_.again();
+      return;
+    }
+    const RecordingSession::View view = session_->view();
+    nodes_recorded_ = static_cast<int>(std::ranges::count_if(
+        view.report.node, [](const NodeReport& node) { return node.samples_recorded > 0; }));
+    if (view.status) {
+      incarnation_ = view.status->incarnation;
+      if (!view.is_over) desk_.runs(nodes_recorded_, view.status->marks, utc_us());
+    }
+    if (!view.is_over) return;
+    session_.reset();
+    if (view.error.empty()) return finish(view.report);
+    if (options_.recorder.on_warning) options_.recorder.on_warning(view.error);
+    failed_at_ = now;
+    if (ends_) throw std::runtime_error(view.error);
+    desk_.failed(view.error, view.status.has_value(), utc_us());
+  }
+
+  void finish(const RecorderReport& report) {
+    const UnderWay& recording = *desk_.under_way();
+    append(report_, report);
+    const std::int64_t now_us = utc_us();
+    desk_.ended(receipts_of(report, {.name = recording.name,
+                                     .incarnation = incarnation_,
+                                     .began_us = recording.began_us,
+                                     .ended_us = now_us,
+                                     .bytes = bytes_of_folder(options_.recordings / recording.name),
+                                     .marks = recording.marks,
+                                     .sync_us = sync_us_}),
+                now_us);
+    status_at_ = receipts_at_ = {};
+  }
+
+  void hear(std::span<const std::uint8_t> bytes) {
+    const auto beat = decode_heartbeat(bytes);
+    const auto& ours = options_.recorder.nodes;
+    if (!beat || (!ours.empty() && std::ranges::find(ours, beat->node) == ours.end())) return;
+    if (heard_.size() >= kMostNodes && !heard_.contains(beat->node)) return;
+    if (beat->is_over())
+      heard_.erase(beat->node);
+    else
+      heard_[beat->node] = WallClock::now();
+  }
+
+  void hear_clock(std::span<const std::uint8_t> bytes) {
+    const auto fit = decode_clock_fit(bytes);
+    if (!fit || !session_ || fit->state == ClockState::kAcquire) return;
+    if (sync_us_.size() >= kMostNodes && !sync_us_.contains(fit->node)) return;
+    double& largest = sync_us_[fit->node];
+    largest = std::max(largest, 1e6 * fit->uncertainty_s);
+  }
+
+  int nodes() {
+    const WallTime now = WallClock::now();
+    std::erase_if(heard_, [now](const auto& node) { return now - node.second > kNodeSilence; });
+    return static_cast<int>(heard_.size());
+  }
+
+  // From its first word to its end the session says the state itself, with what it knows.
+  bool session_speaks() const { return session_ && session_->view().status; }
+
+  void say_status(WallTime now) {
+    status_at_ = now;
+    RecorderStatus status{.time_us = utc_us(), .recorder = recorder_, .nodes = nodes(), .operable = true};
+    status.state = status.nodes > 0 ? RecorderState::kArmed : RecorderState::kIdle;
+    if (const auto& recording = desk_.under_way()) {
+      status.state = desk_.fault().empty() ? RecorderState::kRecording : RecorderState::kFault;
+      status.name = recording->name;
+      status.recording_s = 1e-6 * static_cast<double>(status.time_us - recording->began_us);
+      status.marks = recording->durable_marks;
+    }
+    status.fault = desk_.fault();
+    const std::int64_t free = kernel_disk().free_bytes(options_.recordings.c_str());
+    status.bytes_free = std::max<std::int64_t>(0, free - options_.recorder.reserve_bytes);
+    if (free >= 0 && status.bytes_free == 0 && !desk_.under_way()) status.state = RecorderState::kDiskFull;
+    (void)bus_.publish(kRecorderChannel, encode(status));
+    if (options_.recorder.on_alive) options_.recorder.on_alive(status);
+  }
+
+  void say_receipts(WallTime now) {
+    receipts_at_ = now;
+    if (!desk_.finished() || desk_.under_way()) return;
+    for (const Receipt& receipt : desk_.finished()->receipt)
+      (void)bus_.publish(kReceiptChannel, encode(receipt));
+  }
+
+  const OperateOptions& options_;
+  const std::int64_t recorder_;
+  Bus bus_;
+  std::map<std::int32_t, WallTime> heard_;
+  std::map<std::int32_t, double> sync_us_;
+  std::unique_ptr<RecordingSession> session_;
+  RecorderReport report_;
+  std::atomic<int> nodes_recorded_ = 0;
+  std::int64_t incarnation_ = 0;
+  bool ends_ = false;
+  WallTime failed_at_{};
+  WallTime status_at_{};
+  WallTime receipts_at_{};
+  Desk desk_;  // last: it may have its hands do something at once
+};
+
+}  // namespace
+
+RecorderReport operate(std::stop_token stop, const OperateOptions& options) {
+  create_folders(options.recordings);
+  Operating operating(options);
+  while (operating.turn(stop.stop_requested())) continue;
+  return operating.report();
+}
+
+}  // namespace roadbalance

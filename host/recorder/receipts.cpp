@@ -1,0 +1,66 @@
+#include "host/recorder/receipts.hpp"
+
+#include <algorithm>
+#include <system_error>
+
+namespace roadbalance {
+namespace {
+
+void add(const NodeReport& epoch, Receipt& receipt) {
+  receipt.sums_agree = (receipt.epochs == 0 || receipt.sums_agree) && epoch.sums_agree;
+  ++receipt.epochs;
+  if (!epoch.ended) ++receipt.open_epochs;
+  receipt.samples_sent += epoch.samples_sent;
+  receipt.samples_recorded += epoch.samples_recorded;
+  receipt.gaps += epoch.gaps;
+  receipt.repaired += epoch.repaired;
+  receipt.overload_s += epoch.overload_s;
+  receipt.blocks_crc32c = epoch.blocks_crc32c;
+}
+
+}  // namespace
+
+std::vector<Receipt> receipts_of(const RecorderReport& report, const RecordingFacts& facts) {
+  std::map<std::int32_t, Receipt> by_node;
+  for (const auto* epochs : {&report.earlier, &report.node})
+    for (const NodeReport& epoch : *epochs) {
+      // Heard, but never started: a node that was there in the end.
+      if (epoch.blocks == 0 && epoch.samples_sent == 0) continue;
+      add(epoch, by_node[epoch.node]);
+    }
+  std::vector<Receipt> receipts;
+  for (auto& [node, receipt] : by_node) {
+    if (receipts.size() == kMostNodes) break;
+    receipt.node = node;
+    receipts.push_back(receipt);
+  }
+  if (receipts.empty()) receipts.emplace_back();
+  const bool has_nodes = receipts.front().node != 0;
+  for (std::size_t k = 0; k < receipts.size(); ++k) {
+    Receipt& receipt = receipts[k];
+    receipt.incarnation = facts.incarnation;
+    receipt.began_us = facts.began_us;
+    receipt.ended_us = facts.ended_us;
+    receipt.index = static_cast<std::int32_t>(k);
+    receipt.nodes = has_nodes ? static_cast<std::int32_t>(receipts.size()) : 0;
+    receipt.bytes = facts.bytes;
+    receipt.marks = facts.marks;
+    receipt.name = facts.name;
+    if (const auto sync = facts.sync_us.find(receipt.node); sync != facts.sync_us.end())
+      receipt.sync_us = sync->second;
+  }
+  return receipts;
+}
+
+std::int64_t bytes_of_folder(const std::filesystem::path& folder) {
+  std::int64_t bytes = 0;
+  std::error_code error;
+  for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    const auto size = at->file_size(error);
+    if (!error) bytes += static_cast<std::int64_t>(size);
+    error.clear();
+  }
+  return bytes;
+}
+
+}  // namespace roadbalance

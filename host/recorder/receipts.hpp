@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/bus/operation.hpp"
+#include "host/recorder/recorder.hpp"
+
+namespace roadbalance {
+
+/// What all receipts of a recording share.
+struct RecordingFacts {
+  std::string name;
+  std::int64_t incarnation = 0;
+  std::int64_t began_us = 0;
+  std::int64_t ended_us = 0;
+  std::int64_t bytes = 0;
+  std::int32_t marks = 0;
+  std::map<std::int32_t, double> sync_us{};  ///< largest uncertainty of each node's clock
+};
+
+/// One receipt a node, its epochs summed; one that names no node if none was recorded.
+std::vector<Receipt> receipts_of(const RecorderReport& report, const RecordingFacts& facts);
+
+/// Sizes of the files in a folder; what cannot be read counts nothing.
+std::int64_t bytes_of_folder(const std::filesystem::path& folder);
+
+}  // namespace roadbalance

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <variant>
+#include <vector>
+
+#include "host/recorder/recorder.hpp"
+
+namespace roadbalance {
+
+/// A recorder that runs beside who leads it: run_recorder() in a thread of its own.
+class RecordingSession {
+ public:
+  /// What is known of it now.
+  struct View {
+    RecorderReport report;
+    std::optional<RecorderStatus> status;  ///< the last that it has said
+    bool is_over = false;
+    std::string error;  ///< it is over and not all is on the disk
+  };
+
+  /// @param options  complete, notes and on_progress are replaced
+  explicit RecordingSession(RecorderOptions options, std::function<void(RecorderStatus&)> complete);
+
+  void stop() { thread_.request_stop(); }
+  void note(NoteToRecord note);
+  View view() const;
+
+ private:
+  void run(std::stop_token stop);
+
+  RecorderOptions options_;
+  mutable std::mutex mutex_;
+  std::vector<NoteToRecord> notes_;
+  View view_;
+  std::jthread thread_;  // last: it uses the others
+};
+
+}  // namespace roadbalance

@@ -1,0 +1,55 @@
+#include "host/recorder/desk_book.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <stdexcept>
+
+#include "common/test/temporary_directory.hpp"
+
+namespace roadbalance {
+namespace {
+
+TEST(DeskBook, IsReadAsItWasWritten) {
+  const test::TemporaryDirectory folder;
+  EXPECT_FALSE(read_desk_book(folder.path()).under_way);
+  DeskBook book{
+      .under_way = UnderWay{.name = "Fahrt 1 ä",
+                            .began_us = 5,
+                            .start = {1, 2},
+                            .stop = RequestKey{3, 4},
+                            .marks = 9,
+                            .durable_marks = 8,
+                            .mark = {{.number = 9, .asked = {5, 6}, .text = "\"bridge\""}}},
+      .finished = Finished{.start = {7, 8}, .stop = {9, 10}, .receipt = {Receipt{.name = "before"}}}};
+  write_desk_book(folder.path(), book);
+  const DeskBook read = read_desk_book(folder.path());
+  ASSERT_TRUE(read.under_way && read.finished);
+  EXPECT_EQ(read.under_way->name, "Fahrt 1 ä");
+  EXPECT_EQ(read.under_way->stop, (RequestKey{3, 4}));
+  EXPECT_EQ(read.under_way->durable_marks, 8);
+  ASSERT_EQ(read.under_way->mark.size(), 1u);
+  EXPECT_EQ(read.under_way->mark[0].text, "\"bridge\"");
+  EXPECT_EQ(read.finished->stop, (RequestKey{9, 10}));
+  ASSERT_EQ(read.finished->receipt.size(), 1u);
+  EXPECT_EQ(read.finished->receipt[0].name, "before");
+}
+
+// What is no book is an error that names it: to begin with an empty one would end a recording unasked.
+TEST(DeskBook, RefusesWhatIsNone) {
+  const test::TemporaryDirectory folder;
+  for (const char* text : {"", "{", "[]x", R"({"under_way": {}})",
+                           R"({"under_way": {"name": "../x", "began_us": 1, "start": [1, 2], "marks": 0,
+                               "durable_marks": 0, "mark": []}})"}) {
+    std::ofstream(folder.path() / kDeskBookFile) << text;
+    try {
+      read_desk_book(folder.path());
+      ADD_FAILURE() << text;
+    } catch (const std::runtime_error& error) {
+      EXPECT_NE(std::string(error.what()).find(kDeskBookFile), std::string::npos);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace roadbalance

@@ -1,0 +1,59 @@
+#include "host/recorder/receipts.hpp"
+
+#include <gtest/gtest.h>
+
+namespace roadbalance {
+namespace {
+
+NodeReport epoch(std::int32_t node, std::int64_t number, std::int64_t samples) {
+  return {.node = node,
+          .epoch = number,
+          .samples_sent = samples,
+          .samples_recorded = samples,
+          .repaired = 2,
+          .blocks = 10,
+          .ended = true,
+          .overload_s = 0.5,
+          .blocks_crc32c = static_cast<std::uint32_t>(number),
+          .sums_agree = true};
+}
+
+TEST(Receipts, SumTheEpochsOfEachNode) {
+  RecorderReport report;
+  report.earlier = {epoch(2, 1, 100)};
+  report.node = {epoch(1, 7, 1000), epoch(2, 9, 50)};
+  report.node[1].ended = false;
+  report.node[1].sums_agree = false;
+  const auto receipts = receipts_of(
+      report, {.name = "drive", .incarnation = 3, .bytes = 77, .marks = 4, .sync_us = {{2, 12.5}}});
+  ASSERT_EQ(receipts.size(), 2u);
+  EXPECT_EQ(receipts[0].node, 1);
+  EXPECT_EQ(receipts[0].samples_recorded, 1000);
+  EXPECT_TRUE(receipts[0].sums_agree);
+  EXPECT_LT(receipts[0].sync_us, 0);
+  EXPECT_EQ(receipts[1].node, 2);
+  EXPECT_EQ(receipts[1].epochs, 2);
+  EXPECT_EQ(receipts[1].open_epochs, 1);
+  EXPECT_EQ(receipts[1].samples_sent, 150);
+  EXPECT_EQ(receipts[1].repaired, 4);
+  EXPECT_EQ(receipts[1].overload_s, 1.0);
+  EXPECT_EQ(receipts[1].sync_us, 12.5);
+  EXPECT_FALSE(receipts[1].sums_agree);
+  EXPECT_EQ(receipts[1].index, 1);
+  EXPECT_EQ(receipts[1].nodes, 2);
+  EXPECT_EQ(receipts[1].bytes, 77);
+  for (const Receipt& receipt : receipts) EXPECT_TRUE(decode_receipt(encode(receipt)));
+}
+
+TEST(Receipts, ANodeThatOnlyWaitedHasNone) {
+  RecorderReport report;
+  report.node = {NodeReport{.node = 1, .epoch = 4}};
+  const auto receipts = receipts_of(report, {.name = "drive"});
+  ASSERT_EQ(receipts.size(), 1u);
+  EXPECT_EQ(receipts[0].nodes, 0);
+  EXPECT_EQ(receipts[0].name, "drive");
+  EXPECT_TRUE(decode_receipt(encode(receipts[0])));
+}
+
+}  // namespace
+}  // namespace roadbalance
