@@ -137,7 +137,8 @@ class Follower {
 
 void follow_record(std::stop_token stop, const AnalyserOptions& options, const VehicleConfig& vehicle) {
   Follower follower(options, vehicle);
-  while (!stop.stop_requested() && !(follower.ended() && options.exit_at_end)) follower.step(stop);
+  while (!stop.stop_requested() && !(follower.ended() && options.exit_at_end && options.may_exit()))
+    follower.step(stop);
   for (int i = 0; i < kFarewells && follower.ended(); ++i) {
     follower.publish();
     follower.publish_orders();

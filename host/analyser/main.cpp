@@ -9,6 +9,7 @@
 #include "common/config/section.hpp"
 #include "common/process/stop_on_signal.hpp"
 #include "host/analyser/analyser.hpp"
+#include "host/analyser/follow_recordings.hpp"
 
 namespace {
 
@@ -28,11 +29,21 @@ int main(int argc, char** argv) {
   };
   CLI::App app("Turns a growing record and the live bus into levels, spectra, identification and balance.");
   app.add_option("--url", options.url, "LCM address of the bus")->capture_default_str();
-  app.add_option("--record", options.record, "folder that rb-recorder writes")->required();
+  auto* record = app.add_option("--record", options.record, "folder that rb-recorder writes");
+  std::filesystem::path recordings;
+  app.add_option("--recordings", recordings,
+                 "folder of rb-recorder --recordings: follows each recording in turn")
+      ->excludes(record);
   app.add_flag("--exit-at-end", options.exit_at_end,
                "exit once every node has ended and the last estimate is out");
   try {
     app.parse(argc, argv);
+    if (options.record.empty() && recordings.empty())
+      throw roadbalance::ConfigError("--record or --recordings must say what to analyse");
+    if (!recordings.empty()) {
+      roadbalance::follow_recordings(signals.token(), recordings, options);
+      return 0;
+    }
     if (!std::filesystem::exists(options.record))
       std::fprintf(stderr, "rb-analyser: waiting for a record in %s\n", options.record.c_str());
     roadbalance::run_analyser(signals.token(), options);

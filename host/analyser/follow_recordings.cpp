@@ -1,0 +1,92 @@
+#include "host/analyser/follow_recordings.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "common/bus/bus.hpp"
+#include "common/bus/control.hpp"
+#include "common/bus/recorder_status.hpp"
+#include "common/clock/clocks.hpp"
+#include "common/process/parallel.hpp"
+
+namespace roadbalance {
+namespace {
+
+constexpr std::chrono::milliseconds kPoll{50};
+constexpr std::chrono::seconds kSilence{3};
+// A node that goes on with its next epoch says between two heartbeats that the one before has ended.
+constexpr std::chrono::seconds kGone{2};
+
+/// What is recorded, and whether there is anybody to be recorded.
+class Listener {
+ public:
+  explicit Listener(const std::string& url) : bus_(url) {
+    bus_.subscribe(kRecorderChannel, [this](std::string_view, auto bytes) {
+      const auto status = decode_recorder_status(bytes);
+      if (status && status->operable && !status->name.empty()) name_ = status->name;
+    });
+    bus_.subscribe("RB_HEARTBEAT_.*", [this](std::string_view, auto bytes) {
+      const auto beat = decode_heartbeat(bytes);
+      if (!beat || (heard_.size() >= kMostNodes && !heard_.contains(beat->node))) return;
+      heard_[beat->node] = {WallClock::now(), beat->is_over()};
+    });
+  }
+
+  void listen() {
+    bus_.handle(kPoll);
+    const WallTime now = WallClock::now();
+    const bool any_lives = std::ranges::any_of(heard_, [now](const auto& heard) {
+      return !heard.second.is_over && now - heard.second.at < kSilence;
+    });
+    if (any_lives || heard_.empty()) lived_at_ = now;
+  }
+
+  /// Empty: nothing has been recorded yet.
+  const std::string& name() const { return name_; }
+  bool nodes_are_gone() const { return WallClock::now() - lived_at_ >= kGone; }
+
+ private:
+  struct Heard {
+    WallTime at{};
+    bool is_over = false;
+  };
+  Bus bus_;
+  std::string name_;
+  std::map<std::int32_t, Heard> heard_;
+  WallTime lived_at_ = WallClock::now();
+};
+
+}  // namespace
+
+void follow_recordings(std::stop_token stop, const std::filesystem::path& recordings,
+                       const AnalyserOptions& options) {
+  Listener listener(options.url);
+  while (!stop.stop_requested()) {
+    listener.listen();
+    if (listener.name().empty()) continue;
+    const std::string name = listener.name();
+    std::atomic<bool> may_exit = false, is_over = false;
+    AnalyserOptions one = options;
+    one.record = recordings / name;
+    one.may_exit = [&may_exit] { return may_exit.load(); };
+    Parallel analyser;
+    analyser.run([&](std::stop_token stop_here) {
+      run_analyser(stop_here, one);
+      is_over = true;
+    });
+    while (!stop.stop_requested() && !analyser.stop_token().stop_requested() && !is_over &&
+           listener.name() == name) {
+      listener.listen();
+      may_exit = options.exit_at_end && listener.nodes_are_gone();
+    }
+    analyser.request_stop();
+    analyser.wait();
+    if (is_over && may_exit) return;
+  }
+}
+
+}  // namespace roadbalance

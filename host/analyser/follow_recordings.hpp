@@ -1,0 +1,20 @@
+#pragma once
+
+#include <filesystem>
+#include <stop_token>
+
+#include "host/analyser/analyser.hpp"
+
+namespace roadbalance {
+
+/// Process: run_analyser on each recording in turn that the recorder makes, from when it says its name until
+/// it says another; in between the last one stays, whose vehicle tells the live view what channels are.
+///
+/// With options.exit_at_end it returns once the last recording has ended, its last estimate is out, and no
+/// node is left that could be recorded again.
+/// @param recordings  folder of recordings, each a folder of its name; options.record is not used
+/// @throws as run_analyser
+void follow_recordings(std::stop_token stop, const std::filesystem::path& recordings,
+                       const AnalyserOptions& options);
+
+}  // namespace roadbalance
