@@ -94,9 +94,9 @@ void BusView::take(const OrderReport& report) {
 
 void BusView::take(const RecorderStatus& status) {
   constexpr std::size_t kMostRecorders = 8;
-  if (!recorders_.contains(status.incarnation) && recorders_.size() >= kMostRecorders) return;
-  state_changed_ = put(recorders_, status.incarnation, status) || state_changed_;
-  recorder_heard_at_[status.incarnation] = WallClock::now();
+  if (!recorders_.contains(status.recorder) && recorders_.size() >= kMostRecorders) return;
+  state_changed_ = put(recorders_, status.recorder, status) || state_changed_;
+  recorder_heard_at_[status.recorder] = WallClock::now();
 }
 
 void BusView::take(const Heartbeat& beat) {

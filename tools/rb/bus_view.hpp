@@ -53,7 +53,7 @@ class BusView {
   /// How the nodes' clocks stand, by node; none of a node that nobody asks for its time.
   const std::map<std::int32_t, ClockFit>& clocks() const { return clocks_; }
 
-  /// By incarnation: two recorders are two lines.
+  /// By RecorderStatus::recorder: two recorders are two lines.
   const std::map<std::int64_t, RecorderStatus>& recorders() const { return recorders_; }
 
   /// The highest line of a channel's spectrum, from the parts seen last.

@@ -37,5 +37,11 @@ void add_transfer(CLI::App& app, int& code);
 void add_import(CLI::App& app, int& code);
 void add_supervise(CLI::App& app, int& code);
 void add_wiring(CLI::App& app, int& code);
+void add_start(CLI::App& app, int& code);
+void add_stop(CLI::App& app, int& code);
+void add_mark(CLI::App& app, int& code);
+void add_configure(CLI::App& app, int& code);
+void add_zero(CLI::App& app, int& code);
+void add_vehicle(CLI::App& app, int& code);
 
 }  // namespace roadbalance

@@ -30,7 +30,10 @@ DemoPlan::DemoPlan(const DemoOptions& options) : options_(options), vehicle_(rea
   url_ = bus_url_on_port(quiet_port(options.port));
   constexpr auto kTimeToStart = std::chrono::seconds(1);
   start_ns_ = to_ns(WallClock::now() + kTimeToStart);
-  record_ = options.record.empty() ? work() / "record" : std::filesystem::path(options.record);
+  // Beside what else is in the folder: what is started on the page gets a folder beside the first one.
+  record_ = options.record.empty() ? work() / "recordings" / "drive"
+                                   : std::filesystem::absolute(options.record).lexically_normal();
+  if (!record_.has_filename()) record_ = record_.parent_path();
   std::ofstream file(vehicle_file(), std::ios::binary);
   file << vehicle_.text;
   if (!file.flush())

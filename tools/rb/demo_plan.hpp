@@ -34,6 +34,9 @@ class DemoPlan {
   const VehicleConfig& vehicle() const { return vehicle_; }
   const std::string& url() const { return url_; }
   const std::filesystem::path& record() const { return record_; }
+  /// Where that and those started on the page lie.
+  std::filesystem::path recordings() const { return record_.parent_path(); }
+  bool has_page() const { return !options_.headless; }
   /// Logs of the programs, and the vehicle file the nodes read.  Nothing else of it reaches recorder or
   /// analyser.
   const std::filesystem::path& work() const { return work_.path(); }

@@ -12,19 +12,36 @@
 namespace roadbalance {
 namespace {
 
+using Arguments = std::vector<std::string>;
+
+// With a page a person may stop the recording and start another.
+Arguments recorder_arguments(const DemoPlan& plan) {
+  if (!plan.has_page()) return {"--url", plan.url(), "--record", plan.record().string(), "--json"};
+  return {"--url",        plan.url(),
+          "--recordings", plan.recordings().string(),
+          "--start",      plan.record().filename().string(),
+          "--json"};
+}
+
+Arguments analyser_arguments(const DemoPlan& plan) {
+  if (!plan.has_page()) return {"--url", plan.url(), "--record", plan.record().string(), "--exit-at-end"};
+  return {"--url", plan.url(), "--recordings", plan.recordings().string(), "--exit-at-end"};
+}
+
+Arguments node_arguments(const DemoPlan& plan, const std::string& node) {
+  Arguments arguments{"--url",  plan.url(), "--vehicle",   plan.vehicle_file().string(),
+                      "--node", node,       "--front-end", plan.front_end()};
+  if (plan.has_page()) arguments.push_back("--stay");
+  return arguments;
+}
+
 class Processes final : public DemoTeam {
  public:
   explicit Processes(const DemoPlan& plan)
-      : recorder_(sibling_program("rb-recorder"),
-                  {"--url", plan.url(), "--record", plan.record().string(), "--json"},
-                  plan.work() / "recorder.log"),
-        analyser_(sibling_program("rb-analyser"),
-                  {"--url", plan.url(), "--record", plan.record().string(), "--exit-at-end"},
-                  plan.work() / "analyser.log") {
+      : recorder_(sibling_program("rb-recorder"), recorder_arguments(plan), plan.work() / "recorder.log"),
+        analyser_(sibling_program("rb-analyser"), analyser_arguments(plan), plan.work() / "analyser.log") {
     for (const auto& node : plan.vehicle().node)
-      nodes_.push_back({node.name, Child(sibling_program("rb-node"),
-                                         {"--url", plan.url(), "--vehicle", plan.vehicle_file().string(),
-                                          "--node", node.name, "--front-end", plan.front_end()},
+      nodes_.push_back({node.name, Child(sibling_program("rb-node"), node_arguments(plan, node.name),
                                          plan.work() / (node.name + ".log"))});
   }
 

@@ -54,6 +54,12 @@ int main(int argc, char** argv) {
   int code = kDone;
   add_demo(app, code);
   add_watch(app, code);
+  add_start(app, code);
+  add_stop(app, code);
+  add_mark(app, code);
+  add_configure(app, code);
+  add_zero(app, code);
+  add_vehicle(app, code);
   add_datum(app, code);
   add_calibrate(app, code);
   add_wiring(app, code);

@@ -20,6 +20,12 @@ const char* name_of(RecorderState state) {
       return "disk_full";
     case RecorderState::kStopping:
       return "stopping";
+    case RecorderState::kIdle:
+      return "idle";
+    case RecorderState::kArmed:
+      return "armed";
+    case RecorderState::kFault:
+      return "fault";
   }
   return "unknown";
 }
@@ -84,7 +90,10 @@ Json compensation(const BusView& view) {
 }  // namespace
 
 Json recorder_json(const RecorderStatus& status) {
-  return {{"incarnation", status.incarnation},
+  return {{"recorder", status.recorder},
+          {"recording", status.name},
+          {"recording_s", status.recording_s},
+          {"incarnation", status.incarnation},
           {"state", name_of(status.state)},
           {"segment", status.segment},
           {"bytes_recorded", status.bytes_recorded},

@@ -28,9 +28,11 @@ void add_levels(const BusView& view, std::vector<std::string>& lines) {
 
 std::vector<std::string> recorder_lines(const RecorderStatus& status,
                                         const std::map<std::int32_t, Heartbeat>& beats) {
-  std::vector<std::string> lines{"recorder " + std::to_string(status.incarnation) + ": " +
-                                 status_line(status)};
+  const bool records = status.incarnation != 0;
+  std::vector<std::string> lines{(records ? "recorder " + std::to_string(status.incarnation) : "recorder") +
+                                 ": " + status_line(status)};
   for (const auto& alarm : alarms(status)) lines.push_back("  ! " + alarm);
+  if (!records) return lines;
   for (const auto& [node, beat] : beats)
     if (beat.owner == status.incarnation) return lines;
   for (const auto& [node, beat] : beats)

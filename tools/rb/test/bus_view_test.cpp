@@ -112,7 +112,7 @@ TEST_F(BusViewTest, ShowsAPlanBesideTheBalanceThatItFollowsFrom) {
 
 TEST_F(BusViewTest, ShowsRecordersAndWhatAlarmsThem) {
   RecorderStatus status;
-  status.incarnation = 5;
+  status.recorder = status.incarnation = 5;
   EXPECT_TRUE(hear(kRecorderChannel, encode(status)));
   status.bytes_recorded = 1000;
   EXPECT_FALSE(hear(kRecorderChannel, encode(status)));
@@ -121,7 +121,7 @@ TEST_F(BusViewTest, ShowsRecordersAndWhatAlarmsThem) {
   EXPECT_TRUE(hear(kRecorderChannel, encode(status)));
   EXPECT_TRUE(said("THE DISK FAILS (1 times)"));
   EXPECT_EQ(watch_json(view_).at("recorders").at(0).at("state"), "disk_failing");
-  status.incarnation = 6;
+  status.recorder = status.incarnation = 6;
   EXPECT_TRUE(hear(kRecorderChannel, encode(status)));
   EXPECT_TRUE(said("more than one recorder"));
 }

@@ -1,0 +1,110 @@
+#include "tools/rb/asking.hpp"
+
+#include <random>
+
+#include "common/clock/clocks.hpp"
+
+namespace roadbalance {
+namespace {
+
+using std::chrono::milliseconds;
+constexpr milliseconds kTurn{20};
+constexpr milliseconds kRepeat{200};
+
+std::int64_t random_number() {
+  std::random_device device;
+  return std::uniform_int_distribution<std::int64_t>(1, kRequestLimit - 1)(device);
+}
+
+}  // namespace
+
+Asking::Asking(const std::string& url) : bus_(url) {
+  request_.asker = random_number();
+  bus_.subscribe(kAnswerChannel, [this](std::string_view, auto bytes) {
+    const auto answer = decode_answer(bytes);
+    if (!answer || answer->asker != request_.asker || answer->request != request_.request) return;
+    // One that was under way may arrive behind the last word.
+    if (!answer_ || answer_->state == AnswerState::kUnderWay) answer_ = *answer;
+  });
+  bus_.subscribe(kReceiptChannel, [this](std::string_view, auto bytes) {
+    const auto receipt = decode_receipt(bytes);
+    if (!receipt) return;
+    if (!receipts_.empty() && receipts_.begin()->second.ended_us != receipt->ended_us) {
+      if (receipts_.begin()->second.ended_us > receipt->ended_us) return;
+      receipts_.clear();
+    }
+    receipts_[receipt->index] = *receipt;
+  });
+  bus_.subscribe(kRecorderChannel, [this](std::string_view, auto bytes) {
+    if (auto status = decode_recorder_status(bytes)) recorder_ = std::move(*status);
+  });
+}
+
+std::optional<Answer> Asking::ask(Request request, milliseconds patience) {
+  const std::int64_t asker = request_.asker;
+  request_ = std::move(request);
+  request_.asker = asker;
+  request_.request = random_number();
+  answer_.reset();
+  const WallTime begin = WallClock::now();
+  for (WallTime asked_at{}; WallClock::now() - begin < patience;) {
+    if (const WallTime now = WallClock::now(); now - asked_at >= kRepeat) {
+      (void)bus_.publish(kRequestChannel, encode(request_));
+      asked_at = now;
+    }
+    bus_.handle(kTurn);
+    if (answer_ && answer_->state != AnswerState::kUnderWay) break;
+  }
+  return answer_;
+}
+
+const std::map<std::int32_t, Receipt>& Asking::receipts(milliseconds patience) {
+  const auto are_all_there = [this] {
+    return !receipts_.empty() &&
+           static_cast<std::int32_t>(receipts_.size()) >= receipts_.begin()->second.nodes;
+  };
+  for (const WallTime end = WallClock::now() + patience; !are_all_there() && WallClock::now() < end;)
+    bus_.handle(kTurn);
+  return receipts_;
+}
+
+std::string Asking::silence() const {
+  if (!recorder_) return "no recorder answers: is rb-recorder --recordings FOLDER running on this bus?";
+  if (!recorder_->operable)
+    return "the recorder of \"" + recorder_->name +
+           "\" was started with --record: it records until it is stopped there; one with --recordings FOLDER "
+           "starts and stops on request";
+  return "the recorder of this bus is there and does not answer";
+}
+
+const char* text_of(RefusalReason reason) {
+  switch (reason) {
+    case RefusalReason::kNone:
+      return "done";
+    case RefusalReason::kUnknownOperation:
+      return "unknown here";
+    case RefusalReason::kBadArgument:
+      return "cannot be";
+    case RefusalReason::kRecording:
+      return "not while a recording is under way";
+    case RefusalReason::kNotRecording:
+      return "no recording is under way";
+    case RefusalReason::kNameTaken:
+      return "the name is taken";
+    case RefusalReason::kNoNode:
+      return "no such node";
+    case RefusalReason::kDisk:
+      return "the disk refuses";
+    case RefusalReason::kMoving:
+      return "the car moves";
+    case RefusalReason::kNotSupported:
+      return "not to be had here";
+    case RefusalReason::kNoAnswer:
+      return "a node does not answer";
+    case RefusalReason::kNotOperable:
+      return "this recorder takes no requests";
+  }
+  return "unknown reason";
+}
+
+}  // namespace roadbalance

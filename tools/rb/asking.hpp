@@ -1,0 +1,41 @@
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "common/bus/bus.hpp"
+#include "common/bus/operation.hpp"
+#include "common/bus/recorder_status.hpp"
+
+namespace roadbalance {
+
+/// Asks the recorder on a bus for something, and repeats it until it is answered for good.
+class Asking {
+ public:
+  /// @throws std::runtime_error naming the URL
+  explicit Asking(const std::string& url);
+
+  /// @param request  its asker and number are set here
+  /// @return the last answer, of whatever state; nothing: nobody has said anything
+  std::optional<Answer> ask(Request request, std::chrono::milliseconds patience);
+
+  /// Of the recording that was stopped last, by node; waits for all of them.
+  const std::map<std::int32_t, Receipt>& receipts(std::chrono::milliseconds patience);
+
+  /// Why nobody has answered, and what to do.
+  std::string silence() const;
+
+ private:
+  Bus bus_;
+  Request request_;
+  std::optional<Answer> answer_;
+  std::map<std::int32_t, Receipt> receipts_;  // by place
+  std::optional<RecorderStatus> recorder_;
+};
+
+/// "not while a recording is under way".
+const char* text_of(RefusalReason reason);
+
+}  // namespace roadbalance

@@ -1,0 +1,177 @@
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "common/config/section.hpp"
+#include "common/config/validators.hpp"
+#include "common/frontend/front_end.hpp"
+#include "common/link/block.hpp"
+#include "tools/rb/asking.hpp"
+#include "tools/rb/command.hpp"
+
+namespace roadbalance {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct AskOptions {
+  std::string url = default_bus_url();
+  double seconds = 60.0;
+  bool json = false;
+  Request request{};
+};
+
+Json receipt_json(const Receipt& receipt) {
+  char crc[16];
+  std::snprintf(crc, sizeof crc, "%08x", receipt.blocks_crc32c);
+  return {{"node", receipt.node},
+          {"epochs", receipt.epochs},
+          {"open_epochs", receipt.open_epochs},
+          {"samples_sent", receipt.samples_sent},
+          {"samples_recorded", receipt.samples_recorded},
+          {"samples_lost", receipt.samples_sent - receipt.samples_recorded},
+          {"gaps", receipt.gaps},
+          {"repaired", receipt.repaired},
+          {"overload_s", receipt.overload_s},
+          {"sync_us", receipt.sync_us < 0 ? Json(nullptr) : Json(receipt.sync_us)},
+          {"crc32c", crc},
+          {"sums_agree", receipt.sums_agree}};
+}
+
+void print_receipt(const Receipt& receipt) {
+  if (receipt.nodes == 0) return (void)std::printf("no node has been recorded\n");
+  std::printf("node %d: %lld samples, %lld lost, %lld repaired, %.1f s overload, ", receipt.node,
+              static_cast<long long>(receipt.samples_recorded),
+              static_cast<long long>(receipt.samples_sent - receipt.samples_recorded),
+              static_cast<long long>(receipt.repaired), receipt.overload_s);
+  if (receipt.sync_us >= 0) std::printf("clock within %.0f us, ", receipt.sync_us);
+  std::printf("CRC %08x %s\n", receipt.blocks_crc32c, receipt.sums_agree ? "agrees" : "DOES NOT AGREE");
+}
+
+bool is_whole(const Receipt& receipt) {
+  return receipt.samples_recorded == receipt.samples_sent && receipt.gaps == 0 && receipt.open_epochs == 0;
+}
+
+Json answer_json(const Answer& answer) {
+  return {{"done", answer.state == AnswerState::kDone},
+          {"reason", answer.reason == RefusalReason::kNone ? Json(nullptr) : Json(text_of(answer.reason))},
+          {"text", answer.text},
+          {"time_us", answer.time_us}};
+}
+
+int ask(const AskOptions& options) {
+  const auto patience = std::chrono::milliseconds(static_cast<std::int64_t>(1000.0 * options.seconds));
+  Asking asking(options.url);
+  const auto answer = asking.ask(options.request, patience);
+  if (!answer) throw std::runtime_error(asking.silence());
+  if (answer->state == AnswerState::kUnderWay)
+    throw std::runtime_error("not done after " + std::to_string(static_cast<int>(options.seconds)) +
+                             " s: " + answer->text);
+  const bool done = answer->state == AnswerState::kDone;
+  int code = done ? kDone : kAnswerIsNo;
+  Json json = answer_json(*answer);
+  if (!options.json)
+    std::fprintf(done ? stdout : stderr, "%s%s\n", done ? "" : "rb: refused: ", answer->text.c_str());
+  if (done && options.request.operation == Operation::kStop) {
+    Json receipts = Json::array();
+    for (const auto& [place, receipt] : asking.receipts(std::chrono::seconds(5))) {
+      if (!options.json) print_receipt(receipt);
+      if (receipt.nodes > 0) receipts.push_back(receipt_json(receipt));
+      if (!is_whole(receipt)) code = kIncomplete;
+      json["recording"] = receipt.name;
+      json["bytes"] = receipt.bytes;
+      json["marks"] = receipt.marks;
+    }
+    json["nodes"] = receipts;
+  }
+  if (options.json) std::printf("%s\n", json.dump().c_str());
+  return code;
+}
+
+/// "2.5": channel 5, counted from 1, of node 2, as the page calls it.
+void take_channel(const std::string& text, Request& request) {
+  int node = 0, channel = 0, end = 0;
+  if (std::sscanf(text.c_str(), "%d.%d%n", &node, &channel, &end) != 2 ||
+      static_cast<std::size_t>(end) != text.size() || node < 1 || node > kLastNode || channel < 1 ||
+      channel > kAccelerations)
+    throw ConfigError("channel " + text + ": allowed: NODE.CHANNEL, channels from 1 to " +
+                      std::to_string(kAccelerations) + ", for example 2.5");
+  request.node = node;
+  request.channel = channel - 1;
+}
+
+std::shared_ptr<AskOptions> add_asking(CLI::App& command, Operation operation, int& code) {
+  auto options = std::make_shared<AskOptions>();
+  options->request.operation = operation;
+  command.add_option("--url", options->url, "LCM address of the bus")->capture_default_str();
+  command.add_option("--seconds", options->seconds, "how long to wait until it is done")
+      ->check(number_within(0.1, 3600.0))
+      ->capture_default_str();
+  command.add_flag("--json", options->json, "one JSON object on standard output");
+  command.callback([options, &code] { code = ask(*options); });
+  return options;
+}
+
+void add_text(CLI::App& command, const std::string& name, const std::shared_ptr<AskOptions>& options,
+              std::size_t most_bytes, const std::string& help) {
+  command.add_option(name, options->request.text, help)->check([most_bytes](const std::string& text) {
+    return text.size() <= most_bytes ? std::string() : "longer than " + std::to_string(most_bytes) + " bytes";
+  });
+}
+
+}  // namespace
+
+void add_start(CLI::App& app, int& code) {
+  CLI::App* start = app.add_subcommand("start", "Begins a recording of all nodes");
+  add_text(*start, "name", add_asking(*start, Operation::kStart, code), kMostNameBytes,
+           "of the recording; default: date and time");
+}
+
+void add_stop(CLI::App& app, int& code) {
+  add_asking(*app.add_subcommand("stop", "Ends the recording and says what is on the disk"), Operation::kStop,
+             code);
+}
+
+void add_mark(CLI::App& app, int& code) {
+  CLI::App* mark = app.add_subcommand("mark", "Puts a mark into the recording");
+  add_text(*mark, "text", add_asking(*mark, Operation::kMark, code), kMostRequestText,
+           "what there was to be seen");
+}
+
+void add_configure(CLI::App& app, int& code) {
+  CLI::App* configure = app.add_subcommand("configure", "Changes ranges and filter between recordings");
+  configure->require_subcommand(1);
+  CLI::App* range = configure->add_subcommand("range", "Full scale of a channel");
+  const auto of_range = add_asking(*range, Operation::kRange, code);
+  range
+      ->add_option_function<std::string>(
+          "channel", [of_range](const std::string& text) { take_channel(text, of_range->request); },
+          "NODE.CHANNEL, for example 2.5")
+      ->required();
+  range->add_option("range", of_range->request.value[0], "m/s²")->required()->check(number_within(0.1, 1e5));
+  CLI::App* filter = configure->add_subcommand("filter", "Anti-aliasing filter of all nodes");
+  const auto of_filter = add_asking(*filter, Operation::kFilter, code);
+  filter->add_option("corner", of_filter->request.value[0], "Hz")->required()->check(number_within(1.0, 1e5));
+  filter->add_option("--order", of_filter->request.value[1], "of the Butterworth filter; default: as it is")
+      ->check(CLI::Range(1, 12));
+}
+
+void add_zero(CLI::App& app, int& code) {
+  CLI::App* zero = app.add_subcommand("zero", "Takes what channels read at rest as their zero");
+  const auto options = add_asking(*zero, Operation::kZero, code);
+  zero->add_option("--node", options->request.node, "of this node alone; default: of every node")
+      ->check(CLI::Range(1, static_cast<int>(kLastNode)));
+}
+
+void add_vehicle(CLI::App& app, int& code) {
+  CLI::App* vehicle = app.add_subcommand("vehicle", "Chooses the vehicle file among the recorder's");
+  const auto options = add_asking(*vehicle, Operation::kVehicle, code);
+  vehicle->add_option("name", options->request.text, "of the file in the folder of rb-recorder --vehicles")
+      ->required();
+}
+
+}  // namespace roadbalance
