@@ -5,13 +5,18 @@
 #include <string_view>
 
 #include "common/bus/bus.hpp"
+#include "host/web/request_relay.hpp"
 
 namespace roadbalance {
 
 void listen_to_bus(std::stop_token stop, const std::string& url, Out<TopicMessage> messages,
-                   const std::function<void(const std::string&)>& on_warning) {
-  constexpr std::chrono::milliseconds kPatience{100};
+                   In<Request> requests, const std::function<void(const std::string&)>& on_warning) {
+  constexpr std::chrono::milliseconds kPatience{50};  // bounds the delay of a request
   Bus bus(url);
+  RequestRelay relay;
+  bus.subscribe(kAnswerChannel, [&relay](std::string_view, std::span<const std::uint8_t> bytes) {
+    if (const auto answer = decode_answer(bytes)) relay.take(*answer);
+  });
   for (std::size_t kind = 0; kind < page_messages().size(); ++kind) {
     const PageMessage& message = page_messages()[kind];
     bus.subscribe(message.channels, [&, kind](std::string_view, std::span<const std::uint8_t> bytes) {
@@ -22,6 +27,9 @@ void listen_to_bus(std::stop_token stop, const std::string& url, Out<TopicMessag
   }
   while (!stop.stop_requested()) {
     bus.handle(kPatience);
+    const WallTime now = WallClock::now();
+    while (const auto request = requests.receive_for(std::chrono::seconds(0))) relay.take(*request, now);
+    for (const Request& request : relay.due(now)) (void)bus.publish(kRequestChannel, encode(request));
     for (const std::string& sentence : bus.other_versions()) on_warning(sentence);
   }
 }

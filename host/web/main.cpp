@@ -13,6 +13,7 @@
 #include "common/process/stop_on_signal.hpp"
 #include "host/web/bus_listener.hpp"
 #include "host/web/feed.hpp"
+#include "host/web/request_post.hpp"
 #include "host/web/view_post.hpp"
 #include "host/web/web_server.hpp"
 
@@ -79,7 +80,9 @@ void say_where(const Options& options, std::uint16_t port, const GuardRules& rul
 
 void serve(const Options& options, std::stop_token stop) {
   constexpr std::size_t kWaitingMessages = 4096;
+  constexpr std::size_t kWaitingRequests = 32;
   auto [messages_out, messages_in] = make_channel<TopicMessage>(kWaitingMessages);
+  auto [requests_out, requests_in] = make_channel<Request>(kWaitingRequests);
   Feed feed;
   Bus bus(options.url);
   const GuardRules rules = rules_of(options);
@@ -92,7 +95,7 @@ void serve(const Options& options, std::stop_token stop) {
                     .port = static_cast<std::uint16_t>(options.port),
                     .rules = rules,
                     .assets = page_assets(),
-                    .posts = {view_post(bus, feed)},
+                    .posts = {view_post(bus, feed), request_post(requests_out)},
                     .refresh = refresh,
                     .frame = [&feed](std::uint64_t revision, std::int64_t viewer) {
                       return feed.since(revision, WallClock::now(), viewer);
@@ -100,7 +103,7 @@ void serve(const Options& options, std::stop_token stop) {
   Parallel processes;
   const std::stop_callback pass_on(stop, [&] { processes.request_stop(); });
   processes.run([&server](std::stop_token stop_here) { server.run(stop_here); });
-  processes.run(listen_to_bus, options.url, std::move(messages_out), warn);
+  processes.run(listen_to_bus, options.url, std::move(messages_out), std::move(requests_in), warn);
   say_where(options, server.port(), rules);
   processes.wait();
 }

@@ -11,7 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "host/web/place.hpp"
 #include "host/web/safety_headers.hpp"
 
 // The only place that knows Boost: half a minute and a gigabyte to compile.
@@ -52,6 +51,20 @@ std::string name_of(const asio::ip::address& address) {
     return asio::ip::make_address_v4(asio::ip::v4_mapped, v6).to_string();
   return "[" + address.to_string() + "]";
 }
+
+/// Its place among those that are allowed at a time.
+class Place {
+ public:
+  explicit Place(std::size_t& taken) : taken_(&taken) { ++*taken_; }
+  Place(Place&& other) noexcept : taken_(std::exchange(other.taken_, nullptr)) {}
+  Place& operator=(Place&&) = delete;
+  ~Place() {
+    if (taken_) --*taken_;
+  }
+
+ private:
+  std::size_t* taken_;
+};
 
 /// A page that watches.
 class Watcher : public std::enable_shared_from_this<Watcher> {
@@ -145,24 +158,33 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
     Error no_address;
     const Tcp::endpoint here = stream_.socket().local_endpoint(no_address);
     if (no_address) return;
-    const auto post = std::ranges::find(shared_.options.posts, view(request.target()), &Post::path);
-    const bool is_post = request.method() == http::verb::post && post != shared_.options.posts.end();
+    const Post* const post = post_at(request);
     const RequestHead head{.method = view(request.method_string()),
                            .target = view(request.target()),
                            .host = sole(request, http::field::host),
                            .origin = sole(request, http::field::origin),
                            .token = token_of(request, is_websocket),
                            .is_websocket = is_websocket,
-                           .only_watches = is_post && !post->changes_state};
+                           .only_watches = post && !post->changes_state};
     if (request.count(http::field::origin) > 1) return refuse(http::status::bad_request);
     const Admission admission = admit(head, {name_of(here.address()), here.port()}, shared_.options.rules);
     if (admission != Admission::kAdmitted) return refuse(static_cast<http::status>(admission));
     if (is_websocket && head.target == kFeedPath) return watch();
-    if (is_post) return answer(*post);
+    if (post) return answer(*post);
     serve(head);
   }
 
+  /// The post that it is; nullptr: none.
+  const Post* post_at(const Request& request) const {
+    const auto& posts = shared_.options.posts;
+    const auto found = std::ranges::find(posts, view(request.target()), &Post::path);
+    return request.method() == http::verb::post && found != posts.end() ? &*found : nullptr;
+  }
+
   void answer(const Post& post) {
+    // What a page of somebody else's may send without being asked for leave first is of another type.
+    if (post.changes_state && view(parser_->get()[http::field::content_type]) != "application/json")
+      return refuse(http::status::unsupported_media_type);
     post_answer_ = post.take(parser_->get().body());
     answer(static_cast<http::status>(post_answer_.status), "text/plain; charset=utf-8", post_answer_.text);
   }

@@ -32,7 +32,7 @@ struct PostAnswer {
 struct Post {
   std::string_view path;  ///< "/view"
   /// It changes more than what is shown to this page, so it needs the session's token even where watching
-  /// needs none.
+  /// needs none, and comes as application/json.
   bool changes_state;
   /// In the server's own thread: it may not wait.
   std::function<PostAnswer(std::string_view body)> take;

@@ -46,6 +46,35 @@ def rb_web(*arguments):
             raise AssertionError(f"rb-web ended with {program.returncode}: {errors}")
 
 
+class Ear:
+    """Hears requests on the bus: LCM's datagrams, each "LC02", a number, the channel's name, a zero and the message."""
+
+    def __enter__(self):
+        group, port = re.fullmatch(r"udpm://([\d.]+):(\d+)\?ttl=0", bus_url()).groups()
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        self.socket.bind((group, int(port)))
+        self.socket.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP,
+                               socket.inet_aton(group) + socket.inet_aton("0.0.0.0"))
+        self.socket.settimeout(PATIENCE_S)
+        return self
+
+    def __exit__(self, *_):
+        self.socket.close()
+
+    def next(self):
+        while True:
+            datagram = self.socket.recv(65536)
+            if datagram.startswith(b"LC02") and datagram[8:].startswith(b"RB_REQUEST\0"):
+                return datagram
+
+
+def request(text):
+    """A mark, asked for under a number of its own."""
+    number = int.from_bytes(os.urandom(6), "big") + 1
+    return json.dumps({"asker": 7, "request": number, "operation": "mark", "text": text}).encode()
+
+
 def get(program, path="/", method="GET", host=None, body=None, **headers):
     """Status, headers and body."""
     with contextlib.closing(http.client.HTTPConnection("127.0.0.1", program.port, timeout=PATIENCE_S)) as connection:
@@ -237,17 +266,63 @@ class Local(unittest.TestCase):
         self.assertEqual(status(head), 404)
         stream.close()
 
-    def test_a_change_of_state_needs_origin_and_token(self):
-        right = {"Origin": own(self.program), "X_Roadbalance_Token": self.program.token}
-        # There is nothing to change yet; what gets that far finds no such page.
-        self.assertEqual(get(self.program, "/command", method="POST", body=b"{}", **right)[0], 404)
+    def test_a_change_of_state_needs_origin_token_and_its_type(self):
+        right = {"Origin": own(self.program), "X_Roadbalance_Token": self.program.token, "Content_Type": "application/json"}
+        body = request("origin-and-token")
+        wrongs = [({"Origin": "http://evil.example"}, 403), ({"Origin": "null"}, 403),
+                  ({"X_Roadbalance_Token": "0" * 32}, 401), ({"X_Roadbalance_Token": ""}, 401),
+                  ({"X_Roadbalance_Token": self.program.token[:-1]}, 401),
+                  # What a page of somebody else's may send without asking first.
+                  ({"Content_Type": "text/plain"}, 415), ({"Content_Type": "application/x-www-form-urlencoded"}, 415)]
+        with Ear() as ear:
+            for wrong, code in wrongs:
+                self.assertEqual(get(self.program, "/request", method="POST", body=body, **{**right, **wrong})[0], code, wrong)
+            for missing, code in (("Origin", 403), ("X_Roadbalance_Token", 401), ("Content_Type", 415)):
+                rest = {name: value for name, value in right.items() if name != missing}
+                self.assertEqual(get(self.program, "/request", method="POST", body=body, **rest)[0], code, missing)
+            self.assertEqual(get(self.program, "/request", method="POST", host="evil.example", body=body, **right)[0], 421)
+            # This one is right: what came before it on the bus would be heard, too.
+            last = request("the right one")
+            self.assertEqual(get(self.program, "/request", method="POST", body=last, **right)[0], 202)
+            self.assertIn(b"the right one", ear.next())
         self.assertEqual(get(self.program, "/", method="POST", body=b"{}", **right)[0], 405)
-        for wrong, code in (({"Origin": "http://evil.example"}, 403), ({"Origin": "null"}, 403),
-                            ({"X_Roadbalance_Token": "0" * 32}, 401), ({"X_Roadbalance_Token": ""}, 401)):
-            self.assertEqual(get(self.program, "/command", method="POST", body=b"{}", **{**right, **wrong})[0], code, wrong)
-        for missing, code in (("Origin", 403), ("X_Roadbalance_Token", 401)):
-            rest = {name: value for name, value in right.items() if name != missing}
-            self.assertEqual(get(self.program, "/command", method="POST", body=b"{}", **rest)[0], code, missing)
+        self.assertEqual(get(self.program, "/elsewhere", method="POST", body=b"{}", **right)[0], 404)
+        self.assertEqual(get(self.program, "/request")[0], 404)
+
+    def post(self, body):
+        return get(self.program, "/request", method="POST", body=body, Origin=own(self.program),
+                   X_Roadbalance_Token=self.program.token, Content_Type="application/json")
+
+    def test_a_request_that_is_none_is_refused_with_the_reason(self):
+        good = {"asker": 1, "request": 2, "operation": "mark"}
+        for body, reason in ((b"", b"no JSON object"), (b"[" * 16000, b""), (b"\xff\xfe{}", b"no JSON object"),
+                             (json.dumps({**good, "file": "../../x"}).encode(), b"unknown key"),
+                             (json.dumps({**good, "operation": "delete"}).encode(), b"operation is none of"),
+                             (json.dumps({**good, "request": 2 ** 53}).encode(), b"request is too large"),
+                             (json.dumps({**good, "text": "x" * 401}).encode(), b"at most 400 bytes"),
+                             (json.dumps({**good, "text": "\x1b[2J"}).encode(), b"the text cannot be")):
+            code, headers, said = self.post(body)
+            self.assertEqual(code, 400, body[:80])
+            self.assertIn(reason, said)
+            self.assertEqual(headers["Content-Type"], "text/plain; charset=utf-8")
+        self.assertEqual(self.post(b'{"text": "' + b"x" * 20_000 + b'"}')[0], 413)
+
+    def test_a_request_is_said_again_under_the_same_number_until_it_is_answered(self):
+        with Ear() as ear:
+            body = request("said again")
+            for _ in range(3):
+                self.assertEqual(self.post(body)[0], 202)
+            heard = []
+            while len(heard) < 4:
+                if b"said again" in (datagram := ear.next()):
+                    heard.append(datagram)
+            # All the same: one number, so that it acts once.
+            self.assertEqual(len({datagram[8:] for datagram in heard}), 1)
+
+    def test_many_requests_at_once_are_bounded(self):
+        codes = [self.post(request(f"many {k}"))[0] for k in range(200)]
+        self.assertLessEqual(set(codes), {202, 503})
+        self.assertEqual(get(self.program)[0], 200)
 
     def test_a_page_may_ask_for_a_view_without_a_token_but_only_our_own(self):
         for origin, code in ((own(self.program), 400), ("http://evil.example", 403), ("null", 403),
@@ -272,7 +347,7 @@ class Local(unittest.TestCase):
     def test_bodies_are_bounded(self):
         host = f"Host: 127.0.0.1:{self.program.port}\r\nOrigin: {own(self.program)}\r\n"
         token = f"X-Roadbalance-Token: {self.program.token}\r\n"
-        head = f"POST /command HTTP/1.1\r\n{host}{token}"
+        head = f"POST /request HTTP/1.1\r\n{host}{token}"
         with raw(self.program, f"{head}Content-Length: 100000000\r\n\r\n".encode()) as stream:
             self.assertEqual(status(read_head(stream)), 413)
         with raw(self.program, f"{head}Transfer-Encoding: chunked\r\n\r\n".encode()) as stream:

@@ -13,6 +13,7 @@
 #include "common/bus/clock_messages.hpp"
 #include "common/bus/compensation.hpp"
 #include "common/bus/control.hpp"
+#include "common/bus/operation.hpp"
 #include "common/bus/recorder_status.hpp"
 #include "common/bus/results.hpp"
 #include "common/process/stop_on_signal.hpp"
@@ -29,27 +30,60 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 
 struct Scene {
   bool known = true;     ///< the unbalances
+  bool armed = false;    ///< a recording has ended, with a receipt; the next may begin
   bool trouble = false;  ///< disk full, samples lost, clock held over, overload, dead channel, faulty turns
 };
 const std::map<std::string_view, Scene> kScenes{
-    {"known", {}}, {"unknown", {.known = false}}, {"trouble", {.trouble = true}}};
+    {"known", {}}, {"armed", {.armed = true}}, {"unknown", {.known = false}}, {"trouble", {.trouble = true}}};
 
 RecorderStatus recorder(const Scene& scene) {
   RecorderStatus status;
-  status.time_us = 1000 * kIncarnation + 5'025'000'000;  // 1:23:45
+  status.time_us = 1000 * kIncarnation;
+  status.recorder = 7;
   status.incarnation = kIncarnation;
+  status.recording_s = 5'025;  // 1:23:45
+  status.name = "Autobahn";
+  status.nodes = 2;
+  status.operable = true;
   status.state = scene.trouble ? RecorderState::kDiskFull : RecorderState::kRecording;
   status.bytes_recorded = 4'560'000'000;
   status.seconds_left = scene.trouble ? 0.0 : 5.5 * 3600;
+  if (scene.armed) {
+    status.incarnation = 0;
+    status.recording_s = 0;
+    status.name = "";
+    status.state = RecorderState::kArmed;
+    status.bytes_free = 87'600'000'000;
+  }
   return status;
+}
+
+Receipt receipt(int node) {
+  return {.incarnation = kIncarnation,
+          .began_us = 1000 * kIncarnation,
+          .ended_us = 1000 * kIncarnation + 5'025'000'000,
+          .index = node - 1,
+          .nodes = 2,
+          .node = node,
+          .epochs = 1,
+          .samples_sent = 10'050'000,
+          .samples_recorded = 10'050'000,
+          .repaired = 3 * node,
+          .overload_s = 0.2 * node,
+          .sync_us = 12.0,
+          .blocks_crc32c = 0x1234'abcd,
+          .sums_agree = true,
+          .bytes = 1'520'000'000,
+          .marks = 4,
+          .name = "Autobahn"};
 }
 
 Heartbeat heartbeat(const Scene& scene, int node) {
   Heartbeat beat;
   beat.node = node;
   beat.epoch = 7;
-  beat.state = NodeState::kStarted;
-  beat.owner = kIncarnation;
+  beat.state = scene.armed ? NodeState::kPreview : NodeState::kStarted;
+  beat.owner = scene.armed ? 0 : kIncarnation;
   beat.scans_sampled = 1'000'000;
   beat.blocks_repaired = 3;
   beat.scans_missing = scene.trouble ? 40 : 0;
@@ -153,6 +187,7 @@ void say(Bus& bus, const Scene& scene) {
   bus.publish(kRecorderChannel, encode(recorder(scene)));
   for (int node = 1; node <= 2; ++node) {
     bus.publish(heartbeat_channel(node), encode(heartbeat(scene, node)));
+    if (scene.armed) bus.publish(kReceiptChannel, encode(receipt(node)));
     bus.publish(clock_fit_channel(node), encode(clock_fit(scene, node)));
     bus.publish(kLevelChannel, encode(level(scene, node)));
   }
@@ -170,7 +205,7 @@ int main(int argc, char** argv) {
   const StopOnSignal signals;
   const auto scene = argc == 3 ? kScenes.find(argv[2]) : kScenes.end();
   if (scene == kScenes.end()) {
-    std::fprintf(stderr, "usage: rb-web-scene URL known|unknown|trouble\n");
+    std::fprintf(stderr, "usage: rb-web-scene URL known|armed|unknown|trouble\n");
     return 2;
   }
   Bus bus(argv[1]);

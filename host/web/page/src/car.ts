@@ -2,9 +2,9 @@
 import {decode, readFrame, type Arrival} from "./decode";
 import {PlotData} from "./plot_data";
 import {
-  type Balance, type ClockFit, type Compensation, type Heartbeat, type Identification, kBalance, kClockFit,
-  kCompensation, kHeartbeat, kIdentification, kKnock, kLevel, kRecorder, kRecording, kRemark, kSetup, kVerification,
-  type Knock, type Level, type Recorder, type Recording, type Remark, type Setup, type Verification,
+  type Answer, type Balance, type ClockFit, type Compensation, type Heartbeat, type Identification, kAnswer, kBalance, kClockFit,
+  kCompensation, kHeartbeat, kIdentification, kKnock, kLevel, kReceipt, kRecorder, kRecording, kRemark, kSetup, kVerification,
+  type Knock, type Level, type Receipt, type Recorder, type Recording, type Remark, type Setup, type Verification,
 } from "./wire";
 
 /** A message and the page's time (ms) at which it was on the bus. */
@@ -20,6 +20,8 @@ const kHoldMs = 3000;
 /** As rb-web: a node or recorder that is silent is a fault until somebody has had time to see it. */
 const kForgetMs = 3_600_000;
 
+const kMostAnswers = 64;
+
 /** Largest value of late, of a channel. */
 interface Peak {
   value: number;
@@ -31,6 +33,10 @@ export class Car {
   readonly heartbeats = new Map<number, Heard<Heartbeat>>();
   readonly clocks = new Map<number, Heard<ClockFit>>();
   readonly levels = new Map<number, Heard<Level>>();
+  /** By the request's number. */
+  readonly answers = new Map<number, Answer>();
+  /** Of the recording that was stopped last, by place. */
+  readonly receipts = new Map<number, Heard<Receipt>>();
   readonly balance = new Map<number, Heard<Balance>>();
   readonly compensation = new Map<number, Heard<Compensation>>();
   identification: Heard<Identification> | undefined;
@@ -70,6 +76,8 @@ export class Car {
         this.clocks.set(message.node, {message, atMs});
         break;
       }
+      case kAnswer.fingerprint: this.takeAnswer(decode(kAnswer, arrival)); break;
+      case kReceipt.fingerprint: this.takeReceipt(decode(kReceipt, arrival), atMs); break;
       case kLevel.fingerprint: this.takeLevel(decode(kLevel, arrival), atMs); break;
       case kBalance.fingerprint: {
         const message = decode(kBalance, arrival);
@@ -111,6 +119,20 @@ export class Car {
     }
   }
 
+  private takeAnswer(message: Answer): void {
+    this.answers.delete(message.request);  // the newest is the last
+    this.answers.set(message.request, message);
+    const [oldest] = this.answers.keys();
+    if (this.answers.size > kMostAnswers && oldest !== undefined) this.answers.delete(oldest);
+  }
+
+  private takeReceipt(message: Receipt, atMs: number): void {
+    const [other] = this.receipts.values();
+    if (other && other.message.ended_us > message.ended_us) return;
+    if (other && other.message.ended_us < message.ended_us) this.receipts.clear();
+    this.receipts.set(message.index, {message, atMs});
+  }
+
   private takeLevel(message: Level, atMs: number): void {
     this.levels.set(message.node, {message, atMs});
     message.peak.forEach((peak, channel) => {
@@ -132,6 +154,9 @@ export class Car {
     return found && found.time_ns === this.balance.get(wheel)?.message.time_ns ? found : undefined;
   }
 }
+
+/** A recording is under way, whatever its state. */
+export const isBusy = (recorder: Recorder) => recorder.name_size > 0;
 
 export function isFresh(heard: Heard<unknown>, nowMs: number): boolean {
   return nowMs - heard.atMs <= kSilenceMs;

@@ -1,7 +1,9 @@
 // State, always in the same place: by word, shape and colour.
+import {textOf} from "./ask";
 import type {Car} from "./car";
 import {el, setAttributes, setLines, setText, svg} from "./dom";
 import {stateWord, warnings, type Alarm, type Connection} from "./state";
+import {RecorderState, type Recorder} from "./wire";
 import {duration} from "./words";
 
 /** Told apart without colours. */
@@ -21,10 +23,11 @@ export class HeaderView {
   private readonly detail = el("div", {class: "detail", role: "alert"});
   private readonly state: HTMLElement;
 
-  constructor(buttons: readonly HTMLElement[]) {
+  /** @param operation  the row that stays in sight with the state */
+  constructor(buttons: readonly HTMLElement[], operation: HTMLElement) {
     this.state = el("h1", {class: "state", id: "state"}, [
       svg("svg", {viewBox: "0 0 32 32", "aria-hidden": "true"}, [this.shape]), this.word, this.time]);
-    this.element = el("header", {}, [this.state, this.amounts, el("div", {class: "buttons"}, buttons), this.detail]);
+    this.element = el("header", {}, [this.state, this.amounts, el("div", {class: "buttons"}, buttons), this.detail, operation]);
   }
 
   draw(car: Car, connection: Connection, nowMs: number): void {
@@ -33,13 +36,19 @@ export class HeaderView {
     setAttributes(this.shape, {d: kShapes[alarm]});
     setText(this.word, word);
     setText(this.time, recordingS === undefined ? "" : duration(recordingS));
-    setText(this.amounts, recorder ? amounts(recorder.bytes_recorded, recorder.seconds_left) : "");
+    setText(this.amounts, recorder ? amounts(recorder) : "");
     setLines(this.detail, [detail, ...warnings(car, nowMs)].filter((line) => line !== ""));
     document.title = `${word} – roadbalance`;
   }
 }
 
-function amounts(bytes: number, secondsLeft: number): string {
-  const left = secondsLeft < 0 ? "room not known yet" : `${(secondsLeft / 3600).toFixed(secondsLeft < 36_000 ? 1 : 0)} h left`;
-  return `${(bytes / 1e9).toFixed(2)} GB · ${left}`;
+/** Name, what is written, and how long the disk will do. */
+function amounts(recorder: Recorder): string {
+  const seconds = recorder.seconds_left;
+  const free = `${(recorder.bytes_free / 1e9).toFixed(1)} GB free`;
+  if (recorder.state === RecorderState.Idle || recorder.state === RecorderState.Armed) return free;
+  // At its first word a recorder has not looked at its disk yet.
+  const left = seconds < 0 ? (recorder.bytes_free > 0 ? free : "") : `${(seconds / 3600).toFixed(seconds < 36_000 ? 1 : 0)} h left`;
+  const name = textOf(recorder.name, recorder.name_size);
+  return [...(name === "" ? [] : [name]), `${(recorder.bytes_recorded / 1e9).toFixed(2)} GB`, ...(left === "" ? [] : [left])].join(" · ");
 }

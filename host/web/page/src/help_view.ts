@@ -22,7 +22,7 @@ export class HelpView implements View {
       el("p", {}, ["An angle counts from the wheel's zero mark in the direction of rotation. With the mark at 12 the clock " +
                    "says where that is, seen from outside the car: a left wheel turns counter-clockwise, a right one clockwise."]),
       el("p", {}, ["± is one standard deviation; the ellipse holds the unbalance with 95 %. A lamp stays lit until it is " +
-                   "acknowledged (A). This page records nothing and can lose nothing: close it whenever you like."])]);
+                   "acknowledged (A). What is recorded does not pass through this page: close it whenever you like."])]);
   }
 
   seen(is: boolean): void {

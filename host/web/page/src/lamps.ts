@@ -1,5 +1,5 @@
 // Four lamps with numbers.  What has lit one stays until it is acknowledged, though the cause be gone.
-import {isFresh, type Car} from "./car";
+import {isBusy, isFresh, type Car} from "./car";
 import {ClockState, TimeBase, type Heartbeat} from "./wire";
 
 export type Light = "good" | "unknown" | "warn" | "bad";
@@ -61,6 +61,8 @@ function syncLamp(car: Car, seen: Acknowledged, nowMs: number): Lamp {
             sentence: `The clock of ${nodes(broken)} has jumped; the break is declared in the record.`};
   if (car.heartbeats.size > 0 && beats(car).every((beat) => beat.time_base === TimeBase.Shared))
     return {name, light: "good", number: "one time", sentence: "All nodes have one time by construction: a simulation."};
+  if (!car.livingRecorders(nowMs).some(isBusy))
+    return {name, light: "unknown", number: "not asked", sentence: "Clocks are asked for their time while a recording is under way."};
   const fits = [...car.clocks.values()].filter((heard) => isFresh(heard, nowMs)).map(({message}) => message);
   const known = fits.filter((fit) => fit.state !== ClockState.Acquire);
   if (known.length === 0) return {name, light: "unknown", number: "not known", sentence: "No clock is known yet."};

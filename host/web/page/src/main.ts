@@ -1,13 +1,16 @@
 // The page: its parts, and how news get to them.
 import {Car} from "./car";
 import {el, setAttributes, setText} from "./dom";
+import {Asker} from "./ask";
 import {connectFeed} from "./feed";
 import {HeaderView} from "./header_view";
 import {HelpView} from "./help_view";
 import {listenToKeys, type Key} from "./keys";
 import {LampView} from "./lamp_view";
 import {LevelView} from "./level_view";
+import {OperationView} from "./operation_view";
 import {PlotView} from "./plot_view";
+import {ReceiptView} from "./receipt_view";
 import type {Connection} from "./state";
 import {startTheme, toggleTheme} from "./theme";
 import {Views} from "./view";
@@ -25,6 +28,12 @@ function start(): void {
   let dirty = true;
   let drawn = 0;
 
+  const soon = () => {
+    if (!dirty) requestAnimationFrame(draw);
+    dirty = true;
+  };
+  const operation = new OperationView(car, new Asker(car, soon));
+  const receiptView = new ReceiptView(car);
   const lampView = new LampView(car);
   const levelView = new LevelView(car);
   const balance = new WheelView(car);
@@ -34,6 +43,7 @@ function start(): void {
     new HelpView(() => keys().filter(({key}) => key !== "Escape"), () => views.back()),
   ], levelView.element);
   const keys = (): Key[] => [
+    ...operation.keys,
     ...views.keys().map((key) => (key.key === "?" && views.isShown("help") ? {...key, run: () => views.back()} : key)),
     ...kWheelNames.map((name, wheel): Key => ({key: String(wheel + 1), does: `${name} wheel`, run: () => {
       views.show(balance.id);
@@ -47,9 +57,9 @@ function start(): void {
     made.onclick = () => keys().find((candidate) => candidate.key === key)?.run();
     return made;
   };
-  const header = new HeaderView([button("Acknowledge (A)", "A"), button("Day/night (N)", "N")]);
+  const header = new HeaderView([button("Acknowledge (A)", "A"), button("Day/night (N)", "N")], operation.element);
   const rate = el("footer", {id: "rate"});
-  document.body.append(header.element, lampView.element, views.tabs, views.panels, rate);
+  document.body.append(header.element, lampView.element, receiptView.element, views.tabs, views.panels, rate);
   views.begin();
   listenToKeys(keys);
 
@@ -57,14 +67,12 @@ function start(): void {
     dirty = false;
     const nowMs = performance.now();
     header.draw(car, connection, nowMs);
+    operation.draw(connection, nowMs);
+    receiptView.draw(nowMs);
     lampView.draw(nowMs);
     if (!levelView.element.hidden) levelView.draw(nowMs);
     views.draw(nowMs);
     setAttributes(document.body, {"data-connected": String(connection === "open"), "data-drawn": ++drawn});
-  };
-  const soon = () => {
-    if (!dirty) requestAnimationFrame(draw);
-    dirty = true;
   };
   let framesAtLastCount = 0, frames = 0;
   setInterval(() => {

@@ -1,4 +1,5 @@
 // The one word: is it recording everything?
+import {textOf} from "./ask";
 import {isFresh, type Car} from "./car";
 import {NodeState, RecorderState, type Heartbeat, type Recorder} from "./wire";
 
@@ -17,12 +18,20 @@ export interface StateWord {
 const isOver = (beat: Heartbeat) => beat.state === NodeState.Ended || beat.state === NodeState.Failed;
 
 function ofRecorder(car: Car, recorder: Recorder, nowMs: number): StateWord {
+  if (recorder.state === RecorderState.Fault)
+    return {alarm: "bad", word: "FAULT", recorder,
+            detail: `Nothing is recorded: ${textOf(recorder.fault, recorder.fault_size)}. The nodes keep what they measure.`};
   if (recorder.state === RecorderState.DiskFailing)
     return {alarm: "bad", word: "FAULT", recorder,
             detail: `The disk fails (${recorder.disk_failures} times). The nodes keep what they measure: change the disk.`};
   if (recorder.state === RecorderState.DiskFull)
     return {alarm: "bad", word: "FAULT", recorder,
             detail: "The disk is full. The nodes keep what they measure: make space."};
+  if (recorder.state === RecorderState.Idle)
+    return {alarm: "idle", word: "IDLE", recorder, detail: "No node is there to be recorded: look at cables and supply."};
+  if (recorder.state === RecorderState.Armed)
+    return {alarm: "idle", word: "ARMED", recorder,
+            detail: recorder.nodes === 1 ? "1 node waits for the start." : `${recorder.nodes} nodes wait for the start.`};
   const own = [...car.heartbeats.values()].filter(({message}) => message.owner === recorder.incarnation);
   const silent = own.filter((heard) => !isFresh(heard, nowMs) && !isOver(heard.message));
   if (silent.length > 0)
@@ -36,7 +45,7 @@ function ofRecorder(car: Car, recorder: Recorder, nowMs: number): StateWord {
     return {alarm: "idle", word: "STOPPING", detail: "The last blocks are written.", recorder};
   if (own.some(({message}) => message.state === NodeState.Started))
     return {alarm: "good", word: "RECORDING", detail: "", recorder,
-            recordingS: Math.max(0, recorder.time_us / 1e6 - recorder.incarnation / 1e3)};
+            recordingS: Math.max(0, recorder.recording_s)};
   if (own.some(({message}) => message.state === NodeState.Ended))
     return {alarm: "idle", word: "ENDED", detail: "Every node has ended.", recorder};
   return {alarm: "idle", word: "ARMED", detail: "A recorder waits for nodes.", recorder};
@@ -45,7 +54,9 @@ function ofRecorder(car: Car, recorder: Recorder, nowMs: number): StateWord {
 function withoutRecorder(car: Car, nowMs: number): StateWord {
   const beats = [...car.heartbeats.values()];
   const gone = [...car.recorders.values()].map(({message}) => message);
-  const inOrder = (recorder: Recorder) => recorder.state === RecorderState.Stopping ||
+  const rests = ({state}: Recorder) =>
+    [RecorderState.Stopping, RecorderState.Idle, RecorderState.Armed].includes(state as RecorderState);
+  const inOrder = (recorder: Recorder) => rests(recorder) ||
     beats.every(({message}) => message.owner !== recorder.incarnation || isOver(message));
   if (gone.some((recorder) => !inOrder(recorder)))
     return {alarm: "bad", word: "FAULT",

@@ -14,7 +14,7 @@ let browser;
 const scenes = {};
 before(async () => {
   browser = await launch();
-  for (const scene of ["known", "unknown", "trouble"]) {
+  for (const scene of ["known", "armed", "unknown", "trouble"]) {
     const url = busUrl();
     scenes[scene] = {car: start("rb-web-scene", url, scene), ...await startWeb(url)};
   }
@@ -63,7 +63,7 @@ test("no bar is ever without its number", async (t) => {
 test("says in one word whether everything is recorded", async (t) => {
   const page = await open(t, "known");
   assert.equal(await text(page, "#state"), "RECORDING 01:23:45");
-  assert.equal(await text(page, ".amounts"), "4.56 GB · 5.5 h left");
+  assert.equal(await text(page, ".amounts"), "Autobahn · 4.56 GB · 5.5 h left");
   for (const lamp of ["LOSS", "SYNC", "OVERLOAD", "ENCODER"]) assert.equal(await light(page, lamp), "good", lamp);
   assert.equal(await text(page, "#lamp-LOSS .number"), "0 lost, 6 repaired");
   assert.equal(await text(page, "#lamp-SYNC .number"), "12 µs");
@@ -196,7 +196,7 @@ test("keeps the theme that was chosen, without a flash", async (t) => {
 });
 
 for (const [theme, colorScheme] of Object.entries(kThemes))
-  for (const scene of ["known", "unknown", "trouble"])
+  for (const scene of ["known", "armed", "unknown", "trouble"])
     test(`can be read: ${scene}, by ${theme}`, async (t) => {
       const page = await open(t, scene, {colorScheme});
       if (scene === "trouble") await page.locator("#lamp-SYNC").click();

@@ -1,0 +1,69 @@
+// What is on the disk of the recording that was stopped last.
+import {textOf} from "./ask";
+import {isBusy, type Car} from "./car";
+import {el, setAttributes, setText} from "./dom";
+import type {Receipt} from "./wire";
+import {duration} from "./words";
+
+const kColumns = ["Node", "Samples", "Lost", "Repaired", "Overload", "Clock within", "CRC-32C"];
+
+const lost = (receipt: Receipt) => receipt.samples_sent - receipt.samples_recorded;
+const isWhole = (receipt: Receipt) => lost(receipt) === 0 && receipt.gaps === 0 && receipt.open_epochs === 0 && receipt.sums !== 0;
+
+function row(receipt: Receipt): HTMLTableRowElement {
+  const crc = (receipt.blocks_crc32c >>> 0).toString(16).padStart(8, "0");
+  const cells = [
+    String(receipt.node), receipt.samples_recorded.toLocaleString("en"), lost(receipt).toLocaleString("en"),
+    receipt.repaired.toLocaleString("en"), `${receipt.overload_s.toFixed(1)} s`,
+    receipt.sync_us < 0 ? "one time" : `${Math.ceil(receipt.sync_us)} µs`,
+    receipt.open_epochs > 0 ? "no end" : receipt.sums !== 0 ? `${crc} agrees` : `${crc} DOES NOT AGREE`];
+  return el("tr", {"data-whole": String(isWhole(receipt))},
+            cells.map((cell, k) => (k === 0 ? el("th", {scope: "row"}, [cell]) : el("td", {}, [cell]))));
+}
+
+export class ReceiptView {
+  readonly element: HTMLElement;
+  private readonly title = el("h2", {id: "receipt-title"});
+  private readonly facts = el("p");
+  private readonly rows = el("tbody");
+  private readonly close = el("button", {type: "button"}, ["Close"]);
+  private shown = "";
+  private closed = 0;
+
+  constructor(private readonly car: Car) {
+    const head = el("thead", {}, [el("tr", {}, kColumns.map((column) => el("th", {scope: "col"}, [column])))]);
+    this.element = el("section", {class: "receipt", id: "receipt", "aria-labelledby": "receipt-title", hidden: ""}, [
+      el("div", {class: "receipt-head"}, [el("div", {}, [this.title, this.facts]), this.close]),
+      el("div", {class: "scroll", tabindex: "0"}, [el("table", {}, [head, this.rows])])]);
+    this.close.onclick = () => {
+      this.closed = this.receipts()[0]?.ended_us ?? 0;
+    };
+  }
+
+  draw(nowMs: number): void {
+    const receipts = this.receipts();
+    const [first] = receipts;
+    const records = this.car.livingRecorders(nowMs).some(isBusy);
+    const isShown = first !== undefined && !records && first.ended_us !== this.closed && receipts.length >= first.nodes;
+    this.element.hidden = !isShown;
+    if (!isShown) return;
+    const what = `${first.called} ${first.ended_us}`;
+    if (what === this.shown) return;
+    this.shown = what;
+    const all = receipts.filter(({nodes}) => nodes > 0);
+    const gone = all.reduce((sum, receipt) => sum + lost(receipt), 0);
+    const whole = all.length > 0 && all.every(isWhole);
+    setAttributes(this.element, {"data-whole": String(whole)});
+    setText(this.title, all.length === 0 ? `“${first.called}”: no node was recorded`
+      : whole ? `“${first.called}” is on the disk: 0 lost` : `“${first.called}”: ${gone.toLocaleString("en")} lost`);
+    const marks = first.marks === 1 ? "1 mark" : `${first.marks} marks`;
+    setText(this.facts, `${duration((first.ended_us - first.began_us) / 1e6)} · ${(first.bytes / 1e6).toFixed(1)} MB · ${marks}` +
+      (whole || all.length === 0 ? "" : ". What is missing is declared in the record: rb verify lists it."));
+    this.rows.replaceChildren(...all.map(row));
+  }
+
+  private receipts(): (Receipt & {readonly called: string})[] {
+    return [...this.car.receipts.values()].map(({message}) => message).sort((a, b) => a.index - b.index)
+      .map((receipt) => ({...receipt, called: textOf(receipt.name, receipt.name_size)}));
+  }
+}

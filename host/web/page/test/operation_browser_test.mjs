@@ -1,0 +1,194 @@
+// Start, mark and stop on the page, beside the real rb-web, rb-recorder and nodes of the simulated car.
+import assert from "node:assert/strict";
+import {execFileSync, spawnSync} from "node:child_process";
+import {mkdtempSync, rmSync} from "node:fs";
+import {tmpdir} from "node:os";
+import {join} from "node:path";
+import {after, before, test} from "node:test";
+import {busUrl, launch, picture, start, startWeb, weakTexts} from "./browser.mjs";
+
+const kDesk = {width: 1366, height: 768}, kPhone = {width: 390, height: 844};
+const kWithinMs = 20_000;
+const kVehicle = join(process.env.RB_SOURCE, "sim/demo/vehicle.toml"), kRb = join(process.env.RB_BIN, "rb");
+
+let browser, where;
+const programs = [], url = busUrl(), folder = mkdtempSync(join(tmpdir(), "rb-operation-"));
+const recordings = join(folder, "recordings");
+const runRecorder = () => {
+  const recorder = start("rb-recorder", "--url", url, "--recordings", recordings);
+  programs.push(recorder);
+  return recorder;
+};
+let recorder;
+before(async () => {
+  browser = await launch();
+  recorder = runRecorder();
+  for (const node of ["front", "rear"])
+    programs.push(start("rb-node", "--stay", "--url", url, "--vehicle", kVehicle, "--node", node,
+                        "--front-end", "sim:?seed=1&rate=1&seconds=3600"));
+  const web = await startWeb(url);
+  programs.push(web.web);
+  where = web.where;
+});
+after(async () => {
+  await browser?.close();
+  for (const program of programs) program.kill();
+  rmSync(folder, {recursive: true, force: true});
+});
+
+async function open(t, options = {}, address = where) {
+  const page = await browser.newPage({viewport: kDesk, ...options});
+  const complaints = [];
+  page.on("pageerror", (error) => complaints.push(error.message));
+  t.after(async () => {
+    await page.close();
+    assert.deepEqual(complaints, []);
+  });
+  await page.goto(address);
+  return page;
+}
+const says = (page, selector, words) => page.waitForFunction(
+  ([where_, wanted]) => new RegExp(wanted).test(document.querySelector(where_)?.innerText ?? ""), [selector, words], {timeout: kWithinMs});
+const isState = (page, word) => says(page, "#state", `^\\s*${word}`);
+const holdEscape = async (page, ms) => {
+  await page.keyboard.down("Escape");
+  await page.waitForTimeout(ms);
+  await page.keyboard.up("Escape");
+};
+const verify = (name) => spawnSync(kRb, ["verify", join(recordings, name)], {encoding: "utf8"});
+
+test("a recording started and stopped by the keyboard alone has its receipt with 0 lost", async (t) => {
+  const page = await open(t);
+  await isState(page, "ARMED");
+  assert.match(await page.locator("header").innerText(), /2 nodes wait for the start/);
+  await page.keyboard.press("r");
+  await isState(page, "RECORDING");
+  await says(page, "#operation-says", "is being recorded");
+  await page.keyboard.press("Space");
+  await says(page, "#operation-says", "mark 1 is on the disk");
+  // A mark with words: Tab to the field, Enter sets it.
+  await page.locator("#mark").focus();
+  await page.keyboard.press("Tab");
+  assert.equal(await page.evaluate(() => document.activeElement.id), "mark-text");
+  await page.keyboard.type("R bridge <b>1</b>");
+  await page.keyboard.press("Enter");
+  await says(page, "#operation-says", "mark 2 is on the disk");
+  await picture(page, "operation-recording");
+  // A touch in passing stops nothing.
+  await holdEscape(page, 300);
+  await page.waitForTimeout(1000);
+  await isState(page, "RECORDING\\s+00:0");
+  await holdEscape(page, 900);
+  await says(page, "#receipt", "0 lost");
+  await isState(page, "ARMED");
+  await picture(page, "operation-receipt");
+  const receipt = await page.locator("#receipt").innerText();
+  assert.match(receipt, /is on the disk: 0 lost/);
+  assert.match(receipt, /2 marks/);
+  assert.equal(await page.locator("#receipt tbody tr[data-whole=true]").count(), 2);
+  assert.equal((receipt.match(/[0-9a-f]{8} agrees/g) ?? []).length, 2);
+  const name = /“(.+)”/.exec(receipt)[1];
+  const proof = verify(name);
+  assert.equal(proof.status, 0, proof.stdout);
+  assert.match(proof.stdout, /mark 1\n/);
+  assert.match(proof.stdout, /mark 2: R bridge <b>1<\/b>/);
+  assert.match(proof.stdout, /asked: stop/);
+});
+
+test("works by finger, with a name, and refuses a name that is taken", async (t) => {
+  const page = await open(t, {viewport: kPhone, hasTouch: true});
+  await isState(page, "ARMED");
+  await page.locator("#recording-name").fill("by finger");
+  await page.locator("#start").tap();
+  await isState(page, "RECORDING");
+  assert.match(await page.locator(".amounts").innerText(), /^by finger · /);
+  await picture(page, "operation-phone");
+  const small = await page.evaluate(() => [...document.querySelectorAll("header button, header input")].filter((element) => {
+    const {width, height} = element.getBoundingClientRect();
+    return element.checkVisibility() && (width < 48 || height < 48);
+  }).map((element) => element.id));
+  assert.deepEqual(small, [], "too small for a finger");
+  await page.locator("#stop").tap();
+  await page.waitForTimeout(1200);
+  await isState(page, "RECORDING");
+  const {x, y, width, height} = await page.locator("#stop").boundingBox();
+  await page.mouse.move(x + width / 2, y + height / 2);
+  await page.mouse.down();
+  await page.waitForTimeout(1000);
+  await page.mouse.up();
+  await says(page, "#receipt", "“by finger” is on the disk: 0 lost");
+  assert.equal(verify("by finger").status, 0);
+  await page.locator("#recording-name").fill("by finger");
+  await page.keyboard.press("Enter");
+  await says(page, "#operation-says", "there is a recording \"by finger\": choose another name");
+  await isState(page, "ARMED");
+});
+
+test("two pages and the command line see one recording", async (t) => {
+  const [first, second] = [await open(t), await open(t)];
+  await isState(first, "ARMED");
+  await isState(second, "ARMED");
+  execFileSync(kRb, ["start", "shared", "--url", url]);
+  await isState(first, "RECORDING");
+  await isState(second, "RECORDING");
+  await first.keyboard.press("Space");
+  await says(first, "#operation-says", "mark 1 is on the disk");
+  assert.equal(await second.locator("#operation-says").innerText(), "");
+  const stopped = JSON.parse(execFileSync(kRb, ["stop", "--json", "--url", url], {encoding: "utf8"}));
+  assert.equal(stopped.recording, "shared");
+  assert.deepEqual(stopped.nodes.map(({samples_lost}) => samples_lost), [0, 0]);
+  await says(second, "#receipt", "“shared” is on the disk: 0 lost");
+});
+
+test("a recorder that is killed between command and answer goes on, and nothing is lost", async (t) => {
+  const page = await open(t);
+  await isState(page, "ARMED");
+  await page.locator("#recording-name").fill("killed");
+  await page.keyboard.press("Enter");
+  await isState(page, "RECORDING");
+  for (let k = 0; k < 3; ++k) {
+    await page.keyboard.press("Space");
+    recorder.kill("SIGKILL");
+    await page.waitForTimeout(100);
+    recorder = runRecorder();
+    await says(page, "#operation-says", `mark ${k + 1} is on the disk`);
+  }
+  await page.keyboard.down("Escape");
+  await page.waitForTimeout(900);
+  await page.keyboard.up("Escape");
+  recorder.kill("SIGKILL");
+  recorder = runRecorder();
+  await says(page, "#receipt", "“killed” is on the disk: 0 lost");
+  const proof = verify("killed");
+  assert.equal(proof.status, 0, proof.stdout);
+  for (const mark of [1, 2, 3]) assert.match(proof.stdout, new RegExp(`mark ${mark}\\n`));
+});
+
+test("a page without the token may watch, and says why it may do no more", async (t) => {
+  const page = await open(t, {}, where.replace(/#.*/, ""));
+  await isState(page, "ARMED");
+  await says(page, "#operation-says", "opened without #token=");
+  assert.equal(await page.locator("#start").isDisabled(), true);
+  await page.keyboard.press("r");
+  await page.waitForTimeout(1000);
+  await isState(page, "ARMED");
+});
+
+for (const colorScheme of ["dark", "light"])
+  test(`can be read while it works, ${colorScheme}`, async (t) => {
+    const page = await open(t, {colorScheme});
+    await isState(page, "ARMED");
+    assert.deepEqual(await weakTexts(page), []);
+    await picture(page, `operation-armed-${colorScheme}`);
+    await page.keyboard.press("r");
+    await isState(page, "RECORDING");
+    await page.keyboard.down("Escape");
+    await page.waitForTimeout(400);
+    assert.deepEqual(await weakTexts(page), []);
+    await picture(page, `operation-held-${colorScheme}`);
+    await page.waitForTimeout(600);
+    await page.keyboard.up("Escape");
+    await says(page, "#receipt", "0 lost");
+    assert.deepEqual(await weakTexts(page), []);
+    await picture(page, `operation-stopped-${colorScheme}`);
+  });
