@@ -1,15 +1,25 @@
 #include <benchmark/benchmark.h>
 
 #include <complex>
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <random>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "common/bus/codec.hpp"
 #include "common/dsp/cross_spectra.hpp"
 #include "common/dsp/transfer_function.hpp"
+#include "host/analyser/envelopes.hpp"
+#include "host/analyser/levels.hpp"
+#include "host/analyser/spectra.hpp"
 
-// Cross spectra of all pairs: three nodes of 16 channels at 2 kHz, 4096 samples, Hann, 50 % overlap.
-// "core_percent" is what a stage costs of one core in real time.
+// What the analyser's live view costs: three nodes of 16 channels at 2 kHz; cross spectra of all pairs, 4096
+// samples, Hann, 50 % overlap.  "core_percent" is what a stage costs of one core in real time; the table at
+// the end gives each stage's share of the whole.
 
 namespace roadbalance {
 namespace {
@@ -28,6 +38,98 @@ void report(benchmark::State& state, double seconds_each = kSeconds) {
   state.counters["core_percent"] = benchmark::Counter(
       seconds_each / 100.0, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
+
+VehicleConfig vehicle() {
+  VehicleConfig vehicle;
+  for (int n = 0; n < kNodes; ++n) {
+    NodeConfig node{"node", n + 1, kRateHz, {}};
+    for (int c = 0; c < kAccelerations; ++c) {
+      ChannelConfig& channel = node.channel.emplace_back();
+      channel.scale_m_s2_per_count = 1e-5;
+    }
+    vehicle.node.push_back(node);
+  }
+  return vehicle;
+}
+
+/// As nodes send them, in order.
+const std::vector<SealedBlock>& sealed() {
+  static const auto blocks = [] {
+    std::vector<SealedBlock> made(kSeconds * 2000 / kScansPerBlock * kNodes);
+    std::mt19937 random(3);
+    std::uniform_int_distribution<std::int32_t> noise(-1'000'000, 1'000'000);
+    for (std::size_t b = 0; b < made.size(); ++b) {
+      ScanBlock block;
+      const auto number = static_cast<std::int64_t>(b / kNodes);
+      block.header = {
+          static_cast<std::int32_t>(b % kNodes) + 1, 1, number + 1, number * kScansPerBlock, kScansPerBlock,
+          number * kScansPerBlock * 500'000};
+      block.period_ps = 500'000'000;
+      for (auto& row : block.counts)
+        for (auto& count : row) count = noise(random);
+      seal(block, made[b]);
+    }
+    return made;
+  }();
+  return blocks;
+}
+
+/// CRC and order of bytes.
+void decode_blocks(benchmark::State& state) {
+  SealedBlock taken;
+  for (auto _ : state)
+    for (const SealedBlock& block : sealed())
+      if (accept(block.bytes(), taken) == Refusal::kNone) benchmark::DoNotOptimize(decode_scan(taken));
+  report(state);
+}
+BENCHMARK(decode_blocks)->Unit(benchmark::kMillisecond);
+
+/// What `Meter` does with all blocks, decoded before; `told` at its end.
+template <typename Make, typename Tell>
+void meter(benchmark::State& state, const Make& make, const Tell& tell, int blocks_between) {
+  const VehicleConfig car = vehicle();
+  std::vector<ScanBlock> blocks;
+  for (const SealedBlock& block : sealed()) blocks.push_back(decode_scan(block));
+  for (auto _ : state) {
+    std::vector<decltype(make(car, 0))> meters;
+    for (int n = 0; n < kNodes; ++n) meters.push_back(make(car, static_cast<std::size_t>(n)));
+    int since = 0;
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+      meters[b % kNodes].add(blocks[b]);
+      if (++since % (blocks_between * kNodes) == 0)
+        for (auto& one : meters) tell(one);
+    }
+  }
+  report(state);
+}
+
+/// Ten times a second.
+void levels(benchmark::State& state) {
+  meter(
+      state, [](const VehicleConfig& car, std::size_t n) { return LevelMeter(car, car.node[n]); },
+      [](LevelMeter& one) { benchmark::DoNotOptimize(one.take()); }, 10);
+}
+BENCHMARK(levels)->Unit(benchmark::kMillisecond);
+
+/// Of all channels, twenty times a second: somebody looks at each of them.
+void envelopes(benchmark::State& state) {
+  meter(
+      state, [](const VehicleConfig& car, std::size_t n) { return EnvelopeMeter(car.node[n]); },
+      [](EnvelopeMeter& one) {
+        for (std::int32_t c = 0; c < kAccelerations; ++c)
+          benchmark::DoNotOptimize(encode(one.envelope(c).value_or(Envelope{})));
+      },
+      5);
+}
+BENCHMARK(envelopes)->Unit(benchmark::kMillisecond);
+
+/// Of all channels over ten seconds, once a second.
+void spectra_for_everybody(benchmark::State& state) {
+  meter(
+      state, [](const VehicleConfig& car, std::size_t n) { return SpectrumMeter(car.node[n]); },
+      [](SpectrumMeter& one) { benchmark::DoNotOptimize(one.take()); }, 100);
+}
+BENCHMARK(spectra_for_everybody)->Unit(benchmark::kMillisecond);
 
 /// The transforms alone: every channel by itself.
 void transforms(benchmark::State& state) {
@@ -79,7 +181,44 @@ void one_pair_shown(benchmark::State& state) {
 }
 BENCHMARK(one_pair_shown)->Unit(benchmark::kMicrosecond);
 
+/// Prints as usual, and keeps what each stage costs.
+class Shares : public benchmark::ConsoleReporter {
+ public:
+  void ReportRuns(const std::vector<Run>& runs) override {
+    ConsoleReporter::ReportRuns(runs);
+    for (const Run& run : runs)
+      if (const auto found = run.counters.find("core_percent"); found != run.counters.end())
+        percent_[run.benchmark_name()] = found->second;
+  }
+
+  /// Of the stages of the live view; only if all of them were run.
+  void print() const {
+    std::map<std::string, double> stages;
+    for (const char* stage : {"decode_blocks", "levels", "envelopes", "spectra_for_everybody", "transforms",
+                              "all_pairs/48", "one_pair_shown"}) {
+      if (!percent_.contains(stage)) return;
+      stages[stage] = percent_.at(stage);
+    }
+    stages["all_pairs/48"] -= stages["transforms"];  // which it holds
+    double whole = 0.0;
+    for (const auto& [stage, percent] : stages) whole += percent;
+    std::printf("\n%-24s %8s %8s\n", "stage", "core", "share");
+    for (const auto& [stage, percent] : stages)
+      std::printf("%-24s %6.2f %% %6.1f %%\n", stage == "all_pairs/48" ? "sums of all pairs" : stage.c_str(),
+                  percent, 100.0 * percent / whole);
+    std::printf("%-24s %6.2f %%\n", "live view", whole);
+  }
+
+ private:
+  std::map<std::string, double> percent_;
+};
+
 }  // namespace
 }  // namespace roadbalance
 
-BENCHMARK_MAIN();
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  roadbalance::Shares shares;
+  benchmark::RunSpecifiedBenchmarks(&shares);
+  shares.print();
+}
