@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/web/place.hpp"
 #include "host/web/safety_headers.hpp"
 
 // The only place that knows Boost: half a minute and a gigabyte to compile.
@@ -28,9 +29,6 @@ using Request = http::request<http::string_body>;
 
 constexpr const char* kFeedPath = "/feed";
 constexpr const char* kTokenHeader = "X-Roadbalance-Token";
-/// Of what waits in the kernel for a page that does not read.
-constexpr int kSendBufferBytes = 128 << 10;
-constexpr std::size_t kMostBytesFromPage = 1024;
 
 std::string_view view(beast::string_view text) {
   return {text.data(), text.size()};
@@ -52,20 +50,6 @@ std::string name_of(const asio::ip::address& address) {
   return "[" + address.to_string() + "]";
 }
 
-/// Its place among those that are allowed at a time.
-class Place {
- public:
-  explicit Place(std::size_t& taken) : taken_(&taken) { ++*taken_; }
-  Place(Place&& other) noexcept : taken_(std::exchange(other.taken_, nullptr)) {}
-  Place& operator=(Place&&) = delete;
-  ~Place() {
-    if (taken_) --*taken_;
-  }
-
- private:
-  std::size_t* taken_;
-};
-
 /// A page that watches.
 class Watcher : public std::enable_shared_from_this<Watcher> {
  public:
@@ -79,7 +63,7 @@ class Watcher : public std::enable_shared_from_this<Watcher> {
     socket_.set_option(websocket::stream_base::decorator([](websocket::response_type& answer) {
       answer.set(http::field::sec_websocket_protocol, kFeedProtocol);
     }));
-    socket_.read_message_max(kMostBytesFromPage);
+    socket_.read_message_max(WebServer::kMostBytesFromPage);
     socket_.binary(true);
     socket_.auto_fragment(false);
     socket_.async_accept(request, [self = shared_from_this(), &watchers](Error error) {
@@ -158,27 +142,21 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
     Error no_address;
     const Tcp::endpoint here = stream_.socket().local_endpoint(no_address);
     if (no_address) return;
-    const Post* const post = post_at(request);
+    const auto post = std::ranges::find(shared_.options.posts, view(request.target()), &Post::path);
+    const bool is_post = request.method() == http::verb::post && post != shared_.options.posts.end();
     const RequestHead head{.method = view(request.method_string()),
                            .target = view(request.target()),
                            .host = sole(request, http::field::host),
                            .origin = sole(request, http::field::origin),
                            .token = token_of(request, is_websocket),
                            .is_websocket = is_websocket,
-                           .only_watches = post && !post->changes_state};
+                           .only_watches = is_post && !post->changes_state};
     if (request.count(http::field::origin) > 1) return refuse(http::status::bad_request);
     const Admission admission = admit(head, {name_of(here.address()), here.port()}, shared_.options.rules);
     if (admission != Admission::kAdmitted) return refuse(static_cast<http::status>(admission));
     if (is_websocket && head.target == kFeedPath) return watch();
-    if (post) return answer(*post);
+    if (is_post) return answer(*post);
     serve(head);
-  }
-
-  /// The post that it is; nullptr: none.
-  const Post* post_at(const Request& request) const {
-    const auto& posts = shared_.options.posts;
-    const auto found = std::ranges::find(posts, view(request.target()), &Post::path);
-    return request.method() == http::verb::post && found != posts.end() ? &*found : nullptr;
   }
 
   void answer(const Post& post) {
@@ -197,7 +175,7 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
 
   void watch() {
     Error ignored;  // a page that stalls is noticed a little later then
-    stream_.socket().set_option(asio::socket_base::send_buffer_size(kSendBufferBytes), ignored);
+    stream_.socket().set_option(asio::socket_base::send_buffer_size(WebServer::kSendBufferBytes), ignored);
     const std::int64_t viewer =
         viewer_of_protocols(sole(parser_->get(), http::field::sec_websocket_protocol));
     std::make_shared<Watcher>(std::move(stream_), std::move(place_), viewer)

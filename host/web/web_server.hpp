@@ -58,6 +58,8 @@ class WebServer {
   static constexpr std::size_t kMostConnections = 64;
   static constexpr std::size_t kMostHeaderBytes = 8192;
   static constexpr std::size_t kMostBodyBytes = 16384;
+  static constexpr std::size_t kMostBytesFromPage = 1024;  ///< on the feed, where it has nothing to say
+  static constexpr int kSendBufferBytes = 128 << 10;  ///< wait in the kernel for a page that does not read
   static constexpr std::chrono::seconds kRequestTime{10};  ///< to say a request, and to take its answer
   static constexpr std::chrono::seconds kFrameTime{5};     ///< to take a frame
 

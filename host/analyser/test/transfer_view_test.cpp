@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "common/dsp/transfer_function.hpp"
 #include "host/analyser/test/noise_drive.hpp"
 
 namespace roadbalance {
@@ -64,6 +65,35 @@ TEST_F(TransferViewTest, APairOfTwoNodesComesInPartsThatFitTogether) {
   EXPECT_TRUE(shown_.parts(begin_ + 1s).empty()) << "nothing new";
   drive(60);
   EXPECT_FALSE(shown_.parts(begin_ + 1s).empty());
+}
+
+TEST_F(TransferViewTest, TellsTheNumbersThatTheSameScansGiveOffline) {
+  shown_.take(view(), begin_);
+  JointSpectra offline(car(), {kFront, kRear}, {.segment = 1024});
+  for (int i = 0; i < 200; ++i)
+    for (const int node : {0, 1}) {
+      const SealedBlock block = drive_.next(node);
+      shown_.consume(block);
+      offline.consume(block);
+    }
+  const CrossSpectra& spectra = offline.spectra();
+  const TransferFunction h = transfer_function(spectra.density(0), spectra.density(1), spectra.density(0, 1),
+                                               spectra.independent_averages());
+  std::size_t k = 0;
+  // The message rounds to 24 bits.
+  const auto near = [](float told, double expected) {
+    return std::abs(told - expected) <= 6e-8 * std::abs(expected);
+  };
+  for (const TransferPart& part : shown_.parts(begin_))
+    for (const TransferPart::Bin& bin : part.bin) {
+      EXPECT_TRUE(near(bin.input, spectra.density(0)[k])) << k;
+      EXPECT_TRUE(near(bin.output, spectra.density(1)[k])) << k;
+      EXPECT_TRUE(near(bin.h1_re, h.h1[k].real()) && near(bin.h1_im, h.h1[k].imag())) << k;
+      EXPECT_TRUE(near(bin.coherence, h.coherence[k])) << k;
+      EXPECT_TRUE(near(bin.radius_95, h.radius_95[k])) << k;
+      ++k;
+    }
+  EXPECT_EQ(k, h.h1.size());
 }
 
 TEST_F(TransferViewTest, ManyBinsAreShownAsFewerThatScatterLess) {

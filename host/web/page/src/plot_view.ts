@@ -1,5 +1,5 @@
 // Plots: one at a time, chosen by buttons; frozen, compared, saved.
-import type {Car} from "./car";
+import {isFresh, type Car} from "./car";
 import {channelKey} from "./channels";
 import {el, setAttributes, setText} from "./dom";
 import type {Key} from "./keys";
@@ -80,9 +80,13 @@ export class PlotView implements View {
   private compared = false;
   private timer: number | undefined;
   private asked = "";
+  private refusal = "";
 
   constructor(private readonly car: Car) {
-    const changed = () => this.ask();
+    const changed = () => {
+      this.unfreeze();
+      this.ask();
+    };
     this.spectral = new SpectralChoices(changed);
     const spectrum = new SpectrumPlot(changed);
     this.plots = [spectrum, new TransferPlot(changed), new TimePlot(changed), new WaterfallPlot(changed), new PolarPlot(changed), new SpeedPlot()];
@@ -98,8 +102,8 @@ export class PlotView implements View {
     this.keys = [
       {key: "F", does: "freeze the plot, and go on", run: () => this.freeze()},
       {key: "C", does: "keep what is plotted as a reference, and drop it", run: () => this.compare()},
-      {key: "[", does: "plot before", run: () => this.step(-1)},
-      {key: "]", does: "next plot", run: () => this.step(1)},
+      {key: ",", does: "plot before", run: () => this.step(-1)},
+      {key: ".", does: "next plot", run: () => this.step(1)},
     ];
     this.element = el("section", {class: "plots"}, [
       el("div", {class: "plot-bar"}, [
@@ -118,7 +122,10 @@ export class PlotView implements View {
   }
 
   draw(nowMs: number): void {
-    setAttributes(this.element, {"data-frozen": String(this.frozen)});
+    // Its levels come ten times a second, whatever else is asked for.
+    const isOld = ![...this.car.levels.values()].some((heard) => isFresh(heard, nowMs));
+    setAttributes(this.element, {"data-frozen": String(this.frozen), "data-old": String(isOld)});
+    setText(this.trouble, isOld ? "OLD: no analyser is heard." : this.refusal);
     if (this.frozen) return;
     this.now.draw({car: this.car, spectral: this.spectral.value, nowMs});
     // What is to be seen may be known only now: which channels there are.
@@ -153,7 +160,7 @@ export class PlotView implements View {
     const {plots} = this.car;
     plots.want((wish.spectra ?? []).map(channelKey), (wish.pairs ?? []).map(([input, output]) => pairKey(input, output)),
                (wish.envelopes ?? []).map(channelKey), (wish.waterfalls ?? []).map(({wheel, channel}) => waterfallKey(wheel, channel)));
-    void ask(viewOf(plots.viewer, this.spectral.value, wish)).then((trouble) => setText(this.trouble, trouble));
+    void ask(viewOf(plots.viewer, this.spectral.value, wish)).then((refusal) => { this.refusal = refusal; });
   }
 
   private freeze(): void {

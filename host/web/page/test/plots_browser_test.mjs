@@ -279,11 +279,28 @@ test("only what is seen is asked for, and each page gets its own", async (t) => 
   assert.equal(views.length, asked);
 });
 
+test("says that it is old when the analyser falls silent", async (t) => {
+  const url = busUrl();
+  const mortal = start("rb-web-plot-scene", url);
+  const {web: its, where: there} = await startWeb(url);
+  const page = await browser.newPage({viewport: kDesk});
+  t.after(() => { mortal.kill(); its.kill(); return page.close(); });
+  await page.goto(there);
+  await page.waitForFunction(() => document.querySelectorAll(".bar").length === 24);
+  await page.keyboard.press("p");
+  await page.locator("#plot-time").click();
+  await says(page, "#time-figure .reading", /greatest/);
+  assert.equal(await text(page, ".plots > .trouble"), "");
+  mortal.kill("SIGKILL");
+  await says(page, ".plots > .trouble", /OLD: no analyser is heard/);
+  await picture(page, "plot-old");
+});
+
 test("every plot is worked by keys alone", async (t) => {
   const page = await open(t, "spectrum");
   await page.locator("#plot-spectral summary").click();
   for (const plot of [...kPlots.slice(1), "spectrum"]) {
-    await page.keyboard.press("]");
+    await page.keyboard.press(".");
     assert.equal(await page.locator(`#plot-${plot}`).getAttribute("aria-pressed"), "true", plot);
   }
   const reached = new Set();
