@@ -71,7 +71,9 @@ int main(int argc, char** argv) {
       for (const std::string& untold : missing_signals(car, of)) warn(untold);
       return front_end;
     };
-    const std::int64_t lost = serve_node(signals.token(), vehicle, node_name, open, stays,
+    const auto& wired = vehicle.node_named(node_name).wiring.front_end;
+    const ConverterSettings device = converter_settings(front_end_uris.empty() ? wired : front_end_uris);
+    const std::int64_t lost = serve_node(signals.token(), vehicle, node_name, open, device, stays,
                                          {.bus_url = bus_url,
                                           .ring_bytes = static_cast<std::size_t>(ring_mib * 1024 * 1024),
                                           .spool = spool,

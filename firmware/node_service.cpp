@@ -22,9 +22,11 @@ VehicleConfig parse_wanted(const std::string& text, const VehicleConfig& before,
 
 /// Puts the wanted vehicle.toml in force, or leaves the one that is.
 void change_vehicle(VehicleChange& change, VehicleConfig& vehicle, const std::string& node_name,
-                    const OpenFrontEnd& open, std::unique_ptr<FrontEnd>& front_end) {
+                    const OpenFrontEnd& open, const ConverterSettings& device,
+                    std::unique_ptr<FrontEnd>& front_end) {
   try {
     VehicleConfig wanted = parse_wanted(*change.wanted(), vehicle, node_name);
+    check_change(vehicle, wanted, node_name, device);
     front_end.reset();  // a device can be open once
     front_end = open(wanted, wanted.node_named(node_name));
     vehicle = std::move(wanted);
@@ -38,7 +40,8 @@ void change_vehicle(VehicleChange& change, VehicleConfig& vehicle, const std::st
 }  // namespace
 
 std::int64_t serve_node(std::stop_token stop, VehicleConfig vehicle, const std::string& node_name,
-                        const OpenFrontEnd& open, bool stays, const NodeOptions& options) {
+                        const OpenFrontEnd& open, const ConverterSettings& device, bool stays,
+                        const NodeOptions& options) {
   VehicleChange change(vehicle.text, true);
   auto front_end = open(vehicle, vehicle.node_named(node_name));
   std::int64_t lost = 0;
@@ -48,7 +51,7 @@ std::int64_t serve_node(std::stop_token stop, VehicleConfig vehicle, const std::
     lost += epoch.lost;
     const bool goes_on = !stop.stop_requested() && !epoch.device_ended;
     if (!goes_on || (!stays && !change.wanted())) return lost;
-    if (change.wanted()) change_vehicle(change, vehicle, node_name, open, front_end);
+    if (change.wanted()) change_vehicle(change, vehicle, node_name, open, device, front_end);
   }
 }
 

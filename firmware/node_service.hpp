@@ -6,6 +6,7 @@
 #include <stop_token>
 #include <string>
 
+#include "firmware/converter_settings.hpp"
 #include "firmware/node.hpp"
 
 namespace roadbalance {
@@ -18,12 +19,14 @@ using OpenFrontEnd =
 ///
 /// Between recordings it takes another vehicle.toml from its recorder: closes the devices and opens them as
 /// that says.  One that it cannot measure by is refused with the reason, and the one before stays in force.
-/// @param stays  after a stop by command: waits for the next start, until its device ends
+/// @param device  what `open` can be told
+/// @param stays   after a stop by command: waits for the next start, until its device ends
 /// @return as run_node, over all epochs
 /// @throws as run_node; ConfigError or std::system_error of `open` the first time, or if the devices cannot
 /// be
 ///         opened again by a vehicle.toml by which they could before
 std::int64_t serve_node(std::stop_token stop, VehicleConfig vehicle, const std::string& node_name,
-                        const OpenFrontEnd& open, bool stays, const NodeOptions& options);
+                        const OpenFrontEnd& open, const ConverterSettings& device, bool stays,
+                        const NodeOptions& options);
 
 }  // namespace roadbalance
