@@ -79,8 +79,7 @@ void Desk::take(const Request& request, std::int64_t utc_us, int nodes) {
       if (book_.under_way)
         return refuse(request, RefusalReason::kRecording,
                       "a recording has one set-up from its first sample to its last: stop it first", utc_us);
-      if (const auto answer = hands_.set_up(request)) say(*answer);
-      return;
+      return say(hands_.set_up(request));
   }
   refuse(request, RefusalReason::kUnknownOperation, "this recorder is of an older release", utc_us);
 }
@@ -253,8 +252,7 @@ void Desk::failed(const std::string& why, bool has_run, std::int64_t utc_us) {
     return answer.asker == start.asker && answer.request == start.request;
   });
   if (asked == known_.end()) return;  // by a recorder before us: it may hold samples
-  DeskBook book = book_;
-  book.under_way.reset();
+  DeskBook book{.finished = book_.finished};
   if (!store(book)) book_ = std::move(book);
   fault_.clear();
   Answer answer = done(start, Operation::kStart, why, utc_us);

@@ -21,12 +21,12 @@ class Desk {
  public:
   /// What it can do.
   struct Hands {
-    std::function<void(const DeskBook&)> store;                   ///< @throws std::system_error
-    std::function<bool(const std::string& name)> exists;          ///< a recording of this name
-    std::function<void(const UnderWay&)> begin;                   ///< lets a recorder run on its folder
-    std::function<void()> stop;                                   ///< lets it come to its end
-    std::function<void(NoteToRecord)> note;                       ///< into the recording that runs
-    std::function<std::optional<Answer>(const Request&)> set_up;  ///< other operations; nothing: under way
+    std::function<void(const DeskBook&)> store;           ///< @throws std::system_error
+    std::function<bool(const std::string& name)> exists;  ///< a recording of this name
+    std::function<void(const UnderWay&)> begin;           ///< lets a recorder run on its folder
+    std::function<void()> stop;                           ///< lets it come to its end
+    std::function<void(NoteToRecord)> note;               ///< into the recording that runs
+    std::function<Answer(const Request&)> set_up;         ///< other operations
   };
   Desk(Hands hands, DeskBook book);
 

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "common/bus/bus.hpp"
+#include "common/config/section.hpp"
 #include "common/config/validators.hpp"
 #include "common/process/heap.hpp"
 #include "common/process/service_notify.hpp"
@@ -79,6 +80,12 @@ int main(int argc, char** argv) {
       app.add_option("--recordings", recordings,
                      "folder of recordings that start and stop on request: rb start, or the page");
   operated->excludes(record);
+  std::string vehicle;
+  app.add_option(
+         "--vehicle", vehicle,
+         "with --recordings: vehicle.toml that requests may change; others in its folder can be chosen")
+      ->needs(operated)
+      ->check(CLI::ExistingFile);
   app.add_option("--start", start, "with --recordings: begin one of this name at once")->needs(operated);
   app.add_option("--url", options.url, "LCM address of the bus")->capture_default_str();
   app.add_option("--nodes", options.nodes, "record only these nodes; default: every node heard")
@@ -125,9 +132,13 @@ int main(int argc, char** argv) {
     const RecorderReport report =
         recordings.empty()
             ? run_recorder(signals.token(), options)
-            : operate(signals.token(), {.recorder = options, .recordings = recordings, .start = start});
+            : operate(signals.token(),
+                      {.recorder = options, .recordings = recordings, .vehicle = vehicle, .start = start});
     if (json) std::printf("%s\n", to_json(report).c_str());
     return 0;
+  } catch (const ConfigError& error) {
+    std::fprintf(stderr, "rb-recorder: %s\n", error.what());
+    return 2;
   } catch (const std::invalid_argument& error) {
     std::fprintf(stderr, "rb-recorder: %s\n", error.what());
     return 2;

@@ -10,6 +10,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/clock_messages.hpp"
+#include "common/bus/codec.hpp"
 #include "common/bus/control.hpp"
 #include "common/bus/operation.hpp"
 #include "common/clock/clocks.hpp"
@@ -18,6 +19,7 @@
 #include "host/recorder/desk.hpp"
 #include "host/recorder/receipts.hpp"
 #include "host/recorder/recording_session.hpp"
+#include "host/recorder/set_up.hpp"
 
 namespace roadbalance {
 namespace {
@@ -60,6 +62,7 @@ class Operating {
     });
     bus_.subscribe("RB_HEARTBEAT_.*", [this](std::string_view, auto bytes) { hear(bytes); });
     bus_.subscribe("RB_CLOCK_.*", [this](std::string_view, auto bytes) { hear_clock(bytes); });
+    if (!options.vehicle.empty()) lead_vehicle(options.vehicle);
     if (options.start) desk_.begin(*options.start, utc_us());
   }
 
@@ -68,6 +71,8 @@ class Operating {
     bus_.handle(kTurn);
     if (told_to_stop && !std::exchange(ends_, true)) desk_.end();
     look_after_recording();
+    if (set_up_)
+      if (const auto answer = set_up_->turn(publish_, utc_us(), WallClock::now())) desk_.was_set_up(*answer);
     for (const Answer& answer : desk_.answers()) (void)bus_.publish(kAnswerChannel, encode(answer));
     const WallTime now = WallClock::now();
     if (now - status_at_ >= kStatus && !session_speaks()) say_status(now);
@@ -78,32 +83,43 @@ class Operating {
   RecorderReport report() const { return report_; }
 
  private:
+  void lead_vehicle(const std::filesystem::path& file) {
+    set_up_.emplace(file, options_.recordings);
+    bus_.subscribe("RB_REPLY_.*", [this](std::string_view, auto bytes) {
+      if (const auto reply = decode_reply(bytes)) set_up_->take(*reply);
+    });
+    bus_.subscribe("RB_PREVIEW_.*", [this](std::string_view, auto bytes) {
+      if (accept(bytes, preview_) == Refusal::kNone && preview_.kind == BlockKind::kScan)
+        set_up_->take(decode_scan(preview_), WallClock::now());
+    });
+  }
+
   Desk::Hands hands() {
-    return {
-        .store = [this](const DeskBook& book) { write_desk_book(options_.recordings, book); },
-        .exists = [this](const std::string& name) { return path_exists(options_.recordings / name); },
-        .begin = [this](const UnderWay& recording) { begin(recording); },
-        .stop =
-            [this] {
-              if (session_) session_->stop();
-            },
-        .note =
-            [this](NoteToRecord note) {
-              if (session_) session_->note(std::move(note));
-            },
-        .set_up =
-            [](const Request& request) {
-              return std::optional(Answer{
-                  .asker = request.asker,
-                  .request = request.request,
-                  .time_us = utc_us(),
-                  .operation = request.operation,
-                  .state = AnswerState::kRefused,
-                  .reason = RefusalReason::kNotSupported,
-                  .node = request.node,
-                  .channel = request.channel,
-                  .text = "this recorder leads no vehicle file: start rb-recorder with --vehicles FOLDER"});
-            }};
+    return {.store = [this](const DeskBook& book) { write_desk_book(options_.recordings, book); },
+            .exists = [this](const std::string& name) { return path_exists(options_.recordings / name); },
+            .begin = [this](const UnderWay& recording) { begin(recording); },
+            .stop =
+                [this] {
+                  if (session_) session_->stop();
+                },
+            .note =
+                [this](NoteToRecord note) {
+                  if (session_) session_->note(std::move(note));
+                },
+            .set_up =
+                [this](const Request& request) {
+                  if (set_up_) return set_up_->take(request, heard_nodes(), utc_us(), WallClock::now());
+                  return Answer{
+                      .asker = request.asker,
+                      .request = request.request,
+                      .time_us = utc_us(),
+                      .operation = request.operation,
+                      .state = AnswerState::kRefused,
+                      .reason = RefusalReason::kNotSupported,
+                      .node = request.node,
+                      .channel = request.channel,
+                      .text = "this recorder leads no vehicle file: start rb-recorder with --vehicle FILE"};
+                }};
   }
 
   void begin(const UnderWay& recording) {
@@ -185,6 +201,13 @@ class Operating {
     return static_cast<int>(heard_.size());
   }
 
+  std::vector<std::int32_t> heard_nodes() {
+    (void)nodes();
+    std::vector<std::int32_t> numbers;
+    for (const auto& [node, at] : heard_) numbers.push_back(node);
+    return numbers;
+  }
+
   // From its first word to its end the session says the state itself, with what it knows.
   bool session_speaks() const { return session_ && session_->view().status; }
 
@@ -218,6 +241,11 @@ class Operating {
   Bus bus_;
   std::map<std::int32_t, WallTime> heard_;
   std::map<std::int32_t, double> sync_us_;
+  std::optional<SetUp> set_up_;
+  SealedBlock preview_;
+  const Publish publish_ = [this](const std::string& channel, std::span<const std::uint8_t> bytes) {
+    return bus_.publish(channel, bytes);
+  };
   std::unique_ptr<RecordingSession> session_;
   RecorderReport report_;
   std::atomic<int> nodes_recorded_ = 0;

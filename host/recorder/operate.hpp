@@ -12,6 +12,7 @@ namespace roadbalance {
 struct OperateOptions {
   RecorderOptions recorder;          ///< of each recording; its folder is set here
   std::filesystem::path recordings;  ///< folder of the recordings, each a folder of its name
+  std::filesystem::path vehicle;     ///< vehicle.toml that requests may change; empty: none
   std::optional<std::string> start;  ///< this one begins without a request
 };
 

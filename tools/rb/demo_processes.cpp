@@ -20,6 +20,7 @@ Arguments recorder_arguments(const DemoPlan& plan) {
   return {"--url",        plan.url(),
           "--recordings", plan.recordings().string(),
           "--start",      plan.record().filename().string(),
+          "--vehicle",    plan.vehicle_file().string(),
           "--json"};
 }
 

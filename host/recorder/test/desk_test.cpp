@@ -32,7 +32,12 @@ class DeskTest : public ::testing::Test {
                        const char* kind = note.kind == NoteKind::kMark ? "mark " : "asked ";
                        done.push_back(kind + std::to_string(note.a) + " " + note.text);
                      },
-                 .set_up = [](const Request&) { return std::optional<Answer>(); }},
+                 .set_up =
+                     [](const Request& request) {
+                       return Answer{.asker = request.asker,
+                                     .request = request.request,
+                                     .operation = request.operation};
+                     }},
                 book);
   }
   static Answer last(Desk& desk) {
@@ -144,7 +149,9 @@ TEST_F(DeskTest, ARecordingWithoutANameIsCalledByItsTime) {
 TEST_F(DeskTest, ASetUpIsForBetweenRecordings) {
   Desk desk = this->desk();
   desk.take(ask(Operation::kRange, 1), kNow, 1);
-  EXPECT_TRUE(desk.answers().empty()) << "it is under way";
+  EXPECT_EQ(last(desk).state, AnswerState::kUnderWay);
+  desk.was_set_up({.asker = 7, .request = 1, .operation = Operation::kRange, .state = AnswerState::kDone});
+  EXPECT_EQ(last(desk).state, AnswerState::kDone);
   desk.take(ask(Operation::kStart, 2, "drive"), kNow, 1);
   for (const auto operation :
        {Operation::kRange, Operation::kFilter, Operation::kZero, Operation::kVehicle}) {

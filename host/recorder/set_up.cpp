@@ -1,0 +1,201 @@
+#include "host/recorder/set_up.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <random>
+#include <system_error>
+#include <utility>
+
+#include "common/bus/bus.hpp"
+#include "common/config/section.hpp"
+#include "common/config/vehicle_config.hpp"
+#include "common/record/file.hpp"
+#include "common/record/folder.hpp"
+#include "host/recorder/vehicle_edit.hpp"
+
+namespace roadbalance {
+namespace {
+
+/// Raised inside take() only: the answer has the reason already.
+struct Refused {};
+
+[[noreturn]] void refuse(Answer& answer, RefusalReason reason, std::string why) {
+  answer.reason = reason;
+  answer.text = std::move(why);
+  throw Refused{};
+}
+
+std::string read_file(const std::filesystem::path& file) {
+  const auto text = read_text(file);
+  if (!text)
+    throw std::system_error(std::make_error_code(std::errc::no_such_file_or_directory), file.string());
+  return *text;
+}
+
+bool is_plain_name(const std::string& name) {
+  return name.size() > 5 && name.ends_with(".toml") && name.front() != '.' &&
+         name.find_first_of("/\\") == std::string::npos;
+}
+
+std::string vehicles_beside(const std::filesystem::path& file) {
+  std::vector<std::string> names;
+  for (const std::string& name : list_folder(folder_of(file)))
+    if (is_plain_name(name)) names.push_back(name);
+  std::ranges::sort(names);
+  std::string all;
+  for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
+  return all;
+}
+
+std::string what_is_done(const Request& request, const std::filesystem::path& file) {
+  char text[160];
+  switch (request.operation) {
+    case Operation::kRange:
+      std::snprintf(text, sizeof text, "channel %d.%d has a range of %g m/s²", request.node,
+                    request.channel + 1, request.value[0]);
+      return text;
+    case Operation::kFilter:
+      std::snprintf(text, sizeof text, "every node filters above %g Hz", request.value[0]);
+      return text;
+    case Operation::kZero:
+      return request.node == 0 ? "every channel's reading at rest is its zero"
+                               : "node " + std::to_string(request.node) + ": readings at rest are the zeros";
+    default:
+      return file.filename().string() + " is in force";
+  }
+}
+
+}  // namespace
+
+SetUp::SetUp(std::filesystem::path file, std::filesystem::path recordings)
+    : file_(std::move(file)), recordings_(std::move(recordings)) {
+  if (const auto chosen = read_text(recordings_ / kVehicleFile)) {
+    const std::string name = chosen->substr(0, chosen->find('\n'));
+    if (is_plain_name(name) && path_exists(folder_of(file_) / name)) file_ = folder_of(file_) / name;
+  }
+  text_ = read_file(file_);
+  (void)VehicleConfig::parse(text_, file_.string());
+}
+
+std::map<int, RestReadings::Reading> SetUp::rest(const Request& request,
+                                                 const std::vector<std::int32_t>& nodes, WallTime now,
+                                                 Answer& answer) const {
+  const VehicleConfig vehicle = VehicleConfig::parse(text_, file_.string());
+  std::map<int, RestReadings::Reading> readings;
+  for (const NodeConfig& node : vehicle.node) {
+    if (std::ranges::find(nodes, node.id) == nodes.end() || (request.node != 0 && request.node != node.id))
+      continue;
+    RestReadings::Reading reading = readings_.of(node, now);
+    if (!reading.fault.empty()) refuse(answer, RefusalReason::kMoving, reading.fault);
+    readings[node.id] = reading;
+  }
+  if (readings.empty()) refuse(answer, RefusalReason::kNoNode, "this node is not on the bus");
+  return readings;
+}
+
+// The text that the request asks for.
+std::string SetUp::wanted(const Request& request, const std::vector<std::int32_t>& nodes, WallTime now,
+                          Answer& answer, std::filesystem::path& file) const {
+  if (nodes.empty()) refuse(answer, RefusalReason::kNoNode, "no node is on the bus");
+  switch (request.operation) {
+    case Operation::kRange:
+      if (std::ranges::find(nodes, request.node) == nodes.end())
+        refuse(answer, RefusalReason::kNoNode, "node " + std::to_string(request.node) + " is not on the bus");
+      return with_range(text_, request);
+    case Operation::kFilter:
+      return with_filter(text_, request);
+    case Operation::kZero:
+      return with_zero(text_, rest(request, nodes, now, answer));
+    default:
+      break;
+  }
+  file = folder_of(file_) / request.text;
+  if (!is_plain_name(request.text) || !path_exists(file))
+    refuse(answer, RefusalReason::kBadArgument,
+           "there is no vehicle file of this name; there are: " + vehicles_beside(file_));
+  return read_file(file);
+}
+
+Answer SetUp::take(const Request& request, const std::vector<std::int32_t>& nodes, std::int64_t utc_us,
+                   WallTime now) {
+  Answer answer{.asker = request.asker,
+                .request = request.request,
+                .time_us = utc_us,
+                .operation = request.operation,
+                .state = AnswerState::kRefused,
+                .node = request.node,
+                .channel = request.channel,
+                .value = request.value};
+  try {
+    if (change_) refuse(answer, RefusalReason::kNotSupported, "another change is being made: ask again");
+    text_ = read_file(file_);  // somebody may have edited it
+    std::filesystem::path file = file_;
+    const std::string text = wanted(request, nodes, now, answer, file);
+    (void)VehicleConfig::parse(text, file.filename().string());
+    if (text.size() > kMostVehicleParts * kMostVehiclePart)
+      refuse(answer, RefusalReason::kBadArgument, file.filename().string() + " is too long");
+    change_.emplace(Change{.request = request,
+                           .file = file,
+                           .done = what_is_done(request, file),
+                           .push = VehiclePush(text_, text, nodes, std::max<std::int64_t>(1, utc_us / 1000),
+                                               std::random_device{}(), now)});
+    answer.state = AnswerState::kUnderWay;
+    answer.text = "waits for the nodes";
+  } catch (const Refused&) {
+  } catch (const ConfigError& error) {
+    answer.reason = RefusalReason::kBadArgument;
+    answer.text = error.what();
+  } catch (const std::system_error& error) {
+    answer.reason = RefusalReason::kDisk;
+    answer.text = error.what();
+  }
+  return answer;
+}
+
+void SetUp::take(const Reply& reply) {
+  if (change_) change_->push.take(reply);
+}
+
+void SetUp::put_in_force(const Change& change) {
+  if (change.request.operation == Operation::kVehicle)
+    write_atomically(recordings_ / kVehicleFile, change.file.filename().string() + "\n");
+  else
+    write_atomically(change.file, change.push.text());
+  file_ = change.file;
+  text_ = change.push.text();
+}
+
+std::optional<Answer> SetUp::turn(const Publish& publish, std::int64_t utc_us, WallTime now) {
+  if (!change_) return std::nullopt;
+  const VehiclePush::Said said = change_->push.due(now);
+  for (const VehiclePart& part : said.part) (void)publish(vehicle_channel(part.node), encode(part));
+  for (const Command& command : said.command) (void)publish(command_channel(command.node), encode(command));
+  const auto state = change_->push.state();
+  if (state == VehiclePush::State::kUnderWay) return std::nullopt;
+  const Request& request = change_->request;
+  Answer answer{.asker = request.asker,
+                .request = request.request,
+                .time_us = utc_us,
+                .operation = request.operation,
+                .state = AnswerState::kRefused,
+                .node = request.node,
+                .channel = request.channel,
+                .value = request.value,
+                .text = change_->push.why()};
+  if (state == VehiclePush::State::kRefused) answer.reason = RefusalReason::kNotSupported;
+  if (state == VehiclePush::State::kSilent) answer.reason = RefusalReason::kNoAnswer;
+  if (state == VehiclePush::State::kDone) {
+    answer.state = AnswerState::kDone;
+    answer.text = change_->done;
+    try {
+      put_in_force(*change_);
+    } catch (const std::system_error& error) {
+      // The nodes measure by it, and each recording says so; only the next start of a node does not.
+      answer.text += "; but the file could not be written: " + std::string(error.what());
+    }
+  }
+  change_.reset();
+  return answer;
+}
+
+}  // namespace roadbalance

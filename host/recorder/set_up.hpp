@@ -1,0 +1,61 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/bus/operation.hpp"
+#include "common/bus/publish.hpp"
+#include "host/recorder/rest_readings.hpp"
+#include "host/recorder/vehicle_push.hpp"
+
+namespace roadbalance {
+
+/// In the folder of the recordings: which vehicle file was chosen last.
+inline constexpr const char* kVehicleFile = "vehicle";
+
+/// Range, filter, zero and vehicle file, between recordings: changes the recorder's vehicle.toml and puts it
+/// in force at the nodes.  The file is written when every node has taken it, and else stays as it is.
+class SetUp {
+ public:
+  /// @param file        vehicle.toml in force; those beside it can be chosen
+  /// @param recordings  remembers the choice
+  /// @throws std::system_error if the file cannot be read, ConfigError if it is none
+  SetUp(std::filesystem::path file, std::filesystem::path recordings);
+
+  /// @param nodes  that are there
+  /// @return the answer, which may be that it is under way
+  Answer take(const Request& request, const std::vector<std::int32_t>& nodes, std::int64_t utc_us,
+              WallTime now);
+  void take(const Reply& reply);
+  void take(const ScanBlock& preview, WallTime now) { readings_.take(preview, now); }
+
+  /// Says what is due.  @return the last word on what was under way, once
+  std::optional<Answer> turn(const Publish& publish, std::int64_t utc_us, WallTime now);
+
+  const std::filesystem::path& file() const { return file_; }
+
+ private:
+  struct Change {
+    Request request;
+    std::filesystem::path file;  ///< that is in force then
+    std::string done;            ///< for people
+    VehiclePush push;
+  };
+  std::string wanted(const Request& request, const std::vector<std::int32_t>& nodes, WallTime now,
+                     Answer& answer, std::filesystem::path& file) const;
+  std::map<int, RestReadings::Reading> rest(const Request& request, const std::vector<std::int32_t>& nodes,
+                                            WallTime now, Answer& answer) const;
+  void put_in_force(const Change& change);
+
+  std::filesystem::path file_;
+  const std::filesystem::path recordings_;
+  std::string text_;
+  RestReadings readings_;
+  std::optional<Change> change_;
+};
+
+}  // namespace roadbalance

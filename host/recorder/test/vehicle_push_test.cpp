@@ -1,0 +1,75 @@
+#include "host/recorder/vehicle_push.hpp"
+
+#include <gtest/gtest.h>
+
+namespace roadbalance {
+namespace {
+
+using std::chrono::milliseconds;
+using State = VehiclePush::State;
+
+const std::string kBefore(2500, 'b'), kAfter(3000, 'a');
+
+Reply reply(const Command& to, CommandError result, std::string text = "") {
+  return {.node = to.node,
+          .epoch = 1,
+          .request = to.request,
+          .result = result,
+          .sequence = 1,
+          .text = std::move(text)};
+}
+
+struct VehiclePushTest : testing::Test {
+  VehiclePush push{kBefore, kAfter, {1, 2}, 5, 1, WallTime{}};
+};
+
+TEST_F(VehiclePushTest, SaysAllPartsThenTheCommandUntilEachNodeHasAnswered) {
+  const auto first = push.due(WallTime{});
+  ASSERT_EQ(first.command.size(), 2u);
+  ASSERT_EQ(first.part.size(), 6u);
+  std::string text;
+  for (std::size_t k = 0; k < 3; ++k) text += first.part[k].text;
+  EXPECT_EQ(text, kAfter);
+  EXPECT_TRUE(push.due(WallTime{} + milliseconds(299)).command.empty());
+  push.take(reply(first.command[0], CommandError::kNone));
+  const auto second = push.due(WallTime{} + VehiclePush::kRepeat);
+  ASSERT_EQ(second.command.size(), 1u);
+  EXPECT_EQ(second.command[0].node, 2);
+  EXPECT_EQ(second.command[0].request, first.command[1].request) << "one request, which acts once";
+  push.take(reply(second.command[0], CommandError::kVehicleMissing));
+  EXPECT_EQ(push.state(), State::kUnderWay);
+  push.take(reply(second.command[0], CommandError::kNone));
+  EXPECT_EQ(push.state(), State::kDone);
+}
+
+TEST_F(VehiclePushTest, IfOneRefusesAllGetTheOldOneBack) {
+  const auto first = push.due(WallTime{});
+  push.take(reply(first.command[0], CommandError::kNone));
+  push.take(reply(first.command[1], CommandError::kVehicleRefused, "no such range"));
+  EXPECT_EQ(push.state(), State::kUnderWay);
+  const auto undo = push.due(WallTime{} + milliseconds(1));
+  ASSERT_EQ(undo.command.size(), 1u);
+  EXPECT_EQ(undo.command[0].node, 1);
+  EXPECT_NE(undo.command[0].request, first.command[0].request);
+  EXPECT_EQ(undo.part[0].text[0], 'b');
+  push.take(reply(undo.command[0], CommandError::kNone));
+  EXPECT_EQ(push.state(), State::kRefused);
+  EXPECT_EQ(push.why(), "node 2: no such range");
+}
+
+// Its answer may be what the network lost: it is asked to take the old one, too.
+TEST_F(VehiclePushTest, ANodeThatIsSilentIsGivenUpAndAskedToTakeTheOldOne) {
+  const auto first = push.due(WallTime{});
+  push.take(reply(first.command[0], CommandError::kNone));
+  const WallTime late = WallTime{} + VehiclePush::kPatience + milliseconds(1);
+  const auto undo = push.due(late);
+  EXPECT_EQ(undo.command.size(), 2u);
+  push.take(reply(undo.command[0], CommandError::kNone));
+  EXPECT_EQ(push.state(), State::kUnderWay);
+  EXPECT_TRUE(push.due(late + VehiclePush::kPatience + milliseconds(2)).command.empty());
+  EXPECT_EQ(push.state(), State::kSilent);
+  EXPECT_EQ(push.why(), "node 2 does not answer");
+}
+
+}  // namespace
+}  // namespace roadbalance

@@ -1,0 +1,92 @@
+#include "host/recorder/vehicle_push.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/link/crc32c.hpp"
+
+namespace roadbalance {
+namespace {
+
+std::uint32_t crc_of(const std::string& text) {
+  return crc32c({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+}
+
+}  // namespace
+
+VehiclePush::VehiclePush(std::string before, std::string after, const std::vector<std::int32_t>& nodes,
+                         std::int64_t incarnation, std::uint64_t seed, WallTime now)
+    : before_(std::move(before)),
+      after_(std::move(after)),
+      incarnation_(incarnation),
+      random_(seed),
+      begun_(now) {
+  for (const std::int32_t node : nodes) nodes_[node].request = static_cast<std::int64_t>(random_() >> 1) | 1;
+  if (nodes_.empty()) state_ = State::kDone;
+}
+
+VehiclePush::Said VehiclePush::due(WallTime now) {
+  Said said;
+  if (state_ != State::kUnderWay) return said;
+  if (std::exchange(restarts_, false)) begun_ = now;
+  if (now - begun_ > kPatience) {
+    if (undoes_) {
+      state_ = outcome_;
+      return said;
+    }
+    const auto silent = std::ranges::find_if(nodes_, [](const auto& n) { return !n.second.has_answered; });
+    undo(State::kSilent, "node " + std::to_string(silent->first) + " does not answer");
+    begun_ = now;
+    restarts_ = false;
+    if (state_ != State::kUnderWay) return said;
+  }
+  if (was_said_ && now - said_at_ < kRepeat) return said;
+  was_said_ = true;
+  said_at_ = now;
+  const std::string& text = wanted();
+  const auto parts = static_cast<std::int32_t>((text.size() + kMostVehiclePart - 1) / kMostVehiclePart);
+  for (const auto& [number, node] : nodes_) {
+    if (node.has_answered) continue;
+    for (std::int32_t part = 0; part < parts; ++part)
+      said.part.push_back(
+          {.node = number,
+           .incarnation = incarnation_,
+           .vehicle_crc32c = crc_of(text),
+           .part = part,
+           .parts = parts,
+           .text = text.substr(static_cast<std::size_t>(part) * kMostVehiclePart, kMostVehiclePart)});
+    said.command.push_back({.node = number,
+                            .request = node.request,
+                            .incarnation = incarnation_,
+                            .verb = Verb::kConfigure,
+                            .vehicle_crc32c = crc_of(text)});
+  }
+  return said;
+}
+
+void VehiclePush::take(const Reply& reply) {
+  if (state_ != State::kUnderWay) return;
+  const auto found = nodes_.find(reply.node);
+  if (found == nodes_.end() || found->second.request != reply.request) return;
+  if (reply.result == CommandError::kVehicleMissing) return;  // they come again
+  Node& node = found->second;
+  node.has_answered = true;
+  node.has_taken = reply.result == CommandError::kNone;
+  if (!undoes_ && !node.has_taken)
+    return undo(State::kRefused, "node " + std::to_string(reply.node) + ": " + reply.text);
+  if (std::ranges::all_of(nodes_, [](const auto& n) { return n.second.has_answered; })) state_ = outcome_;
+}
+
+// Who has not answered yet may still take it: it is asked, too.
+void VehiclePush::undo(State outcome, std::string why) {
+  undoes_ = true;
+  outcome_ = outcome;
+  why_ = std::move(why);
+  was_said_ = false;
+  restarts_ = true;
+  std::erase_if(nodes_, [](const auto& node) { return node.second.has_answered && !node.second.has_taken; });
+  for (auto& [number, node] : nodes_) node = {.request = static_cast<std::int64_t>(random_() >> 1) | 1};
+  if (nodes_.empty()) state_ = outcome_;
+}
+
+}  // namespace roadbalance
