@@ -1,0 +1,248 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <sstream>
+#include <thread>
+#include <vector>
+
+#include "common/config/vehicle_config.hpp"
+#include "common/test/source.hpp"
+#include "hil_tests/measurement.hpp"
+#include "host/analyser/recorded_vehicle.hpp"
+#include "tools/rb/asking.hpp"
+
+namespace roadbalance {
+namespace {
+
+using std::chrono::milliseconds;
+using test::Program;
+namespace fs = std::filesystem;
+
+constexpr milliseconds kPatience{60'000};
+
+/// Real nodes and a real recorder that starts and stops on request.
+class Operating : public test::Measurement {
+ protected:
+  Operating() {
+    fs::create_directories(vehicles);
+    write_vehicle("car.toml", test::read_source("sim/demo/vehicle.toml"));
+  }
+
+  void write_vehicle(const std::string& name, const std::string& text) const {
+    std::ofstream(vehicles / name) << text;
+  }
+  Program operated_recorder() const {
+    return Program("rb-recorder", {"--url", url, "--recordings", recordings.string(), "--vehicle",
+                                   (vehicles / "car.toml").string(), "--segment-mib", "0.25"});
+  }
+  Program staying(const std::string& name) const {
+    return Program("rb-node", {"--url", url, "--vehicle", (vehicles / "car.toml").string(), "--node", name,
+                               "--front-end", "sim:?seed=1&rate=1&seconds=10000", "--stay"});
+  }
+
+  Answer ask(Operation operation, const std::string& text = "", Request more = {}) {
+    more.operation = operation;
+    more.text = text;
+    const auto answer = asking.ask(more, kPatience);
+    EXPECT_TRUE(answer) << asking.silence();
+    return answer.value_or(Answer{});
+  }
+  /// Asks until both nodes are there.
+  void start(const std::string& name) {
+    ASSERT_TRUE(test::wait_until(
+        [&] {
+          bus.listen(0.05);
+          return bus.heartbeat(kFront).epoch != 0 && bus.heartbeat(kRear).epoch != 0;
+        },
+        60));
+    Answer answer;
+    ASSERT_TRUE(test::wait_until(
+        [&] {
+          answer = ask(Operation::kStart, name);
+          return answer.reason != RefusalReason::kNoNode;
+        },
+        60));
+    ASSERT_EQ(answer.state, AnswerState::kDone) << answer.text;
+  }
+  /// And judges the receipt.
+  void stop() {
+    ASSERT_EQ(ask(Operation::kStop).state, AnswerState::kDone);
+    const auto receipts = asking.receipts(kPatience);
+    ASSERT_EQ(receipts.size(), 2u);
+    for (const auto& [place, receipt] : receipts) {
+      EXPECT_GT(receipt.samples_recorded, 0);
+      EXPECT_EQ(receipt.samples_recorded, receipt.samples_sent);
+      EXPECT_EQ(receipt.gaps, 0);
+      EXPECT_EQ(receipt.open_epochs, 0);
+      EXPECT_TRUE(receipt.sums_agree);
+    }
+  }
+  void expect_whole(const std::string& name) { expect_complete(recordings / name, 2); }
+  std::vector<std::string> notes(const std::string& name) const {
+    return verify_record(recordings / name).notes;
+  }
+  std::ptrdiff_t count(const std::string& name, const std::string& ending) const {
+    const auto all = notes(name);
+    return std::ranges::count_if(all, [&](const auto& note) { return note.ends_with(ending); });
+  }
+
+  const fs::path recordings = work.path() / "recordings", vehicles = work.path() / "vehicles";
+  Asking asking{url};
+};
+
+TEST_F(Operating, RecordsAgainAndAgainWithoutLosingAnything) {
+  Program recorder = operated_recorder(), front = staying("front"), rear = staying("rear");
+  for (const std::string name : {"one", "two", "three"}) {
+    start(name);
+    EXPECT_EQ(ask(Operation::kMark, "seen in " + name).state, AnswerState::kDone);
+    stop();
+    expect_whole(name);
+    EXPECT_EQ(count(name, "mark 1: seen in " + name), 1);
+  }
+  recorder.signal(SIGTERM);
+  EXPECT_EQ(recorder.exit_code(30), 0);
+}
+
+TEST_F(Operating, RefusesASecondStartAndStopsWhatHasHardlyBegun) {
+  Program recorder = operated_recorder(), front = staying("front"), rear = staying("rear");
+  start("first");
+  EXPECT_EQ(ask(Operation::kStart, "second").reason, RefusalReason::kRecording);
+  EXPECT_EQ(ask(Operation::kStart, "first").reason, RefusalReason::kRecording);
+  stop();
+  expect_whole("first");
+  EXPECT_EQ(ask(Operation::kStart, "first").reason, RefusalReason::kNameTaken);
+  // The stop comes before anybody knows whether the start has reached a node.
+  for (int k = 0; k < 5; ++k) {
+    const std::string name = "short" + std::to_string(k);
+    Request start{.operation = Operation::kStart, .text = name};
+    (void)asking.ask(start, milliseconds(30 * k));
+    const Answer stopped = ask(Operation::kStop);
+    if (stopped.reason == RefusalReason::kNotRecording) continue;  // the start was lost with its asker
+    EXPECT_EQ(stopped.state, AnswerState::kDone) << stopped.text;
+    if (fs::exists(recordings / name / "seg-000001.lcm")) {
+      EXPECT_EQ(verify_record(recordings / name).verdict, Verdict::kComplete) << name;
+    }
+  }
+  start("last");
+  stop();
+  expect_whole("last");
+}
+
+TEST_F(Operating, ARecorderKilledAtAnyRequestLosesNothing) {
+  Program recorder = operated_recorder(), front = staying("front"), rear = staying("rear");
+  std::mt19937 random(7);
+  const int turns = test::full_run() ? 30 : 4;
+  for (int k = 0; k < turns; ++k) {
+    const std::string name = "turn" + std::to_string(k);
+    start(name);
+    for (const auto operation : {Operation::kMark, Operation::kStop}) {
+      Request request{.operation = operation, .text = operation == Operation::kMark ? "here" : ""};
+      // Killed between request and answer; the asker goes on asking for the same.
+      std::jthread killer([&, after = std::uniform_int_distribution(0, 300)(random)] {
+        std::this_thread::sleep_for(milliseconds(after));
+        recorder.kill();
+        recorder = operated_recorder();
+      });
+      const auto answer = asking.ask(request, kPatience);
+      killer.join();
+      ASSERT_TRUE(answer) << asking.silence();
+      EXPECT_EQ(answer->state, AnswerState::kDone) << name << ": " << answer->text;
+    }
+    expect_whole(name);
+    EXPECT_GE(count(name, "mark 1: here"), 1);  // noted again if nobody knew whether it was on the disk
+    EXPECT_EQ(count(name, "mark 2: here"), 0);
+  }
+}
+
+TEST_F(Operating, ANodeKilledWhileItMeasuresIsDeclaredAndTheRecordingGoesOn) {
+  Program recorder = operated_recorder(), front = staying("front");
+  {
+    Program rear = staying("rear");
+    start("killed");
+    ASSERT_TRUE(more_are_durable(kRear, 20));
+    rear.kill();
+  }
+  Program rear = staying("rear");
+  ASSERT_TRUE(more_are_durable(kRear, 20));
+  ASSERT_EQ(ask(Operation::kStop).state, AnswerState::kDone);
+  const auto receipts = asking.receipts(kPatience);
+  ASSERT_EQ(receipts.size(), 2u);
+  EXPECT_EQ(receipts.at(1).epochs, 2);
+  EXPECT_EQ(verify_record(recordings / "killed").verdict, Verdict::kIncomplete);
+}
+
+TEST_F(Operating, ARangeIsInForceAtTheNodeAndInTheNextRecord) {
+  Program recorder = operated_recorder(), front = staying("front"), rear = staying("rear");
+  start("before");
+  Request range{.node = kRear, .channel = 4, .value = {80, 0}};
+  const Answer busy = ask(Operation::kRange, "", range);
+  EXPECT_EQ(busy.reason, RefusalReason::kRecording) << "one set-up from the first sample to the last";
+  stop();
+  const Answer done = ask(Operation::kRange, "", range);
+  EXPECT_EQ(done.state, AnswerState::kDone) << done.text;
+  const Answer filtered = ask(Operation::kFilter, "", {.value = {150, 4}});
+  EXPECT_EQ(filtered.state, AnswerState::kDone) << filtered.text;
+  start("after");
+  stop();
+  expect_whole("after");
+  const auto before = recorded_vehicle(recordings / "before"), after = recorded_vehicle(recordings / "after");
+  ASSERT_TRUE(before && after);
+  EXPECT_EQ(before->node[1].channel[4].range_m_s2, 50);
+  EXPECT_EQ(after->node[1].channel[4].range_m_s2, 80);
+  EXPECT_EQ(after->filter.cutoff_hz, 150);
+  EXPECT_EQ(after->filter.order, 4);
+  EXPECT_EQ(VehicleConfig::read_file((vehicles / "car.toml").string()).node[1].channel[4].range_m_s2, 80);
+}
+
+TEST_F(Operating, RefusesASetUpThatCannotBeAndLeavesTheOneThatIs) {
+  Program recorder = operated_recorder(), front = staying("front"), rear = staying("rear");
+  start("car");
+  stop();
+  const std::string before = test::read_source("sim/demo/vehicle.toml");
+  EXPECT_EQ(ask(Operation::kRange, "", {.node = 7, .channel = 0, .value = {80, 0}}).reason,
+            RefusalReason::kNoNode);
+  EXPECT_EQ(ask(Operation::kRange, "", {.node = kRear, .channel = 0, .value = {-1, 0}}).reason,
+            RefusalReason::kBadArgument);
+  EXPECT_EQ(ask(Operation::kFilter, "", {.value = {5000, 0}}).state, AnswerState::kRefused);
+  const Answer zero = ask(Operation::kZero);
+  EXPECT_EQ(zero.reason, RefusalReason::kMoving) << zero.text;  // the simulated car drives
+  EXPECT_EQ(ask(Operation::kVehicle, "../../etc/passwd").reason, RefusalReason::kBadArgument);
+  const Answer unknown = ask(Operation::kVehicle, "no.toml");
+  EXPECT_EQ(unknown.reason, RefusalReason::kBadArgument);
+  EXPECT_NE(unknown.text.find("car.toml"), std::string::npos) << "it says which there are: " << unknown.text;
+  write_vehicle("bad.toml", "name = 3\n");
+  EXPECT_EQ(ask(Operation::kVehicle, "bad.toml").reason, RefusalReason::kBadArgument);
+  // A file that one node cannot measure by: the other gets the old one back.
+  write_vehicle("other.toml", test::replaced(before, "name = \"rear\"\nid = 2", "name = \"rear\"\nid = 5"));
+  const Answer other = ask(Operation::kVehicle, "other.toml");
+  EXPECT_EQ(other.reason, RefusalReason::kNotSupported) << other.text;
+  EXPECT_NE(other.text.find("id"), std::string::npos) << other.text;
+  start("after");
+  stop();
+  const auto vehicle = recorded_vehicle(recordings / "after");
+  ASSERT_TRUE(vehicle);
+  EXPECT_EQ(vehicle->text, before);
+}
+
+TEST_F(Operating, ChoosesAVehicleFileByItsName) {
+  Program recorder = operated_recorder(), front = staying("front"), rear = staying("rear");
+  write_vehicle("winter.toml", test::replaced(test::read_source("sim/demo/vehicle.toml"),
+                                              "name = \"demonstration car\"", "name = \"winter tyres\""));
+  start("summer");
+  EXPECT_EQ(ask(Operation::kVehicle, "winter.toml").reason, RefusalReason::kRecording);
+  stop();
+  const Answer done = ask(Operation::kVehicle, "winter.toml");
+  EXPECT_EQ(done.state, AnswerState::kDone) << done.text;
+  start("winter");
+  stop();
+  expect_whole("winter");
+  EXPECT_EQ(recorded_vehicle(recordings / "summer")->name, "demonstration car");
+  EXPECT_EQ(recorded_vehicle(recordings / "winter")->name, "winter tyres");
+}
+
+}  // namespace
+}  // namespace roadbalance
