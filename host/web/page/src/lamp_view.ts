@@ -1,7 +1,8 @@
 // The four lamps; a tap on one says what it means and what to do.
 import type {Car} from "./car";
 import {el, setAttributes, setText, svg} from "./dom";
-import {acknowledge, lamps, type Acknowledged, type Light} from "./lamps";
+import {EventLog, type LampName} from "./events";
+import {lamps, sentenceOf, type Light} from "./lamps";
 
 const kShapes: Readonly<Record<Light, string>> = {
   good: "M8 2a6 6 0 1 0 0 12a6 6 0 1 0 0-12z",
@@ -24,25 +25,30 @@ class LampButton {
 
 export class LampView {
   readonly element: HTMLElement;
-  private readonly seen: Acknowledged = new Map();
+  private readonly log = new EventLog();
   private readonly buttons = new Map<string, LampButton>();
   private readonly sentence = el("p", {class: "sentence", role: "status"});
-  private open = "";
+  private readonly events = el("ol", {class: "events", "aria-label": "Events"});
+  private listed = "";
+  private open: LampName | "" = "";
 
   constructor(private readonly car: Car) {
-    for (const name of ["LOSS", "SYNC", "OVERLOAD", "ENCODER"])
+    const names: readonly LampName[] = ["LOSS", "SYNC", "OVERLOAD", "ENCODER"];
+    for (const name of names)
       this.buttons.set(name, new LampButton(name, () => { this.open = this.open === name ? "" : name; }));
     this.element = el("section", {class: "lamps", "aria-label": "Lamps"},
-                      [...[...this.buttons.values()].map(({element}) => element), this.sentence]);
+                      [...[...this.buttons.values()].map(({element}) => element), this.sentence, this.events]);
   }
 
   acknowledge(): void {
-    acknowledge(this.car, this.seen);
+    this.log.acknowledge();
+    this.car.overloadMs.clear();
   }
 
   draw(nowMs: number): void {
     let text = "";
-    for (const lamp of lamps(this.car, this.seen, nowMs)) {
+    this.log.take(this.car, nowMs);
+    for (const lamp of lamps(this.car, this.log, nowMs)) {
       const button = this.buttons.get(lamp.name);
       if (!button) continue;
       setAttributes(button.element, {"data-light": lamp.light, "aria-expanded": String(this.open === lamp.name)});
@@ -51,5 +57,17 @@ export class LampView {
       if (this.open === lamp.name) text = `${lamp.name}: ${lamp.sentence}`;
     }
     setText(this.sentence, text);
+    this.list(nowMs);
+  }
+
+  /** Time, place and remedy of each; those that nobody has acknowledged stand out. */
+  private list(nowMs: number): void {
+    const events = this.open === "" ? [] : this.log.of(this.open);
+    const said = events.map((event) => `${event.where} ${event.count} ${event.firstMs} ${event.seen}`).join();
+    if (said === this.listed) return;
+    this.listed = said;
+    this.events.replaceChildren(...events.map((event) => el("li", {"data-seen": String(event.seen)}, [
+      el("time", {}, [new Date(Date.now() - (nowMs - event.firstMs)).toLocaleTimeString("en-GB")]),
+      el("b", {}, [event.where]), el("span", {}, [sentenceOf(event)])])));
   }
 }

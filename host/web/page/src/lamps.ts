@@ -1,6 +1,7 @@
 // Four lamps with numbers.  What has lit one stays until it is acknowledged, though the cause be gone.
 import {isBusy, isFresh, type Car} from "./car";
-import {ClockState, TimeBase, type Heartbeat} from "./wire";
+import type {Event, EventLog, LampName} from "./events";
+import {ClockState, TimeBase} from "./wire";
 
 export type Light = "good" | "unknown" | "warn" | "bad";
 
@@ -16,34 +17,24 @@ export interface Lamp {
 /** Clocks of two nodes may be apart by so much: 0.3 degrees at 18 turns a second. */
 const kSync_s = 50e-6;
 
-/** Counts that somebody has seen, by name. */
-export type Acknowledged = Map<string, number>;
-
 const beats = (car: Car) => [...car.heartbeats.values()].map(({message}) => message);
 const sum = (counts: readonly number[]) => counts.reduce((a, b) => a + b, 0);
 const times = (count: number, one: string, many: string) => `${count} ${count === 1 ? one : many}`;
-
-// Counts begin anew with each start of a node.
-const latched = (beat: Heartbeat, what: string) => `${what} ${beat.node} ${beat.epoch}`;
-const lost = (beat: Heartbeat) => beat.scans_missing + beat.scans_refused;
-const faults = (beat: Heartbeat) => sum(beat.encoder_faults);
-
-function unseen(car: Car, seen: Acknowledged, what: string, count: (beat: Heartbeat) => number): Heartbeat[] {
-  return beats(car).filter((beat) => count(beat) > (seen.get(latched(beat, what)) ?? 0));
-}
+/** "node 1, node 2" */
+const places = (events: readonly Event[]) => [...new Set(events.map(({where}) => where))].sort().join(", ");
 
 const nodes = (found: readonly {readonly node: number}[]) =>
   `node${found.length > 1 ? "s" : ""} ${found.map(({node}) => node).join(", ")}`;
 
-function lossLamp(car: Car, seen: Acknowledged): Lamp {
-  const gone = sum(beats(car).map(lost));
+function lossLamp(car: Car, log: EventLog): Lamp {
+  const gone = log.total("LOSS");
   const repaired = sum(beats(car).map((beat) => beat.blocks_repaired));
   const number = `${gone} lost, ${repaired} repaired`;
   if (car.heartbeats.size === 0) return {name: "LOSS", light: "unknown", number: "no node", sentence: "No node is heard."};
-  const found = unseen(car, seen, "loss", lost);
+  const found = log.unseen("LOSS");
   if (found.length > 0)
     return {name: "LOSS", light: "bad", number,
-            sentence: `${times(gone, "sample is", "samples are")} lost for good in ${nodes(found)}, each declared in the ` +
+            sentence: `${times(gone, "sample is", "samples are")} lost for good in ${places(found)}, each declared in the ` +
               "record: look at the node's device and supply."};
   const failing = beats(car).filter((beat) => beat.spool_failures > 0);
   if (failing.length > 0)
@@ -52,13 +43,12 @@ function lossLamp(car: Car, seen: Acknowledged): Lamp {
   return {name: "LOSS", light: "good", number, sentence: "Every sample taken is recorded or on its way."};
 }
 
-function syncLamp(car: Car, seen: Acknowledged, nowMs: number): Lamp {
+function syncLamp(car: Car, log: EventLog, nowMs: number): Lamp {
   const name = "SYNC";
-  const broken = [...car.clocks.values()].map(({message}) => message)
-    .filter((fit) => fit.breaks > (seen.get(`sync ${fit.node} ${fit.epoch}`) ?? 0));
+  const broken = log.unseen("SYNC");
   if (broken.length > 0)
-    return {name, light: "bad", number: times(sum(broken.map((fit) => fit.breaks)), "break", "breaks"),
-            sentence: `The clock of ${nodes(broken)} has jumped; the break is declared in the record.`};
+    return {name, light: "bad", number: times(sum(broken.map(({count}) => count)), "break", "breaks"),
+            sentence: `The clock of ${places(broken)} has jumped; the break is declared in the record.`};
   if (car.heartbeats.size > 0 && beats(car).every((beat) => beat.time_base === TimeBase.Shared))
     return {name, light: "good", number: "one time", sentence: "All nodes have one time by construction: a simulation."};
   if (!car.livingRecorders(nowMs).some(isBusy))
@@ -77,39 +67,48 @@ function syncLamp(car: Car, seen: Acknowledged, nowMs: number): Lamp {
   return {name, light: "good", number, sentence: `Every clock is known to ${number}.`};
 }
 
-function overloadLamp(car: Car, nowMs: number): Lamp {
+function overloadLamp(car: Car, log: EventLog, nowMs: number): Lamp {
   const name = "OVERLOAD";
   if (car.levels.size === 0) return {name, light: "unknown", number: "no levels", sentence: "No analyser is heard."};
-  const channels = [...car.overloadMs.keys()].sort((a, b) => Number(a) - Number(b));
-  if (channels.length === 0) return {name, light: "good", number: "0 channels", sentence: "No channel has left its range."};
-  const agoS = Math.round((nowMs - Math.max(...car.overloadMs.values())) / 1000);
+  const found = log.unseen("OVERLOAD");
+  if (found.length === 0) return {name, light: "good", number: "0 channels", sentence: "No channel has left its range."};
+  const channels = [...new Set(found.map(({where}) => where.replace("channel ", "")))].sort((a, b) => Number(a) - Number(b));
+  const agoS = Math.round((nowMs - Math.max(...found.map(({lastMs}) => lastMs))) / 1000);
   return {name, light: "bad", number: `${times(channels.length, "channel", "channels")}, ${agoS < 2 ? "now" : `${agoS} s ago`}`,
           sentence: `Channel ${channels.join(", ")} (node.channel) has left its range: choose a larger range.`};
 }
 
-function encoderLamp(car: Car, seen: Acknowledged): Lamp {
+function encoderLamp(car: Car, log: EventLog): Lamp {
   const name = "ENCODER";
   if (car.heartbeats.size === 0) return {name, light: "unknown", number: "no node", sentence: "No node is heard."};
-  const number = times(sum(beats(car).map(faults)), "faulty turn", "faulty turns");
-  const found = unseen(car, seen, "encoder", faults);
-  if (found.length === 0)
-    return {name, light: "good", number, sentence: "Every turn has all its teeth."};
-  const lines = found.flatMap((beat) =>
+  const number = times(log.total("ENCODER"), "faulty turn", "faulty turns");
+  const found = log.unseen("ENCODER");
+  if (found.length === 0) return {name, light: "good", number, sentence: "Every turn has all its teeth."};
+  const lines = beats(car).flatMap((beat) =>
     beat.encoder_faults.flatMap((count, line) => (count > 0 ? [`node ${beat.node} line ${line + 1}: ${count}`] : [])));
   return {name, light: "bad", number,
-          sentence: `Turns without exactly their teeth (${lines.join("; ")}): look at the sensor's gap and its cable.`};
+          sentence: `Turns without exactly their teeth (${lines.length > 0 ? lines.join("; ") : places(found)}): ` +
+            "look at the sensor's gap and its cable."};
 }
 
-export function lamps(car: Car, seen: Acknowledged, nowMs: number): Lamp[] {
-  return [lossLamp(car, seen), syncLamp(car, seen, nowMs), overloadLamp(car, nowMs), encoderLamp(car, seen)];
+export function lamps(car: Car, log: EventLog, nowMs: number): Lamp[] {
+  return [lossLamp(car, log), syncLamp(car, log, nowMs), overloadLamp(car, log, nowMs), encoderLamp(car, log)];
 }
 
-/** Puts out what is lit and whose cause is gone. */
-export function acknowledge(car: Car, seen: Acknowledged): void {
-  for (const beat of beats(car)) {
-    seen.set(latched(beat, "loss"), lost(beat));
-    seen.set(latched(beat, "encoder"), faults(beat));
-  }
-  for (const {message: fit} of car.clocks.values()) seen.set(`sync ${fit.node} ${fit.epoch}`, fit.breaks);
-  car.overloadMs.clear();
+const kRemedies: Readonly<Record<LampName, string>> = {
+  LOSS: "declared in the record; look at the node's device, cable and supply",
+  SYNC: "declared in the record; look at the node's network, and whether its computer slept",
+  OVERLOAD: "choose a larger range, or mount the sensor more firmly",
+  ENCODER: "look at the sensor's gap and its cable",
+};
+const kUnits: Readonly<Record<LampName, readonly [string, string]>> = {
+  LOSS: ["sample lost", "samples lost"], SYNC: ["break of its clock", "breaks of its clock"],
+  OVERLOAD: ["left its range", "left its range"], ENCODER: ["faulty turn", "faulty turns"],
+};
+
+/** What, how much, and the remedy. */
+export function sentenceOf({lamp, count}: Event): string {
+  const [one, many] = kUnits[lamp];
+  const what = lamp === "OVERLOAD" ? one : `${count.toLocaleString("en")} ${count === 1 ? one : many}`;
+  return `${what}: ${kRemedies[lamp]}`;
 }

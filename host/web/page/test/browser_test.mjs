@@ -116,7 +116,12 @@ test("says what is wrong and what to do about it", async (t) => {
   assert.deepEqual(await Promise.all(["LOSS", "SYNC", "OVERLOAD", "ENCODER"].map((lamp) => light(page, lamp))),
                    ["bad", "warn", "bad", "bad"]);
   await page.locator("#lamp-LOSS").click();
-  await page.waitForFunction(() => /80 samples are lost for good in nodes 1, 2/.test(document.body.innerText));
+  await page.waitForFunction(() => /80 samples are lost for good in node 1, node 2/.test(document.body.innerText));
+  // The events: time, node, remedy.
+  const events = await page.locator(".events li").allInnerTexts();
+  assert.equal(events.length, 2);
+  for (const [k, event] of events.sort().entries())
+    assert.match(event.replace(/\s+/g, " "), /^\d\d:\d\d:\d\d node [12] 40 samples lost: declared in the record; look at/, `event ${k}`);
   assert.equal(await page.locator(".bar[data-light=bad]").count(), 2);
   assert.equal(await page.locator(".bar[data-light=warn]").count(), 2);
 });
