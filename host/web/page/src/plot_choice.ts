@@ -14,7 +14,14 @@ export class Choice<T extends string> {
     this.element = el("label", {class: "choice"}, [el("span", {}, [label]), this.select]);
     this.offer(options);
     this.select.value = now;
-    this.select.onchange = () => this.changed();
+    // Keys are the plot's again after a choice by hand; whoever chooses by keys stays here.
+    let byHand = false;
+    this.select.onpointerdown = () => { byHand = true; };
+    this.select.onkeydown = () => { byHand = false; };
+    this.select.onchange = () => {
+      this.changed();
+      if (byHand) this.select.blur();
+    };
   }
 
   get value(): T {

@@ -31,6 +31,8 @@ export interface FigureOptions {
   readonly share: number;
   readonly logarithmic?: boolean;
   readonly range?: readonly [number, number];
+  /** A band is drawn as a bar for each of its values, and no line: cheap where it swings widely. */
+  readonly bars?: boolean;
   /** Where the y axis has its numbers. */
   readonly splits?: readonly number[];
   /** Figures of one name share their cursor. */
@@ -144,7 +146,7 @@ export class Figure {
       stroke: () => colour("--text"), grid: {stroke: () => colour("--grid"), width: 1},
       ticks: {stroke: () => colour("--grid"), width: 1, size: 5},
     });
-    const {range, splits, together, share, xLabel} = this.options;
+    const {range, splits, bars, together, share, xLabel} = this.options;
     const isLast = xLabel !== "";  // above it others show no numbers
     this.plot = new uPlot({
       width: this.box.clientWidth, height: figureHeight(share),
@@ -163,13 +165,37 @@ export class Figure {
          values: (_, splits) => splits.map((value) => (value === null ? "" : figures(value)))}],
       series: [{}, ...this.curves.map((curve): uPlot.Series => ({
         label: curve.name, width: curve.faint ? 0 : curve.dashed ? 1 : 1.5, spanGaps: false,
-        stroke: () => curveColour(curve.colour), ...(curve.dashed ? {dash: [6, 4]} : {}), points: {show: false},
+        ...(bars ? {paths: () => null} : {}), stroke: () => curveColour(curve.colour), ...(curve.dashed ? {dash: [6, 4]} : {}), points: {show: false},
       }))],
       bands: this.curves.flatMap(({band, colour: k}, at) =>
-        (band ? [{series: [at + 1, at] as [number, number], fill: () => `${curveColour(k)}66`}] : [])),
-      hooks: {draw: [(plot) => this.drawMarkers(plot)], setCursor: [() => this.read()]},
+        (band && !bars ? [{series: [at + 1, at] as [number, number], fill: () => `${curveColour(k)}66`}] : [])),
+      hooks: {draw: [(plot) => this.drawBars(plot), (plot) => this.drawMarkers(plot)], setCursor: [() => this.read()]},
     }, data, this.box);
     if (left >= 0) this.plot.setCursor({left, top: 10});
+  }
+
+  private drawBars(plot: uPlot): void {
+    if (!this.options.bars) return;
+    const {ctx, bbox} = plot;
+    ctx.save();
+    ctx.beginPath();
+    ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+    ctx.clip();
+    ctx.globalAlpha = 0.8;
+    this.curves.forEach(({band, colour: k}, at) => {
+      const xs = plot.data[0], ends = plot.data[at + 1], begins = plot.data[at];
+      if (!band || !ends || !begins || xs.length < 2) return;
+      const width = Math.max(1, plot.valToPos(xs[1] ?? 0, "x", true) - plot.valToPos(xs[0] ?? 0, "x", true));
+      ctx.fillStyle = curveColour(k);
+      for (let i = 0; i < xs.length; ++i) {
+        const [from, to] = [begins[i], ends[i]];
+        if (from === null || from === undefined || to === null || to === undefined) continue;
+        const top = plot.valToPos(to, "y", true);
+        const height = Math.max(devicePixelRatio, plot.valToPos(from, "y", true) - top);
+        ctx.fillRect(Math.round(plot.valToPos(xs[i] ?? 0, "x", true) - width / 2), top, Math.ceil(width), height);
+      }
+    });
+    ctx.restore();
   }
 
   private drawMarkers(plot: uPlot): void {

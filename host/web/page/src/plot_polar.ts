@@ -83,7 +83,8 @@ export class PolarPlot implements Plot {
       const vector = this.now[wheel], id = ids[wheel];
       paint(canvas, vector, this.reference[wheel], full);
       if (!vector || !id) {
-        setText(text, "Not known yet: it takes turns above 40 km/h with the wheel's angle known, and a record.");
+        setText(text, !id ? "No node has said which channel stands upright on this wheel's carrier: choose a channel." :
+          "Not known yet: it takes turns above 40 km/h with the wheel's angle known, and a record.");
         return;
       }
       const amplitude = Math.hypot(vector.re, vector.im), phase = Math.atan2(vector.im, vector.re) * 180 / Math.PI;

@@ -41,6 +41,15 @@ export function spectralCaption(spectral: Spectral, part: {readonly step_hz: num
     `lines ${figures(part.step_hz)} Hz apart, equivalent noise bandwidth ${figures(part.enbw_hz)} Hz`;
 }
 
+/** A spectrum, whatever of it is shown. */
+interface Density {
+  readonly name: string;
+  readonly colour: number;
+  readonly x: readonly number[];
+  readonly density: readonly number[];
+  readonly enbw_hz: number;
+}
+
 export class SpectrumPlot implements Plot {
   readonly id = "spectrum";
   readonly title = "Spectrum";
@@ -53,7 +62,8 @@ export class SpectrumPlot implements Plot {
   private readonly figure = new Figure({
     id: "spectrum-figure", label: "Spectrum", xLabel: "Frequency, Hz", share: 1, logarithmic: true,
     xText: (x) => `${x.toFixed(2)} Hz`});
-  private reference: Curve[] = [];
+  private now: Density[] = [];
+  private reference: Density[] = [];
 
   constructor(changed: () => void) {
     this.channels = new ChannelsChoice("spectrum-channels", kColours, changed);
@@ -71,7 +81,7 @@ export class SpectrumPlot implements Plot {
   draw({car, spectral}: Scene): void {
     this.channels.offer(car, accelerations(car), carriers(car));
     const wanted = this.channels.value;
-    const curves: Curve[] = [];
+    this.now = [];
     let about: Spectrum | undefined;
     const waiting: ChannelId[] = [];
     wanted.forEach((id, k) => {
@@ -82,12 +92,14 @@ export class SpectrumPlot implements Plot {
         return;
       }
       about = part;
-      const quantity = this.quantity.value;
-      curves.push({name: channelName(car, id), colour: k, x: frequencies(parts),
-                   y: joined(parts, ({density}) => density).map((value) => amplitude(value, part.enbw_hz, quantity))});
+      this.now.push({name: channelName(car, id), colour: k, x: frequencies(parts), enbw_hz: part.enbw_hz,
+                     density: joined(parts, ({density}) => density)});
     });
     const markers = this.orders.value === "" ? [] : orderMarkers(car, Number(this.orders.value));
-    this.figure.show([...curves, ...this.reference], kQuantities[this.quantity.value], markers);
+    const quantity = this.quantity.value;
+    const curve = ({name, colour, x, density, enbw_hz}: Density, dashed: boolean): Curve =>
+      ({name: dashed ? `${name} (reference)` : name, colour, x, dashed, y: density.map((value) => amplitude(value, enbw_hz, quantity))});
+    this.figure.show([...this.now.map((one) => curve(one, false)), ...this.reference.map((one) => curve(one, true))], kQuantities[this.quantity.value], markers);
     const why = waiting.length === 0 ? "" :
       ` No spectrum yet of ${waiting.map((id) => channelName(car, id)).join(", ")}: a block of ${spectral.segment} samples ` +
       "without a gap or overload must be full first.";
@@ -108,8 +120,7 @@ export class SpectrumPlot implements Plot {
   }
 
   keepReference(): void {
-    this.reference = this.figure.shown().filter(({dashed}) => !dashed)
-      .map((curve) => ({...curve, name: `${curve.name} (reference)`, dashed: true}));
+    this.reference = this.now;
   }
 
   dropReference(): void {

@@ -27,7 +27,8 @@ export class TimePlot implements Plot {
   private readonly span: Choice<keyof typeof kSpans>;
   private readonly caption = el("p", {class: "caption", id: "time-caption"});
   private readonly figure = new Figure({
-    id: "time-figure", label: "Time", xLabel: "Seconds before the newest sample", share: 1.1, xText: (x) => `${x.toFixed(3)} s`});
+    id: "time-figure", label: "Time", xLabel: "Seconds before the newest sample", share: 1.1, bars: true,
+    xText: (x) => `${x.toFixed(3)} s`});
 
   constructor(changed: () => void) {
     this.channels = new ChannelsChoice("time-channels", kColours, changed);

@@ -15,6 +15,7 @@ import {TimePlot} from "./plot_time";
 import {TransferPlot} from "./plot_transfer";
 import {WaterfallPlot} from "./plot_waterfall";
 import type {View} from "./view";
+import type {View as Question} from "./wire";
 
 /** The analyser forgets who says nothing for three seconds. */
 const kAskMs = 1000;
@@ -77,10 +78,13 @@ export class PlotView implements View {
   private readonly trouble = el("p", {class: "trouble", role: "status"});
   private now: Plot;
   private frozen = false;
-  private compared = false;
+  /** Plots that have a reference. */
+  private readonly compared = new Set<Plot>();
   private timer: number | undefined;
   private asked = "";
   private refusal = "";
+  private next: Question | undefined;
+  private isAsking = false;
 
   constructor(private readonly car: Car) {
     const changed = () => {
@@ -143,7 +147,7 @@ export class PlotView implements View {
     }
     this.spectral.element.hidden = !plot.isSpectral;
     this.compareButton.hidden = !plot.keepReference;
-    this.drop();
+    this.showCompared();
     this.draw(performance.now());
     this.ask();
   }
@@ -160,7 +164,19 @@ export class PlotView implements View {
     const {plots} = this.car;
     plots.want((wish.spectra ?? []).map(channelKey), (wish.pairs ?? []).map(([input, output]) => pairKey(input, output)),
                (wish.envelopes ?? []).map(channelKey), (wish.waterfalls ?? []).map(({wheel, channel}) => waterfallKey(wheel, channel)));
-    void ask(viewOf(plots.viewer, this.spectral.value, wish)).then((refusal) => { this.refusal = refusal; });
+    this.next = viewOf(plots.viewer, this.spectral.value, wish);
+    if (!this.isAsking) void this.say();
+  }
+
+  /** One question at a time, always the newest. */
+  private async say(): Promise<void> {
+    this.isAsking = true;
+    while (this.next) {
+      const view = this.next;
+      this.next = undefined;
+      this.refusal = await ask(view);
+    }
+    this.isAsking = false;
   }
 
   private freeze(): void {
@@ -175,25 +191,21 @@ export class PlotView implements View {
   }
 
   private compare(): void {
-    if (!this.now.keepReference) return;
-    if (this.compared) this.drop();
+    const {now} = this;
+    if (!now.keepReference) return;
+    if (this.compared.delete(now)) now.dropReference?.();
     else {
-      this.now.keepReference();
-      this.compared = true;
-      this.showCompared();
+      now.keepReference();
+      this.compared.add(now);
     }
+    this.showCompared();
     this.draw(performance.now());
   }
 
-  private drop(): void {
-    for (const plot of this.plots) plot.dropReference?.();
-    this.compared = false;
-    this.showCompared();
-  }
-
   private showCompared(): void {
-    setAttributes(this.compareButton, {"aria-pressed": String(this.compared)});
-    setText(this.compareButton, this.compared ? "Drop reference (C)" : "Compare (C)");
+    const is = this.compared.has(this.now);
+    setAttributes(this.compareButton, {"aria-pressed": String(is)});
+    setText(this.compareButton, is ? "Drop reference (C)" : "Compare (C)");
   }
 
   private name(ending: string): string {

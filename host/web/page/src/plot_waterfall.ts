@@ -1,7 +1,7 @@
 // Amplitudes of a channel over orders of a wheel and the car's speed.
 import {accelerations, carrierOf, channelName} from "./channels";
 import {mapColour} from "./colour_map";
-import {el, setText} from "./dom";
+import {el, setAttributes, setText} from "./dom";
 import type {Plot, Scene, Table} from "./plot";
 import type {Wish} from "./plot_ask";
 import {Choice, ChannelChoice} from "./plot_choice";
@@ -60,6 +60,7 @@ export class WaterfallPlot implements Plot {
     const told = channel ? car.plots.waterfalls.get(waterfallKey(wheel, channel)) : undefined;
     this.rows = [...(told?.values() ?? [])].filter(({lines}) => lines > 0).sort((a, b) => a.speed_class - b.speed_class);
     const why = told?.get(-1);
+    setAttributes(this.element, {"data-classes": this.rows.length});
     const [row] = this.rows;
     setText(this.caption, row && channel
       ? `${channelName(car, channel)}, ${kWheelNames[wheel]} wheel: amplitude (peak) of each order in classes of speed, ` +

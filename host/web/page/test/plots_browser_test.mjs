@@ -1,9 +1,8 @@
 // The plots in a real browser, beside the real rb-web and the analyser's live view; rb-web-plot-scene is the car.
 import assert from "node:assert/strict";
-import {execFileSync} from "node:child_process";
 import {readFileSync} from "node:fs";
 import {after, before, test} from "node:test";
-import {busUrl, launch, picture, start, startWeb, weakTexts} from "./browser.mjs";
+import {busUrl, clockOffset, launch, picture, samplesSeen, start, startWeb, weakTexts} from "./browser.mjs";
 
 const kDesk = {width: 1366, height: 768}, kPhone = {width: 390, height: 844};
 const kThemes = {night: "dark", day: "light"};
@@ -237,6 +236,14 @@ test("what was plotted is kept beside what comes, until it is dropped", async (t
   assert.ok(Math.abs(reference[29] / kept[29] - 1) < 0.2);
   assert.notEqual(column(after_, /^fl_carrier_z \(m/)[40], reference[40]);
   await picture(page, "plot-reference");
+  // In the unit that is shown, also when the plot was left meanwhile.
+  await page.keyboard.press(".");
+  await page.keyboard.press(",");
+  await page.locator("#spectrum-quantity").selectOption("rms");
+  await says(page, "#spectrum-figure .reading", /reference/);
+  const rms = column(await table(page), /fl_carrier_z \(reference\)/);
+  assert.ok(Math.abs(rms[29] / Math.sqrt(reference[29] * 1.5 * 2000 / 4096) - 1) < 1e-6, `${rms[29]}`);
+  await page.locator("#spectrum-figure .figure-box").focus();
   await page.keyboard.press("c");
   await page.waitForFunction(() => !document.querySelector("#spectrum-figure .reading").textContent.includes("reference"));
 });
@@ -379,42 +386,15 @@ test("the browser's memory is flat while the plots go on", async (t) => {
   assert.ok(grown < 500_000, `${grown} B in 150 frames`);
 });
 
-/** Offset of this machine's raw monotonic clock, on which samples are stamped, against process.hrtime(), ns. */
-function rawAgainstMonotonic() {
-  const said = execFileSync("python3", ["-c",
-    "import time; print(time.clock_gettime_ns(time.CLOCK_MONOTONIC_RAW) - time.clock_gettime_ns(time.CLOCK_MONOTONIC))"]);
-  return Number(said);
-}
-
 test("a sample is seen within 250 ms of being taken", async (t) => {
   const page = await open(t, "time");
   await says(page, "#time-figure .reading", /greatest/);
-  // The page's clock against this process's, by the quickest of some questions.
-  let quickest = Infinity, offset_ns = 0;
-  for (let k = 0; k < 50; ++k) {
-    const asked = Number(process.hrtime.bigint());
-    const page_ms = await page.evaluate(() => performance.now());
-    const took = Number(process.hrtime.bigint()) - asked;
-    if (took < quickest) [quickest, offset_ns] = [took, asked + took / 2 - 1e6 * page_ms];
-  }
-  // In the animation frame after the one that drew a sample it is on the screen.
-  const seen = await page.evaluate(() => new Promise((done) => {
-    const found = [];
-    let last = "";
-    const look = () => {
-      const newest = document.querySelector("#time-figure").parentElement.dataset.newestHostNs;
-      if (newest && newest !== last) found.push([Number(newest), performance.now()]);
-      last = newest;
-      if (found.length < 200) requestAnimationFrame(look);
-      else done(found);
-    };
-    requestAnimationFrame(look);
-  }));
-  const raw = rawAgainstMonotonic();
-  const ages_ms = seen.map(([host_ns, page_ms]) => (1e6 * page_ms + offset_ns + raw - host_ns) / 1e6).sort((a, b) => a - b);
+  const offset = await clockOffset(page);
+  const ages_ms = (await samplesSeen(page, 200)).map(([host_ns, page_ms]) => (1e6 * page_ms + offset.ns - host_ns) / 1e6)
+    .sort((a, b) => a - b);
   const at = (share) => ages_ms[Math.floor(share * (ages_ms.length - 1))];
   t.diagnostic(`newest sample when seen: median ${at(0.5).toFixed(0)} ms, 95 % ${at(0.95).toFixed(0)} ms, ` +
-    `clocks known to ${(quickest / 2e6).toFixed(1)} ms`);
+    `clocks known to ${(offset.error_ns / 1e6).toFixed(1)} ms`);
   assert.ok(at(0) > 0, `${at(0)} ms: before it was taken`);
   assert.ok(at(0.5) <= 250, `${at(0.5)} ms`);
 });

@@ -1,0 +1,72 @@
+// The plots beside rb demo: the simulated car, its nodes, recorder and analyser.
+import assert from "node:assert/strict";
+import {test} from "node:test";
+import {clockOffset, launch, picture, samplesSeen, start} from "./browser.mjs";
+
+const kDesk = {width: 1366, height: 768};
+
+/** The page of a demonstration that drives. */
+async function drive(t, ...args) {
+  const demo = start("rb", "demo", "--seed", "1", ...args);
+  const browser = await launch();
+  t.after(async () => {
+    await browser.close();
+    demo.kill("SIGINT");
+    await new Promise((resolve) => (demo.exitCode === null ? demo.once("exit", resolve) : resolve()));
+  });
+  let said = "";
+  const where = await new Promise((resolve, reject) => {
+    demo.stdout.on("data", (data) => {
+      said += data;
+      const found = /Watch it in a browser: (\S+)/.exec(said);
+      if (found) resolve(found[1]);
+    });
+    demo.once("exit", (code) => reject(new Error(`rb demo ended with code ${code}: ${said}`)));
+  });
+  const page = await browser.newPage({viewport: kDesk});
+  await page.goto(where);
+  await page.waitForFunction(() => document.querySelectorAll(".bar").length === 24, null, {timeout: 10_000});
+  await page.keyboard.press("p");
+  return page;
+}
+const says = (page, selector, pattern, timeout = 60_000) => page.waitForFunction(
+  ([where, wanted]) => new RegExp(wanted).test(document.querySelector(where)?.textContent ?? ""), [selector, pattern.source], {timeout});
+
+test("a sample of the simulated car is seen within 250 ms of being taken", async (t) => {
+  const page = await drive(t, "--drive-seconds", "90", "--rate", "1");
+  await page.locator("#plot-time").click();
+  await says(page, "#time-figure .reading", /greatest/);
+  const offset = await clockOffset(page);
+  const ages_ms = (await samplesSeen(page, 300)).map(([host_ns, page_ms]) => (1e6 * page_ms + offset.ns - host_ns) / 1e6)
+    .sort((a, b) => a - b);
+  const at = (share) => ages_ms[Math.floor(share * (ages_ms.length - 1))];
+  t.diagnostic(`newest sample when seen: median ${at(0.5).toFixed(0)} ms, 95 % ${at(0.95).toFixed(0)} ms, ` +
+    `clocks known to ${(offset.error_ns / 1e6).toFixed(1)} ms`);
+  await picture(page, "demo-plot-time");
+  assert.ok(at(0) > 0, `${at(0)} ms: before it was taken`);
+  assert.ok(at(0.5) <= 250, `${at(0.5)} ms`);
+});
+
+test("the first order of the simulated car stands in every plot", async (t) => {
+  const page = await drive(t, "--drive-seconds", "320", "--rate", "10");
+  await page.locator("#plot-spectrum").click();
+  await says(page, "#spectrum-caption", /\d blocks/);
+  await picture(page, "demo-plot-spectrum");
+  await page.locator("#plot-transfer").click();
+  await says(page, "#transfer-caption", /worth/);
+  await page.waitForTimeout(2000);
+  await picture(page, "demo-plot-transfer");
+  await page.locator("#plot-waterfall").click();
+  await says(page, "#waterfall-caption", /amplitude \(peak\)/);
+  // The car is driven at more than one speed.
+  await page.waitForFunction(() => /amplitude/.test(document.querySelector("#waterfall-caption").textContent) &&
+    Number(document.querySelector("#waterfall-plot").dataset.classes) >= 3, null, {timeout: 60_000});
+  await picture(page, "demo-plot-waterfall");
+  await page.locator("#plot-speed").click();
+  await says(page, "#speed-caption", /s of driving used/);
+  await picture(page, "demo-plot-speed");
+  await page.locator("#plot-polar").click();
+  await page.locator("#polar-channel").selectOption("1.3");
+  await says(page, ".polar-text", /: [\d.]+ ± [\d.]+ m\/s², -?[\d.]+° ± [\d.]+° \(95 %\)/);
+  await picture(page, "demo-plot-polar");
+});
