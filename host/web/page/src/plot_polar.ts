@@ -87,7 +87,7 @@ export class PolarPlot implements Plot {
           "Not known yet: it takes turns above 40 km/h with the wheel's angle known, and a record.");
         return;
       }
-      const amplitude = Math.hypot(vector.re, vector.im), phase = Math.atan2(vector.im, vector.re) * 180 / Math.PI;
+      const amplitude = Math.hypot(vector.re, vector.im), phase = (Math.atan2(vector.im, vector.re) * 180 / Math.PI + 360) % 360;
       const reach = Number.isFinite(vector.amplitude_95) ? ` ± ${figures(vector.amplitude_95)}` : "";
       const phaseKnown = Number.isFinite(vector.phase_95_rad);
       setText(text, `${channelName(car, id)}: ${figures(amplitude)}${reach} m/s², ` +
