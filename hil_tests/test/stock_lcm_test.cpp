@@ -14,11 +14,17 @@
 #include "common/bus/compensation.hpp"
 #include "common/bus/control.hpp"
 #include "common/bus/display.hpp"
+#include "common/bus/knock.hpp"
 #include "common/bus/notes.hpp"
+#include "common/bus/operation.hpp"
 #include "common/bus/order_report.hpp"
 #include "common/bus/recorder_status.hpp"
+#include "common/bus/recording.hpp"
+#include "common/bus/remark.hpp"
 #include "common/bus/results.hpp"
+#include "common/bus/setup.hpp"
 #include "common/bus/transfer_report.hpp"
+#include "common/bus/verification.hpp"
 #include "common/record/record.hpp"
 #include "common/test/bus_url.hpp"
 #include "common/test/source.hpp"
@@ -188,6 +194,18 @@ TEST(StockLcm, TheDecoderOfLcmSpyUnderstandsEveryMessage) {
     append("transfer_t", encode(TransferPart{.viewer = 1, .bin = {{1.0F, 2.0F, 3.0F, 4.0F, 5.0F, 0.5F}}}));
     append("envelope_t", encode(Envelope{.node = 4, .channel = 2, .bucket = {{-1.0F, 2.0F}}}));
     append("waterfall_t", encode(WaterfallRow{.of = {2, {4, 1}}, .blocks = 3, .amplitude = {0.5F, 2.0F}}));
+    append("request_t", encode(Request{.asker = 1, .request = 2, .node = 4, .text = "bridge"}));
+    append("answer_t", encode(Answer{.asker = 1, .request = 2, .value = {0.5, -2.0}, .text = "mark 1"}));
+    append("receipt_t", encode(Receipt{.nodes = 1, .node = 4, .overload_s = 0.25, .name = "drive"}));
+    append("vehicle_t", encode(VehiclePart{.node = 4, .incarnation = 1, .parts = 1, .text = "name = 1"}));
+    append("remark_t", encode(Remark{.remarks = 1, .text = "text"}));
+    append("knock_t", encode(Knock{.node = 4, .channel = 2}));
+    NodeSetup setup;
+    setup.node = 4;
+    setup.name = "front";
+    append("setup_t", encode(setup));
+    append("verification_t", encode(WheelVerification{.wheel = 2}));
+    append("recording_t", encode(RecordingReceipt{}));
     writer.close();
   }
   const auto all = std::filesystem::directory_iterator(test::source_path("common/wire"));
