@@ -3,6 +3,7 @@ import {Car} from "./car";
 import {el, setAttributes, setText} from "./dom";
 import {Asker} from "./ask";
 import {connectFeed} from "./feed";
+import {EquipmentView} from "./equipment_view";
 import {HeaderView} from "./header_view";
 import {HelpView} from "./help_view";
 import {listenToKeys, type Key} from "./keys";
@@ -32,7 +33,8 @@ function start(): void {
     if (!dirty) requestAnimationFrame(draw);
     dirty = true;
   };
-  const operation = new OperationView(car, new Asker(car, soon));
+  const asker = new Asker(car, soon);
+  const operation = new OperationView(car, asker);
   const receiptView = new ReceiptView(car);
   const lampView = new LampView(car);
   const levelView = new LevelView(car);
@@ -40,6 +42,7 @@ function start(): void {
   const views: Views = new Views([
     balance,
     new PlotView(car),
+    new EquipmentView(car, asker),
     new HelpView(() => keys().filter(({key}) => key !== "Escape"), () => views.back()),
   ], levelView.element);
   const keys = (): Key[] => [

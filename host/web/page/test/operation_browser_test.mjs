@@ -1,7 +1,7 @@
 // Start, mark and stop on the page, beside the real rb-web, rb-recorder and nodes of the simulated car.
 import assert from "node:assert/strict";
 import {execFileSync, spawnSync} from "node:child_process";
-import {mkdtempSync, rmSync} from "node:fs";
+import {mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync} from "node:fs";
 import {tmpdir} from "node:os";
 import {join} from "node:path";
 import {after, before, test} from "node:test";
@@ -9,13 +9,17 @@ import {busUrl, launch, picture, start, startWeb, weakTexts} from "./browser.mjs
 
 const kDesk = {width: 1366, height: 768}, kPhone = {width: 390, height: 844};
 const kWithinMs = 20_000;
-const kVehicle = join(process.env.RB_SOURCE, "sim/demo/vehicle.toml"), kRb = join(process.env.RB_BIN, "rb");
+const kDemo = join(process.env.RB_SOURCE, "sim/demo/vehicle.toml"), kRb = join(process.env.RB_BIN, "rb");
 
 let browser, where;
 const programs = [], url = busUrl(), folder = mkdtempSync(join(tmpdir(), "rb-operation-"));
-const recordings = join(folder, "recordings");
+const recordings = join(folder, "recordings"), vehicles = join(folder, "vehicles"), vehicle = join(vehicles, "car.toml");
+mkdirSync(vehicles);
+const car = readFileSync(kDemo, "utf8");
+writeFileSync(vehicle, car);
+writeFileSync(join(vehicles, "winter.toml"), car.replace("demonstration car", "winter tyres"));
 const runRecorder = () => {
-  const recorder = start("rb-recorder", "--url", url, "--recordings", recordings);
+  const recorder = start("rb-recorder", "--url", url, "--recordings", recordings, "--vehicle", vehicle);
   programs.push(recorder);
   return recorder;
 };
@@ -24,7 +28,7 @@ before(async () => {
   browser = await launch();
   recorder = runRecorder();
   for (const node of ["front", "rear"])
-    programs.push(start("rb-node", "--stay", "--url", url, "--vehicle", kVehicle, "--node", node,
+    programs.push(start("rb-node", "--stay", "--url", url, "--vehicle", vehicle, "--node", node,
                         "--front-end", "sim:?seed=1&rate=1&seconds=3600"));
   const web = await startWeb(url);
   programs.push(web.web);
@@ -162,6 +166,40 @@ test("a recorder that is killed between command and answer goes on, and nothing 
   const proof = verify("killed");
   assert.equal(proof.status, 0, proof.stdout);
   for (const mark of [1, 2, 3]) assert.match(proof.stdout, new RegExp(`mark ${mark}\\n`));
+});
+
+test("sets range, filter, zeros and vehicle file between recordings, and each answer is shown", async (t) => {
+  const page = await open(t);
+  await isState(page, "ARMED");
+  await page.keyboard.press("e");
+  // By keyboard: from field to field, Enter sets.
+  await page.locator("#range-channel").focus();
+  await page.keyboard.type("2.5");
+  await page.keyboard.press("Tab");
+  await page.keyboard.type("80");
+  await page.keyboard.press("Enter");
+  await says(page, "#says-range", "channel 2.5 has a range of 80 m/s²");
+  await page.locator("#filter-corner").fill("150");
+  await page.locator("#set-filter").click();
+  await says(page, "#says-filter", "every node filters above 150 Hz");
+  await page.locator("#set-zero").click();
+  await says(page, "#says-zero", "the car must stand still|too little has been heard");  // it drives
+  await page.locator("#vehicle-name").fill("../car.toml");
+  await page.locator("#set-vehicle").click();
+  await says(page, "#says-vehicle", "there are: car.toml, winter.toml");
+  await picture(page, "equipment");
+  assert.deepEqual(await weakTexts(page), []);
+  await page.locator("#vehicle-name").fill("winter.toml");
+  await page.locator("#set-vehicle").click();
+  await says(page, "#says-vehicle", "winter.toml is in force");
+  assert.match(readFileSync(vehicle, "utf8"), /range_m_s2 = 80\n/);
+  await page.locator("#tab-equipment").focus();
+  await page.keyboard.press("r");
+  await isState(page, "RECORDING");
+  await says(page, "#equipment-why", "Not while a recording is under way");
+  assert.equal(await page.locator("#set-range").isDisabled(), true);
+  await holdEscape(page, 900);
+  await says(page, "#receipt", "0 lost");
 });
 
 test("a page without the token may watch, and says why it may do no more", async (t) => {
