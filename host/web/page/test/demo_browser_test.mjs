@@ -1,5 +1,9 @@
 // What the first user sees: rb demo, and the page whose address it prints.
 import assert from "node:assert/strict";
+import {spawnSync} from "node:child_process";
+import {mkdtempSync, readdirSync, rmSync} from "node:fs";
+import {tmpdir} from "node:os";
+import {join} from "node:path";
 import {test} from "node:test";
 import {launch, picture, start, updatesPerSecond} from "./browser.mjs";
 
@@ -39,4 +43,45 @@ test("rb demo prints where the page is, and the page tells the car's balance bef
   assert.equal(await page.locator("#lamp-LOSS").getAttribute("data-light"), "good");
 
   assert.equal(await ended, 0, said);
+});
+
+test("a recording of rb demo is stopped on the page with 0 lost, and another started", async (t) => {
+  const folder = mkdtempSync(join(tmpdir(), "rb-demo-page-"));
+  const demo = start("rb", "demo", "--seed", "1", "--drive-seconds", "320", "--rate", "20", "--record", join(folder, "drive"));
+  const browser = await launch();
+  t.after(async () => {
+    await browser.close();
+    demo.kill("SIGINT");
+    rmSync(folder, {recursive: true, force: true});
+  });
+  const ended = new Promise((resolve) => demo.once("exit", (code) => resolve(code)));
+  let said = "";
+  const url = await new Promise((resolve, reject) => {
+    demo.stdout.on("data", (data) => {
+      said += data;
+      const found = /Watch it in a browser: (\S+)/.exec(said);
+      if (found) resolve(found[1]);
+    });
+    demo.once("exit", (code) => reject(new Error(`rb demo ended with code ${code}`)));
+  });
+  const page = await browser.newPage({viewport: {width: 1366, height: 768}});
+  await page.goto(url);
+  const says = (selector, words) => page.waitForFunction(
+    ([where, wanted]) => new RegExp(wanted).test(document.querySelector(where)?.innerText ?? ""), [selector, words], {timeout: 30_000});
+  await says("#state", "RECORDING\\s+00:00:0[1-9]");
+  await page.keyboard.down("Escape");
+  await page.waitForTimeout(900);
+  await page.keyboard.up("Escape");
+  await says("#receipt", "“drive” is on the disk: 0 lost");
+  await says("#state", "ARMED");
+  await picture(page, "demo-stopped");
+  await page.locator("#recording-name").fill("rest of the drive");
+  await page.keyboard.press("Enter");
+  await says("#state", "RECORDING");
+  assert.equal(await ended, 0, said);
+  assert.deepEqual(readdirSync(folder).sort(), ["drive", "recorder.json", "rest of the drive"]);
+  for (const name of ["drive", "rest of the drive"]) {
+    const proof = spawnSync(join(process.env.RB_BIN, "rb"), ["verify", join(folder, name)], {encoding: "utf8"});
+    assert.equal(proof.status, 0, proof.stdout);
+  }
 });
