@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 
 #include "host/balance/verdict.hpp"
 #include "host/balance/weight_plan.hpp"
@@ -12,7 +13,9 @@ namespace roadbalance {
 Compensation compensate(const Balance& balance, const WheelConfig& wheel, const BalanceLimits& limits) {
   Compensation result{.wheel = balance.wheel,
                       .time_ns = balance.time_ns,
-                      .radii = static_cast<std::int32_t>(wheel.stock.radius_m.size())};
+                      .radii = static_cast<std::int32_t>(wheel.stock.radius_m.size()),
+                      .wanted_sigma_g = limits.sigma_g,
+                      .seconds_wanted = seconds_wanted(balance, limits.sigma_g)};
   if (balance.state != Unknown::kNone) return result;
   const bool uncertain = within_own_uncertainty(balance);
   // Of no unbalance the plan is to keep what is fitted.
@@ -25,6 +28,16 @@ Compensation compensate(const Balance& balance, const WheelConfig& wheel, const 
   result.advice = uncertain ? Advice::kLeaveUncertain : touches ? Advice::kSteps : Advice::kLeaveSmall;
   result.verdict = judge_balance(balance, result.plan, wheel.mass_kg, wheel.rolling_radius_m, limits);
   return result;
+}
+
+double seconds_wanted(const Balance& balance, double wanted_sigma_g) {
+  const auto square = [](double value) { return value * value; };
+  if (balance.state != Unknown::kNone) return std::numeric_limits<double>::infinity();
+  if (balance.sigma_g <= wanted_sigma_g) return 0.0;
+  const double drive_g2 = square(balance.sigma_drive_g);
+  const double room_g2 = square(wanted_sigma_g) - (square(balance.sigma_g) - drive_g2);
+  if (room_g2 <= 0.0) return std::numeric_limits<double>::infinity();
+  return balance.seconds_used * (drive_g2 / room_g2 - 1.0);
 }
 
 }  // namespace roadbalance

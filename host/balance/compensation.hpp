@@ -16,4 +16,11 @@ namespace roadbalance {
 /// @throws std::invalid_argument if its stock of weights is none (plan_weights)
 Compensation compensate(const Balance& balance, const WheelConfig& wheel, const BalanceLimits& limits);
 
+/// Driving like that so far that still brings the unbalance's standard deviation to the one wanted, s.
+///
+/// Of sigma^2 = fixed^2 + drive^2 the second part falls as one over the time driven; then
+/// T (drive^2 / (wanted^2 - fixed^2) - 1) is left of it.  0: it is as well known already; infinite: what no
+/// drive lessens is more, or nothing is known yet.
+double seconds_wanted(const Balance& balance, double wanted_sigma_g);
+
 }  // namespace roadbalance

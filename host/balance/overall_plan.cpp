@@ -1,6 +1,9 @@
 #include "host/balance/overall_plan.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 
 #include "common/vehicle/unbalance_response.hpp"
 #include "host/balance/overall.hpp"
@@ -125,6 +128,28 @@ OverallPlan plan_overall(const DriveForces& drive, const VehicleConfig& vehicle,
     result.speed.push_back({speed.speed_m_s, speed.seconds, vibration(static_cast<int>(s), speed.seconds)});
   }
   if (seconds > 0.0) result.vibration = vibration(-1, seconds);
+  return result;
+}
+
+std::array<WheelVibration, kWheels> wheel_vibration(const DriveForces& drive, const VehicleConfig& vehicle,
+                                                    const std::array<Compensation, kWheels>& by_wheel) {
+  const std::vector<SeatConfig> seats = seats_of(vehicle);
+  double all = 0.0;
+  for (const SeatConfig& seat : seats) all += seat.weight;
+  double seconds = 0.0;
+  for (const SpeedForces& speed : drive.speed) seconds += speed.seconds;
+  const std::vector<Feeling> felt = feelings(drive, geometry_of(vehicle.model), seats);
+  constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
+  std::array<WheelVibration, kWheels> result;
+  for (std::size_t w = 0; w < kWheels; ++w) {
+    std::vector<Feeling> of_wheel;
+    std::ranges::copy_if(felt, std::back_inserter(of_wheel), [&](const Feeling& f) { return f.wheel == w; });
+    Weights steps{};
+    steps[w] = 1e-3 * by_wheel[w].plan.applied_g_m;
+    result[w] = {kNotKnown, kNotKnown};
+    if (!of_wheel.empty())
+      result[w] = {rms(of_wheel, -1, {}, all * seconds), rms(of_wheel, -1, steps, all * seconds)};
+  }
   return result;
 }
 

@@ -19,6 +19,12 @@ struct SeatVibration {
   double least = 0.0;     ///< with its weights before they were rounded to those that can be bought
 };
 
+/// What the seats feel of one wheel over the speeds of a drive, m/s^2 rms as in SeatVibration.
+struct WheelVibration {
+  double now = 0.0;
+  double left = 0.0;  ///< with the steps of its own compensation
+};
+
 /// Weights that make the vibration of the seats least over all speeds of a drive.
 struct OverallPlan {
   struct Wheel {
@@ -53,5 +59,12 @@ std::vector<SeatConfig> seats_of(const VehicleConfig& vehicle);
 /// @throws as seats_of
 OverallPlan plan_overall(const DriveForces& drive, const VehicleConfig& vehicle,
                          const std::array<Compensation, kWheels>& by_wheel);
+
+/// Of each wheel by itself; the squares of all four add to those of the car.  What no speed tells of a wheel
+/// is NaN.
+///
+/// @throws as seats_of
+std::array<WheelVibration, kWheels> wheel_vibration(const DriveForces& drive, const VehicleConfig& vehicle,
+                                                    const std::array<Compensation, kWheels>& by_wheel);
 
 }  // namespace roadbalance

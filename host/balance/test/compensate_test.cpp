@@ -95,5 +95,21 @@ TEST(Compensate, JudgesByTheLimitsOfTheShop) {
   EXPECT_NE(compensate(known(30.0, 0.0), wheel(), {.heaviest_g = 25.0}).verdict.incurable, "");
 }
 
+// Twice the time halves the variance that driving lessens: of 5 g, 4 of them by driving, 3.5 are reached when
+// 4^2 has become 3.5^2 - 3^2.
+TEST(Compensate, TellsHowLongToDriveForWhatIsWanted) {
+  Balance balance = known(30.0, 0.0);
+  balance.seconds_used = 100.0;
+  balance.sigma_g = 5.0;
+  balance.sigma_drive_g = 4.0;
+  EXPECT_NEAR(seconds_wanted(balance, 3.5), 100.0 * (16.0 / 3.25 - 1.0), 1e-9);
+  EXPECT_EQ(seconds_wanted(balance, 5.0), 0.0);
+  EXPECT_TRUE(std::isinf(seconds_wanted(balance, 3.0))) << "3 g stay however long one drives";
+  EXPECT_EQ(compensate(balance, wheel(), {.sigma_g = 3.5}).seconds_wanted, seconds_wanted(balance, 3.5));
+  EXPECT_EQ(compensate(balance, wheel(), {.sigma_g = 3.5}).wanted_sigma_g, 3.5);
+  balance.state = Unknown::kTooShort;
+  EXPECT_TRUE(std::isinf(seconds_wanted(balance, 100.0)));
+}
+
 }  // namespace
 }  // namespace roadbalance

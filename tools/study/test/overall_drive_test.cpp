@@ -29,7 +29,7 @@ class OverallDrive : public testing::Test {
     const Known known = Known::of(vehicle_);
     const SpeedClasses classes = test::gather(drive_, kSeed, vehicle_);
     const UnknownVector x = solve(classes.total(), known.geometry, known.value).value();
-    std::array<Compensation, kWheels> opposite;  // exact weights: no rounding
+    std::array<Compensation, kWheels>& opposite = by_wheel_;  // exact weights: no rounding
     for (std::size_t w = 0; w < kWheels; ++w) {
       const auto at = kEstimatedUnbalance + 2 * static_cast<int>(w);
       opposite_[w] = -Complex(x(at), x(at + 1));
@@ -39,7 +39,8 @@ class OverallDrive : public testing::Test {
     opposite[3].advice = Advice::kLeaveUncertain;
     opposite[3].plan = {};
     opposite_[3] = 0.0;
-    plan_ = plan_overall(drive_forces(classes.totals(), x, known), vehicle_, opposite);
+    forces_ = drive_forces(classes.totals(), x, known);
+    plan_ = plan_overall(forces_, vehicle_, opposite);
   }
 
   /// Drives the car with these weights where the road is flat, so that all that moves turns with the wheels,
@@ -76,6 +77,8 @@ class OverallDrive : public testing::Test {
   VehicleConfig vehicle_ = test::demo_car();
   IdealDrive drive_ = test::plateaus({60, 80, 100, 120, 140}, 60);
   Unbalances opposite_{};
+  std::array<Compensation, kWheels> by_wheel_{};
+  DriveForces forces_{};
   OverallPlan plan_;
 };
 
@@ -89,6 +92,26 @@ TEST_F(OverallDrive, PredictsWhatTheSeatsWillFeel) {
     EXPECT_NEAR(predicted.by_wheel, by_wheel[s], 0.02 * now[s]);
     EXPECT_NEAR(predicted.overall, overall[s], 0.02 * now[s]);
   }
+}
+
+// Each wheel shakes at a frequency of its own, so mean squares add.
+TEST_F(OverallDrive, IsTheSumOfItsWheels) {
+  double now = 0.0, left = 0.0;
+  for (const WheelVibration& wheel : wheel_vibration(forces_, vehicle_, by_wheel_)) {
+    now += wheel.now * wheel.now;
+    left += wheel.left * wheel.left;
+  }
+  EXPECT_NEAR(std::sqrt(now), plan_.vibration.now, 1e-12);
+  EXPECT_NEAR(std::sqrt(left), plan_.vibration.by_wheel, 1e-12);
+  EXPECT_LT(left, 0.1 * now);
+}
+
+TEST_F(OverallDrive, OfAWheelThatTellsNothingNothingIsSaid) {
+  for (SpeedForces& speed : forces_.speed) speed.wheel[2].variance_n2 = 0.0;
+  const auto felt = wheel_vibration(forces_, vehicle_, by_wheel_);
+  EXPECT_TRUE(std::isnan(felt[2].now));
+  EXPECT_TRUE(std::isnan(felt[2].left));
+  EXPECT_GT(felt[0].now, 0.0);
 }
 
 /// Tyres out of round have their share in the equivalent unbalance of each wheel, so its opposite is nearly
