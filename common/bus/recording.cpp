@@ -4,6 +4,7 @@
 #include <wire/recording_t.hpp>
 
 #include "common/bus/wire_format.hpp"
+#include "common/bus/wire_text.hpp"
 
 namespace roadbalance {
 namespace {
@@ -25,8 +26,8 @@ std::vector<std::uint8_t> encode(const RecordingReceipt& r) {
   wire::recording_t m{};
   m.number = r.number;
   m.recordings = r.recordings;
-  wire_format::put_text(r.name, m.name);
-  wire_format::put_text(r.vehicle, m.vehicle);
+  wire_text::put_text(r.name, m.name);
+  wire_text::put_text(r.vehicle, m.vehicle);
   m.state = static_cast<std::int32_t>(r.state);
   m.first_us = r.first_us;
   m.last_us = r.last_us;
@@ -47,10 +48,9 @@ std::vector<std::uint8_t> encode(const RecordingReceipt& r) {
   m.marks = r.marks;
   for (std::size_t k = 0; k < std::min(r.mark.size(), kMostReceiptMarks); ++k) {
     m.mark_us[k] = r.mark[k].time_us;
-    wire_format::put_text(r.mark[k].text, m.mark[k]);
+    wire_text::put_text(r.mark[k].text, m.mark[k]);
   }
-  m.size = static_cast<std::int32_t>(wire_format::fitting(r.verdict, sizeof m.verdict));
-  wire_format::put_text(r.verdict, m.verdict);
+  wire_text::put_text(r.verdict, m.verdict, m.size);
   return wire_format::encode(m);
 }
 
@@ -60,8 +60,8 @@ std::optional<RecordingReceipt> decode_recording(std::span<const std::uint8_t> b
   RecordingReceipt r;
   r.number = m->number;
   r.recordings = m->recordings;
-  r.name = wire_format::take_text(m->name);
-  r.vehicle = wire_format::take_text(m->vehicle);
+  r.name = wire_text::text_until_zero(m->name);
+  r.vehicle = wire_text::text_until_zero(m->vehicle);
   r.state = static_cast<RecordingState>(m->state);
   r.first_us = m->first_us;
   r.last_us = m->last_us;
@@ -73,7 +73,7 @@ std::optional<RecordingReceipt> decode_recording(std::span<const std::uint8_t> b
                       m->overload_s[k], m->sync_residual_s[k]});
   r.marks = m->marks;
   for (std::int32_t k = 0; k < std::min(m->marks, static_cast<std::int32_t>(kMostReceiptMarks)); ++k)
-    r.mark.push_back({m->mark_us[k], wire_format::take_text(m->mark[k])});
+    r.mark.push_back({m->mark_us[k], wire_text::text_until_zero(m->mark[k])});
   r.verdict.assign(m->verdict, m->verdict + m->size);
   return r;
 }

@@ -35,7 +35,7 @@ struct RecordingReceipt {
     std::string text;  ///< cut after 48 bytes
   };
   std::int32_t number = 0, recordings = 0;
-  std::string name, vehicle;
+  std::string name{}, vehicle{};
   RecordingState state = RecordingState::kNotRead;
   std::int64_t first_us = 0, last_us = 0, bytes = 0, refused = 0, damaged_bytes = 0;
   std::vector<Node> node{};  ///< the first kMostReceiptNodes are told

@@ -4,6 +4,7 @@
 #include <wire/remark_t.hpp>
 
 #include "common/bus/wire_format.hpp"
+#include "common/bus/wire_text.hpp"
 
 namespace roadbalance {
 
@@ -23,8 +24,7 @@ std::vector<std::uint8_t> encode(const Remark& r) {
   m.time_ns = r.time_ns;
   m.number = r.number;
   m.remarks = r.remarks;
-  m.size = static_cast<std::int32_t>(wire_format::fitting(r.text, kMostRemarkBytes));
-  wire_format::put_text(r.text, m.text);
+  wire_text::put_text(r.text, m.text, m.size);
   return wire_format::encode(m);
 }
 

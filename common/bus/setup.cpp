@@ -6,6 +6,7 @@
 #include <wire/setup_t.hpp>
 
 #include "common/bus/wire_format.hpp"
+#include "common/bus/wire_text.hpp"
 #include "common/link/crc32c.hpp"
 
 namespace roadbalance {
@@ -87,8 +88,8 @@ std::vector<std::uint8_t> encode(const NodeSetup& s) {
   assert(s.channel.size() <= kAccelerations);
   wire::setup_t m{};
   m.node = s.node;
-  wire_format::put_text(s.name, m.name);
-  wire_format::put_text(s.vehicle, m.vehicle);
+  wire_text::put_text(s.name, m.name);
+  wire_text::put_text(s.vehicle, m.vehicle);
   m.vehicle_crc32c = static_cast<std::int32_t>(s.vehicle_crc32c);
   m.rate_hz = s.rate_hz;
   m.filter_order = s.filter_order;
@@ -96,7 +97,7 @@ std::vector<std::uint8_t> encode(const NodeSetup& s) {
   m.channels = static_cast<std::int32_t>(s.channel.size());
   for (std::size_t c = 0; c < s.channel.size(); ++c) {
     const NodeSetup::Channel& channel = s.channel[c];
-    wire_format::put_text(channel.name, m.channel_name[c]);
+    wire_text::put_text(channel.name, m.channel_name[c]);
     m.role[c] = static_cast<std::int32_t>(channel.role);
     m.mount[c] = channel.mount;
     std::ranges::copy(channel.position_m, m.position_m[c]);
@@ -120,8 +121,8 @@ std::optional<NodeSetup> decode_setup(std::span<const std::uint8_t> bytes) {
   const auto m = wire_format::decode<wire::setup_t>(bytes);
   if (!m || !in_bounds(*m)) return std::nullopt;
   NodeSetup s{.node = m->node,
-              .name = wire_format::take_text(m->name),
-              .vehicle = wire_format::take_text(m->vehicle),
+              .name = wire_text::text_until_zero(m->name),
+              .vehicle = wire_text::text_until_zero(m->vehicle),
               .vehicle_crc32c = static_cast<std::uint32_t>(m->vehicle_crc32c),
               .rate_hz = m->rate_hz,
               .filter_order = m->filter_order,
@@ -130,7 +131,7 @@ std::optional<NodeSetup> decode_setup(std::span<const std::uint8_t> bytes) {
               .encoder = {}};
   for (std::int32_t c = 0; c < m->channels; ++c) {
     NodeSetup::Channel& channel = s.channel.emplace_back();
-    channel.name = wire_format::take_text(m->channel_name[c]);
+    channel.name = wire_text::text_until_zero(m->channel_name[c]);
     channel.role = static_cast<ChannelRole>(m->role[c]);
     channel.mount = m->mount[c];
     std::ranges::copy(m->position_m[c], channel.position_m.begin());

@@ -3,6 +3,7 @@
 #include <wire/verification_t.hpp>
 
 #include "common/bus/wire_format.hpp"
+#include "common/bus/wire_text.hpp"
 #include "common/config/vehicle_config.hpp"
 
 namespace roadbalance {
@@ -60,8 +61,7 @@ std::vector<std::uint8_t> encode(const WheelVerification& v) {
   m.weight_radius_m = v.weight_radius_m;
   m.reduction = v.reduction;
   m.sigma_reduction = v.sigma_reduction;
-  m.size = static_cast<std::int32_t>(wire_format::fitting(v.text, kMostVerificationBytes));
-  wire_format::put_text(v.text, m.text);
+  wire_text::put_text(v.text, m.text, m.size);
   return wire_format::encode(m);
 }
 

@@ -1,11 +1,8 @@
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "common/link/crc32c.hpp"
@@ -67,28 +64,6 @@ std::optional<T> decode(std::span<const std::uint8_t> bytes) {
   if (message.decode(bytes.data(), 0, static_cast<int>(bytes.size())) != static_cast<int>(bytes.size()))
     return std::nullopt;
   return message;
-}
-
-/// As many bytes of a text as fit, no character cut in two.
-inline std::size_t fitting(std::string_view text, std::size_t room) {
-  std::size_t size = std::min(text.size(), room);
-  if (size < text.size())
-    while (size > 0 && (static_cast<unsigned char>(text[size]) & 0xC0U) == 0x80U) --size;
-  return size;
-}
-
-/// Into a field of bytes, with zeros behind it.
-template <std::size_t N>
-void put_text(std::string_view text, std::uint8_t (&field)[N]) {
-  const std::size_t size = fitting(text, N);
-  std::copy_n(text.begin(), size, field);
-  std::fill(field + size, field + N, std::uint8_t{0});
-}
-
-/// Up to the first zero.
-template <std::size_t N>
-std::string take_text(const std::uint8_t (&field)[N]) {
-  return {field, std::find(field, field + N, std::uint8_t{0})};
 }
 
 template <typename T>

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -21,6 +22,19 @@ void put_text(std::string_view text, Byte (&field)[kBytes], std::int32_t& size) 
   text = cut_to(text, kBytes);
   for (std::size_t k = 0; k < text.size(); ++k) field[k] = static_cast<Byte>(text[k]);
   size = static_cast<std::int32_t>(text.size());
+}
+
+/// Into a field whose text ends where zeros begin.
+template <typename Byte, std::size_t kBytes>
+void put_text(std::string_view text, Byte (&field)[kBytes]) {
+  std::int32_t size = 0;
+  put_text(text, field, size);
+  std::fill(field + size, field + kBytes, Byte{0});
+}
+
+template <typename Byte, std::size_t kBytes>
+std::string text_until_zero(const Byte (&field)[kBytes]) {
+  return {field, std::find(field, field + kBytes, Byte{0})};
 }
 
 /// Nothing if the size cannot be or it is no plain text.

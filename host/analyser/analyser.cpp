@@ -5,7 +5,9 @@
 #include <optional>
 #include <thread>
 
+#include "common/process/channel.hpp"
 #include "common/process/parallel.hpp"
+#include "host/analyser/before_drive.hpp"
 #include "host/analyser/follow_record.hpp"
 #include "host/analyser/live_view.hpp"
 #include "host/analyser/recorded_vehicle.hpp"
@@ -22,10 +24,13 @@ void run_analyser(std::stop_token stop, const AnalyserOptions& options) {
   Parallel processes;
   const std::stop_callback pass_on(stop, [&] { processes.request_stop(); });
   processes.run(live_view, options.url, *vehicle, std::cref(options.on_warning));
-  processes.run([&](std::stop_token stop_here) {
-    follow_record(stop_here, options, *vehicle);
+  auto [before_out, before_in] = make_channel<BalancedDrive>(1);
+  processes.run([&, before = std::move(before_in)](std::stop_token stop_here) mutable {
+    follow_record(stop_here, options, *vehicle, std::move(before));
     processes.request_stop();
   });
+  if (!options.before.empty())
+    processes.run(recall_before, options.before, std::move(before_out), std::cref(options.on_warning));
   processes.wait();
 }
 

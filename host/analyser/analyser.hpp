@@ -10,7 +10,9 @@ namespace roadbalance {
 struct AnalyserOptions {
   std::string url;               ///< of the bus
   std::filesystem::path record;  ///< folder that the recorder writes
-  bool exit_at_end = false;      ///< return once every node has ended and the last estimate is out
+  /// Finished recording of the drive before weights were fitted, to compare with; empty: none.
+  std::filesystem::path before{};
+  bool exit_at_end = false;  ///< return once every node has ended and the last estimate is out
   /// With exit_at_end: not before this says so, from another thread.
   std::function<bool()> may_exit = [] { return true; };
   /// Hears who on the bus is of another version of the wire.  Called from several threads.

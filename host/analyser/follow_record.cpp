@@ -12,13 +12,16 @@
 #include "common/bus/codec.hpp"
 #include "common/bus/compensation.hpp"
 #include "common/bus/control.hpp"
+#include "common/bus/remark.hpp"
 #include "common/bus/results.hpp"
+#include "common/bus/verification.hpp"
 #include "common/record/record.hpp"
 #include "host/analyser/durable_gate.hpp"
 #include "host/analyser/in_sequence.hpp"
 #include "host/analyser/live_orders.hpp"
-#include "host/balance/compensation.hpp"
+#include "host/balance/overall_plan.hpp"
 #include "host/identify/drive_estimator.hpp"
+#include "host/identify/remarks.hpp"
 
 namespace roadbalance {
 namespace {
@@ -29,8 +32,14 @@ constexpr int kFarewells = 3;
 
 class Follower {
  public:
-  Follower(const AnalyserOptions& options, const VehicleConfig& vehicle)
-      : bus_(options.url), reader_(options.record), vehicle_(vehicle), estimator_(vehicle), orders_(vehicle) {
+  Follower(const AnalyserOptions& options, const VehicleConfig& vehicle, In<BalancedDrive> before)
+      : bus_(options.url),
+        reader_(options.record),
+        before_name_(options.before.string()),
+        before_in_(std::move(before)),
+        after_{.name = "", .vehicle = vehicle, .balance = {}, .compensation = {}},
+        estimator_(vehicle),
+        orders_(vehicle) {
     for (const auto& node : vehicle.node) running_[node.id] = true;
     bus_.subscribe("RB_ACK_.*", [this](std::string_view, std::span<const std::uint8_t> bytes) {
       if (const auto ack = decode_ack(bytes)) gate_.acknowledge(*ack, WallClock::now());
@@ -53,13 +62,16 @@ class Follower {
 
   void publish() {
     const DriveEstimate& estimate = estimator_.estimate();
+    after_.balance = estimate.balance;
+    after_.compensation = compensate_all(estimate.balance, estimator_.forces(), after_.vehicle);
+    publish_remarks(estimate);
     bus_.publish(kIdentificationChannel, encode(estimate.identification));
     // What there is to do comes before what it follows from: who has the one has the other.
     for (std::size_t w = 0; w < kWheels; ++w) {
-      const Balance& balance = estimate.balance[w];
-      bus_.publish(kCompensationChannel, encode(compensate(balance, vehicle_.wheel[w], vehicle_.limits)));
-      bus_.publish(kBalanceChannel, encode(balance));
+      bus_.publish(kCompensationChannel, encode(after_.compensation[w]));
+      bus_.publish(kBalanceChannel, encode(after_.balance[w]));
     }
+    publish_verification();
     published_ = WallClock::now();
   }
 
@@ -69,6 +81,26 @@ class Follower {
   }
 
  private:
+  void publish_remarks(const DriveEstimate& estimate) {
+    std::vector<std::string> sentences = remarks(estimate.identification, estimate.balance);
+    if (std::string obstacle = estimator_.obstacle(); !obstacle.empty())
+      sentences.insert(sentences.begin(), std::move(obstacle));
+    if (!before_name_.empty() && !before_ && before_in_.finished())
+      sentences.push_back("the recording of the drive before, " + before_name_ +
+                          ", cannot be compared with: rb-analyser says why where it was started");
+    for (const Remark& remark : remarks_of(estimate.identification.time_ns, sentences))
+      bus_.publish(kRemarkChannel, encode(remark));
+  }
+
+  void publish_verification() {
+    if (before_name_.empty()) return;
+    if (!before_) before_ = before_in_.receive_for(std::chrono::seconds(0));
+    if (!before_ && before_in_.finished()) return;
+    for (const WheelVerification& wheel :
+         before_ ? verify_weights(*before_, after_) : reading_before(before_name_))
+      bus_.publish(kVerificationChannel, encode(wheel));
+  }
+
   static bool is_last(const SealedBlock& block) {
     return block.kind == BlockKind::kEnd ||
            (block.kind == BlockKind::kGap && decode_gap(block).cause == GapCause::kNodeCrash);
@@ -117,7 +149,10 @@ class Follower {
 
   Bus bus_;
   RecordReader reader_;
-  const VehicleConfig& vehicle_;
+  const std::string before_name_;
+  In<BalancedDrive> before_in_;
+  std::optional<BalancedDrive> before_;
+  BalancedDrive after_;  ///< this drive so far
   DriveEstimator estimator_;
   LiveOrders orders_;
   DurableGate gate_;
@@ -135,8 +170,9 @@ class Follower {
 
 }  // namespace
 
-void follow_record(std::stop_token stop, const AnalyserOptions& options, const VehicleConfig& vehicle) {
-  Follower follower(options, vehicle);
+void follow_record(std::stop_token stop, const AnalyserOptions& options, const VehicleConfig& vehicle,
+                   In<BalancedDrive> before) {
+  Follower follower(options, vehicle, std::move(before));
   while (!stop.stop_requested() && !(follower.ended() && options.exit_at_end && options.may_exit()))
     follower.step(stop);
   for (int i = 0; i < kFarewells && follower.ended(); ++i) {

@@ -4,7 +4,9 @@
 #include <stop_token>
 
 #include "common/config/vehicle_config.hpp"
+#include "common/process/channel.hpp"
 #include "host/analyser/analyser.hpp"
+#include "host/balance/verification.hpp"
 
 namespace roadbalance {
 
@@ -17,8 +19,11 @@ inline constexpr std::chrono::milliseconds kRecordPoll{50};
 /// the estimates are bit for bit those of the finished record.  A recorder that has been silent for some
 /// seconds promises nothing more; then what the record holds counts.
 ///
-/// Publishes each new estimate, and the last one again every second for those who come late; orders once a
-/// second.
-void follow_record(std::stop_token stop, const AnalyserOptions& options, const VehicleConfig& vehicle);
+/// Publishes each new estimate with its remarks, and the last one again every second for those who come late;
+/// orders once a second.
+///
+/// @param before  brings what the drive before told, if options name one: then it is compared with this one
+void follow_record(std::stop_token stop, const AnalyserOptions& options, const VehicleConfig& vehicle,
+                   In<BalancedDrive> before);
 
 }  // namespace roadbalance

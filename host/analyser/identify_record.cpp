@@ -7,7 +7,6 @@
 #include "common/config/section.hpp"
 #include "host/analyser/recorded_vehicle.hpp"
 #include "host/analyser/refined_clocks.hpp"
-#include "host/balance/compensation.hpp"
 #include "host/identify/assemble.hpp"
 #include "host/identify/decimate.hpp"
 #include "host/identify/doubt.hpp"
@@ -71,14 +70,18 @@ RecordingDefects collect_stretches(const std::filesystem::path& folder, bool ref
   return defects;
 }
 
-RecordedEstimate identify_record(const std::filesystem::path& folder, bool refine) {
+RecordedEstimate identify_record(const std::filesystem::path& folder, bool refine,
+                                 const std::stop_token& stop) {
   std::optional<AngleAgain> angles;
   std::optional<DriveEstimator> estimator;
   std::optional<VehicleConfig> vehicle;
   const RecordingDefects defects =
       read_with_angles(folder, refine, angles,
                        {[&](const VehicleConfig& recorded) { estimator.emplace(vehicle.emplace(recorded)); },
-                        [&](const SealedBlock& block) { estimator->consume(block); },
+                        [&](const SealedBlock& block) {
+                          if (stop.stop_requested()) throw Interrupted();
+                          estimator->consume(block);
+                        },
                         [&](const ClockFit& fit) { estimator->consume(fit); }});
   DriveEstimate estimate = estimator->estimate();
   std::string obstacle = estimator->obstacle();
@@ -92,9 +95,7 @@ RecordedEstimate identify_record(const std::filesystem::path& folder, bool refin
         obstacle += (obstacle.empty() ? "" : "; ") +
                     std::string(kWheelNames[static_cast<std::size_t>(wheel)]) + ": " + why;
     }
-  std::array<Compensation, kWheels> compensation;
-  for (std::size_t w = 0; w < kWheels; ++w)
-    compensation[w] = compensate(estimate.balance[w], vehicle->wheel[w], vehicle->limits);
+  const auto compensation = compensate_all(estimate.balance, estimator->forces(), *vehicle);
   std::optional<OverallPlan> overall;
   if (const DriveForces& forces = estimator->forces(); !forces.speed.empty())
     overall = plan_overall(forces, *vehicle, compensation);

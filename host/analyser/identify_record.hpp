@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <stdexcept>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -33,8 +35,15 @@ struct RecordedEstimate {
 /// @param refine  do not use the clocks' relations and the wheels' angles as they were known live: compute
 ///                them again from the recorded exchanges and edges, with what came before and after each
 ///                instant
-/// @throws as read_recording
-RecordedEstimate identify_record(const std::filesystem::path& folder, bool refine = false);
+/// @param stop    asked between blocks
+/// @throws as read_recording; Interrupted if told to stop
+RecordedEstimate identify_record(const std::filesystem::path& folder, bool refine = false,
+                                 const std::stop_token& stop = {});
+
+/// Somebody who asked for an estimate no longer wants it.
+struct Interrupted : std::runtime_error {
+  Interrupted() : std::runtime_error("interrupted") {}
+};
 
 /// The steady stretches of a finished recording for any Estimator: the same blocks and angles.
 ///

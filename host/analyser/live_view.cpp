@@ -14,6 +14,7 @@
 #include "common/bus/results.hpp"
 #include "common/clock/clocks.hpp"
 #include "host/analyser/envelopes.hpp"
+#include "host/analyser/knocks.hpp"
 #include "host/analyser/levels.hpp"
 #include "host/analyser/spectra.hpp"
 #include "host/analyser/spectrum_view.hpp"
@@ -46,6 +47,7 @@ struct NodeView {
   LevelMeter levels;
   SpectrumMeter spectra;
   EnvelopeMeter envelopes;
+  KnockMeter knocks;
   std::int64_t epoch = 0;
   std::int64_t last_sequence = 0;
   std::int64_t skipped = 0;
@@ -69,7 +71,8 @@ class LiveView {
   LiveView(const std::string& url, const VehicleConfig& vehicle)
       : bus_(url), transfers_(vehicle), spectra_(vehicle), waterfalls_(vehicle) {
     for (const auto& node : vehicle.node)
-      nodes_.emplace(node.id, NodeView{LevelMeter(vehicle, node), SpectrumMeter(node), EnvelopeMeter(node)});
+      nodes_.emplace(node.id, NodeView{LevelMeter(vehicle, node), SpectrumMeter(node), EnvelopeMeter(node),
+                                       KnockMeter(node)});
     const auto take = [this](std::string_view, std::span<const std::uint8_t> bytes) { add(bytes); };
     bus_.subscribe("RB_BLOCK_.*", take);
     bus_.subscribe("RB_PREVIEW_.*", take);
@@ -139,6 +142,7 @@ class LiveView {
     const ScanBlock scans = decode_scan(*block_);
     node->second.levels.add(scans);
     node->second.spectra.add(scans);
+    if (const auto knock = node->second.knocks.add(scans)) bus_.publish(kKnockChannel, encode(*knock));
     if (block_->header.sequence == 0) return;  // a preview skips
     node->second.envelopes.add(scans);
     transfers_.consume(*block_);

@@ -34,6 +34,9 @@ int main(int argc, char** argv) {
   app.add_option("--recordings", recordings,
                  "folder of rb-recorder --recordings: follows each recording in turn")
       ->excludes(record);
+  app.add_option("--before", options.before,
+                 "finished recording of the drive before weights were fitted: what they have done is told")
+      ->check(CLI::ExistingDirectory);
   app.add_flag("--exit-at-end", options.exit_at_end,
                "exit once every node has ended and the last estimate is out");
   try {

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "common/vehicle/unbalance_response.hpp"
+#include "host/balance/compensation.hpp"
 #include "host/balance/overall.hpp"
 #include "host/balance/weight_plan.hpp"
 
@@ -149,6 +150,20 @@ std::array<WheelVibration, kWheels> wheel_vibration(const DriveForces& drive, co
     result[w] = {kNotKnown, kNotKnown};
     if (!of_wheel.empty())
       result[w] = {rms(of_wheel, -1, {}, all * seconds), rms(of_wheel, -1, steps, all * seconds)};
+  }
+  return result;
+}
+
+std::array<Compensation, kWheels> compensate_all(const std::array<Balance, kWheels>& balance,
+                                                 const DriveForces& drive, const VehicleConfig& vehicle) {
+  std::array<Compensation, kWheels> result;
+  for (std::size_t w = 0; w < kWheels; ++w)
+    result[w] = compensate(balance[w], vehicle.wheel[w], vehicle.limits);
+  if (drive.speed.empty()) return result;
+  const auto vibration = wheel_vibration(drive, vehicle, result);
+  for (std::size_t w = 0; w < kWheels; ++w) {
+    result[w].seat_now_m_s2 = vibration[w].now;
+    result[w].seat_left_m_s2 = vibration[w].left;
   }
   return result;
 }

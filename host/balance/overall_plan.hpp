@@ -67,4 +67,8 @@ OverallPlan plan_overall(const DriveForces& drive, const VehicleConfig& vehicle,
 std::array<WheelVibration, kWheels> wheel_vibration(const DriveForces& drive, const VehicleConfig& vehicle,
                                                     const std::array<Compensation, kWheels>& by_wheel);
 
+/// compensate() of each wheel, with what the seats feel of it where the drive tells that.
+std::array<Compensation, kWheels> compensate_all(const std::array<Balance, kWheels>& balance,
+                                                 const DriveForces& drive, const VehicleConfig& vehicle);
+
 }  // namespace roadbalance

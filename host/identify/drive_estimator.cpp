@@ -68,6 +68,8 @@ DriveEstimator::DriveEstimator(const VehicleConfig& vehicle)
         std::string(obstacle_.empty() ? "" : "; ") +
         "no vertical sensor shows the carrier of some wheel: unbalances come from the body alone, with "
         "springs, dampers and tyres as vehicle.toml has them";
+  estimate_.identification.least_speed_m_s = vehicle.drive.least_speed_m_s;
+  estimate_.identification.seconds_needed = kLeastSections * vehicle.drive.section_s;
   for (int i = 0; i < kWheels; ++i) estimate_.balance[static_cast<std::size_t>(i)].wheel = i;
   const bool angle =
       std::any_of(vehicle.wheel.begin(), vehicle.wheel.end(), [](const auto& w) { return !w.node.empty(); });
@@ -198,6 +200,7 @@ void DriveEstimator::describe_drive(const SpeedClasses& drive) {
     if (result.speed_class.size() < kMaxSpeedClasses)
       result.speed_class.push_back({total.speed_seconds / total.seconds, total.seconds});
   }
+  result.seconds_needed = kLeastSections * result.seconds_used / result.sections;
   for (int w = 0; w < kWheels; ++w) {
     Balance& balance = estimate_.balance[static_cast<std::size_t>(w)];
     balance.time_ns = news_ns_;

@@ -67,6 +67,13 @@ BusView::BusView(const std::string& url) : bus_(url) {
     news_ = news_ || (message->wheel == kWheels - 1 && (!last || last->time_ns != message->time_ns));
     last = *message;
   });
+  bus_.subscribe(kRemarkChannel, [this](std::string_view, Bytes bytes) {
+    if (const auto remark = decode_remark(bytes)) remarks_[remark->number] = *remark;
+  });
+  bus_.subscribe(kVerificationChannel, [this](std::string_view, Bytes bytes) {
+    if (const auto wheel = decode_verification(bytes))
+      verification_[static_cast<std::size_t>(wheel->wheel)] = *wheel;
+  });
   bus_.subscribe(kRecorderChannel, [this](std::string_view, Bytes bytes) {
     if (const auto status = decode_recorder_status(bytes)) take(*status);
   });
@@ -83,6 +90,16 @@ Compensation BusView::compensation(std::size_t wheel) const {
   const auto& of = balance_[wheel];
   if (found && of && found->time_ns == of->time_ns) return *found;
   return {.wheel = static_cast<std::int32_t>(wheel)};
+}
+
+std::vector<std::string> BusView::remarks() const {
+  std::vector<std::string> sentences;
+  const auto first = remarks_.find(0);
+  if (first == remarks_.end()) return sentences;
+  for (const auto& [number, remark] : remarks_)
+    if (number < first->second.remarks && remark.time_ns == first->second.time_ns)
+      sentences.push_back(remark.text);
+  return sentences;
 }
 
 // What comes from the bus is bounded.

@@ -14,7 +14,9 @@
 #include "common/bus/control.hpp"
 #include "common/bus/order_report.hpp"
 #include "common/bus/recorder_status.hpp"
+#include "common/bus/remark.hpp"
 #include "common/bus/results.hpp"
+#include "common/bus/verification.hpp"
 #include "common/clock/clocks.hpp"
 #include "common/clock/exchange.hpp"
 #include "tools/rb/sealing_rate.hpp"
@@ -44,6 +46,10 @@ class BusView {
   const std::array<std::optional<Balance>, kWheels>& balance() const { return balance_; }
   /// What there is to do about the wheel; of a balance that nothing came with it is to be unknown.
   Compensation compensation(std::size_t wheel) const;
+  /// What the newest estimate rests on, as far as all of it was heard.
+  std::vector<std::string> remarks() const;
+  /// What weights have done, if the analyser knows the drive before them.
+  const std::array<std::optional<WheelVerification>, kWheels>& verification() const { return verification_; }
   const std::map<std::int32_t, Level>& levels() const { return levels_; }
   /// By wheel and node.
   const std::map<std::pair<std::int32_t, std::int32_t>, OrderReport>& orders() const { return orders_; }
@@ -78,6 +84,8 @@ class BusView {
   std::optional<Identification> identification_;
   std::array<std::optional<Balance>, kWheels> balance_;
   std::array<std::optional<Compensation>, kWheels> compensation_;
+  std::map<std::int32_t, Remark> remarks_;  ///< by number
+  std::array<std::optional<WheelVerification>, kWheels> verification_;
   std::map<std::int32_t, Level> levels_;
   std::map<std::pair<std::int32_t, std::int32_t>, OrderReport> orders_;
   std::map<std::int32_t, Heartbeat> heartbeats_;

@@ -23,7 +23,7 @@ class Threads final : public DemoTeam {
       report_ = run_recorder(stop, options);
     });
     others_.run([this](std::stop_token stop) {
-      run_analyser(stop, {plan_.url(), plan_.record(), true});
+      run_analyser(stop, {.url = plan_.url(), .record = plan_.record(), .exit_at_end = true});
       --at_work_;
     });
     for (const NodeConfig& node : plan.vehicle().node)

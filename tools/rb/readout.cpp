@@ -10,7 +10,6 @@
 
 #include "common/text/format.hpp"
 #include "host/balance/weight_plan.hpp"
-#include "host/identify/drive_estimator.hpp"
 #include "host/identify/remarks.hpp"
 
 namespace roadbalance {
@@ -94,8 +93,7 @@ std::vector<std::string> advice_lines(const Balance& balance, const Compensation
 std::string identification_line(const Identification& identification, const std::string& missing) {
   if (identification.state == Unknown::kTooShort && identification.sections > 0)
     return format("suspension: not known: %.0f s of steady driving so far, %.0f needed",
-                  identification.seconds_used,
-                  kLeastSections * identification.seconds_used / identification.sections);
+                  identification.seconds_used, identification.seconds_needed);
   if (identification.state != Unknown::kNone)
     return "suspension: not known: " + reason(identification.state) +
            (identification.state == Unknown::kIllConditioned && !missing.empty() ? ": " + missing : "");

@@ -3,6 +3,7 @@
 #include "host/recorder/status_line.hpp"
 #include "tools/rb/compensation_json.hpp"
 #include "tools/rb/order_lines.hpp"
+#include "tools/rb/verification_line.hpp"
 #include "tools/study/wheels_json.hpp"
 
 namespace roadbalance {
@@ -144,9 +145,13 @@ Json watch_json(const BusView& view) {
   for (const auto& [node, fit] : view.clocks()) clocks.push_back(clock_json(fit));
   Json orders = Json::array();
   for (const auto& [key, report] : view.orders()) orders.push_back(order_report_json(report));
-  return {{"wheels", wheels(view)}, {"compensation", compensation(view)},
-          {"recorders", recorders}, {"nodes", nodes},
-          {"clocks", clocks},       {"orders", orders}};
+  Json verification = Json::array();
+  for (const auto& wheel : view.verification())
+    if (wheel) verification.push_back(wheel_verification_json(*wheel));
+  return {{"wheels", wheels(view)},    {"compensation", compensation(view)},
+          {"remarks", view.remarks()}, {"verification", verification},
+          {"recorders", recorders},    {"nodes", nodes},
+          {"clocks", clocks},          {"orders", orders}};
 }
 
 }  // namespace roadbalance

@@ -6,6 +6,7 @@
 #include "tools/rb/clock_line.hpp"
 #include "tools/rb/order_lines.hpp"
 #include "tools/rb/readout.hpp"
+#include "tools/rb/verification_line.hpp"
 
 namespace roadbalance {
 namespace {
@@ -53,7 +54,10 @@ std::vector<std::string> watch_lines(const BusView& view) {
     if (!balance) continue;
     lines.push_back(balance_line(*balance));
     add(advice_lines(*balance, view.compensation(w)));
+    if (const auto& verification = view.verification()[w])
+      lines.push_back("  " + verification_line(*verification));
   }
+  for (const std::string& remark : view.remarks()) lines.push_back("  * " + remark);
   for (const auto& [incarnation, status] : view.recorders()) add(recorder_lines(status, view.heartbeats()));
   if (view.recorders().size() > 1)
     lines.push_back("  ! more than one recorder: a node obeys only one of them");

@@ -63,6 +63,43 @@ TEST_F(BusViewTest, ShowsNodesWithTheirClocks) {
   EXPECT_EQ(json.at("clocks").at(0).at("breaks"), 1);
 }
 
+TEST_F(BusViewTest, ShowsWhatTheNewestEstimateRestsOn) {
+  for (const Remark& remark : remarks_of(1, {"the scale rests on masses", "static only"}))
+    hear(kRemarkChannel, encode(remark));
+  EXPECT_TRUE(said("  * static only"));
+  EXPECT_EQ(watch_json(view_).at("remarks").size(), 2U);
+  // Of the estimate after it one sentence is left.
+  hear(kRemarkChannel, encode(remarks_of(2, {"the scale rests on masses"})[0]));
+  EXPECT_TRUE(said("  * the scale rests on masses"));
+  EXPECT_FALSE(said("static only"));
+  hear(kRemarkChannel, encode(remarks_of(3, {})[0]));
+  EXPECT_FALSE(said("  * "));
+}
+
+TEST_F(BusViewTest, ShowsWhatWeightsHaveDone) {
+  hear(kBalanceChannel, encode(Balance{.wheel = 1}));
+  WheelVerification wheel{.wheel = 1,
+                          .state = VerificationState::kKnown,
+                          .verdict = VerificationVerdict::kGood,
+                          .placement = WeightPlacement::kAsWanted,
+                          .reduction = 0.94,
+                          .sigma_reduction = 0.021,
+                          .text = "drive1"};
+  wheel.before_g << 35.0, 0.0;
+  wheel.after_g << 0.0, 2.1;
+  hear(kVerificationChannel, encode(wheel));
+  EXPECT_TRUE(said("before (drive1) 35.0 g, now 2.1 g: 94 % less, ± 3 %; good"));
+  const auto json = watch_json(view_).at("verification").at(0);
+  EXPECT_EQ(json.at("wheel"), "front_right");
+  EXPECT_EQ(json.at("verdict"), "good");
+  EXPECT_EQ(json.at("placement"), "as_wanted");
+  wheel.state = VerificationState::kNotComparable;
+  wheel.text = "another encoder";
+  hear(kVerificationChannel, encode(wheel));
+  EXPECT_TRUE(said("no comparison: another encoder"));
+  EXPECT_TRUE(watch_json(view_).at("verification").at(0).at("after_g").is_null());
+}
+
 TEST_F(BusViewTest, ShowsWhatDevicesSuffer) {
   Heartbeat beat{.node = 2, .epoch = 9};
   EXPECT_TRUE(hear(heartbeat_channel(2), encode(beat)));

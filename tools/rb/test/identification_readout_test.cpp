@@ -18,6 +18,7 @@ TEST(IdentificationLine, SaysHowFarItIsFromAnEstimate) {
             "suspension: not known: not enough driving at a steady speed yet");
   identification.sections = 4;
   identification.seconds_used = 40.0;
+  identification.seconds_needed = 60.0;
   EXPECT_EQ(identification_line(identification),
             "suspension: not known: 40 s of steady driving so far, 60 needed");
 }

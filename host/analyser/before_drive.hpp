@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <stop_token>
+#include <string>
+
+#include "common/process/channel.hpp"
+#include "host/balance/verification.hpp"
+
+namespace roadbalance {
+
+/// A finished recording and what it told.
+///
+/// @param stop  asked between blocks
+/// @throws as identify_record
+BalancedDrive evaluate_drive(const std::filesystem::path& folder, const std::stop_token& stop = {});
+
+/// Process: the recording of the drive before -> what it told, once.  It may take a while: an hour's drive a
+/// minute.  One that cannot be read is a warning, and nothing is sent: the drive of now matters more.
+void recall_before(std::stop_token stop, const std::filesystem::path& folder, Out<BalancedDrive> drive,
+                   const std::function<void(const std::string&)>& warn);
+
+}  // namespace roadbalance
