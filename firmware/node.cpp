@@ -17,6 +17,7 @@
 #include "common/process/realtime.hpp"
 #include "firmware/acquire.hpp"
 #include "firmware/clock_answer.hpp"
+#include "firmware/describe.hpp"
 #include "firmware/device_diary.hpp"
 #include "firmware/pack.hpp"
 #include "firmware/readout_clock.hpp"
@@ -138,6 +139,7 @@ EpochResult run_epoch(std::stop_token stop, const VehicleConfig& vehicle, const 
     uplink(stop_here, open, node_link, options.warn);
     processes.request_stop();  // acquire has ended; the clock answers as long as the node lives
   });
+  processes.run(describe, options.bus_url, std::cref(vehicle), std::cref(node));
   processes.run(
       [&](std::stop_token stop_here) { keep_diary(stop_here, front_end, link, options, is_first); });
   if (clock) processes.run(answer_clock, std::ref(*clock), node.id, epoch, std::cref(front_end));

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <stop_token>
+#include <string>
+
+#include "common/config/vehicle_config.hpp"
+
+namespace roadbalance {
+
+/// Process: says on the bus once a second what the node is (setup_t), recorded or not.
+///
+/// While there is no bus it goes on trying: the uplink says why.  Ends when told to stop.
+void describe(std::stop_token stop, const std::string& bus_url, const VehicleConfig& vehicle,
+              const NodeConfig& node);
+
+}  // namespace roadbalance
