@@ -3,19 +3,26 @@
 #include <cmath>
 #include <complex>
 #include <cstdio>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <string>
 #include <string_view>
 #include <thread>
+#include <vector>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/clock_messages.hpp"
 #include "common/bus/compensation.hpp"
 #include "common/bus/control.hpp"
+#include "common/bus/knock.hpp"
 #include "common/bus/operation.hpp"
 #include "common/bus/recorder_status.hpp"
+#include "common/bus/recording.hpp"
+#include "common/bus/remark.hpp"
 #include "common/bus/results.hpp"
+#include "common/bus/setup.hpp"
+#include "common/bus/verification.hpp"
 #include "common/process/stop_on_signal.hpp"
 
 // rb-web-scene URL SCENE: says on the bus, 25 times a second, what a car in a state that is wanted would
@@ -29,12 +36,16 @@ constexpr std::int64_t kIncarnation = 1'763'741'000'000;
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 struct Scene {
-  bool known = true;     ///< the unbalances
-  bool armed = false;    ///< a recording has ended, with a receipt; the next may begin
-  bool trouble = false;  ///< disk full, samples lost, clock held over, overload, dead channel, faulty turns
+  bool known = true;      ///< the unbalances
+  bool armed = false;     ///< a recording has ended, with a receipt; the next may begin
+  bool verified = false;  ///< a drive before weights were fitted is known
+  bool trouble = false;   ///< disk full, samples lost, clock held over, overload, dead channel, faulty turns
 };
-const std::map<std::string_view, Scene> kScenes{
-    {"known", {}}, {"armed", {.armed = true}}, {"unknown", {.known = false}}, {"trouble", {.trouble = true}}};
+const std::map<std::string_view, Scene> kScenes{{"known", {}},
+                                                {"armed", {.armed = true}},
+                                                {"unknown", {.known = false}},
+                                                {"verified", {.verified = true}},
+                                                {"trouble", {.trouble = true}}};
 
 RecorderStatus recorder(const Scene& scene) {
   RecorderStatus status;
@@ -47,6 +58,7 @@ RecorderStatus recorder(const Scene& scene) {
   status.operable = true;
   status.state = scene.trouble ? RecorderState::kDiskFull : RecorderState::kRecording;
   status.bytes_recorded = 4'560'000'000;
+  status.bytes_free = 400'000'000'000;
   status.seconds_left = scene.trouble ? 0.0 : 5.5 * 3600;
   if (scene.armed) {
     status.incarnation = 0;
@@ -118,6 +130,10 @@ Level level(const Scene& scene, int node) {
   return level;
 }
 
+/// What weights at 37 degrees make of 35 g at 217: nearly nothing; fitted at -37, 2 |sin 37| times as much;
+/// at 217 twice as much; or not fitted.
+constexpr std::array kAfter_g{2.0, 42.1, 70.0, 35.0}, kAfterDegrees{80.0, 270.0, 217.0, 217.0};
+
 /// 35 g at 217 degrees on both front wheels, whose weights then go to 37.
 Balance balance(const Scene& scene, std::int32_t wheel) {
   constexpr std::array kGrams{35.0, 35.0, 12.0, 14.0};
@@ -132,8 +148,8 @@ Balance balance(const Scene& scene, std::int32_t wheel) {
     return balance;
   }
   balance.state = Unknown::kNone;
-  balance.unbalance_g = kGrams[w];
-  balance.angle_rad = kDegrees[w] * kDegree;
+  balance.unbalance_g = scene.verified ? kAfter_g[w] : kGrams[w];
+  balance.angle_rad = (scene.verified ? kAfterDegrees[w] : kDegrees[w]) * kDegree;
   balance.covariance_g2 << 9.0, 2.0, 2.0, 4.0;
   balance.sigma_g = 2.5;
   balance.sigma_rad = 4.0 * kDegree;
@@ -145,7 +161,7 @@ Balance balance(const Scene& scene, std::int32_t wheel) {
   return balance;
 }
 
-Compensation compensation(const Balance& of) {
+Compensation compensation(const Scene& scene, const Balance& of) {
   Compensation plan;
   plan.wheel = of.wheel;
   plan.time_ns = of.time_ns;
@@ -156,8 +172,13 @@ Compensation compensation(const Balance& of) {
                   .permissible_grade_mm_s = 40.0,
                   .grade_mm_s = 3.4,
                   .force_left_share = 0.1};
+  plan.wanted_sigma_g = 2.0;
+  constexpr std::array kSecondsWanted{42.0, 0.0, std::numeric_limits<double>::infinity(), 0.0};
+  plan.seconds_wanted = kSecondsWanted[static_cast<std::size_t>(of.wheel)];
+  plan.seat_now_m_s2 = 0.052;
+  plan.seat_left_m_s2 = 0.0043;
   const auto weight = [&](double grams, double angle_rad) { return WheelWeight{grams, angle_rad, 0.19}; };
-  switch (of.wheel) {
+  switch (scene.verified && of.wheel == 0 ? 3 : of.wheel) {
     case 0:
     case 1:
       plan.advice = Advice::kSteps;
@@ -179,8 +200,107 @@ Compensation compensation(const Balance& of) {
 Identification identification(const Scene& scene) {
   Identification known;
   known.seconds_used = scene.known ? 280.0 : 18.0;
+  known.seconds_needed = 60.0;
+  known.least_speed_m_s = 32.0;
   known.state = scene.known ? Unknown::kNone : Unknown::kTooShort;
   return known;
+}
+
+/// 217 degrees and 35 g before; 2 g, the mirrored place, the heavy spot itself, no effect.
+WheelVerification verification(std::int32_t wheel) {
+  constexpr std::array kPlacements{WeightPlacement::kAsWanted, WeightPlacement::kMirrored,
+                                   WeightPlacement::kOpposite, WeightPlacement::kNoEffect};
+  constexpr std::array kVerdicts{VerificationVerdict::kGood, VerificationVerdict::kMore,
+                                 VerificationVerdict::kMore, VerificationVerdict::kUnchanged};
+  const auto w = static_cast<std::size_t>(wheel);
+  WheelVerification v{.wheel = wheel,
+                      .time_ns = 1,
+                      .state = VerificationState::kKnown,
+                      .verdict = kVerdicts[w],
+                      .placement = kPlacements[w],
+                      .weight_radius_m = 0.19,
+                      .reduction = 1.0 - kAfter_g[w] / 35.0,
+                      .sigma_reduction = 0.04,
+                      .text = "2026-11-22-first"};
+  v.before_g << 35.0 * std::cos(217 * kDegree), 35.0 * std::sin(217 * kDegree);
+  v.after_g << kAfter_g[w] * std::cos(kAfterDegrees[w] * kDegree),
+      kAfter_g[w] * std::sin(kAfterDegrees[w] * kDegree);
+  return v;
+}
+
+NodeSetup setup(int node) {
+  NodeSetup setup{.node = node,
+                  .name = node == 1 ? "front" : "rear",
+                  .vehicle = "demonstration car",
+                  .vehicle_crc32c = 1234,
+                  .rate_hz = 2000.0,
+                  .filter_order = 6,
+                  .filter_cutoff_hz = 200.0,
+                  .channel = {},
+                  .encoder = {}};
+  for (std::size_t c = 0; c < 12; ++c) {
+    const bool left = c % 2 == 0;
+    const float side = left ? 1.0F : -1.0F;
+    NodeSetup::Channel& channel = setup.channel.emplace_back();
+    channel.name = std::string(left ? "left" : "right") + "_" + std::to_string(c / 2 + 1);
+    channel.mount = c < 2 ? 2 * (node - 1) + (left ? 0 : 1) : -1;
+    channel.position_m = {(node == 1 ? 1.2F : -1.3F) + 0.1F * static_cast<float>(c / 2), 0.7F * side, 0.1F};
+    // The last pair: the right one is mounted upside down, and so it says.
+    channel.direction = {0.0F, 0.0F, c == 11 ? -1.0F : 1.0F};
+    channel.range_m_s2 = c < 2 ? 200.0F : 50.0F;
+    channel.scale_m_s2_per_count = channel.range_m_s2 / 8388608.0F;
+  }
+  for (std::size_t line = 0; line < 2; ++line)
+    setup.encoder[line] = {static_cast<std::int32_t>(2 * (node - 1)) + static_cast<std::int32_t>(line), 48,
+                           static_cast<std::int32_t>(EncoderTrait::kZeroMark), 0.5, 0.002};
+  return setup;
+}
+
+/// Upwards on the channel that is mounted upside down, whose wires are right.
+Knock knock(const Scene& scene) {
+  Knock knock{.node = 2, .time_ns = 1, .number = 3, .channel = scene.trouble ? 1 : 11};
+  knock.first_m_s2.fill(0.02);
+  knock.peak_m_s2.fill(0.03);
+  knock.first_m_s2[static_cast<std::size_t>(knock.channel)] = -4.0;
+  knock.peak_m_s2[static_cast<std::size_t>(knock.channel)] = 5.0;
+  return knock;
+}
+
+RecordingReceipt recording(const Scene& scene, std::int32_t number) {
+  constexpr std::int64_t kHour_us = 3'600'000'000;
+  RecordingReceipt receipt{
+      .number = number, .recordings = 3, .name = "2026-11-22-drive-" + std::to_string(number)};
+  receipt.vehicle = "demonstration car";
+  receipt.first_us = 1000 * kIncarnation - number * kHour_us;
+  receipt.last_us = receipt.first_us + kHour_us / 2;
+  receipt.bytes = 1'230'000'000;
+  constexpr std::array kStates{RecordingState::kGrowing, RecordingState::kComplete,
+                               RecordingState::kIncomplete};
+  receipt.state = kStates[static_cast<std::size_t>(number)];
+  if (number == 2 && scene.trouble) receipt.state = RecordingState::kDamaged;
+  receipt.refused = receipt.state == RecordingState::kDamaged ? 2 : 0;
+  receipt.verdict = number == 0 ? "" : number == 1 ? "complete" : "incomplete, every gap declared";
+  if (number > 0)
+    for (std::int32_t node = 1; node <= 2; ++node)
+      receipt.node.push_back({node, 3'600'000, number == 2 ? 40 : 0, 3, 1800.0, 0.2 * (node - 1), 12e-6});
+  receipt.mark = {{receipt.first_us + 60'000'000, "weights fitted"}};
+  receipt.marks = 1;
+  return receipt;
+}
+
+void say_rest(Bus& bus, const Scene& scene) {
+  for (int node = 1; node <= 2; ++node) bus.publish(setup_channel(node), encode(setup(node)));
+  bus.publish(kKnockChannel, encode(knock(scene)));
+  for (std::int32_t number = 0; number < 3; ++number)
+    bus.publish(kRecordingChannel, encode(recording(scene, number)));
+  const std::vector<std::string> sentences{
+      "the scale of grams and N/m rests on the wheels' masses in vehicle.toml",
+      "static unbalance only: couple unbalance leaves no trace in vertical sensors"};
+  for (const Remark& remark : remarks_of(0, scene.known ? sentences : std::vector<std::string>()))
+    bus.publish(kRemarkChannel, encode(remark));
+  if (scene.verified)
+    for (std::int32_t wheel = 0; wheel < kWheels; ++wheel)
+      bus.publish(kVerificationChannel, encode(verification(wheel)));
 }
 
 void say(Bus& bus, const Scene& scene) {
@@ -195,8 +315,9 @@ void say(Bus& bus, const Scene& scene) {
   for (std::int32_t wheel = 0; wheel < kWheels; ++wheel) {
     const Balance of = balance(scene, wheel);
     bus.publish(kBalanceChannel, encode(of));
-    bus.publish(kCompensationChannel, encode(compensation(of)));
+    bus.publish(kCompensationChannel, encode(compensation(scene, of)));
   }
+  say_rest(bus, scene);
 }
 
 }  // namespace
@@ -205,7 +326,7 @@ int main(int argc, char** argv) {
   const StopOnSignal signals;
   const auto scene = argc == 3 ? kScenes.find(argv[2]) : kScenes.end();
   if (scene == kScenes.end()) {
-    std::fprintf(stderr, "usage: rb-web-scene URL known|armed|unknown|trouble\n");
+    std::fprintf(stderr, "usage: rb-web-scene URL known|armed|unknown|verified|trouble\n");
     return 2;
   }
   Bus bus(argv[1]);

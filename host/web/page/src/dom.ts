@@ -34,3 +34,31 @@ export function setLines(element: Element, lines: readonly string[]): void {
   while (element.children.length < lines.length) element.append(el("p"));
   lines.forEach((line, k) => setText(element.children[k] as Element, line));
 }
+
+export interface Cell {
+  readonly text: string;
+  /** Of the cell's colour and weight: "good", "bad", ... */
+  readonly tone?: string;
+}
+
+/** The body of a table, touched only where it changes. */
+export function setRows(body: Element, rows: readonly (readonly Cell[])[]): void {
+  while (body.children.length > rows.length) body.lastElementChild?.remove();
+  while (body.children.length < rows.length) body.append(el("tr"));
+  rows.forEach((cells, r) => {
+    const row = body.children[r] as Element;
+    while (row.children.length > cells.length) row.lastElementChild?.remove();
+    while (row.children.length < cells.length) row.append(el("td"));
+    cells.forEach(({text, tone}, c) => {
+      const cell = row.children[c] as Element;
+      setText(cell, text);
+      setAttributes(cell, {"data-tone": tone ?? ""});
+    });
+  });
+}
+
+/** A table that scrolls by itself where it is too wide. */
+export function table(caption: string, heads: readonly string[], body: HTMLElement): HTMLElement {
+  return el("div", {class: "table", tabindex: "0", role: "region", "aria-label": caption}, [
+    el("table", {}, [el("thead", {}, [el("tr", {}, heads.map((head) => el("th", {scope: "col"}, [head])))]), body])]);
+}

@@ -1,10 +1,11 @@
 // A bar for each acceleration: rms, and the peak of the last seconds.
 import {isFresh, type Car, type Heard} from "./car";
 import {el, setAttributes, setText} from "./dom";
+import {speed} from "./units";
 import type {Level} from "./wire";
 
 /** Channels 13 to 16 are the wheels' references. */
-const kAccelerations = 12;
+export const kAccelerations = 12;
 /** As in style.css. */
 const kTrackPixels = 64;
 /** Nobody reads numbers that change faster. */
@@ -53,9 +54,9 @@ class NodeLevels {
 
   draw(car: Car, heard: Heard<Level>, nowMs: number, withNumbers: boolean): void {
     const level = heard.message;
-    const speed = Number.isFinite(level.speed_m_s) ? `${(3.6 * level.speed_m_s).toFixed(0)} km/h` : "no speed";
+    const driven = Number.isFinite(level.speed_m_s) ? speed(level.speed_m_s) : "no speed";
     const old = isFresh(heard, nowMs) ? "" : ` · OLD: ${Math.round((nowMs - heard.atMs) / 1000)} s`;
-    setText(this.title, `Node ${this.node} · ${speed}${old}`);
+    setText(this.title, `Node ${this.node} · ${driven}${old}`);
     setAttributes(this.element, {"data-old": String(old !== "")});
     for (const bar of this.bars) bar.draw(car, level, withNumbers);
   }

@@ -3,6 +3,7 @@ import {Car} from "./car";
 import {el, setAttributes, setText} from "./dom";
 import {Asker} from "./ask";
 import {connectFeed} from "./feed";
+import {DriverView} from "./driver_view";
 import {EquipmentView} from "./equipment_view";
 import {HeaderView} from "./header_view";
 import {HelpView} from "./help_view";
@@ -12,8 +13,11 @@ import {LevelView} from "./level_view";
 import {OperationView} from "./operation_view";
 import {PlotView} from "./plot_view";
 import {ReceiptView} from "./receipt_view";
+import {RecordingsView} from "./recordings_view";
+import {SetupView} from "./setup_view";
 import type {Connection} from "./state";
 import {startTheme, toggleTheme} from "./theme";
+import {toggleUnits, unitsName} from "./units";
 import {Views} from "./view";
 import {kWheelNames} from "./wheel_place";
 import {WheelView} from "./wheel_view";
@@ -42,7 +46,10 @@ function start(): void {
   const views: Views = new Views([
     balance,
     new PlotView(car),
+    new DriverView(car, () => connection, () => views.back()),
+    new SetupView(car),
     new EquipmentView(car, asker),
+    new RecordingsView(car),
     new HelpView(() => keys().filter(({key}) => key !== "Escape"), () => views.back()),
   ], levelView.element);
   const keys = (): Key[] => [
@@ -52,6 +59,11 @@ function start(): void {
       views.show(balance.id);
       balance.focus(wheel);
     }})),
+    {key: "U", does: "grams or ounces, km/h or mph", run: () => {
+      toggleUnits();
+      setText(units, `${unitsName()} (U)`);
+      soon();
+    }},
     {key: "N", does: "day or night", run: toggleTheme},
     {key: "A", does: "acknowledge the lamps", run: () => lampView.acknowledge()},
   ];
@@ -60,6 +72,8 @@ function start(): void {
     made.onclick = () => keys().find((candidate) => candidate.key === key)?.run();
     return made;
   };
+  const units = button(`${unitsName()} (U)`, "U");
+  views.tabs.append(el("span", {class: "beside-tabs"}, [units]));
   const header = new HeaderView([button("Acknowledge (A)", "A"), button("Day/night (N)", "N")], operation.element);
   const rate = el("footer", {id: "rate"});
   document.body.append(header.element, lampView.element, receiptView.element, views.tabs, views.panels, rate);

@@ -87,7 +87,8 @@ export class Views {
   }
 
   private tab(view: View): HTMLElement {
-    const tab = el("button", {type: "button", role: "tab", id: `tab-${view.id}`, "aria-controls": view.id}, [view.title]);
+    const tab = el("button", {type: "button", role: "tab", id: `tab-${view.id}`, "aria-controls": view.id,
+                              "aria-keyshortcuts": view.key}, [view.title]);
     tab.onclick = () => this.show(view.id);
     return tab;
   }

@@ -1,7 +1,8 @@
 // A wheel as who stands beside the car sees it, the zero mark on top.
 import {setAttributes, setText, svg} from "./dom";
+import {weightMass} from "./units";
 import {clockwise, ellipse95, isLeft, place, type Point} from "./wheel_place";
-import {Advice, Unknown, WeightAction, type Balance, type Compensation} from "./wire";
+import {Advice, Unknown, WeightAction, type Balance, type Compensation, type Verification} from "./wire";
 
 // In units of the drawing.
 const kTyre = 108, kRim = 80, kNumerals = 120, kBand = (kTyre + kRim) / 2;
@@ -12,9 +13,9 @@ const polar = (wheel: number, radius: number, angle_rad: number) =>
   place(wheel, radius * Math.cos(angle_rad), radius * Math.sin(angle_rad));
 
 /** Grams that the rim stands for, so that the largest unbalance known fits in. */
-export function fullScale(balances: readonly Balance[]): number {
+export function fullScale(balances: readonly Balance[], verifications: readonly Verification[]): number {
   const largest = Math.max(0, ...balances.filter(({state}) => state === Unknown.None)
-    .map(({unbalance_g, sigma_g}) => unbalance_g + 2.5 * sigma_g));
+    .map(({unbalance_g, sigma_g}) => unbalance_g + 2.5 * sigma_g), ...verifications.map(({before_g}) => Math.hypot(...before_g)));
   return [5, 10, 20, 50, 100, 200, 500].find((scale) => scale >= largest) ?? 1000;
 }
 
@@ -56,6 +57,7 @@ function weight(wheel: number, action: WeightAction, angle_rad: number): SVGElem
 export class WheelDrawing {
   readonly element: SVGElement;
   private readonly ellipse = svg("path", {class: "ellipse"});
+  private readonly before = svg("path", {class: "before"});
   private readonly vector = svg("path", {class: "vector"});
   private readonly spot = svg("circle", {class: "spot", r: 10});
   private readonly weights = svg("g");
@@ -66,16 +68,18 @@ export class WheelDrawing {
     const left = isLeft(wheel);
     this.scale = svg("text", {class: left ? "corner end" : "corner begin", x: left ? 132 : -132, y: 130});
     this.element = svg("svg", {viewBox: "-136 -136 272 272", class: "wheel", role: "img", "aria-hidden": "true"}, [
-      ...face(wheel), this.ellipse, this.vector, this.weights, this.spot, this.unknown, this.scale]);
+      ...face(wheel), this.ellipse, this.before, this.vector, this.weights, this.spot, this.unknown, this.scale]);
   }
 
-  draw(balance: Balance | undefined, plan: Compensation | undefined, rim_g: number): void {
+  draw(balance: Balance | undefined, plan: Compensation | undefined, rim_g: number, verification: Verification | undefined): void {
     const known = balance?.state === Unknown.None;
     setAttributes(this.element, {"data-known": String(known)});
-    setText(this.scale, known ? `rim = ${rim_g} g` : "");
+    setText(this.scale, known ? `rim = ${weightMass(rim_g)}` : "");
     this.weights.replaceChildren();
     if (!known || !balance) return;
     const unit = kRim / rim_g;
+    const [cosine = 0, sine = 0] = verification?.before_g ?? [];
+    setAttributes(this.before, {d: verification ? `M0 0L${at(place(this.wheel, cosine * unit, sine * unit))}` : ""});
     const mean = [balance.unbalance_g * Math.cos(balance.angle_rad), balance.unbalance_g * Math.sin(balance.angle_rad)] as const;
     const outline = ellipse95(mean, balance.covariance_g2, kEllipsePoints)
       .map(([c, s]) => at(place(this.wheel, c * unit, s * unit)));

@@ -1,40 +1,65 @@
-// Balance: four wheels, what is on them and what to do.
+// Balance: four wheels, what is on them, what to do, and what came of it.
 import type {Car} from "./car";
 import {el, setAttributes, setLines, setText} from "./dom";
+import {ProgressRing} from "./progress_ring";
+import {unitSystem} from "./units";
 import type {View} from "./view";
 import {fullScale, WheelDrawing} from "./wheel_drawing";
 import {kWheelNames} from "./wheel_place";
-import {Unknown, type Balance, type Compensation} from "./wire";
-import {basis, heavySpot, whatIsLeft, whatToDo, whyIncurable} from "./words";
+import {Unknown, VerificationVerdict} from "./wire";
+import {basis, heavySpot, progress, remarks, verified, whatIsLeft, whatToDo, whyIncurable, type Step} from "./words";
+
+/** Sentences with a quiet second line. */
+function setSteps(element: Element, steps: readonly Step[]): void {
+  const wanted = steps.map(({text, detail}) => `${text}|${detail}`).join("|");
+  if (element.getAttribute("data-steps") === wanted) return;
+  element.setAttribute("data-steps", wanted);
+  element.replaceChildren(...steps.map(({text, detail}) =>
+    el("p", {}, [`${text}.`, ...(detail ? [" ", el("small", {}, [detail])] : [])])));
+}
 
 class WheelCard {
   readonly element: HTMLElement;
   private readonly drawing: WheelDrawing;
+  private readonly ring = new ProgressRing();
+  private readonly towards = el("span", {class: "towards"});
   private readonly spot = el("p", {class: "spot-sentence"});
   private readonly steps = el("div", {class: "steps"});
   private readonly left = el("p", {class: "left"});
   private readonly incurable = el("p", {class: "incurable"});
-  private drawn: {balance?: Balance | undefined; plan?: Compensation | undefined; rim_g?: number} = {};
+  private readonly verified = el("div", {class: "verified"});
+  private drawn: readonly unknown[] = [];
 
   constructor(private readonly wheel: number, name: string) {
     this.drawing = new WheelDrawing(wheel);
     this.element = el("article", {class: "card", id: `wheel-${wheel + 1}`, tabindex: "0", "aria-label": name}, [
       this.drawing.element,
-      el("div", {class: "text"}, [el("h3", {}, [name]), this.incurable, this.steps, this.spot, this.left])]);
+      el("div", {class: "text"}, [
+        el("div", {class: "head"}, [this.ring.element, el("div", {}, [el("h3", {}, [name]), this.towards])]),
+        this.incurable, this.steps, this.spot]),
+      el("div", {class: "more"}, [this.verified, this.left])]);
   }
 
   draw(car: Car, rim_g: number): void {
     const balance = car.balance.get(this.wheel)?.message;
+    const identification = car.identification?.message;
     const plan = car.advice(this.wheel);
-    if (balance && balance === this.drawn.balance && plan === this.drawn.plan && rim_g === this.drawn.rim_g) return;
-    this.drawn = {balance, plan, rim_g};
+    const verification = car.verification.get(this.wheel)?.message;
+    const wanted = [balance, plan, verification, identification, rim_g, unitSystem()];
+    if (balance && wanted.every((one, k) => one === this.drawn[k])) return;
+    this.drawn = wanted;
     setAttributes(this.element, {"data-known": String(balance?.state === Unknown.None)});
-    this.drawing.draw(balance, plan, rim_g);
-    setLines(this.steps, whatToDo(plan));
-    setText(this.spot, heavySpot(balance));
-    setText(this.left, whatIsLeft(plan));
+    this.drawing.draw(balance, plan, rim_g, verification);
+    const how = progress(balance, plan, identification);
+    this.ring.draw(how);
+    setText(this.towards, how.text);
+    setSteps(this.steps, whatToDo(plan));
+    setText(this.spot, heavySpot(balance, identification));
+    setText(this.left, whatIsLeft(plan, balance));
     const why = whyIncurable(plan);
     setText(this.incurable, why ? `WEIGHTS WILL NOT CURE THIS: ${why}.` : "");
+    setLines(this.verified, verified(verification));
+    setAttributes(this.verified, {"data-verdict": VerificationVerdict[verification?.verdict ?? 0] ?? ""});
   }
 }
 
@@ -47,15 +72,20 @@ export class WheelView implements View {
   readonly element: HTMLElement;
   private readonly cards = kWheelNames.map((name, wheel) => new WheelCard(wheel, name));
   private readonly basis = el("small");
+  private readonly remarks = el("div");
+  private readonly beside = el("section", {class: "remarks", id: "remarks"}, [
+    el("h2", {}, ["What this rests on"]), this.remarks]);
 
   constructor(private readonly car: Car) {
     this.element = el("section", {class: "balance"}, [
       el("h2", {}, ["Balance ", this.basis]),
       el("div", {class: "cards"}, this.cards.map(({element}) => element)),
       el("p", {class: "legend"}, [
-        "Each wheel as seen from outside the car, its zero mark (▼) at 12. ",
+        "Each wheel as seen from outside the car, its zero mark (▼) at 12; ahead of the mark is in the direction of rotation. ",
         el("span", {class: "key spot-key"}, ["● heavy spot"]), " ", el("span", {class: "key weight-key"}, ["■ weight"]), " ",
-        el("span", {class: "key vector-key"}, ["― unbalance and where it is with 95 %"])])]);
+        el("span", {class: "key vector-key"}, ["― unbalance and where it is with 95 %"]), " ",
+        el("span", {class: "key before-key"}, ["┄ before the weights"])]),
+      this.beside]);
   }
 
   focus(wheel: number): void {
@@ -66,7 +96,11 @@ export class WheelView implements View {
 
   draw(): void {
     setText(this.basis, basis(this.car.identification?.message));
-    const scale = fullScale([...this.car.balance.values()].map(({message}) => message));
+    const scale = fullScale([...this.car.balance.values()].map(({message}) => message),
+                            [...this.car.verification.values()].map(({message}) => message));
     for (const card of this.cards) card.draw(this.car, scale);
+    const said = remarks(this.car);
+    setLines(this.remarks, said);
+    this.beside.hidden = said.length === 0;
   }
 }

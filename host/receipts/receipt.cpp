@@ -1,0 +1,139 @@
+#include "host/receipts/receipt.hpp"
+
+#include <algorithm>
+#include <exception>
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+#include <system_error>
+
+#include "common/bus/clock_messages.hpp"
+#include "common/bus/codec.hpp"
+#include "common/bus/notes.hpp"
+#include "common/config/vehicle_config.hpp"
+#include "common/record/record.hpp"
+#include "host/analyser/recorded_vehicle.hpp"
+#include "host/recorder/verify.hpp"
+
+namespace roadbalance {
+namespace {
+
+/// What verify_record() does not look at.
+struct Survey {
+  std::map<std::int32_t, double> overload_s, sync_residual_s;  ///< by node
+  std::int64_t first_us = std::numeric_limits<std::int64_t>::max(), last_us = 0;
+  std::vector<RecordingReceipt::Mark> mark;
+};
+
+void take(const LogEvent& event, SealedBlock& block, Survey& found) {
+  if (event.timestamp_us > 0) {  // descriptions before the first block have none
+    found.first_us = std::min(found.first_us, event.timestamp_us);
+    found.last_us = std::max(found.last_us, event.timestamp_us);
+  }
+  if (event.channel == kNoteChannel) {
+    if (const auto note = decode_note(event.data); note && note->kind == NoteKind::kMark)
+      found.mark.push_back({note->time_us, note->text});
+  } else if (const auto fit = decode_clock_fit(event.data)) {
+    double& worst = found.sync_residual_s.try_emplace(fit->node, -1.0).first->second;
+    if (fit->state != ClockState::kAcquire) worst = std::max(worst, fit->uncertainty_s);
+  } else if (event.channel.ends_with("_SCAN") && accept(event.data, block) == Refusal::kNone) {
+    const ScanBlock scans = decode_scan(block);
+    if (scans.overload != 0)
+      found.overload_s[block.header.node] +=
+          static_cast<double>(block.header.scans) * static_cast<double>(scans.period_ps) * 1e-12;
+  }
+}
+
+Survey survey(const std::filesystem::path& folder) {
+  Survey found;
+  RecordReader reader(folder);
+  reader.finish();
+  const auto block = std::make_unique<SealedBlock>();
+  while (const auto event = reader.next()) take(*event, *block, found);
+  if (found.last_us == 0) found.first_us = 0;
+  return found;
+}
+
+RecordingState state_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kComplete:
+      return RecordingState::kComplete;
+    case Verdict::kDamaged:
+      return RecordingState::kDamaged;
+    case Verdict::kIncomplete:
+      return RecordingState::kIncomplete;
+    case Verdict::kUnreadable:
+      break;
+  }
+  return RecordingState::kUnreadable;
+}
+
+void put_nodes(const Verification& proof, const Survey& found, RecordingReceipt& receipt) {
+  std::map<std::int32_t, RecordingReceipt::Node> nodes;
+  for (const VerifiedEpoch& epoch : proof.epoch) {
+    RecordingReceipt::Node& node = nodes[epoch.node];
+    node.node = epoch.node;
+    node.samples += epoch.samples;
+    node.samples_lost += epoch.samples_missing;
+    for (const MissingSpan& span : epoch.undeclared_scans) node.samples_lost += span.last - span.first + 1;
+    node.repaired += epoch.losses.repaired;
+    node.seconds += static_cast<double>(epoch.samples) * static_cast<double>(epoch.period_ps) * 1e-12;
+  }
+  for (auto& [id, node] : nodes) {
+    if (const auto overload = found.overload_s.find(id); overload != found.overload_s.end())
+      node.overload_s = overload->second;
+    if (const auto sync = found.sync_residual_s.find(id); sync != found.sync_residual_s.end())
+      node.sync_residual_s = sync->second;
+    receipt.node.push_back(node);
+  }
+}
+
+std::string vehicle_name(const std::filesystem::path& folder) {
+  try {
+    const auto vehicle = recorded_vehicle(folder);
+    return vehicle ? vehicle->name : "";
+  } catch (const std::exception&) {
+    return "";  // a car that cannot be used is a recording all the same
+  }
+}
+
+}  // namespace
+
+RecordingReceipt unread(const std::filesystem::path& folder) {
+  RecordingReceipt receipt{.name = folder.filename().string(), .vehicle = ""};
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
+    const auto size = entry.is_regular_file(ignored) ? entry.file_size(ignored) : 0;
+    if (!ignored) receipt.bytes += static_cast<std::int64_t>(size);
+  }
+  return receipt;
+}
+
+RecordingReceipt receipt_of(const std::filesystem::path& folder) {
+  RecordingReceipt receipt = unread(folder);
+  const Verification proof = verify_record(folder);
+  receipt.state = state_of(proof.verdict);
+  if (proof.verdict == Verdict::kUnreadable) {
+    receipt.verdict = proof.error;
+    return receipt;
+  }
+  receipt.verdict = verdict_text(proof);
+  receipt.refused = proof.blocks_refused + proof.entries_refused;
+  receipt.damaged_bytes = static_cast<std::int64_t>(proof.damaged_bytes);
+  receipt.vehicle = vehicle_name(folder);
+  try {
+    Survey found = survey(folder);
+    receipt.first_us = found.first_us;
+    receipt.last_us = found.last_us;
+    put_nodes(proof, found, receipt);
+    receipt.marks = static_cast<std::int32_t>(found.mark.size());
+    receipt.mark = std::move(found.mark);
+  } catch (const std::exception& error) {  // it was there a moment ago
+    receipt.state = RecordingState::kUnreadable;
+    receipt.verdict = error.what();
+  }
+  return receipt;
+}
+
+}  // namespace roadbalance

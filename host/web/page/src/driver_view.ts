@@ -1,0 +1,78 @@
+// For who drives: whether it records, what to do now, how far each wheel is.  Nothing to press but a way back.
+import type {Car} from "./car";
+import {el, setAttributes, setText} from "./dom";
+import {ProgressRing} from "./progress_ring";
+import {stateWord, type Connection} from "./state";
+import {mass} from "./units";
+import type {View} from "./view";
+import {kWheelNames} from "./wheel_place";
+import {Unknown} from "./wire";
+import {duration, progress, reason} from "./words";
+
+class Corner {
+  private readonly ring = new ProgressRing();
+  private readonly grams = el("span", {class: "grams"});
+  private readonly sigma = el("span", {class: "sigma"});
+  readonly element: HTMLElement;
+
+  constructor(private readonly wheel: number, name: string) {
+    this.element = el("div", {class: "corner", "aria-label": name}, [
+      this.ring.element, el("div", {}, [el("h3", {}, [name]), this.grams, this.sigma])]);
+  }
+
+  draw(car: Car): void {
+    const balance = car.balance.get(this.wheel)?.message;
+    const known = balance?.state === Unknown.None;
+    this.ring.draw(progress(balance, car.advice(this.wheel), car.identification?.message));
+    setAttributes(this.element, {"data-known": String(known)});
+    setText(this.grams, known && balance ? mass(balance.unbalance_g) : "?");
+    setText(this.sigma, known && balance ? ` ±\u00a0${mass(balance.sigma_g)}` : "");
+  }
+}
+
+/** One thing to do now, of whatever is in the way of most wheels. */
+function whatNow(car: Car): string {
+  const identification = car.identification?.message;
+  const balances = [...car.balance.values()].map(({message}) => message);
+  const unknown = balances.find(({state}) => state !== Unknown.None);
+  if (balances.length === 0) return "Drive steadily.";
+  if (unknown) return `${reason(unknown.state, identification)}.`.replace(/^./, (first) => first.toUpperCase());
+  const plans = [...car.compensation.values()].map(({message}) => message);
+  const open = plans.filter(({seconds_wanted}) => seconds_wanted > 0);
+  if (open.length === 0) return "Done: every wheel is known.";
+  const longest = Math.max(...open.map(({seconds_wanted}) => seconds_wanted).filter(Number.isFinite));
+  return Number.isFinite(longest) ? `Drive on like this: ${Math.ceil(longest)} s more.` : "Such driving tells no more: other speeds may.";
+}
+
+export class DriverView implements View {
+  readonly id = "driver";
+  readonly title = "Driver";
+  readonly key = "D";
+  readonly does = "driver's view: large, nothing to press; Escape or a tap leaves it";
+  readonly withLevels = false;
+  readonly keys;
+  readonly element: HTMLElement;
+  private readonly word = el("span", {class: "word"});
+  private readonly time = el("span", {class: "time"});
+  private readonly detail = el("p", {class: "detail"});
+  private readonly now = el("p", {class: "now"});
+  private readonly corners = kWheelNames.map((name, wheel) => new Corner(wheel, name));
+  private readonly state = el("p", {class: "state"}, [this.word, " ", this.time]);
+
+  constructor(private readonly car: Car, private readonly connection: () => Connection, back: () => void) {
+    this.keys = [{key: "Escape", does: "back from the driver's view", run: back}];
+    this.element = el("section", {class: "driver"}, [
+      this.state, this.detail, this.now, el("div", {class: "corners"}, this.corners.map(({element}) => element))]);
+    this.element.onclick = back;
+  }
+
+  draw(nowMs: number): void {
+    const {alarm, word, detail, recordingS} = stateWord(this.car, this.connection(), nowMs);
+    setAttributes(this.state, {"data-alarm": alarm});
+    setText(this.word, word);
+    setText(this.time, recordingS === undefined ? "" : duration(recordingS));
+    setText(this.detail, alarm === "bad" ? detail : "");
+    setText(this.now, alarm === "bad" ? "" : whatNow(this.car));
+    for (const corner of this.corners) corner.draw(this.car);
+  }
+}
