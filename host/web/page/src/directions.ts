@@ -23,8 +23,8 @@ export function directionWord(direction: readonly number[]): string {
 
 export const knockWord = (direction: readonly number[]) => kKnocks[axisOf(direction)];
 
-/** Pairs of channels of a node that lie mirrored at the car's middle and whose positive directions are opposite along the
-    axis that mirroring keeps: the right one may have been described like the left one, but fitted the other way round. */
+/** Pairs of channels of a node that lie mirrored at the car's middle and whose positive directions are opposite: perhaps
+    they are fitted so, perhaps somebody thought so. */
 export function oppositePairs(setup: Setup): [number, number][] {
   const kSame_m = 0.05;
   const near = (a: number | undefined, b: number | undefined) => Math.abs((a ?? 0) - (b ?? 0)) < kSame_m;

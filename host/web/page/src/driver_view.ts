@@ -49,6 +49,7 @@ export class DriverView implements View {
   readonly title = "Driver";
   readonly key = "D";
   readonly does = "driver's view: large, nothing to press; Escape or a tap leaves it";
+  readonly coversAll = true;
   readonly withLevels = false;
   readonly keys;
   readonly element: HTMLElement;

@@ -3,6 +3,7 @@ import type {MessageType} from "./decode";
 
 type Write = readonly [bytes: number, write: (view: DataView, at: number, value: number) => void];
 const kWriters: Readonly<Record<string, Write>> = {
+  byte: [1, (view, at, value) => view.setUint8(at, value)],
   int32_t: [4, (view, at, value) => view.setInt32(at, value)],
   int64_t: [8, (view, at, value) => view.setBigInt64(at, BigInt(value))],
   float: [4, (view, at, value) => view.setFloat32(at, value)],

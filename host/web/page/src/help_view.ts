@@ -3,6 +3,26 @@ import type {Key} from "./keys";
 import {el} from "./dom";
 import type {View} from "./view";
 
+const kFirstDay: readonly string[] = [
+  "Mark a point of each wheel, the valve for one: all angles count from there.",
+  "Switch on nodes and recorder. Set-up (S) lists what is heard; every line of the check should say OK.",
+  "Tap test: knock on each sensor as the table says, on both sides. A wrong sign is mended now, not after the drive.",
+  "Tell each wheel where its zero mark is: rb datum, in Set-up under Calibration.",
+  "Roll a few metres: the encoders' lines of the check become OK.",
+  "Start the recording. The word on top is RECORDING, and the four lamps are discs.",
+  "Drive steadily at 80 to 130 km/h, straight, on a good road; now and then change lanes or take a bend.",
+  "Look at Balance (B), or give the driver his own view (D): each ring fills as its wheel becomes known.",
+  "When the rings are full stop, clip the weights where the page says, seen from outside, and write them into vehicle.toml.",
+  "Drive once more with rb-analyser --before and the first recording: the page tells what the weights have done.",
+];
+const kLamps: readonly (readonly [name: string, means: string])[] = [
+  ["LOSS", "Disc: every sample is recorded, or on its way. Cross: samples are lost for good; which ones is in the record."],
+  ["SYNC", "How well the clock of the worst node is known. Triangle: worse than 50 µs, or not heard. Cross: a clock has jumped."],
+  ["OVERLOAD", "Cross: a channel has left its range; its reading is wrong there. Choose a larger range."],
+  ["ENCODER", "Cross: turns without exactly their teeth. Look at the gap of the sensor and at its cable."],
+  ["All four", "A line means not known. A lit lamp stays lit until it is acknowledged (A), though the cause be gone."],
+];
+
 export class HelpView implements View {
   readonly id = "help";
   readonly title = "Help";
@@ -17,12 +37,17 @@ export class HelpView implements View {
   constructor(private readonly all: () => readonly Key[], back: () => void) {
     this.keys = [{key: "Escape", does: "back from this help", run: back}];
     this.element = el("section", {class: "help"}, [
+      el("h2", {}, ["The first day in a car"]),
+      el("ol", {}, kFirstDay.map((line) => el("li", {}, [line]))),
       el("h2", {}, ["Keys"]), this.list,
+      el("h2", {}, ["The four lamps"]),
+      el("dl", {}, kLamps.flatMap(([name, means]) => [el("dt", {}, [el("strong", {}, [name])]), el("dd", {}, [means])])),
       el("h2", {}, ["Angles and uncertainty"]),
       el("p", {}, ["An angle counts from the wheel's zero mark in the direction of rotation. With the mark at 12 the clock " +
                    "says where that is, seen from outside the car: a left wheel turns counter-clockwise, a right one clockwise."]),
-      el("p", {}, ["± is one standard deviation; the ellipse holds the unbalance with 95 %. A lamp stays lit until it is " +
-                   "acknowledged (A). What is recorded does not pass through this page: close it whenever you like."])]);
+      el("p", {}, ["± is one standard deviation; the ellipse holds the unbalance with 95 %. The ring of a wheel is full when ± is " +
+                   "as small as [limits] sigma_g in vehicle.toml wants it: that decides, not the time driven."]),
+      el("p", {}, ["What is recorded does not pass through this page: close it whenever you like."])]);
   }
 
   seen(is: boolean): void {

@@ -73,10 +73,10 @@ function start(): void {
     return made;
   };
   const units = button(`${unitsName()} (U)`, "U");
-  views.tabs.append(el("span", {class: "beside-tabs"}, [units]));
   const header = new HeaderView([button("Acknowledge (A)", "A"), button("Day/night (N)", "N")], operation.element);
   const rate = el("footer", {id: "rate"});
-  document.body.append(header.element, lampView.element, receiptView.element, views.tabs, views.panels, rate);
+  document.body.append(header.element, lampView.element, receiptView.element, el("div", {class: "tab-bar"}, [
+    views.tabs, el("div", {class: "buttons"}, [button("Driver (D)", "D"), units])]), views.panels, rate);
   views.begin();
   listenToKeys(keys);
 

@@ -10,6 +10,8 @@ export interface View {
   readonly key: string;
   readonly does: string;
   readonly element: HTMLElement;
+  /** It covers all, tabs too: none of them is its own. */
+  readonly coversAll?: boolean;
   /** The strip of levels stands beside it where there is room. */
   readonly withLevels: boolean;
   /** Valid while it is seen. */
@@ -34,10 +36,10 @@ export class Views {
     const [first] = views;
     if (!first) throw new Error("no view");
     this.now = this.before = first;
-    this.tabs = el("div", {class: "tabs", role: "tablist", "aria-label": "Views"}, views.map((view) => this.tab(view)));
+    this.tabs = el("div", {class: "tabs", role: "tablist", "aria-label": "Views"}, this.tabbed().map((view) => this.tab(view)));
     this.tabs.onkeydown = (event) => this.step(event);
     this.panels = el("main", {}, [...views.map((view) => {
-      setAttributes(view.element, {id: view.id, role: "tabpanel", "aria-labelledby": `tab-${view.id}`});
+      setAttributes(view.element, {id: view.id, role: view.coversAll ? "region" : "tabpanel", "aria-label": view.title});
       view.element.hidden = true;
       return view.element;
     }), beside]);
@@ -86,6 +88,10 @@ export class Views {
     this.now.draw(nowMs);
   }
 
+  private tabbed(): View[] {
+    return this.views.filter(({coversAll}) => !coversAll);
+  }
+
   private tab(view: View): HTMLElement {
     const tab = el("button", {type: "button", role: "tab", id: `tab-${view.id}`, "aria-controls": view.id,
                               "aria-keyshortcuts": view.key}, [view.title]);
@@ -98,8 +104,8 @@ export class Views {
     const by = {ArrowRight: 1, ArrowLeft: -1}[event.key];
     if (by === undefined) return;
     event.preventDefault();
-    const count = this.views.length;
-    const next = this.views[(this.views.indexOf(this.now) + by + count) % count];
+    const tabbed = this.tabbed();
+    const next = tabbed[(tabbed.indexOf(this.now) + by + tabbed.length) % tabbed.length];
     if (!next) return;
     this.show(next.id);
     this.tabs.querySelector<HTMLElement>(`#tab-${next.id}`)?.focus();

@@ -7,7 +7,7 @@ import type {View} from "./view";
 import {fullScale, WheelDrawing} from "./wheel_drawing";
 import {kWheelNames} from "./wheel_place";
 import {Unknown, VerificationVerdict} from "./wire";
-import {basis, heavySpot, progress, remarks, verified, whatIsLeft, whatToDo, whyIncurable, type Step} from "./words";
+import {basis, heavySpot, progress, remarks, untilZero, verified, whatIsLeft, whatToDo, whyIncurable, type Step} from "./words";
 
 /** Sentences with a quiet second line. */
 function setSteps(element: Element, steps: readonly Step[]): void {
@@ -72,12 +72,18 @@ export class WheelView implements View {
   readonly element: HTMLElement;
   private readonly cards = kWheelNames.map((name, wheel) => new WheelCard(wheel, name));
   private readonly basis = el("small");
+  /** What a sheet of paper must say that the screen says elsewhere. */
+  private readonly paper = el("div", {class: "paper"});
+  private readonly print = el("button", {type: "button", class: "print"}, ["Print this on A4"]);
   private readonly remarks = el("div");
   private readonly beside = el("section", {class: "remarks", id: "remarks"}, [
     el("h2", {}, ["What this rests on"]), this.remarks]);
 
   constructor(private readonly car: Car) {
+    this.print.onclick = () => window.print();
+    window.addEventListener("beforeprint", () => this.drawPaper());
     this.element = el("section", {class: "balance"}, [
+      this.paper,
       el("h2", {}, ["Balance ", this.basis]),
       el("div", {class: "cards"}, this.cards.map(({element}) => element)),
       el("p", {class: "legend"}, [
@@ -85,7 +91,18 @@ export class WheelView implements View {
         el("span", {class: "key spot-key"}, ["● heavy spot"]), " ", el("span", {class: "key weight-key"}, ["■ weight"]), " ",
         el("span", {class: "key vector-key"}, ["― unbalance and where it is with 95 %"]), " ",
         el("span", {class: "key before-key"}, ["┄ before the weights"])]),
-      this.beside]);
+      this.beside, this.print]);
+  }
+
+  /** Of this drive: car, time, and what proves that it is whole so far. */
+  private drawPaper(): void {
+    const setup = [...this.car.setups.values()][0]?.message;
+    const nodes = [...this.car.heartbeats.values()].map(({message}) => message).sort((a, b) => a.node - b.node);
+    setLines(this.paper, [
+      `Wheel balance: ${setup ? untilZero(setup.vehicle) : "car not known"}`,
+      `Printed ${new Date().toLocaleString("sv-SE")} while the drive went on; rb report makes the report of a finished recording.`,
+      ...nodes.map((beat) => `Node ${beat.node}: ${beat.scans_sampled} samples, ${beat.scans_missing + beat.scans_refused} lost, ` +
+        `${beat.blocks_repaired} blocks repaired.`)]);
   }
 
   focus(wheel: number): void {

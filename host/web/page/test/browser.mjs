@@ -42,6 +42,9 @@ export async function picture(page, name) {
   await page.screenshot({path: join(kPictures, `${name}.png`)});
 }
 
+/** Of a document that chromium has printed. */
+export const pages = (pdf) => pdf.toString("latin1").match(/\/Type\s*\/Page\b(?!s)/g)?.length;
+
 /** Texts whose contrast is below 4.5 : 1 (WCAG 2.1, 1.4.3), in the page: ["text 3.9"]. */
 export const weakTexts = (page) => page.evaluate(() => {
   const rgba = (text) => {

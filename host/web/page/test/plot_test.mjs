@@ -1,23 +1,7 @@
 // What the plots compute in the browser, against closed forms.
 import assert from "node:assert/strict";
-import {createRequire} from "node:module";
-import {join} from "node:path";
 import {test} from "node:test";
-
-const kPackages = process.env.RB_PAGE_PACKAGES;
-const {buildSync} = createRequire(join(kPackages, "package.json"))("esbuild");
-/** A module of the page as the build has copied it, wire.ts beside it. */
-async function load(...names) {
-  const made = buildSync({
-    stdin: {contents: names.map((name) => `export * from "./${name}";`).join("\n"), resolveDir: join(kPackages, "src"), loader: "ts"},
-    bundle: true, format: "esm", write: false, target: "node18"});
-  return import(`data:text/javascript;base64,${Buffer.from(made.outputFiles[0].contents).toString("base64")}`);
-}
-globalThis.document ??= {documentElement: {dataset: {}}};
-globalThis.matchMedia ??= () => ({matches: false, addEventListener() {}});
-globalThis.addEventListener ??= () => {};
-globalThis.devicePixelRatio ??= 1;
-globalThis.navigator ??= {language: "en"};
+import {load} from "./load.mjs";
 
 const page = await load("plot_ring", "plot_data", "plot_ask", "encode", "decode", "transfer", "wire", "colour_map");
 

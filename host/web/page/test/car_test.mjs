@@ -1,0 +1,149 @@
+// What the page keeps of a car, and what it makes of it, with time at will.
+import assert from "node:assert/strict";
+import {test} from "node:test";
+import {load} from "./load.mjs";
+
+const page = await load("car", "encode", "wire", "state", "lamps", "preflight", "taps", "directions", "words", "units");
+
+/** A frame of rb-web (host/web/feed.hpp). */
+function frame(...messages) {
+  const parts = messages.map(([type, message, ageMs = 0]) => ({ageMs, bytes: page.encode(type, message)}));
+  const view = new DataView(new ArrayBuffer(8 + parts.reduce((sum, {bytes}) => sum + 8 + bytes.length, 0)));
+  view.setUint32(0, 0x52424631);
+  view.setUint32(4, parts.length);
+  let at = 8;
+  for (const {ageMs, bytes} of parts) {
+    view.setUint32(at, ageMs);
+    view.setUint32(at + 4, bytes.length);
+    new Uint8Array(view.buffer).set(bytes, at + 8);
+    at += 8 + bytes.length;
+  }
+  return view.buffer;
+}
+const kStarted = page.NodeState.Started, kHourMs = 3_600_000;
+const recorder = [page.kRecorder, {incarnation: 5, state: page.RecorderState.Recording, time_us: 9e6, seconds_left: 9000, recording_s: 4}];
+const beat = (node) => [page.kHeartbeat, {node, epoch: 7, state: kStarted, owner: 5}];
+const text = (words) => [...new TextEncoder().encode(words)];
+const setup = (node, more = {}) => [page.kSetup, {
+  node, name: text("front"), vehicle: text("a car"), vehicle_crc32c: 4, channels: 2,
+  channel_name: [text("left"), text("right")], role: [0, 0], mount: [0, 1], position_m: [[1, 0.7, 0], [1, -0.7, 0]],
+  direction: [[0, 0, 1], [0, 0, -1]], wheel: [0, 1], pulses_per_turn: [48, 48], encoder: [1, 1], ...more}];
+
+test("a silent node is a fault until an hour has passed, and then forgotten", () => {
+  const car = new page.Car();
+  car.take(frame(recorder, beat(1), beat(2), setup(2)), 0);
+  assert.equal(page.stateWord(car, "open", 1000).word, "RECORDING");
+  // Node 1 goes on, node 2 does not.
+  for (let now = 1000; now <= 10_000; now += 1000) car.take(frame(recorder, beat(1)), now);
+  assert.match(page.stateWord(car, "open", 10_000).detail, /Node 2 is silent/);
+  car.take(frame(recorder, beat(1)), kHourMs);
+  assert.match(page.stateWord(car, "open", kHourMs).detail, /Node 2 is silent/, "nobody may have had time to see it");
+  car.take(frame(recorder, beat(1)), kHourMs + 1);
+  assert.equal(page.stateWord(car, "open", kHourMs + 1).word, "RECORDING");
+  assert.equal(car.setups.size, 0, "and with it what it was");
+});
+
+test("ages that rb-web tells count from when the message was on the bus", () => {
+  const car = new page.Car();
+  car.take(frame([...recorder, 2000], [...beat(1), kHourMs - 1000]), 0);
+  assert.equal(car.heartbeats.size, 1);
+  assert.equal(page.stateWord(car, "open", 0).word, "FAULT");
+  car.take(frame(recorder), 1001);
+  assert.equal(car.heartbeats.size, 0);
+});
+
+test("remarks are those of one estimate", () => {
+  const car = new page.Car();
+  const remark = (time_ns, number, remarks, words) =>
+    [page.kRemark, {time_ns, number, remarks, size: text(words).length, text: text(words)}];
+  car.take(frame(remark(1, 0, 2, "masses ± 2 %"), remark(1, 1, 2, "static only")), 0);
+  assert.deepEqual(page.remarks(car), ["Masses ± 2 %.", "Static only."]);
+  car.take(frame(remark(2, 0, 2, "masses")), 0);
+  assert.deepEqual(page.remarks(car), ["Masses."], "the second has not come yet");
+  car.take(frame(remark(3, 0, 0, "")), 0);
+  assert.deepEqual(page.remarks(car), []);
+});
+
+test("directions have names, and mirrored pairs that are described as opposite are found", () => {
+  assert.equal(page.directionWord([0, 0, 1]), "up");
+  assert.equal(page.directionWord([0, -1, 0]), "right");
+  assert.equal(page.directionWord([-0.9, 0.1, 0.3]), "about backward");
+  const car = new page.Car();
+  car.take(frame(setup(1)), 0);
+  assert.deepEqual(page.oppositePairs(car.setups.get(1).message), [[0, 1]]);
+  car.take(frame(setup(1, {direction: [[0, 0, 1], [0, 0, 1]]})), 0);
+  assert.deepEqual(page.oppositePairs(car.setups.get(1).message), []);
+  // Both outward, the classic mistake of who mirrors a car in his head.
+  car.take(frame(setup(1, {direction: [[0, 1, 0], [0, -1, 0]]})), 0);
+  assert.deepEqual(page.oppositePairs(car.setups.get(1).message), [[0, 1]]);
+});
+
+test("a knock proves a sensor, or shows that it is the wrong way round", () => {
+  const car = new page.Car(), taps = new page.Taps();
+  const knock = (number, channel, first) => {
+    const swings = [0, 0];
+    swings[channel] = first;
+    return [page.kKnock, {node: 1, number, channel, first_m_s2: swings, peak_m_s2: swings.map(Math.abs)}];
+  };
+  const channel = (k) => taps.of(car.setups.get(1).message, k);
+  const directions = () => page.preflight(car, taps, 0).find(({name}) => name === "Directions");
+  car.take(frame(setup(1)), 0);
+  assert.equal(directions().ready, "unknown");
+  assert.match(directions().says, /left and right/);
+  // Knocked upwards: the left one points up; the right one is described as pointing down.
+  car.take(frame(knock(1, 0, 3)), 0);
+  taps.take(car);
+  assert.equal(channel(0), "right");
+  car.take(frame(knock(2, 1, 3)), 0);
+  taps.take(car);
+  assert.equal(channel(1), "wrong");
+  assert.equal(directions().ready, "no");
+  assert.match(directions().says, /1\.2 right.*wrong sign/);
+  car.take(frame(knock(3, 1, -3)), 0);
+  taps.take(car);
+  assert.equal(channel(1), "right");
+  assert.equal(directions().ready, "yes");
+  // Another vehicle.toml begins anew.
+  car.take(frame(setup(1, {vehicle_crc32c: 5})), 0);
+  assert.equal(channel(0), undefined);
+});
+
+test("the pre-flight check names what is to be done", () => {
+  const car = new page.Car(), taps = new page.Taps();
+  const check = (name, now = 0) => page.preflight(car, taps, now).find((each) => each.name === name);
+  assert.equal(check("Nodes").ready, "no");
+  assert.equal(check("Disk").ready, "no");
+  car.take(frame(setup(1), setup(2, {wheel: [2, 3], vehicle_crc32c: 5})), 0);
+  assert.equal(check("Nodes").ready, "yes");
+  assert.match(check("Vehicle file").says, /different vehicle\.toml/);
+  car.take(frame(setup(2, {wheel: [2, -1]})), 0);
+  assert.match(check("Vehicle file").says, /rear right/);
+  car.take(frame(setup(2, {wheel: [2, 3]})), 0);
+  assert.equal(check("Vehicle file").ready, "yes");
+  assert.equal(check("Channels").ready, "unknown");
+  const level = (node, more = {}) => [page.kLevel, {node, speed_m_s: NaN, ...more}];
+  car.take(frame(level(1, {dead: 2}), level(2, {overload: 1})), 0);
+  assert.match(check("Channels").says, /1\.2 right carries no signal; 2\.1 left is beyond its range/);
+  car.take(frame(level(1), level(2)), 0);
+  assert.equal(check("Channels").ready, "yes");
+  assert.equal(check("Encoders").ready, "unknown", "nothing turns");
+  car.take(frame(level(1, {speed_m_s: 9}), level(2, {speed_m_s: 9}), beat(1), beat(2)), 0);
+  assert.equal(check("Encoders").ready, "yes");
+  car.take(frame([page.kHeartbeat, {...beat(2)[1], encoder_faults: [0, 3]}]), 0);
+  assert.match(check("Encoders").says, /rear right/);
+  car.take(frame([page.kRecorder, {...recorder[1], seconds_left: 600}]), 0);
+  assert.match(check("Disk").says, /10 min/);
+  assert.equal(check("Nodes", 4000).ready, "no", "silent");
+});
+
+test("units are those of the person, and of a weight that can be bought", () => {
+  assert.equal(page.mass(35), "35.0\u00a0g");
+  assert.equal(page.moment(35, 0.19), "665\u00a0g·cm");
+  assert.equal(page.speed(31), "112\u00a0km/h");
+  page.toggleUnits();
+  assert.equal(page.mass(28.349523125), "1.00\u00a0oz");
+  assert.equal(page.weightMass(7.0873807), "0.25\u00a0oz");
+  assert.equal(page.moment(28.349523125, 0.254), "10.0\u00a0oz·in");
+  assert.equal(page.speed(44.704), "100\u00a0mph");
+  page.toggleUnits();
+});
