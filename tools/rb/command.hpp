@@ -32,6 +32,7 @@ void add_levels(CLI::App& app, int& code);
 void add_model(CLI::App& app, int& code);
 void add_orders(CLI::App& app, int& code);
 void add_spectrum(CLI::App& app, int& code);
+void add_report(CLI::App& app, int& code);
 void add_study(CLI::App& app, int& code);
 void add_transfer(CLI::App& app, int& code);
 void add_import(CLI::App& app, int& code);

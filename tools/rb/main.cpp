@@ -69,6 +69,7 @@ int main(int argc, char** argv) {
   add_verify(app, code);
   add_recover(app, code);
   add_info(app, code);
+  add_report(app, code);
   add_levels(app, code);
   add_orders(app, code);
   add_balance(app, code);

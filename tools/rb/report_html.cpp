@@ -1,0 +1,242 @@
+#include "tools/rb/report_html.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/text/format.hpp"
+#include "host/recorder/verify.hpp"
+#include "tools/rb/degrees.hpp"
+#include "tools/rb/readout.hpp"
+#include "tools/rb/report_wheel.hpp"
+#include "tools/rb/verification_line.hpp"
+#include "tools/rb/wheel_angle.hpp"
+
+namespace roadbalance {
+namespace {
+
+// Nothing from elsewhere: it is to be read where there is no network, and years later.
+constexpr const char* kStyle = R"css(
+@page { size: A4; margin: 12mm 14mm; }
+* { box-sizing: border-box; }
+body { margin: 0 auto; max-width: 182mm; font: 9.5pt/1.3 system-ui, "DejaVu Sans", sans-serif; color: #14181d; background: #fff; }
+h1 { font-size: 15pt; margin: 0 0 1mm; }
+h2 { font-size: 11pt; margin: 3.5mm 0 1mm; border-bottom: 0.3mm solid #b4bcc6; }
+p { margin: 0 0 1mm; }
+.facts { color: #4b5563; }
+.wheels { display: grid; grid-template-columns: 1fr 1fr; gap: 2mm; }
+.card { display: grid; grid-template-columns: 27mm 1fr; gap: 2mm; border: 0.3mm solid #b4bcc6; border-radius: 2mm; padding: 1.5mm 2mm; break-inside: avoid; }
+.card h3 { margin: 0; font-size: 10pt; text-transform: capitalize; }
+.step { font-weight: 700; font-size: 10.5pt; }
+.bad { color: #b3131d; font-weight: 700; }
+table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
+th, td { text-align: left; padding: 0.5mm 3mm 0.5mm 0; border-bottom: 0.2mm solid #d5dae0; }
+th { color: #4b5563; font-weight: 600; }
+ul { margin: 0; padding-left: 5mm; }
+footer { margin-top: 3mm; color: #4b5563; font-size: 8pt; }
+.wheel { width: 27mm; }
+.wheel .tyre { fill: #d5dae0; } .wheel .rim { fill: #fff; stroke: #6b7785; }
+.wheel .mark, .wheel .tip { fill: #14181d; } .wheel .turn { fill: none; stroke: #14181d; stroke-width: 1.5; }
+.wheel .vector { stroke: #0b57b7; stroke-width: 2.5; } .wheel .spot { fill: #a84300; }
+.wheel .new { fill: #146c43; } .wheel .kept { fill: #6b7785; } .wheel .off { fill: none; stroke: #b3131d; stroke-width: 1.5; }
+.wheel text { font-size: 24px; text-anchor: middle; fill: #6b7785; }
+)css";
+
+std::string element(const char* name, const std::string& inside, const char* css_class = "") {
+  const std::string attribute = *css_class == '\0' ? "" : format(" class=\"%s\"", css_class);
+  return std::string("<") + name + attribute + ">" + inside + "</" + name + ">\n";
+}
+
+std::string words(std::string name) {
+  std::ranges::replace(name, '_', ' ');
+  return name;
+}
+
+/// "37° (clock 10:46)"
+std::string where(std::int32_t wheel, double angle_rad) {
+  const long whole = (std::lround(degrees(angle_rad)) % 360 + 360) % 360;
+  return format("%ld° (clock %s)", whole, clock_of(angle_rad, wheel % 2 == 0).c_str());
+}
+
+std::string step_text(std::int32_t wheel, const WeightStep& step, int radii) {
+  const std::string rim = radii > 1 ? format(" on %.0f mm", 1e3 * step.weight.radius_m) : "";
+  const std::string at = where(wheel, step.weight.angle_rad) + rim;
+  const double grams = step.weight.mass_g;
+  switch (step.action) {
+    case WeightAction::kKeep:
+      return format("Keep %g g at ", grams) + at;
+    case WeightAction::kMove:
+      return format("Move %g g from ", grams) + where(wheel, step.from.angle_rad) + " to " + at;
+    case WeightAction::kRemove:
+      return format("Remove %g g at ", grams) + at;
+    case WeightAction::kAdd:
+      return format("Add %g g at ", grams) + at;
+  }
+  return "";
+}
+
+std::string advice(const Balance& balance, const Compensation& compensation) {
+  std::string html;
+  const auto say = [&html](const std::string& text) { html += element("p", html_text(text), "step"); };
+  switch (compensation.advice) {
+    case Advice::kUnknown:
+      return html;
+    case Advice::kSteps:
+      for (const WeightStep& step : compensation.plan.step)
+        say(step_text(balance.wheel, step, compensation.radii) + ".");
+      break;
+    case Advice::kLeaveUncertain:
+      say("Leave it: the unbalance is within its own uncertainty.");
+      break;
+    case Advice::kLeaveSmall:
+      say("Leave it: no weight there is makes it enough less.");
+      break;
+  }
+  return html;
+}
+
+std::string what_is_left(const Balance& balance, const Compensation& compensation) {
+  if (compensation.advice == Advice::kUnknown) return "";
+  const BalanceVerdict& verdict = compensation.verdict;
+  std::string text = format("Leaves %.1f g (%.0f g·cm), %s the %g g that a shop leaves", verdict.residual_g,
+                            100.0 * verdict.residual_g * balance.weight_radius_m,
+                            verdict.within_shop() ? "within" : "MORE THAN", verdict.shop_g);
+  if (verdict.permissible_g > 0.0) text += format("; ISO 21940 G %.2g", verdict.grade_mm_s);
+  text += ".";
+  if (std::isfinite(compensation.seat_now_m_s2))
+    text += format(" Seats %.2g → %.2g m/s² rms.", compensation.seat_now_m_s2, compensation.seat_left_m_s2);
+  return element("p", html_text(text));
+}
+
+std::string wheel_card(const DriveReport& report, std::size_t w, double rim_g) {
+  const Balance& balance = report.found.estimate.balance[w];
+  const Compensation& compensation = report.found.compensation[w];
+  std::string text = element("h3", words(kWheelNames[w]));
+  if (!compensation.verdict.incurable.empty())
+    text +=
+        element("p", html_text("Weights will not cure this: " + compensation.verdict.incurable + "."), "bad");
+  text += advice(balance, compensation);
+  if (balance.state == Unknown::kNone)
+    text += element("p", html_text("Heavy spot at " + where(balance.wheel, balance.angle_rad) +
+                                   format(", %.1f g ± %.1f g ± %.0f°, at %.0f mm.", balance.unbalance_g,
+                                          shown_sigma(balance.sigma_g, 0.1),
+                                          std::min(180.0, std::ceil(degrees(balance.sigma_rad))),
+                                          1e3 * balance.weight_radius_m)));
+  else
+    text += element("p", html_text("Not known: " + reason(balance.state) + "."));
+  text += what_is_left(balance, compensation);
+  return element("div", wheel_svg(balance, compensation, rim_g) + element("div", text), "card");
+}
+
+std::string wheels(const DriveReport& report) {
+  double largest_g = 5.0;
+  for (const Balance& balance : report.found.estimate.balance)
+    if (balance.state == Unknown::kNone) largest_g = std::max(largest_g, balance.unbalance_g);
+  std::string cards;
+  for (std::size_t w = 0; w < kWheels; ++w) cards += wheel_card(report, w, largest_g);
+  return element("h2", "Wheels, as seen from outside the car, the zero mark at 12") +
+         element("div", cards, "wheels") +
+         element("p",
+                 html_text(format(
+                     "A line to the rim is %.0f g. ± is one standard deviation. Orange: heavy spot; green: "
+                     "weight; red ring: take off.",
+                     largest_g)),
+                 "facts");
+}
+
+std::string before_and_after(const DriveReport& report) {
+  if (!report.verification) return "";
+  std::string lines;
+  for (const WheelVerification& wheel : *report.verification)
+    lines += element("tr", element("td", words(kWheelNames[static_cast<std::size_t>(wheel.wheel)])) +
+                               element("td", html_text(verification_line(wheel))));
+  return element("h2", "Before and after the weights") + element("table", lines);
+}
+
+std::string heads(std::initializer_list<const char*> names) {
+  std::string row;
+  for (const char* const name : names) row += element("th", name);
+  return element("tr", row);
+}
+
+std::string completeness(const RecordingReceipt& receipt) {
+  std::string rows =
+      heads({"node", "samples", "lost", "blocks repaired", "time", "overload", "clock known to"});
+  for (const auto& node : receipt.node) {
+    std::string row;
+    for (const std::string& cell :
+         {std::to_string(node.node), std::to_string(node.samples), std::to_string(node.samples_lost),
+          std::to_string(node.repaired), format("%.1f s", node.seconds), format("%.1f s", node.overload_s),
+          node.sync_residual_s < 0.0 ? std::string("one time for all")
+                                     : format("%.1f µs", 1e6 * node.sync_residual_s)})
+      row += element("td", cell);
+    rows += element("tr", row);
+  }
+  const std::string crc =
+      receipt.refused == 0 && receipt.damaged_bytes == 0
+          ? "Every CRC is right."
+          : format("%lld blocks have a wrong CRC, %lld bytes are damaged.",
+                   static_cast<long long>(receipt.refused), static_cast<long long>(receipt.damaged_bytes));
+  return element("h2", "Proof of completeness") +
+         element("p", html_text("The recording is " + receipt.verdict + ". " + crc)) + element("table", rows);
+}
+
+std::string remarks(const DriveReport& report) {
+  std::string list;
+  if (!report.found.obstacle.empty()) list += element("li", html_text(report.found.obstacle + "."));
+  for (const std::string& remark : report.found.remarks) list += element("li", html_text(remark + "."));
+  return list.empty() ? "" : element("h2", "What this rests on") + element("ul", list);
+}
+
+std::string suspension(const DriveReport& report) {
+  std::string text = identification_line(report.found.estimate.identification, report.found.obstacle);
+  return element("h2", "Car") + element("p", html_text(text + "."));
+}
+
+std::string head(const DriveReport& report) {
+  const Identification& identification = report.found.estimate.identification;
+  std::string facts = "Recording " + report.receipt.name + ", " + utc_text(report.receipt.first_us) + " to " +
+                      utc_text(report.receipt.last_us);
+  if (!identification.speed_class.empty())
+    facts += format("; %.0f s of steady driving at %.0f to %.0f km/h", identification.seconds_used,
+                    3.6 * identification.speed_class.front().speed_m_s,
+                    3.6 * identification.speed_class.back().speed_m_s);
+  return element("h1", html_text("Wheel balance: " + report.vehicle.name)) +
+         element("p", html_text(facts + "."), "facts");
+}
+
+}  // namespace
+
+std::string html_text(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        escaped += "&amp;";
+        break;
+      case '<':
+        escaped += "&lt;";
+        break;
+      case '>':
+        escaped += "&gt;";
+        break;
+      case '"':
+        escaped += "&quot;";
+        break;
+      default:
+        escaped += c;
+    }
+  }
+  return escaped;
+}
+
+std::string report_html(const DriveReport& report) {
+  const std::string title = html_text("Wheel balance: " + report.vehicle.name);
+  return "<!doctype html>\n<html lang=\"en\">\n<head><meta charset=\"utf-8\"><title>" + title +
+         "</title>\n<style>" + kStyle + "</style></head>\n<body>\n" + head(report) + wheels(report) +
+         before_and_after(report) + suspension(report) + remarks(report) + completeness(report.receipt) +
+         element("footer",
+                 "Made by rb report of the recording alone: the same recording gives the same page.") +
+         "</body>\n</html>\n";
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "common/bus/recording.hpp"
+#include "common/bus/verification.hpp"
+#include "common/config/vehicle_config.hpp"
+#include "host/analyser/identify_record.hpp"
+
+namespace roadbalance {
+
+/// All that a report of a drive tells.
+struct DriveReport {
+  VehicleConfig vehicle;
+  RecordedEstimate found;
+  RecordingReceipt receipt;
+  std::optional<std::array<WheelVerification, kWheels>> verification{};  ///< with the drive before weights
+};
+
+/// One HTML file without anything from elsewhere, which prints to an A4 page.  Each section is a function of
+/// its own; what comes of a recording is escaped.
+std::string report_html(const DriveReport& report);
+
+/// For the text of an element or the value of an attribute.
+std::string html_text(const std::string& text);
+
+}  // namespace roadbalance

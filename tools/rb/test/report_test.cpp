@@ -1,0 +1,106 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "tools/rb/report_html.hpp"
+#include "tools/rb/report_wheel.hpp"
+
+namespace roadbalance {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+/// 35 g at 217 degrees in front, 35 g at 37 to add; nothing known behind.
+DriveReport report() {
+  DriveReport report;
+  report.vehicle.name = "a <b> & \"c\"";
+  report.receipt.name = "drive<1>";
+  report.receipt.verdict = "complete";
+  report.receipt.node = {
+      {.node = 1, .samples = 640'000, .repaired = 3, .seconds = 320.0, .sync_residual_s = 12e-6}};
+  for (std::size_t w = 0; w < kWheels; ++w) {
+    Balance& balance = report.found.estimate.balance[w];
+    balance.wheel = static_cast<std::int32_t>(w);
+    balance.weight_radius_m = 0.19;
+    if (w > 1) continue;
+    balance.state = Unknown::kNone;
+    balance.unbalance_g = 35.0;
+    balance.angle_rad = 217 * kDegree;
+    balance.sigma_g = 1.234;
+    balance.sigma_rad = 2.5 * kDegree;
+    Compensation& compensation = report.found.compensation[w];
+    compensation.wheel = balance.wheel;
+    compensation.advice = Advice::kSteps;
+    compensation.plan.step = {{WeightAction::kAdd, {35.0, 37 * kDegree, 0.19}, {}}};
+    compensation.verdict.residual_g = 2.6;
+    compensation.verdict.shop_g = 7.0;
+  }
+  return report;
+}
+
+bool says(const std::string& html, const std::string& part) {
+  return html.find(part) != std::string::npos;
+}
+
+TEST(Report, TellsWeightsAtTheirPlaceOnBothSides) {
+  const std::string html = report_html(report());
+  // 12 - 217 / 30 and 12 - 37 / 30 on the left, 217 / 30 and 37 / 30 on the right.
+  EXPECT_TRUE(says(html, "Add 35 g at 37° (clock 10:46)."));
+  EXPECT_TRUE(says(html, "Heavy spot at 217° (clock 4:46), 35.0 g ± 1.3 g ± 3°, at 190 mm."));
+  EXPECT_TRUE(says(html, "Add 35 g at 37° (clock 1:14)."));
+  EXPECT_TRUE(says(html, "Heavy spot at 217° (clock 7:14)"));
+  EXPECT_TRUE(says(html, "Leaves 2.6 g (49 g·cm), within the 7 g that a shop leaves."));
+  EXPECT_TRUE(says(html, "Not known: not enough driving at a steady speed yet."));
+}
+
+TEST(Report, DrawsTheHeavySpotMirroredOnTheOtherSide) {
+  const DriveReport of = report();
+  for (const std::size_t w : {0U, 1U}) {
+    const std::string svg = wheel_svg(of.found.estimate.balance[w], of.found.compensation[w], 35.0);
+    // At 143 degrees from the top, to the right on a left wheel: 4:46 is below the hub, on the right.
+    const double x = 40.0 * std::sin(143 * kDegree) * (w == 0 ? 1.0 : -1.0),
+                 y = -40.0 * std::cos(143 * kDegree);
+    char spot[64];
+    std::snprintf(spot, sizeof spot, "class=\"spot\" cx=\"%.2f\" cy=\"%.2f\"", x, y);
+    EXPECT_TRUE(says(svg, spot)) << svg;
+  }
+}
+
+TEST(Report, EscapesWhatComesOfARecording) {
+  const std::string html = report_html(report());
+  EXPECT_TRUE(says(html, "a &lt;b&gt; &amp; &quot;c&quot;"));
+  EXPECT_TRUE(says(html, "drive&lt;1&gt;"));
+  EXPECT_FALSE(says(html, "<b>"));
+}
+
+TEST(Report, TakesNothingFromElsewhere) {
+  const std::string html = report_html(report());
+  for (const char* const part : {"http:", "https:", "<script", "<link", "<img", "url(", "@import"})
+    EXPECT_FALSE(says(html, part)) << part;
+}
+
+TEST(Report, ProvesCompleteness) {
+  DriveReport of = report();
+  EXPECT_TRUE(says(report_html(of), "<td>640000</td>"));
+  EXPECT_TRUE(says(report_html(of), "12.0 µs"));
+  EXPECT_TRUE(says(report_html(of), "The recording is complete. Every CRC is right."));
+  of.receipt.refused = 2;
+  EXPECT_TRUE(says(report_html(of), "2 blocks have a wrong CRC"));
+}
+
+TEST(Report, TellsBeforeAndAfterIfBothWereDriven) {
+  DriveReport of = report();
+  EXPECT_FALSE(says(report_html(of), "Before and after"));
+  of.verification = reading_before("drive0");
+  of.verification->at(0).state = VerificationState::kKnown;
+  of.verification->at(0).verdict = VerificationVerdict::kGood;
+  of.verification->at(0).before_g << 35.0, 0.0;
+  of.verification->at(0).reduction = 1.0;
+  EXPECT_TRUE(says(report_html(of), "Before and after"));
+  EXPECT_TRUE(says(report_html(of), "before (drive0) 35.0 g, now 0.0 g: 100 % less"));
+}
+
+}  // namespace
+}  // namespace roadbalance
