@@ -14,12 +14,15 @@
 
 namespace roadbalance {
 
-void run_analyser(std::stop_token stop, const AnalyserOptions& options) {
+void run_analyser(std::stop_token stop, const AnalyserOptions& wanted) {
+  AnalyserOptions options = wanted;
   std::optional<VehicleConfig> vehicle;
   while (!(vehicle = recorded_vehicle(options.record))) {
     if (stop.stop_requested()) return;
     std::this_thread::sleep_for(kRecordPoll);
   }
+  if (options.before.empty() && options.find_before)
+    options.before = drive_before_weights(options.record, *vehicle).value_or("");
 
   Parallel processes;
   const std::stop_callback pass_on(stop, [&] { processes.request_stop(); });

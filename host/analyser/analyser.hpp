@@ -12,6 +12,7 @@ struct AnalyserOptions {
   std::filesystem::path record;  ///< folder that the recorder writes
   /// Finished recording of the drive before weights were fitted, to compare with; empty: none.
   std::filesystem::path before{};
+  bool find_before = false;  ///< without one look for it beside the record (drive_before_weights)
   bool exit_at_end = false;  ///< return once every node has ended and the last estimate is out
   /// With exit_at_end: not before this says so, from another thread.
   std::function<bool()> may_exit = [] { return true; };

@@ -17,6 +17,13 @@ namespace roadbalance {
 /// @throws as identify_record
 BalancedDrive evaluate_drive(const std::filesystem::path& folder, const std::stop_token& stop = {});
 
+/// The newest of the recordings beside this one between which and it weights were fitted, as their
+/// vehicle.toml say (weights_were_fitted_between); nothing: there is none.
+///
+/// So neither a page nor an analyser that was started again has anything to remember.
+std::optional<std::filesystem::path> drive_before_weights(const std::filesystem::path& record,
+                                                          const VehicleConfig& vehicle);
+
 /// Process: the recording of the drive before -> what it told, once.  It may take a while: an hour's drive a
 /// minute.  One that cannot be read is a warning, and nothing is sent: the drive of now matters more.
 void recall_before(std::stop_token stop, const std::filesystem::path& folder, Out<BalancedDrive> drive,

@@ -72,6 +72,7 @@ void follow_recordings(std::stop_token stop, const std::filesystem::path& record
     std::atomic<bool> may_exit = false, is_over = false;
     AnalyserOptions one = options;
     one.record = recordings / name;
+    one.find_before = true;
     one.may_exit = [&may_exit] { return may_exit.load(); };
     Parallel analyser;
     analyser.run([&](std::stop_token stop_here) {

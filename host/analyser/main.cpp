@@ -35,7 +35,8 @@ int main(int argc, char** argv) {
                  "folder of rb-recorder --recordings: follows each recording in turn")
       ->excludes(record);
   app.add_option("--before", options.before,
-                 "finished recording of the drive before weights were fitted: what they have done is told")
+                 "finished recording of the drive before weights were fitted: what they have done is told; "
+                 "with --recordings the newest one whose vehicle.toml has other [[wheel.weight]]")
       ->check(CLI::ExistingDirectory);
   app.add_flag("--exit-at-end", options.exit_at_end,
                "exit once every node has ended and the last estimate is out");

@@ -66,12 +66,16 @@ VerificationVerdict verdict(const WheelVerification& v, const BalanceLimits& lim
   return sigma_after_g > limits.sigma_g ? VerificationVerdict::kOpen : VerificationVerdict::kUnchanged;
 }
 
+std::complex<double> fitted_between_g_m(const WheelConfig& before, const WheelConfig& after) {
+  const std::complex<double> moment = moment_g_m(after.fitted) - moment_g_m(before.fitted);
+  constexpr double kLeast_g_m = 1e-6;
+  return std::abs(moment) > kLeast_g_m ? moment : 0.0;
+}
+
 void put_fitted(const BalancedDrive& before, const BalancedDrive& after, std::size_t w,
                 WheelVerification& v) {
-  const std::complex<double> by_files =
-      moment_g_m(after.vehicle.wheel[w].fitted) - moment_g_m(before.vehicle.wheel[w].fitted);
-  constexpr double kLeast_g_m = 1e-6;
-  v.fitted_known = std::abs(by_files) > kLeast_g_m;
+  const std::complex<double> by_files = fitted_between_g_m(before.vehicle.wheel[w], after.vehicle.wheel[w]);
+  v.fitted_known = by_files != 0.0;
   const Compensation& advised = before.compensation[w];
   const std::complex<double> by_advice =
       advised.advice == Advice::kSteps ? advised.plan.applied_g_m : std::complex<double>();
@@ -138,6 +142,15 @@ std::string why_not_comparable(const VehicleConfig& before, const VehicleConfig&
     return format("its mass_kg is %g now and was %g: grams of the two do not compare", now.mass_kg,
                   then.mass_kg);
   return "";
+}
+
+bool weights_were_fitted_between(const VehicleConfig& before, const VehicleConfig& after) {
+  bool fitted = false;
+  for (std::size_t w = 0; w < kWheels; ++w) {
+    if (!why_not_comparable(before, after, static_cast<int>(w)).empty()) return false;
+    fitted = fitted || fitted_between_g_m(before.wheel[w], after.wheel[w]) != 0.0;
+  }
+  return fitted;
 }
 
 std::array<WheelVerification, kWheels> verify_weights(const BalancedDrive& before,

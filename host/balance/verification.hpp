@@ -22,6 +22,9 @@ struct BalancedDrive {
 /// mark, or mass; empty: they are.
 std::string why_not_comparable(const VehicleConfig& before, const VehicleConfig& after, int wheel);
 
+/// True if [[wheel.weight]] of the two tell of different weights on some wheel, and every wheel compares.
+bool weights_were_fitted_between(const VehicleConfig& before, const VehicleConfig& after);
+
 /// What weights have done: a drive before they were fitted beside one after.
 ///
 /// Which weights those were is said by [[wheel.weight]] of the two vehicle.toml; where both say the same,

@@ -115,6 +115,18 @@ TEST(VerifyWeights, NeverMixesDrivesWhoseAnglesOrGramsAreOfAnotherKind) {
   }
 }
 
+TEST(VerifyWeights, KnowsBetweenWhichDrivesWeightsWereFitted) {
+  BalancedDrive then = before(), now = before();
+  EXPECT_FALSE(weights_were_fitted_between(then.vehicle, now.vehicle));
+  now.vehicle.wheel[2].fitted = {{20.0, 1.0, kRadius_m}};
+  EXPECT_TRUE(weights_were_fitted_between(then.vehicle, now.vehicle));
+  then.vehicle.wheel[2].fitted = {{10.0, 1.0, kRadius_m}, {10.0, 1.0, kRadius_m}};
+  EXPECT_FALSE(weights_were_fitted_between(then.vehicle, now.vehicle)) << "two of 10 g are one of 20";
+  then.vehicle.wheel[2].fitted.clear();
+  then.vehicle.wheel[0].encoder.datum_rad = 0.1;
+  EXPECT_FALSE(weights_were_fitted_between(then.vehicle, now.vehicle));
+}
+
 TEST(VerifyWeights, WaitsForBothDrives) {
   BalancedDrive then = before(), now = drive(at(2.0, 0.0));
   now.balance[kWheel].state = Unknown::kTooShort;
