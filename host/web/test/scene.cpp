@@ -58,7 +58,7 @@ RecorderStatus recorder(const Scene& scene) {
   status.operable = true;
   status.state = scene.trouble ? RecorderState::kDiskFull : RecorderState::kRecording;
   status.bytes_recorded = 4'560'000'000;
-  status.bytes_free = 400'000'000'000;
+  status.bytes_free = scene.trouble ? 0 : 400'000'000'000;
   status.seconds_left = scene.trouble ? 0.0 : 5.5 * 3600;
   if (scene.armed) {
     status.incarnation = 0;

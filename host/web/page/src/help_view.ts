@@ -13,7 +13,7 @@ const kFirstDay: readonly string[] = [
   "Drive steadily at 80 to 130 km/h, straight, on a good road; now and then change lanes or take a bend.",
   "Look at Balance (B), or give the driver his own view (D): each ring fills as its wheel becomes known.",
   "When the rings are full stop, clip the weights where the page says, seen from outside, and write them into vehicle.toml.",
-  "Drive once more with rb-analyser --before and the first recording: the page tells what the weights have done.",
+  "Drive once more: the page puts this drive beside the one before, and tells what the weights have done.",
 ];
 const kLamps: readonly (readonly [name: string, means: string])[] = [
   ["LOSS", "Disc: every sample is recorded, or on its way. Cross: samples are lost for good; which ones is in the record."],

@@ -322,10 +322,9 @@ test("prints the balance on one sheet of A4, dark theme or not", async (t) => {
   for (const scene of ["known", "verified"]) {
     const page = await open(t, scene, {colorScheme: "dark", viewport: {width: 794, height: 1123}});
     await page.waitForFunction(() => document.querySelectorAll(".wheel[data-known=true]").length === 4);
-    const pdf = await page.pdf({preferCSSPageSize: true});
-    assert.equal(pages(pdf), 1, scene);
     await page.emulateMedia({media: "print", colorScheme: "dark"});
     await picture(page, `${scene}-printed`);
+    assert.equal(pages(await page.pdf({preferCSSPageSize: true})), 1, scene);
     assert.deepEqual(await weakTexts(page), []);
     assert.match(await text(page, ".paper"), /Wheel balance: demonstration car.*Node 1: 1000000 samples, 0 lost, 3 blocks repaired/);
     assert.equal(await page.locator(".tab-bar, .levels, .print").evaluateAll((all) => all.some((each) => each.checkVisibility())), false);
