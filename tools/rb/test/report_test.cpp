@@ -4,6 +4,7 @@
 #include <numbers>
 #include <string>
 
+#include "host/balance/verification.hpp"
 #include "tools/rb/report_html.hpp"
 #include "tools/rb/report_wheel.hpp"
 

@@ -1,6 +1,7 @@
 // Is everything ready to record?  Each point with what to do if it is not.
 import {isFresh, type Car} from "./car";
 import {oppositePairs} from "./directions";
+import {EventLog} from "./events";
 import {lamps} from "./lamps";
 import {kAccelerations} from "./level_view";
 import type {Taps} from "./taps";
@@ -94,7 +95,7 @@ function encoders(setups: readonly Setup[], car: Car): Check {
 }
 
 function clocks(car: Car, nowMs: number): Check {
-  const lamp = lamps(car, new Map(), nowMs).find((each) => each.name === "SYNC");
+  const lamp = lamps(car, new EventLog(), nowMs).find((each) => each.name === "SYNC");
   const ready = {good: "yes", unknown: "unknown", warn: "no", bad: "no"} as const;
   return {name: "Clocks", ready: ready[lamp?.light ?? "unknown"], says: lamp?.sentence ?? ""};
 }
