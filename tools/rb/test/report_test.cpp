@@ -49,7 +49,7 @@ TEST(Report, TellsWeightsAtTheirPlaceOnBothSides) {
   const std::string html = report_html(report());
   // 12 - 217 / 30 and 12 - 37 / 30 on the left, 217 / 30 and 37 / 30 on the right.
   EXPECT_TRUE(says(html, "Add 35 g at 37° (clock 10:46)."));
-  EXPECT_TRUE(says(html, "Heavy spot at 217° (clock 4:46), 35.0 g ± 1.3 g ± 3°, at 190 mm."));
+  EXPECT_TRUE(says(html, "Heavy spot at 217° (clock 4:46), 35.0 g ± 1.2 g ± 3°, at 190 mm."));
   EXPECT_TRUE(says(html, "Add 35 g at 37° (clock 1:14)."));
   EXPECT_TRUE(says(html, "Heavy spot at 217° (clock 7:14)"));
   EXPECT_TRUE(says(html, "Leaves 2.6 g (49 g·cm), within the 7 g that a shop leaves."));
