@@ -18,22 +18,23 @@ namespace {
 constexpr const char* kStyle = R"css(
 @page { size: A4; margin: 12mm 14mm; }
 * { box-sizing: border-box; }
-body { margin: 0 auto; max-width: 182mm; font: 9.5pt/1.3 system-ui, "DejaVu Sans", sans-serif; color: #14181d; background: #fff; }
+body { margin: 0 auto; max-width: 182mm; font: 8.5pt/1.3 system-ui, "DejaVu Sans", sans-serif; color: #14181d; background: #fff; }
 h1 { font-size: 15pt; margin: 0 0 1mm; }
-h2 { font-size: 11pt; margin: 3.5mm 0 1mm; border-bottom: 0.3mm solid #b4bcc6; }
+h2 { font-size: 10pt; margin: 2.5mm 0 1mm; border-bottom: 0.3mm solid #b4bcc6; }
 p { margin: 0 0 1mm; }
 .facts { color: #4b5563; }
 .wheels { display: grid; grid-template-columns: 1fr 1fr; gap: 2mm; }
-.card { display: grid; grid-template-columns: 27mm 1fr; gap: 2mm; border: 0.3mm solid #b4bcc6; border-radius: 2mm; padding: 1.5mm 2mm; break-inside: avoid; }
+.card { display: grid; grid-template-columns: 24mm 1fr; gap: 2mm; border: 0.3mm solid #b4bcc6; border-radius: 2mm; padding: 1.5mm 2mm; break-inside: avoid; }
 .card h3 { margin: 0; font-size: 10pt; text-transform: capitalize; }
-.step { font-weight: 700; font-size: 10.5pt; }
+.step { font-weight: 700; font-size: 9.5pt; }
 .bad { color: #b3131d; font-weight: 700; }
 table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
 th, td { text-align: left; padding: 0.5mm 3mm 0.5mm 0; border-bottom: 0.2mm solid #d5dae0; }
+td:first-child { white-space: nowrap; }
 th { color: #4b5563; font-weight: 600; }
 ul { margin: 0; padding-left: 5mm; }
 footer { margin-top: 3mm; color: #4b5563; font-size: 8pt; }
-.wheel { width: 27mm; }
+.wheel { width: 24mm; }
 .wheel .tyre { fill: #d5dae0; } .wheel .rim { fill: #fff; stroke: #6b7785; }
 .wheel .mark, .wheel .tip { fill: #14181d; } .wheel .turn { fill: none; stroke: #14181d; stroke-width: 1.5; }
 .wheel .vector { stroke: #0b57b7; stroke-width: 2.5; } .wheel .spot { fill: #a84300; }
@@ -188,7 +189,14 @@ std::string remarks(const DriveReport& report) {
 }
 
 std::string suspension(const DriveReport& report) {
-  std::string text = identification_line(report.found.estimate.identification, report.found.obstacle);
+  const Identification& found = report.found.estimate.identification;
+  std::string text = identification_line(found, report.found.obstacle);
+  if (found.state == Unknown::kNone) {
+    text = "Tyres, kN/m: ";
+    for (std::size_t w = 0; w < kWheels; ++w)
+      text += format("%s%s %.0f ± %.0f", w == 0 ? "" : ", ", words(kWheelNames[w]).c_str(),
+                     1e-3 * found.tyre_n_m[w], shown_sigma(1e-3 * found.sigma_tyre_n_m[w], 1.0));
+  }
   return element("h2", "Car") + element("p", html_text(text + "."));
 }
 
