@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -39,9 +40,10 @@ class Operating : public test::Measurement {
     return Program("rb-recorder", {"--url", url, "--recordings", recordings.string(), "--vehicle",
                                    (vehicles / "car.toml").string(), "--segment-mib", "0.25"});
   }
-  Program staying(const std::string& name) const {
+  /// @param scenario  empty: the demonstration drive
+  Program staying(const std::string& name, const std::string& scenario = "") const {
     return Program("rb-node", {"--url", url, "--vehicle", (vehicles / "car.toml").string(), "--node", name,
-                               "--front-end", "sim:?seed=1&rate=1&seconds=10000", "--stay"});
+                               "--front-end", "sim:" + scenario + "?seed=1&rate=1&seconds=10000", "--stay"});
   }
 
   Answer ask(Operation operation, const std::string& text = "", Request more = {}) {
@@ -166,7 +168,9 @@ TEST_F(Operating, ANodeKilledWhileItMeasuresIsDeclaredAndTheRecordingGoesOn) {
     ASSERT_TRUE(more_are_durable(kRear, 20));
     rear.kill();
   }
+  const std::int64_t killed = bus.heartbeat(kRear).epoch;
   Program rear = staying("rear");
+  ASSERT_TRUE(bus.wait([&] { return bus.heartbeat(kRear).epoch != killed; }));
   ASSERT_TRUE(more_are_durable(kRear, 20));
   ASSERT_EQ(ask(Operation::kStop).state, AnswerState::kDone);
   const auto receipts = asking.receipts(kPatience);
@@ -226,6 +230,36 @@ TEST_F(Operating, RefusesASetUpThatCannotBeAndLeavesTheOneThatIs) {
   const auto vehicle = recorded_vehicle(recordings / "after");
   ASSERT_TRUE(vehicle);
   EXPECT_EQ(vehicle->text, before);
+}
+
+// On a flat road at no speed channels read their noise, whose mean is nothing but the converter's offset.
+TEST_F(Operating, ZerosAreTheReadingsOfACarThatStands) {
+  std::string scenario = test::read_source("sim/demo/scenario.toml");
+  for (const char* speed : {"90.0", "103.0", "117.0", "130.0"})
+    scenario = test::replaced(scenario, std::string("speed_km_h = ") + speed, "speed_km_h = 0.0");
+  scenario = test::replaced(scenario, "wander_km_h = 0.5", "wander_km_h = 0.0");
+  const fs::path file = work.path() / "standing.toml";
+  std::ofstream(file) << scenario;
+  Program recorder = operated_recorder(), front = staying("front", file.string()),
+          rear = staying("rear", file.string());
+  Answer zero;
+  // At first too little has been heard.
+  ASSERT_TRUE(test::wait_until(
+      [&] {
+        zero = ask(Operation::kZero);
+        return zero.state == AnswerState::kDone;
+      },
+      30))
+      << zero.text;
+  start("zeroed");
+  stop();
+  const auto vehicle = recorded_vehicle(recordings / "zeroed");
+  ASSERT_TRUE(vehicle);
+  for (const NodeConfig& node : vehicle->node)
+    for (const ChannelConfig& channel : node.channel) {
+      EXPECT_NE(channel.offset_counts, 0) << channel.name;
+      EXPECT_LT(std::abs(channel.offset_counts * channel.scale_m_s2_per_count), 0.1) << channel.name;
+    }
 }
 
 TEST_F(Operating, ChoosesAVehicleFileByItsName) {

@@ -184,7 +184,7 @@ class Operating {
     if (beat->is_over())
       heard_.erase(beat->node);
     else
-      heard_[beat->node] = WallClock::now();
+      heard_[beat->node] = {WallClock::now(), beat->vehicle_crc32c};
   }
 
   void hear_clock(std::span<const std::uint8_t> bytes) {
@@ -197,15 +197,24 @@ class Operating {
 
   int nodes() {
     const WallTime now = WallClock::now();
-    std::erase_if(heard_, [now](const auto& node) { return now - node.second > kNodeSilence; });
+    std::erase_if(heard_, [now](const auto& node) { return now - node.second.at > kNodeSilence; });
     return static_cast<int>(heard_.size());
   }
 
   std::vector<std::int32_t> heard_nodes() {
     (void)nodes();
     std::vector<std::int32_t> numbers;
-    for (const auto& [node, at] : heard_) numbers.push_back(node);
+    for (const auto& [node, heard] : heard_) numbers.push_back(node);
     return numbers;
+  }
+
+  /// For people: nodes that would measure by something else than the file that is led here; empty: none.
+  std::string who_differs() const {
+    for (const auto& [node, heard] : heard_)
+      if (heard.vehicle_crc32c != set_up_->crc32c())
+        return "node " + std::to_string(node) + " measures by another vehicle file than " +
+               set_up_->file().filename().string() + ": choose that file again";
+    return "";
   }
 
   // From its first word to its end the session says the state itself, with what it knows.
@@ -224,6 +233,10 @@ class Operating {
     status.fault = desk_.fault();
     const std::int64_t free = kernel_disk().free_bytes(options_.recordings.c_str());
     status.bytes_free = std::max<std::int64_t>(0, free - options_.recorder.reserve_bytes);
+    if (set_up_ && !desk_.under_way()) {
+      status.seconds_left = static_cast<double>(status.bytes_free) / set_up_->bytes_per_s();
+      if (status.fault.empty()) status.fault = who_differs();
+    }
     if (free >= 0 && status.bytes_free == 0 && !desk_.under_way()) status.state = RecorderState::kDiskFull;
     (void)bus_.publish(kRecorderChannel, encode(status));
     if (options_.recorder.on_alive) options_.recorder.on_alive(status);
@@ -239,7 +252,11 @@ class Operating {
   const OperateOptions& options_;
   const std::int64_t recorder_;
   Bus bus_;
-  std::map<std::int32_t, WallTime> heard_;
+  struct Heard {
+    WallTime at{};
+    std::uint32_t vehicle_crc32c = 0;
+  };
+  std::map<std::int32_t, Heard> heard_;
   std::map<std::int32_t, double> sync_us_;
   std::optional<SetUp> set_up_;
   SealedBlock preview_;

@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::size_t kMostBlocks = 4096;
 constexpr int kLeastScans = 200;
+constexpr std::chrono::seconds kLeastSpan{2};
 /// A reference turns with its wheel; noise of a loop-back stays far below this part of full scale.
 constexpr std::int64_t kTurning_counts = 1 << 18;
 
@@ -68,7 +69,9 @@ RestReadings::Reading RestReadings::of(const NodeConfig& node, WallTime now) con
         all.most[k] = std::max(all.most[k], block.most[k]);
       }
     }
-  if (all.scans < kLeastScans) {
+  const bool is_long = known != nodes_.end() && !known->second.block.empty() &&
+                       now - known->second.block.front().at >= kLeastSpan;
+  if (all.scans < kLeastScans || !is_long) {
     reading.fault = "node " + node.name + ": too little has been heard of it: wait three seconds";
     return reading;
   }

@@ -9,6 +9,8 @@
 #include "common/bus/bus.hpp"
 #include "common/config/section.hpp"
 #include "common/config/vehicle_config.hpp"
+#include "common/link/blocks.hpp"
+#include "common/link/crc32c.hpp"
 #include "common/record/file.hpp"
 #include "common/record/folder.hpp"
 #include "host/recorder/vehicle_edit.hpp"
@@ -73,8 +75,19 @@ SetUp::SetUp(std::filesystem::path file, std::filesystem::path recordings)
     const std::string name = chosen->substr(0, chosen->find('\n'));
     if (is_plain_name(name) && path_exists(folder_of(file_) / name)) file_ = folder_of(file_) / name;
   }
-  text_ = read_file(file_);
-  (void)VehicleConfig::parse(text_, file_.string());
+  set_text(read_file(file_));
+}
+
+// @throws ConfigError if it is no vehicle
+void SetUp::set_text(std::string text) {
+  // A block of 20 scans is 1372 bytes on the disk with its head; edges and the rest are some per cent of
+  // that.
+  constexpr double kBytesOfAScan = 1.05 * 1400 / kScansPerBlock;
+  bytes_per_s_ = 0;
+  for (const NodeConfig& node : VehicleConfig::parse(text, file_.string()).node)
+    bytes_per_s_ += node.rate_hz * kBytesOfAScan;
+  text_ = std::move(text);
+  crc32c_ = roadbalance::crc32c({reinterpret_cast<const std::uint8_t*>(text_.data()), text_.size()});
 }
 
 std::map<int, RestReadings::Reading> SetUp::rest(const Request& request,
@@ -128,7 +141,7 @@ Answer SetUp::take(const Request& request, const std::vector<std::int32_t>& node
                 .value = request.value};
   try {
     if (change_) refuse(answer, RefusalReason::kNotSupported, "another change is being made: ask again");
-    text_ = read_file(file_);  // somebody may have edited it
+    set_text(read_file(file_));  // somebody may have edited it
     std::filesystem::path file = file_;
     const std::string text = wanted(request, nodes, now, answer, file);
     (void)VehicleConfig::parse(text, file.filename().string());
@@ -162,7 +175,7 @@ void SetUp::put_in_force(const Change& change) {
   else
     write_atomically(change.file, change.push.text());
   file_ = change.file;
-  text_ = change.push.text();
+  set_text(change.push.text());
 }
 
 std::optional<Answer> SetUp::turn(const Publish& publish, std::int64_t utc_us, WallTime now) {

@@ -37,6 +37,10 @@ class SetUp {
   std::optional<Answer> turn(const Publish& publish, std::int64_t utc_us, WallTime now);
 
   const std::filesystem::path& file() const { return file_; }
+  /// Of its text, as nodes tell it.
+  std::uint32_t crc32c() const { return crc32c_; }
+  /// That a recording by it writes, about.
+  double bytes_per_s() const { return bytes_per_s_; }
 
  private:
   struct Change {
@@ -50,10 +54,13 @@ class SetUp {
   std::map<int, RestReadings::Reading> rest(const Request& request, const std::vector<std::int32_t>& nodes,
                                             WallTime now, Answer& answer) const;
   void put_in_force(const Change& change);
+  void set_text(std::string text);
 
   std::filesystem::path file_;
   const std::filesystem::path recordings_;
   std::string text_;
+  std::uint32_t crc32c_ = 0;
+  double bytes_per_s_ = 1;
   RestReadings readings_;
   std::optional<Change> change_;
 };

@@ -65,6 +65,8 @@ TEST(RestReadings, ThereAreNoneOfASilentNode) {
   const auto at_rest = readings(300, [](int, int) { return 5; });
   EXPECT_EQ(at_rest.of(node(), WallTime{} + milliseconds(3000)).fault, "");
   EXPECT_NE(at_rest.of(node(), WallTime{} + milliseconds(6100)).fault, "");
+  EXPECT_NE(readings(100, [](int, int) { return 5; }).of(node(), WallTime{} + milliseconds(1000)).fault, "")
+      << "one second is too short";
   EXPECT_NE(RestReadings().of(node(), WallTime{}).fault, "");
 }
 
