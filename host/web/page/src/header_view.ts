@@ -46,9 +46,11 @@ export class HeaderView {
 function amounts(recorder: Recorder): string {
   const seconds = recorder.seconds_left;
   const free = `${(recorder.bytes_free / 1e9).toFixed(1)} GB free`;
-  if (recorder.state === RecorderState.Idle || recorder.state === RecorderState.Armed) return free;
+  const hours = seconds < 0 ? "" : `${(seconds / 3600).toFixed(seconds < 36_000 ? 1 : 0)} h`;
+  if (recorder.state === RecorderState.Idle || recorder.state === RecorderState.Armed)
+    return hours === "" ? free : `${free}, room for ${hours}`;
   // At its first word a recorder has not looked at its disk yet.
-  const left = seconds < 0 ? (recorder.bytes_free > 0 ? free : "") : `${(seconds / 3600).toFixed(seconds < 36_000 ? 1 : 0)} h left`;
+  const left = seconds < 0 ? (recorder.bytes_free > 0 ? free : "") : `${hours} left`;
   const name = textOf(recorder.name, recorder.name_size);
   return [...(name === "" ? [] : [name]), `${(recorder.bytes_recorded / 1e9).toFixed(2)} GB`, ...(left === "" ? [] : [left])].join(" · ");
 }

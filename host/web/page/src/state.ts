@@ -90,6 +90,8 @@ export function stateWord(car: Car, connection: Connection, nowMs: number): Stat
 export function warnings(car: Car, nowMs: number): string[] {
   const found: string[] = [];
   for (const recorder of car.livingRecorders(nowMs)) {
+    if (recorder.fault_size > 0 && recorder.state !== RecorderState.Fault)
+      found.push(`${textOf(recorder.fault, recorder.fault_size)}.`);
     if (recorder.on_battery & 1) found.push("The supply is gone: on battery.");
     if (recorder.fallback) found.push("Records to the fallback folder: the first disk has failed.");
     if (recorder.rivals > 0) found.push("Two nodes have one number, or one was paused.");
