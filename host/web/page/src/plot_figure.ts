@@ -60,6 +60,10 @@ export function colour(name: string): string {
   if (found === undefined) colours.set(name, found = getComputedStyle(document.documentElement).getPropertyValue(name).trim());
   return found;
 }
+/** What is painted on a canvas has to be painted again, frozen or not. */
+export function onTheme(repaint: () => void): void {
+  new MutationObserver(repaint).observe(document.documentElement, {attributes: true, attributeFilter: ["data-theme"]});
+}
 export const curveColour = (k: number) => colour(`--curve-${1 + k % kColours}`);
 
 /** Three digits, and a power of ten only where they would not do. */
@@ -88,6 +92,7 @@ export class Figure {
     this.box.onkeydown = (event) => this.move(event);
     new ResizeObserver(() => this.resize()).observe(this.box);
     addEventListener("resize", () => this.resize());
+    onTheme(() => this.plot?.redraw(false));
   }
 
   /** What it shows at present. */
@@ -103,20 +108,25 @@ export class Figure {
     return this.reading.textContent ?? "";
   }
 
+  /** Draws only what is new: arrays that are the same ones are taken for unchanged. */
   show(curves: readonly Curve[], yLabel: string, markers: readonly Marker[] = [], xRange?: readonly [number, number],
        logarithmic = this.options.logarithmic ?? false): void {
+    const isKnown = isSameList(curves, this.curves, (a, b) => a.x === b.x && a.y === b.y);
+    const isMarked = isSameList(markers, this.markers, (a, b) => a.x === b.x && a.label === b.label);
     this.curves = curves;
     this.markers = markers;
     if (this.box.clientWidth === 0) return;
     const shape = JSON.stringify([curves.map(({name, colour: k, dashed, band}) => [name, k, dashed, band]), yLabel, logarithmic]);
     this.logarithmic = logarithmic;
     this.yLabel = yLabel;
-    const data = this.data();
     if (!this.plot || shape !== this.shape) {
       this.shape = shape;
-      this.make(data);
+      this.make(this.data());
+    } else if (isKnown) {
+      if (!isMarked) this.plot.redraw(false);
+      return;
     } else {
-      this.plot.setData(data, true);
+      this.plot.setData(this.data(), true);
     }
     if (xRange && xRange[1] > xRange[0]) this.plot?.setScale("x", {min: xRange[0], max: xRange[1]});
     this.read();
@@ -251,6 +261,9 @@ export class Figure {
     });
   }
 }
+
+const isSameList = <T>(a: readonly T[], b: readonly T[], same: (a: T, b: T) => boolean) =>
+  a.length === b.length && a.every((value, k) => same(value, b[k] as T));
 
 /** Steps are even in all that is plotted. */
 const isSame = (a: readonly number[], b: readonly number[]) =>

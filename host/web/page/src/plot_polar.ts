@@ -5,7 +5,7 @@ import {el, setText} from "./dom";
 import type {Plot, Scene, Table} from "./plot";
 import type {Wish} from "./plot_ask";
 import {Choice} from "./plot_choice";
-import {colour, curveColour, figures} from "./plot_figure";
+import {colour, curveColour, figures, onTheme} from "./plot_figure";
 import {kWheelNames} from "./wheel_place";
 
 const kSize = 300, kRadius = 108;
@@ -54,8 +54,10 @@ export class PolarPlot implements Plot {
   private rows: (number | string | null)[][] = [];
   private reference: (OrderVector | undefined)[] = [];
   private now: (OrderVector | undefined)[] = [];
+  private full = 1;
 
   constructor(changed: () => void) {
+    onTheme(() => this.paint());
     this.order = new Choice<"1" | "2">("polar-order", "Order", {"1": "first", "2": "second"}, "1", changed);
     this.channel = new Choice<string>("polar-channel", "Channel", {[kOwn]: "upright on each wheel's carrier"}, kOwn, changed);
     this.element = el("section", {class: "plot"}, [
@@ -77,11 +79,11 @@ export class PolarPlot implements Plot {
     const ids = kWheelNames.map((_, wheel) => (this.channel.value === kOwn ? carrierOf(car, wheel) : channelOfKey(this.channel.value)));
     this.now = ids.map((id, wheel) => id && orderVector(car, wheel, id, order));
     const most = Math.max(0, ...[...this.now, ...this.reference].map((vector) => (vector ? Math.hypot(vector.re, vector.im) : 0)));
-    const full = roundScale(most);
+    this.full = roundScale(most);
+    this.paint();
     this.rows = [];
-    this.cells.forEach(({canvas, text, name}, wheel) => {
+    this.cells.forEach(({text, name}, wheel) => {
       const vector = this.now[wheel], id = ids[wheel];
-      paint(canvas, vector, this.reference[wheel], full);
       if (!vector || !id) {
         setText(text, !id ? "No node has said which channel stands upright on this wheel's carrier: choose a channel." :
           "Not known yet: it takes turns above 40 km/h with the wheel's angle known, and a record.");
@@ -96,6 +98,10 @@ export class PolarPlot implements Plot {
       this.rows.push([name, channelName(car, id), order, amplitude, orNull(vector.amplitude_95), phaseKnown ? phase : null,
                       orNull(vector.phase_95_rad * 180 / Math.PI), vector.blocks]);
     });
+  }
+
+  private paint(): void {
+    this.cells.forEach(({canvas}, wheel) => paint(canvas, this.now[wheel], this.reference[wheel], this.full));
   }
 
   table(): Table {

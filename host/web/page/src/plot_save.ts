@@ -34,30 +34,42 @@ export function csv({head, columns}: Table): string {
   return lines.join("\r\n") + "\r\n";
 }
 
-const kMargin = 16, kLine = 20;
+const kMargin = 16, kLine = 20, kNarrowest = 640, kWidest = 1280;
 
-/** The canvases below each other with texts under them, on the ground of the theme. */
+/** Places of pictures side by side as far as they fit, else below each other; and how large all are together. */
+export function placed(sizes: readonly {readonly width: number; readonly height: number}[], most: number):
+    {readonly at: readonly (readonly [number, number])[]; readonly width: number; readonly height: number} {
+  let x = 0, y = 0, row = 0, width = 0;
+  const at = sizes.map((size): readonly [number, number] => {
+    if (x > 0 && x + size.width > most) [x, y, row] = [0, y + row, 0];
+    const place = [x, y] as const;
+    x += size.width;
+    row = Math.max(row, size.height);
+    width = Math.max(width, x);
+    return place;
+  });
+  return {at, width, height: y + row};
+}
+
+/** The canvases with texts under them, on the ground of the theme. */
 export function picture(canvases: readonly HTMLCanvasElement[], texts: readonly string[]): HTMLCanvasElement {
   const scale = devicePixelRatio;
-  const width = Math.max(640 * scale, ...canvases.map((one) => one.width));
+  const {at, width: needed, height} = placed(canvases, kWidest * scale);
+  const width = Math.max(kNarrowest * scale, needed);
   const font = `${14 * scale}px system-ui, "DejaVu Sans", sans-serif`;
   const made = document.createElement("canvas");
   const measure = made.getContext("2d") as CanvasRenderingContext2D;
   measure.font = font;
   const lines = texts.flatMap((text) => wrapped(text, width - 2 * kMargin * scale, (part) => measure.measureText(part).width));
   made.width = width;
-  made.height = canvases.reduce((sum, one) => sum + one.height, 0) + (lines.length * kLine + 2 * kMargin) * scale;
+  made.height = height + (lines.length * kLine + 2 * kMargin) * scale;
   const ctx = made.getContext("2d") as CanvasRenderingContext2D;
   ctx.fillStyle = colour("--ground");
   ctx.fillRect(0, 0, made.width, made.height);
-  let y = 0;
-  for (const one of canvases) {
-    ctx.drawImage(one, 0, y);
-    y += one.height;
-  }
+  canvases.forEach((one, k) => ctx.drawImage(one, at[k]?.[0] ?? 0, at[k]?.[1] ?? 0));
   ctx.fillStyle = colour("--text");
   ctx.font = font;
-  lines.forEach((line, k) => ctx.fillText(line, kMargin * scale, y + (kMargin + k * kLine) * scale));
+  lines.forEach((line, k) => ctx.fillText(line, kMargin * scale, height + (kMargin + k * kLine) * scale));
   return made;
 }
 

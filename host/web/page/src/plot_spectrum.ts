@@ -16,6 +16,8 @@ const kQuantities: Readonly<Record<Quantity, string>> = {
   density: "density, (m/s²)²/Hz", peak: "amplitude (peak), m/s²", rms: "amplitude (rms), m/s²"};
 export const kWindowNames = ["rectangular", "Hann", "flat top"] as const;
 const kOrders = 4;
+/** Of a line's amplitude, by window (F. J. Harris, Proc. IEEE 66 (1978) 51-83, table I). */
+const kLow = [" A line between bins reads up to 36 % low: take the flat top.", " A line between bins reads up to 15 % low: take the flat top.", ""];
 
 /** A line of density G is as strong as a sine of rms sqrt(G B), B the equivalent noise bandwidth. */
 export function amplitude(density: number, enbw_hz: number, quantity: Quantity): number {
@@ -64,6 +66,8 @@ export class SpectrumPlot implements Plot {
     xText: (x) => `${x.toFixed(2)} Hz`});
   private now: Density[] = [];
   private reference: Density[] = [];
+  private readonly known = new WeakMap<readonly Spectrum[], {readonly x: number[]; readonly density: number[]}>();
+  private readonly amplitudes = new WeakMap<readonly number[], {readonly quantity: Quantity; readonly y: number[]}>();
 
   constructor(changed: () => void) {
     this.channels = new ChannelsChoice("spectrum-channels", kColours, changed);
@@ -92,19 +96,33 @@ export class SpectrumPlot implements Plot {
         return;
       }
       about = part;
-      this.now.push({name: channelName(car, id), colour: k, x: frequencies(parts), enbw_hz: part.enbw_hz,
-                     density: joined(parts, ({density}) => density)});
+      this.now.push({name: channelName(car, id), colour: k, enbw_hz: part.enbw_hz, ...this.numbers(parts)});
     });
     const markers = this.orders.value === "" ? [] : orderMarkers(car, Number(this.orders.value));
     const quantity = this.quantity.value;
     const curve = ({name, colour, x, density, enbw_hz}: Density, dashed: boolean): Curve =>
-      ({name: dashed ? `${name} (reference)` : name, colour, x, dashed, y: density.map((value) => amplitude(value, enbw_hz, quantity))});
+      ({name: dashed ? `${name} (reference)` : name, colour, x, dashed, y: this.shown(density, enbw_hz, quantity)});
     this.figure.show([...this.now.map((one) => curve(one, false)), ...this.reference.map((one) => curve(one, true))], kQuantities[this.quantity.value], markers);
     const why = waiting.length === 0 ? "" :
       ` No spectrum yet of ${waiting.map((id) => channelName(car, id)).join(", ")}: a block of ${spectral.segment} samples ` +
       "without a gap or overload must be full first.";
-    setText(this.caption, (about ? `${spectralCaption(spectral, about)}; ${about.averages} blocks.` : "") +
+    setText(this.caption, (about ? `${spectralCaption(spectral, about)}; ${about.averages} blocks.${quantity === "density" ? "" : kLow[spectral.window] ?? ""} ` : "") +
       (wanted.length === 0 ? "Choose a channel." : why));
+  }
+
+  // Computed once for what came once.
+  private numbers(parts: readonly Spectrum[]): {readonly x: number[]; readonly density: number[]} {
+    let found = this.known.get(parts);
+    if (!found) this.known.set(parts, found = {x: frequencies(parts), density: joined(parts, ({density}) => density)});
+    return found;
+  }
+
+  private shown(density: readonly number[], enbw_hz: number, quantity: Quantity): readonly number[] {
+    if (quantity === "density") return density;
+    let found = this.amplitudes.get(density);
+    if (found?.quantity !== quantity)
+      this.amplitudes.set(density, found = {quantity, y: density.map((value) => amplitude(value, enbw_hz, quantity))});
+    return found.y;
   }
 
   table(): Table {

@@ -5,11 +5,11 @@ import type {Plot, Scene, Table} from "./plot";
 import type {Wish} from "./plot_ask";
 import {Choice, ChannelChoice} from "./plot_choice";
 import {pairKey} from "./plot_data";
-import {Figure, figures, type Curve} from "./plot_figure";
+import {Figure, figures, type Curve, type Marker} from "./plot_figure";
 import {curvesTable} from "./plot_save";
 import {orderChoice, orderMarkers, spectralCaption} from "./plot_spectrum";
 import {meanDelay_s, transferCurves, type Estimator, type TransferCurves} from "./transfer";
-import {TransferState} from "./wire";
+import {TransferState, type Transfer} from "./wire";
 
 const kEstimators: Readonly<Record<Estimator, string>> = {
   h1: "H1 (noise on the output)", h2: "H2 (noise on the input)", hv: "Hv (noise on both)"};
@@ -42,6 +42,8 @@ export class TransferPlot implements Plot {
                                            range: [0, 1], together: kTogether, xText});
   private reference: {readonly curves: TransferCurves; readonly name: string} | undefined;
   private now: {readonly curves: TransferCurves; readonly name: string} | undefined;
+  /** Of what `now` was computed. */
+  private from: readonly [readonly Transfer[], Estimator] | undefined;
 
   constructor(changed: () => void) {
     this.input = new ChannelChoice("transfer-input", "From", changed);
@@ -72,17 +74,19 @@ export class TransferPlot implements Plot {
       setText(this.caption, part ? kReasons[part.state as TransferState] ?? "Not known." : "The analyser has not answered yet.");
     } else {
       const estimator = this.estimator.value;
-      this.now = {curves: transferCurves(parts, estimator),
+      const isKnown = this.now && this.from?.[0] === parts && this.from[1] === estimator;
+      this.from = [parts, estimator];
+      this.now = {curves: isKnown && this.now ? this.now.curves : transferCurves(parts, estimator),
                   name: `${estimator.toUpperCase()} ${channelName(car, input)} → ${channelName(car, output)}`};
       const delay = meanDelay_s(parts);
       setText(this.caption, `${spectralCaption(spectral, part)}; worth ${figures(part.independent_averages)} independent blocks. ` +
         "The band holds the magnitude with 95 %; no phase where it holds 0. " +
         (delay === undefined ? "No coherence: no delay." : `Mean delay of the output ${(1000 * delay).toFixed(2)} ms.`));
     }
-    this.show(this.orders.value === "" ? [] : orderMarkers(car, Number(this.orders.value)), part?.coherence_by_chance ?? 1);
+    this.show(this.orders.value === "" ? [] : orderMarkers(car, Number(this.orders.value)));
   }
 
-  private show(markers: ReturnType<typeof orderMarkers>, byChance: number): void {
+  private show(markers: readonly Marker[]): void {
     const magnitude: Curve[] = [], phase: Curve[] = [], coherence: Curve[] = [];
     if (this.now) {
       const {curves, name} = this.now, x = curves.hz;
@@ -90,7 +94,7 @@ export class TransferPlot implements Plot {
                      {name: "95 % to", colour: 0, x, y: curves.greatest, band: true, silent: true, faint: true});
       phase.push({name: "phase", colour: 0, x, y: curves.phase_deg});
       coherence.push({name: "coherence", colour: 0, x, y: curves.coherence},
-                     {name: "by chance (95 %)", colour: 1, x, y: x.map(() => byChance), dashed: true});
+                     {name: "by chance (95 %)", colour: 1, x, y: curves.by_chance, dashed: true});
     }
     if (this.reference) {
       const {curves, name} = this.reference, x = curves.hz;

@@ -6,7 +6,7 @@ import type {Plot, Scene, Table} from "./plot";
 import type {Wish} from "./plot_ask";
 import {Choice, ChannelChoice} from "./plot_choice";
 import {waterfallKey} from "./plot_data";
-import {colour, figures} from "./plot_figure";
+import {colour, figures, onTheme} from "./plot_figure";
 import {kWheelNames} from "./wheel_place";
 import {OrderState, type Waterfall} from "./wire";
 
@@ -40,6 +40,7 @@ export class WaterfallPlot implements Plot {
     this.wheel = new Choice<string>("waterfall-wheel", "Wheel", Object.fromEntries(kWheelNames.map((name, k) => [k, name])), "0", changed);
     this.channel = new ChannelChoice("waterfall-channel", "Channel", changed);
     this.highest = new Choice<string>("waterfall-highest", "Up to order", {"2": "2", "4": "4", "8": "8"}, "4", changed);
+    onTheme(() => this.paint());
     this.canvas.onkeydown = (event) => this.move(event);
     this.canvas.onpointermove = this.canvas.onpointerdown = (event) => this.point(event);
     this.element = el("section", {class: "plot", id: "waterfall-plot"}, [

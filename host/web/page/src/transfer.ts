@@ -17,6 +17,8 @@ export interface TransferCurves {
   /** Of input and output, (m/s²)²/Hz. */
   readonly input: number[];
   readonly output: number[];
+  /** That unrelated channels stay below in 95 % of the bins. */
+  readonly by_chance: number[];
 }
 
 /** |h2| = |h1| / coherence, |hv| = |h1| / sqrt(coherence): transfer_t. */
@@ -36,6 +38,7 @@ export function transferCurves(parts: readonly Transfer[], estimator: Estimator)
     hz: frequencies(parts), magnitude: h1.map((size, k) => size * (scale[k] ?? 0)), least: band(-1), greatest: band(1),
     phase_deg: re.map((x, k) => ((radius[k] ?? Infinity) < (h1[k] ?? 0) ? Math.atan2(im[k] ?? 0, x) * 180 / Math.PI : null)),
     coherence, input: joined(parts, (part) => part.input), output: joined(parts, (part) => part.output),
+    by_chance: coherence.map(() => parts[0]?.coherence_by_chance ?? 1),
   };
 }
 

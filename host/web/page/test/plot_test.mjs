@@ -175,6 +175,14 @@ test("a table is saved so that others read it", () => {
                    ["hz", "a g", "b g", "hz", "c g"]);
 });
 
+test("pictures stand side by side as far as they fit", () => {
+  const size = (width, height) => ({width, height});
+  assert.deepEqual(view.placed([size(300, 300), size(300, 200), size(300, 100)], 700),
+                   {at: [[0, 0], [300, 0], [0, 300]], width: 600, height: 400});
+  assert.deepEqual(view.placed([size(900, 100), size(900, 50)], 700), {at: [[0, 0], [0, 100]], width: 900, height: 150});
+  assert.deepEqual(view.placed([], 700), {at: [], width: 0, height: 0});
+});
+
 test("texts are broken between words", () => {
   assert.deepEqual(view.wrapped("one two three", 7, (text) => text.length), ["one two", "three"]);
   assert.deepEqual(view.wrapped("extraordinary", 7, (text) => text.length), ["extraordinary"]);

@@ -224,6 +224,35 @@ test("frozen it stands still, and goes on", async (t) => {
   assert.notDeepEqual((await table(page)).rows, first.rows);
 });
 
+test("frozen it changes its colours with the theme", async (t) => {
+  for (const [plot, canvas, name] of [["spectrum", "#spectrum-figure canvas", "--grid"], ["waterfall", "#waterfall-plot canvas", "--ground"],
+                                      ["polar", ".polar canvas", "--card"]]) {
+    const page = await open(t, plot, {colorScheme: "dark"});
+    if (plot === "spectrum") await says(page, "#spectrum-caption", /\d blocks/);
+    if (plot === "waterfall") await says(page, "#waterfall-caption", /amplitude/);
+    await page.keyboard.press("f");
+    const colour = () => page.evaluate((of) => {
+      const hex = getComputedStyle(document.documentElement).getPropertyValue(of).trim().replace(/^#(.)(.)(.)$/, "#$1$1$2$2$3$3");
+      return [1, 3, 5].map((k) => parseInt(hex.slice(k, k + 2), 16));
+    }, name);
+    const painted = (rgb) => page.evaluate(([where, wanted]) => {
+      const one = document.querySelector(where);
+      const {data} = one.getContext("2d").getImageData(0, 0, one.width, one.height);
+      let count = 0;
+      for (let k = 0; k < data.length; k += 4)
+        if (data[k + 3] === 255 && wanted.every((value, c) => data[k + c] === value)) ++count;
+      return count;
+    }, [canvas, rgb]);
+    const night = await colour();
+    assert.ok(await painted(night) > 100, `${plot} by night`);
+    await page.keyboard.press("n");
+    const day = await colour();
+    assert.notDeepEqual(day, night);
+    assert.ok(await painted(day) > 100, `${plot} by day`);
+    assert.equal(await painted(night), 0, `${plot} is still of the night`);
+  }
+});
+
 test("what was plotted is kept beside what comes, until it is dropped", async (t) => {
   const page = await open(t, "spectrum");
   await says(page, "#spectrum-caption", /[2-9] blocks/);
