@@ -4,6 +4,7 @@ import type {Car} from "./car";
 import {el, setAttributes, setText} from "./dom";
 import type {Plot, Scene, Table} from "./plot";
 import type {Wish} from "./plot_ask";
+import {speedNumber, speedUnit} from "./units";
 import {kWheelNames} from "./wheel_place";
 
 /** More than this by another wheel's turns, over the drive, lets their unbalances be told apart: words say so, not this. */
@@ -37,6 +38,7 @@ export class SpeedPlot implements Plot {
   readonly title = "Speed classes";
   readonly isSpectral = false;
   readonly element: HTMLElement;
+  private readonly speedHead = el("th", {scope: "col"});
   private readonly classes = el("tbody");
   private readonly wheels = el("tbody");
   private readonly caption = el("p", {class: "caption", id: "speed-caption"});
@@ -47,7 +49,7 @@ export class SpeedPlot implements Plot {
       el("div", {class: "tables"}, [
         el("table", {id: "speed-classes"}, [
           el("caption", {}, ["Driving used by the identification"]),
-          el("thead", {}, [el("tr", {}, cells("th", ["Speed, km/h", "Seconds", "Share"]))]), this.classes]),
+          el("thead", {}, [el("tr", {}, [this.speedHead, ...cells("th", ["Seconds", "Share"])])]), this.classes]),
         el("table", {id: "speed-wheels"}, [
           el("caption", {}, ["Wheels now"]),
           el("thead", {}, [el("tr", {}, cells("th", ["Wheel", "Turns a second", "Against the mean", "Drift against another wheel"]))]),
@@ -63,8 +65,9 @@ export class SpeedPlot implements Plot {
     this.shown = speedClasses(car);
     const total = this.shown.reduce((sum, {seconds}) => sum + seconds, 0);
     const longest = Math.max(1, ...this.shown.map(({seconds}) => seconds));
+    setText(this.speedHead, `Speed, ${speedUnit()}`);
     rows(this.classes, this.shown.map(({speed_m_s, seconds}) => [
-      (3.6 * speed_m_s).toFixed(1), seconds.toFixed(0), `${(100 * seconds / total).toFixed(0)} %`]), (row, k) => {
+      speedNumber(speed_m_s).toFixed(1), seconds.toFixed(0), `${(100 * seconds / total).toFixed(0)} %`]), (row, k) => {
       const bar = row.querySelector<HTMLElement>(".occupancy") ?? el("div", {class: "occupancy"});
       if (!bar.parentElement) row.lastElementChild?.append(bar);
       bar.style.width = `${(100 * (this.shown[k]?.seconds ?? 0) / longest).toFixed(1)}%`;
@@ -82,8 +85,8 @@ export class SpeedPlot implements Plot {
   }
 
   table(): Table {
-    return {head: ["speed_km_h", "seconds"],
-            columns: [this.shown.map(({speed_m_s}) => 3.6 * speed_m_s), this.shown.map(({seconds}) => seconds)]};
+    return {head: [`speed ${speedUnit()}`, "seconds"],
+            columns: [this.shown.map(({speed_m_s}) => speedNumber(speed_m_s)), this.shown.map(({seconds}) => seconds)]};
   }
 
   canvases(): HTMLCanvasElement[] {
@@ -91,7 +94,7 @@ export class SpeedPlot implements Plot {
   }
 
   captions(): string[] {
-    return [...this.shown.map(({speed_m_s, seconds}) => `${(3.6 * speed_m_s).toFixed(1)} km/h: ${seconds.toFixed(0)} s`),
+    return [...this.shown.map(({speed_m_s, seconds}) => `${speedNumber(speed_m_s).toFixed(1)} ${speedUnit()}: ${seconds.toFixed(0)} s`),
             this.caption.textContent ?? ""];
   }
 }

@@ -7,6 +7,7 @@ import type {Wish} from "./plot_ask";
 import {Choice, ChannelChoice} from "./plot_choice";
 import {waterfallKey} from "./plot_data";
 import {colour, figures, onTheme} from "./plot_figure";
+import {speedNumber, speedUnit} from "./units";
 import {kWheelNames} from "./wheel_place";
 import {OrderState, type Waterfall} from "./wire";
 
@@ -16,7 +17,7 @@ const kDecades = 3;
 // A reason that the analyser learns to give does not compile before it has its sentence here.
 const kReasons: Readonly<Record<OrderState, string>> = {
   [OrderState.Told]: "",
-  [OrderState.TooShort]: "Nothing yet: it takes 32 turns above 27 km/h with the wheel's angle known.",
+  [OrderState.TooShort]: "Nothing yet: it takes 32 turns above 27 km/h (17 mph) with the wheel's angle known.",
   [OrderState.NoChannel]: "The wheel has no encoder, or the channel is no acceleration.",
   [OrderState.TooMuch]: "Others look at as many of these as the analyser computes at a time.",
 };
@@ -82,9 +83,9 @@ export class WaterfallPlot implements Plot {
     const {speed, top_decade} = this.ranges();
     const highest = Number(this.highest.value);
     const x = (order: number) => kLeft + order / highest * (width - kLeft - kRight);
-    const y = (kmh: number) => kHeight - kBottom - (kmh - speed[0]) / (speed[1] - speed[0]) * (kHeight - kTop - kBottom);
+    const y = (at: number) => kHeight - kBottom - (at - speed[0]) / (speed[1] - speed[0]) * (kHeight - kTop - kBottom);
     for (const row of this.rows) {
-      const [from, to] = [y(3.6 * row.to_m_s), y(3.6 * row.from_m_s)];
+      const [from, to] = [y(speedNumber(row.to_m_s)), y(speedNumber(row.from_m_s))];
       for (let k = 0; k < row.lines && k * row.step <= highest; ++k) {
         const share = (Math.log10(Math.max(row.amplitude[k] ?? 0, 1e-12)) - top_decade + kDecades) / kDecades;
         ctx.fillStyle = `rgb(${mapColour(share).join(" ")})`;
@@ -96,16 +97,16 @@ export class WaterfallPlot implements Plot {
     this.drawCursor(ctx, x, y);
   }
 
-  /** Speeds in km/h, and the decade on top of the colours. */
+  /** Speeds in the unit that is shown, and the decade on top of the colours. */
   private ranges(): {readonly speed: readonly [number, number]; readonly top_decade: number} {
     const [first] = this.rows, last = this.rows.at(-1);
-    const speed: [number, number] = first && last ? [3.6 * first.from_m_s, 3.6 * last.to_m_s] : [0, 150];
+    const speed: [number, number] = first && last ? [speedNumber(first.from_m_s), speedNumber(last.to_m_s)] : [0, 150];
     // What rests is no order.
     const most = Math.max(1e-3, ...this.rows.flatMap(({amplitude, lines, step}) => amplitude.slice(Math.ceil(0.25 / step), lines)));
     return {speed, top_decade: Math.ceil(Math.log10(most))};
   }
 
-  private axes(ctx: CanvasRenderingContext2D, width: number, x: (order: number) => number, y: (kmh: number) => number,
+  private axes(ctx: CanvasRenderingContext2D, width: number, x: (order: number) => number, y: (speed: number) => number,
                speed: readonly [number, number], top_decade: number): void {
     ctx.fillStyle = colour("--text");
     ctx.strokeStyle = colour("--line");
@@ -121,13 +122,13 @@ export class WaterfallPlot implements Plot {
     ctx.fillText("Order of the wheel", (kLeft + width - kRight) / 2, kHeight - 8);
     ctx.textAlign = "right";
     const step = speed[1] - speed[0] > 60 ? 20 : 10;
-    for (let kmh = Math.ceil(speed[0] / step) * step; kmh <= speed[1] + 0.01; kmh += step)
-      ctx.fillText(kmh.toFixed(0), kLeft - 8, y(kmh) + 4);
+    for (let at = Math.ceil(speed[0] / step) * step; at <= speed[1] + 0.01; at += step)
+      ctx.fillText(at.toFixed(0), kLeft - 8, y(at) + 4);
     ctx.save();
     ctx.translate(16, (kTop + kHeight - kBottom) / 2);
     ctx.rotate(-Math.PI / 2);
     ctx.textAlign = "center";
-    ctx.fillText("Speed, km/h", 0, 0);
+    ctx.fillText(`Speed, ${speedUnit()}`, 0, 0);
     ctx.restore();
     const barTop = kTop + 20, bar = kHeight - kBottom - barTop;
     for (let k = 0; k < bar; ++k) {
@@ -141,14 +142,14 @@ export class WaterfallPlot implements Plot {
       ctx.fillText(figures(10 ** (top_decade - k)), width - kRight + 38, barTop + 4 + bar * k / kDecades);
   }
 
-  private drawCursor(ctx: CanvasRenderingContext2D, x: (order: number) => number, y: (kmh: number) => number): void {
+  private drawCursor(ctx: CanvasRenderingContext2D, x: (order: number) => number, y: (speed: number) => number): void {
     const row = this.cursor && this.rows[this.cursor.row];
     if (!this.cursor || !row) {
       setText(this.reading, "");
       return;
     }
     const line = Math.min(row.lines - 1, Math.round(this.cursor.order / row.step));
-    const middle = y(1.8 * (row.from_m_s + row.to_m_s));
+    const middle = y(speedNumber((row.from_m_s + row.to_m_s) / 2));
     ctx.lineWidth = 2;
     for (const [stroke, radius] of [["#000", 8], ["#fff", 6]] as const) {
       ctx.strokeStyle = stroke;
@@ -156,16 +157,16 @@ export class WaterfallPlot implements Plot {
       ctx.arc(x(line * row.step), middle, radius, 0, 2 * Math.PI);
       ctx.stroke();
     }
-    setText(this.reading, `order ${(line * row.step).toFixed(3)} at ${(3.6 * row.from_m_s).toFixed(0)} to ` +
-      `${(3.6 * row.to_m_s).toFixed(0)} km/h: ${figures(row.amplitude[line] ?? 0)} m/s² (peak), ${row.blocks} blocks`);
+    setText(this.reading, `order ${(line * row.step).toFixed(3)} at ${speedNumber(row.from_m_s).toFixed(0)} to ` +
+      `${speedNumber(row.to_m_s).toFixed(0)} ${speedUnit()}: ${figures(row.amplitude[line] ?? 0)} m/s² (peak), ${row.blocks} blocks`);
   }
 
   private point(event: PointerEvent): void {
     const {left, top, width} = this.canvas.getBoundingClientRect();
     const {speed} = this.ranges();
     const order = (event.clientX - left - kLeft) / (width - kLeft - kRight) * Number(this.highest.value);
-    const kmh = speed[0] + (kHeight - kBottom - (event.clientY - top)) / (kHeight - kTop - kBottom) * (speed[1] - speed[0]);
-    const row = this.rows.findIndex(({from_m_s, to_m_s}) => 3.6 * from_m_s <= kmh && kmh < 3.6 * to_m_s);
+    const at = speed[0] + (kHeight - kBottom - (event.clientY - top)) / (kHeight - kTop - kBottom) * (speed[1] - speed[0]);
+    const row = this.rows.findIndex(({from_m_s, to_m_s}) => speedNumber(from_m_s) <= at && at < speedNumber(to_m_s));
     this.cursor = row >= 0 && order >= 0 && order <= Number(this.highest.value) ? {order, row} : undefined;
     this.paint();
   }
@@ -188,7 +189,7 @@ export class WaterfallPlot implements Plot {
     if (!row) return {head: [], columns: []};
     const most = Math.max(...this.rows.map(({lines}) => lines));
     return {
-      head: ["order", ...this.rows.map(({from_m_s, to_m_s}) => `${(3.6 * from_m_s).toFixed(1)}..${(3.6 * to_m_s).toFixed(1)} km/h m/s2 peak`)],
+      head: ["order", ...this.rows.map(({from_m_s, to_m_s}) => `${speedNumber(from_m_s).toFixed(1)}..${speedNumber(to_m_s).toFixed(1)} ${speedUnit()} m/s2 peak`)],
       columns: [Array.from({length: most}, (_, k) => k * row.step), ...this.rows.map(({amplitude, lines}) => amplitude.slice(0, lines))]};
   }
 

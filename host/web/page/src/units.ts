@@ -32,6 +32,9 @@ export const moment = (value_g: number, radius_m: number) =>
     : withUnit((value_g * radius_m * 100).toFixed(0), "g·cm");
 export const speed = (value_m_s: number) =>
   isUs() ? withUnit((value_m_s * 3600 / kMile_m).toFixed(0), "mph") : withUnit((3.6 * value_m_s).toFixed(0), "km/h");
+/** The same as a number, for an axis or a table. */
+export const speedNumber = (value_m_s: number) => (isUs() ? value_m_s * 3600 / kMile_m : 3.6 * value_m_s);
+export const speedUnit = () => (isUs() ? "mph" : "km/h");
 /** Along the rim: workshop rulers have both. */
 export const length = (value_m: number) =>
   isUs() ? withUnit((value_m / kInch_m).toFixed(1), "in") : withUnit((1000 * value_m).toFixed(0), "mm");

@@ -205,6 +205,9 @@ test("speed classes tell how long the car was driven in each, and the wheels how
   await says(page, "#speed-caption", /100 s of driving used/);
   const rows = await page.locator("#speed-classes tbody tr").allInnerTexts();
   assert.deepEqual(rows.map((row) => row.trim().split(/\s+/).slice(0, 3)), [["90.0", "60", "60"], ["100.8", "10", "10"], ["111.6", "30", "30"]]);
+  await page.keyboard.press("u");
+  await says(page, "#speed-classes", /Speed, mph.*55\.960/);  // 25 m/s, 60 s
+  await page.keyboard.press("u");
   await says(page, "#speed-wheels", /front left14\.160\.00 %115°/);
 });
 
