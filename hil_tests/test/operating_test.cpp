@@ -202,6 +202,22 @@ TEST_F(Operating, ARangeIsInForceAtTheNodeAndInTheNextRecord) {
   EXPECT_EQ(VehicleConfig::read_file((vehicles / "car.toml").string()).node[1].channel[4].range_m_s2, 80);
 }
 
+// Asked for at once behind a stop, and a start at once behind that.
+TEST_F(Operating, ASetUpBetweenTwoRecordingsWithoutAPauseLosesNothing) {
+  Program recorder = operated_recorder(), front = staying("front"), rear = staying("rear");
+  for (int k = 0; k < 4; ++k) {
+    const std::string name = "part" + std::to_string(k);
+    start(name);
+    stop();
+    const Answer done = ask(Operation::kRange, "", {.node = kFront, .channel = 0, .value = {100.0 + k, 0}});
+    EXPECT_EQ(done.state, AnswerState::kDone) << done.text;
+    expect_whole(name);
+  }
+  start("last");
+  stop();
+  EXPECT_EQ(recorded_vehicle(recordings / "last")->node[0].channel[0].range_m_s2, 103);
+}
+
 TEST_F(Operating, RefusesASetUpThatCannotBeAndLeavesTheOneThatIs) {
   Program recorder = operated_recorder(), front = staying("front"), rear = staying("rear");
   start("car");

@@ -35,7 +35,11 @@ VehiclePush::Said VehiclePush::due(WallTime now) {
       return said;
     }
     const auto silent = std::ranges::find_if(nodes_, [](const auto& n) { return !n.second.has_answered; });
-    undo(State::kSilent, "node " + std::to_string(silent->first) + " does not answer");
+    const std::string who = "node " + std::to_string(silent->first);
+    if (const std::string waits_for = silent->second.waits_for; !waits_for.empty())
+      undo(State::kRefused, who + ": " + waits_for);
+    else
+      undo(State::kSilent, who + " does not answer");
     begun_ = now;
     restarts_ = false;
     if (state_ != State::kUnderWay) return said;
@@ -68,8 +72,12 @@ void VehiclePush::take(const Reply& reply) {
   if (state_ != State::kUnderWay) return;
   const auto found = nodes_.find(reply.node);
   if (found == nodes_.end() || found->second.request != reply.request) return;
-  if (reply.result == CommandError::kVehicleMissing) return;  // they come again
   Node& node = found->second;
+  // Parts come again; and a recording whose last blocks are still being repaired is soon over.
+  if (reply.result == CommandError::kVehicleMissing || reply.result == CommandError::kMeasuring) {
+    node.waits_for = reply.text;
+    return;
+  }
   node.has_answered = true;
   node.has_taken = reply.result == CommandError::kNone;
   if (!undoes_ && !node.has_taken)

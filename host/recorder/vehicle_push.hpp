@@ -45,6 +45,7 @@ class VehiclePush {
     std::int64_t request = 0;
     bool has_answered = false;
     bool has_taken = false;
+    std::string waits_for{};  ///< why it has not yet, as it says
   };
   void undo(State outcome, std::string why);
   const std::string& wanted() const { return undoes_ ? before_ : after_; }

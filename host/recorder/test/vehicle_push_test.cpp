@@ -71,5 +71,27 @@ TEST_F(VehiclePushTest, ANodeThatIsSilentIsGivenUpAndAskedToTakeTheOldOne) {
   EXPECT_EQ(push.why(), "node 2 does not answer");
 }
 
+// Right after a stop a node may still send again what the network lost.
+TEST_F(VehiclePushTest, ANodeThatStillMeasuresIsAskedAgain) {
+  const auto first = push.due(WallTime{});
+  push.take(reply(first.command[0], CommandError::kNone));
+  push.take(reply(first.command[1], CommandError::kMeasuring, "the node is measuring"));
+  EXPECT_EQ(push.state(), State::kUnderWay);
+  const auto second = push.due(WallTime{} + VehiclePush::kRepeat);
+  ASSERT_EQ(second.command.size(), 1u);
+  push.take(reply(second.command[0], CommandError::kNone));
+  EXPECT_EQ(push.state(), State::kDone);
+}
+
+TEST_F(VehiclePushTest, ANodeThatMeasuresOnIsNamedWithItsReason) {
+  const auto first = push.due(WallTime{});
+  push.take(reply(first.command[0], CommandError::kNone));
+  push.take(reply(first.command[1], CommandError::kMeasuring, "the node is measuring"));
+  const auto undo = push.due(WallTime{} + VehiclePush::kPatience + milliseconds(1));
+  for (const Command& command : undo.command) push.take(reply(command, CommandError::kNone));
+  EXPECT_EQ(push.state(), State::kRefused);
+  EXPECT_EQ(push.why(), "node 2: the node is measuring");
+}
+
 }  // namespace
 }  // namespace roadbalance
