@@ -14,6 +14,8 @@ export interface Curve {
   readonly band?: boolean;
   /** Only its band is seen. */
   readonly faint?: boolean;
+  /** The scale need not hold it. */
+  readonly mayLeave?: boolean;
   /** Not in the list that the cursor reads. */
   readonly silent?: boolean;
 }
@@ -41,9 +43,12 @@ export interface FigureOptions {
   readonly xText: (x: number) => string;
 }
 
-/** What is above and below a plot, and how high all figures are together at the least and the most. */
-const kBeside = 410, kLeastHeight = 300, kMostHeight = 800;
-const figureHeight = (share: number) => Math.round(share * Math.min(kMostHeight, Math.max(kLeastHeight, innerHeight - kBeside)));
+/** What is beside figures in the view of plots, and how high all are together at the least and the most. */
+const kBeside = 215, kLeastHeight = 280, kMostHeight = 800;
+function figureHeight(share: number): number {
+  const above = document.querySelector<HTMLElement>(".plots")?.offsetTop ?? 0;
+  return Math.round(share * Math.min(kMostHeight, Math.max(kLeastHeight, innerHeight - above - kBeside)));
+}
 
 export const kColours = 6;
 const kFont = '13px system-ui, "DejaVu Sans", sans-serif';
@@ -175,7 +180,7 @@ export class Figure {
          values: (_, splits) => splits.map((value) => (value === null ? "" : figures(value)))}],
       series: [{}, ...this.curves.map((curve): uPlot.Series => ({
         label: curve.name, width: curve.faint ? 0 : curve.dashed ? 1 : 1.5, spanGaps: false,
-        ...(bars ? {paths: () => null} : {}), stroke: () => curveColour(curve.colour), ...(curve.dashed ? {dash: [6, 4]} : {}), points: {show: false},
+        auto: !curve.mayLeave, ...(bars ? {paths: () => null} : {}), stroke: () => curveColour(curve.colour), ...(curve.dashed ? {dash: [6, 4]} : {}), points: {show: false},
       }))],
       bands: this.curves.flatMap(({band, colour: k}, at) =>
         (band && !bars ? [{series: [at + 1, at] as [number, number], fill: () => `${curveColour(k)}66`}] : [])),

@@ -90,7 +90,7 @@ export class TransferPlot implements Plot {
     const magnitude: Curve[] = [], phase: Curve[] = [], coherence: Curve[] = [];
     if (this.now) {
       const {curves, name} = this.now, x = curves.hz;
-      magnitude.push({name, colour: 0, x, y: curves.magnitude}, {name: "95 % from", colour: 0, x, y: curves.least, silent: true, faint: true},
+      magnitude.push({name, colour: 0, x, y: curves.magnitude}, {name: "95 % from", colour: 0, x, y: curves.least_drawn, silent: true, faint: true, mayLeave: true},
                      {name: "95 % to", colour: 0, x, y: curves.greatest, band: true, silent: true, faint: true});
       phase.push({name: "phase", colour: 0, x, y: curves.phase_deg});
       coherence.push({name: "coherence", colour: 0, x, y: curves.coherence},

@@ -11,6 +11,8 @@ export interface TransferCurves {
   /** Where the magnitude is with 95 %; null: anywhere. */
   readonly least: (number | null)[];
   readonly greatest: (number | null)[];
+  /** `least` on an axis of logarithms, which has no 0: far below the magnitude instead. */
+  readonly least_drawn: (number | null)[];
   /** -180 .. 180; null where the circle of 95 % holds 0. */
   readonly phase_deg: (number | null)[];
   readonly coherence: number[];
@@ -20,6 +22,8 @@ export interface TransferCurves {
   /** That unrelated channels stay below in 95 % of the bins. */
   readonly by_chance: number[];
 }
+
+const kFarBelow = 1e-6;
 
 /** |h2| = |h1| / coherence, |hv| = |h1| / sqrt(coherence): transfer_t. */
 const kPower: Readonly<Record<Estimator, number>> = {h1: 0, h2: 1, hv: 0.5};
@@ -34,8 +38,10 @@ export function transferCurves(parts: readonly Transfer[], estimator: Estimator)
     const reach = radius[k] ?? Infinity;
     return Number.isFinite(reach) ? Math.max(0, size + sign * reach) * (scale[k] ?? 0) : null;
   });
+  const magnitude = h1.map((size, k) => size * (scale[k] ?? 0)), least = band(-1);
   return {
-    hz: frequencies(parts), magnitude: h1.map((size, k) => size * (scale[k] ?? 0)), least: band(-1), greatest: band(1),
+    hz: frequencies(parts), magnitude, least, greatest: band(1),
+    least_drawn: least.map((value, k) => (value === null ? null : Math.max(value, kFarBelow * (magnitude[k] ?? 0)))),
     phase_deg: re.map((x, k) => ((radius[k] ?? Infinity) < (h1[k] ?? 0) ? Math.atan2(im[k] ?? 0, x) * 180 / Math.PI : null)),
     coherence, input: joined(parts, (part) => part.input), output: joined(parts, (part) => part.output),
     by_chance: coherence.map(() => parts[0]?.coherence_by_chance ?? 1),

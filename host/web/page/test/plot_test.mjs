@@ -134,6 +134,8 @@ test("H1, H2 and Hv are as far apart as the coherence says", () => {
   const lost = transfer(0.25, 0);
   lost[0].radius_95[7] = 0.6;
   assert.equal(page.transferCurves(lost, "h1").phase_deg[7], null, "the circle holds 0");
+  assert.equal(page.transferCurves(lost, "h1").least[7], 0);
+  assert.ok(page.transferCurves(lost, "h1").least_drawn[7] > 0, "the band reaches down beyond the picture");
   lost[0].radius_95[7] = Infinity;
   assert.equal(page.transferCurves(lost, "h1").greatest[7], null);
 });
