@@ -169,6 +169,37 @@ def read_frame(stream):
             return payload
 
 
+def fingerprint(message):
+    """The first eight bytes of a message of numbers, of its .lcm file as LCM computes them."""
+    text = pathlib.Path(os.environ["RB_SOURCE"], f"common/wire/{message}.lcm").read_text(encoding="utf-8")
+    value = 0x12345678
+
+    def add(number):
+        nonlocal value
+        signed = value - (1 << 64) if value >> 63 else value
+        value = (((value << 8) & (1 << 64) - 1 ^ (signed >> 55) & (1 << 64) - 1) + number) & (1 << 64) - 1
+
+    def add_text(word):
+        for number in (len(word), *word.encode()):
+            add(number)
+
+    for kind, name, extents in re.findall(r"^\s+(\w+)\s+(\w+)((?:\[\d+\])*);", text, re.MULTILINE):
+        add_text(name)
+        add_text(kind)
+        sizes = re.findall(r"\d+", extents)
+        add(len(sizes))
+        for size in sizes:
+            add(0)
+            add_text(size)
+    return ((value << 1) + (value >> 63)) & (1 << 64) - 1
+
+
+def view(viewer, segment=4096, pairs=0):
+    """A view_t that wants nothing but itself to be known."""
+    numbers = struct.pack(">Qqiiii", fingerprint("view_t"), viewer, segment, 1, 20, 0) + struct.pack(">ddi", 0.5, 250.0, pairs)
+    return numbers + bytes(4 * (64 + 1 + 32 + 1 + 32 + 1 + 12))
+
+
 class Local(unittest.TestCase):
     """As it runs by itself: on this machine's loopback."""
 
@@ -410,6 +441,33 @@ class Crowd(unittest.TestCase):
                 for _ in range(30):
                     self.assertEqual(read_frame(stream)[:4], b"RBF1")
             self.assertEqual(get(program)[0], 200)
+
+
+class Views(unittest.TestCase):
+    """What pages want to see."""
+
+    def test_go_to_the_bus_as_they_are(self):
+        address, port = re.match(r"udpm://([\d.]+):(\d+)", bus_url()).groups()
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as bus, rb_web() as program:
+            bus.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            bus.bind((address, int(port)))
+            bus.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, socket.inet_aton(address) + bytes(4))
+            bus.settimeout(PATIENCE_S)
+            wanted = view(2**52 - 7)
+            self.assertEqual(get(program, "/view", method="POST", body=wanted, Origin=own(program))[0], 200)
+            datagram = bus.recv(65536)
+            self.assertEqual((datagram[:4], datagram[8:]), (b"LC02", b"RB_VIEW\0" + wanted))
+
+    def test_of_nobody_or_beyond_bounds_are_refused(self):
+        with rb_web() as program:
+            for wrong in (view(0), view(1, segment=512), view(1, segment=2**20), view(1, pairs=17), view(1) + b"\0", view(1)[:-1]):
+                self.assertEqual(get(program, "/view", method="POST", body=wrong, Origin=own(program))[0], 400)
+
+    def test_are_of_so_many_pages_at_the_most(self):
+        with rb_web() as program:
+            codes = [get(program, "/view", method="POST", body=view(viewer), Origin=own(program))[0] for viewer in range(1, 41)]
+            self.assertEqual(codes, 32 * [200] + 8 * [503])
+            self.assertEqual(get(program, "/view", method="POST", body=view(1), Origin=own(program))[0], 200)
 
 
 class Elsewhere(unittest.TestCase):
