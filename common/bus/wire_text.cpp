@@ -39,6 +39,20 @@ bool is_plain_text(std::string_view text) {
   return true;
 }
 
+std::string plain_text(std::string_view text) {
+  std::string plain;
+  while (!text.empty()) {
+    const std::size_t bytes = character(text);
+    const auto first = static_cast<unsigned char>(text.front());
+    if (bytes > 0)
+      plain += text.substr(0, bytes);
+    else
+      plain += first < 0x20 || first == 0x7F ? ' ' : '?';
+    text.remove_prefix(bytes > 0 ? bytes : 1);
+  }
+  return plain;
+}
+
 std::string_view cut_to(std::string_view text, std::size_t bytes) {
   if (text.size() <= bytes) return text;
   while (bytes > 0 && continues(static_cast<unsigned char>(text[bytes]))) --bytes;

@@ -17,9 +17,14 @@ bool is_plain_text(std::string_view text);
 /// As much of the text as fits, cut between characters.
 std::string_view cut_to(std::string_view text, std::size_t bytes);
 
+/// The text with ? for what is no UTF-8 and spaces for control characters: it may quote a file or a name.
+std::string plain_text(std::string_view text);
+
+/// @param said  made plain and cut: whatever is said arrives
 template <typename Byte, std::size_t kBytes>
-void put_text(std::string_view text, Byte (&field)[kBytes], std::int32_t& size) {
-  text = cut_to(text, kBytes);
+void put_text(std::string_view said, Byte (&field)[kBytes], std::int32_t& size) {
+  const std::string plain = plain_text(said);
+  const std::string_view text = cut_to(plain, kBytes);
   for (std::size_t k = 0; k < text.size(); ++k) field[k] = static_cast<Byte>(text[k]);
   size = static_cast<std::int32_t>(text.size());
 }

@@ -45,7 +45,17 @@ TEST(Operation, RefusesARequestThatCannotBe) {
   EXPECT_FALSE(with([](Request& r) { r.node = 10'000; }));
   EXPECT_FALSE(with([](Request& r) { r.channel = 12; }));
   EXPECT_FALSE(with([](Request& r) { r.value[1] = std::numeric_limits<double>::quiet_NaN(); }));
-  EXPECT_FALSE(with([](Request& r) { r.text = "\x1b[2J"; }));
+}
+
+// A sentence may quote a file that is no text; a folder may be called anything.
+TEST(Operation, NoSentenceKeepsAMessageFromArriving) {
+  const std::string bad = "car.toml:3: \"\xFF\x1b[2J\"\nallowed: numbers";
+  const auto answer = decode_answer(encode(Answer{.asker = 1, .request = 1, .text = bad}));
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->text, "car.toml:3: \"? [2J\" allowed: numbers");
+  EXPECT_TRUE(decode_reply(encode(Reply{.node = 1, .text = bad})));
+  EXPECT_TRUE(decode_receipt(encode(Receipt{.name = bad})));
+  EXPECT_TRUE(decode_recorder_status(encode(RecorderStatus{.name = bad, .fault = bad})));
 }
 
 TEST(Operation, AnAnswerArrivesAsItWasSent) {

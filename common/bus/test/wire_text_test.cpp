@@ -27,6 +27,15 @@ TEST(WireText, RefusesWhatIsNoUtf8AndWhatControlsATerminal) {
   EXPECT_FALSE(is_plain_text(std::string_view("a\0b", 3)));
 }
 
+TEST(WireText, WhateverIsSaidArrives) {
+  EXPECT_EQ(plain_text("line 1\nline 2\tä"), "line 1 line 2 ä");
+  EXPECT_EQ(plain_text("a\xFF\x80z"), "a??z");
+  EXPECT_EQ(plain_text("\xE2\x82"), "??");
+  std::string every;
+  for (int byte = 0; byte < 256; ++byte) every += static_cast<char>(byte);
+  EXPECT_TRUE(is_plain_text(plain_text(every)));
+}
+
 TEST(WireText, IsCutBetweenCharacters) {
   EXPECT_EQ(cut_to("abc", 3), "abc");
   EXPECT_EQ(cut_to("abc", 2), "ab");
