@@ -47,8 +47,8 @@ class Run {
       case 5:
         return any_ack();
       case 6:
-        return link_.take(command_channel(kNode.node), in_.take(static_cast<std::size_t>(in_.below(64))),
-                          now_);
+        return link_.take(in_.below(2) ? command_channel(kNode.node) : vehicle_channel(kNode.node),
+                          in_.take(static_cast<std::size_t>(in_.below(64))), now_);
       default:
         return turn();
     }
@@ -94,8 +94,36 @@ class Run {
     const Command command{.node = kNode.node,
                           .request = in_.below(40),
                           .incarnation = 1 + in_.below(3),
-                          .verb = static_cast<Verb>(in_.below(6))};
+                          .verb = static_cast<Verb>(in_.below(7)),
+                          .epoch = in_.below(2) * kNode.epoch,
+                          .vehicle_crc32c = in_.below(4) > 0 ? crc_of(kWanted) : 0};
+    if (command.verb == Verb::kConfigure) vehicle_part();
     link_.take(command_channel(kNode.node), encode(command), now_);
+    // Its node would end this epoch and begin the next; here the change is refused, and it goes on.
+    if (vehicle_.wanted()) {
+      require(acquire_.state == NodeState::kPreview, "no set-up changes while anything is kept");
+      require(*vehicle_.wanted() == kWanted, "only what its CRC says is put in force");
+      vehicle_.refused("as the fuzzer wishes");
+    }
+  }
+
+  // One of two; some with other bytes than the CRC of the whole says.
+  void vehicle_part() {
+    const auto part = static_cast<std::int32_t>(in_.below(2));
+    std::string text = part == 0 ? kWanted.substr(0, 4) : kWanted.substr(4);
+    if (in_.below(8) == 0) text[0] = static_cast<char>(in_.byte());
+    link_.take(vehicle_channel(kNode.node),
+               encode(VehiclePart{.node = kNode.node,
+                                  .incarnation = 1,
+                                  .vehicle_crc32c = crc_of(kWanted),
+                                  .part = part,
+                                  .parts = 2,
+                                  .text = text}),
+               now_);
+  }
+
+  static std::uint32_t crc_of(const std::string& text) {
+    return crc32c({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
   }
 
   void turn() {
@@ -133,6 +161,7 @@ class Run {
     require(base_ <= durable_ + 1, "nothing is freed that no ack called durable");
   }
 
+  const std::string kWanted = "name = \"another\"\n";
   fuzz::ByteReader in_;
   WallTime now_{std::chrono::hours(1)};
   Ring ring_{kRingBlocks * sizeof(SealedBlock)};
