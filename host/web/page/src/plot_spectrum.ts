@@ -52,6 +52,12 @@ interface Density {
   readonly enbw_hz: number;
 }
 
+/** ", 2.0 s": how long a block takes, where the node has said how fast it samples. */
+function blockTime(car: Car, id: ChannelId | undefined, {segment}: Spectral): string {
+  const rate = id && car.setups.get(id.node)?.message.rate_hz;
+  return rate ? `, ${(segment / rate).toFixed(1)} s` : "";
+}
+
 export class SpectrumPlot implements Plot {
   readonly id = "spectrum";
   readonly title = "Spectrum";
@@ -105,7 +111,8 @@ export class SpectrumPlot implements Plot {
     this.figure.show([...this.now.map((one) => curve(one, false)), ...this.reference.map((one) => curve(one, true))], kQuantities[this.quantity.value], markers);
     const why = waiting.length === 0 ? "" :
       ` No spectrum yet of ${waiting.map((id) => channelName(car, id)).join(", ")}: a block of ${spectral.segment} samples ` +
-      "without a gap or overload must be full first.";
+      `without a gap or overload must be full first${blockTime(car, waiting[0], spectral)}. It stays so while others look at as ` +
+      "many spectra as the analyser holds.";
     setText(this.caption, (about ? `${spectralCaption(spectral, about)}; ${about.averages} blocks.${quantity === "density" ? "" : kLow[spectral.window] ?? ""} ` : "") +
       (wanted.length === 0 ? "Choose a channel." : why));
   }
