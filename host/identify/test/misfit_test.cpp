@@ -120,6 +120,14 @@ TEST(ChanceOfResiduals, SaysNothingAgainstWhatIsAllowed) {
   EXPECT_LT(share_below_five_percent(40, systematic, 2.0 * std::sqrt(455.0) * systematic), 0.1);
 }
 
+TEST(ChanceOfResiduals, SeesThreeTimesWhatIsAllowed) {
+  // However quiet the noise is: a road without end hides nothing.
+  for (const double sigmas : {2.0, 20.0}) {
+    const double systematic = sigmas / std::sqrt(40.0);
+    EXPECT_GT(share_below_five_percent(40, systematic, std::sqrt(455.0) * systematic / 3.0), 0.8) << sigmas;
+  }
+}
+
 // The definition: an ellipse so widened holds the truth in 95 of 100 cases however few the groups.
 TEST(FewGroupsFactor, MakesTheEllipseHoldNinetyFivePercent) {
   for (const int n : {5, 10, 32}) {
