@@ -71,3 +71,23 @@ test("the page tells live what came of the weights, and does so again after the 
   analyser = analyse();
   await tells();
 });
+
+test("rb-recordings tells the page which recordings there are, with their receipts", async (t) => {
+  const url = busUrl();
+  const {web, where} = await startWeb(url);
+  const recordings = start("rb-recordings", "--url", url, "--folder", folder);
+  const page = await browser.newPage({viewport: {width: 1366, height: 768}});
+  t.after(async () => {
+    await page.close();
+    recordings.kill();
+    web.kill();
+  });
+  await page.goto(where);
+  await page.keyboard.press("l");
+  await page.waitForFunction(() => [...document.querySelectorAll(".recording")].filter(({innerText}) =>
+    /COMPLETE/.test(innerText)).length === 2, null, {timeout: 60_000});
+  const said = (await page.locator("#recordings").innerText()).replace(/\s+/g, " ");
+  // 160 s of two nodes at 2 kHz.
+  assert.match(said, /second COMPLETE demonstration car .* 1 320 000 0 \d+ 00:02:40 0\.0 s one time 2 320 000 0/);
+  await picture(page, "recordings-live");
+});
