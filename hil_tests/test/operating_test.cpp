@@ -5,11 +5,14 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <random>
 #include <sstream>
 #include <thread>
 #include <vector>
 
+#include "common/bus/bus.hpp"
+#include "common/bus/results.hpp"
 #include "common/config/vehicle_config.hpp"
 #include "common/test/source.hpp"
 #include "hil_tests/measurement.hpp"
@@ -276,6 +279,33 @@ TEST_F(Operating, ZerosAreTheReadingsOfACarThatStands) {
       EXPECT_NE(channel.offset_counts, 0) << channel.name;
       EXPECT_LT(std::abs(channel.offset_counts * channel.scale_m_s2_per_count), 0.1) << channel.name;
     }
+}
+
+// Who sets up a car looks at levels before anything is recorded.
+TEST_F(Operating, ThereAreLevelsBeforeTheFirstRecordingAndBehindIt) {
+  Program recorder = operated_recorder(), front = staying("front"), rear = staying("rear");
+  const Program analyser("rb-analyser", {"--url", url, "--recordings", recordings.string(), "--vehicle",
+                                         (vehicles / "car.toml").string()});
+  Bus ear(url);
+  std::map<std::int32_t, int> levels;
+  ear.subscribe(kLevelChannel, [&](std::string_view, auto bytes) {
+    if (const auto level = decode_level(bytes)) ++levels[level->node];
+  });
+  const auto both_are_heard = [&] {
+    levels.clear();
+    return test::wait_until(
+        [&] {
+          ear.handle(milliseconds(20));
+          return levels[kFront] > 5 && levels[kRear] > 5;
+        },
+        60);
+  };
+  EXPECT_TRUE(both_are_heard());
+  EXPECT_FALSE(fs::exists(recordings / "drive"));
+  start("drive");
+  EXPECT_TRUE(both_are_heard());
+  stop();
+  EXPECT_TRUE(both_are_heard());
 }
 
 TEST_F(Operating, ChoosesAVehicleFileByItsName) {

@@ -12,8 +12,9 @@ struct AnalyserOptions {
   std::filesystem::path record;  ///< folder that the recorder writes
   /// Finished recording of the drive before weights were fitted, to compare with; empty: none.
   std::filesystem::path before{};
-  bool find_before = false;  ///< without one look for it beside the record (drive_before_weights)
-  bool exit_at_end = false;  ///< return once every node has ended and the last estimate is out
+  bool find_before = false;         ///< without one look for it beside the record (drive_before_weights)
+  std::filesystem::path vehicle{};  ///< with follow_recordings: see there; empty: none
+  bool exit_at_end = false;         ///< return once every node has ended and the last estimate is out
   /// With exit_at_end: not before this says so, from another thread.
   std::function<bool()> may_exit = [] { return true; };
   /// Hears who on the bus is of another version of the wire.  Called from several threads.

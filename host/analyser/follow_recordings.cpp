@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <functional>
 #include <map>
-#include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -11,7 +12,9 @@
 #include "common/bus/control.hpp"
 #include "common/bus/recorder_status.hpp"
 #include "common/clock/clocks.hpp"
+#include "common/config/vehicle_config.hpp"
 #include "common/process/parallel.hpp"
+#include "host/analyser/live_view.hpp"
 
 namespace roadbalance {
 namespace {
@@ -65,9 +68,15 @@ class Listener {
 void follow_recordings(std::stop_token stop, const std::filesystem::path& recordings,
                        const AnalyserOptions& options) {
   Listener listener(options.url);
+  std::optional<VehicleConfig> vehicle;
+  if (!options.vehicle.empty()) vehicle = VehicleConfig::read_file(options.vehicle.string());
+  std::optional<Parallel> first_view;
+  if (vehicle) first_view.emplace().run(live_view, options.url, *vehicle, std::cref(options.on_warning));
   while (!stop.stop_requested()) {
     listener.listen();
+    if (first_view && first_view->stop_token().stop_requested()) first_view->wait();  // says why
     if (listener.name().empty()) continue;
+    first_view.reset();
     const std::string name = listener.name();
     std::atomic<bool> may_exit = false, is_over = false;
     AnalyserOptions one = options;

@@ -31,6 +31,9 @@ int main(int argc, char** argv) {
   app.add_option("--url", options.url, "LCM address of the bus")->capture_default_str();
   auto* record = app.add_option("--record", options.record, "folder that rb-recorder writes");
   std::filesystem::path recordings;
+  app.add_option("--vehicle", options.vehicle,
+                 "with --recordings: vehicle.toml by which levels are shown before the first one")
+      ->check(CLI::ExistingFile);
   app.add_option("--recordings", recordings,
                  "folder of rb-recorder --recordings: follows each recording in turn")
       ->excludes(record);
@@ -42,6 +45,8 @@ int main(int argc, char** argv) {
                "exit once every node has ended and the last estimate is out");
   try {
     app.parse(argc, argv);
+    if (!options.vehicle.empty() && recordings.empty())
+      throw roadbalance::ConfigError("--vehicle goes with --recordings: a recording tells its own");
     if (options.record.empty() && recordings.empty())
       throw roadbalance::ConfigError("--record or --recordings must say what to analyse");
     if (!recordings.empty()) {
