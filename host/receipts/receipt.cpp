@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <system_error>
 
 #include "common/bus/clock_messages.hpp"
@@ -24,6 +25,7 @@ struct Survey {
   std::map<std::int32_t, double> overload_s, sync_residual_s;  ///< by node
   std::int64_t first_us = std::numeric_limits<std::int64_t>::max(), last_us = 0;
   std::vector<RecordingReceipt::Mark> mark;
+  std::set<std::int64_t> mark_number;
 };
 
 void take(const LogEvent& event, SealedBlock& block, Survey& found) {
@@ -32,7 +34,9 @@ void take(const LogEvent& event, SealedBlock& block, Survey& found) {
     found.last_us = std::max(found.last_us, event.timestamp_us);
   }
   if (event.channel == kNoteChannel) {
-    if (const auto note = decode_note(event.data); note && note->kind == NoteKind::kMark)
+    // A recorder that was killed may have noted it before: once more under the same number.
+    if (const auto note = decode_note(event.data);
+        note && note->kind == NoteKind::kMark && found.mark_number.insert(note->a).second)
       found.mark.push_back({note->time_us, note->text});
   } else if (const auto fit = decode_clock_fit(event.data)) {
     double& worst = found.sync_residual_s.try_emplace(fit->node, -1.0).first->second;

@@ -59,6 +59,10 @@ TEST_F(Receipt, TellsMarksAndTheWorstClock) {
   writer->append(kNoteChannel,
                  encode(Note{.time_us = 7'000'000, .kind = NoteKind::kMark, .a = 1, .text = "weights"}),
                  7'000'000);
+  // The same one, noted again by a recorder that could not know that it was on the disk.
+  writer->append(kNoteChannel,
+                 encode(Note{.time_us = 7'500'000, .kind = NoteKind::kMark, .a = 1, .text = "weights"}),
+                 7'500'000);
   writer->append(kNoteChannel, encode(Note{.time_us = 8'000'000, .kind = NoteKind::kClock, .text = ""}),
                  8'000'000);
   put_end(20);
