@@ -167,7 +167,7 @@ std::string completeness(const RecordingReceipt& receipt) {
     for (const std::string& cell :
          {std::to_string(node.node), std::to_string(node.samples), std::to_string(node.samples_lost),
           std::to_string(node.repaired), format("%.1f s", node.seconds), format("%.1f s", node.overload_s),
-          node.sync_residual_s < 0.0 ? std::string("one time for all")
+          node.sync_residual_s < 0.0 ? std::string("not known")
                                      : format("%.1f µs", 1e6 * node.sync_residual_s)})
       row += element("td", cell);
     rows += element("tr", row);

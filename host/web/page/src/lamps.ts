@@ -50,7 +50,7 @@ function syncLamp(car: Car, log: EventLog, nowMs: number): Lamp {
     return {name, light: "bad", number: times(sum(broken.map(({count}) => count)), "break", "breaks"),
             sentence: `The clock of ${places(broken)} has jumped; the break is declared in the record.`};
   if (car.heartbeats.size > 0 && beats(car).every((beat) => beat.time_base === TimeBase.Shared))
-    return {name, light: "good", number: "one time", sentence: "All nodes have one time by construction: a simulation."};
+    return {name, light: "good", number: "one common clock", sentence: "All nodes have one common clock by construction: a simulation."};
   if (!car.livingRecorders(nowMs).some(isBusy))
     return {name, light: "unknown", number: "not asked", sentence: "Clocks are asked for their time while a recording is under way."};
   const fits = [...car.clocks.values()].filter((heard) => isFresh(heard, nowMs)).map(({message}) => message);

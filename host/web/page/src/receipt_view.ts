@@ -15,7 +15,7 @@ function row(receipt: Receipt): HTMLTableRowElement {
   const cells = [
     String(receipt.node), receipt.samples_recorded.toLocaleString("en"), lost(receipt).toLocaleString("en"),
     receipt.repaired.toLocaleString("en"), `${receipt.overload_s.toFixed(1)} s`,
-    receipt.sync_us < 0 ? "one time" : `${Math.ceil(receipt.sync_us)} µs`,
+    receipt.sync_us < 0 ? "not known" : `${Math.ceil(receipt.sync_us)} µs`,
     receipt.open_epochs > 0 ? "no end" : receipt.sums !== 0 ? `${crc} agrees` : `${crc} DOES NOT AGREE`];
   return el("tr", {"data-whole": String(isWhole(receipt))},
             cells.map((cell, k) => (k === 0 ? el("th", {scope: "row"}, [cell]) : el("td", {}, [cell]))));

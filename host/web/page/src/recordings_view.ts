@@ -56,7 +56,7 @@ class RecordingCard {
         {text: String(recording.node[k])}, {text: (recording.samples[k] ?? 0).toLocaleString("en").replaceAll(",", "\u202f")},
         {text: String(lost), tone: lost > 0 ? "bad" : "good"}, {text: String(recording.repaired[k])},
         {text: duration(recording.seconds[k] ?? 0)}, {text: `${overload.toFixed(1)} s`, tone: overload > 0 ? "warn" : ""},
-        {text: sync < 0 ? "one time" : `${Math.ceil(1e6 * sync)} µs`}];
+        {text: sync < 0 ? "not known" : `${Math.ceil(1e6 * sync)} µs`}];
     }));
     const shown = Math.min(recording.marks, recording.mark.length);
     setLines(this.marks, [
