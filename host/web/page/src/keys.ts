@@ -16,6 +16,11 @@ function isForElement(event: KeyboardEvent): boolean {
 /** Not while a modifier makes it the browser's.
     @param keys  those that are valid at the moment */
 export function listenToKeys(keys: () => readonly Key[]): void {
+  // What a finger or mouse has pressed is not what the next Space or Enter means; focus by keyboard stays.
+  document.addEventListener("click", ({target, detail}) => {
+    const pressed = target instanceof Element ? target.closest("button, summary") : null;
+    if (detail > 0 && pressed instanceof HTMLElement) pressed.blur();
+  });
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.altKey || event.metaKey || event.repeat || isForElement(event)) return;
     const found = keys().find(({key}) => key.toLowerCase() === event.key.toLowerCase());

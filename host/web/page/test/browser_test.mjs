@@ -277,6 +277,18 @@ test("is worked by the keyboard alone, with its focus in sight", async (t) => {
     assert.ok(reached.has(id), `${id} among ${[...reached]}`);
 });
 
+test("sets a mark by Space, whatever was clicked before", async (t) => {
+  const page = await open(t, "known");
+  for (const clicked of ["#tab-setup", "#lamp-LOSS", "#tab-balance"]) {
+    await page.locator(clicked).click();
+    const asked = page.waitForRequest((request) => request.url().endsWith("/request"), {timeout: kWithinMs});
+    await page.keyboard.press(" ");
+    assert.equal((await asked).postDataJSON().operation, "mark", clicked);
+    await page.waitForFunction(() => !document.querySelector("#mark").disabled);
+  }
+  assert.equal(await page.locator("#lamp-LOSS").getAttribute("aria-expanded"), "true", "clicked once, not pressed by Space");
+});
+
 test("shows the same view after a reload", async (t) => {
   const page = await open(t, "known");
   await page.keyboard.press("?");
