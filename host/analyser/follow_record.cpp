@@ -67,11 +67,11 @@ class Follower {
     publish_remarks(estimate);
     bus_.publish(kIdentificationChannel, encode(estimate.identification));
     // What there is to do comes before what it follows from: who has the one has the other.
+    publish_verification();
     for (std::size_t w = 0; w < kWheels; ++w) {
       bus_.publish(kCompensationChannel, encode(after_.compensation[w]));
       bus_.publish(kBalanceChannel, encode(after_.balance[w]));
     }
-    publish_verification();
     published_ = WallClock::now();
   }
 
@@ -97,7 +97,7 @@ class Follower {
     if (!before_) before_ = before_in_.receive_for(std::chrono::seconds(0));
     if (!before_ && before_in_.finished()) return;
     for (const WheelVerification& wheel :
-         before_ ? verify_weights(*before_, after_) : reading_before(before_name_))
+         before_ ? verify_weights(*before_, after_) : reading_before(before_name_, after_.balance))
       bus_.publish(kVerificationChannel, encode(wheel));
   }
 

@@ -160,9 +160,11 @@ std::array<WheelVerification, kWheels> verify_weights(const BalancedDrive& befor
   return result;
 }
 
-std::array<WheelVerification, kWheels> reading_before(const std::string& name) {
+std::array<WheelVerification, kWheels> reading_before(const std::string& name,
+                                                      const std::array<Balance, kWheels>& now) {
   std::array<WheelVerification, kWheels> result;
-  for (std::size_t w = 0; w < kWheels; ++w) result[w] = {.wheel = static_cast<std::int32_t>(w), .text = name};
+  for (std::size_t w = 0; w < kWheels; ++w)
+    result[w] = {.wheel = static_cast<std::int32_t>(w), .time_ns = now[w].time_ns, .text = name};
   return result;
 }
 

@@ -38,6 +38,8 @@ inline constexpr double kFitting =
     0.05;  ///< share of a weight by which it is elsewhere or lighter than it says
 
 /// While the drive before is read: nothing is known.
-std::array<WheelVerification, kWheels> reading_before(const std::string& name);
+/// @param now  of the drive after, for which this stands
+std::array<WheelVerification, kWheels> reading_before(const std::string& name,
+                                                      const std::array<Balance, kWheels>& now);
 
 }  // namespace roadbalance

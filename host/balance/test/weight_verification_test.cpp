@@ -134,7 +134,9 @@ TEST(VerifyWeights, WaitsForBothDrives) {
   EXPECT_NEAR(verify_weights(then, now)[kWheel].before_g.norm(), 35.0, 1e-9);
   then.balance[kWheel].state = Unknown::kInStep;
   EXPECT_EQ(verify_weights(then, now)[kWheel].state, VerificationState::kBeforeUnknown);
-  EXPECT_EQ(reading_before("x")[3].state, VerificationState::kReadingBefore);
+  now.balance[3].time_ns = 17;
+  EXPECT_EQ(reading_before("x", now.balance)[3].state, VerificationState::kReadingBefore);
+  EXPECT_EQ(reading_before("x", now.balance)[3].time_ns, 17) << "else it stands beside another recording's balance";
 }
 
 TEST(VerifyWeights, TellsGramsAtTheRadiusOfTheDriveAfter) {

@@ -94,7 +94,7 @@ TEST(Report, ProvesCompleteness) {
 TEST(Report, TellsBeforeAndAfterIfBothWereDriven) {
   DriveReport of = report();
   EXPECT_FALSE(says(report_html(of), "Before and after"));
-  of.verification = reading_before("drive0");
+  of.verification = reading_before("drive0", of.found.estimate.balance);
   of.verification->at(0).state = VerificationState::kKnown;
   of.verification->at(0).verdict = VerificationVerdict::kGood;
   of.verification->at(0).before_g << 35.0, 0.0;

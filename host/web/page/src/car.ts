@@ -1,5 +1,6 @@
 // What is known of the car: the newest of every message, and when it was on the bus.
 import {decode, readFrame, type Arrival} from "./decode";
+import {EventLog} from "./events";
 import {PlotData} from "./plot_data";
 import {
   type Answer, type Balance, type ClockFit, type Compensation, type Heartbeat, type Identification, kAnswer, kBalance, kClockFit,
@@ -48,6 +49,8 @@ export class Car {
   /** By "node.channel", counted from 1: when it last left its range. */
   readonly overloadMs = new Map<string, number>();
   readonly peaks = new Map<string, Peak>();
+  /** What lights a lamp: taken with each frame, for a page in the background is not drawn. */
+  readonly events = new EventLog();
   readonly plots = new PlotData();
   /** Messages of no type that this page knows: the program is of another version. */
   strangers = 0;
@@ -57,6 +60,7 @@ export class Car {
     for (const arrival of readFrame(frame)) this.takeOne(arrival, nowMs - arrival.ageMs);
     for (const states of [this.recorders, this.heartbeats, this.clocks, this.levels, this.setups, this.recordings])
       for (const [key, heard] of states) if (nowMs - heard.atMs > kForgetMs) states.delete(key);
+    this.events.take(this, nowMs);
   }
 
   private takeOne(arrival: Arrival, atMs: number): void {
@@ -78,7 +82,7 @@ export class Car {
       }
       case kAnswer.fingerprint: this.takeAnswer(decode(kAnswer, arrival)); break;
       case kReceipt.fingerprint: this.takeReceipt(decode(kReceipt, arrival), atMs); break;
-      case kLevel.fingerprint: this.takeLevel(decode(kLevel, arrival), atMs); break;
+      case kLevel.fingerprint: this.takeLevel(decode(kLevel, arrival), atMs, arrival.ageMs <= kSilenceMs); break;
       case kBalance.fingerprint: {
         const message = decode(kBalance, arrival);
         this.balance.set(message.wheel, {message, atMs});
@@ -133,8 +137,9 @@ export class Car {
     this.receipts.set(message.index, {message, atMs});
   }
 
-  private takeLevel(message: Level, atMs: number): void {
+  private takeLevel(message: Level, atMs: number, isNews: boolean): void {
     this.levels.set(message.node, {message, atMs});
+    if (isNews) this.events.overload(message, atMs);
     message.peak.forEach((peak, channel) => {
       const name = `${message.node}.${channel + 1}`;
       if ((message.overload >> channel) & 1) this.overloadMs.set(name, atMs);
@@ -151,6 +156,12 @@ export class Car {
   /** What there is to do about a wheel, of its newest balance. */
   advice(wheel: number): Compensation | undefined {
     const found = this.compensation.get(wheel)?.message;
+    return found && found.time_ns === this.balance.get(wheel)?.message.time_ns ? found : undefined;
+  }
+
+  /** What weights have done to a wheel, of its newest balance: that of a recording before says nothing of this one. */
+  verificationOf(wheel: number): Verification | undefined {
+    const found = this.verification.get(wheel)?.message;
     return found && found.time_ns === this.balance.get(wheel)?.message.time_ns ? found : undefined;
   }
 }

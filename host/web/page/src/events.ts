@@ -1,7 +1,7 @@
 // What has happened that lights a lamp: kept here, for counters begin anew with each start of a node, and what they
 // said before must not go out unseen.
-import {isFresh, type Car} from "./car";
-import type {Heartbeat} from "./wire";
+import type {Car} from "./car";
+import type {Heartbeat, Level} from "./wire";
 
 export type LampName = "LOSS" | "SYNC" | "OVERLOAD" | "ENCODER";
 
@@ -39,10 +39,12 @@ export class EventLog {
       this.rise("ENCODER", `node ${beat.node}`, beat.epoch, faults(beat), nowMs);
     }
     for (const {message: fit} of car.clocks.values()) this.rise("SYNC", `node ${fit.node}`, fit.epoch, fit.breaks, nowMs);
-    for (const {message: level, atMs} of car.levels.values())
-      for (let channel = 0; channel < level.peak.length; ++channel)
-        if ((level.overload >> channel) & 1 && isFresh({message: level, atMs}, nowMs))
-          this.add("OVERLOAD", `channel ${level.node}.${channel + 1}`, 1, atMs);
+  }
+
+  /** Takes each level: the next may be without what this one says. */
+  overload(level: Level, atMs: number): void {
+    for (let channel = 0; channel < level.peak.length; ++channel)
+      if ((level.overload >> channel) & 1) this.add("OVERLOAD", `channel ${level.node}.${channel + 1}`, 1, atMs);
   }
 
   /** The newest first. */

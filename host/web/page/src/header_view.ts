@@ -38,7 +38,11 @@ export class HeaderView {
     setText(this.time, recordingS === undefined ? "" : duration(recordingS));
     setText(this.amounts, recorder ? amounts(recorder) : "");
     setLines(this.detail, [detail, ...warnings(car, nowMs)].filter((line) => line !== ""));
-    document.title = `${word} – roadbalance`;
+  }
+
+  /** What a page in the background, which is not drawn, still says. */
+  name(car: Car, connection: Connection, nowMs: number): void {
+    document.title = `${stateWord(car, connection, nowMs).word} – roadbalance`;
   }
 }
 

@@ -1,7 +1,7 @@
 // The four lamps; a tap on one says what it means and what to do.
 import type {Car} from "./car";
 import {el, setAttributes, setText, svg} from "./dom";
-import {EventLog, type LampName} from "./events";
+import type {LampName} from "./events";
 import {lamps, sentenceOf, type Light} from "./lamps";
 
 const kShapes: Readonly<Record<Light, string>> = {
@@ -25,7 +25,6 @@ class LampButton {
 
 export class LampView {
   readonly element: HTMLElement;
-  private readonly log = new EventLog();
   private readonly buttons = new Map<string, LampButton>();
   private readonly sentence = el("p", {class: "sentence", role: "status"});
   private readonly events = el("ol", {class: "events", "aria-label": "Events"});
@@ -41,14 +40,13 @@ export class LampView {
   }
 
   acknowledge(): void {
-    this.log.acknowledge();
+    this.car.events.acknowledge();
     this.car.overloadMs.clear();
   }
 
   draw(nowMs: number): void {
     let text = "";
-    this.log.take(this.car, nowMs);
-    for (const lamp of lamps(this.car, this.log, nowMs)) {
+    for (const lamp of lamps(this.car, this.car.events, nowMs)) {
       const button = this.buttons.get(lamp.name);
       if (!button) continue;
       setAttributes(button.element, {"data-light": lamp.light, "aria-expanded": String(this.open === lamp.name)});
@@ -62,7 +60,7 @@ export class LampView {
 
   /** Time, place and remedy of each; those that nobody has acknowledged stand out. */
   private list(nowMs: number): void {
-    const events = this.open === "" ? [] : this.log.of(this.open);
+    const events = this.open === "" ? [] : this.car.events.of(this.open);
     const said = events.map((event) => `${event.where} ${event.count} ${event.firstMs} ${event.seen}`).join();
     if (said === this.listed) return;
     this.listed = said;

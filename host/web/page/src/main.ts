@@ -34,6 +34,7 @@ function start(): void {
   let drawn = 0;
 
   const soon = () => {
+    header.name(car, connection, performance.now());
     if (!dirty) requestAnimationFrame(draw);
     dirty = true;
   };

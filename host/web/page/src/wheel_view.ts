@@ -44,7 +44,7 @@ class WheelCard {
     const balance = car.balance.get(this.wheel)?.message;
     const identification = car.identification?.message;
     const plan = car.advice(this.wheel);
-    const verification = car.verification.get(this.wheel)?.message;
+    const verification = car.verificationOf(this.wheel);
     const wanted = [balance, plan, verification, identification, rim_g, unitSystem()];
     if (balance && wanted.every((one, k) => one === this.drawn[k])) return;
     this.drawn = wanted;
@@ -114,7 +114,7 @@ export class WheelView implements View {
   draw(): void {
     setText(this.basis, basis(this.car.identification?.message));
     const scale = fullScale([...this.car.balance.values()].map(({message}) => message),
-                            [...this.car.verification.values()].map(({message}) => message));
+                            kWheelNames.flatMap((_, wheel) => this.car.verificationOf(wheel) ?? []));
     for (const card of this.cards) card.draw(this.car, scale);
     const said = remarks(this.car);
     setLines(this.remarks, said);

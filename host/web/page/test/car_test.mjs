@@ -136,6 +136,29 @@ test("the pre-flight check names what is to be done", () => {
   assert.equal(check("Nodes", 4000).ready, "no", "silent");
 });
 
+test("what weights have done is said of the newest balance only", () => {
+  const car = new page.Car();
+  car.take(frame([page.kBalance, {wheel: 2, time_ns: 5}], [page.kVerification, {wheel: 2, time_ns: 5}]), 0);
+  assert.equal(car.verificationOf(2)?.time_ns, 5);
+  // The next recording, which nothing is compared with.
+  car.take(frame([page.kBalance, {wheel: 2, time_ns: 6}]), 1000);
+  assert.equal(car.verificationOf(2), undefined);
+});
+
+test("an overload lights its lamp though the page was never drawn, until it is acknowledged", () => {
+  const car = new page.Car();
+  const overload = (now) => page.lamps(car, car.events, now).find(({name}) => name === "OVERLOAD");
+  const level = (more) => [page.kLevel, {node: 1, ...more}];
+  // Both in one frame: the second says nothing of it any more.
+  car.take(frame(level({overload: 4}), level({})), 0);
+  car.take(frame(level({})), 60_000);
+  assert.equal(overload(60_000).light, "bad");
+  assert.match(overload(60_000).sentence, /1\.3/);
+  car.events.acknowledge();
+  car.take(frame(level({})), 61_000);
+  assert.equal(overload(61_000).light, "good");
+});
+
 test("units are those of the person, and of a weight that can be bought", () => {
   assert.equal(page.mass(35), "35.0\u00a0g");
   assert.equal(page.moment(35, 0.19), "665\u00a0g·cm");
