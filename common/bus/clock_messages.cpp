@@ -4,15 +4,13 @@
 #include <wire/clock_exchange_t.hpp>
 #include <wire/clock_fit_t.hpp>
 
+#include "common/bus/node_number.hpp"
 #include "common/bus/wire_format.hpp"
 #include "common/link/block.hpp"
 
 namespace roadbalance {
 namespace {
 
-bool is_node(std::int32_t node) {
-  return 1 <= node && node <= kLastNode;
-}
 bool is_clock(std::int64_t ns) {
   return -kClockLimit_ns <= ns && ns <= kClockLimit_ns;
 }

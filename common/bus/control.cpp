@@ -7,15 +7,12 @@
 #include <wire/reply_t.hpp>
 #include <wire/vehicle_t.hpp>
 
+#include "common/bus/node_number.hpp"
 #include "common/bus/wire_format.hpp"
 #include "common/bus/wire_text.hpp"
 
 namespace roadbalance {
 namespace {
-
-bool is_node(std::int32_t node) {
-  return 1 <= node && node <= kLastNode;
-}
 
 bool is_index(std::int64_t value) {
   return 0 <= value && value <= kIndexLimit;

@@ -5,6 +5,7 @@
 #include <wire/envelope_t.hpp>
 #include <wire/waterfall_t.hpp>
 
+#include "common/bus/node_number.hpp"
 #include "common/bus/wire_format.hpp"
 #include "common/config/vehicle_config.hpp"
 
@@ -40,8 +41,8 @@ std::vector<std::uint8_t> encode(const Envelope& e) {
 
 std::optional<Envelope> decode_envelope(std::span<const std::uint8_t> bytes) {
   const auto m = wire_format::decode<wire::envelope_t>(bytes);
-  if (!m || !is_acceleration(m->channel) || m->first < 0 || m->scans < 1 || m->buckets < 0 ||
-      m->buckets > static_cast<std::int32_t>(kMostBuckets))
+  if (!m || !is_node(m->node) || !is_acceleration(m->channel) || m->first < 0 || m->scans < 1 ||
+      m->buckets < 0 || m->buckets > static_cast<std::int32_t>(kMostBuckets))
     return std::nullopt;
   Envelope e{.node = m->node,
              .channel = m->channel,
@@ -76,9 +77,9 @@ std::vector<std::uint8_t> encode(const WaterfallRow& row) {
 
 std::optional<WaterfallRow> decode_waterfall(std::span<const std::uint8_t> bytes) {
   const auto m = wire_format::decode<wire::waterfall_t>(bytes);
-  if (!m || m->wheel < 0 || m->wheel >= kWheels || !is_acceleration(m->channel) || m->state < 0 ||
-      m->state > static_cast<std::int32_t>(OrderState::kTooMuch) || m->speed_class < 0 || m->lines < 0 ||
-      m->lines > static_cast<std::int32_t>(kMostWaterfallLines))
+  if (!m || m->wheel < 0 || m->wheel >= kWheels || !is_node(m->node) || !is_acceleration(m->channel) ||
+      m->state < 0 || m->state > static_cast<std::int32_t>(OrderState::kTooMuch) || m->speed_class < 0 ||
+      m->lines < 0 || m->lines > static_cast<std::int32_t>(kMostWaterfallLines))
     return std::nullopt;
   return WaterfallRow{.of = {m->wheel, {m->node, m->channel}},
                       .time_ns = m->time_ns,

@@ -48,7 +48,8 @@ std::vector<std::uint8_t> encode(const RecorderStatus& s) {
 std::optional<RecorderStatus> decode_recorder_status(std::span<const std::uint8_t> bytes) {
   const auto m = wire_format::decode_with_crc<wire::recorder_t>(bytes);
   if (!m || m->state < static_cast<std::int32_t>(RecorderState::kRecording) ||
-      m->state > static_cast<std::int32_t>(RecorderState::kFault) || !std::isfinite(m->recording_s))
+      m->state > static_cast<std::int32_t>(RecorderState::kFault) || !std::isfinite(m->recording_s) ||
+      !std::isfinite(m->seconds_left) || !std::isfinite(m->sync_s) || !std::isfinite(m->longest_sync_s))
     return std::nullopt;
   const auto name = wire_text::text_of(m->name, m->name_size);
   const auto fault = wire_text::text_of(m->fault, m->fault_size);

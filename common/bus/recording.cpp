@@ -1,6 +1,7 @@
 #include "common/bus/recording.hpp"
 
 #include <algorithm>
+#include <utility>
 #include <wire/recording_t.hpp>
 
 #include "common/bus/wire_format.hpp"
@@ -16,8 +17,7 @@ bool in_bounds(const wire::recording_t& m) {
   return 0 <= m.recordings && m.recordings <= kMostRecordings && 0 <= m.number &&
          m.number < std::max(m.recordings, 1) && 0 <= m.state &&
          m.state <= static_cast<std::int32_t>(RecordingState::kUnreadable) && 0 <= m.nodes &&
-         m.nodes <= static_cast<std::int32_t>(kMostReceiptNodes) && 0 <= m.marks && 0 <= m.size &&
-         m.size <= static_cast<std::int32_t>(sizeof m.verdict);
+         m.nodes <= static_cast<std::int32_t>(kMostReceiptNodes) && 0 <= m.marks;
 }
 
 }  // namespace
@@ -57,6 +57,8 @@ std::vector<std::uint8_t> encode(const RecordingReceipt& r) {
 std::optional<RecordingReceipt> decode_recording(std::span<const std::uint8_t> bytes) {
   const auto m = wire_format::decode<wire::recording_t>(bytes);
   if (!m || !in_bounds(*m)) return std::nullopt;
+  auto verdict = wire_text::text_of(m->verdict, m->size);
+  if (!verdict) return std::nullopt;
   RecordingReceipt r;
   r.number = m->number;
   r.recordings = m->recordings;
@@ -74,7 +76,7 @@ std::optional<RecordingReceipt> decode_recording(std::span<const std::uint8_t> b
   r.marks = m->marks;
   for (std::int32_t k = 0; k < std::min(m->marks, static_cast<std::int32_t>(kMostReceiptMarks)); ++k)
     r.mark.push_back({m->mark_us[k], wire_text::text_until_zero(m->mark[k])});
-  r.verdict.assign(m->verdict, m->verdict + m->size);
+  r.verdict = std::move(*verdict);
   return r;
 }
 

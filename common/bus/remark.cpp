@@ -1,6 +1,7 @@
 #include "common/bus/remark.hpp"
 
 #include <algorithm>
+#include <utility>
 #include <wire/remark_t.hpp>
 
 #include "common/bus/wire_format.hpp"
@@ -31,10 +32,11 @@ std::vector<std::uint8_t> encode(const Remark& r) {
 std::optional<Remark> decode_remark(std::span<const std::uint8_t> bytes) {
   const auto m = wire_format::decode<wire::remark_t>(bytes);
   if (!m || m->remarks < 0 || m->remarks > kMostRemarks || m->number < 0 ||
-      m->number >= std::max(m->remarks, 1) || m->size < 0 ||
-      m->size > static_cast<std::int32_t>(kMostRemarkBytes))
+      m->number >= std::max(m->remarks, 1))
     return std::nullopt;
-  return Remark{m->time_ns, m->number, m->remarks, {m->text, m->text + m->size}};
+  auto text = wire_text::text_of(m->text, m->size);
+  if (!text) return std::nullopt;
+  return Remark{m->time_ns, m->number, m->remarks, std::move(*text)};
 }
 
 }  // namespace roadbalance

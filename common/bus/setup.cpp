@@ -5,6 +5,7 @@
 #include <string_view>
 #include <wire/setup_t.hpp>
 
+#include "common/bus/node_number.hpp"
 #include "common/bus/wire_format.hpp"
 #include "common/bus/wire_text.hpp"
 #include "common/link/crc32c.hpp"
@@ -50,7 +51,7 @@ NodeSetup::Encoder encoder_of(const EncoderConfig& config, int wheel) {
 }
 
 bool in_bounds(const wire::setup_t& m) {
-  if (m.channels < 0 || m.channels > kAccelerations) return false;
+  if (!is_node(m.node) || m.channels < 0 || m.channels > kAccelerations) return false;
   const auto is_wheel_or_none = [](std::int32_t wheel) { return -1 <= wheel && wheel < kWheels; };
   return std::all_of(m.role, m.role + m.channels,
                      [](std::int32_t role) {

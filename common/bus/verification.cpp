@@ -1,5 +1,6 @@
 #include "common/bus/verification.hpp"
 
+#include <utility>
 #include <wire/verification_t.hpp>
 
 #include "common/bus/wire_format.hpp"
@@ -39,8 +40,7 @@ bool is_enumerator(std::int32_t value, Enum last) {
 bool in_bounds(const wire::verification_t& m) {
   return 0 <= m.wheel && m.wheel < kWheels && is_enumerator(m.state, VerificationState::kKnown) &&
          is_enumerator(m.verdict, VerificationVerdict::kMore) &&
-         is_enumerator(m.placement, WeightPlacement::kNoEffect) && 0 <= m.size &&
-         m.size <= static_cast<std::int32_t>(kMostVerificationBytes);
+         is_enumerator(m.placement, WeightPlacement::kNoEffect);
 }
 
 }  // namespace
@@ -68,6 +68,8 @@ std::vector<std::uint8_t> encode(const WheelVerification& v) {
 std::optional<WheelVerification> decode_verification(std::span<const std::uint8_t> bytes) {
   const auto m = wire_format::decode<wire::verification_t>(bytes);
   if (!m || !in_bounds(*m)) return std::nullopt;
+  auto text = wire_text::text_of(m->text, m->size);
+  if (!text) return std::nullopt;
   WheelVerification v;
   v.wheel = m->wheel;
   v.time_ns = m->time_ns;
@@ -83,7 +85,7 @@ std::optional<WheelVerification> decode_verification(std::span<const std::uint8_
   v.weight_radius_m = m->weight_radius_m;
   v.reduction = m->reduction;
   v.sigma_reduction = m->sigma_reduction;
-  v.text.assign(m->text, m->text + m->size);
+  v.text = std::move(*text);
   return v;
 }
 

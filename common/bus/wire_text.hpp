@@ -37,9 +37,10 @@ void put_text(std::string_view text, Byte (&field)[kBytes]) {
   std::fill(field + size, field + kBytes, Byte{0});
 }
 
+/// Made plain: who sends something else is shown, and harms nobody.
 template <typename Byte, std::size_t kBytes>
 std::string text_until_zero(const Byte (&field)[kBytes]) {
-  return {field, std::find(field, field + kBytes, Byte{0})};
+  return plain_text(std::string(field, std::find(field, field + kBytes, Byte{0})));
 }
 
 /// Nothing if the size cannot be or it is no plain text.

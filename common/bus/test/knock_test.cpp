@@ -23,7 +23,12 @@ TEST(Knock, ComesBackAsItWasSent) {
 
 TEST(Knock, RefusesAChannelThatCannotBe) {
   for (const std::int32_t channel : {-1, kAccelerations})
-    EXPECT_FALSE(decode_knock(encode(Knock{.channel = channel}))) << channel;
+    EXPECT_FALSE(decode_knock(encode(Knock{.node = 1, .channel = channel}))) << channel;
+}
+
+TEST(Knock, RefusesANodeThatCannotBe) {
+  for (const std::int32_t node : {-1, 0, 10'000})
+    EXPECT_FALSE(decode_knock(encode(Knock{.node = node}))) << node;
 }
 
 }  // namespace

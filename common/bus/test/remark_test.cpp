@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace roadbalance {
 namespace {
 
@@ -31,6 +33,15 @@ TEST(Remark, OfNoSentenceSaysSo) {
   EXPECT_EQ(two[1].number, 1);
   EXPECT_EQ(two[1].remarks, 2);
   EXPECT_EQ(two[1].text, "b");
+}
+
+TEST(Remark, RefusesWhatIsNoText) {
+  const auto good = encode(Remark{0, 0, 1, "aXb"});
+  for (const int byte : {0xFF, 0xC3, 0x1B}) {
+    auto bytes = good;
+    *std::ranges::find(bytes, 'X') = static_cast<std::uint8_t>(byte);
+    EXPECT_FALSE(decode_remark(bytes)) << byte;
+  }
 }
 
 TEST(Remark, RefusesNumbersThatCannotBe) {

@@ -57,6 +57,7 @@ TEST(Setup, TellsFilesOfTwoCarsApart) {
 TEST(Setup, RefusesWhatCannotBe) {
   const auto taken = [](auto spoil) {
     NodeSetup sent;
+    sent.node = 1;
     sent.channel.resize(1);
     spoil(sent);
     return decode_setup(encode(sent)).has_value();
