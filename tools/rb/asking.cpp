@@ -1,5 +1,6 @@
 #include "tools/rb/asking.hpp"
 
+#include <algorithm>
 #include <random>
 
 #include "common/clock/clocks.hpp"
@@ -75,6 +76,16 @@ std::string Asking::silence() const {
            "\" was started with --record: it records until it is stopped there; one with --recordings FOLDER "
            "starts and stops on request";
   return "the recorder of this bus is there and does not answer";
+}
+
+bool are_whole(const std::map<std::int32_t, Receipt>& receipts) {
+  const auto is_whole = [](const auto& one) {
+    const Receipt& receipt = one.second;
+    return receipt.nodes > 0 && receipt.samples_recorded == receipt.samples_sent && receipt.gaps == 0 &&
+           receipt.open_epochs == 0 && receipt.sums_agree;
+  };
+  return !receipts.empty() && static_cast<std::int32_t>(receipts.size()) >= receipts.begin()->second.nodes &&
+         std::ranges::all_of(receipts, is_whole);
 }
 
 const char* text_of(RefusalReason reason) {

@@ -35,6 +35,9 @@ class Asking {
   std::optional<RecorderStatus> recorder_;
 };
 
+/// The receipts of every node are there, of one at least, and prove that each sample is on the disk.
+bool are_whole(const std::map<std::int32_t, Receipt>& receipts);
+
 /// "not while a recording is under way".
 const char* text_of(RefusalReason reason);
 

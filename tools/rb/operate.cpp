@@ -52,10 +52,6 @@ void print_receipt(const Receipt& receipt) {
   std::printf("CRC %08x %s\n", receipt.blocks_crc32c, receipt.sums_agree ? "agrees" : "DOES NOT AGREE");
 }
 
-bool is_whole(const Receipt& receipt) {
-  return receipt.samples_recorded == receipt.samples_sent && receipt.gaps == 0 && receipt.open_epochs == 0;
-}
-
 Json answer_json(const Answer& answer) {
   return {{"done", answer.state == AnswerState::kDone},
           {"reason", answer.reason == RefusalReason::kNone ? Json(nullptr) : Json(text_of(answer.reason))},
@@ -78,10 +74,13 @@ int ask(const AskOptions& options) {
     std::fprintf(done ? stdout : stderr, "%s%s\n", done ? "" : "rb: refused: ", answer->text.c_str());
   if (done && options.request.operation == Operation::kStop) {
     Json receipts = Json::array();
-    for (const auto& [place, receipt] : asking.receipts(std::chrono::seconds(5))) {
+    const auto& proof = asking.receipts(std::chrono::seconds(5));
+    if (!are_whole(proof)) code = kIncomplete;
+    if (proof.empty() && !options.json)
+      std::fprintf(stderr, "rb: the recorder has sent no receipt: rb verify says what is on the disk\n");
+    for (const auto& [place, receipt] : proof) {
       if (!options.json) print_receipt(receipt);
       if (receipt.nodes > 0) receipts.push_back(receipt_json(receipt));
-      if (!is_whole(receipt)) code = kIncomplete;
       json["recording"] = receipt.name;
       json["bytes"] = receipt.bytes;
       json["marks"] = receipt.marks;
@@ -170,7 +169,7 @@ void add_zero(CLI::App& app, int& code) {
 void add_vehicle(CLI::App& app, int& code) {
   CLI::App* vehicle = app.add_subcommand("vehicle", "Chooses the vehicle file among the recorder's");
   const auto options = add_asking(*vehicle, Operation::kVehicle, code);
-  vehicle->add_option("name", options->request.text, "of the file in the folder of rb-recorder --vehicles")
+  vehicle->add_option("name", options->request.text, "of the file in the folder of rb-recorder --vehicle")
       ->required();
 }
 

@@ -111,8 +111,26 @@ TEST_F(OperateCommand, AStopGivesTheReceiptAndSaysByItsCodeWhatIsMissing) {
   }
   lossy.samples_recorded = 100;
   lossy.gaps = 0;
-  const Answering recorder(url_, done("\"drive\" is on the disk"), {whole, lossy});
-  EXPECT_EQ(rb({"stop"}).code, 0);
+  {
+    const Answering recorder(url_, done("\"drive\" is on the disk"), {whole, lossy});
+    EXPECT_EQ(rb({"stop"}).code, 0);
+  }
+  Receipt contradicted = lossy;
+  contradicted.sums_agree = false;
+  {
+    const Answering recorder(url_, done("\"drive\" is on the disk"), {whole, contradicted});
+    EXPECT_EQ(rb({"stop"}).code, 3);
+  }
+  const Answering recorder(url_, done("\"drive\" is on the disk"), {Receipt{.name = "drive"}});
+  EXPECT_EQ(rb({"stop"}).code, 3) << "no node has been recorded";
+}
+
+TEST_F(OperateCommand, AStopWithoutEveryNodesReceiptIsNotProven) {
+  const Receipt one{.nodes = 2, .node = 1, .epochs = 1, .sums_agree = true, .name = "drive"};
+  for (const auto& receipts : {std::vector<Receipt>{}, std::vector<Receipt>{one}}) {
+    const Answering recorder(url_, done("\"drive\" is on the disk"), receipts);
+    EXPECT_EQ(rb({"stop"}).code, 3);
+  }
 }
 
 TEST_F(OperateCommand, SaysWhyNobodyAnswers) {
