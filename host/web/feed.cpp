@@ -30,15 +30,31 @@ void Feed::take(TopicMessage message, WallTime now) {
   const std::int64_t viewer = message.topic.viewer;
   if (viewer != 0 && !viewers_.contains(viewer)) return;
   Newests& newest = viewer == 0 ? newest_ : viewers_.at(viewer).newest;
+  if (viewer == 0 && !newest.contains(message.topic)) make_room(message.topic.kind);
   if (!newest.contains(message.topic) && newest.size() >= (viewer == 0 ? kMostTopics : kMostTopicsOfAViewer))
     return;
   newest[message.topic] = {++revision_, now, std::move(message.bytes)};
 }
 
+// What anybody can make up keys of must not crowd out what the nodes and the recorder say.
+void Feed::make_room(std::size_t kind) {
+  const std::size_t most = page_messages()[kind].most;
+  if (most == 0) return;
+  std::size_t count = 0;
+  auto oldest = newest_.end();
+  for (auto at = newest_.begin(); at != newest_.end(); ++at) {
+    if (at->first.kind != kind) continue;
+    ++count;
+    if (oldest == newest_.end() || at->second.revision < oldest->second.revision) oldest = at;
+  }
+  if (count >= most) newest_.erase(oldest);
+}
+
 void Feed::forget_silent(WallTime now) {
   shared_ = {};  // ages go on while nothing comes
   std::erase_if(newest_, [&](const auto& entry) {
-    return page_messages()[entry.first.kind].is_state && now - entry.second.came > kForget;
+    const PageMessage& message = page_messages()[entry.first.kind];
+    return message.is_state && now - entry.second.came > (message.is_answer ? kForgetAnswer : kForget);
   });
   std::erase_if(viewers_, [&](const auto& viewer) { return now - viewer.second.heard > kForgetViewer; });
   for (auto& [id, viewer] : viewers_)

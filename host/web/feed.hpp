@@ -30,6 +30,7 @@ class Feed {
   /// A state that is not said again for so long is forgotten.  Its age is sent with it: a page that is opened
   /// later still learns of a node or recorder that has fallen silent.
   static constexpr std::chrono::hours kForget{1};
+  static constexpr std::chrono::minutes kForgetAnswer{1};
 
   /// So many pages may ask for what is for them alone, so many topics each.
   static constexpr std::size_t kMostViewers = 32, kMostTopicsOfAViewer = 512;
@@ -59,6 +60,7 @@ class Feed {
     WallTime heard;
     Newests newest{};
   };
+  void make_room(std::size_t kind);
   Frame frame(std::uint64_t revision, WallTime now, const Newests* own) const;
 
   Newests newest_;

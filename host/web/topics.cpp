@@ -86,7 +86,7 @@ const std::array kPageMessages{
                   return answer ? Key(answer->asker * 16 + static_cast<std::int64_t>(answer->operation) % 16)
                                 : std::nullopt;
                 },
-                true},
+                true, nullptr, 64, true},
     PageMessage{kReceiptChannel,
                 [](Bytes bytes) {
                   const auto receipt = decode_receipt(bytes);
@@ -107,7 +107,8 @@ const std::array kPageMessages{
                   return remark ? Key(remark->number) : std::nullopt;
                 },
                 false},
-    PageMessage{kKnockChannel, [](Bytes bytes) { return node_of(decode_knock(bytes)); }, false},
+    PageMessage{kKnockChannel, [](Bytes bytes) { return node_of(decode_knock(bytes)); }, false, nullptr,
+                kMostNodes},
     PageMessage{"RB_SETUP_.*", [](Bytes bytes) { return node_of(decode_setup(bytes)); }, true},
     PageMessage{kVerificationChannel, [](Bytes bytes) { return wheel_of(decode_verification(bytes)); },
                 false},

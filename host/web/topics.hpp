@@ -26,6 +26,11 @@ struct PageMessage {
   bool is_state;
   /// Topic::viewer of a good message; nullptr: it is for all.
   std::int64_t (*viewer)(std::span<const std::uint8_t> bytes) = nullptr;
+  /// So many topics of a kind whose keys anybody on the bus can make up; the oldest makes room.  0: any
+  /// number.
+  std::size_t most = 0;
+  /// It is of use to who asked, for a short while.
+  bool is_answer = false;
 };
 
 /// All that the page is told.  It decodes them itself: see page/README.md.

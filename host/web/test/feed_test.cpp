@@ -101,6 +101,21 @@ TEST_F(FeedTest, KeepsNoMoreTopicsThanItMay) {
   EXPECT_EQ(entries(feed_.since(0, now_)).at(3).bytes, std::vector<std::uint8_t>{7});
 }
 
+TEST_F(FeedTest, AnswersToManyAskersCrowdOutNothingAndAreSoonForgotten) {
+  const auto messages = page_messages();
+  const auto answers =
+      static_cast<std::size_t>(std::ranges::find(messages, true, &PageMessage::is_answer) - messages.begin());
+  ASSERT_LT(answers, messages.size());
+  for (std::int64_t key = 0; key < 10'000; ++key) take(answers, key, 1);
+  EXPECT_EQ(feed_.topics(), messages[answers].most);
+  take(answers, 20'000, 7);
+  EXPECT_EQ(entries(feed_.since(0, now_)).back().bytes, std::vector<std::uint8_t>{7}) << "the newest is told";
+  take(kState, 1, 9);
+  now_ += Feed::kForgetAnswer + milliseconds(1);
+  feed_.forget_silent(now_);
+  EXPECT_EQ(entries(feed_.since(0, now_)).size(), 1U);
+}
+
 TEST_F(FeedTest, WhatAPageAskedForGoesToItAlone) {
   const auto take_for = [&](std::int64_t viewer, std::uint8_t byte) {
     feed_.take({{kState, 1, viewer}, {byte}}, now_);
