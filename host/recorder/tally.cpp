@@ -25,7 +25,8 @@ Tally::Tally(const RecordState& recovered) {
     sums_[key] = epoch.sum ? std::optional(BlockSum(*epoch.sum)) : std::nullopt;
     counts_[key] = {.node = key.first,
                     .epoch = key.second,
-                    .samples_sent = epoch.samples,
+                    // What the record lacks was sent all the same.
+                    .samples_sent = std::max(epoch.samples, epoch.position.next_scan),
                     .samples_recorded = epoch.samples,
                     .gaps = epoch.gaps,
                     .blocks = epoch.blocks,
@@ -76,7 +77,7 @@ void Tally::take(const Delivery& delivery) {
   if (sum && block.kind != BlockKind::kEnd) sum->add(block);
   if (block.kind == BlockKind::kEnd) {
     const EndBlock end = decode_end(block);
-    report.samples_sent = end.scans_sealed + end.scans_missing;
+    report.samples_sent = std::max(end.scans_sealed + end.scans_missing, report.samples_recorded);
     report.ended = true;
     report.blocks_crc32c = end.blocks_crc32c;
     report.sums_agree = sum && sum->crc32c() == end.blocks_crc32c;

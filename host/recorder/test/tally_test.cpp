@@ -1,0 +1,40 @@
+#include "host/recorder/tally.hpp"
+
+#include <gtest/gtest.h>
+
+#include "common/bus/codec.hpp"
+
+namespace roadbalance {
+namespace {
+
+// A recorder that was started again must not forget what the one before has missed.
+TEST(Tally, CountsWhatARecoveredEpochLacks) {
+  RecordState recovered;
+  recovered.epoch[{2, 8}] = {
+      .position = {.contiguous = 6, .next_scan = 100, .ended = true}, .samples = 60, .gaps = 1, .blocks = 6};
+  const RecorderReport report = Tally(recovered).report();
+  ASSERT_EQ(report.earlier.size(), 1u);
+  EXPECT_EQ(report.earlier[0].samples_sent, 100);
+  EXPECT_EQ(report.earlier[0].samples_recorded, 60);
+}
+
+// Its end contradicts its blocks: the sums say so, and no loss is negative.
+TEST(Tally, AnEndThatCountsTooFewLosesNothing) {
+  Tally tally({});
+  ScanBlock scans{.header = {.node = 2, .epoch = 8, .sequence = 1, .scans = 20}, .period_ps = 500'000'000};
+  SealedBlock sealed;
+  seal(scans, sealed);
+  tally.take(sealed);
+  seal(EndBlock{.header = {.node = 2, .epoch = 8, .sequence = 2, .first_scan = 20},
+                .blocks = 2,
+                .scans_sealed = 10},
+       sealed);
+  tally.take(sealed);
+  const RecorderReport report = tally.report();
+  ASSERT_EQ(report.earlier.size(), 1u);
+  EXPECT_EQ(report.earlier[0].samples_sent, report.earlier[0].samples_recorded);
+  EXPECT_FALSE(report.earlier[0].sums_agree);
+}
+
+}  // namespace
+}  // namespace roadbalance
