@@ -543,6 +543,17 @@ class Unit(unittest.TestCase):
             self.assertIn(needed, lines)
         self.assertIn("ExecStart=/usr/local/bin/rb-web", lines)
 
+    def test_every_unit_may_do_only_what_its_program_needs(self):
+        source = pathlib.Path(os.environ["RB_SOURCE"])
+        units = [path for folder in ("host", "firmware") for path in (source / folder).rglob("*.service")]
+        self.assertGreaterEqual(len(units), 3)
+        for unit in units:
+            lines = unit.read_text(encoding="ascii").splitlines()
+            for needed in ("NoNewPrivileges=yes", "ProtectSystem=strict", "ProtectHome=yes", "PrivateTmp=yes",
+                           "ProtectControlGroups=yes", "ProtectKernelModules=yes", "RestrictNamespaces=yes",
+                           "RestrictSUIDSGID=yes", "LockPersonality=yes", "SystemCallArchitectures=native"):
+                self.assertIn(needed, lines, unit.name)
+
 
 if __name__ == "__main__":
     unittest.main()
