@@ -21,7 +21,7 @@ VehiclePush::VehiclePush(std::string before, std::string after, const std::vecto
       incarnation_(incarnation),
       random_(seed),
       begun_(now) {
-  for (const std::int32_t node : nodes) nodes_[node].request = static_cast<std::int64_t>(random_() >> 1) | 1;
+  for (const std::int32_t node : nodes) nodes_[node].request = new_request();
   if (nodes_.empty()) state_ = State::kDone;
 }
 
@@ -31,7 +31,7 @@ VehiclePush::Said VehiclePush::due(WallTime now) {
   if (std::exchange(restarts_, false)) begun_ = now;
   if (now - begun_ > kPatience) {
     if (undoes_) {
-      state_ = outcome_;
+      end_undoing();
       return said;
     }
     const auto silent = std::ranges::find_if(nodes_, [](const auto& n) { return !n.second.has_answered; });
@@ -78,11 +78,37 @@ void VehiclePush::take(const Reply& reply) {
     node.waits_for = reply.text;
     return;
   }
+  // A recorder that went away may be obeyed for some seconds yet: what has the new text must lose it again.
+  if (undoes_ && reply.result == CommandError::kNotOwner) {
+    node.waits_for = reply.text;
+    node.request = new_request();
+    return;
+  }
   node.has_answered = true;
   node.has_taken = reply.result == CommandError::kNone;
+  node.waits_for = reply.text;
   if (!undoes_ && !node.has_taken)
     return undo(State::kRefused, "node " + std::to_string(reply.node) + ": " + reply.text);
-  if (std::ranges::all_of(nodes_, [](const auto& n) { return n.second.has_answered; })) state_ = outcome_;
+  if (std::ranges::all_of(nodes_, [](const auto& n) { return n.second.has_answered; })) {
+    if (undoes_)
+      end_undoing();
+    else
+      state_ = outcome_;
+  }
+}
+
+// Who has not taken the old text may measure by the new one.
+void VehiclePush::end_undoing() {
+  state_ = outcome_;
+  for (const auto& [number, node] : nodes_) {
+    if (node.has_taken) continue;
+    why_ += "; node " + std::to_string(number) + " may keep the new set-up";
+    if (!node.waits_for.empty()) why_ += " (" + node.waits_for + ")";
+  }
+}
+
+std::int64_t VehiclePush::new_request() {
+  return static_cast<std::int64_t>(random_() >> 1) | 1;
 }
 
 // Who has not answered yet may still take it: it is asked, too.
@@ -93,7 +119,7 @@ void VehiclePush::undo(State outcome, std::string why) {
   was_said_ = false;
   restarts_ = true;
   std::erase_if(nodes_, [](const auto& node) { return node.second.has_answered && !node.second.has_taken; });
-  for (auto& [number, node] : nodes_) node = {.request = static_cast<std::int64_t>(random_() >> 1) | 1};
+  for (auto& [number, node] : nodes_) node = {.request = new_request()};
   if (nodes_.empty()) state_ = outcome_;
 }
 

@@ -36,7 +36,7 @@ class VehiclePush {
   enum class State { kUnderWay, kDone, kRefused, kSilent };
   /// Refused and silent: and all that had taken it have the old one again, or do not answer any more.
   State state() const { return state_; }
-  /// Which node, and what it says.
+  /// Which node, and what it says; then each that may measure by the new text although it was to be undone.
   const std::string& why() const { return why_; }
   const std::string& text() const { return after_; }
 
@@ -45,9 +45,11 @@ class VehiclePush {
     std::int64_t request = 0;
     bool has_answered = false;
     bool has_taken = false;
-    std::string waits_for{};  ///< why it has not yet, as it says
+    std::string waits_for{};  ///< why it has not, as it says
   };
   void undo(State outcome, std::string why);
+  void end_undoing();
+  std::int64_t new_request();
   const std::string& wanted() const { return undoes_ ? before_ : after_; }
 
   const std::string before_, after_;

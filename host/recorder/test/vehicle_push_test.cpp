@@ -68,7 +68,25 @@ TEST_F(VehiclePushTest, ANodeThatIsSilentIsGivenUpAndAskedToTakeTheOldOne) {
   EXPECT_EQ(push.state(), State::kUnderWay);
   EXPECT_TRUE(push.due(late + VehiclePush::kPatience + milliseconds(2)).command.empty());
   EXPECT_EQ(push.state(), State::kSilent);
-  EXPECT_EQ(push.why(), "node 2 does not answer");
+  EXPECT_EQ(push.why(), "node 2 does not answer; node 2 may keep the new set-up");
+}
+
+// A node that obeys somebody else for the moment still has the new text: only its word ends the undoing.
+TEST_F(VehiclePushTest, ARefusedUndoIsAskedAgainAndNamedIfItStaysSo) {
+  const auto first = push.due(WallTime{});
+  push.take(reply(first.command[0], CommandError::kNone));
+  push.take(reply(first.command[1], CommandError::kVehicleRefused, "no such range"));
+  const auto undo = push.due(WallTime{} + milliseconds(1));
+  ASSERT_EQ(undo.command.size(), 1u);
+  push.take(reply(undo.command[0], CommandError::kNotOwner, "another recorder is obeyed"));
+  EXPECT_EQ(push.state(), State::kUnderWay);
+  const auto again = push.due(WallTime{} + milliseconds(1) + VehiclePush::kRepeat);
+  ASSERT_EQ(again.command.size(), 1u);
+  EXPECT_NE(again.command[0].request, undo.command[0].request) << "the refusal of the old one may come again";
+  push.take(reply(again.command[0], CommandError::kNotOwner, "another recorder is obeyed"));
+  EXPECT_TRUE(push.due(WallTime{} + VehiclePush::kPatience + milliseconds(2)).command.empty());
+  EXPECT_EQ(push.state(), State::kRefused);
+  EXPECT_EQ(push.why(), "node 2: no such range; node 1 may keep the new set-up (another recorder is obeyed)");
 }
 
 // Right after a stop a node may still send again what the network lost.
