@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "common/link/block.hpp"
 
@@ -30,6 +31,8 @@ void RestReadings::take(const ScanBlock& preview, WallTime now) {
   const auto scans = static_cast<std::size_t>(preview.header.scans);
   if (scans == 0) return;
   Node& known = nodes_[node];
+  // Another epoch may have another range or zero: its counts mean something else.
+  if (std::exchange(known.epoch, preview.header.epoch) != preview.header.epoch) known.block.clear();
   if (known.block.empty()) std::copy_n(preview.counts[0].begin(), kAccelerations, known.first.begin());
   Block block{.at = now, .scans = static_cast<int>(scans)};
   block.least.fill(INT32_MAX);

@@ -37,6 +37,7 @@ class RestReadings {
     std::array<std::int32_t, kReferences> least{}, most{};
   };
   struct Node {
+    std::int64_t epoch = 0;
     std::array<std::int32_t, kAccelerations> first{};
     std::deque<Block> block;
   };

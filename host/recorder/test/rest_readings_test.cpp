@@ -44,6 +44,22 @@ TEST(RestReadings, AreTheMeansOfEachChannel) {
     EXPECT_NEAR(reading.mean_counts[k], 1e6 * (k + 1), 6 * 1000 / std::sqrt(6000.0));
 }
 
+// By a set-up with another range the same acceleration has other counts.
+TEST(RestReadings, BeginAgainWithEachEpoch) {
+  RestReadings readings;
+  for (int b = 0; b < 500; ++b) {
+    ScanBlock block{.header = {.node = 1, .epoch = b < 250 ? 1 : 2, .scans = 20}};
+    for (auto& row : block.counts) row[0] = b < 250 ? 1'000'000 : 500'000;
+    readings.take(block, WallTime{} + milliseconds(10 * b));
+    if (b == 349) {
+      EXPECT_NE(readings.of(node(), WallTime{} + milliseconds(3490)).fault, "") << "one second of it";
+    }
+  }
+  const auto reading = readings.of(node(), WallTime{} + milliseconds(4990));
+  EXPECT_EQ(reading.fault, "");
+  EXPECT_EQ(reading.mean_counts[0], 500'000);
+}
+
 TEST(RestReadings, ThereAreNoneWhileTheCarShakes) {
   // A sine of 2 m/s² has 1.41 rms.
   const auto shaking = readings(300, [](int scan, int k) {
