@@ -158,6 +158,7 @@ void receive(std::stop_token stop, const RecorderOptions& options, const Incarna
   Reception reception(options, incarnation, recovered, std::move(peers));
   RecorderLink& link = reception.link();
   WallTime reported_at{};
+  bool leaves = false;
   for (bool over = false; !over;) {
     // Asked first: a writer that fails closes `news` and only then stops everybody here.  The nodes are not
     // meant: they go on, keep what is not durable and wait for the next recorder.
@@ -165,6 +166,8 @@ void receive(std::stop_token stop, const RecorderOptions& options, const Incarna
     auto batch = reception.turn(news);
     if (news.finished()) break;
     if (batch.says_something() && !batches.send(std::move(batch))) break;
+    leaves = options.leave.stop_requested();
+    if (leaves) break;
     const WallTime now = WallClock::now();
     if (told_to_stop) link.stop(now);
     over = link.over(now);
@@ -173,7 +176,7 @@ void receive(std::stop_token stop, const RecorderOptions& options, const Incarna
       reported_at = now;
     }
   }
-  link.finish(WallClock::now());
+  if (!leaves) link.finish(WallClock::now());
   if (WriteBatch last = BatchMaker::take_last(link); last.says_something())
     (void)batches.send(std::move(last));
   reception.farewell();

@@ -67,6 +67,9 @@ struct RecorderOptions {
   std::string power;                      ///< the supply to watch: see open_power_line; empty: none
   /// After a stop request: how long to wait without any news for the nodes' last blocks.
   std::chrono::milliseconds patience{10'000};
+  /// Requested: end at once as if killed, but with all that has been received on the disk: nodes are not
+  /// stopped and no end is waited for.  Asked before the stop request.
+  std::stop_token leave{};
   /// Called about five times a second from a thread of the recorder.
   std::function<void(const RecorderReport&)> on_progress;
   /// Called about twice a second while both processes turn: proof of life.

@@ -12,6 +12,7 @@ RecordingSession::RecordingSession(RecorderOptions options, std::function<void(R
     const std::lock_guard lock(mutex_);
     view_.status = status;
   };
+  options_.leave = leave_.get_token();
   options_.notes = [this] {
     const std::lock_guard lock(mutex_);
     return std::exchange(notes_, {});

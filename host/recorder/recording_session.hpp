@@ -2,6 +2,7 @@
 
 #include <mutex>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <thread>
 #include <variant>
@@ -11,7 +12,8 @@
 
 namespace roadbalance {
 
-/// A recorder that runs beside who leads it: run_recorder() in a thread of its own.
+/// A recorder that runs beside who leads it: run_recorder() in a thread of its own.  Destroyed before it is
+/// over it leaves the nodes as they are: they measure on and keep what is not on the disk for the next one.
 class RecordingSession {
  public:
   /// What is known of it now.
@@ -25,6 +27,8 @@ class RecordingSession {
   /// @param options  complete, notes and on_progress are replaced
   explicit RecordingSession(RecorderOptions options, std::function<void(RecorderStatus&)> complete);
 
+  ~RecordingSession() { leave_.request_stop(); }
+
   void stop() { thread_.request_stop(); }
   void note(NoteToRecord note);
   View view() const;
@@ -32,6 +36,7 @@ class RecordingSession {
  private:
   void run(std::stop_token stop);
 
+  std::stop_source leave_;
   RecorderOptions options_;
   mutable std::mutex mutex_;
   std::vector<NoteToRecord> notes_;

@@ -16,6 +16,7 @@
 #include "common/record/record.hpp"
 #include "common/record/record_state.hpp"
 #include "host/recorder/preamble.hpp"
+#include "host/recorder/recording_session.hpp"
 #include "host/recorder/verify.hpp"
 
 namespace roadbalance {
@@ -183,6 +184,31 @@ TEST_F(RecorderTest, AStopRequestEndsTheNodesAndWaitsForTheirLastBlocks) {
   const RecorderReport report = run_recorder(stop.get_token(), options);
   ASSERT_EQ(report.node.size(), 1u);
   EXPECT_TRUE(report.node[0].ended);
+  EXPECT_EQ(report.node[0].samples_recorded, report.node[0].samples_sent);
+  EXPECT_EQ(verify_record(options.folder).verdict, Verdict::kComplete);
+}
+
+// Who led it is gone by an error: the next recorder goes on with the same epoch, and nothing is missing.
+TEST_F(RecorderTest, ASessionThatIsDroppedLeavesTheNodesMeasuring) {
+  TestNode node(options.url, 7, 1'000'000'000);
+  const std::jthread thread([&node](std::stop_token ended) { node.run(ended); });
+  {
+    RecordingSession session(options, [](RecorderStatus&) {});
+    const auto has_samples = [&session] {
+      const auto report = session.view().report;
+      return !report.node.empty() && report.node[0].samples_recorded > 10'000;
+    };
+    while (!has_samples() && !session.view().is_over) std::this_thread::sleep_for(milliseconds(5));
+  }
+  EXPECT_FALSE(node.was_stopped());
+  std::stop_source stop;
+  options.on_progress = [&](const RecorderReport& report) {
+    if (!report.node.empty() && report.node[0].samples_recorded > 20'000) stop.request_stop();
+  };
+  const RecorderReport report = run_recorder(stop.get_token(), options);
+  EXPECT_TRUE(node.was_stopped());
+  ASSERT_EQ(report.node.size(), 1u);
+  EXPECT_EQ(report.node[0].gaps, 0);
   EXPECT_EQ(report.node[0].samples_recorded, report.node[0].samples_sent);
   EXPECT_EQ(verify_record(options.folder).verdict, Verdict::kComplete);
 }
