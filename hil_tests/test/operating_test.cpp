@@ -112,6 +112,24 @@ TEST_F(Operating, RecordsAgainAndAgainWithoutLosingAnything) {
   EXPECT_EQ(recorder.exit_code(30), 0);
 }
 
+// A recorder that comes back to a vehicle file that somebody has broken meanwhile goes on all the same.
+TEST_F(Operating, ABrokenVehicleFileDoesNotEndARecordingUnderWay) {
+  Program recorder = operated_recorder(), front = staying("front"), rear = staying("rear");
+  start("drive");
+  recorder.kill();
+  const std::string good = test::read_source("sim/demo/vehicle.toml");
+  write_vehicle("car.toml", good + "[broken");
+  recorder = operated_recorder();
+  const Answer mark = ask(Operation::kMark, "here");
+  EXPECT_EQ(mark.state, AnswerState::kDone) << mark.text;
+  write_vehicle("car.toml", good);
+  stop();
+  expect_whole("drive");
+  const Answer filter = ask(Operation::kFilter, "", {.value = {500, 0}});
+  EXPECT_EQ(filter.state, AnswerState::kRefused);
+  EXPECT_NE(filter.text.find("car.toml"), std::string::npos) << filter.text;
+}
+
 TEST_F(Operating, RefusesASecondStartAndStopsWhatHasHardlyBegun) {
   Program recorder = operated_recorder(), front = staying("front"), rear = staying("rear");
   start("first");

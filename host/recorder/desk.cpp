@@ -43,6 +43,16 @@ Answer answer_about(const Mark& mark, std::int64_t utc_us) {
           .text = "mark " + std::to_string(mark.number) + " is not on the disk yet"};
 }
 
+/// "; node 2 has not said its end: ..."; empty: each has.
+std::string nodes_without_end(const std::vector<Receipt>& receipts) {
+  std::string nodes;
+  for (const Receipt& receipt : receipts)
+    if (receipt.nodes > 0 && (receipt.open_epochs > 0 || !receipt.sums_agree))
+      nodes += (nodes.empty() ? "" : ", ") + std::to_string(receipt.node);
+  if (nodes.empty()) return "";
+  return "; node " + nodes + " has not told all of it to its end: is it on, and its cable plugged in?";
+}
+
 bool was_asked(const RequestKey& key) {
   return key.asker != 0;
 }
@@ -128,6 +138,10 @@ void Desk::start(const Request& request, std::int64_t utc_us, int nodes) {
   if (book_.under_way)
     return refuse(request, RefusalReason::kRecording,
                   "\"" + book_.under_way->name + "\" is being recorded: stop it first", utc_us);
+  // It would have one set-up at one node and another at the next.
+  if (hands_.is_set_up_under_way())
+    return refuse(request, RefusalReason::kNotSupported,
+                  "the nodes are being set up: start again when that is done", utc_us);
   const std::string name = request.text.empty() ? name_by_time(utc_us) : request.text;
   if (const std::string fault = fault_of_name(name); !fault.empty())
     return refuse(request, RefusalReason::kBadArgument, "\"" + name + "\": " + fault, utc_us);
@@ -190,6 +204,10 @@ void Desk::stop(const Request& request, std::int64_t utc_us) {
 void Desk::mark(const Request& request, std::int64_t utc_us) {
   if (!book_.under_way || is_stopping())
     return refuse(request, RefusalReason::kNotRecording, "a mark is set into a recording: start one", utc_us);
+  // A mark that is no longer in the book would be lost with the recorder.
+  if (book_.under_way->marks - book_.under_way->durable_marks >= static_cast<std::int32_t>(kMarksRemembered))
+    return refuse(request, RefusalReason::kDisk,
+                  std::to_string(kMarksRemembered) + " marks wait for the disk: ask again", utc_us);
   DeskBook book = book_;
   UnderWay& recording = *book.under_way;
   const Mark mark{.number = ++recording.marks, .asked = key_of(request), .text = request.text};
@@ -230,16 +248,21 @@ void Desk::ended(std::vector<Receipt> receipts, std::int64_t utc_us) {
   if (!book_.under_way) return;
   const UnderWay recording = *book_.under_way;
   const RequestKey stop = recording.stop.value_or(RequestKey{});
+  const std::string missing = nodes_without_end(receipts);
   DeskBook book{.finished = Finished{.start = recording.start, .stop = stop, .receipt = std::move(receipts)}};
   if (!store(book)) book_ = std::move(book);
   fault_.clear();
   if (!std::exchange(runs_, true) && was_asked(recording.start))
     say(done(recording.start, Operation::kStart, "\"" + recording.name + "\" has ended", utc_us));
-  if (was_asked(stop)) say(done(stop, Operation::kStop, "\"" + recording.name + "\" is on the disk", utc_us));
+  if (was_asked(stop))
+    say(done(stop, Operation::kStop, "\"" + recording.name + "\" is on the disk" + missing, utc_us));
   for (Answer& known : known_) {
     if (known.operation != Operation::kMark || known.state != AnswerState::kUnderWay) continue;
-    known.state = AnswerState::kDone;
-    known.text = "on the disk with the recording";
+    const bool is_durable = known.value[0] <= recording.durable_marks;
+    known.state = is_durable ? AnswerState::kDone : AnswerState::kRefused;
+    known.reason = is_durable ? RefusalReason::kNone : RefusalReason::kDisk;
+    known.text = is_durable ? "on the disk with the recording"
+                            : "nobody knows whether it is on the disk: the recording has ended";
     to_send_.push_back(known);
   }
 }

@@ -27,6 +27,7 @@ class Desk {
     std::function<void()> stop;                           ///< lets it come to its end
     std::function<void(NoteToRecord)> note;               ///< into the recording that runs
     std::function<Answer(const Request&)> set_up;         ///< other operations
+    std::function<bool()> is_set_up_under_way;            ///< one of them has not come to its end
   };
   Desk(Hands hands, DeskBook book);
 

@@ -104,7 +104,8 @@ std::string fault_of_name(const std::string& name) {
   for (const char c : name)
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F || kForbidden.find(c) != std::string_view::npos)
       return "a name has none of / \\ : * ? \" < > |";
-  if (name == kDeskBookFile) return "this name is the recorder's own";
+  for (const std::string own : {kDeskBookFile, kVehicleFile})
+    if (name == own || name == own + ".new") return "this name is the recorder's own";
   return "";
 }
 

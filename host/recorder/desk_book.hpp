@@ -50,6 +50,8 @@ struct DeskBook {
 };
 
 inline constexpr const char* kDeskBookFile = "recorder.json";
+/// Beside it: which vehicle file was chosen last.
+inline constexpr const char* kVehicleFile = "vehicle";
 inline constexpr std::size_t kMarksRemembered = 32;
 
 /// An empty book if there is no file.  @throws std::runtime_error naming the file if it is no book

@@ -84,8 +84,7 @@ int main(int argc, char** argv) {
   app.add_option(
          "--vehicle", vehicle,
          "with --recordings: vehicle.toml that requests may change; others in its folder can be chosen")
-      ->needs(operated)
-      ->check(CLI::ExistingFile);
+      ->needs(operated);
   app.add_option("--start", start, "with --recordings: begin one of this name at once")->needs(operated);
   app.add_option("--url", options.url, "LCM address of the bus")->capture_default_str();
   app.add_option("--nodes", options.nodes, "record only these nodes; default: every node heard")

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <random>
 #include <stdexcept>
 #include <utility>
@@ -30,6 +31,7 @@ constexpr milliseconds kStatus{500};
 constexpr milliseconds kReceipts{1000};
 constexpr milliseconds kAgain{1000};
 constexpr milliseconds kNodeSilence{3000};
+constexpr milliseconds kSettling{1000};
 
 std::int64_t utc_us() {
   using namespace std::chrono;
@@ -56,13 +58,13 @@ class Operating {
       : options_(options),
         recorder_(random_number()),
         bus_(options.recorder.url),
-        desk_(hands(), read_desk_book(options.recordings)) {
+        desk_(hands(), with_vehicle(read_desk_book(options.recordings))) {
     bus_.subscribe(kRequestChannel, [this](std::string_view, auto bytes) {
       if (const auto request = decode_request(bytes)) desk_.take(*request, utc_us(), nodes());
     });
     bus_.subscribe("RB_HEARTBEAT_.*", [this](std::string_view, auto bytes) { hear(bytes); });
     bus_.subscribe("RB_CLOCK_.*", [this](std::string_view, auto bytes) { hear_clock(bytes); });
-    if (!options.vehicle.empty()) lead_vehicle(options.vehicle);
+    if (set_up_) listen_for_set_up();
     if (options.start) desk_.begin(*options.start, utc_us());
   }
 
@@ -83,8 +85,25 @@ class Operating {
   RecorderReport report() const { return report_; }
 
  private:
-  void lead_vehicle(const std::filesystem::path& file) {
-    set_up_.emplace(file, options_.recordings);
+  // Before the desk, which goes on with what the book has under way: a vehicle file that is broken must not
+  // end that.
+  DeskBook with_vehicle(DeskBook book) {
+    if (options_.vehicle.empty()) return book;
+    try {
+      set_up_.emplace(options_.vehicle, options_.recordings);
+    } catch (const std::exception& error) {
+      if (!book.under_way) throw;
+      no_set_up_ = error.what() + std::string(": mend the file and start rb-recorder again");
+      warn("goes on without its vehicle file: " + no_set_up_);
+    }
+    return book;
+  }
+
+  void warn(const std::string& sentence) const {
+    if (options_.recorder.on_warning) options_.recorder.on_warning(sentence);
+  }
+
+  void listen_for_set_up() {
     bus_.subscribe("RB_REPLY_.*", [this](std::string_view, auto bytes) {
       if (const auto reply = decode_reply(bytes)) set_up_->take(*reply);
     });
@@ -109,17 +128,17 @@ class Operating {
             .set_up =
                 [this](const Request& request) {
                   if (set_up_) return set_up_->take(request, heard_nodes(), utc_us(), WallClock::now());
-                  return Answer{
-                      .asker = request.asker,
-                      .request = request.request,
-                      .time_us = utc_us(),
-                      .operation = request.operation,
-                      .state = AnswerState::kRefused,
-                      .reason = RefusalReason::kNotSupported,
-                      .node = request.node,
-                      .channel = request.channel,
-                      .text = "this recorder leads no vehicle file: start rb-recorder with --vehicle FILE"};
-                }};
+                  return Answer{.asker = request.asker,
+                                .request = request.request,
+                                .time_us = utc_us(),
+                                .operation = request.operation,
+                                .state = AnswerState::kRefused,
+                                .reason = RefusalReason::kNotSupported,
+                                .node = request.node,
+                                .channel = request.channel,
+                                .text = no_set_up_};
+                },
+            .is_set_up_under_way = [this] { return set_up_ && set_up_->is_under_way(); }};
   }
 
   void begin(const UnderWay& recording) {
@@ -128,6 +147,8 @@ class Operating {
     options.start = true;
     if (!options.fallback.empty()) options.fallback /= recording.name;
     sync_us_.clear();
+    differs_.clear();
+    agreed_at_ = WallClock::now();
     session_ = std::make_unique<RecordingSession>(
         std::move(options), [recorder = recorder_, recording, this](RecorderStatus& status) {
           status.recorder = recorder;
@@ -136,6 +157,7 @@ class Operating {
           status.recording_s = 1e-6 * static_cast<double>(utc_us() - recording.began_us);
           status.marks = std::max(status.marks, recording.durable_marks);
           status.nodes = nodes_recorded_;
+          if (const std::lock_guard lock(differs_mutex_); status.fault.empty()) status.fault = differs_;
         });
   }
 
@@ -152,10 +174,10 @@ class Operating {
       incarnation_ = view.status->incarnation;
       if (!view.is_over) desk_.runs(nodes_recorded_, view.status->marks, utc_us());
     }
-    if (!view.is_over) return;
+    if (!view.is_over) return tell_who_differs();
     session_.reset();
     if (view.error.empty()) return finish(view.report);
-    if (options_.recorder.on_warning) options_.recorder.on_warning(view.error);
+    warn(view.error);
     failed_at_ = now;
     if (ends_) throw std::runtime_error(view.error);
     desk_.failed(view.error, view.status.has_value(), utc_us());
@@ -217,6 +239,21 @@ class Operating {
     return "";
   }
 
+  // Into the status that the session says, and into the record.
+  void tell_who_differs() {
+    std::string who = set_up_ ? who_differs() : "";
+    const WallTime now = WallClock::now();
+    if (who.empty()) agreed_at_ = now;
+    // The last heartbeat may be from before a set-up that is just done.
+    if (now - agreed_at_ < kSettling) who.clear();
+    const std::lock_guard lock(differs_mutex_);
+    if (std::exchange(differs_, who) == who || who.empty()) return;
+    session_->note({.kind = NoteKind::kAsked,
+                    .a = static_cast<std::int64_t>(Operation::kVehicle),
+                    .b = static_cast<std::int64_t>(RefusalReason::kNone),
+                    .text = who});
+  }
+
   // From its first word to its end the session says the state itself, with what it knows.
   bool session_speaks() const { return session_ && session_->view().status; }
 
@@ -259,13 +296,17 @@ class Operating {
   std::map<std::int32_t, Heard> heard_;
   std::map<std::int32_t, double> sync_us_;
   std::optional<SetUp> set_up_;
+  std::string no_set_up_ = "this recorder leads no vehicle file: start rb-recorder with --vehicle FILE";
   SealedBlock preview_;
   const Publish publish_ = [this](const std::string& channel, std::span<const std::uint8_t> bytes) {
     return bus_.publish(channel, bytes);
   };
+  std::atomic<int> nodes_recorded_ = 0;  // before the session, whose thread reads it
+  std::mutex differs_mutex_;
+  WallTime agreed_at_{};
+  std::string differs_;  // who measures by another file, for the session
   std::unique_ptr<RecordingSession> session_;
   RecorderReport report_;
-  std::atomic<int> nodes_recorded_ = 0;
   std::int64_t incarnation_ = 0;
   bool ends_ = false;
   WallTime failed_at_{};

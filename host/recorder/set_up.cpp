@@ -13,6 +13,7 @@
 #include "common/link/crc32c.hpp"
 #include "common/record/file.hpp"
 #include "common/record/folder.hpp"
+#include "host/recorder/desk_book.hpp"
 #include "host/recorder/vehicle_edit.hpp"
 
 namespace roadbalance {
@@ -67,6 +68,18 @@ std::string what_is_done(const Request& request, const std::filesystem::path& fi
   }
 }
 
+/// " (at node 1; node 2 was not on the bus)".
+std::string whom_it_reaches(const std::string& text, const std::vector<std::int32_t>& nodes) {
+  std::string there, missing;
+  for (const std::int32_t node : nodes) there += (there.empty() ? "" : ", ") + std::to_string(node);
+  for (const NodeConfig& node : VehicleConfig::parse(text, "").node)
+    if (std::ranges::find(nodes, node.id) == nodes.end())
+      missing += (missing.empty() ? "" : ", ") + std::to_string(node.id);
+  std::string all = " (at node " + there;
+  if (!missing.empty()) all += "; not on the bus: node " + missing;
+  return all + ")";
+}
+
 }  // namespace
 
 SetUp::SetUp(std::filesystem::path file, std::filesystem::path recordings)
@@ -83,9 +96,10 @@ void SetUp::set_text(std::string text) {
   // A block of 20 scans is 1372 bytes on the disk with its head; edges and the rest are some per cent of
   // that.
   constexpr double kBytesOfAScan = 1.05 * 1400 / kScansPerBlock;
-  bytes_per_s_ = 0;
+  double bytes_per_s = 0;
   for (const NodeConfig& node : VehicleConfig::parse(text, file_.string()).node)
-    bytes_per_s_ += node.rate_hz * kBytesOfAScan;
+    bytes_per_s += node.rate_hz * kBytesOfAScan;
+  bytes_per_s_ = std::max(1.0, bytes_per_s);
   text_ = std::move(text);
   crc32c_ = roadbalance::crc32c({reinterpret_cast<const std::uint8_t*>(text_.data()), text_.size()});
 }
@@ -149,7 +163,7 @@ Answer SetUp::take(const Request& request, const std::vector<std::int32_t>& node
       refuse(answer, RefusalReason::kBadArgument, file.filename().string() + " is too long");
     change_.emplace(Change{.request = request,
                            .file = file,
-                           .done = what_is_done(request, file),
+                           .done = what_is_done(request, file) + whom_it_reaches(text, nodes),
                            .push = VehiclePush(text_, text, nodes, std::max<std::int64_t>(1, utc_us / 1000),
                                                std::random_device{}(), now)});
     answer.state = AnswerState::kUnderWay;

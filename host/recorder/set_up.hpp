@@ -14,9 +14,6 @@
 
 namespace roadbalance {
 
-/// In the folder of the recordings: which vehicle file was chosen last.
-inline constexpr const char* kVehicleFile = "vehicle";
-
 /// Range, filter, zero and vehicle file, between recordings: changes the recorder's vehicle.toml and puts it
 /// in force at the nodes.  The file is written when every node has taken it, and else stays as it is.
 class SetUp {
@@ -36,6 +33,7 @@ class SetUp {
   /// Says what is due.  @return the last word on what was under way, once
   std::optional<Answer> turn(const Publish& publish, std::int64_t utc_us, WallTime now);
 
+  bool is_under_way() const { return change_.has_value(); }
   const std::filesystem::path& file() const { return file_; }
   /// Of its text, as nodes tell it.
   std::uint32_t crc32c() const { return crc32c_; }

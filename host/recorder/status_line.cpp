@@ -48,6 +48,8 @@ std::vector<std::string> alarms(const RecorderStatus& status) {
   const std::string waiting = std::to_string(status.waiting_blocks) + " blocks wait";
   if (status.state == RecorderState::kFault)
     lines.push_back("NOTHING IS RECORDED: " + status.fault + "; the nodes keep what they measure");
+  else if (!status.fault.empty())
+    lines.push_back(status.fault);
   if (status.state == RecorderState::kDiskFailing)
     lines.push_back("THE DISK FAILS (" + std::to_string(status.disk_failures) + " times): " + waiting +
                     ", the nodes keep what they measure");

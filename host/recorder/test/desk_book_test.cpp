@@ -51,5 +51,13 @@ TEST(DeskBook, RefusesWhatIsNone) {
   }
 }
 
+// The folder of a recording stands beside them.
+TEST(DeskBook, NoRecordingIsCalledLikeAFileOfTheRecorder) {
+  for (const char* own : {"recorder.json", "recorder.json.new", "vehicle", "vehicle.new"})
+    EXPECT_NE(fault_of_name(own), "") << own;
+  for (const char* free : {"recorder", "vehicles", "my vehicle", "new"})
+    EXPECT_EQ(fault_of_name(free), "") << free;
+}
+
 }  // namespace
 }  // namespace roadbalance

@@ -37,7 +37,8 @@ class DeskTest : public ::testing::Test {
                        return Answer{.asker = request.asker,
                                      .request = request.request,
                                      .operation = request.operation};
-                     }},
+                     },
+                 .is_set_up_under_way = [this] { return sets_up; }},
                 book);
   }
   static Answer last(Desk& desk) {
@@ -49,7 +50,61 @@ class DeskTest : public ::testing::Test {
   std::set<std::string> taken;
   std::vector<std::string> done;
   bool disk_fails = false;
+  bool sets_up = false;
 };
+
+TEST_F(DeskTest, AMarkIsDoneOnlyIfItIsOnTheDisk) {
+  Desk desk = this->desk();
+  desk.take(ask(Operation::kStart, 1, "drive"), kNow, 2);
+  desk.take(ask(Operation::kMark, 2), kNow, 2);
+  desk.take(ask(Operation::kMark, 3), kNow, 2);
+  desk.runs(1, 1, kNow);
+  desk.take(ask(Operation::kStop, 4), kNow, 2);
+  (void)desk.answers();
+  desk.ended({}, kNow);
+  desk.take(ask(Operation::kMark, 2), kNow, 2);
+  EXPECT_EQ(last(desk).state, AnswerState::kDone);
+  desk.take(ask(Operation::kMark, 3), kNow, 2);
+  const Answer lost = last(desk);
+  EXPECT_EQ(lost.state, AnswerState::kRefused);
+  EXPECT_EQ(lost.reason, RefusalReason::kDisk);
+}
+
+TEST_F(DeskTest, AStopNamesTheNodeWhoseEndIsMissing) {
+  Desk desk = this->desk();
+  desk.take(ask(Operation::kStart, 1, "drive"), kNow, 2);
+  desk.take(ask(Operation::kStop, 2), kNow, 2);
+  desk.ended(
+      {Receipt{.nodes = 2, .node = 1, .sums_agree = true}, Receipt{.nodes = 2, .node = 2, .open_epochs = 1}},
+      kNow);
+  EXPECT_EQ(last(desk).text,
+            "\"drive\" is on the disk; node 2 has not told all of it to its end: is it on, and its cable "
+            "plugged in?");
+}
+
+TEST_F(DeskTest, RefusesMarksThatItCouldNotRemember) {
+  Desk desk = this->desk();
+  desk.take(ask(Operation::kStart, 1, "drive"), kNow, 2);
+  const auto most = static_cast<std::int32_t>(kMarksRemembered);
+  for (std::int32_t k = 0; k < most; ++k) desk.take(ask(Operation::kMark, 100 + k), kNow, 2);
+  EXPECT_EQ(last(desk).state, AnswerState::kUnderWay);
+  desk.take(ask(Operation::kMark, 500), kNow, 2);
+  EXPECT_EQ(last(desk).state, AnswerState::kRefused);
+  desk.runs(1, most, kNow);
+  desk.take(ask(Operation::kMark, 501), kNow, 2);
+  EXPECT_EQ(last(desk).value[0], most + 1);
+}
+
+TEST_F(DeskTest, StartsNothingWhileTheNodesAreBeingSetUp) {
+  Desk desk = this->desk();
+  sets_up = true;
+  desk.take(ask(Operation::kStart, 1, "drive"), kNow, 2);
+  EXPECT_EQ(last(desk).state, AnswerState::kRefused);
+  EXPECT_TRUE(done.empty());
+  sets_up = false;
+  desk.take(ask(Operation::kStart, 2, "drive"), kNow, 2);
+  EXPECT_EQ(last(desk).state, AnswerState::kUnderWay);
+}
 
 TEST_F(DeskTest, StartsMarksAndStops) {
   Desk desk = this->desk();

@@ -43,6 +43,12 @@ TEST(StatusLine, SaysThatTheSupplyCannotBeRead) {
   EXPECT_EQ(alarms(status)[0], "whether the supply is there cannot be read");
 }
 
+TEST(StatusLine, SaysWhatIsWrongWithARecordingThatGoesOn) {
+  RecorderStatus status;
+  status.fault = "node 2 measures by another vehicle file than car.toml: choose that file again";
+  EXPECT_EQ(alarms(status), std::vector<std::string>{status.fault});
+}
+
 TEST(StatusLine, SaysOnceThatTheDiskIsFull) {
   RecorderStatus status;
   status.state = RecorderState::kDiskFull;
