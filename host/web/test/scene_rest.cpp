@@ -63,9 +63,9 @@ NodeSetup setup(int node) {
   return setup;
 }
 
-/// Upwards on the channel that is mounted upside down, whose wires are right.
-Knock knock(const Scene& scene) {
-  Knock knock{.node = 2, .time_ns = 1, .number = 3, .channel = scene.trouble ? 1 : 11};
+/// Upwards on the channel that is mounted upside down, whose wires are right, again and again.
+Knock knock(const Scene& scene, std::int64_t number) {
+  Knock knock{.node = 2, .time_ns = 1, .number = number, .channel = scene.trouble ? 1 : 11};
   knock.first_m_s2.fill(0.02);
   knock.peak_m_s2.fill(0.03);
   knock.first_m_s2[static_cast<std::size_t>(knock.channel)] = -4.0;
@@ -98,8 +98,9 @@ RecordingReceipt recording(const Scene& scene, std::int32_t number) {
 }  // namespace
 
 void say_rest(Bus& bus, const Scene& scene) {
+  static std::int64_t knocks = 0;
   for (int node = 1; node <= 2; ++node) bus.publish(setup_channel(node), encode(setup(node)));
-  bus.publish(kKnockChannel, encode(knock(scene)));
+  bus.publish(kKnockChannel, encode(knock(scene, ++knocks)));
   for (std::int32_t number = 0; number < 3; ++number)
     bus.publish(kRecordingChannel, encode(recording(scene, number)));
   const std::vector<std::string> sentences{

@@ -5,11 +5,11 @@ import type {View} from "./view";
 
 const kFirstDay: readonly string[] = [
   "Mark a point of each wheel, the valve for one: all angles count from there.",
-  "Switch on nodes and recorder. Set-up (S) lists what is heard; every line of the check should say OK.",
+  "Switch on nodes and recorder. Set-up (S) lists what is heard; every line of the check should say OK, once the wheels have rolled and each sensor was knocked on.",
   "Tap test: knock on each sensor as the table says, on both sides. A wrong sign is mended now, not after the drive.",
   "Tell each wheel where its zero mark is: rb datum, in Set-up under Calibration.",
   "Roll a few metres: the encoders' lines of the check become OK.",
-  "Start the recording. The word on top is RECORDING, and the four lamps are discs.",
+  "Start the recording. The word on top is RECORDING, and the four lamps are discs: SYNC after a while, for clocks are asked only now.",
   "Drive steadily at 80 to 130 km/h, straight, on a good road; now and then change lanes or take a bend.",
   "Look at Balance (B), or give the driver his own view (D): each ring fills as its wheel becomes known.",
   "When the rings are full stop, clip the weights where the page says, seen from outside, and write them into vehicle.toml.",
@@ -19,7 +19,7 @@ const kLamps: readonly (readonly [name: string, means: string])[] = [
   ["LOSS", "Disc: every sample is recorded, or on its way. Cross: samples are lost for good; which ones is in the record."],
   ["SYNC", "How well the clock of the worst node is known. Triangle: worse than 50 µs, or not heard. Cross: a clock has jumped."],
   ["OVERLOAD", "Cross: a channel has left its range; its reading is wrong there. Choose a larger range."],
-  ["ENCODER", "Cross: turns without exactly their teeth. Look at the gap of the sensor and at its cable."],
+  ["ENCODER", "Cross: turns with teeth missed or extra. Look at the gap of the sensor and at its cable."],
   ["All four", "A line means not known. A lit lamp stays lit until it is acknowledged (A), though the cause be gone."],
 ];
 

@@ -87,7 +87,7 @@ function encoderLamp(car: Car, log: EventLog): Lamp {
   const lines = beats(car).flatMap((beat) =>
     beat.encoder_faults.flatMap((count, line) => (count > 0 ? [`node ${beat.node} line ${line + 1}: ${count}`] : [])));
   return {name, light: "bad", number,
-          sentence: `Turns without exactly their teeth (${lines.length > 0 ? lines.join("; ") : places(found)}): ` +
+          sentence: `Teeth missed or extra (${lines.length > 0 ? lines.join("; ") : places(found)}): ` +
             "look at the sensor's gap and its cable."};
 }
 

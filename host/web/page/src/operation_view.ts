@@ -22,7 +22,7 @@ export class OperationView {
   private readonly name = el("input", {type: "text", id: "recording-name", maxlength: "60", autocomplete: "off",
                                        placeholder: "name: date and time", "aria-label": "Name of the next recording"});
   private readonly remark = el("input", {type: "text", id: "mark-text", maxlength: "120", autocomplete: "off",
-                                         placeholder: "what there is to be seen", "aria-label": "Text of the next mark"});
+                                         placeholder: "note for the mark", "aria-label": "Text of the next mark"});
   private readonly startButton = el("button", {type: "button", id: "start", class: "start"}, ["Record (R)"]);
   private readonly markButton = el("button", {type: "button", id: "mark"}, ["Mark (Space)"]);
   private readonly stopButton = el("button", {type: "button", id: "stop", class: "stop"},
@@ -98,5 +98,3 @@ export class OperationView {
     this.remark.blur();
   }
 }
-
-

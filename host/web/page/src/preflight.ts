@@ -1,5 +1,5 @@
 // Is everything ready to record?  Each point with what to do if it is not.
-import {isFresh, type Car} from "./car";
+import {isBusy, isFresh, type Car} from "./car";
 import {oppositePairs} from "./directions";
 import {EventLog} from "./events";
 import {lamps} from "./lamps";
@@ -86,18 +86,20 @@ function encoders(setups: readonly Setup[], car: Car): Check {
   const lines = setups.flatMap((setup) => setup.wheel.flatMap((wheel, line) => (wheel >= 0 ? [{setup, wheel, line}] : [])));
   const faulty = lines.filter(({setup, line}) => (beats.find(({node}) => node === setup.node)?.encoder_faults[line] ?? 0) > 0);
   if (faulty.length > 0)
-    return {name, ready: "no", says: `${faulty.map(({wheel}) => kWheelNames[wheel]).join(", ")}: turns without exactly their teeth: ` +
+    return {name, ready: "no", says: `${faulty.map(({wheel}) => kWheelNames[wheel]).join(", ")}: teeth missed or extra: ` +
       "look at the sensor's gap, its cable and pulses_per_turn."};
-  const turning = setups.filter(({node}) => Number.isFinite(car.levels.get(node)?.message.speed_m_s ?? NaN));
-  if (turning.length < setups.length || lines.length === 0)
+  const still = lines.filter(({setup: {node}}) => !Number.isFinite(car.levels.get(node)?.message.speed_m_s ?? NaN));
+  if (still.length > 0 || lines.length === 0)
     return {name, ready: "unknown", says: "Drive a few turns of the wheels: not every node has an angle yet."};
   return {name, ready: "yes", says: `${lines.length} give whole turns.`};
 }
 
-function clocks(car: Car, nowMs: number): Check {
+/** None before the start: recorders ask clocks for their time while they record. */
+function clocks(car: Car, nowMs: number): Check[] {
   const lamp = lamps(car, new EventLog(), nowMs).find((each) => each.name === "SYNC");
   const ready = {good: "yes", unknown: "unknown", warn: "no", bad: "no"} as const;
-  return {name: "Clocks", ready: ready[lamp?.light ?? "unknown"], says: lamp?.sentence ?? ""};
+  if (lamp?.light === "unknown" && !car.livingRecorders(nowMs).some(isBusy)) return [];
+  return [{name: "Clocks", ready: ready[lamp?.light ?? "unknown"], says: lamp?.sentence ?? ""}];
 }
 
 function disk(car: Car, nowMs: number): Check {
@@ -113,5 +115,5 @@ function disk(car: Car, nowMs: number): Check {
 export function preflight(car: Car, taps: Taps, nowMs: number): Check[] {
   const setups = freshSetups(car, nowMs);
   return [nodes(setups, car, nowMs), vehicleFile(setups), channels(setups, car, nowMs), directions(setups, taps),
-          encoders(setups, car), clocks(car, nowMs), disk(car, nowMs)];
+          encoders(setups, car), ...clocks(car, nowMs), disk(car, nowMs)];
 }

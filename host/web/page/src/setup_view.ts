@@ -1,6 +1,6 @@
 // What is wired how, whether it is so, and whether all is ready.
 import type {Car} from "./car";
-import {alsoFelt, isRight, Taps} from "./taps";
+import {alsoFelt, isRight, Taps, type Felt, type Place} from "./taps";
 import {directionWord, knockWord} from "./directions";
 import {el, setAttributes, setRows, setText, svg, table, type Cell} from "./dom";
 import {preflight, type Ready} from "./preflight";
@@ -20,6 +20,8 @@ const kShapes: Readonly<Record<Ready, string>> = {
 const kReadyWords: Readonly<Record<Ready, string>> = {yes: "OK", unknown: "not known", no: "TO DO"};
 
 const at = (mount: number) => (mount < 0 ? "body" : kWheelNames[mount] ?? "?");
+const channelOf = ({setup, channel}: {setup: Setup; channel: number}) =>
+  `${setup.node}.${channel + 1} ${untilZero(setup.channel_name[channel] ?? [])}`;
 const number = (value: number, digits: number) =>
   (value !== 0 && Math.abs(value) < 1e-3 ? value.toExponential(digits - 1) : Number(value.toPrecision(digits)).toString());
 
@@ -52,18 +54,28 @@ export class SetupView implements View {
   private readonly checks = el("ul", {class: "checks"});
   private readonly lines: CheckLine[] = [];
   private readonly knock = el("p", {id: "knock", role: "status"});
+  private readonly tapped = el("select", {id: "tap-channel"});
+  private offered = "";
   private readonly channels = el("tbody");
   private readonly encoders = el("tbody");
   private readonly nodes = el("tbody");
   private drawnMs = -Infinity;
 
   constructor(private readonly car: Car) {
+    this.tapped.onchange = () => {
+      const [node, channel] = this.tapped.value.split(" ").map(Number);
+      this.taps.meant = node === undefined || channel === undefined ? undefined : {node, channel};
+      this.taps.last = undefined;
+      this.tapped.blur();
+      this.seen();
+    };
     this.element = el("section", {class: "setup"}, [
       el("h2", {}, ["Ready to record? ", this.verdict]), this.checks,
       el("h2", {}, ["Tap test"]),
-      el("p", {}, ["With the car at rest knock lightly on one sensor after the other, the way the table says: the channel that " +
-                   "rings shows here, and whether its sign is that of vehicle.toml. Do it on both sides: a sensor fitted the " +
+      el("p", {}, ["With the car at rest choose a sensor and knock lightly on it, the way the table says: here shows which channel " +
+                   "rings, and whether its sign is that of vehicle.toml. Do it on both sides: a sensor fitted the " +
                    "same way round on the right as on the left may point the other way."]),
+      el("p", {}, [el("label", {for: "tap-channel"}, ["I knock on: "]), this.tapped]),
       this.knock,
       el("h2", {}, ["Channels"]),
       table("Channels", ["channel", "sensor", "on", "positive", "knock", "range m/s²", "m/s² per count", "offset counts",
@@ -94,8 +106,9 @@ export class SetupView implements View {
     if (nowMs - this.drawnMs < kRedrawMs) return;
     this.drawnMs = nowMs;
     this.drawChecks(nowMs);
-    setText(this.knock, this.lastKnock());
+    setText(this.knock, whatWasFelt(this.taps));
     const setups = [...this.car.setups.values()].map(({message}) => message).sort((a, b) => a.node - b.node);
+    this.offer(setups);
     setRows(this.channels, setups.flatMap((setup) => Array.from({length: setup.channels}, (_, k) => this.channelRow(setup, k))));
     setRows(this.encoders, setups.flatMap((setup) => setup.wheel.flatMap((wheel, line) => (wheel < 0 ? [] : [this.encoderRow(setup, line)]))));
     setRows(this.nodes, setups.map((setup) => [
@@ -106,6 +119,7 @@ export class SetupView implements View {
 
   private drawChecks(nowMs: number): void {
     const checks = preflight(this.car, this.taps, nowMs);
+    while (this.lines.length > checks.length) this.lines.pop()?.element.remove();
     while (this.lines.length < checks.length) {
       const line = new CheckLine();
       this.lines.push(line);
@@ -117,19 +131,16 @@ export class SetupView implements View {
     setText(this.verdict, open > 0 ? `${open} to do` : unknown > 0 ? `${unknown} not known yet` : "everything is");
   }
 
-  private lastKnock(): string {
-    const newest = [...this.car.knocks.values()].reduce<{atMs: number; node: number} | undefined>(
-      (a, {atMs, message}) => (a && a.atMs >= atMs ? a : {atMs, node: message.node}), undefined);
-    const knock = newest && this.car.knocks.get(newest.node)?.message;
-    const setup = newest && this.car.setups.get(newest.node)?.message;
-    if (!knock || !setup) return "No knock was felt yet.";
-    const name = untilZero(setup.channel_name[knock.channel] ?? []);
-    const first = knock.first_m_s2[knock.channel] ?? 0;
-    const others = alsoFelt(setup, knock).map((channel) => untilZero(setup.channel_name[channel] ?? []));
-    return `Knock on ${setup.node}.${knock.channel + 1} ${name}: first swing ${first < 0 ? "−" : "+"}${Math.abs(first).toPrecision(2)} m/s². ` +
-      (isRight(setup, knock) ? `Right, if it came ${knockWord(setup.direction[knock.channel] ?? [])}.`
-        : `WRONG SIGN, if it came ${knockWord(setup.direction[knock.channel] ?? [])}.`) +
-      (others.length > 0 ? ` Nearly as much was felt by ${others.join(", ")}: knock again, closer.` : "");
+  /** Channels that can be knocked on. */
+  private offer(setups: readonly Setup[]): void {
+    const all = setups.flatMap((setup) => Array.from({length: setup.channels}, (_, channel) => ({setup, channel})))
+      .filter(({setup, channel}) => setup.role[channel] !== ChannelRole.Unused);
+    const offered = all.map(channelOf).join();
+    if (offered === this.offered) return;
+    this.offered = offered;
+    this.taps.meant = undefined;
+    this.tapped.replaceChildren(el("option", {value: ""}, ["choose a sensor"]), ...all.map((place) =>
+      el("option", {value: `${place.setup.node} ${place.channel}`}, [channelOf(place)])));
   }
 
   private channelRow(setup: Setup, k: number): Cell[] {
@@ -165,4 +176,23 @@ export class SetupView implements View {
       {text: faults === undefined ? "–" : String(faults), tone: faults ? "bad" : ""},
       {text: !level ? "–" : first ? (turning ? "yes" : "no angle") : "–", tone: first && level && !turning ? "warn" : ""}];
   }
+}
+
+function whyNot({setup, knock, meant}: Felt): string {
+  const others = alsoFelt(setup, knock).map((channel) => channelOf({setup, channel}));
+  if (!meant) return "Proves nothing: choose first what you knock on.";
+  if (!isAt(meant, setup.node, knock.channel))
+    return "Proves nothing: it is not what was chosen. If that was knocked on, its cable is in another input than vehicle.toml says.";
+  return `Proves nothing: nearly as much was felt by ${others.join(", ")}. Knock again, closer.`;
+}
+const isAt = (place: Place, node: number, channel: number) => place.node === node && place.channel === channel;
+
+/** The last knock since a sensor was chosen. */
+function whatWasFelt({last, meant}: Taps): string {
+  if (!last) return meant ? "No knock was felt yet." : "No sensor is chosen.";
+  const {setup, knock, proves} = last;
+  const first = knock.first_m_s2[knock.channel] ?? 0;
+  const way = knockWord(setup.direction[knock.channel] ?? []);
+  return `Knock on ${channelOf({setup, channel: knock.channel})}: first swing ${first < 0 ? "−" : "+"}${Math.abs(first).toPrecision(2)} m/s². ` +
+    (!proves ? whyNot(last) : isRight(setup, knock) ? `Right, if it came ${way}.` : `WRONG SIGN, if it came ${way}.`);
 }

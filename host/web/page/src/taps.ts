@@ -1,4 +1,5 @@
-// What knocks have proven of sensors: which channel is which, and that its sign is right.
+// What knocks have proven of sensors: which channel is which, and that its sign is right.  A person says beforehand which
+// sensor will be knocked on: the loudest channel of any knock proves nothing by itself.
 import type {Car} from "./car";
 import {axisOf, signOf} from "./directions";
 import {kAccelerations} from "./level_view";
@@ -12,7 +13,24 @@ const kKept = "taps";
 /** A channel that feels so much of what the loudest feels may be the one knocked. */
 const kAlsoFelt = 0.5;
 
+export interface Place {
+  readonly node: number;
+  readonly channel: number;
+}
+
+/** A knock, and what became of it when it was felt. */
+export interface Felt {
+  readonly setup: Setup;
+  readonly knock: Knock;
+  /** What was to be knocked on. */
+  readonly meant: Place | undefined;
+  readonly proves: boolean;
+}
+
 export class Taps {
+  /** What will be knocked on next. */
+  meant: Place | undefined;
+  last: Felt | undefined;
   private readonly found: Map<string, Tap>;
   private readonly taken = new Map<number, number>();
 
@@ -30,6 +48,9 @@ export class Taps {
       const setup = car.setups.get(node)?.message;
       if (!setup || this.taken.get(node) === knock.number) continue;
       this.taken.set(node, knock.number);
+      const proves = this.meant?.node === node && this.meant.channel === knock.channel && alsoFelt(setup, knock).length === 0;
+      this.last = {setup, knock, meant: this.meant, proves};
+      if (!proves) continue;
       this.found.set(key(setup, knock.channel), isRight(setup, knock) ? "right" : "wrong");
       sessionStorage.setItem(kKept, JSON.stringify([...this.found]));
     }

@@ -163,6 +163,9 @@ test("keeps units as its person likes them", async (t) => {
   await page.waitForFunction(() => /1\.23\soz/.test(document.querySelector("#wheel-1")?.innerText ?? ""));
 });
 
+const rowsOf = (page) => page.locator("#setup tbody").first().locator("tr")
+  .evaluateAll((all) => all.map(({innerText}) => innerText.replace(/\s+/g, " ")));
+
 test("shows what is wired how, what a knock has proven, and whether all is ready", async (t) => {
   const page = await open(t, "known");
   await page.keyboard.press("s");
@@ -172,9 +175,14 @@ test("shows what is wired how, what a knock has proven, and whether all is ready
   assert.match(checks.join("\n"), /yes OK Vehicle file demonstration car: the same on all nodes/);
   assert.match(checks.join("\n"), /yes OK Channels All 24 are alive/);
   assert.match(checks.join("\n"), /unknown not known Directions .*left_6 and right_6/);
+  assert.match((await rowsOf(page))[23], /2\.12 right_6 .* not yet/, "nobody has said what is knocked on");
+  await page.selectOption("#tap-channel", {label: "1.1 left_1"});
+  await page.waitForFunction(() => /2\.12 right_6.*Proves nothing: it is not what was chosen/.test(document.querySelector("#knock").innerText));
+  await page.selectOption("#tap-channel", {label: "2.12 right_6"});
+  await page.waitForFunction(() => /by knock/.test(document.querySelector("#setup").innerText));
   // The upward knock came with a minus sign from a sensor that is described as pointing down.
   assert.match(await text(page, "#knock"), /2\.12 right_6: first swing −4\.0 m\/s²\. Right, if it came from below, upwards\./);
-  const rows = await page.locator("#setup tbody").first().locator("tr").evaluateAll((all) => all.map(({innerText}) => innerText.replace(/\s+/g, " ")));
+  const rows = await rowsOf(page);
   assert.equal(rows.length, 24);
   assert.match(rows[23], /2\.12 right_6 body down from below, upwards 50 .* ✓ by knock/);
   assert.match(rows[0], /1\.1 left_1 front left up from below, upwards 200 2\.3842e-5 0 0 0\.20 not yet/);
@@ -184,6 +192,7 @@ test("shows what is wired how, what a knock has proven, and whether all is ready
 test("says what is not ready, and what to do", async (t) => {
   const page = await open(t, "trouble");
   await page.keyboard.press("s");
+  await page.selectOption("#tap-channel", {label: "2.2 right_1"});
   await page.waitForFunction(() => /WRONG SIGN/.test(document.querySelector("#setup")?.innerText ?? ""));
   const said = await text(page, "#setup");
   assert.match(said, /TO DO Channels 1\.3 left_2 is beyond its range; 1\.5 left_3 carries no signal/);

@@ -90,10 +90,25 @@ test("a knock proves a sensor, or shows that it is the wrong way round", () => {
   car.take(frame(setup(1)), 0);
   assert.equal(directions().ready, "unknown");
   assert.match(directions().says, /left and right/);
+  // Nobody has said which is knocked on, or it is another one, or two felt it: nothing is proven.
+  car.take(frame(knock(7, 0, 3)), 0);
+  taps.take(car);
+  assert.equal(channel(0), undefined);
+  taps.meant = {node: 1, channel: 1};
+  car.take(frame(knock(8, 0, 3)), 0);
+  taps.take(car);
+  assert.equal(channel(0), undefined);
+  assert.equal(channel(1), undefined);
+  taps.meant = {node: 1, channel: 0};
+  car.take(frame([page.kKnock, {node: 1, number: 9, channel: 0, first_m_s2: [3, 3], peak_m_s2: [3, 2.9]}]), 0);
+  taps.take(car);
+  assert.equal(channel(0), undefined);
+  assert.equal(taps.last.proves, false);
   // Knocked upwards: the left one points up; the right one is described as pointing down.
   car.take(frame(knock(1, 0, 3)), 0);
   taps.take(car);
   assert.equal(channel(0), "right");
+  taps.meant = {node: 1, channel: 1};
   car.take(frame(knock(2, 1, 3)), 0);
   taps.take(car);
   assert.equal(channel(1), "wrong");
@@ -129,6 +144,9 @@ test("the pre-flight check names what is to be done", () => {
   assert.equal(check("Encoders").ready, "unknown", "nothing turns");
   car.take(frame(level(1, {speed_m_s: 9}), level(2, {speed_m_s: 9}), beat(1), beat(2)), 0);
   assert.equal(check("Encoders").ready, "yes");
+  // A node without a wheel has no angle to wait for.
+  car.take(frame(setup(3, {wheel: [-1, -1]}), level(3)), 0);
+  assert.equal(check("Encoders").ready, "yes");
   car.take(frame([page.kHeartbeat, {...beat(2)[1], encoder_faults: [0, 3]}]), 0);
   assert.match(check("Encoders").says, /rear right/);
   car.take(frame([page.kRecorder, {...recorder[1], seconds_left: 600}]), 0);
@@ -157,6 +175,16 @@ test("an overload lights its lamp though the page was never drawn, until it is a
   car.events.acknowledge();
   car.take(frame(level({})), 61_000);
   assert.equal(overload(61_000).light, "good");
+});
+
+test("the pre-flight check can be all OK before the start, when clocks are not asked yet", () => {
+  const car = new page.Car(), taps = new page.Taps();
+  const clocks = () => page.preflight(car, taps, 0).find(({name}) => name === "Clocks");
+  const beat = [page.kHeartbeat, {node: 1, state: page.NodeState.Preview, time_base: 0}];
+  car.take(frame([page.kRecorder, {incarnation: 0, state: page.RecorderState.Armed}], beat), 0);
+  assert.equal(clocks(), undefined);
+  car.take(frame([page.kRecorder, {incarnation: 5, state: page.RecorderState.Recording, name_size: 5}], beat), 0);
+  assert.equal(clocks()?.ready, "unknown");
 });
 
 test("units are those of the person, and of a weight that can be bought", () => {
