@@ -34,7 +34,8 @@ class Every {
   explicit Every(std::chrono::milliseconds interval) : interval_(interval) {}
   bool due(WallTime now) {
     if (now - last_ < interval_) return false;
-    last_ = now;
+    // What is late does not make the next one late; what was missed is not made up for.
+    last_ = now - last_ < 2 * interval_ ? last_ + interval_ : now;
     return true;
   }
 
