@@ -2,6 +2,7 @@
 // comes on the feed, to every page; each knows its own by a number nobody else has.
 import type {Car} from "./car";
 import {sessionToken} from "./feed";
+import {utf8} from "./text";
 import {AnswerState, Operation, type Answer} from "./wire";
 
 /** As rb-web calls them. */
@@ -84,7 +85,7 @@ export class Asker {
       const isLate = nowMs - asked.sinceMs >= kPatienceMs;
       return {text: isLate ? "no recorder answers: is rb-recorder --recordings running?" : "asked", isBad: isLate};
     }
-    return {text: textOf(answer.text, answer.size), isBad: answer.state === AnswerState.Refused};
+    return {text: utf8(answer.text, answer.size), isBad: answer.state === AnswerState.Refused};
   }
 
   /** Which of these was asked last. */
@@ -93,7 +94,3 @@ export class Asker {
       .sort((a, b) => (this.asked.get(b)?.sinceMs ?? 0) - (this.asked.get(a)?.sinceMs ?? 0))[0];
   }
 }
-
-/** Text of a message: bytes, and how many of them count. */
-export const textOf = (bytes: readonly number[], size: number) =>
-  new TextDecoder().decode(new Uint8Array(bytes.slice(0, size)));

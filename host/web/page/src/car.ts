@@ -52,6 +52,8 @@ export class Car {
   /** What lights a lamp: taken with each frame, for a page in the background is not drawn. */
   readonly events = new EventLog();
   readonly plots = new PlotData();
+  /** Incarnation of the recorder that was heard to record last. */
+  private recording: number | undefined;
   /** Messages of no type that this page knows: the program is of another version. */
   strangers = 0;
 
@@ -68,6 +70,7 @@ export class Car {
       case kRecorder.fingerprint: {
         const message = decode(kRecorder, arrival);
         this.recorders.set(message.recorder, {message, atMs});
+        this.noteRecording(message);
         break;
       }
       case kHeartbeat.fingerprint: {
@@ -121,6 +124,12 @@ export class Car {
       case kIdentification.fingerprint: this.identification = {message: decode(kIdentification, arrival), atMs}; break;
       default: if (!this.plots.take(arrival)) ++this.strangers;
     }
+  }
+
+  private noteRecording(message: Recorder): void {
+    if (!isBusy(message) || message.incarnation === this.recording) return;
+    if (this.recording !== undefined) this.plots.begin();
+    this.recording = message.incarnation;
   }
 
   private takeAnswer(message: Answer): void {

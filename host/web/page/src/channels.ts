@@ -1,5 +1,6 @@
 // What the channels are called, and which there are.
 import type {Car} from "./car";
+import {untilZero} from "./text";
 import {ChannelRole} from "./wire";
 
 /** A channel as messages name it; `channel` from 0. */
@@ -16,16 +17,10 @@ export function channelOfKey(key: string): ChannelId | undefined {
   return found ? {node: Number(found[1]), channel: Number(found[2]) - 1} : undefined;
 }
 
-/** Text in a field of fixed size, behind whose end are zeros. */
-export function textOf(bytes: readonly number[]): string {
-  const end = bytes.indexOf(0);
-  return new TextDecoder().decode(Uint8Array.from(end < 0 ? bytes : bytes.slice(0, end)));
-}
-
 /** What vehicle.toml calls it, or its number as long as no node has said so. */
 export function channelName(car: Car, id: ChannelId): string {
   const setup = car.setups.get(id.node)?.message;
-  const name = setup && id.channel < setup.channels ? textOf(setup.channel_name[id.channel] ?? []) : "";
+  const name = setup && id.channel < setup.channels ? untilZero(setup.channel_name[id.channel] ?? []) : "";
   return name || channelKey(id);
 }
 

@@ -2,7 +2,8 @@
 import type {Car} from "./car";
 import {el, setAttributes, setText} from "./dom";
 import {ProgressRing} from "./progress_ring";
-import {stateWord, type Connection} from "./state";
+import {lamps} from "./lamps";
+import {stateWord, warnings, type Connection} from "./state";
 import {mass} from "./units";
 import type {View} from "./view";
 import {kWheelNames} from "./wheel_place";
@@ -30,14 +31,22 @@ class Corner {
   }
 }
 
+/** The worst that a lamp or a warning says; empty: nothing. */
+export function worry(car: Car, nowMs: number): string {
+  const all = lamps(car, car.events, nowMs);
+  const lit = (wanted: string) => all.filter(({light}) => light === wanted).map(({name, number}) => `${name}: ${number}`);
+  return [...lit("bad"), ...warnings(car, nowMs), ...lit("warn")][0] ?? "";
+}
+
 /** One thing to do now, of whatever is in the way of most wheels. */
-function whatNow(car: Car): string {
+export function whatNow(car: Car): string {
   const identification = car.identification?.message;
   const balances = [...car.balance.values()].map(({message}) => message);
   const unknown = balances.find(({state}) => state !== Unknown.None);
   if (balances.length === 0) return "Drive steadily.";
   if (unknown) return `${reason(unknown.state, identification)}.`.replace(/^./, (first) => first.toUpperCase());
-  const plans = [...car.compensation.values()].map(({message}) => message);
+  const plans = kWheelNames.flatMap((_, wheel) => car.advice(wheel) ?? []);
+  if (plans.length < kWheelNames.length) return "Drive steadily.";
   const open = plans.filter(({seconds_wanted}) => seconds_wanted > 0);
   if (open.length === 0) return "Done: every wheel is known.";
   const longest = Math.max(...open.map(({seconds_wanted}) => seconds_wanted).filter(Number.isFinite));
@@ -56,6 +65,7 @@ export class DriverView implements View {
   private readonly word = el("span", {class: "word"});
   private readonly time = el("span", {class: "time"});
   private readonly detail = el("p", {class: "detail"});
+  private readonly worry = el("p", {class: "worry", role: "status"});
   private readonly now = el("p", {class: "now"});
   private readonly corners = kWheelNames.map((name, wheel) => new Corner(wheel, name));
   private readonly state = el("p", {class: "state"}, [this.word, " ", this.time]);
@@ -63,7 +73,7 @@ export class DriverView implements View {
   constructor(private readonly car: Car, private readonly connection: () => Connection, back: () => void) {
     this.keys = [{key: "Escape", does: "back from the driver's view", run: back}];
     this.element = el("section", {class: "driver"}, [
-      this.state, this.detail, this.now, el("div", {class: "corners"}, this.corners.map(({element}) => element))]);
+      this.state, this.detail, this.worry, this.now, el("div", {class: "corners"}, this.corners.map(({element}) => element))]);
     this.element.onclick = back;
   }
 
@@ -73,6 +83,8 @@ export class DriverView implements View {
     setText(this.word, word);
     setText(this.time, recordingS === undefined ? "" : duration(recordingS));
     setText(this.detail, alarm === "bad" ? detail : "");
+    setText(this.worry, worry(this.car, nowMs));
+    this.worry.hidden = this.worry.textContent === "";
     setText(this.now, alarm === "bad" ? "" : whatNow(this.car));
     for (const corner of this.corners) corner.draw(this.car);
   }

@@ -1,8 +1,8 @@
 // State, always in the same place: by word, shape and colour.
-import {textOf} from "./ask";
 import type {Car} from "./car";
 import {el, setAttributes, setLines, setText, svg} from "./dom";
 import {stateWord, warnings, type Alarm, type Connection} from "./state";
+import {utf8} from "./text";
 import {RecorderState, type Recorder} from "./wire";
 import {duration} from "./words";
 
@@ -55,6 +55,6 @@ function amounts(recorder: Recorder): string {
     return hours === "" ? free : `${free}, room for ${hours}`;
   // At its first word a recorder has not looked at its disk yet.
   const left = seconds < 0 ? (recorder.bytes_free > 0 ? free : "") : `${hours} left`;
-  const name = textOf(recorder.name, recorder.name_size);
+  const name = utf8(recorder.name, recorder.name_size);
   return [...(name === "" ? [] : [name]), `${(recorder.bytes_recorded / 1e9).toFixed(2)} GB`, ...(left === "" ? [] : [left])].join(" · ");
 }

@@ -26,7 +26,7 @@ const places = (events: readonly Event[]) => [...new Set(events.map(({where}) =>
 const nodes = (found: readonly {readonly node: number}[]) =>
   `node${found.length > 1 ? "s" : ""} ${found.map(({node}) => node).join(", ")}`;
 
-function lossLamp(car: Car, log: EventLog): Lamp {
+function lossLamp(car: Car, log: EventLog, nowMs: number): Lamp {
   const gone = log.total("LOSS");
   const repaired = sum(beats(car).map((beat) => beat.blocks_repaired));
   const number = `${gone} lost, ${repaired} repaired`;
@@ -40,6 +40,8 @@ function lossLamp(car: Car, log: EventLog): Lamp {
   if (failing.length > 0)
     return {name: "LOSS", light: "warn", number,
             sentence: `The disk of ${nodes(failing)} refuses: what it holds is in its memory only.`};
+  if (!car.livingRecorders(nowMs).some(isBusy))
+    return {name: "LOSS", light: "good", number, sentence: "Nothing is lost; nothing is recorded now."};
   return {name: "LOSS", light: "good", number, sentence: "Every sample taken is recorded or on its way."};
 }
 
@@ -92,7 +94,7 @@ function encoderLamp(car: Car, log: EventLog): Lamp {
 }
 
 export function lamps(car: Car, log: EventLog, nowMs: number): Lamp[] {
-  return [lossLamp(car, log), syncLamp(car, log, nowMs), overloadLamp(car, log, nowMs), encoderLamp(car, log)];
+  return [lossLamp(car, log, nowMs), syncLamp(car, log, nowMs), overloadLamp(car, log, nowMs), encoderLamp(car, log)];
 }
 
 const kRemedies: Readonly<Record<LampName, string>> = {

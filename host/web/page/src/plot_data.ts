@@ -67,6 +67,12 @@ export class PlotData {
     keep(this.waterfalls, waterfalls, () => new Map<number, Waterfall>());
   }
 
+  /** Another recording begins: what the one before has told says nothing of it. */
+  begin(): void {
+    this.orders.clear();
+    for (const rows of this.waterfalls.values()) rows.clear();
+  }
+
   /** False: it is of no type that is shown here. */
   take(arrival: Arrival): boolean {
     switch (arrival.fingerprint) {

@@ -137,12 +137,6 @@ export class Figure {
     this.read();
   }
 
-  /** Where the cursor is; nothing if it is nowhere. */
-  cursorX(): number | undefined {
-    const left = this.plot?.cursor.left ?? -1;
-    return this.plot && left >= 0 ? this.plot.posToVal(left, "x") : undefined;
-  }
-
   private data(): uPlot.AlignedData {
     const clean = (y: readonly (number | null)[]) =>
       (this.logarithmic ? y.map((value) => (value !== null && value > 0 ? value : null)) : [...y]);

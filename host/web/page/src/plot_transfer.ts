@@ -37,7 +37,7 @@ export class TransferPlot implements Plot {
   private readonly magnitude = new Figure({id: "transfer-magnitude", label: "Transfer function", xLabel: "", share: 0.42,
                                            logarithmic: true, together: kTogether, xText});
   private readonly phase = new Figure({id: "transfer-phase", label: "Phase", xLabel: "", share: 0.22, range: [-180, 180],
-                                       splits: [-180, -90, 0, 90, 180],                                       together: kTogether, xText});
+                                       splits: [-180, -90, 0, 90, 180], together: kTogether, xText});
   private readonly coherence = new Figure({id: "transfer-coherence", label: "Coherence", xLabel: "Frequency, Hz", share: 0.36,
                                            range: [0, 1], together: kTogether, xText});
   private reference: {readonly curves: TransferCurves; readonly name: string} | undefined;

@@ -1,5 +1,5 @@
 // Plots: one at a time, chosen by buttons; frozen, compared, saved.
-import {isFresh, type Car} from "./car";
+import {isBusy, isFresh, type Car} from "./car";
 import {channelKey} from "./channels";
 import {el, setAttributes, setText} from "./dom";
 import type {Key} from "./keys";
@@ -60,6 +60,12 @@ class SpectralChoices {
     return {segment: Number(this.block.value), window: Number(this.window.value), memory: average === "hold" ? 0 : Number(average),
             holdPeaks: average === "hold", overlap: Number(this.overlap.value), highestHz: Number(this.highest.value)};
   }
+}
+
+/** Before the start nodes send a preview, which tells levels only. */
+function waitsForStart(car: Car, nowMs: number): string {
+  const recorders = car.livingRecorders(nowMs);
+  return recorders.length > 0 && !recorders.some(isBusy) ? "Nothing is recorded: plots begin with the recording." : "";
 }
 
 export class PlotView implements View {
@@ -129,7 +135,7 @@ export class PlotView implements View {
     // Its levels come ten times a second, whatever else is asked for.
     const isOld = ![...this.car.levels.values()].some((heard) => isFresh(heard, nowMs));
     setAttributes(this.element, {"data-frozen": String(this.frozen), "data-old": String(isOld)});
-    setText(this.trouble, isOld ? "OLD: no analyser is heard." : this.refusal);
+    setText(this.trouble, isOld ? "OLD: no analyser is heard." : this.refusal || waitsForStart(this.car, nowMs));
     if (this.frozen) return;
     this.now.draw({car: this.car, spectral: this.spectral.value, nowMs});
     // What is to be seen may be known only now: which channels there are.

@@ -5,9 +5,9 @@ import {EventLog} from "./events";
 import {lamps} from "./lamps";
 import {kAccelerations} from "./level_view";
 import type {Taps} from "./taps";
+import {untilZero} from "./text";
 import {kWheelNames} from "./wheel_place";
 import {ChannelRole, type Setup} from "./wire";
-import {untilZero} from "./words";
 
 export type Ready = "yes" | "no" | "unknown";
 

@@ -1,7 +1,7 @@
 // What is on the disk of the recording that was stopped last.
-import {textOf} from "./ask";
 import {isBusy, type Car} from "./car";
 import {el, setAttributes, setText} from "./dom";
+import {utf8} from "./text";
 import type {Receipt} from "./wire";
 import {duration} from "./words";
 
@@ -9,6 +9,18 @@ const kColumns = ["Node", "Samples", "Lost", "Repaired", "Overload", "Clock with
 
 const lost = (receipt: Receipt) => receipt.samples_sent - receipt.samples_recorded;
 const isWhole = (receipt: Receipt) => lost(receipt) === 0 && receipt.gaps === 0 && receipt.open_epochs === 0 && receipt.sums !== 0;
+
+/** What is not as it should be, in one line. */
+export function defects(receipts: readonly Receipt[]): string {
+  const sum = (of: (receipt: Receipt) => number) => receipts.reduce((all, receipt) => all + of(receipt), 0);
+  const [missing, gaps, open] = [sum(lost), sum((receipt) => receipt.gaps), sum((receipt) => receipt.open_epochs)];
+  const wrong = receipts.filter(({sums}) => sums === 0);
+  return [
+    ...(missing > 0 ? [`${missing.toLocaleString("en")} lost`] : []),
+    ...(gaps > 0 ? [gaps === 1 ? "1 gap" : `${gaps} gaps`] : []),
+    ...(open > 0 ? ["its end is missing"] : []),
+    ...(wrong.length > 0 ? [`CRC of node ${wrong.map(({node}) => node).join(", ")} DOES NOT AGREE`] : [])].join(", ");
+}
 
 function row(receipt: Receipt): HTMLTableRowElement {
   const crc = (receipt.blocks_crc32c >>> 0).toString(16).padStart(8, "0");
@@ -51,11 +63,10 @@ export class ReceiptView {
     if (what === this.shown) return;
     this.shown = what;
     const all = receipts.filter(({nodes}) => nodes > 0);
-    const gone = all.reduce((sum, receipt) => sum + lost(receipt), 0);
     const whole = all.length > 0 && all.every(isWhole);
     setAttributes(this.element, {"data-whole": String(whole)});
     setText(this.title, all.length === 0 ? `“${first.called}”: no node was recorded`
-      : whole ? `“${first.called}” is on the disk: 0 lost` : `“${first.called}”: ${gone.toLocaleString("en")} lost`);
+      : whole ? `“${first.called}” is on the disk: 0 lost` : `“${first.called}” is NOT WHOLE: ${defects(all)}`);
     const marks = first.marks === 1 ? "1 mark" : `${first.marks} marks`;
     setText(this.facts, `${duration((first.ended_us - first.began_us) / 1e6)} · ${(first.bytes / 1e6).toFixed(1)} MB · ${marks}` +
       (whole || all.length === 0 ? "" : ". What is missing is declared in the record: rb verify lists it."));
@@ -64,6 +75,6 @@ export class ReceiptView {
 
   private receipts(): (Receipt & {readonly called: string})[] {
     return [...this.car.receipts.values()].map(({message}) => message).sort((a, b) => a.index - b.index)
-      .map((receipt) => ({...receipt, called: textOf(receipt.name, receipt.name_size)}));
+      .map((receipt) => ({...receipt, called: utf8(receipt.name, receipt.name_size)}));
   }
 }

@@ -1,11 +1,14 @@
 // Which recordings there are, and what proves that they are whole.  They are not to be deleted from here.
 import type {Car} from "./car";
 import {el, setAttributes, setLines, setRows, setText, svg, table} from "./dom";
+import {untilZero, utf8} from "./text";
 import type {View} from "./view";
 import {RecordingState, type Recording} from "./wire";
-import {duration, untilZero, utf8} from "./words";
+import {duration} from "./words";
 
 const kRedrawMs = 500;
+/** rb-recordings says all of them once a second, if the computer has time for it. */
+const kOldMs = 10_000;
 
 const kWords: Readonly<Record<RecordingState, readonly [tone: string, word: string, shape: string]>> = {
   [RecordingState.NotRead]: ["quiet", "being checked", "M2 7h12v2h-12z"],
@@ -15,6 +18,8 @@ const kWords: Readonly<Record<RecordingState, readonly [tone: string, word: stri
   [RecordingState.Damaged]: ["bad", "DAMAGED", "M3 1l5 5l5-5l2 2l-5 5l5 5l-2 2l-5-5l-5 5l-2-2l5-5l-5-5z"],
   [RecordingState.Unreadable]: ["bad", "UNREADABLE", "M3 1l5 5l5-5l2 2l-5 5l5 5l-2 2l-5-5l-5 5l-2-2l5-5l-5-5z"],
 };
+
+const kGrew = ["quiet", "was being written", "M2 7h12v2h-12z"] as const;
 
 /** As ISO 8601 writes it, of this browser's own time zone. */
 const localTime = (time_us: number) => new Date(time_us / 1000).toLocaleString("sv-SE");
@@ -34,8 +39,10 @@ class RecordingCard {
     el("div", {class: "head"}, [svg("svg", {viewBox: "0 0 16 16", "aria-hidden": "true"}, [this.shape]), this.name, this.word]),
     this.facts, this.verdict, this.table, this.marks]);
 
-  draw(recording: Recording): void {
-    const [tone, word, shape] = kWords[recording.state as RecordingState];
+  /** @param isOld  nobody says it any more */
+  draw(recording: Recording, isOld: boolean): void {
+    const grew = isOld && recording.state === RecordingState.Growing;
+    const [tone, word, shape] = grew ? kGrew : kWords[recording.state as RecordingState];
     setAttributes(this.element, {"data-tone": tone});
     setAttributes(this.shape, {d: shape});
     setText(this.name, untilZero(recording.name));
@@ -73,12 +80,13 @@ export class RecordingsView implements View {
   readonly withLevels = false;
   readonly element: HTMLElement;
   private readonly none = el("p", {}, ["None is known: start rb-recordings beside the recorder, with the folder that holds them."]);
+  private readonly old = el("p", {class: "old", role: "status"});
   private readonly list = el("div", {class: "list"});
   private readonly cards: RecordingCard[] = [];
   private drawnMs = -Infinity;
 
   constructor(private readonly car: Car) {
-    this.element = el("section", {class: "recordings"}, [el("h2", {}, ["Recordings"]), this.none, this.list]);
+    this.element = el("section", {class: "recordings"}, [el("h2", {}, ["Recordings"]), this.none, this.old, this.list]);
   }
 
   seen(): void {
@@ -92,6 +100,10 @@ export class RecordingsView implements View {
     const known = Array.from({length: count}, (_, k) => this.car.recordings.get(k)?.message)
       .flatMap((recording) => (recording && recording.recordings === count ? [recording] : []));
     this.none.hidden = this.car.recordings.size > 0;
+    const silentMs = nowMs - Math.max(...[...this.car.recordings.values()].map(({atMs}) => atMs));
+    const isOld = known.length > 0 && silentMs > kOldMs;
+    this.old.hidden = !isOld;
+    setText(this.old, isOld ? `rb-recordings has been silent for ${duration(silentMs / 1000)}: the list is as it was then.` : "");
     while (this.cards.length > known.length) this.cards.pop()?.element.remove();
     known.forEach((recording, k) => {
       let card = this.cards[k];
@@ -99,7 +111,7 @@ export class RecordingsView implements View {
         this.cards.push(card = new RecordingCard());
         this.list.append(card.element);
       }
-      card.draw(recording);
+      card.draw(recording, isOld);
     });
   }
 }

@@ -4,10 +4,10 @@ import {alsoFelt, isRight, Taps, type Felt, type Place} from "./taps";
 import {directionWord, knockWord} from "./directions";
 import {el, setAttributes, setRows, setText, svg, table, type Cell} from "./dom";
 import {preflight, type Ready} from "./preflight";
+import {untilZero} from "./text";
 import type {View} from "./view";
 import {kWheelNames} from "./wheel_place";
 import {ChannelRole, EncoderTrait, type Setup} from "./wire";
-import {untilZero} from "./words";
 
 /** Tables need not follow each frame. */
 const kRedrawMs = 500;

@@ -1,6 +1,6 @@
 // The one word: is it recording everything?
-import {textOf} from "./ask";
 import {isFresh, type Car} from "./car";
+import {utf8} from "./text";
 import {NodeState, RecorderState, type Heartbeat, type Recorder} from "./wire";
 
 export type Alarm = "good" | "idle" | "warn" | "bad";
@@ -20,7 +20,7 @@ const isOver = (beat: Heartbeat) => beat.state === NodeState.Ended || beat.state
 function ofRecorder(car: Car, recorder: Recorder, nowMs: number): StateWord {
   if (recorder.state === RecorderState.Fault)
     return {alarm: "bad", word: "FAULT", recorder,
-            detail: `Nothing is recorded: ${textOf(recorder.fault, recorder.fault_size)}. The nodes keep what they measure.`};
+            detail: `Nothing is recorded: ${utf8(recorder.fault, recorder.fault_size)}. The nodes keep what they measure.`};
   if (recorder.state === RecorderState.DiskFailing)
     return {alarm: "bad", word: "FAULT", recorder,
             detail: `The disk fails (${recorder.disk_failures} times). The nodes keep what they measure: change the disk.`};
@@ -91,7 +91,7 @@ export function warnings(car: Car, nowMs: number): string[] {
   const found: string[] = [];
   for (const recorder of car.livingRecorders(nowMs)) {
     if (recorder.fault_size > 0 && recorder.state !== RecorderState.Fault)
-      found.push(`${textOf(recorder.fault, recorder.fault_size)}.`);
+      found.push(`${utf8(recorder.fault, recorder.fault_size)}.`);
     if (recorder.on_battery & 1) found.push("The supply is gone: on battery.");
     if (recorder.fallback) found.push("Records to the fallback folder: the first disk has failed.");
     if (recorder.rivals > 0) found.push("Two nodes have one number, or one was paused.");

@@ -38,6 +38,5 @@ export const speedUnit = () => (isUs() ? "mph" : "km/h");
 /** Along the rim: workshop rulers have both. */
 export const length = (value_m: number) =>
   isUs() ? withUnit((value_m / kInch_m).toFixed(1), "in") : withUnit((1000 * value_m).toFixed(0), "mm");
-export const massUnit = () => (isUs() ? "oz" : "g");
 /** What the button says that changes them. */
 export const unitsName = () => (isUs() ? "oz · mph" : "g · km/h");

@@ -1,13 +1,14 @@
 // Balance: four wheels, what is on them, what to do, and what came of it.
-import type {Car} from "./car";
+import {isFresh, type Car} from "./car";
 import {el, setAttributes, setLines, setText} from "./dom";
 import {ProgressRing} from "./progress_ring";
+import {untilZero} from "./text";
 import {unitSystem} from "./units";
 import type {View} from "./view";
 import {fullScale, WheelDrawing} from "./wheel_drawing";
 import {kWheelNames} from "./wheel_place";
-import {Unknown, VerificationVerdict} from "./wire";
-import {basis, heavySpot, progress, remarks, untilZero, verified, whatIsLeft, whatToDo, whyIncurable, type Step} from "./words";
+import {Advice, NodeState, Unknown, VerificationVerdict} from "./wire";
+import {basis, duration, heavySpot, progress, remarks, verified, whatIsLeft, whatToDo, whyIncurable, type Step} from "./words";
 
 /** Sentences with a quiet second line. */
 function setSteps(element: Element, steps: readonly Step[]): void {
@@ -18,11 +19,15 @@ function setSteps(element: Element, steps: readonly Step[]): void {
     el("p", {}, [`${text}.`, ...(detail ? [" ", el("small", {}, [detail])] : [])])));
 }
 
+const isDriven = (car: Car, nowMs: number) =>
+  [...car.heartbeats.values()].some((heard) => isFresh(heard, nowMs) && heard.message.state === NodeState.Started);
+
 class WheelCard {
   readonly element: HTMLElement;
   private readonly drawing: WheelDrawing;
   private readonly ring = new ProgressRing();
   private readonly towards = el("span", {class: "towards"});
+  private readonly age = el("p", {class: "age"});
   private readonly spot = el("p", {class: "spot-sentence"});
   private readonly steps = el("div", {class: "steps"});
   private readonly left = el("p", {class: "left"});
@@ -36,12 +41,17 @@ class WheelCard {
       this.drawing.element,
       el("div", {class: "text"}, [
         el("div", {class: "head"}, [this.ring.element, el("div", {}, [el("h3", {}, [name]), this.towards])]),
-        this.incurable, this.steps, this.spot]),
+        this.age, this.incurable, this.steps, this.spot]),
       el("div", {class: "more"}, [this.verified, this.left])]);
   }
 
-  draw(car: Car, rim_g: number): void {
-    const balance = car.balance.get(this.wheel)?.message;
+  draw(car: Car, rim_g: number, nowMs: number): void {
+    const heard = car.balance.get(this.wheel);
+    const balance = heard?.message;
+    // After the drive it stands; during it somebody must go on saying it.
+    const isOld = heard !== undefined && !isFresh(heard, nowMs) && isDriven(car, nowMs);
+    setAttributes(this.element, {"data-old": String(isOld)});
+    setText(this.age, isOld ? `OLD: from ${duration((nowMs - heard.atMs) / 1000)} ago` : "");
     const identification = car.identification?.message;
     const plan = car.advice(this.wheel);
     const verification = car.verificationOf(this.wheel);
@@ -57,7 +67,8 @@ class WheelCard {
     setText(this.spot, heavySpot(balance, identification));
     setText(this.left, whatIsLeft(plan, balance));
     const why = whyIncurable(plan);
-    setText(this.incurable, why ? `WEIGHTS WILL NOT CURE THIS: ${why}.` : "");
+    setText(this.incurable, !why ? ""
+      : `WEIGHTS WILL NOT CURE THIS: ${why}.${plan?.advice === Advice.Steps ? " The best that weights do:" : ""}`);
     setLines(this.verified, verified(verification));
     setAttributes(this.verified, {"data-verdict": VerificationVerdict[verification?.verdict ?? 0] ?? ""});
   }
@@ -111,11 +122,11 @@ export class WheelView implements View {
     card?.scrollIntoView({block: "nearest"});
   }
 
-  draw(): void {
+  draw(nowMs: number): void {
     setText(this.basis, basis(this.car.identification?.message));
     const scale = fullScale([...this.car.balance.values()].map(({message}) => message),
                             kWheelNames.flatMap((_, wheel) => this.car.verificationOf(wheel) ?? []));
-    for (const card of this.cards) card.draw(this.car, scale);
+    for (const card of this.cards) card.draw(this.car, scale, nowMs);
     const said = remarks(this.car);
     setLines(this.remarks, said);
     this.beside.hidden = said.length === 0;

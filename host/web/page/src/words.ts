@@ -1,5 +1,6 @@
 // Sentences for people.
 import type {Car} from "./car";
+import {utf8} from "./text";
 import {length, mass, moment, speed, weightMass, withUnit} from "./units";
 import {clockPosition, degrees} from "./wheel_place";
 import {
@@ -118,13 +119,6 @@ export function progress(balance: Balance | undefined, plan: Compensation | unde
             text: `${wanted} is wanted; driving on like this does not reach it`};
   return {share: balance.seconds_used / (balance.seconds_used + plan.seconds_wanted), isDone: false,
           text: `${wholeSeconds(plan.seconds_wanted)} more for ${wanted}`};
-}
-
-export const utf8 = (bytes: readonly number[], size: number) => new TextDecoder().decode(new Uint8Array(bytes.slice(0, size)));
-/** Of a field whose text ends where zeros begin. */
-export function untilZero(bytes: readonly number[]): string {
-  const end = bytes.indexOf(0);
-  return utf8(bytes, end < 0 ? bytes.length : end);
 }
 
 const kVerdicts: Readonly<Record<VerificationVerdict, string>> = {

@@ -71,7 +71,11 @@ export const weakTexts = (page) => page.evaluate(() => {
       .map((node) => node.textContent.trim()).join("");
     if (!text || element.getClientRects().length === 0) continue;
     const style = getComputedStyle(element);
-    const [a, b] = [luminance(rgba(element instanceof SVGElement ? style.fill : style.color)), luminance(ground(element))]
+    let opacity = 1;
+    for (let at = element; at; at = at.parentElement) opacity *= Number(getComputedStyle(at).opacity);
+    const below = ground(element);
+    const faded = (colour) => colour.slice(0, 3).map((value, k) => opacity * value + (1 - opacity) * below[k]);
+    const [a, b] = [luminance(faded(rgba(element instanceof SVGElement ? style.fill : style.color))), luminance(ground(element))]
       .sort((x, y) => y - x);
     const contrast = (a + 0.05) / (b + 0.05);
     if (contrast < 4.5) weak.push(`${text} ${contrast.toFixed(2)}`);

@@ -211,6 +211,28 @@ test("lists recordings with their receipts, and can delete none", async (t) => {
   assert.equal(await page.locator("#recordings button, #recordings a, #recordings input").count(), 0);
 });
 
+test("does not say that a recording is being written when nobody says so any more", async (t) => {
+  const url = busUrl(), car = start("rb-web-scene", url, "known"), {web, where} = await startWeb(url);
+  const page = await browser.newPage({viewport: kDesk});
+  t.after(async () => {
+    await page.close();
+    car.kill();
+    web.kill();
+  });
+  await page.goto(where);
+  await page.keyboard.press("l");
+  await page.waitForFunction(() => /being written/.test(document.querySelector(".recording .word")?.innerText ?? ""));
+  car.kill();
+  await page.waitForFunction(() => /rb-recordings has been silent for 00:00:1/.test(document.querySelector("#recordings").innerText));
+  assert.equal(await page.locator(".recording .word").first().innerText(), "was being written");
+  // Nor is what is old harder to read.
+  for (const key of ["b", "p", "l"]) {
+    await page.keyboard.press(key);
+    assert.deepEqual(await weakTexts(page), [], key);
+    await picture(page, `old-${key}`);
+  }
+});
+
 test("gives the reason of what is not known, and no angle", async (t) => {
   const page = await open(t, "unknown");
   for (const [card, reason] of [[1, "42 s more for a first estimate"], [2, "change lanes or take a bend"], [3, "has no angle"],

@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import {test} from "node:test";
 import {load} from "./load.mjs";
 
-const page = await load("car", "encode", "wire", "state", "lamps", "preflight", "taps", "directions", "words", "units");
+const page = await load("car", "encode", "wire", "state", "lamps", "preflight", "taps", "directions", "words", "units", "driver_view", "receipt_view");
 
 /** A frame of rb-web (host/web/feed.hpp). */
 function frame(...messages) {
@@ -185,6 +185,37 @@ test("the pre-flight check can be all OK before the start, when clocks are not a
   assert.equal(clocks(), undefined);
   car.take(frame([page.kRecorder, {incarnation: 5, state: page.RecorderState.Recording, name_size: 5}], beat), 0);
   assert.equal(clocks()?.ready, "unknown");
+});
+
+test("the driver hears of the worst, and is done with four plans of the newest balances only", () => {
+  const car = new page.Car();
+  const wheels = [0, 1, 2, 3];
+  const known = (time_ns) => wheels.map((wheel) => [page.kBalance, {wheel, time_ns, state: page.Unknown.None}]);
+  car.take(frame(recorder, beat(1), ...known(1), ...wheels.map((wheel) => [page.kCompensation, {wheel, time_ns: 1}])), 0);
+  assert.match(page.whatNow(car), /^Done/);
+  car.take(frame(...known(2)), 0);
+  assert.doesNotMatch(page.whatNow(car), /Done/, "plans of a balance before");
+  car.take(frame([page.kRecorder, {...recorder[1], seconds_left: 600}]), 0);
+  assert.match(page.worry(car, 0), /full in 10 min/);
+  car.take(frame([page.kLevel, {node: 1, overload: 1}]), 0);
+  assert.match(page.worry(car, 0), /^OVERLOAD: 1 channel/);
+});
+
+test("a record that is not whole is not called by its 0 lost", () => {
+  const receipt = {node: 2, samples_sent: 5, samples_recorded: 5, gaps: 0, open_epochs: 0, sums: 1};
+  assert.equal(page.defects([receipt, {...receipt, sums: 0}]), "CRC of node 2 DOES NOT AGREE");
+  assert.equal(page.defects([{...receipt, open_epochs: 1}]), "its end is missing");
+  assert.equal(page.defects([{...receipt, samples_recorded: 3, gaps: 1}]), "2 lost, 1 gap");
+});
+
+test("another recording begins with plots of its own", () => {
+  const car = new page.Car();
+  const orders = [page.kOrders, {wheel: 0, node: 1}];
+  car.take(frame([page.kRecorder, {incarnation: 5, name_size: 3}], orders), 0);
+  car.take(frame([page.kRecorder, {incarnation: 5, name_size: 3}]), 1000);
+  assert.equal(car.plots.orders.size, 1);
+  car.take(frame([page.kRecorder, {incarnation: 6, name_size: 3}]), 2000);
+  assert.equal(car.plots.orders.size, 0);
 });
 
 test("units are those of the person, and of a weight that can be bought", () => {

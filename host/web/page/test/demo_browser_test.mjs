@@ -75,6 +75,8 @@ test("a recording of rb demo is stopped on the page with 0 lost, and another sta
   await says("#receipt", "“drive” is on the disk: 0 lost");
   await says("#state", "ARMED");
   await picture(page, "demo-stopped");
+  await page.locator("#tab-recordings").click();
+  await says("#recordings", "drive");
   await page.locator("#recording-name").fill("rest of the drive");
   await page.keyboard.press("Enter");
   await says("#state", "RECORDING");
