@@ -114,8 +114,10 @@ void add_demo(CLI::App& app, int& code) {
   command->add_option("--record", options->record, "keep the recording in this new folder");
   command->add_option("--vehicle", options->vehicle, "another vehicle.toml");
   command->add_option("--scenario", options->scenario, "another scenario.toml");
-  command->add_option("--port", options->port, "of the bus; 0: a free one")->check(CLI::Range(0, 65'535));
-  command->add_option("--page-port", options->page_port, "of the page for a browser; 0: a free one")
+  command
+      ->add_option("--port", options->port, "UDP port of the bus (the page's is --page-port); 0: a free one")
+      ->check(CLI::Range(0, 65'535));
+  command->add_option("--page-port", options->page_port, "TCP port of the page for a browser; 0: a free one")
       ->check(CLI::Range(0, 65'535));
   command->add_flag("--headless", options->headless, "the result alone, at the end, and no page");
   command->add_flag("--json", options->json, "one JSON object on standard output; implies --headless");

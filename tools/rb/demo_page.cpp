@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <system_error>
 #include <thread>
 
@@ -17,6 +18,14 @@ constexpr std::chrono::milliseconds kLook{10};
 }  // namespace
 
 DemoPage::DemoPage(const DemoPlan& plan) {
+  try {
+    std::filesystem::create_directories(plan.recordings());  // the recorder makes its folder later
+    recordings_.emplace(sibling_program("rb-recordings"),
+                        std::vector<std::string>{"--url", plan.url(), "--folder", plan.recordings().string()},
+                        plan.work() / "recordings.log");
+  } catch (const std::system_error&) {
+    // The page says that no list is heard.
+  }
   try {
     web_.emplace(sibling_program("rb-web"),
                  std::vector<std::string>{"--url", plan.url(), "--port", plan.page_port()},

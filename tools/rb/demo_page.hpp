@@ -9,7 +9,7 @@
 
 namespace roadbalance {
 
-/// rb-web beside a demo.  It only looks on: without it, or when it fails, the demo is the same.
+/// rb-web beside a demo, and rb-recordings for its list of recordings.  They only look on: without them, or when they fail, the demo is the same.
 class DemoPage {
  public:
   explicit DemoPage(const DemoPlan& plan);
@@ -20,6 +20,7 @@ class DemoPage {
   void stay(std::stop_token stop);
 
  private:
+  std::optional<Child> recordings_;
   std::optional<Child> web_;
   std::string obstacle_;
 };
