@@ -84,6 +84,7 @@ RecordingReceipt recording(const Scene& scene, std::int32_t number) {
   constexpr std::array kStates{RecordingState::kGrowing, RecordingState::kComplete,
                                RecordingState::kIncomplete};
   receipt.state = kStates[static_cast<std::size_t>(number)];
+  if (number == 0 && scene.armed) receipt.state = RecordingState::kNotRead;
   if (number == 2 && scene.trouble) receipt.state = RecordingState::kDamaged;
   receipt.refused = receipt.state == RecordingState::kDamaged ? 2 : 0;
   receipt.verdict = number == 0 ? "" : number == 1 ? "complete" : "incomplete, every gap declared";

@@ -228,6 +228,8 @@ test("does not say that a recording is being written when nobody says so any mor
   // Nor is what is old harder to read.
   for (const key of ["b", "p", "l"]) {
     await page.keyboard.press(key);
+    if (key === "b") await page.waitForFunction(() => document.querySelectorAll(".node[data-old=true]").length === 2);
+    if (key === "p") await page.waitForFunction(() => /OLD/.test(document.querySelector("#plots").innerText));
     assert.deepEqual(await weakTexts(page), [], key);
     await picture(page, `old-${key}`);
   }
