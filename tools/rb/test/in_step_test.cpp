@@ -60,7 +60,8 @@ class InStep : public testing::Test {
     found_ = identify_record(record_);
     truth_ = sim::truth_of(scenario_, 4, vehicle);
   }
-  /// Within three of its standard deviations and no more than `most` of the unbalance.
+  /// Within four of its standard deviations and no more than `most` of the unbalance.  They come from about
+  /// fifteen groups and are uncertain to a fifth: an honest estimate is further off once in a thousand.
   void expect_found(std::size_t wheel, double most) {
     const Balance& balance = found_.estimate.balance[wheel];
     ASSERT_EQ(balance.state, Unknown::kNone) << kWheelNames[wheel];
@@ -70,8 +71,8 @@ class InStep : public testing::Test {
     std::printf("%s: %.1f g off by %.2f +- %.2f g, %.2f +- %.2f deg\n", kWheelNames[wheel], truth.unbalance_g,
                 balance.unbalance_g - truth.unbalance_g, balance.sigma_g, off_rad * 180.0 / std::numbers::pi,
                 balance.sigma_rad * 180.0 / std::numbers::pi);
-    EXPECT_LT(std::abs(balance.unbalance_g - truth.unbalance_g), 3.0 * balance.sigma_g) << kWheelNames[wheel];
-    EXPECT_LT(std::abs(off_rad), 3.0 * balance.sigma_rad) << kWheelNames[wheel];
+    EXPECT_LT(std::abs(balance.unbalance_g - truth.unbalance_g), 4.0 * balance.sigma_g) << kWheelNames[wheel];
+    EXPECT_LT(std::abs(off_rad), 4.0 * balance.sigma_rad) << kWheelNames[wheel];
     EXPECT_LT(std::abs(balance.unbalance_g - truth.unbalance_g), most * truth.unbalance_g)
         << kWheelNames[wheel];
     EXPECT_LT(std::abs(off_rad), most) << kWheelNames[wheel];
