@@ -16,6 +16,7 @@
 #include "common/config/vehicle_config.hpp"
 #include "common/test/source.hpp"
 #include "hil_tests/measurement.hpp"
+#include "hil_tests/test/operating_fixture.hpp"
 #include "host/analyser/recorded_vehicle.hpp"
 #include "tools/rb/asking.hpp"
 
@@ -25,79 +26,6 @@ namespace {
 using std::chrono::milliseconds;
 using test::Program;
 namespace fs = std::filesystem;
-
-constexpr milliseconds kPatience{60'000};
-
-/// Real nodes and a real recorder that starts and stops on request.
-class Operating : public test::Measurement {
- protected:
-  Operating() {
-    fs::create_directories(vehicles);
-    write_vehicle("car.toml", test::read_source("sim/demo/vehicle.toml"));
-  }
-
-  void write_vehicle(const std::string& name, const std::string& text) const {
-    std::ofstream(vehicles / name) << text;
-  }
-  Program operated_recorder() const {
-    return Program("rb-recorder", {"--url", url, "--recordings", recordings.string(), "--vehicle",
-                                   (vehicles / "car.toml").string(), "--segment-mib", "0.25"});
-  }
-  /// @param scenario  empty: the demonstration drive
-  Program staying(const std::string& name, const std::string& scenario = "") const {
-    return Program("rb-node", {"--url", url, "--vehicle", (vehicles / "car.toml").string(), "--node", name,
-                               "--front-end", "sim:" + scenario + "?seed=1&rate=1&seconds=10000", "--stay"});
-  }
-
-  Answer ask(Operation operation, const std::string& text = "", Request more = {}) {
-    more.operation = operation;
-    more.text = text;
-    const auto answer = asking.ask(more, kPatience);
-    EXPECT_TRUE(answer) << asking.silence();
-    return answer.value_or(Answer{});
-  }
-  /// Asks until both nodes are there.
-  void start(const std::string& name) {
-    ASSERT_TRUE(test::wait_until(
-        [&] {
-          bus.listen(0.05);
-          return bus.heartbeat(kFront).epoch != 0 && bus.heartbeat(kRear).epoch != 0;
-        },
-        60));
-    Answer answer;
-    ASSERT_TRUE(test::wait_until(
-        [&] {
-          answer = ask(Operation::kStart, name);
-          return answer.reason != RefusalReason::kNoNode;
-        },
-        60));
-    ASSERT_EQ(answer.state, AnswerState::kDone) << answer.text;
-  }
-  /// And judges the receipt.
-  void stop() {
-    ASSERT_EQ(ask(Operation::kStop).state, AnswerState::kDone);
-    const auto receipts = asking.receipts(kPatience);
-    ASSERT_EQ(receipts.size(), 2u);
-    for (const auto& [place, receipt] : receipts) {
-      EXPECT_GT(receipt.samples_recorded, 0);
-      EXPECT_EQ(receipt.samples_recorded, receipt.samples_sent);
-      EXPECT_EQ(receipt.gaps, 0);
-      EXPECT_EQ(receipt.open_epochs, 0);
-      EXPECT_TRUE(receipt.sums_agree);
-    }
-  }
-  void expect_whole(const std::string& name) { expect_complete(recordings / name, 2); }
-  std::vector<std::string> notes(const std::string& name) const {
-    return verify_record(recordings / name).notes;
-  }
-  std::ptrdiff_t count(const std::string& name, const std::string& ending) const {
-    const auto all = notes(name);
-    return std::ranges::count_if(all, [&](const auto& note) { return note.ends_with(ending); });
-  }
-
-  const fs::path recordings = work.path() / "recordings", vehicles = work.path() / "vehicles";
-  Asking asking{url};
-};
 
 TEST_F(Operating, RecordsAgainAndAgainWithoutLosingAnything) {
   Program recorder = operated_recorder(), front = staying("front"), rear = staying("rear");

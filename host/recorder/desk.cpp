@@ -5,57 +5,13 @@
 #include <system_error>
 #include <utility>
 
+#include "host/recorder/desk_answers.hpp"
+
 namespace roadbalance {
 namespace {
 
 constexpr std::size_t kKnownAnswers = 64;
 constexpr int kMostRefusalsNoted = 100;  // in a recording: they come from whoever is on the bus
-
-RequestKey key_of(const Request& request) {
-  return {request.asker, request.request};
-}
-
-Answer answer_to(const Request& request, std::int64_t utc_us) {
-  return {.asker = request.asker,
-          .request = request.request,
-          .time_us = utc_us,
-          .operation = request.operation,
-          .node = request.node,
-          .channel = request.channel,
-          .value = request.value};
-}
-
-Answer done(const RequestKey& key, Operation operation, std::string text, std::int64_t utc_us) {
-  return {.asker = key.asker,
-          .request = key.request,
-          .time_us = utc_us,
-          .operation = operation,
-          .state = AnswerState::kDone,
-          .text = std::move(text)};
-}
-
-Answer answer_about(const Mark& mark, std::int64_t utc_us) {
-  return {.asker = mark.asked.asker,
-          .request = mark.asked.request,
-          .time_us = utc_us,
-          .operation = Operation::kMark,
-          .value = {static_cast<double>(mark.number), 0},
-          .text = "mark " + std::to_string(mark.number) + " is not on the disk yet"};
-}
-
-/// "; node 2 has not said its end: ..."; empty: each has.
-std::string nodes_without_end(const std::vector<Receipt>& receipts) {
-  std::string nodes;
-  for (const Receipt& receipt : receipts)
-    if (receipt.nodes > 0 && (receipt.open_epochs > 0 || !receipt.sums_agree))
-      nodes += (nodes.empty() ? "" : ", ") + std::to_string(receipt.node);
-  if (nodes.empty()) return "";
-  return "; node " + nodes + " has not told all of it to its end: is it on, and its cable plugged in?";
-}
-
-bool was_asked(const RequestKey& key) {
-  return key.asker != 0;
-}
 
 }  // namespace
 

@@ -18,6 +18,7 @@
 #include "common/record/file.hpp"
 #include "common/record/folder.hpp"
 #include "host/recorder/desk.hpp"
+#include "host/recorder/heard_nodes.hpp"
 #include "host/recorder/receipts.hpp"
 #include "host/recorder/recording_session.hpp"
 #include "host/recorder/set_up.hpp"
@@ -30,7 +31,6 @@ constexpr milliseconds kTurn{20};
 constexpr milliseconds kStatus{500};
 constexpr milliseconds kReceipts{1000};
 constexpr milliseconds kAgain{1000};
-constexpr milliseconds kNodeSilence{3000};
 constexpr milliseconds kSettling{1000};
 
 std::int64_t utc_us() {
@@ -60,9 +60,11 @@ class Operating {
         bus_(options.recorder.url),
         desk_(hands(), with_vehicle(read_desk_book(options.recordings))) {
     bus_.subscribe(kRequestChannel, [this](std::string_view, auto bytes) {
-      if (const auto request = decode_request(bytes)) desk_.take(*request, utc_us(), nodes());
+      if (const auto request = decode_request(bytes))
+        desk_.take(*request, utc_us(), heard_.count(WallClock::now()));
     });
-    bus_.subscribe("RB_HEARTBEAT_.*", [this](std::string_view, auto bytes) { hear(bytes); });
+    bus_.subscribe("RB_HEARTBEAT_.*",
+                   [this](std::string_view, auto bytes) { heard_.take(bytes, WallClock::now()); });
     bus_.subscribe("RB_CLOCK_.*", [this](std::string_view, auto bytes) { hear_clock(bytes); });
     if (set_up_) listen_for_set_up();
     if (options.start) desk_.begin(*options.start, utc_us());
@@ -127,7 +129,8 @@ class Operating {
                 },
             .set_up =
                 [this](const Request& request) {
-                  if (set_up_) return set_up_->take(request, heard_nodes(), utc_us(), WallClock::now());
+                  if (set_up_)
+                    return set_up_->take(request, heard_.nodes(WallClock::now()), utc_us(), WallClock::now());
                   return Answer{.asker = request.asker,
                                 .request = request.request,
                                 .time_us = utc_us(),
@@ -198,17 +201,6 @@ class Operating {
     status_at_ = receipts_at_ = {};
   }
 
-  void hear(std::span<const std::uint8_t> bytes) {
-    const auto beat = decode_heartbeat(bytes);
-    const auto& ours = options_.recorder.nodes;
-    if (!beat || (!ours.empty() && std::ranges::find(ours, beat->node) == ours.end())) return;
-    if (heard_.size() >= kMostNodes && !heard_.contains(beat->node)) return;
-    if (beat->is_over())
-      heard_.erase(beat->node);
-    else
-      heard_[beat->node] = {WallClock::now(), beat->vehicle_crc32c};
-  }
-
   void hear_clock(std::span<const std::uint8_t> bytes) {
     const auto fit = decode_clock_fit(bytes);
     if (!fit || !session_ || fit->state == ClockState::kAcquire) return;
@@ -217,26 +209,9 @@ class Operating {
     largest = std::max(largest, 1e6 * fit->uncertainty_s);
   }
 
-  int nodes() {
-    const WallTime now = WallClock::now();
-    std::erase_if(heard_, [now](const auto& node) { return now - node.second.at > kNodeSilence; });
-    return static_cast<int>(heard_.size());
-  }
-
-  std::vector<std::int32_t> heard_nodes() {
-    (void)nodes();
-    std::vector<std::int32_t> numbers;
-    for (const auto& [node, heard] : heard_) numbers.push_back(node);
-    return numbers;
-  }
-
   /// For people: nodes that would measure by something else than the file that is led here; empty: none.
   std::string who_differs() const {
-    for (const auto& [node, heard] : heard_)
-      if (heard.vehicle_crc32c != set_up_->crc32c())
-        return "node " + std::to_string(node) + " measures by another vehicle file than " +
-               set_up_->file().filename().string() + ": choose that file again";
-    return "";
+    return heard_.who_differs(set_up_->crc32c(), set_up_->file().filename().string());
   }
 
   // Into the status that the session says, and into the record.
@@ -259,7 +234,8 @@ class Operating {
 
   void say_status(WallTime now) {
     status_at_ = now;
-    RecorderStatus status{.time_us = utc_us(), .recorder = recorder_, .nodes = nodes(), .operable = true};
+    RecorderStatus status{
+        .time_us = utc_us(), .recorder = recorder_, .nodes = heard_.count(now), .operable = true};
     status.state = status.nodes > 0 ? RecorderState::kArmed : RecorderState::kIdle;
     if (const auto& recording = desk_.under_way()) {
       status.state = desk_.fault().empty() ? RecorderState::kRecording : RecorderState::kFault;
@@ -289,11 +265,7 @@ class Operating {
   const OperateOptions& options_;
   const std::int64_t recorder_;
   Bus bus_;
-  struct Heard {
-    WallTime at{};
-    std::uint32_t vehicle_crc32c = 0;
-  };
-  std::map<std::int32_t, Heard> heard_;
+  HeardNodes heard_{options_.recorder.nodes};
   std::map<std::int32_t, double> sync_us_;
   std::optional<SetUp> set_up_;
   std::string no_set_up_ = "this recorder leads no vehicle file: start rb-recorder with --vehicle FILE";

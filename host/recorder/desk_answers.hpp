@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/bus/operation.hpp"
+#include "host/recorder/desk_book.hpp"
+
+namespace roadbalance {
+
+// What the desk answers, as messages: answers take the request's numbers along, so that who asked knows them.
+
+RequestKey key_of(const Request& request);
+/// False: nobody waits for an answer, the recorder began by itself.
+bool was_asked(const RequestKey& key);
+
+/// Under way.
+Answer answer_to(const Request& request, std::int64_t utc_us);
+Answer done(const RequestKey& key, Operation operation, std::string text, std::int64_t utc_us);
+/// Under way: it is not durable yet.
+Answer answer_about(const Mark& mark, std::int64_t utc_us);
+
+/// For people, behind a sentence: the nodes whose receipts lack an end; empty: each has said its own.
+std::string nodes_without_end(const std::vector<Receipt>& receipts);
+
+}  // namespace roadbalance

@@ -1,0 +1,48 @@
+#include "host/recorder/heard_nodes.hpp"
+
+#include <algorithm>
+
+#include "common/bus/control.hpp"
+
+namespace roadbalance {
+namespace {
+
+constexpr std::chrono::milliseconds kNodeSilence{3000};
+
+}  // namespace
+
+void HeardNodes::take(std::span<const std::uint8_t> bytes, WallTime now) {
+  const auto beat = decode_heartbeat(bytes);
+  if (!beat || (!ours_.empty() && std::ranges::find(ours_, beat->node) == ours_.end())) return;
+  if (heard_.size() >= kMostNodes && !heard_.contains(beat->node)) return;
+  if (beat->is_over())
+    heard_.erase(beat->node);
+  else
+    heard_[beat->node] = {now, beat->vehicle_crc32c};
+}
+
+void HeardNodes::forget(WallTime now) {
+  std::erase_if(heard_, [now](const auto& node) { return now - node.second.at > kNodeSilence; });
+}
+
+int HeardNodes::count(WallTime now) {
+  forget(now);
+  return static_cast<int>(heard_.size());
+}
+
+std::vector<std::int32_t> HeardNodes::nodes(WallTime now) {
+  forget(now);
+  std::vector<std::int32_t> numbers;
+  for (const auto& [node, heard] : heard_) numbers.push_back(node);
+  return numbers;
+}
+
+std::string HeardNodes::who_differs(std::uint32_t vehicle_crc32c, const std::string& file) const {
+  for (const auto& [node, heard] : heard_)
+    if (heard.vehicle_crc32c != vehicle_crc32c)
+      return "node " + std::to_string(node) + " measures by another vehicle file than " + file +
+             ": choose that file again";
+  return "";
+}
+
+}  // namespace roadbalance
