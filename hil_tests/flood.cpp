@@ -108,7 +108,9 @@ void flood(const Options& options) {
 int main(int argc, char** argv) {
   CLI::App app("rb-flood: sends a bus on this computer datagrams that no program of ours would send");
   roadbalance::test::Options options;
-  app.add_option("--port", options.port, "of the bus")->check(CLI::Range(1, 65535))->capture_default_str();
+  app.add_option("--bus-port", options.port, "of the bus")
+      ->check(CLI::Range(1, 65535))
+      ->capture_default_str();
   app.add_option("--seconds", options.seconds)->check(CLI::Range(0.1, 1e6))->capture_default_str();
   app.add_option("--per-second", options.per_second)->check(CLI::Range(1.0, 1e6))->capture_default_str();
   app.add_option("--listen", options.listen_s, "seconds of real datagrams to begin with")

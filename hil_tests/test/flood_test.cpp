@@ -34,7 +34,7 @@ TEST_F(Flood, TenThousandMalformedDatagramsASecondCostNoSample) {
   ASSERT_TRUE(bus.wait(hears)) << "lcm-logger does not log";
 
   const auto memory_before = test::own_memory_bytes(running.pid());
-  Program flood("rb-flood", {"--port", port(), "--seconds", std::to_string(seconds)});
+  Program flood("rb-flood", {"--bus-port", port(), "--seconds", std::to_string(seconds)});
   EXPECT_EQ(flood.exit_code(seconds + test::BusWatch::kPatience_s), 0);
   const auto memory_after = test::own_memory_bytes(running.pid());
   EXPECT_EQ(victim.exit_code(test::BusWatch::kPatience_s), 128 + SIGSEGV)

@@ -94,8 +94,8 @@ TEST_F(MixedReleases, EveryProgramNamesWhoIsOfAnotherReleaseOnceAndGoesOnWithThe
 
 TEST_F(MixedReleases, ADemoEndsAndNamesTheOneOfAnotherRelease) {
   const std::string port = url.substr(url.rfind(':') + 1, url.find('?') - url.rfind(':') - 1);
-  Program demo =
-      saying("demo", {"demo", "--headless", "--rate", "1", "--drive-seconds", "1000", "--port", port}, "rb");
+  Program demo = saying(
+      "demo", {"demo", "--headless", "--rate", "1", "--drive-seconds", "1000", "--bus-port", port}, "rb");
   ASSERT_TRUE(bus.wait([&] { return bus.heartbeat(kFront).node == kFront; })) << said("demo");
   EXPECT_TRUE(comes_to_be_said("demo", "node 9 is of another version of the wire")) << said("demo");
   EXPECT_EQ(demo.exit_code(bus.kPatience_s), 4);

@@ -54,12 +54,12 @@ int demo(const DemoOptions& options) {
   Screen screen;
   std::optional<DemoPage> page;
   if (!options.headless) {
+    page.emplace(plan);
+    const std::string where = page->where();
     std::printf(
         "A simulated car drives %.0f s at %s times real time (assumption: tyres without radial force "
-        "variation).\n",
-        options.drive_seconds, options.rate.c_str());
-    page.emplace(plan);
-    std::printf("%s\n", page->where().c_str());
+        "variation).\n%s\n",
+        options.drive_seconds, options.rate.c_str(), where.c_str());
   }
 
   const auto team = options.threads ? start_threads(plan) : start_processes(plan);
@@ -114,13 +114,15 @@ void add_demo(CLI::App& app, int& code) {
   command->add_option("--record", options->record, "keep the recording in this new folder");
   command->add_option("--vehicle", options->vehicle, "another vehicle.toml");
   command->add_option("--scenario", options->scenario, "another scenario.toml");
-  command
-      ->add_option("--port", options->port, "UDP port of the bus (the page's is --page-port); 0: a free one")
+  CLI::Option* const port =
+      command->add_option("--port", options->port, "TCP port of the page for a browser; 0: a free one")
+          ->check(CLI::Range(0, 65'535));
+  command->add_option("--bus-port", options->bus_port, "UDP port of the bus; 0: a free one")
       ->check(CLI::Range(0, 65'535));
-  command->add_option("--page-port", options->page_port, "TCP port of the page for a browser; 0: a free one")
-      ->check(CLI::Range(0, 65'535));
-  command->add_flag("--headless", options->headless, "the result alone, at the end, and no page");
-  command->add_flag("--json", options->json, "one JSON object on standard output; implies --headless");
+  command->add_flag("--headless", options->headless, "the result alone, at the end, and no page")
+      ->excludes(port);
+  command->add_flag("--json", options->json, "one JSON object on standard output; implies --headless")
+      ->excludes(port);
   command->add_flag("--threads", options->threads, "recorder, analyser and nodes as threads of this program");
   command->callback([options, &code] {
     options->headless = options->headless || options->json;

@@ -5,6 +5,8 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <stdexcept>
+#include <string>
 #include <system_error>
 #include <thread>
 
@@ -17,7 +19,7 @@ constexpr std::chrono::milliseconds kLook{10};
 
 }  // namespace
 
-DemoPage::DemoPage(const DemoPlan& plan) {
+DemoPage::DemoPage(const DemoPlan& plan) : asked_port_(plan.page_port()) {
   try {
     std::filesystem::create_directories(plan.recordings());  // the recorder makes its folder later
     recordings_.emplace(sibling_program("rb-recordings"),
@@ -28,7 +30,7 @@ DemoPage::DemoPage(const DemoPlan& plan) {
   }
   try {
     web_.emplace(sibling_program("rb-web"),
-                 std::vector<std::string>{"--url", plan.url(), "--port", plan.page_port()},
+                 std::vector<std::string>{"--url", plan.url(), "--port", std::to_string(asked_port_)},
                  plan.work() / "web.log");
   } catch (const std::system_error& error) {
     obstacle_ = error.what();
@@ -37,14 +39,20 @@ DemoPage::DemoPage(const DemoPlan& plan) {
 
 std::string DemoPage::where() {
   constexpr std::chrono::seconds kPatience{5};
-  if (!web_) return "No page: " + obstacle_;
+  if (!web_) return no_page(obstacle_);
   for (const WallTime end = WallClock::now() + kPatience; WallClock::now() < end;) {
     if (const std::string url = web_->output(); url.ends_with('\n'))
       return "Watch it in a browser: " + url.substr(0, url.size() - 1);
-    if (web_->ended()) return "No page: rb-web " + web_->how_it_ended();
+    if (web_->ended()) return no_page("rb-web " + web_->how_it_ended());
     std::this_thread::sleep_for(kLook);
   }
-  return "No page: rb-web has not said where it is";
+  return no_page("rb-web has not said where it is");
+}
+
+std::string DemoPage::no_page(const std::string& why) const {
+  if (asked_port_ == 0) return "No page: " + why;
+  throw std::runtime_error("no page on port " + std::to_string(asked_port_) +
+                           " (--port names another, without it a free one is taken): " + why);
 }
 
 void DemoPage::stay(std::stop_token stop) {

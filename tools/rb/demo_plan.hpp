@@ -17,8 +17,8 @@ struct DemoOptions {
   std::string record;       ///< empty: a temporary folder
   std::string vehicle;      ///< empty: the demo's own
   std::string scenario;     ///< empty: the demo's own
-  int port = 0;             ///< of the bus; 0: a free one
-  int page_port = 0;        ///< of the page; 0: a free one
+  int port = 0;             ///< of the page; 0: a free one
+  int bus_port = 0;         ///< 0: a free one
   bool headless = false;
   bool json = false;
   bool threads = false;
@@ -41,7 +41,7 @@ class DemoPlan {
   /// analyser.
   const std::filesystem::path& work() const { return work_.path(); }
   std::filesystem::path vehicle_file() const { return work() / "vehicle.toml"; }
-  std::string page_port() const { return std::to_string(options_.page_port); }
+  int page_port() const { return options_.port; }  ///< 0: a free one
   /// What the nodes open: "sim:PATH?seed=...", and the same without the scheme.
   std::string front_end() const { return "sim:" + front_end_address(); }
   std::string front_end_address() const;

@@ -31,7 +31,8 @@ bool is_quiet(int port) {
 int quiet_port(int asked) {
   if (asked != 0) {
     if (is_quiet(asked)) return asked;
-    throw std::runtime_error("another recorder or node is on port " + std::to_string(asked));
+    throw std::runtime_error("another recorder or node is on port " + std::to_string(asked) +
+                             " of the bus; --bus-port names another, without it a free one is taken");
   }
   for (int turn = 0; turn < kMostTurns; ++turn) {
     const int port = process_port(turn);
@@ -42,7 +43,7 @@ int quiet_port(int asked) {
     }
   }
   throw std::runtime_error("on each of " + std::to_string(kMostTurns) +
-                           " ports there is another recorder or node; --port names one");
+                           " ports there is another recorder or node; --bus-port names one");
 }
 
 }  // namespace roadbalance

@@ -208,19 +208,6 @@ TEST_F(DemoTest, PrintsWhereThePageIsAndTakesItAlongWhenItEnds) {
   EXPECT_NE(rb.output().find("Watch it in a browser: http://127.0.0.1:"), std::string::npos) << rb.output();
 }
 
-TEST_F(DemoTest, DoesWithoutAPage) {
-  Child taken(program("rb-web"), {"--port", "0"}, folder_ / "web.log");
-  std::string where;
-  while (!taken.ended() && !(where = taken.output()).ends_with('\n'))
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  const std::string port = where.substr(where.rfind(':') + 1, where.find("/#") - where.rfind(':') - 1);
-  Child rb = start({"demo", "--rate", "max", "--drive-seconds", "100", "--page-port", port});
-  EXPECT_EQ(wait(rb), 0) << rb.last_words();
-  EXPECT_NE(rb.output().find("No page: rb-web ended with code 4: rb-web: listen on 127.0.0.1 port " + port),
-            std::string::npos)
-      << rb.output();
-}
-
 TEST_F(DemoTest, NamesWhatIsWrongBeforeAnythingStarts) {
   const auto fails = [&](const std::vector<std::string>& arguments, const std::string& named, int code = 2) {
     Child rb = start(arguments);
@@ -238,6 +225,7 @@ TEST_F(DemoTest, NamesWhatIsWrongBeforeAnythingStarts) {
   std::ofstream(folder_ / "vehicle.toml") << "colour = \"red\"\n" << embedded::kDemoVehicle;
   fails({"demo", "--vehicle", (folder_ / "vehicle.toml").string()}, "colour");
   fails({"demo", "--record", folder_.string()}, "not empty");
+  fails({"demo", "--json", "--port", "8080"}, "--port excludes --json");
   fails({"fly"}, "unknown subcommand fly");
   fails({"import", "xls"}, "unknown subcommand xls");
 }
@@ -260,14 +248,14 @@ TEST_F(DemoTest, NamesTheNodeThatWasKilled) {
 
 TEST_F(DemoTest, KeepsOffABusThatSomebodyUses) {
   const int port = process_port();
-  Child first = start({"demo", "--rate", "1", "--drive-seconds", "1000", "--port", std::to_string(port)});
+  Child first = start({"demo", "--rate", "1", "--drive-seconds", "1000", "--bus-port", std::to_string(port)});
   Bus bus(bus_url_on_port(port));
   bool heard = false;
   bus.subscribe("RB_HEARTBEAT_.*", [&](std::string_view, std::span<const std::uint8_t>) { heard = true; });
   while (!heard && !first.ended()) bus.handle(std::chrono::milliseconds(100));
   ASSERT_TRUE(heard) << first.last_words();
   Child second =
-      start({"demo", "--json", "--drive-seconds", "2", "--rate", "max", "--port", std::to_string(port)});
+      start({"demo", "--json", "--drive-seconds", "2", "--rate", "max", "--bus-port", std::to_string(port)});
   EXPECT_EQ(wait(second), 4);
   EXPECT_NE(second.log().find("another recorder or node is on port " + std::to_string(port)),
             std::string::npos)
