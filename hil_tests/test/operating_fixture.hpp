@@ -28,9 +28,12 @@ class Operating : public test::Measurement {
   void write_vehicle(const std::string& name, const std::string& text) const {
     std::ofstream(vehicles / name) << text;
   }
-  test::Program operated_recorder() const {
-    return test::Program("rb-recorder", {"--url", url, "--recordings", recordings.string(), "--vehicle",
-                                         (vehicles / "car.toml").string(), "--segment-mib", "0.25"});
+  /// @param said  as of test::Program
+  test::Program operated_recorder(const std::filesystem::path& said = {}) const {
+    return test::Program("rb-recorder",
+                         {"--url", url, "--recordings", recordings.string(), "--vehicle",
+                          (vehicles / "car.toml").string(), "--segment-mib", "0.25"},
+                         said);
   }
   /// @param scenario  empty: the demonstration drive
   test::Program staying(const std::string& name, const std::string& scenario = "") const {

@@ -13,6 +13,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/results.hpp"
+#include "common/config/text_file.hpp"
 #include "common/config/vehicle_config.hpp"
 #include "common/test/source.hpp"
 #include "hil_tests/measurement.hpp"
@@ -38,6 +39,18 @@ TEST_F(Operating, RecordsAgainAndAgainWithoutLosingAnything) {
   }
   recorder.signal(SIGTERM);
   EXPECT_EQ(recorder.exit_code(30), 0);
+}
+
+// Two would answer each request and write one book.
+TEST_F(Operating, OneRecorderToAFolder) {
+  Program recorder = operated_recorder(), front = staying("front"), rear = staying("rear");
+  start("drive");
+  const fs::path said = work.path() / "second.said";
+  Program second = operated_recorder(said);
+  EXPECT_EQ(second.exit_code(30), 4);
+  EXPECT_NE(read_text_file(said.string()).find("another rb-recorder"), std::string::npos);
+  stop();
+  expect_whole("drive");
 }
 
 // A recorder that comes back to a vehicle file that somebody has broken meanwhile goes on all the same.

@@ -3,7 +3,6 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "common/record/file.hpp"
 
 namespace roadbalance {
 namespace {
@@ -71,6 +70,13 @@ Finished finished_of(const Json& json) {
 }
 
 }  // namespace
+
+File claim_desk_book(const std::filesystem::path& recordings, Disk& disk) {
+  File folder = File::open_folder(recordings, disk);
+  if (!folder.try_lock())
+    throw std::runtime_error("recordings " + recordings.string() + ": another rb-recorder has this folder");
+  return folder;
+}
 
 DeskBook read_desk_book(const std::filesystem::path& recordings, Disk& disk) {
   const auto file = recordings / kDeskBookFile;

@@ -9,6 +9,7 @@
 
 #include "common/bus/operation.hpp"
 #include "common/record/disk.hpp"
+#include "common/record/file.hpp"
 
 namespace roadbalance {
 
@@ -54,6 +55,9 @@ inline constexpr const char* kDeskBookFile = "recorder.json";
 inline constexpr const char* kVehicleFile = "vehicle";
 inline constexpr std::size_t kMarksRemembered = 32;
 
+/// As long as it lives no other recorder gets it: two would answer every request, and write one book.
+/// @throws std::runtime_error naming the folder if another has it; std::system_error
+File claim_desk_book(const std::filesystem::path& recordings, Disk& disk = kernel_disk());
 /// An empty book if there is no file.  @throws std::runtime_error naming the file if it is no book
 DeskBook read_desk_book(const std::filesystem::path& recordings, Disk& disk = kernel_disk());
 /// Durable on return.  @throws std::system_error naming the file

@@ -56,6 +56,7 @@ class Operating {
  public:
   explicit Operating(const OperateOptions& options)
       : options_(options),
+        claim_(claim_desk_book(options.recordings)),
         recorder_(random_number()),
         bus_(options.recorder.url),
         desk_(hands(), with_vehicle(read_desk_book(options.recordings))) {
@@ -263,6 +264,7 @@ class Operating {
   }
 
   const OperateOptions& options_;
+  const File claim_;
   const std::int64_t recorder_;
   Bus bus_;
   HeardNodes heard_{options_.recorder.nodes};
@@ -281,9 +283,7 @@ class Operating {
   RecorderReport report_;
   std::int64_t incarnation_ = 0;
   bool ends_ = false;
-  WallTime failed_at_{};
-  WallTime status_at_{};
-  WallTime receipts_at_{};
+  WallTime failed_at_{}, status_at_{}, receipts_at_{};
   Desk desk_;  // last: it may have its hands do something at once
 };
 
