@@ -112,7 +112,8 @@ class Record:
         (self.folder / "manifest.json").unlink(missing_ok=True)
 
 
-def record_a_drive(folder, seconds=12):
+def record_a_drive(folder, *options, seconds=12):
     """The demonstration's two nodes, recorded by the programs; what identification makes of it is not asked."""
-    run(RB, "demo", "--headless", "--json", "--rate", "max", "--seed", 3, "--drive-seconds", seconds, "--record", folder)
+    run(RB, "demo", "--headless", "--json", "--rate", "max", "--seed", 3, "--drive-seconds", seconds, "--record", folder,
+        *options)
     assert (folder / SEGMENT).exists(), "rb demo has recorded nothing"
