@@ -95,7 +95,7 @@ std::optional<Answer> decode_answer(std::span<const std::uint8_t> bytes) {
       m->state < static_cast<std::int32_t>(AnswerState::kUnderWay) ||
       m->state > static_cast<std::int32_t>(AnswerState::kRefused) ||
       m->reason < static_cast<std::int32_t>(RefusalReason::kNone) ||
-      m->reason > static_cast<std::int32_t>(RefusalReason::kNotOperable))
+      m->reason > static_cast<std::int32_t>(RefusalReason::kBusy))
     return std::nullopt;
   const auto text = text_of(m->text, m->size);
   if (!text) return std::nullopt;

@@ -10,7 +10,8 @@
 namespace roadbalance {
 
 /// What a person asks of the measuring system, and what becomes of it; fields as in common/wire.  One form
-/// for page and command line.  The recorder answers: it owns the nodes, which obey nobody else.
+/// for page and command line.  The recorder answers: it owns the nodes, which obey nobody else; of finished
+/// recordings rb-recordings does (is_of_recordings()).
 
 /// request_t.operation; in brackets what the other fields are.
 enum class Operation : std::int32_t {
@@ -21,7 +22,15 @@ enum class Operation : std::int32_t {
   kFilter = 5,   ///< anti-aliasing of all nodes (value 0: corner, Hz; value 1: order)
   kZero = 6,     ///< the mean of the last seconds is the reading at rest (node; 0: every one)
   kVehicle = 7,  ///< chooses the vehicle file (text: its name in the recorder's folder, no path)
+  kJob = 8,      ///< does something with a finished recording (value 0: JobKind; text: RECORDING or
+                 ///< RECORDING/BEFORE, names in the folder, of which none has a slash)
+  kCancel = 9,   ///< ends a job before it is done (value 0: its number)
 };
+
+/// Asked of rb-recordings; the others of rb-recorder.
+constexpr bool is_of_recordings(Operation operation) {
+  return operation == Operation::kJob || operation == Operation::kCancel;
+}
 
 /// answer_t.state.
 enum class AnswerState : std::int32_t { kUnderWay = 1, kDone = 2, kRefused = 3 };
@@ -40,6 +49,7 @@ enum class RefusalReason : std::int32_t {
   kNotSupported = 9,  ///< the node's device does not have it; text: what it has
   kNoAnswer = 10,     ///< a node did not answer
   kNotOperable = 11,  ///< this recorder records what its command line says, until it is stopped there
+  kBusy = 12,         ///< one thing at a time; text: which is under way
 };
 
 struct Request {

@@ -12,7 +12,7 @@ namespace roadbalance {
 /// Turns SIGINT and SIGTERM into a request to stop.
 ///
 /// To be made first in main, before any other thread: it blocks both signals in the calling thread, and
-/// threads inherit that.  Programs started with exec inherit it too: see start of tools/rb/child.cpp.
+/// threads inherit that.  Programs started with exec inherit it too: see start of common/process/child.cpp.
 class StopOnSignal {
  public:
   StopOnSignal() {

@@ -1,17 +1,24 @@
 #include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <stdexcept>
 #include <string>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/job.hpp"
+#include "common/bus/operation.hpp"
+#include "common/clock/clocks.hpp"
 #include "common/process/channel.hpp"
+#include "common/process/child.hpp"
 #include "common/process/parallel.hpp"
-#include "common/process/pause.hpp"
 #include "common/process/stop_on_signal.hpp"
+#include "host/receipts/jobs.hpp"
 #include "host/receipts/receipt.hpp"
 #include "host/receipts/recordings_list.hpp"
 
@@ -25,24 +32,85 @@ void check(In<std::filesystem::path> folders, Out<RecordingReceipt> receipts) {
     if (!receipts.send(receipt_of(*folder))) return;
 }
 
-/// Process: the folder -> the list on the bus, once a second.
-void tell(std::stop_token stop, const std::string& url, RecordingsList list,
-          Out<std::filesystem::path> folders, In<RecordingReceipt> receipts) {
-  Bus bus(url);
-  bool waiting = false;
-  do {
-    if (auto receipt = receipts.receive_for(std::chrono::seconds(0))) {
-      list.take(std::move(*receipt));
-      waiting = false;
+using std::chrono::milliseconds;
+constexpr milliseconds kTurn{50};
+constexpr milliseconds kTold{1000};
+
+std::int64_t utc_us() {
+  using namespace std::chrono;
+  return duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
+}
+
+/// The list and its jobs on their bus.
+class Telling {
+ public:
+  Telling(const std::string& url, const std::filesystem::path& folder, Out<std::filesystem::path> folders,
+          In<RecordingReceipt> receipts)
+      : bus_(url),
+        list_(folder),
+        jobs_(sibling_program("rb"), folder),
+        folders_(std::move(folders)),
+        receipts_(std::move(receipts)) {
+    bus_.subscribe(kRequestChannel, [this](std::string_view, auto bytes) {
+      const auto request = decode_request(bytes);
+      if (!request) return;
+      if (const auto answer = jobs_.take(*request, list_.told(), list_.grows(), utc_us()))
+        (void)bus_.publish(kAnswerChannel, encode(*answer));
+    });
+    look();
+  }
+
+  void turn() {
+    bus_.handle(kTurn);
+    jobs_.turn(list_.grows(), utc_us());
+    if (WallClock::now() - told_at_ < kTold) return;
+    told_at_ = WallClock::now();
+    look();
+    tell();
+  }
+
+ private:
+  void look() {
+    if (auto receipt = receipts_.receive_for(std::chrono::seconds(0))) {
+      list_.take(std::move(*receipt));
+      waiting_ = false;
     }
     try {
-      list.look(std::filesystem::file_time_type::clock::now());
+      list_.look(std::filesystem::file_time_type::clock::now());
     } catch (const std::filesystem::filesystem_error& error) {
       std::fprintf(stderr, "rb-recordings: %s\n", error.what());  // somebody moves what is listed: once more
     }
-    if (const auto next = waiting ? std::nullopt : list.unread_one()) waiting = folders.try_send(*next);
-    for (const RecordingReceipt& receipt : list.told()) bus.publish(kRecordingChannel, encode(receipt));
-  } while (pause(stop, std::chrono::seconds(1)));
+    if (const auto next = waiting_ ? std::nullopt : list_.unread_one()) waiting_ = folders_.try_send(*next);
+  }
+
+  void tell() {
+    for (const RecordingReceipt& receipt : list_.told())
+      (void)bus_.publish(kRecordingChannel, encode(receipt));
+    for (const Job& job : jobs_.told()) (void)bus_.publish(kJobChannel, encode(job));
+    for (const DocumentPart& part : jobs_.said()) (void)bus_.publish(kDocumentChannel, encode(part));
+  }
+
+  Bus bus_;
+  RecordingsList list_;
+  Jobs jobs_;
+  Out<std::filesystem::path> folders_;
+  In<RecordingReceipt> receipts_;
+  bool waiting_ = false;
+  WallTime told_at_{};
+};
+
+/// Process: the folder -> the list on the bus, once a second; requests -> jobs.
+void tell(std::stop_token stop, const std::string& url, const std::filesystem::path& folder,
+          Out<std::filesystem::path> folders, In<RecordingReceipt> receipts) {
+  Telling telling(url, folder, std::move(folders), std::move(receipts));
+  while (!stop.stop_requested()) telling.turn();
+}
+
+/// Whatever else this computer does is more urgent: it records.  Jobs inherit it.
+void yield_to_all() {
+  setpriority(PRIO_PROCESS, 0, 19);
+  constexpr int kOfThread = 1, kIdleClass = 3 << 13;  // ioprio_set(2)
+  syscall(SYS_ioprio_set, kOfThread, 0, kIdleClass);
 }
 
 }  // namespace
@@ -50,21 +118,22 @@ void tell(std::stop_token stop, const std::string& url, RecordingsList list,
 int main(int argc, char** argv) {
   const StopOnSignal signals;
   std::string url = default_bus_url(), folder;
-  CLI::App app("Tells on the bus which recordings there are, and what proves that they are whole.");
+  CLI::App app(
+      "Tells on the bus which recordings there are and what proves that they are whole, and does with them "
+      "what the page asks.");
   app.add_option("--url", url, "LCM address of the bus")->capture_default_str();
-  app.add_option("--folder", folder, "that holds the folders of recordings")
-      ->required()
-      ->check(CLI::ExistingDirectory);
+  app.add_option("--folder", folder, "that holds the folders of recordings")->required();
   try {
     app.parse(argc, argv);
-    // Whatever else this computer does is more urgent: it records.
-    setpriority(PRIO_PROCESS, 0, 19);
+    if (!std::filesystem::is_directory(folder))
+      throw std::runtime_error("--folder " + folder + ": there is no such folder");
+    yield_to_all();
     auto [folders_out, folders_in] = make_channel<std::filesystem::path>(1);
     auto [receipts_out, receipts_in] = make_channel<RecordingReceipt>(1);
     Parallel processes;
     const std::stop_callback pass_on(signals.token(), [&] { processes.request_stop(); });
     processes.run(check, std::move(folders_in), std::move(receipts_out));
-    processes.run(tell, url, RecordingsList(folder), std::move(folders_out), std::move(receipts_in));
+    processes.run(tell, url, std::filesystem::path(folder), std::move(folders_out), std::move(receipts_in));
     processes.wait();
     return 0;
   } catch (const CLI::ParseError& error) {

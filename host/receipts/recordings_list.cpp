@@ -49,9 +49,12 @@ void RecordingsList::look(FileTime now) {
   if (newest_first_.size() > static_cast<std::size_t>(kMostRecordings)) newest_first_.resize(kMostRecordings);
 }
 
+bool RecordingsList::grows() const {
+  return std::ranges::any_of(entry_, [](const auto& entry) { return entry.second.grows; });
+}
+
 std::optional<std::filesystem::path> RecordingsList::unread_one() const {
-  const auto grows = [](const auto& entry) { return entry.second.grows; };
-  if (std::ranges::any_of(entry_, grows)) return std::nullopt;
+  if (grows()) return std::nullopt;
   for (const std::string& name : newest_first_)
     if (!entry_.at(name).read) return folder_ / name;
   return std::nullopt;

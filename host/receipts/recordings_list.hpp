@@ -28,6 +28,9 @@ class RecordingsList {
   /// Whose receipt is wanted next; nothing while one grows, or if all are there.
   std::optional<std::filesystem::path> unread_one() const;
 
+  /// One of them is being written.
+  bool grows() const;
+
   /// A receipt of a recording of that name.
   void take(RecordingReceipt receipt);
 

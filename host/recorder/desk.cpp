@@ -46,6 +46,9 @@ void Desk::take(const Request& request, std::int64_t utc_us, int nodes) {
         return refuse(request, RefusalReason::kRecording,
                       "a recording has one set-up from its first sample to its last: stop it first", utc_us);
       return say(hands_.set_up(request));
+    case Operation::kJob:
+    case Operation::kCancel:
+      return;  // of rb-recordings, which answers
   }
   refuse(request, RefusalReason::kUnknownOperation, "this recorder is of an older release", utc_us);
 }

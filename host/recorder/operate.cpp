@@ -61,7 +61,7 @@ class Operating {
         bus_(options.recorder.url),
         desk_(hands(), with_vehicle(read_desk_book(options.recordings))) {
     bus_.subscribe(kRequestChannel, [this](std::string_view, auto bytes) {
-      if (const auto request = decode_request(bytes))
+      if (const auto request = decode_request(bytes); request && !is_of_recordings(request->operation))
         desk_.take(*request, utc_us(), heard_.count(WallClock::now()));
     });
     bus_.subscribe("RB_HEARTBEAT_.*",

@@ -11,13 +11,15 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::array<std::pair<std::string_view, Operation>, 7> kNames{{{"start", Operation::kStart},
+constexpr std::array<std::pair<std::string_view, Operation>, 9> kNames{{{"start", Operation::kStart},
                                                                         {"stop", Operation::kStop},
                                                                         {"mark", Operation::kMark},
                                                                         {"range", Operation::kRange},
                                                                         {"filter", Operation::kFilter},
                                                                         {"zero", Operation::kZero},
-                                                                        {"vehicle", Operation::kVehicle}}};
+                                                                        {"vehicle", Operation::kVehicle},
+                                                                        {"job", Operation::kJob},
+                                                                        {"cancel", Operation::kCancel}}};
 
 [[noreturn]] void refuse(const std::string& why) {
   throw std::invalid_argument(why);
@@ -34,7 +36,7 @@ Operation operation_of(const Json& json) {
   const std::string name = json.is_string() ? json.get<std::string>() : "";
   for (const auto& [known, operation] : kNames)
     if (known == name) return operation;
-  refuse("operation is none of start, stop, mark, range, filter, zero, vehicle");
+  refuse("operation is none of start, stop, mark, range, filter, zero, vehicle, job, cancel");
 }
 
 void take_values(const Json& json, Request& request) {

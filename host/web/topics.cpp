@@ -8,6 +8,7 @@
 #include "common/bus/compensation.hpp"
 #include "common/bus/control.hpp"
 #include "common/bus/display.hpp"
+#include "common/bus/job.hpp"
 #include "common/bus/knock.hpp"
 #include "common/bus/operation.hpp"
 #include "common/bus/order_report.hpp"
@@ -118,6 +119,18 @@ const std::array kPageMessages{
                   return recording ? Key(recording->number) : std::nullopt;
                 },
                 true},
+    PageMessage{kJobChannel,
+                [](Bytes bytes) {
+                  const auto job = decode_job(bytes);
+                  return job ? Key(job->place) : std::nullopt;
+                },
+                true},
+    PageMessage{kDocumentChannel,
+                [](Bytes bytes) {
+                  const auto part = decode_document_part(bytes);
+                  return part ? Key(packed({part->place, part->part})) : std::nullopt;
+                },
+                false},
     PageMessage{kOrdersChannel, orders_key, false},
     PageMessage{kEnvelopeChannel, envelope_key, true},
     PageMessage{kWaterfallChannel, waterfall_key, true},

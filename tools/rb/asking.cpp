@@ -114,6 +114,8 @@ const char* text_of(RefusalReason reason) {
       return "a node does not answer";
     case RefusalReason::kNotOperable:
       return "this recorder takes no requests";
+    case RefusalReason::kBusy:
+      return "one thing at a time";
   }
   return "unknown reason";
 }

@@ -4,7 +4,7 @@
 #include <stop_token>
 #include <string>
 
-#include "tools/rb/child.hpp"
+#include "common/process/child.hpp"
 #include "tools/rb/demo_plan.hpp"
 
 namespace roadbalance {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "common/config/vehicle_config.hpp"
-#include "tools/rb/temporary_folder.hpp"
+#include "common/process/temporary_folder.hpp"
 
 namespace roadbalance {
 

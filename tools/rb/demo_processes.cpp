@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-#include "tools/rb/child.hpp"
+#include "common/process/child.hpp"
 #include "tools/rb/demo_team.hpp"
 
 namespace roadbalance {

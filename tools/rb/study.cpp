@@ -14,7 +14,7 @@
 #include "tools/rb/command.hpp"
 #include "tools/rb/study_clock_skew.hpp"
 #include "tools/rb/study_encoder.hpp"
-#include "tools/rb/temporary_folder.hpp"
+#include "common/process/temporary_folder.hpp"
 #include "tools/study/study.hpp"
 
 namespace roadbalance {

@@ -6,7 +6,7 @@
 #include "common/bus/bus.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/quiet_port.hpp"
-#include "tools/rb/temporary_folder.hpp"
+#include "common/process/temporary_folder.hpp"
 #include "tools/study/clock_skew.hpp"
 
 namespace roadbalance {

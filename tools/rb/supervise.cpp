@@ -20,7 +20,7 @@
 #include "common/config/validators.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/supervisor.hpp"
-#include "tools/rb/temporary_folder.hpp"
+#include "common/process/temporary_folder.hpp"
 
 namespace roadbalance {
 namespace {

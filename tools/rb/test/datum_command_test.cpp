@@ -20,7 +20,7 @@
 #include "host/identify/drive_estimator.hpp"
 #include "sim/front_end.hpp"
 #include "sim/pulse_train.hpp"
-#include "tools/rb/child.hpp"
+#include "common/process/child.hpp"
 
 namespace roadbalance {
 namespace {

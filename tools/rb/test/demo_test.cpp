@@ -20,7 +20,7 @@
 #include "common/bus/process_port.hpp"
 #include "embedded/demo_scenario.hpp"
 #include "embedded/demo_vehicle.hpp"
-#include "tools/rb/child.hpp"
+#include "common/process/child.hpp"
 
 // The programs end to end, as a person starts them.
 

@@ -13,7 +13,7 @@
 #include "common/record/file.hpp"
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
-#include "tools/rb/child.hpp"
+#include "common/process/child.hpp"
 
 namespace roadbalance {
 namespace {

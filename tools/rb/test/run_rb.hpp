@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "tools/rb/child.hpp"
+#include "common/process/child.hpp"
 
 namespace roadbalance::test {
 

@@ -16,7 +16,7 @@
 #include "firmware/seal_all.hpp"
 #include "firmware/test/scripted_front_end.hpp"
 #include "sim/pulse_train.hpp"
-#include "tools/rb/child.hpp"
+#include "common/process/child.hpp"
 
 namespace roadbalance {
 namespace {

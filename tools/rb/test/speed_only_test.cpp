@@ -19,7 +19,7 @@
 #include "firmware/backends/dbc/dbc_reading.hpp"
 #include "firmware/seal_all.hpp"
 #include "firmware/test/scripted_front_end.hpp"
-#include "tools/rb/child.hpp"
+#include "common/process/child.hpp"
 
 namespace roadbalance {
 namespace {

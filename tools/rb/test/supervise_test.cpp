@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "common/test/temporary_directory.hpp"
-#include "tools/rb/child.hpp"
+#include "common/process/child.hpp"
 
 namespace roadbalance {
 namespace {

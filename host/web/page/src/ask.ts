@@ -1,4 +1,4 @@
-// What a person asks of the recorder: a POST to rb-web, which repeats it on the bus until it is answered.  The answer
+// What a person asks of recorder and rb-recordings: a POST to rb-web, which repeats it on the bus until it is answered.  The answer
 // comes on the feed, to every page; each knows its own by a number nobody else has.
 import type {Car} from "./car";
 import {sessionToken} from "./feed";
@@ -9,6 +9,7 @@ import {AnswerState, Operation, type Answer} from "./wire";
 const kNames: Readonly<Record<Operation, string>> = {
   [Operation.Start]: "start", [Operation.Stop]: "stop", [Operation.Mark]: "mark", [Operation.Range]: "range",
   [Operation.Filter]: "filter", [Operation.Zero]: "zero", [Operation.Vehicle]: "vehicle",
+  [Operation.Job]: "job", [Operation.Cancel]: "cancel",
 };
 
 export interface Details {
@@ -24,6 +25,8 @@ export interface Asked {
   /** Why rb-web did not take it; empty: it did, or has not answered. */
   fault: string;
 }
+
+const kOfRecordings: readonly Operation[] = [Operation.Job, Operation.Cancel];
 
 /** Longer than this a recorder that lives does not leave a request without any answer. */
 const kPatienceMs = 5000;
@@ -44,7 +47,8 @@ export class Asker {
     return sessionToken() !== "";
   }
 
-  ask(operation: Operation, details: Details = {}): void {
+  /** @return its number */
+  ask(operation: Operation, details: Details = {}): number {
     const asked: Asked = {request: randomNumber(), sinceMs: performance.now(), fault: ""};
     this.asked.set(operation, asked);
     const body = JSON.stringify({asker: this.asker, request: asked.request, operation: kNames[operation], ...details});
@@ -59,6 +63,12 @@ export class Asker {
       this.changed();
     });
     this.changed();
+    return asked.request;
+  }
+
+  /** This is what was asked last of its kind. */
+  isNewest(operation: Operation, request: number): boolean {
+    return this.asked.get(operation)?.request === request;
   }
 
   answer(operation: Operation): Answer | undefined {
@@ -83,7 +93,9 @@ export class Asker {
     const answer = this.answer(operation);
     if (!answer) {
       const isLate = nowMs - asked.sinceMs >= kPatienceMs;
-      return {text: isLate ? "no recorder answers: is rb-recorder --recordings running?" : "asked", isBad: isLate};
+      const silence = kOfRecordings.includes(operation) ? "rb-recordings does not answer: is it running?"
+        : "no recorder answers: is rb-recorder --recordings running?";
+      return {text: isLate ? silence : "asked", isBad: isLate};
     }
     return {text: utf8(answer.text, answer.size), isBad: answer.state === AnswerState.Refused};
   }

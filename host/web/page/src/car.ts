@@ -1,11 +1,12 @@
 // What is known of the car: the newest of every message, and when it was on the bus.
 import {decode, readFrame, type Arrival} from "./decode";
 import {EventLog} from "./events";
+import {Documents} from "./jobs";
 import {PlotData} from "./plot_data";
 import {
   type Answer, type Balance, type ClockFit, type Compensation, type Heartbeat, type Identification, kAnswer, kBalance, kClockFit,
-  kCompensation, kHeartbeat, kIdentification, kKnock, kLevel, kReceipt, kRecorder, kRecording, kRemark, kSetup, kVerification,
-  type Knock, type Level, type Receipt, type Recorder, type Recording, type Remark, type Setup, type Verification,
+  kCompensation, kDocument, kHeartbeat, kIdentification, kJob, kKnock, kLevel, kReceipt, kRecorder, kRecording, kRemark, kSetup, kVerification,
+  type Job, type Knock, type Level, type Receipt, type Recorder, type Recording, type Remark, type Setup, type Verification,
 } from "./wire";
 
 /** A message and the page's time (ms) at which it was on the bus. */
@@ -46,6 +47,9 @@ export class Car {
   readonly setups = new Map<number, Heard<Setup>>();
   readonly verification = new Map<number, Heard<Verification>>();
   readonly recordings = new Map<number, Heard<Recording>>();
+  /** By place. */
+  readonly jobs = new Map<number, Heard<Job>>();
+  readonly documents = new Documents();
   /** By "node.channel", counted from 1: when it last left its range. */
   readonly overloadMs = new Map<string, number>();
   readonly peaks = new Map<string, Peak>();
@@ -60,7 +64,7 @@ export class Car {
   /** Takes a frame that came now. */
   take(frame: ArrayBuffer, nowMs: number): void {
     for (const arrival of readFrame(frame)) this.takeOne(arrival, nowMs - arrival.ageMs);
-    for (const states of [this.recorders, this.heartbeats, this.clocks, this.levels, this.setups, this.recordings])
+    for (const states of [this.recorders, this.heartbeats, this.clocks, this.levels, this.setups, this.recordings, this.jobs])
       for (const [key, heard] of states) if (nowMs - heard.atMs > kForgetMs) states.delete(key);
     this.events.take(this, nowMs);
   }
@@ -121,6 +125,12 @@ export class Car {
         this.recordings.set(message.number, {message, atMs});
         break;
       }
+      case kJob.fingerprint: {
+        const message = decode(kJob, arrival);
+        this.jobs.set(message.place, {message, atMs});
+        break;
+      }
+      case kDocument.fingerprint: this.documents.take(decode(kDocument, arrival)); break;
       case kIdentification.fingerprint: this.identification = {message: decode(kIdentification, arrival), atMs}; break;
       default: if (!this.plots.take(arrival)) ++this.strangers;
     }

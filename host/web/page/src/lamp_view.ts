@@ -3,12 +3,13 @@ import type {Car} from "./car";
 import {el, setAttributes, setText, svg} from "./dom";
 import type {LampName} from "./events";
 import {lamps, sentenceOf, type Light} from "./lamps";
+import {kCross, kDisc, kLine, kTriangle} from "./signs";
 
 const kShapes: Readonly<Record<Light, string>> = {
-  good: "M8 2a6 6 0 1 0 0 12a6 6 0 1 0 0-12z",
-  unknown: "M2 7h12v2h-12z",
-  warn: "M8 1l7 13h-14z",
-  bad: "M3 1l5 5l5-5l2 2l-5 5l5 5l-2 2l-5-5l-5 5l-2-2l5-5l-5-5z",
+  good: kDisc,
+  unknown: kLine,
+  warn: kTriangle,
+  bad: kCross,
 };
 
 class LampButton {

@@ -50,7 +50,7 @@ function start(): void {
     new DriverView(car, () => connection, () => views.back()),
     new SetupView(car),
     new EquipmentView(car, asker),
-    new RecordingsView(car),
+    new RecordingsView(car, asker),
     new HelpView(() => keys().filter(({key}) => key !== "Escape"), () => views.back()),
   ], levelView.element);
   const keys = (): Key[] => [

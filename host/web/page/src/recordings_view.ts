@@ -1,6 +1,9 @@
 // Which recordings there are, and what proves that they are whole.  They are not to be deleted from here.
+import type {Asker} from "./ask";
 import type {Car} from "./car";
 import {el, setAttributes, setLines, setRows, setText, svg, table} from "./dom";
+import {JobView} from "./job_view";
+import {kCross, kDisc, kLine, kTick, kTriangle} from "./signs";
 import {untilZero, utf8} from "./text";
 import type {View} from "./view";
 import {RecordingState, type Recording} from "./wire";
@@ -11,15 +14,15 @@ const kRedrawMs = 500;
 const kOldMs = 10_000;
 
 const kWords: Readonly<Record<RecordingState, readonly [tone: string, word: string, shape: string]>> = {
-  [RecordingState.NotRead]: ["quiet", "being checked", "M2 7h12v2h-12z"],
-  [RecordingState.Growing]: ["good", "being written", "M8 2a6 6 0 1 0 0 12a6 6 0 1 0 0-12z"],
-  [RecordingState.Complete]: ["good", "COMPLETE", "M2 9l4 4l8-9l-2-2l-6 7l-2-2z"],
-  [RecordingState.Incomplete]: ["warn", "INCOMPLETE", "M8 1l7 13h-14z"],
-  [RecordingState.Damaged]: ["bad", "DAMAGED", "M3 1l5 5l5-5l2 2l-5 5l5 5l-2 2l-5-5l-5 5l-2-2l5-5l-5-5z"],
-  [RecordingState.Unreadable]: ["bad", "UNREADABLE", "M3 1l5 5l5-5l2 2l-5 5l5 5l-2 2l-5-5l-5 5l-2-2l5-5l-5-5z"],
+  [RecordingState.NotRead]: ["quiet", "being checked", kLine],
+  [RecordingState.Growing]: ["good", "being written", kDisc],
+  [RecordingState.Complete]: ["good", "COMPLETE", kTick],
+  [RecordingState.Incomplete]: ["warn", "INCOMPLETE", kTriangle],
+  [RecordingState.Damaged]: ["bad", "DAMAGED", kCross],
+  [RecordingState.Unreadable]: ["bad", "UNREADABLE", kCross],
 };
 
-const kGrew = ["quiet", "was being written", "M2 7h12v2h-12z"] as const;
+const kGrew = ["quiet", "was being written", kLine] as const;
 
 /** As ISO 8601 writes it, of this browser's own time zone. */
 const localTime = (time_us: number) => new Date(time_us / 1000).toLocaleString("sv-SE");
@@ -35,12 +38,20 @@ class RecordingCard {
   private readonly table = table("Receipt", ["node", "samples", "lost", "blocks repaired", "time", "overload", "clock off by at most"],
                                  this.receipt);
   private readonly marks = el("div", {class: "marks"});
-  readonly element = el("article", {class: "recording"}, [
-    el("div", {class: "head"}, [svg("svg", {viewBox: "0 0 16 16", "aria-hidden": "true"}, [this.shape]), this.name, this.word]),
-    this.facts, this.verdict, this.table, this.marks]);
+  private readonly jobs: JobView;
+  readonly element: HTMLElement;
 
-  /** @param isOld  nobody says it any more */
-  draw(recording: Recording, isOld: boolean): void {
+  constructor(car: Car, asker: Asker) {
+    this.jobs = new JobView(car, asker);
+    this.element = el("article", {class: "recording"}, [
+      el("div", {class: "head"}, [svg("svg", {viewBox: "0 0 16 16", "aria-hidden": "true"}, [this.shape]), this.name, this.word]),
+      this.facts, this.verdict, this.table, this.marks, this.jobs.element]);
+  }
+
+  /** @param others  names of finished recordings beside this one
+      @param grows   some recording is being written
+      @param isOld   nobody says it any more */
+  draw(recording: Recording, others: readonly string[], grows: boolean, isOld: boolean, nowMs: number): void {
     const grew = isOld && recording.state === RecordingState.Growing;
     const [tone, word, shape] = grew ? kGrew : kWords[recording.state as RecordingState];
     setAttributes(this.element, {"data-tone": tone});
@@ -69,6 +80,8 @@ class RecordingCard {
     setLines(this.marks, [
       ...Array.from({length: shown}, (_, k) => `Mark ${localTime(recording.mark_us[k] ?? 0)}: ${untilZero(recording.mark[k] ?? []) || "–"}`),
       ...(recording.marks > shown ? [`and ${recording.marks - shown} more`] : [])]);
+    const name = untilZero(recording.name);
+    this.jobs.draw(name, others.filter((other) => other !== name), !grows && !isOld, nowMs);
   }
 }
 
@@ -76,17 +89,18 @@ export class RecordingsView implements View {
   readonly id = "recordings";
   readonly title = "Recordings";
   readonly key = "L";
-  readonly does = "list of recordings and their receipts";
+  readonly does = "list of recordings, their receipts and reports";
   readonly withLevels = false;
   readonly element: HTMLElement;
   private readonly none = el("p", {}, ["None is known: start rb-recordings beside the recorder, with the folder that holds them."]);
   private readonly old = el("p", {class: "old", role: "status"});
+  private readonly why = el("p", {id: "recordings-why", role: "status"});
   private readonly list = el("div", {class: "list"});
   private readonly cards: RecordingCard[] = [];
   private drawnMs = -Infinity;
 
-  constructor(private readonly car: Car) {
-    this.element = el("section", {class: "recordings"}, [el("h2", {}, ["Recordings"]), this.none, this.old, this.list]);
+  constructor(private readonly car: Car, private readonly asker: Asker) {
+    this.element = el("section", {class: "recordings"}, [el("h2", {}, ["Recordings"]), this.none, this.old, this.why, this.list]);
   }
 
   seen(): void {
@@ -104,14 +118,18 @@ export class RecordingsView implements View {
     const isOld = known.length > 0 && silentMs > kOldMs;
     this.old.hidden = !isOld;
     setText(this.old, isOld ? `rb-recordings has been silent for ${duration(silentMs / 1000)}: the list is as it was then.` : "");
+    const grows = known.some(({state}) => state === RecordingState.Growing);
+    setText(this.why, known.length === 0 || isOld ? "" : !this.asker.mayAsk() ? "To watch only: this page was opened without #token=… of the address that rb-web prints."
+      : grows ? "A recording is being written and the disk is its own: proofs and reports when it has stopped." : "");
+    const finished = known.filter(({state}) => isRead(state)).map(({name}) => untilZero(name));
     while (this.cards.length > known.length) this.cards.pop()?.element.remove();
     known.forEach((recording, k) => {
       let card = this.cards[k];
       if (!card) {
-        this.cards.push(card = new RecordingCard());
+        this.cards.push(card = new RecordingCard(this.car, this.asker));
         this.list.append(card.element);
       }
-      card.draw(recording, isOld);
+      card.draw(recording, finished, grows, isOld, nowMs);
     });
   }
 }

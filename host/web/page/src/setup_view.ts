@@ -4,6 +4,7 @@ import {alsoFelt, isRight, Taps, type Felt, type Place} from "./taps";
 import {directionWord, knockWord} from "./directions";
 import {el, setAttributes, setRows, setText, svg, table, type Cell} from "./dom";
 import {preflight, type Ready} from "./preflight";
+import {kCross, kLine, kTick} from "./signs";
 import {untilZero} from "./text";
 import type {View} from "./view";
 import {kWheelNames} from "./wheel_place";
@@ -13,9 +14,9 @@ import {ChannelRole, EncoderTrait, type Setup} from "./wire";
 const kRedrawMs = 500;
 
 const kShapes: Readonly<Record<Ready, string>> = {
-  yes: "M2 9l4 4l8-9l-2-2l-6 7l-2-2z",
-  unknown: "M2 7h12v2h-12z",
-  no: "M3 1l5 5l5-5l2 2l-5 5l5 5l-2 2l-5-5l-5 5l-2-2l5-5l-5-5z",
+  yes: kTick,
+  unknown: kLine,
+  no: kCross,
 };
 const kReadyWords: Readonly<Record<Ready, string>> = {yes: "OK", unknown: "not known", no: "TO DO"};
 

@@ -1,7 +1,7 @@
 // A drive compared with the one before: as a report to print, and live.
 import assert from "node:assert/strict";
 import {execFileSync} from "node:child_process";
-import {mkdtempSync, rmSync} from "node:fs";
+import {mkdirSync, mkdtempSync, readFileSync, rmSync, truncateSync, utimesSync, writeFileSync} from "node:fs";
 import {tmpdir} from "node:os";
 import {join} from "node:path";
 import {after, before, test} from "node:test";
@@ -72,22 +72,115 @@ test("the page tells live what came of the weights, and does so again after the 
   await tells();
 });
 
-test("rb-recordings tells the page which recordings there are, with their receipts", async (t) => {
+const kDesk = {width: 1366, height: 768}, kPhone = {width: 390, height: 844};
+
+/** rb-recordings of a folder, and a page of it. */
+async function recordingsPage(t, of, options = {}) {
   const url = busUrl();
   const {web, where} = await startWeb(url);
-  const recordings = start("rb-recordings", "--url", url, "--folder", folder);
-  const page = await browser.newPage({viewport: {width: 1366, height: 768}});
+  const recordings = start("rb-recordings", "--url", url, "--folder", of);
+  const page = await browser.newPage({viewport: kDesk, ...options});
   t.after(async () => {
     await page.close();
-    recordings.kill();
+    recordings.kill("SIGKILL");
     web.kill();
   });
   await page.goto(where);
   await page.keyboard.press("l");
-  await page.waitForFunction(() => [...document.querySelectorAll(".recording")].filter(({innerText}) =>
-    /COMPLETE/.test(innerText)).length === 2, null, {timeout: 60_000});
+  return {page, where};
+}
+const areListed = (page, count) => page.waitForFunction((wanted) => [...document.querySelectorAll(".recording")]
+  .filter(({innerText}) => /COMPLETE/.test(innerText)).length === wanted, count, {timeout: 60_000});
+const jobSays = (page, recording, job, words) => page.waitForFunction(([name, kind, wanted]) => {
+  const card = [...document.querySelectorAll(".recording")].find((each) => each.querySelector("h3").textContent === name);
+  return new RegExp(wanted, "s").test(card?.querySelector(`.job[data-job="${kind}"]`)?.innerText ?? "");
+}, [recording, job, words], {timeout: 60_000});
+const card = (page, recording) => page.locator(".recording").filter({has: page.locator(`h3:text-is("${recording}")`)});
+
+test("rb-recordings tells the page which recordings there are, with their receipts", async (t) => {
+  const {page} = await recordingsPage(t, folder);
+  await areListed(page, 2);
   const said = (await page.locator("#recordings").innerText()).replace(/\s+/g, " ");
   // 160 s of two nodes at 2 kHz.
   assert.match(said, /second COMPLETE demonstration car .* 1 320 000 0 \d+ 00:02:40 0\.0 s not known 2 320 000 0/);
   await picture(page, "recordings-live");
+});
+
+test("a recording is verified and identified from the page, by keyboard alone, in the words of the command line", async (t) => {
+  const {page} = await recordingsPage(t, folder);
+  await areListed(page, 2);
+  await card(page, "second").locator("button[data-ask=Verify]").focus();
+  await page.keyboard.press("Enter");
+  await jobSays(page, "second", "Verify", "done.*node 1 epoch .*complete");
+  await card(page, "second").locator("button[data-ask=Verify]").focus();
+  await page.keyboard.press("Tab");
+  await page.keyboard.press("Enter");
+  await jobSays(page, "second", "Identify", "done");
+  const shown = await card(page, "second").locator(".job[data-job=Identify] pre").innerText();
+  assert.equal(shown, rb("identify", second).trimEnd());
+});
+
+for (const [name, options] of [["dark", {colorScheme: "dark"}], ["light", {colorScheme: "light"}],
+                               ["phone", {viewport: kPhone, hasTouch: true}]])
+  test(`the report of two drives is made on the page and saved, ${name}`, async (t) => {
+    const {page} = await recordingsPage(t, folder, {acceptDownloads: true, ...options});
+    await areListed(page, 2);
+    const of = card(page, "second");
+    await of.locator("select").selectOption("first");
+    await of.locator("button[data-ask=Report]").click();
+    await jobSays(page, "second", "Report", "compared with “first”: done");
+    await of.locator("button[data-ask=Verify]").click();
+    await jobSays(page, "second", "Verify", "done.*complete");
+    const [download] = await Promise.all([page.waitForEvent("download"), of.locator(".job[data-job=Report] button:has-text('Save')").click()]);
+    assert.equal(download.suggestedFilename(), "report second.html");
+    const file = join(folder, `saved-${name}.html`);
+    await download.saveAs(file);
+    const printed = join(folder, "printed.html");
+    rb("report", second, "--before", first, "-o", printed);
+    assert.equal(readFileSync(file, "utf8"), readFileSync(printed, "utf8"));
+    assert.deepEqual(await weakTexts(page), []);
+    const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+    assert.ok(wide <= 0, `${wide} pixels too wide`);
+    const small = await of.locator("button, select").evaluateAll((all) => all.filter((each) => each.checkVisibility() &&
+      each.getBoundingClientRect().height < 48).map(({innerText}) => innerText));
+    assert.deepEqual(small, [], "too small for a finger");
+    await of.scrollIntoViewIfNeeded();
+    await picture(page, `jobs-${name}`);
+  });
+
+test("a long job shows how far it is, another is refused meanwhile, and it can be cancelled", async (t) => {
+  const long = mkdtempSync(join(tmpdir(), "rb-long-"));
+  t.after(() => rmSync(long, {recursive: true}));
+  mkdirSync(join(long, "long"));
+  const segment = join(long, "long", "seg-000001.lcm");
+  writeFileSync(segment, "");
+  truncateSync(segment, 40e9);  // zeros without a disk: nothing in them is an event
+  const hourAgo = Date.now() / 1000 - 3600;
+  utimesSync(segment, hourAgo, hourAgo);
+  const {page, where} = await recordingsPage(t, long);
+  const verify = card(page, "long").locator("button[data-ask=Verify]");
+  await verify.click();
+  await jobSays(page, "long", "Verify", "under way");
+  await page.waitForFunction(() => document.querySelector(".job progress").value > 0, null, {timeout: 60_000});
+  assert.ok(await page.evaluate(() => document.querySelector(".job progress").value) < 1);
+  assert.equal(await verify.isDisabled(), true);
+  await picture(page, "jobs-running");
+  const token = /#token=(.+)$/.exec(where)[1];
+  await page.evaluate((secret) => fetch("/request", {method: "POST", headers: {
+    "Content-Type": "application/json", "X-Roadbalance-Token": secret},
+    body: JSON.stringify({asker: 5, request: 6, operation: "job", value: [1], text: "long"})}), token);
+  await card(page, "long").locator("button:text-is('Cancel'):visible").click();
+  await jobSays(page, "long", "Verify", "cancelled");
+  assert.equal(await page.locator(".job").filter({visible: true}).count(), 1, "the second was not begun");
+});
+
+test("without the token nothing can be asked, and the page says why", async (t) => {
+  const {page, where} = await recordingsPage(t, folder);
+  await page.evaluate(() => sessionStorage.clear());
+  await page.goto("about:blank");
+  await page.goto(where.replace(/#.*/, ""));
+  await page.keyboard.press("l");
+  await areListed(page, 2);
+  assert.match(await page.locator("#recordings-why").innerText(), /opened without #token=/);
+  assert.equal(await card(page, "second").locator("button[data-ask=Verify]").isDisabled(), true);
 });

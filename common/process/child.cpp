@@ -1,4 +1,4 @@
-#include "tools/rb/child.hpp"
+#include "common/process/child.hpp"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -88,7 +88,25 @@ std::optional<int> Child::ended() {
 }
 
 void Child::stop() {
-  if (!ended()) kill(pid_, SIGTERM);
+  if (ended()) return;
+  kill(pid_, SIGTERM);
+  kill(pid_, SIGCONT);
+}
+
+void Child::end() {
+  if (!ended()) kill(pid_, SIGKILL);
+}
+
+void Child::hold(bool is_held) {
+  if (!ended()) kill(pid_, is_held ? SIGSTOP : SIGCONT);
+}
+
+std::optional<std::int64_t> Child::bytes_read() const {
+  std::ifstream counters("/proc/" + std::to_string(pid_) + "/io");  // proc(5): "rchar: 123"
+  std::string name;
+  std::int64_t bytes = 0;
+  if (!(counters >> name >> bytes) || name != "rchar:") return std::nullopt;
+  return bytes;
 }
 
 std::filesystem::path Child::output_file() const {

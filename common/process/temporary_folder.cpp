@@ -1,4 +1,4 @@
-#include "tools/rb/temporary_folder.hpp"
+#include "common/process/temporary_folder.hpp"
 
 #include <cerrno>
 #include <cstdlib>

@@ -2,6 +2,7 @@
 
 #include <sys/types.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -25,8 +26,14 @@ class Child {
 
   /// Exit code once it has ended, 128 + signal if a signal ended it.
   std::optional<int> ended();
-  /// Asks it to end (SIGTERM).
+  /// Asks it to end (SIGTERM), one that is held, too.
   void stop();
+  /// Ends it at once (SIGKILL).
+  void end();
+  /// It does nothing until it is let go on (SIGSTOP, SIGCONT).
+  void hold(bool is_held);
+  /// That it has read so far, of files and all else; nothing once it has ended.
+  std::optional<std::int64_t> bytes_read() const;
 
   const std::string& name() const { return name_; }
   pid_t pid() const { return pid_; }

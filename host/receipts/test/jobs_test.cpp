@@ -1,0 +1,220 @@
+#include "host/receipts/jobs.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <thread>
+
+#include "common/test/temporary_directory.hpp"
+
+namespace roadbalance {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What stands for rb: a real program, whose deeds a test chooses.
+class JobsTest : public testing::Test {
+ protected:
+  void rb_does(const std::string& script) {
+    std::ofstream(rb) << "#!/bin/sh\n" << script << "\n";
+    fs::permissions(rb, fs::perms::owner_all);
+  }
+  Answer ask(JobKind kind, const std::string& recording, bool grows = false) {
+    return ask_by({.asker = 1,
+                   .request = ++requests,
+                   .operation = Operation::kJob,
+                   .value = {static_cast<double>(kind), 0},
+                   .text = recording},
+                  grows);
+  }
+  Answer ask_by(const Request& request, bool grows = false) {
+    const auto answer = jobs.take(request, known, grows, ++utc_us);
+    EXPECT_TRUE(answer);
+    return answer.value_or(Answer{});
+  }
+  Answer cancel(std::int64_t job) {
+    return ask_by({.asker = 1,
+                   .request = ++requests,
+                   .operation = Operation::kCancel,
+                   .value = {static_cast<double>(job), 0}});
+  }
+  /// The newest job, when it has come to this state.
+  Job until(JobState state, bool grows = false) {
+    for (int k = 0; k < 2000; ++k) {
+      jobs.turn(grows, utc_us += 10'000);
+      if (newest().state == state) return newest();
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    ADD_FAILURE() << "job has state " << static_cast<int>(newest().state) << ": " << newest().text;
+    return newest();
+  }
+  Job newest() const { return std::ranges::max(jobs.told(), {}, &Job::job); }
+
+  test::TemporaryDirectory folder;
+  const fs::path rb = folder.path() / "rb";
+  std::vector<RecordingReceipt> known{{.name = "second", .vehicle = "", .bytes = 1000},
+                                      {.name = "first", .vehicle = "", .bytes = 1000}};
+  Jobs jobs{rb, folder.path()};
+  std::int64_t utc_us = 1'000'000, requests = 0;
+};
+
+std::string joined(const std::vector<DocumentPart>& parts, std::int64_t job) {
+  std::string document;
+  std::int32_t next = 0;
+  for (const auto& part : parts)
+    if (part.job == job && part.part == next) document += part.bytes, ++next;
+  return document;
+}
+
+TEST_F(JobsTest, ToldBeforeTheFirstSaysThatThereIsNone) {
+  const auto told = jobs.told();
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(told[0].jobs, 0);
+  EXPECT_TRUE(jobs.said().empty());
+}
+
+TEST_F(JobsTest, RunsTheCommandOnTheRecordingAndShowsWhatItSays) {
+  rb_does("echo \"$@\"; echo complete");
+  EXPECT_EQ(ask(JobKind::kVerify, "first").state, AnswerState::kDone);
+  const Job job = until(JobState::kDone);
+  EXPECT_EQ(job.recording, "first");
+  EXPECT_EQ(job.progress, 1);
+  EXPECT_EQ(job.document_kind, DocumentKind::kText);
+  EXPECT_EQ(joined(jobs.said(), job.job), "verify " + (folder.path() / "first").string() + "\ncomplete\n");
+}
+
+TEST_F(JobsTest, MakesAReportOfTwoDrivesAsAPage) {
+  rb_does("[ \"$3 $5\" = '--before --output' ] && echo \"<p>$2 $4\" > \"$6\"");
+  EXPECT_EQ(ask(JobKind::kReport, "second/first").state, AnswerState::kDone);
+  const Job job = until(JobState::kDone);
+  EXPECT_EQ(job.before, "first");
+  EXPECT_EQ(job.document_kind, DocumentKind::kPage);
+  EXPECT_EQ(joined(jobs.said(), job.job),
+            "<p>" + (folder.path() / "second").string() + " " + (folder.path() / "first").string() + "\n");
+}
+
+TEST_F(JobsTest, SaysWhatIsBadAndWhatCouldNotBeDone) {
+  rb_does("echo 'samples are missing'; exit 3");
+  ask(JobKind::kVerify, "first");
+  const Job job = until(JobState::kNotWell);
+  EXPECT_EQ(joined(jobs.said(), job.job), "samples are missing\n");
+  rb_does("echo 'rb: first: cannot be read' >&2; exit 4");
+  ask(JobKind::kVerify, "first");
+  EXPECT_EQ(until(JobState::kFailed).text, "ended with code 4: rb: first: cannot be read");
+}
+
+TEST_F(JobsTest, RefusesWhatCannotBeAndSaysWhy) {
+  rb_does("sleep 60");
+  EXPECT_EQ(ask(JobKind::kVerify, "third").reason, RefusalReason::kBadArgument);
+  EXPECT_EQ(ask(JobKind::kVerify, "").reason, RefusalReason::kBadArgument);
+  EXPECT_EQ(ask(JobKind::kVerify, "../etc").reason, RefusalReason::kBadArgument);
+  EXPECT_EQ(ask(JobKind::kReport, "second/third").reason, RefusalReason::kBadArgument);
+  EXPECT_EQ(ask(JobKind::kVerify, "second/first").reason, RefusalReason::kBadArgument);
+  EXPECT_EQ(ask(JobKind::kReport, "first/first").reason, RefusalReason::kBadArgument);
+  EXPECT_EQ(ask(static_cast<JobKind>(99), "first").reason, RefusalReason::kNotSupported);
+  EXPECT_EQ(ask(JobKind::kVerify, "first", true).reason, RefusalReason::kRecording);
+  EXPECT_EQ(ask(JobKind::kVerify, "first").state, AnswerState::kDone);
+  const Answer busy = ask(JobKind::kVerify, "second");
+  EXPECT_EQ(busy.reason, RefusalReason::kBusy);
+  EXPECT_NE(busy.text.find("\"first\" is being worked on"), std::string::npos) << busy.text;
+  EXPECT_FALSE(jobs.take({.asker = 1, .request = 99, .operation = Operation::kStop}, known, false, utc_us));
+}
+
+TEST_F(JobsTest, WithoutTheProgramARequestIsRefused) {
+  const Answer answer = ask(JobKind::kVerify, "first");
+  EXPECT_EQ(answer.reason, RefusalReason::kNotSupported);
+  EXPECT_NE(answer.text.find(rb.string()), std::string::npos) << answer.text;
+}
+
+TEST_F(JobsTest, ARepeatedRequestActsOnceAndIsAnsweredAlike) {
+  rb_does("echo once >> " + (folder.path() / "log").string());
+  const Request request{
+      .asker = 1, .request = 7, .operation = Operation::kJob, .value = {1, 0}, .text = "first"};
+  EXPECT_EQ(ask_by(request).state, AnswerState::kDone);
+  until(JobState::kDone);
+  EXPECT_EQ(ask_by(request).state, AnswerState::kDone);
+  EXPECT_EQ(jobs.told().size(), 1U);
+  std::ifstream log(folder.path() / "log");
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(log), {}), "once\n");
+}
+
+TEST_F(JobsTest, CancelEndsItAndLetsAnotherBegin) {
+  rb_does("exec sleep 60");
+  ask(JobKind::kVerify, "first");
+  const std::int64_t job = newest().job;
+  EXPECT_EQ(cancel(job + 1).state, AnswerState::kRefused);
+  EXPECT_EQ(cancel(job).state, AnswerState::kDone);
+  EXPECT_EQ(until(JobState::kCancelled).job, job);
+  EXPECT_EQ(cancel(job).state, AnswerState::kRefused);
+  rb_does("echo done");
+  EXPECT_EQ(ask(JobKind::kVerify, "second").state, AnswerState::kDone);
+  until(JobState::kDone);
+  EXPECT_EQ(jobs.told().size(), 2U);
+}
+
+TEST_F(JobsTest, ADeafProgramIsEndedAfterAWhile) {
+  rb_does("trap '' TERM; while :; do sleep 1; done");
+  ask(JobKind::kVerify, "first");
+  cancel(newest().job);
+  until(JobState::kCancelled);
+}
+
+TEST_F(JobsTest, IsHeldWhileARecordingIsUnderWay) {
+  const fs::path go = folder.path() / "go";
+  rb_does("while [ ! -e " + go.string() + " ]; do sleep 0.01; done; echo done");
+  ask(JobKind::kVerify, "first");
+  until(JobState::kHeld, true);
+  std::ofstream(go) << "";
+  // Held it cannot see that it might end.
+  for (int k = 0; k < 40; ++k) {
+    jobs.turn(true, utc_us += 10'000);
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  EXPECT_EQ(newest().state, JobState::kHeld);
+  EXPECT_EQ(until(JobState::kDone).progress, 1);
+}
+
+TEST_F(JobsTest, AHeldJobCanBeCancelled) {
+  rb_does("exec sleep 60");
+  ask(JobKind::kVerify, "first");
+  until(JobState::kHeld, true);
+  cancel(newest().job);
+  until(JobState::kCancelled, true);
+}
+
+TEST_F(JobsTest, ProgressIsTheShareOfWhatIsReadAlready) {
+  const fs::path data = folder.path() / "data";
+  constexpr std::int64_t kBytes = 50'000'000;
+  std::ofstream(data) << std::string(kBytes / 2, 'x');
+  known[0].bytes = kBytes;
+  // Half of the recording, then it waits: by one program, as the counters are those of one.
+  rb_does("exec perl -e 'open(F, \"" + data.string() + "\"); while (sysread(F, $x, 1000000)) {} sleep 60'");
+  ask(JobKind::kVerify, "second");
+  for (int k = 0; k < 2000 && newest().progress < 0.5; ++k) {
+    jobs.turn(false, utc_us += 10'000);
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  EXPECT_NEAR(newest().progress, 0.5, 0.01) << "what perl itself reads to begin with is the rest";
+  cancel(newest().job);
+  until(JobState::kCancelled);
+}
+
+TEST_F(JobsTest, ManyJobsKeepTheNewestAndAllTheirDocumentsAreSaidAgain) {
+  rb_does("echo \"$2\"");
+  for (int k = 0; k < kMostJobs + 3; ++k) {
+    ask(JobKind::kVerify, k % 2 == 0 ? "first" : "second");
+    until(JobState::kDone);
+    (void)jobs.said();
+  }
+  const auto told = jobs.told();
+  ASSERT_EQ(told.size(), static_cast<std::size_t>(kMostJobs));
+  std::vector<bool> said(kMostJobs, false);
+  for (int k = 0; k < kMostJobs; ++k)
+    for (const auto& part : jobs.said()) said[static_cast<std::size_t>(part.place)] = true;
+  EXPECT_EQ(std::ranges::count(said, true), kMostJobs);
+}
+
+}  // namespace
+}  // namespace roadbalance
