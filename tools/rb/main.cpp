@@ -74,7 +74,7 @@ int main(int argc, char** argv) {
   add_orders(app, code);
   add_balance(app, code);
   add_spectrum(app, code);
-  add_transfer(app, code);
+  add_response(app, code);
   add_model(app, code);
   add_study(app, code);
   add_import(app, code);

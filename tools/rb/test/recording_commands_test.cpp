@@ -114,7 +114,7 @@ TEST_F(RecordingCommands, ARealCarsMeasurementGoesAllTheWay) {
 TEST_F(RecordingCommands, TransferTellsHowTwoChannelsGoTogether) {
   ASSERT_EQ(import(kWobble, record_).code, 0);
   const auto transfer = [&](const std::string& input, const std::string& output) {
-    const test::Outcome told = rb({"transfer", record_, "--input", input, "--output", output, "--json"});
+    const test::Outcome told = rb({"response", record_, "--input", input, "--output", output, "--json"});
     EXPECT_EQ(told.code, 0) << told.log;
     return Json::parse(told.output);
   };
@@ -136,13 +136,13 @@ TEST_F(RecordingCommands, TransferTellsHowTwoChannelsGoTogether) {
     EXPECT_NEAR(itself["bins"][k]["coherence"].get<double>(), 1.0, 1e-12);
   }
   EXPECT_GT(largest, there["coherence_by_chance"]) << "two knuckles of one car";
-  const test::Outcome text = rb({"transfer", record_, "--input", driver, "--output", passenger});
+  const test::Outcome text = rb({"response", record_, "--input", driver, "--output", passenger});
   EXPECT_NE(text.output.find("# passenger_knuckle_z / driver_knuckle_z"), std::string::npos) << text.output;
-  const test::Outcome unknown = rb({"transfer", record_, "--input", driver, "--output", "bonnet_z"});
+  const test::Outcome unknown = rb({"response", record_, "--input", driver, "--output", "bonnet_z"});
   EXPECT_EQ(unknown.code, 2);
   EXPECT_NE(unknown.log.find("--output bonnet_z"), std::string::npos) << unknown.log;
   const test::Outcome too_long =
-      rb({"transfer", record_, "--input", driver, "--output", passenger, "--segment-s", "900"});
+      rb({"response", record_, "--input", driver, "--output", passenger, "--segment-s", "900"});
   EXPECT_EQ(too_long.code, 1);
   EXPECT_NE(too_long.log.find("no stretch without a hole is as long as a segment"), std::string::npos);
 }

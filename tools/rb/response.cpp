@@ -21,7 +21,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct TransferOptions {
+struct ResponseOptions {
   std::string folder, input, output;
   double segment_s = 2.0;
   double overlap_percent = 50.0;
@@ -44,7 +44,7 @@ Json bin_json(const TransferFunction& h, std::size_t k) {
           {"coherence_sigma", h.coherence_sigma[k]}, {"radius_95", radius}};
 }
 
-Json transfer_json(const TransferOptions& options, const CrossSpectra& spectra, const TransferFunction& h) {
+Json response_json(const ResponseOptions& options, const CrossSpectra& spectra, const TransferFunction& h) {
   Json json{{"input", options.input},
             {"output", options.output},
             {"window", options.window},
@@ -63,7 +63,7 @@ Json transfer_json(const TransferOptions& options, const CrossSpectra& spectra, 
   return json;
 }
 
-void print(const TransferOptions& options, const CrossSpectra& spectra, const TransferFunction& h) {
+void print(const ResponseOptions& options, const CrossSpectra& spectra, const TransferFunction& h) {
   std::printf(
       "# %s / %s, %d averages (%.1f independent), noise bandwidth %.3f Hz\n"
       "# coherence of unrelated channels: below %.3f in 95 of 100 bins; +- is 95 %%\n"
@@ -76,7 +76,7 @@ void print(const TransferOptions& options, const CrossSpectra& spectra, const Tr
                 degrees(h.h1[k]), std::abs(h.h2[k]), std::abs(h.hv[k]), h.coherence[k]);
 }
 
-int transfer(const TransferOptions& options) {
+int response(const ResponseOptions& options) {
   std::optional<JointSpectra> joint;
   const RecordingDefects defects = read_recording(
       options.folder,
@@ -91,16 +91,16 @@ int transfer(const TransferOptions& options) {
       },
       [&](const SealedBlock& block) { joint->consume(block); },
       [&](const ClockFit& fit) { joint->consume(fit); });
-  warn_of_defects("transfer", options.folder, defects);
+  warn_of_defects("response", options.folder, defects);
   const CrossSpectra& spectra = joint->spectra();
   if (spectra.averages() == 0) {
-    say_no_segment("transfer", *joint);
+    say_no_segment("response", *joint);
     return kAnswerIsNo;
   }
   const TransferFunction h = transfer_function(spectra.density(0), spectra.density(1), spectra.density(0, 1),
                                                spectra.independent_averages());
   if (options.json)
-    std::printf("%s\n", transfer_json(options, spectra, h).dump().c_str());
+    std::printf("%s\n", response_json(options, spectra, h).dump().c_str());
   else
     print(options, spectra, h);
   return kDone;
@@ -108,10 +108,10 @@ int transfer(const TransferOptions& options) {
 
 }  // namespace
 
-void add_transfer(CLI::App& app, int& code) {
-  auto options = std::make_shared<TransferOptions>();
+void add_response(CLI::App& app, int& code) {
+  auto options = std::make_shared<ResponseOptions>();
   CLI::App* command = app.add_subcommand(
-      "transfer", "Transfer function and coherence of two channels of a recording, of one node or of two");
+      "response", "Transfer function and coherence of two channels of a recording, of one node or of two");
   command->add_option("folder", options->folder, "the recording")->required();
   command->add_option("--input", options->input, "name of a channel in vehicle.toml")->required();
   command->add_option("--output", options->output, "name of a channel in vehicle.toml")->required();
@@ -125,7 +125,7 @@ void add_transfer(CLI::App& app, int& code) {
       ->check(CLI::IsMember(kWindows))
       ->capture_default_str();
   command->add_flag("--json", options->json, "one JSON object on standard output");
-  command->callback([options, &code] { code = transfer(*options); });
+  command->callback([options, &code] { code = response(*options); });
 }
 
 }  // namespace roadbalance
