@@ -22,7 +22,9 @@ export const busUrl = () => `udpm://239.255.76.67:${20_000 + (process.pid + 4_79
 
 export function start(program, ...args) {
   const child = spawn(join(kPrograms, program), args, {stdio: ["ignore", "pipe", "inherit"]});
-  process.once("exit", () => child.kill());
+  const end = () => child.kill();
+  process.once("exit", end);
+  child.once("exit", () => process.off("exit", end));
   return child;
 }
 

@@ -1,0 +1,202 @@
+// A drive is recorded while everything is done to rb-web and its pages that people and strangers do: the record has
+// every sample, and neither rb-web nor the browser grows.  RB_FULL=1: eight hours (RB_HOURS) at 20 times real time.
+import assert from "node:assert/strict";
+import {once} from "node:events";
+import {spawnSync} from "node:child_process";
+import {mkdtempSync, rmSync} from "node:fs";
+import {tmpdir} from "node:os";
+import {join} from "node:path";
+import {test} from "node:test";
+import {setTimeout as sleep} from "node:timers/promises";
+import {busUrl, launch, picture, start, startWeb} from "./browser.mjs";
+import {MemoryTrend, Watcher, ownMemory, stall, uploads} from "./crowd.mjs";
+
+const kFull = process.env.RB_FULL === "1";
+const kDrive = kFull ? {seconds: 3600 * Number(process.env.RB_HOURS ?? 8), rate: 20} : {seconds: 100, rate: 4};
+const kRateHz = 2000;  // of the demonstration car's nodes
+/** Every view has been seen by then. */
+const kSettledMs = kFull ? 120_000 : 12_000;
+const kWatchers = 20, kUploadBytes = 100 << 20, kWithinMs = 60_000;
+const kMiB = 1 << 20;
+const kViews = ["b", "p", "s", "e", "l", "?", "d"];
+const kPlots = ["time", "spectrum", "transfer", "waterfall", "polar", "speed"];
+
+const ended = async (program) => (program.exitCode === null && program.signalCode === null ? once(program, "exit") : undefined);
+
+/** Recorder, analyser and nodes of the simulated car, and two rb-web: one lives from beginning to end, the other is killed
+    again and again. */
+class Drive {
+  folder = mkdtempSync(join(tmpdir(), "rb-crowd-"));
+  record = join(this.folder, "record");
+  url = busUrl();
+  driving = true;
+  counts = {stalled: 0, uploads: 0, kills: 0, reloads: 0, crashes: 0};
+  mostTaken = 0;
+  #programs = [];
+
+  run(program, ...args) {
+    const child = start(program, "--url", this.url, ...args);
+    this.#programs.push(child);
+    return child;
+  }
+  async begin() {
+    this.recorder = this.run("rb-recorder", "--record", this.record);
+    this.analyser = this.run("rb-analyser", "--record", this.record, "--exit-at-end");
+    this.nodes = ["front", "rear"].map((node) => this.run("rb-node", "--node", node, "--vehicle",
+      join(process.env.RB_SOURCE, "sim/demo/vehicle.toml"), "--front-end", `sim:?seed=1&rate=${kDrive.rate}&seconds=${kDrive.seconds}`));
+    for (const name of ["steady", "doomed"]) {
+      const {web, where} = await startWeb(this.url);
+      this.#programs.push(web);
+      this[name] = {web, where, port: Number(new URL(where).port), token: /token=([\w-]+)/.exec(where)[1]};
+    }
+  }
+  async untilOver() {
+    await Promise.all(this.nodes.map(ended));
+    this.driving = false;
+  }
+  /** Again and again while the car drives. */
+  async keep(act) {
+    while (this.driving) await act();
+  }
+  async end() {
+    this.recorder.kill("SIGTERM");
+    await Promise.all([this.recorder, this.analyser].map(ended));
+    this.steady.web.kill("SIGTERM");
+    await ended(this.steady.web);
+    const {recorder, analyser, nodes, steady} = this;
+    assert.deepEqual([recorder, analyser, ...nodes, steady.web].map(({exitCode}) => exitCode), [0, 0, 0, 0, 0]);
+  }
+  clear() {
+    for (const program of this.#programs) program.kill("SIGKILL");
+    rmSync(this.folder, {recursive: true, force: true});
+  }
+}
+
+/** A page on which all views are looked at, and what it and its rb-web have in memory after each round. */
+class Looker {
+  web = new MemoryTrend(kSettledMs);
+  heap = new MemoryTrend(kSettledMs);
+  renderer = new MemoryTrend(kSettledMs);
+  complaints = [];
+
+  async open(browser, drive) {
+    this.page = await browser.newPage({viewport: {width: 1366, height: 768}});
+    this.page.on("pageerror", (error) => this.complaints.push(error.message));
+    this.pages = await this.page.context().newCDPSession(this.page);
+    this.browser = await browser.newBrowserCDPSession();
+    this.webPid = drive.steady.web.pid;
+    await this.page.goto(drive.steady.where);
+  }
+  async round() {
+    for (const key of kViews) {
+      await this.page.keyboard.press(key);
+      for (const plot of key === "p" ? kPlots : []) {
+        await this.page.locator(`#plot-${plot}`).click();
+        await sleep(500);
+      }
+      await sleep(500);
+    }
+    await this.page.keyboard.press("Escape");  // the driver's view covers the tabs
+    await this.measure();
+  }
+  async measure() {
+    await this.pages.send("HeapProfiler.collectGarbage");
+    this.heap.add((await this.pages.send("Runtime.getHeapUsage")).usedSize);
+    const {processInfo} = await this.browser.send("SystemInfo.getProcessInfo");
+    this.renderer.add(processInfo.filter(({type}) => type === "renderer").reduce((sum, {id}) => sum + ownMemory(id), 0));
+    this.web.add(ownMemory(this.webPid));
+  }
+}
+
+/** A page that is reloaded, and whose process is killed, beside an rb-web that is killed. */
+async function reload(drive, browser) {
+  const page = await browser.newPage();
+  for (let k = 0; k < 4 && drive.driving; ++k) {
+    await page.goto(drive.doomed.where, {timeout: kWithinMs}).catch(() => {});  // its rb-web may just be away
+    await sleep(400);
+    await page.reload().catch(() => {});
+    ++drive.counts.reloads;
+    await sleep(400);
+  }
+  const {processInfo} = await (await browser.newBrowserCDPSession()).send("SystemInfo.getProcessInfo");
+  for (const {id, type} of processInfo) if (type === "renderer") process.kill(id, "SIGKILL");
+  ++drive.counts.crashes;
+  await page.close().catch(() => {});
+}
+
+async function killWeb(drive) {
+  await sleep(3000);
+  drive.doomed.web.kill("SIGKILL");
+  await ended(drive.doomed.web);
+  await sleep(200);
+  drive.doomed.web = drive.run("rb-web", "--port", String(drive.doomed.port));
+  ++drive.counts.kills;
+}
+
+async function takeNothing(drive) {
+  assert.ok(await stall(drive.steady.port, kWithinMs), "who takes nothing is still served");
+  ++drive.counts.stalled;
+}
+
+async function pour(drive) {
+  for (const {sent, status} of await uploads(drive.steady.port, drive.steady.token, kUploadBytes)) {
+    // What was on its way until the server hung up lay in the kernel.
+    drive.mostTaken = Math.max(drive.mostTaken, sent);
+    assert.ok(sent < kUploadBytes / 2, `${sent} bytes of an upload were taken`);
+    assert.ok([undefined, 413, 101].includes(status), `${status}`);
+    ++drive.counts.uploads;
+  }
+  await sleep(1000);
+}
+
+/** Who watched gets frames still, also from the rb-web that was killed, and the page draws. */
+async function allAreWell(page, watchers) {
+  const frames = watchers.map((watcher) => watcher.frames);
+  const drawn = await page.evaluate(() => Number(document.body.dataset.drawn));
+  await page.keyboard.press("b");
+  await page.waitForFunction((before) => Number(document.body.dataset.drawn) > before + 10, drawn, {timeout: kWithinMs});
+  await picture(page, "crowd-end");
+  for (const end = performance.now() + kWithinMs; watchers.some((watcher, k) => watcher.frames < frames[k] + 10); await sleep(100))
+    assert.ok(performance.now() < end, "a page gets no frames any more");
+}
+
+function verify(t, record) {
+  const proof = spawnSync(join(process.env.RB_BIN, "rb"), ["verify", record, "--json"], {encoding: "utf8"});
+  assert.equal(proof.status, 0, proof.stdout + proof.stderr);
+  for (const {node, samples_sent, samples_recorded, samples_missing} of JSON.parse(proof.stdout).nodes) {
+    t.diagnostic(`node ${node}: ${samples_recorded} samples recorded, ${samples_missing} missing`);
+    assert.equal(samples_recorded, samples_sent);
+    assert.ok(samples_sent > 0.9 * kDrive.seconds * kRateHz, `${samples_sent}`);
+  }
+}
+
+test("a crowd, sluggards, uploads, kills and reloads cost the record nothing, and memory stays flat", async (t) => {
+  const drive = new Drive(), browsers = [], watchers = [], looker = new Looker();
+  t.after(async () => {
+    watchers.forEach((watcher) => watcher.leave());
+    await Promise.all(browsers.map((browser) => browser.close()));
+    drive.clear();
+  });
+  await drive.begin();
+  for (let k = 0; k < kWatchers; ++k) watchers.push(new Watcher((k % 2 ? drive.doomed : drive.steady).port));
+  browsers.push(await launch(), await launch());
+  await looker.open(browsers[0], drive);
+  const begin = performance.now();
+  await Promise.all([drive.untilOver(), drive.keep(() => looker.round()), drive.keep(() => reload(drive, browsers[1])),
+                     drive.keep(() => killWeb(drive)), drive.keep(() => takeNothing(drive)), drive.keep(() => pour(drive))]);
+  const took_s = (performance.now() - begin) / 1000;
+  await allAreWell(looker.page, watchers);
+  await drive.end();
+
+  const frames = watchers.map((watcher) => watcher.frames);
+  t.diagnostic(`${kDrive.seconds} s of driving in ${took_s.toFixed(0)} s: ${JSON.stringify(drive.counts)}`);
+  t.diagnostic(`${(drive.mostTaken / kMiB).toFixed(1)} MiB of an upload left its sender at most; ` +
+    `${Math.min(...frames)} to ${Math.max(...frames)} frames for each of ${kWatchers} pages`);
+  t.diagnostic(`rb-web: ${looker.web}; page: ${looker.heap}; its process: ${looker.renderer}`);
+  verify(t, drive.record);
+  for (const [what, count] of Object.entries(drive.counts)) assert.ok(count > 0, what);
+  assert.deepEqual(looker.complaints, []);
+  assert.ok(looker.web.growth < kMiB, `rb-web: ${looker.web}`);
+  assert.ok(looker.heap.growth < kMiB, `page: ${looker.heap}`);
+  assert.ok(looker.renderer.growth < 16 * kMiB, `page's process: ${looker.renderer}`);
+});
