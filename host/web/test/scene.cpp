@@ -33,6 +33,7 @@ const std::map<std::string_view, Scene> kScenes{{"known", {}},
                                                 {"armed", {.armed = true}},
                                                 {"unknown", {.known = false}},
                                                 {"verified", {.verified = true}},
+                                                {"unanalysed", {.analysed = false}},
                                                 {"trouble", {.trouble = true}}};
 
 RecorderStatus recorder(const Scene& scene) {
@@ -198,8 +199,9 @@ void say(Bus& bus, const Scene& scene) {
     bus.publish(heartbeat_channel(node), encode(heartbeat(scene, node)));
     if (scene.armed) bus.publish(kReceiptChannel, encode(receipt(node)));
     bus.publish(clock_fit_channel(node), encode(clock_fit(scene, node)));
-    bus.publish(kLevelChannel, encode(level(scene, node)));
+    if (scene.analysed) bus.publish(kLevelChannel, encode(level(scene, node)));
   }
+  if (!scene.analysed) return;
   bus.publish(kIdentificationChannel, encode(identification(scene)));
   for (std::int32_t wheel = 0; wheel < kWheels; ++wheel) {
     const Balance of = balance(scene, wheel);
@@ -215,7 +217,7 @@ int main(int argc, char** argv) {
   const StopOnSignal signals;
   const auto scene = argc == 3 ? kScenes.find(argv[2]) : kScenes.end();
   if (scene == kScenes.end()) {
-    std::fprintf(stderr, "usage: rb-web-scene URL known|armed|unknown|verified|trouble\n");
+    std::fprintf(stderr, "usage: rb-web-scene URL known|armed|unknown|verified|unanalysed|trouble\n");
     return 2;
   }
   Bus bus(argv[1]);

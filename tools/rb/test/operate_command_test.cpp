@@ -1,6 +1,7 @@
 // rb start, stop, mark, configure, zero, vehicle: what they say and how they end; hil_tests has them at work.
 #include <gtest/gtest.h>
 
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <stop_token>
 #include <string>
@@ -29,7 +30,8 @@ class Answering {
           bus.subscribe(kRequestChannel, [&](std::string_view, auto bytes) {
             const auto request = decode_request(bytes);
             if (!request) return;
-            heard = *request;
+            const std::scoped_lock lock(mutex_);
+            heard_ = *request;
             if (++asked < 2) return;
             Answer said = answer;
             said.asker = request->asker;
@@ -43,9 +45,15 @@ class Answering {
           }
         }) {}
 
-  Request heard;  ///< to be asked once the command has ended
+  /// The newest request.
+  Request heard() const {
+    const std::scoped_lock lock(mutex_);
+    return heard_;
+  }
 
  private:
+  mutable std::mutex mutex_;
+  Request heard_;
   std::jthread thread_;
 };
 
@@ -68,8 +76,8 @@ TEST_F(OperateCommand, SaysWhatIsDone) {
   const auto outcome = rb({"start", "drive"});
   EXPECT_EQ(outcome.code, 0) << outcome.log;
   EXPECT_EQ(outcome.output, "\"drive\" is being recorded\n");
-  EXPECT_EQ(recorder.heard.operation, Operation::kStart);
-  EXPECT_EQ(recorder.heard.text, "drive");
+  EXPECT_EQ(recorder.heard().operation, Operation::kStart);
+  EXPECT_EQ(recorder.heard().text, "drive");
 }
 
 TEST_F(OperateCommand, ARefusalIsSaidAndEndsWithOne) {
@@ -152,16 +160,16 @@ TEST_F(OperateCommand, SaysWhyNobodyAnswers) {
 TEST_F(OperateCommand, ChannelsAreCalledAsThePageCallsThem) {
   const Answering recorder(url_, done("so it is"));
   EXPECT_EQ(rb({"configure", "range", "2.5", "80"}).code, 0);
-  EXPECT_EQ(recorder.heard.node, 2);
-  EXPECT_EQ(recorder.heard.channel, 4);
-  EXPECT_EQ(recorder.heard.value[0], 80);
+  EXPECT_EQ(recorder.heard().node, 2);
+  EXPECT_EQ(recorder.heard().channel, 4);
+  EXPECT_EQ(recorder.heard().value[0], 80);
   EXPECT_EQ(rb({"configure", "filter", "150", "--order", "4"}).code, 0);
-  EXPECT_EQ(recorder.heard.value[1], 4);
+  EXPECT_EQ(recorder.heard().value[1], 4);
   EXPECT_EQ(rb({"zero", "--node", "2"}).code, 0);
-  EXPECT_EQ(recorder.heard.operation, Operation::kZero);
-  EXPECT_EQ(recorder.heard.node, 2);
+  EXPECT_EQ(recorder.heard().operation, Operation::kZero);
+  EXPECT_EQ(recorder.heard().node, 2);
   EXPECT_EQ(rb({"vehicle", "winter.toml"}).code, 0);
-  EXPECT_EQ(recorder.heard.text, "winter.toml");
+  EXPECT_EQ(recorder.heard().text, "winter.toml");
 }
 
 TEST_F(OperateCommand, RefusesWhatCannotBeAskedAtOnce) {

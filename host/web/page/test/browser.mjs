@@ -39,6 +39,30 @@ export async function startWeb(url, ...args) {
   return {web, where: await firstLine(web)};
 }
 
+/** rb demo with a page in a browser; `ended` is its exit code.  Both end with the test. */
+export async function openDemo(t, ...args) {
+  const demo = start("rb", "demo", "--seed", "1", ...args);
+  const ended = new Promise((resolve) => demo.once("exit", resolve));
+  const browser = await launch();
+  t.after(async () => {
+    await browser.close();
+    demo.kill("SIGINT");
+    await ended;
+  });
+  let said = "";
+  const where = await new Promise((resolve, reject) => {
+    demo.stdout.on("data", (data) => {
+      said += data;
+      const found = /Watch it in a browser: (\S+)/.exec(said);
+      if (found) resolve(found[1]);
+    });
+    ended.then((code) => reject(new Error(`rb demo ended with code ${code}: ${said}`)));
+  });
+  const page = await browser.newPage({viewport: {width: 1366, height: 768}});
+  await page.goto(where);
+  return {page, ended};
+}
+
 export async function picture(page, name) {
   mkdirSync(kPictures, {recursive: true});
   await page.screenshot({path: join(kPictures, `${name}.png`)});
@@ -95,6 +119,24 @@ export const updatesPerSecond = (page) => page.evaluate(async () => {
     most = Math.max(most, 1000 * (drawn() - count) / (performance.now() - from));
   }
   return most;
+});
+
+/** Times in a second that the bars of each node's levels change, of the node where they do least: the most of a minute, as
+    a machine may have else to do.  A bar is as high as its rms and changes with nothing else. */
+export const levelsPerSecond = (page) => page.evaluate(async () => {
+  const changes = [...document.querySelectorAll("#levels .node")].map((node) => {
+    const pictures = [];  // ms, of each in which a bar changed
+    new MutationObserver((mutations) => {
+      const now = document.timeline.currentTime;
+      if (now !== pictures.at(-1) && mutations.some(({target}) => target.className === "rms")) pictures.push(now);
+    }).observe(node, {subtree: true, attributeFilter: ["style"]});
+    return pictures;
+  });
+  const within = (pictures, from) => pictures.filter((at) => at > from && at <= from + 1000).length;
+  const most = (pictures) => Math.max(0, ...pictures.map((from) => within(pictures, from)));
+  for (const end = performance.now() + 60_000; performance.now() < end && changes.some((pictures) => most(pictures) < 10);)
+    await new Promise((done) => setTimeout(done, 200));
+  return Math.min(...changes.map(most));
 });
 
 /** What is to be added to the page's performance.now() in ns to have the machine's raw monotonic clock, on which samples are

@@ -235,6 +235,36 @@ test("does not say that a recording is being written when nobody says so any mor
   }
 });
 
+for (const colorScheme of ["dark", "light"])
+  test(`says how old the balance of a car that drives on without an analyser is, ${colorScheme}`, async (t) => {
+    const url = busUrl(), cars = [start("rb-web-scene", url, "known")], {web, where} = await startWeb(url);
+    const page = await browser.newPage({viewport: kDesk, colorScheme});
+    t.after(async () => {
+      await page.close();
+      for (const program of [...cars, web]) program.kill();
+    });
+    await page.goto(where);
+    await page.waitForFunction(() => document.querySelectorAll(".wheel[data-known=true]").length === 4);
+    assert.doesNotMatch(await text(page, ".balance"), /OLD/);
+    cars[0].kill();
+    cars.push(start("rb-web-scene", url, "unanalysed"));
+    await page.waitForFunction(() => document.querySelectorAll(".card[data-old=true]").length === 4);
+    for (const wheel of [1, 2, 3, 4]) {
+      // It counts on; what was known is not hidden.
+      const age = await text(page, `#wheel-${wheel} .age`);
+      const [, seconds] = /^OLD: from 00:00:(\d\d) ago$/.exec(age) ?? assert.fail(age);
+      assert.ok(Number(seconds) >= 3, age);
+      await page.waitForFunction(([card, before]) => document.querySelector(card).innerText > before, [`#wheel-${wheel} .age`, age]);
+      assert.match(await text(page, `#wheel-${wheel}`), /clock|Leave it/);
+    }
+    assert.deepEqual(await weakTexts(page), []);
+    await picture(page, `old-balance-${colorScheme}`);
+    cars[1].kill();
+    cars.push(start("rb-web-scene", url, "known"));
+    await page.waitForFunction(() => document.querySelectorAll(".card[data-old=true]").length === 0 &&
+      !/OLD/.test(document.querySelector(".balance").innerText));
+  });
+
 test("gives the reason of what is not known, and no angle", async (t) => {
   const page = await open(t, "unknown");
   for (const [card, reason] of [[1, "42 s more for a first estimate"], [2, "change lanes or take a bend"], [3, "has no angle"],

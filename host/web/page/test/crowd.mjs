@@ -26,6 +26,7 @@ export class MemoryTrend {
     return this.most - this.settled;
   }
   toString() {
+    if (this.settled === undefined) return "not settled";
     const mib = (bytes) => (bytes / (1 << 20)).toFixed(2);
     return `${mib(this.settled)} MiB when settled, grew by ${mib(this.growth)} MiB`;
   }

@@ -78,7 +78,11 @@ class Looker {
   heap = new MemoryTrend(kSettledMs);
   renderer = new MemoryTrend(kSettledMs);
   complaints = [];
+  saidMs = -Infinity;
 
+  toString() {
+    return `rb-web: ${this.web}; page: ${this.heap}; its process: ${this.renderer}`;
+  }
   async open(browser, drive) {
     this.page = await browser.newPage({viewport: {width: 1366, height: 768}});
     this.page.on("pageerror", (error) => this.complaints.push(error.message));
@@ -105,6 +109,10 @@ class Looker {
     const {processInfo} = await this.browser.send("SystemInfo.getProcessInfo");
     this.renderer.add(processInfo.filter(({type}) => type === "renderer").reduce((sum, {id}) => sum + ownMemory(id), 0));
     this.web.add(ownMemory(this.webPid));
+    if (kFull && performance.now() > this.saidMs + 60_000) {
+      this.saidMs = performance.now();
+      console.log(`${new Date().toISOString()} ${this}`);
+    }
   }
 }
 
@@ -119,8 +127,15 @@ async function reload(drive, browser) {
     await sleep(400);
   }
   const {processInfo} = await (await browser.newBrowserCDPSession()).send("SystemInfo.getProcessInfo");
-  for (const {id, type} of processInfo) if (type === "renderer") process.kill(id, "SIGKILL");
-  ++drive.counts.crashes;
+  for (const {id, type} of processInfo) {
+    if (type !== "renderer") continue;
+    try {
+      process.kill(id, "SIGKILL");
+      ++drive.counts.crashes;
+    } catch {
+      // It has just ended by itself.
+    }
+  }
   await page.close().catch(() => {});
 }
 
@@ -192,7 +207,7 @@ test("a crowd, sluggards, uploads, kills and reloads cost the record nothing, an
   t.diagnostic(`${kDrive.seconds} s of driving in ${took_s.toFixed(0)} s: ${JSON.stringify(drive.counts)}`);
   t.diagnostic(`${(drive.mostTaken / kMiB).toFixed(1)} MiB of an upload left its sender at most; ` +
     `${Math.min(...frames)} to ${Math.max(...frames)} frames for each of ${kWatchers} pages`);
-  t.diagnostic(`rb-web: ${looker.web}; page: ${looker.heap}; its process: ${looker.renderer}`);
+  t.diagnostic(`${looker}`);
   verify(t, drive.record);
   for (const [what, count] of Object.entries(drive.counts)) assert.ok(count > 0, what);
   assert.deepEqual(looker.complaints, []);

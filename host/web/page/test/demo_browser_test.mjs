@@ -5,28 +5,10 @@ import {mkdtempSync, readdirSync, rmSync} from "node:fs";
 import {tmpdir} from "node:os";
 import {join} from "node:path";
 import {test} from "node:test";
-import {launch, picture, start, updatesPerSecond} from "./browser.mjs";
+import {levelsPerSecond, openDemo, picture, updatesPerSecond} from "./browser.mjs";
 
 test("rb demo prints where the page is, and the page tells the car's balance before the drive is over", async (t) => {
-  const demo = start("rb", "demo", "--seed", "1", "--drive-seconds", "320", "--rate", "20");
-  const browser = await launch();
-  t.after(async () => {
-    await browser.close();
-    demo.kill("SIGINT");
-  });
-  const ended = new Promise((resolve) => demo.once("exit", (code) => resolve(code)));
-  let said = "";
-  const url = await new Promise((resolve, reject) => {
-    demo.stdout.on("data", (data) => {
-      said += data;
-      const found = /Watch it in a browser: (\S+)/.exec(said);
-      if (found) resolve(found[1]);
-    });
-    demo.once("exit", (code) => reject(new Error(`rb demo ended with code ${code}`)));
-  });
-
-  const page = await browser.newPage({viewport: {width: 1366, height: 768}});
-  await page.goto(url);
+  const {page, ended} = await openDemo(t, "--drive-seconds", "320", "--rate", "20");
   assert.equal(new URL(page.url()).hash, "", "the token stays in sight");
   await page.waitForFunction(() => document.querySelectorAll(".bar").length === 24, null, {timeout: 10_000});
   const rate = await updatesPerSecond(page);
@@ -42,30 +24,20 @@ test("rb demo prints where the page is, and the page tells the car's balance bef
   assert.ok(Math.abs(degrees - 217) <= 12, `${degrees}°`);
   assert.equal(await page.locator("#lamp-LOSS").getAttribute("data-light"), "good");
 
-  assert.equal(await ended, 0, said);
+  assert.equal(await ended, 0);
+});
+
+test("the levels of each node of the simulated car change ten times a second", async (t) => {
+  const {page} = await openDemo(t, "--drive-seconds", "90", "--rate", "1");
+  await page.waitForFunction(() => document.querySelectorAll(".bar").length === 24, null, {timeout: 10_000});
+  const rate = await levelsPerSecond(page);
+  assert.ok(rate >= 10, `${rate} times`);
 });
 
 test("a recording of rb demo is stopped on the page with 0 lost, and another started", async (t) => {
   const folder = mkdtempSync(join(tmpdir(), "rb-demo-page-"));
-  const demo = start("rb", "demo", "--seed", "1", "--drive-seconds", "320", "--rate", "20", "--record", join(folder, "drive"));
-  const browser = await launch();
-  t.after(async () => {
-    await browser.close();
-    demo.kill("SIGINT");
-    rmSync(folder, {recursive: true, force: true});
-  });
-  const ended = new Promise((resolve) => demo.once("exit", (code) => resolve(code)));
-  let said = "";
-  const url = await new Promise((resolve, reject) => {
-    demo.stdout.on("data", (data) => {
-      said += data;
-      const found = /Watch it in a browser: (\S+)/.exec(said);
-      if (found) resolve(found[1]);
-    });
-    demo.once("exit", (code) => reject(new Error(`rb demo ended with code ${code}`)));
-  });
-  const page = await browser.newPage({viewport: {width: 1366, height: 768}});
-  await page.goto(url);
+  t.after(() => rmSync(folder, {recursive: true, force: true}));
+  const {page, ended} = await openDemo(t, "--drive-seconds", "320", "--rate", "20", "--record", join(folder, "drive"));
   const says = (selector, words) => page.waitForFunction(
     ([where, wanted]) => new RegExp(wanted).test(document.querySelector(where)?.innerText ?? ""), [selector, words], {timeout: 30_000});
   await says("#state", "RECORDING\\s+00:00:0[1-9]");
@@ -80,7 +52,7 @@ test("a recording of rb demo is stopped on the page with 0 lost, and another sta
   await page.locator("#recording-name").fill("rest of the drive");
   await page.keyboard.press("Enter");
   await says("#state", "RECORDING");
-  assert.equal(await ended, 0, said);
+  assert.equal(await ended, 0);
   assert.deepEqual(readdirSync(folder).sort(), ["drive", "recorder.json", "rest of the drive"]);
   for (const name of ["drive", "rest of the drive"]) {
     const proof = spawnSync(join(process.env.RB_BIN, "rb"), ["verify", join(folder, name)], {encoding: "utf8"});

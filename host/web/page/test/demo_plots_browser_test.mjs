@@ -1,30 +1,11 @@
 // The plots beside rb demo: the simulated car, its nodes, recorder and analyser.
 import assert from "node:assert/strict";
 import {test} from "node:test";
-import {clockOffset, launch, picture, samplesSeen, start} from "./browser.mjs";
-
-const kDesk = {width: 1366, height: 768};
+import {clockOffset, openDemo, picture, samplesSeen} from "./browser.mjs";
 
 /** The page of a demonstration that drives. */
 async function drive(t, ...args) {
-  const demo = start("rb", "demo", "--seed", "1", ...args);
-  const browser = await launch();
-  t.after(async () => {
-    await browser.close();
-    demo.kill("SIGINT");
-    await new Promise((resolve) => (demo.exitCode === null ? demo.once("exit", resolve) : resolve()));
-  });
-  let said = "";
-  const where = await new Promise((resolve, reject) => {
-    demo.stdout.on("data", (data) => {
-      said += data;
-      const found = /Watch it in a browser: (\S+)/.exec(said);
-      if (found) resolve(found[1]);
-    });
-    demo.once("exit", (code) => reject(new Error(`rb demo ended with code ${code}: ${said}`)));
-  });
-  const page = await browser.newPage({viewport: kDesk});
-  await page.goto(where);
+  const {page} = await openDemo(t, ...args);
   await page.waitForFunction(() => document.querySelectorAll(".bar").length === 24, null, {timeout: 10_000});
   await page.keyboard.press("p");
   return page;
