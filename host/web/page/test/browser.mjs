@@ -1,5 +1,5 @@
 // What the tests of the page need: programs, a browser, and a look at colours.
-import {execFileSync, spawn} from "node:child_process";
+import {spawn} from "node:child_process";
 import {mkdirSync} from "node:fs";
 import {join} from "node:path";
 import {createRequire} from "node:module";
@@ -138,34 +138,3 @@ export const levelsPerSecond = (page) => page.evaluate(async () => {
     await new Promise((done) => setTimeout(done, 200));
   return Math.min(...changes.map(most));
 });
-
-/** What is to be added to the page's performance.now() in ns to have the machine's raw monotonic clock, on which samples are
-    stamped, and how well that is known. */
-export async function clockOffset(page) {
-  let quickest = Infinity, ns = 0;
-  for (let k = 0; k < 50; ++k) {
-    const asked = Number(process.hrtime.bigint());
-    const page_ms = await page.evaluate(() => performance.now());
-    const took = Number(process.hrtime.bigint()) - asked;
-    if (took < quickest) [quickest, ns] = [took, asked + took / 2 - 1e6 * page_ms];
-  }
-  // process.hrtime() is CLOCK_MONOTONIC, which is slewed.
-  const raw = Number(execFileSync("python3", ["-c",
-    "import time; print(time.clock_gettime_ns(time.CLOCK_MONOTONIC_RAW) - time.clock_gettime_ns(time.CLOCK_MONOTONIC))"]));
-  return {ns: ns + raw, error_ns: quickest / 2};
-}
-
-/** [host clock of the newest sample of the time plot, page's ms when it was on the screen], so many times. */
-export const samplesSeen = (page, count) => page.evaluate((wanted) => new Promise((done) => {
-  const found = [];
-  let last = "";
-  // In the animation frame after the one that drew it, it is on the screen.
-  const look = () => {
-    const newest = document.querySelector("#time-figure").parentElement.dataset.newestHostNs;
-    if (newest && newest !== last) found.push([Number(newest), performance.now()]);
-    last = newest;
-    if (found.length < wanted) requestAnimationFrame(look);
-    else done(found);
-  };
-  requestAnimationFrame(look);
-}), count);

@@ -14,13 +14,19 @@ export const ownMemory = (pid) => 1024 * Number(/^RssAnon:\s*(\d+)/m.exec(readFi
 export class MemoryTrend {
   settled = undefined;
   most = 0;
-  constructor(settledAfterMs) {
+  #recent = [];
+  /** @param looks  so many in a row count by the least: what is held for a moment only has not grown */
+  constructor(settledAfterMs, looks = 1) {
     this.begin = performance.now() + settledAfterMs;
+    this.looks = looks;
   }
   add(bytes) {
     if (performance.now() < this.begin) return;
-    this.settled ??= bytes;
-    this.most = Math.max(this.most, bytes);
+    this.#recent = [...this.#recent, bytes].slice(-this.looks);
+    if (this.#recent.length < this.looks) return;
+    const least = Math.min(...this.#recent);
+    this.settled ??= least;
+    this.most = Math.max(this.most, least);
   }
   get growth() {
     return this.most - this.settled;

@@ -75,8 +75,8 @@ class Drive {
 /** A page on which all views are looked at, and what it and its rb-web have in memory after each round. */
 class Looker {
   web = new MemoryTrend(kSettledMs);
-  heap = new MemoryTrend(kSettledMs);
-  renderer = new MemoryTrend(kSettledMs);
+  heap = new MemoryTrend(kSettledMs, kFull ? 5 : 1);
+  renderer = new MemoryTrend(kSettledMs, kFull ? 5 : 1);
   complaints = [];
   saidMs = -Infinity;
 

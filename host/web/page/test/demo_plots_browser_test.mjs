@@ -1,7 +1,8 @@
 // The plots beside rb demo: the simulated car, its nodes, recorder and analyser.
 import assert from "node:assert/strict";
 import {test} from "node:test";
-import {clockOffset, openDemo, picture, samplesSeen} from "./browser.mjs";
+import {openDemo, picture} from "./browser.mjs";
+import {seesSamplesInTime} from "./latency.mjs";
 
 /** The page of a demonstration that drives. */
 async function drive(t, ...args) {
@@ -17,15 +18,8 @@ test("a sample of the simulated car is seen within 250 ms of being taken", async
   const page = await drive(t, "--drive-seconds", "90", "--rate", "1");
   await page.locator("#plot-time").click();
   await says(page, "#time-figure .reading", /greatest/);
-  const offset = await clockOffset(page);
-  const ages_ms = (await samplesSeen(page, 300)).map(([host_ns, page_ms]) => (1e6 * page_ms + offset.ns - host_ns) / 1e6)
-    .sort((a, b) => a - b);
-  const at = (share) => ages_ms[Math.floor(share * (ages_ms.length - 1))];
-  t.diagnostic(`newest sample when seen: median ${at(0.5).toFixed(0)} ms, 95 % ${at(0.95).toFixed(0)} ms, ` +
-    `clocks known to ${(offset.error_ns / 1e6).toFixed(1)} ms`);
   await picture(page, "demo-plot-time");
-  assert.ok(at(0) > 0, `${at(0)} ms: before it was taken`);
-  assert.ok(at(0.5) <= 250, `${at(0.5)} ms`);
+  await seesSamplesInTime(t, page, 300);
 });
 
 test("the first order of the simulated car stands in every plot", async (t) => {

@@ -2,7 +2,8 @@
 import assert from "node:assert/strict";
 import {readFileSync} from "node:fs";
 import {after, before, test} from "node:test";
-import {busUrl, clockOffset, launch, picture, samplesSeen, start, startWeb, weakTexts} from "./browser.mjs";
+import {busUrl, launch, picture, start, startWeb, weakTexts} from "./browser.mjs";
+import {seesSamplesInTime} from "./latency.mjs";
 
 const kDesk = {width: 1366, height: 768}, kPhone = {width: 390, height: 844};
 const kThemes = {night: "dark", day: "light"};
@@ -422,12 +423,5 @@ test("the browser's memory is flat while the plots go on", async (t) => {
 test("a sample is seen within 250 ms of being taken", async (t) => {
   const page = await open(t, "time");
   await says(page, "#time-figure .reading", /greatest/);
-  const offset = await clockOffset(page);
-  const ages_ms = (await samplesSeen(page, 200)).map(([host_ns, page_ms]) => (1e6 * page_ms + offset.ns - host_ns) / 1e6)
-    .sort((a, b) => a - b);
-  const at = (share) => ages_ms[Math.floor(share * (ages_ms.length - 1))];
-  t.diagnostic(`newest sample when seen: median ${at(0.5).toFixed(0)} ms, 95 % ${at(0.95).toFixed(0)} ms, ` +
-    `clocks known to ${(offset.error_ns / 1e6).toFixed(1)} ms`);
-  assert.ok(at(0) > 0, `${at(0)} ms: before it was taken`);
-  assert.ok(at(0.5) <= 250, `${at(0.5)} ms`);
+  await seesSamplesInTime(t, page, 200);
 });
