@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <sstream>
 #include <string_view>
@@ -37,6 +38,10 @@ class CsvLines {
   }
   const std::vector<std::string_view>& cells() const { return cells_; }
 
+  /// As number(), but an empty cell is no number (NaN): there was no sample.
+  double sample(std::size_t column, const std::string& name) const {
+    return cells_[column].empty() ? std::numeric_limits<double>::quiet_NaN() : number(column, name);
+  }
   double number(std::size_t column, const std::string& name) const {
     const std::string_view cell = cells_[column];
     double value = 0.0;
@@ -66,10 +71,20 @@ class CsvLines {
 double factor_of(const CsvLines& lines, std::string_view unit, const std::string& column) {
   if (unit == "m/s^2" || unit == "m/s2") return 1.0;
   if (unit == "g") return kGravity_m_s2;
+  if (is_reference_column(column)) return 1.0;  // computed anew from the pulses
   lines.fail(column, "unit \"" + std::string(unit) + "\" is not known; allowed: m/s^2, m/s2, g");
 }
 
 }  // namespace
+
+bool is_reference_column(std::string_view name) {
+  for (const std::string_view wheel : kWheelNames)
+    if (name.starts_with(wheel)) {
+      const std::string_view rest = name.substr(wheel.size());
+      return rest == "_angle_sin" || rest == "_angle_cos";
+    }
+  return false;
+}
 
 SampleTable read_samples(const std::filesystem::path& file) {
   CsvLines lines(file);
@@ -104,7 +119,7 @@ SampleTable read_samples(const std::filesystem::path& file) {
       lines.fail("time_s", "goes back; allowed: never falling");
     table.time_s.push_back(time_s);
     for (std::size_t c = 0; c < table.name.size(); ++c)
-      table.value_si[c].push_back(factor[c] * lines.number(c + 1, table.name[c]));
+      table.value_si[c].push_back(factor[c] * lines.sample(c + 1, table.name[c]));
   }
   return table;
 }

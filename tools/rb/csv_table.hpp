@@ -14,8 +14,12 @@ namespace roadbalance {
 struct SampleTable {
   std::vector<std::string> name;              ///< of each channel; the time column is not one
   std::vector<double> time_s;                 ///< [row], never falling
-  std::vector<std::vector<double>> value_si;  ///< [channel][row], m/s^2
+  std::vector<std::vector<double>> value_si;  ///< [channel][row], m/s^2; NaN: the cell is empty
 };
+
+/// True of the columns <wheel>_angle_sin and <wheel>_angle_cos of `rb export`: they are computed anew from
+/// the pulses.
+bool is_reference_column(std::string_view name);
 
 /// First column time_s [s]; channels in m/s^2, m/s2 or g.
 /// @throws ConfigError "file:line: column: reason; allowed: ..."; std::system_error if it cannot be read

@@ -38,6 +38,7 @@ ColumnOf match_columns(const CsvImport& import, const SampleTable& table, const 
         throw ConfigError(import.samples.string() + ": no column for channel " + channel.name + " of node " +
                           node.name + "; allowed: a column of that name, or role = \"unused\"");
     }
+  std::erase_if(unwanted, [](const auto& named) { return is_reference_column(named.first); });
   if (!unwanted.empty())
     throw ConfigError(import.samples.string() + ": column " + unwanted.begin()->first +
                       ": no node has a channel of that name");
@@ -64,8 +65,29 @@ NodeTime instant(double seconds) {
   return node_time_from_ns(std::llround(seconds * 1e9));
 }
 
+/// Rows in which a node's cells are all empty are scans that it has not; [row].
+/// @throws ConfigError if only some are
+std::vector<bool> rows_of(const CsvImport& import, const NodeConfig& node, const SampleTable& table,
+                          const ColumnOf& column) {
+  std::vector<std::size_t> columns;
+  for (const ChannelConfig& channel : node.channel)
+    if (const auto found = column.find(channel.name); found != column.end()) columns.push_back(found->second);
+  std::vector<bool> there(table.time_s.size(), true);
+  for (std::size_t row = 0; row < there.size(); ++row) {
+    const auto is_empty = [&](std::size_t c) { return std::isnan(table.value_si[c][row]); };
+    const auto empty = std::count_if(columns.begin(), columns.end(), is_empty);
+    there[row] = empty == 0;
+    if (empty != 0 && empty != std::ssize(columns))
+      throw ConfigError(import.samples.string() + ": row " + std::to_string(row + 1) + " behind the units: " +
+                        table.name[*std::find_if(columns.begin(), columns.end(), is_empty)] +
+                        ": is empty; allowed: a number, or all channels of node " + node.name +
+                        " empty where it has no sample");
+  }
+  return there;
+}
+
 std::vector<Scan> scans_of(const NodeConfig& node, const SampleTable& table, const ColumnOf& column,
-                           const SampleClock& clock) {
+                           const SampleClock& clock, const std::vector<bool>& there) {
   std::vector<Scan> scans(table.time_s.size());
   for (std::size_t row = 0; row < scans.size(); ++row) {
     scans[row].index = clock.index[row];
@@ -76,6 +98,7 @@ std::vector<Scan> scans_of(const NodeConfig& node, const SampleTable& table, con
     const auto found = column.find(channel.name);
     if (found == column.end()) continue;  // unused, its counts stay 0
     for (std::size_t row = 0; row < scans.size(); ++row) {
+      if (!there[row]) continue;
       const double value = table.value_si[found->second][row];
       const double counts = value / channel.scale_m_s2_per_count + channel.offset_counts;
       constexpr double kLimit = kFullScaleCounts - 1;
@@ -84,7 +107,10 @@ std::vector<Scan> scans_of(const NodeConfig& node, const SampleTable& table, con
         scans[row].overload |= 1U << k;
     }
   }
-  return scans;
+  std::vector<Scan> taken;
+  for (std::size_t row = 0; row < scans.size(); ++row)
+    if (there[row]) taken.push_back(scans[row]);
+  return taken;
 }
 
 std::vector<Edge> edges_of(const NodeConfig& node, const VehicleConfig& vehicle,
@@ -207,7 +233,8 @@ CsvImportReport import_csv(const CsvImport& import, const VehicleConfig& vehicle
       for (auto& what : suspicions_of(table.value_si[found->second], channel, report.rate_hz))
         report.suspicions.push_back({channel.name, std::move(what)});
     }
-    CsvFrontEnd source(scans_of(node, table, column, clock), edges_of(node, vehicle, pulses));
+    const std::vector<bool> there = rows_of(import, node, table, column);
+    CsvFrontEnd source(scans_of(node, table, column, clock, there), edges_of(node, vehicle, pulses));
     auto& counts = report.nodes.emplace_back(CsvImportReport::Node{node.name, node.id, 0, 0, 0, 0});
     const auto take = [&](const SealedBlock& block) {
       ++counts.blocks;
