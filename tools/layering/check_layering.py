@@ -27,6 +27,10 @@ KEPT = {
     "ginac/": "common/multibody/algebra.cpp",
     "cln/": "common/multibody/algebra.cpp",
     "boost/": "host/web/web_server.cpp",
+    "hdf5.h": "host/exchange/hdf5_handle.hpp",
+    "host/exchange/hdf5_handle.hpp": "host/exchange/hdf5_",
+    "sndfile": "host/exchange/wav_writer.cpp",
+    "zlib": "host/exchange/mcap_writer.cpp",
 }
 
 # The same of interfaces of the system, which tests may use to play the other side.

@@ -6,6 +6,7 @@
 
 #include "common/config/section.hpp"
 #include "tools/rb/command.hpp"
+#include "tools/rb/export.hpp"
 
 namespace {
 
@@ -78,6 +79,7 @@ int main(int argc, char** argv) {
   add_model(app, code);
   add_study(app, code);
   add_import(app, code);
+  add_export(app, code);
   add_supervise(app, code);
   try {
     refuse_unknown_subcommand(app, std::span(argv, static_cast<std::size_t>(argc)).subspan(1), "rb");

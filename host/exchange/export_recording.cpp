@@ -1,0 +1,80 @@
+#include "host/exchange/export_recording.hpp"
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+
+#include "common/config/section.hpp"
+#include "host/exchange/csv_writer.hpp"
+#include "host/exchange/hdf5_writer.hpp"
+#include "host/exchange/mat_writer.hpp"
+#include "host/exchange/mcap_writer.hpp"
+#include "host/exchange/mdf4_writer.hpp"
+#include "host/exchange/part_file.hpp"
+#include "host/exchange/pulses.hpp"
+#include "host/exchange/row_stream.hpp"
+#include "host/exchange/uff58_writer.hpp"
+#include "host/exchange/wav_writer.hpp"
+
+namespace roadbalance {
+namespace {
+
+const ExportFormat& format_named(const std::string& name) {
+  std::string all;
+  for (const auto& format : export_formats()) {
+    if (format.name == name) return format;
+    all += " " + format.name;
+  }
+  throw ConfigError("--format: " + name + ": no such format; allowed:" + all);
+}
+
+void write_groups(const ExportRequest& request, ExportWriter& writer, const std::filesystem::path& part,
+                  const std::stop_token& stop, const ExportProgress& progress, ExportReport& report) {
+  std::int64_t all = 0;
+  for (const auto& group : report.table.group) all += group.rows;
+  for (std::size_t g = 0; g < report.table.group.size(); ++g) {
+    RowStream stream(request.folder, report.table, g);
+    for (auto rows = stream.next(); rows.rows() > 0; rows = stream.next()) {
+      if (stop.stop_requested())
+        throw std::runtime_error("stopped; nothing is left of " + request.file.string());
+      writer.add(g, rows);
+      report.rows += static_cast<std::int64_t>(rows.rows());
+      if (progress) progress(report.rows, all, std::filesystem::file_size(part));
+    }
+    report.missing += stream.missing();
+  }
+}
+
+}  // namespace
+
+std::span<const ExportFormat> export_formats() {
+  static const std::array kFormats{
+      ExportFormat{"csv", make_csv_writer},   ExportFormat{"hdf5", make_hdf5_writer},
+      ExportFormat{"mat", make_mat_writer},   ExportFormat{"mcap", make_mcap_writer},
+      ExportFormat{"mdf4", make_mdf4_writer}, ExportFormat{"uff58", make_uff58_writer},
+      ExportFormat{"wav", make_wav_writer}};
+  return kFormats;
+}
+
+ExportReport export_recording(const ExportRequest& request, std::stop_token stop,
+                              const ExportProgress& progress) {
+  const ExportFormat& format = format_named(request.format);
+  PartFile file(request.file);
+  const RecordingSurvey survey = survey_recording(request.folder, stop);
+  ExportReport report{.table = make_table(survey), .defects = survey.defects};
+  select(request.selection, report.table);
+  const auto writer = format.make(file.part(), report.table);
+  write_groups(request, *writer, file.part(), stop, progress, report);
+  writer->close();
+  if (!request.pulses.empty()) {
+    PartFile pulses(request.pulses);
+    report.pulses =
+        write_pulses(request.folder, survey.vehicle, report.table, request.selection, pulses.part(), stop);
+    pulses.keep();
+  }
+  report.bytes = std::filesystem::file_size(file.part());
+  file.keep();
+  return report;
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <span>
+#include <stop_token>
+#include <string>
+
+#include "host/exchange/survey.hpp"
+#include "host/exchange/writer.hpp"
+
+namespace roadbalance {
+
+/// A format that recordings can be exported to.
+struct ExportFormat {
+  std::string name;
+  std::unique_ptr<ExportWriter> (*make)(const std::filesystem::path& file, const ExportTable& table);
+};
+std::span<const ExportFormat> export_formats();
+
+struct ExportRequest {
+  std::filesystem::path folder, file;
+  std::string format;
+  ExportSelection selection;
+  std::filesystem::path pulses = {};  ///< also write those to this file; empty: not
+};
+
+struct ExportReport {
+  ExportTable table;  ///< of what was exported
+  RecordingDefects defects;
+  std::int64_t rows = 0;     ///< of all groups
+  std::int64_t missing = 0;  ///< of them, summed over nodes, those without samples
+  std::int64_t pulses = 0;   ///< written to the file of pulses
+  std::uintmax_t bytes = 0;  ///< of the file
+};
+
+/// How far it is: rows written and to write, bytes written.
+using ExportProgress = std::function<void(std::int64_t rows, std::int64_t of, std::uintmax_t bytes)>;
+
+/// Writes a recording to a file, which appears under its name whole or not at all.  Takes memory for a few
+/// thousand rows, whatever the length.
+/// @throws ConfigError naming the format or option at fault, std::system_error naming the file, std::
+///         runtime_error if the recording cannot be used or `stop` was requested
+ExportReport export_recording(const ExportRequest& request, std::stop_token stop = {},
+                              const ExportProgress& progress = {});
+
+}  // namespace roadbalance

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <hdf5.h>
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace roadbalance {
+
+/// Before the library is first used.  Errors are told by exceptions, not on standard error; and nothing is
+/// tidied up at the program's end, where the library takes a file that could not be written for sound.
+inline herr_t begin_hdf5() {
+  H5dont_atexit();
+  return H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
+
+/// An identifier of the library; closes itself.
+class Hdf5Handle {
+ public:
+  Hdf5Handle() = default;
+  /// @param failure  what to say if the identifier is none
+  Hdf5Handle(hid_t id, herr_t (*closing)(hid_t),
+             const std::string& failure = "cannot make the file: is there room, and may it be written?")
+      : id_(id), close_(closing) {
+    if (id < 0) throw std::runtime_error("HDF5: " + failure);
+  }
+  Hdf5Handle(Hdf5Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
+  Hdf5Handle& operator=(Hdf5Handle&& other) noexcept {
+    std::swap(id_, other.id_);
+    std::swap(close_, other.close_);
+    return *this;
+  }
+  ~Hdf5Handle() {
+    if (id_ >= 0) close_(id_);
+  }
+  hid_t get() const { return id_; }
+  herr_t close() { return close_(std::exchange(id_, -1)); }
+
+ private:
+  hid_t id_ = -1;
+  herr_t (*close_)(hid_t) = nullptr;
+};
+
+}  // namespace roadbalance

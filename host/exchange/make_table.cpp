@@ -1,0 +1,238 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <tuple>
+
+#include "common/config/section.hpp"
+#include "host/exchange/survey.hpp"
+
+namespace roadbalance {
+namespace {
+
+/// Samples this near to a grid are its rows, in periods: what rounding to nanoseconds leaves, and more.
+constexpr double kOnGrid = 0.02;
+
+/// Of `span`'s scan `scan` on a grid from `origin_ns` on, in periods.
+double position(std::int64_t time_ns, std::int64_t origin_ns, std::int64_t period_ps) {
+  return static_cast<double>(time_ns - origin_ns) * 1000.0 / static_cast<double>(period_ps);
+}
+
+bool is_on_grid(const RecordedSpan& span, std::int64_t origin_ns, std::int64_t period_ps) {
+  const double begin = position(span.first_ns, origin_ns, period_ps);
+  const double end = position(span.last_ns, origin_ns, period_ps);
+  return span.period_ps == period_ps && std::abs(begin - std::round(begin)) <= kOnGrid &&
+         std::abs(end - std::round(begin) - static_cast<double>(span.next_scan - span.first_scan)) <= kOnGrid;
+}
+
+bool overlap(const RecordedSpan& a, const RecordedSpan& b) {
+  return a.node == b.node && a.first_ns < b.last_ns && b.first_ns < a.last_ns;
+}
+
+void add_accelerations(const RecordedSpan& span, const NodeConfig& node, ExportGroup& group,
+                       ExportPart& part) {
+  for (std::size_t k = 0; k < node.channel.size(); ++k) {
+    const ChannelConfig& from = node.channel[k];
+    if (from.role == ChannelRole::kUnused) continue;
+    part.converter.push_back(k);
+    group.channel.push_back({.name = from.name,
+                             .unit = from.role == ChannelRole::kRoad ? "m" : "m/s^2",
+                             .node = node.name,
+                             .scale = from.scale_m_s2_per_count,
+                             .offset_counts = from.offset_counts,
+                             .mount = from.mount,
+                             .position_m = from.position_m,
+                             .direction = from.direction,
+                             .range = from.range_m_s2,
+                             .delay_s = from.delay_s,
+                             .overload = (span.overload >> k & 1) != 0});
+  }
+}
+
+void add_references(const VehicleConfig& vehicle, const NodeConfig& node, ExportGroup& group,
+                    ExportPart& part) {
+  for (int line = 0; line < kEncoderLines; ++line) {
+    const WheelConfig* wheel = vehicle.wheel_at(node, line);
+    if (wheel == nullptr) continue;
+    for (int k = 0; k < 2; ++k) {
+      part.converter.push_back(static_cast<std::size_t>(kAccelerations + 2 * line + k));
+      group.channel.push_back({.name = wheel->name + (k == 0 ? "_angle_sin" : "_angle_cos"),
+                               .unit = "1",
+                               .node = node.name,
+                               .scale = 1.0 / kFullScaleCounts,
+                               .mount = wheel->name,
+                               .range = 1.0});
+    }
+  }
+}
+
+/// Adds a span to a group, with the columns that its node has there already if it was there before.
+void add_part(const VehicleConfig& vehicle, const RecordedSpan& span, std::int64_t first_row,
+              ExportGroup& group) {
+  const NodeConfig* node = vehicle.node_with_id(span.node);
+  if (node == nullptr) return;  // of a node that vehicle.toml does not know nobody can tell the channels
+  ExportPart part{.node = span.node,
+                  .epoch = span.epoch,
+                  .first_scan = span.first_scan,
+                  .first_row = first_row,
+                  .first_fit = span.first_fit};
+  const auto known = std::find_if(group.part.begin(), group.part.end(),
+                                  [&](const ExportPart& other) { return other.node == span.node; });
+  if (known != group.part.end()) {
+    part.first_column = known->first_column;
+    part.converter = known->converter;
+    for (std::size_t c = 0; c < part.converter.size(); ++c)
+      if (span.overload >> part.converter[c] & 1) group.channel[part.first_column + c].overload = true;
+  } else {
+    part.first_column = group.channel.size();
+    add_accelerations(span, *node, group, part);
+    add_references(vehicle, *node, group, part);
+  }
+  group.rows = std::max(group.rows, first_row + span.next_scan - span.first_scan);
+  group.part.push_back(std::move(part));
+}
+
+/// All spans that lie on the grid of the earliest, as one group; the others are left.
+ExportGroup common_group(const RecordingSurvey& survey, std::vector<const RecordedSpan*>& left) {
+  const auto earliest = std::min_element(
+      left.begin(), left.end(), [](const auto* a, const auto* b) { return a->first_ns < b->first_ns; });
+  const RecordedSpan& first = **earliest;
+  ExportGroup group{.name = "all",
+                    .rate_hz = 1e12 / static_cast<double>(first.period_ps),
+                    .first_ns = first.first_ns,
+                    .origin_ns = first.first_ns,
+                    .period_ps = first.period_ps,
+                    .shared_time = true};
+  std::vector<const RecordedSpan*> taken, others;
+  for (const RecordedSpan* span : left) {
+    const bool fits =
+        is_on_grid(*span, first.first_ns, first.period_ps) &&
+        std::none_of(taken.begin(), taken.end(), [&](const auto* t) { return overlap(*t, *span); });
+    (fits ? taken : others).push_back(span);
+  }
+  for (const RecordedSpan* span : taken)
+    add_part(survey.vehicle, *span, std::llround(position(span->first_ns, first.first_ns, first.period_ps)),
+             group);
+  left = std::move(others);
+  return group;
+}
+
+ExportGroup own_group(const RecordingSurvey& survey, const RecordedSpan& span, int number) {
+  const NodeConfig* node = survey.vehicle.node_with_id(span.node);
+  ExportGroup group{.name = node ? node->name : "node" + std::to_string(span.node),
+                    .first_ns = span.first_host_ns(),
+                    .origin_ns = span.first_host_ns(),
+                    .period_ps = span.period_ps};
+  if (number > 1) group.name += "_" + std::to_string(number);
+  const auto seconds = static_cast<double>(span.end_ns() - group.first_ns) * 1e-9;
+  const auto scans = static_cast<double>(span.next_scan - span.first_scan);
+  group.rate_hz = seconds > 0.0 ? scans / seconds : 1e12 / static_cast<double>(span.period_ps);
+  add_part(survey.vehicle, span, 0, group);
+  return group;
+}
+
+std::vector<ExportGroup> groups_of(const RecordingSurvey& survey) {
+  std::vector<const RecordedSpan*> left;
+  for (const auto& span : survey.span) left.push_back(&span);
+  std::vector<ExportGroup> groups;
+  const bool own_clocks =
+      std::any_of(left.begin(), left.end(), [](const auto* span) { return span->first_fit.has_value(); });
+  if (!own_clocks) groups.push_back(common_group(survey, left));
+  std::map<std::int32_t, int> seen;
+  for (const RecordedSpan* span : left) groups.push_back(own_group(survey, *span, ++seen[span->node]));
+  std::erase_if(groups, [](const ExportGroup& group) { return group.channel.empty() || group.rows == 0; });
+  return groups;
+}
+
+/// Drops the columns whose channel is not among `names`.
+void keep_channels(const std::set<std::string>& names, ExportGroup& group) {
+  std::vector<ExportChannel> kept;
+  std::map<std::int32_t, std::pair<std::size_t, std::vector<std::size_t>>> columns;  // of nodes done
+  for (ExportPart& part : group.part) {
+    const auto known = columns.find(part.node);
+    if (known == columns.end()) {
+      const std::size_t first = kept.size();
+      std::vector<std::size_t> converter;
+      for (std::size_t c = 0; c < part.converter.size(); ++c) {
+        const ExportChannel& channel = group.channel[part.first_column + c];
+        if (!names.contains(channel.name) && !names.contains(channel.node)) continue;
+        kept.push_back(channel);
+        converter.push_back(part.converter[c]);
+      }
+      columns[part.node] = {first, std::move(converter)};
+    }
+    std::tie(part.first_column, part.converter) = columns[part.node];
+  }
+  group.channel = std::move(kept);
+}
+
+void check_names(const std::vector<std::string>& wanted, const ExportTable& table) {
+  std::set<std::string> names;
+  std::string all;
+  for (const auto& group : table.group)
+    for (const auto& channel : group.channel) {
+      if (names.insert(channel.node).second) all += " " + channel.node;
+      if (names.insert(channel.name).second) all += " " + channel.name;
+    }
+  for (const auto& name : wanted)
+    if (!names.contains(name))
+      throw ConfigError("--channels: " + name + ": no such channel or node; allowed:" + all);
+}
+
+/// Rows of `group` from from_s up to, and without, to_s.
+void keep_rows(const ExportSelection& selection, ExportGroup& group) {
+  const auto row_at = [&](double seconds) {
+    // A limit that stands on a row means it, whatever rounding makes of it.
+    const double row = (seconds - static_cast<double>(group.first_ns) * 1e-9) * group.rate_hz - 1e-3;
+    return static_cast<std::int64_t>(std::ceil(std::clamp(row, 0.0, static_cast<double>(group.rows))));
+  };
+  const std::int64_t end = selection.to_s ? row_at(*selection.to_s) : group.rows;
+  group.first_row = std::min(row_at(selection.from_s), end);
+  group.rows = end - group.first_row;
+  group.first_ns += group.shared_time
+                        ? group.first_row * group.period_ps / 1000
+                        : std::llround(static_cast<double>(group.first_row) * 1e9 / group.rate_hz);
+}
+
+}  // namespace
+
+ExportTable make_table(const RecordingSurvey& survey) {
+  ExportTable table{.vehicle = survey.vehicle.name,
+                    .vehicle_toml = survey.vehicle.text,
+                    .program = survey.program,
+                    .group = groups_of(survey)};
+  table.start_utc_us = survey.start_utc_us;
+  table.start_by_clock = survey.start_by_clock;
+  if (table.group.empty()) return table;
+  table.start_ns = std::min_element(table.group.begin(), table.group.end(), [](const auto& a, const auto& b) {
+                     return a.first_ns < b.first_ns;
+                   })->first_ns;
+  for (auto& group : table.group) group.first_ns -= table.start_ns;
+  const bool own_clocks = std::any_of(survey.span.begin(), survey.span.end(),
+                                      [](const auto& s) { return s.first_fit.has_value(); });
+  for (const auto& mark : survey.mark)
+    table.mark.push_back(
+        {(own_clocks ? mark.host_ns : mark.last_sample_ns) - table.start_ns, mark.number, mark.text});
+  return table;
+}
+
+void select(const ExportSelection& selection, ExportTable& table) {
+  if (selection.to_s && *selection.to_s <= selection.from_s)
+    throw ConfigError("--to: not after --from; allowed: a later time");
+  check_names(selection.channels, table);
+  const std::set<std::string> names(selection.channels.begin(), selection.channels.end());
+  for (auto& group : table.group) {
+    if (!names.empty()) keep_channels(names, group);
+    keep_rows(selection, group);
+  }
+  std::erase_if(table.group,
+                [](const ExportGroup& group) { return group.channel.empty() || group.rows == 0; });
+  if (table.group.empty()) throw ConfigError("--from, --to: no sample between them");
+  const auto outside = [&](const ExportMark& mark) {
+    const double seconds = static_cast<double>(mark.time_ns) * 1e-9;
+    return seconds < selection.from_s || (selection.to_s && seconds >= *selection.to_s);
+  };
+  std::erase_if(table.mark, outside);
+}
+
+}  // namespace roadbalance

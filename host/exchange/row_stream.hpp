@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "host/exchange/export_table.hpp"
+#include "host/exchange/node_blocks.hpp"
+#include "host/exchange/writer.hpp"
+
+namespace roadbalance {
+
+/// The rows of one group of a recording, in order, a few thousand at a time.
+///
+/// Each node has a reader of its own, so that samples that came late (repaired after an hour without a
+/// network) keep nothing of the other nodes in memory.
+class RowStream {
+ public:
+  static constexpr std::int64_t kRows = 4096;  ///< given at a time; the last are fewer
+
+  /// @param table  of this recording; outlives the stream
+  /// @throws std::system_error if the folder cannot be read
+  RowStream(const std::filesystem::path& folder, const ExportTable& table, std::size_t group);
+
+  /// The next rows, valid until the next call; none behind the last.
+  ExportRows next();
+  /// Rows so far in which a node's samples were missing, summed over nodes.
+  std::int64_t missing() const { return missing_; }
+
+ private:
+  void fill(NodeBlocks& node, std::int64_t begin, std::int64_t end);
+  void copy(const NodeBlocks::Placed& placed, std::int64_t row, std::int64_t begin);
+  void tell_time(std::int64_t begin);
+
+  const ExportTable& table_;
+  const ExportGroup& group_;
+  std::vector<std::unique_ptr<NodeBlocks>> node_;
+  std::int64_t row_ = 0;  ///< next to give
+  std::int64_t last_ns_ = 0;
+  std::int64_t missing_ = 0;
+  std::vector<std::int32_t> counts_;  ///< [row][channel]
+  std::vector<std::int64_t> time_ns_;
+};
+
+}  // namespace roadbalance

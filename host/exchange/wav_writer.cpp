@@ -1,0 +1,82 @@
+#include "host/exchange/wav_writer.hpp"
+
+#include <sndfile.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "common/config/section.hpp"
+#include "host/exchange/description_json.hpp"
+#include "host/exchange/only_group.hpp"
+
+namespace roadbalance {
+namespace {
+
+constexpr std::int64_t kCountsToSample = 128;
+constexpr std::size_t kMostChannels = 1024;  // of libsndfile
+
+std::int32_t sample_of(double counts) {
+  constexpr double kLimit = 2147483647.0;
+  return static_cast<std::int32_t>(std::clamp(std::round(counts * kCountsToSample), -kLimit, kLimit));
+}
+
+class WavWriter final : public ExportWriter {
+ public:
+  WavWriter(const std::filesystem::path& file, const ExportTable& table) : path_(file.string()) {
+    const ExportGroup& group = only_group(table, "wav");
+    channels_ = group.channel.size();
+    if (channels_ > kMostChannels)
+      throw ConfigError("wav: " + std::to_string(channels_) + " channels; allowed: 1 .. 1024 (--channels)");
+    for (const auto& channel : group.channel) silence_.push_back(sample_of(channel.offset_counts));
+    SF_INFO info{};
+    info.samplerate = static_cast<int>(std::max(1L, std::lround(group.rate_hz)));
+    info.channels = static_cast<int>(channels_);
+    info.format = SF_FORMAT_RF64 | SF_FORMAT_PCM_32;
+    file_ = sf_open(path_.c_str(), SFM_WRITE, &info);
+    if (file_ == nullptr) throw std::runtime_error("write " + path_ + ": " + sf_strerror(nullptr));
+    sf_command(file_, SFC_RF64_AUTO_DOWNGRADE, nullptr, SF_TRUE);  // WAV if it is short enough
+    sf_set_string(file_, SF_STR_SOFTWARE, "roadbalance");
+    sf_set_string(file_, SF_STR_COMMENT, description_json(table).c_str());
+  }
+  ~WavWriter() override {
+    if (file_ != nullptr) sf_close(file_);
+  }
+
+  void add(std::size_t, const ExportRows& rows) override {
+    samples_.resize(rows.counts.size());
+    for (std::size_t i = 0; i < samples_.size(); ++i) {
+      const std::int64_t sample = rows.counts[i] * kCountsToSample;
+      samples_[i] = rows.counts[i] == kMissingCounts
+                        ? silence_[i % channels_]
+                        : static_cast<std::int32_t>(std::clamp<std::int64_t>(sample, -kMost, kMost));
+    }
+    const auto count = static_cast<sf_count_t>(rows.rows());
+    if (sf_writef_int(file_, samples_.data(), count) != count)
+      throw std::runtime_error("write " + path_ + ": " + sf_strerror(file_));
+  }
+
+  void close() override {
+    const int error = sf_close(file_);
+    file_ = nullptr;
+    if (error != 0) throw std::runtime_error("write " + path_ + ": " + sf_error_number(error));
+  }
+
+ private:
+  static constexpr std::int64_t kMost = 2147483647;
+
+  const std::string path_;
+  std::size_t channels_ = 0;
+  std::vector<std::int32_t> silence_, samples_;
+  SNDFILE* file_ = nullptr;
+};
+
+}  // namespace
+
+std::unique_ptr<ExportWriter> make_wav_writer(const std::filesystem::path& file, const ExportTable& table) {
+  return std::make_unique<WavWriter>(file, table);
+}
+
+}  // namespace roadbalance

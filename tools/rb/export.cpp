@@ -1,0 +1,152 @@
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include <unistd.h>
+
+#include "common/process/stop_on_signal.hpp"
+#include "common/record/file.hpp"
+#include "host/exchange/export_recording.hpp"
+#include "tools/rb/command.hpp"
+#include "tools/rb/defects.hpp"
+#include "tools/rb/export.hpp"
+
+namespace roadbalance {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct ExportOptions {
+  ExportRequest request;
+  std::string folder, file, vehicle, pulses;
+  double to_s = 0.0;
+  bool has_to = false;
+  bool json = false;
+};
+
+/// A line on a terminal, once a second.
+class ProgressLine {
+ public:
+  void operator()(std::int64_t rows, std::int64_t of, std::uintmax_t bytes) {
+    const auto now = std::chrono::steady_clock::now();
+    if (!isatty(STDERR_FILENO) || now < next_) return;
+    next_ = now + std::chrono::seconds(1);
+    const double seconds = std::chrono::duration<double>(now - begin_).count();
+    const auto part = static_cast<double>(rows) / static_cast<double>(of);
+    std::fprintf(stderr, "\r%5.1f %%, %.1f MB, %.1f MB/s, %.0f s left ", 100.0 * part,
+                 static_cast<double>(bytes) * 1e-6, static_cast<double>(bytes) * 1e-6 / seconds,
+                 seconds * (1.0 - part) / part);
+    shown_ = true;
+  }
+  ~ProgressLine() {
+    if (shown_) std::fputs("\n", stderr);
+  }
+
+ private:
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::time_point next_ = begin_ + std::chrono::seconds(1);
+  bool shown_ = false;
+};
+
+Json report_json(const ExportOptions& options, const ExportReport& report) {
+  Json groups = Json::array();
+  for (const auto& group : report.table.group) {
+    Json channels = Json::array();
+    for (const auto& channel : group.channel)
+      channels.push_back({{"name", channel.name},
+                          {"unit", channel.unit},
+                          {"node", channel.node},
+                          {"scale", channel.scale},
+                          {"offset_counts", channel.offset_counts},
+                          {"overload", channel.overload}});
+    groups.push_back({{"name", group.name},
+                      {"rate_hz", group.rate_hz},
+                      {"first_s", static_cast<double>(group.first_ns) * 1e-9},
+                      {"rows", group.rows},
+                      {"channels", channels}});
+  }
+  Json marks = Json::array();
+  for (const auto& mark : report.table.mark)
+    marks.push_back(
+        {{"time_s", static_cast<double>(mark.time_ns) * 1e-9}, {"number", mark.number}, {"text", mark.text}});
+  const auto& start = report.table.start_utc_us;
+  return {{"file", options.file},
+          {"format", options.request.format},
+          {"bytes", report.bytes},
+          {"start_utc_us", start ? Json(*start) : Json()},
+          {"start_by_clock", report.table.start_by_clock},
+          {"rows", report.rows},
+          {"rows_missing", report.missing},
+          {"pulses", report.pulses},
+          {"damaged_bytes", report.defects.damaged_bytes},
+          {"blocks_refused", report.defects.refused_blocks},
+          {"blocks_missing", report.defects.missing_blocks},
+          {"groups", groups},
+          {"marks", marks}};
+}
+
+void tell(const ExportOptions& options, const ExportReport& report) {
+  for (const auto& group : report.table.group)
+    std::fprintf(stderr, "%s: %lld rows of %zu channels, %.6g Hz\n", group.name.c_str(),
+                 static_cast<long long>(group.rows), group.channel.size(), group.rate_hz);
+  if (report.missing > 0)
+    std::fprintf(stderr, "in %lld of them samples of a node are missing, and marked so\n",
+                 static_cast<long long>(report.missing));
+  std::fprintf(stderr, "%s: %.1f MB\n", options.file.c_str(), static_cast<double>(report.bytes) * 1e-6);
+}
+
+int run_export(ExportOptions options) {
+  const StopOnSignal signals;
+  options.request.folder = options.folder;
+  options.request.file = options.file;
+  options.request.pulses = options.pulses;
+  if (options.has_to) options.request.selection.to_s = options.to_s;
+  const ExportReport report = [&] {
+    ProgressLine line;
+    return export_recording(options.request, signals.token(), std::ref(line));
+  }();
+  if (!options.vehicle.empty()) write_atomically(options.vehicle, report.table.vehicle_toml);
+  warn_of_defects("export", options.folder, report.defects);
+  tell(options, report);
+  if (options.json) std::printf("%s\n", report_json(options, report).dump().c_str());
+  const RecordingDefects& defects = report.defects;
+  if (defects.damaged_bytes > 0 || defects.refused_blocks > 0 || defects.missing_blocks > 0)
+    return kAnswerIsNo;
+  return report.missing > 0 ? kIncomplete : kDone;
+}
+
+}  // namespace
+
+void add_export(CLI::App& app, int& code) {
+  auto options = std::make_shared<ExportOptions>();
+  CLI::App* command = app.add_subcommand("export", "Writes a recording to a file of another format");
+  std::string formats;
+  for (const auto& format : export_formats()) formats += (formats.empty() ? "" : ", ") + format.name;
+  command->add_option("folder", options->folder, "the recording")->required();
+  command->add_option("--format", options->request.format, formats)->required();
+  command->add_option("-o,--output", options->file, "file to make; must not be there yet")->required();
+  command->add_option("--from", options->request.selection.from_s,
+                      "begin, s from the recording's first sample");
+  CLI::Option* to = command->add_option("--to", options->to_s, "end, s; not included");
+  command
+      ->add_option("--channels", options->request.selection.channels,
+                   "names of channels or nodes; all if not given")
+      ->delimiter(',');
+  command->add_option("--pulses", options->pulses,
+                      "also write the pulses of the wheels to this file, as rb import csv takes them");
+  command->add_option("--vehicle", options->vehicle, "also write the recorded vehicle.toml to this file");
+  command->add_flag("--json", options->json, "one JSON object on standard output");
+  command->footer(
+      "Exit codes: 0 done, 3 samples are missing in it and marked so, 1 the recording is damaged and the "
+      "file "
+      "holds the rest, 2 usage, 4 cannot read or write.");
+  command->callback([options, to, &code] {
+    options->has_to = to->count() > 0;
+    code = run_export(*options);
+  });
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,114 @@
+"""Recordings of nodes with clocks of their own, and marks: events put into a recording by hand."""
+
+import pathlib
+import shutil
+import struct
+import sys
+import unittest
+
+import h5py
+import numpy as np
+
+import mdf4
+from csv_test import read
+from recorded import Exports, Node, rb
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "record_check" / "test"))
+from records import event, message  # noqa: E402
+
+HOST_NS = 10**12  # of the host's clock at the node's instant 0, about
+DRIFT = {1: 40e-6, 2: -25e-6}
+OFFSET_NS = {1: 0, 2: 123_456_789}
+
+
+def insert(folder, added):
+    """Puts events before the first scan block of each node, and marks before a later one."""
+    segment = folder / "seg-000001.lcm"
+    log, out, at, blocks = segment.read_bytes(), bytearray(), 0, 0
+    while struct.unpack_from(">I", log, at)[0] == 0xEDA1DA01:
+        _, _, _, name, size = struct.unpack_from(">IqqII", log, at)
+        if log[at + 28:at + 28 + name].endswith(b"_SCAN"):
+            for data in added.get(blocks, []):
+                out += data
+            blocks += 1
+        out += log[at:at + 28 + name + size]
+        at += 28 + name + size
+        if at + 28 > len(log):
+            break
+    segment.write_bytes(out)
+
+
+def epoch_of(folder, number):
+    log = (folder / "seg-000001.lcm").read_bytes()
+    at = log.index(f"RB_BLOCK_{number}_SCAN".encode()) + len(f"RB_BLOCK_{number}_SCAN")
+    return struct.unpack_from(">q", log, at + 12)[0]
+
+
+def fit(folder, number, host_ns, node_ns, drift, index=1):
+    return event(f"RB_CLOCK_{number}".encode(),
+                 message("clock_fit_t", node=number, epoch=epoch_of(folder, number), number=index, state=1,
+                         host_ns=host_ns, node_ns=node_ns, drift=drift, uncertainty_s=1e-5, exchanges=10))
+
+
+def mark(number, host_ns, text):
+    return event(b"RB_NOTE", message("note_t", time_us=1_700_000_000_000_000 + host_ns // 1000, host_ns=host_ns,
+                                     incarnation=1, kind=17, a=number, size=len(text),
+                                     text=text + bytes(400 - len(text))))
+
+
+class Clocks(Exports):
+    def with_clocks(self):
+        folder = self.root / "clocks"
+        shutil.copytree(self.made, folder)
+        fits = [fit(folder, n, HOST_NS + OFFSET_NS[n], 0, DRIFT[n]) for n in (1, 2)]
+        insert(folder, {0: [*fits, mark(1, HOST_NS + 4 * 10**9, b"pothole")]})
+        return folder
+
+    def host_s(self, folder, number):
+        node = Node(folder, number)
+        return node, (HOST_NS + OFFSET_NS[number] + node.time_ns / (1 + DRIFT[number])) * 1e-9
+
+    def test_each_node_has_its_own_instants_on_the_hosts_time(self):
+        folder = self.with_clocks()
+        front, front_s = self.host_s(folder, 1)
+        rear, rear_s = self.host_s(folder, 2)
+        path, said = self.export("hdf5", folder, "clocks.h5")
+        with h5py.File(path) as data:
+            for name, node, time_s in (("front", front, front_s), ("rear", rear, rear_s)):
+                there = node.there[:, 0]
+                np.testing.assert_allclose(data[name]["time_s"][...][there], time_s[there] - front_s[0], rtol=0, atol=1e-8)
+                self.assertTrue((np.diff(data[name]["time_s"]) > 0).all())
+                np.testing.assert_array_equal(data[name][name + "_up"][...][there], node.counts[there, 0])
+        rates = {group["name"]: group["rate_hz"] for group in said["groups"]}
+        for number, name in ((1, "front"), (2, "rear")):
+            self.assertAlmostEqual(rates[name], 500 * (1 + DRIFT[number]), places=5)
+        self.assertAlmostEqual(said["marks"][0]["time_s"], HOST_NS * 1e-9 + 4 - front_s[0], places=7)
+        self.assertTrue(said["start_by_clock"])
+        self.assertAlmostEqual(said["start_utc_us"], 1.7e15 + front_s[0] * 1e6, delta=2)
+
+    def test_mdf4_has_a_group_for_each_node_and_the_mark(self):
+        path, _ = self.export("mdf4", self.with_clocks(), "clocks.mf4")
+        file = mdf4.File(path)
+        self.assertEqual([group.name for group in file.groups], ["front", "rear"])
+        self.assertEqual([text for _, text in file.events], ["pothole"])
+        shutil.rmtree(self.root / "clocks")
+
+    def test_csv_takes_one_node_and_says_so(self):
+        folder = self.with_clocks()
+        done = rb("export", "--format", "csv", folder, "-o", self.root / "two.csv")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("front rear", done.stderr)
+        self.assertFalse((self.root / "two.csv").exists())
+        path, _ = self.export("csv", folder, "rear.csv", "--channels", "rear")
+        _, _, cells = read(path)
+        node, time_s = self.host_s(folder, 2)
+        _, front_s = self.host_s(folder, 1)
+        there = node.there[:, 0]
+        np.testing.assert_allclose(cells[there[:len(cells)], 0], time_s[there] - front_s[0], rtol=0, atol=1e-8)
+
+    def tearDown(self):
+        shutil.rmtree(self.root / "clocks", ignore_errors=True)
+
+
+if __name__ == "__main__":
+    unittest.main()
