@@ -64,6 +64,17 @@ void write_blocks() {
   write("index", "one-epoch", encode(index));
 }
 
+void write_posts() {
+  const std::string ids = R"({"asker":1,"request":9007199254740991,"operation":)";
+  write("post", "mark", ids + R"("mark","text":"R br\u00fccke 1"})");
+  write("post", "range", ids + R"("range","node":2,"channel":4,"value":[80,-1.5e3]})");
+  write("post", "start", ids + R"("start","text":""})");
+  write("post", "job", ids + R"("job","text":"drive","value":[1]})");
+  const std::string host = "127.0.0.1:8080\nhttp://127.0.0.1:8080\n";
+  write("post", "head", "POST\n/request\n" + host + "roadbalance, viewer.7, token.correct-horse-battery");
+  write("post", "feed", "GET\n/feed\n" + host + "roadbalance, token.correct-horse-battery\n");
+}
+
 void write_messages() {
   write("control", "heartbeat", encode(Heartbeat{.node = 1, .epoch = 2, .base = 3, .next = 9}));
   write("control", "ack",
@@ -142,6 +153,7 @@ int main(int count, char** arguments) {
     roadbalance::folder = arguments[1];
     roadbalance::write_blocks();
     roadbalance::write_messages();
+    roadbalance::write_posts();
     roadbalance::write_texts();
   } catch (const std::exception& error) {
     std::fprintf(stderr, "rb-fuzz-seeds: %s\n", error.what());

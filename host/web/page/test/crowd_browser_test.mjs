@@ -12,7 +12,7 @@ import {busUrl, launch, picture, start, startWeb} from "./browser.mjs";
 import {MemoryTrend, Watcher, ownMemory, stall, uploads} from "./crowd.mjs";
 
 const kFull = process.env.RB_FULL === "1";
-const kDrive = kFull ? {seconds: 3600 * Number(process.env.RB_HOURS ?? 8), rate: 20} : {seconds: 100, rate: 4};
+const kDrive = kFull ? {seconds: 3600 * Number(process.env.RB_HOURS ?? 8), rate: 20} : {seconds: 140, rate: 4};
 const kRateHz = 2000;  // of the demonstration car's nodes
 /** Every view has been seen by then. */
 const kSettledMs = kFull ? 120_000 : 12_000;
@@ -75,18 +75,21 @@ class Drive {
 /** A page on which all views are looked at, and what it and its rb-web have in memory after each round. */
 class Looker {
   web = new MemoryTrend(kSettledMs);
+  nodes = new MemoryTrend(kSettledMs);  // of its document, their number
   heap = new MemoryTrend(kSettledMs, kFull ? 5 : 1);
   renderer = new MemoryTrend(kSettledMs, kFull ? 5 : 1);
   complaints = [];
   saidMs = -Infinity;
 
   toString() {
-    return `rb-web: ${this.web}; page: ${this.heap}; its process: ${this.renderer}`;
+    return `rb-web: ${this.web}; page: ${this.heap}; its process: ${this.renderer}; ` +
+      `${this.nodes.settled} nodes when settled, ${this.nodes.growth} more`;
   }
   async open(browser, drive) {
     this.page = await browser.newPage({viewport: {width: 1366, height: 768}});
     this.page.on("pageerror", (error) => this.complaints.push(error.message));
     this.pages = await this.page.context().newCDPSession(this.page);
+    await this.pages.send("Performance.enable");
     this.browser = await browser.newBrowserCDPSession();
     this.webPid = drive.steady.web.pid;
     await this.page.goto(drive.steady.where);
@@ -105,7 +108,10 @@ class Looker {
   }
   async measure() {
     await this.pages.send("HeapProfiler.collectGarbage");
-    this.heap.add((await this.pages.send("Runtime.getHeapUsage")).usedSize);
+    const {metrics} = await this.pages.send("Performance.getMetrics");
+    const metric = (wanted) => metrics.find(({name}) => name === wanted).value;
+    this.heap.add(metric("JSHeapUsedSize"));
+    this.nodes.add(metric("Nodes"));
     const {processInfo} = await this.browser.send("SystemInfo.getProcessInfo");
     this.renderer.add(processInfo.filter(({type}) => type === "renderer").reduce((sum, {id}) => sum + ownMemory(id), 0));
     this.web.add(ownMemory(this.webPid));
@@ -212,6 +218,7 @@ test("a crowd, sluggards, uploads, kills and reloads cost the record nothing, an
   for (const [what, count] of Object.entries(drive.counts)) assert.ok(count > 0, what);
   assert.deepEqual(looker.complaints, []);
   assert.ok(looker.web.growth < kMiB, `rb-web: ${looker.web}`);
+  assert.ok(looker.nodes.growth < 200, `page: ${looker.nodes.growth} nodes more`);
   assert.ok(looker.heap.growth < kMiB, `page: ${looker.heap}`);
   assert.ok(looker.renderer.growth < 16 * kMiB, `page's process: ${looker.renderer}`);
 });
