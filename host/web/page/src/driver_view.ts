@@ -59,7 +59,6 @@ export class DriverView implements View {
   readonly key = "D";
   readonly does = "driver's view: large, nothing to press; Escape or a tap leaves it";
   readonly coversAll = true;
-  readonly withLevels = false;
   readonly keys;
   readonly element: HTMLElement;
   private readonly word = el("span", {class: "word"});

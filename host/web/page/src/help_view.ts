@@ -28,7 +28,6 @@ export class HelpView implements View {
   readonly title = "Help";
   readonly key = "?";
   readonly does = "this help, and back";
-  readonly withLevels = false;
   readonly keys: readonly Key[];
   readonly element: HTMLElement;
   private readonly list = el("dl", {class: "keys"});

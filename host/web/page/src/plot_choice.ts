@@ -29,10 +29,6 @@ export class Choice<T extends string> {
   }
 
   /** What is chosen, as it is offered. */
-  get text(): string {
-    return this.select.selectedOptions[0]?.textContent ?? "";
-  }
-
   set value(value: T) {
     this.select.value = value;
   }

@@ -44,7 +44,7 @@ export interface FigureOptions {
 }
 
 /** What is beside figures in the view of plots, and how high all are together at the least and the most. */
-const kBeside = 215, kLeastHeight = 280, kMostHeight = 800;
+const kBeside = 163, kLeastHeight = 280, kMostHeight = 800;
 function figureHeight(share: number): number {
   const above = document.querySelector<HTMLElement>(".plots")?.offsetTop ?? 0;
   return Math.round(share * Math.min(kMostHeight, Math.max(kLeastHeight, innerHeight - above - kBeside)));

@@ -34,11 +34,11 @@ export class TransferPlot implements Plot {
   private readonly estimator: Choice<Estimator>;
   private readonly orders: Choice<string>;
   private readonly caption = el("p", {class: "caption", id: "transfer-caption"});
-  private readonly magnitude = new Figure({id: "transfer-magnitude", label: "Transfer function", xLabel: "", share: 0.42,
+  private readonly magnitude = new Figure({id: "transfer-magnitude", label: "Transfer function", xLabel: "", share: 0.39,
                                            logarithmic: true, together: kTogether, xText});
-  private readonly phase = new Figure({id: "transfer-phase", label: "Phase", xLabel: "", share: 0.22, range: [-180, 180],
+  private readonly phase = new Figure({id: "transfer-phase", label: "Phase", xLabel: "", share: 0.26, range: [-180, 180],
                                        splits: [-180, -90, 0, 90, 180], together: kTogether, xText});
-  private readonly coherence = new Figure({id: "transfer-coherence", label: "Coherence", xLabel: "Frequency, Hz", share: 0.36,
+  private readonly coherence = new Figure({id: "transfer-coherence", label: "Coherence", xLabel: "Frequency, Hz", share: 0.35,
                                            range: [0, 1], together: kTogether, xText});
   private reference: {readonly curves: TransferCurves; readonly name: string} | undefined;
   private now: {readonly curves: TransferCurves; readonly name: string} | undefined;

@@ -28,7 +28,6 @@ const kAverages = {"4": "exponential, 4 blocks", "20": "exponential, 20 blocks",
 /** How spectra are made, as a person chose it. */
 class SpectralChoices {
   readonly element: HTMLElement;
-  private readonly summary = el("summary");
   private readonly window: Choice<string>;
   private readonly block: Choice<string>;
   private readonly overlap: Choice<string>;
@@ -36,23 +35,15 @@ class SpectralChoices {
   private readonly highest: Choice<string>;
 
   constructor(heard: () => void) {
-    const changed = () => {
-      this.say();
-      heard();
-    };
-    this.window = new Choice<string>("plot-window", "Window", Object.fromEntries(kWindowNames.map((name, k) => [k, `${name} window`])), "1", changed);
-    this.block = new Choice<string>("plot-block", "Block", kBlocks, "4096", changed);
-    this.overlap = new Choice<string>("plot-overlap", "Overlap", {"0": "0 % overlap", "0.5": "50 % overlap", "0.75": "75 % overlap"}, "0.5", changed);
-    this.average = new Choice<keyof typeof kAverages>("plot-average", "Average", kAverages, "20", changed);
-    this.highest = new Choice<string>("plot-highest", "Range", {"50": "up to 50 Hz", "100": "up to 100 Hz", "250": "up to 250 Hz", "1000": "up to 1000 Hz"}, "100", changed);
+    this.window = new Choice<string>("plot-window", "Window", Object.fromEntries(kWindowNames.map((name, k) => [k, `${name} window`])), "1", heard);
+    this.block = new Choice<string>("plot-block", "Block", kBlocks, "4096", heard);
+    this.overlap = new Choice<string>("plot-overlap", "Overlap", {"0": "0 % overlap", "0.5": "50 % overlap", "0.75": "75 % overlap"}, "0.5", heard);
+    this.average = new Choice<keyof typeof kAverages>("plot-average", "Average", kAverages, "20", heard);
+    this.highest = new Choice<string>("plot-highest", "Range", {"50": "up to 50 Hz", "100": "up to 100 Hz", "250": "up to 250 Hz", "1000": "up to 1000 Hz"}, "100", heard);
+    // What is chosen stands below each plot.
     this.element = el("details", {id: "plot-spectral"}, [
-      this.summary,
+      el("summary", {}, ["Analysis"]),
       el("div", {class: "choices"}, [this.window, this.block, this.overlap, this.average, this.highest].map(({element}) => element))]);
-    this.say();
-  }
-
-  private say(): void {
-    setText(this.summary, [this.window, this.block, this.overlap, this.average, this.highest].map(({text}) => text).join(", "));
   }
 
   get value(): Spectral {
@@ -73,7 +64,6 @@ export class PlotView implements View {
   readonly title = "Plots";
   readonly key = "P";
   readonly does = "plots";
-  readonly withLevels = false;
   readonly keys: readonly Key[];
   readonly element: HTMLElement;
   private readonly plots: readonly Plot[];
@@ -118,10 +108,11 @@ export class PlotView implements View {
     this.element = el("section", {class: "plots"}, [
       el("div", {class: "plot-bar"}, [
         el("div", {class: "plot-kinds", role: "group", "aria-label": "Which plot"}, [...this.buttons.values()]),
+        this.spectral.element,
         el("div", {class: "plot-actions", role: "group", "aria-label": "With this plot"}, [
           this.freezeButton, this.compareButton,
           button("plot-picture", "Picture", () => this.savePicture(), false), button("plot-csv", "CSV", () => this.saveTable(), false)])]),
-      this.spectral.element, this.trouble, ...this.plots.map(({element}) => element)]);
+      this.trouble, ...this.plots.map(({element}) => element)]);
   }
 
   seen(is: boolean): void {

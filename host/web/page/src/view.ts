@@ -13,7 +13,7 @@ export interface View {
   /** It covers all, tabs too: none of them is its own. */
   readonly coversAll?: boolean;
   /** The strip of levels stands beside it where there is room. */
-  readonly withLevels: boolean;
+  readonly withLevels?: boolean;
   /** Valid while it is seen. */
   readonly keys?: readonly Key[];
   /** With each frame of the page while it is seen. */
@@ -68,7 +68,7 @@ export class Views {
       const tab = this.tabs.querySelector(`#tab-${view.id}`);
       if (tab) setAttributes(tab, {"aria-selected": String(is), tabindex: is ? 0 : -1});
     }
-    this.beside.hidden = !found.withLevels;
+    this.beside.hidden = found.withLevels !== true;
     document.body.dataset["view"] = id;
     sessionStorage.setItem(kKept, id);
     found.seen?.(true);
