@@ -1,7 +1,7 @@
 // What the channels are called, and which there are.
 import type {Car} from "./car";
 import {untilZero} from "./text";
-import {ChannelRole} from "./wire";
+import {ChannelRole, type Setup} from "./wire";
 
 /** A channel as messages name it; `channel` from 0. */
 export interface ChannelId {
@@ -16,6 +16,10 @@ export function channelOfKey(key: string): ChannelId | undefined {
   const found = /^(\d+)\.(\d+)$/.exec(key);
   return found ? {node: Number(found[1]), channel: Number(found[2]) - 1} : undefined;
 }
+
+/** "2.5 fl_carrier_z": where its cable is, and what vehicle.toml calls it. */
+export const placeAndName = (setup: Setup, channel: number) =>
+  `${channelKey({node: setup.node, channel})} ${untilZero(setup.channel_name[channel] ?? [])}`;
 
 /** What vehicle.toml calls it, or its number as long as no node has said so. */
 export function channelName(car: Car, id: ChannelId): string {

@@ -1,5 +1,6 @@
 // Is everything ready to record?  Each point with what to do if it is not.
 import {isBusy, isFresh, type Car} from "./car";
+import {placeAndName} from "./channels";
 import {oppositePairs} from "./directions";
 import {EventLog} from "./events";
 import {lamps} from "./lamps";
@@ -25,7 +26,6 @@ const freshSetups = (car: Car, nowMs: number) =>
   [...car.setups.values()].filter((heard) => isFresh(heard, nowMs)).map(({message}) => message).sort((a, b) => a.node - b.node);
 const usedChannels = (setup: Setup) => Array.from({length: Math.min(setup.channels, kAccelerations)}, (_, channel) => channel)
   .filter((channel) => setup.role[channel] !== ChannelRole.Unused);
-const nameOf = (setup: Setup, channel: number) => untilZero(setup.channel_name[channel] ?? []);
 
 function nodes(setups: readonly Setup[], car: Car, nowMs: number): Check {
   const name = "Nodes";
@@ -56,7 +56,7 @@ function channels(setups: readonly Setup[], car: Car, nowMs: number): Check {
     const level = levels.find(({node}) => node === setup.node);
     if (!level) return [`node ${setup.node}: no levels`];
     return usedChannels(setup).filter((channel) => ((level.dead | level.overload) >> channel) & 1)
-      .map((channel) => `${setup.node}.${channel + 1} ${nameOf(setup, channel)} ${(level.dead >> channel) & 1 ? "carries no signal" : "is beyond its range"}`);
+      .map((channel) => `${placeAndName(setup, channel)} ${(level.dead >> channel) & 1 ? "carries no signal" : "is beyond its range"}`);
   });
   if (bad.length > 0) return {name, ready: "no", says: `${bad.join("; ")}: look at cable, sensor and range.`};
   const count = setups.reduce((sum, setup) => sum + usedChannels(setup).length, 0);
@@ -68,11 +68,11 @@ function directions(setups: readonly Setup[], taps: Taps): Check {
   const all = setups.flatMap((setup) => usedChannels(setup).map((channel) => ({setup, channel, tap: taps.of(setup, channel)})));
   const wrong = all.filter(({tap}) => tap === "wrong");
   if (wrong.length > 0)
-    return {name, ready: "no", says: `${wrong.map(({setup, channel}) => `${setup.node}.${channel + 1} ${nameOf(setup, channel)}`).join(", ")}: ` +
+    return {name, ready: "no", says: `${wrong.map(({setup, channel}) => placeAndName(setup, channel)).join(", ")}: ` +
       "the knock came with the wrong sign: correct direction in vehicle.toml, or swap the two wires."};
   const doubtful = setups.flatMap((setup) => oppositePairs(setup)
     .filter(([left, right]) => !taps.of(setup, left) || !taps.of(setup, right))
-    .map(([left, right]) => `${nameOf(setup, left)} and ${nameOf(setup, right)}`));
+    .map(([left, right]) => `${placeAndName(setup, left)} and ${placeAndName(setup, right)}`));
   if (doubtful.length > 0)
     return {name, ready: "unknown", says: `Left and right are described as opposite: ${doubtful.join("; ")}. Knock on both: is it so?`};
   const proven = all.filter(({tap}) => tap === "right").length;

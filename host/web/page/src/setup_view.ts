@@ -1,5 +1,6 @@
 // What is wired how, whether it is so, and whether all is ready.
 import type {Car} from "./car";
+import {placeAndName} from "./channels";
 import {alsoFelt, isRight, Taps, type Felt, type Place} from "./taps";
 import {directionWord, knockWord} from "./directions";
 import {el, setAttributes, setRows, setText, svg, table, type Cell} from "./dom";
@@ -21,8 +22,6 @@ const kShapes: Readonly<Record<Ready, string>> = {
 const kReadyWords: Readonly<Record<Ready, string>> = {yes: "OK", unknown: "not known", no: "TO DO"};
 
 const at = (mount: number) => (mount < 0 ? "body" : kWheelNames[mount] ?? "?");
-const channelOf = ({setup, channel}: {setup: Setup; channel: number}) =>
-  `${setup.node}.${channel + 1} ${untilZero(setup.channel_name[channel] ?? [])}`;
 const number = (value: number, digits: number) =>
   (value !== 0 && Math.abs(value) < 1e-3 ? value.toExponential(digits - 1) : Number(value.toPrecision(digits)).toString());
 
@@ -48,7 +47,6 @@ export class SetupView implements View {
   readonly title = "Set-up";
   readonly key = "S";
   readonly does = "set-up: nodes, channels, encoders, tap test, pre-flight check";
-  readonly withLevels = false;
   readonly element: HTMLElement;
   private readonly taps = new Taps();
   private readonly verdict = el("small");
@@ -86,7 +84,7 @@ export class SetupView implements View {
       el("h2", {}, ["Nodes and filter"]),
       table("Nodes", ["node", "name", "vehicle file", "scans a second", "anti-aliasing filter"], this.nodes),
       el("h2", {}, ["Calibration"]),
-      el("p", {}, ["These want your hands or a recording made for them, so they are commands on the computer that has vehicle.toml:"]),
+      el("p", {}, ["Zeros and scales of channels are set in Equipment (E). These want your hands or a recording made for them, so they are commands on the computer that has vehicle.toml:"]),
       el("dl", {class: "commands"}, [
         el("dt", {}, ["Where a zero mark fires, by turning the wheel by hand"]),
         el("dd", {}, [el("code", {}, ["rb datum --wheel front_left --vehicle vehicle.toml"])]),
@@ -136,12 +134,12 @@ export class SetupView implements View {
   private offer(setups: readonly Setup[]): void {
     const all = setups.flatMap((setup) => Array.from({length: setup.channels}, (_, channel) => ({setup, channel})))
       .filter(({setup, channel}) => setup.role[channel] !== ChannelRole.Unused);
-    const offered = all.map(channelOf).join();
+    const offered = all.map(({setup, channel}) => placeAndName(setup, channel)).join();
     if (offered === this.offered) return;
     this.offered = offered;
     this.taps.meant = undefined;
     this.tapped.replaceChildren(el("option", {value: ""}, ["choose a sensor"]), ...all.map((place) =>
-      el("option", {value: `${place.setup.node} ${place.channel}`}, [channelOf(place)])));
+      el("option", {value: `${place.setup.node} ${place.channel}`}, [placeAndName(place.setup, place.channel)])));
   }
 
   private channelRow(setup: Setup, k: number): Cell[] {
@@ -180,7 +178,7 @@ export class SetupView implements View {
 }
 
 function whyNot({setup, knock, meant}: Felt): string {
-  const others = alsoFelt(setup, knock).map((channel) => channelOf({setup, channel}));
+  const others = alsoFelt(setup, knock).map((channel) => placeAndName(setup, channel));
   if (!meant) return "Proves nothing: choose first what you knock on.";
   if (!isAt(meant, setup.node, knock.channel))
     return "Proves nothing: it is not what was chosen. If that was knocked on, its cable is in another input than vehicle.toml says.";
@@ -194,6 +192,6 @@ function whatWasFelt({last, meant}: Taps): string {
   const {setup, knock, proves} = last;
   const first = knock.first_m_s2[knock.channel] ?? 0;
   const way = knockWord(setup.direction[knock.channel] ?? []);
-  return `Knock on ${channelOf({setup, channel: knock.channel})}: first swing ${first < 0 ? "−" : "+"}${Math.abs(first).toPrecision(2)} m/s². ` +
+  return `Knock on ${placeAndName(setup, knock.channel)}: first swing ${first < 0 ? "−" : "+"}${Math.abs(first).toPrecision(2)} m/s². ` +
     (!proves ? whyNot(last) : isRight(setup, knock) ? `Right, if it came ${way}.` : `WRONG SIGN, if it came ${way}.`);
 }

@@ -38,5 +38,18 @@ export const speedUnit = () => (isUs() ? "mph" : "km/h");
 /** Along the rim: workshop rulers have both. */
 export const length = (value_m: number) =>
   isUs() ? withUnit((value_m / kInch_m).toFixed(1), "in") : withUnit((1000 * value_m).toFixed(0), "mm");
+/** "90–130 km/h", "35.2 ± 0.4 g": as C++ writes a number, or two, with its unit. */
+const kInSentence = /(\d+(?:\.\d+)?)(?:( ± |–)(\d+(?:\.\d+)?))?[ \u00a0](km\/h|g)(?![\w·/])/g;
+
+/** A sentence of the analyser in the units of this page's person. */
+export function inUnits(sentence: string): string {
+  if (!isUs()) return sentence;
+  return sentence.replace(kInSentence, (_, first: string, between: string | undefined, second: string | undefined, unit: string) => {
+    const converted = (number: string) => (unit === "g" ? (Number(number) / kOunce_g).toFixed(2) : (Number(number) * 1000 / kMile_m).toFixed(0));
+    const numbers = second === undefined ? converted(first) : `${converted(first)}${between}${converted(second)}`;
+    return withUnit(numbers, unit === "g" ? "oz" : "mph");
+  });
+}
+
 /** What the button says that changes them. */
 export const unitsName = () => (isUs() ? "oz · mph" : "g · km/h");

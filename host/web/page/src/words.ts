@@ -1,7 +1,7 @@
 // Sentences for people.
 import type {Car} from "./car";
 import {utf8} from "./text";
-import {length, mass, moment, speed, weightMass, withUnit} from "./units";
+import {inUnits, length, mass, moment, speed, weightMass, withUnit} from "./units";
 import {clockPosition, degrees} from "./wheel_place";
 import {
   Advice, Unknown, VerificationState, VerificationVerdict, WeightAction, WeightPlacement, type Balance, type Compensation,
@@ -164,12 +164,12 @@ export function remarks(car: Car): string[] {
   if (!newest) return [];
   return Array.from({length: newest.remarks}, (_, k) => car.remarks.get(k)?.message)
     .flatMap((remark) => (remark && remark.time_ns === newest.time_ns ? [utf8(remark.text, remark.size)] : []))
-    .map((text) => `${text.charAt(0).toUpperCase()}${text.slice(1)}.`);
+    .map(inUnits).map((text) => `${text.charAt(0).toUpperCase()}${text.slice(1)}.`);
 }
 
 export function whyIncurable(plan: Compensation | undefined): string {
   if (!plan || plan.size <= 0) return "";
-  return utf8(plan.incurable, plan.size);
+  return inUnits(utf8(plan.incurable, plan.size));
 }
 
 /** What the estimates rest on. */

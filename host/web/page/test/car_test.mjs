@@ -89,7 +89,7 @@ test("a knock proves a sensor, or shows that it is the wrong way round", () => {
   const directions = () => page.preflight(car, taps, 0).find(({name}) => name === "Directions");
   car.take(frame(setup(1)), 0);
   assert.equal(directions().ready, "unknown");
-  assert.match(directions().says, /left and right/);
+  assert.match(directions().says, /1\.1 left and 1\.2 right/);
   // Nobody has said which is knocked on, or it is another one, or two felt it: nothing is proven.
   car.take(frame(knock(7, 0, 3)), 0);
   taps.take(car);
@@ -216,6 +216,21 @@ test("another recording begins with plots of its own", () => {
   assert.equal(car.plots.orders.size, 1);
   car.take(frame([page.kRecorder, {incarnation: 6, name_size: 3}]), 2000);
   assert.equal(car.plots.orders.size, 0);
+});
+
+test("sentences of the analyser come in the person's units, and only what has them changes", () => {
+  const said = "not separable: 90–130 km/h do not tell; drive at 80 km/h or slower";
+  const heavy = "100 ± 20 g is more than the 80 g that a sound wheel needs; 3 grey wheels of 5 kN/m at 49 g·cm, ISO G 40";
+  assert.equal(page.inUnits(said), said);
+  page.toggleUnits();
+  try {
+    // 90, 130 and 80 over 1.609344; 100, 20 and 80 over 28.3495.
+    assert.equal(page.inUnits(said), "not separable: 56–81\u00a0mph do not tell; drive at 50\u00a0mph or slower");
+    assert.equal(page.inUnits(heavy), "3.53 ± 0.71\u00a0oz is more than the 2.82\u00a0oz that a sound wheel needs; " +
+      "3 grey wheels of 5 kN/m at 49 g·cm, ISO G 40");
+  } finally {
+    page.toggleUnits();
+  }
 });
 
 test("units are those of the person, and of a weight that can be bought", () => {
