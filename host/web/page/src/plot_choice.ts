@@ -28,7 +28,6 @@ export class Choice<T extends string> {
     return this.select.value as T;
   }
 
-  /** What is chosen, as it is offered. */
   set value(value: T) {
     this.select.value = value;
   }

@@ -90,7 +90,6 @@ export class RecordingsView implements View {
   readonly title = "Recordings";
   readonly key = "L";
   readonly does = "list of recordings, their receipts and reports";
-  readonly withLevels = false;
   readonly element: HTMLElement;
   private readonly none = el("p", {}, ["None is known: start rb-recordings beside the recorder, with the folder that holds them."]);
   private readonly old = el("p", {class: "old", role: "status"});
