@@ -25,6 +25,8 @@ enum class Operation : std::int32_t {
   kJob = 8,      ///< does something with a finished recording (value 0: JobKind; text: RECORDING or
                  ///< RECORDING/BEFORE, names in the folder, of which none has a slash)
   kCancel = 9,   ///< ends a job before it is done (value 0: its number)
+  kScale = 10,   ///< a channel's scale by gravity, both ways up (node, channel; value 0: 1 if the positive
+                 ///< direction points up now, -1 if down); the second of the two sets it
 };
 
 /// Asked of rb-recordings; the others of rb-recorder.

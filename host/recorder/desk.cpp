@@ -41,6 +41,7 @@ void Desk::take(const Request& request, std::int64_t utc_us, int nodes) {
     case Operation::kFilter:
     case Operation::kZero:
     case Operation::kVehicle:
+    case Operation::kScale:
       // What a count means is said once in an epoch, before its first sample.
       if (book_.under_way)
         return refuse(request, RefusalReason::kRecording,

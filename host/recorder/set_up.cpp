@@ -21,6 +21,8 @@ namespace {
 
 /// Raised inside take() only: the answer has the reason already.
 struct Refused {};
+/// Raised inside take() only: there is nothing to change yet, and the answer says what is next.
+struct Noted {};
 
 [[noreturn]] void refuse(Answer& answer, RefusalReason reason, std::string why) {
   answer.reason = reason;
@@ -120,9 +122,28 @@ std::map<int, RestReadings::Reading> SetUp::rest(const Request& request,
   return readings;
 }
 
+// The text once the channel has been read both ways up.
+std::string SetUp::scaled(const Request& request, const std::vector<std::int32_t>& nodes, WallTime now,
+                          Answer& answer) {
+  const VehicleConfig vehicle = VehicleConfig::parse(text_, file_.string());
+  const NodeConfig* node = vehicle.node_with_id(request.node);
+  if (!node || request.channel < 0 || request.channel >= static_cast<int>(node->channel.size()) ||
+      std::abs(request.value[0]) != 1.0)
+    refuse(answer, RefusalReason::kBadArgument,
+           "a scale is of a channel of vehicle.toml, its arrow up or down");
+  const double mean_counts =
+      rest(request, nodes, now, answer).at(node->id).mean_counts[static_cast<std::size_t>(request.channel)];
+  const TurnOver::Said said = turn_over_.take(*node, request.channel, request.value[0] > 0, mean_counts, now);
+  if (said.is_refused) refuse(answer, RefusalReason::kBadArgument, said.text);
+  scale_said_ = said.text;
+  if (said.found) return with_calibration(text_, *node, request.channel, *said.found);
+  answer.text = said.text;
+  throw Noted{};
+}
+
 // The text that the request asks for.
 std::string SetUp::wanted(const Request& request, const std::vector<std::int32_t>& nodes, WallTime now,
-                          Answer& answer, std::filesystem::path& file) const {
+                          Answer& answer, std::filesystem::path& file) {
   if (nodes.empty()) refuse(answer, RefusalReason::kNoNode, "no node is on the bus");
   switch (request.operation) {
     case Operation::kRange:
@@ -133,6 +154,8 @@ std::string SetUp::wanted(const Request& request, const std::vector<std::int32_t
       return with_filter(text_, request);
     case Operation::kZero:
       return with_zero(text_, rest(request, nodes, now, answer));
+    case Operation::kScale:
+      return scaled(request, nodes, now, answer);
     default:
       break;
   }
@@ -161,14 +184,18 @@ Answer SetUp::take(const Request& request, const std::vector<std::int32_t>& node
     (void)VehicleConfig::parse(text, file.filename().string());
     if (text.size() > kMostVehicleParts * kMostVehiclePart)
       refuse(answer, RefusalReason::kBadArgument, file.filename().string() + " is too long");
-    change_.emplace(Change{.request = request,
-                           .file = file,
-                           .done = what_is_done(request, file) + whom_it_reaches(text, nodes),
-                           .push = VehiclePush(text_, text, nodes, std::max<std::int64_t>(1, utc_us / 1000),
-                                               std::random_device{}(), now)});
+    change_.emplace(
+        Change{.request = request,
+               .file = file,
+               .done = (request.operation == Operation::kScale ? scale_said_ : what_is_done(request, file)) +
+                       whom_it_reaches(text, nodes),
+               .push = VehiclePush(text_, text, nodes, std::max<std::int64_t>(1, utc_us / 1000),
+                                   std::random_device{}(), now)});
     answer.state = AnswerState::kUnderWay;
     answer.text = "waits for the nodes";
   } catch (const Refused&) {
+  } catch (const Noted&) {
+    answer.state = AnswerState::kDone;
   } catch (const ConfigError& error) {
     answer.reason = RefusalReason::kBadArgument;
     answer.text = error.what();
@@ -190,6 +217,7 @@ void SetUp::put_in_force(const Change& change) {
     write_atomically(change.file, change.push.text());
   file_ = change.file;
   set_text(change.push.text());
+  turn_over_.forget();
 }
 
 std::optional<Answer> SetUp::turn(const Publish& publish, std::int64_t utc_us, WallTime now) {

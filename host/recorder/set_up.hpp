@@ -10,12 +10,13 @@
 #include "common/bus/operation.hpp"
 #include "common/bus/publish.hpp"
 #include "host/recorder/rest_readings.hpp"
+#include "host/recorder/turn_over.hpp"
 #include "host/recorder/vehicle_push.hpp"
 
 namespace roadbalance {
 
-/// Range, filter, zero and vehicle file, between recordings: changes the recorder's vehicle.toml and puts it
-/// in force at the nodes.  The file is written when every node has taken it, and else stays as it is.
+/// Range, filter, zero, scale and vehicle file, between recordings: changes the recorder's vehicle.toml and
+/// puts it in force at the nodes.  The file is written when every node has taken it, and else stays as it is.
 class SetUp {
  public:
   /// @param file        vehicle.toml in force; those beside it can be chosen
@@ -48,7 +49,9 @@ class SetUp {
     VehiclePush push;
   };
   std::string wanted(const Request& request, const std::vector<std::int32_t>& nodes, WallTime now,
-                     Answer& answer, std::filesystem::path& file) const;
+                     Answer& answer, std::filesystem::path& file);
+  std::string scaled(const Request& request, const std::vector<std::int32_t>& nodes, WallTime now,
+                     Answer& answer);
   std::map<int, RestReadings::Reading> rest(const Request& request, const std::vector<std::int32_t>& nodes,
                                             WallTime now, Answer& answer) const;
   void put_in_force(const Change& change);
@@ -60,6 +63,8 @@ class SetUp {
   std::uint32_t crc32c_ = 0;
   double bytes_per_s_ = 1;
   RestReadings readings_;
+  TurnOver turn_over_;
+  std::string scale_said_;  ///< for people, of the change under way
   std::optional<Change> change_;
 };
 

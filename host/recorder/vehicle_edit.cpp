@@ -71,6 +71,14 @@ std::string with_range(const std::string& text, const Request& request) {
   return changed;
 }
 
+std::string with_calibration(const std::string& text, const NodeConfig& node, int channel,
+                             const TurnOver::Calibration& calibration) {
+  const TablePath path = calibration_of(node, node.channel[static_cast<std::size_t>(channel)]);
+  const std::string scaled =
+      with_value(text, path, "scale_m_s2_per_count", exact(calibration.scale_m_s2_per_count), kFile);
+  return with_value(scaled, path, "offset_counts", toml_number(calibration.offset_counts, 1), kFile);
+}
+
 std::string with_filter(const std::string& text, const Request& request) {
   std::string changed = with_value(text, {{"filter"}}, "cutoff_hz", number(request.value[0]), kFile);
   if (request.value[1] != 0)

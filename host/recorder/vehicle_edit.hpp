@@ -5,6 +5,7 @@
 
 #include "common/bus/operation.hpp"
 #include "host/recorder/rest_readings.hpp"
+#include "host/recorder/turn_over.hpp"
 
 namespace roadbalance {
 
@@ -14,6 +15,9 @@ namespace roadbalance {
 /// calibration that the file gives (scale_m_s2_per_count) and the reading at rest (offset_counts).
 /// @throws ConfigError naming what cannot be
 std::string with_range(const std::string& text, const Request& request);
+/// @param channel  of the node, from 0
+std::string with_calibration(const std::string& text, const NodeConfig& node, int channel,
+                             const TurnOver::Calibration& calibration);
 std::string with_filter(const std::string& text, const Request& request);
 /// @param readings  of each node that is to be zeroed, by its number: no fault
 std::string with_zero(const std::string& text, const std::map<int, RestReadings::Reading>& readings);

@@ -11,15 +11,16 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::array<std::pair<std::string_view, Operation>, 9> kNames{{{"start", Operation::kStart},
-                                                                        {"stop", Operation::kStop},
-                                                                        {"mark", Operation::kMark},
-                                                                        {"range", Operation::kRange},
-                                                                        {"filter", Operation::kFilter},
-                                                                        {"zero", Operation::kZero},
-                                                                        {"vehicle", Operation::kVehicle},
-                                                                        {"job", Operation::kJob},
-                                                                        {"cancel", Operation::kCancel}}};
+constexpr std::array<std::pair<std::string_view, Operation>, 10> kNames{{{"start", Operation::kStart},
+                                                                         {"stop", Operation::kStop},
+                                                                         {"mark", Operation::kMark},
+                                                                         {"range", Operation::kRange},
+                                                                         {"filter", Operation::kFilter},
+                                                                         {"zero", Operation::kZero},
+                                                                         {"vehicle", Operation::kVehicle},
+                                                                         {"job", Operation::kJob},
+                                                                         {"cancel", Operation::kCancel},
+                                                                         {"scale", Operation::kScale}}};
 
 [[noreturn]] void refuse(const std::string& why) {
   throw std::invalid_argument(why);
@@ -36,7 +37,7 @@ Operation operation_of(const Json& json) {
   const std::string name = json.is_string() ? json.get<std::string>() : "";
   for (const auto& [known, operation] : kNames)
     if (known == name) return operation;
-  refuse("operation is none of start, stop, mark, range, filter, zero, vehicle, job, cancel");
+  refuse("operation is none of start, stop, mark, range, filter, zero, vehicle, job, cancel, scale");
 }
 
 void take_values(const Json& json, Request& request) {

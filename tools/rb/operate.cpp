@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -142,7 +143,8 @@ void add_mark(CLI::App& app, int& code) {
 }
 
 void add_configure(CLI::App& app, int& code) {
-  CLI::App* configure = app.add_subcommand("configure", "Changes ranges and filter between recordings");
+  CLI::App* configure =
+      app.add_subcommand("configure", "Changes ranges, scales and filter between recordings");
   configure->require_subcommand(1);
   CLI::App* range = configure->add_subcommand("range", "Full scale of a channel");
   const auto of_range = add_asking(*range, Operation::kRange, code);
@@ -152,6 +154,17 @@ void add_configure(CLI::App& app, int& code) {
           "NODE.CHANNEL, for example 2.5")
       ->required();
   range->add_option("range", of_range->request.value[0], "m/s²")->required()->check(number_within(0.1, 1e5));
+  CLI::App* scale = configure->add_subcommand(
+      "scale", "Of a channel by gravity: read it with its arrow up, turn it over, read it again");
+  const auto of_scale = add_asking(*scale, Operation::kScale, code);
+  scale
+      ->add_option_function<std::string>(
+          "channel", [of_scale](const std::string& text) { take_channel(text, of_scale->request); },
+          "NODE.CHANNEL, for example 2.5")
+      ->required();
+  scale->add_option("arrow", of_scale->request.value[0], "where its positive direction points now: up, down")
+      ->required()
+      ->transform(CLI::CheckedTransformer(std::map<std::string, double>{{"up", 1.0}, {"down", -1.0}}));
   CLI::App* filter = configure->add_subcommand("filter", "Anti-aliasing filter of all nodes");
   const auto of_filter = add_asking(*filter, Operation::kFilter, code);
   filter->add_option("corner", of_filter->request.value[0], "Hz")->required()->check(number_within(1.0, 1e5));

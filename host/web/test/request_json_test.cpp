@@ -28,7 +28,7 @@ TEST(RequestJson, SaysWhatThePageSays) {
 }
 
 TEST(RequestJson, KnowsEveryOperationByItsName) {
-  for (int k = 1; k <= 9; ++k) {
+  for (int k = 1; k <= 10; ++k) {
     const auto name = name_of(static_cast<Operation>(k));
     const auto parsed =
         parse_request(R"({"asker": 1, "request": 2, "operation": ")" + std::string(name) + "\"}");
@@ -60,7 +60,7 @@ TEST(RequestJson, RefusesWhatIsNoRequestAndSaysWhy) {
   EXPECT_EQ(fault_of(R"({"asker": -1, "request": 2, "operation": "mark"})"),
             "a number cannot be");
   EXPECT_EQ(fault_of(R"({"asker": 1, "request": 2, "operation": "delete"})"),
-            "operation is none of start, stop, mark, range, filter, zero, vehicle, job, cancel");
+            "operation is none of start, stop, mark, range, filter, zero, vehicle, job, cancel, scale");
 }
 
 }  // namespace

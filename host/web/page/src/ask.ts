@@ -9,7 +9,7 @@ import {AnswerState, Operation, type Answer} from "./wire";
 const kNames: Readonly<Record<Operation, string>> = {
   [Operation.Start]: "start", [Operation.Stop]: "stop", [Operation.Mark]: "mark", [Operation.Range]: "range",
   [Operation.Filter]: "filter", [Operation.Zero]: "zero", [Operation.Vehicle]: "vehicle",
-  [Operation.Job]: "job", [Operation.Cancel]: "cancel",
+  [Operation.Job]: "job", [Operation.Cancel]: "cancel", [Operation.Scale]: "scale",
 };
 
 export interface Details {

@@ -7,13 +7,14 @@ const kFirstDay: readonly string[] = [
   "Mark a point of each wheel, the valve for one: all angles count from there.",
   "Switch on nodes and recorder. Set-up (S) lists what is heard; every line of the check should say OK, once the wheels have rolled and each sensor was knocked on.",
   "Tap test: knock on each sensor as the table says, on both sides. A wrong sign is mended now, not after the drive.",
-  "Tell each wheel where its zero mark is: rb datum, in Set-up under Calibration.",
+  "Tell each wheel where its zero mark is: rb datum, in Set-up under Calibration. Equipment (E) sets scales and zeros of channels.",
   "Roll a few metres: the encoders' lines of the check become OK.",
   "Start the recording. The word on top is RECORDING, and the four lamps are discs: SYNC after a while, for clocks are asked only now.",
   "Drive steadily at 80 to 130 km/h, straight, on a good road; now and then change lanes or take a bend.",
   "Look at Balance (B), or give the driver his own view (D): each ring fills as its wheel becomes known.",
   "When the rings are full stop, clip the weights where the page says, seen from outside, and write them into vehicle.toml.",
   "Drive once more: the page puts this drive beside the one before, and tells what the weights have done.",
+  "When it is stopped, Recordings (L) proves a recording complete, works its balance out anew, and makes a report of one A4 page, beside the drive before if you choose it.",
 ];
 const kLamps: readonly (readonly [name: string, means: string])[] = [
   ["LOSS", "Disc: every sample is recorded, or on its way. Cross: samples are lost for good; which ones is in the record."],

@@ -184,6 +184,9 @@ test("sets range, filter, zeros and vehicle file between recordings, and each an
   await says(page, "#says-filter", "every node filters above 150 Hz");
   await page.locator("#set-zero").click();
   await says(page, "#says-zero", "the car must stand still|too little has been heard");  // it drives
+  await page.locator("#scale-channel").fill("2.5");
+  await page.locator("#set-scale-down").click();
+  await says(page, "#says-scale", "the car must stand still|too little has been heard");
   await page.locator("#vehicle-name").fill("../car.toml");
   await page.locator("#set-vehicle").click();
   await says(page, "#says-vehicle", "there are: car.toml, winter.toml");
