@@ -9,6 +9,7 @@ namespace roadbalance {
 namespace {
 
 constexpr std::size_t kKnownAnswers = 64;
+constexpr double kMostKinds = 99;
 constexpr std::int64_t kPatience_us = 2'000'000;  // of a program that is told to end
 constexpr std::size_t kMostDocument = static_cast<std::size_t>(kMostParts) * kPartBytes;
 
@@ -54,7 +55,9 @@ std::string first_line(const std::string& text) {
 std::string shortened(std::string text) {
   static const std::string kCut = "\n... and more: rb says all of it in a terminal\n";
   if (text.size() <= kMostDocument) return text;
-  text.resize(text.rfind('\n', kMostDocument - kCut.size()));
+  const std::size_t most = kMostDocument - kCut.size();
+  const std::size_t line_end = text.rfind('\n', most);
+  text.resize(line_end == std::string::npos ? most : line_end);
   return text + kCut;
 }
 
@@ -82,8 +85,8 @@ Answer Jobs::begin(const Request& request, const std::vector<RecordingReceipt>& 
   const auto refused = [&](RefusalReason reason, std::string why) {
     return answer_to(request, AnswerState::kRefused, reason, std::move(why), utc_us);
   };
-  const bool is_whole = request.value[0] >= 1 && request.value[0] <= 99;
-  const auto line = job_line(static_cast<JobKind>(is_whole ? static_cast<int>(request.value[0]) : 0));
+  const bool is_kind = request.value[0] >= 1 && request.value[0] <= kMostKinds;
+  const auto line = job_line(static_cast<JobKind>(is_kind ? static_cast<int>(request.value[0]) : 0));
   if (!line) return refused(RefusalReason::kNotSupported, "rb-recordings does not know this job");
   const auto [name, before] = names_in(request.text);
   const RecordingReceipt* recording = named(name, known);

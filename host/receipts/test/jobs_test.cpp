@@ -201,6 +201,18 @@ TEST_F(JobsTest, ProgressIsTheShareOfWhatIsReadAlready) {
   until(JobState::kCancelled);
 }
 
+TEST_F(JobsTest, ATextThatIsTooLongIsCutAndSaysSo) {
+  for (const char* const text : {"x", "line\\n"}) {
+    rb_does("perl -e 'print \"" + std::string(text) + "\" x 60000'");
+    ask(JobKind::kVerify, "first");
+    const Job job = until(JobState::kDone);
+    const std::string document = joined(jobs.said(), job.job);
+    EXPECT_LE(document.size(), static_cast<std::size_t>(kMostParts) * kPartBytes);
+    EXPECT_GT(document.size(), static_cast<std::size_t>(kMostParts - 1) * kPartBytes);
+    EXPECT_TRUE(document.ends_with("rb says all of it in a terminal\n"));
+  }
+}
+
 TEST_F(JobsTest, ManyJobsKeepTheNewestAndAllTheirDocumentsAreSaidAgain) {
   rb_does("echo \"$2\"");
   for (int k = 0; k < kMostJobs + 3; ++k) {
