@@ -60,33 +60,44 @@ std::string balance_line(const Balance& balance) {
                        std::min(180.0, std::ceil(balance.sigma_rad * 180.0 / std::numbers::pi)));
 }
 
-std::vector<std::string> advice_lines(const Balance& balance, const Compensation& compensation) {
-  const BalanceVerdict& verdict = compensation.verdict;
-  std::string what;
+std::vector<std::string> step_words(const Compensation& compensation) {
+  std::vector<std::string> steps;
   switch (compensation.advice) {
     case Advice::kUnknown:
-      return {};
+      break;
     case Advice::kSteps:
       for (const WeightStep& step : compensation.plan.step)
-        what += (what.empty() ? "" : ", ") + to_string(step, compensation.radii);
+        steps.push_back(to_string(step, compensation.radii));
       break;
     case Advice::kLeaveUncertain:
-      what = "leave it: the unbalance is within its own uncertainty";
+      steps.emplace_back("leave it: the unbalance is within its own uncertainty");
       break;
     case Advice::kLeaveSmall:
-      what = "leave it: no weight there is makes it enough less";
+      steps.emplace_back("leave it: no weight there is makes it enough less");
       break;
   }
-  std::vector<std::string> lines{"  " + what};
-  std::string left = format("  leaves %.1f g, %s what a shop leaves (%g g)", verdict.residual_g,
+  return steps;
+}
+
+std::string left_words(const Balance& balance, const Compensation& compensation) {
+  const BalanceVerdict& verdict = compensation.verdict;
+  std::string left = format("leaves %.1f g, %s what a shop leaves (%g g)", verdict.residual_g,
                             verdict.within_shop() ? "within" : "MORE THAN", verdict.shop_g);
   if (verdict.permissible_g > 0.0)
     left += format(", ISO G %.2g%s G %g (%.0f g)", verdict.grade_mm_s,
                    verdict.within_iso() ? " within" : " BEYOND", verdict.permissible_grade_mm_s,
                    verdict.permissible_g);
-  lines.push_back(left + format("; of the equivalent unbalance at %.0f–%.0f km/h",
-                                3.6 * balance.least_speed_m_s, 3.6 * balance.greatest_speed_m_s));
-  if (!verdict.incurable.empty()) lines.push_back("  WEIGHTS WILL NOT CURE THIS: " + verdict.incurable);
+  return left + format("; of the equivalent unbalance at %.0f–%.0f km/h", 3.6 * balance.least_speed_m_s,
+                       3.6 * balance.greatest_speed_m_s);
+}
+
+std::vector<std::string> advice_lines(const Balance& balance, const Compensation& compensation) {
+  if (compensation.advice == Advice::kUnknown) return {};
+  std::string what = "  ";
+  for (const std::string& step : step_words(compensation)) what += (what == "  " ? "" : ", ") + step;
+  std::vector<std::string> lines{what, "  " + left_words(balance, compensation)};
+  if (!compensation.verdict.incurable.empty())
+    lines.push_back("  WEIGHTS WILL NOT CURE THIS: " + compensation.verdict.incurable);
   return lines;
 }
 

@@ -19,6 +19,13 @@ std::string balance_line(const Balance& balance);
 /// by the limits; and why weights will not cure it, if so.  None if it is not known.
 std::vector<std::string> advice_lines(const Balance& balance, const Compensation& compensation);
 
+/// The first of these alone: "add 15 g at 37°" for each step, or to leave the wheel alone; none: not known.
+std::vector<std::string> step_words(const Compensation& compensation);
+
+/// What that leaves: "leaves 0.6 g, within what a shop leaves (7 g), ...; of the equivalent unbalance at
+/// 90–130 km/h".
+std::string left_words(const Balance& balance, const Compensation& compensation);
+
 /// "from 48 s of driving; tyres 214 ± 2 209 ± 2 221 ± 3 206 ± 2 kN/m", and who does not fit the model; or why
 /// not.
 /// @param missing  why the drive does not determine it, or who says so; used if it does not

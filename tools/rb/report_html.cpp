@@ -1,6 +1,7 @@
 #include "tools/rb/report_html.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "common/text/format.hpp"
@@ -26,7 +27,7 @@ p { margin: 0 0 1mm; }
 .wheels { display: grid; grid-template-columns: 1fr 1fr; gap: 2mm; }
 .card { display: grid; grid-template-columns: 24mm 1fr; gap: 2mm; border: 0.3mm solid #b4bcc6; border-radius: 2mm; padding: 1.5mm 2mm; break-inside: avoid; }
 .card h3 { margin: 0; font-size: 10pt; text-transform: capitalize; }
-.step { font-weight: 700; font-size: 9.5pt; }
+.step { font-weight: 700; font-size: 9.5pt; margin: 0; }
 .bad { color: #b3131d; font-weight: 700; }
 table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
 th, td { text-align: left; padding: 0.5mm 3mm 0.5mm 0; border-bottom: 0.2mm solid #d5dae0; }
@@ -37,6 +38,7 @@ footer { margin-top: 3mm; color: #4b5563; font-size: 8pt; }
 .wheel { width: 24mm; }
 .wheel .tyre { fill: #d5dae0; } .wheel .rim { fill: #fff; stroke: #6b7785; }
 .wheel .mark, .wheel .tip { fill: #14181d; } .wheel .turn { fill: none; stroke: #14181d; stroke-width: 1.5; }
+.wheel .before { stroke: #4b5563; stroke-width: 2; stroke-dasharray: 3 3; }
 .wheel .vector { stroke: #0b57b7; stroke-width: 2.5; } .wheel .spot { fill: #a84300; }
 .wheel .new { fill: #146c43; } .wheel .kept { fill: #6b7785; } .wheel .off { fill: none; stroke: #b3131d; stroke-width: 1.5; }
 .wheel text { font-size: 24px; text-anchor: middle; fill: #6b7785; }
@@ -58,54 +60,39 @@ std::string where(std::int32_t wheel, double angle_rad) {
   return format("%ld° (clock %s)", whole, clock_of(angle_rad, wheel % 2 == 0).c_str());
 }
 
-std::string step_text(std::int32_t wheel, const WeightStep& step, int radii) {
-  const std::string rim = radii > 1 ? format(" on %.0f mm", 1e3 * step.weight.radius_m) : "";
-  const std::string at = where(wheel, step.weight.angle_rad) + rim;
-  const double grams = step.weight.mass_g;
-  switch (step.action) {
-    case WeightAction::kKeep:
-      return format("Keep %g g at ", grams) + at;
-    case WeightAction::kMove:
-      return format("Move %g g from ", grams) + where(wheel, step.from.angle_rad) + " to " + at;
-    case WeightAction::kRemove:
-      return format("Remove %g g at ", grams) + at;
-    case WeightAction::kAdd:
-      return format("Add %g g at ", grams) + at;
-  }
-  return "";
+std::string sentence(std::string text) {
+  text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
+  return text + ".";
 }
 
+/// The steps of the readout, each with the clock and where a ruler finds its place.
 std::string advice(const Balance& balance, const Compensation& compensation) {
   std::string html;
-  const auto say = [&html](const std::string& text) { html += element("p", html_text(text), "step"); };
-  switch (compensation.advice) {
-    case Advice::kUnknown:
-      return html;
-    case Advice::kSteps:
-      for (const WeightStep& step : compensation.plan.step)
-        say(step_text(balance.wheel, step, compensation.radii) + ".");
-      break;
-    case Advice::kLeaveUncertain:
-      say("Leave it: the unbalance is within its own uncertainty.");
-      break;
-    case Advice::kLeaveSmall:
-      say("Leave it: no weight there is makes it enough less.");
-      break;
+  const std::vector<std::string> words_of = step_words(compensation);
+  for (std::size_t k = 0; k < words_of.size(); ++k) {
+    if (compensation.advice != Advice::kSteps) {
+      html += element("p", html_text(sentence(words_of[k])), "step");
+      continue;
+    }
+    const WheelWeight& weight = compensation.plan.step[k].weight;
+    const std::string clock = clock_of(weight.angle_rad, balance.wheel % 2 == 0);
+    html += element("p", html_text(sentence(words_of[k] + " (clock " + clock + ")")), "step");
+    html += element("p", html_text(along_rim(weight.angle_rad, weight.radius_m) + "."), "rim-place");
   }
   return html;
 }
 
 std::string what_is_left(const Balance& balance, const Compensation& compensation) {
   if (compensation.advice == Advice::kUnknown) return "";
-  const BalanceVerdict& verdict = compensation.verdict;
-  std::string text = format("Leaves %.1f g (%.0f g·cm), %s the %g g that a shop leaves", verdict.residual_g,
-                            100.0 * verdict.residual_g * balance.weight_radius_m,
-                            verdict.within_shop() ? "within" : "MORE THAN", verdict.shop_g);
-  if (verdict.permissible_g > 0.0) text += format("; ISO 21940 G %.2g", verdict.grade_mm_s);
-  text += ".";
+  std::string text = sentence(left_words(balance, compensation));
+  text += format(" That is %.0f g·cm.", 100.0 * compensation.verdict.residual_g * balance.weight_radius_m);
   if (std::isfinite(compensation.seat_now_m_s2))
     text += format(" Seats %.2g → %.2g m/s² rms.", compensation.seat_now_m_s2, compensation.seat_left_m_s2);
   return element("p", html_text(text));
+}
+
+const WheelVerification* before_of(const DriveReport& report, std::size_t w) {
+  return report.verification ? &report.verification->at(w) : nullptr;
 }
 
 std::string wheel_card(const DriveReport& report, std::size_t w, double rim_g) {
@@ -125,13 +112,17 @@ std::string wheel_card(const DriveReport& report, std::size_t w, double rim_g) {
   else
     text += element("p", html_text("Not known: " + reason(balance.state) + "."));
   text += what_is_left(balance, compensation);
-  return element("div", wheel_svg(balance, compensation, rim_g) + element("div", text), "card");
+  return element("div", wheel_svg(balance, compensation, rim_g, before_of(report, w)) + element("div", text),
+                 "card");
 }
 
 std::string wheels(const DriveReport& report) {
   double largest_g = 5.0;
   for (const Balance& balance : report.found.estimate.balance)
     if (balance.state == Unknown::kNone) largest_g = std::max(largest_g, balance.unbalance_g);
+  if (report.verification)
+    for (const WheelVerification& wheel : *report.verification)
+      if (tells_before(wheel)) largest_g = std::max(largest_g, wheel.before_g.norm());
   std::string cards;
   for (std::size_t w = 0; w < kWheels; ++w) cards += wheel_card(report, w, largest_g);
   return element("h2", "Wheels, as seen from outside the car, the zero mark at 12") +
@@ -139,7 +130,7 @@ std::string wheels(const DriveReport& report) {
          element("p",
                  html_text(format(
                      "A line to the rim is %.0f g. ± is one standard deviation. Orange: heavy spot; green: "
-                     "weight; red ring: take off.",
+                     "weight; red ring: take off; dashed: before the weights.",
                      largest_g)),
                  "facts");
 }

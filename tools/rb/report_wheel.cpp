@@ -50,13 +50,24 @@ std::string rotation(int wheel) {
 
 }  // namespace
 
-std::string wheel_svg(const Balance& balance, const Compensation& compensation, double rim_g) {
+bool tells_before(const WheelVerification& verification) {
+  return verification.state == VerificationState::kKnown ||
+         verification.state == VerificationState::kAfterUnknown;
+}
+
+std::string wheel_svg(const Balance& balance, const Compensation& compensation, double rim_g,
+                      const WheelVerification* before) {
   std::string svg = format(
       "<svg class=\"wheel\" viewBox=\"-60 -60 120 120\" aria-hidden=\"true\"><circle class=\"tyre\" "
       "r=\"%.0f\"/><circle "
       "class=\"rim\" r=\"%.0f\"/><path class=\"mark\" d=\"M0 -42l-5 -10h10z\"/>",
       kTyre, kRim);
   svg += rotation(balance.wheel);
+  if (before != nullptr && tells_before(*before)) {
+    const double angle_rad = std::atan2(before->before_g.y(), before->before_g.x());
+    const auto [x, y] = place(balance.wheel, kRim * before->before_g.norm() / rim_g, angle_rad);
+    svg += format("<path class=\"before\" d=\"M0 0L%.2f %.2f\"/>", x, y);
+  }
   if (balance.state == Unknown::kNone) {
     const auto [x, y] = place(balance.wheel, kRim * balance.unbalance_g / rim_g, balance.angle_rad);
     svg += format("<path class=\"vector\" d=\"M0 0L%.2f %.2f\"/>", x, y);

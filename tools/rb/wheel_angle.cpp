@@ -5,6 +5,8 @@
 #include <numbers>
 #include <regex>
 
+#include "common/text/format.hpp"
+
 namespace roadbalance {
 namespace {
 
@@ -39,6 +41,12 @@ std::string clock_of(double angle_rad, bool left_side) {
   char text[16];
   std::snprintf(text, sizeof text, "%d:%02d", minute < 60 ? 12 : minute / 60, minute % 60);
   return text;
+}
+
+std::string along_rim(double angle_rad, double radius_m) {
+  const double shorter_rad = std::remainder(angle_rad, 2.0 * std::numbers::pi);
+  return format("%.0f mm %s the mark", 1e3 * radius_m * std::abs(shorter_rad),
+                shorter_rad < 0.0 ? "behind" : "ahead of");
 }
 
 }  // namespace roadbalance

@@ -52,7 +52,10 @@ TEST(Report, TellsWeightsAtTheirPlaceOnBothSides) {
   EXPECT_TRUE(says(html, "Heavy spot at 217° (clock 4:46), 35.0 g ± 1.2 g ± 3°, at 190 mm."));
   EXPECT_TRUE(says(html, "Add 35 g at 37° (clock 1:14)."));
   EXPECT_TRUE(says(html, "Heavy spot at 217° (clock 7:14)"));
-  EXPECT_TRUE(says(html, "Leaves 2.6 g (49 g·cm), within the 7 g that a shop leaves."));
+  // 37 degrees of a turn of 190 mm: 0.6458 * 190 = 122.7 mm.
+  EXPECT_TRUE(says(html, ">123 mm ahead of the mark.<"));
+  EXPECT_TRUE(says(html, "Leaves 2.6 g, within what a shop leaves (7 g); of the equivalent unbalance at"));
+  EXPECT_TRUE(says(html, "That is 49 g·cm."));
   EXPECT_TRUE(says(html, "Not known: not enough driving at a steady speed yet."));
 }
 
@@ -66,6 +69,22 @@ TEST(Report, DrawsTheHeavySpotMirroredOnTheOtherSide) {
     char spot[64];
     std::snprintf(spot, sizeof spot, "class=\"spot\" cx=\"%.2f\" cy=\"%.2f\"", x, y);
     EXPECT_TRUE(says(svg, spot)) << svg;
+  }
+}
+
+TEST(Report, DrawsWhatWasBeforeTheWeightsMirroredLikeAllElse) {
+  const DriveReport of = report();
+  for (const std::size_t w : {0U, 1U}) {
+    WheelVerification before{.wheel = static_cast<std::int32_t>(w)};
+    before.state = VerificationState::kKnown;
+    before.before_g << 0.0, 17.5;  // at 90 degrees, half of the full scale
+    const auto& balance = of.found.estimate.balance[w];
+    const std::string svg = wheel_svg(balance, of.found.compensation[w], 35.0, &before);
+    EXPECT_TRUE(says(
+        svg, w == 0 ? "class=\"before\" d=\"M0 0L-20.00 -0.00\"" : "class=\"before\" d=\"M0 0L20.00 -0.00\""))
+        << svg;
+    before.state = VerificationState::kBeforeUnknown;
+    EXPECT_FALSE(says(wheel_svg(balance, of.found.compensation[w], 35.0, &before), "class=\"before\""));
   }
 }
 
