@@ -66,6 +66,7 @@ export class JobView {
   private readonly before = el("select");
   private readonly compare = el("label", {}, ["Report compared with ", this.before]);
   private readonly says = el("p", {role: "status"});
+  private readonly controls = el("div", {class: "controls"});
   private recording = "";
   private offered = "";
   private asked = 0;
@@ -77,13 +78,15 @@ export class JobView {
       return button;
     });
     this.rows = kJobs.map((line) => new JobRow(line, car, asker));
+    this.controls.append(...this.buttons, this.compare);
     this.element = el("div", {class: "jobs"}, [
-      el("div", {class: "controls"}, [...this.buttons, this.compare]), this.says, ...this.rows.map(({element}) => element)]);
+      this.controls, this.says, ...this.rows.map(({element}) => element)]);
   }
 
   /** @param others  recordings that this one can be compared with */
-  draw(recording: string, others: readonly string[], mayBegin: boolean, nowMs: number): void {
+  draw(recording: string, isFinished: boolean, others: readonly string[], mayBegin: boolean, nowMs: number): void {
     this.recording = recording;
+    this.controls.hidden = !isFinished;
     this.offer(others);
     const jobs = [...this.car.jobs.values()].map(({message}) => message).filter(({jobs: count}) => count > 0);
     const busy = jobs.some(isUnderWay) || this.asker.isUnderWay(Operation.Job, nowMs);

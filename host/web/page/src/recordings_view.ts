@@ -81,7 +81,7 @@ class RecordingCard {
       ...Array.from({length: shown}, (_, k) => `Mark ${localTime(recording.mark_us[k] ?? 0)}: ${untilZero(recording.mark[k] ?? []) || "–"}`),
       ...(recording.marks > shown ? [`and ${recording.marks - shown} more`] : [])]);
     const name = untilZero(recording.name);
-    this.jobs.draw(name, others.filter((other) => other !== name), !grows && !isOld, nowMs);
+    this.jobs.draw(name, recording.state !== RecordingState.Growing, others.filter((other) => other !== name), !grows && !isOld, nowMs);
   }
 }
 
