@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <string>
 
@@ -13,15 +12,14 @@
 
 namespace roadbalance {
 
-/// The scan blocks of one node of a group, in order, each with its place in the group.
+/// The scan blocks of one node epoch, in order, each with its place in its group.
 class NodeBlocks {
  public:
-  /// @param group  outlives it
-  NodeBlocks(const std::filesystem::path& folder, const ExportGroup& group, std::int32_t node);
+  /// @param part  outlives it
+  NodeBlocks(const std::filesystem::path& folder, const ExportPart& part);
 
   struct Placed {
     ScanBlock block;
-    const ExportPart* part = nullptr;
     std::int64_t first_row = 0;        ///< as rows are counted in the recording
     std::optional<ClockFit> fit = {};  ///< that tells its time; nothing: its node's own time will do
 
@@ -34,16 +32,16 @@ class NodeBlocks {
   };
   /// The block at hand; nullptr behind the last.
   const Placed* now() const { return there_ ? &now_ : nullptr; }
+  const ExportPart& part() const { return part_; }
   void advance();
 
  private:
-  bool place();
+  void place();
 
   RecordReader reader_;
-  const ExportGroup& group_;
-  const std::int32_t node_;
-  const std::string scans_, fits_;        ///< channels
-  std::map<std::int64_t, ClockFit> fit_;  ///< of an epoch, that came last
+  const ExportPart& part_;
+  const std::string scans_, fits_;  ///< channels
+  std::optional<ClockFit> fit_;     ///< that came last
   InSequence in_sequence_;
   SealedBlock sealed_;
   Placed now_;

@@ -19,15 +19,19 @@ bool is_known(const ScanBlock& block, std::size_t converter) {
 }  // namespace
 
 RowStream::RowStream(const std::filesystem::path& folder, const ExportTable& table, std::size_t group)
-    : table_(table), group_(table.group[group]), last_ns_(kUntold) {
+    : table_(table), group_(table.group[group]), nodes_(0), last_ns_(kUntold) {
   std::set<std::int32_t> nodes;
-  for (const auto& part : group_.part)
-    if (!part.converter.empty() && nodes.insert(part.node).second)
-      node_.push_back(std::make_unique<NodeBlocks>(folder, group_, part.node));
+  for (const auto& part : group_.part) {
+    if (part.converter.empty()) continue;
+    nodes.insert(part.node);
+    part_.push_back(std::make_unique<NodeBlocks>(folder, part));
+  }
+  nodes_ = std::ssize(nodes);
 }
 
-void RowStream::copy(const NodeBlocks::Placed& placed, std::int64_t row, std::int64_t begin) {
-  const ExportPart& part = *placed.part;
+void RowStream::copy(const NodeBlocks& blocks, std::int64_t row, std::int64_t begin) {
+  const ExportPart& part = blocks.part();
+  const NodeBlocks::Placed& placed = *blocks.now();
   const auto& from = placed.block.counts[static_cast<std::size_t>(row - placed.first_row)];
   const auto at = static_cast<std::size_t>(row - begin);
   std::int32_t* to = counts_.data() + at * group_.channel.size() + part.first_column;
@@ -36,18 +40,18 @@ void RowStream::copy(const NodeBlocks::Placed& placed, std::int64_t row, std::in
   if (!group_.shared_time) time_ns_[at] = placed.time_ns(row) - table_.start_ns;
 }
 
-/// Rows [begin, end), as they are counted in the recording.
-void RowStream::fill(NodeBlocks& node, std::int64_t begin, std::int64_t end) {
+/// Rows [begin, end), as they are counted in the recording.  @return how many there were
+std::int64_t RowStream::fill(NodeBlocks& blocks, std::int64_t begin, std::int64_t end) {
   std::int64_t filled = 0;
-  while (const NodeBlocks::Placed* placed = node.now()) {
+  while (const NodeBlocks::Placed* placed = blocks.now()) {
     const std::int64_t first = std::max(placed->first_row, begin);
     const std::int64_t last = std::min(placed->end_row(), end);
-    for (std::int64_t row = first; row < last; ++row) copy(*placed, row, begin);
+    for (std::int64_t row = first; row < last; ++row) copy(blocks, row, begin);
     filled += std::max<std::int64_t>(last - first, 0);
     if (placed->end_row() > end) break;  // the rest belongs to the next rows
-    node.advance();
+    blocks.advance();
   }
-  missing_ += end - begin - filled;
+  return filled;
 }
 
 /// Times of rows that no block told, and never a step back: fits of a clock differ by microseconds.
@@ -72,7 +76,8 @@ ExportRows RowStream::next() {
   counts_.assign(count * group_.channel.size(), kMissingCounts);
   time_ns_.assign(count, kUntold);
   const std::int64_t begin = group_.first_row + row_;
-  for (const auto& node : node_) fill(*node, begin, begin + rows);
+  missing_ += nodes_ * rows;
+  for (const auto& part : part_) missing_ -= fill(*part, begin, begin + rows);
   tell_time(begin);
   const ExportRows given{.first_row = row_, .time_ns = time_ns_, .counts = counts_};
   row_ += rows;

@@ -14,8 +14,8 @@ namespace roadbalance {
 
 /// The rows of one group of a recording, in order, a few thousand at a time.
 ///
-/// Each node has a reader of its own, so that samples that came late (repaired after an hour without a
-/// network) keep nothing of the other nodes in memory.
+/// Each node epoch has a reader of its own, so that samples that came late (repaired after an hour without a
+/// network, or sent after the node was started again) keep nothing of the others in memory.
 class RowStream {
  public:
   static constexpr std::int64_t kRows = 4096;  ///< given at a time; the last are fewer
@@ -30,13 +30,14 @@ class RowStream {
   std::int64_t missing() const { return missing_; }
 
  private:
-  void fill(NodeBlocks& node, std::int64_t begin, std::int64_t end);
-  void copy(const NodeBlocks::Placed& placed, std::int64_t row, std::int64_t begin);
+  std::int64_t fill(NodeBlocks& blocks, std::int64_t begin, std::int64_t end);
+  void copy(const NodeBlocks& blocks, std::int64_t row, std::int64_t begin);
   void tell_time(std::int64_t begin);
 
   const ExportTable& table_;
   const ExportGroup& group_;
-  std::vector<std::unique_ptr<NodeBlocks>> node_;
+  std::vector<std::unique_ptr<NodeBlocks>> part_;
+  std::int64_t nodes_;    ///< of which the parts are
   std::int64_t row_ = 0;  ///< next to give
   std::int64_t last_ns_ = 0;
   std::int64_t missing_ = 0;

@@ -1,4 +1,4 @@
-"""Recordings of nodes with clocks of their own, and marks: events put into a recording by hand."""
+"""Recordings of nodes with clocks of their own or started again, and marks: events put in by hand."""
 
 import pathlib
 import shutil
@@ -36,6 +36,15 @@ def insert(folder, added):
         if at + 28 > len(log):
             break
     segment.write_bytes(out)
+
+
+def raw_events(folder):
+    """Each event of the first segment, whole."""
+    log, at = (folder / "seg-000001.lcm").read_bytes(), 0
+    while at + 28 <= len(log) and struct.unpack_from(">I", log, at)[0] == 0xEDA1DA01:
+        _, _, _, name, size = struct.unpack_from(">IqqII", log, at)
+        yield log[at + 28:at + 28 + name], log[at:at + 28 + name + size]
+        at += 28 + name + size
 
 
 def epoch_of(folder, number):
@@ -105,6 +114,30 @@ class Clocks(Exports):
         _, front_s = self.host_s(folder, 1)
         there = node.there[:, 0]
         np.testing.assert_allclose(cells[there[:len(cells)], 0], time_s[there] - front_s[0], rtol=0, atol=1e-8)
+
+    def test_a_node_that_was_started_again_goes_on_in_the_same_columns(self):
+        """What the first run still had to send came behind the beginning of the second."""
+        later = [f"{float(line.split(',')[0]) + 30:.9f}," + line.split(",", 1)[1] if k > 1 else line
+                 for k, line in enumerate((self.root / "made.csv").read_text().splitlines())]
+        (self.root / "later.csv").write_text("\n".join(later) + "\n")
+        second = self.import_of("second", self.root / "later.csv", self.root / "made.toml")
+        shutil.copytree(self.made, self.root / "clocks")
+        first = list(raw_events(self.made))
+        late = [k for k, (channel, _) in enumerate(first) if channel == b"RB_BLOCK_1_SCAN"][-60:]
+        log = [data for k, (_, data) in enumerate(first) if k not in late]
+        log += [data for _, data in raw_events(second)] + [first[k][1] for k in late]
+        (self.root / "clocks" / "seg-000001.lcm").write_bytes(b"".join(log))
+        path, said = self.export("csv", self.root / "clocks", "again.csv", code=(0, 1, 3))
+        names, _, cells = read(path)
+        self.assertEqual(names, ["time_s", *self.CHANNELS])
+        self.assertEqual(len(cells), 15_000 + self.ROWS)  # 30 s at 500 Hz
+        np.testing.assert_allclose(cells[:, 0], np.arange(25_000) / 500, rtol=0, atol=5e-9)
+        for begin in (0, 15_000):
+            part = cells[begin:begin + self.ROWS, 1:]
+            np.testing.assert_array_equal(np.isnan(part), ~self.there)
+            np.testing.assert_array_equal(np.rint(part / self.SCALE + self.OFFSET)[self.there], self.counts[self.there])
+        self.assertTrue(np.isnan(cells[self.ROWS:15_000, 1:]).all())
+        self.assertEqual(said["rows_missing"], 2 * (2 * 1000 + 5000) + 2 * 7)
 
     def tearDown(self):
         shutil.rmtree(self.root / "clocks", ignore_errors=True)
