@@ -1,11 +1,9 @@
-#include <sys/mman.h>
-#include <unistd.h>
-
 #include <cmath>
 #include <string>
 #include <string_view>
 
 #include "common/config/section.hpp"
+#include "hil_tests/fuzz/memory_file.hpp"
 #include "hil_tests/fuzz/property.hpp"
 #include "tools/rb/csv_table.hpp"
 #include "tools/rb/sample_clock.hpp"
@@ -14,23 +12,8 @@
 namespace roadbalance {
 namespace {
 
+using fuzz::MemoryFile;
 using fuzz::require;
-
-/// A file without a disk.
-class MemoryFile {
- public:
-  explicit MemoryFile(std::string_view text) : descriptor_(memfd_create("fuzz", 0)) {
-    require(write(descriptor_, text.data(), text.size()) == static_cast<ssize_t>(text.size()),
-            "memory is writable");
-  }
-  ~MemoryFile() { close(descriptor_); }
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
-  std::string path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
-
- private:
-  int descriptor_;
-};
 
 void check_samples(const std::string& path) {
   const SampleTable table = read_samples(path);

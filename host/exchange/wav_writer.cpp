@@ -11,16 +11,16 @@
 #include "common/config/section.hpp"
 #include "host/exchange/description_json.hpp"
 #include "host/exchange/only_group.hpp"
+#include "host/exchange/wav_scale.hpp"
 
 namespace roadbalance {
 namespace {
 
-constexpr std::int64_t kCountsToSample = 128;
 constexpr std::size_t kMostChannels = 1024;  // of libsndfile
 
 std::int32_t sample_of(double counts) {
   constexpr double kLimit = 2147483647.0;
-  return static_cast<std::int32_t>(std::clamp(std::round(counts * kCountsToSample), -kLimit, kLimit));
+  return static_cast<std::int32_t>(std::clamp(std::round(counts * kWavSamplesPerCount), -kLimit, kLimit));
 }
 
 class WavWriter final : public ExportWriter {
@@ -48,7 +48,7 @@ class WavWriter final : public ExportWriter {
   void add(std::size_t, const ExportRows& rows) override {
     samples_.resize(rows.counts.size());
     for (std::size_t i = 0; i < samples_.size(); ++i) {
-      const std::int64_t sample = rows.counts[i] * kCountsToSample;
+      const std::int64_t sample = std::int64_t{rows.counts[i]} * kWavSamplesPerCount;
       samples_[i] = rows.counts[i] == kMissingCounts
                         ? silence_[i % channels_]
                         : static_cast<std::int32_t>(std::clamp<std::int64_t>(sample, -kMost, kMost));

@@ -7,9 +7,9 @@
 
 namespace roadbalance {
 
-/// WAV, 32-bit PCM; RF64 beyond 4 GB.  A sample is its counts times kCountsToSample, so that no count is lost
-/// and full scale is a quarter below the format's.  The comment (INFO ICMT) is the description as JSON, with
-/// scale and offset of each channel: value = (sample / 128 - offset_counts) * scale.
+/// WAV, 32-bit PCM; RF64 beyond 4 GB.  A sample is its counts times kWavSamplesPerCount, so that no count is
+/// lost and full scale is a quarter below the format's.  The comment (INFO ICMT) is the description as JSON,
+/// with scale and offset of each channel: value = (sample / 128 - offset_counts) * scale.
 ///
 /// The format knows no missing samples: there the sample is silence, the counts of a value of 0, and
 /// `rb export --json` counts them.  Its rate is a whole number; the true one is in the comment.

@@ -29,7 +29,7 @@ KEPT = {
     "boost/": "host/web/web_server.cpp",
     "hdf5.h": "host/exchange/hdf5_handle.hpp",
     "host/exchange/hdf5_handle.hpp": "host/exchange/hdf5_",
-    "sndfile": "host/exchange/wav_writer.cpp",
+    "sndfile": "host/exchange/wav_",
     "zlib": "host/exchange/mcap_writer.cpp",
 }
 

@@ -10,12 +10,11 @@
 
 #include "common/config/section.hpp"
 #include "common/config/text_file.hpp"
+#include "host/exchange/units.hpp"
 
 namespace roadbalance {
 
 namespace {
-
-constexpr double kGravity_m_s2 = 9.80665;
 
 /// The lines of a file, split at commas, without blanks around cells.
 class CsvLines {
@@ -69,10 +68,10 @@ class CsvLines {
 };
 
 double factor_of(const CsvLines& lines, std::string_view unit, const std::string& column) {
-  if (unit == "m/s^2" || unit == "m/s2") return 1.0;
-  if (unit == "g") return kGravity_m_s2;
-  if (is_reference_column(column)) return 1.0;  // computed anew from the pulses
-  lines.fail(column, "unit \"" + std::string(unit) + "\" is not known; allowed: m/s^2, m/s2, g");
+  if (is_reference_column(column)) return 1.0;
+  const auto factor = factor_of_unit(unit);
+  if (!factor) lines.fail(column, "unit \"" + std::string(unit) + "\" is not known; allowed: " + kKnownUnits);
+  return *factor;
 }
 
 }  // namespace

@@ -2,26 +2,21 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/config/vehicle_config.hpp"
 #include "common/frontend/front_end.hpp"
+#include "host/exchange/sample_table.hpp"
 
 namespace roadbalance {
-
-/// Samples as somebody else wrote them: a row of channel names, a row of units, then one row an instant.
-struct SampleTable {
-  std::vector<std::string> name;              ///< of each channel; the time column is not one
-  std::vector<double> time_s;                 ///< [row], never falling
-  std::vector<std::vector<double>> value_si;  ///< [channel][row], m/s^2; NaN: the cell is empty
-};
 
 /// True of the columns <wheel>_angle_sin and <wheel>_angle_cos of `rb export`: they are computed anew from
 /// the pulses.
 bool is_reference_column(std::string_view name);
 
-/// First column time_s [s]; channels in m/s^2, m/s2 or g.
+/// Samples as somebody else wrote them: a row of channel names, a row of units, then one row an instant.
+/// First column time_s [s]; channels in one of kKnownUnits; an empty cell is no sample.
 /// @throws ConfigError "file:line: column: reason; allowed: ..."; std::system_error if it cannot be read
 SampleTable read_samples(const std::filesystem::path& file);
 

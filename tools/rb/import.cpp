@@ -1,10 +1,14 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "host/exchange/hdf5_reader.hpp"
+#include "host/exchange/uff58_reader.hpp"
+#include "host/exchange/wav_reader.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/import_csv.hpp"
 
@@ -16,8 +20,28 @@ struct ImportOptions {
   std::string pulses;
   std::string vehicle;
   std::string folder;
+  ReadSamples read = read_samples;
   bool json = false;
 };
+
+struct Format {
+  const char *name, *about, *samples;
+  ReadSamples read;
+};
+constexpr std::array kFormats{
+    Format{"csv", "Samples and pulses as comma-separated values",
+           "first row names, second row units, first column time_s; an empty cell is no sample",
+           read_samples},
+    Format{
+        "hdf5", "Samples of an HDF5 file, pulses as comma-separated values",
+        "one group with time_s and a data set for each channel, attributes units, scale_factor, add_offset, "
+        "_FillValue",
+        read_hdf5_samples},
+    Format{"uff58", "Samples of an ASCII universal file, pulses as comma-separated values",
+           "time responses (58) of one even abscissa, SI; the first ID line names the channel",
+           read_uff58_samples},
+    Format{"wav", "Samples of a WAV file of rb export, pulses as comma-separated values",
+           "32-bit PCM whose comment tells channels and scales", read_wav_samples}};
 
 nlohmann::ordered_json report_json(const CsvImportReport& report) {
   nlohmann::ordered_json json{{"rows", report.rows},
@@ -62,7 +86,7 @@ void tell(const CsvImportReport& report) {
 }
 
 int import(const ImportOptions& options) {
-  CsvImport request{options.samples, std::nullopt, options.folder};
+  CsvImport request{options.samples, std::nullopt, options.folder, options.read};
   if (!options.pulses.empty()) request.pulses = options.pulses;
   const CsvImportReport report = import_csv(request, VehicleConfig::read_file(options.vehicle));
   tell(report);
@@ -75,17 +99,20 @@ int import(const ImportOptions& options) {
 }  // namespace
 
 void add_import(CLI::App& app, int& code) {
-  auto options = std::make_shared<ImportOptions>();
   CLI::App* command = app.add_subcommand("import", "Makes a recording from somebody else's data");
   command->require_subcommand(1);
-  CLI::App* csv = command->add_subcommand("csv", "Samples and pulses as comma-separated values");
-  csv->add_option("--samples", options->samples, "first row names, second row units, first column time_s")
-      ->required();
-  csv->add_option("--pulses", options->pulses, "time_s,wheel,kind with kind tooth or zero");
-  csv->add_option("--vehicle", options->vehicle, "vehicle.toml that gives each channel a place")->required();
-  csv->add_option("-o,--output", options->folder, "folder of the recording to make")->required();
-  csv->add_flag("--json", options->json, "one JSON object on standard output");
-  csv->callback([options, &code] { code = import(*options); });
+  for (const Format& format : kFormats) {
+    auto options = std::make_shared<ImportOptions>();
+    options->read = format.read;
+    CLI::App* one = command->add_subcommand(format.name, format.about);
+    one->add_option("--samples", options->samples, format.samples)->required();
+    one->add_option("--pulses", options->pulses, "time_s,wheel,kind with kind tooth or zero");
+    one->add_option("--vehicle", options->vehicle, "vehicle.toml that gives each channel a place")
+        ->required();
+    one->add_option("-o,--output", options->folder, "folder of the recording to make")->required();
+    one->add_flag("--json", options->json, "one JSON object on standard output");
+    one->callback([options, &code] { code = import(*options); });
+  }
 }
 
 }  // namespace roadbalance

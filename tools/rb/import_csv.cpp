@@ -211,7 +211,7 @@ void write_whole(std::filesystem::path folder, const std::vector<SealedBlock>& b
 CsvImportReport import_csv(const CsvImport& import, const VehicleConfig& vehicle) {
   if (std::filesystem::exists(import.folder) && !std::filesystem::is_empty(import.folder))
     throw ConfigError(import.folder.string() + ": holds something already; allowed: a new or empty folder");
-  const SampleTable table = read_samples(import.samples);
+  const SampleTable table = import.read(import.samples);
   const ColumnOf column = match_columns(import, table, vehicle);
   const SampleClock clock = clock_of(import, table, vehicle.node.front().rate_hz);
   const std::vector<Pulse> pulses = pulses_of(import, vehicle);

@@ -7,14 +7,19 @@
 #include <vector>
 
 #include "common/config/vehicle_config.hpp"
+#include "tools/rb/csv_table.hpp"
 #include "tools/rb/sample_clock.hpp"
 
 namespace roadbalance {
+
+/// What reads a file of samples; errors as read_samples() has them.
+using ReadSamples = SampleTable (*)(const std::filesystem::path& file);
 
 struct CsvImport {
   std::filesystem::path samples;
   std::optional<std::filesystem::path> pulses;
   std::filesystem::path folder;  ///< of the recording to make; must not hold anything yet, and appears whole
+  ReadSamples read = read_samples;  ///< of the format that `samples` is in
 };
 
 struct CsvImportReport {

@@ -1,0 +1,201 @@
+#include "host/exchange/uff58_reader.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <set>
+#include <sstream>
+#include <string_view>
+
+#include "common/config/section.hpp"
+#include "common/config/text_file.hpp"
+
+namespace roadbalance {
+namespace {
+
+constexpr std::string_view kMarker = "    -1";
+constexpr std::int64_t kMostSamples = std::int64_t{1} << 31;
+constexpr double kStepDigits = 1e-5;  ///< E13.5 has 6 digits
+
+std::string_view trimmed(std::string_view text) {
+  const auto begin = text.find_first_not_of(" \t\r");
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1);
+}
+
+class Lines {
+ public:
+  explicit Lines(const std::filesystem::path& file) : file_(file.string()), stream_(read_text_file(file_)) {}
+
+  bool next() {
+    if (!std::getline(stream_, line_)) return false;
+    ++number_;
+    if (!line_.empty() && line_.back() == '\r') line_.pop_back();
+    return true;
+  }
+  /// @throws ConfigError if the file ends
+  void need(const char* what) {
+    if (!next()) fail(std::string("the file ends; allowed: ") + what);
+  }
+  const std::string& line() const { return line_; }
+  bool is_marker() const { return std::string_view(line_).substr(0, 6) == kMarker && trimmed(line_) == "-1"; }
+
+  [[noreturn]] void fail(const std::string& reason) const {
+    throw ConfigError(file_ + ":" + std::to_string(number_) + ": " + reason);
+  }
+
+  std::string_view field(std::size_t at, std::size_t width) const {
+    const std::string_view line(line_);
+    return at < line.size() ? trimmed(line.substr(at, width)) : std::string_view();
+  }
+  std::int64_t integer(std::size_t at, std::size_t width, const char* what) const {
+    std::int64_t value = 0;
+    const std::string_view text = field(at, width);
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size())
+      fail(std::string(what) + ": \"" + std::string(text) + "\" in columns " + std::to_string(at + 1) +
+           " to " + std::to_string(at + width) + " is no whole number");
+    return value;
+  }
+  /// "NaN" is NaN; Fortran's D stands for E.
+  double number(std::size_t at, std::size_t width, const char* what) const {
+    std::string text(field(at, width));
+    if (text == "NaN") return std::numeric_limits<double>::quiet_NaN();
+    std::replace(text.begin(), text.end(), 'D', 'E');
+    const std::size_t sign = text.starts_with('+') ? 1 : 0;
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(text.data() + sign, text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+      fail(std::string(what) + ": \"" + text + "\" in columns " + std::to_string(at + 1) + " to " +
+           std::to_string(at + width) + " is no number");
+    return value;
+  }
+
+ private:
+  const std::string file_;
+  std::istringstream stream_;
+  std::string line_;
+  std::int64_t number_ = 0;
+};
+
+/// Even instants, as record 7 tells them.
+struct Abscissa {
+  std::int64_t samples = 0;
+  double first_s = 0.0, step_s = 0.0;
+
+  bool operator==(const Abscissa&) const = default;
+};
+
+void pass_over(Lines& lines) {
+  do lines.need("-1 in columns 5 and 6, which ends a data set");
+  while (!lines.is_marker());
+}
+
+void check_units(Lines& lines) {
+  lines.need("units");
+  const std::int64_t code = lines.integer(0, 10, "units code");
+  if (code != 1) lines.fail("units code " + std::to_string(code) + "; allowed: 1, SI");
+  pass_over(lines);
+}
+
+/// The rate that a file of rb export tells to 15 digits: "Rate 2000 Hz, ...".
+void refine(std::string_view id_line, Abscissa& abscissa) {
+  constexpr std::string_view kBegin = "Rate ";
+  if (!id_line.starts_with(kBegin)) return;
+  double rate_hz = 0.0;
+  const char* begin = id_line.data() + kBegin.size();
+  const auto [end, error] = std::from_chars(begin, id_line.data() + id_line.size(), rate_hz);
+  if (error == std::errc() && rate_hz > 0.0 && std::abs(rate_hz * abscissa.step_s - 1.0) < kStepDigits)
+    abscissa.step_s = 1.0 / rate_hz;
+}
+
+class Reader {
+ public:
+  explicit Reader(const std::filesystem::path& file) : lines_(file) {}
+
+  SampleTable read() {
+    while (lines_.next()) {
+      if (trimmed(lines_.line()).empty()) continue;
+      if (!lines_.is_marker()) lines_.fail("allowed: -1 in columns 5 and 6, which begins a data set");
+      lines_.need("type of the data set");
+      if (std::string_view(lines_.line()).substr(0, 7) == "    58b")
+        lines_.fail("is binary; allowed: an ASCII universal file");
+      switch (lines_.integer(0, 6, "type of the data set")) {
+        case 58:
+          read_function();
+          break;
+        case 164:
+          check_units(lines_);
+          break;
+        default:
+          pass_over(lines_);
+      }
+    }
+    if (table_.name.empty()) lines_.fail("no time response (data set 58, function type 1)");
+    for (std::int64_t k = 0; k < abscissa_.samples; ++k)
+      table_.time_s.push_back(abscissa_.first_s + static_cast<double>(k) * abscissa_.step_s);
+    return std::move(table_);
+  }
+
+ private:
+  void read_function() {
+    lines_.need("ID line 1");
+    const std::string name(trimmed(lines_.line()));
+    std::string rate_line;
+    for (int id = 2; id <= 5; ++id) {
+      lines_.need("ID lines 2 to 5");
+      if (id == 4) rate_line = trimmed(lines_.line());
+    }
+    lines_.need("record 6");
+    if (lines_.integer(0, 5, "function type") != 1) return pass_over(lines_);
+    lines_.need("record 7");
+    const std::int64_t type = lines_.integer(0, 10, "ordinate data type");
+    if (type != 2 && type != 4)
+      lines_.fail("ordinate data type " + std::to_string(type) + "; allowed: 2 or 4, real");
+    Abscissa abscissa{.samples = lines_.integer(10, 10, "number of values"),
+                      .first_s = lines_.number(30, 13, "abscissa minimum"),
+                      .step_s = lines_.number(43, 13, "abscissa increment")};
+    if (lines_.integer(20, 10, "abscissa spacing") != 1) lines_.fail("uneven abscissa; allowed: even");
+    if (abscissa.samples < 1 || abscissa.samples > kMostSamples || !(abscissa.step_s > 0.0) ||
+        !std::isfinite(abscissa.first_s + static_cast<double>(abscissa.samples) * abscissa.step_s))
+      lines_.fail("allowed: at least one value, and a positive increment");
+    refine(rate_line, abscissa);
+    for (int record = 8; record <= 11; ++record) lines_.need("records 8 to 11");
+    take(name, abscissa, type == 2 ? 6 : 4, type == 2 ? 13 : 20);
+  }
+
+  void take(const std::string& name, const Abscissa& abscissa, std::int64_t per_line, std::size_t width) {
+    if (!seen_.insert(name).second) lines_.fail("channel " + name + " stands twice");
+    if (!table_.name.empty() && !(abscissa == abscissa_))
+      lines_.fail("channel " + name + " has another abscissa than those before; allowed: the same");
+    abscissa_ = abscissa;
+    std::vector<double> values;
+    while (std::ssize(values) < abscissa.samples) {
+      lines_.need("more values");
+      if (lines_.is_marker())
+        lines_.fail(std::to_string(values.size()) + " values; allowed: " + std::to_string(abscissa.samples));
+      const std::int64_t count = std::min(per_line, abscissa.samples - std::ssize(values));
+      for (std::int64_t k = 0; k < count; ++k)
+        values.push_back(lines_.number(static_cast<std::size_t>(k) * width, width, name.c_str()));
+    }
+    lines_.need("-1 in columns 5 and 6, which ends a data set");
+    if (!lines_.is_marker()) lines_.fail("more than " + std::to_string(abscissa.samples) + " values");
+    table_.name.push_back(name);
+    table_.value_si.push_back(std::move(values));
+  }
+
+  Lines lines_;
+  SampleTable table_;
+  Abscissa abscissa_;
+  std::set<std::string> seen_;
+};
+
+}  // namespace
+
+SampleTable read_uff58_samples(const std::filesystem::path& file) {
+  return Reader(file).read();
+}
+
+}  // namespace roadbalance

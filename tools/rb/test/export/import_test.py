@@ -1,0 +1,131 @@
+"""rb import of hdf5, uff58 and wav: what rb export wrote comes back count for count; what others wrote, and what is wrong."""
+
+import unittest
+
+import h5py
+import numpy as np
+
+from recorded import Exports, Node, rb
+
+
+class Import(Exports):
+    FORMATS = ("hdf5", "uff58", "wav")
+
+    def import_as(self, form, name, samples, vehicle, *more):
+        folder = self.root / name
+        done = rb("import", form, "--samples", samples, "--vehicle", vehicle, "-o", folder, *more)
+        return folder, done
+
+    def test_each_export_comes_back_count_for_count(self):
+        for form in self.FORMATS:
+            file, _ = self.export(form, self.made, f"made.{form}", "--vehicle", self.root / f"{form}.toml")
+            back, done = self.import_as(form, f"made_{form}", file, self.root / f"{form}.toml")
+            self.assertEqual(done.returncode, 0 if form == "wav" else 3, done.stderr)
+            for number in (1, 2):
+                first, again = Node(self.made, number), Node(back, number)
+                if form != "wav":  # there what is missing is silence
+                    np.testing.assert_array_equal(first.there, again.there)
+                there = first.there[:, :2]
+                np.testing.assert_array_equal(first.counts[:, :2][there], again.counts[:, :2][there], form)
+                steps = np.diff(again.time_ns[again.there[:, 0]]) / 1e9 * self.RATE_HZ
+                np.testing.assert_allclose(steps, np.rint(steps), rtol=0, atol=1e-5)
+
+    def test_somebody_elses_measurement_comes_back_count_for_count(self):
+        wobble = self.wobble()
+        first = Node(wobble, 1)
+        for form in self.FORMATS:
+            file, _ = self.export(form, wobble, f"wobble.{form}", "--vehicle", self.root / f"w{form}.toml")
+            back, done = self.import_as(form, f"wobble_{form}", file, self.root / f"w{form}.toml")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            again = Node(back, 1)
+            np.testing.assert_array_equal(first.counts, again.counts, form)
+            np.testing.assert_allclose(np.diff(first.time_ns), np.diff(again.time_ns), rtol=0, atol=50)
+
+    def test_a_drive_comes_back_with_its_pulses(self):
+        drive = self.drive()
+        for form in self.FORMATS:
+            file, _ = self.export(form, drive, f"drive.{form}", "--pulses", self.root / f"{form}.pulses",
+                                  "--vehicle", self.root / f"d{form}.toml")
+            back, done = self.import_as(form, f"drive_{form}", file, self.root / f"d{form}.toml", "--pulses",
+                                        self.root / f"{form}.pulses")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            for number in (1, 2):
+                first, again = Node(drive, number), Node(back, number)
+                np.testing.assert_array_equal(first.counts[:, :12], again.counts[:, :12], form)
+                self.assertGreater((first.there & again.there)[:, 12].sum(), 5000)
+
+    def write_hdf5(self, name, time_s, **channels):
+        with h5py.File(self.root / name, "w") as file:
+            group = file.create_group("mine")
+            group["time_s"] = time_s
+            for channel, (values, unit) in channels.items():
+                group[channel] = values
+                group[channel].attrs["units"] = unit
+        return self.root / name
+
+    def test_takes_an_hdf5_file_that_h5py_wrote(self):
+        time_s = np.arange(1000) / self.RATE_HZ
+        value = np.where(np.arange(1000) % 100 == 7, np.nan, np.sin(time_s))
+        made = self.write_hdf5("mine.h5", time_s, front_up=(value, "g"), front_side=(value.astype("f4"), "m/s^2"),
+                               rear_up=(np.arange(1000, dtype="i2") - 500, "m/s2"), rear_side=(value * 0, "m/s^2"))
+        back, done = self.import_as("hdf5", "mine", made, self.root / "made.toml")
+        self.assertEqual(done.returncode, 2, done.stderr)  # rear_side is missing where rear_up is not
+        self.assertIn("rear_side: is empty", done.stderr)
+        made = self.write_hdf5("mine2.h5", time_s, front_up=(value, "g"), front_side=(value.astype("f4"), "m/s^2"),
+                               rear_up=((np.arange(1000, dtype="i2") - 500) // 50, "m/s2"), rear_side=(time_s, "m/s^2"))
+        back, done = self.import_as("hdf5", "mine2", made, self.root / "made.toml")
+        self.assertEqual(done.returncode, 3, done.stderr)
+        front, rear = Node(back, 1), Node(back, 2)
+        there = ~np.isnan(value)
+        np.testing.assert_array_equal(front.there[:, 0], there)
+        np.testing.assert_array_equal(front.counts[there, 0], np.rint(value[there] * 9.80665 * 2**23 / 50))
+        np.testing.assert_array_equal(rear.counts[:, 0], np.rint((np.arange(1000) - 500) // 50 * 2**23 / 50))
+
+    def test_says_what_is_wrong_with_a_file(self):
+        good = {form: self.export(form, self.made, f"good.{form}")[0].read_bytes() for form in self.FORMATS}
+        text = good["uff58"].decode()
+        lines = text.split("\n")
+        record_7 = next(k for k, line in enumerate(lines) if line == "    58") + 7
+        number = record_7 + 6
+        altered = lambda k, line: "\n".join([*lines[:k], line, *lines[k + 1:]]).encode()
+        cases = [(form, data, words) for form in self.FORMATS for data, words in (
+            (b"", ""), (b"neither this nor that\n" * 10, ""), (good[form][:len(good[form]) // 2], ""))]
+        cases += [
+            ("uff58", altered(number, lines[number][:20] + "                 x.5" + lines[number][40:]),
+             f"{number + 1}: front_up: \"x.5\" in columns 21 to 40"),
+            ("uff58", altered(record_7, lines[record_7][:10] + "99999999999"[:10] + lines[record_7][20:]), "allowed"),
+            ("uff58", altered(record_7, lines[record_7][:29] + "0" + lines[record_7][30:]), "uneven"),
+            ("uff58", altered(record_7, "         5" + lines[record_7][10:]), "ordinate data type 5"),
+            ("uff58", text.replace("         1SI", "         9US").encode(), "units code 9"),
+            ("uff58", text.replace("rear_up", "front_up").encode(), "stands twice"),
+            ("wav", good["wav"].replace(b'"scale"', b'"scaly"'), "scale"),
+            ("wav", good["wav"].replace(b"ICMT", b"IXXX"), "comment"),
+            ("wav", good["wav"][:-160], f"ends at byte {len(good['wav']) - 160} after 9990 of 10000"),
+        ]
+        for k, (form, data, words) in enumerate(cases):
+            file = self.root / f"bad{k}.{form}"
+            file.write_bytes(data)
+            folder, done = self.import_as(form, f"bad{k}", file, self.root / "made.toml")
+            self.assertIn(done.returncode, (2, 4) if form == "hdf5" else (2,), f"{form} {data[:40]}: {done.stderr}")
+            self.assertIn(f"bad{k}.{form}", done.stderr)
+            self.assertIn(words, done.stderr)
+            self.assertFalse(folder.exists())
+        for form in self.FORMATS:
+            self.assertEqual(self.import_as(form, "none", self.root / "none", self.root / "made.toml")[1].returncode, 4)
+        for change, words in ((lambda g: g["rear_up"].attrs.__setitem__("units", "furlong"), "furlong"),
+                              (lambda g: g.__delitem__("time_s"), "time_s"),
+                              (lambda g: g["time_s"].__setitem__(5, 1e9), "time_s"),
+                              (lambda g: g.create_dataset("more", data=[1, 2]), "more: 2 samples"),
+                              (lambda g: g.create_dataset("square", data=np.zeros((3, 3))), "square"),
+                              (lambda g: g.create_group("inner"), "inner")):
+            file = self.root / "altered.h5"
+            file.write_bytes(good["hdf5"])
+            with h5py.File(file, "r+") as data:
+                change(data["all"])
+            _, done = self.import_as("hdf5", "altered", file, self.root / "made.toml")
+            self.assertIn(done.returncode, (2, 4), done.stderr)
+            self.assertIn(words, done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
