@@ -182,14 +182,25 @@ void Receiver::close_silent(Node& node, std::int32_t number, std::int64_t epoch,
   }
 }
 
-void Receiver::finish(WallTime now, std::vector<Delivery>& out) {
+void Receiver::give_up(std::int32_t node, std::int64_t epoch, std::vector<Delivery>& out) {
+  const auto found = nodes_.find(node);
+  if (found == nodes_.end()) return;
+  if (Live* live = find_live(found->second, epoch)) return live->receiver->crash(out);
+  Past* const past = find_past(found->second, epoch);
+  if (!past || past->position.ended) return;
+  close_past(found->second, node, *past, out);
+  past->position.ended = past->position.crashed = true;
+}
+
+void Receiver::finish(WallTime now, bool leaves_open, std::vector<Delivery>& out) {
   for (auto& [number, node] : nodes_) {
     for (std::size_t k = 0; k < node.live.size(); ++k) {
       const bool superseded = k + 1 < node.live.size();
+      if (!superseded && leaves_open) continue;
       if (now - node.live[k].heard_at >= (superseded ? kEpochSilence : kLongSilence))
         node.live[k].receiver->crash(out);
     }
-    const bool long_silence = began_at_ && now - *began_at_ >= kLongSilence;
+    const bool long_silence = !leaves_open && began_at_ && now - *began_at_ >= kLongSilence;
     for (Past& past : node.past)
       if (!past.position.ended && (past.superseded_at || long_silence)) {
         close_past(node, number, past, out);

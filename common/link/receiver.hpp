@@ -43,7 +43,11 @@ class Receiver {
   void set_credit_open(bool open);
   /// The recorder ends: closes as crashed what has no end and has been silent for ten seconds, or for one if
   /// a newer epoch of the node was heard.  What only sleeps stays open for the next recorder.
-  void finish(WallTime now, std::vector<Delivery>& out);
+  /// @param leaves_open  so does what has been silent for long, unless a newer epoch of the node was heard
+  void finish(WallTime now, bool leaves_open, std::vector<Delivery>& out);
+  void finish(WallTime now, std::vector<Delivery>& out) { finish(now, false, out); }
+  /// Nothing more comes of this epoch: it is closed as crashed if it is known and has no end.
+  void give_up(std::int32_t node, std::int64_t epoch, std::vector<Delivery>& out);
 
   /// Acknowledgements to send now: five times a second, at once when more is durable and before the credit
   /// runs out, 25 times a second while a living node has not heard what is durable or nothing more comes of

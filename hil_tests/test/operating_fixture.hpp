@@ -20,7 +20,9 @@ inline constexpr std::chrono::milliseconds kPatience{60'000};
 /// Real nodes and a real recorder that starts and stops on request.
 class Operating : public test::Measurement {
  protected:
-  Operating() {
+  Operating() { make_vehicles(); }
+  explicit Operating(const std::string& bus_url) : Measurement(bus_url) { make_vehicles(); }
+  void make_vehicles() const {
     std::filesystem::create_directories(vehicles);
     write_vehicle("car.toml", test::read_source("sim/demo/vehicle.toml"));
   }

@@ -171,7 +171,13 @@ TEST_F(Operating, ASetUpBetweenTwoRecordingsWithoutAPauseLosesNothing) {
     const std::string name = "part" + std::to_string(k);
     start(name);
     stop();
-    const Answer done = ask(Operation::kRange, "", {.node = kFront, .channel = 0, .value = {100.0 + k, 0}});
+    Answer done;
+    ASSERT_TRUE(test::wait_until(
+        [&] {
+          done = ask(Operation::kRange, "", {.node = kFront, .channel = 0, .value = {100.0 + k, 0}});
+          return done.reason != RefusalReason::kNoNode;  // between two epochs it is not there
+        },
+        60));
     EXPECT_EQ(done.state, AnswerState::kDone) << done.text;
     expect_whole(name);
   }
@@ -230,6 +236,7 @@ TEST_F(Operating, ZerosAreTheReadingsOfACarThatStands) {
       30))
       << zero.text;
   start("zeroed");
+  ASSERT_TRUE(more_are_durable(kFront, 5) && more_are_durable(kRear, 5));
   stop();
   const auto vehicle = recorded_vehicle(recordings / "zeroed");
   ASSERT_TRUE(vehicle);

@@ -46,7 +46,7 @@ void Desk::take(const Request& request, std::int64_t utc_us, int nodes) {
       if (book_.under_way)
         return refuse(request, RefusalReason::kRecording,
                       "a recording has one set-up from its first sample to its last: stop it first", utc_us);
-      return say(hands_.set_up(request));
+      return set_up(request, utc_us);
     case Operation::kJob:
     case Operation::kCancel:
       return;  // of rb-recordings, which answers
@@ -75,6 +75,10 @@ bool Desk::answer_again(const Request& request, std::int64_t utc_us) {
       if (mark->number <= recording->durable_marks) runs(0, recording->durable_marks, utc_us);
       return true;
     }
+  }
+  if (const auto& asked = book_.set_up; asked && key == asked->asked) {
+    say(answer_about(*asked, utc_us));  // was_set_up() says the rest of what is under way
+    return true;
   }
   if (const auto& finished = book_.finished; finished && (key == finished->start || key == finished->stop)) {
     say(done(key, request.operation, "the recording has ended", utc_us));
@@ -105,9 +109,13 @@ void Desk::start(const Request& request, std::int64_t utc_us, int nodes) {
   const std::string name = request.text.empty() ? name_by_time(utc_us) : request.text;
   if (const std::string fault = fault_of_name(name); !fault.empty())
     return refuse(request, RefusalReason::kBadArgument, "\"" + name + "\": " + fault, utc_us);
-  if (hands_.exists(name))
-    return refuse(request, RefusalReason::kNameTaken,
-                  "there is a recording \"" + name + "\": choose another name", utc_us);
+  try {
+    if (hands_.exists(name))
+      return refuse(request, RefusalReason::kNameTaken,
+                    "there is a recording \"" + name + "\": choose another name", utc_us);
+  } catch (const std::system_error& error) {
+    return refuse(request, RefusalReason::kDisk, error.what(), utc_us);
+  }
   if (nodes == 0)
     return refuse(request, RefusalReason::kNoNode,
                   "no node is on the bus: is rb-node running, and are its cables plugged in?", utc_us);
@@ -178,70 +186,32 @@ void Desk::mark(const Request& request, std::int64_t utc_us) {
   say(answer_about(mark, utc_us));
 }
 
+void Desk::set_up(const Request& request, std::int64_t utc_us) {
+  const Answer answer = hands_.set_up(request);
+  if (answer.state == AnswerState::kUnderWay) {
+    DeskBook book = book_;
+    book.set_up = hands_.asked_set_up();
+    if (!store(std::move(book))) {
+      hands_.forget_set_up();
+      return refuse(request, RefusalReason::kDisk, store_fault_, utc_us);
+    }
+  }
+  say(answer);
+}
+
+void Desk::was_set_up(const Answer& answer) {
+  if (book_.set_up && book_.set_up->asked == RequestKey{answer.asker, answer.request}) {
+    DeskBook book = book_;
+    book.set_up->state = answer.state;
+    book.set_up->reason = answer.reason;
+    book.set_up->text = answer.text;
+    if (!store(book)) book_ = std::move(book);
+  }
+  say(answer);
+}
+
 void Desk::note(const Mark& mark) {
   hands_.note({.kind = NoteKind::kMark, .a = mark.number, .b = mark.asked.request, .text = mark.text});
-}
-
-void Desk::runs(int recorded_nodes, std::int32_t durable_marks, std::int64_t utc_us) {
-  fault_.clear();
-  if (!book_.under_way) return;
-  if (recorded_nodes > 0 && !std::exchange(runs_, true) && was_asked(book_.under_way->start))
-    say(done(book_.under_way->start, Operation::kStart, "\"" + book_.under_way->name + "\" is being recorded",
-             utc_us));
-  if (durable_marks > book_.under_way->durable_marks) {
-    book_.under_way->durable_marks = durable_marks;
-    (void)store(book_);  // otherwise it is noted once more, under the same number
-  }
-  for (Answer& known : known_) {
-    if (known.operation != Operation::kMark || known.state != AnswerState::kUnderWay) continue;
-    if (known.value[0] < 1 || known.value[0] > durable_marks) continue;
-    Answer answer = known;
-    answer.state = AnswerState::kDone;
-    answer.time_us = utc_us;
-    answer.text = "mark " + std::to_string(static_cast<int>(known.value[0])) + " is on the disk";
-    known = answer;
-    to_send_.push_back(std::move(answer));
-  }
-}
-
-void Desk::ended(std::vector<Receipt> receipts, std::int64_t utc_us) {
-  if (!book_.under_way) return;
-  const UnderWay recording = *book_.under_way;
-  const RequestKey stop = recording.stop.value_or(RequestKey{});
-  const std::string missing = nodes_without_end(receipts);
-  DeskBook book{.finished = Finished{.start = recording.start, .stop = stop, .receipt = std::move(receipts)}};
-  if (!store(book)) book_ = std::move(book);
-  fault_.clear();
-  if (!std::exchange(runs_, true) && was_asked(recording.start))
-    say(done(recording.start, Operation::kStart, "\"" + recording.name + "\" has ended", utc_us));
-  if (was_asked(stop))
-    say(done(stop, Operation::kStop, "\"" + recording.name + "\" is on the disk" + missing, utc_us));
-  for (Answer& known : known_) {
-    if (known.operation != Operation::kMark || known.state != AnswerState::kUnderWay) continue;
-    const bool is_durable = known.value[0] <= recording.durable_marks;
-    known.state = is_durable ? AnswerState::kDone : AnswerState::kRefused;
-    known.reason = is_durable ? RefusalReason::kNone : RefusalReason::kDisk;
-    known.text = is_durable ? "on the disk with the recording"
-                            : "nobody knows whether it is on the disk: the recording has ended";
-    to_send_.push_back(known);
-  }
-}
-
-void Desk::failed(const std::string& why, bool has_run, std::int64_t utc_us) {
-  fault_ = why;
-  if (!book_.under_way || has_run || runs_ || !was_asked(book_.under_way->start)) return;
-  const RequestKey start = book_.under_way->start;
-  const auto asked = std::ranges::find_if(known_, [&](const Answer& answer) {
-    return answer.asker == start.asker && answer.request == start.request;
-  });
-  if (asked == known_.end()) return;  // by a recorder before us: it may hold samples
-  DeskBook book{.finished = book_.finished};
-  if (!store(book)) book_ = std::move(book);
-  fault_.clear();
-  Answer answer = done(start, Operation::kStart, why, utc_us);
-  answer.state = AnswerState::kRefused;
-  answer.reason = RefusalReason::kDisk;
-  say(answer);
 }
 
 void Desk::refuse(const Request& request, RefusalReason reason, std::string why, std::int64_t utc_us) {

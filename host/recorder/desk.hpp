@@ -16,18 +16,22 @@ namespace roadbalance {
 ///
 /// What was asked is in the book, on the disk, before it is done, and each request acts once, however often
 /// it comes and whenever the recorder is killed: a start that was obeyed is answered as done by the recorder
-/// that comes after, a stop goes on, a mark is noted again under the same number.
+/// that comes after, a stop goes on, a mark is noted again under the same number, a set-up is undone unless
+/// it was done.
 class Desk {
  public:
   /// What it can do.
   struct Hands {
-    std::function<void(const DeskBook&)> store;           ///< @throws std::system_error
-    std::function<bool(const std::string& name)> exists;  ///< a recording of this name
-    std::function<void(const UnderWay&)> begin;           ///< lets a recorder run on its folder
-    std::function<void()> stop;                           ///< lets it come to its end
-    std::function<void(NoteToRecord)> note;               ///< into the recording that runs
-    std::function<Answer(const Request&)> set_up;         ///< other operations
-    std::function<bool()> is_set_up_under_way;            ///< one of them has not come to its end
+    std::function<void(const DeskBook&)> store;  ///< @throws std::system_error
+    /// A recording of this name.  @throws std::system_error
+    std::function<bool(const std::string& name)> exists;
+    std::function<void(const UnderWay&)> begin;    ///< lets a recorder run on its folder
+    std::function<void()> stop;                    ///< lets it come to its end
+    std::function<void(NoteToRecord)> note;        ///< into the recording that runs
+    std::function<Answer(const Request&)> set_up;  ///< other operations; none is done yet
+    std::function<AskedSetUp()> asked_set_up;      ///< what set_up() has just put under way ...
+    std::function<void()> forget_set_up;           ///< ... and is not to do
+    std::function<bool()> is_set_up_under_way;     ///< one of them has not come to its end
   };
   Desk(Hands hands, DeskBook book);
 
@@ -40,20 +44,25 @@ class Desk {
 
   /// The recorder runs: samples of so many nodes, and marks through this number, are on the disk.
   void runs(int recorded_nodes, std::int32_t durable_marks, std::int64_t utc_us);
-  /// It has come to its end as told, with these receipts.
-  void ended(std::vector<Receipt> receipts, std::int64_t utc_us);
+  /// It has come to its end as told, with these receipts; nodes that were cut off hold the rest of it.
+  void ended(std::vector<Receipt> receipts, std::vector<Rest> rests, std::int64_t utc_us);
+  /// Nothing of these is to be fetched any more.
+  /// @param complete  the receipts of their recording as they are now, made of those before
+  void settled(const std::vector<Rest>& rests,
+               const std::function<std::vector<Receipt>(const std::vector<Receipt>&)>& complete);
   /// It has ended with an error and is to be begun again; one that has never run is given up.
   void failed(const std::string& why, bool has_run, std::int64_t utc_us);
   /// Begins it again.
   void again();
   /// What became of something passed to Hands::set_up.
-  void was_set_up(const Answer& answer) { say(answer); }
+  void was_set_up(const Answer& answer);
 
   /// To be sent, since the last call.
   std::vector<Answer> answers() { return std::exchange(to_send_, {}); }
 
   const std::optional<UnderWay>& under_way() const { return book_.under_way; }
   const std::optional<Finished>& finished() const { return book_.finished; }
+  const std::vector<Rest>& rests() const { return book_.rest; }
   bool is_stopping() const { return book_.under_way && (book_.under_way->stop || ends_); }
   /// Why no recording runs that should; empty: it does, or none should.
   const std::string& fault() const { return fault_; }
@@ -62,6 +71,7 @@ class Desk {
   void start(const Request& request, std::int64_t utc_us, int nodes);
   void stop(const Request& request, std::int64_t utc_us);
   void mark(const Request& request, std::int64_t utc_us);
+  void set_up(const Request& request, std::int64_t utc_us);
   void note(const Mark& mark);
   bool answer_again(const Request& request, std::int64_t utc_us);
   bool store(DeskBook book);

@@ -36,13 +36,28 @@ Answer answer_about(const Mark& mark, std::int64_t utc_us) {
           .text = "mark " + std::to_string(mark.number) + " is not on the disk yet"};
 }
 
+Answer answer_about(const AskedSetUp& set_up, std::int64_t utc_us) {
+  return {.asker = set_up.asked.asker,
+          .request = set_up.asked.request,
+          .time_us = utc_us,
+          .operation = set_up.operation,
+          .state = set_up.state,
+          .reason = set_up.reason,
+          .node = set_up.node,
+          .channel = set_up.channel,
+          .value = set_up.value,
+          .text = set_up.text.empty() ? "waits for the nodes" : set_up.text};
+}
+
 std::string nodes_without_end(const std::vector<Receipt>& receipts) {
   std::string nodes;
   for (const Receipt& receipt : receipts)
     if (receipt.nodes > 0 && (receipt.open_epochs > 0 || !receipt.sums_agree))
       nodes += (nodes.empty() ? "" : ", ") + std::to_string(receipt.node);
   if (nodes.empty()) return "";
-  return "; node " + nodes + " has not told all of it to its end: is it on, and its cable plugged in?";
+  return "; node " + nodes +
+         " has not told all of it to its end: is it on, and its cable plugged in? "
+         "What it holds is fetched when it is back";
 }
 
 bool was_asked(const RequestKey& key) {

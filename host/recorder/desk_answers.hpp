@@ -21,6 +21,9 @@ Answer done(const RequestKey& key, Operation operation, std::string text, std::i
 /// Under way: it is not durable yet.
 Answer answer_about(const Mark& mark, std::int64_t utc_us);
 
+/// As far as it has come.
+Answer answer_about(const AskedSetUp& set_up, std::int64_t utc_us);
+
 /// For people, behind a sentence: the nodes whose receipts lack an end; empty: each has said its own.
 std::string nodes_without_end(const std::vector<Receipt>& receipts);
 

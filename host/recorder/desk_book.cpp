@@ -3,7 +3,6 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-
 namespace roadbalance {
 namespace {
 
@@ -69,6 +68,44 @@ Finished finished_of(const Json& json) {
   return finished;
 }
 
+Json to_json(const Rest& rest) {
+  return {rest.recording, rest.node, rest.epoch};
+}
+
+Rest rest_of(const Json& json) {
+  Rest rest{.recording = json.at(0).get<std::string>(),
+            .node = json.at(1).get<std::int32_t>(),
+            .epoch = json.at(2).get<std::int64_t>()};
+  if (!fault_of_name(rest.recording).empty()) throw std::runtime_error("no name of a recording");
+  return rest;
+}
+
+Json to_json(const AskedSetUp& set_up) {
+  return {{"asked", to_json(set_up.asked)},
+          {"operation", static_cast<int>(set_up.operation)},
+          {"node", set_up.node},
+          {"channel", set_up.channel},
+          {"value", set_up.value},
+          {"nodes", set_up.nodes},
+          {"vehicle_crc32c", set_up.vehicle_crc32c},
+          {"state", static_cast<int>(set_up.state)},
+          {"reason", static_cast<int>(set_up.reason)},
+          {"text", set_up.text}};
+}
+
+AskedSetUp set_up_of(const Json& json) {
+  return {.asked = key_of(json.at("asked")),
+          .operation = static_cast<Operation>(json.at("operation").get<int>()),
+          .node = json.at("node").get<std::int32_t>(),
+          .channel = json.at("channel").get<std::int32_t>(),
+          .value = json.at("value").get<std::array<double, 2>>(),
+          .nodes = json.at("nodes").get<std::vector<std::int32_t>>(),
+          .vehicle_crc32c = json.at("vehicle_crc32c").get<std::uint32_t>(),
+          .state = static_cast<AnswerState>(json.at("state").get<int>()),
+          .reason = static_cast<RefusalReason>(json.at("reason").get<int>()),
+          .text = json.at("text").get<std::string>()};
+}
+
 }  // namespace
 
 File claim_desk_book(const std::filesystem::path& recordings, Disk& disk) {
@@ -87,6 +124,8 @@ DeskBook read_desk_book(const std::filesystem::path& recordings, Disk& disk) {
     DeskBook book;
     if (json.contains("under_way")) book.under_way = under_way_of(json.at("under_way"));
     if (json.contains("finished")) book.finished = finished_of(json.at("finished"));
+    if (json.contains("set_up")) book.set_up = set_up_of(json.at("set_up"));
+    for (const Json& rest : json.value("rest", Json::array())) book.rest.push_back(rest_of(rest));
     return book;
   } catch (const std::exception& error) {
     throw std::runtime_error(file.string() + ": cannot be read (" + error.what() +
@@ -98,6 +137,8 @@ void write_desk_book(const std::filesystem::path& recordings, const DeskBook& bo
   Json json = Json::object();
   if (book.under_way) json["under_way"] = to_json(*book.under_way);
   if (book.finished) json["finished"] = to_json(*book.finished);
+  if (book.set_up) json["set_up"] = to_json(*book.set_up);
+  for (const Rest& rest : book.rest) json["rest"].push_back(to_json(rest));
   write_atomically(recordings / kDeskBookFile, json.dump() + "\n", disk);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <filesystem>
@@ -37,6 +38,29 @@ struct UnderWay {
   std::deque<Mark> mark{};           ///< the latest kMarksRemembered of them
 };
 
+/// What a node epoch still holds of a recording that is over: it was cut off when that was stopped.
+struct Rest {
+  std::string recording;  ///< of its folder
+  std::int32_t node = 0;
+  std::int64_t epoch = 0;
+  bool operator==(const Rest&) const = default;
+};
+
+/// Set-up that somebody asked for last.
+struct AskedSetUp {
+  RequestKey asked{};
+  Operation operation = Operation::kRange;
+  std::int32_t node = 0;
+  std::int32_t channel = -1;
+  std::array<double, 2> value{};
+  std::vector<std::int32_t> nodes{};  ///< that are to take it
+  std::uint32_t vehicle_crc32c = 0;   ///< of the text that it is to put in force
+  AnswerState state = AnswerState::kUnderWay;
+  RefusalReason reason = RefusalReason::kNone;
+  std::string text{};  ///< the last answer's
+  bool operator==(const AskedSetUp&) const = default;
+};
+
 /// The recording that was ended last.
 struct Finished {
   RequestKey start{}, stop{};
@@ -48,12 +72,15 @@ struct Finished {
 struct DeskBook {
   std::optional<UnderWay> under_way{};
   std::optional<Finished> finished{};
+  std::vector<Rest> rest{};  ///< to be fetched when its node is back; the latest kMostRests
+  std::optional<AskedSetUp> set_up{};
 };
 
 inline constexpr const char* kDeskBookFile = "recorder.json";
 /// Beside it: which vehicle file was chosen last.
 inline constexpr const char* kVehicleFile = "vehicle";
 inline constexpr std::size_t kMarksRemembered = 32;
+inline constexpr std::size_t kMostRests = 256;
 
 /// As long as it lives no other recorder gets it: two would answer every request, and write one book.
 /// @throws std::runtime_error naming the folder if another has it; std::system_error

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/bus/operation.hpp"
+#include "common/record/disk.hpp"
 #include "host/recorder/recorder.hpp"
 
 namespace roadbalance {
@@ -25,7 +26,13 @@ struct RecordingFacts {
 /// One receipt a node, its epochs summed; one that names no node if none was recorded.
 std::vector<Receipt> receipts_of(const RecorderReport& report, const RecordingFacts& facts);
 
+/// The receipts of a recording behind a run that fetched its rest.
+/// @param before  at least one
+/// @param report  of that run: what the folder held before it, too
+std::vector<Receipt> completed(const std::vector<Receipt>& before, const RecorderReport& report,
+                               std::int64_t bytes);
+
 /// Sizes of the files in a folder; what cannot be read counts nothing.
-std::int64_t bytes_of_folder(const std::filesystem::path& folder);
+std::int64_t bytes_of_folder(const std::filesystem::path& folder, Disk& disk = kernel_disk());
 
 }  // namespace roadbalance

@@ -24,7 +24,8 @@ RecorderLinkOptions link_options(const RecorderOptions& options) {
           .nodes = options.nodes,
           .end_with_nodes = options.end_with_nodes,
           .patience = options.patience,
-          .seed = std::random_device{}()};
+          .seed = std::random_device{}(),
+          .scope = options.scope};
 }
 
 // What a slow disk will need is had before it is slow: blocks out of order, and those that wait for the disk,
@@ -122,6 +123,7 @@ class Reception {
     status_.nodes = static_cast<std::int32_t>(link_.nodes());
     status_.refused_datagrams += bus_.dropped();
     if (options_.complete) options_.complete(status_);
+    if (!options_.says_state) return;
     (void)publish_(kRecorderChannel, encode(status_));
     // We turn, that is seen here; the writer turns if it has said something since.
     if (std::exchange(writer_turns_, false) && options_.on_alive) options_.on_alive(status_);

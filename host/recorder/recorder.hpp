@@ -11,6 +11,7 @@
 #include "common/bus/notes.hpp"
 #include "common/bus/recorder_status.hpp"
 #include "common/record/record.hpp"
+#include "host/recorder/epoch_scope.hpp"
 #include "host/recorder/keeper_options.hpp"
 
 namespace roadbalance {
@@ -25,6 +26,7 @@ struct NodeReport {
   std::int64_t repaired = 0;          ///< blocks the node had to send again
   std::int64_t blocks = 0;            ///< recorded, gaps included
   bool ended = false;                 ///< the end of the epoch is recorded
+  bool started = false;               ///< in this run: it measures or has measured, or may have begun to
   double overload_s = 0;              ///< in this run: in blocks with a channel that left its range
   std::uint32_t blocks_crc32c = 0;    ///< as the end says
   bool sums_agree = false;            ///< the end is recorded and sums up exactly the blocks that are
@@ -64,7 +66,9 @@ struct RecorderOptions {
   std::filesystem::path fallback;         ///< where recording goes on when the folder fails; empty: nowhere
   std::int64_t keep_bytes = 0;            ///< retention: delete the oldest finished segments beyond; 0: never
   std::int64_t reserve_bytes = 16 << 20;  ///< of the disk, not for measuring
-  std::string power;                      ///< the supply to watch: see open_power_line; empty: none
+  EpochScope scope{};
+  bool says_state = true;  ///< false: another recorder of this program says what the bus and on_alive get
+  std::string power;       ///< the supply to watch: see open_power_line; empty: none
   /// After a stop request: how long to wait without any news for the nodes' last blocks.
   std::chrono::milliseconds patience{10'000};
   /// Requested: end at once as if killed, but with all that has been received on the disk: nodes are not

@@ -41,7 +41,7 @@ void RecorderLink::on_heartbeat(std::span<const std::uint8_t> bytes, WallTime no
     ++refused_;
     return;
   }
-  if (!is_ours(heartbeat->node)) return;
+  if (!is_ours({heartbeat->node, heartbeat->epoch})) return;
   control_.take(*heartbeat);
   // What obeys another recorder is in that one's record; here it would be a fragment with gaps that are none.
   const bool ours = receiver_.find(heartbeat->node, heartbeat->epoch) ||
@@ -59,7 +59,7 @@ void RecorderLink::on_block(std::span<const std::uint8_t> bytes, WallTime now) {
     ++refused_;
     return;
   }
-  if (!is_ours(block_.header.node)) return;  // another recorder's
+  if (!is_ours({block_.header.node, block_.header.epoch})) return;  // another recorder's, or recording's
   const std::size_t before = delivered_.size();
   receiver_.take(block_, now, delivered_);
   if (delivered_.size() > before && control_.is_owned(block_.header.node, block_.header.epoch))
@@ -115,7 +115,9 @@ bool RecorderLink::over(WallTime now) {
 }
 
 void RecorderLink::finish(WallTime now) {
-  receiver_.finish(now, delivered_);
+  const EpochScope& scope = options_.scope;
+  for (const auto& [node, epoch] : scope.given_up) receiver_.give_up(node, epoch, delivered_);
+  receiver_.finish(now, scope.leaves_open, delivered_);
   for (auto& [key, heard] : heard_) heard.devices.finish(key.first, device_notes_);
 }
 
@@ -130,6 +132,7 @@ void RecorderLink::set_incarnation(std::int64_t incarnation) {
 
 RecorderReport RecorderLink::report() const {
   RecorderReport report = tally_.report();
+  for (NodeReport& node : report.node) node.started = control_.was_started(node.node, node.epoch);
   report.blocks_refused = refused_;
   for (const std::int64_t count : receiver_.refused()) report.blocks_refused += count;
   report.rival_heartbeats = receiver_.rival_heartbeats();
@@ -157,9 +160,10 @@ void RecorderLink::fill(RecorderStatus& status) const {
   status.unsent = unsent_;
 }
 
-bool RecorderLink::is_ours(std::int32_t node) const {
-  return options_.nodes.empty() ||
-         std::find(options_.nodes.begin(), options_.nodes.end(), node) != options_.nodes.end();
+bool RecorderLink::is_ours(const NodeEpoch& key) const {
+  const auto& nodes = options_.nodes;
+  return (nodes.empty() || std::find(nodes.begin(), nodes.end(), key.first) != nodes.end()) &&
+         options_.scope.has(key);
 }
 
 // No more are kept than the receiver has epochs.

@@ -17,6 +17,7 @@
 #include "common/link/receiver.hpp"
 #include "common/record/record_state.hpp"
 #include "host/recorder/device_notes.hpp"
+#include "host/recorder/epoch_scope.hpp"
 #include "host/recorder/foreign_nodes.hpp"
 #include "host/recorder/node_control.hpp"
 #include "host/recorder/tally.hpp"
@@ -45,6 +46,7 @@ struct RecorderLinkOptions {
   /// After a stop: how long to wait without any news for the nodes' last blocks.
   std::chrono::milliseconds patience{10'000};
   std::uint64_t seed = 1;  ///< of request numbers, which two recorders must not share
+  EpochScope scope{};
 };
 
 /// The recorder's half of the bus without a bus: datagrams in; deliveries, acknowledgements and commands out.
@@ -100,7 +102,7 @@ class RecorderLink {
   void on_heartbeat(std::span<const std::uint8_t> bytes, WallTime now);
   void on_block(std::span<const std::uint8_t> bytes, WallTime now);
   void on_reply(std::span<const std::uint8_t> bytes);
-  bool is_ours(std::int32_t node) const;
+  bool is_ours(const NodeEpoch& key) const;
   bool has_ended(NodeEpoch key) const;
   bool is_superseded(NodeEpoch key, WallTime now) const;
   bool all_ended(WallTime now) const;

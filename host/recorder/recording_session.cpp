@@ -5,10 +5,9 @@
 
 namespace roadbalance {
 
-RecordingSession::RecordingSession(RecorderOptions options, std::function<void(RecorderStatus&)> complete)
-    : options_(std::move(options)) {
-  options_.complete = [this, complete = std::move(complete)](RecorderStatus& status) {
-    complete(status);
+RecordingSession::RecordingSession(RecorderOptions options) : options_(std::move(options)) {
+  options_.complete = [this, complete = std::move(options_.complete)](RecorderStatus& status) {
+    if (complete) complete(status);
     const std::lock_guard lock(mutex_);
     view_.status = status;
   };

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <random>
 #include <system_error>
 #include <utility>
 
@@ -30,8 +29,8 @@ struct Noted {};
   throw Refused{};
 }
 
-std::string read_file(const std::filesystem::path& file) {
-  const auto text = read_text(file);
+std::string read_file(const std::filesystem::path& file, Disk& disk) {
+  const auto text = read_text(file, disk);
   if (!text)
     throw std::system_error(std::make_error_code(std::errc::no_such_file_or_directory), file.string());
   return *text;
@@ -42,9 +41,9 @@ bool is_plain_name(const std::string& name) {
          name.find_first_of("/\\") == std::string::npos;
 }
 
-std::string vehicles_beside(const std::filesystem::path& file) {
+std::string vehicles_beside(const std::filesystem::path& file, Disk& disk) {
   std::vector<std::string> names;
-  for (const std::string& name : list_folder(folder_of(file)))
+  for (const std::string& name : list_folder(folder_of(file), disk))
     if (is_plain_name(name)) names.push_back(name);
   std::ranges::sort(names);
   std::string all;
@@ -82,15 +81,19 @@ std::string whom_it_reaches(const std::string& text, const std::vector<std::int3
   return all + ")";
 }
 
+std::uint32_t crc_of(const std::string& text) {
+  return crc32c({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+}
+
 }  // namespace
 
-SetUp::SetUp(std::filesystem::path file, std::filesystem::path recordings)
-    : file_(std::move(file)), recordings_(std::move(recordings)) {
-  if (const auto chosen = read_text(recordings_ / kVehicleFile)) {
+SetUp::SetUp(std::filesystem::path file, std::filesystem::path recordings, std::uint64_t seed, Disk& disk)
+    : file_(std::move(file)), recordings_(std::move(recordings)), random_(seed), disk_(disk) {
+  if (const auto chosen = read_text(recordings_ / kVehicleFile, disk_)) {
     const std::string name = chosen->substr(0, chosen->find('\n'));
-    if (is_plain_name(name) && path_exists(folder_of(file_) / name)) file_ = folder_of(file_) / name;
+    if (is_plain_name(name) && path_exists(folder_of(file_) / name, disk_)) file_ = folder_of(file_) / name;
   }
-  set_text(read_file(file_));
+  set_text(read_file(file_, disk_));
 }
 
 // @throws ConfigError if it is no vehicle
@@ -103,7 +106,7 @@ void SetUp::set_text(std::string text) {
     bytes_per_s += node.rate_hz * kBytesOfAScan;
   bytes_per_s_ = std::max(1.0, bytes_per_s);
   text_ = std::move(text);
-  crc32c_ = roadbalance::crc32c({reinterpret_cast<const std::uint8_t*>(text_.data()), text_.size()});
+  crc32c_ = crc_of(text_);
 }
 
 std::map<int, RestReadings::Reading> SetUp::rest(const Request& request,
@@ -160,10 +163,10 @@ std::string SetUp::wanted(const Request& request, const std::vector<std::int32_t
       break;
   }
   file = folder_of(file_) / request.text;
-  if (!is_plain_name(request.text) || !path_exists(file))
+  if (!is_plain_name(request.text) || !path_exists(file, disk_))
     refuse(answer, RefusalReason::kBadArgument,
-           "there is no vehicle file of this name; there are: " + vehicles_beside(file_));
-  return read_file(file);
+           "there is no vehicle file of this name; there are: " + vehicles_beside(file_, disk_));
+  return read_file(file, disk_);
 }
 
 Answer SetUp::take(const Request& request, const std::vector<std::int32_t>& nodes, std::int64_t utc_us,
@@ -178,19 +181,19 @@ Answer SetUp::take(const Request& request, const std::vector<std::int32_t>& node
                 .value = request.value};
   try {
     if (change_) refuse(answer, RefusalReason::kNotSupported, "another change is being made: ask again");
-    set_text(read_file(file_));  // somebody may have edited it
+    set_text(read_file(file_, disk_));  // somebody may have edited it
     std::filesystem::path file = file_;
     const std::string text = wanted(request, nodes, now, answer, file);
     (void)VehicleConfig::parse(text, file.filename().string());
     if (text.size() > kMostVehicleParts * kMostVehiclePart)
       refuse(answer, RefusalReason::kBadArgument, file.filename().string() + " is too long");
-    change_.emplace(
-        Change{.request = request,
-               .file = file,
-               .done = (request.operation == Operation::kScale ? scale_said_ : what_is_done(request, file)) +
-                       whom_it_reaches(text, nodes),
-               .push = VehiclePush(text_, text, nodes, std::max<std::int64_t>(1, utc_us / 1000),
-                                   std::random_device{}(), now)});
+    change_.emplace(Change{
+        .request = request,
+        .file = file,
+        .done = (request.operation == Operation::kScale ? scale_said_ : what_is_done(request, file)) +
+                whom_it_reaches(text, nodes),
+        .push = VehiclePush(text_, text, nodes, std::max<std::int64_t>(1, utc_us / 1000), random_(), now),
+        .nodes = nodes});
     answer.state = AnswerState::kUnderWay;
     answer.text = "waits for the nodes";
   } catch (const Refused&) {
@@ -206,15 +209,31 @@ Answer SetUp::take(const Request& request, const std::vector<std::int32_t>& node
   return answer;
 }
 
+void SetUp::resume(const AskedSetUp& asked, std::int64_t utc_us, WallTime now) {
+  const Request request{.asker = asked.asked.asker,
+                        .request = asked.asked.request,
+                        .operation = asked.operation,
+                        .node = asked.node,
+                        .channel = asked.channel,
+                        .value = asked.value};
+  change_.emplace(Change{.request = request,
+                         .file = file_,
+                         .done = what_is_done(request, file_) + whom_it_reaches(text_, asked.nodes),
+                         .push = VehiclePush(text_, text_, asked.nodes,
+                                             std::max<std::int64_t>(1, utc_us / 1000), random_(), now),
+                         .nodes = asked.nodes,
+                         .resumes = asked.vehicle_crc32c});
+}
+
 void SetUp::take(const Reply& reply) {
   if (change_) change_->push.take(reply);
 }
 
 void SetUp::put_in_force(const Change& change) {
   if (change.request.operation == Operation::kVehicle)
-    write_atomically(recordings_ / kVehicleFile, change.file.filename().string() + "\n");
+    write_atomically(recordings_ / kVehicleFile, change.file.filename().string() + "\n", disk_);
   else
-    write_atomically(change.file, change.push.text());
+    write_atomically(change.file, change.push.text(), disk_);
   file_ = change.file;
   set_text(change.push.text());
   turn_over_.forget();
@@ -237,18 +256,7 @@ std::optional<Answer> SetUp::turn(const Publish& publish, std::int64_t utc_us, W
                 .channel = request.channel,
                 .value = request.value,
                 .text = change_->push.why()};
-  if (state == VehiclePush::State::kRefused) answer.reason = RefusalReason::kNotSupported;
-  if (state == VehiclePush::State::kSilent) answer.reason = RefusalReason::kNoAnswer;
-  if (state == VehiclePush::State::kDone) {
-    answer.state = AnswerState::kDone;
-    answer.text = change_->done;
-    try {
-      put_in_force(*change_);
-    } catch (const std::system_error& error) {
-      // The nodes measure by it, and each recording says so; only the next start of a node does not.
-      answer.text += "; but the file could not be written: " + std::string(error.what());
-    }
-  }
+  conclude(state, answer);
   change_.reset();
   return answer;
 }

@@ -4,11 +4,14 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <random>
 #include <string>
 #include <vector>
 
 #include "common/bus/operation.hpp"
 #include "common/bus/publish.hpp"
+#include "common/record/disk.hpp"
+#include "host/recorder/desk_book.hpp"
 #include "host/recorder/rest_readings.hpp"
 #include "host/recorder/turn_over.hpp"
 #include "host/recorder/vehicle_push.hpp"
@@ -21,13 +24,21 @@ class SetUp {
  public:
   /// @param file        vehicle.toml in force; those beside it can be chosen
   /// @param recordings  remembers the choice
+  /// @param seed        of request numbers, which two recorders must not share
   /// @throws std::system_error if the file cannot be read, ConfigError if it is none
-  SetUp(std::filesystem::path file, std::filesystem::path recordings);
+  SetUp(std::filesystem::path file, std::filesystem::path recordings, std::uint64_t seed,
+        Disk& disk = kernel_disk());
 
   /// @param nodes  that are there
   /// @return the answer, which may be that it is under way
   Answer take(const Request& request, const std::vector<std::int32_t>& nodes, std::int64_t utc_us,
               WallTime now);
+  /// What take() began and turn() has not said anything of yet, for the book; nothing of it was done so far.
+  AskedSetUp asked() const;
+  void forget() { change_.reset(); }
+  /// One of a recorder before that was killed meanwhile: each of its nodes gets what the file says.  The last
+  /// word on it is that it is done if the file had been written by then, and else that it is undone.
+  void resume(const AskedSetUp& asked, std::int64_t utc_us, WallTime now);
   void take(const Reply& reply);
   void take(const ScanBlock& preview, WallTime now) { readings_.take(preview, now); }
 
@@ -47,7 +58,10 @@ class SetUp {
     std::filesystem::path file;  ///< that is in force then
     std::string done;            ///< for people
     VehiclePush push;
+    std::vector<std::int32_t> nodes;
+    std::optional<std::uint32_t> resumes{};  ///< CRC of the text that a recorder before was to put in force
   };
+  void conclude(VehiclePush::State state, Answer& answer);
   std::string wanted(const Request& request, const std::vector<std::int32_t>& nodes, WallTime now,
                      Answer& answer, std::filesystem::path& file);
   std::string scaled(const Request& request, const std::vector<std::int32_t>& nodes, WallTime now,
@@ -59,6 +73,8 @@ class SetUp {
 
   std::filesystem::path file_;
   const std::filesystem::path recordings_;
+  std::mt19937_64 random_;
+  Disk& disk_;
   std::string text_;
   std::uint32_t crc32c_ = 0;
   double bytes_per_s_ = 1;

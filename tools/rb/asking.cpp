@@ -47,6 +47,7 @@ std::optional<Answer> Asking::ask(Request request, milliseconds patience) {
   request_.asker = asker;
   request_.request = random_number();
   answer_.reset();
+  if (request_.operation == Operation::kStop) receipts_.clear();  // those known are of another recording
   const WallTime begin = WallClock::now();
   for (WallTime asked_at{}; WallClock::now() - begin < patience;) {
     if (const WallTime now = WallClock::now(); now - asked_at >= kRepeat) {

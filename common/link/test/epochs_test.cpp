@@ -28,6 +28,30 @@ TEST_F(Epochs, ANewEpochClosesTheOldOneWithACrashGapOnceThatIsSilentForLong) {
   EXPECT_EQ(receiver.rival_heartbeats(), 0) << "a node that was started again is no rival";
 }
 
+// Somebody comes for its rest when it is back.
+TEST_F(Epochs, LeftOpenWhatIsOnlySilentHasNotDied) {
+  receiver.recover(2, kEpoch, {.contiguous = 10, .next_scan = 200});
+  take(beat(1, 1));
+  take(scans(1));
+  take(scans(3));
+  receiver.finish(kStart + 60s, true, out);
+  EXPECT_EQ(sequences(), Sequences{1});
+  take(beat(1, 1, kEpoch + 1), kStart + 60s);
+  receiver.finish(kStart + 62s, true, out);
+  ASSERT_EQ(sequences(), (Sequences{1, 2, 3, 4})) << "its node was started anew";
+  EXPECT_EQ(std::get<GapBlock>(out.back()).cause, GapCause::kNodeCrash);
+}
+
+TEST_F(Epochs, GivenUpItIsClosedAsCrashedOnceAndOnlyWithoutAnEnd) {
+  receiver.recover(1, kEpoch, {.contiguous = 10, .next_scan = 200});
+  receiver.recover(1, kEpoch + 1, {.contiguous = 5, .next_scan = 80, .ended = true});
+  for (int k = 0; k < 2; ++k)
+    for (const std::int64_t epoch : {kEpoch, kEpoch + 1, kEpoch + 2}) receiver.give_up(1, epoch, out);
+  ASSERT_EQ(sequences(), Sequences{11});
+  EXPECT_EQ(std::get<GapBlock>(out[0]).cause, GapCause::kNodeCrash);
+  EXPECT_EQ(std::get<GapBlock>(out[0]).header.epoch, kEpoch);
+}
+
 TEST_F(Epochs, RecordsTwoNodesWithOneNumberApartAndSaysSo) {
   for (int turn = 0; turn < 10; ++turn) {
     take(beat(1, 1), kStart + turn * 100ms);

@@ -1,10 +1,9 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
-#include <optional>
 
 #include "hil_tests/measurement.hpp"
-#include "hil_tests/network/hosts.hpp"
+#include "hil_tests/network/three_hosts.hpp"
 
 namespace roadbalance {
 namespace {
@@ -13,19 +12,10 @@ using std::chrono::microseconds;
 using test::CableFaults;
 using test::Program;
 
-/// Made before the measurement, so that its observer is on host 0 too.
-struct ThreeHosts {
-  std::optional<test::Hosts> hosts;
-  ThreeHosts() {
-    if (!test::Hosts::obstacle()) hosts.emplace(3);
-  }
-};
-
 /// The recorder on host 0, a node on each of two others; what a user types is the same but for the address.
-class Network : protected ThreeHosts, public test::Measurement {
+class Network : protected test::ThreeHosts, public test::Measurement {
  protected:
-  // The namespaces are apart: one port for all tests.
-  Network() : Measurement("udpm://239.255.76.67:7667?ttl=1&recv_buf_size=4194304") {}
+  Network() : Measurement(test::kNetworkUrl) {}
   void SetUp() override {
     if (!hosts) GTEST_SKIP() << *test::Hosts::obstacle();
   }

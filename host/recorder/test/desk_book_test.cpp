@@ -21,7 +21,18 @@ TEST(DeskBook, IsReadAsItWasWritten) {
                             .marks = 9,
                             .durable_marks = 8,
                             .mark = {{.number = 9, .asked = {5, 6}, .text = "\"bridge\""}}},
-      .finished = Finished{.start = {7, 8}, .stop = {9, 10}, .receipt = {Receipt{.name = "before"}}}};
+      .finished = Finished{.start = {7, 8}, .stop = {9, 10}, .receipt = {Receipt{.name = "before"}}},
+      .rest = {{"Fahrt 0", 2, 1LL << 60}},
+      .set_up = AskedSetUp{.asked = {11, 12},
+                           .operation = Operation::kFilter,
+                           .node = 1,
+                           .channel = 2,
+                           .value = {150.25, 4},
+                           .nodes = {1, 2},
+                           .vehicle_crc32c = 0xFFFFFFFF,
+                           .state = AnswerState::kRefused,
+                           .reason = RefusalReason::kNoAnswer,
+                           .text = "no"}};
   write_desk_book(folder.path(), book);
   const DeskBook read = read_desk_book(folder.path());
   ASSERT_TRUE(read.under_way && read.finished);
@@ -33,6 +44,9 @@ TEST(DeskBook, IsReadAsItWasWritten) {
   EXPECT_EQ(read.finished->stop, (RequestKey{9, 10}));
   ASSERT_EQ(read.finished->receipt.size(), 1u);
   EXPECT_EQ(read.finished->receipt[0].name, "before");
+  EXPECT_EQ(read.rest, book.rest);
+  ASSERT_TRUE(read.set_up);
+  EXPECT_EQ(*read.set_up, *book.set_up);
 }
 
 // What is no book is an error that names it: to begin with an empty one would end a recording unasked.

@@ -45,6 +45,40 @@ TEST(Receipts, SumTheEpochsOfEachNode) {
   for (const Receipt& receipt : receipts) EXPECT_TRUE(decode_receipt(encode(receipt)));
 }
 
+// The folder knows neither overload nor repairs of the run before.
+TEST(Receipts, AreCompletedByTheRunThatFetchedTheRest) {
+  RecorderReport first;
+  first.node = {epoch(1, 7, 1000), epoch(2, 9, 800)};
+  first.node[1].ended = first.node[1].sums_agree = false;
+  first.node[1].samples_sent = 900;  // as its last heartbeat said
+  const auto before =
+      receipts_of(first, {.name = "drive", .began_us = 5, .ended_us = 6, .marks = 4, .sync_us = {{1, 2.5}}});
+  ASSERT_EQ(before.at(1).open_epochs, 1);
+  RecorderReport second;
+  second.earlier = {epoch(1, 7, 1000)};
+  second.earlier[0].repaired = 0;
+  second.earlier[0].overload_s = 0;
+  second.node = {epoch(2, 9, 1500)};
+  second.node[0].repaired = 30;
+  const auto after = completed(before, second, 99);
+  ASSERT_EQ(after.size(), 2u);
+  EXPECT_EQ(after[0].repaired, 2);
+  EXPECT_EQ(after[0].overload_s, 0.5);
+  EXPECT_EQ(after[0].sync_us, 2.5);
+  EXPECT_EQ(after[1].open_epochs, 0);
+  EXPECT_TRUE(after[1].sums_agree);
+  EXPECT_EQ(after[1].samples_recorded, 1500);
+  EXPECT_EQ(after[1].samples_sent, 1500);
+  EXPECT_EQ(after[1].repaired, 30);
+  EXPECT_EQ(after[1].overload_s, 1.0);
+  for (const Receipt& receipt : after) {
+    EXPECT_EQ(receipt.name, "drive");
+    EXPECT_EQ(receipt.ended_us, 6) << "who shows receipts knows them by it";
+    EXPECT_EQ(receipt.marks, 4);
+    EXPECT_EQ(receipt.bytes, 99);
+  }
+}
+
 TEST(Receipts, ANodeThatOnlyWaitedHasNone) {
   RecorderReport report;
   report.node = {NodeReport{.node = 1, .epoch = 4}};

@@ -117,6 +117,27 @@ TEST_F(RecorderLinkTest, CountsWhatIsDamagedAndNotWhatIsForAnother) {
   EXPECT_EQ(of_node_1.report().blocks_refused, 1);
 }
 
+// The rest of one recording is fetched while the next one is under way: neither touches what is the other's.
+TEST_F(RecorderLinkTest, KeepsToTheEpochsOfItsScope) {
+  RecorderLinkOptions rest, next;
+  rest.start = false;
+  rest.scope.only = {{kNode, kEpoch}};
+  next.scope.not_these = {{kNode, kEpoch}};
+  RecorderLink of_rest{rest, kOurs, {}}, of_next{next, kOurs + 1, {}};
+  const auto claims = [this](RecorderLink& of) {
+    std::vector<std::int64_t> epochs;
+    for (const std::int64_t epoch : {kEpoch, kEpoch + 1})
+      of.take(heartbeat_channel(kNode), encode(Heartbeat{.node = kNode, .epoch = epoch}), now);
+    of.turn(now, [&epochs](const std::string& channel, auto bytes) {
+      if (channel == command_channel(kNode)) epochs.push_back(decode_command(bytes)->epoch);
+      return true;
+    });
+    return epochs;
+  };
+  EXPECT_EQ(claims(of_rest), std::vector<std::int64_t>{kEpoch});
+  EXPECT_EQ(claims(of_next), std::vector<std::int64_t>{kEpoch + 1});
+}
+
 // The other one has died: what the node still holds is all that is not in its record.
 TEST_F(RecorderLinkTest, RecordsAllThatTheNodeHoldsOnceItObeysUs) {
   run(kOther, 40, 50);

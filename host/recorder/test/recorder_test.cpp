@@ -71,7 +71,7 @@ TEST_F(RecorderTest, ASessionThatIsDroppedLeavesTheNodesMeasuring) {
   TestNode node(options.url, 7, 1'000'000'000);
   const std::jthread thread([&node](std::stop_token ended) { node.run(ended); });
   {
-    RecordingSession session(options, [](RecorderStatus&) {});
+    RecordingSession session(options);
     const auto has_samples = [&session] {
       const auto report = session.view().report;
       return !report.node.empty() && report.node[0].samples_recorded > 10'000;

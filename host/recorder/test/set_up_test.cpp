@@ -71,7 +71,7 @@ class SetUpTest : public testing::Test {
     }
   } written{file};
   class SetUp set_up {
-    file, folder.path()
+    file, folder.path(), 1
   };  // testing::Test has a function of this name
   WallTime now{};
   std::int64_t requests = 0;

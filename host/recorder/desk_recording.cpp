@@ -1,0 +1,90 @@
+#include <algorithm>
+#include <utility>
+
+#include "host/recorder/desk.hpp"
+#include "host/recorder/desk_answers.hpp"
+
+namespace roadbalance {
+
+// What the recording under way comes to: the desk's other half is what is asked of it.
+
+void Desk::runs(int recorded_nodes, std::int32_t durable_marks, std::int64_t utc_us) {
+  fault_.clear();
+  if (!book_.under_way) return;
+  if (recorded_nodes > 0 && !std::exchange(runs_, true) && was_asked(book_.under_way->start))
+    say(done(book_.under_way->start, Operation::kStart, "\"" + book_.under_way->name + "\" is being recorded",
+             utc_us));
+  if (durable_marks > book_.under_way->durable_marks) {
+    book_.under_way->durable_marks = durable_marks;
+    (void)store(book_);  // otherwise it is noted once more, under the same number
+  }
+  for (Answer& known : known_) {
+    if (known.operation != Operation::kMark || known.state != AnswerState::kUnderWay) continue;
+    if (known.value[0] < 1 || known.value[0] > durable_marks) continue;
+    Answer answer = known;
+    answer.state = AnswerState::kDone;
+    answer.time_us = utc_us;
+    answer.text = "mark " + std::to_string(static_cast<int>(known.value[0])) + " is on the disk";
+    known = answer;
+    to_send_.push_back(std::move(answer));
+  }
+}
+
+void Desk::ended(std::vector<Receipt> receipts, std::vector<Rest> rests, std::int64_t utc_us) {
+  if (!book_.under_way) return;
+  const UnderWay recording = *book_.under_way;
+  const RequestKey stop = recording.stop.value_or(RequestKey{});
+  const std::string missing = nodes_without_end(receipts);
+  DeskBook book = book_;
+  book.under_way.reset();
+  book.finished = Finished{.start = recording.start, .stop = stop, .receipt = std::move(receipts)};
+  book.rest.insert(book.rest.end(), rests.begin(), rests.end());
+  if (book.rest.size() > kMostRests)
+    book.rest.erase(book.rest.begin(), book.rest.end() - static_cast<std::ptrdiff_t>(kMostRests));
+  if (!store(book)) book_ = std::move(book);
+  fault_.clear();
+  if (!std::exchange(runs_, true) && was_asked(recording.start))
+    say(done(recording.start, Operation::kStart, "\"" + recording.name + "\" has ended", utc_us));
+  if (was_asked(stop))
+    say(done(stop, Operation::kStop, "\"" + recording.name + "\" is on the disk" + missing, utc_us));
+  for (Answer& known : known_) {
+    if (known.operation != Operation::kMark || known.state != AnswerState::kUnderWay) continue;
+    const bool is_durable = known.value[0] <= recording.durable_marks;
+    known.state = is_durable ? AnswerState::kDone : AnswerState::kRefused;
+    known.reason = is_durable ? RefusalReason::kNone : RefusalReason::kDisk;
+    known.text = is_durable ? "on the disk with the recording"
+                            : "nobody knows whether it is on the disk: the recording has ended";
+    to_send_.push_back(known);
+  }
+}
+
+void Desk::settled(const std::vector<Rest>& rests,
+                   const std::function<std::vector<Receipt>(const std::vector<Receipt>&)>& complete) {
+  if (rests.empty()) return;
+  DeskBook book = book_;
+  std::erase_if(book.rest, [&](const Rest& rest) { return std::ranges::find(rests, rest) != rests.end(); });
+  if (auto& finished = book.finished;
+      finished && !finished->receipt.empty() && finished->receipt.front().name == rests.front().recording)
+    finished->receipt = complete(finished->receipt);
+  if (!store(book)) book_ = std::move(book);
+}
+
+void Desk::failed(const std::string& why, bool has_run, std::int64_t utc_us) {
+  fault_ = why;
+  if (!book_.under_way || has_run || runs_ || !was_asked(book_.under_way->start)) return;
+  const RequestKey start = book_.under_way->start;
+  const auto asked = std::ranges::find_if(known_, [&](const Answer& answer) {
+    return answer.asker == start.asker && answer.request == start.request;
+  });
+  if (asked == known_.end()) return;  // by a recorder before us: it may hold samples
+  DeskBook book = book_;
+  book.under_way.reset();
+  if (!store(book)) book_ = std::move(book);
+  fault_.clear();
+  Answer answer = done(start, Operation::kStart, why, utc_us);
+  answer.state = AnswerState::kRefused;
+  answer.reason = RefusalReason::kDisk;
+  say(answer);
+}
+
+}  // namespace roadbalance

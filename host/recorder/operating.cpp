@@ -1,0 +1,278 @@
+#include "host/recorder/operating.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+#include "common/bus/bus.hpp"
+#include "common/bus/clock_messages.hpp"
+#include "common/bus/codec.hpp"
+#include "common/bus/control.hpp"
+#include "common/record/folder.hpp"
+#include "host/recorder/receipts.hpp"
+
+namespace roadbalance {
+namespace {
+
+using std::chrono::milliseconds;
+constexpr milliseconds kAgain{1000};
+constexpr milliseconds kSettling{1000};
+
+void append(RecorderReport& all, const RecorderReport& one) {
+  all.node.insert(all.node.end(), one.node.begin(), one.node.end());
+  all.blocks_refused += one.blocks_refused;
+  all.rival_heartbeats += one.rival_heartbeats;
+  all.unsent += one.unsent;
+  all.foreign = one.foreign;
+}
+
+std::string nodes_of(const std::vector<Rest>& rests) {
+  std::string nodes;
+  for (const Rest& rest : rests) nodes += (nodes.empty() ? "node " : ", ") + std::to_string(rest.node);
+  return nodes;
+}
+
+}  // namespace
+
+Operating::Operating(const OperateOptions& options, World world, Time time)
+    : options_(options),
+      world_(std::move(world)),
+      claim_(claim_desk_book(options.recordings, world_.disk)),
+      time_(time),
+      recorder_(static_cast<std::int64_t>(world_.seed % static_cast<std::uint64_t>(kRequestLimit - 1)) + 1),
+      rests_(
+          [this](const std::string& name, EpochScope scope) { return begin_rest(name, std::move(scope)); }),
+      desk_(hands(), with_vehicle(read_desk_book(options.recordings, world_.disk))) {
+  if (options.start) desk_.begin(*options.start, time.utc_us);
+}
+
+// Before the desk, which goes on with what the book has under way: a vehicle file that is broken must not
+// end that.
+DeskBook Operating::with_vehicle(DeskBook book) {
+  const bool is_under_way = book.set_up && book.set_up->state == AnswerState::kUnderWay;
+  if (options_.vehicle.empty()) {
+    if (is_under_way) {
+      book.set_up->state = AnswerState::kRefused;
+      book.set_up->reason = RefusalReason::kNotSupported;
+      book.set_up->text = no_set_up_;
+    }
+    return book;
+  }
+  try {
+    set_up_.emplace(options_.vehicle, options_.recordings, world_.seed, world_.disk);
+    if (is_under_way) set_up_->resume(*book.set_up, time_.utc_us, time_.now);
+  } catch (const std::exception& error) {
+    if (!book.under_way) throw;
+    set_up_.reset();
+    no_set_up_ = error.what() + std::string(": mend the file and start rb-recorder again");
+    warn("goes on without its vehicle file: " + no_set_up_);
+  }
+  return book;
+}
+
+void Operating::take(std::string_view channel, std::span<const std::uint8_t> bytes, Time time) {
+  time_ = time;
+  if (channel == kRequestChannel) {
+    if (const auto request = decode_request(bytes); request && !is_of_recordings(request->operation))
+      desk_.take(*request, time.utc_us, heard_.count(time.now));
+  } else if (channel.starts_with("RB_HEARTBEAT_")) {
+    heard_.take(bytes, time.now);
+    if (const auto beat = decode_heartbeat(bytes)) rests_.take(*beat, time.now);
+  } else if (channel.starts_with("RB_CLOCK_")) {
+    hear_clock(bytes);
+  } else if (set_up_ && channel.starts_with("RB_REPLY_")) {
+    if (const auto reply = decode_reply(bytes)) set_up_->take(*reply);
+  } else if (set_up_ && channel.starts_with("RB_PREVIEW_")) {
+    if (accept(bytes, preview_) == Refusal::kNone && preview_.kind == BlockKind::kScan)
+      set_up_->take(decode_scan(preview_), time.now);
+  }
+}
+
+bool Operating::turn(bool told_to_stop, Time time, const Publish& publish) {
+  time_ = time;
+  if (told_to_stop && !std::exchange(ends_, true)) {
+    rests_.leave();
+    desk_.end();
+  }
+  look_after_recording();
+  if (!ends_) look_after_rests();
+  if (set_up_)
+    if (const auto answer = set_up_->turn(publish, time.utc_us, time.now)) desk_.was_set_up(*answer);
+  for (const Answer& answer : desk_.answers()) (void)publish(kAnswerChannel, encode(answer));
+  say_status(publish);
+  say_receipts(publish);
+  return !ends_ || session_;
+}
+
+Desk::Hands Operating::hands() {
+  return {
+      .store = [this](const DeskBook& book) { write_desk_book(options_.recordings, book, world_.disk); },
+      .exists =
+          [this](const std::string& name) { return path_exists(options_.recordings / name, world_.disk); },
+      .begin = [this](const UnderWay& recording) { begin(recording); },
+      .stop =
+          [this] {
+            if (session_) session_->stop();
+          },
+      .note =
+          [this](NoteToRecord note) {
+            if (session_) session_->note(std::move(note));
+          },
+      .set_up = [this](const Request& request) { return set_up(request); },
+      .asked_set_up = [this] { return set_up_->asked(); },
+      .forget_set_up = [this] { set_up_->forget(); },
+      .is_set_up_under_way = [this] { return is_set_up_under_way(); }};
+}
+
+Answer Operating::set_up(const Request& request) {
+  if (set_up_) return set_up_->take(request, heard_.nodes(time_.now), time_.utc_us, time_.now);
+  return {.asker = request.asker,
+          .request = request.request,
+          .time_us = time_.utc_us,
+          .operation = request.operation,
+          .state = AnswerState::kRefused,
+          .reason = RefusalReason::kNotSupported,
+          .node = request.node,
+          .channel = request.channel,
+          .text = no_set_up_};
+}
+
+void Operating::begin(const UnderWay& recording) {
+  RecorderOptions options = options_.recorder;
+  options.folder = options_.recordings / recording.name;
+  options.start = true;
+  if (!options.fallback.empty()) options.fallback /= recording.name;
+  options.scope.leaves_open = true;
+  for (const Rest& rest : desk_.rests()) options.scope.not_these.emplace_back(rest.node, rest.epoch);
+  sync_us_.clear();
+  differs_.clear();
+  agreed_at_ = time_.now;
+  options.complete = [this, recording](RecorderStatus& status) {
+    status.recorder = recorder_;
+    status.operable = true;
+    status.name = recording.name;
+    status.recording_s = 1e-6 * static_cast<double>(status.time_us - recording.began_us);
+    status.marks = std::max(status.marks, recording.durable_marks);
+    status.nodes = nodes_recorded_;
+    if (const std::lock_guard lock(differs_mutex_); status.fault.empty()) status.fault = differs_;
+  };
+  session_ = world_.begin(std::move(options));
+}
+
+void Operating::look_after_recording() {
+  if (!session_) {
+    if (desk_.under_way() && time_.now - failed_at_ >= kAgain && !ends_) desk_.again();
+    return;
+  }
+  const Session::View view = session_->view();
+  nodes_recorded_ = static_cast<int>(std::ranges::count_if(
+      view.report.node, [](const NodeReport& node) { return node.samples_recorded > 0; }));
+  if (view.status) {
+    incarnation_ = view.status->incarnation;
+    if (!view.is_over) desk_.runs(nodes_recorded_, view.status->marks, time_.utc_us);
+  }
+  if (!view.is_over) return tell_who_differs();
+  session_.reset();
+  if (view.error.empty()) return finish(view.report);
+  warn(view.error);
+  failed_at_ = time_.now;
+  if (ends_) throw std::runtime_error(view.error);
+  desk_.failed(view.error, view.status.has_value(), time_.utc_us);
+}
+
+void Operating::finish(const RecorderReport& report) {
+  const UnderWay recording = *desk_.under_way();
+  append(report_, report);
+  desk_.ended(
+      receipts_of(report, {.name = recording.name,
+                           .incarnation = incarnation_,
+                           .began_us = recording.began_us,
+                           .ended_us = time_.utc_us,
+                           .bytes = bytes_of_folder(options_.recordings / recording.name, world_.disk),
+                           .marks = recording.marks,
+                           .sync_us = sync_us_}),
+      rests_of(report, recording.name), time_.utc_us);
+  status_at_ = receipts_at_ = {};
+}
+
+// Beside whatever else is recorded, with an incarnation of its own.
+std::unique_ptr<Session> Operating::begin_rest(const std::string& recording, EpochScope scope) {
+  RecorderOptions options = options_.recorder;
+  options.folder = options_.recordings / recording;
+  if (!options.fallback.empty()) options.fallback /= recording;
+  options.start = false;
+  options.says_state = false;
+  options.scope = std::move(scope);
+  return world_.begin(std::move(options));
+}
+
+void Operating::look_after_rests() {
+  if (desk_.rests().empty()) return;
+  if (rests_.under_way().empty()) forget_rests_without_folder();
+  const auto outcome = rests_.turn(desk_.rests(), time_.now);
+  if (!outcome) return;
+  const std::string name = "\"" + outcome->recording + "\"";
+  if (!outcome->error.empty())
+    return warn("the rest of " + name + " stays at its node for now: " + outcome->error);
+  append(report_, outcome->report);
+  const std::int64_t bytes = bytes_of_folder(options_.recordings / outcome->recording, world_.disk);
+  desk_.settled(outcome->settled, [&](const std::vector<Receipt>& before) {
+    return completed(before, outcome->report, bytes);
+  });
+  if (!outcome->lost.empty())
+    warn(nodes_of(outcome->lost) + " was started anew: what it held of " + name +
+         " is lost, and the recording says so");
+  else if (!outcome->settled.empty())
+    warn("the rest of " + name + " is on the disk (" + nodes_of(outcome->settled) + ")");
+}
+
+// Somebody has moved the recording away: what a node holds of it has no place any more.
+void Operating::forget_rests_without_folder() {
+  std::vector<Rest> gone;
+  try {
+    for (const Rest& rest : desk_.rests())
+      if ((gone.empty() || gone.front().recording == rest.recording) &&
+          !path_exists(options_.recordings / rest.recording, world_.disk))
+        gone.push_back(rest);
+  } catch (const std::system_error&) {
+    return;  // a disk that fails says nothing of what is there
+  }
+  if (gone.empty()) return;
+  warn("\"" + gone.front().recording + "\" is not there any more: its rest at " + nodes_of(gone) +
+       " is not fetched");
+  desk_.settled(gone, [](const std::vector<Receipt>& before) { return before; });
+}
+
+void Operating::hear_clock(std::span<const std::uint8_t> bytes) {
+  const auto fit = decode_clock_fit(bytes);
+  if (!fit || !session_ || fit->state == ClockState::kAcquire) return;
+  if (sync_us_.size() >= kMostNodes && !sync_us_.contains(fit->node)) return;
+  double& largest = sync_us_[fit->node];
+  largest = std::max(largest, 1e6 * fit->uncertainty_s);
+}
+
+/// For people: nodes that would measure by something else than the file that is led here; empty: none.
+std::string Operating::who_differs() const {
+  return heard_.who_differs(set_up_->crc32c(), set_up_->file().filename().string());
+}
+
+// Into the status that the session says, and into the record.
+void Operating::tell_who_differs() {
+  std::string who = set_up_ ? who_differs() : "";
+  if (who.empty()) agreed_at_ = time_.now;
+  // The last heartbeat may be from before a set-up that is just done.
+  if (time_.now - agreed_at_ < kSettling) who.clear();
+  const std::lock_guard lock(differs_mutex_);
+  if (std::exchange(differs_, who) == who || who.empty()) return;
+  session_->note({.kind = NoteKind::kAsked,
+                  .a = static_cast<std::int64_t>(Operation::kVehicle),
+                  .b = static_cast<std::int64_t>(RefusalReason::kNone),
+                  .text = who});
+}
+
+void Operating::warn(const std::string& sentence) const {
+  if (options_.recorder.on_warning) options_.recorder.on_warning(sentence);
+}
+
+}  // namespace roadbalance

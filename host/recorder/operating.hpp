@@ -1,0 +1,101 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "common/bus/publish.hpp"
+#include "common/link/block.hpp"
+#include "common/record/disk.hpp"
+#include "host/recorder/desk.hpp"
+#include "host/recorder/heard_nodes.hpp"
+#include "host/recorder/operate.hpp"
+#include "host/recorder/rest_fetching.hpp"
+#include "host/recorder/session.hpp"
+#include "host/recorder/set_up.hpp"
+
+namespace roadbalance {
+
+/// The desk with its hands, without a bus: datagrams and time come in, datagrams go out, sessions are led.  A
+/// pure state machine but for the disk that it is given.
+class Operating {
+ public:
+  struct World {
+    Disk& disk;
+    std::function<std::unique_ptr<Session>(RecorderOptions)> begin;
+    std::uint64_t seed;  ///< of request numbers and of what this recorder is called on the bus
+  };
+  struct Time {
+    WallTime now{};
+    std::int64_t utc_us = 0;
+  };
+
+  /// Reads the book and goes on with what it has under way.
+  /// @throws std::runtime_error, std::system_error, ConfigError naming the file
+  Operating(const OperateOptions& options, World world, Time time);
+
+  /// What came on any channel; those of requests, heartbeats, clocks, replies and previews count.
+  void take(std::string_view channel, std::span<const std::uint8_t> bytes, Time time);
+
+  /// Does and says what is due.  False: told to stop, and nothing is left to be done.
+  /// @throws std::runtime_error if it was told to stop and the recording ends with an error
+  bool turn(bool told_to_stop, Time time, const Publish& publish);
+
+  /// The epochs of all recordings.
+  RecorderReport report() const { return report_; }
+  const Desk& desk() const { return desk_; }
+  /// Nothing is recorded, fetched or set up.
+  bool is_idle() const { return !session_ && rests_.under_way().empty() && !is_set_up_under_way(); }
+
+ private:
+  DeskBook with_vehicle(DeskBook book);
+  Desk::Hands hands();
+  Answer set_up(const Request& request);
+  bool is_set_up_under_way() const { return set_up_ && set_up_->is_under_way(); }
+  void take_preview(std::span<const std::uint8_t> bytes);
+  void hear_clock(std::span<const std::uint8_t> bytes);
+  void begin(const UnderWay& recording);
+  std::unique_ptr<Session> begin_rest(const std::string& recording, EpochScope scope);
+  void look_after_recording();
+  void look_after_rests();
+  void forget_rests_without_folder();
+  void finish(const RecorderReport& report);
+  std::string who_differs() const;
+  void tell_who_differs();
+  bool session_speaks() const { return session_ && session_->view().status; }
+  void say_status(const Publish& publish);
+  void say_receipts(const Publish& publish);
+  void warn(const std::string& sentence) const;
+
+  const OperateOptions& options_;
+  const World world_;
+  const File claim_;
+  Time time_;  // of the call under way
+  const std::int64_t recorder_;
+  HeardNodes heard_{options_.recorder.nodes};
+  std::map<std::int32_t, double> sync_us_;
+  std::optional<SetUp> set_up_;
+  std::string no_set_up_ = "this recorder leads no vehicle file: start rb-recorder with --vehicle FILE";
+  SealedBlock preview_;
+  std::atomic<int> nodes_recorded_ = 0;  // before the session, whose thread reads it
+  std::mutex differs_mutex_;
+  WallTime agreed_at_{};
+  std::string differs_;  // who measures by another file, for the session
+  std::unique_ptr<Session> session_;
+  RestFetching rests_;
+  RecorderReport report_;
+  std::int64_t incarnation_ = 0;
+  bool ends_ = false;
+  WallTime failed_at_{};
+  WallTime status_at_{};
+  WallTime receipts_at_{};
+  Desk desk_;  // last: it may have its hands do something at once
+};
+
+}  // namespace roadbalance

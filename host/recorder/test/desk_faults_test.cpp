@@ -1,0 +1,159 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "host/recorder/test/desk_fixture.hpp"
+
+namespace roadbalance {
+namespace {
+
+using test::ask, test::kNow, test::DeskTest;
+
+TEST_F(DeskTest, AMarkIsDoneOnlyIfItIsOnTheDisk) {
+  Desk desk = this->desk();
+  desk.take(ask(Operation::kStart, 1, "drive"), kNow, 2);
+  desk.take(ask(Operation::kMark, 2), kNow, 2);
+  desk.take(ask(Operation::kMark, 3), kNow, 2);
+  desk.runs(1, 1, kNow);
+  desk.take(ask(Operation::kStop, 4), kNow, 2);
+  (void)desk.answers();
+  desk.ended({}, {}, kNow);
+  desk.take(ask(Operation::kMark, 2), kNow, 2);
+  EXPECT_EQ(last(desk).state, AnswerState::kDone);
+  desk.take(ask(Operation::kMark, 3), kNow, 2);
+  const Answer lost = last(desk);
+  EXPECT_EQ(lost.state, AnswerState::kRefused);
+  EXPECT_EQ(lost.reason, RefusalReason::kDisk);
+}
+
+TEST_F(DeskTest, RefusesWhatCannotBeAndSaysWhy) {
+  taken = {"drive"};
+  Desk desk = this->desk();
+  const auto reason = [&](const Request& request, int nodes) {
+    desk.take(request, kNow, nodes);
+    const Answer answer = last(desk);
+    EXPECT_EQ(answer.state, AnswerState::kRefused);
+    EXPECT_FALSE(answer.text.empty());
+    return answer.reason;
+  };
+  EXPECT_EQ(reason(ask(Operation::kStart, 1, "drive"), 2), RefusalReason::kNameTaken);
+  EXPECT_EQ(reason(ask(Operation::kStart, 2, "../drive"), 2), RefusalReason::kBadArgument);
+  EXPECT_EQ(reason(ask(Operation::kStart, 3, ".."), 2), RefusalReason::kBadArgument);
+  EXPECT_EQ(reason(ask(Operation::kStart, 4, kDeskBookFile), 2), RefusalReason::kBadArgument);
+  EXPECT_EQ(reason(ask(Operation::kStart, 5, std::string(65, 'x')), 2), RefusalReason::kBadArgument);
+  EXPECT_EQ(reason(ask(Operation::kStart, 6, "new"), 0), RefusalReason::kNoNode);
+  EXPECT_EQ(reason(ask(Operation::kStop, 7), 2), RefusalReason::kNotRecording);
+  EXPECT_EQ(reason(ask(Operation::kMark, 8), 2), RefusalReason::kNotRecording);
+  EXPECT_EQ(reason(ask(static_cast<Operation>(99), 9), 2), RefusalReason::kUnknownOperation);
+  disk_fails = true;
+  EXPECT_EQ(reason(ask(Operation::kStart, 10, "new"), 2), RefusalReason::kDisk);
+  EXPECT_TRUE(done.empty());
+}
+
+// The nodes get the new text only when the book says so: a recorder that is killed then knows what to undo.
+TEST_F(DeskTest, ASetUpIsInTheBookBeforeItIsDoneAndAnsweredOnce) {
+  Desk desk = this->desk();
+  disk_fails = true;
+  desk.take(ask(Operation::kRange, 1), kNow, 1);
+  EXPECT_EQ(last(desk).reason, RefusalReason::kDisk);
+  EXPECT_EQ(done, std::vector<std::string>{"forget"});
+  disk_fails = false;
+  Desk second = this->desk();
+  second.take(ask(Operation::kRange, 1), kNow, 1);
+  ASSERT_TRUE(book.set_up);
+  EXPECT_EQ(book.set_up->vehicle_crc32c, 5u);
+  Desk third = this->desk();  // it was killed
+  third.take(ask(Operation::kRange, 1), kNow, 1);
+  EXPECT_EQ(last(third).state, AnswerState::kUnderWay);
+  third.was_set_up({.asker = 7,
+                    .request = 1,
+                    .operation = Operation::kRange,
+                    .state = AnswerState::kRefused,
+                    .reason = RefusalReason::kNotSupported,
+                    .text = "undone"});
+  Desk fourth = this->desk();
+  fourth.take(ask(Operation::kRange, 1), kNow, 1);
+  const Answer answer = last(fourth);
+  EXPECT_EQ(answer.state, AnswerState::kRefused);
+  EXPECT_EQ(answer.reason, RefusalReason::kNotSupported);
+  EXPECT_EQ(answer.text, "undone");
+}
+
+// Killed at each step and begun anew, with the requester repeating what was not answered.
+TEST_F(DeskTest, ARecorderThatIsKilledGoesOnWithWhatWasAsked) {
+  desk().take(ask(Operation::kStart, 1, "drive"), kNow, 2);
+  {
+    Desk second = desk();
+    EXPECT_EQ(done.back(), "begin drive");
+    second.take(ask(Operation::kStart, 1, "drive"), kNow, 2);
+    EXPECT_EQ(last(second).state, AnswerState::kUnderWay);
+    second.runs(1, 0, kNow);
+    EXPECT_EQ(last(second).state, AnswerState::kDone);
+    second.take(ask(Operation::kMark, 2, "bridge"), kNow, 2);
+  }
+  done.clear();
+  {
+    Desk third = desk();
+    const std::vector<std::string> expected{"begin drive", "mark 1 bridge"};
+    EXPECT_EQ(done, expected) << "it may not be on the disk";
+    third.take(ask(Operation::kMark, 2, "bridge"), kNow, 2);
+    EXPECT_EQ(last(third).value[0], 1);
+    third.runs(1, 1, kNow);
+    EXPECT_EQ(last(third).state, AnswerState::kDone);
+    third.take(ask(Operation::kStop, 3), kNow, 2);
+  }
+  done.clear();
+  {
+    Desk fourth = desk();
+    const std::vector<std::string> expected{"begin drive", "stop"};
+    EXPECT_EQ(done, expected);
+    fourth.take(ask(Operation::kStop, 3), kNow, 2);
+    fourth.ended({Receipt{.name = "drive"}}, {}, kNow);
+    EXPECT_EQ(last(fourth).state, AnswerState::kDone);
+  }
+  Desk fifth = desk();
+  EXPECT_FALSE(fifth.under_way());
+  fifth.take(ask(Operation::kStop, 3), kNow, 2);
+  EXPECT_EQ(last(fifth).state, AnswerState::kDone);
+  fifth.take(ask(Operation::kStart, 1, "drive"), kNow, 2);
+  EXPECT_EQ(last(fifth).state, AnswerState::kDone) << "a late repetition starts nothing";
+  EXPECT_FALSE(fifth.under_way());
+}
+
+TEST_F(DeskTest, ARecordingThatFailsIsAFaultAndGoesOn) {
+  Desk desk = this->desk();
+  desk.take(ask(Operation::kStart, 1, "drive"), kNow, 2);
+  desk.runs(1, 0, kNow);
+  desk.failed("the disk is gone", true, kNow);
+  EXPECT_EQ(desk.fault(), "the disk is gone");
+  ASSERT_TRUE(desk.under_way());
+  desk.again();
+  EXPECT_EQ(std::ranges::count(done, "begin drive"), 2);
+  desk.runs(1, 0, kNow);
+  EXPECT_EQ(desk.fault(), "");
+}
+
+TEST_F(DeskTest, AStartWhoseFolderCannotBeOpenedIsRefused) {
+  Desk desk = this->desk();
+  desk.take(ask(Operation::kStart, 1, "drive"), kNow, 2);
+  desk.failed("open drive: read-only", false, kNow);
+  const Answer answer = last(desk);
+  EXPECT_EQ(answer.state, AnswerState::kRefused);
+  EXPECT_EQ(answer.reason, RefusalReason::kDisk);
+  EXPECT_FALSE(desk.under_way());
+  EXPECT_FALSE(book.under_way);
+}
+
+// A full disk must not keep a recording from its end, nor a mark from the record.
+TEST_F(DeskTest, ABookThatCannotBeWrittenStopsNothingThatRuns) {
+  Desk desk = this->desk();
+  desk.take(ask(Operation::kStart, 1, "drive"), kNow, 2);
+  disk_fails = true;
+  desk.take(ask(Operation::kMark, 2, "a"), kNow, 2);
+  desk.take(ask(Operation::kStop, 3), kNow, 2);
+  EXPECT_EQ(std::ranges::count(done, "mark 1 a"), 1);
+  EXPECT_EQ(done.back(), "stop");
+}
+
+}  // namespace
+}  // namespace roadbalance

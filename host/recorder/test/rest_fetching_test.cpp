@@ -1,0 +1,179 @@
+#include "host/recorder/rest_fetching.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace roadbalance {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+/// A session that does what the test says.
+struct Script {
+  bool lives = false, stopped = false;
+  Session::View view{};
+};
+class ScriptedSession final : public Session {
+ public:
+  explicit ScriptedSession(Script& script) : script_(script) { script_ = {.lives = true}; }
+  ~ScriptedSession() override { script_.lives = false; }
+  void stop() override { script_.stopped = true; }
+  void note(NoteToRecord) override {}
+  View view() const override { return script_.view; }
+
+ private:
+  Script& script_;
+};
+
+class RestFetchingTest : public ::testing::Test {
+ protected:
+  void hear(std::int32_t node, std::int64_t epoch) { fetching.take({.node = node, .epoch = epoch}, now); }
+  std::optional<RestFetching::Outcome> turn() { return fetching.turn(rests, now); }
+  /// Heard ten times a second.
+  void hear_for(seconds time, std::int32_t node, std::int64_t epoch) {
+    for (const WallTime end = now + time; now < end; now += milliseconds(100)) hear(node, epoch);
+  }
+  void over(std::vector<NodeReport> node, std::string error = "") {
+    script.view.report.node = std::move(node);
+    script.view.error = std::move(error);
+    script.view.is_over = true;
+  }
+
+  WallTime now{std::chrono::hours(1)};
+  std::vector<Rest> rests{{"drive", 2, 77}, {"drive", 3, 88}, {"later", 2, 99}};
+  Script script;
+  std::string begun;
+  EpochScope scope;
+  RestFetching fetching{[this](const std::string& recording, EpochScope of) {
+    begun = recording;
+    scope = std::move(of);
+    return std::make_unique<ScriptedSession>(script);
+  }};
+};
+
+TEST_F(RestFetchingTest, WaitsForTheNodeAndFetchesOnlyWhatIsBack) {
+  hear_for(seconds(30), 1, 5);
+  EXPECT_FALSE(turn());
+  EXPECT_FALSE(script.lives);
+  hear(2, 77);
+  EXPECT_FALSE(turn());
+  ASSERT_TRUE(script.lives);
+  EXPECT_TRUE(script.stopped) << "the node is to end at once";
+  EXPECT_EQ(begun, "drive");
+  EXPECT_EQ(fetching.under_way(), "drive");
+  EXPECT_EQ(scope.only, (std::vector<NodeEpoch>{{2, 77}}));
+  EXPECT_TRUE(scope.given_up.empty());
+  EXPECT_TRUE(scope.leaves_open);
+  over({{.node = 2, .epoch = 77, .blocks = 100, .ended = true, .sums_agree = true}});
+  const auto outcome = turn();
+  ASSERT_TRUE(outcome);
+  EXPECT_EQ(outcome->settled, (std::vector<Rest>{{"drive", 2, 77}}));
+  EXPECT_TRUE(outcome->lost.empty());
+  EXPECT_FALSE(script.lives);
+}
+
+TEST_F(RestFetchingTest, WhatIsCutOffAgainOrFailsStaysAndIsTriedAgainLater) {
+  hear(2, 77);
+  (void)turn();
+  over({{.node = 2, .epoch = 77, .blocks = 100, .started = true}});
+  EXPECT_TRUE(turn()->settled.empty());
+  begun.clear();
+  hear(2, 77);
+  (void)turn();
+  EXPECT_EQ(begun, "") << "not at once";
+  hear_for(seconds(5), 2, 77);
+  (void)turn();
+  EXPECT_EQ(begun, "drive");
+  over({{.node = 2, .epoch = 77, .blocks = 200, .ended = true}}, "the disk is full");
+  const auto outcome = turn();
+  ASSERT_TRUE(outcome);
+  EXPECT_EQ(outcome->error, "the disk is full");
+  EXPECT_TRUE(outcome->settled.empty()) << "nobody knows what is on the disk";
+}
+
+// One that cannot be had must not keep the others waiting.
+TEST_F(RestFetchingTest, TakesTurnsBetweenRecordings) {
+  const auto hear_both = [&] {
+    for (int k = 0; k < 60; ++k, now += milliseconds(100)) {
+      hear(2, 77);
+      hear(2, 99);
+    }
+  };
+  std::vector<std::string> all;
+  for (int k = 0; k < 4; ++k) {
+    hear_both();
+    (void)turn();
+    all.push_back(begun);
+    over({}, "it fails");
+    (void)turn();
+  }
+  EXPECT_EQ(std::ranges::count(all, "drive"), 2);
+  EXPECT_EQ(std::ranges::count(all, "later"), 2);
+}
+
+TEST_F(RestFetchingTest, ANodeThatWasStartedAnewHasLostItsRestAndItIsSaid) {
+  rests = {{"drive", 2, 77}};
+  hear_for(seconds(10), 2, 78);
+  now -= milliseconds(100);  // the last heartbeat is 10 s - 100 ms behind the first
+  (void)turn();
+  EXPECT_FALSE(script.lives) << "it may be two nodes of one number";
+  now += milliseconds(100);
+  hear(2, 78);
+  (void)turn();
+  ASSERT_TRUE(script.lives);
+  EXPECT_EQ(scope.given_up, (std::vector<NodeEpoch>{{2, 77}}));
+  over({});
+  script.view.report.earlier = {{.node = 2, .epoch = 77, .blocks = 100, .ended = true}};  // by its crash
+  const auto outcome = turn();
+  ASSERT_TRUE(outcome);
+  EXPECT_EQ(outcome->settled, rests);
+  EXPECT_EQ(outcome->lost, rests);
+}
+
+// The recorder was killed behind the last sync and before the book: the node has ended and begun anew.
+TEST_F(RestFetchingTest, WhatTheRecordHasAlreadyIsSettledAndNotLost) {
+  rests = {{"drive", 2, 77}};
+  hear_for(seconds(11), 2, 78);
+  (void)turn();
+  ASSERT_TRUE(script.lives);
+  over({});
+  script.view.report.earlier = {{.node = 2, .epoch = 77, .blocks = 100, .ended = true, .sums_agree = true}};
+  const auto outcome = turn();
+  ASSERT_TRUE(outcome);
+  EXPECT_EQ(outcome->settled, rests);
+  EXPECT_TRUE(outcome->lost.empty());
+}
+
+TEST_F(RestFetchingTest, TheOldEpochOfTwoNodesWithOneNumberIsNotGivenUpWhileItIsHeard) {
+  rests = {{"drive", 2, 77}};
+  for (int k = 0; k < 200; ++k, now += milliseconds(100)) {
+    hear(2, 78);
+    if (k % 50 == 0) hear(2, 77);
+  }
+  (void)turn();
+  EXPECT_FALSE(script.lives && !scope.given_up.empty());
+}
+
+TEST_F(RestFetchingTest, ANodeThatNeverGotTheStartHoldsNothing) {
+  hear(3, 88);
+  (void)turn();
+  over({{.node = 3, .epoch = 88}});
+  EXPECT_EQ(turn()->settled, (std::vector<Rest>{{"drive", 3, 88}}));
+}
+
+TEST(RestsOf, AreEpochsWithoutAnEndThatMayHoldSomething) {
+  RecorderReport report;
+  report.earlier = {{.node = 1, .epoch = 1, .blocks = 9},
+                    {.node = 1, .epoch = 2, .blocks = 9, .ended = true}};
+  report.node = {{.node = 1, .epoch = 3},
+                 {.node = 1, .epoch = 4, .started = true},
+                 {.node = 2, .epoch = 5, .samples_sent = 20},
+                 {.node = 3, .epoch = 6, .blocks = 9, .ended = true, .started = true}};
+  const std::vector<Rest> expected{{"drive", 1, 1}, {"drive", 1, 4}, {"drive", 2, 5}};
+  EXPECT_EQ(rests_of(report, "drive"), expected);
+}
+
+}  // namespace
+}  // namespace roadbalance
