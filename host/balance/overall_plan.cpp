@@ -105,7 +105,8 @@ OverallPlan plan_overall(const DriveForces& drive, const VehicleConfig& vehicle,
     OverallPlan::Wheel& wheel = result.wheel[w];
     wheel.plan = by_wheel[w].plan;
     wheel.radii = by_wheel[w].radii;
-    if (by_wheel[w].advice == Advice::kSteps || by_wheel[w].advice == Advice::kLeaveSmall) {
+    const bool is_felt = std::ranges::any_of(felt, [&](const Feeling& f) { return f.wheel == w; });
+    if (is_felt && (by_wheel[w].advice == Advice::kSteps || by_wheel[w].advice == Advice::kLeaveSmall)) {
       best[w] = best_weight(felt, w);
       const WheelConfig& config = vehicle.wheel[w];
       wheel.best = {std::abs(best[w]) / (kKilogram * config.weight_radius_m), std::arg(best[w]),
@@ -127,6 +128,8 @@ OverallPlan plan_overall(const DriveForces& drive, const VehicleConfig& vehicle,
     const SpeedForces& speed = drive.speed[s];
     seconds += speed.seconds;
     result.speed.push_back({speed.speed_m_s, speed.seconds, vibration(static_cast<int>(s), speed.seconds)});
+    for (std::size_t w = 0; w < kWheels; ++w)
+      result.speed.back().without_force[w] = speed.wheel[w].variance_n2 == 0.0;
   }
   if (seconds > 0.0) result.vibration = vibration(-1, seconds);
   return result;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <complex>
 #include <vector>
 
@@ -29,12 +30,13 @@ struct WheelVibration {
 struct OverallPlan {
   struct Wheel {
     WheelWeight best;  ///< at its weight radius; of no mass if the wheel is left alone
-    WeightPlan plan;   ///< nearest to it that can be bought
+    WeightPlan plan;   ///< nearest to it that can be bought; its own if its force is known at no speed
     int radii = 1;     ///< of its places
   };
   struct Speed {
     double speed_m_s, seconds;
     SeatVibration vibration;
+    std::bitset<kWheels> without_force{};  ///< wheels that tell none there: what they do is in no figure
   };
   std::vector<SeatConfig> seat;
   std::array<Wheel, kWheels> wheel;
@@ -53,7 +55,8 @@ std::vector<SeatConfig> seats_of(const VehicleConfig& vehicle);
 ///
 /// G unbalance_response, a_sw the first-order force of all causes on wheel w.  A seat feels each wheel at
 /// that wheel's own frequency: each is a response point of its own, weighed by the seat and the time driven.
-/// A wheel whose balance is not known or lies within its uncertainty is left alone.
+/// A wheel whose balance is not known or lies within its uncertainty is left alone.  One that tells no force
+/// at a speed has no share in that speed's vibration, and what is least is least without it.
 ///
 /// @param by_wheel  each wheel's own compensation
 /// @throws as seats_of

@@ -32,6 +32,25 @@ std::string row(const std::string& what, const SeatVibration& vibration) {
                 vibration.overall, vibration.least);
 }
 
+/// Of a wheel that tells no force at some speeds; empty: it does at all.
+std::string missing_line(const OverallPlan& plan, std::size_t wheel) {
+  std::string speeds;
+  bool at_all = true;
+  for (const OverallPlan::Speed& speed : plan.speed)
+    if (speed.without_force[wheel])
+      speeds += (speeds.empty() ? "" : ", ") + format("%.0f", 3.6 * speed.speed_m_s);
+    else
+      at_all = false;
+  if (speeds.empty()) return {};
+  if (at_all)
+    return format(
+        "  NOT KNOWN: what turns with %s, at no speed: its weights are its own, its share in no figure",
+        kWheelNames[wheel]);
+  return format(
+      "  NOT KNOWN: what turns with %s at %s km/h: not in those speeds' figures, nor in its best weight",
+      kWheelNames[wheel], speeds.c_str());
+}
+
 Json vibration_json(const SeatVibration& vibration) {
   return {{"now_m_s2", vibration.now},
           {"by_wheel_m_s2", vibration.by_wheel},
@@ -57,6 +76,8 @@ std::vector<std::string> overall_lines(const OverallPlan& plan) {
   for (const OverallPlan::Speed& speed : plan.speed)
     lines.push_back(row(format("%.0f km/h %.0f s", 3.6 * speed.speed_m_s, speed.seconds), speed.vibration));
   lines.push_back(row("all", plan.vibration));
+  for (std::size_t w = 0; w < kWheels; ++w)
+    if (const std::string line = missing_line(plan, w); !line.empty()) lines.push_back(line);
   return lines;
 }
 
@@ -76,6 +97,10 @@ Json overall_json(const OverallPlan& plan) {
   for (const OverallPlan::Speed& speed : plan.speed) {
     speeds.push_back({{"speed_km_h", 3.6 * speed.speed_m_s}, {"seconds", speed.seconds}});
     speeds.back().update(vibration_json(speed.vibration));
+    Json without = Json::array();
+    for (std::size_t w = 0; w < kWheels; ++w)
+      if (speed.without_force[w]) without.push_back(kWheelNames[w]);
+    speeds.back()["without_force"] = without;
   }
   return {{"seats", seats}, {"wheels", wheels}, {"speeds", speeds}, {"all", vibration_json(plan.vibration)}};
 }

@@ -9,7 +9,8 @@
 namespace roadbalance {
 
 /// What rb identify --overall shows a person: the weights of each wheel, and what the seats feel at each
-/// speed and over all of them as it is, with each wheel balanced for itself, and with these weights.
+/// speed and over all of them as it is, with each wheel balanced for itself, and with these weights; last
+/// which wheels are missing in that.
 std::vector<std::string> overall_lines(const OverallPlan& plan);
 
 /// The same as an object: "seats", "wheels", "speeds" and "all".

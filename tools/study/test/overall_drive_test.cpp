@@ -114,6 +114,21 @@ TEST_F(OverallDrive, OfAWheelThatTellsNothingNothingIsSaid) {
   EXPECT_GT(felt[0].now, 0.0);
 }
 
+TEST_F(OverallDrive, AWheelWithoutForceIsNamedAndKeepsItsOwnWeights) {
+  forces_.speed[1].wheel[0].variance_n2 = 0.0;
+  for (SpeedForces& speed : forces_.speed) speed.wheel[2].variance_n2 = 0.0;
+  const OverallPlan plan = plan_overall(forces_, vehicle_, by_wheel_);
+  for (std::size_t s = 0; s < plan.speed.size(); ++s) {
+    EXPECT_EQ(plan.speed[s].without_force[0], s == 1);
+    EXPECT_TRUE(plan.speed[s].without_force[2]);
+    EXPECT_FALSE(plan.speed[s].without_force[1]);
+    EXPECT_TRUE(plan_.speed[s].without_force.none());
+  }
+  EXPECT_EQ(plan.wheel[2].plan.applied_g_m, by_wheel_[2].plan.applied_g_m);
+  EXPECT_NE(plan.wheel[2].plan.applied_g_m, 0.0);
+  EXPECT_EQ(plan.wheel[2].best.mass_g, 0.0);
+}
+
 /// Tyres out of round have their share in the equivalent unbalance of each wheel, so its opposite is nearly
 /// as good; the opposite of the unbalance alone leaves all that they do.
 TEST_F(OverallDrive, LeavesLeastOfAllWeights) {
