@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "common/config/vehicle_config.hpp"
+#include "common/vehicle/contact_patch.hpp"
 #include "sim/random.hpp"
 #include "sim/scenario.hpp"
 
@@ -21,11 +22,11 @@ struct RoadPoint {
 
 /// Shape of the road's spectrum: height u = w2 / ((s + w1)(s + w2)) * white noise in the distance domain,
 /// whose slope has the two-sided density 2 pi^2 n0^2 Gd(n0) between the corners, as ISO 8608 with exponent 2.
-/// w1 = 2 pi * 0.01 1/m bounds the height, w2 = 2 pi * 4 1/m is the contact patch.
+/// w1 = 2 pi * 0.01 1/m bounds the height, w2 = 2 pi kPatchWave_1_m is the contact patch.
 struct RoadFilter {
   static constexpr double kGrid_m = 0.01;
   static constexpr double kLowCorner_rad_m = 2.0 * 3.14159265358979323846 * 0.01;
-  static constexpr double kHighCorner_rad_m = 2.0 * 3.14159265358979323846 * 4.0;
+  static constexpr double kHighCorner_rad_m = 2.0 * 3.14159265358979323846 * kPatchWave_1_m;
 
   Eigen::Matrix2d transition;  ///< of [height, slope] over one grid cell
   Eigen::Matrix2d noise;       ///< Cholesky factor of what the white noise adds over one cell

@@ -79,6 +79,8 @@ std::string misfitting(const Identification& identification) {
       names += (names.empty() ? "" : ", ") + std::string(kWheelNames[w]);
   if (names.empty() && stands_out(identification.mass_share[0], identification.sigma_mass_share[0]))
     names = "all wheels together";
+  if (identification.misfit_chance[0] < kMisfitChance)
+    names += (names.empty() ? "" : ", ") + std::string("body");
   return names;
 }
 

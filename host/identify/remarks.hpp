@@ -19,7 +19,7 @@ std::vector<std::string> remarks(const Identification& identification,
 /// A model that fits shows a misfit as large by chance in so many drives, each judged once.
 inline constexpr double kMisfitChance = 1e-3;
 
-/// Words for the wheels that do not fit, e.g. "front_left"; empty: all do.
+/// Words for what does not fit, e.g. "front_left, body"; empty: all does.
 std::string misfitting(const Identification& identification);
 
 }  // namespace roadbalance

@@ -8,6 +8,8 @@
 #include <numbers>
 #include <vector>
 
+#include "common/vehicle/contact_patch.hpp"
+
 namespace roadbalance {
 namespace {
 
@@ -15,7 +17,7 @@ using Complex = std::complex<double>;
 using Matrix7c = Eigen::Matrix<Complex, kCoordinates, kCoordinates>;
 using Matrix8c = Eigen::Matrix<Complex, 2 * kWheels, 2 * kWheels>;
 constexpr Complex kJ(0.0, 1.0);
-constexpr double kPatchCorner_rad_m = 2.0 * std::numbers::pi * 4.0;
+constexpr double kPatchCorner_rad_m = 2.0 * std::numbers::pi * kPatchWave_1_m;
 constexpr double kSearch = 0.3;      ///< a stiffness is looked for within this share of the beginning
 constexpr double kConverged = 1e-4;  ///< of a standard deviation
 constexpr int kIterations = 30;

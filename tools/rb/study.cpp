@@ -39,9 +39,11 @@ struct StudyOptions {
 void print_line(const Json& line) {
   const std::string error =
       line.contains("standard_error") ? " +- " + line["standard_error"].dump().substr(0, 6) : "";
-  std::printf("%s  %-72s %8s%s  (%g .. %g)\n", line["met"].get<bool>() ? "met    " : "NOT MET",
+  const std::string answers = line.contains("answers") ? " of " + line["answers"].dump() + " answers" : "";
+  std::printf("%s  %-72s %8s%s  (%g .. %g)%s\n", line["met"].get<bool>() ? "met    " : "NOT MET",
               line["line"].get<std::string>().c_str(), line["value"].dump().substr(0, 8).c_str(),
-              error.c_str(), line["required"][0].get<double>(), line["required"][1].get<double>());
+              error.c_str(), line["required"][0].get<double>(), line["required"][1].get<double>(),
+              answers.c_str());
 }
 
 /// Of studies that tell each seed: a wheel's "error_percent" and "error_deg", or "change_...".

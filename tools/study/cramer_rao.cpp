@@ -6,6 +6,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "common/vehicle/contact_patch.hpp"
+
 namespace roadbalance {
 namespace {
 
@@ -155,7 +157,7 @@ Eigen::Matrix4cd RoadStatistics::coherence(const Geometry& geometry, double om, 
 }
 
 double RoadStatistics::density(double om, double speed_m_s) const {
-  const double w2 = 2.0 * pi * 4.0 * speed_m_s;
+  const double w2 = 2.0 * pi * kPatchWave_1_m * speed_m_s;
   const double q2 = 2.0 * pi * pi * kReferenceWave * kReferenceWave * roughness_m3 * speed_m_s;
   const double wave = om / (2.0 * pi * speed_m_s * kReferenceWave);
   return q2 / (om * om) * w2 * w2 / (om * om + w2 * w2) * std::pow(wave, 2.0 - exponent);

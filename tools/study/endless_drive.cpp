@@ -58,7 +58,7 @@ WhittleMoments EndlessDrive::spectra(const ExactDrive& drive, double speed_m_s) 
   const LinearModel model = linear_model(geometry_, nominal_parameters(vehicle_));
   const double turn = 2.0 * std::numbers::pi;
   const double least = turn * ExactDrive::kLeastWave_1_m * speed_m_s;
-  const double patch = turn * ExactDrive::kPatchWave_1_m * speed_m_s;
+  const double patch = turn * kPatchWave_1_m * speed_m_s;
   WhittleMoments sum;
   sum.step_hz = 1.0 / kWhittleSegment_s;
   sum.first = std::lround(kWhittleFrom_hz / sum.step_hz);

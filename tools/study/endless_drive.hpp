@@ -7,9 +7,9 @@
 
 #include "common/config/vehicle_config.hpp"
 #include "host/identify/estimate.hpp"
-#include "host/identify/exact_covariance.hpp"
 #include "host/identify/instruments.hpp"
 #include "host/identify/whittle_moments.hpp"
+#include "tools/study/exact_covariance.hpp"
 
 namespace roadbalance {
 

@@ -1,4 +1,4 @@
-#include "host/identify/exact_covariance.hpp"
+#include "tools/study/exact_covariance.hpp"
 
 #include <Eigen/LU>
 #include <numbers>

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "common/dsp/linear_filter.hpp"
+#include "common/vehicle/contact_patch.hpp"
 #include "common/vehicle/linear_model.hpp"
 #include "host/identify/moments.hpp"
 #include "host/identify/signals.hpp"
@@ -18,9 +19,9 @@ namespace roadbalance {
 /// Gives exact covariances, computed by nothing that the product uses for estimation.
 class ExactDrive {
  public:
-  /// Corners of the roads, in waves a metre: u = 1/(s + w1) w2/(s + w2) w, w = 2 pi V times these; below the
-  /// first a road is flat in its spectrum, above the second the contact patch evens it out.
-  static constexpr double kLeastWave_1_m = 0.01, kPatchWave_1_m = 4.0;
+  /// Lower corner of the roads, in waves a metre: u = 1/(s + w1) w2/(s + w2) w, w1 = 2 pi V times this, w2
+  /// the contact patch's; below it a road is flat in its spectrum.
+  static constexpr double kLeastWave_1_m = 0.01;
 
   ExactDrive(const Geometry& geometry, const ParameterVector& parameters,
              const std::array<std::complex<double>, kWheels>& unbalance_kg_m, double speed_m_s,

@@ -3,8 +3,8 @@
 #include <numbers>
 
 #include "common/dsp/linear_filter.hpp"
-#include "host/identify/exact_covariance.hpp"
 #include "tools/study/estimator_trial.hpp"
+#include "tools/study/exact_covariance.hpp"
 #include "tools/study/exact_studies.hpp"
 #include "tools/study/statistics.hpp"
 

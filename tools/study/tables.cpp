@@ -98,9 +98,10 @@ std::string markdown_tables(const Json& summary) {
   for (const Json& table : summary.value("tables", Json::array())) text += markdown(table);
   if (!summary.contains("acceptance")) return text;
   if (summary["acceptance"].empty()) return text + "NOT MET: nothing was judged\n";
-  text += "| acceptance | value | required | |\n| --- | ---: | ---: | --- |\n";
+  text += "| acceptance | value | required | answers | |\n| --- | ---: | ---: | ---: | --- |\n";
   for (const Json& line : summary["acceptance"])
     text += "| " + cell(line["line"]) + " | " + cell(line["value"]) + " | " + required(line) + " | " +
+            (line.contains("answers") ? cell(line["answers"]) : "") + " | " +
             (line["met"].get<bool>() ? "met" : "NOT MET") + " |\n";
   return text;
 }

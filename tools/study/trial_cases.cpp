@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/text/format.hpp"
 #include "host/identify/whittle_moments.hpp"
 #include "tools/study/statistics.hpp"
 
@@ -86,8 +87,8 @@ void add_bound(Json& row, const TrialCase& one, const std::string& estimator, co
   in_band.low_hz = kWhittleFrom_hz, in_band.high_hz = kWhittleTo_hz;
   const auto [band_square, band_efficiency] =
       against_tyre_bound(in_band, cramer_rao(in_band), one, estimator, runs);
-  row["ct bound % of 3-40 Hz"] = number_or_null(std::sqrt(band_square));
-  row["efficiency ct of 3-40 Hz"] = number_or_null(band_efficiency);
+  row["ct bound % of " + whittle_band()] = number_or_null(std::sqrt(band_square));
+  row["efficiency ct of " + whittle_band()] = number_or_null(band_efficiency);
 }
 
 void add_sizes(Json& row, const std::vector<double>& errors, const std::string& what,
@@ -99,6 +100,10 @@ void add_sizes(Json& row, const std::vector<double>& errors, const std::string& 
 }
 
 }  // namespace
+
+std::string whittle_band() {
+  return format("%g-%g Hz", kWhittleFrom_hz, kWhittleTo_hz);
+}
 
 TrialCase four_wheels(const std::string& name, Eigen::Index samples, double rear_coherence2) {
   const VehicleConfig vehicle = demo_vehicle();

@@ -51,6 +51,9 @@ UnknownMatrix bound_of(const TrialCase& one, double rear_coherence2 = -1.0);
 nlohmann::ordered_json case_rows(const std::vector<TrialCase>& cases,
                                  const std::vector<nlohmann::ordered_json>& runs);
 
+/// The likelihood's band as columns name it, e.g. "3-40 Hz".
+std::string whittle_band();
+
 /// How many answers a row rests on.
 std::size_t answers_in(const nlohmann::ordered_json& rows, const std::string& name,
                        const std::string& estimator);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "host/identify/exact_covariance.hpp"
+#include "tools/study/exact_covariance.hpp"
 
 namespace roadbalance::test {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "host/identify/estimate.hpp"
-#include "host/identify/exact_covariance.hpp"
+#include "tools/study/exact_covariance.hpp"
 
 namespace roadbalance::test {
 namespace {
@@ -115,7 +115,8 @@ DriveMoments exact_moments() {
 
 TEST(Solve, ReturnsTheCarFromExactMoments) {
   ParameterVector known = car();
-  known.segment<kTyreDamper - kSpring>(kSpring).setConstant(1.0);  // springs, dampers, stabilisers, tyres: unknown
+  known.segment<kTyreDamper - kSpring>(kSpring).setConstant(
+      1.0);  // springs, dampers, stabilisers, tyres: unknown
   const auto x = solve(exact_moments(), kGeometry, known);
   ASSERT_TRUE(x.has_value());
   for (int p = 0; p < kEstimatedTyre; ++p) EXPECT_NEAR((*x)(p) / car()(kSpring + p), 1.0, 1e-6) << p;

@@ -58,6 +58,7 @@ TEST(Remarks, NameTheWheelThatDoesNotFit) {
 TEST(Remarks, SayThatTheBodyDoesNotFit) {
   Found found;
   found.identification.misfit_chance[0] = 1e-9;
+  EXPECT_EQ(misfitting(found.identification), "body");
   EXPECT_TRUE(found.says("heave, roll and pitch do not fit"));
 }
 

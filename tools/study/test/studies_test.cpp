@@ -83,12 +83,13 @@ TEST(Tables, SayTheSameOnATerminalAndInMarkdown) {
       {"tables",
        {{{"title", "Errors"},
          {"rows", {{{"wheel", "left"}, {"error", 0.12345}}, {{"wheel", "right"}, {"error", nullptr}}}}}}},
-      {"acceptance", {{{"line", "all"}, {"value", 0.5}, {"required", {0.0, 1.0}}, {"met", true}}}}};
+      {"acceptance",
+       {{{"line", "all"}, {"value", 0.5}, {"required", {0.0, 1.0}}, {"answers", 12}, {"met", true}}}}};
   EXPECT_EQ(plain_tables(summary), "Errors\nwheel  error  \nleft   0.123  \nright      -  \n\n");
   EXPECT_EQ(markdown_tables(summary),
             "**Errors**\n\n| wheel | error |\n| --- | ---: |\n| left | 0.123 |\n| right | - |\n\n"
-            "| acceptance | value | required | |\n| --- | ---: | ---: | --- |\n"
-            "| all | 0.5 | 0 .. 1 | met |\n");
+            "| acceptance | value | required | answers | |\n| --- | ---: | ---: | ---: | --- |\n"
+            "| all | 0.5 | 0 .. 1 | 12 | met |\n");
 }
 
 }  // namespace

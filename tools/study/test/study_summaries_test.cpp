@@ -6,6 +6,7 @@
 
 #include "host/identify/estimator.hpp"
 #include "tools/study/study.hpp"
+#include "tools/study/trial_cases.hpp"
 
 namespace roadbalance {
 namespace {
@@ -99,6 +100,22 @@ TEST(RadialForce, IsSeparatedOrSaidNotToBe) {
   const Json near = run(wheels(1, 1, 1, 1, 1));
   EXPECT_TRUE(summary_of("radial-force", std::vector<Json>(10, near))["accepted"].get<bool>());
   EXPECT_FALSE(summary_of("radial-force", std::vector<Json>(20, near))["accepted"].get<bool>());
+  // A refused wheel has no share in what is right of the answers, and is none of those that are separated.
+  Json refused = far;
+  for (std::size_t w = 0; w < 2; ++w) {
+    refused[w] = wheels(1, 1, 1, 1, 1)[w];
+    refused[w]["told"] = false;
+    for (const char* key : {"alone_residual_g", "sigma_alone_g", "force_error_n", "sigma_force_n"})
+      refused[w][key] = nullptr;
+  }
+  const Json summary = summary_of("radial-force", std::vector<Json>(10, run(refused)));
+  const Json& within = line_of(summary, "60 .. 140 km/h: unbalance alone");
+  EXPECT_EQ(within["value"], 100.0);
+  EXPECT_EQ(within["answers"], 20);
+  const Json& separated = line_of(summary, "60 .. 140 km/h: wheels whose force");
+  EXPECT_EQ(separated["value"], 50.0);
+  EXPECT_EQ(separated["answers"], 20);
+  EXPECT_EQ(summary["tables"][1]["rows"][1]["refused"], 20);
   narrow[1]["force_state"] = 1;
   EXPECT_FALSE(summary_of("radial-force", {run(wheels(1, 1, 1, 1, 1))})["accepted"].get<bool>());
 }
@@ -192,7 +209,7 @@ TEST(Estimators, JudgesTyresOverBothBandsWithAndWithoutASharedRoad) {
   };
   const Json good = judged(0.01), bad = judged(100.0);
   for (const char* of : {"coherence^2 0.0", "coherence^2 0.95"})
-    for (const char* band : {"efficiency ct", "efficiency ct of 3-40 Hz"}) {
+    for (const std::string& band : {std::string("efficiency ct"), "efficiency ct of " + whittle_band()}) {
       const auto met = [&](const Json& summary) {
         for (const Json& line : summary["acceptance"])
           if (line["line"] == std::string("whittle, ") + of + ": " + band) return line["met"].get<bool>();
