@@ -1,17 +1,12 @@
 #include "firmware/converter_settings.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <cstdio>
 
+#include "common/config/same_number.hpp"
 #include "common/config/section.hpp"
 
 namespace roadbalance {
 namespace {
-
-bool is_same(double a, double b) {
-  return std::abs(a - b) <= 1e-9 * std::max(std::abs(a), std::abs(b));
-}
 
 std::string in_m_s2(double range) {
   char text[32];
@@ -20,14 +15,15 @@ std::string in_m_s2(double range) {
 }
 
 void check_range(const ChannelConfig& before, const ChannelConfig& after, ConverterSettings::Range range) {
-  if (is_same(before.range_m_s2, after.range_m_s2) || range == ConverterSettings::Range::kByValue) return;
+  if (is_same_number(before.range_m_s2, after.range_m_s2) || range == ConverterSettings::Range::kByValue)
+    return;
   const std::string what = "channel " + after.name + ": ";
   if (range == ConverterSettings::Range::kFixed)
     throw ConfigError(what + "its device has one range, " + in_m_s2(before.range_m_s2) +
                       "; for another sensor start rb-node anew with its vehicle.toml");
   if (!before.input_range_v || !after.input_range_v)
     throw ConfigError(what + "the board's range is a voltage: vehicle.toml must say input_range_v");
-  if (!is_same(after.range_m_s2 / before.range_m_s2, *after.input_range_v / *before.input_range_v))
+  if (!is_same_number(after.range_m_s2 / before.range_m_s2, *after.input_range_v / *before.input_range_v))
     throw ConfigError(what + "range_m_s2 does not go with input_range_v");
 }
 
@@ -45,7 +41,7 @@ ConverterSettings converter_settings(std::span<const std::string> addresses) {
 void check_change(const VehicleConfig& before, const VehicleConfig& after, const std::string& node_name,
                   const ConverterSettings& device) {
   if (!device.filter && (before.filter.order != after.filter.order ||
-                         !is_same(before.filter.cutoff_hz, after.filter.cutoff_hz)))
+                         !is_same_number(before.filter.cutoff_hz, after.filter.cutoff_hz)))
     throw ConfigError("filter: the device of node " + node_name + " has one filter, which cannot be set");
   for (const ChannelConfig& was : before.node_named(node_name).channel)
     for (const ChannelConfig& is : after.node_named(node_name).channel)

@@ -3,21 +3,17 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/link/crc32c.hpp"
+#include "common/link/text_crc.hpp"
 
 namespace roadbalance {
 namespace {
 
 constexpr std::size_t kKnown = 16;
 
-std::uint32_t crc_of(const std::string& text) {
-  return crc32c({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
-}
-
 }  // namespace
 
 VehicleChange::VehicleChange(std::string text, bool can_change)
-    : text_(std::move(text)), crc32c_(crc_of(text_)), can_change_(can_change) {}
+    : text_(std::move(text)), crc32c_(crc32c(text_)), can_change_(can_change) {}
 
 void VehicleChange::take(const VehiclePart& part) {
   if (part.vehicle_crc32c != arriving_ || part_.size() != static_cast<std::size_t>(part.parts)) {
@@ -34,7 +30,7 @@ std::optional<std::string> VehicleChange::assembled(std::uint32_t crc32c) const 
     if (part.empty()) return std::nullopt;
     text += part;
   }
-  if (crc_of(text) != crc32c) return std::nullopt;
+  if (roadbalance::crc32c(text) != crc32c) return std::nullopt;
   return text;
 }
 
@@ -60,7 +56,7 @@ std::optional<VehicleChange::Outcome> VehicleChange::outcome(std::int64_t reques
 
 void VehicleChange::made() {
   text_ = wanted_->text;
-  crc32c_ = crc_of(text_);
+  crc32c_ = crc32c(text_);
   finish({});
 }
 

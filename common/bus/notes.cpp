@@ -6,6 +6,7 @@
 #include <wire/note_t.hpp>
 
 #include "common/bus/wire_format.hpp"
+#include "common/bus/wire_text.hpp"
 #include "common/link/block.hpp"
 
 namespace roadbalance {
@@ -117,8 +118,7 @@ std::vector<std::uint8_t> encode(const Note& n) {
   m.kind = static_cast<std::int32_t>(n.kind);
   m.a = n.a;
   m.b = n.b;
-  m.size = static_cast<std::int32_t>(std::min(n.text.size(), kMaxNoteBytes));
-  std::copy_n(n.text.begin(), m.size, m.text);
+  wire_text::put_text(n.text, m.text, m.size);
   return wire_format::encode_with_crc(m);
 }
 

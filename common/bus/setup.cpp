@@ -8,7 +8,7 @@
 #include "common/bus/node_number.hpp"
 #include "common/bus/wire_format.hpp"
 #include "common/bus/wire_text.hpp"
-#include "common/link/crc32c.hpp"
+#include "common/link/text_crc.hpp"
 
 namespace roadbalance {
 namespace {
@@ -72,7 +72,7 @@ NodeSetup setup_of(const VehicleConfig& vehicle, const NodeConfig& node) {
   NodeSetup setup{.node = node.id,
                   .name = node.name,
                   .vehicle = vehicle.name,
-                  .vehicle_crc32c = crc32c({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}),
+                  .vehicle_crc32c = crc32c(text),
                   .rate_hz = node.rate_hz,
                   .filter_order = vehicle.filter.order,
                   .filter_cutoff_hz = vehicle.filter.cutoff_hz,

@@ -1,13 +1,13 @@
 #include "common/record/header_check.hpp"
 
-#include "common/link/crc32c.hpp"
+#include "common/link/text_crc.hpp"
 #include "common/record/log_event.hpp"
 
 namespace roadbalance {
 
 void HeaderSum::add(std::span<const std::uint8_t> header, std::string_view channel) {
   crc = crc32c(header, crc);
-  crc = crc32c({reinterpret_cast<const std::uint8_t*>(channel.data()), channel.size()}, crc);
+  crc = crc32c(channel, crc);
 }
 
 std::optional<std::uint64_t> HeaderCheck::take(int segment, std::uint64_t offset, const LogEvent& event) {

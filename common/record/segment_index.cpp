@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "common/bus/codec.hpp"
-#include "common/link/crc32c.hpp"
+#include "common/link/text_crc.hpp"
 #include "common/record/file.hpp"
 #include "common/record/folder.hpp"
 #include "common/record/record.hpp"
@@ -18,8 +18,7 @@ namespace {
 
 std::string crc_line(std::string_view text) {
   char line[32];
-  std::snprintf(line, sizeof line, "crc32c %08x\n",
-                crc32c({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}));
+  std::snprintf(line, sizeof line, "crc32c %08x\n", crc32c(text));
   return line;
 }
 

@@ -2,28 +2,24 @@
 
 #include <gtest/gtest.h>
 
-#include "common/link/crc32c.hpp"
+#include "common/link/text_crc.hpp"
 
 namespace roadbalance {
 namespace {
-
-std::uint32_t crc_of(const std::string& text) {
-  return crc32c({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
-}
 
 Command configure(const std::string& text, std::int64_t request) {
   return {.node = 1,
           .request = request,
           .incarnation = 1,
           .verb = Verb::kConfigure,
-          .vehicle_crc32c = crc_of(text)};
+          .vehicle_crc32c = crc32c(text)};
 }
 
 VehiclePart part(const std::string& text, std::int32_t number, std::int32_t of) {
   const std::size_t size = (text.size() + static_cast<std::size_t>(of) - 1) / static_cast<std::size_t>(of);
   return {.node = 1,
           .incarnation = 1,
-          .vehicle_crc32c = crc_of(text),
+          .vehicle_crc32c = crc32c(text),
           .part = number,
           .parts = of,
           .text = text.substr(static_cast<std::size_t>(number) * size, size)};
@@ -44,7 +40,7 @@ TEST(VehicleChange, IsWantedOnceEveryPartHasCome) {
   EXPECT_EQ(change.ask(configure("third", 2))->result, CommandError::kMeasuring);
   change.made();
   EXPECT_EQ(change.outcome(1)->result, CommandError::kNone);
-  EXPECT_EQ(change.in_force(), crc_of(wanted));
+  EXPECT_EQ(change.in_force(), crc32c(wanted));
   EXPECT_EQ(change.ask(configure(wanted, 3))->result, CommandError::kNone) << "it is in force already";
 }
 
@@ -55,7 +51,7 @@ TEST(VehicleChange, OneThatIsRefusedLeavesWhatWas) {
   change.refused("no such range");
   EXPECT_EQ(change.outcome(1)->result, CommandError::kVehicleRefused);
   EXPECT_EQ(change.outcome(1)->why, "no such range");
-  EXPECT_EQ(change.in_force(), crc_of("old"));
+  EXPECT_EQ(change.in_force(), crc32c("old"));
   EXPECT_FALSE(change.wanted());
 }
 

@@ -2,6 +2,7 @@
 #include <map>
 
 #include "common/bus/bus.hpp"
+#include "common/link/text_crc.hpp"
 #include "firmware/node_link.hpp"
 #include "hil_tests/fuzz/byte_reader.hpp"
 #include "hil_tests/fuzz/in_form.hpp"
@@ -96,7 +97,7 @@ class Run {
                           .incarnation = 1 + in_.below(3),
                           .verb = static_cast<Verb>(in_.below(7)),
                           .epoch = in_.below(2) * kNode.epoch,
-                          .vehicle_crc32c = in_.below(4) > 0 ? crc_of(kWanted) : 0};
+                          .vehicle_crc32c = in_.below(4) > 0 ? crc32c(kWanted) : 0};
     if (command.verb == Verb::kConfigure) vehicle_part();
     link_.take(command_channel(kNode.node), encode(command), now_);
     // Its node would end this epoch and begin the next; here the change is refused, and it goes on.
@@ -115,15 +116,11 @@ class Run {
     link_.take(vehicle_channel(kNode.node),
                encode(VehiclePart{.node = kNode.node,
                                   .incarnation = 1,
-                                  .vehicle_crc32c = crc_of(kWanted),
+                                  .vehicle_crc32c = crc32c(kWanted),
                                   .part = part,
                                   .parts = 2,
                                   .text = text}),
                now_);
-  }
-
-  static std::uint32_t crc_of(const std::string& text) {
-    return crc32c({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
   }
 
   void turn() {

@@ -1,10 +1,10 @@
 #include "host/recorder/desk.hpp"
 
 #include <algorithm>
-#include <ctime>
 #include <system_error>
 #include <utility>
 
+#include "common/clock/utc.hpp"
 #include "host/recorder/desk_answers.hpp"
 
 namespace roadbalance {
@@ -16,12 +16,7 @@ constexpr int kMostRefusalsNoted = 100;  // in a recording: they come from whoev
 }  // namespace
 
 std::string name_by_time(std::int64_t utc_us) {
-  const std::time_t seconds = utc_us / 1'000'000;
-  std::tm utc{};
-  ::gmtime_r(&seconds, &utc);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%d %H-%M-%S", &utc);
-  return text;
+  return utc_text(utc_us, "%Y-%m-%d %H-%M-%S");
 }
 
 Desk::Desk(Hands hands, DeskBook book) : hands_(std::move(hands)), book_(std::move(book)) {

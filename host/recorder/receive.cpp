@@ -6,6 +6,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/recorder_status.hpp"
+#include "common/clock/utc.hpp"
 #include "common/process/heap.hpp"
 #include "host/recorder/incarnation.hpp"
 
@@ -32,11 +33,6 @@ RecorderLinkOptions link_options(const RecorderOptions& options) {
 // which take up to three times their size while the memory that holds them grows.
 constexpr std::size_t kHeapOfANode =
     static_cast<std::size_t>(ReceiverOptions{}.window + 3 * ReceiverOptions{}.undurable) * sizeof(Delivery);
-
-std::int64_t utc_us() {
-  using namespace std::chrono;
-  return duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
-}
 
 // The link on its bus.
 class Reception {

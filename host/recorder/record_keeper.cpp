@@ -24,8 +24,7 @@ RecordKeeper::RecordKeeper(Disk& disk, KeeperOptions options)
       ballast_(disk, options_.folder, options_.ballast_bytes) {
   open_folders();
   recovered_ = writer_->holds();
-  for (const auto& [key, epoch] : recovered_.epoch)
-    sums_[key] = epoch.sum ? std::optional(BlockSum(*epoch.sum)) : std::nullopt;
+  sums_ = EpochSums(recovered_);
 }
 
 void RecordKeeper::begin(std::int64_t incarnation) {
@@ -67,12 +66,8 @@ void RecordKeeper::append(const Delivery& delivery, WallTime now) {
 
 // What the end says against what was given to be recorded, whose blocks' own CRCs are all good.
 void RecordKeeper::check_sum(const SealedBlock& block) {
-  const NodeEpoch key{block.header.node, block.header.epoch};
-  auto& sum = sums_.try_emplace(key, BlockSum()).first->second;
-  if (block.kind == BlockKind::kGap && is_declared_by_host(decode_gap(block).cause)) sum.reset();
-  if (!sum) return;
-  if (block.kind != BlockKind::kEnd) return sum->add(block);
-  if (decode_end(block).blocks_crc32c == sum->crc32c()) return;
+  sums_.take(block);
+  if (block.kind != BlockKind::kEnd || sums_.agrees(block).value_or(true)) return;
   note(NoteKind::kEndContradicts, block.header.node, block.header.sequence, "");
   warnings_.push_back("node " + std::to_string(block.header.node) +
                       ": the blocks received are not those that its end sums up; rb verify says more");

@@ -18,6 +18,7 @@
 #include "common/record/record.hpp"
 #include "host/recorder/ballast.hpp"
 #include "host/recorder/disk_health.hpp"
+#include "host/recorder/epoch_sums.hpp"
 #include "host/recorder/held_events.hpp"
 #include "host/recorder/keeper_options.hpp"
 #include "host/recorder/recorder_link.hpp"
@@ -158,8 +159,8 @@ class RecordKeeper {
   WallTime journal_at_ = WallTime::min();
   JournalTally journal_;
   LinkCounters counters_;
-  std::map<NodeEpoch, NodeLosses> journalled_;         // by the last entries
-  std::map<NodeEpoch, std::optional<BlockSum>> sums_;  // of the blocks given; nothing: one is not the node's
+  std::map<NodeEpoch, NodeLosses> journalled_;  // by the last entries
+  EpochSums sums_;                              // of the blocks given
   bool house_is_due_ = false;
   int listed_ = 0;                 // last segment that the manifest lists as finished
   std::set<int> to_delete_;        // a note says so, which is on the disk after the next commit

@@ -20,9 +20,8 @@ NodeLosses losses_of(const Heartbeat& heard) {
 
 }  // namespace
 
-Tally::Tally(const RecordState& recovered) {
+Tally::Tally(const RecordState& recovered) : sums_(recovered) {
   for (const auto& [key, epoch] : recovered.epoch) {
-    sums_[key] = epoch.sum ? std::optional(BlockSum(*epoch.sum)) : std::nullopt;
     counts_[key] = {.node = key.first,
                     .epoch = key.second,
                     // What the record lacks was sent all the same.
@@ -56,7 +55,7 @@ void Tally::take(const Heartbeat& heartbeat) {
 
 void Tally::take(const Delivery& delivery) {
   if (const auto* gap = std::get_if<GapBlock>(&delivery)) {
-    sums_[{gap->header.node, gap->header.epoch}].reset();
+    sums_.lose({gap->header.node, gap->header.epoch});
     NodeReport& report = of(gap->header.node, gap->header.epoch);
     ++report.gaps;
     ++report.blocks;
@@ -73,14 +72,13 @@ void Tally::take(const Delivery& delivery) {
       report.overload_s +=
           1e-12 * static_cast<double>(scans.period_ps) * static_cast<double>(block.header.scans);
   }
-  auto& sum = sums_.try_emplace({block.header.node, block.header.epoch}, BlockSum()).first->second;
-  if (sum && block.kind != BlockKind::kEnd) sum->add(block);
+  sums_.take(block);
   if (block.kind == BlockKind::kEnd) {
     const EndBlock end = decode_end(block);
     report.samples_sent = std::max(end.scans_sealed + end.scans_missing, report.samples_recorded);
     report.ended = true;
     report.blocks_crc32c = end.blocks_crc32c;
-    report.sums_agree = sum && sum->crc32c() == end.blocks_crc32c;
+    report.sums_agree = sums_.agrees(block).value_or(false);
   }
 }
 

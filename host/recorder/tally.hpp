@@ -8,6 +8,7 @@
 #include "common/bus/notes.hpp"
 #include "common/link/epoch_receiver.hpp"
 #include "common/record/record_state.hpp"
+#include "host/recorder/epoch_sums.hpp"
 #include "host/recorder/recorder.hpp"
 
 namespace roadbalance {
@@ -31,8 +32,8 @@ class Tally {
 
   std::map<NodeEpoch, NodeReport> counts_;
   std::map<NodeEpoch, NodeLosses> losses_;
-  std::map<NodeEpoch, std::optional<BlockSum>> sums_;  // nothing once a block is not the node's own
-  std::vector<NodeEpoch> heard_;                       // in order of time
+  EpochSums sums_;
+  std::vector<NodeEpoch> heard_;  // in order of time
 };
 
 }  // namespace roadbalance

@@ -1,9 +1,8 @@
 #include "host/recorder/vehicle_edit.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <cstdio>
 
+#include "common/config/same_number.hpp"
 #include "common/config/section.hpp"
 #include "common/config/set_value.hpp"
 #include "common/config/vehicle_config.hpp"
@@ -39,10 +38,6 @@ TablePath calibration_of(const NodeConfig& node, const ChannelConfig& channel) {
   return path;
 }
 
-bool is_same(double a, double b) {
-  return std::abs(a - b) <= 1e-12 * std::max(std::abs(a), std::abs(b));
-}
-
 }  // namespace
 
 std::string with_range(const std::string& text, const Request& request) {
@@ -63,10 +58,10 @@ std::string with_range(const std::string& text, const Request& request) {
   // What the file does not say follows from the range; what it does say must follow it.
   const ChannelConfig is = VehicleConfig::parse(changed, kFile).node_with_id(node->id)->channel[k];
   const TablePath calibration = calibration_of(*node, channel);
-  if (!is_same(is.scale_m_s2_per_count, channel.scale_m_s2_per_count * ratio))
+  if (!is_same_number(is.scale_m_s2_per_count, channel.scale_m_s2_per_count * ratio))
     changed = with_value(changed, calibration, "scale_m_s2_per_count",
                          exact(channel.scale_m_s2_per_count * ratio), kFile);
-  if (!is_same(is.offset_counts, channel.offset_counts / ratio))
+  if (!is_same_number(is.offset_counts, channel.offset_counts / ratio))
     changed = with_value(changed, calibration, "offset_counts", exact(channel.offset_counts / ratio), kFile);
   return changed;
 }
@@ -97,7 +92,7 @@ std::string with_zero(const std::string& text, const std::map<int, RestReadings:
       if (channel.role != ChannelRole::kAcceleration) continue;
       const TablePath calibration = calibration_of(node, channel);
       // A calibration has its scale; where there is none yet it is that of the range.
-      if (is_same(channel.scale_m_s2_per_count, channel.range_m_s2 / kFullScale))
+      if (is_same_number(channel.scale_m_s2_per_count, channel.range_m_s2 / kFullScale))
         changed = with_value(changed, calibration, "scale_m_s2_per_count",
                              exact(channel.scale_m_s2_per_count), kFile);
       changed = with_value(changed, calibration, "offset_counts",

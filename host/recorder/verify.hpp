@@ -47,9 +47,6 @@ Verification verify_record(const std::filesystem::path& folder, Disk& disk = ker
 /// came after is unknown" where an epoch is open.
 std::string verdict_text(const Verification& result);
 
-/// "2026-01-31T12:00:00Z".
-std::string utc_text(std::int64_t time_us);
-
 /// A note in words: its time, what happened, and its text.
 std::string note_text(const Note& note);
 

@@ -1,7 +1,6 @@
-#include <chrono>
 #include <cstdio>
-#include <ctime>
 
+#include "common/clock/utc.hpp"
 #include "host/recorder/verify.hpp"
 
 namespace roadbalance {
@@ -56,15 +55,6 @@ std::string what_happened(const Note& note) {
 }
 
 }  // namespace
-
-std::string utc_text(std::int64_t time_us) {
-  const std::time_t seconds = time_us / 1'000'000;
-  std::tm utc{};
-  ::gmtime_r(&seconds, &utc);
-  char time[32];
-  std::strftime(time, sizeof time, "%Y-%m-%dT%H:%M:%SZ", &utc);
-  return time;
-}
 
 std::string note_text(const Note& note) {
   return utc_text(note.time_us) + " " + what_happened(note) + (note.text.empty() ? "" : ": " + note.text);

@@ -1,8 +1,8 @@
 #include "tools/rb/asking.hpp"
 
 #include <algorithm>
-#include <random>
 
+#include "common/bus/request_number.hpp"
 #include "common/clock/clocks.hpp"
 
 namespace roadbalance {
@@ -11,11 +11,6 @@ namespace {
 using std::chrono::milliseconds;
 constexpr milliseconds kTurn{20};
 constexpr milliseconds kRepeat{200};
-
-std::int64_t random_number() {
-  std::random_device device;
-  return std::uniform_int_distribution<std::int64_t>(1, kRequestLimit - 1)(device);
-}
 
 }  // namespace
 

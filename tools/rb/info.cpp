@@ -13,6 +13,7 @@
 
 #include "common/bus/clock_messages.hpp"
 #include "common/bus/codec.hpp"
+#include "common/clock/utc.hpp"
 #include "common/link/angle_sigma.hpp"
 #include "common/record/folder.hpp"
 #include "common/record/record.hpp"

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 
+#include "common/clock/utc.hpp"
 #include "common/text/format.hpp"
 #include "host/recorder/verify.hpp"
 #include "tools/rb/degrees.hpp"
