@@ -1,9 +1,6 @@
 #include "host/orders/rotor_orders.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <complex>
-#include <numbers>
 #include <utility>
 
 #include "common/dsp/decimation.hpp"
@@ -14,8 +11,6 @@ namespace {
 
 /// Of the sampling rate: so far FractionalDelay is a pure delay.
 constexpr double kInterpolated = 0.38;
-constexpr double kLeastReference = 0.5;  // of full scale; a known angle has nearly 1
-constexpr double kTurn = 2.0 * std::numbers::pi;
 
 double highest_hz(const VehicleConfig& vehicle, const NodeConfig& node) {
   return std::min(kInterpolated * node.rate_hz, AntiAliasing(vehicle.filter).flat_to_hz());
@@ -37,16 +32,6 @@ OrderVectors::Settings vector_settings(const VehicleConfig& vehicle, const Rotor
           rotor.known_share};
 }
 
-/// The node of the channels first, then those that read the encoders.
-std::vector<const NodeConfig*> nodes_of(const VehicleConfig& vehicle, const Rotor& rotor, int node) {
-  std::vector<const NodeConfig*> nodes{&vehicle.node[static_cast<std::size_t>(node)]};
-  for (const int w : rotor.wheel) {
-    const NodeConfig* const reads = &vehicle.node_named(vehicle.wheel[static_cast<std::size_t>(w)].node);
-    if (std::ranges::find(nodes, reads) == nodes.end()) nodes.push_back(reads);
-  }
-  return nodes;
-}
-
 }  // namespace
 
 RotorOrders::RotorOrders(const VehicleConfig& vehicle, Rotor rotor, int node,
@@ -57,6 +42,7 @@ RotorOrders::RotorOrders(const VehicleConfig& vehicle, Rotor rotor, int node,
       order_(std::move(order)),
       way_m_(rotor_.way_m(vehicle)),
       effort_(effort),
+      angle_(vehicle, rotor_, nodes_of(vehicle, {&rotor_, 1}, node)),
       waterfall_({static_cast<int>(channel_.size()), kRowsPerTurn, kSpectrumTurns,
                   kDecimationFlatTo * kRowsPerTurn, highest_hz(vehicle, node_), rotor_.class_hz(vehicle)}),
       vectors_(vector_settings(vehicle, rotor_, node_, static_cast<int>(channel_.size()), order_)),
@@ -72,21 +58,14 @@ RotorOrders::RotorOrders(const VehicleConfig& vehicle, Rotor rotor, int node,
                  }),
       values_(std::ssize(channel_)),
       join_(
-          nodes_of(vehicle, rotor_, node), [this](const GridJoin::Row& row) { take(row); },
-          effort.longest_wait_s) {
-  const auto nodes = nodes_of(vehicle, rotor_, node);
-  for (const int w : rotor_.wheel) {
-    const WheelConfig& wheel = vehicle.wheel[static_cast<std::size_t>(w)];
-    const auto at = std::ranges::find(nodes, &vehicle.node_named(wheel.node)) - nodes.begin();
-    wheel_.push_back({static_cast<std::size_t>(at), wheel.line});
-  }
-}
+          nodes_of(vehicle, {&rotor_, 1}, node), [this](const GridJoin::Row& row) { take(row); },
+          effort.longest_wait_s) {}
 
 void RotorOrders::take(const GridJoin::Row& row) {
   if (row.restart) {
     if (rows_ > 0) ++gaps_;
     resampler_.interrupt();
-    forget_turns();
+    angle_.forget();
   }
   ++rows_;
   const GridJoin::Sample& sample = row.sample.front();
@@ -97,38 +76,15 @@ void RotorOrders::take(const GridJoin::Row& row) {
         node_.channel[channel_[c]].to_si(static_cast<double>((*sample.counts)[channel_[c]]));
   }
   const auto angle_rad = angle(row);
-  if (!angle_rad) forget_turns();
+  if (!angle_rad) angle_.forget();
   resampler_.add(angle_rad, values_, overload);
 }
 
-void RotorOrders::forget_turns() {
-  for (Wheel& wheel : wheel_) wheel.angle_rad.reset();
-}
-
 std::optional<double> RotorOrders::angle(const GridJoin::Row& row) {
-  double sum = 0.0;
-  bool uncertain = false;
-  for (Wheel& wheel : wheel_) {
-    const GridJoin::Sample& sample = row.sample[wheel.node];
-    const auto sine = static_cast<std::size_t>(kAccelerations + 2 * wheel.line);
-    const std::complex<double> reference((*sample.counts)[sine + 1], (*sample.counts)[sine]);
-    if ((sample.quality & quality_no_reference(wheel.line)) != 0 ||
-        std::abs(reference) < kLeastReference * kFullScaleCounts) {
-      ++no_angle_;
-      return std::nullopt;
-    }
-    const std::int32_t doubt = wheel.line == 0 ? kQualityUncertainAngle0 : kQualityUncertainAngle1;
-    uncertain = uncertain || (sample.quality & doubt) != 0;
-    const double now = std::arg(reference);
-    wheel.angle_rad =
-        wheel.angle_rad ? *wheel.angle_rad + std::remainder(now - *wheel.angle_rad, kTurn) : now;
-    sum += *wheel.angle_rad;
-  }
-  if (uncertain) {
-    ++uncertain_;
-    return std::nullopt;
-  }
-  return rotor_.ratio * sum / static_cast<double>(wheel_.size());
+  const RotorAngle::Reading reading = angle_.read(row);
+  if (reading.state == RotorAngle::State::kKnown) return reading.angle_rad;
+  ++(reading.state == RotorAngle::State::kNotKnown ? no_angle_ : uncertain_);
+  return std::nullopt;
 }
 
 RotorOrders::Seconds RotorOrders::seconds() const {

@@ -13,6 +13,7 @@
 #include "host/orders/order_vectors.hpp"
 #include "host/orders/order_waterfall.hpp"
 #include "host/orders/rotor.hpp"
+#include "host/orders/rotor_angle.hpp"
 
 namespace roadbalance {
 
@@ -78,15 +79,8 @@ class RotorOrders {
   const OrderVectors& vectors() const { return vectors_; }
 
  private:
-  /// Where a wheel's angle is.
-  struct Wheel {
-    std::size_t node;  ///< of the join
-    int line;
-    std::optional<double> angle_rad{};  ///< unwrapped, of the row before
-  };
   void take(const GridJoin::Row& row);
   std::optional<double> angle(const GridJoin::Row& row);
-  void forget_turns();
 
   Rotor rotor_;
   NodeConfig node_;
@@ -94,7 +88,7 @@ class RotorOrders {
   std::vector<double> order_;
   double way_m_;
   Effort effort_;
-  std::vector<Wheel> wheel_;
+  RotorAngle angle_;
   OrderWaterfall waterfall_;
   OrderVectors vectors_;
   TurnBlocks spectrum_blocks_, vector_blocks_;

@@ -58,6 +58,8 @@ struct SyntheticDrive {
   double seconds = 40.0;
   std::uint64_t seed = 1;
   double silent_from_s = 1e9, silent_to_s = 1e9;  ///< the wheels' angles are not known
+  std::function<double(double)> beside_rad{};  ///< of another rotor in the same channels; none: there is none
+  std::array<std::complex<double>, 3> beside{};
 
   /// Blocks of both nodes in turn.
   template <typename Take>
@@ -75,7 +77,8 @@ struct SyntheticDrive {
         const double t =
             static_cast<double>(n * kScansPerBlock + static_cast<std::int64_t>(row)) / kSyntheticRate_hz;
         const auto show = [&](std::size_t k) {
-          const double value = (vector[k] * std::polar(1.0, shaft_rad(t))).real() + noise * normal(random);
+          double value = (vector[k] * std::polar(1.0, shaft_rad(t))).real() + noise * normal(random);
+          if (beside_rad) value += (beside[k] * std::polar(1.0, beside_rad(t))).real();
           return static_cast<std::int32_t>(std::lround(value * 1e5));
         };
         rear.counts[row][0] = show(0);

@@ -1,0 +1,61 @@
+#include "host/orders/rotor_angle.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+namespace roadbalance {
+namespace {
+
+constexpr double kLeastReference = 0.5;  // of full scale; a known angle has nearly 1
+constexpr double kTurn = 2.0 * std::numbers::pi;
+
+}  // namespace
+
+std::vector<const NodeConfig*> nodes_of(const VehicleConfig& vehicle, std::span<const Rotor> rotors,
+                                        int node) {
+  std::vector<const NodeConfig*> nodes{&vehicle.node[static_cast<std::size_t>(node)]};
+  for (const Rotor& rotor : rotors)
+    for (const int w : rotor.wheel) {
+      const NodeConfig* const reads = &vehicle.node_named(vehicle.wheel[static_cast<std::size_t>(w)].node);
+      if (std::ranges::find(nodes, reads) == nodes.end()) nodes.push_back(reads);
+    }
+  return nodes;
+}
+
+RotorAngle::RotorAngle(const VehicleConfig& vehicle, const Rotor& rotor,
+                       const std::vector<const NodeConfig*>& nodes)
+    : ratio_(rotor.ratio) {
+  for (const int w : rotor.wheel) {
+    const WheelConfig& wheel = vehicle.wheel[static_cast<std::size_t>(w)];
+    const auto at = std::ranges::find(nodes, &vehicle.node_named(wheel.node)) - nodes.begin();
+    wheel_.push_back({static_cast<std::size_t>(at), wheel.line});
+  }
+}
+
+RotorAngle::Reading RotorAngle::read(const GridJoin::Row& row) {
+  double sum = 0.0;
+  bool uncertain = false;
+  for (Wheel& wheel : wheel_) {
+    const GridJoin::Sample& sample = row.sample[wheel.node];
+    const auto sine = static_cast<std::size_t>(kAccelerations + 2 * wheel.line);
+    const std::complex<double> reference((*sample.counts)[sine + 1], (*sample.counts)[sine]);
+    if ((sample.quality & quality_no_reference(wheel.line)) != 0 ||
+        std::abs(reference) < kLeastReference * kFullScaleCounts)
+      return {State::kNotKnown, 0.0};
+    const std::int32_t doubt = wheel.line == 0 ? kQualityUncertainAngle0 : kQualityUncertainAngle1;
+    uncertain = uncertain || (sample.quality & doubt) != 0;
+    const double now = std::arg(reference);
+    wheel.angle_rad =
+        wheel.angle_rad ? *wheel.angle_rad + std::remainder(now - *wheel.angle_rad, kTurn) : now;
+    sum += *wheel.angle_rad;
+  }
+  return {uncertain ? State::kUncertain : State::kKnown, ratio_ * sum / static_cast<double>(wheel_.size())};
+}
+
+void RotorAngle::forget() {
+  for (Wheel& wheel : wheel_) wheel.angle_rad.reset();
+}
+
+}  // namespace roadbalance
