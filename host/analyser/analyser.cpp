@@ -7,12 +7,17 @@
 
 #include "common/process/channel.hpp"
 #include "common/process/parallel.hpp"
+#include "common/record/folder.hpp"
 #include "host/analyser/before_drive.hpp"
 #include "host/analyser/follow_record.hpp"
 #include "host/analyser/live_view.hpp"
 #include "host/analyser/recorded_vehicle.hpp"
 
 namespace roadbalance {
+
+VehicleByCrc vehicle_files_of(const AnalyserOptions& options) {
+  return options.vehicle.empty() ? VehicleByCrc() : vehicle_files_in(folder_of(options.vehicle));
+}
 
 void run_analyser(std::stop_token stop, const AnalyserOptions& wanted) {
   AnalyserOptions options = wanted;
@@ -26,7 +31,7 @@ void run_analyser(std::stop_token stop, const AnalyserOptions& wanted) {
 
   Parallel processes;
   const std::stop_callback pass_on(stop, [&] { processes.request_stop(); });
-  processes.run(live_view, options.url, *vehicle, std::cref(options.on_warning));
+  processes.run(live_view, options.url, *vehicle, vehicle_files_of(options), std::cref(options.on_warning));
   auto [before_out, before_in] = make_channel<BalancedDrive>(1);
   processes.run([&, before = std::move(before_in)](std::stop_token stop_here) mutable {
     follow_record(stop_here, options, *vehicle, std::move(before));

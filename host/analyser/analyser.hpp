@@ -5,6 +5,8 @@
 #include <stop_token>
 #include <string>
 
+#include "host/analyser/chosen_vehicle.hpp"
+
 namespace roadbalance {
 
 struct AnalyserOptions {
@@ -12,14 +14,19 @@ struct AnalyserOptions {
   std::filesystem::path record;  ///< folder that the recorder writes
   /// Finished recording of the drive before weights were fitted, to compare with; empty: none.
   std::filesystem::path before{};
-  bool find_before = false;         ///< without one look for it beside the record (drive_before_weights)
-  std::filesystem::path vehicle{};  ///< with follow_recordings: see there; empty: none
-  bool exit_at_end = false;         ///< return once every node has ended and the last estimate is out
+  bool find_before = false;  ///< without one look for it beside the record (drive_before_weights)
+  /// Of the recorder: the live view goes by the file beside it that the nodes measure by; empty: by the
+  /// record's.  With follow_recordings see there, too.
+  std::filesystem::path vehicle{};
+  bool exit_at_end = false;  ///< return once every node has ended and the last estimate is out
   /// With exit_at_end: not before this says so, from another thread.
   std::function<bool()> may_exit = [] { return true; };
   /// Hears who on the bus is of another version of the wire.  Called from several threads.
   std::function<void(const std::string&)> on_warning = [](const std::string&) {};
 };
+
+/// Where the live view looks for the vehicle that is in force.
+VehicleByCrc vehicle_files_of(const AnalyserOptions& options);
 
 /// Process: record and bus -> results on the bus.
 ///

@@ -71,7 +71,9 @@ void follow_recordings(std::stop_token stop, const std::filesystem::path& record
   std::optional<VehicleConfig> vehicle;
   if (!options.vehicle.empty()) vehicle = VehicleConfig::read_file(options.vehicle.string());
   std::optional<Parallel> first_view;
-  if (vehicle) first_view.emplace().run(live_view, options.url, *vehicle, std::cref(options.on_warning));
+  if (vehicle)
+    first_view.emplace().run(live_view, options.url, *vehicle, vehicle_files_of(options),
+                             std::cref(options.on_warning));
   while (!stop.stop_requested()) {
     listener.listen();
     if (first_view && first_view->stop_token().stop_requested()) first_view->wait();  // says why

@@ -8,10 +8,11 @@
 namespace roadbalance {
 
 /// Process: run_analyser on each recording in turn that the recorder makes, from when it says its name until
-/// it says another; in between the last one stays, whose vehicle tells the live view what channels are.
+/// it says another; in between the last one stays.
 ///
 /// Before the first one options.vehicle tells what channels are, if it is given: there are levels, and knocks
-/// are heard, before anything is recorded.
+/// are heard, before anything is recorded.  Of it and the files beside it the one is in force by which the
+/// nodes measure: whatever is chosen or changed between recordings counts at once.
 ///
 /// With options.exit_at_end it returns once the last recording has ended, its last estimate is out, and no
 /// node is left that could be recorded again.

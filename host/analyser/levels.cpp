@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "common/bus/channel_faults.hpp"
+
 namespace roadbalance {
 
 LevelMeter::LevelMeter(const VehicleConfig& vehicle, const NodeConfig& node) : node_(node) {
@@ -81,7 +83,9 @@ std::optional<Level> LevelMeter::take() {
     const double variance = sums.squares / count - (sums.sum / count) * (sums.sum / count);
     level.rms[c] = std::sqrt(std::max(variance, 0.0)) * std::abs(scale);
     level.peak[c] = std::max(sums.most - mean, mean - sums.least) * std::abs(scale);
-    if (acceleration && sums.unchanged >= kDeadScans) level.dead |= 1U << c;
+    if (!acceleration) continue;
+    if (sums.unchanged >= kDeadScans) set_dead(level, c);
+    if (std::max(sums.most, -sums.least) > kOverloadShare * kFullScaleCounts) level.overload |= 1U << c;
   }
   for (std::size_t line = 0; line < turning_.size(); ++line) {
     level.rotation_hz[line] = turning_[line].rotation_hz(period_s_);

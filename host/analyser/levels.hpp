@@ -16,6 +16,8 @@ class LevelMeter {
  public:
   /// A channel that shows not one count of noise in this many scans carries no signal.
   static constexpr std::int64_t kDeadScans = 100;
+  /// Beyond it a channel is overloaded, whatever its device says: what is next may be cut.
+  static constexpr double kOverloadShare = 0.95;
 
   LevelMeter(const VehicleConfig& vehicle, const NodeConfig& node);
 

@@ -3,8 +3,10 @@
 #include <chrono>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "common/bus/bus.hpp"
@@ -12,7 +14,10 @@
 #include "common/bus/codec.hpp"
 #include "common/bus/display.hpp"
 #include "common/bus/results.hpp"
+#include "common/bus/setup.hpp"
 #include "common/clock/clocks.hpp"
+#include "host/analyser/channel_watch.hpp"
+#include "host/analyser/chosen_vehicle.hpp"
 #include "host/analyser/envelopes.hpp"
 #include "host/analyser/knocks.hpp"
 #include "host/analyser/levels.hpp"
@@ -69,8 +74,14 @@ struct NodeView {
 
 class LiveView {
  public:
-  LiveView(const std::string& url, const VehicleConfig& vehicle)
-      : bus_(url), transfers_(vehicle), spectra_(vehicle), waterfalls_(vehicle) {
+  LiveView(const std::string& url, const VehicleConfig& vehicle, const VehicleByCrc& find,
+           const std::function<void(const std::string&)>& warn)
+      : bus_(url),
+        watch_(vehicle),
+        transfers_(vehicle),
+        spectra_(vehicle),
+        waterfalls_(vehicle),
+        chosen_(vehicle, find, warn) {
     for (const auto& node : vehicle.node)
       nodes_.emplace(node.id, NodeView{LevelMeter(vehicle, node), SpectrumMeter(node), EnvelopeMeter(node),
                                        KnockMeter(node)});
@@ -79,6 +90,9 @@ class LiveView {
     bus_.subscribe("RB_PREVIEW_.*", take);
     bus_.subscribe("RB_CLOCK_.*", [this](std::string_view, std::span<const std::uint8_t> bytes) {
       if (const auto fit = decode_clock_fit(bytes)) add(*fit);
+    });
+    bus_.subscribe("RB_SETUP_.*", [this](std::string_view, std::span<const std::uint8_t> bytes) {
+      if (const auto setup = decode_setup(bytes)) chosen_.take(*setup, WallClock::now());
     });
     bus_.subscribe(kViewChannel, [this](std::string_view, std::span<const std::uint8_t> bytes) {
       if (const auto view = decode_view(bytes)) add(*view);
@@ -94,12 +108,14 @@ class LiveView {
   }
 
   std::vector<std::string> other_versions() { return bus_.other_versions(); }
+  std::optional<VehicleConfig> other_vehicle() { return chosen_.changed(WallClock::now()); }
 
  private:
   void publish_levels(WallTime now) {
     for (auto& [id, node] : nodes_)
       if (auto level = node.levels.take()) {
         level->skipped = node.skipped;
+        watch_.judge(*level);
         bus_.publish(kLevelChannel, encode(*level));
       }
     for (const TransferPart& part : transfers_.parts(now)) bus_.publish(kTransferChannel, encode(part));
@@ -156,22 +172,26 @@ class LiveView {
 
   Bus bus_;
   std::map<std::int32_t, NodeView> nodes_;
+  ChannelWatch watch_;
   TransferView transfers_;
   SpectrumView spectra_;
   WaterfallView waterfalls_;
   std::map<ChannelId, WallTime> watched_;  ///< envelopes that somebody wants, and when he said so
   std::unique_ptr<SealedBlock> block_ = std::make_unique<SealedBlock>();
+  ChosenVehicle chosen_;
   Every levels_{kLevelInterval}, envelopes_{kEnvelopeInterval}, all_spectra_{kSpectrumInterval};
 };
 
 }  // namespace
 
 void live_view(std::stop_token stop, const std::string& url, const VehicleConfig& vehicle,
-               const std::function<void(const std::string&)>& warn) {
-  LiveView view(url, vehicle);
+               const VehicleByCrc& find, const std::function<void(const std::string&)>& warn) {
+  std::optional<LiveView> view(std::in_place, url, vehicle, find, warn);
   while (!stop.stop_requested()) {
-    view.step();
-    for (const std::string& sentence : view.other_versions()) warn(sentence);
+    view->step();
+    for (const std::string& sentence : view->other_versions()) warn(sentence);
+    // Who wants to see something says so again within a second.
+    if (const auto other = view->other_vehicle()) view.emplace(url, *other, find, warn);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/config/vehicle_config.hpp"
+#include "host/analyser/chosen_vehicle.hpp"
 
 namespace roadbalance {
 
@@ -12,9 +13,11 @@ namespace roadbalance {
 /// what somebody wants to see (View): transfer functions and spectra ten times, envelopes twenty times, order
 /// spectra by speed once a second.
 ///
-/// It asks nobody for repairs: what it did not see it counts in Level::skipped.
+/// It asks nobody for repairs: what it did not see it counts in Level::skipped.  When the nodes measure by
+/// another vehicle.toml it goes by that (ChosenVehicle).
+/// @param find  may be empty: it always goes by `vehicle`
 /// @param warn  hears who is of another version of the wire
 void live_view(std::stop_token stop, const std::string& url, const VehicleConfig& vehicle,
-               const std::function<void(const std::string&)>& warn);
+               const VehicleByCrc& find, const std::function<void(const std::string&)>& warn);
 
 }  // namespace roadbalance

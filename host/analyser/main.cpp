@@ -32,7 +32,8 @@ int main(int argc, char** argv) {
   auto* record = app.add_option("--record", options.record, "folder that rb-recorder writes");
   std::filesystem::path recordings;
   app.add_option("--vehicle", options.vehicle,
-                 "with --recordings: vehicle.toml by which levels are shown before the first one")
+                 "with --recordings: the recorder's vehicle.toml, by which levels are shown while nothing is "
+                 "recorded; when another one beside it is chosen, by that")
       ->check(CLI::ExistingFile);
   app.add_option("--recordings", recordings,
                  "folder of rb-recorder --recordings: follows each recording in turn")

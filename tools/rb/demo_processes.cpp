@@ -26,7 +26,8 @@ Arguments recorder_arguments(const DemoPlan& plan) {
 
 Arguments analyser_arguments(const DemoPlan& plan) {
   if (!plan.has_page()) return {"--url", plan.url(), "--record", plan.record().string(), "--exit-at-end"};
-  return {"--url", plan.url(), "--recordings", plan.recordings().string(), "--exit-at-end"};
+  return {"--url",     plan.url(), "--recordings", plan.recordings().string(),
+          "--vehicle", plan.vehicle_file().string(), "--exit-at-end"};
 }
 
 Arguments node_arguments(const DemoPlan& plan, const std::string& node) {

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <numbers>
 
+#include "common/bus/channel_faults.hpp"
 #include "common/text/format.hpp"
 #include "host/balance/weight_plan.hpp"
 #include "host/identify/remarks.hpp"
@@ -180,7 +181,8 @@ std::vector<std::string> level_lines(const Level& level) {
     const double decades = std::log10(std::max(level.rms[c], 1e-3) / 1e-3);
     const auto bar = static_cast<std::size_t>(std::clamp(decades * 5.0, 0.0, 20.0));
     std::string marks = level.overload >> c & 1U ? " OVERLOAD" : "";
-    if (level.dead >> c & 1U) marks += " DEAD";
+    if (is_dead(level, c)) marks += " DEAD";
+    if (is_railed(level, c)) marks += format(" DC OFFSET %+.1f m/s²", level.mean[c]);
     lines.push_back(format("  %2u  rms %8.3f  peak %8.3f m/s²  ", c + 1, level.rms[c], level.peak[c]) +
                     std::string(bar, '#') + marks);
   }

@@ -239,13 +239,15 @@ TEST(LevelLines, MarkDeadAndOverloadedChannels) {
   Level level;
   level.node = 2;
   level.speed_m_s = 100.0 / 3.6;
-  level.dead = 1U << 3;
+  level.dead = 1U << 3 | 1U << (16 + 7);
   level.overload = 1U << 5;
   const auto lines = level_lines(level);
   ASSERT_EQ(lines.size(), 1U + kAccelerations);
   EXPECT_EQ(lines[0], "node 2: 100.0 km/h");
   EXPECT_NE(lines[4].find("DEAD"), std::string::npos);
   EXPECT_NE(lines[6].find("OVERLOAD"), std::string::npos);
+  EXPECT_NE(lines[8].find("DC OFFSET"), std::string::npos);
+  EXPECT_EQ(lines[8].find("DEAD"), std::string::npos);
   EXPECT_EQ(lines[5].find("DEAD"), std::string::npos);
 }
 

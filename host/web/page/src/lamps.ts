@@ -1,5 +1,6 @@
 // Four lamps with numbers.  What has lit one stays until it is acknowledged, though the cause be gone.
 import {isBusy, isFresh, type Car} from "./car";
+import {faultyChannels} from "./channel_faults";
 import type {Event, EventLog, LampName} from "./events";
 import {ClockState, TimeBase} from "./wire";
 
@@ -73,11 +74,19 @@ function overloadLamp(car: Car, log: EventLog, nowMs: number): Lamp {
   const name = "OVERLOAD";
   if (car.levels.size === 0) return {name, light: "unknown", number: "no levels", sentence: "No analyser is heard."};
   const found = log.unseen("OVERLOAD");
-  if (found.length === 0) return {name, light: "good", number: "0 channels", sentence: "No channel has left its range."};
+  const {dead, railed} = faultyChannels(car, nowMs);
+  const faults = [...(dead.length > 0 ? [`${dead.length} dead`] : []), ...(railed.length > 0 ? [`${railed.length} DC offset`] : [])];
+  const what = [
+    ...(dead.length > 0 ? [`Channel ${dead.join(", ")} (node.channel) carries no signal: look at its cable and supply.`] : []),
+    ...(railed.length > 0 ? [`Channel ${railed.join(", ")} (node.channel) stands far off its zero: look at its supply, then take ` +
+                             "the zero again."] : [])].join(" ");
+  if (found.length === 0 && faults.length > 0) return {name, light: "warn", number: faults.join(", "), sentence: what};
+  if (found.length === 0)
+    return {name, light: "good", number: "0 channels", sentence: "No channel has left its range; every one carries a signal."};
   const channels = [...new Set(found.map(({where}) => where.replace("channel ", "")))].sort((a, b) => Number(a) - Number(b));
   const agoS = Math.round((nowMs - Math.max(...found.map(({lastMs}) => lastMs))) / 1000);
   return {name, light: "bad", number: `${times(channels.length, "channel", "channels")}, ${agoS < 2 ? "now" : `${agoS} s ago`}`,
-          sentence: `Channel ${channels.join(", ")} (node.channel) has left its range: choose a larger range.`};
+          sentence: `Channel ${channels.join(", ")} (node.channel) has left its range: choose a larger range.${what && ` ${what}`}`};
 }
 
 function encoderLamp(car: Car, log: EventLog): Lamp {

@@ -1,5 +1,6 @@
 // A bar for each acceleration: rms, and the peak of the last seconds.
 import {isFresh, type Car, type Heard} from "./car";
+import {faultOf} from "./channel_faults";
 import {el, setAttributes, setText} from "./dom";
 import {speed} from "./units";
 import type {Level} from "./wire";
@@ -31,14 +32,14 @@ class Bar {
     const k = this.channel - 1;
     const rms = level.rms[k] ?? 0;
     const over = car.overloadMs.has(`${this.node}.${this.channel}`);
-    const dead = ((level.dead >> k) & 1) === 1;
-    setAttributes(this.element, {"data-light": over ? "bad" : dead ? "warn" : "good"});
+    const fault = faultOf(level, k);
+    setAttributes(this.element, {"data-light": over ? "bad" : fault ? "warn" : "good"});
     this.rms.style.transform = `scaleY(${height(rms).toFixed(3)})`;
     const peak = height(car.peaks.get(`${this.node}.${this.channel}`)?.value ?? 0);
     this.peak.style.transform = `translateY(${(-kTrackPixels * peak).toFixed(1)}px)`;
     // Numbers that change with every frame cannot be read; words are worth an instant.
-    if (withNumbers || over || dead || this.number.textContent === "")
-      setText(this.number, over ? "OVER" : dead ? "dead" : rms.toPrecision(2));
+    if (withNumbers || over || fault || this.number.textContent === "")
+      setText(this.number, over ? "OVER" : fault || rms.toPrecision(2));
   }
 }
 

@@ -1,5 +1,6 @@
 // Is everything ready to record?  Each point with what to do if it is not.
 import {isBusy, isFresh, type Car} from "./car";
+import {faultOf, isDead, isRailed} from "./channel_faults";
 import {placeAndName} from "./channels";
 import {oppositePairs} from "./directions";
 import {EventLog} from "./events";
@@ -55,10 +56,11 @@ function channels(setups: readonly Setup[], car: Car, nowMs: number): Check {
   const bad = setups.flatMap((setup) => {
     const level = levels.find(({node}) => node === setup.node);
     if (!level) return [`node ${setup.node}: no levels`];
-    return usedChannels(setup).filter((channel) => ((level.dead | level.overload) >> channel) & 1)
-      .map((channel) => `${placeAndName(setup, channel)} ${(level.dead >> channel) & 1 ? "carries no signal" : "is beyond its range"}`);
+    return usedChannels(setup).filter((channel) => faultOf(level, channel) || (level.overload >> channel) & 1)
+      .map((channel) => `${placeAndName(setup, channel)} ${isDead(level, channel) ? "carries no signal" :
+        isRailed(level, channel) ? `stands ${(level.mean[channel] ?? 0).toPrecision(2)} m/s² off its zero` : "is beyond its range"}`);
   });
-  if (bad.length > 0) return {name, ready: "no", says: `${bad.join("; ")}: look at cable, sensor and range.`};
+  if (bad.length > 0) return {name, ready: "no", says: `${bad.join("; ")}: look at cable, supply, sensor and range.`};
   const count = setups.reduce((sum, setup) => sum + usedChannels(setup).length, 0);
   return {name, ready: "yes", says: `All ${count} are alive and within their range.`};
 }

@@ -139,6 +139,8 @@ test("the pre-flight check names what is to be done", () => {
   const level = (node, more = {}) => [page.kLevel, {node, speed_m_s: NaN, ...more}];
   car.take(frame(level(1, {dead: 2}), level(2, {overload: 1})), 0);
   assert.match(check("Channels").says, /1\.2 right carries no signal; 2\.1 left is beyond its range/);
+  car.take(frame(level(1, {dead: 1 << 17}), level(2)), 0);
+  assert.match(check("Channels").says, /1\.2 right stands .* off its zero/);
   car.take(frame(level(1), level(2)), 0);
   assert.equal(check("Channels").ready, "yes");
   assert.equal(check("Encoders").ready, "unknown", "nothing turns");
@@ -175,6 +177,18 @@ test("an overload lights its lamp though the page was never drawn, until it is a
   car.events.acknowledge();
   car.take(frame(level({})), 61_000);
   assert.equal(overload(61_000).light, "good");
+});
+
+test("dead channels and offsets light the lamp while they last, those that are used", () => {
+  const car = new page.Car();
+  const lamp = (now) => page.lamps(car, car.events, now).find(({name}) => name === "OVERLOAD");
+  car.take(frame([page.kLevel, {node: 1, dead: 4 | 1 << 21}], [page.kLevel, {node: 2, dead: 1}]), 0);
+  assert.equal(lamp(0).light, "warn");
+  assert.equal(lamp(0).number, "2 dead, 1 DC offset");
+  assert.match(lamp(0).sentence, /1\.3, 2\.1 .* no signal.*1\.6 .* off its zero/);
+  car.take(frame([page.kLevel, {node: 1}], [page.kLevel, {node: 2}]), 100);
+  assert.equal(lamp(100).light, "good");
+  assert.equal(lamp(100).number, "0 channels");
 });
 
 test("the pre-flight check can be all OK before the start, when clocks are not asked yet", () => {
