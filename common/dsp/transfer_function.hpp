@@ -1,6 +1,7 @@
 #pragma once
 
 #include <complex>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -32,5 +33,10 @@ struct TransferFunction {
 /// @throws std::invalid_argument if the lengths differ
 TransferFunction transfer_function(std::span<const double> input, std::span<const double> output,
                                    std::span<const std::complex<double>> cross, double independent_averages);
+
+/// By how much the output is behind the input, s: the mean slope of the phase from bin to bin where coherence
+/// is beyond chance, each weighed by gamma^2 / (1 - gamma^2), one over the variance of a phase.  Nothing: no
+/// bin tells.  Unambiguous within half a period of step_hz.
+std::optional<double> mean_delay_s(const TransferFunction& h, double step_hz);
 
 }  // namespace roadbalance

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/config/section.hpp"
 #include "common/wheel_counter/wanted_signal.hpp"
 #include "host/analyser/recorded_vehicle.hpp"
 #include "host/orders/wanted_rotors.hpp"
@@ -47,6 +48,7 @@ std::vector<Job> jobs_of(const VehicleConfig& vehicle, const WantedOrders& wante
     if (!seen) continue;
     jobs.push_back({std::move(*seen), wanted});
     jobs.back().wanted.wheel = wheel.name;
+    jobs.back().wanted.vold_kalman_hz.reset();  // nobody knows where it stands
   }
   if (jobs.empty()) jobs.push_back({vehicle, wanted});  // which says what is wrong
   return jobs;
@@ -65,6 +67,32 @@ bool forget_useless_marks(AngleAgain& angles, VehicleConfig& vehicle) {
   return any;
 }
 
+/// For each node of the rotors; only all wheels together can be told apart.
+std::vector<std::unique_ptr<CrossingOrders>> crossings(
+    const Job& job, const std::vector<std::unique_ptr<RotorOrders>>& rotors) {
+  std::vector<std::unique_ptr<CrossingOrders>> all;
+  if (!job.wanted.vold_kalman_hz) return all;
+  std::vector<Rotor> together;
+  for (const WheelConfig& wheel : job.vehicle.wheel)
+    if (!wheel.node.empty() && wheel.encoder.zero_mark) together.push_back(rotor_of(job.vehicle, wheel));
+  if (job.wanted.rotor) together.push_back(rotors.front()->rotor());
+  if (together.empty()) throw ConfigError("--vold-kalman: no wheel has an angle against a zero mark");
+  for (const auto& rotor : rotors) {
+    const auto& node = rotor->node();
+    if (std::ranges::any_of(all, [&](const auto& one) { return one->node().id == node.id; })) continue;
+    const auto place =
+        std::ranges::find(job.vehicle.node, node.id, &NodeConfig::id) - job.vehicle.node.begin();
+    try {
+      all.push_back(std::make_unique<CrossingOrders>(job.vehicle, together, static_cast<int>(place),
+                                                     rotor->channel(), rotor->order(),
+                                                     *job.wanted.vold_kalman_hz));
+    } catch (const std::invalid_argument& error) {
+      throw ConfigError("--vold-kalman: " + std::string(error.what()));
+    }
+  }
+  return all;
+}
+
 void analyse(const std::filesystem::path& folder, Job job, RecordOrders& result) {
   auto rotors = wanted_rotors(job.vehicle, job.wanted);
   AngleAgain angles(job.vehicle, AngleAgain::WithoutMark::kTurned);
@@ -73,15 +101,22 @@ void analyse(const std::filesystem::path& folder, Job job, RecordOrders& result)
         folder, [](const VehicleConfig&) {}, [&](const SealedBlock& block) { angles.learn(block); });
     if (forget_useless_marks(angles, job.vehicle)) rotors = wanted_rotors(job.vehicle, job.wanted);
   }
+  auto crossing = crossings(job, rotors);
   result.defects = read_recording(
       folder, [](const VehicleConfig&) {},
       [&](const SealedBlock& block) {
         const SealedBlock& again = angles.again(block);
         for (const auto& rotor : rotors) rotor->consume(again);
+        for (const auto& one : crossing) one->consume(again);
       },
       [&](const ClockFit& fit) {
         for (const auto& rotor : rotors) rotor->consume(fit);
+        for (const auto& one : crossing) one->consume(fit);
       });
+  for (auto& one : crossing) {
+    one->finish();
+    result.crossing.push_back(std::move(one));
+  }
   for (int wheel = 0; wheel < kWheels; ++wheel)
     if (const auto quality = angles.quality(wheel)) result.angle.emplace(wheel, *quality);
   for (auto& rotor : rotors) result.rotor.push_back(std::move(rotor));

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/analyser/read_recording.hpp"
+#include "host/orders/crossing_orders.hpp"
 #include "host/orders/rotor_orders.hpp"
 #include "host/references/angle_again.hpp"
 
@@ -20,12 +21,17 @@ struct WantedOrders {
   std::optional<std::string> channel{};
   bool all_nodes = false;  ///< accelerations of all nodes, not only of those that read the encoders
   std::vector<double> order{1.0, 2.0};
+  /// Also all wheels together by the Vold-Kalman filter of this bandwidth, Hz; nothing: not.
+  std::optional<double> vold_kalman_hz{};
 };
 
 struct RecordOrders {
   VehicleConfig vehicle;  ///< as it was recorded
   /// At least one; for each rotor one for each node whose channels are wanted.
   std::vector<std::unique_ptr<RotorOrders>> rotor{};
+  /// With WantedOrders::vold_kalman_hz one for each node whose channels are wanted: of all wheels whose angle
+  /// is known against a zero mark, and the rotor if one is wanted.
+  std::vector<std::unique_ptr<CrossingOrders>> crossing{};
   /// Of wheels whose angle was computed from what the bus tells, by place in VehicleConfig::wheel.
   std::map<int, AngleAgain::Quality> angle{};
   RecordingDefects defects{};

@@ -14,6 +14,7 @@
 #include "common/bus/job.hpp"
 #include "common/bus/operation.hpp"
 #include "common/clock/clocks.hpp"
+#include "common/clock/utc.hpp"
 #include "common/process/channel.hpp"
 #include "common/process/child.hpp"
 #include "common/process/parallel.hpp"
@@ -35,11 +36,6 @@ void check(In<std::filesystem::path> folders, Out<RecordingReceipt> receipts) {
 using std::chrono::milliseconds;
 constexpr milliseconds kTurn{50};
 constexpr milliseconds kTold{1000};
-
-std::int64_t utc_us() {
-  using namespace std::chrono;
-  return duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
-}
 
 /// The list and its jobs on their bus.
 class Telling {

@@ -38,15 +38,33 @@ std::string with_confidence(const Json& value, const Json& reach, const char* fi
   return text(value.get<double>()) + (reach.is_null() ? "" : " ± " + text(reach.get<double>())) + " " + unit;
 }
 
-void print_vector(const Json& vector, const std::string& unit) {
-  std::printf("%s   %s   %d blocks\n",
+void print_vector(const Json& vector, const std::string& unit, const char* what = "blocks") {
+  std::printf("%s   %s   %d %s\n",
               vector["amplitude"].is_null()
                   ? "amplitude not known"
                   : with_confidence(vector["amplitude"], vector["amplitude_95"], "%.4f", unit).c_str(),
               vector["phase_deg"].is_null()
                   ? "phase not known"
                   : with_confidence(vector["phase_deg"], vector["phase_95_deg"], "%.2f", "deg").c_str(),
-              vector["blocks"].get<int>());
+              vector["blocks"].get<int>(), what);
+}
+
+/// The same orders by the Vold-Kalman filter, where it was asked.
+void print_crossing(const Json& order, const std::string& unit, bool by_speed) {
+  if (!order.contains("vold_kalman") || order["vold_kalman"].is_null()) return;
+  const Json& crossing = order["vold_kalman"];
+  std::printf("  %24s Vold-Kalman  ", "");
+  print_vector(crossing, unit, "values");
+  if (crossing["together_s"] > 0.0)
+    std::printf("  %24s not told: %.1f s of %.1f s beside another order\n", "",
+                crossing["together_s"].get<double>(),
+                crossing["together_s"].get<double>() + crossing["seconds"].get<double>());
+  if (!by_speed) return;
+  for (const Json& speed : crossing["by_speed"]) {
+    std::printf("  %18.1f .. %.1f m/s  V-K  ", speed["from_m_s"].get<double>(),
+                speed["to_m_s"].get<double>());
+    print_vector(speed, unit, "values");
+  }
 }
 
 void print_channel(const Json& channel, bool by_speed) {
@@ -54,6 +72,7 @@ void print_channel(const Json& channel, bool by_speed) {
   for (const Json& order : channel["orders"]) {
     std::printf("  %-24s order %-6.4g ", name.c_str(), order["order"].get<double>());
     print_vector(order, unit);
+    print_crossing(order, unit, by_speed);
     if (!by_speed) continue;
     for (const Json& speed : order["by_speed"]) {
       std::printf("  %18.1f .. %.1f m/s       ", speed["from_m_s"].get<double>(),
@@ -135,12 +154,17 @@ void add_orders(CLI::App& app, int& code) {
   command->add_flag("--all-nodes", options->wanted.all_nodes, "every acceleration of every node")
       ->excludes(channel);
   command->add_option("--order", options->wanted.order, "orders of the vectors")->capture_default_str();
+  command
+      ->add_option("--vold-kalman", options->wanted.vold_kalman_hz,
+                   "also all wheels together by the Vold-Kalman filter of this bandwidth, Hz (0.5 is usual): "
+                   "orders that cross are told apart, as a check of the vectors")
+      ->check(number_within(0.05, 20.0));
   CLI::Option* const json = command->add_flag("--json", options->json, "one JSON object on standard output");
   command->add_flag("--waterfall", options->waterfall, "with --json: a spectrum for each class of speed, too")
       ->needs(json);
   // The analyser has chosen already.
   for (const char* const of_record :
-       {"--wheel", "--rotor", "--channel", "--all-nodes", "--order", "--waterfall"})
+       {"--wheel", "--rotor", "--channel", "--all-nodes", "--order", "--vold-kalman", "--waterfall"})
     live->excludes(command->get_option(of_record));
   command->callback([options, &code] { code = orders(*options); });
 }

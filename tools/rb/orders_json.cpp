@@ -64,7 +64,31 @@ Json spectrum_json(const OrderSpectrum& spectrum) {
           {"averages", spectrum.averages}};
 }
 
-Json channel_json(const RotorOrders& rotor, const AngleDoubt& doubt, int c, bool waterfall) {
+/// What the Vold-Kalman filter says of the same order; null: it was not asked, or not about this.
+Json crossing_json(const RecordOrders& found, const RotorOrders& rotor, const AngleDoubt& doubt, int c,
+                   double order) {
+  for (const auto& crossing : found.crossing) {
+    if (crossing->node().id != rotor.node().id) continue;
+    const auto* of = crossing->find(rotor.rotor().name, rotor.channel()[static_cast<std::size_t>(c)], order);
+    if (!of) continue;
+    Json json = vector_json(of->all, order, doubt);
+    json["bandwidth_hz"] = crossing->bandwidth_hz();
+    json["seconds"] = of->used_s;
+    json["together_s"] = of->together_s;
+    json["by_speed"] = Json::array();
+    const double class_m_s = crossing->class_hz(rotor.rotor().name) * rotor.way_m();
+    for (const auto& [place, vector] : of->by_speed) {
+      Json speed{{"from_m_s", place * class_m_s}, {"to_m_s", (place + 1) * class_m_s}};
+      speed.update(vector_json(vector, order, doubt));
+      json["by_speed"].push_back(speed);
+    }
+    return json;
+  }
+  return nullptr;
+}
+
+Json channel_json(const RecordOrders& found, const RotorOrders& rotor, const AngleDoubt& doubt, int c,
+                  bool waterfall) {
   const double way_m = rotor.way_m();
   const ChannelConfig& channel = rotor.node().channel[rotor.channel()[static_cast<std::size_t>(c)]];
   Json json{{"channel", channel.name}, {"unit", channel.role == ChannelRole::kRoad ? "m" : "m/s^2"}};
@@ -86,6 +110,8 @@ Json channel_json(const RotorOrders& rotor, const AngleDoubt& doubt, int c, bool
       speed.update(vector_json(one.vector, rotor.order()[i], doubt));
       order["by_speed"].push_back(speed);
     }
+    if (!found.crossing.empty())
+      order["vold_kalman"] = crossing_json(found, rotor, doubt, c, rotor.order()[i]);
     json["orders"].push_back(order);
   }
   json["peaks"] = Json::array();
@@ -127,7 +153,7 @@ nlohmann::ordered_json rotor_json(const RecordOrders& found, const RotorOrders& 
              doubt.counted && doubt.located ? Json(degrees(doubt.common_sigma_rad)) : Json()},
             {"remark", remark_on(found, rotor)}};
   for (int c = 0; c < std::ssize(rotor.channel()); ++c)
-    json["channels"].push_back(channel_json(rotor, doubt, c, waterfall));
+    json["channels"].push_back(channel_json(found, rotor, doubt, c, waterfall));
   return json;
 }
 

@@ -22,6 +22,12 @@ int segment_samples(double segment_s, double rate_hz) {
   return std::max(2, static_cast<int>(std::lround(segment_s * rate_hz)));
 }
 
+const std::map<std::string, Window>& windows_by_name() {
+  static const std::map<std::string, Window> windows{
+      {"hann", Window::kHann}, {"flat-top", Window::kFlatTop}, {"rectangular", Window::kRectangular}};
+  return windows;
+}
+
 void say_no_segment(const char* command, const JointSpectra& spectra) {
   const std::string why = spectra.obstacle();
   std::fprintf(stderr, "rb %s: %s\n", command,

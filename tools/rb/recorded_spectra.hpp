@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 
 #include "common/config/vehicle_config.hpp"
@@ -14,6 +15,9 @@ namespace roadbalance {
 ChannelPlace find_channel(const VehicleConfig& vehicle, const std::string& option, const std::string& name);
 
 int segment_samples(double segment_s, double rate_hz);
+
+/// By their names as options.
+const std::map<std::string, Window>& windows_by_name();
 
 /// Says on standard error why not one segment was found.
 void say_no_segment(const char* command, const JointSpectra& spectra);

@@ -1,7 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -29,9 +28,6 @@ struct ResponseOptions {
   bool json = false;
 };
 
-const std::map<std::string, Window> kWindows{
-    {"hann", Window::kHann}, {"flat-top", Window::kFlatTop}, {"rectangular", Window::kRectangular}};
-
 double degrees(std::complex<double> h) {
   return std::arg(h) * 180.0 / std::numbers::pi;
 }
@@ -45,6 +41,7 @@ Json bin_json(const TransferFunction& h, std::size_t k) {
 }
 
 Json response_json(const ResponseOptions& options, const CrossSpectra& spectra, const TransferFunction& h) {
+  const auto delay = mean_delay_s(h, spectra.step_hz());
   Json json{{"input", options.input},
             {"output", options.output},
             {"window", options.window},
@@ -54,6 +51,7 @@ Json response_json(const ResponseOptions& options, const CrossSpectra& spectra, 
             {"step_hz", spectra.step_hz()},
             {"enbw_hz", spectra.enbw_hz()},
             {"coherence_by_chance", h.coherence_by_chance},
+            {"mean_delay_s", delay ? Json(*delay) : Json()},
             {"bins", Json::array()}};
   for (std::size_t k = 0; k < h.h1.size(); ++k) {
     Json bin{{"frequency_hz", static_cast<double>(k) * spectra.step_hz()}};
@@ -70,6 +68,8 @@ void print(const ResponseOptions& options, const CrossSpectra& spectra, const Tr
       "#     Hz       |H1|         +-   phase deg       |H2|       |Hv|  coherence\n",
       options.output.c_str(), options.input.c_str(), spectra.averages(), spectra.independent_averages(),
       spectra.enbw_hz(), h.coherence_by_chance);
+  if (const auto delay = mean_delay_s(h, spectra.step_hz()))
+    std::printf("# mean delay of the output: %.3f ms\n", 1e3 * *delay);
   for (std::size_t k = 0; k < h.h1.size(); ++k)
     std::printf("%8.3f %10.4g %10.2g %11.2f %10.4g %10.4g %10.4f\n",
                 static_cast<double>(k) * spectra.step_hz(), std::abs(h.h1[k]), h.radius_95[k],
@@ -87,7 +87,7 @@ int response(const ResponseOptions& options) {
         joint.emplace(vehicle, std::vector{input, output},
                       JointSpectra::Settings{.segment = segment_samples(options.segment_s, rate_hz),
                                              .overlap = options.overlap_percent / 100.0,
-                                             .window = kWindows.at(options.window)});
+                                             .window = windows_by_name().at(options.window)});
       },
       [&](const SealedBlock& block) { joint->consume(block); },
       [&](const ClockFit& fit) { joint->consume(fit); });
@@ -122,7 +122,7 @@ void add_response(CLI::App& app, int& code) {
       ->check(number_within(0.0, 75.0))
       ->capture_default_str();
   command->add_option("--window", options->window, "hann, flat-top or rectangular")
-      ->check(CLI::IsMember(kWindows))
+      ->check(CLI::IsMember(windows_by_name()))
       ->capture_default_str();
   command->add_flag("--json", options->json, "one JSON object on standard output");
   command->callback([options, &code] { code = response(*options); });

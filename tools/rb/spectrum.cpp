@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -19,22 +20,52 @@ struct SpectrumOptions {
   std::string folder;
   std::string channel;
   double segment_s = 4.0;
+  std::optional<int> block;  ///< samples, in place of segment_s
+  double overlap_percent = 50.0;
+  std::string window = "hann";
+  std::string average = "linear";
+  int memory = 8;
+  std::string show = "density";
   bool json = false;
 };
 
-nlohmann::ordered_json to_json(const NodeConfig& node, const std::string& channel,
+/// A line of density G is as strong as a sine of rms sqrt(G B), B the equivalent noise bandwidth.
+std::vector<double> shown(std::vector<double> density, const std::string& what, double enbw_hz) {
+  if (what == "density") return density;
+  for (double& value : density) value = std::sqrt(value * enbw_hz * (what == "peak" ? 2.0 : 1.0));
+  return density;
+}
+
+const char* unit_of(const std::string& what) {
+  return what == "density" ? "(m/s^2)^2/Hz" : what == "peak" ? "m/s^2 peak" : "m/s^2 rms";
+}
+
+JointSpectra::Settings settings_of(const SpectrumOptions& options, double rate_hz) {
+  return {.segment = options.block ? *options.block : segment_samples(options.segment_s, rate_hz),
+          .overlap = options.overlap_percent / 100.0,
+          .window = windows_by_name().at(options.window),
+          .memory = options.average == "exponential" ? options.memory : 0,
+          .hold_peaks = options.average == "peak-hold"};
+}
+
+nlohmann::ordered_json to_json(const NodeConfig& node, const SpectrumOptions& options,
                                const CrossSpectra& spectra) {
-  nlohmann::ordered_json json{{"channel", channel},
-                              {"node", node.name},
-                              {"unit", "(m/s^2)^2/Hz"},
-                              {"window", "hann"},
-                              {"averages", spectra.averages()},
-                              {"step_hz", spectra.step_hz()},
-                              {"enbw_hz", spectra.enbw_hz()},
-                              {"frequency_hz", nlohmann::ordered_json::array()},
-                              {"density", nlohmann::ordered_json::array()}};
+  nlohmann::ordered_json json{
+      {"channel", options.channel},
+      {"node", node.name},
+      {"unit", unit_of(options.show)},
+      {"window", options.window},
+      {"overlap_percent", options.overlap_percent},
+      {"average", options.average},
+      {"memory", options.average == "exponential" ? options.memory : 0},
+      {"averages", spectra.averages()},
+      {"step_hz", spectra.step_hz()},
+      {"enbw_hz", spectra.enbw_hz()},
+      {"frequency_hz", nlohmann::ordered_json::array()},
+      {options.show == "density" ? "density" : "amplitude", nlohmann::ordered_json::array()}};
   if (spectra.averages() == 0) return json;
-  json["density"] = spectra.density(0);
+  json.back() = shown(options.average == "peak-hold" ? spectra.peak_density(0) : spectra.density(0),
+                      options.show, spectra.enbw_hz());
   for (int bin = 0; bin < spectra.bins(); ++bin) json["frequency_hz"].push_back(bin * spectra.step_hz());
   return json;
 }
@@ -49,21 +80,22 @@ int spectrum(const SpectrumOptions& options) {
         vehicle = recorded;
         const ChannelPlace place = find_channel(vehicle, "--channel", options.channel);
         node = &vehicle.node[static_cast<std::size_t>(place.node)];
-        channel.emplace(vehicle, std::vector{place},
-                        JointSpectra::Settings{.segment = segment_samples(options.segment_s, node->rate_hz)});
+        channel.emplace(vehicle, std::vector{place}, settings_of(options, node->rate_hz));
       },
       [&](const SealedBlock& block) { channel->consume(block); });
 
   warn_of_defects("spectrum", options.folder, defects);
-  const auto result = to_json(*node, options.channel, channel->spectra());
+  const auto result = to_json(*node, options, channel->spectra());
   if (options.json) {
     std::printf("%s\n", result.dump().c_str());
   } else {
-    std::printf("# %s, %d averages, noise bandwidth %.3f Hz\n# Hz   (m/s^2)^2/Hz\n", options.channel.c_str(),
-                result["averages"].get<int>(), result["enbw_hz"].get<double>());
-    for (std::size_t bin = 0; bin < result["density"].size(); ++bin)
-      std::printf("%8.3f %.6e\n", result["frequency_hz"][bin].get<double>(),
-                  result["density"][bin].get<double>());
+    std::printf(
+        "# %s, %s window, %g %% overlap, %s average of %d, noise bandwidth %.3f Hz\n# Hz   %s, one-sided\n",
+        options.channel.c_str(), options.window.c_str(), options.overlap_percent, options.average.c_str(),
+        result["averages"].get<int>(), result["enbw_hz"].get<double>(), unit_of(options.show));
+    const auto& values = result.back();
+    for (std::size_t bin = 0; bin < values.size(); ++bin)
+      std::printf("%8.3f %.6e\n", result["frequency_hz"][bin].get<double>(), values[bin].get<double>());
   }
   if (result["averages"] == 0) say_no_segment("spectrum", *channel);
   return result["averages"] == 0 ? kAnswerIsNo : kDone;
@@ -73,13 +105,32 @@ int spectrum(const SpectrumOptions& options) {
 
 void add_spectrum(CLI::App& app, int& code) {
   auto options = std::make_shared<SpectrumOptions>();
-  CLI::App* command = app.add_subcommand("spectrum", "Power spectral density of one channel of a recording");
+  CLI::App* command =
+      app.add_subcommand("spectrum", "Spectrum of one channel of a recording: density or amplitude");
   command->add_option("folder", options->folder, "the recording")->required();
   command->add_option("--channel", options->channel, "name of the channel in vehicle.toml")->required();
-  command
-      ->add_option("--segment-s", options->segment_s,
-                   "length of the averaged segments, s; resolves 1.5 / length")
-      ->check(number_within(0.01, 1000.0))
+  CLI::Option* const segment = command
+                                   ->add_option("--segment-s", options->segment_s,
+                                                "length of the averaged segments, s; resolves 1.5 / length")
+                                   ->check(number_within(0.01, 1000.0))
+                                   ->capture_default_str();
+  command->add_option("--block", options->block, "samples of a segment, in place of --segment-s")
+      ->check(CLI::Range(64, 1 << 20))
+      ->excludes(segment);
+  command->add_option("--overlap", options->overlap_percent, "of the segments, %")
+      ->check(number_within(0.0, 75.0))
+      ->capture_default_str();
+  command->add_option("--window", options->window, "hann, flat-top (for amplitudes) or rectangular")
+      ->check(CLI::IsMember(windows_by_name()))
+      ->capture_default_str();
+  command->add_option("--average", options->average, "linear, exponential or peak-hold")
+      ->check(CLI::IsMember({"linear", "exponential", "peak-hold"}))
+      ->capture_default_str();
+  command->add_option("--memory", options->memory, "segments that the exponential average remembers")
+      ->check(CLI::Range(1, 10'000))
+      ->capture_default_str();
+  command->add_option("--show", options->show, "density, or the amplitude of a line: peak or rms")
+      ->check(CLI::IsMember({"density", "peak", "rms"}))
       ->capture_default_str();
   command->add_flag("--json", options->json, "one JSON object on standard output");
   command->callback([options, &code] { code = spectrum(*options); });

@@ -111,6 +111,43 @@ TEST_F(RecordingCommands, ARealCarsMeasurementGoesAllTheWay) {
   EXPECT_NE(identified.log.find("identification_rate_hz"), std::string::npos) << identified.log;
 }
 
+TEST_F(RecordingCommands, SpectrumIsMadeAsItIsAskedFor) {
+  ASSERT_EQ(import(kWobble, record_).code, 0);
+  const auto spectrum = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"spectrum", record_, "--channel", "driver_knuckle_z",
+                                       "--block",  "256",   "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const test::Outcome told = rb(arguments);
+    EXPECT_EQ(told.code, 0) << told.log;
+    return Json::parse(told.output);
+  };
+  const Json density = spectrum({});
+  EXPECT_EQ(density["density"].size(), 129U);
+  const double enbw_hz = density["enbw_hz"];
+  EXPECT_NEAR(enbw_hz, 1.5 * density["step_hz"].get<double>(), 1e-9) << "Hann";
+  const Json rms = spectrum({"--show", "rms"}), peak = spectrum({"--show", "peak"});
+  const Json held = spectrum({"--average", "peak-hold"});
+  const Json exponential = spectrum({"--average", "exponential", "--memory", "1"});
+  EXPECT_EQ(peak["unit"], "m/s^2 peak");
+  bool differs = false;
+  for (std::size_t k = 0; k < 129; ++k) {
+    const double g = density["density"][k];
+    EXPECT_NEAR(rms["amplitude"][k], std::sqrt(g * enbw_hz), 1e-12);
+    EXPECT_NEAR(peak["amplitude"][k], std::sqrt(2.0 * g * enbw_hz), 1e-12);
+    EXPECT_GE(held["density"][k].get<double>(), g * (1.0 - 1e-12)) << "no mean is above its greatest";
+    EXPECT_LE(exponential["density"][k].get<double>(), held["density"][k].get<double>() * (1.0 + 1e-12));
+    differs = differs || exponential["density"][k] != density["density"][k];
+  }
+  EXPECT_TRUE(differs) << "the last segment is not the mean of all";
+  // HFT95's equivalent noise bandwidth is 3.8112 bins.
+  const Json flat = spectrum({"--window", "flat-top", "--overlap", "75"});
+  EXPECT_NEAR(flat["enbw_hz"].get<double>() / flat["step_hz"].get<double>(), 3.8112, 1e-3);
+  EXPECT_GT(flat["averages"], density["averages"]);
+  EXPECT_EQ(
+      rb({"spectrum", record_, "--channel", "driver_knuckle_z", "--block", "256", "--segment-s", "2"}).code,
+      2);
+}
+
 TEST_F(RecordingCommands, TransferTellsHowTwoChannelsGoTogether) {
   ASSERT_EQ(import(kWobble, record_).code, 0);
   const auto transfer = [&](const std::string& input, const std::string& output) {
