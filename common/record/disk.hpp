@@ -32,6 +32,7 @@ class Disk {
   virtual int fsync(int file) = 0;  ///< of a folder too
   virtual int ftruncate(int file, off_t size) = 0;
   virtual int fallocate(int file, int mode, off_t offset, off_t size) = 0;
+  virtual int fadvise(int file, off_t offset, off_t size, int advice) = 0;  ///< the result is the error
   virtual off_t size(int file) = 0;  ///< fstat; -1 on failure
   virtual int flock(int file, int operation) = 0;
   virtual int rename(const char* from, const char* to) = 0;

@@ -115,6 +115,10 @@ void File::reserve(std::uint64_t offset, std::uint64_t bytes) noexcept {
                          static_cast<off_t>(bytes));
 }
 
+void File::forget_cache() const noexcept {
+  (void)disk_->fadvise(descriptor_, 0, 0, POSIX_FADV_DONTNEED);
+}
+
 bool File::try_lock() {
   if (disk_->flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return true;
   if (errno != EWOULDBLOCK) fail("lock");

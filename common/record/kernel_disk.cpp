@@ -32,6 +32,9 @@ class KernelDisk final : public Disk {
   int fallocate(int file, int mode, off_t offset, off_t size) override {
     return ::fallocate(file, mode, offset, size);
   }
+  int fadvise(int file, off_t offset, off_t size, int advice) override {
+    return ::posix_fadvise(file, offset, size, advice);
+  }
   off_t size(int file) override {
     struct stat status {};
     return ::fstat(file, &status) == 0 ? status.st_size : -1;

@@ -8,6 +8,7 @@ if(BUILD_TESTING)
 endif()
 find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED)
+find_package(OpenSSL REQUIRED COMPONENTS Crypto)
 
 # LCM and FFTW ship no usable CMake package in Debian; lcm.pc asks for GLib headers nobody needs.
 function(rb_find_library target header library)

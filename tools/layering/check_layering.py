@@ -31,6 +31,7 @@ KEPT = {
     "host/exchange/hdf5_handle.hpp": "host/exchange/hdf5_",
     "sndfile": "host/exchange/wav_",
     "zlib": "host/exchange/mcap_writer.cpp",
+    "openssl/": "host/transfer/digest.cpp",
 }
 
 # The same of interfaces of the system, which tests may use to play the other side.

@@ -91,6 +91,7 @@ class SimulatedDisk final : public Disk {
   int fsync(int file) override { return sync(DiskCall::kSync, file); }
   int ftruncate(int file, off_t size) override;
   int fallocate(int file, int mode, off_t offset, off_t size) override;
+  int fadvise(int, off_t, off_t, int) override { return 0; }  // advice may be passed over
   off_t size(int file) override;
   int flock(int file, int operation) override;
   int rename(const char* from, const char* to) override;

@@ -148,7 +148,28 @@ TEST_F(RecordingCommands, SpectrumIsMadeAsItIsAskedFor) {
       2);
 }
 
-TEST_F(RecordingCommands, TransferTellsHowTwoChannelsGoTogether) {
+TEST_F(RecordingCommands, ATransferredRecordingIsThatRecording) {
+  ASSERT_EQ(import(kWobble, record_).code, 0);
+  const std::string archive = record_ + " archive";
+  const std::string copy = archive + "/" + std::filesystem::path(record_).filename().string();
+  const test::Outcome first = rb({"transfer", record_, "--to", archive, "--json"});
+  ASSERT_EQ(first.code, 0) << first.log;
+  const Json told = Json::parse(first.output)["transferred"][0];
+  EXPECT_EQ(told["to"], copy);
+  EXPECT_FALSE(told["was_there"]);
+  EXPECT_EQ(rb({"verify", copy}).code, 0);
+  EXPECT_EQ(rb({"levels", copy}).output, rb({"levels", record_}).output);
+  EXPECT_EQ(std::system(("cd '" + copy + "' && sha256sum --quiet --strict -c sha256.txt").c_str()), 0);
+
+  EXPECT_TRUE(Json::parse(
+      rb({"transfer", record_, "--to", archive, "--json"}).output)["transferred"][0]["was_there"]);
+
+  const test::Outcome none = rb({"transfer", archive, "--to", record_});
+  EXPECT_EQ(none.code, 4);
+  EXPECT_NE(none.log.find(archive + ": no recording"), std::string::npos) << none.log;
+}
+
+TEST_F(RecordingCommands, ResponseTellsHowTwoChannelsGoTogether) {
   ASSERT_EQ(import(kWobble, record_).code, 0);
   const auto transfer = [&](const std::string& input, const std::string& output) {
     const test::Outcome told = rb({"response", record_, "--input", input, "--output", output, "--json"});
