@@ -81,6 +81,7 @@ ChannelConfig parse_channel(Section channel) {
   c.range_m_s2 = channel.number("range_m_s2", {1e-6, 1e6});
   c.scale_m_s2_per_count = c.range_m_s2 / kFullScaleCounts;
   if (channel.has("input_range_v")) c.input_range_v = channel.number("input_range_v", {1e-3, 1e3});
+  c.gain_sigma = channel.number_or("gain_sigma", {0, 0.5}, c.gain_sigma);
   if (auto calibration = channel.section_if("calibration")) {
     c.scale_m_s2_per_count = calibration->number("scale_m_s2_per_count", {1e-12, 1e3});
     c.offset_counts = calibration->number_or("offset_counts", {-kFullScaleCounts, kFullScaleCounts}, 0.0);

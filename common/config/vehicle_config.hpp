@@ -133,6 +133,8 @@ struct ChannelConfig {
   double range_m_s2 = 0.0;              ///< full scale of the converter
   double scale_m_s2_per_count = 0.0;    ///< calibration; default range / 2^23
   double offset_counts = 0.0;           ///< reading at rest
+  /// Standard deviation of its gain, as a share of it, and of what it shows of motion across its direction.
+  double gain_sigma = 0.01;
   double delay_s = 0.0;                 ///< by which it lags what it measures, filter of [filter] apart
   /// Voltage of that full scale, of a device with ranges to choose from; its widest if not given.
   std::optional<double> input_range_v{};

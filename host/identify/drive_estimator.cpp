@@ -248,9 +248,10 @@ void DriveEstimator::publish_balances(const UnknownVector& x, const Judgement& j
     balance.sigma_drive_g = balance.sigma_g;
     put_unbalance(unbalance, (judgement.drive + judgement.model).block<2, 2>(u, u), balance);
     if (!body_only_) put_first_order(judgement.first_order[w], balance);
-    // No scatter of a drive shows where its zero marks are thought to be.
+    // No scatter of a drive shows where its zero marks are thought to be, nor how true its sensors are.
     const double datum_sigma_rad = vehicle_.wheel[w].encoder.datum_sigma_rad;
-    add_doubt(balance, 0.0, datum_sigma_rad * datum_sigma_rad);
+    const double gain = gain_variance(vehicle_, w);
+    add_doubt(balance, gain, datum_sigma_rad * datum_sigma_rad + gain);
   }
 }
 

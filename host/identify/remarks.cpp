@@ -91,9 +91,8 @@ std::vector<std::string> remarks(const Identification& identification,
     return sentences;
   if (identification.state == Unknown::kNone) {
     sentences.emplace_back(
-        "the scale of grams and N/m rests on the wheels' masses in vehicle.toml: no drive shows an error "
-        "that "
-        "all masses share");
+        "the scale of grams and N/m rests on the wheels' masses and the sensors' gains in vehicle.toml: no "
+        "drive shows an error that all masses, or all gains, share");
     remark_on_masses(identification, sentences);
   }
   remark_on_forces(balance, sentences);

@@ -43,6 +43,7 @@ inline VehicleConfig reference_vehicle() {
         channel.position_m = {a.x_m, y_m, place < 2 ? -0.25 : 0.30};
         channel.direction = Eigen::Vector3d::Unit(axis);
         channel.range_m_s2 = 200.0;
+        channel.gain_sigma = 0.0;
         channel.scale_m_s2_per_count = channel.range_m_s2 / kFullScaleCounts;
         node.channel.push_back(channel);
       }

@@ -24,5 +24,29 @@ TEST(AddDoubt, IsTheSumOfSquaresAlongAndAcrossTheUnbalance) {
   EXPECT_NEAR(along.dot(balance.covariance_g2 * across), 0.0, 1e-12);
 }
 
+ChannelConfig sensor(const std::string& mount, double gain_sigma, Eigen::Vector3d direction = {0, 0, 1}) {
+  ChannelConfig channel;
+  channel.mount = mount;
+  channel.gain_sigma = gain_sigma;
+  channel.direction = direction;
+  return channel;
+}
+
+// What a wheel's own vertical sensor shows is in proportion to its unbalance; of n the mean counts.
+TEST(GainVariance, IsThatOfTheVerticalSensorsOnTheCarrierOrElseOnTheBody) {
+  VehicleConfig vehicle;
+  vehicle.node.push_back({"front", 1, 2000.0, {}, {}});
+  auto& channels = vehicle.node[0].channel;
+  EXPECT_EQ(gain_variance(vehicle, 0), 0.0);
+  for (const double gain_sigma : {0.01, 0.02, 0.02, 0.03}) channels.push_back(sensor("body", gain_sigma));
+  EXPECT_NEAR(gain_variance(vehicle, 0), (1e-4 + 4e-4 + 4e-4 + 9e-4) / 16.0, 1e-15);
+  channels.push_back(sensor("front_left", 0.02));
+  channels.push_back(sensor("front_left", 0.30, {1, 0, 0}));
+  EXPECT_NEAR(gain_variance(vehicle, 0), 4e-4, 1e-15);
+  channels.push_back(sensor("front_left", 0.04));
+  EXPECT_NEAR(gain_variance(vehicle, 0), (4e-4 + 16e-4) / 4.0, 1e-15);
+  EXPECT_NEAR(gain_variance(vehicle, 1), (1e-4 + 4e-4 + 4e-4 + 9e-4) / 16.0, 1e-15);
+}
+
 }  // namespace
 }  // namespace roadbalance

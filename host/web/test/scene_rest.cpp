@@ -105,7 +105,7 @@ void say_rest(Bus& bus, const Scene& scene) {
   for (std::int32_t number = 0; number < 3; ++number)
     bus.publish(kRecordingChannel, encode(recording(scene, number)));
   const std::vector<std::string> sentences{
-      "the scale of grams and N/m rests on the wheels' masses in vehicle.toml",
+      "the scale of grams and N/m rests on the wheels' masses and the sensors' gains in vehicle.toml",
       "static unbalance only: couple unbalance leaves no trace in vertical sensors"};
   for (const Remark& remark : remarks_of(0, scene.known ? sentences : std::vector<std::string>()))
     bus.publish(kRemarkChannel, encode(remark));
