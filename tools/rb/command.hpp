@@ -35,6 +35,7 @@ void add_spectrum(CLI::App& app, int& code);
 void add_report(CLI::App& app, int& code);
 void add_study(CLI::App& app, int& code);
 void add_response(CLI::App& app, int& code);
+void add_export(CLI::App& app, int& code);
 void add_transfer(CLI::App& app, int& code);
 void add_import(CLI::App& app, int& code);
 void add_supervise(CLI::App& app, int& code);

@@ -1,18 +1,15 @@
 #include <CLI/CLI.hpp>
-#include <chrono>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
-
-#include <unistd.h>
 
 #include "common/process/stop_on_signal.hpp"
 #include "common/record/file.hpp"
 #include "host/exchange/export_recording.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/defects.hpp"
-#include "tools/rb/export.hpp"
+#include "tools/rb/progress_line.hpp"
 
 namespace roadbalance {
 namespace {
@@ -25,30 +22,6 @@ struct ExportOptions {
   double to_s = 0.0;
   bool has_to = false;
   bool json = false;
-};
-
-/// A line on a terminal, once a second.
-class ProgressLine {
- public:
-  void operator()(std::int64_t rows, std::int64_t of, std::uintmax_t bytes) {
-    const auto now = std::chrono::steady_clock::now();
-    if (!isatty(STDERR_FILENO) || now < next_) return;
-    next_ = now + std::chrono::seconds(1);
-    const double seconds = std::chrono::duration<double>(now - begin_).count();
-    const auto part = static_cast<double>(rows) / static_cast<double>(of);
-    std::fprintf(stderr, "\r%5.1f %%, %.1f MB, %.1f MB/s, %.0f s left ", 100.0 * part,
-                 static_cast<double>(bytes) * 1e-6, static_cast<double>(bytes) * 1e-6 / seconds,
-                 seconds * (1.0 - part) / part);
-    shown_ = true;
-  }
-  ~ProgressLine() {
-    if (shown_) std::fputs("\n", stderr);
-  }
-
- private:
-  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
-  std::chrono::steady_clock::time_point next_ = begin_ + std::chrono::seconds(1);
-  bool shown_ = false;
 };
 
 Json report_json(const ExportOptions& options, const ExportReport& report) {
@@ -106,7 +79,10 @@ int run_export(ExportOptions options) {
   if (options.has_to) options.request.selection.to_s = options.to_s;
   const ExportReport report = [&] {
     ProgressLine line;
-    return export_recording(options.request, signals.token(), std::ref(line));
+    return export_recording(options.request, signals.token(),
+                            [&](std::int64_t rows, std::int64_t of, std::uintmax_t bytes) {
+                              line.show(static_cast<double>(rows) / static_cast<double>(of), bytes);
+                            });
   }();
   if (!options.vehicle.empty()) write_atomically(options.vehicle, report.table.vehicle_toml);
   warn_of_defects("export", options.folder, report.defects);

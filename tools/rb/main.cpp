@@ -6,7 +6,6 @@
 
 #include "common/config/section.hpp"
 #include "tools/rb/command.hpp"
-#include "tools/rb/export.hpp"
 
 namespace {
 
