@@ -7,8 +7,8 @@
 #include <thread>
 #include <vector>
 
-#include "tools/rb/child.hpp"
-#include "tools/rb/temporary_folder.hpp"
+#include "common/process/child.hpp"
+#include "common/process/temporary_folder.hpp"
 
 // The demo and the port of its page, as a person starts them.
 

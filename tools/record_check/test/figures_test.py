@@ -121,7 +121,7 @@ class Figures(unittest.TestCase):
 
     def compare_transfer(self, rate_hz, pair, taper, segment_s, overlap):
         what = f"{pair[1]} / {pair[0]}, {taper}, {segment_s} s, {overlap} %"
-        said = self.said("transfer", "--input", pair[0], "--output", pair[1], "--window", taper, "--segment-s", segment_s,
+        said = self.said("response", "--input", pair[0], "--output", pair[1], "--window", taper, "--segment-s", segment_s,
                          "--overlap", overlap)
         x, y = (self.samples[name] for name in pair)
         size = round(segment_s * rate_hz)
