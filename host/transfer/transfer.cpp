@@ -50,6 +50,9 @@ class Transfer {
 
   TransferReport run() {
     const File original = claim();
+    // A folder that is made here would lie on the wrong disk where none is mounted.
+    if (!is_folder(goal_.parent_path(), to_disk_))
+      throw std::runtime_error(goal_.parent_path().string() + ": there is no such folder to take it to");
     list();
     if (path_exists(goal_, to_disk_)) {
       compare_with_goal();
@@ -86,6 +89,9 @@ class Transfer {
 
   void compare_with_goal() {
     report_.was_there = true;
+    File copy = File::open_folder(goal_, to_disk_);
+    if (!copy.try_lock())
+      throw std::runtime_error(goal_.string() + ": is the recording itself, or somebody writes to it");
     expect_no_others_in(goal_);
     for (TransferredFile& file : report_.file) {
       file.digest = digest_of(from_ / file.name, from_disk_);
@@ -150,7 +156,6 @@ class Transfer {
     bool equal = path_exists(path, to_disk_);
     File copy = equal ? File::open_to_write(path, to_disk_) : File::create(path, to_disk_);
     const File before = equal ? File::open_to_read(path, to_disk_) : File();
-    copy.reserve(0, file.bytes);
     DigestOfBytes digest;
     std::uint64_t offset = 0, unsynced = 0;
     for (auto chunk = read(original, offset); !chunk.empty(); chunk = read(original, offset)) {

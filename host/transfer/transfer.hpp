@@ -37,7 +37,8 @@ using TransferProgress = std::function<void(std::uint64_t done, std::uint64_t of
 /// Until all of it is proven the copy is "<name>.part", so that a disk may be unplugged at any time: the same
 /// call goes on there, with what compares equal.  The original is read only.
 /// @throws std::runtime_error, std::system_error naming folder or file: no recording, one that is still
-/// written to, no space, another recording of this name there, a copy that reads back otherwise, stopped
+/// written to, no folder `to` (it is not made: nothing may be mounted there), no space, another recording of
+/// this name there, a copy that reads back otherwise, stopped
 TransferReport transfer(const std::filesystem::path& from, const std::filesystem::path& to,
                         const std::stop_token& stop, const TransferProgress& progress,
                         Disk& from_disk = kernel_disk(), Disk& to_disk = kernel_disk());

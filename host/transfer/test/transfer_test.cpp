@@ -161,6 +161,25 @@ TEST_F(TransferOfARecording, RefusesAPartOfAnotherRecording) {
   EXPECT_THAT(refusal(), HasSubstr("/archive/monday.part/seg-000009.lcm: is not in /drives/monday"));
 }
 
+TEST_F(TransferOfARecording, RefusesToBeItsOwnCopy) {
+  try {
+    transfer("/drives/monday", "/drives", {}, {}, car_, car_);
+    ADD_FAILURE() << "was refused by nobody";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("/drives/monday: is the recording itself"));
+  }
+}
+
+// Nothing may be mounted where it is to go.
+TEST_F(TransferOfARecording, RefusesAFolderThatIsNotThere) {
+  try {
+    transfer("/drives/monday", "/media/usb", {}, {}, car_, far_);
+    ADD_FAILURE() << "was refused by nobody";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("/media/usb: there is no such folder"));
+  }
+}
+
 TEST_F(TransferOfARecording, ReadsTheCopyBack) {
   // A disk that alters what it was given, once that is synced.
   far_.set_fault([&](DiskCall call, std::int64_t, const std::string& path) {
@@ -185,7 +204,8 @@ TEST_F(TransferOfARecording, RefusesWhatIsNoRecording) {
 TEST(Transfer, LeavesDigestsThatSha256sumConfirms) {
   const test::TemporaryDirectory work;
   const auto from = work.path() / "wednesday", to = work.path() / "archive";
-  std::filesystem::create_directories(from);
+  const auto second = work.path() / "second";
+  for (const auto& folder : {from, to, second}) std::filesystem::create_directories(folder);
   for (const auto& [name, bytes] : kRecording)
     std::ofstream(from / name, std::ios::binary)
         .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
@@ -195,7 +215,7 @@ TEST(Transfer, LeavesDigestsThatSha256sumConfirms) {
       "cd '" + report.to.string() + "' && sha256sum --quiet --strict -c " + kDigestsFile;
   EXPECT_EQ(std::system(check.c_str()), 0);
   // A copy is a recording like any other.
-  const TransferReport again = transfer(report.to, work.path() / "second", {}, {});
+  const TransferReport again = transfer(report.to, second, {}, {});
   EXPECT_EQ(again.file.size(), kRecording.size());
 }
 

@@ -152,6 +152,9 @@ TEST_F(RecordingCommands, ATransferredRecordingIsThatRecording) {
   ASSERT_EQ(import(kWobble, record_).code, 0);
   const std::string archive = record_ + " archive";
   const std::string copy = archive + "/" + std::filesystem::path(record_).filename().string();
+  EXPECT_NE(rb({"transfer", record_, "--to", archive}).log.find(archive + ": there is no such folder"),
+            std::string::npos);
+  std::filesystem::create_directories(archive);
   const test::Outcome first = rb({"transfer", record_, "--to", archive, "--json"});
   ASSERT_EQ(first.code, 0) << first.log;
   const Json told = Json::parse(first.output)["transferred"][0];
