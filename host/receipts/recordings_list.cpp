@@ -53,16 +53,21 @@ bool RecordingsList::grows() const {
   return std::ranges::any_of(entry_, [](const auto& entry) { return entry.second.grows; });
 }
 
-std::optional<std::filesystem::path> RecordingsList::unread_one() const {
+std::optional<std::filesystem::path> RecordingsList::unread_one() {
   if (grows()) return std::nullopt;
-  for (const std::string& name : newest_first_)
-    if (!entry_.at(name).read) return folder_ / name;
+  for (const std::string& name : newest_first_) {
+    Entry& entry = entry_.at(name);
+    if (entry.read) continue;
+    entry.wanted = entry.changed;
+    return folder_ / name;
+  }
   return std::nullopt;
 }
 
 void RecordingsList::take(RecordingReceipt receipt) {
   const auto found = entry_.find(receipt.name);
   if (found == entry_.end() || found->second.grows) return;
+  if (found->second.wanted != found->second.changed) return;
   found->second.read = found->second.changed;
   found->second.receipt = std::move(receipt);
 }

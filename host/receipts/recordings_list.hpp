@@ -26,12 +26,12 @@ class RecordingsList {
   void look(FileTime now);
 
   /// Whose receipt is wanted next; nothing while one grows, or if all are there.
-  std::optional<std::filesystem::path> unread_one() const;
+  std::optional<std::filesystem::path> unread_one();
 
   /// One of them is being written.
   bool grows() const;
 
-  /// A receipt of a recording of that name.
+  /// A receipt of a recording of that name; one that was written to since it was wanted is wanted again.
   void take(RecordingReceipt receipt);
 
   /// Numbered; of none a single one without a name.
@@ -41,7 +41,8 @@ class RecordingsList {
   struct Entry {
     FileTime changed{};
     RecordingReceipt receipt;
-    std::optional<FileTime> read{};  ///< it was in this state when its receipt was made
+    std::optional<FileTime> wanted{};  ///< it was in this state when its receipt was asked for
+    std::optional<FileTime> read{};    ///< it was in this state when its receipt was made
     bool grows = false;
   };
 

@@ -19,8 +19,14 @@ using std::chrono::milliseconds;
 constexpr milliseconds kAgain{1000};
 constexpr milliseconds kSettling{1000};
 
+// An epoch whose rest was fetched later has been told before: what is newer counts.
 void append(RecorderReport& all, const RecorderReport& one) {
-  all.node.insert(all.node.end(), one.node.begin(), one.node.end());
+  for (const NodeReport& node : one.node) {
+    std::erase_if(all.node, [&](const NodeReport& before) {
+      return before.node == node.node && before.epoch == node.epoch;
+    });
+    all.node.push_back(node);
+  }
   all.blocks_refused += one.blocks_refused;
   all.rival_heartbeats += one.rival_heartbeats;
   all.unsent += one.unsent;
@@ -203,6 +209,7 @@ std::unique_ptr<Session> Operating::begin_rest(const std::string& recording, Epo
   if (!options.fallback.empty()) options.fallback /= recording;
   options.start = false;
   options.says_state = false;
+  options.power.clear();  // a line has one reader, and the recording under way may be it
   options.scope = std::move(scope);
   return world_.begin(std::move(options));
 }

@@ -73,6 +73,17 @@ std::vector<Receipt> completed(const std::vector<Receipt>& before, const Recorde
     receipt.overload_s += same->overload_s;
     receipt.sync_us = same->sync_us;
   }
+  if (receipts.front().nodes == 0) receipts.clear();  // the one that stands for nobody
+  // The folder holds nothing of a node that was never heard again: it is as open as it was.
+  for (const Receipt& one : before)
+    if (one.nodes > 0 && std::ranges::find(receipts, one.node, &Receipt::node) == receipts.end())
+      receipts.push_back(one);
+  if (receipts.empty()) return before;
+  for (std::size_t k = 0; k < receipts.size(); ++k) {
+    receipts[k].index = static_cast<std::int32_t>(k);
+    receipts[k].nodes = static_cast<std::int32_t>(receipts.size());
+    receipts[k].bytes = bytes;
+  }
   return receipts;
 }
 

@@ -102,7 +102,8 @@ class Reception {
     const auto beat = decode_heartbeat(bytes);
     const auto& ours = options_.nodes;
     if (!beat || beat->time_base != TimeBase::kOwn ||
-        (!ours.empty() && std::find(ours.begin(), ours.end(), beat->node) == ours.end()))
+        (!ours.empty() && std::find(ours.begin(), ours.end(), beat->node) == ours.end()) ||
+        !options_.scope.has({beat->node, beat->epoch}))
       return;
     (void)peers_.try_send({.node = beat->node,
                            .epoch = beat->epoch,

@@ -76,6 +76,20 @@ TEST_F(List, ReadsNothingWhileARecorderWrites) {
   EXPECT_EQ(list.unread_one(), folder.path() / "today");
 }
 
+// A rest was fetched into it while its receipt was made.
+TEST_F(List, PassesOverAReceiptOfWhatHasChangedSince) {
+  write("monday", kNow - 2 * kLongAgo);
+  look();
+  ASSERT_EQ(list.unread_one(), folder.path() / "monday");
+  write("monday", kNow - kLongAgo);
+  look();
+  list.take(complete("monday"));
+  EXPECT_EQ(look()[0].state, RecordingState::kNotRead);
+  ASSERT_EQ(list.unread_one(), folder.path() / "monday");
+  list.take(complete("monday"));
+  EXPECT_EQ(look()[0].state, RecordingState::kComplete);
+}
+
 TEST_F(List, ReadsAgainWhatHasChanged) {
   write("monday", kNow - kLongAgo);
   look();

@@ -79,6 +79,26 @@ TEST(Receipts, AreCompletedByTheRunThatFetchedTheRest) {
   }
 }
 
+// It said that it took samples, and no block of it ever came.
+TEST(Receipts, OfANodeThatTheFolderKnowsNothingOfStaysOpen) {
+  RecorderReport first;
+  first.node = {epoch(1, 7, 1000), epoch(2, 9, 0)};
+  first.node[0].ended = first.node[0].sums_agree = false;
+  first.node[1] = NodeReport{.node = 2, .epoch = 9, .samples_sent = 900};
+  const auto before = receipts_of(first, {.name = "drive", .began_us = 5, .ended_us = 6});
+  ASSERT_EQ(before.size(), 2u);
+  RecorderReport second;
+  second.node = {epoch(1, 7, 1500)};
+  const auto after = completed(before, second, 99);
+  ASSERT_EQ(after.size(), 2u);
+  EXPECT_EQ(after[0].open_epochs, 0);
+  EXPECT_EQ(after[1].node, 2);
+  EXPECT_EQ(after[1].open_epochs, 1);
+  EXPECT_EQ(after[1].samples_sent, 900);
+  EXPECT_EQ(after[1].index, 1);
+  EXPECT_EQ(after[1].nodes, 2);
+}
+
 TEST(Receipts, ANodeThatOnlyWaitedHasNone) {
   RecorderReport report;
   report.node = {NodeReport{.node = 1, .epoch = 4}};

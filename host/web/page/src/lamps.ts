@@ -82,7 +82,7 @@ function overloadLamp(car: Car, log: EventLog, nowMs: number): Lamp {
                              "the zero again."] : [])].join(" ");
   if (found.length === 0 && faults.length > 0) return {name, light: "warn", number: faults.join(", "), sentence: what};
   if (found.length === 0)
-    return {name, light: "good", number: "0 channels", sentence: "No channel has left its range; every one carries a signal."};
+    return {name, light: "good", number: "0 channels", sentence: "No channel has left its range; none is known to be dead."};
   const channels = [...new Set(found.map(({where}) => where.replace("channel ", "")))].sort((a, b) => Number(a) - Number(b));
   const agoS = Math.round((nowMs - Math.max(...found.map(({lastMs}) => lastMs))) / 1000);
   return {name, light: "bad", number: `${times(channels.length, "channel", "channels")}, ${agoS < 2 ? "now" : `${agoS} s ago`}`,
