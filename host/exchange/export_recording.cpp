@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <stdexcept>
 
 #include "common/config/section.hpp"
@@ -11,7 +12,6 @@
 #include "host/exchange/mcap_writer.hpp"
 #include "host/exchange/mdf4_writer.hpp"
 #include "host/exchange/part_file.hpp"
-#include "host/exchange/pulses.hpp"
 #include "host/exchange/row_stream.hpp"
 #include "host/exchange/uff58_writer.hpp"
 #include "host/exchange/wav_writer.hpp"
@@ -60,19 +60,21 @@ ExportReport export_recording(const ExportRequest& request, std::stop_token stop
                               const ExportProgress& progress) {
   const ExportFormat& format = format_named(request.format);
   PartFile file(request.file);
+  std::optional<PartFile> pulses;
+  if (!request.pulses.empty()) pulses.emplace(request.pulses);
+  if (pulses && pulses->part() == file.part())
+    throw ConfigError("--pulses: " + request.pulses.string() + ": is another file to make, too");
   const RecordingSurvey survey = survey_recording(request.folder, stop);
   ExportReport report{.table = make_table(survey), .defects = survey.defects};
   select(request.selection, report.table);
   const auto writer = format.make(file.part(), report.table);
   write_groups(request, *writer, file.part(), stop, progress, report);
   writer->close();
-  if (!request.pulses.empty()) {
-    PartFile pulses(request.pulses);
+  if (pulses)
     report.pulses =
-        write_pulses(request.folder, survey.vehicle, report.table, request.selection, pulses.part(), stop);
-    pulses.keep();
-  }
+        write_pulses(request.folder, survey, report.table, request.selection, pulses->part(), stop);
   report.bytes = std::filesystem::file_size(file.part());
+  if (pulses) pulses->keep();
   file.keep();
   return report;
 }

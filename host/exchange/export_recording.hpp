@@ -8,6 +8,7 @@
 #include <stop_token>
 #include <string>
 
+#include "host/exchange/pulses.hpp"
 #include "host/exchange/survey.hpp"
 #include "host/exchange/writer.hpp"
 
@@ -32,7 +33,7 @@ struct ExportReport {
   RecordingDefects defects;
   std::int64_t rows = 0;     ///< of all groups
   std::int64_t missing = 0;  ///< of them, summed over nodes, those without samples
-  std::int64_t pulses = 0;   ///< written to the file of pulses
+  WrittenPulses pulses = {};
   std::uintmax_t bytes = 0;  ///< of the file
 };
 

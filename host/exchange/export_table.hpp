@@ -68,15 +68,23 @@ struct ExportMark {
   std::string text = {};
 };
 
+/// Samples of a node whose time nobody can tell, for its clock was never known.
+struct ExportLeftOut {
+  std::string node = {};
+  std::int64_t samples = 0;  ///< of each channel
+};
+
 struct ExportTable {
   std::string vehicle = {};       ///< its name
   std::string vehicle_toml = {};  ///< its whole description
   std::string program = {};       ///< that made the recording
   std::int64_t start_ns = 0;      ///< of the first row of all, in the recording's time; times count from here
   std::optional<std::int64_t> start_utc_us = {};  ///< the same in UTC
+  bool own_clocks = false;                        ///< the recording tells the host's time; else the nodes'
   bool start_by_clock = false;  ///< by the recorded clocks; else by the first block's arrival
   std::vector<ExportGroup> group = {};
   std::vector<ExportMark> mark = {};
+  std::vector<ExportLeftOut> left_out = {};
 };
 
 }  // namespace roadbalance

@@ -12,8 +12,10 @@ namespace {
 
 /// Samples this near to a grid are its rows, in periods: what rounding to nanoseconds leaves, and more.
 constexpr double kOnGrid = 0.02;
+/// No crystal is this far off: between the first and the last sample the time base has broken.
+constexpr double kMostDrift = 1e-3;
 
-/// Of `span`'s scan `scan` on a grid from `origin_ns` on, in periods.
+/// Of an instant on a grid from `origin_ns` on, in periods.
 double position(std::int64_t time_ns, std::int64_t origin_ns, std::int64_t period_ps) {
   return static_cast<double>(time_ns - origin_ns) * 1000.0 / static_cast<double>(period_ps);
 }
@@ -117,16 +119,22 @@ ExportGroup common_group(const RecordingSurvey& survey, std::vector<const Record
   return group;
 }
 
+std::string name_of(const VehicleConfig& vehicle, std::int32_t id) {
+  const NodeConfig* node = vehicle.node_with_id(id);
+  return node ? node->name : "node" + std::to_string(id);
+}
+
 ExportGroup own_group(const RecordingSurvey& survey, const RecordedSpan& span, int number) {
-  const NodeConfig* node = survey.vehicle.node_with_id(span.node);
-  ExportGroup group{.name = node ? node->name : "node" + std::to_string(span.node),
+  ExportGroup group{.name = name_of(survey.vehicle, span.node),
                     .first_ns = span.first_host_ns(),
                     .origin_ns = span.first_host_ns(),
                     .period_ps = span.period_ps};
   if (number > 1) group.name += "_" + std::to_string(number);
   const auto seconds = static_cast<double>(span.end_ns() - group.first_ns) * 1e-9;
   const auto scans = static_cast<double>(span.next_scan - span.first_scan);
-  group.rate_hz = seconds > 0.0 ? scans / seconds : 1e12 / static_cast<double>(span.period_ps);
+  const double nominal_hz = 1e12 / static_cast<double>(span.period_ps);
+  const double mean_hz = seconds > 0.0 ? scans / seconds : nominal_hz;
+  group.rate_hz = std::abs(mean_hz / nominal_hz - 1.0) < kMostDrift ? mean_hz : nominal_hz;
   add_part(survey.vehicle, span, 0, group);
   return group;
 }
@@ -135,9 +143,10 @@ std::vector<ExportGroup> groups_of(const RecordingSurvey& survey) {
   std::vector<const RecordedSpan*> left;
   for (const auto& span : survey.span) left.push_back(&span);
   std::vector<ExportGroup> groups;
-  const bool own_clocks =
-      std::any_of(left.begin(), left.end(), [](const auto* span) { return span->first_fit.has_value(); });
-  if (!own_clocks) groups.push_back(common_group(survey, left));
+  if (survey.own_clocks())
+    std::erase_if(left, [](const auto* span) { return !span->first_fit; });
+  else
+    groups.push_back(common_group(survey, left));
   std::map<std::int32_t, int> seen;
   for (const RecordedSpan* span : left) groups.push_back(own_group(survey, *span, ++seen[span->node]));
   std::erase_if(groups, [](const ExportGroup& group) { return group.channel.empty() || group.rows == 0; });
@@ -203,16 +212,18 @@ ExportTable make_table(const RecordingSurvey& survey) {
                     .group = groups_of(survey)};
   table.start_utc_us = survey.start_utc_us;
   table.start_by_clock = survey.start_by_clock;
+  table.own_clocks = survey.own_clocks();
+  for (const auto& span : survey.span)
+    if (table.own_clocks && !span.first_fit)
+      table.left_out.push_back({name_of(survey.vehicle, span.node), span.next_scan - span.first_scan});
   if (table.group.empty()) return table;
   table.start_ns = std::min_element(table.group.begin(), table.group.end(), [](const auto& a, const auto& b) {
                      return a.first_ns < b.first_ns;
                    })->first_ns;
   for (auto& group : table.group) group.first_ns -= table.start_ns;
-  const bool own_clocks = std::any_of(survey.span.begin(), survey.span.end(),
-                                      [](const auto& s) { return s.first_fit.has_value(); });
   for (const auto& mark : survey.mark)
     table.mark.push_back(
-        {(own_clocks ? mark.host_ns : mark.last_sample_ns) - table.start_ns, mark.number, mark.text});
+        {(table.own_clocks ? mark.host_ns : mark.last_sample_ns) - table.start_ns, mark.number, mark.text});
   return table;
 }
 

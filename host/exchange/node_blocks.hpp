@@ -8,6 +8,7 @@
 #include "common/bus/codec.hpp"
 #include "common/record/record.hpp"
 #include "host/analyser/in_sequence.hpp"
+#include "host/exchange/epoch_clock.hpp"
 #include "host/exchange/export_table.hpp"
 
 namespace roadbalance {
@@ -16,22 +17,21 @@ namespace roadbalance {
 class NodeBlocks {
  public:
   /// @param part  outlives it
-  NodeBlocks(const std::filesystem::path& folder, const ExportPart& part);
+  /// @param own_clocks  as in its table
+  NodeBlocks(const std::filesystem::path& folder, const ExportPart& part, bool own_clocks);
 
   struct Placed {
     ScanBlock block;
-    std::int64_t first_row = 0;        ///< as rows are counted in the recording
-    std::optional<ClockFit> fit = {};  ///< that tells its time; nothing: its node's own time will do
+    std::int64_t first_row = 0;  ///< as rows are counted in the recording
 
     std::int64_t end_row() const { return first_row + block.header.scans; }
-    /// As the recording tells time.
-    std::int64_t time_ns(std::int64_t row) const {
-      const std::int64_t node_ns = block.row_time_ns(row - first_row);
-      return fit ? fit->host_time_ns(node_ns) : node_ns;
-    }
   };
   /// The block at hand; nullptr behind the last.
   const Placed* now() const { return there_ ? &now_ : nullptr; }
+  /// Of a row of it, as the recording tells time; nothing: its node's clock is not known there.
+  std::optional<std::int64_t> time_ns(std::int64_t row) const {
+    return clock_.time_ns(now_.block.row_time_ns(row - now_.first_row));
+  }
   const ExportPart& part() const { return part_; }
   void advance();
 
@@ -40,8 +40,8 @@ class NodeBlocks {
 
   RecordReader reader_;
   const ExportPart& part_;
-  const std::string scans_, fits_;  ///< channels
-  std::optional<ClockFit> fit_;     ///< that came last
+  const std::string scans_;  ///< channel
+  EpochClock clock_;
   InSequence in_sequence_;
   SealedBlock sealed_;
   Placed now_;

@@ -2,109 +2,127 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "common/bus/bus.hpp"
-#include "common/bus/clock_messages.hpp"
 #include "common/bus/codec.hpp"
 #include "common/record/record.hpp"
 #include "host/analyser/in_sequence.hpp"
 #include "host/exchange/byte_sink.hpp"
 #include "host/exchange/decimal_text.hpp"
+#include "host/exchange/epoch_clock.hpp"
 
 namespace roadbalance {
 namespace {
 
-constexpr std::array kKindNames{"tooth", "zero", "tooth_backward", "lost"};  ///< by EdgeKind
-
-/// The edges of one node, in order of time.
-class NodeEdges {
+/// The edges of one node epoch, in order of time.  Those of an epoch that came late (repaired after an hour
+/// without a network) stand behind later ones in the recording: hence each epoch has a reader.
+class EpochEdges {
  public:
-  NodeEdges(const std::filesystem::path& folder, const VehicleConfig& vehicle, const NodeConfig& node)
+  EpochEdges(const std::filesystem::path& folder, const RecordingSurvey& survey, const NodeConfig& node,
+             const RecordedSpan& span)
       : reader_(folder),
-        edge_channel_(block_channel(node.id, BlockKind::kEdge)),
-        fit_channel_(clock_fit_channel(node.id)) {
+        key_(span.node, span.epoch),
+        edge_channel_(block_channel(span.node, BlockKind::kEdge)),
+        clock_(key_, span.first_fit, survey.own_clocks()) {
     for (int line = 0; line < kEncoderLines; ++line)
-      wheel_[static_cast<std::size_t>(line)] = vehicle.wheel_at(node, line);
+      wheel_[static_cast<std::size_t>(line)] = survey.vehicle.wheel_at(node, line);
     reader_.finish();
     advance();
   }
 
   bool is_there() const { return at_ < edges_.size(); }
   const Edge& edge() const { return edges_[at_]; }
-  /// nullptr: no wheel is on that line.
-  const WheelConfig* wheel() const { return edge().line < wheel_.size() ? wheel_[edge().line] : nullptr; }
-  /// As the recording tells time.
-  std::int64_t time_ns() const {
-    const std::int64_t node_ns = to_ns(edge().time);
-    const auto fit = fit_.find(epoch_);
-    return fit == fit_.end() ? node_ns : fit->second.host_time_ns(node_ns);
-  }
+  const WheelConfig& wheel() const { return *wheel_[edge().line]; }
+  /// As the recording tells time; never a step back, for fits of a clock differ by microseconds.
+  std::int64_t time_ns() const { return time_ns_; }
+  /// Edges so far whose time nobody can tell.
+  std::int64_t left_out() const { return left_out_; }
 
   void advance() {
-    if (++at_ < edges_.size()) return;
-    at_ = 0;
-    edges_.clear();
-    while (const auto event = reader_.next()) {
-      if (event->channel == fit_channel_) {
-        const auto fit = decode_clock_fit(event->data);
-        if (fit && fit->state != ClockState::kAcquire) fit_[fit->epoch] = *fit;
-      }
-      if (event->channel != edge_channel_ || accept(event->data, sealed_) != Refusal::kNone ||
-          sealed_.kind != BlockKind::kEdge)
-        continue;
-      in_sequence_.add(sealed_, [&](const SealedBlock& block) { edges_ = decode_edge(block).unpack(); });
-      epoch_ = sealed_.header.epoch;
-      if (!edges_.empty()) return;
-    }
+    do ++at_;
+    while ((at_ < edges_.size() || read()) && !place());
   }
 
  private:
+  /// False if no wheel is on that line, or its time is not known.
+  bool place() {
+    if (edge().line >= wheel_.size() || wheel_[edge().line] == nullptr) return false;
+    const auto time_ns = clock_.time_ns(to_ns(edge().time));
+    if (time_ns)
+      time_ns_ = std::max(time_ns_, *time_ns);
+    else
+      ++left_out_;
+    return time_ns.has_value();
+  }
+
+  bool read() {
+    at_ = 0;
+    edges_.clear();
+    while (const auto event = reader_.next()) {
+      clock_.take(*event);
+      if (event->channel != edge_channel_ || accept(event->data, sealed_) != Refusal::kNone ||
+          sealed_.kind != BlockKind::kEdge || NodeEpoch{sealed_.header.node, sealed_.header.epoch} != key_)
+        continue;
+      in_sequence_.add(sealed_, [&](const SealedBlock& block) { edges_ = decode_edge(block).unpack(); });
+      if (!edges_.empty()) return true;
+    }
+    return false;
+  }
+
   RecordReader reader_;
-  const std::string edge_channel_, fit_channel_;
-  std::array<const WheelConfig*, kEncoderLines> wheel_{};
-  std::map<std::int64_t, ClockFit> fit_;  ///< of an epoch, that came last
+  const NodeEpoch key_;
+  const std::string edge_channel_;
+  EpochClock clock_;
+  std::array<const WheelConfig*, kEncoderLines> wheel_{};  ///< nullptr: none is on that line
   InSequence in_sequence_;
   SealedBlock sealed_;
-  std::int64_t epoch_ = 0;
   std::vector<Edge> edges_;
   std::size_t at_ = 0;
+  std::int64_t time_ns_ = std::numeric_limits<std::int64_t>::min();
+  std::int64_t left_out_ = 0;
 };
 
 }  // namespace
 
-std::int64_t write_pulses(const std::filesystem::path& folder, const VehicleConfig& vehicle,
-                          const ExportTable& table, const ExportSelection& selection,
-                          const std::filesystem::path& file, const std::stop_token& stop) {
-  std::vector<std::unique_ptr<NodeEdges>> nodes;
-  for (const auto& node : vehicle.node) nodes.push_back(std::make_unique<NodeEdges>(folder, vehicle, node));
+WrittenPulses write_pulses(const std::filesystem::path& folder, const RecordingSurvey& survey,
+                           const ExportTable& table, const ExportSelection& selection,
+                           const std::filesystem::path& file, const std::stop_token& stop) {
+  std::vector<std::unique_ptr<EpochEdges>> epochs;
+  for (const auto& span : survey.span)
+    if (const NodeConfig* node = survey.vehicle.node_with_id(span.node))
+      epochs.push_back(std::make_unique<EpochEdges>(folder, survey, *node, span));
   ByteSink sink(file);
   sink.put("time_s,wheel,kind\n");
-  std::int64_t written = 0;
+  WrittenPulses pulses;
   while (true) {
-    std::erase_if(nodes, [](const auto& node) { return !node->is_there(); });
-    if (nodes.empty()) break;
-    NodeEdges& next = **std::min_element(
-        nodes.begin(), nodes.end(), [](const auto& a, const auto& b) { return a->time_ns() < b->time_ns(); });
+    std::erase_if(epochs, [&](const auto& epoch) {
+      if (!epoch->is_there()) pulses.left_out += epoch->left_out();
+      return !epoch->is_there();
+    });
+    if (epochs.empty()) break;
+    EpochEdges& next = **std::min_element(epochs.begin(), epochs.end(), [](const auto& a, const auto& b) {
+      return a->time_ns() < b->time_ns();
+    });
     const std::int64_t time_ns = next.time_ns() - table.start_ns;
     const double seconds = static_cast<double>(time_ns) * 1e-9;
-    if (next.wheel() != nullptr && seconds >= selection.from_s &&
-        (!selection.to_s || seconds < *selection.to_s)) {
+    if (seconds >= selection.from_s && (!selection.to_s || seconds < *selection.to_s)) {
       std::array<char, kDecimalText> text;
       const char* end = write_decimal(text.data(), time_ns, 9);
       sink.put(std::string_view(text.data(), static_cast<std::size_t>(end - text.data())));
-      sink.put("," + next.wheel()->name + "," + kKindNames[static_cast<std::size_t>(next.edge().kind)] +
-               "\n");
-      if ((++written & 0xFFFF) == 0 && stop.stop_requested()) throw std::runtime_error("stopped");
+      sink.put("," + next.wheel().name + ",");
+      sink.put(kPulseKinds.at(static_cast<std::size_t>(next.edge().kind)));
+      sink.put("\n");
+      if ((++pulses.written & 0xFFFF) == 0 && stop.stop_requested()) throw std::runtime_error("stopped");
     }
     next.advance();
   }
   sink.close();
-  return written;
+  return pulses;
 }
 
 }  // namespace roadbalance

@@ -24,7 +24,7 @@ RowStream::RowStream(const std::filesystem::path& folder, const ExportTable& tab
   for (const auto& part : group_.part) {
     if (part.converter.empty()) continue;
     nodes.insert(part.node);
-    part_.push_back(std::make_unique<NodeBlocks>(folder, part));
+    part_.push_back(std::make_unique<NodeBlocks>(folder, part, table.own_clocks));
   }
   nodes_ = std::ssize(nodes);
 }
@@ -37,7 +37,8 @@ void RowStream::copy(const NodeBlocks& blocks, std::int64_t row, std::int64_t be
   std::int32_t* to = counts_.data() + at * group_.channel.size() + part.first_column;
   for (std::size_t c = 0; c < part.converter.size(); ++c)
     if (is_known(placed.block, part.converter[c])) to[c] = from[part.converter[c]];
-  if (!group_.shared_time) time_ns_[at] = placed.time_ns(row) - table_.start_ns;
+  if (group_.shared_time) return;
+  if (const auto time_ns = blocks.time_ns(row)) time_ns_[at] = *time_ns - table_.start_ns;
 }
 
 /// Rows [begin, end), as they are counted in the recording.  @return how many there were

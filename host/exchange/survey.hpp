@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -42,6 +43,11 @@ struct RecordingSurvey {
     std::string text;
   };
   std::vector<Mark> mark = {};
+
+  /// The recording tells the host's time; a node epoch without a fit then has none.
+  bool own_clocks() const {
+    return std::any_of(span.begin(), span.end(), [](const auto& s) { return s.first_fit.has_value(); });
+  }
 };
 
 /// Reads a recording once.
@@ -52,7 +58,8 @@ RecordingSurvey survey_recording(const std::filesystem::path& folder, std::stop_
 /// The channels and groups of a recording.
 ///
 /// Node epochs without clocks of their own (one time by construction: an import, a simulation faster than
-/// real time) whose samples lie on one grid make one group.  Every other node epoch is a group of its own.
+/// real time) whose samples lie on one grid make one group.  Every other node epoch is a group of its own;
+/// one without a fit beside others that have theirs is left out, for nobody can tell its time.
 ExportTable make_table(const RecordingSurvey& survey);
 
 /// What of it is wanted.

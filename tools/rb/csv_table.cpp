@@ -10,6 +10,7 @@
 
 #include "common/config/section.hpp"
 #include "common/config/text_file.hpp"
+#include "host/exchange/pulses.hpp"
 #include "host/exchange/units.hpp"
 
 namespace roadbalance {
@@ -138,10 +139,11 @@ std::vector<Pulse> read_pulses(const std::filesystem::path& file) {
       lines.fail("wheel", "\"" + std::string(lines.cells()[1]) +
                               "\"; allowed: front_left, front_right, rear_left, rear_right");
     const std::string_view kind = lines.cells()[2];
-    if (kind != "tooth" && kind != "zero")
-      lines.fail("kind", "\"" + std::string(kind) + "\"; allowed: tooth, zero");
+    const auto known = std::find(kPulseKinds.begin(), kPulseKinds.end(), kind);
+    if (known == kPulseKinds.end())
+      lines.fail("kind", "\"" + std::string(kind) + "\"; allowed: tooth, zero, tooth_backward, lost");
     pulses.push_back({time_s, static_cast<int>(wheel - kWheelNames.begin()),
-                      kind == "tooth" ? EdgeKind::kTooth : EdgeKind::kZeroMark});
+                      static_cast<EdgeKind>(known - kPulseKinds.begin())});
   }
   return pulses;
 }

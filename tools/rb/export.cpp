@@ -1,9 +1,12 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <string>
 
+#include "common/config/section.hpp"
 #include "common/process/stop_on_signal.hpp"
 #include "common/record/file.hpp"
 #include "host/exchange/export_recording.hpp"
@@ -45,6 +48,9 @@ Json report_json(const ExportOptions& options, const ExportReport& report) {
   for (const auto& mark : report.table.mark)
     marks.push_back(
         {{"time_s", static_cast<double>(mark.time_ns) * 1e-9}, {"number", mark.number}, {"text", mark.text}});
+  Json left_out = Json::array();
+  for (const auto& part : report.table.left_out)
+    left_out.push_back({{"node", part.node}, {"samples", part.samples}});
   const auto& start = report.table.start_utc_us;
   return {{"file", options.file},
           {"format", options.request.format},
@@ -53,7 +59,9 @@ Json report_json(const ExportOptions& options, const ExportReport& report) {
           {"start_by_clock", report.table.start_by_clock},
           {"rows", report.rows},
           {"rows_missing", report.missing},
-          {"pulses", report.pulses},
+          {"pulses", report.pulses.written},
+          {"pulses_left_out", report.pulses.left_out},
+          {"left_out", left_out},
           {"damaged_bytes", report.defects.damaged_bytes},
           {"blocks_refused", report.defects.refused_blocks},
           {"blocks_missing", report.defects.missing_blocks},
@@ -68,7 +76,26 @@ void tell(const ExportOptions& options, const ExportReport& report) {
   if (report.missing > 0)
     std::fprintf(stderr, "in %lld of them samples of a node are missing, and marked so\n",
                  static_cast<long long>(report.missing));
+  for (const auto& part : report.table.left_out)
+    std::fprintf(stderr, "node %s: its clock is not known, %lld samples left out\n", part.node.c_str(),
+                 static_cast<long long>(part.samples));
+  if (report.pulses.left_out > 0)
+    std::fprintf(stderr, "%lld pulses left out: the clock of their node is not known\n",
+                 static_cast<long long>(report.pulses.left_out));
   std::fprintf(stderr, "%s: %.1f MB\n", options.file.c_str(), static_cast<double>(report.bytes) * 1e-6);
+}
+
+/// Refuses, before the work starts, to replace a file with the vehicle's description.
+void check_vehicle_file(const ExportOptions& options) {
+  if (options.vehicle.empty()) return;
+  const auto absolute = [](const std::string& file) {
+    return std::filesystem::absolute(file).lexically_normal();
+  };
+  if (std::filesystem::exists(options.vehicle))
+    throw std::runtime_error(options.vehicle + ": exists already; remove it, or choose another name");
+  for (const std::string& other : {options.file, options.pulses})
+    if (!other.empty() && absolute(other) == absolute(options.vehicle))
+      throw ConfigError("--vehicle: " + options.vehicle + ": is another file to make, too");
 }
 
 int run_export(ExportOptions options) {
@@ -76,6 +103,7 @@ int run_export(ExportOptions options) {
   options.request.folder = options.folder;
   options.request.file = options.file;
   options.request.pulses = options.pulses;
+  check_vehicle_file(options);
   if (options.has_to) options.request.selection.to_s = options.to_s;
   const ExportReport report = [&] {
     ProgressLine line;
@@ -91,7 +119,8 @@ int run_export(ExportOptions options) {
   const RecordingDefects& defects = report.defects;
   if (defects.damaged_bytes > 0 || defects.refused_blocks > 0 || defects.missing_blocks > 0)
     return kAnswerIsNo;
-  return report.missing > 0 ? kIncomplete : kDone;
+  const bool is_whole = report.missing == 0 && report.table.left_out.empty() && report.pulses.left_out == 0;
+  return is_whole ? kDone : kIncomplete;
 }
 
 }  // namespace
@@ -116,9 +145,8 @@ void add_export(CLI::App& app, int& code) {
   command->add_option("--vehicle", options->vehicle, "also write the recorded vehicle.toml to this file");
   command->add_flag("--json", options->json, "one JSON object on standard output");
   command->footer(
-      "Exit codes: 0 done, 3 samples are missing in it and marked so, 1 the recording is damaged and the "
-      "file "
-      "holds the rest, 2 usage, 4 cannot read or write.");
+      "Exit codes: 0 done, 3 samples are missing in it and marked so, or left out for nobody can tell their "
+      "time, 1 the recording is damaged and the file holds the rest, 2 usage, 4 cannot read or write.");
   command->callback([options, to, &code] {
     options->has_to = to->count() > 0;
     code = run_export(*options);

@@ -158,19 +158,23 @@ TEST_F(ImportCsv, KeepsPulsesOnTheirLine) {
   const auto report = import_csv({.samples = write("s.csv", samples(100, uniform)),
                                   .pulses = write("p.csv",
                                                   "time_s,wheel,kind\n2.01,front_left,tooth\n"
-                                                  "2.05,front_left,zero\n"),
+                                                  "2.05,front_left,zero\n"
+                                                  "2.06,front_left,tooth_backward\n"
+                                                  "2.07,front_left,lost\n"),
                                   .folder = folder_ / "record"},
                                  two_nodes());
   EXPECT_TRUE(report.has_pulses);
   EXPECT_EQ(report.nodes[0].edges, 0);
-  EXPECT_EQ(report.nodes[1].edges, 2);
+  EXPECT_EQ(report.nodes[1].edges, 4);
   for (const auto& block : blocks_of_record()) {
     if (block.kind != BlockKind::kEdge) continue;
     const auto edges = decode_edge(block).unpack();
-    ASSERT_EQ(edges.size(), 2U);
+    ASSERT_EQ(edges.size(), 4U);
     EXPECT_EQ(edges[0].line, 1);
     EXPECT_EQ(to_ns(edges[1].time), 2'050'000'000);
     EXPECT_EQ(edges[1].kind, EdgeKind::kZeroMark);
+    EXPECT_EQ(edges[2].kind, EdgeKind::kToothBackward);
+    EXPECT_EQ(edges[3].kind, EdgeKind::kLost);
   }
 }
 

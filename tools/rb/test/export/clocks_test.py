@@ -1,5 +1,6 @@
 """Recordings of nodes with clocks of their own or started again, and marks: events put in by hand."""
 
+import json
 import pathlib
 import shutil
 import struct
@@ -53,9 +54,9 @@ def epoch_of(folder, number):
     return struct.unpack_from(">q", log, at + 12)[0]
 
 
-def fit(folder, number, host_ns, node_ns, drift, index=1):
+def fit(folder, number, host_ns, node_ns, drift, index=1, state=1, breaks=0):
     return event(f"RB_CLOCK_{number}".encode(),
-                 message("clock_fit_t", node=number, epoch=epoch_of(folder, number), number=index, state=1,
+                 message("clock_fit_t", node=number, epoch=epoch_of(folder, number), number=index, state=state, breaks=breaks,
                          host_ns=host_ns, node_ns=node_ns, drift=drift, uncertainty_s=1e-5, exchanges=10))
 
 
@@ -66,11 +67,11 @@ def mark(number, host_ns, text):
 
 
 class Clocks(Exports):
-    def with_clocks(self):
+    def with_clocks(self, source=None, nodes=(1, 2), after=0):
         folder = self.root / "clocks"
-        shutil.copytree(self.made, folder)
-        fits = [fit(folder, n, HOST_NS + OFFSET_NS[n], 0, DRIFT[n]) for n in (1, 2)]
-        insert(folder, {0: [*fits, mark(1, HOST_NS + 4 * 10**9, b"pothole")]})
+        shutil.copytree(source or self.made, folder)
+        fits = [fit(folder, n, HOST_NS + OFFSET_NS[n], 0, DRIFT[n]) for n in nodes]
+        insert(folder, {after: [*fits, mark(1, HOST_NS + 4 * 10**9, b"pothole")]})
         return folder
 
     def host_s(self, folder, number):
@@ -138,6 +139,59 @@ class Clocks(Exports):
             np.testing.assert_array_equal(np.rint(part / self.SCALE + self.OFFSET)[self.there], self.counts[self.there])
         self.assertTrue(np.isnan(cells[self.ROWS:15_000, 1:]).all())
         self.assertEqual(said["rows_missing"], 2 * (2 * 1000 + 5000) + 2 * 7)
+
+    def test_pulses_before_the_first_fit_are_on_the_clock_of_the_samples(self):
+        drive = self.drive()
+        _, truth = self.export("hdf5", drive, "truth.h5", "--pulses", self.root / "truth.csv")
+        folder = self.with_clocks(drive, after=400)
+        front_s, rear_s = (self.host_s(folder, n)[1][0] for n in (1, 2))
+        start_s = min(front_s, rear_s)
+        path, said = self.export("hdf5", folder, "late.h5", "--pulses", self.root / "late.csv")
+        with h5py.File(path) as data:
+            self.assertAlmostEqual(data["front"]["time_s"][0], front_s - start_s, places=8)
+        self.assertEqual(said["pulses"], truth["pulses"])
+        read_pulses = lambda name: [line.split(",") for line in (self.root / name).read_text().splitlines()[1:]]
+        late, true = read_pulses("late.csv"), read_pulses("truth.csv")
+        times = [float(time_s) for time_s, _, _ in late]
+        self.assertEqual(times, sorted(times))
+        node_start_s = min(Node(drive, n).time_ns[0] for n in (1, 2)) * 1e-9
+        for wheels, number in ((("front_left", "front_right"), 1), (("rear_left", "rear_right"), 2)):
+            for wheel in wheels:
+                node_s = np.array([float(time_s) for time_s, name, _ in true if name == wheel]) + node_start_s
+                expected = HOST_NS * 1e-9 + OFFSET_NS[number] * 1e-9 + node_s / (1 + DRIFT[number]) - start_s
+                found = [float(time_s) for time_s, name, _ in late if name == wheel]
+                np.testing.assert_allclose(found, expected, rtol=0, atol=1e-8)
+
+    def test_a_node_whose_clock_is_never_known_is_left_out_and_named(self):
+        folder = self.with_clocks(nodes=(1,))
+        done = rb("export", "--format", "hdf5", folder, "-o", self.root / "one.h5", "--json")
+        self.assertEqual(done.returncode, 3, done.stderr)
+        self.assertIn(f"node rear: its clock is not known, {self.ROWS} samples left out", done.stderr)
+        said = json.loads(done.stdout)
+        self.assertEqual(said["left_out"], [{"node": "rear", "samples": self.ROWS}])
+        self.assertEqual([group["name"] for group in said["groups"]], ["front"])
+        self.assertAlmostEqual(said["marks"][0]["time_s"], HOST_NS * 1e-9 + 4 - self.host_s(folder, 1)[1][0], places=7)
+        with h5py.File(self.root / "one.h5") as data:
+            self.assertEqual([name for name in data if isinstance(data[name], h5py.Group)], ["front"])
+            self.assertEqual(data["front"]["time_s"][0], 0)
+
+    def test_behind_a_break_of_the_time_base_samples_go_on_and_pulses_are_left_out(self):
+        """Until the next fit nobody knows how the node's clock stands."""
+        drive = self.drive()
+        folder = self.root / "clocks"
+        shutil.copytree(drive, folder)
+        first = fit(folder, 1, HOST_NS, 0, 0.0)
+        broken = fit(folder, 1, 0, 0, 0.0, index=2, state=0, breaks=1)
+        again = fit(folder, 1, HOST_NS + 2 * 10**9, 0, 0.0, index=3, breaks=1)
+        insert(folder, {0: [first], 400: [broken], 800: [again]})
+        _, said = self.export("hdf5", folder, "break.h5", "--channels", "front", "--pulses", self.root / "break.csv")
+        with h5py.File(self.root / "break.h5") as data:
+            steps = np.diff(data["front"]["time_s"])
+        jumps = steps[steps > 1.5]
+        self.assertEqual(len(jumps), 1)
+        np.testing.assert_allclose(steps[steps < 1.5], 1 / 2000, rtol=0, atol=2e-9)
+        self.assertAlmostEqual(jumps[0], 2 + 1 / 2000, places=7)
+        self.assertGreater(said["pulses_left_out"], 0)
 
     def tearDown(self):
         shutil.rmtree(self.root / "clocks", ignore_errors=True)

@@ -107,6 +107,10 @@ class Csv(Exports):
                 (("--format", "csv", self.root / "empty", "-o", self.root / "x"), 4, "empty"),
                 (("--format", "csv", self.made, "-o", self.root / "is_there"), 4, "is_there: exists already"),
                 (("--format", "csv", self.made, "-o", self.root / "no" / "x"), 4, "x.part"),
+                (("--format", "csv", self.made, "-o", self.root / "x", "--vehicle", self.root / "is_there"), 4, "is_there: exists already"),
+                (("--format", "csv", self.made, "-o", self.root / "x", "--pulses", self.root / "is_there"), 4, "is_there: exists already"),
+                (("--format", "csv", self.made, "-o", self.root / "x", "--pulses", self.root / "x"), 2, "--pulses"),
+                (("--format", "csv", self.made, "-o", self.root / "x", "--vehicle", self.root / "x"), 2, "--vehicle"),
                 (("--format", "csv", self.made, "-o", self.root / "x", "--channels", "roof"), 2, "front_side"),
                 (("--format", "csv", self.made, "-o", self.root / "x", "--from", 50), 2, "no sample"),
                 (("--format", "csv", self.made, "-o", self.root / "x", "--from", 5, "--to", 5), 2, "--to")):

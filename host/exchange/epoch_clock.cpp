@@ -1,0 +1,22 @@
+#include "host/exchange/epoch_clock.hpp"
+
+#include "common/bus/clock_messages.hpp"
+
+namespace roadbalance {
+
+EpochClock::EpochClock(const NodeEpoch& key, const std::optional<ClockFit>& first_fit, bool own_clocks)
+    : key_(key), fits_(clock_fit_channel(key.first)), first_fit_(first_fit), own_clocks_(own_clocks) {}
+
+void EpochClock::take(const LogEvent& event) {
+  if (!own_clocks_ || (event.channel != fits_ && event.channel != kNoteChannel)) return;
+  const auto fit = clocks_.take(event.channel, event.data);
+  if (fit && NodeEpoch{fit->node, fit->epoch} == key_ && fit->state != ClockState::kAcquire) begun_ = true;
+}
+
+std::optional<std::int64_t> EpochClock::time_ns(std::int64_t node_ns) const {
+  if (!own_clocks_) return node_ns;
+  if (begun_) return clocks_.host_ns(key_, node_ns);
+  return first_fit_ ? std::optional(first_fit_->host_time_ns(node_ns)) : std::nullopt;
+}
+
+}  // namespace roadbalance
