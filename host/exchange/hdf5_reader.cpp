@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <new>
 #include <optional>
 #include <string>
 #include <system_error>
@@ -14,7 +15,7 @@
 namespace roadbalance {
 namespace {
 
-constexpr hsize_t kMostSamples = hsize_t{1} << 31;
+constexpr hsize_t kMostSamples = hsize_t{1} << 28;  ///< 37 h at 2 kHz
 constexpr std::size_t kMostText = 256;
 
 /// Names of what lies in a group.
@@ -77,7 +78,9 @@ class Reader {
                            : "has groups of" + all + "; allowed: one, for they have no common instants");
   }
 
-  std::vector<double> read_numbers(hid_t group, const std::string& name) const {
+  /// @param rows  as many must be there; nothing: any number
+  std::vector<double> read_numbers(hid_t group, const std::string& name,
+                                   std::optional<hsize_t> rows = {}) const {
     const Hdf5Handle set(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose,
                          path_ + ": " + name + ": is no data set");
     const Hdf5Handle space(H5Dget_space(set.get()), H5Sclose, path_ + ": " + name);
@@ -87,7 +90,11 @@ class Reader {
     if (H5Sget_simple_extent_ndims(space.get()) != 1 || (kind != H5T_INTEGER && kind != H5T_FLOAT))
       fail(name, "allowed: a row of numbers");
     H5Sget_simple_extent_dims(space.get(), &size, nullptr);
-    if (size == 0 || size > kMostSamples) fail(name, std::to_string(size) + " numbers; allowed: 1 to 2^31");
+    if (size == 0 || size > kMostSamples) fail(name, std::to_string(size) + " numbers; allowed: 1 to 2^28");
+    if (rows && size != *rows)
+      fail(name, std::to_string(size) + " samples; allowed: " + std::to_string(*rows) + " as in time_s");
+    if (H5Dget_storage_size(set.get()) == 0)
+      fail(name, std::to_string(size) + " numbers, but none was ever written");
     std::vector<double> numbers(size);
     if (H5Dread(set.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers.data()) < 0)
       fail(name, "cannot be read: the file is damaged");
@@ -127,10 +134,7 @@ class Reader {
   }
 
   std::vector<double> read_channel(hid_t group, const std::string& name, std::size_t rows) const {
-    std::vector<double> values = read_numbers(group, name);
-    if (values.size() != rows)
-      fail(name,
-           std::to_string(values.size()) + " samples; allowed: " + std::to_string(rows) + " as in time_s");
+    std::vector<double> values = read_numbers(group, name, rows);
     const Hdf5Handle set(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, path_ + ": " + name);
     const std::string unit = text(set.get(), "units");
     const auto factor = unit == "1" ? std::optional(1.0) : factor_of_unit(unit);
@@ -154,7 +158,11 @@ class Reader {
 }  // namespace
 
 SampleTable read_hdf5_samples(const std::filesystem::path& file) {
-  return Reader(file).read();
+  try {
+    return Reader(file).read();
+  } catch (const std::bad_alloc&) {
+    throw ConfigError(file.string() + ": has more samples than this machine has memory for");
+  }
 }
 
 }  // namespace roadbalance

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <set>
 #include <sstream>
 #include <string_view>
@@ -100,15 +101,26 @@ void check_units(Lines& lines) {
   pass_over(lines);
 }
 
-/// The rate that a file of rb export tells to 15 digits: "Rate 2000 Hz, ...".
+/// A number that text begins with.
+std::optional<double> leading_number(std::string_view text) {
+  double value = 0.0;
+  if (std::from_chars(text.data(), text.data() + text.size(), value).ec != std::errc()) return std::nullopt;
+  return value;
+}
+
+/// What a file of rb export tells to more digits than record 7 has: "Rate 2000 Hz, first sample at 1.5 s".
 void refine(std::string_view id_line, Abscissa& abscissa) {
   constexpr std::string_view kBegin = "Rate ";
   if (!id_line.starts_with(kBegin)) return;
-  double rate_hz = 0.0;
-  const char* begin = id_line.data() + kBegin.size();
-  const auto [end, error] = std::from_chars(begin, id_line.data() + id_line.size(), rate_hz);
-  if (error == std::errc() && rate_hz > 0.0 && std::abs(rate_hz * abscissa.step_s - 1.0) < kStepDigits)
-    abscissa.step_s = 1.0 / rate_hz;
+  const auto rate_hz = leading_number(id_line.substr(kBegin.size()));
+  if (rate_hz && *rate_hz > 0.0 && std::abs(*rate_hz * abscissa.step_s - 1.0) < kStepDigits)
+    abscissa.step_s = 1.0 / *rate_hz;
+  constexpr std::string_view kFirst = "first sample at ";
+  const auto at = id_line.find(kFirst);
+  if (at == std::string_view::npos) return;
+  const auto first_s = leading_number(id_line.substr(at + kFirst.size()));
+  if (first_s && std::abs(*first_s - abscissa.first_s) <= kStepDigits * std::abs(abscissa.first_s))
+    abscissa.first_s = *first_s;
 }
 
 class Reader {

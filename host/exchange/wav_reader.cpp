@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -121,7 +122,9 @@ SampleTable read_wav_samples(const std::filesystem::path& file) {
   while (const sf_count_t frames = sf_readf_int(wav.get(), samples.data(), kFrames)) {
     for (std::size_t i = 0; i < static_cast<std::size_t>(frames) * channels; ++i) {
       const Description::Channel& channel = description.channel[i % channels];
-      const double counts = static_cast<double>(samples[i]) / kWavSamplesPerCount;
+      const double counts = samples[i] % kWavSamplesPerCount == 0
+                                ? static_cast<double>(samples[i]) / kWavSamplesPerCount
+                                : std::numeric_limits<double>::quiet_NaN();  // no sample
       table.value_si[i % channels].push_back((counts - channel.offset_counts) * channel.scale);
     }
     for (sf_count_t k = 0; k < frames; ++k)

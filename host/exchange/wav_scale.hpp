@@ -6,4 +6,7 @@ namespace roadbalance {
 /// count more, stay whole within 32 bits.
 inline constexpr int kWavSamplesPerCount = 128;
 
+/// Added to what stands for no sample, the counts nearest below silence: no sample is that.
+inline constexpr int kWavMissing = 1;
+
 }  // namespace roadbalance

@@ -18,9 +18,16 @@ namespace {
 
 constexpr std::size_t kMostChannels = 1024;  // of libsndfile
 
-std::int32_t sample_of(double counts) {
-  constexpr double kLimit = 2147483647.0;
-  return static_cast<std::int32_t>(std::clamp(std::round(counts * kWavSamplesPerCount), -kLimit, kLimit));
+constexpr std::int64_t kMostCounts = 2147483647 / kWavSamplesPerCount;
+
+std::int32_t sample_of(std::int64_t counts) {
+  return static_cast<std::int32_t>(std::clamp(counts, -kMostCounts, kMostCounts) * kWavSamplesPerCount);
+}
+
+/// For what is missing: all but silent, and no sample.
+std::int32_t missing_at(double offset_counts) {
+  constexpr auto kLimit = static_cast<double>(kMostCounts);
+  return sample_of(std::llround(std::floor(std::clamp(offset_counts, -kLimit, kLimit)))) + kWavMissing;
 }
 
 class WavWriter final : public ExportWriter {
@@ -30,7 +37,7 @@ class WavWriter final : public ExportWriter {
     channels_ = group.channel.size();
     if (channels_ > kMostChannels)
       throw ConfigError("wav: " + std::to_string(channels_) + " channels; allowed: 1 .. 1024 (--channels)");
-    for (const auto& channel : group.channel) silence_.push_back(sample_of(channel.offset_counts));
+    for (const auto& channel : group.channel) missing_.push_back(missing_at(channel.offset_counts));
     SF_INFO info{};
     info.samplerate = static_cast<int>(std::max(1L, std::lround(group.rate_hz)));
     info.channels = static_cast<int>(channels_);
@@ -48,10 +55,7 @@ class WavWriter final : public ExportWriter {
   void add(std::size_t, const ExportRows& rows) override {
     samples_.resize(rows.counts.size());
     for (std::size_t i = 0; i < samples_.size(); ++i) {
-      const std::int64_t sample = std::int64_t{rows.counts[i]} * kWavSamplesPerCount;
-      samples_[i] = rows.counts[i] == kMissingCounts
-                        ? silence_[i % channels_]
-                        : static_cast<std::int32_t>(std::clamp<std::int64_t>(sample, -kMost, kMost));
+      samples_[i] = rows.counts[i] == kMissingCounts ? missing_[i % channels_] : sample_of(rows.counts[i]);
     }
     const auto count = static_cast<sf_count_t>(rows.rows());
     if (sf_writef_int(file_, samples_.data(), count) != count)
@@ -65,11 +69,9 @@ class WavWriter final : public ExportWriter {
   }
 
  private:
-  static constexpr std::int64_t kMost = 2147483647;
-
   const std::string path_;
   std::size_t channels_ = 0;
-  std::vector<std::int32_t> silence_, samples_;
+  std::vector<std::int32_t> missing_, samples_;
   SNDFILE* file_ = nullptr;
 };
 

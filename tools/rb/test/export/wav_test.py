@@ -38,8 +38,11 @@ class Wav(Exports):
         channels = comment(file)["groups"][0]["channels"]
         for c, channel in enumerate(channels):
             value = (samples[:, c] / 128 - channel["offset_counts"]) * channel["scale"]
-            expected = np.where(self.there[:, c], self.values[:, c], 0)  # silence
-            np.testing.assert_allclose(value, expected, rtol=1e-14, atol=1e-14)
+            there = self.there[:, c]
+            np.testing.assert_allclose(value[there], self.values[there, c], rtol=1e-14, atol=1e-14)
+            self.assertTrue((samples[there, c] % 128 == 0).all())
+            self.assertTrue((samples[~there, c] % 128 == 1).all())  # no sample, and all but silent
+            self.assertLess(np.abs(value[~there]).max(), channel["scale"])
             self.assertEqual(channel["name"], self.CHANNELS[c])
 
     def test_sox_reads_every_count(self):
