@@ -93,9 +93,9 @@ WrittenPulses write_pulses(const std::filesystem::path& folder, const RecordingS
                            const ExportTable& table, const ExportSelection& selection,
                            const std::filesystem::path& file, const std::stop_token& stop) {
   std::vector<std::unique_ptr<EpochEdges>> epochs;
-  for (const auto& span : survey.span)
-    if (const NodeConfig* node = survey.vehicle.node_with_id(span.node))
-      epochs.push_back(std::make_unique<EpochEdges>(folder, survey, *node, span));
+  for (const auto& node : survey.vehicle.node)  // in this order at the same instant, whoever began first
+    for (const auto& span : survey.span)
+      if (span.node == node.id) epochs.push_back(std::make_unique<EpochEdges>(folder, survey, node, span));
   ByteSink sink(file);
   sink.put("time_s,wheel,kind\n");
   WrittenPulses pulses;
