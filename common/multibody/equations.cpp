@@ -14,7 +14,7 @@ namespace {
 /// Something that force goes through: k s + d s', s = stretch(q) - (height of a road).
 struct Element {
   std::string name;
-  Stretch stretch;
+  StretchDerivatives stretch;
   Expression stiffness, damping;
   bool carries = false;  ///< its tension at rest may be other than 0
   int road = -1;
@@ -72,7 +72,7 @@ class Derivation {
     const PointDescription& p = d_.point[static_cast<std::size_t>(place)];
     return frame(p.body).at(names_(p.position));
   }
-  Frame frame(int body) const {
+  BodyFrame frame(int body) const {
     return body == BodyDescription::kGround ? ground() : frames_[static_cast<std::size_t>(body)];
   }
 
@@ -85,7 +85,7 @@ class Derivation {
           const ExpressionRow row = at_.slope(x);
           e_.M.add_product(mass, row, row);
         }
-        const Stretch height = at_.stretch(frames_[b].position[2]);
+        const StretchDerivatives height = at_.stretch(frames_[b].position[2]);
         for (std::size_t i = 0; i < f_; ++i) weight_[i] += mass * g * height.slope[i];
         e_.Q.add(mass * g, height.curvature);
       }
@@ -116,7 +116,7 @@ class Derivation {
     }
   }
 
-  Stretch stretch(const std::string& name, const StretchDescription& s) {
+  StretchDerivatives stretch(const std::string& name, const StretchDescription& s) {
     if (s.point[0] < 0) return at_.stretch(names_(s.formula));
     const ExpressionVector apart = point(s.point[0]) - point(s.point[1]);
     if (s.along) return at_.stretch(dot(names_(s.direction), apart));
@@ -248,7 +248,7 @@ class Derivation {
 
   const Description& d_;
   Names names_;
-  std::vector<Frame> frames_;
+  std::vector<BodyFrame> frames_;
   std::size_t f_;
   Linearisation at_;
   std::vector<std::pair<Expression, Expression>> values_;

@@ -80,15 +80,16 @@ ExpressionVector Names::operator()(const std::array<Formula, 3>& formulas) const
   return {(*this)(formulas[0]), (*this)(formulas[1]), (*this)(formulas[2])};
 }
 
-Frame ground() {
+BodyFrame ground() {
   return {{}, unit_rows()};
 }
 
-std::vector<Frame> frames(const Description& description, const Names& names) {
-  std::vector<Frame> all;
+std::vector<BodyFrame> frames(const Description& description, const Names& names) {
+  std::vector<BodyFrame> all;
   for (const BodyDescription& body : description.body) {
-    const Frame on = body.on == BodyDescription::kGround ? ground() : all[static_cast<std::size_t>(body.on)];
-    Frame frame{on.at(names(body.position)), on.rotation};
+    const BodyFrame on =
+        body.on == BodyDescription::kGround ? ground() : all[static_cast<std::size_t>(body.on)];
+    BodyFrame frame{on.at(names(body.position)), on.rotation};
     for (std::size_t k = 0; k < body.axes.size(); ++k)
       frame.rotation = frame.rotation * turn(body.axes[k], names(body.angle[k]));
     all.push_back(frame);

@@ -36,7 +36,7 @@ class Names {
 };
 
 /// Where a body is, as a function of the coordinates, with all rotations in full.
-struct Frame {
+struct BodyFrame {
   ExpressionVector position;  ///< of its origin, in the axes of the ground
   ExpressionRows rotation;    ///< its axes -> those of the ground
 
@@ -44,9 +44,9 @@ struct Frame {
 };
 
 /// Of the ground: it does not move.
-Frame ground();
+BodyFrame ground();
 
 /// Of all bodies: r = r_on + R_on position, R = R_on R_axis1(angle1) R_axis2(angle2) ...
-std::vector<Frame> frames(const Description& description, const Names& names);
+std::vector<BodyFrame> frames(const Description& description, const Names& names);
 
 }  // namespace roadbalance

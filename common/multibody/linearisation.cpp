@@ -26,9 +26,9 @@ ExpressionMatrix Linearisation::curvature(const Expression& x) const {
   return matrix;
 }
 
-Stretch Linearisation::of_length(const ExpressionVector& apart, const Expression& length) const {
+StretchDerivatives Linearisation::of_length(const ExpressionVector& apart, const Expression& length) const {
   const std::size_t f = coordinates_.size();
-  Stretch result{ExpressionRow(f), ExpressionMatrix(f, f)};
+  StretchDerivatives result{ExpressionRow(f), ExpressionMatrix(f, f)};
   for (const Expression& part : apart) {
     const Expression r = at_rest(part);
     const ExpressionRow first = slope(part);

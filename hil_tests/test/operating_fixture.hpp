@@ -17,8 +17,10 @@ namespace roadbalance {
 
 inline constexpr std::chrono::milliseconds kPatience{60'000};
 
+namespace test {
+
 /// Real nodes and a real recorder that starts and stops on request.
-class Operating : public test::Measurement {
+class Operating : public Measurement {
  protected:
   Operating() { make_vehicles(); }
   explicit Operating(const std::string& bus_url) : Measurement(bus_url) { make_vehicles(); }
@@ -93,5 +95,9 @@ class Operating : public test::Measurement {
   const std::filesystem::path recordings = work.path() / "recordings", vehicles = work.path() / "vehicles";
   Asking asking{url};
 };
+
+}  // namespace test
+
+using test::Operating;
 
 }  // namespace roadbalance

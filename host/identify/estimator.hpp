@@ -28,7 +28,7 @@ struct Question {
   bool asks_for_suspension() const;
 };
 
-struct Answer {
+struct EstimatorAnswer {
   /// What was not asked is as known; an unbalance not asked for is 0.  NaN: this drive does not tell it.
   UnknownVector x = UnknownVector::Zero();
   /// Of x; rows of what was not asked are 0, of what the estimator cannot judge NaN.
@@ -49,7 +49,7 @@ class Estimator {
   /// Stretches in any order; all of one rate.
   virtual void add(const Stretch& stretch) = 0;
   /// From all that was added; may be asked again and again.
-  virtual Answer solve() const = 0;
+  virtual EstimatorAnswer solve() const = 0;
 };
 
 /// A way there is, under the name that `rb identify --estimator` and the studies know it by.

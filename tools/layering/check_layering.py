@@ -47,6 +47,9 @@ MOST_LINES = 300
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 FIELD = re.compile(r"^(?P<type>[\w.]+)\s+\w+\s*(?P<extents>(\[[^\]]*\]\s*)*);")
 CONSTANT = re.compile(r"^const\s+\w+\s+(\w+)\s*=")
+NAMESPACE = re.compile(r"^namespace\s+([\w:]+)\s*\{")
+NAMESPACE_END = re.compile(r"^\}  // namespace")
+DEFINITION = re.compile(r"^(?:struct|class|enum(?:\s+class|\s+struct)?|union)\s+(\w+)(?:\s+final)?\s*(?::[^:;].*)?\{")
 
 
 def check_include(path, room, quoted, name):
@@ -96,9 +99,22 @@ def check_message(text):
                 yield number, f"extent [{extent}] is not fixed; allowed: a number"
 
 
+def definitions(text):
+    """(line, qualified name) of each type that a header defines at the top level of a namespace."""
+    spaces = []
+    for number, line in enumerate(text.splitlines(), 1):
+        if found := NAMESPACE.match(line):
+            spaces.append(found[1])
+        elif NAMESPACE_END.match(line) and spaces:
+            spaces.pop()
+        elif spaces and (found := DEFINITION.match(line)):
+            yield number, "::".join([*spaces, found[1]])
+
+
 def check_tree(root):
     """All violations below `root` as texts.  A tree without sources is one, too."""
     violations = []
+    defined = {}  # qualified name -> where it is first defined: one program may hold all headers
     sources = 0
     for room in ROOMS:
         for file in sorted((root / room).rglob("*")):
@@ -109,6 +125,12 @@ def check_tree(root):
             text = file.read_text(encoding="utf-8")
             found = check_message(text) if file.suffix == ".lcm" else check_source(path, text)
             violations += [f"{path}:{number}: {reason}" for number, reason in found]
+            if file.suffix not in (".hpp", ".h"):
+                continue
+            for number, name in definitions(text):
+                if first := defined.get(name):
+                    violations.append(f"{path}:{number}: {name} is defined in {first}, too; allowed: once")
+                defined.setdefault(name, f"{path}:{number}")
     if sources == 0:
         violations.append(f"{root}: no sources here")
     return violations

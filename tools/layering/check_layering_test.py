@@ -95,6 +95,25 @@ class CheckLayering(unittest.TestCase):
         self.refuses("common/wire/a_t.lcm", begin + "    int32_t n;\n    double x[n];\n}\n", 5, "extent [n] is not fixed")
         self.refuses("common/wire/a_t.lcm", begin + "    int32_t n;\n    double x[2][n];\n}\n", 5, "is not fixed")
 
+    def test_a_type_has_one_definition(self):
+        def header(kind, namespace="roadbalance"):
+            return f"namespace {namespace} {{\n\n{kind} {{}};\n\n}}  // namespace {namespace}\n"
+
+        for one, other in [("struct Answer", "struct Answer"), ("class Answer final", "struct Answer"),
+                           ("struct Answer : Base", "struct Answer"), ("enum class Answer : int", "struct Answer")]:
+            code, output = run({"common/bus/a.hpp": header(one), "host/identify/b.hpp": header(other)})
+            self.assertEqual(code, 1, output)
+            self.assertEqual(output, "host/identify/b.hpp:3: roadbalance::Answer is defined in "
+                                     "common/bus/a.hpp:3, too; allowed: once\n")
+        for one, other in [(header("struct A"), header("struct A", "roadbalance::sim")),  # of two namespaces
+                           (header("struct A"), header("struct B")),
+                           (header("struct A"), "namespace roadbalance {\nstruct A;\n}  // namespace roadbalance\n"),
+                           (header("struct A"), header("struct B {\n  struct A {};\n} b; struct C"))]:
+            code, output = run({"common/bus/a.hpp": one, "host/identify/b.hpp": other})
+            self.assertEqual((code, output), (0, ""))
+        # What only one file sees is its own.
+        self.assertEqual(run({"common/a.hpp": header("struct A"), "common/a.cpp": header("struct A")}), (0, ""))
+
     def test_an_empty_tree_is_not_a_clean_one(self):
         code, output = run({"README.md": "nothing\n"})
         self.assertEqual(code, 1)

@@ -27,7 +27,7 @@ constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 /// What a drive was put to, and what it told.
 struct Told {
-  Answer answer;
+  EstimatorAnswer answer;
   int stretches = 0;
   double seconds = 0.0;
 };
@@ -60,7 +60,7 @@ Question of_suspension(const VehicleConfig& vehicle) {
 }
 
 /// Tyres and the unbalances of wheels with an encoder, with what was told of the suspension.
-Question of_wheels(const VehicleConfig& vehicle, const Answer& suspension) {
+Question of_wheels(const VehicleConfig& vehicle, const EstimatorAnswer& suspension) {
   Question question = of_suspension(vehicle);
   question.asked.reset();
   for (int p = 0; p < kEstimatedTyre; ++p)
@@ -78,7 +78,7 @@ Question of_wheels(const VehicleConfig& vehicle, const Answer& suspension) {
 struct Mass {
   double mass_g, angle_deg, sigma_g, sigma_deg;
 };
-Mass mass_of(const Answer& answer, int wheel, double radius_m) {
+Mass mass_of(const EstimatorAnswer& answer, int wheel, double radius_m) {
   const int at = kEstimatedUnbalance + 2 * wheel;
   const Eigen::Vector2d grams = 1000.0 / radius_m * answer.x.segment<2>(at);
   const Eigen::Matrix2d covariance = std::pow(1000.0 / radius_m, 2) * answer.covariance.block<2, 2>(at, at);
@@ -88,19 +88,19 @@ Mass mass_of(const Answer& answer, int wheel, double radius_m) {
           std::sqrt(tangential.dot(covariance * tangential)) / grams.norm() * kDegrees};
 }
 
-double sigma(const Answer& answer, int i) {
+double sigma(const EstimatorAnswer& answer, int i) {
   return std::sqrt(answer.covariance(i, i));
 }
 
 /// Springs, dampers and stabilisers as the product tells them.
-Identification suspension_of(const Answer& answer) {
+Identification suspension_of(const EstimatorAnswer& answer) {
   Identification result;
   result.state = Unknown::kNone;
   put_suspension(answer.x, answer.covariance, result);
   return result;
 }
 
-Json wheels_json(const Answer& answer, const VehicleConfig& vehicle) {
+Json wheels_json(const EstimatorAnswer& answer, const VehicleConfig& vehicle) {
   Json wheels = Json::array();
   for (int i = 0; i < kWheels; ++i) {
     const auto w = static_cast<std::size_t>(i);
@@ -118,7 +118,7 @@ Json wheels_json(const Answer& answer, const VehicleConfig& vehicle) {
   return wheels;
 }
 
-void print_wheels(const Answer& answer, const VehicleConfig& vehicle) {
+void print_wheels(const EstimatorAnswer& answer, const VehicleConfig& vehicle) {
   for (int i = 0; i < kWheels; ++i) {
     const auto w = static_cast<std::size_t>(i);
     std::printf("%-12s  tyre %6.1f ± %4.1f kN/m", kWheelNames[w], answer.x(kEstimatedTyre + i) / 1e3,

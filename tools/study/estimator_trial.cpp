@@ -35,8 +35,8 @@ std::vector<Stretch> shortened(std::span<const Stretch> stretches, Eigen::Index 
   return result;
 }
 
-Answer ask(const EstimatorKind& kind, const Question& question, const CarTruth& truth,
-           std::span<const Stretch> stretches) {
+EstimatorAnswer ask(const EstimatorKind& kind, const Question& question, const CarTruth& truth,
+                    std::span<const Stretch> stretches) {
   Question put = question;
   if (kind.name == "known-tyre") put.known.segment<kWheels>(kTyre) = truth.parameters.segment<kWheels>(kTyre);
   const std::unique_ptr<Estimator> estimator = kind.make(put);
@@ -44,7 +44,7 @@ Answer ask(const EstimatorKind& kind, const Question& question, const CarTruth& 
   return estimator->solve();
 }
 
-nlohmann::ordered_json errors_of(const Answer& answer, const CarTruth& truth, int wheel) {
+nlohmann::ordered_json errors_of(const EstimatorAnswer& answer, const CarTruth& truth, int wheel) {
   const int tyre = kEstimatedTyre + wheel, re = kEstimatedUnbalance + 2 * wheel;
   const double true_tyre = truth.parameters(kTyre + wheel);
   const Complex U0 = truth.unbalance_kg_m[static_cast<std::size_t>(wheel)];

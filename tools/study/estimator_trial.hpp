@@ -26,8 +26,8 @@ std::vector<Stretch> shortened(std::span<const Stretch> stretches, Eigen::Index 
 
 /// What one estimator makes of these stretches.  `known-tyre` is told the true tyres, which it takes as
 /// known.
-Answer ask(const EstimatorKind& kind, const Question& question, const CarTruth& truth,
-           std::span<const Stretch> stretches);
+EstimatorAnswer ask(const EstimatorKind& kind, const Question& question, const CarTruth& truth,
+                    std::span<const Stretch> stretches);
 
 /// Errors of an answer about a wheel of the truth:
 ///
@@ -37,7 +37,7 @@ Answer ask(const EstimatorKind& kind, const Question& question, const CarTruth& 
 ///      "tyre_sigma_percent", "mass_sigma_percent", "angle_sigma_deg"}   as the estimator states them
 ///
 /// null: not told.  A wheel that is balanced in truth has "residual_kg_m" only.
-nlohmann::ordered_json errors_of(const Answer& answer, const CarTruth& truth, int wheel);
+nlohmann::ordered_json errors_of(const EstimatorAnswer& answer, const CarTruth& truth, int wheel);
 
 /// Estimators of a comma-separated list, or with an empty one all there are.
 /// @throws ConfigError naming the estimators there are

@@ -148,7 +148,7 @@ Json run_cases(const std::vector<TrialCase>& cases, std::uint64_t seed) {
       for (Stretch& stretch : stretches) one.spoil(stretch, seed);
     const CarTruth truth = truth_of(one.drive, seed, one.vehicle);
     for (const EstimatorKind& kind : one.estimators) {
-      const Answer answer = ask(kind, one.question, truth, stretches);
+      const EstimatorAnswer answer = ask(kind, one.question, truth, stretches);
       Json& errors = result[one.name][kind.name] = Json::array();
       for (const int wheel : one.wheels) errors.push_back(errors_of(answer, truth, wheel));
     }

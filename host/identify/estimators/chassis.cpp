@@ -22,9 +22,9 @@ void ChassisEstimator::add(const Stretch& stretch) {
   suspension_.add(without_angles);
 }
 
-Answer ChassisEstimator::solve() const {
+EstimatorAnswer ChassisEstimator::solve() const {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  Answer answer = suspension_.solve();
+  EstimatorAnswer answer = suspension_.solve();
   bool others = false;
   for (int i = kEstimatedTyre; i < kUnknowns; ++i) {
     if (!question_.asked[static_cast<std::size_t>(i)]) continue;

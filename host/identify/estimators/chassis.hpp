@@ -13,7 +13,7 @@ class ChassisEstimator final : public Estimator {
   explicit ChassisEstimator(const Question& question);
 
   void add(const Stretch& stretch) override;
-  Answer solve() const override;
+  EstimatorAnswer solve() const override;
 
  private:
   Question question_;

@@ -60,7 +60,7 @@ void CorrelationEstimator::add(const Stretch& stretch) {
   correlator_.parts(stretch, [&](const LinePhasors& part) { sums_.add(stretch.speed_m_s, part); });
 }
 
-Answer CorrelationEstimator::solve() const {
+EstimatorAnswer CorrelationEstimator::solve() const {
   const BySpeed<LinePhasors> drive = sums_.all();
   const auto solve = [this](const BySpeed<LinePhasors>& part) -> std::optional<UnknownVector> {
     UnknownVector x = UnknownVector::Constant(kNone);
@@ -70,7 +70,7 @@ Answer CorrelationEstimator::solve() const {
     }
     return x;
   };
-  Answer answer = sums_.solve(question_, solve);
+  EstimatorAnswer answer = sums_.solve(question_, solve);
   bool others = question_.asks_for_suspension();
   for (int i = 0; i < kWheels; ++i) others = others || question_.asks_for_tyre(i);
   if (others)
@@ -102,7 +102,7 @@ Answer CorrelationEstimator::solve() const {
 
 /// Fits log |force| against log Om over the speeds, each weighted by its time.
 void CorrelationEstimator::remark_on_growth(const BySpeed<LinePhasors>& drive, int wheel,
-                                            Answer& answer) const {
+                                            EstimatorAnswer& answer) const {
   std::vector<Eigen::Vector3d> points;  // log Om, log |F|, standard deviation of that
   for (const auto& [key, sums] : drive.at) {
     if (!sums.has(wheel)) continue;

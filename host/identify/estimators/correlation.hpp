@@ -27,10 +27,10 @@ class CorrelationEstimator final : public Estimator {
   explicit CorrelationEstimator(const Question& question);
 
   void add(const Stretch& stretch) override;
-  Answer solve() const override;
+  EstimatorAnswer solve() const override;
 
  private:
-  void remark_on_growth(const BySpeed<LinePhasors>& drive, int wheel, Answer& answer) const;
+  void remark_on_growth(const BySpeed<LinePhasors>& drive, int wheel, EstimatorAnswer& answer) const;
 
   Question question_;
   LinearModel model_;

@@ -10,10 +10,10 @@ UnknownVector known_unknowns(const Question& question) {
   return x;
 }
 
-Answer judged(const Question& question, const std::optional<UnknownVector>& x,
-              const std::optional<UnknownMatrix>& covariance) {
+EstimatorAnswer judged(const Question& question, const std::optional<UnknownVector>& x,
+                       const std::optional<UnknownMatrix>& covariance) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  Answer answer;
+  EstimatorAnswer answer;
   answer.x = known_unknowns(question);
   for (int i = 0; i < kUnknowns; ++i) {
     if (!question.asked[static_cast<std::size_t>(i)]) continue;

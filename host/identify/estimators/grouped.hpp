@@ -61,9 +61,9 @@ class Grouped {
   }
 
   /// `solve` of all, with the covariance that the groups show; NaN, with a remark, where nothing is told.
-  /// @param solve  const BySpeed<Sums>& -> std::optional<UnknownVector>, as Answer::x
+  /// @param solve  const BySpeed<Sums>& -> std::optional<UnknownVector>, as EstimatorAnswer::x
   template <typename Solve>
-  Answer solve(const Question& question, const Solve& solve) const {
+  EstimatorAnswer solve(const Question& question, const Solve& solve) const {
     return judged(question, solve(all()), covariance(solve));
   }
 
@@ -73,10 +73,10 @@ class Grouped {
 };
 
 /// An answer from what was solved: rows of what was not asked are 0, of what is not known NaN.
-Answer judged(const Question& question, const std::optional<UnknownVector>& x,
-              const std::optional<UnknownMatrix>& covariance);
+EstimatorAnswer judged(const Question& question, const std::optional<UnknownVector>& x,
+                       const std::optional<UnknownMatrix>& covariance);
 
-/// What is taken as known: Answer::x of a question that asks for nothing.
+/// What is taken as known: EstimatorAnswer::x of a question that asks for nothing.
 UnknownVector known_unknowns(const Question& question);
 
 }  // namespace roadbalance

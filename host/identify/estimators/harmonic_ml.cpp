@@ -180,12 +180,12 @@ void HarmonicLikelihood::add(const Stretch& stretch) {
   correlator_.parts(stretch, [&](const LinePhasors& part) { sums_.add(stretch.speed_m_s, part); });
 }
 
-Answer HarmonicLikelihood::solve() const {
+EstimatorAnswer HarmonicLikelihood::solve() const {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   const BySpeed<LinePhasors> drive = sums_.all();
   const Lines lines(drive, question_);
   if (lines.empty()) {
-    Answer answer = judged(question_, std::nullopt, std::nullopt);
+    EstimatorAnswer answer = judged(question_, std::nullopt, std::nullopt);
     answer.remarks.emplace_back("no wheel asked for has an angle in steady driving");
     return answer;
   }
@@ -210,7 +210,7 @@ Answer HarmonicLikelihood::solve() const {
   const Eigen::MatrixXd scaled = J * size.cwiseInverse().asDiagonal();
   covariance(place, place) = size.cwiseInverse().asDiagonal() * (scaled.transpose() * scaled).inverse() *
                              size.cwiseInverse().asDiagonal();
-  Answer answer = judged(question_, x, covariance);
+  EstimatorAnswer answer = judged(question_, x, covariance);
   for (const int i : lines.tyres())
     if (std::abs(tyre(i) / known(i) - 1.0) > kRange * (1.0 - 1e-6))
       answer.remarks.push_back(std::string(kWheelNames[static_cast<std::size_t>(i)]) +

@@ -24,7 +24,7 @@ class HarmonicLikelihood final : public Estimator {
   explicit HarmonicLikelihood(const Question& question);
 
   void add(const Stretch& stretch) override;
-  Answer solve() const override;
+  EstimatorAnswer solve() const override;
 
  private:
   Question question_;

@@ -51,8 +51,8 @@ void RelationEstimator::add(const Stretch& stretch) {
                 [this](double speed_m_s, const RelationCovariances& part) { sums_.add(speed_m_s, part); });
 }
 
-Answer RelationEstimator::solve() const {
-  Answer answer = sums_.solve(question_, [this](const BySpeed<RelationCovariances>& sums) {
+EstimatorAnswer RelationEstimator::solve() const {
+  EstimatorAnswer answer = sums_.solve(question_, [this](const BySpeed<RelationCovariances>& sums) {
     return solve_relation(sums, question_, relation_);
   });
   const bool few_tell_it = relation_.road == Road::kUnknown ||

@@ -19,7 +19,7 @@ class RelationEstimator final : public Estimator {
   RelationEstimator(Question question, RelationFilter::Options filter, RelationOptions relation);
 
   void add(const Stretch& stretch) override;
-  Answer solve() const override;
+  EstimatorAnswer solve() const override;
 
  private:
   Question question_;

@@ -73,7 +73,7 @@ void TwoStage::add(const Stretch& stretch) {
         road_->moments(stretch.signals, stretch.omega, stretch.speed_m_s);
 }
 
-Answer TwoStage::solve() const {
+EstimatorAnswer TwoStage::solve() const {
   if (options_.tyre == TyreFrom::kInstrument)
     return sections_.solve(question_, [this](const Drive& drive) {
       return roadbalance::solve(total(drive), question_.geometry, question_.known, question_.asked);
@@ -85,7 +85,7 @@ Answer TwoStage::solve() const {
   if (question_.asks_for_suspension()) add_doubt_of_suspension(drive, *parameters, *solution);
   std::vector<std::string> said;
   if (options_.separate_force) said = separate_forces(drive, *solution);
-  Answer answer = judged(question_, solution->x, solution->covariance);
+  EstimatorAnswer answer = judged(question_, solution->x, solution->covariance);
   answer.remarks.insert(answer.remarks.end(), said.begin(), said.end());
   return answer;
 }

@@ -49,7 +49,7 @@ class TwoStage final : public Estimator {
   TwoStage(const Question& question, const Options& options) : question_(question), options_(options) {}
 
   void add(const Stretch& stretch) override;
-  Answer solve() const override;
+  EstimatorAnswer solve() const override;
 
  private:
   using Drive = BySpeed<SectionMoments>;

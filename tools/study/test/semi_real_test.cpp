@@ -228,7 +228,7 @@ TEST(SemiReal, CorrelationFindsAnUnbalanceWithTheErrorThatTheMeasuredSpectraPred
                                         road.rate_hz, stretch.omega(wheel) / (2.0 * pi), taper);
           power += h2;
         }
-        const Answer answer = estimator->solve();
+        const EstimatorAnswer answer = estimator->solve();
         const Complex found(answer.x(kEstimatedUnbalance + 2 * wheel),
                             answer.x(kEstimatedUnbalance + 2 * wheel + 1));
         ratios.add(std::norm(found - unbalance) / (of_noise / (power * power)));

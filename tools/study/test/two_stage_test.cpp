@@ -43,7 +43,7 @@ Question question() {
   return result;
 }
 
-Answer ask(const std::string& name, const std::vector<Stretch>& stretches) {
+EstimatorAnswer ask(const std::string& name, const std::vector<Stretch>& stretches) {
   const auto estimator = make_estimator(name, question());
   for (const Stretch& stretch : stretches) estimator->add(stretch);
   return estimator->solve();
@@ -66,7 +66,7 @@ double mean_square(const std::string& name, const IdealDrive& of, int runs, Eige
   double sum = 0.0;
   for (int seed = 1; seed <= runs; ++seed) {
     const auto s = static_cast<std::uint64_t>(seed);
-    const Answer answer = ask(name, drive_ideally(of, s, vehicle()));
+    const EstimatorAnswer answer = ask(name, drive_ideally(of, s, vehicle()));
     const Eigen::VectorXd e = (answer.x - truth(of, s)).segment(first, count);
     const Eigen::MatrixXd C = answer.covariance.block(first, first, count, count);
     sum += e.dot(C.ldlt().solve(e)) / static_cast<double>(count);
@@ -113,7 +113,7 @@ TEST(TwoStage, ComesNearTheBound) {
   bound.low_hz = 3.0;
   bound.high_hz = 40.0;
   const UnknownMatrix least = cramer_rao(bound);
-  const Answer answer = ask("cancellation", stretches);
+  const EstimatorAnswer answer = ask("cancellation", stretches);
   for (int i = kEstimatedTyre; i < kUnknowns; ++i) {
     const double ratio = std::sqrt(answer.covariance(i, i) / least(i, i));
     EXPECT_GT(ratio, 0.8) << i;  // the spectra of 10 s tell the road's level to a few per cent
@@ -125,7 +125,7 @@ TEST(TwoStage, CancelsTheRoadThatWheelsShareAndLosesNothingWhereTheyShareNone) {
   const auto sigma = [](const char* name, double coherence2) {
     IdealDrive of = drive();
     of.scenario.road.rear_coherence2 = coherence2;
-    const Answer answer = ask(name, drive_ideally(of, 3, vehicle()));
+    const EstimatorAnswer answer = ask(name, drive_ideally(of, 3, vehicle()));
     return std::sqrt(answer.covariance(kEstimatedUnbalance, kEstimatedUnbalance));
   };
   EXPECT_GT(sigma("whittle", 0.95), 2.5 * sigma("cancellation", 0.95));
@@ -135,8 +135,8 @@ TEST(TwoStage, CancelsTheRoadThatWheelsShareAndLosesNothingWhereTheyShareNone) {
 TEST(TwoStage, FindsTheSameTyresWhateverTheUnbalance) {
   IdealDrive balanced = drive();
   for (auto& wheel : balanced.scenario.wheel) wheel.unbalance_kg_m = 0.0;
-  const Answer with = ask("whittle", drive_ideally(drive(), 2, vehicle()));
-  const Answer without = ask("whittle", drive_ideally(balanced, 2, vehicle()));
+  const EstimatorAnswer with = ask("whittle", drive_ideally(drive(), 2, vehicle()));
+  const EstimatorAnswer without = ask("whittle", drive_ideally(balanced, 2, vehicle()));
   for (int i = kEstimatedTyre; i < kEstimatedUnbalance; ++i)
     EXPECT_LT(std::abs(with.x(i) - without.x(i)), 0.2 * std::sqrt(with.covariance(i, i))) << i;
 }
@@ -156,7 +156,7 @@ TEST(TwoStage, SolvesWheelsInStepTogetherOverStretchesOfDifferentRelativeAngles)
   std::vector<Stretch> one = drive_ideally(of, 1, vehicle()), all;
   for (const std::uint64_t seed : {1, 2, 3, 4})
     for (Stretch& stretch : drive_ideally(of, seed, vehicle())) all.push_back(std::move(stretch));
-  const auto sigma = [](const Answer& answer) {
+  const auto sigma = [](const EstimatorAnswer& answer) {
     return std::sqrt(answer.covariance(kEstimatedUnbalance, kEstimatedUnbalance));
   };
   // Four times as long, alone: half the sigma.
@@ -167,13 +167,13 @@ TEST(ForceVariation, IsSeparatedOverAWideRangeOfSpeedsAndSaidNotToBeOverANarrowO
   IdealDrive of = drive();
   const Complex force = std::polar(30.0, 1.0);
   of.scenario.wheel[0].radial_force_n = force;
-  const Answer narrow = ask("force-variation", drive_ideally(of, 1, vehicle()));
+  const EstimatorAnswer narrow = ask("force-variation", drive_ideally(of, 1, vehicle()));
   ASSERT_EQ(narrow.remarks.size(), 4u);
   EXPECT_NE(narrow.remarks[0].find("not separable"), std::string::npos);
   EXPECT_NE(narrow.remarks[0].find("equivalent"), std::string::npos);
   const double om = 120.0 / 3.6 / 0.30;
   const Complex U = of.scenario.wheel[0].unbalance_kg_m;
-  const auto error = [](const Answer& answer, Complex expected) {
+  const auto error = [](const EstimatorAnswer& answer, Complex expected) {
     const Eigen::Vector2d e =
         answer.x.segment<2>(kEstimatedUnbalance) - Eigen::Vector2d(expected.real(), expected.imag());
     const Eigen::Matrix2d C = answer.covariance.block<2, 2>(kEstimatedUnbalance, kEstimatedUnbalance);
@@ -183,7 +183,7 @@ TEST(ForceVariation, IsSeparatedOverAWideRangeOfSpeedsAndSaidNotToBeOverANarrowO
   EXPECT_LT(error(narrow, U + force / (om * om)), 18.4);
 
   of.speeds_m_s = speeds_between(60, 140, 5);
-  const Answer wide = ask("force-variation", drive_ideally(of, 1, vehicle()));
+  const EstimatorAnswer wide = ask("force-variation", drive_ideally(of, 1, vehicle()));
   EXPECT_LT(error(wide, U), 18.4);
   ASSERT_FALSE(wide.remarks.empty());
   EXPECT_NE(wide.remarks[0].find("separated from the unbalance"), std::string::npos) << wide.remarks[0];

@@ -39,25 +39,26 @@ Question front_left(double tyre = 1.1) {
   return question;
 }
 
-Answer answer_of(const std::string& name, const Question& question, const std::vector<Stretch>& stretches) {
+EstimatorAnswer answer_of(const std::string& name, const Question& question,
+                          const std::vector<Stretch>& stretches) {
   const auto estimator = make_estimator(name, question);
   for (const Stretch& stretch : stretches) estimator->add(stretch);
   return estimator->solve();
 }
 
-double tyre_error(const Answer& answer) {
+double tyre_error(const EstimatorAnswer& answer) {
   return answer.x(kEstimatedTyre) / nominal_parameters(demo_vehicle())(kTyre) - 1.0;
 }
-double unbalance_error(const Answer& answer) {
+double unbalance_error(const EstimatorAnswer& answer) {
   return std::abs(std::complex<double>(answer.x(kEstimatedUnbalance), answer.x(kEstimatedUnbalance + 1)) -
                   kUnbalance) /
          std::abs(kUnbalance);
 }
-double tyre_sigma(const Answer& answer) {
+double tyre_sigma(const EstimatorAnswer& answer) {
   return std::sqrt(answer.covariance(kEstimatedTyre, kEstimatedTyre)) /
          nominal_parameters(demo_vehicle())(kTyre);
 }
-double unbalance_sigma(const Answer& answer) {
+double unbalance_sigma(const EstimatorAnswer& answer) {
   return std::sqrt(answer.covariance.block<2, 2>(kEstimatedUnbalance, kEstimatedUnbalance).trace()) /
          std::abs(kUnbalance);
 }
@@ -76,7 +77,7 @@ TEST(Estimators, HaveNamesOfTheirOwnAndSayWhatTheyDo) {
 TEST(Estimators, FindTheUnbalanceWithoutARoad) {
   const auto stretches = drive_ideally(plain_drive(1e-15, 5000), 1, demo_vehicle());
   for (const char* name : {"paper", "paper-lags", "paper-own", "own-past", "harmonic", "harmonic-ml"}) {
-    const Answer answer = answer_of(name, front_left(), stretches);
+    const EstimatorAnswer answer = answer_of(name, front_left(), stretches);
     EXPECT_LT(std::abs(tyre_error(answer)), 0.02) << name;
     EXPECT_LT(unbalance_error(answer), 0.02) << name;
   }
@@ -100,7 +101,7 @@ TEST(Estimators, KnowHowWrongTheyAre) {
                             {"harmonic-ml", 0.5, 0.8},
                             {"paper-road", 0.06, 0.15},
                             {"paper-road-lags", 0.06, 0.1}}) {
-    const Answer answer = answer_of(e.name, front_left(), stretches);
+    const EstimatorAnswer answer = answer_of(e.name, front_left(), stretches);
     EXPECT_LT(std::abs(tyre_error(answer)), e.tyre) << e.name;
     EXPECT_LT(unbalance_error(answer), e.unbalance) << e.name;
     if (e.honest) {
@@ -117,7 +118,7 @@ TEST(Estimators, KnowHowWrongTheyAre) {
 /// The window takes the ends away, which are all that the measured road leaves.
 TEST(Estimators, AreExactForAFiniteRecordWithTheRoadMeasuredAndAWindow) {
   const auto stretches = drive_ideally(plain_drive(16e-6, 5000), 3, demo_vehicle());
-  const Answer windowed = answer_of("windowed-road", front_left(), stretches);
+  const EstimatorAnswer windowed = answer_of("windowed-road", front_left(), stretches);
   EXPECT_LT(std::abs(tyre_error(windowed)), 1e-3);
   EXPECT_LT(unbalance_error(windowed), 2e-3);
   EXPECT_LT(std::abs(tyre_error(windowed)),
@@ -131,13 +132,13 @@ TEST(Estimators, SayWhatTheDriveLacks) {
   for (const auto& [name, drive] :
        {std::pair<std::string, const std::vector<Stretch>*>{"windowed-road", &stretches},
         {"paper", &one_speed}}) {
-    const Answer answer = answer_of(name, front_left(), *drive);
+    const EstimatorAnswer answer = answer_of(name, front_left(), *drive);
     EXPECT_TRUE(std::isnan(answer.x(kEstimatedTyre))) << name;
     EXPECT_TRUE(std::isnan(answer.covariance(kEstimatedTyre, kEstimatedTyre))) << name;
     EXPECT_FALSE(answer.remarks.empty()) << name;
   }
   for (const EstimatorKind& kind : estimators()) {
-    const Answer nothing = kind.make(front_left())->solve();
+    const EstimatorAnswer nothing = kind.make(front_left())->solve();
     EXPECT_TRUE(std::isnan(nothing.x(kEstimatedUnbalance))) << kind.name;
   }
 }
@@ -147,7 +148,7 @@ TEST(Correlation, RefusesWheelsThatDoNotDifferInFrequencyLongEnough) {
   Question both = front_left(1.0);
   both.asked.set(kEstimatedUnbalance + 2).set(kEstimatedUnbalance + 3);
   drive.scenario.rolling_radius_spread = 0.0;
-  const Answer in_step = answer_of("correlation", both, drive_ideally(drive, 5, demo_vehicle()));
+  const EstimatorAnswer in_step = answer_of("correlation", both, drive_ideally(drive, 5, demo_vehicle()));
   EXPECT_TRUE(std::isnan(in_step.x(kEstimatedUnbalance)));
   EXPECT_TRUE(std::isnan(in_step.x(kEstimatedUnbalance + 2)));
   ASSERT_FALSE(in_step.remarks.empty());
@@ -157,7 +158,7 @@ TEST(Correlation, RefusesWheelsThatDoNotDifferInFrequencyLongEnough) {
   drive.scenario.rolling_radius_spread = 0.01;
   const auto apart = drive_ideally(drive, 5, demo_vehicle());
   ASSERT_GT(std::abs(apart[0].omega(0) / apart[0].omega(1) - 1.0), 0.003);
-  const Answer told = answer_of("correlation", both, apart);
+  const EstimatorAnswer told = answer_of("correlation", both, apart);
   EXPECT_LT(unbalance_error(told), 4.0 * unbalance_sigma(told));
   EXPECT_LT(unbalance_error(told), 0.3);
 }
@@ -169,7 +170,8 @@ TEST(Correlation, SaysWhenTheForceDoesNotGrowWithTheSquareOfTheSpeed) {
       answer_of("correlation", front_left(1.0), drive_ideally(drive, 6, demo_vehicle())).remarks.empty());
   drive.scenario.wheel[0].unbalance_kg_m = 0.0;
   drive.scenario.wheel[0].radial_force_n = 30.0;
-  const Answer radial = answer_of("correlation", front_left(1.0), drive_ideally(drive, 6, demo_vehicle()));
+  const EstimatorAnswer radial =
+      answer_of("correlation", front_left(1.0), drive_ideally(drive, 6, demo_vehicle()));
   ASSERT_EQ(radial.remarks.size(), 1u);
   EXPECT_NE(radial.remarks.front().find("0.0 ± 0.0"), std::string::npos) << radial.remarks.front();
 }
@@ -189,7 +191,7 @@ TEST(Chassis, FindsTheSuspension) {
   std::mt19937_64 random(7);
   std::normal_distribution<double> noise(0.0, 0.01);
   for (double& value : stretches.front().signals.topRows<kCoordinates>().reshaped()) value += noise(random);
-  const Answer answer = answer_of("chassis", question, stretches);
+  const EstimatorAnswer answer = answer_of("chassis", question, stretches);
   const auto error = [&](int i) { return std::abs(answer.x(i) / truth(kSpring + i) - 1.0); };
   for (int i = 0; i < kWheels; ++i) {
     EXPECT_LT(error(kEstimatedSpring + i), 0.05) << i;
