@@ -2,9 +2,11 @@
 
 #include <cmath>
 #include <complex>
+#include <stdexcept>
 
 #include "common/dsp/decimation.hpp"
 #include "sim/car.hpp"
+#include "sim/random.hpp"
 
 namespace roadbalance {
 namespace {
@@ -39,10 +41,26 @@ Column observe(const sim::Car& car) {
   return column;
 }
 
+std::vector<Stretch> drive_each_speed(const IdealDrive& drive, std::uint64_t seed,
+                                      const VehicleConfig& vehicle) {
+  if (drive.scenario.parameter_spread != 0.0 || drive.scenario.rolling_radius_spread != 0.0)
+    throw std::invalid_argument("angles drawn at each speed need a car of which nothing else is drawn");
+  const sim::RandomSequence seeds(seed, sim::Use::kInitialAngle, 1);  // 0 is the car's own
+  std::vector<Stretch> stretches;
+  for (std::size_t k = 0; k < drive.speeds_m_s.size(); ++k) {
+    IdealDrive one = drive;
+    one.speeds_m_s = {drive.speeds_m_s[k]};
+    one.angles_drawn_at_each_speed = false;
+    stretches.push_back(drive_ideally(one, seeds.bits(static_cast<std::int64_t>(k)), vehicle).front());
+  }
+  return stretches;
+}
+
 }  // namespace
 
 std::vector<Stretch> drive_ideally(const IdealDrive& drive, std::uint64_t seed,
                                    const VehicleConfig& vehicle) {
+  if (drive.angles_drawn_at_each_speed) return drive_each_speed(drive, seed, vehicle);
   sim::Scenario scenario = drive.scenario;
   scenario.drive = plateaus(drive);
   const double step_s = 1.0 / (kSteps * drive.rate_hz);

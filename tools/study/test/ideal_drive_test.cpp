@@ -5,6 +5,8 @@
 #include <Eigen/LU>
 #include <complex>
 #include <numbers>
+#include <stdexcept>
+#include <utility>
 
 #include "embedded/demo_vehicle.hpp"
 #include "host/identify/demodulation.hpp"
@@ -47,6 +49,43 @@ TEST(IdealDrive, AnswersAnUnbalanceAsTheModelDoes) {
     for (int c = 0; c < kCoordinates; ++c)
       EXPECT_LT(std::abs(line.Z(0, c) - expected(c)), 5e-4 * expected.norm()) << c;
   }
+}
+
+/// Angle by which front left is ahead of rear left, at the first and the last sample.
+std::pair<double, double> ahead(const Stretch& stretch) {
+  const auto at = [&](Eigen::Index k) {
+    const auto angle = [&](int wheel) {
+      return Complex(stretch.signals(cosine_row(wheel), k), stretch.signals(sine_row(wheel), k));
+    };
+    return std::arg(angle(0) * std::conj(angle(2)));
+  };
+  return {at(0), at(stretch.signals.cols() - 1)};
+}
+
+TEST(IdealDrive, DrawsAnglesAtEachSpeedOfWheelsInStep) {
+  const VehicleConfig vehicle = demo_vehicle();
+  IdealDrive drive{
+      .scenario = sim::Scenario::read("", vehicle), .speeds_m_s = {25.0, 29.0, 33.0}, .samples = 1000};
+  drive.scenario.parameter_spread = drive.scenario.rolling_radius_spread = 0.0;
+  const auto once = drive_ideally(drive, 3, vehicle);
+  drive.angles_drawn_at_each_speed = true;
+  const auto each = drive_ideally(drive, 3, vehicle), again = drive_ideally(drive, 3, vehicle);
+  ASSERT_EQ(each.size(), 3u);
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_EQ(each[k].speed_m_s, drive.speeds_m_s[k]);
+    EXPECT_EQ(each[k].signals, again[k].signals);
+    const auto [first, last] = ahead(each[k]);
+    EXPECT_NEAR(std::remainder(first - last, 2.0 * std::numbers::pi), 0.0, 1e-6);
+    EXPECT_NEAR(std::remainder(ahead(once[k]).first - ahead(once[0]).first, 2.0 * std::numbers::pi), 0.0,
+                1e-6);
+    if (k > 0)
+      EXPECT_GT(std::abs(std::remainder(first - ahead(each[k - 1]).first, 2.0 * std::numbers::pi)), 0.05);
+  }
+  drive.scenario.rolling_radius_spread = 0.003;
+  EXPECT_THROW(drive_ideally(drive, 3, vehicle), std::invalid_argument);
+  drive.scenario.rolling_radius_spread = 0.0;
+  drive.scenario.parameter_spread = 0.1;
+  EXPECT_THROW(drive_ideally(drive, 3, vehicle), std::invalid_argument);
 }
 
 /// The road it tells is the one the tyres feel: relation (1) for the wheel's row in the frequency domain.
