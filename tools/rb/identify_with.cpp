@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "common/config/section.hpp"
+#include "common/text/format.hpp"
 #include "host/analyser/identify_record.hpp"
 #include "host/analyser/recorded_vehicle.hpp"
 #include "host/identify/assemble.hpp"
@@ -92,6 +93,28 @@ double sigma(const EstimatorAnswer& answer, int i) {
   return std::sqrt(answer.covariance(i, i));
 }
 
+/// Whether the estimator went by the tyre that vehicle.toml has: one that it was asked for and is exact, or
+/// that it does not tell although it tells an unbalance.
+bool takes_tyre(const EstimatorAnswer& answer, int wheel) {
+  const int tyre = kEstimatedTyre + wheel;
+  if (std::isfinite(answer.x(tyre))) return answer.covariance(tyre, tyre) == 0.0;
+  const auto unbalances = answer.x.tail<2 * kWheels>();
+  return (unbalances.array().isFinite() && unbalances.array() != 0.0).any();
+}
+
+void remark_on_tyres(EstimatorAnswer& answer) {
+  for (int i = 0; i < kWheels; ++i)
+    if (takes_tyre(answer, i)) {
+      answer.remarks.emplace_back("± takes the tyres of vehicle.toml for exact");
+      return;
+    }
+}
+
+/// "1.2", "-" for none.
+std::string shown(const char* form, double value) {
+  return std::isfinite(value) ? format(form, value) : "-";
+}
+
 /// Springs, dampers and stabilisers as the product tells them.
 Identification suspension_of(const EstimatorAnswer& answer) {
   Identification result;
@@ -102,33 +125,45 @@ Identification suspension_of(const EstimatorAnswer& answer) {
 
 Json wheels_json(const EstimatorAnswer& answer, const VehicleConfig& vehicle) {
   Json wheels = Json::array();
+  const ParameterVector nominal = nominal_parameters(vehicle);
   for (int i = 0; i < kWheels; ++i) {
     const auto w = static_cast<std::size_t>(i);
     const bool turns = !vehicle.wheel[w].node.empty();
     const Mass mass = mass_of(answer, i, vehicle.wheel[w].weight_radius_m);
     const auto of_mass = [&](double value) { return turns ? number_or_null(value) : Json(nullptr); };
+    const bool taken = takes_tyre(answer, i);
+    const double tyre = taken ? nominal(kTyre + i) : answer.x(kEstimatedTyre + i);
     wheels.push_back({{"name", kWheelNames[w]},
                       {"unbalance_g", of_mass(mass.mass_g)},
                       {"angle_deg", of_mass(mass.angle_deg)},
                       {"sigma_g", of_mass(mass.sigma_g)},
                       {"sigma_deg", of_mass(mass.sigma_deg)},
-                      {"tyre_stiffness_n_m", number_or_null(answer.x(kEstimatedTyre + i))},
-                      {"sigma_tyre_stiffness_n_m", number_or_null(sigma(answer, kEstimatedTyre + i))}});
+                      {"tyre_stiffness_n_m", number_or_null(tyre)},
+                      {"sigma_tyre_stiffness_n_m",
+                       taken ? Json(nullptr) : number_or_null(sigma(answer, kEstimatedTyre + i))},
+                      {"tyre_from", taken ? "vehicle.toml" : "drive"}});
   }
   return wheels;
 }
 
 void print_wheels(const EstimatorAnswer& answer, const VehicleConfig& vehicle) {
+  const ParameterVector nominal = nominal_parameters(vehicle);
   for (int i = 0; i < kWheels; ++i) {
     const auto w = static_cast<std::size_t>(i);
-    std::printf("%-12s  tyre %6.1f ± %4.1f kN/m", kWheelNames[w], answer.x(kEstimatedTyre + i) / 1e3,
-                shown_sigma(sigma(answer, kEstimatedTyre + i) / 1e3, 0.1));
+    if (takes_tyre(answer, i))
+      std::printf("%-12s  tyre %6.1f kN/m as vehicle.toml has it", kWheelNames[w], nominal(kTyre + i) / 1e3);
+    else
+      std::printf("%-12s  tyre %6s ± %4s kN/m", kWheelNames[w],
+                  shown("%.1f", answer.x(kEstimatedTyre + i) / 1e3).c_str(),
+                  shown("%.1f", shown_sigma(sigma(answer, kEstimatedTyre + i) / 1e3, 0.1)).c_str());
     const Mass mass = mass_of(answer, i, vehicle.wheel[w].weight_radius_m);
     if (vehicle.wheel[w].node.empty())
       std::printf("  no encoder\n");
     else
-      std::printf("  %5.1f ± %4.1f g  at %5.1f ± %4.1f°\n", mass.mass_g, shown_sigma(mass.sigma_g, 0.1),
-                  mass.angle_deg, shown_sigma(mass.sigma_deg, 0.1));
+      std::printf("  %5s ± %4s g  at %5s ± %4s°\n", shown("%.1f", mass.mass_g).c_str(),
+                  shown("%.1f", shown_sigma(mass.sigma_g, 0.1)).c_str(),
+                  shown("%.1f", mass.angle_deg).c_str(),
+                  shown("%.1f", shown_sigma(mass.sigma_deg, 0.1)).c_str());
   }
 }
 
@@ -145,8 +180,10 @@ int identify_with(const std::string& estimator, const std::string& folder, bool 
   warn_of_defects("identify", folder, defects);
   Told told =
       chassis ? suspension : ask(estimator, of_wheels(*vehicle, suspension.answer), folder, refine, defects);
-  if (!chassis)
+  if (!chassis) {
+    remark_on_tyres(told.answer);
     told.answer.remarks.emplace_back("± takes springs, dampers and stabilisers as told here for exact");
+  }
   bool any = false;
   for (int i = chassis ? 0 : kEstimatedTyre; i < (chassis ? kEstimatedTyre : kUnknowns); ++i)
     any = any || (std::isfinite(told.answer.x(i)) && told.answer.covariance(i, i) > 0.0);

@@ -108,6 +108,21 @@ TEST_F(IdentifyWith, RefusesWhatNeedsARoadAndFindsWithoutOneWhatDoesNot) {
 
   ASSERT_EQ(identify("own-past-windowed"), kDone) << log_;
   expect_found(0.08, 0.35);
+  EXPECT_EQ(told_["wheels"][0]["tyre_from"], "drive");
+  for (const char* name : {"known-tyre", "correlation"}) {
+    ASSERT_EQ(identify(name), kDone) << log_;
+    for (const auto& wheel : told_["wheels"]) {
+      EXPECT_EQ(wheel["tyre_from"], "vehicle.toml");
+      EXPECT_TRUE(wheel["sigma_tyre_stiffness_n_m"].is_null()) << name;
+      EXPECT_GT(wheel["tyre_stiffness_n_m"].get<double>(), 2e5) << name;
+    }
+    const auto remarks = told_["remarks"].dump();
+    EXPECT_NE(remarks.find("± takes the tyres of vehicle.toml for exact"), std::string::npos) << remarks;
+    ASSERT_EQ(identify(name, false), kDone);
+    EXPECT_NE(output_.find("front_left    tyre  215.0 kN/m as vehicle.toml has it "), std::string::npos)
+        << output_;
+    EXPECT_EQ(output_.find("nan"), std::string::npos) << output_;
+  }
   ASSERT_EQ(identify("chassis"), kDone) << log_;
   for (std::size_t w = 0; w < kWheels; ++w)
     EXPECT_NEAR(told_["suspension"]["damper_n_s_m"][w]["value"].get<double>() /
