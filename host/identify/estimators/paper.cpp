@@ -63,6 +63,11 @@ EstimatorAnswer RelationEstimator::solve() const {
         "± is the scatter alone: the road's share in the equations pulls stiffness and unbalance off beyond "
         "it, "
         "the more the shorter the drive");
+  if (relation_.road == Road::kMeasured && !question_.known.segment<kWheels>(kTyreDamper).isZero(0.0))
+    answer.remarks.emplace_back(
+        "the damping of the tyres in vehicle.toml (tyre_damper_n_s_m) acts on the road's rate of change, "
+        "too, "
+        "which these equations leave out: stiffness and unbalance are off beyond ±");
   if (answer.x.allFinite()) return answer;
   const std::size_t speeds = sums_.speeds();
   if (speeds == 0)

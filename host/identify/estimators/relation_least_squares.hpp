@@ -38,7 +38,8 @@ struct RelationOptions {
 /// linear in all that may be asked: springs, dampers, stabilisers, tyres, unbalances.  With the road not
 /// measured H C_yu S' is an unknown of its own for each row, instrument and lag, the same at every speed V_k
 /// but for the factor 1 / lambda_k, lambda_k = (V_1 / V_k)^(w - 1); it is eliminated by projection.  A tyre's
-/// damping times the road's rate of change, Sd, is left out.
+/// damping times the road's rate of change, Sd u', is left out: with the road measured the answer is exact
+/// for tyres without damping only, and RelationEstimator says so of others.
 ///
 /// Columns are scaled to unit norm.
 ///

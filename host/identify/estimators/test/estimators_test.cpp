@@ -84,6 +84,23 @@ TEST(Estimators, FindTheUnbalanceWithoutARoad) {
   EXPECT_LT(unbalance_error(answer_of("correlation", front_left(1.0), stretches)), 2e-3);
 }
 
+/// What a damped tyre makes of the road's rate of change is not in the equations: they say so.
+TEST(Estimators, SayThatTheyLeaveOutTheTyresDampingOnAMeasuredRoad) {
+  const auto stretches = drive_ideally(plain_drive(16e-6, 2500), 1, demo_vehicle());
+  Question damped = front_left();
+  damped.known.segment<kWheels>(kTyreDamper).setConstant(100.0);
+  const auto says = [&](const char* name, const Question& question) {
+    for (const std::string& remark : answer_of(name, question, stretches).remarks)
+      if (remark.find("tyre_damper_n_s_m") != std::string::npos) return true;
+    return false;
+  };
+  for (const char* name : {"paper-road", "windowed-road"}) {
+    EXPECT_TRUE(says(name, damped)) << name;
+    EXPECT_FALSE(says(name, front_left())) << name;
+  }
+  EXPECT_FALSE(says("own-past", damped)) << "the road to come is as unknown as its rate of change";
+}
+
 /// 10 s a speed, class A: within 4 of the standard deviations that they state themselves, and of the size
 /// that Monte Carlo tables of the method give (5000 samples).
 TEST(Estimators, KnowHowWrongTheyAre) {
