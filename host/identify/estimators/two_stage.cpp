@@ -147,13 +147,12 @@ std::vector<std::string> TwoStage::separate_forces(const Drive& drive, Solution&
       if (at_speed[i].variance_n2 > 0.0) forces[i].push_back(at_speed[i]);
   }
   std::vector<std::string> said;
+  std::string not_separable;
   for (std::size_t i = 0; i < kWheels; ++i) {
     if (forces[i].empty()) continue;
     const FirstOrderFit fit = fit_first_order(forces[i]);
     if (!fit.separable) {
-      said.push_back(std::string(kWheelNames[i]) +
-                     ": unbalance and radial force variation are not separable at these speeds; told is the "
-                     "equivalent unbalance");
+      not_separable += (not_separable.empty() ? "" : ", ") + std::string(kWheelNames[i]);
       continue;
     }
     const auto place = static_cast<Eigen::Index>(kEstimatedUnbalance + 2 * i);
@@ -165,6 +164,10 @@ std::vector<std::string> TwoStage::separate_forces(const Drive& drive, Solution&
                    std::to_string(std::lround(std::abs(fit.force_n))) + " N +- " +
                    std::to_string(std::lround(fit.sigma_force_n)) + " N, separated from the unbalance");
   }
+  if (!not_separable.empty())
+    said.push_back(not_separable +
+                   ": unbalance and radial force variation are not separable at these speeds; told is the "
+                   "equivalent unbalance");
   return said;
 }
 
