@@ -20,7 +20,6 @@ FirstOrderFit fit_first_order(std::span<const FirstOrderForce> forces) {
     a2 += k * om2 * force.force_n;
   }
   FirstOrderFit fit;
-  fit.equivalent_kg_m = a2 / k4;
   fit.sigma_equivalent_kg_m = 1.0 / std::sqrt(k4);
   // 1 - r^2 of the two columns; below rounding all speeds are one.
   const double apart = 1.0 - k2 * k2 / (k4 * k0);

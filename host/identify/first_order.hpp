@@ -31,9 +31,8 @@ inline constexpr double kSeparable = 3.0;
 ///     [ sum k Om^2  sum k      ] [R] = [ sum k a      ],
 ///
 /// its inverse the covariance of (U, R) in each component.  The equivalent unbalance of the speeds driven has
-/// R = 0: sum k Om^2 a / sum k Om^4, sigma (sum k Om^4)^-1/2.
+/// R = 0 and sigma (sum k Om^4)^-1/2.
 struct FirstOrderFit {
-  std::complex<double> equivalent_kg_m;
   double sigma_equivalent_kg_m = 0.0;  ///< of each component, as all here
   bool separable = false;              ///< by the speeds; else the rest is not to be used
   std::complex<double> unbalance_kg_m;

@@ -30,7 +30,7 @@ double variance_of(const std::vector<Json>& runs, const TrialCase& one, const st
   return deviation * deviation;
 }
 
-BoundQuestion bound_question(const TrialCase& one, double rear_coherence2) {
+BoundQuestion bound_question(const TrialCase& one) {
   BoundQuestion bound{.geometry = one.question.geometry,
                       .parameters = nominal_parameters(one.vehicle),
                       .speeds_m_s = one.drive.speeds_m_s,
@@ -38,7 +38,7 @@ BoundQuestion bound_question(const TrialCase& one, double rear_coherence2) {
   const sim::RoadScenario& road = one.drive.scenario.road;
   bound.road = {.roughness_m3 = road.roughness_m3,
                 .left_right_correlation = road.left_right_correlation,
-                .rear_coherence2 = rear_coherence2 < 0.0 ? road.rear_coherence2 : rear_coherence2,
+                .rear_coherence2 = road.rear_coherence2,
                 .rear_own_correlation = road.left_right_correlation};
   for (std::size_t w = 0; w < kWheels; ++w)
     bound.unbalance_kg_m[w] = one.drive.scenario.wheel[w].unbalance_kg_m;
@@ -64,8 +64,8 @@ std::pair<double, double> against_tyre_bound(const BoundQuestion& question, cons
 
 /// Adds what the bound says, and how near the estimator comes.
 void add_bound(Json& row, const TrialCase& one, const std::string& estimator, const std::vector<Json>& runs) {
-  const BoundQuestion question = bound_question(one, -1.0);
-  const UnknownMatrix bound = bound_of(one);
+  const BoundQuestion question = bound_question(one);
+  const UnknownMatrix bound = cramer_rao(question);
   const auto n = static_cast<double>(one.wheels.size());
   double mass = 0.0, efficiency_u = 0.0;
   for (std::size_t i = 0; i < one.wheels.size(); ++i) {
@@ -164,10 +164,6 @@ std::vector<double> errors_in(const std::vector<Json>& runs, const TrialCase& on
     result.insert(result.end(), wheel.begin(), wheel.end());
   }
   return result;
-}
-
-UnknownMatrix bound_of(const TrialCase& one, double rear_coherence2) {
-  return cramer_rao(bound_question(one, rear_coherence2));
 }
 
 double unbalance_deviation(const std::vector<Json>& runs, const TrialCase& one,

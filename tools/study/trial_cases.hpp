@@ -39,10 +39,6 @@ nlohmann::ordered_json run_cases(const std::vector<TrialCase>& cases, std::uint6
 std::vector<double> errors_in(const std::vector<nlohmann::ordered_json>& runs, const TrialCase& one,
                               const std::string& estimator, const char* key);
 
-/// The bound of what the case asks, with its road.
-/// @param rear_coherence2  instead of the drive's; negative: the drive's
-UnknownMatrix bound_of(const TrialCase& one, double rear_coherence2 = -1.0);
-
 /// A row for each case and estimator: sizes of the errors over all runs and judged wheels, the bound's
 /// standard deviations (root mean square over the wheels) and the efficiencies, bound variance over measured
 /// variance: {"case", "estimator", "answers": of runs and wheels, "ct median %", "ct p95 %", "ct sd %", "mass

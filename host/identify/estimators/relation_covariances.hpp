@@ -14,9 +14,6 @@ namespace roadbalance {
 /// Signals x that the filter turns into instruments, in this order: z'' [7], then cos and sin of each wheel's
 /// angle [8] as in signals.hpp, then the road u under the wheels [4] where it is measured.
 inline constexpr int kRelationSignals = kSignals + kWheels;
-constexpr int road_row(int wheel) {
-  return kSignals + wheel;
-}
 
 /// The sample covariances that relation (2) is made of, of one lag tau: sums over time, as integrals, of an
 /// instrument's w''(t), w'(t), w(t) with what is measured tau later.

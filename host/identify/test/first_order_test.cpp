@@ -63,14 +63,6 @@ TEST(FirstOrderFit, FindsWhatTheForcesAreMadeOf) {
   EXPECT_LT(std::abs(fit.force_n - force), 1e-9 * std::abs(force));
 }
 
-// At one speed it does what both do together.
-TEST(FirstOrderFit, TellsTheEquivalentUnbalanceOfTheSpeedsDriven) {
-  const Complex unbalance = std::polar(5.7e-3, 0.7), force = std::polar(30.0, -2.0);
-  const double om = 120.0 / 3.6 / 0.30;
-  const FirstOrderFit fit = fit_first_order(class_a({120}, unbalance, force));
-  EXPECT_LT(std::abs(fit.equivalent_kg_m - (unbalance + force / (om * om))), 1e-12);
-}
-
 // One equation a wheel: N U = right, so that a = U Om^2 and its variance N^-1 Om^4 / 2 a component.
 TEST(FirstOrderForces, AreThoseOfTheNormalEquations) {
   HarmonicMoments moments;
