@@ -45,6 +45,24 @@ std::string stem(std::string key) {
   return key;
 }
 
+/// Whether one is the other but for its unit or up to two slips of the pen.
+bool resembles(const std::string& one, const std::string& other) {
+  const std::string a = stem(one), b = stem(other);
+  if (a == b) return true;
+  if (std::min(a.size(), b.size()) < 5) return false;  // so short ones are alike anyway
+  std::vector<std::size_t> distance(b.size() + 1);  // Levenshtein's, of a's beginning to each of b's
+  for (std::size_t j = 0; j <= b.size(); ++j) distance[j] = j;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = std::exchange(distance[0], i + 1);
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t changed = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = distance[j + 1];
+      distance[j + 1] = std::min({changed, distance[j] + 1, distance[j + 1] + 1});
+    }
+  }
+  return distance.back() <= 2;
+}
+
 }  // namespace
 
 struct Section::State {
@@ -53,8 +71,11 @@ struct Section::State {
   std::string file;
   mutable std::vector<std::string> asked;  // keys some getter knows, in order
 
+  bool is_asked(const std::string& key) const {
+    return std::find(asked.begin(), asked.end(), key) != asked.end();
+  }
   const toml::node* find(const std::string& key) const {
-    if (std::find(asked.begin(), asked.end(), key) == asked.end()) asked.push_back(key);
+    if (!is_asked(key)) asked.push_back(key);
     return table->get(key);
   }
   static std::size_t line_of(const toml::node& node) { return node.source().begin.line; }
@@ -64,7 +85,7 @@ struct Section::State {
   const toml::node& require(const std::string& key, const std::string& allowed) const {
     if (const toml::node* node = find(key)) return *node;
     for (const auto& [other, node] : *table)
-      if (stem(std::string(other.str())) == stem(key))
+      if (resembles(std::string(other.str()), key) && !is_asked(std::string(other.str())))
         fail_at(other.source().begin.line, std::string(other.str()),
                 "unknown key (did you mean " + key + "?); allowed: " + allowed);
     fail_at(line_of(*table), key, "missing; allowed: " + allowed);
@@ -262,10 +283,10 @@ std::vector<Section> Section::sections(const std::string& key, std::size_t least
 void Section::finish() const {
   for (const auto& [key, node] : *state_->table) {
     const std::string name(key.str());
-    if (std::find(state_->asked.begin(), state_->asked.end(), name) != state_->asked.end()) continue;
+    if (state_->is_asked(name)) continue;
     std::string hint;
     for (const auto& known : state_->asked)
-      if (stem(known) == stem(name) && hint.empty()) hint = " (did you mean " + known + "?)";
+      if (resembles(known, name) && hint.empty()) hint = " (did you mean " + known + "?)";
     state_->fail_at(key.source().begin.line, name,
                     "unknown key" + hint + "; allowed here: " + join(state_->asked));
   }

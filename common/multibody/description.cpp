@@ -68,7 +68,9 @@ class Reader {
       d_.coordinate.push_back({name, 0.0, name});
       coordinates_.insert(name);
     }
-    if (d_.coordinate.empty()) root_.fail("coordinates", "missing; allowed: 1 .. 16 names in [ ]");
+    if (d_.coordinate.empty())
+      root_.fail("coordinates", std::string(root_.has("coordinates") ? "is empty" : "missing") +
+                                    "; allowed: 1 .. 16 names in [ ]");
     values("parameter", d_.parameter);
     values("geometry", d_.geometry);
     auto latex = root_.section_if("latex");

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <numbers>
+#include <stdexcept>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -33,9 +34,14 @@ struct ModelOptions {
 
 /// A vehicle.toml, a description, or the name of one that comes with the program.
 Description read(const std::string& file) {
-  const auto shipped = shipped_descriptions();
-  if (!std::filesystem::exists(file) && std::ranges::find(shipped, file) != shipped.end())
-    return shipped_description(file);
+  if (!std::filesystem::exists(file)) {
+    std::string names;
+    for (const std::string& shipped : shipped_descriptions()) {
+      if (file == shipped) return shipped_description(file);
+      names += ", " + shipped;
+    }
+    throw std::runtime_error(file + ": there is no such file; allowed: a vehicle.toml, a description" + names);
+  }
   const std::string text = read_text_file(file);
   if (Section::parse_text(text, file).has("coordinates")) return Description::parse(text, file);
   return description_of(VehicleConfig::read_file(file));

@@ -168,6 +168,10 @@ TEST(VehicleConfig, NamesFileLineKeyAndWhatIsAllowed) {
   const Case cases[] = {
       {"mass_kg = 34", "mass_g = 34000", "mass_g",
        "mass_g: unknown key (did you mean mass_kg?); allowed: a number 1 .. 1000"},
+      {"spring_n_m = 22000", "sprig_n_m = 22000", "sprig_n_m",
+       "sprig_n_m: unknown key (did you mean spring_n_m?); allowed: a number > 0"},
+      {"spring_n_m = 22000", "sprung_load = 22000", "[model.front]",
+       "spring_n_m: missing; allowed: a number"},
       {"datum_deg = 30", "datum_rad = 0.5", "datum_rad",
        "datum_rad: unknown key (did you mean datum_deg?); allowed here: pulses_per_turn, zero_mark, "},
       {"body_mass_kg = 1300", "body_mass_kg = 1300\ncolour = 1", "colour",

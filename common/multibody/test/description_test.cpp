@@ -57,7 +57,10 @@ TEST(Description, ThoseThatShipAreSound) {
 }
 
 TEST(Description, NamesFileLineAndKey) {
-  expect_refused("stiffness = \"tyre\"", "stiffnes = 3", "[[tyre]]",
+  expect_refused(
+      "stiffness = \"tyre\"", "stiffnes = 3", "stiffnes = 3",
+      "stiffnes: unknown key (did you mean stiffness?); allowed: a formula in quotes, or a number");
+  expect_refused("stiffness = \"tyre\"", "", "[[tyre]]",
                  "stiffness: missing; allowed: a formula in quotes, or a number");
   expect_refused("direction = [0, 0, 1]", "direction = [0, 0, 1]\ncolour = 1", "colour",
                  "colour: unknown key; allowed here: name, point, direction");
@@ -88,7 +91,7 @@ TEST(Description, NamesFileLineAndKey) {
   expect_refused("moment = [\"unbalance_cosine\", \"unbalance_sine\"]", "moment = [true, 0]",
                  "moment = [true", "moment: is true; allowed: 2 formulas in quotes, or numbers, in [ ]");
   expect_refused("coordinates = [\"body\", \"wheel\"]", "coordinates = []", "coordinates",
-                 "coordinates: missing; allowed: 1 .. 16 names in [ ]");
+                 "coordinates: is empty; allowed: 1 .. 16 names in [ ]");
 }
 
 TEST(Description, ABodyIsOnOneBeforeIt) {
