@@ -34,19 +34,19 @@ enum Parameter : int {
   kTyreDamper = 21,
   kParameters = 25,
 };
-using ParameterVector = Eigen::Matrix<double, kParameters, 1>;
+using ParameterVector = Eigen::Matrix<double, kParameters, 1>;  ///< kg, kg m^2, N/m, N s/m as named
 
 /// M z'' + P z' + Q z = T d + S u + Sd u'                                                      (1)
 struct LinearModel {
   Matrix7 M;    ///< mass, kg (kg m^2 for angles)
-  Matrix7 P;    ///< damping
-  Matrix7 Q;    ///< stiffness
-  Matrix74 S;   ///< road height under the four wheels to force: tyre stiffness
-  Matrix74 Sd;  ///< its rate of change to force: tyre damping
-  Matrix74 W;   ///< vertical force on the four wheels to generalised force; T d = W F_z
+  Matrix7 P;    ///< damping, N s/m (per rad, N m s/rad for angles)
+  Matrix7 Q;    ///< stiffness, N/m (per rad, N m/rad for angles)
+  Matrix74 S;   ///< road height under the four wheels to force, N/m: tyre stiffness
+  Matrix74 Sd;  ///< its rate of change to force, N s/m: tyre damping
+  Matrix74 W;   ///< vertical force on the four wheels to generalised force, 1 (m for angles); T d = W F_z
 };
 
-/// Places of the axles, all that (1) needs beside the parameters.
+/// Places of the wheels from the body's centre of mass, x forward, y left: what (1) needs beside parameters.
 struct Geometry {
   std::array<double, kWheels> x_m;
   std::array<double, kWheels> y_m;

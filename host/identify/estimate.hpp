@@ -26,7 +26,7 @@ using UnknownMatrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 
 /// Places in UnknownVector; both parts of an unbalance together.
 using UnknownSet = std::bitset<kUnknowns>;
-UnknownSet suspension_unknowns();
+UnknownSet suspension_unknowns();  ///< springs, dampers and stabilisers, all ten
 std::bitset<kWheels> wheels_asked_for_unbalance(const UnknownSet& asked);
 
 /// Into x; those of wheels asked for and not found are NaN.

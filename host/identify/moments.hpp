@@ -22,9 +22,9 @@ namespace roadbalance {
 template <typename Scalar>
 struct InstrumentMoments {
   using Row = Eigen::Matrix<Scalar, 1, kCoordinates>;
-  Row w2 = Row::Zero();  ///< sum of W''(t) z''(t + lag)'
-  Row w1 = Row::Zero();  ///< sum of W'(t)  z''(t + lag)'
-  Row w0 = Row::Zero();  ///< sum of W(t)   z''(t + lag)'
+  Row w2 = Row::Zero();  ///< sum of W''(t) z''(t + lag)', m/s^2 (rad/s^2) times W'''s unit
+  Row w1 = Row::Zero();  ///< sum of W'(t)  z''(t + lag)', that times s
+  Row w0 = Row::Zero();  ///< sum of W(t)   z''(t + lag)', that times s^2
 
   InstrumentMoments& operator+=(const InstrumentMoments& other) {
     w2 += other.w2;

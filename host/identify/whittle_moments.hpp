@@ -35,7 +35,7 @@ struct WhittleMoments {
 
   WhittleMoments& operator+=(const WhittleMoments& other);
 
-  double omega(Eigen::Index bin) const;
+  double omega(Eigen::Index bin) const;  ///< of one of `count`, circular frequency in rad/s
 };
 
 /// Makes WhittleMoments of stretches of samples.

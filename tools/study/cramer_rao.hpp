@@ -29,6 +29,8 @@ struct RoadStatistics {
 
   /// @returns [kWheels x kWheels] coherences, of every two roads at the circular frequency om
   Eigen::Matrix4cd coherence(const Geometry& geometry, double om, double speed_m_s) const;
+  /// @param om  circular frequency, rad/s, > 0
+  /// @returns S_u(om) of one wheel's road, m^2/Hz: two-sided, E[u^2] is its integral over f = om / (2 pi)
   double density(double om, double speed_m_s) const;
 };
 
@@ -66,10 +68,15 @@ struct BoundQuestion {
 /// @throws std::invalid_argument if what is asked cannot be told (singular information)
 UnknownMatrix cramer_rao(const BoundQuestion& question);
 
-/// The bound of one wheel as standard deviations.
+/// The bound of one wheel as standard deviations; of what was not asked 0.
 struct WheelBound {
-  double tyre_percent, mass_percent, angle_deg, re_kg_m, im_kg_m;
+  double tyre_percent;      ///< of the tyre's stiffness
+  double mass_percent;      ///< of the unbalance along itself; not finite for a balanced wheel
+  double angle_deg;         ///< of it across, as an angle; the same
+  double re_kg_m, im_kg_m;  ///< of U's parts
 };
+/// @param covariance  of `question`, as cramer_rao() gives it: SI units, places as in Unknowns
+/// @param wheel       0 .. kWheels - 1
 WheelBound wheel_bound(const UnknownMatrix& covariance, const BoundQuestion& question, int wheel);
 
 }  // namespace roadbalance
