@@ -11,10 +11,10 @@
 
 #include "common/config/section.hpp"
 #include "common/config/validators.hpp"
+#include "common/process/temporary_folder.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/study_clock_skew.hpp"
 #include "tools/rb/study_encoder.hpp"
-#include "common/process/temporary_folder.hpp"
 #include "tools/study/study.hpp"
 
 namespace roadbalance {
@@ -36,16 +36,6 @@ struct StudyOptions {
   bool json = false, markdown = false;
 };
 
-void print_line(const Json& line) {
-  const std::string error =
-      line.contains("standard_error") ? " +- " + line["standard_error"].dump().substr(0, 6) : "";
-  const std::string answers = line.contains("answers") ? " of " + line["answers"].dump() + " answers" : "";
-  std::printf("%s  %-72s %8s%s  (%g .. %g)%s\n", line["met"].get<bool>() ? "met    " : "NOT MET",
-              line["line"].get<std::string>().c_str(), line["value"].dump().substr(0, 8).c_str(),
-              error.c_str(), line["required"][0].get<double>(), line["required"][1].get<double>(),
-              answers.c_str());
-}
-
 /// Of studies that tell each seed: a wheel's "error_percent" and "error_deg", or "change_...".
 void print_seed(const Json& run) {
   std::printf("seed %5llu", static_cast<unsigned long long>(run["seed"].get<std::uint64_t>()));
@@ -64,19 +54,39 @@ void print_seed(const Json& run) {
 
 void print(const Json& summary) {
   for (const Json& run : summary.value("seeds", Json::array())) print_seed(run);
-  std::printf("%s", plain_tables(summary).c_str());
-  const Json lines = summary.value("acceptance", Json());
-  for (const Json& line : lines) print_line(line);
-  if (lines.is_array() && lines.empty()) std::printf("NOT MET  nothing was judged\n");
+  std::printf("%s%s", plain_tables(summary).c_str(), plain_acceptance(summary).c_str());
+}
+
+/// "30 runs; --set samples=50000 estimators=": what there is unless said.
+std::string defaults_of(const Study& study) {
+  const auto takes = [&](const char* option) { return std::ranges::count(study.options, option) > 0; };
+  std::string text;
+  if (takes("--runs")) text = std::to_string(study.runs) + (study.runs == 1 ? " run" : " runs");
+  if (takes("--set") && !study.settings.empty()) {
+    text += (text.empty() ? "" : "; ") + std::string("--set");
+    for (const auto& [key, value] : study.settings.items()) {
+      std::string shown = value.is_string() ? value.get<std::string>() : value.dump();
+      if (value.is_array()) shown = shown.substr(1, shown.size() - 2);
+      text += " " + key + "=" + shown;
+    }
+  }
+  return text;
 }
 
 int list_studies(bool json) {
   Json all = Json::array();
   for (const Study& study : studies())
-    if (json)
-      all.push_back({{"name", study.name}, {"line", study.line}});
-    else
+    if (json) {
+      all.push_back({{"name", study.name},
+                     {"line", study.line},
+                     {"options", study.options},
+                     {"runs", study.runs},
+                     {"settings", study.settings}});
+    } else {
       std::printf("%-14s %s\n", study.name.c_str(), study.line.c_str());
+      if (const std::string text = defaults_of(study); !text.empty())
+        std::printf("%-14s %s\n", "", text.c_str());
+    }
   if (json) std::printf("%s\n", Json{{"studies", all}}.dump().c_str());
   return kDone;
 }
@@ -97,8 +107,10 @@ void refuse_options_of_others(const CLI::App& command, const Study& study) {
       return std::find(other.options.begin(), other.options.end(), name) != other.options.end();
     };
     if (takes(study)) continue;
-    const auto other = std::find_if(studies().begin(), studies().end(), takes);
-    throw ConfigError(name + ": is not of study " + study.name + "; allowed with " + other->name);
+    std::string others;
+    for (const Study& other : studies())
+      if (takes(other)) others += (others.empty() ? "" : ", ") + other.name;
+    throw ConfigError(name + ": is not of study " + study.name + "; allowed with " + others);
   }
 }
 
@@ -143,6 +155,7 @@ int study(const CLI::App& command, const StudyOptions& options, const Campaigner
   if (study.name == "encoder") {
     EncoderStudyOptions encoder;
     encoder.json = options.json;
+    encoder.markdown = options.markdown;
     if (command.count("--runs") > 0) encoder.runs = options.runs;
     if (command.count("--seed") > 0) encoder.seed = options.seed;
     return study_encoder(encoder);

@@ -7,6 +7,7 @@
 #include "tools/rb/command.hpp"
 #include "tools/study/encoder_study.hpp"
 #include "tools/study/phase_injection.hpp"
+#include "tools/study/study.hpp"
 
 namespace roadbalance {
 namespace {
@@ -46,10 +47,10 @@ int study_encoder(const EncoderStudyOptions& options) {
   bool met = true;
   const auto add = [&](const nlohmann::ordered_json& row) {
     met = met && row["met"].get<bool>();
-    if (!options.json) print_row(row);
+    if (!options.json && !options.markdown) print_row(row);
     rows.push_back(row);
   };
-  if (!options.json)
+  if (!options.json && !options.markdown)
     std::printf("        %-68s %17s %17s %17s\n", "angle error in degrees, rms / max", "allowed", "live",
                 "offline");
   for (EncoderRow& row : encoder_rows()) {
@@ -58,6 +59,10 @@ int study_encoder(const EncoderStudyOptions& options) {
   }
   for (const auto& row : phase_injection_rows()) add(row);
   if (options.json) std::printf("%s\n", nlohmann::ordered_json{{"rows", rows}, {"met", met}}.dump().c_str());
+  if (options.markdown)
+    std::printf("%s", markdown_tables(nlohmann::ordered_json{
+                                          {"tables", {{{"title", "Angle errors, degrees"}, {"rows", rows}}}}})
+                          .c_str());
   return met ? kDone : kAnswerIsNo;
 }
 

@@ -18,6 +18,7 @@
 #include "firmware/node.hpp"
 #include "host/recorder/recorder.hpp"
 #include "sim/front_end.hpp"
+#include "tools/study/statistics.hpp"
 
 namespace roadbalance {
 namespace {
@@ -120,12 +121,6 @@ class Comparison {
     }
     node.fit = fit;
     node.inside = true;
-  }
-
-  static double quantile(std::vector<double> values, double part) {
-    if (values.empty()) return 0.0;
-    std::sort(values.begin(), values.end());
-    return values[static_cast<std::size_t>(std::lround(part * static_cast<double>(values.size() - 1)))];
   }
 
   std::map<std::int32_t, Node>& nodes_;

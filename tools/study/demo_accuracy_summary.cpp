@@ -4,6 +4,7 @@
 #include <string>
 
 #include "tools/study/demo_accuracy.hpp"
+#include "tools/study/statistics.hpp"
 
 namespace roadbalance {
 namespace {
@@ -38,17 +39,10 @@ Errors errors_of(const Json& wheel) {
   return errors;
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return kNever;
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
-}
-
-double median_of(const std::vector<Errors>& wheels, double Errors::*field) {
+std::vector<double> values_of(const std::vector<Errors>& wheels, double Errors::*field) {
   std::vector<double> values;
   for (const Errors& wheel : wheels) values.push_back(wheel.*field);
-  return median(values);
+  return values;
 }
 
 double part_within_two(const std::vector<Errors>& wheels, double Errors::*field) {
@@ -57,12 +51,17 @@ double part_within_two(const std::vector<Errors>& wheels, double Errors::*field)
   return static_cast<double>(within) / static_cast<double>(wheels.size());
 }
 
-Json line(const std::string& text, double value, double least, double most) {
-  // JSON has no infinity: null says that half of the wheels are not known.
-  return {{"line", text},
-          {"value", std::isfinite(value) ? Json(value) : Json(nullptr)},
-          {"required", {least, most}},
-          {"met", value >= least && value <= most}};
+/// The median error, null if half of the wheels are not known.
+Json median_line(const std::string& text, const std::vector<Errors>& wheels, double Errors::*field,
+                 double unit, double most) {
+  const std::vector<double> values = values_of(wheels, field);
+  return acceptance_line(text, quantile(values, 0.5) * unit, 0.0, most, answers_among(values));
+}
+
+/// Percentage of the wheels that are within two of their standard deviations.
+Json within_line(const std::string& text, const std::vector<Errors>& wheels, double Errors::*field) {
+  return acceptance_line(text, part_within_two(wheels, field) * 100.0, 85.0, 99.0,
+                         answers_among(values_of(wheels, field)));
 }
 
 }  // namespace
@@ -94,21 +93,18 @@ Json demo_accuracy_summary(const std::vector<Json>& runs) {
   }
   const double good_part = static_cast<double>(good_seeds) / static_cast<double>(runs.size());
   const Json acceptance{
-      line("part of seeds with every wheel of 20 g or more within 10 % and 6 deg", good_part, 0.9, 1.0),
-      line("median error of wheels of 20 g or more, %", median_of(strong, &Errors::part) * 100.0, 0.0, 3.0),
-      line("median error of wheels of 20 g or more, deg", median_of(strong, &Errors::degrees), 0.0, 2.0),
-      line("median error of tyre stiffness, %", median_of(all, &Errors::tyre_part) * 100.0, 0.0, 3.0),
-      line("wheels with the true grams within 2 sigma, %", part_within_two(all, &Errors::sigmas_g) * 100.0,
-           85.0, 99.0),
-      line("wheels with the true degrees within 2 sigma, %",
-           part_within_two(all, &Errors::sigmas_deg) * 100.0, 85.0, 99.0)};
-  const bool accepted =
-      std::all_of(acceptance.begin(), acceptance.end(), [](const Json& l) { return l["met"].get<bool>(); });
+      acceptance_line("part of seeds with every wheel of 20 g or more within 10 % and 6 deg", good_part, 0.9,
+                      1.0, runs.size()),
+      median_line("median error of wheels of 20 g or more, %", strong, &Errors::part, 100.0, 3.0),
+      median_line("median error of wheels of 20 g or more, deg", strong, &Errors::degrees, 1.0, 2.0),
+      median_line("median error of tyre stiffness, %", all, &Errors::tyre_part, 100.0, 3.0),
+      within_line("wheels with the true grams within 2 sigma, %", all, &Errors::sigmas_g),
+      within_line("wheels with the true degrees within 2 sigma, %", all, &Errors::sigmas_deg)};
   return {{"runs", runs.size()},
           {"good_seeds", good_seeds},
           {"seeds", seeds},
           {"acceptance", acceptance},
-          {"accepted", accepted}};
+          {"accepted", all_met(acceptance)}};
 }
 
 }  // namespace roadbalance

@@ -80,12 +80,13 @@ Mean mean_of(const std::vector<Json>& runs, const std::string& key) {
   return {sum / n, std::sqrt(std::max(0.0, square / n - sum * sum / n / n) / (n - 1.0))};
 }
 
-Json line(const std::string& text, const Mean& mean, double allowed) {
+Json line(const std::string& text, const Mean& mean, double allowed, std::size_t seeds) {
   const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
   return {{"line", text},
           {"value", number(mean.value)},
           {"standard_error", number(mean.standard_error)},
           {"required", {-allowed, allowed}},
+          {"answers", seeds * kWheels},
           {"met", std::abs(mean.value) + 2.0 * mean.standard_error <= allowed}};
 }
 
@@ -111,9 +112,10 @@ Json drift_cost_run(std::uint64_t seed, const std::filesystem::path& folder) {
 }
 
 Json drift_cost_summary(const std::vector<Json>& runs) {
-  const Json grams =
-      line("mean change of the identified unbalance, %", mean_of(runs, "change_percent"), kAllowed_percent);
-  const Json degrees = line("mean change of its angle, deg", mean_of(runs, "change_deg"), kAllowed_deg);
+  const Json grams = line("mean change of the identified unbalance, %", mean_of(runs, "change_percent"),
+                          kAllowed_percent, runs.size());
+  const Json degrees =
+      line("mean change of its angle, deg", mean_of(runs, "change_deg"), kAllowed_deg, runs.size());
   return {{"runs", runs.size()},
           {"seeds", runs},
           {"acceptance", {grams, degrees}},

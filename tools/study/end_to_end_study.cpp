@@ -62,6 +62,15 @@ double least_median(const std::array<WheelBound, kWheels>& bounds, double WheelB
   return worst;
 }
 
+/// How large errors are in how many of the wheels, a line for each drive.
+Figure distributions(const std::vector<Json>& runs, const char* name, const char* title, const char* unit,
+                     const char* what) {
+  Figure figure{name, title, {unit}, {"wheels with no larger error, %"}, {}};
+  for (const Row& row : rows_of())
+    figure.series.push_back(distribution(row.name, chain_values(runs, row.name, -1, what)));
+  return figure;
+}
+
 StudyResult summarise(const Json& settings, const std::vector<Json>& runs) {
   Json rows = Json::array(), lines = Json::array();
   for (const Row& row : rows_of()) {
@@ -88,16 +97,20 @@ StudyResult summarise(const Json& settings, const std::vector<Json>& runs) {
                                   rounded.median, 0.0, 4.0, answers_among(after)));
   lines.push_back(acceptance_line("5 minutes, weights in steps of 5 g: residual in 95 % of the wheels, g",
                                   rounded.p95, 0.0, 7.0, answers_among(after)));
-  return {{{"runs", runs.size()},
-           {"settings", settings},
-           {"tables",
-            {{{"title",
-               "The whole chain: noise, 16 bit, pitch errors, parameters drawn; 30, 20, 25, 15 g (5 minutes: "
-               "32.4, 17.6, 27.5, 12.6)"},
-              {"rows", rows}}}},
-           {"acceptance", lines},
-           {"accepted", all_met(lines)}},
-          {}};
+  return {
+      {{"runs", runs.size()},
+       {"settings", settings},
+       {"tables",
+        {{{"title",
+           "The whole chain: noise, 16 bit, pitch errors, parameters drawn; 30, 20, 25, 15 g (5 minutes: "
+           "32.4, 17.6, 27.5, 12.6)"},
+          {"rows", rows}}}},
+       {"acceptance", lines},
+       {"accepted", all_met(lines)}},
+      {distributions(runs, "end-to-end-mass", "Errors of the masses", "%", "mass_percent"),
+       distributions(runs, "end-to-end-angle", "Errors of the angles", "deg", "angle_deg"),
+       distributions(runs, "end-to-end-residual", "What an ideal counterweight leaves", "g", "residual_g"),
+       distributions(runs, "end-to-end-rounded", "What weights in steps of 5 g leave", "g", "rounded_g")}};
 }
 
 }  // namespace

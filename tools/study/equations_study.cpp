@@ -1,3 +1,5 @@
+#include <array>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -66,10 +68,11 @@ StudyResult summarise(const Json& settings, const std::vector<Json>& runs) {
   const Json sizes = case_rows(cases, runs);
   Json rows = Json::array();
   Figure figure{"equations",
-                "Median error of the mass against the number of equations",
+                "Median error of the mass against the number of equations (scaled)",
                 {"equations of the wheel's row", true},
                 {"mass median %", true},
                 {{"road unknown", {}, {}}, {"own past", {}, {}}}};
+  std::array<std::multimap<int, double>, 2> points;  // from few equations to many
   for (const Variant& v : variants()) {
     // Signals: with an unknown road seven accelerations and the wheel's angle (cos, sin); else its own three.
     const int instruments = (v.order - 2) * (v.road_unknown ? kCoordinates + 2 : 3);
@@ -84,12 +87,16 @@ StudyResult summarise(const Json& settings, const std::vector<Json>& runs) {
                     {"angle median deg", number_or_null(value("angle median deg"))},
                     {"ct sd %", number_or_null(value("ct sd %"))},
                     {"mass sd %", number_or_null(value("mass sd %"))}});
-    Series& series = figure.series[v.road_unknown ? 0 : 1];
-    series.x.push_back(equations), series.y.push_back(value("mass median %"));
+    points[v.road_unknown ? 0 : 1].emplace(equations, value("mass median %"));
   }
+  for (std::size_t s = 0; s < points.size(); ++s)
+    for (const auto& [equations, median] : points[s])
+      figure.series[s].x.push_back(equations), figure.series[s].y.push_back(median);
   return {
       summary_of(settings, runs.size(),
-                 "Front left wheel's row, filter 30 Hz, four speeds: equations against unknowns", rows, {}),
+                 "Front left wheel's row, filter 30 Hz, four speeds: equations, scaled by the rms of their "
+                 "instruments (the estimator paper takes them unscaled), against unknowns",
+                 rows, {}),
       {figure}};
 }
 

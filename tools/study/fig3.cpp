@@ -136,8 +136,11 @@ Json acceptance_of(const Json& rows) {
   const auto holds = [&](int samples) {
     return std::isfinite(value_of(rows, "bound, 0", samples, "ct sd %"));
   };
-  const auto judge = [&](const std::string& text, const char* name, int samples, const char* column,
+  const auto judge = [&](const std::string& text, const std::string& name, int samples, const char* column,
                          double unit, double least, double most) {
+    const bool ran =
+        std::any_of(rows.begin(), rows.end(), [&](const Json& row) { return row["estimator"] == name; });
+    if (!ran) return;  // --set estimators=...
     const double answers = value_of(rows, name, samples, "answers");
     lines.push_back(acceptance_line(text, value_of(rows, name, samples, column) / unit, least, most,
                                     std::isfinite(answers) ? static_cast<std::size_t>(answers) : 0));

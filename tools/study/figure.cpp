@@ -183,6 +183,16 @@ std::string svg(const Figure& figure) {
   return result + legend(figure) + "</svg>\n";
 }
 
+Series distribution(const std::string& name, const std::vector<double>& values) {
+  Series series{name, {}, {}, false, false};
+  for (const double value : values)
+    if (std::isfinite(value)) series.x.push_back(std::abs(value));
+  std::sort(series.x.begin(), series.x.end());
+  for (std::size_t i = 0; i < series.x.size(); ++i)
+    series.y.push_back(100.0 * static_cast<double>(i + 1) / static_cast<double>(values.size()));
+  return series;
+}
+
 void write_figures(const std::vector<Figure>& figures, const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder);
   for (const Figure& figure : figures) {

@@ -28,6 +28,10 @@ struct Figure {
   std::vector<Series> series;
 };
 
+/// What share of the values, in percent, is no larger than x in size: from 0 to where the largest is.  Values
+/// that are not finite are larger than all.
+Series distribution(const std::string& name, const std::vector<double>& values);
+
 /// The picture as a self-contained SVG: no fonts, scripts or files from elsewhere; black on white or white
 /// on black as the reader's screen prefers.
 std::string svg(const Figure& figure);

@@ -40,6 +40,16 @@ void pass_sensors(Stretch& stretch, const Geometry& geometry, std::uint64_t seed
   stretch.signals.topRows<kCoordinates>() = back * seen;
 }
 
+const int kBits[] = {8, 10, 12, 14, 16, 24};
+const double kNoise_m_s2[] = {0.02, 0.1, 0.5};
+
+std::string of_bits(int bits) {
+  return std::to_string(bits) + " bit, +-50 g";
+}
+std::string of_noise(double noise_m_s2) {
+  return Json(noise_m_s2).dump() + " m/s2 white noise";
+}
+
 std::vector<TrialCase> cases_of(const Json& settings) {
   std::vector<TrialCase> cases;
   const auto add = [&](const std::string& name, double noise_m_s2, int bits) {
@@ -53,8 +63,8 @@ std::vector<TrialCase> cases_of(const Json& settings) {
     cases.push_back(one);
   };
   add(kExact, 0.0, 0);
-  for (const int bits : {8, 10, 12, 14, 16, 24}) add(std::to_string(bits) + " bit, +-50 g", 0.0, bits);
-  for (const double noise : {0.02, 0.1, 0.5}) add(Json(noise).dump() + " m/s2 white noise", noise, 0);
+  for (const int bits : kBits) add(of_bits(bits), 0.0, bits);
+  for (const double noise : kNoise_m_s2) add(of_noise(noise), noise, 0);
   return cases;
 }
 
@@ -71,6 +81,23 @@ double added(const std::vector<Json>& runs, const TrialCase& one, const TrialCas
     for (std::size_t i = 0; i < with.size(); ++i) sum += std::pow(with[i] - without[i], 2), count += 1.0;
   }
   return std::sqrt(sum / count);
+}
+
+/// What each estimator's unbalances and tyres gain in error over an axis of cases.
+Figure figure_of(const Json& rows, const std::string& name, const std::string& title, const Axis& axis,
+                 const auto& values, const auto& case_of) {
+  Figure figure{name, title, axis, {"added, rms %", true}, {}};
+  for (const char* estimator : {"own-past", "whittle", "cancellation"})
+    for (const char* what : {"U", "ct"}) {
+      Series series{std::string(estimator) + ", " + what, {}, {}, what == std::string("ct")};
+      for (const auto value : values) {
+        series.x.push_back(value);
+        series.y.push_back(
+            value_in(rows, case_of(value), estimator, std::string("added to ") + what + ", rms %"));
+      }
+      figure.series.push_back(series);
+    }
+  return figure;
 }
 
 StudyResult summarise(const Json& settings, const std::vector<Json>& runs) {
@@ -92,7 +119,10 @@ StudyResult summarise(const Json& settings, const std::vector<Json>& runs) {
                                    answers_among(errors_in(runs, bits12, "whittle", "mass_percent")))});
   return {summary_of(settings, runs.size(), "What converters and noise add, against the same drives without",
                      rows, lines),
-          {}};
+          {figure_of(rows, "quantisation", "What converters add to the errors", {"bits at +-50 g"}, kBits,
+                     of_bits),
+           figure_of(rows, "noise", "What white noise adds to the errors", {"noise, m/s2", true}, kNoise_m_s2,
+                     of_noise)}};
 }
 
 }  // namespace

@@ -118,14 +118,39 @@ Json row_of(const std::vector<Json>& runs, const char* name) {
           {"its printed sigma N", median("sigma_force_n")}};
 }
 
+/// How large the errors are where the speeds separate, beside what two normal components of that standard
+/// deviation make of it.
+Figure in_sigmas(const std::vector<Json>& runs) {
+  Figure figure{"radial-force",
+                std::string("Errors of what is separated, ") + kWide,
+                {"error in printed standard deviations"},
+                {"wheels with no larger error, %"},
+                {}};
+  const auto add = [&](const char* name, const char* error, const char* sigma) {
+    const auto errors = chain_values(runs, kWide, -1, error), sigmas = chain_values(runs, kWide, -1, sigma);
+    std::vector<double> ratio;
+    for (std::size_t i = 0; i < errors.size(); ++i)
+      if (std::isfinite(errors[i]) && std::isfinite(sigmas[i])) ratio.push_back(errors[i] / sigmas[i]);
+    figure.series.push_back(distribution(name, ratio));
+  };
+  add("unbalance alone", "alone_residual_g", "sigma_alone_g");
+  add("force", "force_error_n", "sigma_force_n");
+  Series right{"as printed", {}, {}, true, false};
+  for (int k = 0; k <= 40; ++k) {
+    const double x = 0.1 * k;
+    right.x.push_back(x), right.y.push_back(-100.0 * std::expm1(-0.5 * x * x));
+  }
+  figure.series.push_back(right);
+  return figure;
+}
+
 StudyResult summarise(const Json& settings, const std::vector<Json>& runs) {
   const Json rows{row_of(runs, kNarrow), row_of(runs, kWide)};
   const Json bounds{bound_row(kNarrow), bound_row(kMiddle), bound_row(kWide)};
   // An error in two dimensions is within two standard deviations of its components with 1 - e^-2, 86 %.
   const auto within = [&](const char* line, const char* error, const char* sigma) {
     const WithinTwo share = within_two(runs, kWide, error, sigma);
-    const ShareLimits limits = share_limits(-std::expm1(-2.0), share.answers);
-    return acceptance_line(line, share.percent, limits.least, limits.most, share.answers);
+    return share_line(line, share.percent, -std::expm1(-2.0), share.answers);
   };
   // A wheel that was refused is one of which nothing was said: it counts against these two lines.
   const Answered narrow = answered(runs, kNarrow), wide = answered(runs, kWide);
@@ -146,7 +171,7 @@ StudyResult summarise(const Json& settings, const std::vector<Json>& runs) {
              {{"title", "The whole chain with a radial force on each wheel"}, {"rows", rows}}}},
            {"acceptance", lines},
            {"accepted", all_met(lines)}},
-          {}};
+          {in_sigmas(runs)}};
 }
 
 }  // namespace

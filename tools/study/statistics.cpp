@@ -67,10 +67,20 @@ nlohmann::ordered_json acceptance_line(const std::string& text, double value, do
   return line;
 }
 
+nlohmann::ordered_json share_line(const std::string& text, double percent, double probability,
+                                  std::size_t answers) {
+  const ShareLimits limits = share_limits(probability, answers);
+  nlohmann::ordered_json line = acceptance_line(text, percent, limits.least, limits.most, answers);
+  if (answers > 0 && limits.least <= 0.0 && limits.most >= 100.0) line["met"] = nullptr;
+  return line;
+}
+
 bool all_met(const nlohmann::ordered_json& acceptance) {
-  return !acceptance.empty() &&
-         std::all_of(acceptance.begin(), acceptance.end(),
-                     [](const nlohmann::ordered_json& line) { return line["met"].get<bool>(); });
+  const auto says = [](bool met) {
+    return [met](const nlohmann::ordered_json& line) { return line["met"] == met; };
+  };
+  return std::any_of(acceptance.begin(), acceptance.end(), says(true)) &&
+         std::none_of(acceptance.begin(), acceptance.end(), says(false));
 }
 
 }  // namespace roadbalance

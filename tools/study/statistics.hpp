@@ -44,7 +44,12 @@ ShareLimits share_limits(double probability, std::size_t answers);
 nlohmann::ordered_json acceptance_line(const std::string& text, double value, double least, double most,
                                        std::optional<std::size_t> answers = {});
 
-/// Whether every line is met, and there is one.
+/// The same of a percentage of answers of which each is right with a probability: its limits are
+/// share_limits().  "met" is null where these are 0 .. 100, so few answers that the line cannot fail.
+nlohmann::ordered_json share_line(const std::string& text, double percent, double probability,
+                                  std::size_t answers);
+
+/// Whether every line that is judged is met, and there is one.
 bool all_met(const nlohmann::ordered_json& acceptance);
 
 }  // namespace roadbalance

@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "common/config/section.hpp"
 #include "tools/study/chain_studies.hpp"
@@ -21,10 +23,28 @@ Json run_demo(const StudyRun& run) {
   return demo_accuracy_run(run.seed, run.settings["drive_seconds"].get<double>());
 }
 
+/// How large what "seeds" say of their wheels is in how many of these.
+Figure of_seeds(const Json& summary, const std::string& name, const std::string& title,
+                const std::string& unit, const std::vector<std::pair<std::string, std::string>>& keys) {
+  Figure figure{name, title, {unit}, {"wheels with no more, %"}, {}};
+  for (const auto& [words, key] : keys) {
+    std::vector<double> values;
+    for (const Json& seed : summary["seeds"])
+      for (const Json& wheel : seed["wheels"])
+        values.push_back(wheel[key].is_number() ? wheel[key].get<double>() : std::nan(""));
+    figure.series.push_back(distribution(words, values));
+  }
+  return figure;
+}
+
 StudyResult summarise_demo(const Json&, const std::vector<Json>& runs) {
   Json summary = demo_accuracy_summary(runs);
   summary["results"] = runs;
-  return {summary, {}};
+  return {summary,
+          {of_seeds(summary, "demo-accuracy", "Errors of the demo's estimates", "%",
+                    {{"mass", "error_percent"}, {"tyre stiffness", "error_tyre_percent"}}),
+           of_seeds(summary, "demo-accuracy-angle", "Errors of the demo's angles", "deg",
+                    {{"angle", "error_deg"}})}};
 }
 
 Json run_drift(const StudyRun& run) {
@@ -32,11 +52,14 @@ Json run_drift(const StudyRun& run) {
 }
 
 StudyResult summarise_drift(const Json&, const std::vector<Json>& runs) {
-  return {drift_cost_summary(runs), {}};
+  const Json summary = drift_cost_summary(runs);
+  return {summary,
+          {of_seeds(summary, "drift", "Change of the unbalance by a drift of 5 km/h a minute", "% or deg",
+                    {{"mass, %", "change_percent"}, {"angle, deg", "change_deg"}})}};
 }
 
 std::vector<Study> old_studies() {
-  const std::vector<std::string> repeated{"--runs", "--seed", "--state", "--jobs"};
+  const std::vector<std::string> repeated{"--runs", "--seed", "--state", "--jobs", "--svg", "--markdown"};
   std::vector<std::string> with_length = repeated;
   with_length.push_back("--drive-seconds");
   return {{.name = "demo-accuracy",
@@ -57,7 +80,7 @@ std::vector<Study> old_studies() {
            .settings = Json::object()},
           {.name = "encoder",
            .line = "angles from pulse trains against the truth",
-           .options = {"--runs", "--seed"},
+           .options = {"--runs", "--seed", "--markdown"},
            .settings = Json::object(),
            .runs = 1,
            .seed = 11}};

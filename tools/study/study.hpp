@@ -20,7 +20,7 @@ struct StudyRun {
 
 struct StudyResult {
   /// {"tables": [{"title", "rows": [{column: value}]}],
-  /// "acceptance": [{"line", "value", "required", "answers", "met"}], "accepted"} and what else there is to
+  /// "acceptance": [acceptance_line()], "accepted"} and what else there is to
   /// say; without "acceptance" nothing was required, and with none in it nothing is accepted.
   nlohmann::ordered_json summary;
   std::vector<Figure> figures;
@@ -54,6 +54,9 @@ void change_setting(nlohmann::ordered_json& settings, const std::string& change)
 
 /// The tables of a summary, for a terminal: columns side by side.
 std::string plain_tables(const nlohmann::ordered_json& summary);
+/// Its acceptance, a line each: "met", "NOT MET" or "not judged", what was asked, the value, its limits and
+/// on how many answers it rests; nothing if nothing was required.
+std::string plain_acceptance(const nlohmann::ordered_json& summary);
 /// The same and the acceptance as Markdown.
 std::string markdown_tables(const nlohmann::ordered_json& summary);
 

@@ -81,6 +81,11 @@ std::string markdown(const Json& table) {
   return text + "\n";
 }
 
+/// null: the answers are too few for the line to fail.
+const char* verdict(const Json& line) {
+  return !line["met"].is_boolean() ? "not judged" : line["met"].get<bool>() ? "met" : "NOT MET";
+}
+
 std::string required(const Json& line) {
   return cell(line["required"][0]) + " .. " + cell(line["required"][1]);
 }
@@ -93,6 +98,21 @@ std::string plain_tables(const Json& summary) {
   return text;
 }
 
+std::string plain_acceptance(const Json& summary) {
+  if (!summary.contains("acceptance")) return "";
+  if (summary["acceptance"].empty()) return "NOT MET     nothing was judged\n";
+  std::string text;
+  for (const Json& line : summary["acceptance"]) {
+    text += padded(verdict(line), 10, true) + "  " + padded(cell(line["line"]), 72, true) + " " +
+            padded(cell(line["value"]), 8, false);
+    if (line.contains("standard_error")) text += " +- " + cell(line["standard_error"]);
+    text += "  (" + required(line) + ")";
+    if (line.contains("answers")) text += "  n = " + cell(line["answers"]);
+    text += "\n";
+  }
+  return text;
+}
+
 std::string markdown_tables(const Json& summary) {
   std::string text;
   for (const Json& table : summary.value("tables", Json::array())) text += markdown(table);
@@ -101,8 +121,7 @@ std::string markdown_tables(const Json& summary) {
   text += "| acceptance | value | required | answers | |\n| --- | ---: | ---: | ---: | --- |\n";
   for (const Json& line : summary["acceptance"])
     text += "| " + cell(line["line"]) + " | " + cell(line["value"]) + " | " + required(line) + " | " +
-            (line.contains("answers") ? cell(line["answers"]) : "") + " | " +
-            (line["met"].get<bool>() ? "met" : "NOT MET") + " |\n";
+            (line.contains("answers") ? cell(line["answers"]) : "") + " | " + verdict(line) + " |\n";
   return text;
 }
 

@@ -65,7 +65,8 @@ TEST(Validators, KeepNanOutOfEveryCommand) {
 TEST(Options, OfAnotherStudyAreRefused) {
   for (const std::vector<std::string>& words : {std::vector<std::string>{"study", "encoder", "--jobs", "3"},
                                                 {"study", "clock-skew", "--drive-seconds", "100"},
-                                                {"study", "demo-accuracy", "--nodes", "3"}}) {
+                                                {"study", "demo-accuracy", "--nodes", "3"},
+                                                {"study", "encoder", "--svg", "figures"}}) {
     CLI::App app;
     int code = 0;
     add_study(app, code);
@@ -75,6 +76,11 @@ TEST(Options, OfAnotherStudyAreRefused) {
     } catch (const ConfigError& error) {
       EXPECT_NE(std::string(error.what()).find(words[2] + ": is not of study " + words[1]),
                 std::string::npos);
+      // All that take it.
+      const std::string said = error.what(), allowed = said.substr(said.find("allowed with "));
+      const bool svg = words[2] == "--svg";
+      EXPECT_EQ(allowed.find(", drift") != std::string::npos, svg || words[2] == "--jobs") << said;
+      EXPECT_EQ(allowed.find("parameters") != std::string::npos, svg) << said;
     }
   }
 }

@@ -84,5 +84,12 @@ TEST(Svg, IsWellFormedAndComplete) {
   std::filesystem::remove_all(folder);
 }
 
+TEST(Distribution, CountsWhatIsNotKnownAsLarger) {
+  const Series series = distribution("errors", {-3.0, 1.0, std::nan(""), 2.0, HUGE_VAL});
+  EXPECT_EQ(series.x, (std::vector<double>{1.0, 2.0, 3.0}));
+  EXPECT_EQ(series.y, (std::vector<double>{20.0, 40.0, 60.0}));
+  EXPECT_TRUE(distribution("none", {}).x.empty());
+}
+
 }  // namespace
 }  // namespace roadbalance

@@ -55,5 +55,19 @@ TEST(ShareLimits, AreThoseOfTheBinomialDistribution) {
   EXPECT_NEAR(many.most, 80.0 + 400.0 * std::sqrt(0.8 * 0.2 / 1e6), 2e-3);
 }
 
+TEST(ShareLine, IsNotJudgedByTooFewAnswersToFail) {
+  // 0.86^70 = 2.6e-5 is rarer than 3.2e-5, 0.86^68 is not; of five all may be wrong: 0.14^5 = 5.4e-5.
+  EXPECT_TRUE(share_line("x", 100.0, 0.86, 5)["met"].is_null());
+  EXPECT_TRUE(share_line("x", 100.0, 0.86, 68)["met"].get<bool>());
+  EXPECT_FALSE(share_line("x", 100.0, 0.86, 70)["met"].get<bool>());
+  EXPECT_FALSE(share_line("x", 0.0, 0.86, 6)["met"].get<bool>());
+  EXPECT_FALSE(share_line("x", 0.0, 0.86, 0)["met"].get<bool>());
+  const auto met = acceptance_line("y", 1.0, 0.0, 2.0), missed = acceptance_line("y", 3.0, 0.0, 2.0);
+  const auto open = share_line("x", 100.0, 0.86, 5);
+  EXPECT_FALSE(all_met(nlohmann::ordered_json::array({open})));
+  EXPECT_TRUE(all_met(nlohmann::ordered_json::array({open, met})));
+  EXPECT_FALSE(all_met(nlohmann::ordered_json::array({open, met, missed})));
+}
+
 }  // namespace
 }  // namespace roadbalance

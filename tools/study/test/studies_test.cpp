@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 #include <string>
 
@@ -90,6 +91,38 @@ TEST(Tables, SayTheSameOnATerminalAndInMarkdown) {
             "**Errors**\n\n| wheel | error |\n| --- | ---: |\n| left | 0.123 |\n| right | - |\n\n"
             "| acceptance | value | required | answers | |\n| --- | ---: | ---: | ---: | --- |\n"
             "| all | 0.5 | 0 .. 1 | 12 | met |\n");
+}
+
+TEST(Tables, TellEachLineOfAcceptanceInFullNumbers) {
+  const Json summary{{"acceptance",
+                      {{{"line", "small"},
+                        {"value", 1.2345678e-05},
+                        {"standard_error", 0.000123456},
+                        {"required", {0.0, 0.1}},
+                        {"answers", 40},
+                        {"met", true}},
+                       {{"line", "none"}, {"value", nullptr}, {"required", {0.0, 1.0}}, {"met", false}},
+                       {{"line", "few"}, {"value", 100.0}, {"required", {0, 100}}, {"met", nullptr}}}}};
+  const std::string text = plain_acceptance(summary);
+  EXPECT_TRUE(text.starts_with("met         small")) << text;
+  EXPECT_NE(text.find(" 1.23e-05 +- 0.000123  (0 .. 0.1)  n = 40\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("\nNOT MET     none"), std::string::npos) << text;
+  EXPECT_NE(text.find("\nnot judged  few"), std::string::npos) << text;
+  EXPECT_NE(markdown_tables(summary).find("| few | 100 | 0 .. 100 |  | not judged |\n"), std::string::npos);
+  EXPECT_EQ(plain_acceptance({{"tables", Json::array()}}), "");
+  EXPECT_EQ(plain_acceptance({{"acceptance", Json::array()}}), "NOT MET     nothing was judged\n");
+}
+
+/// What a study takes on the command line it does: a folder asked for is not left empty.
+TEST(Studies, ThatTakeSvgDrawFigures) {
+  std::set<std::string> drawing;
+  for (const Study& study : studies())
+    if (std::ranges::count(study.options, "--svg") > 0) drawing.insert(study.name);
+  for (const char* name :
+       {"fig3", "fig4", "influences", "estimators", "cancellation", "parameters", "drift", "quantisation",
+        "radial-force", "coverage", "end-to-end", "demo-accuracy", "equations"})
+    EXPECT_TRUE(drawing.contains(name)) << name;
+  EXPECT_EQ(drawing.size(), 13u);
 }
 
 }  // namespace

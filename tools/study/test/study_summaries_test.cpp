@@ -220,6 +220,30 @@ TEST(Estimators, JudgesTyresOverBothBandsWithAndWithoutASharedRoad) {
     }
 }
 
+/// Errors of +-4 % in turn, with cancellation so much of that where the relative angle of wheels in step
+/// varies.
+TEST(Cancellation, AsksAGainOfWheelsInStepAtSeveralRelativeAngles) {
+  const auto line = [](double left) {
+    std::vector<Json> runs;
+    for (const double sign : {1.0, -1.0}) {
+      Json run;
+      for (const char* of :
+           {"0", "0.9", "0.95", "0.99", "0.95, wheels in step", "0.95, in step, angles drawn at each speed"})
+        for (const char* name : {"known-tyre", "harmonic", "cancellation"}) {
+          const bool cancelled = std::string(name) == "cancellation" && std::string(of).ends_with("speed");
+          const double error = 4.0 * sign * (cancelled ? left : 1.0);
+          run[of][name] = Json(4, {{"mass_percent", error}, {"re_percent", error}, {"im_percent", -error}});
+        }
+      runs.push_back(run);
+    }
+    return line_of(summary_of("cancellation", runs), "wheels in step at four");
+  };
+  EXPECT_TRUE(line(1.0 / 3.6)["met"]);
+  EXPECT_NEAR(line(1.0 / 3.6)["value"].get<double>(), 3.6, 1e-9);
+  EXPECT_EQ(line(1.0 / 3.6)["answers"], 8);
+  EXPECT_FALSE(line(1.0)["met"].get<bool>());  // nothing is cancelled
+}
+
 /// Errors of +-1 % in turn, from every estimator.
 TEST(Fig3, TellsMediansAndDeviations) {
   Json settings = study_of("fig3").settings;
@@ -244,6 +268,32 @@ TEST(Fig3, TellsMediansAndDeviations) {
   }
   EXPECT_EQ(told, estimators().size());
   EXPECT_EQ(result.figures.size(), 3u);
+}
+
+/// --set estimators=whittle: what is asked of others is neither met nor missed.
+TEST(Fig3, JudgesTheEstimatorsThatRan) {
+  const auto judged = [](const char* name, double error) {
+    Json settings = study_of("fig3").settings;
+    settings["samples"] = {20000};
+    settings["estimators"] = name;
+    std::vector<Json> runs;
+    for (const double sign : {1.0, -1.0}) {
+      Json run;
+      run["20000"][name] = {
+          {"tyre_percent", sign * error}, {"mass_percent", sign * error}, {"angle_deg", sign * error}};
+      runs.push_back(run);
+    }
+    return summary_of("fig3", runs, settings);
+  };
+  const Json good = judged("whittle", 0.5);
+  EXPECT_EQ(good["acceptance"].size(), 3u);
+  for (const Json& line : good["acceptance"])
+    EXPECT_TRUE(line["line"].get<std::string>().starts_with("whittle, 20000 samples, ")) << line;
+  EXPECT_TRUE(good["accepted"].get<bool>());
+  EXPECT_FALSE(judged("whittle", 50.0)["accepted"].get<bool>());
+  const Json none = judged("harmonic", 0.5);  // of which nothing is asked
+  EXPECT_TRUE(none["acceptance"].empty());
+  EXPECT_FALSE(none["accepted"].get<bool>());
 }
 
 }  // namespace
