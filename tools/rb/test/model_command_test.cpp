@@ -59,6 +59,15 @@ TEST_F(ModelCommand, WritesEquationsInEveryForm) {
   EXPECT_NE(model({"seven_dof", "--cpp"}).output.find("namespace seven_dof {"), std::string::npos);
 }
 
+TEST_F(ModelCommand, NamesTheDescriptionsThatShip) {
+  const auto [code, output, log] = model({"seven"});
+  EXPECT_EQ(code, 4);
+  EXPECT_NE(log.find("seven: there is no such file; allowed: a vehicle.toml, a description, quarter_car, "
+                     "half_car, seven_dof"),
+            std::string::npos)
+      << log;
+}
+
 TEST_F(ModelCommand, SaysThatACoupleIsNotToldByVerticalSensors) {
   std::string text = test::read_source("common/multibody/descriptions/quarter_car.toml");
   text +=

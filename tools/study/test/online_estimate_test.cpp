@@ -14,7 +14,6 @@
 #include "firmware/seal_all.hpp"
 #include "host/identify/drive_estimator.hpp"
 #include "sim/front_end.hpp"
-#include "sim/truth.hpp"
 
 namespace roadbalance {
 namespace {
