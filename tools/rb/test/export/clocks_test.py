@@ -22,13 +22,13 @@ DRIFT = {1: 40e-6, 2: -25e-6}
 OFFSET_NS = {1: 0, 2: 123_456_789}
 
 
-def insert(folder, added):
-    """Puts events before the first scan block of each node, and marks before a later one."""
+def insert(folder, added, among=b"_SCAN"):
+    """Puts events before that many scan blocks; `among`: how the channels that count end."""
     segment = folder / "seg-000001.lcm"
     log, out, at, blocks = segment.read_bytes(), bytearray(), 0, 0
     while struct.unpack_from(">I", log, at)[0] == 0xEDA1DA01:
         _, _, _, name, size = struct.unpack_from(">IqqII", log, at)
-        if log[at + 28:at + 28 + name].endswith(b"_SCAN"):
+        if log[at + 28:at + 28 + name].endswith(among):
             for data in added.get(blocks, []):
                 out += data
             blocks += 1
@@ -183,7 +183,7 @@ class Clocks(Exports):
         first = fit(folder, 1, HOST_NS, 0, 0.0)
         broken = fit(folder, 1, 0, 0, 0.0, index=2, state=0, breaks=1)
         again = fit(folder, 1, HOST_NS + 2 * 10**9, 0, 0.0, index=3, breaks=1)
-        insert(folder, {0: [first], 400: [broken], 800: [again]})
+        insert(folder, {0: [first], 200: [broken], 400: [again]}, b"RB_BLOCK_1_SCAN")
         _, said = self.export("hdf5", folder, "break.h5", "--channels", "front", "--pulses", self.root / "break.csv")
         with h5py.File(self.root / "break.h5") as data:
             steps = np.diff(data["front"]["time_s"])
