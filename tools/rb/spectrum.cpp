@@ -29,15 +29,22 @@ struct SpectrumOptions {
   bool json = false;
 };
 
-/// A line of density G is as strong as a sine of rms sqrt(G B), B the equivalent noise bandwidth.
-std::vector<double> shown(std::vector<double> density, const std::string& what, double enbw_hz) {
-  if (what == "density") return density;
-  for (double& value : density) value = std::sqrt(value * enbw_hz * (what == "peak" ? 2.0 : 1.0));
+/// A line of density G is as strong as a sine of rms sqrt(G B), B the equivalent noise bandwidth; at 0 Hz and
+/// at half the rate there is no sine, and its peak is its rms.
+std::vector<double> shown(std::vector<double> density, const SpectrumOptions& options,
+                          const CrossSpectra& spectra, int segment) {
+  if (options.show == "density") return density;
+  for (std::size_t k = 0; k < density.size(); ++k) {
+    const bool is_sine = k > 0 && 2 * k != static_cast<std::size_t>(segment);
+    density[k] = std::sqrt(density[k] * spectra.enbw_hz() * (options.show == "peak" && is_sine ? 2.0 : 1.0));
+  }
   return density;
 }
 
-const char* unit_of(const std::string& what) {
-  return what == "density" ? "(m/s^2)^2/Hz" : what == "peak" ? "m/s^2 peak" : "m/s^2 rms";
+std::string unit_of(const std::string& what, ChannelRole role) {
+  const std::string unit = role == ChannelRole::kRoad ? "m" : "m/s^2";
+  if (what != "density") return unit + " " + what;
+  return role == ChannelRole::kRoad ? "m^2/Hz" : "(m/s^2)^2/Hz";
 }
 
 JointSpectra::Settings settings_of(const SpectrumOptions& options, double rate_hz) {
@@ -48,12 +55,12 @@ JointSpectra::Settings settings_of(const SpectrumOptions& options, double rate_h
           .hold_peaks = options.average == "peak-hold"};
 }
 
-nlohmann::ordered_json to_json(const NodeConfig& node, const SpectrumOptions& options,
-                               const CrossSpectra& spectra) {
+nlohmann::ordered_json to_json(const NodeConfig& node, const ChannelConfig& channel,
+                               const SpectrumOptions& options, const CrossSpectra& spectra) {
   nlohmann::ordered_json json{
       {"channel", options.channel},
       {"node", node.name},
-      {"unit", unit_of(options.show)},
+      {"unit", unit_of(options.show, channel.role)},
       {"window", options.window},
       {"overlap_percent", options.overlap_percent},
       {"average", options.average},
@@ -64,14 +71,15 @@ nlohmann::ordered_json to_json(const NodeConfig& node, const SpectrumOptions& op
       {"frequency_hz", nlohmann::ordered_json::array()},
       {options.show == "density" ? "density" : "amplitude", nlohmann::ordered_json::array()}};
   if (spectra.averages() == 0) return json;
-  json.back() = shown(options.average == "peak-hold" ? spectra.peak_density(0) : spectra.density(0),
-                      options.show, spectra.enbw_hz());
+  json.back() = shown(options.average == "peak-hold" ? spectra.peak_density(0) : spectra.density(0), options,
+                      spectra, settings_of(options, node.rate_hz).segment);
   for (int bin = 0; bin < spectra.bins(); ++bin) json["frequency_hz"].push_back(bin * spectra.step_hz());
   return json;
 }
 
 int spectrum(const SpectrumOptions& options) {
   const NodeConfig* node = nullptr;
+  const ChannelConfig* config = nullptr;
   VehicleConfig vehicle;
   std::optional<JointSpectra> channel;
   const RecordingDefects defects = read_recording(
@@ -80,19 +88,21 @@ int spectrum(const SpectrumOptions& options) {
         vehicle = recorded;
         const ChannelPlace place = find_channel(vehicle, "--channel", options.channel);
         node = &vehicle.node[static_cast<std::size_t>(place.node)];
+        config = &node->channel[static_cast<std::size_t>(place.channel)];
         channel.emplace(vehicle, std::vector{place}, settings_of(options, node->rate_hz));
       },
       [&](const SealedBlock& block) { channel->consume(block); });
 
   warn_of_defects("spectrum", options.folder, defects);
-  const auto result = to_json(*node, options, channel->spectra());
+  const auto result = to_json(*node, *config, options, channel->spectra());
   if (options.json) {
     std::printf("%s\n", result.dump().c_str());
   } else {
     std::printf(
         "# %s, %s window, %g %% overlap, %s average of %d, noise bandwidth %.3f Hz\n# Hz   %s, one-sided\n",
         options.channel.c_str(), options.window.c_str(), options.overlap_percent, options.average.c_str(),
-        result["averages"].get<int>(), result["enbw_hz"].get<double>(), unit_of(options.show));
+        result["averages"].get<int>(), result["enbw_hz"].get<double>(),
+        result["unit"].get<std::string>().c_str());
     const auto& values = result.back();
     for (std::size_t bin = 0; bin < values.size(); ++bin)
       std::printf("%8.3f %.6e\n", result["frequency_hz"][bin].get<double>(), values[bin].get<double>());

@@ -19,10 +19,11 @@ const kOrders = 4;
 /** Of a line's amplitude, by window (F. J. Harris, Proc. IEEE 66 (1978) 51-83, table I). */
 const kLow = [" A line between bins reads up to 36 % low: take the flat top.", " A line between bins reads up to 15 % low: take the flat top.", ""];
 
-/** A line of density G is as strong as a sine of rms sqrt(G B), B the equivalent noise bandwidth. */
-export function amplitude(density: number, enbw_hz: number, quantity: Quantity): number {
+/** A line of density G is as strong as a sine of rms sqrt(G B), B the equivalent noise bandwidth; at 0 Hz is no sine, and
+ * its peak is its rms. */
+export function amplitude(density: number, hz: number, enbw_hz: number, quantity: Quantity): number {
   if (quantity === "density") return density;
-  return Math.sqrt(density * enbw_hz * (quantity === "peak" ? 2 : 1));
+  return Math.sqrt(density * enbw_hz * (quantity === "peak" && hz > 0 ? 2 : 1));
 }
 
 /** Where the orders of a wheel are. */
@@ -107,7 +108,7 @@ export class SpectrumPlot implements Plot {
     const markers = this.orders.value === "" ? [] : orderMarkers(car, Number(this.orders.value));
     const quantity = this.quantity.value;
     const curve = ({name, colour, x, density, enbw_hz}: Density, dashed: boolean): Curve =>
-      ({name: dashed ? `${name} (reference)` : name, colour, x, dashed, y: this.shown(density, enbw_hz, quantity)});
+      ({name: dashed ? `${name} (reference)` : name, colour, x, dashed, y: this.shown(x, density, enbw_hz, quantity)});
     this.figure.show([...this.now.map((one) => curve(one, false)), ...this.reference.map((one) => curve(one, true))], kQuantities[this.quantity.value], markers);
     const why = waiting.length === 0 ? "" :
       ` No spectrum yet of ${waiting.map((id) => channelName(car, id)).join(", ")}: a block of ${spectral.segment} samples ` +
@@ -124,11 +125,11 @@ export class SpectrumPlot implements Plot {
     return found;
   }
 
-  private shown(density: readonly number[], enbw_hz: number, quantity: Quantity): readonly number[] {
+  private shown(x: readonly number[], density: readonly number[], enbw_hz: number, quantity: Quantity): readonly number[] {
     if (quantity === "density") return density;
     let found = this.amplitudes.get(density);
     if (found?.quantity !== quantity)
-      this.amplitudes.set(density, found = {quantity, y: density.map((value) => amplitude(value, enbw_hz, quantity))});
+      this.amplitudes.set(density, found = {quantity, y: density.map((value, k) => amplitude(value, x[k] ?? 0, enbw_hz, quantity))});
     return found.y;
   }
 
