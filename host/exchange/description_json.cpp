@@ -1,7 +1,5 @@
 #include "host/exchange/description_json.hpp"
 
-#include <nlohmann/json.hpp>
-
 namespace roadbalance {
 namespace {
 
@@ -27,7 +25,7 @@ Json channel_json(const ExportChannel& channel) {
 
 }  // namespace
 
-std::string description_json(const ExportTable& table) {
+nlohmann::ordered_json description_of(const ExportTable& table) {
   Json groups = Json::array();
   for (const auto& group : table.group) {
     Json channels = Json::array();
@@ -42,14 +40,24 @@ std::string description_json(const ExportTable& table) {
   for (const auto& mark : table.mark)
     marks.push_back(
         {{"time_s", static_cast<double>(mark.time_ns) * 1e-9}, {"number", mark.number}, {"text", mark.text}});
-  const Json json{{"program", table.program},
-                  {"vehicle", table.vehicle},
-                  {"start_utc_us", table.start_utc_us ? Json(*table.start_utc_us) : Json()},
-                  {"start_by_clock", table.start_by_clock},
-                  {"groups", groups},
-                  {"marks", marks}};
-  // ASCII, for formats that know no more; texts of a recording may be no UTF-8, and what is not is replaced.
+  Json left_out = Json::array();
+  for (const auto& part : table.left_out)
+    left_out.push_back({{"node", part.node}, {"samples", part.samples}});
+  return {{"program", table.program},
+          {"vehicle", table.vehicle},
+          {"start_utc_us", table.start_utc_us ? Json(*table.start_utc_us) : Json()},
+          {"start_by_clock", table.start_by_clock},
+          {"groups", groups},
+          {"marks", marks},
+          {"left_out", left_out}};
+}
+
+std::string as_text(const nlohmann::ordered_json& json) {
   return json.dump(-1, ' ', true, Json::error_handler_t::replace);
+}
+
+std::string description_json(const ExportTable& table) {
+  return as_text(description_of(table));
 }
 
 }  // namespace roadbalance

@@ -1,14 +1,21 @@
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "host/exchange/export_table.hpp"
 
 namespace roadbalance {
 
-/// The table as one JSON object in ASCII, for formats that have room for a text: program, vehicle, start,
-/// groups with rate_hz, first_s and channels (name, unit, node, scale, offset_counts, mount, position_m,
-/// direction, range, delay_s, overload), marks.  value = (counts - offset_counts) * scale.
+/// The table as one JSON object: program, vehicle, start, groups with rate_hz, first_s and channels (name,
+/// unit, node, scale, offset_counts, mount, position_m, direction, range, delay_s, overload), marks, and
+/// samples of nodes that were left out.  value = (counts - offset_counts) * scale.
+nlohmann::ordered_json description_of(const ExportTable& table);
+
+/// As text, in ASCII, for formats that know no more; what is no UTF-8 in a recording's texts is replaced.
+std::string as_text(const nlohmann::ordered_json& json);
+
+/// Both, for formats that have room for a text.
 std::string description_json(const ExportTable& table);
 
 }  // namespace roadbalance

@@ -31,19 +31,23 @@ void set_number(hid_t object, const char* name, double number) {
   set_numbers(object, name, H5T_NATIVE_DOUBLE, &number, 0);
 }
 
+/// Of any length, in UTF-8.
+Handle text_type() {
+  Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  check(H5Tset_size(type.get(), H5T_VARIABLE), "text");
+  check(H5Tset_cset(type.get(), H5T_CSET_UTF8), "text");
+  return type;
+}
+
 void set_text(hid_t object, const char* name, const std::string& text) {
-  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  check(H5Tset_size(type.get(), H5T_VARIABLE), name);
-  check(H5Tset_cset(type.get(), H5T_CSET_UTF8), name);
+  const Handle type = text_type();
   const char* characters = text.c_str();
   set_numbers(object, name, type.get(), &characters, 0);
 }
 
 /// A text of any length: attributes have room for 64 kB in all.
 void put_text(hid_t group, const char* name, const std::string& text) {
-  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  check(H5Tset_size(type.get(), H5T_VARIABLE), name);
-  check(H5Tset_cset(type.get(), H5T_CSET_UTF8), name);
+  const Handle type = text_type();
   const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
   const Handle set(H5Dcreate2(group, name, type.get(), space.get(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
                    H5Dclose);

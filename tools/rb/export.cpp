@@ -9,6 +9,7 @@
 #include "common/config/section.hpp"
 #include "common/process/stop_on_signal.hpp"
 #include "common/record/file.hpp"
+#include "host/exchange/description_json.hpp"
 #include "host/exchange/export_recording.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/defects.hpp"
@@ -27,46 +28,20 @@ struct ExportOptions {
   bool json = false;
 };
 
+/// What is in the file, as the file says it, and how the export went.
 Json report_json(const ExportOptions& options, const ExportReport& report) {
-  Json groups = Json::array();
-  for (const auto& group : report.table.group) {
-    Json channels = Json::array();
-    for (const auto& channel : group.channel)
-      channels.push_back({{"name", channel.name},
-                          {"unit", channel.unit},
-                          {"node", channel.node},
-                          {"scale", channel.scale},
-                          {"offset_counts", channel.offset_counts},
-                          {"overload", channel.overload}});
-    groups.push_back({{"name", group.name},
-                      {"rate_hz", group.rate_hz},
-                      {"first_s", static_cast<double>(group.first_ns) * 1e-9},
-                      {"rows", group.rows},
-                      {"channels", channels}});
-  }
-  Json marks = Json::array();
-  for (const auto& mark : report.table.mark)
-    marks.push_back(
-        {{"time_s", static_cast<double>(mark.time_ns) * 1e-9}, {"number", mark.number}, {"text", mark.text}});
-  Json left_out = Json::array();
-  for (const auto& part : report.table.left_out)
-    left_out.push_back({{"node", part.node}, {"samples", part.samples}});
-  const auto& start = report.table.start_utc_us;
-  return {{"file", options.file},
-          {"format", options.request.format},
-          {"bytes", report.bytes},
-          {"start_utc_us", start ? Json(*start) : Json()},
-          {"start_by_clock", report.table.start_by_clock},
-          {"rows", report.rows},
-          {"rows_missing", report.missing},
-          {"pulses", report.pulses.written},
-          {"pulses_left_out", report.pulses.left_out},
-          {"left_out", left_out},
-          {"damaged_bytes", report.defects.damaged_bytes},
-          {"blocks_refused", report.defects.refused_blocks},
-          {"blocks_missing", report.defects.missing_blocks},
-          {"groups", groups},
-          {"marks", marks}};
+  Json json = description_of(report.table);
+  json.update({{"file", options.file},
+               {"format", options.request.format},
+               {"bytes", report.bytes},
+               {"rows", report.rows},
+               {"rows_missing", report.missing},
+               {"pulses", report.pulses.written},
+               {"pulses_left_out", report.pulses.left_out},
+               {"damaged_bytes", report.defects.damaged_bytes},
+               {"blocks_refused", report.defects.refused_blocks},
+               {"blocks_missing", report.defects.missing_blocks}});
+  return json;
 }
 
 void tell(const ExportOptions& options, const ExportReport& report) {
@@ -115,7 +90,7 @@ int run_export(ExportOptions options) {
   if (!options.vehicle.empty()) write_atomically(options.vehicle, report.table.vehicle_toml);
   warn_of_defects("export", options.folder, report.defects);
   tell(options, report);
-  if (options.json) std::printf("%s\n", report_json(options, report).dump().c_str());
+  if (options.json) std::printf("%s\n", as_text(report_json(options, report)).c_str());
   const RecordingDefects& defects = report.defects;
   if (defects.damaged_bytes > 0 || defects.refused_blocks > 0 || defects.missing_blocks > 0)
     return kAnswerIsNo;

@@ -78,7 +78,7 @@ std::vector<bool> rows_of(const CsvImport& import, const NodeConfig& node, const
     const auto empty = std::count_if(columns.begin(), columns.end(), is_empty);
     there[row] = empty == 0;
     if (empty != 0 && empty != std::ssize(columns))
-      throw ConfigError(import.samples.string() + ": row " + std::to_string(row + 1) + " behind the units: " +
+      throw ConfigError(import.samples.string() + ": sample " + std::to_string(row + 1) + ": " +
                         table.name[*std::find_if(columns.begin(), columns.end(), is_empty)] +
                         ": is empty; allowed: a number, or all channels of node " + node.name +
                         " empty where it has no sample");
