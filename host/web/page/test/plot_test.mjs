@@ -163,9 +163,11 @@ const view = await load("plot_save", "plot_spectrum", "plot_polar", "plot_speed"
 test("a line's amplitude comes of its density and the noise bandwidth", () => {
   // A sine of amplitude A has G B = A^2 / 2 on its bin (WelchPsd).
   const A = 1.5, B = 0.73, G = A * A / 2 / B;
-  assert.ok(Math.abs(view.amplitude(G, B, "peak") - A) < 1e-12);
-  assert.ok(Math.abs(view.amplitude(G, B, "rms") - A / Math.SQRT2) < 1e-12);
-  assert.equal(view.amplitude(G, B, "density"), G);
+  assert.ok(Math.abs(view.amplitude(G, 25, B, "peak") - A) < 1e-12);
+  assert.ok(Math.abs(view.amplitude(G, 25, B, "rms") - A / Math.SQRT2) < 1e-12);
+  // What stands still is no sine.
+  assert.ok(Math.abs(view.amplitude(G, 0, B, "peak") - A / Math.SQRT2) < 1e-12);
+  assert.equal(view.amplitude(G, 25, B, "density"), G);
 });
 
 test("a table is saved so that others read it", () => {
