@@ -14,6 +14,7 @@
 #include "common/bus/compensation.hpp"
 #include "common/bus/control.hpp"
 #include "common/bus/display.hpp"
+#include "common/bus/job.hpp"
 #include "common/bus/knock.hpp"
 #include "common/bus/notes.hpp"
 #include "common/bus/operation.hpp"
@@ -206,6 +207,8 @@ TEST(StockLcm, TheDecoderOfLcmSpyUnderstandsEveryMessage) {
     append("setup_t", encode(setup));
     append("verification_t", encode(WheelVerification{.wheel = 2}));
     append("recording_t", encode(RecordingReceipt{}));
+    append("job_t", encode(Job{.jobs = 1, .recording = "drive", .progress = 0.5, .text = "text"}));
+    append("document_t", encode(DocumentPart{.parts = 1, .bytes = "text"}));
     writer.close();
   }
   const auto all = std::filesystem::directory_iterator(test::source_path("common/wire"));
