@@ -142,8 +142,8 @@ void RecordedCounter::place_marks(Run& run, std::span<const Edge> edges) {
   auto [marks, noise, bandwidth_hz, widest] = marks_of(run, edges);
   if (marks.empty()) return;
   run.place = densest_place(marks, pulses, widest);
-  const auto is_elsewhere = [&](const PlacedMark& mark) {
-    return std::abs(std::remainder(mark.position - run.place, pulses)) > widest;
+  const auto is_elsewhere = [&, most = widest](const PlacedMark& mark) {
+    return std::abs(std::remainder(mark.position - run.place, pulses)) > most;
   };
   run.dropped = static_cast<std::int64_t>(std::erase_if(marks, is_elsewhere));
   run.marks = static_cast<std::int64_t>(marks.size());
