@@ -5,12 +5,12 @@
 #include <limits>
 
 #include "common/bus/channel_faults.hpp"
+#include "common/vehicle/gravity.hpp"
 
 namespace roadbalance {
 namespace {
 
 constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
-constexpr double kGravity_m_s2 = 9.81;
 /// Levels that stay away for longer begin anew: nobody knows what was in between.
 constexpr double kPause_s = 1.0;
 
@@ -95,7 +95,7 @@ void ChannelWatch::judge(Level& level) {
     if (node.rms[c] < kDeadShare * usual_rms(channel)) set_dead(level, c);
     double off = std::abs(node.mean[c]);
     if (channel.offset_counts == 0.0)
-      off = std::min(off, std::abs(node.mean[c] - kGravity_m_s2 * channel.direction.z()));
+      off = std::min(off, std::abs(node.mean[c] - kStandardGravity_m_s2 * channel.direction.z()));
     if (off > rail_m_s2(channel)) set_railed(level, c);
   }
 }

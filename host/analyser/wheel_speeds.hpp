@@ -42,9 +42,6 @@ class WheelSpeeds {
   double class_m_s() const { return class_m_s_; }
 
  private:
-  struct Place {
-    int wheel, line;
-  };
   struct Turning {
     std::optional<double> hz{};
     double at_s = 0.0;  ///< of the instants' count

@@ -3,6 +3,8 @@
 #include <optional>
 #include <string_view>
 
+#include "common/vehicle/gravity.hpp"
+
 namespace roadbalance {
 
 /// Units that samples may come in.
@@ -10,9 +12,8 @@ inline constexpr const char* kKnownUnits = "m/s^2, m/s2, g, m";
 
 /// What a number in this unit is multiplied by; nothing: the unit is not known.
 inline std::optional<double> factor_of_unit(std::string_view unit) {
-  constexpr double kGravity_m_s2 = 9.80665;
   if (unit == "m/s^2" || unit == "m/s2" || unit == "m") return 1.0;
-  if (unit == "g") return kGravity_m_s2;
+  if (unit == "g") return kStandardGravity_m_s2;
   return std::nullopt;
 }
 

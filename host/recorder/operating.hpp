@@ -49,9 +49,6 @@ class Operating {
 
   /// The epochs of all recordings.
   RecorderReport report() const { return report_; }
-  const Desk& desk() const { return desk_; }
-  /// Nothing is recorded, fetched or set up.
-  bool is_idle() const { return !session_ && rests_.under_way().empty() && !is_set_up_under_way(); }
 
  private:
   DeskBook with_vehicle(DeskBook book);

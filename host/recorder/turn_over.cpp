@@ -21,7 +21,7 @@ TurnOver::Said TurnOver::take(const NodeConfig& node, int channel, bool is_up, d
                 "and read it with its arrow %s",
                 name.c_str(), config.to_si(mean_counts), is_up ? "up" : "down", is_up ? "down" : "up")};
   const double difference_m_s2 = (*up - *down) * config.scale_m_s2_per_count;
-  const double wanted_m_s2 = 2.0 * kGravity_m_s2;
+  const double wanted_m_s2 = 2.0 * kStandardGravity_m_s2;
   if (std::abs(difference_m_s2 / wanted_m_s2 - 1.0) <= kMostOff) {
     const Calibration found{wanted_m_s2 / (*up - *down), 0.5 * (*up + *down)};
     read_.erase({node.id, channel});

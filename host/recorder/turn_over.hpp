@@ -7,6 +7,7 @@
 
 #include "common/clock/clocks.hpp"
 #include "common/config/vehicle_config.hpp"
+#include "common/vehicle/gravity.hpp"
 
 namespace roadbalance {
 
@@ -14,14 +15,13 @@ namespace roadbalance {
 ///
 ///     scale = 2 g / (up - down),   offset = (up + down) / 2
 ///
-/// An accelerometer at rest whose axis points up reads +g.  g is 9.80665 m/s²; where the car stands it is 0.3
-/// % more or less, and an axis 3 degrees off the vertical reads 0.14 % less.  A sensor that does not measure
-/// what is steady (one with a high-pass filter) has no scale by gravity and is refused.
+/// An accelerometer at rest whose axis points up reads +g.  g is kStandardGravity_m_s2; where the car stands
+/// it is 0.3 % more or less, and an axis 3 degrees off the vertical reads 0.14 % less.  A sensor that does
+/// not measure what is steady (one with a high-pass filter) has no scale by gravity and is refused.
 ///
 /// Source: IEEE Std 1293-2018, the two-position test.  A pure state machine of bounded memory.
 class TurnOver {
  public:
-  static constexpr double kGravity_m_s2 = 9.80665;
   static constexpr double kMostOff = 0.2;  ///< farther from the scale in force it is a mistake, not a scale
   static constexpr std::chrono::minutes kPatience{10};  ///< between the two readings
 

@@ -4,13 +4,14 @@
 #include <cmath>
 #include <cstdio>
 
+#include "common/vehicle/gravity.hpp"
+
 namespace roadbalance {
 
 namespace {
 
-constexpr double kGravity_m_s2 = 9.80665;
 constexpr double kMostOffset_m_s2 =
-    2.0 * kGravity_m_s2;                     // gravity is 1 g, no road gives a second's mean of another
+    2.0 * kStandardGravity_m_s2;             // gravity is 1 g, no road gives a second's mean of another
 constexpr double kLeastSpread_counts = 0.5;  // less is not even quantisation noise
 
 template <typename... Values>
@@ -44,7 +45,7 @@ std::vector<std::string> suspicions_of(std::span<const double> value_m_s2, const
 
   if (offset > 0)
     found.push_back(text("sits at %.1f g on average during %zu of %zu s: more than gravity",
-                         sum_offset / static_cast<double>(offset) / kGravity_m_s2, offset, seconds));
+                         sum_offset / static_cast<double>(offset) / kStandardGravity_m_s2, offset, seconds));
   if (constant > 0) found.push_back(text("is constant during %zu of %zu s", constant, seconds));
   if (clipped > 0) found.push_back(text("reaches its full scale in %zu samples", clipped));
   return found;

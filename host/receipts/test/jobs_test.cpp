@@ -155,8 +155,14 @@ TEST_F(JobsTest, CancelEndsItAndLetsAnotherBegin) {
 }
 
 TEST_F(JobsTest, ADeafProgramIsEndedAfterAWhile) {
-  rb_does("trap '' TERM; while :; do sleep 1; done");
+  const fs::path deaf = folder.path() / "deaf";
+  rb_does("trap '' TERM; touch " + deaf.string() + "; while :; do sleep 0.1; done");
   ask(JobKind::kVerify, "first");
+  for (int k = 0; k < 2000 && !fs::exists(deaf); ++k) {
+    jobs.turn(false, utc_us += 10'000);
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  ASSERT_TRUE(fs::exists(deaf));
   cancel(newest().job);
   until(JobState::kCancelled);
 }

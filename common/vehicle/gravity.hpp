@@ -1,0 +1,9 @@
+#pragma once
+
+namespace roadbalance {
+
+/// Standard acceleration of free fall (3rd General Conference on Weights and Measures, 1901): what "g" means
+/// as a unit, and what a sensor at rest reads to 0.3 %.
+inline constexpr double kStandardGravity_m_s2 = 9.80665;
+
+}  // namespace roadbalance
