@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "common/clock/test/kernel_stamps.hpp"
 #include "common/process/parallel.hpp"
 
 namespace roadbalance {
@@ -43,6 +44,7 @@ class ClockAnswer : public testing::Test {
 };
 
 TEST_F(ClockAnswer, AnswersInTheNodesClockWithTheKernelsStamps) {
+  ASSERT_NO_FATAL_FAILURE(await_kernel_stamps());
   const std::int64_t begin_ns = to_ns(MachineClock::now());
   ask(3, 77, 5);
   const auto answer = hear();

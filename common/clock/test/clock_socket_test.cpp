@@ -4,27 +4,17 @@
 
 #include <system_error>
 
+#include "common/clock/test/kernel_stamps.hpp"
+
 namespace roadbalance {
 namespace {
 
 using std::chrono::milliseconds;
 constexpr std::uint32_t kLoopback = 0x7F000001;
 
-/// The kernel begins to stamp some milliseconds after a machine's first socket that asks for it was opened.
-void await_stamps(ClockSocket& from, ClockSocket& to) {
-  for (int i = 0; i < 2'000; ++i) {
-    ASSERT_TRUE(from.send(to.address(), encode(ClockDatagram{.node = 1})));
-    const auto got = to.receive(milliseconds(1000));
-    ASSERT_TRUE(got);
-    if (got->received.by_kernel) return;
-    from.receive(milliseconds(1));  // nothing comes; it waits
-  }
-  FAIL() << "every Linux since 3.17 stamps on loopback";
-}
-
 TEST(ClockSocket, StampsLieBetweenSendingAndHaving) {
   ClockSocket a(kLoopback), b(kLoopback);
-  await_stamps(a, b);
+  ASSERT_NO_FATAL_FAILURE(await_kernel_stamps());
   for (int i = 0; i < 20; ++i) {
     const auto bytes = encode(ClockDatagram{.node = 1, .number = i});
     const MachineTime begin = MachineClock::now();
@@ -48,7 +38,7 @@ TEST(ClockSocket, StampsLieBetweenSendingAndHaving) {
 
 TEST(ClockSocket, StampsArrivalNotReading) {
   ClockSocket a(kLoopback), b(kLoopback);
-  await_stamps(a, b);
+  ASSERT_NO_FATAL_FAILURE(await_kernel_stamps());
   const auto bytes = encode(ClockDatagram{.node = 1});
   ASSERT_TRUE(a.send(b.address(), bytes));
   ASSERT_FALSE(a.receive(milliseconds(30)));  // b reads late
