@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "common/bus/bus.hpp"
+#include "common/command_line/manual.hpp"
 #include "common/config/section.hpp"
 #include "common/config/validators.hpp"
 #include "common/frontend/registry.hpp"
@@ -29,7 +30,7 @@ void warn(const std::string& of) {
 
 int main(int argc, char** argv) {
   const StopOnSignal signals;
-  CLI::App app{"rb-node: samples one node of the vehicle and streams its blocks to the recorder"};
+  CLI::App app("Samples one node of the vehicle and streams its blocks to the recorder.", "rb-node");
   std::string vehicle_file, node_name, bus_url = default_bus_url();
   std::vector<std::string> front_end_uris;
   double ring_mib = 16.0;
@@ -51,6 +52,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   bool stays = false;
   app.add_flag("--stay", stays, "when a recording is stopped wait for the next; default: exit");
+  add_manual(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

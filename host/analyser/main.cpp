@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "common/bus/bus.hpp"
+#include "common/command_line/manual.hpp"
 #include "common/config/section.hpp"
 #include "common/process/stop_on_signal.hpp"
 #include "host/analyser/analyser.hpp"
@@ -27,7 +28,8 @@ int main(int argc, char** argv) {
   options.on_warning = [](const std::string& sentence) {
     std::fprintf(stderr, "rb-analyser: %s\n", sentence.c_str());
   };
-  CLI::App app("Turns a growing record and the live bus into levels, spectra, identification and balance.");
+  CLI::App app("Turns a growing record and the live bus into levels, spectra, identification and balance.",
+               "rb-analyser");
   app.add_option("--url", options.url, "LCM address of the bus")->capture_default_str();
   auto* record = app.add_option("--record", options.record, "folder that rb-recorder writes");
   std::filesystem::path recordings;
@@ -44,6 +46,7 @@ int main(int argc, char** argv) {
       ->check(CLI::ExistingDirectory);
   app.add_flag("--exit-at-end", options.exit_at_end,
                "exit once every node has ended and the last estimate is out");
+  roadbalance::add_manual(app);
   try {
     app.parse(argc, argv);
     if (!options.vehicle.empty() && recordings.empty())

@@ -15,6 +15,7 @@
 #include "common/bus/operation.hpp"
 #include "common/clock/clocks.hpp"
 #include "common/clock/utc.hpp"
+#include "common/command_line/manual.hpp"
 #include "common/process/channel.hpp"
 #include "common/process/child.hpp"
 #include "common/process/parallel.hpp"
@@ -116,9 +117,11 @@ int main(int argc, char** argv) {
   std::string url = default_bus_url(), folder;
   CLI::App app(
       "Tells on the bus which recordings there are and what proves that they are whole, and does with them "
-      "what the page asks.");
+      "what the page asks.",
+      "rb-recordings");
   app.add_option("--url", url, "LCM address of the bus")->capture_default_str();
   app.add_option("--folder", folder, "that holds the folders of recordings")->required();
+  add_manual(app);
   try {
     app.parse(argc, argv);
     if (!std::filesystem::is_directory(folder))

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "common/bus/bus.hpp"
+#include "common/command_line/manual.hpp"
 #include "common/config/section.hpp"
 #include "common/config/validators.hpp"
 #include "common/process/heap.hpp"
@@ -66,7 +67,7 @@ void tell_supervisor(ServiceNotify& notify, RecorderOptions& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("rb-recorder: records every node on the bus without loss");
+  CLI::App app("Records every node on the bus without loss.", "rb-recorder");
   RecorderOptions options;
   options.url = default_bus_url();
   std::string folder;
@@ -95,6 +96,7 @@ int main(int argc, char** argv) {
       ->excludes(operated);
   app.add_flag("--json", json, "print the final counts as one JSON object on standard output");
   add_disk_options(app, options, sizes);
+  add_manual(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/bus/bus.hpp"
+#include "common/command_line/manual.hpp"
 #include "common/config/section.hpp"
 #include "common/process/channel.hpp"
 #include "common/process/parallel.hpp"
@@ -113,7 +114,7 @@ void serve(const Options& options, std::stop_token stop) {
 int main(int argc, char** argv) {
   const StopOnSignal signals;
   Options options;
-  CLI::App app("Shows in a browser what is on the bus: recorder, nodes, levels, balance.");
+  CLI::App app("Shows in a browser what is on the bus: recorder, nodes, levels, balance.", "rb-web");
   app.add_option("--url", options.url, "LCM address of the bus")->capture_default_str();
   app.add_option("--port", options.port, "to listen on; 0: a free one")
       ->check(CLI::Range(0, 65'535))
@@ -123,6 +124,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--host", options.host, "a name by which browsers may call this address");
   app.add_option("--token-file", options.token_file, "file with the secret that the page must show");
+  add_manual(app);
   try {
     app.parse(argc, argv);
     serve(options, signals.token());

@@ -35,11 +35,16 @@ function(rb_library name)
   target_link_libraries(${name} PUBLIC rb_options ${arg_DEPENDS})
 endfunction()
 
-# rb_program(name source... [DEPENDS target...])
+# rb_program(name source... [MANUAL] [DEPENDS target...]): MANUAL for what users call (common/command_line/manual.hpp);
+# its pages and completion lie in manual/ of the build folder.
 function(rb_program name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "DEPENDS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "MANUAL" "" "DEPENDS")
   add_executable(${name} ${arg_UNPARSED_ARGUMENTS})
   target_link_libraries(${name} PRIVATE rb_options ${arg_DEPENDS})
+  if(arg_MANUAL)
+    target_link_libraries(${name} PRIVATE rb_command_line)
+    add_custom_command(TARGET ${name} POST_BUILD COMMAND ${name} --write-manual ${CMAKE_BINARY_DIR}/manual VERBATIM)
+  endif()
 endfunction()
 
 # rb_test(name [DEPENDS target...] [PROGRAMS target...] [TIMEOUT seconds]): builds test/<name>.cpp and registers

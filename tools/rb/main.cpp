@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 
+#include "common/command_line/manual.hpp"
 #include "common/config/section.hpp"
 #include "tools/rb/command.hpp"
 
@@ -81,6 +82,7 @@ int main(int argc, char** argv) {
   add_import(app, code);
   add_export(app, code);
   add_supervise(app, code);
+  add_manual(app);
   try {
     refuse_unknown_subcommand(app, std::span(argv, static_cast<std::size_t>(argc)).subspan(1), "rb");
     app.parse(argc, argv);

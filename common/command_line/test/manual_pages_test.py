@@ -1,0 +1,62 @@
+#!/usr/bin/env python3
+"""The manual pages and completions of every program, read by groff, lexgrog (of man-db) and bash."""
+
+import os
+import pathlib
+import re
+import subprocess
+import unittest
+
+BIN = pathlib.Path(os.environ["RB_BIN"])
+MANUAL = BIN.parent / "manual"
+PROGRAMS = ("rb", "rb-analyser", "rb-node", "rb-recorder", "rb-recordings", "rb-web")
+
+
+def run(*words):
+    done = subprocess.run(words, capture_output=True, text=True, env={**os.environ, "LC_ALL": "C.UTF-8", "MANWIDTH": "200"})
+    return done.returncode, done.stdout, done.stderr
+
+
+def help_of(words):
+    return run(BIN / words[0], *words[1:], "--help")[1]
+
+
+def commands_of(words):
+    """The words of a command and of all below it, as --help lists them."""
+    yield words
+    listed = help_of(words).partition("Subcommands:\n")[2].partition("\n\n")[0]
+    for name in re.findall(r"^  (\S+) ", listed, re.MULTILINE):
+        yield from commands_of([*words, name])
+
+
+class ManualPages(unittest.TestCase):
+    def test_every_command_has_a_page_with_all_its_options(self):
+        for program in PROGRAMS:
+            for words in commands_of([program]):
+                page = MANUAL / ("-".join(words) + ".1")
+                code, text, trouble = run("groff", "-man", "-Tutf8", "-ww", "-P-cbou", "-rLL=200n", "-k", page)
+                self.assertEqual((code, trouble), (0, ""), page)
+                options = set(re.findall(r"^  (?:-\w,)?(--[\w-]+)", help_of(words), re.MULTILINE))
+                self.assertIn("--help", options)
+                missing = {option for option in options if not re.search(rf"{option}\b", text)}
+                self.assertFalse(missing, page)
+
+    def test_every_page_is_of_a_command(self):
+        known = {"-".join(words) for program in PROGRAMS for words in commands_of([program])}
+        self.assertEqual({page.stem for page in MANUAL.glob("*.1")}, known)
+
+    def test_whatis_finds_name_and_purpose(self):
+        for page in MANUAL.glob("*.1"):
+            code, text, trouble = run("lexgrog", page)
+            self.assertEqual(code, 0, trouble)
+            self.assertIn(f'"{page.stem} - ', text)
+
+    def test_bash_completes_the_names_of_each_option(self):
+        for program in PROGRAMS:
+            script = f'source "{MANUAL}/{program}.bash"; COMP_WORDS=({program} --he); COMP_CWORD=1; ' \
+                     f'_{program.replace("-", "_")}; echo "${{COMPREPLY[@]}}"'
+            self.assertEqual(run("bash", "--norc", "-c", script), (0, "--help\n", ""), program)
+
+
+if __name__ == "__main__":
+    unittest.main()
