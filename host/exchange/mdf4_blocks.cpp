@@ -43,23 +43,4 @@ void Mdf4Blocks::set_link(Position block, std::size_t link, Position to) {
   std::memcpy(bytes_.data() + block + kHeader + 8 * link, &to, sizeof to);
 }
 
-std::string xml_text(std::string_view text) {
-  std::string escaped;
-  for (const char c : text) switch (c) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      default:
-        // XML 1.0 has no other control characters.
-        escaped += static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t' ? ' ' : c;
-    }
-  return escaped;
-}
-
 }  // namespace roadbalance

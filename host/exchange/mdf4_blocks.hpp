@@ -62,7 +62,4 @@ class Mdf4Fields {
   std::vector<std::uint8_t> bytes_;
 };
 
-/// `text` with what XML gives a meaning escaped.
-std::string xml_text(std::string_view text);
-
 }  // namespace roadbalance

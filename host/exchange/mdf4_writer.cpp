@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/text/format.hpp"
+#include "common/text/markup.hpp"
 #include "host/exchange/byte_sink.hpp"
 #include "host/exchange/mdf4_blocks.hpp"
 
@@ -68,14 +69,14 @@ class Mdf4Head {
                                                      : "Begin by the arrival of the first samples.";
     blocks_.set_link(head, 5,
                      blocks_.add_xml(std::string("<HDcomment") + kNamespace + "><TX>Vehicle " +
-                                     xml_text(table.vehicle) + ". " + start + "</TX></HDcomment>"));
+                                     markup_text(table.vehicle) + ". " + start + "</TX></HDcomment>"));
     return head;
   }
 
   Position add_history(const ExportTable& table) {
     const Position comment = blocks_.add_xml(
         std::string("<FHcomment") + kNamespace + "><TX>Exported by rb export; recorded by " +
-        xml_text(table.program.empty() ? "an unknown program" : table.program) +
+        markup_text(table.program.empty() ? "an unknown program" : table.program) +
         ".</TX><tool_id>rb</tool_id><tool_vendor>roadbalance</tool_vendor><tool_version>1</tool_version>"
         "</FHcomment>");
     Mdf4Fields fields;
@@ -134,7 +135,7 @@ class Mdf4Head {
         channel.node.c_str(), channel.mount.c_str(), at.x(), at.y(), at.z(), to.x(), to.y(), to.z(),
         channel.range, channel.unit.c_str(), channel.delay_s, channel.overload ? "; left its range" : "");
     const Position comment = blocks_.add_xml(std::string("<CNcomment") + kNamespace + "><TX>" +
-                                             xml_text(about) + "</TX></CNcomment>");
+                                             markup_text(about) + "</TX></CNcomment>");
     return add_channel(channel.name, channel.unit, 0, 2, 8 + 4 * column, 32, column, conversion, comment);
   }
 

@@ -6,6 +6,7 @@
 
 #include "common/clock/utc.hpp"
 #include "common/text/format.hpp"
+#include "common/text/markup.hpp"
 #include "host/recorder/verify.hpp"
 #include "tools/rb/degrees.hpp"
 #include "tools/rb/readout.hpp"
@@ -72,13 +73,13 @@ std::string advice(const Balance& balance, const Compensation& compensation) {
   const std::vector<std::string> words_of = step_words(compensation);
   for (std::size_t k = 0; k < words_of.size(); ++k) {
     if (compensation.advice != Advice::kSteps) {
-      html += element("p", html_text(sentence(words_of[k])), "step");
+      html += element("p", markup_text(sentence(words_of[k])), "step");
       continue;
     }
     const WheelWeight& weight = compensation.plan.step[k].weight;
     const std::string clock = clock_of(weight.angle_rad, balance.wheel % 2 == 0);
-    html += element("p", html_text(sentence(words_of[k] + " (clock " + clock + ")")), "step");
-    html += element("p", html_text(along_rim(weight.angle_rad, weight.radius_m) + "."), "rim-place");
+    html += element("p", markup_text(sentence(words_of[k] + " (clock " + clock + ")")), "step");
+    html += element("p", markup_text(along_rim(weight.angle_rad, weight.radius_m) + "."), "rim-place");
   }
   return html;
 }
@@ -89,7 +90,7 @@ std::string what_is_left(const Balance& balance, const Compensation& compensatio
   text += format(" That is %.0f g·cm.", 100.0 * compensation.verdict.residual_g * balance.weight_radius_m);
   if (std::isfinite(compensation.seat_now_m_s2))
     text += format(" Seats %.2g → %.2g m/s² rms.", compensation.seat_now_m_s2, compensation.seat_left_m_s2);
-  return element("p", html_text(text));
+  return element("p", markup_text(text));
 }
 
 const WheelVerification* before_of(const DriveReport& report, std::size_t w) {
@@ -101,17 +102,17 @@ std::string wheel_card(const DriveReport& report, std::size_t w, double rim_g) {
   const Compensation& compensation = report.found.compensation[w];
   std::string text = element("h3", words(kWheelNames[w]));
   if (!compensation.verdict.incurable.empty())
-    text +=
-        element("p", html_text("Weights will not cure this: " + compensation.verdict.incurable + "."), "bad");
+    text += element("p", markup_text("Weights will not cure this: " + compensation.verdict.incurable + "."),
+                    "bad");
   text += advice(balance, compensation);
   if (balance.state == Unknown::kNone)
-    text += element("p", html_text("Heavy spot at " + where(balance.wheel, balance.angle_rad) +
-                                   format(", %.1f g ± %.1f g ± %.0f°, at %.0f mm.", balance.unbalance_g,
-                                          shown_sigma(balance.sigma_g, 0.1),
-                                          std::min(180.0, std::ceil(degrees(balance.sigma_rad))),
-                                          1e3 * balance.weight_radius_m)));
+    text += element("p", markup_text("Heavy spot at " + where(balance.wheel, balance.angle_rad) +
+                                     format(", %.1f g ± %.1f g ± %.0f°, at %.0f mm.", balance.unbalance_g,
+                                            shown_sigma(balance.sigma_g, 0.1),
+                                            std::min(180.0, std::ceil(degrees(balance.sigma_rad))),
+                                            1e3 * balance.weight_radius_m)));
   else
-    text += element("p", html_text("Not known: " + reason(balance.state) + "."));
+    text += element("p", markup_text("Not known: " + reason(balance.state) + "."));
   text += what_is_left(balance, compensation);
   return element("div", wheel_svg(balance, compensation, rim_g, before_of(report, w)) + element("div", text),
                  "card");
@@ -129,7 +130,7 @@ std::string wheels(const DriveReport& report) {
   return element("h2", "Wheels, as seen from outside the car, the zero mark at 12") +
          element("div", cards, "wheels") +
          element("p",
-                 html_text(format(
+                 markup_text(format(
                      "A line to the rim is %.0f g. ± is one standard deviation. Orange: heavy spot; green: "
                      "weight; red ring: take off; dashed: before the weights.",
                      largest_g)),
@@ -141,7 +142,7 @@ std::string before_and_after(const DriveReport& report) {
   std::string lines;
   for (const WheelVerification& wheel : *report.verification)
     lines += element("tr", element("td", words(kWheelNames[static_cast<std::size_t>(wheel.wheel)])) +
-                               element("td", html_text(verification_line(wheel))));
+                               element("td", markup_text(verification_line(wheel))));
   return element("h2", "Before and after the weights") + element("table", lines);
 }
 
@@ -170,13 +171,14 @@ std::string completeness(const RecordingReceipt& receipt) {
           : format("%lld blocks have a wrong CRC, %lld bytes are damaged.",
                    static_cast<long long>(receipt.refused), static_cast<long long>(receipt.damaged_bytes));
   return element("h2", "Proof of completeness") +
-         element("p", html_text("The recording is " + receipt.verdict + ". " + crc)) + element("table", rows);
+         element("p", markup_text("The recording is " + receipt.verdict + ". " + crc)) +
+         element("table", rows);
 }
 
 std::string remarks(const DriveReport& report) {
   std::string list;
-  if (!report.found.obstacle.empty()) list += element("li", html_text(report.found.obstacle + "."));
-  for (const std::string& remark : report.found.remarks) list += element("li", html_text(remark + "."));
+  if (!report.found.obstacle.empty()) list += element("li", markup_text(report.found.obstacle + "."));
+  for (const std::string& remark : report.found.remarks) list += element("li", markup_text(remark + "."));
   return list.empty() ? "" : element("h2", "What this rests on") + element("ul", list);
 }
 
@@ -189,7 +191,7 @@ std::string suspension(const DriveReport& report) {
       text += format("%s%s %.0f ± %.0f", w == 0 ? "" : ", ", words(kWheelNames[w]).c_str(),
                      1e-3 * found.tyre_n_m[w], shown_sigma(1e-3 * found.sigma_tyre_n_m[w], 1.0));
   }
-  return element("h2", "Car") + element("p", html_text(text + "."));
+  return element("h2", "Car") + element("p", markup_text(text + "."));
 }
 
 std::string head(const DriveReport& report) {
@@ -200,37 +202,14 @@ std::string head(const DriveReport& report) {
     facts += format("; %.0f s of steady driving at %.0f to %.0f km/h", identification.seconds_used,
                     3.6 * identification.speed_class.front().speed_m_s,
                     3.6 * identification.speed_class.back().speed_m_s);
-  return element("h1", html_text("Wheel balance: " + report.vehicle.name)) +
-         element("p", html_text(facts + "."), "facts");
+  return element("h1", markup_text("Wheel balance: " + report.vehicle.name)) +
+         element("p", markup_text(facts + "."), "facts");
 }
 
 }  // namespace
 
-std::string html_text(const std::string& text) {
-  std::string escaped;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      case '"':
-        escaped += "&quot;";
-        break;
-      default:
-        escaped += c;
-    }
-  }
-  return escaped;
-}
-
 std::string report_html(const DriveReport& report) {
-  const std::string title = html_text("Wheel balance: " + report.vehicle.name);
+  const std::string title = markup_text("Wheel balance: " + report.vehicle.name);
   return "<!doctype html>\n<html lang=\"en\">\n<head><meta charset=\"utf-8\"><title>" + title +
          "</title>\n<style>" + kStyle + "</style></head>\n<body>\n" + head(report) + wheels(report) +
          before_and_after(report) + suspension(report) + remarks(report) + completeness(report.receipt) +

@@ -23,7 +23,4 @@ struct DriveReport {
 /// its own; what comes of a recording is escaped.
 std::string report_html(const DriveReport& report);
 
-/// For the text of an element or the value of an attribute.
-std::string html_text(const std::string& text);
-
 }  // namespace roadbalance

@@ -8,6 +8,8 @@
 #include <limits>
 #include <system_error>
 
+#include "common/text/markup.hpp"
+
 namespace roadbalance {
 namespace {
 
@@ -29,23 +31,6 @@ std::string number(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.6g", value);
   return text;
-}
-
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    if (c == '&')
-      result += "&amp;";
-    else if (c == '<')
-      result += "&lt;";
-    else if (c == '>')
-      result += "&gt;";
-    else if (c == '"')
-      result += "&quot;";
-    else
-      result += c;
-  }
-  return result;
 }
 
 /// One axis: what it reaches over, where its ticks are, and where a value lies.
@@ -102,7 +87,7 @@ class Scale {
 };
 
 std::string text_at(double x, double y, const std::string& text, const std::string& attributes = "") {
-  return "<text x=\"" + number(x) + "\" y=\"" + number(y) + "\" " + attributes + ">" + escaped(text) +
+  return "<text x=\"" + number(x) + "\" y=\"" + number(y) + "\" " + attributes + ">" + markup_text(text) +
          "</text>\n";
 }
 
@@ -126,7 +111,7 @@ std::string axes(const Figure& figure, const Scale& x, const Scale& y) {
   result += text_at(0.5 * (kLeft + kRight), kHeight - 16, figure.x.label, "text-anchor=\"middle\"");
   const std::string middle = number(0.5 * (kTop + kBottom));
   return result + "<text transform=\"translate(20 " + middle + ") rotate(-90)\" text-anchor=\"middle\">" +
-         escaped(figure.y.label) + "</text>\n";
+         markup_text(figure.y.label) + "</text>\n";
 }
 
 std::string curve(const Series& series, int index, const Scale& x, const Scale& y) {
@@ -173,7 +158,7 @@ std::string svg(const Figure& figure) {
   y.finish();
   const double height = std::max(kHeight, kTop + 30 + 20.0 * static_cast<double>(figure.series.size()));
   std::string result = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + number(kWidth) + " " +
-                       number(height) + "\" role=\"img\">\n<title>" + escaped(figure.title) +
+                       number(height) + "\" role=\"img\">\n<title>" + markup_text(figure.title) +
                        "</title>\n<style>" + kStyle + "</style>\n<rect class=\"paper\" width=\"100%\" " +
                        "height=\"100%\"/>\n";
   result += text_at(kLeft, 26, figure.title, "class=\"title\"");
