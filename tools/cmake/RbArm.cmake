@@ -67,5 +67,5 @@ endfunction()
 # rb_arm_test(name script argument...): a CTest that runs a script of Python; exit code 77 is a skip.
 function(rb_arm_test name script)
   add_test(NAME ${name} COMMAND ${RB_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/${script} ${ARGN})
-  set_tests_properties(${name} PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 120)
+  set_tests_properties(${name} PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 900)
 endfunction()

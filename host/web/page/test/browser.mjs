@@ -63,6 +63,18 @@ export async function openDemo(t, ...args) {
   return {page, ended};
 }
 
+/** The level of every channel of the demonstration car. */
+export const showsBars = (page, timeout = 60_000) =>
+  page.waitForFunction(() => document.querySelectorAll(".bar").length === 24, null, {timeout});
+
+/** Until the page has had its stop held long enough, by whatever is down. */
+export const stopIsHeld = (page) => page.waitForFunction(() => document.querySelector("#stop").dataset.held === undefined);
+export async function holdEscape(page) {
+  await page.keyboard.down("Escape");
+  await stopIsHeld(page);
+  await page.keyboard.up("Escape");
+}
+
 export async function picture(page, name) {
   mkdirSync(kPictures, {recursive: true});
   await page.screenshot({path: join(kPictures, `${name}.png`)});

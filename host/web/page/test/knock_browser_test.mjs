@@ -5,7 +5,7 @@ import {join} from "node:path";
 import {after, before, test} from "node:test";
 import {busUrl, launch, picture, startWeb, weakTexts} from "./browser.mjs";
 
-const kWithinMs = 20_000;
+const kWithinMs = 60_000;
 let browser, web, where, car;
 before(async () => {
   const url = busUrl();

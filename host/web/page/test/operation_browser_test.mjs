@@ -5,10 +5,10 @@ import {mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync} from "node:
 import {tmpdir} from "node:os";
 import {join} from "node:path";
 import {after, before, test} from "node:test";
-import {busUrl, launch, picture, start, startWeb, weakTexts} from "./browser.mjs";
+import {busUrl, holdEscape, launch, picture, start, startWeb, stopIsHeld, weakTexts} from "./browser.mjs";
 
 const kDesk = {width: 1366, height: 768}, kPhone = {width: 390, height: 844};
-const kWithinMs = 20_000;
+const kWithinMs = 60_000;
 const kDemo = join(process.env.RB_SOURCE, "sim/demo/vehicle.toml"), kRb = join(process.env.RB_BIN, "rb");
 
 let browser, where;
@@ -54,11 +54,6 @@ async function open(t, options = {}, address = where) {
 const says = (page, selector, words) => page.waitForFunction(
   ([where_, wanted]) => new RegExp(wanted).test(document.querySelector(where_)?.innerText ?? ""), [selector, words], {timeout: kWithinMs});
 const isState = (page, word) => says(page, "#state", `^\\s*${word}`);
-const holdEscape = async (page, ms) => {
-  await page.keyboard.down("Escape");
-  await page.waitForTimeout(ms);
-  await page.keyboard.up("Escape");
-};
 const verify = (name) => spawnSync(kRb, ["verify", join(recordings, name)], {encoding: "utf8"});
 
 test("a recording started and stopped by the keyboard alone has its receipt with 0 lost", async (t) => {
@@ -79,10 +74,12 @@ test("a recording started and stopped by the keyboard alone has its receipt with
   await says(page, "#operation-says", "mark 2 is on the disk");
   await picture(page, "operation-recording");
   // A touch in passing stops nothing.
-  await holdEscape(page, 300);
+  await page.keyboard.down("Escape");
+  await page.waitForTimeout(300);
+  await page.keyboard.up("Escape");
   await page.waitForTimeout(1000);
   await isState(page, "RECORDING\\s+00:0");
-  await holdEscape(page, 900);
+  await holdEscape(page);
   await says(page, "#receipt", "0 lost");
   await isState(page, "ARMED");
   await picture(page, "operation-receipt");
@@ -118,7 +115,7 @@ test("works by finger, with a name, and refuses a name that is taken", async (t)
   const {x, y, width, height} = await page.locator("#stop").boundingBox();
   await page.mouse.move(x + width / 2, y + height / 2);
   await page.mouse.down();
-  await page.waitForTimeout(1000);
+  await stopIsHeld(page);
   await page.mouse.up();
   await says(page, "#receipt", "“by finger” is on the disk: 0 lost");
   assert.equal(verify("by finger").status, 0);
@@ -157,9 +154,7 @@ test("a recorder that is killed between command and answer goes on, and nothing 
     recorder = runRecorder();
     await says(page, "#operation-says", `mark ${k + 1} is on the disk`);
   }
-  await page.keyboard.down("Escape");
-  await page.waitForTimeout(900);
-  await page.keyboard.up("Escape");
+  await holdEscape(page);
   recorder.kill("SIGKILL");
   recorder = runRecorder();
   await says(page, "#receipt", "“killed” is on the disk: 0 lost");
@@ -201,7 +196,7 @@ test("sets range, filter, zeros and vehicle file between recordings, and each an
   await isState(page, "RECORDING");
   await says(page, "#equipment-why", "Not while a recording is under way");
   assert.equal(await page.locator("#set-range").isDisabled(), true);
-  await holdEscape(page, 900);
+  await holdEscape(page);
   await says(page, "#receipt", "0 lost");
 });
 
@@ -227,7 +222,7 @@ for (const colorScheme of ["dark", "light"])
     await page.waitForTimeout(400);
     assert.deepEqual(await weakTexts(page), []);
     await picture(page, `operation-held-${colorScheme}`);
-    await page.waitForTimeout(600);
+    await stopIsHeld(page);
     await page.keyboard.up("Escape");
     await says(page, "#receipt", "0 lost");
     assert.deepEqual(await weakTexts(page), []);
