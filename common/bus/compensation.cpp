@@ -13,14 +13,22 @@ namespace {
 static_assert(sizeof(wire::compensation_t::action) / sizeof(std::int32_t) == kMostWeightSteps);
 static_assert(sizeof(wire::compensation_t::incurable) == kMostReasonBytes);
 
+/// The first so many are of an enumeration that ends with `last`.
+template <typename Enumeration>
+bool all_up_to(const std::int32_t* values, std::int32_t count, Enumeration last) {
+  return std::all_of(values, values + count, [last](std::int32_t value) {
+    return 0 <= value && value <= static_cast<std::int32_t>(last);
+  });
+}
+
 bool in_bounds(const wire::compensation_t& m) {
   const bool counts = 0 <= m.steps && m.steps <= static_cast<std::int32_t>(kMostWeightSteps) && 0 <= m.size &&
                       m.size <= static_cast<std::int32_t>(kMostReasonBytes);
   return counts && 0 <= m.wheel && m.wheel < kWheels && 0 <= m.advice &&
          m.advice <= static_cast<std::int32_t>(Advice::kLeaveSmall) &&
-         std::all_of(m.action, m.action + m.steps, [](std::int32_t action) {
-           return 0 <= action && action <= static_cast<std::int32_t>(WeightAction::kAdd);
-         });
+         all_up_to(m.action, m.steps, WeightAction::kAdd) &&
+         all_up_to(m.kind, m.steps, WeightKind::kAdhesive) && all_up_to(m.plane, m.steps, RimPlane::kOuter) &&
+         all_up_to(m.from_plane, m.steps, RimPlane::kOuter);
 }
 
 }  // namespace
@@ -38,9 +46,12 @@ std::vector<std::uint8_t> encode(const Compensation& c) {
     m.action[k] = static_cast<std::int32_t>(step.action);
     m.mass_g[k] = step.weight.mass_g;
     m.angle_rad[k] = step.weight.angle_rad;
-    m.radius_m[k] = step.weight.radius_m;
+    m.radius_m[k] = step.weight.place.radius_m;
     m.from_angle_rad[k] = step.from.angle_rad;
-    m.from_radius_m[k] = step.from.radius_m;
+    m.from_radius_m[k] = step.from.place.radius_m;
+    m.kind[k] = static_cast<std::int32_t>(step.weight.place.kind);
+    m.plane[k] = static_cast<std::int32_t>(step.weight.place.plane);
+    m.from_plane[k] = static_cast<std::int32_t>(step.from.place.plane);
   }
   m.applied_g_m[0] = c.plan.applied_g_m.real();
   m.applied_g_m[1] = c.plan.applied_g_m.imag();
@@ -67,10 +78,14 @@ std::optional<Compensation> decode_compensation(std::span<const std::uint8_t> by
   c.time_ns = m->time_ns;
   c.advice = static_cast<Advice>(m->advice);
   c.radii = m->radii;
-  for (std::int32_t k = 0; k < m->steps; ++k)
+  for (std::int32_t k = 0; k < m->steps; ++k) {
+    const auto kind = static_cast<WeightKind>(m->kind[k]);
+    const WeightPlace place{m->radius_m[k], kind, static_cast<RimPlane>(m->plane[k])};
+    const WeightPlace from{m->from_radius_m[k], kind, static_cast<RimPlane>(m->from_plane[k])};
     c.plan.step.push_back({static_cast<WeightAction>(m->action[k]),
-                           {m->mass_g[k], m->angle_rad[k], m->radius_m[k]},
-                           {m->mass_g[k], m->from_angle_rad[k], m->from_radius_m[k]}});
+                           {m->mass_g[k], m->angle_rad[k], place},
+                           {m->mass_g[k], m->from_angle_rad[k], from}});
+  }
   c.plan.applied_g_m = {m->applied_g_m[0], m->applied_g_m[1]};
   c.verdict = {.residual_g = m->residual_g,
                .shop_g = m->shop_g,

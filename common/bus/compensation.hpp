@@ -20,7 +20,7 @@ enum class WeightAction : std::int32_t { kKeep = 0, kMove = 1, kRemove = 2, kAdd
 struct WeightStep {
   WeightAction action = WeightAction::kAdd;
   WheelWeight weight;  ///< where it shall be; of one to remove where it is
-  WheelWeight from;    ///< of one to move: where it is
+  WheelWeight from;    ///< of one to move: where it is; of the same kind
 };
 inline constexpr std::size_t kMostWeightSteps = kMostFittedWeights + 2;
 

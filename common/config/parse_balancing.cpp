@@ -1,9 +1,12 @@
 #include "common/config/parse_balancing.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <set>
 #include <string>
+#include <utility>
 
 namespace roadbalance {
 namespace {
@@ -11,15 +14,55 @@ namespace {
 constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 constexpr Range kRadius_m{0.02, 2};
 constexpr double kMostSteps = 100.0;  ///< of mass: plans try them all
-constexpr int kMostChoices = 200;     ///< radii times masses: plans try all pairs, every second of a drive
+constexpr int kMostChoices = 200;     ///< places times masses: plans try all pairs, every second of a drive
+
+const std::vector<std::string> kKinds{"clip", "adhesive"};
+const std::vector<std::string> kPlanes{"inner", "outer"};
+
+double parse_radius(Section& section, const WheelConfig& wheel) {
+  const double radius_m = section.number("radius_m", kRadius_m);
+  if (radius_m >= wheel.rolling_radius_m) section.fail("radius_m", "must be less than rolling_radius_m");
+  return radius_m;
+}
+
+WeightKind parse_kind(Section& section) {
+  return section.choice("kind", kKinds) == 0 ? WeightKind::kClip : WeightKind::kAdhesive;
+}
+
+RimPlane parse_plane(Section& section) {
+  return section.choice("plane", kPlanes) == 0 ? RimPlane::kInner : RimPlane::kOuter;
+}
+
+WeightPlace parse_place(Section& section, const WheelConfig& wheel) {
+  return {parse_radius(section, wheel), parse_kind(section), parse_plane(section)};
+}
+
+/// The first of the wheel's places that has all that is told of this weight's, or else the place told.
+WeightPlace place_of_weight(Section& section, const WheelConfig& wheel) {
+  std::optional<double> radius_m;
+  std::optional<WeightKind> kind;
+  std::optional<RimPlane> plane;
+  if (section.has("radius_m")) radius_m = parse_radius(section, wheel);
+  if (section.has("kind")) kind = parse_kind(section);
+  if (section.has("plane")) plane = parse_plane(section);
+  for (const WeightPlace& place : wheel.stock.place)
+    if (radius_m.value_or(place.radius_m) == place.radius_m && kind.value_or(place.kind) == place.kind &&
+        plane.value_or(place.plane) == place.plane)
+      return place;
+  for (const auto& [key, is_told] : {std::pair{"radius_m", radius_m.has_value()},
+                                     {"kind", kind.has_value()},
+                                     {"plane", plane.has_value()}})
+    if (!is_told)
+      section.fail(key,
+                   "missing; allowed: to leave it out where a [[wheel.place]] has all else that is told");
+  return {*radius_m, *kind, *plane};
+}
 
 WheelWeight parse_weight(Section section, const WheelConfig& wheel) {
   WheelWeight weight;
   weight.mass_g = section.number("mass_g", {0.1, 1000});
   weight.angle_rad = kRadiansPerDegree * section.number("angle_deg", {-360, 360});
-  weight.radius_m = section.number_or("radius_m", kRadius_m, wheel.weight_radius_m);
-  if (weight.radius_m >= wheel.rolling_radius_m)
-    section.fail("radius_m", "must be less than rolling_radius_m");
+  weight.place = place_of_weight(section, wheel);
   section.finish();
   return weight;
 }
@@ -47,20 +90,24 @@ WeightStock parse_stock(Section& root) {
 
 void parse_places(Section& section, const WeightStock& stock, WheelConfig& wheel) {
   wheel.stock = stock;
-  wheel.stock.radius_m = {wheel.weight_radius_m};
-  if (section.has("weight_radii_m")) wheel.stock.radius_m = section.numbers("weight_radii_m", 0, kRadius_m);
-  if (wheel.stock.radius_m.size() > kMostRadii)
-    section.fail("weight_radii_m", "has " + std::to_string(wheel.stock.radius_m.size()) +
-                                       " radii; allowed: at most " + std::to_string(kMostRadii));
-  for (const double radius_m : wheel.stock.radius_m)
-    if (radius_m >= wheel.rolling_radius_m)
-      section.fail("weight_radii_m", "must be less than rolling_radius_m");
+  if (section.has("weight_radii_m"))
+    section.fail("weight_radii_m",
+                 "unknown key; allowed: a [[wheel.place]] with radius_m, kind and plane for each place");
+  std::vector<WeightPlace>& places = wheel.stock.place;
+  for (Section& place : section.sections("place")) {
+    places.push_back(parse_place(place, wheel));
+    if (std::ranges::count(places, places.back()) > 1) place.fail("radius_m", "this place stands twice");
+    place.finish();
+  }
+  if (places.size() > kMostPlaces)
+    section.fail("place", std::to_string(places.size()) + " are told; allowed: at most " +
+                              std::to_string(kMostPlaces));
+  if (places.empty()) places.push_back({.radius_m = wheel.weight_radius_m});
   const double masses = std::floor(stock.heaviest_g / stock.step_g + 1e-9);
-  if (const double choices = masses * static_cast<double>(wheel.stock.radius_m.size());
-      choices > kMostChoices)
-    section.fail("weight_radii_m", "with " + std::to_string(static_cast<int>(masses)) +
-                                       " masses on each radius; allowed: at most " +
-                                       std::to_string(kMostChoices) + " choices");
+  if (const double choices = masses * static_cast<double>(places.size()); choices > kMostChoices)
+    section.fail("place", "with " + std::to_string(static_cast<int>(masses)) +
+                              " masses on each place; allowed: at most " + std::to_string(kMostChoices) +
+                              " choices");
   for (Section& weight : section.sections("weight"))
     wheel.fitted.push_back(parse_weight(std::move(weight), wheel));
   if (wheel.fitted.size() > kMostFittedWeights)

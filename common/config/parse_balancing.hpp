@@ -7,10 +7,10 @@
 
 namespace roadbalance {
 
-/// [weights]; no radius.
+/// [weights]; no place.
 WeightStock parse_stock(Section& root);
 
-/// Of a [[wheel]]: weight_radii_m and [[wheel.weight]].
+/// Of a [[wheel]]: [[wheel.place]] and [[wheel.weight]].
 /// @param wheel  its radii are known
 void parse_places(Section& section, const WeightStock& stock, WheelConfig& wheel);
 

@@ -77,7 +77,7 @@ struct WheelConfig {
   double mass_sigma_kg;  ///< how well it is known, one standard deviation: unbalances are in proportion to it
   double rolling_radius_m;
   double weight_radius_m;           ///< where weights are clipped; grams of unbalance are told at it
-  WeightStock stock;                ///< [weights], at the radii of this wheel's places
+  WeightStock stock;                ///< [weights], on the places of this wheel
   std::vector<WheelWeight> fitted;  ///< [[wheel.weight]]: those on it during the drive
   std::string node;                 ///< node that reads the encoder; empty: no encoder
   int line = 0;                     ///< which of the node's encoder lines

@@ -4,16 +4,29 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <set>
 
 #include "host/balance/verdict.hpp"
 #include "host/balance/weight_plan.hpp"
 
 namespace roadbalance {
 
+namespace {
+
+/// At which weights are or can be.
+std::int32_t radii_of(const WheelConfig& wheel) {
+  std::set<double> radii_m;
+  for (const WeightPlace& place : wheel.stock.place) radii_m.insert(place.radius_m);
+  for (const WheelWeight& weight : wheel.fitted) radii_m.insert(weight.place.radius_m);
+  return static_cast<std::int32_t>(radii_m.size());
+}
+
+}  // namespace
+
 Compensation compensate(const Balance& balance, const WheelConfig& wheel, const BalanceLimits& limits) {
   Compensation result{.wheel = balance.wheel,
                       .time_ns = balance.time_ns,
-                      .radii = static_cast<std::int32_t>(wheel.stock.radius_m.size()),
+                      .radii = radii_of(wheel),
                       .wanted_sigma_g = limits.sigma_g,
                       .seconds_wanted = seconds_wanted(balance, limits.sigma_g)};
   if (balance.state != Unknown::kNone) return result;

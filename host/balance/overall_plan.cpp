@@ -109,8 +109,9 @@ OverallPlan plan_overall(const DriveForces& drive, const VehicleConfig& vehicle,
     if (is_felt && (by_wheel[w].advice == Advice::kSteps || by_wheel[w].advice == Advice::kLeaveSmall)) {
       best[w] = best_weight(felt, w);
       const WheelConfig& config = vehicle.wheel[w];
-      wheel.best = {std::abs(best[w]) / (kKilogram * config.weight_radius_m), std::arg(best[w]),
-                    config.weight_radius_m};
+      wheel.best = {std::abs(best[w]) / (kKilogram * config.weight_radius_m),
+                    std::arg(best[w]),
+                    {.radius_m = config.weight_radius_m}};
       wheel.plan = plan_weights(-best[w] / kKilogram, best_weight_deviation(felt, drive, w) / kKilogram,
                                 config.stock, config.fitted);
     }

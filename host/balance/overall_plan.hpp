@@ -31,7 +31,7 @@ struct OverallPlan {
   struct Wheel {
     WheelWeight best;  ///< at its weight radius; of no mass if the wheel is left alone
     WeightPlan plan;   ///< nearest to it that can be bought; its own if its force is known at no speed
-    int radii = 1;     ///< of its places
+    int radii = 1;     ///< of its compensation
   };
   struct Speed {
     double speed_m_s, seconds;

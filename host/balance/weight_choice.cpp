@@ -13,15 +13,16 @@ namespace {
 
 using Complex = std::complex<double>;
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kTouch = 0.1;     ///< of a step's moment, or of the standard deviation
-constexpr double kMass = 0.01;     ///< of the moments of the weights
-constexpr double kAlike = 1e-9;    ///< g m: a choice must not change by rounding
-constexpr double kOnPlace = 1e-6;  ///< of a raster's width
+constexpr double kTouch = 0.1;      ///< of a step's moment, or of the standard deviation
+constexpr double kElsewhere = 0.5;  ///< of a touch: the place listed first is the one that is wanted
+constexpr double kMass = 0.01;      ///< of the moments of the weights
+constexpr double kAlike = 1e-9;     ///< g m: a choice must not change by rounding
+constexpr double kOnPlace = 1e-6;   ///< of a raster's width
 
-/// Angle between two weights that touch, if they are on one radius.
+/// Angle between two weights that touch, if they are on one place.
 double apart_rad(const WheelWeight& a, const WheelWeight& b, const WeightStock& stock) {
-  if (a.radius_m != b.radius_m) return 0.0;
-  return 0.5 * (a.mass_g + b.mass_g) * stock.length_m_per_g / a.radius_m;
+  if (a.place != b.place) return 0.0;
+  return 0.5 * (a.mass_g + b.mass_g) * stock.length_m_per_g / a.place.radius_m;
 }
 
 /// Best first: what a pair leaves at least, by its moments alone, says when no other can be better.
@@ -34,19 +35,18 @@ class Chooser {
         size_(std::abs(wanted_g_m)),
         direction_rad_(std::arg(wanted_g_m)),
         deviation_(deviation_g_m),
-        touch_(touch_g_m(stock, deviation_g_m)),
         staying_(staying) {
     consider({});
     if (size_ == 0.0) return;
     const int masses = static_cast<int>(stock.heaviest_g / stock.step_g + 1e-9);
-    for (const double radius_m : stock.radius_m)
-      for (int k = 1; k <= masses; ++k) one({k * stock.step_g, 0.0, radius_m});
+    for (const WeightPlace& place : stock.place)
+      for (int k = 1; k <= masses; ++k) one({k * stock.step_g, 0.0, place});
     if (stock.most == 2) two();
   }
   std::vector<WheelWeight> best() && { return std::move(best_); }
 
  private:
-  /// A mass on a radius, for which there is room.
+  /// A mass on a place, for which there is room.
   struct Kind {
     WheelWeight weight;
     double moment_g_m;
@@ -58,11 +58,14 @@ class Chooser {
     const Kind *one, *other;
   };
 
-  static double moment(const WheelWeight& weight) { return weight.mass_g * weight.radius_m; }
+  /// Of a weight, apart from what it leaves.
+  double cost_of(const WheelWeight& weight) const {
+    return putting_g_m(weight, stock_, deviation_) + kMass * weight.amount_g_m();
+  }
 
   /// Of two weights that leave so much.
   double cost_of_two(double left_g_m, const WheelWeight& one, const WheelWeight& other) const {
-    return expected_g_m(left_g_m, deviation_) + 2.0 * touch_ + kMass * (moment(one) + moment(other));
+    return expected_g_m(left_g_m, deviation_) + cost_of(one) + cost_of(other);
   }
 
   void consider(std::span<const WheelWeight> weights) {
@@ -70,7 +73,7 @@ class Chooser {
     double cost = 0.0;
     for (const WheelWeight& weight : weights) {
       sum += weight.moment_g_m();
-      cost += touch_ + kMass * moment(weight);
+      cost += cost_of(weight);
     }
     cost += expected_g_m(wanted_ - sum, deviation_);
     if (cost >= least_cost_ - kAlike) return;
@@ -120,7 +123,7 @@ class Chooser {
   }
 
   void one(const WheelWeight& weight) {
-    Kind kind{weight, moment(weight), -std::numeric_limits<double>::infinity(), 0.0};
+    Kind kind{weight, weight.amount_g_m(), -std::numeric_limits<double>::infinity(), 0.0};
     aim(weight, direction_rad_, nullptr, [&](const WheelWeight& place) {
       consider(std::array{place});
       const double along = kind.moment_g_m * std::cos(place.angle_rad - direction_rad_);
@@ -165,7 +168,8 @@ class Chooser {
   }
 
   void anywhere(WheelWeight one, WheelWeight other) {
-    double ahead = corner(moment(one), moment(other)), behind = corner(moment(other), moment(one));
+    double ahead = corner(one.amount_g_m(), other.amount_g_m()),
+           behind = corner(other.amount_g_m(), one.amount_g_m());
     if (const double lacking = apart_rad(one, other, stock_) - (ahead + behind); lacking > 0.0) {
       ahead += 0.5 * lacking;
       behind += 0.5 * lacking;
@@ -187,8 +191,8 @@ class Chooser {
   /// first place where it is too much there is no better one.
   void on_raster(WheelWeight one, const WheelWeight& other) {
     const double raster = stock_.raster_rad;
-    const double own = moment(one);
-    const double exact = corner(own, moment(other));
+    const double own = one.amount_g_m();
+    const double exact = corner(own, other.amount_g_m());
     for (const double mirror : {1.0, -1.0}) {
       const double from = direction_rad_ + mirror * exact;
       for (const double side : {1.0, -1.0}) {
@@ -199,7 +203,7 @@ class Chooser {
           const double wanted =
               std::sqrt(std::max(0.0, size_ * size_ + own * own -
                                           2.0 * size_ * own * std::cos(place * raster - direction_rad_)));
-          const double left = std::abs(wanted - moment(other));
+          const double left = std::abs(wanted - other.amount_g_m());
           if (cost_of_two(left, one, other) >= least_cost_ - kAlike) break;
           if (in_the_way(one, nullptr) == nullptr) consider_with(one, other);
         }
@@ -210,7 +214,7 @@ class Chooser {
   const WeightStock& stock_;
   const Complex wanted_;
   const double size_, direction_rad_;
-  const double deviation_, touch_;
+  const double deviation_;
   const std::vector<WheelWeight>& staying_;
   std::vector<Kind> kind_;
   std::vector<WheelWeight> best_;
@@ -224,7 +228,11 @@ double expected_g_m(Complex residual_g_m, double deviation_g_m) {
 }
 
 double touch_g_m(const WeightStock& stock, double deviation_g_m) {
-  return kTouch * std::max(stock.step_g * stock.radius_m.front(), deviation_g_m);
+  return kTouch * std::max(stock.step_g * stock.place.front().radius_m, deviation_g_m);
+}
+
+double putting_g_m(const WheelWeight& weight, const WeightStock& stock, double deviation_g_m) {
+  return (weight.place == stock.place.front() ? 1.0 : 1.0 + kElsewhere) * touch_g_m(stock, deviation_g_m);
 }
 
 std::vector<WheelWeight> choose_weights(const WeightStock& stock, Complex wanted_g_m, double deviation_g_m,
@@ -233,7 +241,7 @@ std::vector<WheelWeight> choose_weights(const WeightStock& stock, Complex wanted
 }
 
 bool lies_on(const WheelWeight& a, const WheelWeight& b, const WeightStock& stock) {
-  if (a.radius_m != b.radius_m) return false;
+  if (a.place != b.place) return false;
   return std::abs(std::remainder(a.angle_rad - b.angle_rad, kTurn)) < apart_rad(a, b, stock) - 1e-9;
 }
 

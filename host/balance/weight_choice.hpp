@@ -14,13 +14,18 @@ double expected_g_m(std::complex<double> residual_g_m, double deviation_g_m);
 /// more.  So nobody is sent to clip a second weight for what he does not know.
 double touch_g_m(const WeightStock& stock, double deviation_g_m);
 
+/// What it costs to put a weight where it is: a touch, and half of one more on any place but the first of the
+/// stock, which is the one that is wanted.  So no weight goes elsewhere for what nobody would notice.
+double putting_g_m(const WheelWeight& weight, const WeightStock& stock, double deviation_g_m);
+
 /// The weights, at most stock.most, of least cost
 ///
-///     sqrt(|x - sum of moments|^2 + s^2) + touches + a hundredth of the weights' moments,
+///     sqrt(|x - sum of moments|^2 + s^2) + putting_g_m of each + a hundredth of the weights' moments,
 ///
-/// so that of those that leave as much the lightest are chosen.  No weight lies on another.
+/// so that of those that leave as much the lightest are chosen, and of those the ones on the place listed
+/// first.  No weight lies on another.
 ///
-/// One weight, and two on a raster: the least of all masses, radii and places.  Two at free angles close the
+/// One weight, and two on a raster: the least of all masses, places and angles.  Two at free angles close the
 /// triangle, the one with moment a at
 ///
 ///     arg x +- acos((|x|^2 + a^2 - b^2) / (2 |x| a));
@@ -34,7 +39,7 @@ double touch_g_m(const WeightStock& stock, double deviation_g_m);
 std::vector<WheelWeight> choose_weights(const WeightStock& stock, std::complex<double> wanted_g_m,
                                         double deviation_g_m, const std::vector<WheelWeight>& staying);
 
-/// True if the weights need the same part of a rim.
+/// True if the weights need the same part of a place.
 bool lies_on(const WheelWeight& a, const WheelWeight& b, const WeightStock& stock);
 
 /// 0 .. 2 pi

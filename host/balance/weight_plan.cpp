@@ -23,13 +23,13 @@ void check(const WeightStock& stock) {
   if (stock.raster_rad > 0.0 && (stock.raster_rad > kTurn ||
                                  std::abs(std::remainder(kTurn, stock.raster_rad)) > 1e-6 * stock.raster_rad))
     throw std::invalid_argument("weights: a raster that does not divide a turn");
-  if (!sound || stock.radius_m.empty() || !(*std::ranges::min_element(stock.radius_m) > 0.0))
-    throw std::invalid_argument("weights: a stock without radius, or with a number out of its range");
+  const auto has_radius = [](const WeightPlace& place) { return place.radius_m > 0.0; };
+  if (!sound || stock.place.empty() || !std::ranges::all_of(stock.place, has_radius))
+    throw std::invalid_argument("weights: a stock without place, or with a number out of its range");
 }
 
 bool at_one_place(const WheelWeight& a, const WheelWeight& b) {
-  return a.radius_m == b.radius_m &&
-         std::abs(std::remainder(a.angle_rad - b.angle_rad, kTurn)) <= kSamePlace_rad;
+  return a.place == b.place && std::abs(std::remainder(a.angle_rad - b.angle_rad, kTurn)) <= kSamePlace_rad;
 }
 
 /// How to come from what is fitted to what is wanted with few touches.
@@ -61,7 +61,10 @@ std::vector<WeightStep> steps_between(std::vector<WheelWeight> fitted, std::vect
   match(WeightAction::kKeep, [&](const auto& have, const auto& want) {
     return same_mass(have, want) && at_one_place(have, want) && !in_the_way(have, want);
   });
-  match(WeightAction::kMove, same_mass);
+  match(WeightAction::kMove, [&](const auto& have, const auto& want) {
+    return same_mass(have, want) && have.place.kind == want.place.kind &&
+           have.place.kind != WeightKind::kAdhesive;
+  });
   for (const WheelWeight& weight : fitted) steps.push_back({WeightAction::kRemove, weight, weight});
   for (const WheelWeight& weight : wanted) steps.push_back({WeightAction::kAdd, weight, weight});
   return steps;
@@ -95,40 +98,19 @@ WeightPlan plan_weights(Complex unbalance_g_m, double deviation_g_m, const Weigh
   for (const WheelWeight& weight : choose_weights(stock, -unbalance_g_m, deviation_g_m, fitted))
     added.push_back({WeightAction::kAdd, weight, weight});
   const auto cost = [&](const WeightPlan& plan) {
-    const auto touches = std::ranges::count_if(
-        plan.step, [](const WeightStep& step) { return step.action != WeightAction::kKeep; });
-    return expected_g_m(plan.residual_g_m(unbalance_g_m), deviation_g_m) +
-           touch_g_m(stock, deviation_g_m) * static_cast<double>(touches);
+    double cost_g_m = expected_g_m(plan.residual_g_m(unbalance_g_m), deviation_g_m);
+    for (const WeightStep& step : plan.step)
+      if (step.action == WeightAction::kRemove)
+        cost_g_m += touch_g_m(stock, deviation_g_m);
+      else if (step.action != WeightAction::kKeep)
+        cost_g_m += putting_g_m(step.weight, stock, deviation_g_m);
+    return cost_g_m;
   };
   const WeightPlan adding = plan_of(std::move(added));
   if (fitted.empty()) return adding;
   const WeightPlan anew = plan_of(
       steps_between(fitted, choose_weights(stock, on_wheel - unbalance_g_m, deviation_g_m, {}), stock));
   return cost(anew) < cost(adding) ? anew : adding;
-}
-
-std::string to_string(const WeightStep& step, int radii) {
-  const auto text = [](const char* pattern, auto... values) {
-    char buffer[96];
-    std::snprintf(buffer, sizeof buffer, pattern, values...);
-    return std::string(buffer);
-  };
-  const auto place = [&](const WheelWeight& weight) {
-    const long degrees = std::lround(wrap_turn(weight.angle_rad) * 180.0 / std::numbers::pi) % 360;
-    return text("%ld°", degrees) + (radii > 1 ? text(" on %.0f mm", 1e3 * weight.radius_m) : "");
-  };
-  const std::string mass = text("%g g", step.weight.mass_g);
-  switch (step.action) {
-    case WeightAction::kKeep:
-      return "keep " + mass + " at " + place(step.weight);
-    case WeightAction::kMove:
-      return "move " + mass + " from " + place(step.from) + " to " + place(step.weight);
-    case WeightAction::kRemove:
-      return "remove " + mass + " at " + place(step.weight);
-    case WeightAction::kAdd:
-      return "add " + mass + " at " + place(step.weight);
-  }
-  return "";
 }
 
 }  // namespace roadbalance

@@ -13,20 +13,22 @@ namespace roadbalance {
 ///
 /// Weights already fitted were on the wheel when the unbalance was found.  Either they stay and others are
 /// added beside them, or all places are chosen anew and they are kept, moved or taken off: whichever is
-/// expected to leave less, sqrt(|e|^2 + s^2), where every touch of a weight costs (touch_g_m).  An unbalance
+/// expected to leave less, sqrt(|e|^2 + s^2), where every touch of a weight costs (touch_g_m, putting_g_m).
+/// What has been stuck and is torn off does not hold again: adhesive weights are not moved.  An unbalance
 /// of 0 leaves everything as it is.  The weights added or chosen anew are those of choose_weights.
 ///
 /// @param deviation_g_m  s, standard deviation of the unbalance: the root of the trace of its covariance; 0:
 ///                       it is exact
-/// @throws std::invalid_argument if the stock has no radius, a number is out of its range, the raster does
-/// not
-///         divide a turn, or s is less than 0
+/// @throws std::invalid_argument if the stock has no place, a number is out of its range, the raster does
+///         not divide a turn, or s is less than 0
 WeightPlan plan_weights(std::complex<double> unbalance_g_m, double deviation_g_m, const WeightStock& stock,
                         const std::vector<WheelWeight>& fitted = {});
 
-/// "add 15 g at 37°", "move 20 g from 10° to 50°", "remove 5 g at 90°"; where the wheel has several radii
-/// "add 15 g at 37° on 190 mm".
-/// @param radii  of its places, at least 1
+/// "clip 15 g at 37° on the outer flange", "stick 15 g at 37° in the inner plane", "move the 20 g clip from
+/// 10° to 50° on the outer flange", "remove the 5 g adhesive weight at 90° in the inner plane"; where nobody
+/// told how weights hold "add 15 g at 37°"; where the wheel has several radii with "(190 mm)" behind the
+/// place.
+/// @param radii  at which weights of the wheel are or can be, at least 1
 std::string to_string(const WeightStep& step, int radii = 1);
 
 }  // namespace roadbalance

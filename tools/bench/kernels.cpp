@@ -101,9 +101,9 @@ VehicleConfig with_many_weights() {
   VehicleConfig car = vehicle();
   for (WheelConfig& wheel : car.wheel) {
     wheel.stock = {
-        .step_g = 1.0, .heaviest_g = 100.0, .radius_m = {0.19, 0.16}, .raster_rad = std::numbers::pi / 180.0};
+        .step_g = 1.0, .heaviest_g = 100.0, .place = {{.radius_m = 0.19}, {.radius_m = 0.16}}, .raster_rad = std::numbers::pi / 180.0};
     for (std::size_t k = 0; k < kMostFittedWeights; ++k)
-      wheel.fitted.push_back({20.0, 0.7 * static_cast<double>(k), wheel.stock.radius_m[k % 2]});
+      wheel.fitted.push_back({20.0, 0.7 * static_cast<double>(k), wheel.stock.place[k % 2]});
   }
   return car;
 }

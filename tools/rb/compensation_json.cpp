@@ -23,6 +23,30 @@ const char* name_of(WeightAction action) {
   return "unknown";
 }
 
+Json name_of(WeightKind kind) {
+  switch (kind) {
+    case WeightKind::kUntold:
+      return nullptr;
+    case WeightKind::kClip:
+      return "clip";
+    case WeightKind::kAdhesive:
+      return "adhesive";
+  }
+  return nullptr;
+}
+
+Json name_of(RimPlane plane) {
+  switch (plane) {
+    case RimPlane::kUntold:
+      return nullptr;
+    case RimPlane::kInner:
+      return "inner";
+    case RimPlane::kOuter:
+      return "outer";
+  }
+  return nullptr;
+}
+
 Json name_of(Advice advice) {
   switch (advice) {
     case Advice::kUnknown:
@@ -45,10 +69,13 @@ Json steps_json(const WeightPlan& plan) {
     steps.push_back({{"action", name_of(step.action)},
                      {"mass_g", step.weight.mass_g},
                      {"angle_deg", degrees(step.weight.angle_rad)},
-                     {"radius_m", step.weight.radius_m}});
+                     {"radius_m", step.weight.place.radius_m},
+                     {"kind", name_of(step.weight.place.kind)},
+                     {"plane", name_of(step.weight.place.plane)}});
     if (step.action == WeightAction::kMove)
-      steps.back().update(
-          {{"from_deg", degrees(step.from.angle_rad)}, {"from_radius_m", step.from.radius_m}});
+      steps.back().update({{"from_deg", degrees(step.from.angle_rad)},
+                           {"from_radius_m", step.from.place.radius_m},
+                           {"from_plane", name_of(step.from.place.plane)}});
   }
   return steps;
 }

@@ -8,8 +8,9 @@
 
 namespace roadbalance {
 
-/// The steps of a plan, {"action", "mass_g", "angle_deg", "radius_m"} each, of one to move "from_deg" and
-/// "from_radius_m" too.
+/// The steps of a plan, {"action", "mass_g", "angle_deg", "radius_m", "kind", "plane"} each, of one to move
+/// "from_deg", "from_radius_m" and "from_plane" too.  "kind" is "clip" or "adhesive", a plane "inner" or
+/// "outer", null where vehicle.toml does not tell it.
 nlohmann::ordered_json steps_json(const WeightPlan& plan);
 
 /// The "compensation" of rb identify and rb watch: one object a wheel, what there is to do and what it

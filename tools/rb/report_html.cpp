@@ -42,7 +42,9 @@ footer { margin-top: 3mm; color: #4b5563; font-size: 8pt; }
 .wheel .mark, .wheel .tip { fill: #14181d; } .wheel .turn { fill: none; stroke: #14181d; stroke-width: 1.5; }
 .wheel .before { stroke: #4b5563; stroke-width: 2; stroke-dasharray: 3 3; }
 .wheel .vector { stroke: #0b57b7; stroke-width: 2.5; } .wheel .spot { fill: #a84300; }
-.wheel .new { fill: #146c43; } .wheel .kept { fill: #6b7785; } .wheel .off { fill: none; stroke: #b3131d; stroke-width: 1.5; }
+.wheel .new { fill: #146c43; } .wheel .kept { fill: #6b7785; }
+.wheel .hidden { fill: #fff; stroke: #146c43; stroke-width: 2; } .wheel .kept.hidden { stroke: #6b7785; }
+.wheel .off { fill: none; stroke: #b3131d; stroke-width: 1.5; }
 .wheel text { font-size: 24px; text-anchor: middle; fill: #6b7785; }
 )css";
 
@@ -79,7 +81,7 @@ std::string advice(const Balance& balance, const Compensation& compensation) {
     const WheelWeight& weight = compensation.plan.step[k].weight;
     const std::string clock = clock_of(weight.angle_rad, balance.wheel % 2 == 0);
     html += element("p", markup_text(sentence(words_of[k] + " (clock " + clock + ")")), "step");
-    html += element("p", markup_text(along_rim(weight.angle_rad, weight.radius_m) + "."), "rim-place");
+    html += element("p", markup_text(along_rim(weight.angle_rad, weight.place.radius_m) + "."), "rim-place");
   }
   return html;
 }
@@ -132,7 +134,8 @@ std::string wheels(const DriveReport& report) {
          element("p",
                  markup_text(format(
                      "A line to the rim is %.0f g. ± is one standard deviation. Orange: heavy spot; green: "
-                     "weight; red ring: take off; dashed: before the weights.",
+                     "weight; red ring: take off; hollow: behind the wheel, on the side of the car; dashed: "
+                     "before the weights.",
                      largest_g)),
                  "facts");
 }

@@ -20,9 +20,9 @@ Point place(int wheel, double radius, double angle_rad) {
   return {clockwise * radius * std::sin(angle_rad), -radius * std::cos(angle_rad)};
 }
 
-std::string weight(int wheel, double angle_rad, const char* kind) {
+std::string weight(int wheel, double angle_rad, const std::string& kind) {
   const auto [x, y] = place(wheel, kRim, angle_rad);
-  return format("<circle class=\"%s\" cx=\"%.2f\" cy=\"%.2f\" r=\"5\"/>", kind, x, y);
+  return format("<circle class=\"%s\" cx=\"%.2f\" cy=\"%.2f\" r=\"5\"/>", kind.c_str(), x, y);
 }
 
 std::string weights(const Balance& balance, const Compensation& compensation) {
@@ -30,10 +30,12 @@ std::string weights(const Balance& balance, const Compensation& compensation) {
   if (compensation.advice != Advice::kSteps) return svg;
   for (const WeightStep& step : compensation.plan.step) {
     if (step.action == WeightAction::kMove) svg += weight(balance.wheel, step.from.angle_rad, "off");
+    const std::string kind = step.action == WeightAction::kRemove ? "off"
+                             : step.action == WeightAction::kKeep ? "kept"
+                                                                  : "new";
+    // What the wheel hides from who stands beside the car is hollow.
     svg += weight(balance.wheel, step.weight.angle_rad,
-                  step.action == WeightAction::kRemove ? "off"
-                  : step.action == WeightAction::kKeep ? "kept"
-                                                       : "new");
+                  kind + (step.weight.place.plane == RimPlane::kInner ? " hidden" : ""));
   }
   return svg;
 }

@@ -14,8 +14,11 @@ namespace {
 
 Compensation message() {
   Compensation sent{.wheel = 3, .time_ns = 123, .advice = Advice::kSteps, .radii = 2};
-  sent.plan.step = {{WeightAction::kMove, {20.0, 0.5, 0.19}, {20.0, 1.5, 0.16}},
-                    {WeightAction::kAdd, {5.0, 2.5, 0.19}, {}}};
+  sent.plan.step = {{WeightAction::kMove,
+                     {20.0, 0.5, {0.19, WeightKind::kClip, RimPlane::kOuter}},
+                     {20.0, 1.5, {0.16, WeightKind::kClip, RimPlane::kInner}}},
+                    {WeightAction::kAdd, {5.0, 2.5, {0.17, WeightKind::kAdhesive, RimPlane::kInner}}, {}},
+                    {WeightAction::kKeep, {15.0, 3.5, {.radius_m = 0.19}}, {}}};
   sent.plan.applied_g_m = {1.25, -2.5};
   sent.verdict = {.residual_g = 1.5,
                   .shop_g = 7.0,
@@ -40,14 +43,16 @@ TEST(Compensation, ComesBackAsItWasSent) {
   EXPECT_EQ(got->time_ns, 123);
   EXPECT_EQ(got->advice, Advice::kSteps);
   EXPECT_EQ(got->radii, 2);
-  ASSERT_EQ(got->plan.step.size(), 2U);
+  ASSERT_EQ(got->plan.step.size(), 3U);
   EXPECT_EQ(got->plan.step[0].action, WeightAction::kMove);
   EXPECT_EQ(got->plan.step[0].weight.mass_g, 20.0);
   EXPECT_EQ(got->plan.step[0].weight.angle_rad, 0.5);
-  EXPECT_EQ(got->plan.step[0].weight.radius_m, 0.19);
+  EXPECT_EQ(got->plan.step[0].weight.place, (WeightPlace{0.19, WeightKind::kClip, RimPlane::kOuter}));
   EXPECT_EQ(got->plan.step[0].from.angle_rad, 1.5);
-  EXPECT_EQ(got->plan.step[0].from.radius_m, 0.16);
+  EXPECT_EQ(got->plan.step[0].from.place, (WeightPlace{0.16, WeightKind::kClip, RimPlane::kInner}));
   EXPECT_EQ(got->plan.step[1].action, WeightAction::kAdd);
+  EXPECT_EQ(got->plan.step[1].weight.place, (WeightPlace{0.17, WeightKind::kAdhesive, RimPlane::kInner}));
+  EXPECT_EQ(got->plan.step[2].weight.place, WeightPlace{.radius_m = 0.19});
   EXPECT_EQ(got->plan.applied_g_m, std::complex<double>(1.25, -2.5));
   EXPECT_EQ(got->verdict.residual_g, 1.5);
   EXPECT_EQ(got->verdict.shop_g, 7.0);
@@ -76,6 +81,17 @@ TEST(Compensation, RefusesWhatCannotBe) {
     EXPECT_FALSE(taken([&](Compensation& sent) {
       sent.plan.step[1].action = static_cast<WeightAction>(action);
     })) << action;
+  for (const std::int32_t beyond : {-1, 3}) {
+    EXPECT_FALSE(taken([&](Compensation& sent) {
+      sent.plan.step[2].weight.place.kind = static_cast<WeightKind>(beyond);
+    })) << beyond;
+    EXPECT_FALSE(taken([&](Compensation& sent) {
+      sent.plan.step[2].weight.place.plane = static_cast<RimPlane>(beyond);
+    })) << beyond;
+    EXPECT_FALSE(taken([&](Compensation& sent) {
+      sent.plan.step[0].from.place.plane = static_cast<RimPlane>(beyond);
+    })) << beyond;
+  }
   for (const std::int32_t wheel : {0, 3})
     EXPECT_TRUE(taken([&](Compensation& sent) { sent.wheel = wheel; })) << wheel;
 }

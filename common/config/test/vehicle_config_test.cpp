@@ -197,7 +197,7 @@ TEST(VehicleConfig, NamesFileLineKeyAndWhatIsAllowed) {
        "rate_hz: must be more than twice the filter's cutoff_hz"},
       {"weight_radius_m = 0.19", "weight_radius_m = 0.30", "weight_radius_m = 0.30",
        "weight_radius_m: must be less than rolling_radius_m"},
-      {"name = \"front_right\"", "name = \"front_left\"", "datum_deg = 30\n\n[[wheel]]\nname",
+      {"name = \"front_right\"", "name = \"front_left\"", "plane = \"inner\"\n\n[[wheel]]\nname",
        "name: \"front_left\" stands twice"},
       {"node = \"front\"", "node = \"roof\"", "node = \"roof\"",
        "node: there is no node \"roof\"; allowed: front, rear"},

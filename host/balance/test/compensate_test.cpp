@@ -16,7 +16,7 @@ WheelConfig wheel() {
   config.mass_kg = 34.0;
   config.rolling_radius_m = 0.30;
   config.weight_radius_m = kRadius_m;
-  config.stock.radius_m = {kRadius_m};
+  config.stock.place = {{.radius_m = kRadius_m}};
   return config;
 }
 

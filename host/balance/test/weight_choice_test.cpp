@@ -14,14 +14,20 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
+constexpr WeightPlace kOuter{0.19, WeightKind::kClip, RimPlane::kOuter};
+constexpr WeightPlace kInner{0.19, WeightKind::kClip, RimPlane::kInner};
+constexpr WeightPlace kStuck{0.19, WeightKind::kAdhesive, RimPlane::kOuter};
+constexpr WeightPlace kSmaller{0.16, WeightKind::kClip, RimPlane::kOuter};
+
 /// As the header says it, with its own numbers.
 double cost_of(const std::vector<WheelWeight>& weights, const WeightStock& stock, Complex wanted,
                double deviation) {
   double cost = 0.0;
   for (const WheelWeight& weight : weights) {
     wanted -= weight.moment_g_m();
-    cost += std::max(0.1 * stock.step_g * stock.radius_m[0], 0.1 * deviation) +
-            0.01 * weight.mass_g * weight.radius_m;
+    const double elsewhere = weight.place == stock.place[0] ? 1.0 : 1.5;
+    cost += elsewhere * std::max(0.1 * stock.step_g * stock.place[0].radius_m, 0.1 * deviation) +
+            0.01 * weight.mass_g * weight.place.radius_m;
   }
   return cost + std::sqrt(std::norm(wanted) + deviation * deviation);
 }
@@ -30,12 +36,12 @@ bool clear_of(const WheelWeight& weight, const std::vector<WheelWeight>& others,
   return std::ranges::none_of(others, [&](const auto& other) { return lies_on(weight, other, stock); });
 }
 
-/// Every mass on every radius at every one of so many places.
+/// Every mass on every place at every one of so many angles.
 std::vector<WheelWeight> all_single(const WeightStock& stock, int places) {
   std::vector<WheelWeight> all;
-  for (const double radius_m : stock.radius_m)
+  for (const WeightPlace& place : stock.place)
     for (int k = 1; k * stock.step_g <= stock.heaviest_g; ++k)
-      for (int p = 0; p < places; ++p) all.push_back({k * stock.step_g, kTurn * p / places, radius_m});
+      for (int p = 0; p < places; ++p) all.push_back({k * stock.step_g, kTurn * p / places, place});
   return all;
 }
 
@@ -77,14 +83,16 @@ Case random_case(std::mt19937& random) {
   made.stock = {.step_g = 5.0,
                 .heaviest_g = one_of(5.0, 15.0, 30.0),
                 .most = one_of(1, 2, 2),
-                .radius_m = {0.19},
+                .place = {kOuter},
                 .raster_rad = kTurn / made.places,
                 .length_m_per_g = one_of(0.0, 2.5e-3, 10e-3)};
-  if (one_of(0, 1) == 1) made.stock.radius_m.push_back(0.16);
+  if (const int more = one_of(0, 0, 1, 2, 3); more > 0)
+    made.stock.place.push_back(std::array{kInner, kStuck, kSmaller}[static_cast<std::size_t>(more - 1)]);
   made.wanted = std::polar(uniform(0.0, 50.0) * 0.19, uniform(-7.0, 7.0));
   made.deviation = one_of(0.0, 0.1, 1.0);
   for (int n = one_of(0, 0, 1, 3, 8); n > 0; --n)
-    made.staying.push_back({uniform(5.0, 40.0), uniform(0.0, kTurn), one_of(0.19, 0.16)});
+    made.staying.push_back(
+        {uniform(5.0, 40.0), uniform(0.0, kTurn), one_of(kOuter, kInner, kStuck, kSmaller)});
   return made;
 }
 
@@ -130,9 +138,9 @@ TEST(ChooseWeights, FindsAtFreeAnglesWhatNoRasterBetters) {
 // A full rim: eight weights of 60 g that take 150 mm each leave no place.
 TEST(ChooseWeights, ChoosesNothingWhereThereIsNoRoom) {
   std::vector<WheelWeight> staying;
-  for (int n = 0; n < 8; ++n) staying.push_back({60.0, kTurn * n / 8.0, 0.19});
+  for (int n = 0; n < 8; ++n) staying.push_back({60.0, kTurn * n / 8.0, kOuter});
   for (const double raster_rad : {0.0, kTurn / 360.0}) {
-    const WeightStock stock{.radius_m = {0.19}, .raster_rad = raster_rad};
+    const WeightStock stock{.place = {kOuter}, .raster_rad = raster_rad};
     EXPECT_TRUE(choose_weights(stock, {3.0, 4.0}, 0.1, staying).empty());
   }
 }

@@ -14,7 +14,11 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kRadius = 0.19;
-const WeightStock kStock{.radius_m = {kRadius}};
+const WeightStock kStock{.place = {{.radius_m = kRadius}}};
+
+constexpr WeightPlace kOuter{kRadius, WeightKind::kClip, RimPlane::kOuter};
+constexpr WeightPlace kInner{kRadius, WeightKind::kClip, RimPlane::kInner};
+constexpr WeightPlace kStuck{kRadius, WeightKind::kAdhesive, RimPlane::kOuter};
 
 Complex unbalance(double grams, double degrees) {
   return std::polar(grams * kRadius, degrees * kDegree);
@@ -104,15 +108,15 @@ TEST(WeightPlan, FindsTheBestPlacesOfARaster) {
 TEST(WeightPlan, ChoosesTheRadius) {
   WeightStock stock = kStock;
   stock.most = 1;
-  stock.radius_m = {0.19, 0.16};
+  stock.place = {{.radius_m = 0.19}, {.radius_m = 0.16}};
   const WeightPlan plan = plan_exactly(std::polar(20.0 * 0.16, 1.0), stock);
   ASSERT_EQ(plan.step.size(), 1U);
-  EXPECT_EQ(plan.step[0].weight.radius_m, 0.16);
+  EXPECT_EQ(plan.step[0].weight.place.radius_m, 0.16);
 }
 
 TEST(WeightPlan, MovesAWeightThatIsInTheWrongPlace) {
   // 20 g at 90 degrees were meant for 50: the wheel is out by what is missing and by what is too much.
-  const WheelWeight fitted{20.0, 90.0 * kDegree, kRadius};
+  const WheelWeight fitted{20.0, 90.0 * kDegree, {kRadius}};
   const Complex out = fitted.moment_g_m() - unbalance(20.0, 50.0);
   const WeightPlan plan = plan_exactly(out, kStock, {fitted});
   ASSERT_EQ(plan.step.size(), 1U);
@@ -121,7 +125,7 @@ TEST(WeightPlan, MovesAWeightThatIsInTheWrongPlace) {
 }
 
 TEST(WeightPlan, RemovesWhatDoesHarmAndKeepsWhatDoesNot) {
-  const WheelWeight good{30.0, 0.0, kRadius}, bad{10.0, 200.0 * kDegree, kRadius};
+  const WheelWeight good{30.0, 0.0, {kRadius}}, bad{10.0, 200.0 * kDegree, {kRadius}};
   const WeightPlan plan = plan_exactly(bad.moment_g_m(), kStock, {good, bad});
   ASSERT_EQ(plan.step.size(), 2U);
   EXPECT_EQ(to_string(plan.step[0]), "keep 30 g at 0°");
@@ -143,7 +147,7 @@ TEST(WeightPlan, PutsAWeightBesideOneThatStays) {
     stock.raster_rad = raster_deg * kDegree;
     int beside = 0;
     for (int k = 0; k < 100; ++k) {
-      const WheelWeight fitted{40.0, angle(random) * kDegree, kRadius};
+      const WheelWeight fitted{40.0, angle(random) * kDegree, {kRadius}};
       // What is wanted lies within 20 degrees of the fitted weight.
       const double wanted_deg = fitted.angle_rad / kDegree + angle(random) / 9.0 - 20.0;
       const WeightPlan plan = plan_exactly(unbalance(mass(random), wanted_deg + 180.0), stock, {fitted});
@@ -164,14 +168,93 @@ TEST(WeightPlan, PutsAWeightBesideOneThatStays) {
 
 TEST(WeightPlan, IsNotHinderedByAWeightOnAnotherRadius) {
   WeightStock stock = kStock;
-  stock.radius_m = {0.16};
+  stock.place = {{.radius_m = 0.16}};
   const WeightPlan plan =
-      plan_exactly(std::polar(20.0 * 0.16, 1.0 + std::numbers::pi), stock, {{30.0, 1.0, kRadius}});
+      plan_exactly(std::polar(20.0 * 0.16, 1.0 + std::numbers::pi), stock, {{30.0, 1.0, {kRadius}}});
   ASSERT_EQ(plan.step.size(), 2U);
   EXPECT_EQ(to_string(plan.step[0], 2), "keep 30 g at 57° on 190 mm");
   EXPECT_EQ(to_string(plan.step[1], 2), "add 20 g at 57° on 160 mm");
-  const WeightStep move{WeightAction::kMove, {20.0, 1.0, 0.16}, {20.0, 2.0, 0.19}};
+  const WeightStep move{WeightAction::kMove, {20.0, 1.0, {0.16}}, {20.0, 2.0, {0.19}}};
   EXPECT_EQ(to_string(move, 2), "move 20 g from 115° on 190 mm to 57° on 160 mm");
+}
+
+TEST(WeightPlan, LaysWeightsBehindOneAnotherOnTwoFlanges) {
+  WeightStock stock = kStock;
+  stock.heaviest_g = 15.0;
+  stock.place = {kOuter, kInner};
+  // Side by side on one flange two of 15 g are 0.197 rad apart and lose 30 g (1 - cos 0.0987) = 0.146 g; to
+  // clip one behind the other costs half a touch of 0.5 g.
+  const WeightPlan beside = plan_exactly(unbalance(30.0, 0.0), stock);
+  ASSERT_EQ(beside.step.size(), 2U);
+  EXPECT_EQ(beside.step[0].weight.place, kOuter);
+  EXPECT_EQ(beside.step[1].weight.place, kOuter);
+  // Of 100 mm a 10 g they would be 0.79 rad apart and lose 2.3 g.
+  stock.length_m_per_g = 10e-3;
+  const WeightPlan behind = plan_exactly(unbalance(30.0, 0.0), stock);
+  ASSERT_EQ(behind.step.size(), 2U);
+  EXPECT_NE(behind.step[0].weight.place, behind.step[1].weight.place);
+  EXPECT_LT(left_g(behind, unbalance(30.0, 0.0)), 1e-9);
+}
+
+TEST(WeightPlan, WantsThePlaceThatIsListedFirst) {
+  for (const auto& places : {std::vector{kOuter, kInner}, {kInner, kOuter}, {kStuck, kInner, kOuter}}) {
+    WeightStock stock = kStock;
+    stock.place = places;
+    for (double grams = 4.0; grams < 70.0; grams += 1.7)
+      for (const WeightStep& step : plan_exactly(unbalance(grams, 100.0), stock).step)
+        EXPECT_EQ(step.weight.place, places[0]) << grams;
+  }
+  // 34.2 +- 1 g: 35 g leave sqrt(0.8^2 + 1^2) = 1.281 g, and 40 g on 160 mm, which are 33.68 g here, 1.125 g
+  // and 0.013 g for their mass less: not worth half a touch, 0.25 g.  Of 32.5 g both 30 and 35 leave 2.69 g,
+  // and 40 g on 160 mm 1.55 g.
+  WeightStock stock = kStock;
+  stock.most = 1;
+  stock.place = {{.radius_m = kRadius}, {.radius_m = 0.16}};
+  const auto radius_m = [&](double grams) {
+    return plan_weights(unbalance(grams, 0.0), kRadius, stock).step.at(0).weight.place.radius_m;
+  };
+  EXPECT_EQ(radius_m(34.2), kRadius);
+  EXPECT_EQ(radius_m(32.5), 0.16);
+}
+
+TEST(WeightPlan, SaysHowAWeightHoldsAndOnWhichSide) {
+  const auto add = [](WeightPlace place) {
+    return WeightStep{WeightAction::kAdd, {35.0, 37 * kDegree, place}, {}};
+  };
+  EXPECT_EQ(to_string(add(kOuter)), "clip 35 g at 37° on the outer flange");
+  EXPECT_EQ(to_string(add(kInner), 2), "clip 35 g at 37° on the inner flange (190 mm)");
+  EXPECT_EQ(to_string(add(kStuck)), "stick 35 g at 37° in the outer plane");
+  const WheelWeight clip{20.0, 90 * kDegree, kOuter}, turned{20.0, 50 * kDegree, kOuter},
+      behind{20.0, 50 * kDegree, kInner}, stuck{20.0, 90 * kDegree, kStuck};
+  EXPECT_EQ(to_string({WeightAction::kMove, turned, clip}),
+            "move the 20 g clip from 90° to 50° on the outer flange");
+  EXPECT_EQ(to_string({WeightAction::kMove, behind, clip}),
+            "move the 20 g clip from 90° on the outer flange to 50° on the inner flange");
+  EXPECT_EQ(to_string({WeightAction::kKeep, clip, clip}), "keep the 20 g clip at 90° on the outer flange");
+  EXPECT_EQ(to_string({WeightAction::kRemove, stuck, stuck}),
+            "remove the 20 g adhesive weight at 90° in the outer plane");
+}
+
+// 20 g at 90 degrees were meant for 50, as in MovesAWeightThatIsInTheWrongPlace.
+TEST(WeightPlan, MovesClipsAndSticksNothingTwice) {
+  const auto steps = [](WeightPlace fitted_on, std::vector<WeightPlace> places) {
+    WeightStock stock = kStock;
+    stock.place = std::move(places);
+    const WheelWeight fitted{20.0, 90.0 * kDegree, fitted_on};
+    std::vector<std::string> said;
+    for (const WeightStep& step :
+         plan_exactly(fitted.moment_g_m() - unbalance(20.0, 50.0), stock, {fitted}).step)
+      said.push_back(to_string(step));
+    return said;
+  };
+  EXPECT_EQ(steps(kOuter, {kOuter}),
+            std::vector<std::string>{"move the 20 g clip from 90° to 50° on the outer flange"});
+  EXPECT_EQ(steps(kStuck, {kStuck}),
+            (std::vector<std::string>{"remove the 20 g adhesive weight at 90° in the outer plane",
+                                      "stick 20 g at 50° in the outer plane"}));
+  EXPECT_EQ(steps(kStuck, {kOuter}),
+            (std::vector<std::string>{"remove the 20 g adhesive weight at 90° in the outer plane",
+                                      "clip 20 g at 50° on the outer flange"}));
 }
 
 // 35.6 +- 1.1 g: 35 g leave sqrt(0.6^2 + 1.1^2) = 1.25 g, and nothing leaves less than 1.1 g.  Were the 35.6
@@ -204,7 +287,7 @@ TEST(WeightPlan, RefusesARasterThatDoesNotDivideATurn) {
 
 TEST(WeightPlan, LeavesABalancedWheelAlone) {
   EXPECT_TRUE(plan_exactly(0.0, kStock).step.empty());
-  const WeightPlan plan = plan_exactly(0.0, kStock, {{20.0, 1.0, kRadius}});
+  const WeightPlan plan = plan_exactly(0.0, kStock, {{20.0, 1.0, {kRadius}}});
   EXPECT_EQ(to_string(plan.step.at(0)), "keep 20 g at 57°");
   EXPECT_TRUE(plan_exactly(unbalance(0.4, 10.0), kStock).step.empty()) << "less than a touch is worth";
   EXPECT_THROW(plan_exactly(1.0, WeightStock{}), std::invalid_argument) << "nowhere to put a weight";

@@ -164,17 +164,21 @@ Compensation compensation(const Scene& scene, const Balance& of) {
   plan.seconds_wanted = kSecondsWanted[static_cast<std::size_t>(of.wheel)];
   plan.seat_now_m_s2 = 0.052;
   plan.seat_left_m_s2 = 0.0043;
-  const auto weight = [&](double grams, double angle_rad) { return WheelWeight{grams, angle_rad, 0.19}; };
+  constexpr WeightPlace kOuter{0.19, WeightKind::kClip, RimPlane::kOuter};
+  constexpr WeightPlace kInner{0.19, WeightKind::kClip, RimPlane::kInner};
+  constexpr WeightPlace kStuck{0.19, WeightKind::kAdhesive, RimPlane::kInner};
   switch (scene.verified && of.wheel == 0 ? 3 : of.wheel) {
     case 0:
     case 1:
       plan.advice = Advice::kSteps;
-      plan.plan.step.push_back({WeightAction::kAdd, weight(35.0, of.weight_angle_rad), {}});
+      plan.plan.step.push_back(
+          {WeightAction::kAdd, {35.0, of.weight_angle_rad, of.wheel == 0 ? kOuter : kStuck}, {}});
       break;
     case 2:
       plan.advice = Advice::kSteps;
-      plan.plan.step.push_back({WeightAction::kMove, weight(20.0, 90 * kDegree), weight(20.0, 30 * kDegree)});
-      plan.plan.step.push_back({WeightAction::kRemove, weight(5.0, 200 * kDegree), {}});
+      plan.plan.step.push_back(
+          {WeightAction::kMove, {20.0, 90 * kDegree, kInner}, {20.0, 30 * kDegree, kOuter}});
+      plan.plan.step.push_back({WeightAction::kRemove, {5.0, 200 * kDegree, kOuter}, {}});
       plan.verdict.incurable =
           "force that does not grow with speed dominates: match-mount or replace the tyre";
       break;

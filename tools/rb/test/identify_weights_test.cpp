@@ -34,8 +34,8 @@ VehicleConfig car() {
   text = test::replaced(text, "\ncutoff_hz = 200", "\ncutoff_hz = 60");
   text = test::replaced(text, "datum_deg = 30\n",
                         "datum_deg = 30\n[[wheel.weight]]\nmass_g = 20\nangle_deg = 210\nradius_m = 0.16\n");
-  const std::string radius = "weight_radius_m = 0.19\n";
-  text.insert(text.find(radius) + radius.size(), "weight_radii_m = [0.19, 0.16]\n");
+  text = test::replaced(text, "radius_m = 0.19\nkind = \"clip\"\nplane = \"inner\"\n",
+                        "radius_m = 0.16\nkind = \"adhesive\"\nplane = \"inner\"\n");
   text +=
       "\n[weights]\nstep_g = 10\nmost = 1\nraster_deg = 15\n[limits]\nshop_g = 2\n"
       "[[seat]]\nname = \"driver\"\nposition_m = [0.1, 0.35, 0.2]\n";

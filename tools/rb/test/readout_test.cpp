@@ -164,8 +164,8 @@ TEST(RecorderLines, OfOneThatNoNodeObeysSayWhomTheyObey) {
 /// One weight added, one moved; what is left is within a limit and beyond another.
 Compensation two_steps() {
   Compensation found{.advice = Advice::kSteps};
-  found.plan.step = {{WeightAction::kAdd, {15.0, 37.0 * kDegree, 0.19}, {}},
-                     {WeightAction::kMove, {5.0, 90.0 * kDegree, 0.16}, {5.0, 10.0 * kDegree, 0.19}}};
+  found.plan.step = {{WeightAction::kAdd, {15.0, 37.0 * kDegree, {0.19}}, {}},
+                     {WeightAction::kMove, {5.0, 90.0 * kDegree, {0.16}}, {5.0, 10.0 * kDegree, {0.19}}}};
   found.verdict = {.residual_g = 1.26,
                    .shop_g = 7.0,
                    .permissible_g = 1.0,
@@ -195,6 +195,27 @@ TEST(AdviceLines, SayTheRadiusIfThereIsMoreThanOne) {
   found.radii = 2;
   EXPECT_EQ(advice_lines(driven(), found)[0],
             "  add 15 g at 37° on 190 mm, move 5 g from 10° on 190 mm to 90° on 160 mm");
+}
+
+TEST(AdviceLines, SayHowAWeightHoldsAndOnWhichSide) {
+  Compensation found = two_steps();
+  found.plan.step[0].weight.place = {0.19, WeightKind::kAdhesive, RimPlane::kInner};
+  found.plan.step[1].weight.place = {0.19, WeightKind::kClip, RimPlane::kInner};
+  found.plan.step[1].from.place = {0.19, WeightKind::kClip, RimPlane::kOuter};
+  EXPECT_EQ(
+      advice_lines(driven(), found)[0],
+      "  stick 15 g at 37° in the inner plane, move the 5 g clip from 10° on the outer flange to 90° on the "
+      "inner flange");
+  std::array<Balance, kWheels> balance;
+  std::array<Compensation, kWheels> compensation;
+  compensation[1] = found;
+  const auto steps = compensation_json(balance, compensation)[1]["steps"];
+  EXPECT_EQ(steps[0]["kind"], "adhesive");
+  EXPECT_EQ(steps[0]["plane"], "inner");
+  EXPECT_EQ(steps[1]["kind"], "clip");
+  EXPECT_EQ(steps[1]["from_plane"], "outer");
+  compensation[1] = two_steps();
+  EXPECT_TRUE(compensation_json(balance, compensation)[1]["steps"][0]["kind"].is_null()) << "nobody told it";
 }
 
 TEST(AdviceLines, SayWhenAWheelIsToBeLeftAlone) {

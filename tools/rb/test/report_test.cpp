@@ -34,7 +34,9 @@ DriveReport report() {
     Compensation& compensation = report.found.compensation[w];
     compensation.wheel = balance.wheel;
     compensation.advice = Advice::kSteps;
-    compensation.plan.step = {{WeightAction::kAdd, {35.0, 37 * kDegree, 0.19}, {}}};
+    const WeightPlace place = w == 0 ? WeightPlace{0.19, WeightKind::kClip, RimPlane::kOuter}
+                                     : WeightPlace{0.19, WeightKind::kAdhesive, RimPlane::kInner};
+    compensation.plan.step = {{WeightAction::kAdd, {35.0, 37 * kDegree, place}, {}}};
     compensation.verdict.residual_g = 2.6;
     compensation.verdict.shop_g = 7.0;
   }
@@ -45,12 +47,19 @@ bool says(const std::string& html, const std::string& part) {
   return html.find(part) != std::string::npos;
 }
 
+TEST(Report, DrawsHollowWhatTheWheelHides) {
+  const std::string html = report_html(report());
+  EXPECT_TRUE(says(html, "<circle class=\"new\""));
+  EXPECT_TRUE(says(html, "<circle class=\"new hidden\""));
+  EXPECT_TRUE(says(html, "hollow: behind the wheel, on the side of the car"));
+}
+
 TEST(Report, TellsWeightsAtTheirPlaceOnBothSides) {
   const std::string html = report_html(report());
   // 12 - 217 / 30 and 12 - 37 / 30 on the left, 217 / 30 and 37 / 30 on the right.
-  EXPECT_TRUE(says(html, "Add 35 g at 37° (clock 10:46)."));
+  EXPECT_TRUE(says(html, "Clip 35 g at 37° on the outer flange (clock 10:46)."));
   EXPECT_TRUE(says(html, "Heavy spot at 217° (clock 4:46), 35.0 g ± 1.2 g ± 3°, at 190 mm."));
-  EXPECT_TRUE(says(html, "Add 35 g at 37° (clock 1:14)."));
+  EXPECT_TRUE(says(html, "Stick 35 g at 37° in the inner plane (clock 1:14)."));
   EXPECT_TRUE(says(html, "Heavy spot at 217° (clock 7:14)"));
   // 37 degrees of a turn of 190 mm: 0.6458 * 190 = 122.7 mm.
   EXPECT_TRUE(says(html, ">123 mm ahead of the mark.<"));

@@ -47,6 +47,10 @@ export class HelpView implements View {
                    "says where that is, seen from outside the car: a left wheel turns counter-clockwise, a right one clockwise."]),
       el("p", {}, ["± is one standard deviation; the ellipse holds the unbalance with 95 %. The ring of a wheel is full when ± is " +
                    "as small as [limits] sigma_g in vehicle.toml wants it: that decides, not the time driven."]),
+      el("p", {}, ["A weight marked hollow sits behind the wheel, on the side of the car. Which side takes a weight is the order of " +
+                   "[[wheel.place]] in vehicle.toml: vertical accelerations tell the static unbalance, not the couple of two masses " +
+                   "opposite to one another on both sides of a wheel. List first the place nearest to the middle of the rim, or put " +
+                   "half of the mass on either flange at the same angle: that adds no couple."]),
       el("p", {}, ["A polar plot shows X of x = Re{X e^(jhα)}: x is the acceleration, α the wheel's angle from its zero mark in the " +
                    "direction of rotation, h the order."]),
       el("p", {}, ["What is recorded does not pass through this page: close it whenever you like."])]);

@@ -2,7 +2,8 @@
 import {setAttributes, setText, svg} from "./dom";
 import {weightMass} from "./units";
 import {clockwise, ellipse95, isLeft, place, type Point} from "./wheel_place";
-import {Advice, Unknown, WeightAction, type Balance, type Compensation, type Verification} from "./wire";
+import {Advice, RimPlane, Unknown, WeightAction, type Balance, type Compensation, type Verification} from "./wire";
+import {isHidden} from "./words";
 
 // In units of the drawing.
 const kTyre = 108, kRim = 80, kNumerals = 120, kBand = (kTyre + kRim) / 2;
@@ -44,13 +45,13 @@ function face(wheel: number): SVGElement[] {
     rotationArrow(wheel)];
 }
 
-/** A weight on the rim; of one to take off its outline. */
-function weight(wheel: number, action: WeightAction, angle_rad: number): SVGElement {
+/** A weight on the rim; of one to take off its outline, of one that the wheel hides it is hollow. */
+function weight(wheel: number, action: WeightAction, angle_rad: number, plane: RimPlane): SVGElement {
   const {x, y} = polar(wheel, kRim, angle_rad);
   const turn = clockwise(wheel) * angle_rad * 180 / Math.PI;
   const kind = {[WeightAction.Add]: "new", [WeightAction.Move]: "new", [WeightAction.Keep]: "kept",
                 [WeightAction.Remove]: "off"}[action];
-  return svg("rect", {class: `weight ${kind}`, x: -14, y: -7, width: 28, height: 14, rx: 3,
+  return svg("rect", {class: `weight ${kind}${isHidden(plane) ? " hidden" : ""}`, x: -14, y: -7, width: 28, height: 14, rx: 3,
                       transform: `translate(${x.toFixed(2)} ${y.toFixed(2)}) rotate(${turn.toFixed(1)})`});
 }
 
@@ -91,8 +92,8 @@ export class WheelDrawing {
     for (let k = 0; k < plan.steps; ++k) {
       const action = plan.action[k] as WeightAction;
       if (action === WeightAction.Move)
-        this.weights.append(weight(this.wheel, WeightAction.Remove, plan.from_angle_rad[k] ?? 0));
-      this.weights.append(weight(this.wheel, action, plan.angle_rad[k] ?? 0));
+        this.weights.append(weight(this.wheel, WeightAction.Remove, plan.from_angle_rad[k] ?? 0, (plan.from_plane[k] ?? 0) as RimPlane));
+      this.weights.append(weight(this.wheel, action, plan.angle_rad[k] ?? 0, (plan.plane[k] ?? 0) as RimPlane));
     }
   }
 }

@@ -4,7 +4,7 @@ import {utf8} from "./text";
 import {inUnits, length, mass, moment, speed, weightMass, withUnit} from "./units";
 import {clockPosition, degrees} from "./wheel_place";
 import {
-  Advice, Unknown, VerificationState, VerificationVerdict, WeightAction, WeightPlacement, type Balance, type Compensation,
+  Advice, RimPlane, Unknown, VerificationState, VerificationVerdict, WeightAction, WeightKind, WeightPlacement, type Balance, type Compensation,
   type Identification, type Verification,
 } from "./wire";
 
@@ -60,18 +60,41 @@ export interface Step {
   readonly detail: string;
 }
 
+const kPutting: Readonly<Record<WeightKind, string>> = {
+  [WeightKind.Untold]: "Add", [WeightKind.Clip]: "Clip", [WeightKind.Adhesive]: "Stick",
+};
+const kHeld: Readonly<Record<WeightKind, string>> = {
+  [WeightKind.Untold]: "", [WeightKind.Clip]: " clip", [WeightKind.Adhesive]: " adhesive weight",
+};
+const kSides: Readonly<Record<RimPlane, string>> = {[RimPlane.Untold]: "", [RimPlane.Inner]: "inner", [RimPlane.Outer]: "outer"};
+
+/** " on the outer flange", " in the inner plane (160 mm)", or nothing where nobody told it and there is but one radius. */
+function onPlace(kind: WeightKind, plane: RimPlane, radius: string): string {
+  if (plane === RimPlane.Untold) return radius && ` on ${radius}`;
+  const side = kind === WeightKind.Clip ? ` on the ${kSides[plane]} flange` : ` in the ${kSides[plane]} plane`;
+  return side + (radius && ` (${radius})`);
+}
+
+/** Who stands beside the car sees the drawing's side of the wheel only. */
+export const isHidden = (plane: RimPlane) => plane === RimPlane.Inner;
+
 function step(plan: Compensation, k: number): Step {
-  const angle_rad = plan.angle_rad[k] ?? 0, radius_m = plan.radius_m[k] ?? 0;
-  const at = where(plan.wheel, angle_rad);
-  const rim = plan.radii > 1 ? ` on ${length(radius_m)}` : "";
+  const angle_rad = plan.angle_rad[k] ?? 0, radius_m = plan.radius_m[k] ?? 0, from_m = plan.from_radius_m[k] ?? 0;
+  const kind = (plan.kind[k] ?? 0) as WeightKind, plane = (plan.plane[k] ?? 0) as RimPlane;
+  const from = (plan.from_plane[k] ?? 0) as RimPlane;
+  const radius = (value_m: number) => (plan.radii > 1 ? length(value_m) : "");
+  const place = `${where(plan.wheel, angle_rad)}${onPlace(kind, plane, radius(radius_m))}`;
   const grams = weightMass(plan.mass_g[k] ?? 0);
-  const detail = alongRim(angle_rad, radius_m);
+  const there = kind === WeightKind.Untold ? grams : `the ${grams}${kHeld[kind]}`;
+  const detail = alongRim(angle_rad, radius_m) + (isHidden(plane) ? "; behind the wheel, on the side of the car" : "");
   switch (plan.action[k] as WeightAction) {
-    case WeightAction.Add: return {text: `Add ${grams} at ${at}${rim}`, detail};
-    case WeightAction.Move:
-      return {text: `Move ${grams} from ${where(plan.wheel, plan.from_angle_rad[k] ?? 0)} to ${at}${rim}`, detail: `to ${detail}`};
-    case WeightAction.Remove: return {text: `Remove ${grams} at ${at}${rim}`, detail};
-    case WeightAction.Keep: return {text: `Keep ${grams} at ${at}${rim}`, detail};
+    case WeightAction.Add: return {text: `${kPutting[kind]} ${grams} at ${place}`, detail};
+    case WeightAction.Move: {
+      const old = from === plane && from_m === radius_m ? "" : onPlace(kind, from, radius(from_m));
+      return {text: `Move ${there} from ${where(plan.wheel, plan.from_angle_rad[k] ?? 0)}${old} to ${place}`, detail: `to ${detail}`};
+    }
+    case WeightAction.Remove: return {text: `Remove ${there} at ${place}`, detail};
+    case WeightAction.Keep: return {text: `Keep ${there} at ${place}`, detail};
   }
 }
 

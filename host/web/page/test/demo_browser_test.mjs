@@ -15,7 +15,7 @@ test("rb demo prints where the page is, and the page tells the car's balance bef
   await picture(page, "demo-begins");
 
   await page.waitForFunction(() => document.querySelectorAll(".wheel[data-known=true]").length === 4 &&
-    /Add \d+/.test(document.querySelector("#wheel-1").innerText), null, {timeout: 60_000});
+    /Clip \d+ g at .* on the outer flange/.test(document.querySelector("#wheel-1").innerText), null, {timeout: 60_000});
   await picture(page, "demo-knows");
   // The truth is 35 g at 217 degrees; an early estimate may be a few degrees off.
   const [, degrees] = /Heavy spot at (\d+)°/.exec(await page.locator("#wheel-1").innerText());

@@ -35,7 +35,7 @@ test("the report prints to one A4 page", async () => {
   assert.match(said, /Wheel balance: /);
   assert.match(said, /The recording is complete\. Every CRC is right\./);
   // The truth is 35 g at 217 degrees: the weight belongs at 37, give or take.
-  const [, degrees] = /front left\s+Add 3\d g at (\d+)°/i.exec(said) ?? assert.fail(said);
+  const [, degrees] = /front left\s+Clip 3\d g at (\d+)° on the outer flange/i.exec(said) ?? assert.fail(said);
   assert.ok(Math.abs(degrees - 37) <= 12, `${degrees}°`);
   assert.match(said, /front left\s+before \(first\).*NO BETTER.*were the weights fitted\?/i);
   assert.equal(json.verification[0].placement, "no_effect");
