@@ -68,6 +68,7 @@ enum class NoteKind : std::int32_t {
   kEndContradicts = 16,  ///< the blocks received of a node (a) are not those that its end (block b) sums up
   kMark = 17,            ///< somebody set a mark (its number in this recording); text: what he said
   kAsked = 18,           ///< somebody asked for something (Operation; RefusalReason); text: what became of it
+  kExcerpt = 19,  ///< this recording is made of another one (part of it; factor); text: which, and of what
 };
 
 struct Note {

@@ -48,6 +48,8 @@ std::string what_happened(const Note& note) {
       return "mark " + number(note.a);
     case NoteKind::kAsked:
       return "asked";
+    case NoteKind::kExcerpt:
+      return note.a == 0 ? "made of another recording" : "part " + number(note.a);
     default:
       return "note of kind " + number(static_cast<std::int64_t>(note.kind)) + " (" + number(note.a) + ", " +
              number(note.b) + ")";
@@ -57,7 +59,8 @@ std::string what_happened(const Note& note) {
 }  // namespace
 
 std::string note_text(const Note& note) {
-  return utc_text(note.time_us) + " " + what_happened(note) + (note.text.empty() ? "" : ": " + note.text);
+  const std::string when = note.time_us != 0 ? utc_text(note.time_us) + " " : "";
+  return when + what_happened(note) + (note.text.empty() ? "" : ": " + note.text);
 }
 
 }  // namespace roadbalance

@@ -35,6 +35,8 @@ void add_spectrum(CLI::App& app, int& code);
 void add_report(CLI::App& app, int& code);
 void add_study(CLI::App& app, int& code);
 void add_response(CLI::App& app, int& code);
+void add_select(CLI::App& app, int& code);
+void add_reduce(CLI::App& app, int& code);
 void add_export(CLI::App& app, int& code);
 void add_transfer(CLI::App& app, int& code);
 void add_import(CLI::App& app, int& code);

@@ -29,6 +29,20 @@ TEST(DecimationTaps, PassWhatTheNewRateCarriesAndStopWhatWouldFoldOnIt) {
   }
 }
 
+TEST(ReductionTaps, KeepFourFifthsAndLetNothingFold) {
+  for (const int factor : {2, 3, 5, 16}) {
+    const Eigen::VectorXd taps = reduction_taps(factor);
+    ASSERT_EQ(taps.size(), 2 * kReductionHalf * factor + 1);
+    EXPECT_NEAR(taps.sum(), 1.0, 1e-14);
+    EXPECT_EQ(taps, taps.reverse()) << "linear phase";
+    for (double f = 0.0; f <= kReductionFlatTo; f += 0.001)
+      EXPECT_NEAR(gain(taps, factor, f), 1.0, kReductionRipple) << f;
+    for (double f = 0.5; f <= 0.5 * factor; f += 0.001)
+      EXPECT_LT(std::abs(gain(taps, factor, f)), kReductionRipple) << f;
+  }
+  EXPECT_EQ(reduction_taps(1), Eigen::VectorXd::Ones(1));
+}
+
 TEST(DecimationTaps, DoNothingWhereNothingIsLeftOut) {
   EXPECT_EQ(decimation_taps(1), Eigen::VectorXd::Ones(1));
 }
