@@ -6,10 +6,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <fstream>
-#include <iterator>
+#include <ios>
 #include <sstream>
 #include <system_error>
 #include <thread>
@@ -38,9 +39,19 @@ constexpr int kCannotExecute = 127;
   _exit(kCannotExecute);
 }
 
-std::string read_all(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
+constexpr std::streamoff kLastWords = 65'536;  // bytes
+
+/// From the end if `from` is below 0.
+std::string read(const std::filesystem::path& path, std::streamoff from, std::size_t most) {
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  const std::streamoff size = file.tellg();
+  if (size <= 0) return {};
+  const std::streamoff begin = from < 0 ? std::max<std::streamoff>(0, size + from) : std::min(from, size);
+  std::string text(std::min(most, static_cast<std::size_t>(size - begin)), '\0');
+  file.seekg(begin);
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  return text;
 }
 
 }  // namespace
@@ -113,16 +124,16 @@ std::filesystem::path Child::output_file() const {
   return std::filesystem::path(log_).replace_extension(".out");
 }
 
-std::string Child::output() const {
-  return read_all(output_file());
+std::string Child::output(std::size_t most) const {
+  return read(output_file(), 0, most);
 }
 
-std::string Child::log() const {
-  return read_all(log_);
+std::string Child::log(std::size_t most) const {
+  return read(log_, 0, most);
 }
 
 std::string Child::last_words() const {
-  std::istringstream lines(log());
+  std::istringstream lines(read(log_, -kLastWords, kLastWords));
   std::string line;
   std::string last = "it said nothing";
   while (std::getline(lines, line))

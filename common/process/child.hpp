@@ -2,6 +2,7 @@
 
 #include <sys/types.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -37,10 +38,10 @@ class Child {
 
   const std::string& name() const { return name_; }
   pid_t pid() const { return pid_; }
-  /// All it has written to standard output.
-  std::string output() const;
-  /// All it has written to standard error.
-  std::string log() const;
+  /// All it has written to standard output, or the first `most` bytes of that.
+  std::string output(std::size_t most = std::string::npos) const;
+  /// All it has written to standard error, or the first `most` bytes of that.
+  std::string log(std::size_t most = std::string::npos) const;
   /// The last line of that: why it failed.
   std::string last_words() const;
   /// Once it has ended: "was ended by signal 9", or "ended with code 4: " and its last words.

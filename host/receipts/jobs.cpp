@@ -29,9 +29,15 @@ std::string in_quotes(const std::string& name) {
   return "\"" + name + "\"";
 }
 
-std::string read_file(const std::filesystem::path& path) {
+/// Of what a job has written no more than shows that it is too long.
+constexpr std::size_t kMostRead = kMostDocument + 1;
+
+std::string begin_of(const std::filesystem::path& path) {
+  std::string text(kMostRead, '\0');
   std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  return text;
 }
 
 /// "NAME" or "NAME/BEFORE".
@@ -170,9 +176,9 @@ void Jobs::finish(int code, std::int64_t utc_us) {
   } else if (code == 0 || code == 1 || code == 3) {  // of rb: done; the answer is no; incomplete and declared
     job.state = code == 0 ? JobState::kDone : JobState::kNotWell;
     job.progress = 1;
-    const std::string said = child.output(), warned = child.log();
+    const std::string said = child.output(kMostRead), warned = child.log(kMostRead);
     entry.document =
-        job.document_kind == DocumentKind::kPage ? read_file(running_->page) : shortened(said + warned);
+        job.document_kind == DocumentKind::kPage ? begin_of(running_->page) : shortened(said + warned);
     job.text = warned.empty() ? "" : first_line(warned);
     if (entry.document.size() > kMostDocument) {
       entry.document.clear();

@@ -42,7 +42,7 @@ class JobsTest : public testing::Test {
   }
   /// The newest job, when it has come to this state.
   Job until(JobState state, bool grows = false) {
-    for (int k = 0; k < 2000; ++k) {
+    for (int k = 0; k < 12'000; ++k) {
       jobs.turn(grows, utc_us += 10'000);
       if (newest().state == state) return newest();
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -158,7 +158,7 @@ TEST_F(JobsTest, ADeafProgramIsEndedAfterAWhile) {
   const fs::path deaf = folder.path() / "deaf";
   rb_does("trap '' TERM; touch " + deaf.string() + "; while :; do sleep 0.1; done");
   ask(JobKind::kVerify, "first");
-  for (int k = 0; k < 2000 && !fs::exists(deaf); ++k) {
+  for (int k = 0; k < 12'000 && !fs::exists(deaf); ++k) {
     jobs.turn(false, utc_us += 10'000);
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
@@ -198,7 +198,7 @@ TEST_F(JobsTest, ProgressIsTheShareOfWhatIsReadAlready) {
   // Half of the recording, then it waits: by one program, as the counters are those of one.
   rb_does("exec perl -e 'open(F, \"" + data.string() + "\"); while (sysread(F, $x, 1000000)) {} sleep 60'");
   ask(JobKind::kVerify, "second");
-  for (int k = 0; k < 2000 && newest().progress < 0.5; ++k) {
+  for (int k = 0; k < 12'000 && newest().progress < 0.5; ++k) {
     jobs.turn(false, utc_us += 10'000);
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
@@ -217,6 +217,22 @@ TEST_F(JobsTest, ATextThatIsTooLongIsCutAndSaysSo) {
     EXPECT_GT(document.size(), static_cast<std::size_t>(kMostParts - 1) * kPartBytes);
     EXPECT_TRUE(document.ends_with("rb says all of it in a terminal\n"));
   }
+}
+
+// Read whole, these would take more memory than there is.
+TEST_F(JobsTest, WhatAJobWritesIsReadNoFurtherThanItCanBeShown) {
+  for (const char* const stream : {"STDOUT", "STDERR"}) {
+    rb_does("perl -e 'truncate(" + std::string(stream) + ", 1e12)'");
+    ask(JobKind::kVerify, "first");
+    const Job job = until(JobState::kDone);
+    EXPECT_TRUE(joined(jobs.said(), job.job).ends_with("rb says all of it in a terminal\n")) << stream;
+  }
+  rb_does("perl -e 'truncate(STDERR, 1e12); seek(STDERR, 0, 2); print STDERR \"\\nthe end\"; exit 4'");
+  ask(JobKind::kVerify, "first");
+  EXPECT_EQ(until(JobState::kFailed).text, "ended with code 4: the end");
+  rb_does("perl -e 'open(F, \">\", $ARGV[5]); truncate(F, 1e12)' -- \"$@\"");
+  ask(JobKind::kReport, "second/first");
+  EXPECT_NE(until(JobState::kDone).text.find("too long to be shown"), std::string::npos);
 }
 
 TEST_F(JobsTest, ManyJobsKeepTheNewestAndAllTheirDocumentsAreSaidAgain) {
