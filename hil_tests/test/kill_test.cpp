@@ -59,7 +59,8 @@ TEST_F(Kill, ARecorderKilledAgainAndAgainLosesNothing) {
   Program front = node("front", "rate=20&seconds=10000");
   std::vector<double> first_acks_s;
   int within_a_change = 0;
-  for (int k = 0; k < kills; ++k) {
+  // On a machine that has else to do, one that hits a change may be late in coming.
+  for (int k = 0; k < kills || (within_a_change == 0 && k < 5 * kills); ++k) {
     const std::int64_t older = bus.ack(kFront).incarnation;
     Program killed = recorder(kSmallSegments);
     if (k % 3 == 2) {
@@ -76,7 +77,7 @@ TEST_F(Kill, ARecorderKilledAgainAndAgainLosesNothing) {
   judge_first_acks(first_acks_s);
   Program last = recorder(kSmallSegments);
   ASSERT_TRUE(more_are_durable(kFront, 1));
-  std::printf("%d of %d kills within a change to the next of %zu segments\n", within_a_change, kills,
+  std::printf("%d kills within a change to the next of %zu segments\n", within_a_change,
               segment_numbers(record).size());
   EXPECT_GT(within_a_change, 0);
   end_well(last, {&front});

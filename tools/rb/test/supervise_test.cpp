@@ -10,8 +10,8 @@
 #include <thread>
 #include <vector>
 
-#include "common/test/temporary_directory.hpp"
 #include "common/process/child.hpp"
+#include "common/test/temporary_directory.hpp"
 
 namespace roadbalance {
 namespace {
@@ -54,10 +54,22 @@ class Supervise : public ::testing::Test {
   const test::TemporaryDirectory folder;
 };
 
-// As a program of ours does: one datagram to the supervisor.
-constexpr const char* kFeed =
-    "feed() { python3 -c 'import os,socket; socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)"
-    ".sendto(b\"WATCHDOG=1\\nSTATUS=run '$run'\", os.environ[\"NOTIFY_SOCKET\"])'; }\n";
+// As a program of ours does: datagrams to the supervisor.  The first two runs feed once and hang, the third
+// feeds for longer than the watchdog of two seconds waits, much oftener than it must.
+constexpr const char* kFeedsInItsThirdRun = R"(run=$run exec python3 -c '
+import os, signal, socket, time
+run = int(os.environ["run"])
+def feed():
+    sender.sendto(f"WATCHDOG=1\nSTATUS=run {run}".encode(), os.environ["NOTIFY_SOCKET"])
+sender = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+feed()
+if run < 3:
+    os.kill(os.getpid(), signal.SIGSTOP)
+end = time.monotonic() + 3
+while time.monotonic() < end:
+    time.sleep(0.02)
+    feed()
+')";
 
 TEST_F(Supervise, EndsWithTheCodeOfAProgramThatEndedWell) {
   Child done = supervise({}, "exit 0");
@@ -94,11 +106,7 @@ TEST_F(Supervise, PassesSignalsOnAndEndsWithTheProgram) {
 }
 
 TEST_F(Supervise, KillsAProgramThatHangsAndStartsItAgain) {
-  Child supervisor = supervise({"--watchdog", "1"}, std::string(kFeed) +
-                                                        "feed\n"
-                                                        "if [ $run -lt 3 ]; then kill -STOP $$; fi\n"
-                                                        "for i in 1 2 3 4 5 6; do sleep 0.3; feed; done\n"
-                                                        "exit 0");
+  Child supervisor = supervise({"--watchdog", "2"}, kFeedsInItsThirdRun);
   EXPECT_EQ(code_of(supervisor), 0) << supervisor.log();
   EXPECT_EQ(runs().size(), 3u) << "the third fed its watchdog longer than that waits";
   const std::string log = supervisor.log();
