@@ -16,9 +16,6 @@ constexpr Range kRadius_m{0.02, 2};
 constexpr double kMostSteps = 100.0;  ///< of mass: plans try them all
 constexpr int kMostChoices = 200;     ///< places times masses: plans try all pairs, every second of a drive
 
-const std::vector<std::string> kKinds{"clip", "adhesive"};
-const std::vector<std::string> kPlanes{"inner", "outer"};
-
 double parse_radius(Section& section, const WheelConfig& wheel) {
   const double radius_m = section.number("radius_m", kRadius_m);
   if (radius_m >= wheel.rolling_radius_m) section.fail("radius_m", "must be less than rolling_radius_m");
@@ -26,11 +23,11 @@ double parse_radius(Section& section, const WheelConfig& wheel) {
 }
 
 WeightKind parse_kind(Section& section) {
-  return section.choice("kind", kKinds) == 0 ? WeightKind::kClip : WeightKind::kAdhesive;
+  return section.choice("kind", {"clip", "adhesive"}) == 0 ? WeightKind::kClip : WeightKind::kAdhesive;
 }
 
 RimPlane parse_plane(Section& section) {
-  return section.choice("plane", kPlanes) == 0 ? RimPlane::kInner : RimPlane::kOuter;
+  return section.choice("plane", {"inner", "outer"}) == 0 ? RimPlane::kInner : RimPlane::kOuter;
 }
 
 WeightPlace parse_place(Section& section, const WheelConfig& wheel) {
