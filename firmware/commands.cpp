@@ -22,7 +22,7 @@ void Commands::take(const Command& command, WallTime now) {
   if (command.node != node_ || (command.epoch != 0 && command.epoch != epoch_) ||
       to_send_.size() >= kMostUnsent)
     return;
-  if (command.verb == Verb::kConfigure) return configure(command);
+  if (command.verb == Verb::kConfigure) return configure(command, now);
   const auto known = std::find_if(known_.begin(), known_.end(),
                                   [&](const Reply& reply) { return reply.request == command.request; });
   if (known != known_.end()) {
@@ -62,13 +62,14 @@ CommandError Commands::act(const Command& command, WallTime now) {
 }
 
 // Its answers are not kept here: what is wanted now may be had later, and what was done is known to the epoch
-// after.  Only between recordings: nothing that was sampled may be lost for it.
-void Commands::configure(const Command& command) {
+// after.  Only between recordings: nothing that was sampled may be lost for it.  An owner whose release was
+// lost is not waited for.
+void Commands::configure(const Command& command, WallTime now) {
   auto outcome = vehicle_.outcome(command.request);
   if (!outcome) {
     const bool is_idle =
         link_.state.load(std::memory_order_acquire) == NodeState::kPreview && !link_.start.load();
-    const bool obeys = sender_.owner() == 0 || command.incarnation == sender_.owner();
+    const bool obeys = !sender_.is_led(now) || command.incarnation == sender_.owner();
     if (!obeys)
       outcome = {CommandError::kNotOwner, "the node obeys another recorder"};
     else if (!is_idle)

@@ -27,7 +27,7 @@ class Commands {
   bool waiting() const { return stop_request_.has_value(); }
 
  private:
-  void configure(const Command& command);
+  void configure(const Command& command, WallTime now);
   void answer(const Command& command, CommandError result, std::int64_t sequence);
   CommandError act(const Command& command, WallTime now);
   bool ended() const;

@@ -26,9 +26,8 @@ Sender::Sender(Backlog& backlog, std::int32_t node, std::int64_t epoch, Options 
 
 bool Sender::claim(std::int64_t incarnation, WallTime now) {
   if (incarnation != owner_) {
-    const bool lease_lives = owner_ != 0 && now - owner_heard_ <= options_.lease;
     const bool stale = incarnation < highest_owner_ && !planted(PlantedFault::kStaleRecorder);
-    if (lease_lives || stale) return false;
+    if (is_led(now) || stale) return false;
     if (incarnation != highest_owner_) {
       ack_number_ = 0;
       new_owner_ = true;

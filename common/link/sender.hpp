@@ -26,8 +26,8 @@ class Sender {
   struct Options {
     std::chrono::milliseconds repeat_after{10};
     std::chrono::milliseconds lease{700};  ///< an owner not heard for so long may be replaced
-    double blocks_per_s = 20'000;           ///< token bucket over all transmissions ...
-    double burst_blocks = 64;               ///< ... and its size: what a small receive buffer holds
+    double blocks_per_s = 20'000;          ///< token bucket over all transmissions ...
+    double burst_blocks = 64;              ///< ... and its size: what a small receive buffer holds
   };
 
   Sender(Backlog& backlog, std::int32_t node, std::int64_t epoch) : Sender(backlog, node, epoch, Options{}) {}
@@ -38,6 +38,8 @@ class Sender {
   bool claim(std::int64_t incarnation, WallTime now);
   /// The owner gives the node back.  False if it is not the owner.
   bool release(std::int64_t incarnation);
+  /// There is an owner, and it has been heard within its lease: nobody else leads the node.
+  bool is_led(WallTime now) const { return owner_ != 0 && now - owner_heard_ <= options_.lease; }
   /// Incarnation obeyed; 0: none.
   std::int64_t owner() const { return owner_; }
   /// The highest incarnation ever obeyed; 0: none.

@@ -59,6 +59,24 @@ TEST_F(NodeCommands, ARefusedClaimIsToldTheHighestIncarnationObeyed) {
   EXPECT_EQ(say(Verb::kClaim, 5, 91)->result, CommandError::kNone);
 }
 
+// A recorder says once that it gives a node back, and the network may lose that.
+TEST_F(NodeCommands, AnIdleNodeIsSetUpWhenItsOwnerIsSilentAndNotBefore) {
+  const auto configure = [&](std::int64_t request) {
+    commands.take({.node = kNode,
+                   .request = request,
+                   .incarnation = kOwner + 1,
+                   .verb = Verb::kConfigure,
+                   .vehicle_crc32c = vehicle.in_force()},
+                  now);
+    return commands.next_reply()->result;
+  };
+  say(Verb::kClaim, 1);
+  now += std::chrono::milliseconds(700);
+  EXPECT_EQ(configure(2), CommandError::kNotOwner) << "the lease lives";
+  now += std::chrono::milliseconds(1);
+  EXPECT_EQ(configure(2), CommandError::kNone);
+}
+
 TEST_F(NodeCommands, ARepeatedRequestActsOnceAndGetsTheSameReply) {
   say(Verb::kClaim, 1);
   EXPECT_EQ(say(Verb::kRelease, 2)->result, CommandError::kNone);

@@ -67,7 +67,7 @@ bool Desk::answer_again(const Request& request, std::int64_t utc_us) {
     if (const auto mark = std::ranges::find(recording->mark, key, &Mark::asked);
         mark != recording->mark.end()) {
       say(answer_about(*mark, utc_us));
-      if (mark->number <= recording->durable_marks) runs(0, recording->durable_marks, utc_us);
+      if (mark->number <= recording->durable_marks) runs(false, recording->durable_marks, utc_us);
       return true;
     }
   }
@@ -86,11 +86,22 @@ bool Desk::store(DeskBook book) {
   try {
     hands_.store(book);
     book_ = std::move(book);
+    is_written_ = true;
     return true;
   } catch (const std::system_error& error) {
     store_fault_ = error.what();
+    is_written_ = false;  // either may be on the disk
     return false;
   }
+}
+
+// What has happened cannot wait for a disk.
+void Desk::keep(DeskBook book) {
+  if (!store(book)) book_ = std::move(book);
+}
+
+void Desk::write_again() {
+  if (!is_written_) (void)store(book_);
 }
 
 void Desk::start(const Request& request, std::int64_t utc_us, int nodes) {
@@ -117,6 +128,7 @@ void Desk::start(const Request& request, std::int64_t utc_us, int nodes) {
   DeskBook book = book_;
   book.under_way = UnderWay{.name = name, .began_us = utc_us, .start = key_of(request)};
   if (!store(std::move(book))) return refuse(request, RefusalReason::kDisk, store_fault_, utc_us);
+  began_here_ = true;
   again();
   note_asked(request, RefusalReason::kNone, "start \"" + name + "\"");
   Answer answer = answer_to(request, utc_us);
@@ -157,7 +169,7 @@ void Desk::stop(const Request& request, std::int64_t utc_us) {
   DeskBook book = book_;
   book.under_way->stop = key_of(request);
   // A book that cannot be written now must not keep a recording from its end.
-  if (!store(book)) book_ = std::move(book);
+  keep(std::move(book));
   Answer answer = answer_to(request, utc_us);
   answer.text = "waits for the nodes' last samples";
   say(answer);
@@ -176,7 +188,7 @@ void Desk::mark(const Request& request, std::int64_t utc_us) {
   const Mark mark{.number = ++recording.marks, .asked = key_of(request), .text = request.text};
   recording.mark.push_back(mark);
   if (recording.mark.size() > kMarksRemembered) recording.mark.pop_front();
-  if (!store(book)) book_ = std::move(book);
+  keep(std::move(book));
   note(mark);
   say(answer_about(mark, utc_us));
 }
@@ -200,7 +212,7 @@ void Desk::was_set_up(const Answer& answer) {
     book.set_up->state = answer.state;
     book.set_up->reason = answer.reason;
     book.set_up->text = answer.text;
-    if (!store(book)) book_ = std::move(book);
+    keep(std::move(book));
   }
   say(answer);
 }

@@ -42,10 +42,14 @@ class Desk {
   /// The program ends: so does a recording.
   void end();
 
-  /// The recorder runs: samples of so many nodes, and marks through this number, are on the disk.
-  void runs(int recorded_nodes, std::int32_t durable_marks, std::int64_t utc_us);
+  /// The recorder runs.
+  /// @param has_samples    samples of a node are on the disk
+  /// @param durable_marks  so are marks through this number
+  void runs(bool has_samples, std::int32_t durable_marks, std::int64_t utc_us);
   /// It has come to its end as told, with these receipts; nodes that were cut off hold the rest of it.
   void ended(std::vector<Receipt> receipts, std::vector<Rest> rests, std::int64_t utc_us);
+  /// Nodes hold these, too, of a recording that is over: nobody knew so far.
+  void owe(const std::vector<Rest>& rests);
   /// Nothing of these is to be fetched any more.
   /// @param complete  the receipts of their recording as they are now, made of those before
   void settled(const std::vector<Rest>& rests,
@@ -54,6 +58,9 @@ class Desk {
   void failed(const std::string& why, bool has_run, std::int64_t utc_us);
   /// Begins it again.
   void again();
+  /// Once more what the disk would not take, if there is something: to be called about once a second.  Until
+  /// then a recorder that is killed leaves an older book.
+  void write_again();
   /// What became of something passed to Hands::set_up.
   void was_set_up(const Answer& answer);
 
@@ -63,6 +70,7 @@ class Desk {
   const std::optional<UnderWay>& under_way() const { return book_.under_way; }
   const std::optional<Finished>& finished() const { return book_.finished; }
   const std::vector<Rest>& rests() const { return book_.rest; }
+  const std::vector<Over>& over() const { return book_.over; }
   bool is_stopping() const { return book_.under_way && (book_.under_way->stop || ends_); }
   /// Why no recording runs that should; empty: it does, or none should.
   const std::string& fault() const { return fault_; }
@@ -75,14 +83,17 @@ class Desk {
   void note(const Mark& mark);
   bool answer_again(const Request& request, std::int64_t utc_us);
   bool store(DeskBook book);
+  void keep(DeskBook book);
   void note_asked(const Request& request, RefusalReason reason, const std::string& what);
   void refuse(const Request& request, RefusalReason reason, std::string why, std::int64_t utc_us);
   void say(Answer answer);
 
   const Hands hands_;
   DeskBook book_;
+  bool is_written_ = true;  // so the disk has it
   bool ends_ = false;
-  bool runs_ = false;  // samples have been recorded since it was begun
+  bool began_here_ = false;  // the recording under way: it was not taken over
+  bool runs_ = false;        // samples have been recorded since it was begun
   std::string fault_;
   std::string store_fault_;
   int refusals_noted_ = 0;

@@ -80,6 +80,18 @@ Rest rest_of(const Json& json) {
   return rest;
 }
 
+Json to_json(const Over& over) {
+  return {over.recording, over.first_incarnation, over.last_incarnation};
+}
+
+Over over_of(const Json& json) {
+  Over over{.recording = json.at(0).get<std::string>(),
+            .first_incarnation = json.at(1).get<std::int64_t>(),
+            .last_incarnation = json.at(2).get<std::int64_t>()};
+  if (!fault_of_name(over.recording).empty()) throw std::runtime_error("no name of a recording");
+  return over;
+}
+
 Json to_json(const AskedSetUp& set_up) {
   return {{"asked", to_json(set_up.asked)},
           {"operation", static_cast<int>(set_up.operation)},
@@ -126,6 +138,7 @@ DeskBook read_desk_book(const std::filesystem::path& recordings, Disk& disk) {
     if (json.contains("finished")) book.finished = finished_of(json.at("finished"));
     if (json.contains("set_up")) book.set_up = set_up_of(json.at("set_up"));
     for (const Json& rest : json.value("rest", Json::array())) book.rest.push_back(rest_of(rest));
+    for (const Json& over : json.value("over", Json::array())) book.over.push_back(over_of(over));
     return book;
   } catch (const std::exception& error) {
     throw std::runtime_error(file.string() + ": cannot be read (" + error.what() +
@@ -139,6 +152,7 @@ void write_desk_book(const std::filesystem::path& recordings, const DeskBook& bo
   if (book.finished) json["finished"] = to_json(*book.finished);
   if (book.set_up) json["set_up"] = to_json(*book.set_up);
   for (const Rest& rest : book.rest) json["rest"].push_back(to_json(rest));
+  for (const Over& over : book.over) json["over"].push_back(to_json(over));
   write_atomically(recordings / kDeskBookFile, json.dump() + "\n", disk);
 }
 

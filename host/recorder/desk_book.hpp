@@ -46,6 +46,14 @@ struct Rest {
   bool operator==(const Rest&) const = default;
 };
 
+/// A recording that is over, by the incarnations that its recorders may have had: by these a node tells whose
+/// its epoch is.
+struct Over {
+  std::string recording;  ///< of its folder
+  std::int64_t first_incarnation = 0, last_incarnation = 0;
+  bool operator==(const Over&) const = default;
+};
+
 /// Set-up that somebody asked for last.
 struct AskedSetUp {
   RequestKey asked{};
@@ -73,6 +81,7 @@ struct DeskBook {
   std::optional<UnderWay> under_way{};
   std::optional<Finished> finished{};
   std::vector<Rest> rest{};  ///< to be fetched when its node is back; the latest kMostRests
+  std::vector<Over> over{};  ///< the latest kMostOver
   std::optional<AskedSetUp> set_up{};
 };
 
@@ -81,6 +90,7 @@ inline constexpr const char* kDeskBookFile = "recorder.json";
 inline constexpr const char* kVehicleFile = "vehicle";
 inline constexpr std::size_t kMarksRemembered = 32;
 inline constexpr std::size_t kMostRests = 256;
+inline constexpr std::size_t kMostOver = 64;
 
 /// As long as it lives no other recorder gets it: two would answer every request, and write one book.
 /// @throws std::runtime_error naming the folder if another has it; std::system_error

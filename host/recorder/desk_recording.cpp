@@ -6,12 +6,22 @@
 
 namespace roadbalance {
 
+namespace {
+
+void add(const std::vector<Rest>& rests, DeskBook& book) {
+  book.rest.insert(book.rest.end(), rests.begin(), rests.end());
+  if (book.rest.size() > kMostRests)
+    book.rest.erase(book.rest.begin(), book.rest.end() - static_cast<std::ptrdiff_t>(kMostRests));
+}
+
+}  // namespace
+
 // What the recording under way comes to: the desk's other half is what is asked of it.
 
-void Desk::runs(int recorded_nodes, std::int32_t durable_marks, std::int64_t utc_us) {
+void Desk::runs(bool has_samples, std::int32_t durable_marks, std::int64_t utc_us) {
   fault_.clear();
   if (!book_.under_way) return;
-  if (recorded_nodes > 0 && !std::exchange(runs_, true) && was_asked(book_.under_way->start))
+  if (has_samples && !std::exchange(runs_, true) && was_asked(book_.under_way->start))
     say(done(book_.under_way->start, Operation::kStart, "\"" + book_.under_way->name + "\" is being recorded",
              utc_us));
   if (durable_marks > book_.under_way->durable_marks) {
@@ -35,13 +45,14 @@ void Desk::ended(std::vector<Receipt> receipts, std::vector<Rest> rests, std::in
   const UnderWay recording = *book_.under_way;
   const RequestKey stop = recording.stop.value_or(RequestKey{});
   const std::string missing = nodes_without_end(receipts);
+  const std::int64_t incarnation = receipts.empty() ? 0 : receipts.front().incarnation;
   DeskBook book = book_;
   book.under_way.reset();
   book.finished = Finished{.start = recording.start, .stop = stop, .receipt = std::move(receipts)};
-  book.rest.insert(book.rest.end(), rests.begin(), rests.end());
-  if (book.rest.size() > kMostRests)
-    book.rest.erase(book.rest.begin(), book.rest.end() - static_cast<std::ptrdiff_t>(kMostRests));
-  if (!store(book)) book_ = std::move(book);
+  add(rests, book);
+  book.over.push_back({recording.name, recording.began_us / 1000, incarnation});
+  if (book.over.size() > kMostOver) book.over.erase(book.over.begin());
+  keep(std::move(book));
   fault_.clear();
   if (!std::exchange(runs_, true) && was_asked(recording.start))
     say(done(recording.start, Operation::kStart, "\"" + recording.name + "\" has ended", utc_us));
@@ -58,6 +69,13 @@ void Desk::ended(std::vector<Receipt> receipts, std::vector<Rest> rests, std::in
   }
 }
 
+void Desk::owe(const std::vector<Rest>& rests) {
+  if (rests.empty()) return;
+  DeskBook book = book_;
+  add(rests, book);
+  keep(std::move(book));
+}
+
 void Desk::settled(const std::vector<Rest>& rests,
                    const std::function<std::vector<Receipt>(const std::vector<Receipt>&)>& complete) {
   if (rests.empty()) return;
@@ -66,20 +84,17 @@ void Desk::settled(const std::vector<Rest>& rests,
   if (auto& finished = book.finished;
       finished && !finished->receipt.empty() && finished->receipt.front().name == rests.front().recording)
     finished->receipt = complete(finished->receipt);
-  if (!store(book)) book_ = std::move(book);
+  keep(std::move(book));
 }
 
 void Desk::failed(const std::string& why, bool has_run, std::int64_t utc_us) {
   fault_ = why;
-  if (!book_.under_way || has_run || runs_ || !was_asked(book_.under_way->start)) return;
+  // One that a recorder before us began may hold samples.
+  if (!book_.under_way || has_run || runs_ || !began_here_ || !was_asked(book_.under_way->start)) return;
   const RequestKey start = book_.under_way->start;
-  const auto asked = std::ranges::find_if(known_, [&](const Answer& answer) {
-    return answer.asker == start.asker && answer.request == start.request;
-  });
-  if (asked == known_.end()) return;  // by a recorder before us: it may hold samples
   DeskBook book = book_;
   book.under_way.reset();
-  if (!store(book)) book_ = std::move(book);
+  keep(std::move(book));
   fault_.clear();
   Answer answer = done(start, Operation::kStart, why, utc_us);
   answer.state = AnswerState::kRefused;

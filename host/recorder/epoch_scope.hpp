@@ -9,7 +9,8 @@ namespace roadbalance {
 /// Which node epochs belong to a recording.  By default: every one heard, and what is silent for long in the
 /// end has died.
 struct EpochScope {
-  /// Nothing but these: the rest of a recording that is over.  Empty: every epoch.
+  /// Nothing but these: the rest of a recording that is over.  They end, even if their start never came: the
+  /// node's next epoch is free for the next recording.  Empty: every epoch.
   std::vector<NodeEpoch> only{};
   /// Never these: their rest belongs to recordings before.
   std::vector<NodeEpoch> not_these{};

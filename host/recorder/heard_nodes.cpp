@@ -15,7 +15,7 @@ void HeardNodes::take(std::span<const std::uint8_t> bytes, WallTime now) {
   const auto beat = decode_heartbeat(bytes);
   if (!beat || (!ours_.empty() && std::ranges::find(ours_, beat->node) == ours_.end())) return;
   if (heard_.size() >= kMostNodes && !heard_.contains(beat->node)) return;
-  if (beat->is_over())
+  if (beat->is_over() && beat->base == beat->next)  // its last word
     heard_.erase(beat->node);
   else
     heard_[beat->node] = {now, beat->vehicle_crc32c};

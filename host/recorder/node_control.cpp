@@ -13,8 +13,8 @@ constexpr std::int64_t kHighestObeyed = kIndexLimit - (1 << 20);
 constexpr Verb kNothing = Verb::kRelease;  // released only by farewell()
 }  // namespace
 
-NodeControl::NodeControl(std::int64_t incarnation, bool start, std::uint64_t seed)
-    : incarnation_(incarnation), start_(start), random_(seed) {}
+NodeControl::NodeControl(std::int64_t incarnation, bool start, std::uint64_t seed, bool ends_previews)
+    : incarnation_(incarnation), start_(start), ends_previews_(ends_previews), random_(seed) {}
 
 void NodeControl::take(const Heartbeat& heartbeat) {
   const Key key{heartbeat.node, heartbeat.epoch};
@@ -27,7 +27,7 @@ void NodeControl::take(const Heartbeat& heartbeat) {
   node.state = heartbeat.state;
   node.owned = heartbeat.owner == incarnation_;
   node.obeyed = node.obeyed || node.owned;
-  node.started = node.started || heartbeat.state != NodeState::kPreview;
+  node.started = node.started || ends_previews_ || heartbeat.state != NodeState::kPreview;
   note_obeyed(heartbeat.owner);
 }
 

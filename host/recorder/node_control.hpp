@@ -20,7 +20,9 @@ namespace roadbalance {
 /// one silent for longest is forgotten.
 class NodeControl {
  public:
-  NodeControl(std::int64_t incarnation, bool start, std::uint64_t seed);
+  /// @param start          each node epoch in preview, or leave it there
+  /// @param ends_previews  stop those in preview, too: they will never be started
+  NodeControl(std::int64_t incarnation, bool start, std::uint64_t seed, bool ends_previews = false);
 
   void take(const Heartbeat& heartbeat);
   void take(const Reply& reply);
@@ -54,8 +56,8 @@ class NodeControl {
   struct Node {
     NodeState state = NodeState::kPreview;
     bool owned = false;
-    bool obeyed = false;         // was owned at some time
-    bool started = false;        // measures or has measured, or a start is under way to it
+    bool obeyed = false;   // was owned at some time
+    bool started = false;  // measures or has measured, a start is under way to it, or it is to end unstarted
     Verb verb = Verb::kRelease;  // of the request below; release: none
     std::int64_t request = 0;
     WallTime sent_at{};
@@ -72,6 +74,7 @@ class NodeControl {
 
   std::int64_t incarnation_;
   const bool start_;
+  const bool ends_previews_;
   bool stopping_ = false;
   std::int64_t obeyed_higher_ = 0;
   std::mt19937_64 random_;

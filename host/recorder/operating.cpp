@@ -18,6 +18,7 @@ namespace {
 using std::chrono::milliseconds;
 constexpr milliseconds kAgain{1000};
 constexpr milliseconds kSettling{1000};
+constexpr milliseconds kIdle{2000};
 
 // An epoch whose rest was fetched later has been told before: what is newer counts.
 void append(RecorderReport& all, const RecorderReport& one) {
@@ -102,6 +103,10 @@ bool Operating::turn(bool told_to_stop, Time time, const Publish& publish) {
     desk_.end();
   }
   look_after_recording();
+  if (time_.now - written_again_at_ >= kAgain) {
+    written_again_at_ = time_.now;
+    desk_.write_again();
+  }
   if (!ends_) look_after_rests();
   if (set_up_)
     if (const auto answer = set_up_->turn(publish, time.utc_us, time.now)) desk_.was_set_up(*answer);
@@ -176,7 +181,8 @@ void Operating::look_after_recording() {
       view.report.node, [](const NodeReport& node) { return node.samples_recorded > 0; }));
   if (view.status) {
     incarnation_ = view.status->incarnation;
-    if (!view.is_over) desk_.runs(nodes_recorded_, view.status->marks, time_.utc_us);
+    const bool has_samples = std::ranges::any_of(view.report.node, &NodeReport::has_durable_samples);
+    if (!view.is_over) desk_.runs(has_samples, view.status->marks, time_.utc_us);
   }
   if (!view.is_over) return tell_who_differs();
   session_.reset();
@@ -215,6 +221,7 @@ std::unique_ptr<Session> Operating::begin_rest(const std::string& recording, Epo
 }
 
 void Operating::look_after_rests() {
+  owe_unknown_rests();
   if (desk_.rests().empty()) return;
   if (rests_.under_way().empty()) forget_rests_without_folder();
   const auto outcome = rests_.turn(desk_.rests(), time_.now);
@@ -232,6 +239,11 @@ void Operating::look_after_rests() {
          " is lost, and the recording says so");
   else if (!outcome->settled.empty())
     warn("the rest of " + name + " is on the disk (" + nodes_of(outcome->settled) + ")");
+}
+
+void Operating::owe_unknown_rests() {
+  if (session_ || desk_.under_way()) idle_since_ = time_.now;
+  if (time_.now - idle_since_ >= kIdle) desk_.owe(rests_.unknown(desk_.over(), desk_.rests(), time_.now));
 }
 
 // Somebody has moved the recording away: what a node holds of it has no place any more.

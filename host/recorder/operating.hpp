@@ -49,6 +49,10 @@ class Operating {
 
   /// The epochs of all recordings.
   RecorderReport report() const { return report_; }
+  /// Something is being recorded or set up, or is to be fetched.
+  bool has_work() const {
+    return session_ || is_set_up_under_way() || desk_.under_way() || !desk_.rests().empty();
+  }
 
  private:
   DeskBook with_vehicle(DeskBook book);
@@ -61,6 +65,7 @@ class Operating {
   std::unique_ptr<Session> begin_rest(const std::string& recording, EpochScope scope);
   void look_after_recording();
   void look_after_rests();
+  void owe_unknown_rests();
   void forget_rests_without_folder();
   void finish(const RecorderReport& report);
   std::string who_differs() const;
@@ -90,6 +95,8 @@ class Operating {
   std::int64_t incarnation_ = 0;
   bool ends_ = false;
   WallTime failed_at_{};
+  WallTime written_again_at_{};
+  WallTime idle_since_{time_.now};
   WallTime status_at_{};
   WallTime receipts_at_{};
   Desk desk_;  // last: it may have its hands do something at once

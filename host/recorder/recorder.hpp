@@ -25,11 +25,16 @@ struct NodeReport {
   std::int64_t gaps = 0;              ///< declared, by the node or here
   std::int64_t repaired = 0;          ///< blocks the node had to send again
   std::int64_t blocks = 0;            ///< recorded, gaps included
-  bool ended = false;                 ///< the end of the epoch is recorded
-  bool started = false;               ///< in this run: it measures or has measured, or may have begun to
-  double overload_s = 0;              ///< in this run: in blocks with a channel that left its range
-  std::uint32_t blocks_crc32c = 0;    ///< as the end says
-  bool sums_agree = false;            ///< the end is recorded and sums up exactly the blocks that are
+  bool ended = false;                 ///< the end of the epoch is recorded, or its crash
+  bool crashed = false;               ///< its crash is
+  std::int64_t first_scan_block =
+      0;  ///< sequence of a block with samples, the first recorded in this run; 0: none
+  bool has_durable_samples = false;  ///< some of its samples are on the disk
+  bool started = false;              ///< in this run: it measures or has measured, or may have begun to
+  bool holds_blocks = false;         ///< in this run: its last heartbeat said so
+  double overload_s = 0;             ///< in this run: in blocks with a channel that left its range
+  std::uint32_t blocks_crc32c = 0;   ///< as the end says
+  bool sums_agree = false;           ///< the end is recorded and sums up exactly the blocks that are
 };
 
 /// Something to be put into the record at once.

@@ -24,7 +24,7 @@ RecorderLink::RecorderLink(RecorderLinkOptions options, std::int64_t incarnation
                            const RecordState& recovered)
     : options_(std::move(options)),
       receiver_(incarnation),
-      control_(incarnation, options_.start, options_.seed),
+      control_(incarnation, options_.start, options_.seed, !options_.scope.only.empty()),
       tally_(recovered) {
   for (const auto& [key, epoch] : recovered.epoch) receiver_.recover(key.first, key.second, epoch.position);
 }
@@ -132,7 +132,13 @@ void RecorderLink::set_incarnation(std::int64_t incarnation) {
 
 RecorderReport RecorderLink::report() const {
   RecorderReport report = tally_.report();
-  for (NodeReport& node : report.node) node.started = control_.was_started(node.node, node.epoch);
+  for (NodeReport& node : report.node) {
+    node.started = control_.was_started(node.node, node.epoch);
+    if (const auto* epoch = receiver_.find(node.node, node.epoch); epoch && node.first_scan_block > 0)
+      node.has_durable_samples = node.has_durable_samples || epoch->durable() >= node.first_scan_block;
+    const auto heard = heard_.find({node.node, node.epoch});
+    node.holds_blocks = heard != heard_.end() && heard->second.holds_blocks;
+  }
   report.blocks_refused = refused_;
   for (const std::int64_t count : receiver_.refused()) report.blocks_refused += count;
   report.rival_heartbeats = receiver_.rival_heartbeats();

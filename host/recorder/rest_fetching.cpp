@@ -13,17 +13,35 @@ constexpr milliseconds kAgain{5000};
 constexpr std::size_t kMostHeard = 4 * kMostNodes;  // whatever the bus brings
 
 bool holds_something(const NodeReport& epoch) {
-  return !epoch.ended && (epoch.blocks > 0 || epoch.samples_sent > 0 || epoch.started);
+  // Its end may be on the disk, and it has not heard so: it keeps its last blocks until then.
+  if (epoch.ended) return epoch.holds_blocks;
+  return epoch.blocks > 0 || epoch.samples_sent > 0 || epoch.started;
+}
+
+// Nothing was heard of the node since a recorder before wrote the epoch's end.
+bool may_hold_its_end(const NodeReport& earlier, const std::vector<NodeReport>& heard) {
+  return earlier.ended && !earlier.crashed &&
+         std::ranges::find(heard, earlier.node, &NodeReport::node) == heard.end();
+}
+
+const NodeReport* find(const std::vector<NodeReport>& epochs, const NodeEpoch& key) {
+  const auto found = std::ranges::find_if(epochs, [&](const NodeReport& epoch) {
+    return NodeEpoch{epoch.node, epoch.epoch} == key;
+  });
+  return found == epochs.end() ? nullptr : &*found;
 }
 
 }  // namespace
 
 std::vector<Rest> rests_of(const RecorderReport& report, const std::string& recording) {
   std::vector<Rest> rests;
-  for (const auto* epochs : {&report.earlier, &report.node})
-    for (const NodeReport& epoch : *epochs)
-      if (holds_something(epoch))
-        rests.push_back({.recording = recording, .node = epoch.node, .epoch = epoch.epoch});
+  const auto owe = [&](const NodeReport& epoch) {
+    rests.push_back({.recording = recording, .node = epoch.node, .epoch = epoch.epoch});
+  };
+  for (const NodeReport& epoch : report.earlier)
+    if (holds_something(epoch) || may_hold_its_end(epoch, report.node)) owe(epoch);
+  for (const NodeReport& epoch : report.node)
+    if (holds_something(epoch)) owe(epoch);
   return rests;
 }
 
@@ -33,6 +51,26 @@ void RestFetching::take(const Heartbeat& heartbeat, WallTime now) {
   if (heard_.size() >= kMostHeard && !heard_.contains(key)) return;
   Heard& heard = heard_.try_emplace(key, Heard{.first = now}).first->second;
   heard.last = now;
+  heard.owner = heartbeat.owner;
+  heard.holds_samples =
+      heartbeat.state == NodeState::kStarted || (heartbeat.is_over() && heartbeat.base < heartbeat.next);
+}
+
+std::vector<Rest> RestFetching::unknown(const std::vector<Over>& over, const std::vector<Rest>& rests,
+                                        WallTime now) const {
+  std::vector<Rest> unknown;
+  for (const auto& [key, heard] : heard_) {
+    if (!heard.holds_samples || heard.is_settled) continue;
+    // A heartbeat may be late: one of a node that has ended meanwhile.
+    if (heard.last - heard.first < kHeard || now - heard.last > kHeard) continue;
+    const auto of = std::ranges::find_if(over.rbegin(), over.rend(), [&](const Over& one) {
+      return one.first_incarnation <= heard.owner && heard.owner <= one.last_incarnation;
+    });
+    const auto is_it = [&](const Rest& rest) { return NodeEpoch{rest.node, rest.epoch} == key; };
+    if (of != over.rend() && std::ranges::none_of(rests, is_it))
+      unknown.push_back({.recording = of->recording, .node = key.first, .epoch = key.second});
+  }
+  return unknown;
 }
 
 bool RestFetching::is_heard(const Rest& rest, WallTime now) const {
@@ -56,6 +94,9 @@ std::optional<RestFetching::Outcome> RestFetching::turn(const std::vector<Rest>&
   const Session::View view = session_->view();
   if (!view.is_over) return std::nullopt;
   Outcome outcome = end(view.report, view.error);
+  for (const Rest& rest : outcome.settled)
+    if (const auto heard = heard_.find({rest.node, rest.epoch}); heard != heard_.end())
+      heard->second.is_settled = true;
   leave();
   tried_at_[outcome.recording] = now;
   return outcome;
@@ -100,16 +141,14 @@ RestFetching::Outcome RestFetching::end(const RecorderReport& report, const std:
   if (!error.empty()) return outcome;
   for (const auto& key : scope_.only) {
     const Rest rest{.recording = recording_, .node = key.first, .epoch = key.second};
-    const auto is_it = [&](const NodeReport& epoch) { return NodeEpoch{epoch.node, epoch.epoch} == key; };
-    const auto heard = std::ranges::find_if(report.node, is_it);
-    const auto before = std::ranges::find_if(report.earlier, is_it);
-    const bool is_empty = heard != report.node.end() && !holds_something(*heard);
-    const bool ended = before != report.earlier.end() && before->ended;
+    const NodeReport* const heard = find(report.node, key);
+    const NodeReport* const known = heard ? heard : find(report.earlier, key);
+    // That its end is on the disk is not enough: a node that was not heard may not know so.
+    const bool has_let_go = heard && !holds_something(*heard);
+    const bool crashed = known && known->crashed;  // nothing of it is taken any more
     const bool given_up = std::ranges::find(scope_.given_up, key) != scope_.given_up.end();
-    if (ended || is_empty || given_up || (heard != report.node.end() && heard->ended))
-      outcome.settled.push_back(rest);
-    // By then the declared crash is its end, too.
-    if (given_up && !(ended && before->sums_agree)) outcome.lost.push_back(rest);
+    if (has_let_go || crashed || given_up) outcome.settled.push_back(rest);
+    if (given_up && !(known && known->ended && !crashed)) outcome.lost.push_back(rest);
   }
   return outcome;
 }

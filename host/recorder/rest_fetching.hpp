@@ -31,6 +31,11 @@ class RestFetching {
 
   void take(const Heartbeat& heartbeat, WallTime now);
 
+  /// What nodes hold of recordings that are over, and nobody knows of: a recorder was killed after it had
+  /// started them, and until the end they were cut off.  For a time in which nothing is recorded.
+  std::vector<Rest> unknown(const std::vector<Over>& over, const std::vector<Rest>& rests,
+                            WallTime now) const;
+
   /// A session is over.
   struct Outcome {
     std::string recording;
@@ -50,6 +55,9 @@ class RestFetching {
  private:
   struct Heard {
     WallTime first{}, last{};
+    std::int64_t owner = 0;
+    bool holds_samples = false;
+    bool is_settled = false;
   };
   bool is_heard(const Rest& rest, WallTime now) const;
   bool is_lost(const Rest& rest, WallTime now) const;

@@ -30,6 +30,8 @@ Tally::Tally(const RecordState& recovered) : sums_(recovered) {
                     .gaps = epoch.gaps,
                     .blocks = epoch.blocks,
                     .ended = epoch.position.ended,
+                    .crashed = epoch.position.crashed,
+                    .has_durable_samples = epoch.samples > 0,
                     .blocks_crc32c = epoch.sum.value_or(0),
                     .sums_agree = epoch.position.ended && epoch.sum.has_value()};
   }
@@ -59,7 +61,8 @@ void Tally::take(const Delivery& delivery) {
     NodeReport& report = of(gap->header.node, gap->header.epoch);
     ++report.gaps;
     ++report.blocks;
-    report.ended = report.ended || gap->cause == GapCause::kNodeCrash;
+    report.crashed = report.crashed || gap->cause == GapCause::kNodeCrash;
+    report.ended = report.ended || report.crashed;
     return;
   }
   const auto& block = std::get<SealedBlock>(delivery);
@@ -68,6 +71,7 @@ void Tally::take(const Delivery& delivery) {
   if (block.kind == BlockKind::kGap) ++report.gaps;
   if (block.kind == BlockKind::kScan) {
     report.samples_recorded += block.header.scans;
+    if (report.first_scan_block == 0) report.first_scan_block = block.header.sequence;
     if (const ScanSummary scans = summary_of(block); scans.overload != 0)
       report.overload_s +=
           1e-12 * static_cast<double>(scans.period_ps) * static_cast<double>(block.header.scans);

@@ -111,16 +111,19 @@ std::int64_t VehiclePush::new_request() {
   return static_cast<std::int64_t>(random_() >> 1) | 1;
 }
 
-// Who has not answered yet may still take it: it is asked, too.
+// Who has not answered yet may still take it: it is asked, too.  Who refuses measures by the old text, unless
+// that is what it refuses: a change of a recorder before is undone by one whose both texts are the same.
 void VehiclePush::undo(State outcome, std::string why) {
   undoes_ = true;
   outcome_ = outcome;
   why_ = std::move(why);
   was_said_ = false;
   restarts_ = true;
-  std::erase_if(nodes_, [](const auto& node) { return node.second.has_answered && !node.second.has_taken; });
-  for (auto& [number, node] : nodes_) node = {.request = new_request()};
-  if (nodes_.empty()) state_ = outcome_;
+  const auto refuses = [](const Node& node) { return node.has_answered && !node.has_taken; };
+  if (before_ != after_) std::erase_if(nodes_, [&](const auto& node) { return refuses(node.second); });
+  for (auto& [number, node] : nodes_)
+    node = refuses(node) ? Node{.has_answered = true} : Node{.request = new_request()};
+  if (std::ranges::all_of(nodes_, [](const auto& n) { return n.second.has_answered; })) end_undoing();
 }
 
 }  // namespace roadbalance

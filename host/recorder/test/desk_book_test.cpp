@@ -23,6 +23,7 @@ TEST(DeskBook, IsReadAsItWasWritten) {
                             .mark = {{.number = 9, .asked = {5, 6}, .text = "\"bridge\""}}},
       .finished = Finished{.start = {7, 8}, .stop = {9, 10}, .receipt = {Receipt{.name = "before"}}},
       .rest = {{"Fahrt 0", 2, 1LL << 60}},
+      .over = {{"Fahrt 0", 1LL << 50, 1LL << 51}},
       .set_up = AskedSetUp{.asked = {11, 12},
                            .operation = Operation::kFilter,
                            .node = 1,
@@ -45,6 +46,7 @@ TEST(DeskBook, IsReadAsItWasWritten) {
   ASSERT_EQ(read.finished->receipt.size(), 1u);
   EXPECT_EQ(read.finished->receipt[0].name, "before");
   EXPECT_EQ(read.rest, book.rest);
+  EXPECT_EQ(read.over, book.over);
   ASSERT_TRUE(read.set_up);
   EXPECT_EQ(*read.set_up, *book.set_up);
 }

@@ -14,7 +14,7 @@ TEST_F(DeskTest, AMarkIsDoneOnlyIfItIsOnTheDisk) {
   desk.take(ask(Operation::kStart, 1, "drive"), kNow, 2);
   desk.take(ask(Operation::kMark, 2), kNow, 2);
   desk.take(ask(Operation::kMark, 3), kNow, 2);
-  desk.runs(1, 1, kNow);
+  desk.runs(true, 1, kNow);
   desk.take(ask(Operation::kStop, 4), kNow, 2);
   (void)desk.answers();
   desk.ended({}, {}, kNow);
@@ -87,7 +87,7 @@ TEST_F(DeskTest, ARecorderThatIsKilledGoesOnWithWhatWasAsked) {
     EXPECT_EQ(done.back(), "begin drive");
     second.take(ask(Operation::kStart, 1, "drive"), kNow, 2);
     EXPECT_EQ(last(second).state, AnswerState::kUnderWay);
-    second.runs(1, 0, kNow);
+    second.runs(true, 0, kNow);
     EXPECT_EQ(last(second).state, AnswerState::kDone);
     second.take(ask(Operation::kMark, 2, "bridge"), kNow, 2);
   }
@@ -98,7 +98,7 @@ TEST_F(DeskTest, ARecorderThatIsKilledGoesOnWithWhatWasAsked) {
     EXPECT_EQ(done, expected) << "it may not be on the disk";
     third.take(ask(Operation::kMark, 2, "bridge"), kNow, 2);
     EXPECT_EQ(last(third).value[0], 1);
-    third.runs(1, 1, kNow);
+    third.runs(true, 1, kNow);
     EXPECT_EQ(last(third).state, AnswerState::kDone);
     third.take(ask(Operation::kStop, 3), kNow, 2);
   }
@@ -123,13 +123,13 @@ TEST_F(DeskTest, ARecorderThatIsKilledGoesOnWithWhatWasAsked) {
 TEST_F(DeskTest, ARecordingThatFailsIsAFaultAndGoesOn) {
   Desk desk = this->desk();
   desk.take(ask(Operation::kStart, 1, "drive"), kNow, 2);
-  desk.runs(1, 0, kNow);
+  desk.runs(true, 0, kNow);
   desk.failed("the disk is gone", true, kNow);
   EXPECT_EQ(desk.fault(), "the disk is gone");
   ASSERT_TRUE(desk.under_way());
   desk.again();
   EXPECT_EQ(std::ranges::count(done, "begin drive"), 2);
-  desk.runs(1, 0, kNow);
+  desk.runs(true, 0, kNow);
   EXPECT_EQ(desk.fault(), "");
 }
 
@@ -142,6 +142,40 @@ TEST_F(DeskTest, AStartWhoseFolderCannotBeOpenedIsRefused) {
   EXPECT_EQ(answer.reason, RefusalReason::kDisk);
   EXPECT_FALSE(desk.under_way());
   EXPECT_FALSE(book.under_way);
+}
+
+// Whoever asked repeats it until it is answered: that does not make this recorder the one that began it.
+TEST_F(DeskTest, AStartThatWasTakenOverIsNeverRefusedForItMayHoldSamples) {
+  desk().take(ask(Operation::kStart, 1, "drive"), kNow, 2);
+  Desk second = desk();
+  second.take(ask(Operation::kStart, 1, "drive"), kNow, 2);
+  second.failed("open drive: read-only", false, kNow);
+  EXPECT_NE(last(second).state, AnswerState::kRefused);
+  EXPECT_TRUE(second.under_way());
+  EXPECT_TRUE(book.under_way);
+}
+
+// Otherwise a recorder that is killed later finds a recording in the book whose start was refused.
+TEST_F(DeskTest, ABookThatCouldNotBeWrittenIsWrittenAgain) {
+  Desk desk = this->desk();
+  desk.take(ask(Operation::kStart, 1, "drive"), kNow, 2);
+  disk_fails = true;
+  desk.failed("open drive: read-only", false, kNow);
+  EXPECT_EQ(last(desk).state, AnswerState::kRefused);
+  desk.write_again();
+  EXPECT_TRUE(book.under_way) << "the disk still fails";
+  disk_fails = false;
+  desk.write_again();
+  EXPECT_FALSE(book.under_way);
+}
+
+TEST_F(DeskTest, RemembersTheIncarnationsOfRecordingsThatAreOver) {
+  Desk desk = this->desk();
+  desk.take(ask(Operation::kStart, 1, "drive"), kNow, 2);
+  desk.ended({Receipt{.incarnation = kNow / 1000 + 500, .name = "drive"}}, {}, kNow);
+  EXPECT_EQ(desk.over(), (std::vector<Over>{{"drive", kNow / 1000, kNow / 1000 + 500}}));
+  desk.owe({{"drive", 2, 77}});
+  EXPECT_EQ(this->desk().rests(), (std::vector<Rest>{{"drive", 2, 77}})) << "in the book";
 }
 
 // A full disk must not keep a recording from its end, nor a mark from the record.

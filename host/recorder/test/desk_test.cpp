@@ -39,7 +39,7 @@ TEST_F(DeskTest, RefusesMarksThatItCouldNotRemember) {
   EXPECT_EQ(last(desk).state, AnswerState::kUnderWay);
   desk.take(ask(Operation::kMark, 500), kNow, 2);
   EXPECT_EQ(last(desk).state, AnswerState::kRefused);
-  desk.runs(1, most, kNow);
+  desk.runs(true, most, kNow);
   desk.take(ask(Operation::kMark, 501), kNow, 2);
   EXPECT_EQ(last(desk).value[0], most + 1);
 }
@@ -59,13 +59,13 @@ TEST_F(DeskTest, StartsMarksAndStops) {
   Desk desk = this->desk();
   desk.take(ask(Operation::kStart, 1, "drive"), kNow, 2);
   EXPECT_EQ(last(desk).state, AnswerState::kUnderWay);
-  desk.runs(0, 0, kNow);
+  desk.runs(false, 0, kNow);
   EXPECT_TRUE(desk.answers().empty()) << "nothing is recorded yet";
-  desk.runs(1, 0, kNow);
+  desk.runs(true, 0, kNow);
   EXPECT_EQ(last(desk).state, AnswerState::kDone);
   desk.take(ask(Operation::kMark, 2, "bridge"), kNow, 2);
   EXPECT_EQ(last(desk).state, AnswerState::kUnderWay);
-  desk.runs(1, 1, kNow);
+  desk.runs(true, 1, kNow);
   const Answer mark = last(desk);
   EXPECT_EQ(mark.state, AnswerState::kDone);
   EXPECT_EQ(mark.value[0], 1);
@@ -83,7 +83,7 @@ TEST_F(DeskTest, StartsMarksAndStops) {
 TEST_F(DeskTest, ARepeatedRequestActsOnce) {
   Desk desk = this->desk();
   for (int k = 0; k < 3; ++k) desk.take(ask(Operation::kStart, 1, "drive"), kNow, 2);
-  desk.runs(1, 0, kNow);
+  desk.runs(true, 0, kNow);
   for (int k = 0; k < 3; ++k) desk.take(ask(Operation::kMark, 2, "a"), kNow, 2);
   for (int k = 0; k < 3; ++k) desk.take(ask(Operation::kStop, 3), kNow, 2);
   EXPECT_EQ(std::ranges::count(done, "begin drive"), 1);

@@ -134,6 +134,30 @@ TEST_F(NodeControlTest, StopsANodeWhoseStartMayBeUnderWay) {
   ASSERT_EQ(due(kStart + 200ms)->verb, Verb::kStop);
 }
 
+// Its start never came, and the recording that it was for is over: in a new epoch it can join the next one.
+TEST(NodeControlOfARest, StopsANodeInPreviewAndWaitsForItsEnd) {
+  NodeControl control{50, false, 1, true};
+  control.stop();
+  control.take(beat(NodeState::kPreview, 0));
+  (void)control.due(kStart);
+  EXPECT_TRUE(control.is_asking(kStart)) << "it is not over before the node has answered";
+  control.take(beat(NodeState::kPreview, 50));
+  const auto stop = control.due(kStart + 1s);
+  ASSERT_EQ(stop.size(), 1u);
+  EXPECT_EQ(stop[0].verb, Verb::kStop);
+  EXPECT_TRUE(control.was_started(2, 8)) << "its end is to be waited for";
+  control.take(beat(NodeState::kEnded, 50));
+  EXPECT_TRUE(control.due(kStart + 2s).empty());
+}
+
+TEST_F(NodeControlTest, LeavesANodeInPreviewThatNoRestIsOf) {
+  NodeControl leaving{50, false, 1};
+  leaving.stop();
+  leaving.take(beat(NodeState::kPreview, 50));
+  EXPECT_TRUE(leaving.due(kStart).empty());
+  EXPECT_FALSE(leaving.was_started(2, 8));
+}
+
 TEST_F(NodeControlTest, DoesNotWaitForTheEndOfANodeThatOnlyObeyedAnother) {
   control.take(beat(NodeState::kStarted, 49));
   EXPECT_FALSE(control.was_started(2, 8)) << "an observer told to end would never end";

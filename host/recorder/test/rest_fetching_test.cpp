@@ -125,7 +125,7 @@ TEST_F(RestFetchingTest, ANodeThatWasStartedAnewHasLostItsRestAndItIsSaid) {
   ASSERT_TRUE(script.lives);
   EXPECT_EQ(scope.given_up, (std::vector<NodeEpoch>{{2, 77}}));
   over({});
-  script.view.report.earlier = {{.node = 2, .epoch = 77, .blocks = 100, .ended = true}};  // by its crash
+  script.view.report.earlier = {{.node = 2, .epoch = 77, .blocks = 100, .ended = true, .crashed = true}};
   const auto outcome = turn();
   ASSERT_TRUE(outcome);
   EXPECT_EQ(outcome->settled, rests);
@@ -163,15 +163,83 @@ TEST_F(RestFetchingTest, ANodeThatNeverGotTheStartHoldsNothing) {
   EXPECT_EQ(turn()->settled, (std::vector<Rest>{{"drive", 3, 88}}));
 }
 
+// The session did not hear it: it may not know that its end is on the disk, and so holds its last blocks.
+TEST_F(RestFetchingTest, AnEndOnTheDiskIsNotEnoughUnlessTheNodeHasLetGo) {
+  rests = {{"drive", 2, 77}};
+  hear(2, 77);
+  (void)turn();
+  over({});
+  script.view.report.earlier = {{.node = 2, .epoch = 77, .blocks = 100, .ended = true, .sums_agree = true}};
+  EXPECT_TRUE(turn()->settled.empty());
+  hear_for(seconds(6), 2, 77);
+  (void)turn();
+  over({{.node = 2, .epoch = 77, .blocks = 100, .ended = true, .started = true, .holds_blocks = true}});
+  EXPECT_TRUE(turn()->settled.empty());
+  hear_for(seconds(6), 2, 77);
+  (void)turn();
+  over({{.node = 2, .epoch = 77, .blocks = 100, .ended = true, .started = true}});
+  EXPECT_EQ(turn()->settled, rests);
+}
+
+class UnknownRests : public RestFetchingTest {
+ protected:
+  void hear_for_2s(Heartbeat beat) {
+    for (int k = 0; k < 20; ++k, now += milliseconds(100)) fetching.take(beat, now);
+  }
+  std::vector<Rest> unknown() { return fetching.unknown(recorded, {}, now); }
+
+  const std::vector<Over> recorded{{"drive", 100, 200}, {"later", 300, 400}};
+};
+
+// Started by a recorder that was killed before anything was on the disk, and cut off until all was over.
+TEST_F(UnknownRests, AreWhatTheirOwnersIncarnationSays) {
+  const Heartbeat measures{
+      .node = 2, .epoch = 77, .base = 1, .next = 9, .state = NodeState::kStarted, .owner = 150};
+  fetching.take(measures, now);
+  EXPECT_TRUE(unknown().empty()) << "a heartbeat may be late";
+  hear_for_2s(measures);
+  EXPECT_EQ(unknown(), (std::vector<Rest>{{"drive", 2, 77}}));
+  EXPECT_TRUE(fetching.unknown(recorded, {{"drive", 2, 77}}, now).empty()) << "known";
+  now += seconds(2);
+  EXPECT_TRUE(unknown().empty()) << "it is cut off again";
+  hear_for_2s({.node = 3, .epoch = 88, .base = 7, .next = 9, .state = NodeState::kEnded, .owner = 400});
+  EXPECT_EQ(unknown(), (std::vector<Rest>{{"later", 3, 88}}));
+}
+
+TEST_F(UnknownRests, AreNoPreviewsNoOthersAndNothingThatIsEmpty) {
+  hear_for_2s({.node = 2, .epoch = 77, .state = NodeState::kPreview, .owner = 150});
+  EXPECT_TRUE(unknown().empty());
+  hear_for_2s({.node = 3, .epoch = 88, .base = 9, .next = 9, .state = NodeState::kEnded, .owner = 150});
+  EXPECT_TRUE(unknown().empty());
+  hear_for_2s({.node = 4, .epoch = 99, .base = 1, .next = 9, .state = NodeState::kStarted, .owner = 250});
+  EXPECT_TRUE(unknown().empty()) << "of another recorder";
+}
+
+// Otherwise one whose crash was declared and that lives all the same would be fetched again and again.
+TEST_F(UnknownRests, AreNotThoseThatWereSettled) {
+  rests = {{"drive", 2, 77}};
+  hear_for_2s({.node = 2, .epoch = 77, .base = 1, .next = 9, .state = NodeState::kStarted, .owner = 150});
+  (void)turn();
+  over({});
+  script.view.report.earlier = {{.node = 2, .epoch = 77, .blocks = 9, .ended = true, .crashed = true}};
+  EXPECT_EQ(turn()->settled, rests);
+  EXPECT_TRUE(unknown().empty());
+}
+
 TEST(RestsOf, AreEpochsWithoutAnEndThatMayHoldSomething) {
   RecorderReport report;
   report.earlier = {{.node = 1, .epoch = 1, .blocks = 9},
-                    {.node = 1, .epoch = 2, .blocks = 9, .ended = true}};
+                    {.node = 1, .epoch = 2, .blocks = 9, .ended = true},
+                    // Not heard since its end was written, nor is its node: it may not know.
+                    {.node = 4, .epoch = 7, .blocks = 9, .ended = true},
+                    {.node = 5, .epoch = 8, .blocks = 9, .ended = true, .crashed = true}};
   report.node = {{.node = 1, .epoch = 3},
                  {.node = 1, .epoch = 4, .started = true},
                  {.node = 2, .epoch = 5, .samples_sent = 20},
-                 {.node = 3, .epoch = 6, .blocks = 9, .ended = true, .started = true}};
-  const std::vector<Rest> expected{{"drive", 1, 1}, {"drive", 1, 4}, {"drive", 2, 5}};
+                 {.node = 3, .epoch = 6, .blocks = 9, .ended = true, .started = true},
+                 {.node = 3, .epoch = 9, .blocks = 9, .ended = true, .started = true, .holds_blocks = true}};
+  const std::vector<Rest> expected{
+      {"drive", 1, 1}, {"drive", 4, 7}, {"drive", 1, 4}, {"drive", 2, 5}, {"drive", 3, 9}};
   EXPECT_EQ(rests_of(report, "drive"), expected);
 }
 

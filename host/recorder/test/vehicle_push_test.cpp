@@ -57,6 +57,29 @@ TEST_F(VehiclePushTest, IfOneRefusesAllGetTheOldOneBack) {
   EXPECT_EQ(push.why(), "node 2: no such range");
 }
 
+// What a recorder that was killed had under way is undone by one whose both texts are those of before: who
+// refuses them may measure by what it had been given.
+TEST(VehiclePushOfOneText, NamesWhoRefusesTheTextOfBefore) {
+  VehiclePush push{kBefore, kBefore, {1, 2}, 5, 1, WallTime{}};
+  const auto first = push.due(WallTime{});
+  ASSERT_EQ(first.command.size(), 2u);
+  push.take(reply(first.command[0], CommandError::kVehicleRefused, "its device cannot"));
+  EXPECT_EQ(push.state(), State::kUnderWay);
+  const auto second = push.due(WallTime{} + milliseconds(1));
+  ASSERT_EQ(second.command.size(), 1u);
+  EXPECT_EQ(second.command[0].node, 2);
+  push.take(reply(second.command[0], CommandError::kNone));
+  EXPECT_EQ(push.state(), State::kRefused);
+  EXPECT_EQ(push.why(), "node 1: its device cannot; node 1 may keep the new set-up");
+}
+
+TEST(VehiclePushOfOneText, EndsIfItsOnlyNodeRefuses) {
+  VehiclePush push{kBefore, kBefore, {1}, 5, 1, WallTime{}};
+  push.take(reply(push.due(WallTime{}).command[0], CommandError::kVehicleRefused, "its device cannot"));
+  EXPECT_EQ(push.state(), State::kRefused);
+  EXPECT_EQ(push.why(), "node 1: its device cannot; node 1 may keep the new set-up");
+}
+
 // Its answer may be what the network lost: it is asked to take the old one, too.
 TEST_F(VehiclePushTest, ANodeThatIsSilentIsGivenUpAndAskedToTakeTheOldOne) {
   const auto first = push.due(WallTime{});
