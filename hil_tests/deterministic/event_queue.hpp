@@ -19,6 +19,8 @@ struct Event {
     kClock,     ///< recorder 1 has asked node `who` for the time
     kCheck,     ///< what is finished of the records is held against the truth
     kStop,      ///< the drive is over
+    kAsker,     ///< asker `who` looks around
+    kToAskers,  ///< datagram `what` arrives
   };
   std::int64_t at_ns = 0;
   std::uint32_t order = 0;  ///< of events at the same instant: as they were added

@@ -1,8 +1,10 @@
 #include "hil_tests/deterministic/fault_scenario.hpp"
 
 #include <filesystem>
+#include <system_error>
 
 #include "common/config/section.hpp"
+#include "common/record/file.hpp"
 
 namespace roadbalance::test {
 namespace {
@@ -50,6 +52,13 @@ PlannedFault read_fault(Section& table) {
   return fault;
 }
 
+std::string read_whole(const std::filesystem::path& file) {
+  const auto text = read_text(file);
+  if (!text)
+    throw std::system_error(std::make_error_code(std::errc::no_such_file_or_directory), file.string());
+  return *text;
+}
+
 std::optional<double> read_limit(Section& table, const std::string& key) {
   if (!table.has(key)) return std::nullopt;
   return table.number(key, kPositive);
@@ -84,6 +93,8 @@ FaultScenario FaultScenario::read_file(const std::string& path) {
   scenario.ring_mib = table.number_or("ring_mib", {0.1, 64}, scenario.ring_mib);
   scenario.spool_mib = table.number_or("spool_mib", {0, 1024}, 0);
   scenario.clocks = table.boolean_or("clocks", false);
+  if (table.has("vehicle"))
+    scenario.vehicle = read_whole(std::filesystem::path(path).parent_path() / table.text("vehicle"));
   if (auto network = table.section_if("network")) read_network(std::move(*network), scenario);
   if (auto disk = table.section_if("disk")) read_disk(std::move(*disk), scenario);
   for (Section& fault : table.sections("fault")) scenario.faults.push_back(read_fault(fault));

@@ -78,6 +78,11 @@ struct FaultScenario {
   double slow_syncs = 0;    ///< share of syncs that take ...
   Span slow_sync{0.5, 3};   ///< ... so long
 
+  /// vehicle.toml that the recorder leads, which then starts, stops and sets up on request; empty: it records
+  /// from its start on.
+  std::string vehicle;
+  bool is_operated() const { return !vehicle.empty(); }
+
   std::vector<PlannedFault> faults;
   Expectation expect;
 

@@ -27,6 +27,8 @@ std::int64_t HostMachine::take_elapsed_ns() {
 }
 
 SimulatedDisk::Outcome HostMachine::disk_call(DiskCall call, const std::string& path) {
+  if (died_)
+    return {.error = EIO};  // what is left of it until its turn ends does nothing, new files included
   const bool counts = !dies_at_sync_ || call == DiskCall::kSyncData || call == DiskCall::kSync;
   if (calls_to_live_ > 0 && counts && --calls_to_live_ == 0) {
     died_ = true;
@@ -37,6 +39,7 @@ SimulatedDisk::Outcome HostMachine::disk_call(DiskCall call, const std::string& 
   }
   const bool on_other_disk = scenario_.fallback && !path.starts_with(kFolder);
   if (!random_.chance(failing_) || call == DiskCall::kClose || on_other_disk) return {};
+  refused_at_ns_ = now_ns_;
   constexpr std::array kErrors{EIO, ENOSPC, EROFS, EINTR};
   const auto which = static_cast<std::size_t>(random_.below(kErrors.size() + 1));
   if (which == kErrors.size()) return {.short_write = true};
@@ -57,7 +60,7 @@ std::chrono::nanoseconds HostMachine::disk_cost(DiskCall call, std::size_t bytes
 // Segments with several behind them are finished: nothing is added, cut or said of them any more.
 void HostMachine::check_finished() {
   constexpr int kBehind = 4;
-  if (boots_ == 0 || disk_.is_off() || scenario_.fallback) return;
+  if (boots_ == 0 || disk_.is_off() || scenario_.fallback || scenario_.is_operated()) return;
   // The check's own calls are none of the recorder's.
   const double failing = std::exchange(failing_, 0);
   const int calls_to_live = std::exchange(calls_to_live_, 0);
@@ -71,6 +74,7 @@ void HostMachine::check_record() {
   if (boots_ == 0) return;
   disk_.power_on();
   failing_ = 0;
+  if (scenario_.is_operated()) return check_recordings();
   if (fell_back()) make_whole();
   check_through(record_folder(), std::numeric_limits<int>::max());
   check_segments(record_folder());
@@ -107,7 +111,8 @@ void HostMachine::check_segments(const char* folder) {
 void HostMachine::check_through(const char* folder, int last) {
   if (last < next_to_check_) return;
   const bool all = last == std::numeric_limits<int>::max();
-  const std::string name = "record of recorder " + std::to_string(number_) + ": ";
+  const std::string name = "record " + (checked_.empty() ? "" : "\"" + checked_ + "\" ") + "of recorder " +
+                           std::to_string(number_) + ": ";
   try {
     // A recorder that nobody obeyed has none; what one promised is held against what was read in any case.
     if (next_to_check_ == 1 && segment_numbers(folder, disk_).empty()) return;
@@ -116,12 +121,15 @@ void HostMachine::check_through(const char* folder, int last) {
     while (const auto event = reader.next()) {
       if (reader.segment() > last) break;
       check_.take(event->channel, event->data);
+      if (event->channel == kNoteChannel) take_notes(checked_, event->data);
       clock_events_.take(event->channel, event->data);
     }
     next_to_check_ = all ? last : last + 1;
-    for (const auto& damage : reader.damage())
+    for (const auto& damage : reader.damage()) {
+      if (damage.torn && may_be_torn_.contains(checked_)) continue;
       truth_.fault(name + std::to_string(damage.bytes) + " bytes of " + damage.segment.filename().string() +
                    " from " + std::to_string(damage.offset) + " on are " + damage.what);
+    }
   } catch (const std::system_error& error) {
     truth_.fault(name + error.what());
   }

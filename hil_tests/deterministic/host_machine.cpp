@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "common/bus/control.hpp"
+#include "hil_tests/deterministic/host_program.hpp"
 #include "host/recorder/incarnation.hpp"
-#include "host/recorder/record_keeper.hpp"
 
 namespace roadbalance::test {
 namespace {
@@ -20,47 +20,26 @@ WallTime wall(std::int64_t ns) {
   return WallTime(std::chrono::nanoseconds(ns));
 }
 
-KeeperOptions keeper_options(const FaultScenario& scenario) {
+KeeperOptions keeper_options(const FaultScenario& scenario, const std::filesystem::path& folder) {
   constexpr double kMib = 1024 * 1024;
   KeeperOptions options;
-  options.folder = HostMachine::kFolder;
+  options.folder = folder;
   if (scenario.fallback) options.fallback = HostMachine::kFallback;
   options.segment_bytes = static_cast<std::uint64_t>(scenario.segment_mib * kMib);
   options.keep_bytes = static_cast<std::int64_t>(scenario.keep_mib * kMib);
   return options;
 }
 
-RecorderLinkOptions link_options(std::uint64_t seed) {
-  RecorderLinkOptions options;
-  options.seed = seed;
-  return options;
-}
-
 }  // namespace
 
-struct HostMachine::Program {
-  Program(Disk& disk, const FaultScenario& scenario, std::int64_t utc_us, std::int64_t host_ns,
-          std::uint64_t seed)
-      : keeper(disk, keeper_options(scenario)),
-        incarnation_folder(keeper.folder()),
-        link(link_options(seed), next_incarnation(incarnation_folder, utc_us / 1000, disk),
-             keeper.recovered()) {
-    keeper.set_clocks(utc_us, host_ns);
-    keeper.begin(link.incarnation());
-  }
-
-  RecordKeeper keeper;
-  const std::filesystem::path incarnation_folder;
-  RecorderLink link;
-  std::vector<RecordEvent> events;  // of clocks, for the writer
-  std::size_t events_in_commit = 0;
-  BatchMaker batches;
-  std::deque<WriteBatch> waiting;  // for the writer
-  std::int64_t waiting_blocks = 0;
-  std::vector<DurableMark> marks;  // of the commit under way
-  std::int64_t busy_until_ns = 0;  // the writer
-  std::map<std::pair<std::int32_t, std::int64_t>, Ack> last_ack;
-};
+HostMachine::Program::Program(Disk& disk, const FaultScenario& scenario, const RecorderLinkOptions& options,
+                              const std::filesystem::path& folder, std::int64_t utc_us, std::int64_t host_ns)
+    : keeper(disk, keeper_options(scenario, folder)),
+      incarnation_folder(keeper.folder()),
+      link(options, next_incarnation(incarnation_folder, utc_us / 1000, disk), keeper.recovered()) {
+  keeper.set_clocks(utc_us, host_ns);
+  keeper.begin(link.incarnation());
+}
 
 HostMachine::HostMachine(const FaultScenario& scenario, int number, std::uint64_t seed, Truth& truth)
     : scenario_(scenario),
@@ -86,7 +65,10 @@ bool HostMachine::boot(std::int64_t now_ns) {
   calls_to_live_ = 0;
   disk_.power_on();
   try {
-    program_ = std::make_unique<Program>(disk_, scenario_, utc_us(now_ns), now_ns, random_.bits());
+    if (scenario_.is_operated()) return boot_operating(now_ns);
+    RecorderLinkOptions options;
+    options.seed = random_.bits();
+    program_ = std::make_unique<Program>(disk_, scenario_, options, kFolder, utc_us(now_ns), now_ns);
   } catch (const std::system_error&) {
     kill();
     return false;  // its supervisor tries again
@@ -99,9 +81,13 @@ bool HostMachine::boot(std::int64_t now_ns) {
 }
 
 void HostMachine::kill() {
+  died_ = false;
+  constexpr std::int64_t kWrittenAgain_ns = 1'500'000'000;
+  if (now_ns_ - refused_at_ns_ < kWrittenAgain_ns) ++unsure_deaths_;
   disk_.kill();
   clock_events_.died();
   program_.reset();
+  operating_.reset();
   calls_to_live_ = 0;
 }
 
@@ -111,20 +97,23 @@ void HostMachine::cut_power() {
 }
 
 void HostMachine::die_at_call(bool power, int calls, bool only_syncs) {
-  if (!program_) return;
+  if (!is_up()) return;
   dies_of_power_ = power;
   dies_at_sync_ = only_syncs;
   calls_to_live_ = calls;
 }
 
 void HostMachine::take(std::string_view channel, std::span<const std::uint8_t> bytes, std::int64_t now_ns) {
+  now_ns_ = now_ns;
   if (program_) program_->link.take(channel, bytes, wall(now_ns));
+  for (Led* led : led_) led->take(channel, bytes, now_ns);
+  if (operating_) operating_->take(channel, bytes, {.now = wall(now_ns), .utc_us = utc_us(now_ns)});
 }
 
-void HostMachine::watch(const Ack& ack) {
+void HostMachine::watch(Program& p, const Ack& ack) {
   const std::string name =
       "recorder " + std::to_string(number_) + ", node " + std::to_string(ack.node) + ": ";
-  auto [at, is_new] = program_->last_ack.try_emplace({ack.node, ack.epoch}, ack);
+  auto [at, is_new] = p.last_ack.try_emplace({ack.node, ack.epoch}, ack);
   const Ack& last = at->second;
   if (!is_new && ack.incarnation == last.incarnation && ack.number <= last.number)
     truth_.fault(name + "an ack number does not rise");
@@ -143,19 +132,19 @@ void HostMachine::record(RecordEvent event) {
   if (program_) program_->events.push_back(std::move(event));
 }
 
-bool HostMachine::say(const std::string& channel, std::span<const std::uint8_t> bytes,
+bool HostMachine::say(Program& p, const std::string& channel, std::span<const std::uint8_t> bytes,
                       const Publish& publish) {
   if (channel.starts_with("RB_ACK_")) {
     if (const auto ack = decode_ack(bytes))
-      watch(*ack);
+      watch(p, *ack);
     else
       truth_.fault("a recorder says an acknowledgement that no node takes");
   }
   return publish(channel, bytes);
 }
 
-void HostMachine::became_durable(const DurableMark& mark, std::int64_t now_ns) {
-  program_->link.durable(mark, wall(now_ns));
+void HostMachine::became_durable(Program& p, const DurableMark& mark, std::int64_t now_ns) {
+  p.link.durable(mark, wall(now_ns));
   const EpochTruth* epoch = truth_.find(mark.node, mark.epoch);
   if (!epoch) return;
   std::int64_t& through = durable_[{mark.node, mark.epoch}];
@@ -166,10 +155,9 @@ void HostMachine::became_durable(const DurableMark& mark, std::int64_t now_ns) {
 }
 
 // The writing process: while a sync takes its time nothing is appended, and what comes waits.
-void HostMachine::write(std::int64_t now_ns) {
-  Program& p = *program_;
+void HostMachine::write(Program& p, std::int64_t now_ns) {
   if (now_ns < p.busy_until_ns) return;
-  for (const DurableMark& mark : p.marks) became_durable(mark, now_ns);
+  for (const DurableMark& mark : p.marks) became_durable(p, mark, now_ns);
   if (!p.marks.empty()) clock_events_.durable(p.events_in_commit);
   p.marks.clear();
   p.link.set_credit_open(p.keeper.wants_credit());
@@ -197,8 +185,7 @@ void HostMachine::watch(const WriteBatch& batch) {
       check_.declared(gap->header.node, gap->header.epoch, gap->header.sequence);
 }
 
-void HostMachine::receive(std::int64_t now_ns, const Publish& publish) {
-  Program& p = *program_;
+void HostMachine::receive(Program& p, std::int64_t now_ns, const Publish& publish) {
   if (p.link.obeyed_higher() != 0)
     p.link.set_incarnation(raise_incarnation(p.incarnation_folder, p.link.obeyed_higher(), disk_));
   p.link.turn(wall(now_ns), publish);
@@ -212,13 +199,18 @@ void HostMachine::receive(std::int64_t now_ns, const Publish& publish) {
 }
 
 void HostMachine::turn(std::int64_t now_ns, const Publish& publish) {
+  if (operating_) return turn_operating(now_ns, publish);
+  Program& p = *program_;
   const Publish say_it = [&](const std::string& channel, std::span<const std::uint8_t> bytes) {
-    return say(channel, bytes, publish);
+    return say(p, channel, bytes, publish);
   };
   try {
-    receive(now_ns, say_it);
-    write(now_ns);
-    if (stopping_) end(now_ns, say_it);
+    receive(p, now_ns, say_it);
+    write(p, now_ns);
+    if (stopping_ && end(p, now_ns, say_it)) {
+      program_.reset();
+      closed_ = true;
+    }
   } catch (const std::system_error& error) {
     if (!died_) truth_.fault("recorder " + std::to_string(number_) + " ends: " + error.what());
     died_ = true;
@@ -226,19 +218,16 @@ void HostMachine::turn(std::int64_t now_ns, const Publish& publish) {
   if (died_) kill();
 }
 
-void HostMachine::end(std::int64_t now_ns, const Publish& publish) {
-  Program& p = *program_;
+bool HostMachine::end(Program& p, std::int64_t now_ns, const Publish& publish) {
   p.link.stop(wall(now_ns));
-  if (!p.link.over(wall(now_ns)) || !p.waiting.empty() || now_ns < p.busy_until_ns) return;
+  if (!p.link.over(wall(now_ns)) || !p.waiting.empty() || now_ns < p.busy_until_ns) return false;
   p.link.finish(wall(now_ns));
   const WriteBatch last = BatchMaker::take_last(p.link);
   watch(last);
   append(p.keeper, last, wall(now_ns));
   p.link.farewell(publish);
   p.keeper.close(wall(now_ns));
-  if (died_) return;
-  program_.reset();
-  closed_ = true;
+  return !died_;
 }
 
 }  // namespace roadbalance::test

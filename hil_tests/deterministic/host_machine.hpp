@@ -3,8 +3,10 @@
 #include <chrono>
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <map>
 #include <memory>
+#include <set>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -13,11 +15,13 @@
 #include "common/bus/publish.hpp"
 #include "common/link/epoch_receiver.hpp"
 #include "common/record/test/simulated_disk.hpp"
+#include "hil_tests/deterministic/asker.hpp"
 #include "hil_tests/deterministic/clock_events.hpp"
 #include "hil_tests/deterministic/fault_scenario.hpp"
 #include "hil_tests/deterministic/random.hpp"
 #include "hil_tests/deterministic/record_check.hpp"
 #include "hil_tests/deterministic/truth.hpp"
+#include "host/recorder/operating.hpp"
 #include "host/recorder/record_keeper.hpp"
 #include "host/recorder/recorder_link.hpp"
 #include "host/recorder/write_batch.hpp"
@@ -41,8 +45,8 @@ class HostMachine {
   /// One of the two in the middle of what the recorder does next with its disk: before system call `calls`,
   /// or before so many syncs, when most is under way.
   void die_at_call(bool power, int calls, bool only_syncs);
-  bool is_up() const { return program_ != nullptr; }
-  bool runs() const { return program_ != nullptr && !paused_; }
+  bool is_up() const { return program_ || operating_; }
+  bool runs() const { return is_up() && !paused_; }
   void pause(bool on) { paused_ = on; }
   void step_wall_clock(std::int64_t by_us) { utc_offset_us_ += by_us; }
 
@@ -53,6 +57,12 @@ class HostMachine {
   void stop() { stopping_ = true; }
   /// A clock exchange or fit, to be recorded with what comes next.
   void record(RecordEvent event);
+  /// It records now, or has something to fetch or to set up.
+  bool has_work() const;
+  /// Of the vehicle.toml that it leads.
+  std::uint32_t vehicle_crc32c();
+  /// Behind check_record(): what was asked and answered against what it did.
+  void check_asked(const std::vector<Asker::Asked>& asked);
   /// It was told to stop, has, and closed the record.
   bool closed() const { return closed_; }
 
@@ -77,21 +87,35 @@ class HostMachine {
   static constexpr const char* kFolder = "/record";
   static constexpr const char* kFallback = "/fallback";  ///< on another disk, which does not fail
   static constexpr const char* kWhole = "/whole";
+  static constexpr const char* kRecordings = "/recordings";  ///< of an operated one, each a folder
+  static constexpr const char* kVehicleOnDisk = "/vehicle/car.toml";
 
   double longest_to_durable_s() const { return longest_to_durable_s_; }
   int boots() const { return boots_; }
+  /// How often it died while its disk failed or just after, so that what it last said may not be on it.
+  int unsure_deaths() const { return unsure_deaths_; }
   /// How often it died before a call of its disk, not between two turns.
   int deaths_at_call() const { return deaths_at_call_; }
 
  private:
   struct Program;
-  bool say(const std::string& channel, std::span<const std::uint8_t> bytes, const Publish& publish);
-  void watch(const Ack& ack);
+  class Led;
+  friend class Led;
+  bool say(Program& p, const std::string& channel, std::span<const std::uint8_t> bytes,
+           const Publish& publish);
+  void watch(Program& p, const Ack& ack);
   void watch(const WriteBatch& batch);
-  void receive(std::int64_t now_ns, const Publish& publish);
-  void write(std::int64_t now_ns);
-  void became_durable(const DurableMark& mark, std::int64_t now_ns);
-  void end(std::int64_t now_ns, const Publish& publish);
+  void receive(Program& p, std::int64_t now_ns, const Publish& publish);
+  void write(Program& p, std::int64_t now_ns);
+  void became_durable(Program& p, const DurableMark& mark, std::int64_t now_ns);
+  /// True: it has come to its end.
+  bool end(Program& p, std::int64_t now_ns, const Publish& publish);
+  bool boot_operating(std::int64_t now_ns);
+  void turn_operating(std::int64_t now_ns, const Publish& publish);
+  std::unique_ptr<Session> lead(const RecorderOptions& options);
+  void check_begun(const RecorderOptions& options);
+  void check_recordings();
+  void take_notes(const std::string& recording, std::span<const std::uint8_t> bytes);
   void check_through(const char* folder, int last);
   void check_segments(const char* folder);
   void make_whole();
@@ -107,6 +131,19 @@ class HostMachine {
   RecordCheck check_;
   ClockEvents clock_events_;
   std::unique_ptr<Program> program_;
+  OperateOptions operate_;
+  std::vector<Led*> led_;  // sessions of operating_
+  std::unique_ptr<Operating> operating_;
+  std::int64_t now_ns_ = 0;
+  std::string checked_;                                                    // the folder of next_to_check_
+  std::map<std::string, std::pair<std::int64_t, std::int64_t>> begun_by_;  // [recording] who asked
+  struct FoundMark {
+    std::string recording;
+    std::int64_t number = 0;
+  };
+  std::map<std::string, FoundMark> marks_;  // [text]
+  // Recordings that came to their end on a disk that failed: last words may be torn, which are no blocks.
+  std::set<std::string> may_be_torn_;
   bool paused_ = false;
   bool stopping_ = false;
   bool closed_ = false;
@@ -120,6 +157,8 @@ class HostMachine {
   std::int64_t utc_offset_us_ = 0;
   int boots_ = 0;
   int deaths_at_call_ = 0;
+  int unsure_deaths_ = 0;
+  std::int64_t refused_at_ns_ = std::numeric_limits<std::int64_t>::min() / 2;  // a call of its disk
   std::map<std::pair<std::int32_t, std::int64_t>, std::int64_t> durable_;
   double longest_to_durable_s_ = 0;
 };

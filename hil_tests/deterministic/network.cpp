@@ -4,6 +4,7 @@
 #include <array>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/operation.hpp"
 
 namespace roadbalance::test {
 namespace {
@@ -12,7 +13,10 @@ constexpr double kMillisecond_ns = 1e6;
 }  // namespace
 
 void Network::add_node(std::int32_t number) {
-  cables_.push_back({.ack = ack_channel(number), .command = command_channel(number), .out = {}});
+  cables_.push_back({.ack = ack_channel(number),
+                     .command = command_channel(number),
+                     .vehicle = vehicle_channel(number),
+                     .out = {}});
 }
 
 void Network::pull(std::size_t node, Direction direction, bool out) {
@@ -53,11 +57,23 @@ void Network::from_node(std::size_t node, const std::string& channel, std::span<
     arrive(Event::Kind::kToHost, host, datagram, to[host], now_ns);
 }
 
+void Network::from_asker(const std::string& channel, std::span<const std::uint8_t> bytes,
+                         std::int64_t now_ns) {
+  const int sent = copies(scenario_.loss_to_host);
+  if (sent > 0) arrive(Event::Kind::kToHost, 0, datagrams_.add(channel, bytes, sent), sent, now_ns);
+}
+
 void Network::from_host(std::size_t, const std::string& channel, std::span<const std::uint8_t> bytes,
                         std::int64_t now_ns) {
+  if (channel == kAnswerChannel) {
+    const int sent = copies(scenario_.loss_to_node);
+    if (sent > 0) arrive(Event::Kind::kToAskers, 0, datagrams_.add(channel, bytes, sent), sent, now_ns);
+    return;
+  }
   for (std::size_t node = 0; node < cables_.size(); ++node) {
     const Cable& cable = cables_[node];
-    if ((channel != cable.ack && channel != cable.command) || cable.out[1] > 0) continue;
+    if ((channel != cable.ack && channel != cable.command && channel != cable.vehicle) || cable.out[1] > 0)
+      continue;
     const int sent = copies(scenario_.loss_to_node);
     if (sent > 0) arrive(Event::Kind::kToNode, node, datagrams_.add(channel, bytes, sent), sent, now_ns);
   }

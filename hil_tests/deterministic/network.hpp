@@ -26,6 +26,7 @@ class Network {
                  std::int64_t now_ns);
   void from_host(std::size_t host, const std::string& channel, std::span<const std::uint8_t> bytes,
                  std::int64_t now_ns);
+  void from_asker(const std::string& channel, std::span<const std::uint8_t> bytes, std::int64_t now_ns);
   /// The cable between a node and the others.
   void pull(std::size_t node, Direction direction, bool out);
 
@@ -37,7 +38,7 @@ class Network {
 
  private:
   struct Cable {
-    std::string ack, command;
+    std::string ack, command, vehicle;
     std::array<int, 2> out{};  // [to host, to node], counts of faults under way
   };
   int copies(double loss);

@@ -19,13 +19,13 @@ namespace {
 constexpr std::int64_t kDeviceHolds = 256;  // scans; older ones are lost while nobody reads
 
 // No encoder: the references are somebody else's proof and cost more than all the rest.
-VehicleConfig plain_vehicle(std::int32_t number, double rate_hz) {
+VehicleConfig plain_vehicle(std::int32_t number, double rate_hz, const std::string& text) {
   VehicleConfig vehicle{};
   vehicle.name = "deterministic";
   vehicle.filter.order = 1;
   for (std::size_t w = 0; w < kWheels; ++w) vehicle.wheel[w].name = kWheelNames[w];
   vehicle.node.push_back({.name = "node", .id = number, .rate_hz = rate_hz, .channel = {}});
-  vehicle.text = std::string(2000, '#');  // two meta blocks
+  vehicle.text = text.empty() ? std::string(2000, '#') : text;  // two meta blocks
   return vehicle;
 }
 
@@ -64,7 +64,7 @@ class WitnessedSink final : public BlockSink {
 
 struct NodeMachine::Program {
   Program(const FaultScenario& scenario, const VehicleConfig& vehicle, std::int32_t node, EpochTruth& of,
-          Truth& all, std::uint64_t seed)
+          Truth& all, VehicleChange& change, std::uint64_t seed)
       : truth(of),
         ring(bytes_of(scenario.ring_mib)),
         sink(ring, all, of),
@@ -74,7 +74,7 @@ struct NodeMachine::Program {
                   ? std::make_unique<SpoolFolder>(spool_options(scenario, node, of.epoch), disk)
                   : nullptr),
         backlog(ring, spool.get()),
-        uplink(node, of.epoch, backlog, preview, link, described),
+        uplink(node, of.epoch, backlog, preview, link, change),
         samples(node, of.epoch) {}
 
   EpochTruth& truth;
@@ -86,7 +86,6 @@ struct NodeMachine::Program {
   SimulatedDisk disk;
   std::unique_ptr<SpoolFolder> spool;
   Backlog backlog;
-  VehicleChange described{"", false};
   NodeLink uplink;
   HashedScans samples;
   std::int64_t next_index = 0;    // of the device
@@ -101,7 +100,7 @@ NodeMachine::NodeMachine(const FaultScenario& scenario, std::int32_t number, std
       number_(number),
       truth_(truth),
       random_(seed, 0),
-      vehicle_(plain_vehicle(number, scenario.rate_hz)),
+      vehicle_(plain_vehicle(number, scenario.rate_hz, scenario.vehicle)),
       clock_offset_ns_(random_.below(std::int64_t{1} << 50)),
       clock_drift_(random_.between(-50e-6, 50e-6)),
       scans_(kScansPerRead),
@@ -113,8 +112,9 @@ void NodeMachine::boot(std::int64_t now_ns) {
   std::int64_t epoch = static_cast<std::int64_t>(random_.bits() >> 1) | 1;
   if (planted(PlantedFault::kEpochReused) && last_epoch_ != 0) epoch = last_epoch_;
   last_epoch_ = epoch;
+  if (!change_) change_.emplace(vehicle_.text, scenario_.is_operated());
   program_ = std::make_unique<Program>(scenario_, vehicle_, number_, truth_.open(number_, epoch), truth_,
-                                       random_.bits());
+                                       *change_, random_.bits());
   program_->disk.set_fault([this](DiskCall, std::int64_t, const std::string&) {
     if (!random_.chance(spool_failing_)) return SimulatedDisk::Outcome{};
     program_->truth.gave_up = true;
@@ -128,6 +128,9 @@ void NodeMachine::kill() {
   if (!program_) return;
   program_->truth.killed = !program_->truth.ended || program_->backlog.used() > 0;
   program_.reset();
+  change_.reset();
+  vehicle_.text = plain_vehicle(number_, scenario_.rate_hz, scenario_.vehicle).text;
+  was_killed_ = true;
 }
 
 void NodeMachine::pause(bool on) {
@@ -239,6 +242,23 @@ void NodeMachine::leave(const Publish& publish) {
   program_->uplink.farewell(publish);
   program_->truth.gone = true;
   program_.reset();
+}
+
+void NodeMachine::begin_anew(std::int64_t now_ns, const Publish& publish) {
+  leave(publish);
+  constexpr double kDeviceRefuses = 0.1;
+  if (change_->wanted() && random_.chance(kDeviceRefuses)) {
+    change_->refused("its device cannot");
+  } else if (change_->wanted()) {
+    vehicle_.text = *change_->wanted();
+    change_->made();
+  }
+  boot(now_ns);
+}
+
+std::optional<std::uint32_t> NodeMachine::changed_vehicle() const {
+  if (was_killed_ || !change_) return std::nullopt;
+  return change_->in_force();
 }
 
 }  // namespace roadbalance::test

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "common/bus/publish.hpp"
 #include "common/config/vehicle_config.hpp"
 #include "common/frontend/front_end.hpp"
+#include "firmware/vehicle_change.hpp"
 #include "hil_tests/deterministic/fault_scenario.hpp"
 #include "hil_tests/deterministic/hashed_sample.hpp"
 #include "hil_tests/deterministic/random.hpp"
@@ -44,6 +46,11 @@ class NodeMachine {
   /// Its program ends as finished() wants it to.
   void leave(const Publish& publish);
   bool finished() const;
+  /// It stays: as leave(), and then a new epoch, with another vehicle.toml if one is wanted and its devices
+  /// take it.
+  void begin_anew(std::int64_t now_ns, const Publish& publish);
+  /// Of the vehicle.toml in force; nothing if it was killed at some time, and so has that of its first start.
+  std::optional<std::uint32_t> changed_vehicle() const;
 
   std::int32_t number() const { return number_; }
   std::int64_t epoch() const { return last_epoch_; }  ///< the latest
@@ -63,6 +70,8 @@ class NodeMachine {
   Truth& truth_;
   Random random_;
   VehicleConfig vehicle_;
+  std::optional<VehicleChange> change_;  // outlives the epochs
+  bool was_killed_ = false;
   std::unique_ptr<Program> program_;
   bool paused_ = false;
   bool hung_ = false;

@@ -145,7 +145,7 @@ void RecordCheck::finish(bool closed) {
   for (const auto& [key, epoch] : truth_.epochs())
     if (epoch.scans > 0) seen(key);
   for (auto& [key, of] : seen_)
-    if (of.truth) finish(of, closed);
+    if (of.truth && (of.truth->next() > 1 || of.sequence > 0)) finish(of, closed);  // else nothing was sealed
 }
 
 void RecordCheck::finish(Seen& of, bool closed) {

@@ -35,6 +35,8 @@ World::World(const FaultScenario& scenario, std::uint64_t seed, double seconds)
     Host& host = hosts_.emplace_back();
     host.machine = std::make_unique<HostMachine>(scenario, h + 1, random_.bits(), truth_);
   }
+  if (scenario.is_operated())
+    for (std::int64_t number : {1, 2}) askers_.emplace_back(number, random_.bits(), truth_);
   std::int64_t last_ns = production_ns_;
   faults_.reserve(1024);
   for (const PlannedFault& fault : scenario.faults) plan(fault, last_ns);
@@ -109,7 +111,10 @@ void World::turn_node(std::size_t which) {
   };
   const bool busy = node.machine->turn(now_ns_, publish);
   watch_pull(node);
-  if (node.machine->finished()) {
+  if (node.machine->finished() && scenario_.is_operated()) {
+    node.machine->begin_anew(now_ns_, publish);
+    node.cleared_behind = 0;
+  } else if (node.machine->finished()) {
     node.machine->leave(publish);
     node.left = true;
     return;
@@ -213,16 +218,22 @@ void World::handle(const Event& event) {
     case Event::Kind::kCheck:
       check_finished();
       return events_.add(now_ns_ + kCheck_ns, Event::Kind::kCheck, 0);
+    case Event::Kind::kAsker:
+      return turn_asker(event.who);
+    case Event::Kind::kToAskers:
+      return take_answer(event);
     case Event::Kind::kStop:
       stopped_ = true;
-      for (Host& host : hosts_) host.machine->stop();
+      if (!scenario_.is_operated())
+        for (Host& host : hosts_) host.machine->stop();
       return;
   }
 }
 
 bool World::is_over() const {
   return std::all_of(hosts_.begin(), hosts_.end(), [](const Host& host) { return host.machine->closed(); }) &&
-         std::all_of(nodes_.begin(), nodes_.end(), [](const Node& node) { return node.left; });
+         (scenario_.is_operated() ||
+          std::all_of(nodes_.begin(), nodes_.end(), [](const Node& node) { return node.left; }));
 }
 
 RunResult World::run() {
@@ -238,6 +249,7 @@ RunResult World::run() {
                : static_cast<std::int64_t>(scenario_.second_starts * static_cast<double>(production_ns_));
     events_.add(at_ns, Event::Kind::kHostTurn, h, 1);
   }
+  for (std::size_t k = 0; k < askers_.size(); ++k) events_.add(kSecond_ns, Event::Kind::kAsker, k);
   events_.add(kCheck_ns, Event::Kind::kCheck, 0);
   std::int64_t stopped_ns = 0;
   while (!events_.empty() && !(stopped_ && is_over())) {
@@ -246,7 +258,7 @@ RunResult World::run() {
     truth_.set_now(now_ns_);
     handle(event);
     if (!stopped_) stopped_ns = now_ns_;
-    if (now_ns_ - stopped_ns > kLongestDrain_ns) {
+    if (now_ns_ - stopped_ns > (scenario_.is_operated() ? 3 : 1) * kLongestDrain_ns) {
       fault_not_over();
       break;
     }

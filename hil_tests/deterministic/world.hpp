@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/clock/clock_model.hpp"
+#include "hil_tests/deterministic/asker.hpp"
 #include "hil_tests/deterministic/event_queue.hpp"
 #include "hil_tests/deterministic/fault_scenario.hpp"
 #include "hil_tests/deterministic/host_machine.hpp"
@@ -47,6 +48,10 @@ class World {
     std::int64_t exchanges = 0;
     bool left = false;  // its program has ended in order
   };
+  void turn_asker(std::size_t which);
+  void take_answer(const Event& event);
+  bool was_named(std::int32_t node) const;
+  void check_set_up();
   struct Host {
     std::unique_ptr<HostMachine> machine;
     std::deque<std::uint32_t> socket;
@@ -84,6 +89,8 @@ class World {
   Network network_;
   std::vector<Node> nodes_;
   std::vector<Host> hosts_;
+  std::vector<Asker> askers_;
+  std::int64_t quiet_since_ns_ = 0;  // the operated recorder has nothing to do
   std::vector<Timed> faults_;
   std::int64_t now_ns_ = 0;
   bool stopped_ = false;
