@@ -82,13 +82,18 @@ bool HostMachine::boot(std::int64_t now_ns) {
 
 void HostMachine::kill() {
   died_ = false;
-  constexpr std::int64_t kWrittenAgain_ns = 1'500'000'000;
-  if (now_ns_ - refused_at_ns_ < kWrittenAgain_ns) ++unsure_deaths_;
+  if (book_may_be_old()) ++unsure_deaths_;
   disk_.kill();
   clock_events_.died();
   program_.reset();
   operating_.reset();
   calls_to_live_ = 0;
+}
+
+// Its disk has refused something within the time after which the book is written again.
+bool HostMachine::book_may_be_old() const {
+  constexpr std::int64_t kWrittenAgain_ns = 1'500'000'000;
+  return now_ns_ - refused_at_ns_ < kWrittenAgain_ns;
 }
 
 void HostMachine::cut_power() {

@@ -113,6 +113,7 @@ class HostMachine {
   bool boot_operating(std::int64_t now_ns);
   void turn_operating(std::int64_t now_ns, const Publish& publish);
   std::unique_ptr<Session> lead(const RecorderOptions& options);
+  bool book_may_be_old() const;
   void check_begun(const RecorderOptions& options);
   void check_recordings();
   void take_notes(const std::string& recording, std::span<const std::uint8_t> bytes);

@@ -94,6 +94,7 @@ void HostMachine::Led::turn(std::int64_t now_ns, const Publish& publish) {
 bool HostMachine::boot_operating(std::int64_t now_ns) {
   if (boots_ == 0) {
     for (const char* folder : {"/vehicle", kRecordings}) disk_.mkdir(folder, 0755);
+    sync_folder("/", disk_);  // long ago: no power cut takes them
     disk_.put(kVehicleOnDisk, {scenario_.vehicle.begin(), scenario_.vehicle.end()});
     operate_.recordings = kRecordings;
     operate_.vehicle = kVehicleOnDisk;
@@ -123,6 +124,7 @@ void HostMachine::check_begun(const RecorderOptions& options) {
   const nlohmann::json book = book_on(disk_);
   // A book that could not be written leaves it as being stopped: whoever reads it then does that again.
   const auto is_owed = [&] {
+    if (book_may_be_old()) return true;
     if (book.contains("under_way") && book["under_way"]["name"] == name) return true;
     for (const auto& rest : book.value("rest", nlohmann::json::array()))
       if (rest.at(0) == name) return true;
