@@ -6,6 +6,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/clock/clocks.hpp"
+#include "common/clock/utc.hpp"
 #include "common/record/folder.hpp"
 #include "host/recorder/operating.hpp"
 #include "host/recorder/recording_session.hpp"
@@ -16,9 +17,7 @@ namespace {
 constexpr std::chrono::milliseconds kTurn{20};
 
 Operating::Time time_now() {
-  using namespace std::chrono;
-  return {.now = WallClock::now(),
-          .utc_us = duration_cast<microseconds>(system_clock::now().time_since_epoch()).count()};
+  return {.now = WallClock::now(), .utc_us = utc_us()};
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "common/bus/codec.hpp"
 #include "common/bus/control.hpp"
 #include "common/record/folder.hpp"
+#include "host/recorder/desk_answers.hpp"
 #include "host/recorder/receipts.hpp"
 
 namespace roadbalance {
@@ -138,15 +139,11 @@ Desk::Hands Operating::hands() {
 
 Answer Operating::set_up(const Request& request) {
   if (set_up_) return set_up_->take(request, heard_.nodes(time_.now), time_.utc_us, time_.now);
-  return {.asker = request.asker,
-          .request = request.request,
-          .time_us = time_.utc_us,
-          .operation = request.operation,
-          .state = AnswerState::kRefused,
-          .reason = RefusalReason::kNotSupported,
-          .node = request.node,
-          .channel = request.channel,
-          .text = no_set_up_};
+  Answer answer = answer_to(request, time_.utc_us);
+  answer.state = AnswerState::kRefused;
+  answer.reason = RefusalReason::kNotSupported;
+  answer.text = no_set_up_;
+  return answer;
 }
 
 void Operating::begin(const UnderWay& recording) {

@@ -9,9 +9,10 @@
 #include "common/config/section.hpp"
 #include "common/config/vehicle_config.hpp"
 #include "common/link/blocks.hpp"
-#include "common/link/crc32c.hpp"
+#include "common/link/text_crc.hpp"
 #include "common/record/file.hpp"
 #include "common/record/folder.hpp"
+#include "host/recorder/desk_answers.hpp"
 #include "host/recorder/desk_book.hpp"
 #include "host/recorder/vehicle_edit.hpp"
 
@@ -81,10 +82,6 @@ std::string whom_it_reaches(const std::string& text, const std::vector<std::int3
   return all + ")";
 }
 
-std::uint32_t crc_of(const std::string& text) {
-  return crc32c({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
-}
-
 }  // namespace
 
 SetUp::SetUp(std::filesystem::path file, std::filesystem::path recordings, std::uint64_t seed, Disk& disk)
@@ -106,7 +103,7 @@ void SetUp::set_text(std::string text) {
     bytes_per_s += node.rate_hz * kBytesOfAScan;
   bytes_per_s_ = std::max(1.0, bytes_per_s);
   text_ = std::move(text);
-  crc32c_ = crc_of(text_);
+  crc32c_ = roadbalance::crc32c(text_);
 }
 
 std::map<int, RestReadings::Reading> SetUp::rest(const Request& request,
@@ -171,14 +168,8 @@ std::string SetUp::wanted(const Request& request, const std::vector<std::int32_t
 
 Answer SetUp::take(const Request& request, const std::vector<std::int32_t>& nodes, std::int64_t utc_us,
                    WallTime now) {
-  Answer answer{.asker = request.asker,
-                .request = request.request,
-                .time_us = utc_us,
-                .operation = request.operation,
-                .state = AnswerState::kRefused,
-                .node = request.node,
-                .channel = request.channel,
-                .value = request.value};
+  Answer answer = answer_to(request, utc_us);
+  answer.state = AnswerState::kRefused;
   try {
     if (change_) refuse(answer, RefusalReason::kNotSupported, "another change is being made: ask again");
     set_text(read_file(file_, disk_));  // somebody may have edited it
@@ -246,16 +237,9 @@ std::optional<Answer> SetUp::turn(const Publish& publish, std::int64_t utc_us, W
   for (const Command& command : said.command) (void)publish(command_channel(command.node), encode(command));
   const auto state = change_->push.state();
   if (state == VehiclePush::State::kUnderWay) return std::nullopt;
-  const Request& request = change_->request;
-  Answer answer{.asker = request.asker,
-                .request = request.request,
-                .time_us = utc_us,
-                .operation = request.operation,
-                .state = AnswerState::kRefused,
-                .node = request.node,
-                .channel = request.channel,
-                .value = request.value,
-                .text = change_->push.why()};
+  Answer answer = answer_to(change_->request, utc_us);
+  answer.state = AnswerState::kRefused;
+  answer.text = change_->push.why();
   conclude(state, answer);
   change_.reset();
   return answer;

@@ -1,6 +1,6 @@
 #include <system_error>
 
-#include "common/link/crc32c.hpp"
+#include "common/link/text_crc.hpp"
 #include "host/recorder/set_up.hpp"
 
 namespace roadbalance {
@@ -9,15 +9,13 @@ namespace roadbalance {
 
 AskedSetUp SetUp::asked() const {
   const Request& request = change_->request;
-  return {
-      .asked = {request.asker, request.request},
-      .operation = request.operation,
-      .node = request.node,
-      .channel = request.channel,
-      .value = request.value,
-      .nodes = change_->nodes,
-      .vehicle_crc32c = roadbalance::crc32c(
-          {reinterpret_cast<const std::uint8_t*>(change_->push.text().data()), change_->push.text().size()})};
+  return {.asked = {request.asker, request.request},
+          .operation = request.operation,
+          .node = request.node,
+          .channel = request.channel,
+          .value = request.value,
+          .nodes = change_->nodes,
+          .vehicle_crc32c = roadbalance::crc32c(change_->push.text())};
 }
 
 void SetUp::conclude(VehiclePush::State state, Answer& answer) {

@@ -3,16 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/link/crc32c.hpp"
+#include "common/link/text_crc.hpp"
 
 namespace roadbalance {
-namespace {
-
-std::uint32_t crc_of(const std::string& text) {
-  return crc32c({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
-}
-
-}  // namespace
 
 VehiclePush::VehiclePush(std::string before, std::string after, const std::vector<std::int32_t>& nodes,
                          std::int64_t incarnation, std::uint64_t seed, WallTime now)
@@ -55,7 +48,7 @@ VehiclePush::Said VehiclePush::due(WallTime now) {
       said.part.push_back(
           {.node = number,
            .incarnation = incarnation_,
-           .vehicle_crc32c = crc_of(text),
+           .vehicle_crc32c = crc32c(text),
            .part = part,
            .parts = parts,
            .text = text.substr(static_cast<std::size_t>(part) * kMostVehiclePart, kMostVehiclePart)});
@@ -63,7 +56,7 @@ VehiclePush::Said VehiclePush::due(WallTime now) {
                             .request = node.request,
                             .incarnation = incarnation_,
                             .verb = Verb::kConfigure,
-                            .vehicle_crc32c = crc_of(text)});
+                            .vehicle_crc32c = crc32c(text)});
   }
   return said;
 }
