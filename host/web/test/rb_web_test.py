@@ -10,6 +10,7 @@ import os
 import pathlib
 import re
 import select
+import shutil
 import socket
 import struct
 import subprocess
@@ -17,7 +18,8 @@ import tempfile
 import time
 import unittest
 
-PROGRAM = pathlib.Path(os.environ["RB_BIN"], "rb-web")
+BIN = pathlib.Path(os.environ["RB_BIN"])
+PROGRAM = BIN / "rb-web"
 PATIENCE_S = 60  # for what must happen; sanitizers are slow
 
 
@@ -543,16 +545,48 @@ class Unit(unittest.TestCase):
             self.assertIn(needed, lines)
         self.assertIn("ExecStart=/usr/local/bin/rb-web", lines)
 
+    UNITS = [path for folder in ("host", "firmware")
+             for path in pathlib.Path(os.environ["RB_SOURCE"], folder).rglob("*.service")]
+
     def test_every_unit_may_do_only_what_its_program_needs(self):
-        source = pathlib.Path(os.environ["RB_SOURCE"])
-        units = [path for folder in ("host", "firmware") for path in (source / folder).rglob("*.service")]
-        self.assertGreaterEqual(len(units), 3)
-        for unit in units:
+        self.assertGreaterEqual(len(self.UNITS), 4)
+        for unit in self.UNITS:
             lines = unit.read_text(encoding="ascii").splitlines()
             for needed in ("NoNewPrivileges=yes", "ProtectSystem=strict", "ProtectHome=yes", "PrivateTmp=yes",
                            "ProtectControlGroups=yes", "ProtectKernelModules=yes", "RestrictNamespaces=yes",
                            "RestrictSUIDSGID=yes", "LockPersonality=yes", "SystemCallArchitectures=native"):
                 self.assertIn(needed, lines, unit.name)
+
+    def test_every_unit_starts_its_program_as_that_wants_and_again_for_ever_but_after_a_wrong_command_line(self):
+        for unit in self.UNITS:
+            lines = unit.read_text(encoding="ascii").splitlines()
+            command = next(line for line in lines if line.startswith("ExecStart="))
+            program, *options = command.removeprefix("ExecStart=").split()
+            told = subprocess.run([BIN / pathlib.Path(program).name, "--help"], capture_output=True, text=True, check=True)
+            for option in options:
+                if option.startswith("--"):
+                    self.assertRegex(told.stdout, rf"(?m)^ +(-\w,)?{option}\b", unit.name)
+            for needed in ("Restart=always", "RestartPreventExitStatus=2", "StartLimitIntervalSec=0"):
+                self.assertIn(needed, lines, unit.name)
+
+    def test_what_is_done_with_recordings_gives_way_to_recording(self):
+        lines = pathlib.Path(os.environ["RB_SOURCE"], "host/receipts/rb-recordings.service").read_text(encoding="ascii").splitlines()
+        for needed in ("Nice=19", "IOSchedulingClass=idle", "MemoryHigh=1G", "DynamicUser=yes", "CapabilityBoundingSet=",
+                       "SystemCallFilter=@system-service", "IPAddressDeny=any",
+                       "ExecStart=/usr/local/bin/rb-recordings --folder /var/lib/roadbalance/recordings"):
+            self.assertIn(needed, lines)
+        recorder = pathlib.Path(os.environ["RB_SOURCE"], "host/recorder/rb-recorder.service").read_text(encoding="ascii")
+        self.assertIn("--recordings /var/lib/roadbalance/recordings ", recorder, "the folder that the recorder writes")
+
+    @unittest.skipUnless(shutil.which("systemd-analyze"), "no systemd here")
+    def test_systemd_knows_every_line(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for unit in self.UNITS:
+                here = pathlib.Path(folder, unit.name.replace("@", "@front"))
+                here.write_text(unit.read_text(encoding="ascii").replace("/usr/local/bin/", f"{BIN}/"), encoding="ascii")
+                said = subprocess.run(["systemd-analyze", "verify", "--man=no", "--recursive-errors=no", here],
+                                      capture_output=True, text=True, check=False)
+                self.assertEqual((said.returncode, said.stderr), (0, ""), unit.name)
 
 
 if __name__ == "__main__":
