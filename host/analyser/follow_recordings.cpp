@@ -45,7 +45,10 @@ class Listener {
     const bool any_lives = std::ranges::any_of(heard_, [now](const auto& heard) {
       return !heard.second.is_over && now - heard.second.at < kSilence;
     });
-    if (any_lives || heard_.empty()) lived_at_ = now;
+    // Who has been recorded may have gone before this listened; before anything is recorded nodes may yet
+    // come.
+    const bool may_come = heard_.empty() && name_.empty();
+    if (any_lives || may_come) lived_at_ = now;
   }
 
   /// Empty: nothing has been recorded yet.
