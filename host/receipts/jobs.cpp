@@ -5,6 +5,8 @@
 #include <system_error>
 #include <utility>
 
+#include "host/recorder/desk_answers.hpp"
+
 namespace roadbalance {
 namespace {
 
@@ -13,16 +15,13 @@ constexpr double kMostKinds = 99;
 constexpr std::int64_t kPatience_us = 2'000'000;  // of a program that is told to end
 constexpr std::size_t kMostDocument = static_cast<std::size_t>(kMostParts) * kPartBytes;
 
-Answer answer_to(const Request& request, AnswerState state, RefusalReason reason, std::string text,
-                 std::int64_t utc_us) {
-  return {.asker = request.asker,
-          .request = request.request,
-          .time_us = utc_us,
-          .operation = request.operation,
-          .state = state,
-          .reason = reason,
-          .value = request.value,
-          .text = std::move(text)};
+Answer reply_to(const Request& request, AnswerState state, RefusalReason reason, std::string text,
+                std::int64_t utc_us) {
+  Answer answer = answer_to(request, utc_us);
+  answer.state = state;
+  answer.reason = reason;
+  answer.text = std::move(text);
+  return answer;
 }
 
 std::string in_quotes(const std::string& name) {
@@ -89,7 +88,7 @@ std::optional<Answer> Jobs::take(const Request& request, const std::vector<Recor
 Answer Jobs::begin(const Request& request, const std::vector<RecordingReceipt>& known, bool grows,
                    std::int64_t utc_us) {
   const auto refused = [&](RefusalReason reason, std::string why) {
-    return answer_to(request, AnswerState::kRefused, reason, std::move(why), utc_us);
+    return reply_to(request, AnswerState::kRefused, reason, std::move(why), utc_us);
   };
   const bool is_kind = request.value[0] >= 1 && request.value[0] <= kMostKinds;
   const auto line = job_line(static_cast<JobKind>(is_kind ? static_cast<int>(request.value[0]) : 0));
@@ -133,18 +132,18 @@ Answer Jobs::begin(const Request& request, const std::vector<RecordingReceipt>& 
                            .recording = name,
                            .before = before,
                            .document_kind = line->document}};
-  return answer_to(request, AnswerState::kDone, RefusalReason::kNone, in_quotes(name) + " is being worked on",
-                   utc_us);
+  return reply_to(request, AnswerState::kDone, RefusalReason::kNone, in_quotes(name) + " is being worked on",
+                  utc_us);
 }
 
 Answer Jobs::cancel(const Request& request, std::int64_t utc_us) {
   if (!running_ || static_cast<double>(entry_[running_->place].job.job) != request.value[0])
-    return answer_to(request, AnswerState::kRefused, RefusalReason::kBadArgument, "this job has ended",
-                     utc_us);
+    return reply_to(request, AnswerState::kRefused, RefusalReason::kBadArgument, "this job has ended",
+                    utc_us);
   running_->is_cancelled = true;
   running_->cancelled_us = utc_us;
   running_->child.stop();
-  return answer_to(request, AnswerState::kDone, RefusalReason::kNone, "cancelled", utc_us);
+  return reply_to(request, AnswerState::kDone, RefusalReason::kNone, "cancelled", utc_us);
 }
 
 void Jobs::turn(bool grows, std::int64_t utc_us) {

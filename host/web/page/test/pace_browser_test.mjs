@@ -39,7 +39,7 @@ test("a sample is seen within 250 ms of being taken", async (t) => {
 });
 
 test("the page of rb demo shows live data within 10 s, at 10 updates a second or more, at 20 times real time", async (t) => {
-  const {page} = await openDemo(t, "--drive-seconds", "320", "--rate", "20");
+  const {page} = await openDemo(t, "--drive-seconds", "3200", "--rate", "20");
   await showsBars(page, kWithinMs);
   const rate = await updatesPerSecond(page);
   assert.ok(rate >= 10, `${rate.toFixed(1)} updates a second`);
