@@ -21,6 +21,7 @@
 #include "host/analyser/envelopes.hpp"
 #include "host/analyser/knocks.hpp"
 #include "host/analyser/levels.hpp"
+#include "host/analyser/sample_beat.hpp"
 #include "host/analyser/spectra.hpp"
 #include "host/analyser/spectrum_view.hpp"
 #include "host/analyser/transfer_view.hpp"
@@ -29,9 +30,11 @@
 namespace roadbalance {
 namespace {
 
-constexpr std::chrono::milliseconds kLevelInterval{100};
+// Of what is told of samples, in their time; of what somebody wants to see, in his.
+constexpr double kLevel_s = 0.1, kSpectrum_s = 1.0;
+constexpr std::chrono::milliseconds kViewInterval{100};
 constexpr std::chrono::milliseconds kEnvelopeInterval{50};
-constexpr std::chrono::milliseconds kSpectrumInterval{1000};
+constexpr std::chrono::milliseconds kWaterfallInterval{1000};
 
 /// Says whether it is time again.
 class Every {
@@ -54,6 +57,7 @@ struct NodeView {
   SpectrumMeter spectra;
   EnvelopeMeter envelopes;
   KnockMeter knocks;
+  SampleBeat level_beat{kLevel_s}, spectrum_beat{kSpectrum_s};
   std::int64_t epoch = 0;
   std::int64_t last_sequence = 0;
   std::int64_t skipped = 0;
@@ -83,8 +87,10 @@ class LiveView {
         waterfalls_(vehicle),
         chosen_(vehicle, find, warn) {
     for (const auto& node : vehicle.node)
-      nodes_.emplace(node.id, NodeView{LevelMeter(vehicle, node), SpectrumMeter(node), EnvelopeMeter(node),
-                                       KnockMeter(node)});
+      nodes_.emplace(node.id, NodeView{.levels = LevelMeter(vehicle, node),
+                                       .spectra = SpectrumMeter(node),
+                                       .envelopes = EnvelopeMeter(node),
+                                       .knocks = KnockMeter(node)});
     const auto take = [this](std::string_view, std::span<const std::uint8_t> bytes) { add(bytes); };
     bus_.subscribe("RB_BLOCK_.*", take);
     bus_.subscribe("RB_PREVIEW_.*", take);
@@ -102,22 +108,25 @@ class LiveView {
   void step() {
     bus_.handle(std::chrono::milliseconds(20));
     const WallTime now = WallClock::now();
-    if (levels_.due(now)) publish_levels(now);
+    if (views_.due(now)) publish_views(now);
     if (envelopes_.due(now)) publish_envelopes(now);
-    if (all_spectra_.due(now)) publish_spectra(now);
+    if (waterfall_.due(now))
+      for (const WaterfallRow& row : waterfalls_.rows(now)) bus_.publish(kWaterfallChannel, encode(row));
   }
 
   std::vector<std::string> other_versions() { return bus_.other_versions(); }
   std::optional<VehicleConfig> other_vehicle() { return chosen_.changed(WallClock::now()); }
 
  private:
-  void publish_levels(WallTime now) {
-    for (auto& [id, node] : nodes_)
-      if (auto level = node.levels.take()) {
-        level->skipped = node.skipped;
-        watch_.judge(*level);
-        bus_.publish(kLevelChannel, encode(*level));
-      }
+  void publish_level(NodeView& node) {
+    auto level = node.levels.take();
+    if (!level) return;
+    level->skipped = node.skipped;
+    watch_.judge(*level);
+    bus_.publish(kLevelChannel, encode(*level));
+  }
+
+  void publish_views(WallTime now) {
     for (const TransferPart& part : transfers_.parts(now)) bus_.publish(kTransferChannel, encode(part));
     for (const SpectrumPart& part : spectra_.parts(now)) bus_.publish(kSpectrumChannel, encode(part));
   }
@@ -128,12 +137,6 @@ class LiveView {
       if (const auto node = nodes_.find(channel.node); node != nodes_.end())
         if (const auto envelope = node->second.envelopes.envelope(channel.channel))
           bus_.publish(kEnvelopeChannel, encode(*envelope));
-  }
-
-  void publish_spectra(WallTime now) {
-    for (auto& [id, node] : nodes_)
-      for (const SpectrumPart& part : node.spectra.take()) bus_.publish(kSpectrumChannel, encode(part));
-    for (const WaterfallRow& row : waterfalls_.rows(now)) bus_.publish(kWaterfallChannel, encode(row));
   }
 
   void add(const View& view) {
@@ -159,6 +162,11 @@ class LiveView {
     const ScanBlock scans = decode_scan(*block_);
     node->second.levels.add(scans);
     node->second.spectra.add(scans);
+    const WallTime now = WallClock::now();
+    if (node->second.level_beat.due(scans, now)) publish_level(node->second);
+    if (node->second.spectrum_beat.due(scans, now))
+      for (const SpectrumPart& part : node->second.spectra.take())
+        bus_.publish(kSpectrumChannel, encode(part));
     if (const auto knock = node->second.knocks.add(scans)) bus_.publish(kKnockChannel, encode(*knock));
     if (block_->header.sequence == 0) return;  // a preview skips
     node->second.envelopes.add(scans);
@@ -179,7 +187,7 @@ class LiveView {
   std::map<ChannelId, WallTime> watched_;  ///< envelopes that somebody wants, and when he said so
   std::unique_ptr<SealedBlock> block_ = std::make_unique<SealedBlock>();
   ChosenVehicle chosen_;
-  Every levels_{kLevelInterval}, envelopes_{kEnvelopeInterval}, all_spectra_{kSpectrumInterval};
+  Every views_{kViewInterval}, envelopes_{kEnvelopeInterval}, waterfall_{kWaterfallInterval};
 };
 
 }  // namespace

@@ -9,9 +9,10 @@
 
 namespace roadbalance {
 
-/// Process: blocks and previews from the bus -> levels ten times and spectra once a second (wall time), and
-/// what somebody wants to see (View): transfer functions and spectra ten times, envelopes twenty times, order
-/// spectra by speed once a second.
+/// Process: blocks and previews from the bus -> levels ten times and spectra once a second of each node's
+/// samples (SampleBeat), the same when they are played again; and what somebody wants to see (View):
+/// transfer functions and spectra ten times, envelopes twenty times, order spectra by speed once a second
+/// (wall time).
 ///
 /// It asks nobody for repairs: what it did not see it counts in Level::skipped.  When the nodes measure by
 /// another vehicle.toml it goes by that (ChosenVehicle).

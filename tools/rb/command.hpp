@@ -35,6 +35,7 @@ void add_spectrum(CLI::App& app, int& code);
 void add_report(CLI::App& app, int& code);
 void add_study(CLI::App& app, int& code);
 void add_response(CLI::App& app, int& code);
+void add_replay(CLI::App& app, int& code);
 void add_select(CLI::App& app, int& code);
 void add_reduce(CLI::App& app, int& code);
 void add_export(CLI::App& app, int& code);

@@ -78,6 +78,7 @@ int main(int argc, char** argv) {
   add_response(app, code);
   add_model(app, code);
   add_study(app, code);
+  add_replay(app, code);
   add_select(app, code);
   add_reduce(app, code);
   add_transfer(app, code);

@@ -12,32 +12,33 @@ namespace roadbalance {
 namespace {
 
 constexpr int kMostTurns = 8;
+/// Every node, idle or not, beats three times in it.
+constexpr std::chrono::milliseconds kListen{300};
 
-bool is_quiet(int port) {
-  constexpr std::chrono::milliseconds kListen{300};
-  Bus bus(bus_url_on_port(port));
+}  // namespace
+
+bool is_quiet(const std::string& url, std::chrono::milliseconds listen) {
+  Bus bus(url);
   bool heard = false;
-  bus.subscribe("RB_(BLOCK|PREVIEW|HEARTBEAT|ACK|COMMAND)_.*",
+  bus.subscribe("RB_(BLOCK|PREVIEW|HEARTBEAT|ACK|COMMAND)_.*|RB_RECORDER",
                 [&](std::string_view, std::span<const std::uint8_t>) { heard = true; });
-  const WallTime end = WallClock::now() + kListen;
-  for (auto left = kListen; left.count() > 0 && !heard;
+  const WallTime end = WallClock::now() + listen;
+  for (auto left = listen; left.count() > 0 && !heard;
        left = std::chrono::duration_cast<std::chrono::milliseconds>(end - WallClock::now()))
     bus.handle(left);
   return !heard;
 }
 
-}  // namespace
-
 int quiet_port(int asked) {
   if (asked != 0) {
-    if (is_quiet(asked)) return asked;
+    if (is_quiet(bus_url_on_port(asked), kListen)) return asked;
     throw std::runtime_error("another recorder or node is on port " + std::to_string(asked) +
                              " of the bus; --bus-port names another, without it a free one is taken");
   }
   for (int turn = 0; turn < kMostTurns; ++turn) {
     const int port = process_port(turn);
     try {
-      if (is_quiet(port)) return port;
+      if (is_quiet(bus_url_on_port(port), kListen)) return port;
     } catch (const std::runtime_error&) {
       if (turn + 1 == kMostTurns) throw;  // not this port: there is no bus on any
     }
