@@ -86,7 +86,7 @@ function step(plan: Compensation, k: number): Step {
   const place = `${where(plan.wheel, angle_rad)}${onPlace(kind, plane, radius(radius_m))}`;
   const grams = weightMass(plan.mass_g[k] ?? 0);
   const there = kind === WeightKind.Untold ? grams : `the ${grams}${kHeld[kind]}`;
-  const detail = alongRim(angle_rad, radius_m) + (isHidden(plane) ? "; behind the wheel, on the side of the car" : "");
+  const detail = alongRim(angle_rad, radius_m) + (isHidden(plane) ? "; behind the wheel" : "");
   switch (plan.action[k] as WeightAction) {
     case WeightAction.Add: return {text: `${kPutting[kind]} ${grams} at ${place}`, detail};
     case WeightAction.Move: {

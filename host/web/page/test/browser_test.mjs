@@ -69,7 +69,7 @@ test("places heavy spot and weight right on both sides of the car", async (t) =>
   // Seen from outside driving forward a left wheel turns counter-clockwise: 12 - 217/30 = 4:46, 12 - 37/30 = 10:46;
   // a right one clockwise: 217/30 = 7:14, 37/30 = 1:14.
   assert.match(await text(page, "#wheel-1"), /Clip 35 g at 37° \(clock 10:46\) on the outer flange\..*Heavy spot at 217° \(clock 4:46\), 35\.0 g/);
-  assert.match(await text(page, "#wheel-2"), /Stick 35 g at 37° \(clock 1:14\) in the inner plane\. 123 mm ahead of the mark; behind the wheel, on the side of the car.*Heavy spot at 217° \(clock 7:14\), 35\.0 g/);
+  assert.match(await text(page, "#wheel-2"), /Stick 35 g at 37° \(clock 1:14\) in the inner plane\. 123 mm ahead of the mark; behind the wheel.*Heavy spot at 217° \(clock 7:14\), 35\.0 g/);
   // And on the drawing: 4:46 is below and to the right of the hub, 7:14 below and to the left; weights opposite.
   for (const [card, right] of [[1, 1], [2, -1]]) {
     const {hub, spot, weight} = await page.evaluate((id) => {
@@ -88,7 +88,7 @@ test("places heavy spot and weight right on both sides of the car", async (t) =>
 test("says what to do with weights that are on the wheel, and when they will not help", async (t) => {
   const page = await open(t, "known");
   assert.match(await text(page, "#wheel-3"), /WEIGHTS WILL NOT CURE THIS: force that does not grow with speed/);
-  assert.match(await text(page, "#wheel-3"), /Move the 20 g clip from 30° \(clock 11:00\) on the outer flange to 90° \(clock 9:00\) on the inner flange\. to 298 mm ahead of the mark; behind the wheel, on the side of the car Remove the 5 g clip at 200° \(clock 5:20\) on the outer flange/);
+  assert.match(await text(page, "#wheel-3"), /Move the 20 g clip from 30° \(clock 11:00\) on the outer flange to 90° \(clock 9:00\) on the inner flange\. to 298 mm ahead of the mark; behind the wheel Remove the 5 g clip at 200° \(clock 5:20\) on the outer flange/);
   assert.match(await text(page, "#wheel-4"), /Leave it: the unbalance is within its own uncertainty/);
   assert.match(await text(page, "#wheel-1"), /leaves 2\.6 g \(49 g·cm\), within the 7 g that a shop leaves/);
 });
@@ -178,7 +178,7 @@ test("shows what is wired how, what a knock has proven, and whether all is ready
   assert.equal(rows.length, 24);
   assert.match(rows[23], /2\.12 right_6 body down from below, upwards 50 .* ✓ by knock/);
   assert.match(rows[0], /1\.1 left_1 front left up from below, upwards 200 2\.3842e-5 0 0 0\.20 not yet/);
-  assert.match(await text(page, "#setup"), /rb datum --wheel front_left --vehicle vehicle\.toml/);
+  assert.match(await text(page, "#setup"), /rb datum --wheel front_left --before DRIVE1/);
 });
 
 test("says what is not ready, and what to do", async (t) => {
