@@ -27,6 +27,13 @@ enum class Operation : std::int32_t {
   kCancel = 9,   ///< ends a job before it is done (value 0: its number)
   kScale = 10,   ///< a channel's scale by gravity, both ways up (node, channel; value 0: 1 if the positive
                  ///< direction points up now, -1 if down); the second of the two sets it
+  kReading =
+      11,       ///< of a wheel that is turned by hand, while a recording is under way (channel: the wheel, 0
+                ///< front_left ..; value 0: where its reference point stands, rad from the upward vertical
+                ///< in the direction of forward rotation; value 1: 1, or 0 to begin with this wheel); done's
+                ///< values are the datum so far and its standard deviation, rad, 0 while there is none
+  kDatum = 12,  ///< where a wheel's zero mark fires (channel: the wheel; value 0: rad, value 1: its standard
+                ///< deviation, above 0)
 };
 
 /// Asked of rb-recordings; the others of rb-recorder.

@@ -1,14 +1,19 @@
 #include "host/calibration/datum_readings.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <complex>
 #include <numbers>
 
+#include "common/config/set_value.hpp"
+#include "common/text/format.hpp"
+
 namespace roadbalance {
 namespace {
 
 constexpr double kTurn_rad = 2.0 * std::numbers::pi;
+constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 }  // namespace
 
@@ -81,6 +86,20 @@ std::optional<DatumReadings::Datum> DatumReadings::datum() const {
   datum.scatter_rad = std::max(std::sqrt(square / (count - 1.0)), pitch_rad() / std::sqrt(12.0));
   datum.sigma_rad = datum.scatter_rad / std::sqrt(count);
   return datum;
+}
+
+std::string DatumReadings::objection() const {
+  const auto found = datum();
+  if (!found || std::abs(found->worst_rad) <= kFarthest_rad) return {};
+  return format(
+      "the readings do not agree: one is %.0f deg from their mean. Was the clock read from outside, and the "
+      "wheel turned forward only?",
+      std::abs(found->worst_rad) * kDegrees);
+}
+
+DatumText datum_text(double datum_rad, double sigma_rad) {
+  const double sigma_deg = std::max(0.01, std::ceil(100.0 * sigma_rad * kDegrees) / 100.0);
+  return {toml_number(datum_rad * kDegrees, 2), toml_number(sigma_deg, 2)};
 }
 
 }  // namespace roadbalance

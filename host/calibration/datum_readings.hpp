@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "common/config/vehicle_config.hpp"
@@ -21,6 +22,8 @@ namespace roadbalance {
 /// What all readings have in common (the car stands aslant) nobody sees.
 class DatumReadings {
  public:
+  static constexpr double kFarthest_rad = 0.26;  ///< 15 degrees: a reading so far off is a mistake
+
   explicit DatumReadings(const EncoderConfig& config) : config_(config) {}
 
   /// The wheel's edges in order of time.  A single track takes every tooth for one that goes forward.
@@ -43,6 +46,8 @@ class DatumReadings {
   };
   /// Of two readings and more.
   std::optional<Datum> datum() const;
+  /// Why the readings cannot be used, to be said; empty: they can.
+  std::string objection() const;
 
  private:
   double pitch_rad() const;
@@ -55,5 +60,12 @@ class DatumReadings {
   std::optional<double> place_;  ///< pitches from that mark to the first tooth behind it
   std::vector<double> datum_rad_;
 };
+
+/// A datum as vehicle.toml holds it, degrees.
+struct DatumText {
+  std::string datum_deg;
+  std::string datum_sigma_deg;  ///< not better than it was found, nor 0, which says that nobody knows
+};
+DatumText datum_text(double datum_rad, double sigma_rad);
 
 }  // namespace roadbalance

@@ -37,11 +37,14 @@ void Desk::take(const Request& request, std::int64_t utc_us, int nodes) {
     case Operation::kZero:
     case Operation::kVehicle:
     case Operation::kScale:
+    case Operation::kDatum:
       // What a count means is said once in an epoch, before its first sample.
       if (book_.under_way)
         return refuse(request, RefusalReason::kRecording,
                       "a recording has one set-up from its first sample to its last: stop it first", utc_us);
       return set_up(request, utc_us);
+    case Operation::kReading:
+      return read_mark(request, utc_us);
     case Operation::kJob:
     case Operation::kCancel:
       return;  // of rb-recordings, which answers
@@ -204,6 +207,18 @@ void Desk::set_up(const Request& request, std::int64_t utc_us) {
     }
   }
   say(answer);
+}
+
+void Desk::read_mark(const Request& request, std::int64_t utc_us) {
+  if (!book_.under_way || is_stopping())
+    return refuse(request, RefusalReason::kNotRecording,
+                  "nodes send the edges of wheels while a recording is under way: start one", utc_us);
+  Answer answer = hands_.read_mark(request);
+  if (answer.state == AnswerState::kRefused)
+    return refuse(request, answer.reason, std::move(answer.text), utc_us);
+  answer.time_us = utc_us;
+  note_asked(request, RefusalReason::kNone, answer.text);
+  say(std::move(answer));
 }
 
 void Desk::was_set_up(const Answer& answer) {

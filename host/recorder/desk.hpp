@@ -25,13 +25,14 @@ class Desk {
     std::function<void(const DeskBook&)> store;  ///< @throws std::system_error
     /// A recording of this name.  @throws std::system_error
     std::function<bool(const std::string& name)> exists;
-    std::function<void(const UnderWay&)> begin;    ///< lets a recorder run on its folder
-    std::function<void()> stop;                    ///< lets it come to its end
-    std::function<void(NoteToRecord)> note;        ///< into the recording that runs
-    std::function<Answer(const Request&)> set_up;  ///< other operations; none is done yet
-    std::function<AskedSetUp()> asked_set_up;      ///< what set_up() has just put under way ...
-    std::function<void()> forget_set_up;           ///< ... and is not to do
-    std::function<bool()> is_set_up_under_way;     ///< one of them has not come to its end
+    std::function<void(const UnderWay&)> begin;       ///< lets a recorder run on its folder
+    std::function<void()> stop;                       ///< lets it come to its end
+    std::function<void(NoteToRecord)> note;           ///< into the recording that runs
+    std::function<Answer(const Request&)> set_up;     ///< other operations; none is done yet
+    std::function<AskedSetUp()> asked_set_up;         ///< what set_up() has just put under way ...
+    std::function<void()> forget_set_up;              ///< ... and is not to do
+    std::function<bool()> is_set_up_under_way;        ///< one of them has not come to its end
+    std::function<Answer(const Request&)> read_mark;  ///< Operation::kReading
   };
   Desk(Hands hands, DeskBook book);
 
@@ -80,6 +81,7 @@ class Desk {
   void stop(const Request& request, std::int64_t utc_us);
   void mark(const Request& request, std::int64_t utc_us);
   void set_up(const Request& request, std::int64_t utc_us);
+  void read_mark(const Request& request, std::int64_t utc_us);
   void note(const Mark& mark);
   bool answer_again(const Request& request, std::int64_t utc_us);
   bool store(DeskBook book);

@@ -34,7 +34,7 @@ RecorderReport operate(std::stop_token stop, const OperateOptions& options) {
                        .seed = (std::uint64_t{device()} << 32) | device()},
                       time_now());
   for (const char* channels :
-       {kRequestChannel, "RB_HEARTBEAT_.*", "RB_CLOCK_.*", "RB_REPLY_.*", "RB_PREVIEW_.*"})
+       {kRequestChannel, "RB_HEARTBEAT_.*", "RB_CLOCK_.*", "RB_REPLY_.*", "RB_PREVIEW_.*", "RB_BLOCK_.*"})
     bus.subscribe(channels, [&operating](std::string_view channel, auto bytes) {
       operating.take(channel, bytes, time_now());
     });

@@ -92,8 +92,10 @@ void Operating::take(std::string_view channel, std::span<const std::uint8_t> byt
   } else if (set_up_ && channel.starts_with("RB_REPLY_")) {
     if (const auto reply = decode_reply(bytes)) set_up_->take(*reply);
   } else if (set_up_ && channel.starts_with("RB_PREVIEW_")) {
-    if (accept(bytes, preview_) == Refusal::kNone && preview_.kind == BlockKind::kScan)
-      set_up_->take(decode_scan(preview_), time.now);
+    if (accept(bytes, block_) == Refusal::kNone && block_.kind == BlockKind::kScan)
+      set_up_->take(decode_scan(block_), time.now);
+  } else if (mark_readings_.listens() && channel.starts_with("RB_BLOCK_")) {
+    if (accept(bytes, block_) == Refusal::kNone) mark_readings_.take(block_, time.now);
   }
 }
 
@@ -134,16 +136,26 @@ Desk::Hands Operating::hands() {
       .set_up = [this](const Request& request) { return set_up(request); },
       .asked_set_up = [this] { return set_up_->asked(); },
       .forget_set_up = [this] { set_up_->forget(); },
-      .is_set_up_under_way = [this] { return is_set_up_under_way(); }};
+      .is_set_up_under_way = [this] { return is_set_up_under_way(); },
+      .read_mark = [this](const Request& request) { return read_mark(request); }};
 }
 
-Answer Operating::set_up(const Request& request) {
-  if (set_up_) return set_up_->take(request, heard_.nodes(time_.now), time_.utc_us, time_.now);
+Answer Operating::no_vehicle(const Request& request) const {
   Answer answer = answer_to(request, time_.utc_us);
   answer.state = AnswerState::kRefused;
   answer.reason = RefusalReason::kNotSupported;
   answer.text = no_set_up_;
   return answer;
+}
+
+Answer Operating::set_up(const Request& request) {
+  if (set_up_) return set_up_->take(request, heard_.nodes(time_.now), time_.utc_us, time_.now);
+  return no_vehicle(request);
+}
+
+Answer Operating::read_mark(const Request& request) {
+  if (set_up_) return mark_readings_.take(request, set_up_->vehicle(), time_.now);
+  return no_vehicle(request);
 }
 
 void Operating::begin(const UnderWay& recording) {
@@ -183,6 +195,7 @@ void Operating::look_after_recording() {
   }
   if (!view.is_over) return tell_who_differs();
   session_.reset();
+  mark_readings_.forget();
   if (view.error.empty()) return finish(view.report);
   warn(view.error);
   failed_at_ = time_.now;

@@ -15,6 +15,7 @@
 #include "common/record/disk.hpp"
 #include "host/recorder/desk.hpp"
 #include "host/recorder/heard_nodes.hpp"
+#include "host/recorder/mark_readings.hpp"
 #include "host/recorder/operate.hpp"
 #include "host/recorder/rest_fetching.hpp"
 #include "host/recorder/session.hpp"
@@ -40,7 +41,8 @@ class Operating {
   /// @throws std::runtime_error, std::system_error, ConfigError naming the file
   Operating(const OperateOptions& options, World world, Time time);
 
-  /// What came on any channel; those of requests, heartbeats, clocks, replies and previews count.
+  /// What came on any channel; those of requests, heartbeats, clocks, replies, previews and, while
+  /// a zero mark is read, blocks count.
   void take(std::string_view channel, std::span<const std::uint8_t> bytes, Time time);
 
   /// Does and says what is due.  False: told to stop, and nothing is left to be done.
@@ -58,8 +60,9 @@ class Operating {
   DeskBook with_vehicle(DeskBook book);
   Desk::Hands hands();
   Answer set_up(const Request& request);
+  Answer read_mark(const Request& request);
+  Answer no_vehicle(const Request& request) const;
   bool is_set_up_under_way() const { return set_up_ && set_up_->is_under_way(); }
-  void take_preview(std::span<const std::uint8_t> bytes);
   void hear_clock(std::span<const std::uint8_t> bytes);
   void begin(const UnderWay& recording);
   std::unique_ptr<Session> begin_rest(const std::string& recording, EpochScope scope);
@@ -84,7 +87,8 @@ class Operating {
   std::map<std::int32_t, double> sync_us_;
   std::optional<SetUp> set_up_;
   std::string no_set_up_ = "this recorder leads no vehicle file: start rb-recorder with --vehicle FILE";
-  SealedBlock preview_;
+  SealedBlock block_;
+  MarkReadings mark_readings_;
   std::atomic<int> nodes_recorded_ = 0;  // before the session, whose thread reads it
   std::mutex differs_mutex_;
   WallTime agreed_at_{};

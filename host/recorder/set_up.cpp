@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <numbers>
 #include <system_error>
 #include <utility>
 
@@ -18,6 +19,8 @@
 
 namespace roadbalance {
 namespace {
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 /// Raised inside take() only: the answer has the reason already.
 struct Refused {};
@@ -61,6 +64,13 @@ std::string what_is_done(const Request& request, const std::filesystem::path& fi
       return text;
     case Operation::kFilter:
       std::snprintf(text, sizeof text, "every node filters above %g Hz", request.value[0]);
+      return text;
+    case Operation::kDatum:
+      std::snprintf(text, sizeof text, "%s: its zero mark fires at %.2f ± %.2f deg",
+                    0 <= request.channel && request.channel < kWheels
+                        ? kWheelNames[static_cast<std::size_t>(request.channel)]
+                        : "a wheel",
+                    request.value[0] * kDegrees, request.value[1] * kDegrees);
       return text;
     case Operation::kZero:
       return request.node == 0 ? "every channel's reading at rest is its zero"
@@ -109,7 +119,7 @@ void SetUp::set_text(std::string text) {
 std::map<int, RestReadings::Reading> SetUp::rest(const Request& request,
                                                  const std::vector<std::int32_t>& nodes, WallTime now,
                                                  Answer& answer) const {
-  const VehicleConfig vehicle = VehicleConfig::parse(text_, file_.string());
+  const VehicleConfig vehicle = this->vehicle();
   std::map<int, RestReadings::Reading> readings;
   for (const NodeConfig& node : vehicle.node) {
     if (std::ranges::find(nodes, node.id) == nodes.end() || (request.node != 0 && request.node != node.id))
@@ -125,7 +135,7 @@ std::map<int, RestReadings::Reading> SetUp::rest(const Request& request,
 // The text once the channel has been read both ways up.
 std::string SetUp::scaled(const Request& request, const std::vector<std::int32_t>& nodes, WallTime now,
                           Answer& answer) {
-  const VehicleConfig vehicle = VehicleConfig::parse(text_, file_.string());
+  const VehicleConfig vehicle = this->vehicle();
   const NodeConfig* node = vehicle.node_with_id(request.node);
   if (!node || request.channel < 0 || request.channel >= static_cast<int>(node->channel.size()) ||
       std::abs(request.value[0]) != 1.0)
@@ -154,6 +164,8 @@ std::string SetUp::wanted(const Request& request, const std::vector<std::int32_t
       return with_filter(text_, request);
     case Operation::kZero:
       return with_zero(text_, rest(request, nodes, now, answer));
+    case Operation::kDatum:
+      return with_datum(text_, request);
     case Operation::kScale:
       return scaled(request, nodes, now, answer);
     default:

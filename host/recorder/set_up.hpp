@@ -10,6 +10,7 @@
 
 #include "common/bus/operation.hpp"
 #include "common/bus/publish.hpp"
+#include "common/config/vehicle_config.hpp"
 #include "common/record/disk.hpp"
 #include "host/recorder/desk_book.hpp"
 #include "host/recorder/rest_readings.hpp"
@@ -46,6 +47,8 @@ class SetUp {
   std::optional<Answer> turn(const Publish& publish, std::int64_t utc_us, WallTime now);
 
   bool is_under_way() const { return change_.has_value(); }
+  /// As it is in force.
+  VehicleConfig vehicle() const { return VehicleConfig::parse(text_, file_.string()); }
   const std::filesystem::path& file() const { return file_; }
   /// Of its text, as nodes tell it.
   std::uint32_t crc32c() const { return crc32c_; }

@@ -1,11 +1,15 @@
 #include "host/recorder/vehicle_edit.hpp"
 
+#include <cmath>
 #include <cstdio>
+#include <numbers>
 
 #include "common/config/same_number.hpp"
 #include "common/config/section.hpp"
 #include "common/config/set_value.hpp"
 #include "common/config/vehicle_config.hpp"
+#include "host/calibration/datum_readings.hpp"
+#include "host/recorder/mark_readings.hpp"
 
 namespace roadbalance {
 namespace {
@@ -72,6 +76,20 @@ std::string with_calibration(const std::string& text, const NodeConfig& node, in
   const std::string scaled =
       with_value(text, path, "scale_m_s2_per_count", exact(calibration.scale_m_s2_per_count), kFile);
   return with_value(scaled, path, "offset_counts", toml_number(calibration.offset_counts, 1), kFile);
+}
+
+std::string with_datum(const std::string& text, const Request& request) {
+  constexpr double kTurn_rad = 2.0 * std::numbers::pi;
+  const VehicleConfig vehicle = VehicleConfig::parse(text, kFile);
+  const WheelConfig& wheel = wheel_with_mark(vehicle, request.channel);
+  const auto [datum_rad, sigma_rad] = request.value;
+  if (!(std::abs(datum_rad) <= kTurn_rad)) throw ConfigError("a datum is at most a turn");
+  if (!(sigma_rad > 0.0 && sigma_rad <= std::numbers::pi))
+    throw ConfigError("how well a datum is known is above 0 and at most half a turn");
+  const TablePath encoder{{"wheel", wheel.name}, {"encoder"}};
+  const DatumText words = datum_text(datum_rad, sigma_rad);
+  return with_value(with_value(text, encoder, "datum_deg", words.datum_deg, kFile), encoder,
+                    "datum_sigma_deg", words.datum_sigma_deg, kFile);
 }
 
 std::string with_filter(const std::string& text, const Request& request) {

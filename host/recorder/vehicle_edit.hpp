@@ -18,6 +18,8 @@ std::string with_range(const std::string& text, const Request& request);
 /// @param channel  of the node, from 0
 std::string with_calibration(const std::string& text, const NodeConfig& node, int channel,
                              const TurnOver::Calibration& calibration);
+/// Of the wheel that the request names by its place.
+std::string with_datum(const std::string& text, const Request& request);
 std::string with_filter(const std::string& text, const Request& request);
 /// @param readings  of each node that is to be zeroed, by its number: no fault
 std::string with_zero(const std::string& text, const std::map<int, RestReadings::Reading>& readings);

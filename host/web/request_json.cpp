@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::array<std::pair<std::string_view, Operation>, 10> kNames{{{"start", Operation::kStart},
+constexpr std::array<std::pair<std::string_view, Operation>, 12> kNames{{{"start", Operation::kStart},
                                                                          {"stop", Operation::kStop},
                                                                          {"mark", Operation::kMark},
                                                                          {"range", Operation::kRange},
@@ -20,7 +20,9 @@ constexpr std::array<std::pair<std::string_view, Operation>, 10> kNames{{{"start
                                                                          {"vehicle", Operation::kVehicle},
                                                                          {"job", Operation::kJob},
                                                                          {"cancel", Operation::kCancel},
-                                                                         {"scale", Operation::kScale}}};
+                                                                         {"scale", Operation::kScale},
+                                                                         {"reading", Operation::kReading},
+                                                                         {"datum", Operation::kDatum}}};
 
 [[noreturn]] void refuse(const std::string& why) {
   throw std::invalid_argument(why);
@@ -37,7 +39,9 @@ Operation operation_of(const Json& json) {
   const std::string name = json.is_string() ? json.get<std::string>() : "";
   for (const auto& [known, operation] : kNames)
     if (known == name) return operation;
-  refuse("operation is none of start, stop, mark, range, filter, zero, vehicle, job, cancel, scale");
+  refuse(
+      "operation is none of start, stop, mark, range, filter, zero, vehicle, job, cancel, scale, reading, "
+      "datum");
 }
 
 void take_values(const Json& json, Request& request) {

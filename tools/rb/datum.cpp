@@ -20,10 +20,8 @@ constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 std::vector<ValueToSet> values(const std::string& wheel, double datum_rad, double sigma_rad) {
   const TablePath encoder{{"wheel", wheel}, {"encoder"}};
-  // Not better than it was found, nor 0, which says that nobody knows.
-  const double sigma_deg = std::max(0.01, std::ceil(100.0 * sigma_rad * kDegrees) / 100.0);
-  return {{encoder, "datum_deg", toml_number(datum_rad * kDegrees, 2)},
-          {encoder, "datum_sigma_deg", toml_number(sigma_deg, 2)}};
+  const DatumText text = datum_text(datum_rad, sigma_rad);
+  return {{encoder, "datum_deg", text.datum_deg}, {encoder, "datum_sigma_deg", text.datum_sigma_deg}};
 }
 
 int report(const DatumOptions& options, const FoundDatum& found, std::optional<double> was_rad) {

@@ -19,8 +19,8 @@ void say(const std::string& sentence) {
 
 /// Why no edges come, once; empty: they may.
 std::string why_silent(const EdgeListener& listener, const NodeConfig& node, const std::string& url) {
-  if (listener.heard_blocks()) return {};
-  if (listener.heard_preview())
+  if (listener.line.heard_blocks()) return {};
+  if (listener.line.heard_preview())
     return "node " + node.name +
            " is there, but sends its edges only while somebody records: start rb-recorder beside it";
   return "node " + node.name + " is not heard on " + url;
@@ -35,8 +35,8 @@ bool lead(DatumDialogue& dialogue, EdgeListener& listener, TypedLines& lines, co
     listener.handle(std::chrono::milliseconds(50));
     for (const std::string& sentence : listener.other_versions()) say(sentence);
     const WallTime now = WallClock::now();
-    for (; !listener.edges.empty(); listener.edges.pop_front())
-      say(dialogue.take(listener.edges.front(), now));
+    for (; !listener.line.edges.empty(); listener.line.edges.pop_front())
+      say(dialogue.take(listener.line.edges.front(), now));
     say(dialogue.tick(now));
     if (!silence_said && now - begin > kSilence) {
       silence_said = true;

@@ -1,6 +1,5 @@
 #include "tools/rb/datum_dialogue.hpp"
 
-#include <cmath>
 #include <cstdio>
 #include <numbers>
 
@@ -65,15 +64,6 @@ std::string DatumDialogue::tick(WallTime now) {
   std::string said = format("%.1f deg (%s): datum %.1f deg", read_rad * kDegrees,
                             clock_of(read_rad, left_).c_str(), datum_rad * kDegrees);
   return done() ? said : said + ". " + where_to_turn();
-}
-
-std::string DatumDialogue::objection() const {
-  const auto datum = readings_.datum();
-  if (!datum || std::abs(datum->worst_rad) <= kFarthest_rad) return {};
-  return format(
-      "the readings do not agree: one is %.0f deg from their mean. Was the clock read from outside, and the "
-      "wheel turned forward only?",
-      std::abs(datum->worst_rad) * kDegrees);
 }
 
 }  // namespace roadbalance

@@ -16,7 +16,6 @@ namespace roadbalance {
 class DatumDialogue {
  public:
   static constexpr std::chrono::milliseconds kStill{700};
-  static constexpr double kFarthest_rad = 0.26;  ///< 15 degrees: a reading so far off is a mistake
 
   /// @param wanted  readings, 2 and more
   DatumDialogue(const WheelConfig& wheel, int wanted);
@@ -36,7 +35,7 @@ class DatumDialogue {
   bool done() const { return static_cast<int>(readings_.readings()) >= wanted_; }
   const DatumReadings& readings() const { return readings_; }
   /// Why the readings cannot be used, to be said; empty: they can.
-  std::string objection() const;
+  std::string objection() const { return readings_.objection(); }
 
  private:
   std::string where_to_turn() const;

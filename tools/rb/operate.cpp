@@ -5,19 +5,23 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <string>
 
 #include "common/config/section.hpp"
 #include "common/config/validators.hpp"
+#include "common/config/vehicle_config.hpp"
 #include "common/frontend/front_end.hpp"
 #include "common/link/block.hpp"
 #include "tools/rb/asking.hpp"
 #include "tools/rb/command.hpp"
+#include "tools/rb/wheel_angle.hpp"
 
 namespace roadbalance {
 namespace {
 
 using Json = nlohmann::ordered_json;
+constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 struct AskOptions {
   std::string url = default_bus_url();
@@ -123,6 +127,49 @@ void add_text(CLI::App& command, const std::string& name, const std::shared_ptr<
   });
 }
 
+/// A wheel by its name, as requests count them.
+void add_wheel(CLI::App& command, const std::shared_ptr<AskOptions>& options) {
+  std::map<std::string, std::int32_t> wheels;
+  for (std::int32_t w = 0; w < kWheels; ++w) wheels[kWheelNames[static_cast<std::size_t>(w)]] = w;
+  command.add_option("wheel", options->request.channel, "front_left, front_right, rear_left or rear_right")
+      ->required()
+      ->transform(CLI::CheckedTransformer(wheels));
+}
+
+void add_zero_marks(CLI::App& configure, int& code) {
+  CLI::App* reading = configure.add_subcommand(
+      "reading",
+      "Of a zero mark, while a recording is under way: begin with a wheel, turn it forward by hand until "
+      "its mark fires, let it stand, tell where its reference point (the valve) is; and again");
+  const auto of_reading = add_asking(*reading, Operation::kReading, code);
+  add_wheel(*reading, of_reading);
+  reading->add_option_function<std::string>(
+      "where",
+      [of_reading](const std::string& text) {
+        const bool is_left = of_reading->request.channel % 2 == 0;
+        const auto angle_rad = parse_wheel_angle(text, is_left);
+        if (!angle_rad) throw ConfigError("\"" + text + "\" is no place on a wheel; allowed: 10:30, 45");
+        of_reading->request.value = {*angle_rad, 1.0};
+      },
+      "the clock as seen from outside, or degrees from the top in the direction of forward rotation; not "
+      "given: "
+      "begin with this wheel");
+  CLI::App* datum = configure.add_subcommand("datum", "Where a wheel's zero mark fires, between recordings");
+  const auto of_datum = add_asking(*datum, Operation::kDatum, code);
+  add_wheel(*datum, of_datum);
+  const auto add_angle = [datum, of_datum](const std::string& name, std::size_t k, double least, double most,
+                                           const std::string& what) {
+    datum
+        ->add_option_function<double>(
+            name, [of_datum, k](double deg) { of_datum->request.value[k] = deg / kDegrees; }, what)
+        ->required()
+        ->check(number_within(least, most));
+  };
+  add_angle("deg", 0, -360.0, 360.0,
+            "of the wheel, its reference point on top = 0, in the direction of rotation");
+  add_angle("sigma_deg", 1, 0.01, 180.0, "how well that is known, one standard deviation");
+}
+
 }  // namespace
 
 void add_start(CLI::App& app, int& code) {
@@ -144,7 +191,7 @@ void add_mark(CLI::App& app, int& code) {
 
 void add_configure(CLI::App& app, int& code) {
   CLI::App* configure =
-      app.add_subcommand("configure", "Changes ranges, scales and filter between recordings");
+      app.add_subcommand("configure", "Changes ranges, scales, filter and zero marks between recordings");
   configure->require_subcommand(1);
   CLI::App* range = configure->add_subcommand("range", "Full scale of a channel");
   const auto of_range = add_asking(*range, Operation::kRange, code);
@@ -170,6 +217,7 @@ void add_configure(CLI::App& app, int& code) {
   filter->add_option("corner", of_filter->request.value[0], "Hz")->required()->check(number_within(1.0, 1e5));
   filter->add_option("--order", of_filter->request.value[1], "of the Butterworth filter; default: as it is")
       ->check(CLI::Range(1, 12));
+  add_zero_marks(*configure, code);
 }
 
 void add_zero(CLI::App& app, int& code) {

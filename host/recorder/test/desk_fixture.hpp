@@ -51,7 +51,18 @@ class DeskTest : public ::testing::Test {
                return AskedSetUp{.asked = {7, 1}, .operation = Operation::kRange, .vehicle_crc32c = 5};
              },
          .forget_set_up = [this] { done.push_back("forget"); },
-         .is_set_up_under_way = [this] { return sets_up; }},
+         .is_set_up_under_way = [this] { return sets_up; },
+         .read_mark =
+             [this](const Request& request) {
+               done.push_back("read");
+               return Answer{.asker = request.asker,
+                             .request = request.request,
+                             .operation = request.operation,
+                             .state = mark_fired ? AnswerState::kDone : AnswerState::kRefused,
+                             .reason = mark_fired ? RefusalReason::kNone : RefusalReason::kMoving,
+                             .value = {0.5, 0.01},
+                             .text = mark_fired ? "read" : "it turns"};
+             }},
         book);
   }
   static Answer last(Desk& desk) {
@@ -64,6 +75,7 @@ class DeskTest : public ::testing::Test {
   std::vector<std::string> done;
   bool disk_fails = false;
   bool sets_up = false;
+  bool mark_fired = true;
 };
 
 }  // namespace roadbalance::test

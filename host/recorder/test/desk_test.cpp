@@ -140,5 +140,31 @@ TEST_F(DeskTest, ASetUpIsForBetweenRecordings) {
   }
 }
 
+// Only then nodes send edges; each reading counts once, however often its request comes.
+TEST_F(DeskTest, ReadsAZeroMarkWhileARecordingIsUnderWay) {
+  Desk desk = this->desk();
+  desk.take(ask(Operation::kReading, 1), kNow, 1);
+  EXPECT_EQ(last(desk).reason, RefusalReason::kNotRecording);
+  EXPECT_TRUE(done.empty());
+  desk.take(ask(Operation::kStart, 2, "turned"), kNow, 1);
+  done.clear();
+  for (int k = 0; k < 2; ++k) {
+    desk.take(ask(Operation::kReading, 3), kNow, 1);
+    const Answer answer = last(desk);
+    EXPECT_EQ(answer.state, AnswerState::kDone);
+    EXPECT_EQ(answer.request, 3);
+    EXPECT_EQ(answer.value, (std::array{0.5, 0.01}));
+  }
+  EXPECT_EQ(done, (std::vector<std::string>{"read", "asked 11 read"}))
+      << "done once, and noted in the record";
+  mark_fired = false;
+  done.clear();
+  desk.take(ask(Operation::kReading, 4), kNow, 1);
+  EXPECT_EQ(last(desk).reason, RefusalReason::kMoving);
+  EXPECT_EQ(done, (std::vector<std::string>{"read", "asked 11 refused: it turns"}));
+  desk.take(ask(Operation::kDatum, 5), kNow, 1);
+  EXPECT_EQ(last(desk).reason, RefusalReason::kRecording) << "a datum is for between recordings";
+}
+
 }  // namespace
 }  // namespace roadbalance

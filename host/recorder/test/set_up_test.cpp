@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <numbers>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/control.hpp"
@@ -111,6 +112,27 @@ TEST_F(SetUpTest, AScaleWantsAChannelAndAWay) {
   const Request nowhere{
       .asker = 1, .request = 99, .operation = Operation::kScale, .node = 9, .channel = 0, .value = {1, 0}};
   EXPECT_EQ(set_up.take(nowhere, {1}, 1, now).reason, RefusalReason::kBadArgument);
+}
+
+TEST_F(SetUpTest, ADatumIsInForceAtTheNodesAndInTheFile) {
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  const Request request{.asker = 1,
+                        .request = 7,
+                        .operation = Operation::kDatum,
+                        .channel = 0,
+                        .value = {31.5 * kDegree, 0.8 * kDegree}};
+  ASSERT_EQ(set_up.take(request, {1}, 1'000'000, now).state, AnswerState::kUnderWay);
+  EXPECT_NEAR(VehicleConfig::read_file(file.string()).wheel[0].encoder.datum_rad, 30.0 * kDegree, 1e-12)
+      << "not before the node has it";
+  const Answer done = obeyed();
+  EXPECT_EQ(done.state, AnswerState::kDone) << done.text;
+  EXPECT_EQ(done.text.rfind(
+                "front_left: its zero mark fires at 31.50 ± 0.80 deg (at node 1; not on the bus: node 2", 0),
+            0U)
+      << done.text;
+  const EncoderConfig encoder = VehicleConfig::read_file(file.string()).wheel[0].encoder;
+  EXPECT_NEAR(encoder.datum_rad, 31.5 * kDegree, 1e-12);
+  EXPECT_NEAR(encoder.datum_sigma_rad, 0.8 * kDegree, 1e-12);
 }
 
 }  // namespace

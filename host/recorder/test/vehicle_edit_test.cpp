@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "common/config/section.hpp"
 #include "common/config/vehicle_config.hpp"
 #include "common/test/source.hpp"
@@ -63,6 +65,24 @@ TEST(VehicleEdit, AFilterKeepsItsOrderUnlessAskedOtherwise) {
   EXPECT_EQ(parse(with_filter(demo_text(), request)).filter.order, 6);
   request.value[1] = 4;
   EXPECT_EQ(parse(with_filter(demo_text(), request)).filter.order, 4);
+}
+
+TEST(VehicleEdit, ADatumIsOfItsWheel) {
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  const Request request{
+      .operation = Operation::kDatum, .channel = 1, .value = {-107.125 * kDegree, 0.401 * kDegree}};
+  const VehicleConfig was = parse(demo_text()), is = parse(with_datum(demo_text(), request));
+  EXPECT_NEAR(is.wheel[1].encoder.datum_rad, -107.125 * kDegree, 0.0051 * kDegree);  // two decimals
+  EXPECT_NEAR(is.wheel[1].encoder.datum_sigma_rad, 0.41 * kDegree, 1e-12) << "not better than it was found";
+  EXPECT_EQ(is.wheel[0].encoder.datum_rad, was.wheel[0].encoder.datum_rad);
+  const auto refused = [&](Request wrong) {
+    EXPECT_THROW((void)with_datum(demo_text(), wrong), ConfigError);
+  };
+  refused({.operation = Operation::kDatum, .channel = -1, .value = {0, 0.1}});
+  refused({.operation = Operation::kDatum, .channel = 4, .value = {0, 0.1}});
+  refused({.operation = Operation::kDatum, .channel = 0, .value = {7, 0.1}});
+  refused({.operation = Operation::kDatum, .channel = 0, .value = {0, 0}});
+  refused({.operation = Operation::kDatum, .channel = 0, .value = {0, 4}});
 }
 
 TEST(VehicleEdit, AZeroIsTheReadingOfItsNode) {

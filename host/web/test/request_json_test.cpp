@@ -57,10 +57,11 @@ TEST(RequestJson, RefusesWhatIsNoRequestAndSaysWhy) {
   EXPECT_EQ(with(R"(, "text": [[[[[]]]]])"), "too deep");
   EXPECT_EQ(fault_of(R"({"asker": 9007199254740992, "request": 2, "operation": "mark"})"),
             "asker is too large");
-  EXPECT_EQ(fault_of(R"({"asker": -1, "request": 2, "operation": "mark"})"),
-            "a number cannot be");
-  EXPECT_EQ(fault_of(R"({"asker": 1, "request": 2, "operation": "delete"})"),
-            "operation is none of start, stop, mark, range, filter, zero, vehicle, job, cancel, scale");
+  EXPECT_EQ(fault_of(R"({"asker": -1, "request": 2, "operation": "mark"})"), "a number cannot be");
+  EXPECT_EQ(
+      fault_of(R"({"asker": 1, "request": 2, "operation": "delete"})"),
+      "operation is none of start, stop, mark, range, filter, zero, vehicle, job, cancel, scale, reading, "
+      "datum");
 }
 
 }  // namespace

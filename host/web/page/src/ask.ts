@@ -10,6 +10,7 @@ const kNames: Readonly<Record<Operation, string>> = {
   [Operation.Start]: "start", [Operation.Stop]: "stop", [Operation.Mark]: "mark", [Operation.Range]: "range",
   [Operation.Filter]: "filter", [Operation.Zero]: "zero", [Operation.Vehicle]: "vehicle",
   [Operation.Job]: "job", [Operation.Cancel]: "cancel", [Operation.Scale]: "scale",
+  [Operation.Reading]: "reading", [Operation.Datum]: "datum",
 };
 
 export interface Details {

@@ -1,7 +1,8 @@
-// Range, filter, zeros, scale and vehicle file: what is set between recordings.
+// Range, filter, zeros, scale, zero marks and vehicle file: what is set between recordings.
 import type {Asker} from "./ask";
 import {isBusy, type Car} from "./car";
 import {el, setAttributes, setText} from "./dom";
+import {MarkView} from "./mark_view";
 import type {View} from "./view";
 import {Operation} from "./wire";
 
@@ -42,7 +43,7 @@ export class EquipmentView implements View {
   readonly id = "equipment";
   readonly title = "Equipment";
   readonly key = "E";
-  readonly does = "equipment: range, filter, zeros, scale, vehicle file";
+  readonly does = "equipment: range, filter, zeros, scale, zero marks, vehicle file";
   readonly element: HTMLElement;
   private readonly channel = field("range-channel", "channel", {type: "text", placeholder: "2.5", required: "",
                                                                 pattern: "[0-9]{1,4}[.]([1-9]|1[0-2])",
@@ -56,6 +57,7 @@ export class EquipmentView implements View {
   private readonly order = field("filter-order", "order (empty: as it is)", {type: "number", min: "1", max: "12", step: "1"});
   private readonly vehicle = field("vehicle-name", "file", {type: "text", placeholder: "car.toml", required: "", maxlength: "100"});
   private readonly settings: readonly Setting[];
+  private readonly mark: MarkView;
   private readonly why = el("p", {id: "equipment-why", role: "status"});
 
   constructor(private readonly car: Car, private readonly asker: Asker) {
@@ -76,15 +78,19 @@ export class EquipmentView implements View {
       new Setting(Operation.Vehicle, "Vehicle file", "One of those beside the file that the recorder was started with.",
                   "Use file", [this.vehicle.label], () => asker.ask(Operation.Vehicle, {text: this.vehicle.input.value.trim()})),
     ];
+    this.mark = new MarkView(asker);
     this.down.onclick = () => { if (this.turned.input.reportValidity()) this.readScale(-1); };
-    this.element = el("section", {class: "equipment"}, [this.why, ...this.settings.map(({element}) => element)]);
+    this.element = el("section", {class: "equipment"}, [this.why, ...this.settings.map(({element}) => element), this.mark.element]);
   }
 
   draw(nowMs: number): void {
     const recorders = this.car.livingRecorders(nowMs);
-    const why = !this.asker.mayAsk() ? "To watch only: this page was opened without #token=… of the address that rb-web prints."
-      : recorders.some(isBusy) ? "Not while a recording is under way: it has one set-up from its first sample to its last. Stop it first."
-        : recorders.some(({operable}) => operable !== 0) ? "" : "No recorder takes requests: run rb-recorder --recordings FOLDER --vehicle FILE.";
+    const isRecording = recorders.some(isBusy);
+    const noRecorder = recorders.some(({operable}) => operable !== 0) ? ""
+      : "No recorder takes requests: run rb-recorder --recordings FOLDER --vehicle FILE.";
+    const watching = this.asker.mayAsk() ? "" : "To watch only: this page was opened without #token=… of the address that rb-web prints.";
+    const why = watching ||
+      (isRecording ? "Not while a recording is under way: it has one set-up from its first sample to its last. Stop it first." : noRecorder);
     setText(this.why, why);
     for (const {operation, button, more, says} of this.settings) {
       for (const each of [button, ...more])
@@ -93,6 +99,7 @@ export class EquipmentView implements View {
       setText(says, text);
       setAttributes(says, {"data-bad": String(isBad), id: `says-${Operation[operation].toLowerCase()}`});
     }
+    this.mark.draw(watching || noRecorder || (isRecording ? "" : "To read a zero mark start a recording first (R)."), why, nowMs);
   }
 
   private setRange(): void {

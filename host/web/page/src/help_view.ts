@@ -7,7 +7,7 @@ const kFirstDay: readonly string[] = [
   "Mark a point of each wheel, the valve for one: all angles count from there.",
   "Switch on nodes and recorder. Set-up (S) lists what is heard; every line of the check should say OK, once the wheels have rolled and each sensor was knocked on.",
   "Tap test: knock on each sensor as the table says, on both sides. A wrong sign is mended now, not after the drive.",
-  "Tell each wheel where its zero mark is: rb datum, in Set-up under Calibration. Equipment (E) sets scales and zeros of channels.",
+  "Tell each wheel where its zero mark is: Equipment (E) leads you through turning it by hand, and sets scales and zeros of channels.",
   "Roll a few metres: the encoders' lines of the check become OK.",
   "Start the recording. The word on top is RECORDING, and the four lamps are discs: SYNC after a while, for clocks are asked only now.",
   "Drive steadily at 80 to 130 km/h, straight, on a good road; now and then change lanes or take a bend.",

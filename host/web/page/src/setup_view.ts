@@ -85,11 +85,9 @@ export class SetupView implements View {
       el("h2", {}, ["Nodes and filter"]),
       table("Nodes", ["node", "name", "vehicle file", "scans a second", "anti-aliasing filter"], this.nodes),
       el("h2", {}, ["Calibration"]),
-      el("p", {}, ["Zeros and scales of channels are set in Equipment (E). These want your hands or a recording made for them, so they are commands on the computer that has vehicle.toml:"]),
+      el("p", {}, ["Zero marks, zeros and scales of channels are set in Equipment (E). These want your hands or a recording made for them, so they are commands on the computer that has vehicle.toml:"]),
       el("dl", {class: "commands"}, [
-        el("dt", {}, ["Where a zero mark fires, by turning the wheel by hand"]),
-        el("dd", {}, [el("code", {}, ["rb datum --wheel front_left --vehicle vehicle.toml"])]),
-        el("dt", {}, ["The same by a trial weight: 50 g at the valve between two drives"]),
+        el("dt", {}, ["Where a zero mark fires, by a trial weight: 50 g at the valve between two drives"]),
         el("dd", {}, [el("code", {}, ["rb datum --wheel front_left --before DRIVE1 --after DRIVE2 --grams 50 --at 0 --vehicle vehicle.toml"])]),
         el("dt", {}, ["Gain and delay of channels against each other: one voltage on all inputs, recorded"]),
         el("dd", {}, [el("code", {}, ["rb calibrate channels RECORDING --vehicle vehicle.toml"])]),

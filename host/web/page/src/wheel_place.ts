@@ -21,6 +21,20 @@ export function clockPosition(wheel: number, angle_rad: number): string {
   return `${Math.floor(onFace / 60) || 12}:${String(onFace % 60).padStart(2, "0")}`;
 }
 
+/** The same backwards: "10:30" seen from outside, or degrees from the top in the direction of forward rotation ("45", "-30°");
+    rad, undefined if it is neither. */
+export function angleOf(wheel: number, text: string): number | undefined {
+  const turn = 2 * Math.PI;
+  const [, hour, minute] = /^\s*(\d{1,2}):([0-5]\d)\s*$/.exec(text) ?? [];
+  if (hour !== undefined) {
+    const hours = Number(hour) + Number(minute) / 60;
+    return hours <= 13 ? ((clockwise(wheel) * hours / 12 * turn) % turn + turn) % turn : undefined;
+  }
+  const [, degrees] = /^\s*([+-]?\d{1,3}(?:\.\d*)?)\s*(?:deg|°)?\s*$/.exec(text) ?? [];
+  const angle = Number(degrees);
+  return degrees !== undefined && Math.abs(angle) <= 360 ? angle / 360 * turn : undefined;
+}
+
 export interface Point {
   readonly x: number;
   readonly y: number;

@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import {test} from "node:test";
 import {load} from "./load.mjs";
 
-const page = await load("car", "encode", "wire", "state", "lamps", "preflight", "taps", "directions", "words", "units", "driver_view", "receipt_view");
+const page = await load("car", "encode", "wire", "state", "lamps", "preflight", "taps", "directions", "words", "units", "driver_view", "receipt_view", "wheel_place");
 
 /** A frame of rb-web (host/web/feed.hpp). */
 function frame(...messages) {
@@ -257,4 +257,25 @@ test("units are those of the person, and of a weight that can be bought", () => 
   assert.equal(page.moment(28.349523125, 0.254), "10.0\u00a0oz·in");
   assert.equal(page.speed(44.704), "100\u00a0mph");
   page.toggleUnits();
+});
+
+// 10:30 is 45° left of the top: a left wheel turns that way, a right one the other.
+test("a place on a wheel is told by the clock as seen from outside, or by degrees in the direction of rotation", () => {
+  const degrees = (wheel, words) => Math.round(page.angleOf(wheel, words) * 180 / Math.PI * 1e6) / 1e6;
+  for (const left of [0, 2]) {
+    assert.equal(degrees(left, "10:30"), 45);
+    assert.equal(degrees(left + 1, "10:30"), 315);
+    assert.equal(degrees(left, " 3:00 "), 270);
+    assert.equal(degrees(left + 1, "3:00"), 90);
+    for (const wheel of [left, left + 1]) {
+      assert.equal(degrees(wheel, "12:00"), 0);
+      assert.equal(degrees(wheel, "6:00"), 180);
+      assert.equal(degrees(wheel, "45"), 45);
+      assert.equal(degrees(wheel, "-30.5°"), -30.5);
+      for (const words of ["", "10", "7:30", "217°"].slice(1))
+        assert.equal(page.clockPosition(wheel, page.angleOf(wheel, page.clockPosition(wheel, page.angleOf(wheel, words)))),
+                     page.clockPosition(wheel, page.angleOf(wheel, words)), "back and forth");
+    }
+  }
+  for (const words of ["", "valve", "13:01", "10:60", "361", "1e2", "4 5"]) assert.equal(page.angleOf(0, words), undefined, words);
 });

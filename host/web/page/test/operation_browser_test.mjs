@@ -200,6 +200,44 @@ test("sets range, filter, zeros and vehicle file between recordings, and each an
   await says(page, "#receipt", "0 lost");
 });
 
+// The simulated car drives, so no reading counts; that counting is right is mark_readings_test's.
+test("a zero mark is read while a recording is under way, and set when it is over", async (t) => {
+  const page = await open(t);
+  await isState(page, "ARMED");
+  await page.keyboard.press("e");
+  await says(page, "#says-reading", "start a recording first");
+  assert.equal(await page.locator("#begin-reading").isDisabled(), true);
+  await page.locator("#mark-wheel").selectOption("rear right");
+  await page.locator("#tab-equipment").focus();
+  await page.keyboard.press("r");
+  await isState(page, "RECORDING");
+  await page.locator("#mark-where").fill("10:30");
+  await page.locator("#set-reading").click();
+  await says(page, "#says-reading", "begin with this wheel first");
+  await page.locator("#begin-reading").click();
+  await says(page, "#says-reading", "rear_right: turn it forward by hand until its zero mark fires");
+  await page.locator("#mark-where").fill("10:30");
+  await page.waitForTimeout(1500);
+  await page.locator("#set-reading").click();
+  await says(page, "#says-reading", "it turns, or has just come to a stand");
+  assert.equal(await page.locator("#set-datum").isDisabled(), true);
+  await says(page, "#says-datum", "Not while a recording is under way");
+  await page.locator("#zero-mark").scrollIntoViewIfNeeded();
+  await picture(page, "equipment-zero-mark");
+  assert.deepEqual(await weakTexts(page), []);
+  await page.locator("#tab-equipment").focus();
+  await holdEscape(page);
+  await isState(page, "ARMED");
+  await page.locator("#mark-datum").fill("-107.25");
+  await page.locator("#mark-sigma").fill("0.5");
+  await page.locator("#set-datum").click();
+  await says(page, "#says-datum", "rear_right: its zero mark fires at -107\\.25 ± 0\\.50 deg \\(at node 1, 2\\)");
+  const winter = readFileSync(join(vehicles, "winter.toml"), "utf8");
+  assert.match(winter.slice(winter.indexOf('name = "rear_right"')), /^[^[]*\[wheel\.encoder\][^[]*datum_deg = -107\.25\n[^[]*datum_sigma_deg = 0\.5\n/);
+  await page.keyboard.press("s");
+  await says(page, "#setup", "rear right\\s+2 line 2\\s+96\\s+[^\\n]*\\s+-107\\.[23]° ± 0\\.5°");
+});
+
 test("a page without the token may watch, and says why it may do no more", async (t) => {
   const page = await open(t, {}, where.replace(/#.*/, ""));
   await isState(page, "ARMED");
