@@ -68,6 +68,7 @@ std::vector<std::uint8_t> encode(const SpectrumPart& s) {
   m.viewer = s.viewer;
   m.node = s.node;
   m.channel = s.channel;
+  m.state = static_cast<std::int32_t>(s.state);
   m.time_ns = s.time_ns;
   m.part = s.part;
   m.parts = s.parts;
@@ -84,12 +85,14 @@ std::vector<std::uint8_t> encode(const SpectrumPart& s) {
 std::optional<SpectrumPart> decode_spectrum(std::span<const std::uint8_t> bytes) {
   const auto m = wire_format::decode<wire::spectrum_t>(bytes);
   if (!m || m->channel < 0 || m->channel >= kChannels || m->parts < 1 || m->part < 0 || m->part >= m->parts ||
-      m->bins < 0 || m->bins > kSpectrumBinsPerPart || m->held < 0 || m->held > 1)
+      m->bins < 0 || m->bins > kSpectrumBinsPerPart || m->held < 0 || m->held > 1 || m->state < 0 ||
+      m->state > static_cast<std::int32_t>(TransferState::kTooMuch) || (m->state != 0 && m->bins > 0))
     return std::nullopt;
   SpectrumPart s;
   s.viewer = m->viewer;
   s.node = m->node;
   s.channel = m->channel;
+  s.state = static_cast<TransferState>(m->state);
   s.time_ns = m->time_ns;
   s.part = m->part;
   s.parts = m->parts;

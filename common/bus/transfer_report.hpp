@@ -52,7 +52,7 @@ struct View {
 
 inline constexpr std::size_t kTransferBinsPerPart = 48;
 
-/// Why there is no transfer function (yet).
+/// Why there is no transfer function, or no spectrum (yet).
 enum class TransferState : std::int32_t {
   kTold = 0,
   kTooShort = 1,      ///< no segment is full yet

@@ -43,8 +43,8 @@ void SpectrumView::take(const View& view, WallTime now) {
     viewer.wanted.push_back(std::move(wanted));
   }
   forget(now);  // before more is begun
-  for (const Wanted& wanted : viewer.wanted)
-    if (pool_.has(wanted.channel)) pool_.begin(wanted.kind);
+  for (Wanted& wanted : viewer.wanted)
+    wanted.state = pool_.has(wanted.channel) ? pool_.begin(wanted.kind) : TransferState::kNoChannel;
 }
 
 void SpectrumView::forget(WallTime now) {
@@ -63,13 +63,17 @@ std::vector<SpectrumPart> SpectrumView::parts(WallTime now) {
     for (Wanted& wanted : viewer.wanted) {
       const JointSpectra* const joint = pool_.find(wanted.kind);
       const int averages = joint ? joint->spectra().averages() : 0;
-      if (std::exchange(wanted.told, averages) == averages) continue;
+      const TransferState state =
+          wanted.state == TransferState::kTold && averages == 0 ? TransferState::kTooShort : wanted.state;
+      const std::pair now_told(state, averages);
+      if (std::exchange(wanted.told, now_told) == now_told) continue;
       const SpectrumPart about{.viewer = id,
                                .node = wanted.channel.node,
                                .channel = wanted.channel.channel,
+                               .state = state,
                                .time_ns = joint ? joint->end_ns() : 0,
                                .held = wanted.kind.hold_peaks};
-      if (averages == 0)
+      if (state != TransferState::kTold)
         parts.push_back(about);
       else
         add_parts(about, viewer.highest_hz, joint->spectra(), parts);

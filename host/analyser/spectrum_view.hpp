@@ -3,6 +3,8 @@
 #include <chrono>
 #include <cstdint>
 #include <map>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "common/bus/results.hpp"
@@ -28,8 +30,8 @@ class SpectrumView {
   void consume(const SealedBlock& block) { pool_.consume(block); }
   void consume(const ClockFit& fit) { pool_.consume(fit); }
 
-  /// All parts of all spectra that have something new to tell.  Of those without a full segment once one part
-  /// without bins; likewise of channels that the vehicle has not, and of more than the analyser holds.
+  /// All parts of all spectra that have something new to tell.  Of those that cannot be told (yet) one part
+  /// without bins, whenever the reason is another.
   std::vector<SpectrumPart> parts(WallTime now);
 
  private:
@@ -37,7 +39,8 @@ class SpectrumView {
   struct Wanted {
     ChannelId channel;
     Kind kind;
-    int told = -1;  ///< averages
+    TransferState state = TransferState::kTold;           ///< of what was begun
+    std::optional<std::pair<TransferState, int>> told{};  ///< with how many averages
   };
   struct Viewer {
     double highest_hz = 0.0;

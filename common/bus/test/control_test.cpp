@@ -140,6 +140,20 @@ TEST(Results, ASpectrumArrivesWithAsManyBinsAsItHas) {
   ASSERT_TRUE(spectrum);
   EXPECT_EQ(spectrum->density, sent.density);
   EXPECT_EQ(spectrum->step_hz, 0.25);
+  EXPECT_EQ(spectrum->state, TransferState::kTold);
+}
+
+TEST(Results, ASpectrumThatIsNotKnownHasAReasonAndNoBins) {
+  SpectrumPart sent{.node = 1, .state = TransferState::kTooMuch};
+  ASSERT_TRUE(decode_spectrum(encode(sent)));
+  EXPECT_EQ(decode_spectrum(encode(sent))->state, TransferState::kTooMuch);
+  sent.density = {1.5f};
+  EXPECT_FALSE(decode_spectrum(encode(sent)));
+  sent.density.clear();
+  for (const int state : {-1, 5}) {
+    sent.state = static_cast<TransferState>(state);
+    EXPECT_FALSE(decode_spectrum(encode(sent))) << state;
+  }
 }
 
 TEST(Results, IdentificationAndLevelArriveAsTheyWereSent) {

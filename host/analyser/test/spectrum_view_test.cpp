@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -117,6 +118,7 @@ TEST_F(SpectrumViewTest, SaysOnceThatThereIsNothingYetOrNoSuchChannel) {
   ASSERT_EQ(parts.size(), 2U);
   for (const SpectrumPart& part : parts) {
     EXPECT_EQ(part.averages, 0);
+    EXPECT_EQ(part.state, part.node == 99 ? TransferState::kNoChannel : TransferState::kTooShort);
     EXPECT_TRUE(part.density.empty());
   }
   EXPECT_TRUE(shown_.parts(begin_).empty());
@@ -136,6 +138,32 @@ TEST_F(SpectrumViewTest, IsForgottenInSilenceAndBounded) {
   for (const SpectrumPart& part : shown_.parts(begin_ + 10s))
     if (part.averages > 0) told[part.viewer] = true;
   EXPECT_EQ(told.size(), SpectrumView::kMostViewers);
+}
+
+TEST_F(SpectrumViewTest, SaysWhatIsMoreThanTheAnalyserHolds) {
+  constexpr int kLong = 65'536, kViewers = 30;
+  const std::size_t room =
+      std::min(SpectrumView::kMostSpectra, SpectrumView::kMostBytesAll / CrossSpectra::bytes(1, kLong));
+  ASSERT_LT(room, 2U * kViewers) << "the case that is tested";
+  const auto ask = [&](std::int64_t viewer, WallTime now) {
+    View wide = view(viewer);
+    wide.segment = kLong;
+    wide.memory = static_cast<std::int32_t>(viewer);
+    shown_.take(wide, now);
+  };
+  for (std::int64_t viewer = 1; viewer <= kViewers; ++viewer) ask(viewer, begin_);
+  std::map<TransferState, std::size_t> told;
+  for (const SpectrumPart& part : shown_.parts(begin_)) {
+    ++told[part.state];
+    EXPECT_TRUE(part.density.empty());
+  }
+  EXPECT_EQ(told[TransferState::kTooShort], room);
+  EXPECT_EQ(told[TransferState::kTooMuch], 2U * kViewers - room);
+  // The others have left.
+  ask(kViewers, begin_ + SpectrumView::kForgotten + 1ms);
+  const auto parts = shown_.parts(begin_ + SpectrumView::kForgotten + 1ms);
+  ASSERT_EQ(parts.size(), 2U);
+  for (const SpectrumPart& part : parts) EXPECT_EQ(part.state, TransferState::kTooShort);
 }
 
 }  // namespace

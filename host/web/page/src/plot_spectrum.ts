@@ -9,7 +9,7 @@ import {frequencies, joined} from "./plot_data";
 import {Figure, figures, kColours, type Curve, type Marker} from "./plot_figure";
 import {curvesTable} from "./plot_save";
 import {kWheelNames} from "./wheel_place";
-import type {Spectrum} from "./wire";
+import {TransferState, type Spectrum} from "./wire";
 
 export type Quantity = "density" | "peak" | "rms";
 const kQuantities: Readonly<Record<Quantity, string>> = {
@@ -53,10 +53,27 @@ interface Density {
   readonly enbw_hz: number;
 }
 
+/** Why there is no transfer function, or no spectrum. */
+export const kReasons: Readonly<Record<TransferState, string>> = {
+  [TransferState.Told]: "",
+  [TransferState.TooShort]: "Not yet: a block without a gap or overload must be full first.",
+  [TransferState.NoChannel]: "The vehicle has no such channel in use.",
+  [TransferState.NoCommonTime]: "The nodes' samples do not lie on one grid of time: look at SYNC.",
+  [TransferState.TooMuch]: "Blocks this long of so many channels are more than the analyser holds: take shorter ones.",
+};
+
 /** ", 2.0 s": how long a block takes, where the node has said how fast it samples. */
 function blockTime(car: Car, id: ChannelId | undefined, {segment}: Spectral): string {
   const rate = id && car.setups.get(id.node)?.message.rate_hz;
   return rate ? `, ${(segment / rate).toFixed(1)} s` : "";
+}
+
+/** Why there is none of a channel. */
+function whyNone(part: Spectrum | undefined, car: Car, id: ChannelId, spectral: Spectral): string {
+  if (!part) return "the analyser has not answered yet.";
+  if (part.state === TransferState.TooShort)
+    return `not yet: a block of ${spectral.segment} samples without a gap or overload must be full first${blockTime(car, id, spectral)}.`;
+  return kReasons[part.state as TransferState] ?? "not known.";
 }
 
 export class SpectrumPlot implements Plot {
@@ -94,12 +111,12 @@ export class SpectrumPlot implements Plot {
     const wanted = this.channels.value;
     this.now = [];
     let about: Spectrum | undefined;
-    const waiting: ChannelId[] = [];
+    const why: string[] = [];
     wanted.forEach((id, k) => {
       const parts = car.plots.spectra.get(channelKey(id))?.whole ?? [];
       const [part] = parts;
-      if (!part || part.averages === 0) {
-        waiting.push(id);
+      if (!part || part.state !== TransferState.Told) {
+        why.push(` ${channelName(car, id)}: ${whyNone(part, car, id, spectral)}`);
         return;
       }
       about = part;
@@ -110,12 +127,8 @@ export class SpectrumPlot implements Plot {
     const curve = ({name, colour, x, density, enbw_hz}: Density, dashed: boolean): Curve =>
       ({name: dashed ? `${name} (reference)` : name, colour, x, dashed, y: this.shown(x, density, enbw_hz, quantity)});
     this.figure.show([...this.now.map((one) => curve(one, false)), ...this.reference.map((one) => curve(one, true))], kQuantities[this.quantity.value], markers);
-    const why = waiting.length === 0 ? "" :
-      ` No spectrum yet of ${waiting.map((id) => channelName(car, id)).join(", ")}: a block of ${spectral.segment} samples ` +
-      `without a gap or overload must be full first${blockTime(car, waiting[0], spectral)}. It stays so while others look at as ` +
-      "many spectra as the analyser holds.";
     setText(this.caption, (about ? `${spectralCaption(spectral, about)}; ${about.averages} blocks.${quantity === "density" ? "" : kLow[spectral.window] ?? ""} ` : "") +
-      (wanted.length === 0 ? "Choose a channel." : why));
+      (wanted.length === 0 ? "Choose a channel." : why.join("")));
   }
 
   // Computed once for what came once.

@@ -7,20 +7,13 @@ import {Choice, ChannelChoice} from "./plot_choice";
 import {pairKey} from "./plot_data";
 import {Figure, figures, type Curve, type Marker} from "./plot_figure";
 import {curvesTable} from "./plot_save";
-import {orderChoice, orderMarkers, spectralCaption} from "./plot_spectrum";
+import {kReasons, orderChoice, orderMarkers, spectralCaption} from "./plot_spectrum";
 import {meanDelay_s, transferCurves, type Estimator, type TransferCurves} from "./transfer";
 import {TransferState, type Transfer} from "./wire";
 
 const kEstimators: Readonly<Record<Estimator, string>> = {
   h1: "H1 (noise on the output)", h2: "H2 (noise on the input)", hv: "Hv (noise on both)"};
 // A reason that the analyser learns to give does not compile before it has its sentence here.
-const kReasons: Readonly<Record<TransferState, string>> = {
-  [TransferState.Told]: "",
-  [TransferState.TooShort]: "Not yet: a block without a gap or overload must be full first.",
-  [TransferState.NoChannel]: "The vehicle has no such channel in use.",
-  [TransferState.NoCommonTime]: "The nodes' samples do not lie on one grid of time: look at SYNC.",
-  [TransferState.TooMuch]: "Blocks this long of so many channels are more than the analyser holds: take shorter ones.",
-};
 const kTogether = "transfer";
 const xText = (x: number) => `${x.toFixed(2)} Hz`;
 

@@ -21,7 +21,15 @@ import type {View as Question} from "./wire";
 const kAskMs = 1000;
 const kKept = "plot";
 
-const kBlocks = Object.fromEntries([1024, 2048, 4096, 8192, 16_384, 32_768, 65_536].map((size) => [size, `${size} samples`]));
+const kBlocks = [1024, 2048, 4096, 8192, 16_384, 32_768, 65_536];
+/** Nobody waits longer for the first. */
+const kLongestBlock_s = 60;
+
+/** Blocks with the time that they take at the rate of the nodes, NaN while nobody has told it. */
+function blocks(rate_hz: number): Record<string, string> {
+  return Object.fromEntries(kBlocks.filter((size) => !(size / rate_hz > kLongestBlock_s)).map((size) =>
+    [size, `${size} samples${rate_hz > 0 ? `, ${(size / rate_hz).toFixed(1)} s` : ""}`]));
+}
 const kAverages = {"4": "exponential, 4 blocks", "20": "exponential, 20 blocks", "100": "exponential, 100 blocks", "0": "linear",
                    "hold": "hold peaks"} as const;
 
@@ -36,7 +44,7 @@ class SpectralChoices {
 
   constructor(heard: () => void) {
     this.window = new Choice<string>("plot-window", "Window", Object.fromEntries(kWindowNames.map((name, k) => [k, `${name} window`])), "1", heard);
-    this.block = new Choice<string>("plot-block", "Block", kBlocks, "4096", heard);
+    this.block = new Choice<string>("plot-block", "Block", blocks(NaN), "4096", heard);
     this.overlap = new Choice<string>("plot-overlap", "Overlap", {"0": "0 % overlap", "0.5": "50 % overlap", "0.75": "75 % overlap"}, "0.5", heard);
     this.average = new Choice<keyof typeof kAverages>("plot-average", "Average", kAverages, "20", heard);
     this.highest = new Choice<string>("plot-highest", "Range", {"50": "up to 50 Hz", "100": "up to 100 Hz", "250": "up to 250 Hz", "1000": "up to 1000 Hz"}, "100", heard);
@@ -44,6 +52,12 @@ class SpectralChoices {
     this.element = el("details", {id: "plot-spectral"}, [
       el("summary", {}, ["Analysis"]),
       el("div", {class: "choices"}, [this.window, this.block, this.overlap, this.average, this.highest].map(({element}) => element))]);
+  }
+
+  /** All nodes of a car have one rate. */
+  draw(car: Car): void {
+    const [setup] = car.setups.values();
+    if (setup) this.block.offer(blocks(setup.message.rate_hz));
   }
 
   get value(): Spectral {
@@ -128,6 +142,7 @@ export class PlotView implements View {
     setAttributes(this.element, {"data-frozen": String(this.frozen), "data-old": String(isOld)});
     setText(this.trouble, isOld ? "OLD: no analyser is heard." : this.refusal || waitsForStart(this.car, nowMs));
     if (this.frozen) return;
+    this.spectral.draw(this.car);
     this.now.draw({car: this.car, spectral: this.spectral.value, nowMs});
     // What is to be seen may be known only now: which channels there are.
     if (this.timer !== undefined && JSON.stringify(this.now.wish()) !== this.asked) this.ask();

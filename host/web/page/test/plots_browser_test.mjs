@@ -329,7 +329,7 @@ test("only what is seen is asked for, and each page gets its own", async (t) => 
   const other = await open(t, "spectrum");
   await other.locator("#plot-spectral summary").click();
   await other.locator("#plot-block").selectOption("65536");
-  await says(other, "#spectrum-caption", /No spectrum yet of fl_carrier_z.*65536 samples.*full first, 32\.8 s/);
+  await says(other, "#spectrum-caption", /fl_carrier_z: not yet: a block of 65536 samples.*full first, 32\.8 s/);
   await other.locator("#plot-block").selectOption("1024");
   await says(other, "#spectrum-caption", /1024 samples.*1\.95 Hz apart/);
   assert.match(await text(page, "#spectrum-caption"), /4096 samples.*0\.488 Hz apart/);
