@@ -27,15 +27,16 @@ using Json = nlohmann::json;
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// The demo car at 500 scans a second with weights in steps of 10 g, one for each wheel and place of a raster
-/// of 15 degrees, at two radii of the front left wheel, where 20 g are fitted opposite to the heavy spot.
+/// of 15 degrees, clipped or, on another radius of the front left wheel, stuck; 20 g are stuck there opposite
+/// to the heavy spot.
 VehicleConfig car() {
   std::string text = test::read_source("sim/demo/vehicle.toml");
   text = test::replaced(text, "\nrate_hz = 2000", "\nrate_hz = 500");
   text = test::replaced(text, "\ncutoff_hz = 200", "\ncutoff_hz = 60");
   text = test::replaced(text, "datum_deg = 30\n",
                         "datum_deg = 30\n[[wheel.weight]]\nmass_g = 20\nangle_deg = 210\nradius_m = 0.16\n");
-  text = test::replaced(text, "radius_m = 0.19\nkind = \"clip\"\nplane = \"inner\"\n",
-                        "radius_m = 0.16\nkind = \"adhesive\"\nplane = \"inner\"\n");
+  const std::string inner = "radius_m = 0.19\nkind = \"clip\"\nplane = \"inner\"\n";
+  text.replace(text.find(inner), inner.size(), "radius_m = 0.16\nkind = \"adhesive\"\nplane = \"inner\"\n");
   text +=
       "\n[weights]\nstep_g = 10\nmost = 1\nraster_deg = 15\n[limits]\nshop_g = 2\n"
       "[[seat]]\nname = \"driver\"\nposition_m = [0.1, 0.35, 0.2]\n";
@@ -140,7 +141,7 @@ TEST_F(IdentifyWeights, TellsStepsOfTheStockThatLeaveWhatItSays) {
   EXPECT_LT(all("overall_m_s2"), all("now_m_s2"));
 
   const test::Outcome read = identify({});
-  EXPECT_NE(read.output.find(" on 160 mm"), std::string::npos) << read.output;
+  EXPECT_NE(read.output.find(" in the inner plane (160 mm)"), std::string::npos) << read.output;
   EXPECT_NE(read.output.find("\n  springs "), std::string::npos) << read.output;
   EXPECT_NE(read.output.find("what a shop leaves (2 g)"), std::string::npos);
   EXPECT_NE(read.output.find("least vertical vibration at driver"), std::string::npos);

@@ -12,7 +12,7 @@ const kFirstDay: readonly string[] = [
   "Start the recording. The word on top is RECORDING, and the four lamps are discs: SYNC after a while, for clocks are asked only now.",
   "Drive steadily at 80 to 130 km/h, straight, on a good road; now and then change lanes or take a bend.",
   "Look at Balance (B), or give the driver his own view (D): each ring fills as its wheel becomes known.",
-  "When the rings are full stop, clip the weights where the page says, seen from outside, and write them into vehicle.toml.",
+  "When the rings are full stop, put the weights where the page says, seen from outside, and write them into vehicle.toml.",
   "Drive once more: the page puts this drive beside the one before, and tells what the weights have done.",
   "When it is stopped, Recordings (L) proves a recording complete, works its balance out anew, and makes a report of one A4 page, beside the drive before if you choose it.",
 ];

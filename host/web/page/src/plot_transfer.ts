@@ -27,11 +27,12 @@ export class TransferPlot implements Plot {
   private readonly estimator: Choice<Estimator>;
   private readonly orders: Choice<string>;
   private readonly caption = el("p", {class: "caption", id: "transfer-caption"});
-  private readonly magnitude = new Figure({id: "transfer-magnitude", label: "Transfer function", xLabel: "", share: 0.39,
+  // Three figures have three lines of readings: together they are somewhat lower than one.
+  private readonly magnitude = new Figure({id: "transfer-magnitude", label: "Transfer function", xLabel: "", share: 0.365,
                                            logarithmic: true, together: kTogether, xText});
-  private readonly phase = new Figure({id: "transfer-phase", label: "Phase", xLabel: "", share: 0.26, range: [-180, 180],
+  private readonly phase = new Figure({id: "transfer-phase", label: "Phase", xLabel: "", share: 0.245, range: [-180, 180],
                                        splits: [-180, -90, 0, 90, 180], together: kTogether, xText});
-  private readonly coherence = new Figure({id: "transfer-coherence", label: "Coherence", xLabel: "Frequency, Hz", share: 0.35,
+  private readonly coherence = new Figure({id: "transfer-coherence", label: "Coherence", xLabel: "Frequency, Hz", share: 0.33,
                                            range: [0, 1], together: kTogether, xText});
   private reference: {readonly curves: TransferCurves; readonly name: string} | undefined;
   private now: {readonly curves: TransferCurves; readonly name: string} | undefined;

@@ -17,7 +17,10 @@ const recordings = join(folder, "recordings"), vehicles = join(folder, "vehicles
 mkdirSync(vehicles);
 const car = readFileSync(kDemo, "utf8");
 writeFileSync(vehicle, car);
-writeFileSync(join(vehicles, "winter.toml"), car.replace("demonstration car", "winter tyres"));
+// The first channel of the front node shows a hundred times as much by this file.
+const kHundredfold = `calibration = { scale_m_s2_per_count = ${100 * 200 / 2 ** 23} }\n`;
+writeFileSync(join(vehicles, "winter.toml"), car.replace("demonstration car", "winter tyres")
+  .replace(/range_m_s2 = 200\n/, (range) => range + kHundredfold));
 const runRecorder = () => {
   const recorder = start("rb-recorder", "--url", url, "--recordings", recordings, "--vehicle", vehicle);
   programs.push(recorder);
@@ -30,6 +33,7 @@ before(async () => {
   for (const node of ["front", "rear"])
     programs.push(start("rb-node", "--stay", "--url", url, "--vehicle", vehicle, "--node", node,
                         "--front-end", "sim:?seed=1&rate=1&seconds=3600"));
+  programs.push(start("rb-analyser", "--url", url, "--recordings", recordings, "--vehicle", vehicle));
   const web = await startWeb(url);
   programs.push(web.web);
   where = web.where;
@@ -187,10 +191,20 @@ test("sets range, filter, zeros and vehicle file between recordings, and each an
   await says(page, "#says-vehicle", "there are: car.toml, winter.toml");
   await picture(page, "equipment");
   assert.deepEqual(await weakTexts(page), []);
+  const level = () => page.evaluate(() => Number(document.querySelector(".bar .value").textContent));
+  await page.locator("#tab-balance").click();
+  await page.waitForFunction(() => Number(document.querySelector(".bar .value")?.textContent) > 0);
+  const before = await level();
+  await page.locator("#tab-equipment").click();
   await page.locator("#vehicle-name").fill("winter.toml");
   await page.locator("#set-vehicle").click();
   await says(page, "#says-vehicle", "winter.toml is in force");
   assert.match(readFileSync(vehicle, "utf8"), /range_m_s2 = 80\n/);
+  // Levels between recordings go by the file in force: a hundred times as much, of a drive that is not the same twice.
+  await page.locator("#tab-balance").click();
+  await page.waitForFunction((least) => Number(document.querySelector(".bar .value").textContent) > least, 25 * before);
+  assert.ok(await level() < 400 * before, `${before} became ${await level()}`);
+  await page.locator("#tab-equipment").click();
   await page.locator("#tab-equipment").focus();
   await page.keyboard.press("r");
   await isState(page, "RECORDING");

@@ -133,6 +133,8 @@ test("the cursor reads the curves, by mouse and by keys, and the orders of the w
 test("transfer function, phase, coherence and delay of a pair stand on one axis", async (t) => {
   const page = await open(t, "transfer");
   await says(page, "#transfer-caption", /Mean delay of the output 1\.[45]\d ms/);
+  const below = await page.evaluate(() => document.querySelector("#transfer-caption").getBoundingClientRect().bottom - innerHeight);
+  assert.ok(below <= 0, `the caption ends ${below} px below the window`);
   const data = await table(page);
   const coherence = column(data, /coherence/), size = column(data, /H1 fl_carrier_z → fr_carrier_z magnitude/);
   const [least, greatest] = [column(data, /95 % from/), column(data, /95 % to/)];
