@@ -10,7 +10,6 @@
 #include "common/bus/codec.hpp"
 #include "common/bus/control.hpp"
 #include "common/record/folder.hpp"
-#include "host/recorder/desk_answers.hpp"
 #include "host/recorder/receipts.hpp"
 
 namespace roadbalance {
@@ -138,24 +137,6 @@ Desk::Hands Operating::hands() {
       .forget_set_up = [this] { set_up_->forget(); },
       .is_set_up_under_way = [this] { return is_set_up_under_way(); },
       .read_mark = [this](const Request& request) { return read_mark(request); }};
-}
-
-Answer Operating::no_vehicle(const Request& request) const {
-  Answer answer = answer_to(request, time_.utc_us);
-  answer.state = AnswerState::kRefused;
-  answer.reason = RefusalReason::kNotSupported;
-  answer.text = no_set_up_;
-  return answer;
-}
-
-Answer Operating::set_up(const Request& request) {
-  if (set_up_) return set_up_->take(request, heard_.nodes(time_.now), time_.utc_us, time_.now);
-  return no_vehicle(request);
-}
-
-Answer Operating::read_mark(const Request& request) {
-  if (set_up_) return mark_readings_.take(request, set_up_->vehicle(), time_.now);
-  return no_vehicle(request);
 }
 
 void Operating::begin(const UnderWay& recording) {
