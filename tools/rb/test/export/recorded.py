@@ -4,13 +4,20 @@ import json
 import os
 import pathlib
 import shutil
-import struct
 import subprocess
+import sys
 import tempfile
 import unittest
 
 import numpy as np
 
+TOOLS = pathlib.Path(__file__).resolve().parents[3]
+sys.path.insert(0, str(TOOLS))
+
+from record_check.event_log import split_events  # noqa: E402
+from record_check.wire_types import WireType  # noqa: E402
+
+SCAN_BLOCK = WireType("scan_block_t", (TOOLS.parent / "common/wire/scan_block_t.lcm").read_text(encoding="utf-8"))
 RB = pathlib.Path(os.environ["RB_BIN"], "rb")
 DATA = pathlib.Path(__file__).resolve().parent.parent / "data"
 REFERENCES = 12  # channels of accelerations before them
@@ -26,16 +33,11 @@ def rb(*arguments):
 
 
 def events(folder):
-    """(channel, data) of each event of each segment: an LCM event log."""
+    """(channel, data) of each event of each segment."""
     for segment in sorted(pathlib.Path(folder).glob("seg-*.lcm")):
         log = segment.read_bytes()
-        at = 0
-        while at + 28 <= len(log):
-            sync, _, _, name, size = struct.unpack_from(">IqqII", log, at)
-            if sync != 0xEDA1DA01:
-                break  # space reserved behind the end
-            yield log[at + 28:at + 28 + name].decode(), log[at + 28 + name:at + 28 + name + size]
-            at += 28 + name + size
+        for channel, begin, end in split_events(log)[0]:
+            yield channel.decode(), log[begin:end]
 
 
 class Node:
@@ -46,9 +48,10 @@ class Node:
         for channel, data in events(folder):
             if channel != f"RB_BLOCK_{number}_SCAN":
                 continue
-            _, _, _, sequence, first, scans, time_ns, period_ps = struct.unpack_from(">qiqqqqqq", data)
-            quality = struct.unpack_from(">i", data, len(data) - 8)[0]
-            counts = np.frombuffer(data, ">i4", 320, 60).reshape(20, 16)[:scans]
+            block = SCAN_BLOCK.decode(data)
+            sequence, first, time_ns, period_ps, quality = (
+                block[field] for field in ("sequence", "first_scan", "time_ns", "period_ps", "quality"))
+            counts = np.array(block["counts"], "i4").reshape(20, 16)[:block["scans"]]
             blocks[sequence] = first, time_ns, period_ps, quality, counts
         end = max(first + len(counts) for first, _, _, _, counts in blocks.values())
         self.counts = np.zeros((end, 16), "i4")
