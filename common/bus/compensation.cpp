@@ -60,6 +60,7 @@ std::vector<std::uint8_t> encode(const Compensation& c) {
   m.permissible_g = c.verdict.permissible_g;
   m.permissible_grade_mm_s = c.verdict.permissible_grade_mm_s;
   m.grade_mm_s = c.verdict.grade_mm_s;
+  m.by_rotor = c.verdict.by_rotor ? 1 : 0;
   m.force_left_share = c.verdict.force_left_share;
   m.wanted_sigma_g = c.wanted_sigma_g;
   m.seconds_wanted = c.seconds_wanted;
@@ -92,6 +93,7 @@ std::optional<Compensation> decode_compensation(std::span<const std::uint8_t> by
                .permissible_g = m->permissible_g,
                .permissible_grade_mm_s = m->permissible_grade_mm_s,
                .grade_mm_s = m->grade_mm_s,
+               .by_rotor = m->by_rotor != 0,
                .force_left_share = m->force_left_share,
                .incurable = std::string(m->incurable, m->incurable + m->size)};
   c.wanted_sigma_g = m->wanted_sigma_g;

@@ -42,6 +42,8 @@ struct BalanceVerdict {
   double permissible_g = 0.0;           ///< by ISO at the greatest speed driven, at the weight radius
   double permissible_grade_mm_s = 0.0;  ///< by which G
   double grade_mm_s = 0.0;              ///< that the expected residual is of, G
+  /// Both by the mass of what turns, as ISO has it; else by all that is unsprung, which permits more.
+  bool by_rotor = false;
   /// Of the first-order force that is left over the speeds driven to what was there, rms; 1 if unknown.
   double force_left_share = 1.0;
   /// Why weights will not cure this, at most kMostReasonBytes; empty: they will.

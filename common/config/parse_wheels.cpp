@@ -32,6 +32,7 @@ WheelConfig parse_wheel(Section& wheel, const WeightStock& stock) {
   w.name = kWheelNames[wheel.choice("name", wheel_name_list())];
   w.mass_kg = wheel.number("mass_kg", {1, 1000});
   w.mass_sigma_kg = wheel.number_or("mass_sigma_kg", {0, w.mass_kg}, kWheelMassDoubt * w.mass_kg);
+  if (wheel.has("rotating_mass_kg")) w.rotating_mass_kg = wheel.number("rotating_mass_kg", {1, w.mass_kg});
   w.rolling_radius_m = wheel.number("rolling_radius_m", {0.05, 2});
   w.weight_radius_m = wheel.number("weight_radius_m", {0.02, 2});
   if (w.weight_radius_m >= w.rolling_radius_m)

@@ -75,6 +75,8 @@ struct WheelConfig {
   std::string name;      ///< one of kWheelNames
   double mass_kg;        ///< unsprung mass moving with the wheel, mounted transducer included
   double mass_sigma_kg;  ///< how well it is known, one standard deviation: unbalances are in proportion to it
+  /// What of it turns: tyre, rim, hub, disc.  ISO 21940-11 judges an unbalance by the mass of the rotor.
+  std::optional<double> rotating_mass_kg{};
   double rolling_radius_m;
   double weight_radius_m;           ///< where weights are clipped; grams of unbalance are told at it
   WeightStock stock;                ///< [weights], on the places of this wheel

@@ -39,7 +39,9 @@ Compensation compensate(const Balance& balance, const WheelConfig& wheel, const 
   const bool touches = std::ranges::any_of(
       result.plan.step, [](const WeightStep& step) { return step.action != WeightAction::kKeep; });
   result.advice = uncertain ? Advice::kLeaveUncertain : touches ? Advice::kSteps : Advice::kLeaveSmall;
-  result.verdict = judge_balance(balance, result.plan, wheel.mass_kg, wheel.rolling_radius_m, limits);
+  result.verdict = judge_balance(balance, result.plan, wheel.rotating_mass_kg.value_or(wheel.mass_kg),
+                                 wheel.rolling_radius_m, limits);
+  result.verdict.by_rotor = wheel.rotating_mass_kg.has_value();
   return result;
 }
 

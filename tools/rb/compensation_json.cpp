@@ -89,20 +89,22 @@ Json compensation_json(const std::array<Balance, kWheels>& balance,
       return compensation[w].advice == Advice::kUnknown ? Json(nullptr) : Json(value);
     };
     const bool speeds = verdict.permissible_g > 0.0;
-    wheels.push_back({{"name", kWheelNames[w]},
-                      {"advice", name_of(compensation[w].advice)},
-                      {"steps", known(steps_json(compensation[w].plan))},
-                      {"of", known("equivalent unbalance")},
-                      {"least_speed_km_h", known(3.6 * balance[w].least_speed_m_s)},
-                      {"greatest_speed_km_h", known(3.6 * balance[w].greatest_speed_m_s)},
-                      {"residual_g", known(verdict.residual_g)},
-                      {"shop_g", known(verdict.shop_g)},
-                      {"within_shop", known(verdict.within_shop())},
-                      {"grade_mm_s", speeds ? Json(verdict.grade_mm_s) : Json(nullptr)},
-                      {"permissible_grade_mm_s", known(verdict.permissible_grade_mm_s)},
-                      {"permissible_g", speeds ? Json(verdict.permissible_g) : Json(nullptr)},
-                      {"force_left_share", known(verdict.force_left_share)},
-                      {"incurable", verdict.incurable.empty() ? Json(nullptr) : Json(verdict.incurable)}});
+    wheels.push_back(
+        {{"name", kWheelNames[w]},
+         {"advice", name_of(compensation[w].advice)},
+         {"steps", known(steps_json(compensation[w].plan))},
+         {"of", known("equivalent unbalance")},
+         {"least_speed_km_h", known(3.6 * balance[w].least_speed_m_s)},
+         {"greatest_speed_km_h", known(3.6 * balance[w].greatest_speed_m_s)},
+         {"residual_g", known(verdict.residual_g)},
+         {"shop_g", known(verdict.shop_g)},
+         {"within_shop", known(verdict.within_shop())},
+         {"grade_mm_s", speeds ? Json(verdict.grade_mm_s) : Json(nullptr)},
+         {"permissible_grade_mm_s", known(verdict.permissible_grade_mm_s)},
+         {"permissible_g", speeds ? Json(verdict.permissible_g) : Json(nullptr)},
+         {"judged_by", speeds ? Json(verdict.by_rotor ? "rotating mass" : "unsprung mass") : Json(nullptr)},
+         {"force_left_share", known(verdict.force_left_share)},
+         {"incurable", verdict.incurable.empty() ? Json(nullptr) : Json(verdict.incurable)}});
   }
   return wheels;
 }

@@ -85,9 +85,9 @@ std::string left_words(const Balance& balance, const Compensation& compensation)
   std::string left = format("leaves %.1f g, %s what a shop leaves (%g g)", verdict.residual_g,
                             verdict.within_shop() ? "within" : "MORE THAN", verdict.shop_g);
   if (verdict.permissible_g > 0.0)
-    left += format(", ISO G %.2g%s G %g (%.0f g)", verdict.grade_mm_s,
+    left += format(", ISO G %.2g%s G %g (%.0f g%s)", verdict.grade_mm_s,
                    verdict.within_iso() ? " within" : " BEYOND", verdict.permissible_grade_mm_s,
-                   verdict.permissible_g);
+                   verdict.permissible_g, verdict.by_rotor ? "" : " by the unsprung mass");
   return left + format("; of the equivalent unbalance at %.0f–%.0f km/h", 3.6 * balance.least_speed_m_s,
                        3.6 * balance.greatest_speed_m_s);
 }

@@ -25,6 +25,7 @@ Compensation message() {
                   .permissible_g = 32.0,
                   .permissible_grade_mm_s = 40.0,
                   .grade_mm_s = 2.0,
+                  .by_rotor = true,
                   .force_left_share = 0.25,
                   .incurable = "speed² dominates"};
   sent.wanted_sigma_g = 2.0;
@@ -59,6 +60,7 @@ TEST(Compensation, ComesBackAsItWasSent) {
   EXPECT_EQ(got->verdict.permissible_g, 32.0);
   EXPECT_EQ(got->verdict.permissible_grade_mm_s, 40.0);
   EXPECT_EQ(got->verdict.grade_mm_s, 2.0);
+  EXPECT_TRUE(got->verdict.by_rotor);
   EXPECT_EQ(got->verdict.force_left_share, 0.25);
   EXPECT_EQ(got->verdict.incurable, "speed² dominates");
   EXPECT_EQ(got->wanted_sigma_g, 2.0);

@@ -168,6 +168,8 @@ TEST(VehicleConfig, NamesFileLineKeyAndWhatIsAllowed) {
   const Case cases[] = {
       {"mass_kg = 34", "mass_g = 34000", "mass_g",
        "mass_g: unknown key (did you mean mass_kg?); allowed: a number 1 .. 1000"},
+      {"rotating_mass_kg = 26", "rotating_mass_kg = 35", "rotating_mass_kg = 35",
+       "rotating_mass_kg: is 35; allowed: a number 1 .. 34"},
       {"spring_n_m = 22000", "sprig_n_m = 22000", "sprig_n_m",
        "sprig_n_m: unknown key (did you mean spring_n_m?); allowed: a number > 0"},
       {"spring_n_m = 22000", "sprung_load = 22000", "[model.front]",
@@ -202,7 +204,7 @@ TEST(VehicleConfig, NamesFileLineKeyAndWhatIsAllowed) {
       {"node = \"front\"", "node = \"roof\"", "node = \"roof\"",
        "node: there is no node \"roof\"; allowed: front, rear"},
       {"line = 1", "line = 0",
-       "name = \"front_right\"\nmass_kg = 34\nmass_sigma_kg = 0\nrolling_radius_m = 0.30\n"
+       "name = \"front_right\"\nmass_kg = 34\nmass_sigma_kg = 0\nrotating_mass_kg = 26\nrolling_radius_m = 0.30\n"
        "weight_radius_m = 0.19\nnode = \"front\"\nline",
        "line: line 0 of node front has a wheel already"},
       {"line = 1", "line = 2", "line = 2", "line: is 2; allowed: an integer 0 .. 1"},

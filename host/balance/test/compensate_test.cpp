@@ -49,6 +49,18 @@ TEST(Compensate, LeavesWhatIsLeftAndWhatIsNotKnown) {
   EXPECT_EQ(found.verdict.shop_g, 7.0);
 }
 
+/// ISO 21940-11's m is the rotor's: 26 of the 34 kg permit 26/34 of the unbalance.
+TEST(Compensate, IsJudgedByTheMassOfWhatTurns) {
+  const BalanceVerdict whole = compensate(known(30.0, 217.0), wheel(), {}).verdict;
+  EXPECT_FALSE(whole.by_rotor);
+  WheelConfig config = wheel();
+  config.rotating_mass_kg = 26.0;
+  const BalanceVerdict rotor = compensate(known(30.0, 217.0), config, {}).verdict;
+  EXPECT_TRUE(rotor.by_rotor);
+  EXPECT_NEAR(rotor.permissible_g, whole.permissible_g * 26.0 / 34.0, 1e-9);
+  EXPECT_NEAR(rotor.grade_mm_s, whole.grade_mm_s * 34.0 / 26.0, 1e-9);
+}
+
 TEST(Compensate, HasNoStepsWhileNothingIsKnown) {
   Balance balance = known(30.0, 0.0);
   balance.state = Unknown::kTooShort;

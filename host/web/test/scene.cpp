@@ -158,6 +158,7 @@ Compensation compensation(const Scene& scene, const Balance& of) {
                   .permissible_g = 30.0,
                   .permissible_grade_mm_s = 40.0,
                   .grade_mm_s = 3.4,
+                  .by_rotor = true,
                   .force_left_share = 0.1};
   plan.wanted_sigma_g = 2.0;
   constexpr std::array kSecondsWanted{42.0, 0.0, std::numeric_limits<double>::infinity(), 0.0};

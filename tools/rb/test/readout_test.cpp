@@ -185,9 +185,13 @@ TEST(AdviceLines, SayWhatToDoAndWhatThatLeaves) {
   const auto lines = advice_lines(driven(), two_steps());
   ASSERT_EQ(lines.size(), 2u);
   EXPECT_EQ(lines[0], "  add 15 g at 37°, move 5 g from 10° to 90°");
-  EXPECT_EQ(lines[1],
-            "  leaves 1.3 g, within what a shop leaves (7 g), ISO G 50 BEYOND G 40 (1 g); of the equivalent "
-            "unbalance at 90–130 km/h");
+  EXPECT_EQ(
+      lines[1],
+      "  leaves 1.3 g, within what a shop leaves (7 g), ISO G 50 BEYOND G 40 (1 g by the unsprung mass); "
+      "of the equivalent unbalance at 90–130 km/h");
+  Compensation by_rotor = two_steps();
+  by_rotor.verdict.by_rotor = true;
+  EXPECT_NE(advice_lines(driven(), by_rotor)[1].find("BEYOND G 40 (1 g); of"), std::string::npos);
 }
 
 TEST(AdviceLines, SayTheRadiusIfThereIsMoreThanOne) {

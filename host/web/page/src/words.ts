@@ -114,7 +114,9 @@ export function whatIsLeft(plan: Compensation | undefined, balance: Balance | un
   if (!plan || !balance || plan.advice === Advice.Unknown) return "";
   const verdict = plan.residual_g <= plan.shop_g ? "within" : "MORE THAN";
   const shop = `${verdict} the ${weightMass(plan.shop_g)} that a shop leaves`;
-  const iso = plan.permissible_g > 0 ? `; ISO\u00a021940 ${withUnit("G", Number(plan.grade_mm_s.toPrecision(2)))}` : "";
+  const rotor = plan.by_rotor ? "" : " by the unsprung mass";
+  const iso = plan.permissible_g > 0
+    ? `; ISO\u00a021940 ${withUnit("G", Number(plan.grade_mm_s.toPrecision(2)))}${rotor}` : "";
   const seats = Number.isFinite(plan.seat_now_m_s2)
     ? ` At the seats ${withUnit(`${plan.seat_now_m_s2.toPrecision(2)} → ${plan.seat_left_m_s2.toPrecision(2)}`, "m/s²")}.` : "";
   return `That leaves ${mass(plan.residual_g)} (${moment(plan.residual_g, balance.weight_radius_m)}), ${shop}${iso}.${seats}`;
