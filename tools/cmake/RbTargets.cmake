@@ -35,16 +35,30 @@ function(rb_library name)
   target_link_libraries(${name} PUBLIC rb_options ${arg_DEPENDS})
 endfunction()
 
-# rb_program(name source... [MANUAL] [DEPENDS target...]): MANUAL for what users call (common/command_line/manual.hpp);
-# its pages and completion lie in manual/ of the build folder.
+# rb_program(name source... [PACKAGE component] [DEPENDS target...]): PACKAGE for what users call, in which package it
+# comes to them; its manual pages and completion (common/command_line/manual.hpp) lie in manual/ of the build folder.
 function(rb_program name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "MANUAL" "" "DEPENDS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "PACKAGE" "DEPENDS")
   add_executable(${name} ${arg_UNPARSED_ARGUMENTS})
   target_link_libraries(${name} PRIVATE rb_options ${arg_DEPENDS})
-  if(arg_MANUAL)
+  if(arg_PACKAGE)
+    set(manual ${CMAKE_BINARY_DIR}/manual/${name})
     target_link_libraries(${name} PRIVATE rb_command_line)
-    add_custom_command(TARGET ${name} POST_BUILD COMMAND ${name} --write-manual ${CMAKE_BINARY_DIR}/manual VERBATIM)
+    add_custom_command(TARGET ${name} POST_BUILD COMMAND ${name} --write-manual ${manual} VERBATIM)
+    install(TARGETS ${name} DESTINATION bin COMPONENT ${arg_PACKAGE})
+    install(DIRECTORY ${manual}/ DESTINATION share/man/man1 COMPONENT ${arg_PACKAGE} FILES_MATCHING PATTERN *.1)
+    install(FILES ${manual}/${name}.bash DESTINATION share/bash-completion/completions COMPONENT ${arg_PACKAGE}
+      RENAME ${name})
   endif()
+endfunction()
+
+# rb_unit(file component): a unit of systemd, or a rule of udev, that comes with a package.
+function(rb_unit file component)
+  set(place lib/systemd/system)
+  if(file MATCHES "\\.rules$")
+    set(place lib/udev/rules.d)
+  endif()
+  install(FILES ${file} DESTINATION ${place} COMPONENT ${component})
 endfunction()
 
 # rb_test(name [DEPENDS target...] [PROGRAMS target...]): builds test/<name>.cpp and registers it as one CTest.

@@ -33,7 +33,7 @@ class ManualPages(unittest.TestCase):
     def test_every_command_has_a_page_with_all_its_options(self):
         for program in PROGRAMS:
             for words in commands_of([program]):
-                page = MANUAL / ("-".join(words) + ".1")
+                page = MANUAL / program / ("-".join(words) + ".1")
                 code, text, trouble = run("groff", "-man", "-Tutf8", "-ww", "-P-cbou", "-rLL=200n", "-k", page)
                 self.assertEqual((code, trouble), (0, ""), page)
                 options = set(re.findall(r"^  (?:-\w,)?(--[\w-]+)", help_of(words), re.MULTILINE))
@@ -43,17 +43,17 @@ class ManualPages(unittest.TestCase):
 
     def test_every_page_is_of_a_command(self):
         known = {"-".join(words) for program in PROGRAMS for words in commands_of([program])}
-        self.assertEqual({page.stem for page in MANUAL.glob("*.1")}, known)
+        self.assertEqual({page.stem for page in MANUAL.glob("*/*.1")}, known)
 
     def test_whatis_finds_name_and_purpose(self):
-        for page in MANUAL.glob("*.1"):
+        for page in MANUAL.glob("*/*.1"):
             code, text, trouble = run("lexgrog", page)
             self.assertEqual(code, 0, trouble)
             self.assertIn(f'"{page.stem} - ', text)
 
     def test_bash_completes_the_names_of_each_option(self):
         for program in PROGRAMS:
-            script = f'source "{MANUAL}/{program}.bash"; COMP_WORDS=({program} --he); COMP_CWORD=1; ' \
+            script = f'source "{MANUAL}/{program}/{program}.bash"; COMP_WORDS=({program} --he); COMP_CWORD=1; ' \
                      f'_{program.replace("-", "_")}; echo "${{COMPREPLY[@]}}"'
             self.assertEqual(run("bash", "--norc", "-c", script), (0, "--help\n", ""), program)
 

@@ -1,0 +1,52 @@
+# Debian packages of what was built:  cpack --preset release
+#
+#   roadbalance-node    rb-node with its unit, the front-end board's udev rule
+#   roadbalance-host    recorder, analyser, list of recordings and page with their units
+#   roadbalance-tools   rb, and vehicle files to begin with
+#
+# What belongs to which is said where it is built (rb_program(... PACKAGE name), rb_unit).
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME roadbalance)
+set(CPACK_PACKAGE_VENDOR roadbalance)
+set(CPACK_PACKAGE_CONTACT "roadbalance <maintainers@roadbalance.invalid>")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_COMPONENTS_ALL node host tools)
+set(CPACK_COMPONENTS_GROUPING IGNORE)
+set(CPACK_STRIP_FILES TRUE)
+set(CPACK_DEB_COMPONENT_INSTALL TRUE)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS TRUE)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION TRUE)
+
+set(CPACK_DEBIAN_NODE_DESCRIPTION "balances wheels on the moving car: the nodes
+Samples accelerations, wheel encoders and the car's buses, and streams them to the
+recorder without loss.")
+set(CPACK_DEBIAN_HOST_DESCRIPTION "balances wheels on the moving car: the laptop
+Records what nodes send, analyses it while it comes, and shows it in a browser:
+spectra, coherence, the unbalance of each wheel and the weights to clip on.")
+set(CPACK_DEBIAN_TOOLS_DESCRIPTION "balances wheels on the moving car: the command line
+Proves recordings complete, identifies tyres and unbalances, exports and reports;
+a simulated car to try all of it.")
+set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS TRUE)
+set(CPACK_COMPONENT_HOST_DEPENDS tools) # the jobs of its page call rb
+set(CPACK_DEBIAN_NODE_PACKAGE_RECOMMENDS roadbalance-tools)
+set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "roadbalance-node, roadbalance-host") # rb demo starts them
+
+foreach(package IN ITEMS NODE HOST TOOLS)
+  string(TOLOWER ${package} component)
+  set(scripts ${PROJECT_SOURCE_DIR}/tools/packages/${component})
+  if(IS_DIRECTORY ${scripts})
+    set(CPACK_DEBIAN_${package}_PACKAGE_CONTROL_EXTRA ${scripts}/postinst ${scripts}/prerm ${scripts}/postrm)
+    # LCM's receivers are given this; rb doctor names it.  A machine may have either package, or both.
+    install(FILES ${PROJECT_SOURCE_DIR}/tools/packages/sysctl.conf DESTINATION lib/sysctl.d COMPONENT ${component}
+      RENAME 60-roadbalance-${component}.conf)
+  endif()
+  install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION share/doc/roadbalance-${component} COMPONENT ${component}
+    RENAME copyright)
+endforeach()
+install(FILES ${PROJECT_SOURCE_DIR}/sim/demo/vehicle.toml ${PROJECT_SOURCE_DIR}/sim/demo/vehicle-3-nodes.toml
+  DESTINATION share/doc/roadbalance-tools/examples COMPONENT tools)
+
+include(CPack)
