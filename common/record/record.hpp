@@ -124,9 +124,9 @@ class RecordWriter {
   /// True: the segment being written must be abandoned.
   bool has_failed() const;
   /// Gives up the segment being written; it is never written to again, and never synced.  It is cut to what
-  /// is on the disk if the disk lets us; and the segment begun next says where it ends
-  /// (NoteKind::kSegmentAbandoned), so that readers ignore what lies behind.  appended() and holds() go back
-  /// to what is durable.  Never throws.
+  /// is on the disk if the disk lets us, and removed if that is nothing; and the segment begun next says
+  /// where it ends (NoteKind::kSegmentAbandoned), so that readers ignore what lies behind.  appended() and
+  /// holds() go back to what is durable.  Never throws.
   /// @param stamp  its times and incarnation go into that note
   void abandon(const Note& stamp);
 

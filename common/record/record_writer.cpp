@@ -269,7 +269,10 @@ void RecordWriter::abandon(const Note& stamp) {
   s.abandoned.push_back(std::move(note));
   File given_up = std::exchange(s.file, File());
   try {
-    given_up.truncate(s.durable_bytes);
+    if (s.durable_bytes > 0)
+      given_up.truncate(s.durable_bytes);
+    else  // an empty last segment would look as if its recorder had been killed
+      (void)remove_file(s.path(s.segment), s.disk);
   } catch (const std::system_error&) {
     // The note says where it ends.
   }

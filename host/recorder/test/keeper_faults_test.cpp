@@ -4,7 +4,9 @@
 #include <cerrno>
 #include <system_error>
 
+#include "common/record/segment.hpp"
 #include "host/recorder/test/keeper_drive.hpp"
+#include "host/recorder/verify_missing.hpp"
 
 namespace roadbalance {
 namespace {
@@ -63,6 +65,29 @@ INSTANTIATE_TEST_SUITE_P(EachError, EveryCall,
                          ::testing::Values(Outcome{.error = EIO}, Outcome{.error = ENOSPC},
                                            Outcome{.error = EROFS}, Outcome{.error = EINTR},
                                            Outcome{.short_write = true}));
+
+// All samples are on the disk, which is full then; on a full disk a segment is begun for notes alone, and its
+// name is not taken either.
+TEST(LastWords, ThatTheDiskDoesNotTakeLeaveNoEmptySegment) {
+  Drive drive;
+  drive.start();
+  drive.run(milliseconds(2000), 40);
+  ASSERT_EQ(drive.durable, 40);
+  int folder_syncs = 0;
+  drive.disk.set_fault([&](DiskCall call, std::int64_t, const std::string& path) {
+    const bool of_first = call == DiskCall::kWrite && path.find("seg-000001") != std::string::npos;
+    const bool of_name = call == DiskCall::kSync && path == test::kFolder;
+    folder_syncs += of_name ? 1 : 0;
+    return Outcome{.error = of_first ? ENOSPC : of_name ? EIO : 0};
+  });
+  (void)drive.keeper->close(drive.now);
+  EXPECT_EQ(drive.keeper->failure(), std::nullopt);
+  EXPECT_EQ(folder_syncs, 1) << "a second segment was begun";
+  drive.fail_nothing();
+  EXPECT_EQ(segment_numbers(test::kFolder, drive.disk), std::vector{1});
+  EXPECT_TRUE(find_missing_segments(test::kFolder, {}, 0, drive.disk).lines.empty());
+  EXPECT_EQ(drive.recorded(), test::all_through(40));
+}
 
 }  // namespace
 }  // namespace roadbalance
