@@ -23,7 +23,7 @@ class Desk {
   /// What it can do.
   struct Hands {
     std::function<void(const DeskBook&)> store;  ///< @throws std::system_error
-    /// A recording of this name.  @throws std::system_error
+    /// Something of this name, but for what a start left that came to nothing.  @throws std::system_error
     std::function<bool(const std::string& name)> exists;
     std::function<void(const UnderWay&)> begin;       ///< lets a recorder run on its folder
     std::function<void()> stop;                       ///< lets it come to its end

@@ -1,7 +1,11 @@
 #include "host/recorder/desk_book.hpp"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+
+#include "common/record/folder.hpp"
+#include "host/recorder/incarnation.hpp"
 
 namespace roadbalance {
 namespace {
@@ -118,6 +122,12 @@ AskedSetUp set_up_of(const Json& json) {
           .text = json.at("text").get<std::string>()};
 }
 
+// Written before a recording's first segment has its name.
+bool comes_before_segments(const std::string& file) {
+  return file == kIncarnationFile || file == std::string(kIncarnationFile) + ".new" ||
+         (file.starts_with("seg-") && file.ends_with(".lcm.new"));
+}
+
 }  // namespace
 
 File claim_desk_book(const std::filesystem::path& recordings, Disk& disk) {
@@ -168,6 +178,15 @@ std::string fault_of_name(const std::string& name) {
   for (const std::string own : {kDeskBookFile, kVehicleFile})
     if (name == own || name == own + ".new") return "this name is the recorder's own";
   return "";
+}
+
+bool is_taken(const std::filesystem::path& folder, const std::filesystem::path& fallback,
+              const std::vector<Over>& over, Disk& disk) {
+  if (!path_exists(folder, disk)) return false;
+  if (!is_folder(folder, disk) || !std::ranges::all_of(list_folder(folder, disk), comes_before_segments))
+    return true;
+  return std::ranges::find(over, folder.filename().string(), &Over::recording) != over.end() ||
+         (!fallback.empty() && path_exists(fallback, disk));
 }
 
 }  // namespace roadbalance

@@ -104,4 +104,11 @@ void write_desk_book(const std::filesystem::path& recordings, const DeskBook& bo
 /// Why a recording cannot be called so; empty: it can.  It becomes the name of a folder.
 std::string fault_of_name(const std::string& name);
 
+/// Whether a new recording may not have this folder, for something else is there.  One in which a start came
+/// to nothing may be had again, but not if nodes may hold a rest of it, or its fallback may.
+/// @param fallback  of this recording; empty: none
+/// @throws std::system_error
+bool is_taken(const std::filesystem::path& folder, const std::filesystem::path& fallback,
+              const std::vector<Over>& over, Disk& disk = kernel_disk());
+
 }  // namespace roadbalance

@@ -119,24 +119,27 @@ bool Operating::turn(bool told_to_stop, Time time, const Publish& publish) {
 }
 
 Desk::Hands Operating::hands() {
-  return {
-      .store = [this](const DeskBook& book) { write_desk_book(options_.recordings, book, world_.disk); },
-      .exists =
-          [this](const std::string& name) { return path_exists(options_.recordings / name, world_.disk); },
-      .begin = [this](const UnderWay& recording) { begin(recording); },
-      .stop =
-          [this] {
-            if (session_) session_->stop();
-          },
-      .note =
-          [this](NoteToRecord note) {
-            if (session_) session_->note(std::move(note));
-          },
-      .set_up = [this](const Request& request) { return set_up(request); },
-      .asked_set_up = [this] { return set_up_->asked(); },
-      .forget_set_up = [this] { set_up_->forget(); },
-      .is_set_up_under_way = [this] { return is_set_up_under_way(); },
-      .read_mark = [this](const Request& request) { return read_mark(request); }};
+  return {.store = [this](const DeskBook& book) { write_desk_book(options_.recordings, book, world_.disk); },
+          .exists =
+              [this](const std::string& name) {
+                const auto& fallback = options_.recorder.fallback;
+                return is_taken(options_.recordings / name, fallback.empty() ? fallback : fallback / name,
+                                desk_.over(), world_.disk);
+              },
+          .begin = [this](const UnderWay& recording) { begin(recording); },
+          .stop =
+              [this] {
+                if (session_) session_->stop();
+              },
+          .note =
+              [this](NoteToRecord note) {
+                if (session_) session_->note(std::move(note));
+              },
+          .set_up = [this](const Request& request) { return set_up(request); },
+          .asked_set_up = [this] { return set_up_->asked(); },
+          .forget_set_up = [this] { set_up_->forget(); },
+          .is_set_up_under_way = [this] { return is_set_up_under_way(); },
+          .read_mark = [this](const Request& request) { return read_mark(request); }};
 }
 
 void Operating::begin(const UnderWay& recording) {

@@ -75,5 +75,29 @@ TEST(DeskBook, NoRecordingIsCalledLikeAFileOfTheRecorder) {
     EXPECT_EQ(fault_of_name(free), "") << free;
 }
 
+// The start was refused because of the disk; asked again it must not be told of a recording that nobody made.
+TEST(DeskBook, AStartThatCameToNothingLeavesItsNameFree) {
+  const test::TemporaryDirectory all;
+  const auto folder = all.path() / "drive", fallback = all.path() / "fallback";
+  EXPECT_FALSE(is_taken(folder, "", {}));
+  std::filesystem::create_directory(folder);
+  EXPECT_FALSE(is_taken(folder, "", {}));
+  for (const char* file : {"incarnation", "incarnation.new", "seg-000001.lcm.new"})
+    std::ofstream(folder / file) << "7\n";
+  EXPECT_FALSE(is_taken(folder, fallback, {{"drive 0", 1, 2}}));
+  EXPECT_TRUE(is_taken(folder, "", {{"drive", 1, 2}})) << "a node may hold a rest of it";
+  std::filesystem::create_directory(fallback);
+  EXPECT_TRUE(is_taken(folder, fallback, {})) << "it may be recorded there";
+}
+
+TEST(DeskBook, WhateverElseIsThereTakesAName) {
+  for (const char* file : {"seg-000001.lcm", "seg-000001.tail", "continued-in", "notes.txt"}) {
+    const test::TemporaryDirectory folder;
+    std::ofstream(folder.path() / file) << "";
+    EXPECT_TRUE(is_taken(folder.path(), "", {})) << file;
+    EXPECT_TRUE(is_taken(folder.path() / file, "", {})) << "a file";
+  }
+}
+
 }  // namespace
 }  // namespace roadbalance
