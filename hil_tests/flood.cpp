@@ -19,6 +19,8 @@ namespace {
 
 constexpr const char* kGroup = "239.255.76.67";
 constexpr std::chrono::seconds kPatience{30};  // for the first real datagram
+constexpr double kMostRefused = 0.01;          // of all, for a flood that counts
+constexpr double kLeastRate = 0.9;             // of the rate asked
 
 /// Hears the bus as it is and sends it anything; knows nothing of LCM.
 class RawBus {
@@ -71,7 +73,8 @@ struct Options {
   std::uint32_t seed = 1;
 };
 
-void flood(const Options& options) {
+/// True if the bus got what was asked.
+bool flood(const Options& options) {
   const RawBus bus(options.port);
   Malformer malformer(options.seed);
   std::array<std::uint8_t, 2000> received;
@@ -84,9 +87,13 @@ void flood(const Options& options) {
 
   std::array<long long, Malformer::kKinds> sent{};
   long long total = 0, refused = 0;
+  double elapsed_s = 0;
+  const auto since = [](WallTime begin) {
+    return std::chrono::duration<double>(WallClock::now() - begin).count();
+  };
   const auto begin = WallClock::now();
-  for (double elapsed_s = 0; elapsed_s < options.seconds;) {
-    elapsed_s = std::chrono::duration<double>(WallClock::now() - begin).count();
+  while (elapsed_s < options.seconds) {
+    elapsed_s = since(begin);
     for (; static_cast<double>(total) < elapsed_s * options.per_second; ++total) {
       const auto kind = malformer.any_kind();
       if (bus.send(malformer.make(kind)))
@@ -98,8 +105,18 @@ void flood(const Options& options) {
   }
   for (std::size_t kind = 0; kind < sent.size(); ++kind)
     std::printf("%s: %lld\n", Malformer::kName[kind], sent[kind]);
-  std::printf("%lld datagrams in %.1f s, %lld not sent by this computer\n", total - refused, options.seconds,
+  elapsed_s = since(begin);
+  std::printf("%lld datagrams in %.1f s, %lld not sent by this computer\n", total - refused, elapsed_s,
               refused);
+  if (static_cast<double>(refused) > kMostRefused * static_cast<double>(total)) {
+    std::fprintf(stderr, "rb-flood: this computer refused to send more than 1 %% of the datagrams\n");
+    return false;
+  }
+  const double per_second = static_cast<double>(total - refused) / elapsed_s;
+  if (per_second >= kLeastRate * options.per_second) return true;
+  std::fprintf(stderr, "rb-flood: only %.0f datagrams a second, %.0f were asked for\n", per_second,
+               options.per_second);
+  return false;
 }
 
 }  // namespace
@@ -116,10 +133,13 @@ int main(int argc, char** argv) {
   app.add_option("--listen", options.listen_s, "seconds of real datagrams to begin with")
       ->capture_default_str();
   app.add_option("--seed", options.seed)->capture_default_str();
+  app.footer(
+      "Exit codes: 0 sent as asked, 1 this computer refused more than 1 % or was slower than 90 % of the "
+      "rate, "
+      "4 it failed.");
   CLI11_PARSE(app, argc, argv);
   try {
-    roadbalance::test::flood(options);
-    return 0;
+    return roadbalance::test::flood(options) ? 0 : 1;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "rb-flood: %s\n", error.what());
     return 4;
