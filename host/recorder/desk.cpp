@@ -131,7 +131,7 @@ void Desk::start(const Request& request, std::int64_t utc_us, int nodes) {
   DeskBook book = book_;
   book.under_way = UnderWay{.name = name, .began_us = utc_us, .start = key_of(request)};
   if (!store(std::move(book))) return refuse(request, RefusalReason::kDisk, store_fault_, utc_us);
-  began_here_ = true;
+  is_empty_ = true;
   again();
   note_asked(request, RefusalReason::kNone, "start \"" + name + "\"");
   Answer answer = answer_to(request, utc_us);

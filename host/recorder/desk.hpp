@@ -94,8 +94,8 @@ class Desk {
   DeskBook book_;
   bool is_written_ = true;  // so the disk has it
   bool ends_ = false;
-  bool began_here_ = false;  // the recording under way: it was not taken over
-  bool runs_ = false;        // samples have been recorded since it was begun
+  bool is_empty_ = false;  // the recording under way, for certain: begun here, and no session of it ran
+  bool runs_ = false;      // samples have been recorded since its latest session was begun
   std::string fault_;
   std::string store_fault_;
   int refusals_noted_ = 0;

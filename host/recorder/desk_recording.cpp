@@ -89,8 +89,9 @@ void Desk::settled(const std::vector<Rest>& rests,
 
 void Desk::failed(const std::string& why, bool has_run, std::int64_t utc_us) {
   fault_ = why;
-  // One that a recorder before us began may hold samples.
-  if (!book_.under_way || has_run || runs_ || !began_here_ || !was_asked(book_.under_way->start)) return;
+  // What comes after a session that ran may fail before it has run.
+  if (has_run || runs_) is_empty_ = false;
+  if (!book_.under_way || !is_empty_ || !was_asked(book_.under_way->start)) return;
   const RequestKey start = book_.under_way->start;
   DeskBook book = book_;
   book.under_way.reset();

@@ -155,6 +155,35 @@ TEST_F(DeskTest, AStartThatWasTakenOverIsNeverRefusedForItMayHoldSamples) {
   EXPECT_TRUE(book.under_way);
 }
 
+// The disk fails over a stop for longer than the session waits, and still when it is begun again.
+TEST_F(DeskTest, ARecordingThatHasRunIsNeverGivenUpHoweverOftenItFails) {
+  for (const bool has_samples : {true, false}) {
+    book = {};
+    Desk desk = this->desk();
+    desk.take(ask(Operation::kStart, 1, "drive"), kNow, 2);
+    desk.runs(has_samples, 0, kNow);
+    desk.take(ask(Operation::kStop, 2), kNow, 2);
+    desk.failed("sync: input/output error", true, kNow);
+    (void)desk.answers();
+    for (int k = 0; k < 3; ++k) {
+      desk.again();
+      desk.failed("open drive: read-only", false, kNow);
+      ASSERT_TRUE(desk.under_way());
+      ASSERT_TRUE(book.under_way);
+      EXPECT_EQ(desk.fault(), "open drive: read-only");
+      EXPECT_TRUE(desk.answers().empty());
+    }
+    desk.again();
+    EXPECT_EQ(done.back(), "stop");
+    desk.ended({Receipt{.name = "drive"}}, {{"drive", 2, 77}}, kNow);
+    for (const Answer& answer : desk.answers()) EXPECT_EQ(answer.state, AnswerState::kDone) << answer.text;
+    EXPECT_EQ(desk.rests(), (std::vector<Rest>{{"drive", 2, 77}}));
+    desk.take(ask(Operation::kStart, 3, "next"), kNow, 2);
+    desk.failed("open next: read-only", false, kNow);
+    EXPECT_FALSE(desk.under_way()) << "that one is empty";
+  }
+}
+
 // Otherwise a recorder that is killed later finds a recording in the book whose start was refused.
 TEST_F(DeskTest, ABookThatCouldNotBeWrittenIsWrittenAgain) {
   Desk desk = this->desk();
