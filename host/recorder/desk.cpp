@@ -70,7 +70,7 @@ bool Desk::answer_again(const Request& request, std::int64_t utc_us) {
     if (const auto mark = std::ranges::find(recording->mark, key, &Mark::asked);
         mark != recording->mark.end()) {
       say(answer_about(*mark, utc_us));
-      if (mark->number <= recording->durable_marks) runs(false, recording->durable_marks, utc_us);
+      if (mark->number <= recording->durable_marks) say_durable_marks(recording->durable_marks, utc_us);
       return true;
     }
   }

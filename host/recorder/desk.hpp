@@ -83,6 +83,7 @@ class Desk {
   void set_up(const Request& request, std::int64_t utc_us);
   void read_mark(const Request& request, std::int64_t utc_us);
   void note(const Mark& mark);
+  void say_durable_marks(std::int32_t durable_marks, std::int64_t utc_us);
   bool answer_again(const Request& request, std::int64_t utc_us);
   bool store(DeskBook book);
   void keep(DeskBook book);

@@ -28,6 +28,10 @@ void Desk::runs(bool has_samples, std::int32_t durable_marks, std::int64_t utc_u
     book_.under_way->durable_marks = durable_marks;
     (void)store(book_);  // otherwise it is noted once more, under the same number
   }
+  say_durable_marks(durable_marks, utc_us);
+}
+
+void Desk::say_durable_marks(std::int32_t durable_marks, std::int64_t utc_us) {
   for (Answer& known : known_) {
     if (known.operation != Operation::kMark || known.state != AnswerState::kUnderWay) continue;
     if (known.value[0] < 1 || known.value[0] > durable_marks) continue;

@@ -184,6 +184,21 @@ TEST_F(DeskTest, ARecordingThatHasRunIsNeverGivenUpHoweverOftenItFails) {
   }
 }
 
+// Whoever repeats a mark that is on the disk learns so; that the disk fails now remains true.
+TEST_F(DeskTest, AMarkThatIsRepeatedEndsNoFault) {
+  {
+    Desk first = this->desk();
+    first.take(ask(Operation::kStart, 1, "drive"), kNow, 2);
+    first.take(ask(Operation::kMark, 2, "bridge"), kNow, 2);
+    first.runs(true, 1, kNow);
+  }
+  Desk desk = this->desk();
+  desk.failed("open drive: read-only", false, kNow);
+  desk.take(ask(Operation::kMark, 2, "bridge"), kNow, 2);
+  EXPECT_EQ(last(desk).state, AnswerState::kDone);
+  EXPECT_EQ(desk.fault(), "open drive: read-only");
+}
+
 // Otherwise a recorder that is killed later finds a recording in the book whose start was refused.
 TEST_F(DeskTest, ABookThatCouldNotBeWrittenIsWrittenAgain) {
   Desk desk = this->desk();
