@@ -7,7 +7,7 @@ const says = (page, selector, pattern, timeout = 60_000) => page.waitForFunction
   ([where, wanted]) => new RegExp(wanted).test(document.querySelector(where)?.textContent ?? ""), [selector, pattern.source], {timeout});
 
 test("the first order of the simulated car stands in every plot", async (t) => {
-  const {page} = await openDemo(t, "--drive-seconds", "320", "--rate", "10");
+  const {page} = await openDemo(t, "--drive-seconds", "960", "--rate", "10");
   await showsBars(page);
   await page.keyboard.press("p");
   await page.locator("#plot-spectrum").click();

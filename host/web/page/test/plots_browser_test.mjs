@@ -293,6 +293,7 @@ test("what was plotted is kept beside what comes, until it is dropped", async (t
   await page.keyboard.press(".");
   await page.keyboard.press(",");
   await page.locator("#spectrum-quantity").selectOption("rms");
+  await drawsMore(page, 2);
   await says(page, "#spectrum-figure .reading", /reference/);
   const rms = column(await table(page), /fl_carrier_z \(reference\)/);
   assert.ok(Math.abs(rms[29] / Math.sqrt(reference[29] * 1.5 * 2000 / 4096) - 1) < 1e-6, `${rms[29]}`);
