@@ -94,7 +94,7 @@ export class MarkView {
     const [datum_rad = 0, sigma_rad = 0] = answer.value;
     if (sigma_rad <= 0) return;
     this.datum.value = (datum_rad / kDegree).toFixed(2);
-    this.sigma.value = (sigma_rad / kDegree).toFixed(2);
+    this.sigma.value = Math.max(0.01, Math.ceil(100 * sigma_rad / kDegree) / 100).toFixed(2);
   }
 
   private ask(what: number, angle_rad: number): void {

@@ -53,13 +53,14 @@ interface Density {
   readonly enbw_hz: number;
 }
 
-/** Why there is no transfer function, or no spectrum. */
+/** Why there is no transfer function, or no spectrum; a reason that the analyser learns to give does not compile before it
+ * has its sentence here. */
 export const kReasons: Readonly<Record<TransferState, string>> = {
   [TransferState.Told]: "",
   [TransferState.TooShort]: "Not yet: a block without a gap or overload must be full first.",
   [TransferState.NoChannel]: "The vehicle has no such channel in use.",
   [TransferState.NoCommonTime]: "The nodes' samples do not lie on one grid of time: look at SYNC.",
-  [TransferState.TooMuch]: "Blocks this long of so many channels are more than the analyser holds: take shorter ones.",
+  [TransferState.TooMuch]: "The analyser holds no more: take shorter blocks or fewer channels, or close other pages.",
 };
 
 /** ", 2.0 s": how long a block takes, where the node has said how fast it samples. */

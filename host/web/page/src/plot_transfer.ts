@@ -13,7 +13,6 @@ import {TransferState, type Transfer} from "./wire";
 
 const kEstimators: Readonly<Record<Estimator, string>> = {
   h1: "H1 (noise on the output)", h2: "H2 (noise on the input)", hv: "Hv (noise on both)"};
-// A reason that the analyser learns to give does not compile before it has its sentence here.
 const kTogether = "transfer";
 const xText = (x: number) => `${x.toFixed(2)} Hz`;
 

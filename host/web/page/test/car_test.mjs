@@ -272,7 +272,7 @@ test("a place on a wheel is told by the clock as seen from outside, or by degree
       assert.equal(degrees(wheel, "6:00"), 180);
       assert.equal(degrees(wheel, "45"), 45);
       assert.equal(degrees(wheel, "-30.5°"), -30.5);
-      for (const words of ["", "10", "7:30", "217°"].slice(1))
+      for (const words of ["10", "7:30", "217°"])
         assert.equal(page.clockPosition(wheel, page.angleOf(wheel, page.clockPosition(wheel, page.angleOf(wheel, words)))),
                      page.clockPosition(wheel, page.angleOf(wheel, words)), "back and forth");
     }
