@@ -11,7 +11,7 @@ namespace roadbalance {
 namespace {
 
 constexpr std::size_t kKnownAnswers = 64;
-constexpr int kMostRefusalsNoted = 100;  // in a recording: they come from whoever is on the bus
+constexpr int kMostNoted = 100;  // of a kind, in a session: they come from whoever is on the bus
 
 }  // namespace
 
@@ -150,7 +150,7 @@ void Desk::begin(const std::string& name, std::int64_t utc_us) {
 
 void Desk::again() {
   runs_ = false;
-  refusals_noted_ = 0;
+  others_noted_ = readings_noted_ = 0;
   fault_.clear();
   hands_.begin(*book_.under_way);
   for (const Mark& mark : book_.under_way->mark)
@@ -217,7 +217,9 @@ void Desk::read_mark(const Request& request, std::int64_t utc_us) {
   if (answer.state == AnswerState::kRefused)
     return refuse(request, answer.reason, std::move(answer.text), utc_us);
   answer.time_us = utc_us;
-  note_asked(request, RefusalReason::kNone, answer.text);
+  // Whoever begins with a wheel again and again must not keep readings that count from the record.
+  const bool counts = request.value[1] != 0.0;
+  note_some(counts ? readings_noted_ : others_noted_, request, RefusalReason::kNone, answer.text);
   say(std::move(answer));
 }
 
@@ -241,10 +243,7 @@ void Desk::refuse(const Request& request, RefusalReason reason, std::string why,
   answer.state = AnswerState::kRefused;
   answer.reason = reason;
   answer.text = std::move(why);
-  if (refusals_noted_ < kMostRefusalsNoted) {
-    ++refusals_noted_;
-    note_asked(request, reason, "refused: " + answer.text);
-  }
+  note_some(others_noted_, request, reason, "refused: " + answer.text);
   say(answer);
 }
 
@@ -254,6 +253,12 @@ void Desk::note_asked(const Request& request, RefusalReason reason, const std::s
                .a = static_cast<std::int64_t>(request.operation),
                .b = static_cast<std::int64_t>(reason),
                .text = what});
+}
+
+void Desk::note_some(int& noted, const Request& request, RefusalReason reason, const std::string& what) {
+  if (noted >= kMostNoted) return;
+  const bool is_last = ++noted == kMostNoted;
+  note_asked(request, reason, is_last ? what + " (more like this is not noted)" : what);
 }
 
 void Desk::say(Answer answer) {

@@ -88,6 +88,7 @@ class Desk {
   bool store(DeskBook book);
   void keep(DeskBook book);
   void note_asked(const Request& request, RefusalReason reason, const std::string& what);
+  void note_some(int& noted, const Request& request, RefusalReason reason, const std::string& what);
   void refuse(const Request& request, RefusalReason reason, std::string why, std::int64_t utc_us);
   void say(Answer answer);
 
@@ -99,7 +100,8 @@ class Desk {
   bool runs_ = false;      // samples have been recorded since its latest session was begun
   std::string fault_;
   std::string store_fault_;
-  int refusals_noted_ = 0;
+  int others_noted_ = 0;  // refusals, and wheels begun with, since the session was begun
+  int readings_noted_ = 0;
   std::deque<Answer> known_;  // the latest, to repeat
   std::vector<Answer> to_send_;
 };

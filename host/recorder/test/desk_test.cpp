@@ -166,5 +166,33 @@ TEST_F(DeskTest, ReadsAZeroMarkWhileARecordingIsUnderWay) {
   EXPECT_EQ(last(desk).reason, RefusalReason::kRecording) << "a datum is for between recordings";
 }
 
+// Requests come from whoever is on the bus, and notes stay in memory while the disk fails.
+TEST_F(DeskTest, NotesAHundredReadingsAndAHundredOthersInASession) {
+  Desk desk = this->desk();
+  desk.take(ask(Operation::kStart, 1, "turned"), kNow, 1);
+  done.clear();
+  const auto notes = [&] {
+    return std::ranges::count_if(done, [](const auto& what) { return what.starts_with("asked"); });
+  };
+  std::int64_t number = 2;
+  const auto flood = [&](Request request) {
+    for (int k = 0; k < 1000; ++k) {
+      request.request = number++;
+      desk.take(request, kNow, 1);
+      (void)desk.answers();
+    }
+  };
+  const Request begin = ask(Operation::kReading, 0);
+  Request reading = begin;
+  reading.value = {0.5, 1};
+  flood(begin);
+  EXPECT_EQ(notes(), 100);
+  flood(ask(Operation::kStart, 0, "other"));  // refused
+  EXPECT_EQ(notes(), 100);
+  EXPECT_EQ(done[199], "asked 11 read (more like this is not noted)");
+  flood(reading);
+  EXPECT_EQ(notes(), 200) << "readings that count are in the record all the same";
+}
+
 }  // namespace
 }  // namespace roadbalance
