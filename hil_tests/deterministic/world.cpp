@@ -259,7 +259,7 @@ RunResult World::run() {
     handle(event);
     if (!stopped_) stopped_ns = now_ns_;
     if (now_ns_ - stopped_ns > (scenario_.is_operated() ? 3 : 1) * kLongestDrain_ns) {
-      fault_not_over();
+      fault_not_over(now_ns_ - stopped_ns);
       break;
     }
   }

@@ -78,7 +78,7 @@ class World {
   void watch_pull(Node& node);
   void check_finished();
   bool is_over() const;
-  void fault_not_over();
+  void fault_not_over(std::int64_t waited_ns);
   RunResult result();
 
   const FaultScenario& scenario_;

@@ -15,13 +15,14 @@ void World::check_finished() {
   });
 }
 
-void World::fault_not_over() {
+void World::fault_not_over(std::int64_t waited_ns) {
+  const std::string over = "the drive is over for " + std::to_string(waited_ns / kSecond_ns) + " s and ";
   for (const Host& host : hosts_)
-    if (!host.machine->closed()) truth_.fault("the drive is over for 90 s and a recorder has not ended");
+    if (!host.machine->closed()) truth_.fault(over + "a recorder has not ended");
   for (const Node& node : nodes_)
     if (!node.left && !scenario_.is_operated())
-      truth_.fault("the drive is over for 90 s and node " + std::to_string(node.machine->number()) +
-                   " holds " + std::to_string(node.machine->used()) + " blocks or has not ended");
+      truth_.fault(over + "node " + std::to_string(node.machine->number()) + " holds " +
+                   std::to_string(node.machine->used()) + " blocks or has not ended");
 }
 
 RunResult World::result() {
