@@ -1,5 +1,6 @@
 #include "common/bus/compensation.hpp"
 #include "common/bus/display.hpp"
+#include "common/bus/job.hpp"
 #include "common/bus/knock.hpp"
 #include "common/bus/order_report.hpp"
 #include "common/bus/recording.hpp"
@@ -28,5 +29,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::check_message<NodeSetup>(bytes, decode_setup);
   fuzz::check_message<WheelVerification>(bytes, decode_verification);
   fuzz::check_message<RecordingReceipt>(bytes, decode_recording);
+  fuzz::check_message<Job>(bytes, decode_job);
+  fuzz::check_message<DocumentPart>(bytes, decode_document_part);
   return 0;
 }

@@ -8,8 +8,9 @@
 #include "common/bus/bus.hpp"
 #include "common/bus/clock_messages.hpp"
 #include "common/bus/compensation.hpp"
-#include "common/bus/display.hpp"
 #include "common/bus/control.hpp"
+#include "common/bus/display.hpp"
+#include "common/bus/job.hpp"
 #include "common/bus/notes.hpp"
 #include "common/bus/operation.hpp"
 #include "common/bus/order_report.hpp"
@@ -116,6 +117,9 @@ void write_messages() {
   write("results", "compensation",
         encode(Compensation{
             .wheel = 2, .plan = {.step = {WeightStep{}, WeightStep{}}}, .verdict = {.incurable = "bent"}}));
+  write("results", "job",
+        encode(Job{.jobs = 1, .job = 2, .recording = "drive", .progress = 0.5, .parts = 1, .text = "reads"}));
+  write("results", "document", encode(parts_of("complete\n", 0, 2).front()));
   write("clock", "question", encode(ClockDatagram{.node = 1, .epoch = 2, .number = 3}));
   write("clock", "answer",
         encode(ClockDatagram{
