@@ -49,7 +49,8 @@ class Desk {
   void runs(bool has_samples, std::int32_t durable_marks, std::int64_t utc_us);
   /// It has come to its end as told, with these receipts; nodes that were cut off hold the rest of it.
   void ended(std::vector<Receipt> receipts, std::vector<Rest> rests, std::int64_t utc_us);
-  /// Nodes hold these, too, of a recording that is over: nobody knew so far.
+  /// Nodes hold these, too, of a recording that is over: nobody knew so far.  Those for which the book has no
+  /// room are to be said again.
   void owe(const std::vector<Rest>& rests);
   /// Nothing of these is to be fetched any more.
   /// @param complete  the receipts of their recording as they are now, made of those before

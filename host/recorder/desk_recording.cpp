@@ -74,9 +74,12 @@ void Desk::ended(std::vector<Receipt> receipts, std::vector<Rest> rests, std::in
 }
 
 void Desk::owe(const std::vector<Rest>& rests) {
-  if (rests.empty()) return;
+  // One that pushed another out would make that one unknown, to be owed the next moment.
+  const std::size_t room = kMostRests - std::min(kMostRests, book_.rest.size());
+  const std::size_t count = std::min(room, rests.size());
+  if (count == 0) return;
   DeskBook book = book_;
-  add(rests, book);
+  add({rests.begin(), rests.begin() + static_cast<std::ptrdiff_t>(count)}, book);
   keep(std::move(book));
 }
 

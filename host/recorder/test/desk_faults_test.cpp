@@ -222,6 +222,27 @@ TEST_F(DeskTest, RemembersTheIncarnationsOfRecordingsThatAreOver) {
   EXPECT_EQ(this->desk().rests(), (std::vector<Rest>{{"drive", 2, 77}})) << "in the book";
 }
 
+// Owed again at each turn, for what is not in the book is unknown: nothing may be pushed out or written for
+// it.
+TEST_F(DeskTest, AFullBookOwesNothingMoreUntilThereIsRoom) {
+  Desk desk = this->desk();
+  std::vector<Rest> rests;
+  for (std::int64_t epoch = 1; epoch < static_cast<std::int64_t>(kMostRests); ++epoch)
+    rests.push_back({"drive", 1, epoch});
+  desk.owe(rests);
+  desk.owe({{"drive", 2, 1}, {"drive", 2, 2}});
+  rests.push_back({"drive", 2, 1});
+  EXPECT_EQ(desk.rests(), rests) << "as many as there is room for";
+  book = {};
+  desk.owe({{"drive", 2, 2}});
+  EXPECT_EQ(desk.rests(), rests);
+  EXPECT_TRUE(book.rest.empty()) << "it was not written";
+  desk.settled({{"drive", 1, 1}}, [](const std::vector<Receipt>& before) { return before; });
+  desk.owe({{"drive", 2, 2}});
+  EXPECT_EQ(desk.rests().size(), kMostRests);
+  EXPECT_EQ(desk.rests().back(), (Rest{"drive", 2, 2}));
+}
+
 // A full disk must not keep a recording from its end, nor a mark from the record.
 TEST_F(DeskTest, ABookThatCannotBeWrittenStopsNothingThatRuns) {
   Desk desk = this->desk();
