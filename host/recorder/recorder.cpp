@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/clock/utc.hpp"
 #include "common/process/parallel.hpp"
 #include "common/record/folder.hpp"
 #include "host/recorder/clock_ask.hpp"
@@ -22,11 +23,6 @@ constexpr std::size_t kBatches = 65'536;
 constexpr std::size_t kNews = 64;
 constexpr std::size_t kEvents = 1024;
 constexpr std::size_t kClockPeers = 1024;  // heartbeats: ten a second from each node
-
-std::int64_t utc_ms() {
-  using namespace std::chrono;
-  return duration_cast<milliseconds>(system_clock::now().time_since_epoch()).count();
-}
 
 // A supply that was never read is a mistake of whoever named it; but one that goes away while a recording is
 // under way must not keep a recorder that is started again from going on with it.
@@ -69,7 +65,7 @@ RecorderReport run_recorder(std::stop_token stop, const RecorderOptions& options
   const auto power = open_power(options);
   RecordKeeper keeper(kernel_disk(), options.keeper());
   if (keeper.cut_tail() && options.on_cut_tail) options.on_cut_tail(*keeper.cut_tail());
-  const Incarnation incarnation{.number = next_incarnation(keeper.folder(), utc_ms()),
+  const Incarnation incarnation{.number = next_incarnation(keeper.folder(), utc_us() / 1000),
                                 .folder = keeper.folder()};
 
   auto [batches_out, batches_in] = make_channel<WriteBatch>(kBatches);
