@@ -16,7 +16,7 @@ void World::check_finished() {
 }
 
 void World::fault_not_over(std::int64_t waited_ns) {
-  const std::string over = "the drive is over for " + std::to_string(waited_ns / kSecond_ns) + " s and ";
+  const std::string over = "the drive is over for " + std::to_string(waited_ns / 1'000'000'000) + " s and ";
   for (const Host& host : hosts_)
     if (!host.machine->closed()) truth_.fault(over + "a recorder has not ended");
   for (const Node& node : nodes_)
