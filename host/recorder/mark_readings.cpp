@@ -40,6 +40,7 @@ const WheelConfig& wheel_with_mark(const VehicleConfig& vehicle, int place) {
 void MarkReadings::take(const SealedBlock& block, WallTime now) {
   if (!wheel_) return;
   wheel_->line.take(block);
+  if (block.header.node == wheel_->node_id) wheel_->heard = now;
   for (; !wheel_->line.edges.empty(); wheel_->line.edges.pop_front()) {
     wheel_->readings.add(wheel_->line.edges.front());
     wheel_->still_since = now;
@@ -70,7 +71,9 @@ Answer MarkReadings::begin(Answer answer, const VehicleConfig& vehicle, int plac
                        .node = node.name,
                        .line = LineEdges(node.id, wheel.line),
                        .readings = DatumReadings(wheel.encoder),
-                       .still_since = now});
+                       .node_id = node.id,
+                       .still_since = now,
+                       .heard = now});
   return said(answer, wheel.name +
                           ": turn it forward by hand until its zero mark fires, let it stand, and read " +
                           "where its reference point (the valve) is");
@@ -84,7 +87,10 @@ Answer MarkReadings::read(Answer answer, double angle_rad, WallTime now) {
   if (!wheel_->line.heard_blocks())
     return refuse(RefusalReason::kNoAnswer,
                   "nothing has come from node " + wheel_->node + " yet: is it recorded?");
-  if (now - wheel_->still_since < kStill)
+  // A wheel of which nothing is heard may turn: what stands was heard to stand.
+  if (now - wheel_->heard >= kStill)
+    return refuse(RefusalReason::kNoAnswer, "nothing comes from node " + wheel_->node + " any more");
+  if (wheel_->heard - wheel_->still_since < kStill)
     return refuse(RefusalReason::kMoving,
                   "it turns, or has just come to a stand: wait a second, then read again");
   if (!readings.can_read())

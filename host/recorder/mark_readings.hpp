@@ -39,7 +39,8 @@ class MarkReadings {
     std::string name, node;
     LineEdges line;
     DatumReadings readings;
-    WallTime still_since;
+    std::int32_t node_id;
+    WallTime still_since, heard;  ///< its newest edge, its node's newest block
   };
   Answer begin(Answer answer, const VehicleConfig& vehicle, int place, WallTime now);
   Answer read(Answer answer, double angle_rad, WallTime now);

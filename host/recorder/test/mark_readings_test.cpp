@@ -52,7 +52,16 @@ class MarkReadingsTest : public testing::Test {
     send();
     ++turned;
   }
-  void wait() { now += MarkReadings::kStill; }
+  /// Its node samples on.
+  void wait(milliseconds time = MarkReadings::kStill) {
+    now += time;
+    ScanBlock scans;
+    scans.header = {1, 77, ++sequence, 0, kScansPerBlock, 0};
+    scans.period_ps = 500'000'000;
+    SealedBlock sealed;
+    seal(scans, sealed);
+    readings.take(sealed, now);
+  }
   /// Somebody reads whole degrees.
   double seen_rad(double off_deg = 0.0) const {
     return std::round(
@@ -96,10 +105,11 @@ TEST_F(MarkReadingsTest, FindWhereTheMarkFires) {
 TEST_F(MarkReadingsTest, TakeNoneOfAWheelThatTurnsOrWhoseMarkDidNotFire) {
   EXPECT_EQ(read().reason, RefusalReason::kBadArgument) << "begin first";
   begin();
-  EXPECT_EQ(read().reason, RefusalReason::kNoAnswer) << "no block has come";
+  now += MarkReadings::kStill;
+  EXPECT_EQ(ask(seen_rad(), 1.0).reason, RefusalReason::kNoAnswer) << "no block has come";
   turn();
   EXPECT_EQ(ask(seen_rad(), 1.0).reason, RefusalReason::kMoving);
-  now += MarkReadings::kStill - milliseconds(1);
+  wait(MarkReadings::kStill - milliseconds(1));
   EXPECT_EQ(ask(seen_rad(), 1.0).reason, RefusalReason::kMoving);
   EXPECT_EQ(read().state, AnswerState::kDone);
   const Answer again = read();
@@ -108,6 +118,18 @@ TEST_F(MarkReadingsTest, TakeNoneOfAWheelThatTurnsOrWhoseMarkDidNotFire) {
   EXPECT_EQ(ask(seen_rad(), 1.0, 0).reason, RefusalReason::kBadArgument) << "another wheel";
   EXPECT_EQ(ask(7.0, 1.0).reason, RefusalReason::kBadArgument) << "more than a turn";
   EXPECT_EQ(ask(std::nan(""), 1.0).reason, RefusalReason::kBadArgument);
+}
+
+// It may turn on unheard: no tooth of that would be counted.
+TEST_F(MarkReadingsTest, TakeNoneWhileTheNodeIsSilent) {
+  begin();
+  turn();
+  wait();
+  now += MarkReadings::kStill;
+  const Answer answer = ask(seen_rad(), 1.0);
+  EXPECT_EQ(answer.reason, RefusalReason::kNoAnswer);
+  EXPECT_EQ(answer.text, "front_right: nothing comes from node front any more");
+  EXPECT_EQ(read().state, AnswerState::kDone) << "it is back, and no block was missed";
 }
 
 // The mark fires once in a turn and a bit: behind a block that is missed it has not been heard, or nobody
