@@ -59,7 +59,9 @@ void RestFetching::take(const Heartbeat& heartbeat, WallTime now) {
 std::vector<Rest> RestFetching::unknown(const std::vector<Over>& over, const std::vector<Rest>& rests,
                                         WallTime now) const {
   std::vector<Rest> unknown;
-  for (const auto& [key, heard] : heard_) {
+  for (const auto& entry : heard_) {
+    const auto& key = entry.first;  // clang 14 takes no structured binding into a lambda
+    const auto& heard = entry.second;
     if (!heard.holds_samples || heard.is_settled) continue;
     // A heartbeat may be late: one of a node that has ended meanwhile.
     if (heard.last - heard.first < kHeard || now - heard.last > kHeard) continue;
