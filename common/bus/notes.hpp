@@ -69,6 +69,9 @@ enum class NoteKind : std::int32_t {
   kMark = 17,            ///< somebody set a mark (its number in this recording); text: what he said
   kAsked = 18,           ///< somebody asked for something (Operation; RefusalReason); text: what became of it
   kExcerpt = 19,  ///< this recording is made of another one (part of it; factor); text: which, and of what
+  /// These are samples of another program, and times of notes (host_ns) are those of the samples; text: which
+  /// file
+  kImported = 20,
 };
 
 struct Note {

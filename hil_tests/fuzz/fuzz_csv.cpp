@@ -1,14 +1,17 @@
 #include <cmath>
+#include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 
+#include "common/bus/notes.hpp"
 #include "common/config/section.hpp"
 #include "hil_tests/fuzz/memory_file.hpp"
 #include "hil_tests/fuzz/property.hpp"
 #include "tools/rb/csv_table.hpp"
 #include "tools/rb/sample_clock.hpp"
 
-// CSV import: the two files behind one another, parted by a byte 0.
+// CSV import: its files behind one another, parted by bytes 0: samples, pulses, marks.
 namespace roadbalance {
 namespace {
 
@@ -35,6 +38,16 @@ void check_pulses(const std::string& path) {
   }
 }
 
+void check_marks(const std::string& path) {
+  double before = -std::numeric_limits<double>::infinity();
+  for (const ImportedMark& mark : read_marks(path)) {
+    require(mark.time_s >= before, "marks are in order of time");
+    require(mark.number >= 1, "marks are numbered from 1 on");
+    require(mark.text.size() <= kMaxNoteBytes, "a mark's text fits into a note");
+    before = mark.time_s;
+  }
+}
+
 template <typename Check>
 void refused_or(Check check, std::string_view text) {
   const MemoryFile file(text);
@@ -51,8 +64,13 @@ void refused_or(Check check, std::string_view text) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace roadbalance;
   const std::string_view text(reinterpret_cast<const char*>(data), size);
-  const auto parted = text.find('\0');
-  refused_or(check_samples, text.substr(0, parted));
-  refused_or(check_pulses, parted == std::string_view::npos ? text : text.substr(parted + 1));
+  const auto next = [&, rest = std::optional(text)]() mutable {
+    const auto part = rest.value_or("").substr(0, rest.value_or("").find('\0'));
+    if (rest) rest = part.size() < rest->size() ? std::optional(rest->substr(part.size() + 1)) : std::nullopt;
+    return part;
+  };
+  refused_or(check_samples, next());
+  refused_or(check_pulses, next());
+  refused_or(check_marks, next());
   return 0;
 }

@@ -165,7 +165,7 @@ class Excerpt {
     const auto note = decode_note(event.data);
     if (!note) return;
     const NoteGoes goes_so = goes(*note);
-    const std::int64_t time_ns = survey_.own_clocks() ? note->host_ns : last_sample_ns_;
+    const std::int64_t time_ns = survey_.notes_tell_time() ? note->host_ns : last_sample_ns_;
     if (goes_so == NoteGoes::kAlways || (goes_so == NoteGoes::kWithIt && begun_) ||
         (goes_so == NoteGoes::kAlong && piece_at(pieces_, time_ns)))
       record_.put(event.channel, event.data);

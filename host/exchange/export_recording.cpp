@@ -8,6 +8,7 @@
 #include "common/config/section.hpp"
 #include "host/exchange/csv_writer.hpp"
 #include "host/exchange/hdf5_writer.hpp"
+#include "host/exchange/marks.hpp"
 #include "host/exchange/mat_writer.hpp"
 #include "host/exchange/mcap_writer.hpp"
 #include "host/exchange/mdf4_writer.hpp"
@@ -45,6 +46,10 @@ void write_groups(const ExportRequest& request, ExportWriter& writer, const std:
   }
 }
 
+std::optional<PartFile> beside(const std::filesystem::path& file) {
+  return file.empty() ? std::nullopt : std::optional<PartFile>(file);
+}
+
 }  // namespace
 
 std::span<const ExportFormat> export_formats() {
@@ -60,10 +65,11 @@ ExportReport export_recording(const ExportRequest& request, std::stop_token stop
                               const ExportProgress& progress) {
   const ExportFormat& format = format_named(request.format);
   PartFile file(request.file);
-  std::optional<PartFile> pulses;
-  if (!request.pulses.empty()) pulses.emplace(request.pulses);
+  std::optional<PartFile> pulses = beside(request.pulses), marks = beside(request.marks);
   if (pulses && pulses->part() == file.part())
     throw ConfigError("--pulses: " + request.pulses.string() + ": is another file to make, too");
+  if (marks && (marks->part() == file.part() || (pulses && marks->part() == pulses->part())))
+    throw ConfigError("--marks: " + request.marks.string() + ": is another file to make, too");
   const RecordingSurvey survey = survey_recording(request.folder, stop);
   ExportReport report{.table = make_table(survey), .defects = survey.defects};
   select(request.selection, report.table);
@@ -73,8 +79,10 @@ ExportReport export_recording(const ExportRequest& request, std::stop_token stop
   if (pulses)
     report.pulses =
         write_pulses(request.folder, survey, report.table, request.selection, pulses->part(), stop);
+  if (marks) write_marks(report.table, marks->part());
   report.bytes = std::filesystem::file_size(file.part());
   if (pulses) pulses->keep();
+  if (marks) marks->keep();
   file.keep();
   return report;
 }

@@ -26,6 +26,7 @@ struct ExportRequest {
   std::string format;
   ExportSelection selection;
   std::filesystem::path pulses = {};  ///< also write those to this file; empty: not
+  std::filesystem::path marks = {};   ///< the same
 };
 
 struct ExportReport {

@@ -222,8 +222,8 @@ ExportTable make_table(const RecordingSurvey& survey) {
                    })->first_ns;
   for (auto& group : table.group) group.first_ns -= table.start_ns;
   for (const auto& mark : survey.mark)
-    table.mark.push_back(
-        {(table.own_clocks ? mark.host_ns : mark.last_sample_ns) - table.start_ns, mark.number, mark.text});
+    table.mark.push_back({(survey.notes_tell_time() ? mark.host_ns : mark.last_sample_ns) - table.start_ns,
+                          mark.number, mark.text});
   return table;
 }
 
@@ -241,7 +241,8 @@ void select(const ExportSelection& selection, ExportTable& table) {
   if (table.group.empty()) throw ConfigError("--from, --to: no sample between them");
   const auto outside = [&](const ExportMark& mark) {
     const double seconds = static_cast<double>(mark.time_ns) * 1e-9;
-    return seconds < selection.from_s || (selection.to_s && seconds >= *selection.to_s);
+    return (selection.from_s > 0.0 && seconds < selection.from_s) ||
+           (selection.to_s && seconds >= *selection.to_s);
   };
   std::erase_if(table.mark, outside);
 }

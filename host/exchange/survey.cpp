@@ -26,6 +26,7 @@ class Surveyor {
     if (const auto fit = clocks_.take(event.channel, event.data)) take_fit(*fit);
     if (event.channel != kNoteChannel) return;
     const auto note = decode_note(event.data);
+    if (note && note->kind == NoteKind::kImported) found_.imported = true;
     if (note && note->kind == NoteKind::kMark && found_.mark.size() < kMostMarks)
       found_.mark.push_back({note->host_ns, last_sample_ns_, note->a, note->text});
   }

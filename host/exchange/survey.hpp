@@ -43,11 +43,15 @@ struct RecordingSurvey {
     std::string text;
   };
   std::vector<Mark> mark = {};
+  bool imported = false;  ///< from a file of another program
 
   /// The recording tells the host's time; a node epoch without a fit then has none.
   bool own_clocks() const {
     return std::any_of(span.begin(), span.end(), [](const auto& s) { return s.first_fit.has_value(); });
   }
+  /// Notes bear the time that the samples are told in; without it they stand beside the samples that came
+  /// with them.
+  bool notes_tell_time() const { return imported || own_clocks(); }
 };
 
 /// Reads a recording once.

@@ -50,6 +50,8 @@ std::string what_happened(const Note& note) {
       return "asked";
     case NoteKind::kExcerpt:
       return note.a == 0 ? "made of another recording" : "part " + number(note.a);
+    case NoteKind::kImported:
+      return "made of another program's samples";
     default:
       return "note of kind " + number(static_cast<std::int64_t>(note.kind)) + " (" + number(note.a) + ", " +
              number(note.b) + ")";

@@ -8,6 +8,7 @@
 #include <sstream>
 #include <string_view>
 
+#include "common/bus/notes.hpp"
 #include "common/config/section.hpp"
 #include "common/config/text_file.hpp"
 #include "host/exchange/pulses.hpp"
@@ -41,6 +42,23 @@ class CsvLines {
   /// As number(), but an empty cell is no number (NaN): there was no sample.
   double sample(std::size_t column, const std::string& name) const {
     return cells_[column].empty() ? std::numeric_limits<double>::quiet_NaN() : number(column, name);
+  }
+  /// All behind the first two commas: a cell in quotes, which may hold commas and doubled quotes, or a plain
+  /// one.
+  std::string text_behind_two(const std::string& name) const {
+    const std::size_t begin = line_.find(',', line_.find(',') + 1) + 1;
+    std::string_view cell = std::string_view(line_).substr(begin);
+    if (cell.ends_with('\r')) cell.remove_suffix(1);
+    if (!cell.starts_with('"')) return std::string(cell);
+    std::string text;
+    std::size_t at = 1;
+    for (; at < cell.size() && (cell[at] != '"' || cell.substr(at).starts_with("\"\"")); ++at) {
+      text += cell[at];
+      if (cell[at] == '"') ++at;
+    }
+    if (at + 1 != cell.size())
+      fail(name, "does not end with its quote; allowed: \"...\", quotes in it doubled");
+    return text;
   }
   double number(std::size_t column, const std::string& name) const {
     const std::string_view cell = cells_[column];
@@ -146,6 +164,27 @@ std::vector<Pulse> read_pulses(const std::filesystem::path& file) {
                       static_cast<EdgeKind>(known - kPulseKinds.begin())});
   }
   return pulses;
+}
+
+std::vector<ImportedMark> read_marks(const std::filesystem::path& file) {
+  CsvLines lines(file);
+  const std::vector<std::string_view> header{"time_s", "number", "text"};
+  if (!lines.next() || lines.cells() != header) lines.fail("header", "allowed: time_s,number,text");
+  std::vector<ImportedMark> marks;
+  while (lines.next()) {
+    if (lines.cells().size() < header.size()) lines.fail("row", "allowed: 3 cells");
+    const double time_s = lines.number(0, "time_s");
+    if (!marks.empty() && time_s < marks.back().time_s)
+      lines.fail("time_s", "goes back; allowed: never falling");
+    const double number = lines.number(1, "number");
+    if (number < 1.0 || number > 1e9 || number != std::floor(number))
+      lines.fail("number", "allowed: a whole number from 1 to 1000000000");
+    std::string text = lines.text_behind_two("text");
+    if (text.size() > kMaxNoteBytes)
+      lines.fail("text", std::to_string(text.size()) + " bytes; allowed: " + std::to_string(kMaxNoteBytes));
+    marks.push_back({time_s, static_cast<std::int64_t>(number), std::move(text)});
+  }
+  return marks;
 }
 
 }  // namespace roadbalance

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -29,5 +30,16 @@ struct Pulse {
 
 /// Header time_s,wheel,kind; rows in order of time, kind tooth or zero.  Errors as above.
 std::vector<Pulse> read_pulses(const std::filesystem::path& file);
+
+/// What a person said during the drive.
+struct ImportedMark {
+  double time_s;
+  std::int64_t number;  ///< from 1 on
+  std::string text;
+};
+
+/// Header time_s,number,text; rows in order of time, the text in quotes, those in it doubled.  Errors as
+/// above.
+std::vector<ImportedMark> read_marks(const std::filesystem::path& file);
 
 }  // namespace roadbalance

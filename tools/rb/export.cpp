@@ -22,7 +22,7 @@ using Json = nlohmann::ordered_json;
 
 struct ExportOptions {
   ExportRequest request;
-  std::string folder, file, vehicle, pulses;
+  std::string folder, file, vehicle, pulses, marks;
   double to_s = 0.0;
   bool has_to = false;
   bool json = false;
@@ -68,7 +68,7 @@ void check_vehicle_file(const ExportOptions& options) {
   };
   if (std::filesystem::exists(options.vehicle))
     throw std::runtime_error(options.vehicle + ": exists already; remove it, or choose another name");
-  for (const std::string& other : {options.file, options.pulses})
+  for (const std::string& other : {options.file, options.pulses, options.marks})
     if (!other.empty() && absolute(other) == absolute(options.vehicle))
       throw ConfigError("--vehicle: " + options.vehicle + ": is another file to make, too");
 }
@@ -78,6 +78,7 @@ int run_export(ExportOptions options) {
   options.request.folder = options.folder;
   options.request.file = options.file;
   options.request.pulses = options.pulses;
+  options.request.marks = options.marks;
   check_vehicle_file(options);
   if (options.has_to) options.request.selection.to_s = options.to_s;
   const ExportReport report = [&] {
@@ -117,6 +118,8 @@ void add_export(CLI::App& app, int& code) {
       ->delimiter(',');
   command->add_option("--pulses", options->pulses,
                       "also write the pulses of the wheels to this file, as rb import csv takes them");
+  command->add_option("--marks", options->marks,
+                      "also write the marks to this file, as rb import takes them");
   command->add_option("--vehicle", options->vehicle, "also write the recorded vehicle.toml to this file");
   command->add_flag("--json", options->json, "one JSON object on standard output");
   command->footer(

@@ -18,6 +18,7 @@ namespace {
 struct ImportOptions {
   std::string samples;
   std::string pulses;
+  std::string marks;
   std::string vehicle;
   std::string folder;
   ReadSamples read = read_samples;
@@ -50,6 +51,7 @@ nlohmann::ordered_json report_json(const CsvImportReport& report) {
                               {"stamp_rms_s", report.stamp_rms_s},
                               {"stamp_max_s", report.stamp_max_s},
                               {"has_pulses", report.has_pulses},
+                              {"marks", report.marks},
                               {"holes", nlohmann::ordered_json::array()},
                               {"suspicions", nlohmann::ordered_json::array()},
                               {"nodes", nlohmann::ordered_json::array()}};
@@ -86,8 +88,9 @@ void tell(const CsvImportReport& report) {
 }
 
 int import(const ImportOptions& options) {
-  CsvImport request{options.samples, std::nullopt, options.folder, options.read};
+  CsvImport request{.samples = options.samples, .folder = options.folder, .read = options.read};
   if (!options.pulses.empty()) request.pulses = options.pulses;
+  if (!options.marks.empty()) request.marks = options.marks;
   const CsvImportReport report = import_csv(request, VehicleConfig::read_file(options.vehicle));
   tell(report);
   if (options.json) std::printf("%s\n", report_json(report).dump().c_str());
@@ -107,6 +110,7 @@ void add_import(CLI::App& app, int& code) {
     CLI::App* one = command->add_subcommand(format.name, format.about);
     one->add_option("--samples", options->samples, format.samples)->required();
     one->add_option("--pulses", options->pulses, "time_s,wheel,kind with kind tooth or zero");
+    one->add_option("--marks", options->marks, "time_s,number,text as rb export --marks writes them");
     one->add_option("--vehicle", options->vehicle, "vehicle.toml that gives each channel a place")
         ->required();
     one->add_option("-o,--output", options->folder, "folder of the recording to make")->required();

@@ -174,29 +174,67 @@ std::vector<std::pair<std::int64_t, std::size_t>> arrivals(const std::vector<Sea
   return order;
 }
 
-void write_folder(const std::filesystem::path& folder, const std::vector<SealedBlock>& blocks) {
+/// What stands in the record beside the blocks: where they are from, and the marks, each between the blocks
+/// that came before and after its instant.
+class ImportNotes {
+ public:
+  ImportNotes(RecordWriter& record, const CsvImport& import, std::vector<ImportedMark> marks)
+      : record_(record), marks_(std::move(marks)) {
+    put({.kind = NoteKind::kImported, .text = import.samples.filename().string()}, 0);
+  }
+  /// Those before an instant, in us.
+  void put_before(std::int64_t time_us) {
+    for (; next_ < marks_.size() && to_us(marks_[next_]) < time_us; ++next_) put(marks_[next_]);
+  }
+  void put_rest() {
+    for (; next_ < marks_.size(); ++next_) put(marks_[next_]);
+  }
+
+ private:
+  static std::int64_t to_us(const ImportedMark& mark) { return std::llround(mark.time_s * 1e6); }
+  void put(const ImportedMark& mark) {
+    put({.host_ns = std::llround(mark.time_s * 1e9),
+         .kind = NoteKind::kMark,
+         .a = mark.number,
+         .text = mark.text},
+        to_us(mark));
+  }
+  void put(const Note& note, std::int64_t time_us) { record_.append(kNoteChannel, encode(note), time_us); }
+
+  RecordWriter& record_;
+  const std::vector<ImportedMark> marks_;
+  std::size_t next_ = 0;
+};
+
+void write_folder(const std::filesystem::path& folder, const CsvImport& import,
+                  const std::vector<SealedBlock>& blocks, const std::vector<ImportedMark>& marks) {
   std::map<NodeEpoch, std::vector<SealedBlock>> metas;
   for (const auto& block : blocks)
     if (block.kind == BlockKind::kMeta) metas[{block.header.node, block.header.epoch}].push_back(block);
   RecordWriter record({.folder = folder});
   record.set_preamble(make_preamble(metas));
-  for (const auto& [time_us, i] : arrivals(blocks))
+  ImportNotes notes(record, import, marks);
+  for (const auto& [time_us, i] : arrivals(blocks)) {
+    notes.put_before(time_us);
     record.append(block_channel(blocks[i].header.node, blocks[i].kind), blocks[i].bytes(), time_us);
+  }
+  notes.put_rest();
   record.sync();
   record.close();
   write_manifest(folder);
 }
 
 /// The folder appears with all it is to hold, or not at all.
-void write_whole(std::filesystem::path folder, const std::vector<SealedBlock>& blocks) {
-  folder = std::filesystem::absolute(folder).lexically_normal();
+void write_whole(const CsvImport& import, const std::vector<SealedBlock>& blocks,
+                 const std::vector<ImportedMark>& marks) {
+  auto folder = std::filesystem::absolute(import.folder).lexically_normal();
   if (!folder.has_filename()) folder = folder.parent_path();  // "drive/"
   std::filesystem::path part = folder;
   part += ".part";
   if (std::filesystem::exists(part))
     throw ConfigError(part.string() + ": is left from an import that was interrupted; remove it first");
   try {
-    write_folder(part, blocks);
+    write_folder(part, import, blocks, marks);
     std::filesystem::rename(part, folder);
   } catch (...) {
     std::error_code ignored;  // the first failure is the one to report
@@ -215,6 +253,7 @@ CsvImportReport import_csv(const CsvImport& import, const VehicleConfig& vehicle
   const ColumnOf column = match_columns(import, table, vehicle);
   const SampleClock clock = clock_of(import, table, vehicle.node.front().rate_hz);
   const std::vector<Pulse> pulses = pulses_of(import, vehicle);
+  const auto marks = import.marks ? read_marks(*import.marks) : std::vector<ImportedMark>();
 
   CsvImportReport report;
   report.rows = static_cast<std::int64_t>(table.time_s.size());
@@ -224,6 +263,7 @@ CsvImportReport import_csv(const CsvImport& import, const VehicleConfig& vehicle
   report.stamp_max_s = clock.stamp_max_s;
   report.holes = clock.hole;
   report.has_pulses = !pulses.empty();
+  report.marks = marks.size();
   std::vector<SealedBlock> blocks;
   for (NodeConfig node : vehicle.node) {
     node.rate_hz = report.rate_hz;
@@ -245,7 +285,7 @@ CsvImportReport import_csv(const CsvImport& import, const VehicleConfig& vehicle
     };
     seal_all(source, vehicle, node, epoch_of(table, pulses, vehicle, node.id), take, GapCause::kSourceGap);
   }
-  write_whole(import.folder, blocks);
+  write_whole(import, blocks, marks);
   return report;
 }
 

@@ -17,7 +17,8 @@ using ReadSamples = SampleTable (*)(const std::filesystem::path& file);
 
 struct CsvImport {
   std::filesystem::path samples;
-  std::optional<std::filesystem::path> pulses;
+  std::optional<std::filesystem::path> pulses = {};
+  std::optional<std::filesystem::path> marks = {};
   std::filesystem::path folder;  ///< of the recording to make; must not hold anything yet, and appears whole
   ReadSamples read = read_samples;  ///< of the format that `samples` is in
 };
@@ -39,6 +40,7 @@ struct CsvImportReport {
     std::int64_t blocks, scans, scans_missing, edges;
   };
   std::vector<Node> nodes;
+  std::size_t marks = 0;
   bool has_pulses = false;  ///< without, identification is not possible
 };
 

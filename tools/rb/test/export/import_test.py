@@ -53,6 +53,42 @@ class Import(Exports):
                 np.testing.assert_array_equal(first.counts[:, :12], again.counts[:, :12], form)
                 self.assertGreater((first.there & again.there)[:, 12].sum(), 5000)
 
+    MARKS = ('time_s,number,text\n-0.250000000,1,"before the first"\n1.234567890,2,"bridge, ""old"" one"\n'
+             '1.234567890,3,"größer"\n99.000000000,4,""\n')
+
+    def marked(self, name, text, form="csv"):
+        marks = self.root / f"{name}.marks"
+        marks.write_text(text)
+        return self.import_as(form, name, DATA / "wobbletracker.csv", DATA / "wobbletracker.toml", "--marks", marks)
+
+    def test_marks_come_back(self):
+        first, done = self.marked("marked", self.MARKS)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        start_s = Node(first, 1).time_ns[0] * 1e-9  # an export's times begin there
+        shifted = self.root / "shifted.marks"
+        for form in ("csv", *self.FORMATS):
+            file, said = self.export(form, first, f"marked.{form}", "--marks", self.root / f"{form}.marks",
+                                     "--vehicle", self.root / f"m{form}.toml")
+            back, done = self.import_as(form, f"marked_{form}", file, self.root / f"m{form}.toml", "--marks",
+                                        self.root / f"{form}.marks")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual([m["text"] for m in said["marks"]], ["before the first", 'bridge, "old" one', "größer", ""])
+            for mark, time_s in zip(said["marks"], (-0.25, 1.23456789, 1.23456789, 99.0)):
+                self.assertAlmostEqual(mark["time_s"], time_s - start_s, delta=2e-9)
+            again, _ = self.export(form, back, f"again.{form}", "--marks", shifted)
+            self.assertEqual(shifted.read_text(), (self.root / f"{form}.marks").read_text(), form)
+            shifted.unlink()
+
+    def test_says_what_is_wrong_with_marks(self):
+        for k, (row, words) in enumerate((("1.0,0,x", "number"), ("1.0,1.5,x", "number"), ("x,1,x", "time_s"),
+                                          ("1.0,1", "row"), ('1.0,1,"x', "quote"), ('1.0,1,"x" y', "quote"),
+                                          ("1.0,1," + "x" * 401, "401 bytes"), ("2.0,1,a\n1.0,2,b", "goes back"))):
+            folder, done = self.marked(f"marks{k}", "time_s,number,text\n" + row + "\n")
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertIn(f"marks{k}.marks:", done.stderr)
+            self.assertIn(words, done.stderr)
+            self.assertFalse(folder.exists())
+
     def test_a_universal_file_keeps_the_instant_of_its_first_sample(self):
         """Record 7 has room for 6 digits of it."""
         folder = self.import_of("wobble_late", DATA / "wobbletracker.csv", DATA / "wobbletracker.toml")
