@@ -9,13 +9,9 @@
 #include "common/command_line/manual.hpp"
 #include "common/config/section.hpp"
 #include "common/config/validators.hpp"
-#include "common/frontend/registry.hpp"
 #include "common/frontend/unopened_wiring.hpp"
 #include "common/process/stop_on_signal.hpp"
-#include "firmware/backends/gpio/gpio_source.hpp"
-#include "firmware/backends/replay/front_end.hpp"
-#include "firmware/backends/socketcan/open_can.hpp"
-#include "firmware/backends/usb/usb_front_end.hpp"
+#include "firmware/backends/front_ends.hpp"
 #include "firmware/missing_signals.hpp"
 #include "firmware/node_service.hpp"
 #include "sim/front_end.hpp"
@@ -60,12 +56,8 @@ int main(int argc, char** argv) {
   }
   try {
     const VehicleConfig vehicle = VehicleConfig::read_file(vehicle_file);
-    FrontEndRegistry front_ends;
+    FrontEndRegistry front_ends = real_front_ends(warn);
     front_ends.add("sim", sim::open_sim_front_end);
-    front_ends.add("replay", open_replay_front_end);
-    front_ends.add("can", [](const FrontEndRequest& request) { return open_can(request, warn); });
-    front_ends.add("usb", [](const FrontEndRequest& request) { return open_usb_front_end(request, warn); });
-    front_ends.add("gpio", [](const FrontEndRequest& request) { return open_gpio(request, warn); });
     const auto open = [&](const VehicleConfig& car, const NodeConfig& of) {
       const auto& uris = front_end_uris.empty() ? of.wiring.front_end : front_end_uris;
       auto front_end = front_ends.open(uris, car, of);

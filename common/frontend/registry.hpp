@@ -42,10 +42,11 @@ class FrontEndRegistry {
   std::unique_ptr<FrontEnd> open(const std::vector<std::string>& uris, const VehicleConfig& vehicle,
                                  const NodeConfig& node) const;
 
- private:
+  /// One of them.  @throws as open()
   OpenedDevice open_device(const std::string& uri, const VehicleConfig& vehicle,
                            const NodeConfig& node) const;
 
+ private:
   std::map<std::string, Open> schemes_;
 };
 

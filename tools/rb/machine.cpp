@@ -1,6 +1,7 @@
 #include "tools/rb/machine.hpp"
 
 #include <sys/resource.h>
+#include <sys/timex.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -18,7 +19,7 @@
 #include <system_error>
 
 #include "common/bus/bus.hpp"
-#include "common/bus/process_port.hpp"
+#include "common/record/file.hpp"
 
 namespace roadbalance {
 namespace {
@@ -126,24 +127,51 @@ Finding realtime_priority(std::int64_t limit, bool root) {
           kRealtimeRemedy};
 }
 
-Finding loopback(int port) {
-  const std::string remedy = as_root(kMulticastRemedy);
-  try {
-    Bus sender(bus_url_on_port(port));
-    Bus receiver(bus_url_on_port(port));
-    bool heard = false;
-    receiver.subscribe("RB_DOCTOR", [&](std::string_view, std::span<const std::uint8_t>) { heard = true; });
-    const std::array<std::uint8_t, 4> greeting{};
-    for (int attempt = 0; attempt < 10 && !heard; ++attempt) {
-      sender.publish("RB_DOCTOR", greeting);
-      receiver.handle(std::chrono::milliseconds(100));
-    }
-    if (heard) return {"loopback", Finding::kWell, "A message sent over LCM comes back on this machine.", ""};
-    return {"loopback", Finding::kIll,
-            "A message sent over LCM does not come back on this machine; a firewall may block it.", remedy};
-  } catch (const std::exception& error) {
-    return {"loopback", Finding::kIll, std::string("LCM does not start: ") + error.what(), remedy};
+Finding wall_clock(bool synchronised) {
+  if (synchronised) return {"clock", Finding::kWell, "This machine's clock is kept right.", ""};
+  return {
+      "clock", Finding::kNote,
+      "Nobody keeps this machine's clock right: dates of recordings may be wrong, times within one are not.",
+      "sudo timedatectl set-ntp true"};
+}
+
+DiskMeasurement measure_disk(const std::filesystem::path& folder) {
+  const std::filesystem::path place = existing_part(folder);
+  DiskMeasurement measured{.free_bytes = std::filesystem::space(place).available};
+  const std::filesystem::path probe = place / (".rb-doctor-" + std::to_string(getpid()));
+  File file = File::create(probe);
+  std::filesystem::remove(probe);  // it lives as long as it is open
+  const std::vector<std::uint8_t> block(64 * 1024);
+  constexpr int kSyncs = 20;
+  for (int k = 0; k < kSyncs; ++k) {
+    file.write_all(block);
+    const auto begin = std::chrono::steady_clock::now();
+    file.sync_data();
+    measured.worst_sync = std::max<std::chrono::duration<double>>(measured.worst_sync,
+                                                                  std::chrono::steady_clock::now() - begin);
   }
+  return measured;
+}
+
+// Three nodes of 16 channels at 2 kHz, four bytes a sample as a block holds at most.
+Finding disk(const std::filesystem::path& folder, const DiskMeasurement& measured) {
+  constexpr double kBytes_s = 3 * 16 * 2000 * 4.0;
+  constexpr double kLongDrive_h = 8.0, kCommit_s = 0.2;
+  const double hours = static_cast<double>(measured.free_bytes) / kBytes_s / 3600.0;
+  std::array<char, 300> text;
+  std::snprintf(
+      text.data(), text.size(),
+      "The disk of %s has room for %.0f h of three nodes of 16 channels at 2 kHz, and takes %.1f ms at worst "
+      "until data are safe on it.",
+      folder.c_str(), hours, 1e3 * measured.worst_sync.count());
+  if (hours < kLongDrive_h)
+    return {"disk", Finding::kNote, text.data(), "rb transfer FOLDER ANOTHER_DISK  # then make room"};
+  if (measured.worst_sync.count() > kCommit_s)
+    return {
+        "disk", Finding::kNote,
+        text.data() + std::string("  That is longer than a commit: what a power cut costs grows with it."),
+        "rb doctor --folder ANOTHER_DISK"};
+  return {"disk", Finding::kWell, text.data(), ""};
 }
 
 // A wheel of 0.3 m at 250 km/h turns 36.8 times a second.
@@ -174,12 +202,14 @@ std::vector<Finding> examine_machine(const std::filesystem::path& folder,
   rlimit limit{};
   getrlimit(RLIMIT_RTPRIO, &limit);
   const auto priority = limit.rlim_cur == RLIM_INFINITY ? 99 : static_cast<std::int64_t>(limit.rlim_cur);
-  return {multicast_route(read_all("/proc/net/route")),
-          receive_buffer(rmem_max),
-          writable_folder(folder),
-          realtime_priority(priority, geteuid() == 0),
-          loopback(process_port()),
-          encoder_edges(measure_wake_ups(wake_ups))};
+  std::vector<Finding> findings{multicast_route(read_all("/proc/net/route")), receive_buffer(rmem_max),
+                                writable_folder(folder)};
+  if (findings.back().state == Finding::kWell) findings.push_back(disk(folder, measure_disk(folder)));
+  timex clock{};
+  findings.push_back(wall_clock(adjtimex(&clock) != TIME_ERROR));
+  findings.push_back(realtime_priority(priority, geteuid() == 0));
+  findings.push_back(encoder_edges(measure_wake_ups(wake_ups)));
+  return findings;
 }
 
 }  // namespace roadbalance

@@ -6,18 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "tools/rb/finding.hpp"
 #include "tools/rb/wake_up.hpp"
 
 namespace roadbalance {
-
-/// One thing a measurement needs of the machine, in one sentence.
-struct Finding {
-  enum State { kWell, kNote, kIll };  ///< note: works, though not as well as it could
-  std::string name;
-  State state = kWell;
-  std::string sentence;
-  std::string remedy;  ///< the command that mends it; empty if well
-};
 
 /// True if a route of the table (the text of /proc/net/route) holds LCM's group, 239.255.76.67.
 bool has_multicast_route(const std::string& route_table);
@@ -30,8 +22,18 @@ Finding writable_folder(const std::filesystem::path& folder);
 Finding unwritable_folder(const std::filesystem::path& folder, const std::filesystem::path& place, int error);
 /// @param limit  RLIMIT_RTPRIO of this process; @param root  whether it is root
 Finding realtime_priority(std::int64_t limit, bool root);
-/// Sends itself a message over LCM on this port.
-Finding loopback(int port);
+/// Whether somebody keeps this machine's clock right, as the kernel says.
+/// @param synchronised  by NTP, PTP, GPS ...
+Finding wall_clock(bool synchronised);
+
+/// What the disk of a folder has to give.
+struct DiskMeasurement {
+  std::uint64_t free_bytes = 0;
+  std::chrono::duration<double> worst_sync{};  ///< of some writes of a block each with fdatasync
+};
+/// @throws std::system_error if no file can be made there
+DiskMeasurement measure_disk(const std::filesystem::path& folder);
+Finding disk(const std::filesystem::path& folder, const DiskMeasurement& measured);
 
 /// How many encoder edges a second the machine took by GPIO while that was measured.
 Finding encoder_edges(const WakeUpMeasurement& measured);

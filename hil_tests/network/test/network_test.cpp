@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "hil_tests/measurement.hpp"
 #include "hil_tests/network/three_hosts.hpp"
@@ -42,6 +45,43 @@ class Network : protected test::ThreeHosts, public test::Measurement {
     }
   }
 };
+
+// What stands in the way of two computers is found before the drive.
+TEST_F(Network, TheDoctorProvesTheWayToEveryHostByALoopOfMessages) {
+  Program second = hosts->on(1, [] {
+    return Program("rb", {"doctor", "--answer", "--url", test::kNetworkUrl});
+  });
+  Program third = hosts->on(2, [] {
+    return Program("rb", {"doctor", "--answer", "--url", test::kNetworkUrl});
+  });
+  const auto ways = [&](const std::string& outcome) {
+    const std::string said = work.path() / "doctor.json";
+    const std::vector<std::string> words{
+        "-c",
+        "exec \"$0\" doctor --json --seconds 0.1 --folder \"$1\" --url \"$2\" >\"$3\"",
+        test::binaries() / "rb",
+        work.path(),
+        test::kNetworkUrl,
+        said};
+    Program doctor = hosts->on(0, [&] { return Program("sh", words); });
+    EXPECT_TRUE(doctor.exit_code(60.0).has_value());
+    std::ifstream file(said);
+    const auto findings = nlohmann::json::parse(file)["findings"];
+    int found = 0;
+    for (const auto& finding : findings) {
+      const std::string sentence = finding["finding"];
+      found += sentence.starts_with("Of messages to ") && sentence.find(outcome) != std::string::npos ? 1 : 0;
+    }
+    return found;
+  };
+  EXPECT_TRUE(test::wait_until([&] { return ways("all 1000 came") == 2; }, 60.0));
+  impair_all({.loss = 0.1});
+  EXPECT_EQ(ways(" of 1000 came"), 2);
+  for (Program* answering : {&second, &third}) {
+    answering->signal(SIGTERM);
+    EXPECT_EQ(answering->exit_code(10.0), 0);
+  }
+}
 
 TEST_F(Network, ThirtyPercentLossDuplicatesAndReorderEachWayLoseNothing) {
   impair_all({.loss = 0.3, .duplicates = 0.05, .longest = microseconds(5000)});

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <cerrno>
 
-#include "common/bus/process_port.hpp"
+#include "common/test/temporary_directory.hpp"
 
 namespace roadbalance {
 namespace {
@@ -102,8 +102,32 @@ TEST(EncoderEdges, WakeUpsAreMeasured) {
   EXPECT_EQ(measured.duration, std::chrono::milliseconds(50));
 }
 
-TEST(Loopback, BringsAMessageBack) {
-  EXPECT_EQ(loopback(process_port()).state, Finding::kWell);
+TEST(WallClock, IsKeptRightOrDatesAreDoubtful) {
+  EXPECT_EQ(wall_clock(true).state, Finding::kWell);
+  EXPECT_EQ(wall_clock(false).state, Finding::kNote);
+  EXPECT_NE(wall_clock(false).sentence.find("dates"), std::string::npos);
+}
+
+// 3 * 16 * 2000 * 4 bytes a second: 11.06 GB are 8 h.
+TEST(Disk, HasRoomForALongDriveAndIsFast) {
+  using std::chrono::milliseconds;
+  const Finding well = disk("drives", {.free_bytes = 110'592'000'000, .worst_sync = milliseconds(20)});
+  EXPECT_EQ(well.state, Finding::kWell);
+  EXPECT_NE(well.sentence.find("room for 80 h"), std::string::npos) << well.sentence;
+  EXPECT_NE(well.sentence.find("20.0 ms at worst"), std::string::npos) << well.sentence;
+  const Finding full = disk("drives", {.free_bytes = 11'000'000'000, .worst_sync = {}});
+  EXPECT_EQ(full.state, Finding::kNote);
+  EXPECT_NE(full.remedy.find("rb transfer"), std::string::npos) << full.remedy;
+  const Finding slow = disk("drives", {.free_bytes = 110'592'000'000, .worst_sync = milliseconds(400)});
+  EXPECT_EQ(slow.state, Finding::kNote);
+}
+
+TEST(Disk, IsMeasuredWhereItIsAndLeavesNothing) {
+  const test::TemporaryDirectory directory;
+  const DiskMeasurement measured = measure_disk(directory.path() / "not" / "there");
+  EXPECT_EQ(measured.free_bytes, std::filesystem::space(directory.path()).available);
+  EXPECT_GT(measured.worst_sync.count(), 0.0);
+  EXPECT_TRUE(std::filesystem::is_empty(directory.path()));
 }
 
 }  // namespace

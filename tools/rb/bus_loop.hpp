@@ -1,0 +1,67 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <span>
+#include <stop_token>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/bus/bus.hpp"
+#include "tools/rb/finding.hpp"
+
+namespace roadbalance {
+
+/// A loop of numbered messages of the size of a block over LCM, a millisecond apart: to this computer itself,
+/// and to every other on which `rb doctor --answer` runs.
+class BusLoop {
+ public:
+  /// What came back, of itself or of one that answers.
+  struct Way {
+    std::string name = {};                ///< of the computer that answered
+    std::set<std::int32_t> numbers = {};  ///< of the messages that came; one that came twice came once
+    std::int64_t late = 0;                ///< so many behind one that was sent after them
+    std::vector<double> back_ms = {};     ///< from sending to hearing, of each
+    std::int64_t came() const { return std::ssize(numbers); }
+    /// Of all that came; 0 if none did.  @param share  0 to 1
+    double within_ms(double share) const;
+  };
+
+  /// @throws std::runtime_error if LCM does not start
+  explicit BusLoop(const std::string& url);
+
+  /// @param pause  how long is listened after the last
+  void run(int messages, std::chrono::milliseconds pause = std::chrono::milliseconds(300));
+
+  std::int64_t sent() const { return sent_; }
+  const Way& own() const { return own_; }
+  /// By a number that each program that answers has drawn: computers may have one name.
+  const std::map<std::int32_t, Way>& answers() const { return answers_; }
+  /// Channels of heartbeats heard meanwhile: "RB_HEARTBEAT_1".
+  const std::set<std::string>& heartbeats() const { return heartbeats_; }
+
+ private:
+  void take(std::span<const std::uint8_t> bytes);
+
+  const std::int64_t run_;
+  Bus sender_, receiver_;
+  std::vector<std::chrono::steady_clock::time_point> sent_at_ = {};
+  std::int64_t sent_ = 0;
+  Way own_;
+  std::map<std::int32_t, Way> answers_ = {};
+  std::set<std::string> heartbeats_ = {};
+};
+
+/// Answers to every loop on this bus until `stop` is requested.
+/// @returns how many messages were answered; @throws as BusLoop
+std::int64_t answer_loops(const std::string& url, const std::stop_token& stop);
+
+/// What a loop tells: the way to this computer itself, to each that answered and, with a bus of theirs, which
+/// nodes were heard.
+/// @param url  of the bus whose nodes were to be heard; empty: the loop had a bus of its own
+std::vector<Finding> loop_findings(const BusLoop& loop, const std::string& url);
+
+}  // namespace roadbalance
