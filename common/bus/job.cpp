@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <utility>
 #include <wire/document_t.hpp>
 #include <wire/job_t.hpp>
@@ -18,7 +19,8 @@ bool in_bounds(const wire::job_t& m) {
   if (m.jobs == 0) return m.place == 0;
   return 0 < m.jobs && m.jobs <= kMostJobs && 0 <= m.place && m.place < m.jobs && 1 <= m.kind &&
          static_cast<std::int32_t>(JobState::kRunning) <= m.state &&
-         m.state <= static_cast<std::int32_t>(JobState::kCancelled) && 0 <= m.progress && m.progress <= 1 &&
+         m.state <= static_cast<std::int32_t>(JobState::kInterrupted) && 0 <= m.progress && m.progress <= 1 &&
+         0 <= m.bytes && 0 <= m.bytes_to_read && 0 <= m.bytes_per_s && std::isfinite(m.bytes_per_s) &&
          static_cast<std::int32_t>(DocumentKind::kText) <= m.document_kind &&
          m.document_kind <= static_cast<std::int32_t>(DocumentKind::kPage) && 0 <= m.parts &&
          m.parts <= kMostParts;
@@ -47,11 +49,15 @@ std::vector<std::uint8_t> encode(const Job& job) {
   m.kind = static_cast<std::int32_t>(job.kind);
   m.state = static_cast<std::int32_t>(job.state);
   wire_text::put_text(job.recording, m.recording);
-  wire_text::put_text(job.before, m.before);
+  wire_text::put_text(job.options, m.options);
   m.ended_us = job.ended_us;
   m.progress = job.progress;
+  m.bytes = job.bytes;
+  m.bytes_to_read = job.bytes_to_read;
+  m.bytes_per_s = job.bytes_per_s;
   m.document_kind = static_cast<std::int32_t>(job.document_kind);
   m.parts = job.parts;
+  wire_text::put_text(job.transfer_to, m.transfer_to);
   wire_text::put_text(job.text, m.text, m.size);
   return wire_format::encode(m);
 }
@@ -67,11 +73,15 @@ std::optional<Job> decode_job(std::span<const std::uint8_t> bytes) {
              .kind = static_cast<JobKind>(m->kind),
              .state = static_cast<JobState>(m->state),
              .recording = wire_text::text_until_zero(m->recording),
-             .before = wire_text::text_until_zero(m->before),
+             .options = wire_text::text_until_zero(m->options),
              .ended_us = m->ended_us,
              .progress = m->progress,
+             .bytes = m->bytes,
+             .bytes_to_read = m->bytes_to_read,
+             .bytes_per_s = m->bytes_per_s,
              .document_kind = static_cast<DocumentKind>(m->document_kind),
              .parts = m->parts,
+             .transfer_to = wire_text::text_until_zero(m->transfer_to),
              .text = std::move(*text)};
 }
 

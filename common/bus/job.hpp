@@ -16,7 +16,15 @@ inline constexpr std::size_t kPartBytes = 1200;
 inline constexpr std::int32_t kMostParts = 32;  ///< of a document
 
 /// Request value 0 of Operation::kJob.  Named as the command of rb that does it.
-enum class JobKind : std::int32_t { kVerify = 1, kIdentify = 2, kReport = 3 };
+enum class JobKind : std::int32_t {
+  kVerify = 1,
+  kIdentify = 2,
+  kReport = 3,
+  kExport = 4,
+  kSelect = 5,
+  kReduce = 6,
+  kTransfer = 7,
+};
 
 enum class JobState : std::int32_t {
   kRunning = 1,
@@ -25,6 +33,7 @@ enum class JobState : std::int32_t {
   kNotWell = 4,  ///< done, and what it found is bad: the text says what
   kFailed = 5,   ///< it could not be done
   kCancelled = 6,
+  kInterrupted = 7,  ///< rb-recordings ended before it
 };
 
 enum class DocumentKind : std::int32_t {
@@ -38,11 +47,14 @@ struct Job {
   std::int64_t job = 0;
   JobKind kind = JobKind::kVerify;
   JobState state = JobState::kRunning;
-  std::string recording{}, before{};
+  std::string recording{}, options{};
   std::int64_t ended_us = 0;
   double progress = 0;
+  std::int64_t bytes = 0, bytes_to_read = 0;
+  double bytes_per_s = 0;
   DocumentKind document_kind = DocumentKind::kText;
   std::int32_t parts = 0;
+  std::string transfer_to{};
   std::string text{};  ///< cut after 300 bytes
 };
 

@@ -23,7 +23,7 @@ enum class Operation : std::int32_t {
   kZero = 6,     ///< the mean of the last seconds is the reading at rest (node; 0: every one)
   kVehicle = 7,  ///< chooses the vehicle file (text: its name in the recorder's folder, no path)
   kJob = 8,      ///< does something with a finished recording (value 0: JobKind; text: RECORDING or
-                 ///< RECORDING/BEFORE, names in the folder, of which none has a slash)
+                 ///< RECORDING/KEY=VALUE/..., as host/receipts/job_order.hpp says; no name has a slash)
   kCancel = 9,   ///< ends a job before it is done (value 0: its number)
   kScale = 10,   ///< a channel's scale by gravity, both ways up (node, channel; value 0: 1 if the positive
                  ///< direction points up now, -1 if down); the second of the two sets it

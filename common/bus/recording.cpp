@@ -27,6 +27,7 @@ std::vector<std::uint8_t> encode(const RecordingReceipt& r) {
   m.number = r.number;
   m.recordings = r.recordings;
   wire_text::put_text(r.name, m.name);
+  wire_text::put_text(r.place, m.place);
   wire_text::put_text(r.vehicle, m.vehicle);
   m.state = static_cast<std::int32_t>(r.state);
   m.first_us = r.first_us;
@@ -47,6 +48,7 @@ std::vector<std::uint8_t> encode(const RecordingReceipt& r) {
   }
   m.marks = r.marks;
   for (std::size_t k = 0; k < std::min(r.mark.size(), kMostReceiptMarks); ++k) {
+    m.mark_number[k] = r.mark[k].number;
     m.mark_us[k] = r.mark[k].time_us;
     wire_text::put_text(r.mark[k].text, m.mark[k]);
   }
@@ -63,6 +65,7 @@ std::optional<RecordingReceipt> decode_recording(std::span<const std::uint8_t> b
   r.number = m->number;
   r.recordings = m->recordings;
   r.name = wire_text::text_until_zero(m->name);
+  r.place = wire_text::text_until_zero(m->place);
   r.vehicle = wire_text::text_until_zero(m->vehicle);
   r.state = static_cast<RecordingState>(m->state);
   r.first_us = m->first_us;
@@ -75,7 +78,7 @@ std::optional<RecordingReceipt> decode_recording(std::span<const std::uint8_t> b
                       m->overload_s[k], m->sync_residual_s[k]});
   r.marks = m->marks;
   for (std::int32_t k = 0; k < std::min(m->marks, static_cast<std::int32_t>(kMostReceiptMarks)); ++k)
-    r.mark.push_back({m->mark_us[k], wire_text::text_until_zero(m->mark[k])});
+    r.mark.push_back({m->mark_us[k], wire_text::text_until_zero(m->mark[k]), m->mark_number[k]});
   r.verdict = std::move(*verdict);
   return r;
 }

@@ -32,10 +32,12 @@ struct RecordingReceipt {
   };
   struct Mark {
     std::int64_t time_us = 0;
-    std::string text;  ///< cut after 48 bytes
+    std::string text;         ///< cut after 48 bytes
+    std::int32_t number = 0;  ///< as rb select counts them
   };
   std::int32_t number = 0, recordings = 0;
   std::string name{}, vehicle{};
+  std::string place{};  ///< folder that it lies in
   RecordingState state = RecordingState::kNotRead;
   std::int64_t first_us = 0, last_us = 0, bytes = 0, refused = 0, damaged_bytes = 0;
   std::vector<Node> node{};  ///< the first kMostReceiptNodes are told

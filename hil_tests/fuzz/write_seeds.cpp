@@ -118,7 +118,7 @@ void write_messages() {
         encode(Compensation{
             .wheel = 2, .plan = {.step = {WeightStep{}, WeightStep{}}}, .verdict = {.incurable = "bent"}}));
   write("results", "job",
-        encode(Job{.jobs = 1, .job = 2, .recording = "drive", .progress = 0.5, .parts = 1, .text = "reads"}));
+        encode(Job{.jobs = 1, .job = 2, .recording = "drive", .options = "format=csv", .progress = 0.5, .parts = 1, .text = "reads"}));
   write("results", "document", encode(parts_of("complete\n", 0, 2).front()));
   write("clock", "question", encode(ClockDatagram{.node = 1, .epoch = 2, .number = 3}));
   write("clock", "answer",

@@ -2,15 +2,83 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <utility>
 
 namespace roadbalance {
 namespace {
 
+using Keys = std::span<const std::string_view>;
+constexpr std::array<std::string_view, 1> kOfReport{"before"};
+constexpr std::array<std::string_view, 4> kOfExport{"format", "from", "to", "channels"};
+constexpr std::array<std::string_view, 5> kOfSelect{"from", "to", "from-mark", "to-mark", "channels"};
+constexpr std::array<std::string_view, 1> kOfReduce{"rate"};
+
 constexpr std::array kLines{
-    JobLine{JobKind::kVerify, "verify", 1, false, DocumentKind::kText},
-    JobLine{JobKind::kIdentify, "identify", 1, false, DocumentKind::kText},
-    JobLine{JobKind::kReport, "report", 3, true, DocumentKind::kPage},
+    JobLine{JobKind::kVerify, "verify", JobOutcome::kText, Keys{}, ""},
+    JobLine{JobKind::kIdentify, "identify", JobOutcome::kText, Keys{}, ""},
+    JobLine{JobKind::kReport, "report", JobOutcome::kPage, kOfReport, ""},
+    JobLine{JobKind::kExport, "export", JobOutcome::kFile, kOfExport, "format"},
+    JobLine{JobKind::kSelect, "select", JobOutcome::kRecording, kOfSelect, ""},
+    JobLine{JobKind::kReduce, "reduce", JobOutcome::kRecording, kOfReduce, "rate"},
+    JobLine{JobKind::kTransfer, "transfer", JobOutcome::kCopy, Keys{}, ""},
 };
+
+/// The endings that other programs know.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kExtensions{{{"mdf4", ".mf4"},
+                                                                                    {"hdf5", ".h5"},
+                                                                                    {"mat", ".mat"},
+                                                                                    {"uff58", ".uff"},
+                                                                                    {"wav", ".wav"},
+                                                                                    {"csv", ".csv"},
+                                                                                    {"mcap", ".mcap"}}};
+
+std::string_view extension_of(std::string_view format) {
+  const auto* found = std::ranges::find(kExtensions, format, &decltype(kExtensions)::value_type::first);
+  return found == kExtensions.end() ? std::string_view{} : found->second;
+}
+
+std::string formats() {
+  std::string all;
+  for (const auto& [format, extension] : kExtensions) (all += all.empty() ? "" : ", ") += format;
+  return all;
+}
+
+/// What of a recording lies between the order's times; marks are not looked for.
+double share_of_time(const JobOrder& order, const RecordingReceipt& recording) {
+  const double seconds = recording.node.empty() ? 0.0 : recording.node.front().seconds;
+  if (seconds <= 0.0 || order.option.contains("from-mark") || order.option.contains("to-mark")) return 1.0;
+  const double from_s = std::max(0.0, number_in(order, "from", 0.0));
+  const double to_s = std::min(seconds, number_in(order, "to", seconds));
+  return std::clamp((to_s - from_s) / seconds, 0.0, 1.0);
+}
+
+double share_of_rate(const JobOrder& order, const RecordingReceipt& recording) {
+  if (recording.node.empty() || recording.node.front().seconds <= 0.0) return 1.0;
+  const auto& node = recording.node.front();
+  const double rate_hz = static_cast<double>(node.samples) / node.seconds;
+  return rate_hz > 0.0 ? std::clamp(number_in(order, "rate", rate_hz) / rate_hz, 0.0, 1.0) : 1.0;
+}
+
+/// How often the recording is read, parts of it by what they are.
+double readings(const JobLine& line, const JobOrder& order, const RecordingReceipt& recording) {
+  switch (line.kind) {
+    case JobKind::kVerify:
+    case JobKind::kIdentify:
+      return 1.0;
+    case JobKind::kReport:
+      return 3.0;
+    case JobKind::kExport:  // once to know what is there, once for each node
+      return 1.0 + static_cast<double>(std::max<std::size_t>(1, recording.node.size()));
+    case JobKind::kSelect:  // to know what is there, to copy, and what was copied to prove it
+      return 2.0 + share_of_time(order, recording);
+    case JobKind::kReduce:
+      return 2.0 + share_of_rate(order, recording);
+    case JobKind::kTransfer:
+      return 2.0;
+  }
+  return 1.0;
+}
 
 }  // namespace
 
@@ -20,13 +88,45 @@ std::optional<JobLine> job_line(JobKind kind) {
   return *line;
 }
 
-std::vector<std::string> job_arguments(const JobLine& line, const std::filesystem::path& recording,
-                                       const std::filesystem::path& before,
-                                       const std::filesystem::path& page) {
+std::string fault_of_order(const JobLine& line, const JobOrder& order) {
+  for (const auto& [key, value] : order.option)
+    if (std::ranges::find(line.options, key) == line.options.end())
+      return key + " \"" + value + "\" has no meaning for rb " + line.command;
+  if (!line.needed.empty() && !order.option.contains(std::string(line.needed)))
+    return "rb " + std::string(line.command) + " needs a " + std::string(line.needed);
+  if (const auto format = order.option.find("format");
+      format != order.option.end() && extension_of(format->second).empty())
+    return "format \"" + format->second + "\": allowed: " + formats();
+  return "";
+}
+
+ResultName result_name(const JobLine& line, const JobOrder& order) {
+  if (line.kind == JobKind::kSelect) return {order.recording + "-selected"};
+  if (line.kind == JobKind::kReduce) return {order.recording + "-reduced-" + order.option.at("rate") + "Hz"};
+  if (line.kind == JobKind::kExport)
+    return {order.recording, std::string(extension_of(order.option.at("format")))};
+  return {order.recording};
+}
+
+std::vector<std::string> job_arguments(const JobLine& line, const JobOrder& order,
+                                       const std::filesystem::path& recording,
+                                       const std::filesystem::path& before, const std::filesystem::path& to) {
   std::vector<std::string> arguments{line.command, recording.string()};
   if (!before.empty()) arguments.insert(arguments.end(), {"--before", before.string()});
-  if (line.document == DocumentKind::kPage) arguments.insert(arguments.end(), {"--output", page.string()});
+  // In one word: no value can be taken for an option.
+  for (const auto& [key, value] : order.option)
+    if (key != "before") arguments.push_back("--" + key + "=" + value);
+  if (line.outcome == JobOutcome::kCopy)
+    arguments.insert(arguments.end(), {"--to", to.string()});
+  else if (line.outcome != JobOutcome::kText)
+    arguments.insert(arguments.end(), {"--output", to.string()});
   return arguments;
+}
+
+std::int64_t bytes_to_read(const JobLine& line, const JobOrder& order, const RecordingReceipt& recording,
+                           std::int64_t before_bytes) {
+  const double bytes = readings(line, order, recording) * static_cast<double>(recording.bytes);
+  return std::max<std::int64_t>(1, std::llround(bytes) + before_bytes);
 }
 
 }  // namespace roadbalance

@@ -1,10 +1,14 @@
 #include "host/receipts/jobs.hpp"
 
 #include <algorithm>
-#include <fstream>
+#include <cstdio>
+#include <exception>
 #include <system_error>
 #include <utility>
 
+#include "common/record/file.hpp"
+#include "host/receipts/job_document.hpp"
+#include "host/receipts/job_results.hpp"
 #include "host/recorder/desk_answers.hpp"
 
 namespace roadbalance {
@@ -13,8 +17,6 @@ namespace {
 constexpr std::size_t kKnownAnswers = 64;
 constexpr double kMostKinds = 99;
 constexpr std::int64_t kPatience_us = 2'000'000;  // of a program that is told to end
-constexpr std::size_t kMostDocument = static_cast<std::size_t>(kMostParts) * kPartBytes;
-
 Answer reply_to(const Request& request, AnswerState state, RefusalReason reason, std::string text,
                 std::int64_t utc_us) {
   Answer answer = answer_to(request, utc_us);
@@ -28,50 +30,31 @@ std::string in_quotes(const std::string& name) {
   return "\"" + name + "\"";
 }
 
-/// Of what a job has written no more than shows that it is too long.
-constexpr std::size_t kMostRead = kMostDocument + 1;
-
-std::string begin_of(const std::filesystem::path& path) {
-  std::string text(kMostRead, '\0');
-  std::ifstream file(path, std::ios::binary);
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(file.gcount()));
-  return text;
-}
-
-/// "NAME" or "NAME/BEFORE".
-std::pair<std::string, std::string> names_in(const std::string& text) {
-  const auto slash = text.find('/');
-  if (slash == std::string::npos) return {text, ""};
-  return {text.substr(0, slash), text.substr(slash + 1)};
-}
-
-const RecordingReceipt* named(const std::string& name, const std::vector<RecordingReceipt>& known) {
+const ListedRecording* named(const std::string& name, const std::vector<ListedRecording>& known) {
   if (name.empty()) return nullptr;
-  const auto found = std::ranges::find(known, name, &RecordingReceipt::name);
+  const auto found =
+      std::ranges::find(known, name, [](const ListedRecording& each) { return each.receipt.name; });
   return found == known.end() ? nullptr : &*found;
 }
 
-std::string first_line(const std::string& text) {
-  return text.substr(0, text.find('\n'));
+/// A job in the place of results, of which nothing is left when it is ended.
+bool is_whole_or_nothing(JobOutcome outcome) {
+  return outcome == JobOutcome::kFile || outcome == JobOutcome::kRecording;
 }
 
-/// A text that a page can show whole.
-std::string shortened(std::string text) {
-  static const std::string kCut = "\n... and more: rb says all of it in a terminal\n";
-  if (text.size() <= kMostDocument) return text;
-  const std::size_t most = kMostDocument - kCut.size();
-  const std::size_t line_end = text.rfind('\n', most);
-  text.resize(line_end == std::string::npos ? most : line_end);
-  return text + kCut;
+/// What is left of a job that was ended.
+std::string left_of(JobOutcome outcome) {
+  if (outcome == JobOutcome::kCopy) return "; what is copied already stays there, and begun again it goes on";
+  return is_whole_or_nothing(outcome) ? "; nothing is left of it, and begun again it begins anew" : "";
 }
 
 }  // namespace
 
-Jobs::Jobs(std::filesystem::path rb, const std::filesystem::path& folder)
-    : rb_(std::move(rb)), folder_(std::filesystem::absolute(folder)) {}
+Jobs::Jobs(std::filesystem::path rb, const JobPlaces& places) : rb_(std::move(rb)), places_(places) {
+  read_book();
+}
 
-std::optional<Answer> Jobs::take(const Request& request, const std::vector<RecordingReceipt>& known,
+std::optional<Answer> Jobs::take(const Request& request, const std::vector<ListedRecording>& known,
                                  bool grows, std::int64_t utc_us) {
   if (!is_of_recordings(request.operation)) return std::nullopt;
   const auto before = std::ranges::find_if(answered_, [&](const Answer& answer) {
@@ -85,7 +68,7 @@ std::optional<Answer> Jobs::take(const Request& request, const std::vector<Recor
   return answer;
 }
 
-Answer Jobs::begin(const Request& request, const std::vector<RecordingReceipt>& known, bool grows,
+Answer Jobs::begin(const Request& request, const std::vector<ListedRecording>& known, bool grows,
                    std::int64_t utc_us) {
   const auto refused = [&](RefusalReason reason, std::string why) {
     return reply_to(request, AnswerState::kRefused, reason, std::move(why), utc_us);
@@ -93,51 +76,72 @@ Answer Jobs::begin(const Request& request, const std::vector<RecordingReceipt>& 
   const bool is_kind = request.value[0] >= 1 && request.value[0] <= kMostKinds;
   const auto line = job_line(static_cast<JobKind>(is_kind ? static_cast<int>(request.value[0]) : 0));
   if (!line) return refused(RefusalReason::kNotSupported, "rb-recordings does not know this job");
-  const auto [name, before] = names_in(request.text);
-  const RecordingReceipt* recording = named(name, known);
-  const RecordingReceipt* compared = named(before, known);
+  const auto parsed = parse_job_order(request.text);
+  if (const auto* why = std::get_if<std::string>(&parsed)) return refused(RefusalReason::kBadArgument, *why);
+  const JobOrder& order = std::get<JobOrder>(parsed);
+  const ListedRecording* recording = named(order.recording, known);
   if (recording == nullptr)
-    return refused(RefusalReason::kBadArgument, "there is no recording " + in_quotes(name));
-  if (!before.empty() && compared == nullptr)
-    return refused(RefusalReason::kBadArgument, "there is no recording " + in_quotes(before));
-  if (!before.empty() && (!line->takes_before || before == name))
+    return refused(RefusalReason::kBadArgument, "there is no recording " + in_quotes(order.recording));
+  if (const std::string why = fault_of_order(*line, order); !why.empty())
+    return refused(RefusalReason::kBadArgument, why);
+  const auto compared = order.option.find("before");
+  const ListedRecording* before = compared == order.option.end() ? nullptr : named(compared->second, known);
+  if (compared != order.option.end() && (before == nullptr || before == recording))
     return refused(RefusalReason::kBadArgument,
-                   in_quotes(name) + " is not to be compared with " + in_quotes(before));
+                   before == nullptr ? "there is no recording " + in_quotes(compared->second)
+                                     : in_quotes(order.recording) + " is not to be compared with itself");
+  if (line->outcome == JobOutcome::kCopy && places_.transfer_to.empty())
+    return refused(RefusalReason::kNotSupported,
+                   "no place for copies is known: start rb-recordings with --transfer-to FOLDER");
   if (grows)
     return refused(RefusalReason::kRecording,
                    "a recording is being written, and the disk is its own: ask again when it has stopped");
   if (running_)
     return refused(RefusalReason::kBusy,
-                   "one job at a time: " + in_quotes(entry_[running_->place].job.recording) +
+                   "one job at a time: " + in_quotes(entry_[running_->place].booked.job.recording) +
                        " is being worked on; wait, or cancel that");
+  BookedJob booked{
+      .job = {.job = utc_us, .kind = line->kind, .recording = order.recording, .options = order.options},
+      .asker = request.asker,
+      .request = request.request};
+  try {
+    run(*line, order, *recording, before, std::move(booked), known);
+  } catch (const std::filesystem::filesystem_error& error) {
+    return refused(RefusalReason::kDisk, error.what());
+  } catch (const std::exception& error) {
+    return refused(RefusalReason::kNotSupported, error.what());
+  }
+  return reply_to(request, AnswerState::kDone, RefusalReason::kNone,
+                  in_quotes(order.recording) + " is being worked on", utc_us);
+}
+
+void Jobs::run(const JobLine& line, const JobOrder& order, const ListedRecording& recording,
+               const ListedRecording* before, BookedJob booked, const std::vector<ListedRecording>& known) {
   const std::size_t place = begun_ % static_cast<std::size_t>(kMostJobs);
   const auto page = work_.path() / (std::to_string(place) + ".html");
   std::error_code ignored;
   std::filesystem::remove(page, ignored);
-  const auto log = work_.path() / (std::to_string(place) + ".log");
-  const auto arguments =
-      job_arguments(*line, folder_ / name, before.empty() ? std::filesystem::path() : folder_ / before, page);
-  const double bytes = line->readings * static_cast<double>(recording->bytes) +
-                       (compared == nullptr ? 0.0 : static_cast<double>(compared->bytes));
-  try {
-    running_.emplace(place, Child(rb_, arguments, log), page, std::max(1.0, bytes));
-  } catch (const std::system_error& error) {
-    return refused(RefusalReason::kNotSupported, error.what());
+  std::filesystem::path to = line.outcome == JobOutcome::kCopy ? places_.transfer_to : page;
+  if (is_whole_or_nothing(line.outcome)) {
+    std::filesystem::create_directories(places_.results);
+    to = booked.result = free_place(places_.results, result_name(line, order),
+                                    [&](const std::string& name) { return named(name, known) != nullptr; });
   }
+  const auto arguments =
+      job_arguments(line, order, recording.folder, before == nullptr ? "" : before->folder, to);
+  booked.job.place = static_cast<std::int32_t>(place);
+  booked.job.document_kind = line.outcome == JobOutcome::kPage ? DocumentKind::kPage : DocumentKind::kText;
+  booked.job.bytes_to_read =
+      bytes_to_read(line, order, recording.receipt, before == nullptr ? 0 : before->receipt.bytes);
+  running_.emplace(place, line, Child(rb_, arguments, work_.path() / (std::to_string(place) + ".log")), page);
   ++begun_;
   if (entry_.size() <= place) entry_.resize(place + 1);
-  entry_[place] = {.job = {.place = static_cast<std::int32_t>(place),
-                           .job = utc_us,
-                           .kind = line->kind,
-                           .recording = name,
-                           .before = before,
-                           .document_kind = line->document}};
-  return reply_to(request, AnswerState::kDone, RefusalReason::kNone, in_quotes(name) + " is being worked on",
-                  utc_us);
+  entry_[place] = {.booked = std::move(booked)};
+  write_book();
 }
 
 Answer Jobs::cancel(const Request& request, std::int64_t utc_us) {
-  if (!running_ || static_cast<double>(entry_[running_->place].job.job) != request.value[0])
+  if (!running_ || static_cast<double>(entry_[running_->place].booked.job.job) != request.value[0])
     return reply_to(request, AnswerState::kRefused, RefusalReason::kBadArgument, "this job has ended",
                     utc_us);
   running_->is_cancelled = true;
@@ -148,7 +152,7 @@ Answer Jobs::cancel(const Request& request, std::int64_t utc_us) {
 
 void Jobs::turn(bool grows, std::int64_t utc_us) {
   if (!running_) return;
-  Job& job = entry_[running_->place].job;
+  Job& job = entry_[running_->place].booked.job;
   if (const auto code = running_->child.ended()) return finish(*code, utc_us);
   if (running_->is_cancelled) {
     if (utc_us - running_->cancelled_us > kPatience_us) running_->child.end();
@@ -156,47 +160,102 @@ void Jobs::turn(bool grows, std::int64_t utc_us) {
   }
   if (const bool is_held = job.state == JobState::kHeld; grows != is_held) {
     running_->child.hold(grows);
+    running_->rate.forget();
     job.state = grows ? JobState::kHeld : JobState::kRunning;
   }
   constexpr double kNearlyDone = 0.99;  // all is read, and something may be left to be computed
-  if (const auto bytes = running_->child.bytes_read())
-    job.progress =
-        std::clamp(static_cast<double>(*bytes) / running_->bytes_to_read, job.progress, kNearlyDone);
+  if (const auto bytes = running_->child.bytes_read()) {
+    if (job.state == JobState::kRunning) running_->rate.take(*bytes, utc_us);
+    job.bytes = std::max(job.bytes, *bytes);
+    job.bytes_per_s = running_->rate.bytes_per_s();
+    job.progress = std::clamp(static_cast<double>(*bytes) / static_cast<double>(job.bytes_to_read),
+                              job.progress, kNearlyDone);
+  }
 }
 
 void Jobs::finish(int code, std::int64_t utc_us) {
   Entry& entry = entry_[running_->place];
-  Job& job = entry.job;
-  const Child& child = running_->child;
+  Job& job = entry.booked.job;
+  const JobOutcome outcome = running_->line.outcome;
   job.ended_us = utc_us;
-  if (running_->is_cancelled) {
-    job.state = JobState::kCancelled;
-    job.text = "cancelled";
-  } else if (code == 0 || code == 1 || code == 3) {  // of rb: done; the answer is no; incomplete and declared
+  job.bytes_per_s = 0;
+  if (code == 0 || code == 1 || code == 3) {  // of rb: done; the answer is no; incomplete and declared
     job.state = code == 0 ? JobState::kDone : JobState::kNotWell;
     job.progress = 1;
-    const std::string said = child.output(kMostRead), warned = child.log(kMostRead);
-    entry.document =
-        job.document_kind == DocumentKind::kPage ? begin_of(running_->page) : shortened(said + warned);
-    job.text = warned.empty() ? "" : first_line(warned);
-    if (entry.document.size() > kMostDocument) {
-      entry.document.clear();
-      job.text = "it is too long to be shown: rb " + std::string(job_line(job.kind)->command) + " writes it";
-    }
-    job.parts = static_cast<std::int32_t>(parts_of(entry.document, job.place, job.job).size());
+    take_document(entry);
   } else {
-    job.state = JobState::kFailed;
-    job.text = child.how_it_ended();
+    if (is_whole_or_nothing(outcome)) discard_half(entry.booked.result);
+    job.state = running_->is_cancelled ? JobState::kCancelled : JobState::kFailed;
+    job.text = running_->is_cancelled ? "cancelled" + left_of(outcome) : running_->child.how_it_ended();
   }
   running_.reset();
+  write_book();
+}
+
+void Jobs::take_document(Entry& entry) const {
+  Job& job = entry.booked.job;
+  const std::string said = running_->child.output(kMostRead), warned = running_->child.log(kMostRead);
+  entry.document =
+      job.document_kind == DocumentKind::kPage ? begin_of(running_->page) : shortened(said + warned);
+  job.text = warned.empty() ? "" : first_line(warned);
+  if (is_whole_or_nothing(running_->line.outcome)) job.text = words_of(entry.booked.result);
+  if (running_->line.outcome == JobOutcome::kCopy) job.text = first_line(said);
+  if (entry.document.size() > kMostDocument) {
+    entry.document.clear();
+    job.text = "it is too long to be shown: rb " + std::string(running_->line.command) + " writes it";
+  }
+  job.parts = static_cast<std::int32_t>(parts_of(entry.document, job.place, job.job).size());
+}
+
+void Jobs::read_book() {
+  const auto file = places_.results / kJobBookFile;
+  if (!std::filesystem::exists(file)) return;
+  auto jobs = decode_job_book(begin_of(file), places_.results);
+  if (!jobs) {
+    std::fprintf(stderr, "rb-recordings: %s: cannot be read; the jobs of before are not told\n",
+                 file.c_str());
+    return;
+  }
+  for (BookedJob& booked : *jobs) {
+    Job& job = booked.job;
+    const auto line = job_line(job.kind);
+    if (!line) continue;
+    job.place = static_cast<std::int32_t>(entry_.size());
+    if (job.state == JobState::kRunning || job.state == JobState::kHeld) {
+      const bool is_made = !booked.result.empty() && std::filesystem::exists(booked.result);
+      if (!booked.result.empty()) discard_half(booked.result);
+      job.state = is_made ? JobState::kDone : JobState::kInterrupted;
+      job.text =
+          is_made ? words_of(booked.result) : "interrupted: rb-recordings ended" + left_of(line->outcome);
+    }
+    const Request request{.asker = booked.asker, .request = booked.request, .operation = Operation::kJob};
+    answered_.push_back(reply_to(request, AnswerState::kDone, RefusalReason::kNone,
+                                 in_quotes(job.recording) + " was being worked on", job.job));
+    entry_.push_back({.booked = std::move(booked)});
+  }
+  begun_ = entry_.size();
+}
+
+void Jobs::write_book() const {
+  std::vector<BookedJob> jobs;
+  for (const Entry& entry : entry_) jobs.push_back(entry.booked);
+  std::ranges::sort(jobs, {}, [](const BookedJob& booked) { return booked.job.job; });
+  try {
+    std::filesystem::create_directories(places_.results);
+    write_atomically(places_.results / kJobBookFile, encode_job_book(jobs));
+  } catch (
+      const std::exception& error) {  // the job goes on all the same: it is told while this program lives
+    std::fprintf(stderr, "rb-recordings: %s\n", error.what());
+  }
 }
 
 std::vector<Job> Jobs::told() const {
-  if (entry_.empty()) return {Job{}};
+  if (entry_.empty()) return {Job{.transfer_to = places_.transfer_to.string()}};
   std::vector<Job> jobs;
   for (const Entry& entry : entry_) {
-    jobs.push_back(entry.job);
+    jobs.push_back(entry.booked.job);
     jobs.back().jobs = static_cast<std::int32_t>(entry_.size());
+    jobs.back().transfer_to = places_.transfer_to.string();
   }
   return jobs;
 }
@@ -204,7 +263,7 @@ std::vector<Job> Jobs::told() const {
 std::vector<DocumentPart> Jobs::said() {
   std::vector<DocumentPart> parts, all;
   for (Entry& entry : entry_) {
-    const auto document = parts_of(entry.document, entry.job.place, entry.job.job);
+    const auto document = parts_of(entry.document, entry.booked.job.place, entry.booked.job.job);
     if (!document.empty() && !std::exchange(entry.is_said, true))
       parts.insert(parts.end(), document.begin(), document.end());
     all.insert(all.end(), document.begin(), document.end());

@@ -8,27 +8,37 @@
 
 #include "common/bus/job.hpp"
 #include "common/bus/operation.hpp"
-#include "common/bus/recording.hpp"
 #include "common/process/child.hpp"
 #include "common/process/temporary_folder.hpp"
+#include "host/receipts/byte_rate.hpp"
+#include "host/receipts/job_book.hpp"
 #include "host/receipts/job_table.hpp"
+#include "host/receipts/recordings_list.hpp"
 
 namespace roadbalance {
 
+/// Where jobs put what they make.
+struct JobPlaces {
+  std::filesystem::path results;  ///< new recordings, exports and the book of jobs; made when it is needed
+  std::filesystem::path transfer_to;  ///< copies; empty: nothing is to be transferred
+};
+
 /// Does with finished recordings what a person asks: one thing at a time, each a program of its own, which is
 /// held while a recording is under way, for the disk is the recorder's.  Recordings are neither changed nor
-/// deleted.  Each request acts once, however often it comes.
+/// deleted; what is made gets a name that is free.  Each request acts once, however often it comes.
+///
+/// A job that this program did not live to see the end of is told as interrupted when it begins again; the
+/// same order begins it anew, or goes on with it if it is a transfer.
 class Jobs {
  public:
-  /// @param rb      the program
-  /// @param folder  of the recordings
-  /// @throws std::system_error if there is no place for what jobs write
-  Jobs(std::filesystem::path rb, const std::filesystem::path& folder);
+  /// @param rb  the program
+  /// @throws std::system_error if there is no place for what jobs write meanwhile
+  Jobs(std::filesystem::path rb, const JobPlaces& places);
 
   /// @param known  the recordings there are
   /// @param grows  one of them is under way
   /// @return nothing: it is asked of somebody else
-  std::optional<Answer> take(const Request& request, const std::vector<RecordingReceipt>& known, bool grows,
+  std::optional<Answer> take(const Request& request, const std::vector<ListedRecording>& known, bool grows,
                              std::int64_t utc_us);
   /// To be called often.
   void turn(bool grows, std::int64_t utc_us);
@@ -41,24 +51,31 @@ class Jobs {
 
  private:
   struct Entry {
-    Job job;
+    BookedJob booked;
     std::string document{};
     bool is_said = false;
   };
   struct Running {
     std::size_t place;
+    JobLine line;
     Child child;
-    std::filesystem::path page;
-    double bytes_to_read;
+    std::filesystem::path page{};
+    ByteRate rate{};
     bool is_cancelled = false;
     std::int64_t cancelled_us = 0;
   };
-  Answer begin(const Request& request, const std::vector<RecordingReceipt>& known, bool grows,
+  Answer begin(const Request& request, const std::vector<ListedRecording>& known, bool grows,
                std::int64_t utc_us);
   Answer cancel(const Request& request, std::int64_t utc_us);
+  void run(const JobLine& line, const JobOrder& order, const ListedRecording& recording,
+           const ListedRecording* before, BookedJob booked, const std::vector<ListedRecording>& known);
   void finish(int code, std::int64_t utc_us);
+  void take_document(Entry& entry) const;
+  void read_book();
+  void write_book() const;
 
-  const std::filesystem::path rb_, folder_;
+  const std::filesystem::path rb_;
+  const JobPlaces places_;
   const TemporaryFolder work_{"rb-recordings"};
   std::deque<Answer> answered_;
   std::vector<Entry> entry_;  // by place

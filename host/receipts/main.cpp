@@ -41,17 +41,17 @@ constexpr milliseconds kTold{1000};
 /// The list and its jobs on their bus.
 class Telling {
  public:
-  Telling(const std::string& url, const std::filesystem::path& folder, Out<std::filesystem::path> folders,
-          In<RecordingReceipt> receipts)
+  Telling(const std::string& url, const std::filesystem::path& folder, const JobPlaces& places,
+          Out<std::filesystem::path> folders, In<RecordingReceipt> receipts)
       : bus_(url),
-        list_(folder),
-        jobs_(sibling_program("rb"), folder),
+        list_(folder, places.results),
+        jobs_(sibling_program("rb"), places),
         folders_(std::move(folders)),
         receipts_(std::move(receipts)) {
     bus_.subscribe(kRequestChannel, [this](std::string_view, auto bytes) {
       const auto request = decode_request(bytes);
       if (!request) return;
-      if (const auto answer = jobs_.take(*request, list_.told(), list_.grows(), utc_us()))
+      if (const auto answer = jobs_.take(*request, list_.listed(), list_.grows(), utc_us()))
         (void)bus_.publish(kAnswerChannel, encode(*answer));
     });
     look();
@@ -98,9 +98,24 @@ class Telling {
 
 /// Process: the folder -> the list on the bus, once a second; requests -> jobs.
 void tell(std::stop_token stop, const std::string& url, const std::filesystem::path& folder,
-          Out<std::filesystem::path> folders, In<RecordingReceipt> receipts) {
-  Telling telling(url, folder, std::move(folders), std::move(receipts));
+          const JobPlaces& places, Out<std::filesystem::path> folders, In<RecordingReceipt> receipts) {
+  Telling telling(url, folder, places, std::move(folders), std::move(receipts));
   while (!stop.stop_requested()) telling.turn();
+}
+
+/// Of this computer, whatever the working directory; without a slash at its end.
+std::filesystem::path whole(const std::string& folder) {
+  const auto path = std::filesystem::absolute(folder).lexically_normal();
+  return path.has_filename() ? path : path.parent_path();
+}
+
+/// Beside the recordings and not among them, where it would be taken for one.
+JobPlaces places_of(const std::string& folder, const std::string& results, const std::string& transfer_to) {
+  JobPlaces places{.results = results.empty() ? whole(folder).string() + "-results" : whole(results).string(),
+                   .transfer_to = transfer_to.empty() ? std::filesystem::path{} : whole(transfer_to)};
+  if (places.results == whole(folder))
+    throw std::runtime_error("--results " + results + ": is the folder of the recordings; allowed: another");
+  return places;
 }
 
 /// Whatever else this computer does is more urgent: it records.  Jobs inherit it.
@@ -114,13 +129,18 @@ void yield_to_all() {
 
 int main(int argc, char** argv) {
   const StopOnSignal signals;
-  std::string url = default_bus_url(), folder;
+  std::string url = default_bus_url(), folder, results, transfer_to;
   CLI::App app(
       "Tells on the bus which recordings there are and what proves that they are whole, and does with them "
       "what the page asks.",
       "rb-recordings");
   app.add_option("--url", url, "LCM address of the bus")->capture_default_str();
   app.add_option("--folder", folder, "that holds the folders of recordings")->required();
+  app.add_option("--results", results,
+                 "folder for what jobs make: recordings, exports; if not given, that of the recordings with "
+                 "-results behind its name");
+  app.add_option("--transfer-to", transfer_to,
+                 "folder that the page may have recordings copied to; if not given, it may not");
   add_manual(app);
   try {
     app.parse(argc, argv);
@@ -132,7 +152,8 @@ int main(int argc, char** argv) {
     Parallel processes;
     const std::stop_callback pass_on(signals.token(), [&] { processes.request_stop(); });
     processes.run(check, std::move(folders_in), std::move(receipts_out));
-    processes.run(tell, url, std::filesystem::path(folder), std::move(folders_out), std::move(receipts_in));
+    processes.run(tell, url, whole(folder), places_of(folder, results, transfer_to), std::move(folders_out),
+                  std::move(receipts_in));
     processes.wait();
     return 0;
   } catch (const CLI::ParseError& error) {

@@ -37,7 +37,7 @@ void take(const LogEvent& event, SealedBlock& block, Survey& found) {
     // A recorder that was killed may have noted it before: once more under the same number.
     if (const auto note = decode_note(event.data);
         note && note->kind == NoteKind::kMark && found.mark_number.insert(note->a).second)
-      found.mark.push_back({note->time_us, note->text});
+      found.mark.push_back({note->time_us, note->text, static_cast<std::int32_t>(note->a)});
   } else if (const auto fit = decode_clock_fit(event.data)) {
     double& worst = found.sync_residual_s.try_emplace(fit->node, -1.0).first->second;
     if (fit->state != ClockState::kAcquire) worst = std::max(worst, fit->uncertainty_s);
@@ -105,7 +105,8 @@ std::string vehicle_name(const std::filesystem::path& folder) {
 }  // namespace
 
 RecordingReceipt unread(const std::filesystem::path& folder) {
-  RecordingReceipt receipt{.name = folder.filename().string(), .vehicle = ""};
+  RecordingReceipt receipt{
+      .name = folder.filename().string(), .vehicle = "", .place = folder.parent_path().string()};
   std::error_code ignored;
   for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
     const auto size = entry.is_regular_file(ignored) ? entry.file_size(ignored) : 0;

@@ -20,27 +20,38 @@ std::optional<RecordingsList::FileTime> last_change(const std::filesystem::path&
   return newest;
 }
 
+constexpr const char* kHalfMade = ".part";
+
 }  // namespace
 
-void RecordingsList::look(FileTime now) {
-  std::map<std::string, Entry> found;
+void RecordingsList::look_in(const std::filesystem::path& place, bool is_results, FileTime now,
+                             std::map<std::string, Entry>& found) {
   std::error_code error;
-  for (const auto& place : std::filesystem::directory_iterator(folder_, error)) {
-    if (!place.is_directory(error)) continue;
-    const auto changed = last_change(place.path());
+  for (const auto& each : std::filesystem::directory_iterator(place, error)) {
+    if (!each.is_directory(error) || (is_results && each.path().extension() == kHalfMade)) continue;
+    const auto changed = last_change(each.path());
     if (!changed) continue;
-    const std::string name = place.path().filename().string();
+    std::string name = each.path().filename().string();
+    while (found.contains(name)) name += kOfResults;
     const auto known = entry_.find(name);
     Entry& entry = found[name];
-    if (known != entry_.end()) entry = std::move(known->second);
-    entry.grows = now - *changed < kQuiet;
+    if (known != entry_.end() && known->second.folder == each.path()) entry = std::move(known->second);
+    entry.grows = !is_results && now - *changed < kQuiet;
     if (entry.changed != *changed || entry.grows) {
-      entry.receipt = unread(place.path());
+      entry.folder = each.path();
+      entry.receipt = unread(each.path());
       entry.read.reset();
     }
     entry.changed = *changed;
+    entry.receipt.name = name;
     if (!entry.read) entry.receipt.state = entry.grows ? RecordingState::kGrowing : RecordingState::kNotRead;
   }
+}
+
+void RecordingsList::look(FileTime now) {
+  std::map<std::string, Entry> found;
+  look_in(folder_, false, now, found);
+  if (!results_.empty()) look_in(results_, true, now, found);
   entry_ = std::move(found);
   newest_first_.clear();
   for (const auto& [name, entry] : entry_) newest_first_.push_back(name);
@@ -59,17 +70,29 @@ std::optional<std::filesystem::path> RecordingsList::unread_one() {
     Entry& entry = entry_.at(name);
     if (entry.read) continue;
     entry.wanted = entry.changed;
-    return folder_ / name;
+    return entry.folder;
   }
   return std::nullopt;
 }
 
 void RecordingsList::take(RecordingReceipt receipt) {
-  const auto found = entry_.find(receipt.name);
+  const auto found = std::ranges::find_if(entry_, [&](const auto& entry) {
+    return entry.second.folder == std::filesystem::path(receipt.place) / receipt.name;
+  });
   if (found == entry_.end() || found->second.grows) return;
   if (found->second.wanted != found->second.changed) return;
   found->second.read = found->second.changed;
   found->second.receipt = std::move(receipt);
+  found->second.receipt.name = found->first;
+}
+
+std::vector<ListedRecording> RecordingsList::listed() const {
+  std::vector<ListedRecording> all;
+  for (const std::string& name : newest_first_) {
+    const Entry& entry = entry_.at(name);
+    all.push_back({entry.receipt, entry.folder});
+  }
+  return all;
 }
 
 std::vector<RecordingReceipt> RecordingsList::told() const {

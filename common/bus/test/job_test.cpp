@@ -14,11 +14,15 @@ Job job() {
           .kind = JobKind::kReport,
           .state = JobState::kNotWell,
           .recording = "second",
-          .before = "first",
+          .options = "before=first",
           .ended_us = 7,
           .progress = 0.25,
+          .bytes = 2'500'000'000,
+          .bytes_to_read = 10'000'000'000,
+          .bytes_per_s = 45e6,
           .document_kind = DocumentKind::kPage,
           .parts = 6,
+          .transfer_to = "/media/disk",
           .text = "no wheel is known"};
 }
 
@@ -33,9 +37,13 @@ TEST(Job, ComesBackAsItWasSent) {
   EXPECT_EQ(got->kind, JobKind::kReport);
   EXPECT_EQ(got->state, JobState::kNotWell);
   EXPECT_EQ(got->recording, "second");
-  EXPECT_EQ(got->before, "first");
+  EXPECT_EQ(got->options, "before=first");
   EXPECT_EQ(got->ended_us, 7);
   EXPECT_EQ(got->progress, 0.25);
+  EXPECT_EQ(got->bytes, 2'500'000'000);
+  EXPECT_EQ(got->bytes_to_read, 10'000'000'000);
+  EXPECT_EQ(got->bytes_per_s, 45e6);
+  EXPECT_EQ(got->transfer_to, "/media/disk");
   EXPECT_EQ(got->document_kind, DocumentKind::kPage);
   EXPECT_EQ(got->parts, 6);
   EXPECT_EQ(got->text, "no wheel is known");
@@ -51,9 +59,11 @@ TEST(Job, IsRefusedWhenItCannotBe) {
   EXPECT_TRUE(refused([](Job& j) { j.place = 3; }));
   EXPECT_TRUE(refused([](Job& j) { j.jobs = kMostJobs + 1; }));
   EXPECT_TRUE(refused([](Job& j) { j.kind = static_cast<JobKind>(0); }));
-  EXPECT_TRUE(refused([](Job& j) { j.state = static_cast<JobState>(7); }));
+  EXPECT_TRUE(refused([](Job& j) { j.state = static_cast<JobState>(8); }));
   EXPECT_TRUE(refused([](Job& j) { j.progress = std::nan(""); }));
   EXPECT_TRUE(refused([](Job& j) { j.parts = kMostParts + 1; }));
+  EXPECT_TRUE(refused([](Job& j) { j.bytes = -1; }));
+  EXPECT_TRUE(refused([](Job& j) { j.bytes_per_s = HUGE_VAL; }));
   EXPECT_TRUE(decode_job(encode(Job{}))) << "that there is none";
 }
 

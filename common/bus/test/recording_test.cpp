@@ -8,13 +8,14 @@ namespace {
 RecordingReceipt receipt() {
   RecordingReceipt sent{.number = 1, .recordings = 2, .name = "drive1", .vehicle = "a car"};
   sent.state = RecordingState::kIncomplete;
+  sent.place = "/var/lib/drives";
   sent.first_us = 10;
   sent.last_us = 20;
   sent.bytes = 30;
   sent.refused = 4;
   sent.damaged_bytes = 5;
   sent.node = {{1, 1000, 2, 3, 60.0, 0.5, 12e-6}, {2, 900, 0, 0, 59.0, 0.0, -1.0}};
-  sent.mark = {{15, "weights fitted"}};
+  sent.mark = {{15, "weights fitted", 3}};
   sent.marks = 1;
   sent.verdict = "incomplete, every gap declared";
   return sent;
@@ -29,6 +30,7 @@ TEST(Recording, ComesBackAsItWasSent) {
   EXPECT_EQ(got->recordings, 2);
   EXPECT_EQ(got->name, "drive1");
   EXPECT_EQ(got->vehicle, "a car");
+  EXPECT_EQ(got->place, "/var/lib/drives");
   EXPECT_EQ(got->state, RecordingState::kIncomplete);
   EXPECT_EQ(got->first_us, 10);
   EXPECT_EQ(got->last_us, 20);
@@ -46,6 +48,7 @@ TEST(Recording, ComesBackAsItWasSent) {
   ASSERT_EQ(got->mark.size(), 1U);
   EXPECT_EQ(got->mark[0].time_us, 15);
   EXPECT_EQ(got->mark[0].text, "weights fitted");
+  EXPECT_EQ(got->mark[0].number, 3);
   EXPECT_EQ(got->marks, 1);
   EXPECT_EQ(got->verdict, "incomplete, every gap declared");
 }

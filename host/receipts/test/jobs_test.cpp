@@ -1,72 +1,7 @@
-#include "host/receipts/jobs.hpp"
-
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <chrono>
-#include <fstream>
-#include <thread>
-
-#include "common/test/temporary_directory.hpp"
+#include "host/receipts/test/jobs_fixture.hpp"
 
 namespace roadbalance {
 namespace {
-
-namespace fs = std::filesystem;
-
-/// What stands for rb: a real program, whose deeds a test chooses.
-class JobsTest : public testing::Test {
- protected:
-  void rb_does(const std::string& script) {
-    std::ofstream(rb) << "#!/bin/sh\n" << script << "\n";
-    fs::permissions(rb, fs::perms::owner_all);
-  }
-  Answer ask(JobKind kind, const std::string& recording, bool grows = false) {
-    return ask_by({.asker = 1,
-                   .request = ++requests,
-                   .operation = Operation::kJob,
-                   .value = {static_cast<double>(kind), 0},
-                   .text = recording},
-                  grows);
-  }
-  Answer ask_by(const Request& request, bool grows = false) {
-    const auto answer = jobs.take(request, known, grows, ++utc_us);
-    EXPECT_TRUE(answer);
-    return answer.value_or(Answer{});
-  }
-  Answer cancel(std::int64_t job) {
-    return ask_by({.asker = 1,
-                   .request = ++requests,
-                   .operation = Operation::kCancel,
-                   .value = {static_cast<double>(job), 0}});
-  }
-  /// The newest job, when it has come to this state.
-  Job until(JobState state, bool grows = false) {
-    for (int k = 0; k < 12'000; ++k) {
-      jobs.turn(grows, utc_us += 10'000);
-      if (newest().state == state) return newest();
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-    ADD_FAILURE() << "job has state " << static_cast<int>(newest().state) << ": " << newest().text;
-    return newest();
-  }
-  Job newest() const { return std::ranges::max(jobs.told(), {}, &Job::job); }
-
-  test::TemporaryDirectory folder;
-  const fs::path rb = folder.path() / "rb";
-  std::vector<RecordingReceipt> known{{.name = "second", .vehicle = "", .bytes = 1000},
-                                      {.name = "first", .vehicle = "", .bytes = 1000}};
-  Jobs jobs{rb, folder.path()};
-  std::int64_t utc_us = 1'000'000, requests = 0;
-};
-
-std::string joined(const std::vector<DocumentPart>& parts, std::int64_t job) {
-  std::string document;
-  std::int32_t next = 0;
-  for (const auto& part : parts)
-    if (part.job == job && part.part == next) document += part.bytes, ++next;
-  return document;
-}
 
 TEST_F(JobsTest, ToldBeforeTheFirstSaysThatThereIsNone) {
   const auto told = jobs.told();
@@ -87,9 +22,9 @@ TEST_F(JobsTest, RunsTheCommandOnTheRecordingAndShowsWhatItSays) {
 
 TEST_F(JobsTest, MakesAReportOfTwoDrivesAsAPage) {
   rb_does("[ \"$3 $5\" = '--before --output' ] && echo \"<p>$2 $4\" > \"$6\"");
-  EXPECT_EQ(ask(JobKind::kReport, "second/first").state, AnswerState::kDone);
+  EXPECT_EQ(ask(JobKind::kReport, "second/before=first").state, AnswerState::kDone);
   const Job job = until(JobState::kDone);
-  EXPECT_EQ(job.before, "first");
+  EXPECT_EQ(job.options, "before=first");
   EXPECT_EQ(job.document_kind, DocumentKind::kPage);
   EXPECT_EQ(joined(jobs.said(), job.job),
             "<p>" + (folder.path() / "second").string() + " " + (folder.path() / "first").string() + "\n");
@@ -110,9 +45,9 @@ TEST_F(JobsTest, RefusesWhatCannotBeAndSaysWhy) {
   EXPECT_EQ(ask(JobKind::kVerify, "third").reason, RefusalReason::kBadArgument);
   EXPECT_EQ(ask(JobKind::kVerify, "").reason, RefusalReason::kBadArgument);
   EXPECT_EQ(ask(JobKind::kVerify, "../etc").reason, RefusalReason::kBadArgument);
-  EXPECT_EQ(ask(JobKind::kReport, "second/third").reason, RefusalReason::kBadArgument);
-  EXPECT_EQ(ask(JobKind::kVerify, "second/first").reason, RefusalReason::kBadArgument);
-  EXPECT_EQ(ask(JobKind::kReport, "first/first").reason, RefusalReason::kBadArgument);
+  EXPECT_EQ(ask(JobKind::kReport, "second/before=third").reason, RefusalReason::kBadArgument);
+  EXPECT_EQ(ask(JobKind::kVerify, "second/before=first").reason, RefusalReason::kBadArgument);
+  EXPECT_EQ(ask(JobKind::kReport, "first/before=first").reason, RefusalReason::kBadArgument);
   EXPECT_EQ(ask(static_cast<JobKind>(99), "first").reason, RefusalReason::kNotSupported);
   EXPECT_EQ(ask(JobKind::kVerify, "first", true).reason, RefusalReason::kRecording);
   EXPECT_EQ(ask(JobKind::kVerify, "first").state, AnswerState::kDone);
@@ -194,7 +129,7 @@ TEST_F(JobsTest, ProgressIsTheShareOfWhatIsReadAlready) {
   const fs::path data = folder.path() / "data";
   constexpr std::int64_t kBytes = 50'000'000;
   std::ofstream(data) << std::string(kBytes / 2, 'x');
-  known[0].bytes = kBytes;
+  known[0].receipt.bytes = kBytes;
   // Half of the recording, then it waits: by one program, as the counters are those of one.
   rb_does("exec perl -e 'open(F, \"" + data.string() + "\"); while (sysread(F, $x, 1000000)) {} sleep 60'");
   ask(JobKind::kVerify, "second");
@@ -231,7 +166,7 @@ TEST_F(JobsTest, WhatAJobWritesIsReadNoFurtherThanItCanBeShown) {
   ask(JobKind::kVerify, "first");
   EXPECT_EQ(until(JobState::kFailed).text, "ended with code 4: the end");
   rb_does("perl -e 'open(F, \">\", $ARGV[5]); truncate(F, 1e12)' -- \"$@\"");
-  ask(JobKind::kReport, "second/first");
+  ask(JobKind::kReport, "second/before=first");
   EXPECT_NE(until(JobState::kDone).text.find("too long to be shown"), std::string::npos);
 }
 

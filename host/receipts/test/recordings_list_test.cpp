@@ -23,8 +23,8 @@ class List : public testing::Test {
     std::ofstream(file, std::ios::app) << "12345";
     fs::last_write_time(file, changed);
   }
-  static RecordingReceipt complete(const std::string& name) {
-    RecordingReceipt receipt{.name = name, .vehicle = "a car"};
+  RecordingReceipt complete(const std::string& name) const {
+    RecordingReceipt receipt{.name = name, .vehicle = "a car", .place = folder.path().string()};
     receipt.state = RecordingState::kComplete;
     return receipt;
   }
@@ -123,6 +123,35 @@ TEST_F(List, TellsNoMoreThanAPageTakes) {
   const auto told = look();
   ASSERT_EQ(told.size(), static_cast<std::size_t>(kMostRecordings));
   EXPECT_EQ(told[0].name, "drive0");
+}
+
+TEST_F(List, ResultsAreListedWhenTheyAreWholeAndNeverHoldBackTheDisk) {
+  const fs::path results = folder.path() / "results";
+  RecordingsList both{folder.path(), results};
+  write("monday", kNow - 2 * kLongAgo);
+  write("results/monday", kNow - kLongAgo);
+  write("results/monday-selected", kNow);
+  write("results/monday-selected-2.part", kNow);
+  both.look(kNow);
+  const auto told = both.told();
+  ASSERT_EQ(told.size(), 3U);
+  EXPECT_EQ(told[0].name, "monday-selected");
+  EXPECT_EQ(told[0].state, RecordingState::kNotRead);
+  EXPECT_EQ(told[1].name, "monday (result)");
+  EXPECT_EQ(told[2].name, "monday");
+  EXPECT_EQ(told[1].place, results.string());
+  EXPECT_FALSE(both.grows());
+  ASSERT_EQ(both.unread_one(), results / "monday-selected");
+  RecordingReceipt receipt = complete("monday-selected");
+  receipt.place = results.string();
+  both.take(receipt);
+  // Of the two that have one name each gets its own receipt.
+  ASSERT_EQ(both.unread_one(), results / "monday");
+  receipt.name = "monday";
+  both.take(receipt);
+  EXPECT_EQ(both.told()[1].state, RecordingState::kComplete);
+  EXPECT_EQ(both.told()[2].state, RecordingState::kNotRead);
+  EXPECT_EQ(both.listed()[1].folder, results / "monday");
 }
 
 }  // namespace

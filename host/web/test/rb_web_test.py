@@ -573,7 +573,8 @@ class Unit(unittest.TestCase):
         lines = pathlib.Path(os.environ["RB_SOURCE"], "host/receipts/rb-recordings.service").read_text(encoding="ascii").splitlines()
         for needed in ("Nice=19", "IOSchedulingClass=idle", "MemoryHigh=1G", "DynamicUser=yes", "CapabilityBoundingSet=",
                        "SystemCallFilter=@system-service", "IPAddressDeny=any",
-                       "ExecStart=rb-recordings --folder /var/lib/roadbalance/recordings"):
+                       "ExecStart=rb-recordings --folder /var/lib/roadbalance/recordings --results /var/lib/roadbalance-results",
+                       "StateDirectory=roadbalance-results"):
             self.assertIn(needed, lines)
         recorder = pathlib.Path(os.environ["RB_SOURCE"], "host/recorder/rb-recorder.service").read_text(encoding="ascii")
         self.assertIn("--recordings /var/lib/roadbalance/recordings ", recorder, "the folder that the recorder writes")

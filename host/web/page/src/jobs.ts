@@ -1,6 +1,9 @@
 // What rb-recordings can do with a finished recording, and what it has written.
 import {utf8} from "./text";
-import {JobKind, JobState, type Document as DocumentPart} from "./wire";
+import {JobKind, JobState, type Document as DocumentPart, type Job} from "./wire";
+import {duration} from "./words";
+
+export type JobForm = "export" | "select" | "reduce" | "transfer";
 
 export interface JobLine {
   readonly kind: JobKind;
@@ -8,6 +11,10 @@ export interface JobLine {
   readonly does: string;
   /** It may be compared with another recording. */
   readonly takesBefore: boolean;
+  /** Its button opens what it needs to know first. */
+  readonly form?: JobForm;
+  /** What beginning it again does. */
+  readonly again?: string;
 }
 
 /** A line makes one more button. */
@@ -15,7 +22,45 @@ export const kJobs: readonly JobLine[] = [
   {kind: JobKind.Verify, button: "Verify", does: "Proof that it is complete", takesBefore: false},
   {kind: JobKind.Identify, button: "Identify", does: "Balance of its drive", takesBefore: false},
   {kind: JobKind.Report, button: "Report", does: "Report of its drive", takesBefore: true},
+  {kind: JobKind.Export, button: "Export", does: "File for another program", takesBefore: false, form: "export", again: "Begin anew"},
+  {kind: JobKind.Select, button: "Select", does: "Recording of a part of it", takesBefore: false, form: "select", again: "Begin anew"},
+  {kind: JobKind.Reduce, button: "Reduce", does: "Recording of fewer samples a second", takesBefore: false, form: "reduce", again: "Begin anew"},
+  {kind: JobKind.Transfer, button: "Transfer", does: "Copy on another disk", takesBefore: false, form: "transfer", again: "Resume"},
 ];
+
+/** As rb export calls them. */
+export const kFormats: readonly (readonly [format: string, words: string])[] = [
+  ["mdf4", "MDF4: vehicle measurement tools"], ["hdf5", "HDF5: MATLAB, Python, Octave"], ["mat", "MAT: MATLAB"],
+  ["uff58", "UFF58: modal analysis"], ["wav", "WAV: audio tools"], ["csv", "CSV: any program"], ["mcap", "MCAP: Foxglove"],
+];
+
+/** "format=csv/from=3/channels=a,b" in words; empty: all of it. */
+export function optionWords(options: string): string {
+  const value = new Map(options.split("/").map((word) => {
+    const equals = word.indexOf("=");
+    return [word.slice(0, equals), word.slice(equals + 1)] as const;
+  }));
+  const end = (name: string) => {
+    const [seconds, mark] = [value.get(name), value.get(`${name}-mark`)];
+    if (seconds === undefined && mark === undefined) return [];
+    return [`${name} ${seconds === undefined ? "" : `${seconds} s`}${mark === undefined ? "" : `${seconds === undefined ? "" : " after "}mark ${mark}`}`];
+  };
+  const of = (key: string, words: (text: string) => string) => {
+    const found = value.get(key);
+    return found === undefined ? [] : [words(found)];
+  };
+  return [...of("before", (name) => `compared with “${name}”`), ...of("format", (name) => name), ...of("rate", (hz) => `${hz} Hz`),
+          ...end("from"), ...end("to"), ...of("channels", (names) => `channels ${names}`)].join(", ");
+}
+
+/** "3.1 of about 9.3 GB read, 45 MB/s, about 00:02:18 left". */
+export function paceWords({bytes, bytes_to_read, bytes_per_s}: Pick<Job, "bytes" | "bytes_to_read" | "bytes_per_s">): string {
+  const [unit, name] = Math.max(bytes, bytes_to_read) >= 1e9 ? [1e9, "GB"] : [1e6, "MB"];
+  const said = `${(bytes / unit).toFixed(1)} of about ${(Math.max(bytes, bytes_to_read) / unit).toFixed(1)} ${name} read`;
+  if (!(bytes_per_s > 0)) return said;
+  const left = bytes_to_read > bytes ? `about ${duration((bytes_to_read - bytes) / bytes_per_s)} left` : "nearly done";
+  return `${said}, ${(bytes_per_s / 1e6).toFixed(bytes_per_s < 1e7 ? 1 : 0)} MB/s, ${left}`;
+}
 
 export const kStates: Readonly<Record<JobState, readonly [tone: string, word: string]>> = {
   [JobState.Running]: ["quiet", "under way"],
@@ -24,6 +69,7 @@ export const kStates: Readonly<Record<JobState, readonly [tone: string, word: st
   [JobState.NotWell]: ["warn", "done, and not all is well"],
   [JobState.Failed]: ["bad", "failed"],
   [JobState.Cancelled]: ["quiet", "cancelled"],
+  [JobState.Interrupted]: ["warn", "interrupted"],
 };
 
 /** As rb-recordings: that it tells at a time, and once more in case they change just now. */

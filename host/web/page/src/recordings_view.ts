@@ -60,7 +60,8 @@ class RecordingCard {
     setText(this.word, word);
     const length = duration(Math.max(0, recording.last_us - recording.first_us) / 1e6);
     const about = [untilZero(recording.vehicle), ...(recording.first_us > 0 ? [localTime(recording.first_us), length] : []),
-                   `${(recording.bytes / 1e9).toFixed(2)} GB`];
+                   recording.bytes < 1e8 ? `${(recording.bytes / 1e6).toFixed(1)} MB` : `${(recording.bytes / 1e9).toFixed(2)} GB`,
+                   untilZero(recording.place) && `in ${untilZero(recording.place)}`];
     setText(this.facts, about.filter((fact) => fact !== "").join(" · "));
     const crc = isRead(recording.state)
       ? recording.refused + recording.damaged_bytes === 0 ? "Every CRC is right." : `${recording.refused} blocks with a wrong CRC, ${recording.damaged_bytes} damaged bytes.`
@@ -81,7 +82,7 @@ class RecordingCard {
       ...Array.from({length: shown}, (_, k) => `Mark ${localTime(recording.mark_us[k] ?? 0)}: ${untilZero(recording.mark[k] ?? []) || "–"}`),
       ...(recording.marks > shown ? [`and ${recording.marks - shown} more`] : [])]);
     const name = untilZero(recording.name);
-    this.jobs.draw(name, recording.state !== RecordingState.Growing, others.filter((other) => other !== name), !grows && !isOld, nowMs);
+    this.jobs.draw(recording, recording.state !== RecordingState.Growing, others.filter((other) => other !== name), !grows && !isOld, nowMs);
   }
 }
 
@@ -95,7 +96,7 @@ export class RecordingsView implements View {
   private readonly old = el("p", {class: "old", role: "status"});
   private readonly why = el("p", {id: "recordings-why", role: "status"});
   private readonly list = el("div", {class: "list"});
-  private readonly cards: RecordingCard[] = [];
+  private readonly cards = new Map<string, RecordingCard>();
   private drawnMs = -Infinity;
 
   constructor(private readonly car: Car, private readonly asker: Asker) {
@@ -121,13 +122,18 @@ export class RecordingsView implements View {
     setText(this.why, known.length === 0 || isOld ? "" : !this.asker.mayAsk() ? "To watch only: this page was opened without #token=… of the address that rb-web prints."
       : grows ? "A recording is being written and the disk is its own: proofs and reports when it has stopped." : "");
     const finished = known.filter(({state}) => isRead(state)).map(({name}) => untilZero(name));
-    while (this.cards.length > known.length) this.cards.pop()?.element.remove();
+    const names = known.map(({name}) => untilZero(name));
+    for (const [name, card] of this.cards) {
+      if (names.includes(name)) continue;
+      card.element.remove();
+      this.cards.delete(name);
+    }
+    // A card stays with its recording when another comes before it: somebody may be filling in its form.
     known.forEach((recording, k) => {
-      let card = this.cards[k];
-      if (!card) {
-        this.cards.push(card = new RecordingCard(this.car, this.asker));
-        this.list.append(card.element);
-      }
+      const name = names[k] ?? "";
+      const card = this.cards.get(name) ?? new RecordingCard(this.car, this.asker);
+      this.cards.set(name, card);
+      if (this.list.children[k] !== card.element) this.list.insertBefore(card.element, this.list.children[k] ?? null);
       card.draw(recording, finished, grows, isOld, nowMs);
     });
   }

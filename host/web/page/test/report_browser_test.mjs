@@ -75,10 +75,12 @@ test("the page tells live what came of the weights, and does so again after the 
 const kDesk = {width: 1366, height: 768}, kPhone = {width: 390, height: 844};
 
 /** rb-recordings of a folder, and a page of it. */
-async function recordingsPage(t, of, options = {}) {
+async function recordingsPage(t, of, {places = [], ...options} = {}) {
   const url = busUrl();
   const {web, where} = await startWeb(url);
-  const recordings = start("rb-recordings", "--url", url, "--folder", of);
+  const results = mkdtempSync(join(tmpdir(), "rb-results-"));
+  t.after(() => rmSync(results, {recursive: true}));
+  const recordings = start("rb-recordings", "--url", url, "--folder", of, ...(places.length > 0 ? places : ["--results", results]));
   const page = await browser.newPage({viewport: kDesk, ...options});
   t.after(async () => {
     await page.close();
@@ -126,7 +128,7 @@ for (const [name, options] of [["dark", {colorScheme: "dark"}], ["light", {color
     const {page} = await recordingsPage(t, folder, {acceptDownloads: true, ...options});
     await areListed(page, 2);
     const of = card(page, "second");
-    await of.locator("select").selectOption("first");
+    await of.locator(".controls select").selectOption("first");
     await of.locator("button[data-ask=Report]").click();
     await jobSays(page, "second", "Report", "compared with “first”: done");
     await of.locator("button[data-ask=Verify]").click();
@@ -148,6 +150,116 @@ for (const [name, options] of [["dark", {colorScheme: "dark"}], ["light", {color
     await picture(page, `jobs-${name}`);
   });
 
+/** Tab until the focus is there: what cannot be reached so cannot be used without a mouse. */
+async function tabTo(page, what) {
+  for (let k = 0; k < 200; ++k) {
+    if (await page.evaluate((selector) => document.activeElement?.matches(selector) && document.activeElement.checkVisibility(), what)) return;
+    await page.keyboard.press("Tab");
+  }
+  assert.fail(`${what} cannot be reached by the keyboard`);
+}
+const isNotTooWide = async (page) => {
+  const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+  assert.ok(wide <= 0, `${wide} pixels too wide`);
+};
+const areLargeEnough = async (of) => assert.deepEqual(await of.locator("button, select, input").evaluateAll((all) => all
+  .filter((each) => each.checkVisibility() && each.getBoundingClientRect().height < 48).map(({outerHTML}) => outerHTML)), [], "too small for a finger");
+
+for (const [name, options] of [["night", {colorScheme: "dark"}], ["day", {colorScheme: "light"}], ["phone", {viewport: kPhone, hasTouch: true}]])
+  test(`a recording is exported, selected, reduced and transferred from the page by keyboard alone, ${name}`, async (t) => {
+    const place = mkdtempSync(join(tmpdir(), "rb-places-"));
+    t.after(() => rmSync(place, {recursive: true}));
+    const [results, disk] = [join(place, "results"), join(place, "disk")];
+    mkdirSync(disk);
+    const {page} = await recordingsPage(t, folder, {places: ["--results", results, "--transfer-to", disk], ...options});
+    await areListed(page, 2);
+    const of = card(page, "second");
+    await of.locator("button[data-ask=Verify]").focus();
+    await tabTo(page, "button[data-ask=Export]");
+    await page.keyboard.press("Enter");
+    await tabTo(page, ".panel select");
+    await page.keyboard.press("h");
+    await page.keyboard.press("Tab");
+    await page.keyboard.type("10");
+    await page.keyboard.press("Tab");
+    await page.keyboard.type("12.5");
+    await page.keyboard.press("Tab");
+    await page.keyboard.type("front");
+    await areLargeEnough(of);
+    await isNotTooWide(page);
+    assert.deepEqual(await weakTexts(page), []);
+    await of.scrollIntoViewIfNeeded();
+    await picture(page, `jobs-export-${name}`);
+    await page.keyboard.press("Enter");
+    await jobSays(page, "second", "Export", `hdf5, from 10 s, to 12.5 s, channels front: done.*${results}/second.h5, \\d+\\.\\d MB`);
+    assert.equal(await page.evaluate(() => document.activeElement?.dataset.ask), "Export", "the focus is where it was");
+
+    await tabTo(page, "button[data-ask=Select]");
+    await page.keyboard.press("Enter");
+    await tabTo(page, ".panel input");
+    await page.keyboard.type("20");
+    await page.keyboard.press("Tab");
+    await page.keyboard.press("Tab");
+    await page.keyboard.type("30");
+    await picture(page, `jobs-select-${name}`);
+    await page.keyboard.press("Enter");
+    await jobSays(page, "second", "Select", `from 20 s, to 30 s: done.*${results}/second-selected, `);
+    await areListed(page, 3);
+    assert.match(await card(page, "second-selected").innerText(), new RegExp(`in ${results}.*00:00:10`, "s"));
+
+    await of.locator("button[data-ask=Select]").focus();
+    await tabTo(page, "button[data-ask=Reduce]");
+    await page.keyboard.press("Enter");
+    await tabTo(page, ".panel select");
+    assert.equal(await page.evaluate(() => document.activeElement.selectedOptions[0].text), "1000 Hz: every 2nd");
+    await page.keyboard.press("Tab");
+    await page.keyboard.press("Enter");
+    await jobSays(page, "second", "Reduce", `1000 Hz: done.*${results}/second-reduced-1000Hz, `);
+    await areListed(page, 4);
+
+    await of.locator("button[data-ask=Reduce]").focus();
+    await tabTo(page, "button[data-ask=Transfer]");
+    await page.keyboard.press(" ");
+    assert.match(await of.locator(".panel:visible").innerText(), new RegExp(`Copies it to ${disk} and reads the copy back`));
+    await tabTo(page, ".panel button");
+    await page.keyboard.press("Enter");
+    await jobSays(page, "second", "Transfer", `done.*${disk}/second: .*read back and equal`);
+    execFileSync("sha256sum", ["--quiet", "-c", "sha256.txt"], {cwd: join(disk, "second")});
+    await areLargeEnough(of);
+    await isNotTooWide(page);
+    assert.deepEqual(await weakTexts(page), []);
+    await picture(page, `jobs-made-${name}`);
+  });
+
+test("what is typed into a recording's form stays with it when a result comes before it in the list", async (t) => {
+  const {page} = await recordingsPage(t, folder);
+  await areListed(page, 2);
+  await card(page, "second").locator("button[data-ask=Reduce]").click();
+  await card(page, "second").locator(".panel:visible select").selectOption({label: "500 Hz: every 4th"});
+  await card(page, "second").locator(".panel:visible button").click();
+  await card(page, "first").locator("button[data-ask=Select]").click();
+  await card(page, "first").locator(".panel:visible input").first().fill("17");
+  await areListed(page, 3);
+  assert.deepEqual(await page.locator(".recording h3").allTextContents(), ["second-reduced-500Hz", "second", "first"]);
+  assert.equal(await page.locator(".panel:visible").count(), 1);
+  assert.equal(await card(page, "first").locator(".panel:visible input").first().inputValue(), "17");
+  assert.equal(await page.evaluate(() => document.activeElement.value), "17", "and the focus");
+});
+
+test("where nothing may be transferred to the page says how to allow it, and what rb refuses is said", async (t) => {
+  const {page} = await recordingsPage(t, folder);
+  await areListed(page, 2);
+  const of = card(page, "second");
+  await of.locator("button[data-ask=Transfer]").click();
+  assert.match(await of.locator(".panel:visible").innerText(), /start rb-recordings with --transfer-to FOLDER/);
+  assert.equal(await of.locator(".panel:visible button").isDisabled(), true);
+  await of.locator("button[data-ask=Select]").click();
+  await of.locator(".panel:visible input[type=text]").fill("middle");
+  await of.locator(".panel:visible button").click();
+  await jobSays(page, "second", "Select", "channels middle: failed.*middle: no such channel or node; allowed: front rear");
+  assert.equal(await of.locator(".job button:text-is('Begin anew')").isVisible(), true);
+});
+
 test("a long job shows how far it is, another is refused meanwhile, and it can be cancelled", async (t) => {
   const long = mkdtempSync(join(tmpdir(), "rb-long-"));
   t.after(() => rmSync(long, {recursive: true}));
@@ -163,6 +275,7 @@ test("a long job shows how far it is, another is refused meanwhile, and it can b
   await jobSays(page, "long", "Verify", "under way");
   await page.waitForFunction(() => document.querySelector(".job progress").value > 0, null, {timeout: 60_000});
   assert.ok(await page.evaluate(() => document.querySelector(".job progress").value) < 1);
+  await jobSays(page, "long", "Verify", "\\d+ %: \\d+\\.\\d of about 40\\.0 GB read, [0-9.]+ MB/s, about \\d\\d:\\d\\d:\\d\\d left");
   assert.equal(await verify.isDisabled(), true);
   await picture(page, "jobs-running");
   const token = /#token=(.+)$/.exec(where)[1];

@@ -1,0 +1,78 @@
+#include "host/receipts/job_book.hpp"
+
+#include <nlohmann/json.hpp>
+#include <variant>
+
+#include "common/bus/operation.hpp"
+#include "host/receipts/job_order.hpp"
+
+namespace roadbalance {
+namespace {
+
+using Json = nlohmann::json;
+
+Json to_json(const BookedJob& booked) {
+  const Job& job = booked.job;
+  return {{"job", job.job},
+          {"kind", static_cast<int>(job.kind)},
+          {"state", static_cast<int>(job.state)},
+          {"recording", job.recording},
+          {"options", job.options},
+          {"ended_us", job.ended_us},
+          {"text", job.text},
+          {"asked", {booked.asker, booked.request}},
+          {"result", booked.result.filename().string()}};
+}
+
+std::optional<BookedJob> booked_of(const Json& json, const std::filesystem::path& results) {
+  BookedJob booked{.job = {.job = json.at("job").get<std::int64_t>(),
+                           .kind = static_cast<JobKind>(json.at("kind").get<std::int32_t>()),
+                           .state = static_cast<JobState>(json.at("state").get<std::int32_t>()),
+                           .recording = json.at("recording").get<std::string>(),
+                           .options = json.at("options").get<std::string>(),
+                           .ended_us = json.at("ended_us").get<std::int64_t>(),
+                           .text = json.at("text").get<std::string>()},
+                   .asker = json.at("asked").at(0).get<std::int64_t>(),
+                   .request = json.at("asked").at(1).get<std::int64_t>()};
+  const Job& job = booked.job;
+  if (job.kind < JobKind::kVerify || job.kind > JobKind::kTransfer || job.state < JobState::kRunning ||
+      job.state > JobState::kInterrupted)
+    return std::nullopt;
+  const auto order = parse_job_order(job.recording + (job.options.empty() ? "" : "/" + job.options));
+  if (!std::holds_alternative<JobOrder>(order) || std::get<JobOrder>(order).recording != job.recording)
+    return std::nullopt;
+  // Half of it is removed: it must be a name and no way to elsewhere.
+  const auto result = json.at("result").get<std::string>();
+  if (result == "." || result == ".." || result.find('/') != std::string::npos ||
+      result.find('\0') != std::string::npos)
+    return std::nullopt;
+  if (!result.empty()) booked.result = results / result;
+  return booked;
+}
+
+}  // namespace
+
+std::string encode_job_book(const std::vector<BookedJob>& jobs) {
+  Json json = Json::array();
+  for (const BookedJob& booked : jobs) json.push_back(to_json(booked));
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::optional<std::vector<BookedJob>> decode_job_book(std::string_view text,
+                                                      const std::filesystem::path& results) {
+  try {
+    const Json json = Json::parse(text);
+    if (!json.is_array() || json.size() > static_cast<std::size_t>(kMostJobs)) return std::nullopt;
+    std::vector<BookedJob> jobs;
+    for (const Json& each : json) {
+      auto booked = booked_of(each, results);
+      if (!booked) return std::nullopt;
+      jobs.push_back(std::move(*booked));
+    }
+    return jobs;
+  } catch (const Json::exception&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <variant>
+
+namespace roadbalance {
+
+/// What a job is to do: the text of a request Operation::kJob, "RECORDING" or
+/// "RECORDING/KEY=VALUE/KEY=VALUE". Names of recordings have no slash.
+struct JobOrder {
+  std::string recording{};
+  std::string options{};                           ///< what follows its name, as it came
+  std::map<std::string, std::string> option = {};  ///< by key; no value is empty
+};
+
+/// Keys: before (a recording), format, channels (names, with commas between), from and to (seconds),
+/// from-mark and to-mark (numbers of marks), rate (Hz).
+/// @return the order, or why there is none, for people
+std::variant<JobOrder, std::string> parse_job_order(std::string_view text);
+
+/// Of an option whose value is a number.
+double number_in(const JobOrder& order, const std::string& key, double otherwise);
+
+}  // namespace roadbalance

@@ -1,0 +1,171 @@
+#include "host/receipts/byte_rate.hpp"
+#include "host/receipts/test/jobs_fixture.hpp"
+
+namespace roadbalance {
+namespace {
+
+TEST_F(JobsTest, WhatAJobMakesGetsAFreeNameAmongTheResults) {
+  rb_does("while [ \"$1\" != --output ]; do shift; done; echo 12345 > \"$2\"");
+  const auto made = [&](JobKind kind, const std::string& text) {
+    EXPECT_EQ(ask(kind, text).state, AnswerState::kDone) << text;
+    return until(JobState::kDone).text;
+  };
+  EXPECT_EQ(made(JobKind::kSelect, "first/from=1/to=2.5"),
+            (results / "first-selected").string() + ", 0.0 MB");
+  EXPECT_EQ(made(JobKind::kSelect, "first"), (results / "first-selected-2").string() + ", 0.0 MB");
+  EXPECT_EQ(made(JobKind::kReduce, "first/rate=500"),
+            (results / "first-reduced-500Hz").string() + ", 0.0 MB");
+  EXPECT_EQ(made(JobKind::kExport, "first/format=hdf5"), (results / "first.h5").string() + ", 0.0 MB");
+  // What another has left half made there is not touched, and neither is what a recording is called.
+  std::ofstream(results / "second.csv.part") << "half";
+  known.push_back({{.name = "second-selected", .vehicle = ""}, folder.path() / "second-selected"});
+  EXPECT_EQ(made(JobKind::kExport, "second/format=csv"), (results / "second-2.csv").string() + ", 0.0 MB");
+  EXPECT_EQ(made(JobKind::kSelect, "second"), (results / "second-selected-2").string() + ", 0.0 MB");
+  EXPECT_TRUE(fs::exists(results / "second.csv.part"));
+}
+
+TEST_F(JobsTest, OptionsReachTheCommandInOneWordEach) {
+  rb_does("for word; do echo \"[$word]\"; done");
+  ask(JobKind::kSelect, "first/from=-3/to-mark=2/channels=--json,$(touch x); a b");
+  const Job job = until(JobState::kDone);
+  EXPECT_EQ(joined(jobs.said(), job.job), "[select]\n[" + (folder.path() / "first").string() +
+                                              "]\n[--channels=--json,$(touch x); a b]\n[--from=-3]\n"
+                                              "[--to-mark=2]\n[--output]\n[" +
+                                              (results / "first-selected").string() + "]\n");
+}
+
+TEST_F(JobsTest, RefusesOptionsThatCannotBeAndSaysWhich) {
+  rb_does("exit 0");
+  const auto refused = [&](JobKind kind, const std::string& text) {
+    const Answer answer = ask(kind, text);
+    EXPECT_EQ(answer.reason, RefusalReason::kBadArgument) << text;
+    return answer.text;
+  };
+  EXPECT_EQ(refused(JobKind::kExport, "first"), "rb export needs a format");
+  EXPECT_EQ(refused(JobKind::kExport, "first/format=exe"),
+            "format \"exe\": allowed: mdf4, hdf5, mat, uff58, wav, csv, mcap");
+  EXPECT_EQ(refused(JobKind::kReduce, "first/rate=0"), "rate \"0\": allowed: samples a second");
+  EXPECT_EQ(refused(JobKind::kReduce, "first/rate=../../x"), "rate \"..\": allowed: samples a second");
+  EXPECT_EQ(refused(JobKind::kSelect, "first/from=nan"), "from \"nan\": allowed: seconds");
+  EXPECT_EQ(refused(JobKind::kSelect, "first/from=1/from=2"), "from is said twice");
+  EXPECT_EQ(refused(JobKind::kSelect, "first/from-mark=-1"),
+            "from-mark \"-1\": allowed: the number of a mark");
+  EXPECT_EQ(refused(JobKind::kSelect, "first/output=x"), "\"output=x\" says nothing of a job");
+  EXPECT_EQ(refused(JobKind::kSelect, "first/rate=500"), "rate \"500\" has no meaning for rb select");
+  EXPECT_EQ(refused(JobKind::kTransfer, "first/to=3"), "to \"3\" has no meaning for rb transfer");
+  EXPECT_FALSE(fs::exists(results)) << "nothing was begun";
+}
+
+TEST_F(JobsTest, ATransferGoesWhereTheMachinesOperatorSaysOrNowhere) {
+  rb_does("echo \"$@\"");
+  EXPECT_EQ(ask(JobKind::kTransfer, "first").state, AnswerState::kDone);
+  EXPECT_EQ(until(JobState::kDone).text,
+            "transfer " + (folder.path() / "first").string() + " --to " + disk.string());
+  Jobs nowhere(rb, {results, ""});
+  const auto answer = nowhere.take({.asker = 1,
+                                    .request = 5,
+                                    .operation = Operation::kJob,
+                                    .value = {static_cast<double>(JobKind::kTransfer), 0},
+                                    .text = "first"},
+                                   known, false, ++utc_us);
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->reason, RefusalReason::kNotSupported);
+  EXPECT_NE(answer->text.find("--transfer-to"), std::string::npos) << answer->text;
+}
+
+TEST_F(JobsTest, OfACancelledExportNothingIsLeftEvenIfItIsDeaf) {
+  rb_does("trap '' TERM; echo half > \"$5.part\"; while :; do sleep 0.1; done");
+  ask(JobKind::kExport, "first/format=csv");
+  for (int k = 0; k < 12'000 && !fs::exists(results / "first.csv.part"); ++k) {
+    jobs.turn(false, utc_us += 10'000);
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  cancel(newest().job);
+  EXPECT_EQ(until(JobState::kCancelled).text,
+            "cancelled; nothing is left of it, and begun again it begins anew");
+  EXPECT_FALSE(fs::exists(results / "first.csv.part"));
+}
+
+TEST_F(JobsTest, WhatWasUnderWayWhenItEndedIsToldAsInterrupted) {
+  rb_does("[ \"$1\" = transfer ] && exec sleep 60; echo half > \"$5.part\"; exec sleep 60");
+  const fs::path half = results / "first.csv.part", other = results / "second.csv.part";
+  const Request asked{.asker = 1,
+                      .request = 70,
+                      .operation = Operation::kJob,
+                      .value = {static_cast<double>(JobKind::kExport), 0},
+                      .text = "first/format=csv"};
+  {
+    Jobs killed(rb, places);
+    ASSERT_TRUE(killed.take(asked, known, false, 2));
+    for (int k = 0; k < 12'000 && !fs::exists(half); ++k)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  std::ofstream(half) << "half";
+  std::ofstream(other) << "of somebody else";
+  Jobs again(rb, places);
+  auto told = again.told();
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(told[0].state, JobState::kInterrupted);
+  EXPECT_EQ(told[0].options, "format=csv");
+  EXPECT_NE(told[0].text.find("begins anew"), std::string::npos) << told[0].text;
+  EXPECT_FALSE(fs::exists(half));
+  EXPECT_TRUE(fs::exists(other));
+  // The page has not heard the answer and asks once more: that is no second job.
+  EXPECT_EQ(again.take(asked, known, false, 3)->state, AnswerState::kDone);
+  EXPECT_EQ(again.told().size(), 1U);
+  // Asked anew it begins beside it, and this, too, is remembered.
+  Request anew = asked;
+  anew.request = 71;
+  rb_does("echo whole > \"$5\"");
+  ASSERT_EQ(again.take(anew, known, false, 4)->state, AnswerState::kDone);
+  for (int k = 0; k < 12'000 && again.told()[1].state == JobState::kRunning; ++k) {
+    again.turn(false, 5 + k);
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  Jobs third(rb, places);
+  told = third.told();
+  ASSERT_EQ(told.size(), 2U);
+  EXPECT_EQ(told[0].state, JobState::kInterrupted);
+  EXPECT_EQ(told[1].state, JobState::kDone);
+  EXPECT_EQ(told[1].text, (results / "first.csv").string() + ", 0.0 MB");
+}
+
+TEST_F(JobsTest, ABookThatCannotBeReadEndsNothing) {
+  fs::create_directories(results);
+  for (const char* const text : {"", "{", "[{}]", "[[[[]]]]",
+                                 R"([{"job":1,"kind":4,"state":1,"recording":"a","options":"","ended_us":0,)"
+                                 R"("text":"","asked":[1,2],"result":"../second.csv"}])"}) {
+    std::ofstream(results / kJobBookFile) << text;
+    EXPECT_EQ(Jobs(rb, places).told()[0].jobs, 0) << text;
+  }
+}
+
+TEST_F(JobsTest, ResultsThatCannotBeWrittenAreRefusedAndNamed) {
+  std::ofstream(folder.path() / "results") << "a file";
+  rb_does("exit 0");
+  const Answer answer = ask(JobKind::kSelect, "first");
+  EXPECT_EQ(answer.reason, RefusalReason::kDisk);
+  EXPECT_NE(answer.text.find(results.string()), std::string::npos) << answer.text;
+  EXPECT_EQ(ask(JobKind::kVerify, "first").state, AnswerState::kDone) << "which needs no such place";
+  until(JobState::kDone);
+}
+
+TEST(ByteRate, IsThatOfTheLastSecondsAndForgetsAPause) {
+  ByteRate rate;
+  EXPECT_EQ(rate.bytes_per_s(), 0);
+  for (int k = 0; k <= 100; ++k) rate.take(k * 1000, k * 100'000);
+  EXPECT_DOUBLE_EQ(rate.bytes_per_s(), 10'000);
+  // Twice as fast for longer than it looks back.
+  for (int k = 1; k <= 60; ++k) rate.take(100'000 + k * 2000, 10'000'000 + k * 100'000);
+  EXPECT_DOUBLE_EQ(rate.bytes_per_s(), 20'000);
+  rate.forget();
+  rate.take(300'000, 100'000'000);
+  EXPECT_EQ(rate.bytes_per_s(), 0) << "one point has no rate";
+  rate.take(310'000, 101'000'000);
+  EXPECT_DOUBLE_EQ(rate.bytes_per_s(), 10'000);
+  rate.take(320'000, 50'000'000);
+  EXPECT_EQ(rate.bytes_per_s(), 0) << "the clock was set back";
+}
+
+}  // namespace
+}  // namespace roadbalance

@@ -1,0 +1,93 @@
+// What a job needs to know before it begins.  Folders are never typed here: where things go the machine's operator has said.
+import {el, setText} from "./dom";
+import {kFormats, type JobForm} from "./jobs";
+import {untilZero} from "./text";
+import type {Recording} from "./wire";
+
+const kFactors = [2, 4, 5, 8, 10, 20, 50, 100];
+
+const secondsField = (words: string) => el("input", {type: "number", step: "any", placeholder: words, autocomplete: "off"});
+const labelled = (name: string, field: HTMLElement) => el("label", {}, [el("span", {}, [name]), field]);
+const option = (value: string, words: string) => el("option", {value}, [words]);
+
+/** Choices that change only when what they are made of does: a choice that is open stays open. */
+class Choice {
+  readonly element = el("select");
+  private offered = "";
+
+  constructor(private readonly none: string) {}
+
+  offer(choices: readonly (readonly [value: string, words: string])[]): void {
+    const offered = choices.flat().join("\n");
+    if (offered === this.offered && this.element.options.length > 0) return;
+    this.offered = offered;
+    const chosen = this.element.value;
+    const all = [...(this.none === "" ? [] : [["", this.none] as const]), ...choices];
+    this.element.replaceChildren(...all.map(([value, words]) => option(value, words)));
+    if (all.some(([value]) => value === chosen)) this.element.value = chosen;
+  }
+}
+
+/** One form for each kind that has one. */
+export class JobFields {
+  readonly element: HTMLElement;
+  private readonly format = new Choice("");
+  private readonly rate = new Choice("");
+  private readonly from = secondsField("the beginning");
+  private readonly to = secondsField("the end");
+  private readonly fromMark = new Choice("the first sample");
+  private readonly toMark = new Choice("the first sample");
+  private readonly channels = el("input", {type: "text", placeholder: "all", autocomplete: "off", maxlength: "200"});
+  private readonly words = el("p");
+
+  constructor(private readonly form: JobForm) {
+    this.format.offer(kFormats);
+    const times = form === "select"
+      ? [labelled("From, s", this.from), labelled("counted from", this.fromMark.element), labelled("To, s", this.to), labelled("counted from", this.toMark.element)]
+      : [labelled("From, s", this.from), labelled("To, s", this.to)];
+    const names = labelled("Channels or nodes, with commas between", this.channels);
+    const fields = {
+      export: [labelled("Format", this.format.element), ...times, names], select: [...times, names],
+      reduce: [labelled("Samples a second", this.rate.element)], transfer: [],
+    };
+    this.element = el("div", {class: "fields"}, [this.words, ...fields[form]]);
+  }
+
+  /** @param transferTo  empty: nothing may be transferred
+      @return it can begin */
+  draw(recording: Recording, transferTo: string): boolean {
+    const known = Math.min(recording.marks, recording.mark.length);
+    const marks = Array.from({length: known}, (_, k) => [String(recording.mark_number[k]),
+      `mark ${recording.mark_number[k]}: ${untilZero(recording.mark[k] ?? []) || "–"}`] as const);
+    this.fromMark.offer(marks);
+    this.toMark.offer(marks);
+    const [samples = 0, seconds = 0] = [recording.samples[0], recording.seconds[0]];
+    const rate = recording.nodes > 0 && seconds > 0 ? samples / seconds : 0;
+    this.rate.offer(rate > 0 ? kFactors.map((factor) => {
+      const hz = String(Number((rate / factor).toPrecision(9)));
+      return [hz, `${hz} Hz: every ${factor}${factor === 2 ? "nd" : "th"}`] as const;
+    }) : []);
+    setText(this.words, {
+      export: "Writes a file beside the recording's other results; the recording stays as it is.",
+      select: "Makes a recording of a part, sample for sample the same; this one stays as it is.",
+      reduce: rate > 0 ? "Makes a recording of fewer samples, behind a low-pass that lets nothing fold; this one stays as it is."
+        : "How many samples a second it has will be known when it has been checked.",
+      transfer: transferTo === "" ? "No disk for copies is known. On the machine that records, start rb-recordings with --transfer-to FOLDER to allow it."
+        : `Copies it to ${transferTo} and reads the copy back. Interrupted, it goes on where it was; the disk may be unplugged at any time.`,
+    }[this.form]);
+    return this.form === "transfer" ? transferTo !== "" : this.form !== "reduce" || rate > 0;
+  }
+
+  /** As host/receipts/job_order.hpp has them; each with a slash before it. */
+  options(): string {
+    const times = [["from", this.from.value], ["from-mark", this.fromMark.element.value], ["to", this.to.value], ["to-mark", this.toMark.element.value]] as const;
+    const names = this.channels.value.split(",").map((name) => name.trim()).filter((name) => name !== "").join(",");
+    const all: Readonly<Record<JobForm, readonly (readonly [string, string])[]>> = {
+      export: [["format", this.format.element.value], ...times.filter(([key]) => !key.endsWith("mark")), ["channels", names]],
+      select: [...times, ["channels", names]],
+      reduce: [["rate", this.rate.element.value]],
+      transfer: [],
+    };
+    return all[this.form].filter(([, value]) => value !== "").map(([key, value]) => `/${key}=${value}`).join("");
+  }
+}
