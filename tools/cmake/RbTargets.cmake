@@ -109,5 +109,5 @@ endmacro()
 macro(rb_test_properties name)
   # For what hangs: a slow machine with much else to do must not come near it.
   set_tests_properties(${name} PROPERTIES TIMEOUT 900
-    ENVIRONMENT "RB_BIN=${CMAKE_BINARY_DIR}/bin;RB_SOURCE=${CMAKE_SOURCE_DIR};TSAN_OPTIONS=suppressions=${CMAKE_SOURCE_DIR}/tools/cmake/tsan.supp")
+    ENVIRONMENT "RB_BIN=${CMAKE_BINARY_DIR}/bin;RB_SOURCE=${CMAKE_SOURCE_DIR};TSAN_OPTIONS=suppressions=${CMAKE_SOURCE_DIR}/tools/cmake/tsan.supp;LSAN_OPTIONS=suppressions=${CMAKE_SOURCE_DIR}/tools/cmake/lsan.supp:print_suppressions=0")
 endmacro()

@@ -84,7 +84,8 @@ TEST(NodeWiring, TakesHowAPulseCounterCounts) {
   std::string tables = kTables;
   const std::string wheel = "wheel = \"rear_right\"\n";
   tables.insert(tables.find(wheel) + wheel.size(), kCounter);
-  const SignalConfig& counts = wiring("", tables).can[1].signal[0];
+  const NodeWiring w = wiring("", tables);
+  const SignalConfig& counts = w.can[1].signal[0];
   EXPECT_EQ(counts.counter.modulus, 256);
   EXPECT_EQ(counts.counter.invalid_code, 255);
   EXPECT_EQ(counts.counter.step, 1);

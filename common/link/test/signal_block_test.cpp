@@ -15,7 +15,7 @@ TEST(SignalBlock, GivesBackTheSamplesThatWereAddedAsTheyCame) {
   EXPECT_TRUE(block.empty());
   std::vector<SignalSample> added;
   for (int k = 0; k < kSamplesPerBlock; ++k) {
-    added.push_back(sample_at(9'876'543'210'123 + (k & 1 ? -40'000'000 : 10'000'000) * k,
+    added.push_back(sample_at(9'876'543'210'123 + (k & 1 ? -40'000'000L : 10'000'000L) * k,
                               static_cast<std::uint16_t>(k & 1 ? kMostSignals - 1 : k), -0.1 * k));
     ASSERT_TRUE(block.add(added.back()));
     EXPECT_FALSE(block.empty());

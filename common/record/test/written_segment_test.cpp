@@ -49,10 +49,10 @@ bool finishes_the_first(const Calls& calls) {
 }
 
 TEST(WrittenSegment, WaitsForATimeWhenNobodyWaits) {
+  Calls calls;  // the writer's end calls the disk, too
   SimulatedDisk disk;
   Feeder feeder(kOptions, disk);
   ASSERT_TRUE(feeder.append_through(1) && feeder.sync());
-  Calls calls;
   disk.set_fault([&](DiskCall call, std::int64_t, const std::string& path) {
     calls.emplace_back(call, path);
     return SimulatedDisk::Outcome{};
