@@ -1,0 +1,71 @@
+"""The guide, typed word by word by a new user on the simulated car, leads to balanced wheels."""
+
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import tomllib
+import unittest
+from cmath import exp
+from math import radians
+
+SOURCE = pathlib.Path(os.environ["RB_SOURCE"])
+BIN = pathlib.Path(os.environ["RB_BIN"])
+GUIDE = SOURCE / "tools" / "guide"
+SHOP_G = 7.0  # [limits] of vehicle.toml; its default
+RADIUS_M = 0.19
+
+
+def commands():
+    """Every line to type, in the order of the page."""
+    return "\n".join(re.findall(r"^```sh\n(.*?)^```$", (GUIDE / "README.md").read_text(), re.S | re.M))
+
+
+def unbalance_g(scenario):
+    """What the car has, weights on it included: grams at RADIUS_M, complex, by wheel."""
+    truth = {}
+    for mass in tomllib.loads(scenario.read_text())["unbalance"]:
+        moment = mass["mass_g"] * mass.get("radius_m", RADIUS_M) / RADIUS_M
+        truth[mass["wheel"]] = truth.get(mass["wheel"], 0) + moment * exp(1j * radians(mass["angle_deg"]))
+    return truth
+
+
+class Guide(unittest.TestCase):
+    def test_leads_to_balanced_wheels(self):
+        with tempfile.TemporaryDirectory() as folder:
+            folder = pathlib.Path(folder)
+            # A network of its own, as a laptop's without cable: on the usual port nobody else is heard.
+            script = ("ip link set lo up\nip route add 224.0.0.0/4 dev lo\n"
+                      "trap 'echo \"ended with $?: $BASH_COMMAND\"' ERR\ntrap '[ ! -f car.pids ] || car off' EXIT\n" + commands())
+            done = subprocess.run(["unshare", "--net", "bash", "-c", script], cwd=folder, capture_output=True, text=True,
+                                  env=dict(os.environ, RB_SHARE=SOURCE / "sim" / "demo",
+                                           PATH=f"{GUIDE}:{BIN}:{os.environ['PATH']}"))
+            said = done.stdout + done.stderr
+            self.assertEqual(re.findall("^ended with .*$", said, re.M), ["ended with 1: rb watch --seconds 4"], said)
+            before = unbalance_g(SOURCE / "sim" / "demo" / "scenario.toml")
+            after = unbalance_g(folder / "scenario.toml")
+            for wheel, left in before.items():
+                self.assertGreater(abs(left), SHOP_G, wheel)
+                self.assertLess(abs(after[wheel]), 2.0, f"{wheel}: {said}")
+            self.assertNotIn(" lost, ", said.replace(" 0 lost, ", ""))
+            self.assertIn("http://127.0.0.1:", said)
+            self.assertIn("</html>", (folder / "balance.html").read_text())
+            plan = json.loads((folder / "plan.json").read_text())
+            self.assertEqual({wheel["name"] for wheel in plan["compensation"]}, set(before))
+
+    def test_the_car_says_what_is_wrong(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for arguments, words in ((["off"], "not on"), (["weights"], "which plan"), (["fly"], "on | off")):
+                done = subprocess.run([GUIDE / "car", *arguments], cwd=folder, capture_output=True, text=True)
+                self.assertNotEqual(done.returncode, 0)
+                self.assertIn(words, done.stdout + done.stderr)
+
+
+if __name__ == "__main__":
+    if os.geteuid() != 0:
+        print("[  SKIPPED ] Guide (root makes a network of its own)")
+        sys.exit(0)
+    unittest.main()
