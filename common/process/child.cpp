@@ -23,8 +23,8 @@ constexpr int kCannotExecute = 127;
 
 /// In the child after fork: only what is safe there, then the program.
 [[noreturn]] void become(const char* program, char* const* arguments, const char* output_file,
-                         const char* log_file, pid_t parent) {
-  prctl(PR_SET_PDEATHSIG, SIGTERM);
+                         const char* log_file, pid_t parent, int signal_to_orphan) {
+  prctl(PR_SET_PDEATHSIG, signal_to_orphan);
   if (getppid() != parent) _exit(kCannotExecute);  // it ended before the line above
   sigset_t none;
   sigemptyset(&none);
@@ -57,7 +57,7 @@ std::string read(const std::filesystem::path& path, std::streamoff from, std::si
 }  // namespace
 
 Child::Child(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-             std::filesystem::path log)
+             std::filesystem::path log, Orphan orphan)
     : name_(program.filename().string()), log_(std::move(log)) {
   if (access(program.c_str(), X_OK) != 0)
     throw std::system_error(errno, std::generic_category(), "start " + program.string());
@@ -70,7 +70,9 @@ Child::Child(const std::filesystem::path& program, const std::vector<std::string
   const pid_t parent = getpid();
   pid_ = fork();
   if (pid_ < 0) throw std::system_error(errno, std::generic_category(), "fork for " + program.string());
-  if (pid_ == 0) become(program.c_str(), pointers.data(), output.c_str(), log_.c_str(), parent);
+  if (pid_ == 0)
+    become(program.c_str(), pointers.data(), output.c_str(), log_.c_str(), parent,
+           orphan == Orphan::kIsEnded ? SIGKILL : SIGTERM);
 }
 
 Child::Child(Child&& other) noexcept

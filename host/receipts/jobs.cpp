@@ -133,7 +133,10 @@ void Jobs::run(const JobLine& line, const JobOrder& order, const ListedRecording
   booked.job.document_kind = line.outcome == JobOutcome::kPage ? DocumentKind::kPage : DocumentKind::kText;
   booked.job.bytes_to_read =
       bytes_to_read(line, order, recording.receipt, before == nullptr ? 0 : before->receipt.bytes);
-  running_.emplace(place, line, Child(rb_, arguments, work_.path() / (std::to_string(place) + ".log")), page);
+  // What it leaves is discarded, or goes on, when this program begins again.
+  running_.emplace(
+      place, line,
+      Child(rb_, arguments, work_.path() / (std::to_string(place) + ".log"), Child::Orphan::kIsEnded), page);
   ++begun_;
   if (entry_.size() <= place) entry_.resize(place + 1);
   entry_[place] = {.booked = std::move(booked)};

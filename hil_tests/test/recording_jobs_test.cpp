@@ -1,0 +1,236 @@
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <array>
+#include <chrono>
+#include <fstream>
+#include <map>
+#include <string>
+
+#include "common/bus/bus.hpp"
+#include "common/bus/job.hpp"
+#include "common/test/bus_url.hpp"
+#include "common/test/temporary_directory.hpp"
+#include "hil_tests/private_mounts.hpp"
+#include "hil_tests/program.hpp"
+#include "hil_tests/recording_digests.hpp"
+#include "host/recorder/verify.hpp"
+#include "tools/rb/asking.hpp"
+
+namespace roadbalance {
+namespace {
+
+namespace fs = std::filesystem;
+using test::Program;
+
+constexpr double kPatience_s = 120;
+
+/// The real rb-recordings with a real recording; who asks is on the bus, as the page's rb-web is.
+class RecordingJobs : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    ASSERT_EQ(test::run("rb",
+                        {"demo", "--headless", "--rate", "max", "--drive-seconds", "80", "--seed", "1",
+                         "--record", drive().string()},
+                        kPatience_s),
+              0);
+    // As if it had ended a while ago: nothing waits for it to be quiet.
+    for (const auto& file : fs::directory_iterator(drive()))
+      fs::last_write_time(file, fs::file_time_type::clock::now() - std::chrono::hours(1));
+  }
+  static void TearDownTestSuite() { fs::remove_all(drives()); }
+  static fs::path drives() {
+    static const fs::path folder = fs::temp_directory_path() / ("rb-jobs-" + std::to_string(getpid()));
+    fs::create_directories(folder);
+    return folder;
+  }
+  static fs::path drive() { return drives() / "drive"; }
+
+  RecordingJobs() {
+    fs::create_directories(disk);
+    bus.subscribe(kJobChannel, [this](std::string_view, auto bytes) {
+      if (auto job = decode_job(bytes); job && job->jobs > 0) told[job->place] = *job;
+    });
+  }
+  void TearDown() override { EXPECT_EQ(test::digests_of(drive()), before) << "the source is as it was"; }
+
+  Program recordings() const {
+    return Program("rb-recordings", {"--url", url, "--folder", drives().string(), "--results",
+                                     results.string(), "--transfer-to", disk.string()});
+  }
+  Answer ask(Operation operation, double value, const std::string& text = "") {
+    Asking asking(url);
+    Answer answer;
+    // Until it is there and knows of the recording.
+    test::wait_until(
+        [&] {
+          answer =
+              asking
+                  .ask({.operation = operation, .value = {value, 0}, .text = text}, std::chrono::seconds(10))
+                  .value_or(Answer{});
+          return answer.state == AnswerState::kDone || answer.reason != RefusalReason::kNone;
+        },
+        kPatience_s);
+    return answer;
+  }
+  void begin(JobKind kind, const std::string& options = "") {
+    previous = newest().job;
+    const Answer answer = ask(Operation::kJob, static_cast<double>(kind), "drive" + options);
+    ASSERT_EQ(answer.state, AnswerState::kDone) << answer.text;
+  }
+  Job newest() const {
+    Job newest;
+    for (const auto& [place, job] : told)
+      if (job.job > newest.job) newest = job;
+    return newest;
+  }
+  Job until_ended() {
+    EXPECT_TRUE(test::wait_until(
+        [&] {
+          bus.handle(std::chrono::milliseconds(20));
+          return newest().job > previous && newest().state > JobState::kHeld;
+        },
+        kPatience_s));
+    return newest();
+  }
+  /// Waits until this file or folder is being made, and holds the command that makes it.
+  void hold_in_the_middle(const Program& program, const fs::path& half) const {
+    ASSERT_TRUE(test::wait_until([&] { return fs::exists(half); }, kPatience_s)) << half;
+    for (const auto& thread : fs::directory_iterator("/proc/" + std::to_string(program.pid()) + "/task")) {
+      std::ifstream children(thread.path() / "children");
+      for (pid_t child = 0; children >> child;) kill(child, SIGSTOP);
+    }
+    ASSERT_TRUE(fs::exists(half)) << "it was too fast to be held";
+  }
+
+  const test::TemporaryDirectory work;
+  const fs::path results = work.path() / "results", disk = work.path() / "disk";
+  const std::string url = test::bus_url();
+  Bus bus{url};
+  std::map<std::int32_t, Job> told;
+  std::int64_t previous = 0;  ///< job before the one that was begun last
+  const std::map<std::string, std::string> before = test::digests_of(drive());
+};
+
+struct Asked {
+  JobKind kind;
+  const char *options, *result;
+};
+constexpr std::array kMade{Asked{JobKind::kExport, "/format=uff58", "drive.uff"},
+                           Asked{JobKind::kSelect, "/from=1", "drive-selected"},
+                           Asked{JobKind::kReduce, "/rate=500", "drive-reduced-500Hz"}};
+
+TEST_F(RecordingJobs, EveryFormatOfThePageIsMade) {
+  const Program running = recordings();
+  for (const auto& [format, file] : std::map<std::string, std::string>{{"mdf4", "drive.mf4"},
+                                                                       {"hdf5", "drive.h5"},
+                                                                       {"mat", "drive.mat"},
+                                                                       {"uff58", "drive.uff"},
+                                                                       {"wav", "drive.wav"},
+                                                                       {"csv", "drive.csv"},
+                                                                       {"mcap", "drive.mcap"}}) {
+    begin(JobKind::kExport, "/format=" + format + "/from=2/to=3");
+    const Job job = until_ended();
+    EXPECT_EQ(job.state, JobState::kDone) << format << ": " << job.text;
+    EXPECT_TRUE(job.text.starts_with((results / file).string() + ", ")) << job.text;
+    EXPECT_GT(fs::file_size(results / file), 10'000U);
+    EXPECT_EQ(job.progress, 1);
+  }
+}
+
+TEST_F(RecordingJobs, MakesRecordingsThatAreComplete) {
+  const Program running = recordings();
+  for (const Asked& asked : {kMade[1], kMade[2]}) {
+    begin(asked.kind, asked.options);
+    EXPECT_EQ(until_ended().state, JobState::kDone) << newest().text;
+    EXPECT_EQ(verify_record(results / asked.result).verdict, Verdict::kComplete);
+  }
+}
+
+TEST_F(RecordingJobs, KilledInTheMiddleIsToldAsInterruptedLeavesNothingHalfAndBeginsAnew) {
+  for (const Asked& asked : kMade) {
+    const fs::path result = results / asked.result, half = result.string() + ".part";
+    Program running = recordings();
+    begin(asked.kind, asked.options);
+    hold_in_the_middle(running, half);
+    running.kill();
+    running = recordings();
+    const Job job = until_ended();
+    EXPECT_EQ(job.state, JobState::kInterrupted) << job.text;
+    EXPECT_NE(job.text.find("begins anew"), std::string::npos) << job.text;
+    EXPECT_TRUE(test::wait_until([&] { return !fs::exists(half); }, kPatience_s)) << half;
+    EXPECT_FALSE(fs::exists(result));
+    begin(asked.kind, asked.options);
+    EXPECT_EQ(until_ended().state, JobState::kDone) << newest().text;
+    EXPECT_TRUE(fs::exists(result));
+  }
+}
+
+TEST_F(RecordingJobs, CancelledInTheMiddleLeavesNothingHalf) {
+  const Program running = recordings();
+  for (const Asked& asked : kMade) {
+    const fs::path result = results / asked.result, half = result.string() + ".part";
+    begin(asked.kind, asked.options);
+    hold_in_the_middle(running, half);
+    ASSERT_TRUE(test::wait_until(
+        [&] {
+          bus.handle(std::chrono::milliseconds(20));
+          return newest().job > previous;
+        },
+        kPatience_s));
+    EXPECT_EQ(ask(Operation::kCancel, static_cast<double>(newest().job)).state, AnswerState::kDone);
+    EXPECT_EQ(until_ended().state, JobState::kCancelled) << newest().text;
+    EXPECT_FALSE(fs::exists(half));
+    EXPECT_FALSE(fs::exists(result));
+  }
+}
+
+TEST_F(RecordingJobs, ATransferThatWasKilledOrCancelledGoesOnWhereItWas) {
+  const fs::path half = disk / "drive.part";
+  Program running = recordings();
+  begin(JobKind::kTransfer);
+  hold_in_the_middle(running, half);
+  running.kill();
+  told.clear();
+  running = recordings();
+  EXPECT_EQ(until_ended().state, JobState::kInterrupted);
+  EXPECT_TRUE(fs::exists(half));
+  EXPECT_FALSE(fs::exists(disk / "drive"));
+  begin(JobKind::kTransfer);
+  const Job job = until_ended();
+  EXPECT_EQ(job.state, JobState::kDone) << job.text;
+  EXPECT_NE(job.text.find("read back and equal"), std::string::npos) << job.text;
+  EXPECT_EQ(test::digests_of(disk / "drive", "sha256.txt"), before);
+}
+
+TEST_F(RecordingJobs, AFullDiskIsNamedAndNothingHalfIsLeft) {
+  if (const auto obstacle = test::enter_private_mounts()) GTEST_SKIP() << *obstacle;
+  const test::MemoryDisk small(results, 2 << 20), copies(disk, 2 << 20);
+  const Program running = recordings();
+  for (const Asked& asked : kMade) {
+    const fs::path result = results / asked.result;
+    begin(asked.kind, asked.options);
+    const Job job = until_ended();
+    EXPECT_EQ(job.state, JobState::kFailed);
+    EXPECT_NE(job.text.find(result.string()), std::string::npos) << job.text;
+    EXPECT_NE(job.text.find("No space left on device"), std::string::npos) << job.text;
+    EXPECT_FALSE(fs::exists(result.string() + ".part"));
+    EXPECT_FALSE(fs::exists(result));
+  }
+  begin(JobKind::kTransfer);
+  EXPECT_EQ(until_ended().state, JobState::kFailed);
+  EXPECT_NE(newest().text.find(disk.string()), std::string::npos) << newest().text;
+  EXPECT_NE(newest().text.find("are free"), std::string::npos) << newest().text;
+}
+
+TEST_F(RecordingJobs, ADiskThatIsNotThereIsNamed) {
+  fs::remove(disk);
+  const Program running = recordings();
+  begin(JobKind::kTransfer);
+  EXPECT_EQ(until_ended().state, JobState::kFailed);
+  EXPECT_NE(newest().text.find(disk.string() + ": there is no such folder to take it to"), std::string::npos)
+      << newest().text;
+}
+
+}  // namespace
+}  // namespace roadbalance
