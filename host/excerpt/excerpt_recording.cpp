@@ -8,7 +8,7 @@
 #include "common/bus/bus.hpp"
 #include "common/bus/clock_messages.hpp"
 #include "common/record/folder.hpp"
-#include "common/record/part_folder.hpp"
+#include "common/record/part.hpp"
 #include "common/record/segment.hpp"
 #include "host/analyser/in_sequence.hpp"
 #include "host/excerpt/epoch_clocks.hpp"
@@ -237,7 +237,7 @@ ExcerptReport excerpt_recording(const ExcerptRequest& request, std::stop_token s
   check_choice(request.choice, survey.vehicle);
   const Pieces pieces = find_pieces(request, survey, table, stop);
   static_cast<void>(excerpt_vehicle(survey.vehicle.text, request.choice, request.factor));
-  PartFolder folder(request.output);
+  Part folder(request.output, Part::Kind::kFolder);
   ExcerptReport report;
   report.left_out = table.left_out;
   {

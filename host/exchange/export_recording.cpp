@@ -6,13 +6,13 @@
 #include <stdexcept>
 
 #include "common/config/section.hpp"
+#include "common/record/part.hpp"
 #include "host/exchange/csv_writer.hpp"
 #include "host/exchange/hdf5_writer.hpp"
 #include "host/exchange/marks.hpp"
 #include "host/exchange/mat_writer.hpp"
 #include "host/exchange/mcap_writer.hpp"
 #include "host/exchange/mdf4_writer.hpp"
-#include "host/exchange/part_file.hpp"
 #include "host/exchange/row_stream.hpp"
 #include "host/exchange/uff58_writer.hpp"
 #include "host/exchange/wav_writer.hpp"
@@ -46,8 +46,8 @@ void write_groups(const ExportRequest& request, ExportWriter& writer, const std:
   }
 }
 
-std::optional<PartFile> beside(const std::filesystem::path& file) {
-  return file.empty() ? std::nullopt : std::optional<PartFile>(file);
+std::optional<Part> beside(const std::filesystem::path& file) {
+  return file.empty() ? std::nullopt : std::optional<Part>(std::in_place, file, Part::Kind::kFile);
 }
 
 }  // namespace
@@ -64,8 +64,8 @@ std::span<const ExportFormat> export_formats() {
 ExportReport export_recording(const ExportRequest& request, std::stop_token stop,
                               const ExportProgress& progress) {
   const ExportFormat& format = format_named(request.format);
-  PartFile file(request.file);
-  std::optional<PartFile> pulses = beside(request.pulses), marks = beside(request.marks);
+  Part file(request.file, Part::Kind::kFile);
+  std::optional<Part> pulses = beside(request.pulses), marks = beside(request.marks);
   if (pulses && pulses->part() == file.part())
     throw ConfigError("--pulses: " + request.pulses.string() + ": is another file to make, too");
   if (marks && (marks->part() == file.part() || (pulses && marks->part() == pulses->part())))

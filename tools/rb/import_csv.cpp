@@ -4,13 +4,12 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
-#include <system_error>
 #include <utility>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
 #include "common/config/section.hpp"
-#include "common/record/file.hpp"
+#include "common/record/part.hpp"
 #include "common/record/record.hpp"
 #include "firmware/seal_all.hpp"
 #include "host/recorder/manifest.hpp"
@@ -227,21 +226,9 @@ void write_folder(const std::filesystem::path& folder, const CsvImport& import,
 /// The folder appears with all it is to hold, or not at all.
 void write_whole(const CsvImport& import, const std::vector<SealedBlock>& blocks,
                  const std::vector<ImportedMark>& marks) {
-  auto folder = std::filesystem::absolute(import.folder).lexically_normal();
-  if (!folder.has_filename()) folder = folder.parent_path();  // "drive/"
-  std::filesystem::path part = folder;
-  part += ".part";
-  if (std::filesystem::exists(part))
-    throw ConfigError(part.string() + ": is left from an import that was interrupted; remove it first");
-  try {
-    write_folder(part, import, blocks, marks);
-    std::filesystem::rename(part, folder);
-  } catch (...) {
-    std::error_code ignored;  // the first failure is the one to report
-    std::filesystem::remove_all(part, ignored);
-    throw;
-  }
-  File::open_folder(folder.parent_path()).sync();
+  Part folder(import.folder, Part::Kind::kFolder);
+  write_folder(folder.part(), import, blocks, marks);
+  folder.keep();
 }
 
 }  // namespace

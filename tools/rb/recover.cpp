@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "common/record/folder.hpp"
+#include "common/record/part.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/salvage.hpp"
 #include "tools/rb/verification_json.hpp"
@@ -39,33 +39,13 @@ void refuse_sources(const std::vector<fs::path>& sources, const fs::path& target
   }
 }
 
-void refuse_target(const fs::path& target, const fs::path& part) {
-  if (fs::exists(target) && !(fs::is_directory(target) && fs::is_empty(target)))
-    throw std::runtime_error(target.string() + ": holds something already; allowed: a new or empty folder");
-  if (fs::exists(part))
-    throw std::runtime_error(part.string() +
-                             ": is left from a recovery that was interrupted; remove it first");
-}
-
 /// The new record appears with all it is to hold, or not at all.
-Salvaged recover_whole(const std::vector<fs::path>& sources, fs::path target) {
-  target = fs::absolute(target).lexically_normal();
-  if (!target.has_filename()) target = target.parent_path();  // "drive/"
-  fs::path part = target;
-  part += ".part";
+Salvaged recover_whole(const std::vector<fs::path>& sources, const fs::path& target) {
   refuse_sources(sources, target);
-  refuse_target(target, part);
-  try {
-    const Salvaged salvaged = salvage(sources, part);
-    if (fs::exists(target)) fs::remove(target);
-    fs::rename(part, target);
-    sync_folder(folder_of(target));
-    return salvaged;
-  } catch (...) {
-    std::error_code ignored;  // the first failure is the one to report
-    fs::remove_all(part, ignored);
-    throw;
-  }
+  Part folder(target, Part::Kind::kFolder);
+  const Salvaged salvaged = salvage(sources, folder.part());
+  folder.keep();
+  return salvaged;
 }
 
 void print(const RecoverOptions& options, const Salvaged& salvaged, const Verification& result) {
