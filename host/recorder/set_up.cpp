@@ -232,11 +232,7 @@ void SetUp::take(const Reply& reply) {
   if (change_) change_->push.take(reply);
 }
 
-void SetUp::put_in_force(const Change& change) {
-  if (change.request.operation == Operation::kVehicle)
-    write_atomically(recordings_ / kVehicleFile, change.file.filename().string() + "\n", disk_);
-  else
-    write_atomically(change.file, change.push.text(), disk_);
+void SetUp::lead(const Change& change) {
   file_ = change.file;
   set_text(change.push.text());
   turn_over_.forget();
@@ -248,7 +244,7 @@ std::optional<Answer> SetUp::turn(const Publish& publish, std::int64_t utc_us, W
   for (const VehiclePart& part : said.part) (void)publish(vehicle_channel(part.node), encode(part));
   for (const Command& command : said.command) (void)publish(command_channel(command.node), encode(command));
   const auto state = change_->push.state();
-  if (state == VehiclePush::State::kUnderWay) return std::nullopt;
+  if (state == VehiclePush::State::kUnderWay || !is_settled(now)) return std::nullopt;
   Answer answer = answer_to(change_->request, utc_us);
   answer.state = AnswerState::kRefused;
   answer.text = change_->push.why();

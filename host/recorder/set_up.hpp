@@ -21,8 +21,13 @@ namespace roadbalance {
 
 /// Range, filter, zero, scale and vehicle file, between recordings: changes the recorder's vehicle.toml and
 /// puts it in force at the nodes.  The file is written when every node has taken it, and else stays as it is.
+/// A disk that refuses the file is tried again for a while; then the nodes get the old text back: whoever
+/// reads the file later, a recorder after a crash or a node that starts, finds what the nodes measure by.
 class SetUp {
  public:
+  static constexpr std::chrono::seconds kDiskAgain{1};
+  static constexpr std::chrono::seconds kDiskPatience{20};  ///< as long as for a node
+
   /// @param file        vehicle.toml in force; those beside it can be chosen
   /// @param recordings  remembers the choice
   /// @param seed        of request numbers, which two recorders must not share
@@ -63,7 +68,19 @@ class SetUp {
     VehiclePush push;
     std::vector<std::int32_t> nodes;
     std::optional<std::uint32_t> resumes{};  ///< CRC of the text that a recorder before was to put in force
+    std::optional<WallTime> taken_at{};      ///< by all nodes; the disk is what is waited for
+    WallTime tried_at{};
+    std::string disk_error{};  ///< of the last try
   };
+  /// The small file that says what is in force: vehicle.toml, or which of those beside it is chosen.
+  struct Kept {
+    std::filesystem::path path;
+    std::string before, after;
+  };
+  Kept kept(const Change& change) const;
+  bool is_settled(WallTime now);
+  bool reads_new(const Change& change) const;
+  std::string put_back(const Change& change);
   void conclude(VehiclePush::State state, Answer& answer);
   std::string wanted(const Request& request, const std::vector<std::int32_t>& nodes, WallTime now,
                      Answer& answer, std::filesystem::path& file);
@@ -71,7 +88,7 @@ class SetUp {
                      Answer& answer);
   std::map<int, RestReadings::Reading> rest(const Request& request, const std::vector<std::int32_t>& nodes,
                                             WallTime now, Answer& answer) const;
-  void put_in_force(const Change& change);
+  void lead(const Change& change);
   void set_text(std::string text);
 
   std::filesystem::path file_;

@@ -90,6 +90,12 @@ void VehiclePush::take(const Reply& reply) {
   }
 }
 
+void VehiclePush::undo(std::string why) {
+  if (state_ != State::kDone) return;
+  state_ = State::kUnderWay;
+  undo(State::kRefused, std::move(why));
+}
+
 // Who has not taken the old text may measure by the new one.
 void VehiclePush::end_undoing() {
   state_ = outcome_;

@@ -32,6 +32,9 @@ class VehiclePush {
   /// To be sent now.
   Said due(WallTime now);
   void take(const Reply& reply);
+  /// All have taken it, and it is not to be after all: each gets the old text back.  Refused in the end.
+  /// Nothing happens unless it is done.
+  void undo(std::string why);
 
   enum class State { kUnderWay, kDone, kRefused, kSilent };
   /// Refused and silent: and all that had taken it have the old one again, or do not answer any more.

@@ -57,6 +57,28 @@ TEST_F(VehiclePushTest, IfOneRefusesAllGetTheOldOneBack) {
   EXPECT_EQ(push.why(), "node 2: no such range");
 }
 
+// All have it, and the recorder's disk does not take the file: each is asked to take the old one again.
+TEST_F(VehiclePushTest, WhatIsDoneCanBeUndoneAtEachNode) {
+  const auto first = push.due(WallTime{});
+  push.undo("too soon");
+  EXPECT_EQ(push.due(WallTime{} + VehiclePush::kRepeat).part[0].text[0], 'a') << "it is not done yet";
+  for (const Command& command : first.command) push.take(reply(command, CommandError::kNone));
+  ASSERT_EQ(push.state(), State::kDone);
+  // Long after it was done: the patience with the nodes begins anew.
+  const WallTime late = WallTime{} + 3 * VehiclePush::kPatience;
+  push.undo("no space");
+  EXPECT_EQ(push.state(), State::kUnderWay);
+  const auto undo = push.due(late);
+  ASSERT_EQ(undo.command.size(), 2u);
+  EXPECT_EQ(undo.part[0].text[0], 'b');
+  for (const Command& command : undo.command) EXPECT_NE(command.request, first.command[0].request);
+  push.take(reply(undo.command[0], CommandError::kNone));
+  EXPECT_EQ(push.state(), State::kUnderWay);
+  EXPECT_TRUE(push.due(late + VehiclePush::kPatience + milliseconds(1)).command.empty());
+  EXPECT_EQ(push.state(), State::kRefused);
+  EXPECT_EQ(push.why(), "no space; node 2 may keep the new set-up");
+}
+
 // What a recorder that was killed had under way is undone by one whose both texts are those of before: who
 // refuses them may measure by what it had been given.
 TEST(VehiclePushOfOneText, NamesWhoRefusesTheTextOfBefore) {
