@@ -36,4 +36,17 @@ ContinuousFilter companion(const Eigen::VectorXd& denominator);
 /// @param step_s  sample distance, > 0
 DiscreteFilter discretise_ramp_invariant(const ContinuousFilter& filter, double step_s);
 
+/// The same of many inputs at once: x[k+1] = A x[k] + B0 u[k] + B1 u[k+1] for x' = F x + G u.
+struct DiscreteSystem {
+  Eigen::MatrixXd A;   ///< [states x states]
+  Eigen::MatrixXd B0;  ///< [states x inputs]
+  Eigen::MatrixXd B1;
+};
+
+/// @param F        [states x states], 1/s
+/// @param G        [states x inputs]
+/// @param step_s   sample distance, > 0
+/// @throws std::invalid_argument
+DiscreteSystem discretise_ramp_invariant(const Eigen::MatrixXd& F, const Eigen::MatrixXd& G, double step_s);
+
 }  // namespace roadbalance
