@@ -1,0 +1,35 @@
+#pragma once
+
+#include <array>
+#include <complex>
+#include <span>
+#include <string>
+
+#include "common/bus/results.hpp"
+#include "common/config/vehicle_config.hpp"
+#include "common/vehicle/linear_model.hpp"
+
+namespace roadbalance {
+
+/// The car that the twin simulates.
+struct TwinCar {
+  Geometry geometry;
+  ParameterVector parameters;
+  std::array<std::complex<double>, kWheels> unbalance_kg_m{};  ///< 0: not known, or none
+  std::array<double, kWheels> rolling_radius_m{};
+  bool identified = false;              ///< springs, dampers, stabilisers, tyres are those a drive told
+  std::array<bool, kWheels> balance{};  ///< its unbalance is one that a drive told
+
+  /// As vehicle.toml has it, wheels in balance.
+  static TwinCar nominal(const VehicleConfig& vehicle);
+
+  /// What the estimate knows of it; the rest, of a car that is not identified all, as vehicle.toml has it.
+  /// Where a force that does not grow with speed was told apart the wheel's unbalance is the equivalent one.
+  static TwinCar estimated(const VehicleConfig& vehicle, const Identification& identification,
+                           std::span<const Balance> balance);
+};
+
+/// By which share the two differ at most in a spring, damper, stabiliser or tyre.
+double greatest_difference(const TwinCar& a, const TwinCar& b);
+
+}  // namespace roadbalance
