@@ -5,49 +5,14 @@
 #include <string>
 
 #include "common/config/section.hpp"
-#include "host/analyser/recorded_vehicle.hpp"
-#include "host/analyser/refined_clocks.hpp"
+#include "host/analyser/read_with_angles.hpp"
 #include "host/identify/assemble.hpp"
 #include "host/identify/decimate.hpp"
 #include "host/identify/doubt.hpp"
 #include "host/identify/remarks.hpp"
 #include "host/identify/stretch_collector.hpp"
-#include "host/references/angle_again.hpp"
 
 namespace roadbalance {
-namespace {
-
-/// Blocks and fits of a recording as identification takes them.
-struct Reader {
-  std::function<void(const VehicleConfig&)> begin;
-  std::function<void(const SealedBlock&)> consume;
-  std::function<void(const ClockFit&)> consume_fit;
-};
-
-/// @param angles  made here, if the recording has a vehicle
-RecordingDefects read_with_angles(const std::filesystem::path& folder, bool refine,
-                                  std::optional<AngleAgain>& angles, const Reader& reader) {
-  std::optional<RefinedClocks> clocks;
-  if (refine) clocks.emplace(folder);
-  const auto vehicle = recorded_vehicle(folder);
-  const auto teeth = refine ? AngleAgain::Teeth::kAgain : AngleAgain::Teeth::kAsLive;
-  if (vehicle) angles.emplace(*vehicle, AngleAgain::WithoutMark::kNoAngle, teeth);
-  if (angles && angles->wanted())
-    read_recording(
-        folder, [](const VehicleConfig&) {}, [&](const SealedBlock& block) { angles->learn(block); });
-  return read_recording(
-      folder, reader.begin,
-      [&](const SealedBlock& block) {
-        if (clocks && block.kind == BlockKind::kScan)
-          if (const auto fit = clocks->next(block.header)) reader.consume_fit(*fit);
-        reader.consume(angles ? angles->again(block) : block);
-      },
-      [&](const ClockFit& fit) {
-        if (!clocks || !clocks->knows(fit.node, fit.epoch)) reader.consume_fit(fit);
-      });
-}
-
-}  // namespace
 
 RecordingDefects collect_stretches(const std::filesystem::path& folder, bool refine,
                                    const std::function<void(const Stretch&)>& emit) {

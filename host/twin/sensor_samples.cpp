@@ -45,6 +45,10 @@ SensorSamples::SensorSamples(const VehicleConfig& vehicle, const TwinChannels& c
   sample_.values.setZero(at_zero_counts_.size());
 }
 
+double SensorSamples::rate_hz(const VehicleConfig& vehicle) {
+  return vehicle.node.front().rate_hz / decimation_factor(vehicle);
+}
+
 void SensorSamples::consume(const SealedBlock& block) {
   if (rows_.take(block)) take_runs();
 }

@@ -35,6 +35,9 @@ class SensorSamples {
   /// @throws ConfigError if identification wants more samples than the nodes take
   SensorSamples(const VehicleConfig& vehicle, const TwinChannels& channels, Emit emit);
 
+  /// Of the samples that come out.
+  static double rate_hz(const VehicleConfig& vehicle);
+
   void consume(const SealedBlock& block);
   void consume(const ClockFit& fit);
 

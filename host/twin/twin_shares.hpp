@@ -25,9 +25,10 @@ struct TwinFigures {
 struct TwinAccount {
   TwinState state = TwinState::kSettling;  ///< not kTold: nothing of what follows holds
   TwinFigures all, hop;                    ///< the whole band; kHopLow_hz .. kHopHigh_hz
-  /// What any linear twin could explain of it with these inputs, at most: mean of the coherence of measured
-  /// and predicted, weighed by the measured density.  Of a wheel: how far front and rear roll on one road. By
-  /// chance it is greater than 0 by 1 / averages.  NaN: no spectrum yet.
+  /// What would be explained if the prediction's gain and phase were right at each frequency: mean of the
+  /// coherence of measured and predicted, weighed by the measured density.  What is missing to 1 has other
+  /// causes than the prediction's, noise or another road than the other axle's.  By chance it is greater than
+  /// 0 by 1 / averages.  NaN: no spectrum yet.
   double coherent_all = 0.0, coherent_hop = 0.0;
 };
 

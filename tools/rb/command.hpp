@@ -40,6 +40,7 @@ void add_select(CLI::App& app, int& code);
 void add_reduce(CLI::App& app, int& code);
 void add_export(CLI::App& app, int& code);
 void add_transfer(CLI::App& app, int& code);
+void add_twin(CLI::App& app, int& code);
 void add_import(CLI::App& app, int& code);
 void add_supervise(CLI::App& app, int& code);
 void add_wiring(CLI::App& app, int& code);

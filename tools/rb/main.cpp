@@ -73,6 +73,7 @@ int main(int argc, char** argv) {
   add_report(app, code);
   add_levels(app, code);
   add_orders(app, code);
+  add_twin(app, code);
   add_balance(app, code);
   add_spectrum(app, code);
   add_response(app, code);
