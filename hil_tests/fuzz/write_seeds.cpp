@@ -71,6 +71,11 @@ void write_posts() {
   write("post", "range", ids + R"("range","node":2,"channel":4,"value":[80,-1.5e3]})");
   write("post", "start", ids + R"("start","text":""})");
   write("post", "job", ids + R"("job","text":"drive","value":[1]})");
+  write("jobs", "order", "drive/format=csv/from=-1.5/to=2e3/channels=a,b");
+  write("jobs", "order-marks", "drive/from-mark=1/to-mark=2/rate=500");
+  write("jobs", "book",
+        R"([{"job":1,"kind":5,"state":7,"recording":"drive","options":"from=1","ended_us":0,"text":"t",)"
+        R"("asked":[1,2],"result":"drive-selected"}])");
   const std::string host = "127.0.0.1:8080\nhttp://127.0.0.1:8080\n";
   write("post", "head", "POST\n/request\n" + host + "roadbalance, viewer.7, token.correct-horse-battery");
   write("post", "feed", "GET\n/feed\n" + host + "roadbalance, token.correct-horse-battery\n");
@@ -118,7 +123,13 @@ void write_messages() {
         encode(Compensation{
             .wheel = 2, .plan = {.step = {WeightStep{}, WeightStep{}}}, .verdict = {.incurable = "bent"}}));
   write("results", "job",
-        encode(Job{.jobs = 1, .job = 2, .recording = "drive", .options = "format=csv", .progress = 0.5, .parts = 1, .text = "reads"}));
+        encode(Job{.jobs = 1,
+                   .job = 2,
+                   .recording = "drive",
+                   .options = "format=csv",
+                   .progress = 0.5,
+                   .parts = 1,
+                   .text = "reads"}));
   write("results", "document", encode(parts_of("complete\n", 0, 2).front()));
   write("clock", "question", encode(ClockDatagram{.node = 1, .epoch = 2, .number = 3}));
   write("clock", "answer",

@@ -1,6 +1,8 @@
 #include "host/receipts/job_book.hpp"
 
+#include <cstdint>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <variant>
 
 #include "common/bus/operation.hpp"
@@ -24,16 +26,29 @@ Json to_json(const BookedJob& booked) {
           {"result", booked.result.filename().string()}};
 }
 
+/// JSON's own conversion takes 4e52 for a whole number, too.
+std::int64_t whole_number(const Json& json) {
+  const bool is_too_large = json.is_number_unsigned() && json.get<std::uint64_t>() > INT64_MAX;
+  if (!json.is_number_integer() || is_too_large) throw std::out_of_range("no whole number");
+  return json.get<std::int64_t>();
+}
+
+std::int32_t small_number(const Json& json) {
+  const std::int64_t number = whole_number(json);
+  if (number < 0 || number > INT32_MAX) throw std::out_of_range("no small number");
+  return static_cast<std::int32_t>(number);
+}
+
 std::optional<BookedJob> booked_of(const Json& json, const std::filesystem::path& results) {
-  BookedJob booked{.job = {.job = json.at("job").get<std::int64_t>(),
-                           .kind = static_cast<JobKind>(json.at("kind").get<std::int32_t>()),
-                           .state = static_cast<JobState>(json.at("state").get<std::int32_t>()),
+  BookedJob booked{.job = {.job = whole_number(json.at("job")),
+                           .kind = static_cast<JobKind>(small_number(json.at("kind"))),
+                           .state = static_cast<JobState>(small_number(json.at("state"))),
                            .recording = json.at("recording").get<std::string>(),
                            .options = json.at("options").get<std::string>(),
-                           .ended_us = json.at("ended_us").get<std::int64_t>(),
+                           .ended_us = whole_number(json.at("ended_us")),
                            .text = json.at("text").get<std::string>()},
-                   .asker = json.at("asked").at(0).get<std::int64_t>(),
-                   .request = json.at("asked").at(1).get<std::int64_t>()};
+                   .asker = whole_number(json.at("asked").at(0)),
+                   .request = whole_number(json.at("asked").at(1))};
   const Job& job = booked.job;
   if (job.kind < JobKind::kVerify || job.kind > JobKind::kTransfer || job.state < JobState::kRunning ||
       job.state > JobState::kInterrupted)
@@ -70,7 +85,7 @@ std::optional<std::vector<BookedJob>> decode_job_book(std::string_view text,
       jobs.push_back(std::move(*booked));
     }
     return jobs;
-  } catch (const Json::exception&) {
+  } catch (const std::exception&) {
     return std::nullopt;
   }
 }

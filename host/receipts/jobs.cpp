@@ -134,9 +134,11 @@ void Jobs::run(const JobLine& line, const JobOrder& order, const ListedRecording
   booked.job.bytes_to_read =
       bytes_to_read(line, order, recording.receipt, before == nullptr ? 0 : before->receipt.bytes);
   // What it leaves is discarded, or goes on, when this program begins again.
-  running_.emplace(
-      place, line,
-      Child(rb_, arguments, work_.path() / (std::to_string(place) + ".log"), Child::Orphan::kIsEnded), page);
+  running_.emplace(Running{.place = place,
+                           .line = line,
+                           .child = Child(rb_, arguments, work_.path() / (std::to_string(place) + ".log"),
+                                          Child::Orphan::kIsEnded),
+                           .page = page});
   ++begun_;
   if (entry_.size() <= place) entry_.resize(place + 1);
   entry_[place] = {.booked = std::move(booked)};

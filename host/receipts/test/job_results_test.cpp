@@ -132,9 +132,10 @@ TEST_F(JobsTest, WhatWasUnderWayWhenItEndedIsToldAsInterrupted) {
 
 TEST_F(JobsTest, ABookThatCannotBeReadEndsNothing) {
   fs::create_directories(results);
-  for (const char* const text : {"", "{", "[{}]", "[[[[]]]]",
-                                 R"([{"job":1,"kind":4,"state":1,"recording":"a","options":"","ended_us":0,)"
-                                 R"("text":"","asked":[1,2],"result":"../second.csv"}])"}) {
+  for (const char* const text :
+       {"", "{", "[{}]", "[[[[]]]]", R"([{"job":1,"kind":4e52}])", R"([{"job":99999999999999999999}])",
+        R"([{"job":1,"kind":4,"state":1,"recording":"a","options":"","ended_us":0,)"
+        R"("text":"","asked":[1,2],"result":"../second.csv"}])"}) {
     std::ofstream(results / kJobBookFile) << text;
     EXPECT_EQ(Jobs(rb, places).told()[0].jobs, 0) << text;
   }
