@@ -60,7 +60,7 @@ void tell_supervisor(ServiceNotify& notify, RecorderOptions& options) {
     if (!ready->exchange(true)) notify.ready();
     notify.feed();
     const auto alarm = alarms(status);
-    notify.status(alarm.empty() ? status_line(status) : alarm.front());
+    notify.status(alarm.empty() ? status_line(status) : alarm.front().text);
   };
 }
 

@@ -5,9 +5,12 @@
 #include <system_error>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/clock_messages.hpp"
 #include "common/bus/recorder_status.hpp"
+#include "common/bus/results.hpp"
 #include "common/clock/utc.hpp"
 #include "common/process/heap.hpp"
+#include "host/recorder/alarm_watch.hpp"
 #include "host/recorder/incarnation.hpp"
 
 namespace roadbalance {
@@ -43,16 +46,25 @@ class Reception {
         incarnation_folder_(incarnation.folder),
         bus_(options.url),
         link_(link_options(options), incarnation.number, recovered),
-        peers_(std::move(peers)) {
+        peers_(std::move(peers)),
+        alarms_(incarnation.number) {
     // First: that a node has a clock of its own is said before its blocks are handed on.
     bus_.subscribe("RB_HEARTBEAT_.*", [this](std::string_view, auto bytes) { tell_of_clock(bytes); });
     for (const char* channels : {"RB_HEARTBEAT_.*", "RB_BLOCK_.*", "RB_REPLY_.*"})
       bus_.subscribe(channels, [this](std::string_view channel, auto bytes) {
         link_.take(channel, bytes, WallClock::now());
       });
+    if (!options_.says_state) return;  // it fetches a rest beside the recording that is watched
+    watch<Heartbeat>("RB_HEARTBEAT_.*", decode_heartbeat);
+    watch<Level>(kLevelChannel, decode_level);
+    watch<Balance>(kBalanceChannel, decode_balance);
+    watch<ClockFit>("RB_CLOCK_.*", decode_clock_fit);
   }
 
   RecorderLink& link() { return link_; }
+
+  /// The end of each alarm that is on.
+  std::vector<AlarmNote> last_alarm_notes() { return alarms_.finish(WallClock::now()); }
 
   /// One turn: what has arrived, what has become durable, what is to be said.
   WriteBatch turn(In<WriterNews>& news) {
@@ -68,7 +80,11 @@ class Reception {
     for (const auto& sentence : link_.warnings()) warn(sentence);
     for (const auto& sentence : bus_.other_versions()) warn(sentence);
     if (now - status_at_ >= kStatus) say_status(now);
-    return batches_.take(link_, now);
+    WriteBatch batch = batches_.take(link_, now);
+    // A disk that fails takes no notes: they would only fill the memory, and the alarm keeps till then.
+    if (status_.state != RecorderState::kDiskFailing && status_.state != RecorderState::kDiskFull)
+      batch.alarm_notes = alarms_.due(now);
+    return batch;
   }
 
   void farewell() {
@@ -77,6 +93,13 @@ class Reception {
   }
 
  private:
+  template <typename Message, typename Decode>
+  void watch(const char* channels, Decode decode) {
+    bus_.subscribe(channels, [this, decode](std::string_view, std::span<const std::uint8_t> bytes) {
+      if (const std::optional<Message> message = decode(bytes)) alarms_.take(*message, WallClock::now());
+    });
+  }
+
   void take(const WriterNews& news, WallTime now) {
     for (const auto& mark : news.marks) link_.durable(mark, now);
     link_.set_credit_open(news.wants_credit);
@@ -121,6 +144,9 @@ class Reception {
     status_.refused_datagrams += bus_.dropped();
     if (options_.complete) options_.complete(status_);
     if (!options_.says_state) return;
+    alarms_.set_owner(link_.incarnation());
+    alarms_.turn(now);
+    alarms_.take(status_, now);
     (void)publish_(kRecorderChannel, encode(status_));
     // We turn, that is seen here; the writer turns if it has said something since.
     if (std::exchange(writer_turns_, false) && options_.on_alive) options_.on_alive(status_);
@@ -137,6 +163,7 @@ class Reception {
   Out<ClockPeer> peers_;
   RecorderStatus status_;
   BatchMaker batches_;
+  AlarmWatch alarms_;
   std::size_t nodes_provided_for_ = 0;
   bool writer_turns_ = false;
   const std::int64_t recorder_ = static_cast<std::int64_t>(std::random_device{}()) + 1;
@@ -176,8 +203,9 @@ void receive(std::stop_token stop, const RecorderOptions& options, const Incarna
     }
   }
   if (!leaves) link.finish(WallClock::now());
-  if (WriteBatch last = BatchMaker::take_last(link); last.says_something())
-    (void)batches.send(std::move(last));
+  WriteBatch last = BatchMaker::take_last(link);
+  last.alarm_notes = reception.last_alarm_notes();
+  if (last.says_something()) (void)batches.send(std::move(last));
   reception.farewell();
   report = link.report();
 }

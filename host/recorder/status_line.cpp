@@ -1,7 +1,9 @@
 #include "host/recorder/status_line.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
+#include <utility>
 
 namespace roadbalance {
 namespace {
@@ -43,33 +45,42 @@ std::string status_line(const RecorderStatus& status) {
   return line;
 }
 
-std::vector<std::string> alarms(const RecorderStatus& status) {
-  std::vector<std::string> lines;
+std::vector<RecorderAlarm> alarms(const RecorderStatus& status) {
+  std::vector<RecorderAlarm> found;
+  const auto add = [&found](AlarmCause cause, std::string text) {
+    found.push_back({.cause = cause, .text = std::move(text)});
+  };
   const std::string waiting = std::to_string(status.waiting_blocks) + " blocks wait";
   if (status.state == RecorderState::kFault)
-    lines.push_back("NOTHING IS RECORDED: " + status.fault + "; the nodes keep what they measure");
+    add(AlarmCause::kNothingRecorded,
+        "NOTHING IS RECORDED: " + status.fault + "; the nodes keep what they measure");
   else if (!status.fault.empty())
-    lines.push_back(status.fault);
+    add(AlarmCause::kRecorderSays, status.fault);
   if (status.state == RecorderState::kDiskFailing)
-    lines.push_back("THE DISK FAILS (" + std::to_string(status.disk_failures) + " times): " + waiting +
-                    ", the nodes keep what they measure");
+    add(AlarmCause::kDiskFailing, "THE DISK FAILS (" + std::to_string(status.disk_failures) +
+                                      " times): " + waiting + ", the nodes keep what they measure");
   if (status.state == RecorderState::kDiskFull)
-    lines.push_back("THE DISK IS FULL: " + waiting + ", the nodes keep what they measure; make space");
+    add(AlarmCause::kDiskFull,
+        "THE DISK IS FULL: " + waiting + ", the nodes keep what they measure; make space");
   if (status.rivals > 0)
-    lines.push_back("two nodes have one number, or one was paused: " + std::to_string(status.rivals) +
-                    " heartbeats; both are recorded");
-  if (status.on_battery) lines.push_back("the supply is gone: on battery");
-  if (status.power_unknown) lines.push_back("whether the supply is there cannot be read");
-  if (status.fallback) lines.push_back("records to the fallback folder");
+    add(AlarmCause::kRivals, "two nodes have one number, or one was paused: " +
+                                 std::to_string(status.rivals) + " heartbeats; both are recorded");
+  if (status.on_battery) add(AlarmCause::kSupplyGone, "the supply is gone: on battery");
+  if (status.power_unknown) add(AlarmCause::kSupplyUnknown, "whether the supply is there cannot be read");
+  if (status.fallback) add(AlarmCause::kFallback, "records to the fallback folder");
   const bool is_full = status.state == RecorderState::kDiskFull;
   if (!is_full && status.seconds_left >= 0 && status.seconds_left < kSoonFull_s)
-    lines.push_back("the disk is full in " + duration(status.seconds_left));
+    add(AlarmCause::kDiskLow, "the disk is full in " + duration(status.seconds_left));
   if (status.sync_s >= kSlowSync_s)
-    lines.push_back("the disk is slow: its last sync took " +
-                    std::to_string(static_cast<int>(status.sync_s)) + " s");
+    add(AlarmCause::kDiskSlow,
+        "the disk is slow: its last sync took " + std::to_string(static_cast<int>(status.sync_s)) + " s");
   if (status.unsent > 0)
-    lines.push_back(std::to_string(status.unsent) + " datagrams could not be sent: is the network up?");
-  return lines;
+    add(AlarmCause::kUnsent,
+        std::to_string(status.unsent) + " datagrams could not be sent: is the network up?");
+  // Of one level in the order above.
+  std::ranges::stable_sort(found, std::ranges::greater{},
+                           [](const RecorderAlarm& alarm) { return level_of(alarm.cause); });
+  return found;
 }
 
 }  // namespace roadbalance

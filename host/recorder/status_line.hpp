@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "common/bus/alarm.hpp"
 #include "common/bus/recorder_status.hpp"
 
 namespace roadbalance {
@@ -10,7 +11,12 @@ namespace roadbalance {
 /// "records to segment 3: 1.2 GB so far, 34 GB free, 5.1 h left".
 std::string status_line(const RecorderStatus& status);
 
+struct RecorderAlarm {
+  AlarmCause cause = AlarmCause::kRecorderSays;
+  std::string text;
+};
+
 /// What a person should know or do about it, most urgent first; empty if all is well.
-std::vector<std::string> alarms(const RecorderStatus& status);
+std::vector<RecorderAlarm> alarms(const RecorderStatus& status);
 
 }  // namespace roadbalance

@@ -1,5 +1,6 @@
 #include <cstdio>
 
+#include "common/bus/alarm.hpp"
 #include "common/clock/utc.hpp"
 #include "host/recorder/verify.hpp"
 
@@ -8,6 +9,16 @@ namespace {
 
 std::string number(std::int64_t value) {
   return std::to_string(value);
+}
+
+// "ALARM node 1: samples lost"
+std::string alarm_text(const Note& note) {
+  const bool began = note.kind == NoteKind::kAlarmBegan;
+  if (!is_alarm_cause(note.a)) return "alarm " + number(note.a) + (began ? "" : " is over");
+  const Alarm alarm = alarm_of(note.a, note.b);
+  const std::string place = place_of(alarm);
+  return word(level_of(alarm.cause)) + (place.empty() ? "" : " " + place) + ": " + name_of(alarm.cause) +
+         (began ? "" : " is over");
 }
 
 std::string what_happened(const Note& note) {
@@ -52,6 +63,9 @@ std::string what_happened(const Note& note) {
       return note.a == 0 ? "made of another recording" : "part " + number(note.a);
     case NoteKind::kImported:
       return "made of another program's samples";
+    case NoteKind::kAlarmBegan:
+    case NoteKind::kAlarmEnded:
+      return alarm_text(note);
     default:
       return "note of kind " + number(static_cast<std::int64_t>(note.kind)) + " (" + number(note.a) + ", " +
              number(note.b) + ")";

@@ -27,6 +27,9 @@ void append(RecordKeeper& keeper, const WriteBatch& batch, WallTime now) {
   for (const Delivery& delivery : batch.deliveries) keeper.append(delivery, now);
   for (const DeviceNote& device : batch.device_notes)
     keeper.note(NoteKind::kDevice, device.node, static_cast<std::int64_t>(device.counter), device.text);
+  for (const AlarmNote& note : batch.alarm_notes)
+    keeper.note(note.began ? NoteKind::kAlarmBegan : NoteKind::kAlarmEnded,
+                static_cast<std::int64_t>(note.alarm.cause), place_number(note.alarm), note.text);
 }
 
 }  // namespace roadbalance

@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "host/recorder/alarm_log.hpp"
 #include "host/recorder/record_keeper.hpp"
 #include "host/recorder/recorder_link.hpp"
 
@@ -13,8 +14,11 @@ struct WriteBatch {
   std::vector<Delivery> deliveries;
   std::optional<LinkCounters> counters{};  ///< about once a second
   std::vector<DeviceNote> device_notes{};
+  std::vector<AlarmNote> alarm_notes{};
 
-  bool says_something() const { return !deliveries.empty() || counters || !device_notes.empty(); }
+  bool says_something() const {
+    return !deliveries.empty() || counters || !device_notes.empty() || !alarm_notes.empty();
+  }
 };
 
 /// Makes them of what a link has.

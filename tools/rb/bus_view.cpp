@@ -44,7 +44,10 @@ bool put(std::map<Key, Message>& known, Key key, const Message& message) {
 BusView::BusView(const std::string& url) : bus_(url) {
   using Bytes = std::span<const std::uint8_t>;
   bus_.subscribe(kLevelChannel, [this](std::string_view, Bytes bytes) {
-    if (const auto level = decode_level(bytes)) levels_[level->node] = *level;
+    const auto level = decode_level(bytes);
+    if (!level) return;
+    levels_[level->node] = *level;
+    watch_.take(*level, WallClock::now());
   });
   bus_.subscribe(kSpectrumChannel, [this](std::string_view, Bytes bytes) {
     if (const auto part = decode_spectrum(bytes)) take(*part);
@@ -62,6 +65,7 @@ BusView::BusView(const std::string& url) : bus_(url) {
   bus_.subscribe(kBalanceChannel, [this](std::string_view, Bytes bytes) {
     const auto message = decode_balance(bytes);
     if (!message || message->wheel < 0 || message->wheel >= kWheels) return;
+    watch_.take(*message, WallClock::now());
     auto& last = balance_[static_cast<std::size_t>(message->wheel)];
     // The wheels of an estimate come one after the other.
     news_ = news_ || (message->wheel == kWheels - 1 && (!last || last->time_ns != message->time_ns));
@@ -119,10 +123,12 @@ void BusView::take(const RecorderStatus& status) {
 void BusView::take(const Heartbeat& beat) {
   state_changed_ = put(heartbeats_, beat.node, beat) || state_changed_;
   sealing_[beat.node].take(beat);
+  watch_.take(beat, WallClock::now());
 }
 
 void BusView::take(const ClockFit& fit) {
   state_changed_ = put(clocks_, fit.node, fit) || state_changed_;
+  watch_.take(fit, WallClock::now());
 }
 
 std::optional<double> BusView::memory_left_s(std::int32_t node) const {
@@ -157,6 +163,10 @@ bool BusView::handle(std::chrono::milliseconds timeout) {
   state_changed_ = false;
   bus_.handle(timeout);
   forget_silent_recorders();
+  const WallTime now = WallClock::now();
+  watch_.turn(now);
+  // One that begins or ends is news for a log.
+  state_changed_ = !watch_.due(now).empty() || state_changed_;
   return news_;
 }
 

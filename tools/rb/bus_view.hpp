@@ -19,6 +19,7 @@
 #include "common/bus/verification.hpp"
 #include "common/clock/clocks.hpp"
 #include "common/clock/exchange.hpp"
+#include "host/recorder/alarm_watch.hpp"
 #include "tools/rb/sealing_rate.hpp"
 
 namespace roadbalance {
@@ -62,6 +63,9 @@ class BusView {
   /// By RecorderStatus::recorder: two recorders are two lines.
   const std::map<std::int64_t, RecorderStatus>& recorders() const { return recorders_; }
 
+  /// What is wrong on the bus by what is heard, beside what recorders say of themselves; the worst first.
+  std::vector<ActiveAlarm> alarms() const { return watch_.active(); }
+
   /// The highest line of a channel's spectrum, from the parts seen last.
   struct Line {
     double frequency_hz = 0;
@@ -94,6 +98,7 @@ class BusView {
   std::map<std::int64_t, RecorderStatus> recorders_;
   std::map<std::int64_t, WallTime> recorder_heard_at_;
   std::map<std::pair<std::int32_t, std::int32_t>, Line> lines_;
+  AlarmWatch watch_;
 };
 
 }  // namespace roadbalance

@@ -23,6 +23,7 @@
 #include "host/analyser/recorded_vehicle.hpp"
 #include "host/recorder/preamble.hpp"
 #include "host/recorder/verify.hpp"
+#include "tools/rb/alarm_lines.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/signal_survey.hpp"
 #include "tools/rb/verification_json.hpp"
@@ -59,6 +60,7 @@ struct Survey {
   std::map<int, std::uint64_t> segment_bytes;
   std::map<NodeEpoch, Clock> clock;
   SignalSurvey signals;
+  RecordedAlarms alarms;
   std::int64_t first_us = std::numeric_limits<std::int64_t>::max();
   std::int64_t last_us = 0;
 };
@@ -96,6 +98,8 @@ Survey survey(const std::filesystem::path& folder) {
   RecordedClocks clocks;
   while (const auto event = reader.next()) {
     look_at(*event, clocks, found);
+    if (event->channel == kNoteChannel)
+      if (const auto note = decode_note(event->data)) found.alarms.take(*note);
     found.signals.add(event->channel, event->data);
     if (const auto fit = clocks.take(event->channel, event->data)) {
       auto& clock = found.clock[{fit->node, fit->epoch}];
@@ -173,6 +177,7 @@ Json info_json(const Survey& found, const Verification& result, const Described&
           {"rates", rates},
           {"clocks", clocks},
           {"signals", signals_json(found.signals, described.get())},
+          {"alarms", recorded_alarms_json(found.alarms.all())},
           {"record", verification_json(result)}};
 }
 

@@ -12,6 +12,7 @@
 #include "common/text/format.hpp"
 #include "host/balance/weight_plan.hpp"
 #include "host/identify/remarks.hpp"
+#include "tools/rb/alarm_lines.hpp"
 
 namespace roadbalance {
 namespace {
@@ -203,7 +204,7 @@ void Screen::draw(const std::vector<std::string>& lines, bool news) {
     shown = std::min<std::size_t>(shown, window.ws_row - 1U);
   if (drawn_ > 0) std::printf("\033[%zuA\033[J", drawn_);
   std::printf("\033[?7l");
-  for (std::size_t i = 0; i < shown; ++i) std::printf("%s\n", lines[i].c_str());
+  for (std::size_t i = 0; i < shown; ++i) std::printf("%s\n", coloured(lines[i]).c_str());
   std::printf("\033[?7h");
   std::fflush(stdout);
   drawn_ = shown;

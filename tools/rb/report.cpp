@@ -10,6 +10,7 @@
 #include "host/analyser/before_drive.hpp"
 #include "host/analyser/recorded_vehicle.hpp"
 #include "host/receipts/receipt.hpp"
+#include "tools/rb/alarm_lines.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/compensation_json.hpp"
 #include "tools/rb/defects.hpp"
@@ -31,6 +32,7 @@ DriveReport gather(const ReportOptions& options) {
   DriveReport report{
       .vehicle = {}, .found = identify_record(options.folder), .receipt = receipt_of(options.folder)};
   report.vehicle = recorded_vehicle(options.folder).value();
+  report.alarms = recorded_alarms(options.folder);
   warn_of_defects("report", options.folder, report.found.defects);
   if (!options.before.empty())
     report.verification =
@@ -66,7 +68,8 @@ Json json_of(const DriveReport& report) {
           {"remarks", report.found.remarks},
           {"verdict", report.receipt.verdict},
           {"refused", report.receipt.refused},
-          {"nodes", nodes}};
+          {"nodes", nodes},
+          {"alarms", recorded_alarms_json(report.alarms)}};
 }
 
 int report(const ReportOptions& options) {

@@ -44,7 +44,7 @@ footer { margin-top: 3mm; color: #4b5563; font-size: 8pt; }
 .wheel .vector { stroke: #0b57b7; stroke-width: 2.5; } .wheel .spot { fill: #a84300; }
 .wheel .new { fill: #146c43; } .wheel .kept { fill: #6b7785; }
 .wheel .hidden { fill: #fff; stroke: #146c43; stroke-width: 2; } .wheel .kept.hidden { stroke: #6b7785; }
-.wheel .off { fill: none; stroke: #b3131d; stroke-width: 1.5; }
+.wheel .off { fill: #f0b9bd; stroke: #b3131d; stroke-width: 2; stroke-dasharray: 3 2; } .wheel .off.hidden { fill: #fff; stroke: #b3131d; }
 .wheel text { font-size: 24px; text-anchor: middle; fill: #6b7785; }
 )css";
 
@@ -131,13 +131,14 @@ std::string wheels(const DriveReport& report) {
   for (std::size_t w = 0; w < kWheels; ++w) cards += wheel_card(report, w, largest_g);
   return element("h2", "Wheels, as seen from outside the car, the zero mark at 12") +
          element("div", cards, "wheels") +
-         element("p",
-                 markup_text(format(
-                     "A line to the rim is %.0f g. ± is one standard deviation. Orange: heavy spot; green: "
-                     "weight; red ring: take off; hollow: behind the wheel, on the side of the car; dashed: "
-                     "before the weights.",
-                     largest_g)),
-                 "facts");
+         element(
+             "p",
+             markup_text(format(
+                 "A line to the rim is %.0f g. ± is one standard deviation. Orange: heavy spot; green: "
+                 "weight; red, dashed: take off; hollow: behind the wheel, on the side of the car; dashed: "
+                 "before the weights.",
+                 largest_g)),
+             "facts");
 }
 
 std::string before_and_after(const DriveReport& report) {
@@ -178,6 +179,21 @@ std::string completeness(const RecordingReceipt& receipt) {
          element("table", rows);
 }
 
+/// The worst first; what does not go on the page is in `rb info`.
+std::string alarm_list(const DriveReport& report) {
+  constexpr std::size_t kMostLines = 8;
+  if (report.alarms.empty()) return element("p", "No alarm is in the record.");
+  std::vector<RecordedAlarm> alarms = report.alarms;
+  std::ranges::stable_sort(alarms, std::ranges::greater{},
+                           [](const RecordedAlarm& one) { return level_of(one.alarm.cause); });
+  std::string list;
+  for (std::size_t k = 0; k < std::min(alarms.size(), kMostLines); ++k)
+    list += element("li", markup_text(utc_text(alarms[k].began_us) + " " + sentence(alarms[k]) + "."));
+  if (alarms.size() > kMostLines)
+    list += element("li", format("%zu more: see rb info.", alarms.size() - kMostLines));
+  return element("h2", "Alarms") + element("ul", list);
+}
+
 std::string remarks(const DriveReport& report) {
   std::string list;
   if (!report.found.obstacle.empty()) list += element("li", markup_text(report.found.obstacle + "."));
@@ -216,6 +232,7 @@ std::string report_html(const DriveReport& report) {
   return "<!doctype html>\n<html lang=\"en\">\n<head><meta charset=\"utf-8\"><title>" + title +
          "</title>\n<style>" + kStyle + "</style></head>\n<body>\n" + head(report) + wheels(report) +
          before_and_after(report) + suspension(report) + remarks(report) + completeness(report.receipt) +
+         alarm_list(report) +
          element("footer",
                  "Made by rb report of the recording alone: the same recording gives the same page.") +
          "</body>\n</html>\n";

@@ -8,6 +8,7 @@
 #include "common/bus/verification.hpp"
 #include "common/config/vehicle_config.hpp"
 #include "host/analyser/identify_record.hpp"
+#include "host/recorder/recorded_alarms.hpp"
 
 namespace roadbalance {
 
@@ -16,6 +17,7 @@ struct DriveReport {
   VehicleConfig vehicle;
   RecordedEstimate found;
   RecordingReceipt receipt;
+  std::vector<RecordedAlarm> alarms{};
   std::optional<std::array<WheelVerification, kWheels>> verification{};  ///< with the drive before weights
 };
 

@@ -20,22 +20,25 @@ Point place(int wheel, double radius, double angle_rad) {
   return {clockwise * radius * std::sin(angle_rad), -radius * std::cos(angle_rad)};
 }
 
-std::string weight(int wheel, double angle_rad, const std::string& kind) {
+std::string disc(int wheel, double angle_rad, const std::string& kind) {
   const auto [x, y] = place(wheel, kRim, angle_rad);
   return format("<circle class=\"%s\" cx=\"%.2f\" cy=\"%.2f\" r=\"5\"/>", kind.c_str(), x, y);
+}
+
+/// What the wheel hides from who stands beside the car is hollow.
+std::string weight(int wheel, const WheelWeight& at, const std::string& kind) {
+  return disc(wheel, at.angle_rad, kind + (at.place.plane == RimPlane::kInner ? " hidden" : ""));
 }
 
 std::string weights(const Balance& balance, const Compensation& compensation) {
   std::string svg;
   if (compensation.advice != Advice::kSteps) return svg;
   for (const WeightStep& step : compensation.plan.step) {
-    if (step.action == WeightAction::kMove) svg += weight(balance.wheel, step.from.angle_rad, "off");
+    if (step.action == WeightAction::kMove) svg += weight(balance.wheel, step.from, "off");
     const std::string kind = step.action == WeightAction::kRemove ? "off"
                              : step.action == WeightAction::kKeep ? "kept"
                                                                   : "new";
-    // What the wheel hides from who stands beside the car is hollow.
-    svg += weight(balance.wheel, step.weight.angle_rad,
-                  kind + (step.weight.place.plane == RimPlane::kInner ? " hidden" : ""));
+    svg += weight(balance.wheel, step.weight, kind);
   }
   return svg;
 }
@@ -73,7 +76,7 @@ std::string wheel_svg(const Balance& balance, const Compensation& compensation, 
   if (balance.state == Unknown::kNone) {
     const auto [x, y] = place(balance.wheel, kRim * balance.unbalance_g / rim_g, balance.angle_rad);
     svg += format("<path class=\"vector\" d=\"M0 0L%.2f %.2f\"/>", x, y);
-    svg += weights(balance, compensation) + weight(balance.wheel, balance.angle_rad, "spot");
+    svg += weights(balance, compensation) + disc(balance.wheel, balance.angle_rad, "spot");
   } else {
     svg += "<text y=\"8\">?</text>";
   }

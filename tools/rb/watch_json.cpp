@@ -88,6 +88,25 @@ Json compensation(const BusView& view) {
   return compensation_json(balance_of(view), compensation);
 }
 
+Json own_alarms(const RecorderStatus& status) {
+  Json found = Json::array();
+  for (const RecorderAlarm& alarm : alarms(status))
+    found.push_back({{"level", word(level_of(alarm.cause))},
+                     {"what", roadbalance::name_of(alarm.cause)},
+                     {"text", alarm.text}});
+  return found;
+}
+
+Json active_alarms(const BusView& view) {
+  Json found = Json::array();
+  for (const ActiveAlarm& on : view.alarms())
+    found.push_back({{"level", word(level_of(on.alarm.cause))},
+                     {"where", place_of(on.alarm)},
+                     {"what", roadbalance::name_of(on.alarm.cause)},
+                     {"text", on.text}});
+  return found;
+}
+
 }  // namespace
 
 Json recorder_json(const RecorderStatus& status) {
@@ -103,7 +122,7 @@ Json recorder_json(const RecorderStatus& status) {
           {"longest_sync_s", status.longest_sync_s},
           {"waiting_blocks", status.waiting_blocks},
           {"disk_failures", status.disk_failures},
-          {"alarms", alarms(status)}};
+          {"alarms", own_alarms(status)}};
 }
 
 Json node_json(const Heartbeat& beat, std::optional<double> memory_left_s) {
@@ -148,10 +167,15 @@ Json watch_json(const BusView& view) {
   Json verification = Json::array();
   for (const auto& wheel : view.verification())
     if (wheel) verification.push_back(wheel_verification_json(*wheel));
-  return {{"wheels", wheels(view)},    {"compensation", compensation(view)},
-          {"remarks", view.remarks()}, {"verification", verification},
-          {"recorders", recorders},    {"nodes", nodes},
-          {"clocks", clocks},          {"orders", orders}};
+  return {{"wheels", wheels(view)},
+          {"compensation", compensation(view)},
+          {"remarks", view.remarks()},
+          {"verification", verification},
+          {"recorders", recorders},
+          {"nodes", nodes},
+          {"clocks", clocks},
+          {"orders", orders},
+          {"alarms", active_alarms(view)}};
 }
 
 }  // namespace roadbalance

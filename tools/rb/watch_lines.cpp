@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "host/recorder/status_line.hpp"
+#include "tools/rb/alarm_lines.hpp"
 #include "tools/rb/clock_line.hpp"
 #include "tools/rb/order_lines.hpp"
 #include "tools/rb/readout.hpp"
@@ -32,7 +33,8 @@ std::vector<std::string> recorder_lines(const RecorderStatus& status,
   const bool records = status.incarnation != 0;
   std::vector<std::string> lines{(records ? "recorder " + std::to_string(status.incarnation) : "recorder") +
                                  ": " + status_line(status)};
-  for (const auto& alarm : alarms(status)) lines.push_back("  ! " + alarm);
+  for (const auto& alarm : alarms(status))
+    lines.push_back("  " + alarm_line(level_of(alarm.cause), alarm.text));
   if (!records) return lines;
   for (const auto& [node, beat] : beats)
     if (beat.owner == status.incarnation) return lines;
@@ -48,6 +50,7 @@ std::vector<std::string> watch_lines(const BusView& view) {
   const auto add = [&lines](const std::vector<std::string>& more) {
     lines.insert(lines.end(), more.begin(), more.end());
   };
+  add(alarm_lines(view.alarms()));
   if (view.identification()) lines.push_back(identification_line(*view.identification()));
   for (std::size_t w = 0; w < kWheels; ++w) {
     const auto& balance = view.balance()[w];

@@ -32,21 +32,24 @@ TEST(StatusLine, PutsTheMostUrgentAlarmFirst) {
   status.unsent = 1;
   const auto lines = alarms(status);
   ASSERT_EQ(lines.size(), 7u);
-  EXPECT_EQ(lines[0], "THE DISK FAILS (7 times): 120 blocks wait, the nodes keep what they measure");
-  EXPECT_EQ(lines[4], "the disk is full in 10 min");
+  EXPECT_EQ(lines[0].text, "THE DISK FAILS (7 times): 120 blocks wait, the nodes keep what they measure");
+  // The fallback folder is a notice, and comes behind what is a warning.
+  EXPECT_EQ(lines[3].text, "the disk is full in 10 min");
+  EXPECT_EQ(lines[6].cause, AlarmCause::kFallback);
 }
 
 TEST(StatusLine, SaysThatTheSupplyCannotBeRead) {
   RecorderStatus status;
   status.power_unknown = true;
   ASSERT_EQ(alarms(status).size(), 1u);
-  EXPECT_EQ(alarms(status)[0], "whether the supply is there cannot be read");
+  EXPECT_EQ(alarms(status)[0].text, "whether the supply is there cannot be read");
 }
 
 TEST(StatusLine, SaysWhatIsWrongWithARecordingThatGoesOn) {
   RecorderStatus status;
   status.fault = "node 2 measures by another vehicle file than car.toml: choose that file again";
-  EXPECT_EQ(alarms(status), std::vector<std::string>{status.fault});
+  ASSERT_EQ(alarms(status).size(), 1u);
+  EXPECT_EQ(alarms(status)[0].text, status.fault);
 }
 
 TEST(StatusLine, SaysOnceThatTheDiskIsFull) {

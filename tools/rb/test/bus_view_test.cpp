@@ -4,9 +4,11 @@
 
 #include <limits>
 
+#include "common/bus/channel_faults.hpp"
 #include "common/bus/clock_messages.hpp"
 #include "common/bus/process_port.hpp"
 #include "embedded/demo_vehicle.hpp"
+#include "tools/rb/alarm_lines.hpp"
 #include "tools/rb/demo_start.hpp"
 #include "tools/rb/watch_json.hpp"
 #include "tools/rb/watch_lines.hpp"
@@ -161,6 +163,24 @@ TEST_F(BusViewTest, ShowsRecordersAndWhatAlarmsThem) {
   status.recorder = status.incarnation = 6;
   EXPECT_TRUE(hear(kRecorderChannel, encode(status)));
   EXPECT_TRUE(said("more than one recorder"));
+}
+
+TEST_F(BusViewTest, ShowsWhatIsWrongWithItsLevelTheWorstFirst) {
+  Heartbeat beat{.node = 2, .epoch = 1};
+  hear(heartbeat_channel(2), encode(beat));
+  EXPECT_TRUE(watch_json(view_).at("alarms").empty());
+  Level level{.node = 2};
+  set_dead(level, 3);
+  hear(kLevelChannel, encode(level));
+  beat.scans_missing = 35;
+  EXPECT_TRUE(hear(heartbeat_channel(2), encode(beat)));
+  EXPECT_TRUE(said("!!! ALARM node 2: samples lost (35 samples by now)"));
+  EXPECT_TRUE(said(" !  WARNING node 2 channel 4: no signal"));
+  const auto alarms = watch_json(view_).at("alarms");
+  ASSERT_EQ(alarms.size(), 2u);
+  EXPECT_EQ(alarms[0].at("level"), "ALARM");
+  EXPECT_EQ(coloured(watch_lines(view_).front()), "\033[1;31m" + watch_lines(view_).front() + "\033[0m");
+  EXPECT_EQ(coloured("node 2: 35 samples"), "node 2: 35 samples");
 }
 
 TEST_F(BusViewTest, ShowsWhatTurnsWithAWheelWhereItShowsMost) {

@@ -144,7 +144,7 @@ TEST(RecorderLines, NameItsAlarms) {
   status.waiting_blocks = 12;
   lines = recorder_lines(status, {});
   ASSERT_EQ(lines.size(), 2u);
-  EXPECT_NE(lines[1].find("THE DISK IS FULL: 12 blocks wait"), std::string::npos) << lines[1];
+  EXPECT_NE(lines[1].find("!!! ALARM: THE DISK IS FULL: 12 blocks wait"), std::string::npos) << lines[1];
   EXPECT_EQ(recorder_json(status).at("state"), "disk_full");
   EXPECT_EQ(recorder_json(status).at("alarms").size(), 1u);
 }

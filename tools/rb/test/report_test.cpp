@@ -54,6 +54,23 @@ TEST(Report, DrawsHollowWhatTheWheelHides) {
   EXPECT_TRUE(says(html, "hollow: behind the wheel, on the side of the car"));
 }
 
+TEST(Report, DrawsHollowWhatIsMovedAwayFromBehindTheWheel) {
+  DriveReport of = report();
+  const WeightPlace behind{0.19, WeightKind::kClip, RimPlane::kInner},
+      before{0.19, WeightKind::kClip, RimPlane::kOuter};
+  WeightStep& step = of.found.compensation[0].plan.step[0];
+  step = {WeightAction::kMove, {35.0, 37 * kDegree, before}, {35.0, 90 * kDegree, behind}};
+  std::string html = report_html(of);
+  EXPECT_TRUE(says(html, "<circle class=\"off hidden\""));
+  EXPECT_FALSE(says(html, "<circle class=\"off\""));
+  std::swap(step.weight.place, step.from.place);
+  html = report_html(of);
+  EXPECT_TRUE(says(html, "<circle class=\"off\""));
+  EXPECT_FALSE(says(html, "<circle class=\"off hidden\""));
+  // In the cascade the later of two rules as narrow wins: what hides must be narrower than what takes off.
+  EXPECT_TRUE(says(html, ".wheel .off.hidden { fill: #fff;"));
+}
+
 TEST(Report, TellsWeightsAtTheirPlaceOnBothSides) {
   const std::string html = report_html(report());
   // 12 - 217 / 30 and 12 - 37 / 30 on the left, 217 / 30 and 37 / 30 on the right.
@@ -117,6 +134,21 @@ TEST(Report, ProvesCompleteness) {
   EXPECT_TRUE(says(report_html(of), "The recording is complete. Every CRC is right."));
   of.receipt.refused = 2;
   EXPECT_TRUE(says(report_html(of), "2 blocks have a wrong CRC"));
+}
+
+TEST(Report, ListsTheAlarmsOfTheRecordTheWorstFirst) {
+  DriveReport of = report();
+  EXPECT_TRUE(says(report_html(of), "No alarm is in the record."));
+  of.alarms = {
+      {.alarm = {AlarmCause::kDeadChannel, 1, 4}, .began_us = 1'000'000},
+      {.alarm = {AlarmCause::kSamplesLost, 2}, .began_us = 2'000'000, .ended_us = 9'000'000, .text = "<35>"}};
+  const std::string html = report_html(of);
+  const std::size_t lost = html.find("00:00:02"), dead = html.find("WARNING node 1 channel 5: no signal");
+  EXPECT_LT(lost, dead);
+  EXPECT_NE(dead, std::string::npos);
+  EXPECT_TRUE(says(html, "ALARM node 2: samples lost (&lt;35&gt;)."));
+  of.alarms.resize(500, of.alarms[0]);
+  EXPECT_TRUE(says(report_html(of), "492 more: see rb info.")) << "the page stays one page";
 }
 
 TEST(Report, TellsBeforeAndAfterIfBothWereDriven) {

@@ -35,7 +35,7 @@ class Corner {
 export function worry(car: Car, nowMs: number): string {
   const all = lamps(car, car.events, nowMs);
   const lit = (wanted: string) => all.filter(({light}) => light === wanted).map(({name, number}) => `${name}: ${number}`);
-  return [...lit("bad"), ...warnings(car, nowMs), ...lit("warn")][0] ?? "";
+  return [...lit("bad"), ...warnings(car, nowMs).map(({text}) => text), ...lit("warn")][0] ?? "";
 }
 
 /** One thing to do now, of whatever is in the way of most wheels. */

@@ -1,6 +1,7 @@
 // State, always in the same place: by word, shape and colour.
+import {SayingLines} from "./alarm";
 import type {Car} from "./car";
-import {el, setAttributes, setLines, setText, svg} from "./dom";
+import {el, setAttributes, setText, svg} from "./dom";
 import {stateWord, warnings, type Alarm, type Connection} from "./state";
 import {utf8} from "./text";
 import {RecorderState, type Recorder} from "./wire";
@@ -20,7 +21,9 @@ export class HeaderView {
   private readonly word = el("span", {class: "word"});
   private readonly time = el("span", {class: "time"});
   private readonly amounts = el("p", {class: "amounts"});
-  private readonly detail = el("div", {class: "detail", role: "alert"});
+  private readonly first = el("p", {class: "first"});
+  private readonly sayings = new SayingLines();
+  private readonly detail = el("div", {class: "detail", role: "alert"}, [this.first, this.sayings.element]);
   private readonly state: HTMLElement;
 
   /** @param operation  the row that stays in sight with the state */
@@ -37,7 +40,9 @@ export class HeaderView {
     setText(this.word, word);
     setText(this.time, recordingS === undefined ? "" : duration(recordingS));
     setText(this.amounts, recorder ? amounts(recorder) : "");
-    setLines(this.detail, [detail, ...warnings(car, nowMs)].filter((line) => line !== ""));
+    setText(this.first, detail);
+    this.first.hidden = detail === "";
+    this.sayings.draw(warnings(car, nowMs));
   }
 
   /** What a page in the background, which is not drawn, still says. */

@@ -1,9 +1,11 @@
 // The four lamps; a tap on one says what it means and what to do.
+import {levelOf, levelSign, levelWord} from "./alarm";
 import type {Car} from "./car";
 import {el, setAttributes, setText, svg} from "./dom";
 import type {LampName} from "./events";
-import {lamps, sentenceOf, type Light} from "./lamps";
+import {causeOf, lamps, sentenceOf, type Light} from "./lamps";
 import {kCross, kDisc, kLine, kTriangle} from "./signs";
+import {AlarmLevel} from "./wire";
 
 const kShapes: Readonly<Record<Light, string>> = {
   good: kDisc,
@@ -11,6 +13,10 @@ const kShapes: Readonly<Record<Light, string>> = {
   warn: kTriangle,
   bad: kCross,
 };
+
+/** The level, as a word. */
+const kSpoken: Readonly<Record<Light, string>> = {
+  good: "", unknown: "", warn: `, ${levelWord(AlarmLevel.Warning)}`, bad: `, ${levelWord(AlarmLevel.Alarm)}`};
 
 class LampButton {
   readonly shape = svg("path");
@@ -53,7 +59,7 @@ export class LampView {
       setAttributes(button.element, {"data-light": lamp.light, "aria-expanded": String(this.open === lamp.name)});
       setAttributes(button.shape, {d: kShapes[lamp.light]});
       setText(button.number, lamp.number);
-      if (this.open === lamp.name) text = `${lamp.name}: ${lamp.sentence}`;
+      if (this.open === lamp.name) text = `${lamp.name}${kSpoken[lamp.light]}: ${lamp.sentence}`;
     }
     setText(this.sentence, text);
     this.list(nowMs);
@@ -66,7 +72,7 @@ export class LampView {
     if (said === this.listed) return;
     this.listed = said;
     this.events.replaceChildren(...events.map((event) => el("li", {"data-seen": String(event.seen)}, [
-      el("time", {}, [new Date(Date.now() - (nowMs - event.firstMs)).toLocaleTimeString("en-GB")]),
+      levelSign(levelOf(causeOf(event.lamp))), el("time", {}, [new Date(Date.now() - (nowMs - event.firstMs)).toLocaleTimeString("en-GB")]),
       el("b", {}, [event.where]), el("span", {}, [sentenceOf(event)])])));
   }
 }

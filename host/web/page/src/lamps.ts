@@ -1,8 +1,14 @@
 // Four lamps with numbers.  What has lit one stays until it is acknowledged, though the cause be gone.
+import {lightOf} from "./alarm";
 import {isBusy, isFresh, type Car} from "./car";
 import {faultyChannels} from "./channel_faults";
 import type {Event, EventLog, LampName} from "./events";
-import {ClockState, TimeBase} from "./wire";
+import {AlarmCause, ClockState, TimeBase} from "./wire";
+
+const kCauses: Readonly<Record<LampName, AlarmCause>> = {
+  LOSS: AlarmCause.SamplesLost, SYNC: AlarmCause.ClockBroken, OVERLOAD: AlarmCause.Overload, ENCODER: AlarmCause.FaultyTurns};
+/** What an event of this lamp is an event of. */
+export const causeOf = (lamp: LampName) => kCauses[lamp];
 
 export type Light = "good" | "unknown" | "warn" | "bad";
 
@@ -34,12 +40,12 @@ function lossLamp(car: Car, log: EventLog, nowMs: number): Lamp {
   if (car.heartbeats.size === 0) return {name: "LOSS", light: "unknown", number: "no node", sentence: "No node is heard."};
   const found = log.unseen("LOSS");
   if (found.length > 0)
-    return {name: "LOSS", light: "bad", number,
+    return {name: "LOSS", light: lightOf(causeOf("LOSS")), number,
             sentence: `${times(gone, "sample is", "samples are")} lost for good in ${places(found)}, each declared in the ` +
               "record: look at the node's device and supply."};
   const failing = beats(car).filter((beat) => beat.spool_failures > 0);
   if (failing.length > 0)
-    return {name: "LOSS", light: "warn", number,
+    return {name: "LOSS", light: lightOf(AlarmCause.SpoolFailing), number,
             sentence: `The disk of ${nodes(failing)} refuses: what it holds is in its memory only.`};
   if (!car.livingRecorders(nowMs).some(isBusy))
     return {name: "LOSS", light: "good", number, sentence: "Nothing is lost; nothing is recorded now."};
@@ -50,7 +56,7 @@ function syncLamp(car: Car, log: EventLog, nowMs: number): Lamp {
   const name = "SYNC";
   const broken = log.unseen("SYNC");
   if (broken.length > 0)
-    return {name, light: "bad", number: times(sum(broken.map(({count}) => count)), "break", "breaks"),
+    return {name, light: lightOf(causeOf("SYNC")), number: times(sum(broken.map(({count}) => count)), "break", "breaks"),
             sentence: `The clock of ${places(broken)} has jumped; the break is declared in the record.`};
   if (car.heartbeats.size > 0 && beats(car).every((beat) => beat.time_base === TimeBase.Shared))
     return {name, light: "good", number: "one common clock", sentence: "All nodes have one common clock by construction: a simulation."};
@@ -63,7 +69,7 @@ function syncLamp(car: Car, log: EventLog, nowMs: number): Lamp {
   const number = `${Math.ceil(worst.uncertainty_s * 1e6)} µs`;
   const held = known.filter((fit) => fit.state === ClockState.Holdover);
   if (held.length > 0)
-    return {name, light: "warn", number, sentence: `The clock of ${nodes(held)} is not heard: look at its network.`};
+    return {name, light: lightOf(AlarmCause.ClockUnheard), number, sentence: `The clock of ${nodes(held)} is not heard: look at its network.`};
   if (known.length < fits.length || worst.uncertainty_s > kSync_s)
     return {name, light: "warn", number, sentence: `Node ${worst.node} is known to ${number}; 50 µs are wanted: wait, or ` +
               "look at the network."};
@@ -80,12 +86,12 @@ function overloadLamp(car: Car, log: EventLog, nowMs: number): Lamp {
     ...(dead.length > 0 ? [`Channel ${dead.join(", ")} (node.channel) carries no signal: look at its cable and supply.`] : []),
     ...(railed.length > 0 ? [`Channel ${railed.join(", ")} (node.channel) stands far off its zero: look at its supply, then take ` +
                              "the zero again."] : [])].join(" ");
-  if (found.length === 0 && faults.length > 0) return {name, light: "warn", number: faults.join(", "), sentence: what};
+  if (found.length === 0 && faults.length > 0) return {name, light: lightOf(AlarmCause.DeadChannel), number: faults.join(", "), sentence: what};
   if (found.length === 0)
     return {name, light: "good", number: "0 channels", sentence: "No channel has left its range; none is known to be dead."};
   const channels = [...new Set(found.map(({where}) => where.replace("channel ", "")))].sort((a, b) => Number(a) - Number(b));
   const agoS = Math.round((nowMs - Math.max(...found.map(({lastMs}) => lastMs))) / 1000);
-  return {name, light: "bad", number: `${times(channels.length, "channel", "channels")}, ${agoS < 2 ? "now" : `${agoS} s ago`}`,
+  return {name, light: lightOf(causeOf("OVERLOAD")), number: `${times(channels.length, "channel", "channels")}, ${agoS < 2 ? "now" : `${agoS} s ago`}`,
           sentence: `Channel ${channels.join(", ")} (node.channel) has left its range: choose a larger range.${what && ` ${what}`}`};
 }
 
@@ -97,7 +103,7 @@ function encoderLamp(car: Car, log: EventLog): Lamp {
   if (found.length === 0) return {name, light: "good", number, sentence: "Every turn has all its teeth."};
   const lines = beats(car).flatMap((beat) =>
     beat.encoder_faults.flatMap((count, line) => (count > 0 ? [`node ${beat.node} line ${line + 1}: ${count}`] : [])));
-  return {name, light: "bad", number,
+  return {name, light: lightOf(causeOf("ENCODER")), number,
           sentence: `Teeth missed or extra (${lines.length > 0 ? lines.join("; ") : places(found)}): ` +
             "look at the sensor's gap and its cable."};
 }

@@ -16,7 +16,7 @@ const angleField = (min: string) => el("input", {type: "number", min, max: "360"
 
 export class MarkView {
   private readonly wheel = el("select");
-  private readonly where = el("input", {autocomplete: "off", type: "text", placeholder: "10:30 or 45", required: ""});
+  private readonly where = el("input", {autocomplete: "off", type: "text", placeholder: "10:30 or 45°", required: ""});
   private readonly datum = angleField("-360");
   private readonly sigma = angleField("0.01");
   private readonly begin = el("button", {type: "button", id: "begin-reading"}, ["Begin with this wheel"]);
@@ -28,6 +28,9 @@ export class MarkView {
   private readonly setting: HTMLFormElement;
   /** The readings that the fields were filled from. */
   private filled = 0;
+  /** Datum and its uncertainty of each wheel, as they stood in the fields; and whose stand there now. */
+  private readonly found = new Map<number, readonly [string, string]>();
+  private shown = 0;
   readonly element: HTMLElement;
 
   constructor(private readonly asker: Asker) {
@@ -47,12 +50,12 @@ export class MarkView {
     this.reading.onsubmit = (event) => {
       event.preventDefault();
       const angle_rad = angleOf(this.place(), this.where.value);
-      this.where.setCustomValidity(angle_rad === undefined ? "the clock (10:30) or degrees (45)" : "");
+      this.where.setCustomValidity(angle_rad === undefined ? "the clock (10:30) or degrees (45°); not 10, which may be either" : "");
       if (angle_rad === undefined) this.where.reportValidity();
       else if (!this.read.disabled) this.ask(kRead, angle_rad);
     };
     this.where.oninput = () => this.where.setCustomValidity("");
-    this.wheel.onchange = () => this.forget();
+    this.wheel.onchange = () => this.change();
     this.setting.onsubmit = (event) => {
       event.preventDefault();
       if (this.set.disabled) return;
@@ -81,7 +84,13 @@ export class MarkView {
     return Number(this.wheel.value);
   }
 
-  /** What was found is of another wheel. */
+  /** What stands in the fields is of the wheel before: it comes back with that wheel. */
+  private change(): void {
+    this.found.set(this.shown, [this.datum.value, this.sigma.value]);
+    this.shown = this.place();
+    [this.datum.value, this.sigma.value] = this.found.get(this.shown) ?? ["", ""];
+  }
+
   private forget(): void {
     this.datum.value = this.sigma.value = "";
   }

@@ -1,7 +1,8 @@
 // The one word: is it recording everything?
+import {saying, type Saying} from "./alarm";
 import {isFresh, type Car} from "./car";
 import {utf8} from "./text";
-import {NodeState, RecorderState, type Heartbeat, type Recorder} from "./wire";
+import {AlarmCause, AlarmLevel, NodeState, RecorderState, type Heartbeat, type Recorder} from "./wire";
 
 export type Alarm = "good" | "idle" | "warn" | "bad";
 
@@ -86,22 +87,25 @@ export function stateWord(car: Car, connection: Connection, nowMs: number): Stat
   return worst;
 }
 
-/** Second lines: what threatens though it is recorded still. */
-export function warnings(car: Car, nowMs: number): string[] {
-  const found: string[] = [];
+/** Second lines, the worst first: what threatens though it is recorded still. */
+export function warnings(car: Car, nowMs: number): Saying[] {
+  const found: Saying[] = [];
+  const add = (cause: AlarmCause, text: string) => found.push(saying(cause, text));
+  const warn = (text: string) => found.push({level: AlarmLevel.Warning, text});
   for (const recorder of car.livingRecorders(nowMs)) {
     if (recorder.fault_size > 0 && recorder.state !== RecorderState.Fault)
-      found.push(`${utf8(recorder.fault, recorder.fault_size)}.`);
-    if (recorder.on_battery & 1) found.push("The supply is gone: on battery.");
-    if (recorder.fallback) found.push("Records to the fallback folder: the first disk has failed.");
-    if (recorder.rivals > 0) found.push("Two nodes have one number, or one was paused.");
+      add(AlarmCause.RecorderSays, `${utf8(recorder.fault, recorder.fault_size)}.`);
+    if (recorder.on_battery & 1) add(AlarmCause.SupplyGone, "The supply is gone: on battery.");
+    if (recorder.on_battery & 2) add(AlarmCause.SupplyUnknown, "Whether the supply is there cannot be read.");
+    if (recorder.fallback) add(AlarmCause.Fallback, "Records to the fallback folder: the first disk has failed.");
+    if (recorder.rivals > 0) add(AlarmCause.Rivals, "Two nodes have one number, or one was paused.");
     if (recorder.seconds_left >= 0 && recorder.seconds_left < 3600 && recorder.state !== RecorderState.DiskFull)
-      found.push(`The disk is full in ${Math.floor(recorder.seconds_left / 60)} min.`);
+      add(AlarmCause.DiskLow, `The disk is full in ${Math.floor(recorder.seconds_left / 60)} min.`);
   }
   const levels = [...car.levels.values()];
   if (levels.length > 0 && !levels.some((heard) => isFresh(heard, nowMs)) &&
       [...car.heartbeats.values()].some((heard) => isFresh(heard, nowMs) && heard.message.state === NodeState.Started))
-    found.push("The analyser is silent: levels and balance are old.");
-  if (car.strangers > 0) found.push("rb-web is of another version than this page: load it again.");
-  return found;
+    warn("The analyser is silent: levels and balance are old.");
+  if (car.strangers > 0) warn("rb-web is of another version than this page: load it again.");
+  return found.sort((a, b) => b.level - a.level);
 }

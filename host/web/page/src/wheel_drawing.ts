@@ -45,7 +45,7 @@ function face(wheel: number): SVGElement[] {
     rotationArrow(wheel)];
 }
 
-/** A weight on the rim; of one to take off its outline, of one that the wheel hides it is hollow. */
+/** A weight on the rim; of one to take off dashed, of one that the wheel hides hollow. */
 function weight(wheel: number, action: WeightAction, angle_rad: number, plane: RimPlane): SVGElement {
   const {x, y} = polar(wheel, kRim, angle_rad);
   const turn = clockwise(wheel) * angle_rad * 180 / Math.PI;

@@ -75,6 +75,13 @@ export async function holdEscape(page) {
   await page.keyboard.up("Escape");
 }
 
+/** Of all that a finger can press now, in whatever view: what is smaller than 48 px. */
+export const tooSmall = (page) => page.evaluate(() =>
+  [...document.querySelectorAll("button, input, select, summary, a[href], [role=tab]")].filter((one) => {
+    const {width, height} = one.getBoundingClientRect();
+    return one.checkVisibility() && (width < 48 || height < 48);
+  }).map((one) => `${one.tagName} ${one.id || one.textContent}`));
+
 export async function picture(page, name) {
   mkdirSync(kPictures, {recursive: true});
   await page.screenshot({path: join(kPictures, `${name}.png`)});

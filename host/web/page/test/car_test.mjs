@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import {test} from "node:test";
 import {load} from "./load.mjs";
 
-const page = await load("car", "encode", "wire", "state", "lamps", "preflight", "taps", "directions", "words", "units", "driver_view", "receipt_view", "wheel_place");
+const page = await load("alarm", "car", "encode", "wire", "state", "lamps", "preflight", "taps", "directions", "words", "units", "driver_view", "receipt_view", "wheel_place");
 
 /** A frame of rb-web (host/web/feed.hpp). */
 function frame(...messages) {
@@ -179,6 +179,21 @@ test("an overload lights its lamp though the page was never drawn, until it is a
   assert.equal(overload(61_000).light, "good");
 });
 
+test("each thing that is wrong has one of three levels, and the worst comes first", () => {
+  const car = new page.Car();
+  const said = () => page.warnings(car, 0).map(({level, text}) => `${page.levelWord(level)} ${text.split(/[:.]/)[0]}`);
+  car.take(frame(recorder, beat(1)), 0);
+  assert.deepEqual(said(), []);
+  car.take(frame([recorder[0], {...recorder[1], fallback: 1, on_battery: 3, rivals: 2}]), 0);
+  assert.deepEqual(said(), ["WARNING The supply is gone", "WARNING Whether the supply is there cannot be read",
+                            "WARNING Two nodes have one number, or one was paused",
+                            "NOTICE Records to the fallback folder"]);
+  for (const [name, cause] of Object.entries(page.AlarmCause).filter(([, value]) => typeof value === "number"))
+    assert.match(page.levelWord(page.levelOf(cause)), /^(ALARM|WARNING|NOTICE)$/, name);
+  for (const lamp of ["LOSS", "SYNC", "OVERLOAD", "ENCODER"])
+    assert.equal(page.levelWord(page.levelOf(page.causeOf(lamp))), "ALARM", lamp);
+});
+
 test("dead channels and offsets light the lamp while they last, those that are used", () => {
   const car = new page.Car();
   const lamp = (now) => page.lamps(car, car.events, now).find(({name}) => name === "OVERLOAD");
@@ -272,10 +287,10 @@ test("a place on a wheel is told by the clock as seen from outside, or by degree
       assert.equal(degrees(wheel, "6:00"), 180);
       assert.equal(degrees(wheel, "45"), 45);
       assert.equal(degrees(wheel, "-30.5°"), -30.5);
-      for (const words of ["10", "7:30", "217°"])
+      for (const words of ["10°", "7:30", "217°"])
         assert.equal(page.clockPosition(wheel, page.angleOf(wheel, page.clockPosition(wheel, page.angleOf(wheel, words)))),
                      page.clockPosition(wheel, page.angleOf(wheel, words)), "back and forth");
     }
   }
-  for (const words of ["", "valve", "13:01", "10:60", "361", "1e2", "4 5"]) assert.equal(page.angleOf(0, words), undefined, words);
+  for (const words of ["", "valve", "13:01", "10:60", "361", "1e2", "4 5", "10", "1", "12", " 09 "]) assert.equal(page.angleOf(0, words), undefined, words);
 });

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <string>
+
+namespace roadbalance {
+
+/// How bad it is, in three levels.
+enum class AlarmLevel : std::int32_t {
+  kNotice = 1,   ///< to know; nothing suffers
+  kWarning = 2,  ///< results suffer, or a loss threatens
+  kAlarm = 3,    ///< something is lost for good, or nothing is recorded
+};
+
+/// What can be wrong; in brackets what Alarm::part is.  The hundreds are the level: one definition for
+/// recorder, page and command line.
+enum class AlarmCause : std::int32_t {
+  kFallback = 101,     ///< the recorder uses its fallback folder
+  kWheelInStep = 102,  ///< it turned in step with another one (wheel 0..3, front_left ..)
+  kSpoolFailing = 201,
+  kDiskLow = 202,
+  kDiskSlow = 203,
+  kSupplyGone = 204,
+  kSupplyUnknown = 205,
+  kRivals = 206,
+  kUnsent = 207,
+  kClockUnheard = 208,
+  kDeadChannel = 209,    ///< (channel 0..15)
+  kRailedChannel = 210,  ///< its mean is where none can be (channel 0..15)
+  kRecorderSays = 211,   ///< text: what
+  kNothingRecorded = 301,
+  kDiskFailing = 302,
+  kDiskFull = 303,
+  kSamplesLost = 304,
+  kNodeSilent = 305,
+  kNodeFailed = 306,
+  kOverload = 307,     ///< (channel 0..15)
+  kClockBroken = 308,  ///< a node's clock jumped
+  kFaultyTurns = 309,  ///< of an encoder, without exactly their teeth (line 0..1)
+};
+
+constexpr AlarmLevel level_of(AlarmCause cause) {
+  return static_cast<AlarmLevel>(static_cast<std::int32_t>(cause) / 100);
+}
+/// A number from outside is one of them.
+bool is_alarm_cause(std::int64_t number);
+
+/// "ALARM", "WARNING", "NOTICE"
+const char* word(AlarmLevel level);
+/// A shape that tells them apart without colours, three columns wide: "!!!", " ! ", " i ".
+const char* shape(AlarmLevel level);
+/// Three words or so: "samples lost".
+const char* name_of(AlarmCause cause);
+
+/// One thing that is wrong at one place.
+struct Alarm {
+  AlarmCause cause = AlarmCause::kRecorderSays;
+  std::int32_t node = 0;   ///< 0: of the recorder, or of a wheel
+  std::int32_t part = -1;  ///< of what AlarmCause says; -1: none
+
+  auto operator<=>(const Alarm&) const = default;
+};
+
+/// "node 1 channel 3"; empty: of the recorder.
+std::string place_of(const Alarm& alarm);
+
+/// As one number, of a note: cause is the note's a, this its b.
+std::int64_t place_number(const Alarm& alarm);
+Alarm alarm_of(std::int64_t cause, std::int64_t place_number);
+
+}  // namespace roadbalance

@@ -1,0 +1,73 @@
+#include "host/recorder/alarm_watch.hpp"
+
+#include <algorithm>
+
+#include "common/bus/channel_faults.hpp"
+#include "host/recorder/status_line.hpp"
+
+namespace roadbalance {
+namespace {
+
+constexpr std::size_t kMostWatched = 64;
+
+}  // namespace
+
+/// Of counters that begin anew with each epoch and only rise in it.
+void AlarmWatch::rise(const Alarm& alarm, std::int64_t epoch, std::int64_t count, const char* what,
+                      WallTime now) {
+  auto& [of_epoch, known] = counted_[alarm];
+  if (of_epoch != epoch) known = 0;
+  of_epoch = epoch;
+  if (count <= known) return;  // a late one, too
+  known = count;
+  log_.raise(alarm, std::to_string(count) + what + " by now", now);
+}
+
+void AlarmWatch::take(const Heartbeat& beat, WallTime now) {
+  if (owner_ != 0 && beat.owner != owner_) return;
+  if (!node_.contains(beat.node) && node_.size() >= kMostWatched) return;
+  node_[beat.node] = {beat.epoch, now, beat.state == NodeState::kStarted};
+  const auto of = [&](AlarmCause cause, std::int32_t part = -1) { return Alarm{cause, beat.node, part}; };
+  rise(of(AlarmCause::kSamplesLost), beat.epoch, beat.scans_missing + beat.scans_refused, " samples", now);
+  for (std::size_t line = 0; line < beat.encoder_faults.size(); ++line)
+    rise(of(AlarmCause::kFaultyTurns, static_cast<std::int32_t>(line)), beat.epoch, beat.encoder_faults[line],
+         " turns", now);
+  rise(of(AlarmCause::kSpoolFailing), beat.epoch, beat.spool_failures, " failures", now);
+  if (beat.state == NodeState::kFailed) log_.raise(of(AlarmCause::kNodeFailed), "", now);
+}
+
+void AlarmWatch::take_channels(const Level& level, WallTime now) {
+  for (std::size_t c = 0; c < kChannels; ++c) {
+    const auto of = [&](AlarmCause cause) { return Alarm{cause, level.node, static_cast<std::int32_t>(c)}; };
+    if ((level.overload >> c & 1U) != 0) log_.raise(of(AlarmCause::kOverload), "", now);
+    if (is_dead(level, c)) log_.raise(of(AlarmCause::kDeadChannel), "", now);
+    if (is_railed(level, c)) log_.raise(of(AlarmCause::kRailedChannel), "", now);
+  }
+}
+
+void AlarmWatch::take(const Level& level, WallTime now) {
+  if (is_watched(level.node)) take_channels(level, now);
+}
+
+void AlarmWatch::take(const ClockFit& fit, WallTime now) {
+  if (!is_watched(fit.node)) return;
+  rise({AlarmCause::kClockBroken, fit.node}, fit.epoch, fit.breaks, " breaks", now);
+  if (fit.state == ClockState::kHoldover) log_.raise({AlarmCause::kClockUnheard, fit.node}, "", now);
+}
+
+void AlarmWatch::take(const Balance& wheel, WallTime now) {
+  if (node_.empty() || wheel.state != Unknown::kInStep) return;
+  log_.raise({AlarmCause::kWheelInStep, 0, wheel.wheel}, "change lane or take a bend", now);
+}
+
+void AlarmWatch::take(const RecorderStatus& status, WallTime now) {
+  for (const RecorderAlarm& alarm : alarms(status)) log_.raise({alarm.cause}, alarm.text, now);
+}
+
+void AlarmWatch::turn(WallTime now) {
+  for (const auto& [number, node] : node_)
+    if (node.measures && now - node.heard >= kSilence)
+      log_.raise({AlarmCause::kNodeSilent, number}, "look at its cable and supply", now);
+}
+
+}  // namespace roadbalance

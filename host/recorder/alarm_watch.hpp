@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/bus/control.hpp"
+#include "common/bus/recorder_status.hpp"
+#include "common/bus/results.hpp"
+#include "common/clock/exchange.hpp"
+#include "host/recorder/alarm_log.hpp"
+
+namespace roadbalance {
+
+/// What is heard on the bus -> alarms: the same in the recorder, which puts them into the record, and in
+/// `rb watch`.  A pure state machine.  What says nothing new of the nodes it watches is passed over.
+class AlarmWatch {
+ public:
+  static constexpr std::chrono::seconds kSilence{3};  ///< after which a node that measures is missed
+
+  /// @param owner  of the nodes to watch: a recorder's incarnation; 0: every node
+  explicit AlarmWatch(std::int64_t owner = 0) : owner_(owner) {}
+  void set_owner(std::int64_t owner) { owner_ = owner; }
+
+  void take(const Heartbeat& beat, WallTime now);
+  void take(const Level& level, WallTime now);
+  void take(const ClockFit& fit, WallTime now);
+  void take(const Balance& wheel, WallTime now);
+  void take(const RecorderStatus& status, WallTime now);
+
+  /// Looks who is silent.  To be called now and then, and before what follows.
+  void turn(WallTime now);
+  std::vector<AlarmNote> due(WallTime now) { return log_.due(now); }
+  std::vector<AlarmNote> finish(WallTime now) { return log_.finish(now); }
+  std::vector<ActiveAlarm> active() const { return log_.active(); }
+
+ private:
+  struct Node {
+    std::int64_t epoch = 0;
+    WallTime heard{};
+    bool measures = false;
+  };
+  void rise(const Alarm& alarm, std::int64_t epoch, std::int64_t count, const char* what, WallTime now);
+  void take_channels(const Level& level, WallTime now);
+  bool is_watched(std::int32_t node) const { return node_.contains(node); }
+
+  std::int64_t owner_;
+  AlarmLog log_;
+  std::map<std::int32_t, Node> node_;
+  std::map<Alarm, std::pair<std::int64_t, std::int64_t>> counted_;  // epoch, count as it was heard last
+};
+
+}  // namespace roadbalance

@@ -1,0 +1,41 @@
+#include "host/recorder/recorded_alarms.hpp"
+
+#include <algorithm>
+#include <ranges>
+
+#include "common/record/record.hpp"
+
+namespace roadbalance {
+
+void RecordedAlarms::take(const Note& note) {
+  if (!is_alarm_cause(note.a)) return;  // a later version's
+  const Alarm alarm = alarm_of(note.a, note.b);
+  if (note.kind == NoteKind::kAlarmBegan)
+    all_.push_back({.alarm = alarm, .began_us = note.time_us, .ended_us = std::nullopt, .text = note.text});
+  if (note.kind != NoteKind::kAlarmEnded) return;
+  auto newest_first = std::views::reverse(all_);
+  const auto begun = std::ranges::find(newest_first, alarm, &RecordedAlarm::alarm);
+  if (begun == newest_first.end() || begun->ended_us) return;
+  begun->ended_us = note.time_us;
+  begun->text += (begun->text.empty() ? "" : "; ") + note.text;
+}
+
+std::string sentence(const RecordedAlarm& alarm) {
+  const std::string place = place_of(alarm.alarm);
+  const std::string text =
+      alarm.ended_us ? alarm.text : alarm.text + (alarm.text.empty() ? "" : "; ") + "no end is recorded";
+  return std::string(word(level_of(alarm.alarm.cause))) + (place.empty() ? "" : " " + place) + ": " +
+         name_of(alarm.alarm.cause) + (text.empty() ? "" : " (" + text + ")");
+}
+
+std::vector<RecordedAlarm> recorded_alarms(const std::filesystem::path& folder) {
+  RecordReader reader(folder);
+  reader.finish();
+  RecordedAlarms found;
+  while (const auto event = reader.next())
+    if (event->channel == kNoteChannel)
+      if (const auto note = decode_note(event->data)) found.take(*note);
+  return found.all();
+}
+
+}  // namespace roadbalance
