@@ -100,8 +100,12 @@ Answer MarkReadings::read(Answer answer, double angle_rad, WallTime now) {
     return refuse(RefusalReason::kBadArgument, "that is enough: set the datum");
   const double one_rad = readings.read(angle_rad);
   if (const std::string objection = readings.objection(); !objection.empty()) {
+    const bool are_two = readings.readings() == 2;  // and nobody knows which is wrong
     readings.undo();
-    return refuse(RefusalReason::kBadArgument, objection + " This reading does not count.");
+    if (are_two) readings.undo();
+    return refuse(RefusalReason::kBadArgument,
+                  objection + (are_two ? " Neither of the two counts: turn it on, and read both again."
+                                       : " This reading does not count."));
   }
   const auto datum = readings.datum();
   if (!datum)

@@ -49,7 +49,8 @@ std::string DatumDialogue::answer(const std::string& line, WallTime now) {
     return where_to_turn();
   }
   const auto angle_rad = parse_wheel_angle(line, left_);
-  if (!angle_rad) return "\"" + line + "\" is no place on a wheel; allowed: 10:30, 45, undo";
+  if (!angle_rad)
+    return "\"" + line + "\" is no place on a wheel; allowed: 10:30, 45° (not 10: hour or degrees?), undo";
   if (!readings_.can_read()) return "the zero mark has not fired yet: turn the wheel forward until it does";
   answer_rad_ = angle_rad;
   still_since_ = std::max(still_since_, now);

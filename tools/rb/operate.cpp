@@ -148,7 +148,10 @@ void add_zero_marks(CLI::App& configure, int& code) {
       [of_reading](const std::string& text) {
         const bool is_left = of_reading->request.channel % 2 == 0;
         const auto angle_rad = parse_wheel_angle(text, is_left);
-        if (!angle_rad) throw ConfigError("\"" + text + "\" is no place on a wheel; allowed: 10:30, 45");
+        if (!angle_rad)
+          throw ConfigError(
+              "\"" + text +
+              "\" is no place on a wheel; allowed: 10:30, 45°; not 10, which may be an hour or degrees");
         of_reading->request.value = {*angle_rad, 1.0};
       },
       "the clock as seen from outside, or degrees from the top in the direction of forward rotation; not "

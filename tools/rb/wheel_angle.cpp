@@ -29,6 +29,8 @@ std::optional<double> parse_wheel_angle(const std::string& text, bool left_side)
     return reduced((left_side ? -hours : hours) / kHours);
   }
   if (!std::regex_match(text, found, kDegrees)) return std::nullopt;
+  static const std::regex kHour(R"(\s*0?([1-9]|1[0-2])\s*)");
+  if (std::regex_match(text, kHour)) return std::nullopt;  // of the clock, or degrees?
   const double degrees = std::stod(found[1]);
   if (std::abs(degrees) > 360.0) return std::nullopt;
   return reduced(degrees / 360.0);

@@ -167,6 +167,25 @@ TEST_F(MarkReadingsTest, DoNotCountAReadingFarFromTheOthers) {
   EXPECT_NE(good.text.find("4 readings"), std::string::npos) << good.text;
 }
 
+TEST_F(MarkReadingsTest, CountNeitherOfTheFirstTwoIfTheyDisagree) {
+  begin();
+  turn();
+  ASSERT_EQ(read(90.0).state, AnswerState::kDone) << "who knows yet that it is wrong";
+  turn();
+  const Answer second = read();
+  EXPECT_EQ(second.state, AnswerState::kRefused);
+  EXPECT_NE(second.text.find("Neither of the two counts"), std::string::npos) << second.text;
+  for (int n = 0; n < 2; ++n) {
+    turn();
+    EXPECT_EQ(read().state, AnswerState::kDone) << n;
+  }
+  turn();
+  const Answer good = read();
+  EXPECT_NE(good.text.find("3 readings"), std::string::npos) << good.text;
+  EXPECT_NEAR(std::remainder(good.value[0] - kDatum_deg * kDegree, 2.0 * std::numbers::pi), 0.0,
+              5.0 * kDegree);
+}
+
 TEST_F(MarkReadingsTest, AreOfAWheelThatHasAMark) {
   for (const int wheel : {-1, 4}) EXPECT_EQ(begin(wheel).reason, RefusalReason::kBadArgument) << wheel;
   const VehicleConfig bare = VehicleConfig::parse(

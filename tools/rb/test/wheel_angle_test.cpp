@@ -33,6 +33,15 @@ TEST(WheelAngle, IsSaidAsItIsRead) {
   EXPECT_EQ(clock_of(2.0 * std::numbers::pi - 1e-9, true), "12:00");
 }
 
+TEST(WheelAngle, IsNoHourWithoutMinutes) {
+  for (int hour = 1; hour <= 12; ++hour) EXPECT_FALSE(parse_wheel_angle(std::to_string(hour), true)) << hour;
+  EXPECT_FALSE(parse_wheel_angle(" 09 ", true));
+  for (const char* text : {"10°", "10 deg", "10.0", "+10"})
+    EXPECT_NEAR(*parse_wheel_angle(text, true) * kDegrees, 10.0, 1e-9) << text;
+  EXPECT_NEAR(*parse_wheel_angle("0", true), 0.0, 1e-9);
+  EXPECT_NEAR(*parse_wheel_angle("13", true) * kDegrees, 13.0, 1e-9);
+}
+
 TEST(WheelAngle, IsNothingElse) {
   for (const char* text : {"", "x", "3:60", "14:00", "400", "45 grad", "3:0", "1e2", "--4", "4:30:00"})
     EXPECT_FALSE(parse_wheel_angle(text, true)) << text;

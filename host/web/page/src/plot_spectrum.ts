@@ -107,6 +107,9 @@ export class SpectrumPlot implements Plot {
     return {spectra: this.channels.value};
   }
 
+  /** What is chosen is not yet what is shown. */
+  private drawn: Quantity = "density";
+
   draw({car, spectral}: Scene): void {
     this.channels.offer(car, accelerations(car), carriers(car));
     const wanted = this.channels.value;
@@ -124,7 +127,7 @@ export class SpectrumPlot implements Plot {
       this.now.push({name: channelName(car, id), colour: k, enbw_hz: part.enbw_hz, ...this.numbers(parts)});
     });
     const markers = this.orders.value === "" ? [] : orderMarkers(car, Number(this.orders.value));
-    const quantity = this.quantity.value;
+    const quantity = this.drawn = this.quantity.value;
     const curve = ({name, colour, x, density, enbw_hz}: Density, dashed: boolean): Curve =>
       ({name: dashed ? `${name} (reference)` : name, colour, x, dashed, y: this.shown(x, density, enbw_hz, quantity)});
     this.figure.show([...this.now.map((one) => curve(one, false)), ...this.reference.map((one) => curve(one, true))], kQuantities[this.quantity.value], markers);
@@ -148,7 +151,7 @@ export class SpectrumPlot implements Plot {
   }
 
   table(): Table {
-    return curvesTable("frequency_hz", this.figure.shown(), this.quantity.value === "density" ? "(m/s2)^2/Hz" : `m/s2 ${this.quantity.value}`);
+    return curvesTable("frequency_hz", this.figure.shown(), this.drawn === "density" ? "(m/s2)^2/Hz" : `m/s2 ${this.drawn}`);
   }
 
   canvases(): HTMLCanvasElement[] {

@@ -22,12 +22,10 @@ const kAskMs = 1000;
 const kKept = "plot";
 
 const kBlocks = [1024, 2048, 4096, 8192, 16_384, 32_768, 65_536];
-/** Nobody waits longer for the first. */
-const kLongestBlock_s = 60;
 
-/** Blocks with the time that they take at the rate of the nodes, NaN while nobody has told it. */
+/** Blocks with the time that they take, of which a person judges how long he waits, at the rate of the nodes, NaN while nobody has told it. */
 function blocks(rate_hz: number): Record<string, string> {
-  return Object.fromEntries(kBlocks.filter((size) => !(size / rate_hz > kLongestBlock_s)).map((size) =>
+  return Object.fromEntries(kBlocks.map((size) =>
     [size, `${size} samples${rate_hz > 0 ? `, ${(size / rate_hz).toFixed(1)} s` : ""}`]));
 }
 const kAverages = {"4": "exponential, 4 blocks", "20": "exponential, 20 blocks", "100": "exponential, 100 blocks", "0": "linear",

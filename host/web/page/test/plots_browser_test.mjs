@@ -89,7 +89,16 @@ test("a spectrum tells the amplitude of a tone and the density of noise, with ch
   assert.match(await text(page, "#spectrum-caption"), /Hann window, 4096 samples, 50 % overlap.*0\.488 Hz apart.*noise bandwidth 0\.732 Hz/);
 
   await page.locator("#plot-spectral summary").click();
-  await page.locator("#spectrum-quantity").selectOption("peak");
+  // Saved before the next frame it is what is still shown, and says so.
+  const [download] = await Promise.all([page.waitForEvent("download"), page.evaluate(() => {
+    const quantity = document.querySelector("#spectrum-quantity");
+    quantity.value = "peak";
+    quantity.dispatchEvent(new Event("change", {bubbles: true}));
+    document.querySelector("#plot-csv").click();
+  })]);
+  const [head, row] = readFileSync(await download.path(), "utf8").split("\r\n").flatMap((line, k) => (k === 0 || k === 60 ? [line.split(",")] : []));
+  // Beside the tone, at 28.8 Hz: a density of 2.5e-4, as an amplitude sqrt(2 2.5e-4 0.73) = 0.02.
+  assert.equal(Number(row[1]) < 2.5e-3, /Hz/.test(head[1]), `${head[1]}: ${row[1]}`);
   await page.locator("#plot-window").selectOption("2");
   await says(page, "#spectrum-caption", /flat top window.*noise bandwidth 1\.86 Hz.*; [2-9] blocks/);
   const peak = await table(page);
@@ -331,6 +340,8 @@ test("only what is seen is asked for, and each page gets its own", async (t) => 
   await says(page, "#spectrum-caption", /[2-9] blocks/);
   const other = await open(t, "spectrum");
   await other.locator("#plot-spectral summary").click();
+  assert.deepEqual(await other.locator("#plot-block option").evaluateAll((options) => options.map(({value}) => Number(value))),
+                   [1024, 2048, 4096, 8192, 16_384, 32_768, 65_536]);
   await other.locator("#plot-block").selectOption("65536");
   await says(other, "#spectrum-caption", /fl_carrier_z: not yet: a block of 65536 samples.*full first, 32\.8 s/);
   await other.locator("#plot-block").selectOption("1024");
