@@ -7,6 +7,7 @@
 
 #include "common/config/section.hpp"
 #include "common/record/part.hpp"
+#include "host/exchange/candump_writer.hpp"
 #include "host/exchange/csv_writer.hpp"
 #include "host/exchange/hdf5_writer.hpp"
 #include "host/exchange/marks.hpp"
@@ -54,6 +55,7 @@ std::optional<Part> beside(const std::filesystem::path& file) {
 
 std::span<const ExportFormat> export_formats() {
   static const std::array kFormats{
+      ExportFormat{"candump", make_candump_writer},
       ExportFormat{"csv", make_csv_writer},   ExportFormat{"hdf5", make_hdf5_writer},
       ExportFormat{"mat", make_mat_writer},   ExportFormat{"mcap", make_mcap_writer},
       ExportFormat{"mdf4", make_mdf4_writer}, ExportFormat{"uff58", make_uff58_writer},

@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
+#include <initializer_list>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -9,6 +10,7 @@
 #include "common/config/section.hpp"
 #include "common/process/stop_on_signal.hpp"
 #include "common/record/file.hpp"
+#include "host/exchange/candump_writer.hpp"
 #include "host/exchange/description_json.hpp"
 #include "host/exchange/export_recording.hpp"
 #include "tools/rb/command.hpp"
@@ -22,7 +24,7 @@ using Json = nlohmann::ordered_json;
 
 struct ExportOptions {
   ExportRequest request;
-  std::string folder, file, vehicle, pulses, marks;
+  std::string folder, file, vehicle, pulses, marks, dbc;
   double to_s = 0.0;
   bool has_to = false;
   bool json = false;
@@ -60,17 +62,28 @@ void tell(const ExportOptions& options, const ExportReport& report) {
   std::fprintf(stderr, "%s: %.1f MB\n", options.file.c_str(), static_cast<double>(report.bytes) * 1e-6);
 }
 
-/// Refuses, before the work starts, to replace a file with the vehicle's description.
-void check_vehicle_file(const ExportOptions& options) {
-  if (options.vehicle.empty()) return;
+constexpr const char* kCandump = "candump";
+
+void check_dbc(const ExportOptions& options) {
+  const bool is_candump = options.request.format == kCandump;
+  if (is_candump && options.dbc.empty())
+    throw ConfigError(
+        "--dbc: missing; a candump log is nothing without the DBC file that tells what its frames mean");
+  if (!is_candump && !options.dbc.empty()) throw ConfigError("--dbc: allowed with --format candump only");
+}
+
+/// Refuses, before the work starts, to replace a file that is written beside the export.
+void check_file_beside(const char* option, const std::string& beside,
+                       std::initializer_list<std::string> others) {
+  if (beside.empty()) return;
   const auto absolute = [](const std::string& file) {
     return std::filesystem::absolute(file).lexically_normal();
   };
-  if (std::filesystem::exists(options.vehicle))
-    throw std::runtime_error(options.vehicle + ": exists already; remove it, or choose another name");
-  for (const std::string& other : {options.file, options.pulses, options.marks})
-    if (!other.empty() && absolute(other) == absolute(options.vehicle))
-      throw ConfigError("--vehicle: " + options.vehicle + ": is another file to make, too");
+  if (std::filesystem::exists(beside))
+    throw std::runtime_error(beside + ": exists already; remove it, or choose another name");
+  for (const std::string& other : others)
+    if (!other.empty() && absolute(other) == absolute(beside))
+      throw ConfigError(std::string(option) + ": " + beside + ": is another file to make, too");
 }
 
 int run_export(ExportOptions options) {
@@ -79,7 +92,9 @@ int run_export(ExportOptions options) {
   options.request.file = options.file;
   options.request.pulses = options.pulses;
   options.request.marks = options.marks;
-  check_vehicle_file(options);
+  check_dbc(options);
+  check_file_beside("--vehicle", options.vehicle, {options.file, options.pulses, options.marks});
+  check_file_beside("--dbc", options.dbc, {options.file, options.pulses, options.marks, options.vehicle});
   if (options.has_to) options.request.selection.to_s = options.to_s;
   const ExportReport report = [&] {
     ProgressLine line;
@@ -89,6 +104,7 @@ int run_export(ExportOptions options) {
                             });
   }();
   if (!options.vehicle.empty()) write_atomically(options.vehicle, report.table.vehicle_toml);
+  if (!options.dbc.empty()) write_atomically(options.dbc, candump_dbc(report.table));
   warn_of_defects("export", options.folder, report.defects);
   tell(options, report);
   if (options.json) std::printf("%s\n", as_text(report_json(options, report)).c_str());
@@ -121,6 +137,8 @@ void add_export(CLI::App& app, int& code) {
   command->add_option("--marks", options->marks,
                       "also write the marks to this file, as rb import takes them");
   command->add_option("--vehicle", options->vehicle, "also write the recorded vehicle.toml to this file");
+  command->add_option("--dbc", options->dbc,
+                      "with candump: the DBC file to make, which tells what its frames mean");
   command->add_flag("--json", options->json, "one JSON object on standard output");
   command->footer(
       "Exit codes: 0 done, 3 samples are missing in it and marked so, or left out for nobody can tell their "

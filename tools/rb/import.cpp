@@ -9,6 +9,7 @@
 #include "host/exchange/hdf5_reader.hpp"
 #include "host/exchange/uff58_reader.hpp"
 #include "host/exchange/wav_reader.hpp"
+#include "tools/rb/candump_samples.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/import_csv.hpp"
 
@@ -21,13 +22,14 @@ struct ImportOptions {
   std::string marks;
   std::string vehicle;
   std::string folder;
+  std::string dbc;
   ReadSamples read = read_samples;
   bool json = false;
 };
 
 struct Format {
   const char *name, *about, *samples;
-  ReadSamples read;
+  SampleTable (*read)(const std::filesystem::path& file);
 };
 constexpr std::array kFormats{
     Format{"csv", "Samples and pulses as comma-separated values",
@@ -99,6 +101,19 @@ int import(const ImportOptions& options) {
   return complete ? kDone : kIncomplete;
 }
 
+CLI::App* add_format(CLI::App& command, const char* name, const char* about, const char* samples,
+                     const std::shared_ptr<ImportOptions>& options, int& code) {
+  CLI::App* one = command.add_subcommand(name, about);
+  one->add_option("--samples", options->samples, samples)->required();
+  one->add_option("--pulses", options->pulses, "time_s,wheel,kind with kind tooth or zero");
+  one->add_option("--marks", options->marks, "time_s,number,text as rb export --marks writes them");
+  one->add_option("--vehicle", options->vehicle, "vehicle.toml that gives each channel a place")->required();
+  one->add_option("-o,--output", options->folder, "folder of the recording to make")->required();
+  one->add_flag("--json", options->json, "one JSON object on standard output");
+  one->callback([options, &code] { code = import(*options); });
+  return one;
+}
+
 }  // namespace
 
 void add_import(CLI::App& app, int& code) {
@@ -107,16 +122,16 @@ void add_import(CLI::App& app, int& code) {
   for (const Format& format : kFormats) {
     auto options = std::make_shared<ImportOptions>();
     options->read = format.read;
-    CLI::App* one = command->add_subcommand(format.name, format.about);
-    one->add_option("--samples", options->samples, format.samples)->required();
-    one->add_option("--pulses", options->pulses, "time_s,wheel,kind with kind tooth or zero");
-    one->add_option("--marks", options->marks, "time_s,number,text as rb export --marks writes them");
-    one->add_option("--vehicle", options->vehicle, "vehicle.toml that gives each channel a place")
-        ->required();
-    one->add_option("-o,--output", options->folder, "folder of the recording to make")->required();
-    one->add_flag("--json", options->json, "one JSON object on standard output");
-    one->callback([options, &code] { code = import(*options); });
+    add_format(*command, format.name, format.about, format.samples, options, code);
   }
+  auto options = std::make_shared<ImportOptions>();
+  options->read = [options = options.get()](const std::filesystem::path& log) {
+    return read_candump_samples(log, options->dbc);
+  };
+  add_format(*command, "candump", "Samples of a log of candump -L, pulses as comma-separated values",
+             "log of one bus; frames of one stamp are of one instant", options, code)
+      ->add_option("--dbc", options->dbc, "DBC file whose signals are the channels, in m/s^2, g or m")
+      ->required();
 }
 
 }  // namespace roadbalance

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,7 +14,7 @@
 namespace roadbalance {
 
 /// What reads a file of samples; errors as read_samples() has them.
-using ReadSamples = SampleTable (*)(const std::filesystem::path& file);
+using ReadSamples = std::function<SampleTable(const std::filesystem::path& file)>;
 
 struct CsvImport {
   std::filesystem::path samples;

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <filesystem>
+
+#include "host/exchange/sample_table.hpp"
+
+namespace roadbalance {
+
+/// Samples in a log of `candump -L`: each signal that the DBC file has of the log's frames is a channel of
+/// the signal's name; frames of one stamp are of one instant.  A signal without a frame then, or that says so
+/// itself (not available, out of its range), is no sample; frames that the DBC file does not know, remote and
+/// error frames are passed over.
+///
+/// @throws ConfigError "file:line: reason; allowed: ..." of the log or the DBC file: a line that is none, a
+/// time
+///         that goes back, a frame shorter than its message, an unknown unit, a signal's name that stands
+///         twice; std::system_error if a file cannot be read
+SampleTable read_candump_samples(const std::filesystem::path& log, const std::filesystem::path& dbc);
+
+}  // namespace roadbalance
