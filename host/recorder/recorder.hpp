@@ -31,7 +31,7 @@ struct NodeReport {
       0;  ///< sequence of a block with samples, the first recorded in this run; 0: none
   bool has_durable_samples = false;  ///< some of its samples are on the disk
   bool started = false;              ///< in this run: it measures or has measured, or may have begun to
-  bool holds_blocks = false;         ///< in this run: its last heartbeat said so
+  bool holds_blocks = false;         ///< in this run: as far as its last heartbeat says
   double overload_s = 0;             ///< in this run: in blocks with a channel that left its range
   std::uint32_t blocks_crc32c = 0;   ///< as the end says
   bool sums_agree = false;           ///< the end is recorded and sums up exactly the blocks that are

@@ -136,8 +136,7 @@ RecorderReport RecorderLink::report() const {
     node.started = control_.was_started(node.node, node.epoch);
     if (const auto* epoch = receiver_.find(node.node, node.epoch); epoch && node.first_scan_block > 0)
       node.has_durable_samples = node.has_durable_samples || epoch->durable() >= node.first_scan_block;
-    const auto heard = heard_.find({node.node, node.epoch});
-    node.holds_blocks = heard != heard_.end() && heard->second.holds_blocks;
+    node.holds_blocks = holds_blocks({node.node, node.epoch});
   }
   report.blocks_refused = refused_;
   for (const std::int64_t count : receiver_.refused()) report.blocks_refused += count;
@@ -180,10 +179,22 @@ void RecorderLink::hear(const Heartbeat& heartbeat, WallTime now) {
                   [this](const auto& old) { return !receiver_.find(old.first.first, old.first.second); });
   Heard& heard = heard_[key];
   heard.at = now;
-  heard.holds_blocks = heartbeat.base < heartbeat.next;
+  heard.base = heartbeat.base;
+  heard.next = heartbeat.next;
   heard.devices.take(heartbeat.device_counts);
   // A disk that fails takes no notes either; they would only fill the memory.
   if (credit_open_) heard.devices.due(heartbeat.node, now, device_notes_);
+}
+
+// Its last heartbeat may be from before its last blocks: a node that has sent these and was held since keeps
+// them until it hears that they are durable, and the next recording would take them for its own.
+bool RecorderLink::holds_blocks(NodeEpoch key) const {
+  const auto heard = heard_.find(key);
+  if (heard == heard_.end()) return false;
+  const auto* epoch = receiver_.find(key.first, key.second);
+  const bool is_its_own = epoch && !epoch->given_up();  // and not a crash that was declared for it
+  const std::int64_t next = std::max(heard->second.next, is_its_own ? epoch->received() + 1 : 0);
+  return heard->second.base < next;
 }
 
 bool RecorderLink::has_ended(NodeEpoch key) const {
@@ -224,7 +235,7 @@ bool RecorderLink::expected_have_ended(WallTime now) const {
 bool RecorderLink::nodes_have_let_go(WallTime now) const {
   return std::all_of(heard_.begin(), heard_.end(), [&](const auto& heard) {
     const auto& [key, last] = heard;
-    return !has_ended(key) || !last.holds_blocks || now - last.at >= kNodeSilence;
+    return !has_ended(key) || !holds_blocks(key) || now - last.at >= kNodeSilence;
   });
 }
 

@@ -95,7 +95,7 @@ class RecorderLink {
  private:
   struct Heard {
     WallTime at{};
-    bool holds_blocks = false;
+    std::int64_t base = 0, next = 0;  ///< sequences that it held then: from base up to next
     DeviceNotes devices{};
   };
   void hear(const Heartbeat& heartbeat, WallTime now);
@@ -103,6 +103,7 @@ class RecorderLink {
   void on_block(std::span<const std::uint8_t> bytes, WallTime now);
   void on_reply(std::span<const std::uint8_t> bytes);
   bool is_ours(const NodeEpoch& key) const;
+  bool holds_blocks(NodeEpoch key) const;
   bool has_ended(NodeEpoch key) const;
   bool is_superseded(NodeEpoch key, WallTime now) const;
   bool all_ended(WallTime now) const;

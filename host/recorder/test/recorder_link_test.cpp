@@ -188,6 +188,26 @@ TEST_F(RecorderLinkTest, TheLeaseOfADeadRecorderIsNoNews) {
   EXPECT_TRUE(link.warnings().empty());
 }
 
+// It was held between its last block and its next heartbeat: the next recording must not take these for its
+// own.
+TEST_F(RecorderLinkTest, ANodeHoldsItsLastBlocksUntilAHeartbeatFromBehindThem) {
+  run(kOurs, 1, 1);
+  send(1, 1);
+  SealedBlock end;
+  seal(EndBlock{.header = {.node = kNode, .epoch = kEpoch, .sequence = 2, .first_scan = 20}}, end);
+  link.take(block_channel(kNode, BlockKind::kEnd), end.bytes(), now);
+  link.durable({kNode, kEpoch, 2}, now);
+  (void)link.deliveries();
+  ASSERT_EQ(link.report().node.size(), 1u);
+  EXPECT_TRUE(link.report().node[0].ended);
+  EXPECT_TRUE(link.report().node[0].holds_blocks)
+      << "the heartbeat that said nothing is held was before them";
+  hear(kOurs, 2, 3);
+  EXPECT_TRUE(link.report().node[0].holds_blocks);
+  hear(kOurs, 3, 3);
+  EXPECT_FALSE(link.report().node[0].holds_blocks);
+}
+
 // Blocks of a node that somebody else ends are no reason to wait.
 TEST_F(RecorderLinkTest, EndsThoughANodeThatObeysAnotherGoesOn) {
   run(kOurs, 1, 2);
