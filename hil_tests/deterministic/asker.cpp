@@ -61,7 +61,8 @@ std::optional<Request> Asker::turn(std::int64_t now_ns, bool drive_is_over, bool
     gave_up_ = true;
     truth_.fault("asker " + std::to_string(number_) + ": nobody answers request " +
                  std::to_string(asked.request.request) + " (operation " +
-                 std::to_string(static_cast<int>(asked.request.operation)) + ")");
+                 std::to_string(static_cast<int>(asked.request.operation)) + "), last said: \"" +
+                 asked.under_way + "\"");
     return std::nullopt;
   }
   if (now_ns < again_ns_) return std::nullopt;
@@ -73,13 +74,17 @@ std::optional<Request> Asker::turn(std::int64_t now_ns, bool drive_is_over, bool
 // The last word is one: whoever comes back from the dead may not say another, unless its disk had not taken
 // it.
 void Asker::take(const Answer& answer, int unsure_deaths) {
-  if (answer.asker != number_ || answer.state == AnswerState::kUnderWay) return;
+  if (answer.asker != number_) return;
   const std::string name =
       "asker " + std::to_string(number_) + ", request " + std::to_string(answer.request) + ": ";
   if (answer.request < 1 || answer.request > static_cast<std::int64_t>(asked_.size()))
     return truth_.fault(name + "is answered and was never asked");
   Asked& asked = asked_[static_cast<std::size_t>(answer.request - 1)];
   if (answer.operation != asked.request.operation) truth_.fault(name + "is answered as another operation");
+  if (answer.state == AnswerState::kUnderWay) {
+    asked.under_way = answer.text;
+    return;
+  }
   if (!asked.answer)
     asked.answer = answer;
   else if (asked.answer->state != answer.state &&

@@ -20,6 +20,7 @@ class Asker {
     std::int64_t at_ns = 0;
     int unsure_deaths = 0;           ///< of the recorder, until then
     std::optional<Answer> answer{};  ///< the last word
+    std::string under_way{};         ///< what was said before it
   };
 
   Asker(std::int64_t number, std::uint64_t seed, Truth& truth)

@@ -18,6 +18,8 @@ namespace roadbalance::test {
 
 void HostMachine::fill_disk(bool full) {
   const std::int64_t left = random_.below(20 << 20);
+  full_ = full;
+  if (!full) refused_at_ns_ = now_ns_;  // perhaps
   disk_.set_capacity(full ? disk_.used_bytes() + left : std::numeric_limits<std::int64_t>::max() / 2);
 }
 

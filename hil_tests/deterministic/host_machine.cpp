@@ -93,7 +93,7 @@ void HostMachine::kill() {
 // Its disk has refused something within the time after which the book is written again.
 bool HostMachine::book_may_be_old() const {
   constexpr std::int64_t kWrittenAgain_ns = 1'500'000'000;
-  return now_ns_ - refused_at_ns_ < kWrittenAgain_ns;
+  return full_ || now_ns_ - refused_at_ns_ < kWrittenAgain_ns;
 }
 
 void HostMachine::cut_power() {

@@ -115,6 +115,8 @@ class HostMachine {
   std::unique_ptr<Session> lead(const RecorderOptions& options);
   bool book_may_be_old() const;
   void check_begun(const RecorderOptions& options);
+  void watch(const Answer& answer);
+  void check_file(const Answer& done);
   void check_recordings();
   void take_notes(const std::string& recording, std::span<const std::uint8_t> bytes);
   void check_through(const char* folder, int last);
@@ -143,6 +145,11 @@ class HostMachine {
     std::int64_t number = 0;
   };
   std::map<std::string, FoundMark> marks_;  // [text]
+  struct Word {
+    AnswerState state = AnswerState::kUnderWay;
+    int unsure_deaths = 0;  // until it was said
+  };
+  std::map<std::pair<std::int64_t, std::int64_t>, Word> said_;  // [asker, request] the first last word
   // Recordings that came to their end on a disk that failed: last words may be torn, which are no blocks.
   std::set<std::string> may_be_torn_;
   bool paused_ = false;
@@ -152,6 +159,7 @@ class HostMachine {
   bool dies_of_power_ = false;
   bool dies_at_sync_ = false;
   bool died_ = false;
+  bool full_ = false;
   double failing_ = 0;
   int next_to_check_ = 1;  // segment
   std::int64_t elapsed_seen_ns_ = 0;

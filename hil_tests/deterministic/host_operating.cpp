@@ -4,7 +4,9 @@
 #include <system_error>
 #include <utility>
 
+#include "common/bus/bus.hpp"
 #include "common/bus/control.hpp"
+#include "common/config/vehicle_config.hpp"
 #include "common/link/crc32c.hpp"
 #include "common/record/folder.hpp"
 #include "hil_tests/deterministic/host_program.hpp"
@@ -154,6 +156,8 @@ void HostMachine::turn_operating(std::int64_t now_ns, const Publish& publish) {
       if (!book.contains("set_up") || book["set_up"]["state"] != static_cast<int>(AnswerState::kUnderWay))
         truth_.fault("nodes are set up before the book says so");
     }
+    if (const auto answer = channel == kAnswerChannel ? decode_answer(bytes) : std::nullopt; answer && !died_)
+      watch(*answer);
     return died_ || publish(channel, bytes);
   };
   for (Led* led : std::vector<Led*>(led_)) led->turn(now_ns, publish);
@@ -167,6 +171,34 @@ void HostMachine::turn_operating(std::int64_t now_ns, const Publish& publish) {
   if (!stopping_ || has_work()) return;
   closed_ = true;
   operating_.reset();
+}
+
+// As it is said, whatever the network makes of it: who repeats a request because the answer was lost must not
+// hear that it is refused when it has been done.
+void HostMachine::watch(const Answer& answer) {
+  if (answer.state == AnswerState::kUnderWay) return;
+  const auto [first, is_new] =
+      said_.try_emplace({answer.asker, answer.request}, Word{answer.state, unsure_deaths_});
+  if (is_new && answer.state == AnswerState::kDone) check_file(answer);
+  // A recorder that died with a book that the disk had not taken does not know what the one before said.
+  if (first->second.state == answer.state || unsure_deaths_ > first->second.unsure_deaths) return;
+  const bool was_done = first->second.state == AnswerState::kDone;
+  truth_.fault("request " + std::to_string(answer.request) + " of asker " + std::to_string(answer.asker) +
+               (was_done ? " is refused after it was done: " : " is done after it was refused: ") +
+               answer.text);
+}
+
+// A set-up that is done is in the file.
+void HostMachine::check_file(const Answer& done) {
+  if (done.operation != Operation::kRange && done.operation != Operation::kFilter) return;
+  const auto bytes = disk_.content(kVehicleOnDisk);
+  const VehicleConfig car = VehicleConfig::parse({bytes.begin(), bytes.end()}, kVehicleOnDisk);
+  const NodeConfig* node = car.node_with_id(done.node);
+  const bool is_there =
+      done.operation == Operation::kFilter
+          ? car.filter.cutoff_hz == done.value[0]
+          : node && node->channel.at(static_cast<std::size_t>(done.channel)).range_m_s2 == done.value[0];
+  if (!is_there) truth_.fault("a set-up is said to be done and not in the file: " + done.text);
 }
 
 bool HostMachine::has_work() const {
@@ -199,9 +231,11 @@ void HostMachine::take_notes(const std::string& recording, std::span<const std::
 }
 
 void HostMachine::check_asked(const std::vector<Asker::Asked>& asked) {
-  for (const auto& [request, at_ns, unsure_deaths, answer] : asked) {
+  for (const auto& [request, at_ns, unsure_deaths, answer, under_way] : asked) {
     const bool done = answer && answer->state == AnswerState::kDone;
     const bool refused = answer && answer->state == AnswerState::kRefused;
+    if (request.operation == Operation::kStop && !answer)
+      truth_.fault("a stop is under way for ever, said last: \"" + under_way + "\"");
     if (request.operation == Operation::kStart && done && !begun_by_.contains(request.text))
       truth_.fault("\"" + request.text + "\" was never begun and its start is done");
     if (request.operation == Operation::kStart && refused && answer->reason != RefusalReason::kDisk &&
