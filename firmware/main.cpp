@@ -22,6 +22,9 @@ namespace {
 void warn(const std::string& of) {
   std::fprintf(stderr, "rb-node: warning: %s\n", of.c_str());
 }
+void tell(const std::string& of) {
+  std::fprintf(stderr, "rb-node: %s\n", of.c_str());
+}
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -56,7 +59,7 @@ int main(int argc, char** argv) {
   }
   try {
     const VehicleConfig vehicle = VehicleConfig::read_file(vehicle_file);
-    FrontEndRegistry front_ends = real_front_ends(warn);
+    FrontEndRegistry front_ends = real_front_ends(warn, tell);
     front_ends.add("sim", sim::open_sim_front_end);
     const auto open = [&](const VehicleConfig& car, const NodeConfig& of) {
       const auto& uris = front_end_uris.empty() ? of.wiring.front_end : front_end_uris;

@@ -7,9 +7,11 @@
 
 namespace roadbalance {
 
-FrontEndRegistry real_front_ends(const std::function<void(const std::string&)>& warn) {
+FrontEndRegistry real_front_ends(const std::function<void(const std::string&)>& warn,
+                                 const std::function<void(const std::string&)>& tell) {
   FrontEndRegistry front_ends;
-  front_ends.add("replay", open_replay_front_end);
+  front_ends.add("replay",
+                 [tell](const FrontEndRequest& request) { return open_replay_front_end(request, tell); });
   front_ends.add("can", [warn](const FrontEndRequest& request) { return open_can(request, warn); });
   front_ends.add("usb", [warn](const FrontEndRequest& request) { return open_usb_front_end(request, warn); });
   front_ends.add("gpio", [warn](const FrontEndRequest& request) { return open_gpio(request, warn); });

@@ -27,7 +27,7 @@ int play(const Options& options, const std::stop_token& stop) {
   const VehicleConfig vehicle = VehicleConfig::read_file(options.vehicle);
   FrontEndRegistry sources;
   sources.add("sim", sim::open_sim_front_end);
-  sources.add("replay", open_replay_front_end);
+  sources.add("replay", [](const FrontEndRequest& request) { return open_replay_front_end(request); });
   std::vector<test::Player::Part> parts;
   for (const NodeConfig& node : vehicle.node)
     if (options.nodes.empty() || std::ranges::find(options.nodes, node.name) != options.nodes.end())

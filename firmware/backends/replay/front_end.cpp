@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <exception>
+#include <functional>
 #include <optional>
 #include <string>
 #include <thread>
@@ -13,6 +14,7 @@
 #include "common/config/address_query.hpp"
 #include "common/frontend/pace.hpp"
 #include "common/process/channel.hpp"
+#include "firmware/backends/replay/lateness.hpp"
 #include "firmware/backends/replay/recorded_drive.hpp"
 
 namespace roadbalance {
@@ -34,8 +36,10 @@ void read_ahead(RecordedDrive drive, Out<RecordedPiece> pieces, std::atomic<bool
 
 class ReplayFrontEnd final : public FrontEnd {
  public:
-  ReplayFrontEnd(RecordedDrive drive, std::optional<double> rate, double rate_hz)
-      : first_(drive.first_scan()), run_s_(std::min(5e-3, kRunScans / rate_hz)) {
+  using Tell = std::function<void(const std::string&)>;
+
+  ReplayFrontEnd(RecordedDrive drive, std::optional<double> rate, double rate_hz, Tell tell)
+      : tell_(std::move(tell)), first_(drive.first_scan()), run_s_(std::min(5e-3, kRunScans / rate_hz)) {
     auto [out, in] = make_channel<RecordedPiece>(kPiecesAhead);
     pieces_.emplace(std::move(in));
     reader_ = std::jthread([this, drive = std::move(drive), out = std::move(out)]() mutable {
@@ -43,7 +47,10 @@ class ReplayFrontEnd final : public FrontEnd {
     });
     if (rate) pace_.emplace(*rate, WallClock::now());
   }
-  ~ReplayFrontEnd() override { pieces_.reset(); }  // before the thread is waited for
+  ~ReplayFrontEnd() override {
+    pieces_.reset();  // before the thread is waited for
+    if (tell_ && lateness_.events() > 0) tell_(lateness_.sentence());
+  }
 
   Read read(std::span<Scan> scans, std::span<Edge> edges, std::span<SignalSample> signals) noexcept override {
     Read read;
@@ -73,12 +80,14 @@ class ReplayFrontEnd final : public FrontEnd {
 
  private:
   /// Waits for a run of scans.  Returns up to which time they are due.
-  NodeTime wait() const {
+  NodeTime wait() noexcept {
     if (!pace_) return NodeTime::max();
     const auto since_start = [&](NodeTime time) { return to_seconds(time - first_); };
     if (scan_ < piece_.scans.size()) {
       const WallTime at = pace_->wall(since_start(piece_.scans[scan_].time) + run_s_ * pace_->rate());
       std::this_thread::sleep_until(std::min(at, WallClock::now() + kLongestWait));
+      // A gap is waited for in parts.
+      if (const WallTime now = WallClock::now(); now >= at) lateness_.add(now - at);
     }
     return first_ + NodeClock::duration(std::llround(1e9 * pace_->drive_s(WallClock::now())));
   }
@@ -107,6 +116,8 @@ class ReplayFrontEnd final : public FrontEnd {
     while (next < from.size() && used < to.size() && from[next].time <= until) to[used++] = from[next++];
   }
 
+  const Tell tell_;
+  Lateness lateness_;
   const NodeTime first_;
   const double run_s_;
   std::atomic<bool> failed_{false};
@@ -119,7 +130,8 @@ class ReplayFrontEnd final : public FrontEnd {
 
 }  // namespace
 
-std::unique_ptr<FrontEnd> open_replay_front_end(const FrontEndRequest& request) {
+std::unique_ptr<FrontEnd> open_replay_front_end(const FrontEndRequest& request,
+                                                const std::function<void(const std::string&)>& tell) {
   AddressQuery query("replay", request.address);
   const std::optional<double> rate = query.rate();
   const auto epoch = query.number<std::int64_t>("epoch", 1, INT64_MAX);
@@ -127,7 +139,13 @@ std::unique_ptr<FrontEnd> open_replay_front_end(const FrontEndRequest& request) 
   query.finish();
   if (query.path().empty()) query.fail("no recording; allowed: replay:FOLDER");
   const NodeConfig& node = name ? request.vehicle.node_named(*name) : request.node;
-  return std::make_unique<ReplayFrontEnd>(RecordedDrive(query.path(), node.id, epoch), rate, node.rate_hz);
+  ReplayFrontEnd::Tell tell_named;
+  if (tell)
+    tell_named = [tell, path = query.path()](const std::string& sentence) {
+      tell("replay:" + path + ": " + sentence);
+    };
+  return std::make_unique<ReplayFrontEnd>(RecordedDrive(query.path(), node.id, epoch), rate, node.rate_hz,
+                                          std::move(tell_named));
 }
 
 }  // namespace roadbalance

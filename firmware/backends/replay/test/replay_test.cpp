@@ -129,6 +129,26 @@ TEST_F(Replay, GivesInRealTimeNoMoreThanIsDueAndAllInTheEnd) {
   EXPECT_EQ(total, 16'000);
 }
 
+TEST_F(Replay, TellsAtItsEndHowLateItWas) {
+  record(drive());
+  std::vector<std::string> told;
+  const auto play = [&](const std::string& query) {
+    const auto device = open_replay_front_end({folder.path().string() + query, vehicle, node},
+                                              [&](const std::string& sentence) { told.push_back(sentence); });
+    std::vector<Scan> scans(256);
+    std::vector<Edge> edges(4096);
+    std::vector<SignalSample> signals(256);
+    while (device->read(scans, edges, signals).status == ReadStatus::kOk) EXPECT_TRUE(told.empty());
+  };
+  play("?rate=50");
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_TRUE(told[0].starts_with("replay:" + folder.path().string() + ": ")) << told[0];
+  EXPECT_NE(told[0].find(" runs of scans: "), std::string::npos) << told[0];
+  told.clear();
+  play("?rate=max");  // nothing is due at any time
+  EXPECT_TRUE(told.empty());
+}
+
 TEST_F(Replay, RefusesWhatIsNotThereByName) {
   const auto reason = [&](const std::string& query) -> std::string {
     try {
