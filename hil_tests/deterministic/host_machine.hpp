@@ -147,9 +147,9 @@ class HostMachine {
   std::map<std::string, FoundMark> marks_;  // [text]
   struct Word {
     AnswerState state = AnswerState::kUnderWay;
-    int unsure_deaths = 0;  // until it was said
+    int boots = 0, unsure_deaths = 0;  // until it was said
   };
-  std::map<std::pair<std::int64_t, std::int64_t>, Word> said_;  // [asker, request] the first last word
+  std::map<std::pair<std::int64_t, std::int64_t>, Word> said_;  // [asker, request] the last word
   // Recordings that came to their end on a disk that failed: last words may be torn, which are no blocks.
   std::set<std::string> may_be_torn_;
   bool paused_ = false;

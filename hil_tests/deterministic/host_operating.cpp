@@ -177,15 +177,20 @@ void HostMachine::turn_operating(std::int64_t now_ns, const Publish& publish) {
 // hear that it is refused when it has been done.
 void HostMachine::watch(const Answer& answer) {
   if (answer.state == AnswerState::kUnderWay) return;
-  const auto [first, is_new] =
-      said_.try_emplace({answer.asker, answer.request}, Word{answer.state, unsure_deaths_});
-  if (is_new && answer.state == AnswerState::kDone) check_file(answer);
-  // A recorder that died with a book that the disk had not taken does not know what the one before said.
-  if (first->second.state == answer.state || unsure_deaths_ > first->second.unsure_deaths) return;
-  const bool was_done = first->second.state == AnswerState::kDone;
-  truth_.fault("request " + std::to_string(answer.request) + " of asker " + std::to_string(answer.asker) +
-               (was_done ? " is refused after it was done: " : " is done after it was refused: ") +
-               answer.text);
+  const Word now{answer.state, boots_, unsure_deaths_};
+  const auto [said, is_new] = said_.try_emplace({answer.asker, answer.request}, now);
+  Word& before = said->second;
+  const bool was_done = before.state == AnswerState::kDone;
+  const bool is_done = answer.state == AnswerState::kDone;
+  if (is_done && (is_new || !was_done)) check_file(answer);
+  if (was_done == is_done) return;
+  // What is done is in the book, which a disk that fails may not have taken.  A refusal is not: the next
+  // recorder may obey who has not heard it and asks again.
+  if (before.unsure_deaths == unsure_deaths_ && (was_done || before.boots == boots_))
+    truth_.fault("request " + std::to_string(answer.request) + " of asker " + std::to_string(answer.asker) +
+                 (was_done ? " is refused after it was done: " : " is done after it was refused: ") +
+                 answer.text);
+  before = now;
 }
 
 // A set-up that is done is in the file.
