@@ -82,7 +82,26 @@ void RecordKeeper::append(const RecordEvent& event, WallTime) {
     ++events_dropped_;
 }
 
+// Devices fail and people ask for as long as a disk fails: those notes alone have no bound of their own.
+bool RecordKeeper::has_memory_for(NoteKind kind) {
+  if (kind != NoteKind::kDevice && kind != NoteKind::kAsked) return true;
+  if (notes_held_ < kMostHeldNotes) {
+    ++notes_held_;
+    return true;
+  }
+  ++notes_dropped_;
+  return false;
+}
+
+void RecordKeeper::declare_dropped(std::int64_t count, const char* what) {
+  if (count == 0) return;
+  const std::string lost = std::to_string(count) + " " + what + " were not kept: no memory for more";
+  note(NoteKind::kDiskFailed, 0, writer_->segment(), lost);
+  warnings_.push_back(lost);
+}
+
 void RecordKeeper::note(NoteKind kind, std::int64_t a, std::int64_t b, std::string text) {
+  if (!has_memory_for(kind)) return;
   Note note = stamp_;
   note.kind = kind;
   note.a = a;
@@ -185,12 +204,9 @@ std::vector<DurableMark> RecordKeeper::all_is_durable() {
     warnings_.push_back(std::exchange(lost_by_removal_, false)
                             ? "the disk writes again; what had been recorded to the removed folder is lost"
                             : "the disk writes again; nothing was lost");
-  if (events_dropped_ > 0) {
-    const std::string lost = std::to_string(std::exchange(events_dropped_, 0)) +
-                             " measurements of the nodes' clocks were not kept: no memory for more";
-    note(NoteKind::kDiskFailed, 0, writer_->segment(), lost);
-    warnings_.push_back(lost);
-  }
+  notes_held_ = 0;
+  declare_dropped(std::exchange(events_dropped_, 0), "measurements of the nodes' clocks");
+  declare_dropped(std::exchange(notes_dropped_, 0), "notes of devices and of what was asked");
   last_durable_mark_ = last_mark_;
   failures_in_a_row_ = 0;
   health_.succeed();

@@ -47,9 +47,14 @@ struct RecordEvent {
 /// returns.  A segment or folder removed while it is written is a failing disk; a folder made again is gone
 /// on with.
 ///
-/// Memory: what credit lets arrive between two syncs, and at most 16 MiB of other events.
+/// Memory: what credit lets arrive between two syncs, and at most 16 MiB of other events.  Of notes of
+/// devices and of what was asked so many are held as kMostHeldNotes says; what is dropped is declared in the
+/// record. Marks and what this keeper says of the record itself are always kept: they are few, and readers
+/// rely on them.
 class RecordKeeper {
  public:
+  static constexpr int kMostHeldNotes = 1000;
+
   /// Creates the folder or continues one: locks it, cuts a torn tail, takes what it holds.  The fallback is
   /// continued if it holds the rest of this record, and taken if the folder can be read but not written.
   /// @throws std::invalid_argument if the fallback holds another recording, std::system_error naming the
@@ -103,6 +108,8 @@ class RecordKeeper {
 
  private:
   void check_sum(const SealedBlock& block);
+  bool has_memory_for(NoteKind kind);
+  void declare_dropped(std::int64_t count, const char* what);
   bool is_caught_up() const { return written_ == held_.size(); }
   template <typename Call>
   bool attempt(WallTime now, Call&& call);
@@ -147,7 +154,9 @@ class RecordKeeper {
   bool segment_is_open_ = false;
   bool removed_ = false;             // the folder or what was written in it has lost its name
   bool lost_by_removal_ = false;     // what was durable there, and not yet told
+  int notes_held_ = 0;               // of those that may be dropped
   std::int64_t events_dropped_ = 0;  // and not yet told
+  std::int64_t notes_dropped_ = 0;   // and not yet told
 
   DiskHealth health_;
   int failures_in_a_row_ = 0;

@@ -108,5 +108,40 @@ TEST_F(KeeperLosses, SaysWhenTheBlocksReceivedAreNotThoseThatTheEndSumsUp) {
   }
 }
 
+// A disk that fails for hours while a device comes and goes and people ask: memory is bounded, a mark is
+// never lost, and the record says how much else is.
+TEST_F(KeeperLosses, NotesOfALongFailureAreBoundedAndWhatIsDroppedIsDeclared) {
+  constexpr int kMost = RecordKeeper::kMostHeldNotes, kDropped = 300;
+  start();
+  run(milliseconds(1000), 20);
+  fail_syncs(EIO);
+  run(milliseconds(1000), 20);
+  for (int k = 0; k < kMost + kDropped; ++k) {
+    keeper->note(k % 2 == 0 ? NoteKind::kDevice : NoteKind::kAsked, k, 0, "again");
+    keeper->note(NoteKind::kMark, k + 1, 0, "mark");
+    keeper->note(NoteKind::kSegmentDeleted, k, 0, "");
+    run(milliseconds(10));
+  }
+  EXPECT_TRUE(notes(NoteKind::kMark).empty());
+  fail_nothing();
+  run(milliseconds(2000));
+  keeper->note(NoteKind::kAsked, -1, 0, "after it");
+  note_durable(keeper->close(now));
+  EXPECT_EQ(durable, given);
+  const auto marks = notes(NoteKind::kMark);
+  ASSERT_EQ(marks.size(), static_cast<std::size_t>(kMost + kDropped));
+  for (std::size_t k = 0; k < marks.size(); ++k) EXPECT_EQ(marks[k].a, static_cast<std::int64_t>(k) + 1);
+  EXPECT_EQ(notes(NoteKind::kSegmentDeleted).size(), marks.size());
+  EXPECT_EQ(notes(NoteKind::kDevice).size(), static_cast<std::size_t>(kMost) / 2);
+  const auto asked = notes(NoteKind::kAsked);
+  EXPECT_EQ(asked.size(), static_cast<std::size_t>(kMost) / 2 + 1) << "there is memory again";
+  EXPECT_EQ(asked.back().text, "after it");
+  std::vector<std::string> declared;
+  for (const Note& note : notes(NoteKind::kDiskFailed))
+    if (note.text.find("not kept") != std::string::npos) declared.push_back(note.text);
+  EXPECT_EQ(declared, std::vector<std::string>{
+                          "300 notes of devices and of what was asked were not kept: no memory for more"});
+}
+
 }  // namespace
 }  // namespace roadbalance
