@@ -471,6 +471,9 @@ class Views(unittest.TestCase):
         with rb_web() as program:
             codes = [get(program, "/view", method="POST", body=view(viewer), Origin=own(program))[0] for viewer in range(1, 41)]
             self.assertEqual(codes, 32 * [200] + 8 * [503])
+            # What its page shows above the plots.
+            refused = get(program, "/view", method="POST", body=view(33), Origin=own(program))[2]
+            self.assertEqual(refused, b"Too many pages show plots: close one of them.\n")
             self.assertEqual(get(program, "/view", method="POST", body=view(1), Origin=own(program))[0], 200)
 
 
