@@ -122,7 +122,14 @@ void RecorderLink::finish(WallTime now) {
 }
 
 void RecorderLink::farewell(const Publish& publish) {
-  for (const auto& command : control_.farewell()) send(command, publish);
+  // A node that is released says no more whose samples it holds, and nobody would fetch them: one with
+  // something that is not on the disk keeps its owner's number, and is free for the next one when the lease
+  // is over.
+  for (const auto& command : control_.farewell()) {
+    const NodeEpoch key{command.node, command.epoch};
+    if (!control_.was_started(key.first, key.second) || (has_ended(key) && !holds_blocks(key)))
+      send(command, publish);
+  }
 }
 
 void RecorderLink::set_incarnation(std::int64_t incarnation) {

@@ -4,6 +4,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
+#include "common/bus/control.hpp"
 
 namespace roadbalance {
 namespace {
@@ -40,6 +41,15 @@ class RecorderLinkTest : public ::testing::Test {
       seal(block, sealed);
       link.take(block_channel(kNode, BlockKind::kScan), sealed.bytes(), now);
     }
+  }
+  void send_end(std::int64_t sequence) {
+    SealedBlock end;
+    seal(EndBlock{.header = {.node = kNode,
+                             .epoch = kEpoch,
+                             .sequence = sequence,
+                             .first_scan = 20 * (sequence - 1)}},
+         end);
+    link.take(block_channel(kNode, BlockKind::kEnd), end.bytes(), now);
   }
   // Acknowledgements said in a second, with a heartbeat each 100 ms.
   int run(std::int64_t owner, std::int64_t base, std::int64_t next) {
@@ -193,9 +203,7 @@ TEST_F(RecorderLinkTest, TheLeaseOfADeadRecorderIsNoNews) {
 TEST_F(RecorderLinkTest, ANodeHoldsItsLastBlocksUntilAHeartbeatFromBehindThem) {
   run(kOurs, 1, 1);
   send(1, 1);
-  SealedBlock end;
-  seal(EndBlock{.header = {.node = kNode, .epoch = kEpoch, .sequence = 2, .first_scan = 20}}, end);
-  link.take(block_channel(kNode, BlockKind::kEnd), end.bytes(), now);
+  send_end(2);
   link.durable({kNode, kEpoch, 2}, now);
   (void)link.deliveries();
   ASSERT_EQ(link.report().node.size(), 1u);
@@ -206,6 +214,28 @@ TEST_F(RecorderLinkTest, ANodeHoldsItsLastBlocksUntilAHeartbeatFromBehindThem) {
   EXPECT_TRUE(link.report().node[0].holds_blocks);
   hear(kOurs, 3, 3);
   EXPECT_FALSE(link.report().node[0].holds_blocks);
+}
+
+// The disk failed over a stop: who finds the node later tells by its owner's number whose samples these are.
+TEST_F(RecorderLinkTest, ANodeIsReleasedOnlyWhenNothingItHoldsHangsOnIt) {
+  const auto released = [this] {
+    int count = 0;
+    link.farewell([&count](const std::string&, std::span<const std::uint8_t> bytes) {
+      const auto command = decode_command(bytes);
+      count += command && command->verb == Verb::kRelease ? 1 : 0;
+      return true;
+    });
+    return count;
+  };
+  run(kOurs, 1, 3);
+  send(1, 1);
+  send_end(2);
+  (void)link.deliveries();
+  EXPECT_EQ(released(), 0) << "its end is not on the disk";
+  link.durable({kNode, kEpoch, 2}, now);
+  EXPECT_EQ(released(), 0) << "it has not heard so";
+  hear(kOurs, 3, 3);
+  EXPECT_EQ(released(), 1);
 }
 
 // Blocks of a node that somebody else ends are no reason to wait.
