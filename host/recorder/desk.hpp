@@ -90,6 +90,7 @@ class Desk {
   void keep(DeskBook book);
   void note_asked(const Request& request, RefusalReason reason, const std::string& what);
   void note_some(int& noted, const Request& request, RefusalReason reason, const std::string& what);
+  void refuse_what_waits(const std::string& why, std::int64_t utc_us);
   void refuse(const Request& request, RefusalReason reason, std::string why, std::int64_t utc_us);
   void say(Answer answer);
 

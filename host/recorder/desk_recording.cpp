@@ -99,15 +99,29 @@ void Desk::failed(const std::string& why, bool has_run, std::int64_t utc_us) {
   // What comes after a session that ran may fail before it has run.
   if (has_run || runs_) is_empty_ = false;
   if (!book_.under_way || !is_empty_ || !was_asked(book_.under_way->start)) return;
-  const RequestKey start = book_.under_way->start;
+  const UnderWay recording = *book_.under_way;
   DeskBook book = book_;
   book.under_way.reset();
   keep(std::move(book));
   fault_.clear();
-  Answer answer = done(start, Operation::kStart, why, utc_us);
+  Answer answer = done(recording.start, Operation::kStart, why, utc_us);
   answer.state = AnswerState::kRefused;
   answer.reason = RefusalReason::kDisk;
   say(answer);
+  refuse_what_waits("\"" + recording.name + "\" could not be begun: " + why, utc_us);
+}
+
+// Nothing comes any more of a stop or marks of a recording that was given up.
+void Desk::refuse_what_waits(const std::string& why, std::int64_t utc_us) {
+  for (Answer& known : known_) {
+    if (known.state != AnswerState::kUnderWay) continue;
+    if (known.operation != Operation::kStop && known.operation != Operation::kMark) continue;
+    known.state = AnswerState::kRefused;
+    known.reason = RefusalReason::kDisk;
+    known.time_us = utc_us;
+    known.text = why;
+    to_send_.push_back(known);
+  }
 }
 
 }  // namespace roadbalance

@@ -144,6 +144,26 @@ TEST_F(DeskTest, AStartWhoseFolderCannotBeOpenedIsRefused) {
   EXPECT_FALSE(book.under_way);
 }
 
+// A disk so slow that somebody stops the recording before it turns out that it cannot be begun.
+TEST_F(DeskTest, AStopAndMarksOfARecordingThatIsGivenUpAreRefusedToo) {
+  Desk desk = this->desk();
+  desk.take(ask(Operation::kStart, 1, "drive"), kNow, 2);
+  desk.take(ask(Operation::kMark, 2, "bridge"), kNow, 2);
+  desk.take(ask(Operation::kStop, 3), kNow, 2);
+  (void)desk.answers();
+  desk.failed("open drive: read-only", false, kNow);
+  std::set<std::int64_t> refused;
+  for (const Answer& answer : desk.answers()) {
+    EXPECT_EQ(answer.state, AnswerState::kRefused);
+    EXPECT_EQ(answer.reason, RefusalReason::kDisk);
+    EXPECT_NE(answer.text.find("read-only"), std::string::npos) << answer.text;
+    refused.insert(answer.request);
+  }
+  EXPECT_EQ(refused, (std::set<std::int64_t>{1, 2, 3}));
+  desk.take(ask(Operation::kStop, 3), kNow, 2);
+  EXPECT_EQ(last(desk).state, AnswerState::kRefused) << "whoever asks again hears it, too";
+}
+
 // Whoever asked repeats it until it is answered: that does not make this recorder the one that began it.
 TEST_F(DeskTest, AStartThatWasTakenOverIsNeverRefusedForItMayHoldSamples) {
   desk().take(ask(Operation::kStart, 1, "drive"), kNow, 2);
