@@ -48,7 +48,9 @@ class Desk {
   /// @param durable_marks  so are marks through this number
   void runs(bool has_samples, std::int32_t durable_marks, std::int64_t utc_us);
   /// It has come to its end as told, with these receipts; nodes that were cut off hold the rest of it.
-  void ended(std::vector<Receipt> receipts, std::vector<Rest> rests, std::int64_t utc_us);
+  /// @return rests of recordings before that are not fetched any more, for the book has no room: to be
+  /// declared
+  std::vector<Rest> ended(std::vector<Receipt> receipts, std::vector<Rest> rests, std::int64_t utc_us);
   /// Nodes hold these, too, of a recording that is over: nobody knew so far.  Those for which the book has no
   /// room are to be said again.
   void owe(const std::vector<Rest>& rests);

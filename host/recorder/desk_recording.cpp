@@ -8,10 +8,14 @@ namespace roadbalance {
 
 namespace {
 
-void add(const std::vector<Rest>& rests, DeskBook& book) {
-  book.rest.insert(book.rest.end(), rests.begin(), rests.end());
-  if (book.rest.size() > kMostRests)
-    book.rest.erase(book.rest.begin(), book.rest.end() - static_cast<std::ptrdiff_t>(kMostRests));
+// @return the oldest, for which there is no room any more
+std::vector<Rest> add(const std::vector<Rest>& rests, DeskBook& book) {
+  auto& all = book.rest;
+  all.insert(all.end(), rests.begin(), rests.end());
+  const auto last = all.begin() + static_cast<std::ptrdiff_t>(all.size() - std::min(all.size(), kMostRests));
+  std::vector<Rest> dropped(all.begin(), last);
+  all.erase(all.begin(), last);
+  return dropped;
 }
 
 }  // namespace
@@ -44,8 +48,8 @@ void Desk::say_durable_marks(std::int32_t durable_marks, std::int64_t utc_us) {
   }
 }
 
-void Desk::ended(std::vector<Receipt> receipts, std::vector<Rest> rests, std::int64_t utc_us) {
-  if (!book_.under_way) return;
+std::vector<Rest> Desk::ended(std::vector<Receipt> receipts, std::vector<Rest> rests, std::int64_t utc_us) {
+  if (!book_.under_way) return {};
   const UnderWay recording = *book_.under_way;
   const RequestKey stop = recording.stop.value_or(RequestKey{});
   const std::string missing = nodes_without_end(receipts);
@@ -53,7 +57,7 @@ void Desk::ended(std::vector<Receipt> receipts, std::vector<Rest> rests, std::in
   DeskBook book = book_;
   book.under_way.reset();
   book.finished = Finished{.start = recording.start, .stop = stop, .receipt = std::move(receipts)};
-  add(rests, book);
+  std::vector<Rest> dropped = add(rests, book);
   book.over.push_back({recording.name, recording.began_us / 1000, incarnation});
   if (book.over.size() > kMostOver) book.over.erase(book.over.begin());
   keep(std::move(book));
@@ -71,6 +75,7 @@ void Desk::ended(std::vector<Receipt> receipts, std::vector<Rest> rests, std::in
                             : "nobody knows whether it is on the disk: the recording has ended";
     to_send_.push_back(known);
   }
+  return dropped;
 }
 
 void Desk::owe(const std::vector<Rest>& rests) {
@@ -79,7 +84,7 @@ void Desk::owe(const std::vector<Rest>& rests) {
   const std::size_t count = std::min(room, rests.size());
   if (count == 0) return;
   DeskBook book = book_;
-  add({rests.begin(), rests.begin() + static_cast<std::ptrdiff_t>(count)}, book);
+  (void)add({rests.begin(), rests.begin() + static_cast<std::ptrdiff_t>(count)}, book);
   keep(std::move(book));
 }
 

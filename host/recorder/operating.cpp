@@ -190,7 +190,7 @@ void Operating::look_after_recording() {
 void Operating::finish(const RecorderReport& report) {
   const UnderWay recording = *desk_.under_way();
   append(report_, report);
-  desk_.ended(
+  const std::vector<Rest> dropped = desk_.ended(
       receipts_of(report, {.name = recording.name,
                            .incarnation = incarnation_,
                            .began_us = recording.began_us,
@@ -199,6 +199,9 @@ void Operating::finish(const RecorderReport& report) {
                            .marks = recording.marks,
                            .sync_us = sync_us_}),
       rests_of(report, recording.name), time_.utc_us);
+  for (const Rest& rest : dropped)
+    warn("the rest of \"" + rest.recording + "\" at node " + std::to_string(rest.node) +
+         " is not fetched: " + std::to_string(kMostRests) + " later ones wait for their nodes");
   status_at_ = receipts_at_ = {};
 }
 

@@ -263,6 +263,22 @@ TEST_F(DeskTest, AFullBookOwesNothingMoreUntilThereIsRoom) {
   EXPECT_EQ(desk.rests().back(), (Rest{"drive", 2, 2}));
 }
 
+// A recording that has just ended matters more than the oldest; whoever leads the desk says what is given up.
+TEST_F(DeskTest, RestsThatAFullBookGivesUpAreNamed) {
+  Desk desk = this->desk();
+  std::vector<Rest> rests;
+  for (std::int64_t epoch = 1; epoch <= static_cast<std::int64_t>(kMostRests); ++epoch)
+    rests.push_back({"old", 1, epoch});
+  desk.owe(rests);
+  desk.take(ask(Operation::kStart, 1, "drive"), kNow, 2);
+  const auto dropped = desk.ended({Receipt{.name = "drive"}}, {{"drive", 1, 900}, {"drive", 2, 77}}, kNow);
+  EXPECT_EQ(dropped, (std::vector<Rest>{{"old", 1, 1}, {"old", 1, 2}}));
+  EXPECT_EQ(desk.rests().size(), kMostRests);
+  EXPECT_EQ(desk.rests().back(), (Rest{"drive", 2, 77}));
+  desk.take(ask(Operation::kStart, 2, "next"), kNow, 2);
+  EXPECT_TRUE(desk.ended({Receipt{.name = "next"}}, {}, kNow).empty());
+}
+
 // A full disk must not keep a recording from its end, nor a mark from the record.
 TEST_F(DeskTest, ABookThatCannotBeWrittenStopsNothingThatRuns) {
   Desk desk = this->desk();
