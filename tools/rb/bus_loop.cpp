@@ -129,7 +129,7 @@ void BusLoop::run(int messages, milliseconds pause) {
     sent_at_.push_back(Clock::now());
     sender_.publish(kLoopChannel,
                     LoopMessage{.run = run_, .number = static_cast<std::int32_t>(sent_++)}.bytes());
-    next += milliseconds(1);
+    next = std::max(next, Clock::now()) + milliseconds(1);  // what a stall has held up is no burst afterwards
     // handle() waits whole milliseconds: often, or the times would be its own.
     while (receiver_.handle(milliseconds(0)), Clock::now() < next)
       std::this_thread::sleep_for(std::chrono::microseconds(50));

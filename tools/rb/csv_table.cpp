@@ -68,6 +68,14 @@ class CsvLines {
       fail(name, "\"" + std::string(cell) + "\" is no number; allowed: a finite number with a decimal point");
     return value;
   }
+  /// Of the first column; such that nanoseconds of it can be counted.
+  double time_s() const {
+    constexpr double kMost_s = 1e9;
+    const double seconds = number(0, "time_s");
+    if (std::abs(seconds) > kMost_s)
+      fail("time_s", "\"" + std::string(cells_[0]) + "\" is too far off; allowed: -1e9 to 1e9 s");
+    return seconds;
+  }
   [[noreturn]] void fail(const std::string& column, const std::string& reason) const {
     throw ConfigError(file_ + ":" + std::to_string(number_) + ": " + column + ": " + reason);
   }
@@ -132,7 +140,7 @@ SampleTable read_samples(const std::filesystem::path& file) {
   table.value_si.resize(table.name.size());
   while (lines.next()) {
     check_width();
-    const double time_s = lines.number(0, "time_s");
+    const double time_s = lines.time_s();
     if (!table.time_s.empty() && time_s < table.time_s.back())
       lines.fail("time_s", "goes back; allowed: never falling");
     table.time_s.push_back(time_s);
@@ -149,7 +157,7 @@ std::vector<Pulse> read_pulses(const std::filesystem::path& file) {
   std::vector<Pulse> pulses;
   while (lines.next()) {
     if (lines.cells().size() != header.size()) lines.fail("row", "allowed: 3 cells");
-    const double time_s = lines.number(0, "time_s");
+    const double time_s = lines.time_s();
     if (!pulses.empty() && time_s < pulses.back().time_s)
       lines.fail("time_s", "goes back; allowed: never falling");
     const auto wheel = std::find(kWheelNames.begin(), kWheelNames.end(), lines.cells()[1]);
@@ -173,7 +181,7 @@ std::vector<ImportedMark> read_marks(const std::filesystem::path& file) {
   std::vector<ImportedMark> marks;
   while (lines.next()) {
     if (lines.cells().size() < header.size()) lines.fail("row", "allowed: 3 cells");
-    const double time_s = lines.number(0, "time_s");
+    const double time_s = lines.time_s();
     if (!marks.empty() && time_s < marks.back().time_s)
       lines.fail("time_s", "goes back; allowed: never falling");
     const double number = lines.number(1, "number");

@@ -136,7 +136,8 @@ std::vector<Pulse> pulses_of(const CsvImport& import, const VehicleConfig& vehic
   return pulses;
 }
 
-/// The same input shall give the same record, and another another: the epoch is a digest of it all (FNV-1a).
+/// The same input shall give the same record, and another another: the epoch is a digest of samples, pulses
+/// and vehicle (FNV-1a).  Marks are about the drive, not of the node.
 std::int64_t epoch_of(const SampleTable& table, const std::vector<Pulse>& pulses,
                       const VehicleConfig& vehicle, int node) {
   std::uint64_t hash = 14695981039346656037ULL;

@@ -58,10 +58,31 @@ class Guide(unittest.TestCase):
 
     def test_the_car_says_what_is_wrong(self):
         with tempfile.TemporaryDirectory() as folder:
-            for arguments, words in ((["off"], "not on"), (["weights"], "which plan"), (["fly"], "on | off")):
-                done = subprocess.run([GUIDE / "car", *arguments], cwd=folder, capture_output=True, text=True)
+            plan = pathlib.Path(folder, "plan.json")
+            step = {"action": "add", "mass_g": 5, "angle_deg": 0, "radius_m": 0.19}
+            plan.write_text(json.dumps({"compensation": [{"name": "front_left", "steps": [step]},
+                                                         {"name": "rear_left", "steps": [step | {"action": "move"}]}]}))
+            pathlib.Path(folder, "scenario.toml").write_text("")
+            pathlib.Path(folder, "car.toml").write_text("name = 3\n")
+            for arguments, words in ((["off"], "not on"), (["weights"], "which plan"), (["fly"], "on | off"),
+                                     (["weights", plan], "rear_left: move"), (["on"], "car.toml")):
+                done = subprocess.run(["unshare", "--net", "sh", "-c", 'ip link set lo up; ip route add 224.0.0.0/4 dev lo; "$@"',
+                                       "sh", GUIDE / "car", *arguments], cwd=folder, capture_output=True, text=True,
+                                      env=dict(os.environ, PATH=f"{BIN}:{os.environ['PATH']}"), timeout=60)
                 self.assertNotEqual(done.returncode, 0)
                 self.assertIn(words, done.stdout + done.stderr)
+            self.assertEqual(pathlib.Path(folder, "scenario.toml").read_text(), "")
+            self.assertFalse(pathlib.Path(folder, "car.pids").exists())
+
+    def test_its_commands_are_there_and_say_what_it_quotes(self):
+        page = (GUIDE / "README.md").read_text()
+        for command in set(re.findall(r"`(rb [a-z]+(?: [a-z]+)?)", page)):
+            words = command.split()[1:]
+            done = subprocess.run([BIN / "rb", *words, "--help"], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, command)
+        sources = "".join(p.read_text() for p in (SOURCE / "host" / "identify").rglob("*.cpp"))
+        for words in re.findall(r'^\| "([^"]+)"', page, re.M):
+            self.assertIn(words, sources)
 
 
 if __name__ == "__main__":
