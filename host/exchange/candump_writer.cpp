@@ -16,8 +16,16 @@ namespace {
 
 /// A row of which nothing is there has one frame without data, so that a reader sees that there was a row.
 constexpr std::size_t kNoSampleId = 0xFF;
+constexpr std::size_t kStartId = 0xFE;
 constexpr std::size_t kFirstId = 0x100, kIds = 0x800 - kFirstId;
 constexpr const char* kInterface = "can0";
+
+/// Up to what head_of() begins with.
+std::string stamp_of(std::int64_t time_us) {
+  constexpr std::int64_t kSecond_us = 1'000'000;
+  return format("(%010lld.%06lld", static_cast<long long>(time_us / kSecond_us),
+                static_cast<long long>(time_us % kSecond_us));
+}
 
 /// From the stamp to the data.
 std::string head_of(std::size_t id) {
@@ -52,15 +60,13 @@ class CandumpWriter final : public ExportWriter {
   CandumpWriter(const std::filesystem::path& file, const ExportTable& table)
       : sink_(file), start_us_(table.start_utc_us.value_or(0)) {
     for (std::size_t c = 0; c < group_of(table).channel.size(); ++c) head_.push_back(head_of(kFirstId + c));
+    sink_.put(stamp_of(start_us_) + head_of(kStartId) + "\n");
   }
 
   void add(std::size_t, const ExportRows& rows) override {
     const std::int32_t* counts = rows.counts.data();
     for (const std::int64_t time_ns : rows.time_ns) {
-      constexpr std::int64_t kSecond_us = 1'000'000;
-      const std::int64_t time_us = start_us_ + (time_ns + 500) / 1000;
-      const std::string stamp = format("(%010lld.%06lld", static_cast<long long>(time_us / kSecond_us),
-                                       static_cast<long long>(time_us % kSecond_us));
+      const std::string stamp = stamp_of(start_us_ + (time_ns + 500) / 1000);
       bool is_there = false;
       for (const std::string& head : head_) {
         const std::int32_t value = *counts++;
@@ -106,6 +112,7 @@ std::string candump_dbc(const ExportTable& table) {
   const ExportGroup& group = group_of(table);
   const std::vector<std::string> names = identifiers(group);
   std::string text = "VERSION \"\"\n\nNS_ :\n\nBS_:\n\nBU_: roadbalance\n\n";
+  text += format("BO_ %zu %s: 0 roadbalance\n\n", kStartId, kCandumpStart);
   text += format("BO_ %zu no_sample: 0 roadbalance\n\n", kNoSampleId);
   for (std::size_t c = 0; c < names.size(); ++c) {
     const ExportChannel& channel = group.channel[c];

@@ -13,6 +13,7 @@
 #include "common/config/section.hpp"
 #include "firmware/backends/dbc/candump.hpp"
 #include "firmware/backends/dbc/dbc_reading.hpp"
+#include "host/exchange/candump_writer.hpp"
 #include "host/exchange/units.hpp"
 #include "tools/rb/csv_table.hpp"
 
@@ -67,13 +68,20 @@ class LogReader {
     if (!interface_.empty() && interface_ != logged.interface)
       fail("frames of " + logged.interface + " and " + interface_ + "; allowed: those of one bus");
     interface_ = logged.interface;
+    if (known->second.message->name == kCandumpStart && known->second.message->size == 0)
+      return begin_recording(logged.time_ns);
     begin_row(logged.time_ns);
     if (!known->second.first_column) known->second.first_column = add_columns(*known->second.message);
     add(logged.frame, *known->second.message, *known->second.first_column);
   }
 
+  void begin_recording(std::int64_t time_ns) {
+    if (first_ns_) fail("a recording's start behind its frames; allowed: the log of one recording");
+    first_ns_ = last_ns_ = time_ns;
+  }
+
   void begin_row(std::int64_t time_ns) {
-    if (first_ns_ && time_ns == last_ns_) return;
+    if (!table_.time_s.empty() && time_ns == last_ns_) return;
     if (first_ns_ && time_ns < last_ns_) fail("its time goes back; allowed: frames in order of time");
     if (!first_ns_) first_ns_ = time_ns;
     last_ns_ = time_ns;
@@ -118,7 +126,7 @@ class LogReader {
   SampleTable table_;
   std::vector<double> factor_;  // [column]
   std::string interface_;
-  std::optional<std::int64_t> first_ns_;
+  std::optional<std::int64_t> first_ns_;  // from which times count
   std::int64_t last_ns_ = 0, line_ = 0;
 };
 

@@ -10,6 +10,7 @@ namespace roadbalance {
 /// the signal's name; frames of one stamp are of one instant.  A signal without a frame then, or that says so
 /// itself (not available, out of its range), is no sample; frames that the DBC file does not know, remote and
 /// error frames are passed over.
+/// Time counts from the first frame, in a log of `rb export` from the recording's start (kCandumpStart).
 ///
 /// @throws ConfigError "file:line: reason; allowed: ..." of the log or the DBC file: a line that is none, a
 /// time

@@ -5,7 +5,7 @@ import unittest
 
 import numpy as np
 
-from recorded import Exports, Node, rb, run
+from recorded import REFERENCES, Exports, Node, rb, run
 
 LINE = re.compile(r"\((\d{10})\.(\d{6})\) can0 ([0-9A-F]{3})#([0-9A-F]*)")
 SIGNAL = re.compile(r'BO_ (\d+) (\w+): 4 \w+\n SG_ (\w+) : 0\|32@1- \(([^,]+),([^)]+)\) \[0\|0\] "([^"]*)"')
@@ -21,19 +21,22 @@ class Candump(Exports):
         file, _ = self.export("candump", folder, f"{name}.log", "--dbc", dbc, *options, code=code)
         return file, dbc
 
-    def import_as(self, name, file, dbc, vehicle=None):
+    def import_as(self, name, file, dbc, vehicle=None, *more):
         folder = self.root / name
-        done = rb("import", "candump", "--samples", file, "--dbc", dbc, "--vehicle", vehicle or self.root / "made.toml", "-o", folder)
+        done = rb("import", "candump", "--samples", file, "--dbc", dbc, "--vehicle", vehicle or self.root / "made.toml", "-o", folder, *more)
         return folder, done
 
     def test_has_every_count_at_its_microsecond_and_nothing_where_samples_are_missing(self):
         file, dbc = self.log("made", self.made, code=[3])
+        first, *lines = file.read_text().splitlines()
+        self.assertEqual(LINE.fullmatch(first).groups()[2:], ("0FE", ""))
+        self.assertIn("\nBO_ 254 recording_start: 0 ", dbc.read_text())
         signals = {int(number): rest for number, *rest in SIGNAL.findall(dbc.read_text())}
         names = [signals[k][0] for k in sorted(signals)]
         self.assertEqual(tuple(names), self.CHANNELS)
         found = np.full((self.ROWS, 4), np.iinfo("i8").min)
         empty, first_us = [], None
-        for line in file.read_text().splitlines():
+        for line in lines:
             seconds, micros, can_id, data = LINE.fullmatch(line).groups()
             time_us = int(seconds) * 1_000_000 + int(micros)
             first_us = time_us if first_us is None else first_us
@@ -76,6 +79,41 @@ class Candump(Exports):
                 np.testing.assert_array_equal(found.there, was.there)
                 np.testing.assert_array_equal(found.counts[found.there], was.counts[was.there])
 
+    def test_a_part_of_a_drive_stays_in_step_with_its_pulses_and_marks(self):
+        drive = self.drive()
+        file, dbc = self.log("part", drive, "--from", 2, "--to", 5, "--vehicle", self.root / "part.toml",
+                             "--pulses", self.root / "part.pulses")
+        marks = 'time_s,number,text\n2.500000000,1,"bump"\n'
+        (self.root / "part.marks").write_text(marks)
+        back, done = self.import_as("part", file, dbc, self.root / "part.toml", "--pulses", self.root / "part.pulses",
+                                    "--marks", self.root / "part.marks")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        for number_of_node in (1, 2):
+            was, found = Node(drive, number_of_node), Node(back, number_of_node)
+            from_start_s = (was.time_ns - was.time_ns[0]) * 1e-9
+            rows = (from_start_s >= 2) & (from_start_s < 5)
+            np.testing.assert_array_equal(found.counts[:, :REFERENCES], was.counts[rows, :REFERENCES])
+            np.testing.assert_allclose(found.time_ns * 1e-9, from_start_s[rows], rtol=0, atol=2e-6)
+            # The angles, computed anew from the pulses: wheels turn by more than 360 degrees a second.
+            for line in range(2):
+                cos_sin = slice(REFERENCES + 2 * line, REFERENCES + 2 * line + 2)
+                both = was.there[rows, cos_sin].all(axis=1) & found.there[:, cos_sin].all(axis=1)
+                self.assertGreater(both.sum(), 0.7 * rows.sum())
+                then, now = (c[both, cos_sin] @ [1, 1j] for c in (was.counts[rows], found.counts))
+                self.assertLess(np.abs(np.angle(now * then.conj())).max(), np.radians(3))
+        again = self.root / "part-again.marks"  # times of an export count from its recording's first sample
+        self.export("csv", back, "part-again.csv", "--marks", again)
+        self.assertAlmostEqual(float(again.read_text().split("\n")[1].split(",")[0]), 0.5, delta=2e-6)
+
+    def test_refuses_a_log_of_two_recordings(self):
+        file, dbc = self.log("one", self.made, "--to", 1)
+        twice = self.root / "twice.log"
+        twice.write_text(file.read_text() * 2)
+        folder, done = self.import_as("twice", twice, dbc)
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertIn(f"twice.log:{file.read_text().count(chr(10)) + 1}: a recording's start behind its frames", done.stderr)
+        self.assertFalse(folder.exists())
+
     def test_takes_a_log_of_somebody_elses_sensors(self):
         dbc = self.root / "theirs.dbc"
         dbc.write_text('VERSION ""\nBU_: ecu\nBO_ 2364540158 Front: 4 ecu\n SG_ front_up : 7|16@0- (0.001,0) [-30|30] "g" ecu\n'
@@ -103,7 +141,7 @@ class Candump(Exports):
 
     def test_says_what_is_wrong(self):
         file, dbc = self.log("good", self.made, "--to", 1, code=[0, 3])
-        text, description = file.read_text(), dbc.read_text()
+        text, description = file.read_text().split("\n", 1)[1], dbc.read_text()  # without the recording's start
         lines = text.split("\n")
         for k, (log, words) in enumerate((
                 ("", "no frame"), ("neither this nor that\n", ":1: \"neither this nor that\" is no frame"),

@@ -196,6 +196,23 @@ class Clocks(Exports):
     def tearDown(self):
         shutil.rmtree(self.root / "clocks", ignore_errors=True)
 
+    def test_a_candump_log_of_the_node_that_began_later_keeps_its_instants(self):
+        folder = self.with_clocks()
+        log, dbc, marks = (self.root / f"rear.{end}" for end in ("log", "dbc", "marks"))
+        self.export("candump", folder, "rear.log", "--channels", "rear", "--dbc", dbc, "--marks", marks)
+        front, rear = (self.host_s(folder, n)[1] for n in (1, 2))
+        head, node = (self.root / "made.toml").read_text().split("[[node]]\nname = \"front\"")
+        (self.root / "rear.toml").write_text(head + "[[node]]" + node.split("[[node]]", 1)[1])
+        back = self.root / "rear"
+        done = rb("import", "candump", "--samples", log, "--dbc", dbc, "--marks", marks, "--vehicle", self.root / "rear.toml", "-o", back)
+        self.assertIn(done.returncode, (0, 3), done.stderr)
+        self.assertGreater(rear[0] - front[0], 0.12)
+        self.assertAlmostEqual(Node(back, 2).time_ns[0] * 1e-9, rear[0] - front[0], delta=2e-6)
+        again = self.root / "rear-again.marks"  # counts from the rear node's first sample, which is the first now
+        self.export("csv", back, "rear-again.csv", "--marks", again)
+        said = float(again.read_text().split("\n")[1].split(",")[0])
+        self.assertAlmostEqual(said, (HOST_NS + 4 * 10**9) * 1e-9 - rear[0], delta=2e-6)
+
 
 if __name__ == "__main__":
     unittest.main()
