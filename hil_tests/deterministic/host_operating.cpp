@@ -6,6 +6,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/control.hpp"
+#include "common/config/section.hpp"
 #include "common/config/vehicle_config.hpp"
 #include "common/link/crc32c.hpp"
 #include "common/record/folder.hpp"
@@ -183,7 +184,10 @@ void HostMachine::watch(const Answer& answer) {
   const bool was_done = before.state == AnswerState::kDone;
   const bool is_done = answer.state == AnswerState::kDone;
   if (is_done && (is_new || !was_done)) check_file(answer);
-  if (was_done == is_done) return;
+  if (was_done == is_done) {
+    before = now;  // said by this recorder, too
+    return;
+  }
   // What is done is in the book, which a disk that fails may not have taken.  A refusal is not: the next
   // recorder may obey who has not heard it and asks again.
   if (before.unsure_deaths == unsure_deaths_ && (was_done || before.boots == boots_))
@@ -197,13 +201,17 @@ void HostMachine::watch(const Answer& answer) {
 void HostMachine::check_file(const Answer& done) {
   if (done.operation != Operation::kRange && done.operation != Operation::kFilter) return;
   const auto bytes = disk_.content(kVehicleOnDisk);
-  const VehicleConfig car = VehicleConfig::parse({bytes.begin(), bytes.end()}, kVehicleOnDisk);
-  const NodeConfig* node = car.node_with_id(done.node);
-  const bool is_there =
-      done.operation == Operation::kFilter
-          ? car.filter.cutoff_hz == done.value[0]
-          : node && node->channel.at(static_cast<std::size_t>(done.channel)).range_m_s2 == done.value[0];
-  if (!is_there) truth_.fault("a set-up is said to be done and not in the file: " + done.text);
+  try {
+    const VehicleConfig car = VehicleConfig::parse({bytes.begin(), bytes.end()}, kVehicleOnDisk);
+    const NodeConfig* node = car.node_with_id(done.node);
+    const bool is_there =
+        done.operation == Operation::kFilter
+            ? car.filter.cutoff_hz == done.value[0]
+            : node && node->channel.at(static_cast<std::size_t>(done.channel)).range_m_s2 == done.value[0];
+    if (!is_there) truth_.fault("a set-up is said to be done and not in the file: " + done.text);
+  } catch (const ConfigError& error) {
+    truth_.fault(std::string("a set-up is said to be done and its file cannot be read: ") + error.what());
+  }
 }
 
 bool HostMachine::has_work() const {
