@@ -1,5 +1,6 @@
 #include "host/twin/live_twin.hpp"
 
+#include <stdexcept>
 #include <utility>
 
 namespace roadbalance {
@@ -31,8 +32,12 @@ void LiveTwin::take_sample(const SensorSample& sample) {
   if (!second) return;
   on_second_(*second);
   // Between two seconds: an estimate comes in five messages, a car is one.
-  if (std::exchange(known_better_, false))
+  if (!std::exchange(known_better_, false)) return;
+  try {
     twin_.change(TwinCar::estimated(vehicle_, identification_, balance_));
+  } catch (const std::invalid_argument&) {
+    // No car moves like that: the one that was is the best there is.
+  }
 }
 
 }  // namespace roadbalance

@@ -32,15 +32,21 @@ MotionFilter Twin::make(const MotionEquation& equation) const {
 
 void Twin::change(const TwinCar& car) {
   const bool other = greatest_difference(car, car_) > kOtherCar;
-  car_ = car;
-  model_ = linear_model(car.geometry, car.parameters);
-  const auto renew = [&](MotionFilter& filter, const MotionEquation& equation) {
-    MotionFilter renewed = make(equation);
-    renewed.go_on_from(filter);
-    filter = std::move(renewed);
+  const LinearModel model = linear_model(car.geometry, car.parameters);
+  const auto renewed = [&](const MotionFilter& filter, const MotionEquation& equation) {
+    MotionFilter one = make(equation);
+    one.go_on_from(filter);
+    return one;
   };
-  renew(body_, body_motion(model_));
-  for (int a = 0; a < kAxles; ++a) renew(axle_[static_cast<std::size_t>(a)].filter, axle_motion(model_, a));
+  MotionFilter body = renewed(body_, body_motion(model)),
+               front = renewed(axle_[0].filter, axle_motion(model, 0)),
+               rear = renewed(axle_[1].filter, axle_motion(model, 1));
+  // From here on nothing throws: a car that is refused has changed nothing.
+  car_ = car;
+  model_ = model;
+  body_ = std::move(body);
+  axle_[0].filter = std::move(front);
+  axle_[1].filter = std::move(rear);
   if (!other) return;
   body_fed_ = 0;
   for (Axle& axle : axle_) axle.fed = 0;

@@ -43,13 +43,14 @@ class Twin {
  public:
   static constexpr int kBehind = 320;  ///< samples: 0.64 s at 500 Hz
   static constexpr double kSettled = 1e-3;
-  /// A car whose springs, dampers or tyres are by more than this share others settles anew.
+  /// A car that differs by more than this (greatest_difference()) settles anew.
   static constexpr double kOtherCar = 0.02;
 
   /// @throws ConfigError as TwinChannels; std::invalid_argument if the car's motion does not decay
   Twin(const TwinChannels& channels, const TwinCar& car, double rate_hz);
 
   /// The same car, known better.
+  /// @throws std::invalid_argument if its motion does not decay; the twin then goes on with the one it has
   void change(const TwinCar& car);
   const TwinCar& car() const { return car_; }
   double behind_s() const { return kBehind / rate_hz_; }

@@ -21,9 +21,13 @@ TwinCar TwinCar::estimated(const VehicleConfig& vehicle, const Identification& i
   const auto told = [](const auto& values) {
     return std::ranges::all_of(values, [](double value) { return std::isfinite(value) && value > 0.0; });
   };
+  // One that a car does not have may come out a little below 0.
+  const auto finite = [](const auto& values) {
+    return std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
+  };
   const Identification& i = identification;
-  car.identified =
-      i.state == Unknown::kNone && told(i.spring_n_m) && told(i.damper_n_s_m) && told(i.tyre_n_m);
+  car.identified = i.state == Unknown::kNone && told(i.spring_n_m) && told(i.damper_n_s_m) &&
+                   finite(i.stabiliser_n_m) && told(i.tyre_n_m);
   if (car.identified) {
     put(kSpring, i.spring_n_m);
     put(kDamper, i.damper_n_s_m);
@@ -32,6 +36,7 @@ TwinCar TwinCar::estimated(const VehicleConfig& vehicle, const Identification& i
   }
   for (const Balance& one : balance) {
     if (one.state != Unknown::kNone || one.wheel < 0 || one.wheel >= kWheels) continue;
+    if (!std::isfinite(one.unbalance_g) || one.unbalance_g < 0.0 || !std::isfinite(one.angle_rad)) continue;
     const auto w = static_cast<std::size_t>(one.wheel);
     car.unbalance_kg_m[w] =
         std::polar(1e-3 * one.unbalance_g * vehicle.wheel[w].weight_radius_m, one.angle_rad);
@@ -42,9 +47,12 @@ TwinCar TwinCar::estimated(const VehicleConfig& vehicle, const Identification& i
 
 double greatest_difference(const TwinCar& a, const TwinCar& b) {
   double greatest = 0.0;
-  for (int p = kSpring; p < kTyreDamper; ++p)
-    if (b.parameters(p) != 0.0)
-      greatest = std::max(greatest, std::abs(a.parameters(p) / b.parameters(p) - 1.0));
+  for (int p = kSpring; p < kTyreDamper; ++p) {
+    const bool is_stabiliser = kStabiliser <= p && p < kTyre;
+    const double scale =
+        is_stabiliser ? b.parameters.segment<2>(kSpring + 2 * (p - kStabiliser)).mean() : b.parameters(p);
+    greatest = std::max(greatest, std::abs(a.parameters(p) - b.parameters(p)) / scale);
+  }
   return greatest;
 }
 

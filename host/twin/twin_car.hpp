@@ -24,12 +24,15 @@ struct TwinCar {
   static TwinCar nominal(const VehicleConfig& vehicle);
 
   /// What the estimate knows of it; the rest, of a car that is not identified all, as vehicle.toml has it.
+  /// An estimate with a value that no car has (not finite; a spring, damper or tyre of 0 or less) counts as
+  /// none, and so does such a balance.
   /// Where a force that does not grow with speed was told apart the wheel's unbalance is the equivalent one.
   static TwinCar estimated(const VehicleConfig& vehicle, const Identification& identification,
                            std::span<const Balance> balance);
 };
 
-/// By which share the two differ at most in a spring, damper, stabiliser or tyre.
+/// By which share of b's the two differ at most in a spring, damper or tyre, or in a stabiliser as a share of
+/// the springs of its axle: a car may have none.
 double greatest_difference(const TwinCar& a, const TwinCar& b);
 
 }  // namespace roadbalance

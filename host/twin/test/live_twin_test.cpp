@@ -144,6 +144,25 @@ TEST(LiveTwin, GoesByTheEstimateOnceThereIsOne) {
   EXPECT_GT(residual_share(told, channels, 12.0, 25.0), 0.10);
 }
 
+TEST(LiveTwin, GoesOnWithTheCarItHasIfTheEstimateMovesLikeNone) {
+  Identification impossible;
+  impossible.state = Unknown::kNone;
+  impossible.spring_n_m.fill(30e3);
+  impossible.damper_n_s_m.fill(2e3);
+  impossible.stabiliser_n_m.fill(-1e6);
+  impossible.tyre_n_m.fill(200e3);
+  const auto told = drive(kNothingLost, [&](LiveTwin& twin, double s) {
+    if (s > 20.0) twin.take(impossible);
+  });
+  ASSERT_GT(told.size(), 45U);
+  for (const Told& one : told) {
+    EXPECT_FALSE(one.identified) << one.at_s;
+    if (one.at_s > 12.0) {
+      EXPECT_TRUE(all_told(one.second)) << one.at_s;
+    }
+  }
+}
+
 TEST(LiveTwin, SettlesAnewAfterBlocksThatDidNotCome) {
   const auto lost = [](const SealedBlock& block) {
     return block.header.node == vehicle().node[1].id && at_s(block) > 20.0 && at_s(block) < 21.0;

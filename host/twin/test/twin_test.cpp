@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
+#include <limits>
+#include <stdexcept>
 #include <string>
 
 #include "common/test/no_allocation.hpp"
@@ -201,6 +204,79 @@ TEST(Twin, ACarThatIsKnownABitBetterNeedNotSettleAgain) {
   twin.change(better);
   for (const TwinState state : twin.consume(drive.sample(channels(), settled + 1))->state)
     EXPECT_EQ(state, TwinState::kSettling);
+}
+
+TEST(Twin, AStabiliserThatVehicleTomlDoesNotHaveMakesItAnotherCar) {
+  TwinCar without = car(), with = car();
+  without.parameters.segment<2>(kStabiliser).setZero();
+  with.parameters.segment<2>(kStabiliser).setZero();
+  const double spring = 0.5 * (car().parameters(kSpring + 2) + car().parameters(kSpring + 3));
+  with.parameters(kStabiliser + 1) = 0.25 * spring;  // of the rear
+  EXPECT_NEAR(greatest_difference(with, without), 0.25, 1e-12);
+  EXPECT_NEAR(greatest_difference(without, with), 0.25, 1e-12);
+  EXPECT_EQ(greatest_difference(without, without), 0.0);
+
+  const KnownDrive drive(test::reference_car());
+  Twin twin(channels(), without, KnownDrive::kRate_hz);
+  const int settled = static_cast<int>((twin.settling_s() + 1.0) * KnownDrive::kRate_hz) + Twin::kBehind;
+  for (int k = 0; k < settled; ++k) twin.consume(drive.sample(channels(), k));
+  twin.change(with);
+  for (const TwinState state : twin.consume(drive.sample(channels(), settled))->state)
+    EXPECT_EQ(state, TwinState::kSettling);
+}
+
+TEST(Twin, ACarWhoseMotionDoesNotDecayIsRefusedAndChangesNothing) {
+  const KnownDrive drive(test::reference_car());
+  Twin twin(channels(), car(), KnownDrive::kRate_hz), untouched(channels(), car(), KnownDrive::kRate_hz);
+  TwinCar impossible = car();
+  impossible.parameters.segment<2>(kStabiliser).setConstant(-1e6);
+  for (int k = 0; k < 6000; ++k) {
+    if (k == 5000) {
+      EXPECT_THROW(twin.change(impossible), std::invalid_argument);
+    }
+    const SensorSample sample = drive.sample(channels(), k);
+    const TwinSample* const told = twin.consume(sample);
+    const TwinSample* const expected = untouched.consume(sample);
+    ASSERT_EQ(told == nullptr, expected == nullptr);
+    if (!told) continue;
+    ASSERT_EQ(told->predicted, expected->predicted);
+    ASSERT_EQ(told->state, expected->state);
+  }
+  EXPECT_EQ(twin.car().parameters, car().parameters);
+}
+
+TEST(TwinCar, AnEstimateThatNoCarCanBeCountsAsNone) {
+  const TwinCar nominal = TwinCar::nominal(vehicle());
+  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+  Identification good;
+  good.state = Unknown::kNone;
+  good.spring_n_m.fill(31e3);
+  good.damper_n_s_m.fill(2.1e3);
+  good.stabiliser_n_m.fill(-40.0);  // none, and a little noise
+  good.tyre_n_m.fill(210e3);
+  EXPECT_TRUE(TwinCar::estimated(vehicle(), good, {}).identified);
+  for (const double bad : {nan, inf, -inf}) {
+    Identification one = good;
+    one.stabiliser_n_m[1] = bad;
+    const TwinCar car = TwinCar::estimated(vehicle(), one, {});
+    EXPECT_FALSE(car.identified) << bad;
+    EXPECT_EQ(car.parameters, nominal.parameters) << bad;
+  }
+  std::array<Balance, kWheels> balance;
+  for (int w = 0; w < kWheels; ++w) {
+    Balance& one = balance[static_cast<std::size_t>(w)];
+    one.wheel = w;
+    one.state = Unknown::kNone;
+    one.unbalance_g = 20.0;
+    one.angle_rad = 1.0;
+  }
+  balance[1].unbalance_g = nan;
+  balance[2].angle_rad = inf;
+  balance[3].unbalance_g = -20.0;
+  const TwinCar car = TwinCar::estimated(vehicle(), good, balance);
+  EXPECT_EQ(car.balance, (std::array{true, false, false, false}));
+  EXPECT_NEAR(std::abs(car.unbalance_kg_m[0]), 0.020 * vehicle().wheel[0].weight_radius_m, 1e-12);
+  for (std::size_t w = 1; w < kWheels; ++w) EXPECT_EQ(car.unbalance_kg_m[w], 0.0) << w;
 }
 
 TEST(Twin, NeverAllocates) {
