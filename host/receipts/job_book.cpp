@@ -6,12 +6,15 @@
 #include <variant>
 
 #include "common/bus/operation.hpp"
+#include "common/bus/wire_text.hpp"
 #include "host/receipts/job_order.hpp"
 
 namespace roadbalance {
 namespace {
 
 using Json = nlohmann::json;
+
+constexpr std::size_t kMostText = 300;  // as common/wire/job_t: a longer book would not be read whole
 
 Json to_json(const BookedJob& booked) {
   const Job& job = booked.job;
@@ -21,7 +24,7 @@ Json to_json(const BookedJob& booked) {
           {"recording", job.recording},
           {"options", job.options},
           {"ended_us", job.ended_us},
-          {"text", job.text},
+          {"text", std::string(wire_text::cut_to(job.text, kMostText))},
           {"asked", {booked.asker, booked.request}},
           {"result", booked.result.filename().string()}};
 }

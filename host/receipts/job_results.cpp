@@ -15,8 +15,7 @@ fs::path half_of(const fs::path& result) {
 }
 
 bool is_there(const fs::path& path) {
-  std::error_code ignored;
-  return fs::symlink_status(path, ignored).type() != fs::file_type::not_found;
+  return fs::symlink_status(path).type() != fs::file_type::not_found;
 }
 
 std::uintmax_t bytes_of(const fs::path& path) {
@@ -35,7 +34,8 @@ std::uintmax_t bytes_of(const fs::path& path) {
 fs::path free_place(const fs::path& folder, const ResultName& name,
                     const std::function<bool(const std::string&)>& is_taken) {
   constexpr std::size_t kMostName = 95;  // as common/wire/recording_t holds it
-  for (int number = 1;; ++number) {
+  constexpr int kMostNumber = 9999;
+  for (int number = 1; number <= kMostNumber; ++number) {
     const std::string numbered =
         name.stem + (number == 1 ? "" : "-" + std::to_string(number)) + name.extension;
     if (numbered.size() > kMostName)
@@ -44,6 +44,8 @@ fs::path free_place(const fs::path& folder, const ResultName& name,
     const fs::path place = folder / numbered;
     if (!is_taken(numbered) && !is_there(place) && !is_there(half_of(place))) return place;
   }
+  throw std::runtime_error((folder / (name.stem + name.extension)).string() +
+                           ": all its numbers are taken; give the recording another name");
 }
 
 void discard_half(const fs::path& result) {

@@ -1,4 +1,6 @@
+#include "host/receipts/job_results.hpp"
 #include "host/receipts/byte_rate.hpp"
+#include "host/receipts/job_book.hpp"
 #include "host/receipts/test/jobs_fixture.hpp"
 
 namespace roadbalance {
@@ -149,6 +151,41 @@ TEST_F(JobsTest, ResultsThatCannotBeWrittenAreRefusedAndNamed) {
   EXPECT_NE(answer.text.find(results.string()), std::string::npos) << answer.text;
   EXPECT_EQ(ask(JobKind::kVerify, "first").state, AnswerState::kDone) << "which needs no such place";
   until(JobState::kDone);
+}
+
+TEST_F(JobsTest, ABookOfLongTextsIsReadAgain) {
+  std::vector<BookedJob> booked;
+  for (int k = 1; k <= kMostJobs; ++k)
+    booked.push_back({.job = {.job = k,
+                              .kind = JobKind::kVerify,
+                              .state = JobState::kFailed,
+                              .recording = "first",
+                              .text = std::string(100'000, 'x')}});
+  fs::create_directories(results);
+  std::ofstream(results / kJobBookFile) << encode_job_book(booked);
+  const auto told = Jobs(rb, places).told();
+  ASSERT_EQ(told.size(), static_cast<std::size_t>(kMostJobs));
+  EXPECT_EQ(told[0].text, std::string(300, 'x'));
+}
+
+TEST_F(JobsTest, AFolderThatCannotBeLookedIntoEndsTheSearchForAName) {
+  fs::create_symlink(results, results);  // ELOOP: as EACCES and EIO, and root meets it, too
+  int asked = 0;
+  const auto is_taken = [&](const std::string&) {
+    if (++asked > 10) throw std::logic_error("it goes on and on");
+    return false;
+  };
+  EXPECT_THROW(free_place(results, {.stem = "first", .extension = ".h5"}, is_taken), fs::filesystem_error);
+}
+
+TEST_F(JobsTest, TheSearchForANameEndsWhenAllAreTaken) {
+  int asked = 0;
+  const auto is_taken = [&](const std::string&) {
+    if (++asked > 100'000) throw std::logic_error("it goes on and on");
+    return true;
+  };
+  EXPECT_THROW(free_place(folder.path(), {.stem = "first", .extension = ".h5"}, is_taken),
+               std::runtime_error);
 }
 
 TEST(ByteRate, IsThatOfTheLastSecondsAndForgetsAPause) {
