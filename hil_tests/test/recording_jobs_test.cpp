@@ -120,6 +120,16 @@ constexpr std::array kMade{Asked{JobKind::kExport, "/format=uff58", "drive.uff"}
                            Asked{JobKind::kSelect, "/from=1", "drive-selected"},
                            Asked{JobKind::kReduce, "/rate=500", "drive-reduced-500Hz"}};
 
+// Each would end what the other makes.
+TEST_F(RecordingJobs, OneProgramToAFolderOfResults) {
+  const Program running = recordings();
+  ASSERT_TRUE(test::wait_until([&] { return fs::exists(results); }, kPatience_s));
+  begin(JobKind::kVerify);  // it is there
+  EXPECT_EQ(until_ended().state, JobState::kDone);
+  Program second = recordings();
+  EXPECT_EQ(second.exit_code(kPatience_s), 4);
+}
+
 TEST_F(RecordingJobs, EveryFormatOfThePageIsMade) {
   const Program running = recordings();
   for (const auto& [format, file] : std::map<std::string, std::string>{{"mdf4", "drive.mf4"},

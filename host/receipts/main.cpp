@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -20,6 +21,7 @@
 #include "common/process/child.hpp"
 #include "common/process/parallel.hpp"
 #include "common/process/stop_on_signal.hpp"
+#include "common/record/file.hpp"
 #include "host/receipts/jobs.hpp"
 #include "host/receipts/receipt.hpp"
 #include "host/receipts/recordings_list.hpp"
@@ -118,6 +120,18 @@ JobPlaces places_of(const std::string& folder, const std::string& results, const
   return places;
 }
 
+/// Two would work on one book of jobs, and each end what the other makes.  Nothing where no folder can be
+/// made: then no job makes anything there.
+std::optional<File> hold(const std::filesystem::path& results) {
+  std::error_code error;
+  std::filesystem::create_directories(results, error);
+  if (error) return std::nullopt;
+  File folder = File::open_folder(results);
+  if (!folder.try_lock())
+    throw std::runtime_error("--results " + results.string() + ": another rb-recordings works there");
+  return folder;
+}
+
 /// Whatever else this computer does is more urgent: it records.  Jobs inherit it.
 void yield_to_all() {
   setpriority(PRIO_PROCESS, 0, 19);
@@ -146,14 +160,15 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
     if (!std::filesystem::is_directory(folder))
       throw std::runtime_error("--folder " + folder + ": there is no such folder");
+    const JobPlaces places = places_of(folder, results, transfer_to);
+    const auto held = hold(places.results);
     yield_to_all();
     auto [folders_out, folders_in] = make_channel<std::filesystem::path>(1);
     auto [receipts_out, receipts_in] = make_channel<RecordingReceipt>(1);
     Parallel processes;
     const std::stop_callback pass_on(signals.token(), [&] { processes.request_stop(); });
     processes.run(check, std::move(folders_in), std::move(receipts_out));
-    processes.run(tell, url, whole(folder), places_of(folder, results, transfer_to), std::move(folders_out),
-                  std::move(receipts_in));
+    processes.run(tell, url, whole(folder), places, std::move(folders_out), std::move(receipts_in));
     processes.wait();
     return 0;
   } catch (const CLI::ParseError& error) {

@@ -6,6 +6,11 @@
 namespace roadbalance {
 namespace {
 
+/// What it has come to, then how long it was.
+std::string with(const std::string& text, const std::string& end) {
+  return text.empty() ? end : text + "; " + end;
+}
+
 std::string in_seconds(WallTime::duration duration) {
   return std::to_string(std::chrono::duration_cast<std::chrono::seconds>(duration).count()) + " s";
 }
@@ -23,9 +28,9 @@ void AlarmLog::raise(const Alarm& alarm, std::string text, WallTime now) {
   if (!state.is_on) {
     state.is_on = true;
     state.since = now;
-    state.text = std::move(text);
     ++state.times;
   }
+  state.text = std::move(text);  // it may be more by now
   state.last = now;
 }
 
@@ -45,8 +50,8 @@ std::vector<AlarmNote> AlarmLog::due(WallTime now) {
     if (now - state.last < hold(state)) continue;
     notes.push_back({.began = false,
                      .alarm = alarm,
-                     .text = "it lasted " + in_seconds(state.last - state.since) + ", until " +
-                             in_seconds(now - state.last) + " ago"});
+                     .text = with(state.text, "it lasted " + in_seconds(state.last - state.since) +
+                                                  ", until " + in_seconds(now - state.last) + " ago")});
     state.is_on = state.is_noted = false;
   }
   return notes;
@@ -59,8 +64,9 @@ std::vector<AlarmNote> AlarmLog::finish(WallTime now) {
     state.is_noted = false;
     notes.push_back({.began = false,
                      .alarm = alarm,
-                     .text = "at the end of the recording, " + in_seconds(now - state.last) +
-                             " after it was seen last; it lasted " + in_seconds(state.last - state.since)});
+                     .text = with(state.text, "at the end of the recording, " + in_seconds(now - state.last) +
+                                                  " after it was seen last; it lasted " +
+                                                  in_seconds(state.last - state.since))});
   }
   return notes;
 }

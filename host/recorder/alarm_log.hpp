@@ -15,7 +15,7 @@ namespace roadbalance {
 struct AlarmNote {
   bool began = true;
   Alarm alarm{};
-  std::string text;  ///< "35 samples" or "after 12 s"
+  std::string text;  ///< "35 samples by now"; "4211 samples by now; it lasted 12 s, until 10 s ago"
 };
 
 /// An alarm that is on.

@@ -20,11 +20,17 @@ void AlarmWatch::rise(const Alarm& alarm, std::int64_t epoch, std::int64_t count
   of_epoch = epoch;
   if (count <= known) return;  // a late one, too
   known = count;
-  log_.raise(alarm, std::to_string(count) + what + " by now", now);
+  std::string text = std::to_string(count) + what;
+  if (count == 1) text.pop_back();  // its plural
+  log_.raise(alarm, text + " by now", now);
 }
 
 void AlarmWatch::take(const Heartbeat& beat, WallTime now) {
-  if (owner_ != 0 && beat.owner != owner_) return;
+  if (owner_ != 0 && beat.owner != owner_) {
+    // It is heard, and somebody else's to miss.
+    if (const auto known = node_.find(beat.node); known != node_.end()) known->second.measures = false;
+    return;
+  }
   if (!node_.contains(beat.node) && node_.size() >= kMostWatched) return;
   node_[beat.node] = {beat.epoch, now, beat.state == NodeState::kStarted};
   const auto of = [&](AlarmCause cause, std::int32_t part = -1) { return Alarm{cause, beat.node, part}; };

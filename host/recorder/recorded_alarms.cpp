@@ -17,7 +17,7 @@ void RecordedAlarms::take(const Note& note) {
   const auto begun = std::ranges::find(newest_first, alarm, &RecordedAlarm::alarm);
   if (begun == newest_first.end() || begun->ended_us) return;
   begun->ended_us = note.time_us;
-  begun->text += (begun->text.empty() ? "" : "; ") + note.text;
+  begun->text = note.text;  // what it has come to is in it
 }
 
 std::string sentence(const RecordedAlarm& alarm) {

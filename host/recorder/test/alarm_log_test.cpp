@@ -19,7 +19,10 @@ class AlarmLogTest : public ::testing::Test {
 TEST_F(AlarmLogTest, SaysOnceThatItBeganAndOnceThatItIsOver) {
   std::vector<AlarmNote> notes;
   for (int k = 0; k < 300; ++k, now += milliseconds(100)) {  // it lasts half of that
-    if (k < 150) log.raise(kLost, "35 samples", now);
+    if (k < 150) log.raise(kLost, std::to_string(35 + k) + " samples", now);
+    if (k == 100) {
+      EXPECT_EQ(log.active().at(0).text, "135 samples") << "what it has come to";
+    }
     for (const auto& note : log.due(now)) notes.push_back(note);
     EXPECT_EQ(log.active().size(), k < 250 - 1 ? 1u : 0u) << k;
   }
@@ -28,7 +31,7 @@ TEST_F(AlarmLogTest, SaysOnceThatItBeganAndOnceThatItIsOver) {
   EXPECT_EQ(notes[0].alarm, kLost);
   EXPECT_EQ(notes[0].text, "35 samples");
   EXPECT_FALSE(notes[1].began);
-  EXPECT_EQ(notes[1].text, "it lasted 14 s, until 10 s ago");
+  EXPECT_EQ(notes[1].text, "184 samples; it lasted 14 s, until 10 s ago");
 }
 
 TEST_F(AlarmLogTest, BoundsWhatAnAlarmThatFlapsWrites) {
@@ -52,7 +55,7 @@ TEST_F(AlarmLogTest, KeepsForLaterWhatTheDiskDidNotTake) {
   const auto notes = log.due(now);
   ASSERT_EQ(notes.size(), 2u);
   EXPECT_EQ(notes[0].text, "35 samples, 60 s ago");
-  EXPECT_EQ(notes[1].text, "it lasted 0 s, until 60 s ago");
+  EXPECT_EQ(notes[1].text, "35 samples; it lasted 0 s, until 60 s ago");
 }
 
 TEST_F(AlarmLogTest, EndsWithTheRecording) {

@@ -62,6 +62,27 @@ TEST_F(AlarmWatchTest, CountsWhatNodesLose) {
   beat.scans_missing = 31;
   watch.take(beat, now);
   EXPECT_EQ(active(), (Alarms{{AlarmCause::kSamplesLost, 3}}));
+  beat.scans_missing = 4206;
+  watch.take(beat, now);
+  EXPECT_EQ(watch.active()[0].text, "4211 samples by now");
+}
+
+TEST_F(AlarmWatchTest, CountsOneAsOne) {
+  beat.scans_missing = 1;
+  watch.take(beat, now);
+  EXPECT_EQ(watch.active().at(0).text, "1 sample by now");
+}
+
+// It is heard, and another recorder's to miss.
+TEST_F(AlarmWatchTest, ANodeThatAnotherHasTakenOverIsNotSilent) {
+  watch.set_owner(beat.owner = 77);
+  watch.take(beat, now);
+  beat.owner = 78;
+  for (int k = 0; k < 10; ++k, now += std::chrono::seconds(1)) {
+    watch.take(beat, now);
+    watch.turn(now);
+  }
+  EXPECT_EQ(active(), Alarms{});
 }
 
 TEST_F(AlarmWatchTest, CountsAnewInANewEpoch) {
