@@ -130,6 +130,14 @@ TEST_F(RecordingJobs, OneProgramToAFolderOfResults) {
   EXPECT_EQ(second.exit_code(kPatience_s), 4);
 }
 
+TEST_F(RecordingJobs, CopiesGoElsewhere) {
+  for (const fs::path& place : {drives(), results}) {
+    Program refused("rb-recordings", {"--url", url, "--folder", drives().string(), "--results",
+                                      results.string(), "--transfer-to", place.string()});
+    EXPECT_EQ(refused.exit_code(kPatience_s), 4) << place;
+  }
+}
+
 TEST_F(RecordingJobs, EveryFormatOfThePageIsMade) {
   const Program running = recordings();
   for (const auto& [format, file] : std::map<std::string, std::string>{{"mdf4", "drive.mf4"},

@@ -117,6 +117,9 @@ JobPlaces places_of(const std::string& folder, const std::string& results, const
                    .transfer_to = transfer_to.empty() ? std::filesystem::path{} : whole(transfer_to)};
   if (places.results == whole(folder))
     throw std::runtime_error("--results " + results + ": is the folder of the recordings; allowed: another");
+  if (places.transfer_to == whole(folder) || places.transfer_to == places.results)
+    throw std::runtime_error("--transfer-to " + transfer_to +
+                             ": is the folder of the recordings, or of the results; allowed: another");
   return places;
 }
 

@@ -28,7 +28,7 @@ void RecordingsList::look_in(const std::filesystem::path& place, bool is_results
                              std::map<std::string, Entry>& found) {
   std::error_code error;
   for (const auto& each : std::filesystem::directory_iterator(place, error)) {
-    if (!each.is_directory(error) || (is_results && each.path().extension() == kHalfMade)) continue;
+    if (!each.is_directory(error) || each.path().extension() == kHalfMade) continue;
     const auto changed = last_change(each.path());
     if (!changed) continue;
     std::string name = each.path().filename().string();

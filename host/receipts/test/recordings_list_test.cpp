@@ -45,6 +45,16 @@ TEST_F(List, OfNoRecordingSaysSo) {
   EXPECT_EQ(told[0].name, "");
 }
 
+// What rb select or a transfer makes here is none yet, and no recording that grows.
+TEST_F(List, PassesOverWhatIsHalfMade) {
+  write("monday", kNow - kLongAgo);
+  write("tuesday.part", kNow);
+  const auto told = look();
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(told[0].name, "monday");
+  EXPECT_FALSE(list.grows());
+}
+
 TEST_F(List, TellsTheNewestFirstAndAsksForEachReceiptOnce) {
   write("monday", kNow - 2 * kLongAgo);
   write("tuesday", kNow - kLongAgo);
