@@ -64,7 +64,7 @@ void refused_or(Check check, std::string_view text) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace roadbalance;
   const std::string_view text(reinterpret_cast<const char*>(data), size);
-  const auto next = [&, rest = std::optional(text)]() mutable {
+  auto next = [&, rest = std::optional(text)]() mutable {
     const auto part = rest.value_or("").substr(0, rest.value_or("").find('\0'));
     if (rest) rest = part.size() < rest->size() ? std::optional(rest->substr(part.size() + 1)) : std::nullopt;
     return part;

@@ -71,11 +71,12 @@ void write_posts() {
   write("post", "range", ids + R"("range","node":2,"channel":4,"value":[80,-1.5e3]})");
   write("post", "start", ids + R"("start","text":""})");
   write("post", "job", ids + R"("job","text":"drive","value":[1]})");
-  write("jobs", "order", "drive/format=csv/from=-1.5/to=2e3/channels=a,b");
-  write("jobs", "order-marks", "drive/from-mark=1/to-mark=2/rate=500");
+  write("jobs", "order", std::string("drive/format=csv/from=-1.5/to=2e3/channels=a,b"));
+  write("jobs", "order-marks", std::string("drive/from-mark=1/to-mark=2/rate=500"));
   write("jobs", "book",
-        R"([{"job":1,"kind":5,"state":7,"recording":"drive","options":"from=1","ended_us":0,"text":"t",)"
-        R"("asked":[1,2],"result":"drive-selected"}])");
+        std::string(
+            R"([{"job":1,"kind":5,"state":7,"recording":"drive","options":"from=1","ended_us":0,"text":"t",)"
+            R"("asked":[1,2],"result":"drive-selected"}])"));
   const std::string host = "127.0.0.1:8080\nhttp://127.0.0.1:8080\n";
   write("post", "head", "POST\n/request\n" + host + "roadbalance, viewer.7, token.correct-horse-battery");
   write("post", "feed", "GET\n/feed\n" + host + "roadbalance, token.correct-horse-battery\n");

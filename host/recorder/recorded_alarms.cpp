@@ -1,7 +1,6 @@
 #include "host/recorder/recorded_alarms.hpp"
 
 #include <algorithm>
-#include <ranges>
 
 #include "common/record/record.hpp"
 
@@ -13,9 +12,9 @@ void RecordedAlarms::take(const Note& note) {
   if (note.kind == NoteKind::kAlarmBegan)
     all_.push_back({.alarm = alarm, .began_us = note.time_us, .ended_us = std::nullopt, .text = note.text});
   if (note.kind != NoteKind::kAlarmEnded) return;
-  auto newest_first = std::views::reverse(all_);
-  const auto begun = std::ranges::find(newest_first, alarm, &RecordedAlarm::alarm);
-  if (begun == newest_first.end() || begun->ended_us) return;
+  const auto begun = std::find_if(all_.rbegin(), all_.rend(),
+                                  [&](const RecordedAlarm& known) { return known.alarm == alarm; });
+  if (begun == all_.rend() || begun->ended_us) return;
   begun->ended_us = note.time_us;
   begun->text = note.text;  // what it has come to is in it
 }
