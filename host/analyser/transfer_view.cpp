@@ -51,7 +51,7 @@ TransferView::Kind TransferView::kind_of(const View& view) const {
       channels.push_back(pair.output);
     }
   std::ranges::sort(channels);
-  channels.erase(std::ranges::unique(channels).begin(), channels.end());
+  channels.erase(std::unique(channels.begin(), channels.end()), channels.end());
   return {channels, view.segment, view.window, view.memory, false, view.overlap};
 }
 

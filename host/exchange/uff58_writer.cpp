@@ -117,7 +117,7 @@ class Uff58Writer final : public ExportWriter {
       for (std::size_t row = 0; row < rows.rows(); ++row) {
         const std::int64_t at = rows.first_row + static_cast<std::int64_t>(row);
         put(channels[c], rows.counts[row * channels.size() + c]);
-        if (at % kPerLine == kPerLine - 1 || at + 1 == group_[group].rows) text_ += '\n';
+        if (static_cast<std::size_t>(at) % kPerLine == kPerLine - 1 || at + 1 == group_[group].rows) text_ += '\n';
       }
       const auto first = static_cast<std::uint64_t>(rows.first_row);
       write_at(place_[group][c] + first * kNumber + first / kPerLine, text_);
