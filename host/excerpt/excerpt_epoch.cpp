@@ -118,7 +118,7 @@ void ExcerptEpoch::take_scans(ScanBlock block) {
   if (overlap > 0) block = rows_of(block, overlap, block.header.scans - overlap);
   period_ps_ = block.period_ps;
   if (const auto time_ns = clock_.time_ns(block.header.time_ns); time_ns)
-    end_older_than(*time_ns - std::min(kLatest_ns, *time_ns - std::numeric_limits<std::int64_t>::min()));
+    end_older_than(std::max(*time_ns, std::numeric_limits<std::int64_t>::min() + kLatest_ns) - kLatest_ns);
   if (kept_ != ~0U) keep_channels(kept_, block);
   by_piece(block.header.time_ns, block.header.scans,
            [&](std::size_t piece, std::int64_t first, std::int64_t count) {
