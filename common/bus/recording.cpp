@@ -1,6 +1,7 @@
 #include "common/bus/recording.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <wire/recording_t.hpp>
 
@@ -17,7 +18,8 @@ bool in_bounds(const wire::recording_t& m) {
   return 0 <= m.recordings && m.recordings <= kMostRecordings && 0 <= m.number &&
          m.number < std::max(m.recordings, 1) && 0 <= m.state &&
          m.state <= static_cast<std::int32_t>(RecordingState::kUnreadable) && 0 <= m.nodes &&
-         m.nodes <= static_cast<std::int32_t>(kMostReceiptNodes) && 0 <= m.marks;
+         m.nodes <= static_cast<std::int32_t>(kMostReceiptNodes) && 0 <= m.marks && 0 <= m.most_reduction &&
+         m.rate_hz >= 0.0 && std::isfinite(m.rate_hz) && m.cutoff_hz >= 0.0 && std::isfinite(m.cutoff_hz);
 }
 
 }  // namespace
@@ -35,6 +37,9 @@ std::vector<std::uint8_t> encode(const RecordingReceipt& r) {
   m.bytes = r.bytes;
   m.refused = r.refused;
   m.damaged_bytes = r.damaged_bytes;
+  m.rate_hz = r.rate_hz;
+  m.cutoff_hz = r.cutoff_hz;
+  m.most_reduction = r.most_reduction;
   m.nodes = static_cast<std::int32_t>(std::min(r.node.size(), kMostReceiptNodes));
   for (std::int32_t k = 0; k < m.nodes; ++k) {
     const auto& node = r.node[static_cast<std::size_t>(k)];
@@ -73,6 +78,9 @@ std::optional<RecordingReceipt> decode_recording(std::span<const std::uint8_t> b
   r.bytes = m->bytes;
   r.refused = m->refused;
   r.damaged_bytes = m->damaged_bytes;
+  r.rate_hz = m->rate_hz;
+  r.cutoff_hz = m->cutoff_hz;
+  r.most_reduction = m->most_reduction;
   for (std::int32_t k = 0; k < m->nodes; ++k)
     r.node.push_back({m->node[k], m->samples[k], m->samples_lost[k], m->repaired[k], m->seconds[k],
                       m->overload_s[k], m->sync_residual_s[k]});

@@ -40,6 +40,8 @@ struct RecordingReceipt {
   std::string place{};  ///< folder that it lies in
   RecordingState state = RecordingState::kNotRead;
   std::int64_t first_us = 0, last_us = 0, bytes = 0, refused = 0, damaged_bytes = 0;
+  double rate_hz = 0, cutoff_hz = 0;  ///< 0: not known
+  std::int32_t most_reduction = 0;    ///< 0: not known
   std::vector<Node> node{};  ///< the first kMostReceiptNodes are told
   std::vector<Mark> mark{};  ///< the first kMostReceiptMarks are told with their texts
   std::int32_t marks = 0;

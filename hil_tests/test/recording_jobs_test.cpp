@@ -9,6 +9,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/job.hpp"
+#include "common/bus/recording.hpp"
 #include "common/test/bus_url.hpp"
 #include "common/test/temporary_directory.hpp"
 #include "hil_tests/private_mounts.hpp"
@@ -163,6 +164,31 @@ TEST_F(RecordingJobs, MakesRecordingsThatAreComplete) {
     EXPECT_EQ(until_ended().state, JobState::kDone) << newest().text;
     EXPECT_EQ(verify_record(results / asked.result).verdict, Verdict::kComplete);
   }
+}
+
+// What the page offers is what rb takes: one definition, on both sides of the bus.
+TEST_F(RecordingJobs, IsReducedAsFarAsTheListSaysAndNoFurther) {
+  RecordingReceipt listed;
+  bus.subscribe(kRecordingChannel, [&](std::string_view, auto bytes) {
+    if (const auto receipt = decode_recording(bytes); receipt && receipt->name == "drive") listed = *receipt;
+  });
+  const Program running = recordings();
+  ASSERT_TRUE(test::wait_until(
+      [&] {
+        bus.handle(std::chrono::milliseconds(20));
+        return listed.most_reduction > 0;
+      },
+      kPatience_s));
+  EXPECT_EQ(listed.rate_hz, 2000);
+  EXPECT_EQ(listed.cutoff_hz, 200);
+  const auto reduce = [&](int factor) {
+    return test::run("rb",
+                     {"reduce", drive().string(), "--factor", std::to_string(factor), "--output",
+                      (work.path() / std::to_string(factor)).string()},
+                     kPatience_s);
+  };
+  EXPECT_EQ(reduce(listed.most_reduction), 0);
+  EXPECT_EQ(reduce(listed.most_reduction + 1), 2);
 }
 
 TEST_F(RecordingJobs, KilledInTheMiddleIsToldAsInterruptedLeavesNothingHalfAndBeginsAnew) {

@@ -5,6 +5,7 @@
 
 #include "common/config/section.hpp"
 #include "common/config/set_value.hpp"
+#include "host/excerpt/reduction.hpp"
 
 namespace roadbalance {
 namespace {
@@ -18,9 +19,7 @@ bool holds(const std::vector<std::string>& names, const std::string& name) {
 
 std::string with_rate(std::string text, const VehicleConfig& vehicle, int factor) {
   const double rate_hz = vehicle.node.front().rate_hz / factor;
-  // What vehicle.toml says of the filter would not be true of samples that the filter alone did not keep from
-  // folding, and nodes that replay them compute with it.
-  if (rate_hz <= 2.0 * vehicle.filter.cutoff_hz)
+  if (factor > largest_reduction(vehicle))
     throw ConfigError("--factor, --rate: " + toml_number(rate_hz, 3) +
                       " Hz are left; allowed: more than twice the " +
                       toml_number(vehicle.filter.cutoff_hz, 3) + " Hz of [filter] cutoff_hz");

@@ -15,6 +15,7 @@
 #include "common/config/vehicle_config.hpp"
 #include "common/record/record.hpp"
 #include "host/analyser/recorded_vehicle.hpp"
+#include "host/excerpt/reduction.hpp"
 #include "host/recorder/verify.hpp"
 
 namespace roadbalance {
@@ -93,12 +94,17 @@ void put_nodes(const Verification& proof, const Survey& found, RecordingReceipt&
   }
 }
 
-std::string vehicle_name(const std::filesystem::path& folder) {
+void put_vehicle(const std::filesystem::path& folder, RecordingReceipt& receipt) {
   try {
     const auto vehicle = recorded_vehicle(folder);
-    return vehicle ? vehicle->name : "";
+    if (!vehicle) return;
+    receipt.vehicle = vehicle->name;
+    receipt.rate_hz = vehicle->node.front().rate_hz;
+    receipt.cutoff_hz = vehicle->filter.cutoff_hz;
+    // rb reduce goes by the rate that stands in the file, which an import's fitted one is not.
+    receipt.most_reduction = largest_reduction(VehicleConfig::parse(vehicle->text, "vehicle.toml"));
   } catch (const std::exception&) {
-    return "";  // a car that cannot be used is a recording all the same
+    // A car that cannot be used is a recording all the same.
   }
 }
 
@@ -126,7 +132,7 @@ RecordingReceipt receipt_of(const std::filesystem::path& folder) {
   receipt.verdict = verdict_text(proof);
   receipt.refused = proof.blocks_refused + proof.entries_refused;
   receipt.damaged_bytes = static_cast<std::int64_t>(proof.damaged_bytes);
-  receipt.vehicle = vehicle_name(folder);
+  put_vehicle(folder, receipt);
   try {
     Survey found = survey(folder);
     receipt.first_us = found.first_us;

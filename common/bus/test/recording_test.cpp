@@ -14,6 +14,9 @@ RecordingReceipt receipt() {
   sent.bytes = 30;
   sent.refused = 4;
   sent.damaged_bytes = 5;
+  sent.rate_hz = 2000.5;
+  sent.cutoff_hz = 200.25;
+  sent.most_reduction = 4;
   sent.node = {{1, 1000, 2, 3, 60.0, 0.5, 12e-6}, {2, 900, 0, 0, 59.0, 0.0, -1.0}};
   sent.mark = {{15, "weights fitted", 3}};
   sent.marks = 1;
@@ -37,6 +40,9 @@ TEST(Recording, ComesBackAsItWasSent) {
   EXPECT_EQ(got->bytes, 30);
   EXPECT_EQ(got->refused, 4);
   EXPECT_EQ(got->damaged_bytes, 5);
+  EXPECT_EQ(got->rate_hz, 2000.5);
+  EXPECT_EQ(got->cutoff_hz, 200.25);
+  EXPECT_EQ(got->most_reduction, 4);
   ASSERT_EQ(got->node.size(), 2U);
   EXPECT_EQ(got->node[0].samples, 1000);
   EXPECT_EQ(got->node[0].samples_lost, 2);

@@ -91,6 +91,7 @@ RecordingReceipt recording(const Scene& scene, std::int32_t number) {
   if (number > 0)
     for (std::int32_t node = 1; node <= 2; ++node)
       receipt.node.push_back({node, 3'600'000, number == 2 ? 40 : 0, 3, 1800.0, 0.2 * (node - 1), 12e-6});
+  if (number > 0) receipt.rate_hz = 2000, receipt.cutoff_hz = 200, receipt.most_reduction = 4;
   receipt.mark = {{receipt.first_us + 60'000'000, "weights fitted", 1}};
   receipt.marks = 1;
   return receipt;

@@ -2,9 +2,19 @@
 import {el, setText} from "./dom";
 import {kFormats, type JobForm} from "./jobs";
 import {untilZero} from "./text";
-import type {Recording} from "./wire";
+import {RecordingState, type Recording} from "./wire";
 
-const kFactors = [2, 4, 5, 8, 10, 20, 50, 100];
+const kFactors = [2, 3, 4, 5, 8, 10, 20, 50, 100];
+
+const rounded = (hz: number) => String(Number(hz.toPrecision(9)));
+
+function reduceWords({most_reduction, rate_hz, cutoff_hz, state}: Recording, canBe: boolean): string {
+  const least = `more than ${rounded(2 * cutoff_hz)} Hz must be left, twice the cutoff of the filter that it was recorded with`;
+  if (canBe) return `Makes a recording of fewer samples, behind a low-pass that lets nothing fold; this one stays as it is. It has ${rounded(rate_hz)} Hz, and ${least}.`;
+  if (most_reduction > 0) return `It has ${rounded(rate_hz)} samples a second and cannot be reduced: ${least}.`;
+  return state === RecordingState.NotRead || state === RecordingState.Growing ? "How many samples a second it has will be known when it has been checked."
+    : "It cannot be reduced: it does not say how many samples a second it has, and behind which filter.";
+}
 
 const secondsField = (words: string) => el("input", {type: "number", step: "any", placeholder: words, autocomplete: "off"});
 const labelled = (name: string, field: HTMLElement) => el("label", {}, [el("span", {}, [name]), field]);
@@ -61,21 +71,19 @@ export class JobFields {
       `mark ${recording.mark_number[k]}: ${untilZero(recording.mark[k] ?? []) || "–"}`] as const);
     this.fromMark.offer(marks);
     this.toMark.offer(marks);
-    const [samples = 0, seconds = 0] = [recording.samples[0], recording.seconds[0]];
-    const rate = recording.nodes > 0 && seconds > 0 ? samples / seconds : 0;
-    this.rate.offer(rate > 0 ? kFactors.map((factor) => {
-      const hz = String(Number((rate / factor).toPrecision(9)));
-      return [hz, `${hz} Hz: every ${factor}${factor === 2 ? "nd" : "th"}`] as const;
-    }) : []);
+    const factors = kFactors.filter((factor) => factor <= recording.most_reduction);
+    this.rate.offer(factors.map((factor) => {
+      const hz = rounded(recording.rate_hz / factor);
+      return [hz, `${hz} Hz: every ${factor}${["nd", "rd"][factor - 2] ?? "th"}`] as const;
+    }));
     setText(this.words, {
       export: "Writes a file beside the recording's other results; the recording stays as it is.",
       select: "Makes a recording of a part, sample for sample the same; this one stays as it is.",
-      reduce: rate > 0 ? "Makes a recording of fewer samples, behind a low-pass that lets nothing fold; this one stays as it is."
-        : "How many samples a second it has will be known when it has been checked.",
+      reduce: reduceWords(recording, factors.length > 0),
       transfer: transferTo === "" ? "No disk for copies is known. On the machine that records, start rb-recordings with --transfer-to FOLDER to allow it."
         : `Copies it to ${transferTo} and reads the copy back. Interrupted, it goes on where it was; the disk may be unplugged at any time.`,
     }[this.form]);
-    return this.form === "transfer" ? transferTo !== "" : this.form !== "reduce" || rate > 0;
+    return this.form === "transfer" ? transferTo !== "" : this.form !== "reduce" || factors.length > 0;
   }
 
   /** As host/receipts/job_order.hpp has them; each with a slash before it. */

@@ -212,6 +212,9 @@ for (const [name, options] of [["night", {colorScheme: "dark"}], ["day", {colorS
     await page.keyboard.press("Enter");
     await tabTo(page, ".panel select");
     assert.equal(await page.evaluate(() => document.activeElement.selectedOptions[0].text), "1000 Hz: every 2nd");
+    // Of 2000 Hz, with a filter of 200 Hz: what rb reduce takes, and no more.
+    assert.deepEqual(await of.locator(".panel:visible option").allTextContents(), ["1000 Hz: every 2nd", "666.666667 Hz: every 3rd", "500 Hz: every 4th"]);
+    await picture(page, `jobs-reduce-${name}`);
     await page.keyboard.press("Tab");
     await page.keyboard.press("Enter");
     await jobSays(page, "second", "Reduce", `1000 Hz: done.*${results}/second-reduced-1000Hz, `);
