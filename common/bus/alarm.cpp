@@ -73,6 +73,12 @@ std::string place_of(const Alarm& alarm) {
   }
 }
 
+std::string sentence_of(const Alarm& alarm, const std::string& text) {
+  const std::string place = place_of(alarm);
+  return std::string(word(level_of(alarm.cause))) + (place.empty() ? "" : " " + place) + ": " +
+         name_of(alarm.cause) + (text.empty() ? "" : " (" + text + ")");
+}
+
 std::int64_t place_number(const Alarm& alarm) {
   return std::int64_t{alarm.node} * kParts + alarm.part + 1;
 }

@@ -64,6 +64,8 @@ struct Alarm {
 
 /// "node 1 channel 3"; empty: of the recorder.
 std::string place_of(const Alarm& alarm);
+/// "ALARM node 1: samples lost"; with a text "ALARM node 1: samples lost (35 samples by now)".
+std::string sentence_of(const Alarm& alarm, const std::string& text = "");
 
 /// As one number, of a note: cause is the note's a, this its b.
 std::int64_t place_number(const Alarm& alarm);

@@ -6,7 +6,7 @@
 #include "common/bus/bus.hpp"
 #include "common/bus/channel_faults.hpp"
 #include "hil_tests/measurement.hpp"
-#include "host/recorder/recorded_alarms.hpp"
+#include "host/recorder/verify.hpp"
 
 namespace roadbalance {
 namespace {
@@ -19,7 +19,7 @@ class Alarms : public test::Measurement {
 
   /// Of the finished record.
   std::vector<RecordedAlarm> of(AlarmCause cause) const {
-    std::vector<RecordedAlarm> found = recorded_alarms(record);
+    std::vector<RecordedAlarm> found = verify_record(record).alarms.all();
     std::erase_if(found, [&](const RecordedAlarm& one) { return one.alarm.cause != cause; });
     return found;
   }

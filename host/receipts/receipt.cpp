@@ -122,8 +122,11 @@ RecordingReceipt unread(const std::filesystem::path& folder) {
 }
 
 RecordingReceipt receipt_of(const std::filesystem::path& folder) {
+  return receipt_of(folder, verify_record(folder));
+}
+
+RecordingReceipt receipt_of(const std::filesystem::path& folder, const Verification& proof) {
   RecordingReceipt receipt = unread(folder);
-  const Verification proof = verify_record(folder);
   receipt.state = state_of(proof.verdict);
   if (proof.verdict == Verdict::kUnreadable) {
     receipt.verdict = proof.error;

@@ -1,40 +1,32 @@
 #include "host/recorder/recorded_alarms.hpp"
 
-#include <algorithm>
-
-#include "common/record/record.hpp"
-
 namespace roadbalance {
 
 void RecordedAlarms::take(const Note& note) {
+  if (note.kind != NoteKind::kAlarmBegan && note.kind != NoteKind::kAlarmEnded) return;
   if (!is_alarm_cause(note.a)) return;  // a later version's
   const Alarm alarm = alarm_of(note.a, note.b);
-  if (note.kind == NoteKind::kAlarmBegan)
+  if (note.kind == NoteKind::kAlarmBegan) {
+    // The end that follows is of this one, also if an earlier one has none and this one is left out.
+    running_.erase(alarm);
+    std::size_t& kept = kept_.at(static_cast<std::size_t>(level_of(alarm.cause)) - 1);
+    if (kept >= kMostOfALevel) {
+      ++left_out_;
+      return;
+    }
+    ++kept;
+    running_[alarm] = all_.size();
     all_.push_back({.alarm = alarm, .began_us = note.time_us, .ended_us = std::nullopt, .text = note.text});
-  if (note.kind != NoteKind::kAlarmEnded) return;
-  const auto begun = std::find_if(all_.rbegin(), all_.rend(),
-                                  [&](const RecordedAlarm& known) { return known.alarm == alarm; });
-  if (begun == all_.rend() || begun->ended_us) return;
-  begun->ended_us = note.time_us;
-  begun->text = note.text;  // what it has come to is in it
+  } else if (const auto begun = running_.find(alarm); begun != running_.end()) {
+    all_[begun->second].ended_us = note.time_us;
+    all_[begun->second].text = note.text;  // what it has come to is in it
+    running_.erase(begun);
+  }
 }
 
 std::string sentence(const RecordedAlarm& alarm) {
-  const std::string place = place_of(alarm.alarm);
-  const std::string text =
-      alarm.ended_us ? alarm.text : alarm.text + (alarm.text.empty() ? "" : "; ") + "no end is recorded";
-  return std::string(word(level_of(alarm.alarm.cause))) + (place.empty() ? "" : " " + place) + ": " +
-         name_of(alarm.alarm.cause) + (text.empty() ? "" : " (" + text + ")");
-}
-
-std::vector<RecordedAlarm> recorded_alarms(const std::filesystem::path& folder) {
-  RecordReader reader(folder);
-  reader.finish();
-  RecordedAlarms found;
-  while (const auto event = reader.next())
-    if (event->channel == kNoteChannel)
-      if (const auto note = decode_note(event->data)) found.take(*note);
-  return found.all();
+  if (alarm.ended_us) return sentence_of(alarm.alarm, alarm.text);
+  return sentence_of(alarm.alarm, alarm.text + (alarm.text.empty() ? "" : "; ") + "no end is recorded");
 }
 
 }  // namespace roadbalance

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
-#include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,20 +21,26 @@ struct RecordedAlarm {
   std::string text{};                      ///< how much, how long
 };
 
-/// In the order in which they began, from notes in the order of the record.  A pure state machine.
+/// In the order in which they began, from notes in the order of the record.  A pure state machine of bounded
+/// memory, whatever the record holds: each note takes O(log kMostOfALevel).
 class RecordedAlarms {
  public:
+  /// Of each level, so that a flood of notices hides no alarm; a recorder writes some hundred in a day.
+  static constexpr std::size_t kMostOfALevel = 10'000;
+
   void take(const Note& note);
   const std::vector<RecordedAlarm>& all() const { return all_; }
+  /// That began and are not in all(), for there were too many.
+  std::size_t left_out() const { return left_out_; }
 
  private:
   std::vector<RecordedAlarm> all_;
+  std::array<std::size_t, 3> kept_{};     // by level
+  std::map<Alarm, std::size_t> running_;  // begun and not over: places in all_
+  std::size_t left_out_ = 0;
 };
 
 /// "ALARM node 1: samples lost (35 samples by now; it lasted 12 s, until 10 s ago)"
 std::string sentence(const RecordedAlarm& alarm);
-
-/// @throws std::runtime_error if the folder is no recording
-std::vector<RecordedAlarm> recorded_alarms(const std::filesystem::path& folder);
 
 }  // namespace roadbalance

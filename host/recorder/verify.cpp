@@ -74,6 +74,7 @@ void take_note(const Note& note, Reading& reading) {
     ++reading.result.deleted_segments;
     reading.deleted_through = std::max(reading.deleted_through, static_cast<int>(note.a));
   }
+  reading.result.alarms.take(note);
   if (note.kind != NoteKind::kClock) reading.result.notes.push_back(note_text(note));
 }
 

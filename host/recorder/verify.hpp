@@ -7,6 +7,7 @@
 
 #include "common/bus/notes.hpp"
 #include "common/record/disk.hpp"
+#include "host/recorder/recorded_alarms.hpp"
 #include "host/recorder/verify_epochs.hpp"
 
 namespace roadbalance {
@@ -36,6 +37,7 @@ struct Verification {
   std::uint64_t torn_bytes = 0;
   std::vector<std::string> damage;   ///< where, for people
   std::vector<std::string> notes;    ///< what the recorder noted, for people
+  RecordedAlarms alarms;             ///< that it noted
   std::vector<std::string> indexes;  ///< that say something else than their segments; they can be made again
 };
 

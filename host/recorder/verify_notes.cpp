@@ -15,10 +15,7 @@ std::string number(std::int64_t value) {
 std::string alarm_text(const Note& note) {
   const bool began = note.kind == NoteKind::kAlarmBegan;
   if (!is_alarm_cause(note.a)) return "alarm " + number(note.a) + (began ? "" : " is over");
-  const Alarm alarm = alarm_of(note.a, note.b);
-  const std::string place = place_of(alarm);
-  return word(level_of(alarm.cause)) + (place.empty() ? "" : " " + place) + ": " + name_of(alarm.cause) +
-         (began ? "" : " is over");
+  return sentence_of(alarm_of(note.a, note.b)) + (began ? "" : " is over");
 }
 
 std::string what_happened(const Note& note) {

@@ -1,9 +1,12 @@
 #include "tools/rb/alarm_lines.hpp"
 
 #include <array>
+#include <utility>
 
 namespace roadbalance {
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 struct Colour {
   AlarmLevel level;
@@ -25,24 +28,26 @@ std::string alarm_line(AlarmLevel level, const std::string& text) {
 
 std::vector<std::string> alarm_lines(const std::vector<ActiveAlarm>& active) {
   std::vector<std::string> lines;
-  for (const ActiveAlarm& on : active) {
-    const std::string place = place_of(on.alarm);
-    lines.push_back(head(level_of(on.alarm.cause)) + (place.empty() ? "" : " " + place) + ": " +
-                    name_of(on.alarm.cause) + (on.text.empty() ? "" : " (" + on.text + ")"));
-  }
+  for (const ActiveAlarm& on : active)
+    lines.push_back(shape(level_of(on.alarm.cause)) + (" " + sentence_of(on.alarm, on.text)));
   return lines;
 }
 
-nlohmann::ordered_json recorded_alarms_json(const std::vector<RecordedAlarm>& alarms) {
-  using Json = nlohmann::ordered_json;
+Json alarm_json(const Alarm& alarm, const std::string& text) {
+  return {{"level", word(level_of(alarm.cause))},
+          {"where", place_of(alarm)},
+          {"what", name_of(alarm.cause)},
+          {"text", text}};
+}
+
+Json recorded_alarms_json(const std::vector<RecordedAlarm>& alarms) {
   Json list = Json::array();
-  for (const RecordedAlarm& one : alarms)
-    list.push_back({{"level", word(level_of(one.alarm.cause))},
-                    {"where", place_of(one.alarm)},
-                    {"what", name_of(one.alarm.cause)},
-                    {"text", one.text},
-                    {"began_us", one.began_us},
-                    {"ended_us", one.ended_us ? Json(*one.ended_us) : Json()}});
+  for (const RecordedAlarm& one : alarms) {
+    Json of = alarm_json(one.alarm, one.text);
+    of["began_us"] = one.began_us;
+    of["ended_us"] = one.ended_us ? Json(*one.ended_us) : Json();
+    list.push_back(std::move(of));
+  }
   return list;
 }
 

@@ -60,7 +60,6 @@ struct Survey {
   std::map<int, std::uint64_t> segment_bytes;
   std::map<NodeEpoch, Clock> clock;
   SignalSurvey signals;
-  RecordedAlarms alarms;
   std::int64_t first_us = std::numeric_limits<std::int64_t>::max();
   std::int64_t last_us = 0;
 };
@@ -98,8 +97,6 @@ Survey survey(const std::filesystem::path& folder) {
   RecordedClocks clocks;
   while (const auto event = reader.next()) {
     look_at(*event, clocks, found);
-    if (event->channel == kNoteChannel)
-      if (const auto note = decode_note(event->data)) found.alarms.take(*note);
     found.signals.add(event->channel, event->data);
     if (const auto fit = clocks.take(event->channel, event->data)) {
       auto& clock = found.clock[{fit->node, fit->epoch}];
@@ -177,7 +174,8 @@ Json info_json(const Survey& found, const Verification& result, const Described&
           {"rates", rates},
           {"clocks", clocks},
           {"signals", signals_json(found.signals, described.get())},
-          {"alarms", recorded_alarms_json(found.alarms.all())},
+          {"alarms", recorded_alarms_json(result.alarms.all())},
+          {"alarms_left_out", result.alarms.left_out()},
           {"record", verification_json(result)}};
 }
 

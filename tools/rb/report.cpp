@@ -29,10 +29,12 @@ struct ReportOptions {
 };
 
 DriveReport gather(const ReportOptions& options) {
-  DriveReport report{
-      .vehicle = {}, .found = identify_record(options.folder), .receipt = receipt_of(options.folder)};
+  const Verification proof = verify_record(options.folder);
+  DriveReport report{.vehicle = {},
+                     .found = identify_record(options.folder),
+                     .receipt = receipt_of(options.folder, proof),
+                     .alarms = proof.alarms};
   report.vehicle = recorded_vehicle(options.folder).value();
-  report.alarms = recorded_alarms(options.folder);
   warn_of_defects("report", options.folder, report.found.defects);
   if (!options.before.empty())
     report.verification =
@@ -69,7 +71,8 @@ Json json_of(const DriveReport& report) {
           {"verdict", report.receipt.verdict},
           {"refused", report.receipt.refused},
           {"nodes", nodes},
-          {"alarms", recorded_alarms_json(report.alarms)}};
+          {"alarms", recorded_alarms_json(report.alarms.all())},
+          {"alarms_left_out", report.alarms.left_out()}};
 }
 
 int report(const ReportOptions& options) {

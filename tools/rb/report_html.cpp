@@ -182,15 +182,15 @@ std::string completeness(const RecordingReceipt& receipt) {
 /// The worst first; what does not go on the page is in `rb info`.
 std::string alarm_list(const DriveReport& report) {
   constexpr std::size_t kMostLines = 8;
-  if (report.alarms.empty()) return element("p", "No alarm is in the record.");
-  std::vector<RecordedAlarm> alarms = report.alarms;
+  std::vector<RecordedAlarm> alarms = report.alarms.all();
+  if (alarms.empty()) return element("p", "No alarm is in the record.");
   std::ranges::stable_sort(alarms, std::ranges::greater{},
                            [](const RecordedAlarm& one) { return level_of(one.alarm.cause); });
   std::string list;
   for (std::size_t k = 0; k < std::min(alarms.size(), kMostLines); ++k)
     list += element("li", markup_text(utc_text(alarms[k].began_us) + " " + sentence(alarms[k]) + "."));
-  if (alarms.size() > kMostLines)
-    list += element("li", format("%zu more: see rb info.", alarms.size() - kMostLines));
+  if (const std::size_t all = alarms.size() + report.alarms.left_out(); all > kMostLines)
+    list += element("li", format("%zu more: see rb info.", all - kMostLines));
   return element("h2", "Alarms") + element("ul", list);
 }
 

@@ -17,7 +17,7 @@ struct DriveReport {
   VehicleConfig vehicle;
   RecordedEstimate found;
   RecordingReceipt receipt;
-  std::vector<RecordedAlarm> alarms{};
+  RecordedAlarms alarms{};
   std::optional<std::array<WheelVerification, kWheels>> verification{};  ///< with the drive before weights
 };
 

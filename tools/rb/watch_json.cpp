@@ -1,6 +1,7 @@
 #include "tools/rb/watch_json.hpp"
 
 #include "host/recorder/status_line.hpp"
+#include "tools/rb/alarm_lines.hpp"
 #include "tools/rb/compensation_json.hpp"
 #include "tools/rb/order_lines.hpp"
 #include "tools/rb/verification_line.hpp"
@@ -90,20 +91,13 @@ Json compensation(const BusView& view) {
 
 Json own_alarms(const RecorderStatus& status) {
   Json found = Json::array();
-  for (const RecorderAlarm& alarm : alarms(status))
-    found.push_back({{"level", word(level_of(alarm.cause))},
-                     {"what", roadbalance::name_of(alarm.cause)},
-                     {"text", alarm.text}});
+  for (const RecorderAlarm& alarm : alarms(status)) found.push_back(alarm_json({alarm.cause}, alarm.text));
   return found;
 }
 
 Json active_alarms(const BusView& view) {
   Json found = Json::array();
-  for (const ActiveAlarm& on : view.alarms())
-    found.push_back({{"level", word(level_of(on.alarm.cause))},
-                     {"where", place_of(on.alarm)},
-                     {"what", roadbalance::name_of(on.alarm.cause)},
-                     {"text", on.text}});
+  for (const ActiveAlarm& on : view.alarms()) found.push_back(alarm_json(on.alarm, on.text));
   return found;
 }
 

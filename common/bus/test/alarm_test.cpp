@@ -38,6 +38,13 @@ TEST(Alarm, NamesItsPlaceAsTheMarkingsDo) {
   EXPECT_EQ(place_of({AlarmCause::kWheelInStep, 0, 1}), "front right");
 }
 
+TEST(Alarm, SaysLevelPlaceNameAndHowMuch) {
+  EXPECT_EQ(sentence_of({AlarmCause::kDiskFull}), "ALARM: disk full");
+  EXPECT_EQ(sentence_of({AlarmCause::kSamplesLost, 3}, "35 samples by now"),
+            "ALARM node 3: samples lost (35 samples by now)");
+  EXPECT_EQ(sentence_of({AlarmCause::kDeadChannel, 2, 0}), "WARNING node 2 channel 1: no signal");
+}
+
 TEST(Alarm, ComesBackFromTheNumbersOfANote) {
   for (const Alarm alarm :
        {Alarm{AlarmCause::kDiskFull}, Alarm{AlarmCause::kSamplesLost, 7}, Alarm{AlarmCause::kOverload, 12, 0},

@@ -139,16 +139,26 @@ TEST(Report, ProvesCompleteness) {
 TEST(Report, ListsTheAlarmsOfTheRecordTheWorstFirst) {
   DriveReport of = report();
   EXPECT_TRUE(says(report_html(of), "No alarm is in the record."));
-  of.alarms = {
-      {.alarm = {AlarmCause::kDeadChannel, 1, 4}, .began_us = 1'000'000},
-      {.alarm = {AlarmCause::kSamplesLost, 2}, .began_us = 2'000'000, .ended_us = 9'000'000, .text = "<35>"}};
+  const auto note = [&](std::int64_t time_us, NoteKind kind, const Alarm& alarm, const char* text) {
+    of.alarms.take({.time_us = time_us,
+                    .kind = kind,
+                    .a = static_cast<std::int64_t>(alarm.cause),
+                    .b = place_number(alarm),
+                    .text = text});
+  };
+  const Alarm no_signal{AlarmCause::kDeadChannel, 1, 4}, loss{AlarmCause::kSamplesLost, 2};
+  note(1'000'000, NoteKind::kAlarmBegan, no_signal, "");
+  note(2'000'000, NoteKind::kAlarmBegan, loss, "");
+  note(9'000'000, NoteKind::kAlarmEnded, loss, "<35>");
   const std::string html = report_html(of);
   const std::size_t lost = html.find("00:00:02"), dead = html.find("WARNING node 1 channel 5: no signal");
   EXPECT_LT(lost, dead);
   EXPECT_NE(dead, std::string::npos);
   EXPECT_TRUE(says(html, "ALARM node 2: samples lost (&lt;35&gt;)."));
-  of.alarms.resize(500, of.alarms[0]);
+  for (int k = 0; k < 498; ++k) note(3'000'000, NoteKind::kAlarmBegan, no_signal, "");
   EXPECT_TRUE(says(report_html(of), "492 more: see rb info.")) << "the page stays one page";
+  for (int k = 0; k < 10'000; ++k) note(3'000'000, NoteKind::kAlarmBegan, no_signal, "");
+  EXPECT_TRUE(says(report_html(of), "10492 more: see rb info.")) << "those that are not kept count, too";
 }
 
 TEST(Report, TellsBeforeAndAfterIfBothWereDriven) {
