@@ -20,7 +20,8 @@ bool in_bounds(const wire::job_t& m) {
   return 0 < m.jobs && m.jobs <= kMostJobs && 0 <= m.place && m.place < m.jobs && 1 <= m.kind &&
          static_cast<std::int32_t>(JobState::kRunning) <= m.state &&
          m.state <= static_cast<std::int32_t>(JobState::kInterrupted) && 0 <= m.progress && m.progress <= 1 &&
-         0 <= m.bytes && 0 <= m.bytes_to_read && 0 <= m.bytes_per_s && std::isfinite(m.bytes_per_s) &&
+         0 <= m.elapsed_s && std::isfinite(m.elapsed_s) && 0 <= m.bytes && 0 <= m.bytes_to_read &&
+         0 <= m.bytes_per_s && std::isfinite(m.bytes_per_s) &&
          static_cast<std::int32_t>(DocumentKind::kText) <= m.document_kind &&
          m.document_kind <= static_cast<std::int32_t>(DocumentKind::kPage) && 0 <= m.parts &&
          m.parts <= kMostParts;
@@ -50,7 +51,9 @@ std::vector<std::uint8_t> encode(const Job& job) {
   m.state = static_cast<std::int32_t>(job.state);
   wire_text::put_text(job.recording, m.recording);
   wire_text::put_text(job.options, m.options);
+  m.began_us = job.began_us;
   m.ended_us = job.ended_us;
+  m.elapsed_s = job.elapsed_s;
   m.progress = job.progress;
   m.bytes = job.bytes;
   m.bytes_to_read = job.bytes_to_read;
@@ -74,7 +77,9 @@ std::optional<Job> decode_job(std::span<const std::uint8_t> bytes) {
              .state = static_cast<JobState>(m->state),
              .recording = wire_text::text_until_zero(m->recording),
              .options = wire_text::text_until_zero(m->options),
+             .began_us = m->began_us,
              .ended_us = m->ended_us,
+             .elapsed_s = m->elapsed_s,
              .progress = m->progress,
              .bytes = m->bytes,
              .bytes_to_read = m->bytes_to_read,

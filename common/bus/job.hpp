@@ -48,7 +48,8 @@ struct Job {
   JobKind kind = JobKind::kVerify;
   JobState state = JobState::kRunning;
   std::string recording{}, options{};
-  std::int64_t ended_us = 0;
+  std::int64_t began_us = 0, ended_us = 0;
+  double elapsed_s = 0;
   double progress = 0;
   std::int64_t bytes = 0, bytes_to_read = 0;
   double bytes_per_s = 0;

@@ -3,15 +3,17 @@
 #include <cstdint>
 #include <deque>
 
+#include "common/clock/clocks.hpp"
+
 namespace roadbalance {
 
 /// How fast long work goes now: the bytes of the last seconds.
 class ByteRate {
  public:
-  static constexpr std::int64_t kSpan_us = 5'000'000;
+  static constexpr std::chrono::seconds kSpan{5};
 
   /// @param bytes  gone through since the work began
-  void take(std::int64_t bytes, std::int64_t utc_us);
+  void take(std::int64_t bytes, WallTime now);
   /// The work stands still for a while that does not count.
   void forget() { taken_.clear(); }
   /// 0 while it is not known.
@@ -19,7 +21,8 @@ class ByteRate {
 
  private:
   struct Taken {
-    std::int64_t bytes, utc_us;
+    std::int64_t bytes;
+    WallTime time;
   };
   std::deque<Taken> taken_;
 };

@@ -23,7 +23,9 @@ Json to_json(const BookedJob& booked) {
           {"state", static_cast<int>(job.state)},
           {"recording", job.recording},
           {"options", job.options},
+          {"began_us", job.began_us},
           {"ended_us", job.ended_us},
+          {"elapsed_s", job.elapsed_s},
           {"text", std::string(wire_text::cut_to(job.text, kMostText))},
           {"asked", {booked.asker, booked.request}},
           {"result", booked.result.filename().string()}};
@@ -42,13 +44,22 @@ std::int32_t small_number(const Json& json) {
   return static_cast<std::int32_t>(number);
 }
 
+double seconds(const Json& json) {
+  const double value = json.is_number() ? json.get<double>() : -1.0;
+  constexpr double kMost_s = 1e9;
+  if (!(value >= 0.0 && value <= kMost_s)) throw std::out_of_range("no time");
+  return value;
+}
+
 std::optional<BookedJob> booked_of(const Json& json, const std::filesystem::path& results) {
   BookedJob booked{.job = {.job = whole_number(json.at("job")),
                            .kind = static_cast<JobKind>(small_number(json.at("kind"))),
                            .state = static_cast<JobState>(small_number(json.at("state"))),
                            .recording = json.at("recording").get<std::string>(),
                            .options = json.at("options").get<std::string>(),
+                           .began_us = whole_number(json.at("began_us")),
                            .ended_us = whole_number(json.at("ended_us")),
+                           .elapsed_s = seconds(json.at("elapsed_s")),
                            .text = json.at("text").get<std::string>()},
                    .asker = whole_number(json.at("asked").at(0)),
                    .request = whole_number(json.at("asked").at(1))};

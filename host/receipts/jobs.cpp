@@ -6,29 +6,18 @@
 #include <system_error>
 #include <utility>
 
-#include "common/record/file.hpp"
+#include "common/record/failure_words.hpp"
 #include "host/receipts/job_document.hpp"
 #include "host/receipts/job_results.hpp"
-#include "host/recorder/desk_answers.hpp"
+#include "host/receipts/job_words.hpp"
 
 namespace roadbalance {
 namespace {
 
 constexpr std::size_t kKnownAnswers = 64;
 constexpr double kMostKinds = 99;
-constexpr std::int64_t kPatience_us = 2'000'000;  // of a program that is told to end
-Answer reply_to(const Request& request, AnswerState state, RefusalReason reason, std::string text,
-                std::int64_t utc_us) {
-  Answer answer = answer_to(request, utc_us);
-  answer.state = state;
-  answer.reason = reason;
-  answer.text = std::move(text);
-  return answer;
-}
-
-std::string in_quotes(const std::string& name) {
-  return "\"" + name + "\"";
-}
+constexpr std::chrono::seconds kPatience{2};   // with a program that is told to end
+constexpr std::chrono::seconds kBookAgain{5};  // after a disk has refused it
 
 const ListedRecording* named(const std::string& name, const std::vector<ListedRecording>& known) {
   if (name.empty()) return nullptr;
@@ -37,41 +26,41 @@ const ListedRecording* named(const std::string& name, const std::vector<ListedRe
   return found == known.end() ? nullptr : &*found;
 }
 
-/// A job in the place of results, of which nothing is left when it is ended.
-bool is_whole_or_nothing(JobOutcome outcome) {
-  return outcome == JobOutcome::kFile || outcome == JobOutcome::kRecording;
+/// Numbers only grow, whatever the time does: the page tells by them what is newer.
+std::int64_t next_number(const std::vector<Job>& told, std::int64_t utc_us) {
+  for (const Job& job : told) utc_us = std::max(utc_us, job.job + 1);
+  return utc_us;
 }
 
-/// What is left of a job that was ended.
-std::string left_of(JobOutcome outcome) {
-  if (outcome == JobOutcome::kCopy) return "; what is copied already stays there, and begun again it goes on";
-  return is_whole_or_nothing(outcome) ? "; nothing is left of it, and begun again it begins anew" : "";
+double seconds(WallTime::duration time) {
+  return std::chrono::duration<double>(time).count();
 }
 
 }  // namespace
 
-Jobs::Jobs(std::filesystem::path rb, const JobPlaces& places) : rb_(std::move(rb)), places_(places) {
+Jobs::Jobs(std::filesystem::path rb, const JobPlaces& places)
+    : rb_(std::move(rb)), places_(places), book_(places.results) {
   read_book();
 }
 
 std::optional<Answer> Jobs::take(const Request& request, const std::vector<ListedRecording>& known,
-                                 bool grows, std::int64_t utc_us) {
+                                 bool grows, const JobInstant& now) {
   if (!is_of_recordings(request.operation)) return std::nullopt;
   const auto before = std::ranges::find_if(answered_, [&](const Answer& answer) {
     return answer.asker == request.asker && answer.request == request.request;
   });
   if (before != answered_.end()) return *before;
   Answer answer =
-      request.operation == Operation::kJob ? begin(request, known, grows, utc_us) : cancel(request, utc_us);
+      request.operation == Operation::kJob ? begin(request, known, grows, now) : cancel(request, now);
   answered_.push_back(answer);
   if (answered_.size() > kKnownAnswers) answered_.pop_front();
   return answer;
 }
 
 Answer Jobs::begin(const Request& request, const std::vector<ListedRecording>& known, bool grows,
-                   std::int64_t utc_us) {
+                   const JobInstant& now) {
   const auto refused = [&](RefusalReason reason, std::string why) {
-    return reply_to(request, AnswerState::kRefused, reason, std::move(why), utc_us);
+    return reply_to(request, AnswerState::kRefused, reason, std::move(why), now.utc_us);
   };
   const bool is_kind = request.value[0] >= 1 && request.value[0] <= kMostKinds;
   const auto line = job_line(static_cast<JobKind>(is_kind ? static_cast<int>(request.value[0]) : 0));
@@ -100,23 +89,29 @@ Answer Jobs::begin(const Request& request, const std::vector<ListedRecording>& k
     return refused(RefusalReason::kBusy,
                    "one job at a time: " + in_quotes(entry_[running_->place].booked.job.recording) +
                        " is being worked on; wait, or cancel that");
-  BookedJob booked{
-      .job = {.job = utc_us, .kind = line->kind, .recording = order.recording, .options = order.options},
-      .asker = request.asker,
-      .request = request.request};
+  BookedJob booked{.job = {.job = next_number(told(), now.utc_us),
+                           .kind = line->kind,
+                           .recording = order.recording,
+                           .options = order.options,
+                           .began_us = now.utc_us},
+                   .asker = request.asker,
+                   .request = request.request};
   try {
-    run(*line, order, *recording, before, std::move(booked), known);
-  } catch (const std::filesystem::filesystem_error& error) {
+    run(*line, order, *recording, before, std::move(booked), known, now.steady);
+  } catch (const BookRefused& error) {
     return refused(RefusalReason::kDisk, error.what());
+  } catch (const std::filesystem::filesystem_error& error) {
+    return refused(RefusalReason::kDisk, failure_words(error));
   } catch (const std::exception& error) {
-    return refused(RefusalReason::kNotSupported, error.what());
+    return refused(RefusalReason::kNotSupported, failure_words(error));
   }
   return reply_to(request, AnswerState::kDone, RefusalReason::kNone,
-                  in_quotes(order.recording) + " is being worked on", utc_us);
+                  in_quotes(order.recording) + " is being worked on", now.utc_us);
 }
 
 void Jobs::run(const JobLine& line, const JobOrder& order, const ListedRecording& recording,
-               const ListedRecording* before, BookedJob booked, const std::vector<ListedRecording>& known) {
+               const ListedRecording* before, BookedJob booked, const std::vector<ListedRecording>& known,
+               WallTime now) {
   const std::size_t place = begun_ % static_cast<std::size_t>(kMostJobs);
   const auto page = work_.path() / (std::to_string(place) + ".html");
   std::error_code ignored;
@@ -133,34 +128,50 @@ void Jobs::run(const JobLine& line, const JobOrder& order, const ListedRecording
   booked.job.document_kind = line.outcome == JobOutcome::kPage ? DocumentKind::kPage : DocumentKind::kText;
   booked.job.bytes_to_read =
       bytes_to_read(line, order, recording.receipt, before == nullptr ? 0 : before->receipt.bytes);
-  // What it leaves is discarded, or goes on, when this program begins again.
-  running_.emplace(Running{.place = place,
-                           .line = line,
-                           .child = Child(rb_, arguments, work_.path() / (std::to_string(place) + ".log"),
-                                          Child::Orphan::kIsEnded),
-                           .page = page});
+  std::vector<Entry> entries = entry_;
+  if (entries.size() <= place) entries.resize(place + 1);
+  entries[place] = {.booked = std::move(booked)};
+  try {
+    write_book(entries);
+  } catch (const std::exception& error) {
+    const std::string why = failure_words(error);
+    if (stays(line.outcome))
+      throw BookRefused("the book of jobs cannot be written, so nothing was begun: " + why);
+    std::fprintf(stderr, "rb-recordings: %s\n", why.c_str());
+  }
+  try {
+    // What it leaves is discarded, or goes on, when this program begins again.
+    running_.emplace(Running{.place = place,
+                             .line = line,
+                             .began = now,
+                             .child = Child(rb_, arguments, work_.path() / (std::to_string(place) + ".log"),
+                                            Child::Orphan::kIsEnded),
+                             .page = page});
+  } catch (const std::exception&) {
+    try_write_book(now);
+    throw;
+  }
   ++begun_;
-  if (entry_.size() <= place) entry_.resize(place + 1);
-  entry_[place] = {.booked = std::move(booked)};
-  write_book();
+  entry_ = std::move(entries);
 }
 
-Answer Jobs::cancel(const Request& request, std::int64_t utc_us) {
+Answer Jobs::cancel(const Request& request, const JobInstant& now) {
   if (!running_ || static_cast<double>(entry_[running_->place].booked.job.job) != request.value[0])
     return reply_to(request, AnswerState::kRefused, RefusalReason::kBadArgument, "this job has ended",
-                    utc_us);
-  running_->is_cancelled = true;
-  running_->cancelled_us = utc_us;
+                    now.utc_us);
+  running_->cancelled = now.steady;
   running_->child.stop();
-  return reply_to(request, AnswerState::kDone, RefusalReason::kNone, "cancelled", utc_us);
+  return reply_to(request, AnswerState::kDone, RefusalReason::kNone, "cancelled", now.utc_us);
 }
 
-void Jobs::turn(bool grows, std::int64_t utc_us) {
+void Jobs::turn(bool grows, const JobInstant& now) {
+  if (book_failed_ && now.steady - *book_failed_ > kBookAgain) try_write_book(now.steady);
   if (!running_) return;
   Job& job = entry_[running_->place].booked.job;
-  if (const auto code = running_->child.ended()) return finish(*code, utc_us);
-  if (running_->is_cancelled) {
-    if (utc_us - running_->cancelled_us > kPatience_us) running_->child.end();
+  job.elapsed_s = seconds(now.steady - running_->began);
+  if (const auto code = running_->child.ended()) return finish(*code, now);
+  if (running_->cancelled) {
+    if (now.steady - *running_->cancelled > kPatience) running_->child.end();
     return;
   }
   if (const bool is_held = job.state == JobState::kHeld; grows != is_held) {
@@ -170,7 +181,7 @@ void Jobs::turn(bool grows, std::int64_t utc_us) {
   }
   constexpr double kNearlyDone = 0.99;  // all is read, and something may be left to be computed
   if (const auto bytes = running_->child.bytes_read()) {
-    if (job.state == JobState::kRunning) running_->rate.take(*bytes, utc_us);
+    if (job.state == JobState::kRunning) running_->rate.take(*bytes, now.steady);
     job.bytes = std::max(job.bytes, *bytes);
     job.bytes_per_s = running_->rate.bytes_per_s();
     job.progress = std::clamp(static_cast<double>(*bytes) / static_cast<double>(job.bytes_to_read),
@@ -178,11 +189,11 @@ void Jobs::turn(bool grows, std::int64_t utc_us) {
   }
 }
 
-void Jobs::finish(int code, std::int64_t utc_us) {
+void Jobs::finish(int code, const JobInstant& now) {
   Entry& entry = entry_[running_->place];
   Job& job = entry.booked.job;
   const JobOutcome outcome = running_->line.outcome;
-  job.ended_us = utc_us;
+  job.ended_us = now.utc_us;
   job.bytes_per_s = 0;
   if (code == 0 || code == 1 || code == 3) {  // of rb: done; the answer is no; incomplete and declared
     job.state = code == 0 ? JobState::kDone : JobState::kNotWell;
@@ -190,11 +201,12 @@ void Jobs::finish(int code, std::int64_t utc_us) {
     take_document(entry);
   } else {
     if (is_whole_or_nothing(outcome)) discard_half(entry.booked.result);
-    job.state = running_->is_cancelled ? JobState::kCancelled : JobState::kFailed;
-    job.text = running_->is_cancelled ? "cancelled" + left_of(outcome) : running_->child.how_it_ended();
+    job.state = running_->cancelled ? JobState::kCancelled : JobState::kFailed;
+    job.text = running_->cancelled ? "cancelled" + left_of(outcome)
+                                   : words_of_failure(running_->line, running_->child);
   }
   running_.reset();
-  write_book();
+  try_write_book(now.steady);
 }
 
 void Jobs::take_document(Entry& entry) const {
@@ -213,15 +225,7 @@ void Jobs::take_document(Entry& entry) const {
 }
 
 void Jobs::read_book() {
-  const auto file = places_.results / kJobBookFile;
-  if (!std::filesystem::exists(file)) return;
-  auto jobs = decode_job_book(begin_of(file), places_.results);
-  if (!jobs) {
-    std::fprintf(stderr, "rb-recordings: %s: cannot be read; the jobs of before are not told\n",
-                 file.c_str());
-    return;
-  }
-  for (BookedJob& booked : *jobs) {
+  for (BookedJob& booked : book_.read()) {
     Job& job = booked.job;
     const auto line = job_line(job.kind);
     if (!line) continue;
@@ -241,16 +245,21 @@ void Jobs::read_book() {
   begun_ = entry_.size();
 }
 
-void Jobs::write_book() const {
+void Jobs::write_book(const std::vector<Entry>& entries) const {
   std::vector<BookedJob> jobs;
-  for (const Entry& entry : entry_) jobs.push_back(entry.booked);
-  std::ranges::sort(jobs, {}, [](const BookedJob& booked) { return booked.job.job; });
+  for (const Entry& entry : entries) jobs.push_back(entry.booked);
+  book_.write(std::move(jobs));
+}
+
+/// What is done is done, and told while this program lives; the book follows when its disk takes it again.
+void Jobs::try_write_book(WallTime now) {
+  const bool is_new = !book_failed_;
   try {
-    std::filesystem::create_directories(places_.results);
-    write_atomically(places_.results / kJobBookFile, encode_job_book(jobs));
-  } catch (
-      const std::exception& error) {  // the job goes on all the same: it is told while this program lives
-    std::fprintf(stderr, "rb-recordings: %s\n", error.what());
+    write_book(entry_);
+    book_failed_.reset();
+  } catch (const std::exception& error) {
+    book_failed_ = now;
+    if (is_new) std::fprintf(stderr, "rb-recordings: %s\n", failure_words(error).c_str());
   }
 }
 

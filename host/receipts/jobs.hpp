@@ -11,7 +11,8 @@
 #include "common/process/child.hpp"
 #include "common/process/temporary_folder.hpp"
 #include "host/receipts/byte_rate.hpp"
-#include "host/receipts/job_book.hpp"
+#include "host/receipts/job_book_file.hpp"
+#include "host/receipts/job_instant.hpp"
 #include "host/receipts/job_table.hpp"
 #include "host/receipts/recordings_list.hpp"
 
@@ -28,7 +29,8 @@ struct JobPlaces {
 /// deleted; what is made gets a name that is free.  Each request acts once, however often it comes.
 ///
 /// A job that this program did not live to see the end of is told as interrupted when it begins again; the
-/// same order begins it anew, or goes on with it if it is a transfer.
+/// same order begins it anew, or goes on with it if it is a transfer.  What stays on a disk is begun only
+/// when it stands in the book: nothing that is left half made is without somebody who knows of it.
 class Jobs {
  public:
   /// @param rb  the program
@@ -39,9 +41,9 @@ class Jobs {
   /// @param grows  one of them is under way
   /// @return nothing: it is asked of somebody else
   std::optional<Answer> take(const Request& request, const std::vector<ListedRecording>& known, bool grows,
-                             std::int64_t utc_us);
+                             const JobInstant& now);
   /// To be called often.
-  void turn(bool grows, std::int64_t utc_us);
+  void turn(bool grows, const JobInstant& now);
 
   /// The newest, a single one with jobs = 0 of none.
   std::vector<Job> told() const;
@@ -58,30 +60,34 @@ class Jobs {
   struct Running {
     std::size_t place;
     JobLine line;
+    WallTime began;
     Child child;
     std::filesystem::path page{};
     ByteRate rate{};
-    bool is_cancelled = false;
-    std::int64_t cancelled_us = 0;
+    std::optional<WallTime> cancelled = {};
   };
   Answer begin(const Request& request, const std::vector<ListedRecording>& known, bool grows,
-               std::int64_t utc_us);
-  Answer cancel(const Request& request, std::int64_t utc_us);
+               const JobInstant& now);
+  Answer cancel(const Request& request, const JobInstant& now);
   void run(const JobLine& line, const JobOrder& order, const ListedRecording& recording,
-           const ListedRecording* before, BookedJob booked, const std::vector<ListedRecording>& known);
-  void finish(int code, std::int64_t utc_us);
+           const ListedRecording* before, BookedJob booked, const std::vector<ListedRecording>& known,
+           WallTime now);
+  void finish(int code, const JobInstant& now);
   void take_document(Entry& entry) const;
   void read_book();
-  void write_book() const;
+  void write_book(const std::vector<Entry>& entries) const;
+  void try_write_book(WallTime now);
 
   const std::filesystem::path rb_;
   const JobPlaces places_;
+  const JobBookFile book_;
   const TemporaryFolder work_{"rb-recordings"};
   std::deque<Answer> answered_;
   std::vector<Entry> entry_;  // by place
   std::size_t begun_ = 0;
   std::size_t next_said_ = 0;
   std::optional<Running> running_;
+  std::optional<WallTime> book_failed_{};  ///< it is not as the jobs are: to be written again
 };
 
 }  // namespace roadbalance

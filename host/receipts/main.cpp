@@ -15,12 +15,12 @@
 #include "common/bus/job.hpp"
 #include "common/bus/operation.hpp"
 #include "common/clock/clocks.hpp"
-#include "common/clock/utc.hpp"
 #include "common/command_line/manual.hpp"
 #include "common/process/channel.hpp"
 #include "common/process/child.hpp"
 #include "common/process/parallel.hpp"
 #include "common/process/stop_on_signal.hpp"
+#include "common/record/failure_words.hpp"
 #include "common/record/file.hpp"
 #include "host/receipts/jobs.hpp"
 #include "host/receipts/receipt.hpp"
@@ -53,7 +53,7 @@ class Telling {
     bus_.subscribe(kRequestChannel, [this](std::string_view, auto bytes) {
       const auto request = decode_request(bytes);
       if (!request) return;
-      if (const auto answer = jobs_.take(*request, list_.listed(), list_.grows(), utc_us()))
+      if (const auto answer = jobs_.take(*request, list_.listed(), list_.grows(), JobInstant::now()))
         (void)bus_.publish(kAnswerChannel, encode(*answer));
     });
     look();
@@ -61,7 +61,7 @@ class Telling {
 
   void turn() {
     bus_.handle(kTurn);
-    jobs_.turn(list_.grows(), utc_us());
+    jobs_.turn(list_.grows(), JobInstant::now());
     if (WallClock::now() - told_at_ < kTold) return;
     told_at_ = WallClock::now();
     look();
@@ -77,7 +77,8 @@ class Telling {
     try {
       list_.look(std::filesystem::file_time_type::clock::now());
     } catch (const std::filesystem::filesystem_error& error) {
-      std::fprintf(stderr, "rb-recordings: %s\n", error.what());  // somebody moves what is listed: once more
+      std::fprintf(stderr, "rb-recordings: %s\n",
+                   failure_words(error).c_str());  // somebody moves what is listed: once more
     }
     if (const auto next = waiting_ ? std::nullopt : list_.unread_one()) waiting_ = folders_.try_send(*next);
   }
@@ -177,7 +178,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "rb-recordings: %s\n", error.what());
+    std::fprintf(stderr, "rb-recordings: %s\n", failure_words(error).c_str());
     return 4;
   }
 }

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "common/record/failure_words.hpp"
 #include "common/record/file.hpp"
 #include "common/record/folder.hpp"
 #include "common/record/segment.hpp"
@@ -107,7 +108,7 @@ class Transfer {
       copy_to_part();
       keep();
     } catch (const std::system_error& error) {
-      throw std::runtime_error(error.what() + hint);
+      throw std::runtime_error(failure_words(error) + hint);
     } catch (const Stopped&) {
       throw std::runtime_error("stopped" + hint);
     }

@@ -6,6 +6,7 @@
 
 #include "common/command_line/manual.hpp"
 #include "common/config/section.hpp"
+#include "common/record/failure_words.hpp"
 #include "tools/rb/command.hpp"
 
 namespace {
@@ -37,7 +38,7 @@ std::string usage_error(const CLI::App* app, const CLI::Error& error) {
 }
 
 int fail(const std::exception& error, int code) {
-  std::fprintf(stderr, "rb: %s\n", error.what());
+  std::fprintf(stderr, "rb: %s\n", roadbalance::failure_words(error).c_str());
   return code;
 }
 

@@ -15,7 +15,9 @@ Job job() {
           .state = JobState::kNotWell,
           .recording = "second",
           .options = "before=first",
+          .began_us = 5,
           .ended_us = 7,
+          .elapsed_s = 2.5,
           .progress = 0.25,
           .bytes = 2'500'000'000,
           .bytes_to_read = 10'000'000'000,
@@ -38,7 +40,9 @@ TEST(Job, ComesBackAsItWasSent) {
   EXPECT_EQ(got->state, JobState::kNotWell);
   EXPECT_EQ(got->recording, "second");
   EXPECT_EQ(got->options, "before=first");
+  EXPECT_EQ(got->began_us, 5);
   EXPECT_EQ(got->ended_us, 7);
+  EXPECT_EQ(got->elapsed_s, 2.5);
   EXPECT_EQ(got->progress, 0.25);
   EXPECT_EQ(got->bytes, 2'500'000'000);
   EXPECT_EQ(got->bytes_to_read, 10'000'000'000);

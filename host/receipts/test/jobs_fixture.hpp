@@ -32,7 +32,7 @@ class JobsTest : public testing::Test {
                   grows);
   }
   Answer ask_by(const Request& request, bool grows = false) {
-    const auto answer = jobs.take(request, known, grows, ++utc_us);
+    const auto answer = jobs.take(request, known, grows, at(++utc_us));
     EXPECT_TRUE(answer);
     return answer.value_or(Answer{});
   }
@@ -45,13 +45,14 @@ class JobsTest : public testing::Test {
   /// The newest job, when it has come to this state.
   Job until(JobState state, bool grows = false) {
     for (int k = 0; k < 12'000; ++k) {
-      jobs.turn(grows, utc_us += 10'000);
+      jobs.turn(grows, at(utc_us += 10'000));
       if (newest().state == state) return newest();
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
     ADD_FAILURE() << "job has state " << static_cast<int>(newest().state) << ": " << newest().text;
     return newest();
   }
+  static JobInstant at(std::int64_t us) { return {us, WallTime(std::chrono::microseconds(us))}; }
   Job newest() const { return std::ranges::max(jobs.told(), {}, &Job::job); }
 
   test::TemporaryDirectory folder;

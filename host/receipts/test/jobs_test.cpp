@@ -37,7 +37,43 @@ TEST_F(JobsTest, SaysWhatIsBadAndWhatCouldNotBeDone) {
   EXPECT_EQ(joined(jobs.said(), job.job), "samples are missing\n");
   rb_does("echo 'rb: first: cannot be read' >&2; exit 4");
   ask(JobKind::kVerify, "first");
-  EXPECT_EQ(until(JobState::kFailed).text, "ended with code 4: rb: first: cannot be read");
+  EXPECT_EQ(until(JobState::kFailed).text, "first: cannot be read");
+}
+
+TEST_F(JobsTest, SaysInOurWordsHowACommandWasEnded) {
+  const auto said = [&](const std::string& script) {
+    rb_does(script);
+    ask(JobKind::kSelect, "first");
+    return until(JobState::kFailed).text;
+  };
+  EXPECT_TRUE(said("kill -KILL $$").starts_with("rb select was ended from outside")) << newest().text;
+  EXPECT_NE(newest().text.find("begun again it begins anew"), std::string::npos) << newest().text;
+  EXPECT_TRUE(said("kill -TERM $$").starts_with("rb select was told to end, not by rb-recordings"));
+  EXPECT_TRUE(said("kill -SEGV $$").starts_with("rb select broke off (signal 11), which is a fault of the"));
+  EXPECT_TRUE(said("exit 127").starts_with("rb select cannot be run"));
+  EXPECT_EQ(said("exit 4"), "it said nothing");
+}
+
+TEST_F(JobsTest, LastsByAClockThatNobodySteps) {
+  rb_does("exec sleep 60");
+  constexpr std::int64_t kDay_us = 86'400'000'000;
+  const auto instant = [](std::int64_t us, std::int64_t steady_s) {
+    return JobInstant{us, WallTime(std::chrono::seconds(steady_s))};
+  };
+  const Request asked{
+      .asker = 1, .request = 98, .operation = Operation::kJob, .value = {1, 0}, .text = "first"};
+  ASSERT_EQ(jobs.take(asked, known, false, instant(2 * kDay_us, 100))->state, AnswerState::kDone);
+  jobs.turn(false, instant(kDay_us, 107));  // somebody has set the clock
+  const Job first = newest();
+  EXPECT_EQ(first.began_us, 2 * kDay_us);
+  EXPECT_EQ(first.elapsed_s, 7);
+  EXPECT_EQ(cancel(first.job).state, AnswerState::kDone);
+  until(JobState::kCancelled);
+  Request again = asked;
+  again.request = 99;
+  ASSERT_EQ(jobs.take(again, known, false, instant(kDay_us, 200))->state, AnswerState::kDone);
+  EXPECT_GT(newest().job, first.job) << "the newer is told as the newer";
+  EXPECT_EQ(newest().began_us, kDay_us) << "and when it began as people tell it";
 }
 
 TEST_F(JobsTest, RefusesWhatCannotBeAndSaysWhy) {
@@ -54,7 +90,8 @@ TEST_F(JobsTest, RefusesWhatCannotBeAndSaysWhy) {
   const Answer busy = ask(JobKind::kVerify, "second");
   EXPECT_EQ(busy.reason, RefusalReason::kBusy);
   EXPECT_NE(busy.text.find("\"first\" is being worked on"), std::string::npos) << busy.text;
-  EXPECT_FALSE(jobs.take({.asker = 1, .request = 99, .operation = Operation::kStop}, known, false, utc_us));
+  EXPECT_FALSE(
+      jobs.take({.asker = 1, .request = 99, .operation = Operation::kStop}, known, false, at(utc_us)));
 }
 
 TEST_F(JobsTest, WithoutTheProgramARequestIsRefused) {
@@ -94,7 +131,7 @@ TEST_F(JobsTest, ADeafProgramIsEndedAfterAWhile) {
   rb_does("trap '' TERM; touch " + deaf.string() + "; while :; do sleep 0.1; done");
   ask(JobKind::kVerify, "first");
   for (int k = 0; k < 12'000 && !fs::exists(deaf); ++k) {
-    jobs.turn(false, utc_us += 10'000);
+    jobs.turn(false, at(utc_us += 10'000));
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   ASSERT_TRUE(fs::exists(deaf));
@@ -110,7 +147,7 @@ TEST_F(JobsTest, IsHeldWhileARecordingIsUnderWay) {
   std::ofstream(go) << "";
   // Held it cannot see that it might end.
   for (int k = 0; k < 40; ++k) {
-    jobs.turn(true, utc_us += 10'000);
+    jobs.turn(true, at(utc_us += 10'000));
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   EXPECT_EQ(newest().state, JobState::kHeld);
@@ -134,7 +171,7 @@ TEST_F(JobsTest, ProgressIsTheShareOfWhatIsReadAlready) {
   rb_does("exec perl -e 'open(F, \"" + data.string() + "\"); while (sysread(F, $x, 1000000)) {} sleep 60'");
   ask(JobKind::kVerify, "second");
   for (int k = 0; k < 12'000 && newest().progress < 0.5; ++k) {
-    jobs.turn(false, utc_us += 10'000);
+    jobs.turn(false, at(utc_us += 10'000));
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   EXPECT_NEAR(newest().progress, 0.5, 0.01) << "what perl itself reads to begin with is the rest";
@@ -164,7 +201,7 @@ TEST_F(JobsTest, WhatAJobWritesIsReadNoFurtherThanItCanBeShown) {
   }
   rb_does("perl -e 'truncate(STDERR, 1e12); seek(STDERR, 0, 2); print STDERR \"\\nthe end\"; exit 4'");
   ask(JobKind::kVerify, "first");
-  EXPECT_EQ(until(JobState::kFailed).text, "ended with code 4: the end");
+  EXPECT_EQ(until(JobState::kFailed).text, "the end");
   rb_does("perl -e 'open(F, \">\", $ARGV[5]); truncate(F, 1e12)' -- \"$@\"");
   ask(JobKind::kReport, "second/before=first");
   EXPECT_NE(until(JobState::kDone).text.find("too long to be shown"), std::string::npos);

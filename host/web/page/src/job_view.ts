@@ -3,7 +3,7 @@ import type {Asker} from "./ask";
 import type {Car} from "./car";
 import {el, setAttributes, setText} from "./dom";
 import {JobFields} from "./job_form";
-import {kJobs, kStates, optionWords, paceWords, type JobLine} from "./jobs";
+import {kJobs, kStates, optionWords, paceWords, whenWords, type JobLine} from "./jobs";
 import {save} from "./plot_save";
 import {untilZero, utf8} from "./text";
 import {DocumentKind, JobState, Operation, type Job, type Recording} from "./wire";
@@ -18,6 +18,7 @@ class JobRow {
   private readonly state = el("span", {class: "word"});
   private readonly bar = el("progress", {max: "1"});
   private readonly pace = el("span", {class: "pace"});
+  private readonly when = el("span", {class: "pace"});
   private readonly cancel = el("button", {type: "button"}, ["Cancel"]);
   private readonly again = el("button", {type: "button"});
   private readonly keep = el("button", {type: "button"}, ["Save to print"]);
@@ -32,7 +33,7 @@ class JobRow {
     this.keep.onclick = () => this.save();
     // How far it is changes all the time: that is not read aloud.
     this.element = el("div", {class: "job"}, [
-      el("div", {class: "job-head"}, [el("span", {role: "status"}, [this.word, " ", this.state]), this.bar, this.pace, this.cancel, this.again, this.keep]),
+      el("div", {class: "job-head"}, [el("span", {role: "status"}, [this.word, " ", this.state]), this.bar, this.pace, this.when, this.cancel, this.again, this.keep]),
       this.words, this.text]);
   }
 
@@ -47,6 +48,7 @@ class JobRow {
     setAttributes(this.bar, {value: job.progress.toFixed(2), "aria-label": line.does});
     setText(this.bar, `${Math.round(100 * job.progress)} %`);
     setText(this.pace, `${Math.round(100 * job.progress)} %: ${paceWords(job)}`);
+    setText(this.when, whenWords(job, isUnderWay(job)));
     this.again.hidden = !line.again || !mayBeginAgain(job);
     this.again.disabled = !mayBegin;
     setText(this.again, line.again ?? "");

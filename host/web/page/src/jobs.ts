@@ -1,7 +1,7 @@
 // What rb-recordings can do with a finished recording, and what it has written.
 import {utf8} from "./text";
 import {JobKind, JobState, type Document as DocumentPart, type Job} from "./wire";
-import {duration} from "./words";
+import {duration, localTime} from "./words";
 
 export type JobForm = "export" | "select" | "reduce" | "transfer";
 
@@ -60,6 +60,13 @@ export function paceWords({bytes, bytes_to_read, bytes_per_s}: Pick<Job, "bytes"
   if (!(bytes_per_s > 0)) return said;
   const left = bytes_to_read > bytes ? `about ${duration((bytes_to_read - bytes) / bytes_per_s)} left` : "nearly done";
   return `${said}, ${(bytes_per_s / 1e6).toFixed(bytes_per_s < 1e7 ? 1 : 0)} MB/s, ${left}`;
+}
+
+/** "begun 2026-11-23 04:34:27, took 00:00:12".  How long it took is of a clock that nobody sets. */
+export function whenWords({began_us, elapsed_s}: Pick<Job, "began_us" | "elapsed_s">, isUnderWay: boolean): string {
+  if (!(began_us > 0)) return "";
+  const took = !(elapsed_s > 0) ? "" : isUnderWay ? `, ${duration(elapsed_s)} so far` : elapsed_s < 1 ? ", took less than a second" : `, took ${duration(elapsed_s)}`;
+  return `begun ${localTime(began_us)}${took}`;
 }
 
 export const kStates: Readonly<Record<JobState, readonly [tone: string, word: string]>> = {

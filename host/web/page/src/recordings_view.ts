@@ -7,7 +7,7 @@ import {kCross, kDisc, kLine, kTick, kTriangle} from "./signs";
 import {untilZero, utf8} from "./text";
 import type {View} from "./view";
 import {RecordingState, type Recording} from "./wire";
-import {duration} from "./words";
+import {duration, localTime} from "./words";
 
 const kRedrawMs = 500;
 /** rb-recordings says all of them once a second, if the computer has time for it. */
@@ -24,8 +24,6 @@ const kWords: Readonly<Record<RecordingState, readonly [tone: string, word: stri
 
 const kGrew = ["quiet", "was being written", kLine] as const;
 
-/** As ISO 8601 writes it, of this browser's own time zone. */
-const localTime = (time_us: number) => new Date(time_us / 1000).toLocaleString("sv-SE");
 const isRead = (state: number) => state >= RecordingState.Complete && state <= RecordingState.Damaged;
 
 class RecordingCard {

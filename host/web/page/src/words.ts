@@ -210,3 +210,6 @@ export function duration(seconds: number): string {
   const two = (value: number) => String(value).padStart(2, "0");
   return `${two(Math.floor(whole / 3600))}:${two(Math.floor(whole / 60) % 60)}:${two(whole % 60)}`;
 }
+
+/** As ISO 8601 writes it, of this browser's own time zone. */
+export const localTime = (time_us: number) => new Date(time_us / 1000).toLocaleString("sv-SE");
