@@ -9,6 +9,7 @@
 #include "common/bus/clock_messages.hpp"
 #include "common/record/folder.hpp"
 #include "common/record/part.hpp"
+#include "common/record/room.hpp"
 #include "common/record/segment.hpp"
 #include "host/analyser/in_sequence.hpp"
 #include "host/excerpt/epoch_clocks.hpp"
@@ -18,6 +19,7 @@
 #include "host/excerpt/excerpt_record.hpp"
 #include "host/excerpt/excerpt_words.hpp"
 #include "host/excerpt/find_pieces.hpp"
+#include "host/excerpt/least_bytes.hpp"
 #include "host/excerpt/reducing_sink.hpp"
 
 namespace roadbalance {
@@ -238,6 +240,7 @@ ExcerptReport excerpt_recording(const ExcerptRequest& request, std::stop_token s
   const Pieces pieces = find_pieces(request, survey, table, stop);
   static_cast<void>(excerpt_vehicle(survey.vehicle.text, request.choice, request.factor));
   Part folder(request.output, Part::Kind::kFolder);
+  expect_room(folder.part().parent_path(), least_excerpt_bytes(request, survey, pieces));
   ExcerptReport report;
   report.left_out = table.left_out;
   {

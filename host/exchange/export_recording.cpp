@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <stdexcept>
 
 #include "common/config/section.hpp"
 #include "common/record/part.hpp"
+#include "common/record/room.hpp"
 #include "host/exchange/candump_writer.hpp"
 #include "host/exchange/csv_writer.hpp"
 #include "host/exchange/hdf5_writer.hpp"
@@ -47,6 +49,14 @@ void write_groups(const ExportRequest& request, ExportWriter& writer, const std:
   }
 }
 
+std::uint64_t least_bytes(const ExportFormat& format, const ExportTable& table) {
+  std::uint64_t bytes = 0;
+  for (const ExportGroup& group : table.group)
+    bytes += static_cast<std::uint64_t>(group.rows) *
+             (format.row_bytes + format.value_bytes * group.channel.size());
+  return bytes;
+}
+
 std::optional<Part> beside(const std::filesystem::path& file) {
   return file.empty() ? std::nullopt : std::optional<Part>(std::in_place, file, Part::Kind::kFile);
 }
@@ -54,12 +64,12 @@ std::optional<Part> beside(const std::filesystem::path& file) {
 }  // namespace
 
 std::span<const ExportFormat> export_formats() {
+  // Of text: a comma for a value that is missing; a frame for each instant; numbers of fixed width.
   static const std::array kFormats{
-      ExportFormat{"candump", make_candump_writer},
-      ExportFormat{"csv", make_csv_writer},   ExportFormat{"hdf5", make_hdf5_writer},
-      ExportFormat{"mat", make_mat_writer},   ExportFormat{"mcap", make_mcap_writer},
-      ExportFormat{"mdf4", make_mdf4_writer}, ExportFormat{"uff58", make_uff58_writer},
-      ExportFormat{"wav", make_wav_writer}};
+      ExportFormat{"candump", make_candump_writer, 20, 0}, ExportFormat{"csv", make_csv_writer, 0, 1},
+      ExportFormat{"hdf5", make_hdf5_writer, 8, 4},        ExportFormat{"mat", make_mat_writer, 8, 8},
+      ExportFormat{"mcap", make_mcap_writer, 0, 8},        ExportFormat{"mdf4", make_mdf4_writer, 8, 4},
+      ExportFormat{"uff58", make_uff58_writer, 0, 20},     ExportFormat{"wav", make_wav_writer, 0, 4}};
   return kFormats;
 }
 
@@ -75,6 +85,7 @@ ExportReport export_recording(const ExportRequest& request, std::stop_token stop
   const RecordingSurvey survey = survey_recording(request.folder, stop);
   ExportReport report{.table = make_table(survey), .defects = survey.defects};
   select(request.selection, report.table);
+  expect_room(file.part().parent_path(), least_bytes(format, report.table));
   const auto writer = format.make(file.part(), report.table);
   write_groups(request, *writer, file.part(), stop, progress, report);
   writer->close();

@@ -18,6 +18,8 @@ namespace roadbalance {
 struct ExportFormat {
   std::string name;
   std::unique_ptr<ExportWriter> (*make)(const std::filesystem::path& file, const ExportTable& table);
+  /// What its file takes at least for each row, and in that for each channel, missing or not.
+  std::uint64_t row_bytes, value_bytes;
 };
 std::span<const ExportFormat> export_formats();
 

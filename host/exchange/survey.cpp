@@ -67,6 +67,7 @@ class Surveyor {
     RecordedSpan& span = found_.span[at->second];
     const std::int64_t next = header.first_scan + header.scans;
     if (next > span.next_scan) {
+      if (scans) span.samples += header.scans;
       span.last_ns = scans ? header.time_ns + header.scans * span.period_ps / 1000
                            : span.last_ns + (next - span.next_scan) * span.period_ps / 1000;
       span.next_scan = next;

@@ -20,6 +20,7 @@ struct RecordedSpan {
   std::int32_t node = 0;
   std::int64_t epoch = 0;
   std::int64_t first_scan = 0, next_scan = 0;
+  std::int64_t samples = 0;  ///< of these, that are recorded
   std::int64_t period_ps = 0;
   std::int64_t first_ns = 0, last_ns = 0;  ///< node time of first_scan; of next_scan
   std::optional<ClockFit> first_fit = {};  ///< nothing: no fit of its clock is in the recording

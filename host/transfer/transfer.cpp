@@ -9,6 +9,7 @@
 #include "common/record/failure_words.hpp"
 #include "common/record/file.hpp"
 #include "common/record/folder.hpp"
+#include "common/record/room.hpp"
 #include "common/record/segment.hpp"
 
 namespace roadbalance {
@@ -19,11 +20,6 @@ namespace fs = std::filesystem;
 constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
 // A disk that is unplugged loses no more than this.
 constexpr std::uint64_t kSyncBytes = std::uint64_t{64} << 20;
-
-std::string gigabytes(std::uint64_t bytes) {
-  const auto tenths = (bytes + 50'000'000) / 100'000'000;
-  return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " GB";
-}
 
 // "drives/monday/" is called monday, and so is ".".
 std::string name_of(const fs::path& folder) {
@@ -143,11 +139,7 @@ class Transfer {
       const std::uint64_t there = path_exists(copy, to_disk_) ? size_of_file(copy, to_disk_) : 0;
       needed += file.bytes - std::min(file.bytes, there);
     }
-    const std::int64_t free = to_disk_.free_bytes(part_.c_str());
-    if (free >= 0 && static_cast<std::uint64_t>(free) < needed)
-      throw std::runtime_error(goal_.parent_path().string() + ": " + gigabytes(needed) +
-                               " are to go there, " + gigabytes(static_cast<std::uint64_t>(free)) +
-                               " are free");
+    expect_room(goal_.parent_path(), needed, to_disk_);
   }
 
   // What an unplugged disk has kept may be anything behind the last sync: only what compares equal counts.
