@@ -38,6 +38,41 @@ class Choice {
   }
 }
 
+const kAnother = "another";
+
+/** A mark among those that are told, or any other by its number. */
+class MarkChoice {
+  private readonly told = new Choice("the first sample");
+  private readonly number = el("input", {type: "number", min: "0", step: "1", placeholder: "its number", autocomplete: "off"});
+  private readonly field: HTMLElement;
+  readonly elements: HTMLElement[];
+
+  constructor(name: string) {
+    this.field = labelled("Number of the mark", this.number);
+    this.elements = [labelled(name, this.told.element), this.field];
+    this.told.element.onchange = () => this.show();
+    this.show();
+  }
+
+  offer(recording: Recording): void {
+    const known = Math.min(recording.marks, recording.mark.length);
+    const marks = Array.from({length: known}, (_, k) => [String(recording.mark_number[k]),
+      `mark ${recording.mark_number[k]}: ${untilZero(recording.mark[k] ?? []) || "–"}`] as const);
+    this.told.offer(recording.marks > known ? [...marks, [kAnother, `one of the other ${recording.marks - known}: by its number`]] : marks);
+    this.show();
+  }
+
+  get value(): string {
+    return this.told.element.value === kAnother ? this.number.value : this.told.element.value;
+  }
+
+  private show(): void {
+    const isAnother = this.told.element.value === kAnother;
+    this.field.hidden = !isAnother;
+    this.number.required = isAnother;
+  }
+}
+
 /** One form for each kind that has one. */
 export class JobFields {
   readonly element: HTMLElement;
@@ -45,15 +80,15 @@ export class JobFields {
   private readonly rate = new Choice("");
   private readonly from = secondsField("the beginning");
   private readonly to = secondsField("the end");
-  private readonly fromMark = new Choice("the first sample");
-  private readonly toMark = new Choice("the first sample");
+  private readonly fromMark = new MarkChoice("counted from");
+  private readonly toMark = new MarkChoice("counted from");
   private readonly channels = el("input", {type: "text", placeholder: "all", autocomplete: "off", maxlength: "200"});
   private readonly words = el("p");
 
   constructor(private readonly form: JobForm) {
     this.format.offer(kFormats);
     const times = form === "select"
-      ? [labelled("From, s", this.from), labelled("counted from", this.fromMark.element), labelled("To, s", this.to), labelled("counted from", this.toMark.element)]
+      ? [labelled("From, s", this.from), ...this.fromMark.elements, labelled("To, s", this.to), ...this.toMark.elements]
       : [labelled("From, s", this.from), labelled("To, s", this.to)];
     const names = labelled("Channels or nodes, with commas between", this.channels);
     const fields = {
@@ -66,11 +101,8 @@ export class JobFields {
   /** @param transferTo  empty: nothing may be transferred
       @return it can begin */
   draw(recording: Recording, transferTo: string): boolean {
-    const known = Math.min(recording.marks, recording.mark.length);
-    const marks = Array.from({length: known}, (_, k) => [String(recording.mark_number[k]),
-      `mark ${recording.mark_number[k]}: ${untilZero(recording.mark[k] ?? []) || "–"}`] as const);
-    this.fromMark.offer(marks);
-    this.toMark.offer(marks);
+    this.fromMark.offer(recording);
+    this.toMark.offer(recording);
     const factors = kFactors.filter((factor) => factor <= recording.most_reduction);
     this.rate.offer(factors.map((factor) => {
       const hz = rounded(recording.rate_hz / factor);
@@ -88,7 +120,7 @@ export class JobFields {
 
   /** As host/receipts/job_order.hpp has them; each with a slash before it. */
   options(): string {
-    const times = [["from", this.from.value], ["from-mark", this.fromMark.element.value], ["to", this.to.value], ["to-mark", this.toMark.element.value]] as const;
+    const times = [["from", this.from.value], ["from-mark", this.fromMark.value], ["to", this.to.value], ["to-mark", this.toMark.value]] as const;
     const names = this.channels.value.split(",").map((name) => name.trim()).filter((name) => name !== "").join(",");
     const all: Readonly<Record<JobForm, readonly (readonly [string, string])[]>> = {
       export: [["format", this.format.element.value], ...times.filter(([key]) => !key.endsWith("mark")), ["channels", names]],

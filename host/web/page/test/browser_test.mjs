@@ -206,6 +206,25 @@ test("lists recordings with their receipts, and can delete none", async (t) => {
                     "Transfer", "Verify"]);
 });
 
+test("a mark beyond those that are told is chosen by its number", async (t) => {
+  const page = await open(t, "armed");
+  await page.keyboard.press("l");
+  await page.waitForFunction(() => document.querySelectorAll(".recording").length === 3);
+  const of = page.locator(".recording").filter({has: page.locator("h3:text-matches('drive-2$')")});
+  await of.locator("button[data-ask=Select]").click();
+  const from = of.locator(".panel:visible select").first(), number = of.locator(".panel:visible input[placeholder='its number']");
+  assert.equal((await from.locator("option").allTextContents()).at(-1), "one of the other 3: by its number");
+  assert.equal(await number.filter({visible: true}).count(), 0);
+  await from.selectOption({label: "one of the other 3: by its number"});
+  assert.equal(await number.filter({visible: true}).count(), 1);
+  await of.locator(".panel:visible button[type=submit]").click();
+  assert.equal(await of.locator(".panel").filter({visible: true}).count(), 1, "it waits for the number");
+  await number.first().fill("8");
+  const asked = page.waitForRequest((request) => request.method() === "POST");
+  await of.locator(".panel:visible button[type=submit]").click();
+  assert.match(JSON.parse((await asked).postData()).text, /drive-2\/from-mark=8$/);
+});
+
 test("does not say that a recording is being written when nobody says so any more", async (t) => {
   const url = busUrl(), car = start("rb-web-scene", url, "known"), {web, where} = await startWeb(url);
   const page = await browser.newPage({viewport: kDesk});

@@ -193,6 +193,11 @@ for (const [name, options] of [["night", {colorScheme: "dark"}], ["day", {colorS
     await page.keyboard.press("Enter");
     await jobSays(page, "second", "Export", `hdf5, from 10 s, to 12.5 s, channels front: done.*${results}/second.h5, \\d+\\.\\d MB`);
     assert.equal(await page.evaluate(() => document.activeElement?.dataset.ask), "Export", "the focus is where it was");
+    // 2.5 s of 2 kHz from 10 s on, as a reader that we did not write finds them.
+    const read = execFileSync(process.env.RB_SCIPY_PYTHON, ["-c",
+      "import h5py, sys; g = h5py.File(sys.argv[1])['all']; t = g['time_s']; print(len(t), round(t[0], 6), round(t[-1], 6))",
+      join(results, "second.h5")], {encoding: "utf8"});
+    assert.equal(read.trim(), "5000 10.0 12.4995");
 
     await tabTo(page, "button[data-ask=Select]");
     await page.keyboard.press("Enter");
@@ -206,6 +211,12 @@ for (const [name, options] of [["night", {colorScheme: "dark"}], ["day", {colorS
     await jobSays(page, "second", "Select", `from 20 s, to 30 s: done.*${results}/second-selected, `);
     await areListed(page, 3);
     assert.match(await card(page, "second-selected").innerText(), new RegExp(`in ${results}.*00:00:10`, "s"));
+    // 10 s of two nodes at 2 kHz, all there; of them half as many are left, but for what the filter reaches at both ends.
+    const samples = (name) => JSON.parse(rb("verify", join(results, name), "--json")).nodes.map((node) => {
+      assert.ok(node.complete);
+      return node.samples_recorded;
+    });
+    assert.deepEqual(samples("second-selected"), [20000, 20000]);
 
     await of.locator("button[data-ask=Select]").focus();
     await tabTo(page, "button[data-ask=Reduce]");
@@ -219,6 +230,7 @@ for (const [name, options] of [["night", {colorScheme: "dark"}], ["day", {colorS
     await page.keyboard.press("Enter");
     await jobSays(page, "second", "Reduce", `1000 Hz: done.*${results}/second-reduced-1000Hz, `);
     await areListed(page, 4);
+    for (const left of samples("second-reduced-1000Hz")) assert.ok(left <= 160000 && left >= 160000 - 2 * 35, `${left} samples`);
 
     await of.locator("button[data-ask=Reduce]").focus();
     await tabTo(page, "button[data-ask=Transfer]");
