@@ -29,6 +29,9 @@ enum class AlarmCause : std::int32_t {
   kDeadChannel = 209,    ///< (channel 0..15)
   kRailedChannel = 210,  ///< its mean is where none can be (channel 0..15)
   kRecorderSays = 211,   ///< text: what
+  kClockPoor = 212,      ///< a node's clock is known worse than kWantedSync_s
+  kOtherVersion = 213,   ///< a node speaks another version of the wire
+  kAnalyserSilent = 214,
   kNothingRecorded = 301,
   kDiskFailing = 302,
   kDiskFull = 303,
@@ -39,6 +42,9 @@ enum class AlarmCause : std::int32_t {
   kClockBroken = 308,  ///< a node's clock jumped
   kFaultyTurns = 309,  ///< of an encoder, without exactly their teeth (line 0..1)
 };
+
+/// Clocks of two nodes may be apart by so much: 0.3 degrees at 18 turns a second.
+inline constexpr double kWantedSync_s = 50e-6;
 
 constexpr AlarmLevel level_of(AlarmCause cause) {
   return static_cast<AlarmLevel>(static_cast<std::int32_t>(cause) / 100);

@@ -188,6 +188,10 @@ std::vector<std::string> Bus::other_versions() {
   return state_->other_wire.sentences();
 }
 
+std::set<std::int32_t> Bus::nodes_of_other_versions() {
+  return state_->other_wire.nodes();
+}
+
 int Bus::handle(std::chrono::milliseconds timeout) {
   int handled = 0;
   auto wait = static_cast<int>(timeout.count());

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -70,6 +71,8 @@ class Bus {
   /// For people, since the last call: who on the subscribed channels is of another version of the wire (see
   /// OtherWire).
   std::vector<std::string> other_versions();
+  /// Nodes that have spoken another version since the last call.
+  std::set<std::int32_t> nodes_of_other_versions();
 
  private:
   struct State;

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cstdio>
 #include <optional>
+#include <system_error>
 #include <wire/ack_t.hpp>
 #include <wire/answer_t.hpp>
 #include <wire/balance_t.hpp>
@@ -31,8 +33,8 @@
 #include <wire/signal_block_t.hpp>
 #include <wire/spectrum_t.hpp>
 #include <wire/transfer_t.hpp>
-#include <wire/verification_t.hpp>
 #include <wire/vehicle_t.hpp>
+#include <wire/verification_t.hpp>
 #include <wire/view_t.hpp>
 #include <wire/waterfall_t.hpp>
 
@@ -105,9 +107,21 @@ const Kind* kind_of(std::string_view channel) {
   return found == kinds().end() ? nullptr : &*found;
 }
 
+std::string_view digits_of(std::string_view channel, const Kind& kind) {
+  return channel.substr(kind.front.size(), channel.size() - kind.front.size() - kind.back.size());
+}
+
+/// That speaks; 0: it is none.
+std::int32_t speaking_node(std::string_view channel, const Kind& kind) {
+  std::int32_t node = 0;
+  if (kind.speaker != Speaker::kNode) return 0;
+  const auto digits = digits_of(channel, kind);
+  const auto read = std::from_chars(digits.data(), digits.data() + digits.size(), node);
+  return read.ec == std::errc() ? node : 0;
+}
+
 std::string node_of(std::string_view channel, const Kind& kind) {
-  const auto digits =
-      channel.substr(kind.front.size(), channel.size() - kind.front.size() - kind.back.size());
+  const auto digits = digits_of(channel, kind);
   return digits == "0" ? "a recorder" : "node " + std::string(digits);  // 0: the host's own blocks
 }
 
@@ -149,6 +163,7 @@ void OtherWire::take(std::string_view channel, std::span<const std::uint8_t> byt
   } else if (!std::exchange(known->second, true)) {
     sentences_.push_back(sentence(channel, *kind, theirs));
   }
+  if (const std::int32_t node = speaking_node(channel, *kind); node > 0 && told_.at(key)) nodes_.insert(node);
 }
 
 }  // namespace roadbalance

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -25,11 +26,15 @@ class OtherWire {
   /// to do.
   std::vector<std::string> sentences() { return std::exchange(sentences_, {}); }
 
+  /// Nodes that have spoken another version since the last call.
+  std::set<std::int32_t> nodes() { return std::exchange(nodes_, {}); }
+
   static constexpr std::size_t kMostVersions = 64;  ///< that are told apart
 
  private:
   std::map<std::pair<std::string, std::int64_t>, bool> told_;  ///< by channel and fingerprint
   std::vector<std::string> sentences_;
+  std::set<std::int32_t> nodes_;
 };
 
 }  // namespace roadbalance

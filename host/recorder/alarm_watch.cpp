@@ -1,6 +1,7 @@
 #include "host/recorder/alarm_watch.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/bus/channel_faults.hpp"
 #include "host/recorder/status_line.hpp"
@@ -9,6 +10,10 @@ namespace roadbalance {
 namespace {
 
 constexpr std::size_t kMostWatched = 64;
+
+std::string in_us(double seconds) {
+  return std::to_string(std::llround(std::ceil(1e6 * std::clamp(seconds, 0.0, 1e3)))) + " us";
+}
 
 }  // namespace
 
@@ -32,7 +37,16 @@ void AlarmWatch::take(const Heartbeat& beat, WallTime now) {
     return;
   }
   if (!node_.contains(beat.node) && node_.size() >= kMostWatched) return;
-  node_[beat.node] = {beat.epoch, now, beat.state == NodeState::kStarted};
+  Node& node = node_[beat.node];
+  node.measures = beat.state == NodeState::kStarted;
+  const bool wants = node.measures && beat.time_base == TimeBase::kOwn && beat.owner != 0;
+  if (wants && (!node.wants_clock || node.epoch != beat.epoch)) {
+    node.clock_since = node.clock_heard = now;
+    node.was_well_known = false;
+  }
+  node.wants_clock = wants;
+  node.epoch = beat.epoch;
+  node.heard = now;
   const auto of = [&](AlarmCause cause, std::int32_t part = -1) { return Alarm{cause, beat.node, part}; };
   rise(of(AlarmCause::kSamplesLost), beat.epoch, beat.scans_missing + beat.scans_refused, " samples", now);
   for (std::size_t line = 0; line < beat.encoder_faults.size(); ++line)
@@ -52,13 +66,24 @@ void AlarmWatch::take_channels(const Level& level, WallTime now) {
 }
 
 void AlarmWatch::take(const Level& level, WallTime now) {
-  if (is_watched(level.node)) take_channels(level, now);
+  if (!is_watched(level.node)) return;
+  analyser_spoke_ = true;
+  analyser_heard_ = now;
+  take_channels(level, now);
 }
 
 void AlarmWatch::take(const ClockFit& fit, WallTime now) {
-  if (!is_watched(fit.node)) return;
+  const auto known = node_.find(fit.node);
+  if (known == node_.end()) return;
   rise({AlarmCause::kClockBroken, fit.node}, fit.epoch, fit.breaks, " breaks", now);
   if (fit.state == ClockState::kHoldover) log_.raise({AlarmCause::kClockUnheard, fit.node}, "", now);
+  Node& node = known->second;
+  if (fit.epoch != node.epoch || fit.state != ClockState::kLocked) return;
+  node.clock_heard = now;
+  if (fit.uncertainty_s <= kWantedSync_s)
+    node.was_well_known = true;
+  else if (node.wants_clock && (node.was_well_known || now - node.clock_since >= kClockPatience))
+    log_.raise({AlarmCause::kClockPoor, fit.node}, in_us(fit.uncertainty_s) + ", 50 us are wanted", now);
 }
 
 void AlarmWatch::take(const Balance& wheel, WallTime now) {
@@ -70,10 +95,30 @@ void AlarmWatch::take(const RecorderStatus& status, WallTime now) {
   for (const RecorderAlarm& alarm : alarms(status)) log_.raise({alarm.cause}, alarm.text, now);
 }
 
+void AlarmWatch::take_other_version(std::int32_t node, WallTime now) {
+  log_.raise({AlarmCause::kOtherVersion, node}, "install the same release everywhere", now);
+}
+
+// A node that is silent itself is another matter.
+void AlarmWatch::miss_clock(std::int32_t number, const Node& node, WallTime now) {
+  if (node.wants_clock && now - node.clock_heard >= kClockPatience)
+    log_.raise({AlarmCause::kClockUnheard, number}, "look at its network", now);
+}
+
 void AlarmWatch::turn(WallTime now) {
-  for (const auto& [number, node] : node_)
-    if (node.measures && now - node.heard >= kSilence)
+  bool anybody = false;
+  for (const auto& [number, node] : node_) {
+    if (!node.measures) continue;
+    if (now - node.heard >= kSilence) {
       log_.raise({AlarmCause::kNodeSilent, number}, "look at its cable and supply", now);
+    } else {
+      anybody = true;
+      miss_clock(number, node, now);
+    }
+  }
+  if (!anybody) nobody_measured_ = now;
+  if (anybody && analyser_spoke_ && now - std::max(analyser_heard_, nobody_measured_) >= kSilence)
+    log_.raise({AlarmCause::kAnalyserSilent}, "levels and balance are old", now);
 }
 
 }  // namespace roadbalance

@@ -18,7 +18,10 @@ namespace roadbalance {
 /// `rb watch`.  A pure state machine.  What says nothing new of the nodes it watches is passed over.
 class AlarmWatch {
  public:
-  static constexpr std::chrono::seconds kSilence{3};  ///< after which a node that measures is missed
+  /// After which a node that measures is missed, and an analyser that has spoken of it.
+  static constexpr std::chrono::seconds kSilence{3};
+  /// In which a clock becomes known, and known well, and after which it is missed.
+  static constexpr std::chrono::seconds kClockPatience{10};
 
   /// @param owner  of the nodes to watch: a recorder's incarnation; 0: every node
   explicit AlarmWatch(std::int64_t owner = 0) : owner_(owner) {}
@@ -29,6 +32,8 @@ class AlarmWatch {
   void take(const ClockFit& fit, WallTime now);
   void take(const Balance& wheel, WallTime now);
   void take(const RecorderStatus& status, WallTime now);
+  /// A node, of whoever it be: what it says cannot be read.
+  void take_other_version(std::int32_t node, WallTime now);
 
   /// Looks who is silent.  To be called now and then, and before what follows.
   void turn(WallTime now);
@@ -41,7 +46,12 @@ class AlarmWatch {
     std::int64_t epoch = 0;
     WallTime heard{};
     bool measures = false;
+    bool wants_clock = false;     // a recorder asks it for its time
+    WallTime clock_since{};       // that it wants one
+    WallTime clock_heard{};       // last, and locked
+    bool was_well_known = false;  // its clock, in this epoch
   };
+  void miss_clock(std::int32_t number, const Node& node, WallTime now);
   void rise(const Alarm& alarm, std::int64_t epoch, std::int64_t count, const char* what, WallTime now);
   void take_channels(const Level& level, WallTime now);
   bool is_watched(std::int32_t node) const { return node_.contains(node); }
@@ -49,6 +59,9 @@ class AlarmWatch {
   std::int64_t owner_;
   AlarmLog log_;
   std::map<std::int32_t, Node> node_;
+  bool analyser_spoke_ = false;
+  WallTime analyser_heard_{};
+  WallTime nobody_measured_{};  // last: then an analyser has nothing to say
   std::map<Alarm, std::pair<std::int64_t, std::int64_t>> counted_;  // epoch, count as it was heard last
 };
 

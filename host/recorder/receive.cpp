@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <random>
 #include <system_error>
+#include <utility>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/clock_messages.hpp"
@@ -63,8 +64,11 @@ class Reception {
 
   RecorderLink& link() { return link_; }
 
-  /// The end of each alarm that is on.
-  std::vector<AlarmNote> last_alarm_notes() { return alarms_.finish(WallClock::now()); }
+  /// The end of each alarm that is on; if the recording goes on without us they do, too, and the next
+  /// recorder says so.
+  std::vector<AlarmNote> last_alarm_notes(bool leaves) {
+    return leaves ? alarms_.due(WallClock::now()) : alarms_.finish(WallClock::now());
+  }
 
   /// One turn: what has arrived, what has become durable, what is to be said.
   WriteBatch turn(In<WriterNews>& news) {
@@ -133,6 +137,18 @@ class Reception {
                            .address = {beat->clock_address, beat->clock_port}});  // the next one comes soon
   }
 
+  // A page, which hears only what it can read, has it from what the recorder says.
+  std::string said_of_other_versions(WallTime now) {
+    for (const std::int32_t node : bus_.nodes_of_other_versions()) {
+      alarms_.take_other_version(node, now);
+      other_version_ = {node, now};
+    }
+    const auto& [node, at] = other_version_;
+    if (node == 0 || now - at >= AlarmWatch::kSilence) return "";
+    return "node " + std::to_string(node) +
+           " speaks another version of the wire: install the same release everywhere";
+  }
+
   void say_status(WallTime now) {
     status_at_ = now;
     status_.time_us = utc_us();
@@ -147,7 +163,9 @@ class Reception {
     alarms_.set_owner(link_.incarnation());
     alarms_.turn(now);
     alarms_.take(status_, now);
-    (void)publish_(kRecorderChannel, encode(status_));
+    RecorderStatus said = status_;
+    if (const std::string other = said_of_other_versions(now); said.fault.empty()) said.fault = other;
+    (void)publish_(kRecorderChannel, encode(said));
     // We turn, that is seen here; the writer turns if it has said something since.
     if (std::exchange(writer_turns_, false) && options_.on_alive) options_.on_alive(status_);
   }
@@ -164,6 +182,7 @@ class Reception {
   RecorderStatus status_;
   BatchMaker batches_;
   AlarmWatch alarms_;
+  std::pair<std::int32_t, WallTime> other_version_{};  // node and when it was heard last
   std::size_t nodes_provided_for_ = 0;
   bool writer_turns_ = false;
   const std::int64_t recorder_ = static_cast<std::int64_t>(std::random_device{}()) + 1;
@@ -204,7 +223,7 @@ void receive(std::stop_token stop, const RecorderOptions& options, const Incarna
   }
   if (!leaves) link.finish(WallClock::now());
   WriteBatch last = BatchMaker::take_last(link);
-  last.alarm_notes = reception.last_alarm_notes();
+  last.alarm_notes = reception.last_alarm_notes(leaves);
   if (last.says_something()) (void)batches.send(std::move(last));
   reception.farewell();
   report = link.report();

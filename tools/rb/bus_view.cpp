@@ -165,6 +165,7 @@ bool BusView::handle(std::chrono::milliseconds timeout) {
   forget_silent_recorders();
   const WallTime now = WallClock::now();
   watch_.turn(now);
+  for (const std::int32_t node : bus_.nodes_of_other_versions()) watch_.take_other_version(node, now);
   // One that begins or ends is news for a log.
   state_changed_ = !watch_.due(now).empty() || state_changed_;
   return news_;

@@ -45,6 +45,20 @@ TEST(OtherWire, SaysItOnceOfEachChannelAndFingerprint) {
   EXPECT_EQ(wire.sentences().size(), 2U);
 }
 
+TEST(OtherWire, NumbersTheNodesAsLongAsTheySpeak) {
+  OtherWire wire;
+  const auto foreign = of_another_version(heartbeat(7));
+  for (int k = 0; k < 2; ++k) {
+    wire.take("RB_HEARTBEAT_7", foreign);
+    EXPECT_EQ(wire.nodes(), std::set<std::int32_t>{7}) << "again, though its sentence is said once";
+  }
+  EXPECT_TRUE(wire.nodes().empty());
+  wire.take("RB_HEARTBEAT_7", heartbeat(7));
+  wire.take("RB_HEARTBEAT_99999999999999999999", foreign);
+  wire.take("RB_HEARTBEAT_0", foreign);
+  EXPECT_TRUE(wire.nodes().empty());
+}
+
 TEST(OtherWire, TakesNothingElseForAnotherVersion) {
   OtherWire wire;
   const auto foreign = of_another_version(heartbeat(7));

@@ -19,6 +19,7 @@ class AlarmWatchTest : public ::testing::Test {
     beat.epoch = 5;
     beat.owner = kOurs;
     beat.state = NodeState::kStarted;
+    beat.time_base = TimeBase::kShared;
     watch.take(beat, now);
     level.node = 3;
   }
@@ -144,6 +145,44 @@ TEST_F(AlarmWatchTest, ComesBackFromNotes) {
   EXPECT_EQ(sentence(record.all()[1]), "ALARM node 3 channel 2: left its range (no end is recorded)");
   record.take({.kind = NoteKind::kAlarmBegan, .a = 999, .text = "of a later version"});
   EXPECT_EQ(record.all().size(), 2u);
+}
+
+TEST_F(AlarmWatchTest, MissesAnAnalyserThatHasSpoken) {
+  const auto hear = [&](int halves) {
+    for (int k = 0; k < halves; ++k) {
+      watch.take(beat, now += milliseconds(500));
+      watch.turn(now);
+    }
+  };
+  hear(60);
+  EXPECT_EQ(active(), Alarms{}) << "nobody must analyse";
+  watch.take(level, now);
+  hear(5);
+  EXPECT_EQ(active(), Alarms{});
+  hear(1);
+  EXPECT_EQ(active(), (Alarms{{AlarmCause::kAnalyserSilent}}));
+  watch.take(level, now);
+  now += seconds(11);
+  watch.take(beat, now);
+  watch.take(level, now);
+  EXPECT_EQ(watch.due(now).size(), 2u);
+  EXPECT_EQ(active(), Alarms{});
+}
+
+TEST_F(AlarmWatchTest, AnAnalyserHasNothingToSayOfASilentNodeAndTimeToSpeakOfOneThatReturns) {
+  watch.take(level, now);
+  for (int k = 0; k < 20; ++k) watch.turn(now += milliseconds(500));
+  watch.take(beat, now);
+  watch.turn(now += milliseconds(500));
+  EXPECT_EQ(active(), (Alarms{{AlarmCause::kNodeSilent, 3}}));
+}
+
+TEST_F(AlarmWatchTest, TellsOfNodesOfAnotherVersionAsLongAsTheySpeak) {
+  watch.take_other_version(9, now);
+  EXPECT_EQ(active(), (Alarms{{AlarmCause::kOtherVersion, 9}}));
+  EXPECT_EQ(watch.due(now).size(), 1u);
+  EXPECT_EQ(watch.due(now += seconds(11)).size(), 1u);
+  EXPECT_EQ(active(), Alarms{});
 }
 
 TEST_F(AlarmWatchTest, TakesNothingOfNodesThatObeyAnother) {
