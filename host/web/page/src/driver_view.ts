@@ -2,12 +2,12 @@
 import type {Car} from "./car";
 import {el, setAttributes, setText} from "./dom";
 import {ProgressRing} from "./progress_ring";
-import {lamps} from "./lamps";
+import {lamps, type Light} from "./lamps";
 import {stateWord, warnings, type Connection} from "./state";
 import {mass} from "./units";
 import type {View} from "./view";
 import {kWheelNames} from "./wheel_place";
-import {Unknown} from "./wire";
+import {AlarmLevel, Unknown} from "./wire";
 import {duration, progress, reason} from "./words";
 
 class Corner {
@@ -34,8 +34,10 @@ class Corner {
 /** The worst that a lamp or a warning says; empty: nothing. */
 export function worry(car: Car, nowMs: number): string {
   const all = lamps(car, car.events, nowMs);
-  const lit = (wanted: string) => all.filter(({light}) => light === wanted).map(({name, number}) => `${name}: ${number}`);
-  return [...lit("bad"), ...warnings(car, nowMs).map(({text}) => text), ...lit("warn")][0] ?? "";
+  const lit = (wanted: Light, level: AlarmLevel) =>
+    all.filter(({light}) => light === wanted).map(({name, number}) => ({level, text: `${name}: ${number}`}));
+  const said = [...lit("bad", AlarmLevel.Alarm), ...warnings(car, nowMs), ...lit("warn", AlarmLevel.Warning)];
+  return said.sort((a, b) => b.level - a.level)[0]?.text ?? "";
 }
 
 /** One thing to do now, of whatever is in the way of most wheels. */

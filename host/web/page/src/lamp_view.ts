@@ -3,7 +3,7 @@ import {levelOf, levelSign, levelWord} from "./alarm";
 import type {Car} from "./car";
 import {el, setAttributes, setText, svg} from "./dom";
 import type {LampName} from "./events";
-import {causeOf, lamps, sentenceOf, type Light} from "./lamps";
+import {lamps, sentenceOf, type Light} from "./lamps";
 import {kCross, kDisc, kLine, kTriangle} from "./signs";
 import {AlarmLevel} from "./wire";
 
@@ -72,7 +72,7 @@ export class LampView {
     if (said === this.listed) return;
     this.listed = said;
     this.events.replaceChildren(...events.map((event) => el("li", {"data-seen": String(event.seen)}, [
-      levelSign(levelOf(causeOf(event.lamp))), el("time", {}, [new Date(Date.now() - (nowMs - event.firstMs)).toLocaleTimeString("en-GB")]),
+      levelSign(levelOf(event.cause)), el("time", {}, [new Date(Date.now() - (nowMs - event.firstMs)).toLocaleTimeString("en-GB")]),
       el("b", {}, [event.where]), el("span", {}, [sentenceOf(event)])])));
   }
 }

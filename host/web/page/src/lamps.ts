@@ -2,12 +2,12 @@
 import {lightOf} from "./alarm";
 import {isBusy, isFresh, type Car} from "./car";
 import {faultyChannels} from "./channel_faults";
-import type {Event, EventLog, LampName} from "./events";
-import {AlarmCause, ClockState, TimeBase} from "./wire";
+import {kWantedSync_s, type Event, type EventLog, type LampName} from "./events";
+import {AlarmCause, ClockState, NodeState, TimeBase} from "./wire";
 
 const kCauses: Readonly<Record<LampName, AlarmCause>> = {
   LOSS: AlarmCause.SamplesLost, SYNC: AlarmCause.ClockBroken, OVERLOAD: AlarmCause.Overload, ENCODER: AlarmCause.FaultyTurns};
-/** What an event of this lamp is an event of. */
+/** What lights it at worst. */
 export const causeOf = (lamp: LampName) => kCauses[lamp];
 
 export type Light = "good" | "unknown" | "warn" | "bad";
@@ -21,8 +21,8 @@ export interface Lamp {
   readonly sentence: string;
 }
 
-/** Clocks of two nodes may be apart by so much: 0.3 degrees at 18 turns a second. */
-const kSync_s = 50e-6;
+/** In which a clock becomes known: as AlarmWatch::kClockPatience (host/recorder). */
+const kClockPatience_s = 10;
 
 const beats = (car: Car) => [...car.heartbeats.values()].map(({message}) => message);
 const sum = (counts: readonly number[]) => counts.reduce((a, b) => a + b, 0);
@@ -52,28 +52,47 @@ function lossLamp(car: Car, log: EventLog, nowMs: number): Lamp {
   return {name: "LOSS", light: "good", number, sentence: "Every sample taken is recorded or on its way."};
 }
 
-function syncLamp(car: Car, log: EventLog, nowMs: number): Lamp {
+/** Nodes that are recorded and have clocks of their own. */
+const withClocks = (car: Car) =>
+  beats(car).filter((beat) => beat.time_base === TimeBase.Own && beat.state === NodeState.Started && beat.owner !== 0);
+
+/** How clocks stand now. */
+function clocksNow(car: Car, nowMs: number): Lamp {
   const name = "SYNC";
-  const broken = log.unseen("SYNC");
-  if (broken.length > 0)
-    return {name, light: lightOf(causeOf("SYNC")), number: times(sum(broken.map(({count}) => count)), "break", "breaks"),
-            sentence: `The clock of ${places(broken)} has jumped; the break is declared in the record.`};
   if (car.heartbeats.size > 0 && beats(car).every((beat) => beat.time_base === TimeBase.Shared))
     return {name, light: "good", number: "one common clock", sentence: "All nodes have one common clock by construction: a simulation."};
-  if (!car.livingRecorders(nowMs).some(isBusy))
+  const busy = car.livingRecorders(nowMs).filter(isBusy);
+  if (busy.length === 0)
     return {name, light: "unknown", number: "not asked", sentence: "Clocks are asked for their time while a recording is under way."};
   const fits = [...car.clocks.values()].filter((heard) => isFresh(heard, nowMs)).map(({message}) => message);
   const known = fits.filter((fit) => fit.state !== ClockState.Acquire);
-  if (known.length === 0) return {name, light: "unknown", number: "not known", sentence: "No clock is known yet."};
-  const worst = known.reduce((a, b) => (b.uncertainty_s > a.uncertainty_s ? b : a));
-  const number = `${Math.ceil(worst.uncertainty_s * 1e6)} µs`;
-  const held = known.filter((fit) => fit.state === ClockState.Holdover);
-  if (held.length > 0)
-    return {name, light: lightOf(AlarmCause.ClockUnheard), number, sentence: `The clock of ${nodes(held)} is not heard: look at its network.`};
-  if (known.length < fits.length || worst.uncertainty_s > kSync_s)
-    return {name, light: "warn", number, sentence: `Node ${worst.node} is known to ${number}; 50 µs are wanted: wait, or ` +
+  const patient = busy.every(({recording_s}) => recording_s < kClockPatience_s);
+  if (known.length === 0 && patient) return {name, light: "unknown", number: "not known", sentence: "No clock is known yet."};
+  const unheard = [...known.filter((fit) => fit.state === ClockState.Holdover),
+                   ...withClocks(car).filter(({node}) => !patient && !known.some((fit) => fit.node === node))];
+  const worst = known.reduce((a, b) => (b.uncertainty_s > a.uncertainty_s ? b : a), known[0] ?? {node: 0, uncertainty_s: 0});
+  const number = known.length > 0 ? `${Math.ceil(worst.uncertainty_s * 1e6)} µs` : "not heard";
+  if (unheard.length > 0)
+    return {name, light: lightOf(AlarmCause.ClockUnheard), number, sentence: `The clock of ${nodes(unheard)} is not heard: look at its network.`};
+  if (known.length < fits.length || worst.uncertainty_s > kWantedSync_s)
+    return {name, light: lightOf(AlarmCause.ClockPoor), number, sentence: `Node ${worst.node} is known to ${number}; 50 µs are wanted: wait, or ` +
               "look at the network."};
+  if (known.length === 0) return {name, light: "unknown", number: "not known", sentence: "No clock is known yet."};
   return {name, light: "good", number, sentence: `Every clock is known to ${number}.`};
+}
+
+function syncLamp(car: Car, log: EventLog, nowMs: number): Lamp {
+  const name = "SYNC";
+  const unseen = log.unseen("SYNC");
+  const broken = unseen.filter(({cause}) => cause === AlarmCause.ClockBroken);
+  if (broken.length > 0)
+    return {name, light: lightOf(causeOf("SYNC")), number: times(sum(broken.map(({count}) => count)), "break", "breaks"),
+            sentence: `The clock of ${places(broken)} has jumped; the break is declared in the record.`};
+  const now = clocksNow(car, nowMs);
+  const [newest] = unseen;
+  if (!newest || now.light === "warn") return now;
+  return {name, light: lightOf(newest.cause), number: now.number,
+          sentence: `${places(unseen)}: ${[...new Set(unseen.map(sentenceOf))].join("; ")}. ${now.sentence}`};
 }
 
 function overloadLamp(car: Car, log: EventLog, nowMs: number): Lamp {
@@ -112,20 +131,21 @@ export function lamps(car: Car, log: EventLog, nowMs: number): Lamp[] {
   return [lossLamp(car, log, nowMs), syncLamp(car, log, nowMs), overloadLamp(car, log, nowMs), encoderLamp(car, log)];
 }
 
-const kRemedies: Readonly<Record<LampName, string>> = {
-  LOSS: "declared in the record; look at the node's device, cable and supply",
-  SYNC: "declared in the record; look at the node's network, and whether its computer slept",
-  OVERLOAD: "choose a larger range, or mount the sensor more firmly",
-  ENCODER: "look at the sensor's gap and its cable",
-};
-const kUnits: Readonly<Record<LampName, readonly [string, string]>> = {
-  LOSS: ["sample lost", "samples lost"], SYNC: ["break of its clock", "breaks of its clock"],
-  OVERLOAD: ["left its range", "left its range"], ENCODER: ["faulty turn", "faulty turns"],
+/** What there may be of it, counted or not, and the remedy. */
+const kWords: Readonly<Partial<Record<AlarmCause, {readonly one: string; readonly many?: string; readonly remedy: string}>>> = {
+  [AlarmCause.SamplesLost]: {one: "sample lost", many: "samples lost", remedy: "declared in the record; look at the node's device, cable and supply"},
+  [AlarmCause.ClockBroken]: {one: "break of its clock", many: "breaks of its clock",
+                             remedy: "declared in the record; look at the node's network, and whether its computer slept"},
+  [AlarmCause.ClockUnheard]: {one: "clock not heard", remedy: "look at the node's network"},
+  [AlarmCause.ClockPoor]: {one: "clock known worse than to 50 µs", remedy: "look at the node's network"},
+  [AlarmCause.Overload]: {one: "left its range", remedy: "choose a larger range, or mount the sensor more firmly"},
+  [AlarmCause.FaultyTurns]: {one: "faulty turn", many: "faulty turns", remedy: "look at the sensor's gap and its cable"},
 };
 
 /** What, how much, and the remedy. */
-export function sentenceOf({lamp, count}: Event): string {
-  const [one, many] = kUnits[lamp];
-  const what = lamp === "OVERLOAD" ? one : `${count.toLocaleString("en")} ${count === 1 ? one : many}`;
-  return `${what}: ${kRemedies[lamp]}`;
+export function sentenceOf({cause, count}: Event): string {
+  const words = kWords[cause];
+  if (!words) return "";
+  const {one, many, remedy} = words;
+  return `${many === undefined ? one : `${count.toLocaleString("en")} ${count === 1 ? one : many}`}: ${remedy}`;
 }

@@ -105,7 +105,7 @@ export function warnings(car: Car, nowMs: number): Saying[] {
   const levels = [...car.levels.values()];
   if (levels.length > 0 && !levels.some((heard) => isFresh(heard, nowMs)) &&
       [...car.heartbeats.values()].some((heard) => isFresh(heard, nowMs) && heard.message.state === NodeState.Started))
-    warn("The analyser is silent: levels and balance are old.");
+    add(AlarmCause.AnalyserSilent, "The analyser is silent: levels and balance are old.");
   if (car.strangers > 0) warn("rb-web is of another version than this page: load it again.");
   return found.sort((a, b) => b.level - a.level);
 }

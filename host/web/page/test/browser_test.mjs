@@ -87,6 +87,7 @@ test("places heavy spot and weight right on both sides of the car", async (t) =>
 
 test("says what to do with weights that are on the wheel, and when they will not help", async (t) => {
   const page = await open(t, "known");
+  assert.match(await text(page, ".legend"), /□ behind the wheel ■ red dashed: take off/);
   assert.match(await text(page, "#wheel-3"), /WEIGHTS WILL NOT CURE THIS: force that does not grow with speed/);
   assert.match(await text(page, "#wheel-3"), /Move the 20 g clip from 30° \(clock 11:00\) on the outer flange to 90° \(clock 9:00\) on the inner flange\. to 298 mm ahead of the mark; behind the wheel Remove the 5 g clip at 200° \(clock 5:20\) on the outer flange/);
   assert.match(await text(page, "#wheel-4"), /Leave it: the unbalance is within its own uncertainty/);
@@ -298,6 +299,20 @@ test("says what is wrong and what to do about it", async (t) => {
                    ["bad", "warn", "bad", "bad"]);
   await page.locator("#lamp-LOSS").click();
   await page.waitForFunction(() => /80 samples are lost for good in node 1, node 2/.test(document.body.innerText));
+  // A lamp that is opened, on small windows too.
+  for (const [name, viewport] of [["day", kDesk], ["phone", kPhone], ["phone-night", kPhone], ["night", kDesk]]) {
+    await page.setViewportSize(viewport);
+    if (name === "phone-night") await page.keyboard.press("n");
+    await picture(page, `lamp-open-${name}`);
+    assert.deepEqual(await weakTexts(page), [], name);
+    const {wide, window} = await page.evaluate(() => ({wide: document.documentElement.scrollWidth, window: innerWidth}));
+    assert.ok(wide <= window, `${name}: ${wide} in ${window}`);
+    const list = await page.evaluate(() => {
+      const {scrollWidth, clientWidth} = document.querySelector(".events");
+      return {scrollWidth, clientWidth};
+    });
+    assert.ok(list.scrollWidth <= list.clientWidth, `${name}: events ${list.scrollWidth} in ${list.clientWidth}`);
+  }
   // The events: time, node, remedy.
   const events = await page.locator(".events li").allInnerTexts();
   assert.equal(events.length, 2);
@@ -430,6 +445,8 @@ test("fits a phone, a small window and 200 %", async (t) => {
       await picture(page, `${name}-${view.id}`);
       const {wide, window} = await page.evaluate(() => ({wide: document.documentElement.scrollWidth, window: innerWidth}));
       assert.ok(wide <= window, `${name} ${view.id}: ${wide} in ${window}`);
+      // Forms that are folded away are pressed, too.
+      await page.evaluate(() => document.querySelectorAll("details").forEach((one) => { one.open = true; }));
       assert.deepEqual(await tooSmall(page), [], `${name} ${view.id}: too small for a finger`);
       if (view.id === "driver") await page.keyboard.press("Escape");
     }

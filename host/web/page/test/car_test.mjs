@@ -194,6 +194,36 @@ test("each thing that is wrong has one of three levels, and the worst comes firs
     assert.equal(page.levelWord(page.levelOf(page.causeOf(lamp))), "ALARM", lamp);
 });
 
+test("what clocks suffered lights SYNC until it is acknowledged, as the record's alarms say it", () => {
+  const car = new page.Car();
+  const lamp = (now) => page.lamps(car, car.events, now).find(({name}) => name === "SYNC");
+  const busy = (recording_s) => [page.kRecorder, {...recorder[1], name_size: 3, recording_s}];
+  const own = (node) => [page.kHeartbeat, {...beat(node)[1], time_base: page.TimeBase.Own}];
+  const fit = (node, us, state = page.ClockState.Locked) => [page.kClockFit, {node, epoch: 7, state, uncertainty_s: us * 1e-6}];
+  car.take(frame(busy(2), own(1), own(2)), 0);
+  assert.equal(lamp(0).light, "unknown", "they are being asked");
+  car.take(frame(busy(3), own(1), own(2), fit(1, 400), fit(2, 12)), 1000);
+  assert.equal(lamp(1000).light, "warn", "not known well yet");
+  car.take(frame(busy(4), own(1), own(2), fit(1, 12), fit(2, 12)), 2000);
+  assert.deepEqual([lamp(2000).light, lamp(2000).number], ["good", "12 µs"], "which is no event");
+  car.take(frame(busy(5), own(1), own(2), fit(1, 12), fit(2, 51)), 3000);
+  assert.deepEqual([lamp(3000).light, lamp(3000).number], ["warn", "51 µs"]);
+  car.take(frame(busy(6), own(1), own(2), fit(1, 12, page.ClockState.Holdover), fit(2, 12)), 4000);
+  assert.match(lamp(4000).sentence, /clock of node 1 is not heard/);
+  car.take(frame(busy(7), own(1), own(2), fit(1, 12), fit(2, 12)), 5000);
+  assert.deepEqual([lamp(5000).light, lamp(5000).number], ["warn", "12 µs"], "it is over, and nobody has seen it");
+  assert.match(lamp(5000).sentence, /node 1, node 2: clock not heard.*clock known worse than to 50 µs/);
+  assert.deepEqual(car.events.of("SYNC").map(({cause}) => page.levelWord(page.levelOf(cause))), ["WARNING", "WARNING"]);
+  car.events.acknowledge();
+  assert.equal(lamp(5000).light, "good");
+  // Node 2 goes on, and its clock is heard no more.
+  car.take(frame(busy(30), own(1), own(2), fit(1, 12)), 30_000);
+  assert.match(lamp(30_000).sentence, /clock of node 2 is not heard/);
+  // Nobody speaks: what was seen to go wrong stays lit though nothing is known now.
+  car.take(frame(busy(31), own(1), own(2), fit(1, 12, page.ClockState.Holdover), fit(2, 12)), 31_000);
+  assert.equal(lamp(40_000).light, "warn");
+});
+
 test("dead channels and offsets light the lamp while they last, those that are used", () => {
   const car = new page.Car();
   const lamp = (now) => page.lamps(car, car.events, now).find(({name}) => name === "OVERLOAD");
@@ -226,6 +256,13 @@ test("the driver hears of the worst, and is done with four plans of the newest b
   assert.doesNotMatch(page.whatNow(car), /Done/, "plans of a balance before");
   car.take(frame([page.kRecorder, {...recorder[1], seconds_left: 600}]), 0);
   assert.match(page.worry(car, 0), /full in 10 min/);
+  // A notice does not hide what a lamp warns of, nor a warning.
+  car.take(frame([page.kRecorder, {...recorder[1], fallback: 1}]), 0);
+  assert.match(page.worry(car, 0), /fallback/);
+  car.take(frame([page.kLevel, {node: 1, dead: 1}]), 0);
+  assert.match(page.worry(car, 0), /^OVERLOAD: 1 dead/);
+  car.take(frame([page.kRecorder, {...recorder[1], fallback: 1, on_battery: 1}]), 0);
+  assert.match(page.worry(car, 0), /supply is gone/);
   car.take(frame([page.kLevel, {node: 1, overload: 1}]), 0);
   assert.match(page.worry(car, 0), /^OVERLOAD: 1 channel/);
 });
