@@ -31,7 +31,8 @@ TEST_F(RecordingJobs, EveryFormatOfThePageIsMade) {
                                                                        {"uff58", "drive.uff"},
                                                                        {"wav", "drive.wav"},
                                                                        {"csv", "drive.csv"},
-                                                                       {"mcap", "drive.mcap"}}) {
+                                                                       {"mcap", "drive.mcap"},
+                                                                       {"candump", "drive.log"}}) {
     begin(JobKind::kExport, "/format=" + format + "/from=2/to=3");
     const Job job = until_ended();
     EXPECT_EQ(job.state, JobState::kDone) << format << ": " << job.text;
@@ -39,6 +40,7 @@ TEST_F(RecordingJobs, EveryFormatOfThePageIsMade) {
     EXPECT_GT(fs::file_size(results / file), 10'000U);
     EXPECT_EQ(job.progress, 1);
   }
+  EXPECT_GT(fs::file_size(results / "drive.dbc"), 1000U) << "without it nobody can tell the log's frames";
 }
 
 TEST_F(RecordingJobs, MakesRecordingsThatAreComplete) {

@@ -24,14 +24,17 @@ constexpr std::array kLines{
     JobLine{JobKind::kTransfer, "transfer", JobOutcome::kCopy, Keys{}, ""},
 };
 
+constexpr std::string_view kCandump = "candump";
+
 /// The endings that other programs know.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kExtensions{{{"mdf4", ".mf4"},
+constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kExtensions{{{"mdf4", ".mf4"},
                                                                                     {"hdf5", ".h5"},
                                                                                     {"mat", ".mat"},
                                                                                     {"uff58", ".uff"},
                                                                                     {"wav", ".wav"},
                                                                                     {"csv", ".csv"},
-                                                                                    {"mcap", ".mcap"}}};
+                                                                                    {"mcap", ".mcap"},
+                                                                                    {kCandump, ".log"}}};
 
 std::string_view extension_of(std::string_view format) {
   const auto* found = std::ranges::find(kExtensions, format, &decltype(kExtensions)::value_type::first);
@@ -108,6 +111,12 @@ ResultName result_name(const JobLine& line, const JobOrder& order) {
   return {order.recording};
 }
 
+std::filesystem::path beside(const JobOrder& order, const std::filesystem::path& result) {
+  const auto format = order.option.find("format");
+  if (format == order.option.end() || format->second != kCandump) return {};
+  return std::filesystem::path(result).replace_extension(".dbc");
+}
+
 std::vector<std::string> job_arguments(const JobLine& line, const JobOrder& order,
                                        const std::filesystem::path& recording,
                                        const std::filesystem::path& before, const std::filesystem::path& to) {
@@ -120,6 +129,8 @@ std::vector<std::string> job_arguments(const JobLine& line, const JobOrder& orde
     arguments.insert(arguments.end(), {"--to", to.string()});
   else if (line.outcome != JobOutcome::kText)
     arguments.insert(arguments.end(), {"--output", to.string()});
+  if (const auto dbc = beside(order, to); !dbc.empty())
+    arguments.insert(arguments.end(), {"--dbc", dbc.string()});
   return arguments;
 }
 

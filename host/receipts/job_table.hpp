@@ -44,6 +44,10 @@ struct ResultName {
 };
 ResultName result_name(const JobLine& line, const JobOrder& order);
 
+/// The other file that is made with a result: the DBC file that tells what the frames of a candump log mean;
+/// empty: none.
+std::filesystem::path beside(const JobOrder& order, const std::filesystem::path& result);
+
 /// Of rb.
 /// @param before  empty: none
 /// @param to      what it writes, or the folder it is to be taken to

@@ -119,8 +119,10 @@ void Jobs::run(const JobLine& line, const JobOrder& order, const ListedRecording
   std::filesystem::path to = line.outcome == JobOutcome::kCopy ? places_.transfer_to : page;
   if (is_whole_or_nothing(line.outcome)) {
     std::filesystem::create_directories(places_.results);
-    to = booked.result = free_place(places_.results, result_name(line, order),
-                                    [&](const std::string& name) { return named(name, known) != nullptr; });
+    to = booked.result = free_place(places_.results, result_name(line, order), [&](const std::string& name) {
+      const auto with = beside(order, places_.results / name);
+      return named(name, known) != nullptr || (!with.empty() && std::filesystem::exists(with));
+    });
   }
   const auto arguments =
       job_arguments(line, order, recording.folder, before == nullptr ? "" : before->folder, to);

@@ -29,6 +29,18 @@ TEST_F(JobsTest, WhatAJobMakesGetsAFreeNameAmongTheResults) {
   EXPECT_TRUE(fs::exists(results / "second.csv.part"));
 }
 
+TEST_F(JobsTest, ACandumpLogComesWithTheFileThatTellsWhatItsFramesMean) {
+  rb_does("for word; do echo \"[$word]\"; done");
+  fs::create_directories(results);
+  std::ofstream(results / "first.dbc") << "of somebody else";
+  ask(JobKind::kExport, "first/format=candump");
+  const Job job = until(JobState::kDone);
+  EXPECT_EQ(joined(jobs.said(), job.job), "[export]\n[" + (folder.path() / "first").string() +
+                                              "]\n[--format=candump]\n[--output]\n[" +
+                                              (results / "first-2.log").string() + "]\n[--dbc]\n[" +
+                                              (results / "first-2.dbc").string() + "]\n");
+}
+
 TEST_F(JobsTest, OptionsReachTheCommandInOneWordEach) {
   rb_does("for word; do echo \"[$word]\"; done");
   ask(JobKind::kSelect, "first/from=-3/to-mark=2/channels=--json,$(touch x); a b");
@@ -48,7 +60,7 @@ TEST_F(JobsTest, RefusesOptionsThatCannotBeAndSaysWhich) {
   };
   EXPECT_EQ(refused(JobKind::kExport, "first"), "rb export needs a format");
   EXPECT_EQ(refused(JobKind::kExport, "first/format=exe"),
-            "format \"exe\": allowed: mdf4, hdf5, mat, uff58, wav, csv, mcap");
+            "format \"exe\": allowed: mdf4, hdf5, mat, uff58, wav, csv, mcap, candump");
   EXPECT_EQ(refused(JobKind::kReduce, "first/rate=0"), "rate \"0\": allowed: samples a second");
   EXPECT_EQ(refused(JobKind::kReduce, "first/rate=../../x"), "rate \"..\": allowed: samples a second");
   EXPECT_EQ(refused(JobKind::kSelect, "first/from=nan"), "from \"nan\": allowed: seconds");

@@ -32,6 +32,7 @@ export const kJobs: readonly JobLine[] = [
 export const kFormats: readonly (readonly [format: string, words: string])[] = [
   ["mdf4", "MDF4: vehicle measurement tools"], ["hdf5", "HDF5: MATLAB, Python, Octave"], ["mat", "MAT: MATLAB"],
   ["uff58", "UFF58: modal analysis"], ["wav", "WAV: audio tools"], ["csv", "CSV: any program"], ["mcap", "MCAP: Foxglove"],
+  ["candump", "candump: CAN tools; with a DBC file beside it"],
 ];
 
 /** "format=csv/from=3/channels=a,b" in words; empty: all of it. */
