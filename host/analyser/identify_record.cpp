@@ -35,37 +35,30 @@ RecordingDefects collect_stretches(const std::filesystem::path& folder, bool ref
   return defects;
 }
 
+RecordedEstimate recorded_estimate(DriveEstimate estimate, const DriveForces& forces,
+                                   const VehicleConfig& vehicle,
+                                   const std::array<double, kWheels>& common_sigma_rad) {
+  for (std::size_t w = 0; w < kWheels; ++w)
+    // What is wrong with a wheel's angle all through the drive is wrong with the place of its unbalance.
+    if (estimate.balance[w].state == Unknown::kNone && common_sigma_rad[w] > 0.0)
+      add_doubt(estimate.balance[w], 0.0, common_sigma_rad[w] * common_sigma_rad[w]);
+  const auto compensation = compensate_all(estimate.balance, forces, vehicle);
+  std::optional<OverallPlan> overall;
+  if (!forces.speed.empty()) overall = plan_overall(forces, vehicle, compensation);
+  return {estimate, {}, remarks(estimate.identification, estimate.balance), {}, compensation, overall};
+}
+
 RecordedEstimate identify_record(const std::filesystem::path& folder, bool refine,
                                  const std::stop_token& stop) {
-  std::optional<AngleAgain> angles;
-  std::optional<DriveEstimator> estimator;
-  std::optional<VehicleConfig> vehicle;
-  const RecordingDefects defects =
-      read_with_angles(folder, refine, angles,
-                       {[&](const VehicleConfig& recorded) { estimator.emplace(vehicle.emplace(recorded)); },
-                        [&](const SealedBlock& block) {
-                          if (stop.stop_requested()) throw Interrupted();
-                          estimator->consume(block);
-                        },
-                        [&](const ClockFit& fit) { estimator->consume(fit); }});
-  DriveEstimate estimate = estimator->estimate();
-  std::string obstacle = estimator->obstacle();
-  for (int wheel = 0; wheel < kWheels; ++wheel)
-    if (const auto quality = angles ? angles->quality(wheel) : std::nullopt) {
-      // What is wrong with a wheel's angle all through the drive is wrong with the place of its unbalance.
-      Balance& balance = estimate.balance[static_cast<std::size_t>(wheel)];
-      const double sigma_rad = quality->common_sigma_rad;
-      if (balance.state == Unknown::kNone) add_doubt(balance, 0.0, sigma_rad * sigma_rad);
-      if (const std::string why = quality->contradiction(); !why.empty())
-        obstacle += (obstacle.empty() ? "" : "; ") +
-                    std::string(kWheelNames[static_cast<std::size_t>(wheel)]) + ": " + why;
-    }
-  const auto compensation = compensate_all(estimate.balance, estimator->forces(), *vehicle);
-  std::optional<OverallPlan> overall;
-  if (const DriveForces& forces = estimator->forces(); !forces.speed.empty())
-    overall = plan_overall(forces, *vehicle, compensation);
-  return {estimate, obstacle,     remarks(estimate.identification, estimate.balance),
-          defects,  compensation, overall};
+  const DrivenRecording drive = driven_recording(folder, refine, stop);
+  const DriveEstimate estimate = drive.estimator->estimate();
+  RecordedEstimate found =
+      recorded_estimate(estimate, drive.estimator->forces(), *drive.vehicle, drive.common_sigma_rad);
+  found.obstacle = drive.estimator->obstacle();
+  if (!drive.contradictions.empty())
+    found.obstacle += (found.obstacle.empty() ? "" : "; ") + drive.contradictions;
+  found.defects = drive.defects;
+  return found;
 }
 
 }  // namespace roadbalance

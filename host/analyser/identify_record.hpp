@@ -4,12 +4,12 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
-#include <stdexcept>
 #include <stop_token>
 #include <string>
 #include <vector>
 
 #include "common/bus/compensation.hpp"
+#include "host/analyser/driven_recording.hpp"
 #include "host/analyser/read_recording.hpp"
 #include "host/balance/overall_plan.hpp"
 #include "host/identify/drive_estimator.hpp"
@@ -40,10 +40,12 @@ struct RecordedEstimate {
 RecordedEstimate identify_record(const std::filesystem::path& folder, bool refine = false,
                                  const std::stop_token& stop = {});
 
-/// Somebody who asked for an estimate no longer wants it.
-struct Interrupted : std::runtime_error {
-  Interrupted() : std::runtime_error("interrupted") {}
-};
+/// The same of a drive, or of many together, that has gone through identification.
+/// @param common_sigma_rad  doubt of each wheel's angle all through the drive
+/// @param forces            of the estimate
+RecordedEstimate recorded_estimate(DriveEstimate estimate, const DriveForces& forces,
+                                   const VehicleConfig& vehicle,
+                                   const std::array<double, kWheels>& common_sigma_rad);
 
 /// The steady stretches of a finished recording for any Estimator: the same blocks and angles.
 ///

@@ -1,31 +1,19 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "common/bus/results.hpp"
 #include "common/config/vehicle_config.hpp"
-#include "common/vehicle/linear_model.hpp"
 #include "host/identify/assemble.hpp"
+#include "host/identify/conclusions.hpp"
 #include "host/identify/decimate.hpp"
-#include "host/identify/estimate.hpp"
-#include "host/identify/judgement.hpp"
+#include "host/identify/drive_sums.hpp"
 #include "host/identify/section.hpp"
 #include "host/identify/speed_classes.hpp"
-#include "host/identify/speed_forces.hpp"
 
 namespace roadbalance {
-
-/// Fewer sections than this cannot tell their own scatter.
-inline constexpr int kLeastSections = 6;
-
-struct DriveEstimate {
-  Identification identification;
-  std::array<Balance, kWheels> balance;
-};
 
 /// Sealed blocks in, estimate out: the one path of identification, live and offline.
 ///
@@ -56,7 +44,9 @@ class DriveEstimator {
   const DriveEstimate& estimate();
   /// What the newest estimate makes of each class of speed; empty where it gives no balance, or none but from
   /// the body alone.
-  const DriveForces& forces() const { return forces_; }
+  const DriveForces& forces() const { return conclusions_.forces(); }
+  /// What this drive, as far as it went, gives to an estimate from many (joint_drives.hpp).
+  DriveSums sums();
   /// Grows by one with each new estimate.
   std::int64_t version() const { return version_; }
 
@@ -67,27 +57,16 @@ class DriveEstimator {
   void note_news();
   void learn_weights();
   void weigh_early_sections();
-  void update_estimate();
-  void publish(const UnknownVector& x, const Judgement& judgement);
-  void publish_balances(const UnknownVector& x, const Judgement& judgement);
-  /// In the balances: what vehicle.toml may be wrong by, where the body alone was heard.
-  void add_doubt_of_parameters(const DriveMoments& drive);
-  void publish_unknown(Unknown state);
-  void describe_drive(const SpeedClasses& drive);
+  SpeedClasses classes_so_far();
 
   VehicleConfig vehicle_;
-  Known known_;
+  Conclusions conclusions_;
   SpeedClasses classes_;
   std::vector<DrivenSection> early_;  ///< of classes_, while the car is as vehicle.toml has it
   bool weights_known_ = false;
   std::int64_t time_ns_ = 0, news_ns_ = 0;
-  DriveEstimate estimate_;
-  DriveForces forces_{};
   std::int64_t version_ = 0;
-  bool stale_ = false;  ///< there is more to tell than estimate_ does
-  std::string obstacle_;
-  std::string refusal_;  ///< of the estimate; empty: it is given, or there is none yet
-  bool body_only_;
+  bool stale_ = false;  ///< there is more to tell than conclusions_ do
   SectionBuilder sections_;
   std::optional<Decimator> decimator_;
   std::optional<Assembler> assembler_;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "host/identify/between_drives.hpp"
 #include "host/identify/confidence.hpp"
 #include "host/identify/speed_forces.hpp"
 
@@ -96,11 +97,49 @@ std::optional<Scatter> jackknife(const SpeedClasses& drive, const Known& known) 
   return scatter;
 }
 
+/// What the unbalances of a group weigh.
+double unbalance_weight(const DriveMoments& group) {
+  return group.harmonic.normal.trace().real() + group.body.normal.trace().real();
+}
+
+/// How many times as large the drives' variance is as that of their sections; 1 where drives do not tell.
+Said drives_ratios(const DriveGroups& drives, const Said& said, const SaidMatrix& sections,
+                   const Known& known) {
+  const auto groups = static_cast<Eigen::Index>(drives.size());
+  if (groups < 2) return Said::Ones();
+  Eigen::MatrixXd left_out(kSaid, groups);
+  Eigen::VectorXd seconds(groups), weight(groups);
+  for (Eigen::Index g = 0; g < groups; ++g) {
+    const auto told = tell(drives.without(static_cast<std::size_t>(g)), known);
+    if (!told) return Said::Ones();  // all hangs on that drive: its sections are all there is
+    const DriveMoments total = drives.total(static_cast<std::size_t>(g));
+    left_out.col(g) = told->said;
+    seconds(g) = total.seconds;
+    weight(g) = unbalance_weight(total);
+  }
+  Said ratio = unequal_jackknife_variance(said, left_out, seconds).cwiseQuotient(sections.diagonal());
+  if (weight.minCoeff() > 0.0) {
+    const Said of_wheels =
+        unequal_jackknife_variance(said, left_out, weight).cwiseQuotient(sections.diagonal());
+    ratio.segment<2 * kWheels>(kEstimatedUnbalance) = of_wheels.segment<2 * kWheels>(kEstimatedUnbalance);
+    ratio.segment<kForceParts * kWheels>(kForces) = of_wheels.segment<kForceParts * kWheels>(kForces);
+  }
+  const auto average_pair = [&ratio](int at) {
+    ratio.segment<2>(at).setConstant(ratio.segment<2>(at).mean());
+  };
+  for (int w = 0; w < kWheels; ++w) {
+    average_pair(kEstimatedUnbalance + 2 * w);
+    average_pair(kForces + kForceParts * w);
+    average_pair(kForces + kForceParts * w + 2);
+  }
+  return ratio.unaryExpr([](double one) { return std::isfinite(one) ? one : 1.0; });
+}
+
 /// Groups of equal weight that would tell as much of the unbalances: fast driving tells more than slow.
 double equal_groups(const std::vector<DriveMoments>& groups) {
   double sum = 0.0, squares = 0.0;
   for (const DriveMoments& group : groups) {
-    const double weight = group.harmonic.normal.trace().real() + group.body.normal.trace().real();
+    const double weight = unbalance_weight(group);
     sum += weight;
     squares += weight * weight;
   }
@@ -209,19 +248,24 @@ Known Known::of(const VehicleConfig& vehicle) {
   return known;
 }
 
-std::optional<Judgement> judge(const SpeedClasses& drive, const Known& known) {
+std::optional<Judgement> judge(const SpeedClasses& drive, const Known& known, const DriveGroups& drives) {
   const std::vector<DriveMoments> groups = drive.groups();
   if (groups.size() < 4) return std::nullopt;
   const std::vector<DriveMoments> classes = drive.totals();
   const auto told = tell(classes, known);
-  const auto scatter = told ? jackknife(drive, known) : std::nullopt;
+  auto scatter = told ? jackknife(drive, known) : std::nullopt;
   if (!scatter) return std::nullopt;
-  const SaidMatrix& covariance = scatter->covariance;
+  SaidMatrix& covariance = scatter->covariance;
+  const Said ratio = drives_ratios(drives, told->said, covariance, known);
+  const Said widened = ratio.cwiseMax(1.0).cwiseSqrt();
+  covariance = widened.asDiagonal() * covariance * widened.asDiagonal();
   const double equal = equal_groups(groups);
   const double widen = few_groups_factor(equal);
   Judgement judgement;
   judgement.drive = widen * covariance.topLeftCorner<kUnknowns, kUnknowns>();
   judgement.model.setZero();
+  for (int w = 0; w < kWheels; ++w)
+    judgement.drives_ratio[static_cast<std::size_t>(w)] = ratio(kEstimatedUnbalance + 2 * w);
   const DriveMoments total = sum_of(classes);
   if (!total.body.normal.isZero()) return judgement;
 

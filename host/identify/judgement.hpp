@@ -7,6 +7,7 @@
 
 #include "common/config/vehicle_config.hpp"
 #include "common/vehicle/linear_model.hpp"
+#include "host/identify/drive_groups.hpp"
 #include "host/identify/estimate.hpp"
 #include "host/identify/first_order.hpp"
 #include "host/identify/misfit.hpp"
@@ -24,6 +25,8 @@ struct Judgement {
   std::array<Misfit, 1 + kWheels> misfit{};
   /// By which share the mass of all wheels seems to differ from what is taken for known; 0 sigma: not judged.
   double mass_share = 0.0, sigma_mass_share = 0.0;
+  /// By how much the drives' variance of each wheel's unbalance is that of their sections; 1: a single drive.
+  std::array<double, kWheels> drives_ratio{1.0, 1.0, 1.0, 1.0};
   /// Unbalance and speed-independent force of each wheel; sigmas by what the drive scatters.
   std::array<FirstOrderFit, kWheels> first_order{};
 };
@@ -38,7 +41,12 @@ struct Known {
   static Known of(const VehicleConfig& vehicle);
 };
 
+/// Of several drives the scatter of sections is widened to that of whole drives, each unknown by itself,
+/// where drives differ by more: Birge's ratio, never below 1.
+///
+/// Source: R. T. Birge, The calculation of errors by the method of least squares, Phys. Rev. 40 (1932)
+/// 207-227.
 /// Returns nothing if a part of the drive does not determine the unknowns, or it has fewer than four groups.
-std::optional<Judgement> judge(const SpeedClasses& drive, const Known& known);
+std::optional<Judgement> judge(const SpeedClasses& drive, const Known& known, const DriveGroups& drives = {});
 
 }  // namespace roadbalance

@@ -31,4 +31,17 @@ DriveMoments& DriveMoments::operator+=(const DriveMoments& other) {
   return *this;
 }
 
+void DriveMoments::weigh_road(double factor) {
+  for (auto& instrument : chassis) instrument *= factor;
+  for (double& power : chassis_power) power *= factor;
+  for (Wheel& each : wheel) {
+    each.tyre *= factor;
+    each.tyre_unbalance *= factor;
+    for (Wheel::Check& check : each.check) {
+      check.tyre *= factor;
+      check.tyre_unbalance *= factor;
+    }
+  }
+}
+
 }  // namespace roadbalance

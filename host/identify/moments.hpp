@@ -33,6 +33,13 @@ struct InstrumentMoments {
     return *this;
   }
 
+  InstrumentMoments& operator*=(double factor) {
+    w2 *= factor;
+    w1 *= factor;
+    w0 *= factor;
+    return *this;
+  }
+
   /// Left side of (2) for one row (degree of freedom) of the matrices.  Linear in the parameters.
   Scalar force(const LinearModel& model, int row) const {
     return (w2 * model.M.row(row).transpose() - w1 * model.P.row(row).transpose() +
@@ -94,6 +101,9 @@ struct DriveMoments {
   BodyMoments body;
 
   DriveMoments& operator+=(const DriveMoments& other);
+  /// Multiplies what grows with the square of what the road shakes, the equations of suspension and tyres:
+  /// each is 0 with any factor.
+  void weigh_road(double factor);
 };
 
 }  // namespace roadbalance

@@ -18,7 +18,7 @@ void PhaseDrift::add(const Eigen::Ref<const SignalMatrix>& signals,
   for (int a = 0; a < kWheels; ++a)
     for (int b = a + 1; b < kWheels; ++b) {
       if (!has_angle[static_cast<std::size_t>(a)] || !has_angle[static_cast<std::size_t>(b)]) continue;
-      auto& cells = seen_[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)];
+      auto& cells = seen[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)];
       for (Eigen::Index k = 0; k < signals.cols(); ++k) {
         const double between =
             std::arg(reference(signals.col(k), a) * std::conj(reference(signals.col(k), b)));
@@ -28,9 +28,14 @@ void PhaseDrift::add(const Eigen::Ref<const SignalMatrix>& signals,
     }
 }
 
+void PhaseDrift::add(const PhaseDrift& other) {
+  for (std::size_t a = 0; a < kWheels; ++a)
+    for (std::size_t b = 0; b < kWheels; ++b) seen[a][b] |= other.seen[a][b];
+}
+
 std::optional<double> PhaseDrift::drift_rad(int a, int b) const {
   const auto [low, high] = std::minmax(a, b);
-  const auto& cells = seen_[static_cast<std::size_t>(low)][static_cast<std::size_t>(high)];
+  const auto& cells = seen[static_cast<std::size_t>(low)][static_cast<std::size_t>(high)];
   if (cells.none()) return std::nullopt;
   // The arc is the turn without the longest run of empty cells; twice around meets every run whole.
   std::size_t longest = 0, empty = 0;

@@ -21,14 +21,16 @@ class PhaseDrift {
   /// @param has_angle  which wheels' references are there all through
   void add(const Eigen::Ref<const SignalMatrix>& signals, const std::array<bool, kWheels>& has_angle);
 
+  /// What was seen elsewhere of the same wheels and zero marks.
+  void add(const PhaseDrift& other);
+
   /// The smallest arc that holds all angles between the two wheels, to a degree; nothing: never seen
   /// together.
   std::optional<double> drift_rad(int a, int b) const;
 
- private:
   static constexpr std::size_t kCells = 360;
   /// By the lower and the higher wheel.
-  std::array<std::array<std::bitset<kCells>, kWheels>, kWheels> seen_;
+  std::array<std::array<std::bitset<kCells>, kWheels>, kWheels> seen;
 };
 
 /// Wheels that turned against one another by less than this turn in step.

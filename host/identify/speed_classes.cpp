@@ -9,6 +9,23 @@ void SpeedClasses::add(const DriveMoments& section) {
   found.total += section;
 }
 
+void SpeedClasses::add(const SpeedClasses& drive) {
+  for (const auto& [key, each] : drive.class_) {
+    Class& found = class_[key];
+    const auto before = static_cast<std::size_t>(found.total.sections);
+    for (std::size_t g = 0; g < kGroups; ++g)
+      if (each.group[g].sections > 0) found.group[(before + g) % kGroups] += each.group[g];
+    found.total += each.total;
+  }
+}
+
+void SpeedClasses::weigh_road(double factor) {
+  for (auto& [key, each] : class_) {
+    for (DriveMoments& group : each.group) group.weigh_road(factor);
+    each.total.weigh_road(factor);
+  }
+}
+
 int SpeedClasses::sections() const {
   int sum = 0;
   for (const auto& [key, each] : class_) sum += each.total.sections;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "common/bus/results.hpp"
@@ -15,9 +16,23 @@ class SpeedClasses {
  public:
   static constexpr std::size_t kGroups = 10;  ///< of a class
 
+  struct Class {
+    std::array<DriveMoments, kGroups> group;
+    DriveMoments total;
+  };
+
   explicit SpeedClasses(double width_m_s) : width_m_s_(width_m_s) {}
+  SpeedClasses(double width_m_s, std::map<int, Class> classes)
+      : width_m_s_(width_m_s), class_(std::move(classes)) {}
 
   void add(const DriveMoments& section);
+  /// Another drive of the same width, its groups dealt out in turn after those there are.
+  void add(const SpeedClasses& drive);
+  /// DriveMoments::weigh_road of all.
+  void weigh_road(double factor);
+
+  double width_m_s() const { return width_m_s_; }
+  const std::map<int, Class>& classes() const { return class_; }  ///< by speed over width
 
   bool empty() const { return class_.empty(); }
   int sections() const;
@@ -34,10 +49,6 @@ class SpeedClasses {
   std::vector<LeftOut> left_out() const;
 
  private:
-  struct Class {
-    std::array<DriveMoments, kGroups> group;
-    DriveMoments total;
-  };
   double width_m_s_;
   std::map<int, Class> class_;
 };

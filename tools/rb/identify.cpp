@@ -1,16 +1,25 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <stop_token>
 #include <string>
+#include <thread>
+#include <utility>
+#include <vector>
 
+#include "common/config/section.hpp"
+#include "common/process/stop_on_signal.hpp"
 #include "host/analyser/identify_record.hpp"
+#include "host/analyser/recordings_given.hpp"
 #include "host/identify/estimator.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/compensation_json.hpp"
 #include "tools/rb/defects.hpp"
 #include "tools/rb/identification_json.hpp"
+#include "tools/rb/identify_many.hpp"
 #include "tools/rb/identify_with.hpp"
 #include "tools/rb/overall_lines.hpp"
 #include "tools/rb/readout.hpp"
@@ -20,19 +29,19 @@ namespace roadbalance {
 namespace {
 
 struct IdentifyOptions {
-  std::string folder;
+  std::vector<std::string> folders;
+  std::size_t jobs = 1;
+  bool skip_unusable = false;
   std::string estimator;
   bool json = false;
   bool refine = false;
   bool overall = false;
 };
 
-int identify(const IdentifyOptions& options) {
-  if (!options.estimator.empty())
-    return identify_with(options.estimator, options.folder, options.refine, options.json);
-  const RecordedEstimate found = identify_record(options.folder, options.refine);
+/// @param recordings  what many recordings have to say of themselves, null: it is a single one
+int tell(const IdentifyOptions& options, const RecordedEstimate& found,
+         const nlohmann::ordered_json& recordings) {
   const auto& [identification, balance] = found.estimate;
-  warn_of_defects("identify", options.folder, found.defects);
   if (!found.obstacle.empty()) std::fprintf(stderr, "rb identify: %s\n", found.obstacle.c_str());
   if (options.overall && !found.overall)
     std::fprintf(stderr, "rb identify: no overall compensation: what turns with the wheels is not known\n");
@@ -44,6 +53,7 @@ int identify(const IdentifyOptions& options) {
     result["remarks"] = found.remarks;
     if (options.overall)
       result["overall"] = found.overall ? overall_json(*found.overall) : nlohmann::ordered_json();
+    if (!recordings.is_null()) result.update(recordings);
     std::printf("%s\n", result.dump().c_str());
   } else {
     std::printf("%s\n", identification_line(identification, found.obstacle).c_str());
@@ -62,13 +72,80 @@ int identify(const IdentifyOptions& options) {
   return any && (found.overall || !options.overall) ? kDone : kAnswerIsNo;
 }
 
+int identify_one(const IdentifyOptions& options, const std::stop_token& stop) {
+  const std::string& folder = options.folders.front();
+  if (!options.estimator.empty())
+    return identify_with(options.estimator, folder, options.refine, options.json);
+  const RecordedEstimate found = identify_record(folder, options.refine, stop);
+  warn_of_defects("identify", folder, found.defects);
+  return tell(options, found, nullptr);
+}
+
+int identify_all(const IdentifyOptions& options, const std::vector<std::filesystem::path>& recordings,
+                 const ShareWork& work, const DriveSharer& sharer) try {
+  const TogetherTold told = identify_together(recordings, options.skip_unusable, work, sharer);
+  double seconds = 0.0;
+  for (const auto& one : told.used) {
+    seconds += one.seconds;
+    if (one.missing_blocks > 0)
+      std::fprintf(stderr, "rb identify: %s: %lld blocks are missing; the result is from the rest\n",
+                   one.recording.c_str(), static_cast<long long>(one.missing_blocks));
+  }
+  for (const auto& one : told.left_out)
+    std::fprintf(stderr, "rb identify: left out %s: %s\n", one.recording.c_str(), one.why.c_str());
+  if (!options.json)
+    std::printf("%zu recordings together, %.0f s of steady driving\n", told.used.size(), seconds);
+  return tell(options, told.found, recordings_json(told));
+} catch (const Unusable& error) {
+  std::fprintf(stderr, "rb identify: %s\n", error.what());
+  return kAnswerIsNo;
+}
+
+/// In a process that speaks.
+int identify(const IdentifyOptions& options, const ShareWork& work, const DriveSharer& sharer) {
+  bool shared = false;
+  const DriveSharer once = [&](const auto& recordings, const ShareWork& how, const auto& take) {
+    shared = true;
+    sharer(recordings, how, take);
+  };
+  // Whoever else works on it must not wait for what does not come.
+  const auto nothing_to_share = [&] {
+    if (!std::exchange(shared, true)) sharer({}, work, {});
+  };
+  try {
+    const auto recordings = recordings_given(options.folders);
+    const bool one = options.folders.size() == 1 && recordings.size() == 1 &&
+                     recordings.front() == std::filesystem::canonical(options.folders.front());
+    if (one) nothing_to_share();
+    if (!one && !options.estimator.empty())
+      throw ConfigError("--estimator takes one recording, not " + std::to_string(recordings.size()));
+    return one ? identify_one(options, work.stop) : identify_all(options, recordings, work, once);
+  } catch (...) {
+    nothing_to_share();
+    throw;
+  }
+}
+
 }  // namespace
 
-void add_identify(CLI::App& app, int& code) {
+void add_identify_over(CLI::App& app, int& code, const DriveSharer& sharer, std::size_t jobs, bool speaks) {
   auto options = std::make_shared<IdentifyOptions>();
-  CLI::App* command =
-      app.add_subcommand("identify", "Finds tyre stiffness and unbalance of every wheel from a recording");
-  command->add_option("folder", options->folder, "the recording")->required();
+  options->jobs = jobs;
+  CLI::App* command = app.add_subcommand(
+      "identify",
+      "Finds tyre stiffness and unbalance of every wheel from a recording, or from many of one car");
+  command
+      ->add_option("folders", options->folders,
+                   "the recording; several, or a folder of recordings, are drives of one car and give one "
+                   "estimate")
+      ->required();
+  command
+      ->add_option("--jobs", options->jobs, "recordings read at a time; the result is the same bit for bit")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  command->add_flag("--skip-unusable", options->skip_unusable,
+                    "leave out, and name, recordings that are damaged, too short or cannot be read; else "
+                    "one of many is an error");
   std::string kinds;
   for (const EstimatorKind& kind : estimators()) kinds += "\n  " + kind.name + ": " + kind.what;
   command->add_option("--estimator", options->estimator,
@@ -85,7 +162,24 @@ void add_identify(CLI::App& app, int& code) {
       "compute the relations of the nodes' clocks and the wheels' angles again from all recorded "
       "exchanges and edges, which are in memory at once: up to 100 bytes an edge, 1.4 GB for an hour of "
       "four rings of 96 at 18 turns a second");
-  command->callback([options, &code] { code = identify(*options); });
+  command->footer(
+      "Recordings of another car, or with other weights, zero marks or sensor places by their vehicle.toml, "
+      "are refused, naming the key and both.\n"
+      "Exit codes: 0 done, 1 no wheel is identified or a recording is unusable, 2 usage, or recordings that "
+      "do "
+      "not belong together, 4 cannot read.");
+  command->callback([options, &code, sharer, speaks] {
+    const StopOnSignal signals;
+    const ShareWork work{options->jobs, options->refine, signals.token()};
+    if (speaks)
+      code = identify(*options, work, sharer);
+    else
+      sharer({}, work, {});
+  });
+}
+
+void add_identify(CLI::App& app, int& code) {
+  add_identify_over(app, code, share_on_threads, std::max(1U, std::thread::hardware_concurrency()), true);
 }
 
 }  // namespace roadbalance

@@ -1,4 +1,4 @@
-// rb study over a cluster: mpirun -n 2 rb-mpi study fig3 --runs 400
+// Over a cluster: mpirun -n 2 rb-mpi study fig3 --runs 400, mpirun -n 4 rb-mpi identify drives
 #include <mpi.h>
 
 #include <CLI/CLI.hpp>
@@ -7,18 +7,21 @@
 
 #include "common/config/section.hpp"
 #include "tools/rb/command.hpp"
+#include "tools/rb/identify_many.hpp"
 #include "tools/rb/study.hpp"
 #include "tools/rb_mpi/cluster_campaign.hpp"
+#include "tools/rb_mpi/cluster_shares.hpp"
 
 namespace {
 
 int run(int argc, char** argv) {
   using namespace roadbalance;
-  CLI::App app("roadbalance: studies over a cluster.", "rb-mpi");
+  CLI::App app("roadbalance: studies, and identification from many recordings, over a cluster.", "rb-mpi");
   app.require_subcommand(1);
   int code = kDone, rank = 0;
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   add_study_over(app, code, run_campaign_on_cluster, 1, rank == 0);
+  add_identify_over(app, code, share_on_cluster, 1, rank == 0);
   try {
     app.parse(argc, argv);
     return code;

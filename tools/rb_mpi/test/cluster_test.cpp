@@ -1,49 +1,20 @@
 // rb-mpi under mpirun on this machine, as a user starts it.
 #include <gtest/gtest.h>
 
-#include <unistd.h>
-
-#include <array>
-#include <cstdio>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
+
+#include "tools/rb_mpi/test/mpirun.hpp"
 
 namespace roadbalance {
 namespace {
 
-struct Output {
-  std::string text, errors;
-  int status;
-};
+using test::Output;
+using test::output_of;
+using test::program;
 
-Output output_of(const std::string& command) {
-  Output output;
-  const std::filesystem::path errors =
-      std::filesystem::temp_directory_path() / ("cluster-test-" + std::to_string(getpid()));
-  std::FILE* pipe = popen((command + " 2>" + errors.string()).c_str(), "r");
-  std::array<char, 4096> part{};
-  while (const std::size_t n = std::fread(part.data(), 1, part.size(), pipe))
-    output.text.append(part.data(), n);
-  output.status = WEXITSTATUS(pclose(pipe));
-  std::ifstream file(errors);
-  output.errors.assign(std::istreambuf_iterator<char>(file), {});
-  std::filesystem::remove(errors);
-  return output;
-}
-
-/// As root and on a machine of one core, too, with Open MPI 4 and 5; others do not know the variables.
-const std::string kMpirun =
-    "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1 "
-    "PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe mpirun -n 2 ";
+const std::string kMpirun = test::mpirun(2);
 const std::string kStudy = " study fig3 --runs 3 --seed 7 --set samples=5000 --json";
-
-std::string program(const char* name) {
-  return std::string(std::getenv("RB_BIN")) + "/" + name;
-}
 
 TEST(Cluster, GivesTheSameResultAsOneMachineBitForBit) {
   const Output alone = output_of(program("rb") + kStudy);

@@ -1,0 +1,113 @@
+#include "host/analyser/drive_share.hpp"
+
+#include <algorithm>
+#include <exception>
+
+#include "common/text/format.hpp"
+#include "host/analyser/driven_recording.hpp"
+#include "host/identify/byte_archive.hpp"
+
+namespace roadbalance {
+namespace {
+
+void note_scans(const SealedBlock& block, std::vector<ScanRange>& scans) {
+  if (block.kind != BlockKind::kScan) return;
+  const BlockHeader& header = block.header;
+  const auto same = std::find_if(scans.rbegin(), scans.rend(), [&](const ScanRange& range) {
+    return range.node == header.node && range.epoch == header.epoch;
+  });
+  if (same == scans.rend())
+    scans.push_back({header.node, header.epoch, header.first_scan, header.first_scan + header.scans});
+  else
+    same->end = std::max(same->end, header.first_scan + header.scans);
+}
+
+/// Empty: there is nothing wrong.
+std::string damage(const RecordingDefects& defects) {
+  if (defects.damaged_bytes == 0 && defects.refused_blocks == 0) return {};
+  return format("damaged: %llu bytes unreadable, %lld blocks refused; rb verify lists them",
+                static_cast<unsigned long long>(defects.damaged_bytes),
+                static_cast<long long>(defects.refused_blocks));
+}
+
+std::string why_no_sections(const DriveSums& sums, const VehicleConfig& vehicle) {
+  switch (sums.state) {
+    case Unknown::kNone:
+      return {};
+    case Unknown::kTooSlow:
+      return format("no section at %.0f km/h or more", 3.6 * vehicle.drive.least_speed_m_s);
+    case Unknown::kTooShort:
+      return format("too short: no section of %.0f s at a steady speed of %.0f km/h or more",
+                    vehicle.drive.section_s, 3.6 * vehicle.drive.least_speed_m_s) +
+             (sums.obstacle.empty() ? "" : "; " + sums.obstacle);
+    default:
+      return sums.obstacle.empty() ? "tells nothing" : sums.obstacle;
+  }
+}
+
+template <typename Archive>
+void fields(Archive& archive, DriveShare& share) {
+  archive.text(share.unusable);
+  archive(share.not_read);
+  archive.text(share.contradictions);
+  archive(share.missing_blocks);
+  std::uint64_t ranges = share.scans.size();
+  archive(ranges);
+  if (ranges > archive.most(sizeof(ScanRange))) throw std::length_error("too short");
+  share.scans.resize(ranges);
+  for (ScanRange& range : share.scans) {
+    archive(range.node);
+    archive(range.epoch);
+    archive(range.first);
+    archive(range.end);
+  }
+}
+
+}  // namespace
+
+DriveShare share_of(const std::filesystem::path& recording, bool refine, const std::stop_token& stop) {
+  DriveShare share;
+  try {
+    DrivenRecording drive = driven_recording(
+        recording, refine, stop, [&](const SealedBlock& block) { note_scans(block, share.scans); });
+    share.missing_blocks = drive.defects.missing_blocks;
+    share.contradictions = drive.contradictions;
+    share.sums = drive.estimator->sums();
+    share.sums->common_sigma_rad = drive.common_sigma_rad;
+    share.unusable = damage(drive.defects);
+    if (share.unusable.empty()) share.unusable = why_no_sections(*share.sums, *drive.vehicle);
+  } catch (const Interrupted&) {
+    throw;
+  } catch (const std::exception& error) {
+    share.unusable = error.what();
+    share.not_read = true;
+  }
+  if (!share.unusable.empty()) share.sums.reset();
+  return share;
+}
+
+std::vector<char> encode(const DriveShare& of) {
+  DriveShare share = of;
+  ByteWriter writer;
+  fields(writer, share);
+  if (!share.sums) return writer.bytes;
+  const std::vector<char> sums = encode(*share.sums);
+  writer.bytes.insert(writer.bytes.end(), sums.begin(), sums.end());
+  return writer.bytes;
+}
+
+std::optional<DriveShare> decode_drive_share(std::span<const char> bytes) {
+  ByteReader reader(bytes);
+  DriveShare share;
+  try {
+    fields(reader, share);
+  } catch (const std::length_error&) {
+    return std::nullopt;
+  }
+  if (reader.ended()) return share;
+  share.sums = decode_drive_sums(reader.left());
+  if (!share.sums) return std::nullopt;
+  return share;
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "host/identify/drive_sums.hpp"
+
+namespace roadbalance {
+
+/// Scans of one epoch of a node that a recording holds, from the first to behind the last.
+struct ScanRange {
+  std::int32_t node;
+  std::int64_t epoch, first, end;
+};
+
+/// What one recording gives to an estimate from many, or why it gives nothing.
+struct DriveShare {
+  std::optional<DriveSums> sums;
+  std::string unusable;        ///< for people; empty: it is usable
+  bool not_read = false;       ///< for it cannot be read at all
+  std::string contradictions;  ///< what speaks against its zero marks
+  std::int64_t missing_blocks = 0;
+  std::vector<ScanRange> scans;  ///< of every node, in the order of their beginning
+};
+
+/// @throws Interrupted if told to stop; nothing else: what is wrong with a recording is in its share
+DriveShare share_of(const std::filesystem::path& recording, bool refine, const std::stop_token& stop);
+
+/// The same bit for bit in another process of this build.
+std::vector<char> encode(const DriveShare& share);
+/// Nothing if the bytes are none of encode().
+std::optional<DriveShare> decode_drive_share(std::span<const char> bytes);
+
+}  // namespace roadbalance
