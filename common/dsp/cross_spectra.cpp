@@ -2,12 +2,84 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numeric>
 #include <stdexcept>
 #include <utility>
 
+#include "common/dsp/lanes.hpp"
+
 namespace roadbalance {
 namespace {
+
+constexpr int kBins = 8, kSegments = 8;  // of a tile and of a batch
+
+/// One tile: its pairs' sums, weighed by `before`, take up the segments that wait, each with its weight.
+struct Tile {
+  const double* lines;  ///< [segment][channel][re, im][bin], `row` from one segment to the next
+  double* sum;          ///< [pair][re, im][bin]
+  double before;
+  double weight[kSegments];  ///< 0 where none waits
+  std::size_t channels;
+  std::size_t row;
+};
+
+/// kLanes of the tile's bins, from `bin` on.
+template <int kLanes>
+[[gnu::always_inline]] inline void sum_up_bins(const Tile& tile, int bin) {
+  using Vector = typename Lanes<kLanes>::Vector;
+  const std::size_t row = tile.row;
+  double* sum = tile.sum + bin;
+  for (std::size_t a = 0; a < tile.channels; ++a) {
+    const double* const own = tile.lines + a * 2 * kBins + bin;
+    Vector re[kSegments], im[kSegments];
+#pragma GCC unroll 8
+    for (int s = 0; s < kSegments; ++s) {
+      std::memcpy(&re[s], own + static_cast<std::size_t>(s) * row, sizeof(Vector));
+      std::memcpy(&im[s], own + static_cast<std::size_t>(s) * row + kBins, sizeof(Vector));
+      re[s] *= tile.weight[s];
+      im[s] *= tile.weight[s];
+    }
+    const double* other = own;
+    for (std::size_t b = a; b < tile.channels; ++b, other += 2 * kBins, sum += 2 * kBins) {
+      // Two sums each, so that an addition need not wait for the one before it.
+      Vector real, imaginary, real2 = {}, imaginary2 = {};
+      std::memcpy(&real, sum, sizeof real);
+      std::memcpy(&imaginary, sum + kBins, sizeof imaginary);
+      real *= tile.before;
+      imaginary *= tile.before;
+#pragma GCC unroll 8
+      for (int s = 0; s < kSegments; ++s) {
+        Vector x, y;
+        std::memcpy(&x, other + static_cast<std::size_t>(s) * row, sizeof x);
+        std::memcpy(&y, other + static_cast<std::size_t>(s) * row + kBins, sizeof y);
+        real += re[s] * x;
+        real2 += im[s] * y;
+        imaginary += re[s] * y;
+        imaginary2 -= im[s] * x;
+      }
+      real += real2;
+      imaginary += imaginary2;
+      std::memcpy(sum, &real, sizeof real);
+      std::memcpy(sum + kBins, &imaginary, sizeof imaginary);
+    }
+  }
+}
+
+template <int kLanes>
+[[gnu::always_inline]] inline void sum_up_tile(const Tile& tile) {
+  for (int bin = 0; bin < kBins; bin += kLanes) sum_up_bins<kLanes>(tile, bin);
+}
+
+RB_AVX512 void sum_up_avx512(const Tile& tile) {
+  sum_up_tile<8>(tile);
+}
+RB_AVX2 void sum_up_avx2(const Tile& tile) {
+  sum_up_tile<4>(tile);
+}
+void sum_up_plain(const Tile& tile) {
+  sum_up_tile<2>(tile);
+}
 
 const CrossSpectra::Settings& checked(const CrossSpectra::Settings& settings) {
   const auto& welch = settings.welch;
@@ -34,8 +106,6 @@ CrossSpectra::CrossSpectra(const Settings& settings)
     : settings_(checked(settings)),
       fft_(settings.welch.segment),
       window_(window(settings.welch.window, settings.welch.segment)),
-      tapered_(window_.size()),
-      lines_(static_cast<std::size_t>(fft_.bins())),
       hop_(std::max<Eigen::Index>(1, std::lround((1.0 - settings.welch.overlap) * settings.welch.segment))),
       tiles_((fft_.bins() + kLane - 1) / kLane),
       pairs_(settings.channels * (settings.channels + 1) / 2),
@@ -43,9 +113,9 @@ CrossSpectra::CrossSpectra(const Settings& settings)
       enbw_hz_(equivalent_noise_bandwidth_bins(window_) * step_hz_),
       scale_(1.0 / (settings.welch.rate_hz *
                     std::inner_product(window_.begin(), window_.end(), window_.begin(), 0.0))),
-      history_(settings.welch.segment, settings.channels),
-      batch_(static_cast<std::size_t>(tiles_) * kBatch * static_cast<std::size_t>(settings.channels) * 2,
-             Lane::Zero()),
+      history_(Eigen::MatrixXd::Zero(settings.welch.segment + kLane, settings.channels)),
+      segment_(static_cast<std::size_t>(tiles_) * static_cast<std::size_t>(settings.channels) * 2 + 1),
+      batch_(kBatch * segment_, Lane::Zero()),
       sum_(static_cast<std::size_t>(tiles_) * static_cast<std::size_t>(pairs_) * 2, Lane::Zero()) {
   for (auto k = static_cast<std::size_t>(hop_); k < window_.size(); k += static_cast<std::size_t>(hop_))
     overlap_.push_back(correlation(window_, k));
@@ -67,34 +137,40 @@ void CrossSpectra::add(const Eigen::Ref<const Eigen::MatrixXd>& samples) {
     throw std::invalid_argument("spectra of " + std::to_string(settings_.channels) + " channels got " +
                                 std::to_string(samples.rows()));
   for (Eigen::Index taken = 0; taken < samples.cols();) {
-    const Eigen::Index n = std::min(samples.cols() - taken, history_.rows() - filled_);
+    const Eigen::Index n = std::min(samples.cols() - taken, fft_.size() - filled_);
     history_.middleRows(filled_, n) = samples.middleCols(taken, n).transpose();
     filled_ += n;
     taken += n;
-    if (filled_ == history_.rows()) add_segment();
+    if (filled_ == fft_.size()) add_segment();
   }
 }
 
 void CrossSpectra::add_segment() {
   const auto channels = static_cast<std::size_t>(settings_.channels);
+  const Eigen::Map<const Eigen::ArrayXd> taper(window_.data(), fft_.size());
   for (std::size_t c = 0; c < channels; ++c) {
-    const auto samples = history_.col(static_cast<Eigen::Index>(c));
+    const auto samples = history_.col(static_cast<Eigen::Index>(c)).head(fft_.size()).array();
     const double mean = settings_.remove_means ? samples.mean() : 0.0;
-    for (std::size_t n = 0; n < tapered_.size(); ++n)
-      tapered_[n] = window_[n] * (samples(static_cast<Eigen::Index>(n)) - mean);
-    fft_.forward(tapered_, lines_);
-    for (std::size_t k = 0; k < lines_.size(); ++k) {
-      const std::size_t lane =
-          2 * (((k / kLane) * kBatch + static_cast<std::size_t>(waiting_)) * channels + c);
-      batch_[lane](static_cast<Eigen::Index>(k % kLane)) = lines_[k].real();
-      batch_[lane + 1](static_cast<Eigen::Index>(k % kLane)) = lines_[k].imag();
+    Eigen::Map<Eigen::ArrayXd>(fft_.input().data(), fft_.size()) = taper * (samples - mean);
+    const std::span<const std::complex<double>> lines = fft_.transform();
+    Lane* lane = &batch_[static_cast<std::size_t>(waiting_) * segment_ + 2 * c];
+    for (std::size_t first = 0; first < lines.size(); first += kLane, lane += 2 * channels) {
+      double* const re = lane[0].data();
+      double* const im = lane[1].data();
+      const std::size_t count = std::min<std::size_t>(kLane, lines.size() - first);
+      for (std::size_t k = 0; k < count; ++k) {
+        re[k] = lines[first + k].real();
+        im[k] = lines[first + k].imag();
+      }
     }
   }
   ++averages_;
   ++waiting_;
   weigh_newest();
-  const Eigen::Index kept = history_.rows() - hop_;
-  history_.topRows(kept) = history_.bottomRows(kept).eval();
+  const Eigen::Index kept = fft_.size() - hop_;
+  for (Eigen::Index c = 0; c < history_.cols(); ++c)
+    std::memmove(history_.col(c).data(), history_.col(c).data() + hop_,
+                 static_cast<std::size_t>(kept) * sizeof(double));
   filled_ = kept;
   if (waiting_ == kBatch) sum_up();
 }
@@ -118,38 +194,28 @@ void CrossSpectra::sum_up() const {
     weight[static_cast<std::size_t>(s)] = share;
     before *= 1.0 - share;
   }
+  static_assert(kLane == kBins && kBatch == kSegments && sizeof(Lane) == kBins * sizeof(double));
+  static const auto sum_up_by = for_this_processor(sum_up_avx512, sum_up_avx2, sum_up_plain);
   const auto channels = static_cast<std::size_t>(settings_.channels);
   for (int tile = 0; tile < tiles_; ++tile) {
-    const Lane* const lines = &batch_[2 * static_cast<std::size_t>(tile) * kBatch * channels];
-    const auto line = [&](int segment, std::size_t channel) {
-      return lines + 2 * (static_cast<std::size_t>(segment) * channels + channel);
-    };
-    Lane* sum = &sum_[place(tile, 0, 0)];
-    for (std::size_t a = 0; a < channels; ++a) {
-      std::array<Lane, kBatch> re, im;
-      for (int s = 0; s < waiting_; ++s) {
-        const auto i = static_cast<std::size_t>(s);
-        re[i] = weight[i] * line(s, a)[0];
-        im[i] = weight[i] * line(s, a)[1];
-        if (settings_.hold_peaks) {
-          Lane& peak = peak_[static_cast<std::size_t>(tile) * channels + a];
-          peak = peak.max(line(s, a)[0].square() + line(s, a)[1].square());
-        }
-      }
-      for (std::size_t b = a; b < channels; ++b, sum += 2) {
-        Lane real = before * sum[0], imaginary = before * sum[1];
-        for (int s = 0; s < waiting_; ++s) {
-          const auto i = static_cast<std::size_t>(s);
-          const Lane* const other = line(s, b);
-          real += re[i] * other[0] + im[i] * other[1];
-          imaginary += re[i] * other[1] - im[i] * other[0];
-        }
-        sum[0] = real;
-        sum[1] = imaginary;
-      }
-    }
+    const Lane* const lines = &batch_[2 * static_cast<std::size_t>(tile) * channels];
+    Tile work{lines->data(), sum_[place(tile, 0, 0)].data(), before, {}, channels, segment_ * kLane};
+    std::copy(weight.begin(), weight.end(), work.weight);
+    sum_up_by(work);
+    if (settings_.hold_peaks) hold_peaks(tile, lines);
   }
   waiting_ = 0;
+}
+
+void CrossSpectra::hold_peaks(int tile, const Lane* lines) const {
+  const auto channels = static_cast<std::size_t>(settings_.channels);
+  for (std::size_t a = 0; a < channels; ++a) {
+    Lane& peak = peak_[static_cast<std::size_t>(tile) * channels + a];
+    for (int s = 0; s < waiting_; ++s) {
+      const Lane* const line = lines + static_cast<std::size_t>(s) * segment_ + 2 * a;
+      peak = peak.max(line[0].square() + line[1].square());
+    }
+  }
 }
 
 void CrossSpectra::reset() {
@@ -159,6 +225,7 @@ void CrossSpectra::reset() {
   std::fill(lagged_.begin(), lagged_.end(), 0.0);
   std::fill(sum_.begin(), sum_.end(), Lane::Zero());
   std::fill(peak_.begin(), peak_.end(), Lane::Zero());
+  std::fill(batch_.begin(), batch_.end(), Lane::Zero());  // what weighs nothing is added, too
 }
 
 /// The newest segment has its share, those before it what is left.

@@ -70,20 +70,23 @@ class CrossSpectra {
   void add_segment();
   void weigh_newest();
   void sum_up() const;
+  void hold_peaks(int tile, const Lane* lines) const;
   std::size_t place(int tile, int a, int b) const;
   double one_sided(int bin) const;
 
   Settings settings_;
   RealFft fft_;
-  std::vector<double> window_, tapered_;
-  std::vector<std::complex<double>> lines_;
+  std::vector<double> window_;
   Eigen::Index hop_;
   int tiles_, pairs_;
   double step_hz_, enbw_hz_, scale_;
-  Eigen::MatrixXd history_;  ///< [sample x channel] the segment that is being filled
+  /// [sample x channel] the segment that is being filled, and some rows more: columns a power of two apart
+  /// would all want the same lines of the cache.
+  Eigen::MatrixXd history_;
   Eigen::Index filled_ = 0;
   mutable int waiting_ = 0;
-  std::vector<Lane> batch_;         ///< [tile][segment][channel][re, im]
+  std::size_t segment_;             ///< lanes from one segment of the batch to the next
+  std::vector<Lane> batch_;         ///< [segment][tile][channel][re, im]
   mutable std::vector<Lane> sum_;   ///< [tile][pair][re, im], weighted mean of those summed up
   mutable std::vector<Lane> peak_;  ///< [tile][channel]
   int averages_ = 0;

@@ -53,8 +53,18 @@ RealFft::~RealFft() = default;
 void RealFft::forward(std::span<const double> in, std::span<std::complex<double>> out) {
   assert(in.size() == static_cast<std::size_t>(size_) && out.size() == static_cast<std::size_t>(bins()));
   std::copy(in.begin(), in.end(), plan_->in);
+  const auto lines = transform();
+  std::copy(lines.begin(), lines.end(), out.begin());
+}
+
+std::span<double> RealFft::input() {
+  return {plan_->in, static_cast<std::size_t>(size_)};
+}
+
+std::span<const std::complex<double>> RealFft::transform() {
   fftw_execute(plan_->plan);
-  for (std::size_t k = 0; k < out.size(); ++k) out[k] = {plan_->out[k][0], plan_->out[k][1]};
+  // Both are two doubles, real and imaginary part, by the C++ standard and FFTW's manual.
+  return {reinterpret_cast<const std::complex<double>*>(plan_->out), static_cast<std::size_t>(bins())};
 }
 
 }  // namespace roadbalance

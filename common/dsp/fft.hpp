@@ -28,6 +28,11 @@ class RealFft {
   /// @param out  [bins] unscaled transform
   void forward(std::span<const double> in, std::span<std::complex<double>> out);
 
+  /// The same without copies: [size] samples to be filled in, each time, ...
+  std::span<double> input();
+  /// ... and the [bins] transform of them, valid until the next.
+  std::span<const std::complex<double>> transform();
+
  private:
   struct Plan;
   int size_;

@@ -29,8 +29,17 @@ RealFft::~RealFft() = default;
 void RealFft::forward(std::span<const double> in, std::span<std::complex<double>> out) {
   assert(in.size() == static_cast<std::size_t>(size_) && out.size() == static_cast<std::size_t>(bins()));
   std::copy(in.begin(), in.end(), plan_->in.begin());
+  const auto lines = transform();
+  std::copy(lines.begin(), lines.end(), out.begin());
+}
+
+std::span<double> RealFft::input() {
+  return plan_->in;
+}
+
+std::span<const std::complex<double>> RealFft::transform() {
   plan_->fft.fwd(plan_->out.data(), plan_->in.data(), size_);
-  std::copy(plan_->out.begin(), plan_->out.end(), out.begin());
+  return plan_->out;
 }
 
 }  // namespace roadbalance

@@ -1,8 +1,74 @@
 #include "common/dsp/state_filter.hpp"
 
+#include <cassert>
 #include <utility>
 
+#include "common/dsp/lanes.hpp"
+
 namespace roadbalance {
+namespace {
+
+struct Step {
+  int order;
+  Eigen::Index channels;
+  const double *A, *b0, *b1, *x, *last, *u;  ///< A [order x order], x [channels x order], by columns
+  double* next;
+};
+
+/// Some vectors of channels from `first` on; kOrder 0: what the step says.
+template <int kLanes, int kVectors, int kOrder>
+[[gnu::always_inline]] inline void advance_channels(const Step& s, Eigen::Index first) {
+  using Vector = typename Lanes<kLanes>::Vector;
+  const int order = kOrder > 0 ? kOrder : s.order;
+  Vector last[kVectors], u[kVectors];
+  std::memcpy(last, s.last + first, sizeof last);
+  std::memcpy(u, s.u + first, sizeof u);
+  for (int i = 0; i < order; ++i) {
+    Vector sum[kVectors];
+#pragma GCC unroll 4
+    for (int v = 0; v < kVectors; ++v) sum[v] = s.b0[i] * last[v] + s.b1[i] * u[v];
+#pragma GCC unroll 8
+    for (int j = 0; j < order; ++j) {
+      Vector x[kVectors];
+      std::memcpy(x, s.x + first + j * s.channels, sizeof x);
+#pragma GCC unroll 4
+      for (int v = 0; v < kVectors; ++v) sum[v] += s.A[i + j * order] * x[v];
+    }
+    std::memcpy(s.next + first + i * s.channels, sum, sizeof sum);
+  }
+}
+
+template <int kLanes, int kOrder>
+[[gnu::always_inline]] inline void advance_all(const Step& s) {
+  Eigen::Index c = 0;
+  for (; c + 2 * kLanes <= s.channels; c += 2 * kLanes) advance_channels<kLanes, 2, kOrder>(s, c);
+  for (; c + kLanes <= s.channels; c += kLanes) advance_channels<kLanes, 1, kOrder>(s, c);
+  for (; c + 2 <= s.channels; c += 2) advance_channels<2, 1, kOrder>(s, c);
+  for (; c < s.channels; ++c) advance_channels<1, 1, kOrder>(s, c);
+}
+
+/// The orders of our instruments and anti-aliasing filters are known to the compiler.
+template <int kLanes>
+[[gnu::always_inline]] inline void advance(const Step& s) {
+  if (s.order == 5)
+    advance_all<kLanes, 5>(s);
+  else if (s.order == 6)
+    advance_all<kLanes, 6>(s);
+  else
+    advance_all<kLanes, 0>(s);
+}
+
+RB_AVX512 void advance_avx512(const Step& s) {
+  advance<8>(s);
+}
+RB_AVX2 void advance_avx2(const Step& s) {
+  advance<4>(s);
+}
+void advance_plain(const Step& s) {
+  advance<2>(s);
+}
+
+}  // namespace
 
 StateFilter::StateFilter(DiscreteFilter filter, Eigen::Index channels)
     : filter_(std::move(filter)),
@@ -11,10 +77,10 @@ StateFilter::StateFilter(DiscreteFilter filter, Eigen::Index channels)
       last_(Eigen::ArrayXd::Zero(channels)) {}
 
 const Eigen::ArrayXXd& StateFilter::update(const Eigen::Ref<const Eigen::ArrayXd>& u) {
-  for (Eigen::Index i = 0; i < x_.cols(); ++i) {
-    next_.col(i) = filter_.b0(i) * last_ + filter_.b1(i) * u;
-    for (Eigen::Index j = 0; j < x_.cols(); ++j) next_.col(i) += filter_.A(i, j) * x_.col(j);
-  }
+  static const auto advance_by = for_this_processor(advance_avx512, advance_avx2, advance_plain);
+  assert(u.size() == x_.rows());
+  advance_by({static_cast<int>(x_.cols()), x_.rows(), filter_.A.data(), filter_.b0.data(), filter_.b1.data(),
+              x_.data(), last_.data(), u.data(), next_.data()});
   x_.swap(next_);
   last_ = u;
   return x_;

@@ -1,0 +1,160 @@
+#include <cstdio>
+#include <cstring>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <cblas.h>
+#include <fftw3.h>
+#include <Eigen/Core>
+
+#include "common/bus/codec.hpp"
+#include "common/dsp/cross_spectra.hpp"
+#include "common/dsp/lagged_covariance.hpp"
+#include "common/dsp/state_filter.hpp"
+#include "common/link/crc32c.hpp"
+#include "tools/bench/contest.hpp"
+
+// Our kernels beside their peers, on one thread, in interleaved rounds: a line of JSON for each row, which
+// tools/bench/run puts into its table.
+
+namespace roadbalance::bench {
+namespace {
+
+constexpr Eigen::Index kChannels = 16, kOrder = 5, kLags = 16, kSamples = 256;
+constexpr Eigen::Index kStates = kChannels * kOrder;
+
+/// @param ratio  ours over the peer's, where less is better; with `speed` the peer's over ours
+void tell(const char* row, const char* unit, double ours, const char* peer, double peers, double ratio) {
+  std::puts(nlohmann::json{
+      {"row", row}, {"unit", unit}, {"ours", ours}, {"peer", peer}, {"peers", peers}, {"ratio", ratio}}
+                .dump()
+                .c_str());
+  std::fflush(stdout);
+}
+
+/// 80 states of 16 channels with 16 channels at 16 lags, as a block of 256 samples brings them.
+void covariance() {
+  const DiscreteFilter design = discretise_ramp_invariant(butterworth(kOrder, 30.0), 1.0 / 2000.0);
+  const Eigen::MatrixXd u = Eigen::MatrixXd::Random(kChannels, kSamples);
+  const Eigen::MatrixXd y = Eigen::MatrixXd::Random(kStates, kSamples);
+  const Eigen::MatrixXd z = Eigen::MatrixXd::Random(kChannels, kSamples + kLags - 1);
+  Eigen::MatrixXd hankel(kChannels * kLags, kSamples);  // BLAS takes no columns that overlap: made beforehand
+  for (Eigen::Index t = 0; t < kSamples; ++t)
+    hankel.col(t) = Eigen::Map<const Eigen::VectorXd>(z.data() + t * kChannels, kChannels * kLags);
+  Eigen::MatrixXd ours = Eigen::MatrixXd::Zero(kStates, kChannels * kLags), blas = ours, naive = ours;
+  LaggedCovariance recursion(design, kChannels, kChannels, kLags);
+  std::vector<Contender> run(4);
+  run[0].work = [&] { add_lagged_products(y, z, ours); };
+  run[1].work = [&] {
+    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, kStates, kChannels * kLags, kSamples, 1.0, y.data(),
+                kStates, hankel.data(), kChannels * kLags, 1.0, blas.data(), kStates);
+  };
+  run[2].work = [&] {
+    for (Eigen::Index t = 0; t < kSamples; ++t) naive.noalias() += y.col(t) * hankel.col(t).transpose();
+  };
+  run[3].work = [&] { recursion.add(u, y, z); };
+  compete(run);
+  const auto ns = [&](std::size_t i) { return 1e9 * median(run[i].cpu_s) / kSamples; };
+  const char* const unit = "ns/sample";
+  tell("covariance, 16 lags", unit, ns(0), "DGEMM (OpenBLAS)", ns(1), 1.0 / ratio(run[0], run[1]));
+  tell("covariance, lag recursion", unit, ns(3), "DGEMM (OpenBLAS)", ns(1), 1.0 / ratio(run[3], run[1]));
+  tell("covariance against rank-1", unit, ns(0), "rank-1 updates", ns(2), 1.0 / ratio(run[0], run[2]));
+}
+
+/// All pairs of 16 channels, segments of 4096, Hann, half overlapping.
+void spectra() {
+  constexpr int kSegment = 4096, kHops = 16;
+  const Eigen::MatrixXd x = Eigen::MatrixXd::Random(kChannels, kHops * kSegment / 2);
+  CrossSpectra spectra(
+      {.welch = {.rate_hz = 10'000.0, .segment = kSegment}, .channels = kChannels, .memory = 20});
+  double* const in = fftw_alloc_real(kSegment);
+  fftw_complex* const out = fftw_alloc_complex(kSegment / 2 + 1);
+  fftw_plan estimated = fftw_plan_dft_r2c_1d(kSegment, in, out, FFTW_ESTIMATE);
+  fftw_plan measured = fftw_plan_dft_r2c_1d(kSegment, in, out, FFTW_MEASURE);
+  for (int n = 0; n < kSegment; ++n) in[n] = x(n % kChannels, n);
+  const auto transforms = [](fftw_plan plan) {
+    for (int n = 0; n < kHops * kChannels; ++n) fftw_execute(plan);
+  };
+  std::vector<Contender> run(3);
+  run[0].work = [&] { spectra.add(x); };
+  run[1].work = [&] { transforms(measured); };
+  run[2].work = [&] { transforms(estimated); };
+  compete(run);
+  const auto ns = [&](std::size_t i) { return 1e9 * median(run[i].cpu_s) / static_cast<double>(x.size()); };
+  const char* const unit = "ns/ch-sample";
+  tell("cross spectra 16 x 16", unit, ns(0), "FFTW alone, measured", ns(1), ratio(run[0], run[1]));
+  tell("the same", unit, ns(0), "FFTW alone, estimated", ns(2), ratio(run[0], run[2]));
+  fftw_destroy_plan(estimated);
+  fftw_destroy_plan(measured);
+  fftw_free(in);
+  fftw_free(out);
+}
+
+/// Order 5, all states, 16 channels; the peer is the plain loop over channels, states, states.
+void filter() {
+  const DiscreteFilter design = discretise_ramp_invariant(butterworth(kOrder, 30.0), 1.0 / 2000.0);
+  const Eigen::ArrayXXd x = Eigen::ArrayXXd::Random(kChannels, 2000);
+  StateFilter filter(design, kChannels);
+  double plain[kChannels][kOrder] = {}, last[kChannels] = {};
+  std::vector<Contender> run(2);
+  run[0].work = [&] {
+    for (Eigen::Index t = 0; t < x.cols(); ++t) filter.update(x.col(t));
+  };
+  run[1].work = [&] {
+    for (Eigen::Index t = 0; t < x.cols(); ++t)
+      for (Eigen::Index c = 0; c < kChannels; ++c) {
+        double next[kOrder];
+        for (Eigen::Index i = 0; i < kOrder; ++i) {
+          next[i] = design.b0(i) * last[c] + design.b1(i) * x(c, t);
+          for (Eigen::Index j = 0; j < kOrder; ++j) next[i] += design.A(i, j) * plain[c][j];
+        }
+        std::memcpy(plain[c], next, sizeof next);
+        last[c] = x(c, t);
+      }
+    asm volatile("" : : "r"(plain) : "memory");
+  };
+  compete(run);
+  const auto ns = [&](std::size_t i) { return 1e9 * median(run[i].cpu_s) / static_cast<double>(x.size()); };
+  tell("state filter, order 5", "ns/ch-sample", ns(0), "plain loop", ns(1), ratio(run[0], run[1]));
+}
+
+/// 20 scans of 16 channels: from counts to the sealed datagram; the peer is the CRC alone.
+void pack() {
+  ScanBlock block;
+  std::mt19937 random(3);
+  for (auto& row : block.counts)
+    for (auto& count : row) count = static_cast<std::int32_t>(random() % 2'000'000) - 1'000'000;
+  block.header = {
+      .node = 1, .epoch = 1, .sequence = 1, .first_scan = 0, .scans = kScansPerBlock, .time_ns = 0};
+  block.period_ps = 500'000'000;
+  SealedBlock sealed, taken;
+  seal(block, sealed);
+  const std::vector<std::uint8_t> bytes(sealed.bytes().begin(), sealed.bytes().end());
+  volatile std::uint32_t crc = 0;
+  std::vector<Contender> run(3);
+  run[0].work = [&] { seal(block, sealed); };
+  run[1].work = [&] { crc = crc32c(bytes); };
+  run[2].work = [&] {
+    if (accept(bytes, taken) != Refusal::kNone) throw std::runtime_error("a sealed block is refused");
+  };
+  compete(run);
+  const auto ns = [&](std::size_t i) {
+    return 1e9 * median(run[i].cpu_s) / static_cast<double>(kScansPerBlock * kChannels);
+  };
+  tell("pack + CRC", "ns/ch-sample", ns(0), "CRC-32C alone", ns(1), ratio(run[0], run[1]));
+  tell("accept a block", "ns/ch-sample", ns(2), "CRC-32C alone", ns(1), ratio(run[2], run[1]));
+}
+
+}  // namespace
+}  // namespace roadbalance::bench
+
+int main() {
+  using namespace roadbalance::bench;
+  covariance();
+  spectra();
+  filter();
+  pack();
+}
