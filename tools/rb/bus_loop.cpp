@@ -11,7 +11,9 @@
 #include <random>
 #include <thread>
 
+#include "common/bus/bus.hpp"
 #include "common/bus/node_number.hpp"
+#include "common/link/block.hpp"
 
 namespace roadbalance {
 namespace {
@@ -20,7 +22,7 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 constexpr const char* kLoopChannel = "RB_DOCTOR";
-constexpr std::size_t kLoopBytes = 1400;  ///< one Ethernet frame, as blocks are
+constexpr std::size_t kLoopBytes = kMaxBlockBytes;  ///< one Ethernet frame
 constexpr std::size_t kMostName = 64;
 constexpr std::size_t kMostAnswering = 32;
 
@@ -65,8 +67,10 @@ std::string times_of(const BusLoop::Way& way) {
          " at worst" + (way.late > 0 ? ", " + std::to_string(way.late) + " out of order" : "");
 }
 
-constexpr const char* kBufferRemedy =
-    "sudo sysctl -w net.core.rmem_max=4194304  # then look for what loads this machine";
+std::string buffer_remedy() {
+  return "sudo sysctl -w net.core.rmem_max=" + std::to_string(kReceiveBufferBytes) +
+         "  # then look for what loads this machine";
+}
 
 Finding own_way(const BusLoop& loop) {
   const auto& way = loop.own();
@@ -78,7 +82,7 @@ Finding own_way(const BusLoop& loop) {
                                share_of(way.came(), loop.sent()) + " came, after " + times_of(way) + ".";
   if (way.came() == loop.sent()) return {"loopback", Finding::kWell, sentence, ""};
   return {"loopback", Finding::kNote, sentence + "  What is lost is sent again; the link carries less.",
-          kBufferRemedy};
+          buffer_remedy()};
 }
 
 Finding way_to(const BusLoop::Way& way, std::int64_t sent) {

@@ -15,8 +15,9 @@ from math import radians
 SOURCE = pathlib.Path(os.environ["RB_SOURCE"])
 BIN = pathlib.Path(os.environ["RB_BIN"])
 GUIDE = SOURCE / "tools" / "guide"
-SHOP_G = 7.0  # [limits] of vehicle.toml; its default
-RADIUS_M = 0.19
+SHOP_G = 7.0  # what vehicle.toml takes where it has no shop_g
+VEHICLE = tomllib.loads((SOURCE / "sim" / "demo" / "vehicle.toml").read_text())
+RADIUS_M = {wheel["name"]: wheel["weight_radius_m"] for wheel in VEHICLE["wheel"]}
 
 
 def commands():
@@ -25,10 +26,11 @@ def commands():
 
 
 def unbalance_g(scenario):
-    """What the car has, weights on it included: grams at RADIUS_M, complex, by wheel."""
+    """What the car has, weights on it included: grams at the weights' radius, complex, by wheel."""
     truth = {}
     for mass in tomllib.loads(scenario.read_text())["unbalance"]:
-        moment = mass["mass_g"] * mass.get("radius_m", RADIUS_M) / RADIUS_M
+        radius_m = RADIUS_M[mass["wheel"]]
+        moment = mass["mass_g"] * mass.get("radius_m", radius_m) / radius_m
         truth[mass["wheel"]] = truth.get(mass["wheel"], 0) + moment * exp(1j * radians(mass["angle_deg"]))
     return truth
 
