@@ -10,11 +10,10 @@ if (!kPackages || !kPictures || !kPrograms) throw new Error("RB_PAGE_PACKAGES, R
 
 const {chromium} = createRequire(join(kPackages, "package.json"))("playwright-core");
 
-export const launch = () => chromium.launch({
-  executablePath: "/usr/bin/chromium",
-  args: ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
-         "--disable-component-update", "--disable-sync"],
-});
+export const kChromium = "/usr/bin/chromium";
+export const kChromiumArguments = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
+  "--disable-background-networking", "--disable-component-update", "--disable-sync"];
+export const launch = () => chromium.launch({executablePath: kChromium, args: kChromiumArguments});
 
 let bus = 0;
 /** A bus of this process's own, each time another: only the port isolates. */
@@ -82,10 +81,11 @@ export const tooSmall = (page) => page.evaluate(() =>
     return one.checkVisibility() && (width < 48 || height < 48);
   }).map((one) => `${one.tagName} ${one.id || one.textContent}`));
 
-export async function picture(page, name) {
+export function pictureFile(name) {
   mkdirSync(kPictures, {recursive: true});
-  await page.screenshot({path: join(kPictures, `${name}.png`)});
+  return join(kPictures, `${name}.png`);
 }
+export const picture = (page, name) => page.screenshot({path: pictureFile(name)});
 
 /** Of a document that chromium has printed. */
 export const pages = (pdf) => pdf.toString("latin1").match(/\/Type\s*\/Page\b(?!s)/g)?.length;

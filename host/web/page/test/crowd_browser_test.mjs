@@ -8,7 +8,8 @@ import {tmpdir} from "node:os";
 import {join} from "node:path";
 import {test} from "node:test";
 import {setTimeout as sleep} from "node:timers/promises";
-import {busUrl, launch, picture, start, startWeb} from "./browser.mjs";
+import {BarePage} from "./bare_page.mjs";
+import {busUrl, launch, start, startWeb} from "./browser.mjs";
 import {MemoryTrend, Watcher, ownMemory, stall, uploads} from "./crowd.mjs";
 
 const kFull = process.env.RB_FULL === "1";
@@ -81,41 +82,45 @@ class Looker {
   nodes = new MemoryTrend(kSettledMs);  // of its document, their number
   heap = new MemoryTrend(kSettledMs, kFull ? 5 : 1);
   renderer = new MemoryTrend(kSettledMs, kFull ? 5 : 1);
-  complaints = [];
+  page = new BarePage({width: 1366, height: 768});
   saidMs = -Infinity;
 
   toString() {
     return `rb-web: ${this.web}; page: ${this.heap}; its process: ${this.renderer}; ` +
       `${this.nodes.settled} nodes when settled, ${this.nodes.growth} more`;
   }
-  async open(browser, drive) {
-    this.page = await browser.newPage({viewport: {width: 1366, height: 768}});
-    this.page.on("pageerror", (error) => this.complaints.push(error.message));
-    this.pages = await this.page.context().newCDPSession(this.page);
-    await this.pages.send("Performance.enable");
-    this.browser = await browser.newBrowserCDPSession();
+  async open(drive) {
     this.webPid = drive.steady.web.pid;
-    await this.page.goto(drive.steady.where);
+    await this.page.open(drive.steady.where);
+    await this.hasDrawn(0);
+  }
+  async hasDrawn(pictures) {
+    for (const end = performance.now() + kWithinMs; !(await this.drawn() > pictures); await sleep(100))
+      assert.ok(performance.now() < end, "the page does not draw");
+  }
+  drawn() {
+    return this.page.evaluate("Number(document.body?.dataset.drawn)");
   }
   async round() {
     for (const key of kViews) {
-      await this.page.keyboard.press(key);
+      await this.page.press(key);
       for (const plot of key === "p" ? kPlots : []) {
-        await this.page.locator(`#plot-${plot}`).click();
+        await this.page.click(`#plot-${plot}`);
         await sleep(500);
+        assert.equal(await this.page.evaluate(`document.querySelector("#plot-${plot}").ariaPressed`), "true", plot);
       }
       await sleep(500);
     }
-    await this.page.keyboard.press("Escape");  // the driver's view covers the tabs
+    await this.page.press("Escape");  // the driver's view covers the tabs
     await this.measure();
   }
   async measure() {
-    await this.pages.send("HeapProfiler.collectGarbage");
-    const {metrics} = await this.pages.send("Performance.getMetrics");
+    await this.page.send("HeapProfiler.collectGarbage");
+    const {metrics} = await this.page.send("Performance.getMetrics");
     const metric = (wanted) => metrics.find(({name}) => name === wanted).value;
     this.heap.add(metric("JSHeapUsedSize"));
     this.nodes.add(metric("Nodes"));
-    const {processInfo} = await this.browser.send("SystemInfo.getProcessInfo");
+    const {processInfo} = await this.page.browser("SystemInfo.getProcessInfo");
     this.renderer.add(processInfo.filter(({type}) => type === "renderer").reduce((sum, {id}) => sum + ownMemory(id), 0));
     this.web.add(ownMemory(this.webPid));
     if (kFull && performance.now() > this.saidMs + 60_000) {
@@ -175,12 +180,11 @@ async function pour(drive) {
 }
 
 /** Who watched gets frames still, also from the rb-web that was killed, and the page draws. */
-async function allAreWell(page, watchers) {
+async function allAreWell(looker, watchers) {
   const frames = watchers.map((watcher) => watcher.frames);
-  const drawn = await page.evaluate(() => Number(document.body.dataset.drawn));
-  await page.keyboard.press("b");
-  await page.waitForFunction((before) => Number(document.body.dataset.drawn) > before + 10, drawn, {timeout: kWithinMs});
-  await picture(page, "crowd-end");
+  await looker.page.press("b");
+  await looker.hasDrawn(await looker.drawn() + 10);
+  await looker.page.picture("crowd-end");
   for (const end = performance.now() + kWithinMs; watchers.some((watcher, k) => watcher.frames < frames[k] + 10); await sleep(100))
     assert.ok(performance.now() < end, "a page gets no frames any more");
 }
@@ -196,21 +200,20 @@ function verify(t, record) {
 }
 
 test("a crowd, sluggards, uploads, kills and reloads cost the record nothing, and memory stays flat", async (t) => {
-  const drive = new Drive(), browsers = [], watchers = [], looker = new Looker();
+  const drive = new Drive(), browser = await launch(), watchers = [], looker = new Looker();
   t.after(async () => {
     watchers.forEach((watcher) => watcher.leave());
-    await Promise.all(browsers.map((browser) => browser.close()));
+    await Promise.all([browser.close(), looker.page.close()]);
     drive.clear();
   });
   await drive.begin();
   for (let k = 0; k < kWatchers; ++k) watchers.push(new Watcher((k % 2 ? drive.doomed : drive.steady).port));
-  browsers.push(await launch(), await launch());
-  await looker.open(browsers[0], drive);
+  await looker.open(drive);
   const begin = performance.now();
-  await Promise.all([drive.untilOver(), drive.keep(() => looker.round()), drive.keep(() => reload(drive, browsers[1])),
+  await Promise.all([drive.untilOver(), drive.keep(() => looker.round()), drive.keep(() => reload(drive, browser)),
                      drive.keep(() => killWeb(drive)), drive.keep(() => takeNothing(drive)), drive.keep(() => pour(drive))]);
   const took_s = (performance.now() - begin) / 1000;
-  await allAreWell(looker.page, watchers);
+  await allAreWell(looker, watchers);
   await drive.end();
 
   const frames = watchers.map((watcher) => watcher.frames);
@@ -220,7 +223,7 @@ test("a crowd, sluggards, uploads, kills and reloads cost the record nothing, an
   t.diagnostic(`${looker}`);
   verify(t, drive.record);
   for (const [what, count] of Object.entries(drive.counts)) assert.ok(count > 0, what);
-  assert.deepEqual(looker.complaints, []);
+  assert.deepEqual(looker.page.complaints, []);
   assert.ok(looker.web.growth < kMiB, `rb-web: ${looker.web}`);
   assert.ok(looker.nodes.growth < 200, `page: ${looker.nodes.growth} nodes more`);
   assert.ok(looker.heap.growth < kMiB, `page: ${looker.heap}`);
