@@ -22,7 +22,7 @@ class WheelSpeeds {
 
   explicit WheelSpeeds(const VehicleConfig& vehicle);
 
-  /// In the order of the record.
+  /// In the order of their time, as LevelsInTime gives them.
   void take(const Level& level);
 
   struct Wheel {

@@ -14,6 +14,7 @@
 #include "common/bus/codec.hpp"
 #include "common/text/format.hpp"
 #include "host/analyser/channel_watch.hpp"
+#include "host/analyser/levels_in_time.hpp"
 #include "host/analyser/read_recording.hpp"
 #include "host/analyser/wheel_speeds.hpp"
 #include "tools/rb/command.hpp"
@@ -36,7 +37,7 @@ class NodeLevels {
   NodeLevels(const VehicleConfig& vehicle, const NodeConfig& node)
       : whole_(vehicle, node), interval_(vehicle, node) {}
 
-  void add(const ScanBlock& block, ChannelWatch& watch, WheelSpeeds& speeds) {
+  void add(const ScanBlock& block, ChannelWatch& watch, LevelsInTime& in_time) {
     whole_.add(block);
     interval_.add(block);
     seconds_ += 1e-12 * static_cast<double>(block.period_ps * block.header.scans);
@@ -44,7 +45,7 @@ class NodeLevels {
     seconds_ = 0.0;
     auto level = interval_.take();
     watch.judge(*level);
-    speeds.take(*level);
+    in_time.take(block.header.epoch, *level);
     for (std::size_t c = 0; c < kAccelerations; ++c) {
       if (is_dead(*level, c)) dead_s[c] += level->seconds;
       if (is_railed(*level, c)) railed_s[c] += level->seconds;
@@ -111,6 +112,7 @@ Json levels_of(const std::string& folder) {
   std::map<std::int32_t, NodeLevels> meters;
   std::optional<ChannelWatch> watch;
   std::optional<WheelSpeeds> speeds;
+  LevelsInTime in_time([&](const Level& level) { speeds->take(level); });
   const RecordingDefects defects = read_recording(
       folder,
       [&](const VehicleConfig& recorded) {
@@ -122,8 +124,10 @@ Json levels_of(const std::string& folder) {
       [&](const SealedBlock& block) {
         const auto meter = meters.find(block.header.node);
         if (block.kind == BlockKind::kScan && meter != meters.end())
-          meter->second.add(decode_scan(block), *watch, *speeds);
-      });
+          meter->second.add(decode_scan(block), *watch, in_time);
+      },
+      [&](const ClockFit& fit) { in_time.take(fit); });
+  in_time.flush();
   warn_of_defects("levels", folder, defects);
   Json channels = Json::array();
   for (auto& [id, meter] : meters) {

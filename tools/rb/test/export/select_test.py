@@ -158,7 +158,7 @@ class Select(Exports):
                          [(0, 6), (6.014, 10), (12, 19), (19.04, 20)])
 
     def test_speed_takes_the_time_in_which_the_car_was_so_fast(self):
-        """The simulated car stands for nothing: it drives at some 100 km/h all the time."""
+        """The simulated car never stands: it speeds up and slows down all the time."""
         drive = self.drive()
         classes = json.loads(rb("levels", drive, "--json").stdout)["speed_classes"]
         least, most = (f([3.6 * c[k] for c in classes]) for f, k in ((min, "from_m_s"), (max, "to_m_s")))
