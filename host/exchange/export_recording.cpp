@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <initializer_list>
 #include <optional>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "common/config/section.hpp"
+#include "common/record/file.hpp"
 #include "common/record/part.hpp"
 #include "common/record/room.hpp"
 #include "host/exchange/candump_writer.hpp"
@@ -57,8 +61,28 @@ std::uint64_t least_bytes(const ExportFormat& format, const ExportTable& table) 
   return bytes;
 }
 
-std::optional<Part> beside(const std::filesystem::path& file) {
-  return file.empty() ? std::nullopt : std::optional<Part>(std::in_place, file, Part::Kind::kFile);
+/// A file to make beside the export, if it is asked for.
+struct Beside {
+  Beside(const char* its_option, const std::filesystem::path& file) : option(its_option), path(file) {
+    if (!file.empty()) part.emplace(file, Part::Kind::kFile);
+  }
+  const char* option;
+  std::filesystem::path path;
+  std::optional<Part> part;
+};
+
+void expect_apart(const Part& file, std::initializer_list<const Beside*> all) {
+  const auto place = [](const Part& part) {
+    return std::filesystem::absolute(part.part()).lexically_normal();
+  };
+  std::vector<std::filesystem::path> taken{place(file)};
+  for (const Beside* one : all) {
+    if (!one->part) continue;
+    if (std::ranges::find(taken, place(*one->part)) != taken.end())
+      throw ConfigError(std::string(one->option) + ": " + one->path.string() +
+                        ": is another file to make, too");
+    taken.push_back(place(*one->part));
+  }
 }
 
 }  // namespace
@@ -77,11 +101,9 @@ ExportReport export_recording(const ExportRequest& request, std::stop_token stop
                               const ExportProgress& progress) {
   const ExportFormat& format = format_named(request.format);
   Part file(request.file, Part::Kind::kFile);
-  std::optional<Part> pulses = beside(request.pulses), marks = beside(request.marks);
-  if (pulses && pulses->part() == file.part())
-    throw ConfigError("--pulses: " + request.pulses.string() + ": is another file to make, too");
-  if (marks && (marks->part() == file.part() || (pulses && marks->part() == pulses->part())))
-    throw ConfigError("--marks: " + request.marks.string() + ": is another file to make, too");
+  Beside pulses("--pulses", request.pulses), marks("--marks", request.marks),
+      vehicle("--vehicle", request.vehicle), dbc("--dbc", request.dbc);
+  expect_apart(file, {&pulses, &marks, &vehicle, &dbc});
   const RecordingSurvey survey = survey_recording(request.folder, stop);
   ExportReport report{.table = make_table(survey), .defects = survey.defects};
   select(request.selection, report.table);
@@ -89,13 +111,16 @@ ExportReport export_recording(const ExportRequest& request, std::stop_token stop
   const auto writer = format.make(file.part(), report.table);
   write_groups(request, *writer, file.part(), stop, progress, report);
   writer->close();
-  if (pulses)
+  if (pulses.part)
     report.pulses =
-        write_pulses(request.folder, survey, report.table, request.selection, pulses->part(), stop);
-  if (marks) write_marks(report.table, marks->part());
+        write_pulses(request.folder, survey, report.table, request.selection, pulses.part->part(), stop);
+  if (marks.part) write_marks(report.table, marks.part->part());
+  if (vehicle.part) write_atomically(vehicle.part->part(), report.table.vehicle_toml);
+  if (dbc.part) write_atomically(dbc.part->part(), candump_dbc(report.table));
   report.bytes = std::filesystem::file_size(file.part());
-  if (pulses) pulses->keep();
-  if (marks) marks->keep();
+  // The file itself last: who finds it finds what it is nothing without.
+  for (Beside* beside : {&pulses, &marks, &vehicle, &dbc})
+    if (beside->part) beside->part->keep();
   file.keep();
   return report;
 }

@@ -27,8 +27,10 @@ struct ExportRequest {
   std::filesystem::path folder, file;
   std::string format;
   ExportSelection selection;
-  std::filesystem::path pulses = {};  ///< also write those to this file; empty: not
-  std::filesystem::path marks = {};   ///< the same
+  std::filesystem::path pulses = {};   ///< also write those to this file; empty: not
+  std::filesystem::path marks = {};    ///< the same
+  std::filesystem::path vehicle = {};  ///< the same with the recorded vehicle.toml
+  std::filesystem::path dbc = {};      ///< the same with what the frames of a candump log mean
 };
 
 struct ExportReport {

@@ -1,7 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
-#include <initializer_list>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -9,8 +8,6 @@
 
 #include "common/config/section.hpp"
 #include "common/process/stop_on_signal.hpp"
-#include "common/record/file.hpp"
-#include "host/exchange/candump_writer.hpp"
 #include "host/exchange/description_json.hpp"
 #include "host/exchange/export_recording.hpp"
 #include "tools/rb/command.hpp"
@@ -72,29 +69,15 @@ void check_dbc(const ExportOptions& options) {
   if (!is_candump && !options.dbc.empty()) throw ConfigError("--dbc: allowed with --format candump only");
 }
 
-/// Refuses, before the work starts, to replace a file that is written beside the export.
-void check_file_beside(const char* option, const std::string& beside,
-                       std::initializer_list<std::string> others) {
-  if (beside.empty()) return;
-  const auto absolute = [](const std::string& file) {
-    return std::filesystem::absolute(file).lexically_normal();
-  };
-  if (std::filesystem::exists(beside))
-    throw std::runtime_error(beside + ": exists already; remove it, or choose another name");
-  for (const std::string& other : others)
-    if (!other.empty() && absolute(other) == absolute(beside))
-      throw ConfigError(std::string(option) + ": " + beside + ": is another file to make, too");
-}
-
 int run_export(ExportOptions options) {
   const StopOnSignal signals;
   options.request.folder = options.folder;
   options.request.file = options.file;
   options.request.pulses = options.pulses;
   options.request.marks = options.marks;
+  options.request.vehicle = options.vehicle;
+  options.request.dbc = options.dbc;
   check_dbc(options);
-  check_file_beside("--vehicle", options.vehicle, {options.file, options.pulses, options.marks});
-  check_file_beside("--dbc", options.dbc, {options.file, options.pulses, options.marks, options.vehicle});
   if (options.has_to) options.request.selection.to_s = options.to_s;
   const ExportReport report = [&] {
     ProgressLine line;
@@ -103,8 +86,6 @@ int run_export(ExportOptions options) {
                               line.show(static_cast<double>(rows) / static_cast<double>(of), bytes);
                             });
   }();
-  if (!options.vehicle.empty()) write_atomically(options.vehicle, report.table.vehicle_toml);
-  if (!options.dbc.empty()) write_atomically(options.dbc, candump_dbc(report.table));
   warn_of_defects("export", options.folder, report.defects);
   tell(options, report);
   if (options.json) std::printf("%s\n", as_text(report_json(options, report)).c_str());
