@@ -45,6 +45,8 @@ enum class AlarmCause : std::int32_t {
 
 /// Clocks of two nodes may be apart by so much: 0.3 degrees at 18 turns a second.
 inline constexpr double kWantedSync_s = 50e-6;
+/// In which a clock becomes known, and known well, and after which it is missed.
+inline constexpr double kClockPatience_s = 10.0;
 
 constexpr AlarmLevel level_of(AlarmCause cause) {
   return static_cast<AlarmLevel>(static_cast<std::int32_t>(cause) / 100);

@@ -9,6 +9,7 @@
 namespace roadbalance {
 namespace {
 
+constexpr std::chrono::duration<double> kClockPatience{kClockPatience_s};
 constexpr std::size_t kMostWatched = 64;
 
 std::string in_us(double seconds) {
@@ -83,7 +84,8 @@ void AlarmWatch::take(const ClockFit& fit, WallTime now) {
   if (fit.uncertainty_s <= kWantedSync_s)
     node.was_well_known = true;
   else if (node.wants_clock && (node.was_well_known || now - node.clock_since >= kClockPatience))
-    log_.raise({AlarmCause::kClockPoor, fit.node}, in_us(fit.uncertainty_s) + ", 50 us are wanted", now);
+    log_.raise({AlarmCause::kClockPoor, fit.node},
+               in_us(fit.uncertainty_s) + ", " + in_us(kWantedSync_s) + " are wanted", now);
 }
 
 void AlarmWatch::take(const Balance& wheel, WallTime now) {

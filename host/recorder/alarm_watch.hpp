@@ -20,8 +20,6 @@ class AlarmWatch {
  public:
   /// After which a node that measures is missed, and an analyser that has spoken of it.
   static constexpr std::chrono::seconds kSilence{3};
-  /// In which a clock becomes known, and known well, and after which it is missed.
-  static constexpr std::chrono::seconds kClockPatience{10};
 
   /// @param owner  of the nodes to watch: a recorder's incarnation; 0: every node
   explicit AlarmWatch(std::int64_t owner = 0) : owner_(owner) {}

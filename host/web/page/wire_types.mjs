@@ -2,8 +2,8 @@
 //
 //     node wire_types.mjs OUT.ts FILE...
 //
-// FILE.lcm gives an interface and the layout of the message, as decode.ts reads it; FILE.hpp:Name,Name gives
-// enumerations of a C++ header.  What is not understood is an error: the page never guesses.
+// FILE.lcm gives an interface and the layout of the message, as decode.ts reads it; FILE.hpp:Name,kName gives
+// enumerations and numbers of a C++ header.  What is not understood is an error: the page never guesses.
 import {readFileSync, writeFileSync} from "node:fs";
 import {fileURLToPath} from "node:url";
 
@@ -64,6 +64,13 @@ export function parseEnum(text, name, file) {
   });
 }
 
+/** Value of `inline constexpr double NAME = VALUE;` in a header. */
+export function parseNumber(text, name, file) {
+  const found = new RegExp(`^inline constexpr double ${name} = ([-+.\\de]+);`, "m").exec(text);
+  if (!found || !Number.isFinite(Number(found[1]))) throw new Error(`${file}: no number ${name}`);
+  return Number(found[1]);
+}
+
 function typeScriptOfMessage(message) {
   const size = 8 + message.fields.reduce(
     (sum, {type, extents}) => sum + extents.reduce((a, b) => a * b, kBytes[type]), 0);
@@ -83,6 +90,10 @@ export function typeScript(files, read) {
       continue;
     }
     for (const name of (names ?? "").split(",")) {
+      if (/^k[A-Z]/.test(name)) {
+        text += `export const ${name} = ${parseNumber(read(path), name, path)};\n\n`;
+        continue;
+      }
       const entries = parseEnum(read(path), name, path).map(([key, value]) => `  ${key} = ${value},\n`);
       text += `export enum ${name} {\n${entries.join("")}}\n\n`;
     }

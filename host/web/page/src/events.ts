@@ -1,10 +1,7 @@
 // What has happened that lights a lamp: kept here, for counters begin anew with each start of a node, and what they
 // said before must not go out unseen.
-import {isFresh, type Car} from "./car";
-import {AlarmCause, ClockState, type ClockFit, type Heartbeat, type Level} from "./wire";
-
-/** Clocks of two nodes may be apart by so much: as common/bus/alarm.hpp. */
-export const kWantedSync_s = 50e-6;
+import {isFresh, kSilenceMs, type Car, type Heard} from "./car";
+import {AlarmCause, ClockState, kClockPatience_s, kWantedSync_s, NodeState, TimeBase, type ClockFit, type Heartbeat, type Level} from "./wire";
 
 export type LampName = "LOSS" | "SYNC" | "OVERLOAD" | "ENCODER";
 
@@ -33,12 +30,28 @@ const sum = (counts: readonly number[]) => counts.reduce((a, b) => a + b, 0);
 export const lost = (beat: Heartbeat) => beat.scans_missing + beat.scans_refused;
 export const faults = (beat: Heartbeat) => sum(beat.encoder_faults);
 
+/** It is recorded and has a clock of its own, which the recorder asks for its time. */
+export const wantsClock = ({time_base, state, owner}: Heartbeat) =>
+  time_base === TimeBase.Own && state === NodeState.Started && owner !== 0;
+
+/** A clock that is asked: the same judgement as AlarmWatch's, which puts it into the record. */
+interface AskedClock {
+  readonly epoch: number;
+  readonly sinceMs: number;
+  /** Last, and locked. */
+  heardMs: number;
+  /** Of its node, any word. */
+  nodeMs: number;
+  /** What is worse from then on is an event at once. */
+  wasWellKnown: boolean;
+}
+
 export class EventLog {
   private readonly events: Event[] = [];
   /** Counters as they were heard last, by lamp, node and epoch. */
   private readonly counters = new Map<string, number>();
-  /** Epochs of nodes whose clocks have been known as well as is wanted: what is worse from then on is an event. */
-  private readonly wellKnown = new Map<number, number>();
+  /** By node. */
+  private readonly asked = new Map<number, AskedClock>();
   private readonly totals = new Map<LampName, number>();
 
   /** Takes what is known now. */
@@ -47,19 +60,45 @@ export class EventLog {
       this.rise("LOSS", AlarmCause.SamplesLost, `node ${beat.node}`, beat.epoch, lost(beat), nowMs);
       this.rise("ENCODER", AlarmCause.FaultyTurns, `node ${beat.node}`, beat.epoch, faults(beat), nowMs);
     }
+    for (const heard of car.heartbeats.values()) this.ask(heard);
     for (const heard of car.clocks.values()) {
       const {message: fit} = heard;
       this.rise("SYNC", AlarmCause.ClockBroken, `node ${fit.node}`, fit.epoch, fit.breaks, nowMs);
-      if (isFresh(heard, nowMs)) this.clock(fit, nowMs);
+      if (isFresh(heard, nowMs)) this.clock(heard, nowMs);
+    }
+    // A node that is silent itself is another matter.
+    for (const [node, clock] of this.asked)
+      if (nowMs - clock.nodeMs <= kSilenceMs && nowMs - clock.heardMs >= 1000 * kClockPatience_s)
+        this.add("SYNC", AlarmCause.ClockUnheard, `node ${node}`, 1, nowMs);
+  }
+
+  /** It has been asked so long that it should be known. */
+  isOverdue(node: number, nowMs: number): boolean {
+    const clock = this.asked.get(node);
+    return clock !== undefined && nowMs - clock.sinceMs >= 1000 * kClockPatience_s;
+  }
+
+  private ask({message: beat, atMs}: Heard<Heartbeat>): void {
+    const known = this.asked.get(beat.node);
+    if (!wantsClock(beat)) {
+      this.asked.delete(beat.node);
+    } else if (known?.epoch !== beat.epoch) {
+      this.asked.set(beat.node, {epoch: beat.epoch, sinceMs: atMs, heardMs: atMs, nodeMs: atMs, wasWellKnown: false});
+    } else {
+      // While nothing came from the node, or to this page, nobody was waited for.
+      if (atMs - known.nodeMs > kSilenceMs) known.heardMs = atMs;
+      known.nodeMs = atMs;
     }
   }
 
-  private clock(fit: ClockFit, nowMs: number): void {
+  private clock({message: fit, atMs}: Heard<ClockFit>, nowMs: number): void {
     const where = `node ${fit.node}`;
     if (fit.state === ClockState.Holdover) this.add("SYNC", AlarmCause.ClockUnheard, where, 1, nowMs);
-    if (fit.state !== ClockState.Locked) return;
-    if (fit.uncertainty_s <= kWantedSync_s) this.wellKnown.set(fit.node, fit.epoch);
-    else if (this.wellKnown.get(fit.node) === fit.epoch) this.add("SYNC", AlarmCause.ClockPoor, where, 1, nowMs);
+    const clock = this.asked.get(fit.node);
+    if (fit.state !== ClockState.Locked || clock?.epoch !== fit.epoch) return;
+    clock.heardMs = Math.max(clock.heardMs, atMs);
+    if (fit.uncertainty_s <= kWantedSync_s) clock.wasWellKnown = true;
+    else if (clock.wasWellKnown || this.isOverdue(fit.node, nowMs)) this.add("SYNC", AlarmCause.ClockPoor, where, 1, nowMs);
   }
 
   /** Takes each level: the next may be without what this one says. */

@@ -2,8 +2,8 @@
 import {lightOf} from "./alarm";
 import {isBusy, isFresh, type Car} from "./car";
 import {faultyChannels} from "./channel_faults";
-import {kWantedSync_s, type Event, type EventLog, type LampName} from "./events";
-import {AlarmCause, ClockState, NodeState, TimeBase} from "./wire";
+import {wantsClock, type Event, type EventLog, type LampName} from "./events";
+import {AlarmCause, ClockState, kWantedSync_s, TimeBase} from "./wire";
 
 const kCauses: Readonly<Record<LampName, AlarmCause>> = {
   LOSS: AlarmCause.SamplesLost, SYNC: AlarmCause.ClockBroken, OVERLOAD: AlarmCause.Overload, ENCODER: AlarmCause.FaultyTurns};
@@ -21,8 +21,8 @@ export interface Lamp {
   readonly sentence: string;
 }
 
-/** In which a clock becomes known: as AlarmWatch::kClockPatience (host/recorder). */
-const kClockPatience_s = 10;
+const micro = (seconds: number) => `${Math.ceil(seconds * 1e6)} µs`;
+const kWanted = micro(kWantedSync_s);
 
 const beats = (car: Car) => [...car.heartbeats.values()].map(({message}) => message);
 const sum = (counts: readonly number[]) => counts.reduce((a, b) => a + b, 0);
@@ -52,32 +52,25 @@ function lossLamp(car: Car, log: EventLog, nowMs: number): Lamp {
   return {name: "LOSS", light: "good", number, sentence: "Every sample taken is recorded or on its way."};
 }
 
-/** Nodes that are recorded and have clocks of their own. */
-const withClocks = (car: Car) =>
-  beats(car).filter((beat) => beat.time_base === TimeBase.Own && beat.state === NodeState.Started && beat.owner !== 0);
-
 /** How clocks stand now. */
-function clocksNow(car: Car, nowMs: number): Lamp {
+function clocksNow(car: Car, log: EventLog, nowMs: number): Lamp {
   const name = "SYNC";
   if (car.heartbeats.size > 0 && beats(car).every((beat) => beat.time_base === TimeBase.Shared))
     return {name, light: "good", number: "one common clock", sentence: "All nodes have one common clock by construction: a simulation."};
-  const busy = car.livingRecorders(nowMs).filter(isBusy);
-  if (busy.length === 0)
+  if (!car.livingRecorders(nowMs).some(isBusy))
     return {name, light: "unknown", number: "not asked", sentence: "Clocks are asked for their time while a recording is under way."};
   const fits = [...car.clocks.values()].filter((heard) => isFresh(heard, nowMs)).map(({message}) => message);
   const known = fits.filter((fit) => fit.state !== ClockState.Acquire);
-  const patient = busy.every(({recording_s}) => recording_s < kClockPatience_s);
-  if (known.length === 0 && patient) return {name, light: "unknown", number: "not known", sentence: "No clock is known yet."};
   const unheard = [...known.filter((fit) => fit.state === ClockState.Holdover),
-                   ...withClocks(car).filter(({node}) => !patient && !known.some((fit) => fit.node === node))];
+                   ...beats(car).filter((beat) => wantsClock(beat) && log.isOverdue(beat.node, nowMs) && !known.some(({node}) => node === beat.node))];
   const worst = known.reduce((a, b) => (b.uncertainty_s > a.uncertainty_s ? b : a), known[0] ?? {node: 0, uncertainty_s: 0});
-  const number = known.length > 0 ? `${Math.ceil(worst.uncertainty_s * 1e6)} µs` : "not heard";
+  const number = known.length > 0 ? micro(worst.uncertainty_s) : "not heard";
   if (unheard.length > 0)
-    return {name, light: lightOf(AlarmCause.ClockUnheard), number, sentence: `The clock of ${nodes(unheard)} is not heard: look at its network.`};
-  if (known.length < fits.length || worst.uncertainty_s > kWantedSync_s)
-    return {name, light: lightOf(AlarmCause.ClockPoor), number, sentence: `Node ${worst.node} is known to ${number}; 50 µs are wanted: wait, or ` +
-              "look at the network."};
+    return {name, light: lightOf(AlarmCause.ClockUnheard), number, sentence: `The clock of ${nodes(unheard)} is not heard: look at the network.`};
   if (known.length === 0) return {name, light: "unknown", number: "not known", sentence: "No clock is known yet."};
+  if (known.length < fits.length || worst.uncertainty_s > kWantedSync_s)
+    return {name, light: lightOf(AlarmCause.ClockPoor), number, sentence: `Node ${worst.node} is known to ${number}; ${kWanted} are wanted: wait, or ` +
+              "look at the network."};
   return {name, light: "good", number, sentence: `Every clock is known to ${number}.`};
 }
 
@@ -88,7 +81,7 @@ function syncLamp(car: Car, log: EventLog, nowMs: number): Lamp {
   if (broken.length > 0)
     return {name, light: lightOf(causeOf("SYNC")), number: times(sum(broken.map(({count}) => count)), "break", "breaks"),
             sentence: `The clock of ${places(broken)} has jumped; the break is declared in the record.`};
-  const now = clocksNow(car, nowMs);
+  const now = clocksNow(car, log, nowMs);
   const [newest] = unseen;
   if (!newest || now.light === "warn") return now;
   return {name, light: lightOf(newest.cause), number: now.number,
@@ -137,7 +130,7 @@ const kWords: Readonly<Partial<Record<AlarmCause, {readonly one: string; readonl
   [AlarmCause.ClockBroken]: {one: "break of its clock", many: "breaks of its clock",
                              remedy: "declared in the record; look at the node's network, and whether its computer slept"},
   [AlarmCause.ClockUnheard]: {one: "clock not heard", remedy: "look at the node's network"},
-  [AlarmCause.ClockPoor]: {one: "clock known worse than to 50 µs", remedy: "look at the node's network"},
+  [AlarmCause.ClockPoor]: {one: `clock known worse than to ${kWanted}`, remedy: "look at the node's network"},
   [AlarmCause.Overload]: {one: "left its range", remedy: "choose a larger range, or mount the sensor more firmly"},
   [AlarmCause.FaultyTurns]: {one: "faulty turn", many: "faulty turns", remedy: "look at the sensor's gap and its cable"},
 };

@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import {readdirSync, readFileSync} from "node:fs";
 import {test} from "node:test";
-import {fingerprint, parseEnum, parseLcm, typeScript} from "../wire_types.mjs";
+import {fingerprint, parseEnum, parseLcm, parseNumber, typeScript} from "../wire_types.mjs";
 
 const {RB_SOURCE, RB_GENERATED} = process.env;
 
@@ -39,4 +39,10 @@ test("makes TypeScript of both", () => {
   assert.match(made, /export interface AB \{\n  readonly when: number;\n  readonly text: number\[\];\n\}/);
   assert.match(made, /bytes: 20, fields: \[\n    \["when","int64_t",\[\]\],\n    \["text","byte",\[4\]\],/);
   assert.match(made, /export enum E \{\n  X = 2,\n\}/);
+});
+
+test("takes numbers of a header, and refuses what is none", () => {
+  const text = "/// Of it.\ninline constexpr double kA_s = 50e-6;\ninline constexpr double kB_s = 2.0 * kA_s;\n";
+  assert.equal(parseNumber(text, "kA_s", "a.hpp"), 50e-6);
+  for (const name of ["kB_s", "kC_s"]) assert.throws(() => parseNumber(text, name, "a.hpp"), /a\.hpp: no number k/);
 });
