@@ -7,25 +7,31 @@ import {stateWord, warnings, type Connection} from "./state";
 import {mass} from "./units";
 import type {View} from "./view";
 import {kWheelNames} from "./wheel_place";
-import {AlarmLevel, Unknown} from "./wire";
-import {duration, progress, reason} from "./words";
+import {AlarmLevel, Unknown, VerificationVerdict} from "./wire";
+import {duration, progress, reason, verdictOf} from "./words";
 
 class Corner {
   private readonly ring = new ProgressRing();
   private readonly grams = el("span", {class: "grams"});
   private readonly sigma = el("span", {class: "sigma"});
+  private readonly verdict = el("span", {class: "verdict"});
   readonly element: HTMLElement;
 
   constructor(private readonly wheel: number, name: string) {
     this.element = el("div", {class: "corner", "aria-label": name}, [
-      this.ring.element, el("div", {}, [el("h3", {}, [name]), this.grams, this.sigma])]);
+      this.ring.element, el("div", {}, [el("h3", {}, [name]), this.grams, this.sigma, this.verdict])]);
   }
 
   draw(car: Car): void {
     const balance = car.balance.get(this.wheel)?.message;
     const known = balance?.state === Unknown.None;
-    this.ring.draw(progress(balance, car.advice(this.wheel), car.identification?.message));
-    setAttributes(this.element, {"data-known": String(known)});
+    const verification = car.verificationOf(this.wheel), [verdict = ""] = verdictOf(verification).split(/[:,]/);
+    const how = progress(balance, car.advice(this.wheel), car.identification?.message);
+    // Known well is not good: no tick beside a wheel that its weights have not helped.
+    const isHelped = verdict === "" || ![VerificationVerdict.Unchanged, VerificationVerdict.More].includes(verification?.verdict ?? 0);
+    this.ring.draw({...how, isDone: how.isDone && isHelped});
+    setAttributes(this.element, {"data-known": String(known), "data-verdict": verdict && (VerificationVerdict[verification?.verdict ?? 0] ?? "")});
+    setText(this.verdict, verdict);
     setText(this.grams, known && balance ? mass(balance.unbalance_g) : "?");
     setText(this.sigma, known && balance ? ` ±\u00a0${mass(balance.sigma_g)}` : "");
   }
@@ -51,8 +57,10 @@ export function whatNow(car: Car): string {
   if (plans.length < kWheelNames.length) return "Drive steadily.";
   const open = plans.filter(({seconds_wanted}) => seconds_wanted > 0);
   if (open.length === 0) return "Done: every wheel is known.";
-  const longest = Math.max(...open.map(({seconds_wanted}) => seconds_wanted).filter(Number.isFinite));
-  return Number.isFinite(longest) ? `Drive on like this: ${Math.ceil(longest)} s more.` : "Such driving tells no more: other speeds may.";
+  const seconds = open.map(({seconds_wanted}) => seconds_wanted).filter(Number.isFinite);
+  const others = open.filter(({seconds_wanted}) => !Number.isFinite(seconds_wanted)).map(({wheel}) => kWheelNames[wheel]);
+  return [...(seconds.length > 0 ? [`Drive on like this: ${Math.ceil(Math.max(...seconds))} s more.`] : []),
+          ...(others.length > 0 ? [`Such driving tells no more of ${others.join(", ")}: other speeds may.`] : [])].join(" ");
 }
 
 export class DriverView implements View {

@@ -163,6 +163,10 @@ const kPlacements: Readonly<Record<WeightPlacement, string>> = {
   [WeightPlacement.NoEffect]: "It did not change: were the weights fitted?",
 };
 
+/** What weights have done to a wheel; empty: nobody knows. */
+export const verdictOf = (of: Verification | undefined) =>
+  of?.state === VerificationState.Known ? kVerdicts[of.verdict as VerificationVerdict] : "";
+
 /** The drive before the weights beside this one. */
 export function verified(of: Verification | undefined): string[] {
   if (!of) return [];
@@ -177,7 +181,7 @@ export function verified(of: Verification | undefined): string[] {
       const [percent, sigma] = [100 * of.reduction, Math.max(1, Math.ceil(100 * of.sigma_reduction))];
       const by = percent >= 0 ? `${percent.toFixed(0)} % less` : `${(-percent).toFixed(0)} % more`;
       return [`Before ${grams(of.before_g)}, now ${grams(of.after_g)}: ${by}, ±\u00a0${sigma}\u00a0%. ` +
-                `${kVerdicts[of.verdict as VerificationVerdict]}.`, kPlacements[of.placement as WeightPlacement]]
+                `${verdictOf(of)}.`, kPlacements[of.placement as WeightPlacement]]
         .filter((line) => line !== "");
     }
   }

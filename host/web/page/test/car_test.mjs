@@ -224,6 +224,40 @@ test("what clocks suffered lights SYNC until it is acknowledged, as the record's
   assert.equal(lamp(40_000).light, "warn");
 });
 
+test("SYNC remembers what the record's alarms are raised for, and nothing else", () => {
+  const busy = [page.kRecorder, {...recorder[1], name_size: 3, recording_s: 100}];
+  const own = (node) => [page.kHeartbeat, {...beat(node)[1], time_base: page.TimeBase.Own}];
+  const fit = (node, us) => [page.kClockFit, {node, epoch: 7, state: page.ClockState.Locked, uncertainty_s: us * 1e-6}];
+  const drive = (from_s, to_s, ...messages) => {
+    for (let s = from_s; s <= to_s; ++s) car.take(frame(busy, ...messages), 1000 * s);
+    return page.lamps(car, car.events, 1000 * to_s).find(({name}) => name === "SYNC");
+  };
+  const causes = () => car.events.unseen("SYNC").map(({cause, where}) => `${page.AlarmCause[cause]} ${where}`);
+  let car = new page.Car();
+  drive(0, 20, own(1), own(2), fit(1, 12), fit(2, 12));
+  drive(21, 29, own(1), own(2), fit(1, 12));
+  assert.deepEqual(causes(), [], "its patience is ten seconds");
+  drive(30, 41, own(1), own(2), fit(1, 12));
+  assert.equal(drive(42, 45, own(1), own(2), fit(1, 12), fit(2, 12)).light, "warn", "it is over, and nobody has seen it");
+  assert.deepEqual(causes(), ["ClockUnheard node 2"]);
+
+  car = new page.Car();
+  drive(0, 9, own(1), fit(1, 400));
+  assert.deepEqual(causes(), [], "it is becoming known");
+  drive(10, 25, own(1), fit(1, 400));
+  assert.equal(drive(26, 27, own(1), fit(1, 12)).light, "warn");
+  assert.deepEqual(causes(), ["ClockPoor node 1"]);
+
+  // A node that joins late has its own ten seconds, and one that was away has them anew.
+  car = new page.Car();
+  drive(0, 59, own(1), fit(1, 12));
+  assert.equal(drive(60, 63, own(1), fit(1, 12), own(2)).light, "good");
+  drive(64, 66, own(1), fit(1, 12), own(2), fit(2, 12));
+  drive(67, 99, own(1), fit(1, 12));
+  assert.equal(drive(100, 101, own(1), own(2), fit(1, 12)).number, "12 µs");
+  assert.deepEqual(causes(), []);
+});
+
 test("dead channels and offsets light the lamp while they last, those that are used", () => {
   const car = new page.Car();
   const lamp = (now) => page.lamps(car, car.events, now).find(({name}) => name === "OVERLOAD");
@@ -254,6 +288,13 @@ test("the driver hears of the worst, and is done with four plans of the newest b
   assert.match(page.whatNow(car), /^Done/);
   car.take(frame(...known(2)), 0);
   assert.doesNotMatch(page.whatNow(car), /Done/, "plans of a balance before");
+  const plans = (...seconds) => car.take(frame(...known(3), ...seconds.map((seconds_wanted, wheel) => [page.kCompensation, {wheel, time_ns: 3, seconds_wanted}])), 0);
+  plans(0, 42, 7, 0);
+  assert.equal(page.whatNow(car), "Drive on like this: 42 s more.");
+  plans(0, 42, Infinity, 0);
+  assert.equal(page.whatNow(car), "Drive on like this: 42 s more. Such driving tells no more of rear left: other speeds may.");
+  plans(0, 0, Infinity, Infinity);
+  assert.equal(page.whatNow(car), "Such driving tells no more of rear left, rear right: other speeds may.");
   car.take(frame([page.kRecorder, {...recorder[1], seconds_left: 600}]), 0);
   assert.match(page.worry(car, 0), /full in 10 min/);
   // A notice does not hide what a lamp warns of, nor a warning.
