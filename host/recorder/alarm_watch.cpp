@@ -43,6 +43,7 @@ void AlarmWatch::take(const Heartbeat& beat, WallTime now) {
   const bool wants = node.measures && beat.time_base == TimeBase::kOwn && beat.owner != 0;
   if (wants && (!node.wants_clock || node.epoch != beat.epoch)) {
     node.clock_since = node.clock_heard = now;
+    node.clock_exchanges = 0;
     node.was_well_known = false;
   }
   node.wants_clock = wants;
@@ -79,7 +80,10 @@ void AlarmWatch::take(const ClockFit& fit, WallTime now) {
   rise({AlarmCause::kClockBroken, fit.node}, fit.epoch, fit.breaks, " breaks", now);
   if (fit.state == ClockState::kHoldover) log_.raise({AlarmCause::kClockUnheard, fit.node}, "", now);
   Node& node = known->second;
-  if (fit.epoch != node.epoch || fit.state != ClockState::kLocked) return;
+  if (fit.epoch != node.epoch) return;
+  if (fit.exchanges > node.clock_exchanges) node.clock_answered = now;
+  node.clock_exchanges = fit.exchanges;
+  if (fit.state != ClockState::kLocked) return;
   node.clock_heard = now;
   if (fit.uncertainty_s <= kWantedSync_s)
     node.was_well_known = true;
@@ -103,8 +107,11 @@ void AlarmWatch::take_other_version(std::int32_t node, WallTime now) {
 
 // A node that is silent itself is another matter.
 void AlarmWatch::miss_clock(std::int32_t number, const Node& node, WallTime now) {
-  if (node.wants_clock && now - node.clock_heard >= kClockPatience)
-    log_.raise({AlarmCause::kClockUnheard, number}, "look at its network", now);
+  if (!node.wants_clock || now - node.clock_heard < kClockPatience) return;
+  const bool answers = node.clock_exchanges > 0 && now - node.clock_answered < kClockPatience;
+  log_.raise({AlarmCause::kClockUnheard, number},
+             answers ? "it answers, too rarely to be known: look at its network" : "look at its network",
+             now);
 }
 
 void AlarmWatch::turn(WallTime now) {

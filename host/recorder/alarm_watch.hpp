@@ -44,9 +44,11 @@ class AlarmWatch {
     std::int64_t epoch = 0;
     WallTime heard{};
     bool measures = false;
-    bool wants_clock = false;     // a recorder asks it for its time
-    WallTime clock_since{};       // that it wants one
-    WallTime clock_heard{};       // last, and locked
+    bool wants_clock = false;   // a recorder asks it for its time
+    WallTime clock_since{};     // that it wants one
+    WallTime clock_heard{};     // last, and locked
+    WallTime clock_answered{};  // though it may not be known
+    std::int64_t clock_exchanges = 0;
     bool was_well_known = false;  // its clock, in this epoch
   };
   void miss_clock(std::int32_t number, const Node& node, WallTime now);

@@ -1,6 +1,7 @@
 #include "host/recorder/receive.hpp"
 
 #include <algorithm>
+#include <map>
 #include <random>
 #include <system_error>
 #include <utility>
@@ -141,12 +142,15 @@ class Reception {
   std::string said_of_other_versions(WallTime now) {
     for (const std::int32_t node : bus_.nodes_of_other_versions()) {
       alarms_.take_other_version(node, now);
-      other_version_ = {node, now};
+      if (other_versions_.contains(node) || other_versions_.size() < kMostNamed) other_versions_[node] = now;
     }
-    const auto& [node, at] = other_version_;
-    if (node == 0 || now - at >= AlarmWatch::kSilence) return "";
-    return "node " + std::to_string(node) +
-           " speaks another version of the wire: install the same release everywhere";
+    std::erase_if(other_versions_, [&](const auto& one) { return now - one.second >= AlarmWatch::kSilence; });
+    if (other_versions_.empty()) return "";
+    std::string nodes;
+    for (const auto& one : other_versions_) nodes += (nodes.empty() ? "" : ", ") + std::to_string(one.first);
+    const bool one = other_versions_.size() == 1;
+    return (one ? "node " : "nodes ") + nodes + (one ? " speaks" : " speak") +
+           " another version of the wire: install the same release everywhere";
   }
 
   void say_status(WallTime now) {
@@ -182,7 +186,8 @@ class Reception {
   RecorderStatus status_;
   BatchMaker batches_;
   AlarmWatch alarms_;
-  std::pair<std::int32_t, WallTime> other_version_{};  // node and when it was heard last
+  static constexpr std::size_t kMostNamed = 8;       // numbers of nodes can be anything
+  std::map<std::int32_t, WallTime> other_versions_;  // node and when it was heard last
   std::size_t nodes_provided_for_ = 0;
   bool writer_turns_ = false;
   const std::int64_t recorder_ = static_cast<std::int64_t>(std::random_device{}()) + 1;

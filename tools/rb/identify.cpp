@@ -165,9 +165,8 @@ void add_identify_over(CLI::App& app, int& code, const DriveSharer& sharer, std:
   command->footer(
       "Recordings of another car, or with other weights, zero marks or sensor places by their vehicle.toml, "
       "are refused, naming the key and both.\n"
-      "Exit codes: 0 done, 1 no wheel is identified or a recording is unusable, 2 usage, or recordings that "
-      "do "
-      "not belong together, 4 cannot read.");
+      "Exit codes: 0 done, 1 no wheel is identified or a recording is unusable, 2 usage or another car, "
+      "4 cannot read.");
   command->callback([options, &code, sharer, speaks] {
     const StopOnSignal signals;
     const ShareWork work{options->jobs, options->refine, signals.token()};

@@ -4,35 +4,17 @@
 
 #include "common/bus/channel_faults.hpp"
 #include "host/recorder/recorded_alarms.hpp"
+#include "host/recorder/test/watched_node.hpp"
 
 namespace roadbalance {
 namespace {
 
 using std::chrono::milliseconds;
 using std::chrono::seconds;
-constexpr std::int64_t kOurs = 17;
-
-class AlarmWatchTest : public ::testing::Test {
+class AlarmWatchTest : public test::WatchedNode {
  protected:
-  AlarmWatchTest() {
-    beat.node = 3;
-    beat.epoch = 5;
-    beat.owner = kOurs;
-    beat.state = NodeState::kStarted;
-    beat.time_base = TimeBase::kShared;
-    watch.take(beat, now);
-    level.node = 3;
-  }
-  std::vector<Alarm> active() const {
-    std::vector<Alarm> alarms;
-    for (const auto& on : watch.active()) alarms.push_back(on.alarm);
-    return alarms;
-  }
-  using Alarms = std::vector<Alarm>;
+  AlarmWatchTest() { level.node = 3; }
 
-  AlarmWatch watch{kOurs};
-  WallTime now{seconds(100)};
-  Heartbeat beat;
   Level level;
 };
 

@@ -3,31 +3,20 @@
 #include <optional>
 #include <vector>
 
-#include "host/recorder/alarm_watch.hpp"
+#include "host/recorder/test/watched_node.hpp"
 
 namespace roadbalance {
 namespace {
 
 using std::chrono::milliseconds;
 using std::chrono::seconds;
-constexpr std::int64_t kOurs = 17;
 
 /// A recorder asks the node for its time, and hears it twice a second.
-class ClockAlarmTest : public ::testing::Test {
+class ClockAlarmTest : public test::WatchedNode {
  protected:
   ClockAlarmTest() {
-    beat.node = 3;
-    beat.epoch = 5;
-    beat.owner = kOurs;
-    beat.state = NodeState::kStarted;
     beat.time_base = TimeBase::kOwn;
     watch.take(beat, now);
-  }
-  using Alarms = std::vector<Alarm>;
-  Alarms active() const {
-    Alarms alarms;
-    for (const auto& on : watch.active()) alarms.push_back(on.alarm);
-    return alarms;
   }
   void go(double for_s, std::optional<ClockFit> fit) {
     for (const WallTime end = now + milliseconds(static_cast<int>(1e3 * for_s)); now < end;) {
@@ -42,9 +31,6 @@ class ClockAlarmTest : public ::testing::Test {
     return {.node = 3, .epoch = 5, .state = state, .uncertainty_s = uncertainty_s};
   }
 
-  AlarmWatch watch{kOurs};
-  WallTime now{seconds(100)};
-  Heartbeat beat;
   std::vector<AlarmNote> notes;
 };
 
@@ -62,6 +48,19 @@ TEST_F(ClockAlarmTest, AClockThatIsNeverHeardIsMissedAndItsReturnEndsThat) {
 TEST_F(ClockAlarmTest, AClockThatIsAskedAndNeverAnswersIsMissed) {
   go(11, fit(0, ClockState::kAcquire));
   EXPECT_EQ(active(), (Alarms{{AlarmCause::kClockUnheard, 3}}));
+  EXPECT_EQ(watch.active()[0].text, "look at its network");
+}
+
+TEST_F(ClockAlarmTest, AClockThatAnswersTooRarelyIsMissedForThat) {
+  ClockFit rare = fit(0, ClockState::kAcquire);
+  rare.exchanges = 1;
+  go(8, rare);
+  rare.exchanges = 2;
+  go(3, rare);
+  EXPECT_EQ(active(), (Alarms{{AlarmCause::kClockUnheard, 3}}));
+  EXPECT_EQ(watch.active()[0].text, "it answers, too rarely to be known: look at its network");
+  go(10, rare);
+  EXPECT_EQ(watch.active()[0].text, "look at its network") << "no more";
 }
 
 TEST_F(ClockAlarmTest, AFitOfAnEpochThatIsOverTellsNothing) {

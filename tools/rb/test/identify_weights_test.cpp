@@ -11,14 +11,12 @@
 #include <string>
 #include <tuple>
 
-#include "common/record/record.hpp"
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
-#include "firmware/seal_all.hpp"
-#include "sim/front_end.hpp"
 #include "sim/truth.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/test/run_rb.hpp"
+#include "tools/rb/test/simulated_drives.hpp"
 
 namespace roadbalance {
 namespace {
@@ -30,9 +28,7 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 /// of 15 degrees, clipped or, on another radius of the front left wheel, stuck; 20 g are stuck there opposite
 /// to the heavy spot.
 VehicleConfig car() {
-  std::string text = test::read_source("sim/demo/vehicle.toml");
-  text = test::replaced(text, "\nrate_hz = 2000", "\nrate_hz = 500");
-  text = test::replaced(text, "\ncutoff_hz = 200", "\ncutoff_hz = 60");
+  std::string text = test::slow_car();
   text = test::replaced(text, "datum_deg = 30\n",
                         "datum_deg = 30\n[[wheel.weight]]\nmass_g = 20\nangle_deg = 210\nradius_m = 0.16\n");
   const std::string inner = "radius_m = 0.19\nkind = \"clip\"\nplane = \"inner\"\n";
@@ -76,15 +72,7 @@ void expect_suspension(const Json& told) {
 class IdentifyWeights : public testing::Test {
  protected:
   void drive(int seconds) {
-    const VehicleConfig vehicle = car();
-    RecordWriter writer({.folder = record_});
-    for (const NodeConfig& node : vehicle.node) {
-      const auto device = sim::open_sim_front_end(
-          {"?seed=4&seconds=" + std::to_string(seconds) + "&rate=max", vehicle, node});
-      seal_all(*device, vehicle, node, node.id,
-               [&](const SealedBlock& block) { writer.append(block, 1000); });
-    }
-    writer.close();
+    test::record_scenario(record_, car(), "?seed=4&seconds=" + std::to_string(seconds));
   }
   test::Outcome identify(const std::vector<std::string>& more) {
     std::vector<std::string> arguments{"identify", record_, "--overall"};

@@ -22,6 +22,19 @@ inline std::string slow_car() {
   return replaced(text, "\ncutoff_hz = 200", "\ncutoff_hz = 60");
 }
 
+/// Records what each node of the simulated car samples, one after another; its epoch is first_epoch + its id.
+/// @param scenario  as a `sim:` URI has it after the colon, without the rate
+inline void record_scenario(const std::filesystem::path& folder, const VehicleConfig& vehicle,
+                            const std::string& scenario, std::int64_t first_epoch = 0) {
+  RecordWriter writer({.folder = folder});
+  for (const NodeConfig& node : vehicle.node) {
+    const auto device = sim::open_sim_front_end({scenario + "&rate=max", vehicle, node});
+    seal_all(*device, vehicle, node, first_epoch + node.id,
+             [&](const SealedBlock& block) { writer.append(block, 1000); });
+  }
+  writer.close();
+}
+
 /// A drive of the one car that is as its vehicle.toml says, on a road of its own.
 struct SimulatedDrive {
   std::uint64_t seed;
@@ -56,14 +69,8 @@ inline void record_drive(const SimulatedDrive& drive, const std::filesystem::pat
   }
   const std::filesystem::path file = folder.string() + ".scenario.toml";
   std::ofstream(file) << scenario;
-  RecordWriter writer({.folder = folder});
-  for (const NodeConfig& node : vehicle.node) {
-    const auto device = sim::open_sim_front_end(
-        {file.string() + "?seed=" + std::to_string(drive.seed) + "&rate=max", vehicle, node});
-    const auto epoch = static_cast<std::int64_t>(1000 * drive.seed) + node.id;
-    seal_all(*device, vehicle, node, epoch, [&](const SealedBlock& block) { writer.append(block, 1000); });
-  }
-  writer.close();
+  record_scenario(folder, vehicle, file.string() + "?seed=" + std::to_string(drive.seed),
+                  static_cast<std::int64_t>(1000 * drive.seed));
   std::filesystem::remove(file);
 }
 

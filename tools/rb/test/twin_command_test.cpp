@@ -8,13 +8,11 @@
 #include <sstream>
 #include <string>
 
-#include "common/record/record.hpp"
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
-#include "firmware/seal_all.hpp"
-#include "sim/front_end.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/test/run_rb.hpp"
+#include "tools/rb/test/simulated_drives.hpp"
 
 namespace roadbalance {
 namespace {
@@ -24,18 +22,9 @@ using Json = nlohmann::json;
 class TwinCommand : public testing::Test {
  protected:
   void record(int seconds) {
-    std::string text = test::read_source("sim/demo/vehicle.toml");
-    text = test::replaced(text, "\nrate_hz = 2000", "\nrate_hz = 500");
-    text = test::replaced(text, "\ncutoff_hz = 200", "\ncutoff_hz = 100");
-    const VehicleConfig vehicle = VehicleConfig::parse(text, "vehicle.toml");
-    RecordWriter writer({.folder = drive_});
-    for (const NodeConfig& node : vehicle.node) {
-      const auto device = sim::open_sim_front_end(
-          {"?seed=4&seconds=" + std::to_string(seconds) + "&rate=max", vehicle, node});
-      seal_all(*device, vehicle, node, node.id,
-               [&](const SealedBlock& block) { writer.append(block, 1000); });
-    }
-    writer.close();
+    const std::string text = test::replaced(test::slow_car(), "\ncutoff_hz = 60", "\ncutoff_hz = 100");
+    test::record_scenario(drive_, VehicleConfig::parse(text, "vehicle.toml"),
+                          "?seed=4&seconds=" + std::to_string(seconds));
   }
   test::Outcome twin(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), "twin");

@@ -25,11 +25,11 @@ class Corner {
   draw(car: Car): void {
     const balance = car.balance.get(this.wheel)?.message;
     const known = balance?.state === Unknown.None;
-    const verification = car.verificationOf(this.wheel), [verdict = ""] = verdictOf(verification).split(/[:,]/);
+    const verification = car.verificationOf(this.wheel), [verdict = ""] = verdictOf(verification).split(/[:,]| than/);
     const how = progress(balance, car.advice(this.wheel), car.identification?.message);
     // Known well is not good: no tick beside a wheel that its weights have not helped.
     const isHelped = verdict === "" || ![VerificationVerdict.Unchanged, VerificationVerdict.More].includes(verification?.verdict ?? 0);
-    this.ring.draw({...how, isDone: how.isDone && isHelped});
+    this.ring.draw(how, isHelped);
     setAttributes(this.element, {"data-known": String(known), "data-verdict": verdict && (VerificationVerdict[verification?.verdict ?? 0] ?? "")});
     setText(this.verdict, verdict);
     setText(this.grams, known && balance ? mass(balance.unbalance_g) : "?");
@@ -60,7 +60,7 @@ export function whatNow(car: Car): string {
   const seconds = open.map(({seconds_wanted}) => seconds_wanted).filter(Number.isFinite);
   const others = open.filter(({seconds_wanted}) => !Number.isFinite(seconds_wanted)).map(({wheel}) => kWheelNames[wheel]);
   return [...(seconds.length > 0 ? [`Drive on like this: ${Math.ceil(Math.max(...seconds))} s more.`] : []),
-          ...(others.length > 0 ? [`Such driving tells no more of ${others.join(", ")}: other speeds may.`] : [])].join(" ");
+          ...(others.length > 0 ? [`Other speeds are needed for ${others.join(", ")}.`] : [])].join(" ");
 }
 
 export class DriverView implements View {

@@ -11,9 +11,9 @@ export class ProgressRing {
   readonly element = svg("svg", {class: "ring", viewBox: "-25 -25 50 50", "aria-hidden": "true"}, [
     svg("circle", {class: "all", r: kRadius}), this.done, this.number]);
 
-  draw({share, isDone}: Progress): void {
-    setAttributes(this.element, {"data-done": String(isDone)});
+  draw({share, isDone}: Progress, isGood = true): void {
+    setAttributes(this.element, {"data-done": isDone && !isGood ? "bad" : String(isDone)});
     setAttributes(this.done, {"stroke-dasharray": `${(share * kLength).toFixed(1)} ${kLength.toFixed(1)}`});
-    setText(this.number, isDone ? "✓" : `${Math.floor(100 * share)}%`);
+    setText(this.number, isDone ? (isGood ? "✓" : "✗") : `${Math.floor(100 * share)}%`);
   }
 }

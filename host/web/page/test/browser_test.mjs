@@ -419,7 +419,9 @@ for (const [theme, colorScheme] of Object.entries(kThemes))
         await page.waitForFunction((id) => document.querySelector(`#${id}`).checkVisibility(), view.id);
         await picture(page, `${scene}-${view.id}-${theme}`);
         assert.deepEqual(await weakTexts(page), [], view.id);
-        if (view.id === "driver") await page.keyboard.press("Escape");
+        if (view.id !== "driver") continue;
+        assert.ok(await isWhole(page), "the driver does not scroll");
+        await page.keyboard.press("Escape");
       }
     });
 
@@ -436,9 +438,12 @@ test("prints the balance on one sheet of A4, dark theme or not", async (t) => {
   }
 });
 
-test("fits a phone, a small window and 200 %", async (t) => {
+/** All of it is in the window. */
+const isWhole = (page) => page.evaluate(() => document.documentElement.scrollHeight <= innerHeight);
+
+test("fits a laptop, a phone, a small window and 200 %", async (t) => {
   for (const [name, options] of Object.entries({
-    phone: {viewport: kPhone, hasTouch: true}, zoomed: {viewport: {width: kDesk.width / 2, height: kDesk.height / 2}, deviceScaleFactor: 2}})) {
+    desk: {viewport: kDesk}, phone: {viewport: kPhone, hasTouch: true}, zoomed: {viewport: {width: kDesk.width / 2, height: kDesk.height / 2}, deviceScaleFactor: 2}})) {
     const page = await open(t, "known", options);
     for (const view of await viewsOf(page)) {
       await page.keyboard.press(view.key);
@@ -448,7 +453,9 @@ test("fits a phone, a small window and 200 %", async (t) => {
       // Forms that are folded away are pressed, too.
       await page.evaluate(() => document.querySelectorAll("details").forEach((one) => { one.open = true; }));
       assert.deepEqual(await tooSmall(page), [], `${name} ${view.id}: too small for a finger`);
-      if (view.id === "driver") await page.keyboard.press("Escape");
+      if (view.id !== "driver") continue;
+      assert.ok(await isWhole(page), `${name}: the driver does not scroll`);
+      await page.keyboard.press("Escape");
     }
     await page.keyboard.press("b");
     const {wide, window} = await page.evaluate(() => ({wide: document.documentElement.scrollWidth, window: innerWidth}));

@@ -292,9 +292,9 @@ test("the driver hears of the worst, and is done with four plans of the newest b
   plans(0, 42, 7, 0);
   assert.equal(page.whatNow(car), "Drive on like this: 42 s more.");
   plans(0, 42, Infinity, 0);
-  assert.equal(page.whatNow(car), "Drive on like this: 42 s more. Such driving tells no more of rear left: other speeds may.");
+  assert.equal(page.whatNow(car), "Drive on like this: 42 s more. Other speeds are needed for rear left.");
   plans(0, 0, Infinity, Infinity);
-  assert.equal(page.whatNow(car), "Such driving tells no more of rear left, rear right: other speeds may.");
+  assert.equal(page.whatNow(car), "Other speeds are needed for rear left, rear right.");
   car.take(frame([page.kRecorder, {...recorder[1], seconds_left: 600}]), 0);
   assert.match(page.worry(car, 0), /full in 10 min/);
   // A notice does not hide what a lamp warns of, nor a warning.
