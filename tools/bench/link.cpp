@@ -19,7 +19,8 @@
 #include "tools/bench/contest.hpp"
 
 // The loss-free link from a sealed block to one that the recorder may write, beside the same datagrams over
-// bare UDP: a line of JSON as bench-peers.  Both ends are in this program and take turns.
+// bare UDP and over LCM with nothing of ours: lines of JSON as bench-peers.  Both ends are in this program
+// and take turns.
 
 namespace roadbalance::bench {
 namespace {
@@ -147,6 +148,36 @@ class BareUdp {
       out_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
 };
 
+/// The same messages by LCM with nothing but our Bus around it: who publishes does not listen.
+class BareLcm {
+ public:
+  explicit BareLcm(std::size_t bytes) : message_(bytes) {
+    in_.subscribe("BLOCK", [this](std::string_view, std::span<const std::uint8_t>) { ++seen_; });
+  }
+  void burst() {
+    for (int k = 0; k < kBurst; ++k) out_.publish("BLOCK", message_);
+    for (seen_ = 0; seen_ < kBurst;)
+      if (in_.handle(1s) == 0) throw std::runtime_error("a bare message did not come");
+  }
+
+ private:
+  const std::string url_ = bus_url_on_port(process_port(2));
+  Bus out_{url_}, in_{url_};
+  std::vector<std::uint8_t> message_;
+  int seen_ = 0;
+};
+
+void tell(const char* row, double ours_us, const char* peer, double peers_us, double ratio) {
+  std::puts(nlohmann::json{{"row", row},
+                           {"unit", "us/block"},
+                           {"ours", ours_us},
+                           {"peer", peer},
+                           {"peers", peers_us},
+                           {"ratio", ratio}}
+                .dump()
+                .c_str());
+}
+
 void run() {
   SealedBlock sealed;
   ScanBlock block = scans();
@@ -155,24 +186,23 @@ void run() {
   seal(block, sealed);
   // LCM's datagram: magic, number and name of the channel before it.
   BareUdp bare(sealed.bytes().size() + 8 + block_channel(1, BlockKind::kScan).size() + 1);
+  BareLcm lcm(sealed.bytes().size());
   Link link;
-  std::vector<Contender> run(2);
+  std::vector<Contender> run(3);
   run[0].work = [&] {
     for (int k = 0; k < kBursts; ++k) link.burst();
   };
   run[1].work = [&] {
     for (int k = 0; k < kBursts; ++k) bare.burst();
   };
+  run[2].work = [&] {
+    for (int k = 0; k < kBursts; ++k) lcm.burst();
+  };
   compete(run);
   const auto us = [&](std::size_t i) { return 1e6 * median(run[i].cpu_s) / (kBurst * kBursts); };
-  std::puts(nlohmann::json{{"row", "link, seal to delivery"},
-                           {"unit", "us/block"},
-                           {"ours", us(0)},
-                           {"peer", "raw UDP, same datagrams"},
-                           {"peers", us(1)},
-                           {"ratio", ratio(run[0], run[1])}}
-                .dump()
-                .c_str());
+  tell("link, seal to delivery", us(0), "raw UDP, same datagrams", us(1), ratio(run[0], run[1]));
+  tell("link beside LCM", us(0), "LCM alone, same messages", us(2), ratio(run[0], run[2]));
+  tell("LCM alone", us(2), "raw UDP, same datagrams", us(1), ratio(run[2], run[1]));
 }
 
 }  // namespace
