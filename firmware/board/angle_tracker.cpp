@@ -22,6 +22,11 @@ constexpr std::uint32_t kAveragedMarks = 8;
 constexpr std::uint32_t kStrangeMarks = 3;
 constexpr std::uint32_t kFarthestMark = 1u << 29;  // 1/8 of a turn
 
+/// A float of nearly half a turn may be a whole half, which no signed angle holds.
+std::int32_t angle_of(float value) {
+  return static_cast<std::int32_t>(std::clamp(value, -kTurn / 2, kTurn / 2 * 0.999f));
+}
+
 constexpr std::uint32_t magnitude(std::int32_t angle) {
   const auto bits = static_cast<std::uint32_t>(angle);
   return angle < 0 ? 0u - bits : bits;
@@ -63,8 +68,7 @@ void AngleTracker::leave(std::int32_t passed, bool forward) {
 
 Phase AngleTracker::carried(std::uint64_t ticks) const {
   const float later = static_cast<float>(static_cast<std::uint32_t>(ticks - ticks_));
-  const float moved = std::clamp(speed_ * later, -kTurn / 2, kTurn / 2 * 0.999f);
-  return phase_ + static_cast<Phase>(static_cast<std::int32_t>(moved));
+  return phase_ + static_cast<Phase>(angle_of(speed_ * later));
 }
 
 void AngleTracker::begin(std::uint64_t ticks, Phase measured) {
@@ -123,7 +127,7 @@ void AngleTracker::filter(std::uint64_t ticks, Phase predicted, std::int32_t err
   const float rest = q * r;  // 1 - r
   const auto wrong = static_cast<float>(error);
   ticks_ = ticks;
-  phase_ = predicted + static_cast<Phase>(static_cast<std::int32_t>(rest * (1.0f + r) * wrong));
+  phase_ = predicted + static_cast<Phase>(angle_of(rest * (1.0f + r) * wrong));
   speed_ += rest * rest * wrong / later;
 }
 
