@@ -5,8 +5,10 @@
 namespace roadbalance {
 namespace {
 
-constexpr RotorOrders::Effort kEffort{
-    .spectra = false, .least_rotation_hz = LiveOrders::kLeastRotation_hz, .longest_wait_s = 60.0};
+constexpr RotorOrders::Effort kEffort{.spectra = false,
+                                      .least_rotation_hz = LiveOrders::kLeastRotation_hz,
+                                      .highest_hz = LiveOrders::kHighest_hz,
+                                      .longest_wait_s = 60.0};
 
 OrderReport::Vector vector_of(const MeanVector& mean) {
   OrderReport::Vector vector;

@@ -21,6 +21,7 @@ namespace roadbalance {
 class LiveOrders {
  public:
   static constexpr double kLeastRotation_hz = 6.0;  ///< 40 km/h
+  static constexpr double kHighest_hz = 80.0;       ///< the second order at 270 km/h
 
   explicit LiveOrders(const VehicleConfig& vehicle);
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/dsp/decimation.hpp"
+#include "common/dsp/weighted_sum.hpp"
 
 namespace roadbalance {
 namespace {
@@ -62,7 +63,7 @@ void AngleResampler::take(const AngleRow& row) {
   out_.overload = 0;
   for (Eigen::Index i = filled_ - n; i < filled_; ++i)
     out_.overload |= place_[static_cast<std::size_t>(i)].overload;
-  out_.values.noalias() = history_.middleCols(filled_ - n, n) * taps_;
+  weighted_sum(history_.middleCols(filled_ - n, n), taps_, out_.values);
   emit_(out_);
 }
 

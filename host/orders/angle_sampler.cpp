@@ -7,10 +7,14 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/dsp/weighted_sum.hpp"
+
 namespace roadbalance {
 namespace {
 
 constexpr double kTurn_rad = 2.0 * std::numbers::pi;
+/// Of a step: the next correction of Newton's would be some square of it, below a double's last digit.
+constexpr double kNewtonEnough = 1e-9;
 
 const AngleSampler::Settings& checked(const AngleSampler::Settings& settings) {
   if (settings.channels < 1) throw std::invalid_argument("angle sampler: it needs at least one channel");
@@ -102,7 +106,9 @@ double AngleSampler::part_of_step(double angle_rad) const {
   for (int step = 0; step < 3; ++step) {
     const double slope = c1 + part * (2.0 * c2 + part * 3.0 * c3);
     if (!(slope > 0.0)) break;
-    part -= (b + part * (c1 + part * (c2 + part * c3))) / slope;
+    const double short_by = (b + part * (c1 + part * (c2 + part * c3))) / slope;
+    part -= short_by;
+    if (std::abs(short_by) < kNewtonEnough) break;
   }
   return std::clamp(part, 0.0, 1.0);
 }
@@ -111,7 +117,7 @@ void AngleSampler::emit_row(double part) {
   const Eigen::Index first = at_ - FractionalDelay::kBefore;
   row_.restart = std::exchange(restart_, false);
   row_.time_s = (static_cast<double>(came_ - (filled_ - at_)) + part) / settings_.rate_hz;
-  row_.values.noalias() = values_.middleCols<FractionalDelay::kTaps>(first) * delay_.taps(part);
+  weighted_sum(values_.middleCols<FractionalDelay::kTaps>(first), delay_.taps(part), row_.values);
   row_.overload = 0;
   for (Eigen::Index i = first; i < first + FractionalDelay::kTaps; ++i) row_.overload |= sample(i).overload;
   emit_(row_);

@@ -32,6 +32,11 @@ OrderVectors::Settings vector_settings(const VehicleConfig& vehicle, const Rotor
           rotor.known_share};
 }
 
+int decimation_for(const RotorOrders::Effort& effort, const NodeConfig& node) {
+  if (!(effort.highest_hz > 0.0)) return 1;
+  return std::max(1, static_cast<int>(kDecimationFlatTo * node.rate_hz / effort.highest_hz));
+}
+
 }  // namespace
 
 RotorOrders::RotorOrders(const VehicleConfig& vehicle, Rotor rotor, int node,
@@ -50,12 +55,16 @@ RotorOrders::RotorOrders(const VehicleConfig& vehicle, Rotor rotor, int node,
                        [this](const TurnBlock& block) { waterfall_.add(block); }),
       vector_blocks_({static_cast<int>(channel_.size()), kRowsPerTurn, kVectorTurns, kVectorTurns},
                      [this](const TurnBlock& block) { vectors_.add(block); }),
-      resampler_({static_cast<int>(channel_.size()), node_.rate_hz, kRowsPerTurn,
+      factor_(decimation_for(effort_, node_)),
+      resampler_({static_cast<int>(channel_.size()), node_.rate_hz / factor_, kRowsPerTurn,
                   effort_.least_rotation_hz * rotor_.ratio},
                  [this](const AngleRow& row) {
                    if (effort_.spectra) spectrum_blocks_.add(row);
                    vector_blocks_.add(row);
                  }),
+      fewer_(static_cast<int>(channel_.size()), factor_,
+             [this](const std::optional<double>& angle_rad, const Eigen::Ref<const Eigen::VectorXd>& values,
+                    std::uint32_t overload) { resampler_.add(angle_rad, values, overload); }),
       values_(std::ssize(channel_)),
       join_(
           nodes_of(vehicle, {&rotor_, 1}, node), [this](const GridJoin::Row& row) { take(row); },
@@ -64,6 +73,7 @@ RotorOrders::RotorOrders(const VehicleConfig& vehicle, Rotor rotor, int node,
 void RotorOrders::take(const GridJoin::Row& row) {
   if (row.restart) {
     if (rows_ > 0) ++gaps_;
+    fewer_.interrupt();
     resampler_.interrupt();
     angle_.forget();
   }
@@ -77,7 +87,7 @@ void RotorOrders::take(const GridJoin::Row& row) {
   }
   const auto angle_rad = angle(row);
   if (!angle_rad) angle_.forget();
-  resampler_.add(angle_rad, values_, overload);
+  fewer_.add(angle_rad, values_, overload);
 }
 
 std::optional<double> RotorOrders::angle(const GridJoin::Row& row) {
@@ -89,7 +99,8 @@ std::optional<double> RotorOrders::angle(const GridJoin::Row& row) {
 
 RotorOrders::Seconds RotorOrders::seconds() const {
   const auto seconds = [&](std::int64_t rows) { return static_cast<double>(rows) / node_.rate_hz; };
-  return {seconds(rows_), seconds(no_angle_), seconds(uncertain_), seconds(resampler_.slow_samples())};
+  return {seconds(rows_), seconds(no_angle_), seconds(uncertain_),
+          seconds(factor_ * resampler_.slow_samples())};
 }
 
 }  // namespace roadbalance

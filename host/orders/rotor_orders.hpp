@@ -9,6 +9,7 @@
 
 #include "common/config/vehicle_config.hpp"
 #include "host/orders/angle_resampler.hpp"
+#include "host/orders/fewer_samples.hpp"
 #include "host/orders/grid_join.hpp"
 #include "host/orders/order_vectors.hpp"
 #include "host/orders/order_waterfall.hpp"
@@ -19,8 +20,10 @@ namespace roadbalance {
 
 /// Orders of a wheel, or of what wheels turn, in channels of one node.
 ///
-///     scan blocks ─▶ GridJoin ─▶ angle, channels ─▶ AngleResampler ─┬▶ blocks of 32 turns ─▶ OrderWaterfall
-///                                                                   └▶ blocks of 8 turns ──▶ OrderVectors
+///     scan blocks ─▶ GridJoin ─▶ angle, channels ─▶ FewerSamples ─▶ AngleResampler
+///
+///     AngleResampler ─┬▶ blocks of 32 turns ─▶ OrderWaterfall
+///                     └▶ blocks of 8 turns ──▶ OrderVectors
 ///
 /// Where channels and angle are of one node no clock comes between; else all are brought to common instants.
 /// Where the angle of a wheel is not known, or a turn had not exactly its teeth, or scans are missing, or the
@@ -37,6 +40,7 @@ class RotorOrders {
   struct Effort {
     bool spectra = true;  ///< else vectors only
     double least_rotation_hz = kLeastRotation_hz;
+    double highest_hz = 0.0;  ///< of lines that are wanted; 0: all that the sampling rate carries
     double longest_wait_s = GridJoin::kLongestWait_s;  ///< for a node that is behind, in drive
   };
 
@@ -92,7 +96,9 @@ class RotorOrders {
   OrderWaterfall waterfall_;
   OrderVectors vectors_;
   TurnBlocks spectrum_blocks_, vector_blocks_;
+  int factor_;  ///< samples of which the resampler gets one
   AngleResampler resampler_;
+  FewerSamples fewer_;
   Eigen::VectorXd values_;
   GridJoin join_;
   std::int64_t rows_ = 0, no_angle_ = 0, uncertain_ = 0, gaps_ = 0;

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace roadbalance {
+
+/// Samples beside a wheel's angle -> every factor-th of them, low-passed by decimation_taps: what an order
+/// analysis of low frequencies needs.
+///
+/// A sample that is given has the angle of its own instant; it comes 8 factor samples late.  The first 16
+/// factor after an interruption give none.  Where the angle is not known a sample without it is given.
+class FewerSamples {
+ public:
+  using Emit = std::function<void(const std::optional<double>& angle_rad,
+                                  const Eigen::Ref<const Eigen::VectorXd>& values, std::uint32_t overload)>;
+
+  /// @param factor  >= 1; 1 passes all
+  FewerSamples(int channels, int factor, Emit emit);
+
+  /// @param values    [channel]
+  /// @param overload  bit k: channel k left its range; given for all samples that one touches
+  void add(const std::optional<double>& angle_rad, const Eigen::Ref<const Eigen::VectorXd>& values,
+           std::uint32_t overload);
+  void interrupt() { filled_ = 0; }
+
+ private:
+  struct Beside {
+    std::optional<double> angle_rad;
+    std::uint32_t overload;
+  };
+
+  int factor_;
+  Eigen::VectorXd taps_, sum_;
+  Eigen::MatrixXd history_;     ///< [channel x sample], column filled_ - 1 the newest
+  std::vector<Beside> beside_;  ///< the samples in history_
+  Eigen::Index filled_ = 0;
+  int behind_ = 0;  ///< samples since the last one given, modulo the factor
+  Emit emit_;
+};
+
+}  // namespace roadbalance

@@ -1,0 +1,68 @@
+#include "host/orders/fewer_samples.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace roadbalance {
+namespace {
+
+struct Given {
+  std::optional<double> angle_rad;
+  double value;
+  std::uint32_t overload;
+};
+
+class FewerSamplesTest : public ::testing::Test {
+ protected:
+  static constexpr int kFactor = 6;
+  static constexpr int kBehind = 8 * kFactor;
+
+  void add(std::optional<double> angle_rad, double value, std::uint32_t overload = 0) {
+    fewer.add(angle_rad, Eigen::VectorXd::Constant(1, value), overload);
+  }
+  std::vector<Given> given;
+  FewerSamples fewer{1, kFactor, [this](const auto& angle_rad, const auto& values, std::uint32_t overload) {
+                       given.push_back({angle_rad, values(0), overload});
+                     }};
+};
+
+TEST_F(FewerSamplesTest, GiveWhatWasThereAtTheirAngleAndNothingThatFolds) {
+  // Cycles a sample: what passes, and what would fold onto it.
+  constexpr double kSlow = 0.2 / kFactor, kFast = (1.0 - 0.2) / kFactor;
+  const auto wave = [](double cycles, int n) { return std::sin(2.0 * std::numbers::pi * cycles * n); };
+  for (int n = 0; n < 1000; ++n) add(n, wave(kSlow, n) + wave(kFast, n));
+  ASSERT_EQ(given.size(), static_cast<std::size_t>((1000 - 2 * kBehind - 1) / kFactor + 1));
+  for (std::size_t k = 0; k < given.size(); ++k) {
+    const int n = kBehind + static_cast<int>(k) * kFactor;
+    ASSERT_EQ(given[k].angle_rad, n);
+    ASSERT_NEAR(given[k].value, wave(kSlow, n), 3e-4);  // 2e-4 of what passes, -81 dB of what is stopped
+  }
+}
+
+TEST_F(FewerSamplesTest, TellOverloadsOfAllTheyAreMadeOfAndAnglesThatAreNotKnown) {
+  for (int n = 0; n < 300; ++n)
+    add(n == 120 ? std::nullopt : std::optional<double>(n), 1.0, n == 150 ? 4U : 0U);
+  for (std::size_t k = 0; k < given.size(); ++k) {
+    const int n = kBehind + static_cast<int>(k) * kFactor;
+    EXPECT_EQ(given[k].angle_rad.has_value(), n != 120);
+    EXPECT_EQ(given[k].overload, std::abs(n - 150) <= kBehind ? 4U : 0U) << n;
+    EXPECT_NEAR(given[k].value, 1.0, 1e-12);
+  }
+}
+
+TEST_F(FewerSamplesTest, AreNotMadeAcrossAnInterruption) {
+  for (int n = 0; n < 200; ++n) add(n, 0.0);
+  fewer.interrupt();
+  given.clear();
+  for (int n = 0; n < 2 * kBehind; ++n) add(n, 1.0);
+  EXPECT_TRUE(given.empty());
+  add(2 * kBehind, 1.0);
+  ASSERT_EQ(given.size(), 1U);
+  EXPECT_NEAR(given[0].value, 1.0, 1e-12);
+  EXPECT_EQ(given[0].angle_rad, kBehind);
+}
+
+}  // namespace
+}  // namespace roadbalance
