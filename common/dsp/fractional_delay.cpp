@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numbers>
+
+#include "common/dsp/lanes.hpp"
 
 namespace roadbalance {
 namespace {
@@ -17,21 +20,52 @@ double kaiser_sinc(double at) {
   return window * (std::abs(x) < 1e-9 ? 1.0 : std::sin(x) / x);
 }
 
+/// Between two columns of the table, which lie one behind the other.
+template <int kLanes>
+[[gnu::always_inline]] inline void mix(const double* below, double part, double* taps) {
+  using Vector = typename Lanes<kLanes>::Vector;
+  const double rest = 1.0 - part;
+#pragma GCC unroll 16
+  for (int k = 0; k < FractionalDelay::kTaps; k += kLanes) {
+    Vector a, b;
+    std::memcpy(&a, below + k, sizeof a);
+    std::memcpy(&b, below + FractionalDelay::kTaps + k, sizeof b);
+    const Vector sum = rest * a + part * b;
+    std::memcpy(taps + k, &sum, sizeof sum);
+  }
+}
+RB_AVX512 void mix_avx512(const double* below, double part, double* taps) {
+  mix<8>(below, part, taps);
+}
+RB_AVX2 void mix_avx2(const double* below, double part, double* taps) {
+  mix<4>(below, part, taps);
+}
+void mix_plain(const double* below, double part, double* taps) {
+  mix<2>(below, part, taps);
+}
+
 }  // namespace
 
-FractionalDelay::FractionalDelay() {
-  for (int f = 0; f <= kFractions; ++f) {
-    const double fraction = static_cast<double>(f) / kFractions;
-    for (int k = 0; k < kTaps; ++k) table_(k, f) = kaiser_sinc(k - kBefore - fraction);
-    table_.col(f) /= table_.col(f).sum();
-  }
+const FractionalDelay::Table& FractionalDelay::table() {
+  static const Table all = [] {
+    Table table;
+    for (int f = 0; f <= kFractions; ++f) {
+      const double fraction = static_cast<double>(f) / kFractions;
+      for (int k = 0; k < kTaps; ++k) table(k, f) = kaiser_sinc(k - kBefore - fraction);
+      table.col(f) /= table.col(f).sum();
+    }
+    return table;
+  }();
+  return all;
 }
 
 FractionalDelay::Taps FractionalDelay::taps(double fraction) const {
+  static const auto mix_by = for_this_processor(mix_avx512, mix_avx2, mix_plain);
   const double place = std::clamp(fraction, 0.0, 1.0) * kFractions;
   const int below = std::min(static_cast<int>(place), kFractions - 1);
-  const double part = place - below;
-  return (1.0 - part) * table_.col(below) + part * table_.col(below + 1);
+  Taps taps;
+  mix_by(table_->col(below).data(), place - below, taps.data());
+  return taps;
 }
 
 }  // namespace roadbalance

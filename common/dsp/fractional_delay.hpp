@@ -18,14 +18,15 @@ class FractionalDelay {
   static constexpr int kAfter = 16;   ///< samples needed behind it
   using Taps = Eigen::Matrix<double, kTaps, 1>;
 
-  FractionalDelay();
-
   /// @param fraction  0 .. 1
   Taps taps(double fraction) const;
 
  private:
   static constexpr int kFractions = 256;
-  Eigen::Matrix<double, kTaps, kFractions + 1> table_;
+  using Table = Eigen::Matrix<double, kTaps, kFractions + 1>;
+  static const Table& table();
+
+  const Table* table_ = &table();
 };
 
 }  // namespace roadbalance

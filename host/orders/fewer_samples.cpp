@@ -17,7 +17,6 @@ void FewerSamples::add(const std::optional<double>& angle_rad,
                        const Eigen::Ref<const Eigen::VectorXd>& values, std::uint32_t overload) {
   if (factor_ == 1) return emit_(angle_rad, values, overload);
   const Eigen::Index n = taps_.size();
-  if (filled_ == 0) behind_ = 0;
   if (filled_ == history_.cols()) {
     history_.leftCols(n - 1) = history_.rightCols(n - 1).eval();
     std::copy(beside_.end() - (n - 1), beside_.end(), beside_.begin());
@@ -26,9 +25,8 @@ void FewerSamples::add(const std::optional<double>& angle_rad,
   history_.col(filled_) = values;
   beside_[static_cast<std::size_t>(filled_)] = {angle_rad, overload};
   ++filled_;
-  if (filled_ < n) return;
-  const bool is_given = behind_ == 0;
-  behind_ = (behind_ + 1) % factor_;
+  const bool is_given = filled_ >= n && count_ == 0;  // 8 factor samples after the one that is given
+  count_ = (count_ + 1) % factor_;
   if (!is_given) return;
   weighted_sum(history_.middleCols(filled_ - n, n), taps_, sum_);
   std::uint32_t any = 0;

@@ -23,11 +23,13 @@ class FewerSamples {
   /// @param factor  >= 1; 1 passes all
   FewerSamples(int channels, int factor, Emit emit);
 
+  /// The angle of the next sample is used.  That of others need not be known.
+  bool wants_angle() const { return count_ == 0; }
   /// @param values    [channel]
   /// @param overload  bit k: channel k left its range; given for all samples that one touches
   void add(const std::optional<double>& angle_rad, const Eigen::Ref<const Eigen::VectorXd>& values,
            std::uint32_t overload);
-  void interrupt() { filled_ = 0; }
+  void interrupt() { filled_ = count_ = 0; }
 
  private:
   struct Beside {
@@ -40,7 +42,7 @@ class FewerSamples {
   Eigen::MatrixXd history_;     ///< [channel x sample], column filled_ - 1 the newest
   std::vector<Beside> beside_;  ///< the samples in history_
   Eigen::Index filled_ = 0;
-  int behind_ = 0;  ///< samples since the last one given, modulo the factor
+  int count_ = 0;  ///< samples since an interruption, modulo the factor
   Emit emit_;
 };
 

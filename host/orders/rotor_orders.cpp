@@ -85,8 +85,11 @@ void RotorOrders::take(const GridJoin::Row& row) {
     values_(static_cast<Eigen::Index>(c)) =
         node_.channel[channel_[c]].to_si(static_cast<double>((*sample.counts)[channel_[c]]));
   }
-  const auto angle_rad = angle(row);
-  if (!angle_rad) angle_.forget();
+  std::optional<double> angle_rad;
+  if (fewer_.wants_angle()) {
+    angle_rad = angle(row);
+    if (!angle_rad) angle_.forget();
+  }
   fewer_.add(angle_rad, values_, overload);
 }
 
@@ -99,7 +102,7 @@ std::optional<double> RotorOrders::angle(const GridJoin::Row& row) {
 
 RotorOrders::Seconds RotorOrders::seconds() const {
   const auto seconds = [&](std::int64_t rows) { return static_cast<double>(rows) / node_.rate_hz; };
-  return {seconds(rows_), seconds(no_angle_), seconds(uncertain_),
+  return {seconds(rows_), seconds(factor_ * no_angle_), seconds(factor_ * uncertain_),
           seconds(factor_ * resampler_.slow_samples())};
 }
 
