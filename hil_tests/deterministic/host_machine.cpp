@@ -33,10 +33,12 @@ KeeperOptions keeper_options(const FaultScenario& scenario, const std::filesyste
 }  // namespace
 
 HostMachine::Program::Program(Disk& disk, const FaultScenario& scenario, const RecorderLinkOptions& options,
-                              const std::filesystem::path& folder, std::int64_t utc_us, std::int64_t host_ns)
+                              const std::filesystem::path& folder, std::int64_t utc_us, std::int64_t host_ns,
+                              std::int64_t first_incarnation)
     : keeper(disk, keeper_options(scenario, folder)),
       incarnation_folder(keeper.folder()),
-      link(options, next_incarnation(incarnation_folder, utc_us / 1000, disk), keeper.recovered()) {
+      link(options, next_incarnation(incarnation_folder, std::max(utc_us / 1000, first_incarnation), disk),
+           keeper.recovered()) {
   keeper.set_clocks(utc_us, host_ns);
   keeper.begin(link.incarnation());
 }

@@ -36,7 +36,7 @@ HostMachine::Led::Led(HostMachine& host, const RecorderOptions& options)
   link.scope = options.scope;
   try {
     program_ = std::make_unique<Program>(host.disk_, host.scenario_, link, options.folder,
-                                         host.utc_us(host.now_ns_), host.now_ns_);
+                                         host.utc_us(host.now_ns_), host.now_ns_, options.first_incarnation);
     host.may_be_torn_.erase(recording_);  // what was torn has just been cut
     for (const auto& [key, epoch] : program_->keeper.recovered().epoch)
       host.durable_[key] = epoch.position.contiguous;

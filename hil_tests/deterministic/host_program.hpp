@@ -17,7 +17,8 @@ namespace roadbalance::test {
 /// The product's two processes, receive and write, of one recording.
 struct HostMachine::Program {
   Program(Disk& disk, const FaultScenario& scenario, const RecorderLinkOptions& options,
-          const std::filesystem::path& folder, std::int64_t utc_us, std::int64_t host_ns);
+          const std::filesystem::path& folder, std::int64_t utc_us, std::int64_t host_ns,
+          std::int64_t first_incarnation = 0);
 
   RecordKeeper keeper;
   const std::filesystem::path incarnation_folder;

@@ -50,7 +50,9 @@ class Desk {
   /// It has come to its end as told, with these receipts; nodes that were cut off hold the rest of it.
   /// @return rests of recordings before that are not fetched any more, for the book has no room: to be
   /// declared
-  std::vector<Rest> ended(std::vector<Receipt> receipts, std::vector<Rest> rests, std::int64_t utc_us);
+  /// @param last_incarnation  of its recorders
+  std::vector<Rest> ended(std::vector<Receipt> receipts, std::vector<Rest> rests, std::int64_t utc_us,
+                          std::int64_t last_incarnation);
   /// Nodes hold these, too, of a recording that is over: nobody knew so far.  Those for which the book has no
   /// room are to be said again.
   void owe(const std::vector<Rest>& rests);

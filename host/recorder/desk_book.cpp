@@ -130,6 +130,12 @@ bool comes_before_segments(const std::string& file) {
 
 }  // namespace
 
+std::int64_t first_incarnation(const UnderWay& recording, const std::vector<Over>& over) {
+  std::int64_t first = recording.began_us / 1000;
+  for (const Over& before : over) first = std::max(first, before.last_incarnation + 1);
+  return first;
+}
+
 File claim_desk_book(const std::filesystem::path& recordings, Disk& disk) {
   File folder = File::open_folder(recordings, disk);
   if (!folder.try_lock())

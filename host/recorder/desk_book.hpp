@@ -54,6 +54,10 @@ struct Over {
   bool operator==(const Over&) const = default;
 };
 
+/// The lowest that a recorder of this recording may have, above those of recordings before whatever the wall
+/// clock says: one that was set back must not make two recordings' incarnations the same.
+std::int64_t first_incarnation(const UnderWay& recording, const std::vector<Over>& over);
+
 /// Set-up that somebody asked for last.
 struct AskedSetUp {
   RequestKey asked{};

@@ -48,17 +48,17 @@ void Desk::say_durable_marks(std::int32_t durable_marks, std::int64_t utc_us) {
   }
 }
 
-std::vector<Rest> Desk::ended(std::vector<Receipt> receipts, std::vector<Rest> rests, std::int64_t utc_us) {
+std::vector<Rest> Desk::ended(std::vector<Receipt> receipts, std::vector<Rest> rests, std::int64_t utc_us,
+                              std::int64_t last_incarnation) {
   if (!book_.under_way) return {};
   const UnderWay recording = *book_.under_way;
   const RequestKey stop = recording.stop.value_or(RequestKey{});
   const std::string missing = nodes_without_end(receipts);
-  const std::int64_t incarnation = receipts.empty() ? 0 : receipts.front().incarnation;
   DeskBook book = book_;
   book.under_way.reset();
   book.finished = Finished{.start = recording.start, .stop = stop, .receipt = std::move(receipts)};
   std::vector<Rest> dropped = add(rests, book);
-  book.over.push_back({recording.name, recording.began_us / 1000, incarnation});
+  book.over.push_back({recording.name, first_incarnation(recording, book_.over), last_incarnation});
   if (book.over.size() > kMostOver) book.over.erase(book.over.begin());
   keep(std::move(book));
   fault_.clear();

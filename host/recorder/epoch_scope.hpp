@@ -1,10 +1,20 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
+#include "common/bus/control.hpp"
 #include "common/record/recorded_clocks.hpp"
 
 namespace roadbalance {
+
+/// The node measures, or has ended and keeps blocks that are not known to be on the disk.
+bool holds_samples(const Heartbeat& heartbeat);
+
+/// Of the recorders of a recording, lowest and highest.
+struct IncarnationRange {
+  std::int64_t first = 0, last = 0;
+};
 
 /// Which node epochs belong to a recording.  By default: every one heard, and what is silent for long in the
 /// end has died.
@@ -14,6 +24,9 @@ struct EpochScope {
   std::vector<NodeEpoch> only{};
   /// Never these: their rest belongs to recordings before.
   std::vector<NodeEpoch> not_these{};
+  /// Nor those that are heard to hold samples for one of these: they were started for a recording that is
+  /// over, and nobody had heard of them when it ended.
+  std::vector<IncarnationRange> not_started_by{};
   /// Nothing more comes of these; the end declares their crash unless the record has their end.
   std::vector<NodeEpoch> given_up{};
   /// What is only silent in the end stays open: somebody fetches its rest when the node is back.  What is
@@ -21,6 +34,8 @@ struct EpochScope {
   bool leaves_open = false;
 
   bool has(const NodeEpoch& epoch) const;
+  /// Recorders of a recording before had this incarnation.
+  bool is_former(std::int64_t incarnation) const;
 };
 
 }  // namespace roadbalance

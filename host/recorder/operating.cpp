@@ -18,7 +18,7 @@ namespace {
 using std::chrono::milliseconds;
 constexpr milliseconds kAgain{1000};
 constexpr milliseconds kSettling{1000};
-constexpr milliseconds kIdle{2000};
+constexpr milliseconds kLastHeartbeats{2000};
 
 // An epoch whose rest was fetched later has been told before: what is newer counts.
 void append(RecorderReport& all, const RecorderReport& one) {
@@ -149,6 +149,9 @@ void Operating::begin(const UnderWay& recording) {
   if (!options.fallback.empty()) options.fallback /= recording.name;
   options.scope.leaves_open = true;
   for (const Rest& rest : desk_.rests()) options.scope.not_these.emplace_back(rest.node, rest.epoch);
+  for (const Over& over : desk_.over())
+    options.scope.not_started_by.push_back({over.first_incarnation, over.last_incarnation});
+  options.first_incarnation = first_incarnation(recording, desk_.over());
   sync_us_.clear();
   differs_.clear();
   agreed_at_ = time_.now;
@@ -198,7 +201,8 @@ void Operating::finish(const RecorderReport& report) {
                            .bytes = bytes_of_folder(options_.recordings / recording.name, world_.disk),
                            .marks = recording.marks,
                            .sync_us = sync_us_}),
-      rests_of(report, recording.name), time_.utc_us);
+      rests_of(report, recording.name), time_.utc_us, incarnation_);
+  ended_at_ = time_.now;
   for (const Rest& rest : dropped)
     warn("the rest of \"" + rest.recording + "\" at node " + std::to_string(rest.node) +
          " is not fetched: " + std::to_string(kMostRests) + " later ones wait for their nodes");
@@ -239,8 +243,8 @@ void Operating::look_after_rests() {
 }
 
 void Operating::owe_unknown_rests() {
-  if (session_ || desk_.under_way()) idle_since_ = time_.now;
-  if (time_.now - idle_since_ >= kIdle) desk_.owe(rests_.unknown(desk_.over(), desk_.rests(), time_.now));
+  if (time_.now - ended_at_ >= kLastHeartbeats)
+    desk_.owe(rests_.unknown(desk_.over(), desk_.rests(), time_.now));
 }
 
 // Somebody has moved the recording away: what a node holds of it has no place any more.

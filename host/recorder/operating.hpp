@@ -100,7 +100,7 @@ class Operating {
   bool ends_ = false;
   WallTime failed_at_{};
   WallTime written_again_at_{};
-  WallTime idle_since_{time_.now};
+  WallTime ended_at_{time_.now};  // the last recording did, or this recorder began
   WallTime status_at_{};
   WallTime receipts_at_{};
   Desk desk_;  // last: it may have its hands do something at once

@@ -1,5 +1,6 @@
 #include "host/recorder/recorder.hpp"
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <stdexcept>
@@ -65,8 +66,9 @@ RecorderReport run_recorder(std::stop_token stop, const RecorderOptions& options
   const auto power = open_power(options);
   RecordKeeper keeper(kernel_disk(), options.keeper());
   if (keeper.cut_tail() && options.on_cut_tail) options.on_cut_tail(*keeper.cut_tail());
-  const Incarnation incarnation{.number = next_incarnation(keeper.folder(), utc_us() / 1000),
-                                .folder = keeper.folder()};
+  const Incarnation incarnation{
+      .number = next_incarnation(keeper.folder(), std::max(utc_us() / 1000, options.first_incarnation)),
+      .folder = keeper.folder()};
 
   auto [batches_out, batches_in] = make_channel<WriteBatch>(kBatches);
   auto [news_out, news_in] = make_channel<WriterNews>(kNews);

@@ -72,6 +72,7 @@ struct RecorderOptions {
   std::int64_t keep_bytes = 0;            ///< retention: delete the oldest finished segments beyond; 0: never
   std::int64_t reserve_bytes = 16 << 20;  ///< of the disk, not for measuring
   EpochScope scope{};
+  std::int64_t first_incarnation = 0;  ///< no lower, whatever the wall clock says
   bool says_state = true;  ///< false: another recorder of this program says what the bus and on_alive get
   std::string power;       ///< the supply to watch: see open_power_line; empty: none
   /// After a stop request: how long to wait without any news for the nodes' last blocks.

@@ -41,6 +41,7 @@ void RecorderLink::on_heartbeat(std::span<const std::uint8_t> bytes, WallTime no
     ++refused_;
     return;
   }
+  set_apart(*heartbeat);
   if (!is_ours({heartbeat->node, heartbeat->epoch})) return;
   control_.take(*heartbeat);
   // What obeys another recorder is in that one's record; here it would be a fragment with gaps that are none.
@@ -175,7 +176,16 @@ void RecorderLink::fill(RecorderStatus& status) const {
 bool RecorderLink::is_ours(const NodeEpoch& key) const {
   const auto& nodes = options_.nodes;
   return (nodes.empty() || std::find(nodes.begin(), nodes.end(), key.first) != nodes.end()) &&
-         options_.scope.has(key);
+         options_.scope.has(key) && !former_.contains(key);
+}
+
+// It stays so when its rest is fetched beside this recording, by an incarnation that is nobody's of before.
+void RecorderLink::set_apart(const Heartbeat& heartbeat) {
+  const NodeEpoch key{heartbeat.node, heartbeat.epoch};
+  if (!holds_samples(heartbeat) || !options_.scope.is_former(heartbeat.owner)) return;
+  if (receiver_.find(key.first, key.second) || former_.contains(key)) return;
+  if (former_.size() >= NodeControl::kMostEpochs) former_.erase(former_.begin());
+  former_.insert(key);
 }
 
 // No more are kept than the receiver has epochs.

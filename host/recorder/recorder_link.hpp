@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -103,6 +104,7 @@ class RecorderLink {
   void on_block(std::span<const std::uint8_t> bytes, WallTime now);
   void on_reply(std::span<const std::uint8_t> bytes);
   bool is_ours(const NodeEpoch& key) const;
+  void set_apart(const Heartbeat& heartbeat);
   bool holds_blocks(NodeEpoch key) const;
   bool has_ended(NodeEpoch key) const;
   bool is_superseded(NodeEpoch key, WallTime now) const;
@@ -117,6 +119,7 @@ class RecorderLink {
   Tally tally_;
   ForeignNodes foreign_;
   std::map<NodeEpoch, Heard> heard_;  // the last heartbeat of each epoch being received
+  std::set<NodeEpoch> former_;        // of recordings before, whoever leads them by now
   std::optional<WallTime> listening_since_;
   std::vector<Delivery> delivered_;
   std::size_t tallied_ = 0;  // of delivered_

@@ -52,8 +52,7 @@ void RestFetching::take(const Heartbeat& heartbeat, WallTime now) {
   Heard& heard = heard_.try_emplace(key, Heard{.first = now}).first->second;
   heard.last = now;
   heard.owner = heartbeat.owner;
-  heard.holds_samples =
-      heartbeat.state == NodeState::kStarted || (heartbeat.is_over() && heartbeat.base < heartbeat.next);
+  heard.holds_samples = roadbalance::holds_samples(heartbeat);
 }
 
 std::vector<Rest> RestFetching::unknown(const std::vector<Over>& over, const std::vector<Rest>& rests,

@@ -32,7 +32,8 @@ class RestFetching {
   void take(const Heartbeat& heartbeat, WallTime now);
 
   /// What nodes hold of recordings that are over, and nobody knows of: a recorder was killed after it had
-  /// started them, and until the end they were cut off.  For a time in which nothing is recorded.
+  /// started them, and until the end they were cut off.  Not to be asked right behind the end of a recording:
+  /// heartbeats may be from before.
   std::vector<Rest> unknown(const std::vector<Over>& over, const std::vector<Rest>& rests,
                             WallTime now) const;
 

@@ -17,7 +17,7 @@ TEST_F(DeskTest, AMarkIsDoneOnlyIfItIsOnTheDisk) {
   desk.runs(true, 1, kNow);
   desk.take(ask(Operation::kStop, 4), kNow, 2);
   (void)desk.answers();
-  desk.ended({}, {}, kNow);
+  desk.ended({}, {}, kNow, kNow / 1000 + 500);
   desk.take(ask(Operation::kMark, 2), kNow, 2);
   EXPECT_EQ(last(desk).state, AnswerState::kDone);
   desk.take(ask(Operation::kMark, 3), kNow, 2);
@@ -108,7 +108,7 @@ TEST_F(DeskTest, ARecorderThatIsKilledGoesOnWithWhatWasAsked) {
     const std::vector<std::string> expected{"begin drive", "stop"};
     EXPECT_EQ(done, expected);
     fourth.take(ask(Operation::kStop, 3), kNow, 2);
-    fourth.ended({Receipt{.name = "drive"}}, {}, kNow);
+    fourth.ended({Receipt{.name = "drive"}}, {}, kNow, kNow / 1000 + 500);
     EXPECT_EQ(last(fourth).state, AnswerState::kDone);
   }
   Desk fifth = desk();
@@ -195,7 +195,7 @@ TEST_F(DeskTest, ARecordingThatHasRunIsNeverGivenUpHoweverOftenItFails) {
     }
     desk.again();
     EXPECT_EQ(done.back(), "stop");
-    desk.ended({Receipt{.name = "drive"}}, {{"drive", 2, 77}}, kNow);
+    desk.ended({Receipt{.name = "drive"}}, {{"drive", 2, 77}}, kNow, kNow / 1000 + 500);
     for (const Answer& answer : desk.answers()) EXPECT_EQ(answer.state, AnswerState::kDone) << answer.text;
     EXPECT_EQ(desk.rests(), (std::vector<Rest>{{"drive", 2, 77}}));
     desk.take(ask(Operation::kStart, 3, "next"), kNow, 2);
@@ -236,7 +236,7 @@ TEST_F(DeskTest, ABookThatCouldNotBeWrittenIsWrittenAgain) {
 TEST_F(DeskTest, RemembersTheIncarnationsOfRecordingsThatAreOver) {
   Desk desk = this->desk();
   desk.take(ask(Operation::kStart, 1, "drive"), kNow, 2);
-  desk.ended({Receipt{.incarnation = kNow / 1000 + 500, .name = "drive"}}, {}, kNow);
+  desk.ended({Receipt{.incarnation = kNow / 1000 + 500, .name = "drive"}}, {}, kNow, kNow / 1000 + 500);
   EXPECT_EQ(desk.over(), (std::vector<Over>{{"drive", kNow / 1000, kNow / 1000 + 500}}));
   desk.owe({{"drive", 2, 77}});
   EXPECT_EQ(this->desk().rests(), (std::vector<Rest>{{"drive", 2, 77}})) << "in the book";
@@ -271,12 +271,13 @@ TEST_F(DeskTest, RestsThatAFullBookGivesUpAreNamed) {
     rests.push_back({"old", 1, epoch});
   desk.owe(rests);
   desk.take(ask(Operation::kStart, 1, "drive"), kNow, 2);
-  const auto dropped = desk.ended({Receipt{.name = "drive"}}, {{"drive", 1, 900}, {"drive", 2, 77}}, kNow);
+  const auto dropped =
+      desk.ended({Receipt{.name = "drive"}}, {{"drive", 1, 900}, {"drive", 2, 77}}, kNow, kNow / 1000 + 500);
   EXPECT_EQ(dropped, (std::vector<Rest>{{"old", 1, 1}, {"old", 1, 2}}));
   EXPECT_EQ(desk.rests().size(), kMostRests);
   EXPECT_EQ(desk.rests().back(), (Rest{"drive", 2, 77}));
   desk.take(ask(Operation::kStart, 2, "next"), kNow, 2);
-  EXPECT_TRUE(desk.ended({Receipt{.name = "next"}}, {}, kNow).empty());
+  EXPECT_TRUE(desk.ended({Receipt{.name = "next"}}, {}, kNow, kNow / 1000 + 500).empty());
 }
 
 // A full disk must not keep a recording from its end, nor a mark from the record.

@@ -15,7 +15,7 @@ TEST_F(DeskTest, AStopNamesTheNodeWhoseEndIsMissing) {
   desk.take(ask(Operation::kStop, 2), kNow, 2);
   desk.ended(
       {Receipt{.nodes = 2, .node = 1, .sums_agree = true}, Receipt{.nodes = 2, .node = 2, .open_epochs = 1}},
-      {{"drive", 2, 77}}, kNow);
+      {{"drive", 2, 77}}, kNow, kNow / 1000 + 500);
   EXPECT_EQ(last(desk).text,
             "\"drive\" is on the disk; node 2 has not told all of it to its end: is it on, and its cable "
             "plugged in? What it holds is fetched when it is back");
@@ -71,7 +71,7 @@ TEST_F(DeskTest, StartsMarksAndStops) {
   EXPECT_EQ(mark.value[0], 1);
   desk.take(ask(Operation::kStop, 3), kNow, 2);
   EXPECT_EQ(last(desk).state, AnswerState::kUnderWay);
-  desk.ended({Receipt{.name = "drive"}}, {}, kNow);
+  desk.ended({Receipt{.name = "drive"}}, {}, kNow, kNow / 1000 + 500);
   EXPECT_EQ(last(desk).state, AnswerState::kDone);
   EXPECT_FALSE(desk.under_way());
   EXPECT_EQ(desk.finished()->receipt.front().name, "drive");
@@ -89,7 +89,7 @@ TEST_F(DeskTest, ARepeatedRequestActsOnce) {
   EXPECT_EQ(std::ranges::count(done, "begin drive"), 1);
   EXPECT_EQ(std::ranges::count(done, "mark 1 a"), 1);
   EXPECT_EQ(std::ranges::count(done, "stop"), 1);
-  desk.ended({}, {}, kNow);
+  desk.ended({}, {}, kNow, kNow / 1000 + 500);
   (void)desk.answers();
   desk.take(ask(Operation::kStop, 3), kNow, 2);
   EXPECT_EQ(last(desk).state, AnswerState::kDone);
@@ -111,7 +111,7 @@ TEST_F(DeskTest, StopsARecordingThatHasNotBegunToRun) {
   desk.take(ask(Operation::kStart, 1, "drive"), kNow, 2);
   desk.take(ask(Operation::kStop, 2), kNow, 2);
   (void)desk.answers();
-  desk.ended({Receipt{.name = "drive"}}, {}, kNow);
+  desk.ended({Receipt{.name = "drive"}}, {}, kNow, kNow / 1000 + 500);
   const auto answers = desk.answers();
   ASSERT_EQ(answers.size(), 2u);
   EXPECT_EQ(answers[0].operation, Operation::kStart);
@@ -192,6 +192,20 @@ TEST_F(DeskTest, NotesAHundredReadingsAndAHundredOthersInASession) {
   EXPECT_EQ(done[199], "asked 11 read (more like this is not noted)");
   flood(reading);
   EXPECT_EQ(notes(), 200) << "readings that count are in the record all the same";
+}
+
+// A node says by a number only whose its samples are.
+TEST_F(DeskTest, NoTwoRecordingsHaveAnIncarnationInCommonThoughTheClockIsSetBack) {
+  Desk desk = this->desk();
+  desk.take(ask(Operation::kStart, 1, "drive"), kNow, 2);
+  desk.ended({}, {}, kNow, kNow / 1000 + 500);
+  constexpr std::int64_t kDayBefore = kNow - 86'400'000'000;
+  desk.take(ask(Operation::kStart, 2, "next"), kDayBefore, 2);
+  const std::int64_t first = first_incarnation(*desk.under_way(), desk.over());
+  EXPECT_EQ(first, kNow / 1000 + 501);
+  desk.ended({}, {}, kDayBefore, first + 3);
+  EXPECT_EQ(desk.over(),
+            (std::vector<Over>{{"drive", kNow / 1000, kNow / 1000 + 500}, {"next", first, first + 3}}));
 }
 
 }  // namespace

@@ -148,6 +148,36 @@ TEST_F(RecorderLinkTest, KeepsToTheEpochsOfItsScope) {
   EXPECT_EQ(claims(of_next), std::vector<std::int64_t>{kEpoch + 1});
 }
 
+// It was cut off before anybody had heard of it, and is back while the next one is recorded.
+TEST_F(RecorderLinkTest, WhatWasStartedForARecordingBeforeIsNotTakenIntoThisOne) {
+  RecorderLinkOptions options;
+  options.scope.not_started_by = {{kOther - 1, kOther + 1}};
+  RecorderLink next{options, kOurs, {}};
+  const auto claims = [&](Heartbeat beat) {
+    int count = 0;
+    beat.node = kNode;
+    next.take(heartbeat_channel(kNode), encode(beat), now += milliseconds(200));
+    next.turn(now, [&](const std::string& channel, auto bytes) {
+      count += channel == command_channel(kNode) && decode_command(bytes)->epoch == beat.epoch;
+      return true;
+    });
+    return count;
+  };
+  const Heartbeat started{.epoch = kEpoch, .base = 1, .next = 9, .state = NodeState::kStarted};
+  Heartbeat beat = started;
+  beat.owner = kOther;
+  EXPECT_EQ(claims(beat), 0);
+  beat.owner = kOurs + 5;
+  EXPECT_EQ(claims(beat), 0) << "its rest is being fetched";
+  beat.epoch = kEpoch + 1;
+  beat.owner = 0;
+  EXPECT_EQ(claims(beat), 1) << "started, and nobody's";
+  EXPECT_EQ(claims({.epoch = kEpoch + 2, .state = NodeState::kPreview, .owner = kOther}), 1)
+      << "it never got its start, and holds nothing";
+  EXPECT_EQ(claims({.epoch = kEpoch + 3, .base = 3, .next = 9, .state = NodeState::kEnded, .owner = kOther}),
+            0);
+}
+
 // The other one has died: what the node still holds is all that is not in its record.
 TEST_F(RecorderLinkTest, RecordsAllThatTheNodeHoldsOnceItObeysUs) {
   run(kOther, 40, 50);
