@@ -77,8 +77,10 @@ class Reader {
     for (auto* kind : {&d_.coordinate, &d_.parameter, &d_.geometry})
       for (NamedValue& one : *kind) {
         one.latex = latex_name(one.name);
-        if (latex) one.latex = latex->text_or(one.name, one.latex);
-        if (one.latex.empty() || one.latex.size() > 60) latex->fail(one.name, "allowed: 1 .. 60 characters");
+        if (!latex) continue;
+        one.latex = latex->text_or(one.name, one.latex);
+        if (latex->has(one.name) && (one.latex.empty() || one.latex.size() > 60))
+          latex->fail(one.name, "allowed: 1 .. 60 characters");
       }
     if (latex) latex->finish();
   }

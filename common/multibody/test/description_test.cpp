@@ -50,6 +50,20 @@ TEST(Description, ReadsTheQuarterCar) {
   EXPECT_EQ(d.rotors(), std::vector<std::string>{"wheel"});
 }
 
+TEST(Description, ALongNameMayBeLongerInLatex) {
+  const std::string name = "a" + std::string(39, '_');
+  const std::string given = quarter_car();
+  const auto latex = given.find("[latex]");
+  std::string without = given;
+  without.erase(latex, given.find("\n[", latex) + 1 - latex);
+  for (std::string text : {given, without}) {
+    text.replace(text.find("[parameter]"), 11, "[parameter]\n" + name + " = 1");
+    const Description d = Description::parse(text, "car.toml");
+    EXPECT_EQ(d.parameter[0].name, name);
+    EXPECT_GT(d.parameter[0].latex.size(), 60U);
+  }
+}
+
 TEST(Description, ThoseThatShipAreSound) {
   EXPECT_EQ(shipped_descriptions(), (std::vector<std::string>{"quarter_car", "half_car", "seven_dof"}));
   for (const std::string& name : shipped_descriptions()) EXPECT_FALSE(shipped_description(name).tyre.empty());
