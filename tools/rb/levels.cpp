@@ -1,25 +1,14 @@
-#include "host/analyser/levels.hpp"
-
 #include <CLI/CLI.hpp>
-#include <array>
-#include <cmath>
 #include <cstdio>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 
-#include "common/bus/channel_faults.hpp"
-#include "common/bus/codec.hpp"
 #include "common/text/format.hpp"
-#include "host/analyser/channel_watch.hpp"
-#include "host/analyser/levels_in_time.hpp"
 #include "host/analyser/read_recording.hpp"
-#include "host/analyser/wheel_speeds.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/defects.hpp"
-#include "tools/rb/degrees.hpp"
+#include "tools/rb/record_levels.hpp"
 
 namespace roadbalance {
 namespace {
@@ -30,61 +19,6 @@ struct LevelsOptions {
   std::string folder;
   bool json = false;
 };
-
-/// Of a node: over the whole recording, and each tenth of a second as the analyser tells it live.
-class NodeLevels {
- public:
-  NodeLevels(const VehicleConfig& vehicle, const NodeConfig& node)
-      : whole_(vehicle, node), interval_(vehicle, node) {}
-
-  void add(const ScanBlock& block, ChannelWatch& watch, LevelsInTime& in_time) {
-    whole_.add(block);
-    interval_.add(block);
-    seconds_ += 1e-12 * static_cast<double>(block.period_ps * block.header.scans);
-    if (seconds_ < kInterval_s) return;
-    seconds_ = 0.0;
-    auto level = interval_.take();
-    watch.judge(*level);
-    in_time.take(block.header.epoch, *level);
-    for (std::size_t c = 0; c < kAccelerations; ++c) {
-      if (is_dead(*level, c)) dead_s[c] += level->seconds;
-      if (is_railed(*level, c)) railed_s[c] += level->seconds;
-    }
-  }
-  std::optional<Level> whole() { return whole_.take(); }
-
-  std::array<double, kAccelerations> dead_s{}, railed_s{};
-
- private:
-  static constexpr double kInterval_s = 0.1;
-  LevelMeter whole_, interval_;
-  double seconds_ = 0.0;
-};
-
-/// Of the wheels that turned.
-Json speeds_json(const WheelSpeeds& speeds) {
-  const auto known = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
-  Json wheels = Json::array(), classes = Json::array();
-  const auto all = speeds.wheels();
-  for (std::size_t w = 0; w < kWheels; ++w) {
-    if (all[w].seconds == 0.0) continue;
-    Json drift;
-    for (std::size_t other = 0; other < kWheels; ++other)
-      if (other != w && all[other].seconds > 0.0)
-        drift[kWheelNames[other]] =
-            known(degrees(speeds.drift_rad(static_cast<int>(w), static_cast<int>(other))));
-    wheels.push_back({{"wheel", kWheelNames[w]},
-                      {"seconds", all[w].seconds},
-                      {"turns", all[w].turns},
-                      {"slip", known(all[w].slip)},
-                      {"drift_deg", drift}});
-  }
-  for (const auto& [place, seconds] : speeds.classes())
-    classes.push_back({{"from_m_s", place * speeds.class_m_s()},
-                       {"to_m_s", (place + 1) * speeds.class_m_s()},
-                       {"seconds", seconds}});
-  return {{"wheels", wheels}, {"speed_classes", classes}};
-}
 
 void print_speeds(const Json& result) {
   if (result["wheels"].empty()) return;
@@ -106,50 +40,14 @@ void print_speeds(const Json& result) {
                 one["seconds"].get<double>());
 }
 
-/// Levels of every channel over the whole recording.
 Json levels_of(const std::string& folder) {
-  VehicleConfig vehicle;
-  std::map<std::int32_t, NodeLevels> meters;
-  std::optional<ChannelWatch> watch;
-  std::optional<WheelSpeeds> speeds;
-  LevelsInTime in_time([&](const Level& level) { speeds->take(level); });
+  RecordLevels levels;
   const RecordingDefects defects = read_recording(
-      folder,
-      [&](const VehicleConfig& recorded) {
-        vehicle = recorded;
-        watch.emplace(vehicle);
-        speeds.emplace(vehicle);
-        for (const auto& node : vehicle.node) meters.emplace(node.id, NodeLevels(vehicle, node));
-      },
-      [&](const SealedBlock& block) {
-        const auto meter = meters.find(block.header.node);
-        if (block.kind == BlockKind::kScan && meter != meters.end())
-          meter->second.add(decode_scan(block), *watch, in_time);
-      },
-      [&](const ClockFit& fit) { in_time.take(fit); });
-  in_time.flush();
+      folder, [&](const VehicleConfig& vehicle) { levels.begin(vehicle); },
+      [&](const SealedBlock& block) { levels.consume(block); },
+      [&](const ClockFit& fit) { levels.consume(fit); });
   warn_of_defects("levels", folder, defects);
-  Json channels = Json::array();
-  for (auto& [id, meter] : meters) {
-    const auto level = meter.whole();
-    if (!level) continue;
-    const NodeConfig& node = *vehicle.node_with_id(id);
-    for (std::size_t c = 0; c < node.channel.size(); ++c)
-      channels.push_back({{"channel", node.channel[c].name},
-                          {"node", node.name},
-                          {"unit", "m/s^2"},
-                          {"mean", level->mean[c]},
-                          {"rms", level->rms[c]},
-                          {"peak", level->peak[c]},
-                          {"seconds", level->seconds},
-                          {"overload", (level->overload >> c & 1U) != 0},
-                          {"dead", meter.dead_s[c] > 0.0},
-                          {"dead_s", meter.dead_s[c]},
-                          {"dc_offset_s", meter.railed_s[c]}});
-  }
-  Json result{{"channels", channels}};
-  result.update(speeds_json(*speeds));
-  return result;
+  return levels.json();
 }
 
 std::string for_how_long(const char* what, const Json& seconds) {

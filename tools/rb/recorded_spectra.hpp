@@ -14,6 +14,8 @@ namespace roadbalance {
 /// @throws ConfigError listing the channels there are
 ChannelPlace find_channel(const VehicleConfig& vehicle, const std::string& option, const std::string& name);
 
+/// Length of the segments of a spectrum, if nobody says otherwise.
+inline constexpr double kSegment_s = 4.0;
 int segment_samples(double segment_s, double rate_hz);
 
 /// By their names as options.

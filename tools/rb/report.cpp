@@ -4,6 +4,7 @@
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -25,23 +26,52 @@ using Json = nlohmann::ordered_json;
 
 struct ReportOptions {
   std::string folder, before, output;
-  bool json = false;
+  bool complete = false, json = false;
 };
 
-DriveReport gather(const ReportOptions& options) {
+/// Nothing is known of any wheel.
+RecordedEstimate nothing_found() {
+  RecordedEstimate found;
+  for (std::size_t w = 0; w < kWheels; ++w)
+    found.estimate.balance[w].wheel = found.compensation[w].wheel = static_cast<std::int32_t>(w);
+  return found;
+}
+
+/// A recording from which nobody can tell an unbalance has a report all the same, which says why.
+void identify(const ReportOptions& options, DriveReport& report) {
+  try {
+    report.found = identify_record(options.folder);
+    warn_of_defects("report", options.folder, report.found.defects);
+  } catch (const std::exception& error) {
+    report.failure = error.what();
+  }
+}
+
+std::optional<VehicleConfig> vehicle_of(const std::string& folder) {
+  try {
+    return recorded_vehicle(folder);
+  } catch (const std::exception&) {
+    return std::nullopt;  // identify_record() says why
+  }
+}
+
+DriveReport gather(const ReportOptions& options, const std::optional<VehicleConfig>& vehicle) {
   const Verification proof = verify_record(options.folder);
-  DriveReport report{.vehicle = {},
-                     .found = identify_record(options.folder),
+  if (proof.verdict == Verdict::kUnreadable) throw std::runtime_error(proof.error);
+  DriveReport report{.vehicle = vehicle.value_or(VehicleConfig{}),
+                     .vehicle_known = vehicle.has_value(),
+                     .found = nothing_found(),
                      .receipt = receipt_of(options.folder, proof),
                      .alarms = proof.alarms};
-  report.vehicle = recorded_vehicle(options.folder).value();
-  warn_of_defects("report", options.folder, report.found.defects);
-  if (!options.before.empty())
+  if (!vehicle) report.vehicle.name = "a vehicle that is not known";
+  identify(options, report);
+  if (!options.before.empty() && report.failure.empty())
     report.verification =
         verify_weights(evaluate_drive(options.before), {.name = report.receipt.name,
                                                         .vehicle = report.vehicle,
                                                         .balance = report.found.estimate.balance,
                                                         .compensation = report.found.compensation});
+  if (options.complete) report.account = account_of(options.folder, vehicle, proof);
   return report;
 }
 
@@ -71,17 +101,20 @@ Json json_of(const DriveReport& report) {
           {"verdict", report.receipt.verdict},
           {"refused", report.receipt.refused},
           {"nodes", nodes},
+          {"failure", report.failure.empty() ? Json() : Json(report.failure)},
           {"alarms", recorded_alarms_json(report.alarms.all())},
           {"alarms_left_out", report.alarms.left_out()}};
 }
 
 int report(const ReportOptions& options) {
-  const DriveReport found = gather(options);
+  const std::optional<VehicleConfig> vehicle = vehicle_of(options.folder);
+  const DriveReport found = gather(options, vehicle);
   std::ofstream file(options.output, std::ios::binary);
   file << report_html(found);
   file.close();
   if (!file) throw std::runtime_error(options.output + ": cannot be written");
   if (options.json) std::printf("%s\n", json_of(found).dump().c_str());
+  if (!found.failure.empty()) std::fprintf(stderr, "rb report: %s\n", found.failure.c_str());
   const bool any = std::ranges::any_of(found.found.estimate.balance,
                                        [](const Balance& wheel) { return wheel.state == Unknown::kNone; });
   if (!any) std::fprintf(stderr, "rb report: no wheel is known; the report says why\n");
@@ -94,11 +127,21 @@ void add_report(CLI::App& app, int& code) {
   auto options = std::make_shared<ReportOptions>();
   CLI::App* command = app.add_subcommand(
       "report",
-      "A page to print: the balance of a drive, before and after weights, and proof of completeness");
+      "A page to print: the balance of a drive, before and after weights, and proof of completeness; with "
+      "--complete the whole account of the drive behind it");
   command->add_option("folder", options->folder, "the recording")->required();
   command->add_option("--before", options->before, "recording of the drive before the weights were fitted");
   command->add_option("-o,--output", options->output, "HTML file to write")->required();
+  command->add_flag(
+      "--complete", options->complete,
+      "behind the page the account of the drive: vehicle, sensors and calibration, conditions, "
+      "levels, a spectrum of every channel, orders, identification with its uncertainty, weights, "
+      "alarms, every gap; prints to A4, a dozen pages for two nodes of twelve channels");
   command->add_flag("--json", options->json, "the same as one JSON object on standard output, too");
+  command->footer(
+      "A PDF is what a browser prints of the file, or without a window\n"
+      "  chromium --headless --no-pdf-header-footer --print-to-pdf=FILE.pdf FILE.html\n"
+      "Exit codes: 0 done, 1 no wheel is known, and the report says why, 2 usage, 4 cannot read.");
   command->callback([options, &code] { code = report(*options); });
 }
 

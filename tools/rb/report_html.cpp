@@ -1,14 +1,15 @@
 #include "tools/rb/report_html.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include "common/clock/utc.hpp"
 #include "common/text/format.hpp"
 #include "common/text/markup.hpp"
 #include "host/recorder/verify.hpp"
+#include "tools/rb/account_sections.hpp"
 #include "tools/rb/degrees.hpp"
+#include "tools/rb/html_parts.hpp"
 #include "tools/rb/readout.hpp"
 #include "tools/rb/report_wheel.hpp"
 #include "tools/rb/verification_line.hpp"
@@ -45,28 +46,23 @@ footer { margin-top: 3mm; color: #4b5563; font-size: 8pt; }
 .wheel .new { fill: #146c43; } .wheel .kept { fill: #6b7785; }
 .wheel .hidden { fill: #fff; stroke: #146c43; stroke-width: 2; } .wheel .kept.hidden { stroke: #6b7785; }
 .wheel .off { fill: #f0b9bd; stroke: #b3131d; stroke-width: 2; stroke-dasharray: 3 2; } .wheel .off.hidden { fill: #fff; stroke: #b3131d; }
+.whole, tr, figure { break-inside: avoid; } h1, h2, h3, h4, h2 + .facts { break-after: avoid; }
+.account { break-before: page; } .account h2 { margin-top: 4mm; } .account h3 { font-size: 9pt; margin: 2.5mm 0 0.5mm; }
+.account table { font-size: 7pt; margin-bottom: 1.5mm; } .account th, .account td { padding: 0.4mm 2mm 0.4mm 0; vertical-align: top; } .long, p, li { overflow-wrap: anywhere; }
+.account td:first-child { white-space: normal; }
+.charts { display: grid; grid-template-columns: 1fr 1fr; gap: 2mm 4mm; } figure { margin: 0; min-width: 0; }
+h1, h4 { overflow-wrap: anywhere; } h4 { font-size: 8pt; margin: 0; } figcaption { font-size: 7pt; color: #4b5563; white-space: nowrap; }
+.caption { display: flex; justify-content: space-between; align-items: baseline; gap: 2mm; }
+.chart { width: 100%; display: block; } .chart text { font-size: 8.5px; fill: #14181d; }
+.chart .grid { stroke: #d5dae0; stroke-width: 0.6; } .chart .curve { fill: none; stroke: #0b57b7; stroke-width: 0.9; stroke-linejoin: round; }
+.chart .peak { fill: #a84300; }
 .wheel text { font-size: 24px; text-anchor: middle; fill: #6b7785; }
 )css";
-
-std::string element(const char* name, const std::string& inside, const char* css_class = "") {
-  const std::string attribute = *css_class == '\0' ? "" : format(" class=\"%s\"", css_class);
-  return std::string("<") + name + attribute + ">" + inside + "</" + name + ">\n";
-}
-
-std::string words(std::string name) {
-  std::ranges::replace(name, '_', ' ');
-  return name;
-}
 
 /// "37° (clock 10:46)"
 std::string where(std::int32_t wheel, double angle_rad) {
   const long whole = (std::lround(degrees(angle_rad)) % 360 + 360) % 360;
   return format("%ld° (clock %s)", whole, clock_of(angle_rad, wheel % 2 == 0).c_str());
-}
-
-std::string sentence(std::string text) {
-  text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
-  return text + ".";
 }
 
 /// The steps of the readout, each with the clock and where a ruler finds its place.
@@ -114,7 +110,9 @@ std::string wheel_card(const DriveReport& report, std::size_t w, double rim_g) {
                                             std::min(180.0, std::ceil(degrees(balance.sigma_rad))),
                                             1e3 * balance.weight_radius_m)));
   else
-    text += element("p", markup_text("Not known: " + reason(balance.state) + "."));
+    text += element(
+        "p", markup_text("Not known: " +
+                         (report.failure.empty() ? reason(balance.state) : "see what this rests on") + "."));
   text += what_is_left(balance, compensation);
   return element("div", wheel_svg(balance, compensation, rim_g, before_of(report, w)) + element("div", text),
                  "card");
@@ -150,25 +148,13 @@ std::string before_and_after(const DriveReport& report) {
   return element("h2", "Before and after the weights") + element("table", lines);
 }
 
-std::string heads(std::initializer_list<const char*> names) {
-  std::string row;
-  for (const char* const name : names) row += element("th", name);
-  return element("tr", row);
-}
-
 std::string completeness(const RecordingReceipt& receipt) {
-  std::string rows =
-      heads({"node", "samples", "lost", "blocks repaired", "time", "overload", "clock known to"});
-  for (const auto& node : receipt.node) {
-    std::string row;
-    for (const std::string& cell :
-         {std::to_string(node.node), std::to_string(node.samples), std::to_string(node.samples_lost),
-          std::to_string(node.repaired), format("%.1f s", node.seconds), format("%.1f s", node.overload_s),
-          node.sync_residual_s < 0.0 ? std::string("not known")
-                                     : format("%.1f µs", 1e6 * node.sync_residual_s)})
-      row += element("td", cell);
-    rows += element("tr", row);
-  }
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& node : receipt.node)
+    rows.push_back(
+        {std::to_string(node.node), std::to_string(node.samples), std::to_string(node.samples_lost),
+         std::to_string(node.repaired), format("%.1f s", node.seconds), format("%.1f s", node.overload_s),
+         node.sync_residual_s < 0.0 ? "not known" : format("%.1f µs", 1e6 * node.sync_residual_s)});
   const std::string crc =
       receipt.refused == 0 && receipt.damaged_bytes == 0
           ? "Every CRC is right."
@@ -176,7 +162,7 @@ std::string completeness(const RecordingReceipt& receipt) {
                    static_cast<long long>(receipt.refused), static_cast<long long>(receipt.damaged_bytes));
   return element("h2", "Proof of completeness") +
          element("p", markup_text("The recording is " + receipt.verdict + ". " + crc)) +
-         element("table", rows);
+         table({"node", "samples", "lost", "blocks repaired", "time", "overload", "clock known to"}, rows);
 }
 
 /// The worst first; what does not go on the page is in `rb info`.
@@ -196,6 +182,7 @@ std::string alarm_list(const DriveReport& report) {
 
 std::string remarks(const DriveReport& report) {
   std::string list;
+  if (!report.failure.empty()) list += element("li", markup_text(report.failure + "."));
   if (!report.found.obstacle.empty()) list += element("li", markup_text(report.found.obstacle + "."));
   for (const std::string& remark : report.found.remarks) list += element("li", markup_text(remark + "."));
   return list.empty() ? "" : element("h2", "What this rests on") + element("ul", list);
@@ -225,6 +212,23 @@ std::string head(const DriveReport& report) {
          element("p", markup_text(facts + "."), "facts");
 }
 
+/// Whatever could not be told stands first.
+std::string account(const DriveReport& report) {
+  if (!report.account) return "";
+  std::string missing;
+  for (const std::string& part : report.account->missing)
+    missing += element("li", markup_text("Not known: " + part + "."));
+  std::string html = element("h1", "Account of the drive");
+  if (!missing.empty()) html += element("ul", missing, "bad");
+  if (report.vehicle_known)
+    for (const auto section : {account_vehicle, account_sensors}) html += section(report);
+  for (const auto section :
+       {account_conditions, account_levels, account_spectra, account_orders, account_identification,
+        account_weights, account_before_and_after, account_alarms, account_proof})
+    html += section(report);
+  return element("section", html, "account");
+}
+
 }  // namespace
 
 std::string report_html(const DriveReport& report) {
@@ -235,7 +239,7 @@ std::string report_html(const DriveReport& report) {
          alarm_list(report) +
          element("footer",
                  "Made by rb report of the recording alone: the same recording gives the same page.") +
-         "</body>\n</html>\n";
+         account(report) + "</body>\n</html>\n";
 }
 
 }  // namespace roadbalance

@@ -46,9 +46,11 @@ void add_sample(const SignalSample& sample, SignalSurvey::Signal& signal) {
 
 void SignalSurvey::add(std::string_view channel, std::span<const std::uint8_t> data) {
   SealedBlock block;
-  if (!channel.ends_with("_SIGNAL") || accept(data, block) != Refusal::kNone ||
-      block.kind != BlockKind::kSignal)
-    return;
+  if (channel.ends_with("_SIGNAL") && accept(data, block) == Refusal::kNone) add(block);
+}
+
+void SignalSurvey::add(const SealedBlock& block) {
+  if (block.kind != BlockKind::kSignal) return;
   const NodeEpoch key{block.header.node, block.header.epoch};
   if (!seen_[key].insert(block.header.sequence)) return;
   for (const SignalSample& sample : decode_signal(block).unpack())
@@ -69,6 +71,8 @@ Json signals_json(const SignalSurvey& survey, const VehicleConfig* vehicle) {
       Json entry{{"node", key.first}, {"epoch", key.second}, {"signal", number}};
       entry["name"] = config ? Json(config->name) : Json(nullptr);
       entry["quantity"] = config ? Json(name_of(config->quantity)) : Json(nullptr);
+      entry["unit"] =
+          config && *unit_of(config->quantity) != '\0' ? Json(unit_of(config->quantity)) : Json(nullptr);
       entry["wheel"] = config && !config->wheel.empty() ? Json(config->wheel) : Json(nullptr);
       entry.update(Json{{"samples", signal.samples},
                         {"first_ns", signal.first_ns},

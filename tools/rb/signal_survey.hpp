@@ -27,6 +27,8 @@ class SignalSurvey {
 
   /// Takes an event of the record; what is no signal block, or one that came before, is passed over.
   void add(std::string_view channel, std::span<const std::uint8_t> data);
+  /// The same of a block that was accepted.
+  void add(const SealedBlock& block);
 
   /// By number, as vehicle.toml counts them.
   const std::map<int, Signal>& of(NodeEpoch key) const;

@@ -19,7 +19,7 @@ namespace {
 struct SpectrumOptions {
   std::string folder;
   std::string channel;
-  double segment_s = 4.0;
+  double segment_s = kSegment_s;
   std::optional<int> block;  ///< samples, in place of segment_s
   double overlap_percent = 50.0;
   std::string window = "hann";

@@ -7,6 +7,7 @@
 #include "host/balance/verification.hpp"
 #include "tools/rb/report_html.hpp"
 #include "tools/rb/report_wheel.hpp"
+#include "tools/rb/verification_json.hpp"
 
 namespace roadbalance {
 namespace {
@@ -125,6 +126,105 @@ TEST(Report, TakesNothingFromElsewhere) {
   const std::string html = report_html(report());
   for (const char* const part : {"http:", "https:", "<script", "<link", "<img", "url(", "@import"})
     EXPECT_FALSE(says(html, part)) << part;
+}
+
+/// What a stranger may have written wherever a recording has a name or a text.
+constexpr const char* kHostile = "<script>alert('1')</script>\"><img src=x onerror=alert(2)>";
+
+DriveReport hostile() {
+  using Json = nlohmann::ordered_json;
+  DriveReport of = report();
+  of.vehicle.name = kHostile;
+  of.vehicle.node = {
+      {.name = kHostile, .id = 1, .rate_hz = 2000.0, .channel = {{.name = kHostile, .mount = kHostile}}}};
+  of.vehicle.node[0].wiring.front_end = {kHostile};
+  of.vehicle.node[0].wiring.can.emplace_back().interface = kHostile;
+  of.vehicle.seat = {{.name = kHostile}};
+  of.vehicle.rotor.emplace_back().name = kHostile;
+  of.vehicle.wheel[0].name = of.vehicle.wheel[0].node = of.vehicle.wheel[0].encoder.counter = kHostile;
+  of.vehicle.model.description = kHostile;
+  of.receipt.mark = {{.time_us = 1, .text = kHostile, .number = 1}};
+  of.found.remarks = {kHostile};
+  of.failure = of.found.obstacle = kHostile;
+  of.alarms.take({.time_us = 1'000'000,
+                  .kind = NoteKind::kAlarmBegan,
+                  .a = static_cast<std::int64_t>(AlarmCause::kSamplesLost),
+                  .b = 1,
+                  .text = kHostile});
+  Verification proof;
+  proof.damage = proof.notes = proof.indexes = {kHostile};
+  proof.epoch.emplace_back().contradictions = {kHostile};
+  DriveAccount account;
+  account.proof = verification_json(proof);
+  account.levels = {{"channels",
+                     {{{"channel", kHostile},
+                       {"node", kHostile},
+                       {"mean", 0.0},
+                       {"rms", 1.0},
+                       {"peak", 2.0},
+                       {"seconds", 3.0},
+                       {"overload", false},
+                       {"dead_s", 0.0},
+                       {"dc_offset_s", 0.0}}}},
+                    {"wheels", Json::array()},
+                    {"speed_classes", Json::array()}};
+  account.orders = Json::array(
+      {{{"wheel", kHostile},
+        {"node", kHostile},
+        {"seconds", 1.0},
+        {"no_angle_s", 0.0},
+        {"uncertain_angle_s", 0.0},
+        {"too_slow_s", 0.0},
+        {"gaps", 0},
+        {"remark", kHostile},
+        {"channels", Json::array({{{"channel", kHostile}, {"unit", "m/s^2"}, {"orders", Json::array()}}})}}});
+  account.signals = Json::array({{{"name", kHostile},
+                                  {"node", 1},
+                                  {"signal", 0},
+                                  {"quantity", kHostile},
+                                  {"wheel", kHostile},
+                                  {"unit", kHostile},
+                                  {"samples", 1},
+                                  {"first", 0.0},
+                                  {"last", 0.0},
+                                  {"least", 0.0},
+                                  {"greatest", 0.0}}});
+  account.missing = {kHostile};
+  of.account = std::move(account);
+  return of;
+}
+
+std::size_t count_of(const std::string& html, const std::string& part) {
+  std::size_t count = 0;
+  for (auto at = html.find(part); at != std::string::npos; at = html.find(part, at + 1)) ++count;
+  return count;
+}
+
+TEST(Report, EscapesHostileTextsInEveryPartOfTheAccount) {
+  DriveReport of = hostile();
+  of.account->spectrum = {
+      {.node = &of.vehicle.node[0], .channel = &of.vehicle.node[0].channel[0], .obstacle = kHostile}};
+  const std::string html = report_html(of);
+  EXPECT_FALSE(says(html, "<script"));
+  EXPECT_FALSE(says(html, "<img"));
+  // Name of the car twice, and each of the other texts set above at least once.
+  EXPECT_GE(count_of(html, "&lt;script&gt;"), 30U);
+}
+
+TEST(Report, SaysOfAnAccountWhatIsMissing) {
+  DriveReport of = report();
+  of.vehicle_known = false;
+  of.account.emplace();
+  Verification proof;
+  proof.epoch.emplace_back().undeclared_scans = {{100, 149}};
+  of.account->proof = verification_json(proof);
+  of.account->missing = {"orders: no wheel turned"};
+  const std::string html = report_html(of);
+  EXPECT_TRUE(says(html, "Not known: orders: no wheel turned."));
+  EXPECT_TRUE(says(html, "<td>100</td>\n<td>50</td>"));
+  EXPECT_TRUE(says(html, "What came after the last block of a node without its end is not known."));
+  EXPECT_FALSE(says(html, "<h2>Vehicle</h2>"));
+  EXPECT_FALSE(says(html, "<h2>Levels</h2>"));
 }
 
 TEST(Report, ProvesCompleteness) {

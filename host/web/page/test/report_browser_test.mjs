@@ -1,11 +1,11 @@
 // A drive compared with the one before: as a report to print, and live.
 import assert from "node:assert/strict";
-import {execFileSync} from "node:child_process";
-import {mkdirSync, mkdtempSync, readFileSync, rmSync, truncateSync, utimesSync, writeFileSync} from "node:fs";
+import {execFileSync, spawnSync} from "node:child_process";
+import {cpSync, mkdirSync, mkdtempSync, readFileSync, rmSync, truncateSync, utimesSync, writeFileSync} from "node:fs";
 import {tmpdir} from "node:os";
 import {join} from "node:path";
 import {after, before, test} from "node:test";
-import {busUrl, launch, pages, picture, start, startWeb, weakTexts} from "./browser.mjs";
+import {busUrl, launch, pages, picture, pictureFile, start, startWeb, weakTexts} from "./browser.mjs";
 
 const rb = (...args) => execFileSync(join(process.env.RB_BIN, "rb"), args, {encoding: "utf8"});
 
@@ -44,6 +44,128 @@ test("the report prints to one A4 page", async () => {
   await page.emulateMedia({media: "print"});
   await picture(page, "report");
   assert.equal(pages(await page.pdf({preferCSSPageSize: true})), 1);
+  await page.close();
+});
+
+/** Texts of a table's cells, row by row, of the account's section (and the part of it below a heading of the third level). */
+const tableOf = (page, section, part, column) => page.evaluate(([wanted, below, head]) => {
+  let [h2, h3] = ["", ""];
+  for (const element of document.querySelectorAll(".account h2, .account h3, .account table")) {
+    if (element.tagName === "H2") [h2, h3] = [element.textContent, ""];
+    else if (element.tagName === "H3") h3 = element.textContent;
+    else if (h2 === wanted && h3 === below && (!head || [...element.querySelectorAll("th")].some((th) => th.textContent === head)))
+      return [...element.querySelectorAll("tbody tr")].map((row) => [...row.cells].map((cell) => cell.textContent));
+  }
+  return null;
+}, [section, part ?? "", column]);
+const figure = (value, digits) => value === null ? "–" : value.toFixed(digits);
+const withReach = (value, reach, digits) => figure(value, digits) + (value === null || reach === null ? "" : ` ± ${figure(reach, digits)}`);
+
+/** The density that a chart draws: [[Hz, density]], by the figures at its axes. */
+const curveOf = (page, channel) => page.evaluate((name) => {
+  const chart = [...document.querySelectorAll("figure")].find((one) => one.querySelector("h4").textContent === name).querySelector("svg");
+  const ticks = [...chart.querySelectorAll("text")].map((text) => ({text: text.textContent, x: Number(text.getAttribute("x")), y: Number(text.getAttribute("y"))}));
+  const scale = (all) => {
+    const [[a, u], [b, v]] = [all[0], all.at(-1)];
+    return (at) => 10 ** (u + (v - u) * (at - a) / (b - a));
+  };
+  const hz = scale(ticks.filter(({text}) => /^[\d.]+$/.test(text)).map(({text, x}) => [x, Math.log10(Number(text))]));
+  const density = scale(ticks.filter(({text}) => /^1e/.test(text)).map(({text, y}) => [y - 3, Number(text.slice(2))]));
+  return [...chart.querySelector(".curve").getAttribute("d").matchAll(/([\d.]+) ([\d.]+)/g)].map(([, x, y]) => [hz(Number(x)), density(Number(y))]);
+}, channel);
+
+test("the complete account tells what the commands tell, and prints to A4", async () => {
+  const file = join(folder, "account.html");
+  rb("report", second, "--before", first, "-o", file, "--complete");
+  const page = await browser.newPage({viewport: {width: 688, height: 1032}});  // 182 mm, between the margins of A4
+  const asked = [];
+  page.on("request", (request) => asked.push(request.url()));
+  await page.goto(`file://${file}`);
+  assert.deepEqual(asked, [`file://${file}`], "it takes nothing from elsewhere");
+  const json = (...args) => JSON.parse(rb(...args, "--json"));
+
+  const levels = json("levels", second);
+  assert.equal(levels.channels.length, 24);
+  assert.deepEqual((await tableOf(page, "Levels")).map((row) => row.slice(0, 6)), levels.channels.map((of) =>
+    [of.channel, of.node, figure(of.mean, 3), figure(of.rms, 3), figure(of.peak, 3), figure(of.seconds, 1)]));
+  assert.deepEqual((await tableOf(page, "Conditions")).map((row) => row.slice(0, 3)), levels.wheels.map((of) =>
+    [of.wheel.replace("_", " "), figure(of.seconds, 1), figure(of.turns, 1)]));
+
+  for (const wheel of json("orders", second, "--order", "1", "2", "3", "4").wheels)
+    assert.deepEqual(await tableOf(page, "Orders", `${wheel.wheel.replace("_", " ")}, heard by node ${wheel.node}`),
+      wheel.channels.map((channel) => [channel.channel, ...channel.orders.map((of) => of.amplitude === null ? "–" :
+        `${withReach(of.amplitude, of.amplitude_95, 4)}, ${of.phase_deg === null ? "no phase" : `${withReach(of.phase_deg, of.phase_95_deg, 1)}°`}`)]));
+
+  const found = json("identify", second);
+  assert.deepEqual((await tableOf(page, "Identification")).map((row) => row.slice(0, 3)), found.wheels.map((of) =>
+    [of.name.replace("_", " "), withReach(of.unbalance_g, of.sigma_g, 2), withReach(of.angle_deg, of.sigma_deg, 1)]));
+  const kilo = ({value, sigma}, digits) => withReach(value / 1e3, sigma / 1e3, digits);
+  assert.deepEqual((await tableOf(page, "Identification", "", "spring, kN/m")).map((row) => row.slice(1, 5)), found.wheels.map((of, w) =>
+    [withReach(of.tyre_stiffness_n_m / 1e3, of.sigma_tyre_stiffness_n_m / 1e3, 1), kilo(found.suspension.spring_n_m[w], 2),
+     withReach(found.suspension.damper_n_s_m[w].value, found.suspension.damper_n_s_m[w].sigma, 0), figure(found.misfit[w + 1].square, 2)]));
+  assert.deepEqual((await tableOf(page, "Weights")).map((row) => row[3]), found.compensation.map((of) => figure(of.residual_g, 1)));
+
+  const proof = json("verify", second);
+  assert.deepEqual((await tableOf(page, "Proof of completeness")).map((row) => row.map(String).slice(2, 6)), proof.nodes.map((of) =>
+    [of.blocks, of.samples_sent, of.samples_recorded, of.samples_missing].map(String)));
+
+  // Where each bin has a place of its own the picture is the density; half a tenth of a unit on paper is what it is rounded to.
+  for (const channel of ["fl_carrier_z", "rr_strut_y"]) {
+    const spectrum = json("spectrum", second, "--channel", channel);
+    const curve = (await curveOf(page, channel)).filter(([hz]) => hz < 15);
+    assert.ok(curve.length > 50);
+    for (const [hz, density] of curve) {
+      const bin = Math.round(hz / spectrum.step_hz);
+      assert.ok(Math.abs(hz - bin * spectrum.step_hz) < 0.03 * spectrum.step_hz + 0.003 * hz, `${hz} Hz is no bin`);
+      assert.ok(Math.abs(Math.log10(density / spectrum.density[bin])) < 0.03, `${channel} at ${hz} Hz: ${density}, not ${spectrum.density[bin]}`);
+    }
+    assert.match(await page.locator("figure").filter({has: page.locator(`h4:text-is("${channel}")`)}).innerText(),
+      new RegExp(`${spectrum.averages} averages, noise bandwidth ${spectrum.enbw_hz.toFixed(3)} Hz`));
+  }
+
+  assert.deepEqual(await weakTexts(page), []);
+  await page.emulateMedia({media: "print"});
+  assert.ok(await page.evaluate(() => document.documentElement.scrollWidth) <= 688, "wider than the paper");
+  const beyond = await page.evaluate(() => [...document.querySelectorAll("table, figure, svg, p")]
+    .filter((one) => one.getBoundingClientRect().right > 689).map((one) => one.textContent.slice(0, 40)));
+  assert.deepEqual(beyond, [], "cut at the right");
+  await page.screenshot({path: pictureFile("account"), fullPage: true});
+  const printed = pages(await page.pdf({preferCSSPageSize: true}));
+  // Of the height of all that it holds; charts and tables that are not cut leave room at the foot of a page.
+  const least = await page.evaluate(() => Math.ceil(document.documentElement.scrollHeight / 1032));
+  assert.ok(printed >= least && printed <= 2 * least, `${printed} pages for ${least}`);
+  await page.close();
+});
+
+test("of a damaged recording there is an account, which says what is missing", async () => {
+  const broken = join(folder, "broken"), file = join(folder, "broken.html");
+  cpSync(second, broken, {recursive: true});
+  const segment = join(broken, "seg-000001.lcm");
+  const bytes = readFileSync(segment);
+  bytes.fill(0, 20_000_000, 20_300_000);
+  writeFileSync(segment, bytes);
+  const page = await browser.newPage({viewport: {width: 688, height: 1032}});
+  const accountOf = async () => {
+    const {status, stderr} = spawnSync(join(process.env.RB_BIN, "rb"), ["report", broken, "-o", file, "--complete"], {encoding: "utf8"});
+    await page.goto(`file://${file}`);
+    return {status, stderr, said: (await page.locator("body").innerText()).replace(/\s+/g, " ")};
+  };
+  let {status, said} = await accountOf();
+  assert.equal(status, 0);
+  assert.match(said, /The recording is damaged/);
+  const {nodes} = JSON.parse(spawnSync(join(process.env.RB_BIN, "rb"), ["verify", broken, "--json"], {encoding: "utf8"}).stdout);
+  const holes = nodes.flatMap((node) => node.undeclared_scans.map(({first, last}) => [`${node.node}`, `${first}`, `${last - first + 1}`]));
+  assert.ok(holes.length > 0);
+  assert.deepEqual((await tableOf(page, "Proof of completeness", "", "cause")).map((row) => row.slice(0, 3)), holes);
+
+  // What the nodes said of themselves when they began is gone.
+  writeFileSync(segment, bytes.fill(0, 0, 30_000_000));
+  let stderr;
+  ({status, stderr, said} = await accountOf());
+  assert.equal(status, 1, stderr);
+  assert.match(said, /Wheel balance: a vehicle that is not known/);
+  assert.match(said, /Not known: levels, spectra and orders: the vehicle is not known/);
+  assert.match(said, /The recording is damaged/);
   await page.close();
 });
 
