@@ -39,7 +39,8 @@ struct ExportReport {
   std::int64_t rows = 0;     ///< of all groups
   std::int64_t missing = 0;  ///< of them, summed over nodes, those without samples
   WrittenPulses pulses = {};
-  std::uintmax_t bytes = 0;  ///< of the file
+  std::int64_t marks_left_out = 0;  ///< of the recording, behind the first RecordingSurvey::kMostMarks
+  std::uintmax_t bytes = 0;         ///< of the file
 };
 
 /// How far it is: rows written and to write, bytes written.

@@ -14,7 +14,6 @@
 namespace roadbalance {
 namespace {
 
-constexpr std::size_t kMostMarks = 100'000;
 constexpr std::size_t kMostSpans = 10'000;
 
 class Surveyor {
@@ -27,8 +26,11 @@ class Surveyor {
     if (event.channel != kNoteChannel) return;
     const auto note = decode_note(event.data);
     if (note && note->kind == NoteKind::kImported) found_.imported = true;
-    if (note && note->kind == NoteKind::kMark && found_.mark.size() < kMostMarks)
+    if (!note || note->kind != NoteKind::kMark) return;
+    if (found_.mark.size() < RecordingSurvey::kMostMarks)
       found_.mark.push_back({note->host_ns, last_sample_ns_, note->a, note->text});
+    else
+      ++found_.marks_left_out;
   }
 
   void finish() {

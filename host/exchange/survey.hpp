@@ -43,8 +43,11 @@ struct RecordingSurvey {
     std::int64_t host_ns, last_sample_ns, number;  ///< last_sample_ns: node time of the samples beside it
     std::string text;
   };
-  std::vector<Mark> mark = {};
-  bool imported = false;  ///< from a file of another program
+  /// More are made by nobody: memory is bounded whatever the record holds.
+  static constexpr std::size_t kMostMarks = 100'000;
+  std::vector<Mark> mark = {};      ///< the first of them
+  std::int64_t marks_left_out = 0;  ///< those behind
+  bool imported = false;            ///< from a file of another program
 
   /// The recording tells the host's time; a node epoch without a fit then has none.
   bool own_clocks() const {

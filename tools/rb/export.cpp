@@ -37,6 +37,7 @@ Json report_json(const ExportOptions& options, const ExportReport& report) {
                {"rows_missing", report.missing},
                {"pulses", report.pulses.written},
                {"pulses_left_out", report.pulses.left_out},
+               {"marks_left_out", report.marks_left_out},
                {"damaged_bytes", report.defects.damaged_bytes},
                {"blocks_refused", report.defects.refused_blocks},
                {"blocks_missing", report.defects.missing_blocks}});
@@ -56,6 +57,9 @@ void tell(const ExportOptions& options, const ExportReport& report) {
   if (report.pulses.left_out > 0)
     std::fprintf(stderr, "%lld pulses left out: the clock of their node is not known\n",
                  static_cast<long long>(report.pulses.left_out));
+  if (report.marks_left_out > 0)
+    std::fprintf(stderr, "%lld marks left out: no more than the first %zu of a recording are exported\n",
+                 static_cast<long long>(report.marks_left_out), RecordingSurvey::kMostMarks);
   std::fprintf(stderr, "%s: %.1f MB\n", options.file.c_str(), static_cast<double>(report.bytes) * 1e-6);
 }
 
@@ -92,7 +96,8 @@ int run_export(ExportOptions options) {
   const RecordingDefects& defects = report.defects;
   if (defects.damaged_bytes > 0 || defects.refused_blocks > 0 || defects.missing_blocks > 0)
     return kAnswerIsNo;
-  const bool is_whole = report.missing == 0 && report.table.left_out.empty() && report.pulses.left_out == 0;
+  const bool is_whole = report.missing == 0 && report.table.left_out.empty() && report.pulses.left_out == 0 &&
+                        report.marks_left_out == 0;
   return is_whole ? kDone : kIncomplete;
 }
 
@@ -123,7 +128,8 @@ void add_export(CLI::App& app, int& code) {
   command->add_flag("--json", options->json, "one JSON object on standard output");
   command->footer(
       "Exit codes: 0 done, 3 samples are missing in it and marked so, or left out for nobody can tell their "
-      "time, 1 the recording is damaged and the file holds the rest, 2 usage, 4 cannot read or write.");
+      "time, or marks behind the first 100 000 are left out, 1 the recording is damaged and the file holds "
+      "the rest, 2 usage, 4 cannot read or write.");
   command->callback([options, to, &code] {
     options->has_to = to->count() > 0;
     code = run_export(*options);

@@ -96,6 +96,18 @@ class Clocks(Exports):
         self.assertTrue(said["start_by_clock"])
         self.assertAlmostEqual(said["start_utc_us"], 1.7e15 + front_s[0] * 1e6, delta=2)
 
+    def test_marks_behind_the_first_hundred_thousand_are_not_left_out_in_silence(self):
+        folder = self.with_clocks()
+        insert(folder, {0: [mark(2 + k, HOST_NS + 4 * 10**9 + k, b"") for k in range(100_002)]})
+        for form in ("csv", "hdf5", "mcap", "mdf4"):
+            done = rb("export", "--format", form, folder, "-o", self.root / f"many.{form}", "--json", "--channels", "front")
+            self.assertEqual(done.returncode, 3, done.stderr)
+            self.assertIn("3 marks left out", done.stderr)
+            said = json.loads(done.stdout)
+            self.assertEqual((len(said["marks"]), said["marks_left_out"]), (100_000, 3))
+        _, said = self.export("csv", self.made, "few.csv")
+        self.assertEqual(said["marks_left_out"], 0)
+
     def test_mdf4_has_a_group_for_each_node_and_the_mark(self):
         path, _ = self.export("mdf4", self.with_clocks(), "clocks.mf4")
         file = mdf4.File(path)
