@@ -17,6 +17,7 @@ SampleHistory::SampleHistory(const TwinChannels& channels, double rate_hz)
       values_(Eigen::MatrixXd::Zero(sensors_ + 2 * kWheels, 4 * kKept)),
       drive_(decltype(drive_)::Zero(2 * kWheels, values_.cols())),
       angle_(decltype(angle_)::Zero(kWheels, values_.cols())),
+      steps_(decltype(steps_)::Zero(kWheels, values_.cols())),
       rolled_(decltype(rolled_)::Zero(3, values_.cols())),
       time_ns_(static_cast<std::size_t>(values_.cols())) {}
 
@@ -34,6 +35,7 @@ void SampleHistory::make_room() {
   move(values_);
   move(drive_);
   move(angle_);
+  move(steps_);
   move(rolled_);
   std::copy_n(time_ns_.begin() + from, kKept, time_ns_.begin());
   base_ += from;
@@ -56,6 +58,7 @@ void SampleHistory::roll(const TwinCar& car) {
   const Eigen::Index k = filled_ - 1;
   rolled_.col(k).setZero();
   angle_.col(k).setZero();
+  steps_.col(k).setZero();
   if (k == 0) return;
   std::array<double, 2> sum_m{};
   std::array<int, 2> known{};
@@ -65,9 +68,11 @@ void SampleHistory::roll(const TwinCar& car) {
     };
     const auto now = reference(k), before = reference(k - 1);
     angle_(w, k) = angle_(w, k - 1);
+    steps_(w, k) = steps_(w, k - 1);
     if (std::norm(now) < kKnownPower || std::norm(before) < kKnownPower) continue;
     const double turned_rad = std::arg(now * std::conj(before));
     angle_(w, k) += turned_rad;
+    steps_(w, k) += 1.0;
     sum_m[static_cast<std::size_t>(w % 2)] += turned_rad * car.rolling_radius_m[static_cast<std::size_t>(w)];
     ++known[static_cast<std::size_t>(w % 2)];
   }
@@ -82,8 +87,9 @@ void SampleHistory::roll(const TwinCar& car) {
 void SampleHistory::find_forces(const TwinCar& car) {
   const Eigen::Index newest = filled_ - 1, k = newest - kHalfRate, oldest = k - kHalfRate;
   if (oldest < 0) return;
-  const double span_s = 2.0 * kHalfRate / rate_hz_;
   for (int w = 0; w < kWheels; ++w) {
+    const double span_s = (steps_(w, newest) - steps_(w, oldest)) / rate_hz_;
+    if (span_s == 0.0) continue;  // add() has set no force
     const double omega = (angle_(w, newest) - angle_(w, oldest)) / span_s;
     const std::complex<double> reference(values_(sensors_ + 2 * w, k), values_(sensors_ + 2 * w + 1, k));
     const auto force = car.unbalance_kg_m[static_cast<std::size_t>(w)] * omega * omega * reference;

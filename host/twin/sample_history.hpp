@@ -16,7 +16,8 @@ namespace roadbalance {
 /// The latest samples since the last restart, with what follows from them: the forces of unbalance and how
 /// far either side of the car has rolled.
 ///
-///     F_i = Re{U_i Om_i^2 r_i},  Om_i the rate of r_i's phase over kHalfRate samples to both sides
+///     F_i = Re{U_i Om_i^2 r_i},  Om_i the rate of r_i's phase over kHalfRate samples to both sides, of
+///                                those steps alone of which it is known
 ///
 /// r_i has passed the filters that the accelerations passed, so F_i has, too.  A side has rolled by the mean
 /// over its wheels of radius times angle; where none of them has its angle, by the other side's.
@@ -62,6 +63,7 @@ class SampleHistory {
   Eigen::MatrixXd values_;
   Eigen::Matrix<double, 2 * kWheels, Eigen::Dynamic> drive_;
   Eigen::Matrix<double, kWheels, Eigen::Dynamic> angle_;  ///< rad, unwrapped while it is known
+  Eigen::Matrix<double, kWheels, Eigen::Dynamic> steps_;  ///< from sample to sample that are in it
   Eigen::Matrix<double, 3, Eigen::Dynamic> rolled_;       ///< left, right, m; 1 if any wheel told it, else 0
   std::vector<std::int64_t> time_ns_;
 };
