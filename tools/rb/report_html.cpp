@@ -52,7 +52,7 @@ footer { margin-top: 3mm; color: #4b5563; font-size: 8pt; }
 .account td:first-child { white-space: normal; }
 .charts { display: grid; grid-template-columns: 1fr 1fr; gap: 2mm 4mm; } figure { margin: 0; min-width: 0; }
 h1, h4 { overflow-wrap: anywhere; } h4 { font-size: 8pt; margin: 0; } figcaption { font-size: 7pt; color: #4b5563; white-space: nowrap; }
-.caption { display: flex; justify-content: space-between; align-items: baseline; gap: 2mm; }
+.caption { display: flex; flex-wrap: wrap; justify-content: space-between; align-items: baseline; gap: 0 2mm; }
 .chart { width: 100%; display: block; } .chart text { font-size: 8.5px; fill: #14181d; }
 .chart .grid { stroke: #d5dae0; stroke-width: 0.6; } .chart .curve { fill: none; stroke: #0b57b7; stroke-width: 0.9; stroke-linejoin: round; }
 .chart .peak { fill: #a84300; }

@@ -211,6 +211,14 @@ TEST(Report, EscapesHostileTextsInEveryPartOfTheAccount) {
   EXPECT_GE(count_of(html, "&lt;script&gt;"), 30U);
 }
 
+TEST(Report, CutsOnlyAWordThatNoColumnCanHold) {
+  DriveReport of = hostile();
+  of.vehicle.node[0].channel[0].name = std::string(64, 'W');
+  const std::string html = report_html(of);
+  EXPECT_TRUE(says(html, "<td class=\"long\">" + std::string(64, 'W') + "</td>"));
+  EXPECT_TRUE(says(html, "<td>rear left</td>"));
+}
+
 TEST(Report, SaysOfAnAccountWhatIsMissing) {
   DriveReport of = report();
   of.vehicle_known = false;
