@@ -136,8 +136,9 @@ void add_report(CLI::App& app, int& code) {
       "--complete", options->complete,
       "behind the page the account of the drive: vehicle, sensors and calibration, conditions, "
       "levels, a spectrum of every channel, orders, identification with its uncertainty, weights, "
-      "alarms, every gap; prints to A4, a dozen pages for two nodes of twelve channels");
-  command->add_flag("--json", options->json, "the same as one JSON object on standard output, too");
+      "alarms, every gap; prints to A4, eight pages for two nodes of twelve channels");
+  command->add_flag("--json", options->json,
+                    "what the first page says as one JSON object on standard output, too");
   command->footer(
       "A PDF is what a browser prints of the file, or without a window\n"
       "  chromium --headless --no-pdf-header-footer --print-to-pdf=FILE.pdf FILE.html\n"
