@@ -137,8 +137,10 @@ test("the complete account tells what the commands tell, and prints to A4", asyn
   await page.close();
 });
 
-test("of a damaged recording there is an account, which says what is missing", async () => {
-  const broken = join(folder, "broken"), file = join(folder, "broken.html");
+test("of a damaged recording there is an account, which says what is missing", async (t) => {
+  const apart = mkdtempSync(join(tmpdir(), "rb-broken-"));
+  t.after(() => rmSync(apart, {recursive: true}));
+  const broken = join(apart, "broken"), file = join(apart, "broken.html");
   cpSync(second, broken, {recursive: true});
   const segment = join(broken, "seg-000001.lcm");
   const bytes = readFileSync(segment);
