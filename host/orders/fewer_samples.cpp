@@ -23,7 +23,8 @@ void FewerSamples::add(const std::optional<double>& angle_rad,
     filled_ = n - 1;
   }
   history_.col(filled_) = values;
-  beside_[static_cast<std::size_t>(filled_)] = {angle_rad, overload};
+  beside_[static_cast<std::size_t>(filled_)] = {angle_rad, overload, lost_};
+  if (count_ == 0) lost_ = false;
   ++filled_;
   const bool is_given = filled_ >= n && count_ == 0;  // 8 factor samples after the one that is given
   count_ = (count_ + 1) % factor_;
@@ -31,7 +32,8 @@ void FewerSamples::add(const std::optional<double>& angle_rad,
   weighted_sum(history_.middleCols(filled_ - n, n), taps_, sum_);
   std::uint32_t any = 0;
   for (Eigen::Index i = filled_ - n; i < filled_; ++i) any |= beside_[static_cast<std::size_t>(i)].overload;
-  emit_(beside_[static_cast<std::size_t>(filled_ - 1 - (n - 1) / 2)].angle_rad, sum_, any);
+  const Beside& middle = beside_[static_cast<std::size_t>(filled_ - 1 - (n - 1) / 2)];
+  emit_(middle.lost ? std::nullopt : middle.angle_rad, sum_, any);
 }
 
 }  // namespace roadbalance

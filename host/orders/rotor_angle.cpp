@@ -35,23 +35,31 @@ RotorAngle::RotorAngle(const VehicleConfig& vehicle, const Rotor& rotor,
 }
 
 RotorAngle::Reading RotorAngle::read(const GridJoin::Row& row) {
+  const State told = state(row);
+  if (told == State::kNotKnown) return {told, 0.0};
   double sum = 0.0;
-  bool uncertain = false;
   for (Wheel& wheel : wheel_) {
     const GridJoin::Sample& sample = row.sample[wheel.node];
     const auto sine = static_cast<std::size_t>(kAccelerations + 2 * wheel.line);
     const std::complex<double> reference((*sample.counts)[sine + 1], (*sample.counts)[sine]);
-    if ((sample.quality & quality_no_reference(wheel.line)) != 0 ||
-        std::abs(reference) < kLeastReference * kFullScaleCounts)
-      return {State::kNotKnown, 0.0};
-    const std::int32_t doubt = wheel.line == 0 ? kQualityUncertainAngle0 : kQualityUncertainAngle1;
-    uncertain = uncertain || (sample.quality & doubt) != 0;
+    if (std::abs(reference) < kLeastReference * kFullScaleCounts) return {State::kNotKnown, 0.0};
     const double now = std::arg(reference);
     wheel.angle_rad =
         wheel.angle_rad ? *wheel.angle_rad + std::remainder(now - *wheel.angle_rad, kTurn) : now;
     sum += *wheel.angle_rad;
   }
-  return {uncertain ? State::kUncertain : State::kKnown, ratio_ * sum / static_cast<double>(wheel_.size())};
+  return {told, ratio_ * sum / static_cast<double>(wheel_.size())};
+}
+
+RotorAngle::State RotorAngle::state(const GridJoin::Row& row) const {
+  State state = State::kKnown;
+  for (const Wheel& wheel : wheel_) {
+    const std::int32_t quality = row.sample[wheel.node].quality;
+    if ((quality & quality_no_reference(wheel.line)) != 0) return State::kNotKnown;
+    if ((quality & (wheel.line == 0 ? kQualityUncertainAngle0 : kQualityUncertainAngle1)) != 0)
+      state = State::kUncertain;
+  }
+  return state;
 }
 
 void RotorAngle::forget() {

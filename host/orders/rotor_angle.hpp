@@ -32,6 +32,8 @@ class RotorAngle {
   RotorAngle(const VehicleConfig& vehicle, const Rotor& rotor, const std::vector<const NodeConfig*>& nodes);
 
   Reading read(const GridJoin::Row& row);
+  /// As far as the nodes say it; read() looks at the references, too.
+  State state(const GridJoin::Row& row) const;
   /// Turns are counted from the next reading on.
   void forget();
 

@@ -85,24 +85,28 @@ void RotorOrders::take(const GridJoin::Row& row) {
     values_(static_cast<Eigen::Index>(c)) =
         node_.channel[channel_[c]].to_si(static_cast<double>((*sample.counts)[channel_[c]]));
   }
-  std::optional<double> angle_rad;
-  if (fewer_.wants_angle()) {
-    angle_rad = angle(row);
-    if (!angle_rad) angle_.forget();
-  }
-  fewer_.add(angle_rad, values_, overload);
+  fewer_.add(angle(row), values_, overload);
 }
 
 std::optional<double> RotorOrders::angle(const GridJoin::Row& row) {
-  const RotorAngle::Reading reading = angle_.read(row);
-  if (reading.state == RotorAngle::State::kKnown) return reading.angle_rad;
-  ++(reading.state == RotorAngle::State::kNotKnown ? no_angle_ : uncertain_);
+  RotorAngle::State state = angle_.state(row);
+  std::int64_t rows = 1;
+  if (state == RotorAngle::State::kKnown) {
+    if (!fewer_.wants_angle()) return std::nullopt;
+    const RotorAngle::Reading reading = angle_.read(row);
+    if (reading.state == RotorAngle::State::kKnown) return reading.angle_rad;
+    state = reading.state;
+    rows = factor_;
+  }
+  (state == RotorAngle::State::kNotKnown ? no_angle_ : uncertain_) += rows;
+  fewer_.lose_angle();
+  angle_.forget();
   return std::nullopt;
 }
 
 RotorOrders::Seconds RotorOrders::seconds() const {
   const auto seconds = [&](std::int64_t rows) { return static_cast<double>(rows) / node_.rate_hz; };
-  return {seconds(rows_), seconds(factor_ * no_angle_), seconds(factor_ * uncertain_),
+  return {seconds(rows_), seconds(no_angle_), seconds(uncertain_),
           seconds(factor_ * resampler_.slow_samples())};
 }
 

@@ -52,6 +52,17 @@ TEST_F(FewerSamplesTest, TellOverloadsOfAllTheyAreMadeOfAndAnglesThatAreNotKnown
   }
 }
 
+TEST_F(FewerSamplesTest, HaveNoAngleWhereItWasLostSinceTheOneBefore) {
+  for (int n = 0; n < 300; ++n) {
+    if (n == 121) fewer.lose_angle();
+    add(n, 1.0);
+  }
+  for (std::size_t k = 0; k < given.size(); ++k) {
+    const int n = kBehind + static_cast<int>(k) * kFactor;
+    EXPECT_EQ(given[k].angle_rad.has_value(), n != 126) << n;
+  }
+}
+
 TEST_F(FewerSamplesTest, AreNotMadeAcrossAnInterruption) {
   for (int n = 0; n < 200; ++n) add(n, 0.0);
   fewer.interrupt();
