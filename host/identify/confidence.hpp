@@ -62,4 +62,10 @@ inline constexpr double kChiSquared95 = 5.991464547107979;
 /// Source: H. Hotelling, The generalization of Student's ratio, Ann. Math. Statist. 2 (1931) 360-378.
 double few_groups_factor(double groups);
 
+/// The same where only the size of C, not its form, was taken from n drives, in both its components: the
+/// quantile of F(2, 2 (n - 1)) in place of chi^2.
+///
+/// @param drives  n; fewer than two count as two, for below there is no end to the doubt
+double few_drives_factor(double drives);
+
 }  // namespace roadbalance

@@ -30,10 +30,10 @@ void JointDrives::add(DriveSums drive) {
     common_sigma_rad_[w] = std::max(common_sigma_rad_[w], drive.common_sigma_rad[w]);
   drift_.add(drive.drift);
   if (drive.classes.empty()) return;
-  if (const double power = road_power(drive.classes.total()); power > 0.0)
+  if (const double power = road_power(drive.classes.total()); joining_.by_road && power > 0.0)
     drive.classes.weigh_road(1.0 / power);
   classes_.add(drive.classes);
-  drives_.add(drive.classes);
+  if (joining_.widened) drives_.add(drive.classes);
 }
 
 const DriveEstimate& JointDrives::conclude() {

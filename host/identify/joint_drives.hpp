@@ -11,6 +11,12 @@
 
 namespace roadbalance {
 
+/// How drives are put together.  The product does both; what each is worth, `rb study many-drives` measures.
+struct Joining {
+  bool by_road = true;  ///< suspension and tyres: every drive divided by what its road shakes
+  bool widened = true;  ///< the covariance, where drives differ by more than their sections scatter
+};
+
 /// One estimate from many drives of one car: their moments add.
 ///
 /// Springs, dampers, stabilisers, tyres and unbalances are taken to be the same in all drives; by how much
@@ -22,8 +28,8 @@ namespace roadbalance {
 /// The result depends on the order of the drives in its last bits.
 class JointDrives {
  public:
-  explicit JointDrives(const VehicleConfig& vehicle)
-      : conclusions_(vehicle), classes_(vehicle.drive.speed_class_m_s) {}
+  explicit JointDrives(const VehicleConfig& vehicle, Joining joining = {})
+      : joining_(joining), conclusions_(vehicle), classes_(vehicle.drive.speed_class_m_s) {}
 
   void add(DriveSums drive);
 
@@ -33,10 +39,13 @@ class JointDrives {
   std::string obstacle() const { return conclusions_.obstacle(drift_); }
   /// Wheels whose unbalance differs between drives by more than chance, one in a thousand: for people.
   std::vector<std::string> remarks() const;
+  /// Judgement::drives_ratio of the newest estimate.
+  const std::array<double, kWheels>& drives_ratio() const { return conclusions_.drives_ratio(); }
   /// The greatest of the drives'.
   const std::array<double, kWheels>& common_sigma_rad() const { return common_sigma_rad_; }
 
  private:
+  Joining joining_;
   Conclusions conclusions_;
   SpeedClasses classes_;
   DriveGroups drives_;

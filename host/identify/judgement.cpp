@@ -102,27 +102,51 @@ double unbalance_weight(const DriveMoments& group) {
   return group.harmonic.normal.trace().real() + group.body.normal.trace().real();
 }
 
-/// How many times as large the drives' variance is as that of their sections; 1 where drives do not tell.
-Said drives_ratios(const DriveGroups& drives, const Said& said, const SaidMatrix& sections,
-                   const Known& known) {
+/// Parts of equal weight that would tell as much: fast driving tells more of the unbalances than slow.
+double equal_parts(const Eigen::VectorXd& weight) {
+  return weight.sum() * weight.sum() / weight.squaredNorm();
+}
+
+double equal_groups(const std::vector<DriveMoments>& groups) {
+  Eigen::VectorXd weight(std::ssize(groups));
+  for (Eigen::Index g = 0; g < weight.size(); ++g)
+    weight(g) = unbalance_weight(groups[static_cast<std::size_t>(g)]);
+  constexpr double kLeast = 4.0;  // below it there is no end to the doubt
+  return weight.squaredNorm() > 0.0 ? std::max(kLeast, equal_parts(weight)) : kLeast;
+}
+
+/// What drives are to one another.
+struct BetweenDrives {
+  /// How many times as large their variance is as that of their sections; 1 where drives do not tell.
+  Said ratio = Said::Ones();
+  /// Of the variance: what of it the sections do not tell rests on so many drives only.
+  Said widening = Said::Ones();
+};
+
+BetweenDrives compare(const DriveGroups& drives, const Said& said, const SaidMatrix& sections,
+                      const Known& known) {
   const auto groups = static_cast<Eigen::Index>(drives.size());
-  if (groups < 2) return Said::Ones();
+  if (groups < 2) return {};
   Eigen::MatrixXd left_out(kSaid, groups);
   Eigen::VectorXd seconds(groups), weight(groups);
   for (Eigen::Index g = 0; g < groups; ++g) {
     const auto told = tell(drives.without(static_cast<std::size_t>(g)), known);
-    if (!told) return Said::Ones();  // all hangs on that drive: its sections are all there is
+    if (!told) return {};  // all hangs on that drive: its sections are all there is
     const DriveMoments total = drives.total(static_cast<std::size_t>(g));
     left_out.col(g) = told->said;
     seconds(g) = total.seconds;
     weight(g) = unbalance_weight(total);
   }
-  Said ratio = unequal_jackknife_variance(said, left_out, seconds).cwiseQuotient(sections.diagonal());
+  Said ratio = variance_between(said, left_out, seconds).cwiseQuotient(sections.diagonal());
+  Said factor = Said::Constant(few_drives_factor(equal_parts(seconds)));
   if (weight.minCoeff() > 0.0) {
-    const Said of_wheels =
-        unequal_jackknife_variance(said, left_out, weight).cwiseQuotient(sections.diagonal());
-    ratio.segment<2 * kWheels>(kEstimatedUnbalance) = of_wheels.segment<2 * kWheels>(kEstimatedUnbalance);
-    ratio.segment<kForceParts * kWheels>(kForces) = of_wheels.segment<kForceParts * kWheels>(kForces);
+    const Said of_wheels = variance_between(said, left_out, weight).cwiseQuotient(sections.diagonal());
+    const auto count_by_weight = [&, few = few_drives_factor(equal_parts(weight))](int at, int size) {
+      ratio.segment(at, size) = of_wheels.segment(at, size);
+      factor.segment(at, size).setConstant(few);
+    };
+    count_by_weight(kEstimatedUnbalance, 2 * kWheels);
+    count_by_weight(kForces, kForceParts * kWheels);
   }
   const auto average_pair = [&ratio](int at) {
     ratio.segment<2>(at).setConstant(ratio.segment<2>(at).mean());
@@ -132,19 +156,8 @@ Said drives_ratios(const DriveGroups& drives, const Said& said, const SaidMatrix
     average_pair(kForces + kForceParts * w);
     average_pair(kForces + kForceParts * w + 2);
   }
-  return ratio.unaryExpr([](double one) { return std::isfinite(one) ? one : 1.0; });
-}
-
-/// Groups of equal weight that would tell as much of the unbalances: fast driving tells more than slow.
-double equal_groups(const std::vector<DriveMoments>& groups) {
-  double sum = 0.0, squares = 0.0;
-  for (const DriveMoments& group : groups) {
-    const double weight = unbalance_weight(group);
-    sum += weight;
-    squares += weight * weight;
-  }
-  constexpr double kLeast = 4.0;  // below it there is no end to the doubt
-  return squares > 0.0 ? std::max(kLeast, sum * sum / squares) : kLeast;
+  ratio = ratio.unaryExpr([](double one) { return std::isfinite(one) ? one : 1.0; });
+  return {ratio, (1.0 + (ratio.array() - 1.0).max(0.0) * factor.array()).matrix()};
 }
 
 /// How what is said changes with the share of each known parameter, columns by parameter.
@@ -256,8 +269,8 @@ std::optional<Judgement> judge(const SpeedClasses& drive, const Known& known, co
   auto scatter = told ? jackknife(drive, known) : std::nullopt;
   if (!scatter) return std::nullopt;
   SaidMatrix& covariance = scatter->covariance;
-  const Said ratio = drives_ratios(drives, told->said, covariance, known);
-  const Said widened = ratio.cwiseMax(1.0).cwiseSqrt();
+  const BetweenDrives between = compare(drives, told->said, covariance, known);
+  const Said widened = between.widening.cwiseSqrt();
   covariance = widened.asDiagonal() * covariance * widened.asDiagonal();
   const double equal = equal_groups(groups);
   const double widen = few_groups_factor(equal);
@@ -265,7 +278,7 @@ std::optional<Judgement> judge(const SpeedClasses& drive, const Known& known, co
   judgement.drive = widen * covariance.topLeftCorner<kUnknowns, kUnknowns>();
   judgement.model.setZero();
   for (int w = 0; w < kWheels; ++w)
-    judgement.drives_ratio[static_cast<std::size_t>(w)] = ratio(kEstimatedUnbalance + 2 * w);
+    judgement.drives_ratio[static_cast<std::size_t>(w)] = between.ratio(kEstimatedUnbalance + 2 * w);
   const DriveMoments total = sum_of(classes);
   if (!total.body.normal.isZero()) return judgement;
 

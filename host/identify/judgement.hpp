@@ -42,7 +42,8 @@ struct Known {
 };
 
 /// Of several drives the scatter of sections is widened to that of whole drives, each unknown by itself,
-/// where drives differ by more: Birge's ratio, never below 1.
+/// where drives differ by more: Birge's ratio, never below 1.  What it adds rests on a few drives only, and
+/// counts for more the fewer they are (few_drives_factor).
 ///
 /// Source: R. T. Birge, The calculation of errors by the method of least squares, Phys. Rev. 40 (1932)
 /// 207-227.

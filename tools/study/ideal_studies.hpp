@@ -17,5 +17,6 @@ Study cancellation_study();  ///< table 6
 Study influences_study();    ///< speed, size, left on right, frequency difference, stabiliser
 Study quantisation_study();  ///< converter and noise
 Study equations_study();     ///< order of the filter and number of equations
+Study many_drives_study();   ///< one estimate from many drives
 
 }  // namespace roadbalance

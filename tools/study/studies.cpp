@@ -94,11 +94,10 @@ std::string names(const auto& all, const auto& name_of) {
 
 /// Of numbers that a setting may be, by its key, which means the same to all studies.  Drives of less than a
 /// second have no spectrum; the bound needs a rough road, and a rear road that is not the front's alone.
-const std::map<std::string, Range> kAllowed{{"samples", {500.0, 1e7}},
-                                            {"road_gd_m3", {1e-9, 1.0}},
-                                            {"rear_coherence2", {0.0, 0.9999}},
-                                            {"seconds", {10.0, 1e5}},
-                                            {"force_n", {0.0, 1e4}}};
+const std::map<std::string, Range> kAllowed{
+    {"samples", {500.0, 1e7}},     {"road_gd_m3", {1e-9, 1.0}},  {"rear_coherence2", {0.0, 0.9999}},
+    {"seconds", {10.0, 1e5}},      {"force_n", {0.0, 1e4}},      {"drives", {8.0, 1000.0}},
+    {"tyre_percent", {0.0, 20.0}}, {"unbalance_g", {0.0, 100.0}}};
 
 /// @throws ConfigError if the setting's value, of the right kind, cannot be studied
 void check(const std::string& key, const Json& value, const std::string& change) {
@@ -142,7 +141,7 @@ std::span<const Study> studies() {
     std::vector<Study> all{fig3_study(),         fig4_study(),         influences_study(),
                            estimators_study(),   cancellation_study(), parameters_study(),
                            quantisation_study(), radial_force_study(), coverage_study(),
-                           end_to_end_study(),   equations_study()};
+                           end_to_end_study(),   equations_study(),    many_drives_study()};
     for (Study& study : old_studies()) all.push_back(std::move(study));
     return all;
   }();

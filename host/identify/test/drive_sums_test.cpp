@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/identify/between_drives.hpp"
+#include "host/identify/confidence.hpp"
 #include "host/identify/drive_groups.hpp"
 
 namespace roadbalance {
@@ -88,8 +89,8 @@ TEST(DriveGroups, HoldEveryDriveOnceAndNoMoreGroupsThanTheirMost) {
   EXPECT_EQ(rest + groups.total(7).sections, sections);
 }
 
-/// Of a weighted mean of values whose variances are 1 / weight, the mean of what the jackknife tells is the
-/// variance of that mean, 1 / sum of weights, however unequal the weights are.
+/// Of a weighted mean of values whose variances are 1 / weight, the mean of what leaving them out tells is
+/// the variance of that mean, 1 / sum of weights, however unequal the weights are.
 TEST(BetweenDrives, TellsTheVarianceOfAWeightedMean) {
   Eigen::VectorXd weight(4);
   weight << 1.0, 2.0, 5.0, 20.0;
@@ -105,10 +106,44 @@ TEST(BetweenDrives, TellsTheVarianceOfAWeightedMean) {
     Eigen::MatrixXd left_out(1, 4);
     for (int i = 0; i < 4; ++i)
       left_out(0, i) = (x.dot(weight) - x(i) * weight(i)) / (weight.sum() - weight(i));
-    mean += unequal_jackknife_variance(whole, left_out, weight)(0) / kRuns;
+    mean += variance_between(whole, left_out, weight)(0) / kRuns;
   }
   // chi^2 of three degrees of freedom or so: sqrt(2/3) of the value a run, 1/141 of that in the mean.
   EXPECT_NEAR(mean * weight.sum(), 1.0, 0.03);
+}
+
+/// Drives that differ by more than they scatter in themselves: all by one variance, whatever they weigh.  The
+/// mean's is then that times sum p^2; and drives' shares p count no more than they are.
+TEST(BetweenDrives, TellsDrivesThatDifferByMoreThanTheirWeightsSay) {
+  Eigen::VectorXd p(6);
+  p << 0.02, 0.05, 0.2, 0.22, 0.25, 0.26;
+  std::mt19937_64 random(8);
+  std::normal_distribution<double> normal;
+  double mean = 0.0;
+  constexpr int kRuns = 20000;
+  for (int run = 0; run < kRuns; ++run) {
+    Eigen::VectorXd x(6);
+    for (int i = 0; i < 6; ++i) x(i) = normal(random);
+    const Eigen::VectorXd whole = Eigen::VectorXd::Constant(1, x.dot(p));
+    Eigen::MatrixXd left_out(1, 6);
+    for (int i = 0; i < 6; ++i) left_out(0, i) = (x.dot(p) - x(i) * p(i)) / (1.0 - p(i));
+    mean += variance_between(whole, left_out, p)(0) / kRuns;
+  }
+  double expected = 0.0;  // of p^2 / (1 - p) (x_j - x)^2
+  for (int i = 0; i < 6; ++i) expected += p(i) * p(i) / (1.0 - p(i)) * (1.0 - 2.0 * p(i) + p.squaredNorm());
+  EXPECT_NEAR(mean / expected, 1.0, 0.03);
+  // No less than the truth by more than a tenth: the delete-m_j jackknife tells 0.75 of it.
+  EXPECT_GT(mean, 0.9 * p.squaredNorm());
+}
+
+TEST(BetweenDrives, WidensByTheQuantileOfF) {
+  // 95 % quantiles of F(2, m) of the tables: M. Abramowitz, I. A. Stegun, Handbook of Mathematical Functions,
+  // table 26.9.  Of chi^2 with two degrees of freedom it is 5.99.
+  EXPECT_NEAR(few_drives_factor(2.0) * 5.99 / 2.0, 19.00, 0.02);
+  EXPECT_NEAR(few_drives_factor(4.0) * 5.99 / 2.0, 5.14, 0.01);
+  EXPECT_NEAR(few_drives_factor(16.0) * 5.99 / 2.0, 3.32, 0.01);
+  EXPECT_NEAR(few_drives_factor(1e6), 1.0, 1e-4);
+  EXPECT_EQ(few_drives_factor(1.1), few_drives_factor(2.0));
 }
 
 }  // namespace

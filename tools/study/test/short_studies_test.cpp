@@ -27,6 +27,7 @@ TEST_P(ShortStudies, RunAndSayWhatCameOut) {
   Json settings = study.settings;
   if (settings.contains("samples")) change_setting(settings, "samples=5000");
   if (settings.contains("seconds")) change_setting(settings, "seconds=20");
+  if (settings.contains("drives")) change_setting(settings, "drives=8");
   std::string name = (std::filesystem::temp_directory_path() / "study-XXXXXX").string();
   ASSERT_NE(mkdtemp(name.data()), nullptr);
   const std::filesystem::path folder = name;
@@ -55,7 +56,7 @@ TEST_P(ShortStudies, RunAndSayWhatCameOut) {
 
 INSTANTIATE_TEST_SUITE_P(All, ShortStudies,
                          testing::Values("fig3", "influences", "estimators", "cancellation", "quantisation",
-                                         "equations", "radial-force", "coverage"),
+                                         "equations", "radial-force", "coverage", "many-drives"),
                          [](const auto& parameter) {
                            std::string name = parameter.param;
                            for (char& c : name)

@@ -120,9 +120,9 @@ TEST(Studies, ThatTakeSvgDrawFigures) {
     if (std::ranges::count(study.options, "--svg") > 0) drawing.insert(study.name);
   for (const char* name :
        {"fig3", "fig4", "influences", "estimators", "cancellation", "parameters", "drift", "quantisation",
-        "radial-force", "coverage", "end-to-end", "demo-accuracy", "equations"})
+        "radial-force", "coverage", "end-to-end", "demo-accuracy", "equations", "many-drives"})
     EXPECT_TRUE(drawing.contains(name)) << name;
-  EXPECT_EQ(drawing.size(), 13u);
+  EXPECT_EQ(drawing.size(), 14u);
 }
 
 }  // namespace
