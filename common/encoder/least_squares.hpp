@@ -16,8 +16,10 @@ class LeastSquares {
   /// @param weight  1 / variance of y, in any unit
   void add(double u, double y, double weight = 1.0) noexcept {
     const Terms t = terms(u);
+#pragma GCC unroll 8
     for (int i = 0; i < kTerms; ++i) {
       const double weighted = weight * t[at(i)];
+#pragma GCC unroll 8
       for (int j = 0; j <= i; ++j) normal_[at(i)][at(j)] += weighted * t[at(j)];
       right_[at(i)] += weighted * y;
     }
@@ -59,6 +61,7 @@ class LeastSquares {
   double value(double u) const noexcept {
     const Terms t = terms(u);
     double sum = 0.0;
+#pragma GCC unroll 8
     for (int i = 0; i < kTerms; ++i) sum += coefficient_[at(i)] * t[at(i)];
     return sum;
   }
@@ -77,6 +80,7 @@ class LeastSquares {
     Terms t{};
     t[0] = 1.0;
     if constexpr (Order >= 1) t[1] = u;
+#pragma GCC unroll 8
     for (int i = 2; i < kTerms; ++i) t[at(i)] = 2.0 * u * t[at(i - 1)] - t[at(i - 2)];
     return t;
   }
