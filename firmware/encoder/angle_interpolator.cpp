@@ -7,7 +7,8 @@ namespace roadbalance {
 
 namespace {
 constexpr int kHistoryTurns = 32;  // 0.5 s at 60 turns a second: more than a block ever waits
-constexpr double kPiece_ns = 5e6;  // instants that share one fit
+constexpr double kLeastPiece_ns = 5e6;  // instants that share one fit
+constexpr double kPiece = 0.2;          // of the window: in the middle the cubic is best
 constexpr double kLeastHalfWindow_points = 3.0;
 constexpr std::int64_t kComparison_ns = 50'000'000;
 constexpr int kMemory_comparisons = 400;  // 20 s
@@ -111,7 +112,12 @@ void AngleInterpolator::measure_again() noexcept {
 }
 
 double AngleInterpolator::half_window_ns(double pitch_ns) const noexcept {
-  return std::max(kHalfWindow_ns[chosen_] - 0.5 * kPiece_ns, kLeastHalfWindow_points * group_ * pitch_ns);
+  return half_window_ns(pitch_ns, kLeastPiece_ns);
+}
+
+double AngleInterpolator::half_window_ns(double pitch_ns, double piece_ns) const noexcept {
+  return std::max(kHalfWindow_ns[chosen_] - 0.5 * std::max(piece_ns, kLeastPiece_ns),
+                  kLeastHalfWindow_points * group_ * pitch_ns);
 }
 
 bool AngleInterpolator::positions(std::int64_t first_ns, double step_ns,
@@ -121,8 +127,8 @@ bool AngleInterpolator::positions(std::int64_t first_ns, double step_ns,
   const WheelPoint& earlier = path_[path_.size() - LocalFit::kLeastPoints];
   const double pitch_ns = static_cast<double>(latest.time_ns - earlier.time_ns) /
                           std::max(1.0, latest.position - earlier.position);
-  const auto half_ns = static_cast<std::int64_t>(half_window_ns(pitch_ns));
-  const double piece_ns = std::max(kPiece_ns, 2.0 * kLeastHalfWindow_points * group_ * pitch_ns);
+  const double piece_ns = std::max({kLeastPiece_ns, kPiece * 2.0 * kHalfWindow_ns[chosen_],
+                                    2.0 * kLeastHalfWindow_points * group_ * pitch_ns});
   const std::size_t piece = step_ns > 0.0
                                 ? std::max<std::size_t>(1, static_cast<std::size_t>(piece_ns / step_ns))
                                 : position.size();
@@ -131,6 +137,8 @@ bool AngleInterpolator::positions(std::int64_t first_ns, double step_ns,
     const std::size_t end = std::min(begin + piece, position.size());
     const std::int64_t from_ns = first_ns + std::llround(after_ns(begin));
     const std::int64_t to_ns = first_ns + std::llround(after_ns(end - 1));
+    const auto half_ns =
+        static_cast<std::int64_t>(half_window_ns(pitch_ns, static_cast<double>(to_ns - from_ns)));
     const std::size_t first = path_.first_at(from_ns - half_ns), last = path_.first_at(to_ns + half_ns);
     LocalFit local;
     if (last < first + LocalFit::kLeastPoints || !local.fit(path_, first, last, noise_)) return false;

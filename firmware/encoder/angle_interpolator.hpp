@@ -46,6 +46,7 @@ class AngleInterpolator {
   };
   void compare_windows() noexcept;
   void choose() noexcept;
+  double half_window_ns(double pitch_ns, double piece_ns) const noexcept;
   double bias_square(std::size_t k) const noexcept;
   bool fit(std::int64_t from_ns, std::int64_t to_ns, LocalFit& local) const noexcept;
 
