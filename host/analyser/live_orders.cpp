@@ -1,5 +1,6 @@
 #include "host/analyser/live_orders.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace roadbalance {
@@ -32,23 +33,31 @@ LiveOrders::LiveOrders(const VehicleConfig& vehicle) {
       for (std::size_t c = 0; c < vehicle.node[n].channel.size(); ++c)
         if (vehicle.node[n].channel[c].role == ChannelRole::kAcceleration) channels.push_back(c);
       if (channels.empty()) continue;
-      all_.push_back(
-          {w, std::make_unique<RotorOrders>(vehicle, rotor_of(vehicle, wheel), static_cast<int>(n),
+      add({w, std::make_unique<RotorOrders>(vehicle, rotor_of(vehicle, wheel), static_cast<int>(n),
                                             std::move(channels), std::vector<double>{1.0, 2.0}, kEffort)});
     }
   }
 }
 
+void LiveOrders::add(One one) {
+  const auto shares = [&](const RotorOrders* each) { return each->can_share_with(*one.orders); };
+  const auto found = std::ranges::find_if(consuming_, shares);
+  if (found == consuming_.end())
+    consuming_.push_back(one.orders.get());
+  else
+    (*found)->share_with(*one.orders);
+  all_.push_back(std::move(one));
+}
+
 void LiveOrders::consume(const SealedBlock& block) {
-  for (One& one : all_) {
-    one.orders->consume(block);
+  for (RotorOrders* const orders : consuming_) orders->consume(block);
+  for (One& one : all_)
     if (block.kind == BlockKind::kScan && block.header.node == one.orders->node().id)
       one.time_ns = block.header.time_ns;
-  }
 }
 
 void LiveOrders::consume(const ClockFit& fit) {
-  for (One& one : all_) one.orders->consume(fit);
+  for (RotorOrders* const orders : consuming_) orders->consume(fit);
 }
 
 std::vector<OrderReport> LiveOrders::reports() const {

@@ -15,9 +15,10 @@ namespace roadbalance {
 /// known live, and the 95 % of a phase do not hold what that angle is off all through the drive; `rb orders`
 /// computes both again from all that was recorded.
 ///
-/// Each wheel is analysed in each node for itself, so that a node that stays away costs its own channels
-/// only.  The price: every block is decoded and aligned as often as wheels are analysed in its node or with
-/// it, and while a node stays away every analysis with it holds a minute of the other's scans, 8 MB at 2 kHz.
+/// A node's channels are analysed with each node that reads wheels for itself, so that a node that stays away
+/// costs its own channels only.  The price: every block is decoded and aligned once for every such pair it
+/// belongs to, and while a node stays away every pair with it holds a minute of the other's scans, 8 MB at
+/// 2 kHz.
 class LiveOrders {
  public:
   static constexpr double kLeastRotation_hz = 6.0;  ///< 40 km/h
@@ -38,7 +39,10 @@ class LiveOrders {
     std::unique_ptr<RotorOrders> orders;
     std::int64_t time_ns = 0;
   };
+  void add(One one);
+
   std::vector<One> all_;
+  std::vector<RotorOrders*> consuming_;  ///< those of all_ that share with the others
 };
 
 }  // namespace roadbalance

@@ -1,6 +1,8 @@
 #include "host/orders/rotor_orders.hpp"
 
 #include <algorithm>
+#include <cassert>
+#include <span>
 #include <utility>
 
 #include "common/dsp/decimation.hpp"
@@ -37,12 +39,19 @@ int decimation_for(const RotorOrders::Effort& effort, const NodeConfig& node) {
   return std::max(1, static_cast<int>(kDecimationFlatTo * node.rate_hz / effort.highest_hz));
 }
 
+std::vector<std::int32_t> numbers_of(const std::vector<const NodeConfig*>& nodes) {
+  std::vector<std::int32_t> numbers;
+  for (const NodeConfig* const node : nodes) numbers.push_back(node->id);
+  return numbers;
+}
+
 }  // namespace
 
 RotorOrders::RotorOrders(const VehicleConfig& vehicle, Rotor rotor, int node,
                          std::vector<std::size_t> channel, std::vector<double> order, const Effort& effort)
     : rotor_(std::move(rotor)),
       node_(vehicle.node[static_cast<std::size_t>(node)]),
+      joined_(numbers_of(nodes_of(vehicle, {&rotor_, 1}, node))),
       channel_(std::move(channel)),
       order_(std::move(order)),
       way_m_(rotor_.way_m(vehicle)),
@@ -63,21 +72,37 @@ RotorOrders::RotorOrders(const VehicleConfig& vehicle, Rotor rotor, int node,
                    vector_blocks_.add(row);
                  }),
       fewer_(static_cast<int>(channel_.size()), factor_,
-             [this](const std::optional<double>& angle_rad, const Eigen::Ref<const Eigen::VectorXd>& values,
-                    std::uint32_t overload) { resampler_.add(angle_rad, values, overload); }),
+             [this](std::span<const FewerSamples::Angle> angle_rad,
+                    const Eigen::Ref<const Eigen::VectorXd>& values, std::uint32_t overload) {
+               for (std::size_t k = 0; k < sharing_.size(); ++k)
+                 sharing_[k]->resampler_.add(angle_rad[k], values, overload);
+             }),
       values_(std::ssize(channel_)),
       join_(
           nodes_of(vehicle, {&rotor_, 1}, node), [this](const GridJoin::Row& row) { take(row); },
           effort.longest_wait_s) {}
 
+bool RotorOrders::can_share_with(const RotorOrders& other) const {
+  return joined_ == other.joined_ && channel_ == other.channel_ && effort_ == other.effort_;
+}
+
+void RotorOrders::share_with(RotorOrders& other) {
+  assert(can_share_with(other));
+  sharing_.push_back(&other);
+  fewer_.follow(sharing_.size());
+}
+
+void RotorOrders::restart() {
+  if (rows_ > 0) ++gaps_;
+  resampler_.interrupt();
+  angle_.forget();
+}
+
 void RotorOrders::take(const GridJoin::Row& row) {
   if (row.restart) {
-    if (rows_ > 0) ++gaps_;
     fewer_.interrupt();
-    resampler_.interrupt();
-    angle_.forget();
+    for (RotorOrders* const each : sharing_) each->restart();
   }
-  ++rows_;
   const GridJoin::Sample& sample = row.sample.front();
   std::uint32_t overload = 0;
   for (std::size_t c = 0; c < channel_.size(); ++c) {
@@ -85,23 +110,24 @@ void RotorOrders::take(const GridJoin::Row& row) {
     values_(static_cast<Eigen::Index>(c)) =
         node_.channel[channel_[c]].to_si(static_cast<double>((*sample.counts)[channel_[c]]));
   }
-  fewer_.add(angle(row), values_, overload);
+  for (std::size_t k = 0; k < sharing_.size(); ++k) sharing_[k]->give_angle(row, fewer_, k);
+  fewer_.add(values_, overload);
 }
 
-std::optional<double> RotorOrders::angle(const GridJoin::Row& row) {
+void RotorOrders::give_angle(const GridJoin::Row& row, FewerSamples& fewer, std::size_t which) {
+  ++rows_;
   RotorAngle::State state = angle_.state(row);
   std::int64_t rows = 1;
   if (state == RotorAngle::State::kKnown) {
-    if (!fewer_.wants_angle()) return std::nullopt;
+    if (!fewer.wants_angle()) return;
     const RotorAngle::Reading reading = angle_.read(row);
-    if (reading.state == RotorAngle::State::kKnown) return reading.angle_rad;
+    if (reading.state == RotorAngle::State::kKnown) return fewer.set_angle(which, reading.angle_rad);
     state = reading.state;
     rows = factor_;
   }
   (state == RotorAngle::State::kNotKnown ? no_angle_ : uncertain_) += rows;
-  fewer_.lose_angle();
+  fewer.lose_angle(which);
   angle_.forget();
-  return std::nullopt;
 }
 
 RotorOrders::Seconds RotorOrders::seconds() const {

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -42,6 +41,8 @@ class RotorOrders {
     double least_rotation_hz = kLeastRotation_hz;
     double highest_hz = 0.0;  ///< of lines that are wanted; 0: all that the sampling rate carries
     double longest_wait_s = GridJoin::kLongestWait_s;  ///< for a node that is behind, in drive
+
+    bool operator==(const Effort&) const = default;
   };
 
   /// Seconds of the drive; those that are not used, by their reason.
@@ -69,6 +70,13 @@ class RotorOrders {
   void consume(const SealedBlock& block) { join_.consume(block); }
   void consume(const ClockFit& fit) { join_.consume(fit); }
 
+  /// Whether both want the same of the same nodes and channels, and only their rotors differ.
+  bool can_share_with(const RotorOrders& other) const;
+  /// From here on what this one consumes is for `other`, too, which consumes nothing and lives as long:
+  /// blocks are decoded, aligned and low-passed once for both.  Before the first block; needs
+  /// can_share_with().
+  void share_with(RotorOrders& other);
+
   const Rotor& rotor() const { return rotor_; }
   const NodeConfig& node() const { return node_; }
   const std::vector<std::size_t>& channel() const { return channel_; }
@@ -84,10 +92,12 @@ class RotorOrders {
 
  private:
   void take(const GridJoin::Row& row);
-  std::optional<double> angle(const GridJoin::Row& row);
+  void restart();
+  void give_angle(const GridJoin::Row& row, FewerSamples& fewer, std::size_t which);
 
   Rotor rotor_;
   NodeConfig node_;
+  std::vector<std::int32_t> joined_;  ///< nodes, by their number
   std::vector<std::size_t> channel_;
   std::vector<double> order_;
   double way_m_;
@@ -98,6 +108,7 @@ class RotorOrders {
   TurnBlocks spectrum_blocks_, vector_blocks_;
   int factor_;  ///< samples of which the resampler gets one
   AngleResampler resampler_;
+  std::vector<RotorOrders*> sharing_{this};
   FewerSamples fewer_;
   Eigen::VectorXd values_;
   GridJoin join_;

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 namespace roadbalance {
 namespace {
@@ -20,11 +22,12 @@ class FewerSamplesTest : public ::testing::Test {
   static constexpr int kBehind = 8 * kFactor;
 
   void add(std::optional<double> angle_rad, double value, std::uint32_t overload = 0) {
-    fewer.add(angle_rad, Eigen::VectorXd::Constant(1, value), overload);
+    if (angle_rad) fewer.set_angle(0, *angle_rad);
+    fewer.add(Eigen::VectorXd::Constant(1, value), overload);
   }
   std::vector<Given> given;
   FewerSamples fewer{1, kFactor, [this](const auto& angle_rad, const auto& values, std::uint32_t overload) {
-                       given.push_back({angle_rad, values(0), overload});
+                       given.push_back({angle_rad[0], values(0), overload});
                      }};
 };
 
@@ -54,12 +57,32 @@ TEST_F(FewerSamplesTest, TellOverloadsOfAllTheyAreMadeOfAndAnglesThatAreNotKnown
 
 TEST_F(FewerSamplesTest, HaveNoAngleWhereItWasLostSinceTheOneBefore) {
   for (int n = 0; n < 300; ++n) {
-    if (n == 121) fewer.lose_angle();
+    if (n == 121) fewer.lose_angle(0);
     add(n, 1.0);
   }
   for (std::size_t k = 0; k < given.size(); ++k) {
     const int n = kBehind + static_cast<int>(k) * kFactor;
     EXPECT_EQ(given[k].angle_rad.has_value(), n != 126) << n;
+  }
+}
+
+TEST_F(FewerSamplesTest, HaveTheAnglesOfEachWheelForItself) {
+  std::vector<std::array<std::optional<double>, 2>> angles;
+  FewerSamples both(1, kFactor, [&](const auto& angle_rad, const auto&, std::uint32_t) {
+    angles.push_back({angle_rad[0], angle_rad[1]});
+  });
+  both.follow(2);
+  for (int n = 0; n < 300; ++n) {
+    both.set_angle(0, n);
+    if (n != 90) both.set_angle(1, -n);
+    if (n == 121) both.lose_angle(1);
+    both.add(Eigen::VectorXd::Constant(1, 1.0), 0);
+  }
+  ASSERT_EQ(angles.size(), static_cast<std::size_t>((300 - 2 * kBehind - 1) / kFactor + 1));
+  for (std::size_t k = 0; k < angles.size(); ++k) {
+    const int n = kBehind + static_cast<int>(k) * kFactor;
+    EXPECT_EQ(angles[k][0], n);
+    EXPECT_EQ(angles[k][1], n == 90 || n == 126 ? std::nullopt : std::optional<double>(-n)) << n;
   }
 }
 

@@ -4,7 +4,10 @@
 
 #include <cmath>
 #include <complex>
+#include <memory>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "host/orders/test/synthetic_rotor.hpp"
 
@@ -68,6 +71,44 @@ TEST(RotorOrders, OfARotorKnownModuloHalfATurnCountFromTheRun) {
   EXPECT_NEAR(std::abs(first.near.mean()) / std::abs(kNear), 1.0, 2e-3) << "of one run: nothing cancels";
   EXPECT_TRUE(second.has_phase) << "twice half a turn is a whole one";
   EXPECT_LT(std::abs(second.near.mean() / kNear - 1.0), 2e-3);
+}
+
+TEST(RotorOrders, ThatShareTheirRowsFindWhatEachFindsAlone) {
+  const VehicleConfig vehicle = test::rotor_vehicle(1.0, {2, 3});
+  const RotorOrders::Effort effort{.spectra = false, .least_rotation_hz = 6.0, .highest_hz = 40.0};
+  const test::SyntheticDrive drive{.left_rad = left,
+                                   .right_rad = right,
+                                   .shaft_rad = left,
+                                   .vector = {kNear, 0.0, kFar},
+                                   .noise = 0.1,
+                                   .silent_from_s = 15.0,
+                                   .silent_to_s = 16.0};
+  const auto orders = [&](int wheel, int node) {
+    const auto place = static_cast<std::size_t>(wheel);
+    return std::make_unique<RotorOrders>(vehicle, rotor_of(vehicle, vehicle.wheel[place]), node,
+                                         std::vector<std::size_t>{0}, std::vector<double>{1.0}, effort);
+  };
+  for (const int node : {0, 1}) {
+    const auto shares = orders(2, node), served = orders(3, node), alone_2 = orders(2, node),
+               alone_3 = orders(3, node);
+    ASSERT_TRUE(shares->can_share_with(*served));
+    shares->share_with(*served);
+    drive.seal_into([&](const SealedBlock& block) {
+      shares->consume(block);
+      alone_2->consume(block);
+      alone_3->consume(block);
+    });
+    for (const auto& [one, alone] : {std::pair{shares.get(), alone_2.get()}, {served.get(), alone_3.get()}}) {
+      const MeanVector &found = one->vectors().result(0, 0).all,
+                       &expected = alone->vectors().result(0, 0).all;
+      EXPECT_GT(expected.count(), 40);
+      EXPECT_EQ(found.count(), expected.count());
+      EXPECT_EQ(found.mean(), expected.mean());
+      EXPECT_EQ(one->seconds().no_angle, alone->seconds().no_angle);
+      EXPECT_EQ(one->gaps(), alone->gaps());
+    }
+  }
+  EXPECT_FALSE(orders(2, 0)->can_share_with(*orders(2, 1)));
 }
 
 }  // namespace
