@@ -9,9 +9,9 @@
 namespace roadbalance {
 
 namespace {
-constexpr int kForgetAfter = 1000;  // residuals; two a turn
-constexpr int kTeethForFit = 128;   // a turn of the polynomial needs no more points
-constexpr double kOutlier = 4.0;    // times the rms residual
+constexpr int kForgetAfter = 1000;        // residuals; two a turn
+constexpr std::size_t kTeethForFit = 64;  // a turn of the polynomial needs no more points
+constexpr double kOutlier = 4.0;          // times the rms residual
 }  // namespace
 
 PitchTable::PitchTable(int teeth)
@@ -31,7 +31,7 @@ void PitchTable::learn(const ToothHistory& history, std::int64_t first, std::int
   const auto nominal = [&](const NumberedTooth& tooth) { return static_cast<double>(tooth.number - first); };
 
   LeastSquares<5> turns;
-  const std::size_t stride = std::max<std::size_t>(1, error_.size() / kTeethForFit);
+  const std::size_t stride = (error_.size() + kTeethForFit - 1) / kTeethForFit;
   for (std::size_t i = begin; i < end; i += stride)
     turns.add(scaled(history[i]), nominal(history[i]) + error_[place(history[i].number - origin)]);
   if (!turns.solve()) return;

@@ -5,6 +5,7 @@
 
 #include "common/config/section.hpp"
 #include "common/dsp/decimation.hpp"
+#include "common/dsp/weighted_sum.hpp"
 
 namespace roadbalance {
 
@@ -40,8 +41,8 @@ void Decimator::consume(const SignalRun& run) {
     const std::int64_t centre = run.first_index + i - (n - 1) / 2;
     if (filled_ < n || centre % factor_ != 0) continue;
     IdentificationSample sample;
-    sample.signals.noalias() = history_.middleCols(filled_ - n, n) * taps_;
-    if (measured) sample.road_m = road_.middleCols(filled_ - n, n) * taps_;
+    weighted_sum(history_.middleCols(filled_ - n, n), taps_, sample.signals);
+    if (measured) weighted_sum(road_.middleCols(filled_ - n, n), taps_, sample.road_m.emplace());
     sample.restart = std::exchange(restart_, false);
     sample.time_ns = run.time_ns;
     emit_(sample);

@@ -42,6 +42,7 @@ double AngleResampler::highest_order() const {
 }
 
 void AngleResampler::take(const AngleRow& row) {
+  if (factor_ == 1) return emit_(row);
   if (row.restart) {
     filled_ = 0;
     restart_ = true;
