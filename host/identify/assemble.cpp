@@ -64,6 +64,8 @@ Assembler::Assembler(const VehicleConfig& vehicle, const SensorMap& sensors, Emi
       map.wheel[static_cast<std::size_t>(line)] = wheel;
     }
     if (map.from_counts.isZero() && map.road_from_counts.isZero()) continue;  // nothing of it is used
+    for (Eigen::Index c = 0; c < kChannels; ++c)
+      if ((map.from_counts.col(c).array() != 0.0).any()) map.used.push_back(c);
     used.push_back(&node);
     maps_.push_back(map);
   }
@@ -97,7 +99,9 @@ void Assembler::add_rows(const GridStream& stream, const NodeMap& map) {
     const auto& front_counts = front.counts[static_cast<std::size_t>(stream.row + row)];
     const Eigen::Matrix<double, kChannels, 1> counts =
         Eigen::Map<const Eigen::Matrix<float, kChannels, 1>>(front_counts.data()).cast<double>();
-    run_.samples.col(row) += map.at_zero_counts + from_counts * counts;
+    SignalVector sum = map.at_zero_counts;
+    for (const Eigen::Index c : map.used) sum += from_counts.col(c) * counts(c);
+    run_.samples.col(row) += sum;
     if (road_measured_) run_.road_m.col(row) += map.road_at_zero_counts + map.road_from_counts * counts;
   }
 }

@@ -52,6 +52,7 @@ class Assembler {
   /// Where signals come from: `from_counts` times the 16 channels of that node.
   struct NodeMap {
     Eigen::Matrix<double, kSignals, kChannels> from_counts;
+    std::vector<Eigen::Index> used;  ///< channels whose column is not 0
     SignalVector at_zero_counts;
     Eigen::Matrix<double, kWheels, kChannels> road_from_counts;
     Eigen::Vector4d road_at_zero_counts;

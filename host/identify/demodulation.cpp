@@ -42,11 +42,13 @@ Demodulator::Demodulator(Taper taper, double rate_hz) : taper_(std::move(taper))
     side_hz_(2 * k) = static_cast<double>(first + k) * step_hz;
     side_hz_(2 * k + 1) = -side_hz_(2 * k);
   }
-  side_shift_.resize(side_hz_.size(), samples);
-  for (Eigen::Index b = 0; b < side_hz_.size(); ++b)
-    for (Eigen::Index t = 0; t < samples; ++t)
-      side_shift_(b, t) =
-          std::polar(1.0, -2.0 * std::numbers::pi * side_hz_(b) * static_cast<double>(t) / rate_hz);
+  side_wave_.resize(2 * side, samples);
+  for (Eigen::Index k = 0; k < side; ++k)
+    for (Eigen::Index t = 0; t < samples; ++t) {
+      const double angle = 2.0 * std::numbers::pi * side_hz_(2 * k) * static_cast<double>(t) / rate_hz;
+      side_wave_(2 * k, t) = std::cos(angle);
+      side_wave_(2 * k + 1, t) = std::sin(angle);
+    }
 }
 
 Demodulated Demodulator::operator()(const Eigen::Ref<const SignalMatrix>& signals,
@@ -85,8 +87,19 @@ Eigen::MatrixXcd Demodulator::beside(const Eigen::Ref<const SignalMatrix>& signa
     rest -= phasor.real() * signals.row(cosine_row(line.wheels[k])) -
             phasor.imag() * signals.row(sine_row(line.wheels[k]));
   }
-  const Eigen::MatrixXcd mixed = (line.down.row(0).asDiagonal() * rest.transpose().cast<Complex>()).eval();
-  return side_shift_ * mixed;
+  // With z down = a + j b, the bins at either side by x are sum (a + j b) (cos -+ j sin) x t.
+  Eigen::MatrixXd mixed(rest.cols(), 2 * kCoordinates);  // [sample x a, b of each coordinate]
+  mixed << line.down.row(0).real().asDiagonal() * rest.transpose(),
+      line.down.row(0).imag().asDiagonal() * rest.transpose();
+  const Eigen::MatrixXd sums = side_wave_ * mixed;
+  Eigen::MatrixXcd Z(sums.rows(), kCoordinates);
+  for (Eigen::Index k = 0; k < sums.rows(); k += 2) {
+    const auto a_cos = sums.row(k).head<kCoordinates>(), b_cos = sums.row(k).tail<kCoordinates>();
+    const auto a_sin = sums.row(k + 1).head<kCoordinates>(), b_sin = sums.row(k + 1).tail<kCoordinates>();
+    Z.row(k) = (a_cos + b_sin).cast<Complex>() + kJ * (b_cos - a_sin).cast<Complex>();
+    Z.row(k + 1) = (a_cos - b_sin).cast<Complex>() + kJ * (b_cos + a_sin).cast<Complex>();
+  }
+  return Z;
 }
 
 }  // namespace roadbalance

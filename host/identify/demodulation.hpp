@@ -42,7 +42,7 @@ class Demodulator {
  private:
   Taper taper_;
   Eigen::VectorXd side_hz_;
-  Eigen::MatrixXcd side_shift_;  ///< [side bin x sample] e^{-2 pi j x t}
+  Eigen::MatrixXd side_wave_;  ///< [cos, sin of each distance x sample] of 2 pi x t
 };
 
 }  // namespace roadbalance
