@@ -38,8 +38,10 @@ void KnockMeter::begin_anew() {
 
 std::optional<Knock> KnockMeter::add(const ScanBlock& block) {
   if (block.header.scans <= 0) return std::nullopt;
-  if (block.header.first_scan != next_scan_ || turns(block)) begin_anew();
+  const bool moves = turns(block);
+  if (block.header.first_scan != next_scan_ || moves) begin_anew();
   next_scan_ = block.header.first_scan + block.header.scans;
+  if (moves) return std::nullopt;
   std::optional<Knock> knock;
   for (std::int64_t r = 0; r < block.header.scans; ++r) {
     Row row{};

@@ -19,20 +19,24 @@ Eigen::Index samples_in(double seconds, double rate_hz) {
   return std::max<Eigen::Index>(1, std::lround(seconds * rate_hz));
 }
 
-/// Three successive states of a scaled companion filter as w, w', w'': y_j / wc^2, y_(j+1) / wc, y_(j+2),
-/// under the taper.  Rows instruments, columns samples.
-struct Tapered {
-  Eigen::MatrixXd w2, w1, w0;
-};
-Tapered tapered(const Eigen::Ref<const Eigen::MatrixXd>& y0, const Eigen::Ref<const Eigen::MatrixXd>& y1,
-                const Eigen::Ref<const Eigen::MatrixXd>& y2, double corner_hz, const Taper& taper) {
+/// Three successive states of a scaled companion filter as w'', w', w: y_(j+2), y_(j+1) / wc, y_j / wc^2,
+/// under the taper.  Rows instruments of w'', then of w', then of w; columns samples.
+/// @param kRows  instruments; `first` is the row of y_j's in `states`, those of the next state begin kStep
+/// later
+template <int kRows, int kStep>
+Eigen::Matrix<double, 3 * kRows, Eigen::Dynamic> tapered(const Eigen::MatrixXd& states, Eigen::Index first,
+                                                         double corner_hz, const Taper& taper) {
   const double corner = 2.0 * std::numbers::pi * corner_hz;
-  const Eigen::MatrixXd w0 = y0 / (corner * corner);
-  const Eigen::MatrixXd w1 = y1 / corner;
-  const auto h = taper.value.matrix().asDiagonal();
-  const auto h1 = taper.first.matrix().asDiagonal();
-  const auto h2 = taper.second.matrix().asDiagonal();
-  return {y2 * h + 2.0 * w1 * h1 + w0 * h2, w1 * h + w0 * h1, w0 * h};
+  Eigen::Matrix<double, 3 * kRows, Eigen::Dynamic> w(3 * kRows, taper.value.size());
+  for (Eigen::Index t = 0; t < w.cols(); ++t) {
+    const auto state = [&](int k) { return states.col(t).template segment<kRows>(first + k * kStep); };
+    const double h = taper.value(t), h1 = taper.first(t), h2 = taper.second(t);
+    w.col(t).template segment<kRows>(0) =
+        h * state(2) + (2.0 * h1 / corner) * state(1) + (h2 / (corner * corner)) * state(0);
+    w.col(t).template segment<kRows>(kRows) = (h / corner) * state(1) + (h1 / (corner * corner)) * state(0);
+    w.col(t).template segment<kRows>(2 * kRows) = (h / (corner * corner)) * state(0);
+  }
+  return w;
 }
 
 }  // namespace
@@ -116,36 +120,29 @@ DriveMoments SectionBuffer::moments(Eigen::Index samples, const Eigen::Vector4d&
 }
 
 void SectionBuffer::add_chassis(DriveMoments& sum, const Taper& taper) const {
-  const Eigen::Index samples = taper.value.size();
-  const auto z = signals_.block(0, chassis_lag_, kCoordinates, samples);
+  const auto z = signals_.block(0, chassis_lag_, kCoordinates, taper.value.size());
   for (int j = 0; j < kChassisInstrumentsPerSignal; ++j) {
-    const auto state = [&](int k) {
-      return chassis_states_.block((j + k) * kCoordinates, 0, kCoordinates, samples);
-    };
-    const Tapered w = tapered(state(0), state(1), state(2), chassis_instrument().corner_hz, taper);
-    const Eigen::MatrixXd w2 = w.w2 * z.transpose();
-    const Eigen::MatrixXd w1 = w.w1 * z.transpose();
-    const Eigen::MatrixXd w0 = w.w0 * z.transpose();
+    const auto w = tapered<kCoordinates, kCoordinates>(chassis_states_, j * kCoordinates,
+                                                       chassis_instrument().corner_hz, taper);
+    const Eigen::Matrix<double, 3 * kCoordinates, kCoordinates> products = w * z.transpose();
     for (int s = 0; s < kCoordinates; ++s) {
       const auto i = static_cast<std::size_t>(j * kCoordinates + s);
-      sum.chassis[i] = {w2.row(s), w1.row(s), w0.row(s)};
-      sum.chassis_power[i] = w.w2.row(s).squaredNorm();
+      sum.chassis[i] = {products.row(s), products.row(kCoordinates + s), products.row(2 * kCoordinates + s)};
+      sum.chassis_power[i] = w.row(s).squaredNorm();
     }
   }
 }
 
 void SectionBuffer::add_tyre(DriveMoments& sum, const Taper& taper, int wheel, double omega) const {
-  const Eigen::Index samples = taper.value.size();
-  const auto state = [&](int k) { return tyre_states_.block(k * kWheels + wheel, 0, 1, samples); };
-  const Tapered w = tapered(state(0), state(1), state(2), tyre_instrument().corner_hz, taper);
+  const auto w = tapered<1, kWheels>(tyre_states_, wheel, tyre_instrument().corner_hz, taper);
   const auto gather = [&](Eigen::Index lag, InstrumentMoments<double>& tyre,
                           std::complex<double>& unbalance) {
-    const auto z = signals_.block(0, lag, kCoordinates, samples);
-    tyre = {w.w2 * z.transpose(), w.w1 * z.transpose(), w.w0 * z.transpose()};
-    const auto later = [&](int row) { return signals_.row(row).segment(lag, samples); };
-    unbalance = omega * omega *
-                std::complex<double>(w.w2.row(0).dot(later(cosine_row(wheel))),
-                                     w.w2.row(0).dot(later(sine_row(wheel))));
+    const Eigen::Matrix<double, 3, kSignals> products =
+        w * signals_.middleCols(lag, taper.value.size()).transpose();
+    const auto z = products.leftCols<kCoordinates>();
+    tyre = {z.row(0), z.row(1), z.row(2)};
+    unbalance =
+        omega * omega * std::complex<double>(products(0, cosine_row(wheel)), products(0, sine_row(wheel)));
   };
   auto& moments = sum.wheel[static_cast<std::size_t>(wheel)];
   gather(tyre_lag_, moments.tyre, moments.tyre_unbalance);

@@ -13,8 +13,8 @@ namespace roadbalance {
 namespace {
 
 constexpr double kTurn_rad = 2.0 * std::numbers::pi;
-/// Of a step: the next correction of Newton's would be some square of it, below a double's last digit.
-constexpr double kNewtonEnough = 1e-9;
+/// Of a step: the next correction of Newton's would be about the square of it, below what a double tells.
+constexpr double kNewtonEnough = 1e-7;
 
 const AngleSampler::Settings& checked(const AngleSampler::Settings& settings) {
   if (settings.channels < 1) throw std::invalid_argument("angle sampler: it needs at least one channel");
@@ -90,23 +90,30 @@ void AngleSampler::emit_complete() {
     }
     const double from = sample(at_).angle_rad, to = sample(at_ + 1).angle_rad;
     if (restart_) row_.index = static_cast<std::int64_t>(std::ceil(from / step_rad_));
+    if (!(static_cast<double>(row_.index) * step_rad_ < to)) continue;
+    const Step step = step_here();
     for (; static_cast<double>(row_.index) * step_rad_ < to; ++row_.index)
-      emit_row(part_of_step(static_cast<double>(row_.index) * step_rad_));
+      emit_row(step.part(static_cast<double>(row_.index) * step_rad_));
   }
 }
 
-/// Where between sample at_ and the next the wheel stands at `angle_rad`: the cubic of Lagrange through the
-/// four samples around, by Newton's method from the straight line.
-double AngleSampler::part_of_step(double angle_rad) const {
-  const double a = sample(at_ - 1).angle_rad - angle_rad, b = sample(at_).angle_rad - angle_rad,
-               c = sample(at_ + 1).angle_rad - angle_rad, d = sample(at_ + 2).angle_rad - angle_rad;
-  const double c1 = -a / 3.0 - b / 2.0 + c - d / 6.0, c2 = (a + c) / 2.0 - b,
-               c3 = (d - a) / 6.0 + (b - c) / 2.0;
-  double part = -b / (c - b);
+AngleSampler::Step AngleSampler::step_here() const {
+  const double a = sample(at_ - 1).angle_rad, b = sample(at_).angle_rad, c = sample(at_ + 1).angle_rad,
+               d = sample(at_ + 2).angle_rad;
+  // From b on: of the angle itself, which grows all through a run, the last digits would be lost.
+  const double before = a - b, after = c - b, later = d - b;
+  return {b, after, -before / 3.0 + after - later / 6.0, (before + after) / 2.0,
+          (later - before) / 6.0 - after / 2.0};
+}
+
+/// By Newton's method from the straight line.
+double AngleSampler::Step::part(double angle_rad) const {
+  const double wanted = angle_rad - from_rad;
+  double part = wanted / turned_rad;
   for (int step = 0; step < 3; ++step) {
     const double slope = c1 + part * (2.0 * c2 + part * 3.0 * c3);
     if (!(slope > 0.0)) break;
-    const double short_by = (b + part * (c1 + part * (c2 + part * c3))) / slope;
+    const double short_by = (part * (c1 + part * (c2 + part * c3)) - wanted) / slope;
     part -= short_by;
     if (std::abs(short_by) < kNewtonEnough) break;
   }

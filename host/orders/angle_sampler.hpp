@@ -68,7 +68,15 @@ class AngleSampler {
   void push(double angle_rad, const Eigen::Ref<const Eigen::VectorXd>& values, std::uint32_t overload);
   void emit_complete();
   bool turns_here() const;
-  double part_of_step(double angle_rad) const;
+  /// From sample at_ to the next: the cubic of Lagrange through the angles of the four samples around.
+  struct Step {
+    double from_rad, turned_rad;
+    double c1, c2, c3;  ///< angle = from_rad + c1 x + c2 x^2 + c3 x^3, x the part of the step
+
+    /// Where the wheel stands at `angle_rad`.
+    double part(double angle_rad) const;
+  };
+  Step step_here() const;
   void emit_row(double part);
   const Sample& sample(Eigen::Index i) const { return sample_[static_cast<std::size_t>(i)]; }
 
