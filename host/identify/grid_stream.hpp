@@ -11,6 +11,7 @@
 #include "host/identify/channel_aligner.hpp"
 #include "host/identify/grid.hpp"
 #include "host/identify/resampler.hpp"
+#include "host/identify/row_queue.hpp"
 
 namespace roadbalance {
 
@@ -35,9 +36,9 @@ class GridStream {
   /// The first block of all sets the grid.
   void take(const ScanBlock& block, Grid& grid);
 
-  std::deque<GridRows> rows;  ///< for the taker to remove, ascending
-  std::int64_t row = 0;       ///< of the front, next to use
-  bool restarted = false;     ///< rows up to the next to use do not go on from those used before
+  RowQueue rows;           ///< for the taker to remove, ascending
+  std::int64_t row = 0;    ///< of the front, next to use
+  bool restarted = false;  ///< rows up to the next to use do not go on from those used before
 
   /// Why its samples cannot be brought to the grid at present; empty: they can.
   std::string obstacle() const;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <optional>
 #include <string>
@@ -61,7 +62,8 @@ struct VerifiedEpoch {
   bool is_open() const { return !ended && (gaps.empty() || gaps.back().cause != GapCause::kNodeCrash); }
 };
 
-/// Collects the blocks of a record and then says of each node epoch what is there.  Some fifty bytes a block.
+/// Collects the blocks of a record and then says of each node epoch what is there.  Forty bytes a block: a
+/// day of three nodes of 2 kHz is 1.0 GB.
 class EpochCheck {
  public:
   /// Where the record begins, if its first segments were deleted.
@@ -82,7 +84,7 @@ class EpochCheck {
   };
   struct Epoch {
     RecordState::Epoch deleted;
-    std::vector<Entry> entries;
+    std::deque<Entry> entries;  // no vector: that holds thrice as much while it grows
     std::optional<EndBlock> end;
     std::int64_t period_ps = 0;
   };

@@ -65,7 +65,7 @@ struct Node {
 /// Largest difference, in counts, between rows and the truth at the instants of the grid.
 double worst_error(const GridStream& stream, const Grid& grid) {
   double worst = 0.0;
-  for (const GridRows& rows : stream.rows)
+  for (const GridRows& rows : stream.rows.at_hand())
     for (std::int64_t r = 0; r < rows.rows; ++r)
       for (std::size_t c = 0; c < kChannels; ++c) {
         const double time_s = 1e-9 * static_cast<double>(grid.time_ns(rows.first_index + r));
@@ -76,7 +76,7 @@ double worst_error(const GridStream& stream, const Grid& grid) {
 
 std::int64_t rows_in(const GridStream& stream) {
   std::int64_t sum = 0;
-  for (const GridRows& rows : stream.rows) sum += rows.rows;
+  for (const GridRows& rows : stream.rows.at_hand()) sum += rows.rows;
   return sum;
 }
 
@@ -88,7 +88,7 @@ TEST(GridStream, ANodeOnTheGridIsTheGridBitForBit) {
   ASSERT_EQ(stream.rows.size(), 50U);
   for (int number = 0; number < 50; ++number) {
     const ScanBlock block = node.block(number);
-    const GridRows& rows = stream.rows[static_cast<std::size_t>(number)];
+    const GridRows& rows = stream.rows.at_hand()[static_cast<std::size_t>(number)];
     EXPECT_EQ(rows.first_index, block.header.first_scan);
     EXPECT_EQ(rows.time_ns, block.header.time_ns);
     for (std::size_t r = 0; r < kScansPerBlock; ++r)
@@ -117,7 +117,8 @@ TEST(GridStream, AnyClockAndConverterGiveTheTruthAtTheGridsInstants) {
       EXPECT_LT(worst_error(stream, grid), 4.0 * kAmplitude * 0.002 * std::numbers::pi / 180.0)
           << rate_hz << " Hz, " << ppm << " ppm";
       for (std::size_t i = 1; i < stream.rows.size(); ++i)
-        ASSERT_EQ(stream.rows[i].first_index, stream.rows[i - 1].first_index + stream.rows[i - 1].rows);
+        ASSERT_EQ(stream.rows.at_hand()[i].first_index,
+                  stream.rows.at_hand()[i - 1].first_index + stream.rows.at_hand()[i - 1].rows);
     }
 }
 
@@ -169,7 +170,7 @@ TEST(GridStream, AGapCostsWhatTheFilterNeedsAndRestarts) {
   for (int number = 0; number < 100; ++number)
     if (number < 40 || number >= 43) stream.take(node.block(number), grid);
   int restarts = 0;
-  for (const GridRows& rows : stream.rows) restarts += rows.restart ? 1 : 0;
+  for (const GridRows& rows : stream.rows.at_hand()) restarts += rows.restart ? 1 : 0;
   EXPECT_EQ(restarts, 2);  // the beginning is one
   EXPECT_NEAR(static_cast<double>(rows_in(stream)), 97.0 * kScansPerBlock - 2 * FractionalDelay::kTaps, 3.0);
   EXPECT_LT(worst_error(stream, grid), 4.0 * kAmplitude * 0.002 * std::numbers::pi / 180.0);
@@ -185,8 +186,9 @@ TEST(GridStream, AFitThatMovesALittleDoesNotRestart) {
     for (int i = 0; i < 100; ++i) stream.take(node.block(number++), grid);
   }
   for (std::size_t i = 1; i < stream.rows.size(); ++i) {
-    ASSERT_FALSE(stream.rows[i].restart);
-    ASSERT_EQ(stream.rows[i].first_index, stream.rows[i - 1].first_index + stream.rows[i - 1].rows);
+    ASSERT_FALSE(stream.rows.at_hand()[i].restart);
+    ASSERT_EQ(stream.rows.at_hand()[i].first_index,
+              stream.rows.at_hand()[i - 1].first_index + stream.rows.at_hand()[i - 1].rows);
   }
   // The fits are 5 us wrong and nothing else is: the steepest slope of the signal over 5 us, and the grid's
   // origin is the first fit's.
@@ -250,7 +252,7 @@ TEST(GridStream, QualityTravelsWithWhateverASampleTouches) {
   }
   const double first_s = node.host_s(10 * kScansPerBlock), end_s = node.host_s(11 * kScansPerBlock);
   const double reach_s = FractionalDelay::kTaps / 2 / node.rate_hz;
-  for (const GridRows& rows : stream.rows) {
+  for (const GridRows& rows : stream.rows.at_hand()) {
     const double begin = 1e-9 * static_cast<double>(grid.time_ns(rows.first_index));
     const double end = 1e-9 * static_cast<double>(grid.time_ns(rows.first_index + rows.rows - 1));
     if (end < first_s - reach_s || begin > end_s + reach_s) {
