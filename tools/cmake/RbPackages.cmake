@@ -3,6 +3,7 @@
 #   roadbalance-node    rb-node with its unit, the front-end board's udev rule
 #   roadbalance-host    recorder, analyser, list of recordings and page with their units
 #   roadbalance-tools   rb, and vehicle files to begin with
+#   roadbalance-cluster rb-mpi, where it was built: of its own, for no car needs MPI and ssh
 #
 # What belongs to which is said where it is built (rb_program(... PACKAGE name), rb_unit).
 
@@ -12,6 +13,9 @@ set(CPACK_PACKAGE_VENDOR roadbalance)
 set(CPACK_PACKAGE_CONTACT "roadbalance <maintainers@roadbalance.invalid>")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_COMPONENTS_ALL node host tools)
+if(RB_WITH_MPI)
+  list(APPEND CPACK_COMPONENTS_ALL cluster)
+endif()
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_STRIP_FILES TRUE)
 set(CPACK_DEB_COMPONENT_INSTALL TRUE)
@@ -29,13 +33,17 @@ spectra, coherence, the unbalance of each wheel and the weights to clip on.")
 set(CPACK_DEBIAN_TOOLS_DESCRIPTION "balances wheels on the moving car: the command line
 Proves recordings complete, identifies tyres and unbalances, exports and reports;
 a simulated car to try all of it.")
+set(CPACK_DEBIAN_CLUSTER_DESCRIPTION "balances wheels on the moving car: over a cluster
+Identifies a car from hundreds of recorded drives, and repeats studies over many
+seeds, on all machines that mpirun begins it on.")
+set(CPACK_DEBIAN_CLUSTER_PACKAGE_DEPENDS openmpi-bin) # mpirun
 set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS TRUE)
 set(CPACK_COMPONENT_HOST_DEPENDS tools) # the jobs of its page call rb
 set(CPACK_DEBIAN_NODE_PACKAGE_RECOMMENDS roadbalance-tools)
 set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "roadbalance-node, roadbalance-host") # rb demo starts them
 
-foreach(package IN ITEMS NODE HOST TOOLS)
-  string(TOLOWER ${package} component)
+foreach(component IN LISTS CPACK_COMPONENTS_ALL)
+  string(TOUPPER ${component} package)
   set(scripts ${PROJECT_SOURCE_DIR}/tools/packages/${component})
   if(IS_DIRECTORY ${scripts})
     set(CPACK_DEBIAN_${package}_PACKAGE_CONTROL_EXTRA ${scripts}/postinst ${scripts}/prerm ${scripts}/postrm)

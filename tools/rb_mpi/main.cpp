@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <exception>
 
+#include "common/command_line/manual.hpp"
 #include "common/config/section.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/identify_many.hpp"
@@ -22,6 +23,12 @@ int run(int argc, char** argv) {
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   add_study_over(app, code, run_campaign_on_cluster, 1, rank == 0);
   add_identify_over(app, code, share_on_cluster, 1, rank == 0);
+  app.footer(
+      "Results are those of rb, bit for bit.  Exit codes: 0 done, 1 the answer is no, 2 usage or "
+      "configuration, 3 incomplete but every gap declared, 4 cannot read or write.\n"
+      "Begun by mpirun, on machines that see the recordings at the same paths:\n"
+      "  mpirun -n 8 --hostfile machines rb-mpi identify /srv/drives");
+  add_manual(app);
   try {
     app.parse(argc, argv);
     return code;

@@ -9,7 +9,8 @@ import unittest
 
 BIN = pathlib.Path(os.environ["RB_BIN"])
 MANUAL = BIN.parent / "manual"
-PROGRAMS = ("rb", "rb-analyser", "rb-node", "rb-recorder", "rb-recordings", "rb-web")
+# rb-mpi is built where there is MPI.
+PROGRAMS = ("rb", "rb-analyser", "rb-node", "rb-recorder", "rb-recordings", "rb-web") + (("rb-mpi",) if (BIN / "rb-mpi").exists() else ())
 
 
 def run(*words):
