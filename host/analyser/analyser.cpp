@@ -14,6 +14,11 @@
 #include "host/analyser/recorded_vehicle.hpp"
 
 namespace roadbalance {
+namespace {
+
+constexpr std::size_t kMostAcks = 256;  // five a second of a node
+
+}  // namespace
 
 VehicleByCrc vehicle_files_of(const AnalyserOptions& options) {
   return options.vehicle.empty() ? VehicleByCrc() : vehicle_files_in(folder_of(options.vehicle));
@@ -31,10 +36,12 @@ void run_analyser(std::stop_token stop, const AnalyserOptions& wanted) {
 
   Parallel processes;
   const std::stop_callback pass_on(stop, [&] { processes.request_stop(); });
-  processes.run(live_view, options.url, *vehicle, vehicle_files_of(options), std::cref(options.on_warning));
+  auto [acks_out, acks_in] = make_channel<Ack>(kMostAcks);
+  processes.run(live_view, options.url, *vehicle, vehicle_files_of(options), std::cref(options.on_warning),
+                std::move(acks_out));
   auto [before_out, before_in] = make_channel<BalancedDrive>(1);
-  processes.run([&, before = std::move(before_in)](std::stop_token stop_here) mutable {
-    follow_record(stop_here, options, *vehicle, std::move(before));
+  processes.run([&, before = std::move(before_in), acks = std::move(acks_in)](std::stop_token here) mutable {
+    follow_record(here, options, *vehicle, std::move(before), std::move(acks));
     processes.request_stop();
   });
   if (!options.before.empty())

@@ -32,18 +32,17 @@ constexpr int kFarewells = 3;
 
 class Follower {
  public:
-  Follower(const AnalyserOptions& options, const VehicleConfig& vehicle, In<BalancedDrive> before)
+  Follower(const AnalyserOptions& options, const VehicleConfig& vehicle, In<BalancedDrive> before,
+           In<Ack> acks)
       : bus_(options.url),
         reader_(options.record),
         before_name_(options.before.string()),
         before_in_(std::move(before)),
+        acks_(std::move(acks)),
         after_{.name = "", .vehicle = vehicle, .balance = {}, .compensation = {}},
         estimator_(vehicle),
         orders_(vehicle) {
     for (const auto& node : vehicle.node) running_[node.id] = true;
-    bus_.subscribe("RB_ACK_.*", [this](std::string_view, std::span<const std::uint8_t> bytes) {
-      if (const auto ack = decode_ack(bytes)) gate_.acknowledge(*ack, WallClock::now());
-    });
   }
 
   /// True if the newest epoch of every node has its end and the record holds nothing more.
@@ -54,7 +53,7 @@ class Follower {
 
   /// Waits a moment for acknowledgements, then consumes what is durable.
   void step(const std::stop_token& stop) {
-    bus_.handle(kRecordPoll);
+    take_acks(kRecordPoll);
     while (!stop.stop_requested() && !(caught_up_ = !take())) publish_news();
     if (WallClock::now() - published_ > kRepeat) publish();
     if (WallClock::now() - orders_published_ > kRepeat) publish_orders();
@@ -81,6 +80,12 @@ class Follower {
   }
 
  private:
+  /// Waits up to `timeout` for one, then takes all that have come.
+  void take_acks(std::chrono::milliseconds timeout) {
+    for (auto ack = acks_.receive_for(timeout); ack; ack = acks_.receive_for(std::chrono::milliseconds(0)))
+      gate_.acknowledge(*ack, WallClock::now());
+  }
+
   void publish_remarks(const DriveEstimate& estimate) {
     std::vector<std::string> sentences = remarks(estimate.identification, estimate.balance);
     if (std::string obstacle = estimator_.obstacle(); !obstacle.empty())
@@ -143,14 +148,15 @@ class Follower {
     if (std::exchange(version_, estimator_.version()) != version_) publish();
     // A long record must not keep acknowledgements waiting.
     if (++taken_ % 256 != 0) return;
-    bus_.handle(std::chrono::milliseconds(0));
+    take_acks(std::chrono::milliseconds(0));
     if (WallClock::now() - orders_published_ > kRepeat) publish_orders();
   }
 
-  Bus bus_;
+  Bus bus_;  ///< speaks only: who hears the bus hears all blocks, whatever he asks for
   RecordReader reader_;
   const std::string before_name_;
   In<BalancedDrive> before_in_;
+  In<Ack> acks_;
   std::optional<BalancedDrive> before_;
   BalancedDrive after_;  ///< this drive so far
   DriveEstimator estimator_;
@@ -171,8 +177,8 @@ class Follower {
 }  // namespace
 
 void follow_record(std::stop_token stop, const AnalyserOptions& options, const VehicleConfig& vehicle,
-                   In<BalancedDrive> before) {
-  Follower follower(options, vehicle, std::move(before));
+                   In<BalancedDrive> before, In<Ack> acks) {
+  Follower follower(options, vehicle, std::move(before), std::move(acks));
   while (!stop.stop_requested() && !(follower.ended() && options.exit_at_end && options.may_exit()))
     follower.step(stop);
   for (int i = 0; i < kFarewells && follower.ended(); ++i) {

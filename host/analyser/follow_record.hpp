@@ -3,6 +3,7 @@
 #include <chrono>
 #include <stop_token>
 
+#include "common/bus/control.hpp"
 #include "common/config/vehicle_config.hpp"
 #include "common/process/channel.hpp"
 #include "host/analyser/analyser.hpp"
@@ -23,7 +24,8 @@ inline constexpr std::chrono::milliseconds kRecordPoll{50};
 /// orders once a second.
 ///
 /// @param before  brings what the drive before told, if options name one: then it is compared with this one
+/// @param acks    brings the recorder's acknowledgements
 void follow_record(std::stop_token stop, const AnalyserOptions& options, const VehicleConfig& vehicle,
-                   In<BalancedDrive> before);
+                   In<BalancedDrive> before, In<Ack> acks);
 
 }  // namespace roadbalance

@@ -13,6 +13,7 @@
 #include "common/bus/recorder_status.hpp"
 #include "common/clock/clocks.hpp"
 #include "common/config/vehicle_config.hpp"
+#include "common/process/channel.hpp"
 #include "common/process/parallel.hpp"
 #include "host/analyser/live_view.hpp"
 
@@ -76,7 +77,7 @@ void follow_recordings(std::stop_token stop, const std::filesystem::path& record
   std::optional<Parallel> first_view;
   if (vehicle)
     first_view.emplace().run(live_view, options.url, *vehicle, vehicle_files_of(options),
-                             std::cref(options.on_warning));
+                             std::cref(options.on_warning), make_channel<Ack>(1).first);
   while (!stop.stop_requested()) {
     listener.listen();
     if (first_view && first_view->stop_token().stop_requested()) first_view->wait();  // says why

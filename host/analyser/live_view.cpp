@@ -79,7 +79,7 @@ struct NodeView {
 class LiveView {
  public:
   LiveView(const std::string& url, const VehicleConfig& vehicle, const VehicleByCrc& find,
-           const std::function<void(const std::string&)>& warn)
+           const std::function<void(const std::string&)>& warn, Out<Ack>& acks)
       : bus_(url),
         watch_(vehicle),
         transfers_(vehicle),
@@ -99,6 +99,9 @@ class LiveView {
     });
     bus_.subscribe("RB_SETUP_.*", [this](std::string_view, std::span<const std::uint8_t> bytes) {
       if (const auto setup = decode_setup(bytes)) chosen_.take(*setup, WallClock::now());
+    });
+    bus_.subscribe("RB_ACK_.*", [&acks](std::string_view, std::span<const std::uint8_t> bytes) {
+      if (const auto ack = decode_ack(bytes)) acks.try_send(*ack);
     });
     bus_.subscribe(kViewChannel, [this](std::string_view, std::span<const std::uint8_t> bytes) {
       if (const auto view = decode_view(bytes)) add(*view);
@@ -193,13 +196,13 @@ class LiveView {
 }  // namespace
 
 void live_view(std::stop_token stop, const std::string& url, const VehicleConfig& vehicle,
-               const VehicleByCrc& find, const std::function<void(const std::string&)>& warn) {
-  std::optional<LiveView> view(std::in_place, url, vehicle, find, warn);
+               const VehicleByCrc& find, const std::function<void(const std::string&)>& warn, Out<Ack> acks) {
+  std::optional<LiveView> view(std::in_place, url, vehicle, find, warn, acks);
   while (!stop.stop_requested()) {
     view->step();
     for (const std::string& sentence : view->other_versions()) warn(sentence);
     // Who wants to see something says so again within a second.
-    if (const auto other = view->other_vehicle()) view.emplace(url, *other, find, warn);
+    if (const auto other = view->other_vehicle()) view.emplace(url, *other, find, warn, acks);
   }
 }
 

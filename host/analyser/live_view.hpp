@@ -4,7 +4,9 @@
 #include <stop_token>
 #include <string>
 
+#include "common/bus/control.hpp"
 #include "common/config/vehicle_config.hpp"
+#include "common/process/channel.hpp"
 #include "host/analyser/chosen_vehicle.hpp"
 
 namespace roadbalance {
@@ -18,7 +20,8 @@ namespace roadbalance {
 /// another vehicle.toml it goes by that (ChosenVehicle).
 /// @param find  may be empty: it always goes by `vehicle`
 /// @param warn  hears who is of another version of the wire
+/// @param acks  gets the recorder's acknowledgements, which come again, as far as there is room
 void live_view(std::stop_token stop, const std::string& url, const VehicleConfig& vehicle,
-               const VehicleByCrc& find, const std::function<void(const std::string&)>& warn);
+               const VehicleByCrc& find, const std::function<void(const std::string&)>& warn, Out<Ack> acks);
 
 }  // namespace roadbalance

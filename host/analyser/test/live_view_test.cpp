@@ -21,7 +21,10 @@ using test::car, test::kFront, test::kRear;
 
 TEST(LiveView, TellsATransferFunctionToWhoAsksForItOnTheBus) {
   const std::string url = test::bus_url();
-  std::jthread process([&](const std::stop_token& stop) { live_view(stop, url, car(), {}, [](const auto&) {}); });
+  std::jthread process([&](const std::stop_token& stop) {
+    live_view(
+        stop, url, car(), {}, [](const auto&) {}, make_channel<Ack>(1).first);
+  });
   Bus bus(url);
   std::optional<TransferPart> told;
   bool levels = false;

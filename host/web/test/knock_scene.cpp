@@ -123,7 +123,10 @@ int main(int argc, char** argv) {
     return 2;
   }
   const VehicleConfig car = VehicleConfig::read_file(test::source_path("sim/demo/vehicle.toml"));
-  std::jthread view([&](const std::stop_token& stop) { live_view(stop, argv[1], car, {}, [](const auto&) {}); });
+  std::jthread view([&](const std::stop_token& stop) {
+    live_view(
+        stop, argv[1], car, {}, [](const auto&) {}, make_channel<Ack>(1).first);
+  });
   const auto hammer = std::make_shared<Hammer>();
   std::thread([hammer] {  // it waits for who never may type more: it ends with the program
     std::int32_t node = 0;

@@ -121,7 +121,10 @@ int main(int argc, char** argv) {
     return 2;
   }
   const VehicleConfig car = VehicleConfig::read_file(test::source_path("sim/demo/vehicle.toml"));
-  std::jthread view([&](const std::stop_token& stop) { live_view(stop, argv[1], car, {}, [](const auto&) {}); });
+  std::jthread view([&](const std::stop_token& stop) {
+    live_view(
+        stop, argv[1], car, {}, [](const auto&) {}, make_channel<Ack>(1).first);
+  });
   Bus bus(argv[1]);
   SealedBlock sealed;
   const auto begin = MachineClock::now();
