@@ -27,11 +27,11 @@ class Row:
 
     @staticmethod
     def head():
-        return f'{"what":28}{"ours":>9} {"unit":13}{"peer":32}{"its":>9}{"ratio":>8}  asked'
+        return f'{"what":36}{"ours":>9} {"unit":13}{"peer":32}{"its":>9}{"ratio":>8}  asked'
 
     def line(self):
         asked = "" if self.sign is None else f'{self.sign} {self.bound:g} {"met" if self.met() else "MISSED"}'
-        return (f"{self.name:28}{self.ours:9.3g} {self.unit:13}{self.peer:32}{self.peers:9.3g}{self.ratio:8.2f}"
+        return (f"{self.name:36}{self.ours:9.3g} {self.unit:13}{self.peer:32}{self.peers:9.3g}{self.ratio:8.2f}"
                 f"  {asked}").rstrip()
 
     def told(self):
