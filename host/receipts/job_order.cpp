@@ -39,6 +39,10 @@ bool is_rate(std::string_view text) {
   return value && *value > 0.0 && *value <= 1e6;
 }
 
+bool is_yes(std::string_view text) {
+  return text == "yes";
+}
+
 struct Key {
   std::string_view name;
   bool (*is_allowed)(std::string_view);
@@ -53,6 +57,7 @@ constexpr std::array kKeys{
     Key{"from-mark", is_mark, "the number of a mark"},
     Key{"to-mark", is_mark, "the number of a mark"},
     Key{"rate", is_rate, "samples a second"},
+    Key{"complete", is_yes, "yes"},
 };
 
 /// Why not; empty: it was taken.

@@ -16,7 +16,7 @@ struct JobOrder {
 };
 
 /// Keys: before (a recording), format, channels (names, with commas between), from and to (seconds),
-/// from-mark and to-mark (numbers of marks), rate (Hz).
+/// from-mark and to-mark (numbers of marks), rate (Hz), complete (yes).
 /// @return the order, or why there is none, for people
 std::variant<JobOrder, std::string> parse_job_order(std::string_view text);
 

@@ -8,8 +8,10 @@
 namespace roadbalance {
 namespace {
 
+constexpr std::string_view kComplete = "complete";
+
 using Keys = std::span<const std::string_view>;
-constexpr std::array<std::string_view, 1> kOfReport{"before"};
+constexpr std::array<std::string_view, 2> kOfReport{"before", kComplete};
 constexpr std::array<std::string_view, 4> kOfExport{"format", "from", "to", "channels"};
 constexpr std::array<std::string_view, 5> kOfSelect{"from", "to", "from-mark", "to-mark", "channels"};
 constexpr std::array<std::string_view, 1> kOfReduce{"rate"};
@@ -63,6 +65,10 @@ double share_of_rate(const JobOrder& order, const RecordingReceipt& recording) {
   return rate_hz > 0.0 ? std::clamp(number_in(order, "rate", rate_hz) / rate_hz, 0.0, 1.0) : 1.0;
 }
 
+bool is_complete(const JobOrder& order) {
+  return order.option.contains(std::string(kComplete));
+}
+
 /// How often the recording is read, parts of it by what they are.
 double readings(const JobLine& line, const JobOrder& order, const RecordingReceipt& recording) {
   switch (line.kind) {
@@ -70,7 +76,7 @@ double readings(const JobLine& line, const JobOrder& order, const RecordingRecei
     case JobKind::kIdentify:
       return 1.0;
     case JobKind::kReport:
-      return 3.0;
+      return is_complete(order) ? 5.0 : 3.0;
     case JobKind::kExport:  // once to know what is there, once for each node
       return 1.0 + static_cast<double>(std::max<std::size_t>(1, recording.node.size()));
     case JobKind::kSelect:  // to know what is there, to copy, and what was copied to prove it
@@ -91,6 +97,10 @@ std::optional<JobLine> job_line(JobKind kind) {
   return *line;
 }
 
+JobOutcome outcome_of(const JobLine& line, const JobOrder& order) {
+  return is_complete(order) ? JobOutcome::kFile : line.outcome;
+}
+
 std::string fault_of_order(const JobLine& line, const JobOrder& order) {
   for (const auto& [key, value] : order.option)
     if (std::ranges::find(line.options, key) == line.options.end())
@@ -108,6 +118,7 @@ ResultName result_name(const JobLine& line, const JobOrder& order) {
   if (line.kind == JobKind::kReduce) return {order.recording + "-reduced-" + order.option.at("rate") + "Hz"};
   if (line.kind == JobKind::kExport)
     return {order.recording, std::string(extension_of(order.option.at("format")))};
+  if (line.kind == JobKind::kReport) return {order.recording + "-report", ".html"};
   return {order.recording};
 }
 
@@ -124,7 +135,10 @@ std::vector<std::string> job_arguments(const JobLine& line, const JobOrder& orde
   if (!before.empty()) arguments.insert(arguments.end(), {"--before", before.string()});
   // In one word: no value can be taken for an option.
   for (const auto& [key, value] : order.option)
-    if (key != "before") arguments.push_back("--" + key + "=" + value);
+    if (key == kComplete)
+      arguments.push_back("--" + key);
+    else if (key != "before")
+      arguments.push_back("--" + key + "=" + value);
   if (line.outcome == JobOutcome::kCopy)
     arguments.insert(arguments.end(), {"--to", to.string()});
   else if (line.outcome != JobOutcome::kText)

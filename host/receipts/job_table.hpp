@@ -27,13 +27,16 @@ enum class JobOutcome {
 struct JobLine {
   JobKind kind;
   const char* command;
-  JobOutcome outcome;
+  JobOutcome outcome;                         ///< unless the order says otherwise
   std::span<const std::string_view> options;  ///< keys that an order may have
   std::string_view needed;                    ///< the one that it must have; empty: none
 };
 
 /// Nothing: there is no such job.
 std::optional<JobLine> job_line(JobKind kind);
+
+/// The account of the whole drive is too long to be told part by part: of that order a file is made.
+JobOutcome outcome_of(const JobLine& line, const JobOrder& order);
 
 /// Why these options are none of this job's; empty: they are.
 std::string fault_of_order(const JobLine& line, const JobOrder& order);

@@ -63,7 +63,7 @@ Answer Jobs::begin(const Request& request, const std::vector<ListedRecording>& k
     return reply_to(request, AnswerState::kRefused, reason, std::move(why), now.utc_us);
   };
   const bool is_kind = request.value[0] >= 1 && request.value[0] <= kMostKinds;
-  const auto line = job_line(static_cast<JobKind>(is_kind ? static_cast<int>(request.value[0]) : 0));
+  auto line = job_line(static_cast<JobKind>(is_kind ? static_cast<int>(request.value[0]) : 0));
   if (!line) return refused(RefusalReason::kNotSupported, "rb-recordings does not know this job");
   const auto parsed = parse_job_order(request.text);
   if (const auto* why = std::get_if<std::string>(&parsed)) return refused(RefusalReason::kBadArgument, *why);
@@ -73,6 +73,7 @@ Answer Jobs::begin(const Request& request, const std::vector<ListedRecording>& k
     return refused(RefusalReason::kBadArgument, "there is no recording " + in_quotes(order.recording));
   if (const std::string why = fault_of_order(*line, order); !why.empty())
     return refused(RefusalReason::kBadArgument, why);
+  line->outcome = outcome_of(*line, order);
   const auto compared = order.option.find("before");
   const ListedRecording* before = compared == order.option.end() ? nullptr : named(compared->second, known);
   if (compared != order.option.end() && (before == nullptr || before == recording))
@@ -229,8 +230,10 @@ void Jobs::take_document(Entry& entry) const {
 void Jobs::read_book() {
   for (BookedJob& booked : book_.read()) {
     Job& job = booked.job;
-    const auto line = job_line(job.kind);
+    auto line = job_line(job.kind);
     if (!line) continue;
+    if (const auto order = parse_job_order(job.recording + "/" + job.options); order.index() == 0)
+      line->outcome = outcome_of(*line, std::get<JobOrder>(order));
     job.place = static_cast<std::int32_t>(entry_.size());
     if (job.state == JobState::kRunning || job.state == JobState::kHeld) {
       const bool is_made = !booked.result.empty() && std::filesystem::exists(booked.result);

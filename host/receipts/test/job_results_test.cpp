@@ -21,6 +21,8 @@ TEST_F(JobsTest, WhatAJobMakesGetsAFreeNameAmongTheResults) {
   EXPECT_EQ(made(JobKind::kReduce, "first/rate=500"),
             (results / "first-reduced-500Hz").string() + ", 0.0 MB");
   EXPECT_EQ(made(JobKind::kExport, "first/format=hdf5"), (results / "first.h5").string() + ", 0.0 MB");
+  EXPECT_EQ(made(JobKind::kReport, "first/complete=yes"),
+            (results / "first-report.html").string() + ", 0.0 MB");
   // What another has left half made there is not touched, and neither is what a recording is called.
   std::ofstream(results / "second.csv.part") << "half";
   known.push_back({{.name = "second-selected", .vehicle = ""}, folder.path() / "second-selected"});
@@ -39,6 +41,20 @@ TEST_F(JobsTest, ACandumpLogComesWithTheFileThatTellsWhatItsFramesMean) {
                                               "]\n[--format=candump]\n[--output]\n[" +
                                               (results / "first-2.log").string() + "]\n[--dbc]\n[" +
                                               (results / "first-2.dbc").string() + "]\n");
+}
+
+/// The one page is told part by part; the account of the whole drive is too long for that.
+TEST_F(JobsTest, ACompleteReportIsAFileAmongTheResults) {
+  rb_does("for word; do echo \"[$word]\"; done");
+  ask(JobKind::kReport, "second/before=first/complete=yes");
+  const Job job = until(JobState::kDone);
+  EXPECT_EQ(job.document_kind, DocumentKind::kText);
+  EXPECT_EQ(joined(jobs.said(), job.job), "[report]\n[" + (folder.path() / "second").string() +
+                                              "]\n[--before]\n[" + (folder.path() / "first").string() +
+                                              "]\n[--complete]\n[--output]\n[" +
+                                              (results / "second-report.html").string() + "]\n");
+  EXPECT_EQ(ask(JobKind::kReport, "second/complete=no").reason, RefusalReason::kBadArgument);
+  EXPECT_EQ(ask(JobKind::kVerify, "second/complete=yes").reason, RefusalReason::kBadArgument);
 }
 
 TEST_F(JobsTest, OptionsReachTheCommandInOneWordEach) {

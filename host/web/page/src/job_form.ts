@@ -38,6 +38,9 @@ class Choice {
   }
 }
 
+/** The first is what nobody need say. */
+const kExtents = [["", "one page: balance and proof"], ["yes", "complete account of the drive"]] as const;
+
 const kAnother = "another";
 
 /** A mark among those that are told, or any other by its number. */
@@ -78,6 +81,8 @@ export class JobFields {
   readonly element: HTMLElement;
   private readonly format = new Choice("");
   private readonly rate = new Choice("");
+  private readonly extent = new Choice("");
+  private readonly before = new Choice("nothing");
   private readonly from = secondsField("the beginning");
   private readonly to = secondsField("the end");
   private readonly fromMark = new MarkChoice("counted from");
@@ -87,11 +92,13 @@ export class JobFields {
 
   constructor(private readonly form: JobForm) {
     this.format.offer(kFormats);
+    this.extent.offer(kExtents);
     const times = form === "select"
       ? [labelled("From, s", this.from), ...this.fromMark.elements, labelled("To, s", this.to), ...this.toMark.elements]
       : [labelled("From, s", this.from), labelled("To, s", this.to)];
     const names = labelled("Channels or nodes, with commas between", this.channels);
     const fields = {
+      report: [labelled("What", this.extent.element), labelled("Compared with", this.before.element)],
       export: [labelled("Format", this.format.element), ...times, names], select: [...times, names],
       reduce: [labelled("Samples a second", this.rate.element)], transfer: [],
     };
@@ -99,8 +106,10 @@ export class JobFields {
   }
 
   /** @param transferTo  empty: nothing may be transferred
+      @param others  recordings that it can be compared with
       @return it can begin */
-  draw(recording: Recording, transferTo: string): boolean {
+  draw(recording: Recording, transferTo: string, others: readonly string[]): boolean {
+    this.before.offer(others.map((name) => [name, name] as const));
     this.fromMark.offer(recording);
     this.toMark.offer(recording);
     const factors = kFactors.filter((factor) => factor <= recording.most_reduction);
@@ -109,6 +118,7 @@ export class JobFields {
       return [hz, `${hz} Hz: every ${factor}${["nd", "rd"][factor - 2] ?? "th"}`] as const;
     }));
     setText(this.words, {
+      report: "One page comes here, to save and print. The complete account becomes a file beside the recording's other results; any browser prints it, or makes a PDF of it.",
       export: "Writes a file beside the recording's other results; the recording stays as it is.",
       select: "Makes a recording of a part, sample for sample the same; this one stays as it is.",
       reduce: reduceWords(recording, factors.length > 0),
@@ -123,6 +133,7 @@ export class JobFields {
     const times = [["from", this.from.value], ["from-mark", this.fromMark.value], ["to", this.to.value], ["to-mark", this.toMark.value]] as const;
     const names = this.channels.value.split(",").map((name) => name.trim()).filter((name) => name !== "").join(",");
     const all: Readonly<Record<JobForm, readonly (readonly [string, string])[]>> = {
+      report: [["before", this.before.element.value], ["complete", this.extent.element.value]],
       export: [["format", this.format.element.value], ...times.filter(([key]) => !key.endsWith("mark")), ["channels", names]],
       select: [...times, ["channels", names]],
       reduce: [["rate", this.rate.element.value]],

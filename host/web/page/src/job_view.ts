@@ -95,8 +95,8 @@ class Panel {
     setAttributes(this.button, {"aria-expanded": String(isOpen)});
   }
 
-  draw(recording: Recording, transferTo: string, mayBegin: boolean): void {
-    const can = this.fields.draw(recording, transferTo);
+  draw(recording: Recording, transferTo: string, others: readonly string[], mayBegin: boolean): void {
+    const can = this.fields.draw(recording, transferTo, others);
     this.begin.disabled = !can || !mayBegin;
   }
 }
@@ -108,12 +108,9 @@ export class JobView {
   private readonly panels: Panel[] = [];
   private readonly rows: JobRow[] = [];
   private readonly rowList = el("div");
-  private readonly before = el("select");
-  private readonly compare = el("label", {}, ["Report compared with ", this.before]);
   private readonly says = el("p", {role: "status"});
   private readonly controls = el("div", {class: "controls"});
   private recording = "";
-  private offered = "";
   private asked = 0;
 
   constructor(private readonly car: Car, private readonly asker: Asker) {
@@ -124,11 +121,11 @@ export class JobView {
         this.panels.push(panel);
         button.onclick = () => this.open(panel);
       } else {
-        button.onclick = () => this.ask(line, line.takesBefore && this.before.value !== "" ? `/before=${this.before.value}` : "");
+        button.onclick = () => this.ask(line, "");
       }
       return button;
     });
-    this.controls.append(...this.buttons, this.compare);
+    this.controls.append(...this.buttons);
     this.element = el("div", {class: "jobs"}, [this.controls, ...this.panels.map(({element}) => element), this.says, this.rowList]);
   }
 
@@ -136,7 +133,6 @@ export class JobView {
   draw(recording: Recording, isFinished: boolean, others: readonly string[], isFree: boolean, nowMs: number): void {
     this.recording = untilZero(recording.name);
     this.controls.hidden = !isFinished;
-    this.offer(others);
     const messages = [...this.car.jobs.values()].map(({message}) => message);
     const jobs = messages.filter(({jobs: count}) => count > 0);
     const transferTo = untilZero(messages[0]?.transfer_to ?? []);
@@ -145,7 +141,7 @@ export class JobView {
     this.buttons.forEach((button, k) => button.disabled = kJobs[k]?.form ? !this.asker.mayAsk() : !mayBegin);
     for (const panel of this.panels) {
       if (!isFinished) panel.show(false);
-      panel.draw(recording, transferTo, mayBegin);
+      panel.draw(recording, transferTo, others, mayBegin);
     }
     this.drawRows(jobs.filter((job) => untilZero(job.recording) === this.recording), mayBegin);
     const mine = this.asker.isNewest(Operation.Job, this.asked);
@@ -192,15 +188,5 @@ export class JobView {
   private askAgain(job: Job): void {
     const options = untilZero(job.options);
     this.asked = this.asker.ask(Operation.Job, {value: [job.kind], text: this.recording + (options === "" ? "" : `/${options}`)});
-  }
-
-  private offer(others: readonly string[]): void {
-    this.compare.hidden = others.length === 0;
-    const offered = [this.recording, ...others].join("/");
-    if (offered === this.offered) return;
-    this.offered = offered;
-    const chosen = this.before.value;
-    this.before.replaceChildren(el("option", {value: ""}, ["none"]), ...others.map((name) => el("option", {value: name}, [name])));
-    this.before.value = others.includes(chosen) ? chosen : "";
   }
 }

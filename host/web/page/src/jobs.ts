@@ -3,14 +3,12 @@ import {utf8} from "./text";
 import {JobKind, JobState, type Document as DocumentPart, type Job} from "./wire";
 import {duration, localTime} from "./words";
 
-export type JobForm = "export" | "select" | "reduce" | "transfer";
+export type JobForm = "report" | "export" | "select" | "reduce" | "transfer";
 
 export interface JobLine {
   readonly kind: JobKind;
   readonly button: string;
   readonly does: string;
-  /** It may be compared with another recording. */
-  readonly takesBefore: boolean;
   /** Its button opens what it needs to know first. */
   readonly form?: JobForm;
   /** What beginning it again does. */
@@ -19,13 +17,13 @@ export interface JobLine {
 
 /** A line makes one more button. */
 export const kJobs: readonly JobLine[] = [
-  {kind: JobKind.Verify, button: "Verify", does: "Proof that it is complete", takesBefore: false},
-  {kind: JobKind.Identify, button: "Identify", does: "Balance of its drive", takesBefore: false},
-  {kind: JobKind.Report, button: "Report", does: "Report of its drive", takesBefore: true},
-  {kind: JobKind.Export, button: "Export", does: "File for another program", takesBefore: false, form: "export", again: "Begin anew"},
-  {kind: JobKind.Select, button: "Select", does: "Recording of a part of it", takesBefore: false, form: "select", again: "Begin anew"},
-  {kind: JobKind.Reduce, button: "Reduce", does: "Recording of fewer samples a second", takesBefore: false, form: "reduce", again: "Begin anew"},
-  {kind: JobKind.Transfer, button: "Transfer", does: "Copy on another disk", takesBefore: false, form: "transfer", again: "Resume"},
+  {kind: JobKind.Verify, button: "Verify", does: "Proof that it is complete"},
+  {kind: JobKind.Identify, button: "Identify", does: "Balance of its drive"},
+  {kind: JobKind.Report, button: "Report", does: "Report of its drive", form: "report", again: "Begin anew"},
+  {kind: JobKind.Export, button: "Export", does: "File for another program", form: "export", again: "Begin anew"},
+  {kind: JobKind.Select, button: "Select", does: "Recording of a part of it", form: "select", again: "Begin anew"},
+  {kind: JobKind.Reduce, button: "Reduce", does: "Recording of fewer samples a second", form: "reduce", again: "Begin anew"},
+  {kind: JobKind.Transfer, button: "Transfer", does: "Copy on another disk", form: "transfer", again: "Resume"},
 ];
 
 /** As rb export calls them. */
@@ -50,7 +48,7 @@ export function optionWords(options: string): string {
     const found = value.get(key);
     return found === undefined ? [] : [words(found)];
   };
-  return [...of("before", (name) => `compared with “${name}”`), ...of("format", (name) => name), ...of("rate", (hz) => `${hz} Hz`),
+  return [...of("complete", () => "complete account"), ...of("before", (name) => `compared with “${name}”`), ...of("format", (name) => name), ...of("rate", (hz) => `${hz} Hz`),
           ...end("from"), ...end("to"), ...of("channels", (names) => `channels ${names}`)].join(", ");
 }
 

@@ -203,7 +203,7 @@ test("lists recordings with their receipts, and can delete none", async (t) => {
   assert.match(said, /drive-2 DAMAGED .* 2 blocks with a wrong CRC/);
   assert.equal(await page.locator("#recordings a").count(), 0);
   assert.deepEqual([...new Set(await page.locator("#recordings button").allTextContents())].sort(),
-                   ["Begin: export", "Begin: reduce", "Begin: select", "Begin: transfer", "Export", "Identify", "Reduce", "Report", "Select",
+                   ["Begin: export", "Begin: reduce", "Begin: report", "Begin: select", "Begin: transfer", "Export", "Identify", "Reduce", "Report", "Select",
                     "Transfer", "Verify"]);
 });
 

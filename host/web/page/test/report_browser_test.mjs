@@ -219,7 +219,7 @@ const areListed = (page, count) => page.waitForFunction((wanted) => [...document
   .filter(({innerText}) => /COMPLETE/.test(innerText)).length === wanted, count, {timeout: 60_000});
 const jobSays = (page, recording, job, words) => page.waitForFunction(([name, kind, wanted]) => {
   const card = [...document.querySelectorAll(".recording")].find((each) => each.querySelector("h3").textContent === name);
-  return new RegExp(wanted, "s").test(card?.querySelector(`.job[data-job="${kind}"]`)?.innerText ?? "");
+  return [...card?.querySelectorAll(`.job[data-job="${kind}"]`) ?? []].some(({innerText}) => new RegExp(wanted, "s").test(innerText));
 }, [recording, job, words], {timeout: 60_000});
 const card = (page, recording) => page.locator(".recording").filter({has: page.locator(`h3:text-is("${recording}")`)});
 
@@ -249,11 +249,16 @@ test("a recording is verified and identified from the page, by keyboard alone, i
 for (const [name, options] of [["dark", {colorScheme: "dark"}], ["light", {colorScheme: "light"}],
                                ["phone", {viewport: kPhone, hasTouch: true}]])
   test(`the report of two drives is made on the page and saved, ${name}`, async (t) => {
-    const {page} = await recordingsPage(t, folder, {acceptDownloads: true, ...options});
+    const results = mkdtempSync(join(tmpdir(), "rb-results-"));
+    t.after(() => rmSync(results, {recursive: true}));
+    const {page} = await recordingsPage(t, folder, {acceptDownloads: true, places: ["--results", results], ...options});
     await areListed(page, 2);
     const of = card(page, "second");
-    await of.locator(".controls select").selectOption("first");
     await of.locator("button[data-ask=Report]").click();
+    const form = of.locator("form[aria-label='Report of its drive']");
+    await form.getByLabel("Compared with").selectOption("first");
+    await picture(page, `report-form-${name}`);
+    await form.locator("button").click();
     await jobSays(page, "second", "Report", "compared with “first”: done");
     await of.locator("button[data-ask=Verify]").click();
     await jobSays(page, "second", "Verify", "done.*complete");
@@ -264,6 +269,15 @@ for (const [name, options] of [["dark", {colorScheme: "dark"}], ["light", {color
     const printed = join(folder, "printed.html");
     rb("report", second, "--before", first, "-o", printed);
     assert.equal(readFileSync(file, "utf8"), readFileSync(printed, "utf8"));
+    // The account of the whole drive: a file, the same as the command line's.
+    await of.locator("button[data-ask=Report]").click();
+    await form.getByLabel("What").selectOption("yes");
+    assert.deepEqual(await weakTexts(page), []);
+    await picture(page, `report-form-complete-${name}`);
+    await form.locator("button").click();
+    await jobSays(page, "second", "Report", `complete account, compared with “first”: done.*${results}/second-report.html, \\d+\\.\\d MB`);
+    rb("report", second, "--before", first, "--complete", "-o", printed);
+    assert.equal(readFileSync(join(results, "second-report.html"), "utf8"), readFileSync(printed, "utf8"));
     assert.deepEqual(await weakTexts(page), []);
     const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
     assert.ok(wide <= 0, `${wide} pixels too wide`);
