@@ -80,8 +80,8 @@ class Drive {
 class Looker {
   web = new MemoryTrend(kSettledMs);
   nodes = new MemoryTrend(kSettledMs);  // of its document, their number
-  heap = new MemoryTrend(kSettledMs, kFull ? 5 : 1);
-  renderer = new MemoryTrend(kSettledMs, kFull ? 5 : 1);
+  heap = new MemoryTrend(kSettledMs, kFull ? 5 : 2);  // scripts are compiled again now and then: 0.6 MiB for one look
+  renderer = new MemoryTrend(kSettledMs, kFull ? 5 : 2);
   page = new BarePage({width: 1366, height: 768});
   saidMs = -Infinity;
 
