@@ -31,23 +31,23 @@ EpochCheck::Epoch& EpochCheck::find_or_add(NodeEpoch key) {
 
 void EpochCheck::add(const SealedBlock& block) {
   Epoch& epoch = find_or_add({block.header.node, block.header.epoch});
-  Entry entry{.sequence = block.header.sequence,
-              .first_scan = block.header.first_scan,
-              .scans = block.header.scans,
-              .crc = crc_of(block),
-              .kind = block.kind,
-              .cause = GapCause::kRingFull};
+  BlockEntry entry{.sequence = block.header.sequence,
+                   .first_scan = block.header.first_scan,
+                   .scans = block.header.scans,
+                   .crc = crc_of(block),
+                   .kind = block.kind,
+                   .cause = GapCause::kRingFull};
   if (block.kind == BlockKind::kGap) entry.cause = decode_gap(block).cause;
   if (block.kind == BlockKind::kEnd) epoch.end = decode_end(block);
   if (block.kind == BlockKind::kScan && epoch.period_ps == 0) epoch.period_ps = decode_scan(block).period_ps;
-  epoch.entries.push_back(entry);
+  epoch.blocks.add(entry);
 }
 
-bool EpochCheck::covers_numbers_before(const Entry& entry) {
+bool EpochCheck::covers_numbers_before(const BlockEntry& entry) {
   return entry.kind == BlockKind::kGap && stands_for_lost_blocks(entry.cause);
 }
 
-void EpochCheck::check_sequence(const Entry& entry, const Entry* before, VerifiedEpoch& result) {
+void EpochCheck::check_sequence(const BlockEntry& entry, const BlockEntry* before, VerifiedEpoch& result) {
   if (before && entry.sequence == before->sequence)
     ++(entry.crc == before->crc ? result.repeated_blocks : result.contradicting_blocks);
   if (entry.sequence > result.last_sequence + 1 && !covers_numbers_before(entry))
@@ -56,7 +56,7 @@ void EpochCheck::check_sequence(const Entry& entry, const Entry* before, Verifie
 }
 
 // The second, independent proof: scan indices run on from block to block and gap to gap.
-void EpochCheck::check_scans(const Entry& entry, std::int64_t& next_scan, VerifiedEpoch& result) {
+void EpochCheck::check_scans(const BlockEntry& entry, std::int64_t& next_scan, VerifiedEpoch& result) {
   const bool has_scans = entry.kind == BlockKind::kScan || entry.kind == BlockKind::kGap;
   if (!has_scans && entry.kind != BlockKind::kEnd) return;
   const bool unknown = next_scan == kUnknownScan;
@@ -68,7 +68,7 @@ void EpochCheck::check_scans(const Entry& entry, std::int64_t& next_scan, Verifi
 }
 
 // Of several gaps in a row none is known to be without scans unless the next one bears none either.
-void EpochCheck::prove_without_scans(const Entry& entry, VerifiedEpoch& result) {
+void EpochCheck::prove_without_scans(const BlockEntry& entry, VerifiedEpoch& result) {
   if (entry.kind != BlockKind::kScan && entry.kind != BlockKind::kEnd) return;
   for (auto gap = result.gaps.rbegin(); gap != result.gaps.rend(); ++gap) {
     if (gap->scans > 0 || gap->has_no_scans || gap->cause == GapCause::kNodeCrash) return;
@@ -77,7 +77,7 @@ void EpochCheck::prove_without_scans(const Entry& entry, VerifiedEpoch& result) 
   }
 }
 
-void EpochCheck::count(const Entry& entry, std::int64_t first_block, VerifiedEpoch& result) {
+void EpochCheck::count(const BlockEntry& entry, std::int64_t first_block, VerifiedEpoch& result) {
   ++result.blocks;
   if (entry.kind == BlockKind::kScan) result.samples += entry.scans;
   if (entry.kind != BlockKind::kGap) return;
@@ -107,13 +107,15 @@ void EpochCheck::check_sum(const Epoch& epoch, VerifiedEpoch& result) {
     return;
   BlockSum sum(*epoch.deleted.sum);
   std::int64_t last = epoch.deleted.position.contiguous;
-  for (const Entry& entry : epoch.entries) {
-    if (entry.kind == BlockKind::kGap && is_declared_by_host(entry.cause)) return;
-    if (entry.kind == BlockKind::kEnd) break;
+  bool is_over = false, has_foreign = false;
+  epoch.blocks.in_order([&](const BlockEntry& entry) {
+    is_over = is_over || entry.kind == BlockKind::kEnd;
+    if (is_over) return;
+    has_foreign = has_foreign || (entry.kind == BlockKind::kGap && is_declared_by_host(entry.cause));
     if (entry.sequence > last) sum.add(entry.crc);
     last = std::max(last, entry.sequence);
-  }
-  if (sum.crc32c() == epoch.end->blocks_crc32c) return;
+  });
+  if (has_foreign || sum.crc32c() == epoch.end->blocks_crc32c) return;
   char text[160];
   std::snprintf(text, sizeof text,
                 "the node's sum of its blocks is %08x, that of those here is %08x: one is another than it "
@@ -130,21 +132,17 @@ VerifiedEpoch EpochCheck::check(NodeEpoch key, Epoch& epoch) {
   result.period_ps = epoch.period_ps;
   result.last_sequence = epoch.deleted.position.contiguous;
   result.samples_deleted = epoch.deleted.position.next_scan;
-  const auto by_sequence = [](const Entry& a, const Entry& b) { return a.sequence < b.sequence; };
-  // A sort takes half as much memory again, and blocks that needed no repair are in order.
-  if (!std::is_sorted(epoch.entries.begin(), epoch.entries.end(), by_sequence))
-    std::stable_sort(epoch.entries.begin(), epoch.entries.end(), by_sequence);
   std::int64_t next_scan = epoch.deleted.position.next_scan;  // counted from the start command on
-  const Entry* before = nullptr;
-  for (const Entry& entry : epoch.entries) {
+  std::optional<BlockEntry> before;
+  epoch.blocks.in_order([&](const BlockEntry& entry) {
     const bool covers = covers_numbers_before(entry) && entry.sequence > result.last_sequence;
     const std::int64_t first_block = covers ? result.last_sequence + 1 : entry.sequence;
-    check_sequence(entry, before, result);
+    check_sequence(entry, before ? &*before : nullptr, result);
     check_scans(entry, next_scan, result);
     prove_without_scans(entry, result);
     count(entry, first_block, result);
-    before = &entry;
-  }
+    before = entry;
+  });
   check_totals(epoch, result);
   check_sum(epoch, result);
   return result;
@@ -153,7 +151,7 @@ VerifiedEpoch EpochCheck::check(NodeEpoch key, Epoch& epoch) {
 std::vector<VerifiedEpoch> EpochCheck::result() {
   std::vector<VerifiedEpoch> all;
   for (auto& [key, epoch] : epochs_) {
-    const bool was_over = epoch.entries.empty() && epoch.deleted.position.ended;
+    const bool was_over = epoch.blocks.empty() && epoch.deleted.position.ended;
     if (!was_over) all.push_back(check(key, epoch));
   }
   std::stable_sort(all.begin(), all.end(),
