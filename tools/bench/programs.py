@@ -53,7 +53,7 @@ class Drive:
         demo(seconds, self.vehicle, "--record", self.record)
 
     def url(self):
-        return f"udpm://239.255.76.67:{20000 + os.getpid() % 20000}?ttl=0&recv_buf_size=4194304"
+        return f"udpm://239.255.76.67:{12_000 + os.getpid() % 20000}?ttl=0&recv_buf_size=4194304"
 
     def node(self, name, rate):
         return subprocess.Popen([BIN / "rb-node", "--url", self.url(), "--vehicle", self.vehicle, "--node", name,

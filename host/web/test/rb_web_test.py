@@ -25,7 +25,7 @@ PATIENCE_S = 60  # for what must happen; sanitizers are slow
 
 def bus_url():
     """A bus of this process's own: only the port isolates."""
-    return f"udpm://239.255.76.67:{20_000 + os.getpid() % 20_000}?ttl=0"
+    return f"udpm://239.255.76.67:{12_000 + os.getpid() % 20_000}?ttl=0"
 
 
 @contextlib.contextmanager

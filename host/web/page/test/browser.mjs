@@ -17,7 +17,7 @@ export const launch = () => chromium.launch({executablePath: kChromium, args: kC
 
 let bus = 0;
 /** A bus of this process's own, each time another: only the port isolates. */
-export const busUrl = () => `udpm://239.255.76.67:${20_000 + (process.pid + 4_799 * bus++) % 20_000}?ttl=0`;
+export const busUrl = () => `udpm://239.255.76.67:${12_000 + (process.pid + 4_799 * bus++) % 20_000}?ttl=0`;
 
 export function start(program, ...args) {
   const child = spawn(join(kPrograms, program), args, {stdio: ["ignore", "pipe", "inherit"]});
