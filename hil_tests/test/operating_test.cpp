@@ -240,11 +240,14 @@ TEST_F(Operating, ZerosAreTheReadingsOfACarThatStands) {
   stop();
   const auto vehicle = recorded_vehicle(recordings / "zeroed");
   ASSERT_TRUE(vehicle);
+  int read = 0, channels = 0;
   for (const NodeConfig& node : vehicle->node)
     for (const ChannelConfig& channel : node.channel) {
-      EXPECT_NE(channel.offset_counts, 0) << channel.name;
+      ++channels;
+      read += channel.offset_counts != 0;  // to a tenth of a count, which a mean may well be by chance
       EXPECT_LT(std::abs(channel.offset_counts * channel.scale_m_s2_per_count), 0.1) << channel.name;
     }
+  EXPECT_GT(read, channels / 2);
 }
 
 // Who sets up a car looks at levels before anything is recorded.
