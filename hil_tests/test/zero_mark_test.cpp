@@ -82,15 +82,12 @@ TEST_F(Operating, FindsTheZeroMarkOfAWheelThatIsTurnedByHand) {
   EXPECT_NEAR(last.value[0] * kDegrees, 30.0, 0.5 * pitch_deg + 0.5) << last.text;
   EXPECT_NEAR(last.value[1] * kDegrees, pitch_deg / std::sqrt(36.0), 0.01);
   stop();
-  // The nodes leave with the recording, and are back some moments later.
-  EXPECT_TRUE(test::wait_until(
-      [&] {
-        return test::run("rb",
-                         {"configure", "datum", "front_left", format("%.2f", last.value[0] * kDegrees), "0.7",
-                          "--url", url},
-                         60) == 0;
-      },
-      60));
+  // The nodes leave with the recording, and are back some moments later: the recorder waits for them.
+  EXPECT_EQ(test::run("rb",
+                      {"configure", "datum", "front_left", format("%.2f", last.value[0] * kDegrees), "0.7",
+                       "--url", url},
+                      60),
+            0);
   const VehicleConfig found = VehicleConfig::read_file((vehicles / "car.toml").string());
   EXPECT_NEAR(found.wheel[0].encoder.datum_rad, last.value[0], 0.01 / kDegrees);
 }

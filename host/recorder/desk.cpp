@@ -23,7 +23,7 @@ Desk::Desk(Hands hands, DeskBook book) : hands_(std::move(hands)), book_(std::mo
   if (book_.under_way) again();
 }
 
-void Desk::take(const Request& request, std::int64_t utc_us, int nodes) {
+void Desk::take(const Request& request, std::int64_t utc_us, const Nodes& nodes) {
   if (answer_again(request, utc_us)) return;
   switch (request.operation) {
     case Operation::kStart:
@@ -42,6 +42,8 @@ void Desk::take(const Request& request, std::int64_t utc_us, int nodes) {
       if (book_.under_way)
         return refuse(request, RefusalReason::kRecording,
                       "a recording has one set-up from its first sample to its last: stop it first", utc_us);
+      // Else half of the car would be set up, or none of it.
+      if (!nodes.returning.empty()) return wait(request, nodes.returning, utc_us);
       return set_up(request, utc_us);
     case Operation::kReading:
       return read_mark(request, utc_us);
@@ -107,7 +109,7 @@ void Desk::write_again() {
   if (!is_written_) (void)store(book_);
 }
 
-void Desk::start(const Request& request, std::int64_t utc_us, int nodes) {
+void Desk::start(const Request& request, std::int64_t utc_us, const Nodes& nodes) {
   if (book_.under_way)
     return refuse(request, RefusalReason::kRecording,
                   "\"" + book_.under_way->name + "\" is being recorded: stop it first", utc_us);
@@ -125,7 +127,8 @@ void Desk::start(const Request& request, std::int64_t utc_us, int nodes) {
   } catch (const std::system_error& error) {
     return refuse(request, RefusalReason::kDisk, error.what(), utc_us);
   }
-  if (nodes == 0)
+  if (nodes.there == 0 && !nodes.returning.empty()) return wait(request, nodes.returning, utc_us);
+  if (nodes.there == 0)
     return refuse(request, RefusalReason::kNoNode,
                   "no node is on the bus: is rb-node running, and are its cables plugged in?", utc_us);
   DeskBook book = book_;
@@ -207,6 +210,12 @@ void Desk::set_up(const Request& request, std::int64_t utc_us) {
     }
   }
   say(answer);
+}
+
+void Desk::wait(const Request& request, const std::vector<std::int32_t>& returning, std::int64_t utc_us) {
+  Answer answer = answer_to(request, utc_us);
+  answer.text = "waits for node " + listed(returning) + " to return from the recording that has ended";
+  to_send_.push_back(std::move(answer));
 }
 
 void Desk::read_mark(const Request& request, std::int64_t utc_us) {

@@ -36,8 +36,13 @@ class Desk {
   };
   Desk(Hands hands, DeskBook book);
 
-  /// @param nodes  how many could be recorded
-  void take(const Request& request, std::int64_t utc_us, int nodes);
+  struct Nodes {
+    int there = 0;                          ///< could be recorded and set up
+    std::vector<std::int32_t> returning{};  ///< have just left with a recording
+  };
+  /// A request that needs nodes which are about to return is answered as under way and not remembered:
+  /// whoever asks repeats it until there is a last word.
+  void take(const Request& request, std::int64_t utc_us, const Nodes& nodes);
   /// Begins a recording without a request.
   void begin(const std::string& name, std::int64_t utc_us);
   /// The program ends: so does a recording.
@@ -82,10 +87,11 @@ class Desk {
   const std::string& fault() const { return fault_; }
 
  private:
-  void start(const Request& request, std::int64_t utc_us, int nodes);
+  void start(const Request& request, std::int64_t utc_us, const Nodes& nodes);
   void stop(const Request& request, std::int64_t utc_us);
   void mark(const Request& request, std::int64_t utc_us);
   void set_up(const Request& request, std::int64_t utc_us);
+  void wait(const Request& request, const std::vector<std::int32_t>& returning, std::int64_t utc_us);
   void read_mark(const Request& request, std::int64_t utc_us);
   void note(const Mark& mark);
   void say_durable_marks(std::int32_t durable_marks, std::int64_t utc_us);

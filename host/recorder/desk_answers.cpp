@@ -49,13 +49,18 @@ Answer answer_about(const AskedSetUp& set_up, std::int64_t utc_us) {
           .text = set_up.text.empty() ? "waits for the nodes" : set_up.text};
 }
 
+std::string listed(const std::vector<std::int32_t>& nodes) {
+  std::string all;
+  for (const std::int32_t node : nodes) all += (all.empty() ? "" : ", ") + std::to_string(node);
+  return all;
+}
+
 std::string nodes_without_end(const std::vector<Receipt>& receipts) {
-  std::string nodes;
+  std::vector<std::int32_t> nodes;
   for (const Receipt& receipt : receipts)
-    if (receipt.nodes > 0 && (receipt.open_epochs > 0 || !receipt.sums_agree))
-      nodes += (nodes.empty() ? "" : ", ") + std::to_string(receipt.node);
+    if (receipt.nodes > 0 && (receipt.open_epochs > 0 || !receipt.sums_agree)) nodes.push_back(receipt.node);
   if (nodes.empty()) return "";
-  return "; node " + nodes +
+  return "; node " + listed(nodes) +
          " has not told all of it to its end: is it on, and its cable plugged in? "
          "What it holds is fetched when it is back";
 }

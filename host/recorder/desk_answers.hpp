@@ -24,6 +24,9 @@ Answer answer_about(const Mark& mark, std::int64_t utc_us);
 /// As far as it has come.
 Answer answer_about(const AskedSetUp& set_up, std::int64_t utc_us);
 
+/// For people: "1, 2".
+std::string listed(const std::vector<std::int32_t>& nodes);
+
 /// For people, behind a sentence: the nodes whose receipts lack an end; empty: each has said its own.
 std::string nodes_without_end(const std::vector<Receipt>& receipts);
 

@@ -15,10 +15,8 @@ void HeardNodes::take(std::span<const std::uint8_t> bytes, WallTime now) {
   const auto beat = decode_heartbeat(bytes);
   if (!beat || (!ours_.empty() && std::ranges::find(ours_, beat->node) == ours_.end())) return;
   if (heard_.size() >= kMostNodes && !heard_.contains(beat->node)) return;
-  if (beat->is_over() && beat->base == beat->next)  // its last word
-    heard_.erase(beat->node);
-  else
-    heard_[beat->node] = {now, beat->vehicle_crc32c};
+  const bool is_last_word = beat->is_over() && beat->base == beat->next;
+  heard_[beat->node] = {now, beat->vehicle_crc32c, is_last_word};
 }
 
 void HeardNodes::forget(WallTime now) {
@@ -26,20 +24,28 @@ void HeardNodes::forget(WallTime now) {
 }
 
 int HeardNodes::count(WallTime now) {
-  forget(now);
-  return static_cast<int>(heard_.size());
+  return static_cast<int>(nodes(now).size());
 }
 
 std::vector<std::int32_t> HeardNodes::nodes(WallTime now) {
+  return nodes_that(false, now);
+}
+
+std::vector<std::int32_t> HeardNodes::left(WallTime now) {
+  return nodes_that(true, now);
+}
+
+std::vector<std::int32_t> HeardNodes::nodes_that(bool have_left, WallTime now) {
   forget(now);
   std::vector<std::int32_t> numbers;
-  for (const auto& [node, heard] : heard_) numbers.push_back(node);
+  for (const auto& [node, heard] : heard_)
+    if (heard.has_left == have_left) numbers.push_back(node);
   return numbers;
 }
 
 std::string HeardNodes::who_differs(std::uint32_t vehicle_crc32c, const std::string& file) const {
   for (const auto& [node, heard] : heard_)
-    if (heard.vehicle_crc32c != vehicle_crc32c)
+    if (!heard.has_left && heard.vehicle_crc32c != vehicle_crc32c)
       return "node " + std::to_string(node) + " measures by another vehicle file than " + file +
              ": choose that file again";
   return "";

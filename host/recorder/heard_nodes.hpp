@@ -10,7 +10,8 @@
 
 namespace roadbalance {
 
-/// The nodes that are on the bus: those whose heartbeat was heard within the last 3 s.
+/// The nodes that are on the bus: those whose heartbeat was heard within the last 3 s.  One that has said its
+/// last word has left; it returns within a second or so if what it said was the end of a recording.
 class HeardNodes {
  public:
   /// @param ours  whom to listen to; empty: everybody
@@ -21,6 +22,8 @@ class HeardNodes {
 
   int count(WallTime now);
   std::vector<std::int32_t> nodes(WallTime now);
+  /// Those that left within the last 3 s.
+  std::vector<std::int32_t> left(WallTime now);
 
   /// For people: a node that measures by another vehicle file than `file`; empty: none.
   std::string who_differs(std::uint32_t vehicle_crc32c, const std::string& file) const;
@@ -31,7 +34,9 @@ class HeardNodes {
   struct Heard {
     WallTime at{};
     std::uint32_t vehicle_crc32c = 0;
+    bool has_left = false;
   };
+  std::vector<std::int32_t> nodes_that(bool have_left, WallTime now);
   const std::vector<std::int32_t>& ours_;
   std::map<std::int32_t, Heard> heard_;
 };

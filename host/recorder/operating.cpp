@@ -82,7 +82,7 @@ void Operating::take(std::string_view channel, std::span<const std::uint8_t> byt
   time_ = time;
   if (channel == kRequestChannel) {
     if (const auto request = decode_request(bytes); request && !is_of_recordings(request->operation))
-      desk_.take(*request, time.utc_us, heard_.count(time.now));
+      desk_.take(*request, time.utc_us, {heard_.count(time.now), heard_.left(time.now)});
   } else if (channel.starts_with("RB_HEARTBEAT_")) {
     heard_.take(bytes, time.now);
     if (const auto beat = decode_heartbeat(bytes)) rests_.take(*beat, time.now);

@@ -82,13 +82,11 @@ std::string what_is_done(const Request& request, const std::filesystem::path& fi
 
 /// " (at node 1; node 2 was not on the bus)".
 std::string whom_it_reaches(const std::string& text, const std::vector<std::int32_t>& nodes) {
-  std::string there, missing;
-  for (const std::int32_t node : nodes) there += (there.empty() ? "" : ", ") + std::to_string(node);
+  std::vector<std::int32_t> missing;
   for (const NodeConfig& node : VehicleConfig::parse(text, "").node)
-    if (std::ranges::find(nodes, node.id) == nodes.end())
-      missing += (missing.empty() ? "" : ", ") + std::to_string(node.id);
-  std::string all = " (at node " + there;
-  if (!missing.empty()) all += "; not on the bus: node " + missing;
+    if (std::ranges::find(nodes, node.id) == nodes.end()) missing.push_back(node.id);
+  std::string all = " (at node " + listed(nodes);
+  if (!missing.empty()) all += "; not on the bus: node " + listed(missing);
   return all + ")";
 }
 
