@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <set>
 #include <stdexcept>
 
 #include "common/bus/codec.hpp"
@@ -27,10 +28,14 @@ class Surveyor {
     const auto note = decode_note(event.data);
     if (note && note->kind == NoteKind::kImported) found_.imported = true;
     if (!note || note->kind != NoteKind::kMark) return;
-    if (found_.mark.size() < RecordingSurvey::kMostMarks)
+    // A recorder that was killed may have noted it before: once more under the same number.
+    if (mark_number_.contains(note->a)) return;
+    if (found_.mark.size() < RecordingSurvey::kMostMarks) {
+      mark_number_.insert(note->a);
       found_.mark.push_back({note->host_ns, last_sample_ns_, note->a, note->text});
-    else
+    } else {
       ++found_.marks_left_out;
+    }
   }
 
   void finish() {
@@ -108,6 +113,7 @@ class Surveyor {
   InSequence in_sequence_;
   std::map<NodeEpoch, std::size_t> place_;   ///< in found_.span
   std::map<NodeEpoch, ClockFit> early_fit_;  ///< of epochs of which no sample came yet
+  std::set<std::int64_t> mark_number_;       ///< of found_.mark
   std::int64_t last_sample_ns_ = 0;
   std::unique_ptr<SealedBlock> block_ = std::make_unique<SealedBlock>();
 };

@@ -179,6 +179,7 @@ std::vector<ImportedMark> read_marks(const std::filesystem::path& file) {
   const std::vector<std::string_view> header{"time_s", "number", "text"};
   if (!lines.next() || lines.cells() != header) lines.fail("header", "allowed: time_s,number,text");
   std::vector<ImportedMark> marks;
+  std::set<double> numbers;
   while (lines.next()) {
     if (lines.cells().size() < header.size()) lines.fail("row", "allowed: 3 cells");
     const double time_s = lines.time_s();
@@ -187,6 +188,7 @@ std::vector<ImportedMark> read_marks(const std::filesystem::path& file) {
     const double number = lines.number(1, "number");
     if (number < 1.0 || number > 1e9 || number != std::floor(number))
       lines.fail("number", "allowed: a whole number from 1 to 1000000000");
+    if (!numbers.insert(number).second) lines.fail("number", "stands above already; allowed: each once");
     std::string text = lines.text_behind_two("text");
     if (text.size() > kMaxNoteBytes)
       lines.fail("text", std::to_string(text.size()) + " bytes; allowed: " + std::to_string(kMaxNoteBytes));

@@ -82,7 +82,8 @@ class Import(Exports):
     def test_says_what_is_wrong_with_marks(self):
         for k, (row, words) in enumerate((("1.0,0,x", "number"), ("1.0,1.5,x", "number"), ("x,1,x", "time_s"),
                                           ("1.0,1", "row"), ("1e30,1,x", "too far off"), ('1.0,1,"x', "quote"), ('1.0,1,"x" y', "quote"),
-                                          ("1.0,1," + "x" * 401, "401 bytes"), ("2.0,1,a\n1.0,2,b", "goes back"))):
+                                          ("1.0,1," + "x" * 401, "401 bytes"), ("2.0,1,a\n1.0,2,b", "goes back"),
+                                          ("1.0,1,a\n2.0,1,b", "stands above"))):
             folder, done = self.marked(f"marks{k}", "time_s,number,text\n" + row + "\n")
             self.assertEqual(done.returncode, 2, done.stderr)
             self.assertIn(f"marks{k}.marks:", done.stderr)
