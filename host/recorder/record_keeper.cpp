@@ -1,6 +1,7 @@
 #include "host/recorder/record_keeper.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <utility>
 
@@ -82,9 +83,12 @@ void RecordKeeper::append(const RecordEvent& event, WallTime) {
     ++events_dropped_;
 }
 
-// Devices fail and people ask for as long as a disk fails: those notes alone have no bound of their own.
+// Devices fail, alarms flap and people ask for as long as a disk fails: those notes alone have no bound of
+// their own.
 bool RecordKeeper::has_memory_for(NoteKind kind) {
-  if (kind != NoteKind::kDevice && kind != NoteKind::kAsked) return true;
+  constexpr std::array kRecurring{NoteKind::kDevice, NoteKind::kAsked, NoteKind::kAlarmBegan,
+                                  NoteKind::kAlarmEnded};
+  if (std::ranges::find(kRecurring, kind) == kRecurring.end()) return true;
   if (notes_held_ < kMostHeldNotes) {
     ++notes_held_;
     return true;
@@ -206,7 +210,7 @@ std::vector<DurableMark> RecordKeeper::all_is_durable() {
                             : "the disk writes again; nothing was lost");
   notes_held_ = 0;
   declare_dropped(std::exchange(events_dropped_, 0), "measurements of the nodes' clocks");
-  declare_dropped(std::exchange(notes_dropped_, 0), "notes of devices and of what was asked");
+  declare_dropped(std::exchange(notes_dropped_, 0), "notes of devices, of alarms and of what was asked");
   last_durable_mark_ = last_mark_;
   failures_in_a_row_ = 0;
   health_.succeed();

@@ -48,9 +48,9 @@ struct RecordEvent {
 /// on with.
 ///
 /// Memory: what credit lets arrive between two syncs, and at most 16 MiB of other events.  Of notes of
-/// devices and of what was asked so many are held as kMostHeldNotes says; what is dropped is declared in the
-/// record. Marks and what this keeper says of the record itself are always kept: they are few, and readers
-/// rely on them.
+/// devices, of alarms and of what was asked so many are held as kMostHeldNotes says; what is dropped is
+/// declared in the record. Marks and what this keeper says of the record itself are always kept: they are
+/// few, and readers rely on them.
 class RecordKeeper {
  public:
   static constexpr int kMostHeldNotes = 1000;

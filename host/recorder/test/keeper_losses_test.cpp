@@ -1,3 +1,5 @@
+#include <array>
+
 #include "common/bus/bus.hpp"
 #include "host/recorder/test/keeper_drive.hpp"
 #include "host/recorder/verify_journal.hpp"
@@ -108,16 +110,18 @@ TEST_F(KeeperLosses, SaysWhenTheBlocksReceivedAreNotThoseThatTheEndSumsUp) {
   }
 }
 
-// A disk that fails for hours while a device comes and goes and people ask: memory is bounded, a mark is
-// never lost, and the record says how much else is.
+// A disk that fails for hours while a device comes and goes, alarms flap and people ask: memory is bounded, a
+// mark is never lost, and the record says how much else is.
 TEST_F(KeeperLosses, NotesOfALongFailureAreBoundedAndWhatIsDroppedIsDeclared) {
   constexpr int kMost = RecordKeeper::kMostHeldNotes, kDropped = 300;
+  constexpr std::array kKinds{NoteKind::kDevice, NoteKind::kAsked, NoteKind::kAlarmBegan,
+                              NoteKind::kAlarmEnded};
   start();
   run(milliseconds(1000), 20);
   fail_syncs(EIO);
   run(milliseconds(1000), 20);
   for (int k = 0; k < kMost + kDropped; ++k) {
-    keeper->note(k % 2 == 0 ? NoteKind::kDevice : NoteKind::kAsked, k, 0, "again");
+    keeper->note(kKinds[static_cast<std::size_t>(k) % kKinds.size()], k, 0, "again");
     keeper->note(NoteKind::kMark, k + 1, 0, "mark");
     keeper->note(NoteKind::kSegmentDeleted, k, 0, "");
     run(milliseconds(10));
@@ -132,15 +136,17 @@ TEST_F(KeeperLosses, NotesOfALongFailureAreBoundedAndWhatIsDroppedIsDeclared) {
   ASSERT_EQ(marks.size(), static_cast<std::size_t>(kMost + kDropped));
   for (std::size_t k = 0; k < marks.size(); ++k) EXPECT_EQ(marks[k].a, static_cast<std::int64_t>(k) + 1);
   EXPECT_EQ(notes(NoteKind::kSegmentDeleted).size(), marks.size());
-  EXPECT_EQ(notes(NoteKind::kDevice).size(), static_cast<std::size_t>(kMost) / 2);
+  for (const NoteKind kind : {NoteKind::kDevice, NoteKind::kAlarmBegan, NoteKind::kAlarmEnded})
+    EXPECT_EQ(notes(kind).size(), static_cast<std::size_t>(kMost) / kKinds.size());
   const auto asked = notes(NoteKind::kAsked);
-  EXPECT_EQ(asked.size(), static_cast<std::size_t>(kMost) / 2 + 1) << "there is memory again";
+  EXPECT_EQ(asked.size(), static_cast<std::size_t>(kMost) / kKinds.size() + 1) << "there is memory again";
   EXPECT_EQ(asked.back().text, "after it");
   std::vector<std::string> declared;
   for (const Note& note : notes(NoteKind::kDiskFailed))
     if (note.text.find("not kept") != std::string::npos) declared.push_back(note.text);
-  EXPECT_EQ(declared, std::vector<std::string>{
-                          "300 notes of devices and of what was asked were not kept: no memory for more"});
+  EXPECT_EQ(declared,
+            std::vector<std::string>{
+                "300 notes of devices, of alarms and of what was asked were not kept: no memory for more"});
 }
 
 }  // namespace
