@@ -176,7 +176,6 @@ void Operating::look_after_recording() {
   nodes_recorded_ = static_cast<int>(std::ranges::count_if(
       view.report.node, [](const NodeReport& node) { return node.samples_recorded > 0; }));
   if (view.status) {
-    incarnation_ = view.status->incarnation;
     const bool has_samples = std::ranges::any_of(view.report.node, &NodeReport::has_durable_samples);
     if (!view.is_over) desk_.runs(has_samples, view.status->marks, time_.utc_us);
   }
@@ -195,13 +194,13 @@ void Operating::finish(const RecorderReport& report) {
   append(report_, report);
   const std::vector<Rest> dropped = desk_.ended(
       receipts_of(report, {.name = recording.name,
-                           .incarnation = incarnation_,
+                           .incarnation = report.incarnation,
                            .began_us = recording.began_us,
                            .ended_us = time_.utc_us,
                            .bytes = bytes_of_folder(options_.recordings / recording.name, world_.disk),
                            .marks = recording.marks,
                            .sync_us = sync_us_}),
-      rests_of(report, recording.name), time_.utc_us, incarnation_);
+      rests_of(report, recording.name), time_.utc_us, report.incarnation);
   ended_at_ = time_.now;
   for (const Rest& rest : dropped)
     warn("the rest of \"" + rest.recording + "\" at node " + std::to_string(rest.node) +

@@ -96,7 +96,6 @@ class Operating {
   std::unique_ptr<Session> session_;
   RestFetching rests_;
   RecorderReport report_;
-  std::int64_t incarnation_ = 0;
   bool ends_ = false;
   WallTime failed_at_{};
   WallTime written_again_at_{};

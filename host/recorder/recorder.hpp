@@ -57,6 +57,7 @@ struct RecorderReport {
   std::vector<std::int32_t> foreign{};
   /// Acknowledgements and commands that this computer would not send.
   std::int64_t unsent = 0;
+  std::int64_t incarnation = 0;  ///< of the recorder, the last one if it was raised
 };
 
 struct RecorderOptions {

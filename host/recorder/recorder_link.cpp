@@ -151,6 +151,7 @@ RecorderReport RecorderLink::report() const {
   report.rival_heartbeats = receiver_.rival_heartbeats();
   report.foreign = foreign_.nodes();
   report.unsent = unsent_;
+  report.incarnation = incarnation();
   return report;
 }
 

@@ -21,6 +21,20 @@ class Running final : public Session {
   View view() const override { return {.report = {}, .status = RecorderStatus{}, .error = ""}; }
 };
 
+/// One that has ended with a higher number than it last said.
+class Ended final : public Session {
+ public:
+  void stop() override {}
+  void note(NoteToRecord) override {}
+  View view() const override {
+    return {.report = {.node = {}, .incarnation = kRaised},
+            .status = RecorderStatus{.incarnation = kRaised - 1},
+            .is_over = true,
+            .error = ""};
+  }
+  static constexpr std::int64_t kRaised = kBefore + 5000;
+};
+
 class OperatingTest : public ::testing::Test {
  protected:
   OperatingTest() {
@@ -70,6 +84,20 @@ TEST_F(OperatingTest, ANodeThatIsBackDuringTheNextRecordingIsFetchedIntoItsOwn) 
   EXPECT_EQ(begun[1].folder.filename(), "drive");
   EXPECT_FALSE(begun[1].start);
   EXPECT_EQ(begun[1].scope.only, (std::vector<NodeEpoch>{{2, 77}}));
+}
+
+TEST_F(OperatingTest, ANumberThatWasRaisedAtTheLastMomentIsOfItsRecording) {
+  options.start = "next";
+  operating.emplace(options,
+                    Operating::World{.disk = kernel_disk(),
+                                     .begin = [](RecorderOptions) { return std::make_unique<Ended>(); },
+                                     .seed = 1},
+                    time());
+  (void)operating->turn(false, time(), [](const std::string&, auto) { return true; });
+  const DeskBook book = read_desk_book(work.path());
+  ASSERT_FALSE(book.over.empty());
+  EXPECT_EQ(book.over.back().recording, "next");
+  EXPECT_EQ(book.over.back().last_incarnation, Ended::kRaised);
 }
 
 }  // namespace
