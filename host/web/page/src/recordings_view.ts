@@ -56,7 +56,8 @@ class RecordingCard {
     setAttributes(this.shape, {d: shape});
     setText(this.name, untilZero(recording.name));
     setText(this.word, word);
-    const length = duration(Math.max(0, recording.last_us - recording.first_us) / 1e6);
+    // A drive that was played faster than real time is longer than its recording took.
+    const length = duration(Math.max((recording.last_us - recording.first_us) / 1e6, ...recording.seconds.slice(0, recording.nodes), 0));
     const about = [untilZero(recording.vehicle), ...(recording.first_us > 0 ? [localTime(recording.first_us), length] : []),
                    recording.bytes < 1e8 ? `${(recording.bytes / 1e6).toFixed(1)} MB` : `${(recording.bytes / 1e9).toFixed(2)} GB`,
                    untilZero(recording.place) && `in ${untilZero(recording.place)}`];
