@@ -122,7 +122,7 @@ void HostMachine::check_through(const char* folder, int last) {
     if (all) reader.finish();
     while (const auto event = reader.next()) {
       if (reader.segment() > last) break;
-      check_.take(event->channel, event->data);
+      check_.take(event->channel, event->data, checked_);
       if (event->channel == kNoteChannel) take_notes(checked_, event->data);
       clock_events_.take(event->channel, event->data);
     }

@@ -79,6 +79,7 @@ void HostMachine::Led::turn(std::int64_t now_ns, const Publish& publish) {
   if (!program_) return;
   has_run_ = true;
   Program& p = *program_;
+  host_.truth_.leads(p.link.incarnation(), recording_);
   const Publish say_it = [&](const std::string& channel, std::span<const std::uint8_t> bytes) {
     return host_.say(p, channel, bytes, publish);
   };

@@ -188,7 +188,10 @@ std::int64_t NodeMachine::device(std::int64_t now_ns) {
   Program& p = *program_;
   const std::int64_t before = p.backlog.base();
   p.sink.now_ns = now_ns;
-  if (p.link.start.load()) p.sealer.start();
+  if (p.link.start.load() && !p.sealer.started()) {
+    p.sealer.start();
+    p.truth.started_by = p.uplink.owner();
+  }
   if (p.link.stop.load()) {
     p.sealer.stop();
     p.stopped = p.sealer.finish();

@@ -32,7 +32,8 @@ void RecordCheck::declared(std::int32_t node, std::int64_t epoch, std::int64_t s
   of.said.declared[sequence] = {.promised = of.said.promised, .released = of.truth ? of.truth->promised : 0};
 }
 
-void RecordCheck::take(std::string_view channel, std::span<const std::uint8_t> bytes) {
+void RecordCheck::take(std::string_view channel, std::span<const std::uint8_t> bytes,
+                       const std::string& recording) {
   if (!channel.starts_with("RB_BLOCK_")) return;
   if (accept(bytes, block_) != Refusal::kNone) return truth_.fault("a block in the record is not good");
   const BlockHeader& header = block_.header;
@@ -41,12 +42,21 @@ void RecordCheck::take(std::string_view channel, std::span<const std::uint8_t> b
   ++blocks_;
   Seen& of = seen({header.node, header.epoch});
   if (!of.truth) return fault(header, "is of an epoch that nobody began");
+  if (of.recording != recording) lies_in(recording, header, of);
   if (of.crashed) fault(header, "comes behind the declared crash");
   const EpochTruth::Block* own = of.truth->block(header.sequence);
   if (own && own->crc == crc_of(block_))
     take_own(block_, of);
   else
     take_declared(block_, of);
+}
+
+void RecordCheck::lies_in(const std::string& recording, const BlockHeader& header, Seen& of) {
+  if (of.recording)
+    fault(header, "lies in \"" + recording + "\", those before it in \"" + *of.recording + "\"");
+  of.recording = recording;
+  if (!truth_.may_be_in(*of.truth, recording))
+    fault(header, "lies in \"" + recording + "\", its node was started for another");
 }
 
 // As the node sealed it.

@@ -3,7 +3,9 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -26,7 +28,8 @@ class RecordCheck {
   void promised(std::int32_t node, std::int64_t epoch, std::int64_t sequence);
   /// This recorder declares a gap with number `sequence`: nothing in it may have been promised before.
   void declared(std::int32_t node, std::int64_t epoch, std::int64_t sequence);
-  void take(std::string_view channel, std::span<const std::uint8_t> bytes);
+  /// @param recording  in which it lies, of a recorder that is operated
+  void take(std::string_view channel, std::span<const std::uint8_t> bytes, const std::string& recording = {});
   /// The record is whole: what each epoch must have by now.
   /// @param closed  its recorder ended in order and was the only one, so that every epoch has an end or a
   ///                declared crash
@@ -58,6 +61,7 @@ class RecordCheck {
   using Key = std::pair<std::int32_t, std::int64_t>;
   struct Seen {
     EpochTruth* truth = nullptr;
+    std::optional<std::string> recording;
     HashedScans samples;
     Said said;
     std::int64_t sequence = 0;   // last one
@@ -70,6 +74,7 @@ class RecordCheck {
   static constexpr std::int64_t kUnknown = -1;
 
   Seen& seen(Key key);
+  void lies_in(const std::string& recording, const BlockHeader& header, Seen& seen);
   void take_own(const SealedBlock& block, Seen& seen);
   void take_declared(const SealedBlock& block, Seen& seen);
   void take_scans(const SealedBlock& block, Seen& seen);

@@ -32,6 +32,11 @@ EpochTruth* Truth::find(std::int32_t node, std::int64_t epoch) {
   return found == epochs_.end() ? nullptr : &found->second;
 }
 
+bool Truth::may_be_in(const EpochTruth& epoch, const std::string& recording) const {
+  const auto found = leads_.find(epoch.started_by);
+  return found == leads_.end() || found->second.contains(recording);
+}
+
 void Truth::sealed(EpochTruth& epoch, const SealedBlock& block, std::int64_t now_ns) {
   if (block.header.sequence != epoch.next())
     fault("node " + std::to_string(epoch.node) + " sealed block " + std::to_string(block.header.sequence) +

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,8 +20,9 @@ struct EpochTruth {
   bool killed = false;
   bool gone = false;  ///< its program ended in order: its owner had everything, but others may not know
   int openings = 0;   ///< runs of the node that called it theirs; one, if all is well
-  std::int64_t promised = 0;  ///< called durable by an acknowledgement of any recorder
-  bool gave_up = false;       ///< its own disk failed: it may give back what nobody called durable
+  std::int64_t promised = 0;    ///< called durable by an acknowledgement of any recorder
+  bool gave_up = false;         ///< its own disk failed: it may give back what nobody called durable
+  std::int64_t started_by = 0;  ///< incarnation of the recorder that it obeyed when it began to measure
   /// Incarnations of the recorders it gave blocks back to or took as its owner, each change.
   std::vector<std::int64_t> obeyed;
   void obeys(std::int64_t incarnation) {
@@ -57,6 +59,14 @@ class Truth {
   }
   void sealed(EpochTruth& epoch, const SealedBlock& block, std::int64_t now_ns);
 
+  /// A recorder of this incarnation writes this recording.
+  void leads(std::int64_t incarnation, const std::string& recording) {
+    leads_[incarnation].insert(recording);
+  }
+  /// The epoch was started for this recording, as far as incarnations tell: who fetches the rest of one may
+  /// have the number of another when the wall clock was set back.
+  bool may_be_in(const EpochTruth& epoch, const std::string& recording) const;
+
   /// A broken promise; the first few are kept.
   void fault(const std::string& what);
   void set_now(std::int64_t now_ns) { now_ns_ = now_ns; }
@@ -66,6 +76,7 @@ class Truth {
 
  private:
   std::map<std::pair<std::int32_t, std::int64_t>, EpochTruth> epochs_;
+  std::map<std::int64_t, std::set<std::string>> leads_;
   std::vector<std::string> faults_;
   std::int64_t fault_count_ = 0;
   std::int64_t blocks_sealed_ = 0;
