@@ -1,7 +1,6 @@
 #include "host/analyser/read_recording.hpp"
 
 #include <memory>
-#include <stdexcept>
 
 #include "common/bus/clock_messages.hpp"
 #include "common/bus/codec.hpp"
@@ -16,9 +15,7 @@ RecordingDefects read_recording(const std::filesystem::path& folder,
                                 const std::function<void(const SealedBlock&)>& consume,
                                 const std::function<void(const ClockFit&)>& consume_fit) {
   RecordReader reader(folder);
-  const auto vehicle = recorded_vehicle(folder);
-  if (!vehicle) throw std::runtime_error(folder.string() + ": holds no complete vehicle.toml, or no scan");
-  begin(*vehicle);
+  begin(vehicle_of_recording(folder));
   reader.finish();
   InSequence in_sequence;
   RecordingDefects defects;

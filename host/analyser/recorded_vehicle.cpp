@@ -60,4 +60,10 @@ std::optional<VehicleConfig> recorded_vehicle(const std::filesystem::path& folde
   return std::nullopt;
 }
 
+VehicleConfig vehicle_of_recording(const std::filesystem::path& folder) {
+  if (auto vehicle = recorded_vehicle(folder)) return std::move(*vehicle);
+  const RecordReader says_what_is_wrong_with_it(folder);
+  throw std::runtime_error(folder.string() + ": holds no complete vehicle.toml, or no scan");
+}
+
 }  // namespace roadbalance

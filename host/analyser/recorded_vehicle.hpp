@@ -14,4 +14,10 @@ namespace roadbalance {
 ///         if the recording holds nothing else
 std::optional<VehicleConfig> recorded_vehicle(const std::filesystem::path& folder);
 
+/// The same of a recording that must have it.
+/// @throws also std::system_error naming the folder if there is none or it holds no segment,
+/// std::runtime_error
+///         if nothing can be read of it
+VehicleConfig vehicle_of_recording(const std::filesystem::path& folder);
+
 }  // namespace roadbalance

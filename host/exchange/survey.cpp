@@ -122,9 +122,7 @@ class Surveyor {
 
 RecordingSurvey survey_recording(const std::filesystem::path& folder, std::stop_token stop) {
   RecordReader reader(folder);
-  auto vehicle = recorded_vehicle(folder);
-  if (!vehicle) throw std::runtime_error(folder.string() + ": holds no complete vehicle.toml, or no scan");
-  RecordingSurvey found{.vehicle = std::move(*vehicle)};
+  RecordingSurvey found{.vehicle = vehicle_of_recording(folder)};
   if (const auto description = read_description(folder)) found.program = description->program;
   reader.finish();
   Surveyor surveyor(found);

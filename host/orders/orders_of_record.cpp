@@ -125,10 +125,8 @@ void analyse(const std::filesystem::path& folder, Job job, RecordOrders& result)
 }  // namespace
 
 RecordOrders orders_of_record(const std::filesystem::path& folder, const WantedOrders& wanted) {
-  const auto vehicle = recorded_vehicle(folder);
-  if (!vehicle) throw std::runtime_error(folder.string() + ": holds no complete vehicle.toml, or no scan");
-  RecordOrders result{.vehicle = *vehicle};
-  for (const Job& job : jobs_of(*vehicle, wanted)) analyse(folder, job, result);
+  RecordOrders result{.vehicle = vehicle_of_recording(folder)};
+  for (const Job& job : jobs_of(result.vehicle, wanted)) analyse(folder, job, result);
   return result;
 }
 

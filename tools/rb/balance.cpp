@@ -34,11 +34,10 @@ struct BalanceOptions {
 
 /// Of a recording that has the rotor.
 VehicleConfig vehicle_of_record(const std::string& folder, const std::string& name) {
-  const auto vehicle = recorded_vehicle(folder);
-  if (!vehicle) throw std::runtime_error(folder + ": holds no complete vehicle.toml, or no scan");
-  if (vehicle->rotor_named(name)) return *vehicle;
+  VehicleConfig vehicle = vehicle_of_recording(folder);
+  if (vehicle.rotor_named(name)) return vehicle;
   std::string there;
-  for (const RotorConfig& each : vehicle->rotor) there += " " + each.name;
+  for (const RotorConfig& each : vehicle.rotor) there += " " + each.name;
   throw ConfigError("--rotor " + name + ": " + folder + ": there is no such rotor; allowed:" +
                     (there.empty() ? " none: vehicle.toml has no [[rotor]]" : there));
 }

@@ -54,9 +54,7 @@ void take_speed(const std::string& speed, TimeChoice& time) {
 
 /// The rate that is wanted must be the recording's divided by a whole number.
 int factor_of(double rate_hz, const std::string& folder) {
-  const auto vehicle = recorded_vehicle(folder);
-  if (!vehicle) throw std::runtime_error(folder + ": holds no complete vehicle.toml, or no scan");
-  const double recorded_hz = vehicle->node.front().rate_hz;
+  const double recorded_hz = vehicle_of_recording(folder).node.front().rate_hz;
   const double factor = recorded_hz / rate_hz;
   constexpr double kNearEnough = 1e-6;  // an import's rate is that of its stamps
   if (factor < 2.0 - kNearEnough || std::abs(factor - std::round(factor)) > kNearEnough * factor) {

@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <numbers>
-#include <stdexcept>
 
 #include "common/config/section.hpp"
 #include "common/text/format.hpp"
@@ -170,16 +169,15 @@ void print_wheels(const EstimatorAnswer& answer, const VehicleConfig& vehicle) {
 }  // namespace
 
 int identify_with(const std::string& estimator, const std::string& folder, bool refine, bool json) {
-  const auto vehicle = recorded_vehicle(folder);
-  if (!vehicle) throw std::runtime_error(folder + ": holds no vehicle.toml or no scan");
-  refuse_without_road(estimator, *vehicle);
+  const VehicleConfig vehicle = vehicle_of_recording(folder);
+  refuse_without_road(estimator, vehicle);
   const bool chassis = estimator == "chassis";
-  if (!chassis) make_estimator(estimator, of_suspension(*vehicle));  // before the drive is read: the name
+  if (!chassis) make_estimator(estimator, of_suspension(vehicle));  // before the drive is read: the name
   RecordingDefects defects;
-  const Told suspension = ask("chassis", of_suspension(*vehicle), folder, refine, defects);
+  const Told suspension = ask("chassis", of_suspension(vehicle), folder, refine, defects);
   warn_of_defects("identify", folder, defects);
   Told told =
-      chassis ? suspension : ask(estimator, of_wheels(*vehicle, suspension.answer), folder, refine, defects);
+      chassis ? suspension : ask(estimator, of_wheels(vehicle, suspension.answer), folder, refine, defects);
   if (!chassis) {
     remark_on_tyres(told.answer);
     told.answer.remarks.emplace_back("± takes springs, dampers and stabilisers as told here for exact");
@@ -192,7 +190,7 @@ int identify_with(const std::string& estimator, const std::string& folder, bool 
                 {"stretches", told.stretches},
                 {"seconds", told.seconds},
                 {"suspension", suspension_json(suspension_of(suspension.answer))}};
-    if (!chassis) result["wheels"] = wheels_json(told.answer, *vehicle);
+    if (!chassis) result["wheels"] = wheels_json(told.answer, vehicle);
     result["remarks"] = told.answer.remarks;
     std::printf("%s\n", result.dump().c_str());
   } else {
@@ -200,7 +198,7 @@ int identify_with(const std::string& estimator, const std::string& folder, bool 
                 told.stretches);
     for (const std::string& line : suspension_lines(suspension_of(suspension.answer)))
       std::printf("%s\n", line.c_str());
-    if (!chassis) print_wheels(told.answer, *vehicle);
+    if (!chassis) print_wheels(told.answer, vehicle);
     for (const std::string& remark : told.answer.remarks) std::printf("%s\n", remark.c_str());
   }
   return any ? kDone : kAnswerIsNo;

@@ -5,7 +5,6 @@
 #include <fstream>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <system_error>
 
@@ -101,11 +100,7 @@ int twin(TwinOptions options) {
   options.request.folder = options.folder;
   if (options.to_s) options.request.to_s = *options.to_s;
   if (!(options.request.from_s < options.request.to_s)) throw ConfigError("--to: must be behind --from");
-  if (options.nominal) {
-    const auto vehicle = recorded_vehicle(options.folder);
-    if (!vehicle) throw std::runtime_error(options.folder + ": holds no complete vehicle.toml, or no scan");
-    options.request.car = TwinCar::nominal(*vehicle);
-  }
+  if (options.nominal) options.request.car = TwinCar::nominal(vehicle_of_recording(options.folder));
   CsvFile csv(options.csv);
   const RecordedTwin found = twin_of_record(
       options.request,
