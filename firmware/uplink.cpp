@@ -13,7 +13,7 @@ namespace roadbalance {
 namespace {
 
 using namespace std::chrono_literals;
-constexpr auto kIdleWait = 2ms;
+constexpr auto kIdleWait = 5ms;  // a block takes 10 ms to fill; what comes from the bus wakes at once
 constexpr auto kAskAgain = 1s;
 constexpr auto kFarewell = 1s;  // told to stop, how long the owner may take to call the rest durable
 

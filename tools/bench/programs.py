@@ -42,6 +42,12 @@ def cpu_s(started):
     return used.ru_utime + used.ru_stime
 
 
+def cpu_so_far_s(running):
+    """Of all threads of a program that has not ended."""
+    threads = pathlib.Path(f"/proc/{running.pid}/task").glob("*/schedstat")
+    return 1e-9 * sum(int(thread.read_text().split()[0]) for thread in threads)
+
+
 class Drive:
     """A recorded drive of four nodes of 16 channels."""
 
@@ -80,11 +86,17 @@ class Drive:
         return {name: used / self.seconds for name, used in took.items()}
 
     def one_node(self):
-        """CPU seconds a second of the node with two encoders, played at the speed of the drive."""
+        """CPU seconds a second of the node with two encoders, played at the speed of the drive, once it runs: from its
+        fifth second to its last but one."""
         with tempfile.TemporaryDirectory(dir=self.folder) as again:
             recorder = self.recorder(again, "1")
             time.sleep(0.5)
-            share = cpu_s(self.node("front", "1")) / self.seconds
+            node = self.node("front", "1")
+            time.sleep(5.0)
+            begin, used = time.monotonic(), cpu_so_far_s(node)
+            time.sleep(self.seconds - 7.0)
+            share = (cpu_so_far_s(node) - used) / (time.monotonic() - begin)
+            cpu_s(node)
             cpu_s(recorder)
         return share
 
