@@ -72,8 +72,9 @@ enum class NoteKind : std::int32_t {
   /// These are samples of another program, and times of notes (host_ns) are those of the samples; text: which
   /// file
   kImported = 20,
-  kAlarmBegan = 21,  ///< (AlarmCause; place_number() of common/bus/alarm.hpp); text: how much
-  kAlarmEnded = 22,  ///< the same, once it is over; text: how long it lasted
+  kAlarmBegan = 21,    ///< (AlarmCause; place_number() of common/bus/alarm.hpp); text: how much
+  kAlarmEnded = 22,    ///< the same, once it is over; text: how long it lasted
+  kExcerptEpoch = 23,  ///< of an excerpt: an epoch of it (a) is made of one of the original (b)
 };
 
 struct Note {

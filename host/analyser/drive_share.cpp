@@ -3,23 +3,33 @@
 #include <algorithm>
 #include <exception>
 
+#include "common/bus/codec.hpp"
 #include "common/text/format.hpp"
 #include "host/analyser/driven_recording.hpp"
+#include "host/analyser/excerpt_origins.hpp"
 #include "host/identify/byte_archive.hpp"
 
 namespace roadbalance {
 namespace {
 
-void note_scans(const SealedBlock& block, std::vector<ScanRange>& scans) {
-  if (block.kind != BlockKind::kScan) return;
+void note_scans(const SealedBlock& block, std::vector<MeasuredTime>& measured) {
+  if (block.kind != BlockKind::kScan || block.header.scans == 0) return;
   const BlockHeader& header = block.header;
-  const auto same = std::find_if(scans.rbegin(), scans.rend(), [&](const ScanRange& range) {
-    return range.node == header.node && range.epoch == header.epoch;
+  const std::int64_t last_ns = header.time_ns + (header.scans - 1) * summary_of(block).period_ps / 1000;
+  const auto same = std::find_if(measured.rbegin(), measured.rend(), [&](const MeasuredTime& time) {
+    return time.node == header.node && time.epoch == header.epoch;
   });
-  if (same == scans.rend())
-    scans.push_back({header.node, header.epoch, header.first_scan, header.first_scan + header.scans});
+  if (same == measured.rend())
+    measured.push_back({header.node, header.epoch, header.time_ns, last_ns});
   else
-    same->end = std::max(same->end, header.first_scan + header.scans);
+    same->last_ns = std::max(same->last_ns, last_ns);
+}
+
+/// An excerpt's epochs have numbers of their own.
+void name_origins(const std::filesystem::path& recording, std::vector<MeasuredTime>& measured) {
+  const auto origins = excerpt_origins(recording);
+  for (MeasuredTime& time : measured)
+    if (const auto origin = origins.find(time.epoch); origin != origins.end()) time.epoch = origin->second;
 }
 
 /// Empty: there is nothing wrong.
@@ -51,15 +61,15 @@ void fields(Archive& archive, DriveShare& share) {
   archive(share.not_read);
   archive.text(share.contradictions);
   archive(share.missing_blocks);
-  std::uint64_t ranges = share.scans.size();
-  archive(ranges);
-  if (ranges > archive.most(sizeof(ScanRange))) throw std::length_error("too short");
-  share.scans.resize(ranges);
-  for (ScanRange& range : share.scans) {
-    archive(range.node);
-    archive(range.epoch);
-    archive(range.first);
-    archive(range.end);
+  std::uint64_t times = share.measured.size();
+  archive(times);
+  if (times > archive.most(sizeof(MeasuredTime))) throw std::length_error("too short");
+  share.measured.resize(times);
+  for (MeasuredTime& time : share.measured) {
+    archive(time.node);
+    archive(time.epoch);
+    archive(time.first_ns);
+    archive(time.last_ns);
   }
 }
 
@@ -69,7 +79,8 @@ DriveShare share_of(const std::filesystem::path& recording, bool refine, const s
   DriveShare share;
   try {
     DrivenRecording drive = driven_recording(
-        recording, refine, stop, [&](const SealedBlock& block) { note_scans(block, share.scans); });
+        recording, refine, stop, [&](const SealedBlock& block) { note_scans(block, share.measured); });
+    name_origins(recording, share.measured);
     share.missing_blocks = drive.defects.missing_blocks;
     share.contradictions = drive.contradictions;
     share.sums = drive.estimator->sums();

@@ -12,10 +12,11 @@
 
 namespace roadbalance {
 
-/// Scans of one epoch of a node that a recording holds, from the first to behind the last.
-struct ScanRange {
+/// Of which time of its node a recording holds scans of an epoch, which is the one that was measured, also in
+/// an excerpt: from the first to the last of them, by the node's clock.
+struct MeasuredTime {
   std::int32_t node;
-  std::int64_t epoch, first, end;
+  std::int64_t epoch, first_ns, last_ns;
 };
 
 /// What one recording gives to an estimate from many, or why it gives nothing.
@@ -25,7 +26,7 @@ struct DriveShare {
   bool not_read = false;       ///< for it cannot be read at all
   std::string contradictions;  ///< what speaks against its zero marks
   std::int64_t missing_blocks = 0;
-  std::vector<ScanRange> scans;  ///< of every node, in the order of their beginning
+  std::vector<MeasuredTime> measured;  ///< of every node, in the order of their beginning
 };
 
 /// @throws Interrupted if told to stop; nothing else: what is wrong with a recording is in its share

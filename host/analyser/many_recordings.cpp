@@ -11,8 +11,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool overlap(const ScanRange& a, const ScanRange& b) {
-  return a.node == b.node && a.epoch == b.epoch && a.first < b.end && b.first < a.end;
+bool overlap(const MeasuredTime& a, const MeasuredTime& b) {
+  return a.node == b.node && a.epoch == b.epoch && a.first_ns <= b.last_ns && b.first_ns <= a.last_ns;
 }
 
 }  // namespace
@@ -55,10 +55,11 @@ void ManyRecordings::leave_out(const fs::path& recording, const std::string& why
 }
 
 /// Drives that are counted twice would seem surer than they are.
-void ManyRecordings::refuse_shared_samples(const fs::path& recording, const std::vector<ScanRange>& scans) {
+void ManyRecordings::refuse_shared_samples(const fs::path& recording,
+                                           const std::vector<MeasuredTime>& measured) {
   for (const Held& held : held_)
-    for (const ScanRange& there : held.scans)
-      for (const ScanRange& here : scans)
+    for (const MeasuredTime& there : held.measured)
+      for (const MeasuredTime& here : measured)
         if (overlap(there, here))
           throw ConfigError(held.recording.string() + " and " + recording.string() +
                             " hold the same samples of node " + std::to_string(here.node) +
@@ -67,8 +68,8 @@ void ManyRecordings::refuse_shared_samples(const fs::path& recording, const std:
 
 void ManyRecordings::take(const fs::path& recording, DriveShare share) {
   if (!share.sums) return leave_out(recording, share.unusable, share.not_read);
-  refuse_shared_samples(recording, share.scans);
-  held_.push_back({recording, std::move(share.scans)});
+  refuse_shared_samples(recording, share.measured);
+  held_.push_back({recording, std::move(share.measured)});
   if (!share.contradictions.empty())
     contradictions_ +=
         (contradictions_.empty() ? "" : "; ") + recording.string() + ": " + share.contradictions;

@@ -54,11 +54,12 @@ class ManyRecordings {
 
  private:
   void leave_out(const std::filesystem::path& recording, const std::string& why, bool not_read);
-  void refuse_shared_samples(const std::filesystem::path& recording, const std::vector<ScanRange>& scans);
+  void refuse_shared_samples(const std::filesystem::path& recording,
+                             const std::vector<MeasuredTime>& measured);
 
   struct Held {
     std::filesystem::path recording;
-    std::vector<ScanRange> scans;
+    std::vector<MeasuredTime> measured;
   };
   bool skip_unusable_;
   std::vector<std::filesystem::path> recordings_;

@@ -7,6 +7,7 @@ namespace roadbalance {
 NoteGoes goes(const Note& note) {
   switch (note.kind) {
     case NoteKind::kExcerpt:
+    case NoteKind::kExcerptEpoch:
     case NoteKind::kImported:
       return NoteGoes::kAlways;
     case NoteKind::kClock:

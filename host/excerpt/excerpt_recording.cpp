@@ -106,6 +106,11 @@ class Excerpt {
     if (!std::exchange(begun_, true)) write_notes();
     const NodeEpoch made{key.first, excerpt_epoch_number(key.second, words_, pieces_[piece])};
     source.open[piece] = made.second;
+    Note origin = stamp_;
+    origin.kind = NoteKind::kExcerptEpoch;
+    origin.a = made.second;
+    origin.b = key.second;
+    record_.put(kNoteChannel, encode(origin));
     const auto put = [this, &source, piece, before = source.losses](const SealedBlock& block) {
       record_.put(block, losses_since(before, source.losses));
       holds_scans_ = holds_scans_ || block.kind == BlockKind::kScan;
@@ -130,12 +135,11 @@ class Excerpt {
 
   /// Before the first block: what this is, and how the clocks stand.
   void write_notes() {
-    Note pair;
-    pair.kind = NoteKind::kClock;
+    stamp_.kind = NoteKind::kClock;
     for (const auto& [channel, data] : recorded_clocks_.events([](const NodeEpoch&) { return false; }))
-      if (const auto note = decode_note(data)) pair = *note;
-    if (pair.time_us != 0) record_.put(kNoteChannel, encode(pair));
-    Note note = pair;
+      if (const auto note = decode_note(data)) stamp_ = *note;
+    if (stamp_.time_us != 0) record_.put(kNoteChannel, encode(stamp_));
+    Note note = stamp_;
     note.kind = NoteKind::kExcerpt;
     note.b = request_.factor;
     note.text = words_;
@@ -183,6 +187,7 @@ class Excerpt {
   ExcerptRecord& record_;
   InSequence in_sequence_;
   std::map<NodeEpoch, Source> sources_;
+  Note stamp_;  // how the clocks stand, for notes of this excerpt
   std::int64_t last_sample_ns_ = 0;
   std::int64_t refused_ = 0;
   bool begun_ = false, holds_scans_ = false;

@@ -58,6 +58,8 @@ std::string what_happened(const Note& note) {
       return "asked";
     case NoteKind::kExcerpt:
       return note.a == 0 ? "made of another recording" : "part " + number(note.a);
+    case NoteKind::kExcerptEpoch:
+      return "epoch " + number(note.a) + " is made of epoch " + number(note.b);
     case NoteKind::kImported:
       return "made of another program's samples";
     case NoteKind::kAlarmBegan:

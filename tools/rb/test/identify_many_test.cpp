@@ -139,6 +139,28 @@ TEST_F(IdentifyMany, CountsNoDriveTwice) {
       << copied.log;
 }
 
+// Excerpts tell what they are made of: parts of one drive may stand beside each other, but not beside the
+// whole.
+TEST_F(IdentifyMany, CountsNoPartOfADriveTwice) {
+  const std::string most = folder_.path() / "z-most", begin = folder_.path() / "y-begin",
+                    rest = folder_.path() / "x-rest", again = folder_.path() / "w-again";
+  ASSERT_EQ(test::run_rb({"select", drive(1), "--from", "5", "-o", most}, folder_.path() / "rb.log").code,
+            kDone);
+  ASSERT_EQ(test::run_rb({"select", drive(1), "--to", "30", "-o", begin}, folder_.path() / "rb.log").code,
+            kDone);
+  ASSERT_EQ(test::run_rb({"select", drive(1), "--from", "30", "-o", rest}, folder_.path() / "rb.log").code,
+            kDone);
+  ASSERT_EQ(test::run_rb({"select", begin, "--to", "25", "-o", again}, folder_.path() / "rb.log").code,
+            kDone);
+  for (const auto& [one, other] :
+       {std::pair{drive(1), most}, {drive(1), begin}, {drive(1), again}, {begin, again}}) {
+    const test::Outcome both = identify({drive(0), one, other});
+    EXPECT_EQ(both.code, kUsage) << one << " " << other << both.log;
+    EXPECT_NE(both.log.find("hold the same samples of node"), std::string::npos) << both.log;
+  }
+  EXPECT_EQ(identify({drive(0), begin, rest}).log.find("hold the same samples"), std::string::npos);
+}
+
 TEST_F(IdentifyMany, LeavesOutWhatIsUnusableOnlyWhenAsked) {
   const test::Outcome good = identify({drive(0), drive(1), drive(2), "--json"});
   const std::string damaged = copy(3, "a-damaged"), brief = folder_.path() / "b-short";
