@@ -102,6 +102,17 @@ TEST_F(ReplayOnTheBus, IsRefusedWhereAnotherIsPlayed) {
   EXPECT_EQ(test::run("rb", {"replay", folder_ / "none", "--url", url}, kPatience_s), 4);
 }
 
+TEST_F(ReplayOnTheBus, PlaysTheRestOfADamagedOneAndSaysSo) {
+  record(6);
+  const std::filesystem::path segment = std::filesystem::path(record_) / "seg-000001.lcm";
+  {
+    std::fstream file(segment, std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(static_cast<std::streamoff>(std::filesystem::file_size(segment) / 2));
+    file.write("damaged", 7);
+  }
+  EXPECT_EQ(test::run("rb", {"replay", record_, "--speed", "max", "--url", test::bus_url()}, kPatience_s), 1);
+}
+
 /// What the analyser said last of each wheel and of the suspension; and how many levels it told.
 struct Said {
   std::map<int, std::vector<std::uint8_t>> balance;

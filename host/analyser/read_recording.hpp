@@ -15,6 +15,8 @@ struct RecordingDefects {
   std::uint64_t damaged_bytes = 0;
   std::int64_t refused_blocks = 0;  ///< with a wrong CRC, size or content
   std::int64_t missing_blocks = 0;  ///< whose number was passed over
+
+  bool any() const { return damaged_bytes > 0 || refused_blocks > 0 || missing_blocks > 0; }
 };
 
 /// Hands over every block of a finished recording, each node's in sequence, as the live analyser sees them.

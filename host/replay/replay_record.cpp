@@ -96,8 +96,6 @@ ReplayReport replay_record(const std::filesystem::path& folder, const RecordingS
     if (progress) progress(report.drive_s, time.all_s());
   }
   if (waited > 0) report.late_rms_s = std::sqrt(square_s2 / static_cast<double>(waited));
-  for (const auto& damage : reader.damage())
-    if (!damage.torn) report.damaged_bytes += damage.bytes;
   return report;
 }
 

@@ -18,7 +18,6 @@ struct ReplayReport {
   double drive_s = 0.0;     ///< of the recording's time
   /// By how much later than its time an event was given to the bus, over those that were waited for.
   double late_rms_s = 0.0, late_most_s = 0.0;
-  std::uint64_t damaged_bytes = 0;  ///< of the recording
 };
 
 /// How far it is, in seconds of the recording.

@@ -5,7 +5,7 @@
 namespace roadbalance {
 
 void warn_of_defects(const std::string& command, const std::string& folder, const RecordingDefects& defects) {
-  if (defects.damaged_bytes == 0 && defects.refused_blocks == 0 && defects.missing_blocks == 0) return;
+  if (!defects.any()) return;
   std::fprintf(
       stderr,
       "rb %s: %s is damaged: %llu bytes unreadable, %lld blocks refused, %lld missing; the result is from "

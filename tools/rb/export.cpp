@@ -93,9 +93,7 @@ int run_export(ExportOptions options) {
   warn_of_defects("export", options.folder, report.defects);
   tell(options, report);
   if (options.json) std::printf("%s\n", as_text(report_json(options, report)).c_str());
-  const RecordingDefects& defects = report.defects;
-  if (defects.damaged_bytes > 0 || defects.refused_blocks > 0 || defects.missing_blocks > 0)
-    return kAnswerIsNo;
+  if (report.defects.any()) return kAnswerIsNo;
   const bool is_whole = report.missing == 0 && report.table.left_out.empty() && report.pulses.left_out == 0 &&
                         report.marks_left_out == 0;
   return is_whole ? kDone : kIncomplete;

@@ -10,6 +10,7 @@
 #include "common/process/stop_on_signal.hpp"
 #include "host/replay/replay_record.hpp"
 #include "tools/rb/command.hpp"
+#include "tools/rb/defects.hpp"
 #include "tools/rb/progress_line.hpp"
 #include "tools/rb/quiet_port.hpp"
 
@@ -66,7 +67,9 @@ int replay(const ReplayOptions& options) {
                                                 {"seconds", report.drive_s},
                                                 {"late_rms_s", report.late_rms_s},
                                                 {"late_most_s", report.late_most_s},
-                                                {"damaged_bytes", report.damaged_bytes},
+                                                {"damaged_bytes", survey.defects.damaged_bytes},
+                                                {"blocks_refused", survey.defects.refused_blocks},
+                                                {"blocks_missing", survey.defects.missing_blocks},
                                                 {"stopped", stopped}})
                             .dump()
                             .c_str());
@@ -75,11 +78,8 @@ int replay(const ReplayOptions& options) {
         "%lld events of %.3f s, %.1f MB; %.3f ms late (rms), %.3f ms at most; %lld could not be sent\n",
         static_cast<long long>(report.events), report.drive_s, 1e-6 * static_cast<double>(report.bytes),
         1e3 * report.late_rms_s, 1e3 * report.late_most_s, static_cast<long long>(report.unsent));
-  if (report.damaged_bytes > 0) {
-    std::fprintf(stderr, "rb replay: %s is damaged; the rest was played. rb verify lists it\n",
-                 options.folder.c_str());
-    return kAnswerIsNo;
-  }
+  warn_of_defects("replay", options.folder, survey.defects);
+  if (survey.defects.any()) return kAnswerIsNo;
   return report.unsent == 0 && !stopped ? kDone : kIncomplete;
 }
 
