@@ -29,6 +29,14 @@ std::string name_of(const fs::path& folder) {
   return fs::canonical(whole).filename().string();
 }
 
+/// Who opens it waits for somebody at its other end.
+bool would_wait(const fs::path& path) {
+  std::error_code is_not_there;
+  const fs::file_type type = fs::status(path, is_not_there).type();
+  return type == fs::file_type::fifo || type == fs::file_type::socket || type == fs::file_type::character ||
+         type == fs::file_type::block;
+}
+
 struct Stopped : std::runtime_error {
   Stopped() : std::runtime_error("stopped") {}
 };
@@ -79,6 +87,9 @@ class Transfer {
       if (is_folder(from_ / name, from_disk_))
         throw std::runtime_error((from_ / name).string() +
                                  ": a folder, which no recording has; move it away");
+      if (would_wait(from_ / name))
+        throw std::runtime_error((from_ / name).string() +
+                                 ": neither a file nor a folder, which no recording has; move it away");
       report_.file.push_back({.name = name, .bytes = size_of_file(from_ / name, from_disk_)});
       report_.bytes += report_.file.back().bytes;
     }

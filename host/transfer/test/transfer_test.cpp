@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -218,6 +219,21 @@ TEST(Transfer, LeavesDigestsThatSha256sumConfirms) {
   // A copy is a recording like any other.
   const TransferReport again = transfer(report.to, second, {}, {});
   EXPECT_EQ(again.file.size(), kRecording.size());
+}
+
+// Who opens a pipe waits for somebody who writes to it.
+TEST(Transfer, RefusesWhatIsNoFile) {
+  const test::TemporaryDirectory work;
+  const auto from = work.path() / "thursday", to = work.path() / "archive";
+  for (const auto& folder : {from, to}) std::filesystem::create_directories(folder);
+  std::ofstream(from / "seg-000001.lcm") << "samples";
+  ASSERT_EQ(::mkfifo((from / "pipe").c_str(), 0600), 0);
+  try {
+    transfer(from, to, {}, {});
+    ADD_FAILURE() << "was refused by nobody";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr((from / "pipe").string() + ": neither a file nor a folder"));
+  }
 }
 
 }  // namespace
