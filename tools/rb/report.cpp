@@ -1,13 +1,13 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
 #include <string>
 
+#include "common/record/file.hpp"
 #include "host/analyser/before_drive.hpp"
 #include "host/analyser/recorded_vehicle.hpp"
 #include "host/receipts/receipt.hpp"
@@ -109,10 +109,7 @@ Json json_of(const DriveReport& report) {
 int report(const ReportOptions& options) {
   const std::optional<VehicleConfig> vehicle = vehicle_of(options.folder);
   const DriveReport found = gather(options, vehicle);
-  std::ofstream file(options.output, std::ios::binary);
-  file << report_html(found);
-  file.close();
-  if (!file) throw std::runtime_error(options.output + ": cannot be written");
+  write_atomically(options.output, report_html(found));
   if (options.json) std::printf("%s\n", json_of(found).dump().c_str());
   if (!found.failure.empty()) std::fprintf(stderr, "rb report: %s\n", found.failure.c_str());
   const bool any = std::ranges::any_of(found.found.estimate.balance,
