@@ -1,12 +1,14 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
 #include <string>
 
+#include "common/config/section.hpp"
 #include "common/record/file.hpp"
 #include "host/analyser/before_drive.hpp"
 #include "host/analyser/recorded_vehicle.hpp"
@@ -106,7 +108,16 @@ Json json_of(const DriveReport& report) {
           {"alarms_left_out", report.alarms.left_out()}};
 }
 
+/// A device or a link, /dev/stdout is one, would be replaced as a file is.
+void expect_replaceable(const std::filesystem::path& file) {
+  const auto there = std::filesystem::symlink_status(file);
+  if (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there))
+    throw ConfigError("--output " + file.string() +
+                      ": is there and no file; allowed: a new file, or one to replace");
+}
+
 int report(const ReportOptions& options) {
+  expect_replaceable(options.output);
   const std::optional<VehicleConfig> vehicle = vehicle_of(options.folder);
   const DriveReport found = gather(options, vehicle);
   write_atomically(options.output, report_html(found));
