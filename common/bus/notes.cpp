@@ -126,7 +126,7 @@ std::optional<Note> decode_note(std::span<const std::uint8_t> bytes) {
   const auto m = wire_format::decode_with_crc<wire::note_t>(bytes);
   if (!m || m->size < 0 || m->size > static_cast<std::int32_t>(kMaxNoteBytes) ||
       m->kind < static_cast<std::int32_t>(NoteKind::kStarted) ||
-      m->kind > static_cast<std::int32_t>(NoteKind::kExcerptEpoch))
+      m->kind > static_cast<std::int32_t>(NoteKind::kLast))
     return std::nullopt;
   return Note{.time_us = m->time_us,
               .host_ns = m->host_ns,

@@ -75,6 +75,7 @@ enum class NoteKind : std::int32_t {
   kAlarmBegan = 21,    ///< (AlarmCause; place_number() of common/bus/alarm.hpp); text: how much
   kAlarmEnded = 22,    ///< the same, once it is over; text: how long it lasted
   kExcerptEpoch = 23,  ///< of an excerpt: an epoch of it (a) is made of one of the original (b)
+  kLast = kExcerptEpoch
 };
 
 struct Note {
