@@ -214,7 +214,7 @@ void Desk::set_up(const Request& request, std::int64_t utc_us) {
 
 void Desk::wait(const Request& request, const std::vector<std::int32_t>& returning, std::int64_t utc_us) {
   Answer answer = answer_to(request, utc_us);
-  answer.text = "waits for node " + listed(returning) + " to return from the recording that has ended";
+  answer.text = "waits for node " + listed(returning) + ", which has just left, to return";
   to_send_.push_back(std::move(answer));
 }
 

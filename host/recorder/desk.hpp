@@ -38,7 +38,7 @@ class Desk {
 
   struct Nodes {
     int there = 0;                          ///< could be recorded and set up
-    std::vector<std::int32_t> returning{};  ///< have just left with a recording
+    std::vector<std::int32_t> returning{};  ///< have just left, with a recording or by themselves
   };
   /// A request that needs nodes which are about to return is answered as under way and not remembered:
   /// whoever asks repeats it until there is a last word.

@@ -134,13 +134,13 @@ TEST_F(DeskTest, WaitsForNodesThatReturnInsteadOfRefusing) {
     const Answer waits = last(desk);
     EXPECT_EQ(waits.request, request.request);
     EXPECT_EQ(waits.state, AnswerState::kUnderWay);
-    EXPECT_EQ(waits.text, "waits for node 1, 2 to return from the recording that has ended");
+    EXPECT_EQ(waits.text, "waits for node 1, 2, which has just left, to return");
   }
   EXPECT_FALSE(book.set_up || book.under_way);
   EXPECT_TRUE(done.empty());
   // Half of the car is not set up; what is recorded need not wait.
   desk.take(ask(Operation::kRange, 1), kNow, {1, {2}});
-  EXPECT_EQ(last(desk).text, "waits for node 2 to return from the recording that has ended");
+  EXPECT_EQ(last(desk).text, "waits for node 2, which has just left, to return");
   desk.take(ask(Operation::kStart, 2, "drive"), kNow, {1, {2}});
   EXPECT_EQ(desk.under_way()->name, "drive");
   desk.take(ask(Operation::kRange, 1), kNow, {1, {2}});
