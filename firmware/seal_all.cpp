@@ -3,6 +3,7 @@
 #include <exception>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "firmware/pack.hpp"
@@ -14,7 +15,7 @@ namespace {
 /// Hands over each block as it is committed; an exception of the taker waits until the sealer has returned.
 class TakingSink final : public BlockSink {
  public:
-  explicit TakingSink(const std::function<void(const SealedBlock&)>& take) : take_(take) {}
+  explicit TakingSink(EpochSealer::Take take) : take_(std::move(take)) {}
 
   std::size_t room() const noexcept override { return std::numeric_limits<std::size_t>::max(); }
   SealedBlock* claim() noexcept override { return &block_; }
@@ -31,32 +32,56 @@ class TakingSink final : public BlockSink {
   }
 
  private:
-  const std::function<void(const SealedBlock&)>& take_;
+  const EpochSealer::Take take_;
   SealedBlock block_;
   std::exception_ptr failure_;
 };
 
 }  // namespace
 
+struct EpochSealer::State {
+  State(const VehicleConfig& vehicle, const NodeConfig& node, std::int64_t epoch, Take take, GapCause jump)
+      : sink(std::move(take)), sealer(vehicle, node, epoch, sink, nullptr, jump) {}
+  TakingSink sink;
+  Sealer sealer;
+};
+
+EpochSealer::EpochSealer(const VehicleConfig& vehicle, const NodeConfig& node, std::int64_t epoch, Take take,
+                         GapCause jump)
+    : state_(std::make_unique<State>(vehicle, node, epoch, std::move(take), jump)) {
+  state_->sealer.start();
+  state_->sink.rethrow();
+}
+
+EpochSealer::~EpochSealer() = default;
+
+void EpochSealer::add(std::span<const Scan> scans, std::span<const Edge> edges,
+                      std::span<const SignalSample> signals, bool more_edges) {
+  state_->sealer.add(signals);
+  state_->sealer.add(scans, edges, more_edges);
+  state_->sink.rethrow();
+}
+
+void EpochSealer::end() {
+  state_->sealer.device_ended();
+  static_cast<void>(state_->sealer.finish());  // this sink always takes it
+  state_->sink.rethrow();
+}
+
 void seal_all(FrontEnd& front_end, const VehicleConfig& vehicle, const NodeConfig& node, std::int64_t epoch,
-              const std::function<void(const SealedBlock&)>& take, GapCause jump) {
-  TakingSink sink(take);
-  Sealer sealer(vehicle, node, epoch, sink, nullptr, jump);
+              const EpochSealer::Take& take, GapCause jump) {
+  EpochSealer sealer(vehicle, node, epoch, take, jump);
   std::vector<Scan> scans(64);
   std::vector<Edge> edges(4096);
   std::vector<SignalSample> signals(1024);
-  sealer.start();
-  for (Read read; read.status == ReadStatus::kOk; sink.rethrow()) {
+  for (Read read; read.status == ReadStatus::kOk;) {
     read = front_end.read(scans, edges, signals);
-    sealer.add(std::span(signals).first(read.signals));
     sealer.add(std::span(scans).first(read.scans), std::span(edges).first(read.edges),
-               read.edges == edges.size());
+               std::span(signals).first(read.signals), read.edges == edges.size());
     if (read.status == ReadStatus::kFailed)
       throw std::runtime_error("front end of node " + node.name + " failed");
   }
-  sealer.device_ended();
-  static_cast<void>(sealer.finish());  // this sink always takes it
-  sink.rethrow();
+  sealer.end();
 }
 
 }  // namespace roadbalance

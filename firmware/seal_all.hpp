@@ -2,18 +2,40 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <span>
 
 #include "common/config/vehicle_config.hpp"
 #include "common/link/blocks.hpp"
 
 namespace roadbalance {
 
-/// Reads a front end to its end and hands over every block of the epoch, as a node would seal them: for
-/// import and studies, without threads and without a bus.
+/// Hands over every block of an epoch, as a node would seal them, without threads and without a bus.
+class EpochSealer {
+ public:
+  using Take = std::function<void(const SealedBlock&)>;
+
+  /// @param jump  cause of a jump in the scan index
+  /// @throws what `take` throws, as do the others
+  EpochSealer(const VehicleConfig& vehicle, const NodeConfig& node, std::int64_t epoch, Take take,
+              GapCause jump = GapCause::kDeviceOverrun);
+  ~EpochSealer();
+
+  /// As Sealer::add: what one read of a front end returned.
+  void add(std::span<const Scan> scans, std::span<const Edge> edges,
+           std::span<const SignalSample> signals = {}, bool more_edges = false);
+  /// Nothing follows.
+  void end();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Reads a front end to its end and hands over every block of the epoch.
 ///
-/// @param jump  cause of a jump in the front end's scan index
 /// @throws std::runtime_error if the front end fails; what `take` throws
 void seal_all(FrontEnd& front_end, const VehicleConfig& vehicle, const NodeConfig& node, std::int64_t epoch,
-              const std::function<void(const SealedBlock&)>& take, GapCause jump = GapCause::kDeviceOverrun);
+              const EpochSealer::Take& take, GapCause jump = GapCause::kDeviceOverrun);
 
 }  // namespace roadbalance

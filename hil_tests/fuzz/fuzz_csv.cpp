@@ -1,4 +1,4 @@
-#include <cmath>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <string>
@@ -8,8 +8,8 @@
 #include "common/config/section.hpp"
 #include "hil_tests/fuzz/memory_file.hpp"
 #include "hil_tests/fuzz/property.hpp"
-#include "tools/rb/csv_table.hpp"
-#include "tools/rb/sample_clock.hpp"
+#include "hil_tests/fuzz/sample_check.hpp"
+#include "tools/rb/csv_samples.hpp"
 
 // CSV import: its files behind one another, parted by bytes 0: samples, pulses, marks.
 namespace roadbalance {
@@ -18,24 +18,18 @@ namespace {
 using fuzz::MemoryFile;
 using fuzz::require;
 
-void check_samples(const std::string& path) {
-  const SampleTable table = read_samples(path);
-  require(table.name.size() == table.value_si.size(), "every channel has values");
-  for (const auto& column : table.value_si) {
-    require(column.size() == table.time_s.size(), "every row has every channel");
-    for (const double value : column) require(!std::isinf(value), "a sample is a number, or not there");
-  }
-  for (std::size_t row = 1; row < table.time_s.size(); ++row)
-    require(table.time_s[row - 1] <= table.time_s[row], "time never falls");
-}
-
 void check_pulses(const std::string& path) {
   double before = -std::numeric_limits<double>::infinity();
-  for (const Pulse& pulse : read_pulses(path)) {
-    require(pulse.time_s >= before, "pulses are in order of time");
-    require(pulse.wheel >= 0 && pulse.wheel < kWheels, "a pulse is of one of the wheels");
-    before = pulse.time_s;
+  PulseSource pulses(path);
+  std::int64_t first = 0, again = 0;
+  for (; const auto pulse = pulses.next(); ++first) {
+    require(pulse->time_s >= before, "pulses are in order of time");
+    require(pulse->wheel >= 0 && pulse->wheel < kWheels, "a pulse is of one of the wheels");
+    before = pulse->time_s;
   }
+  pulses.rewind();
+  while (pulses.next()) ++again;
+  require(first == again, "another pass gives as many");
 }
 
 void check_marks(const std::string& path) {
@@ -69,7 +63,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (rest) rest = part.size() < rest->size() ? std::optional(rest->substr(part.size() + 1)) : std::nullopt;
     return part;
   };
-  refused_or(check_samples, next());
+  const fuzz::MemoryFile samples(next());
+  fuzz::check_samples(samples.path(), open_csv_samples);
   refused_or(check_pulses, next());
   refused_or(check_marks, next());
   return 0;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -14,7 +15,7 @@
 #include "hil_tests/fuzz/memory_file.hpp"
 #include "hil_tests/fuzz/property.hpp"
 #include "host/excerpt/excerpt_recording.hpp"
-#include "tools/rb/import_csv.hpp"
+#include "tools/rb/import_samples.hpp"
 
 // rb select and rb reduce, any options, over a damaged recording of a drive.
 namespace roadbalance {
@@ -32,19 +33,30 @@ const VehicleConfig& vehicle() {
   return config;
 }
 
-SampleTable drive(const fs::path&) {
-  SampleTable table;
-  for (std::size_t row = 0; row < kRows; ++row)
-    table.time_s.push_back(static_cast<double>(row) / vehicle().node.front().rate_hz);
-  for (const NodeConfig& node : vehicle().node)
-    for (const ChannelConfig& channel : node.channel) {
-      if (channel.role != ChannelRole::kAcceleration) continue;
-      table.name.push_back(channel.name);
-      auto& values = table.value_si.emplace_back();
-      for (const double time_s : table.time_s) values.push_back(std::sin(100.0 * time_s));
+class Drive final : public SampleSource {
+ public:
+  Drive() {
+    for (const NodeConfig& node : vehicle().node)
+      for (const ChannelConfig& channel : node.channel)
+        if (channel.role == ChannelRole::kAcceleration) name_.push_back(channel.name);
+  }
+  const std::vector<std::string>& names() const override { return name_; }
+  double part() const override { return 0.0; }
+  void rewind() override { row_ = 0; }
+  bool read(SampleRows& rows) override {
+    rows.clear();
+    rows.channels = name_.size();
+    for (; row_ < kRows && rows.rows() < kRowsAtOnce; ++row_) {
+      rows.time_s.push_back(static_cast<double>(row_) / vehicle().node.front().rate_hz);
+      rows.value_si.insert(rows.value_si.end(), name_.size(), std::sin(100.0 * rows.time_s.back()));
     }
-  return table;
-}
+    return rows.rows() > 0;
+  }
+
+ private:
+  std::vector<std::string> name_;
+  std::size_t row_ = 0;
+};
 
 /// The one segment of a good recording: two nodes, a wheel that turns, two marks, a gap in time.
 const Bytes& good_segment() {
@@ -53,12 +65,12 @@ const Bytes& good_segment() {
     std::string pulses = "time_s,wheel,kind\n";
     for (int k = 1; k < 250; ++k) pulses += std::to_string(0.0023 * k) + ",front_left,tooth\n";
     const fuzz::MemoryFile pulse_file(pulses), marks("time_s,number,text\n0.1,1,\"begin\"\n0.4,2,\"end\"\n");
-    import_csv({.samples = "drive",
-                .pulses = pulse_file.path(),
-                .marks = marks.path(),
-                .folder = work.path() / "drive",
-                .read = drive},
-               vehicle());
+    import_samples({.samples = "drive",
+                    .pulses = pulse_file.path(),
+                    .marks = marks.path(),
+                    .folder = work.path() / "drive",
+                    .open = [](const fs::path&) { return std::make_unique<Drive>(); }},
+                   vehicle());
     std::ifstream file(work.path() / "drive" / "seg-000001.lcm", std::ios::binary);
     return Bytes(std::istreambuf_iterator<char>(file), {});
   }();

@@ -15,6 +15,19 @@ inline herr_t begin_hdf5() {
   return H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
+/// What the library says of its last failed call; "" if nothing.
+inline std::string hdf5_reason() {
+  std::string reason;
+  H5Ewalk2(
+      H5E_DEFAULT, H5E_WALK_UPWARD,
+      [](unsigned depth, const H5E_error2_t* error, void* into) -> herr_t {
+        if (depth == 0 && error->desc) *static_cast<std::string*>(into) = error->desc;
+        return 0;
+      },
+      &reason);
+  return reason;
+}
+
 /// An identifier of the library; closes itself.
 class Hdf5Handle {
  public:
@@ -23,7 +36,9 @@ class Hdf5Handle {
   Hdf5Handle(hid_t id, herr_t (*closing)(hid_t),
              const std::string& failure = "cannot make the file: is there room, and may it be written?")
       : id_(id), close_(closing) {
-    if (id < 0) throw std::runtime_error("HDF5: " + failure);
+    if (id >= 0) return;
+    const std::string reason = hdf5_reason();
+    throw std::runtime_error("HDF5: " + failure + (reason.empty() ? "" : " (" + reason + ")"));
   }
   Hdf5Handle(Hdf5Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
   Hdf5Handle& operator=(Hdf5Handle&& other) noexcept {

@@ -1,15 +1,18 @@
 #include "host/exchange/hdf5_reader.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
-#include <new>
+#include <memory>
 #include <optional>
 #include <string>
-#include <system_error>
+#include <utility>
+#include <vector>
 
 #include "common/config/section.hpp"
 #include "host/exchange/hdf5_handle.hpp"
+#include "host/exchange/line_reader.hpp"
 #include "host/exchange/units.hpp"
 
 namespace roadbalance {
@@ -18,151 +21,249 @@ namespace {
 constexpr hsize_t kMostSamples = hsize_t{1} << 28;  ///< 37 h at 2 kHz
 constexpr std::size_t kMostText = 256;
 
-/// Names of what lies in a group.
-std::vector<std::string> names_in(hid_t group) {
-  std::vector<std::string> names;
+/// What lies in a group, and where in the file its description stands.
+struct Named {
+  std::string name;
+  haddr_t byte;
+  std::string place() const {
+    return byte == HADDR_UNDEF ? name : name + ", described at byte " + std::to_string(byte);
+  }
+};
+
+std::vector<Named> all_in(hid_t group) {
+  std::vector<Named> all;
   H5Literate_by_name(
       group, ".", H5_INDEX_NAME, H5_ITER_NATIVE, nullptr,
-      [](hid_t, const char* name, const H5L_info_t*, void* into) -> herr_t {
-        static_cast<std::vector<std::string>*>(into)->emplace_back(name);
+      [](hid_t, const char* name, const H5L_info_t* link, void* into) -> herr_t {
+        const haddr_t byte = link->type == H5L_TYPE_HARD ? link->u.address : HADDR_UNDEF;
+        static_cast<std::vector<Named>*>(into)->push_back({name, byte});
         return 0;
       },
-      &names, H5P_DEFAULT);
-  return names;
+      &all, H5P_DEFAULT);
+  return all;
 }
 
-class Reader {
+[[noreturn]] void fail(const std::string& path, const std::string& name, const std::string& reason) {
+  throw ConfigError(path + ": " + (name.empty() ? "" : name + ": ") + reason);
+}
+
+/// A row of numbers in the file.
+class DataSet {
  public:
-  explicit Reader(const std::filesystem::path& path) : path_(path.string()) {
-    begin_hdf5();
-    if (!std::filesystem::exists(path))
-      throw std::system_error(ENOENT, std::generic_category(), "open " + path_);
-    if (H5Fis_hdf5(path_.c_str()) <= 0) fail("", "is no HDF5 file, or damaged at its beginning");
-    file_ = Hdf5Handle(H5Fopen(path_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, path_ + ": is damaged");
+  /// @param rows  as many must be there; nothing: any number
+  DataSet(const std::string& path, hid_t group, const Named& named, std::optional<hsize_t> rows = {})
+      : path_(path),
+        name_(named.name),
+        set_(open(group, named, chunk_bytes(group, named))),
+        space_(H5Dget_space(set_.get()), H5Sclose, path_ + ": " + named.place()) {
+    const Hdf5Handle type(H5Dget_type(set_.get()), H5Tclose, path_ + ": " + named.place());
+    const H5T_class_t kind = H5Tget_class(type.get());
+    if (H5Sget_simple_extent_ndims(space_.get()) != 1 || (kind != H5T_INTEGER && kind != H5T_FLOAT))
+      fail("allowed: a row of numbers");
+    H5Sget_simple_extent_dims(space_.get(), &size_, nullptr);
+    if (size_ == 0 || size_ > kMostSamples) fail(std::to_string(size_) + " numbers; allowed: 1 to 2^28");
+    if (rows && size_ != *rows)
+      fail(std::to_string(size_) + " samples; allowed: " + std::to_string(*rows) + " as in time_s");
+    if (H5Dget_storage_size(set_.get()) == 0)
+      fail(std::to_string(size_) + " numbers, but none was ever written");
   }
 
-  SampleTable read() {
-    const Hdf5Handle group = find_group();
-    SampleTable table;
-    table.time_s = read_numbers(group.get(), "time_s");
-    for (std::size_t row = 0; row < table.time_s.size(); ++row)
-      if (!std::isfinite(table.time_s[row]) || (row > 0 && table.time_s[row] < table.time_s[row - 1]))
-        fail("time_s", "row " + std::to_string(row) + ": is no number or goes back; allowed: never falling");
-    for (const std::string& name : names_in(group.get())) {
-      if (name == "time_s") continue;
-      table.name.push_back(name);
-      table.value_si.push_back(read_channel(group.get(), name, table.time_s.size()));
-    }
-    if (table.name.empty()) fail("", "no channel beside time_s");
-    return table;
+  hid_t get() const { return set_.get(); }
+  const std::string& name() const { return name_; }
+  hsize_t size() const { return size_; }
+  [[noreturn]] void fail(const std::string& reason) const { roadbalance::fail(path_, name_, reason); }
+
+  /// As many numbers as `into` has room for, from row `from` on.
+  void read(hsize_t from, std::span<double> into) const {
+    if (try_read(from, into)) return;
+    const std::string reason = hdf5_reason();
+    std::size_t at = 0;
+    while (at + 1 < into.size() && try_read(from + at, into.subspan(at, 1))) ++at;
+    const auto byte = byte_of(from + at);
+    fail("row " + std::to_string(from + at) + " cannot be read" +
+         (byte ? ", its part of the file from byte " + std::to_string(*byte) + " on is damaged" : "") +
+         (reason.empty() ? "" : " (" + reason + ")"));
   }
 
  private:
-  [[noreturn]] void fail(const std::string& name, const std::string& reason) const {
-    throw ConfigError(path_ + ": " + (name.empty() ? "" : name + ": ") + reason);
+  /// Whoever reads a part of a chunk gets the whole from the disk; one is kept as long as it is read, unless
+  /// it is so large that another's way to cut his file would fill our memory.
+  Hdf5Handle open(hid_t group, const Named& named, std::size_t chunk) const {
+    constexpr std::size_t kMost = 64 << 20, kSlots = 1;
+    const Hdf5Handle access(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose, path_);
+    H5Pset_chunk_cache(access.get(), kSlots, std::min(chunk, kMost), 1.0);
+    return {H5Dopen2(group, named.name.c_str(), access.get()), H5Dclose,
+            path_ + ": " + named.place() + ": is no data set"};
   }
+  std::size_t chunk_bytes(hid_t group, const Named& named) const {
+    const Hdf5Handle set(H5Dopen2(group, named.name.c_str(), H5P_DEFAULT), H5Dclose,
+                         path_ + ": " + named.place() + ": is no data set");
+    const Hdf5Handle made(H5Dget_create_plist(set.get()), H5Pclose, path_ + ": " + named.place());
+    const Hdf5Handle type(H5Dget_type(set.get()), H5Tclose, path_ + ": " + named.place());
+    std::array<hsize_t, H5S_MAX_RANK> rows{};
+    if (H5Pget_layout(made.get()) != H5D_CHUNKED || H5Pget_chunk(made.get(), H5S_MAX_RANK, rows.data()) != 1)
+      return 0;
+    return rows[0] * H5Tget_size(type.get());
+  }
+
+  bool try_read(hsize_t from, std::span<double> into) const {
+    const hsize_t count = into.size();
+    const Hdf5Handle memory(H5Screate_simple(1, &count, nullptr), H5Sclose, path_);
+    H5Sselect_hyperslab(space_.get(), H5S_SELECT_SET, &from, nullptr, &count, nullptr);
+    return H5Dread(set_.get(), H5T_NATIVE_DOUBLE, memory.get(), space_.get(), H5P_DEFAULT, into.data()) >= 0;
+  }
+  std::optional<haddr_t> byte_of(hsize_t row) const {
+    haddr_t byte = H5Dget_offset(set_.get());
+    hsize_t bytes = 0;
+    unsigned filters = 0;
+    if (byte == HADDR_UNDEF && H5Dget_chunk_info_by_coord(set_.get(), &row, &filters, &byte, &bytes) < 0)
+      return std::nullopt;
+    return byte == HADDR_UNDEF ? std::nullopt : std::optional(byte);
+  }
+
+  std::string path_, name_;
+  Hdf5Handle set_, space_;
+  hsize_t size_ = 0;
+};
+
+std::optional<double> number(const DataSet& set, const char* name) {
+  if (H5Aexists(set.get(), name) <= 0) return std::nullopt;
+  const Hdf5Handle attribute(H5Aopen(set.get(), name, H5P_DEFAULT), H5Aclose, set.name() + ": " + name);
+  const Hdf5Handle space(H5Aget_space(attribute.get()), H5Sclose, set.name() + ": " + name);
+  double value = 0.0;
+  if (H5Sget_simple_extent_npoints(space.get()) != 1 ||
+      H5Aread(attribute.get(), H5T_NATIVE_DOUBLE, &value) < 0)
+    set.fail(std::string(name) + ": allowed: one number");
+  return value;
+}
+
+std::string text(const DataSet& set, const char* name) {
+  if (H5Aexists(set.get(), name) <= 0) return {};
+  const Hdf5Handle attribute(H5Aopen(set.get(), name, H5P_DEFAULT), H5Aclose, set.name() + ": " + name);
+  const Hdf5Handle type(H5Aget_type(attribute.get()), H5Tclose, set.name() + ": " + name);
+  const Hdf5Handle space(H5Aget_space(attribute.get()), H5Sclose, set.name() + ": " + name);
+  if (H5Tget_class(type.get()) != H5T_STRING || H5Sget_simple_extent_npoints(space.get()) != 1)
+    set.fail(std::string(name) + ": allowed: a text");
+  if (H5Tis_variable_str(type.get()) > 0) {
+    char* characters = nullptr;
+    if (H5Aread(attribute.get(), type.get(), static_cast<void*>(&characters)) < 0 || characters == nullptr)
+      set.fail(std::string(name) + ": allowed: a text");
+    std::string read = characters;
+    H5free_memory(characters);
+    return read;
+  }
+  std::string fixed(std::min(H5Tget_size(type.get()), kMostText), '\0');
+  if (H5Tget_size(type.get()) > kMostText || H5Aread(attribute.get(), type.get(), fixed.data()) < 0)
+    set.fail(std::string(name) + ": allowed: a text of at most 256 bytes");
+  return fixed.substr(0, fixed.find('\0'));
+}
+
+/// value = stored * scale + offset, none where stored is `fill`.
+struct Channel {
+  DataSet set;
+  double scale = 1.0, offset = 0.0;
+  std::optional<double> fill;
+
+  explicit Channel(DataSet data) : set(std::move(data)) {
+    const std::string unit = text(set, "units");
+    const auto factor = unit == "1" ? std::optional(1.0) : factor_of_unit(unit);
+    if (!factor) set.fail("units \"" + unit + "\"; allowed: " + kKnownUnits);
+    scale = number(set, "scale_factor").value_or(1.0) * *factor;
+    offset = number(set, "add_offset").value_or(0.0) * *factor;
+    fill = number(set, "_FillValue");
+  }
+};
+
+class Hdf5Samples final : public SampleSource {
+ public:
+  explicit Hdf5Samples(const std::filesystem::path& path) : path_(path.string()) {
+    begin_hdf5();
+    static_cast<void>(open_again_and_again(path));  // to say why it cannot be read
+    if (H5Fis_hdf5(path_.c_str()) <= 0)
+      fail(path_, "", "is no HDF5 file: its signature stands neither at byte 0 nor at 512, 1024, 2048 ...");
+    file_ = Hdf5Handle(H5Fopen(path_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, path_ + ": is damaged");
+    const Hdf5Handle group = find_group();
+    const std::vector<Named> all = all_in(group.get());
+    const auto is_time = [](const Named& named) { return named.name == "time_s"; };
+    time_.emplace(path_, group.get(), *std::ranges::find_if(all, is_time));
+    for (const Named& named : all) {
+      if (is_time(named)) continue;
+      channel_.emplace_back(DataSet(path_, group.get(), named, time_->size()));
+      name_.push_back(named.name);
+    }
+    if (name_.empty()) fail(path_, "", "no channel beside time_s");
+  }
+
+  const std::vector<std::string>& names() const override { return name_; }
+  double part() const override { return static_cast<double>(row_) / static_cast<double>(time_->size()); }
+  void rewind() override {
+    row_ = 0;
+    last_s_ = kNever_s;
+  }
+  bool read(SampleRows& rows) override {
+    rows.channels = name_.size();
+    rows.time_s.resize(std::min<hsize_t>(kRowsAtOnce, time_->size() - row_));
+    rows.value_si.resize(rows.rows() * rows.channels);
+    if (rows.rows() == 0) return false;
+    time_->read(row_, rows.time_s);
+    for (std::size_t k = 0; k < rows.rows(); last_s_ = rows.time_s[k++])
+      if (!std::isfinite(rows.time_s[k]) || rows.time_s[k] < last_s_)
+        time_->fail("row " + std::to_string(row_ + k) +
+                    ": is no number or goes back; allowed: never falling");
+    stored_.resize(rows.rows());
+    for (std::size_t c = 0; c < channel_.size(); ++c) read_channel(c, rows);
+    row_ += rows.rows();
+    return true;
+  }
+
+ private:
+  static constexpr double kNever_s = -std::numeric_limits<double>::infinity();
 
   Hdf5Handle find_group() const {
     std::vector<std::string> found;
-    for (const std::string& name : names_in(file_.get())) {
-      const Hdf5Handle object(H5Oopen(file_.get(), name.c_str(), H5P_DEFAULT), H5Oclose, path_ + ": " + name);
+    for (const Named& named : all_in(file_.get())) {
+      const Hdf5Handle object(H5Oopen(file_.get(), named.name.c_str(), H5P_DEFAULT), H5Oclose,
+                              path_ + ": " + named.place());
       if (H5Iget_type(object.get()) == H5I_GROUP && H5Lexists(object.get(), "time_s", H5P_DEFAULT) > 0)
-        found.push_back(name);
+        found.push_back(named.name);
     }
     if (found.size() == 1)
       return {H5Gopen2(file_.get(), found.front().c_str(), H5P_DEFAULT), H5Gclose,
               path_ + ": " + found.front()};
     std::string all;
     for (const auto& name : found) all += " " + name;
-    fail("", found.empty() ? "no group with a data set time_s"
-                           : "has groups of" + all + "; allowed: one, for they have no common instants");
+    fail(path_, "",
+         found.empty() ? "no group with a data set time_s"
+                       : "has groups of" + all + "; allowed: one, for they have no common instants");
   }
 
-  /// @param rows  as many must be there; nothing: any number
-  std::vector<double> read_numbers(hid_t group, const std::string& name,
-                                   std::optional<hsize_t> rows = {}) const {
-    const Hdf5Handle set(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose,
-                         path_ + ": " + name + ": is no data set");
-    const Hdf5Handle space(H5Dget_space(set.get()), H5Sclose, path_ + ": " + name);
-    const Hdf5Handle type(H5Dget_type(set.get()), H5Tclose, path_ + ": " + name);
-    const H5T_class_t kind = H5Tget_class(type.get());
-    hsize_t size = 0;
-    if (H5Sget_simple_extent_ndims(space.get()) != 1 || (kind != H5T_INTEGER && kind != H5T_FLOAT))
-      fail(name, "allowed: a row of numbers");
-    H5Sget_simple_extent_dims(space.get(), &size, nullptr);
-    if (size == 0 || size > kMostSamples) fail(name, std::to_string(size) + " numbers; allowed: 1 to 2^28");
-    if (rows && size != *rows)
-      fail(name, std::to_string(size) + " samples; allowed: " + std::to_string(*rows) + " as in time_s");
-    if (H5Dget_storage_size(set.get()) == 0)
-      fail(name, std::to_string(size) + " numbers, but none was ever written");
-    std::vector<double> numbers(size);
-    if (H5Dread(set.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers.data()) < 0)
-      fail(name, "cannot be read: the file is damaged");
-    return numbers;
-  }
-
-  std::optional<double> number(hid_t set, const char* name) const {
-    if (H5Aexists(set, name) <= 0) return std::nullopt;
-    const Hdf5Handle attribute(H5Aopen(set, name, H5P_DEFAULT), H5Aclose, path_ + ": " + name);
-    const Hdf5Handle space(H5Aget_space(attribute.get()), H5Sclose, path_ + ": " + name);
-    double value = 0.0;
-    if (H5Sget_simple_extent_npoints(space.get()) != 1 ||
-        H5Aread(attribute.get(), H5T_NATIVE_DOUBLE, &value) < 0)
-      fail(name, "allowed: one number");
-    return value;
-  }
-
-  std::string text(hid_t set, const char* name) const {
-    if (H5Aexists(set, name) <= 0) return {};
-    const Hdf5Handle attribute(H5Aopen(set, name, H5P_DEFAULT), H5Aclose, path_ + ": " + name);
-    const Hdf5Handle type(H5Aget_type(attribute.get()), H5Tclose, path_ + ": " + name);
-    const Hdf5Handle space(H5Aget_space(attribute.get()), H5Sclose, path_ + ": " + name);
-    if (H5Tget_class(type.get()) != H5T_STRING || H5Sget_simple_extent_npoints(space.get()) != 1)
-      fail(name, "allowed: a text");
-    if (H5Tis_variable_str(type.get()) > 0) {
-      char* characters = nullptr;
-      if (H5Aread(attribute.get(), type.get(), static_cast<void*>(&characters)) < 0 || characters == nullptr)
-        fail(name, "allowed: a text");
-      std::string read = characters;
-      H5free_memory(characters);
-      return read;
-    }
-    std::string fixed(std::min(H5Tget_size(type.get()), kMostText), '\0');
-    if (H5Tget_size(type.get()) > kMostText || H5Aread(attribute.get(), type.get(), fixed.data()) < 0)
-      fail(name, "allowed: a text of at most 256 bytes");
-    return fixed.substr(0, fixed.find('\0'));
-  }
-
-  std::vector<double> read_channel(hid_t group, const std::string& name, std::size_t rows) const {
-    std::vector<double> values = read_numbers(group, name, rows);
-    const Hdf5Handle set(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, path_ + ": " + name);
-    const std::string unit = text(set.get(), "units");
-    const auto factor = unit == "1" ? std::optional(1.0) : factor_of_unit(unit);
-    if (!factor) fail(name, "units \"" + unit + "\"; allowed: " + kKnownUnits);
-    const double scale = number(set.get(), "scale_factor").value_or(1.0) * *factor;
-    const double offset = number(set.get(), "add_offset").value_or(0.0) * *factor;
-    const auto fill = number(set.get(), "_FillValue");
-    for (std::size_t row = 0; row < rows; ++row) {
-      double& value = values[row];
-      value = fill && value == *fill ? std::numeric_limits<double>::quiet_NaN() : value * scale + offset;
+  void read_channel(std::size_t c, SampleRows& rows) {
+    const Channel& channel = channel_[c];
+    channel.set.read(row_, stored_);
+    for (std::size_t k = 0; k < stored_.size(); ++k) {
+      const double value = channel.fill && stored_[k] == *channel.fill
+                               ? std::numeric_limits<double>::quiet_NaN()
+                               : stored_[k] * channel.scale + channel.offset;
       if (std::isinf(value))
-        fail(name, "row " + std::to_string(row) + ": is infinite; allowed: a number, or none");
+        channel.set.fail("row " + std::to_string(row_ + k) + ": is infinite; allowed: a number, or none");
+      rows.value_si[k * rows.channels + c] = value;
     }
-    return values;
   }
 
   const std::string path_;
   Hdf5Handle file_;
+  std::optional<DataSet> time_;
+  std::vector<Channel> channel_;
+  std::vector<std::string> name_;
+  std::vector<double> stored_;
+  hsize_t row_ = 0;
+  double last_s_ = kNever_s;
 };
 
 }  // namespace
 
-SampleTable read_hdf5_samples(const std::filesystem::path& file) {
-  try {
-    return Reader(file).read();
-  } catch (const std::bad_alloc&) {
-    throw ConfigError(file.string() + ": has more samples than this machine has memory for");
-  }
+std::unique_ptr<SampleSource> open_hdf5_samples(const std::filesystem::path& file) {
+  return std::make_unique<Hdf5Samples>(file);
 }
 
 }  // namespace roadbalance

@@ -5,13 +5,13 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <set>
-#include <sstream>
 #include <string_view>
+#include <utility>
 
-#include "common/config/section.hpp"
-#include "common/config/text_file.hpp"
+#include "host/exchange/line_reader.hpp"
 
 namespace roadbalance {
 namespace {
@@ -28,28 +28,21 @@ std::string_view trimmed(std::string_view text) {
 
 class Lines {
  public:
-  explicit Lines(const std::filesystem::path& file) : file_(file.string()), stream_(read_text_file(file_)) {}
+  explicit Lines(std::shared_ptr<const File> file, LinePlace from = {}) : lines_(std::move(file), from) {}
 
-  bool next() {
-    if (!std::getline(stream_, line_)) return false;
-    ++number_;
-    if (!line_.empty() && line_.back() == '\r') line_.pop_back();
-    return true;
-  }
+  bool next() { return lines_.next(); }
   /// @throws ConfigError if the file ends
   void need(const char* what) {
     if (!next()) fail(std::string("the file ends; allowed: ") + what);
   }
-  const std::string& line() const { return line_; }
-  bool is_marker() const { return std::string_view(line_).substr(0, 6) == kMarker && trimmed(line_) == "-1"; }
+  std::string_view line() const { return lines_.line(); }
+  bool is_marker() const { return line().substr(0, 6) == kMarker && trimmed(line()) == "-1"; }
+  LinePlace place() const { return lines_.place(); }
 
-  [[noreturn]] void fail(const std::string& reason) const {
-    throw ConfigError(file_ + ":" + std::to_string(number_) + ": " + reason);
-  }
+  [[noreturn]] void fail(const std::string& reason) const { lines_.fail(reason); }
 
   std::string_view field(std::size_t at, std::size_t width) const {
-    const std::string_view line(line_);
-    return at < line.size() ? trimmed(line.substr(at, width)) : std::string_view();
+    return at < line().size() ? trimmed(line().substr(at, width)) : std::string_view();
   }
   std::int64_t integer(std::size_t at, std::size_t width, const char* what) const {
     std::int64_t value = 0;
@@ -75,10 +68,7 @@ class Lines {
   }
 
  private:
-  const std::string file_;
-  std::istringstream stream_;
-  std::string line_;
-  std::int64_t number_ = 0;
+  LineReader lines_;
 };
 
 /// Even instants, as record 7 tells them.
@@ -123,20 +113,52 @@ void refine(std::string_view id_line, Abscissa& abscissa) {
     abscissa.first_s = *first_s;
 }
 
-class Reader {
+/// A time response: where its values stand, and how far they have been read.
+class Column {
  public:
-  explicit Reader(const std::filesystem::path& file) : lines_(file) {}
+  Column(std::shared_ptr<const File> file, std::string name, LinePlace first, std::size_t per_line,
+         std::size_t width)
+      : file_(std::move(file)),
+        name_(std::move(name)),
+        first_(first),
+        per_line_(per_line),
+        width_(width),
+        lines_(file_, first) {}
 
-  SampleTable read() {
+  void rewind() {
+    lines_ = Lines(file_, first_);
+    next_in_line_ = 0;
+  }
+  /// The caller counts them.
+  double next() {
+    if (next_in_line_ == 0) lines_.need("more values");
+    const double value = lines_.number(next_in_line_ * width_, width_, name_.c_str());
+    next_in_line_ = (next_in_line_ + 1) % per_line_;
+    return value;
+  }
+
+ private:
+  std::shared_ptr<const File> file_;
+  std::string name_;
+  LinePlace first_;
+  std::size_t per_line_, width_;
+  Lines lines_;
+  std::size_t next_in_line_ = 0;
+};
+
+/// Channels stand one behind the other in the file; each is read at its own place.
+class UniversalSamples final : public SampleSource {
+ public:
+  explicit UniversalSamples(const std::filesystem::path& path)
+      : file_(open_again_and_again(path)), lines_(file_) {
     while (lines_.next()) {
       if (trimmed(lines_.line()).empty()) continue;
       if (!lines_.is_marker()) lines_.fail("allowed: -1 in columns 5 and 6, which begins a data set");
       lines_.need("type of the data set");
-      if (std::string_view(lines_.line()).substr(0, 7) == "    58b")
-        lines_.fail("is binary; allowed: an ASCII universal file");
+      if (lines_.line().substr(0, 7) == "    58b") lines_.fail("is binary; allowed: an ASCII universal file");
       switch (lines_.integer(0, 6, "type of the data set")) {
         case 58:
-          read_function();
+          find_function();
           break;
         case 164:
           check_units(lines_);
@@ -145,14 +167,28 @@ class Reader {
           pass_over(lines_);
       }
     }
-    if (table_.name.empty()) lines_.fail("no time response (data set 58, function type 1)");
-    for (std::int64_t k = 0; k < abscissa_.samples; ++k)
-      table_.time_s.push_back(abscissa_.first_s + static_cast<double>(k) * abscissa_.step_s);
-    return std::move(table_);
+    if (name_.empty()) lines_.fail("no time response (data set 58, function type 1)");
+  }
+
+  const std::vector<std::string>& names() const override { return name_; }
+  double part() const override { return static_cast<double>(row_) / static_cast<double>(abscissa_.samples); }
+  void rewind() override {
+    row_ = 0;
+    for (Column& column : column_) column.rewind();
+  }
+  bool read(SampleRows& rows) override {
+    rows.clear();
+    rows.channels = name_.size();
+    const auto end = std::min(abscissa_.samples, row_ + static_cast<std::int64_t>(kRowsAtOnce));
+    for (; row_ < end; ++row_) {
+      rows.time_s.push_back(abscissa_.first_s + static_cast<double>(row_) * abscissa_.step_s);
+      for (Column& column : column_) rows.value_si.push_back(column.next());
+    }
+    return rows.rows() > 0;
   }
 
  private:
-  void read_function() {
+  void find_function() {
     lines_.need("ID line 1");
     const std::string name(trimmed(lines_.line()));
     std::string rate_line;
@@ -180,34 +216,33 @@ class Reader {
 
   void take(const std::string& name, const Abscissa& abscissa, std::int64_t per_line, std::size_t width) {
     if (!seen_.insert(name).second) lines_.fail("channel " + name + " stands twice");
-    if (!table_.name.empty() && !(abscissa == abscissa_))
+    if (!name_.empty() && !(abscissa == abscissa_))
       lines_.fail("channel " + name + " has another abscissa than those before; allowed: the same");
     abscissa_ = abscissa;
-    std::vector<double> values;
-    while (std::ssize(values) < abscissa.samples) {
+    name_.push_back(name);
+    column_.emplace_back(file_, name, lines_.place(), static_cast<std::size_t>(per_line), width);
+    for (std::int64_t values = 0; values < abscissa.samples; values += per_line) {
       lines_.need("more values");
       if (lines_.is_marker())
-        lines_.fail(std::to_string(values.size()) + " values; allowed: " + std::to_string(abscissa.samples));
-      const std::int64_t count = std::min(per_line, abscissa.samples - std::ssize(values));
-      for (std::int64_t k = 0; k < count; ++k)
-        values.push_back(lines_.number(static_cast<std::size_t>(k) * width, width, name.c_str()));
+        lines_.fail(std::to_string(values) + " values; allowed: " + std::to_string(abscissa.samples));
     }
     lines_.need("-1 in columns 5 and 6, which ends a data set");
     if (!lines_.is_marker()) lines_.fail("more than " + std::to_string(abscissa.samples) + " values");
-    table_.name.push_back(name);
-    table_.value_si.push_back(std::move(values));
   }
 
+  const std::shared_ptr<const File> file_;
   Lines lines_;
-  SampleTable table_;
+  std::vector<std::string> name_;
+  std::vector<Column> column_;
   Abscissa abscissa_;
   std::set<std::string> seen_;
+  std::int64_t row_ = 0;
 };
 
 }  // namespace
 
-SampleTable read_uff58_samples(const std::filesystem::path& file) {
-  return Reader(file).read();
+std::unique_ptr<SampleSource> open_uff58_samples(const std::filesystem::path& file) {
+  return std::make_unique<UniversalSamples>(file);
 }
 
 }  // namespace roadbalance

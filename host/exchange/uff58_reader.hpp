@@ -1,8 +1,9 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 
-#include "host/exchange/sample_table.hpp"
+#include "host/exchange/sample_source.hpp"
 
 namespace roadbalance {
 
@@ -13,7 +14,8 @@ namespace roadbalance {
 ///
 /// Files of `rb export` tell their rate to 15 digits in ID line 4, which then counts.
 /// Source: SDRC, Universal File Datasets, types 58 and 164.
-/// @throws ConfigError "file:line: reason; allowed: ...", std::system_error if it cannot be read
-SampleTable read_uff58_samples(const std::filesystem::path& file);
+/// @throws ConfigError "file:line: reason; allowed: ...", of a value when it is read; std::system_error if it
+///         cannot be read
+std::unique_ptr<SampleSource> open_uff58_samples(const std::filesystem::path& file);
 
 }  // namespace roadbalance

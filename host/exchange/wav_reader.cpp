@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -11,18 +12,19 @@
 #include <optional>
 #include <set>
 #include <string>
-#include <system_error>
+#include <utility>
 #include <vector>
 
 #include "common/config/section.hpp"
 #include "common/record/file.hpp"
+#include "host/exchange/line_reader.hpp"
 #include "host/exchange/wav_scale.hpp"
 
 namespace roadbalance {
 namespace {
 
 using Json = nlohmann::json;
-constexpr sf_count_t kFrames = 4096;
+constexpr double kMostScale = 1e100;  ///< so that every sample is a number
 
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& reason) {
   throw ConfigError(file.string() + ": " + reason);
@@ -44,11 +46,15 @@ std::optional<Chunk> chunk_at(const File& file, std::uint64_t at, std::uint64_t 
   return chunk.data + chunk.size <= end ? std::optional(chunk) : std::nullopt;
 }
 
+struct Comment {
+  std::uint64_t at;  ///< byte of the file where it begins
+  std::string text;
+};
+
 /// INFO ICMT, which stands before the samples; nothing if there is none.  libsndfile drops one of more than 8
 /// kB.
-std::optional<std::string> comment_of(const std::filesystem::path& path) {
+std::optional<Comment> comment_of(const File& file) {
   constexpr std::uint64_t kRiffHeader = 12, kListType = 4, kMostText = 1 << 24;
-  const File file = File::open_to_read(path);
   const std::uint64_t end = file.size();
   for (auto chunk = chunk_at(file, kRiffHeader, end); chunk && chunk->id != "data";
        chunk = chunk_at(file, chunk->next(), end)) {
@@ -59,15 +65,16 @@ std::optional<std::string> comment_of(const std::filesystem::path& path) {
       if (text->id != "ICMT" || text->size > kMostText) continue;
       std::vector<std::uint8_t> bytes(text->size);
       bytes.resize(file.read_at(text->data, bytes));
-      return std::string(bytes.begin(), std::find(bytes.begin(), bytes.end(), std::uint8_t{0}));
+      return Comment{text->data,
+                     std::string(bytes.begin(), std::find(bytes.begin(), bytes.end(), std::uint8_t{0}))};
     }
   }
   return std::nullopt;
 }
 
 struct Description {
-  double rate_hz, first_s;
-  std::int64_t rows;
+  double rate_hz = 0.0, first_s = 0.0;
+  std::int64_t rows = 0;
   struct Channel {
     std::string name;
     double scale, offset_counts;
@@ -76,11 +83,12 @@ struct Description {
 };
 
 /// As description_json() wrote it.
-Description describe(const std::filesystem::path& file, int channels) {
-  const auto comment = comment_of(file);
+Description describe(const File& wav, int channels) {
+  const std::filesystem::path& file = wav.path();
+  const auto comment = comment_of(wav);
   if (!comment) fail(file, "has no comment that tells its channels and scales; allowed: a file of rb export");
   try {
-    const Json json = Json::parse(*comment);
+    const Json json = Json::parse(comment->text);
     const Json& group = json.at("groups").at(0);
     Description found{group.at("rate_hz").get<double>(),
                       group.at("first_s").get<double>(),
@@ -90,8 +98,10 @@ Description describe(const std::filesystem::path& file, int channels) {
     for (const Json& channel : group.at("channels")) {
       found.channel.push_back({channel.at("name").get<std::string>(), channel.at("scale").get<double>(),
                                channel.at("offset_counts").get<double>()});
-      if (!seen.insert(found.channel.back().name).second)
-        fail(file, "channel " + found.channel.back().name + " stands twice in its comment");
+      const Description::Channel& last = found.channel.back();
+      if (!seen.insert(last.name).second) fail(file, "channel " + last.name + " stands twice in its comment");
+      if (std::abs(last.scale) > kMostScale || std::abs(last.offset_counts) > kMostScale)
+        fail(file, "channel " + last.name + ": scale or offset_counts in its comment is beyond 1e100");
     }
     if (std::ssize(found.channel) != channels)
       fail(file, std::to_string(channels) + " channels, but its comment tells " +
@@ -99,44 +109,84 @@ Description describe(const std::filesystem::path& file, int channels) {
     if (!(found.rate_hz > 0.0)) fail(file, "rate_hz in its comment is not above 0");
     return found;
   } catch (const Json::exception& error) {
-    fail(file, std::string("its comment is not that of rb export: ") + error.what());
+    fail(file, "its comment, from byte " + std::to_string(comment->at) +
+                   ", is not that of rb export: " + error.what());
   }
 }
 
+class WavSamples final : public SampleSource {
+ public:
+  explicit WavSamples(std::filesystem::path path)
+      : path_(std::move(path)),
+        file_(open_again_and_again(path_)),
+        wav_(sf_open(path_.c_str(), SFM_READ, &info_), sf_close) {
+    expect_head();
+    if (!wav_)
+      fail(path_, std::string("is damaged in the chunks before its samples: ") + sf_strerror(nullptr));
+    if ((info_.format & SF_FORMAT_SUBMASK) != SF_FORMAT_PCM_32)
+      fail(path_, "allowed: 32-bit PCM, as rb export writes it");
+    description_ = describe(*file_, info_.channels);
+    for (const auto& channel : description_.channel) name_.push_back(channel.name);
+    sample_.resize(kRowsAtOnce * name_.size());
+  }
+
+  const std::vector<std::string>& names() const override { return name_; }
+  double part() const override {
+    return static_cast<double>(row_) / static_cast<double>(std::max<std::int64_t>(1, description_.rows));
+  }
+  void rewind() override {
+    row_ = 0;
+    if (sf_seek(wav_.get(), 0, SEEK_SET) != 0) fail(path_, sf_strerror(wav_.get()));
+  }
+  bool read(SampleRows& rows) override {
+    rows.clear();
+    rows.channels = name_.size();
+    const auto frames = static_cast<std::size_t>(sf_readf_int(wav_.get(), sample_.data(), kRowsAtOnce));
+    for (std::size_t k = 0; k < frames; ++k, ++row_) {
+      rows.time_s.push_back(description_.first_s + static_cast<double>(row_) / description_.rate_hz);
+      for (std::size_t c = 0; c < name_.size(); ++c)
+        rows.value_si.push_back(value_of(sample_[k * name_.size() + c], c));
+    }
+    // A file that is cut is none to libsndfile: it believes the file's length, not its header.
+    if (frames == 0 && row_ != description_.rows)
+      fail(path_, "ends at byte " + std::to_string(file_->size()) + " after " + std::to_string(row_) +
+                      " of " + std::to_string(description_.rows) + " samples");
+    return frames > 0;
+  }
+
+ private:
+  /// What libsndfile would take for something else, or refuse without a place.
+  void expect_head() const {
+    std::array<std::uint8_t, 12> head{};
+    const std::size_t read = file_->read_at(0, head);
+    const std::string text(head.begin(), head.begin() + static_cast<std::ptrdiff_t>(read));
+    if (text.size() < head.size())
+      fail(path_, "ends at byte " + std::to_string(text.size()) + ", in its header");
+    if ((!text.starts_with("RIFF") && !text.starts_with("RF64")) || text.substr(8) != "WAVE")
+      fail(path_, "byte 0: is no WAV file; allowed: RIFF or RF64 of WAVE");
+  }
+  double value_of(std::int32_t sample, std::size_t c) const {
+    const Description::Channel& channel = description_.channel[c];
+    const double counts = sample % kWavSamplesPerCount == 0
+                              ? static_cast<double>(sample) / kWavSamplesPerCount
+                              : std::numeric_limits<double>::quiet_NaN();  // no sample
+    return (counts - channel.offset_counts) * channel.scale;
+  }
+
+  const std::filesystem::path path_;
+  const std::shared_ptr<const File> file_;
+  SF_INFO info_{};
+  const std::unique_ptr<SNDFILE, int (*)(SNDFILE*)> wav_;
+  Description description_;
+  std::vector<std::string> name_;
+  std::vector<std::int32_t> sample_;
+  std::int64_t row_ = 0;
+};
+
 }  // namespace
 
-SampleTable read_wav_samples(const std::filesystem::path& file) {
-  if (!std::filesystem::exists(file))
-    throw std::system_error(ENOENT, std::generic_category(), "open " + file.string());
-  SF_INFO info{};
-  const std::unique_ptr<SNDFILE, int (*)(SNDFILE*)> wav(sf_open(file.c_str(), SFM_READ, &info), sf_close);
-  if (!wav) fail(file, std::string("is no sound file, or damaged at its beginning: ") + sf_strerror(nullptr));
-  if ((info.format & SF_FORMAT_SUBMASK) != SF_FORMAT_PCM_32)
-    fail(file, "allowed: 32-bit PCM, as rb export writes it");
-  const Description description = describe(file, info.channels);
-  SampleTable table;
-  const std::size_t channels = description.channel.size();
-  for (const auto& channel : description.channel) table.name.push_back(channel.name);
-  table.value_si.resize(channels);
-  std::vector<std::int32_t> samples(static_cast<std::size_t>(kFrames) * channels);
-  while (const sf_count_t frames = sf_readf_int(wav.get(), samples.data(), kFrames)) {
-    for (std::size_t i = 0; i < static_cast<std::size_t>(frames) * channels; ++i) {
-      const Description::Channel& channel = description.channel[i % channels];
-      const double counts = samples[i] % kWavSamplesPerCount == 0
-                                ? static_cast<double>(samples[i]) / kWavSamplesPerCount
-                                : std::numeric_limits<double>::quiet_NaN();  // no sample
-      table.value_si[i % channels].push_back((counts - channel.offset_counts) * channel.scale);
-    }
-    for (sf_count_t k = 0; k < frames; ++k)
-      table.time_s.push_back(description.first_s +
-                             static_cast<double>(table.time_s.size()) / description.rate_hz);
-  }
-  // A file that is cut is none to libsndfile: it believes the file's length, not its header.
-  if (std::ssize(table.time_s) != description.rows)
-    fail(file, "ends at byte " + std::to_string(std::filesystem::file_size(file)) + " after " +
-                   std::to_string(table.time_s.size()) + " of " + std::to_string(description.rows) +
-                   " samples");
-  return table;
+std::unique_ptr<SampleSource> open_wav_samples(const std::filesystem::path& file) {
+  return std::make_unique<WavSamples>(file);
 }
 
 }  // namespace roadbalance

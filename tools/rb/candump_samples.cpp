@@ -1,21 +1,21 @@
 #include "tools/rb/candump_samples.hpp"
 
-#include <cerrno>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
-#include <system_error>
 #include <utility>
+#include <vector>
 
 #include "common/config/section.hpp"
 #include "firmware/backends/dbc/candump.hpp"
 #include "firmware/backends/dbc/dbc_reading.hpp"
 #include "host/exchange/candump_writer.hpp"
+#include "host/exchange/line_reader.hpp"
 #include "host/exchange/units.hpp"
-#include "tools/rb/csv_table.hpp"
+#include "tools/rb/csv_samples.hpp"
 
 namespace roadbalance {
 namespace {
@@ -30,26 +30,40 @@ bool is_passed_over(const std::string& line) {
   return line.compare(hash, 2, "#R") == 0 || is_error;
 }
 
-class LogReader {
+class CandumpSamples final : public SampleSource {
  public:
-  LogReader(std::string log, const Dbc& dbc) : log_(std::move(log)), dbc_(dbc) {
+  CandumpSamples(const std::filesystem::path& log, Dbc dbc)
+      : dbc_(std::move(dbc)), log_(open_again_and_again(log)), lines_(log_) {
     for (const DbcMessage& message : dbc_.messages) message_[{message.id, message.extended}] = {&message, {}};
+    // Which messages are channels is known once the whole log was looked through.
+    while (const auto frame = next_known())
+      if (!frame->known->first_column) frame->known->first_column = add_columns(*frame->known->message);
+    if (name_.empty()) lines_.fail("no frame that " + dbc_.file + " knows a signal of");
+    rewind();
   }
 
-  SampleTable read() {
-    std::ifstream file(log_);
-    if (!file) throw std::system_error(errno, std::generic_category(), "open " + log_);
-    for (std::string line; std::getline(file, line);) {
-      ++line_;
-      if (!line.empty() && line.back() == '\r') line.pop_back();
-      if (const auto logged = parse_candump(line))
-        take(*logged);
-      else if (!is_passed_over(line))
-        fail("\"" + line.substr(0, 60) + "\" is no frame; allowed: (seconds.microseconds) interface ID#DATA");
+  const std::vector<std::string>& names() const override { return name_; }
+  double part() const override { return lines_.part(); }
+  void rewind() override {
+    lines_ = LineReader(log_);
+    interface_.clear();
+    first_ns_.reset();
+    last_ns_ = 0;
+    ahead_ = next_known();
+  }
+  bool read(SampleRows& rows) override {
+    rows.clear();
+    rows.channels = name_.size();
+    for (; ahead_; ahead_ = next_known()) {
+      if (rows.rows() == 0 || ahead_->time_ns != row_ns_) {
+        if (rows.rows() == kRowsAtOnce) break;
+        row_ns_ = ahead_->time_ns;
+        rows.time_s.push_back(1e-9 * static_cast<double>(row_ns_ - *first_ns_));
+        rows.value_si.resize(rows.rows() * name_.size(), kNoSample);
+      }
+      add(ahead_->frame, *ahead_->known, std::span(rows.value_si).last(name_.size()));
     }
-    if (table_.name.empty()) fail("no frame that " + dbc_.file + " knows a signal of");
-    for (auto& column : table_.value_si) column.resize(table_.time_s.size(), kNoSample);
-    return std::move(table_);
+    return rows.rows() > 0;
   }
 
  private:
@@ -57,84 +71,88 @@ class LogReader {
     const DbcMessage* message;
     std::optional<std::size_t> first_column;  // of its signals, once a frame has come
   };
+  struct KnownFrame {
+    CanFrame frame;
+    std::int64_t time_ns;
+    Known* known;
+  };
 
-  [[noreturn]] void fail(const std::string& reason) const {
-    throw ConfigError(log_ + ":" + std::to_string(line_) + ": " + reason);
-  }
-
-  void take(const LoggedFrame& logged) {
-    const auto known = message_.find({logged.frame.id, logged.frame.extended});
-    if (known == message_.end()) return;
-    if (!interface_.empty() && interface_ != logged.interface)
-      fail("frames of " + logged.interface + " and " + interface_ + "; allowed: those of one bus");
-    interface_ = logged.interface;
-    if (known->second.message->name == kCandumpStart && known->second.message->size == 0)
-      return begin_recording(logged.time_ns);
-    begin_row(logged.time_ns);
-    if (!known->second.first_column) known->second.first_column = add_columns(*known->second.message);
-    add(logged.frame, *known->second.message, *known->second.first_column);
-  }
-
-  void begin_recording(std::int64_t time_ns) {
-    if (first_ns_) fail("a recording's start behind its frames; allowed: the log of one recording");
-    first_ns_ = last_ns_ = time_ns;
-  }
-
-  void begin_row(std::int64_t time_ns) {
-    if (!table_.time_s.empty() && time_ns == last_ns_) return;
-    if (first_ns_ && time_ns < last_ns_) fail("its time goes back; allowed: frames in order of time");
-    if (!first_ns_) first_ns_ = time_ns;
-    last_ns_ = time_ns;
-    table_.time_s.push_back(1e-9 * static_cast<double>(time_ns - *first_ns_));
+  /// The next frame that the DBC file knows.
+  std::optional<KnownFrame> next_known() {
+    while (lines_.next()) {
+      const std::string line(lines_.line());
+      const auto logged = parse_candump(line);
+      if (!logged && !is_passed_over(line))
+        lines_.fail("\"" + line.substr(0, 60) +
+                    "\" is no frame; allowed: (seconds.microseconds) interface ID#DATA");
+      if (!logged) continue;
+      const auto known = message_.find({logged->frame.id, logged->frame.extended});
+      if (known == message_.end()) continue;
+      if (!interface_.empty() && interface_ != logged->interface)
+        lines_.fail("frames of " + logged->interface + " and " + interface_ + "; allowed: those of one bus");
+      interface_ = logged->interface;
+      if (known->second.message->name == kCandumpStart && known->second.message->size == 0) {
+        if (first_ns_)
+          lines_.fail("a recording's start behind its frames; allowed: the log of one recording");
+        first_ns_ = last_ns_ = logged->time_ns;
+        continue;
+      }
+      if (first_ns_ && logged->time_ns < last_ns_)
+        lines_.fail("its time goes back; allowed: frames in order of time");
+      if (!first_ns_) first_ns_ = logged->time_ns;
+      last_ns_ = logged->time_ns;
+      return KnownFrame{logged->frame, logged->time_ns, &known->second};
+    }
+    return std::nullopt;
   }
 
   std::size_t add_columns(const DbcMessage& message) {
-    const std::size_t first = table_.name.size();
+    const std::size_t first = name_.size();
     for (const DbcSignal& signal : message.signals) {
       const auto refuse = [&](const std::string& reason) {
         throw ConfigError(dbc_.file + ":" + std::to_string(signal.line) + ": " + signal.name + ": " + reason);
       };
-      for (const std::string& name : table_.name)
+      for (const std::string& name : name_)
         if (name == signal.name) refuse("stands in two messages of the log; allowed: one");
       const auto factor = is_reference_column(signal.name) ? 1.0 : factor_of_unit(signal.unit);
       if (!factor) refuse("unit \"" + signal.unit + "\"; allowed: " + kKnownUnits);
-      table_.name.push_back(signal.name);
-      table_.value_si.emplace_back();
+      name_.push_back(signal.name);
       factor_.push_back(*factor);
     }
     return first;
   }
 
-  void add(const CanFrame& frame, const DbcMessage& message, std::size_t first) {
+  void add(const CanFrame& frame, const Known& known, std::span<double> row) const {
+    const DbcMessage& message = *known.message;
     for (std::size_t s = 0; s < message.signals.size(); ++s) {
       const DbcReading reading = read_signal(message, message.signals[s], frame);
       if (reading.status == DbcReading::Status::kTooShort)
-        fail(std::to_string(frame.size) + " bytes; message " + message.name + " has " +
-             std::to_string(message.size));
+        lines_.fail(std::to_string(frame.size) + " bytes; message " + message.name + " has " +
+                    std::to_string(message.size));
       if (reading.status != DbcReading::Status::kOk) continue;
-      auto& column = table_.value_si[first + s];
-      if (column.size() == table_.time_s.size())
-        fail(message.signals[s].name + " stands twice at one instant");
-      column.resize(table_.time_s.size() - 1, kNoSample);
-      column.push_back(reading.value * factor_[first + s]);
+      const std::size_t column = *known.first_column + s;
+      if (!std::isnan(row[column])) lines_.fail(message.signals[s].name + " stands twice at one instant");
+      row[column] = reading.value * factor_[column];
     }
   }
 
-  const std::string log_;
-  const Dbc& dbc_;
+  const Dbc dbc_;
+  const std::shared_ptr<const File> log_;
+  LineReader lines_;
   std::map<std::pair<std::uint32_t, bool>, Known> message_;
-  SampleTable table_;
+  std::vector<std::string> name_;
   std::vector<double> factor_;  // [column]
   std::string interface_;
   std::optional<std::int64_t> first_ns_;  // from which times count
-  std::int64_t last_ns_ = 0, line_ = 0;
+  std::int64_t last_ns_ = 0, row_ns_ = 0;
+  std::optional<KnownFrame> ahead_;  // of the line read last, in no row yet
 };
 
 }  // namespace
 
-SampleTable read_candump_samples(const std::filesystem::path& log, const std::filesystem::path& dbc) {
-  const Dbc known = Dbc::read_file(dbc.string());
-  return LogReader(log.string(), known).read();
+std::unique_ptr<SampleSource> open_candump_samples(const std::filesystem::path& log,
+                                                   const std::filesystem::path& dbc) {
+  return std::make_unique<CandumpSamples>(log, Dbc::read_file(dbc.string()));
 }
 
 }  // namespace roadbalance

@@ -1,8 +1,9 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 
-#include "host/exchange/sample_table.hpp"
+#include "host/exchange/sample_source.hpp"
 
 namespace roadbalance {
 
@@ -12,10 +13,10 @@ namespace roadbalance {
 /// error frames are passed over.
 /// Time counts from the first frame, in a log of `rb export` from the recording's start (kCandumpStart).
 ///
-/// @throws ConfigError "file:line: reason; allowed: ..." of the log or the DBC file: a line that is none, a
-/// time
-///         that goes back, a frame shorter than its message, an unknown unit, a signal's name that stands
-///         twice; std::system_error if a file cannot be read
-SampleTable read_candump_samples(const std::filesystem::path& log, const std::filesystem::path& dbc);
+/// @throws ConfigError "file:line: reason; allowed: ..." of the log or the DBC file, reading it too: a line
+///         that is none, a time that goes back, a frame shorter than its message, an unknown unit, a signal's
+///         name that stands twice; std::system_error if a file cannot be read
+std::unique_ptr<SampleSource> open_candump_samples(const std::filesystem::path& log,
+                                                   const std::filesystem::path& dbc);
 
 }  // namespace roadbalance

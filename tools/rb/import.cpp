@@ -6,12 +6,14 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "common/process/stop_on_signal.hpp"
 #include "host/exchange/hdf5_reader.hpp"
 #include "host/exchange/uff58_reader.hpp"
 #include "host/exchange/wav_reader.hpp"
 #include "tools/rb/candump_samples.hpp"
 #include "tools/rb/command.hpp"
-#include "tools/rb/import_csv.hpp"
+#include "tools/rb/import_samples.hpp"
+#include "tools/rb/progress_line.hpp"
 
 namespace roadbalance {
 namespace {
@@ -23,30 +25,30 @@ struct ImportOptions {
   std::string vehicle;
   std::string folder;
   std::string dbc;
-  ReadSamples read = read_samples;
+  OpenSamples open = open_csv_samples;
   bool json = false;
 };
 
 struct Format {
   const char *name, *about, *samples;
-  SampleTable (*read)(const std::filesystem::path& file);
+  std::unique_ptr<SampleSource> (*open)(const std::filesystem::path& file);
 };
 constexpr std::array kFormats{
     Format{"csv", "Samples and pulses as comma-separated values",
            "first row names, second row units, first column time_s; an empty cell is no sample",
-           read_samples},
+           open_csv_samples},
     Format{
         "hdf5", "Samples of an HDF5 file, pulses as comma-separated values",
         "one group with time_s and a data set for each channel, attributes units, scale_factor, add_offset, "
         "_FillValue",
-        read_hdf5_samples},
+        open_hdf5_samples},
     Format{"uff58", "Samples of an ASCII universal file, pulses as comma-separated values",
            "time responses (58) of one even abscissa, SI; the first ID line names the channel",
-           read_uff58_samples},
+           open_uff58_samples},
     Format{"wav", "Samples of a WAV file of rb export, pulses as comma-separated values",
-           "32-bit PCM whose comment tells channels and scales", read_wav_samples}};
+           "32-bit PCM whose comment tells channels and scales", open_wav_samples}};
 
-nlohmann::ordered_json report_json(const CsvImportReport& report) {
+nlohmann::ordered_json report_json(const ImportReport& report) {
   nlohmann::ordered_json json{{"rows", report.rows},
                               {"seconds", report.seconds},
                               {"rate_hz", report.rate_hz},
@@ -71,7 +73,7 @@ nlohmann::ordered_json report_json(const CsvImportReport& report) {
 }
 
 /// For people, on standard error, so that nothing doubtful is hidden from those who take the JSON.
-void tell(const CsvImportReport& report) {
+void tell(const ImportReport& report) {
   std::fprintf(
       stderr, "%lld rows, %.1f s at %.3f Hz; stamps lie %.3g ms rms and %.3g ms at most from an even clock\n",
       static_cast<long long>(report.rows), report.seconds, report.rate_hz, report.stamp_rms_s * 1e3,
@@ -90,10 +92,20 @@ void tell(const CsvImportReport& report) {
 }
 
 int import(const ImportOptions& options) {
-  CsvImport request{.samples = options.samples, .folder = options.folder, .read = options.read};
+  const StopOnSignal signals;
+  SampleImport request{.samples = options.samples, .folder = options.folder, .open = options.open};
   if (!options.pulses.empty()) request.pulses = options.pulses;
   if (!options.marks.empty()) request.marks = options.marks;
-  const CsvImportReport report = import_csv(request, VehicleConfig::read_file(options.vehicle));
+  const ImportReport report = [&] {
+    const VehicleConfig vehicle = VehicleConfig::read_file(options.vehicle);
+    std::error_code nobody_asked;  // what is wrong with the file is said by whoever opens it
+    const std::uintmax_t bytes = std::filesystem::file_size(options.samples, nobody_asked);
+    ProgressLine line;
+    return import_samples(request, vehicle, signals.token(), [&](double part) {
+      line.show(part,
+                static_cast<std::uint64_t>(2.0 * part * static_cast<double>(bytes)));  // it is read twice
+    });
+  }();
   tell(report);
   if (options.json) std::printf("%s\n", report_json(report).dump().c_str());
   const bool complete = std::all_of(report.nodes.begin(), report.nodes.end(),
@@ -121,12 +133,12 @@ void add_import(CLI::App& app, int& code) {
   command->require_subcommand(1);
   for (const Format& format : kFormats) {
     auto options = std::make_shared<ImportOptions>();
-    options->read = format.read;
+    options->open = format.open;
     add_format(*command, format.name, format.about, format.samples, options, code);
   }
   auto options = std::make_shared<ImportOptions>();
-  options->read = [options = options.get()](const std::filesystem::path& log) {
-    return read_candump_samples(log, options->dbc);
+  options->open = [options = options.get()](const std::filesystem::path& log) {
+    return open_candump_samples(log, options->dbc);
   };
   add_format(*command, "candump", "Samples of a log of candump -L, pulses as comma-separated values",
              "log of one bus; frames of one stamp are of one instant", options, code)

@@ -3,87 +3,81 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <string>
 
 namespace roadbalance {
 
-namespace {
-
-struct Piece {
-  std::size_t begin, end;  // samples without a hole between them
-  double mean_index = 0.0, mean_s = 0.0, square = 0.0, product = 0.0;
-};
-
-Piece piece_of(std::span<const double> stamp_s, std::size_t begin, std::size_t end) {
-  Piece piece{begin, end};
-  const auto n = static_cast<double>(end - begin);
-  for (std::size_t i = begin; i < end; ++i) piece.mean_s += stamp_s[i] / n;
-  piece.mean_index = 0.5 * static_cast<double>(begin + end - 1);
-  for (std::size_t i = begin; i < end; ++i) {
-    const double off = static_cast<double>(i) - piece.mean_index;
-    piece.square += off * off;
-    piece.product += off * (stamp_s[i] - piece.mean_s);
-  }
-  return piece;
+double SampleClockFit::Piece::mean_row() const {
+  return static_cast<double>(begin) + 0.5 * static_cast<double>(samples - 1);
 }
 
-std::vector<Piece> pieces_of(std::span<const double> stamp_s, double nominal_hz) {
-  const double longest_s = std::min(1.5, 50.0 / nominal_hz);
-  std::vector<Piece> pieces;
-  std::size_t begin = 0;
-  for (std::size_t i = 1; i <= stamp_s.size(); ++i) {
-    if (i < stamp_s.size() && stamp_s[i] - stamp_s[i - 1] <= longest_s) continue;
-    pieces.push_back(piece_of(stamp_s, begin, i));
-    begin = i;
-  }
-  return pieces;
+double SampleClockFit::Piece::square() const {
+  const auto n = static_cast<double>(samples);
+  return n * (n * n - 1.0) / 12.0;
 }
 
-}  // namespace
+void SampleClockFit::add(double stamp_s) {
+  if (rows_ == 0) first_s_ = stamp_s;
+  const double longest_s = std::min(1.5, 50.0 / nominal_hz_);
+  if (rows_ == 0 || stamp_s - last_s_ > longest_s) {
+    if (piece_.size() > kMostHoles)
+      throw std::invalid_argument("more than " + std::to_string(kMostHoles) +
+                                  " holes; allowed: samples as often as rate_hz says");
+    piece_.push_back({.begin = rows_, .before_s = last_s_});
+  }
+  Piece& piece = piece_.back();
+  const auto row = static_cast<double>(rows_);
+  const double late_s = stamp_s - first_s_ - row / nominal_hz_;
+  // The mean row of those before, which are one fewer.
+  const double from_mean = piece.samples > 0 ? row - piece.mean_row() : 0.0;
+  ++piece.samples;
+  piece.late_s += (late_s - piece.late_s) / static_cast<double>(piece.samples);
+  piece.late_product += from_mean * (late_s - piece.late_s);
+  last_s_ = stamp_s;
+  ++rows_;
+}
 
-SampleClock fit_sample_clock(std::span<const double> stamp_s, double nominal_hz) {
-  if (stamp_s.size() < 3) throw std::invalid_argument("fewer than 3 samples");
-  const auto pieces = pieces_of(stamp_s, nominal_hz);
+SampleClock SampleClockFit::clock() const {
+  if (rows_ < 3) throw std::invalid_argument("fewer than 3 samples");
+  const double nominal_s = 1.0 / nominal_hz_;
   double square = 0.0, product = 0.0;
-  for (const auto& piece : pieces) {
-    square += piece.square;
-    product += piece.product;
+  for (const Piece& piece : piece_) {
+    square += piece.square();
+    product += piece.late_product;
   }
-  if (!(square > 0.0 && product > 0.0)) throw std::invalid_argument("time does not advance");
-  const double period_s = product / square;
+  const double within_s = square > 0.0 ? nominal_s + product / square : 0.0;
+  if (!(within_s > 0.0)) throw std::invalid_argument("time does not advance");
 
   SampleClock clock;
-  clock.index.resize(stamp_s.size());
-  std::int64_t next = 0;
-  for (const auto& piece : pieces) {
+  std::vector<std::int64_t> missing;  // [piece] before it
+  for (const Piece& piece : piece_) {
+    const std::int64_t before = missing.empty() ? 0 : missing.back();
     // Where the line through the first piece meets the middle of this one.
-    const double middle = pieces[0].mean_index + (piece.mean_s - pieces[0].mean_s) / period_s;
-    const double begin = middle - (piece.mean_index - static_cast<double>(piece.begin));
-    const std::int64_t first = std::max<std::int64_t>(next, std::llround(begin));
-    if (first > next) clock.hole.push_back({stamp_s[piece.begin - 1], first - next});
-    next = first;
-    for (std::size_t i = piece.begin; i < piece.end; ++i) clock.index[i] = next++;
+    const double from_first_s =
+        piece.late_s - piece_[0].late_s + (piece.mean_row() - piece_[0].mean_row()) * nominal_s;
+    const double expected = piece_[0].mean_row() + from_first_s / within_s - piece.mean_row();
+    missing.push_back(std::max<std::int64_t>(before, std::llround(expected)));
+    if (missing.back() > before) clock.hole.push_back({piece.before_s, missing.back() - before, piece.begin});
   }
 
-  double mean_index = 0.0, mean_s = 0.0;
-  const auto n = static_cast<double>(stamp_s.size());
-  for (std::size_t i = 0; i < stamp_s.size(); ++i) {
-    mean_index += static_cast<double>(clock.index[i]) / n;
-    mean_s += stamp_s[i] / n;
+  // Of all samples by their index: the pieces' sums about their means, and those of the means.
+  double mean_index = 0.0, mean_late_s = 0.0;
+  const auto index_of = [&](std::size_t p) { return piece_[p].mean_row() + static_cast<double>(missing[p]); };
+  const auto late_of = [&](std::size_t p) {
+    return piece_[p].late_s - static_cast<double>(missing[p]) * nominal_s;
+  };
+  for (std::size_t p = 0; p < piece_.size(); ++p) {
+    const double share = static_cast<double>(piece_[p].samples) / static_cast<double>(rows_);
+    mean_index += share * index_of(p);
+    mean_late_s += share * late_of(p);
   }
-  square = product = 0.0;
-  for (std::size_t i = 0; i < stamp_s.size(); ++i) {
-    const double off = static_cast<double>(clock.index[i]) - mean_index;
-    square += off * off;
-    product += off * (stamp_s[i] - mean_s);
+  for (std::size_t p = 0; p < piece_.size(); ++p) {
+    const double samples = static_cast<double>(piece_[p].samples), off = index_of(p) - mean_index;
+    square += samples * off * off;
+    product += samples * off * (late_of(p) - mean_late_s);
   }
-  clock.period_s = product / square;
-  clock.first_s = mean_s - clock.period_s * mean_index;
-  for (std::size_t i = 0; i < stamp_s.size(); ++i) {
-    const double off = stamp_s[i] - clock.first_s - clock.period_s * static_cast<double>(clock.index[i]);
-    clock.stamp_rms_s += off * off / n;
-    clock.stamp_max_s = std::max(clock.stamp_max_s, std::abs(off));
-  }
-  clock.stamp_rms_s = std::sqrt(clock.stamp_rms_s);
+  clock.period_s = nominal_s + product / square;
+  clock.first_s = first_s_ + mean_late_s - (product / square) * mean_index;
   return clock;
 }
 

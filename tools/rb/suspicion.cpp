@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "common/text/format.hpp"
 #include "common/vehicle/gravity.hpp"
 
 namespace roadbalance {
@@ -14,40 +14,43 @@ constexpr double kMostOffset_m_s2 =
     2.0 * kStandardGravity_m_s2;             // gravity is 1 g, no road gives a second's mean of another
 constexpr double kLeastSpread_counts = 0.5;  // less is not even quantisation noise
 
-template <typename... Values>
-std::string text(const char* format, Values... values) {
-  char buffer[160];
-  std::snprintf(buffer, sizeof buffer, format, values...);
-  return buffer;
-}
-
 }  // namespace
 
-std::vector<std::string> suspicions_of(std::span<const double> value_m_s2, const ChannelConfig& channel,
-                                       double rate_hz) {
-  std::vector<std::string> found;
-  const auto second = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(rate_hz)));
-  std::size_t seconds = 0, constant = 0, offset = 0, clipped = 0;
-  double sum_offset = 0.0;
-  for (std::size_t begin = 0; begin + second <= value_m_s2.size(); begin += second) {
-    const auto part = value_m_s2.subspan(begin, second);
-    double mean = 0.0, square = 0.0;
-    for (const double v : part) mean += v / static_cast<double>(second);
-    for (const double v : part) square += (v - mean) * (v - mean) / static_cast<double>(second);
-    ++seconds;
-    if (std::sqrt(square) < kLeastSpread_counts * channel.scale_m_s2_per_count) ++constant;
-    if (std::abs(mean) > kMostOffset_m_s2) {
-      ++offset;
-      sum_offset += mean;
-    }
-  }
-  for (const double v : value_m_s2) clipped += std::abs(v) >= kClipped * channel.range_m_s2 ? 1 : 0;
+ChannelSuspicion::ChannelSuspicion(const ChannelConfig& channel, double rate_hz)
+    : channel_(channel), samples_a_second_(std::max<std::int64_t>(1, std::llround(rate_hz))) {}
 
-  if (offset > 0)
-    found.push_back(text("sits at %.1f g on average during %zu of %zu s: more than gravity",
-                         sum_offset / static_cast<double>(offset) / kStandardGravity_m_s2, offset, seconds));
-  if (constant > 0) found.push_back(text("is constant during %zu of %zu s", constant, seconds));
-  if (clipped > 0) found.push_back(text("reaches its full scale in %zu samples", clipped));
+void ChannelSuspicion::add(double value_m_s2) {
+  if (std::abs(value_m_s2) >= kClipped * channel_.range_m_s2) ++clipped_;
+  ++samples_;
+  const double off = value_m_s2 - mean_;
+  mean_ += off / static_cast<double>(samples_);
+  squares_ += off * (value_m_s2 - mean_);
+  if (samples_ == samples_a_second_) end_second();
+}
+
+void ChannelSuspicion::end_second() {
+  ++seconds_;
+  if (std::sqrt(squares_ / static_cast<double>(samples_)) <
+      kLeastSpread_counts * channel_.scale_m_s2_per_count)
+    ++constant_;
+  if (std::abs(mean_) > kMostOffset_m_s2) {
+    ++offset_;
+    sum_offset_ += mean_;
+  }
+  samples_ = 0;
+  mean_ = squares_ = 0.0;
+}
+
+std::vector<std::string> ChannelSuspicion::found() const {
+  std::vector<std::string> found;
+  const std::string of_seconds = " of " + std::to_string(seconds_) + " s";
+  if (offset_ > 0) {
+    const double mean_g = sum_offset_ / static_cast<double>(offset_) / kStandardGravity_m_s2;
+    found.push_back("sits at " + format("%.1f", mean_g) + " g on average during " + std::to_string(offset_) +
+                    of_seconds + ": more than gravity");
+  }
+  if (constant_ > 0) found.push_back("is constant during " + std::to_string(constant_) + of_seconds);
+  if (clipped_ > 0) found.push_back("reaches its full scale in " + std::to_string(clipped_) + " samples");
   return found;
 }
 

@@ -19,7 +19,7 @@
 #include "host/analyser/identify_record.hpp"
 #include "host/identify/drive_estimator.hpp"
 #include "sim/front_end.hpp"
-#include "tools/rb/import_csv.hpp"
+#include "tools/rb/import_samples.hpp"
 
 namespace roadbalance {
 namespace {
@@ -109,7 +109,7 @@ TEST_F(ImportDrive, WithPulsesComesToTheResultOfTheNodesThemselves) {
 
   const std::filesystem::path record = folder_ / "record";
   const auto report =
-      import_csv({.samples = write_samples(), .pulses = write_pulses(), .folder = record}, vehicle_);
+      import_samples({.samples = write_samples(), .pulses = write_pulses(), .folder = record}, vehicle_);
   EXPECT_TRUE(report.has_pulses);
   const auto identified = identify_record(record);
 

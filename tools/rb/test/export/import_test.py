@@ -1,5 +1,6 @@
 """rb import of hdf5, uff58 and wav: what rb export wrote comes back count for count; what others wrote, and what is wrong."""
 
+import os
 import unittest
 
 import h5py
@@ -147,6 +148,8 @@ class Import(Exports):
             ("uff58", text.replace("rear_up", "front_up").encode(), "stands twice"),
             ("wav", good["wav"].replace(b'"scale"', b'"scaly"'), "scale"),
             ("wav", good["wav"].replace(b"ICMT", b"IXXX"), "comment"),
+            ("wav", b"RIFX" + good["wav"][4:], "byte 0: is no WAV file"),
+            ("hdf5", good["hdf5"][:-100], f"eof = {len(good['hdf5']) - 100}"),
             ("wav", good["wav"][:-160], f"ends at byte {len(good['wav']) - 160} after 9990 of 10000"),
         ]
         for k, (form, data, words) in enumerate(cases):
@@ -176,6 +179,34 @@ class Import(Exports):
             _, done = self.import_as("hdf5", "altered", file, self.root / "made.toml")
             self.assertIn(done.returncode, (2, 4), done.stderr)
             self.assertIn(words, done.stderr)
+
+    def test_says_at_which_byte_an_hdf5_file_is_damaged(self):
+        good = self.export("hdf5", self.made, "sound.h5")[0].read_bytes()
+        with h5py.File(self.root / "sound.h5", "r") as file:
+            chunk = file["all/rear_up"].id.get_chunk_info(0)
+            is_packed = file["all/rear_up"].compression is not None
+        file = self.root / "holed.h5"
+        if is_packed:
+            file.write_bytes(good[:chunk.byte_offset] + b"\xff" * chunk.size + good[chunk.byte_offset + chunk.size:])
+            _, done = self.import_as("hdf5", "holed", file, self.root / "made.toml")
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertIn(f"rear_up: row 0 cannot be read, its part of the file from byte {chunk.byte_offset} on is damaged",
+                          done.stderr)
+        # The description of a data set, by its signature or, in files of old, found through the library.
+        with h5py.File(self.root / "sound.h5", "r") as data:
+            at = h5py.h5o.get_info(data["all/rear_up"].id).addr
+        file.write_bytes(good[:at] + b"\xff" * 16 + good[at + 16:])
+        _, done = self.import_as("hdf5", "headless", file, self.root / "made.toml")
+        self.assertIn(done.returncode, (2, 4), done.stderr)
+        self.assertIn(f"rear_up, described at byte {at}", done.stderr)
+
+    def test_refuses_what_cannot_be_read_twice(self):
+        pipe = self.root / "pipe"
+        os.mkfifo(pipe)
+        for form in ("csv", *self.FORMATS):
+            _, done = self.import_as(form, "piped", pipe, self.root / "made.toml")
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertIn("pipe: is no file", done.stderr)
 
 
 if __name__ == "__main__":

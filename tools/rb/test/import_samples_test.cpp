@@ -1,4 +1,4 @@
-#include "tools/rb/import_csv.hpp"
+#include "tools/rb/import_samples.hpp"
 
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 constexpr double kRate_hz = 500.0;
 
-class ImportCsv : public testing::Test {
+class ImportSamples : public testing::Test {
  protected:
   fs::path write(const std::string& name, const std::string& text) {
     std::ofstream(folder_ / name) << text;
@@ -32,9 +32,9 @@ class ImportCsv : public testing::Test {
   std::string error_of(const std::string& samples, const VehicleConfig& vehicle,
                        const std::string& pulses = "") {
     try {
-      CsvImport import{.samples = write("s.csv", samples), .pulses = {}, .folder = folder_ / "record"};
+      SampleImport import{.samples = write("s.csv", samples), .pulses = {}, .folder = folder_ / "record"};
       if (!pulses.empty()) import.pulses = write("p.csv", pulses);
-      import_csv(import, vehicle);
+      import_samples(import, vehicle);
     } catch (const ConfigError& error) {
       return error.what();
     }
@@ -91,9 +91,9 @@ double uniform(std::size_t i) {
   return 2.0 + static_cast<double>(i) / kRate_hz;
 }
 
-TEST_F(ImportCsv, GivesEachChannelToItsNodeInItsUnit) {
+TEST_F(ImportSamples, GivesEachChannelToItsNodeInItsUnit) {
   const auto vehicle = two_nodes();
-  const CsvImportReport report = import_csv(
+  const ImportReport report = import_samples(
       {.samples = write("s.csv", samples(1010, uniform)), .pulses = {}, .folder = folder_ / "record"},
       vehicle);
   EXPECT_EQ(report.rows, 1010);
@@ -120,10 +120,10 @@ TEST_F(ImportCsv, GivesEachChannelToItsNodeInItsUnit) {
   EXPECT_EQ(seen[1], 1010);
 }
 
-TEST_F(ImportCsv, FindsTheUniformRateBehindBunchedStamps) {
+TEST_F(ImportSamples, FindsTheUniformRateBehindBunchedStamps) {
   // Stamps as a serial port gives them: eight samples at once, late.
   const auto bunched = [](std::size_t i) { return uniform(i / 8 * 8 + 7); };
-  const CsvImportReport report = import_csv(
+  const ImportReport report = import_samples(
       {.samples = write("s.csv", samples(4000, bunched)), .pulses = {}, .folder = folder_ / "record"},
       two_nodes());
   // A saw tooth of 8 samples tilts the line by (8^2 - 1) / rows^2.
@@ -134,9 +134,9 @@ TEST_F(ImportCsv, FindsTheUniformRateBehindBunchedStamps) {
   EXPECT_TRUE(report.holes.empty());
 }
 
-TEST_F(ImportCsv, DeclaresAHoleAsAGapOfItsExactLength) {
+TEST_F(ImportSamples, DeclaresAHoleAsAGapOfItsExactLength) {
   const auto holed = [](std::size_t i) { return uniform(i < 777 ? i : i + 900); };
-  const CsvImportReport report = import_csv(
+  const ImportReport report = import_samples(
       {.samples = write("s.csv", samples(2000, holed)), .pulses = {}, .folder = folder_ / "record"},
       two_nodes());
   ASSERT_EQ(report.holes.size(), 1U);
@@ -154,15 +154,15 @@ TEST_F(ImportCsv, DeclaresAHoleAsAGapOfItsExactLength) {
   EXPECT_EQ(verify_record(folder_ / "record").verdict, Verdict::kIncomplete);
 }
 
-TEST_F(ImportCsv, KeepsPulsesOnTheirLine) {
-  const auto report = import_csv({.samples = write("s.csv", samples(100, uniform)),
-                                  .pulses = write("p.csv",
-                                                  "time_s,wheel,kind\n2.01,front_left,tooth\n"
-                                                  "2.05,front_left,zero\n"
-                                                  "2.06,front_left,tooth_backward\n"
-                                                  "2.07,front_left,lost\n"),
-                                  .folder = folder_ / "record"},
-                                 two_nodes());
+TEST_F(ImportSamples, KeepsPulsesOnTheirLine) {
+  const auto report = import_samples({.samples = write("s.csv", samples(100, uniform)),
+                                      .pulses = write("p.csv",
+                                                      "time_s,wheel,kind\n2.01,front_left,tooth\n"
+                                                      "2.05,front_left,zero\n"
+                                                      "2.06,front_left,tooth_backward\n"
+                                                      "2.07,front_left,lost\n"),
+                                      .folder = folder_ / "record"},
+                                     two_nodes());
   EXPECT_TRUE(report.has_pulses);
   EXPECT_EQ(report.nodes[0].edges, 0);
   EXPECT_EQ(report.nodes[1].edges, 4);
@@ -179,13 +179,13 @@ TEST_F(ImportCsv, KeepsPulsesOnTheirLine) {
 }
 
 // An edge block bears its first edge's time, which is before that of scans sealed ahead of it.
-TEST_F(ImportCsv, KeepsEachNodesSequenceWhateverItsTimes) {
+TEST_F(ImportSamples, KeepsEachNodesSequenceWhateverItsTimes) {
   std::string pulses = "time_s,wheel,kind\n";
   for (int i = 0; i < 400; ++i) pulses += std::to_string(2.001 + 0.005 * i) + ",front_left,tooth\n";
-  import_csv({.samples = write("s.csv", samples(1'000, uniform)),
-              .pulses = write("p.csv", pulses),
-              .folder = folder_ / "record"},
-             two_nodes());
+  import_samples({.samples = write("s.csv", samples(1'000, uniform)),
+                  .pulses = write("p.csv", pulses),
+                  .folder = folder_ / "record"},
+                 two_nodes());
   std::map<int, std::int64_t> last;
   int edges = 0;
   for (const auto& block : blocks_of_record()) {
@@ -197,13 +197,13 @@ TEST_F(ImportCsv, KeepsEachNodesSequenceWhateverItsTimes) {
   EXPECT_GT(edges, 1);
 }
 
-TEST_F(ImportCsv, GivesAnotherEpochToOtherPulsesAndAnotherVehicle) {
+TEST_F(ImportSamples, GivesAnotherEpochToOtherPulsesAndAnotherVehicle) {
   auto vehicle = two_nodes();
   const auto epoch = [&](const std::string& pulses, const std::string& name) {
-    import_csv({.samples = write("s.csv", samples(100, uniform)),
-                .pulses = write("p.csv", "time_s,wheel,kind\n" + pulses),
-                .folder = folder_ / name},
-               vehicle);
+    import_samples({.samples = write("s.csv", samples(100, uniform)),
+                    .pulses = write("p.csv", "time_s,wheel,kind\n" + pulses),
+                    .folder = folder_ / name},
+                   vehicle);
     return verify_record(folder_ / name).epoch.at(0).epoch;
   };
   const auto first = epoch("2.01,front_left,tooth\n", "a");
@@ -213,24 +213,97 @@ TEST_F(ImportCsv, GivesAnotherEpochToOtherPulsesAndAnotherVehicle) {
   EXPECT_NE(epoch("2.01,front_left,tooth\n", "d"), first);
 }
 
-TEST_F(ImportCsv, LeavesNothingOfAnImportThatFailed) {
+TEST_F(ImportSamples, LeavesNothingOfAnImportThatFailed) {
   write("occupied", "a file");
-  EXPECT_THROW(import_csv({.samples = write("s.csv", samples(100, uniform)),
-                           .pulses = {},
-                           .folder = folder_ / "occupied" / "record"},
-                          two_nodes()),
+  EXPECT_THROW(import_samples({.samples = write("s.csv", samples(100, uniform)),
+                               .pulses = {},
+                               .folder = folder_ / "occupied" / "record"},
+                              two_nodes()),
                std::exception);
   // Its name is so long that the folder can be filled, but not named.
   const std::string name(252, 'n');
-  EXPECT_THROW(
-      import_csv({.samples = write("s.csv", samples(100, uniform)), .pulses = {}, .folder = folder_ / name},
-                 two_nodes()),
-      std::exception);
+  EXPECT_THROW(import_samples(
+                   {.samples = write("s.csv", samples(100, uniform)), .pulses = {}, .folder = folder_ / name},
+                   two_nodes()),
+               std::exception);
   for (const auto& entry : fs::directory_iterator(folder_))
     EXPECT_FALSE(entry.is_directory()) << entry.path();
 }
 
-TEST_F(ImportCsv, RefusesWhatItDoesNotUnderstandAndNamesIt) {
+/// Other numbers at each pass, as of a file that somebody is still writing.
+class ChangingSamples final : public SampleSource {
+ public:
+  const std::vector<std::string>& names() const override { return name_; }
+  double part() const override { return 0.5; }
+  void rewind() override {
+    is_read_ = false;
+    value_ += 1.0;
+  }
+  bool read(SampleRows& rows) override {
+    rows.clear();
+    rows.channels = name_.size();
+    for (std::size_t i = 0; i < 100 && !is_read_; ++i) {
+      rows.time_s.push_back(uniform(i));
+      rows.value_si.insert(rows.value_si.end(), name_.size(), value_);
+    }
+    is_read_ = true;
+    return rows.rows() > 0;
+  }
+
+ private:
+  const std::vector<std::string> name_{"first_up", "second_up"};
+  double value_ = 0.0;
+  bool is_read_ = false;
+};
+
+TEST_F(ImportSamples, LeavesNothingOfAFileThatIsWrittenToMeanwhile) {
+  const SampleImport import{.samples = "growing.csv",
+                            .folder = folder_ / "record",
+                            .open = [](const fs::path&) { return std::make_unique<ChangingSamples>(); }};
+  try {
+    import_samples(import, two_nodes());
+    FAIL() << "accepted";
+  } catch (const ConfigError& error) {
+    EXPECT_EQ(std::string(error.what()).find("growing.csv: was written to while it was read"), 0U)
+        << error.what();
+  }
+  EXPECT_TRUE(fs::is_empty(folder_));
+}
+
+TEST_F(ImportSamples, TellsItsProgressAndStopsWhenAsked) {
+  std::stop_source stop;
+  double last = 0.0;
+  const auto progress = [&](double part) {
+    EXPECT_GE(part, last);
+    EXPECT_LE(part, 1.0);
+    if (last < 0.7 && part >= 0.7) stop.request_stop();
+    last = part;
+  };
+  const SampleImport import{.samples = write("s.csv", samples(20'000, uniform)),
+                            .folder = folder_ / "record"};
+  EXPECT_THROW(import_samples(import, two_nodes(), stop.get_token(), progress), std::runtime_error);
+  EXPECT_GE(last, 0.7);
+  EXPECT_LT(last, 1.0);
+  for (const auto& entry : fs::directory_iterator(folder_))
+    EXPECT_FALSE(entry.is_directory()) << entry.path();
+}
+
+// A node that has no samples for long holds up nobody, and none of the others' are held for it.
+TEST_F(ImportSamples, GoesOnWithoutANodeThatPauses) {
+  std::string text = "time_s,second_up,first_up\ns,g,m/s^2\n";
+  constexpr int kRows = 20'000, kFrom = 1'000, kTo = 19'000;
+  for (int i = 0; i < kRows; ++i)
+    text += std::to_string(uniform(static_cast<std::size_t>(i))) + (i < kFrom || i >= kTo ? ",0.5," : ",,") +
+            "0.1\n";
+  import_samples({.samples = write("s.csv", text), .folder = folder_ / "record"}, two_nodes());
+  const Verification verification = verify_record(folder_ / "record");
+  EXPECT_EQ(verification.verdict, Verdict::kIncomplete);
+  ASSERT_EQ(verification.epoch.size(), 2U);
+  EXPECT_EQ(verification.epoch[0].samples, kRows);
+  EXPECT_EQ(verification.epoch[1].samples, kRows - (kTo - kFrom));
+}
+
+TEST_F(ImportSamples, RefusesWhatItDoesNotUnderstandAndNamesIt) {
   const auto v = two_nodes();
   const auto good = samples(50, uniform);
   const auto with = [&](const std::string& from, const std::string& to) {
@@ -258,10 +331,10 @@ TEST_F(ImportCsv, RefusesWhatItDoesNotUnderstandAndNamesIt) {
   EXPECT_FALSE(fs::exists(folder_ / "record"));
 }
 
-TEST_F(ImportCsv, TakesARealCarsUnevenRecordingAndReportsItsFaultySensor) {
+TEST_F(ImportSamples, TakesARealCarsUnevenRecordingAndReportsItsFaultySensor) {
   const auto vehicle = VehicleConfig::read_file(data("wobbletracker.toml").string());
-  const auto report =
-      import_csv({.samples = data("wobbletracker.csv"), .pulses = {}, .folder = folder_ / "record"}, vehicle);
+  const auto report = import_samples(
+      {.samples = data("wobbletracker.csv"), .pulses = {}, .folder = folder_ / "record"}, vehicle);
   // The rate of the whole run; ten seconds of stamps bunched by 70 ms tell it to 1 %.
   EXPECT_NEAR(report.rate_hz, 117.35, 1.17);
   EXPECT_GT(report.stamp_rms_s, 0.01);

@@ -4,27 +4,26 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
 #include "common/config/vehicle_config.hpp"
-#include "tools/rb/csv_table.hpp"
+#include "host/exchange/sample_source.hpp"
+#include "tools/rb/csv_samples.hpp"
 #include "tools/rb/sample_clock.hpp"
 
 namespace roadbalance {
 
-/// What reads a file of samples; errors as read_samples() has them.
-using ReadSamples = std::function<SampleTable(const std::filesystem::path& file)>;
-
-struct CsvImport {
+struct SampleImport {
   std::filesystem::path samples;
   std::optional<std::filesystem::path> pulses = {};
   std::optional<std::filesystem::path> marks = {};
   std::filesystem::path folder;  ///< of the recording to make; must not hold anything yet, and appears whole
-  ReadSamples read = read_samples;  ///< of the format that `samples` is in
+  OpenSamples open = open_csv_samples;  ///< of the format that `samples` is in
 };
 
-struct CsvImportReport {
+struct ImportReport {
   std::int64_t rows = 0;
   double seconds = 0.0;
   double rate_hz = 0.0;                         ///< fitted; the samples are stored at this uniform rate
@@ -45,12 +44,18 @@ struct CsvImportReport {
   bool has_pulses = false;  ///< without, identification is not possible
 };
 
+/// Told of all work how much is done, 0 to 1.
+using ImportProgress = std::function<void(double part)>;
+
 /// Makes a recording from somebody else's samples, through the same sealing as a node's.  Channels go by
 /// their name to the node that vehicle.toml gives them; no sample is invented or moved to another channel.
-/// The same input gives the same record.
+/// The same input gives the same record.  The files are gone through twice, first for their clock, and never
+/// held: memory does not grow with their length.
 ///
 /// @throws ConfigError naming file, line, column or channel at fault: an unknown unit, a column no channel
-///         wants, a channel without column, a rate more than 1 % off rate_hz; std::system_error for files
-CsvImportReport import_csv(const CsvImport& import, const VehicleConfig& vehicle);
+///         wants, a channel without column, a rate more than 1 % off rate_hz, a file that was written to
+///         meanwhile; std::system_error for files; std::runtime_error if told to stop: then nothing is left
+ImportReport import_samples(const SampleImport& import, const VehicleConfig& vehicle,
+                            std::stop_token stop = {}, const ImportProgress& progress = {});
 
 }  // namespace roadbalance

@@ -1,0 +1,11 @@
+#include "hil_tests/fuzz/memory_file.hpp"
+#include "hil_tests/fuzz/sample_check.hpp"
+#include "host/exchange/wav_reader.hpp"
+
+// Import of WAV files.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace roadbalance;
+  const fuzz::MemoryFile file({reinterpret_cast<const char*>(data), size});
+  fuzz::check_samples(file.path(), open_wav_samples);
+  return 0;
+}

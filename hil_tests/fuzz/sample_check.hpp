@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/config/section.hpp"
+#include "hil_tests/fuzz/property.hpp"
+#include "host/exchange/sample_source.hpp"
+
+namespace roadbalance::fuzz {
+
+/// All rows of a pass behind each other, checked.
+inline std::vector<double> pass_of(SampleSource& source) {
+  std::vector<double> all;
+  double before_s = -std::numeric_limits<double>::infinity();
+  for (SampleRows rows; source.read(rows);) {
+    require(rows.rows() > 0 && rows.rows() <= SampleSource::kRowsAtOnce,
+            "a read gives some rows, not too many");
+    require(rows.channels == source.names().size() && rows.value_si.size() == rows.rows() * rows.channels,
+            "every row has every channel");
+    for (const double time_s : rows.time_s) {
+      require(std::isfinite(time_s) && time_s >= before_s, "time is a number and never falls");
+      before_s = time_s;
+    }
+    for (const double value : rows.value_si)
+      require(!std::isinf(value), "a sample is a number, or not there");
+    require(source.part() >= 0.0 && source.part() <= 1.0, "progress is a share");
+    all.insert(all.end(), rows.time_s.begin(), rows.time_s.end());
+    all.insert(all.end(), rows.value_si.begin(), rows.value_si.end());
+  }
+  return all;
+}
+
+/// What a file of samples is, however it was opened: refused naming it or `other`, or rows that are the same
+/// each time.
+template <typename Open>
+void check_samples(const std::string& path, Open open, const std::string& other = "") {
+  try {
+    const auto source = open(path);
+    require(!source->names().empty(), "there are channels");
+    require(std::set(source->names().begin(), source->names().end()).size() == source->names().size(),
+            "no name stands twice");
+    const std::vector<double> first = pass_of(*source);
+    source->rewind();
+    const std::vector<double> again = pass_of(*source);
+    require(first.size() == again.size() &&
+                std::memcmp(first.data(), again.data(), first.size() * sizeof(double)) == 0,
+            "another pass gives the same");
+  } catch (const ConfigError& error) {
+    const std::string_view said(error.what());
+    require(said.starts_with(path) || (!other.empty() && said.starts_with(other)), "an error names the file");
+  }
+}
+
+}  // namespace roadbalance::fuzz
