@@ -1,20 +1,26 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
+
+#include "common/record/file.hpp"
 
 namespace roadbalance {
 
-/// A file or folder that appears under its name with all it is to hold, or not at all: until keep() it is
-/// "<name>.part", and removed if it is not kept.
+/// A file or folder that appears under its name with all it is to hold, or not at all: until keep() it lies
+/// in the folder "<name>.part", and is removed if it is not kept.  Whoever makes it has that folder locked,
+/// so that what a killed one left is known as such, and gives way.
 class Part {
  public:
   enum class Kind {
-    kFile,   ///< under a name that is free; whoever writes makes the part
-    kFolder  ///< new, or empty so far; its part is there at once
+    kFile,   ///< under a name that is free; whoever writes makes it
+    kFolder  ///< new, or empty so far; it is there at once
   };
 
-  /// @throws std::runtime_error if the name is taken or its part is there already,
-  /// std::filesystem::filesystem_error if the folder cannot be made
+  /// @throws std::runtime_error if the name is taken, somebody else is making it, "<name>.part" is of
+  /// somebody
+  ///         else, or the folder that it is to lie in is not there; std::system_error,
+  ///         std::filesystem::filesystem_error if the folder cannot be made
   Part(const std::filesystem::path& path, Kind kind);
   Part(const Part&) = delete;
   Part& operator=(const Part&) = delete;
@@ -28,8 +34,14 @@ class Part {
 
  private:
   const Kind kind_;
-  std::filesystem::path path_, part_;
-  bool kept_ = false;
+  std::filesystem::path path_;
+  std::filesystem::path shell_;  ///< the folder around it
+  std::filesystem::path part_;
+  File lock_;  ///< of shell_
 };
+
+/// What is only read stays as it is: nothing may be made in it.
+/// @throws std::runtime_error naming target and source
+void expect_beside(const std::vector<std::filesystem::path>& sources, const std::filesystem::path& target);
 
 }  // namespace roadbalance

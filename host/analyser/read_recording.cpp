@@ -7,6 +7,7 @@
 #include "common/record/record.hpp"
 #include "host/analyser/in_sequence.hpp"
 #include "host/analyser/recorded_vehicle.hpp"
+#include "host/recorder/manifest.hpp"
 
 namespace roadbalance {
 
@@ -30,7 +31,7 @@ RecordingDefects read_recording(const std::filesystem::path& folder,
       default:
         ++defects.refused_blocks;
     }
-  for (const auto& damage : reader.damage()) defects.damaged_bytes += damage.bytes;
+  defects.damaged_bytes = damaged_bytes(folder, reader);
   defects.missing_blocks = in_sequence.missing();
   return defects;
 }

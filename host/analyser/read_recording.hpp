@@ -12,7 +12,7 @@ namespace roadbalance {
 
 /// What keeps a recording from being whole; all zero: nothing is missing undeclared.
 struct RecordingDefects {
-  std::uint64_t damaged_bytes = 0;
+  std::uint64_t damaged_bytes = 0;  ///< without a torn tail, which a kill or a power cut leaves
   std::int64_t refused_blocks = 0;  ///< with a wrong CRC, size or content
   std::int64_t missing_blocks = 0;  ///< whose number was passed over
 

@@ -21,6 +21,7 @@
 #include "host/excerpt/find_pieces.hpp"
 #include "host/excerpt/least_bytes.hpp"
 #include "host/excerpt/reducing_sink.hpp"
+#include "host/recorder/manifest.hpp"
 
 namespace roadbalance {
 namespace {
@@ -223,8 +224,7 @@ void read_all(const ExcerptRequest& request, Excerpt& excerpt, const std::stop_t
     if (progress) progress(before[reader.segment()] + reader.offset(), all);
   }
   excerpt.finish();
-  for (const auto& damage : reader.damage())
-    if (!damage.torn) report.defects.damaged_bytes += damage.bytes;  // what was torn was never promised
+  report.defects.damaged_bytes = damaged_bytes(request.folder, reader);
   report.defects.refused_blocks = excerpt.refused_blocks();
   report.defects.missing_blocks = excerpt.missing_blocks();
 }
@@ -244,6 +244,7 @@ ExcerptReport excerpt_recording(const ExcerptRequest& request, std::stop_token s
   check_choice(request.choice, survey.vehicle);
   const Pieces pieces = find_pieces(request, survey, table, stop);
   static_cast<void>(excerpt_vehicle(survey.vehicle.text, request.choice, request.factor));
+  expect_beside({request.folder}, request.output);
   Part folder(request.output, Part::Kind::kFolder);
   expect_room(folder.part().parent_path(), least_excerpt_bytes(request, survey, pieces));
   ExcerptReport report;

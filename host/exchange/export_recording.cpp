@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <initializer_list>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -63,25 +63,25 @@ std::uint64_t least_bytes(const ExportFormat& format, const ExportTable& table) 
 
 /// A file to make beside the export, if it is asked for.
 struct Beside {
-  Beside(const char* its_option, const std::filesystem::path& file) : option(its_option), path(file) {
-    if (!file.empty()) part.emplace(file, Part::Kind::kFile);
-  }
   const char* option;
-  std::filesystem::path path;
-  std::optional<Part> part;
+  const std::filesystem::path& path;
+  std::optional<Part> part{};
 };
 
-void expect_apart(const Part& file, std::initializer_list<const Beside*> all) {
-  const auto place = [](const Part& part) {
-    return std::filesystem::absolute(part.part()).lexically_normal();
+/// Each in a place of its own, and none in the recording.
+void expect_apart(const ExportRequest& request, std::span<const Beside> all) {
+  const auto place = [](const std::filesystem::path& path) {
+    return std::filesystem::absolute(path).lexically_normal();
   };
-  std::vector<std::filesystem::path> taken{place(file)};
-  for (const Beside* one : all) {
-    if (!one->part) continue;
-    if (std::ranges::find(taken, place(*one->part)) != taken.end())
-      throw ConfigError(std::string(one->option) + ": " + one->path.string() +
+  expect_beside({request.folder}, request.file);
+  std::vector<std::filesystem::path> taken{place(request.file)};
+  for (const Beside& one : all) {
+    if (one.path.empty()) continue;
+    expect_beside({request.folder}, one.path);
+    if (std::ranges::find(taken, place(one.path)) != taken.end())
+      throw ConfigError(std::string(one.option) + ": " + one.path.string() +
                         ": is another file to make, too");
-    taken.push_back(place(*one->part));
+    taken.push_back(place(one.path));
   }
 }
 
@@ -100,10 +100,15 @@ std::span<const ExportFormat> export_formats() {
 ExportReport export_recording(const ExportRequest& request, std::stop_token stop,
                               const ExportProgress& progress) {
   const ExportFormat& format = format_named(request.format);
+  std::array<Beside, 4> all{{{"--pulses", request.pulses},
+                             {"--marks", request.marks},
+                             {"--vehicle", request.vehicle},
+                             {"--dbc", request.dbc}}};
+  auto& [pulses, marks, vehicle, dbc] = all;
+  expect_apart(request, all);
   Part file(request.file, Part::Kind::kFile);
-  Beside pulses("--pulses", request.pulses), marks("--marks", request.marks),
-      vehicle("--vehicle", request.vehicle), dbc("--dbc", request.dbc);
-  expect_apart(file, {&pulses, &marks, &vehicle, &dbc});
+  for (Beside& beside : all)
+    if (!beside.path.empty()) beside.part.emplace(beside.path, Part::Kind::kFile);
   const RecordingSurvey survey = survey_recording(request.folder, stop);
   ExportReport report{.table = make_table(survey), .defects = survey.defects};
   report.marks_left_out = survey.marks_left_out;
@@ -120,8 +125,8 @@ ExportReport export_recording(const ExportRequest& request, std::stop_token stop
   if (dbc.part) write_atomically(dbc.part->part(), candump_dbc(report.table));
   report.bytes = std::filesystem::file_size(file.part());
   // The file itself last: who finds it finds what it is nothing without.
-  for (Beside* beside : {&pulses, &marks, &vehicle, &dbc})
-    if (beside->part) beside->part->keep();
+  for (Beside& beside : all)
+    if (beside.part) beside.part->keep();
   file.keep();
   return report;
 }

@@ -10,6 +10,7 @@
 #include "common/record/record.hpp"
 #include "host/analyser/in_sequence.hpp"
 #include "host/analyser/recorded_vehicle.hpp"
+#include "host/recorder/manifest.hpp"
 #include "host/recorder/preamble.hpp"
 
 namespace roadbalance {
@@ -130,7 +131,7 @@ RecordingSurvey survey_recording(const std::filesystem::path& folder, std::stop_
     surveyor.take(*event);
     if (stop.stop_requested()) throw std::runtime_error("stopped");
   }
-  for (const auto& damage : reader.damage()) found.defects.damaged_bytes += damage.bytes;
+  found.defects.damaged_bytes = damaged_bytes(folder, reader);
   surveyor.finish();
   if (found.span.empty()) throw std::runtime_error(folder.string() + ": holds no sample");
   return found;

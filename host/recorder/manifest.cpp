@@ -31,7 +31,7 @@ void write_manifest(const std::filesystem::path& folder, std::optional<int> last
   write_atomically(manifest_path(folder), manifest.dump(2) + "\n", disk);
 }
 
-std::map<std::string, std::uint64_t> read_manifest(const std::filesystem::path& folder, Disk& disk) {
+FinishedSegments read_manifest(const std::filesystem::path& folder, Disk& disk) {
   std::map<std::string, std::uint64_t> sizes;
   const auto manifest =
       nlohmann::json::parse(read_text(manifest_path(folder), disk).value_or(""), nullptr, false);
@@ -45,6 +45,18 @@ std::map<std::string, std::uint64_t> read_manifest(const std::filesystem::path& 
       sizes.emplace(file.get<std::string>(), bytes.get<std::uint64_t>());
   }
   return sizes;
+}
+
+bool is_torn_tail(const RecordReader::Damage& damage, const FinishedSegments& finished) {
+  return damage.torn && !finished.contains(damage.segment.filename().string());
+}
+
+std::uint64_t damaged_bytes(const std::filesystem::path& folder, const RecordReader& reader) {
+  const FinishedSegments finished = read_manifest(folder);
+  std::uint64_t bytes = 0;
+  for (const auto& damage : reader.damage())
+    if (!is_torn_tail(damage, finished)) bytes += damage.bytes;
+  return bytes;
 }
 
 }  // namespace roadbalance

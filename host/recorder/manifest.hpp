@@ -8,6 +8,7 @@
 #include <string>
 
 #include "common/record/disk.hpp"
+#include "common/record/record.hpp"
 
 namespace roadbalance {
 
@@ -20,8 +21,15 @@ namespace roadbalance {
 void write_manifest(const std::filesystem::path& folder, std::optional<int> last = std::nullopt,
                     Disk& disk = kernel_disk(), const std::set<int>& without = {});
 
-/// Sizes of the finished segments by file name; empty if there is no manifest or it is none.
-std::map<std::string, std::uint64_t> read_manifest(const std::filesystem::path& folder,
-                                                   Disk& disk = kernel_disk());
+using FinishedSegments = std::map<std::string, std::uint64_t>;  ///< size by file name
+
+/// The finished segments; empty if there is no manifest or it is none.
+FinishedSegments read_manifest(const std::filesystem::path& folder, Disk& disk = kernel_disk());
+
+/// What a kill or a power cut tore off was never promised, and is no damage: but of a finished segment.
+bool is_torn_tail(const RecordReader::Damage& damage, const FinishedSegments& finished);
+
+/// Bytes of a recording, read to its end, that are damaged; a torn tail is not.
+std::uint64_t damaged_bytes(const std::filesystem::path& folder, const RecordReader& reader);
 
 }  // namespace roadbalance

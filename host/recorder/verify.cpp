@@ -21,8 +21,6 @@
 namespace roadbalance {
 namespace {
 
-using FinishedSegments = std::map<std::string, std::uint64_t>;  // size by file name
-
 struct Reading {
   Verification& result;
   EpochCheck epochs{};
@@ -45,8 +43,7 @@ std::string place(const std::filesystem::path& segment, std::uint64_t bytes, std
 
 void list_damage(const RecordReader& reader, const FinishedSegments& finished, Verification& result) {
   for (const auto& damage : reader.damage()) {
-    const bool torn = damage.torn && !finished.contains(damage.segment.filename().string());
-    (torn ? result.torn_bytes : result.damaged_bytes) += damage.bytes;
+    (is_torn_tail(damage, finished) ? result.torn_bytes : result.damaged_bytes) += damage.bytes;
     result.damage.push_back(place(damage.segment, damage.bytes, damage.offset) + damage.what);
   }
 }

@@ -9,8 +9,6 @@
 namespace roadbalance {
 namespace {
 
-using FinishedSegments = std::map<std::string, std::uint64_t>;
-
 void add(MissingSegments& found, const std::string& file, const std::string& what) {
   ++found.missing;
   found.lines.push_back(file + ": " + what);

@@ -2,11 +2,11 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <map>
 #include <string>
 #include <vector>
 
 #include "common/record/disk.hpp"
+#include "host/recorder/manifest.hpp"
 
 namespace roadbalance {
 
@@ -17,11 +17,10 @@ struct MissingSegments {
       lines;  ///< which, for people; also of one that a kill left empty, which is not missing
 };
 
-/// @param finished  sizes by file name, of the manifest
+/// @param finished  of the manifest
 /// @param deleted_through  number of the last segment that the retention mode took away, as the notes say
 /// @throws std::system_error naming the file
-MissingSegments find_missing_segments(const std::filesystem::path& folder,
-                                      const std::map<std::string, std::uint64_t>& finished,
+MissingSegments find_missing_segments(const std::filesystem::path& folder, const FinishedSegments& finished,
                                       int deleted_through, Disk& disk = kernel_disk());
 
 }  // namespace roadbalance

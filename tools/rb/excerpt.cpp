@@ -114,9 +114,7 @@ int run_excerpt(ExcerptOptions options) {
   }();
   warn_of_defects(options.request.factor > 1 ? "reduce" : "select", options.folder, report.defects);
   tell(options, report);
-  const RecordingDefects& defects = report.defects;
-  if (defects.damaged_bytes > 0 || defects.refused_blocks > 0 || defects.missing_blocks > 0)
-    return kAnswerIsNo;
+  if (report.defects.any()) return kAnswerIsNo;
   return report.verification.verdict == Verdict::kComplete && report.left_out.empty() ? kDone : kIncomplete;
 }
 

@@ -131,6 +131,10 @@ CLI::App* add_format(CLI::App& command, const char* name, const char* about, con
 void add_import(CLI::App& app, int& code) {
   CLI::App* command = app.add_subcommand("import", "Makes a recording from somebody else's data");
   command->require_subcommand(1);
+  command->footer(
+      "Exit codes: 0 done, 3 samples are missing in the recording as they were in the file, and declared, 2 "
+      "usage, "
+      "or what is in the file cannot be used, 4 cannot read or write.");
   for (const Format& format : kFormats) {
     auto options = std::make_shared<ImportOptions>();
     options->open = format.open;

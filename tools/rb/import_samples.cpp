@@ -220,8 +220,7 @@ class Sealing {
 
 ImportReport import_samples(const SampleImport& import, const VehicleConfig& vehicle, std::stop_token stop,
                             const ImportProgress& progress) {
-  if (std::filesystem::exists(import.folder) && !std::filesystem::is_empty(import.folder))
-    throw ConfigError(import.folder.string() + ": holds something already; allowed: a new or empty folder");
+  Part folder(import.folder, Part::Kind::kFolder);
   Input input(import, vehicle, std::move(stop), progress);
   const ColumnOf column = match_columns(import, input.names(), vehicle);
   auto marks = import.marks ? read_marks(*import.marks) : std::vector<ImportedMark>();
@@ -233,7 +232,6 @@ ImportReport import_samples(const SampleImport& import, const VehicleConfig& veh
   report.holes = looked.clock.hole;
   report.marks = marks.size();
   report.has_pulses = looked.has_pulses;
-  Part folder(import.folder, Part::Kind::kFolder);
   ImportedRecord record(folder.part(), import.samples.filename().string(),
                         std::llround(looked.clock.time_s(0) * 1e6), std::move(marks));
   std::vector<NodeConfig> config = vehicle.node;

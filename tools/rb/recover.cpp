@@ -26,17 +26,11 @@ struct RecoverOptions {
 
 /// Only what can be read is there to be recovered, and it stays as it is: nothing may be written into it.
 void refuse_sources(const std::vector<fs::path>& sources, const fs::path& target) {
-  const fs::path whole_target = fs::weakly_canonical(target);
   for (const fs::path& source : sources) {
     if (!fs::exists(source)) throw std::runtime_error(source.string() + ": no such folder");
     if (!fs::is_directory(source)) throw std::runtime_error(source.string() + ": is no folder");
-    const fs::path whole = fs::canonical(source);
-    const auto [end, ignored] =
-        std::mismatch(whole.begin(), whole.end(), whole_target.begin(), whole_target.end());
-    if (end == whole.end())
-      throw std::runtime_error(target.string() + ": lies in " + source.string() +
-                               ", which stays as it is; allowed: a folder beside it");
   }
+  expect_beside(sources, target);
 }
 
 /// The new record appears with all it is to hold, or not at all.

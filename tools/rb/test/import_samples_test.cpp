@@ -1,95 +1,15 @@
-#include "tools/rb/import_samples.hpp"
-
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
-#include <fstream>
-#include <functional>
 #include <map>
 #include <set>
 
-#include "common/bus/codec.hpp"
-#include "common/config/section.hpp"
-#include "common/record/record.hpp"
-#include "common/test/source.hpp"
-#include "common/test/temporary_directory.hpp"
 #include "host/recorder/verify.hpp"
+#include "tools/rb/test/import_fixture.hpp"
 
 namespace roadbalance {
 namespace {
-
-namespace fs = std::filesystem;
-constexpr double kRate_hz = 500.0;
-
-class ImportSamples : public testing::Test {
- protected:
-  fs::path write(const std::string& name, const std::string& text) {
-    std::ofstream(folder_ / name) << text;
-    return folder_ / name;
-  }
-  fs::path data(const std::string& name) { return test::source_path("tools/rb/test/data/" + name); }
-
-  std::string error_of(const std::string& samples, const VehicleConfig& vehicle,
-                       const std::string& pulses = "") {
-    try {
-      SampleImport import{.samples = write("s.csv", samples), .pulses = {}, .folder = folder_ / "record"};
-      if (!pulses.empty()) import.pulses = write("p.csv", pulses);
-      import_samples(import, vehicle);
-    } catch (const ConfigError& error) {
-      return error.what();
-    }
-    return "accepted";
-  }
-
-  std::vector<SealedBlock> blocks_of_record() {
-    RecordReader reader(folder_ / "record");
-    std::vector<SealedBlock> blocks;
-    while (const auto event = reader.next()) {
-      SealedBlock block;
-      if (accept(event->data, block) == Refusal::kNone && block.header.sequence > 0) blocks.push_back(block);
-    }
-    return blocks;
-  }
-
-  test::TemporaryDirectory directory_;
-  const fs::path folder_ = directory_.path();
-};
-
-VehicleConfig two_nodes() {
-  VehicleConfig vehicle{};
-  for (std::size_t w = 0; w < kWheels; ++w) vehicle.wheel[w].name = kWheelNames[w];
-  vehicle.wheel[0].node = "second";
-  vehicle.wheel[0].line = 1;
-  vehicle.wheel[0].encoder.pulses_per_turn = 4;
-  int id = 1;
-  for (const char* name : {"first", "second"}) {
-    ChannelConfig channel;
-    channel.name = std::string(name) + "_up";
-    channel.mount = "body";
-    channel.range_m_s2 = 50.0;
-    channel.scale_m_s2_per_count = 50.0 / kFullScaleCounts;
-    channel.offset_counts = 1000.0;
-    vehicle.node.push_back({.name = name, .id = id++, .rate_hz = kRate_hz, .channel = {channel}});
-  }
-  vehicle.text = "# two nodes";
-  return vehicle;
-}
-
-/// Two channels, value = row and 1000 + row in milli-units, with time by `stamp`.
-std::string samples(std::size_t rows, const std::function<double(std::size_t)>& stamp_s) {
-  std::string text = "time_s,second_up,first_up\ns,g,m/s^2\n";
-  char line[80];
-  for (std::size_t i = 0; i < rows; ++i) {
-    std::snprintf(line, sizeof line, "%.6f,%.4f,%.4f\n", stamp_s(i), 0.001 * static_cast<double>(i % 1000),
-                  0.002 * static_cast<double>(i % 1000));
-    text += line;
-  }
-  return text;
-}
-
-double uniform(std::size_t i) {
-  return 2.0 + static_cast<double>(i) / kRate_hz;
-}
 
 TEST_F(ImportSamples, GivesEachChannelToItsNodeInItsUnit) {
   const auto vehicle = two_nodes();
@@ -211,96 +131,6 @@ TEST_F(ImportSamples, GivesAnotherEpochToOtherPulsesAndAnotherVehicle) {
   EXPECT_NE(epoch("2.02,front_left,tooth\n", "c"), first);
   vehicle.text = "# two other nodes";
   EXPECT_NE(epoch("2.01,front_left,tooth\n", "d"), first);
-}
-
-TEST_F(ImportSamples, LeavesNothingOfAnImportThatFailed) {
-  write("occupied", "a file");
-  EXPECT_THROW(import_samples({.samples = write("s.csv", samples(100, uniform)),
-                               .pulses = {},
-                               .folder = folder_ / "occupied" / "record"},
-                              two_nodes()),
-               std::exception);
-  // Its name is so long that the folder can be filled, but not named.
-  const std::string name(252, 'n');
-  EXPECT_THROW(import_samples(
-                   {.samples = write("s.csv", samples(100, uniform)), .pulses = {}, .folder = folder_ / name},
-                   two_nodes()),
-               std::exception);
-  for (const auto& entry : fs::directory_iterator(folder_))
-    EXPECT_FALSE(entry.is_directory()) << entry.path();
-}
-
-/// Other numbers at each pass, as of a file that somebody is still writing.
-class ChangingSamples final : public SampleSource {
- public:
-  const std::vector<std::string>& names() const override { return name_; }
-  double part() const override { return 0.5; }
-  void rewind() override {
-    is_read_ = false;
-    value_ += 1.0;
-  }
-  bool read(SampleRows& rows) override {
-    rows.clear();
-    rows.channels = name_.size();
-    for (std::size_t i = 0; i < 100 && !is_read_; ++i) {
-      rows.time_s.push_back(uniform(i));
-      rows.value_si.insert(rows.value_si.end(), name_.size(), value_);
-    }
-    is_read_ = true;
-    return rows.rows() > 0;
-  }
-
- private:
-  const std::vector<std::string> name_{"first_up", "second_up"};
-  double value_ = 0.0;
-  bool is_read_ = false;
-};
-
-TEST_F(ImportSamples, LeavesNothingOfAFileThatIsWrittenToMeanwhile) {
-  const SampleImport import{.samples = "growing.csv",
-                            .folder = folder_ / "record",
-                            .open = [](const fs::path&) { return std::make_unique<ChangingSamples>(); }};
-  try {
-    import_samples(import, two_nodes());
-    FAIL() << "accepted";
-  } catch (const ConfigError& error) {
-    EXPECT_EQ(std::string(error.what()).find("growing.csv: was written to while it was read"), 0U)
-        << error.what();
-  }
-  EXPECT_TRUE(fs::is_empty(folder_));
-}
-
-TEST_F(ImportSamples, TellsItsProgressAndStopsWhenAsked) {
-  std::stop_source stop;
-  double last = 0.0;
-  const auto progress = [&](double part) {
-    EXPECT_GE(part, last);
-    EXPECT_LE(part, 1.0);
-    if (last < 0.7 && part >= 0.7) stop.request_stop();
-    last = part;
-  };
-  const SampleImport import{.samples = write("s.csv", samples(20'000, uniform)),
-                            .folder = folder_ / "record"};
-  EXPECT_THROW(import_samples(import, two_nodes(), stop.get_token(), progress), std::runtime_error);
-  EXPECT_GE(last, 0.7);
-  EXPECT_LT(last, 1.0);
-  for (const auto& entry : fs::directory_iterator(folder_))
-    EXPECT_FALSE(entry.is_directory()) << entry.path();
-}
-
-// A node that has no samples for long holds up nobody, and none of the others' are held for it.
-TEST_F(ImportSamples, GoesOnWithoutANodeThatPauses) {
-  std::string text = "time_s,second_up,first_up\ns,g,m/s^2\n";
-  constexpr int kRows = 20'000, kFrom = 1'000, kTo = 19'000;
-  for (int i = 0; i < kRows; ++i)
-    text += std::to_string(uniform(static_cast<std::size_t>(i))) + (i < kFrom || i >= kTo ? ",0.5," : ",,") +
-            "0.1\n";
-  import_samples({.samples = write("s.csv", text), .folder = folder_ / "record"}, two_nodes());
-  const Verification verification = verify_record(folder_ / "record");
-  EXPECT_EQ(verification.verdict, Verdict::kIncomplete);
-  ASSERT_EQ(verification.epoch.size(), 2U);
-  EXPECT_EQ(verification.epoch[0].samples, kRows);
-  EXPECT_EQ(verification.epoch[1].samples, kRows - (kTo - kFrom));
 }
 
 TEST_F(ImportSamples, RefusesWhatItDoesNotUnderstandAndNamesIt) {

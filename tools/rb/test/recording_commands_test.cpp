@@ -236,7 +236,7 @@ TEST_F(RecordingCommands, DamageCostsWhatItHitAndIsSaid) {
 TEST_F(RecordingCommands, NameWhatIsAtFault) {
   ASSERT_EQ(import(kWobble, record_).code, 0);
   const test::Outcome again = import(kWobble, record_);
-  EXPECT_EQ(again.code, 2) << again.log;
+  EXPECT_EQ(again.code, 4) << again.log;
   EXPECT_NE(again.log.find(record_), std::string::npos) << "a recording is never overwritten: " << again.log;
 
   const test::Outcome channel = rb({"spectrum", record_, "--channel", "bonnet_z"});

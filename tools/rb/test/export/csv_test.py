@@ -2,6 +2,8 @@
 
 import csv
 import math
+import os
+import shutil
 import unittest
 
 import numpy as np
@@ -106,7 +108,9 @@ class Csv(Exports):
                 (("--format", "csv", self.root / "nowhere", "-o", self.root / "x"), 4, "nowhere"),
                 (("--format", "csv", self.root / "empty", "-o", self.root / "x"), 4, "empty"),
                 (("--format", "csv", self.made, "-o", self.root / "is_there"), 4, "is_there: exists already"),
-                (("--format", "csv", self.made, "-o", self.root / "no" / "x"), 4, "x.part"),
+                (("--format", "csv", self.made, "-o", self.root / "no" / "x"), 4, "no: no such folder"),
+                (("--format", "csv", self.made, "-o", self.made / "x"), 4, "which stays as it is"),
+                (("--format", "csv", self.made, "-o", self.root / "x", "--marks", self.made / "x"), 4, "which stays as it is"),
                 (("--format", "csv", self.made, "-o", self.root / "x", "--vehicle", self.root / "is_there"), 4, "is_there: exists already"),
                 (("--format", "csv", self.made, "-o", self.root / "x", "--pulses", self.root / "is_there"), 4, "is_there: exists already"),
                 (("--format", "csv", self.made, "-o", self.root / "x", "--pulses", self.root / "x"), 2, "--pulses"),
@@ -122,7 +126,6 @@ class Csv(Exports):
         self.assertEqual([p for p in self.root.iterdir() if p.name.startswith("x")], [])
 
     def test_says_when_the_recording_is_damaged_and_marks_what_is_lost(self):
-        import shutil
         damaged = self.root / "damaged"
         shutil.copytree(self.made, damaged)
         segment = damaged / "seg-000001.lcm"
@@ -136,6 +139,22 @@ class Csv(Exports):
         lost = np.isnan(cells[:, 1]) & self.there[:, 0]
         self.assertEqual(lost.sum(), 20)  # the scans of that block
         np.testing.assert_array_equal(np.isnan(cells[:, 3]), ~self.there[:, 2])
+
+    def test_what_a_power_cut_tore_off_is_no_damage_but_of_a_finished_segment(self):
+        for name, finished, code in (("copied-half", True, 1), ("power-cut", False, 3)):  # 3: the holes of `made`
+            torn = self.root / name
+            shutil.copytree(self.made, torn)
+            segment = torn / "seg-000001.lcm"
+            os.truncate(segment, segment.stat().st_size - 7)
+            if not finished:
+                (torn / "manifest.json").unlink()
+            self.assertEqual(rb("verify", torn).returncode, code)
+            for command in (("export", "--format", "csv", torn, "-o", self.root / f"{name}.csv"),
+                            ("select", torn, "-o", self.root / f"{name}-selected")):
+                done = rb(*command)
+                self.assertEqual(done.returncode, code, f"{command}: {done.stderr}")
+                self.assertEqual("is damaged" in done.stderr, finished)
+            self.assertEqual("is damaged" in rb("levels", torn).stderr, finished)
 
 
 if __name__ == "__main__":
