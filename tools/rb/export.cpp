@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "common/config/section.hpp"
 #include "common/process/stop_on_signal.hpp"
@@ -104,10 +105,12 @@ int run_export(ExportOptions options) {
 void add_export(CLI::App& app, int& code) {
   auto options = std::make_shared<ExportOptions>();
   CLI::App* command = app.add_subcommand("export", "Writes a recording to a file of another format");
-  std::string formats;
-  for (const auto& format : export_formats()) formats += (formats.empty() ? "" : ", ") + format.name;
+  std::vector<std::string> formats;
+  for (const auto& format : export_formats()) formats.push_back(format.name);
   command->add_option("folder", options->folder, "the recording")->required();
-  command->add_option("--format", options->request.format, formats)->required();
+  command->add_option("--format", options->request.format, "what to write")
+      ->required()
+      ->check(CLI::IsMember(formats));
   command->add_option("-o,--output", options->file, "file to make; must not be there yet")->required();
   command->add_option("--from", options->request.selection.from_s,
                       "begin, s from the recording's first sample");

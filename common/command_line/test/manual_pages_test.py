@@ -58,6 +58,14 @@ class ManualPages(unittest.TestCase):
                      f'_{program.replace("-", "_")}; echo "${{COMPREPLY[@]}}"'
             self.assertEqual(run("bash", "--norc", "-c", script), (0, "--help\n", ""), program)
 
+    def test_bash_completes_what_an_option_takes(self):
+        for words, expected in ((("rb", "export", "--format", ""), "candump csv hdf5 mat mcap mdf4 uff58 wav"),
+                                (("rb", "export", "--format", "m"), "mat mcap mdf4"),
+                                (("rb", "spectrum", "--average", "e"), "exponential")):
+            script = f'source "{MANUAL}/rb/rb.bash"; COMP_WORDS=({" ".join(words[:-1])} "{words[-1]}"); ' \
+                     f'COMP_CWORD={len(words) - 1}; _rb; echo "${{COMPREPLY[@]}}"'
+            self.assertEqual(run("bash", "--norc", "-c", script), (0, expected + "\n", ""), words)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -104,7 +104,7 @@ class Csv(Exports):
         (self.root / "empty").mkdir()
         (self.root / "is_there").write_text("mine")
         for arguments, code, words in (
-                (("--format", "cvs", self.made, "-o", self.root / "x"), 2, "cvs: no such format"),
+                (("--format", "cvs", self.made, "-o", self.root / "x"), 2, "--format: cvs not in"),
                 (("--format", "csv", self.root / "nowhere", "-o", self.root / "x"), 4, "nowhere"),
                 (("--format", "csv", self.root / "empty", "-o", self.root / "x"), 4, "empty"),
                 (("--format", "csv", self.made, "-o", self.root / "is_there"), 4, "is_there: exists already"),
