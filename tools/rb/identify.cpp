@@ -22,6 +22,7 @@
 #include "tools/rb/identify_many.hpp"
 #include "tools/rb/identify_with.hpp"
 #include "tools/rb/overall_lines.hpp"
+#include "tools/rb/reading_progress.hpp"
 #include "tools/rb/readout.hpp"
 #include "tools/study/wheels_json.hpp"
 
@@ -76,7 +77,10 @@ int identify_one(const IdentifyOptions& options, const std::stop_token& stop) {
   const std::string& folder = options.folders.front();
   if (!options.estimator.empty())
     return identify_with(options.estimator, folder, options.refine, options.json);
-  const RecordedEstimate found = identify_record(folder, options.refine, stop);
+  const RecordedEstimate found = [&] {
+    const ReadingProgress progress(folder, options.refine ? 3 : 1);
+    return identify_record(folder, options.refine, stop);
+  }();
   warn_of_defects("identify", folder, found.defects);
   return tell(options, found, nullptr);
 }

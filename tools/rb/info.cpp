@@ -10,6 +10,8 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "common/bus/clock_messages.hpp"
 #include "common/bus/codec.hpp"
@@ -25,6 +27,8 @@
 #include "host/recorder/verify.hpp"
 #include "tools/rb/alarm_lines.hpp"
 #include "tools/rb/command.hpp"
+#include "tools/rb/list_recordings.hpp"
+#include "tools/rb/reading_progress.hpp"
 #include "tools/rb/signal_survey.hpp"
 #include "tools/rb/verification_json.hpp"
 
@@ -235,11 +239,26 @@ void rebuild(const std::filesystem::path& folder) {
   std::fprintf(stderr, "rb: %d indexes were missing or wrong, and are made again\n", written);
 }
 
+/// False: it is none.
+bool list_folder_of_recordings(const InfoOptions& options) {
+  if (!is_folder(options.folder) || !segment_numbers(options.folder).empty()) return false;
+  const std::vector<RecordingReceipt> found = recordings_in(options.folder);
+  if (found.empty()) return false;
+  if (options.json)
+    std::printf("%s\n", recordings_json(found).dump().c_str());
+  else
+    print_recordings(found);
+  return true;
+}
+
 int info(const InfoOptions& options) {
   if (options.rebuild_index) rebuild(options.folder);
+  if (list_folder_of_recordings(options)) return kDone;
+  std::optional<ReadingProgress> progress(std::in_place, options.folder, 2);
   const Verification result = verify_record(options.folder);
   if (result.verdict == Verdict::kUnreadable) throw std::runtime_error(result.error);
   const Survey found = survey(options.folder);
+  progress.reset();
   const Described described = describe(options.folder);
   if (options.json)
     std::printf("%s\n", info_json(found, result, described).dump().c_str());
@@ -252,8 +271,9 @@ int info(const InfoOptions& options) {
 
 void add_info(CLI::App& app, int& code) {
   auto options = std::make_shared<InfoOptions>();
-  CLI::App* command = app.add_subcommand("info", "Says what is in a recording");
-  command->add_option("folder", options->folder, "the recording")->required();
+  CLI::App* command = app.add_subcommand("info", "Says what is in a recording, or lists recordings");
+  command->add_option("folder", options->folder, "the recording, or a folder of recordings: the newest 64")
+      ->required();
   command->add_flag(
       "--rebuild-index", options->rebuild_index,
       "first make the indexes again that are missing or wrong; refused while a recorder writes to it");

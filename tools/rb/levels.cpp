@@ -8,6 +8,7 @@
 #include "host/analyser/read_recording.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/defects.hpp"
+#include "tools/rb/reading_progress.hpp"
 #include "tools/rb/record_levels.hpp"
 
 namespace roadbalance {
@@ -42,10 +43,12 @@ void print_speeds(const Json& result) {
 
 Json levels_of(const std::string& folder) {
   RecordLevels levels;
+  std::optional<ReadingProgress> progress(std::in_place, folder, 1);
   const RecordingDefects defects = read_recording(
       folder, [&](const VehicleConfig& vehicle) { levels.begin(vehicle); },
       [&](const SealedBlock& block) { levels.consume(block); },
       [&](const ClockFit& fit) { levels.consume(fit); });
+  progress.reset();
   warn_of_defects("levels", folder, defects);
   return levels.json();
 }

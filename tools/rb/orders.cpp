@@ -12,6 +12,7 @@
 #include "tools/rb/defects.hpp"
 #include "tools/rb/live_orders_view.hpp"
 #include "tools/rb/orders_json.hpp"
+#include "tools/rb/reading_progress.hpp"
 
 namespace roadbalance {
 namespace {
@@ -109,7 +110,10 @@ bool anything_known(const Json& wheels) {
 int orders(const OrdersOptions& options) {
   if (options.live) return show_live_orders({options.url, options.seconds, options.json});
   if (options.folder.empty()) throw ConfigError("folder: missing; allowed: a recording, or --live");
-  const RecordOrders found = orders_of_record(options.folder, options.wanted);
+  const RecordOrders found = [&] {
+    const ReadingProgress progress(options.folder, 1);
+    return orders_of_record(options.folder, options.wanted);
+  }();
   warn_of_defects("orders", options.folder, found.defects);
   Json wheels = Json::array();
   for (const auto& rotor : found.rotor) wheels.push_back(rotor_json(found, *rotor, options.waterfall));

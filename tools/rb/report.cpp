@@ -17,6 +17,7 @@
 #include "tools/rb/command.hpp"
 #include "tools/rb/compensation_json.hpp"
 #include "tools/rb/defects.hpp"
+#include "tools/rb/reading_progress.hpp"
 #include "tools/rb/report_html.hpp"
 #include "tools/rb/verification_line.hpp"
 #include "tools/study/wheels_json.hpp"
@@ -119,7 +120,10 @@ void expect_replaceable(const std::filesystem::path& file) {
 int report(const ReportOptions& options) {
   expect_replaceable(options.output);
   const std::optional<VehicleConfig> vehicle = vehicle_of(options.folder);
-  const DriveReport found = gather(options, vehicle);
+  const DriveReport found = [&] {
+    const ReadingProgress progress(options.folder, options.complete ? 5 : 3);
+    return gather(options, vehicle);
+  }();
   write_atomically(options.output, report_html(found));
   if (options.json) std::printf("%s\n", json_of(found).dump().c_str());
   if (!found.failure.empty()) std::fprintf(stderr, "rb report: %s\n", found.failure.c_str());
@@ -150,7 +154,8 @@ void add_report(CLI::App& app, int& code) {
   command->footer(
       "A PDF is what a browser prints of the file, or without a window\n"
       "  chromium --headless --no-pdf-header-footer --print-to-pdf=FILE.pdf FILE.html\n"
-      "Exit codes: 0 done, 1 no wheel is known, and the report says why, 2 usage, 4 cannot read.");
+      "Exit codes: 0 done, 1 no wheel is known, and the report says why, 2 usage, 4 cannot read or "
+      "write.");
   command->callback([options, &code] { code = report(*options); });
 }
 

@@ -18,6 +18,7 @@
 #include "host/analyser/twin_record.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/defects.hpp"
+#include "tools/rb/reading_progress.hpp"
 #include "tools/rb/twin_live.hpp"
 #include "tools/rb/twin_table.hpp"
 
@@ -102,10 +103,12 @@ int twin(TwinOptions options) {
   if (!(options.request.from_s < options.request.to_s)) throw ConfigError("--to: must be behind --from");
   if (options.nominal) options.request.car = TwinCar::nominal(vehicle_of_recording(options.folder));
   CsvFile csv(options.csv);
+  std::optional<ReadingProgress> progress(std::in_place, options.folder, 2);
   const RecordedTwin found = twin_of_record(
       options.request,
       [&](const VehicleConfig& vehicle, const TwinChannels& channels) { csv.begin(vehicle, channels); },
       [&](double at_s, const TwinSample& sample) { csv.add(at_s, sample); }, signals.token());
+  progress.reset();
   csv.close();
   warn_of_defects("twin", options.folder, found.defects);
   if (!found.obstacle.empty()) std::fprintf(stderr, "rb twin: %s\n", found.obstacle.c_str());

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "tools/rb/command.hpp"
+#include "tools/rb/reading_progress.hpp"
 #include "tools/rb/verification_json.hpp"
 
 namespace roadbalance {
@@ -17,7 +18,10 @@ struct VerifyOptions {
 };
 
 int verify(const VerifyOptions& options) {
-  const Verification result = verify_record(options.folder);
+  const Verification result = [&] {
+    const ReadingProgress progress(options.folder, 1);
+    return verify_record(options.folder);
+  }();
   if (result.verdict == Verdict::kUnreadable) throw std::runtime_error(result.error);
   if (options.json)
     std::printf("%s\n", verification_json(result).dump().c_str());

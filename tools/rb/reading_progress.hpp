@@ -1,0 +1,19 @@
+#pragma once
+
+#include <filesystem>
+#include <thread>
+
+namespace roadbalance {
+
+/// Shows on a terminal how far a command has come that goes through a recording a known number of times, by
+/// what the system says this process has read.
+class ReadingProgress {
+ public:
+  /// @param passes  how often the recording is read from begin to end
+  ReadingProgress(const std::filesystem::path& recording, double passes);
+
+ private:
+  std::jthread watch_;  ///< ends with this
+};
+
+}  // namespace roadbalance
