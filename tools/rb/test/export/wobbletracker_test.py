@@ -1,9 +1,6 @@
-"""Somebody else's measurements -> recording -> each export -> back, count for count.
+"""Somebody else's measurements -> recording -> each export -> back, count for count."""
 
-RB_WOBBLETRACKER: a folder with more runs of that car, as CSV of the same columns."""
-
-import os
-import pathlib
+import gzip
 import unittest
 
 import numpy as np
@@ -20,8 +17,13 @@ class Wobbletracker(mcap_test.Mcap):
     test_has_a_message_for_each_instant = test_a_drive_with_wheel_angles = None
 
     def runs(self):
-        more = os.environ.get("RB_WOBBLETRACKER")
-        return [DATA / "wobbletracker.csv", *(sorted(pathlib.Path(more).glob("*.csv")) if more else [])]
+        """All that there are, whole."""
+        packed = sorted(DATA.glob("wobbletracker-*.csv.gz"))
+        self.assertEqual(len(packed), 3)
+        (self.root / "runs").mkdir()
+        for run in packed:
+            (self.root / "runs" / run.stem).write_bytes(gzip.decompress(run.read_bytes()))
+        return [self.root / "runs" / run.stem for run in packed]
 
     def test_each_export_of_each_run_comes_back(self):
         for run in self.runs():
