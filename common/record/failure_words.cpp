@@ -7,6 +7,8 @@
 #include <string_view>
 #include <system_error>
 
+#include "common/text/printable.hpp"
+
 namespace roadbalance {
 namespace {
 
@@ -35,9 +37,7 @@ std::string with_remedy(std::string said, const std::error_code& code) {
   return said;
 }
 
-}  // namespace
-
-std::string failure_words(const std::exception& error) {
+std::string said_of(const std::exception& error) {
   if (const auto* of_file = dynamic_cast<const std::filesystem::filesystem_error*>(&error)) {
     std::string said = of_file->path1().string();
     if (!of_file->path2().empty()) said += " to " + of_file->path2().string();
@@ -48,6 +48,12 @@ std::string failure_words(const std::exception& error) {
   if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr)
     return "there is not enough memory for it: end other programs, or take a part of it";
   return error.what();
+}
+
+}  // namespace
+
+std::string failure_words(const std::exception& error) {
+  return printable_text(said_of(error));
 }
 
 }  // namespace roadbalance

@@ -2,6 +2,7 @@
 
 #include "common/bus/alarm.hpp"
 #include "common/clock/utc.hpp"
+#include "common/text/printable.hpp"
 #include "host/recorder/verify.hpp"
 
 namespace roadbalance {
@@ -75,7 +76,7 @@ std::string what_happened(const Note& note) {
 
 std::string note_text(const Note& note) {
   const std::string when = note.time_us != 0 ? utc_text(note.time_us) + " " : "";
-  return when + what_happened(note) + (note.text.empty() ? "" : ": " + note.text);
+  return when + what_happened(note) + (note.text.empty() ? "" : ": " + printable_text(note.text));
 }
 
 }  // namespace roadbalance

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/clock/utc.hpp"
+#include "common/text/printable.hpp"
 #include "host/receipts/receipt.hpp"
 #include "host/receipts/recordings_list.hpp"
 #include "tools/rb/progress_line.hpp"
@@ -76,12 +77,13 @@ Json recordings_json(const std::vector<RecordingReceipt>& recordings) {
 
 void print_recordings(const std::vector<RecordingReceipt>& recordings) {
   for (const RecordingReceipt& receipt : recordings) {
-    std::printf("%-32s %9.1f MB  %-14s", receipt.name.c_str(), 1e-6 * static_cast<double>(receipt.bytes),
-                state_of(receipt));
+    std::printf("%-32s %9.1f MB  %-14s", printable_text(receipt.name).c_str(),
+                1e-6 * static_cast<double>(receipt.bytes), state_of(receipt));
     if (is_read(receipt))
       std::printf("  %s  %8.1f s  %zu nodes, %d marks  %s",
                   receipt.first_us > 0 ? utc_text(receipt.first_us).c_str() : "at a time not known",
-                  seconds_of(receipt), receipt.node.size(), receipt.marks, receipt.vehicle.c_str());
+                  seconds_of(receipt), receipt.node.size(), receipt.marks,
+                  printable_text(receipt.vehicle).c_str());
     std::printf("\n");
   }
 }

@@ -265,6 +265,13 @@ TEST_F(RecordingCommands, ListWhatIsInAFolderWithoutNamingIt) {
   EXPECT_EQ(rb({"info", all / "pictures"}).code, 4);
 }
 
+TEST_F(RecordingCommands, GiveATerminalNoCommandsOutOfNames) {
+  const test::Outcome absent = rb({"verify", folder_ / "\x1b[2Jnone"});
+  EXPECT_EQ(absent.code, 4);
+  EXPECT_EQ(absent.log.find('\x1b'), std::string::npos);
+  EXPECT_NE(absent.log.find("\\x1B[2Jnone"), std::string::npos) << absent.log;
+}
+
 TEST_F(RecordingCommands, NameWhatIsAtFault) {
   ASSERT_EQ(import(kWobble, record_).code, 0);
   const test::Outcome again = import(kWobble, record_);
