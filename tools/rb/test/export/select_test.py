@@ -194,16 +194,38 @@ class Select(Exports):
         rest, _ = self.select(source, "--from", 5, code=3)
         self.assertIn("no end", self.verdict(rest)[1])
 
-    def test_what_is_missing_undeclared_becomes_a_declared_gap(self):
+    def damaged(self, whole):
+        """Of which one bit is wrong, in the 21st block of samples of node 1."""
         source = self.root / "damaged"
         shutil.rmtree(source, ignore_errors=True)
-        shutil.copytree(self.made, source)
+        shutil.copytree(whole, source)
         segment = source / "seg-000001.lcm"
         log = bytearray(segment.read_bytes())
-        at = [k for k in range(len(log)) if log.startswith(b"RB_BLOCK_1_SCAN", k)][20]
+        at = -1
+        for _ in range(21):
+            at = log.index(b"RB_BLOCK_1_SCAN", at + 1)
         log[at + 100] ^= 1
         segment.write_bytes(log)
-        folder, said = self.select(source, "--to", 5, code=1)
+        return source
+
+    def test_of_a_damaged_recording_all_say_the_same_and_end_alike(self):
+        source = self.damaged(self.drive())
+        words = ("damaged_bytes", "blocks_refused", "blocks_missing")
+        warnings, counts = [], []
+        for command in (("select",), ("reduce", "--factor", 2), ("export", "--format", "csv")):
+            made = self.root / f"{command[0]} of damaged"
+            done = rb(*command, source, "-o", made, "--json")
+            self.assertEqual(done.returncode, 1, f"{command}: {done.stderr}")
+            self.assertTrue(made.exists(), "the rest is there")
+            said = json.loads(done.stdout)
+            counts.append([said[word] for word in words])
+            warnings += [line.replace(f"rb {command[0]}: ", "") for line in done.stderr.splitlines()
+                         if "is damaged" in line]
+        self.assertEqual(counts, [counts[0]] * 3)
+        self.assertEqual(warnings, [warnings[0]] * 3)
+
+    def test_what_is_missing_undeclared_becomes_a_declared_gap(self):
+        folder, said = self.select(self.damaged(self.made), "--to", 5, code=1)
         self.assertEqual(said["blocks_refused"], 1)
         self.assertEqual(self.verdict(folder)[0], 3)
         self.assertEqual(list(gaps(folder, 1)), [(400, 20, 7)])
