@@ -1,6 +1,7 @@
 #include "common/record/part.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <stdexcept>
 #include <system_error>
 
@@ -18,18 +19,32 @@ fs::path shell_of(const fs::path& path) {
   return shell;
 }
 
-/// Takes the folder in which `path` is to be made.  Another may remove it between two steps, having kept what
-/// lay in it.
+/// False: somebody else has it; nothing: its disk knows no locks.
+std::optional<bool> try_lock(File& folder) {
+  try {
+    return folder.try_lock();
+  } catch (const std::system_error&) {
+    return std::nullopt;
+  }
+}
+
+/// Takes the folder in which something is to be made.  Another may remove it between two steps, having kept
+/// what lay in it.
 File take_shell(const fs::path& shell) {
   for (;;) {
-    fs::create_directory(shell);
+    const bool is_new = fs::create_directory(shell);
     if (!fs::is_directory(shell))
       throw std::runtime_error(shell.string() + ": is in the way; remove it first");
-    File lock = File::open_folder(shell);
-    if (!lock.try_lock())
+    File folder = File::open_folder(shell);
+    const auto taken = try_lock(folder);
+    if (taken == false)
       throw std::runtime_error(shell.string() +
                                ": is being made by somebody else; wait, or choose another name");
-    if (!fs::create_directory(shell)) return lock;
+    if (!taken && !is_new)
+      throw std::runtime_error(shell.string() +
+                               ": is left of one that was interrupted, or is being made: its disk "
+                               "cannot tell which; remove it first");
+    if (!fs::create_directory(shell)) return folder;
   }
 }
 

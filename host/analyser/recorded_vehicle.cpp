@@ -11,6 +11,7 @@
 #include "common/bus/codec.hpp"
 #include "common/bus/other_wire.hpp"
 #include "common/record/record.hpp"
+#include "host/recorder/foreign_log.hpp"
 
 namespace roadbalance {
 namespace {
@@ -62,8 +63,9 @@ std::optional<VehicleConfig> recorded_vehicle(const std::filesystem::path& folde
 
 VehicleConfig vehicle_of_recording(const std::filesystem::path& folder) {
   if (auto vehicle = recorded_vehicle(folder)) return std::move(*vehicle);
-  const RecordReader says_what_is_wrong_with_it(folder);
-  throw std::runtime_error(folder.string() + ": holds no complete vehicle.toml, or no scan");
+  const std::string foreign = foreign_words(folder);
+  throw std::runtime_error(folder.string() + ": " +
+                           (foreign.empty() ? "holds no complete vehicle.toml, or no scan" : foreign));
 }
 
 }  // namespace roadbalance

@@ -14,6 +14,7 @@
 #include "common/record/record.hpp"
 #include "common/record/segment.hpp"
 #include "common/record/segment_index.hpp"
+#include "host/recorder/foreign_log.hpp"
 #include "host/recorder/manifest.hpp"
 #include "host/recorder/verify_journal.hpp"
 #include "host/recorder/verify_missing.hpp"
@@ -167,7 +168,9 @@ Verification verify_record(const std::filesystem::path& folder, Disk& disk) {
     reader.finish();
     Reading reading{.result = result};
     read(folder, reader, disk, reading);
-    if (result.events == 0) throw std::runtime_error(folder.string() + ": no event in it can be read");
+    if (result.epoch.empty())
+      if (const std::string foreign = foreign_words(folder, disk); !foreign.empty())
+        throw std::runtime_error(folder.string() + ": " + foreign);
     const FinishedSegments finished = read_manifest(folder, disk);
     list_damage(reader, finished, result);
     list_missing_segments(folder, finished, disk, reading);

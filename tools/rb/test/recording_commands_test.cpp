@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <complex>
 #include <filesystem>
@@ -232,44 +231,6 @@ TEST_F(RecordingCommands, DamageCostsWhatItHitAndIsSaid) {
                         Json::parse(levels.output)["channels"][0]["seconds"].get<double>();
   EXPECT_GE(lost_s, 0.0);
   EXPECT_LT(lost_s, 21 / rate_hz);
-}
-
-TEST_F(RecordingCommands, ListWhatIsInAFolderWithoutNamingIt) {
-  namespace fs = std::filesystem;
-  const fs::path all = folder_.path() / "all";
-  fs::create_directory(all);
-  for (const char* name : {"first", "second", "damaged"}) ASSERT_EQ(import(kWobble, all / name).code, 0);
-  fs::resize_file(all / "damaged" / "seg-000001.lcm", fs::file_size(all / "damaged" / "seg-000001.lcm") / 2);
-  fs::create_directory(all / "pictures");
-  // A recorder would have written within the last seconds.
-  int age_min = 10;
-  for (const char* name : {"first", "second", "damaged"})
-    fs::last_write_time(all / name / "seg-000001.lcm",
-                        fs::file_time_type::clock::now() - std::chrono::minutes(age_min--));
-  const test::Outcome told = rb({"info", all, "--json"});
-  ASSERT_EQ(told.code, 0) << told.log;
-  const Json listed = Json::parse(told.output)["recordings"];
-  ASSERT_EQ(listed.size(), 3U) << told.output;
-  EXPECT_EQ(listed[0]["name"], "damaged") << "newest first";
-  EXPECT_EQ(listed[0]["state"], "damaged");
-  EXPECT_EQ(listed[1]["name"], "second");
-  EXPECT_EQ(listed[1]["state"], "complete");
-  EXPECT_EQ(listed[2]["nodes"][0]["samples_lost"], 0);
-  EXPECT_NEAR(listed[2]["seconds"].get<double>(), 10.0, 1.0);
-  EXPECT_NE(rb({"info", all}).output.find("second"), std::string::npos);
-  // One that grows is not read, nor are the others beside it: the disk is the recorder's.
-  fs::last_write_time(all / "first" / "seg-000001.lcm", fs::file_time_type::clock::now());
-  const Json busy = Json::parse(rb({"info", all, "--json"}).output)["recordings"];
-  EXPECT_EQ(busy[0]["state"], "being recorded");
-  EXPECT_EQ(busy[1]["state"], "not read");
-  EXPECT_EQ(rb({"info", all / "pictures"}).code, 4);
-}
-
-TEST_F(RecordingCommands, GiveATerminalNoCommandsOutOfNames) {
-  const test::Outcome absent = rb({"verify", folder_ / "\x1b[2Jnone"});
-  EXPECT_EQ(absent.code, 4);
-  EXPECT_EQ(absent.log.find('\x1b'), std::string::npos);
-  EXPECT_NE(absent.log.find("\\x1B[2Jnone"), std::string::npos) << absent.log;
 }
 
 TEST_F(RecordingCommands, NameWhatIsAtFault) {
