@@ -126,6 +126,8 @@ class WavSamples final : public SampleSource {
     if ((info_.format & SF_FORMAT_SUBMASK) != SF_FORMAT_PCM_32)
       fail(path_, "allowed: 32-bit PCM, as rb export writes it");
     description_ = describe(*file_, info_.channels);
+    // A file that is cut is none to libsndfile: it believes the file's length, not its header.
+    if (info_.frames != description_.rows) refuse_length(info_.frames);
     for (const auto& channel : description_.channel) name_.push_back(channel.name);
     sample_.resize(kRowsAtOnce * name_.size());
   }
@@ -147,10 +149,7 @@ class WavSamples final : public SampleSource {
       for (std::size_t c = 0; c < name_.size(); ++c)
         rows.value_si.push_back(value_of(sample_[k * name_.size() + c], c));
     }
-    // A file that is cut is none to libsndfile: it believes the file's length, not its header.
-    if (frames == 0 && row_ != description_.rows)
-      fail(path_, "ends at byte " + std::to_string(file_->size()) + " after " + std::to_string(row_) +
-                      " of " + std::to_string(description_.rows) + " samples");
+    if (frames == 0 && row_ != description_.rows) refuse_length(row_);
     return frames > 0;
   }
 
@@ -164,6 +163,10 @@ class WavSamples final : public SampleSource {
       fail(path_, "ends at byte " + std::to_string(text.size()) + ", in its header");
     if ((!text.starts_with("RIFF") && !text.starts_with("RF64")) || text.substr(8) != "WAVE")
       fail(path_, "byte 0: is no WAV file; allowed: RIFF or RF64 of WAVE");
+  }
+  [[noreturn]] void refuse_length(std::int64_t rows) const {
+    fail(path_, "ends at byte " + std::to_string(file_->size()) + " after " + std::to_string(rows) + " of " +
+                    std::to_string(description_.rows) + " samples");
   }
   double value_of(std::int32_t sample, std::size_t c) const {
     const Description::Channel& channel = description_.channel[c];
