@@ -216,11 +216,11 @@ async function recordingsPage(t, of, {places = [], ...options} = {}) {
   return {page, where};
 }
 const areListed = (page, count) => page.waitForFunction((wanted) => [...document.querySelectorAll(".recording")]
-  .filter(({innerText}) => /COMPLETE/.test(innerText)).length === wanted, count, {timeout: 60_000});
+  .filter(({innerText}) => /COMPLETE/.test(innerText)).length === wanted, count, {timeout: 240_000});
 const jobSays = (page, recording, job, words) => page.waitForFunction(([name, kind, wanted]) => {
   const card = [...document.querySelectorAll(".recording")].find((each) => each.querySelector("h3").textContent === name);
   return [...card?.querySelectorAll(`.job[data-job="${kind}"]`) ?? []].some(({innerText}) => new RegExp(wanted, "s").test(innerText));
-}, [recording, job, words], {timeout: 60_000});
+}, [recording, job, words], {timeout: 240_000});
 const card = (page, recording) => page.locator(".recording").filter({has: page.locator(`h3:text-is("${recording}")`)});
 
 test("rb-recordings tells the page which recordings there are, with their receipts", async (t) => {
