@@ -28,6 +28,8 @@ class Part {
 
   /// To write to.
   const std::filesystem::path& part() const { return part_; }
+  /// The folder in which it appears.
+  std::filesystem::path place() const { return path_.parent_path(); }
   /// The file is written and closed, or all in the folder is synced: gives it its name, durably.
   /// @throws std::system_error naming it
   void keep();

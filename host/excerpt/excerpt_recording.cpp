@@ -246,7 +246,7 @@ ExcerptReport excerpt_recording(const ExcerptRequest& request, std::stop_token s
   static_cast<void>(excerpt_vehicle(survey.vehicle.text, request.choice, request.factor));
   expect_beside({request.folder}, request.output);
   Part folder(request.output, Part::Kind::kFolder);
-  expect_room(folder.part().parent_path(), least_excerpt_bytes(request, survey, pieces));
+  expect_room(folder.place(), least_excerpt_bytes(request, survey, pieces));
   ExcerptReport report;
   report.left_out = table.left_out;
   {

@@ -113,7 +113,7 @@ ExportReport export_recording(const ExportRequest& request, std::stop_token stop
   ExportReport report{.table = make_table(survey), .defects = survey.defects};
   report.marks_left_out = survey.marks_left_out;
   select(request.selection, report.table);
-  expect_room(file.part().parent_path(), least_bytes(format, report.table));
+  expect_room(file.place(), least_bytes(format, report.table));
   const auto writer = format.make(file.part(), report.table);
   write_groups(request, *writer, file.part(), stop, progress, report);
   writer->close();

@@ -1,6 +1,7 @@
 // Start, mark and stop on the page, beside the real rb-web, rb-recorder and nodes of the simulated car.
 import assert from "node:assert/strict";
 import {execFileSync, spawnSync} from "node:child_process";
+import {once} from "node:events";
 import {mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync} from "node:fs";
 import {tmpdir} from "node:os";
 import {join} from "node:path";
@@ -56,6 +57,12 @@ async function open(t, options = {}, address = where) {
   await page.goto(address);
   return page;
 }
+/// A process that is killed holds its folder until it is gone.
+const killRecorder = async () => {
+  const gone = once(recorder, "exit");
+  recorder.kill("SIGKILL");
+  await gone;
+};
 const says = (page, selector, words) => page.waitForFunction(
   ([where_, wanted]) => new RegExp(wanted).test(document.querySelector(where_)?.innerText ?? ""), [selector, words], {timeout: kWithinMs});
 const isState = (page, word) => says(page, "#state", `^\\s*${word}`);
@@ -153,13 +160,13 @@ test("a recorder that is killed between command and answer goes on, and nothing 
   await isState(page, "RECORDING");
   for (let k = 0; k < 3; ++k) {
     await page.keyboard.press("Space");
-    recorder.kill("SIGKILL");
+    await killRecorder();
     await page.waitForTimeout(100);
     recorder = runRecorder();
     await says(page, "#operation-says", `mark ${k + 1} is on the disk`);
   }
   await holdEscape(page);
-  recorder.kill("SIGKILL");
+  await killRecorder();
   recorder = runRecorder();
   await says(page, "#receipt", "“killed” is on the disk: 0 lost");
   const proof = verify("killed");
