@@ -166,7 +166,10 @@ TEST_F(SenderTest, NoAckFreesMoreThanAGoodOneEverCalledDurable) {
     const WallTime at = kStart + k * 10ms;
     if (backlog.used() < 90) put(static_cast<int>(up_to(5)));
     sender.claim(1 + up_to(9), at);
-    Ack any = ack(up_to(k), up_to(backlog.next() + 3), up_to(1000) + backlog.next());
+    // Drawn one after another: in which order arguments are evaluated differs from processor to processor.
+    const std::int64_t credit = up_to(1000) + backlog.next();
+    const std::int64_t claimed = up_to(backlog.next() + 3);
+    Ack any = ack(up_to(k), claimed, credit);
     any.incarnation = 1 + up_to(9);
     any.epoch = up_to(9) == 0 ? kEpoch + 1 : kEpoch;
     const std::int64_t obeyed = sender.owner();
