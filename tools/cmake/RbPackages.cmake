@@ -5,6 +5,7 @@
 #   roadbalance-tools   rb, and vehicle files to begin with
 #   roadbalance-cluster rb-mpi, where it was built: of its own, for no car needs MPI and ssh
 #
+# cpack --preset arm64 makes them for 64-bit ARM, without the cluster's.
 # What belongs to which is said where it is built (rb_program(... PACKAGE name), rb_unit).
 
 set(CPACK_GENERATOR DEB)
@@ -57,4 +58,8 @@ endforeach()
 install(FILES ${PROJECT_SOURCE_DIR}/sim/demo/vehicle.toml ${PROJECT_SOURCE_DIR}/sim/demo/vehicle-3-nodes.toml
   DESTINATION share/doc/roadbalance-tools/examples COMPONENT tools)
 
+if(CMAKE_CROSSCOMPILING)
+  set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE arm64)
+  set(CPACK_PROJECT_CONFIG_FILE ${PROJECT_SOURCE_DIR}/tools/packages/arm64.cmake)
+endif()
 include(CPack)

@@ -62,7 +62,7 @@ function(rb_unit file component)
 endfunction()
 
 # rb_test(name [DEPENDS target...] [PROGRAMS target...]): builds test/<name>.cpp and registers it as one CTest.
-# PROGRAMS are what the test starts from $RB_BIN.
+# PROGRAMS are what the test starts from $RB_BIN, which its label `programs` tells.
 # With BUILD_TESTING off (tools/demo on a bare machine) there are no tests.
 function(rb_test name)
   if(NOT BUILD_TESTING)
@@ -107,7 +107,14 @@ macro(rb_test_program name)
 endmacro()
 
 macro(rb_test_properties name)
-  # For what hangs: a slow machine with much else to do must not come near it.
-  set_tests_properties(${name} PROPERTIES TIMEOUT 900
+  # For what hangs: a slow machine with much else to do must not come near it, nor an emulator.
+  set(rb_timeout 900)
+  if(CMAKE_CROSSCOMPILING)
+    set(rb_timeout 3600)
+  endif()
+  if(arg_PROGRAMS)
+    set_tests_properties(${name} PROPERTIES LABELS programs)
+  endif()
+  set_tests_properties(${name} PROPERTIES TIMEOUT ${rb_timeout}
     ENVIRONMENT "RB_BIN=${CMAKE_BINARY_DIR}/bin;RB_SOURCE=${CMAKE_SOURCE_DIR};TSAN_OPTIONS=suppressions=${CMAKE_SOURCE_DIR}/tools/cmake/tsan.supp;LSAN_OPTIONS=suppressions=${CMAKE_SOURCE_DIR}/tools/cmake/lsan.supp:print_suppressions=0")
 endmacro()
