@@ -122,6 +122,8 @@ export class RecordingsView implements View {
       : grows ? "A recording is being written and the disk is its own: proofs and reports when it has stopped." : "");
     const finished = known.filter(({state}) => isRead(state)).map(({name}) => untilZero(name));
     const names = known.map(({name}) => untilZero(name));
+    // A list that has changed comes one recording after the other: until it is whole no card gives way, nor its form.
+    if (known.length < count && this.cards.size > 0) return;
     for (const [name, card] of this.cards) {
       if (names.includes(name)) continue;
       card.element.remove();
