@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <vector>
 
 #include "common/bus/results.hpp"
@@ -11,7 +12,9 @@
 
 namespace roadbalance {
 
-/// Welch spectra of one node's accelerations over the last seconds, for display.
+/// Welch spectra of one node's accelerations over the last seconds, for display: the mean of the newest
+/// segments, each of which is transformed once.  They end at multiples of half their length, counted from the
+/// epoch's first scan.
 class SpectrumMeter {
  public:
   static constexpr double kSegment_s = 2.0;   ///< lines lie half a hertz apart
@@ -20,24 +23,29 @@ class SpectrumMeter {
 
   explicit SpectrumMeter(const NodeConfig& node);
 
-  /// A block that does not follow the last one begins the history anew: a hole is not a signal.
+  /// A block that does not follow the last one begins anew: a hole is not a signal.
   void add(const ScanBlock& block);
 
-  /// Spectra of all channels up to kHighest_hz in parts; none before the first segment is full or if no block
-  /// came since the last time.
+  /// Spectra of all channels up to kHighest_hz in parts; none if no segment has become full since the last
+  /// time.
   std::vector<SpectrumPart> take();
 
  private:
+  void take_rows(const ScanBlock& block, std::int64_t first, std::int64_t count);
+  void add_segment();
   void append_parts(std::int32_t channel, std::vector<SpectrumPart>& parts) const;
 
   NodeConfig node_;
-  WelchPsd psd_;
-  std::size_t segment_;
-  std::size_t keep_;
-  std::vector<std::vector<double>> history_;  ///< [channel][sample], m/s^2
+  WelchPsd psd_;  ///< of one segment at a time
+  std::int64_t segment_, hop_;
+  std::size_t bins_;  ///< up to kHighest_hz
+  std::vector<std::vector<double>>
+      samples_;  ///< [channel][sample] m/s^2, of the segment that is being filled
+  std::int64_t filled_ = 0;
+  std::deque<std::vector<double>> densities_;  ///< [segment][channel, bin], the newest last
   std::int64_t epoch_ = 0;
   std::int64_t next_scan_ = 0;
-  std::int64_t end_ns_ = 0;
+  std::int64_t end_ns_ = 0;  ///< of the newest segment
   bool news_ = false;
 };
 
