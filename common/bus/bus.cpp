@@ -9,18 +9,17 @@
 #include <array>
 #include <cerrno>
 #include <charconv>
-#include <cstdlib>
 #include <cstring>
-#include <exception>
 #include <limits>
-#include <list>
-#include <mutex>
 #include <optional>
 #include <stdexcept>
+#include <system_error>
+#include <thread>
 #include <utility>
 
-#include "common/bus/datagram_filter.hpp"
+#include "common/bus/message_socket.hpp"
 #include "common/bus/other_wire.hpp"
+#include "common/bus/read_ahead.hpp"
 
 namespace roadbalance {
 namespace {
@@ -43,14 +42,13 @@ std::string_view name_of(BlockKind kind) {
   return "UNKNOWN";
 }
 
-constexpr std::uint16_t kDefaultPort = 7667;  // LCM's
-
 // Asks the kernel for the way to the bus; nothing is sent.
 bool has_multicast_route() {
+  constexpr BusAddress kBus;
   sockaddr_in group{};
   group.sin_family = AF_INET;
-  group.sin_port = htons(kDefaultPort);
-  group.sin_addr.s_addr = inet_addr("239.255.76.67");
+  group.sin_port = htons(kBus.port);
+  group.sin_addr.s_addr = htonl(kBus.group);
   const int descriptor = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (descriptor < 0) return true;  // the fault is another one
   const bool found = ::connect(descriptor, reinterpret_cast<const sockaddr*>(&group), sizeof group) == 0;
@@ -58,22 +56,11 @@ bool has_multicast_route() {
   return found;
 }
 
-[[noreturn]] void throw_no_bus(const std::string& url, const std::string& what) {
-  const int error = errno;
+[[noreturn]] void throw_no_bus(const std::string& url, const std::string& what, int error) {
   std::string why = error == 0 ? "not an LCM address that can be used" : std::strerror(error);
   if (url.starts_with("udpm:") && !has_multicast_route())
     why = std::string("there is no multicast route; sudo sh -c '") + kMulticastRemedy + "'";
   throw std::runtime_error("cannot " + what + " LCM bus " + url + ": " + why);
-}
-
-// "udpm://ADDRESS[:PORT][?...]" as LCM reads it; nothing if the bus is no socket.
-std::optional<std::uint16_t> port_of(const std::string& url) {
-  constexpr std::string_view kScheme = "udpm://";
-  if (!url.starts_with(kScheme)) return std::nullopt;
-  const std::string target = url.substr(kScheme.size(), url.find('?') - kScheme.size());
-  const auto colon = target.find(':');
-  if (colon == std::string::npos) return kDefaultPort;
-  return static_cast<std::uint16_t>(std::strtol(target.c_str() + colon + 1, nullptr, 0));
 }
 
 // A caller with other duties gets control back after this many messages, however fast they come.
@@ -112,7 +99,7 @@ std::string vehicle_channel(int node) {
 }
 
 std::string default_bus_url() {
-  return bus_url_on_port(kDefaultPort);
+  return bus_url_on_port(BusAddress{}.port);
 }
 
 std::string bus_url_on_port(int port) {
@@ -121,58 +108,69 @@ std::string bus_url_on_port(int port) {
 }
 
 struct Bus::State {
-  // LCM calls back from C: an exception waits here until its frames are gone.
   struct Subscription {
+    Channels channels;
     Handler handler;
-    std::exception_ptr* failure;
-    OtherWire* other_wire;
   };
 
   std::string url;
-  lcm_t* lcm = nullptr;
-  std::list<Subscription> subscriptions;
-  std::exception_ptr failure;
-  DatagramFilter filter;
+  Options options;
+  lcm_t* lcm = nullptr;  ///< sends
+  std::vector<Subscription> subscriptions;
+  std::optional<MessageSocket> socket;  ///< opened for the first subscription
+  std::optional<ReadAhead> ahead;       ///< begun by the first handle()
+  std::unique_ptr<MessageBatch> batch = std::make_unique<MessageBatch>();  ///< being handled
   OtherWire other_wire;
 
   ~State() {
     if (lcm) lcm_destroy(lcm);
   }
 
-  static void on_message(const lcm_recv_buf_t* received, const char* channel, void* user) {
-    auto& subscription = *static_cast<Subscription*>(user);
-    const std::span bytes(static_cast<const std::uint8_t*>(received->data), received->data_size);
-    try {
-      subscription.other_wire->take(channel, bytes);
-      subscription.handler(channel, bytes);
-    } catch (...) {
-      *subscription.failure = std::current_exception();
+  /// True if somebody here has subscribed to it.
+  bool hand_on(const MessageBatch::Message& message) {
+    bool wanted = false;
+    for (Subscription& one : subscriptions) {
+      if (!one.channels.has(message.channel)) continue;
+      if (!std::exchange(wanted, true)) other_wire.take(message.channel, message.bytes);
+      one.handler(message.channel, message.bytes);
     }
+    return wanted;
+  }
+
+  /// Fills the batch, all of which has been handled, with what comes within `timeout`; false if nothing did.
+  bool receive(std::chrono::milliseconds timeout) {
+    if (options.ahead_bytes > 0) {
+      if (!ahead) ahead.emplace(*socket, options.ahead_bytes);
+      return ahead->swap(batch, timeout);
+    }
+    batch->clear();
+    return (timeout.count() == 0 || socket->wait(timeout)) && socket->receive(*batch);
   }
 };
 
-Bus::Bus(const std::string& url) : state_(std::make_unique<State>()) {
+Bus::Bus(const std::string& url, const Options& options) : state_(std::make_unique<State>()) {
   state_->url = url;
+  state_->options = options;
   errno = 0;
   state_->lcm = lcm_create(url.c_str());
-  if (!state_->lcm) throw_no_bus(url, "open");
+  if (!state_->lcm) throw_no_bus(url, "open", errno);
 }
 
 Bus::~Bus() = default;
 
 void Bus::subscribe(const std::string& pattern, Handler handler) {
-  auto& subscription = state_->subscriptions.emplace_back(
-      State::Subscription{std::move(handler), &state_->failure, &state_->other_wire});
-  // LCM opens its socket with the first subscription.  One at a time, so that the socket without a filter is
-  // this bus's.
-  static std::mutex one_at_a_time;
-  const std::lock_guard lock(one_at_a_time);
-  errno = 0;
-  auto* handle = lcm_subscribe(state_->lcm, pattern.c_str(), &State::on_message, &subscription);
-  if (!handle) throw_no_bus(state_->url, "subscribe to " + pattern + " on");
-  const auto port = port_of(state_->url);
-  if (port && state_->filter.sockets() == 0) state_->filter.attach(*port);
-  lcm_subscription_set_queue_capacity(handle, 0);
+  state_->subscriptions.push_back({Channels(pattern), std::move(handler)});
+  const auto address = bus_address(state_->url);
+  if (!address) throw_no_bus(state_->url, "subscribe to " + pattern + " on", 0);
+  try {
+    if (!state_->socket) state_->socket.emplace(*address);
+    if (state_->options.hears_all) return;
+    std::vector<Channels> all;
+    for (const auto& one : state_->subscriptions) all.push_back(one.channels);
+    state_->socket->hear_only(all);
+  } catch (const std::system_error& error) {
+    throw_no_bus(state_->url, "subscribe to " + pattern + " on", error.code().value());
+  }
 }
 
 bool Bus::publish(const std::string& channel, std::span<const std::uint8_t> bytes) {
@@ -181,7 +179,7 @@ bool Bus::publish(const std::string& channel, std::span<const std::uint8_t> byte
 }
 
 std::int64_t Bus::dropped() const {
-  return state_->filter.dropped();
+  return state_->socket ? state_->socket->dropped() : 0;
 }
 
 std::vector<std::string> Bus::other_versions() {
@@ -193,16 +191,26 @@ std::set<std::int32_t> Bus::nodes_of_other_versions() {
 }
 
 int Bus::handle(std::chrono::milliseconds timeout) {
+  using std::chrono::milliseconds, std::chrono::steady_clock;
+  if (!state_->socket) {
+    std::this_thread::sleep_for(timeout);
+    return 0;
+  }
+  const auto end = steady_clock::now() + timeout;
   int handled = 0;
-  auto wait = static_cast<int>(timeout.count());
-  while (handled < kMostPerCall) {
-    errno = 0;
-    const int result = lcm_handle_timeout(state_->lcm, wait);
-    if (state_->failure) std::rethrow_exception(std::exchange(state_->failure, nullptr));
-    if (result < 0 && errno != EINTR) throw_no_bus(state_->url, "receive from");
-    if (result <= 0) break;
-    ++handled;
-    wait = 0;
+  for (bool more = true; handled < kMostPerCall;) {
+    if (!state_->batch->empty()) {
+      handled += state_->hand_on(state_->batch->take()) ? 1 : 0;
+      continue;
+    }
+    if (handled > 0 && !more) break;
+    const auto left = std::chrono::ceil<milliseconds>(end - steady_clock::now());
+    try {
+      if (!state_->receive(handled > 0 ? milliseconds(0) : std::max(left, milliseconds(0)))) break;
+    } catch (const std::system_error& error) {
+      throw_no_bus(state_->url, "receive from", error.code().value());
+    }
+    more = state_->batch->full();
   }
   return handled;
 }

@@ -42,30 +42,41 @@ inline constexpr const char* kMulticastRemedy = "ip link set lo up && ip route a
 
 /// One process's access to the bus.  Not shared between threads: each process owns its own.
 ///
-/// Every subscription has queue capacity 0 (no limit inside LCM; its default of 30 drops silently).  What is
-/// no message of one packet stays in the kernel: some of it would end a process that listens with LCM.
+/// Sends by LCM, and receives what LCM sends as messages of one packet (see MessageSocket).  What waits to be
+/// handled waits in the socket's receive buffer.
 class Bus {
  public:
+  struct Options {
+    /// Takes all that is on the bus out of the kernel, so that dropped() tells what was no message and what
+    /// found no room.  Without it messages on channels that nobody here has subscribed to stay there.
+    bool hears_all = false;
+    /// A thread empties the socket meanwhile, for those who may be busy for longer than the socket can hold,
+    /// and keeps up to so many bytes.
+    std::size_t ahead_bytes = 0;
+  };
   using Handler = std::function<void(std::string_view channel, std::span<const std::uint8_t> bytes)>;
 
   /// @throws std::runtime_error naming the URL, and the remedy where there is no multicast route
-  explicit Bus(const std::string& url);
+  explicit Bus(const std::string& url, const Options& options);
+  explicit Bus(const std::string& url) : Bus(url, Options{}) {}
   ~Bus();
   Bus(const Bus&) = delete;
   Bus& operator=(const Bus&) = delete;
 
-  /// @param pattern  regular expression of the whole channel name
+  /// All subscriptions come before the first handle().
+  /// @param pattern  a channel's name, or the beginning of names with ".*" behind it
   /// @throws std::runtime_error naming the URL, e.g. if another program has the port for itself
   void subscribe(const std::string& pattern, Handler handler);
 
   /// False if the datagram could not be sent; nobody learns whether it arrived.
   bool publish(const std::string& channel, std::span<const std::uint8_t> bytes);
 
-  /// Waits up to `timeout` for one datagram, then handles all that have arrived.  Returns how many.
+  /// Waits up to `timeout` for a message, then handles all that have arrived.  Returns how many.  What comes
+  /// behind a message whose handler throws is handled by the next call.
   /// @throws std::runtime_error naming the URL if nothing can be received any more, and what a handler threw
   int handle(std::chrono::milliseconds timeout);
 
-  /// Datagrams that never came this far: no message of one packet (see DatagramFilter), or no room left.
+  /// Datagrams that never came this far: no message of one packet, or no room left (see Options::hears_all).
   std::int64_t dropped() const;
 
   /// For people, since the last call: who on the subscribed channels is of another version of the wire (see

@@ -1,9 +1,21 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 namespace roadbalance {
+
+/// Where an LCM bus over UDP multicast is; numbers, not bytes as they are sent.
+struct BusAddress {
+  std::uint32_t group = 0xEFFF4C43;  ///< LCM's own default, 239.255.76.67
+  std::uint16_t port = 7667;
+  int receive_buffer = 0;  ///< bytes that its sockets ask for; 0: what the kernel gives
+};
+
+/// "udpm://GROUP:PORT?ttl=N&recv_buf_size=N", each part of which may be missing, as LCM reads it; nothing if
+/// it is no such address.
+std::optional<BusAddress> bus_address(const std::string& url);
 
 /// This machine's own IPv4 address on the way to an LCM bus, as a number: others on the bus reach it there.
 /// 0 if the bus is not UDP multicast or there is no route to it.

@@ -80,7 +80,7 @@ class LiveView {
  public:
   LiveView(const std::string& url, const VehicleConfig& vehicle, const VehicleByCrc& find,
            const std::function<void(const std::string&)>& warn, Out<Ack>& acks)
-      : bus_(url),
+      : bus_(url, {.ahead_bytes = kAhead}),
         watch_(vehicle),
         transfers_(vehicle),
         spectra_(vehicle),
@@ -180,6 +180,8 @@ class LiveView {
 
   static constexpr std::chrono::seconds kForgotten{3};
   static constexpr std::size_t kMostEnvelopes = 64;
+  /// A drive that is played faster than it can be shown waits: a minute of it at twenty times its speed.
+  static constexpr std::size_t kAhead = 512 << 20;
 
   Bus bus_;
   std::map<std::int32_t, NodeView> nodes_;

@@ -46,7 +46,7 @@ class Reception {
             Out<ClockPeer> peers)
       : options_(options),
         incarnation_folder_(incarnation.folder),
-        bus_(options.url),
+        bus_(options.url, {.hears_all = true}),
         link_(link_options(options), incarnation.number, recovered),
         peers_(std::move(peers)),
         alarms_(incarnation.number) {

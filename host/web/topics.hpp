@@ -19,7 +19,7 @@ struct Topic {
 
 /// A kind of message that the page shows.
 struct PageMessage {
-  const char* channels;  ///< LCM channels, a regular expression of the whole name
+  const char* channels;  ///< LCM channels, as Bus::subscribe takes them
   /// Topic::key of a message as it came; nothing if it is not a good one.
   std::optional<std::int64_t> (*key)(std::span<const std::uint8_t> bytes);
   /// True of a state, which is said again and again: in silence it is forgotten.  A result stays.

@@ -6,6 +6,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/process_port.hpp"
+#include "common/bus/recorder_status.hpp"
 #include "common/clock/clocks.hpp"
 
 namespace roadbalance {
@@ -20,8 +21,9 @@ constexpr std::chrono::milliseconds kListen{300};
 bool is_quiet(const std::string& url, std::chrono::milliseconds listen) {
   Bus bus(url);
   bool heard = false;
-  bus.subscribe("RB_(BLOCK|PREVIEW|HEARTBEAT|ACK|COMMAND)_.*|RB_RECORDER",
-                [&](std::string_view, std::span<const std::uint8_t>) { heard = true; });
+  for (const char* channels :
+       {"RB_BLOCK_.*", "RB_PREVIEW_.*", "RB_HEARTBEAT_.*", "RB_ACK_.*", "RB_COMMAND_.*", kRecorderChannel})
+    bus.subscribe(channels, [&](std::string_view, std::span<const std::uint8_t>) { heard = true; });
   const WallTime end = WallClock::now() + listen;
   for (auto left = listen; left.count() > 0 && !heard;
        left = std::chrono::duration_cast<std::chrono::milliseconds>(end - WallClock::now()))

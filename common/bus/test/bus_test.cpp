@@ -1,15 +1,17 @@
 #include "common/bus/bus.hpp"
 
 #include <arpa/inet.h>
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <filesystem>
-#include <fstream>
 #include <functional>
 #include <stdexcept>
+#include <thread>
 #include <vector>
+
+#include "common/bus/process_port.hpp"
 
 namespace roadbalance {
 namespace {
@@ -20,22 +22,66 @@ std::string url() {
   return bus_url_on_port(20'000 + ::getpid() % 20'000);
 }
 
-TEST(Bus, QueuesMoreThanLcmsThirtyMessagesWhileNobodyReads) {
-  Bus bus(url());
+/// What is sent while nobody handles it, with this many messages.
+void expect_all_of(int messages, const Bus::Options& options) {
+  Bus bus(url(), options);
   std::vector<int> received;
   bus.subscribe("RB_TEST", [&](std::string_view, std::span<const std::uint8_t> bytes) {
     received.push_back(bytes[0] + 256 * bytes[1]);
   });
-  constexpr int kMessages = 500;
-  for (int k = 0; k < kMessages; ++k) {
+  bus.handle(milliseconds(0));
+  for (int k = 0; k < messages; ++k) {
     const std::vector<std::uint8_t> bytes{static_cast<std::uint8_t>(k % 256),
                                           static_cast<std::uint8_t>(k / 256)};
     ASSERT_TRUE(bus.publish("RB_TEST", bytes));
   }
-  while (received.size() < kMessages && bus.handle(milliseconds(2000)) > 0) {
+  while (received.size() < static_cast<std::size_t>(messages) && bus.handle(milliseconds(2000)) > 0) {
   }
-  ASSERT_EQ(received.size(), static_cast<std::size_t>(kMessages));
-  for (int k = 0; k < kMessages; ++k) EXPECT_EQ(received[static_cast<std::size_t>(k)], k);
+  ASSERT_EQ(received.size(), static_cast<std::size_t>(messages));
+  for (int k = 0; k < messages; ++k) ASSERT_EQ(received[static_cast<std::size_t>(k)], k);
+}
+
+TEST(Bus, KeepsMoreThanLcmsThirtyMessagesWhileNobodyReads) {
+  expect_all_of(500, {});
+}
+
+TEST(Bus, ReadingAheadKeepsMoreThanTheSocketHolds) {
+  expect_all_of(20'000, {.ahead_bytes = 64 << 20});
+}
+
+TEST(Bus, WhatComesBehindAMessageWhoseHandlerThrowsIsNotLost) {
+  Bus bus(url());
+  std::vector<int> received;
+  bus.subscribe("RB_TEST", [&](std::string_view, std::span<const std::uint8_t> bytes) {
+    received.push_back(bytes[0]);
+    if (bytes[0] == 0) throw std::runtime_error("the handler's");
+  });
+  for (const char* k : {"\0", "\1", "\2"})
+    ASSERT_TRUE(bus.publish("RB_TEST", std::vector<std::uint8_t>{static_cast<std::uint8_t>(*k)}));
+  EXPECT_THROW(bus.handle(milliseconds(2000)), std::runtime_error);
+  while (received.size() < 3 && bus.handle(milliseconds(2000)) > 0) {
+  }
+  EXPECT_EQ(received, (std::vector<int>{0, 1, 2}));
+}
+
+TEST(Bus, WaitsForAMessageThatSomebodyWants) {
+  Bus bus(url(), {.hears_all = true});
+  int wanted = 0;
+  bus.subscribe("RB_TEST", [&](std::string_view, auto) { ++wanted; });
+  const std::jthread sender([to = url()] {
+    Bus other(to);
+    for (int k = 0; k < 5; ++k) other.publish("RB_OTHER", std::vector<std::uint8_t>{1});
+    std::this_thread::sleep_for(milliseconds(50));
+    other.publish("RB_TEST", std::vector<std::uint8_t>{1});
+  });
+  EXPECT_EQ(bus.handle(milliseconds(20'000)), 1);
+  EXPECT_EQ(wanted, 1);
+}
+
+TEST(Bus, RefusesAPatternThatIsNoBeginning) {
+  Bus bus(url());
+  EXPECT_THROW(bus.subscribe("RB_(A|B)", {}), std::invalid_argument);
+  EXPECT_THROW(bus.subscribe("RB_.*_SCAN", {}), std::invalid_argument);
 }
 
 TEST(Bus, APatternIsOfTheWholeChannelName) {
@@ -90,22 +136,32 @@ TEST(Bus, SaysThatAPortIsTakenAndDoesNotBlameTheNetwork) {
   EXPECT_EQ(text.find("route"), std::string::npos) << text;
 }
 
-// A replayed log is a bus that ends: the only one that can be made to fail.
+/// Puts something that cannot be received from in the place of every socket on this port.
+void break_sockets_on(int port) {
+  for (int descriptor = 3; descriptor < 256; ++descriptor) {
+    sockaddr_in address{};
+    socklen_t size = sizeof address;
+    if (::getsockname(descriptor, reinterpret_cast<sockaddr*>(&address), &size) != 0 ||
+        ntohs(address.sin_port) != port)
+      continue;
+    const int nothing = ::open("/dev/null", O_RDWR | O_CLOEXEC);
+    ASSERT_EQ(::dup2(nothing, descriptor), descriptor);
+    ::close(nothing);
+  }
+}
+
 TEST(Bus, AFailureToReceiveIsNotSilence) {
-  const auto log = std::filesystem::temp_directory_path() / ("rb-bus-" + std::to_string(::getpid()) + ".lcm");
-  // Sync word, number, time, lengths of name and data (big endian), name, data.
-  const std::string event =
-      std::string("\xED\xA1\xDA\x01", 4) + std::string(16, '\0') + std::string("\0\0\0\1\0\0\0\1", 8) + "AB";
-  std::ofstream(log, std::ios::binary) << event << event;
-  Bus bus("file://" + log.string() + "?speed=0");
-  int events = 0;
-  bus.subscribe("A", [&](std::string_view, auto) { ++events; });
-  const std::string text = failure_of([&] {
-    for (int k = 0; k < 10; ++k) bus.handle(milliseconds(1000));
-  });
-  std::filesystem::remove(log);
-  EXPECT_GT(events, 0);
-  EXPECT_NE(text.find(log.string()), std::string::npos) << "10 times nothing came: " << text;
+  const int port = process_port(5);
+  for (const std::size_t ahead : {0, 1 << 20}) {
+    Bus bus(bus_url_on_port(port), {.ahead_bytes = ahead});
+    bus.subscribe("A", [](std::string_view, auto) {});
+    break_sockets_on(port);
+    const std::string text = failure_of([&] {
+      for (int k = 0; k < 10; ++k) bus.handle(milliseconds(1000));
+    });
+    EXPECT_NE(text.find("receive from LCM bus " + bus_url_on_port(port)), std::string::npos)
+        << "10 times nothing came: " << text;
+  }
 }
 
 TEST(Bus, ItsDefaultAddressSetsTheReceiveBufferThatLcmDoesNot) {

@@ -1,4 +1,4 @@
-#include "common/bus/datagram_filter.hpp"
+#include "common/bus/message_socket.hpp"
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
@@ -16,19 +16,20 @@ namespace {
 using std::chrono::milliseconds;
 
 /// A bus that listens, and a socket that sends it whatever it likes.
-class Filtered : public ::testing::Test {
+class Listening : public ::testing::Test {
  protected:
-  Filtered()
-      : port_(process_port(2)), bus_(bus_url_on_port(port_)), sender_(::socket(AF_INET, SOCK_DGRAM, 0)) {
+  Listening()
+      : port_(process_port(2)),
+        bus_(bus_url_on_port(port_), {.hears_all = true}),
+        sender_(::socket(AF_INET, SOCK_DGRAM, 0)) {
     bus_.subscribe(".*", [this](std::string_view channel, std::span<const std::uint8_t> bytes) {
-      if (channel == "LCM_SELF_TEST") return;
       heard_.emplace_back(channel);
       sizes_.push_back(bytes.size());
     });
     const unsigned char ttl = 0;
     ::setsockopt(sender_, IPPROTO_IP, IP_MULTICAST_TTL, &ttl, sizeof ttl);
   }
-  ~Filtered() override { ::close(sender_); }
+  ~Listening() override { ::close(sender_); }
 
   void send(const std::string& datagram) const {
     sockaddr_in group{};
@@ -61,7 +62,7 @@ std::string word(std::uint32_t value) {
   return bytes;
 }
 
-TEST_F(Filtered, AMessageOfOnePacketPasses) {
+TEST_F(Listening, AMessageOfOnePacketPasses) {
   send(kShort + std::string("RB_TEST\0data", 12));
   send(kShort + std::string(63, 'C') + std::string(1, '\0'));  // the longest name, no data
   hear_all();
@@ -71,7 +72,7 @@ TEST_F(Filtered, AMessageOfOnePacketPasses) {
 }
 
 // Each of the first two ends a process that listens with LCM 1.3.1.
-TEST_F(Filtered, WhatEndsAnLcmReceiverStaysOutside) {
+TEST_F(Listening, WhatEndsAnLcmReceiverStaysOutside) {
   const std::string first_of_two("\0\0\0\2", 4);
   // At 2^32 - 16 of 100 bytes: offset + length wraps to less than the size.
   send(kLong + word(100) + word(0xFFFFFFF0) + first_of_two + std::string("A\0", 2) + std::string(32, 'x'));
@@ -83,7 +84,7 @@ TEST_F(Filtered, WhatEndsAnLcmReceiverStaysOutside) {
   EXPECT_EQ(bus_.dropped(), 3);
 }
 
-TEST_F(Filtered, WhatIsNoMessageStaysOutsideAndIsCounted) {
+TEST_F(Listening, WhatIsNoMessageStaysOutsideAndIsCounted) {
   send("");
   send("L");
   send("LC02");
@@ -91,30 +92,40 @@ TEST_F(Filtered, WhatIsNoMessageStaysOutsideAndIsCounted) {
   send(kShort + "RB_TEST");  // a name without an end
   send(kShort + std::string(64, 'C') + std::string(1, '\0'));
   send(std::string("LC04\0\0\0\1RB_TEST\0data", 20));
-  send(kShort + std::string("RB_TEST\0", 8) + std::string(DatagramFilter::kLargestDatagram, 'x'));
+  send(kShort + std::string("RB_TEST\0", 8) + std::string(MessageSocket::kLargestDatagram, 'x'));
   hear_all();
   EXPECT_EQ(heard_, std::vector<std::string>{"LAST"});
   EXPECT_EQ(bus_.dropped(), 8);
 }
 
-TEST(DatagramFilter, LeavesSocketsAloneThatAreNoBus) {
-  const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  ASSERT_EQ(::bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-  DatagramFilter filter;
-  filter.attach(7667);
-  EXPECT_EQ(filter.sockets(), 0u);
-  ::close(socket);
+// The greatest LCM message of one packet has a name of 63 and fills the datagram.
+TEST_F(Listening, TheLargestDatagramPasses) {
+  const std::string head = kShort + std::string("RB_TEST\0", 8);
+  send(head + std::string(MessageSocket::kLargestDatagram - head.size(), 'x'));
+  send(head + std::string(MessageSocket::kLargestDatagram - head.size() + 1, 'x'));
+  hear_all();
+  EXPECT_EQ(sizes_, (std::vector<std::size_t>{MessageSocket::kLargestDatagram - head.size(), 1}));
+  EXPECT_EQ(bus_.dropped(), 1);
 }
 
-TEST(DatagramFilter, EveryBusOfAProcessHasItsOwn) {
-  Bus first(bus_url_on_port(process_port(3))), second(bus_url_on_port(process_port(3)));
-  first.subscribe("A", [](std::string_view, auto) {});
-  second.subscribe("A", [](std::string_view, auto) {});
-  DatagramFilter more;
-  more.attach(static_cast<std::uint16_t>(process_port(3)));
-  EXPECT_EQ(more.sockets(), 0u) << "a bus without a filter";
+TEST(MessageSocket, WhatNobodyWantsStaysInTheKernel) {
+  const std::string url = bus_url_on_port(process_port(3));
+  Bus all(url, {.hears_all = true}), some(url);
+  std::vector<std::string> heard;
+  bool last = false;
+  all.subscribe("LAST", [&](std::string_view, auto) { last = true; });
+  for (const char* channels : {"RB_ACK_1", "RB_BLOCK_.*", "LAST", "A"})
+    some.subscribe(channels, [&](std::string_view channel, auto) { heard.emplace_back(channel); });
+  Bus sender(url);
+  const std::vector<std::string> sent{"RB_ACK_1",  "RB_ACK_12", "RB_ACK_", "RB_BLOCK_1_SCAN",
+                                      "RB_BLOCK_", "RB_BLOCK",  "A",       "RB_HEARTBEAT_1",
+                                      "AA",        "B",         "LAST"};
+  for (const std::string& channel : sent) ASSERT_TRUE(sender.publish(channel, {}));
+  while (heard.empty() || heard.back() != "LAST") ASSERT_GT(some.handle(milliseconds(2000)), 0);
+  EXPECT_EQ(heard, (std::vector<std::string>{"RB_ACK_1", "RB_BLOCK_1_SCAN", "RB_BLOCK_", "A", "LAST"}));
+  EXPECT_EQ(some.dropped(), 6);
+  while (!last) ASSERT_GT(all.handle(milliseconds(2000)), 0);
+  EXPECT_EQ(all.dropped(), 0);
 }
 
 }  // namespace

@@ -1,0 +1,149 @@
+#include "common/bus/message_socket.hpp"
+
+#include <linux/filter.h>
+#include <linux/sock_diag.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+#include <system_error>
+
+namespace roadbalance {
+namespace {
+
+constexpr std::string_view kMagicShort = "LC02";
+constexpr std::size_t kShortHeader = 8;  // magic and number
+constexpr std::uint32_t kUdpHeader = 8;  // a socket's filter sees the datagram from its UDP header on
+
+[[noreturn]] void throw_errno(const char* what) {
+  throw std::system_error(errno, std::generic_category(), what);
+}
+
+std::uint32_t big_endian(std::string_view bytes) {
+  std::uint32_t value = 0;
+  for (const char byte : bytes) value = value << 8 | static_cast<std::uint8_t>(byte);
+  return value;
+}
+
+/// Passes the datagram if these bytes are at this place in it; goes on behind these instructions if not.
+/// What it loads is there: a load behind the end would reject the datagram for all that follow, too.
+void pass_if(std::string_view bytes, std::uint32_t at, std::vector<sock_filter>& program) {
+  std::vector<sock_filter> test{
+      BPF_STMT(BPF_LD | BPF_W | BPF_LEN, 0),
+      BPF_JUMP(BPF_JMP | BPF_JGE | BPF_K, at + static_cast<std::uint32_t>(bytes.size()), 0, 0)};
+  while (!bytes.empty()) {
+    const std::size_t n = bytes.size() >= 4 ? 4 : bytes.size() >= 2 ? 2 : 1;
+    const std::uint16_t size = n == 4 ? BPF_W : n == 2 ? BPF_H : BPF_B;
+    test.push_back(BPF_STMT(static_cast<std::uint16_t>(BPF_LD | BPF_ABS | size), at));
+    test.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, big_endian(bytes.substr(0, n)), 0, 0));
+    bytes.remove_prefix(n);
+    at += static_cast<std::uint32_t>(n);
+  }
+  test.push_back(BPF_STMT(BPF_RET | BPF_K, 0xFFFFFFFF));
+  for (std::size_t k = 1; k + 1 < test.size(); k += 2)
+    test[k].jf = static_cast<std::uint8_t>(test.size() - 1 - k);
+  program.insert(program.end(), test.begin(), test.end());
+}
+
+}  // namespace
+
+Channels::Channels(const std::string& pattern)
+    : text_(pattern.substr(0, pattern.find(".*"))), beginning_(text_.size() != pattern.size()) {
+  if ((beginning_ && text_.size() + 2 != pattern.size()) ||
+      text_.find_first_of(".*+?^$|()[]{}\\") != std::string::npos ||
+      text_.size() > MessageSocket::kLongestChannel)
+    throw std::invalid_argument("'" + pattern + "' is neither a channel's name nor a beginning of names");
+}
+
+MessageBatch::MessageBatch() {
+  for (std::size_t k = 0; k < kDatagrams; ++k) {
+    places_[k] = {room_[k].data(), kRoom};
+    headers_[k].msg_hdr.msg_iov = &places_[k];
+    headers_[k].msg_hdr.msg_iovlen = 1;
+  }
+  messages_.reserve(kDatagrams);
+}
+
+void MessageBatch::clear() {
+  datagrams_ = taken_ = 0;
+  messages_.clear();
+}
+
+MessageSocket::MessageSocket(const BusAddress& bus)
+    : socket_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+  if (socket_ < 0) throw_errno("open a socket");
+  const int others_too = 1;
+  sockaddr_in group{};
+  group.sin_family = AF_INET;
+  group.sin_port = htons(bus.port);
+  group.sin_addr.s_addr = htonl(bus.group);
+  ip_mreq member{};
+  member.imr_multiaddr = group.sin_addr;  // over the interface of the route, as LCM does
+  const bool open =
+      ::setsockopt(socket_, SOL_SOCKET, SO_REUSEADDR, &others_too, sizeof others_too) == 0 &&
+      (bus.receive_buffer == 0 ||
+       ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &bus.receive_buffer, sizeof bus.receive_buffer) == 0) &&
+      ::bind(socket_, reinterpret_cast<const sockaddr*>(&group), sizeof group) == 0 &&
+      ::setsockopt(socket_, IPPROTO_IP, IP_ADD_MEMBERSHIP, &member, sizeof member) == 0;
+  if (open) return;
+  const int error = errno;
+  ::close(socket_);
+  errno = error;
+  throw_errno("join the group");
+}
+
+MessageSocket::~MessageSocket() {
+  ::close(socket_);
+}
+
+void MessageSocket::hear_only(std::span<const Channels> channels) {
+  std::vector<sock_filter> program;
+  for (const Channels& some : channels) pass_if(some.first_bytes(), kUdpHeader + kShortHeader, program);
+  program.push_back(BPF_STMT(BPF_RET | BPF_K, 0));
+  const sock_fprog code{static_cast<unsigned short>(program.size()), program.data()};
+  if (::setsockopt(socket_, SOL_SOCKET, SO_ATTACH_FILTER, &code, sizeof code) != 0)
+    throw_errno("attach a filter to the bus's socket");
+}
+
+bool MessageSocket::wait(std::chrono::milliseconds timeout) const {
+  pollfd one{socket_, POLLIN, 0};
+  return ::poll(&one, 1, static_cast<int>(std::max<std::int64_t>(0, timeout.count()))) > 0;
+}
+
+bool MessageSocket::receive(MessageBatch& into) {
+  const std::size_t room = MessageBatch::kDatagrams - into.datagrams_;
+  const int came = ::recvmmsg(socket_, &into.headers_[into.datagrams_], static_cast<unsigned>(room),
+                              MSG_DONTWAIT, nullptr);
+  if (came < 0 && errno != EAGAIN && errno != EINTR) throw_errno("receive");
+  const auto first = into.datagrams_;
+  into.datagrams_ += static_cast<std::size_t>(std::max(0, came));
+  for (std::size_t k = first; k < into.datagrams_; ++k) read(into, k);
+  return into.datagrams_ > first;
+}
+
+void MessageSocket::read(MessageBatch& into, std::size_t datagram) {
+  const auto& header = into.headers_[datagram];
+  const std::span<const std::uint8_t> bytes(into.room_[datagram].data(), header.msg_len);
+  const auto* const text = reinterpret_cast<const char*>(bytes.data());
+  const std::string_view rest(text, bytes.size());
+  const auto end = rest.starts_with(kMagicShort)
+                       ? rest.substr(0, kShortHeader + kLongestChannel + 1).find('\0', kShortHeader)
+                       : std::string_view::npos;
+  if ((header.msg_hdr.msg_flags & MSG_TRUNC) != 0 || end == std::string_view::npos) {
+    ++refused_;
+    return;
+  }
+  into.messages_.push_back({rest.substr(kShortHeader, end - kShortHeader), bytes.subspan(end + 1)});
+}
+
+std::int64_t MessageSocket::dropped() const {
+  std::array<std::uint32_t, SK_MEMINFO_VARS> figures{};
+  socklen_t size = sizeof figures;
+  if (::getsockopt(socket_, SOL_SOCKET, SO_MEMINFO, figures.data(), &size) != 0) return refused_;
+  return refused_ + figures[SK_MEMINFO_DROPS];
+}
+
+}  // namespace roadbalance

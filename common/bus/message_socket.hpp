@@ -1,0 +1,106 @@
+#pragma once
+
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/bus/bus_route.hpp"
+
+namespace roadbalance {
+
+/// Names of LCM channels: one, or with ".*" behind it all that begin so.  LCM reads the same as a regular
+/// expression; of these no other is taken.
+class Channels {
+ public:
+  /// @throws std::invalid_argument naming what is neither
+  explicit Channels(const std::string& pattern);
+
+  bool has(std::string_view channel) const {
+    return beginning_ ? channel.starts_with(text_) : channel == text_;
+  }
+  /// What the bytes of such a name begin with in a datagram, where a zero ends it.
+  std::string first_bytes() const { return beginning_ ? text_ : text_ + '\0'; }
+
+ private:
+  std::string text_;
+  bool beginning_;
+};
+
+/// Datagrams that came together, and the messages in them.
+class MessageBatch {
+ public:
+  struct Message {
+    std::string_view channel;
+    std::span<const std::uint8_t> bytes;
+  };
+
+  MessageBatch();
+  MessageBatch(const MessageBatch&) = delete;
+  MessageBatch& operator=(const MessageBatch&) = delete;
+
+  bool full() const { return datagrams_ == kDatagrams; }
+  bool empty() const { return taken_ == messages_.size(); }
+  /// The oldest that has not been taken; valid until clear().
+  Message take() { return messages_[taken_++]; }
+  void clear();
+
+ private:
+  friend class MessageSocket;
+  static constexpr std::size_t kDatagrams = 32, kRoom = 1500;
+
+  std::array<std::array<std::uint8_t, kRoom>, kDatagrams> room_;
+  std::array<iovec, kDatagrams> places_{};
+  std::array<mmsghdr, kDatagrams> headers_{};
+  std::size_t datagrams_ = 0, taken_ = 0;
+  std::vector<Message> messages_;
+};
+
+/// The receiving end of LCM over UDP multicast, for messages of one packet, which all of ours are.
+///
+/// LCM's own takes three system calls and two wake-ups a datagram, more than all the rest of the link
+/// (tools/bench), and that of 1.3.1 trusts what it receives: a fragment whose bounds wrap, or whose header is
+/// cut short, ends the process (lcm#628).  Here datagrams that wait come by one system call, and nothing is
+/// handed on but a whole message: the magic of a short one, a channel name that ends within the datagram, no
+/// more than kLargestDatagram bytes.
+class MessageSocket {
+ public:
+  static constexpr std::size_t kLargestDatagram = MessageBatch::kRoom;
+  static constexpr std::size_t kLongestChannel = 63;  ///< LCM's own limit
+
+  /// Joins the bus's group.
+  /// @throws std::system_error
+  explicit MessageSocket(const BusAddress& bus);
+  ~MessageSocket();
+  MessageSocket(const MessageSocket&) = delete;
+  MessageSocket& operator=(const MessageSocket&) = delete;
+
+  /// Leaves messages on other channels in the kernel, where they cost a tenth: a node need not wake up for
+  /// each block of all others.  Counts them as dropped().
+  /// @throws std::system_error
+  void hear_only(std::span<const Channels> channels);
+
+  /// True once something has come.
+  bool wait(std::chrono::milliseconds timeout) const;
+  /// Takes what has come, as much as there is room for behind what the batch holds.  False if nothing has.
+  /// @throws std::system_error
+  bool receive(MessageBatch& into);
+
+  /// Datagrams that were no message, and those that found the receive buffer full.
+  std::int64_t dropped() const;
+
+ private:
+  void read(MessageBatch& into, std::size_t datagram);
+
+  int socket_;
+  std::atomic<std::int64_t> refused_ = 0;  ///< asked for by another thread than that which receives
+};
+
+}  // namespace roadbalance
