@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <deque>
 #include <memory>
+#include <memory_resource>
 #include <vector>
 
 #include "host/identify/grid.hpp"
@@ -30,7 +31,7 @@ class RowQueue {
 
   std::size_t size() const;
   /// Those next to be taken, all of them while they are no more than kInMemory.
-  const std::deque<GridRows>& at_hand() const { return front_; }
+  const std::pmr::deque<GridRows>& at_hand() const { return front_; }
   bool uses_file() const { return first_ < last_; }
 
  private:
@@ -40,7 +41,12 @@ class RowQueue {
   bool write_batch();
   void read_batch(std::int64_t batch);
 
-  std::deque<GridRows> front_, back_;  ///< the file's between them; no file and no back: all is in front_
+  /// A row is larger than what a deque asks memory for at a time: each would be asked for and given back.
+  std::unique_ptr<std::pmr::unsynchronized_pool_resource> pool_ =
+      std::make_unique<std::pmr::unsynchronized_pool_resource>(std::pmr::pool_options{
+          .max_blocks_per_chunk = 64, .largest_required_pool_block = 2 * sizeof(GridRows)});
+  std::pmr::deque<GridRows> front_{pool_.get()},
+      back_{pool_.get()};  ///< the file's between them; no file and no back: all is in front_
   std::unique_ptr<std::FILE, Close> file_;
   std::int64_t first_ = 0, last_ = 0;  ///< batches in the file
   bool no_file_ = false;

@@ -9,13 +9,14 @@
 namespace roadbalance {
 namespace {
 
+constexpr Eigen::Index kHistory = 3;  // times the taps: as few samples are moved as stay in a near cache
 constexpr std::size_t kBehind = 8;  // samples that are given, of which the low-pass knows the later half
 
 }  // namespace
 
 FewerSamples::FewerSamples(int channels, int factor, Emit emit)
     : factor_(factor), taps_(decimation_taps(factor)), sum_(channels), emit_(std::move(emit)) {
-  history_.resize(channels, 8 * taps_.size());
+  history_.resize(channels, kHistory * taps_.size());
   overload_.resize(static_cast<std::size_t>(history_.cols()));
   follow(1);
 }
@@ -28,7 +29,7 @@ void FewerSamples::follow(std::size_t angles) {
 }
 
 void FewerSamples::interrupt() {
-  filled_ = count_ = 0;
+  filled_ = overloads_end_ = count_ = 0;
   std::ranges::fill(lost_, std::uint8_t{0});
 }
 
@@ -54,11 +55,13 @@ void FewerSamples::add(const Eigen::Ref<const Eigen::VectorXd>& values, std::uin
   if (filled_ == history_.cols()) {
     history_.leftCols(n - 1) = history_.rightCols(n - 1).eval();
     std::copy(overload_.end() - (n - 1), overload_.end(), overload_.begin());
+    overloads_end_ -= filled_ - (n - 1);
     filled_ = n - 1;
   }
   history_.col(filled_) = values;
   overload_[static_cast<std::size_t>(filled_)] = overload;
   ++filled_;
+  if (overload != 0) overloads_end_ = filled_;
   const bool may_be_given = count_ == 0;
   count_ = (count_ + 1) % factor_;
   if (!may_be_given) {
@@ -69,7 +72,7 @@ void FewerSamples::add(const Eigen::Ref<const Eigen::VectorXd>& values, std::uin
   if (filled_ < n) return;
   weighted_sum(history_.middleCols(filled_ - n, n), taps_, sum_);
   std::uint32_t any = 0;
-  for (Eigen::Index i = filled_ - n; i < filled_; ++i) any |= overload_[static_cast<std::size_t>(i)];
+  for (Eigen::Index i = filled_ - n; i < overloads_end_; ++i) any |= overload_[static_cast<std::size_t>(i)];
   emit_(std::span(waiting_).first(next_.size()), sum_, any);
 }
 

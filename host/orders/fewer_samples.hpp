@@ -50,6 +50,7 @@ class FewerSamples {
   Eigen::MatrixXd history_;              ///< [channel x sample], column filled_ - 1 the newest
   std::vector<std::uint32_t> overload_;  ///< of the samples in history_
   Eigen::Index filled_ = 0;
+  Eigen::Index overloads_end_ = 0;  ///< of those in history_, behind the last that is not 0
   int count_ = 0;                   ///< samples since an interruption, modulo the factor
   std::vector<Angle> next_;         ///< [wheel]
   std::vector<std::uint8_t> lost_;  ///< [wheel] since the last sample that may be given

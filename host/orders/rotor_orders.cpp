@@ -105,11 +105,11 @@ void RotorOrders::take(const GridJoin::Row& row) {
   }
   const GridJoin::Sample& sample = row.sample.front();
   std::uint32_t overload = 0;
-  for (std::size_t c = 0; c < channel_.size(); ++c) {
+  for (std::size_t c = 0; sample.overload != 0 && c < channel_.size(); ++c)
     overload |= static_cast<std::uint32_t>(sample.overload >> channel_[c] & 1) << c;
+  for (std::size_t c = 0; c < channel_.size(); ++c)
     values_(static_cast<Eigen::Index>(c)) =
         node_.channel[channel_[c]].to_si(static_cast<double>((*sample.counts)[channel_[c]]));
-  }
   for (std::size_t k = 0; k < sharing_.size(); ++k) sharing_[k]->give_angle(row, fewer_, k);
   fewer_.add(values_, overload);
 }
