@@ -7,79 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "common/dsp/lanes.hpp"
-
 namespace roadbalance {
 namespace {
-
-constexpr int kBins = 8, kSegments = 8;  // of a tile and of a batch
-
-/// One tile: its pairs' sums, weighed by `before`, take up the segments that wait, each with its weight.
-struct Tile {
-  const double* lines;  ///< [segment][channel][re, im][bin], `row` from one segment to the next
-  double* sum;          ///< [pair][re, im][bin]
-  double before;
-  double weight[kSegments];  ///< 0 where none waits
-  std::size_t channels;
-  std::size_t row;
-};
-
-/// kLanes of the tile's bins, from `bin` on.
-template <int kLanes>
-[[gnu::always_inline]] inline void sum_up_bins(const Tile& tile, int bin) {
-  using Vector = typename Lanes<kLanes>::Vector;
-  const std::size_t row = tile.row;
-  double* sum = tile.sum + bin;
-  for (std::size_t a = 0; a < tile.channels; ++a) {
-    const double* const own = tile.lines + a * 2 * kBins + bin;
-    Vector re[kSegments], im[kSegments];
-#pragma GCC unroll 8
-    for (int s = 0; s < kSegments; ++s) {
-      std::memcpy(&re[s], own + static_cast<std::size_t>(s) * row, sizeof(Vector));
-      std::memcpy(&im[s], own + static_cast<std::size_t>(s) * row + kBins, sizeof(Vector));
-      re[s] *= tile.weight[s];
-      im[s] *= tile.weight[s];
-    }
-    const double* other = own;
-    for (std::size_t b = a; b < tile.channels; ++b, other += 2 * kBins, sum += 2 * kBins) {
-      // Two sums each, so that an addition need not wait for the one before it.
-      Vector real, imaginary, real2 = {}, imaginary2 = {};
-      std::memcpy(&real, sum, sizeof real);
-      std::memcpy(&imaginary, sum + kBins, sizeof imaginary);
-      real *= tile.before;
-      imaginary *= tile.before;
-#pragma GCC unroll 8
-      for (int s = 0; s < kSegments; ++s) {
-        Vector x, y;
-        std::memcpy(&x, other + static_cast<std::size_t>(s) * row, sizeof x);
-        std::memcpy(&y, other + static_cast<std::size_t>(s) * row + kBins, sizeof y);
-        real += re[s] * x;
-        real2 += im[s] * y;
-        imaginary += re[s] * y;
-        imaginary2 -= im[s] * x;
-      }
-      real += real2;
-      imaginary += imaginary2;
-      std::memcpy(sum, &real, sizeof real);
-      std::memcpy(sum + kBins, &imaginary, sizeof imaginary);
-    }
-  }
-}
-
-template <int kLanes>
-[[gnu::always_inline]] inline void sum_up_tile(const Tile& tile) {
-  for (int bin = 0; bin < kBins; bin += kLanes) sum_up_bins<kLanes>(tile, bin);
-}
-
-RB_AVX512 void sum_up_avx512(const Tile& tile) {
-  sum_up_tile<8>(tile);
-}
-RB_AVX2 void sum_up_avx2(const Tile& tile) {
-  sum_up_tile<4>(tile);
-}
-void sum_up_plain(const Tile& tile) {
-  sum_up_tile<2>(tile);
-}
 
 const CrossSpectra::Settings& checked(const CrossSpectra::Settings& settings) {
   const auto& welch = settings.welch;
@@ -113,23 +42,24 @@ CrossSpectra::CrossSpectra(const Settings& settings)
       enbw_hz_(equivalent_noise_bandwidth_bins(window_) * step_hz_),
       scale_(1.0 / (settings.welch.rate_hz *
                     std::inner_product(window_.begin(), window_.end(), window_.begin(), 0.0))),
-      history_(Eigen::MatrixXd::Zero(settings.welch.segment + kLane, settings.channels)),
+      history_(settings.channels, settings.welch.segment),
+      column_(static_cast<std::size_t>(settings.welch.segment) / kLane + 2),
+      columns_(static_cast<std::size_t>(std::min(kAtOnce, settings.channels)) * column_),
       segment_(static_cast<std::size_t>(tiles_) * static_cast<std::size_t>(settings.channels) * 2 + 1),
-      batch_(kBatch * segment_, Lane::Zero()),
-      sum_(static_cast<std::size_t>(tiles_) * static_cast<std::size_t>(pairs_) * 2, Lane::Zero()) {
+      batch_(kBatch * segment_),
+      sum_(static_cast<std::size_t>(tiles_) * static_cast<std::size_t>(pairs_) * 2) {
   for (auto k = static_cast<std::size_t>(hop_); k < window_.size(); k += static_cast<std::size_t>(hop_))
     overlap_.push_back(correlation(window_, k));
   recent_.resize(overlap_.size());
   lagged_.resize(overlap_.size() + 1);
   if (settings.hold_peaks)
-    peak_.assign(static_cast<std::size_t>(tiles_) * static_cast<std::size_t>(settings.channels),
-                 Lane::Zero());
+    peak_.resize(static_cast<std::size_t>(tiles_) * static_cast<std::size_t>(settings.channels));
 }
 
 std::size_t CrossSpectra::bytes(int channels, int segment) {
   const auto n = static_cast<std::size_t>(channels), samples = static_cast<std::size_t>(segment);
   const std::size_t bins = samples / 2 + kLane, pairs = n * (n + 1) / 2;
-  return sizeof(double) * (2 * bins * (pairs + kBatch * n) + samples * (n + 4));
+  return sizeof(double) * (2 * bins * (pairs + kBatch * n) + samples * (n + kAtOnce + 4));
 }
 
 void CrossSpectra::add(const Eigen::Ref<const Eigen::MatrixXd>& samples) {
@@ -138,7 +68,11 @@ void CrossSpectra::add(const Eigen::Ref<const Eigen::MatrixXd>& samples) {
                                 std::to_string(samples.rows()));
   for (Eigen::Index taken = 0; taken < samples.cols();) {
     const Eigen::Index n = std::min(samples.cols() - taken, fft_.size() - filled_);
-    history_.middleRows(filled_, n) = samples.middleCols(taken, n).transpose();
+    if (samples.outerStride() == samples.rows())
+      std::memcpy(history_.data() + filled_ * history_.rows(), samples.data() + taken * samples.rows(),
+                  static_cast<std::size_t>(n * samples.rows()) * sizeof(double));
+    else
+      history_.middleCols(filled_, n) = samples.middleCols(taken, n);
     filled_ += n;
     taken += n;
     if (filled_ == fft_.size()) add_segment();
@@ -146,31 +80,33 @@ void CrossSpectra::add(const Eigen::Ref<const Eigen::MatrixXd>& samples) {
 }
 
 void CrossSpectra::add_segment() {
-  const auto channels = static_cast<std::size_t>(settings_.channels);
-  const Eigen::Map<const Eigen::ArrayXd> taper(window_.data(), fft_.size());
-  for (std::size_t c = 0; c < channels; ++c) {
-    const auto samples = history_.col(static_cast<Eigen::Index>(c)).head(fft_.size()).array();
-    const double mean = settings_.remove_means ? samples.mean() : 0.0;
-    Eigen::Map<Eigen::ArrayXd>(fft_.input().data(), fft_.size()) = taper * (samples - mean);
-    const std::span<const std::complex<double>> lines = fft_.transform();
-    Lane* lane = &batch_[static_cast<std::size_t>(waiting_) * segment_ + 2 * c];
-    for (std::size_t first = 0; first < lines.size(); first += kLane, lane += 2 * channels) {
-      double* const re = lane[0].data();
-      double* const im = lane[1].data();
-      const std::size_t count = std::min<std::size_t>(kLane, lines.size() - first);
-      for (std::size_t k = 0; k < count; ++k) {
-        re[k] = lines[first + k].real();
-        im[k] = lines[first + k].imag();
-      }
+  const auto channels = static_cast<std::size_t>(settings_.channels),
+             samples = static_cast<std::size_t>(fft_.size());
+  Eigen::VectorXd mean = Eigen::VectorXd::Zero(settings_.channels);
+  if (settings_.remove_means) mean = history_.rowwise().mean();
+  for (std::size_t first = 0; first < channels; first += kAtOnce) {
+    const std::size_t end = std::min(channels, first + kAtOnce);
+    taper_columns({.in = history_.data(),
+                   .channels = channels,
+                   .first = first,
+                   .end = end,
+                   .window = window_.data(),
+                   .samples = samples,
+                   .mean = mean.data(),
+                   .out = columns_.front().of,
+                   .column = column_ * kLane});
+    for (std::size_t c = first; c < end; ++c) {
+      const auto lines = fft_.transform({columns_[(c - first) * column_].of, samples});
+      part_lines(lines.data(), lines.size(), &batch_[static_cast<std::size_t>(waiting_) * segment_ + 2 * c],
+                 2 * channels);
     }
   }
   ++averages_;
   ++waiting_;
   weigh_newest();
   const Eigen::Index kept = fft_.size() - hop_;
-  for (Eigen::Index c = 0; c < history_.cols(); ++c)
-    std::memmove(history_.col(c).data(), history_.col(c).data() + hop_,
-                 static_cast<std::size_t>(kept) * sizeof(double));
+  std::memmove(history_.data(), history_.data() + hop_ * history_.rows(),
+               static_cast<std::size_t>(kept) * channels * sizeof(double));
   filled_ = kept;
   if (waiting_ == kBatch) sum_up();
 }
@@ -194,14 +130,12 @@ void CrossSpectra::sum_up() const {
     weight[static_cast<std::size_t>(s)] = share;
     before *= 1.0 - share;
   }
-  static_assert(kLane == kBins && kBatch == kSegments && sizeof(Lane) == kBins * sizeof(double));
-  static const auto sum_up_by = for_this_processor(sum_up_avx512, sum_up_avx2, sum_up_plain);
   const auto channels = static_cast<std::size_t>(settings_.channels);
   for (int tile = 0; tile < tiles_; ++tile) {
     const Lane* const lines = &batch_[2 * static_cast<std::size_t>(tile) * channels];
-    Tile work{lines->data(), sum_[place(tile, 0, 0)].data(), before, {}, channels, segment_ * kLane};
+    TileSums work{lines, &sum_[place(tile, 0, 0)], before, {}, channels, segment_};
     std::copy(weight.begin(), weight.end(), work.weight);
-    sum_up_by(work);
+    sum_up_tile(work);
     if (settings_.hold_peaks) hold_peaks(tile, lines);
   }
   waiting_ = 0;
@@ -213,7 +147,8 @@ void CrossSpectra::hold_peaks(int tile, const Lane* lines) const {
     Lane& peak = peak_[static_cast<std::size_t>(tile) * channels + a];
     for (int s = 0; s < waiting_; ++s) {
       const Lane* const line = lines + static_cast<std::size_t>(s) * segment_ + 2 * a;
-      peak = peak.max(line[0].square() + line[1].square());
+      for (int k = 0; k < kLane; ++k)
+        peak.of[k] = std::max(peak.of[k], line[0].of[k] * line[0].of[k] + line[1].of[k] * line[1].of[k]);
     }
   }
 }
@@ -223,9 +158,9 @@ void CrossSpectra::reset() {
   waiting_ = averages_ = summed_ = 0;
   std::fill(recent_.begin(), recent_.end(), 0.0);
   std::fill(lagged_.begin(), lagged_.end(), 0.0);
-  std::fill(sum_.begin(), sum_.end(), Lane::Zero());
-  std::fill(peak_.begin(), peak_.end(), Lane::Zero());
-  std::fill(batch_.begin(), batch_.end(), Lane::Zero());  // what weighs nothing is added, too
+  std::fill(sum_.begin(), sum_.end(), Lane());
+  std::fill(peak_.begin(), peak_.end(), Lane());
+  std::fill(batch_.begin(), batch_.end(), Lane());  // what weighs nothing is added, too
 }
 
 /// The newest segment has its share, those before it what is left.
@@ -257,7 +192,7 @@ std::vector<std::complex<double>> CrossSpectra::density(int a, int b) const {
   std::vector<std::complex<double>> result(static_cast<std::size_t>(bins()));
   for (int k = 0; k < bins(); ++k) {
     const std::size_t at = place(k / kLane, std::min(a, b), std::max(a, b));
-    const std::complex<double> mean(sum_[at](k % kLane), sum_[at + 1](k % kLane));
+    const std::complex<double> mean(sum_[at].of[k % kLane], sum_[at + 1].of[k % kLane]);
     result[static_cast<std::size_t>(k)] = one_sided(k) * (a <= b ? mean : std::conj(mean));
   }
   return result;
@@ -276,7 +211,7 @@ Eigen::MatrixXcd CrossSpectra::matrix(int bin) const {
   for (int a = 0; a < settings_.channels; ++a)
     for (int b = a; b < settings_.channels; ++b) {
       const std::size_t at = place(bin / kLane, a, b);
-      G(a, b) = one_sided(bin) * std::complex<double>(sum_[at](bin % kLane), sum_[at + 1](bin % kLane));
+      G(a, b) = one_sided(bin) * std::complex<double>(sum_[at].of[bin % kLane], sum_[at + 1].of[bin % kLane]);
       G(b, a) = std::conj(G(a, b));
     }
   return G;
@@ -289,7 +224,7 @@ std::vector<double> CrossSpectra::peak_density(int a) const {
   for (int k = 0; k < bins(); ++k) {
     const auto at = static_cast<std::size_t>(k / kLane) * static_cast<std::size_t>(settings_.channels) +
                     static_cast<std::size_t>(a);
-    result[static_cast<std::size_t>(k)] = one_sided(k) * peak_[at](k % kLane);
+    result[static_cast<std::size_t>(k)] = one_sided(k) * peak_[at].of[k % kLane];
   }
   return result;
 }

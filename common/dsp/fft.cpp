@@ -62,7 +62,14 @@ std::span<double> RealFft::input() {
 }
 
 std::span<const std::complex<double>> RealFft::transform() {
-  fftw_execute(plan_->plan);
+  return transform(input());
+}
+
+std::span<const std::complex<double>> RealFft::transform(std::span<const double> in) {
+  assert(in.size() == static_cast<std::size_t>(size_));
+  auto* const samples = const_cast<double*>(in.data());  // FFTW leaves them as they are
+  assert(fftw_alignment_of(samples) == fftw_alignment_of(plan_->in));
+  fftw_execute_dft_r2c(plan_->plan, samples, plan_->out);
   // Both are two doubles, real and imaginary part, by the C++ standard and FFTW's manual.
   return {reinterpret_cast<const std::complex<double>*>(plan_->out), static_cast<std::size_t>(bins())};
 }

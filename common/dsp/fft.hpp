@@ -32,6 +32,8 @@ class RealFft {
   std::span<double> input();
   /// ... and the [bins] transform of them, valid until the next.
   std::span<const std::complex<double>> transform();
+  /// Of [size] samples that lie elsewhere, at the beginning of a line of the cache.
+  std::span<const std::complex<double>> transform(std::span<const double> in);
 
  private:
   struct Plan;

@@ -38,7 +38,12 @@ std::span<double> RealFft::input() {
 }
 
 std::span<const std::complex<double>> RealFft::transform() {
-  plan_->fft.fwd(plan_->out.data(), plan_->in.data(), size_);
+  return transform(input());
+}
+
+std::span<const std::complex<double>> RealFft::transform(std::span<const double> in) {
+  assert(in.size() == static_cast<std::size_t>(size_));
+  plan_->fft.fwd(plan_->out.data(), in.data(), size_);
   return plan_->out;
 }
 

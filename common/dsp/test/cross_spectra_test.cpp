@@ -277,9 +277,9 @@ TEST(TransferFunction, AHammeredStructureRingsWhereItsMeasurersFoundIt) {
 }
 
 TEST(CrossSpectra, TellsNoLessThanTheMemoryOfItsSumsAndWaitingSegments) {
-  // Complex numbers of 16 bytes: 24 channels have 300 pairs, and eight segments of each wait.
-  EXPECT_GE(CrossSpectra::bytes(24, 4096), 16U * 2049U * (300U + 8U * 24U));
-  EXPECT_LE(CrossSpectra::bytes(24, 4096), 16U * 2049U * (300U + 8U * 24U) * 11U / 10U);
+  // Complex numbers of 16 bytes: 24 channels have 300 pairs, and some segments of each wait.
+  EXPECT_GE(CrossSpectra::bytes(24, 4096), 16U * 2049U * (300U + kSegmentsOfBatch * 24U));
+  EXPECT_LE(CrossSpectra::bytes(24, 4096), 16U * 2049U * (300U + kSegmentsOfBatch * 24U) * 11U / 10U);
 }
 
 TEST(CrossSpectra, RefusesWhatMakesNoSense) {
