@@ -11,31 +11,49 @@ namespace {
 struct Step {
   int order;
   Eigen::Index channels;
-  const double *A, *b0, *b1, *x, *last, *u;  ///< A [order x order], x [channels x order], by columns
-  double* next;
+  const double *A, *b0, *b1, *x, *u;  ///< A [order x order], x [channels x order], by columns
+  double *last, *next;
 };
 
-/// Some vectors of channels from `first` on; kOrder 0: what the step says.
+// Vector by vector, so that each stays in a register.
+template <int kVectors, typename Vector>
+[[gnu::always_inline]] inline void load(Vector* values, const double* from) {
+#pragma GCC unroll 4
+  for (int v = 0; v < kVectors; ++v)
+    std::memcpy(&values[v], from + v * sizeof(Vector) / sizeof(double), sizeof(Vector));
+}
+template <int kVectors, typename Vector>
+[[gnu::always_inline]] inline void store(const Vector* values, double* to) {
+#pragma GCC unroll 4
+  for (int v = 0; v < kVectors; ++v)
+    std::memcpy(to + v * sizeof(Vector) / sizeof(double), &values[v], sizeof(Vector));
+}
+
+/// Some vectors of channels from `first` on.  Of an order that the compiler knows (0: what the step says)
+/// each state is read once.
 template <int kLanes, int kVectors, int kOrder>
 [[gnu::always_inline]] inline void advance_channels(const Step& s, Eigen::Index first) {
   using Vector = typename Lanes<kLanes>::Vector;
   const int order = kOrder > 0 ? kOrder : s.order;
-  Vector last[kVectors], u[kVectors];
-  std::memcpy(last, s.last + first, sizeof last);
-  std::memcpy(u, s.u + first, sizeof u);
+  Vector last[kVectors], u[kVectors], x[kOrder > 0 ? kOrder : 1][kVectors];
+  load<kVectors>(last, s.last + first);
+  load<kVectors>(u, s.u + first);
+#pragma GCC unroll 8
+  for (int j = 0; j < kOrder; ++j) load<kVectors>(x[j], s.x + first + j * s.channels);
+#pragma GCC unroll 8
   for (int i = 0; i < order; ++i) {
     Vector sum[kVectors];
 #pragma GCC unroll 4
     for (int v = 0; v < kVectors; ++v) sum[v] = s.b0[i] * last[v] + s.b1[i] * u[v];
 #pragma GCC unroll 8
     for (int j = 0; j < order; ++j) {
-      Vector x[kVectors];
-      std::memcpy(x, s.x + first + j * s.channels, sizeof x);
+      if (kOrder == 0) load<kVectors>(x[0], s.x + first + j * s.channels);
 #pragma GCC unroll 4
-      for (int v = 0; v < kVectors; ++v) sum[v] += s.A[i + j * order] * x[v];
+      for (int v = 0; v < kVectors; ++v) sum[v] += s.A[i + j * order] * x[kOrder > 0 ? j : 0][v];
     }
-    std::memcpy(s.next + first + i * s.channels, sum, sizeof sum);
+    store<kVectors>(sum, s.next + first + i * s.channels);
   }
+  store<kVectors>(u, s.last + first);
 }
 
 template <int kLanes, int kOrder>
@@ -80,9 +98,8 @@ const Eigen::ArrayXXd& StateFilter::update(const Eigen::Ref<const Eigen::ArrayXd
   static const auto advance_by = for_this_processor(advance_avx512, advance_avx2, advance_plain);
   assert(u.size() == x_.rows());
   advance_by({static_cast<int>(x_.cols()), x_.rows(), filter_.A.data(), filter_.b0.data(), filter_.b1.data(),
-              x_.data(), last_.data(), u.data(), next_.data()});
+              x_.data(), u.data(), last_.data(), next_.data()});
   x_.swap(next_);
-  last_ = u;
   return x_;
 }
 
