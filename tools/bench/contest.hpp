@@ -3,7 +3,9 @@
 #include <ctime>
 
 #include <algorithm>
+#include <cstdio>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <vector>
 
 namespace roadbalance::bench {
@@ -49,6 +51,18 @@ inline double ratio(const Contender& ours, const Contender& peer) {
   std::vector<double> each(ours.cpu_s.size());
   std::transform(ours.cpu_s.begin(), ours.cpu_s.end(), peer.cpu_s.begin(), each.begin(), std::divides<>());
   return median(each);
+}
+
+/// A row of the table of tools/bench/run: a line of JSON.
+/// @param ratio  ours over the peer's, where less is better; of speeds the other way round where more is
+/// asked
+inline void tell(const char* row, const char* unit, double ours, const char* peer, double peers,
+                 double ratio) {
+  std::puts(nlohmann::json{
+      {"row", row}, {"unit", unit}, {"ours", ours}, {"peer", peer}, {"peers", peers}, {"ratio", ratio}}
+                .dump()
+                .c_str());
+  std::fflush(stdout);
 }
 
 }  // namespace roadbalance::bench

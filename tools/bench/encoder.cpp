@@ -25,8 +25,8 @@ struct Ring {
   int teeth;
   double edges_hz, torsion_rad, jitter_s;
 };
-/// As fast as any wheel's teeth come; and a wheel speed sensor's at 100 km/h, without torsion, so that the angle
-/// is fitted to as long a stretch as ever.
+/// As fast as any wheel's teeth come; and a wheel speed sensor's at 100 km/h, without torsion, so that the
+/// angle is fitted to as long a stretch as ever.
 constexpr std::array<Ring, 2> kRing{Ring{1000, 20'000.0, 0.02, 2e-6}, Ring{96, 1250.0, 0.0, 5e-6}};
 
 std::vector<Edge> edges_of(const Ring& ring) {
@@ -68,6 +68,32 @@ void follow_live(benchmark::State& state) {
   report(state, start, edges.size());
 }
 BENCHMARK(follow_live)->Unit(benchmark::kMillisecond)->Arg(0)->Arg(1);
+
+/// The least that could be done: a straight line between the edges around each instant, nothing checked or
+/// learned.
+void interpolate_linearly(benchmark::State& state) {
+  const Ring& ring = kRing[static_cast<std::size_t>(state.range(0))];
+  const std::vector<Edge> edges = edges_of(ring);
+  const double pitch_rad = 2.0 * std::numbers::pi / ring.teeth;
+  const std::clock_t start = std::clock();
+  for (auto _ : state) {
+    std::array<double, kInstants> angle;
+    std::size_t next = 1;
+    for (double block_s = 0.0; block_s + 0.2 < kDrive_s; block_s += kBlock_s) {
+      for (std::size_t k = 0; k < angle.size(); ++k) {
+        const NodeTime at =
+            node_time_from_ns(std::llround(1e9 * block_s) + 250'000 * static_cast<std::int64_t>(k));
+        while (edges[next].time <= at) ++next;
+        const std::chrono::duration<double> since = at - edges[next - 1].time,
+                                            whole = edges[next].time - edges[next - 1].time;
+        angle[k] = pitch_rad * (static_cast<double>(next - 1) + since / whole);
+      }
+      benchmark::DoNotOptimize(angle);
+    }
+  }
+  report(state, start, edges.size());
+}
+BENCHMARK(interpolate_linearly)->Unit(benchmark::kMillisecond)->Arg(0)->Arg(1);
 
 /// The same edges again from the record.
 void follow_recorded(benchmark::State& state) {

@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <cstring>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -176,17 +175,6 @@ class BareLcm {
   int seen_ = 0;
 };
 
-void tell(const char* row, double ours_us, const char* peer, double peers_us, double ratio) {
-  std::puts(nlohmann::json{{"row", row},
-                           {"unit", "us/block"},
-                           {"ours", ours_us},
-                           {"peer", peer},
-                           {"peers", peers_us},
-                           {"ratio", ratio}}
-                .dump()
-                .c_str());
-}
-
 void run() {
   SealedBlock sealed;
   ScanBlock block = scans();
@@ -209,9 +197,10 @@ void run() {
   };
   compete(run);
   const auto us = [&](std::size_t i) { return 1e6 * median(run[i].cpu_s) / (kBurst * kBursts); };
-  tell("link, seal to delivery", us(0), "raw UDP, same datagrams", us(1), ratio(run[0], run[1]));
-  tell("link beside LCM", us(0), "LCM alone, same messages", us(2), ratio(run[0], run[2]));
-  tell("LCM alone", us(2), "raw UDP, same datagrams", us(1), ratio(run[2], run[1]));
+  const char* const unit = "us/block";
+  tell("link, seal to delivery", unit, us(0), "raw UDP, same datagrams", us(1), ratio(run[0], run[1]));
+  tell("link beside LCM", unit, us(0), "LCM alone, same messages", us(2), ratio(run[0], run[2]));
+  tell("LCM alone", unit, us(2), "raw UDP, same datagrams", us(1), ratio(run[2], run[1]));
 }
 
 }  // namespace

@@ -1,7 +1,5 @@
-#include <cstdio>
 #include <cstring>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <random>
 #include <string>
 #include <vector>
@@ -25,15 +23,6 @@ namespace {
 
 constexpr Eigen::Index kChannels = 16, kOrder = 5, kLags = 16, kSamples = 256;
 constexpr Eigen::Index kStates = kChannels * kOrder;
-
-/// @param ratio  ours over the peer's, where less is better; with `speed` the peer's over ours
-void tell(const char* row, const char* unit, double ours, const char* peer, double peers, double ratio) {
-  std::puts(nlohmann::json{
-      {"row", row}, {"unit", unit}, {"ours", ours}, {"peer", peer}, {"peers", peers}, {"ratio", ratio}}
-                .dump()
-                .c_str());
-  std::fflush(stdout);
-}
 
 /// 80 states of 16 channels with 16 channels at 16 lags, as a block of 256 samples brings them.
 void covariance() {

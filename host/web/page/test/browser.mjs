@@ -140,6 +140,21 @@ export const updatesPerSecond = (page) => page.evaluate(async () => {
   return most;
 });
 
+/** What the page's thread does for a picture of what is measured, in ms: of three seconds. */
+export async function frameCost_ms(page) {
+  const session = await page.context().newCDPSession(page);
+  await session.send("Performance.enable");
+  const look = async () => {
+    const {metrics} = await session.send("Performance.getMetrics");
+    return [metrics.find(({name}) => name === "TaskDuration").value, Number(await page.evaluate(() => document.body.dataset.drawn))];
+  };
+  const [busy_s, drawn] = await look();
+  await new Promise((done) => setTimeout(done, 3000));
+  const [later_s, more] = await look();
+  await session.detach();
+  return 1e3 * (later_s - busy_s) / (more - drawn);
+}
+
 /** Times in a second that the bars of each node's levels change, of the node where they do least: the most of a minute, as
     a machine may have else to do.  A bar is as high as its rms and changes with nothing else. */
 export const levelsPerSecond = (page) => page.evaluate(async () => {

@@ -1,0 +1,115 @@
+"""Drives that are recorded, and played again into recorder and analyser."""
+
+import functools
+import json
+import os
+import pathlib
+import subprocess
+import tempfile
+import time
+
+from row import BIN, ROOT
+from taken import QUIET, Taken, measured, taken
+
+
+def demo(seconds, car, *more):
+    told = subprocess.run(
+        [BIN / "rb", "demo", "--headless", "--json", "--seed", "1", "--drive-seconds", str(seconds), "--rate", "max",
+         "--vehicle", ROOT / car, *more], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, check=False)
+    if told.returncode not in (0, 1):  # 1: no wheel was identified, on a short drive
+        raise RuntimeError(f"rb demo ends with {told.returncode}")
+    return json.loads(told.stdout)
+
+
+def vehicle(nodes, rate_hz, channels=12):
+    """The car with three nodes, with more in the cabin or fewer; cabins of so many channels, from the first on."""
+    text = (ROOT / "sim/demo/vehicle-3-nodes.toml").read_text().replace("\nrate_hz = 2000", f"\nrate_hz = {rate_hz}")
+    front, rear, cabin = (part.rstrip() + "\n\n" for part in text.split("[[node]]\n")[1:])
+    named, *each = cabin.split("[[node.channel]]\n")
+    cabin = "[[node.channel]]\n".join([named, *each[:channels]])
+    cabins = [cabin.replace('name = "', f'name = "n{number}_').replace("id = 3", f"id = {number}")
+              for number in range(3, nodes + 1)]
+    return text.split("[[node]]\n")[0] + "".join("[[node]]\n" + node for node in [front, rear, *cabins])
+
+
+def cpu_so_far_s(running):
+    """Of all threads of a program that has not ended."""
+    threads = pathlib.Path(f"/proc/{running.pid}/task").glob("*/schedstat")
+    return 1e-9 * sum(int(thread.read_text().split()[0]) for thread in threads)
+
+
+class Drive:
+    """A recorded drive of nodes of 16 channels: accelerations, and references of two wheels."""
+
+    def __init__(self, folder, rate_hz, seconds, nodes=4, channels=12):
+        folder.mkdir()
+        self.folder, self.seconds, self.rate_hz = folder, seconds, rate_hz
+        self.nodes = ["front", "rear", *(f"n{number}_cabin" for number in range(3, nodes + 1))]
+        self.vehicle, self.record = folder / "vehicle.toml", folder / "drive"
+        self.vehicle.write_text(vehicle(nodes, rate_hz, channels))
+        demo(seconds, self.vehicle, "--record", self.record)
+        # A node that looked for its own part in that of all would read what no device ever gives it.
+        for name in self.nodes:
+            measured(BIN / "rb", "select", self.record, "-o", folder / name, "--nodes", name)
+
+    def url(self):
+        return f"udpm://239.255.76.67:{12_000 + os.getpid() % 20000}?ttl=0&recv_buf_size=4194304"
+
+    def node(self, name, rate):
+        return subprocess.Popen([BIN / "rb-node", "--url", self.url(), "--vehicle", self.vehicle, "--node", name,
+                                 "--front-end", f"replay:{self.folder / name}?rate={rate}"], **QUIET)
+
+    def recorder(self, into, *nodes):
+        return subprocess.Popen([BIN / "rb-recorder", "--url", self.url(), "--record", into, "--nodes", *nodes,
+                                 "--end-with-nodes"], **QUIET)
+
+    def chain(self, beside=lambda url: None):
+        """What every program takes: the nodes play the drive from their devices on, so that what the simulated car
+        takes is not in it, as fast as they go. `beside` is called before they start."""
+        with tempfile.TemporaryDirectory(dir=self.folder) as again:
+            analyser = subprocess.Popen([BIN / "rb-analyser", "--url", self.url(), "--record", again, "--exit-at-end"],
+                                        **QUIET)
+            recorder = self.recorder(again, *(str(number + 1) for number in range(len(self.nodes))))
+            beside(self.url())
+            time.sleep(0.5)
+            nodes = [self.node(name, "max") for name in self.nodes]
+            took = {"rb-node": functools.reduce(Taken.plus, map(taken, nodes)), "rb-recorder": taken(recorder),
+                    "rb-analyser": taken(analyser)}
+            if subprocess.run([BIN / "rb", "verify", again], **QUIET, check=False).returncode != 0:
+                raise RuntimeError("what was recorded is not complete")
+        return took
+
+    def one_node(self):
+        """CPU seconds a second of the node with two encoders, played at the speed of the drive, once it runs: from its
+        fifth second to its last but one."""
+        with tempfile.TemporaryDirectory(dir=self.folder) as again:
+            recorder = self.recorder(again, "1")
+            time.sleep(0.5)
+            node = self.node("front", "1")
+            time.sleep(5.0)
+            begin, before_s = time.monotonic(), cpu_so_far_s(node)
+            time.sleep(self.seconds - 7.0)
+            share = (cpu_so_far_s(node) - before_s) / (time.monotonic() - begin)
+            taken(node)
+            taken(recorder)
+        return share
+
+    def files(self):
+        return sorted(self.record.iterdir())
+
+    def forget(self):
+        """Takes the recording out of the page cache."""
+        for file in self.files():
+            descriptor = os.open(file, os.O_RDONLY)
+            os.fsync(descriptor)
+            os.posix_fadvise(descriptor, 0, 0, os.POSIX_FADV_DONTNEED)
+            os.close(descriptor)
+
+    def megabytes(self):
+        return 1e-6 * sum(file.stat().st_size for file in self.files())
+
+
+def least_of(rounds, drive):
+    """The least that each program took in some rounds: what else the machine does can only add to it."""
+    took = [drive.chain() for _ in range(rounds)]
+    return {name: Taken(*map(min, zip(*(one[name] for one in took)))) for name in took[0]}

@@ -1,0 +1,31 @@
+"""What a program takes of the machine."""
+
+import os
+import subprocess
+import time
+import typing
+
+QUIET = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+
+
+class Taken(typing.NamedTuple):
+    cpu_s: float
+    memory_mb: float  # at most
+    wall_s: float = 0.0
+
+    def plus(self, other):
+        return Taken(*map(sum, zip(self, other)))
+
+
+def taken(started):
+    """By a program that was started, once it has ended; 3 is the exit code of one that has found a loss."""
+    _, status, of = os.wait4(started.pid, 0)
+    started.returncode = os.waitstatus_to_exitcode(status)
+    if started.returncode not in (0, 3):
+        raise RuntimeError(f"{' '.join(map(str, started.args))} ends with {started.returncode}")
+    return Taken(of.ru_utime + of.ru_stime, 1.024e-3 * of.ru_maxrss)
+
+
+def measured(*command):
+    begin = time.monotonic()
+    return taken(subprocess.Popen(command, **QUIET))._replace(wall_s=time.monotonic() - begin)
