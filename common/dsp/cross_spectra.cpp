@@ -67,12 +67,13 @@ void CrossSpectra::add(const Eigen::Ref<const Eigen::MatrixXd>& samples) {
     throw std::invalid_argument("spectra of " + std::to_string(settings_.channels) + " channels got " +
                                 std::to_string(samples.rows()));
   for (Eigen::Index taken = 0; taken < samples.cols();) {
-    const Eigen::Index n = std::min(samples.cols() - taken, fft_.size() - filled_);
+    const Eigen::Index n = std::min({samples.cols() - taken, fft_.size() - filled_, history_.cols() - next_});
     if (samples.outerStride() == samples.rows())
-      std::memcpy(history_.data() + filled_ * history_.rows(), samples.data() + taken * samples.rows(),
+      std::memcpy(history_.col(next_).data(), samples.col(taken).data(),
                   static_cast<std::size_t>(n * samples.rows()) * sizeof(double));
     else
-      history_.middleCols(filled_, n) = samples.middleCols(taken, n);
+      history_.middleCols(next_, n) = samples.middleCols(taken, n);
+    next_ = (next_ + n) % history_.cols();
     filled_ += n;
     taken += n;
     if (filled_ == fft_.size()) add_segment();
@@ -82,19 +83,26 @@ void CrossSpectra::add(const Eigen::Ref<const Eigen::MatrixXd>& samples) {
 void CrossSpectra::add_segment() {
   const auto channels = static_cast<std::size_t>(settings_.channels),
              samples = static_cast<std::size_t>(fft_.size());
+  const std::size_t older = samples - static_cast<std::size_t>(next_);  // than where the ring begins
   Eigen::VectorXd mean = Eigen::VectorXd::Zero(settings_.channels);
   if (settings_.remove_means) mean = history_.rowwise().mean();
   for (std::size_t first = 0; first < channels; first += kAtOnce) {
     const std::size_t end = std::min(channels, first + kAtOnce);
-    taper_columns({.in = history_.data(),
-                   .channels = channels,
-                   .first = first,
-                   .end = end,
-                   .window = window_.data(),
-                   .samples = samples,
-                   .mean = mean.data(),
-                   .out = columns_.front().of,
-                   .column = column_ * kLane});
+    Tapering part{.in = history_.col(next_).data(),
+                  .channels = channels,
+                  .first = first,
+                  .end = end,
+                  .window = window_.data(),
+                  .samples = older,
+                  .mean = mean.data(),
+                  .out = columns_.front().of,
+                  .column = column_ * kLane};
+    taper_columns(part);
+    part.in = history_.data();
+    part.window += older;
+    part.samples = samples - older;
+    part.out += older;
+    taper_columns(part);
     for (std::size_t c = first; c < end; ++c) {
       const auto lines = fft_.transform({columns_[(c - first) * column_].of, samples});
       part_lines(lines.data(), lines.size(), &batch_[static_cast<std::size_t>(waiting_) * segment_ + 2 * c],
@@ -104,10 +112,7 @@ void CrossSpectra::add_segment() {
   ++averages_;
   ++waiting_;
   weigh_newest();
-  const Eigen::Index kept = fft_.size() - hop_;
-  std::memmove(history_.data(), history_.data() + hop_ * history_.rows(),
-               static_cast<std::size_t>(kept) * channels * sizeof(double));
-  filled_ = kept;
+  filled_ = fft_.size() - hop_;
   if (waiting_ == kBatch) sum_up();
 }
 

@@ -17,8 +17,8 @@ namespace roadbalance {
 ///
 /// G_ab is what SciPy calls csd(a, b); unit of a times unit of b per Hz.
 ///
-/// Segments wait until four are together: the sums of all pairs are larger than a near cache, and are then
-/// gone through once for four, which are not (of 16 channels and 4096 samples 4.5 MB and 2.1).
+/// Segments wait until eight are together: the sums of all pairs are far larger than a near cache (4.5 MB of 16
+/// channels and 4096 samples), and are then gone through once for eight.
 class CrossSpectra {
  public:
   struct Settings {
@@ -83,7 +83,8 @@ class CrossSpectra {
   Eigen::Index hop_;
   int tiles_, pairs_;
   double step_hz_, enbw_hz_, scale_;
-  Eigen::MatrixXd history_;  ///< [channel x sample] the segment that is being filled
+  Eigen::MatrixXd history_;  ///< [channel x sample] the segment that is being filled, a ring
+  Eigen::Index next_ = 0;    ///< column of the next sample
   /// Lanes from one channel to the next of those got ready, more than a segment has: a power of two apart
   /// they would all want the same lines of the cache.
   std::size_t column_;

@@ -6,7 +6,7 @@
 namespace roadbalance {
 
 inline constexpr int kBinsOfLane = 8;
-inline constexpr int kSegmentsOfBatch = 4;
+inline constexpr int kSegmentsOfBatch = 8;
 
 /// Bins side by side: a line of the cache, and where one begins; one that lies across two costs twice.
 struct alignas(64) BinLane {
