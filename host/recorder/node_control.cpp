@@ -27,6 +27,7 @@ void NodeControl::take(const Heartbeat& heartbeat) {
   node.state = heartbeat.state;
   node.owned = heartbeat.owner == incarnation_;
   node.obeyed = node.obeyed || node.owned;
+  node.heard_so = node.heard_so || node.owned;
   node.started = node.started || ends_previews_ || heartbeat.state != NodeState::kPreview;
   note_obeyed(heartbeat.owner);
 }
@@ -128,7 +129,7 @@ bool NodeControl::is_asking(WallTime now) const {
   return std::any_of(nodes_.begin(), nodes_.end(), [now](const auto& known) {
     const Node& node = known.second;
     const bool is_heard = node.seen != node.heard || now - node.heard_at <= kSilence;
-    return node.started && !node.obeyed && is_heard;
+    return node.started && !node.heard_so && is_heard;
   });
 }
 

@@ -43,8 +43,8 @@ class NodeControl {
   bool was_started(std::int32_t node, std::int64_t epoch) const;
   /// It has been heard to obey us at some time.
   bool has_obeyed(std::int32_t node, std::int64_t epoch) const;
-  /// A node that has been started is asked to obey, has not done so yet and is not silent: what it holds is
-  /// not known.
+  /// A node that has been started is asked to obey, has not been heard to do so yet and is not silent: what
+  /// it holds is not known.
   bool is_asking(WallTime now) const;
   /// It obeys us now, as far as is known.
   bool is_owned(std::int32_t node, std::int64_t epoch) const;
@@ -56,8 +56,9 @@ class NodeControl {
   struct Node {
     NodeState state = NodeState::kPreview;
     bool owned = false;
-    bool obeyed = false;   // was owned at some time
-    bool started = false;  // measures or has measured, a start is under way to it, or it is to end unstarted
+    bool obeyed = false;    // was owned at some time
+    bool heard_so = false;  // by a heartbeat, which tells what it holds, not only by an answer
+    bool started = false;   // measures or has measured, a start is under way to it, or it is to end unstarted
     Verb verb = Verb::kRelease;  // of the request below; release: none
     std::int64_t request = 0;
     WallTime sent_at{};

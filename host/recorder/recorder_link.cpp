@@ -124,11 +124,12 @@ void RecorderLink::finish(WallTime now) {
 
 void RecorderLink::farewell(const Publish& publish) {
   // A node that is released says no more whose samples it holds, and nobody would fetch them: one with
-  // something that is not on the disk keeps its owner's number, and is free for the next one when the lease
-  // is over.
+  // something that is not on the disk, or of which only answers have come, keeps its owner's number, and is
+  // free for the next one when the lease is over.
   for (const auto& command : control_.farewell()) {
     const NodeEpoch key{command.node, command.epoch};
-    if (!control_.was_started(key.first, key.second) || (has_ended(key) && !holds_blocks(key)))
+    if (!control_.was_started(key.first, key.second) ||
+        (heard_.contains(key) && has_ended(key) && !holds_blocks(key)))
       send(command, publish);
   }
 }

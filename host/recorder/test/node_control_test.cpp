@@ -134,6 +134,19 @@ TEST_F(NodeControlTest, StopsANodeWhoseStartMayBeUnderWay) {
   ASSERT_EQ(due(kStart + 200ms)->verb, Verb::kStop);
 }
 
+// An answer does not tell what it holds for the recorder before, which died.
+TEST(NodeControlOfARest, AsksANodeUntilItIsHeardToObey) {
+  NodeControl control{50, true, 1};
+  control.stop();
+  control.take(beat(NodeState::kStarted, 49));
+  const auto claim = control.due(kStart);
+  ASSERT_EQ(claim.size(), 1u);
+  control.take(Reply{claim[0].node, claim[0].epoch, claim[0].request});
+  EXPECT_TRUE(control.is_asking(kStart));
+  control.take(beat(NodeState::kStarted, 50));
+  EXPECT_FALSE(control.is_asking(kStart));
+}
+
 // Its start never came, and the recording that it was for is over: in a new epoch it can join the next one.
 TEST(NodeControlOfARest, StopsANodeInPreviewAndWaitsForItsEnd) {
   NodeControl control{50, false, 1, true};

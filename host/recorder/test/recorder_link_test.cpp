@@ -12,8 +12,7 @@ namespace {
 using std::chrono::milliseconds;
 constexpr std::int32_t kNode = 2;
 constexpr std::int64_t kEpoch = 8;
-constexpr std::int64_t kOurs = 50;
-constexpr std::int64_t kOther = 49;
+constexpr std::int64_t kOurs = 50, kOther = 49;
 
 class RecorderLinkTest : public ::testing::Test {
  protected:
@@ -62,6 +61,17 @@ class RecorderLinkTest : public ::testing::Test {
       });
     }
     return acks;
+  }
+
+  // Nodes, in the end.
+  int released() {
+    int count = 0;
+    link.farewell([&count](const std::string&, std::span<const std::uint8_t> bytes) {
+      const auto command = decode_command(bytes);
+      count += command && command->verb == Verb::kRelease ? 1 : 0;
+      return true;
+    });
+    return count;
   }
 
   RecorderLink link{{}, kOurs, {}};
@@ -246,17 +256,8 @@ TEST_F(RecorderLinkTest, ANodeHoldsItsLastBlocksUntilAHeartbeatFromBehindThem) {
   EXPECT_FALSE(link.report().node[0].holds_blocks);
 }
 
-// The disk failed over a stop: who finds the node later tells by its owner's number whose samples these are.
+// The disk failed over a stop: who finds the node later tells by its owner's number whose samples they are.
 TEST_F(RecorderLinkTest, ANodeIsReleasedOnlyWhenNothingItHoldsHangsOnIt) {
-  const auto released = [this] {
-    int count = 0;
-    link.farewell([&count](const std::string&, std::span<const std::uint8_t> bytes) {
-      const auto command = decode_command(bytes);
-      count += command && command->verb == Verb::kRelease ? 1 : 0;
-      return true;
-    });
-    return count;
-  };
   run(kOurs, 1, 3);
   send(1, 1);
   send_end(2);
@@ -266,6 +267,16 @@ TEST_F(RecorderLinkTest, ANodeIsReleasedOnlyWhenNothingItHoldsHangsOnIt) {
   EXPECT_EQ(released(), 0) << "it has not heard so";
   hear(kOurs, 3, 3);
   EXPECT_EQ(released(), 1);
+}
+
+// What it holds for the recorder before is not known by an answer.
+TEST_F(RecorderLinkTest, ANodeThatHasOnlyAnsweredIsNotReleased) {
+  hear(kOther, 1, 9);
+  link.turn(now, [this](const std::string&, std::span<const std::uint8_t> bytes) {
+    link.take(reply_channel(kNode), encode(Reply{kNode, kEpoch, decode_command(bytes)->request}), now);
+    return true;
+  });
+  EXPECT_EQ(released(), 0);
 }
 
 // Blocks of a node that somebody else ends are no reason to wait.
