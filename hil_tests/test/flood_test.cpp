@@ -44,7 +44,9 @@ TEST_F(Flood, TenThousandMalformedDatagramsASecondCostNoSample) {
   ASSERT_TRUE(memory_before && memory_after) << "the recorder is gone";
   const double growth_mib = static_cast<double>(*memory_after - *memory_before) / (1 << 20);
   std::printf("the recorder's memory grew by %.2f MiB\n", growth_mib);
+#if !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)  // which keep memory of their own
   EXPECT_LT(growth_mib, 1) << "of ten thousands of datagrams of 0.7 kB nothing is kept";
+#endif
   EXPECT_TRUE(bus.wait([&] { return bus.recorder() && bus.recorder()->refused_datagrams > 0; }))
       << "what was refused is not counted";
 
