@@ -28,6 +28,7 @@ void SpectrumMeter::add(const ScanBlock& block) {
   if (header.epoch != epoch_ || header.first_scan != next_scan_) {
     densities_.clear();
     filled_ = 0;
+    news_ = false;  // what has not been taken was of them
   }
   epoch_ = header.epoch;
   next_scan_ = header.first_scan + header.scans;

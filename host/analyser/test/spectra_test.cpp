@@ -94,5 +94,14 @@ TEST(SpectrumMeter, NeverAveragesAcrossAHole) {
   EXPECT_TRUE(meter.take().empty()) << "nothing new";
 }
 
+TEST(SpectrumMeter, TellsNothingOfASegmentThatWasNotTakenBeforeAHole) {
+  SpectrumMeter meter(node());
+  Source source;
+  for (int i = 0; i < 100; ++i) meter.add(source.next());
+  source.next();  // lost
+  meter.add(source.next());
+  EXPECT_TRUE(meter.take().empty());
+}
+
 }  // namespace
 }  // namespace roadbalance
