@@ -63,9 +63,10 @@ class Drive:
         return subprocess.Popen([BIN / "rb-recorder", "--url", self.url(), "--record", into, "--nodes", *nodes,
                                  "--end-with-nodes"], **QUIET)
 
-    def chain(self, beside=lambda url: None):
+    def chain(self, beside=lambda url: None, after=lambda record: None):
         """What every program takes: the nodes play the drive from their devices on, so that what the simulated car
-        takes is not in it, as fast as they go. `beside` is called before they start."""
+        takes is not in it, as fast as they go. `beside` is called before they start, `after` with what was
+        recorded, complete."""
         with tempfile.TemporaryDirectory(dir=self.folder) as again:
             analyser = subprocess.Popen([BIN / "rb-analyser", "--url", self.url(), "--record", again, "--exit-at-end"],
                                         **QUIET)
@@ -77,6 +78,7 @@ class Drive:
                     "rb-analyser": taken(analyser)}
             if subprocess.run([BIN / "rb", "verify", again], **QUIET, check=False).returncode != 0:
                 raise RuntimeError("what was recorded is not complete")
+            after(pathlib.Path(again))
         return took
 
     def one_node(self):

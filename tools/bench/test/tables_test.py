@@ -83,6 +83,11 @@ class Run(unittest.TestCase):
         rows = done.stdout.splitlines()[2:-1]
         self.assertEqual([row[:8] for row in rows], ["accept a", "encoder,", "encoder,"], done.stdout)
 
+    def test_says_that_no_row_has_the_name(self):
+        done = self.run_bench("--only", "nonsense")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("nonsense", done.stderr)
+
     def test_names_a_program_that_is_not_there(self):
         with tempfile.TemporaryDirectory() as folder:
             pathlib.Path(folder, "CMakeCache.txt").write_text("CMAKE_BUILD_TYPE:STRING=Release\n")
