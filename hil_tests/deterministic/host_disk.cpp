@@ -106,7 +106,8 @@ void HostMachine::make_whole() {
 // What the product's own check says of segments: the record is whole, so none may be said to be missing.
 void HostMachine::check_segments(const char* folder) {
   if (!is_folder(folder, disk_)) return;
-  for (const std::string& line : find_missing_segments(folder, read_manifest(folder, disk_), 0, disk_).lines)
+  for (const std::string& line :
+       find_missing_segments(folder, read_manifest(folder, disk_), deleted_through_, disk_).lines)
     truth_.fault("rb verify would say of the record of recorder " + std::to_string(number_) + ": " + line);
 }
 

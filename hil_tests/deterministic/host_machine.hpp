@@ -161,7 +161,8 @@ class HostMachine {
   bool died_ = false;
   bool full_ = false;
   double failing_ = 0;
-  int next_to_check_ = 1;  // segment
+  int next_to_check_ = 1;    // segment
+  int deleted_through_ = 0;  // by retention, as the notes say that were read
   std::int64_t elapsed_seen_ns_ = 0;
   std::int64_t utc_offset_us_ = 0;
   int boots_ = 0;

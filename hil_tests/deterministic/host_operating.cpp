@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -230,6 +231,7 @@ void HostMachine::check_recordings() {
     if (!begun_by_.contains(name)) truth_.fault("nobody began \"" + name + "\"");
     checked_ = name;
     next_to_check_ = 1;
+    deleted_through_ = 0;
     check_through(folder.c_str(), std::numeric_limits<int>::max());
     check_segments(folder.c_str());
   }
@@ -237,6 +239,8 @@ void HostMachine::check_recordings() {
 
 void HostMachine::take_notes(const std::string& recording, std::span<const std::uint8_t> bytes) {
   const auto note = decode_note(bytes);
+  if (note && note->kind == NoteKind::kSegmentDeleted)
+    deleted_through_ = std::max(deleted_through_, static_cast<int>(note->a));
   if (!note || note->kind != NoteKind::kMark) return;
   const auto [known, is_new] = marks_.try_emplace(note->text, FoundMark{recording, note->a});
   // Once more under the same number: nobody knew whether it was on the disk.
