@@ -15,18 +15,21 @@ struct Step {
   double *last, *next;
 };
 
+template <typename Vector>
+inline constexpr int kLanesOf = sizeof(Vector) / sizeof(double);
+
 // Vector by vector, so that each stays in a register.
 template <int kVectors, typename Vector>
 [[gnu::always_inline]] inline void load(Vector* values, const double* from) {
 #pragma GCC unroll 4
   for (int v = 0; v < kVectors; ++v)
-    std::memcpy(&values[v], from + v * sizeof(Vector) / sizeof(double), sizeof(Vector));
+    std::memcpy(&values[v], from + v * kLanesOf<Vector>, sizeof(Vector));
 }
 template <int kVectors, typename Vector>
 [[gnu::always_inline]] inline void store(const Vector* values, double* to) {
 #pragma GCC unroll 4
   for (int v = 0; v < kVectors; ++v)
-    std::memcpy(to + v * sizeof(Vector) / sizeof(double), &values[v], sizeof(Vector));
+    std::memcpy(to + v * kLanesOf<Vector>, &values[v], sizeof(Vector));
 }
 
 /// Some vectors of channels from `first` on.  Of an order that the compiler knows (0: what the step says)
