@@ -63,7 +63,8 @@ bool has_multicast_route() {
   throw std::runtime_error("cannot " + what + " LCM bus " + url + ": " + why);
 }
 
-// A caller with other duties gets control back after this many messages, however fast they come.
+// A caller with other duties gets control back after this many messages, however fast they come, and whether
+// or not somebody here wants them.
 constexpr int kMostPerCall = 4096;
 
 }  // namespace
@@ -119,6 +120,7 @@ struct Bus::State {
   std::vector<Subscription> subscriptions;
   std::optional<MessageSocket> socket;  ///< opened for the first subscription
   std::optional<ReadAhead> ahead;       ///< begun by the first handle()
+  bool listening = false;               ///< begun by the first handle()
   std::unique_ptr<MessageBatch> batch = std::make_unique<MessageBatch>();  ///< being handled
   OtherWire other_wire;
 
@@ -137,8 +139,18 @@ struct Bus::State {
     return wanted;
   }
 
+  /// Once for all: each filter counts towards what a socket may hold (net.core.optmem_max) until the one that
+  /// takes its place is attached.
+  void hear_only_subscribed() {
+    std::vector<Channels> all;
+    for (const Subscription& one : subscriptions)
+      if (std::find(all.begin(), all.end(), one.channels) == all.end()) all.push_back(one.channels);
+    socket->hear_only(all);
+  }
+
   /// Fills the batch, all of which has been handled, with what comes within `timeout`; false if nothing did.
   bool receive(std::chrono::milliseconds timeout) {
+    if (!std::exchange(listening, true) && !options.hears_all) hear_only_subscribed();
     if (options.ahead_bytes > 0) {
       if (!ahead) ahead.emplace(*socket, options.ahead_bytes);
       return ahead->swap(batch, timeout);
@@ -159,18 +171,15 @@ Bus::Bus(const std::string& url, const Options& options) : state_(std::make_uniq
 Bus::~Bus() = default;
 
 void Bus::subscribe(const std::string& pattern, Handler handler) {
-  state_->subscriptions.push_back({Channels(pattern), std::move(handler)});
+  const Channels channels(pattern);
   const auto address = bus_address(state_->url);
   if (!address) throw_no_bus(state_->url, "subscribe to " + pattern + " on", 0);
   try {
     if (!state_->socket) state_->socket.emplace(*address);
-    if (state_->options.hears_all) return;
-    std::vector<Channels> all;
-    for (const auto& one : state_->subscriptions) all.push_back(one.channels);
-    state_->socket->hear_only(all);
   } catch (const std::system_error& error) {
     throw_no_bus(state_->url, "subscribe to " + pattern + " on", error.code().value());
   }
+  state_->subscriptions.push_back({channels, std::move(handler)});
 }
 
 bool Bus::publish(const std::string& channel, std::span<const std::uint8_t> bytes) {
@@ -197,9 +206,10 @@ int Bus::handle(std::chrono::milliseconds timeout) {
     return 0;
   }
   const auto end = steady_clock::now() + timeout;
-  int handled = 0;
-  for (bool more = true; handled < kMostPerCall;) {
+  int handled = 0, taken = 0;
+  for (bool more = true; taken < kMostPerCall;) {
     if (!state_->batch->empty()) {
+      ++taken;
       handled += state_->hand_on(state_->batch->take()) ? 1 : 0;
       continue;
     }

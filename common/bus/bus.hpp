@@ -65,7 +65,8 @@ class Bus {
 
   /// All subscriptions come before the first handle().
   /// @param pattern  a channel's name, or the beginning of names with ".*" behind it
-  /// @throws std::runtime_error naming the URL, e.g. if another program has the port for itself
+  /// @throws std::invalid_argument naming a pattern that is neither, std::runtime_error naming the URL, e.g.
+  ///         if another program has the port for itself
   void subscribe(const std::string& pattern, Handler handler);
 
   /// False if the datagram could not be sent; nobody learns whether it arrived.

@@ -103,8 +103,9 @@ void MessageSocket::hear_only(std::span<const Channels> channels) {
   std::vector<sock_filter> program;
   for (const Channels& some : channels) pass_if(some.first_bytes(), kUdpHeader + kShortHeader, program);
   program.push_back(BPF_STMT(BPF_RET | BPF_K, 0));
+  if (program.size() > BPF_MAXINSNS) return;
   const sock_fprog code{static_cast<unsigned short>(program.size()), program.data()};
-  if (::setsockopt(socket_, SOL_SOCKET, SO_ATTACH_FILTER, &code, sizeof code) != 0)
+  if (::setsockopt(socket_, SOL_SOCKET, SO_ATTACH_FILTER, &code, sizeof code) != 0 && errno != ENOMEM)
     throw_errno("attach a filter to the bus's socket");
 }
 

@@ -23,6 +23,7 @@ class Channels {
   /// @throws std::invalid_argument naming what is neither
   explicit Channels(const std::string& pattern);
 
+  bool operator==(const Channels&) const = default;
   bool has(std::string_view channel) const {
     return beginning_ ? channel.starts_with(text_) : channel == text_;
   }
@@ -83,7 +84,8 @@ class MessageSocket {
   MessageSocket& operator=(const MessageSocket&) = delete;
 
   /// Leaves messages on other channels in the kernel, where they cost a tenth: a node need not wake up for
-  /// each block of all others.  Counts them as dropped().
+  /// each block of all others.  Counts them as dropped().  Where the filter is too long for the kernel, all
+  /// is left to the reader.
   /// @throws std::system_error
   void hear_only(std::span<const Channels> channels);
 
