@@ -12,13 +12,18 @@ namespace roadbalance {
 ///
 /// The recorder writes every node epoch in ascending sequence; after a restart it may write some blocks
 /// again. A number that is passed over is damage, unless a gap of cause kLostAtNode, which bears the number
-/// of the last lost block, stands for it; it is counted, and what follows is as good as ever.
+/// of the last lost block, stands for it; it is counted, and what follows is as good as ever.  Who hears the
+/// bus begins in the midst of an epoch: what was before the first block he heard is not missing.
 class InSequence {
  public:
+  enum class From { kItsBegin, kFirstHeard };
+  explicit InSequence(From from = From::kItsBegin) : from_(from) {}
+
   /// Calls consume(block) unless it was there before.
   template <typename Consume>
   void add(const SealedBlock& block, Consume&& consume) {
-    std::int64_t& last = last_[{block.header.node, block.header.epoch}];
+    const std::int64_t before = from_ == From::kItsBegin ? 0 : block.header.sequence - 1;
+    std::int64_t& last = last_.try_emplace({block.header.node, block.header.epoch}, before).first->second;
     if (block.header.sequence <= last) return;
     const bool declared = block.kind == BlockKind::kGap && stands_for_lost_blocks(decode_gap(block).cause);
     if (!declared) missing_ += block.header.sequence - last - 1;
@@ -30,6 +35,7 @@ class InSequence {
   std::int64_t missing() const { return missing_; }
 
  private:
+  From from_;
   std::map<std::pair<std::int32_t, std::int64_t>, std::int64_t> last_;
   std::int64_t missing_ = 0;
 };

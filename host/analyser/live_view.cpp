@@ -19,6 +19,7 @@
 #include "host/analyser/channel_watch.hpp"
 #include "host/analyser/chosen_vehicle.hpp"
 #include "host/analyser/envelopes.hpp"
+#include "host/analyser/in_sequence.hpp"
 #include "host/analyser/knocks.hpp"
 #include "host/analyser/levels.hpp"
 #include "host/analyser/sample_beat.hpp"
@@ -58,22 +59,7 @@ struct NodeView {
   EnvelopeMeter envelopes;
   KnockMeter knocks;
   SampleBeat level_beat{kLevel_s}, spectrum_beat{kSpectrum_s};
-  std::int64_t epoch = 0;
-  std::int64_t last_sequence = 0;
-  std::int64_t skipped = 0;
-
-  /// True if the block is new to this view; counts those that were not seen.
-  bool admit(const BlockHeader& header) {
-    if (header.sequence == 0) return true;  // preview
-    if (header.epoch != epoch) {
-      epoch = header.epoch;
-      last_sequence = header.sequence - 1;  // what was before this view began was not skipped
-    }
-    if (header.sequence <= last_sequence) return false;  // repaired for the recorder
-    skipped += header.sequence - last_sequence - 1;
-    last_sequence = header.sequence;
-    return true;
-  }
+  InSequence sequence{InSequence::From::kFirstHeard};
 };
 
 class LiveView {
@@ -124,7 +110,7 @@ class LiveView {
   void publish_level(NodeView& node) {
     auto level = node.levels.take();
     if (!level) return;
-    level->skipped = node.skipped;
+    level->skipped = node.sequence.missing();
     watch_.judge(*level);
     bus_.publish(kLevelChannel, encode(*level));
   }
@@ -160,22 +146,28 @@ class LiveView {
   void add(std::span<const std::uint8_t> bytes) {
     if (accept(bytes, *block_) != Refusal::kNone) return;
     const auto node = nodes_.find(block_->header.node);
-    if (node == nodes_.end() || !node->second.admit(block_->header) || block_->kind != BlockKind::kScan)
-      return;
-    const ScanBlock scans = decode_scan(*block_);
-    node->second.levels.add(scans);
-    node->second.spectra.add(scans);
+    if (node == nodes_.end()) return;
+    if (block_->header.sequence == 0)
+      show(node->second, *block_);
+    else  // once, though it comes again for the recorder
+      node->second.sequence.add(*block_, [&](const SealedBlock& block) { show(node->second, block); });
+  }
+
+  void show(NodeView& node, const SealedBlock& block) {
+    if (block.kind != BlockKind::kScan) return;
+    const ScanBlock scans = decode_scan(block);
+    node.levels.add(scans);
+    node.spectra.add(scans);
     const WallTime now = WallClock::now();
-    if (node->second.level_beat.due(scans, now)) publish_level(node->second);
-    if (node->second.spectrum_beat.due(scans, now))
-      for (const SpectrumPart& part : node->second.spectra.take())
-        bus_.publish(kSpectrumChannel, encode(part));
-    if (const auto knock = node->second.knocks.add(scans)) bus_.publish(kKnockChannel, encode(*knock));
-    if (block_->header.sequence == 0) return;  // a preview skips
-    node->second.envelopes.add(scans);
-    transfers_.consume(*block_);
-    spectra_.consume(*block_);
-    waterfalls_.consume(*block_);
+    if (node.level_beat.due(scans, now)) publish_level(node);
+    if (node.spectrum_beat.due(scans, now))
+      for (const SpectrumPart& part : node.spectra.take()) bus_.publish(kSpectrumChannel, encode(part));
+    if (const auto knock = node.knocks.add(scans)) bus_.publish(kKnockChannel, encode(*knock));
+    if (block.header.sequence == 0) return;  // a preview skips
+    node.envelopes.add(scans);
+    transfers_.consume(block);
+    spectra_.consume(block);
+    waterfalls_.consume(block);
   }
 
   static constexpr std::chrono::seconds kForgotten{3};

@@ -24,7 +24,9 @@ namespace {
 class Listener {
  public:
   Listener(const LiveTwinOptions& options, const VehicleConfig& vehicle)
-      : options_(options), bus_(options.url), twin_(vehicle, [this](const TwinSecond& s) { tell(s); }) {
+      : options_(options),
+        bus_(options.url, {.ahead_bytes = kAhead}),
+        twin_(vehicle, [this](const TwinSecond& s) { tell(s); }) {
     now_.vehicle = vehicle;
     now_.channels = twin_.channels();
     now_.seconds.assign(now_.channels.channel.size(), 0);
@@ -51,6 +53,11 @@ class Listener {
       if (!why.empty()) std::fprintf(stderr, "rb twin: %s\n", why.c_str());
       said_ = why;
     }
+    if (const auto missing = sequence_.missing(); missing > missed_) {
+      std::fprintf(stderr, "rb twin: %lld blocks have not come by themselves\n",
+                   static_cast<long long>(missing - missed_));
+      missed_ = missing;
+    }
   }
 
   bool told_any() const {
@@ -76,10 +83,14 @@ class Listener {
     }
   }
 
+  /// A drive that is played faster than it can be predicted waits: some seconds of four nodes at 10 kHz.
+  static constexpr std::size_t kAhead = 64 << 20;
+
   const LiveTwinOptions& options_;
   Bus bus_;
   Screen screen_;
-  InSequence sequence_;
+  InSequence sequence_{InSequence::From::kFirstHeard};
+  std::int64_t missed_ = 0;
   RecordedTwin now_{};
   LiveTwin twin_;
   std::string said_;

@@ -55,6 +55,14 @@ TEST(InSequence, AGapOfLostBlocksStandsForThemAll) {
   EXPECT_EQ(in_sequence.missing(), 0);
 }
 
+TEST(InSequence, WhatWasBeforeTheFirstHeardIsNotMissing) {
+  InSequence in_sequence(InSequence::From::kFirstHeard);
+  const auto seen = seen_of(in_sequence, {block(1, 7, 500), block(1, 7, 499), block(1, 7, 503),
+                                          block(1, 8, 20), block(2, 7, 9), block(2, 7, 10)});
+  EXPECT_EQ(seen, (std::vector<std::int64_t>{500, 503, 20, 9, 10}));
+  EXPECT_EQ(in_sequence.missing(), 2);
+}
+
 TEST(DurableGate, LetsThroughWhatIsAcknowledgedAsDurableAndNoMore) {
   const WallTime begin{};
   DurableGate gate;
