@@ -32,6 +32,7 @@ BusWatch::BusWatch(const std::string& url) : bus_(url) {
     if (const auto compensation = decode_compensation(bytes))
       results_[{std::string(channel), compensation->wheel}].assign(bytes.begin(), bytes.end());
   });
+  bus_.handle(milliseconds(0));  // from here on samples take no room, however long nobody listens
 }
 
 bool BusWatch::wait(const std::function<bool()>& condition, double seconds) {

@@ -63,7 +63,7 @@ class Bus {
   Bus(const Bus&) = delete;
   Bus& operator=(const Bus&) = delete;
 
-  /// All subscriptions come before the first handle().
+  /// All subscriptions come before the first handle(), from which on only what they ask for takes room.
   /// @param pattern  a channel's name, or the beginning of names with ".*" behind it
   /// @throws std::invalid_argument naming a pattern that is neither, std::runtime_error naming the URL, e.g.
   ///         if another program has the port for itself
