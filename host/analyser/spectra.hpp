@@ -13,8 +13,8 @@
 namespace roadbalance {
 
 /// Welch spectra of one node's accelerations over the last seconds, for display: the mean of the newest
-/// segments, each of which is transformed once.  They end at multiples of half their length, counted from the
-/// epoch's first scan.
+/// segments, each of which is transformed once.  They begin at multiples of half their length, rounded down,
+/// counted from the epoch's first scan.
 class SpectrumMeter {
  public:
   static constexpr double kSegment_s = 2.0;   ///< lines lie half a hertz apart
