@@ -1,5 +1,6 @@
 """Drives that are recorded, and played again into recorder and analyser."""
 
+import contextlib
 import functools
 import json
 import os
@@ -9,7 +10,7 @@ import tempfile
 import time
 
 from row import BIN, ROOT
-from taken import QUIET, Taken, measured, taken
+from taken import QUIET, Taken, measured, running, taken
 
 
 def demo(seconds, car, *more):
@@ -56,24 +57,22 @@ class Drive:
         return f"udpm://239.255.76.67:{12_000 + os.getpid() % 20000}?ttl=0&recv_buf_size=4194304"
 
     def node(self, name, rate):
-        return subprocess.Popen([BIN / "rb-node", "--url", self.url(), "--vehicle", self.vehicle, "--node", name,
-                                 "--front-end", f"replay:{self.folder / name}?rate={rate}"], **QUIET)
+        return running(BIN / "rb-node", "--url", self.url(), "--vehicle", self.vehicle, "--node", name, "--front-end",
+                       f"replay:{self.folder / name}?rate={rate}")
 
     def recorder(self, into, *nodes):
-        return subprocess.Popen([BIN / "rb-recorder", "--url", self.url(), "--record", into, "--nodes", *nodes,
-                                 "--end-with-nodes"], **QUIET)
+        return running(BIN / "rb-recorder", "--url", self.url(), "--record", into, "--nodes", *nodes, "--end-with-nodes")
 
-    def chain(self, beside=lambda url: None, after=lambda record: None):
+    def chain(self, after=lambda record: None):
         """What every program takes: the nodes play the drive from their devices on, so that what the simulated car
-        takes is not in it, as fast as they go. `beside` is called before they start, `after` with what was
-        recorded, complete."""
-        with tempfile.TemporaryDirectory(dir=self.folder) as again:
-            analyser = subprocess.Popen([BIN / "rb-analyser", "--url", self.url(), "--record", again, "--exit-at-end"],
-                                        **QUIET)
-            recorder = self.recorder(again, *(str(number + 1) for number in range(len(self.nodes))))
-            beside(self.url())
+        takes is not in it, as fast as they go. `after` is called with what was recorded, complete."""
+        with tempfile.TemporaryDirectory(dir=self.folder) as again, contextlib.ExitStack() as programs:
+            analyser = programs.enter_context(
+                running(BIN / "rb-analyser", "--url", self.url(), "--record", again, "--exit-at-end"))
+            recorder = programs.enter_context(
+                self.recorder(again, *(str(number + 1) for number in range(len(self.nodes)))))
             time.sleep(0.5)
-            nodes = [self.node(name, "max") for name in self.nodes]
+            nodes = [programs.enter_context(self.node(name, "max")) for name in self.nodes]
             took = {"rb-node": functools.reduce(Taken.plus, map(taken, nodes)), "rb-recorder": taken(recorder),
                     "rb-analyser": taken(analyser)}
             if subprocess.run([BIN / "rb", "verify", again], **QUIET, check=False).returncode != 0:
@@ -84,16 +83,15 @@ class Drive:
     def one_node(self):
         """CPU seconds a second of the node with two encoders, played at the speed of the drive, once it runs: from its
         fifth second to its last but one."""
-        with tempfile.TemporaryDirectory(dir=self.folder) as again:
-            recorder = self.recorder(again, "1")
+        with tempfile.TemporaryDirectory(dir=self.folder) as again, self.recorder(again, "1") as recorder:
             time.sleep(0.5)
-            node = self.node("front", "1")
-            time.sleep(5.0)
-            begin, before_s = time.monotonic(), cpu_so_far_s(node)
-            time.sleep(self.seconds - 7.0)
-            share = (cpu_so_far_s(node) - before_s) / (time.monotonic() - begin)
-            taken(node)
-            taken(recorder)
+            with self.node("front", "1") as node:
+                time.sleep(5.0)
+                begin, before_s = time.monotonic(), cpu_so_far_s(node)
+                time.sleep(self.seconds - 7.0)
+                share = (cpu_so_far_s(node) - before_s) / (time.monotonic() - begin)
+                taken(node)
+                taken(recorder)
         return share
 
     def files(self):
@@ -112,6 +110,8 @@ class Drive:
 
 
 def least_of(rounds, drive):
-    """The least that each program took in some rounds: what else the machine does can only add to it."""
+    """The least time that each program took in some rounds: what else the machine does can only add to it; and the
+    most memory."""
     took = [drive.chain() for _ in range(rounds)]
-    return {name: Taken(*map(min, zip(*(one[name] for one in took)))) for name in took[0]}
+    return {name: Taken(min(one[name].cpu_s for one in took), max(one[name].memory_mb for one in took))
+            for name in took[0]}

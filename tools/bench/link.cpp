@@ -4,6 +4,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <array>
 #include <cstdio>
 #include <cstring>
 #include <memory>
@@ -17,6 +18,7 @@
 #include "common/bus/process_port.hpp"
 #include "common/link/receiver.hpp"
 #include "common/link/sender.hpp"
+#include "tools/bench/blocks.hpp"
 #include "tools/bench/contest.hpp"
 
 // The loss-free link from a sealed block to one that the recorder may write, beside the same datagrams over
@@ -27,17 +29,8 @@ namespace roadbalance::bench {
 namespace {
 
 using namespace std::chrono_literals;
-constexpr int kBurst = 32, kBursts = 16;  // blocks, and bursts a call
+constexpr int kMostBurst = 32, kBlocks = 512;  // at once, and a call
 constexpr std::int64_t kEpoch = 9, kOwner = 1;
-
-ScanBlock scans() {
-  ScanBlock block;
-  for (std::size_t row = 0; row < block.counts.size(); ++row)
-    for (std::size_t c = 0; c < block.counts[row].size(); ++c)
-      block.counts[row][c] = static_cast<std::int32_t>(7919 * row + 104'729 * c);
-  block.period_ps = 500'000'000;
-  return block;
-}
 
 /// Node and recorder, each with its own place on the bus.
 class Link {
@@ -54,8 +47,8 @@ class Link {
     acknowledge();
   }
 
-  void burst() {
-    for (int k = 0; k < kBurst; ++k) {
+  void burst(int blocks) {
+    for (int k = 0; k < blocks; ++k) {
       block_.header = {.node = 1,
                        .epoch = kEpoch,
                        .sequence = ring_.next(),
@@ -69,7 +62,7 @@ class Link {
     beat();
     for (const std::int64_t sequence : sender_.due(now_))
       if (const SealedBlock* block = backlog_.get(sequence)) node_.publish(channel_, block->bytes());
-    while (delivered_.size() < kBurst)
+    while (delivered_.size() < static_cast<std::size_t>(blocks))
       if (recorder_.handle(1s) == 0) throw std::runtime_error("a block was lost on loopback");
     receiver_.durable(1, kEpoch, ring_.next() - 1);
     delivered_.clear();
@@ -106,10 +99,15 @@ class Link {
   int acked_ = 0;
 };
 
-/// Multicast on loopback and back, a burst at a time.
+/// Multicast on loopback and back, a burst at a time, as many by one call as there are.
 class BareUdp {
  public:
-  explicit BareUdp(std::size_t bytes) : datagram_(bytes) {
+  explicit BareUdp(std::size_t bytes) : datagram_(bytes), room_(kMostBurst, datagram_) {
+    for (std::size_t k = 0; k < kMostBurst; ++k) {
+      places_[k] = {room_[k].data(), bytes};
+      headers_[k].msg_hdr.msg_iov = &places_[k];
+      headers_[k].msg_hdr.msg_iovlen = 1;
+    }
     const int reuse = 1, room = 4 << 20;
     ::setsockopt(in_, SOL_SOCKET, SO_REUSEADDR, &reuse, sizeof reuse);
     ::setsockopt(in_, SOL_SOCKET, SO_RCVBUF, &room, sizeof room);
@@ -131,19 +129,25 @@ class BareUdp {
   BareUdp(const BareUdp&) = delete;
   BareUdp& operator=(const BareUdp&) = delete;
 
-  void burst() {
+  void burst(int blocks) {
     const auto size = static_cast<ssize_t>(datagram_.size());
-    for (int k = 0; k < kBurst; ++k)
+    for (int k = 0; k < blocks; ++k)
       if (::sendto(out_, datagram_.data(), datagram_.size(), 0, reinterpret_cast<const sockaddr*>(&group_),
                    sizeof group_) != size)
         throw std::runtime_error("a bare datagram was not sent");
-    for (int k = 0; k < kBurst; ++k)
-      if (::recv(in_, datagram_.data(), datagram_.size(), 0) != size)
-        throw std::runtime_error("a bare datagram did not come");
+    for (int k = 0; k < blocks;) {
+      const int came =
+          ::recvmmsg(in_, headers_.data(), static_cast<unsigned>(blocks - k), MSG_WAITFORONE, nullptr);
+      if (came <= 0) throw std::runtime_error("a bare datagram did not come");
+      k += came;
+    }
   }
 
  private:
   std::vector<std::uint8_t> datagram_;
+  std::vector<std::vector<std::uint8_t>> room_;
+  std::array<iovec, kMostBurst> places_{};
+  std::array<mmsghdr, kMostBurst> headers_{};
   sockaddr_in group_{};
   int in_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0),
       out_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
@@ -160,10 +164,10 @@ class BareLcm {
     if (!all) throw std::runtime_error("LCM does not subscribe");
     lcm_subscription_set_queue_capacity(all, 0);
   }
-  void burst() {
-    for (int k = 0; k < kBurst; ++k)
+  void burst(int blocks) {
+    for (int k = 0; k < blocks; ++k)
       lcm_publish(out_.get(), "BLOCK", message_.data(), static_cast<unsigned>(message_.size()));
-    for (seen_ = 0; seen_ < kBurst;)
+    for (seen_ = 0; seen_ < blocks;)
       if (lcm_handle_timeout(in_.get(), 1000) <= 0) throw std::runtime_error("a bare message did not come");
   }
 
@@ -185,22 +189,22 @@ void run() {
   BareUdp bare(sealed.bytes().size() + 8 + block_channel(1, BlockKind::kScan).size() + 1);
   BareLcm lcm(sealed.bytes().size());
   Link link;
-  std::vector<Contender> run(3);
-  run[0].work = [&] {
-    for (int k = 0; k < kBursts; ++k) link.burst();
+  const auto work = [](auto& of, int blocks) {
+    return Contender{.work = [&of, blocks] {
+      for (int done = 0; done < kBlocks; done += blocks) of.burst(blocks);
+    }};
   };
-  run[1].work = [&] {
-    for (int k = 0; k < kBursts; ++k) bare.burst();
-  };
-  run[2].work = [&] {
-    for (int k = 0; k < kBursts; ++k) lcm.burst();
-  };
+  std::vector<Contender> run{work(link, kMostBurst), work(bare, kMostBurst), work(lcm, kMostBurst),
+                             work(link, 1), work(bare, 1)};
   compete(run);
-  const auto us = [&](std::size_t i) { return 1e6 * median(run[i].cpu_s) / (kBurst * kBursts); };
-  const char* const unit = "us/block";
-  tell("link, seal to delivery", unit, us(0), "raw UDP, same datagrams", us(1), ratio(run[0], run[1]));
-  tell("link beside LCM", unit, us(0), "LCM alone, same messages", us(2), ratio(run[0], run[2]));
-  tell("LCM alone", unit, us(2), "raw UDP, same datagrams", us(1), ratio(run[2], run[1]));
+  const auto row = [&](const char* name, std::size_t ours, const char* peer, std::size_t peers) {
+    const auto us = [&](std::size_t i) { return 1e6 * median(run[i].cpu_s) / kBlocks; };
+    tell(name, "us/block", us(ours), peer, us(peers), ratio(run[ours], run[peers]));
+  };
+  row("link, seal to delivery", 0, "raw UDP, same datagrams", 1);
+  row("link, acknowledged block by block", 3, "raw UDP, one at a time", 4);
+  row("link beside LCM", 0, "LCM alone, same messages", 2);
+  row("LCM alone", 2, "raw UDP, same datagrams", 1);
 }
 
 }  // namespace

@@ -4,20 +4,12 @@ import json
 import os
 import pathlib
 import struct
-import subprocess
 import tempfile
-import time
 
 import export_rows
 from drive import Drive, least_of
 from row import BIN, Row
-from taken import QUIET, measured
-
-
-def wall_s(command):
-    begin = time.monotonic()
-    subprocess.run(command, **QUIET, check=True)
-    return time.monotonic() - begin
+from taken import measured, running
 
 
 def chain(drive):
@@ -62,17 +54,11 @@ def blocks_in(log):
 def loss(drive):
     """The logger hears the same nodes, played as fast as the recorder, which they wait for, takes them."""
     log = drive.folder / "stock.lcm"
-    logger = []
-
-    def beside(url):
-        logger.append(subprocess.Popen(["lcm-logger", "-q", "-f", f"--lcm-url={url}", log], **QUIET))
-
     recorded = []
-    drive.chain(beside, lambda record: recorded.extend(map(blocks_in, record.glob("seg-*.lcm"))))
-    if logger[0].poll() is not None:
-        raise RuntimeError(f"lcm-logger has ended with {logger[0].returncode}")
-    logger[0].terminate()
-    logger[0].wait()
+    with running("lcm-logger", "-q", "-f", f"--lcm-url={drive.url()}", log) as logger:
+        drive.chain(lambda record: recorded.extend(map(blocks_in, record.glob("seg-*.lcm"))))
+        if logger.poll() is not None:
+            raise RuntimeError(f"lcm-logger has ended with {logger.returncode}")
     sent = sum(blocks_in(segment) for segment in drive.record.glob("seg-*.lcm"))
     heard = blocks_in(log)
     log.unlink()
@@ -97,7 +83,7 @@ def verify(drive):
             for who, command in (("cat", ["cat", *logs]), ("ours", [BIN / "rb", "verify", drive.record])):
                 if where == "disk":
                     drive.forget()
-                best[who] = min(best[who], wall_s(command))
+                best[who] = min(best[who], measured(*command).wall_s)
         yield Row(f"verify, from {where}", megabytes / best["ours"], "MB/s", "cat of the same files",
                   megabytes / best["cat"], best["cat"] / best["ours"], ">=" if bound else None, bound)
 

@@ -1,6 +1,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -11,6 +12,7 @@
 #include "common/bus/codec.hpp"
 #include "common/record/disk.hpp"
 #include "host/recorder/record_keeper.hpp"
+#include "tools/bench/blocks.hpp"
 #include "tools/bench/contest.hpp"
 
 // The recorder's disk side beside what the disk does by itself: blocks appended and committed as fast as they
@@ -26,11 +28,7 @@ constexpr std::int64_t kBlocks = 60'000;  // an hour of driving of a node is 360
 
 std::vector<SealedBlock> sealed_blocks() {
   std::vector<SealedBlock> blocks(kBlocks);
-  ScanBlock block;
-  for (std::size_t row = 0; row < block.counts.size(); ++row)
-    for (std::size_t c = 0; c < block.counts[row].size(); ++c)
-      block.counts[row][c] = static_cast<std::int32_t>(7919 * row + 104'729 * c);
-  block.period_ps = 500'000'000;
+  ScanBlock block = scans();
   for (std::int64_t k = 0; k < kBlocks; ++k) {
     block.header = {.node = 1,
                     .epoch = 9,
@@ -75,8 +73,11 @@ void write_bare(std::uintmax_t bytes, const fs::path& file) {
   const std::vector<char> commit(KeeperOptions{}.commit_bytes, 'x');
   const int out = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_DSYNC | O_CLOEXEC, 0600);
   check(out >= 0, file);
-  for (std::uintmax_t written = 0; written < bytes; written += commit.size())
-    check(::write(out, commit.data(), commit.size()) == static_cast<ssize_t>(commit.size()), file);
+  while (bytes > 0) {
+    const std::size_t some = std::min<std::uintmax_t>(bytes, commit.size());
+    check(::write(out, commit.data(), some) == static_cast<ssize_t>(some), file);
+    bytes -= some;
+  }
   check(::close(out) == 0, file);
 }
 

@@ -1,5 +1,6 @@
 """What a program takes of the machine."""
 
+import contextlib
 import os
 import subprocess
 import time
@@ -26,6 +27,19 @@ def taken(started):
     return Taken(of.ru_utime + of.ru_stime, 1.024e-3 * of.ru_maxrss)
 
 
+@contextlib.contextmanager
+def running(*command):
+    """A program that is started, and told to end if it has not by itself, whatever happens beside it."""
+    started = subprocess.Popen(command, **QUIET)
+    try:
+        yield started
+    finally:
+        if started.poll() is None:
+            started.terminate()
+            started.wait()
+
+
 def measured(*command):
     begin = time.monotonic()
-    return taken(subprocess.Popen(command, **QUIET))._replace(wall_s=time.monotonic() - begin)
+    with running(*command) as started:
+        return taken(started)._replace(wall_s=time.monotonic() - begin)

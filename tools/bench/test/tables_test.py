@@ -78,10 +78,10 @@ class Run(unittest.TestCase):
         return subprocess.run([BENCH / "run", *arguments], capture_output=True, text=True, check=False, **more)
 
     def test_runs_the_rows_that_are_asked_for(self):
-        done = self.run_bench("--only", "accept a block,encoder")
+        done = self.run_bench("--only", "encoder")
         self.assertEqual(done.returncode, 0, done.stderr)
         rows = done.stdout.splitlines()[2:-1]
-        self.assertEqual([row[:8] for row in rows], ["accept a", "encoder,", "encoder,"], done.stdout)
+        self.assertEqual([row[:8] for row in rows], ["encoder,"] * 2, done.stdout)
 
     def test_says_that_no_row_has_the_name(self):
         done = self.run_bench("--only", "nonsense")
