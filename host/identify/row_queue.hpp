@@ -20,6 +20,10 @@ class RowQueue {
  public:
   static constexpr std::size_t kBatch = 1024, kInMemory = 4 * kBatch;
 
+  RowQueue() = default;
+  RowQueue(RowQueue&&) = default;
+  RowQueue& operator=(RowQueue&&) = delete;  // its memory would go before the rows in it
+
   void push_back(const GridRows& rows);
   bool empty() const { return front_.empty(); }
   GridRows& front() { return front_.front(); }
