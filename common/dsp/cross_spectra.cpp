@@ -29,6 +29,11 @@ double correlation(const std::vector<double>& window, std::size_t shift) {
   return std::pow(common / std::inner_product(window.begin(), window.end(), window.begin(), 0.0), 2);
 }
 
+/// What lies a multiple of a large power of two apart wants the same lines of a cache.
+constexpr std::size_t odd(std::size_t lanes) {
+  return lanes | 1U;
+}
+
 }  // namespace
 
 CrossSpectra::CrossSpectra(const Settings& settings)
@@ -43,9 +48,10 @@ CrossSpectra::CrossSpectra(const Settings& settings)
       scale_(1.0 / (settings.welch.rate_hz *
                     std::inner_product(window_.begin(), window_.end(), window_.begin(), 0.0))),
       history_(settings.channels, settings.welch.segment),
-      column_(static_cast<std::size_t>(settings.welch.segment) / kLane + 2),
+      column_(odd(static_cast<std::size_t>(settings.welch.segment) / kLane + 1)),
       columns_(static_cast<std::size_t>(std::min(kAtOnce, settings.channels)) * column_),
-      segment_(static_cast<std::size_t>(tiles_) * static_cast<std::size_t>(settings.channels) * 2 + 1),
+      line_(2 * odd(static_cast<std::size_t>(tiles_))),
+      segment_(static_cast<std::size_t>(settings.channels) * line_),
       batch_(kBatch * segment_),
       sum_(static_cast<std::size_t>(tiles_) * static_cast<std::size_t>(pairs_) * 2) {
   for (auto k = static_cast<std::size_t>(hop_); k < window_.size(); k += static_cast<std::size_t>(hop_))
@@ -103,11 +109,9 @@ void CrossSpectra::add_segment() {
     part.samples = samples - older;
     part.out += older;
     taper_columns(part);
-    for (std::size_t c = first; c < end; ++c) {
-      const auto lines = fft_.transform({columns_[(c - first) * column_].of, samples});
-      part_lines(lines.data(), lines.size(), &batch_[static_cast<std::size_t>(waiting_) * segment_ + 2 * c],
-                 2 * channels);
-    }
+    for (std::size_t c = first; c < end; ++c)
+      fft_.transform({columns_[(c - first) * column_].of, samples},
+                     {&batch_[static_cast<std::size_t>(waiting_) * segment_ + c * line_], line_});
   }
   ++averages_;
   ++waiting_;
@@ -135,10 +139,15 @@ void CrossSpectra::sum_up() const {
     weight[static_cast<std::size_t>(s)] = share;
     before *= 1.0 - share;
   }
-  const auto channels = static_cast<std::size_t>(settings_.channels);
   for (int tile = 0; tile < tiles_; ++tile) {
-    const Lane* const lines = &batch_[2 * static_cast<std::size_t>(tile) * channels];
-    TileSums work{lines, &sum_[place(tile, 0, 0)], before, {}, channels, segment_};
+    const Lane* const lines = &batch_[2 * static_cast<std::size_t>(tile)];
+    TileSums work{lines,
+                  line_,
+                  segment_,
+                  &sum_[place(tile, 0, 0)],
+                  before,
+                  {},
+                  static_cast<std::size_t>(settings_.channels)};
     std::copy(weight.begin(), weight.end(), work.weight);
     sum_up_tile(work);
     if (settings_.hold_peaks) hold_peaks(tile, lines);
@@ -151,7 +160,7 @@ void CrossSpectra::hold_peaks(int tile, const Lane* lines) const {
   for (std::size_t a = 0; a < channels; ++a) {
     Lane& peak = peak_[static_cast<std::size_t>(tile) * channels + a];
     for (int s = 0; s < waiting_; ++s) {
-      const Lane* const line = lines + static_cast<std::size_t>(s) * segment_ + 2 * a;
+      const Lane* const line = lines + static_cast<std::size_t>(s) * segment_ + a * line_;
       for (int k = 0; k < kLane; ++k)
         peak.of[k] = std::max(peak.of[k], line[0].of[k] * line[0].of[k] + line[1].of[k] * line[1].of[k]);
     }

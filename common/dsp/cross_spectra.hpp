@@ -17,8 +17,8 @@ namespace roadbalance {
 ///
 /// G_ab is what SciPy calls csd(a, b); unit of a times unit of b per Hz.
 ///
-/// Segments wait until eight are together: the sums of all pairs are far larger than a near cache (4.5 MB of 16
-/// channels and 4096 samples), and are then gone through once for eight.
+/// Segments wait until eight are together: the sums of all pairs are far larger than a near cache (4.5 MB of
+/// 16 channels and 4096 samples), and are then gone through once for eight.
 class CrossSpectra {
  public:
   struct Settings {
@@ -91,8 +91,8 @@ class CrossSpectra {
   std::vector<Lane> columns_;
   Eigen::Index filled_ = 0;
   mutable int waiting_ = 0;
-  std::size_t segment_;             ///< lanes from one segment of the batch to the next
-  std::vector<Lane> batch_;         ///< [segment][tile][channel][re, im]
+  std::size_t line_, segment_;      ///< lanes of the batch from one channel, one segment to the next
+  std::vector<Lane> batch_;         ///< [segment][channel][tile][re, im]
   mutable std::vector<Lane> sum_;   ///< [tile][pair][re, im], weighted mean of those summed up
   mutable std::vector<Lane> peak_;  ///< [tile][channel]
   int averages_ = 0;

@@ -77,28 +77,17 @@ template <int kLanes>
   }
 }
 
-template <int kLanes, int... kIndex>
-[[gnu::always_inline]] inline void part_eight(const double* lines, BinLane* lanes,
-                                              std::integer_sequence<int, kIndex...>) {
-#pragma GCC unroll 4
-  for (int bin = 0; bin < kBinsOfLane; bin += kLanes, lines += 2 * kLanes) {
-    Vector<kLanes> first, second;
-    load(first, lines);
-    load(second, lines + kLanes);
-    store(Vector<kLanes>(__builtin_shufflevector(first, second, (2 * kIndex)...)), lanes[0].of + bin);
-    store(Vector<kLanes>(__builtin_shufflevector(first, second, (2 * kIndex + 1)...)), lanes[1].of + bin);
-  }
-}
-
-template <int kLanes>
-[[gnu::always_inline]] inline void part(const double* lines, std::size_t count, BinLane* lanes,
-                                        std::size_t step) {
-  for (; count >= kBinsOfLane; count -= kBinsOfLane, lines += 2 * kBinsOfLane, lanes += step)
-    part_eight<kLanes>(lines, lanes, std::make_integer_sequence<int, kLanes>());
-  for (std::size_t k = 0; k < count; ++k) {
-    lanes[0].of[k] = lines[2 * k];
-    lanes[1].of[k] = lines[2 * k + 1];
-  }
+/// The value stays in a register: GCC would load it again wherever it is used, twice as often as a processor
+/// can that multiplies as fast as it loads.
+template <typename Value>
+[[gnu::always_inline]] inline void hold(Value& value) {
+#if defined(__clang__)
+  (void)value;
+#elif defined(__x86_64__)
+  asm("" : "+v"(value));
+#elif defined(__aarch64__)
+  asm("" : "+w"(value));
+#endif
 }
 
 /// kLanes of the tile's bins, from `bin` on.
@@ -108,22 +97,32 @@ template <int kLanes>
   BinLane* sum = tile.sum;
   // The next tile's lines and sums are in no near cache: they are asked for now; behind the last one that
   // does no harm.
-  const std::size_t next_lines = 2 * tile.channels, next_sums = tile.channels * (tile.channels + 1);
-  for (std::size_t a = 0; a < tile.channels; ++a) {
-    const BinLane* const own = tile.lines + 2 * a;
-    Vector<kLanes> re[kSegments], im[kSegments];
+  const std::size_t next_sums = tile.channels * (tile.channels + 1);
+  for (std::size_t a = 0; a < tile.channels; ++a, sum += 2) {
+    const BinLane* const own = tile.lines + a * tile.channel;
+    Vector<kLanes> re[kSegments], im[kSegments], power;
+    load(power, sum->of + bin);
+    power *= tile.before;
+    __builtin_prefetch(sum[next_sums].of, 1);
+    __builtin_prefetch(sum[next_sums + 1].of, 1);
 #pragma GCC unroll 8
     for (int s = 0; s < kSegments; ++s) {
       const BinLane* const line = own + static_cast<std::size_t>(s) * tile.segment;
-      load(re[s], line[0].of + bin);
-      load(im[s], line[1].of + bin);
-      __builtin_prefetch(line[next_lines].of);
-      __builtin_prefetch(line[next_lines + 1].of);
-      re[s] *= tile.weight[s];
-      im[s] *= tile.weight[s];
+      Vector<kLanes> x, y;
+      load(x, line[0].of + bin);
+      load(y, line[1].of + bin);
+      __builtin_prefetch(line[2].of);
+      __builtin_prefetch(line[3].of);
+      re[s] = tile.weight[s] * x;
+      im[s] = tile.weight[s] * y;
+      power += re[s] * x;
+      power += im[s] * y;
     }
+    store(power, sum->of + bin);  // of a channel with itself: its imaginary part stays 0
     const BinLane* other = own;
-    for (std::size_t b = a; b < tile.channels; ++b, other += 2, sum += 2) {
+    for (std::size_t b = a + 1; b < tile.channels; ++b) {
+      other += tile.channel;
+      sum += 2;
       // Two sums each, so that an addition need not wait for the one before it.
       Vector<kLanes> real, imaginary, real2 = {}, imaginary2 = {};
       load(real, sum[0].of + bin);
@@ -138,6 +137,8 @@ template <int kLanes>
         Vector<kLanes> x, y;
         load(x, line[0].of + bin);
         load(y, line[1].of + bin);
+        hold(x);
+        hold(y);
         real += re[s] * x;
         real2 += im[s] * y;
         imaginary += re[s] * y;
@@ -164,16 +165,6 @@ void taper_plain(const Tapering& work) {
   taper<2>(work, work.first);
 }
 
-RB_AVX512 void part_avx512(const double* lines, std::size_t count, BinLane* lanes, std::size_t step) {
-  part<8>(lines, count, lanes, step);
-}
-RB_AVX2 void part_avx2(const double* lines, std::size_t count, BinLane* lanes, std::size_t step) {
-  part<4>(lines, count, lanes, step);
-}
-void part_plain(const double* lines, std::size_t count, BinLane* lanes, std::size_t step) {
-  part<2>(lines, count, lanes, step);
-}
-
 RB_AVX512 void sum_up_avx512(const TileSums& tile) {
   sum_up<8>(tile);
 }
@@ -189,11 +180,6 @@ void sum_up_plain(const TileSums& tile) {
 void taper_columns(const Tapering& work) {
   static const auto by = for_this_processor(taper_avx512, taper_avx2, taper_plain);
   by(work);
-}
-
-void part_lines(const std::complex<double>* lines, std::size_t count, BinLane* lanes, std::size_t step) {
-  static const auto by = for_this_processor(part_avx512, part_avx2, part_plain);
-  by(reinterpret_cast<const double*>(lines), count, lanes, step);  // as the standard lays complex numbers out
 }
 
 void sum_up_tile(const TileSums& tile) {

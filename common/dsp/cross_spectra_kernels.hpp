@@ -1,17 +1,12 @@
 #pragma once
 
-#include <complex>
 #include <cstddef>
+
+#include "common/dsp/parted_lines.hpp"
 
 namespace roadbalance {
 
-inline constexpr int kBinsOfLane = 8;
 inline constexpr int kSegmentsOfBatch = 8;
-
-/// Bins side by side: a line of the cache, and where one begins; one that lies across two costs twice.
-struct alignas(64) BinLane {
-  double of[kBinsOfLane] = {};
-};
 
 /// Samples as they come to signals of their own: out[c][n] = window[n] (in[n][c] - mean[c]).
 struct Tapering {
@@ -26,20 +21,15 @@ struct Tapering {
 };
 void taper_columns(const Tapering& work);
 
-/// Real and imaginary parts of the lines apart, of each eight bins.
-/// @param lanes  real parts of the first eight bins; the imaginary ones behind them; the next eight `step`
-/// lanes on
-void part_lines(const std::complex<double>* lines, std::size_t count, BinLane* lanes, std::size_t step);
-
 /// One tile, which is eight bins of all channels: its pairs' sums, weighed by `before`, take up the segments
 /// of a batch, each with its weight.
 struct TileSums {
-  const BinLane* lines;  ///< [segment][channel][re, im], `segment` lanes from one segment to the next
-  BinLane* sum;          ///< [pair][re, im], rows of the upper triangle one after the other
+  const BinLane* lines;          ///< of the tile, [re, im] of the first channel and segment
+  std::size_t channel, segment;  ///< lanes from one channel to the next, from one segment to the next
+  BinLane* sum;                  ///< [pair][re, im], rows of the upper triangle one after the other
   double before;
   double weight[kSegmentsOfBatch];  ///< 0 where none waits
   std::size_t channels;
-  std::size_t segment;
 };
 void sum_up_tile(const TileSums& tile);
 

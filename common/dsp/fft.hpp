@@ -4,6 +4,8 @@
 #include <memory>
 #include <span>
 
+#include "common/dsp/parted_lines.hpp"
+
 namespace roadbalance {
 
 /// Discrete Fourier transform of real signals of one length, planned once:
@@ -34,6 +36,9 @@ class RealFft {
   std::span<const std::complex<double>> transform();
   /// Of [size] samples that lie elsewhere, at the beginning of a line of the cache.
   std::span<const std::complex<double>> transform(std::span<const double> in);
+  /// The same, real and imaginary parts of each eight bins apart.
+  /// @param lanes  [2 ceil(bins / 8)]; bins that there are not are left as they are, or 0
+  void transform(std::span<const double> in, std::span<BinLane> lanes);
 
  private:
   struct Plan;

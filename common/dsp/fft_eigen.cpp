@@ -47,4 +47,10 @@ std::span<const std::complex<double>> RealFft::transform(std::span<const double>
   return plan_->out;
 }
 
+void RealFft::transform(std::span<const double> in, std::span<BinLane> lanes) {
+  const auto lines = transform(in);
+  assert(lanes.size() >= 2 * ((lines.size() + kBinsOfLane - 1) / kBinsOfLane));
+  part_lines(lines.data(), lines.size(), lanes.data());
+}
+
 }  // namespace roadbalance

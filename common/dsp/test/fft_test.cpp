@@ -1,5 +1,6 @@
 #include "common/dsp/fft.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -40,7 +41,7 @@ Lines fast(RealFft& fft, const std::vector<double>& in) {
 }
 
 TEST(RealFft, EqualsTheDirectSumAtEvenOddAndPrimeSizes) {
-  for (const int size : {2, 3, 4, 6, 15, 16, 97, 250, 256}) {
+  for (const int size : {2, 3, 4, 6, 8, 10, 15, 16, 32, 34, 36, 96, 97, 160, 250, 256}) {
     RealFft fft(size);
     const auto in = noise(size, static_cast<unsigned>(size));
     const Lines expected = direct(in);
@@ -49,6 +50,26 @@ TEST(RealFft, EqualsTheDirectSumAtEvenOddAndPrimeSizes) {
     // Rounding of the direct sum grows like the size times 1e-16.
     for (std::size_t k = 0; k < lines.size(); ++k)
       EXPECT_LT(std::abs(lines[k] - expected[k]), 1e-14 * size) << size << ", bin " << k;
+  }
+}
+
+TEST(RealFft, GivesRealAndImaginaryPartsOfEightBinsApartAsItGivesThemTogether) {
+  for (const int size : {2, 3, 6, 15, 16, 32, 34, 48, 64, 96, 250, 256, 4096}) {
+    RealFft fft(size);
+    const auto samples = noise(size, static_cast<unsigned>(size));
+    std::copy(samples.begin(), samples.end(), fft.input().begin());
+    std::vector<BinLane> lanes(2 * ((static_cast<std::size_t>(fft.bins()) + 7) / 8));
+    fft.transform(fft.input(), lanes);
+    const auto lines = fft.transform();
+    for (std::size_t k = 0; k < lines.size(); ++k) {
+      const std::complex<double> line(lanes[k / 8 * 2].of[k % 8], lanes[k / 8 * 2 + 1].of[k % 8]);
+      EXPECT_LT(std::abs(line - lines[k]), 1e-15 * size) << size << ", bin " << k;
+    }
+    EXPECT_EQ(lanes[1].of[0], 0.0) << size;  // the mean is real
+    for (std::size_t k = lines.size(); k < 4 * lanes.size(); ++k) {
+      EXPECT_EQ(lanes[k / 8 * 2].of[k % 8], 0.0) << size << ", bin " << k;
+      EXPECT_EQ(lanes[k / 8 * 2 + 1].of[k % 8], 0.0) << size << ", bin " << k;
+    }
   }
 }
 
