@@ -27,9 +27,8 @@ WelchPsd::WelchPsd(const Settings& settings)
       scale_(1.0 /
              (settings.rate_hz * std::inner_product(window_.begin(), window_.end(), window_.begin(), 0.0))),
       history_(window_.size()),
-      tapered_(window_.size()),
-      lines_(static_cast<std::size_t>(fft_.bins())),
-      sum_(lines_.size()) {}
+      lines_((static_cast<std::size_t>(fft_.bins()) + kBinsOfLane - 1) / kBinsOfLane * 2),
+      sum_(lines_.size() / 2 * kBinsOfLane) {}
 
 void WelchPsd::add(std::span<const double> samples) {
   while (!samples.empty()) {
@@ -42,9 +41,14 @@ void WelchPsd::add(std::span<const double> samples) {
 }
 
 void WelchPsd::add_segment() {
-  for (std::size_t n = 0; n < tapered_.size(); ++n) tapered_[n] = window_[n] * history_[n];
-  fft_.forward(tapered_, lines_);
-  for (std::size_t k = 0; k < lines_.size(); ++k) sum_[k] += std::norm(lines_[k]);
+  const auto tapered = fft_.input();
+  for (std::size_t n = 0; n < tapered.size(); ++n) tapered[n] = window_[n] * history_[n];
+  fft_.transform(tapered, lines_);
+  for (std::size_t lane = 0; lane < lines_.size(); lane += 2) {
+    double* const sum = &sum_[lane / 2 * kBinsOfLane];
+    const BinLane &re = lines_[lane], &im = lines_[lane + 1];
+    for (int k = 0; k < kBinsOfLane; ++k) sum[k] += re.of[k] * re.of[k] + im.of[k] * im.of[k];
+  }
   ++averages_;
   std::copy(history_.begin() + static_cast<std::ptrdiff_t>(hop_), history_.end(), history_.begin());
   filled_ -= hop_;
@@ -57,12 +61,12 @@ void WelchPsd::reset() {
 }
 
 std::vector<double> WelchPsd::density() const {
-  std::vector<double> density(sum_.size(), 0.0);
+  std::vector<double> density(sum_.begin(), sum_.begin() + bins());
   if (averages_ == 0) return density;
-  for (std::size_t k = 0; k < density.size(); ++k) {
-    const bool alone = k == 0 || (2 * k == history_.size());  // its own mirror image
-    density[k] = (alone ? 1.0 : 2.0) * scale_ * sum_[k] / averages_;
-  }
+  const double each = 2.0 * scale_ / averages_;
+  for (double& of_bin : density) of_bin *= each;
+  density.front() *= 0.5;  // its own mirror image, as is half the rate
+  if (history_.size() % 2 == 0) density.back() *= 0.5;
   return density;
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <span>
 #include <vector>
 
@@ -56,9 +55,8 @@ class WelchPsd {
   double scale_;
   std::vector<double> history_;  ///< the segment that is being filled
   std::size_t filled_ = 0;
-  std::vector<double> tapered_;
-  std::vector<std::complex<double>> lines_;
-  std::vector<double> sum_;
+  std::vector<BinLane> lines_;  ///< of one segment
+  std::vector<double> sum_;     ///< [bin], to the end of a lane
   int averages_ = 0;
 };
 
