@@ -12,7 +12,7 @@ namespace {
 constexpr double kLeastStepRate_hz = 4000.0;  // a sine of 18 Hz is then linear between steps to 7e-5
 
 int steps_per_scan(double rate_hz) {
-  return std::clamp(static_cast<int>(std::ceil(kLeastStepRate_hz / rate_hz)), 2, ReferenceFilter::kMostSteps);
+  return std::clamp(static_cast<int>(std::ceil(kLeastStepRate_hz / rate_hz)), 1, ReferenceFilter::kMostSteps);
 }
 
 /// Until the slowest pole of the Butterworth filter has decayed to 1e-5.
@@ -55,9 +55,10 @@ std::int32_t ReferenceFilter::fill(std::span<std::array<std::int32_t, kChannels>
     for (int step = 0; step < steps_; ++step, ++at) {
       for (std::size_t line = 0; line < kEncoderLines; ++line) {
         const auto row = static_cast<Eigen::Index>(2 * line);
-        const bool known = !angle_rad[line].empty();
-        input(row) = known ? std::sin(angle_rad[line][at]) : 0.0;
-        input(row + 1) = known ? std::cos(angle_rad[line][at]) : 0.0;
+        if (angle_rad[line].empty()) continue;
+        const double angle = angle_rad[line][at];
+        input(row) = std::sin(angle);  // one call gives both
+        input(row + 1) = std::cos(angle);
       }
       filter_.update(input);
     }

@@ -14,11 +14,11 @@ namespace roadbalance {
 /// Angles of both encoder lines -> channels 13 .. 16: their sin and cos as the accelerations have them after
 /// their anti-aliasing filter.
 ///
-/// sin and cos are computed at twice the scan rate or more and pass a digital copy of the filter of
-/// vehicle.toml (ramp-invariant, exact between samples up to their curvature); its value at the scan instant
-/// is the reference, 1.0 = kFullScaleCounts.  While an angle is unknown the filter gets zeros and the
-/// reference is 0 and flagged, as it is afterwards until the filter has settled.  Never allocates after
-/// construction.
+/// sin and cos are computed at the scan rate, or so often in a scan that it is 4 kHz, and pass a digital copy
+/// of the filter of vehicle.toml (ramp-invariant, exact between samples up to their curvature); its value at
+/// the scan instant is the reference, 1.0 = kFullScaleCounts.  While an angle is unknown the filter gets
+/// zeros and the reference is 0 and flagged, as it is afterwards until the filter has settled.  Never
+/// allocates after construction.
 class ReferenceFilter {
  public:
   static constexpr int kMostSteps = 32;  ///< a scan
