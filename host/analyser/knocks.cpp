@@ -92,11 +92,14 @@ void KnockMeter::learn(const Row& row) {
   }
 }
 
+/// By squares: no root for each channel of each scan.
 bool KnockMeter::begins(const Row& about) const {
-  const auto rms = [](const Noise& noise) { return std::sqrt(std::max(noise.square, 0.0)); };
-  if (std::ranges::any_of(noise_, [&](const Noise& noise) { return rms(noise) > kStill_m_s2; })) return false;
+  if (std::ranges::any_of(noise_,
+                          [](const Noise& noise) { return noise.square > kStill_m_s2 * kStill_m_s2; }))
+    return false;
   for (std::size_t c = 0; c < about.size(); ++c)
-    if (std::abs(about[c]) > std::max(kLeast_m_s2, kNoises * rms(noise_[c]))) return true;
+    if (std::abs(about[c]) > kLeast_m_s2 && about[c] * about[c] > kNoises * kNoises * noise_[c].square)
+      return true;
   return false;
 }
 

@@ -8,6 +8,11 @@
 #include "common/bus/channel_faults.hpp"
 
 namespace roadbalance {
+namespace {
+
+constexpr double kAngle_s = 0.002;
+
+}  // namespace
 
 LevelMeter::LevelMeter(const VehicleConfig& vehicle, const NodeConfig& node) : node_(node) {
   for (int line = kEncoderLines - 1; line >= 0; --line)
@@ -43,21 +48,24 @@ void LevelMeter::add(const ScanBlock& block) {
   }
 }
 
-/// Adds the angle between this scan's reference and the last one's.
+/// Adds the angle from the reference of some scans before to this one's: half a turn takes longer than
+/// kAngle_s at any speed.
 void LevelMeter::add_turn(int line, const ScanBlock& block, const std::array<std::int32_t, kChannels>& row) {
   Turning& turning = turning_[static_cast<std::size_t>(line)];
   if (!has_wheel_[static_cast<std::size_t>(line)] || (block.quality & quality_no_reference(line)) != 0) {
     turning.before.reset();
     return;
   }
+  if (turning.before && static_cast<double>(++turning.since) * period_s_ < kAngle_s) return;
   const auto sine = static_cast<std::size_t>(kAccelerations + 2 * line);
   const std::array<double, 2> now{static_cast<double>(row[sine]), static_cast<double>(row[sine + 1])};
   if (turning.before) {
     const auto [s, c] = *turning.before;
     turning.turned_rad += std::atan2(now[0] * c - now[1] * s, now[1] * c + now[0] * s);
-    ++turning.scans;
+    turning.scans += turning.since;
   }
   turning.before = now;
+  turning.since = 0;
 }
 
 double LevelMeter::Turning::rotation_hz(double period_s) const {
@@ -89,7 +97,7 @@ std::optional<Level> LevelMeter::take() {
   }
   for (std::size_t line = 0; line < turning_.size(); ++line) {
     level.rotation_hz[line] = turning_[line].rotation_hz(period_s_);
-    turning_[line] = {.before = turning_[line].before};
+    turning_[line] = {.before = turning_[line].before, .since = turning_[line].since};
   }
   level.speed_m_s =
       line_ ? level.rotation_hz[static_cast<std::size_t>(*line_)] * 2.0 * std::numbers::pi * rolling_radius_m_

@@ -40,7 +40,8 @@ class LevelMeter {
   struct Turning {
     double turned_rad = 0;
     std::int64_t scans = 0;
-    std::optional<std::array<double, 2>> before{};  ///< last sin, cos
+    std::optional<std::array<double, 2>> before{};  ///< sin, cos from where the next angle is taken
+    int since = 0;                                  ///< scans after them
 
     double rotation_hz(double period_s) const;  ///< NaN: not known
   };
