@@ -42,6 +42,8 @@ class NodeLink {
   /// heartbeats a second, forty while blocks are held and none goes out.  True if there were blocks: more may
   /// be due at once.
   bool turn(WallTime now, const Publish& publish);
+  /// So many blocks that a turn published did not leave this computer after all.
+  void count_unsent(std::size_t blocks) { blocks_unsent_ += static_cast<std::int64_t>(blocks); }
 
   /// While there is no bus, in place of turn(): moves blocks to the spool if it must.
   void relieve(WallTime now) { backlog_.relieve(now); }

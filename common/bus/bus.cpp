@@ -17,6 +17,7 @@
 #include <thread>
 #include <utility>
 
+#include "common/bus/message_run.hpp"
 #include "common/bus/message_socket.hpp"
 #include "common/bus/other_wire.hpp"
 #include "common/bus/read_ahead.hpp"
@@ -72,8 +73,9 @@ constexpr int kMostPerCall = 4096;
 std::string block_channel(int node, BlockKind kind) {
   // Each block's is asked for several times: written in place, which is three times as fast as adding
   // strings.
-  std::array<char, 32> name{'R', 'B', '_', 'B', 'L', 'O', 'C', 'K', '_'};
-  char* end = std::to_chars(name.data() + 9, name.data() + name.size(), node).ptr;
+  std::array<char, 32> name{};
+  char* end = std::copy(kBlockChannels.begin(), kBlockChannels.end(), name.data());
+  end = std::to_chars(end, name.data() + name.size(), node).ptr;
   *end++ = '_';
   const std::string_view of_kind = name_of(kind);
   end = std::copy(of_kind.begin(), of_kind.end(), end);
@@ -121,11 +123,33 @@ struct Bus::State {
   std::optional<MessageSocket> socket;  ///< opened for the first subscription
   std::optional<ReadAhead> ahead;       ///< begun by the first handle()
   bool listening = false;               ///< begun by the first handle()
-  std::unique_ptr<MessageBatch> batch = std::make_unique<MessageBatch>();  ///< being handled
+  std::unique_ptr<MessageBatch> batch;  ///< being handled
   OtherWire other_wire;
+  std::optional<std::string> gathered;  ///< what channels begin with whose messages wait
+  std::optional<MessageRun> run;        ///< those that wait; opened for the first
+  std::size_t unsent = 0;               ///< since gather()
 
   ~State() {
     if (lcm) lcm_destroy(lcm);
+  }
+
+  Runs runs() const {
+    if (options.ahead_bytes > 0) return ReadAhead::kRuns;
+    return !options.heeds_nodes ? Runs::kNoBlocks : options.hears_all ? Runs::kWhole : Runs::kCut;
+  }
+
+  bool publish(const std::string& channel, std::span<const std::uint8_t> bytes) {
+    return bytes.size() <= std::numeric_limits<unsigned>::max() &&
+           lcm_publish(lcm, channel.c_str(), bytes.data(), static_cast<unsigned>(bytes.size())) == 0;
+  }
+
+  /// One goes as any message does.
+  void send_run() {
+    if (!run) return;
+    if (run->size() < 2 || !run->send())
+      for (std::size_t k = 0; k < run->size(); ++k)
+        unsent += publish(run->channel(), run->message(k)) ? 0 : 1;
+    run->clear();
   }
 
   /// True if somebody here has subscribed to it.
@@ -163,6 +187,7 @@ struct Bus::State {
 Bus::Bus(const std::string& url, const Options& options) : state_(std::make_unique<State>()) {
   state_->url = url;
   state_->options = options;
+  state_->batch = std::make_unique<MessageBatch>(state_->runs());
   errno = 0;
   state_->lcm = lcm_create(url.c_str());
   if (!state_->lcm) throw_no_bus(url, "open", errno);
@@ -175,7 +200,7 @@ void Bus::subscribe(const std::string& pattern, Handler handler) {
   const auto address = bus_address(state_->url);
   if (!address) throw_no_bus(state_->url, "subscribe to " + pattern + " on", 0);
   try {
-    if (!state_->socket) state_->socket.emplace(*address);
+    if (!state_->socket) state_->socket.emplace(*address, state_->runs());
   } catch (const std::system_error& error) {
     throw_no_bus(state_->url, "subscribe to " + pattern + " on", error.code().value());
   }
@@ -183,8 +208,25 @@ void Bus::subscribe(const std::string& pattern, Handler handler) {
 }
 
 bool Bus::publish(const std::string& channel, std::span<const std::uint8_t> bytes) {
-  if (bytes.size() > std::numeric_limits<unsigned>::max()) return false;
-  return lcm_publish(state_->lcm, channel.c_str(), bytes.data(), static_cast<unsigned>(bytes.size())) == 0;
+  State& state = *state_;
+  if (!state.gathered) return state.publish(channel, bytes);
+  const bool waits = state.run && channel.starts_with(*state.gathered);
+  if (waits && state.run->add(channel, bytes)) return true;
+  state.send_run();  // what was published before is sent before
+  return (waits && state.run->add(channel, bytes)) || state.publish(channel, bytes);
+}
+
+void Bus::gather(std::string beginning) {
+  const auto address = bus_address(state_->url);
+  if (!state_->run && address) state_->run.emplace(*address);
+  state_->gathered = std::move(beginning);
+  state_->unsent = 0;
+}
+
+std::size_t Bus::send_gathered() {
+  state_->send_run();
+  state_->gathered.reset();
+  return std::exchange(state_->unsent, 0);
 }
 
 std::int64_t Bus::dropped() const {

@@ -42,8 +42,8 @@ inline constexpr const char* kMulticastRemedy = "ip link set lo up && ip route a
 
 /// One process's access to the bus.  Not shared between threads: each process owns its own.
 ///
-/// Sends by LCM, and receives what LCM sends as messages of one packet (see MessageSocket).  What waits to be
-/// handled waits in the socket's receive buffer.
+/// Sends by LCM, but for runs of messages (MessageRun), and receives what LCM sends as messages of one packet
+/// (see MessageSocket).  What waits to be handled waits in the socket's receive buffer.
 class Bus {
  public:
   struct Options {
@@ -53,6 +53,8 @@ class Bus {
     /// A thread empties the socket meanwhile, for those who may be busy for longer than the socket can hold,
     /// and keeps up to so many bytes.
     std::size_t ahead_bytes = 0;
+    /// Wants nothing that nodes say, as nodes themselves: runs of blocks (gather) are thrown away unopened.
+    bool heeds_nodes = true;
   };
   using Handler = std::function<void(std::string_view channel, std::span<const std::uint8_t> bytes)>;
 
@@ -71,6 +73,13 @@ class Bus {
 
   /// False if the datagram could not be sent; nobody learns whether it arrived.
   bool publish(const std::string& channel, std::span<const std::uint8_t> bytes);
+
+  /// From now on messages on channels that begin so wait for others like them, to be sent together where the
+  /// computer knows how (MessageRun); publish() of one that waits gives true.
+  void gather(std::string beginning);
+  /// Sends those that wait, and lets none wait any more.  Returns how many, since gather(), could not be
+  /// sent.
+  std::size_t send_gathered();
 
   /// Waits up to `timeout` for a message, then handles all that have arrived.  Returns how many.  What comes
   /// behind a message whose handler throws is handled by the next call.

@@ -19,7 +19,7 @@ bool read_number(std::string_view text, Number& into) {
 }  // namespace
 
 std::optional<BusAddress> bus_address(const std::string& url) {
-  constexpr std::string_view kScheme = "udpm://", kReceiveBuffer = "recv_buf_size=";
+  constexpr std::string_view kScheme = "udpm://", kReceiveBuffer = "recv_buf_size=", kTtl = "ttl=";
   if (!url.starts_with(kScheme)) return std::nullopt;
   const std::string_view rest = std::string_view(url).substr(kScheme.size());
   const std::string_view place = rest.substr(0, rest.find('?'));
@@ -38,6 +38,9 @@ std::optional<BusAddress> bus_address(const std::string& url) {
     const std::string_view one = options.substr(0, options.find('&'));
     if (one.starts_with(kReceiveBuffer) &&
         !read_number(one.substr(kReceiveBuffer.size()), bus.receive_buffer))
+      return std::nullopt;
+    if (one.starts_with(kTtl) &&
+        (!read_number(one.substr(kTtl.size()), bus.ttl) || bus.ttl < 0 || bus.ttl > 255))
       return std::nullopt;
     options.remove_prefix(one.size());
   }

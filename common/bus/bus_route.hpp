@@ -10,6 +10,7 @@ namespace roadbalance {
 struct BusAddress {
   std::uint32_t group = 0xEFFF4C43;  ///< LCM's own default, 239.255.76.67
   std::uint16_t port = 7667;
+  int ttl = 0;             ///< networks that a datagram may cross; 0: it stays on this machine
   int receive_buffer = 0;  ///< bytes that its sockets ask for; 0: what the kernel gives
 };
 

@@ -2,6 +2,7 @@
 
 #include <linux/filter.h>
 #include <linux/sock_diag.h>
+#include <netinet/udp.h>
 #include <poll.h>
 #include <unistd.h>
 
@@ -14,8 +15,6 @@
 namespace roadbalance {
 namespace {
 
-constexpr std::string_view kMagicShort = "LC02";
-constexpr std::size_t kShortHeader = 8;  // magic and number
 constexpr std::uint32_t kUdpHeader = 8;  // a socket's filter sees the datagram from its UDP header on
 
 [[noreturn]] void throw_errno(const char* what) {
@@ -28,6 +27,11 @@ std::uint32_t big_endian(std::string_view bytes) {
   return value;
 }
 
+sock_filter load(std::size_t bytes, std::uint32_t at) {
+  const std::uint16_t size = bytes == 4 ? BPF_W : bytes == 2 ? BPF_H : BPF_B;
+  return BPF_STMT(static_cast<std::uint16_t>(BPF_LD | BPF_ABS | size), at);
+}
+
 /// Passes the datagram if these bytes are at this place in it; goes on behind these instructions if not.
 /// What it loads is there: a load behind the end would reject the datagram for all that follow, too.
 void pass_if(std::string_view bytes, std::uint32_t at, std::vector<sock_filter>& program) {
@@ -36,8 +40,7 @@ void pass_if(std::string_view bytes, std::uint32_t at, std::vector<sock_filter>&
       BPF_JUMP(BPF_JMP | BPF_JGE | BPF_K, at + static_cast<std::uint32_t>(bytes.size()), 0, 0)};
   while (!bytes.empty()) {
     const std::size_t n = bytes.size() >= 4 ? 4 : bytes.size() >= 2 ? 2 : 1;
-    const std::uint16_t size = n == 4 ? BPF_W : n == 2 ? BPF_H : BPF_B;
-    test.push_back(BPF_STMT(static_cast<std::uint16_t>(BPF_LD | BPF_ABS | size), at));
+    test.push_back(load(n, at));
     test.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, big_endian(bytes.substr(0, n)), 0, 0));
     bytes.remove_prefix(n);
     at += static_cast<std::uint32_t>(n);
@@ -48,32 +51,55 @@ void pass_if(std::string_view bytes, std::uint32_t at, std::vector<sock_filter>&
   program.insert(program.end(), test.begin(), test.end());
 }
 
+/// Of whole runs: rejects those that begin so, passes all others.  Of no bytes passes all.
+std::vector<sock_filter> reject_runs_of(std::string_view bytes) {
+  std::uint32_t at = kUdpHeader + kShortHeader;
+  const bool none = bytes.empty();
+  std::vector<sock_filter> program{
+      BPF_STMT(BPF_LD | BPF_W | BPF_LEN, 0),
+      BPF_JUMP(BPF_JMP | BPF_JGT | BPF_K, kUdpHeader + MessageSocket::kLargestDatagram, 0, 0)};
+  for (; !bytes.empty(); ++at, bytes.remove_prefix(1)) {
+    program.push_back(load(1, at));
+    program.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint8_t>(bytes.front()), 0, 0));
+  }
+  const std::size_t passes = program.size() + (none ? 0 : 1);
+  if (!none) program.push_back(BPF_STMT(BPF_RET | BPF_K, 0));
+  program.push_back(BPF_STMT(BPF_RET | BPF_K, 0xFFFFFFFF));
+  program[1].jf = static_cast<std::uint8_t>(program.size() - 2);
+  for (std::size_t k = 3; k + 1 < passes; k += 2) program[k].jf = static_cast<std::uint8_t>(passes - k - 1);
+  return program;
+}
+
 }  // namespace
 
 Channels::Channels(const std::string& pattern)
     : text_(pattern.substr(0, pattern.find(".*"))), beginning_(text_.size() != pattern.size()) {
   if ((beginning_ && text_.size() + 2 != pattern.size()) ||
-      text_.find_first_of(".*+?^$|()[]{}\\") != std::string::npos ||
-      text_.size() > MessageSocket::kLongestChannel)
+      text_.find_first_of(".*+?^$|()[]{}\\") != std::string::npos || text_.size() > kLongestChannel)
     throw std::invalid_argument("'" + pattern + "' is neither a channel's name nor a beginning of names");
 }
 
-MessageBatch::MessageBatch() {
-  for (std::size_t k = 0; k < kDatagrams; ++k) {
-    places_[k] = {room_[k].data(), kRoom};
+MessageBatch::MessageBatch(Runs runs)
+    // Of the room for long runs only what came takes memory.
+    : places_(runs == Runs::kCut ? 32 : 16), controls_(places_.size()), headers_(places_.size()) {
+  const std::size_t each = runs == Runs::kCut ? MessageSocket::kLargestDatagram : 1 << 16;
+  room_ = std::make_unique_for_overwrite<std::uint8_t[]>(places_.size() * each);
+  for (std::size_t k = 0; k < places_.size(); ++k) {
+    places_[k] = {&room_[k * each], each};
     headers_[k].msg_hdr.msg_iov = &places_[k];
     headers_[k].msg_hdr.msg_iovlen = 1;
+    headers_[k].msg_hdr.msg_control = controls_[k].of.data();
   }
-  messages_.reserve(kDatagrams);
+  messages_.reserve(places_.size());
 }
 
 void MessageBatch::clear() {
-  datagrams_ = taken_ = 0;
+  datagrams_ = taken_ = held_bytes_ = 0;
   messages_.clear();
 }
 
-MessageSocket::MessageSocket(const BusAddress& bus)
-    : socket_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+MessageSocket::MessageSocket(const BusAddress& bus, Runs runs)
+    : socket_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)), runs_(runs) {
   if (socket_ < 0) throw_errno("open a socket");
   const int others_too = 1;
   sockaddr_in group{};
@@ -88,6 +114,9 @@ MessageSocket::MessageSocket(const BusAddress& bus)
        ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &bus.receive_buffer, sizeof bus.receive_buffer) == 0) &&
       ::bind(socket_, reinterpret_cast<const sockaddr*>(&group), sizeof group) == 0 &&
       ::setsockopt(socket_, IPPROTO_IP, IP_ADD_MEMBERSHIP, &member, sizeof member) == 0;
+  const int whole = 1;  // a kernel that does not know them cuts them
+  if (open && runs != Runs::kCut && ::setsockopt(socket_, IPPROTO_UDP, UDP_GRO, &whole, sizeof whole) != 0)
+    runs_ = Runs::kCut;
   if (open) return;
   const int error = errno;
   ::close(socket_);
@@ -101,6 +130,7 @@ MessageSocket::~MessageSocket() {
 
 void MessageSocket::hear_only(std::span<const Channels> channels) {
   std::vector<sock_filter> program;
+  if (runs_ != Runs::kCut) program = reject_runs_of(runs_ == Runs::kNoBlocks ? kBlockChannels : "");
   for (const Channels& some : channels) pass_if(some.first_bytes(), kUdpHeader + kShortHeader, program);
   program.push_back(BPF_STMT(BPF_RET | BPF_K, 0));
   if (program.size() > BPF_MAXINSNS) return;
@@ -115,29 +145,54 @@ bool MessageSocket::wait(std::chrono::milliseconds timeout) const {
 }
 
 bool MessageSocket::receive(MessageBatch& into) {
-  const std::size_t room = MessageBatch::kDatagrams - into.datagrams_;
-  const int came = ::recvmmsg(socket_, &into.headers_[into.datagrams_], static_cast<unsigned>(room),
-                              MSG_DONTWAIT, nullptr);
-  if (came < 0 && errno != EAGAIN && errno != EINTR) throw_errno("receive");
   const auto first = into.datagrams_;
+  for (std::size_t k = first; k < into.headers_.size(); ++k)
+    into.headers_[k].msg_hdr.msg_controllen = sizeof(MessageBatch::Control);
+  const int came = ::recvmmsg(socket_, &into.headers_[first],
+                              static_cast<unsigned>(into.headers_.size() - first), MSG_DONTWAIT, nullptr);
+  if (came < 0 && errno != EAGAIN && errno != EINTR) throw_errno("receive");
   into.datagrams_ += static_cast<std::size_t>(std::max(0, came));
   for (std::size_t k = first; k < into.datagrams_; ++k) read(into, k);
   return into.datagrams_ > first;
 }
 
+/// One message, or of a run each.
 void MessageSocket::read(MessageBatch& into, std::size_t datagram) {
-  const auto& header = into.headers_[datagram];
-  const std::span<const std::uint8_t> bytes(into.room_[datagram].data(), header.msg_len);
-  const auto* const text = reinterpret_cast<const char*>(bytes.data());
-  const std::string_view rest(text, bytes.size());
-  const auto end = rest.starts_with(kMagicShort)
-                       ? rest.substr(0, kShortHeader + kLongestChannel + 1).find('\0', kShortHeader)
-                       : std::string_view::npos;
-  if ((header.msg_hdr.msg_flags & MSG_TRUNC) != 0 || end == std::string_view::npos) {
+  constexpr std::size_t kPage = 4096;
+  mmsghdr& header = into.headers_[datagram];
+  into.held_bytes_ += (header.msg_len / kPage + 1) * kPage;
+  std::span<const std::uint8_t> bytes(static_cast<const std::uint8_t*>(into.places_[datagram].iov_base),
+                                      header.msg_len);
+  if ((header.msg_hdr.msg_flags & MSG_TRUNC) != 0) {
     ++refused_;
     return;
   }
-  into.messages_.push_back({rest.substr(kShortHeader, end - kShortHeader), bytes.subspan(end + 1)});
+  std::size_t each = bytes.size();
+  for (cmsghdr* about = CMSG_FIRSTHDR(&header.msg_hdr); about != nullptr;
+       about = CMSG_NXTHDR(&header.msg_hdr, about)) {
+    int length = 0;
+    if (about->cmsg_level != IPPROTO_UDP || about->cmsg_type != UDP_GRO) continue;
+    std::memcpy(&length, CMSG_DATA(about), sizeof length);
+    if (length > 0) each = static_cast<std::size_t>(length);
+  }
+  do {
+    const std::size_t length = std::min(each, bytes.size());
+    read(into, bytes.first(length));
+    bytes = bytes.subspan(length);
+  } while (!bytes.empty());
+}
+
+void MessageSocket::read(MessageBatch& into, std::span<const std::uint8_t> message) {
+  const auto* const text = reinterpret_cast<const char*>(message.data());
+  const std::string_view rest(text, message.size());
+  const auto end = rest.starts_with(kMagicShort)
+                       ? rest.substr(0, kShortHeader + kLongestChannel + 1).find('\0', kShortHeader)
+                       : std::string_view::npos;
+  if (message.size() > kLargestDatagram || end == std::string_view::npos) {
+    ++refused_;
+    return;
+  }
+  into.messages_.push_back({rest.substr(kShortHeader, end - kShortHeader), message.subspan(end + 1)});
 }
 
 std::int64_t MessageSocket::dropped() const {

@@ -7,12 +7,14 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "common/bus/bus_route.hpp"
+#include "common/bus/message_format.hpp"
 
 namespace roadbalance {
 
@@ -35,6 +37,14 @@ class Channels {
   bool beginning_;
 };
 
+/// How runs of messages (MessageRun), and what a network card has put together, come.  Cut into datagrams
+/// again they cost as much as if they had been sent one by one.
+enum class Runs {
+  kCut,      ///< as datagrams
+  kWhole,    ///< in one piece, whatever is in them
+  kNoBlocks  ///< in one piece, but not what begins with a node's block: for who wants nothing that nodes say
+};
+
 /// Datagrams that came together, and the messages in them.
 class MessageBatch {
  public:
@@ -43,11 +53,13 @@ class MessageBatch {
     std::span<const std::uint8_t> bytes;
   };
 
-  MessageBatch();
+  explicit MessageBatch(Runs runs);
   MessageBatch(const MessageBatch&) = delete;
   MessageBatch& operator=(const MessageBatch&) = delete;
 
-  bool full() const { return datagrams_ == kDatagrams; }
+  /// Memory that what came takes, in whole pages.
+  std::size_t held_bytes() const { return held_bytes_; }
+  bool full() const { return datagrams_ == headers_.size(); }
   bool empty() const { return taken_ == messages_.size(); }
   /// The oldest that has not been taken; valid until clear().
   Message take() { return messages_[taken_++]; }
@@ -55,12 +67,15 @@ class MessageBatch {
 
  private:
   friend class MessageSocket;
-  static constexpr std::size_t kDatagrams = 32, kRoom = 1500;
+  struct alignas(cmsghdr) Control {
+    std::array<char, CMSG_SPACE(sizeof(int))> of{};
+  };
 
-  std::array<std::array<std::uint8_t, kRoom>, kDatagrams> room_;
-  std::array<iovec, kDatagrams> places_{};
-  std::array<mmsghdr, kDatagrams> headers_{};
-  std::size_t datagrams_ = 0, taken_ = 0;
+  std::unique_ptr<std::uint8_t[]> room_;  ///< its pages are touched by what comes only
+  std::vector<iovec> places_;
+  std::vector<Control> controls_;  ///< what the kernel says of each
+  std::vector<mmsghdr> headers_;
+  std::size_t datagrams_ = 0, taken_ = 0, held_bytes_ = 0;
   std::vector<Message> messages_;
 };
 
@@ -73,19 +88,19 @@ class MessageBatch {
 /// more than kLargestDatagram bytes.
 class MessageSocket {
  public:
-  static constexpr std::size_t kLargestDatagram = MessageBatch::kRoom;
-  static constexpr std::size_t kLongestChannel = 63;  ///< LCM's own limit
+  static constexpr std::size_t kLargestDatagram = 1500;
 
   /// Joins the bus's group.
+  /// @param runs  as of each batch
   /// @throws std::system_error
-  explicit MessageSocket(const BusAddress& bus);
+  MessageSocket(const BusAddress& bus, Runs runs);
   ~MessageSocket();
   MessageSocket(const MessageSocket&) = delete;
   MessageSocket& operator=(const MessageSocket&) = delete;
 
   /// Leaves messages on other channels in the kernel, where they cost a tenth: a node need not wake up for
   /// each block of all others.  Counts them as dropped().  Where the filter is too long for the kernel, all
-  /// is left to the reader.
+  /// is left to the reader, as are whole runs: their first message does not tell what else is in them.
   /// @throws std::system_error
   void hear_only(std::span<const Channels> channels);
 
@@ -95,13 +110,15 @@ class MessageSocket {
   /// @throws std::system_error
   bool receive(MessageBatch& into);
 
-  /// Datagrams that were no message, and those that found the receive buffer full.
+  /// Datagrams that were no message, and those that found the receive buffer full, a whole run as one.
   std::int64_t dropped() const;
 
  private:
   void read(MessageBatch& into, std::size_t datagram);
+  void read(MessageBatch& into, std::span<const std::uint8_t> message);
 
   int socket_;
+  Runs runs_;
   std::atomic<std::int64_t> refused_ = 0;  ///< asked for by another thread than that which receives
 };
 

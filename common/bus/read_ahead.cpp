@@ -1,6 +1,5 @@
 #include "common/bus/read_ahead.hpp"
 
-#include <algorithm>
 #include <utility>
 
 namespace roadbalance {
@@ -13,9 +12,7 @@ constexpr milliseconds kFullAgain{5};  // and no room: the socket holds what com
 }  // namespace
 
 ReadAhead::ReadAhead(MessageSocket& socket, std::size_t most_bytes)
-    : socket_(socket),
-      most_batches_(std::max<std::size_t>(1, most_bytes / sizeof(MessageBatch))),
-      thread_([this](std::stop_token stop) { read(stop); }) {}
+    : socket_(socket), most_bytes_(most_bytes), thread_([this](std::stop_token stop) { read(stop); }) {}
 
 bool ReadAhead::swap(std::unique_ptr<MessageBatch>& handled, milliseconds timeout) {
   handled->clear();
@@ -27,6 +24,7 @@ bool ReadAhead::swap(std::unique_ptr<MessageBatch>& handled, milliseconds timeou
   }
   spare_ = std::exchange(handled, std::move(waiting_.front()));
   waiting_.pop_front();
+  held_bytes_ -= handled->held_bytes();
   return true;
 }
 
@@ -44,11 +42,13 @@ void ReadAhead::read(std::stop_token stop) {
 /// False if there is no room for it.
 bool ReadAhead::take_what_came() {
   const std::lock_guard lock(mutex_);
-  if (waiting_.empty() || waiting_.back()->full()) {
-    if (waiting_.size() >= most_batches_) return false;
-    waiting_.push_back(spare_ ? std::move(spare_) : std::make_unique<MessageBatch>());
-  }
-  (void)socket_.receive(*waiting_.back());
+  if (held_bytes_ >= most_bytes_) return false;
+  if (waiting_.empty() || waiting_.back()->full())
+    waiting_.push_back(spare_ ? std::move(spare_) : std::make_unique<MessageBatch>(kRuns));
+  MessageBatch& last = *waiting_.back();
+  held_bytes_ -= last.held_bytes();
+  (void)socket_.receive(last);
+  held_bytes_ += last.held_bytes();
   came_.notify_one();
   return true;
 }

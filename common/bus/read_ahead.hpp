@@ -17,7 +17,11 @@ namespace roadbalance {
 /// A thread that empties a socket for somebody who may be busy for longer than it can hold.
 class ReadAhead {
  public:
-  /// @param most_bytes  that it holds; what comes beyond them waits in the socket
+  static constexpr Runs kRuns = Runs::kWhole;  ///< of the socket and of batches
+
+  /// @param most_bytes  that what it holds takes, a page for each datagram at least; what comes beyond them
+  /// waits in the
+  ///                    socket
   ReadAhead(MessageSocket& socket, std::size_t most_bytes);
 
   /// Gives what came first for a batch that has been handled, once there is some.  False if there was none
@@ -30,10 +34,11 @@ class ReadAhead {
   bool take_what_came();
 
   MessageSocket& socket_;
-  const std::size_t most_batches_;
+  const std::size_t most_bytes_;
   std::mutex mutex_;
   std::condition_variable came_;
   std::deque<std::unique_ptr<MessageBatch>> waiting_;
+  std::size_t held_bytes_ = 0;  ///< by those that wait
   std::unique_ptr<MessageBatch> spare_;
   std::exception_ptr failure_;
   std::jthread thread_;  ///< last: it uses the others

@@ -18,16 +18,19 @@ TEST(BusRoute, AnAddressIsReadAsLcmReadsIt) {
   ASSERT_TRUE(whole);
   EXPECT_EQ(whole->group, 0xEF010203U);
   EXPECT_EQ(whole->port, 4711);
+  EXPECT_EQ(whole->ttl, 1);
   EXPECT_EQ(whole->receive_buffer, 1'000'000);
   for (const char* defaults : {"udpm://", "udpm://?ttl=0", "udpm://239.255.76.67", "udpm://:7667"}) {
     const auto bus = bus_address(defaults);
     ASSERT_TRUE(bus) << defaults;
     EXPECT_EQ(bus->group, 0xEFFF4C43U) << defaults;
     EXPECT_EQ(bus->port, 7667) << defaults;
+    EXPECT_EQ(bus->ttl, 0) << defaults;
     EXPECT_EQ(bus->receive_buffer, 0) << defaults;
   }
   for (const char* none : {"", "memq://", "udpm://nowhere:1", "udpm://239.1.2.3:port",
-                           "udpm://239.1.2.3:99999", "udpm://239.1.2.3?recv_buf_size=much"})
+                           "udpm://239.1.2.3:99999", "udpm://239.1.2.3?recv_buf_size=much",
+                           "udpm://239.1.2.3?ttl=far", "udpm://239.1.2.3?ttl=256", "udpm://239.1.2.3?ttl=-1"})
     EXPECT_FALSE(bus_address(none)) << none;
 }
 
