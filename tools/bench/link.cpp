@@ -60,8 +60,10 @@ class Link {
     }
     now_ += 20ms;
     beat();
+    node_.gather(channel_);
     for (const std::int64_t sequence : sender_.due(now_))
       if (const SealedBlock* block = backlog_.get(sequence)) node_.publish(channel_, block->bytes());
+    if (node_.send_gathered() != 0) throw std::runtime_error("a block was not sent");
     while (delivered_.size() < static_cast<std::size_t>(blocks))
       if (recorder_.handle(1s) == 0) throw std::runtime_error("a block was lost on loopback");
     receiver_.durable(1, kEpoch, ring_.next() - 1);
@@ -87,7 +89,7 @@ class Link {
   }
 
   const std::string url_ = bus_url_on_port(process_port()), channel_ = block_channel(1, BlockKind::kScan);
-  Bus node_{url_}, recorder_{url_};
+  Bus node_{url_, {.heeds_nodes = false}}, recorder_{url_, {.hears_all = true}};
   WallTime now_{std::chrono::hours(1)};
   Ring ring_{16 << 20};
   Backlog backlog_{ring_};

@@ -22,7 +22,7 @@ def chain(drive):
 
 
 def share_of_core(drive):
-    return sum(each.cpu_s for each in least_of(2, drive).values()) / drive.seconds
+    return sum(each.cpu_s for each in least_of(5, drive).values()) / drive.seconds
 
 
 def fast(drive):
