@@ -84,6 +84,9 @@ UdpAddress address_towards(const UdpAddress& destination) {
   if (::connect(descriptor, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0)
     own = local_address(descriptor);
   ::close(descriptor);
+  // That of the loopback is of no use to others, so that the kernel takes none for multicast, which could go
+  // to them.
+  if (own.port != 0 && own.address == INADDR_ANY) own.address = INADDR_LOOPBACK;
   return own;
 }
 

@@ -19,7 +19,8 @@ struct UdpAddress {
   bool operator==(const UdpAddress&) const = default;
 };
 
-/// This machine's own address on the way to `destination`; address 0 if there is no way.  Nothing is sent.
+/// This machine's own address on the way to `destination`; address 0 if there is no way.  Of a machine without
+/// a network, whose way leads to itself, 127.0.0.1.  Nothing is sent.
 UdpAddress address_towards(const UdpAddress& destination);
 
 /// An instant at which a datagram passed.

@@ -50,6 +50,8 @@ struct Survey {
     std::int64_t exchanges = 0;  // recorded
     std::optional<ClockFit> last;
     std::optional<std::int64_t> begins_us, ends_us;  // UTC of blocks placed by it
+
+    bool is_known() const { return last && last->state != ClockState::kAcquire; }
   };
   /// How well the wheel on a line is known by what its blocks say.
   struct Angle {
@@ -156,8 +158,8 @@ Json info_json(const Survey& found, const Verification& result, const Described&
                       {"epoch", key.second},
                       {"fits", clock.fits},
                       {"exchanges", clock.exchanges},
-                      {"drift", clock.last ? clock.last->drift : 0.0},
-                      {"uncertainty_s", clock.last ? clock.last->uncertainty_s : 0.0},
+                      {"drift", clock.is_known() ? Json(clock.last->drift) : Json()},
+                      {"uncertainty_s", clock.is_known() ? Json(clock.last->uncertainty_s) : Json()},
                       {"breaks", clock.last ? clock.last->breaks : 0},
                       {"begins_us", clock.begins_us ? Json(*clock.begins_us) : Json()},
                       {"ends_us", clock.ends_us ? Json(*clock.ends_us) : Json()}});
@@ -202,7 +204,11 @@ void print_info(const Survey& found, const Verification& result, const Described
       ++line;
     }
     const auto clock = found.clock.find({epoch.node, epoch.epoch});
-    if (clock != found.clock.end() && clock->second.last)
+    if (clock != found.clock.end() && clock->second.last && !clock->second.is_known())
+      std::printf("  clock: not known: %lld answers, %lld questions without\n",
+                  static_cast<long long>(clock->second.last->exchanges),
+                  static_cast<long long>(clock->second.last->unanswered));
+    else if (clock != found.clock.end() && clock->second.last)
       std::printf("  clock: %lld fits, drift %.2f ppm, last uncertainty %.1f us, %lld breaks\n",
                   static_cast<long long>(clock->second.fits), clock->second.last->drift * 1e6,
                   clock->second.last->uncertainty_s * 1e6,

@@ -7,6 +7,7 @@ import type {Wish} from "./plot_ask";
 import {Choice, ChannelsChoice} from "./plot_choice";
 import {Figure, kColours, type Curve} from "./plot_figure";
 import {curvesTable} from "./plot_save";
+import {ClockState} from "./wire";
 
 const kSpans = {"2": "2 s", "10": "10 s", "30": "30 s", "60": "60 s"} as const;
 /** More than a screen has columns nobody sees. */
@@ -15,7 +16,7 @@ const kMostColumns = 1000;
 /** Host clock of an instant of a node's, ns; nothing as long as the clocks are not known. */
 export function hostNs(car: Car, node: number, node_ns: number): number | undefined {
   const fit = car.clocks.get(node)?.message;
-  return fit && fit.number > 0 ? fit.host_ns + (node_ns - fit.node_ns) / (1 + fit.drift) : undefined;
+  return fit && fit.state !== ClockState.Acquire ? fit.host_ns + (node_ns - fit.node_ns) / (1 + fit.drift) : undefined;
 }
 
 export class TimePlot implements Plot {

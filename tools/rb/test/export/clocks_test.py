@@ -205,6 +205,15 @@ class Clocks(Exports):
         self.assertAlmostEqual(jumps[0], 2 + 1 / 2000, places=7)
         self.assertGreater(said["pulses_left_out"], 0)
 
+    def test_info_says_which_clock_was_never_known(self):
+        folder = self.root / "clocks"
+        shutil.copytree(self.made, folder)
+        insert(folder, {0: [fit(folder, 1, 10**9, 0, 0.0, state=0), fit(folder, 2, HOST_NS, 0, DRIFT[2])]})
+        self.assertIn("  clock: not known: 10 answers, 0 questions without\n", rb("info", folder).stdout)
+        told = {clock["node"]: clock for clock in json.loads(rb("info", folder, "--json").stdout)["clocks"]}
+        self.assertEqual([told[1]["drift"], told[1]["uncertainty_s"]], [None, None])
+        self.assertEqual([told[2]["drift"], told[2]["uncertainty_s"]], [DRIFT[2], 1e-5])
+
     def tearDown(self):
         shutil.rmtree(self.root / "clocks", ignore_errors=True)
 
