@@ -5,7 +5,6 @@
 #include <optional>
 #include <thread>
 
-#include "common/bus/message_format.hpp"
 #include "common/bus/recorder_status.hpp"
 #include "common/frontend/lasting_reason.hpp"
 
@@ -21,7 +20,7 @@ constexpr auto kFarewell = 1s;  // told to stop, how long the owner may take to 
 }  // namespace
 
 std::unique_ptr<Bus> open_node_bus(const std::string& url, std::int32_t node, NodeLink& link) {
-  auto bus = std::make_unique<Bus>(url, Bus::Options{.heeds_nodes = false});
+  auto bus = std::make_unique<Bus>(url);
   const auto take = [&link](std::string_view channel, std::span<const std::uint8_t> bytes) {
     link.take(channel, bytes, WallClock::now());
   };
@@ -55,7 +54,7 @@ void uplink(std::stop_token stop, const std::function<std::unique_ptr<Bus>()>& o
     }
     bool busy = false;
     if (bus) {
-      bus->gather(std::string(kBlockChannels));
+      bus->gather(kBlockChannels);
       busy = link.turn(now, publish);
       link.count_unsent(bus->send_gathered());
     }

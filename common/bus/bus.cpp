@@ -74,7 +74,8 @@ std::string block_channel(int node, BlockKind kind) {
   // Each block's is asked for several times: written in place, which is three times as fast as adding
   // strings.
   std::array<char, 32> name{};
-  char* end = std::copy(kBlockChannels.begin(), kBlockChannels.end(), name.data());
+  constexpr std::string_view kBeginning = kBlockChannels;
+  char* end = std::copy(kBeginning.begin(), kBeginning.end(), name.data());
   end = std::to_chars(end, name.data() + name.size(), node).ptr;
   *end++ = '_';
   const std::string_view of_kind = name_of(kind);
@@ -117,13 +118,15 @@ struct Bus::State {
   };
 
   std::string url;
+  std::optional<BusAddress> address;  ///< nothing if it is no bus over UDP
   Options options;
   lcm_t* lcm = nullptr;  ///< sends
   std::vector<Subscription> subscriptions;
-  std::optional<MessageSocket> socket;  ///< opened for the first subscription
+  std::optional<MessageSocket> socket;  ///< opened for the first subscription, as are the next two
+  std::optional<MessageBatch> batch;    ///< being handled, of who does not read ahead
+  std::unique_ptr<HeldMessages> held;   ///< the same, of who does
   std::optional<ReadAhead> ahead;       ///< begun by the first handle()
   bool listening = false;               ///< begun by the first handle()
-  std::unique_ptr<MessageBatch> batch;  ///< being handled
   OtherWire other_wire;
   std::optional<std::string> gathered;  ///< what channels begin with whose messages wait
   std::optional<MessageRun> run;        ///< those that wait; opened for the first
@@ -133,27 +136,32 @@ struct Bus::State {
     if (lcm) lcm_destroy(lcm);
   }
 
-  Runs runs() const {
-    if (options.ahead_bytes > 0) return ReadAhead::kRuns;
-    return !options.heeds_nodes ? Runs::kNoBlocks : options.hears_all ? Runs::kWhole : Runs::kCut;
+  /// Over a network those who want some of it would have to look at all of it.
+  Runs runs() const { return options.hears_all || address->ttl == 0 ? Runs::kWhole : Runs::kCut; }
+
+  void open_socket() {
+    socket.emplace(*address, runs());
+    if (options.ahead_bytes > 0)
+      held = std::make_unique<HeldMessages>();
+    else
+      batch.emplace(socket->runs());
   }
+
+  Messages& waiting() { return held ? static_cast<Messages&>(*held) : *batch; }
+  /// Whether more may have come together with those.
+  bool more_behind() const { return held || batch->full(); }
 
   bool publish(const std::string& channel, std::span<const std::uint8_t> bytes) {
     return bytes.size() <= std::numeric_limits<unsigned>::max() &&
            lcm_publish(lcm, channel.c_str(), bytes.data(), static_cast<unsigned>(bytes.size())) == 0;
   }
 
-  /// One goes as any message does.
   void send_run() {
-    if (!run) return;
-    if (run->size() < 2 || !run->send())
-      for (std::size_t k = 0; k < run->size(); ++k)
-        unsent += publish(run->channel(), run->message(k)) ? 0 : 1;
-    run->clear();
+    if (run) unsent += run->send();
   }
 
   /// True if somebody here has subscribed to it.
-  bool hand_on(const MessageBatch::Message& message) {
+  bool hand_on(const Message& message) {
     bool wanted = false;
     for (Subscription& one : subscriptions) {
       if (!one.channels.has(message.channel)) continue;
@@ -172,12 +180,13 @@ struct Bus::State {
     socket->hear_only(all);
   }
 
-  /// Fills the batch, all of which has been handled, with what comes within `timeout`; false if nothing did.
+  /// In place of what waited, all of which has been handled, what comes within `timeout`; false if nothing
+  /// did.
   bool receive(std::chrono::milliseconds timeout) {
     if (!std::exchange(listening, true) && !options.hears_all) hear_only_subscribed();
-    if (options.ahead_bytes > 0) {
+    if (held) {
       if (!ahead) ahead.emplace(*socket, options.ahead_bytes);
-      return ahead->swap(batch, timeout);
+      return ahead->swap(held, timeout);
     }
     batch->clear();
     return (timeout.count() == 0 || socket->wait(timeout)) && socket->receive(*batch);
@@ -186,8 +195,8 @@ struct Bus::State {
 
 Bus::Bus(const std::string& url, const Options& options) : state_(std::make_unique<State>()) {
   state_->url = url;
+  state_->address = bus_address(url);
   state_->options = options;
-  state_->batch = std::make_unique<MessageBatch>(state_->runs());
   errno = 0;
   state_->lcm = lcm_create(url.c_str());
   if (!state_->lcm) throw_no_bus(url, "open", errno);
@@ -197,10 +206,9 @@ Bus::~Bus() = default;
 
 void Bus::subscribe(const std::string& pattern, Handler handler) {
   const Channels channels(pattern);
-  const auto address = bus_address(state_->url);
-  if (!address) throw_no_bus(state_->url, "subscribe to " + pattern + " on", 0);
+  if (!state_->address) throw_no_bus(state_->url, "subscribe to " + pattern + " on", 0);
   try {
-    if (!state_->socket) state_->socket.emplace(*address, state_->runs());
+    if (!state_->socket) state_->open_socket();
   } catch (const std::system_error& error) {
     throw_no_bus(state_->url, "subscribe to " + pattern + " on", error.code().value());
   }
@@ -217,8 +225,11 @@ bool Bus::publish(const std::string& channel, std::span<const std::uint8_t> byte
 }
 
 void Bus::gather(std::string beginning) {
-  const auto address = bus_address(state_->url);
-  if (!state_->run && address) state_->run.emplace(*address);
+  try {
+    if (!state_->run && state_->address) state_->run.emplace(*state_->address);
+  } catch (const std::system_error&) {
+    // Until there is a socket for them, they go by LCM's.
+  }
   state_->gathered = std::move(beginning);
   state_->unsent = 0;
 }
@@ -250,9 +261,9 @@ int Bus::handle(std::chrono::milliseconds timeout) {
   const auto end = steady_clock::now() + timeout;
   int handled = 0, taken = 0;
   for (bool more = true; taken < kMostPerCall;) {
-    if (!state_->batch->empty()) {
+    if (!state_->waiting().empty()) {
       ++taken;
-      handled += state_->hand_on(state_->batch->take()) ? 1 : 0;
+      handled += state_->hand_on(state_->waiting().take()) ? 1 : 0;
       continue;
     }
     if (handled > 0 && !more) break;
@@ -262,7 +273,7 @@ int Bus::handle(std::chrono::milliseconds timeout) {
     } catch (const std::system_error& error) {
       throw_no_bus(state_->url, "receive from", error.code().value());
     }
-    more = state_->batch->full();
+    more = state_->more_behind();
   }
   return handled;
 }

@@ -17,6 +17,7 @@ namespace roadbalance {
 /// Names of LCM channels.  Blocks: "RB_BLOCK_<node>_<KIND>", e.g. RB_BLOCK_1_SCAN; control:
 /// RB_HEARTBEAT_<node>, RB_ACK_<node>, RB_COMMAND_<node>, RB_REPLY_<node>, RB_VEHICLE_<node>; preview:
 /// RB_PREVIEW_<node>; results: RB_LEVEL, RB_SPECTRUM, RB_IDENTIFICATION, RB_BALANCE.
+inline constexpr const char* kBlockChannels = "RB_BLOCK_";  ///< what those of all blocks begin with
 std::string block_channel(int node, BlockKind kind);
 std::string preview_channel(int node);
 std::string heartbeat_channel(int node);
@@ -42,8 +43,8 @@ inline constexpr const char* kMulticastRemedy = "ip link set lo up && ip route a
 
 /// One process's access to the bus.  Not shared between threads: each process owns its own.
 ///
-/// Sends by LCM, but for runs of messages (MessageRun), and receives what LCM sends as messages of one packet
-/// (see MessageSocket).  What waits to be handled waits in the socket's receive buffer.
+/// Sends by LCM, but for messages that are gathered (MessageRun), and receives what LCM sends as messages of
+/// one packet (MessageSocket).  What waits to be handled waits in the socket's receive buffer.
 class Bus {
  public:
   struct Options {
@@ -53,8 +54,6 @@ class Bus {
     /// A thread empties the socket meanwhile, for those who may be busy for longer than the socket can hold,
     /// and keeps up to so many bytes.
     std::size_t ahead_bytes = 0;
-    /// Wants nothing that nodes say, as nodes themselves: runs of blocks (gather) are thrown away unopened.
-    bool heeds_nodes = true;
   };
   using Handler = std::function<void(std::string_view channel, std::span<const std::uint8_t> bytes)>;
 
@@ -75,7 +74,8 @@ class Bus {
   bool publish(const std::string& channel, std::span<const std::uint8_t> bytes);
 
   /// From now on messages on channels that begin so wait for others like them, to be sent together where the
-  /// computer knows how (MessageRun); publish() of one that waits gives true.
+  /// computer knows how (MessageRun); publish() of one that waits gives true.  What still waits when the bus
+  /// goes is not sent.
   void gather(std::string beginning);
   /// Sends those that wait, and lets none wait any more.  Returns how many, since gather(), could not be
   /// sent.

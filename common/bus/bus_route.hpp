@@ -14,8 +14,8 @@ struct BusAddress {
   int receive_buffer = 0;  ///< bytes that its sockets ask for; 0: what the kernel gives
 };
 
-/// "udpm://GROUP:PORT?ttl=N&recv_buf_size=N", each part of which may be missing, as LCM reads it; nothing if
-/// it is no such address.
+/// "udpm://GROUP:PORT?ttl=N&recv_buf_size=N", each part of which may be missing, as LCM reads it, but for
+/// numbers that are not decimal; nothing if it is no such address.
 std::optional<BusAddress> bus_address(const std::string& url);
 
 /// This machine's own IPv4 address on the way to an LCM bus, as a number: others on the bus reach it there.

@@ -11,7 +11,4 @@ inline constexpr std::string_view kMagicShort = "LC02";
 inline constexpr std::size_t kShortHeader = 8;      ///< magic and number
 inline constexpr std::size_t kLongestChannel = 63;  ///< LCM's own limit
 
-/// What the channels of all nodes' blocks begin with.
-inline constexpr std::string_view kBlockChannels = "RB_BLOCK_";
-
 }  // namespace roadbalance

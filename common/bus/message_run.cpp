@@ -4,9 +4,11 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
+#include <system_error>
+#include <utility>
 
 #include "common/bus/message_format.hpp"
 
@@ -14,7 +16,11 @@ namespace roadbalance {
 
 MessageRun::MessageRun(const BusAddress& bus) : socket_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
   const auto ttl = static_cast<unsigned char>(bus.ttl);
-  if (::setsockopt(socket_, IPPROTO_IP, IP_MULTICAST_TTL, &ttl, sizeof ttl) != 0) refused_ = 0;
+  if (socket_ < 0 || ::setsockopt(socket_, IPPROTO_IP, IP_MULTICAST_TTL, &ttl, sizeof ttl) != 0) {
+    const int error = errno;
+    if (socket_ >= 0) ::close(socket_);
+    throw std::system_error(error, std::generic_category(), "open a socket for runs of messages");
+  }
   group_.sin_family = AF_INET;
   group_.sin_port = htons(bus.port);
   group_.sin_addr.s_addr = htonl(bus.group);
@@ -22,7 +28,7 @@ MessageRun::MessageRun(const BusAddress& bus) : socket_(::socket(AF_INET, SOCK_D
 }
 
 MessageRun::~MessageRun() {
-  if (socket_ >= 0) ::close(socket_);
+  ::close(socket_);
 }
 
 bool MessageRun::add(const std::string& channel, std::span<const std::uint8_t> bytes) {
@@ -49,11 +55,15 @@ bool MessageRun::add(const std::string& channel, std::span<const std::uint8_t> b
   return true;
 }
 
-std::span<const std::uint8_t> MessageRun::message(std::size_t k) const {
-  return std::span(bytes_).subspan(k * datagram() + header_, length_);
+std::size_t MessageRun::send() {
+  const std::size_t waiting = std::exchange(messages_, 0);
+  if (waiting > 1 && send_together()) return 0;
+  std::size_t unsent = 0;
+  for (std::size_t k = 0; k < waiting; ++k) unsent += send_one(k) ? 0 : 1;
+  return unsent;
 }
 
-bool MessageRun::send() {
+bool MessageRun::send_together() {
   if (datagram() >= refused_) return false;
   iovec all{bytes_.data(), bytes_.size()};
   alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(std::uint16_t))> control{};
@@ -75,6 +85,12 @@ bool MessageRun::send() {
   if (errno == EMSGSIZE || errno == EINVAL || errno == EIO || errno == ENOPROTOOPT || errno == EOPNOTSUPP)
     refused_ = datagram();
   return false;
+}
+
+/// By the same socket, so that the network keeps their order.
+bool MessageRun::send_one(std::size_t k) {
+  return ::sendto(socket_, &bytes_[k * datagram()], datagram(), 0, reinterpret_cast<const sockaddr*>(&group_),
+                  sizeof group_) == static_cast<ssize_t>(datagram());
 }
 
 }  // namespace roadbalance

@@ -2,7 +2,6 @@
 
 #include <netinet/in.h>
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -21,6 +20,7 @@ namespace roadbalance {
 /// 0.2.
 class MessageRun {
  public:
+  /// @throws std::system_error if there is no socket for it
   explicit MessageRun(const BusAddress& bus);
   ~MessageRun();
   MessageRun(const MessageRun&) = delete;
@@ -30,20 +30,19 @@ class MessageRun {
   bool add(const std::string& channel, std::span<const std::uint8_t> bytes);
 
   std::size_t size() const { return messages_; }
-  const std::string& channel() const { return channel_; }
-  /// One that waits.
-  std::span<const std::uint8_t> message(std::size_t k) const;
 
-  /// All that wait, or none: false if this computer does not send them so, e.g. over a network whose
-  /// datagrams are smaller.  It is not asked again for messages as long.
-  bool send();
-  void clear() { messages_ = 0; }
+  /// Sends all that wait: by one call, or one by one where the computer does not send them so, e.g. over a
+  /// network whose datagrams are smaller; it is not asked again for messages as long.  Returns how many could
+  /// not be sent; none waits any more.
+  std::size_t send();
 
  private:
   static constexpr std::size_t kMost = 64;      // that the kernel takes
   static constexpr std::size_t kRoom = 65'507;  // of a datagram over IPv4
 
   std::size_t datagram() const { return header_ + length_; }
+  bool send_together();
+  bool send_one(std::size_t k);
 
   int socket_;
   sockaddr_in group_{};

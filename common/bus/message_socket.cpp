@@ -1,6 +1,7 @@
 #include "common/bus/message_socket.hpp"
 
 #include <linux/filter.h>
+#include <linux/if_packet.h>
 #include <linux/sock_diag.h>
 #include <netinet/udp.h>
 #include <poll.h>
@@ -51,23 +52,12 @@ void pass_if(std::string_view bytes, std::uint32_t at, std::vector<sock_filter>&
   program.insert(program.end(), test.begin(), test.end());
 }
 
-/// Of whole runs: rejects those that begin so, passes all others.  Of no bytes passes all.
-std::vector<sock_filter> reject_runs_of(std::string_view bytes) {
-  std::uint32_t at = kUdpHeader + kShortHeader;
-  const bool none = bytes.empty();
-  std::vector<sock_filter> program{
-      BPF_STMT(BPF_LD | BPF_W | BPF_LEN, 0),
-      BPF_JUMP(BPF_JMP | BPF_JGT | BPF_K, kUdpHeader + MessageSocket::kLargestDatagram, 0, 0)};
-  for (; !bytes.empty(); ++at, bytes.remove_prefix(1)) {
-    program.push_back(load(1, at));
-    program.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint8_t>(bytes.front()), 0, 0));
-  }
-  const std::size_t passes = program.size() + (none ? 0 : 1);
-  if (!none) program.push_back(BPF_STMT(BPF_RET | BPF_K, 0));
+/// Passes what has come over a network.
+void pass_from_afar(std::vector<sock_filter>& program) {
+  program.push_back(
+      BPF_STMT(BPF_LD | BPF_B | BPF_ABS, static_cast<std::uint32_t>(SKF_AD_OFF + SKF_AD_PKTTYPE)));
+  program.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, PACKET_MULTICAST, 0, 1));
   program.push_back(BPF_STMT(BPF_RET | BPF_K, 0xFFFFFFFF));
-  program[1].jf = static_cast<std::uint8_t>(program.size() - 2);
-  for (std::size_t k = 3; k + 1 < passes; k += 2) program[k].jf = static_cast<std::uint8_t>(passes - k - 1);
-  return program;
 }
 
 }  // namespace
@@ -93,11 +83,6 @@ MessageBatch::MessageBatch(Runs runs)
   messages_.reserve(places_.size());
 }
 
-void MessageBatch::clear() {
-  datagrams_ = taken_ = held_bytes_ = 0;
-  messages_.clear();
-}
-
 MessageSocket::MessageSocket(const BusAddress& bus, Runs runs)
     : socket_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)), runs_(runs) {
   if (socket_ < 0) throw_errno("open a socket");
@@ -115,7 +100,7 @@ MessageSocket::MessageSocket(const BusAddress& bus, Runs runs)
       ::bind(socket_, reinterpret_cast<const sockaddr*>(&group), sizeof group) == 0 &&
       ::setsockopt(socket_, IPPROTO_IP, IP_ADD_MEMBERSHIP, &member, sizeof member) == 0;
   const int whole = 1;  // a kernel that does not know them cuts them
-  if (open && runs != Runs::kCut && ::setsockopt(socket_, IPPROTO_UDP, UDP_GRO, &whole, sizeof whole) != 0)
+  if (open && runs == Runs::kWhole && ::setsockopt(socket_, IPPROTO_UDP, UDP_GRO, &whole, sizeof whole) != 0)
     runs_ = Runs::kCut;
   if (open) return;
   const int error = errno;
@@ -130,7 +115,7 @@ MessageSocket::~MessageSocket() {
 
 void MessageSocket::hear_only(std::span<const Channels> channels) {
   std::vector<sock_filter> program;
-  if (runs_ != Runs::kCut) program = reject_runs_of(runs_ == Runs::kNoBlocks ? kBlockChannels : "");
+  if (runs_ == Runs::kWhole) pass_from_afar(program);
   for (const Channels& some : channels) pass_if(some.first_bytes(), kUdpHeader + kShortHeader, program);
   program.push_back(BPF_STMT(BPF_RET | BPF_K, 0));
   if (program.size() > BPF_MAXINSNS) return;
@@ -158,9 +143,7 @@ bool MessageSocket::receive(MessageBatch& into) {
 
 /// One message, or of a run each.
 void MessageSocket::read(MessageBatch& into, std::size_t datagram) {
-  constexpr std::size_t kPage = 4096;
   mmsghdr& header = into.headers_[datagram];
-  into.held_bytes_ += (header.msg_len / kPage + 1) * kPage;
   std::span<const std::uint8_t> bytes(static_cast<const std::uint8_t*>(into.places_[datagram].iov_base),
                                       header.msg_len);
   if ((header.msg_hdr.msg_flags & MSG_TRUNC) != 0) {

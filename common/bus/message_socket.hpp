@@ -40,30 +40,44 @@ class Channels {
 /// How runs of messages (MessageRun), and what a network card has put together, come.  Cut into datagrams
 /// again they cost as much as if they had been sent one by one.
 enum class Runs {
-  kCut,      ///< as datagrams
-  kWhole,    ///< in one piece, whatever is in them
-  kNoBlocks  ///< in one piece, but not what begins with a node's block: for who wants nothing that nodes say
+  kCut,   ///< as datagrams
+  kWhole  ///< in one piece
+};
+
+struct Message {
+  std::string_view channel;
+  std::span<const std::uint8_t> bytes;
+};
+
+/// Messages that wait to be handled.
+class Messages {
+ public:
+  bool empty() const { return taken_ == messages_.size(); }
+  /// The oldest that has not been taken; valid until all are cleared.
+  Message take() { return messages_[taken_++]; }
+  void clear() {
+    messages_.clear();
+    taken_ = 0;
+  }
+
+ protected:
+  ~Messages() = default;
+  std::vector<Message> messages_;
+  std::size_t taken_ = 0;
 };
 
 /// Datagrams that came together, and the messages in them.
-class MessageBatch {
+class MessageBatch : public Messages {
  public:
-  struct Message {
-    std::string_view channel;
-    std::span<const std::uint8_t> bytes;
-  };
-
   explicit MessageBatch(Runs runs);
   MessageBatch(const MessageBatch&) = delete;
   MessageBatch& operator=(const MessageBatch&) = delete;
 
-  /// Memory that what came takes, in whole pages.
-  std::size_t held_bytes() const { return held_bytes_; }
   bool full() const { return datagrams_ == headers_.size(); }
-  bool empty() const { return taken_ == messages_.size(); }
-  /// The oldest that has not been taken; valid until clear().
-  Message take() { return messages_[taken_++]; }
-  void clear();
+  void clear() {
+    Messages::clear();
+    datagrams_ = 0;
+  }
 
  private:
   friend class MessageSocket;
@@ -75,8 +89,7 @@ class MessageBatch {
   std::vector<iovec> places_;
   std::vector<Control> controls_;  ///< what the kernel says of each
   std::vector<mmsghdr> headers_;
-  std::size_t datagrams_ = 0, taken_ = 0, held_bytes_ = 0;
-  std::vector<Message> messages_;
+  std::size_t datagrams_ = 0;
 };
 
 /// The receiving end of LCM over UDP multicast, for messages of one packet, which all of ours are.
@@ -91,7 +104,6 @@ class MessageSocket {
   static constexpr std::size_t kLargestDatagram = 1500;
 
   /// Joins the bus's group.
-  /// @param runs  as of each batch
   /// @throws std::system_error
   MessageSocket(const BusAddress& bus, Runs runs);
   ~MessageSocket();
@@ -99,11 +111,14 @@ class MessageSocket {
   MessageSocket& operator=(const MessageSocket&) = delete;
 
   /// Leaves messages on other channels in the kernel, where they cost a tenth: a node need not wake up for
-  /// each block of all others.  Counts them as dropped().  Where the filter is too long for the kernel, all
-  /// is left to the reader, as are whole runs: their first message does not tell what else is in them.
+  /// each block of all others.  Counts them as dropped().  A run is of one channel, its first message tells
+  /// whether it is wanted; but if runs come whole, what has come over a network is left to the reader, for
+  /// what a card has put together is of any.  So is everything where the filter is too long for the kernel.
   /// @throws std::system_error
   void hear_only(std::span<const Channels> channels);
 
+  /// As asked for, or kCut where the kernel gives no other: of what it takes into.
+  Runs runs() const { return runs_; }
   /// True once something has come.
   bool wait(std::chrono::milliseconds timeout) const;
   /// Takes what has come, as much as there is room for behind what the batch holds.  False if nothing has.

@@ -89,7 +89,7 @@ class Link {
   }
 
   const std::string url_ = bus_url_on_port(process_port()), channel_ = block_channel(1, BlockKind::kScan);
-  Bus node_{url_, {.heeds_nodes = false}}, recorder_{url_, {.hears_all = true}};
+  Bus node_{url_}, recorder_{url_, {.hears_all = true}};
   WallTime now_{std::chrono::hours(1)};
   Ring ring_{16 << 20};
   Backlog backlog_{ring_};

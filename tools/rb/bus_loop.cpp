@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/bus_route.hpp"
 #include "common/bus/node_number.hpp"
 #include "common/link/block.hpp"
 
@@ -95,8 +96,8 @@ Finding way_to(const BusLoop::Way& way, std::int64_t sent) {
 }
 
 bool stays_on_machine(const std::string& url) {
-  const auto ttl = url.find("ttl=");
-  return ttl == std::string::npos || url.compare(ttl, 5, "ttl=0") == 0;
+  const auto bus = bus_address(url);
+  return bus && bus->ttl == 0;
 }
 
 Finding nodes_heard(const BusLoop& loop, const std::string& url) {

@@ -65,7 +65,7 @@ TEST(Bus, KeepsMoreThanLcmsThirtyMessagesWhileNobodyReads) {
 }
 
 TEST(Bus, ReadingAheadKeepsMoreThanTheSocketHolds) {
-  expect_all_of(20'000, {.ahead_bytes = 128 << 20});  // a page each
+  expect_all_of(20'000, {.ahead_bytes = 64 << 20});
 }
 
 TEST(Bus, WhatComesBehindAMessageWhoseHandlerThrowsIsNotLost) {

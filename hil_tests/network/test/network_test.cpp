@@ -4,7 +4,11 @@
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
 
+#include "common/bus/bus.hpp"
+#include "common/bus/bus_route.hpp"
 #include "hil_tests/measurement.hpp"
 #include "hil_tests/network/three_hosts.hpp"
 
@@ -45,6 +49,26 @@ class Network : protected test::ThreeHosts, public test::Measurement {
     }
   }
 };
+
+// What a card puts together may begin with somebody else's message: who takes runs whole, as those on a bus
+// that stays on its computer do, may not judge what comes from elsewhere by its beginning.
+TEST_F(Network, AFilterForRunsLeavesWhatComesOverTheCableToTheReader) {
+  for (const auto& [where, left_outside] :
+       {std::pair(std::string(test::kNetworkUrl), 3), std::pair(bus_url_on_port(BusAddress{}.port), 0)}) {
+    Bus hearer(where);
+    int heard = 0;
+    hearer.subscribe("LAST", [&heard](std::string_view, auto) { ++heard; });
+    EXPECT_EQ(hearer.handle(std::chrono::milliseconds(0)), 0);  // listens from now on
+    hosts->on(1, [] {
+      Bus sender(test::kNetworkUrl);
+      for (const char* channel : {"RB_ACK_1", "RB_BLOCK_2_SCAN", "OTHER", "LAST"})
+        EXPECT_TRUE(sender.publish(channel, std::vector<std::uint8_t>(100)));
+      return 0;
+    });
+    while (heard == 0) ASSERT_GT(hearer.handle(std::chrono::seconds(5)), 0);
+    EXPECT_EQ(hearer.dropped(), left_outside) << where;
+  }
+}
 
 // What stands in the way of two computers is found before the drive.
 TEST_F(Network, TheDoctorProvesTheWayToEveryHostByALoopOfMessages) {
