@@ -14,9 +14,10 @@ struct alignas(64) BinLane {
 
 /// Real and imaginary parts of a transform's lines apart: the real parts of the first eight bins, their
 /// imaginary parts, the next eight.
+/// @param lanes  [2 ceil(count / 8)], of the last two only the places of lines
 void part_lines(const std::complex<double>* lines, std::size_t count, BinLane* lanes);
 
-inline constexpr int kPairsTogether = 16;
+inline constexpr int kPairsTogether = 16;  ///< lines k and M - k of two whole lanes
 
 /// The lines X of N = 2 M real samples, parted as part_lines() does, from the transform Z of the same samples
 /// taken two by two as M complex numbers, which costs less than a transform of real ones: with u[k] = -j/2

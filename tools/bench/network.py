@@ -9,16 +9,16 @@ WITH_ROUTE = 'ip link set lo up && ip route add 224.0.0.0/4 dev lo && exec "$@"'
 
 
 def own():
-    """Starts this program again in such a network: what a datagram costs, and how long one may be, else depends on the
-    card that the route to the bus leads over, though nothing leaves it. False where the kernel does not allow it."""
+    """Starts this program again in such a network, where the kernel allows it: what a datagram costs, and how long one
+    may be, else depends on the card that the route to the bus leads over, though nothing leaves it."""
     if os.environ.get(IN_IT):
-        return True
+        return
     alone = ["unshare", "-Urn", "sh", "-c", WITH_ROUTE, "sh"]
     try:
         if subprocess.run([*alone, "true"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode != 0:
-            return False
+            return
     except OSError:
-        return False
+        return
     os.environ[IN_IT] = "1"
     sys.stdout.flush()
     os.execvp(alone[0], [*alone, sys.executable, *sys.argv])

@@ -1,5 +1,6 @@
 """Rows of whole programs, on a drive that is recorded for them."""
 
+import functools
 import json
 import os
 import pathlib
@@ -21,6 +22,7 @@ def chain(drive):
     yield Row(name, 1e3 * everything, "ms/s", "of a core's second", 1e3, 1 / everything, ">=", 40.0)
 
 
+@functools.cache
 def share_of_core(drive):
     return sum(each.cpu_s for each in least_of(5, drive).values()) / drive.seconds
 
