@@ -221,7 +221,7 @@ void RecordWriter::set_preamble(std::vector<std::pair<std::string, std::vector<s
 void RecordWriter::append(std::string_view channel, std::span<const std::uint8_t> data,
                           std::int64_t timestamp_us) {
   SealedBlock block;
-  if (channel.starts_with("RB_BLOCK_") && accept(data, block) == Refusal::kNone)
+  if (channel.starts_with(kBlockChannels) && accept(data, block) == Refusal::kNone)
     append(block, timestamp_us);
   else
     state_->append_other(channel, data, timestamp_us);

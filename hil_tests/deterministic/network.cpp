@@ -42,7 +42,7 @@ void Network::arrive(Event::Kind kind, std::size_t who, std::uint32_t datagram, 
 
 void Network::from_node(std::size_t node, const std::string& channel, std::span<const std::uint8_t> bytes,
                         std::int64_t now_ns) {
-  if (channel.starts_with("RB_BLOCK_"))
+  if (channel.starts_with(kBlockChannels))
     ++blocks_sent_;
   else if (channel.starts_with("RB_PREVIEW_"))
     return;  // no recorder listens

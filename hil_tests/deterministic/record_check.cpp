@@ -34,7 +34,7 @@ void RecordCheck::declared(std::int32_t node, std::int64_t epoch, std::int64_t s
 
 void RecordCheck::take(std::string_view channel, std::span<const std::uint8_t> bytes,
                        const std::string& recording) {
-  if (!channel.starts_with("RB_BLOCK_")) return;
+  if (!channel.starts_with(kBlockChannels)) return;
   if (accept(bytes, block_) != Refusal::kNone) return truth_.fault("a block in the record is not good");
   const BlockHeader& header = block_.header;
   if (channel != block_channel(header.node, block_.kind)) return fault(header, "is on a foreign channel");

@@ -42,7 +42,7 @@ class Excerpt {
     record_.at(event.timestamp_us);
     clocks_.take(event);
     const auto fit = recorded_clocks_.take(event.channel, event.data);
-    if (event.channel.starts_with("RB_BLOCK_")) return take_block(event);
+    if (event.channel.starts_with(kBlockChannels)) return take_block(event);
     if (event.channel == kJournalChannel) return take_journal(event);
     if (event.channel == kNoteChannel) return take_note(event);
     if (fit) return put_for_all(*fit, clock_fit_channel(fit->node));

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
 #include "common/config/section.hpp"
 #include "common/record/record.hpp"
@@ -38,7 +39,7 @@ class Judge {
 
   void take(const LogEvent& event) {
     clocks_.take(event);
-    if (!event.channel.starts_with("RB_BLOCK_") || accept(event.data, *block_) != Refusal::kNone) return;
+    if (!event.channel.starts_with(kBlockChannels) || accept(event.data, *block_) != Refusal::kNone) return;
     in_sequence_.add(*block_, [&](const SealedBlock& block) { take(block); });
   }
 

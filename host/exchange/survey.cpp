@@ -6,6 +6,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
 #include "common/record/record.hpp"
 #include "host/analyser/in_sequence.hpp"
@@ -23,7 +24,7 @@ class Surveyor {
   explicit Surveyor(RecordingSurvey& found) : found_(found) {}
 
   void take(const LogEvent& event) {
-    if (event.channel.starts_with("RB_BLOCK_")) return take_block(event);
+    if (event.channel.starts_with(kBlockChannels)) return take_block(event);
     if (const auto fit = clocks_.take(event.channel, event.data)) take_fit(*fit);
     if (event.channel != kNoteChannel) return;
     const auto note = decode_note(event.data);

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
 #include "common/record/file.hpp"
 #include "common/record/folder.hpp"
@@ -158,7 +159,7 @@ void RecordKeeper::hold_anew(std::size_t first) {
     const HeldEvents::Event event = before.at(i);
     if (event.channel == kJournalChannel) continue;
     held_.push(event.channel, event.data, event.timestamp_us);
-    if (event.channel.starts_with("RB_BLOCK_") && accept(event.data, block) == Refusal::kNone)
+    if (event.channel.starts_with(kBlockChannels) && accept(event.data, block) == Refusal::kNone)
       journal_.add(block);
   }
   written_ = 0;

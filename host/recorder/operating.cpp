@@ -93,7 +93,7 @@ void Operating::take(std::string_view channel, std::span<const std::uint8_t> byt
   } else if (set_up_ && channel.starts_with("RB_PREVIEW_")) {
     if (accept(bytes, block_) == Refusal::kNone && block_.kind == BlockKind::kScan)
       set_up_->take(decode_scan(block_), time.now);
-  } else if (mark_readings_.listens() && channel.starts_with("RB_BLOCK_")) {
+  } else if (mark_readings_.listens() && channel.starts_with(kBlockChannels)) {
     if (accept(bytes, block_) == Refusal::kNone) mark_readings_.take(block_, time.now);
   }
 }

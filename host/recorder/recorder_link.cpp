@@ -30,7 +30,7 @@ RecorderLink::RecorderLink(RecorderLinkOptions options, std::int64_t incarnation
 }
 
 void RecorderLink::take(std::string_view channel, std::span<const std::uint8_t> bytes, WallTime now) {
-  if (channel.starts_with("RB_BLOCK_")) return on_block(bytes, now);
+  if (channel.starts_with(kBlockChannels)) return on_block(bytes, now);
   if (channel.starts_with("RB_HEARTBEAT_")) return on_heartbeat(bytes, now);
   if (channel.starts_with("RB_REPLY_")) return on_reply(bytes);
 }

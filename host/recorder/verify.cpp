@@ -126,7 +126,7 @@ void read(const std::filesystem::path& folder, RecordReader& reader, Disk& disk,
       check_index(folder, std::exchange(segment, reader.segment()), state, disk, reading.result);
     ++reading.result.events;
     check_header(reader, folder, *event, reading);
-    if (event->channel.starts_with("RB_BLOCK_"))
+    if (event->channel.starts_with(kBlockChannels))
       take_block(reader, folder, *event, state, reading);
     else
       take_other(*event, reading);

@@ -8,6 +8,7 @@
 #include <string>
 #include <thread>
 
+#include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
 #include "common/frontend/pace.hpp"
 #include "common/record/record.hpp"
@@ -33,7 +34,7 @@ class DriveTime {
   /// Of an event, in seconds since the first sample; never a step back.
   double of(const LogEvent& event) {
     clocks_.take(event);
-    if (event.channel.starts_with("RB_BLOCK_") && accept(event.data, *block_) == Refusal::kNone &&
+    if (event.channel.starts_with(kBlockChannels) && accept(event.data, *block_) == Refusal::kNone &&
         block_->kind == BlockKind::kScan) {
       const NodeEpoch key{block_->header.node, block_->header.epoch};
       const EpochClock* clock = clocks_.of(key);

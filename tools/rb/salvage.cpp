@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
 #include "common/link/crc32c.hpp"
 #include "common/record/journal_tally.hpp"
@@ -46,7 +47,7 @@ bool speaks_of_segments(const Note& note) {
 
 bool goes_along(const LogEvent& event) {
   if (event.channel == kJournalChannel || event.channel == kCommitChannel) return false;
-  if (event.channel.starts_with("RB_BLOCK_") || !event.channel.starts_with("RB_")) return false;
+  if (event.channel.starts_with(kBlockChannels) || !event.channel.starts_with("RB_")) return false;
   if (!ends_with_its_crc(event.data)) return false;
   if (event.channel != kNoteChannel) return true;
   const auto note = decode_note(event.data);
@@ -102,7 +103,7 @@ class Salvage {
   }
 
   void plan_other(const LogEvent& event, const Place& place) {
-    if (event.channel.starts_with("RB_BLOCK_")) {
+    if (event.channel.starts_with(kBlockChannels)) {
       ++result_.blocks_altered;
       list_altered(event, place, "an altered block");
     } else if (event.channel.starts_with("RB_") && !ends_with_its_crc(event.data)) {
