@@ -125,7 +125,9 @@ TEST(Disk, HasRoomForALongDriveAndIsFast) {
 TEST(Disk, IsMeasuredWhereItIsAndLeavesNothing) {
   const test::TemporaryDirectory directory;
   const DiskMeasurement measured = measure_disk(directory.path() / "not" / "there");
-  EXPECT_EQ(measured.free_bytes, std::filesystem::space(directory.path()).available);
+  // Others write meanwhile, but less than what the file system keeps for root.
+  EXPECT_NEAR(static_cast<double>(measured.free_bytes),
+              static_cast<double>(std::filesystem::space(directory.path()).available), 1e9);
   EXPECT_GT(measured.worst_sync.count(), 0.0);
   EXPECT_TRUE(std::filesystem::is_empty(directory.path()));
 }
