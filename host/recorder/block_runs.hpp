@@ -62,7 +62,7 @@ class BlockRuns {
 
   static bool goes_on(const Run& run, const BlockEntry& entry);
   static std::int64_t last_sequence(const Run& run) {
-    return run.first.sequence + static_cast<std::int64_t>(run.blocks) - 1;
+    return run.first.sequence + static_cast<std::int64_t>(run.blocks - 1);
   }
   BlockEntry entry_of(const Run& run, std::size_t n) const;
   std::vector<std::size_t> by_first() const;
