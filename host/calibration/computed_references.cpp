@@ -9,25 +9,25 @@ ComputedReferences::ComputedReferences(const VehicleConfig& vehicle, const NodeC
     : node_(node.id), filter_(vehicle.filter, node.rate_hz), memory_(memory) {
   for (std::size_t line = 0; line < kEncoderLines; ++line) {
     const WheelConfig* const wheel = vehicle.wheel_at(node, static_cast<int>(line));
-    if (wheel && wheel->encoder.counter.empty()) wheel_[line] = wheel;
+    if (wheel && wheel->encoder.counter.empty()) encoder_[line] = wheel->encoder;
   }
 }
 
 void ComputedReferences::learn(const SealedBlock& block) {
   if (block.kind != BlockKind::kEdge || block.header.node != node_) return;
   for (const Edge& edge : decode_edge(block).unpack())
-    if (edge.line < kEncoderLines && wheel_[edge.line]) {
+    if (edge.line < kEncoderLines && encoder_[edge.line]) {
       memory_.add(1);
       edges_[{block.header.epoch, edge.line}].push_back(edge);
     }
 }
 
 RecordedAngle* ComputedReferences::angle(std::int64_t epoch, std::size_t line) {
-  if (!wheel_[line]) return nullptr;
+  if (!encoder_[line]) return nullptr;
   auto& made = angles_[{epoch, line}];
   if (!made) {
     auto& edges = edges_[{epoch, line}];
-    made = std::make_unique<RecordedAngle>(wheel_[line]->encoder, edges);
+    made = std::make_unique<RecordedAngle>(*encoder_[line], edges);
     edges = {};
   }
   return made.get();

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -36,7 +37,7 @@ class ComputedReferences {
   RecordedAngle* angle(std::int64_t epoch, std::size_t line);
 
   const std::int32_t node_;
-  std::array<const WheelConfig*, kEncoderLines> wheel_{};  ///< nullptr: none that gives edges
+  std::array<std::optional<EncoderConfig>, kEncoderLines> encoder_;  ///< nothing: none that gives edges
   ReferenceFilter filter_;
   EdgeMemory memory_;
   std::map<std::pair<std::int64_t, std::size_t>, std::vector<Edge>> edges_;  ///< by epoch and line
