@@ -29,8 +29,6 @@ class MessageRun {
   /// Takes it behind those that wait.  False if it does not fit there: another channel or length, or no room.
   bool add(const std::string& channel, std::span<const std::uint8_t> bytes);
 
-  std::size_t size() const { return messages_; }
-
   /// Sends all that wait: by one call, or one by one where the computer does not send them so, e.g. over a
   /// network whose datagrams are smaller; it is not asked again for messages as long.  Returns how many could
   /// not be sent; none waits any more.

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "common/bus/process_port.hpp"
+#include "common/bus/read_ahead.hpp"
 
 namespace roadbalance {
 namespace {
@@ -66,6 +67,22 @@ TEST(Bus, KeepsMoreThanLcmsThirtyMessagesWhileNobodyReads) {
 
 TEST(Bus, ReadingAheadKeepsMoreThanTheSocketHolds) {
   expect_all_of(20'000, {.ahead_bytes = 64 << 20});
+}
+
+// What waits: in memory what was asked for and what one call brings, the rest in the socket.
+TEST(Bus, ReadingAheadKeepsNoMoreThanItMay) {
+  constexpr std::size_t kMessage = 1000, kAhead = HeldMessages::kRoom, kOneCall = 16 * 1024;
+  Bus bus(url(), {.ahead_bytes = kAhead});
+  std::size_t heard = 0;
+  bus.subscribe("RB_TEST", [&heard](std::string_view, auto) { ++heard; });
+  bus.handle(milliseconds(0));
+  for (int k = 0; k < 20'000; ++k) ASSERT_TRUE(bus.publish("RB_TEST", std::vector<std::uint8_t>(kMessage)));
+  while (bus.handle(milliseconds(200)) > 0) {
+  }
+  // The kernel doubles what is asked for, for what it keeps beside each message.
+  EXPECT_LE(heard * kMessage, kAhead + kOneCall + 2 * static_cast<std::size_t>(kReceiveBufferBytes));
+  EXPECT_GT(heard * kMessage, kAhead);
+  EXPECT_GT(bus.dropped(), 0);
 }
 
 TEST(Bus, WhatComesBehindAMessageWhoseHandlerThrowsIsNotLost) {
