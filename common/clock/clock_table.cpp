@@ -20,7 +20,7 @@ bool ClockTable::take(const ClockFit& fit) {
   }
   auto& [known, last] = row->second;
   if (fit == last || (known && fit == *known)) return false;
-  if (fit.state != ClockState::kAcquire)
+  if (fit.is_known())
     known = fit;
   else if (fit.breaks > last.breaks)
     known.reset();

@@ -54,6 +54,8 @@ struct ClockFit {
   std::int64_t unanswered = 0;
   std::int64_t breaks = 0;
 
+  /// Otherwise nothing but the counts says anything.
+  bool is_known() const { return state != ClockState::kAcquire; }
   /// The host's instant of a node's instant.
   std::int64_t host_time_ns(std::int64_t node_time_ns) const {
     const double since = static_cast<double>(node_time_ns - node_ns) / (1.0 + drift);

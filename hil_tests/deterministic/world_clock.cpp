@@ -48,7 +48,7 @@ void World::exchange_stamps(std::size_t which) {
   if (node.exchanges % kFitEvery != 0) return;
   const ClockFit fit = node.clock->fit(now_ns_);
   host.record({clock_fit_channel(number), encode(fit)});
-  if (fit.state == ClockState::kAcquire) return;
+  if (!fit.is_known()) return;
   const double since_ns = static_cast<double>(now_ns_ - fit.host_ns);
   const double error_ns =
       static_cast<double>(fit.node_ns - node.machine->clock_ns(now_ns_)) + since_ns * (1 + fit.drift);

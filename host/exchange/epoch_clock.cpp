@@ -10,7 +10,7 @@ EpochClock::EpochClock(const NodeEpoch& key, const std::optional<ClockFit>& firs
 void EpochClock::take(const LogEvent& event) {
   if (!own_clocks_ || (event.channel != fits_ && event.channel != kNoteChannel)) return;
   const auto fit = clocks_.take(event.channel, event.data);
-  if (fit && NodeEpoch{fit->node, fit->epoch} == key_ && fit->state != ClockState::kAcquire) begun_ = true;
+  if (fit && NodeEpoch{fit->node, fit->epoch} == key_ && fit->is_known()) begun_ = true;
 }
 
 std::optional<std::int64_t> EpochClock::time_ns(std::int64_t node_ns) const {

@@ -98,7 +98,7 @@ class Surveyor {
   }
 
   void take_fit(const ClockFit& fit) {
-    if (fit.state == ClockState::kAcquire) return;
+    if (!fit.is_known()) return;
     const NodeEpoch key{fit.node, fit.epoch};
     const auto at = place_.find(key);
     if (at == place_.end()) {

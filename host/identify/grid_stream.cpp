@@ -48,7 +48,7 @@ GridStream::Clock& GridStream::declare(std::int64_t epoch) {
 void GridStream::take(const ClockFit& fit, Grid& grid) {
   if (alone_ || !heard_.take(fit)) return;
   Clock& clock = declare(fit.epoch);
-  if (fit.state == ClockState::kAcquire) {
+  if (!fit.is_known()) {
     if (fit.breaks > clock.breaks) {
       clock.fit.reset();
       clock.distrusted = 0;

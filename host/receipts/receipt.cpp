@@ -41,7 +41,7 @@ void take(const LogEvent& event, SealedBlock& block, Survey& found) {
       found.mark.push_back({note->time_us, note->text, static_cast<std::int32_t>(note->a)});
   } else if (const auto fit = decode_clock_fit(event.data)) {
     double& worst = found.sync_residual_s.try_emplace(fit->node, -1.0).first->second;
-    if (fit->state != ClockState::kAcquire) worst = std::max(worst, fit->uncertainty_s);
+    if (fit->is_known()) worst = std::max(worst, fit->uncertainty_s);
   } else if (event.channel.ends_with("_SCAN") && accept(event.data, block) == Refusal::kNone) {
     const ScanBlock scans = decode_scan(block);
     if (scans.overload != 0)

@@ -265,7 +265,7 @@ void Operating::forget_rests_without_folder() {
 
 void Operating::hear_clock(std::span<const std::uint8_t> bytes) {
   const auto fit = decode_clock_fit(bytes);
-  if (!fit || !session_ || fit->state == ClockState::kAcquire) return;
+  if (!fit || !session_ || !fit->is_known()) return;
   if (sync_us_.size() >= kMostNodes && !sync_us_.contains(fit->node)) return;
   double& largest = sync_us_[fit->node];
   largest = std::max(largest, 1e6 * fit->uncertainty_s);

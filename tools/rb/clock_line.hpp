@@ -11,7 +11,7 @@ namespace roadbalance {
 inline std::string clock_line(const ClockFit& fit) {
   constexpr const char* kStates[] = {"not known yet", "locked", "held over"};
   char text[200];
-  if (fit.state == ClockState::kAcquire)
+  if (!fit.is_known())
     std::snprintf(text, sizeof text, "node %d clock %s: %lld answers, %lld questions without", fit.node,
                   kStates[0], static_cast<long long>(fit.exchanges), static_cast<long long>(fit.unanswered));
   else

@@ -51,7 +51,7 @@ struct Survey {
     std::optional<ClockFit> last;
     std::optional<std::int64_t> begins_us, ends_us;  // UTC of blocks placed by it
 
-    bool is_known() const { return last && last->state != ClockState::kAcquire; }
+    bool is_known() const { return last && last->is_known(); }
   };
   /// How well the wheel on a line is known by what its blocks say.
   struct Angle {

@@ -138,7 +138,7 @@ Json node_json(const Heartbeat& beat, std::optional<double> memory_left_s) {
 }
 
 Json clock_json(const ClockFit& fit) {
-  const bool is_known = fit.state != ClockState::kAcquire;
+  const bool is_known = fit.is_known();
   return {{"node", fit.node},
           {"epoch", fit.epoch},
           {"state", name_of(fit.state)},

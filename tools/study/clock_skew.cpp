@@ -112,7 +112,7 @@ class Comparison {
 
   void take(const ClockFit& fit) {
     const auto found = nodes_.find(fit.node);
-    if (found == nodes_.end() || fit.state == ClockState::kAcquire) return;
+    if (found == nodes_.end() || !fit.is_known()) return;
     Node& node = found->second;
     if (counting_ && node.fit) {
       ++windows_;

@@ -1,9 +1,12 @@
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -68,6 +71,18 @@ TEST_F(Network, AFilterForRunsLeavesWhatComesOverTheCableToTheReader) {
     while (heard == 0) ASSERT_GT(hearer.handle(std::chrono::seconds(5)), 0);
     EXPECT_EQ(hearer.dropped(), left_outside) << where;
   }
+}
+
+// With the remedy that the product itself names, and nothing more.
+TEST_F(Network, AComputerWithoutANetworkIsReachedByItselfAt127001) {
+  std::uint32_t address = 0;
+  std::thread([&address] {
+    ASSERT_EQ(::unshare(CLONE_NEWNET), 0);  // of this thread, and of what it starts
+    EXPECT_EQ(address_on_bus(default_bus_url()), 0U) << "without a route";
+    ASSERT_EQ(std::system(kMulticastRemedy), 0);
+    address = address_on_bus(default_bus_url());
+  }).join();
+  EXPECT_EQ(address, 0x7F000001U);
 }
 
 // What stands in the way of two computers is found before the drive.

@@ -3,11 +3,19 @@ import assert from "node:assert/strict";
 import {test} from "node:test";
 import {load} from "./load.mjs";
 
-const page = await load("plot_ring", "plot_data", "plot_ask", "encode", "decode", "transfer", "wire", "colour_map");
+const page = await load("plot_ring", "plot_data", "plot_ask", "encode", "decode", "transfer", "wire", "colour_map", "plot_time");
 
 const envelope = (first, values, epoch = 1) => ({
   node: 1, channel: 0, epoch, first, scans: 10, time_ns: first * 5e6, period_ps: 500_000_000, buckets: values.length,
   least: values.map((value) => -value), greatest: values});
+
+test("an instant of a node is one of the host's only once its clock is known", () => {
+  const fit = {number: 3, host_ns: 5e9, node_ns: 2e9, drift: 1e-3};
+  const hostNs = (state) => page.hostNs({clocks: new Map([[1, {message: {...fit, state}}]])}, 1, 2e9 + 1.001e9);
+  assert.equal(hostNs(page.ClockState.Acquire), undefined);
+  for (const known of [page.ClockState.Locked, page.ClockState.Holdover]) assert.ok(Math.abs(hostNs(known) - 6e9) < 1e-3);
+  assert.equal(page.hostNs({clocks: new Map()}, 1, 2e9), undefined);
+});
 
 test("the ring joins messages that overlap, and leaves holes where nothing came", () => {
   const ring = new page.EnvelopeRing();
