@@ -134,9 +134,9 @@ void take(BlockKind kind, const BlockHeader& header, std::span<const std::uint8_
 }
 
 template <typename Message>
-Refusal accept_as(BlockKind kind, std::span<const std::uint8_t> bytes, SealedBlock& out) {
+Refusal accept_as(BlockKind kind, std::span<const std::uint8_t> bytes, SealedBlock& out, bool crc_is_good) {
   if (bytes.size() != wire_format::size_of<Message>()) return Refusal::kWrongSize;
-  if (!ends_with_its_crc(bytes)) return Refusal::kWrongCrc;
+  if (!crc_is_good && !ends_with_its_crc(bytes)) return Refusal::kWrongCrc;
   const auto message = wire_format::decode<Message>(bytes);
   if (!message) return Refusal::kUnknownType;
   const BlockHeader header = header_of(*message);
@@ -147,9 +147,9 @@ Refusal accept_as(BlockKind kind, std::span<const std::uint8_t> bytes, SealedBlo
   return Refusal::kNone;
 }
 
-Refusal accept_scan(std::span<const std::uint8_t> bytes, SealedBlock& out) {
+Refusal accept_scan(std::span<const std::uint8_t> bytes, SealedBlock& out, bool crc_is_good) {
   if (bytes.size() != wire_format::kScanBytes) return Refusal::kWrongSize;
-  if (!ends_with_its_crc(bytes)) return Refusal::kWrongCrc;
+  if (!crc_is_good && !ends_with_its_crc(bytes)) return Refusal::kWrongCrc;
   const auto fields = wire_format::read_scan_fields(bytes);
   const BlockHeader header = header_of(fields);
   if (!in_bounds(header, 1) || !scan_in_bounds(fields)) return Refusal::kOutOfBounds;
@@ -216,17 +216,17 @@ void seal(const EndBlock& block, SealedBlock& out) {
   seal_message(BlockKind::kEnd, message, out);
 }
 
-Refusal accept(std::span<const std::uint8_t> bytes, SealedBlock& out) {
+Refusal accept(std::span<const std::uint8_t> bytes, SealedBlock& out, bool crc_is_good) {
   if (bytes.size() < 8) return Refusal::kWrongSize;
   const std::int64_t fingerprint = wire_format::load_i64(bytes.data());
-  if (fingerprint == wire::scan_block_t::getHash()) return accept_scan(bytes, out);
+  if (fingerprint == wire::scan_block_t::getHash()) return accept_scan(bytes, out, crc_is_good);
   if (fingerprint == wire::edge_block_t::getHash())
-    return accept_as<wire::edge_block_t>(BlockKind::kEdge, bytes, out);
-  if (fingerprint == wire::gap_t::getHash()) return accept_as<wire::gap_t>(BlockKind::kGap, bytes, out);
-  if (fingerprint == wire::meta_t::getHash()) return accept_as<wire::meta_t>(BlockKind::kMeta, bytes, out);
-  if (fingerprint == wire::end_t::getHash()) return accept_as<wire::end_t>(BlockKind::kEnd, bytes, out);
+    return accept_as<wire::edge_block_t>(BlockKind::kEdge, bytes, out, crc_is_good);
+  if (fingerprint == wire::gap_t::getHash()) return accept_as<wire::gap_t>(BlockKind::kGap, bytes, out, crc_is_good);
+  if (fingerprint == wire::meta_t::getHash()) return accept_as<wire::meta_t>(BlockKind::kMeta, bytes, out, crc_is_good);
+  if (fingerprint == wire::end_t::getHash()) return accept_as<wire::end_t>(BlockKind::kEnd, bytes, out, crc_is_good);
   if (fingerprint == wire::signal_block_t::getHash())
-    return accept_as<wire::signal_block_t>(BlockKind::kSignal, bytes, out);
+    return accept_as<wire::signal_block_t>(BlockKind::kSignal, bytes, out, crc_is_good);
   return Refusal::kUnknownType;
 }
 

@@ -23,7 +23,8 @@ enum class Refusal : std::uint8_t { kNone, kUnknownType, kWrongSize, kWrongCrc, 
 
 /// Takes bytes from outside.  Fills `out` only if type, exact size, CRC and the bounds of every field are
 /// good; the kind comes from the type's fingerprint.
-Refusal accept(std::span<const std::uint8_t> bytes, SealedBlock& out);
+/// @param crc_is_good  the caller has found them to end with their CRC, which is not computed again then
+Refusal accept(std::span<const std::uint8_t> bytes, SealedBlock& out, bool crc_is_good = false);
 
 /// Of an accepted or sealed block.  `block.kind` must be the one named.
 ScanBlock decode_scan(const SealedBlock& block);

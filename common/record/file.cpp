@@ -115,6 +115,10 @@ void File::reserve(std::uint64_t offset, std::uint64_t bytes) noexcept {
                          static_cast<off_t>(bytes));
 }
 
+void File::read_ahead() const noexcept {
+  (void)disk_->fadvise(descriptor_, 0, 0, POSIX_FADV_SEQUENTIAL);
+}
+
 void File::forget_cache() const noexcept {
   (void)disk_->fadvise(descriptor_, 0, 0, POSIX_FADV_DONTNEED);
 }

@@ -40,6 +40,8 @@ class File {
   std::uint64_t size() const;
   /// Asks for space; the length stays as it is.  A filesystem that cannot is no error: the write will tell.
   void reserve(std::uint64_t offset, std::uint64_t bytes) noexcept;
+  /// Tells the system that this file is read from begin to end.
+  void read_ahead() const noexcept;
   /// What is read next comes from the disk, as far as it was synced.
   void forget_cache() const noexcept;
   /// False if somebody else has this file or folder locked.

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/bus/codec.hpp"
 #include "common/bus/notes.hpp"
 #include "common/record/disk.hpp"
 #include "common/record/record_state.hpp"
@@ -21,7 +22,13 @@ struct LogEvent {
   std::int64_t timestamp_us = 0;
   std::string_view channel;
   std::span<const std::uint8_t> data;
+  bool has_its_crc = false;  ///< known to end with its CRC, as the readers of records find out
 };
+
+/// As accept() of its bytes (common/bus/codec.hpp).
+inline Refusal accept(const LogEvent& event, SealedBlock& out) {
+  return accept(event.data, out, event.has_its_crc);
+}
 
 /// Reads the segments of one recording folder (seg-000001.lcm ...) from the first event on, finished or
 /// still growing.  Views returned are valid until the next call.

@@ -56,7 +56,7 @@ void read_events(const std::filesystem::path& folder, int first, RecordedClocks&
   SealedBlock block;
   while (const auto event = reader.next()) {
     if (reader.segment() != segment) at_end(std::exchange(segment, reader.segment()));
-    if (accept(event->data, block) == Refusal::kNone)
+    if (accept(*event, block) == Refusal::kNone)
       at_block(reader, *event, block);
     else
       static_cast<void>(clocks.take(event->channel, event->data));

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "common/bus/notes.hpp"
-#include "common/link/crc32c.hpp"
 #include "common/record/segment.hpp"
 
 namespace roadbalance {
@@ -16,7 +15,7 @@ SegmentExtent measure_segment(const std::filesystem::path& segment, Disk& disk) 
   std::vector<RecordReader::Damage> damage;
   std::vector<std::uint64_t> bad;  // where something begins that is not as it was written
   while (const auto event = reader.next(true, damage)) {
-    if (event->channel.starts_with("RB_") && !ends_with_its_crc(event->data)) bad.push_back(reader.offset());
+    if (event->channel.starts_with("RB_") && !event->has_its_crc) bad.push_back(reader.offset());
     const auto commit = event->channel == kCommitChannel ? decode_commit(event->data) : std::nullopt;
     const auto bytes = commit ? static_cast<std::uint64_t>(commit->bytes) : 0;
     if (bytes <= reader.offset()) extent.durable = std::max(extent.durable, bytes);

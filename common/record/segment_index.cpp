@@ -129,7 +129,7 @@ std::optional<SegmentIndex> index_anew(const std::filesystem::path& folder, int 
   RecordReader reader(folder, disk, number);
   SealedBlock block;
   for (auto event = reader.next(); event && reader.segment() == number; event = reader.next())
-    if (accept(event->data, block) == Refusal::kNone) add(block, state);
+    if (accept(*event, block) == Refusal::kNone) add(block, state);
   return SegmentIndex{.segment = number,
                       .bytes = size_of_file(segment_path(folder, number), disk),
                       .epoch = std::move(state.epoch)};

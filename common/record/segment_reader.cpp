@@ -28,15 +28,17 @@ bool has_event_inside(std::span<const std::uint8_t> bytes) {
   return false;
 }
 
-bool counts(const ParsedEvent& parsed, std::span<const std::uint8_t> behind) {
-  if (!may_begin_event(behind)) return ends_with_its_crc(parsed.event.data);
-  return !has_event_inside(parsed.event.data) || ends_with_its_crc(parsed.event.data);
+bool counts(ParsedEvent& parsed, std::span<const std::uint8_t> behind) {
+  parsed.event.has_its_crc = ends_with_its_crc(parsed.event.data);
+  return parsed.event.has_its_crc || (may_begin_event(behind) && !has_event_inside(parsed.event.data));
 }
 
 }  // namespace
 
 SegmentReader::SegmentReader(std::filesystem::path path, Disk& disk)
-    : file_(File::open_to_read(path, disk)), buffer_(kBufferBytes) {}
+    : file_(File::open_to_read(path, disk)), buffer_(kBufferBytes) {
+  file_.read_ahead();
+}
 
 std::span<const std::uint8_t> SegmentReader::rest() const {
   return {buffer_.data() + at_, filled_ - at_};

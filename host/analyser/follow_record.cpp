@@ -116,7 +116,7 @@ class Follower {
     if (!waiting_) {
       const auto event = reader_.next();
       if (!event) return false;
-      if (accept(event->data, *block_) != Refusal::kNone) {
+      if (accept(*event, *block_) != Refusal::kNone) {
         // A fit counts for the blocks behind it, and the gate stops at the first that is not durable yet.
         if (const auto fit = decode_clock_fit(event->data)) {
           estimator_.consume(*fit);

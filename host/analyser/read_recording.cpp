@@ -21,7 +21,7 @@ RecordingDefects read_recording(const std::filesystem::path& folder,
   InSequence in_sequence;
   RecordingDefects defects;
   const auto block = std::make_unique<SealedBlock>();
-  while (const auto event = reader.next()) switch (accept(event->data, *block)) {
+  while (const auto event = reader.next()) switch (accept(*event, *block)) {
       case Refusal::kNone:
         in_sequence.add(*block, consume);
         break;

@@ -41,7 +41,7 @@ std::optional<VehicleConfig> recorded_vehicle(const std::filesystem::path& folde
   OtherWire other_wire;
   while (const auto event = reader.next()) {
     other_wire.take(event->channel, event->data);
-    if (accept(event->data, *block) != Refusal::kNone) continue;
+    if (accept(*event, *block) != Refusal::kNone) continue;
     if (vehicle && block->kind == BlockKind::kScan) {
       set_rate(*vehicle, decode_scan(*block).period_ps);
       return vehicle;

@@ -69,7 +69,7 @@ class Excerpt {
   };
 
   void take_block(const LogEvent& event) {
-    if (accept(event.data, *block_) != Refusal::kNone) {
+    if (accept(event, *block_) != Refusal::kNone) {
       ++refused_;
       return;
     }

@@ -39,7 +39,7 @@ class Judge {
 
   void take(const LogEvent& event) {
     clocks_.take(event);
-    if (!event.channel.starts_with(kBlockChannels) || accept(event.data, *block_) != Refusal::kNone) return;
+    if (!event.channel.starts_with(kBlockChannels) || accept(event, *block_) != Refusal::kNone) return;
     in_sequence_.add(*block_, [&](const SealedBlock& block) { take(block); });
   }
 

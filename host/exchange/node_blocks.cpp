@@ -21,7 +21,7 @@ void NodeBlocks::place() {
 void NodeBlocks::advance() {
   while (const auto event = reader_.next()) {
     clock_.take(*event);
-    if (event->channel != scans_ || accept(event->data, sealed_) != Refusal::kNone ||
+    if (event->channel != scans_ || accept(*event, sealed_) != Refusal::kNone ||
         sealed_.kind != BlockKind::kScan || sealed_.header.node != part_.node ||
         sealed_.header.epoch != part_.epoch)
       continue;

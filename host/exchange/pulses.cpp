@@ -65,7 +65,7 @@ class EpochEdges {
     edges_.clear();
     while (const auto event = reader_.next()) {
       clock_.take(*event);
-      if (event->channel != edge_channel_ || accept(event->data, sealed_) != Refusal::kNone ||
+      if (event->channel != edge_channel_ || accept(*event, sealed_) != Refusal::kNone ||
           sealed_.kind != BlockKind::kEdge || NodeEpoch{sealed_.header.node, sealed_.header.epoch} != key_)
         continue;
       in_sequence_.add(sealed_, [&](const SealedBlock& block) { edges_ = decode_edge(block).unpack(); });

@@ -53,7 +53,7 @@ class Surveyor {
 
  private:
   void take_block(const LogEvent& event) {
-    if (accept(event.data, *block_) != Refusal::kNone) {
+    if (accept(event, *block_) != Refusal::kNone) {
       ++found_.defects.refused_blocks;
       return;
     }

@@ -42,7 +42,7 @@ void take(const LogEvent& event, SealedBlock& block, Survey& found) {
   } else if (const auto fit = decode_clock_fit(event.data)) {
     double& worst = found.sync_residual_s.try_emplace(fit->node, -1.0).first->second;
     if (fit->is_known()) worst = std::max(worst, fit->uncertainty_s);
-  } else if (event.channel.ends_with("_SCAN") && accept(event.data, block) == Refusal::kNone) {
+  } else if (event.channel.ends_with("_SCAN") && accept(event, block) == Refusal::kNone) {
     const ScanBlock scans = decode_scan(block);
     if (scans.overload != 0)
       found.overload_s[block.header.node] +=

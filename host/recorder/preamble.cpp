@@ -77,7 +77,7 @@ std::optional<RecordDescription> read_description(const std::filesystem::path& f
   int next_part = 0;
   for (const int segment = reader.segment(); const auto event = reader.next();) {
     if (reader.segment() != segment) break;
-    if (accept(event->data, block) != Refusal::kNone || block.kind != BlockKind::kMeta) continue;
+    if (accept(*event, block) != Refusal::kNone || block.kind != BlockKind::kMeta) continue;
     const MetaBlock meta = decode_meta(block);
     if (meta.kind != MetaKind::kRecordJson || meta.part != next_part) continue;
     text += meta.text;

@@ -27,6 +27,7 @@ struct Reading {
   EpochCheck epochs{};
   JournalCheck journal{};
   HeaderCheck headers{};
+  SealedBlock block{};  // the last; here, since making one clears all it holds
   int deleted_through = 0;  // segment, by the notes
 };
 
@@ -51,8 +52,8 @@ void list_damage(const RecordReader& reader, const FinishedSegments& finished, V
 
 void take_block(const RecordReader& reader, const std::filesystem::path& folder, const LogEvent& event,
                 RecordState& state, Reading& reading) {
-  SealedBlock block;
-  if (accept(event.data, block) != Refusal::kNone ||
+  SealedBlock& block = reading.block;
+  if (accept(event, block) != Refusal::kNone ||
       event.channel != block_channel(block.header.node, block.kind)) {
     ++reading.result.blocks_refused;
     const std::uint64_t bytes = kLogHeaderBytes + event.channel.size() + event.data.size();

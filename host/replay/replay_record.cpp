@@ -34,7 +34,7 @@ class DriveTime {
   /// Of an event, in seconds since the first sample; never a step back.
   double of(const LogEvent& event) {
     clocks_.take(event);
-    if (event.channel.starts_with(kBlockChannels) && accept(event.data, *block_) == Refusal::kNone &&
+    if (event.channel.starts_with(kBlockChannels) && accept(event, *block_) == Refusal::kNone &&
         block_->kind == BlockKind::kScan) {
       const NodeEpoch key{block_->header.node, block_->header.epoch};
       const EpochClock* clock = clocks_.of(key);

@@ -84,7 +84,7 @@ void count_angles(const ScanBlock& block, std::array<Survey::Angle, kEncoderLine
 // itself.
 void look_at(const LogEvent& event, const RecordedClocks& clocks, Survey& found) {
   SealedBlock block;
-  if (!event.channel.ends_with("_SCAN") || accept(event.data, block) != Refusal::kNone) return;
+  if (!event.channel.ends_with("_SCAN") || accept(event, block) != Refusal::kNone) return;
   const NodeEpoch key{block.header.node, block.header.epoch};
   count_angles(decode_scan(block), found.angle[key]);
   const auto host_ns = clocks.host_ns(key, block.header.time_ns);

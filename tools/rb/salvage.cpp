@@ -8,7 +8,6 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
-#include "common/link/crc32c.hpp"
 #include "common/record/journal_tally.hpp"
 #include "common/record/log_event.hpp"
 #include "common/record/segment.hpp"
@@ -48,7 +47,7 @@ bool speaks_of_segments(const Note& note) {
 bool goes_along(const LogEvent& event) {
   if (event.channel == kJournalChannel || event.channel == kCommitChannel) return false;
   if (event.channel.starts_with(kBlockChannels) || !event.channel.starts_with("RB_")) return false;
-  if (!ends_with_its_crc(event.data)) return false;
+  if (!event.has_its_crc) return false;
   if (event.channel != kNoteChannel) return true;
   const auto note = decode_note(event.data);
   return note && !speaks_of_segments(*note);
@@ -106,7 +105,7 @@ class Salvage {
     if (event.channel.starts_with(kBlockChannels)) {
       ++result_.blocks_altered;
       list_altered(event, place, "an altered block");
-    } else if (event.channel.starts_with("RB_") && !ends_with_its_crc(event.data)) {
+    } else if (event.channel.starts_with("RB_") && !event.has_its_crc) {
       ++result_.entries_altered;
       list_altered(event, place, "an altered entry");
     } else if (event.channel == kNoteChannel) {
@@ -119,7 +118,7 @@ class Salvage {
 
   void plan(const LogEvent& event, const Place& place, bool counts) {
     SealedBlock block;
-    if (accept(event.data, block) != Refusal::kNone) {
+    if (accept(event, block) != Refusal::kNone) {
       if (counts) plan_other(event, place);
       return;
     }
@@ -138,7 +137,7 @@ class Salvage {
 
   void write(const LogEvent& event, bool counts) {
     SealedBlock block;
-    if (accept(event.data, block) != Refusal::kNone) {
+    if (accept(event, block) != Refusal::kNone) {
       if (counts) write_other(event);
       return;
     }

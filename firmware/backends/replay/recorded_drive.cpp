@@ -22,7 +22,7 @@ std::set<std::int64_t> runs_of(const std::filesystem::path& folder, std::int32_t
   reader.finish();
   SealedBlock block;
   while (const auto event = reader.next())
-    if (accept(event->data, block) == Refusal::kNone && block.kind == BlockKind::kScan &&
+    if (accept(*event, block) == Refusal::kNone && block.kind == BlockKind::kScan &&
         block.header.node == node)
       runs.insert(block.header.epoch);
   return runs;
@@ -80,7 +80,7 @@ void RecordedDrive::fill() {
       over_ = true;
       return;
     }
-    if (accept(event->data, *block_) != Refusal::kNone || block_->header.node != node_ ||
+    if (accept(*event, *block_) != Refusal::kNone || block_->header.node != node_ ||
         block_->header.epoch != epoch_ || block_->header.sequence <= last_sequence_)
       continue;
     last_sequence_ = block_->header.sequence;
