@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -87,10 +88,12 @@ TEST_F(OverallDrive, PredictsWhatTheSeatsWillFeel) {
   ASSERT_EQ(plan_.speed.size() + 1, now.size());
   for (std::size_t s = 0; s < now.size(); ++s) {
     const SeatVibration& predicted = s < plan_.speed.size() ? plan_.speed[s].vibration : plan_.vibration;
-    // Tyres and forces of these drives are good to 1 %.
-    EXPECT_NEAR(predicted.now, now[s], 0.02 * now[s]);
-    EXPECT_NEAR(predicted.by_wheel, by_wheel[s], 0.02 * now[s]);
-    EXPECT_NEAR(predicted.overall, overall[s], 0.02 * now[s]);
+    // Tyres and forces of these drives are good to 1 %; of what shakes more without its unbalance, the tyre's
+    // force is the larger.
+    const double tolerance = 0.02 * std::max(now[s], by_wheel[s]);
+    EXPECT_NEAR(predicted.now, now[s], tolerance);
+    EXPECT_NEAR(predicted.by_wheel, by_wheel[s], tolerance);
+    EXPECT_NEAR(predicted.overall, overall[s], tolerance);
   }
 }
 
