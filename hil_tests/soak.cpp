@@ -47,7 +47,10 @@ class Soak {
              "sim:?seconds=1000000&rate=" + std::to_string(options.rate)});
   }
 
+  /// From when both nodes measure on; a node that does not would not end with the recorder.
   void run() {
+    if (!bus_.wait([&] { return bus_.ack(1).durable > 0 && bus_.ack(2).durable > 0; }))
+      throw std::runtime_error("nothing is recorded of one of the nodes");
     const auto begin = WallClock::now();
     for (double elapsed_s = 0; elapsed_s < 60 * options_.minutes; elapsed_s_ = elapsed_s) {
       bus_.listen(options_.sample_s);

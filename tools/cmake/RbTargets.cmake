@@ -31,6 +31,12 @@ if(RB_SANITIZE)
   target_link_options(rb_options INTERFACE -fsanitize=${RB_SANITIZE})
 endif()
 
+# What the sanitizers are told by the tests' environment.
+set(RB_SANITIZER_ENVIRONMENT "TSAN_OPTIONS=suppressions=${CMAKE_SOURCE_DIR}/tools/cmake/tsan.supp"
+  "LSAN_OPTIONS=suppressions=${CMAKE_SOURCE_DIR}/tools/cmake/lsan.supp:print_suppressions=0")
+# ASan keeps what was freed, up to so much, to notice who still uses it; where a test weighs memory that would be growth.
+set(RB_WEIGHED_ENVIRONMENT "ASAN_OPTIONS=quarantine_size_mb=1:thread_local_quarantine_size_kb=64")
+
 # rb_library(name source... [DEPENDS target...])
 function(rb_library name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "DEPENDS")
@@ -119,5 +125,5 @@ macro(rb_test_properties name)
     set_tests_properties(${name} PROPERTIES LABELS programs)
   endif()
   set_tests_properties(${name} PROPERTIES TIMEOUT ${rb_timeout}
-    ENVIRONMENT "RB_BIN=${CMAKE_BINARY_DIR}/bin;RB_SOURCE=${CMAKE_SOURCE_DIR};TSAN_OPTIONS=suppressions=${CMAKE_SOURCE_DIR}/tools/cmake/tsan.supp;LSAN_OPTIONS=suppressions=${CMAKE_SOURCE_DIR}/tools/cmake/lsan.supp:print_suppressions=0")
+    ENVIRONMENT "RB_BIN=${CMAKE_BINARY_DIR}/bin;RB_SOURCE=${CMAKE_SOURCE_DIR};${RB_SANITIZER_ENVIRONMENT}")
 endmacro()
