@@ -53,6 +53,7 @@ TEST(RequestJson, RefusesWhatIsNoRequestAndSaysWhy) {
   EXPECT_EQ(with(R"(, "value": [1, 2, 3])"), "value is no array of one or two numbers");
   EXPECT_EQ(with(R"(, "value": ["a"])"), "value is no array of one or two numbers");
   EXPECT_EQ(with(R"(, "text": "\u001b[2J")"), "text has control characters");
+  EXPECT_EQ(with(R"(, "text": "\u009b2J")"), "text has control characters");  // the same in one character
   EXPECT_EQ(with(R"(, "text": ")" + std::string(401, 'x') + "\""), "text is no text of at most 400 bytes");
   EXPECT_EQ(with(R"(, "text": [[[[[]]]]])"), "too deep");
   EXPECT_EQ(fault_of(R"({"asker": 9007199254740992, "request": 2, "operation": "mark"})"),
