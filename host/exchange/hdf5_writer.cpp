@@ -62,7 +62,7 @@ std::string set_name(std::string name, std::set<std::string>& taken) {
   return name;
 }
 
-constexpr std::size_t kChunk = 1 << 14;  ///< rows
+constexpr hsize_t kChunk = 1 << 14;  ///< rows
 
 class Hdf5Writer final : public ExportWriter {
  public:
@@ -103,14 +103,17 @@ class Hdf5Writer final : public ExportWriter {
   struct Group {
     Handle group, time;
     std::vector<Handle> set;
+    hsize_t chunk = 0;  ///< rows
     hsize_t written = 0;
     std::vector<double> time_s;                     ///< not yet written
     std::vector<std::vector<std::int32_t>> counts;  ///< [channel][row], not yet written
   };
 
+  static hsize_t chunk_of(std::int64_t rows) { return std::min(kChunk, static_cast<hsize_t>(rows)); }
+
   Handle make_set(hid_t group, const std::string& name, hid_t type, std::int64_t rows, const void* fill) {
     const hsize_t size = static_cast<hsize_t>(rows);
-    const hsize_t chunk = std::min<hsize_t>(kChunk, size);
+    const hsize_t chunk = chunk_of(rows);
     const Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose);
     const Handle layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
     check(H5Pset_chunk(layout.get(), 1, &chunk), path_);
@@ -140,6 +143,7 @@ class Hdf5Writer final : public ExportWriter {
         Handle(H5Gcreate2(file_.get(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
     set_number(group.group.get(), "rate_hz", from.rate_hz);
     std::set<std::string> taken{"time_s"};
+    group.chunk = chunk_of(from.rows);
     group.time = make_set(group.group.get(), "time_s", H5T_NATIVE_DOUBLE, from.rows, nullptr);
     set_text(group.time.get(), "units", "s");
     for (const auto& channel : from.channel) {
@@ -151,23 +155,23 @@ class Hdf5Writer final : public ExportWriter {
     group_.push_back(std::move(group));
   }
 
-  void write_at(const Group& group, const Handle& set, hid_t type, const void* data, std::size_t rows) {
-    const hsize_t count = rows;
-    const Handle memory(H5Screate_simple(1, &count, nullptr), H5Sclose);
-    const Handle space(H5Dget_space(set.get()), H5Sclose);
-    check(H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, &group.written, nullptr, &count, nullptr), path_);
-    check(H5Dwrite(set.get(), type, memory.get(), space.get(), H5P_DEFAULT, data), path_);
+  /// A whole chunk as it is in memory, which is how the set's type has it: past a copy that HDF5 1.10 would
+  /// lose where it cannot write.
+  template <typename Number>
+  void write_chunk(const Group& group, const Handle& set, std::vector<Number>& rows) {
+    rows.resize(group.chunk);  // what is behind the end of a set is not seen
+    check(
+        H5Dwrite_chunk(set.get(), H5P_DEFAULT, 0, &group.written, group.chunk * sizeof(Number), rows.data()),
+        path_);
+    rows.clear();
   }
 
   void write(Group& group) {
-    if (group.time_s.empty()) return;
-    write_at(group, group.time, H5T_NATIVE_DOUBLE, group.time_s.data(), group.time_s.size());
-    for (std::size_t c = 0; c < group.counts.size(); ++c) {
-      write_at(group, group.set[c], H5T_NATIVE_INT32, group.counts[c].data(), group.counts[c].size());
-      group.counts[c].clear();
-    }
-    group.written += group.time_s.size();
-    group.time_s.clear();
+    const std::size_t rows = group.time_s.size();
+    if (rows == 0) return;
+    write_chunk(group, group.time, group.time_s);
+    for (std::size_t c = 0; c < group.counts.size(); ++c) write_chunk(group, group.set[c], group.counts[c]);
+    group.written += rows;
   }
 
   const std::string path_;
