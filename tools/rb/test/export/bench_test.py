@@ -1,5 +1,6 @@
 """tools/bench/exports measures every format that there is, and says what it cannot read."""
 
+import os
 import unittest
 
 from recorded import RB, TOOLS, Exports, run
@@ -16,7 +17,8 @@ class Bench(Exports):
         backs = run(RB, "import", "--help").stdout.partition("Subcommands:\n")[2].splitlines()
         self.assertEqual(sorted(row.removeprefix("import ") for row in rows if " " in row),
                          sorted(line.split()[0] for line in backs if line.startswith("  ") and line[2] != " "))
-        self.assertNotIn("TOO MUCH MEMORY", done.stdout)
+        if not os.environ["RB_SANITIZE"]:  # sanitizers take more than a program may
+            self.assertNotIn("TOO MUCH MEMORY", done.stdout)
 
     def test_names_what_ends_with_a_failure(self):
         done = run(TOOLS / "bench" / "exports", self.root / "none")
