@@ -41,7 +41,7 @@ async function open(t, plot, options = {}) {
   await page.locator(`#plot-${plot}`).click();
   return page;
 }
-const says = (page, selector, pattern, timeout = 120_000) => page.waitForFunction(
+const says = (page, selector, pattern, timeout = 30_000) => page.waitForFunction(
   ([where, wanted]) => new RegExp(wanted).test(document.querySelector(where)?.textContent ?? ""), [selector, pattern.source], {timeout});
 const text = (page, selector) => page.locator(selector).innerText();
 /** What a plot says when it is drawn from what the scene has sent. */
@@ -55,7 +55,7 @@ async function turnTo(page, plot) {
   await drawsMore(page, 2);
 }
 /** The page has drawn so many times more. */
-async function drawsMore(page, times, timeout = 120_000) {
+async function drawsMore(page, times, timeout = 30_000) {
   const from = await page.evaluate(() => Number(document.body.dataset.drawn));
   await page.waitForFunction((end) => Number(document.body.dataset.drawn) >= end, from + times, {timeout});
 }
