@@ -222,9 +222,12 @@ Refusal accept(std::span<const std::uint8_t> bytes, SealedBlock& out, bool crc_i
   if (fingerprint == wire::scan_block_t::getHash()) return accept_scan(bytes, out, crc_is_good);
   if (fingerprint == wire::edge_block_t::getHash())
     return accept_as<wire::edge_block_t>(BlockKind::kEdge, bytes, out, crc_is_good);
-  if (fingerprint == wire::gap_t::getHash()) return accept_as<wire::gap_t>(BlockKind::kGap, bytes, out, crc_is_good);
-  if (fingerprint == wire::meta_t::getHash()) return accept_as<wire::meta_t>(BlockKind::kMeta, bytes, out, crc_is_good);
-  if (fingerprint == wire::end_t::getHash()) return accept_as<wire::end_t>(BlockKind::kEnd, bytes, out, crc_is_good);
+  if (fingerprint == wire::gap_t::getHash())
+    return accept_as<wire::gap_t>(BlockKind::kGap, bytes, out, crc_is_good);
+  if (fingerprint == wire::meta_t::getHash())
+    return accept_as<wire::meta_t>(BlockKind::kMeta, bytes, out, crc_is_good);
+  if (fingerprint == wire::end_t::getHash())
+    return accept_as<wire::end_t>(BlockKind::kEnd, bytes, out, crc_is_good);
   if (fingerprint == wire::signal_block_t::getHash())
     return accept_as<wire::signal_block_t>(BlockKind::kSignal, bytes, out, crc_is_good);
   return Refusal::kUnknownType;

@@ -27,7 +27,7 @@ struct Reading {
   EpochCheck epochs{};
   JournalCheck journal{};
   HeaderCheck headers{};
-  SealedBlock block{};  // the last; here, since making one clears all it holds
+  SealedBlock block{};      // the last; here, since making one clears all it holds
   int deleted_through = 0;  // segment, by the notes
 };
 

@@ -20,8 +20,8 @@ target_compile_features(rb_options INTERFACE cxx_std_20)
 target_include_directories(rb_options INTERFACE ${CMAKE_SOURCE_DIR})
 target_compile_options(rb_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wnon-virtual-dtor -Woverloaded-virtual -Werror)
-# g++ 12 takes what overlapping vectors stored for what it read before: sums of Eigen's segments come out wrong
-# (host/identify/test/instruments_test.cpp).
+# In loops g++ 12 goes on with a vector that it has read although one that overlaps it was stored since: sums of Eigen's
+# segments come out wrong (host/identify/test/instruments_test.cpp).
 target_compile_options(rb_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-fno-predictive-commoning>)
 if(RB_SANITIZE)
   # LCM's C++ header casts through unrelated types, which the vptr check refuses.  With its checks between them g++
