@@ -76,8 +76,7 @@ FailingDisk::FailingDisk(const std::filesystem::path& image, std::filesystem::pa
 }
 
 FailingDisk::~FailingDisk() {
-  while (::umount2(folder_.c_str(), MNT_DETACH) == 0) {
-  }
+  ::umount2(folder_.c_str(), MNT_DETACH);
 }
 
 void FailingDisk::mount() {
@@ -86,11 +85,9 @@ void FailingDisk::mount() {
 
 std::string FailingDisk::device() const {
   std::ifstream mounts("/proc/self/mounts");
-  std::string newest;
   for (std::string source, target, rest; mounts >> source >> target && std::getline(mounts, rest);)
-    if (target == folder_) newest = std::filesystem::path(source).filename();
-  if (newest.empty()) throw std::runtime_error("not mounted: " + folder_.string());
-  return newest;
+    if (target == folder_) return std::filesystem::path(source).filename();
+  throw std::runtime_error("not mounted: " + folder_.string());
 }
 
 void FailingDisk::turn_read_only() {
@@ -99,9 +96,11 @@ void FailingDisk::turn_read_only() {
   if (!(file << "1" << std::flush)) throw std::runtime_error("cannot write " + trigger);
 }
 
-// Whoever has files open keeps the old one alive, read-only; so what it holds goes on as a copy, which is
-// mounted over it: without one of them the folder would be of the disk that it is mounted on, which takes
-// what is written, too.
+void FailingDisk::unmount() {
+  if (::umount2(folder_.c_str(), MNT_DETACH) != 0) throw_errno("unmount " + folder_.string());
+}
+
+// Whoever has files open keeps the old one alive, read-only; so what it holds goes on as a copy.
 void FailingDisk::repair() {
   const std::filesystem::path copy = image_.string() + ".repaired";
   run_or_throw("cp", {"--sparse=always", image_, copy});

@@ -45,7 +45,9 @@ class FailingDisk {
 
   /// Every write, sync and new file fails from now on.
   void turn_read_only();
-  /// What an administrator does: unmounts it, checks it, mounts it again.
+  /// Its folder is that of the disk beneath.
+  void unmount();
+  /// Checks it and mounts it again.
   void repair();
 
  private:

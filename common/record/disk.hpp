@@ -33,7 +33,7 @@ class Disk {
   virtual int ftruncate(int file, off_t size) = 0;
   virtual int fallocate(int file, int mode, off_t offset, off_t size) = 0;
   virtual int fadvise(int file, off_t offset, off_t size, int advice) = 0;  ///< the result is the error
-  virtual off_t size(int file) = 0;  ///< fstat; -1 on failure
+  virtual off_t size(int file) = 0;                                         ///< fstat; -1 on failure
   virtual int flock(int file, int operation) = 0;
   virtual int rename(const char* from, const char* to) = 0;
   virtual int unlink(const char* path) = 0;
@@ -43,6 +43,8 @@ class Disk {
   virtual std::optional<std::vector<std::string>> list(const char* folder) = 0;
   /// Bytes that an unprivileged process may still write; -1 on failure.  statvfs.
   virtual std::int64_t free_bytes(const char* folder) = 0;
+  /// Of the disk that a folder lies on; -1 on failure.  st_dev of stat.
+  virtual std::int64_t device(const char* folder) = 0;
 };
 
 /// The machine's own.

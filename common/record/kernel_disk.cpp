@@ -63,6 +63,11 @@ class KernelDisk final : public Disk {
     if (::statvfs(folder, &status) != 0) return -1;
     return static_cast<std::int64_t>(status.f_bavail) * static_cast<std::int64_t>(status.f_frsize);
   }
+
+  std::int64_t device(const char* folder) override {
+    struct stat status {};
+    return ::stat(folder, &status) == 0 ? static_cast<std::int64_t>(status.st_dev) : -1;
+  }
 };
 
 }  // namespace

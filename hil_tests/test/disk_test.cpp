@@ -68,6 +68,10 @@ TEST_F(Disk, ADiskThatTurnsReadOnlyIsAStateAndLosesNothing) {
   ASSERT_TRUE(state_is(RecorderState::kDiskFailing));
   expect_that_the_node_holds_everything();
   EXPECT_FALSE(running.exit_code(0)) << "it ended";
+  // It tries again each second, and the folder beneath would take it.
+  disk.unmount();
+  bus.listen(2.5);
+  EXPECT_TRUE(std::filesystem::is_empty(record));
   disk.repair();
 
   ASSERT_TRUE(state_is(RecorderState::kRecording));

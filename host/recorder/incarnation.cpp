@@ -10,7 +10,15 @@
 namespace roadbalance {
 namespace {
 
-std::int64_t stored(const std::filesystem::path& file, Disk& disk) {
+std::int64_t store(const std::filesystem::path& folder, std::int64_t number, Disk& disk) {
+  write_atomically(folder / kIncarnationFile, std::to_string(number) + "\n", disk);
+  return number;
+}
+
+}  // namespace
+
+std::int64_t stored_incarnation(const std::filesystem::path& folder, Disk& disk) {
+  const auto file = folder / kIncarnationFile;
   const auto text = read_text(file, disk);
   if (!text) return 0;
   std::int64_t number = 0;
@@ -20,21 +28,12 @@ std::int64_t stored(const std::filesystem::path& file, Disk& disk) {
   return number;
 }
 
-std::int64_t store(const std::filesystem::path& file, std::int64_t number, Disk& disk) {
-  write_atomically(file, std::to_string(number) + "\n", disk);
-  return number;
-}
-
-}  // namespace
-
 std::int64_t next_incarnation(const std::filesystem::path& folder, std::int64_t utc_ms, Disk& disk) {
-  const auto file = folder / kIncarnationFile;
-  return store(file, std::max(stored(file, disk) + 1, utc_ms), disk);
+  return store(folder, std::max(stored_incarnation(folder, disk) + 1, utc_ms), disk);
 }
 
 std::int64_t raise_incarnation(const std::filesystem::path& folder, std::int64_t obeyed, Disk& disk) {
-  const auto file = folder / kIncarnationFile;
-  return store(file, std::max(stored(file, disk), obeyed) + 1, disk);
+  return store(folder, std::max(stored_incarnation(folder, disk), obeyed) + 1, disk);
 }
 
 }  // namespace roadbalance

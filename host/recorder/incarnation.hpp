@@ -15,6 +15,10 @@ struct Incarnation {
   std::filesystem::path folder = {};  ///< that it is stored in
 };
 
+/// The number stored last; 0 if there is none.
+/// @throws std::system_error naming the file, std::runtime_error if its content is not a number
+std::int64_t stored_incarnation(const std::filesystem::path& folder, Disk& disk = kernel_disk());
+
 /// The recorder's number in this run: higher than in every earlier run on the folder, and, by the wall clock,
 /// than that of earlier recordings.  On the disk before it is returned.
 /// @param utc_ms  the wall clock, since 1970

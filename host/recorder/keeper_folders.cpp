@@ -9,6 +9,7 @@
 #include "common/record/file.hpp"
 #include "common/record/folder.hpp"
 #include "common/record/segment.hpp"
+#include "host/recorder/incarnation.hpp"
 #include "host/recorder/preamble.hpp"
 #include "host/recorder/record_keeper.hpp"
 
@@ -121,12 +122,15 @@ void RecordKeeper::open(const std::filesystem::path& folder, RecordState before)
   RecordWriter::Options where{.folder = folder, .segment_bytes = options_.segment_bytes};
   RecordWriter writer(std::move(where), disk_, std::move(before));
   writer.set_preamble(make_preamble(writer.holds()));
+  const std::int64_t device = disk_.device(folder.c_str());
+  if (device < 0) throw std::system_error(errno, std::generic_category(), "stat " + folder.string());
   if (folder != options_.folder) say_what_is_continued();
   if (writer_)
     *writer_ = std::move(writer);
   else
     writer_.emplace(std::move(writer));
   appended_before_ = -static_cast<std::int64_t>(written_);
+  device_ = device;
 }
 
 void RecordKeeper::go_to_fallback(WallTime now) {
@@ -185,7 +189,8 @@ void RecordKeeper::say_what_is_continued() {
   write_atomically(options_.fallback / kContinuesFile, before + name + "\n", disk_);
 }
 
-// A file that has no name any more takes all that is written to it, and keeps nothing.
+// A file that has no name any more takes all that is written to it, and keeps nothing.  That of a disk which
+// is unmounted all the same keeps it, seen by nobody until the disk is mounted again.
 void RecordKeeper::sync() {
   writer_->sync();
   if (!segment_is_open_) return;
@@ -193,9 +198,37 @@ void RecordKeeper::sync() {
   const int file = disk_.open(segment.c_str(), O_RDONLY, 0);
   if (file >= 0) {
     (void)disk_.close(file);
-  } else if (errno == ENOENT) {
+  } else if (errno == ENOENT && !lies_elsewhere()) {
     throw std::system_error(ENOENT, std::generic_category(),
                             segment.string() + " was removed while it was written, with all it held");
+  }
+  require_own_disk();
+}
+
+bool RecordKeeper::lies_elsewhere() const {
+  const std::int64_t device = disk_.device(folder().c_str());
+  return device >= 0 && device != device_;
+}
+
+// Where a disk was mounted lies a folder of another one.  It would take all, and show it to nobody once the
+// disk is mounted again.
+void RecordKeeper::require_own_disk() {
+  if (!lies_elsewhere()) return;
+  if (!holds_this_recording())
+    throw std::system_error(
+        ENODEV, std::generic_category(),
+        "recording " + folder().string() + " (mount the disk again that it began on, and it goes on)");
+  device_ = disk_.device(folder().c_str());
+}
+
+bool RecordKeeper::holds_this_recording() const {
+  if (fallback_) return is_line_of(full_name(options_.folder), continued_here(options_.fallback, disk_));
+  try {
+    return stored_incarnation(options_.folder, disk_) >= stamp_.incarnation;  // raised while it runs
+  } catch (const std::system_error&) {
+    throw;
+  } catch (const std::runtime_error&) {
+    return false;
   }
 }
 
@@ -204,6 +237,7 @@ void RecordKeeper::begin_again() {
   if (!is_folder(folder(), disk_))
     throw std::system_error(ENOENT, std::generic_category(),
                             "recording " + folder().string() + " (make the folder again, and it goes on)");
+  require_own_disk();
   try {
     open(folder(), writer_->holds());
   } catch (const std::system_error&) {

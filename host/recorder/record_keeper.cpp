@@ -57,7 +57,11 @@ void RecordKeeper::append(const Delivery& delivery, WallTime now) {
   const bool at_once = write_held(now) && may_write(now);
   journal_.add(*block);
   held_.push(block_channel(header.node, block->kind), block->bytes(), stamp_.time_us);
-  if (at_once && attempt(now, [&] { writer_->append(*block, stamp_.time_us); })) {
+  const auto write = [&] {
+    if (!segment_is_open_) require_own_disk();
+    writer_->append(*block, stamp_.time_us);
+  };
+  if (at_once && attempt(now, write)) {
     ++written_;
     segment_is_open_ = true;
     if (block->kind == BlockKind::kMeta) writer_->set_preamble(make_preamble(writer_->holds()));
@@ -162,7 +166,10 @@ bool RecordKeeper::write_held(WallTime now) {
   if (is_caught_up() && !removed_) return true;
   if (!may_write(now)) return false;
   return attempt(now, [&] {
-    if (removed_) begin_again();
+    if (removed_)
+      begin_again();
+    else if (!segment_is_open_)
+      require_own_disk();
     for (; written_ < held_.size(); ++written_) {
       const HeldEvents::Event event = held_.at(written_);
       writer_->append(event.channel, event.data, event.timestamp_us);

@@ -126,6 +126,9 @@ class RecordKeeper {
   void say_where_it_goes_on();
   void say_what_is_continued();
   void sync();
+  void require_own_disk();
+  bool lies_elsewhere() const;
+  bool holds_this_recording() const;
   void begin_again();
   // keeper_duties.cpp: what is done beside, some time before or after a commit.
   void do_duties(WallTime now);
@@ -141,6 +144,7 @@ class RecordKeeper {
   const KeeperOptions options_;
   std::optional<RecordWriter> writer_;
   bool fallback_ = false;
+  std::int64_t device_ = -1;  // that folder() lies on
   RecordState recovered_;
   Note stamp_;  // the clocks and incarnation that notes get
 

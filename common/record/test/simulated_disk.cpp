@@ -57,6 +57,8 @@ void SimulatedDisk::kill() {
 void SimulatedDisk::cut_power() {
   kill();
   root_->folder->lose_power(random_);
+  for (auto& [path, mounted] : mounted_)
+    if (mounted.root) mounted.root->folder->lose_power(random_);
   off_ = true;
 }
 
@@ -67,8 +69,17 @@ SimulatedDisk::Descriptor* SimulatedDisk::descriptor(int file) {
   return nullptr;
 }
 
+// What lies at a place; the place's device becomes that of what is mounted there.
+SimulatedDisk::Node SimulatedDisk::enter(Place& at) const {
+  const auto mounted = mounted_.find(at.path);
+  if (mounted == mounted_.end() || mounted->second.device == 0)
+    return at.name.empty() ? root_ : at.folder->find(at.name);
+  at.device = mounted->second.device;
+  return mounted->second.root;
+}
+
 SimulatedDisk::Place SimulatedDisk::place(const std::string& path) const {
-  Place result{.folder = root_->folder.get(), .name = {}};
+  Place result{.folder = root_->folder.get(), .name = {}, .path = {}};
   std::size_t at = 0;
   while (at < path.size()) {
     const std::size_t end = std::min(path.find('/', at), path.size());
@@ -76,19 +87,25 @@ SimulatedDisk::Place SimulatedDisk::place(const std::string& path) const {
     at = end + 1;
     if (part.empty() || part == ".") continue;
     if (!result.name.empty()) {
-      const Node inner = result.folder->find(result.name);
+      const Node inner = enter(result);
       if (!inner || !inner->folder) return {};
       result.folder = inner->folder.get();
     }
     result.name = part;
+    result.path += "/" + part;
   }
   return result;
 }
 
 SimulatedDisk::Node SimulatedDisk::find(const std::string& path) const {
-  const Place at = place(path);
-  if (!at.folder) return nullptr;
-  return at.name.empty() ? root_ : at.folder->find(at.name);
+  Place at = place(path);
+  return at.folder ? enter(at) : nullptr;
+}
+
+void SimulatedDisk::mount(const std::string& folder) {
+  Mounted& mounted = mounted_[folder];
+  if (!mounted.root) mounted.root = new_folder();
+  mounted.device = ++last_device_;
 }
 
 bool SimulatedDisk::has_space(const SimulatedFile& file, std::uint64_t size) const {
@@ -272,6 +289,12 @@ std::optional<std::vector<std::string>> SimulatedDisk::list(const char* folder) 
 std::int64_t SimulatedDisk::free_bytes(const char* folder) {
   if (!begins(DiskCall::kFreeBytes, folder, 0, false)) return -1;
   return std::max<std::int64_t>(capacity_bytes_ - *used_bytes_, 0);
+}
+
+std::int64_t SimulatedDisk::device(const char* folder) {
+  if (!begins(DiskCall::kDevice, folder, 0, false)) return -1;
+  Place at = place(folder);
+  return at.folder && enter(at) ? at.device : failed(ENOENT);
 }
 
 std::vector<std::uint8_t> SimulatedDisk::content(const std::string& path) const {

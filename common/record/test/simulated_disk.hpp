@@ -31,6 +31,7 @@ enum class DiskCall {
   kMakeFolder,
   kList,
   kFreeBytes,
+  kDevice,
 };
 
 /// A disk in memory with a page cache and a platter, that fails, fills up, stalls and loses power as told.
@@ -75,6 +76,12 @@ class SimulatedDisk final : public Disk {
   bool is_off() const { return off_; }
   void power_on() { off_ = false; }
 
+  /// At a folder that there is, another disk, empty the first time; what the folder holds lies beneath.  It
+  /// has the room of this one, and gets a new number each time.
+  void mount(const std::string& folder);
+  /// What is open of it stays so, as with MNT_DETACH.
+  void unmount(const std::string& folder) { mounted_.at(folder).device = 0; }
+
   /// For tests, past all faults and costs; an empty one if there is no such file.
   std::vector<std::uint8_t> content(const std::string& path) const;
   /// Puts a file there, synced with its name.  Its folder must exist.
@@ -99,6 +106,7 @@ class SimulatedDisk final : public Disk {
   int mkdir(const char* path, mode_t mode) override;
   std::optional<std::vector<std::string>> list(const char* folder) override;
   std::int64_t free_bytes(const char* folder) override;
+  std::int64_t device(const char* folder) override;
 
  private:
   using Node = SimulatedFolder::Node;
@@ -112,6 +120,12 @@ class SimulatedDisk final : public Disk {
   struct Place {
     SimulatedFolder* folder = nullptr;  // nullptr: there is no such folder
     std::string name;                   // empty: the root itself
+    std::string path;                   // the root's is empty
+    std::int64_t device = 1;            // of the folder
+  };
+  struct Mounted {
+    Node root;
+    std::int64_t device = 0;  // 0: it is not there
   };
 
   bool begins(DiskCall call, const std::string& path, std::size_t bytes, bool changes,
@@ -119,6 +133,7 @@ class SimulatedDisk final : public Disk {
   Descriptor* descriptor(int file);
   Place place(const std::string& path) const;
   Node find(const std::string& path) const;
+  Node enter(Place& at) const;
   bool has_space(const SimulatedFile& file, std::uint64_t size) const;
   int sync(DiskCall call, int file);
   void forget_locks(int file, const Node& node);
@@ -126,6 +141,8 @@ class SimulatedDisk final : public Disk {
   std::mt19937_64 random_;
   std::shared_ptr<std::int64_t> used_bytes_ = std::make_shared<std::int64_t>(0);
   Node root_;
+  std::map<std::string, Mounted> mounted_;  // by path
+  std::int64_t last_device_ = 1;
   std::map<int, Descriptor> descriptors_;
   int next_descriptor_ = 3;  // never used twice, so that a killed process cannot close another's
 

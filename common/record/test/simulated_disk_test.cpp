@@ -158,6 +158,28 @@ TEST(SimulatedDisk, AFullDiskTakesWhatFitsAndGivesSpaceBackWithTheFile) {
   EXPECT_EQ(disk.free_bytes("/"), 8192);
 }
 
+TEST(SimulatedDisk, WhatIsMountedHidesWhatLiesBeneathAndKeepsWhatItHolds) {
+  SimulatedDisk disk;
+  create_folders("/a/b", disk);
+  disk.put("/a/b/beneath", {1});
+  const std::int64_t own = disk.device("/a/b");
+  disk.mount("/a/b");
+  const std::int64_t mounted = disk.device("/a/b");
+  EXPECT_NE(mounted, own);
+  EXPECT_EQ(disk.device("/a"), own);
+  EXPECT_FALSE(path_exists("/a/b/beneath", disk));
+  File file = File::create("/a/b/file", disk);
+  disk.unmount("/a/b");
+  EXPECT_EQ(disk.device("/a/b"), own);
+  EXPECT_TRUE(path_exists("/a/b/beneath", disk));
+  EXPECT_FALSE(path_exists("/a/b/file", disk));
+  file.write_all(Bytes{2});
+  disk.mount("/a/b");
+  EXPECT_EQ(disk.content("/a/b/file"), Bytes{2});
+  EXPECT_NE(disk.device("/a/b"), mounted);
+  EXPECT_EQ(disk.device("/a/c"), -1);
+}
+
 TEST(SimulatedDisk, AKilledProcessLosesItsDescriptorsAndLocksAndNoData) {
   SimulatedDisk disk;
   File folder = File::open_folder("/", disk);
