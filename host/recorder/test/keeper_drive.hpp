@@ -72,6 +72,11 @@ class Drive {
         if (note->kind == kind) found.push_back(*note);
     return found;
   }
+  bool was_warned_of(const std::string& words) {
+    bool found = false;
+    for (const auto& warning : keeper->warnings()) found = found || warning.find(words) != std::string::npos;
+    return found;
+  }
   // Calls of these kinds fail from now on.
   void fail(std::vector<DiskCall> kinds, int error) {
     disk.set_fault([kinds, error](DiskCall call, std::int64_t, const std::string&) {
