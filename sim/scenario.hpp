@@ -30,7 +30,7 @@ struct RoadScenario {
   double rear_coherence2;  ///< squared coherence of the road under a rear wheel with its front wheel's
 };
 
-/// Complex amplitudes by wheel, phase from the zero mark in the direction of rotation (conventions.md).
+/// Complex amplitudes by wheel, phase from the reference point in the direction of rotation (conventions.md).
 struct WheelScenario {
   std::complex<double> unbalance_kg_m{};
   std::complex<double> radial_force_n{};

@@ -9,7 +9,7 @@ namespace roadbalance::sim {
 struct Truth {
   struct Wheel {
     double unbalance_g;  ///< at the weight radius of vehicle.toml
-    double angle_deg;    ///< heavy spot from the zero mark in the direction of rotation, 0 .. 360
+    double angle_deg;    ///< heavy spot from the reference point in the direction of rotation, 0 .. 360
     double tyre_stiffness_n_m;
     double radial_force_n;
   };

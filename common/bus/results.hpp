@@ -90,7 +90,7 @@ struct Balance {
   std::int64_t time_ns = 0;
   Unknown state = Unknown::kTooShort;
   double unbalance_g = 0;
-  double angle_rad = 0;  ///< heavy spot from the zero mark in the direction of rotation, 0 .. 2 pi
+  double angle_rad = 0;  ///< heavy spot from the reference point in the direction of rotation, 0 .. 2 pi
   Eigen::Matrix2d covariance_g2 = Eigen::Matrix2d::Zero();  ///< of the (cos, sin) components
   double sigma_g = 0;
   double sigma_rad = 0;

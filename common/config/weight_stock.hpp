@@ -28,11 +28,11 @@ struct WeightStock {
   double heaviest_g = 60.0;          ///< in one place
   int most = 2;                      ///< weights on a wheel, 1 or 2
   std::vector<WeightPlace> place{};  ///< in the order in which they are wanted
-  double raster_rad = 0.0;           ///< angle between places, counted from the zero mark; 0: anywhere
+  double raster_rad = 0.0;           ///< angle between places, counted from the reference point; 0: anywhere
   double length_m_per_g = 2.5e-3;    ///< of a weight along the rim: two do not lie on one another
 };
 
-/// A weight on a wheel; angle from the zero mark in the direction of rotation.
+/// A weight on a wheel; angle from the reference point in the direction of rotation.
 struct WheelWeight {
   double mass_g = 0.0;
   double angle_rad = 0.0;

@@ -10,7 +10,7 @@
 
 namespace roadbalance {
 
-/// Amplitude and phase of orders against the zero mark: x(alpha) = Re{X e^{j h alpha}} (conventions.md).
+/// Amplitude and phase of orders against the reference point: x(alpha) = Re{X e^{j h alpha}} (conventions.md).
 ///
 /// In each block the channel is fitted by a constant and all wanted orders together, by least squares over
 /// whole turns; blocks are averaged, over the whole drive and by class of speed, with the confidence that

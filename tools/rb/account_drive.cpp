@@ -185,7 +185,7 @@ std::string account_orders(const DriveReport& report) {
   std::string html =
       element("h2", "Orders") +
       element("p",
-              "Peak amplitude, and phase against the zero mark; ± is 95 %. Order 1 is once a turn "
+              "Peak amplitude, and phase against the reference point (the valve); ± is 95 %. Order 1 is once a turn "
               "of the wheel.",
               "facts");
   for (const Json& wheel : report.account->orders) html += orders_of(wheel);

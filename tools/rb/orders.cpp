@@ -120,7 +120,7 @@ int orders(const OrdersOptions& options) {
   if (options.json) {
     std::printf("%s\n", Json{{"wheels", wheels}}.dump().c_str());
   } else {
-    std::printf("# peak amplitude, phase against the zero mark, blocks of %d turns; ± is 95 %%\n",
+    std::printf("# peak amplitude, phase against the reference point, blocks of %d turns; ± is 95 %%\n",
                 RotorOrders::kVectorTurns);
     for (const Json& wheel : wheels) print_wheel(wheel, options.wanted.channel.has_value());
   }
@@ -136,7 +136,7 @@ int orders(const OrdersOptions& options) {
 void add_orders(CLI::App& app, int& code) {
   auto options = std::make_shared<OrdersOptions>();
   CLI::App* command = app.add_subcommand(
-      "orders", "Order vectors (amplitude, phase against the zero mark) and order spectra of a recording");
+      "orders", "Order vectors (amplitude, phase against the reference point) and order spectra of a recording");
   CLI::Option* const folder = command->add_option("folder", options->folder, "the recording");
   CLI::Option* const live = command->add_flag(
       "--live", options->live, "what the analyser on the bus finds of orders 1 and 2, once a second");

@@ -127,7 +127,7 @@ std::string wheels(const DriveReport& report) {
       if (tells_before(wheel)) largest_g = std::max(largest_g, wheel.before_g.norm());
   std::string cards;
   for (std::size_t w = 0; w < kWheels; ++w) cards += wheel_card(report, w, largest_g);
-  return element("h2", "Wheels, as seen from outside the car, the zero mark at 12") +
+  return element("h2", "Wheels, as seen from outside the car, the reference point (the valve) at 12") +
          element("div", cards, "wheels") +
          element(
              "p",

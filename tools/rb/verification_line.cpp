@@ -34,7 +34,7 @@ const char* said(WeightPlacement placement) {
     case WeightPlacement::kAsWanted:
       return "; it changed as the weights should change it";
     case WeightPlacement::kMirrored:
-      return "; it changed as if the weight were MIRRORED at the mark: angles count in the direction of "
+      return "; it changed as if the weight were MIRRORED at the valve: angles count in the direction of "
              "rotation, seen "
              "from outside";
     case WeightPlacement::kOpposite:

@@ -47,7 +47,7 @@ std::string clock_of(double angle_rad, bool left_side) {
 
 std::string along_rim(double angle_rad, double radius_m) {
   const double shorter_rad = std::remainder(angle_rad, 2.0 * std::numbers::pi);
-  return format("%.0f mm %s the mark", 1e3 * radius_m * std::abs(shorter_rad),
+  return format("%.0f mm %s the valve", 1e3 * radius_m * std::abs(shorter_rad),
                 shorter_rad < 0.0 ? "behind" : "ahead of");
 }
 

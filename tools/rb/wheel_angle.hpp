@@ -15,9 +15,9 @@ std::optional<double> parse_wheel_angle(const std::string& text, bool left_side)
 /// The same backwards: "10:30".
 std::string clock_of(double angle_rad, bool left_side);
 
-/// With a ruler, the shorter way: "123 mm ahead of the mark" along the rim, in the direction of rotation, or
-/// "123 mm behind the mark".
-/// @param angle_rad  from the zero mark in the direction of rotation
+/// With a ruler, the shorter way: "123 mm ahead of the valve" along the rim, in the direction of rotation, or
+/// "123 mm behind the valve".
+/// @param angle_rad  from the reference point in the direction of rotation
 std::string along_rim(double angle_rad, double radius_m);
 
 }  // namespace roadbalance

@@ -49,11 +49,11 @@ TEST(WheelAngle, IsNothingElse) {
 
 // Half a metre of radius: an angle of 1 rad is 500 mm of rim.
 TEST(AlongRim, GoesTheShorterWayRound) {
-  EXPECT_EQ(along_rim(1.0, 0.5), "500 mm ahead of the mark");
-  EXPECT_EQ(along_rim(-1.0, 0.5), "500 mm behind the mark");
-  EXPECT_EQ(along_rim(2.0 * std::numbers::pi - 1.0, 0.5), "500 mm behind the mark");
-  EXPECT_EQ(along_rim(2.0 * std::numbers::pi + 1.0, 0.5), "500 mm ahead of the mark");
-  EXPECT_EQ(along_rim(0.0, 0.5), "0 mm ahead of the mark");
+  EXPECT_EQ(along_rim(1.0, 0.5), "500 mm ahead of the valve");
+  EXPECT_EQ(along_rim(-1.0, 0.5), "500 mm behind the valve");
+  EXPECT_EQ(along_rim(2.0 * std::numbers::pi - 1.0, 0.5), "500 mm behind the valve");
+  EXPECT_EQ(along_rim(2.0 * std::numbers::pi + 1.0, 0.5), "500 mm ahead of the valve");
+  EXPECT_EQ(along_rim(0.0, 0.5), "0 mm ahead of the valve");
 }
 
 }  // namespace

@@ -7,7 +7,7 @@ const kFirstDay: readonly string[] = [
   "Mark a point of each wheel, the valve for one: all angles count from there.",
   "Switch on nodes and recorder. Set-up (S) lists what is heard; every line of the check should say OK, once the wheels have rolled and each sensor was knocked on.",
   "Tap test: knock on each sensor as the table says, on both sides. A wrong sign is mended now, not after the drive.",
-  "Tell each wheel where its zero mark is: Equipment (E) leads you through turning it by hand, and sets scales and zeros of channels.",
+  "Tell each wheel where its valve is when its zero mark fires: Equipment (E) leads you through turning it by hand, and sets scales and zeros of channels.",
   "Roll a few metres: the encoders' lines of the check become OK.",
   "Start the recording. The word on top is RECORDING, and the four lamps are discs: SYNC after a while, for clocks are asked only now.",
   "Drive steadily at 80 to 130 km/h, straight, on a good road; now and then change lanes or take a bend.",
@@ -43,7 +43,7 @@ export class HelpView implements View {
       el("h2", {}, ["The four lamps"]),
       el("dl", {}, kLamps.flatMap(([name, means]) => [el("dt", {}, [el("strong", {}, [name])]), el("dd", {}, [means])])),
       el("h2", {}, ["Angles and uncertainty"]),
-      el("p", {}, ["An angle counts from the wheel's zero mark in the direction of rotation. With the mark at 12 the clock " +
+      el("p", {}, ["An angle counts from the wheel's reference point (the valve) in the direction of rotation. With the valve at 12 the clock " +
                    "says where that is, seen from outside the car: a left wheel turns counter-clockwise, a right one clockwise."]),
       el("p", {}, ["± is one standard deviation; the ellipse holds the unbalance with 95 %. The ring of a wheel is full when ± is " +
                    "as small as [limits] sigma_g in vehicle.toml wants it: that decides, not the time driven."]),
@@ -51,7 +51,7 @@ export class HelpView implements View {
                    "[[wheel.place]] in vehicle.toml: vertical accelerations tell the static unbalance, not the couple of two masses " +
                    "opposite to one another on both sides of a wheel. List first the place nearest to the middle of the rim, or put " +
                    "half of the mass on either flange at the same angle: that adds no couple."]),
-      el("p", {}, ["A polar plot shows X of x = Re{X e^(jhα)}: x is the acceleration, α the wheel's angle from its zero mark in the " +
+      el("p", {}, ["A polar plot shows X of x = Re{X e^(jhα)}: x is the acceleration, α the wheel's angle from its reference point in the " +
                    "direction of rotation, h the order."]),
       el("p", {}, ["What is recorded does not pass through this page: close it whenever you like."])]);
   }

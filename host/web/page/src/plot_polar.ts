@@ -49,7 +49,7 @@ export class PolarPlot implements Plot {
   private readonly cells = kWheelNames.map((name) => ({
     name, canvas: el("canvas", {class: "own-canvas polar-canvas", role: "img", "aria-label": name}), text: el("p", {class: "polar-text"})}));
   private readonly caption = el("p", {class: "caption"}, [
-    "Angles count from the wheel's zero mark in the direction of rotation; amplitudes are peaks, over the drive so far. The " +
+    "Angles count from the wheel's reference point (the valve) in the direction of rotation; amplitudes are peaks, over the drive so far. The " +
     "filled region holds the vector with 95 %. The help (?) has the formula."]);
   private rows: (number | string | null)[][] = [];
   private reference: (OrderVector | undefined)[] = [];

@@ -13,7 +13,7 @@ export function degrees(angle_rad: number): number {
   return ((Math.round(angle_rad * 180 / Math.PI) % 360) + 360) % 360;
 }
 
-/** Where the angle, counted from the mark in the direction of rotation, is on a clock's face with the mark at 12, seen from
+/** Where the angle, counted from the valve in the direction of rotation, is on a clock's face with the valve at 12, seen from
     outside: "4:46". */
 export function clockPosition(wheel: number, angle_rad: number): string {
   const minutes = Math.round(clockwise(wheel) * angle_rad * 360 / Math.PI);
@@ -41,7 +41,7 @@ export interface Point {
   readonly y: number;
 }
 
-/** On the drawing, y downwards, the mark on top: of (cos, sin) components, in their unit. */
+/** On the drawing, y downwards, the valve on top: of (cos, sin) components, in their unit. */
 export function place(wheel: number, cosine: number, sine: number): Point {
   return {x: clockwise(wheel) * sine, y: -cosine};
 }

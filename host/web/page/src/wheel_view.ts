@@ -98,7 +98,7 @@ export class WheelView implements View {
       el("h2", {}, ["Balance ", this.basis]),
       el("div", {class: "cards"}, this.cards.map(({element}) => element)),
       el("p", {class: "legend"}, [
-        "Each wheel as seen from outside the car, its zero mark (▼) at 12; ahead of the mark is in the direction of rotation. ",
+        "Each wheel as seen from outside the car, its reference point (▼, the valve) at 12; ahead of the valve is in the direction of rotation. ",
         el("span", {class: "key spot-key"}, ["● heavy spot"]), " ", el("span", {class: "key weight-key"}, ["■ weight"]), " ", el("span", {class: "key weight-key"}, ["□ behind the wheel"]), " ",
         el("span", {class: "key off-key"}, ["■ red dashed: take off"]), " ",
         el("span", {class: "key vector-key"}, ["― unbalance and where it is with 95 %"]), " ",

@@ -37,12 +37,12 @@ export function reason(state: Unknown, identification?: Identification): string 
 const where = (wheel: number, angle_rad: number) =>
   `${degrees(angle_rad)}° (${withUnit("clock", clockPosition(wheel, angle_rad))})`;
 
-/** "123 mm ahead of the mark": along the rim, the shorter way; ahead is in the direction of rotation. */
+/** "123 mm ahead of the valve": along the rim, the shorter way; ahead is in the direction of rotation. */
 function alongRim(angle_rad: number, radius_m: number): string {
   const turn = 2 * Math.PI;
   const ahead = ((angle_rad % turn) + turn) % turn;
-  return ahead <= Math.PI ? `${length(ahead * radius_m)} ahead of the mark`
-    : `${length((turn - ahead) * radius_m)} behind the mark`;
+  return ahead <= Math.PI ? `${length(ahead * radius_m)} ahead of the valve`
+    : `${length((turn - ahead) * radius_m)} behind the valve`;
 }
 
 /** What is on the wheel, or why it is not known. */
@@ -156,7 +156,7 @@ const kVerdicts: Readonly<Record<VerificationVerdict, string>> = {
 const kPlacements: Readonly<Record<WeightPlacement, string>> = {
   [WeightPlacement.NotJudged]: "",
   [WeightPlacement.AsWanted]: "The unbalance changed as the weights should change it.",
-  [WeightPlacement.Mirrored]: "It changed as if the weight were MIRRORED at the mark: count the angle in the direction of " +
+  [WeightPlacement.Mirrored]: "It changed as if the weight were MIRRORED at the valve: count the angle in the direction of " +
     "rotation, seen from outside the car.",
   [WeightPlacement.Opposite]: "It changed as if the weight were AT the heavy spot, not opposite to it.",
   [WeightPlacement.Elsewhere]: "It did not change as the weights should change it: are they where they should be?",

@@ -69,7 +69,7 @@ test("places heavy spot and weight right on both sides of the car", async (t) =>
   // Seen from outside driving forward a left wheel turns counter-clockwise: 12 - 217/30 = 4:46, 12 - 37/30 = 10:46;
   // a right one clockwise: 217/30 = 7:14, 37/30 = 1:14.
   assert.match(await text(page, "#wheel-1"), /Clip 35 g at 37° \(clock 10:46\) on the outer flange\..*Heavy spot at 217° \(clock 4:46\), 35\.0 g/);
-  assert.match(await text(page, "#wheel-2"), /Stick 35 g at 37° \(clock 1:14\) in the inner plane\. 123 mm ahead of the mark; behind the wheel.*Heavy spot at 217° \(clock 7:14\), 35\.0 g/);
+  assert.match(await text(page, "#wheel-2"), /Stick 35 g at 37° \(clock 1:14\) in the inner plane\. 123 mm ahead of the valve; behind the wheel.*Heavy spot at 217° \(clock 7:14\), 35\.0 g/);
   // And on the drawing: 4:46 is below and to the right of the hub, 7:14 below and to the left; weights opposite.
   for (const [card, right] of [[1, 1], [2, -1]]) {
     const {hub, spot, weight} = await page.evaluate((id) => {
@@ -89,7 +89,7 @@ test("says what to do with weights that are on the wheel, and when they will not
   const page = await open(t, "known");
   assert.match(await text(page, ".legend"), /□ behind the wheel ■ red dashed: take off/);
   assert.match(await text(page, "#wheel-3"), /WEIGHTS WILL NOT CURE THIS: force that does not grow with speed/);
-  assert.match(await text(page, "#wheel-3"), /Move the 20 g clip from 30° \(clock 11:00\) on the outer flange to 90° \(clock 9:00\) on the inner flange\. to 298 mm ahead of the mark; behind the wheel Remove the 5 g clip at 200° \(clock 5:20\) on the outer flange/);
+  assert.match(await text(page, "#wheel-3"), /Move the 20 g clip from 30° \(clock 11:00\) on the outer flange to 90° \(clock 9:00\) on the inner flange\. to 298 mm ahead of the valve; behind the wheel Remove the 5 g clip at 200° \(clock 5:20\) on the outer flange/);
   assert.match(await text(page, "#wheel-4"), /Leave it: the unbalance is within its own uncertainty/);
   assert.match(await text(page, "#wheel-1"), /leaves 2\.6 g \(49 g·cm\), within the 7 g that a shop leaves/);
 });
@@ -108,9 +108,9 @@ test("shows how far each wheel is from the wanted sigma, and what the estimates 
 test("tells a place on the rim by degrees, clock and ruler, and what is left in g, g·cm and at the seats", async (t) => {
   const page = await open(t, "known");
   // 37 degrees of a circle of 190 mm: 122.7 mm.
-  assert.match(await text(page, "#wheel-1"), /Clip 35 g at 37° \(clock 10:46\) on the outer flange\. 123 mm ahead of the mark/);
+  assert.match(await text(page, "#wheel-1"), /Clip 35 g at 37° \(clock 10:46\) on the outer flange\. 123 mm ahead of the valve/);
   // 200 degrees are 160 the other way: 530.6 mm.
-  assert.match(await text(page, "#wheel-3"), /Remove the 5 g clip at 200° \(clock 5:20\) on the outer flange\. 531 mm behind the mark/);
+  assert.match(await text(page, "#wheel-3"), /Remove the 5 g clip at 200° \(clock 5:20\) on the outer flange\. 531 mm behind the valve/);
   assert.match(await text(page, "#wheel-1"), /leaves 2\.6 g \(49 g·cm\), within.*At the seats 0\.052 → 0\.0043 m\/s²/);
 });
 
@@ -126,7 +126,7 @@ test("says what to do while nothing is known", async (t) => {
 test("tells what weights have done, and which mistake was made", async (t) => {
   const page = await open(t, "verified");
   assert.match(await text(page, "#wheel-1"), /Before 35\.0 g, now 2\.0 g: 94 % less, ± 4 %\. GOOD.*changed as the weights should/);
-  assert.match(await text(page, "#wheel-2"), /WORSE than before.*MIRRORED at the mark/);
+  assert.match(await text(page, "#wheel-2"), /WORSE than before.*MIRRORED at the valve/);
   assert.match(await text(page, "#wheel-3"), /AT the heavy spot/);
   assert.match(await text(page, "#wheel-4"), /NO BETTER.*were the weights fitted\?/);
   // The state is the analyser's: a reload loses nothing.
