@@ -45,12 +45,12 @@ std::string stem(std::string key) {
   return key;
 }
 
-/// Whether one is the other but for its unit or up to two slips of the pen.
+/// Whether one is the other but for its unit or up to two slips of the pen, one in a short word.
 bool resembles(const std::string& one, const std::string& other) {
   const std::string a = stem(one), b = stem(other);
   if (a == b) return true;
-  if (std::min(a.size(), b.size()) < 5) return false;  // so short ones are alike anyway
-  std::vector<std::size_t> distance(b.size() + 1);  // Levenshtein's, of a's beginning to each of b's
+  if (std::min(a.size(), b.size()) < 3) return false;  // so short ones are alike anyway
+  std::vector<std::size_t> distance(b.size() + 1);     // Levenshtein's, of a's beginning to each of b's
   for (std::size_t j = 0; j <= b.size(); ++j) distance[j] = j;
   for (std::size_t i = 0; i < a.size(); ++i) {
     std::size_t diagonal = std::exchange(distance[0], i + 1);
@@ -60,7 +60,7 @@ bool resembles(const std::string& one, const std::string& other) {
       distance[j + 1] = std::min({changed, distance[j] + 1, distance[j + 1] + 1});
     }
   }
-  return distance.back() <= 2;
+  return distance.back() <= (std::min(a.size(), b.size()) < 5 ? 1 : 2);
 }
 
 }  // namespace

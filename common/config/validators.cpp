@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace roadbalance {
 namespace {
@@ -24,9 +25,13 @@ bool within(const std::string& text, double low, double high) {
   return number && *number >= low && *number <= high;
 }
 
+std::string refusal(const std::string& text, const std::string& allowed) {
+  return "'" + text + "' cannot be used; allowed: " + allowed;
+}
+
 CLI::Validator validator(std::function<bool(const std::string&)> accepts, const std::string& allowed) {
   return {[accepts = std::move(accepts), allowed](std::string& text) {
-            return accepts(text) ? "" : "'" + text + "' cannot be used; allowed: " + allowed;
+            return accepts(text) ? "" : refusal(text, allowed);
           },
           ""};
 }
@@ -59,6 +64,21 @@ CLI::Validator drive_length() {
 CLI::Validator seed_number() {
   return validator([](const std::string& text) { return parsed<std::int64_t>(text).value_or(-1) >= 0; },
                    "a whole number from 0 on, below 2^63");
+}
+
+CLI::Validator one_of(std::vector<std::pair<std::string, int>> words) {
+  return {[words = std::move(words)](std::string& text) {
+            std::string allowed;
+            for (const auto& [word, number] : words) {
+              if (text == word) {
+                text = std::to_string(number);
+                return std::string();
+              }
+              allowed += (allowed.empty() ? "" : ", ") + word;
+            }
+            return refusal(text, allowed);
+          },
+          ""};
 }
 
 CLI::Validator rate_of_time() {

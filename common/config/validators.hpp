@@ -1,6 +1,9 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace roadbalance {
 
@@ -14,6 +17,8 @@ CLI::Validator seconds_or_zero();
 CLI::Validator drive_length();
 /// A whole number from 0 on.
 CLI::Validator seed_number();
+/// A word that stands for a number, which takes its place.
+CLI::Validator one_of(std::vector<std::pair<std::string, int>> words);
 /// Times real time, 0.001 .. 1000000, or "max".
 CLI::Validator rate_of_time();
 

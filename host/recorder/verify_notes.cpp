@@ -66,10 +66,11 @@ std::string what_happened(const Note& note) {
     case NoteKind::kAlarmBegan:
     case NoteKind::kAlarmEnded:
       return alarm_text(note);
-    default:
-      return "note of kind " + number(static_cast<std::int64_t>(note.kind)) + " (" + number(note.a) + ", " +
-             number(note.b) + ")";
+    case NoteKind::kDiskLow:
+      return "disk full in " + number(note.a) + " s at this rate, " + number(note.b) + " bytes free";
   }
+  return "note of kind " + number(static_cast<std::int64_t>(note.kind)) + " (" + number(note.a) + ", " +
+         number(note.b) + ")";
 }
 
 }  // namespace

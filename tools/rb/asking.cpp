@@ -11,6 +11,7 @@ namespace {
 using std::chrono::milliseconds;
 constexpr milliseconds kTurn{20};
 constexpr milliseconds kRepeat{200};
+constexpr milliseconds kSilent{3000};
 
 }  // namespace
 
@@ -36,7 +37,8 @@ Asking::Asking(const std::string& url) : bus_(url) {
   });
 }
 
-std::optional<Answer> Asking::ask(Request request, milliseconds patience) {
+std::optional<Answer> Asking::ask(Request request, milliseconds patience,
+                                  const std::function<void()>& silent) {
   const std::int64_t asker = request_.asker;
   request_ = std::move(request);
   request_.asker = asker;
@@ -44,7 +46,12 @@ std::optional<Answer> Asking::ask(Request request, milliseconds patience) {
   answer_.reset();
   if (request_.operation == Operation::kStop) receipts_.clear();  // those known are of another recording
   const WallTime begin = WallClock::now();
+  bool is_told = !silent;
   for (WallTime asked_at{}; WallClock::now() - begin < patience;) {
+    if (!is_told && !answer_ && WallClock::now() - begin > kSilent) {
+      is_told = true;
+      silent();
+    }
     if (const WallTime now = WallClock::now(); now - asked_at >= kRepeat) {
       (void)bus_.publish(kRequestChannel, encode(request_));
       asked_at = now;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -18,8 +19,10 @@ class Asking {
   explicit Asking(const std::string& url);
 
   /// @param request  its asker and number are set here
+  /// @param silent   called once if nobody has said anything for three seconds
   /// @return the last answer, of whatever state; nothing: nobody has said anything
-  std::optional<Answer> ask(Request request, std::chrono::milliseconds patience);
+  std::optional<Answer> ask(Request request, std::chrono::milliseconds patience,
+                            const std::function<void()>& silent = {});
 
   /// Of the recording that was stopped last, by node; waits for all of them.
   const std::map<std::int32_t, Receipt>& receipts(std::chrono::milliseconds patience);

@@ -37,7 +37,7 @@ std::vector<Finding> device_findings(const VehicleConfig& vehicle, const NodeCon
   if (findings.empty())
     findings.push_back(
         {"devices", Finding::kIll, "node " + node.name + " is wired to no device.",
-         "rb-node --front-end URI  # or front_end = \"URI\" under [[node]] in " + vehicle.name});
+         "rb-node --front-end URI  # or front_end = \"URI\" under its [[node]] in the vehicle file"});
   return findings;
 }
 

@@ -2,11 +2,12 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "common/config/section.hpp"
 #include "common/config/validators.hpp"
@@ -67,7 +68,10 @@ Json answer_json(const Answer& answer) {
 int ask(const AskOptions& options) {
   const auto patience = std::chrono::milliseconds(static_cast<std::int64_t>(1000.0 * options.seconds));
   Asking asking(options.url);
-  const auto answer = asking.ask(options.request, patience);
+  const auto answer = asking.ask(options.request, patience, [&] {
+    std::fprintf(stderr, "rb: %s  Asking on, for %.0f s in all (--seconds).\n", asking.silence().c_str(),
+                 options.seconds);
+  });
   if (!answer) throw std::runtime_error(asking.silence());
   if (answer->state == AnswerState::kUnderWay)
     throw std::runtime_error("not done after " + std::to_string(static_cast<int>(options.seconds)) +
@@ -129,11 +133,11 @@ void add_text(CLI::App& command, const std::string& name, const std::shared_ptr<
 
 /// A wheel by its name, as requests count them.
 void add_wheel(CLI::App& command, const std::shared_ptr<AskOptions>& options) {
-  std::map<std::string, std::int32_t> wheels;
-  for (std::int32_t w = 0; w < kWheels; ++w) wheels[kWheelNames[static_cast<std::size_t>(w)]] = w;
+  std::vector<std::pair<std::string, int>> wheels;
+  for (int w = 0; w < kWheels; ++w) wheels.emplace_back(kWheelNames[static_cast<std::size_t>(w)], w);
   command.add_option("wheel", options->request.channel, "front_left, front_right, rear_left or rear_right")
       ->required()
-      ->transform(CLI::CheckedTransformer(wheels));
+      ->transform(one_of(std::move(wheels)));
 }
 
 void add_zero_marks(CLI::App& configure, int& code) {
@@ -214,7 +218,7 @@ void add_configure(CLI::App& app, int& code) {
       ->required();
   scale->add_option("arrow", of_scale->request.value[0], "where its positive direction points now: up, down")
       ->required()
-      ->transform(CLI::CheckedTransformer(std::map<std::string, double>{{"up", 1.0}, {"down", -1.0}}));
+      ->transform(one_of({{"up", 1}, {"down", -1}}));
   CLI::App* filter = configure->add_subcommand("filter", "Anti-aliasing filter of all nodes");
   const auto of_filter = add_asking(*filter, Operation::kFilter, code);
   filter->add_option("corner", of_filter->request.value[0], "Hz")->required()->check(number_within(1.0, 1e5));

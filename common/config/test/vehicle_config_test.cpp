@@ -168,6 +168,8 @@ TEST(VehicleConfig, NamesFileLineKeyAndWhatIsAllowed) {
   const Case cases[] = {
       {"mass_kg = 34", "mass_g = 34000", "mass_g",
        "mass_g: unknown key (did you mean mass_kg?); allowed: a number 1 .. 1000"},
+      {"mass_kg = 34", "mas_kg = 34", "mas_kg",
+       "mas_kg: unknown key (did you mean mass_kg?); allowed: a number 1 .. 1000"},
       {"rotating_mass_kg = 26", "rotating_mass_kg = 35", "rotating_mass_kg = 35",
        "rotating_mass_kg: is 35; allowed: a number 1 .. 34"},
       {"spring_n_m = 22000", "sprig_n_m = 22000", "sprig_n_m",

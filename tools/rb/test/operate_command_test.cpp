@@ -145,6 +145,9 @@ TEST_F(OperateCommand, SaysWhyNobodyAnswers) {
   const auto silent = rb({"mark", "here", "--seconds", "0.5"});
   EXPECT_EQ(silent.code, 4);
   EXPECT_NE(silent.log.find("is rb-recorder --recordings FOLDER running"), std::string::npos) << silent.log;
+  EXPECT_EQ(silent.log.find("Asking on"), std::string::npos) << silent.log;
+  const auto patient = rb({"mark", "here", "--seconds", "4"});
+  EXPECT_NE(patient.log.find("Asking on, for 4 s in all"), std::string::npos) << patient.log;
   const std::jthread recorder([this](std::stop_token stop) {
     Bus bus(url_);
     while (!stop.stop_requested()) {
@@ -178,6 +181,11 @@ TEST_F(OperateCommand, RefusesWhatCannotBeAskedAtOnce) {
   EXPECT_EQ(rb({"configure", "range", "2.5", "-1"}).code, 2);
   EXPECT_EQ(rb({"start", std::string(65, 'x')}).code, 2);
   EXPECT_EQ(rb({"configure"}).code, 2);
+  const auto wheel = rb({"configure", "reading", "frontleft"});
+  EXPECT_EQ(wheel.code, 2);
+  EXPECT_NE(wheel.log.find("'frontleft' cannot be used; allowed: front_left, front_right, rear_left"),
+            std::string::npos)
+      << wheel.log;
 }
 
 }  // namespace
