@@ -63,9 +63,10 @@ void remark_on_forces(const std::array<Balance, kWheels>& balance, std::vector<s
     if (wheel.state != Unknown::kNone || wheel.force_state != ForceState::kNotSeparable) continue;
     sentences.push_back(
         format("not separable: %.0f–%.0f km/h do not tell an unbalance from a tyre's force variation, which "
-               "does not grow with speed; the grams do at these speeds what both do together. Drive as long ",
+               "does not grow with speed; the grams do at these speeds what both do together. Drive once "
+               "more as long as this ",
                3.6 * wheel.least_speed_m_s, 3.6 * wheel.greatest_speed_m_s) +
-        separating_speeds(wheel.greatest_speed_m_s) + " as well");
+        separating_speeds(wheel.greatest_speed_m_s));
     return;
   }
 }

@@ -86,7 +86,7 @@ std::vector<FirstOrderForce> at(const std::vector<double>& speeds_km_h) {
 }
 
 TEST(Remarks, SayAtWhichSpeedsToDriveSoThatTheyDo) {
-  EXPECT_TRUE(not_separable(110.0, 130.0).says("Drive as long at 80 km/h or slower as well"));
+  EXPECT_TRUE(not_separable(110.0, 130.0).says("Drive once more as long as this at 80 km/h or slower"));
   EXPECT_TRUE(not_separable(90.0, 130.0).says("at 80 km/h or slower"));
   EXPECT_TRUE(not_separable(60.0, 70.0).says("at 110 km/h or faster"));
   // As long as at the two ends of what was driven: twice one of them.

@@ -67,7 +67,8 @@ class Guide(unittest.TestCase):
             pathlib.Path(folder, "scenario.toml").write_text("")
             pathlib.Path(folder, "car.toml").write_text("name = 3\n")
             for arguments, words in ((["off"], "not on"), (["weights"], "which plan"), (["fly"], "on | off"),
-                                     (["weights", plan], "rear_left: move"), (["on"], "car.toml")):
+                                     (["weights", plan], "rear_left: move"), (["on"], "car.toml"),
+                                     (["weights", "no.json"], "no.json: there is no such file")):
                 done = subprocess.run(["unshare", "--net", "sh", "-c", 'ip link set lo up; ip route add 224.0.0.0/4 dev lo; "$@"',
                                        "sh", GUIDE / "car", *arguments], cwd=folder, capture_output=True, text=True,
                                       env=dict(os.environ, PATH=f"{BIN}:{os.environ['PATH']}"), timeout=60)
@@ -75,6 +76,16 @@ class Guide(unittest.TestCase):
                 self.assertIn(words, done.stdout + done.stderr)
             self.assertEqual(pathlib.Path(folder, "scenario.toml").read_text(), "")
             self.assertFalse(pathlib.Path(folder, "car.pids").exists())
+
+    def test_the_car_takes_weights_once(self):
+        with tempfile.TemporaryDirectory() as folder:
+            folder = pathlib.Path(folder)
+            step = {"action": "add", "mass_g": 5, "angle_deg": 0, "radius_m": 0.19}
+            (folder / "plan.json").write_text(json.dumps({"compensation": [{"name": "front_left", "steps": [step]}]}))
+            (folder / "scenario.toml").write_text("")
+            codes = [subprocess.run([GUIDE / "car", "weights", "plan.json"], cwd=folder, capture_output=True).returncode for _ in range(2)]
+            self.assertEqual(codes, [0, 2])
+            self.assertEqual(len(tomllib.loads((folder / "scenario.toml").read_text())["unbalance"]), 1)
 
     def test_its_commands_are_there_and_say_what_it_quotes(self):
         page = (GUIDE / "README.md").read_text()

@@ -52,7 +52,7 @@ function vehicleFile(setups: readonly Setup[]): Check {
 function channels(setups: readonly Setup[], car: Car, nowMs: number): Check {
   const name = "Channels";
   const levels = [...car.levels.values()].filter((heard) => isFresh(heard, nowMs)).map(({message}) => message);
-  if (levels.length === 0) return {name, ready: "unknown", says: "No levels are heard: start rb-analyser."};
+  if (levels.length === 0) return {name, ready: "unknown", says: "No levels are heard: they come with a recording. If one is under way, start rb-analyser."};
   const bad = setups.flatMap((setup) => {
     const level = levels.find(({node}) => node === setup.node);
     if (!level) return [`node ${setup.node}: no levels`];
