@@ -82,7 +82,6 @@ TEST(Bus, ReadingAheadKeepsNoMoreThanItMay) {
   // The kernel doubles what is asked for, for what it keeps beside each message.
   EXPECT_LE(heard * kMessage, kAhead + kOneCall + 2 * static_cast<std::size_t>(kReceiveBufferBytes));
   EXPECT_GT(heard * kMessage, kAhead);
-  EXPECT_GT(bus.dropped(), 0);
 }
 
 TEST(Bus, WhatComesBehindAMessageWhoseHandlerThrowsIsNotLost) {
