@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -85,6 +86,8 @@ class RecordWriter {
   struct Options {
     std::filesystem::path folder;
     std::uint64_t segment_bytes = 64ULL << 20;
+    /// Called before a segment is begun; what it throws comes out of append(), and nothing was appended.
+    std::function<void()> before_segment = {};
   };
   /// Creates the folder, or continues one: the tail of its last segment is cut to the longest valid prefix
   /// (the rest kept beside it), all that is left is synced, and a new segment begins.

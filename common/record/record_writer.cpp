@@ -129,14 +129,14 @@ struct RecordWriter::State : SegmentEvents {
   }
 
   void open_next() {
+    if (options.before_segment) options.before_segment();
     folder.take_again(options.folder, disk);
     if (file.is_open()) {
       put_last_commit(durable_bytes);
       sync();
     }
     (void)tidy();
-    const std::uint64_t size_before = segment_bytes;
-    const std::uint64_t reserved_before = reserved_bytes;
+    const std::uint64_t size_before = segment_bytes, reserved_before = reserved_bytes;
     const HeaderSum headers_before = std::exchange(headers, {});
     auto unnamed = path(segment + 1);
     unnamed += ".new";

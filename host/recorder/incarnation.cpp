@@ -1,21 +1,15 @@
 #include "host/recorder/incarnation.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 
 #include "common/record/file.hpp"
 
 namespace roadbalance {
-namespace {
-
-std::int64_t store(const std::filesystem::path& folder, std::int64_t number, Disk& disk) {
-  write_atomically(folder / kIncarnationFile, std::to_string(number) + "\n", disk);
-  return number;
-}
-
-}  // namespace
 
 std::int64_t stored_incarnation(const std::filesystem::path& folder, Disk& disk) {
   const auto file = folder / kIncarnationFile;
@@ -28,12 +22,23 @@ std::int64_t stored_incarnation(const std::filesystem::path& folder, Disk& disk)
   return number;
 }
 
+void keep_incarnation(const std::filesystem::path& folder, std::int64_t number, Disk& disk) {
+  write_atomically(folder / kIncarnationFile, std::to_string(number) + "\n", disk);
+}
+
 std::int64_t next_incarnation(const std::filesystem::path& folder, std::int64_t utc_ms, Disk& disk) {
-  return store(folder, std::max(stored_incarnation(folder, disk) + 1, utc_ms), disk);
+  const std::int64_t number = std::max(stored_incarnation(folder, disk) + 1, utc_ms);
+  keep_incarnation(folder, number, disk);
+  return number;
 }
 
 std::int64_t raise_incarnation(const std::filesystem::path& folder, std::int64_t obeyed, Disk& disk) {
-  return store(folder, std::max(stored_incarnation(folder, disk), obeyed) + 1, disk);
+  const std::int64_t stored = stored_incarnation(folder, disk);
+  if (stored == 0)
+    throw std::system_error(ENOENT, std::generic_category(), "open " + (folder / kIncarnationFile).string());
+  const std::int64_t number = std::max(stored, obeyed) + 1;
+  keep_incarnation(folder, number, disk);
+  return number;
 }
 
 }  // namespace roadbalance

@@ -26,7 +26,11 @@ std::int64_t stored_incarnation(const std::filesystem::path& folder, Disk& disk 
 std::int64_t next_incarnation(const std::filesystem::path& folder, std::int64_t utc_ms,
                               Disk& disk = kernel_disk());
 
+/// Stores it again, in a folder that was made again.  @throws std::system_error naming the file
+void keep_incarnation(const std::filesystem::path& folder, std::int64_t number, Disk& disk = kernel_disk());
+
 /// For a node that obeyed a higher number (the wall clock was set back): one above `obeyed`, on the disk.
+/// @throws std::system_error naming the file, also if there is none: its disk may be unmounted
 std::int64_t raise_incarnation(const std::filesystem::path& folder, std::int64_t obeyed,
                                Disk& disk = kernel_disk());
 

@@ -63,6 +63,7 @@ void RecordKeeper::keep_journal() {
 }
 
 void RecordKeeper::watch_space(WallTime now) {
+  if (lies_elsewhere()) return;  // another disk's room
   const std::int64_t free = disk_.free_bytes(folder().c_str());
   // The ballast's part of the reserve is there already.
   on_space(space_.take(free < 0 ? free : free + (ballast_.is_taken() ? ballast_.bytes() : 0), bytes_recorded_,

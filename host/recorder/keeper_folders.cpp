@@ -119,7 +119,9 @@ void RecordKeeper::open_first() {
 
 // Until the new one is good the old one stays.
 void RecordKeeper::open(const std::filesystem::path& folder, RecordState before) {
-  RecordWriter::Options where{.folder = folder, .segment_bytes = options_.segment_bytes};
+  RecordWriter::Options where{.folder = folder,
+                              .segment_bytes = options_.segment_bytes,
+                              .before_segment = [this] { require_own_disk(); }};
   RecordWriter writer(std::move(where), disk_, std::move(before));
   writer.set_preamble(make_preamble(writer.holds()));
   const std::int64_t device = disk_.device(folder.c_str());
@@ -139,6 +141,7 @@ void RecordKeeper::go_to_fallback(WallTime now) {
   const std::size_t durable =
       removed_ ? 0
                : static_cast<std::size_t>(std::max<std::int64_t>(0, writer_->durable() - appended_before_));
+  const bool is_away = lies_elsewhere();  // what would be said in its folder is of the disk beneath
   try {
     open(options_.fallback, writer_->holds());
   } catch (const std::exception& error) {
@@ -150,7 +153,7 @@ void RecordKeeper::go_to_fallback(WallTime now) {
   health_.retry(now);
   note(NoteKind::kFallback, 0, 0, options_.fallback.string());
   warnings_.push_back("recording goes on in " + options_.fallback.string());
-  say_where_it_goes_on();
+  if (!is_away) say_where_it_goes_on();
 }
 
 // What is not on the disk of the folder before begins this one, and its journal.
@@ -189,20 +192,20 @@ void RecordKeeper::say_what_is_continued() {
   write_atomically(options_.fallback / kContinuesFile, before + name + "\n", disk_);
 }
 
-// A file that has no name any more takes all that is written to it, and keeps nothing.  That of a disk which
-// is unmounted all the same keeps it, seen by nobody until the disk is mounted again.
+// A file that has no name any more takes all that is written to it, and keeps nothing.  A file of a disk that
+// was unmounted while it was open keeps it, and nobody sees it.
 void RecordKeeper::sync() {
   writer_->sync();
   if (!segment_is_open_) return;
+  require_own_disk();
   const auto segment = segment_path(folder(), writer_->segment());
   const int file = disk_.open(segment.c_str(), O_RDONLY, 0);
   if (file >= 0) {
     (void)disk_.close(file);
-  } else if (errno == ENOENT && !lies_elsewhere()) {
+  } else if (errno == ENOENT) {
     throw std::system_error(ENOENT, std::generic_category(),
                             segment.string() + " was removed while it was written, with all it held");
   }
-  require_own_disk();
 }
 
 bool RecordKeeper::lies_elsewhere() const {
@@ -213,12 +216,20 @@ bool RecordKeeper::lies_elsewhere() const {
 // Where a disk was mounted lies a folder of another one.  It would take all, and show it to nobody once the
 // disk is mounted again.
 void RecordKeeper::require_own_disk() {
-  if (!lies_elsewhere()) return;
+  const std::int64_t device = disk_.device(folder().c_str());
+  if (device == device_) return;
+  // A folder that is gone is not made again: it may be where a disk was mounted, and what it was on is
+  // another.
+  if (device < 0 && errno == ENOENT)
+    throw std::system_error(
+        ENOENT, std::generic_category(),
+        "recording " + folder().string() + " (mount its disk, or make the folder again, and it goes on)");
+  if (device < 0) return;  // what is written next fails, and says why
   if (!holds_this_recording())
     throw std::system_error(
         ENODEV, std::generic_category(),
         "recording " + folder().string() + " (mount the disk again that it began on, and it goes on)");
-  device_ = disk_.device(folder().c_str());
+  device_ = device;
 }
 
 bool RecordKeeper::holds_this_recording() const {
@@ -232,12 +243,17 @@ bool RecordKeeper::holds_this_recording() const {
   }
 }
 
-// A folder that is gone is not made again: it may be where a disk was mounted, and what it was on is another.
+bool RecordKeeper::is_still_there() const {
+  return segment_is_open_ ? path_exists(segment_path(folder(), writer_->segment()), disk_)
+                          : holds_this_recording();
+}
+
 void RecordKeeper::begin_again() {
-  if (!is_folder(folder(), disk_))
-    throw std::system_error(ENOENT, std::generic_category(),
-                            "recording " + folder().string() + " (make the folder again, and it goes on)");
   require_own_disk();
+  if (is_still_there()) {  // back with its disk
+    removed_ = false;
+    return;
+  }
   try {
     open(folder(), writer_->holds());
   } catch (const std::system_error&) {
@@ -248,6 +264,7 @@ void RecordKeeper::begin_again() {
                                 ": its segment was removed, or another recorder writes there; start again");
   }
   hold_anew(0);
+  if (!fallback_) keep_incarnation(folder(), stamp_.incarnation, disk_);
 }
 
 }  // namespace roadbalance

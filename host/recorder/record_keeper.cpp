@@ -57,11 +57,7 @@ void RecordKeeper::append(const Delivery& delivery, WallTime now) {
   const bool at_once = write_held(now) && may_write(now);
   journal_.add(*block);
   held_.push(block_channel(header.node, block->kind), block->bytes(), stamp_.time_us);
-  const auto write = [&] {
-    if (!segment_is_open_) require_own_disk();
-    writer_->append(*block, stamp_.time_us);
-  };
-  if (at_once && attempt(now, write)) {
+  if (at_once && attempt(now, [&] { writer_->append(*block, stamp_.time_us); })) {
     ++written_;
     segment_is_open_ = true;
     if (block->kind == BlockKind::kMeta) writer_->set_preamble(make_preamble(writer_->holds()));
@@ -166,10 +162,7 @@ bool RecordKeeper::write_held(WallTime now) {
   if (is_caught_up() && !removed_) return true;
   if (!may_write(now)) return false;
   return attempt(now, [&] {
-    if (removed_)
-      begin_again();
-    else if (!segment_is_open_)
-      require_own_disk();
+    if (removed_) begin_again();
     for (; written_ < held_.size(); ++written_) {
       const HeldEvents::Event event = held_.at(written_);
       writer_->append(event.channel, event.data, event.timestamp_us);

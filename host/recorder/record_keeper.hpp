@@ -44,8 +44,8 @@ struct RecordEvent {
 /// written to again; all since the last durable mark is held here and written again into a new one, so that
 /// nothing is lost even if the nodes die meanwhile.  Two failures in ten seconds: no credit, and a new try
 /// each second, from the third on in the fallback folder if there is one.  A full disk: no credit until space
-/// returns.  A segment or folder removed while it is written is a failing disk; a folder made again is gone
-/// on with.
+/// returns.  A segment or folder removed while it is written is a failing disk, and so is a disk that is not
+/// mounted; a folder made again, or back with its disk, is gone on with.
 ///
 /// Memory: what credit lets arrive between two syncs, and at most 16 MiB of other events.  Of notes of
 /// devices, of alarms and of what was asked so many are held as kMostHeldNotes says; what is dropped is
@@ -62,6 +62,8 @@ class RecordKeeper {
   ///         std::runtime_error if another recorder writes to the folder, or the record goes on in a fallback
   ///         that is not named
   RecordKeeper(Disk& disk, KeeperOptions options);
+  RecordKeeper(const RecordKeeper&) = delete;
+  RecordKeeper& operator=(const RecordKeeper&) = delete;
 
   /// What the folders held at the start.
   const RecordState& recovered() const { return recovered_; }
@@ -128,6 +130,7 @@ class RecordKeeper {
   void sync();
   void require_own_disk();
   bool lies_elsewhere() const;
+  bool is_still_there() const;
   bool holds_this_recording() const;
   void begin_again();
   // keeper_duties.cpp: what is done beside, some time before or after a commit.
@@ -156,7 +159,7 @@ class RecordKeeper {
   WallTime oldest_{};  // when the first of them came
   bool urgent_ = false;
   bool segment_is_open_ = false;
-  bool removed_ = false;             // the folder or what was written in it has lost its name
+  bool removed_ = false;             // the folder or what was written in it is not there, or was not
   bool lost_by_removal_ = false;     // what was durable there, and not yet told
   int notes_held_ = 0;               // of those that may be dropped
   std::int64_t events_dropped_ = 0;  // and not yet told

@@ -69,10 +69,11 @@ SimulatedDisk::Descriptor* SimulatedDisk::descriptor(int file) {
   return nullptr;
 }
 
-void SimulatedDisk::mount(const std::string& folder) {
+void SimulatedDisk::mount(const std::string& folder, bool plugged_in) {
   Mounted& mounted = mounted_[folder];
+  if (!mounted.root || plugged_in) mounted.device = ++last_device_;
   if (!mounted.root) mounted.root = new_folder();
-  mounted.device = ++last_device_;
+  mounted.is_there = true;
 }
 
 bool SimulatedDisk::has_space(const SimulatedFile& file, std::uint64_t size) const {

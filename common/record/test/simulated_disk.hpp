@@ -77,10 +77,10 @@ class SimulatedDisk final : public Disk {
   void power_on() { off_ = false; }
 
   /// At a folder that there is, another disk, empty the first time; what the folder holds lies beneath.  It
-  /// has the room of this one, and gets a new number each time.
-  void mount(const std::string& folder);
+  /// has the room of this one, and a new number the first time and if it was plugged in anew.
+  void mount(const std::string& folder, bool plugged_in = false);
   /// What is open of it stays so, as with MNT_DETACH.
-  void unmount(const std::string& folder) { mounted_.at(folder).device = 0; }
+  void unmount(const std::string& folder) { mounted_.at(folder).is_there = false; }
 
   /// For tests, past all faults and costs; an empty one if there is no such file.
   std::vector<std::uint8_t> content(const std::string& path) const;
@@ -125,7 +125,8 @@ class SimulatedDisk final : public Disk {
   };
   struct Mounted {
     Node root;
-    std::int64_t device = 0;  // 0: it is not there
+    std::int64_t device = 0;
+    bool is_there = false;
   };
 
   bool begins(DiskCall call, const std::string& path, std::size_t bytes, bool changes,

@@ -176,7 +176,10 @@ TEST(SimulatedDisk, WhatIsMountedHidesWhatLiesBeneathAndKeepsWhatItHolds) {
   file.write_all(Bytes{2});
   disk.mount("/a/b");
   EXPECT_EQ(disk.content("/a/b/file"), Bytes{2});
+  EXPECT_EQ(disk.device("/a/b"), mounted);
+  disk.mount("/a/b", true);
   EXPECT_NE(disk.device("/a/b"), mounted);
+  EXPECT_NE(disk.device("/a/b"), own);
   EXPECT_EQ(disk.device("/a/c"), -1);
 }
 

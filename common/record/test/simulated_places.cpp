@@ -9,7 +9,7 @@ namespace roadbalance::test {
 // What lies at a place; the place's device becomes that of what is mounted there.
 SimulatedDisk::Node SimulatedDisk::enter(Place& at) const {
   const auto mounted = mounted_.find(at.path);
-  if (mounted == mounted_.end() || mounted->second.device == 0)
+  if (mounted == mounted_.end() || !mounted->second.is_there)
     return at.name.empty() ? root_ : at.folder->find(at.name);
   at.device = mounted->second.device;
   return mounted->second.root;
