@@ -54,6 +54,23 @@ class Hdf5(Exports):
             np.testing.assert_array_equal(sine[...][there], node.counts[2000:6000, 12][there])
             self.assertEqual(sine.attrs["units"], "1")
 
+    def test_more_than_a_chunk_and_a_part_of_the_next(self):
+        drive = self.drive("long", seconds=13)
+        node = Node(drive, 1)
+        file, _ = self.export("hdf5", drive, "long.h5", "--channels", "front")
+        with h5py.File(file) as data:
+            chunk = data["all"]["time_s"].chunks[0]
+            self.assertGreater(len(node.counts), chunk)
+            self.assertNotEqual(len(node.counts) % chunk, 0)
+            sets = [name for name in data["all"] if name != "time_s"]
+            self.assertEqual(len(sets), 16)
+            np.testing.assert_allclose(np.diff(data["all"]["time_s"]), 1 / 2000, rtol=0, atol=2e-9)
+            said = {c["name"]: k for k, c in enumerate(json.loads(data["description"][()])["groups"][0]["channels"])}
+            for name in sets:
+                k, counts = said[name], data["all"][name][...]
+                self.assertEqual(len(counts), len(node.counts))
+                np.testing.assert_array_equal(counts[node.there[:, k]], node.counts[node.there[:, k], k])
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -154,9 +154,9 @@ class Exports(unittest.TestCase):
     def wobble(self):
         return self.import_of("wobble", DATA / "wobbletracker.csv", DATA / "wobbletracker.toml")
 
-    def drive(self):
-        folder = self.root / "drive"
-        done = rb("demo", "--headless", "--json", "--seed", 3, "--drive-seconds", 6, "--rate", "max", "--record", folder)
+    def drive(self, name="drive", seconds=6):
+        folder = self.root / name
+        done = rb("demo", "--headless", "--json", "--seed", 3, "--drive-seconds", seconds, "--rate", "max", "--record", folder)
         self.assertTrue(folder.is_dir(), done.stderr)
         return folder
 
