@@ -35,8 +35,11 @@ Program Measurement::analyser(const std::vector<std::string>& more) const {
 }
 
 bool Measurement::more_are_durable(std::int32_t node, std::int64_t blocks) {
-  const std::int64_t wanted = bus.ack(node).durable + blocks;
-  return bus.wait([&] { return bus.ack(node).durable >= wanted; });
+  const Ack before = bus.ack(node);
+  return bus.wait([&] {
+    const Ack now = bus.ack(node);
+    return now.durable >= blocks + (now.epoch == before.epoch ? before.durable : 0);
+  });
 }
 
 bool Measurement::backlog_is_gone(std::int32_t node) {
