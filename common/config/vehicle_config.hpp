@@ -61,7 +61,7 @@ struct EncoderConfig {
   int pulses_per_turn = 0;  ///< teeth of an ABS ring, lines of a transducer
   bool zero_mark = true;    ///< one zero mark a turn
   bool quadrature = false;  ///< a second track, which says the direction, is wired to the USB board
-  /// Wheel angle (mark at the upward vertical = 0) at the instant the zero mark fires.
+  /// Wheel angle (reference point at the upward vertical = 0) at the instant the zero mark fires.
   double datum_rad = 0.0;
   double datum_sigma_rad = 0.0;  ///< its standard deviation, as calibration found it
   /// What a transducer fixed to the body gains when the steering wheel turns left by 1 rad; 0: it is fixed to

@@ -8,7 +8,7 @@
 
 namespace roadbalance {
 
-/// SVG of a wheel as seen from outside the car, its zero mark on top: heavy spot, weights, and what the
+/// SVG of a wheel as seen from outside the car, its reference point on top: heavy spot, weights, and what the
 /// unbalance is as a vector whose full length is `rim_g`.
 /// @param before  what it was before the weights, dashed; nullptr: nobody knows
 std::string wheel_svg(const Balance& balance, const Compensation& compensation, double rim_g,

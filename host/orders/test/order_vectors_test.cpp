@@ -46,7 +46,7 @@ TEST(OrderVectors, TellOrdersApartThatAreNoWholeNumbers) {
 }
 
 TEST(OrderVectors, FollowTheConvention) {
-  // x = cos(alpha + 40 degrees) is at its highest 40 degrees of rotation before the zero mark is up.
+  // x = cos(alpha + 40 degrees) is at its highest 40 degrees of rotation before the reference point is up.
   OrderVectors vectors(settings_of({1.0}));
   vectors.add(block_of({{1.0, 1.0, 40.0 * std::numbers::pi / 180.0}}, 0));
   EXPECT_NEAR(std::arg(vectors.result(0, 0).all.mean()) * 180.0 / std::numbers::pi, 40.0, 1e-9);
