@@ -34,7 +34,7 @@ enum class VerificationVerdict : std::int32_t {
 enum class WeightPlacement : std::int32_t {
   kNotJudged = 0,  ///< no weights, or their effect is lost in the uncertainty
   kAsWanted = 1,   ///< the unbalance changed as the weights should change it
-  kMirrored = 2,   ///< as if they were on the other side of the reference point: angle counted the wrong way round
+  kMirrored = 2,   ///< as if they were beyond the reference point: angle counted the wrong way round
   kOpposite = 3,   ///< as if they were at the heavy spot, not opposite to it
   kElsewhere = 4,  ///< in none of these ways
   kNoEffect = 5,   ///< as if nothing had been fitted
