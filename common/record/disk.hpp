@@ -11,6 +11,13 @@
 
 namespace roadbalance {
 
+/// What a path leads to, or a descriptor is of: st_dev and st_ino of stat.
+struct FileIdentity {
+  std::int64_t device = 0;
+  std::int64_t file = 0;
+  bool operator==(const FileIdentity&) const = default;
+};
+
 /// The system calls that a record is made of, and no others.  The product uses the kernel's; tests use a disk
 /// that stalls, fills up, fails at the k-th call or loses power.
 ///
@@ -43,8 +50,9 @@ class Disk {
   virtual std::optional<std::vector<std::string>> list(const char* folder) = 0;
   /// Bytes that an unprivileged process may still write; -1 on failure.  statvfs.
   virtual std::int64_t free_bytes(const char* folder) = 0;
-  /// Of the disk that a folder lies on; -1 on failure.  st_dev of stat.
-  virtual std::int64_t device(const char* folder) = 0;
+  /// Nothing (and errno) on failure.  stat and fstat.
+  virtual std::optional<FileIdentity> identity(const char* path) = 0;
+  virtual std::optional<FileIdentity> identity(int file) = 0;
 };
 
 /// The machine's own.

@@ -123,6 +123,15 @@ void File::forget_cache() const noexcept {
   (void)disk_->fadvise(descriptor_, 0, 0, POSIX_FADV_DONTNEED);
 }
 
+bool File::is_at(const std::filesystem::path& path) const {
+  const auto own = disk_->identity(descriptor_);
+  if (!own) return false;  // of a disk that is gone
+  const auto there = disk_->identity(path.c_str());
+  if (!there && errno != ENOENT && errno != ENOTDIR)
+    throw std::system_error(errno, std::generic_category(), "stat " + path.string());
+  return there == own;
+}
+
 bool File::try_lock() {
   if (disk_->flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return true;
   if (errno != EWOULDBLOCK) fail("lock");

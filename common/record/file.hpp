@@ -44,6 +44,9 @@ class File {
   void read_ahead() const noexcept;
   /// What is read next comes from the disk, as far as it was synced.
   void forget_cache() const noexcept;
+  /// Whether a path leads to this file or folder, and not to another one or nowhere, as once it was removed
+  /// or its disk unmounted.
+  bool is_at(const std::filesystem::path& path) const;
   /// False if somebody else has this file or folder locked.
   bool try_lock();
   /// Reports a failed close, which the destructor cannot.

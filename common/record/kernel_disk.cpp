@@ -64,9 +64,20 @@ class KernelDisk final : public Disk {
     return static_cast<std::int64_t>(status.f_bavail) * static_cast<std::int64_t>(status.f_frsize);
   }
 
-  std::int64_t device(const char* folder) override {
+  std::optional<FileIdentity> identity(const char* path) override {
     struct stat status {};
-    return ::stat(folder, &status) == 0 ? static_cast<std::int64_t>(status.st_dev) : -1;
+    return identity_of(::stat(path, &status), status);
+  }
+  std::optional<FileIdentity> identity(int file) override {
+    struct stat status {};
+    return identity_of(::fstat(file, &status), status);
+  }
+
+ private:
+  static std::optional<FileIdentity> identity_of(int result, const struct stat& status) {
+    if (result != 0) return std::nullopt;
+    return FileIdentity{.device = static_cast<std::int64_t>(status.st_dev),
+                        .file = static_cast<std::int64_t>(status.st_ino)};
   }
 };
 

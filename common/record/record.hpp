@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -81,13 +80,16 @@ class RecordReader {
 /// segment being written is lost for further writing.  Then call abandon(), append again what durable() does
 /// not count, and go on; it is the disk's turn.  If has_failed() is false nothing is lost: the same call may
 /// be made again.
+///
+/// A disk that is unmounted while it is written keeps what was written, and nobody sees it; where it was
+/// mounted lies a folder of another one.  No segment begins there: append() throws ENODEV; and
+/// is_at_its_place() tells, to be asked between sync() and saying that something is durable.  Then call
+/// let_go(), and take_again() until the disk is back.
 class RecordWriter {
  public:
   struct Options {
     std::filesystem::path folder;
     std::uint64_t segment_bytes = 64ULL << 20;
-    /// Called before a segment is begun; what it throws comes out of append(), and nothing was appended.
-    std::function<void()> before_segment = {};
   };
   /// Creates the folder, or continues one: the tail of its last segment is cut to the longest valid prefix
   /// (the rest kept beside it), all that is left is synced, and a new segment begins.
@@ -139,6 +141,17 @@ class RecordWriter {
   /// holds() go back to what is durable.  Never throws.
   /// @param stamp  its times and incarnation go into that note
   void abandon(const Note& stamp);
+
+  /// Whether the paths of the folder and of the segment being written lead to what this writer has open.
+  /// @throws std::system_error naming the one that cannot be looked at
+  bool is_at_its_place() const;
+  /// Gives up the segment being written, failed or not, and closes all that is open of the disk.  Nothing can
+  /// be appended until take_again().  Never throws.
+  void let_go(const Note& stamp);
+  /// Takes what the folder's path leads to now, if that holds all of this record that is durable, as the same
+  /// disk does wherever it is plugged in.  @return false: it does not
+  /// @throws std::system_error naming the file: EBUSY if another recorder writes to it, or has since
+  bool take_again();
 
   /// Number of the segment being written; those before are finished.
   int segment() const;

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cerrno>
-#include <system_error>
 #include <utility>
 
 #include "common/record/file.hpp"
@@ -20,15 +18,14 @@ class RecordFolder {
     return false;
   }
 
-  /// Takes it again if a sync has failed since.  @throws std::system_error naming the folder
-  void take_again(const std::filesystem::path& path, Disk& disk) {
-    if (!folder_.is_open() && !take(path, disk))
-      throw std::system_error(EBUSY, std::generic_category(), "recording " + path.string());
-  }
+  /// A disk that fails may be unmounted and mounted anew: what is open of it would hinder that, and fail for
+  /// ever.
+  void let_go() { folder_ = File(); }
 
-  /// A disk that fails may be mounted anew: what is open of the old one would fail for ever, so it is given
-  /// up.
-  /// @throws std::system_error naming the folder
+  /// It is taken, and what the path leads to.
+  bool is_at(const std::filesystem::path& path) const { return folder_.is_open() && folder_.is_at(path); }
+
+  /// Lets go of it if that fails.  @throws std::system_error naming the folder
   void sync() {
     File taken = std::exchange(folder_, File());
     taken.sync();

@@ -133,4 +133,16 @@ RecordState read_state(const std::filesystem::path& folder, Disk& disk, RecordSt
   return before;
 }
 
+bool holds_all_of(const RecordState& record, const std::filesystem::path& folder, RecordState before,
+                  Disk& disk) {
+  std::vector<UnsureBlock> unsure;
+  RecordState there = read_state(folder, disk, std::move(before), &unsure);
+  for (const UnsureBlock& one : unsure) add(one.block, there);
+  return std::ranges::all_of(record.epoch, [&there](const auto& written) {
+    const auto found = there.epoch.find(written.first);
+    return found != there.epoch.end() &&
+           found->second.position.contiguous >= written.second.position.contiguous;
+  });
+}
+
 }  // namespace roadbalance

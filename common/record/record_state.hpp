@@ -69,6 +69,12 @@ struct UnsureBlock {
 RecordState read_state(const std::filesystem::path& folder, Disk& disk = kernel_disk(),
                        RecordState before = {}, std::vector<UnsureBlock>* unsure = nullptr);
 
+/// Whether a folder holds all of a record that was written there, what may have been promised included.
+/// @param record  as it stood when it was written, as far as it was durable
+/// @param before  what it continues: the record of another folder
+bool holds_all_of(const RecordState& record, const std::filesystem::path& folder, RecordState before,
+                  Disk& disk = kernel_disk());
+
 /// Told at the end of each segment that is read, with the state there.
 using AtSegmentEnd = std::function<void(int segment, const RecordState& state)>;
 /// As read_state(), from segment `first` on, which continues `state`.

@@ -1,4 +1,3 @@
-#include <cassert>
 #include <map>
 #include <optional>
 #include <stdexcept>
@@ -7,194 +6,13 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
-#include "common/link/planted.hpp"
-#include "common/record/alter_blocks.hpp"
 #include "common/record/folder.hpp"
-#include "common/record/log_event.hpp"
 #include "common/record/record.hpp"
-#include "common/record/record_folder.hpp"
+#include "common/record/record_writer_state.hpp"
 #include "common/record/segment.hpp"
-#include "common/record/segment_events.hpp"
 #include "common/record/take_over.hpp"
-#include "common/record/written_segment.hpp"
 
 namespace roadbalance {
-namespace {
-
-// Space is asked for in these steps, so that a short recording does not take a whole segment's.
-constexpr std::uint64_t kReserveBytes = std::uint64_t{16} << 20;
-// Appended events wait here for one write(2).
-constexpr std::size_t kBufferBytes = std::size_t{256} << 10;
-
-}  // namespace
-
-struct RecordWriter::State : SegmentEvents {
-  State(Options with, Disk& on) : options(std::move(with)), disk(on) {}
-
-  const Options options;
-  Disk& disk;
-  RecordFolder folder;
-  File file;
-  std::optional<WrittenSegment> written;  // the one before, until it is finished
-  int segment = 0;                        // number of the current or, with no file open, of the last segment
-  std::uint64_t durable_bytes = 0;        // of the segment
-  std::uint64_t reserved_bytes = 0;
-  std::int64_t appended = 0;
-  std::int64_t durable = 0;
-  bool failed = false;
-  bool commit_due = false;  // the next event is to say what is durable
-  std::vector<std::pair<std::string, std::vector<std::uint8_t>>> preamble;
-  std::vector<Note> abandoned;  // not yet said durably
-  std::optional<CutTail> cut;
-  RecordState holds;
-  std::map<NodeEpoch, std::optional<RecordState::Epoch>> before;  // as of the last sync, where it was another
-  RecordedClocks durable_clocks;
-  bool clocks_changed = false;  // since the last sync
-  AlterBlocks altered;
-
-  void flush(File& into) {
-    while (reserved_bytes < segment_bytes) {
-      into.reserve(reserved_bytes, kReserveBytes);
-      reserved_bytes += kReserveBytes;
-    }
-    into.write_all(buffer);
-    buffer.clear();
-  }
-
-  // A call on the segment being written: if it fails there is no second one.
-  template <typename Call>
-  void attempt(Call&& call) {
-    assert(!failed && "abandon() comes first");
-    failed = true;
-    call();
-    failed = false;
-  }
-
-  void sync_data() {
-    if (!planted(PlantedFault::kRetryFailedSync)) return file.sync_data();
-    try {
-      file.sync_data();
-    } catch (const std::system_error&) {
-      file.sync_data();
-    }
-  }
-
-  void all_is_durable() {
-    commit_due = durable_bytes < segment_bytes;
-    durable_bytes = segment_bytes;
-    durable = appended;
-    before.clear();
-    if (std::exchange(clocks_changed, false)) durable_clocks = holds.clocks;
-  }
-
-  void sync() {
-    attempt([this] {
-      flush(file);
-      sync_data();
-    });
-    all_is_durable();
-  }
-
-  // All of it is on the disk, so that nothing of what fails here matters.
-  bool tidy() {
-    if (!written) return false;
-    WrittenSegment last = *std::exchange(written, std::nullopt);
-    try {
-      last.finish(options.folder, disk);
-    } catch (const std::system_error&) {
-    }
-    return true;
-  }
-
-  // The present segment, all of which is on the disk.
-  WrittenSegment give_up_present(std::uint64_t bytes) {
-    return {.file = std::exchange(file, File()),
-            .index = {.segment = segment, .bytes = bytes, .epoch = holds.epoch}};
-  }
-
-  std::filesystem::path path(int number) const { return segment_path(options.folder, number); }
-
-  // A segment that is on the disk with its first events, under a name that no reader takes.
-  File prepare_next(const std::filesystem::path& unnamed) {
-    remove_file(unnamed, disk);
-    File next = File::create(unnamed, disk);
-    segment_bytes = reserved_bytes = 0;
-    buffer.clear();
-    for (const Note& note : abandoned) put(kNoteChannel, encode(note));
-    for (const auto& [channel, data] : preamble) put(channel, data);
-    for (const auto& [channel, data] : clocks_going_on(holds)) put(channel, data);
-    flush(next);
-    next.sync();
-    return next;
-  }
-
-  void open_next() {
-    if (options.before_segment) options.before_segment();
-    folder.take_again(options.folder, disk);
-    if (file.is_open()) {
-      put_last_commit(durable_bytes);
-      sync();
-    }
-    (void)tidy();
-    const std::uint64_t size_before = segment_bytes, reserved_before = reserved_bytes;
-    const HeaderSum headers_before = std::exchange(headers, {});
-    auto unnamed = path(segment + 1);
-    unnamed += ".new";
-    File next;
-    try {
-      next = prepare_next(unnamed);
-      rename_file(unnamed, path(segment + 1), disk);
-    } catch (const std::system_error&) {
-      buffer.clear();  // the present segment is as it was, and can be gone on with
-      segment_bytes = size_before;
-      reserved_bytes = reserved_before;
-      headers = headers_before;
-      (void)disk.unlink(unnamed.c_str());
-      throw;
-    }
-    if (file.is_open()) written = give_up_present(size_before);
-    file = std::move(next);
-    ++segment;
-    durable_bytes = 0;
-    if (!planted(PlantedFault::kNoFolderSync)) attempt([this] { folder.sync(); });
-    all_is_durable();
-    commit_due = false;
-    abandoned.clear();
-  }
-
-  void remember(const NodeEpoch& key) {
-    if (before.contains(key)) return;
-    const auto known = holds.epoch.find(key);
-    before.emplace(key, known == holds.epoch.end() ? std::nullopt : std::optional(known->second));
-  }
-
-  void append(std::string_view channel, std::span<const std::uint8_t> data, std::int64_t timestamp_us) {
-    assert(!failed && "abandon() comes first");
-    if (channel.empty() || channel.size() > kMaxLogChannelBytes || data.size() > kMaxLogDataBytes)
-      throw std::invalid_argument("event on channel " + std::string(channel) + " with " +
-                                  std::to_string(data.size()) + " bytes does not fit into a record");
-    last_timestamp_us = timestamp_us;
-    const std::uint64_t size = kLogHeaderBytes + channel.size() + data.size();
-    const std::uint64_t commits = 2 * commit_event_bytes();  // one now and the last one
-    if (!file.is_open() || segment_bytes + size + commits > options.segment_bytes) open_next();
-    if (std::exchange(commit_due, false)) put_commit(durable_bytes);
-    put(channel, data);
-    if (buffer.size() >= kBufferBytes) attempt([this] { flush(file); });
-    ++appended;
-  }
-
-  void append_other(std::string_view channel, std::span<const std::uint8_t> data, std::int64_t timestamp_us) {
-    append(channel, data, timestamp_us);
-    clocks_changed = clocks_changed || channel == kNoteChannel || channel.starts_with("RB_CLOCK_");
-    static_cast<void>(holds.clocks.take(channel, data));
-  }
-
-  void append(const SealedBlock& block, std::int64_t timestamp_us) {
-    append(block_channel(block.header.node, block.kind), block.bytes(), timestamp_us);
-    remember({block.header.node, block.header.epoch});
-    add(block, holds);
-  }
-};
 
 RecordWriter::RecordWriter(Options options, Disk& disk, RecordState before)
     : state_(std::make_unique<State>(std::move(options), disk)) {
@@ -202,7 +20,8 @@ RecordWriter::RecordWriter(Options options, Disk& disk, RecordState before)
   create_folders(s.options.folder, disk);
   if (!s.folder.take(s.options.folder, disk))
     throw std::runtime_error("recording " + s.options.folder.string() + ": another program writes to it");
-  s.buffer.reserve(kBufferBytes + kMaxLogEventBytes);
+  s.buffer.reserve(State::kBufferBytes + kMaxLogEventBytes);
+  s.before_it = before;
   TakenOver found = take_over(s.folder.file(), std::move(before), disk);
   s.segment = found.segment;
   s.cut = std::move(found.cut);
@@ -267,15 +86,32 @@ void RecordWriter::abandon(const Note& stamp) {
   note.a = s.segment;
   note.b = static_cast<std::int64_t>(s.durable_bytes);
   s.abandoned.push_back(std::move(note));
-  File given_up = std::exchange(s.file, File());
-  try {
-    if (s.durable_bytes > 0)
-      given_up.truncate(s.durable_bytes);
-    else  // an empty last segment would look as if its recorder had been killed
-      (void)remove_file(s.path(s.segment), s.disk);
-  } catch (const std::system_error&) {
-    // The note says where it ends.
-  }
+  cut_back(std::exchange(s.file, File()), s.durable_bytes, s.path(s.segment), s.disk);
+}
+
+bool RecordWriter::is_at_its_place() const {
+  return state_->is_at_its_place();
+}
+
+void RecordWriter::let_go(const Note& stamp) {
+  state_->failed = true;
+  abandon(stamp);
+  state_->written.reset();
+  state_->folder.let_go();
+}
+
+bool RecordWriter::take_again() {
+  State& s = *state_;
+  RecordFolder folder;
+  const auto busy = [&s] {
+    throw std::system_error(EBUSY, std::generic_category(), "recording " + s.options.folder.string());
+  };
+  if (!folder.take(s.options.folder, s.disk)) busy();
+  const auto numbers = segment_numbers(s.options.folder, s.disk);
+  if (!holds_all_of(s.holds, s.options.folder, s.before_it, s.disk)) return false;
+  if (!numbers.empty() && numbers.back() > s.segment) busy();
+  s.folder = std::move(folder);
+  return true;
 }
 
 const std::optional<RecordWriter::CutTail>& RecordWriter::cut_tail() const {

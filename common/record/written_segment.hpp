@@ -16,4 +16,9 @@ struct WrittenSegment {
   void finish(const std::filesystem::path& folder, Disk& disk);
 };
 
+/// Cuts a segment that failed to what is on the disk, or removes it if that is nothing: an empty last one
+/// would look as if its recorder had been killed.  A disk that does not let us is no failure: the next
+/// segment says where this one ends.
+void cut_back(File segment, std::uint64_t durable_bytes, const std::filesystem::path& path, Disk& disk);
+
 }  // namespace roadbalance

@@ -92,7 +92,8 @@ void RecordKeeper::on_space(SpaceWatch::Event event) {
 
 // Only what the disk takes brings the next piece: what fails is tried again after the next commit.
 void RecordKeeper::keep_house() {
-  if (house_is_due_) house_is_due_ = writer_->tidy() || list_finished() || delete_segment_told();
+  if (house_is_due_)
+    house_is_due_ = !lies_elsewhere() && (writer_->tidy() || list_finished() || delete_segment_told());
 }
 
 // The manifest is for people and for transfer: one that cannot be written now is written with the next

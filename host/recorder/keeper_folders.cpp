@@ -1,5 +1,3 @@
-#include <fcntl.h>
-
 #include <cerrno>
 #include <stdexcept>
 #include <utility>
@@ -102,12 +100,19 @@ void RecordKeeper::open_folders() {
   warnings_.push_back("recording goes on in " + options_.fallback.string());
   segment_is_open_ = write_unsure(unsure, *writer_, journal_);
   appended_before_ = writer_->appended();
-  say_where_it_goes_on();
+  if (!is_known_and_missing()) say_where_it_goes_on();
+}
+
+bool RecordKeeper::is_known_and_missing() const {
+  return options_.continues && !path_exists(options_.folder / kIncarnationFile, disk_);
 }
 
 // On a disk that is full to the last byte the ballast of an earlier run gives way first; it is ours, for
 // there is space to be found wanting only behind the lock.
 void RecordKeeper::open_first() {
+  if (is_known_and_missing())
+    throw std::system_error(ENOENT, std::generic_category(),
+                            "recording " + options_.folder.string() + " (mount its disk)");
   try {
     open(options_.folder, {});
   } catch (const std::system_error& error) {
@@ -119,29 +124,28 @@ void RecordKeeper::open_first() {
 
 // Until the new one is good the old one stays.
 void RecordKeeper::open(const std::filesystem::path& folder, RecordState before) {
-  RecordWriter::Options where{.folder = folder,
-                              .segment_bytes = options_.segment_bytes,
-                              .before_segment = [this] { require_own_disk(); }};
+  RecordWriter::Options where{.folder = folder, .segment_bytes = options_.segment_bytes};
   RecordWriter writer(std::move(where), disk_, std::move(before));
   writer.set_preamble(make_preamble(writer.holds()));
-  const std::int64_t device = disk_.device(folder.c_str());
-  if (device < 0) throw std::system_error(errno, std::generic_category(), "stat " + folder.string());
+  const auto there = disk_.identity(folder.c_str());
+  if (!there) throw std::system_error(errno, std::generic_category(), "stat " + folder.string());
   if (folder != options_.folder) say_what_is_continued();
   if (writer_)
     *writer_ = std::move(writer);
   else
     writer_.emplace(std::move(writer));
   appended_before_ = -static_cast<std::int64_t>(written_);
-  device_ = device;
+  device_ = there->device;
+  is_away_ = false;
 }
 
 void RecordKeeper::go_to_fallback(WallTime now) {
   if (fallback_ || options_.fallback.empty()) return;
   // What the failing folder took and never synced is written again.
-  const std::size_t durable =
-      removed_ ? 0
-               : static_cast<std::size_t>(std::max<std::int64_t>(0, writer_->durable() - appended_before_));
-  const bool is_away = lies_elsewhere();  // what would be said in its folder is of the disk beneath
+  // And what it took and no node was told of, if it cannot be looked at.
+  const bool lay_elsewhere = lies_elsewhere();
+  const auto durable = static_cast<std::size_t>(
+      lay_elsewhere ? 0 : std::max<std::int64_t>(0, writer_->durable() - appended_before_));
   try {
     open(options_.fallback, writer_->holds());
   } catch (const std::exception& error) {
@@ -153,7 +157,7 @@ void RecordKeeper::go_to_fallback(WallTime now) {
   health_.retry(now);
   note(NoteKind::kFallback, 0, 0, options_.fallback.string());
   warnings_.push_back("recording goes on in " + options_.fallback.string());
-  if (!is_away) say_where_it_goes_on();
+  if (!lay_elsewhere) say_where_it_goes_on();  // else another disk would be told
 }
 
 // What is not on the disk of the folder before begins this one, and its journal.
@@ -172,7 +176,6 @@ void RecordKeeper::hold_anew(std::size_t first) {
   written_ = 0;
   appended_before_ = writer_->appended();
   segment_is_open_ = false;
-  lost_by_removal_ = std::exchange(removed_, false);
   listed_ = 0;
   to_delete_.clear();
 }
@@ -193,43 +196,23 @@ void RecordKeeper::say_what_is_continued() {
 }
 
 // A file that has no name any more takes all that is written to it, and keeps nothing.  A file of a disk that
-// was unmounted while it was open keeps it, and nobody sees it.
+// was unmounted while it was open keeps it, and nobody sees it.  Asked before, too: what was synced there
+// could not be told from what is on a copy that takes its place.
 void RecordKeeper::sync() {
+  require_its_place();
   writer_->sync();
-  if (!segment_is_open_) return;
-  require_own_disk();
-  const auto segment = segment_path(folder(), writer_->segment());
-  const int file = disk_.open(segment.c_str(), O_RDONLY, 0);
-  if (file >= 0) {
-    (void)disk_.close(file);
-  } else if (errno == ENOENT) {
-    throw std::system_error(ENOENT, std::generic_category(),
-                            segment.string() + " was removed while it was written, with all it held");
-  }
+  require_its_place();
+}
+
+void RecordKeeper::require_its_place() const {
+  if (!segment_is_open_ || writer_->is_at_its_place()) return;
+  throw std::system_error(ENODEV, std::generic_category(),
+                          "recording " + folder().string() + " was removed or its disk unmounted");
 }
 
 bool RecordKeeper::lies_elsewhere() const {
-  const std::int64_t device = disk_.device(folder().c_str());
-  return device >= 0 && device != device_;
-}
-
-// Where a disk was mounted lies a folder of another one.  It would take all, and show it to nobody once the
-// disk is mounted again.
-void RecordKeeper::require_own_disk() {
-  const std::int64_t device = disk_.device(folder().c_str());
-  if (device == device_) return;
-  // A folder that is gone is not made again: it may be where a disk was mounted, and what it was on is
-  // another.
-  if (device < 0 && errno == ENOENT)
-    throw std::system_error(
-        ENOENT, std::generic_category(),
-        "recording " + folder().string() + " (mount its disk, or make the folder again, and it goes on)");
-  if (device < 0) return;  // what is written next fails, and says why
-  if (!holds_this_recording())
-    throw std::system_error(
-        ENODEV, std::generic_category(),
-        "recording " + folder().string() + " (mount the disk again that it began on, and it goes on)");
-  device_ = device;
+  const auto there = disk_.identity(folder().c_str());
+  return there ? there->device != device_ : errno == ENOENT;
 }
 
 bool RecordKeeper::holds_this_recording() const {
@@ -243,28 +226,39 @@ bool RecordKeeper::holds_this_recording() const {
   }
 }
 
-bool RecordKeeper::is_still_there() const {
-  return segment_is_open_ ? path_exists(segment_path(folder(), writer_->segment()), disk_)
-                          : holds_this_recording();
-}
-
-void RecordKeeper::begin_again() {
-  require_own_disk();
-  if (is_still_there()) {  // back with its disk
-    removed_ = false;
+// Where a disk was mounted lies a folder of another one, or none.  It would take all, and show it to nobody
+// once the disk is mounted again.
+void RecordKeeper::come_back() {
+  const auto there = disk_.identity(folder().c_str());
+  if (!there && errno == ENOENT)
+    throw std::system_error(ENOENT, std::generic_category(),
+                            "recording " + folder().string() +
+                                " (mount its disk, or, if none was mounted, make the folder again)");
+  if (!there) throw std::system_error(errno, std::generic_category(), "stat " + folder().string());
+  const bool is_same_disk = there->device == device_, is_this = holds_this_recording();
+  if ((is_same_disk || is_this) && writer_->take_again()) {
+    device_ = there->device;
+    is_away_ = false;
     return;
   }
+  if (is_same_disk && (is_this || segment_numbers(folder(), disk_).empty())) return begin_anew();
+  throw std::system_error(ENODEV, std::generic_category(),
+                          "recording " + folder().string() +
+                              " (mount the disk that it is on; or stop, and start another recording)");
+}
+
+// Somebody has removed what was there: the rest is recorded.
+void RecordKeeper::begin_anew() {
+  if (!fallback_) keep_incarnation(folder(), stamp_.incarnation, disk_);
   try {
     open(folder(), writer_->holds());
   } catch (const std::system_error&) {
     throw;
-  } catch (const std::runtime_error&) {
-    throw std::system_error(EBUSY, std::generic_category(),
-                            "recording " + folder().string() +
-                                ": its segment was removed, or another recorder writes there; start again");
+  } catch (const std::runtime_error& error) {
+    throw std::system_error(EBUSY, std::generic_category(), error.what());
   }
   hold_anew(0);
-  if (!fallback_) keep_incarnation(folder(), stamp_.incarnation, disk_);
+  is_lost_ = true;
 }
 
 }  // namespace roadbalance

@@ -12,6 +12,8 @@ struct KeeperOptions {
   /// Where recording goes on when `folder` fails; empty: nowhere.  It then holds the rest of the record, and
   /// a restart goes on there.
   std::filesystem::path fallback = {};
+  /// It is known to be there: where it is not its disk is, and nothing is begun.
+  bool continues = false;
   std::uint64_t segment_bytes = std::uint64_t{64} << 20;
   std::chrono::milliseconds commit_period{200};
   std::size_t commit_bytes = std::size_t{4} << 20;  ///< a commit is due after so many, however soon

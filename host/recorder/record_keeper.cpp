@@ -13,6 +13,11 @@
 namespace roadbalance {
 namespace {
 
+// Nothing lies at the paths any more, or something else.
+bool is_of_place(const std::error_code& code) {
+  return code == std::errc::no_such_file_or_directory || code == std::errc::no_such_device;
+}
+
 // While the disk fails the nodes' blocks stay bounded by credit; other events have no such bound.
 constexpr std::size_t kMostHeldForEvents = std::size_t{16} << 20;
 
@@ -139,8 +144,13 @@ void RecordKeeper::fail(const std::system_error& error, WallTime now) {
   house_is_due_ = false;
   last_failure_ = error.what();
   const int segment = writer_->segment();
-  if (writer_->has_failed()) {
-    writer_->abandon(stamp_);
+  const bool no_space = error.code().value() == ENOSPC || error.code().value() == EDQUOT;
+  is_away_ = is_away_ || (health_.failing() && !no_space) || is_of_place(error.code());
+  if (writer_->has_failed() || is_away_) {
+    if (is_away_)
+      writer_->let_go(stamp_);
+    else
+      writer_->abandon(stamp_);
     segment_is_open_ = false;
     written_ = static_cast<std::size_t>(std::max<std::int64_t>(0, writer_->durable() - appended_before_));
   }
@@ -148,8 +158,6 @@ void RecordKeeper::fail(const std::system_error& error, WallTime now) {
     note(NoteKind::kDiskFailed, error.code().value(), segment, last_failure_);
     warnings_.push_back(last_failure_ + (health_.failing() ? "; the nodes keep what they measure" : ""));
   }
-  removed_ = removed_ || error.code() == std::errc::no_such_file_or_directory;
-  const bool no_space = error.code().value() == ENOSPC || error.code().value() == EDQUOT;
   if (no_space) {
     on_space(space_.refuse(now));
     (void)ballast_.give_up();
@@ -159,10 +167,10 @@ void RecordKeeper::fail(const std::system_error& error, WallTime now) {
 }
 
 bool RecordKeeper::write_held(WallTime now) {
-  if (is_caught_up() && !removed_) return true;
+  if (is_caught_up() && !is_away_) return true;
   if (!may_write(now)) return false;
   return attempt(now, [&] {
-    if (removed_) begin_again();
+    if (is_away_) come_back();
     for (; written_ < held_.size(); ++written_) {
       const HeldEvents::Event event = held_.at(written_);
       writer_->append(event.channel, event.data, event.timestamp_us);
@@ -205,9 +213,10 @@ std::vector<DurableMark> RecordKeeper::all_is_durable() {
   if (urgent_) writer_->set_preamble(make_preamble(writer_->holds()));  // without the epochs that have ended
   urgent_ = false;
   if (failures_in_a_row_ > 1)
-    warnings_.push_back(std::exchange(lost_by_removal_, false)
-                            ? "the disk writes again; what had been recorded to the removed folder is lost"
-                            : "the disk writes again; nothing was lost");
+    warnings_.push_back(
+        std::exchange(is_lost_, false)
+            ? "the disk writes again; what had been recorded before is not in its folder any more"
+            : "the disk writes again; nothing was lost");
   notes_held_ = 0;
   declare_dropped(std::exchange(events_dropped_, 0), "measurements of the nodes' clocks");
   declare_dropped(std::exchange(notes_dropped_, 0), "notes of devices, of alarms and of what was asked");
@@ -227,7 +236,10 @@ std::vector<DurableMark> RecordKeeper::seal(WallTime now) {
   // That may have chosen segments to delete, of which a note tells.
   if (held_blocks_ == 0 && held_.size() > 0) (void)commit(now);
   while (house_is_due_) keep_house();
-  if (held_.size() == 0 && segment_is_open_ && attempt(now, [this] { writer_->close(); })) {
+  if (held_.size() == 0 && segment_is_open_ && attempt(now, [this] {
+        require_its_place();
+        writer_->close();
+      })) {
     segment_is_open_ = false;
     (void)list_finished();
   }
@@ -253,6 +265,7 @@ std::optional<std::string> RecordKeeper::failure() const {
 
 void RecordKeeper::fill(RecorderStatus& status) const {
   status.state = state();
+  status.fault = status.state == RecorderState::kDiskFailing ? last_failure_ : "";
   status.incarnation = stamp_.incarnation;
   status.fallback = fallback_;
   status.segment = writer_->segment();

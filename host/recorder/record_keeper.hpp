@@ -44,8 +44,12 @@ struct RecordEvent {
 /// written to again; all since the last durable mark is held here and written again into a new one, so that
 /// nothing is lost even if the nodes die meanwhile.  Two failures in ten seconds: no credit, and a new try
 /// each second, from the third on in the fallback folder if there is one.  A full disk: no credit until space
-/// returns.  A segment or folder removed while it is written is a failing disk, and so is a disk that is not
-/// mounted; a folder made again, or back with its disk, is gone on with.
+/// returns.
+///
+/// While the disk fails nothing is held open on it, so that it can be unmounted and repaired.  One that is
+/// unmounted while it is written is a failing disk.  Recording goes on once all that is durable is found at
+/// the folder's path again: whatever else lies there, of another disk, is left alone.  Of a segment or folder
+/// that somebody removed the rest is recorded; what was in it is missing, and said to be.
 ///
 /// Memory: what credit lets arrive between two syncs, and at most 16 MiB of other events.  Of notes of
 /// devices, of alarms and of what was asked so many are held as kMostHeldNotes says; what is dropped is
@@ -122,17 +126,18 @@ class RecordKeeper {
   // keeper_folders.cpp: where the record is.
   void open_folders();
   void open_first();
+  bool is_known_and_missing() const;
   void open(const std::filesystem::path& folder, RecordState before);
   void go_to_fallback(WallTime now);
   void hold_anew(std::size_t first);
   void say_where_it_goes_on();
   void say_what_is_continued();
   void sync();
-  void require_own_disk();
+  void require_its_place() const;
   bool lies_elsewhere() const;
-  bool is_still_there() const;
   bool holds_this_recording() const;
-  void begin_again();
+  void come_back();
+  void begin_anew();
   // keeper_duties.cpp: what is done beside, some time before or after a commit.
   void do_duties(WallTime now);
   void keep_journal();
@@ -159,8 +164,8 @@ class RecordKeeper {
   WallTime oldest_{};  // when the first of them came
   bool urgent_ = false;
   bool segment_is_open_ = false;
-  bool removed_ = false;             // the folder or what was written in it is not there, or was not
-  bool lost_by_removal_ = false;     // what was durable there, and not yet told
+  bool is_away_ = false;             // nothing is open: what is at the folder's path must be looked at first
+  bool is_lost_ = false;             // what was durable in a folder that was removed, and not yet told
   int notes_held_ = 0;               // of those that may be dropped
   std::int64_t events_dropped_ = 0;  // and not yet told
   std::int64_t notes_dropped_ = 0;   // and not yet told

@@ -15,10 +15,9 @@ int failed(int error) {
   return -1;
 }
 
-SimulatedFolder::Node new_folder() {
-  auto node = std::make_shared<SimulatedNode>();
-  node->folder = std::make_unique<SimulatedFolder>();
-  return node;
+// What is open is at its place, so that no other node has its address.
+FileIdentity identity_of(const SimulatedFolder::Node& node, std::int64_t device) {
+  return {.device = device, .file = reinterpret_cast<std::intptr_t>(node.get())};
 }
 
 }  // namespace
@@ -64,16 +63,9 @@ void SimulatedDisk::cut_power() {
 
 SimulatedDisk::Descriptor* SimulatedDisk::descriptor(int file) {
   const auto found = descriptors_.find(file);
-  if (found != descriptors_.end()) return &found->second;
-  errno = EBADF;
+  if (found != descriptors_.end() && !pulled_out_.contains(found->second.device)) return &found->second;
+  errno = found == descriptors_.end() ? EBADF : EIO;
   return nullptr;
-}
-
-void SimulatedDisk::mount(const std::string& folder, bool plugged_in) {
-  Mounted& mounted = mounted_[folder];
-  if (!mounted.root || plugged_in) mounted.device = ++last_device_;
-  if (!mounted.root) mounted.root = new_folder();
-  mounted.is_there = true;
 }
 
 bool SimulatedDisk::has_space(const SimulatedFile& file, std::uint64_t size) const {
@@ -83,9 +75,9 @@ bool SimulatedDisk::has_space(const SimulatedFile& file, std::uint64_t size) con
 int SimulatedDisk::open(const char* path, int flags, mode_t) {
   const bool writes = (flags & O_ACCMODE) != O_RDONLY;
   if (!begins(DiskCall::kOpen, path, 0, writes)) return -1;
-  const Place at = place(path);
+  Place at = place(path);
   if (!at.folder) return failed(ENOENT);
-  Node node = find(path);
+  Node node = enter(at);
   if (node && (flags & O_CREAT) && (flags & O_EXCL)) return failed(EEXIST);
   if (!node && !(flags & O_CREAT)) return failed(ENOENT);
   if (node && !node->folder && (flags & O_DIRECTORY)) return failed(ENOTDIR);
@@ -97,10 +89,11 @@ int SimulatedDisk::open(const char* path, int flags, mode_t) {
   } else if (node->file && (flags & O_TRUNC)) {
     node->file->resize(0);
   }
-  descriptors_.emplace(
-      next_descriptor_,
-      Descriptor{
-          .node = std::move(node), .path = path, .writes = writes, .appends = (flags & O_APPEND) != 0});
+  descriptors_.emplace(next_descriptor_, Descriptor{.node = std::move(node),
+                                                    .path = path,
+                                                    .device = at.device,
+                                                    .writes = writes,
+                                                    .appends = (flags & O_APPEND) != 0});
   return next_descriptor_++;
 }
 
@@ -110,11 +103,11 @@ void SimulatedDisk::forget_locks(int file, const Node& node) {
 
 // As on Linux the descriptor is gone though the call fails.
 int SimulatedDisk::close(int file) {
-  Descriptor* open = descriptor(file);
-  if (!open) return -1;
-  const bool good = begins(DiskCall::kClose, open->path, 0, false);
+  const auto open = descriptors_.find(file);
+  if (open == descriptors_.end()) return failed(EBADF);
+  const bool good = begins(DiskCall::kClose, open->second.path, 0, false);
   const int error = errno;
-  if (descriptors_.contains(file)) forget_locks(file, open->node);
+  if (descriptors_.contains(file)) forget_locks(file, open->second.node);
   descriptors_.erase(file);
   return good ? 0 : failed(error);
 }
@@ -259,10 +252,18 @@ std::int64_t SimulatedDisk::free_bytes(const char* folder) {
   return std::max<std::int64_t>(capacity_bytes_ - *used_bytes_, 0);
 }
 
-std::int64_t SimulatedDisk::device(const char* folder) {
-  if (!begins(DiskCall::kDevice, folder, 0, false)) return -1;
-  Place at = place(folder);
-  return at.folder && enter(at) ? at.device : failed(ENOENT);
+std::optional<FileIdentity> SimulatedDisk::identity(const char* path) {
+  if (!begins(DiskCall::kIdentity, path, 0, false)) return std::nullopt;
+  Place at = place(path);
+  if (const Node node = at.folder ? enter(at) : nullptr) return identity_of(node, at.device);
+  errno = ENOENT;
+  return std::nullopt;
+}
+
+std::optional<FileIdentity> SimulatedDisk::identity(int file) {
+  const Descriptor* open = descriptor(file);
+  if (!open || !begins(DiskCall::kIdentity, open->path, 0, false)) return std::nullopt;
+  return identity_of(open->node, open->device);
 }
 
 }  // namespace roadbalance::test

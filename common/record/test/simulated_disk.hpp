@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <random>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -31,7 +32,7 @@ enum class DiskCall {
   kMakeFolder,
   kList,
   kFreeBytes,
-  kDevice,
+  kIdentity,
 };
 
 /// A disk in memory with a page cache and a platter, that fails, fills up, stalls and loses power as told.
@@ -77,10 +78,14 @@ class SimulatedDisk final : public Disk {
   void power_on() { off_ = false; }
 
   /// At a folder that there is, another disk, empty the first time; what the folder holds lies beneath.  It
-  /// has the room of this one, and a new number the first time and if it was plugged in anew.
-  void mount(const std::string& folder, bool plugged_in = false);
+  /// has the room of this one, and a new number the first time.
+  void mount(const std::string& folder);
+  /// Plugged in anew: a new number, and what is still open of it is not it.
+  void plug_in(const std::string& folder);
   /// What is open of it stays so, as with MNT_DETACH.
   void unmount(const std::string& folder) { mounted_.at(folder).is_there = false; }
+  /// What was not synced may be lost; of what is open of it nothing works any more (EIO).
+  void pull_out(const std::string& folder);
 
   /// For tests, past all faults and costs; an empty one if there is no such file.
   std::vector<std::uint8_t> content(const std::string& path) const;
@@ -106,13 +111,15 @@ class SimulatedDisk final : public Disk {
   int mkdir(const char* path, mode_t mode) override;
   std::optional<std::vector<std::string>> list(const char* folder) override;
   std::int64_t free_bytes(const char* folder) override;
-  std::int64_t device(const char* folder) override;
+  std::optional<FileIdentity> identity(const char* path) override;
+  std::optional<FileIdentity> identity(int file) override;
 
  private:
   using Node = SimulatedFolder::Node;
   struct Descriptor {
     Node node;
     std::string path;
+    std::int64_t device = 0;
     std::uint64_t offset = 0;
     bool writes = false;
     bool appends = false;
@@ -144,6 +151,7 @@ class SimulatedDisk final : public Disk {
   Node root_;
   std::map<std::string, Mounted> mounted_;  // by path
   std::int64_t last_device_ = 1;
+  std::set<std::int64_t> pulled_out_;  // devices
   std::map<int, Descriptor> descriptors_;
   int next_descriptor_ = 3;  // never used twice, so that a killed process cannot close another's
 

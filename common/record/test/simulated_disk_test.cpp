@@ -162,25 +162,61 @@ TEST(SimulatedDisk, WhatIsMountedHidesWhatLiesBeneathAndKeepsWhatItHolds) {
   SimulatedDisk disk;
   create_folders("/a/b", disk);
   disk.put("/a/b/beneath", {1});
-  const std::int64_t own = disk.device("/a/b");
+  const auto device = [&disk](const char* path) {
+    return disk.identity(path).value_or(FileIdentity{}).device;
+  };
+  const std::int64_t own = device("/a/b");
   disk.mount("/a/b");
-  const std::int64_t mounted = disk.device("/a/b");
+  const std::int64_t mounted = device("/a/b");
   EXPECT_NE(mounted, own);
-  EXPECT_EQ(disk.device("/a"), own);
+  EXPECT_EQ(device("/a"), own);
   EXPECT_FALSE(path_exists("/a/b/beneath", disk));
   File file = File::create("/a/b/file", disk);
   disk.unmount("/a/b");
-  EXPECT_EQ(disk.device("/a/b"), own);
+  EXPECT_EQ(device("/a/b"), own);
+  EXPECT_FALSE(file.is_at("/a/b/file"));
   EXPECT_TRUE(path_exists("/a/b/beneath", disk));
   EXPECT_FALSE(path_exists("/a/b/file", disk));
   file.write_all(Bytes{2});
   disk.mount("/a/b");
   EXPECT_EQ(disk.content("/a/b/file"), Bytes{2});
-  EXPECT_EQ(disk.device("/a/b"), mounted);
-  disk.mount("/a/b", true);
-  EXPECT_NE(disk.device("/a/b"), mounted);
-  EXPECT_NE(disk.device("/a/b"), own);
-  EXPECT_EQ(disk.device("/a/c"), -1);
+  EXPECT_EQ(device("/a/b"), mounted);
+  EXPECT_TRUE(file.is_at("/a/b/file"));
+  EXPECT_FALSE(disk.identity("/a/c"));
+}
+
+TEST(SimulatedDisk, WhatIsOpenOfADiskThatIsPluggedInAnewIsNotIt) {
+  SimulatedDisk disk;
+  create_folders("/a", disk);
+  disk.mount("/a");
+  File folder = File::open_folder("/a", disk), file = File::create("/a/file", disk);
+  ASSERT_TRUE(folder.try_lock());
+  file.write_all(Bytes{1});
+  disk.unmount("/a");
+  disk.plug_in("/a");
+  EXPECT_EQ(disk.content("/a/file"), Bytes{1});
+  EXPECT_FALSE(file.is_at("/a/file"));
+  EXPECT_FALSE(folder.is_at("/a"));
+  file.write_all(Bytes{2});
+  EXPECT_EQ(disk.content("/a/file"), Bytes{1});
+  EXPECT_TRUE(File::open_folder("/a", disk).try_lock());
+}
+
+TEST(SimulatedDisk, OfADiskThatWasPulledOutNothingWorksButWhatWasSyncedIsThereAgain) {
+  SimulatedDisk disk;
+  create_folders("/a", disk);
+  disk.mount("/a");
+  File file = File::create("/a/file", disk);
+  file.write_all(Bytes{1});
+  file.sync();
+  sync_folder("/a", disk);
+  disk.pull_out("/a");
+  EXPECT_FALSE(path_exists("/a/file", disk));
+  EXPECT_THROW(file.write_all(Bytes{2}), std::system_error);
+  EXPECT_THROW(file.sync(), std::system_error);
+  file.close();
+  disk.plug_in("/a");
+  EXPECT_EQ(disk.content("/a/file"), Bytes{1});
 }
 
 TEST(SimulatedDisk, AKilledProcessLosesItsDescriptorsAndLocksAndNoData) {

@@ -52,4 +52,27 @@ void SimulatedFolder::lose_power(std::mt19937_64& random) {
   }
 }
 
+SimulatedFolder::Node new_folder() {
+  auto node = std::make_shared<SimulatedNode>();
+  node->folder = std::make_unique<SimulatedFolder>();
+  return node;
+}
+
+SimulatedFolder::Node copy_of(const SimulatedNode& node, std::shared_ptr<std::int64_t> used_bytes) {
+  if (node.folder) {
+    auto copy = new_folder();
+    for (const auto& [name, entry] : node.folder->entries())
+      copy->folder->add(name, copy_of(*entry, used_bytes));
+    copy->folder->sync();
+    return copy;
+  }
+  auto copy = std::make_shared<SimulatedNode>();
+  copy->file = std::make_unique<SimulatedFile>(used_bytes);
+  std::vector<std::uint8_t> content(node.file->size());
+  (void)node.file->read(0, content);
+  copy->file->write(0, content);
+  copy->file->sync();
+  return copy;
+}
+
 }  // namespace roadbalance::test

@@ -52,4 +52,8 @@ class SimulatedFolder {
   std::vector<Change> unsynced_;
 };
 
+SimulatedFolder::Node new_folder();
+/// Of its own, all of it synced.
+SimulatedFolder::Node copy_of(const SimulatedNode& node, std::shared_ptr<std::int64_t> used_bytes);
+
 }  // namespace roadbalance::test

@@ -15,6 +15,27 @@ SimulatedDisk::Node SimulatedDisk::enter(Place& at) const {
   return mounted->second.root;
 }
 
+void SimulatedDisk::mount(const std::string& folder) {
+  Mounted& mounted = mounted_[folder];
+  if (!mounted.root) {
+    mounted.device = ++last_device_;
+    mounted.root = new_folder();
+  }
+  mounted.is_there = true;
+}
+
+void SimulatedDisk::plug_in(const std::string& folder) {
+  Mounted& mounted = mounted_.at(folder);
+  mounted = {.root = copy_of(*mounted.root, used_bytes_), .device = ++last_device_, .is_there = true};
+}
+
+void SimulatedDisk::pull_out(const std::string& folder) {
+  Mounted& mounted = mounted_.at(folder);
+  mounted.root->folder->lose_power(random_);
+  mounted.is_there = false;
+  pulled_out_.insert(mounted.device);
+}
+
 SimulatedDisk::Place SimulatedDisk::place(const std::string& path) const {
   Place result{.folder = root_->folder.get(), .name = {}, .path = {}};
   std::size_t at = 0;

@@ -118,32 +118,32 @@ TEST_F(KeeperFoldersTest, AFallbackThatCannotBeUsedChangesNothing) {
   EXPECT_EQ(all, test::all_through(60));
 }
 
-TEST_F(KeeperFoldersTest, WhatIsWrittenToARemovedSegmentIsNeverCalledDurable) {
+// What was in it is missing, and nothing else.
+TEST_F(KeeperFoldersTest, WhatIsWrittenToARemovedSegmentIsNeverCalledDurableButWrittenToTheNext) {
   start();
   run(milliseconds(1000), 20);
   ASSERT_EQ(disk.unlink("/record/seg-000001.lcm"), 0);
   run(milliseconds(3000), 30);
-  EXPECT_EQ(durable, 20);
-  EXPECT_EQ(keeper->state(), RecorderState::kDiskFailing);
-  EXPECT_FALSE(keeper->wants_credit());
-  EXPECT_TRUE(was_warned_of("seg-000001.lcm was removed"));
-  keeper->close(now);
-  EXPECT_TRUE(keeper->failure());
+  EXPECT_EQ(durable, 50);
+  EXPECT_EQ(keeper->state(), RecorderState::kRecording);
+  EXPECT_TRUE(was_warned_of("/record was removed"));
+  note_durable(keeper->close(now));
+  auto expected = test::all_through(50);
+  expected.erase(expected.begin(), expected.begin() + 20);
+  EXPECT_EQ(recorded(), expected);
 }
 
-TEST_F(KeeperFoldersTest, AfterARemovedSegmentTheFallbackHoldsAllThatWasNotPromised) {
-  options.fallback = kFallback;
+TEST_F(KeeperFoldersTest, AMovedFolderAndItsCopyAreTold) {
   start();
   run(milliseconds(1000), 20);
-  ASSERT_EQ(disk.unlink("/record/seg-000001.lcm"), 0);
-  run(milliseconds(5000), 30);
+  ASSERT_EQ(disk.rename("/record", "/moved"), 0);
+  ASSERT_EQ(disk.mkdir("/record", 0755), 0);
+  for (const std::string& name : list_folder("/moved", disk))
+    disk.put("/record/" + name, disk.content("/moved/" + name));
+  run(milliseconds(3000), 30);
   note_durable(keeper->close(now));
   EXPECT_EQ(durable, 50);
-  const auto found = recorded(kFallback);
-  ASSERT_FALSE(found.empty());
-  EXPECT_EQ(found.front(), 21);
-  EXPECT_EQ(found.back(), 50);
-  EXPECT_EQ(found.size(), 30u);
+  EXPECT_EQ(recorded(), test::all_through(50));
 }
 
 // Credit is closed, so that no block comes that would show it.

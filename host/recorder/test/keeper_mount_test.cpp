@@ -2,9 +2,12 @@
 
 #include <cerrno>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "common/record/folder.hpp"
 #include "common/test/temporary_directory.hpp"
 #include "host/recorder/incarnation.hpp"
 #include "host/recorder/test/keeper_drive.hpp"
@@ -19,9 +22,15 @@ constexpr const char* kRecord = "/disk/record";
 constexpr const char* kFallback = "/other";
 constexpr std::int64_t kIncarnation = 7;
 
+enum class Way {
+  kUnmounted,  ///< and mounted again
+  kPluggedIn,  ///< anew, when it comes back: what is open of the disk that was, works on
+  kPulledOut,  ///< and plugged in anew: what was open fails
+};
+
 struct Case {
   std::string_view mount_point;
-  bool plugged_in;  ///< anew, when it comes back
+  Way way;
 };
 
 /// The record is on a disk that is mounted at its folder, or above it as in recordings/NAME.
@@ -43,8 +52,14 @@ class KeeperMountTest : public ::testing::TestWithParam<Case>, protected test::D
     ASSERT_LE(next_incarnation(kRecord, kIncarnation, disk), kIncarnation + 1);
     keeper->begin(kIncarnation);
   }
-  void unmount() { disk.unmount(std::string(GetParam().mount_point)); }
-  void mount() { disk.mount(std::string(GetParam().mount_point), GetParam().plugged_in); }
+  void unmount() {
+    const std::string folder(GetParam().mount_point);
+    GetParam().way == Way::kPulledOut ? disk.pull_out(folder) : disk.unmount(folder);
+  }
+  void mount() {
+    const std::string folder(GetParam().mount_point);
+    GetParam().way == Way::kUnmounted ? disk.mount(folder) : disk.plug_in(folder);
+  }
   /// More than a segment takes.
   void expect_that_it_waits_and_writes_nothing() {
     const std::int64_t before = durable;
@@ -108,6 +123,25 @@ TEST_P(KeeperMountTest, AnotherRecordingIsLeftAlone) {
   expect_that_it_waits_and_writes_nothing();
   disk.put("/disk/record/incarnation", {'?'});
   expect_that_it_waits_and_writes_nothing();
+  disk.put("/disk/record/incarnation", {'0' + kIncarnation + 1, '\n'});
+  disk.put("/disk/record/seg-000001.lcm", {1, 2, 3});
+  expect_that_it_waits_and_writes_nothing();
+}
+
+// A copy of the disk in its place lacks what came since it was made.
+TEST_P(KeeperMountTest, AnEarlierCopyIsLeftAlone) {
+  std::map<std::string, std::vector<std::uint8_t>> copy;
+  for (const std::string& name : list_folder(kRecord, disk))
+    copy[name] = disk.content("/disk/record/" + name);
+  run(milliseconds(1000), 20);
+  unmount();
+  if (GetParam().mount_point == kDisk) {
+    ASSERT_EQ(disk.mkdir(kRecord, 0755), 0);
+  }
+  for (const auto& [name, bytes] : copy) disk.put("/disk/record/" + name, bytes);
+  expect_that_it_waits_and_writes_nothing();
+  mount();
+  expect_that_it_goes_on();
 }
 
 TEST_P(KeeperMountTest, TheFallbackTakesOverFromADiskThatIsUnmounted) {
@@ -118,6 +152,7 @@ TEST_P(KeeperMountTest, TheFallbackTakesOverFromADiskThatIsUnmounted) {
   const auto beneath = disk.list(kRecord);
   run(milliseconds(5000), 30);
   note_durable(keeper->close(now));
+  EXPECT_FALSE(was_warned_of("not in its folder any more"));
   EXPECT_EQ(durable, 70);
   EXPECT_EQ(disk.list(kRecord), beneath);
   mount();
@@ -130,14 +165,37 @@ TEST_P(KeeperMountTest, TheFallbackTakesOverFromADiskThatIsUnmounted) {
 TEST_P(KeeperMountTest, TheRoomBeneathIsNotTheDisks) {
   note_durable(keeper->seal(now));
   unmount();
-  const auto beneath = disk.list(kRecord);
+  disk.set_capacity(disk.used_bytes());
   run(milliseconds(60'000));
+  EXPECT_EQ(keeper->state(), RecorderState::kRecording);
+  EXPECT_FALSE(was_warned_of("disk"));
+}
+
+// As when it was stopped while its disk was away, and its recorder ended: what is beneath is another disk.
+TEST_P(KeeperMountTest, ARecordingThatIsKnownIsNotBegunWhereItIsNot) {
+  keeper.reset();
+  unmount();
+  const auto beneath = disk.list(kRecord);
+  options.continues = true;
+  EXPECT_THROW(start(), std::system_error);
   EXPECT_EQ(disk.list(kRecord), beneath);
+  options.fallback = kFallback;
+  start();
+  EXPECT_EQ(keeper->folder(), kFallback);
+  EXPECT_EQ(disk.list(kRecord), beneath);
+  keeper.reset();
+  options.fallback.clear();
+  mount();
+  begin();
+  run(milliseconds(1000), 20);
+  note_durable(keeper->close(now));
+  EXPECT_EQ(recorded(kRecord), test::all_through(given));
 }
 
 INSTANTIATE_TEST_SUITE_P(Everywhere, KeeperMountTest,
-                         ::testing::Values(Case{kRecord, false}, Case{kRecord, true}, Case{kDisk, false},
-                                           Case{kDisk, true}));
+                         ::testing::Values(Case{kRecord, Way::kUnmounted}, Case{kRecord, Way::kPluggedIn},
+                                           Case{kRecord, Way::kPulledOut}, Case{kDisk, Way::kUnmounted},
+                                           Case{kDisk, Way::kPluggedIn}, Case{kDisk, Way::kPulledOut}));
 
 // No disk was behind it: what was in it is lost, the rest is recorded, and the folder is the recording's
 // again.
