@@ -162,14 +162,18 @@ DeskBook read_desk_book(const std::filesystem::path& recordings, Disk& disk) {
   }
 }
 
-void write_desk_book(const std::filesystem::path& recordings, const DeskBook& book, Disk& disk) {
+std::string text_of(const DeskBook& book) {
   Json json = Json::object();
   if (book.under_way) json["under_way"] = to_json(*book.under_way);
   if (book.finished) json["finished"] = to_json(*book.finished);
   if (book.set_up) json["set_up"] = to_json(*book.set_up);
   for (const Rest& rest : book.rest) json["rest"].push_back(to_json(rest));
   for (const Over& over : book.over) json["over"].push_back(to_json(over));
-  write_atomically(recordings / kDeskBookFile, json.dump() + "\n", disk);
+  return json.dump() + "\n";
+}
+
+void write_desk_book(const std::filesystem::path& recordings, const DeskBook& book, Disk& disk) {
+  write_atomically(recordings / kDeskBookFile, text_of(book), disk);
 }
 
 std::string fault_of_name(const std::string& name) {

@@ -101,6 +101,8 @@ inline constexpr std::size_t kMostOver = 64;
 File claim_desk_book(const std::filesystem::path& recordings, Disk& disk = kernel_disk());
 /// An empty book if there is no file.  @throws std::runtime_error naming the file if it is no book
 DeskBook read_desk_book(const std::filesystem::path& recordings, Disk& disk = kernel_disk());
+/// What stands in its file.
+std::string text_of(const DeskBook& book);
 /// Durable on return.  @throws std::system_error naming the file
 void write_desk_book(const std::filesystem::path& recordings, const DeskBook& book,
                      Disk& disk = kernel_disk());

@@ -18,27 +18,6 @@ namespace {
 using std::chrono::milliseconds;
 constexpr milliseconds kAgain{1000};
 constexpr milliseconds kSettling{1000};
-constexpr milliseconds kLastHeartbeats{2000};
-
-// An epoch whose rest was fetched later has been told before: what is newer counts.
-void append(RecorderReport& all, const RecorderReport& one) {
-  for (const NodeReport& node : one.node) {
-    std::erase_if(all.node, [&](const NodeReport& before) {
-      return before.node == node.node && before.epoch == node.epoch;
-    });
-    all.node.push_back(node);
-  }
-  all.blocks_refused += one.blocks_refused;
-  all.rival_heartbeats += one.rival_heartbeats;
-  all.unsent += one.unsent;
-  all.foreign = one.foreign;
-}
-
-std::string nodes_of(const std::vector<Rest>& rests) {
-  std::string nodes;
-  for (const Rest& rest : rests) nodes += (nodes.empty() ? "node " : ", ") + std::to_string(rest.node);
-  return nodes;
-}
 
 }  // namespace
 
@@ -46,6 +25,7 @@ Operating::Operating(const OperateOptions& options, World world, Time time)
     : options_(options),
       world_(std::move(world)),
       claim_(claim_desk_book(options.recordings, world_.disk)),
+      book_text_(read_text(options.recordings / kDeskBookFile, world_.disk)),
       time_(time),
       recorder_(static_cast<std::int64_t>(world_.seed % static_cast<std::uint64_t>(kRequestLimit - 1)) + 1),
       rests_(
@@ -119,7 +99,7 @@ bool Operating::turn(bool told_to_stop, Time time, const Publish& publish) {
 }
 
 Desk::Hands Operating::hands() {
-  return {.store = [this](const DeskBook& book) { write_desk_book(options_.recordings, book, world_.disk); },
+  return {.store = [this](const DeskBook& book) { store(book); },
           .exists =
               [this](const std::string& name) {
                 const auto& fallback = options_.recorder.fallback;
@@ -142,8 +122,35 @@ Desk::Hands Operating::hands() {
           .read_mark = [this](const Request& request) { return read_mark(request); }};
 }
 
+// Where the recordings' disk was mounted lies another's folder.  A disk that is plugged in anew is another to
+// the kernel: ours has the book as it was written last, or was to be.
+void Operating::require_its_folder() {
+  if (claim_.is_open() && claim_.is_at(options_.recordings)) return;
+  const auto text = read_text(options_.recordings / kDeskBookFile, world_.disk);
+  if (text != book_text_ && text != next_book_text_)
+    throw std::system_error(
+        ENODEV, std::generic_category(),
+        "recordings " + options_.recordings.string() + " (mount the disk that they are on)");
+  claim_ = File();  // it may be the same folder, and is locked once
+  try {
+    claim_ = claim_desk_book(options_.recordings, world_.disk);
+  } catch (const std::system_error&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    throw std::system_error(EBUSY, std::generic_category(), error.what());
+  }
+}
+
+void Operating::store(const DeskBook& book) {
+  require_its_folder();
+  next_book_text_ = text_of(book);
+  write_desk_book(options_.recordings, book, world_.disk);
+  book_text_ = next_book_text_;
+}
+
 void Operating::begin(const UnderWay& recording) {
   RecorderOptions options = options_.recorder;
+  options.continues = has_samples_;
   options.folder = options_.recordings / recording.name;
   options.start = true;
   if (!options.fallback.empty()) options.fallback /= recording.name;
@@ -177,6 +184,7 @@ void Operating::look_after_recording() {
       view.report.node, [](const NodeReport& node) { return node.samples_recorded > 0; }));
   if (view.status) {
     const bool has_samples = std::ranges::any_of(view.report.node, &NodeReport::has_durable_samples);
+    has_samples_ = has_samples_ || has_samples;
     if (!view.is_over) desk_.runs(has_samples, view.status->marks, time_.utc_us);
   }
   if (!view.is_over) return tell_who_differs();
@@ -189,9 +197,24 @@ void Operating::look_after_recording() {
   desk_.failed(view.error, view.status.has_value(), time_.utc_us);
 }
 
+// An epoch whose rest was fetched later has been told before: what is newer counts.
+void Operating::add_to_report(const RecorderReport& one) {
+  for (const NodeReport& node : one.node) {
+    std::erase_if(report_.node, [&](const NodeReport& before) {
+      return before.node == node.node && before.epoch == node.epoch;
+    });
+    report_.node.push_back(node);
+  }
+  report_.blocks_refused += one.blocks_refused;
+  report_.rival_heartbeats += one.rival_heartbeats;
+  report_.unsent += one.unsent;
+  report_.foreign = one.foreign;
+}
+
 void Operating::finish(const RecorderReport& report) {
   const UnderWay recording = *desk_.under_way();
-  append(report_, report);
+  has_samples_ = false;
+  add_to_report(report);
   const std::vector<Rest> dropped = desk_.ended(
       receipts_of(report, {.name = recording.name,
                            .incarnation = report.incarnation,
@@ -206,61 +229,6 @@ void Operating::finish(const RecorderReport& report) {
     warn("the rest of \"" + rest.recording + "\" at node " + std::to_string(rest.node) +
          " is not fetched: " + std::to_string(kMostRests) + " later ones wait for their nodes");
   status_at_ = receipts_at_ = {};
-}
-
-// Beside whatever else is recorded, with an incarnation of its own.
-std::unique_ptr<Session> Operating::begin_rest(const std::string& recording, EpochScope scope) {
-  RecorderOptions options = options_.recorder;
-  options.folder = options_.recordings / recording;
-  if (!options.fallback.empty()) options.fallback /= recording;
-  options.start = false;
-  options.says_state = false;
-  options.power.clear();  // a line has one reader, and the recording under way may be it
-  options.scope = std::move(scope);
-  return world_.begin(std::move(options));
-}
-
-void Operating::look_after_rests() {
-  owe_unknown_rests();
-  if (desk_.rests().empty()) return;
-  if (rests_.under_way().empty()) forget_rests_without_folder();
-  const auto outcome = rests_.turn(desk_.rests(), time_.now);
-  if (!outcome) return;
-  const std::string name = "\"" + outcome->recording + "\"";
-  if (!outcome->error.empty())
-    return warn("the rest of " + name + " stays at its node for now: " + outcome->error);
-  append(report_, outcome->report);
-  const std::int64_t bytes = bytes_of_folder(options_.recordings / outcome->recording, world_.disk);
-  desk_.settled(outcome->settled, [&](const std::vector<Receipt>& before) {
-    return completed(before, outcome->report, bytes);
-  });
-  if (!outcome->lost.empty())
-    warn(nodes_of(outcome->lost) + " was started anew: what it held of " + name +
-         " is lost, and the recording says so");
-  else if (!outcome->settled.empty())
-    warn("the rest of " + name + " is on the disk (" + nodes_of(outcome->settled) + ")");
-}
-
-void Operating::owe_unknown_rests() {
-  if (time_.now - ended_at_ >= kLastHeartbeats)
-    desk_.owe(rests_.unknown(desk_.over(), desk_.rests(), time_.now));
-}
-
-// Somebody has moved the recording away: what a node holds of it has no place any more.
-void Operating::forget_rests_without_folder() {
-  std::vector<Rest> gone;
-  try {
-    for (const Rest& rest : desk_.rests())
-      if ((gone.empty() || gone.front().recording == rest.recording) &&
-          !path_exists(options_.recordings / rest.recording, world_.disk))
-        gone.push_back(rest);
-  } catch (const std::system_error&) {
-    return;  // a disk that fails says nothing of what is there
-  }
-  if (gone.empty()) return;
-  warn("\"" + gone.front().recording + "\" is not there any more: its rest at " + nodes_of(gone) +
-       " is not fetched");
-  desk_.settled(gone, [](const std::vector<Receipt>& before) { return before; });
 }
 
 void Operating::hear_clock(std::span<const std::uint8_t> bytes) {

@@ -69,8 +69,12 @@ class Operating {
   void look_after_recording();
   void look_after_rests();
   void owe_unknown_rests();
+  std::vector<Rest> without_folder(const std::vector<Rest>& rests);
   void forget_rests_without_folder();
+  void require_its_folder();
+  void store(const DeskBook& book);
   void finish(const RecorderReport& report);
+  void add_to_report(const RecorderReport& one);
   std::string who_differs() const;
   void tell_who_differs();
   bool session_speaks() const { return session_ && session_->view().status; }
@@ -80,8 +84,10 @@ class Operating {
 
   const OperateOptions& options_;
   const World world_;
-  const File claim_;
-  Time time_;  // of the call under way
+  File claim_;
+  std::optional<std::string> book_text_;                    // as it is on the disk
+  std::optional<std::string> next_book_text_ = book_text_;  // or, if its last writing failed, as it may be
+  Time time_;                                               // of the call under way
   const std::int64_t recorder_;
   HeardNodes heard_{options_.recorder.nodes};
   std::map<std::int32_t, double> sync_us_;
@@ -96,6 +102,7 @@ class Operating {
   std::unique_ptr<Session> session_;
   RestFetching rests_;
   RecorderReport report_;
+  bool has_samples_ = false;  // the recording under way, on the disk
   bool ends_ = false;
   WallTime failed_at_{};
   WallTime written_again_at_{};

@@ -54,6 +54,7 @@ void refuse_one_folder_twice(const RecorderOptions& options) {
 KeeperOptions RecorderOptions::keeper() const {
   return {.folder = folder,
           .fallback = fallback,
+          .continues = continues,
           .segment_bytes = segment_bytes,
           .commit_period = commit_period,
           .reserve_bytes = reserve_bytes,

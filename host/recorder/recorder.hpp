@@ -63,6 +63,7 @@ struct RecorderReport {
 struct RecorderOptions {
   std::string url;
   std::filesystem::path folder;
+  bool continues = false;           ///< as KeeperOptions says
   bool start = true;                ///< start each node that is claimed
   std::vector<std::int32_t> nodes;  ///< claim only these; empty: every node heard
   /// End when each of `nodes` has ended and all of it is on the disk.

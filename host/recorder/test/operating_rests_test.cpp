@@ -100,5 +100,23 @@ TEST_F(OperatingTest, ANumberThatWasRaisedAtTheLastMomentIsOfItsRecording) {
   EXPECT_EQ(book.over.back().last_incarnation, Ended::kRaised);
 }
 
+// A folder that is gone is not asked for again and again: the book is written with two syncs.
+TEST_F(OperatingTest, ARestOfARecordingThatWasMovedAwayIsNotOwed) {
+  std::filesystem::remove(work.path() / "drive");
+  int warnings = 0;
+  options.recorder.on_warning = [&warnings](const std::string&) { ++warnings; };
+  operating.emplace(options,
+                    Operating::World{.disk = kernel_disk(),
+                                     .begin = [](RecorderOptions) { return std::make_unique<Running>(); },
+                                     .seed = 1},
+                    time());
+  run(milliseconds(10'000));
+  EXPECT_EQ(warnings, 0);
+  EXPECT_TRUE(read_desk_book(work.path()).rest.empty());
+  std::filesystem::create_directory(work.path() / "drive");  // moved back
+  run(milliseconds(10'000));
+  EXPECT_EQ(read_desk_book(work.path()).rest.size(), 1u);
+}
+
 }  // namespace
 }  // namespace roadbalance

@@ -1,0 +1,133 @@
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "common/bus/codec.hpp"
+#include "common/bus/control.hpp"
+#include "common/record/folder.hpp"
+#include "common/record/test/simulated_disk.hpp"
+#include "host/recorder/operating.hpp"
+
+namespace roadbalance {
+namespace {
+
+using std::chrono::milliseconds;
+constexpr const char* kRecordings = "/recordings";
+constexpr std::int64_t kNow = 1'769'860'805'000'000;
+
+/// What the sessions that were begun come to.
+struct Course {
+  bool has_samples = false;
+  bool is_over = false;
+  std::string error;
+};
+
+class Played final : public Session {
+ public:
+  explicit Played(const Course& course) : course_(course) {}
+  void stop() override {}
+  void note(NoteToRecord) override {}
+  View view() const override {
+    RecorderReport report;
+    if (course_.has_samples) {
+      report.node.emplace_back();
+      report.node.back().node = 1;
+      report.node.back().samples_recorded = 100;
+      report.node.back().has_durable_samples = true;
+    }
+    return {.report = std::move(report),
+            .status = RecorderStatus{},
+            .is_over = course_.is_over,
+            .error = course_.error};
+  }
+
+ private:
+  const Course& course_;
+};
+
+/// The recordings are on a disk that is mounted at their folder.
+class OperatingMountTest : public ::testing::Test {
+ protected:
+  OperatingMountTest() {
+    create_folders(kRecordings, disk);
+    disk.mount(kRecordings);
+    options.recordings = kRecordings;
+    options.start = "drive";
+    options.recorder.on_warning = [this](const std::string& sentence) { warnings.push_back(sentence); };
+    operating.emplace(options,
+                      Operating::World{.disk = disk,
+                                       .begin =
+                                           [this](RecorderOptions of) {
+                                             begun.push_back(std::move(of));
+                                             return std::make_unique<Played>(course);
+                                           },
+                                       .seed = 1},
+                      Operating::Time{.now = now, .utc_us = kNow});
+  }
+  void run(milliseconds length) {
+    for (const WallTime end = now + length; now < end; now += milliseconds(100))
+      (void)operating->turn(false, {.now = now, .utc_us = kNow},
+                            [](const std::string&, auto) { return true; });
+  }
+  void ask(Request request) {
+    request.asker = 5;
+    operating->take(kRequestChannel, encode(request), {.now = now, .utc_us = kNow});
+  }
+  bool beneath_is_empty() {
+    const auto names = disk.list(kRecordings);
+    return names && names->empty();
+  }
+
+  test::SimulatedDisk disk;
+  OperateOptions options;
+  Course course;
+  WallTime now{std::chrono::hours(1)};
+  std::vector<RecorderOptions> begun;
+  std::vector<std::string> warnings;
+  std::optional<Operating> operating;
+};
+
+TEST_F(OperatingMountTest, ARecordingThatHasRunIsContinuedAndNeverBegunBeneathItsDisk) {
+  ASSERT_EQ(begun.size(), 1u);
+  EXPECT_FALSE(begun[0].continues);
+  course.has_samples = true;
+  run(milliseconds(1000));
+  disk.unmount(kRecordings);
+  ask({.request = 1, .operation = Operation::kStop});
+  course = {.has_samples = false, .is_over = true, .error = "recording /recordings/drive (mount its disk)"};
+  run(milliseconds(500));
+  course = {};
+  run(milliseconds(3000));
+  ASSERT_EQ(begun.size(), 2u);
+  EXPECT_TRUE(begun[1].continues);
+  EXPECT_TRUE(beneath_is_empty()) << "the book is on the disk that is not mounted";
+  disk.mount(kRecordings);
+  run(milliseconds(2000));
+  const DeskBook book = read_desk_book(kRecordings, disk);
+  ASSERT_TRUE(book.under_way);
+  EXPECT_TRUE(book.under_way->stop) << "written as soon as the disk is back";
+}
+
+TEST_F(OperatingMountTest, ADiskThatIsPluggedInAnewIsKnownByItsBook) {
+  disk.pull_out(kRecordings);
+  ask({.request = 1, .operation = Operation::kStop});
+  run(milliseconds(2000));
+  EXPECT_TRUE(beneath_is_empty());
+  disk.plug_in(kRecordings);
+  run(milliseconds(2000));
+  EXPECT_TRUE(read_desk_book(kRecordings, disk).under_way->stop);
+  EXPECT_THROW((void)claim_desk_book(kRecordings, disk), std::runtime_error) << "it is ours again";
+}
+
+TEST_F(OperatingMountTest, TheBookOfAnotherDiskIsLeftAlone) {
+  disk.unmount(kRecordings);
+  DeskBook others;
+  others.over = {{"other", 1, 2}};
+  write_desk_book(kRecordings, others, disk);
+  ask({.request = 1, .operation = Operation::kStop});
+  run(milliseconds(2000));
+  EXPECT_EQ(read_desk_book(kRecordings, disk).over, others.over);
+}
+
+}  // namespace
+}  // namespace roadbalance
