@@ -54,11 +54,12 @@ std::vector<RecorderAlarm> alarms(const RecorderStatus& status) {
   if (status.state == RecorderState::kFault)
     add(AlarmCause::kNothingRecorded,
         "NOTHING IS RECORDED: " + status.fault + "; the nodes keep what they measure");
-  else if (!status.fault.empty())
+  else if (!status.fault.empty() && status.state != RecorderState::kDiskFailing)
     add(AlarmCause::kRecorderSays, status.fault);
   if (status.state == RecorderState::kDiskFailing)
     add(AlarmCause::kDiskFailing, "THE DISK FAILS (" + std::to_string(status.disk_failures) +
-                                      " times): " + waiting + ", the nodes keep what they measure");
+                                      " times): " + (status.fault.empty() ? "" : status.fault + "; ") +
+                                      waiting + ", the nodes keep what they measure");
   if (status.state == RecorderState::kDiskFull)
     add(AlarmCause::kDiskFull,
         "THE DISK IS FULL: " + waiting + ", the nodes keep what they measure; make space");

@@ -24,7 +24,7 @@ function ofRecorder(car: Car, recorder: Recorder, nowMs: number): StateWord {
             detail: `Nothing is recorded: ${utf8(recorder.fault, recorder.fault_size)}. The nodes keep what they measure.`};
   if (recorder.state === RecorderState.DiskFailing)
     return {alarm: "bad", word: "FAULT", recorder,
-            detail: `The disk fails (${recorder.disk_failures} times). The nodes keep what they measure: change the disk.`};
+            detail: `The disk fails (${recorder.disk_failures} times): ${utf8(recorder.fault, recorder.fault_size)}. The nodes keep what they measure.`};
   if (recorder.state === RecorderState.DiskFull)
     return {alarm: "bad", word: "FAULT", recorder,
             detail: "The disk is full. The nodes keep what they measure: make space."};
