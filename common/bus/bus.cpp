@@ -107,8 +107,7 @@ std::string default_bus_url() {
 }
 
 std::string bus_url_on_port(int port) {
-  return "udpm://239.255.76.67:" + std::to_string(port) +
-         "?ttl=0&recv_buf_size=" + std::to_string(kReceiveBufferBytes);
+  return "udpm://239.255.76.67:" + std::to_string(port) + "?ttl=0";
 }
 
 struct Bus::State {
@@ -242,6 +241,10 @@ std::size_t Bus::send_gathered() {
 
 std::int64_t Bus::dropped() const {
   return state_->socket ? state_->socket->dropped() : 0;
+}
+
+std::int64_t Bus::receive_buffer() const {
+  return state_->socket ? state_->socket->receive_buffer() : 0;
 }
 
 std::vector<std::string> Bus::other_versions() {

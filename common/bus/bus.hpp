@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/bus/bus_route.hpp"
 #include "common/link/block.hpp"
 
 namespace roadbalance {
@@ -30,13 +31,10 @@ inline constexpr const char* kSpectrumChannel = "RB_SPECTRUM";
 inline constexpr const char* kIdentificationChannel = "RB_IDENTIFICATION";
 inline constexpr const char* kBalanceChannel = "RB_BALANCE";
 
-/// The product's default LCM address: TTL 0, with the receive buffer that LCM itself does not set.
+/// The product's default LCM address: TTL 0.
 std::string default_bus_url();
 /// The same on another port; only the port isolates two buses.
 std::string bus_url_on_port(int port);
-
-/// What a recorder wants the socket to hold while it is kept from reading.
-inline constexpr std::int64_t kReceiveBufferBytes = 4 << 20;
 
 /// What a computer without a network needs once, as root: LCM speaks multicast even to itself.
 inline constexpr const char* kMulticastRemedy = "ip link set lo up && ip route add 224.0.0.0/4 dev lo";
@@ -88,6 +86,10 @@ class Bus {
 
   /// Datagrams that never came this far: no message of one packet, or no room left (see Options::hears_all).
   std::int64_t dropped() const;
+
+  /// Bytes that wait to be handled at most, by what the kernel gave (see MessageSocket); 0 without a
+  /// subscription.
+  std::int64_t receive_buffer() const;
 
   /// For people, since the last call: who on the subscribed channels is of another version of the wire (see
   /// OtherWire).

@@ -178,6 +178,14 @@ void MessageSocket::read(MessageBatch& into, std::span<const std::uint8_t> messa
   into.messages_.push_back({rest.substr(kShortHeader, end - kShortHeader), message.subspan(end + 1)});
 }
 
+std::int64_t MessageSocket::receive_buffer() const {
+  int twice = 0;  // the kernel counts its own needs with as much again: socket(7)
+  socklen_t size = sizeof twice;
+  if (::getsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &twice, &size) != 0)
+    throw_errno("ask for the receive buffer of the bus's socket");
+  return twice / 2;
+}
+
 std::int64_t MessageSocket::dropped() const {
   std::array<std::uint32_t, SK_MEMINFO_VARS> figures{};
   socklen_t size = sizeof figures;

@@ -125,6 +125,10 @@ class MessageSocket {
   /// @throws std::system_error
   bool receive(MessageBatch& into);
 
+  /// Bytes of its receive buffer, counted as one asks for them: of what the bus's address asks for the kernel
+  /// gives no more than net.core.rmem_max.
+  std::int64_t receive_buffer() const;
+
   /// Datagrams that were no message, and those that found the receive buffer full, a whole run as one.
   std::int64_t dropped() const;
 

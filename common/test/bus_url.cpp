@@ -8,7 +8,7 @@ namespace roadbalance::test {
 
 std::string bus_url() {
   static std::atomic<int> calls = 0;
-  return "udpm://239.255.76.67:" + std::to_string(process_port(calls++)) + "?ttl=0&recv_buf_size=4194304";
+  return "udpm://239.255.76.67:" + std::to_string(process_port(calls++)) + "?ttl=0";
 }
 
 }  // namespace roadbalance::test

@@ -54,7 +54,7 @@ class Drive:
             measured(BIN / "rb", "select", self.record, "-o", folder / name, "--nodes", name)
 
     def url(self):
-        return f"udpm://239.255.76.67:{12_000 + os.getpid() % 20000}?ttl=0&recv_buf_size=4194304"
+        return f"udpm://239.255.76.67:{12_000 + os.getpid() % 20000}?ttl=0"
 
     def node(self, name, rate):
         return running(BIN / "rb-node", "--url", self.url(), "--vehicle", self.vehicle, "--node", name, "--front-end",

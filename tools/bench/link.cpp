@@ -175,7 +175,8 @@ class BareLcm {
 
  private:
   using Lcm = std::unique_ptr<lcm_t, decltype(&lcm_destroy)>;
-  const std::string url_ = bus_url_on_port(process_port(2));
+  const std::string url_ =
+      bus_url_on_port(process_port(2)) + "&recv_buf_size=" + std::to_string(kReceiveBufferBytes);
   Lcm out_{lcm_create(url_.c_str()), &lcm_destroy}, in_{lcm_create(url_.c_str()), &lcm_destroy};
   std::vector<std::uint8_t> message_;
   int seen_ = 0;

@@ -26,7 +26,7 @@ TEST(BusRoute, AnAddressIsReadAsLcmReadsIt) {
     EXPECT_EQ(bus->group, 0xEFFF4C43U) << defaults;
     EXPECT_EQ(bus->port, 7667) << defaults;
     EXPECT_EQ(bus->ttl, 0) << defaults;
-    EXPECT_EQ(bus->receive_buffer, 0) << defaults;
+    EXPECT_EQ(bus->receive_buffer, 4194304) << defaults << ": LCM's own default is what the kernel gives";
   }
   for (const char* none : {"", "memq://", "udpm://nowhere:1", "udpm://239.1.2.3:port",
                            "udpm://239.1.2.3:99999", "udpm://239.1.2.3?recv_buf_size=much",

@@ -199,8 +199,23 @@ TEST(Bus, AFailureToReceiveIsNotSilence) {
   }
 }
 
-TEST(Bus, ItsDefaultAddressSetsTheReceiveBufferThatLcmDoesNot) {
-  EXPECT_NE(default_bus_url().find("recv_buf_size=4194304"), std::string::npos);
+std::int64_t receive_buffer_of(const std::string& options) {
+  Bus bus("udpm://239.255.76.67:" + std::to_string(process_port(6)) + options);
+  EXPECT_EQ(bus.receive_buffer(), 0) << "nothing is received yet";
+  bus.subscribe("A", [](std::string_view, auto) {});
+  return bus.receive_buffer();
+}
+
+// Without asking there would be net.core.rmem_default, counted as twice what is asked for.
+TEST(Bus, AnAddressThatSaysNothingOfTheReceiveBufferGetsTheRecorders) {
+  const std::int64_t asked = receive_buffer_of("?ttl=0&recv_buf_size=4194304");
+  for (const char* unasked : {"", "?ttl=0", "?ttl=1"})
+    EXPECT_EQ(receive_buffer_of(unasked), asked) << unasked;
+  EXPECT_EQ(receive_buffer_of("?ttl=0&recv_buf_size=20000"), 20'000) << "who says it gets it";
+  EXPECT_NE(receive_buffer_of("?ttl=0&recv_buf_size=0"), asked) << "0 leaves it to the kernel";
+}
+
+TEST(Bus, ItsDefaultAddressStaysOnThisMachine) {
   EXPECT_NE(default_bus_url().find("ttl=0"), std::string::npos);
 }
 

@@ -120,7 +120,8 @@ TEST_F(Gathered, WhoWantsSomeOfItHearsThat) {
 
 /// What a program that knows only LCM hears until "LAST".
 Heard heard_by_lcm(const std::string& url, const std::function<void()>& send) {
-  const std::unique_ptr<lcm_t, decltype(&lcm_destroy)> lcm(lcm_create(url.c_str()), &lcm_destroy);
+  const std::string with_room = url + "&recv_buf_size=" + std::to_string(kReceiveBufferBytes);
+  const std::unique_ptr<lcm_t, decltype(&lcm_destroy)> lcm(lcm_create(with_room.c_str()), &lcm_destroy);
   Heard heard;
   lcm_subscription_t* const all = lcm_subscribe(
       lcm.get(), ".*",

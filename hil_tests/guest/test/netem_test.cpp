@@ -18,7 +18,7 @@ struct ThreeHosts {
 /// The recorder on host 0, a node on each of two others; the kernel's netem harms what each of them sends.
 class Netem : protected ThreeHosts, public test::Measurement {
  protected:
-  Netem() : Measurement("udpm://239.255.76.67:7667?ttl=1&recv_buf_size=4194304") {}
+  Netem() : Measurement("udpm://239.255.76.67:7667?ttl=1") {}
 
   /// Records two nodes under the fault; nothing may be missing.  Returns the nodes' repeated sends.
   std::int64_t record_under(const std::vector<std::string>& fault) {
