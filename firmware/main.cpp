@@ -5,7 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "common/bus/bus.hpp"
+#include "common/command_line/bus_url.hpp"
 #include "common/command_line/manual.hpp"
 #include "common/config/section.hpp"
 #include "common/config/validators.hpp"
@@ -30,7 +30,7 @@ void tell(const std::string& of) {
 int main(int argc, char** argv) {
   const StopOnSignal signals;
   CLI::App app("Samples one node of the vehicle and streams its blocks to the recorder.", "rb-node");
-  std::string vehicle_file, node_name, bus_url = default_bus_url();
+  std::string vehicle_file, node_name, bus_url;
   std::vector<std::string> front_end_uris;
   double ring_mib = 16.0;
   app.add_option("--vehicle", vehicle_file, "vehicle.toml")->required();
@@ -39,7 +39,7 @@ int main(int argc, char** argv) {
       "--front-end", front_end_uris,
       "where samples come from, e.g. sim:?seed=1 or usb:1209:0001; again for each device beside it, "
       "e.g. gpio:gpiochip0 and can:can0; default: front_end of the node in vehicle.toml");
-  app.add_option("--url", bus_url, "LCM address")->capture_default_str();
+  add_bus_url(app, bus_url);
   app.add_option("--ring-mib", ring_mib, "memory for blocks the recorder does not have yet, MiB")
       ->check(number_within(0.25, 4096.0))
       ->capture_default_str();

@@ -9,6 +9,7 @@
 #include <array>
 #include <cerrno>
 #include <charconv>
+#include <cstdlib>
 #include <cstring>
 #include <limits>
 #include <optional>
@@ -57,11 +58,19 @@ bool has_multicast_route() {
   return found;
 }
 
+/// As the environment has it; empty: it has none.
+std::string url_of_environment() {
+  const char* const url = std::getenv(kBusUrlVariable);
+  return url ? url : "";
+}
+
 [[noreturn]] void throw_no_bus(const std::string& url, const std::string& what, int error) {
   std::string why = error == 0 ? "not an LCM address that can be used" : std::strerror(error);
   if (url.starts_with("udpm:") && !has_multicast_route())
     why = std::string("there is no multicast route; sudo sh -c '") + kMulticastRemedy + "'";
-  throw std::runtime_error("cannot " + what + " LCM bus " + url + ": " + why);
+  const bool is_of_environment = !url.empty() && url == url_of_environment();
+  const std::string whose = is_of_environment ? std::string(" of ") + kBusUrlVariable : "";
+  throw std::runtime_error("cannot " + what + " LCM bus " + url + whose + ": " + why);
 }
 
 // A caller with other duties gets control back after this many messages, however fast they come, and whether
@@ -103,7 +112,8 @@ std::string vehicle_channel(int node) {
 }
 
 std::string default_bus_url() {
-  return bus_url_on_port(BusAddress{}.port);
+  const std::string url = url_of_environment();
+  return url.empty() ? bus_url_on_port(BusAddress{}.port) : url;
 }
 
 std::string bus_url_on_port(int port) {

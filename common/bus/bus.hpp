@@ -31,9 +31,11 @@ inline constexpr const char* kSpectrumChannel = "RB_SPECTRUM";
 inline constexpr const char* kIdentificationChannel = "RB_IDENTIFICATION";
 inline constexpr const char* kBalanceChannel = "RB_BALANCE";
 
-/// The product's default LCM address: TTL 0.
+/// What LCM's own programs, too, take their address from.
+inline constexpr const char* kBusUrlVariable = "LCM_DEFAULT_URL";
+/// The bus that a program is on unless it is told another: the environment's, or else LCM's own, TTL 0.
 std::string default_bus_url();
-/// The same on another port; only the port isolates two buses.
+/// LCM's own on another port; only the port isolates two buses.
 std::string bus_url_on_port(int port);
 
 /// What a computer without a network needs once, as root: LCM speaks multicast even to itself.

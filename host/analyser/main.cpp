@@ -5,7 +5,7 @@
 #include <string>
 #include <system_error>
 
-#include "common/bus/bus.hpp"
+#include "common/command_line/bus_url.hpp"
 #include "common/command_line/manual.hpp"
 #include "common/config/section.hpp"
 #include "common/process/stop_on_signal.hpp"
@@ -24,13 +24,12 @@ int fail(const std::exception& error, int code) {
 int main(int argc, char** argv) {
   const roadbalance::StopOnSignal signals;
   roadbalance::AnalyserOptions options;
-  options.url = roadbalance::default_bus_url();
   options.on_warning = [](const std::string& sentence) {
     std::fprintf(stderr, "rb-analyser: %s\n", sentence.c_str());
   };
   CLI::App app("Turns a growing record and the live bus into levels, spectra, identification and balance.",
                "rb-analyser");
-  app.add_option("--url", options.url, "LCM address of the bus")->capture_default_str();
+  roadbalance::add_bus_url(app, options.url);
   auto* record = app.add_option("--record", options.record, "folder that rb-recorder writes");
   std::filesystem::path recordings;
   app.add_option("--vehicle", options.vehicle,

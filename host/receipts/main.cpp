@@ -15,6 +15,7 @@
 #include "common/bus/job.hpp"
 #include "common/bus/operation.hpp"
 #include "common/clock/clocks.hpp"
+#include "common/command_line/bus_url.hpp"
 #include "common/command_line/manual.hpp"
 #include "common/process/channel.hpp"
 #include "common/process/child.hpp"
@@ -147,12 +148,12 @@ void yield_to_all() {
 
 int main(int argc, char** argv) {
   const StopOnSignal signals;
-  std::string url = default_bus_url(), folder, results, transfer_to;
+  std::string url, folder, results, transfer_to;
   CLI::App app(
       "Tells on the bus which recordings there are and what proves that they are whole, and does with them "
       "what the page asks.",
       "rb-recordings");
-  app.add_option("--url", url, "LCM address of the bus")->capture_default_str();
+  add_bus_url(app, url);
   app.add_option("--folder", folder, "that holds the folders of recordings")->required();
   app.add_option("--results", results,
                  "folder for what jobs make: recordings, exports; if not given, that of the recordings with "

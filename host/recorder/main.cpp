@@ -8,7 +8,7 @@
 #include <stop_token>
 #include <string>
 
-#include "common/bus/bus.hpp"
+#include "common/command_line/bus_url.hpp"
 #include "common/command_line/manual.hpp"
 #include "common/config/section.hpp"
 #include "common/config/validators.hpp"
@@ -69,7 +69,6 @@ void tell_supervisor(ServiceNotify& notify, RecorderOptions& options) {
 int main(int argc, char** argv) {
   CLI::App app("Records every node on the bus without loss.", "rb-recorder");
   RecorderOptions options;
-  options.url = default_bus_url();
   std::string folder;
   bool no_start = false;
   bool json = false;
@@ -87,7 +86,7 @@ int main(int argc, char** argv) {
          "with --recordings: vehicle.toml that requests may change; others in its folder can be chosen")
       ->needs(operated);
   app.add_option("--start", start, "with --recordings: begin one of this name at once")->needs(operated);
-  app.add_option("--url", options.url, "LCM address of the bus")->capture_default_str();
+  add_bus_url(app, options.url);
   app.add_option("--nodes", options.nodes, "record only these nodes; default: every node heard")
       ->check(CLI::Range(1, 9999));
   app.add_flag("--no-start", no_start, "claim the nodes, but leave starting them to others")

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/bus/bus.hpp"
+#include "common/command_line/bus_url.hpp"
 #include "common/command_line/manual.hpp"
 #include "common/config/section.hpp"
 #include "common/process/channel.hpp"
@@ -23,7 +24,7 @@ namespace {
 using namespace roadbalance;
 
 struct Options {
-  std::string url = default_bus_url();
+  std::string url;
   std::string listen = "127.0.0.1";
   int port = 8080;
   std::vector<std::string> host;
@@ -115,7 +116,7 @@ int main(int argc, char** argv) {
   const StopOnSignal signals;
   Options options;
   CLI::App app("Shows in a browser what is on the bus: recorder, nodes, levels, balance.", "rb-web");
-  app.add_option("--url", options.url, "LCM address of the bus")->capture_default_str();
+  add_bus_url(app, options.url);
   app.add_option("--port", options.port, "to listen on; 0: a free one")
       ->check(CLI::Range(0, 65'535))
       ->capture_default_str();

@@ -124,6 +124,7 @@ macro(rb_test_properties name)
   if(arg_PROGRAMS)
     set_tests_properties(${name} PROPERTIES LABELS programs)
   endif()
+  # The bus of the car that this computer may be of is nothing for a test.
   set_tests_properties(${name} PROPERTIES TIMEOUT ${rb_timeout}
-    ENVIRONMENT "RB_BIN=${CMAKE_BINARY_DIR}/bin;RB_SOURCE=${CMAKE_SOURCE_DIR};${RB_SANITIZER_ENVIRONMENT}")
+    ENVIRONMENT "LCM_DEFAULT_URL=;RB_BIN=${CMAKE_BINARY_DIR}/bin;RB_SOURCE=${CMAKE_SOURCE_DIR};${RB_SANITIZER_ENVIRONMENT}")
 endmacro()

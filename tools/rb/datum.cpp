@@ -6,7 +6,7 @@
 #include <memory>
 #include <numbers>
 
-#include "common/bus/bus.hpp"
+#include "common/command_line/bus_url.hpp"
 #include "common/config/section.hpp"
 #include "common/config/validators.hpp"
 #include "host/analyser/recorded_vehicle.hpp"
@@ -87,7 +87,6 @@ const WheelConfig& wheel_with_mark(const VehicleConfig& vehicle, const std::stri
 
 void add_datum(CLI::App& app, int& code) {
   auto options = std::make_shared<DatumOptions>();
-  options->url = default_bus_url();
   CLI::App* command = app.add_subcommand(
       "datum", "Finds where a wheel's zero mark fires, by turning the wheel by hand or by a trial weight");
   command->add_option("--wheel", options->wheel, "which")->required();
@@ -99,7 +98,7 @@ void add_datum(CLI::App& app, int& code) {
   command->add_option("--readings", options->readings, "by turning: so many")
       ->check(CLI::Range(2, 100))
       ->capture_default_str();
-  command->add_option("--url", options->url, "by turning: LCM address of the bus")->capture_default_str();
+  add_bus_url(*command, options->url, "by turning: LCM address of the bus");
   command->add_option("--seconds", options->patience_s, "by turning: give up after so long; 0: never")
       ->check(seconds_or_zero());
   command->add_option("--grams", options->grams, "by weight: its mass")->check(number_within(0.1, 10e3));

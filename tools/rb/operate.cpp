@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/command_line/bus_url.hpp"
 #include "common/config/section.hpp"
 #include "common/config/validators.hpp"
 #include "common/config/vehicle_config.hpp"
@@ -25,7 +26,7 @@ using Json = nlohmann::ordered_json;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 struct AskOptions {
-  std::string url = default_bus_url();
+  std::string url;
   double seconds = 60.0;
   bool json = false;
   Request request{};
@@ -115,7 +116,7 @@ void take_channel(const std::string& text, Request& request) {
 std::shared_ptr<AskOptions> add_asking(CLI::App& command, Operation operation, int& code) {
   auto options = std::make_shared<AskOptions>();
   options->request.operation = operation;
-  command.add_option("--url", options->url, "LCM address of the bus")->capture_default_str();
+  add_bus_url(command, options->url);
   command.add_option("--seconds", options->seconds, "how long to wait until it is done")
       ->check(number_within(0.1, 3600.0))
       ->capture_default_str();

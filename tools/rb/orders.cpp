@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "common/bus/bus.hpp"
+#include "common/command_line/bus_url.hpp"
 #include "common/config/section.hpp"
 #include "common/config/validators.hpp"
 #include "host/orders/orders_of_record.hpp"
@@ -25,7 +25,7 @@ struct OrdersOptions {
   bool waterfall = false;
   bool json = false;
   bool live = false;
-  std::string url = default_bus_url();
+  std::string url;
   double seconds = 0.0;
 };
 
@@ -141,7 +141,7 @@ void add_orders(CLI::App& app, int& code) {
   CLI::Option* const live = command->add_flag(
       "--live", options->live, "what the analyser on the bus finds of orders 1 and 2, once a second");
   live->excludes(folder);
-  command->add_option("--url", options->url, "LCM address of the bus")->needs(live)->capture_default_str();
+  add_bus_url(*command, options->url)->needs(live);
   command->add_option("--seconds", options->seconds, "stop after this long; 0: when interrupted")
       ->needs(live)
       ->check(seconds_or_zero());

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/bus/bus.hpp"
+#include "common/command_line/bus_url.hpp"
 #include "common/config/section.hpp"
 #include "common/process/stop_on_signal.hpp"
 #include "host/replay/replay_record.hpp"
@@ -20,7 +21,7 @@ namespace {
 struct ReplayOptions {
   std::string folder;
   std::string speed = "1";
-  std::string url = default_bus_url();
+  std::string url;
   bool json = false;
 };
 
@@ -92,7 +93,7 @@ void add_replay(CLI::App& app, int& code) {
   command->add_option("folder", options->folder, "the recording")->required();
   command->add_option("--speed", options->speed, "seconds of the drive a second, or max")
       ->capture_default_str();
-  command->add_option("--url", options->url, "LCM address of the bus")->capture_default_str();
+  add_bus_url(*command, options->url);
   command->add_flag("--json", options->json, "one JSON object on standard output");
   command->footer(
       "rb-analyser --record DIR beside it shows the drive on the page again. Refused on a bus with a node or "

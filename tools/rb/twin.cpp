@@ -8,7 +8,7 @@
 #include <string>
 #include <system_error>
 
-#include "common/bus/bus.hpp"
+#include "common/command_line/bus_url.hpp"
 #include "common/config/section.hpp"
 #include "common/config/validators.hpp"
 #include "common/process/stop_on_signal.hpp"
@@ -29,7 +29,7 @@ struct TwinOptions {
   TwinRequest request;
   std::string folder, csv;
   std::optional<double> to_s;
-  LiveTwinOptions live{.url = default_bus_url(), .vehicle = {}};
+  LiveTwinOptions live{};
   bool is_live = false;
   bool nominal = false;
   bool json = false;
@@ -135,9 +135,7 @@ void add_twin(CLI::App& app, int& code) {
           ->excludes(folder)
           ->needs(vehicle);
   vehicle->needs(live);
-  command->add_option("--url", options->live.url, "LCM address of the bus")
-      ->needs(live)
-      ->capture_default_str();
+  add_bus_url(*command, options->live.url)->needs(live);
   command
       ->add_option("--seconds", options->live.seconds,
                    "with --live, stop after this long; 0: when interrupted")

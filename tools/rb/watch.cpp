@@ -2,6 +2,7 @@
 #include <memory>
 #include <string>
 
+#include "common/command_line/bus_url.hpp"
 #include "common/config/validators.hpp"
 #include "common/process/stop_on_signal.hpp"
 #include "tools/rb/bus_view.hpp"
@@ -14,7 +15,7 @@ namespace roadbalance {
 namespace {
 
 struct WatchOptions {
-  std::string url = default_bus_url();
+  std::string url;
   double seconds = 0;
   bool json = false;
 };
@@ -64,7 +65,7 @@ void add_watch(CLI::App& app, int& code) {
   auto options = std::make_shared<WatchOptions>();
   CLI::App* command =
       app.add_subcommand("watch", "Shows levels, balance, recorders, nodes and their clocks from the bus");
-  command->add_option("--url", options->url, "LCM address of the bus")->capture_default_str();
+  add_bus_url(*command, options->url);
   command->add_option("--seconds", options->seconds, "stop after this long; 0: when interrupted")
       ->check(seconds_or_zero());
   command->add_flag("--json", options->json,

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <functional>
 #include <stdexcept>
@@ -215,8 +216,25 @@ TEST(Bus, AnAddressThatSaysNothingOfTheReceiveBufferGetsTheRecorders) {
   EXPECT_NE(receive_buffer_of("?ttl=0&recv_buf_size=0"), asked) << "0 leaves it to the kernel";
 }
 
-TEST(Bus, ItsDefaultAddressStaysOnThisMachine) {
-  EXPECT_NE(default_bus_url().find("ttl=0"), std::string::npos);
+TEST(Bus, WithoutALineInTheEnvironmentItsAddressStaysOnThisMachine) {
+  ::unsetenv(kBusUrlVariable);
+  EXPECT_EQ(default_bus_url(), "udpm://239.255.76.67:7667?ttl=0");
+  ::setenv(kBusUrlVariable, "", 1);  // as LCM takes it
+  EXPECT_EQ(default_bus_url(), "udpm://239.255.76.67:7667?ttl=0");
+  ::unsetenv(kBusUrlVariable);
+}
+
+TEST(Bus, NamesTheEnvironmentsLineThatIsNoAddress) {
+  ::setenv(kBusUrlVariable, "nonsense://1.2.3.4:5", 1);
+  const std::string text = failure_of([] { Bus bus(default_bus_url()); });
+  EXPECT_NE(text.find("nonsense://1.2.3.4:5 of LCM_DEFAULT_URL: not an LCM address"), std::string::npos)
+      << text;
+  const std::string typed = failure_of([] { Bus bus("other://1.2.3.4:5"); });
+  EXPECT_EQ(typed.find(kBusUrlVariable), std::string::npos) << typed;
+  ::setenv(kBusUrlVariable, "udpm://239.255.76.67:7667?ttl=far", 1);
+  const std::string unread = failure_of([] { Bus(default_bus_url()).subscribe("A", [](auto, auto) {}); });
+  EXPECT_NE(unread.find("LCM_DEFAULT_URL"), std::string::npos) << unread;
+  ::unsetenv(kBusUrlVariable);
 }
 
 }  // namespace
