@@ -572,6 +572,14 @@ class Unit(unittest.TestCase):
             for needed in ("Restart=always", "RestartPreventExitStatus=2", "StartLimitIntervalSec=0"):
                 self.assertIn(needed, lines, unit.name)
 
+    def test_a_node_has_the_devices_of_its_vehicle_unless_it_is_told_others(self):
+        lines = pathlib.Path(os.environ["RB_SOURCE"], "firmware/rb-node@.service").read_text(encoding="ascii").splitlines()
+        command = next(line for line in lines if line.startswith("ExecStart="))
+        self.assertNotIn("--front-end", command)
+        # Unquoted and a word of its own: as many arguments as it has words, and none if it is not set.
+        self.assertEqual(command.split()[-1], "$RB_NODE_OPTIONS")
+        self.assertIn("EnvironmentFile=-/etc/roadbalance/node-%i.conf", lines)
+
     def test_what_is_done_with_recordings_gives_way_to_recording(self):
         lines = pathlib.Path(os.environ["RB_SOURCE"], "host/receipts/rb-recordings.service").read_text(encoding="ascii").splitlines()
         for needed in ("Nice=19", "IOSchedulingClass=idle", "MemoryHigh=1G", "DynamicUser=yes", "CapabilityBoundingSet=",
