@@ -544,7 +544,7 @@ class Unit(unittest.TestCase):
         for needed in ("DynamicUser=yes", "CapabilityBoundingSet=", "NoNewPrivileges=yes", "ProtectSystem=strict",
                        "ProtectHome=yes", "PrivateDevices=yes", "RestrictAddressFamilies=AF_INET AF_INET6",
                        "MemoryDenyWriteExecute=yes", "SystemCallFilter=@system-service", "IPAddressDeny=any",
-                       "IPAddressAllow=localhost link-local 239.255.76.67 10.0.0.0/8 172.16.0.0/12 192.168.0.0/16"):
+                       "IPAddressAllow=localhost link-local multicast 10.0.0.0/8 172.16.0.0/12 192.168.0.0/16"):
             self.assertIn(needed, lines)
         self.assertIn("ExecStart=rb-web", lines)
 
@@ -569,7 +569,8 @@ class Unit(unittest.TestCase):
             for option in options:
                 if option.startswith("--"):
                     self.assertRegex(told.stdout, rf"(?m)^ +(-\w,)?{option}\b", unit.name)
-            for needed in ("Restart=always", "RestartPreventExitStatus=2", "StartLimitIntervalSec=0"):
+            for needed in ("Restart=always", "RestartPreventExitStatus=2", "StartLimitIntervalSec=0",
+                           "EnvironmentFile=-/etc/environment"):
                 self.assertIn(needed, lines, unit.name)
 
     def test_a_node_has_the_devices_of_its_vehicle_unless_it_is_told_others(self):
