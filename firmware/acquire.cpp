@@ -16,9 +16,16 @@ constexpr auto kPatience = std::chrono::microseconds(200);
 /// never.
 constexpr auto kLastReferences = std::chrono::seconds(1);
 
+void count_turn(AcquireLink& link) noexcept {
+  link.acquire_turns.fetch_add(1, std::memory_order_relaxed);
+}
+
 /// Until the end is written; a sink that stays full is asked again and again.
-void finish(std::stop_token stop, Sealer& sealer) noexcept {
-  while (!sealer.finish() && !stop.stop_requested()) std::this_thread::sleep_for(kPatience);
+void finish(std::stop_token stop, Sealer& sealer, AcquireLink& link) noexcept {
+  while (!sealer.finish() && !stop.stop_requested()) {
+    count_turn(link);
+    std::this_thread::sleep_for(kPatience);
+  }
 }
 
 }  // namespace
@@ -51,6 +58,7 @@ void acquire(std::stop_token stop, FrontEnd& front_end, Sealer& sealer, BlockSin
   NodeState last = NodeState::kEnded;
   std::optional<WallTime> told_to_stop;
   while (!stop.stop_requested()) {
+    count_turn(link);
     if (link.start.load(std::memory_order_acquire)) sealer.start();
     if (link.stop.load(std::memory_order_acquire)) {
       sealer.stop();
@@ -75,7 +83,7 @@ void acquire(std::stop_token stop, FrontEnd& front_end, Sealer& sealer, BlockSin
   sealer.device_ended();
   if (sealer.started()) {
     tell(sealer, NodeState::kStarted, link);
-    finish(stop, sealer);
+    finish(stop, sealer, link);
   }
   tell(sealer, last, link);
 }

@@ -16,15 +16,22 @@ struct AcquireLink {
   // Written by uplink.
   std::atomic<bool> start{false};
   std::atomic<bool> stop{false};
+  std::atomic<std::int64_t> uplink_turns{0};  ///< of its loop
 
   // Written by acquire.
   std::atomic<NodeState> state{
-      NodeState::kPreview};               ///< kEnded and kFailed are final: nothing more is sealed
-  std::atomic<bool> device_ended{false};  ///< or has failed: there is nothing more to be had from it
+      NodeState::kPreview};                    ///< kEnded and kFailed are final: nothing more is sealed
+  std::atomic<bool> device_ended{false};       ///< or has failed: there is nothing more to be had from it
+  std::atomic<std::int64_t> acquire_turns{0};  ///< of its loop
   std::atomic<std::int64_t> time_ns{0};
   std::atomic<std::int64_t> scans_sampled{0}, scans_missing{0}, scans_refused{0}, unreferenced_blocks{0};
   std::array<DeviceReport, kEncoderLines> encoder{DeviceReport("encoder of line 0"),
                                                   DeviceReport("encoder of line 1")};
+
+  bool ended() const {
+    const NodeState now = state.load(std::memory_order_acquire);
+    return now == NodeState::kEnded || now == NodeState::kFailed;
+  }
 };
 
 /// Process: front end -> sealed blocks.  The one process with a deadline: it never allocates, locks, logs,

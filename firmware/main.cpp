@@ -1,6 +1,9 @@
 #include <cstdio>
 #include <exception>
+#include <functional>
+#include <stop_token>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -10,6 +13,7 @@
 #include "common/config/section.hpp"
 #include "common/config/validators.hpp"
 #include "common/frontend/unopened_wiring.hpp"
+#include "common/process/service_notify.hpp"
 #include "common/process/stop_on_signal.hpp"
 #include "firmware/backends/front_ends.hpp"
 #include "firmware/missing_signals.hpp"
@@ -24,6 +28,12 @@ void warn(const std::string& of) {
 }
 void tell(const std::string& of) {
   std::fprintf(stderr, "rb-node: %s\n", of.c_str());
+}
+std::function<void()> feed(ServiceNotify& notify) {
+  return [&notify, is_ready = false]() mutable {
+    if (!std::exchange(is_ready, true)) notify.ready();
+    notify.feed();
+  };
 }
 }  // namespace
 
@@ -58,6 +68,8 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : 2;
   }
   try {
+    ServiceNotify notify;
+    const std::stop_callback tell_of_stop(signals.token(), [&notify] { notify.stopping(); });
     const VehicleConfig vehicle = VehicleConfig::read_file(vehicle_file);
     FrontEndRegistry front_ends = real_front_ends(warn, tell);
     front_ends.add("sim", sim::open_sim_front_end);
@@ -75,7 +87,8 @@ int main(int argc, char** argv) {
                                           .ring_bytes = static_cast<std::size_t>(ring_mib * 1024 * 1024),
                                           .spool = spool,
                                           .spool_bytes = static_cast<std::uint64_t>(spool_mib * 1024 * 1024),
-                                          .warn = warn});
+                                          .warn = warn,
+                                          .on_alive = feed(notify)});
     return lost > 0 ? 3 : 0;
   } catch (const ConfigError& error) {
     std::fprintf(stderr, "rb-node: %s\n", error.what());

@@ -19,6 +19,7 @@
 #include "firmware/clock_answer.hpp"
 #include "firmware/describe.hpp"
 #include "firmware/device_diary.hpp"
+#include "firmware/life_watch.hpp"
 #include "firmware/pack.hpp"
 #include "firmware/readout_clock.hpp"
 #include "firmware/ring_sink.hpp"
@@ -88,6 +89,13 @@ void keep_diary(std::stop_token stop, const FrontEnd& front_end, const AcquireLi
   diary.look(options.warn);
 }
 
+/// Process: proof of life.
+void prove_life(std::stop_token stop, const AcquireLink& link, const NodeOptions& options) {
+  LifeWatch watch(link);
+  while (pause(stop, std::chrono::milliseconds(500)))
+    if (watch.both_turned()) options.on_alive();
+}
+
 /// Saves what no recorder has.  Returns how many blocks are lost with this program.
 std::int64_t leave(Backlog& backlog, bool has_spool, const std::filesystem::path& folder,
                    const NodeOptions& options) {
@@ -142,6 +150,7 @@ EpochResult run_epoch(std::stop_token stop, const VehicleConfig& vehicle, const 
   processes.run(describe, options.bus_url, std::cref(vehicle), std::cref(node));
   processes.run(
       [&](std::stop_token stop_here) { keep_diary(stop_here, front_end, link, options, is_first); });
+  processes.run(prove_life, std::cref(link), std::cref(options));
   if (clock) processes.run(answer_clock, std::ref(*clock), node.id, epoch, std::cref(front_end));
   processes.run([&](std::stop_token stop_here) {
     if (!front_end.waits())

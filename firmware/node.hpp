@@ -25,6 +25,8 @@ struct NodeOptions {
   /// its reader has no deadline and asks for neither), and at the end how many scans the device numbered
   /// backwards and what stays in the spool because no recorder took it.  Called from several threads.
   std::function<void(const std::string&)> warn = [](const std::string&) {};
+  /// Called about twice a second while what samples, unless it has ended, and what sends turn: proof of life.
+  std::function<void()> on_alive = [] {};
 };
 
 /// A whole worker node: acquire and uplink side by side with the ring between them.  The same in rb-node and

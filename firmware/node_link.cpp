@@ -84,13 +84,8 @@ bool NodeLink::send_blocks(WallTime now, const Publish& publish) {
   return !due.empty();
 }
 
-bool NodeLink::ended() const {
-  const NodeState state = link_.state.load(std::memory_order_acquire);
-  return state == NodeState::kEnded || state == NodeState::kFailed;
-}
-
 bool NodeLink::finished() const {
-  return vehicle_.wanted() || (ended() && backlog_.used() == 0 && !commands_.waiting());
+  return vehicle_.wanted() || (link_.ended() && backlog_.used() == 0 && !commands_.waiting());
 }
 
 void NodeLink::farewell(const Publish& publish) {

@@ -46,7 +46,10 @@ class NodeLink {
   void count_unsent(std::size_t blocks) { blocks_unsent_ += static_cast<std::int64_t>(blocks); }
 
   /// While there is no bus, in place of turn(): moves blocks to the spool if it must.
-  void relieve(WallTime now) { backlog_.relieve(now); }
+  void relieve(WallTime now) {
+    link_.uplink_turns.fetch_add(1, std::memory_order_relaxed);
+    backlog_.relieve(now);
+  }
 
   /// Acquire has ended, its owner has everything durable, and every command is answered; or before anything
   /// was kept another vehicle.toml is wanted.
@@ -58,7 +61,6 @@ class NodeLink {
   void farewell(const Publish& publish);
 
  private:
-  bool ended() const;
   bool send_blocks(WallTime now, const Publish& publish);
   void send_heartbeat(const Publish& publish);
 

@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
 #include <mutex>
 #include <numbers>
 #include <set>
+#include <thread>
 
 #include "common/bus/codec.hpp"
 #include "common/config/section.hpp"
@@ -127,6 +130,46 @@ TEST(RunNode, SaysWhichEncoderHadTurnsWithoutTheirTeeth) {
   EXPECT_EQ(warned,
             std::vector<std::string>{"encoder of line 1: turns came without exactly their teeth; they "
                                      "are flagged (1 time by now)"});
+}
+
+/// A device that measures nothing yet, and may hang.
+class QuietFrontEnd final : public FrontEnd {
+ public:
+  std::atomic<bool> hangs = false;
+  Read read(std::span<Scan>, std::span<Edge>, std::span<SignalSample>) noexcept override {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    hangs.wait(true);
+    return {};
+  }
+};
+
+TEST(RunNode, ProvesItsLifeWhileItsDeviceIsRead) {
+  const std::string url = test::bus_url();
+  const auto vehicle = test::one_node_vehicle(kRate_hz);
+  Bus bus(url);
+  int heartbeats = 0;
+  bus.subscribe(heartbeat_channel(kNode), [&](std::string_view, auto) { ++heartbeats; });
+  const auto hear = [&](int more) {
+    for (const int until = heartbeats + more; heartbeats < until;)
+      ASSERT_GT(bus.handle(std::chrono::seconds(5)), 0);
+  };
+  QuietFrontEnd device;
+  std::atomic<int> proofs = 0;
+  Parallel node;
+  node.run([&](std::stop_token stop) {
+    run_node(stop, vehicle, vehicle.node[0], device, {.bus_url = url, .on_alive = [&] { ++proofs; }});
+  });
+  while (proofs < 2) hear(1);
+  device.hangs = true;
+  hear(10);  // a second, in which what it did before may still be proven
+  const int before = proofs;
+  hear(20);
+  EXPECT_EQ(proofs, before) << "what sends still turns, but that is not all";
+  device.hangs = false;
+  device.hangs.notify_all();
+  while (proofs == before) hear(1);
+  node.request_stop();
+  node.wait();
 }
 
 TEST(RunNode, NamesARingThatIsTooSmall) {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <cstdlib>
 #include <string>
 
 #include "common/test/notify_socket.hpp"
@@ -32,6 +33,7 @@ TEST_F(Notify, ARecorderSaysThatItIsReadyThatItLivesAndThatItBeginsToStop) {
   ASSERT_TRUE(hears("READY=1"));
   EXPECT_EQ(passed_over, "") << "said before";
   EXPECT_TRUE(hears("WATCHDOG=1"));
+  ::unsetenv("NOTIFY_SOCKET");  // for the node, which would say the same
   Program front = node("front", "rate=1&seconds=10000");
   ASSERT_TRUE(more_are_durable(kFront, 10));
 
@@ -44,6 +46,16 @@ TEST_F(Notify, ARecorderSaysThatItIsReadyThatItLivesAndThatItBeginsToStop) {
   front.signal(SIGCONT);
   end_well(running, {&front});
   expect_complete(1);
+}
+
+TEST_F(Notify, ANodeSaysThatItIsReadyThatItLivesAndThatItBeginsToStop) {
+  Program front = node("front", "rate=1&seconds=10000");
+  ASSERT_TRUE(hears("READY=1"));
+  EXPECT_EQ(passed_over, "") << "said before";
+  for (int k = 0; k < 3; ++k) EXPECT_TRUE(hears("WATCHDOG=1"));
+  front.signal(SIGTERM);
+  EXPECT_TRUE(hears("STOPPING=1"));
+  EXPECT_EQ(front.exit_code(test::BusWatch::kPatience_s), 0);
 }
 
 }  // namespace
