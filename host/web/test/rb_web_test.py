@@ -557,8 +557,28 @@ class Unit(unittest.TestCase):
             lines = unit.read_text(encoding="ascii").splitlines()
             for needed in ("NoNewPrivileges=yes", "ProtectSystem=strict", "ProtectHome=yes", "PrivateTmp=yes",
                            "ProtectControlGroups=yes", "ProtectKernelModules=yes", "RestrictNamespaces=yes",
-                           "RestrictSUIDSGID=yes", "LockPersonality=yes", "SystemCallArchitectures=native"):
+                           "ProtectKernelTunables=yes", "ProtectClock=yes", "MemoryDenyWriteExecute=yes",
+                           "RestrictSUIDSGID=yes", "LockPersonality=yes", "SystemCallArchitectures=native",
+                           "SystemCallFilter=@system-service", "IPAddressDeny=any"):
                 self.assertIn(needed, lines, unit.name)
+            for setting in ("CapabilityBoundingSet=", "RestrictAddressFamilies="):
+                self.assertTrue(any(line.startswith(setting) for line in lines), f"{unit.name}: {setting}")
+
+    @unittest.skipUnless(shutil.which("systemd-analyze"), "no systemd here")
+    def test_systemd_finds_little_that_a_unit_could_do_without(self):
+        for unit in self.UNITS:
+            done = subprocess.run(["systemd-analyze", "security", "--no-pager", "--offline=true", "--threshold=30", unit],
+                                  capture_output=True, text=True, check=False)
+            self.assertEqual(done.returncode, 0, f"{unit.name}: {done.stdout[-200:]}{done.stderr}")
+
+    def test_what_samples_may_have_the_priority_that_it_asks_for(self):
+        priorities = pathlib.Path(os.environ["RB_SOURCE"], "common/process/realtime.hpp").read_text(encoding="utf-8")
+        highest = max(int(number) for number in re.findall(r"k(?:Acquire|Device)Priority = (\d+);", priorities))
+        lines = pathlib.Path(os.environ["RB_SOURCE"], "firmware/rb-node@.service").read_text(encoding="ascii").splitlines()
+        limit = next(int(line.removeprefix("LimitRTPRIO=")) for line in lines if line.startswith("LimitRTPRIO="))
+        self.assertGreaterEqual(limit, highest)
+        self.assertIn("LimitMEMLOCK=infinity", lines)
+        self.assertNotIn("RestrictRealtime=yes", lines)
 
     def test_every_unit_starts_its_program_as_that_wants_and_again_for_ever_but_after_a_wrong_command_line(self):
         for unit in self.UNITS:
