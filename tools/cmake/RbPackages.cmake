@@ -2,7 +2,7 @@
 #
 #   roadbalance-node    rb-node with its unit, the front-end board's udev rule
 #   roadbalance-host    recorder, analyser, list of recordings and page with their units
-#   roadbalance-tools   rb, and vehicle files to begin with
+#   roadbalance-tools   rb, the guide with its car, vehicle files to begin with and what is said of them
 #   roadbalance-cluster rb-mpi, where it was built: of its own, for no car needs MPI and ssh
 #
 # cpack --preset arm64 makes them for 64-bit ARM, without the cluster's.
@@ -41,7 +41,7 @@ set(CPACK_DEBIAN_CLUSTER_PACKAGE_DEPENDS openmpi-bin) # mpirun
 set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS TRUE)
 set(CPACK_COMPONENT_HOST_DEPENDS tools) # the jobs of its page call rb
 set(CPACK_DEBIAN_NODE_PACKAGE_RECOMMENDS roadbalance-tools)
-set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "roadbalance-node, roadbalance-host") # rb demo starts them
+set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "roadbalance-node, roadbalance-host, python3") # rb demo, and the guide's car
 
 foreach(component IN LISTS CPACK_COMPONENTS_ALL)
   string(TOUPPER ${component} package)
@@ -55,8 +55,16 @@ foreach(component IN LISTS CPACK_COMPONENTS_ALL)
   install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION share/doc/roadbalance-${component} COMPONENT ${component}
     RENAME copyright)
 endforeach()
-install(FILES ${PROJECT_SOURCE_DIR}/sim/demo/vehicle.toml ${PROJECT_SOURCE_DIR}/sim/demo/vehicle-3-nodes.toml
-  DESTINATION share/doc/roadbalance-tools/examples COMPONENT tools)
+# What people read and begin with lies as it does in the repository, for its links and names of files are relative.
+set(pages README.md tools/README.md tools/guide/README.md common/vehicle/conventions.md common/config/README.md
+  common/multibody/README.md firmware/backends/README.md firmware/backends/dbc/README.md firmware/backends/gpio/README.md
+  firmware/backends/socketcan/README.md firmware/backends/usb/README.md host/web/README.md
+  sim/demo/vehicle.toml sim/demo/vehicle-3-nodes.toml sim/demo/scenario.toml)
+foreach(page IN LISTS pages)
+  get_filename_component(place ${page} DIRECTORY)
+  install(FILES ${PROJECT_SOURCE_DIR}/${page} DESTINATION share/doc/roadbalance-tools/${place} COMPONENT tools)
+endforeach()
+install(PROGRAMS ${PROJECT_SOURCE_DIR}/tools/guide/car DESTINATION share/doc/roadbalance-tools/tools/guide COMPONENT tools)
 
 if(CMAKE_CROSSCOMPILING)
   set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE arm64)
