@@ -5,6 +5,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <limits>
 #include <string>
 
 #include "common/bus/bus.hpp"
@@ -106,6 +107,18 @@ TEST_F(Listening, TheLargestDatagramPasses) {
   hear_all();
   EXPECT_EQ(sizes_, (std::vector<std::size_t>{MessageSocket::kLargestDatagram - head.size(), 1}));
   EXPECT_EQ(bus_.dropped(), 1);
+}
+
+// Less than the least that a kernel gives to all (net.core.rmem_max, 212 992).
+TEST(MessageSocket, TellsWhatTheKernelGivesIt) {
+  BusAddress bus;
+  bus.port = static_cast<std::uint16_t>(process_port(3));
+  bus.receive_buffer = 100'000;
+  EXPECT_EQ(MessageSocket(bus, Runs::kCut).receive_buffer(), 100'000);
+  bus.receive_buffer = std::numeric_limits<int>::max() / 4;
+  const std::int64_t most = MessageSocket(bus, Runs::kCut).receive_buffer();
+  EXPECT_GT(most, 100'000);
+  EXPECT_LT(most, bus.receive_buffer) << "the kernel gives what its setting allows";
 }
 
 TEST(MessageSocket, WhatNobodyWantsStaysInTheKernel) {
