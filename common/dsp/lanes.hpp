@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdlib>
 #include <cstring>
 
 // Arithmetic across so many doubles at once, for kernels that are compiled once for each width and chosen by
@@ -38,11 +39,16 @@ struct Lanes<8> {
 #define RB_AVX2
 #endif
 
-/// Of this processor: 8, 4, or 2 where nothing is known of it.
+/// For tests: no more lanes than that many are used, 2 or 4, so that one machine tries what others run.
+inline constexpr const char* kMostLanesVariable = "RB_MOST_LANES";
+
+/// Of this processor: 8, 4, or 2 where nothing is known of it; kMostLanesVariable at the most.
 inline int widest_lanes() {
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx512f") != 0) return 8;
-  if (__builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0) return 4;
+  const char* const variable = std::getenv(kMostLanesVariable);
+  const int most = variable != nullptr ? std::atoi(variable) : 8;
+  if (most >= 8 && __builtin_cpu_supports("avx512f") != 0) return 8;
+  if (most >= 4 && __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0) return 4;
 #endif
   return 2;
 }

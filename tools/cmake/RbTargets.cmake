@@ -86,6 +86,20 @@ function(rb_test name)
   rb_test_properties(${name})
 endfunction()
 
+# rb_lanes_test(name [DEPENDS target...]): an rb_test of kernels that the processor chooses by their width
+# (common/dsp/lanes.hpp), and the same once more for each narrower one that x86-64 machines may run.
+function(rb_lanes_test name)
+  rb_test(${name} ${ARGN})
+  if(NOT BUILD_TESTING OR NOT CMAKE_SYSTEM_PROCESSOR STREQUAL x86_64)
+    return()
+  endif()
+  foreach(lanes 2 4)
+    add_test(NAME ${name}_lanes_${lanes} COMMAND ${name})
+    rb_test_properties(${name}_lanes_${lanes})
+    set_property(TEST ${name}_lanes_${lanes} APPEND PROPERTY ENVIRONMENT RB_MOST_LANES=${lanes})
+  endforeach()
+endfunction()
+
 # rb_guest_test(name [RT] [DEPENDS target...] [PROGRAMS target...] [FILES path...]): the same for a test that needs the
 # guest machine's kernel, and FILES beside its programs.  It is of the test configuration `guest`, so that a plain ctest
 # does not know it; hil_tests/run boots the guest and runs there those with the label guest or, with RT, guest-rt.
