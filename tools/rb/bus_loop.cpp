@@ -12,9 +12,8 @@
 #include <thread>
 
 #include "common/bus/bus.hpp"
-#include "common/bus/bus_route.hpp"
-#include "common/bus/node_number.hpp"
 #include "common/link/block.hpp"
+#include "tools/rb/bus_interface.hpp"
 
 namespace roadbalance {
 namespace {
@@ -68,22 +67,17 @@ std::string times_of(const BusLoop::Way& way) {
          " at worst" + (way.late > 0 ? ", " + std::to_string(way.late) + " out of order" : "");
 }
 
-std::string buffer_remedy() {
-  return "sudo sysctl -w net.core.rmem_max=" + std::to_string(kReceiveBufferBytes) +
-         "  # then look for what loads this machine";
-}
-
 Finding own_way(const BusLoop& loop) {
   const auto& way = loop.own();
   if (way.came() == 0)
     return {"loopback", Finding::kIll,
             "A message sent over LCM does not come back on this machine; a firewall may block it.",
-            std::string("sudo sh -c '") + kMulticastRemedy + "'"};
+            multicast_remedy()};
   const std::string sentence = "Of messages sent over LCM to this machine " +
                                share_of(way.came(), loop.sent()) + " came, after " + times_of(way) + ".";
   if (way.came() == loop.sent()) return {"loopback", Finding::kWell, sentence, ""};
   return {"loopback", Finding::kNote, sentence + "  What is lost is sent again; the link carries less.",
-          buffer_remedy()};
+          "top  # says what loads this machine"};
 }
 
 Finding way_to(const BusLoop::Way& way, std::int64_t sent) {
@@ -93,11 +87,6 @@ Finding way_to(const BusLoop::Way& way, std::int64_t sent) {
   return {"way_to_" + way.name, Finding::kNote,
           sentence + "  What is lost is sent again; the link carries less.",
           "ip -s link  # says which interface drops frames; a cable carries more than radio"};
-}
-
-bool stays_on_machine(const std::string& url) {
-  const auto bus = bus_address(url);
-  return bus && bus->ttl == 0;
 }
 
 Finding nodes_heard(const BusLoop& loop, const std::string& url) {

@@ -40,6 +40,8 @@ class BusLoop {
   const Way& own() const { return own_; }
   /// By a number that each program that answers has drawn: computers may have one name.
   const std::map<std::int32_t, Way>& answers() const { return answers_; }
+  /// Bytes that the kernel gives the socket that hears them.
+  std::int64_t receive_buffer() const { return receiver_.receive_buffer(); }
   /// Channels of heartbeats heard meanwhile: "RB_HEARTBEAT_1".
   const std::set<std::string>& heartbeats() const { return heartbeats_; }
 

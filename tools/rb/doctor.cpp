@@ -1,17 +1,23 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
+#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/process_port.hpp"
 #include "common/config/validators.hpp"
 #include "common/config/vehicle_config.hpp"
 #include "common/process/stop_on_signal.hpp"
+#include "tools/rb/bus_interface.hpp"
 #include "tools/rb/bus_loop.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/devices.hpp"
 #include "tools/rb/machine.hpp"
+#include "tools/rb/recording_folder.hpp"
 
 namespace roadbalance {
 namespace {
@@ -25,26 +31,70 @@ struct DoctorOptions {
   bool json = false;
 };
 
+/// What findings are about; those that are well share a line.
+struct Group {
+  const char* about;
+  std::vector<Finding> findings{};
+
+  void add(std::vector<Finding> more) {
+    findings.insert(findings.end(), std::make_move_iterator(more.begin()),
+                    std::make_move_iterator(more.end()));
+  }
+};
+
 /// Of its own bus, unless one is named: nobody else is disturbed then.
-std::vector<Finding> examine_bus(const DoctorOptions& options) {
+Group examine_bus(const DoctorOptions& options) {
+  Group bus{"bus"};
+  bus.add(examine_way(options.url));
   try {
     BusLoop loop(options.url.empty() ? bus_url_on_port(process_port()) : options.url);
     loop.run(options.messages);
-    return loop_findings(loop, options.url);
+    bus.add({receive_buffer(loop.receive_buffer())});
+    bus.add(loop_findings(loop, options.url));
   } catch (const std::exception& error) {
-    return {{"loopback", Finding::kIll, std::string("LCM does not start: ") + error.what(),
-             std::string("sudo sh -c '") + kMulticastRemedy + "'"}};
+    // Without a route that is what is said already.
+    if (bus.findings.front().state != Finding::kIll)
+      bus.add({{"loopback", Finding::kIll, std::string("LCM does not start: ") + error.what(), ""}});
+  }
+  return bus;
+}
+
+Group examine_devices(const DoctorOptions& options) {
+  const VehicleConfig vehicle = VehicleConfig::read_file(options.vehicle);
+  Group devices{"devices"};
+  for (const NodeConfig& node : vehicle.node)
+    if (options.node.empty() || node.name == options.node) devices.add(device_findings(vehicle, node));
+  if (devices.findings.empty()) (void)vehicle.node_named(options.node);  // says which there are
+  return devices;
+}
+
+void print(const std::vector<Group>& groups) {
+  for (const auto& [state, mark] : {std::pair(Finding::kIll, "ill   "), std::pair(Finding::kNote, "note  ")})
+    for (const Group& group : groups)
+      for (const Finding& finding : group.findings) {
+        if (finding.state != state) continue;
+        std::printf("%s%s\n", mark, finding.sentence.c_str());
+        if (!finding.remedy.empty()) std::printf("        mend it with: %s\n", finding.remedy.c_str());
+      }
+  for (const Group& group : groups) {
+    std::string well;
+    for (const Finding& finding : group.findings)
+      if (finding.state == Finding::kWell) well += " " + finding.sentence;
+    if (!well.empty()) std::printf("ok    %s:%s\n", group.about, well.c_str());
   }
 }
 
-std::vector<Finding> examine_devices(const DoctorOptions& options) {
-  const VehicleConfig vehicle = VehicleConfig::read_file(options.vehicle);
-  std::vector<Finding> all;
-  for (const NodeConfig& node : vehicle.node)
-    if (options.node.empty() || node.name == options.node)
-      for (Finding& finding : device_findings(vehicle, node)) all.push_back(std::move(finding));
-  if (all.empty()) (void)vehicle.node_named(options.node);  // says which there are
-  return all;
+nlohmann::ordered_json list_of(const std::vector<Group>& groups) {
+  auto list = nlohmann::ordered_json::array();
+  for (const Group& group : groups)
+    for (const Finding& finding : group.findings)
+      list.push_back({{"name", finding.name},
+                      {"about", group.about},
+                      {"ok", finding.state == Finding::kWell},
+                      {"needed", finding.state == Finding::kIll},
+                      {"finding", finding.sentence},
+                      {"remedy", finding.remedy.empty() ? nullptr : nlohmann::ordered_json(finding.remedy)}});
+  return list;
 }
 
 int answer(const DoctorOptions& options) {
@@ -60,29 +110,20 @@ int answer(const DoctorOptions& options) {
 
 int examine(const DoctorOptions& options) {
   if (options.answer) return answer(options);
-  std::vector<Finding> findings = examine_machine(
-      options.folder, std::chrono::milliseconds(static_cast<std::int64_t>(1000.0 * options.seconds)));
-  for (Finding& finding : examine_bus(options)) findings.push_back(std::move(finding));
-  if (!options.vehicle.empty())
-    for (Finding& finding : examine_devices(options)) findings.push_back(std::move(finding));
-  bool well = true;
-  auto list = nlohmann::ordered_json::array();
-  for (const Finding& finding : findings) {
-    well = well && finding.state != Finding::kIll;
-    if (options.json) {
-      list.push_back({{"name", finding.name},
-                      {"ok", finding.state == Finding::kWell},
-                      {"needed", finding.state == Finding::kIll},
-                      {"finding", finding.sentence},
-                      {"remedy", finding.remedy.empty() ? nullptr : nlohmann::ordered_json(finding.remedy)}});
-      continue;
-    }
-    static constexpr const char* kMark[] = {"ok    ", "note  ", "ill   "};
-    std::printf("%s %s\n", kMark[finding.state], finding.sentence.c_str());
-    if (!finding.remedy.empty()) std::printf("        mend it with: %s\n", finding.remedy.c_str());
-  }
+  std::vector<Group> groups{
+      examine_bus(options),
+      {"folder", examine_folder(options.folder, ordinary_rate())},
+      {"machine",
+       examine_machine(std::chrono::milliseconds(static_cast<std::int64_t>(1000.0 * options.seconds)))}};
+  if (!options.vehicle.empty()) groups.push_back(examine_devices(options));
+  const bool well = std::ranges::none_of(groups, [](const Group& group) {
+    return std::ranges::any_of(group.findings,
+                               [](const Finding& finding) { return finding.state == Finding::kIll; });
+  });
   if (options.json)
-    std::printf("%s\n", nlohmann::ordered_json{{"ok", well}, {"findings", list}}.dump().c_str());
+    std::printf("%s\n", nlohmann::ordered_json{{"ok", well}, {"findings", list_of(groups)}}.dump().c_str());
+  else
+    print(groups);
   return well ? kDone : kAnswerIsNo;
 }
 
@@ -91,7 +132,7 @@ int examine(const DoctorOptions& options) {
 void add_doctor(CLI::App& app, int& code) {
   auto options = std::make_shared<DoctorOptions>();
   CLI::App* command =
-      app.add_subcommand("doctor", "Says what this machine lacks, and the command that mends it");
+      app.add_subcommand("doctor", "Says what costs data or accuracy here, and the command that mends it");
   command->add_option("--folder", options->folder, "where recordings will be written")->capture_default_str();
   command
       ->add_option("--seconds", options->seconds,

@@ -5,125 +5,45 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <cerrno>
-#include <charconv>
 #include <chrono>
-#include <cstdio>
-#include <cstdlib>
 #include <fstream>
-#include <iterator>
 #include <numbers>
-#include <optional>
-#include <sstream>
-#include <system_error>
 
-#include "common/bus/bus.hpp"
-#include "common/record/file.hpp"
+#include "common/process/realtime.hpp"
+#include "common/text/format.hpp"
+#include "host/encoder/edge_memory.hpp"
 
 namespace roadbalance {
 namespace {
 
-std::string read_all(const char* path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-/// 239.255.76.67, least significant byte first as in the kernel's table.
-constexpr std::uint32_t kGroup = 0x434CFFEF;
-
-std::optional<std::uint32_t> hexadecimal(const std::string& text) {
-  std::uint32_t number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number, 16);
-  if (text.empty() || error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return number;
-}
-
-/// As one word of a shell's command.
-std::string quoted(const std::string& text) {
-  std::string word = "'";
-  for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return word + "'";
-}
-
 constexpr const char* kRealtimeRemedy =
-    "echo \"$USER - rtprio 50\" | sudo tee /etc/security/limits.d/roadbalance.conf  # then log in again";
+    "printf '%s - rtprio 50\\n%s - memlock unlimited\\n' \"$USER\" \"$USER\" | "
+    "sudo tee /etc/security/limits.d/roadbalance.conf  # then log in again; the unit rb-node@ has both";
 
-std::string as_root(const std::string& commands) {
-  return "sudo sh -c '" + commands + "'";
-}
+/// What the kernel counts is all that rb-node has mapped, heaps and stacks of its threads beside the ring:
+/// 270 to 340 MB were measured with the simulated car.
+constexpr std::uint64_t kMappedByANode = 512 << 20;
 
-/// The folder itself, or the nearest one above it that exists: where it would be created.
-std::filesystem::path existing_part(std::filesystem::path folder) {
-  folder = std::filesystem::absolute(folder);
-  while (!std::filesystem::exists(folder) && folder.has_relative_path()) folder = folder.parent_path();
-  return folder;
+/// The first word of a file; empty if there is none.
+std::string word_in(const std::filesystem::path& file) {
+  std::string word;
+  std::ifstream(file) >> word;
+  return word;
 }
 
 }  // namespace
 
-// Columns: interface, destination, gateway, flags, ..., mask (8th), hexadecimal, least significant byte
-// first.  Any route that holds LCM's group will do.
-bool has_multicast_route(const std::string& route_table) {
-  std::istringstream lines(route_table);
-  std::string line;
-  std::getline(lines, line);  // header
-  while (std::getline(lines, line)) {
-    std::istringstream columns(line);
-    std::array<std::string, 8> column;
-    for (auto& text : column) columns >> text;
-    const auto destination = hexadecimal(column[1]), mask = hexadecimal(column[7]);
-    if (destination && mask && (kGroup & *mask) == *destination) return true;
-  }
-  return false;
-}
-
-Finding multicast_route(const std::string& route_table) {
-  if (has_multicast_route(route_table))
-    return {"multicast_route", Finding::kWell, "There is a route for multicast, which LCM needs.", ""};
-  return {"multicast_route", Finding::kIll,
-          "There is no route for multicast (224.0.0.0/4), which LCM needs even on one machine.",
-          as_root(kMulticastRemedy)};
-}
-
-Finding receive_buffer(std::int64_t rmem_max_bytes) {
-  const std::string is = "net.core.rmem_max is " + std::to_string(rmem_max_bytes) + " bytes";
-  if (rmem_max_bytes >= kReceiveBufferBytes)
-    return {"receive_buffer", Finding::kWell, is + ", enough for the bus.", ""};
-  return {"receive_buffer", Finding::kNote,
-          is + ", less than the 4 MiB that let a busy recorder listen without asking for repeats.",
-          "sudo sysctl -w net.core.rmem_max=" + std::to_string(kReceiveBufferBytes)};
-}
-
-Finding writable_folder(const std::filesystem::path& folder) {
-  const std::filesystem::path place = existing_part(folder);
-  // Only a file tells: permission bits say nothing of a read-only disk.
-  std::string probe = (place / ".rb-doctor-XXXXXX").string();
-  const int file = mkstemp(probe.data());
-  if (file < 0) return unwritable_folder(folder, place, errno);
-  close(file);
-  unlink(probe.c_str());
-  return {"folder", Finding::kWell, "Recordings can be written to " + folder.string() + ".", ""};
-}
-
-Finding unwritable_folder(const std::filesystem::path& folder, const std::filesystem::path& place,
-                          int error) {
-  Finding finding{"folder", Finding::kIll,
-                  "Recordings cannot be written to " + folder.string() + ": " + place.string() +
-                      " takes no new file (" + std::generic_category().message(error) + ").",
-                  "rb doctor --folder ANOTHER_FOLDER"};
-  // A folder that is there belongs to somebody: it is left alone, a new one is made.
-  const auto wanted = std::filesystem::exists(folder) ? folder / "recordings" : folder;
-  if (error == EACCES || error == EPERM)
-    finding.remedy = "sudo install -d -o \"$USER\" " + quoted(std::filesystem::absolute(wanted).string());
-  if (error == ENOSPC) finding.remedy = "df -h " + quoted(place.string()) + "  # says how full it is";
-  return finding;
-}
-
-Finding realtime_priority(std::int64_t limit, bool root) {
-  if (root || limit > 0) return {"realtime", Finding::kWell, "A node may run with real-time priority.", ""};
+Finding realtime(const RealtimeLimits& limits) {
+  const bool first = limits.root || limits.priority >= kDevicePriority;
+  const bool locked = limits.root || limits.locked_bytes >= kMappedByANode;
+  if (first && locked)
+    return {"realtime", Finding::kWell, "A node may run with real-time priority, its memory in RAM.", ""};
+  const std::string in_ram = format("keep its memory in RAM (%.0f MiB may be locked)",
+                                    static_cast<double>(limits.locked_bytes) / (1 << 20));
   return {"realtime", Finding::kNote,
-          "A node may not run with real-time priority; its ring then has to outlast a busy machine.",
+          "A node that you start may not " + (first ? in_ram : "run with real-time priority") +
+              (first || locked ? "" : ", nor " + in_ram) +
+              "; its device and its ring then have to outlast a busy machine.",
           kRealtimeRemedy};
 }
 
@@ -135,80 +55,85 @@ Finding wall_clock(bool synchronised) {
       "sudo timedatectl set-ntp true"};
 }
 
-DiskMeasurement measure_disk(const std::filesystem::path& folder) {
-  const std::filesystem::path place = existing_part(folder);
-  DiskMeasurement measured{.free_bytes = std::filesystem::space(place).available};
-  const std::filesystem::path probe = place / (".rb-doctor-" + std::to_string(getpid()));
-  File file = File::create(probe);
-  std::filesystem::remove(probe);  // it lives as long as it is open
-  const std::vector<std::uint8_t> block(64 * 1024);
-  constexpr int kSyncs = 20;
-  for (int k = 0; k < kSyncs; ++k) {
-    file.write_all(block);
-    const auto begin = std::chrono::steady_clock::now();
-    file.sync_data();
-    measured.worst_sync = std::max<std::chrono::duration<double>>(measured.worst_sync,
-                                                                  std::chrono::steady_clock::now() - begin);
-  }
-  return measured;
-}
-
-// Three nodes of 16 channels at 2 kHz, four bytes a sample as a block holds at most.
-Finding disk(const std::filesystem::path& folder, const DiskMeasurement& measured) {
-  constexpr double kBytes_s = 3 * 16 * 2000 * 4.0;
-  constexpr double kLongDrive_h = 8.0, kCommit_s = 0.2;
-  const double hours = static_cast<double>(measured.free_bytes) / kBytes_s / 3600.0;
-  std::array<char, 300> text;
-  std::snprintf(
-      text.data(), text.size(),
-      "The disk of %s has room for %.0f h of three nodes of 16 channels at 2 kHz, and takes %.1f ms at worst "
-      "until data are safe on it.",
-      folder.c_str(), hours, 1e3 * measured.worst_sync.count());
-  if (hours < kLongDrive_h)
-    return {"disk", Finding::kNote, text.data(), "rb transfer FOLDER ANOTHER_DISK  # then make room"};
-  if (measured.worst_sync.count() > kCommit_s)
-    return {
-        "disk", Finding::kNote,
-        text.data() + std::string("  That is longer than a commit: what a power cut costs grows with it."),
-        "rb doctor --folder ANOTHER_DISK"};
-  return {"disk", Finding::kWell, text.data(), ""};
-}
-
 // A wheel of 0.3 m at 250 km/h turns 36.8 times a second.
 Finding encoder_edges(const WakeUpMeasurement& measured) {
   constexpr double kRing_hz = 96 * 250.0 / 3.6 / (2.0 * std::numbers::pi * 0.3);
   const double limit_hz = edge_limit_hz(measured.worst);
   const auto ms = [](auto time) { return std::chrono::duration<double, std::milli>(time).count(); };
-  std::array<char, 400> text;
-  std::snprintf(
-      text.data(), text.size(),
+  const std::string sentence = format(
       "Encoder edges by GPIO: in %.0f s threads%s woke up %.2f ms late at worst where the kernel takes "
       "edges one by one, %.2f ms where a node takes up to 16: up to %.1f kHz a line then; a 96-tooth "
       "ring at 250 km/h needs %.1f kHz.",
       ms(measured.duration) / 1000.0, measured.realtime ? "" : " (without real-time priority)",
       ms(measured.worst.interrupt_thread), ms(measured.worst.reader), limit_hz / 1000.0, kRing_hz / 1000.0);
-  if (limit_hz >= kRing_hz) return {"encoder_edges", Finding::kWell, text.data(), ""};
+  if (limit_hz >= kRing_hz) return {"encoder_edges", Finding::kWell, sentence, ""};
   return {"encoder_edges", Finding::kNote,
-          text.data() + std::string("  Turns with lost edges are flagged; the USB board loses none."),
+          sentence + "  Turns with lost edges are flagged; the USB board loses none.",
           measured.realtime
               ? "sudo apt-get install linux-image-rt-amd64  # a kernel with PREEMPT_RT; then reboot"
               : kRealtimeRemedy};
 }
 
-std::vector<Finding> examine_machine(const std::filesystem::path& folder,
-                                     std::chrono::milliseconds wake_ups) {
-  std::int64_t rmem_max = 0;
-  std::istringstream(read_all("/proc/sys/net/core/rmem_max")) >> rmem_max;
-  rlimit limit{};
-  getrlimit(RLIMIT_RTPRIO, &limit);
-  const auto priority = limit.rlim_cur == RLIM_INFINITY ? 99 : static_cast<std::int64_t>(limit.rlim_cur);
-  std::vector<Finding> findings{multicast_route(read_all("/proc/net/route")), receive_buffer(rmem_max),
-                                writable_folder(folder)};
-  if (findings.back().state == Finding::kWell) findings.push_back(disk(folder, measure_disk(folder)));
+// Measured: 330 MB of three nodes of 16 channels, a recorder and an analyser; the page, and what a drive
+// adds.
+Finding memory(double available_bytes) {
+  constexpr double kNeeded = 0.5e9;
+  if (available_bytes >= kNeeded)
+    return {"memory", Finding::kWell, format("%.1f GB of memory are free.", 1e-9 * available_bytes), ""};
+  return {"memory", Finding::kNote,
+          format("%.2f GB of memory are free, and the programs of a drive need up to %.2f GB: without it the "
+                 "kernel ends some program.",
+                 1e-9 * available_bytes, 1e-9 * kNeeded),
+          "ps -eo rss,comm --sort=-rss | head  # says who has it"};
+}
+
+// Of drivers that choose the frequency themselves "powersave" is an ordinary choice:
+// Documentation/admin-guide/pm.
+std::optional<Finding> governor(const std::filesystem::path& sys) {
+  const auto folder = sys / "devices/system/cpu/cpu0/cpufreq";
+  const std::string driver = word_in(folder / "scaling_driver");
+  if (word_in(folder / "scaling_governor") != "powersave" || driver.starts_with("intel_pstate") ||
+      driver.starts_with("amd-pstate-epp") || driver.starts_with("amd_pstate_epp"))
+    return std::nullopt;
+  return Finding{
+      "governor", Finding::kNote,
+      "The processor stays at its lowest frequency: threads wake up late, and an analyser may lag.",
+      "echo schedutil | sudo tee /sys/devices/system/cpu/cpu*/cpufreq/scaling_governor  # for good: "
+      "cpufreq.default_governor=schedutil on the kernel's command line"};
+}
+
+std::optional<Finding> battery(const std::filesystem::path& sys) {
+  std::error_code error;
+  for (std::filesystem::directory_iterator one(sys / "class/power_supply", error), end; !error && one != end;
+       one.increment(error)) {
+    const auto& folder = one->path();
+    if (word_in(folder / "type") != "Battery" || word_in(folder / "scope") == "Device" ||  // a mouse's
+        word_in(folder / "status") != "Discharging")
+      continue;
+    const std::string left = word_in(folder / "capacity");
+    return Finding{"battery", Finding::kNote,
+                   "This machine runs on its battery" + (left.empty() ? "" : " (" + left + " % left)") +
+                       ": a desktop may send it to sleep, and a recording ends when it is empty.",
+                   "systemd-inhibit --what=sleep:idle:handle-lid-switch sleep 1d  # and plug it in"};
+  }
+  return std::nullopt;
+}
+
+std::vector<Finding> examine_machine(std::chrono::milliseconds wake_ups) {
+  const auto limit = [](auto what) -> std::uint64_t {
+    rlimit of{};
+    getrlimit(what, &of);
+    return of.rlim_cur == RLIM_INFINITY ? kNoLimit : of.rlim_cur;
+  };
   timex clock{};
-  findings.push_back(wall_clock(adjtimex(&clock) != TIME_ERROR));
-  findings.push_back(realtime_priority(priority, geteuid() == 0));
-  findings.push_back(encoder_edges(measure_wake_ups(wake_ups)));
+  std::vector<Finding> findings{
+      realtime({.priority = static_cast<std::int64_t>(std::min<std::uint64_t>(99, limit(RLIMIT_RTPRIO))),
+                .locked_bytes = limit(RLIMIT_MEMLOCK),
+                .root = geteuid() == 0}),
+      wall_clock(adjtimex(&clock) != TIME_ERROR), encoder_edges(measure_wake_ups(wake_ups)),
+      memory(available_memory())};
+  for (const auto& finding : {governor(), battery()})
+    if (finding) findings.push_back(*finding);
   return findings;
 }
 

@@ -3,6 +3,8 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,34 +13,32 @@
 
 namespace roadbalance {
 
-/// True if a route of the table (the text of /proc/net/route) holds LCM's group, 239.255.76.67.
-bool has_multicast_route(const std::string& route_table);
+/// What this process may do that a node asks for (common/process/realtime.hpp).
+struct RealtimeLimits {
+  std::int64_t priority = 0;       ///< RLIMIT_RTPRIO
+  std::uint64_t locked_bytes = 0;  ///< RLIMIT_MEMLOCK
+  bool root = false;
+};
+inline constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
+Finding realtime(const RealtimeLimits& limits);
 
-Finding multicast_route(const std::string& route_table);
-Finding receive_buffer(std::int64_t rmem_max_bytes);
-Finding writable_folder(const std::filesystem::path& folder);
-/// What to say if `folder` cannot be written to.
-/// @param place  the nearest folder that exists, which takes no new file; @param error  errno of trying
-Finding unwritable_folder(const std::filesystem::path& folder, const std::filesystem::path& place, int error);
-/// @param limit  RLIMIT_RTPRIO of this process; @param root  whether it is root
-Finding realtime_priority(std::int64_t limit, bool root);
 /// Whether somebody keeps this machine's clock right, as the kernel says.
 /// @param synchronised  by NTP, PTP, GPS ...
 Finding wall_clock(bool synchronised);
 
-/// What the disk of a folder has to give.
-struct DiskMeasurement {
-  std::uint64_t free_bytes = 0;
-  std::chrono::duration<double> worst_sync{};  ///< of some writes of a block each with fdatasync
-};
-/// @throws std::system_error if no file can be made there
-DiskMeasurement measure_disk(const std::filesystem::path& folder);
-Finding disk(const std::filesystem::path& folder, const DiskMeasurement& measured);
-
 /// How many encoder edges a second the machine took by GPIO while that was measured.
 Finding encoder_edges(const WakeUpMeasurement& measured);
 
+/// @param available_bytes  that programs can still have
+Finding memory(double available_bytes);
+
+/// Processors kept at their lowest frequency; nothing if none is.
+/// @param sys  where the kernel's tree of devices is, here and below
+std::optional<Finding> governor(const std::filesystem::path& sys = "/sys");
+/// A battery that empties; nothing if none does.
+std::optional<Finding> battery(const std::filesystem::path& sys = "/sys");
+
 /// All of them on this machine.  @param wake_ups  how long those of its threads are measured
-std::vector<Finding> examine_machine(const std::filesystem::path& folder, std::chrono::milliseconds wake_ups);
+std::vector<Finding> examine_machine(std::chrono::milliseconds wake_ups);
 
 }  // namespace roadbalance

@@ -1,8 +1,10 @@
 // rb doctor on what a user has: a folder, a vehicle.toml, a bus.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -47,8 +49,8 @@ TEST_F(Doctor, ProvesTheBusByALoopOfMessages) {
   const Json loop = finding(said, "loopback");
   EXPECT_FALSE(loop["needed"].get<bool>()) << output;
   EXPECT_NE(loop["finding"].get<std::string>().find(" 100 came, after "), std::string::npos) << loop;
-  EXPECT_TRUE(finding(said, "disk").is_object()) << output;
-  EXPECT_TRUE(finding(said, "clock").is_object()) << output;
+  for (const char* name : {"receive_buffer", "disk", "clock", "realtime", "memory"})
+    EXPECT_TRUE(finding(said, name).is_object()) << name << ": " << output;
   EXPECT_TRUE(finding(said, "nodes").is_null()) << "on a bus of its own";
 }
 
@@ -69,8 +71,26 @@ TEST_F(Doctor, OpensTheDevicesOfANode) {
   }
 }
 
+// A person reads it in the car: what is to be done comes first, what is well takes a line of each kind.
+TEST_F(Doctor, SaysFirstWhatIsToBeDoneAndWhatIsWellInFewLines) {
+  const auto [code, output, log] =
+      doctor({"--vehicle", vehicle("[\"sim:?seed=1\", \"can:nobody0\"]"), "--node", "front"});
+  EXPECT_EQ(code, 1);
+  EXPECT_EQ(output.find("ill   node front: can:nobody0"), 0U) << output;
+  std::istringstream lines(output);
+  std::vector<std::string> marks;
+  for (std::string line; std::getline(lines, line);)
+    if (!line.starts_with("        mend it with: ")) marks.push_back(line.substr(0, line.find(' ')));
+  const std::vector<std::string> order{"ill", "note", "ok"};
+  const auto place = [&](const std::string& mark) { return std::ranges::find(order, mark) - order.begin(); };
+  EXPECT_TRUE(std::ranges::is_sorted(marks, {}, place)) << output;
+  EXPECT_LE(std::ranges::count(marks, "ok"), 5) << output;
+  for (const char* about : {"ok    bus: ", "ok    folder: ", "ok    devices: node front: sim:"})
+    EXPECT_NE(output.find(about), std::string::npos) << about << "\n" << output;
+}
+
 TEST_F(Doctor, NamesWhatIsWrongWithTheQuestion) {
-  EXPECT_EQ(doctor({"--vehicle", vehicle("\"sim:\""), "--node", "middle"}).code, 2);
+  EXPECT_EQ(doctor({"--vehicle", vehicle("[\"sim:\"]"), "--node", "middle"}).code, 2);
   EXPECT_EQ(doctor({"--node", "front"}).code, 2);
   EXPECT_EQ(doctor({"--answer"}).code, 2);
   EXPECT_EQ(doctor({"--messages", "0"}).code, 2);
