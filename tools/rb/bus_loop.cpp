@@ -89,15 +89,6 @@ Finding way_to(const BusLoop::Way& way, std::int64_t sent) {
           "ip -s link  # says which interface drops frames; a cable carries more than radio"};
 }
 
-Finding nodes_heard(const BusLoop& loop, const std::string& url) {
-  std::string names;
-  for (const std::string& channel : loop.heartbeats())
-    names += (names.empty() ? "" : ", ") + channel.substr(channel.rfind('_') + 1);
-  if (!names.empty()) return {"nodes", Finding::kWell, "Nodes heard on the bus: " + names + ".", ""};
-  return {"nodes", Finding::kNote, "No node was heard on " + url + ".",
-          "rb-node --vehicle vehicle.toml --node NAME --url '" + url + "'"};
-}
-
 }  // namespace
 
 double BusLoop::Way::within_ms(double share) const {
@@ -111,9 +102,6 @@ double BusLoop::Way::within_ms(double share) const {
 BusLoop::BusLoop(const std::string& url) : run_(random_run()), sender_(url), receiver_(url) {
   receiver_.subscribe(kLoopChannel,
                       [this](std::string_view, std::span<const std::uint8_t> bytes) { take(bytes); });
-  receiver_.subscribe("RB_HEARTBEAT_.*", [this](std::string_view channel, std::span<const std::uint8_t>) {
-    if (heartbeats_.size() < kLastNode) heartbeats_.emplace(channel);
-  });
 }
 
 void BusLoop::run(int messages, milliseconds pause) {
@@ -172,7 +160,6 @@ std::vector<Finding> loop_findings(const BusLoop& loop, const std::string& url) 
   else if (loop.answers().empty())
     findings.push_back({"ways", Finding::kNote, "No other machine answered.",
                         "rb doctor --answer --url '" + url + "'  # on each of them, beside this"});
-  findings.push_back(nodes_heard(loop, url));
   return findings;
 }
 

@@ -42,8 +42,6 @@ class BusLoop {
   const std::map<std::int32_t, Way>& answers() const { return answers_; }
   /// Bytes that the kernel gives the socket that hears them.
   std::int64_t receive_buffer() const { return receiver_.receive_buffer(); }
-  /// Channels of heartbeats heard meanwhile: "RB_HEARTBEAT_1".
-  const std::set<std::string>& heartbeats() const { return heartbeats_; }
 
  private:
   void take(std::span<const std::uint8_t> bytes);
@@ -54,16 +52,14 @@ class BusLoop {
   std::int64_t sent_ = 0;
   Way own_;
   std::map<std::int32_t, Way> answers_ = {};
-  std::set<std::string> heartbeats_ = {};
 };
 
 /// Answers to every loop on this bus until `stop` is requested.
 /// @returns how many messages were answered; @throws as BusLoop
 std::int64_t answer_loops(const std::string& url, const std::stop_token& stop);
 
-/// What a loop tells: the way to this computer itself, to each that answered and, with a bus of theirs, which
-/// nodes were heard.
-/// @param url  of the bus whose nodes were to be heard; empty: the loop had a bus of its own
+/// What a loop tells: the way to this computer itself and to each that answered.
+/// @param url  of the bus on which others were to answer; empty: the loop had a bus of its own
 std::vector<Finding> loop_findings(const BusLoop& loop, const std::string& url);
 
 }  // namespace roadbalance

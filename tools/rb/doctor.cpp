@@ -4,6 +4,8 @@
 #include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -18,6 +20,7 @@
 #include "tools/rb/devices.hpp"
 #include "tools/rb/machine.hpp"
 #include "tools/rb/recording_folder.hpp"
+#include "tools/rb/roll_call.hpp"
 
 namespace roadbalance {
 namespace {
@@ -43,14 +46,23 @@ struct Group {
 };
 
 /// Of its own bus, unless one is named: nobody else is disturbed then.
-Group examine_bus(const DoctorOptions& options) {
+/// @param vehicle  nullptr: none is given
+/// @param heard    gets the nodes that are there
+Group examine_bus(const DoctorOptions& options, const VehicleConfig* vehicle, std::set<std::int32_t>& heard) {
+  constexpr std::chrono::seconds kListen{1};  // a node speaks ten times in it, a recorder twice
   Group bus{"bus"};
   bus.add(examine_way(options.url));
   try {
+    std::optional<RollCall> roll;
+    if (!options.url.empty()) roll.emplace(options.url);
     BusLoop loop(options.url.empty() ? bus_url_on_port(process_port()) : options.url);
     loop.run(options.messages);
     bus.add({receive_buffer(loop.receive_buffer())});
     bus.add(loop_findings(loop, options.url));
+    if (!roll) return bus;
+    roll->listen(kListen);
+    bus.add(roll->findings(vehicle, options.vehicle));
+    heard = roll->nodes();
   } catch (const std::exception& error) {
     // Without a route that is what is said already.
     if (bus.findings.front().state != Finding::kIll)
@@ -59,12 +71,18 @@ Group examine_bus(const DoctorOptions& options) {
   return bus;
 }
 
-Group examine_devices(const DoctorOptions& options) {
-  const VehicleConfig vehicle = VehicleConfig::read_file(options.vehicle);
+/// Of the node that is named, or of all where no bus is: those on a bus have computers of their own.
+Group examine_devices(const DoctorOptions& options, const VehicleConfig& vehicle,
+                      const std::set<std::int32_t>& heard) {
   Group devices{"devices"};
-  for (const NodeConfig& node : vehicle.node)
-    if (options.node.empty() || node.name == options.node) devices.add(device_findings(vehicle, node));
-  if (devices.findings.empty()) (void)vehicle.node_named(options.node);  // says which there are
+  if (options.node.empty() && !options.url.empty()) return devices;
+  for (const NodeConfig& node : vehicle.node) {
+    if (!options.node.empty() && node.name != options.node) continue;
+    if (heard.contains(node.id))
+      devices.add({{"devices", Finding::kWell, "Node " + node.name + " runs, and has its own.", ""}});
+    else
+      devices.add(device_findings(vehicle, node));
+  }
   return devices;
 }
 
@@ -110,12 +128,17 @@ int answer(const DoctorOptions& options) {
 
 int examine(const DoctorOptions& options) {
   if (options.answer) return answer(options);
-  std::vector<Group> groups{
-      examine_bus(options),
-      {"folder", examine_folder(options.folder, ordinary_rate())},
-      {"machine",
-       examine_machine(std::chrono::milliseconds(static_cast<std::int64_t>(1000.0 * options.seconds)))}};
-  if (!options.vehicle.empty()) groups.push_back(examine_devices(options));
+  std::optional<VehicleConfig> vehicle;
+  if (!options.vehicle.empty()) vehicle = VehicleConfig::read_file(options.vehicle);
+  if (!options.node.empty()) (void)vehicle->node_named(options.node);  // says which there are
+  std::set<std::int32_t> heard;
+  std::vector<Group> groups{examine_bus(options, vehicle ? &*vehicle : nullptr, heard)};
+  groups.push_back({"folder", examine_folder(options.folder, ordinary_rate())});
+  groups.push_back({"machine", examine_machine(std::chrono::milliseconds(
+                                   static_cast<std::int64_t>(1000.0 * options.seconds)))});
+  if (vehicle) {
+    groups.push_back(examine_devices(options, *vehicle, heard));
+  }
   const bool well = std::ranges::none_of(groups, [](const Group& group) {
     return std::ranges::any_of(group.findings,
                                [](const Finding& finding) { return finding.state == Finding::kIll; });
@@ -150,8 +173,9 @@ void add_doctor(CLI::App& app, int& code) {
       ->capture_default_str();
   CLI::Option* const vehicle =
       command->add_option("--vehicle", options->vehicle,
-                          "vehicle.toml: opens the devices of its nodes, as rb-node does, and lets them go");
-  command->add_option("--node", options->node, "of this node only")->needs(vehicle);
+                          "vehicle.toml: opens the devices of its nodes, as rb-node does, and lets them go, "
+                          "or with --url names those of its nodes that are not heard");
+  command->add_option("--node", options->node, "opens the devices of this node only")->needs(vehicle);
   command
       ->add_flag("--answer", options->answer,
                  "answers the messages of rb doctor on other machines, until Ctrl-C")

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/test/bus_url.hpp"
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
 #include "tools/rb/test/run_rb.hpp"
@@ -87,6 +88,17 @@ TEST_F(Doctor, SaysFirstWhatIsToBeDoneAndWhatIsWellInFewLines) {
   EXPECT_LE(std::ranges::count(marks, "ok"), 5) << output;
   for (const char* about : {"ok    bus: ", "ok    folder: ", "ok    devices: node front: sim:"})
     EXPECT_NE(output.find(about), std::string::npos) << about << "\n" << output;
+}
+
+TEST_F(Doctor, NamesNodesOfTheCarThatAreNotOnTheBus) {
+  const auto [code, output, log] =
+      doctor({"--json", "--url", test::bus_url(), "--vehicle", vehicle("[\"usb:1209:0001\"]")});
+  EXPECT_EQ(code, 1);
+  const Json said = Json::parse(output);
+  const std::string missing = finding(said, "nodes").dump();
+  EXPECT_NE(missing.find("Node front (1) was not heard"), std::string::npos) << output;
+  EXPECT_FALSE(finding(said, "recorder")["ok"].get<bool>()) << output;
+  EXPECT_TRUE(finding(said, "usb:1209:0001").is_null()) << "it is on another computer";
 }
 
 TEST_F(Doctor, NamesWhatIsWrongWithTheQuestion) {
