@@ -2,7 +2,9 @@
 
 #include <exception>
 
+#include "common/frontend/unopened_wiring.hpp"
 #include "firmware/backends/front_ends.hpp"
+#include "firmware/missing_signals.hpp"
 #include "sim/front_end.hpp"
 
 namespace roadbalance {
@@ -37,7 +39,15 @@ std::vector<Finding> device_findings(const VehicleConfig& vehicle, const NodeCon
   if (findings.empty())
     findings.push_back(
         {"devices", Finding::kIll, "node " + node.name + " is wired to no device.",
-         "rb-node --front-end URI  # or front_end = \"URI\" under its [[node]] in the vehicle file"});
+         "rb-node --front-end URI  # or front_end = [\"URI\"] under its [[node]] in the vehicle file"});
+  else
+    for (const std::string& unread : unopened_wiring(node, node.wiring.front_end))
+      findings.push_back(
+          {"unopened_wiring", Finding::kIll, unread + ".",
+           "front_end = [...]  # with that device, too, under its [[node]] in the vehicle file"});
+  for (const std::string& untold : missing_signals(vehicle, node))
+    findings.push_back({"missing_signals", Finding::kNote, untold + ".",
+                        "[[node.can.signal]] of that quantity, or zero_mark = true and the mark wired"});
   return findings;
 }
 
