@@ -14,6 +14,7 @@
 #include "common/config/validators.hpp"
 #include "common/config/vehicle_config.hpp"
 #include "common/process/stop_on_signal.hpp"
+#include "tools/rb/accuracy.hpp"
 #include "tools/rb/bus_interface.hpp"
 #include "tools/rb/bus_loop.hpp"
 #include "tools/rb/command.hpp"
@@ -133,11 +134,12 @@ int examine(const DoctorOptions& options) {
   if (!options.node.empty()) (void)vehicle->node_named(options.node);  // says which there are
   std::set<std::int32_t> heard;
   std::vector<Group> groups{examine_bus(options, vehicle ? &*vehicle : nullptr, heard)};
-  groups.push_back({"folder", examine_folder(options.folder, ordinary_rate())});
+  groups.push_back({"folder", examine_folder(options.folder, vehicle ? rate_of(*vehicle) : ordinary_rate())});
   groups.push_back({"machine", examine_machine(std::chrono::milliseconds(
                                    static_cast<std::int64_t>(1000.0 * options.seconds)))});
   if (vehicle) {
     groups.push_back(examine_devices(options, *vehicle, heard));
+    groups.push_back({"vehicle", accuracy_findings(*vehicle, options.vehicle)});
   }
   const bool well = std::ranges::none_of(groups, [](const Group& group) {
     return std::ranges::any_of(group.findings,
@@ -171,10 +173,11 @@ void add_doctor(CLI::App& app, int& code) {
                    "that are sent over it, each of the size of a block, 1000 a second")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
-  CLI::Option* const vehicle =
-      command->add_option("--vehicle", options->vehicle,
-                          "vehicle.toml: opens the devices of its nodes, as rb-node does, and lets them go, "
-                          "or with --url names those of its nodes that are not heard");
+  CLI::Option* const vehicle = command->add_option(
+      "--vehicle", options->vehicle,
+      "vehicle.toml: says what of it costs accuracy; opens the devices of its nodes, as rb-node "
+      "does, and lets them go, or with --url names those of its nodes that are not "
+      "heard");
   command->add_option("--node", options->node, "opens the devices of this node only")->needs(vehicle);
   command
       ->add_flag("--answer", options->answer,

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -88,6 +89,7 @@ TEST_F(Doctor, SaysFirstWhatIsToBeDoneAndWhatIsWellInFewLines) {
   EXPECT_LE(std::ranges::count(marks, "ok"), 5) << output;
   for (const char* about : {"ok    bus: ", "ok    folder: ", "ok    devices: node front: sim:"})
     EXPECT_NE(output.find(about), std::string::npos) << about << "\n" << output;
+  EXPECT_NE(output.find(" h of \"demonstration car\""), std::string::npos) << output;
 }
 
 TEST_F(Doctor, NamesNodesOfTheCarThatAreNotOnTheBus) {
@@ -99,6 +101,17 @@ TEST_F(Doctor, NamesNodesOfTheCarThatAreNotOnTheBus) {
   EXPECT_NE(missing.find("Node front (1) was not heard"), std::string::npos) << output;
   EXPECT_FALSE(finding(said, "recorder")["ok"].get<bool>()) << output;
   EXPECT_TRUE(finding(said, "usb:1209:0001").is_null()) << "it is on another computer";
+}
+
+TEST_F(Doctor, NamesWhatCostsAccuracyWithTheCommandThatMendsIt) {
+  const std::string file = vehicle("[\"sim:\"]");
+  const auto before = doctor({"--json", "--vehicle", file, "--node", "front"});
+  const Json sigma = finding(Json::parse(before.output), "sigma");
+  ASSERT_TRUE(sigma.is_object()) << before.output;
+  EXPECT_FALSE(sigma["needed"].get<bool>()) << sigma;
+  ASSERT_EQ(std::system(sigma["remedy"].get<std::string>().c_str()), 0) << sigma;
+  const auto after = doctor({"--json", "--vehicle", file, "--node", "front"});
+  EXPECT_TRUE(finding(Json::parse(after.output), "sigma").is_null()) << after.output;
 }
 
 TEST_F(Doctor, NamesWhatIsWrongWithTheQuestion) {

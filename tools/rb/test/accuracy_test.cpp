@@ -1,0 +1,103 @@
+#include "tools/rb/accuracy.hpp"
+
+#include <gtest/gtest.h>
+
+#include <regex>
+
+#include "common/test/source.hpp"
+
+namespace roadbalance {
+namespace {
+
+class Accuracy : public testing::Test {
+ protected:
+  void replace(const std::string& pattern, const std::string& by) {
+    const std::string before = text_;
+    text_ = std::regex_replace(text_, std::regex(pattern), by);
+    EXPECT_NE(text_, before) << pattern;
+  }
+  /// The same for the first only.
+  void replace_first(const std::string& what, const std::string& by) {
+    const auto at = text_.find(what);
+    ASSERT_NE(at, std::string::npos) << what;
+    text_.replace(at, what.size(), by);
+  }
+  /// The demonstration's car as a careful owner would describe it.
+  void SetUp() override {
+    replace("\\n[a-z0-9_]*sigma[a-z0-9_]* = 0(?=\\n)", "");
+    replace("datum_deg = ([-0-9]+)\\n", "datum_deg = $1\ndatum_sigma_deg = 0.5\n");
+  }
+  std::string names() {
+    std::string all;
+    said_.clear();
+    for (const Finding& finding : accuracy_findings(VehicleConfig::parse(text_, "car.toml"), "car.toml")) {
+      EXPECT_EQ(finding.state == Finding::kWell, finding.remedy.empty()) << finding.sentence;
+      static constexpr const char* kMark[] = {"+", "-", "!"};
+      all += (all.empty() ? "" : " ") + std::string(kMark[finding.state]) + finding.name;
+      said_ += finding.sentence + " " + finding.remedy + "\n";
+    }
+    return all;
+  }
+  bool says(const std::string& words) const { return said_.find(words) != std::string::npos; }
+
+  std::string text_ = test::read_source("sim/demo/vehicle.toml"), said_;
+};
+
+TEST_F(Accuracy, OfACarefullyDescribedCarIsWell) {
+  EXPECT_EQ(names(), "+accuracy") << said_;
+}
+
+TEST_F(Accuracy, IsNotKnownWhereASigmaOfTheSimulatedCarWasLeft) {
+  replace_first("mass_kg = 34\n", "mass_kg = 34\nmass_sigma_kg = 0\n");
+  EXPECT_EQ(names(), "-sigma");
+  EXPECT_TRUE(says("mass_sigma_kg")) << said_;
+  EXPECT_FALSE(says("body_mass_sigma_kg")) << said_;
+  text_ = test::read_source("sim/demo/vehicle.toml");
+  EXPECT_EQ(names(), "-datum -sigma");
+  EXPECT_TRUE(
+      says("body_mass_sigma_kg, roll_inertia_sigma_kg_m2, pitch_inertia_sigma_kg_m2, "
+           "tyre_damper_sigma_n_s_m, mass_sigma_kg"))
+      << said_;
+}
+
+TEST_F(Accuracy, OfAnAngleTakesAZeroMarkAndItsDatum) {
+  replace_first("datum_deg = 30\ndatum_sigma_deg = 0.5\n", "");
+  replace_first("datum_deg = 75\ndatum_sigma_deg = 0.5\n", "datum_deg = 75\n");
+  EXPECT_EQ(names(), "-datum -datum");
+  EXPECT_TRUE(says("front_left: nobody has found")) << said_;
+  EXPECT_TRUE(says("rear_left: how well")) << said_;
+  EXPECT_TRUE(says("rb datum --vehicle car.toml --wheel front_left")) << said_;
+  replace_first("zero_mark = true\n", "zero_mark = false\n");
+  EXPECT_EQ(names(), "-angle -datum");
+  EXPECT_TRUE(says("front_left: its encoder has no zero mark")) << said_;
+}
+
+TEST_F(Accuracy, NamesAWheelWithoutEncoder) {
+  replace_first(
+      "node = \"rear\"\nline = 1\n[wheel.encoder]\npulses_per_turn = 96\nzero_mark = true\n"
+      "datum_deg = 140\ndatum_sigma_deg = 0.5\n",
+      "");
+  EXPECT_EQ(names(), "-angle");
+  EXPECT_TRUE(says("rear_right: no node reads an encoder")) << said_;
+}
+
+TEST_F(Accuracy, NamesWhereSensorsAreMissing) {
+  replace_first("name = \"fl_carrier_z\"\n", "name = \"fl_carrier_z\"\nrole = \"unused\"\n");
+  EXPECT_EQ(names(), "-sensors");
+  EXPECT_TRUE(says("do not determine: front_left: unbalances come from the body alone")) << said_;
+  for (const char* name : {"fl_strut_z", "fr_strut_z", "rl_strut_z"})
+    replace_first("name = \"" + std::string(name) + "\"\n",
+                  "name = \"" + std::string(name) + "\"\nrole = \"unused\"\n");
+  EXPECT_EQ(names(), "!sensors");
+  EXPECT_TRUE(says("nothing can be identified")) << said_;
+}
+
+TEST_F(Accuracy, NamesWheelsWithoutPlacesForWeights) {
+  replace("\\[\\[wheel.place\\]\\]\\nradius_m = [0-9.]+\\nkind = \"clip\"\\nplane = \"(inner|outer)\"\\n",
+          "");
+  EXPECT_EQ(names(), "-places");
+  EXPECT_TRUE(says("front_left, front_right, rear_left, rear_right: nobody said where weights go")) << said_;
+}
+
+}  // namespace
+}  // namespace roadbalance
