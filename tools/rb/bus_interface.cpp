@@ -138,7 +138,7 @@ Finding receive_buffer(std::int64_t granted_bytes, const std::filesystem::path& 
   return {"receive_buffer", Finding::kNote,
           is + ", less than the 4 MiB that let a busy recorder listen without asking for repeats.",
           number_in(proc / "sys/net/core/rmem_max") >= kReceiveBufferBytes
-              ? "--url '...&recv_buf_size=" + wanted + "'  # of each program: the kernel would give it"
+              ? "leave recv_buf_size out of --url and LCM_DEFAULT_URL  # the kernel would give 4 MiB"
               : "echo net.core.rmem_max=" + wanted +
                     " | sudo tee /etc/sysctl.d/60-roadbalance.conf && sudo sysctl --system  # stays; the "
                     "packages -node and -host have it"};

@@ -148,7 +148,7 @@ TEST(ReceiveBuffer, IsEnoughFromFourMebibytesOn) {
   EXPECT_EQ(receive_buffer(212'992, proc.path()).remedy, small.remedy);
   rmem_max(8'388'608);
   EXPECT_NE(receive_buffer(212'992, proc.path()).remedy.find("recv_buf_size"), std::string::npos)
-      << "the kernel would give more";
+      << "the address asks for less than the kernel would give";
 }
 
 }  // namespace
