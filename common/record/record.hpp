@@ -145,9 +145,11 @@ class RecordWriter {
   /// Whether the paths of the folder and of the segment being written lead to what this writer has open.
   /// @throws std::system_error naming the one that cannot be looked at
   bool is_at_its_place() const;
-  /// Gives up the segment being written, failed or not, and closes all that is open of the disk.  Nothing can
-  /// be appended until take_again().  Never throws.
+  /// Gives up the segment being written, failed or not, and closes all that is open of the disk.  Never
+  /// throws.
   void let_go(const Note& stamp);
+  /// After let_go(), or when a sync of the folder failed: nothing can be appended until take_again().
+  bool is_away() const;
   /// Takes what the folder's path leads to now, if that holds all of this record that is durable, as the same
   /// disk does wherever it is plugged in.  @return false: it does not
   /// @throws std::system_error naming the file: EBUSY if another recorder writes to it, or has since

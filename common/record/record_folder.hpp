@@ -22,6 +22,7 @@ class RecordFolder {
   /// ever.
   void let_go() { folder_ = File(); }
 
+  bool is_taken() const { return folder_.is_open(); }
   /// It is taken, and what the path leads to.
   bool is_at(const std::filesystem::path& path) const { return folder_.is_open() && folder_.is_at(path); }
 

@@ -100,6 +100,10 @@ void RecordWriter::let_go(const Note& stamp) {
   state_->folder.let_go();
 }
 
+bool RecordWriter::is_away() const {
+  return !state_->folder.is_taken();
+}
+
 bool RecordWriter::take_again() {
   State& s = *state_;
   RecordFolder folder;

@@ -136,7 +136,6 @@ void RecordKeeper::open(const std::filesystem::path& folder, RecordState before)
     writer_.emplace(std::move(writer));
   appended_before_ = -static_cast<std::int64_t>(written_);
   device_ = there->device;
-  is_away_ = false;
 }
 
 void RecordKeeper::go_to_fallback(WallTime now) {
@@ -238,7 +237,6 @@ void RecordKeeper::come_back() {
   const bool is_same_disk = there->device == device_, is_this = holds_this_recording();
   if ((is_same_disk || is_this) && writer_->take_again()) {
     device_ = there->device;
-    is_away_ = false;
     return;
   }
   if (is_same_disk && (is_this || segment_numbers(folder(), disk_).empty())) return begin_anew();

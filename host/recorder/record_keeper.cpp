@@ -145,9 +145,9 @@ void RecordKeeper::fail(const std::system_error& error, WallTime now) {
   last_failure_ = error.what();
   const int segment = writer_->segment();
   const bool no_space = error.code().value() == ENOSPC || error.code().value() == EDQUOT;
-  is_away_ = is_away_ || (health_.failing() && !no_space) || is_of_place(error.code());
-  if (writer_->has_failed() || is_away_) {
-    if (is_away_)
+  const bool lets_go = (health_.failing() && !no_space) || is_of_place(error.code());
+  if (writer_->has_failed() || lets_go) {
+    if (lets_go)
       writer_->let_go(stamp_);
     else
       writer_->abandon(stamp_);
@@ -167,10 +167,10 @@ void RecordKeeper::fail(const std::system_error& error, WallTime now) {
 }
 
 bool RecordKeeper::write_held(WallTime now) {
-  if (is_caught_up() && !is_away_) return true;
+  if (is_caught_up() && !writer_->is_away()) return true;
   if (!may_write(now)) return false;
   return attempt(now, [&] {
-    if (is_away_) come_back();
+    if (writer_->is_away()) come_back();
     for (; written_ < held_.size(); ++written_) {
       const HeldEvents::Event event = held_.at(written_);
       writer_->append(event.channel, event.data, event.timestamp_us);

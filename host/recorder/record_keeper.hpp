@@ -164,7 +164,6 @@ class RecordKeeper {
   WallTime oldest_{};  // when the first of them came
   bool urgent_ = false;
   bool segment_is_open_ = false;
-  bool is_away_ = false;             // nothing is open: what is at the folder's path must be looked at first
   bool is_lost_ = false;             // what was durable in a folder that was removed, and not yet told
   int notes_held_ = 0;               // of those that may be dropped
   std::int64_t events_dropped_ = 0;  // and not yet told

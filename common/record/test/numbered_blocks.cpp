@@ -1,6 +1,7 @@
 #include "common/record/test/numbered_blocks.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <random>
 #include <system_error>
 
@@ -30,6 +31,10 @@ SealedBlock make_block(std::int64_t sequence) {
     for (auto& value : row) value = static_cast<std::int32_t>(random());
   seal(block, sealed);
   return sealed;
+}
+
+[[noreturn]] void throw_away() {
+  throw std::system_error(ENODEV, std::generic_category(), "record");
 }
 
 }  // namespace
@@ -81,11 +86,15 @@ Feeder::Feeder(RecordWriter::Options options, Disk& disk) : writer_(std::move(op
 template <typename Call>
 bool Feeder::attempt(Call&& call) {
   try {
+    if (writer_.is_away() && !writer_.take_again()) throw_away();
     call();
     return true;
-  } catch (const std::system_error&) {
+  } catch (const std::system_error& error) {
     ++failures_;
-    writer_.abandon({});
+    if (error.code() == std::errc::no_such_device)
+      writer_.let_go({});
+    else
+      writer_.abandon({});
     return false;
   }
 }
@@ -100,7 +109,11 @@ bool Feeder::append_through(std::int64_t sequence) {
 bool Feeder::sync() {
   const std::int64_t sequence = appended();
   for (int tries = 0; tries < kMostFailures; ++tries)
-    if (append_through(sequence) && attempt([this] { writer_.sync(); })) return true;
+    if (append_through(sequence) && attempt([this] {
+          writer_.sync();
+          if (!writer_.is_at_its_place()) throw_away();
+        }))
+      return true;
   return false;
 }
 
