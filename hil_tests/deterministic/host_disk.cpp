@@ -40,7 +40,9 @@ SimulatedDisk::Outcome HostMachine::disk_call(DiskCall call, const std::string& 
     return {};
   }
   const bool on_other_disk = scenario_.fallback && !path.starts_with(kFolder);
-  if (!random_.chance(failing_) || call == DiskCall::kClose || on_other_disk) return {};
+  // The kernel knows by itself what a path leads to.
+  const bool can_fail = call != DiskCall::kClose && call != DiskCall::kIdentity && !on_other_disk;
+  if (!can_fail || !random_.chance(failing_)) return {};
   refused_at_ns_ = now_ns_;
   constexpr std::array kErrors{EIO, ENOSPC, EROFS, EINTR};
   const auto which = static_cast<std::size_t>(random_.below(kErrors.size() + 1));
