@@ -76,7 +76,8 @@ std::int64_t viewer_of_protocols(std::string_view protocols) {
   const std::string_view digits = after("viewer.", protocols);
   std::int64_t number = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-  return error == std::errc() && end == digits.data() + digits.size() ? number : 0;
+  const bool is_number = error == std::errc() && end == digits.data() + digits.size();
+  return is_number ? std::max<std::int64_t>(number, 0) : 0;
 }
 
 }  // namespace roadbalance
