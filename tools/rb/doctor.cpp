@@ -164,10 +164,12 @@ void add_doctor(CLI::App& app, int& code) {
                    "how long the wake-ups of threads are measured; load the machine meanwhile as it will be")
       ->check(number_within(0.1, 86'400.0))
       ->capture_default_str();
-  CLI::Option* const url = command->add_option("--url", options->url,
-                                               "LCM address of the bus; its nodes are listened to, and "
-                                               "machines on which rb doctor --answer runs are asked; "
-                                               "default: a bus of its own on this machine");
+  CLI::Option* const url = command
+                               ->add_option("--url", options->url,
+                                            "LCM address of the bus; its nodes are listened to, and "
+                                            "machines on which rb doctor --answer runs are asked; "
+                                            "default: a bus of its own on this machine")
+                               ->envname(kBusUrlVariable);
   command
       ->add_option("--messages", options->messages,
                    "that are sent over it, each of the size of a block, 1000 a second")

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "common/bus/bus.hpp"
 #include "common/test/bus_url.hpp"
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
@@ -21,6 +22,8 @@ using Json = nlohmann::json;
 
 class Doctor : public testing::Test {
  protected:
+  Doctor() { ::unsetenv(kBusUrlVariable); }
+  ~Doctor() override { ::unsetenv(kBusUrlVariable); }
   test::Outcome doctor(std::vector<std::string> arguments) const {
     arguments.insert(arguments.begin(),
                      {"doctor", "--folder", folder_.path(), "--seconds", "0.1", "--messages", "100"});
@@ -54,6 +57,12 @@ TEST_F(Doctor, ProvesTheBusByALoopOfMessages) {
   for (const char* name : {"receive_buffer", "disk", "clock", "realtime", "memory"})
     EXPECT_TRUE(finding(said, name).is_object()) << name << ": " << output;
   EXPECT_TRUE(finding(said, "nodes").is_null()) << "on a bus of its own";
+}
+
+TEST_F(Doctor, LooksAtTheBusThatTheComputerIsSetTo) {
+  ::setenv(kBusUrlVariable, test::bus_url().c_str(), 1);
+  const auto [code, output, log] = doctor({"--json"});
+  EXPECT_TRUE(finding(Json::parse(output), "nodes").is_object()) << output;
 }
 
 TEST_F(Doctor, OpensTheDevicesOfANode) {
