@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <stdexcept>
@@ -113,7 +114,9 @@ bool RecordWriter::take_again() {
   if (!folder.take(s.options.folder, s.disk)) busy();
   const auto numbers = segment_numbers(s.options.folder, s.disk);
   if (!holds_all_of(s.holds, s.options.folder, s.before_it, s.disk)) return false;
-  if (!numbers.empty() && numbers.back() > s.segment) busy();
+  if (!numbers.empty() && numbers.back() > s.segment + (s.may_have_next ? 1 : 0)) busy();
+  if (!numbers.empty()) s.segment = std::max(s.segment, numbers.back());
+  s.may_have_next = false;
   s.folder = std::move(folder);
   return true;
 }

@@ -45,7 +45,8 @@ struct RecordWriter::State : SegmentEvents {
   std::int64_t appended = 0;
   std::int64_t durable = 0;
   bool failed = false;
-  bool commit_due = false;  // the next event is to say what is durable
+  bool may_have_next = false;  // a rename that failed may have happened
+  bool commit_due = false;     // the next event is to say what is durable
   std::vector<std::pair<std::string, std::vector<std::uint8_t>>> preamble;
   std::vector<Note> abandoned;  // not yet said durably
   std::optional<CutTail> cut;
@@ -151,6 +152,7 @@ struct RecordWriter::State : SegmentEvents {
     File next;
     try {
       next = prepare_next(unnamed);
+      may_have_next = true;
       rename_file(unnamed, path(segment + 1), disk);
     } catch (const std::system_error&) {
       buffer.clear();  // the present segment is as it was, and can be gone on with
@@ -163,6 +165,7 @@ struct RecordWriter::State : SegmentEvents {
     if (file.is_open()) written = give_up_present(size_before);
     file = std::move(next);
     ++segment;
+    may_have_next = false;
     durable_bytes = 0;
     if (!planted(PlantedFault::kNoFolderSync)) attempt([this] { folder.sync(); });
     all_is_durable();

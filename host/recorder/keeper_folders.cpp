@@ -140,11 +140,7 @@ void RecordKeeper::open(const std::filesystem::path& folder, RecordState before)
 
 void RecordKeeper::go_to_fallback(WallTime now) {
   if (fallback_ || options_.fallback.empty()) return;
-  // What the failing folder took and never synced is written again.
-  // And what it took and no node was told of, if it cannot be looked at.
   const bool lay_elsewhere = lies_elsewhere();
-  const auto durable = static_cast<std::size_t>(
-      lay_elsewhere ? 0 : std::max<std::int64_t>(0, writer_->durable() - appended_before_));
   try {
     open(options_.fallback, writer_->holds());
   } catch (const std::exception& error) {
@@ -152,20 +148,21 @@ void RecordKeeper::go_to_fallback(WallTime now) {
     return;
   }
   fallback_ = true;
-  hold_anew(durable);
+  hold_anew();
   health_.retry(now);
   note(NoteKind::kFallback, 0, 0, options_.fallback.string());
   warnings_.push_back("recording goes on in " + options_.fallback.string());
   if (!lay_elsewhere) say_where_it_goes_on();  // else another disk would be told
 }
 
-// What is not on the disk of the folder before begins this one, and its journal.
-void RecordKeeper::hold_anew(std::size_t first) {
+// What no node was told to be durable begins this one, and its journal: some of it may be in the folder
+// before, or may have been.
+void RecordKeeper::hold_anew() {
   const HeldEvents before = std::exchange(held_, {});
   journal_ = {};
   journalled_.clear();
   SealedBlock block;
-  for (std::size_t i = first; i < before.size(); ++i) {
+  for (std::size_t i = 0; i < before.size(); ++i) {
     const HeldEvents::Event event = before.at(i);
     if (event.channel == kJournalChannel) continue;
     held_.push(event.channel, event.data, event.timestamp_us);
@@ -214,6 +211,15 @@ bool RecordKeeper::lies_elsewhere() const {
   return there ? there->device != device_ : errno == ENOENT;
 }
 
+// Asked while a file of it is open, so that no other disk has its number.
+bool RecordKeeper::is_its_disk_there() const {
+  for (std::filesystem::path path = full_name(folder());; path = path.parent_path()) {
+    const auto there = disk_.identity(path.c_str());
+    if (there) return there->device == device_;
+    if (errno != ENOENT || path == path.parent_path()) return false;
+  }
+}
+
 bool RecordKeeper::holds_this_recording() const {
   if (fallback_) return is_line_of(full_name(options_.folder), continued_here(options_.fallback, disk_));
   try {
@@ -237,9 +243,11 @@ void RecordKeeper::come_back() {
   const bool is_same_disk = there->device == device_, is_this = holds_this_recording();
   if ((is_same_disk || is_this) && writer_->take_again()) {
     device_ = there->device;
+    is_removed_ = false;
     return;
   }
-  if (is_same_disk && (is_this || segment_numbers(folder(), disk_).empty())) return begin_anew();
+  if (is_removed_ && is_same_disk && (is_this || segment_numbers(folder(), disk_).empty()))
+    return begin_anew();
   throw std::system_error(ENODEV, std::generic_category(),
                           "recording " + folder().string() +
                               " (mount the disk that it is on; or stop, and start another recording)");
@@ -255,7 +263,8 @@ void RecordKeeper::begin_anew() {
   } catch (const std::runtime_error& error) {
     throw std::system_error(EBUSY, std::generic_category(), error.what());
   }
-  hold_anew(0);
+  hold_anew();
+  is_removed_ = false;
   is_lost_ = true;
 }
 

@@ -25,13 +25,24 @@ Operating::Operating(const OperateOptions& options, World world, Time time)
     : options_(options),
       world_(std::move(world)),
       claim_(claim_desk_book(options.recordings, world_.disk)),
-      book_text_(read_text(options.recordings / kDeskBookFile, world_.disk)),
       time_(time),
       recorder_(static_cast<std::int64_t>(world_.seed % static_cast<std::uint64_t>(kRequestLimit - 1)) + 1),
       rests_(
           [this](const std::string& name, EpochScope scope) { return begin_rest(name, std::move(scope)); }),
       desk_(hands(), with_vehicle(read_desk_book(options.recordings, world_.disk))) {
+  know_book();
   if (options.start) desk_.begin(*options.start, time.utc_us);
+}
+
+// A folder without one could be any.
+void Operating::know_book() {
+  try {
+    if (const auto text = read_text(options_.recordings / kDeskBookFile, world_.disk))
+      book_texts_.insert(*text);
+    if (book_texts_.empty()) store({});
+  } catch (const std::system_error& error) {
+    warn(error.what());
+  }
 }
 
 // Before the desk, which goes on with what the book has under way: a vehicle file that is broken must not
@@ -127,7 +138,7 @@ Desk::Hands Operating::hands() {
 void Operating::require_its_folder() {
   if (claim_.is_open() && claim_.is_at(options_.recordings)) return;
   const auto text = read_text(options_.recordings / kDeskBookFile, world_.disk);
-  if (text != book_text_ && text != next_book_text_)
+  if (!text || !book_texts_.contains(*text))
     throw std::system_error(
         ENODEV, std::generic_category(),
         "recordings " + options_.recordings.string() + " (mount the disk that they are on)");
@@ -143,9 +154,10 @@ void Operating::require_its_folder() {
 
 void Operating::store(const DeskBook& book) {
   require_its_folder();
-  next_book_text_ = text_of(book);
+  const std::string text = text_of(book);
+  book_texts_.insert(text);
   write_desk_book(options_.recordings, book, world_.disk);
-  book_text_ = next_book_text_;
+  book_texts_ = {text};
 }
 
 void Operating::begin(const UnderWay& recording) {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -72,6 +73,7 @@ class Operating {
   std::vector<Rest> without_folder(const std::vector<Rest>& rests);
   void forget_rests_without_folder();
   void require_its_folder();
+  void know_book();
   void store(const DeskBook& book);
   void finish(const RecorderReport& report);
   void add_to_report(const RecorderReport& one);
@@ -85,9 +87,8 @@ class Operating {
   const OperateOptions& options_;
   const World world_;
   File claim_;
-  std::optional<std::string> book_text_;                    // as it is on the disk
-  std::optional<std::string> next_book_text_ = book_text_;  // or, if its last writing failed, as it may be
-  Time time_;                                               // of the call under way
+  std::set<std::string> book_texts_;  // one of which is on the disk
+  Time time_;                         // of the call under way
   const std::int64_t recorder_;
   HeardNodes heard_{options_.recorder.nodes};
   std::map<std::int32_t, double> sync_us_;

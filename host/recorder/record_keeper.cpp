@@ -146,6 +146,7 @@ void RecordKeeper::fail(const std::system_error& error, WallTime now) {
   const int segment = writer_->segment();
   const bool no_space = error.code().value() == ENOSPC || error.code().value() == EDQUOT;
   const bool lets_go = (health_.failing() && !no_space) || is_of_place(error.code());
+  if (lets_go && !writer_->is_away()) is_removed_ = is_of_place(error.code()) && is_its_disk_there();
   if (writer_->has_failed() || lets_go) {
     if (lets_go)
       writer_->let_go(stamp_);
@@ -212,7 +213,7 @@ std::vector<DurableMark> RecordKeeper::all_is_durable() {
   held_blocks_ = 0;
   if (urgent_) writer_->set_preamble(make_preamble(writer_->holds()));  // without the epochs that have ended
   urgent_ = false;
-  if (failures_in_a_row_ > 1)
+  if (failures_in_a_row_ > 1 || is_lost_)
     warnings_.push_back(
         std::exchange(is_lost_, false)
             ? "the disk writes again; what had been recorded before is not in its folder any more"

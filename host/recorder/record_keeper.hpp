@@ -129,12 +129,13 @@ class RecordKeeper {
   bool is_known_and_missing() const;
   void open(const std::filesystem::path& folder, RecordState before);
   void go_to_fallback(WallTime now);
-  void hold_anew(std::size_t first);
+  void hold_anew();
   void say_where_it_goes_on();
   void say_what_is_continued();
   void sync();
   void require_its_place() const;
   bool lies_elsewhere() const;
+  bool is_its_disk_there() const;
   bool holds_this_recording() const;
   void come_back();
   void begin_anew();
@@ -164,6 +165,7 @@ class RecordKeeper {
   WallTime oldest_{};  // when the first of them came
   bool urgent_ = false;
   bool segment_is_open_ = false;
+  bool is_removed_ = false;          // the folder or the segment, while its disk was there
   bool is_lost_ = false;             // what was durable in a folder that was removed, and not yet told
   int notes_held_ = 0;               // of those that may be dropped
   std::int64_t events_dropped_ = 0;  // and not yet told

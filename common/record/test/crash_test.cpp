@@ -172,6 +172,26 @@ TEST(Crash, ADiskThatFailsForAWhileLosesNothing) {
     }
 }
 
+// A network's disk loses the answer to a rename that it has done.
+TEST(Crash, ARenameThatHappenedThoughItFailedIsGoneOnFrom) {
+  SimulatedDisk disk;
+  Feeder feeder({.folder = kFolder, .segment_bytes = kSegmentBytes}, disk);
+  ASSERT_TRUE(feeder.append_through(4) && feeder.sync());
+  const int before = feeder.writer().segment();
+  const std::string unnamed = segment_path(kFolder, before + 1).string() + ".new";
+  int failures = 0;
+  disk.set_fault([&](DiskCall call, std::int64_t, const std::string& path) -> SimulatedDisk::Outcome {
+    if (call != DiskCall::kRename || path != unnamed || failures > 0) return {};
+    ++failures;
+    disk.put(segment_path(kFolder, before + 1), disk.content(unnamed));
+    return {.error = EIO};
+  });
+  for (std::int64_t next = 5; failures == 0; ++next) ASSERT_TRUE(feeder.append_through(next));
+  feeder.writer().let_go({});
+  ASSERT_TRUE(feeder.append_through(80) && feeder.close());
+  EXPECT_EQ(find_blocks(kFolder, disk).sequences, all_through(80));
+}
+
 TEST(Crash, RotationsAreSampleExact) {
   SimulatedDisk disk;
   constexpr std::int64_t kBlocks = 3000;

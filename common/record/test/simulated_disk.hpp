@@ -82,6 +82,8 @@ class SimulatedDisk final : public Disk {
   void mount(const std::string& folder);
   /// Plugged in anew: a new number, and what is still open of it is not it.
   void plug_in(const std::string& folder);
+  /// Another disk, empty, that gets the number of the one that was there, as soon as nothing is open of that.
+  void replace(const std::string& folder);
   /// What is open of it stays so, as with MNT_DETACH.
   void unmount(const std::string& folder) { mounted_.at(folder).is_there = false; }
   /// What was not synced may be lost; of what is open of it nothing works any more (EIO).

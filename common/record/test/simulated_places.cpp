@@ -29,6 +29,15 @@ void SimulatedDisk::plug_in(const std::string& folder) {
   mounted = {.root = copy_of(*mounted.root, used_bytes_), .device = ++last_device_, .is_there = true};
 }
 
+void SimulatedDisk::replace(const std::string& folder) {
+  Mounted& mounted = mounted_.at(folder);
+  for (const auto& [file, open] : descriptors_)
+    if (open.device == mounted.device) return plug_in(folder);
+  pulled_out_.erase(mounted.device);
+  mounted.root = new_folder();
+  mounted.is_there = true;
+}
+
 void SimulatedDisk::pull_out(const std::string& folder) {
   Mounted& mounted = mounted_.at(folder);
   mounted.root->folder->lose_power(random_);

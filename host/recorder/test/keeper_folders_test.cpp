@@ -126,9 +126,16 @@ TEST_F(KeeperFoldersTest, WhatIsWrittenToARemovedSegmentIsNeverCalledDurableButW
   run(milliseconds(3000), 30);
   EXPECT_EQ(durable, 50);
   EXPECT_EQ(keeper->state(), RecorderState::kRecording);
-  EXPECT_TRUE(was_warned_of("/record was removed"));
+  EXPECT_TRUE(was_warned_of("not in its folder any more"));
+  fail_syncs(EIO);
+  run(milliseconds(2000), 0);
+  keeper->append(Delivery(test::numbered_block(++given)), now);
+  run(milliseconds(2000), 0);
+  fail_nothing();
+  run(milliseconds(2000), 0);
+  EXPECT_TRUE(was_warned_of("nothing was lost")) << "told once";
   note_durable(keeper->close(now));
-  auto expected = test::all_through(50);
+  auto expected = test::all_through(51);
   expected.erase(expected.begin(), expected.begin() + 20);
   EXPECT_EQ(recorded(), expected);
 }

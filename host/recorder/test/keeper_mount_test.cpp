@@ -144,6 +144,19 @@ TEST_P(KeeperMountTest, AnEarlierCopyIsLeftAlone) {
   expect_that_it_goes_on();
 }
 
+// Nothing is open of ours, so that the kernel may give its number to another.
+TEST_P(KeeperMountTest, AnotherDiskOfTheSameNumberIsLeftAlone) {
+  const FileIdentity own = disk.identity(kRecord).value_or(FileIdentity{});
+  unmount();
+  run(milliseconds(2000), 10);
+  disk.replace(std::string(GetParam().mount_point));
+  if (GetParam().mount_point == kDisk) {
+    ASSERT_EQ(disk.mkdir(kRecord, 0755), 0);
+  }
+  ASSERT_EQ(disk.identity(kRecord).value_or(FileIdentity{}).device, own.device);
+  expect_that_it_waits_and_writes_nothing();
+}
+
 TEST_P(KeeperMountTest, TheFallbackTakesOverFromADiskThatIsUnmounted) {
   options.fallback = kFallback;
   begin();

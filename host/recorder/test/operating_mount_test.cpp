@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
 #include "common/bus/control.hpp"
 #include "common/record/folder.hpp"
@@ -52,8 +53,10 @@ class OperatingMountTest : public ::testing::Test {
     create_folders(kRecordings, disk);
     disk.mount(kRecordings);
     options.recordings = kRecordings;
-    options.start = "drive";
     options.recorder.on_warning = [this](const std::string& sentence) { warnings.push_back(sentence); };
+  }
+  void begin(std::optional<std::string> start) {
+    options.start = std::move(start);
     operating.emplace(options,
                       Operating::World{.disk = disk,
                                        .begin =
@@ -88,6 +91,7 @@ class OperatingMountTest : public ::testing::Test {
 };
 
 TEST_F(OperatingMountTest, ARecordingThatHasRunIsContinuedAndNeverBegunBeneathItsDisk) {
+  begin("drive");
   ASSERT_EQ(begun.size(), 1u);
   EXPECT_FALSE(begun[0].continues);
   course.has_samples = true;
@@ -108,7 +112,23 @@ TEST_F(OperatingMountTest, ARecordingThatHasRunIsContinuedAndNeverBegunBeneathIt
   EXPECT_TRUE(book.under_way->stop) << "written as soon as the disk is back";
 }
 
+TEST_F(OperatingMountTest, NothingIsBegunBeneathADiskOnWhichNothingWasBegunYet) {
+  begin(std::nullopt);
+  disk.unmount(kRecordings);
+  const Heartbeat beat{.node = 1, .epoch = 3, .state = NodeState::kPreview};
+  operating->take(heartbeat_channel(1), encode(beat), {.now = now, .utc_us = kNow});
+  ask({.request = 1, .operation = Operation::kStart, .text = "drive"});
+  run(milliseconds(2000));
+  EXPECT_TRUE(begun.empty());
+  EXPECT_TRUE(beneath_is_empty());
+  disk.mount(kRecordings);
+  operating->take(heartbeat_channel(1), encode(beat), {.now = now, .utc_us = kNow});
+  ask({.request = 2, .operation = Operation::kStart, .text = "drive"});
+  EXPECT_EQ(begun.size(), 1u);
+}
+
 TEST_F(OperatingMountTest, ADiskThatIsPluggedInAnewIsKnownByItsBook) {
+  begin("drive");
   disk.pull_out(kRecordings);
   ask({.request = 1, .operation = Operation::kStop});
   run(milliseconds(2000));
@@ -120,6 +140,7 @@ TEST_F(OperatingMountTest, ADiskThatIsPluggedInAnewIsKnownByItsBook) {
 }
 
 TEST_F(OperatingMountTest, TheBookOfAnotherDiskIsLeftAlone) {
+  begin("drive");
   disk.unmount(kRecordings);
   DeskBook others;
   others.over = {{"other", 1, 2}};
