@@ -105,11 +105,11 @@ std::vector<Finding> accuracy_findings(const VehicleConfig& vehicle, const std::
   add_sensors(vehicle, findings);
   add_angles(vehicle, file, findings);
   if (const std::string keys = exact(vehicle); !keys.empty())
-    findings.push_back(
-        {"sigma", Finding::kNote,
-         "Said to be known exactly (0), as of the simulated car: " + keys +
-             "; the ± of grams leave out what is not.",
-         "sed -i '/sigma[a-z0-9_]* *= *0 *$/d' " + file + "  # what is left out has its usual ±"});
+    findings.push_back({"sigma", Finding::kNote,
+                        "Said to be known exactly (0), as of the simulated car: " + keys +
+                            "; the ± of grams leave out what is not.",
+                        "sed -i '/sigma[a-z0-9_]* *= *0*\\.\\?0* *\\(#.*\\)\\?$/d' " + file +
+                            "  # what is left out has its usual ±"});
   const std::string untold = wheels_that(vehicle, [](const WheelConfig& wheel) {
     return wheel.stock.place.size() == 1 && wheel.stock.place[0].kind == WeightKind::kUntold;
   });

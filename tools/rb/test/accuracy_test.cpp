@@ -2,9 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <fstream>
 #include <regex>
+#include <sstream>
 
 #include "common/test/source.hpp"
+#include "common/test/temporary_directory.hpp"
 
 namespace roadbalance {
 namespace {
@@ -70,6 +74,23 @@ TEST_F(Accuracy, OfAnAngleTakesAZeroMarkAndItsDatum) {
   replace_first("zero_mark = true\n", "zero_mark = false\n");
   EXPECT_EQ(names(), "-angle -datum");
   EXPECT_TRUE(says("front_left: its encoder has no zero mark")) << said_;
+}
+
+TEST_F(Accuracy, TheRemedyOfExactSigmasMendsThem) {
+  const test::TemporaryDirectory folder;
+  const std::string file = folder / "car.toml";
+  for (const std::string zero : {"0", "0.0", "0.00  # exactly"}) {
+    std::string text = text_;
+    text.insert(text.find("mass_kg = 34\n"), "mass_sigma_kg = " + zero + "\n");
+    std::ofstream(file) << text;
+    const auto found = accuracy_findings(VehicleConfig::parse(text, file), file);
+    ASSERT_EQ(found.size(), 1u) << zero;
+    EXPECT_EQ(found[0].name, "sigma");
+    ASSERT_EQ(std::system(found[0].remedy.c_str()), 0);
+    std::stringstream mended;
+    mended << std::ifstream(file).rdbuf();
+    EXPECT_EQ(accuracy_findings(VehicleConfig::parse(mended.str(), file), file)[0].name, "accuracy") << zero;
+  }
 }
 
 TEST_F(Accuracy, NamesAWheelWithoutEncoder) {
