@@ -57,7 +57,8 @@ std::int64_t EpochReceiver::credit() const {
   if (!credit_open_) return std::max(contiguous_, credit_given_);
   // Blocks that are lost take no memory, and what ends a loss must be let in before it can become durable.
   const std::int64_t held_behind = std::max(durable_, loss_through_);
-  return std::max(contiguous_, std::min(contiguous_ + options_.window, held_behind + options_.undurable));
+  return std::max(contiguous_,
+                  std::min({contiguous_ + options_.window, held_behind + options_.undurable, kIndexLimit}));
 }
 
 void EpochReceiver::set_credit_open(bool open) {
