@@ -100,7 +100,7 @@ void RecordKeeper::open_folders() {
   warnings_.push_back("recording goes on in " + options_.fallback.string());
   segment_is_open_ = write_unsure(unsure, *writer_, journal_);
   appended_before_ = writer_->appended();
-  if (!is_known_and_missing()) say_where_it_goes_on();
+  say_where_it_goes_on();
 }
 
 bool RecordKeeper::is_known_and_missing() const {
@@ -179,6 +179,7 @@ void RecordKeeper::hold_anew() {
 // For a start without --fallback; a folder that cannot be written to cannot be told.
 void RecordKeeper::say_where_it_goes_on() {
   try {
+    if (is_known_and_missing()) return;  // what is there is another disk's
     write_atomically(options_.folder / kContinuedInFile, full_name(options_.fallback) + "\n", disk_);
   } catch (const std::system_error&) {
   }

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <system_error>
 
+#include "common/frontend/front_end.hpp"
 #include "common/record/file.hpp"
 #include "common/text/format.hpp"
 
@@ -34,7 +35,7 @@ std::filesystem::path existing_part(std::filesystem::path folder) {
 
 /// Of a block of 20 scans, with its header in the log, and its samples alone.
 constexpr double kScanShare = 1395.0 / 1280.0;
-constexpr double kChannelsOfANode = 16, kBytesASample = 4;
+constexpr double kBytesASample = 4;
 
 }  // namespace
 
@@ -96,7 +97,7 @@ std::optional<Finding> file_system(const std::filesystem::path& folder, std::int
 
 RecordingRate ordinary_rate() {
   return {.of = "three nodes of 16 channels at 2 kHz",
-          .bytes_s = 3 * kChannelsOfANode * 2000 * kBytesASample * kScanShare};
+          .bytes_s = 3 * kChannels * 2000 * kBytesASample * kScanShare};
 }
 
 RecordingRate rate_of(const VehicleConfig& vehicle) {
@@ -104,7 +105,7 @@ RecordingRate rate_of(const VehicleConfig& vehicle) {
   constexpr double kSignal_hz = 100, kBytesASignal = 18;
   RecordingRate rate{.of = "\"" + vehicle.name + "\""};
   for (const NodeConfig& node : vehicle.node)
-    rate.bytes_s += kChannelsOfANode * node.rate_hz * kBytesASample * kScanShare +
+    rate.bytes_s += kChannels * node.rate_hz * kBytesASample * kScanShare +
                     static_cast<double>(node.wiring.signals()) * kSignal_hz * kBytesASignal;
   for (const WheelConfig& wheel : vehicle.wheel)
     if (!wheel.node.empty())

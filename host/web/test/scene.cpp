@@ -34,7 +34,8 @@ const std::map<std::string_view, Scene> kScenes{{"known", {}},
                                                 {"unknown", {.known = false}},
                                                 {"verified", {.verified = true}},
                                                 {"unanalysed", {.analysed = false}},
-                                                {"trouble", {.trouble = true}}};
+                                                {"trouble", {.trouble = true}},
+                                                {"disk away", {.disk_is_away = true}}};
 
 RecorderStatus recorder(const Scene& scene) {
   RecorderStatus status;
@@ -49,6 +50,13 @@ RecorderStatus recorder(const Scene& scene) {
   status.bytes_recorded = 4'560'000'000;
   status.bytes_free = scene.trouble ? 0 : 400'000'000'000;
   status.seconds_left = scene.trouble ? 0.0 : 5.5 * 3600;
+  if (scene.disk_is_away) {
+    status.state = RecorderState::kDiskFailing;
+    status.disk_failures = 17;
+    status.fault =
+        "recording /media/laptop/measurements/Autobahn (mount the disk that it is on; or stop, and start "
+        "another recording): No such device";
+  }
   if (scene.armed) {
     status.incarnation = 0;
     status.recording_s = 0;

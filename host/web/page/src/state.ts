@@ -93,7 +93,8 @@ export function warnings(car: Car, nowMs: number): Saying[] {
   const add = (cause: AlarmCause, text: string) => found.push(saying(cause, text));
   const warn = (text: string) => found.push({level: AlarmLevel.Warning, text});
   for (const recorder of car.livingRecorders(nowMs)) {
-    if (recorder.fault_size > 0 && recorder.state !== RecorderState.Fault)
+    const saysItAlready = recorder.state === RecorderState.Fault || recorder.state === RecorderState.DiskFailing;
+    if (recorder.fault_size > 0 && !saysItAlready)
       add(AlarmCause.RecorderSays, `${utf8(recorder.fault, recorder.fault_size)}.`);
     if (recorder.on_battery & 1) add(AlarmCause.SupplyGone, "The supply is gone: on battery.");
     if (recorder.on_battery & 2) add(AlarmCause.SupplyUnknown, "Whether the supply is there cannot be read.");

@@ -13,7 +13,7 @@ let browser;
 const scenes = {};
 before(async () => {
   browser = await launch();
-  for (const scene of ["known", "armed", "unknown", "verified", "trouble"]) {
+  for (const scene of ["known", "armed", "unknown", "verified", "trouble", "disk away"]) {
     const url = busUrl();
     scenes[scene] = {car: start("rb-web-scene", url, scene), ...await startWeb(url)};
   }
@@ -321,6 +321,22 @@ test("says what is wrong and what to do about it", async (t) => {
   assert.equal(await page.locator(".bar[data-light=bad]").count(), 2);
   const warned = await page.locator(".bar[data-light=warn]").allInnerTexts();
   assert.deepEqual(warned.map((bar) => /dead|DC/.exec(bar)?.[0]).sort(), ["DC", "DC", "dead", "dead"]);
+});
+
+test("says why the disk fails, on small windows too", async (t) => {
+  const page = await open(t, "disk away");
+  assert.equal(await text(page, "#state"), "FAULT");
+  assert.match(await text(page, "header"),
+               /The disk fails \(17 times\): recording .*Autobahn \(mount the disk that it is on.*No such device\. The nodes keep what they measure/);
+  assert.equal((await text(page, "header")).split("mount the disk").length, 2, "once");
+  for (const [name, viewport] of [["day", kDesk], ["phone", kPhone], ["phone-night", kPhone], ["night", kDesk]]) {
+    await page.setViewportSize(viewport);
+    if (name === "phone-night") await page.keyboard.press("n");
+    await picture(page, `disk-away-${name}`);
+    assert.deepEqual(await weakTexts(page), [], name);
+    const {wide, window} = await page.evaluate(() => ({wide: document.documentElement.scrollWidth, window: innerWidth}));
+    assert.ok(wide <= window, `${name}: ${wide} in ${window}`);
+  }
 });
 
 test("keeps a lamp lit until it is acknowledged", async (t) => {
