@@ -10,6 +10,8 @@
 namespace roadbalance {
 namespace {
 
+constexpr Eigen::Index kMostSamples = 64;  ///< of a Product: they fit into the nearest cache
+
 /// c[i + j c_stride] += sum over t of a[i + t a_stride] b[j + t b_stride]
 struct Product {
   const double* a;
@@ -18,16 +20,19 @@ struct Product {
   Eigen::Index b_stride;
   double* c;
   Eigen::Index c_stride;
-  Eigen::Index rows, columns, samples;
+  Eigen::Index rows, columns, samples;  ///< samples <= kMostSamples
 };
 
 /// A tile whose sums stay in registers while time runs.
 template <int kLanes, int kVectors, int kColumns>
-[[gnu::always_inline]] inline void tile(const Product& p, Eigen::Index row, Eigen::Index column) {
+[[gnu::always_inline]] inline void tile(const Product& p, Eigen::Index column) {
   using Vector = typename Lanes<kLanes>::Vector;
   Vector sum[kVectors][kColumns] = {};
-  const double* a = p.a + row;
+  const double* a = p.a;
   const double* b = p.b + column;
+  double* const c = p.c + column * p.c_stride;
+#pragma GCC unroll 16
+  for (int j = 0; j < kColumns; ++j) __builtin_prefetch(c + j * p.c_stride, 1);
   for (Eigen::Index t = 0; t < p.samples; ++t, a += p.a_stride, b += p.b_stride) {
     Vector left[kVectors];
 #pragma GCC unroll 4
@@ -41,7 +46,7 @@ template <int kLanes, int kVectors, int kColumns>
   for (int j = 0; j < kColumns; ++j)
 #pragma GCC unroll 4
     for (int v = 0; v < kVectors; ++v) {
-      double* const at = p.c + row + v * kLanes + (column + j) * p.c_stride;
+      double* const at = c + v * kLanes + j * p.c_stride;
       Vector old;
       std::memcpy(&old, at, sizeof old);
       old += sum[v][j];
@@ -49,22 +54,37 @@ template <int kLanes, int kVectors, int kColumns>
     }
 }
 
+/// The first rows of the product, as many as vectors hold.
 template <int kLanes, int kVectors, int kColumns>
-[[gnu::always_inline]] inline Eigen::Index columns(const Product& p, Eigen::Index column) {
-  for (; column + kColumns <= p.columns; column += kColumns) {
-    Eigen::Index row = 0;
-    for (; row + kVectors * kLanes <= p.rows; row += kVectors * kLanes)
-      tile<kLanes, kVectors, kColumns>(p, row, column);
-    for (; row + kLanes <= p.rows; row += kLanes) tile<kLanes, 1, kColumns>(p, row, column);
-    for (; row < p.rows; ++row) tile<1, 1, kColumns>(p, row, column);
-  }
-  return column;
+[[gnu::always_inline]] inline void multiply_rows(const Product& p) {
+  Eigen::Index column = 0;
+  for (; column + kColumns <= p.columns; column += kColumns) tile<kLanes, kVectors, kColumns>(p, column);
+  if constexpr (kColumns > 4)
+    for (; column + 4 <= p.columns; column += 4) tile<kLanes, kVectors, 4>(p, column);
+  for (; column < p.columns; ++column) tile<kLanes, kVectors, 1>(p, column);
 }
 
+/// Most rows are copied, so that those of a tile lie side by side on whole lines of the cache, and stay in
+/// the nearest one, beside b, while all columns pass.
 template <int kLanes, int kVectors, int kColumns>
-[[gnu::always_inline]] inline void multiply(const Product& p) {
-  const Eigen::Index wide = columns<kLanes, kVectors, kColumns>(p, 0);
-  columns<kLanes, kVectors, 1>(p, columns<kLanes, kVectors, 4>(p, wide));
+[[gnu::always_inline]] inline void multiply(Product p) {
+  constexpr Eigen::Index kRows = kVectors * kLanes;
+  alignas(64) double copied[kMostSamples * kRows];
+  const auto go_on = [&p](Eigen::Index rows) {
+    p.a += rows;
+    p.c += rows;
+    p.rows -= rows;
+  };
+  for (; p.rows >= kRows; go_on(kRows)) {
+    for (Eigen::Index t = 0; t < p.samples; ++t)
+      std::memcpy(copied + t * kRows, p.a + t * p.a_stride, kRows * sizeof(double));
+    Product of_copied = p;
+    of_copied.a = copied;
+    of_copied.a_stride = kRows;
+    multiply_rows<kLanes, kVectors, kColumns>(of_copied);
+  }
+  for (; p.rows >= kLanes; go_on(kLanes)) multiply_rows<kLanes, 1, kColumns>(p);
+  for (; p.rows > 0; go_on(1)) multiply_rows<1, 1, kColumns>(p);
 }
 
 // Sums fill the registers: 24 of 32, 12 of 16, 8 of 16.
@@ -87,16 +107,15 @@ void check(bool fits, const char* what) {
 void add_lagged_products(const Eigen::Ref<const Eigen::MatrixXd>& y,
                          const Eigen::Ref<const Eigen::MatrixXd>& z, Eigen::Ref<Eigen::MatrixXd> sum) {
   static const auto multiply_by = for_this_processor(multiply_avx512, multiply_avx2, multiply_plain);
-  constexpr Eigen::Index kSamples = 64;  // of which y and z stay in the nearest cache
   const Eigen::Index n = z.rows(), samples = y.cols();
   check(sum.rows() == y.rows(), "sums of lagged products need a row for each first signal");
   check(n > 0 && sum.cols() % n == 0 && sum.cols() > 0, "sums of lagged products need columns of whole lags");
   check(z.cols() >= samples + sum.cols() / n - 1, "lagged products need samples up to the last lag");
   check(z.outerStride() == n || sum.cols() == n, "lagged products need samples one behind the other");
-  for (Eigen::Index t = 0; t < samples; t += kSamples)
+  for (Eigen::Index t = 0; t < samples; t += kMostSamples)
     multiply_by({y.data() + t * y.outerStride(), y.outerStride(), z.data() + t * z.outerStride(),
                  z.outerStride(), sum.data(), sum.outerStride(), y.rows(), sum.cols(),
-                 std::min(kSamples, samples - t)});
+                 std::min(kMostSamples, samples - t)});
 }
 
 LaggedCovariance::LaggedCovariance(DiscreteFilter filter, Eigen::Index inputs, Eigen::Index measured,
