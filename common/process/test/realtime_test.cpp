@@ -42,7 +42,11 @@ TEST(Realtime, IsLeftForAnOrdinaryThreadAndCanBeEnteredAgain) {
 }
 
 TEST(Realtime, RefusesAPriorityThatIsNone) {
-  std::thread([] { EXPECT_TRUE(says(enter_realtime(1'000), "real-time priority 1000")); }).join();
+  std::thread([] {
+    const auto refused = enter_realtime(1'000);
+    EXPECT_TRUE(says(refused, "real-time priority 1000"));
+    EXPECT_TRUE(says(refused, "\"rb doctor\" says how"));
+  }).join();
 }
 
 }  // namespace
