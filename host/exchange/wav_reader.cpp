@@ -17,6 +17,7 @@
 
 #include "common/config/section.hpp"
 #include "common/record/file.hpp"
+#include "common/text/printable.hpp"
 #include "host/exchange/line_reader.hpp"
 #include "host/exchange/wav_scale.hpp"
 
@@ -37,13 +38,21 @@ struct Chunk {
   std::uint64_t next() const { return data + size + size % 2; }
 };
 
+constexpr std::uint64_t kChunkHead = 8;
+
 std::optional<Chunk> chunk_at(const File& file, std::uint64_t at, std::uint64_t end) {
-  std::array<std::uint8_t, 8> head{};
+  std::array<std::uint8_t, kChunkHead> head{};
   if (at + head.size() > end || file.read_at(at, head) != head.size()) return std::nullopt;
   std::uint64_t size = 0;
   for (std::size_t k = 0; k < 4; ++k) size |= std::uint64_t{head[4 + k]} << 8 * k;
-  const Chunk chunk{std::string(head.begin(), head.begin() + 4), at + head.size(), size};
-  return chunk.data + chunk.size <= end ? std::optional(chunk) : std::nullopt;
+  return Chunk{std::string(head.begin(), head.begin() + 4), at + head.size(), size};
+}
+
+void expect_within(const File& file, const Chunk& chunk, std::uint64_t end, const char* whole) {
+  if (chunk.size > end - chunk.data)
+    fail(file.path(), "byte " + std::to_string(chunk.data - kChunkHead) + ": chunk " +
+                          printable_text(chunk.id) + " tells " + std::to_string(chunk.size) + " bytes; its " +
+                          whole + " ends at byte " + std::to_string(end));
 }
 
 struct Comment {
@@ -51,25 +60,29 @@ struct Comment {
   std::string text;
 };
 
-/// INFO ICMT, which stands before the samples; nothing if there is none.  libsndfile drops one of more than 8
-/// kB.
+/// The first INFO ICMT before the samples; nothing if there is none.  libsndfile drops one of more than 8 kB.
+/// @throws ConfigError  a chunk before the samples reaches beyond the file or its list; from such a file
+///                      sf_open() of libsndfile 1.2.0 may never return
 std::optional<Comment> comment_of(const File& file) {
   constexpr std::uint64_t kRiffHeader = 12, kListType = 4, kMostText = 1 << 24;
   const std::uint64_t end = file.size();
+  std::optional<Comment> found;
   for (auto chunk = chunk_at(file, kRiffHeader, end); chunk && chunk->id != "data";
        chunk = chunk_at(file, chunk->next(), end)) {
-    if (chunk->id != "LIST" || chunk->size < kListType) continue;
+    expect_within(file, *chunk, end, "file");
+    if (chunk->id != "LIST") continue;
     const std::uint64_t list_end = chunk->data + chunk->size;
     for (auto text = chunk_at(file, chunk->data + kListType, list_end); text;
          text = chunk_at(file, text->next(), list_end)) {
-      if (text->id != "ICMT" || text->size > kMostText) continue;
+      expect_within(file, *text, list_end, "list");
+      if (found || text->id != "ICMT" || text->size > kMostText) continue;
       std::vector<std::uint8_t> bytes(text->size);
       bytes.resize(file.read_at(text->data, bytes));
-      return Comment{text->data,
-                     std::string(bytes.begin(), std::find(bytes.begin(), bytes.end(), std::uint8_t{0}))};
+      found = {text->data,
+               std::string(bytes.begin(), std::find(bytes.begin(), bytes.end(), std::uint8_t{0}))};
     }
   }
-  return std::nullopt;
+  return found;
 }
 
 struct Description {
@@ -83,9 +96,7 @@ struct Description {
 };
 
 /// As description_json() wrote it.
-Description describe(const File& wav, int channels) {
-  const std::filesystem::path& file = wav.path();
-  const auto comment = comment_of(wav);
+Description describe(const std::filesystem::path& file, const std::optional<Comment>& comment, int channels) {
   if (!comment) fail(file, "has no comment that tells its channels and scales; allowed: a file of rb export");
   try {
     const Json json = Json::parse(comment->text);
@@ -117,15 +128,15 @@ Description describe(const File& wav, int channels) {
 class WavSamples final : public SampleSource {
  public:
   explicit WavSamples(std::filesystem::path path)
-      : path_(std::move(path)),
-        file_(open_again_and_again(path_)),
-        wav_(sf_open(path_.c_str(), SFM_READ, &info_), sf_close) {
+      : path_(std::move(path)), file_(open_again_and_again(path_)) {
     expect_head();
+    const auto comment = comment_of(*file_);
+    wav_.reset(sf_open(path_.c_str(), SFM_READ, &info_));
     if (!wav_)
       fail(path_, std::string("is damaged in the chunks before its samples: ") + sf_strerror(nullptr));
     if ((info_.format & SF_FORMAT_SUBMASK) != SF_FORMAT_PCM_32)
       fail(path_, "allowed: 32-bit PCM, as rb export writes it");
-    description_ = describe(*file_, info_.channels);
+    description_ = describe(path_, comment, info_.channels);
     // A file that is cut is none to libsndfile: it believes the file's length, not its header.
     if (info_.frames != description_.rows) refuse_length(info_.frames);
     for (const auto& channel : description_.channel) name_.push_back(channel.name);
@@ -179,7 +190,7 @@ class WavSamples final : public SampleSource {
   const std::filesystem::path path_;
   const std::shared_ptr<const File> file_;
   SF_INFO info_{};
-  const std::unique_ptr<SNDFILE, int (*)(SNDFILE*)> wav_;
+  std::unique_ptr<SNDFILE, int (*)(SNDFILE*)> wav_{nullptr, sf_close};
   Description description_;
   std::vector<std::string> name_;
   std::vector<std::int32_t> sample_;

@@ -152,6 +152,10 @@ class Import(Exports):
             ("wav", good["wav"].replace(b'"scale"', b'"scaly"'), "scale"),
             ("wav", good["wav"].replace(b"ICMT", b"IXXX"), "comment"),
             ("wav", b"RIFX" + good["wav"][4:], "byte 0: is no WAV file"),
+            *(("wav", good["wav"][:at + 4] + b"\xff\xff\xff\xff" + good["wav"][at + 8:],
+               f"byte {at}: chunk {chunk.decode()} tells 4294967295 bytes; its {whole} ends at byte ")
+              for chunk, whole in ((b"LIST", "file"), (b"ISFT", "list"), (b"ICMT", "list"))
+              for at in (good["wav"].index(chunk),)),
             ("hdf5", good["hdf5"][:-100], f"eof = {len(good['hdf5']) - 100}"),
             ("wav", good["wav"][:-160], f"ends at byte {len(good['wav']) - 160} after 9990 of 10000"),
         ]
