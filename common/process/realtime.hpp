@@ -18,7 +18,8 @@ inline constexpr int kInterruptPriority = 50;  ///< of the kernel's interrupt th
 /// locked, so that a small memory limit can refuse this call but nothing after it.
 ///
 /// @param priority  1 .. 99
-/// @return what was refused, each with the reason, for the caller to warn of; empty if all was granted
+/// @return what was refused, each with the reason and where the remedy stands, for the caller to warn of;
+///         empty if all was granted
 [[nodiscard]] std::vector<std::string> enter_realtime(int priority);
 
 /// The calling thread is an ordinary one again; its memory stays in RAM.
