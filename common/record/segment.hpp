@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -48,7 +49,7 @@ class SegmentReader {
   void close_damage(std::vector<RecordReader::Damage>& damage, std::uint64_t end);
 
   File file_;
-  std::vector<std::uint8_t> buffer_;
+  std::unique_ptr<std::uint8_t[]> buffer_;
   std::size_t filled_ = 0;    // bytes of buffer_ that count
   std::size_t at_ = 0;        // place in buffer_ to look at next
   std::uint64_t offset_ = 0;  // of buffer_[0] in the file

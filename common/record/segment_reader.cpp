@@ -36,12 +36,13 @@ bool counts(ParsedEvent& parsed, std::span<const std::uint8_t> behind) {
 }  // namespace
 
 SegmentReader::SegmentReader(std::filesystem::path path, Disk& disk)
-    : file_(File::open_to_read(path, disk)), buffer_(kBufferBytes) {
+    : file_(File::open_to_read(path, disk)),
+      buffer_(std::make_unique_for_overwrite<std::uint8_t[]>(kBufferBytes)) {
   file_.read_ahead();
 }
 
 std::span<const std::uint8_t> SegmentReader::rest() const {
-  return {buffer_.data() + at_, filled_ - at_};
+  return {buffer_.get() + at_, filled_ - at_};
 }
 
 // Reads again from the place we look at: an unfinished event may have been cut off meanwhile.
@@ -50,8 +51,8 @@ bool SegmentReader::refill() {
   const std::size_t before = filled_ - at_;
   offset_ += at_;
   at_ = 0;
-  const std::size_t room = offset_ < limit_ ? std::min<std::uint64_t>(limit_ - offset_, buffer_.size()) : 0;
-  filled_ = file_.read_at(offset_, {buffer_.data(), room});
+  const std::size_t room = offset_ < limit_ ? std::min<std::uint64_t>(limit_ - offset_, kBufferBytes) : 0;
+  filled_ = file_.read_at(offset_, {buffer_.get(), room});
   return filled_ > before;
 }
 
