@@ -71,6 +71,8 @@ void Tally::take(const Delivery& delivery) {
   if (block.kind == BlockKind::kGap) ++report.gaps;
   if (block.kind == BlockKind::kScan) {
     report.samples_recorded += block.header.scans;
+    // A node that dies has not told the last of them.
+    report.samples_sent = std::max(report.samples_sent, block.header.first_scan + block.header.scans);
     if (report.first_scan_block == 0) report.first_scan_block = block.header.sequence;
     if (const ScanSummary scans = summary_of(block); scans.overload != 0)
       report.overload_s +=

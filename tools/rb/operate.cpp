@@ -56,7 +56,10 @@ void print_receipt(const Receipt& receipt) {
               static_cast<long long>(receipt.samples_sent - receipt.samples_recorded),
               static_cast<long long>(receipt.repaired), receipt.overload_s);
   if (receipt.sync_us >= 0) std::printf("clock within %.0f us, ", receipt.sync_us);
-  std::printf("CRC %08x %s\n", receipt.blocks_crc32c, receipt.sums_agree ? "agrees" : "DOES NOT AGREE");
+  const char* const proof = receipt.sums_agree        ? "agrees"
+                            : receipt.open_epochs > 0 ? "is not proven: the node has not told its own"
+                                                      : "DOES NOT AGREE";
+  std::printf("CRC %08x %s\n", receipt.blocks_crc32c, proof);
 }
 
 Json answer_json(const Answer& answer) {

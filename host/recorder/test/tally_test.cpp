@@ -36,5 +36,26 @@ TEST(Tally, AnEndThatCountsTooFewLosesNothing) {
   EXPECT_FALSE(report.earlier[0].sums_agree);
 }
 
+// The last it said is older than the last it sent.
+TEST(Tally, ANodeThatDiedHasLostNothingOfWhatIsRecorded) {
+  Tally tally({});
+  tally.take(Heartbeat{.node = 2, .epoch = 8, .scans_sampled = 30});
+  SealedBlock sealed;
+  for (const std::int64_t first_scan : {0, 20, 60}) {
+    ScanBlock scans{.header = {.node = 2,
+                               .epoch = 8,
+                               .sequence = 1 + first_scan / 20,
+                               .first_scan = first_scan,
+                               .scans = 20},
+                    .period_ps = 500'000'000};
+    seal(scans, sealed);
+    tally.take(sealed);
+  }
+  const RecorderReport report = tally.report();
+  ASSERT_EQ(report.node.size(), 1u);
+  EXPECT_EQ(report.node[0].samples_sent, 80) << "20 of them have not come";
+  EXPECT_EQ(report.node[0].samples_recorded, 60);
+}
+
 }  // namespace
 }  // namespace roadbalance
