@@ -63,22 +63,37 @@ class Drive:
     def recorder(self, into, *nodes):
         return running(BIN / "rb-recorder", "--url", self.url(), "--record", into, "--nodes", *nodes, "--end-with-nodes")
 
-    def chain(self, after=lambda record: None):
+    def numbers(self):
+        return [str(number + 1) for number in range(len(self.nodes))]
+
+    def chain(self, after=lambda record: None, watched=False):
         """What every program takes: the nodes play the drive from their devices on, so that what the simulated car
-        takes is not in it, as fast as they go. `after` is called with what was recorded, complete."""
+        takes is not in it, as fast as they go. `after` is called with what was recorded, complete. If it is watched,
+        the analyser makes the cross spectra of all pairs of each node for somebody, whose time does not count."""
         with tempfile.TemporaryDirectory(dir=self.folder) as again, contextlib.ExitStack() as programs:
             analyser = programs.enter_context(
                 running(BIN / "rb-analyser", "--url", self.url(), "--record", again, "--exit-at-end"))
-            recorder = programs.enter_context(
-                self.recorder(again, *(str(number + 1) for number in range(len(self.nodes)))))
+            recorder = programs.enter_context(self.recorder(again, *self.numbers()))
+            viewer = watched and programs.enter_context(
+                running(BIN / "bench-viewer", "--url", self.url(), "--nodes", *self.numbers(), stdout=subprocess.PIPE))
             time.sleep(0.5)
             nodes = [programs.enter_context(self.node(name, "max")) for name in self.nodes]
             took = {"rb-node": functools.reduce(Taken.plus, map(taken, nodes)), "rb-recorder": taken(recorder),
                     "rb-analyser": taken(analyser)}
+            if watched:
+                viewer.terminate()
+                self.require_views(dict(json.loads(viewer.stdout.read())))
             if subprocess.run([BIN / "rb", "verify", again], **QUIET, check=False).returncode != 0:
                 raise RuntimeError("what was recorded is not complete")
             after(pathlib.Path(again))
         return took
+
+    def require_views(self, averages):
+        """It is played faster than the views of it are asked for, which takes some of each drive's beginning."""
+        most = self.seconds * self.rate_hz / 2048
+        for node in map(int, self.numbers()):
+            if averages.get(node, 0) < most / 4:
+                raise RuntimeError(f"of node {node} {averages.get(node, 0):.0f} averages were shown, of {most:.0f}")
 
     def one_node(self):
         """CPU seconds a second of the node with two encoders, played at the speed of the drive, once it runs: from its
@@ -109,9 +124,9 @@ class Drive:
         return 1e-6 * sum(file.stat().st_size for file in self.files())
 
 
-def least_of(rounds, drive):
+def least_of(rounds, drive, **how):
     """The least time that each program took in some rounds: what else the machine does can only add to it; and the
     most memory."""
-    took = [drive.chain() for _ in range(rounds)]
+    took = [drive.chain(**how) for _ in range(rounds)]
     return {name: Taken(min(one[name].cpu_s for one in took), max(one[name].memory_mb for one in took))
             for name in took[0]}

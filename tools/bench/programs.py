@@ -18,8 +18,9 @@ def chain(drive):
     took = {part: each.cpu_s / drive.seconds for part, each in least_of(3, drive).items()}
     for part, share in took.items():
         yield Row(f"{name}: {part}", 1e3 * share, "ms/s", "of a core's second", 1e3, 1 / share)
-    everything = sum(took.values())
-    yield Row(name, 1e3 * everything, "ms/s", "of a core's second", 1e3, 1 / everything, ">=", 40.0)
+    watched = sum(each.cpu_s / drive.seconds for each in least_of(3, drive, watched=True).values())
+    for what, share in ((name, sum(took.values())), (f"{name}, all pairs shown", watched)):
+        yield Row(what, 1e3 * share, "ms/s", "of a core's second", 1e3, 1 / share, ">=", 40.0)
 
 
 @functools.cache

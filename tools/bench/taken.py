@@ -28,9 +28,9 @@ def taken(started):
 
 
 @contextlib.contextmanager
-def running(*command):
+def running(*command, **said):
     """A program that is started, and told to end if it has not by itself, whatever happens beside it."""
-    started = subprocess.Popen(command, **QUIET)
+    started = subprocess.Popen(command, **{**QUIET, **said})
     try:
         yield started
     finally:

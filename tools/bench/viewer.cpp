@@ -1,0 +1,56 @@
+#include <cstdio>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "common/bus/bus.hpp"
+#include "common/bus/transfer_report.hpp"
+#include "common/clock/clocks.hpp"
+#include "common/command_line/bus_url.hpp"
+#include "common/frontend/front_end.hpp"
+#include "common/process/stop_on_signal.hpp"
+
+// Looks at the transfer functions of each node from its first channel to every other until it is told to end:
+// what costs an analyser the cross spectra of all pairs.  Then a line of JSON: of each node the most averages
+// that were told.
+
+using namespace roadbalance;
+using namespace std::chrono_literals;
+
+namespace {
+
+View all_pairs_of(std::int32_t node) {
+  View view{.viewer = 1000 + node, .segment = 4096};
+  for (std::int32_t channel = 1; channel < kChannels; ++channel)
+    view.pair.push_back({.input = {node, 0}, .output = {node, channel}});
+  return view;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const StopOnSignal signals;
+  CLI::App app("Looks at all transfer functions of some nodes, for the benchmark.", "bench-viewer");
+  std::string url;
+  std::vector<int> nodes;
+  add_bus_url(app, url);
+  app.add_option("--nodes", nodes, "their numbers")->required();
+  CLI11_PARSE(app, argc, argv);
+
+  Bus bus(url);
+  std::map<std::int32_t, double> averages;
+  bus.subscribe(kTransferChannel, [&](std::string_view, std::span<const std::uint8_t> bytes) {
+    if (const auto told = decode_transfer(bytes))
+      averages[told->pair.input.node] = std::max(averages[told->pair.input.node], told->independent_averages);
+  });
+  for (WallTime due = WallClock::now(); !signals.token().stop_requested(); bus.handle(50ms)) {
+    if (WallClock::now() < due) continue;
+    due += 500ms;
+    for (const int node : nodes) bus.publish(kViewChannel, encode(all_pairs_of(node)));
+  }
+  std::printf("%s\n", nlohmann::json(averages).dump().c_str());
+  return 0;
+}
