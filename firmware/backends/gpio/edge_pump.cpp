@@ -36,7 +36,7 @@ void EdgePump::open() {
   try {
     chip.emplace(chip_name_, identity_);
   } catch (const GpioError& error) {
-    throw ConfigError("front end " + store_.report.device() + ": " + error.what());
+    throw GpioError("front end " + store_.report.device() + ": " + error.what());
   }
   for (std::size_t k = 0; k < waiting_.size(); ++k) {
     const GpioInput& input = maker_.inputs()[k];

@@ -41,7 +41,7 @@ class EdgePump {
   using Warn = std::function<void(const std::string&)>;
 
   /// @param warn  hears from turn() why a chip that went cannot be had again
-  /// @throws ConfigError naming the key of vehicle.toml whose line cannot be had, or the chip
+  /// @throws ConfigError naming the key of vehicle.toml whose line cannot be had, GpioError naming the chip
   EdgePump(std::string chip, std::vector<GpioInput> inputs, EdgeStore& store, Warn warn);
 
   /// Waits until something comes, at most 5 ms, and puts it in the store.

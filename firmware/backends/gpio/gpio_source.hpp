@@ -19,7 +19,7 @@ class GpioSource final : public SideSource {
 
   /// @param warn  hears, from the thread, what the system refuses of its real-time priority, and why a chip
   ///              that went cannot be had again
-  /// @throws ConfigError naming the key of vehicle.toml whose line cannot be had, or the chip
+  /// @throws ConfigError naming the key of vehicle.toml whose line cannot be had, GpioError naming the chip
   GpioSource(const std::string& chip, std::vector<GpioInput> inputs, Warn warn);
 
   SideRead take(std::span<Edge> edges, std::span<SignalSample> signals) noexcept override;

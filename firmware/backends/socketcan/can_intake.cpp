@@ -3,7 +3,6 @@
 #include <system_error>
 #include <utility>
 
-#include "common/config/section.hpp"
 #include "common/process/pause.hpp"
 #include "common/process/realtime.hpp"
 
@@ -26,7 +25,7 @@ CanIntake::CanIntake(const std::string& interface, CanNeed need, std::vector<Can
       report_("can:" + interface),
       complete_ns_(to_ns(MachineClock::now())) {
   const std::string why = obstacle(query_can_link(interface.c_str()), need, interface);
-  if (!why.empty()) throw ConfigError(why);
+  if (!why.empty()) throw CanError(why);
   socket_.emplace(interface, wanted_);
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }

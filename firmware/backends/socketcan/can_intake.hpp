@@ -3,6 +3,7 @@
 #include <atomic>
 #include <functional>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
@@ -16,6 +17,12 @@
 #include "firmware/backends/socketcan/hardware_stamps.hpp"
 
 namespace roadbalance {
+
+/// A CAN interface that cannot be used now; the text says why, and what mends it.
+class CanError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 /// A frame that came, with its stamp on the machine's time line.
 struct CanArrival {
@@ -39,7 +46,7 @@ class CanIntake {
   /// @param warn     hears, from the thread, what the system refuses of its real-time priority, why an
   ///                 interface that went cannot be heard again, and of silence
   /// @param silence  makes the sentence of say_silence(), in the thread; empty: that is never called
-  /// @throws ConfigError if there is no such interface, or not up, or not as needed; std::system_error
+  /// @throws CanError if there is no such interface, or not up, or not as needed; std::system_error
   CanIntake(const std::string& interface, CanNeed need, std::vector<CanId> wanted, Warn warn,
             Sentence silence = {});
   CanIntake(const CanIntake&) = delete;

@@ -32,7 +32,7 @@ void set_controller(const std::string& interface, const std::string& mode) {
 std::string refusal(const std::string& interface, CanRole role) {
   try {
     const CanIntake intake(interface, {.role = role}, kWanted, [](const std::string&) {});
-  } catch (const ConfigError& error) {
+  } catch (const CanError& error) {
     return error.what();
   }
   return "accepted";

@@ -38,7 +38,7 @@ std::string refusal(const std::string& chip, LineConfig line) {
   vehicle.node[0].wiring.line = {line};
   try {
     open_gpio({chip, vehicle, vehicle.node[0]}, [](const std::string&) {});
-  } catch (const ConfigError& error) {
+  } catch (const std::runtime_error& error) {
     return error.what();
   }
   return "";

@@ -42,6 +42,8 @@ class OpenCanTest : public testing::Test {
       open_can({.address = address, .vehicle = vehicle, .node = vehicle.node[0]}, [](const std::string&) {});
     } catch (const ConfigError& error) {
       return error.what();
+    } catch (const CanError& error) {
+      return error.what();
     }
     return "accepted";
   }
