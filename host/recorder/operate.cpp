@@ -1,6 +1,7 @@
 #include "host/recorder/operate.hpp"
 
 #include <memory>
+#include <optional>
 #include <random>
 #include <utility>
 
@@ -26,24 +27,32 @@ RecorderReport operate(std::stop_token stop, const OperateOptions& options) {
   create_folders(options.recordings);
   std::random_device device;
   Bus bus(options.recorder.url);
-  Operating operating(options,
-                      {.disk = kernel_disk(),
-                       .begin = [](RecorderOptions of) -> std::unique_ptr<Session> {
-                         return std::make_unique<RecordingSession>(std::move(of));
-                       },
-                       .seed = (std::uint64_t{device()} << 32) | device()},
+  OperateOptions wanted = options;
+  std::optional<Operating> operating;
+  const auto begin = [&] {
+    operating.emplace(wanted,
+                      Operating::World{.disk = kernel_disk(),
+                                       .begin = [](RecorderOptions of) -> std::unique_ptr<Session> {
+                                         return std::make_unique<RecordingSession>(std::move(of));
+                                       },
+                                       .seed = (std::uint64_t{device()} << 32) | device()},
                       time_now());
+    wanted.start.reset();  // once
+  };
+  begin();
   for (const char* channels :
        {kRequestChannel, "RB_HEARTBEAT_.*", "RB_CLOCK_.*", "RB_REPLY_.*", "RB_PREVIEW_.*", "RB_BLOCK_.*"})
     bus.subscribe(channels, [&operating](std::string_view channel, auto bytes) {
-      operating.take(channel, bytes, time_now());
+      operating->take(channel, bytes, time_now());
     });
   const Publish publish = [&bus](const std::string& channel, std::span<const std::uint8_t> bytes) {
     return bus.publish(channel, bytes);
   };
-  do bus.handle(kTurn);
-  while (operating.turn(stop.stop_requested(), time_now(), publish));
-  return operating.report();
+  do {
+    bus.handle(kTurn);
+    if (operating->has_another_disk()) begin();
+  } while (operating->turn(stop.stop_requested(), time_now(), publish));
+  return operating->report();
 }
 
 }  // namespace roadbalance

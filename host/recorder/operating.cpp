@@ -152,6 +152,33 @@ void Operating::require_its_folder() {
   }
 }
 
+// A disk that fails can be unmounted, by the one who repairs it and by systemd: nothing of it is held open.
+// While a fallback is recorded to it stays so until there is something to store.
+void Operating::follow_disk(bool fails) {
+  if (fails) claim_ = File();
+  const bool waits = !options_.recorder.fallback.empty() || time_.now - claimed_at_ < kAgain;
+  if (fails || claim_.is_open() || waits) return;
+  claimed_at_ = time_.now;
+  try {
+    require_its_folder();
+  } catch (const std::system_error& error) {
+    if (std::exchange(claim_fault_, error.what()) != error.what()) warn(claim_fault_);
+  }
+}
+
+bool Operating::has_another_disk() const {
+  if (has_work()) return false;
+  try {
+    if (claim_.is_open() && claim_.is_at(options_.recordings)) return false;
+  } catch (const std::system_error&) {
+    return false;
+  }
+  const std::filesystem::path above = std::filesystem::absolute(options_.recordings).parent_path();
+  const auto folder = world_.disk.identity(options_.recordings.c_str()),
+             beside = world_.disk.identity(above.c_str());
+  return folder && beside && folder->device != beside->device;
+}
+
 void Operating::store(const DeskBook& book) {
   require_its_folder();
   const std::string text = text_of(book);
@@ -198,6 +225,7 @@ void Operating::look_after_recording() {
     const bool has_samples = std::ranges::any_of(view.report.node, &NodeReport::has_durable_samples);
     has_samples_ = has_samples_ || has_samples;
     if (!view.is_over) desk_.runs(has_samples, view.status->marks, time_.utc_us);
+    follow_disk(view.status->state == RecorderState::kDiskFailing);
   }
   if (!view.is_over) return tell_who_differs();
   session_.reset();

@@ -56,6 +56,8 @@ class Operating {
   bool has_work() const {
     return session_ || is_set_up_under_way() || desk_.under_way() || !desk_.rests().empty();
   }
+  /// There is none, and at the recordings' folder another disk was mounted: another Operating reads its book.
+  bool has_another_disk() const;
 
  private:
   DeskBook with_vehicle(DeskBook book);
@@ -73,6 +75,7 @@ class Operating {
   std::vector<Rest> without_folder(const std::vector<Rest>& rests);
   void forget_rests_without_folder();
   void require_its_folder();
+  void follow_disk(bool fails);
   void know_book();
   void store(const DeskBook& book);
   void finish(const RecorderReport& report);
@@ -87,6 +90,8 @@ class Operating {
   const OperateOptions& options_;
   const World world_;
   File claim_;
+  WallTime claimed_at_{};             // tried to
+  std::string claim_fault_;           // why that failed
   std::set<std::string> book_texts_;  // one of which is on the disk
   Time time_;                         // of the call under way
   const std::int64_t recorder_;

@@ -61,11 +61,16 @@ function(rb_program name)
   endif()
 endfunction()
 
-# rb_unit(file component): a unit of systemd, or a rule of udev, that comes with a package.
+# rb_unit(file component): a unit of systemd, something to add to one (in UNIT.d), or a rule of udev, that comes with a
+# package.
 function(rb_unit file component)
   set(place lib/systemd/system)
   if(file MATCHES "\\.rules$")
     set(place lib/udev/rules.d)
+  endif()
+  cmake_path(GET file PARENT_PATH folder)
+  if(folder MATCHES "([^/]+\\.d)$")
+    string(APPEND place /${CMAKE_MATCH_1})
   endif()
   install(FILES ${file} DESTINATION ${place} COMPONENT ${component})
 endfunction()

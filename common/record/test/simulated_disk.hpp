@@ -65,6 +65,8 @@ class SimulatedDisk final : public Disk {
   void set_cost(Cost cost) { cost_ = std::move(cost); }
   std::chrono::nanoseconds busy() const { return busy_; }
 
+  std::size_t open_files() const { return descriptors_.size(); }
+
   void set_capacity(std::int64_t bytes) { capacity_bytes_ = bytes; }
   std::int64_t used_bytes() const { return *used_bytes_; }
   void set_read_only(bool read_only) { read_only_ = read_only; }

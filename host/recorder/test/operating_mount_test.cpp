@@ -19,6 +19,7 @@ constexpr std::int64_t kNow = 1'769'860'805'000'000;
 /// What the sessions that were begun come to.
 struct Course {
   bool has_samples = false;
+  RecorderState state = RecorderState::kRecording;
   bool is_over = false;
   std::string error;
 };
@@ -37,7 +38,7 @@ class Played final : public Session {
       report.node.back().has_durable_samples = true;
     }
     return {.report = std::move(report),
-            .status = RecorderStatus{},
+            .status = RecorderStatus{.state = course_.state},
             .is_over = course_.is_over,
             .error = course_.error};
   }
@@ -137,6 +138,45 @@ TEST_F(OperatingMountTest, ADiskThatIsPluggedInAnewIsKnownByItsBook) {
   run(milliseconds(2000));
   EXPECT_TRUE(read_desk_book(kRecordings, disk).under_way->stop);
   EXPECT_THROW((void)claim_desk_book(kRecordings, disk), std::runtime_error) << "it is ours again";
+}
+
+TEST_F(OperatingMountTest, ADiskThatFailsCanBeUnmountedAndIsClaimedAgain) {
+  begin("drive");
+  run(milliseconds(500));
+  EXPECT_EQ(disk.open_files(), 1u) << "the folder that no other recorder may have";
+  course.state = RecorderState::kDiskFailing;
+  run(milliseconds(500));
+  EXPECT_EQ(disk.open_files(), 0u);
+  course.state = RecorderState::kRecording;
+  run(milliseconds(500));
+  EXPECT_THROW(claim_desk_book(kRecordings, disk), std::runtime_error);
+  EXPECT_TRUE(warnings.empty());
+}
+
+TEST_F(OperatingMountTest, ADiskThatWasClaimedByAnotherIsAskedForAgain) {
+  begin("drive");
+  course.state = RecorderState::kDiskFailing;
+  run(milliseconds(500));
+  std::optional<File> other = claim_desk_book(kRecordings, disk);
+  course.state = RecorderState::kRecording;
+  run(milliseconds(5000));
+  EXPECT_EQ(warnings.size(), 1u) << "said once";
+  other.reset();
+  run(milliseconds(2000));
+  EXPECT_THROW(claim_desk_book(kRecordings, disk), std::runtime_error);
+}
+
+TEST_F(OperatingMountTest, AnotherDiskIsWantedOnceThereIsNoWork) {
+  begin(std::nullopt);
+  EXPECT_FALSE(operating->has_another_disk());
+  disk.unmount(kRecordings);
+  EXPECT_FALSE(operating->has_another_disk()) << "what lies beneath is no disk";
+  disk.plug_in(kRecordings);
+  EXPECT_TRUE(operating->has_another_disk());
+  begin("drive");
+  EXPECT_FALSE(operating->has_another_disk());
+  disk.plug_in(kRecordings);
+  EXPECT_FALSE(operating->has_another_disk()) << "it is waited for the one that is recorded to";
 }
 
 TEST_F(OperatingMountTest, TheBookOfAnotherDiskIsLeftAlone) {
