@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "common/bus/bus.hpp"
@@ -24,6 +25,7 @@ constexpr std::chrono::milliseconds kPoll{50};
 constexpr std::chrono::seconds kSilence{3};
 // A node that goes on with its next epoch says between two heartbeats that the one before has ended.
 constexpr std::chrono::seconds kGone{2};
+constexpr std::chrono::seconds kAgain{1};  // after what could not be read
 
 /// What is recorded, and whether there is anybody to be recorded.
 class Listener {
@@ -72,6 +74,7 @@ class Listener {
 void follow_recordings(std::stop_token stop, const std::filesystem::path& recordings,
                        const AnalyserOptions& options) {
   Listener listener(options.url);
+  std::string fault;  // the last
   std::optional<VehicleConfig> vehicle;
   if (!options.vehicle.empty()) vehicle = VehicleConfig::read_file(options.vehicle.string());
   std::optional<Parallel> first_view;
@@ -100,7 +103,14 @@ void follow_recordings(std::stop_token stop, const std::filesystem::path& record
       may_exit = options.exit_at_end && listener.nodes_are_gone();
     }
     analyser.request_stop();
-    analyser.wait();
+    try {
+      analyser.wait();
+    } catch (const std::system_error& error) {  // the disk went, and may come back
+      if (options.exit_at_end) throw;
+      if (std::exchange(fault, error.what()) != error.what()) options.on_warning(fault);
+      for (const WallTime now = WallClock::now(); !stop.stop_requested() && WallClock::now() - now < kAgain;)
+        listener.listen();
+    }
     if (is_over && may_exit) return;
   }
 }
