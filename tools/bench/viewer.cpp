@@ -1,6 +1,10 @@
+#include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <map>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <CLI/CLI.hpp>
