@@ -60,6 +60,8 @@ class Operating {
   bool has_another_disk() const;
 
  private:
+  static constexpr std::chrono::milliseconds kAgain{1000};  ///< after what failed
+
   DeskBook with_vehicle(DeskBook book);
   Desk::Hands hands();
   Answer set_up(const Request& request);
