@@ -82,15 +82,15 @@ class Drive:
                     "rb-analyser": taken(analyser)}
             if watched:
                 viewer.terminate()
-                self.require_views(dict(json.loads(viewer.stdout.read())))
+                self.require_views(json.loads(viewer.stdout.read()))
             if subprocess.run([BIN / "rb", "verify", again], **QUIET, check=False).returncode != 0:
                 raise RuntimeError("what was recorded is not complete")
             after(pathlib.Path(again))
         return took
 
-    def require_views(self, averages):
+    def require_views(self, shown):
         """It is played faster than the views of it are asked for, which takes some of each drive's beginning."""
-        most = self.seconds * self.rate_hz / 2048
+        most, averages = self.seconds * self.rate_hz / shown["hop"], dict(shown["averages"])
         for node in map(int, self.numbers()):
             if averages.get(node, 0) < most / 4:
                 raise RuntimeError(f"of node {node} {averages.get(node, 0):.0f} averages were shown, of {most:.0f}")

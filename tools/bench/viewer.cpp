@@ -18,16 +18,18 @@
 #include "common/process/stop_on_signal.hpp"
 
 // Looks at the transfer functions of each node from its first channel to every other until it is told to end:
-// what costs an analyser the cross spectra of all pairs.  Then a line of JSON: of each node the most averages
-// that were told.
+// what costs an analyser the cross spectra of all pairs.  Then a line of JSON: samples from one
+// segment to the next, and pairs of a node and the most averages that were told of it.
 
 using namespace roadbalance;
 using namespace std::chrono_literals;
 
 namespace {
 
+constexpr int kSegment = 4096;  // half of which the next one has, too
+
 View all_pairs_of(std::int32_t node) {
-  View view{.viewer = 1000 + node, .segment = 4096};
+  View view{.viewer = 1000 + node, .segment = kSegment};
   for (std::int32_t channel = 1; channel < kChannels; ++channel)
     view.pair.push_back({.input = {node, 0}, .output = {node, channel}});
   return view;
@@ -55,6 +57,7 @@ int main(int argc, char** argv) {
     due += 500ms;
     for (const int node : nodes) bus.publish(kViewChannel, encode(all_pairs_of(node)));
   }
-  std::printf("%s\n", nlohmann::json(averages).dump().c_str());
+  const nlohmann::json shown{{"hop", kSegment / 2}, {"averages", averages}};
+  std::printf("%s\n", shown.dump().c_str());
   return 0;
 }

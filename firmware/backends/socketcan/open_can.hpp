@@ -9,9 +9,8 @@ namespace roadbalance {
 /// device or, with accelerometer_id, the scans of that module with the signals.
 ///
 /// @param warn  see CanIntake
-/// @throws ConfigError naming what is wrong with the wiring or the DBC file; CanError, of the interface, with
-/// the
-///         command that mends it; std::system_error
+/// @throws ConfigError naming what is wrong with the wiring or the DBC file; CanError naming the interface,
+///         with the command that mends it; std::system_error
 OpenedDevice open_can(const FrontEndRequest& request, const CanIntake::Warn& warn);
 
 }  // namespace roadbalance
