@@ -20,7 +20,7 @@
 namespace roadbalance {
 namespace {
 
-constexpr std::size_t kPiecesAhead = 8;  // of half a second each
+constexpr std::size_t kPiecesAhead = 80;  // of a twentieth of a second each
 constexpr auto kLongestWait = std::chrono::milliseconds(100);
 constexpr std::size_t kRunScans = 64;  // a reader is not woken for every scan
 

@@ -31,7 +31,7 @@ class RecordedDrive {
   ///         several runs of it and none was chosen
   RecordedDrive(const std::filesystem::path& folder, std::int32_t node, std::optional<std::int64_t> epoch);
 
-  /// The next half second or so; nothing at the end.
+  /// The next twentieth of a second or so; nothing at the end.
   std::optional<RecordedPiece> next();
 
   NodeTime first_scan() const { return first_scan_; }
