@@ -8,6 +8,7 @@
 #include "common/dsp/cross_spectra_kernels.hpp"
 #include "common/dsp/fft.hpp"
 #include "common/dsp/psd.hpp"
+#include "common/process/huge_pages.hpp"
 
 namespace roadbalance {
 
@@ -92,8 +93,8 @@ class CrossSpectra {
   Eigen::Index filled_ = 0;
   mutable int waiting_ = 0;
   std::size_t line_, segment_;      ///< lanes of the batch from one channel, one segment to the next
-  std::vector<Lane> batch_;         ///< [segment][channel][tile][re, im]
-  mutable std::vector<Lane> sum_;   ///< [tile][pair][re, im], weighted mean of those summed up
+  HugeVector<Lane> batch_;          ///< [segment][channel][tile][re, im]
+  mutable HugeVector<Lane> sum_;    ///< [tile][pair][re, im], weighted mean of those summed up
   mutable std::vector<Lane> peak_;  ///< [tile][channel]
   int averages_ = 0;
   mutable int summed_ = 0;
