@@ -32,17 +32,25 @@ WelchPsd::WelchPsd(const Settings& settings)
 
 void WelchPsd::add(std::span<const double> samples) {
   while (!samples.empty()) {
+    if (filled_ == 0 && samples.size() >= history_.size()) {  // it lies there whole
+      add_segment(samples.data());
+      samples = samples.subspan(hop_);
+      continue;
+    }
     const std::size_t taken = std::min(samples.size(), history_.size() - filled_);
     std::copy_n(samples.begin(), taken, history_.begin() + static_cast<std::ptrdiff_t>(filled_));
     samples = samples.subspan(taken);
     filled_ += taken;
-    if (filled_ == history_.size()) add_segment();
+    if (filled_ < history_.size()) continue;
+    add_segment(history_.data());
+    std::copy(history_.begin() + static_cast<std::ptrdiff_t>(hop_), history_.end(), history_.begin());
+    filled_ -= hop_;
   }
 }
 
-void WelchPsd::add_segment() {
+void WelchPsd::add_segment(const double* segment) {
   const auto tapered = fft_.input();
-  for (std::size_t n = 0; n < tapered.size(); ++n) tapered[n] = window_[n] * history_[n];
+  for (std::size_t n = 0; n < tapered.size(); ++n) tapered[n] = window_[n] * segment[n];
   fft_.transform(tapered, lines_);
   for (std::size_t lane = 0; lane < lines_.size(); lane += 2) {
     double* const sum = &sum_[lane / 2 * kBinsOfLane];
@@ -50,8 +58,6 @@ void WelchPsd::add_segment() {
     for (int k = 0; k < kBinsOfLane; ++k) sum[k] += re.of[k] * re.of[k] + im.of[k] * im.of[k];
   }
   ++averages_;
-  std::copy(history_.begin() + static_cast<std::ptrdiff_t>(hop_), history_.end(), history_.begin());
-  filled_ -= hop_;
 }
 
 void WelchPsd::reset() {

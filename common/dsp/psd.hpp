@@ -45,7 +45,7 @@ class WelchPsd {
   std::vector<double> density() const;
 
  private:
-  void add_segment();
+  void add_segment(const double* segment);
 
   RealFft fft_;
   std::vector<double> window_;

@@ -15,12 +15,13 @@ int segment_samples(const NodeConfig& node) {
 
 SpectrumMeter::SpectrumMeter(const NodeConfig& node)
     : node_(node),
-      psd_({.rate_hz = node.rate_hz, .segment = segment_samples(node)}),
+      psd_({.rate_hz = node.rate_hz, .segment = segment_samples(node), .overlap = 0.0}),
       segment_(segment_samples(node)),
       hop_(std::max<std::int64_t>(1, segment_ / 2)),
       bins_(std::min(static_cast<std::size_t>(segment_ / 2) + 1,
                      static_cast<std::size_t>(kHighest_hz / psd_.step_hz()) + 1)),
-      samples_(node.channel.size(), std::vector<double>(static_cast<std::size_t>(segment_))) {}
+      counts_(node.channel.size(), std::vector<std::int32_t>(static_cast<std::size_t>(segment_))),
+      samples_(static_cast<std::size_t>(segment_)) {}
 
 void SpectrumMeter::add(const ScanBlock& block) {
   const BlockHeader& header = block.header;
@@ -45,10 +46,10 @@ void SpectrumMeter::add(const ScanBlock& block) {
 }
 
 void SpectrumMeter::take_rows(const ScanBlock& block, std::int64_t first, std::int64_t count) {
-  for (std::size_t c = 0; c < samples_.size(); ++c) {
-    double* const to = samples_[c].data() + filled_;
+  for (std::size_t c = 0; c < counts_.size(); ++c) {
+    std::int32_t* const to = counts_[c].data() + filled_;
     for (std::int64_t row = 0; row < count; ++row)
-      to[row] = node_.channel[c].to_si(block.counts[static_cast<std::size_t>(first + row)][c]);
+      to[row] = block.counts[static_cast<std::size_t>(first + row)][c];
   }
   filled_ += count;
 }
@@ -61,12 +62,15 @@ void SpectrumMeter::add_segment() {
     densities_.pop_front();
     densities.clear();
   }
-  for (auto& samples : samples_) {
+  for (std::size_t c = 0; c < counts_.size(); ++c) {
+    auto& counts = counts_[c];
+    const auto to_si = [&channel = node_.channel[c]](std::int32_t count) { return channel.to_si(count); };
+    std::ranges::transform(counts, samples_.begin(), to_si);
     psd_.reset();
-    psd_.add(samples);
+    psd_.add(samples_);
     const std::vector<double> density = psd_.density();
     densities.insert(densities.end(), density.begin(), density.begin() + static_cast<std::ptrdiff_t>(bins_));
-    std::copy(samples.begin() + static_cast<std::ptrdiff_t>(hop_), samples.end(), samples.begin());
+    std::copy(counts.begin() + static_cast<std::ptrdiff_t>(hop_), counts.end(), counts.begin());
   }
   densities_.push_back(std::move(densities));
   filled_ = segment_ - hop_;
@@ -76,7 +80,7 @@ void SpectrumMeter::add_segment() {
 std::vector<SpectrumPart> SpectrumMeter::take() {
   std::vector<SpectrumPart> parts;
   if (!std::exchange(news_, false)) return parts;
-  for (std::size_t c = 0; c < samples_.size(); ++c) append_parts(static_cast<std::int32_t>(c), parts);
+  for (std::size_t c = 0; c < counts_.size(); ++c) append_parts(static_cast<std::int32_t>(c), parts);
   return parts;
 }
 

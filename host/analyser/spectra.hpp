@@ -39,8 +39,10 @@ class SpectrumMeter {
   WelchPsd psd_;  ///< of one segment at a time
   std::int64_t segment_, hop_;
   std::size_t bins_;  ///< up to kHighest_hz
-  std::vector<std::vector<double>>
-      samples_;  ///< [channel][sample] m/s^2, of the segment that is being filled
+  /// [channel][sample] of the segment that is being filled: half as long as in m/s^2, for no near cache holds
+  /// those of all nodes.
+  std::vector<std::vector<std::int32_t>> counts_;
+  std::vector<double> samples_;  ///< m/s^2, of one channel's segment
   std::int64_t filled_ = 0;
   std::deque<std::vector<double>> densities_;  ///< [segment][channel, bin], the newest last
   std::int64_t epoch_ = 0;
