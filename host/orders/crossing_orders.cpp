@@ -52,6 +52,7 @@ CrossingOrders::CrossingOrders(const VehicleConfig& vehicle, std::vector<Rotor> 
     : rotor_(std::move(rotor)),
       node_(vehicle.node[static_cast<std::size_t>(node)]),
       channel_(std::move(channel)),
+      si_(node_, channel_),
       order_(checked(order, rotor_)),
       recorded_(vehicle.filter),
       factor_(factor_of(node_, rotor_, order_)),
@@ -95,14 +96,7 @@ void CrossingOrders::take(const GridJoin::Row& row) {
     angles_(static_cast<Eigen::Index>(r), filled_) = reading.angle_rad;
   }
   if (!all_known) return end_run();
-  const GridJoin::Sample& sample = row.sample.front();
-  std::uint32_t overload = 0;
-  for (std::size_t c = 0; c < channel_.size(); ++c) {
-    overload |= static_cast<std::uint32_t>(sample.overload >> channel_[c] & 1) << c;
-    values_(static_cast<Eigen::Index>(c), filled_) =
-        node_.channel[channel_[c]].to_si(static_cast<double>((*sample.counts)[channel_[c]]));
-  }
-  row_overload_.push_back(overload);
+  row_overload_.push_back(si_.read(row.sample.front(), values_.col(filled_)));
   ++filled_;
   if (filled_ > last && rows_++ % factor_ == 0) {
     std::uint32_t any = 0;

@@ -13,6 +13,7 @@
 #include "host/orders/anti_aliasing.hpp"
 #include "host/orders/mean_vector.hpp"
 #include "host/orders/rotor_angle.hpp"
+#include "host/orders/si_channels.hpp"
 
 namespace roadbalance {
 
@@ -73,6 +74,7 @@ class CrossingOrders {
   std::vector<Rotor> rotor_;
   NodeConfig node_;
   std::vector<std::size_t> channel_;
+  SiChannels si_;
   std::vector<double> order_;
   AntiAliasing recorded_;
   std::vector<double> class_hz_;  ///< [rotor]

@@ -77,7 +77,8 @@ RotorOrders::RotorOrders(const VehicleConfig& vehicle, Rotor rotor, int node,
                for (std::size_t k = 0; k < sharing_.size(); ++k)
                  sharing_[k]->resampler_.add(angle_rad[k], values, overload);
              }),
-      values_(std::ssize(channel_)),
+      si_(node_, channel_),
+      values_(si_.size()),
       join_(
           nodes_of(vehicle, {&rotor_, 1}, node), [this](const GridJoin::Row& row) { take(row); },
           effort.longest_wait_s) {}
@@ -103,13 +104,7 @@ void RotorOrders::take(const GridJoin::Row& row) {
     fewer_.interrupt();
     for (RotorOrders* const each : sharing_) each->restart();
   }
-  const GridJoin::Sample& sample = row.sample.front();
-  std::uint32_t overload = 0;
-  for (std::size_t c = 0; sample.overload != 0 && c < channel_.size(); ++c)
-    overload |= static_cast<std::uint32_t>(sample.overload >> channel_[c] & 1) << c;
-  for (std::size_t c = 0; c < channel_.size(); ++c)
-    values_(static_cast<Eigen::Index>(c)) =
-        node_.channel[channel_[c]].to_si(static_cast<double>((*sample.counts)[channel_[c]]));
+  const std::uint32_t overload = si_.read(row.sample.front(), values_);
   for (std::size_t k = 0; k < sharing_.size(); ++k) sharing_[k]->give_angle(row, fewer_, k);
   fewer_.add(values_, overload);
 }

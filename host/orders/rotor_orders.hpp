@@ -14,6 +14,7 @@
 #include "host/orders/order_waterfall.hpp"
 #include "host/orders/rotor.hpp"
 #include "host/orders/rotor_angle.hpp"
+#include "host/orders/si_channels.hpp"
 
 namespace roadbalance {
 
@@ -110,6 +111,7 @@ class RotorOrders {
   AngleResampler resampler_;
   std::vector<RotorOrders*> sharing_{this};
   FewerSamples fewer_;
+  SiChannels si_;
   Eigen::VectorXd values_;
   GridJoin join_;
   std::int64_t rows_ = 0, no_angle_ = 0, uncertain_ = 0, gaps_ = 0;
