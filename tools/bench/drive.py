@@ -10,7 +10,7 @@ import tempfile
 import time
 
 from row import BIN, ROOT
-from taken import QUIET, Taken, measured, running, taken
+from taken import QUIET, Taken, measured, on_one_core, running, taken
 
 
 def demo(seconds, car, *more):
@@ -68,18 +68,22 @@ class Drive:
 
     def chain(self, after=lambda record: None, watched=False):
         """What every program takes: the nodes play the drive from their devices on, so that what the simulated car
-        takes is not in it, as fast as they go. `after` is called with what was recorded, complete. If it is watched,
-        the analyser makes the cross spectra of all pairs of each node for somebody, whose time does not count."""
+        takes is not in it, as fast as they go, all on one core; the wall's time is that from the start of the nodes to
+        the end of all. `after` is called with what was recorded, complete. If it is watched, the analyser makes the
+        cross spectra of all pairs of each node for somebody, whose time does not count."""
         with tempfile.TemporaryDirectory(dir=self.folder) as again, contextlib.ExitStack() as programs:
-            analyser = programs.enter_context(
-                running(BIN / "rb-analyser", "--url", self.url(), "--record", again, "--exit-at-end"))
-            recorder = programs.enter_context(self.recorder(again, *self.numbers()))
             viewer = watched and programs.enter_context(
                 running(BIN / "bench-viewer", "--url", self.url(), "--nodes", *self.numbers(), stdout=subprocess.PIPE))
-            time.sleep(0.5)
-            nodes = [programs.enter_context(self.node(name, "max")) for name in self.nodes]
+            with on_one_core():
+                analyser = programs.enter_context(
+                    running(BIN / "rb-analyser", "--url", self.url(), "--record", again, "--exit-at-end"))
+                recorder = programs.enter_context(self.recorder(again, *self.numbers()))
+                time.sleep(0.5)
+                begin = time.monotonic()
+                nodes = [programs.enter_context(self.node(name, "max")) for name in self.nodes]
             took = {"rb-node": functools.reduce(Taken.plus, map(taken, nodes)), "rb-recorder": taken(recorder),
                     "rb-analyser": taken(analyser)}
+            took = {name: each._replace(wall_s=time.monotonic() - begin) for name, each in took.items()}
             if watched:
                 viewer.terminate()
                 self.require_views(json.loads(viewer.stdout.read()))
@@ -109,6 +113,23 @@ class Drive:
                 taken(recorder)
         return share
 
+    def durable(self):
+        """How long blocks of all nodes, played at the speed of the drive, wait until they are on the disk."""
+        with tempfile.TemporaryDirectory(dir=self.folder) as again, contextlib.ExitStack() as programs:
+            listener = programs.enter_context(running(BIN / "bench-durable", "--url", self.url(), stdout=subprocess.PIPE))
+            recorder = programs.enter_context(self.recorder(again, *self.numbers()))
+            time.sleep(0.5)
+            for node in [programs.enter_context(self.node(name, "1")) for name in self.nodes]:
+                taken(node)
+            taken(recorder)
+            time.sleep(0.5)  # what was said last is heard
+            listener.terminate()
+            waited = json.loads(listener.stdout.read())
+        if waited["blocks"] == 0 or waited["not_durable"] > 0:
+            raise RuntimeError(f"of blocks heard {waited['not_durable']} were not called durable, "
+                               f"{waited['blocks']} were")
+        return waited
+
     def files(self):
         return sorted(self.record.iterdir())
 
@@ -125,8 +146,8 @@ class Drive:
 
 
 def least_of(rounds, drive, **how):
-    """The least time that each program took in some rounds: what else the machine does can only add to it; and the
-    most memory."""
+    """The least times that each program took in some rounds: what else the machine does can only add to them; and
+    the most memory."""
     took = [drive.chain(**how) for _ in range(rounds)]
-    return {name: Taken(min(one[name].cpu_s for one in took), max(one[name].memory_mb for one in took))
+    return {name: Taken(*(best(one[name][k] for one in took) for k, best in enumerate((min, max, min))))
             for name in took[0]}

@@ -28,6 +28,17 @@ def taken(started):
 
 
 @contextlib.contextmanager
+def on_one_core():
+    """What is started in it has one core, all together."""
+    cores = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {max(cores)})
+    try:
+        yield
+    finally:
+        os.sched_setaffinity(0, cores)
+
+
+@contextlib.contextmanager
 def running(*command, **said):
     """A program that is started, and told to end if it has not by itself, whatever happens beside it."""
     started = subprocess.Popen(command, **{**QUIET, **said})
