@@ -11,7 +11,8 @@ namespace {
 void add(const NodeReport& epoch, Receipt& receipt) {
   receipt.sums_agree = (receipt.epochs == 0 || receipt.sums_agree) && epoch.sums_agree;
   ++receipt.epochs;
-  if (!epoch.ended) ++receipt.open_epochs;
+  // What a node that died would have said is not known.
+  if (!epoch.ended || epoch.crashed) ++receipt.open_epochs;
   receipt.samples_sent += epoch.samples_sent;
   receipt.samples_recorded += epoch.samples_recorded;
   receipt.gaps += epoch.gaps;

@@ -66,9 +66,9 @@ class Drive:
     def numbers(self):
         return [str(number + 1) for number in range(len(self.nodes))]
 
-    def chain(self, after=lambda record: None, watched=False):
+    def chain(self, after=lambda record: None, watched=False, rate="max"):
         """What every program takes: the nodes play the drive from their devices on, so that what the simulated car
-        takes is not in it, as fast as they go, all on one core; the wall's time is that from the start of the nodes to
+        takes is not in it, as fast as they go or at a rate, all on one core; the wall's time is that from the start of the nodes to
         the end of all. `after` is called with what was recorded, complete. If it is watched, the analyser makes the
         cross spectra of all pairs of each node for somebody, whose time does not count."""
         with tempfile.TemporaryDirectory(dir=self.folder) as again, contextlib.ExitStack() as programs:
@@ -80,7 +80,7 @@ class Drive:
                 recorder = programs.enter_context(self.recorder(again, *self.numbers()))
                 time.sleep(0.5)
                 begin = time.monotonic()
-                nodes = [programs.enter_context(self.node(name, "max")) for name in self.nodes]
+                nodes = [programs.enter_context(self.node(name, rate)) for name in self.nodes]
             took = {"rb-node": functools.reduce(Taken.plus, map(taken, nodes)), "rb-recorder": taken(recorder),
                     "rb-analyser": taken(analyser)}
             took = {name: each._replace(wall_s=time.monotonic() - begin) for name, each in took.items()}

@@ -79,6 +79,19 @@ TEST(Receipts, AreCompletedByTheRunThatFetchedTheRest) {
   }
 }
 
+// Its sum was never told: that it does not agree would be a reason to look for damage.
+TEST(Receipts, OfANodeThatCrashedHaveNoEnd) {
+  RecorderReport report;
+  report.node = {epoch(1, 7, 1000), epoch(1, 8, 1000)};
+  report.node[0].crashed = true;
+  report.node[0].sums_agree = false;
+  const auto receipts = receipts_of(report, {.name = "drive"});
+  ASSERT_EQ(receipts.size(), 1u);
+  EXPECT_EQ(receipts[0].epochs, 2);
+  EXPECT_EQ(receipts[0].open_epochs, 1);
+  EXPECT_FALSE(receipts[0].sums_agree);
+}
+
 // It said that it took samples, and no block of it ever came.
 TEST(Receipts, OfANodeThatTheFolderKnowsNothingOfStaysOpen) {
   RecorderReport first;

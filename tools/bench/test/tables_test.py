@@ -28,7 +28,7 @@ growth = load("growth")
 
 
 def curve(part, of, *costs):
-    return [growth.Point(part, of, 2 ** k, cost, cost, 10.0 * k) for k, cost in enumerate(costs)]
+    return [growth.Point(part, of, 2 ** k, cost, cost, 10.0 - k) for k, cost in enumerate(costs)]
 
 
 EVERYTHING = [point for part in ("rb-node", "rb-recorder", "rb-analyser")
@@ -39,9 +39,14 @@ EVERYTHING += curve("cross spectra", "channels", 5.0, 10.0)
 
 class Growth(unittest.TestCase):
     def test_is_faster_than_the_work_beyond_a_quarter(self):
-        self.assertFalse(growth.grows_faster(curve("a", "b", 10.0, 9.0, 8.0)))
-        self.assertFalse(growth.grows_faster(curve("a", "b", 10.0, 15.0, 12.4)))
-        self.assertTrue(growth.grows_faster(curve("a", "b", 10.0, 10.0, 12.6)))
+        self.assertEqual([*growth.faster(curve("a", "b", 10.0, 9.0, 8.0))], [])
+        self.assertEqual([*growth.faster(curve("a", "b", 10.0, 15.0, 12.4))], [])
+        self.assertEqual([*growth.faster(curve("a", "b", 11.0, 10.0, 12.6))],
+                         ["a grows faster than its work as b grow: 10 ns at 2, 12.6 ns at 4"])
+        self.assertEqual([*growth.faster([point._replace(node_mb=mb) for point, mb in zip(
+                             curve("a", "b", 10.0, 10.0), (8.0, 10.2))])],
+                         ["a grows faster than its work as b grow: 8 MB a node at 1, 10.2 MB a node at 2"])
+        self.assertEqual([*growth.faster([point._replace(node_mb=None) for point in curve("a", "b", 10.0, 10.0)])], [])
 
     def test_curves_are_apart_by_what_grows(self):
         self.assertEqual({key: len(points) for key, points in growth.curves(EVERYTHING).items()}["covariance", "lags"], 2)

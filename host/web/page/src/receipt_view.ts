@@ -14,7 +14,7 @@ const isWhole = (receipt: Receipt) => lost(receipt) === 0 && receipt.gaps === 0 
 export function defects(receipts: readonly Receipt[]): string {
   const sum = (of: (receipt: Receipt) => number) => receipts.reduce((all, receipt) => all + of(receipt), 0);
   const [missing, gaps, open] = [sum(lost), sum((receipt) => receipt.gaps), sum((receipt) => receipt.open_epochs)];
-  const wrong = receipts.filter(({sums}) => sums === 0);
+  const wrong = receipts.filter(({sums, open_epochs}) => sums === 0 && open_epochs === 0);
   return [
     ...(missing > 0 ? [`${missing.toLocaleString("en")} lost`] : []),
     ...(gaps > 0 ? [gaps === 1 ? "1 gap" : `${gaps} gaps`] : []),
