@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -100,9 +101,10 @@ class RecordWriter {
   RecordWriter(RecordWriter&&) noexcept;
   RecordWriter& operator=(RecordWriter&&) noexcept;
 
-  /// Events to begin every segment with; set before the first append and whenever they change.  Behind them
-  /// the writer repeats what the record says of the clocks by then.
-  void set_preamble(std::vector<std::pair<std::string, std::vector<std::uint8_t>>> events);
+  /// Makes the events to begin a segment with, of what the record holds by then.
+  using Preamble = std::function<RecordEvents(const RecordState& holds)>;
+  /// Before the first append.  Behind these events the writer repeats what the record says of the clocks.
+  void set_preamble(Preamble preamble);
 
   /// What the constructor cut off the folder's last segment.
   struct CutTail {

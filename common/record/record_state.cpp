@@ -93,7 +93,7 @@ void add(const SealedBlock& block, RecordState& state) {
     position.next_scan = block.header.first_scan + block.header.scans;
 }
 
-RecordedClocks::Events clocks_going_on(const RecordState& state) {
+RecordEvents clocks_going_on(const RecordState& state) {
   return state.clocks.events([&state](const NodeEpoch& key) { return !has_ended(key, state); });
 }
 

@@ -50,7 +50,7 @@ inline constexpr std::size_t kMostDescriptionPartsInAll = 1024;  ///< 1.4 MB in 
 void add(const SealedBlock& block, RecordState& state);
 
 /// What the next segment repeats of the clocks: of epochs that have not ended.
-RecordedClocks::Events clocks_going_on(const RecordState& state);
+RecordEvents clocks_going_on(const RecordState& state);
 
 /// A block that can be read and that a power cut may take: see read_state().
 struct UnsureBlock {

@@ -34,8 +34,8 @@ RecordWriter::~RecordWriter() = default;
 RecordWriter::RecordWriter(RecordWriter&&) noexcept = default;
 RecordWriter& RecordWriter::operator=(RecordWriter&&) noexcept = default;
 
-void RecordWriter::set_preamble(std::vector<std::pair<std::string, std::vector<std::uint8_t>>> events) {
-  state_->preamble = std::move(events);
+void RecordWriter::set_preamble(Preamble preamble) {
+  state_->preamble = std::move(preamble);
 }
 
 void RecordWriter::append(std::string_view channel, std::span<const std::uint8_t> data,

@@ -47,7 +47,7 @@ struct RecordWriter::State : SegmentEvents {
   bool failed = false;
   bool may_have_next = false;  // a rename that failed may have happened
   bool commit_due = false;     // the next event is to say what is durable
-  std::vector<std::pair<std::string, std::vector<std::uint8_t>>> preamble;
+  Preamble preamble = [](const RecordState&) { return RecordEvents(); };
   std::vector<Note> abandoned;  // not yet said durably
   std::optional<CutTail> cut;
   RecordState before_it;  // what the record continues
@@ -130,7 +130,7 @@ struct RecordWriter::State : SegmentEvents {
     segment_bytes = reserved_bytes = 0;
     buffer.clear();
     for (const Note& note : abandoned) put(kNoteChannel, encode(note));
-    for (const auto& [channel, data] : preamble) put(channel, data);
+    for (const auto& [channel, data] : preamble(holds)) put(channel, data);
     for (const auto& [channel, data] : clocks_going_on(holds)) put(channel, data);
     flush(next);
     next.sync();

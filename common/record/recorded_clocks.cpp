@@ -35,8 +35,8 @@ std::optional<std::int64_t> RecordedClocks::utc_us(std::int64_t host_ns) const {
   return pair_->time_us + (host_ns - pair_->host_ns) / 1000;
 }
 
-RecordedClocks::Events RecordedClocks::events(const std::function<bool(const NodeEpoch&)>& wanted) const {
-  Events events;
+RecordEvents RecordedClocks::events(const std::function<bool(const NodeEpoch&)>& wanted) const {
+  RecordEvents events;
   if (pair_) events.emplace_back(kNoteChannel, encode(*pair_));
   for (const auto& [key, row] : fits_.rows()) {
     if (!wanted(key)) continue;

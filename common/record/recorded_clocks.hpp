@@ -15,6 +15,8 @@
 namespace roadbalance {
 
 using NodeEpoch = std::pair<std::int32_t, std::int64_t>;
+/// What a segment begins with, so that it can be read without those before: channels and messages.
+using RecordEvents = std::vector<std::pair<std::string, std::vector<std::uint8_t>>>;
 
 /// The clocks as a record tells them, up to the event taken last: how each node's stands to the host's, and
 /// the host's to UTC.
@@ -32,10 +34,9 @@ class RecordedClocks {
   /// UTC in microseconds of an instant of the host, by the pair of clocks noted last.
   std::optional<std::int64_t> utc_us(std::int64_t host_ns) const;
 
-  using Events = std::vector<std::pair<std::string, std::vector<std::uint8_t>>>;
   /// The same as messages: the pair of clocks (NoteKind::kClock), then for each epoch that `wanted` says the
   /// one or two fits of its row.
-  Events events(const std::function<bool(const NodeEpoch&)>& wanted) const;
+  RecordEvents events(const std::function<bool(const NodeEpoch&)>& wanted) const;
 
  private:
   ClockTable fits_;

@@ -14,7 +14,7 @@ constexpr std::int64_t kBlocksPerEntry = 128;
 
 ExcerptRecord::ExcerptRecord(const std::filesystem::path& folder)
     : folder_(folder), writer_({.folder = folder}) {
-  writer_.set_preamble(make_preamble(writer_.holds()));
+  writer_.set_preamble([](const RecordState& holds) { return make_preamble(holds); });
 }
 
 void ExcerptRecord::put(std::string_view channel, std::span<const std::uint8_t> data) {
@@ -30,7 +30,6 @@ void ExcerptRecord::put(const SealedBlock& block, const NodeLosses& losses) {
   ++open.blocks;
   const bool ends = block.kind == BlockKind::kEnd;
   if (open.blocks >= kBlocksPerEntry || ends) write_entry(key, open);
-  if (block.kind == BlockKind::kMeta || ends) writer_.set_preamble(make_preamble(writer_.holds()));
   if (ends) open_.erase(key);
 }
 

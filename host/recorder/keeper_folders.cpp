@@ -71,7 +71,6 @@ bool write_unsure(const std::vector<UnsureBlock>& unsure, RecordWriter& writer, 
   }
   if (writer.appended() == before) return false;
   writer.sync();
-  writer.set_preamble(make_preamble(writer.holds()));
   return true;
 }
 
@@ -126,7 +125,7 @@ void RecordKeeper::open_first() {
 void RecordKeeper::open(const std::filesystem::path& folder, RecordState before) {
   RecordWriter::Options where{.folder = folder, .segment_bytes = options_.segment_bytes};
   RecordWriter writer(std::move(where), disk_, std::move(before));
-  writer.set_preamble(make_preamble(writer.holds()));
+  writer.set_preamble([](const RecordState& holds) { return make_preamble(holds); });
   const auto there = disk_.identity(folder.c_str());
   if (!there) throw std::system_error(errno, std::generic_category(), "stat " + folder.string());
   if (folder != options_.folder) say_what_is_continued();

@@ -58,7 +58,7 @@ RecordEvents make_preamble(const RecordState& holds) {
   return make_preamble(going_on(holds));
 }
 
-RecordEvents make_preamble(const std::map<NodeEpoch, std::vector<SealedBlock>>& vehicle) {
+RecordEvents make_preamble(const RecordState::Descriptions& vehicle) {
   static const RecordEvents described = describe();
   RecordEvents events = described;
   for (const auto& [node_epoch, blocks] : vehicle)

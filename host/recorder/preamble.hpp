@@ -2,13 +2,10 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "common/link/block.hpp"
 #include "common/record/record_state.hpp"
 
 namespace roadbalance {
@@ -18,14 +15,12 @@ inline constexpr const char* kRecordFormat = "roadbalance record";
 /// of loss.
 inline constexpr int kRecordFormatVersion = 3;
 
-using RecordEvents = std::vector<std::pair<std::string, std::vector<std::uint8_t>>>;
-
 /// What every segment begins with, so that it can be read without the others and without this program: a JSON
 /// text (from node 0, the host) of the format's and the program's version, and name, fingerprint, size and
 /// .lcm text of each message type in it; and these vehicle.toml: of the epochs that go on (see going_on()).
 /// All have sequence 0: they repeat, and are no part of any node's sequence.
 RecordEvents make_preamble(const RecordState& holds);
-RecordEvents make_preamble(const std::map<NodeEpoch, std::vector<SealedBlock>>& vehicle);
+RecordEvents make_preamble(const RecordState::Descriptions& vehicle);
 
 /// What a recording says of itself.
 struct RecordDescription {

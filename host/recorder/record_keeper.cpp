@@ -65,7 +65,6 @@ void RecordKeeper::append(const Delivery& delivery, WallTime now) {
   if (at_once && attempt(now, [&] { writer_->append(*block, stamp_.time_us); })) {
     ++written_;
     segment_is_open_ = true;
-    if (block->kind == BlockKind::kMeta) writer_->set_preamble(make_preamble(writer_->holds()));
   }
   check_sum(*block);
 }
@@ -176,7 +175,6 @@ bool RecordKeeper::write_held(WallTime now) {
       const HeldEvents::Event event = held_.at(written_);
       writer_->append(event.channel, event.data, event.timestamp_us);
       segment_is_open_ = true;
-      if (event.channel.ends_with("_META")) writer_->set_preamble(make_preamble(writer_->holds()));
     }
   });
 }
@@ -211,7 +209,6 @@ std::vector<DurableMark> RecordKeeper::all_is_durable() {
   written_ = 0;
   appended_before_ = writer_->appended();
   held_blocks_ = 0;
-  if (urgent_) writer_->set_preamble(make_preamble(writer_->holds()));  // without the epochs that have ended
   urgent_ = false;
   if (failures_in_a_row_ > 1 || is_lost_)
     warnings_.push_back(

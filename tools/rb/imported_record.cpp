@@ -30,10 +30,10 @@ void ImportedRecord::add(std::size_t node, const SealedBlock& block) {
 
 void ImportedRecord::begin() {
   begun_ = true;
-  std::map<NodeEpoch, std::vector<SealedBlock>> metas;
+  RecordState::Descriptions metas;
   for (const auto& [place, block] : waiting_)
     if (block.kind == BlockKind::kMeta) metas[{block.header.node, block.header.epoch}].push_back(block);
-  record_.set_preamble(make_preamble(metas));
+  record_.set_preamble([events = make_preamble(metas)](const RecordState&) { return events; });
   put({.kind = NoteKind::kImported, .text = samples_}, begin_us_);
 }
 

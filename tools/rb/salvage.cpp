@@ -71,7 +71,7 @@ class Salvage {
     list_missing_segments();
     if (plans_.empty()) throw std::runtime_error("no good block is there to be recovered");
     writer_.emplace(RecordWriter::Options{.folder = target}, disk);
-    writer_->set_preamble(make_preamble(vehicle_.vehicle));
+    writer_->set_preamble([events = make_preamble(vehicle_.vehicle)](const RecordState&) { return events; });
     for (auto& [key, plan] : plans_) plan.highest = 0;
     sources_.for_each([this](const LogEvent& event, const Place&, bool counts) { write(event, counts); },
                       damage);

@@ -79,8 +79,11 @@ std::vector<std::int64_t> all_through(std::int64_t last) {
 Feeder::Feeder(RecordWriter::Options options, Disk& disk) : writer_(std::move(options), disk), base_(0) {
   const auto known = writer_.holds().epoch.find({kNode, kEpoch});
   if (known != writer_.holds().epoch.end()) base_ = known->second.position.contiguous;
-  const auto about = numbered_block(0).bytes();
-  writer_.set_preamble({{"RB_BLOCK_ABOUT", {about.begin(), about.end()}}});
+  writer_.set_preamble([](const RecordState&) {
+    const SealedBlock block = numbered_block(0);
+    const auto about = block.bytes();
+    return RecordEvents{{"RB_BLOCK_ABOUT", {about.begin(), about.end()}}};
+  });
 }
 
 template <typename Call>

@@ -88,9 +88,14 @@ TEST_F(Record, GivesBackEveryEventOfEverySegmentInOrder) {
 
 TEST_F(Record, BeginsEverySegmentWithThePreamble) {
   RecordWriter writer({.folder = folder, .segment_bytes = 1000});
-  writer.set_preamble({{"CHANNEL", payload(4711)}});
+  std::size_t made = 0;
+  writer.set_preamble([&made](const RecordState&) {
+    ++made;
+    return RecordEvents{{"CHANNEL", payload(4711)}};
+  });
   append(writer, 0, 100);
   writer.close();
+  EXPECT_EQ(made, segment_numbers(folder).size()) << "of many nodes it is long: not with every block";
   for (const int number : segment_numbers(folder)) {
     SegmentReader segment(segment_path(folder, number));
     std::vector<RecordReader::Damage> damage;
