@@ -17,8 +17,8 @@
 
 #include "common/config/section.hpp"
 #include "common/record/file.hpp"
-#include "common/text/printable.hpp"
 #include "host/exchange/line_reader.hpp"
+#include "host/exchange/wav_chunks.hpp"
 #include "host/exchange/wav_scale.hpp"
 
 namespace roadbalance {
@@ -29,60 +29,6 @@ constexpr double kMostScale = 1e100;  ///< so that every sample is a number
 
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& reason) {
   throw ConfigError(file.string() + ": " + reason);
-}
-
-/// A chunk of RIFF: four letters, length (32 bits, little endian), data, padded to an even length.
-struct Chunk {
-  std::string id;
-  std::uint64_t data, size;  ///< where its data begin, and their bytes
-  std::uint64_t next() const { return data + size + size % 2; }
-};
-
-constexpr std::uint64_t kChunkHead = 8;
-
-std::optional<Chunk> chunk_at(const File& file, std::uint64_t at, std::uint64_t end) {
-  std::array<std::uint8_t, kChunkHead> head{};
-  if (at + head.size() > end || file.read_at(at, head) != head.size()) return std::nullopt;
-  std::uint64_t size = 0;
-  for (std::size_t k = 0; k < 4; ++k) size |= std::uint64_t{head[4 + k]} << 8 * k;
-  return Chunk{std::string(head.begin(), head.begin() + 4), at + head.size(), size};
-}
-
-void expect_within(const File& file, const Chunk& chunk, std::uint64_t end, const char* whole) {
-  if (chunk.size > end - chunk.data)
-    fail(file.path(), "byte " + std::to_string(chunk.data - kChunkHead) + ": chunk " +
-                          printable_text(chunk.id) + " tells " + std::to_string(chunk.size) + " bytes; its " +
-                          whole + " ends at byte " + std::to_string(end));
-}
-
-struct Comment {
-  std::uint64_t at;  ///< byte of the file where it begins
-  std::string text;
-};
-
-/// The first INFO ICMT before the samples; nothing if there is none.  libsndfile drops one of more than 8 kB.
-/// @throws ConfigError  a chunk before the samples reaches beyond the file or its list; from such a file
-///                      sf_open() of libsndfile 1.2.0 may never return
-std::optional<Comment> comment_of(const File& file) {
-  constexpr std::uint64_t kRiffHeader = 12, kListType = 4, kMostText = 1 << 24;
-  const std::uint64_t end = file.size();
-  std::optional<Comment> found;
-  for (auto chunk = chunk_at(file, kRiffHeader, end); chunk && chunk->id != "data";
-       chunk = chunk_at(file, chunk->next(), end)) {
-    expect_within(file, *chunk, end, "file");
-    if (chunk->id != "LIST") continue;
-    const std::uint64_t list_end = chunk->data + chunk->size;
-    for (auto text = chunk_at(file, chunk->data + kListType, list_end); text;
-         text = chunk_at(file, text->next(), list_end)) {
-      expect_within(file, *text, list_end, "list");
-      if (found || text->id != "ICMT" || text->size > kMostText) continue;
-      std::vector<std::uint8_t> bytes(text->size);
-      bytes.resize(file.read_at(text->data, bytes));
-      found = {text->data,
-               std::string(bytes.begin(), std::find(bytes.begin(), bytes.end(), std::uint8_t{0}))};
-    }
-  }
-  return found;
 }
 
 struct Description {
@@ -96,7 +42,8 @@ struct Description {
 };
 
 /// As description_json() wrote it.
-Description describe(const std::filesystem::path& file, const std::optional<Comment>& comment, int channels) {
+Description describe(const std::filesystem::path& file, const std::optional<WavComment>& comment,
+                     int channels) {
   if (!comment) fail(file, "has no comment that tells its channels and scales; allowed: a file of rb export");
   try {
     const Json json = Json::parse(comment->text);
@@ -130,13 +77,14 @@ class WavSamples final : public SampleSource {
   explicit WavSamples(std::filesystem::path path)
       : path_(std::move(path)), file_(open_again_and_again(path_)) {
     expect_head();
-    const auto comment = comment_of(*file_);
-    wav_.reset(sf_open(path_.c_str(), SFM_READ, &info_));
+    chunks_.emplace(file_);
+    wav_.reset(chunks_->open(info_));
+    chunks_->expect_readable();
     if (!wav_)
       fail(path_, std::string("is damaged in the chunks before its samples: ") + sf_strerror(nullptr));
     if ((info_.format & SF_FORMAT_SUBMASK) != SF_FORMAT_PCM_32)
       fail(path_, "allowed: 32-bit PCM, as rb export writes it");
-    description_ = describe(path_, comment, info_.channels);
+    description_ = describe(path_, chunks_->comment(), info_.channels);
     // A file that is cut is none to libsndfile: it believes the file's length, not its header.
     if (info_.frames != description_.rows) refuse_length(info_.frames);
     for (const auto& channel : description_.channel) name_.push_back(channel.name);
@@ -155,6 +103,7 @@ class WavSamples final : public SampleSource {
     rows.clear();
     rows.channels = name_.size();
     const auto frames = static_cast<std::size_t>(sf_readf_int(wav_.get(), sample_.data(), kRowsAtOnce));
+    chunks_->expect_readable();
     for (std::size_t k = 0; k < frames; ++k, ++row_) {
       rows.time_s.push_back(description_.first_s + static_cast<double>(row_) / description_.rate_hz);
       for (std::size_t c = 0; c < name_.size(); ++c)
@@ -189,6 +138,7 @@ class WavSamples final : public SampleSource {
 
   const std::filesystem::path path_;
   const std::shared_ptr<const File> file_;
+  std::optional<WavChunks> chunks_;
   SF_INFO info_{};
   std::unique_ptr<SNDFILE, int (*)(SNDFILE*)> wav_{nullptr, sf_close};
   Description description_;

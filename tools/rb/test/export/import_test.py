@@ -1,6 +1,7 @@
 """rb import of hdf5, uff58 and wav: what rb export wrote comes back count for count; what others wrote, and what is wrong."""
 
 import os
+import struct
 import unittest
 
 import h5py
@@ -104,6 +105,19 @@ class Import(Exports):
         back, done = self.import_as("uff58", "late", file, self.root / "late.toml")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertAlmostEqual(Node(back, 1).time_ns[0] * 1e-9, expected, delta=3e-9)
+
+    # libsndfile by itself reads on for ever in a list of a kind it does not know, before and behind the samples.
+    def test_takes_a_wav_file_whose_lists_somebody_else_added(self):
+        file, _ = self.export("wav", self.made, "lists.wav", "--vehicle", self.root / "lists.toml")
+        good = file.read_bytes()
+        added = b"LIST" + struct.pack("<I", 24) + b"\0\0\0\xff\xf8\xff\xff\xff" + bytes(16)
+        counts = []
+        for name, data in (("plain", good), ("lists", good[:12] + added + good[12:] + added)):
+            file.write_bytes(data)
+            back, done = self.import_as("wav", name, file, self.root / "lists.toml")
+            self.assertEqual(done.returncode, 3, done.stderr)
+            counts.append(Node(back, 2).counts)
+        np.testing.assert_array_equal(*counts)
 
     def write_hdf5(self, name, time_s, **channels):
         with h5py.File(self.root / name, "w") as file:
