@@ -122,7 +122,8 @@ RecordState read_state(const std::filesystem::path& folder, Disk& disk, RecordSt
   const std::uint64_t durable = is_finished ? 0 : measure_segment(segment_path(folder, last), disk).durable;
   const auto add_or_doubt = [&](const RecordReader& reader, const LogEvent& event, const SealedBlock& block) {
     const bool is_durable = is_finished || reader.segment() != last || reader.offset() < durable;
-    if (is_durable)
+    // What a segment begins with repeats what is durable, and nobody writes it again.
+    if (is_durable || block.header.sequence <= 0)
       add(block, before);
     else if (unsure)
       unsure->push_back({.block = block, .timestamp_us = event.timestamp_us});

@@ -154,7 +154,7 @@ struct RecordWriter::State : SegmentEvents {
       next = prepare_next(unnamed);
       may_have_next = true;
       rename_file(unnamed, path(segment + 1), disk);
-    } catch (const std::system_error&) {
+    } catch (...) {
       buffer.clear();  // the present segment is as it was, and can be gone on with
       segment_bytes = size_before;
       reserved_bytes = reserved_before;

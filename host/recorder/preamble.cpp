@@ -35,7 +35,7 @@ void add(const MetaBlock& meta, RecordEvents& events) {
                       std::vector<std::uint8_t>(sealed.bytes().begin(), sealed.bytes().end()));
 }
 
-// It is the same each time, and asked for with every segment and node.
+// It is the same each time, and asked for with every segment.
 RecordEvents describe() {
   RecordEvents events;
   for (const MetaBlock& part : split_text(MetaKind::kRecordJson, description())) add(part, events);

@@ -9,10 +9,10 @@ namespace roadbalance {
 namespace {
 
 void add(const NodeReport& epoch, Receipt& receipt) {
-  receipt.sums_agree = (receipt.epochs == 0 || receipt.sums_agree) && epoch.sums_agree;
+  const bool has_end = epoch.ended && !epoch.crashed;  // what a node that died would have said is not known
+  receipt.sums_agree = (receipt.epochs == 0 || receipt.sums_agree) && (!has_end || epoch.sums_agree);
   ++receipt.epochs;
-  // What a node that died would have said is not known.
-  if (!epoch.ended || epoch.crashed) ++receipt.open_epochs;
+  if (!has_end) ++receipt.open_epochs;
   receipt.samples_sent += epoch.samples_sent;
   receipt.samples_recorded += epoch.samples_recorded;
   receipt.gaps += epoch.gaps;

@@ -8,7 +8,6 @@
 #include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
 #include "common/link/planted.hpp"
-#include "host/recorder/preamble.hpp"
 
 namespace roadbalance {
 namespace {

@@ -10,7 +10,7 @@ import tempfile
 import time
 
 from row import BIN, ROOT
-from taken import QUIET, Taken, measured, on_one_core, running, taken
+from taken import ONE_CORE, OTHER_CORES, QUIET, Taken, measured, only_on, running, taken
 
 
 def demo(seconds, car, *more):
@@ -68,13 +68,14 @@ class Drive:
 
     def chain(self, after=lambda record: None, watched=False, rate="max"):
         """What every program takes: the nodes play the drive from their devices on, so that what the simulated car
-        takes is not in it, as fast as they go or at a rate, all on one core; the wall's time is that from the start of the nodes to
-        the end of all. `after` is called with what was recorded, complete. If it is watched, the analyser makes the
-        cross spectra of all pairs of each node for somebody, whose time does not count."""
+        takes is not in it, as fast as they go or at a rate, all on one core; the wall's time is that from the start
+        of the nodes to the end of all. `after` is called with what was recorded, complete. If it is watched, the
+        analyser makes the cross spectra of all pairs of each node for somebody, who has another core."""
         with tempfile.TemporaryDirectory(dir=self.folder) as again, contextlib.ExitStack() as programs:
-            viewer = watched and programs.enter_context(
-                running(BIN / "bench-viewer", "--url", self.url(), "--nodes", *self.numbers(), stdout=subprocess.PIPE))
-            with on_one_core():
+            with only_on(OTHER_CORES):
+                viewer = watched and programs.enter_context(running(
+                    BIN / "bench-viewer", "--url", self.url(), "--nodes", *self.numbers(), stdout=subprocess.PIPE))
+            with only_on(ONE_CORE):
                 analyser = programs.enter_context(
                     running(BIN / "rb-analyser", "--url", self.url(), "--record", again, "--exit-at-end"))
                 recorder = programs.enter_context(self.recorder(again, *self.numbers()))

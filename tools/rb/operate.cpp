@@ -46,7 +46,7 @@ Json receipt_json(const Receipt& receipt) {
           {"overload_s", receipt.overload_s},
           {"sync_us", receipt.sync_us < 0 ? Json(nullptr) : Json(receipt.sync_us)},
           {"crc32c", crc},
-          {"sums_agree", receipt.sums_agree}};
+          {"sums_agree", receipt.sums_agree && receipt.open_epochs == 0}};
 }
 
 void print_receipt(const Receipt& receipt) {
@@ -56,9 +56,9 @@ void print_receipt(const Receipt& receipt) {
               static_cast<long long>(receipt.samples_sent - receipt.samples_recorded),
               static_cast<long long>(receipt.repaired), receipt.overload_s);
   if (receipt.sync_us >= 0) std::printf("clock within %.0f us, ", receipt.sync_us);
-  const char* const proof = receipt.sums_agree        ? "agrees"
+  const char* const proof = !receipt.sums_agree       ? "DOES NOT AGREE"
                             : receipt.open_epochs > 0 ? "is not proven: the node has not told its own"
-                                                      : "DOES NOT AGREE";
+                                                      : "agrees";
   std::printf("CRC %08x %s\n", receipt.blocks_crc32c, proof);
 }
 

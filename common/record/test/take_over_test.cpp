@@ -6,6 +6,8 @@
 #include <cerrno>
 #include <system_error>
 
+#include "common/bus/bus.hpp"
+#include "common/bus/codec.hpp"
 #include "common/record/folder.hpp"
 #include "common/record/segment_index.hpp"
 #include "common/record/test/numbered_blocks.hpp"
@@ -137,6 +139,25 @@ TEST(ReadState, GivesApartWhatMayHaveBeenPromisedWithoutACommitEvent) {
   EXPECT_TRUE(read_state(kFolder, disk, {}, &unsure).epoch.empty());
   ASSERT_FALSE(unsure.empty());
   EXPECT_EQ(unsure.back().block.header.sequence, kPromised);
+}
+
+// They repeat what is durable: whoever goes on in another folder begins its segments with them.
+TEST(ReadState, KnowsTheDescriptionsThatASegmentWithoutACommitEventBeginsWith) {
+  SimulatedDisk disk;
+  RecordWriter writer({.folder = kFolder}, disk);
+  writer.set_preamble([](const RecordState&) {
+    SealedBlock vehicle;
+    seal(MetaBlock{.header = {.node = 1, .epoch = 7}, .parts = 1, .text = "[vehicle]"}, vehicle);
+    const auto bytes = vehicle.bytes();
+    return RecordEvents{{block_channel(1, BlockKind::kMeta), {bytes.begin(), bytes.end()}}};
+  });
+  writer.append(numbered_block(1), 0);
+  writer.sync();
+  disk.kill();
+  std::vector<UnsureBlock> unsure;
+  const RecordState state = read_state(kFolder, disk, {}, &unsure);
+  ASSERT_EQ(unsure.size(), 1u);
+  EXPECT_EQ(state.vehicle.size(), 1u);
 }
 
 }  // namespace

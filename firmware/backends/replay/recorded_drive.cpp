@@ -11,8 +11,9 @@
 namespace roadbalance {
 namespace {
 
-// Edges are sealed at the latest 200 ms after their scans, which may wait 100 ms for a reference.
-constexpr auto kLookAhead = std::chrono::seconds(1);
+// Few edges wait a second for others, then for the end of a block of scans; these may wait 100 ms for a
+// reference.
+constexpr auto kLookAhead = std::chrono::milliseconds(1500);
 constexpr auto kPiece = std::chrono::milliseconds(50);  // small enough for a near cache, at 10 kHz too
 
 /// Runs of the node that the record holds scans of.

@@ -23,7 +23,7 @@ struct RecordedPiece {
 /// Reads what a node's devices gave back out of its recording: scans with the index they had since the start,
 /// gaps as jumps of it; edges and samples of signals as they were stamped.
 ///
-/// The record has edges up to 300 ms behind the scans they belong to; here they are in order again.
+/// The record has edges up to 1.3 s behind the scans they belong to; here they are in order again.
 class RecordedDrive {
  public:
   /// @param epoch  which run of the node; nothing: the only one

@@ -14,7 +14,7 @@ const isWhole = (receipt: Receipt) => lost(receipt) === 0 && receipt.gaps === 0 
 export function defects(receipts: readonly Receipt[]): string {
   const sum = (of: (receipt: Receipt) => number) => receipts.reduce((all, receipt) => all + of(receipt), 0);
   const [missing, gaps, open] = [sum(lost), sum((receipt) => receipt.gaps), sum((receipt) => receipt.open_epochs)];
-  const wrong = receipts.filter(({sums, open_epochs}) => sums === 0 && open_epochs === 0);
+  const wrong = receipts.filter(({sums}) => sums === 0);
   return [
     ...(missing > 0 ? [`${missing.toLocaleString("en")} lost`] : []),
     ...(gaps > 0 ? [gaps === 1 ? "1 gap" : `${gaps} gaps`] : []),
@@ -28,7 +28,7 @@ function row(receipt: Receipt): HTMLTableRowElement {
     String(receipt.node), receipt.samples_recorded.toLocaleString("en"), lost(receipt).toLocaleString("en"),
     receipt.repaired.toLocaleString("en"), `${receipt.overload_s.toFixed(1)} s`,
     receipt.sync_us < 0 ? "not known" : `${Math.ceil(receipt.sync_us)} µs`,
-    receipt.open_epochs > 0 ? "no end" : receipt.sums !== 0 ? `${crc} agrees` : `${crc} DOES NOT AGREE`];
+    receipt.sums === 0 ? `${crc} DOES NOT AGREE` : receipt.open_epochs > 0 ? "no end" : `${crc} agrees`];
   return el("tr", {"data-whole": String(isWhole(receipt))},
             cells.map((cell, k) => (k === 0 ? el("th", {scope: "row"}, [cell]) : el("td", {}, [cell]))));
 }
