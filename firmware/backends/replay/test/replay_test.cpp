@@ -73,7 +73,7 @@ class Replay : public ::testing::Test {
     return open_replay_front_end({folder.path().string() + query, vehicle, node});
   }
 
-  const VehicleConfig vehicle = VehicleConfig::parse(std::string(embedded::kDemoVehicle), "vehicle.toml");
+  VehicleConfig vehicle = VehicleConfig::parse(std::string(embedded::kDemoVehicle), "vehicle.toml");
   const NodeConfig& node = vehicle.node_named("front");
   const test::TemporaryDirectory folder;
 };
@@ -92,6 +92,27 @@ TEST_F(Replay, MakesTheNodeSealTheSameBlocksAgain) {
   const Blocks again = seal(*open());
   for (const BlockKind kind : {BlockKind::kScan, BlockKind::kEdge, BlockKind::kSignal, BlockKind::kEnd})
     expect_same(recorded, again, kind);
+}
+
+// So few edges wait a second in the node, and then for the end of a long block of scans.
+TEST_F(Replay, GivesNoEdgeBehindAYoungerScanWhereWheelsHaveFewPulses) {
+  for (NodeConfig& one : vehicle.node) one.rate_hz = 125.0;
+  for (WheelConfig& wheel : vehicle.wheel) wheel.encoder.pulses_per_turn = 8;
+  record(drive());
+  const auto device = open();
+  std::vector<Edge> edges(100);
+  std::vector<SignalSample> signals(100);
+  std::size_t given = 0;
+  NodeTime last{};
+  for (ReadStatus status = ReadStatus::kOk; status == ReadStatus::kOk;) {
+    Scan scan;
+    const Read read = device->read({&scan, 1}, edges, signals);
+    for (const Edge& edge : std::span(edges).first(read.edges)) EXPECT_GT(edge.time, last);
+    given += read.edges;
+    if (read.scans > 0) last = scan.time;
+    status = read.status;
+  }
+  EXPECT_GT(given, 100u);
 }
 
 TEST_F(Replay, HasTheGapsOfTheRecordWithTheirCause) {
