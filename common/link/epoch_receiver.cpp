@@ -247,8 +247,11 @@ bool EpochReceiver::is_asked_now(Slot& s, std::int64_t sequence, WallTime now) {
 std::vector<SequenceRange> EpochReceiver::missing(WallTime now) {
   std::vector<SequenceRange> ranges;
   if (ended_) return ranges;
+  // Often and through the whole window, so without dividing for each.
+  auto next = slots_.begin() + (contiguous_ + 1) % options_.window;
   for (std::int64_t k = contiguous_ + 1; k <= highest_; ++k) {
-    Slot& s = slot(k);
+    Slot& s = *next;
+    if (++next == slots_.end()) next = slots_.begin();
     if (s.arrived) continue;
     const bool continues = !ranges.empty() && ranges.back().last == k - 1;
     if (!continues && ranges.size() == kMaxMissingRanges) break;
