@@ -5,7 +5,6 @@
 
 #include "common/config/section.hpp"
 #include "common/dsp/decimation.hpp"
-#include "common/dsp/weighted_sum.hpp"
 
 namespace roadbalance {
 
@@ -17,34 +16,23 @@ int decimation_factor(const VehicleConfig& vehicle) {
 }
 
 Decimator::Decimator(int factor, Emit emit)
-    : factor_(factor),
-      taps_(decimation_taps(factor)),
-      history_(SignalMatrix::Zero(kSignals, 8 * taps_.size())),
-      road_(RoadMatrix::Zero(kWheels, history_.cols())),
+    : signals_(kSignals, factor, decimation_taps(factor)),
+      road_(kWheels, factor, decimation_taps(factor)),
       emit_(std::move(emit)) {}
 
 void Decimator::consume(const SignalRun& run) {
   if (run.restart) {
-    filled_ = 0;
+    signals_.restart(run.first_index);
     restart_ = true;
   }
-  const Eigen::Index n = taps_.size();
   const bool measured = run.road_m.cols() > 0;
+  if (run.restart || !measured) road_.restart(run.first_index + (measured ? 0 : run.samples.cols()));
   for (Eigen::Index i = 0; i < run.samples.cols(); ++i) {
-    if (filled_ == history_.cols()) {
-      history_.leftCols(n - 1) = history_.rightCols(n - 1).eval();
-      road_.leftCols(n - 1) = road_.rightCols(n - 1).eval();
-      filled_ = n - 1;
-    }
-    if (measured) road_.col(filled_) = run.road_m.col(i);
-    history_.col(filled_++) = run.samples.col(i);
-    const std::int64_t centre = run.first_index + i - (n - 1) / 2;
-    if (filled_ < n || centre % factor_ != 0) continue;
-    IdentificationSample sample;
-    weighted_sum(history_.middleCols(filled_ - n, n), taps_, sample.signals);
-    if (measured) weighted_sum(road_.middleCols(filled_ - n, n), taps_, sample.road_m.emplace());
-    sample.restart = std::exchange(restart_, false);
-    sample.time_ns = run.time_ns;
+    const bool has_road = measured && road_.add(run.road_m.col(i));
+    if (!signals_.add(run.samples.col(i))) continue;
+    IdentificationSample sample{
+        .signals = signals_.output(), .restart = std::exchange(restart_, false), .time_ns = run.time_ns};
+    if (has_road) sample.road_m = road_.output();
     emit_(sample);
   }
 }

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "common/config/vehicle_config.hpp"
+#include "common/dsp/decimating_filter.hpp"
 #include "host/identify/signals.hpp"
 
 namespace roadbalance {
@@ -38,11 +39,7 @@ class Decimator {
   void consume(const SignalRun& run);
 
  private:
-  int factor_;
-  Eigen::VectorXd taps_;
-  SignalMatrix history_;  // the last taps_.size() samples, column filled_ - 1 the newest
-  RoadMatrix road_;       // the same of the road, where it is measured
-  Eigen::Index filled_ = 0;
+  DecimatingFilter signals_, road_;
   bool restart_ = true;
   Emit emit_;
 };

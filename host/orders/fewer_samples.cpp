@@ -1,23 +1,23 @@
 #include "host/orders/fewer_samples.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <utility>
 
 #include "common/dsp/decimation.hpp"
-#include "common/dsp/weighted_sum.hpp"
 
 namespace roadbalance {
 namespace {
 
-constexpr Eigen::Index kHistory = 3;  // times the taps: as few samples are moved as stay in a near cache
 constexpr std::size_t kBehind = 8;  // samples that are given, of which the low-pass knows the later half
 
 }  // namespace
 
 FewerSamples::FewerSamples(int channels, int factor, Emit emit)
-    : factor_(factor), taps_(decimation_taps(factor)), sum_(channels), emit_(std::move(emit)) {
-  history_.resize(channels, kHistory * taps_.size());
-  overload_.resize(static_cast<std::size_t>(history_.cols()));
+    : factor_(factor),
+      taps_(decimation_taps(factor).size()),
+      low_pass_(channels, factor, decimation_taps(factor)),
+      emit_(std::move(emit)) {
   follow(1);
 }
 
@@ -29,7 +29,10 @@ void FewerSamples::follow(std::size_t angles) {
 }
 
 void FewerSamples::interrupt() {
-  filled_ = overloads_end_ = count_ = 0;
+  low_pass_.restart(0);
+  count_ = 0;
+  samples_ = 0;
+  overload_.fill(-taps_);
   std::ranges::fill(lost_, std::uint8_t{0});
 }
 
@@ -51,29 +54,24 @@ void FewerSamples::add(const Eigen::Ref<const Eigen::VectorXd>& values, std::uin
     emit_(next_, values, overload);
     return forget_angles();
   }
-  const Eigen::Index n = taps_.size();
-  if (filled_ == history_.cols()) {
-    history_.leftCols(n - 1) = history_.rightCols(n - 1).eval();
-    std::copy(overload_.end() - (n - 1), overload_.end(), overload_.begin());
-    overloads_end_ -= filled_ - (n - 1);
-    filled_ = n - 1;
-  }
-  history_.col(filled_) = values;
-  overload_[static_cast<std::size_t>(filled_)] = overload;
-  ++filled_;
-  if (overload != 0) overloads_end_ = filled_;
-  const bool may_be_given = count_ == 0;
+  ++samples_;
+  for (std::uint32_t left = overload; left != 0; left &= left - 1)
+    overload_[static_cast<std::size_t>(std::countr_zero(left))] = samples_;
+  const bool is_given = low_pass_.add(values), may_be_given = count_ == 0;
   count_ = (count_ + 1) % factor_;
   if (!may_be_given) {
     std::ranges::fill(next_, std::nullopt);
     return;
   }
   remember_angles();
-  if (filled_ < n) return;
-  weighted_sum(history_.middleCols(filled_ - n, n), taps_, sum_);
+  if (is_given) emit_(std::span(waiting_).first(next_.size()), low_pass_.output(), overloads());
+}
+
+std::uint32_t FewerSamples::overloads() const {
   std::uint32_t any = 0;
-  for (Eigen::Index i = filled_ - n; i < overloads_end_; ++i) any |= overload_[static_cast<std::size_t>(i)];
-  emit_(std::span(waiting_).first(next_.size()), sum_, any);
+  for (std::size_t k = 0; k < overload_.size(); ++k)
+    if (overload_[k] > samples_ - taps_) any |= std::uint32_t{1} << k;
+  return any;
 }
 
 }  // namespace roadbalance

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -7,6 +8,8 @@
 #include <vector>
 
 #include <Eigen/Core>
+
+#include "common/dsp/decimating_filter.hpp"
 
 namespace roadbalance {
 
@@ -44,17 +47,18 @@ class FewerSamples {
  private:
   void remember_angles();
   void forget_angles();
+  /// Of the samples that the latest given one is made of.
+  std::uint32_t overloads() const;
 
   int factor_;
-  Eigen::VectorXd taps_, sum_;
-  Eigen::MatrixXd history_;              ///< [channel x sample], column filled_ - 1 the newest
-  std::vector<std::uint32_t> overload_;  ///< of the samples in history_
-  Eigen::Index filled_ = 0;
-  Eigen::Index overloads_end_ = 0;  ///< of those in history_, behind the last that is not 0
-  int count_ = 0;                   ///< samples since an interruption, modulo the factor
-  std::vector<Angle> next_;         ///< [wheel]
-  std::vector<std::uint8_t> lost_;  ///< [wheel] since the last sample that may be given
-  std::vector<Angle> waiting_;      ///< [sample that may be given][wheel], of the latest
+  std::int64_t taps_;
+  DecimatingFilter low_pass_;
+  std::int64_t samples_ = 0;               ///< since an interruption
+  std::array<std::int64_t, 32> overload_;  ///< [channel] its latest sample that left its range, from 1 on
+  int count_ = 0;                          ///< samples_ modulo the factor
+  std::vector<Angle> next_;                ///< [wheel]
+  std::vector<std::uint8_t> lost_;         ///< [wheel] since the last sample that may be given
+  std::vector<Angle> waiting_;             ///< [sample that may be given][wheel], of the latest
   Emit emit_;
 };
 

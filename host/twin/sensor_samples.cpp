@@ -10,11 +10,12 @@ namespace roadbalance {
 
 SensorSamples::SensorSamples(const VehicleConfig& vehicle, const TwinChannels& channels, Emit emit)
     : rows_(Assembler::kLongestWait_s),
-      factor_(decimation_factor(vehicle)),
-      taps_(decimation_taps(factor_)),
+      at_zero_counts_(Eigen::VectorXd::Zero(std::ssize(channels.channel) + 2 * kWheels)),
+      behind_(decimation_taps(decimation_factor(vehicle)).size() / 2),
+      low_pass_(at_zero_counts_.size(), decimation_factor(vehicle),
+                decimation_taps(decimation_factor(vehicle))),
       emit_(std::move(emit)) {
-  const auto sensors = static_cast<Eigen::Index>(channels.channel.size());
-  at_zero_counts_ = Eigen::VectorXd::Zero(sensors + 2 * kWheels);
+  const auto sensors = std::ssize(channels.channel);
   std::vector<std::pair<const NodeConfig*, std::int32_t>> used;
   for (std::size_t n = 0; n < vehicle.node.size(); ++n) {
     const NodeConfig& node = vehicle.node[n];
@@ -41,8 +42,6 @@ SensorSamples::SensorSamples(const VehicleConfig& vehicle, const TwinChannels& c
     used.emplace_back(&node, unusable);
   }
   for (const auto& [node, unusable] : used) rows_.add(*node, used.size() == 1, unusable);
-  history_.setZero(at_zero_counts_.size(), 8 * taps_.size());
-  sample_.values.setZero(at_zero_counts_.size());
 }
 
 double SensorSamples::rate_hz(const VehicleConfig& vehicle) {
@@ -81,21 +80,14 @@ void SensorSamples::add_node(const GridStream& stream, const NodeMap& map, const
 
 void SensorSamples::decimate(const CommonRows::Run& run) {
   if (run.restart) {
-    filled_ = 0;
+    low_pass_.restart(run.first_index);
     restart_ = true;
   }
-  const Eigen::Index n = taps_.size();
   for (Eigen::Index i = 0; i < run.rows; ++i) {
-    if (filled_ == history_.cols()) {
-      history_.leftCols(n - 1) = history_.rightCols(n - 1).eval();
-      filled_ = n - 1;
-    }
-    history_.col(filled_++) = samples_.col(i);
-    const std::int64_t centre = run.first_index + i - (n - 1) / 2;
-    if (filled_ < n || centre % factor_ != 0) continue;
-    sample_.values.noalias() = history_.middleCols(filled_ - n, n) * taps_;
+    if (!low_pass_.add(samples_.col(i))) continue;
+    sample_.values = low_pass_.output();
     sample_.restart = std::exchange(restart_, false);
-    sample_.time_ns = rows_.grid().time_ns(centre);
+    sample_.time_ns = rows_.grid().time_ns(run.first_index + i - behind_);
     emit_(sample_);
   }
 }

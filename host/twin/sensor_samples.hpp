@@ -10,6 +10,7 @@
 
 #include "common/clock/exchange.hpp"
 #include "common/config/vehicle_config.hpp"
+#include "common/dsp/decimating_filter.hpp"
 #include "common/link/block.hpp"
 #include "host/identify/common_rows.hpp"
 #include "host/twin/twin_channels.hpp"
@@ -56,11 +57,9 @@ class SensorSamples {
   CommonRows rows_;
   std::vector<NodeMap> maps_;
   Eigen::VectorXd at_zero_counts_;
-  int factor_;
-  Eigen::VectorXd taps_;
   Eigen::MatrixXd samples_;  ///< [values x rows] of a run
-  Eigen::MatrixXd history_;  ///< [values x ...] the last ones, column filled_ - 1 the newest
-  Eigen::Index filled_ = 0;
+  std::int64_t behind_;      ///< rows, of the instant that a sample is of behind the last one in it
+  DecimatingFilter low_pass_;
   bool restart_ = true;
   SensorSample sample_;
   Emit emit_;

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "common/dsp/decimating_filter.hpp"
 #include "common/dsp/fractional_delay.hpp"
 #include "common/dsp/linear_filter.hpp"
 #include "common/dsp/state_filter.hpp"
@@ -55,6 +56,10 @@ std::vector<double> filtered() {
     Eigen::VectorXd sum(channels);
     weighted_sum(columns, weight, sum);
     add(sum);
+    DecimatingFilter low_pass(channels, 3, weight);
+    for (int k = 0; k < 50; ++k)
+      if (low_pass.add(Eigen::VectorXd::NullaryExpr(channels, [&] { return noise(random); })))
+        add(low_pass.output().eval());
   }
   for (double fraction = 0.0; fraction < 1.0; fraction += 0.0137) add(FractionalDelay().taps(fraction));
   return results;
