@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/bus/codec.hpp"
+
 namespace roadbalance {
 namespace {
 
@@ -50,10 +52,11 @@ void LiveOrders::add(One one) {
 }
 
 void LiveOrders::consume(const SealedBlock& block) {
-  for (RotorOrders* const orders : consuming_) orders->consume(block);
+  if (block.kind != BlockKind::kScan) return;
+  const ScanBlock scans = decode_scan(block);  // once: several are of each node
+  for (RotorOrders* const orders : consuming_) orders->consume(scans);
   for (One& one : all_)
-    if (block.kind == BlockKind::kScan && block.header.node == one.orders->node().id)
-      one.time_ns = block.header.time_ns;
+    if (block.header.node == one.orders->node().id) one.time_ns = block.header.time_ns;
 }
 
 void LiveOrders::consume(const ClockFit& fit) {

@@ -26,10 +26,14 @@ GridStream* CommonRows::stream_of(std::int32_t node) {
 }
 
 bool CommonRows::take(const SealedBlock& block) {
-  if (block.kind != BlockKind::kScan || block.header.scans == 0) return false;
+  return block.kind == BlockKind::kScan && stream_of(block.header.node) && take(decode_scan(block));
+}
+
+bool CommonRows::take(const ScanBlock& block) {
   GridStream* const stream = stream_of(block.header.node);
-  if (stream) stream->take(decode_scan(block), grid_);
-  return stream != nullptr;
+  if (!stream || block.header.scans == 0) return false;
+  stream->take(block, grid_);
+  return true;
 }
 
 bool CommonRows::take(const ClockFit& fit) {

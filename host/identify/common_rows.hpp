@@ -8,6 +8,7 @@
 #include "common/clock/exchange.hpp"
 #include "common/config/vehicle_config.hpp"
 #include "common/link/block.hpp"
+#include "common/link/blocks.hpp"
 #include "host/identify/grid_stream.hpp"
 
 namespace roadbalance {
@@ -35,6 +36,8 @@ class CommonRows {
 
   /// False: it is none of a node here, or no block of scans.
   bool take(const SealedBlock& block);
+  /// For who has decoded it already.
+  bool take(const ScanBlock& block);
   /// In the order of the record: a fit counts for the blocks of its node that come after it.
   bool take(const ClockFit& fit);
 

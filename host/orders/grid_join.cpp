@@ -13,6 +13,10 @@ void GridJoin::consume(const SealedBlock& block) {
   if (rows_.take(block)) emit();
 }
 
+void GridJoin::consume(const ScanBlock& block) {
+  if (rows_.take(block)) emit();
+}
+
 void GridJoin::consume(const ClockFit& fit) {
   if (rows_.take(fit)) emit();
 }

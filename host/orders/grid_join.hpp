@@ -35,6 +35,7 @@ class GridJoin {
   GridJoin(const std::vector<const NodeConfig*>& nodes, Emit emit, double longest_wait_s = kLongestWait_s);
 
   void consume(const SealedBlock& block);
+  void consume(const ScanBlock& block);
   /// In the order of the record: a fit counts for the blocks of its node that come after it.
   void consume(const ClockFit& fit);
 

@@ -69,6 +69,7 @@ class RotorOrders {
 
   /// Blocks of all nodes, those of each in sequence, and the fits of their clocks between them.
   void consume(const SealedBlock& block) { join_.consume(block); }
+  void consume(const ScanBlock& block) { join_.consume(block); }
   void consume(const ClockFit& fit) { join_.consume(fit); }
 
   /// Whether both want the same of the same nodes and channels, and only their rotors differ.
