@@ -182,9 +182,9 @@ void follow_record(std::stop_token stop, const AnalyserOptions& options, const V
   while (!stop.stop_requested() && !(follower.ended() && options.exit_at_end && options.may_exit()))
     follower.step(stop);
   for (int i = 0; i < kFarewells && follower.ended(); ++i) {
+    if (i > 0) std::this_thread::sleep_for(std::chrono::milliseconds(20));
     follower.publish();
     follower.publish_orders();
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
 }
 
