@@ -42,12 +42,13 @@ class LocalFit {
     first_ns_ = path[begin].time_ns;
     per_half_ns_ = 2.0 / static_cast<double>(path[end - 1].time_ns - first_ns_);
     origin_ = path[begin].position;
-    cubic_ = {};
+    Cubic cubic;  // here, where its sums stay in registers
     for (std::size_t i = begin; i < end; i += 2) {
       const Two two = two_points(path, i, end);
-      cubic_.add(two.u, two.y, two.weight);
+      cubic.add(two.u, two.y, two.weight);
     }
-    if (!cubic_.solve()) return false;
+    if (!cubic.solve()) return false;
+    cubic_ = cubic;
     judge(path, begin, end, noise);
     return true;
   }
