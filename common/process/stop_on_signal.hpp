@@ -1,7 +1,6 @@
 #pragma once
 
 #include <csignal>
-#include <ctime>
 #include <stop_token>
 #include <thread>
 
@@ -21,9 +20,8 @@ class StopOnSignal {
     sigaddset(&signals_, SIGTERM);
     pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
     waiter_ = std::jthread([this](std::stop_token ended) {
-      const timespec poll{0, 50'000'000};
-      while (!ended.stop_requested())
-        if (sigtimedwait(&signals_, nullptr, &poll) > 0) stop_.request_stop();
+      const std::stop_callback wake(ended, [self = pthread_self()] { pthread_kill(self, SIGTERM); });
+      for (int signal; sigwait(&signals_, &signal) == 0 && !ended.stop_requested();) stop_.request_stop();
     });
   }
 
