@@ -8,7 +8,7 @@
 #include "common/dsp/cross_spectra_kernels.hpp"
 #include "common/dsp/fft.hpp"
 #include "common/dsp/psd.hpp"
-#include "common/process/huge_pages.hpp"
+#include "common/process/aligned_memory.hpp"
 
 namespace roadbalance {
 
@@ -93,8 +93,8 @@ class CrossSpectra {
   Eigen::Index filled_ = 0;
   mutable int waiting_ = 0;
   std::size_t line_, segment_;      ///< lanes of the batch from one channel, one segment to the next
-  HugeVector<Lane> batch_;          ///< [segment][channel][tile][re, im]
-  mutable HugeVector<Lane> sum_;    ///< [tile][pair][re, im], weighted mean of those summed up
+  AlignedVector<Lane> batch_;          ///< [segment][channel][tile][re, im]
+  mutable AlignedVector<Lane> sum_;    ///< [tile][pair][re, im], weighted mean of those summed up
   mutable std::vector<Lane> peak_;  ///< [tile][channel]
   int averages_ = 0;
   mutable int summed_ = 0;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cstring>
-#include <span>
 #include <utility>
 
 #include "common/dsp/lanes.hpp"
@@ -12,6 +11,7 @@ namespace roadbalance {
 namespace {
 
 constexpr std::size_t kTogether = 4;  // samples
+constexpr std::size_t kLine = 8;      // of the cache, in doubles
 
 struct Spread {
   std::size_t rows, stride;    ///< channels; from one sample, or output, to the next
@@ -93,13 +93,13 @@ Eigen::MatrixXd weights(int factor, const Eigen::VectorXd& taps) {
 DecimatingFilter::DecimatingFilter(Eigen::Index channels, int factor, const Eigen::VectorXd& taps)
     : taps_(taps.size()),
       weight_(weights(factor, taps)),
-      lines_((static_cast<std::size_t>(channels) + kLine - 1) / kLine),
-      waiting_(lines_ * kTogether),
-      sums_(lines_ * static_cast<std::size_t>(weight_.rows())),
+      stride_((static_cast<std::size_t>(channels) + kLine - 1) / kLine * kLine),
+      waiting_(stride_ * kTogether),
+      sums_(stride_ * static_cast<std::size_t>(weight_.rows())),
       output_(channels) {}
 
 void DecimatingFilter::restart(std::int64_t index) {
-  std::ranges::fill(sums_, Line{});
+  std::ranges::fill(sums_, 0.0);
   const Eigen::Index factor = weight_.cols();
   place_ = ((index - 1) % factor + factor) % factor;
   known_ = 0;
@@ -108,16 +108,15 @@ void DecimatingFilter::restart(std::int64_t index) {
 
 bool DecimatingFilter::add(const Eigen::Ref<const Eigen::VectorXd>& values) {
   assert(values.size() == output_.size());
-  std::memcpy(waiting_[samples_++ * lines_].data(), values.data(),
-              static_cast<std::size_t>(values.size()) * sizeof(double));
+  std::copy_n(values.data(), values.size(), waiting_.data() + samples_++ * stride_);
   if (known_ < taps_) ++known_;
   const bool is_complete = ++place_ == weight_.cols();
   if (is_complete || samples_ == kTogether) spread();
   if (!is_complete) return false;
   place_ = 0;
-  const auto sum = std::span(sums_).subspan(next_ * lines_, lines_);
-  std::memcpy(output_.data(), sum.data(), static_cast<std::size_t>(output_.size()) * sizeof(double));
-  std::ranges::fill(sum, Line{});
+  double* const sum = sums_.data() + next_ * stride_;
+  std::copy_n(sum, output_.size(), output_.data());
+  std::fill_n(sum, stride_, 0.0);
   if (++next_ == static_cast<std::size_t>(weight_.rows())) next_ = 0;
   return known_ == taps_;
 }
@@ -126,10 +125,9 @@ bool DecimatingFilter::add(const Eigen::Ref<const Eigen::VectorXd>& values) {
 void DecimatingFilter::spread() {
   static const auto spread_by = for_this_processor(spread_avx512, spread_avx2, spread_plain);
   const Eigen::Index first = place_ - static_cast<Eigen::Index>(samples_);
-  spread_by(
-      {static_cast<std::size_t>(output_.size()), lines_ * kLine, static_cast<std::size_t>(weight_.rows()),
-       next_, waiting_.front().data(), weight_.col(first).data(), sums_.front().data()},
-      std::exchange(samples_, 0));
+  spread_by({static_cast<std::size_t>(output_.size()), stride_, static_cast<std::size_t>(weight_.rows()),
+             next_, waiting_.data(), weight_.col(first).data(), sums_.data()},
+            std::exchange(samples_, 0));
 }
 
 }  // namespace roadbalance

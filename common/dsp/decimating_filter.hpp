@@ -1,11 +1,11 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include <Eigen/Core>
+
+#include "common/process/aligned_memory.hpp"
 
 namespace roadbalance {
 
@@ -32,19 +32,16 @@ class DecimatingFilter {
  private:
   void spread();
 
-  static constexpr std::size_t kLine = 8;  ///< sums in a line of a cache, and in the widest lanes
-  struct alignas(kLine * sizeof(double)) Line : std::array<double, kLine> {};
-
   Eigen::Index taps_;
-  Eigen::MatrixXd weight_;     ///< [output, the next one first x place]
-  std::size_t lines_;          ///< that the channels of an output take
-  std::vector<Line> waiting_;  ///< [sample][line], not yet in the sums
-  std::size_t samples_ = 0;    ///< of these
-  std::vector<Line> sums_;     ///< [output, in a ring][line]
-  Eigen::VectorXd output_;     ///< [channel]
-  std::size_t next_ = 0;       ///< of sums_, the next output
-  Eigen::Index place_ = 0;     ///< of the next sample: samples since the last output
-  Eigen::Index known_ = 0;     ///< samples that are not forgotten, up to the number of taps
+  Eigen::MatrixXd weight_;         ///< [output, the next one first x place]
+  std::size_t stride_;             ///< from one sample, or output, to the next: lines of the cache
+  AlignedVector<double> waiting_;  ///< [sample][channel], not yet in the sums
+  std::size_t samples_ = 0;        ///< of these
+  AlignedVector<double> sums_;     ///< [output, in a ring][channel]
+  Eigen::VectorXd output_;         ///< [channel]
+  std::size_t next_ = 0;           ///< of sums_, the next output
+  Eigen::Index place_ = 0;         ///< of the next sample: samples since the last output
+  Eigen::Index known_ = 0;         ///< samples that are not forgotten, up to the number of taps
 };
 
 }  // namespace roadbalance

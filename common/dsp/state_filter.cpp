@@ -1,5 +1,6 @@
 #include "common/dsp/state_filter.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <utility>
 
@@ -22,14 +23,12 @@ inline constexpr int kLanesOf = sizeof(Vector) / sizeof(double);
 template <int kVectors, typename Vector>
 [[gnu::always_inline]] inline void load(Vector* values, const double* from) {
 #pragma GCC unroll 4
-  for (int v = 0; v < kVectors; ++v)
-    std::memcpy(&values[v], from + v * kLanesOf<Vector>, sizeof(Vector));
+  for (int v = 0; v < kVectors; ++v) std::memcpy(&values[v], from + v * kLanesOf<Vector>, sizeof(Vector));
 }
 template <int kVectors, typename Vector>
 [[gnu::always_inline]] inline void store(const Vector* values, double* to) {
 #pragma GCC unroll 4
-  for (int v = 0; v < kVectors; ++v)
-    std::memcpy(to + v * kLanesOf<Vector>, &values[v], sizeof(Vector));
+  for (int v = 0; v < kVectors; ++v) std::memcpy(to + v * kLanesOf<Vector>, &values[v], sizeof(Vector));
 }
 
 /// Some vectors of channels from `first` on.  Of an order that the compiler knows (0: what the step says)
@@ -93,22 +92,22 @@ void advance_plain(const Step& s) {
 
 StateFilter::StateFilter(DiscreteFilter filter, Eigen::Index channels)
     : filter_(std::move(filter)),
-      x_(Eigen::ArrayXXd::Zero(channels, filter_.b0.size())),
-      next_(x_),
-      last_(Eigen::ArrayXd::Zero(channels)) {}
+      x_(static_cast<std::size_t>(channels * filter_.b0.size())),
+      next_(x_.size()),
+      last_(static_cast<std::size_t>(channels)) {}
 
-const Eigen::ArrayXXd& StateFilter::update(const Eigen::Ref<const Eigen::ArrayXd>& u) {
+StateFilter::States StateFilter::update(const Eigen::Ref<const Eigen::ArrayXd>& u) {
   static const auto advance_by = for_this_processor(advance_avx512, advance_avx2, advance_plain);
-  assert(u.size() == x_.rows());
-  advance_by({static_cast<int>(x_.cols()), x_.rows(), filter_.A.data(), filter_.b0.data(), filter_.b1.data(),
-              x_.data(), u.data(), last_.data(), next_.data()});
+  assert(u.size() == std::ssize(last_));
+  advance_by({static_cast<int>(filter_.b0.size()), u.size(), filter_.A.data(), filter_.b0.data(),
+              filter_.b1.data(), x_.data(), u.data(), last_.data(), next_.data()});
   x_.swap(next_);
-  return x_;
+  return states();
 }
 
 void StateFilter::reset() {
-  x_.setZero();
-  last_.setZero();
+  std::ranges::fill(x_, 0.0);
+  std::ranges::fill(last_, 0.0);
 }
 
 }  // namespace roadbalance

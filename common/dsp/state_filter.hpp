@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include "common/dsp/linear_filter.hpp"
+#include "common/process/aligned_memory.hpp"
 
 namespace roadbalance {
 
@@ -10,22 +11,24 @@ namespace roadbalance {
 /// state lie side by side and the arithmetic runs across them), columns the filter's states.
 class StateFilter {
  public:
+  using States = Eigen::Map<const Eigen::ArrayXXd>;
+
   StateFilter(DiscreteFilter filter, Eigen::Index channels);
 
   /// Advances one sample.  Never allocates.
   /// @param u  [channels] input at this sample
   /// @return   [channels x order] states at this sample; valid until the next call
-  const Eigen::ArrayXXd& update(const Eigen::Ref<const Eigen::ArrayXd>& u);
+  States update(const Eigen::Ref<const Eigen::ArrayXd>& u);
 
-  const Eigen::ArrayXXd& states() const { return x_; }
+  States states() const { return {x_.data(), std::ssize(last_), filter_.b0.size()}; }
 
   /// Starts again from rest, with the input before the first sample equal to zero.
   void reset();
 
  private:
   DiscreteFilter filter_;
-  Eigen::ArrayXXd x_, next_;
-  Eigen::ArrayXd last_;
+  AlignedVector<double> x_, next_;  ///< [channel x state], by columns
+  AlignedVector<double> last_;      ///< [channel] input
 };
 
 }  // namespace roadbalance

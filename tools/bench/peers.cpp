@@ -13,7 +13,7 @@
 #include "common/dsp/lagged_covariance.hpp"
 #include "common/dsp/state_filter.hpp"
 #include "common/link/crc32c.hpp"
-#include "common/process/huge_pages.hpp"
+#include "common/process/aligned_memory.hpp"
 #include "tools/bench/contest.hpp"
 
 // Our kernels beside their peers, on one thread, in interleaved rounds: a line of JSON for each row, which
@@ -71,11 +71,11 @@ void spectra() {
   const auto transforms = [](fftw_plan plan) {
     for (int n = 0; n < kHops * kChannels; ++n) fftw_execute(plan);
   };
-  HugeVector<double> sums_memory(kChannels * (kChannels + 1) * (kSegment / 2 + 1));
+  AlignedVector<double> sums_memory(kChannels * (kChannels + 1) * (kSegment / 2 + 1));
   Eigen::Map<Eigen::ArrayXd> sums(sums_memory.data(), std::ssize(sums_memory));
   const Eigen::MatrixXd signals = Eigen::MatrixXd::Random(kHops * kSegment / 2 + kSegment / 2, kChannels);
   constexpr int kLine = kSegment / 2 + 8;  // complex numbers from one to the next
-  HugeVector<double> lines_memory(2 * kLine * kChannels * kSegmentsOfBatch);
+  AlignedVector<double> lines_memory(2 * kLine * kChannels * kSegmentsOfBatch);
   Eigen::Map<Eigen::ArrayXd> lines(lines_memory.data(), std::ssize(lines_memory));
   std::vector<Contender> run(4);
   run[0].work = [&] { spectra.add(x); };
