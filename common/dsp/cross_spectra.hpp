@@ -92,10 +92,10 @@ class CrossSpectra {
   std::vector<Lane> columns_;
   Eigen::Index filled_ = 0;
   mutable int waiting_ = 0;
-  std::size_t line_, segment_;      ///< lanes of the batch from one channel, one segment to the next
-  AlignedVector<Lane> batch_;          ///< [segment][channel][tile][re, im]
-  mutable AlignedVector<Lane> sum_;    ///< [tile][pair][re, im], weighted mean of those summed up
-  mutable std::vector<Lane> peak_;  ///< [tile][channel]
+  std::size_t line_, segment_;       ///< lanes of the batch from one channel, one segment to the next
+  AlignedVector<Lane> batch_;        ///< [segment][channel][tile][re, im]
+  mutable AlignedVector<Lane> sum_;  ///< [tile][pair][re, im], weighted mean of those summed up
+  mutable std::vector<Lane> peak_;   ///< [tile][channel]
   int averages_ = 0;
   mutable int summed_ = 0;
   std::vector<double> overlap_;  ///< [k - 1] squared correlation of segments k apart
