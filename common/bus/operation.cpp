@@ -17,6 +17,8 @@ namespace {
 using wire_text::put_text;
 using wire_text::text_of;
 
+constexpr std::int32_t kSumsNotKnown = 2;  // receipt_t.lcm
+
 static_assert(sizeof(wire::request_t::text) == kMostRequestText);
 static_assert(sizeof(wire::answer_t::text) == kMostRequestText);
 static_assert(sizeof(wire::receipt_t::name) == kMostNameBytes);
@@ -43,7 +45,8 @@ bool in_bounds(const wire::receipt_t& m) {
   return (is_empty || is_of_a_node) && is_count(m.incarnation) && 0 <= m.open_epochs &&
          m.open_epochs <= m.epochs && is_count(m.samples_sent) && is_count(m.samples_recorded) &&
          is_count(m.gaps) && is_count(m.repaired) && std::isfinite(m.overload_s) && m.overload_s >= 0 &&
-         std::isfinite(m.sync_us) && 0 <= m.sums && m.sums <= 1 && m.bytes >= 0 && m.marks >= 0;
+         std::isfinite(m.sync_us) && 0 <= m.end_sums && m.end_sums <= kSumsNotKnown && m.bytes >= 0 &&
+         m.marks >= 0;
 }
 
 }  // namespace
@@ -128,7 +131,7 @@ std::vector<std::uint8_t> encode(const Receipt& r) {
   m.overload_s = r.overload_s;
   m.sync_us = r.sync_us;
   m.blocks_crc32c = static_cast<std::int32_t>(r.blocks_crc32c);
-  m.sums = r.sums_agree ? 1 : 0;
+  m.end_sums = !r.sums_agree ? kSumsNotKnown : *r.sums_agree ? 1 : 0;
   m.bytes = r.bytes;
   m.marks = r.marks;
   put_text(r.name, m.name, m.name_size);
@@ -155,7 +158,7 @@ std::optional<Receipt> decode_receipt(std::span<const std::uint8_t> bytes) {
                  .overload_s = m->overload_s,
                  .sync_us = m->sync_us,
                  .blocks_crc32c = static_cast<std::uint32_t>(m->blocks_crc32c),
-                 .sums_agree = m->sums != 0,
+                 .sums_agree = m->end_sums == kSumsNotKnown ? std::nullopt : std::optional(m->end_sums != 0),
                  .bytes = m->bytes,
                  .marks = m->marks,
                  .name = *name};

@@ -84,6 +84,7 @@ void add(const SealedBlock& block, RecordState& state) {
     sum.add(block);
     epoch.sum = sum.crc32c();
   }
+  if (block.kind == BlockKind::kEnd && epoch.sum != decode_end(block).blocks_crc32c) epoch.sum.reset();
   ++epoch.blocks;
   epoch.gaps += is_gap ? 1 : 0;
   epoch.samples += block.kind == BlockKind::kScan ? block.header.scans : 0;

@@ -22,7 +22,7 @@ struct RecordState {
     std::int64_t samples = 0;
     std::int64_t gaps = 0;
     std::int64_t blocks = 0;
-    /// Of the blocks before the end; nothing once one is not the node's own.
+    /// Of the blocks before the end; nothing once one is not the node's own, or if the end says another.
     std::optional<std::uint32_t> sum = 0;
 
     bool operator==(const Epoch& other) const {

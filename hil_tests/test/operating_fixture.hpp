@@ -80,7 +80,7 @@ class Operating : public Measurement {
       EXPECT_EQ(receipt.samples_recorded, receipt.samples_sent);
       EXPECT_EQ(receipt.gaps, 0);
       EXPECT_EQ(receipt.open_epochs, 0);
-      EXPECT_TRUE(receipt.sums_agree);
+      EXPECT_EQ(receipt.sums_agree, true);
     }
   }
   void expect_whole(const std::string& name) { expect_complete(recordings / name, 2); }

@@ -55,14 +55,21 @@ std::string listed(const std::vector<std::int32_t>& nodes) {
   return all;
 }
 
-std::string nodes_without_end(const std::vector<Receipt>& receipts) {
-  std::vector<std::int32_t> nodes;
-  for (const Receipt& receipt : receipts)
-    if (receipt.nodes > 0 && (receipt.open_epochs > 0 || !receipt.sums_agree)) nodes.push_back(receipt.node);
-  if (nodes.empty()) return "";
-  return "; node " + listed(nodes) +
-         " has not told all of it to its end: is it on, and its cable plugged in? "
-         "What it holds is fetched when it is back";
+std::string what_is_wrong(const std::vector<Receipt>& receipts) {
+  std::vector<std::int32_t> open, contradicted;
+  for (const Receipt& receipt : receipts) {
+    if (receipt.nodes > 0 && receipt.open_epochs > 0) open.push_back(receipt.node);
+    if (receipt.nodes > 0 && receipt.sums_agree == false) contradicted.push_back(receipt.node);
+  }
+  std::string wrong;
+  if (!open.empty())
+    wrong += "; node " + listed(open) +
+             " has not told all of it to its end: is it on, and its cable plugged in? "
+             "What it holds is fetched when it is back";
+  if (!contradicted.empty())
+    wrong += "; node " + listed(contradicted) +
+             ": the blocks recorded are not those that its end sums up; rb verify says more";
+  return wrong;
 }
 
 bool was_asked(const RequestKey& key) {

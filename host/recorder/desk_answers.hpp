@@ -27,7 +27,7 @@ Answer answer_about(const AskedSetUp& set_up, std::int64_t utc_us);
 /// For people: "1, 2".
 std::string listed(const std::vector<std::int32_t>& nodes);
 
-/// For people, behind a sentence: the nodes whose receipts lack an end; empty: each has said its own.
-std::string nodes_without_end(const std::vector<Receipt>& receipts);
+/// For people, behind a sentence: the nodes that lack an end, or whose end contradicts; empty: none.
+std::string what_is_wrong(const std::vector<Receipt>& receipts);
 
 }  // namespace roadbalance

@@ -53,7 +53,7 @@ std::vector<Rest> Desk::ended(std::vector<Receipt> receipts, std::vector<Rest> r
   if (!book_.under_way) return {};
   const UnderWay recording = *book_.under_way;
   const RequestKey stop = recording.stop.value_or(RequestKey{});
-  const std::string missing = nodes_without_end(receipts);
+  const std::string wrong = what_is_wrong(receipts);
   DeskBook book = book_;
   book.under_way.reset();
   book.finished = Finished{.start = recording.start, .stop = stop, .receipt = std::move(receipts)};
@@ -65,7 +65,7 @@ std::vector<Rest> Desk::ended(std::vector<Receipt> receipts, std::vector<Rest> r
   if (!std::exchange(runs_, true) && was_asked(recording.start))
     say(done(recording.start, Operation::kStart, "\"" + recording.name + "\" has ended", utc_us));
   if (was_asked(stop))
-    say(done(stop, Operation::kStop, "\"" + recording.name + "\" is on the disk" + missing, utc_us));
+    say(done(stop, Operation::kStop, "\"" + recording.name + "\" is on the disk" + wrong, utc_us));
   for (Answer& known : known_) {
     if (known.operation != Operation::kMark || known.state != AnswerState::kUnderWay) continue;
     const bool is_durable = known.value[0] <= recording.durable_marks;

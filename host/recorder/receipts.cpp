@@ -8,9 +8,15 @@
 namespace roadbalance {
 namespace {
 
+std::optional<bool> both(std::optional<bool> a, std::optional<bool> b) {
+  if (a == false || b == false) return false;
+  return a && b ? a : std::nullopt;
+}
+
 void add(const NodeReport& epoch, Receipt& receipt) {
   const bool has_end = epoch.ended && !epoch.crashed;  // what a node that died would have said is not known
-  receipt.sums_agree = (receipt.epochs == 0 || receipt.sums_agree) && (!has_end || epoch.sums_agree);
+  if (receipt.epochs == 0) receipt.sums_agree = true;
+  if (has_end) receipt.sums_agree = both(receipt.sums_agree, epoch.sums_agree);
   ++receipt.epochs;
   if (!has_end) ++receipt.open_epochs;
   receipt.samples_sent += epoch.samples_sent;
@@ -73,6 +79,7 @@ std::vector<Receipt> completed(const std::vector<Receipt>& before, const Recorde
     receipt.repaired = std::max(receipt.repaired, same->repaired);
     receipt.overload_s += same->overload_s;
     receipt.sync_us = same->sync_us;
+    if (same->sums_agree == false) receipt.sums_agree = false;  // the folder knows that it cannot say so
   }
   if (receipts.front().nodes == 0) receipts.clear();  // the one that stands for nobody
   // The folder holds nothing of a node that was never heard again: it is as open as it was.

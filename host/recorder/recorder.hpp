@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -34,7 +35,8 @@ struct NodeReport {
   bool holds_blocks = false;         ///< in this run: as far as its last heartbeat says
   double overload_s = 0;             ///< in this run: in blocks with a channel that left its range
   std::uint32_t blocks_crc32c = 0;   ///< as the end says
-  bool sums_agree = false;           ///< the end is recorded and sums up exactly the blocks that are
+  /// Of an epoch with an end: whether that sums up exactly the blocks that are recorded; nothing: not known.
+  std::optional<bool> sums_agree{};
 };
 
 /// Something to be put into the record at once.

@@ -33,7 +33,7 @@ Tally::Tally(const RecordState& recovered) : sums_(recovered) {
                     .crashed = epoch.position.crashed,
                     .has_durable_samples = epoch.samples > 0,
                     .blocks_crc32c = epoch.sum.value_or(0),
-                    .sums_agree = epoch.position.ended && epoch.sum.has_value()};
+                    .sums_agree = epoch.position.ended && epoch.sum ? std::optional(true) : std::nullopt};
   }
 }
 
@@ -84,7 +84,7 @@ void Tally::take(const Delivery& delivery) {
     report.samples_sent = std::max(end.scans_sealed + end.scans_missing, report.samples_recorded);
     report.ended = true;
     report.blocks_crc32c = end.blocks_crc32c;
-    report.sums_agree = sums_.agrees(block).value_or(false);
+    report.sums_agree = sums_.agrees(block);
   }
 }
 

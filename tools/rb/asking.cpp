@@ -85,7 +85,7 @@ bool are_whole(const std::map<std::int32_t, Receipt>& receipts) {
   const auto is_whole = [](const auto& one) {
     const Receipt& receipt = one.second;
     return receipt.nodes > 0 && receipt.samples_recorded == receipt.samples_sent && receipt.gaps == 0 &&
-           receipt.open_epochs == 0 && receipt.sums_agree;
+           receipt.open_epochs == 0 && receipt.sums_agree == true;
   };
   return !receipts.empty() && static_cast<std::int32_t>(receipts.size()) >= receipts.begin()->second.nodes &&
          std::ranges::all_of(receipts, is_whole);

@@ -35,6 +35,8 @@ struct AskOptions {
 Json receipt_json(const Receipt& receipt) {
   char crc[16];
   std::snprintf(crc, sizeof crc, "%08x", receipt.blocks_crc32c);
+  const bool is_known = receipt.sums_agree == false || (receipt.sums_agree && receipt.open_epochs == 0);
+  const Json sums_agree = is_known ? Json(*receipt.sums_agree) : Json(nullptr);
   return {{"node", receipt.node},
           {"epochs", receipt.epochs},
           {"open_epochs", receipt.open_epochs},
@@ -46,7 +48,7 @@ Json receipt_json(const Receipt& receipt) {
           {"overload_s", receipt.overload_s},
           {"sync_us", receipt.sync_us < 0 ? Json(nullptr) : Json(receipt.sync_us)},
           {"crc32c", crc},
-          {"sums_agree", receipt.sums_agree && receipt.open_epochs == 0}};
+          {"sums_agree", sums_agree}};
 }
 
 void print_receipt(const Receipt& receipt) {
@@ -56,9 +58,10 @@ void print_receipt(const Receipt& receipt) {
               static_cast<long long>(receipt.samples_sent - receipt.samples_recorded),
               static_cast<long long>(receipt.repaired), receipt.overload_s);
   if (receipt.sync_us >= 0) std::printf("clock within %.0f us, ", receipt.sync_us);
-  const char* const proof = !receipt.sums_agree       ? "DOES NOT AGREE"
-                            : receipt.open_epochs > 0 ? "is not proven: the node has not told its own"
-                                                      : "agrees";
+  const char* const proof = receipt.sums_agree == false ? "DOES NOT AGREE"
+                            : receipt.open_epochs > 0   ? "is not proven: the node has not told its own"
+                            : receipt.sums_agree        ? "agrees"
+                                                        : "is not proven: blocks were lost";
   std::printf("CRC %08x %s\n", receipt.blocks_crc32c, proof);
 }
 

@@ -108,10 +108,16 @@ TEST(Operation, AReceiptArrivesAsItWasSent) {
   EXPECT_EQ(receipt->overload_s, 0.25);
   EXPECT_EQ(receipt->sync_us, 12.5);
   EXPECT_EQ(receipt->blocks_crc32c, 0xDEADBEEF);
-  EXPECT_TRUE(receipt->sums_agree);
+  EXPECT_EQ(receipt->sums_agree, true);
   EXPECT_EQ(receipt->bytes, 1'000'000);
   EXPECT_EQ(receipt->marks, 3);
   EXPECT_EQ(receipt->name, "drive");
+  for (const std::optional<bool> sums_agree :
+       {std::optional(true), std::optional(false), std::optional<bool>()}) {
+    Receipt other = some_receipt();
+    other.sums_agree = sums_agree;
+    EXPECT_EQ(decode_receipt(encode(other))->sums_agree, sums_agree);
+  }
 }
 
 TEST(Operation, AReceiptOfNothingNamesNoNode) {

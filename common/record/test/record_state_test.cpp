@@ -45,6 +45,22 @@ TEST(RecordState, AnEpochThatEndsUnrecordedGoesOn) {
   EXPECT_TRUE(going_on(state).contains(one));
 }
 
+TEST(RecordState, HasNoSumWhereTheEndContradictsIt) {
+  const NodeEpoch one{1, 100}, other{2, 100};
+  RecordState state;
+  BlockSum sum;
+  sum.add(description(one, 1));
+  for (const auto& [key, crc32c] : {std::pair(one, sum.crc32c()), std::pair(other, sum.crc32c())}) {
+    add(description(key, 1), state);
+    SealedBlock sealed;
+    seal(EndBlock{.header = {.node = key.first, .epoch = key.second, .sequence = 2}, .blocks_crc32c = crc32c},
+         sealed);
+    add(sealed, state);
+  }
+  EXPECT_EQ(state.epoch[one].sum, sum.crc32c());
+  EXPECT_EQ(state.epoch[other].sum, std::nullopt) << "its description has another CRC";
+}
+
 TEST(RecordState, DescriptionsAreBoundedWhateverTheNodesSend) {
   RecordState state;
   for (std::int64_t epoch = 1; epoch <= 3000; ++epoch) add(description({1, epoch}, 0), state);

@@ -31,6 +31,18 @@ TEST_F(DeskTest, AStopNamesTheNodeWhoseEndIsMissing) {
   EXPECT_TRUE(book.rest.empty());
 }
 
+TEST_F(DeskTest, AStopNamesTheNodeWhoseEndContradictsItsBlocks) {
+  Desk desk = this->desk();
+  desk.take(ask(Operation::kStart, 1, "drive"), kNow, {2});
+  desk.take(ask(Operation::kStop, 2), kNow, {2});
+  desk.ended({Receipt{.nodes = 2, .node = 1}, Receipt{.nodes = 2, .node = 2, .sums_agree = false}}, {}, kNow,
+             kNow / 1000 + 500);
+  EXPECT_EQ(
+      last(desk).text,
+      "\"drive\" is on the disk; node 2: the blocks recorded are not those that its end sums up; rb verify "
+      "says more");
+}
+
 TEST_F(DeskTest, RefusesMarksThatItCouldNotRemember) {
   Desk desk = this->desk();
   desk.take(ask(Operation::kStart, 1, "drive"), kNow, {2});

@@ -23,13 +23,13 @@ TEST(Receipts, SumTheEpochsOfEachNode) {
   report.earlier = {epoch(2, 1, 100)};
   report.node = {epoch(1, 7, 1000), epoch(2, 9, 50)};
   report.node[1].ended = false;
-  report.node[1].sums_agree = false;
+  report.node[1].sums_agree.reset();
   const auto receipts = receipts_of(
       report, {.name = "drive", .incarnation = 3, .bytes = 77, .marks = 4, .sync_us = {{2, 12.5}}});
   ASSERT_EQ(receipts.size(), 2u);
   EXPECT_EQ(receipts[0].node, 1);
   EXPECT_EQ(receipts[0].samples_recorded, 1000);
-  EXPECT_TRUE(receipts[0].sums_agree);
+  EXPECT_EQ(receipts[0].sums_agree, true);
   EXPECT_LT(receipts[0].sync_us, 0);
   EXPECT_EQ(receipts[1].node, 2);
   EXPECT_EQ(receipts[1].epochs, 2);
@@ -38,7 +38,7 @@ TEST(Receipts, SumTheEpochsOfEachNode) {
   EXPECT_EQ(receipts[1].repaired, 4);
   EXPECT_EQ(receipts[1].overload_s, 1.0);
   EXPECT_EQ(receipts[1].sync_us, 12.5);
-  EXPECT_TRUE(receipts[1].sums_agree) << "of the epoch that has an end";
+  EXPECT_EQ(receipts[1].sums_agree, true) << "of the epoch that has an end";
   EXPECT_EQ(receipts[1].index, 1);
   EXPECT_EQ(receipts[1].nodes, 2);
   EXPECT_EQ(receipts[1].bytes, 77);
@@ -49,7 +49,8 @@ TEST(Receipts, SumTheEpochsOfEachNode) {
 TEST(Receipts, AreCompletedByTheRunThatFetchedTheRest) {
   RecorderReport first;
   first.node = {epoch(1, 7, 1000), epoch(2, 9, 800)};
-  first.node[1].ended = first.node[1].sums_agree = false;
+  first.node[1].ended = false;
+  first.node[1].sums_agree.reset();
   first.node[1].samples_sent = 900;  // as its last heartbeat said
   const auto before =
       receipts_of(first, {.name = "drive", .began_us = 5, .ended_us = 6, .marks = 4, .sync_us = {{1, 2.5}}});
@@ -66,7 +67,7 @@ TEST(Receipts, AreCompletedByTheRunThatFetchedTheRest) {
   EXPECT_EQ(after[0].overload_s, 0.5);
   EXPECT_EQ(after[0].sync_us, 2.5);
   EXPECT_EQ(after[1].open_epochs, 0);
-  EXPECT_TRUE(after[1].sums_agree);
+  EXPECT_EQ(after[1].sums_agree, true);
   EXPECT_EQ(after[1].samples_recorded, 1500);
   EXPECT_EQ(after[1].samples_sent, 1500);
   EXPECT_EQ(after[1].repaired, 30);
@@ -77,6 +78,9 @@ TEST(Receipts, AreCompletedByTheRunThatFetchedTheRest) {
     EXPECT_EQ(receipt.marks, 4);
     EXPECT_EQ(receipt.bytes, 99);
   }
+  auto contradicted = before;
+  contradicted[0].sums_agree = false;
+  EXPECT_EQ(completed(contradicted, second, 99).at(0).sums_agree, false) << "whatever the folder says";
 }
 
 // Its sum was never told: that it does not agree would be a reason to look for damage.
@@ -84,21 +88,32 @@ TEST(Receipts, OfANodeThatCrashedHaveNoEnd) {
   RecorderReport report;
   report.node = {epoch(1, 7, 1000), epoch(1, 8, 1000)};
   report.node[0].crashed = true;
-  report.node[0].sums_agree = false;
+  report.node[0].sums_agree.reset();
   const auto receipts = receipts_of(report, {.name = "drive"});
   ASSERT_EQ(receipts.size(), 1u);
   EXPECT_EQ(receipts[0].epochs, 2);
   EXPECT_EQ(receipts[0].open_epochs, 1);
-  EXPECT_TRUE(receipts[0].sums_agree);
+  EXPECT_EQ(receipts[0].sums_agree, true);
   report.node[1].sums_agree = false;
-  EXPECT_FALSE(receipts_of(report, {.name = "drive"}).at(0).sums_agree) << "the end of the other says so";
+  EXPECT_EQ(receipts_of(report, {.name = "drive"}).at(0).sums_agree, false) << "the end of the other says so";
+}
+
+TEST(Receipts, DoNotClaimADamageWhereBlocksWereLost) {
+  RecorderReport report;
+  report.node = {epoch(1, 7, 1000), epoch(1, 8, 1000)};
+  report.node[0].sums_agree.reset();
+  EXPECT_EQ(receipts_of(report, {.name = "drive"}).at(0).sums_agree, std::nullopt);
+  EXPECT_EQ(receipts_of(report, {.name = "drive"}).at(0).open_epochs, 0);
+  report.node[1].sums_agree = false;
+  EXPECT_EQ(receipts_of(report, {.name = "drive"}).at(0).sums_agree, false);
 }
 
 // It said that it took samples, and no block of it ever came.
 TEST(Receipts, OfANodeThatTheFolderKnowsNothingOfStaysOpen) {
   RecorderReport first;
   first.node = {epoch(1, 7, 1000), epoch(2, 9, 0)};
-  first.node[0].ended = first.node[0].sums_agree = false;
+  first.node[0].ended = false;
+  first.node[0].sums_agree.reset();
   first.node[1] = NodeReport{.node = 2, .epoch = 9, .samples_sent = 900};
   const auto before = receipts_of(first, {.name = "drive", .began_us = 5, .ended_us = 6});
   ASSERT_EQ(before.size(), 2u);

@@ -33,7 +33,7 @@ TEST(Tally, AnEndThatCountsTooFewLosesNothing) {
   const RecorderReport report = tally.report();
   ASSERT_EQ(report.earlier.size(), 1u);
   EXPECT_EQ(report.earlier[0].samples_sent, report.earlier[0].samples_recorded);
-  EXPECT_FALSE(report.earlier[0].sums_agree);
+  EXPECT_EQ(report.earlier[0].sums_agree, false);
 }
 
 // The last it said is older than the last it sent.

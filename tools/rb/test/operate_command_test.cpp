@@ -107,6 +107,7 @@ TEST_F(OperateCommand, AStopGivesTheReceiptAndSaysByItsCodeWhatIsMissing) {
   lossy.node = 2;
   lossy.samples_recorded = 60;
   lossy.gaps = 1;
+  lossy.sums_agree.reset();
   {
     const Answering recorder(url_, done("\"drive\" is on the disk"), {whole, lossy});
     const auto outcome = rb({"stop", "--json"});
@@ -115,10 +116,13 @@ TEST_F(OperateCommand, AStopGivesTheReceiptAndSaysByItsCodeWhatIsMissing) {
     EXPECT_EQ(json.at("recording"), "drive");
     EXPECT_EQ(json.at("nodes").at(0).at("samples_lost"), 0);
     EXPECT_EQ(json.at("nodes").at(0).at("crc32c"), "000012ab");
+    EXPECT_EQ(json.at("nodes").at(0).at("sums_agree"), true);
     EXPECT_EQ(json.at("nodes").at(1).at("samples_lost"), 40);
+    EXPECT_TRUE(json.at("nodes").at(1).at("sums_agree").is_null());
   }
   lossy.samples_recorded = 100;
   lossy.gaps = 0;
+  lossy.sums_agree = true;
   {
     const Answering recorder(url_, done("\"drive\" is on the disk"), {whole, lossy});
     EXPECT_EQ(rb({"stop"}).code, 0);

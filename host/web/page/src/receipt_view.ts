@@ -7,14 +7,17 @@ import {duration} from "./words";
 
 const kColumns = ["Node", "Samples", "Lost", "Repaired", "Overload", "Clock within", "CRC-32C"];
 
+// What receipt_t says of the sums of the ends; a third state is that blocks were lost and nobody knows.
+const kContradict = 0, kAgree = 1;
+
 const lost = (receipt: Receipt) => receipt.samples_sent - receipt.samples_recorded;
-const isWhole = (receipt: Receipt) => lost(receipt) === 0 && receipt.gaps === 0 && receipt.open_epochs === 0 && receipt.sums !== 0;
+const isWhole = (receipt: Receipt) => lost(receipt) === 0 && receipt.gaps === 0 && receipt.open_epochs === 0 && receipt.end_sums === kAgree;
 
 /** What is not as it should be, in one line. */
 export function defects(receipts: readonly Receipt[]): string {
   const sum = (of: (receipt: Receipt) => number) => receipts.reduce((all, receipt) => all + of(receipt), 0);
   const [missing, gaps, open] = [sum(lost), sum((receipt) => receipt.gaps), sum((receipt) => receipt.open_epochs)];
-  const wrong = receipts.filter(({sums}) => sums === 0);
+  const wrong = receipts.filter(({end_sums}) => end_sums === kContradict);
   return [
     ...(missing > 0 ? [`${missing.toLocaleString("en")} lost`] : []),
     ...(gaps > 0 ? [gaps === 1 ? "1 gap" : `${gaps} gaps`] : []),
@@ -28,7 +31,8 @@ function row(receipt: Receipt): HTMLTableRowElement {
     String(receipt.node), receipt.samples_recorded.toLocaleString("en"), lost(receipt).toLocaleString("en"),
     receipt.repaired.toLocaleString("en"), `${receipt.overload_s.toFixed(1)} s`,
     receipt.sync_us < 0 ? "not known" : `${Math.ceil(receipt.sync_us)} µs`,
-    receipt.sums === 0 ? `${crc} DOES NOT AGREE` : receipt.open_epochs > 0 ? "no end" : `${crc} agrees`];
+    receipt.end_sums === kContradict ? `${crc} DOES NOT AGREE` : receipt.open_epochs > 0 ? "no end" :
+      receipt.end_sums === kAgree ? `${crc} agrees` : "not known"];
   return el("tr", {"data-whole": String(isWhole(receipt))},
             cells.map((cell, k) => (k === 0 ? el("th", {scope: "row"}, [cell]) : el("td", {}, [cell]))));
 }

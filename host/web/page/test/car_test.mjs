@@ -309,11 +309,11 @@ test("the driver hears of the worst, and is done with four plans of the newest b
 });
 
 test("a record that is not whole is not called by its 0 lost", () => {
-  const receipt = {node: 2, samples_sent: 5, samples_recorded: 5, gaps: 0, open_epochs: 0, sums: 1};
-  assert.equal(page.defects([receipt, {...receipt, sums: 0}]), "CRC of node 2 DOES NOT AGREE");
-  assert.equal(page.defects([{...receipt, sums: 0, open_epochs: 1}]), "its end is missing, CRC of node 2 DOES NOT AGREE");
+  const receipt = {node: 2, samples_sent: 5, samples_recorded: 5, gaps: 0, open_epochs: 0, end_sums: 1};
+  assert.equal(page.defects([receipt, {...receipt, end_sums: 0}]), "CRC of node 2 DOES NOT AGREE");
+  assert.equal(page.defects([{...receipt, end_sums: 0, open_epochs: 1}]), "its end is missing, CRC of node 2 DOES NOT AGREE");
   assert.equal(page.defects([{...receipt, open_epochs: 1}]), "its end is missing");
-  assert.equal(page.defects([{...receipt, samples_recorded: 3, gaps: 1}]), "2 lost, 1 gap");
+  assert.equal(page.defects([{...receipt, samples_recorded: 3, gaps: 1, end_sums: 2}]), "2 lost, 1 gap");
 });
 
 test("another recording begins with plots of its own", () => {
