@@ -96,7 +96,9 @@ DecimatingFilter::DecimatingFilter(Eigen::Index channels, int factor, const Eige
       stride_((static_cast<std::size_t>(channels) + kLine - 1) / kLine * kLine),
       waiting_(stride_ * kTogether),
       sums_(stride_ * static_cast<std::size_t>(weight_.rows())),
-      output_(channels) {}
+      output_(channels) {
+  restart(0);
+}
 
 void DecimatingFilter::restart(std::int64_t index) {
   std::ranges::fill(sums_, 0.0);

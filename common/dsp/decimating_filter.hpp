@@ -15,6 +15,7 @@ namespace roadbalance {
 /// kept stays in the nearest cache.  The same bits on every processor.
 class DecimatingFilter {
  public:
+  /// The first sample has index 0.
   /// @param factor  >= 1
   /// @param taps    at least one
   DecimatingFilter(Eigen::Index channels, int factor, const Eigen::VectorXd& taps);

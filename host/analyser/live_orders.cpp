@@ -52,7 +52,7 @@ void LiveOrders::add(One one) {
 }
 
 void LiveOrders::consume(const SealedBlock& block) {
-  if (block.kind != BlockKind::kScan) return;
+  if (block.kind != BlockKind::kScan || consuming_.empty()) return;
   const ScanBlock scans = decode_scan(block);  // once: several are of each node
   for (RotorOrders* const orders : consuming_) orders->consume(scans);
   for (One& one : all_)

@@ -66,5 +66,51 @@ TEST(Decimator, ForgetsWhatLiesBeforeAGap) {
   }
 }
 
+// Runs of any length, from any index on: outputs lie at multiples of the factor, of all that each is made of.
+TEST(Decimator, GoesOnFromRunToRunOnTheGrid) {
+  std::vector<IdentificationSample> samples;
+  Decimator decimator(kFactor, [&](const IdentificationSample& sample) { samples.push_back(sample); });
+  constexpr std::int64_t kFirst = 1002;
+  std::int64_t index = kFirst;
+  for (const Eigen::Index rows : {1, 7, 64, 3, 50, 75}) {
+    SignalRun run;
+    run.restart = index == kFirst;
+    run.first_index = index;
+    run.samples.resize(kSignals, rows);
+    run.road_m.resize(kWheels, rows);
+    for (Eigen::Index r = 0; r < rows; ++r) {
+      run.samples.col(r).setConstant(static_cast<double>(index));
+      run.road_m.col(r).setConstant(-static_cast<double>(index++));
+    }
+    decimator.consume(run);
+  }
+  // 65 taps, of which the last is at 1068, 1072 .. 1200; what rises evenly passes as it is, 32 samples late.
+  ASSERT_EQ(samples.size(), 34U);
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    const double centre = 1068.0 - 32.0 + 4.0 * static_cast<double>(k);
+    EXPECT_NEAR(samples[k].signals(5), centre, 1e-9);
+    ASSERT_TRUE(samples[k].road_m);
+    EXPECT_NEAR((*samples[k].road_m)(2), -centre, 1e-9);
+    EXPECT_EQ(samples[k].restart, k == 0);
+  }
+}
+
+TEST(Decimator, HasNoRoadMadeOfSamplesThatWereNotMeasured) {
+  std::vector<IdentificationSample> samples;
+  Decimator decimator(kFactor, [&](const IdentificationSample& sample) { samples.push_back(sample); });
+  SignalRun run;
+  run.restart = true;
+  run.samples = SignalMatrix::Ones(kSignals, 200);
+  for (const bool measured : {false, true}) {
+    run.road_m = RoadMatrix::Ones(kWheels, measured ? 200 : 0);
+    decimator.consume(run);
+    run.restart = false;
+    run.first_index += 200;
+  }
+  ASSERT_EQ(samples.size(), 84U);  // 64, 68 .. 396
+  for (std::size_t k = 0; k < samples.size(); ++k)
+    EXPECT_EQ(samples[k].road_m.has_value(), k >= 50) << k;  // 264
+}
+
 }  // namespace
 }  // namespace roadbalance

@@ -55,6 +55,40 @@ TEST_F(FewerSamplesTest, TellOverloadsOfAllTheyAreMadeOfAndAnglesThatAreNotKnown
   }
 }
 
+TEST_F(FewerSamplesTest, TellOverloadsOfEachChannelUpToAnInterruption) {
+  for (int n = 0; n < 300; ++n) add(n, 1.0, (n == 100 ? 1U << 31 : 0U) | (n == 103 ? 3U : 0U));
+  for (std::size_t k = 0; k < given.size(); ++k) {
+    const int n = kBehind + static_cast<int>(k) * kFactor;
+    EXPECT_EQ(given[k].overload,
+              (std::abs(n - 100) <= kBehind ? 1U << 31 : 0U) | (std::abs(n - 103) <= kBehind ? 3U : 0U))
+        << n;
+  }
+  add(300, 1.0, 7U);
+  fewer.interrupt();
+  given.clear();
+  for (int n = 0; n < 300; ++n) add(n, 1.0);
+  ASSERT_FALSE(given.empty());
+  for (const Given& each : given) EXPECT_EQ(each.overload, 0U);
+}
+
+TEST(FewerSamples, PassAllWhereNoFewerAreWanted) {
+  std::vector<Given> given;
+  FewerSamples all(1, 1, [&](const auto& angle_rad, const auto& values, std::uint32_t overload) {
+    given.push_back({angle_rad[0], values(0), overload});
+  });
+  for (int n = 0; n < 5; ++n) {
+    if (n != 2) all.set_angle(0, n);
+    all.add(Eigen::VectorXd::Constant(1, 10.0 * n), n == 3 ? 1U : 0U);
+  }
+  ASSERT_EQ(given.size(), 5U);
+  for (int n = 0; n < 5; ++n) {
+    const Given& each = given[static_cast<std::size_t>(n)];
+    EXPECT_EQ(each.angle_rad, n == 2 ? std::nullopt : std::optional<double>(n));
+    EXPECT_EQ(each.value, 10.0 * n);
+    EXPECT_EQ(each.overload, n == 3 ? 1U : 0U);
+  }
+}
+
 TEST_F(FewerSamplesTest, HaveNoAngleWhereItWasLostSinceTheOneBefore) {
   for (int n = 0; n < 300; ++n) {
     if (n == 121) fewer.lose_angle(0);
