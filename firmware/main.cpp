@@ -1,3 +1,4 @@
+#include <chrono>
 #include <cstdio>
 #include <exception>
 #include <functional>
@@ -8,11 +9,13 @@
 
 #include <CLI/CLI.hpp>
 
+#include "common/clock/clocks.hpp"
 #include "common/command_line/bus_url.hpp"
 #include "common/command_line/manual.hpp"
 #include "common/config/section.hpp"
 #include "common/config/validators.hpp"
 #include "common/frontend/unopened_wiring.hpp"
+#include "common/process/pause.hpp"
 #include "common/process/service_notify.hpp"
 #include "common/process/stop_on_signal.hpp"
 #include "firmware/backends/front_ends.hpp"
@@ -23,6 +26,8 @@
 using namespace roadbalance;
 
 namespace {
+constexpr std::chrono::seconds kLeastLife{1};
+
 void warn(const std::string& of) {
   std::fprintf(stderr, "rb-node: warning: %s\n", of.c_str());
 }
@@ -39,6 +44,7 @@ std::function<void()> feed(ServiceNotify& notify) {
 
 int main(int argc, char** argv) {
   const StopOnSignal signals;
+  const WallTime began = WallClock::now();
   CLI::App app("Samples one node of the vehicle and streams its blocks to the recorder.", "rb-node");
   std::string vehicle_file, node_name, bus_url;
   std::vector<std::string> front_end_uris;
@@ -95,6 +101,8 @@ int main(int argc, char** argv) {
     return 2;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "rb-node: %s\n", error.what());
+    // It is started again at once; while a device is not there that is once a second, not ten times.
+    if (stays) pause(signals.token(), began + kLeastLife - WallClock::now());
     return 4;
   }
 }
