@@ -106,7 +106,7 @@ struct Receipt {
   double overload_s = 0;
   double sync_us = -1;
   std::uint32_t blocks_crc32c = 0;
-  std::optional<bool> sums_agree{};  ///< nothing: not known, since blocks were lost
+  std::optional<bool> sums_agree{};  ///< nothing: not known, as where blocks were lost
   std::int64_t bytes = 0;
   std::int32_t marks = 0;
   std::string name{};  ///< at most kMostNameBytes

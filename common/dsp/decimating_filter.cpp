@@ -11,7 +11,7 @@ namespace roadbalance {
 namespace {
 
 constexpr std::size_t kTogether = 4;  // samples
-constexpr std::size_t kLine = 8;      // of the cache, in doubles
+constexpr std::size_t kLine = kCacheLine / sizeof(double);
 
 struct Spread {
   std::size_t rows, stride;    ///< channels; from one sample, or output, to the next

@@ -9,6 +9,8 @@
 
 namespace roadbalance {
 
+inline constexpr std::size_t kCacheLine = 64;  ///< bytes; the widest lanes have as many
+
 /// For arrays that are gone through again and again: they begin with a line of the cache, so that no vector
 /// of the widest lanes lies in two.  Those of megabytes are on huge pages where the kernel gives some, so
 /// that the processor need not look up where each 4 KB of them lie; it is only asked, and what it does not
@@ -33,10 +35,10 @@ struct AlignedMemory {
   bool operator==(const AlignedMemory&) const = default;
 
  private:
-  static constexpr std::size_t kPage = std::size_t{2} << 20, kLine = 64;
+  static constexpr std::size_t kPage = std::size_t{2} << 20;
 
   static constexpr std::align_val_t boundary(std::size_t bytes) {
-    return std::align_val_t(bytes >= kPage ? kPage : std::max(kLine, alignof(Value)));
+    return std::align_val_t(bytes >= kPage ? kPage : std::max(kCacheLine, alignof(Value)));
   }
 };
 

@@ -58,10 +58,11 @@ void print_receipt(const Receipt& receipt) {
               static_cast<long long>(receipt.samples_sent - receipt.samples_recorded),
               static_cast<long long>(receipt.repaired), receipt.overload_s);
   if (receipt.sync_us >= 0) std::printf("clock within %.0f us, ", receipt.sync_us);
-  const char* const proof = receipt.sums_agree == false ? "DOES NOT AGREE"
-                            : receipt.open_epochs > 0   ? "is not proven: the node has not told its own"
-                            : receipt.sums_agree        ? "agrees"
-                                                        : "is not proven: blocks were lost";
+  const char* const proof =
+      receipt.sums_agree == false ? "DOES NOT AGREE"
+      : receipt.open_epochs > 0   ? "is not proven: the node has not told its own"
+      : receipt.sums_agree        ? "agrees"
+                           : "is not proven: blocks were lost, or the node's end says another (rb verify)";
   std::printf("CRC %08x %s\n", receipt.blocks_crc32c, proof);
 }
 

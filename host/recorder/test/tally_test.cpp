@@ -18,6 +18,18 @@ TEST(Tally, CountsWhatARecoveredEpochLacks) {
   EXPECT_EQ(report.earlier[0].samples_recorded, 60);
 }
 
+TEST(Tally, ARecoveredEndAgreesOnlyWhereTheRecordKnowsIt) {
+  RecordState recovered;
+  recovered.epoch[{1, 8}] = {.position = {.contiguous = 6, .ended = true}, .sum = 0x12ab};
+  recovered.epoch[{2, 8}] = {.position = {.contiguous = 6, .ended = true}, .sum = std::nullopt};
+  recovered.epoch[{3, 8}] = {.position = {.contiguous = 6}, .sum = 0x12ab};
+  const RecorderReport report = Tally(recovered).report();
+  ASSERT_EQ(report.earlier.size(), 3u);
+  EXPECT_EQ(report.earlier[0].sums_agree, true);
+  EXPECT_EQ(report.earlier[1].sums_agree, std::nullopt);
+  EXPECT_EQ(report.earlier[2].sums_agree, std::nullopt) << "it has no end";
+}
+
 // Its end contradicts its blocks: the sums say so, and no loss is negative.
 TEST(Tally, AnEndThatCountsTooFewLosesNothing) {
   Tally tally({});

@@ -120,6 +120,13 @@ TEST_F(OperateCommand, AStopGivesTheReceiptAndSaysByItsCodeWhatIsMissing) {
     EXPECT_EQ(json.at("nodes").at(1).at("samples_lost"), 40);
     EXPECT_TRUE(json.at("nodes").at(1).at("sums_agree").is_null());
   }
+  {
+    const Answering recorder(url_, done("\"drive\" is on the disk"), {whole, lossy});
+    const std::string output = rb({"stop"}).output;
+    EXPECT_NE(output.find("CRC 000012ab agrees"), std::string::npos) << output;
+    EXPECT_NE(output.find("CRC 000012ab is not proven"), std::string::npos) << output;
+    EXPECT_EQ(output.find("DOES NOT AGREE"), std::string::npos) << output;
+  }
   lossy.samples_recorded = 100;
   lossy.gaps = 0;
   lossy.sums_agree = true;

@@ -7,22 +7,26 @@ import {duration} from "./words";
 
 const kColumns = ["Node", "Samples", "Lost", "Repaired", "Overload", "Clock within", "CRC-32C"];
 
-// What receipt_t says of the sums of the ends; a third state is that blocks were lost and nobody knows.
+// What receipt_t says of the sums of the ends; a third state is that nobody knows.
 const kContradict = 0, kAgree = 1;
 
 const lost = (receipt: Receipt) => receipt.samples_sent - receipt.samples_recorded;
-const isWhole = (receipt: Receipt) => lost(receipt) === 0 && receipt.gaps === 0 && receipt.open_epochs === 0 && receipt.end_sums === kAgree;
+const lacksNothing = (receipt: Receipt) => lost(receipt) === 0 && receipt.gaps === 0 && receipt.open_epochs === 0;
+const isWhole = (receipt: Receipt) => lacksNothing(receipt) && receipt.end_sums === kAgree;
 
 /** What is not as it should be, in one line. */
 export function defects(receipts: readonly Receipt[]): string {
   const sum = (of: (receipt: Receipt) => number) => receipts.reduce((all, receipt) => all + of(receipt), 0);
   const [missing, gaps, open] = [sum(lost), sum((receipt) => receipt.gaps), sum((receipt) => receipt.open_epochs)];
   const wrong = receipts.filter(({end_sums}) => end_sums === kContradict);
+  const unproven = receipts.filter((receipt) => lacksNothing(receipt) && !isWhole(receipt) && !wrong.includes(receipt));
+  const nodes = (of: readonly Receipt[]) => of.map(({node}) => node).join(", ");
   return [
     ...(missing > 0 ? [`${missing.toLocaleString("en")} lost`] : []),
     ...(gaps > 0 ? [gaps === 1 ? "1 gap" : `${gaps} gaps`] : []),
     ...(open > 0 ? ["its end is missing"] : []),
-    ...(wrong.length > 0 ? [`CRC of node ${wrong.map(({node}) => node).join(", ")} DOES NOT AGREE`] : [])].join(", ");
+    ...(wrong.length > 0 ? [`CRC of node ${nodes(wrong)} DOES NOT AGREE`] : []),
+    ...(unproven.length > 0 ? [`CRC of node ${nodes(unproven)} is not known`] : [])].join(", ");
 }
 
 function row(receipt: Receipt): HTMLTableRowElement {

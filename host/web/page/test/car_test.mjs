@@ -314,6 +314,7 @@ test("a record that is not whole is not called by its 0 lost", () => {
   assert.equal(page.defects([{...receipt, end_sums: 0, open_epochs: 1}]), "its end is missing, CRC of node 2 DOES NOT AGREE");
   assert.equal(page.defects([{...receipt, open_epochs: 1}]), "its end is missing");
   assert.equal(page.defects([{...receipt, samples_recorded: 3, gaps: 1, end_sums: 2}]), "2 lost, 1 gap");
+  assert.equal(page.defects([receipt, {...receipt, end_sums: 2}]), "CRC of node 2 is not known");
 });
 
 test("another recording begins with plots of its own", () => {
