@@ -28,6 +28,12 @@ inline std::string hdf5_reason() {
   return reason;
 }
 
+/// @throws std::runtime_error with `failure` and what the library says of its last failed call
+[[noreturn]] inline void fail_hdf5(const std::string& failure) {
+  const std::string reason = hdf5_reason();
+  throw std::runtime_error("HDF5: " + failure + (reason.empty() ? "" : " (" + reason + ")"));
+}
+
 /// An identifier of the library; closes itself.
 class Hdf5Handle {
  public:
@@ -36,9 +42,7 @@ class Hdf5Handle {
   Hdf5Handle(hid_t id, herr_t (*closing)(hid_t),
              const std::string& failure = "cannot make the file: is there room, and may it be written?")
       : id_(id), close_(closing) {
-    if (id >= 0) return;
-    const std::string reason = hdf5_reason();
-    throw std::runtime_error("HDF5: " + failure + (reason.empty() ? "" : " (" + reason + ")"));
+    if (id < 0) fail_hdf5(failure);
   }
   Hdf5Handle(Hdf5Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
   Hdf5Handle& operator=(Hdf5Handle&& other) noexcept {

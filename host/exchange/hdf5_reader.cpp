@@ -13,6 +13,7 @@
 #include "common/config/section.hpp"
 #include "host/exchange/hdf5_handle.hpp"
 #include "host/exchange/line_reader.hpp"
+#include "host/exchange/separate_reader.hpp"
 #include "host/exchange/units.hpp"
 
 namespace roadbalance {
@@ -30,9 +31,10 @@ struct Named {
   }
 };
 
-std::vector<Named> all_in(hid_t group) {
+/// @param what  the group, for an error
+std::vector<Named> all_in(hid_t group, const std::string& what) {
   std::vector<Named> all;
-  H5Literate_by_name(
+  const herr_t done = H5Literate_by_name(
       group, ".", H5_INDEX_NAME, H5_ITER_NATIVE, nullptr,
       [](hid_t, const char* name, const H5L_info_t* link, void* into) -> herr_t {
         const haddr_t byte = link->type == H5L_TYPE_HARD ? link->u.address : HADDR_UNDEF;
@@ -40,6 +42,7 @@ std::vector<Named> all_in(hid_t group) {
         return 0;
       },
       &all, H5P_DEFAULT);
+  if (done < 0) fail_hdf5(what + ": what is in it cannot be listed");
   return all;
 }
 
@@ -183,9 +186,11 @@ class Hdf5Samples final : public SampleSource {
       fail(path_, "", "is no HDF5 file: its signature stands neither at byte 0 nor at 512, 1024, 2048 ...");
     file_ = Hdf5Handle(H5Fopen(path_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, path_ + ": is damaged");
     const Hdf5Handle group = find_group();
-    const std::vector<Named> all = all_in(group.get());
+    const std::vector<Named> all = all_in(group.get(), path_);
     const auto is_time = [](const Named& named) { return named.name == "time_s"; };
-    time_.emplace(path_, group.get(), *std::ranges::find_if(all, is_time));
+    const auto time = std::ranges::find_if(all, is_time);
+    if (time == all.end()) fail(path_, "", "its group lists no time_s, though it has one: is damaged");
+    time_.emplace(path_, group.get(), *time);
     for (const Named& named : all) {
       if (is_time(named)) continue;
       channel_.emplace_back(DataSet(path_, group.get(), named, time_->size()));
@@ -221,7 +226,7 @@ class Hdf5Samples final : public SampleSource {
 
   Hdf5Handle find_group() const {
     std::vector<std::string> found;
-    for (const Named& named : all_in(file_.get())) {
+    for (const Named& named : all_in(file_.get(), path_)) {
       const Hdf5Handle object(H5Oopen(file_.get(), named.name.c_str(), H5P_DEFAULT), H5Oclose,
                               path_ + ": " + named.place());
       if (H5Iget_type(object.get()) == H5I_GROUP && H5Lexists(object.get(), "time_s", H5P_DEFAULT) > 0)
@@ -262,8 +267,16 @@ class Hdf5Samples final : public SampleSource {
 
 }  // namespace
 
-std::unique_ptr<SampleSource> open_hdf5_samples(const std::filesystem::path& file) {
+std::unique_ptr<SampleSource> open_hdf5_samples_here(const std::filesystem::path& file) {
   return std::make_unique<Hdf5Samples>(file);
+}
+
+std::int64_t open_hdf5_objects() {
+  return H5Fget_obj_count(static_cast<hid_t>(H5F_OBJ_ALL), H5F_OBJ_ALL);
+}
+
+std::unique_ptr<SampleSource> open_hdf5_samples(const std::filesystem::path& file) {
+  return read_separately(file, open_hdf5_samples_here);
 }
 
 }  // namespace roadbalance

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 
@@ -14,6 +15,14 @@ namespace roadbalance {
 /// @throws ConfigError naming the file, the data set and what is allowed, of damage also the byte where it
 ///         stands; std::runtime_error if the library cannot open what is in the file; std::system_error if it
 ///         is not there
+///
+/// A process of its own reads it (separate_reader.hpp), for the library comes to grief over damage.
 std::unique_ptr<SampleSource> open_hdf5_samples(const std::filesystem::path& file);
+
+/// The same by this process itself, for whoever can bear that the library ends it.
+std::unique_ptr<SampleSource> open_hdf5_samples_here(const std::filesystem::path& file);
+
+/// Files, groups and sets that the library has open here; 0 once such sources have gone, whatever they met.
+std::int64_t open_hdf5_objects();
 
 }  // namespace roadbalance

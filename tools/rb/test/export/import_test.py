@@ -151,6 +151,23 @@ class Import(Exports):
         np.testing.assert_array_equal(front.counts[there, 0], np.rint(value[there] * 9.80665 * 2**23 / 50))
         np.testing.assert_array_equal(rear.counts[:, 0], np.rint((np.arange(1000) - 500) // 50 * 2**23 / 50))
 
+    def test_an_hdf5_file_from_which_the_library_does_not_return(self):
+        time_s = np.arange(300) / self.RATE_HZ
+        made = self.write_hdf5("held.h5", time_s, front_up=(time_s, "g"), front_side=(time_s, "m/s^2"),
+                               rear_up=(time_s, "m/s^2"), rear_side=(time_s, "m/s^2"))
+        data = bytearray(made.read_bytes())
+        # The units stand in a global heap: objects of 16 bytes (index, size) and their data, up to index 0, which is
+        # what is free.  HDF5 1.10 steps on by its size.
+        at = data.index(b"GCOL") + 16
+        while struct.unpack_from("<H", data, at)[0] != 0:
+            at += 16 + (struct.unpack_from("<Q", data, at + 8)[0] + 7) // 8 * 8
+        struct.pack_into("<Q", data, at + 8, 0)
+        made.write_bytes(data)
+        folder, done = self.import_as("hdf5", "held", made, self.root / "made.toml")
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertIn("held.h5: is damaged: reading it does not get on, not in 10 s of a processor", done.stderr)
+        self.assertFalse(folder.exists())
+
     def test_says_what_is_wrong_with_a_file(self):
         good = {form: self.export(form, self.made, f"good.{form}")[0].read_bytes() for form in self.FORMATS}
         text = good["uff58"].decode()

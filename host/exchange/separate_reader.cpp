@@ -1,0 +1,264 @@
+#include "host/exchange/separate_reader.hpp"
+
+#include <fcntl.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <initializer_list>
+#include <memory>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "common/config/section.hpp"
+
+namespace roadbalance {
+namespace {
+
+/// What the pipe carries: a head, then as many bytes as it says.
+enum class Told : std::uint32_t { kNames, kRows, kEnd, kConfigError, kError };
+
+struct Head {
+  Told told = Told::kEnd;
+  std::uint32_t rows = 0;
+  std::uint64_t bytes = 0;
+  double part = 0.0;
+};
+
+constexpr std::size_t kMostBytes = std::size_t{1}
+                                   << 30;  ///< of one message; none of a sound process is so long
+
+/// @throws std::runtime_error if nobody reads
+void put(int pipe, const void* data, std::size_t size) {
+  const auto* bytes = static_cast<const char*>(data);
+  while (size > 0) {
+    const ssize_t wrote = write(pipe, bytes, size);
+    if (wrote < 0 && errno != EINTR) throw std::runtime_error("nobody reads");
+    if (wrote <= 0) continue;
+    bytes += wrote;
+    size -= static_cast<std::size_t>(wrote);
+  }
+}
+
+void put(int pipe, Told told, std::string_view text) {
+  const Head head{.told = told, .bytes = text.size()};
+  put(pipe, &head, sizeof head);
+  put(pipe, text.data(), text.size());
+}
+
+void allow_memory(std::int64_t more_bytes) {
+  long pages = 0;
+  if (std::FILE* const file = std::fopen("/proc/self/statm", "r")) {  // proc(5): its size comes first
+    if (std::fscanf(file, "%ld", &pages) != 1) pages = 0;
+    std::fclose(file);
+  }
+  const auto page = static_cast<std::int64_t>(sysconf(_SC_PAGESIZE));
+  if (more_bytes == 0) more_bytes = sysconf(_SC_PHYS_PAGES) / 2 * page;
+  const auto bytes = static_cast<rlim_t>(pages * page + more_bytes);
+  const rlimit limit{bytes, bytes};
+  setrlimit(RLIMIT_AS, &limit);
+}
+
+/// From now on, until it is called again.  Beyond it SIGXCPU ends the process.
+void allow_time(int processor_s) {
+  rusage used{};
+  getrusage(RUSAGE_SELF, &used);
+  const rlimit limit{static_cast<rlim_t>(used.ru_utime.tv_sec + used.ru_stime.tv_sec + 1 + processor_s),
+                     RLIM_INFINITY};
+  setrlimit(RLIMIT_CPU, &limit);
+}
+
+/// All there is to read, told through the pipe.
+void tell(int pipe, const std::filesystem::path& file, const OpenSamples& open, ReaderLimits limits) {
+  allow_memory(limits.more_bytes);
+  allow_time(limits.processor_s);
+  const auto source = open(file);
+  std::string names;
+  for (const std::string& name : source->names()) names.append(name).push_back('\0');
+  put(pipe, Told::kNames, names);
+  SampleRows rows;
+  while (allow_time(limits.processor_s), source->read(rows)) {
+    const auto bytes_of = [](const std::vector<double>& numbers) { return numbers.size() * sizeof(double); };
+    const Head head{.told = Told::kRows,
+                    .rows = static_cast<std::uint32_t>(rows.rows()),
+                    .bytes = bytes_of(rows.time_s) + bytes_of(rows.value_si),
+                    .part = source->part()};
+    put(pipe, &head, sizeof head);
+    put(pipe, rows.time_s.data(), bytes_of(rows.time_s));
+    put(pipe, rows.value_si.data(), bytes_of(rows.value_si));
+  }
+  put(pipe, Told::kEnd, "");
+}
+
+/// The process's whole life.  Nothing of what it inherits is tidied up: it is not its own.
+[[noreturn]] void be_reader(int pipe, const std::filesystem::path& file, const OpenSamples& open,
+                            ReaderLimits limits) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  std::signal(SIGPIPE, SIG_IGN);
+  try {
+    try {
+      tell(pipe, file, open, limits);
+    } catch (const ConfigError& error) {
+      put(pipe, Told::kConfigError, error.what());
+    } catch (const std::bad_alloc&) {
+      put(pipe, Told::kConfigError, file.string() + ": is damaged: reading it takes more memory than it may");
+    } catch (const std::exception& error) {
+      put(pipe, Told::kError, error.what());
+    }
+  } catch (const std::exception&) {  // nobody reads any more
+  }
+  _exit(0);
+}
+
+/// The other process, as seen from here: it tells, and ends with this object.
+class Reader {
+ public:
+  Reader(const std::filesystem::path& file, const OpenSamples& open, ReaderLimits limits)
+      : file_(file.string()), limits_(limits) {
+    int ends[2];
+    if (pipe2(ends, O_CLOEXEC) != 0) refuse("pipe to read ");
+    process_ = fork();
+    if (process_ == 0) {
+      close(ends[0]);
+      be_reader(ends[1], file, open, limits);
+    }
+    pipe_ = ends[0];
+    close(ends[1]);
+    if (process_ > 0) return;
+    close(pipe_);
+    refuse("fork to read ");
+  }
+  Reader(const Reader&) = delete;
+  Reader& operator=(const Reader&) = delete;
+  ~Reader() {
+    close(pipe_);
+    if (process_ < 0) return;
+    kill(process_, SIGKILL);
+    waitpid(process_, nullptr, 0);
+  }
+
+  /// @throws what the process told of, and where `told` is not what may come now
+  Head next(std::initializer_list<Told> allowed) {
+    Head head;
+    take(&head, sizeof head);
+    if (head.bytes > kMostBytes) fail(kOutOfStep);
+    if (head.told == Told::kConfigError) throw ConfigError(take_text(head));
+    if (head.told == Told::kError) throw std::runtime_error(take_text(head));
+    if (std::ranges::find(allowed, head.told) == allowed.end()) fail(kOutOfStep);
+    return head;
+  }
+  void take_rows(const Head& head, SampleRows& rows) {
+    if (head.rows > SampleSource::kRowsAtOnce ||
+        head.bytes != head.rows * (1 + rows.channels) * sizeof(double))
+      fail(kOutOfStep);
+    rows.time_s.resize(head.rows);
+    rows.value_si.resize(head.rows * rows.channels);
+    take(rows.time_s.data(), rows.time_s.size() * sizeof(double));
+    take(rows.value_si.data(), rows.value_si.size() * sizeof(double));
+  }
+  std::string take_text(const Head& head) {
+    std::string text(head.bytes, '\0');
+    take(text.data(), text.size());
+    return text;
+  }
+
+ private:
+  static constexpr const char* kOutOfStep = "is damaged: reading it came out of step";
+
+  [[noreturn]] void fail(const std::string& reason) const { throw ConfigError(file_ + ": " + reason); }
+  [[noreturn]] void refuse(const char* what) const {
+    throw std::system_error(errno, std::generic_category(), what + file_);
+  }
+
+  void take(void* into, std::size_t size) {
+    auto* bytes = static_cast<char*>(into);
+    while (size > 0) {
+      const ssize_t got = ::read(pipe_, bytes, size);
+      if (got == 0) say_how_it_ended();
+      if (got < 0 && errno != EINTR) refuse("read ");
+      if (got <= 0) continue;
+      bytes += got;
+      size -= static_cast<std::size_t>(got);
+    }
+  }
+
+  [[noreturn]] void say_how_it_ended() {
+    int status = 0;
+    waitpid(std::exchange(process_, -1), &status, 0);
+    const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+    if (signal == SIGXCPU)
+      fail("is damaged: reading it does not get on, not in " + std::to_string(limits_.processor_s) +
+           " s of a processor");
+    fail("is damaged: reading it fails in the library" +
+         (signal == 0 ? "" : std::string(": ") + strsignal(signal)));
+  }
+
+  const std::string file_;
+  const ReaderLimits limits_;
+  pid_t process_ = -1;
+  int pipe_ = -1;
+};
+
+class SeparateSamples final : public SampleSource {
+ public:
+  SeparateSamples(std::filesystem::path file, OpenSamples open, ReaderLimits limits)
+      : file_(std::move(file)), open_(std::move(open)), limits_(limits), name_(begin()) {}
+
+  const std::vector<std::string>& names() const override { return name_; }
+  double part() const override { return part_; }
+  void rewind() override {
+    if (begin() != name_)
+      throw ConfigError(file_.string() + ": was written to while it was read; allowed: a file that is done");
+  }
+  bool read(SampleRows& rows) override {
+    rows.clear();
+    rows.channels = name_.size();
+    if (is_done_) return false;
+    const Head head = reader_->next({Told::kRows, Told::kEnd});
+    is_done_ = head.told == Told::kEnd;
+    if (is_done_) return false;
+    reader_->take_rows(head, rows);
+    part_ = head.part;
+    return true;
+  }
+
+ private:
+  std::vector<std::string> begin() {
+    reader_ = std::make_unique<Reader>(file_, open_, limits_);
+    is_done_ = false;
+    part_ = 0.0;
+    const std::string text = reader_->take_text(reader_->next({Told::kNames}));
+    std::vector<std::string> names;
+    for (std::size_t at = 0; at < text.size(); at += names.back().size() + 1)
+      names.emplace_back(text.c_str() + at);
+    return names;
+  }
+
+  const std::filesystem::path file_;
+  const OpenSamples open_;
+  const ReaderLimits limits_;
+  std::unique_ptr<Reader> reader_;
+  double part_ = 0.0;
+  bool is_done_ = false;
+  const std::vector<std::string> name_;
+};
+
+}  // namespace
+
+std::unique_ptr<SampleSource> read_separately(const std::filesystem::path& file, OpenSamples open,
+                                              ReaderLimits limits) {
+  return std::make_unique<SeparateSamples>(file, std::move(open), limits);
+}
+
+}  // namespace roadbalance
