@@ -30,9 +30,11 @@ class AckCheck {
     if (ack.incarnation == before.incarnation)
       require(ack.number > before.number, "acks of one incarnation are numbered upwards");
     before = ack;
+    if (ack.durable > 0) reached_.count();
   }
 
  private:
+  static inline Reached reached_{"an ack of something durable"};
   std::map<std::pair<std::int32_t, std::int64_t>, std::int64_t> durable_;
   std::map<std::pair<std::int32_t, std::int64_t>, Ack> last_;
 };

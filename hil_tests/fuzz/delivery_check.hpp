@@ -18,6 +18,7 @@ class DeliveryCheck {
   void take(const Delivery& delivery) {
     const auto* gap = std::get_if<GapBlock>(&delivery);
     const BlockHeader& header = gap ? gap->header : std::get<SealedBlock>(delivery).header;
+    reached_.count();
     Seen& seen = seen_[{header.node, header.epoch}];
     const bool is_own = !gap || !stands_for_lost_blocks(gap->cause);
     require(!seen.ended, "nothing follows the end of an epoch");
@@ -38,6 +39,7 @@ class DeliveryCheck {
   }
 
  private:
+  static inline Reached reached_{"a delivery"};
   struct Seen {
     std::int64_t sequence = 0;
     bool ended = false;

@@ -10,6 +10,10 @@ namespace {
 
 using fuzz::require;
 
+std::array<fuzz::Reached, kBlockKinds> reached{fuzz::Reached("scans"),  fuzz::Reached("edges"),
+                                               fuzz::Reached("a gap"),  fuzz::Reached("metadata"),
+                                               fuzz::Reached("an end"), fuzz::Reached("signals")};
+
 using Forms = std::array<std::vector<std::uint8_t>, kBlockKinds>;
 
 Forms make_forms() {
@@ -88,6 +92,7 @@ void check(std::span<const std::uint8_t> bytes) {
   // Bytes of a text behind its size do not count and are not kept.
   const bool same = std::equal(again.bytes().begin(), again.bytes().end(), bytes.begin());
   require(same || block.kind == BlockKind::kMeta, "sealing what was decoded gives the same bytes");
+  reached[static_cast<std::size_t>(block.kind)].count();
   SealedBlock accepted;
   require(accept(again.bytes(), accepted) == Refusal::kNone, "what is sealed is accepted");
 }

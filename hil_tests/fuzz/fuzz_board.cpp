@@ -16,6 +16,9 @@ using fuzz::require;
 
 constexpr std::uint32_t kTickHz = 1'000'000;
 
+fuzz::Reached any_packets("a packet of any fields"), packets("a packet of the board");
+fuzz::Reached identities("an identity"), statuses("a status");
+
 Identity identity() {
   Identity identity;
   identity.tick_hz = kTickHz;
@@ -24,6 +27,7 @@ Identity identity() {
   identity.filter_min_hz = 50;
   identity.filter_max_hz = 5'000;
   identity.filter_orders = 0xFF;
+  identity.capabilities = kHasTestPattern;
   return identity;
 }
 
@@ -98,6 +102,7 @@ void Driven::read() {
   if (size == 0) return;
   const auto packet = decode_packet({packet_.data(), size});
   require(packet.has_value(), "what the board sends can be read");
+  packets.count();
   const PacketHeader& header = packet->header();
   require(header.sequence == sequence_++, "packets are numbered without gap");
   require(header.first_scan >= next_scan_, "no scan comes twice");
@@ -148,6 +153,21 @@ void Driven::act(ByteReader& bytes) {
   }
 }
 
+// What a host reads of a board's replies: one may be longer, of a later board, and is not refused for it.
+void check_replies(std::span<const std::uint8_t> bytes) {
+  const auto begins = [&](const auto& encoded) {
+    return std::equal(encoded.begin(), encoded.end(), bytes.begin());
+  };
+  if (const auto identity = decode_identity(bytes)) {
+    require(begins(encode(*identity)), "an identity that was read is encoded as it came");
+    identities.count();
+  }
+  if (const auto status = decode_status(bytes)) {
+    require(begins(encode(*status)), "a status that was read is encoded as it came");
+    statuses.count();
+  }
+}
+
 // Bytes as a packet, with magic, lengths and CRC that let them through to the content.
 void check_decoder(std::span<const std::uint8_t> bytes) {
   std::array<std::uint8_t, kMaxPacketBytes + 8> packet{};
@@ -161,6 +181,7 @@ void check_decoder(std::span<const std::uint8_t> bytes) {
   seal_packet(std::span(packet).first(size));
   const auto view = decode_packet(std::span(packet).first(size));
   if (!view) return;
+  any_packets.count();
   auto again = std::make_unique<std::array<std::uint8_t, kMaxPacketBytes>>();
   const std::span<std::uint8_t> out(*again);
   std::size_t at = kHeaderBytes;
@@ -183,6 +204,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size == 0) return 0;
   const std::span<const std::uint8_t> bytes(data + 1, size - 1);
   if (data[0] % 2 == 0) {
+    board::check_replies(bytes);
     board::check_decoder(bytes);
     return 0;
   }

@@ -15,9 +15,12 @@ namespace {
 
 using fuzz::require;
 
+fuzz::Reached datagrams("a datagram"), useful("a fit that tells time");
+
 void check_datagram(std::span<const std::uint8_t> bytes) {
   const auto datagram = decode_clock_datagram(bytes);
   if (!datagram) return;
+  datagrams.count();
   const auto again = encode(*datagram);
   require(std::equal(bytes.begin(), bytes.end(), again.begin(), again.end()),
           "encoding what was decoded gives the same bytes");
@@ -45,6 +48,7 @@ void check_model(std::span<const std::uint8_t> bytes) {
   fuzz::ByteReader in(bytes);
   ClockModel model(1, 2);
   ClockExchange exchange{.node = 1, .epoch = 2};
+  constexpr double kUseful_s = 1.0;
   std::int64_t fits = 0;
   while (!in.empty()) {
     ++exchange.number;
@@ -55,6 +59,7 @@ void check_model(std::span<const std::uint8_t> bytes) {
     model.add(exchange);
     const ClockFit fit = model.fit(instant(in, exchange.heard_ns));
     require(fit.number == ++fits, "fits are numbered");
+    if (fit.uncertainty_s < kUseful_s) useful.count();
     require(std::isfinite(fit.drift) && std::isfinite(fit.uncertainty_s) && fit.uncertainty_s >= 0,
             "a fit is of finite numbers");
     require(fit.breaks == model.breaks() && fit.breaks <= exchange.number, "breaks are counted");

@@ -18,6 +18,8 @@ namespace {
 using fuzz::MemoryFile;
 using fuzz::require;
 
+fuzz::Reached pulses_read("pulses"), marks_read("marks");
+
 void check_pulses(const std::string& path) {
   double before = -std::numeric_limits<double>::infinity();
   PulseSource pulses(path);
@@ -30,6 +32,7 @@ void check_pulses(const std::string& path) {
   pulses.rewind();
   while (pulses.next()) ++again;
   require(first == again, "another pass gives as many");
+  if (first > 0) pulses_read.count();
 }
 
 void check_marks(const std::string& path) {
@@ -39,6 +42,7 @@ void check_marks(const std::string& path) {
     require(mark.number >= 1, "marks are numbered from 1 on");
     require(mark.text.size() <= kMaxNoteBytes, "a mark's text fits into a note");
     before = mark.time_s;
+    marks_read.count();
   }
 }
 

@@ -12,6 +12,8 @@ namespace {
 
 using fuzz::require;
 
+fuzz::Reached signals("a signal"), frames("a logged frame");
+
 /// A whole frame of the message with the fuzzer's bytes: each signal is read within its range, and what is
 /// read is written and read again the same.
 void check(const DbcMessage& message, const std::string& bytes) {
@@ -24,6 +26,7 @@ void check(const DbcMessage& message, const std::string& bytes) {
     if (message.size > frame.size)
       require(reading.status == DbcReading::Status::kTooShort, "a short frame is refused");
     if (reading.status != DbcReading::Status::kOk) continue;
+    signals.count();
     CanFrame again = frame;
     require(signal.place.put_bits(signal.place.bits(frame).value(), again), "what was read can be written");
     require(again.data == frame.data, "and writing it changes nothing");
@@ -43,8 +46,10 @@ void check(const DbcMessage& message, const std::string& bytes) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace roadbalance;
   const std::string text(reinterpret_cast<const char*>(data), size);
-  if (const auto logged = parse_candump(text))
+  if (const auto logged = parse_candump(text)) {
+    frames.count();
     require(is_can_size(logged->frame.size, logged->frame.is_fd), "a logged frame has a size there is");
+  }
   try {
     const Dbc dbc = Dbc::parse(text, "fuzz.dbc");
     for (const DbcMessage& message : dbc.messages) {

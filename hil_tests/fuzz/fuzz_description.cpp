@@ -10,6 +10,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace roadbalance;
   using fuzz::require;
   const std::string text(reinterpret_cast<const char*>(data), size);
+  static fuzz::Reached descriptions("a description");
   try {
     const Description d = Description::parse(text, "fuzz.toml");
     const auto known = [&](const std::string& name) {
@@ -50,6 +51,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (const auto& tyre : d.tyre) is_place(tyre.point, d.point);
     for (const auto& plane : d.unbalance) is_place(plane.point, d.point);
     for (const auto& sensor : d.sensor) is_place(sensor.point, d.point);
+    descriptions.count();
   } catch (const ConfigError& error) {
     require(std::string(error.what()).starts_with("fuzz.toml"), "an error names the file");
   }

@@ -27,6 +27,8 @@ using Bytes = std::vector<char>;
 
 constexpr std::size_t kRows = 1200;
 
+fuzz::Reached excerpts("an excerpt");
+
 const VehicleConfig& vehicle() {
   static const VehicleConfig config =
       VehicleConfig::parse(test::read_source("sim/demo/vehicle.toml"), "fuzz");
@@ -163,6 +165,7 @@ void check(std::span<const std::uint8_t> bytes) {
             "what is made is good");
     const auto all = static_cast<std::int64_t>(kRows * vehicle().node.size());
     require(samples_of(made) > 0 && samples_of(made) <= all / asked.factor + 64, "no sample is made up");
+    excerpts.count();
   } catch (const std::exception& error) {
     require(error.what()[0] != 0, "a refusal says why");
     require(!fs::exists(asked.output), "what is refused leaves nothing");

@@ -10,9 +10,12 @@ namespace {
 
 using fuzz::require;
 
+fuzz::Reached indexes("an index");
+
 void check(const std::string& text) {
   const auto index = decode_index(text);
   if (!index) return;
+  indexes.count();
   require(encode(*index) == text, "an index has one form");
   require(decode_index(encode(*index)) == index, "what was accepted is accepted again");
 }

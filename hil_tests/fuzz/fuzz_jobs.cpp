@@ -11,10 +11,13 @@ namespace {
 
 using fuzz::require;
 
+fuzz::Reached orders("an order"), books("a book with a job");
+
 void check_order(std::string_view text) {
   const auto parsed = parse_job_order(text);
   if (const auto* why = std::get_if<std::string>(&parsed))
     return require(!why->empty(), "a refusal says why");
+  orders.count();
   const JobOrder& order = std::get<JobOrder>(parsed);
   const std::string again = order.recording + (order.options.empty() ? "" : "/" + order.options);
   require(again == text, "an order is kept as it was asked");
@@ -28,6 +31,7 @@ void check_book(std::string_view text) {
   const std::filesystem::path results = "/results";
   const auto jobs = decode_job_book(text, results);
   if (!jobs) return;
+  if (!jobs->empty()) books.count();
   for (const BookedJob& booked : *jobs) {
     require(booked.result.empty() || booked.result.parent_path() == results, "a result lies in its folder");
     require(booked.result.lexically_normal() == booked.result, "and nowhere else");

@@ -15,6 +15,8 @@ namespace roadbalance {
 namespace {
 
 using fuzz::require;
+
+fuzz::Reached blocks_sent("a block that is sent"), freed("a block that is durable");
 constexpr fuzz::TrueNode kNode{3, 77, std::int64_t{1} << 40};
 constexpr std::size_t kRingBlocks = 32;
 
@@ -149,11 +151,13 @@ class Run {
       require(sent == sent_at_.end() || now_ - sent->second >= std::chrono::milliseconds(10),
               "a block is not sent twice within 10 ms");
       sent_at_[block.header.sequence] = now_;
+      blocks_sent.count();
     }
   }
 
   void check() {
     require(backlog_.base() >= base_ && backlog_.base() <= backlog_.next(), "the base only rises");
+    if (backlog_.base() > base_) freed.count();
     base_ = backlog_.base();
     require(base_ <= durable_ + 1, "nothing is freed that no ack called durable");
   }

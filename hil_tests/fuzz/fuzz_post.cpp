@@ -15,6 +15,8 @@ namespace {
 
 using fuzz::require;
 
+fuzz::Reached requests("a request"), changes("a change that is admitted");
+
 nlohmann::json said_again(const Request& request) {
   return {{"asker", request.asker}, {"request", request.request}, {"operation", name_of(request.operation)},
           {"node", request.node},   {"channel", request.channel}, {"value", request.value},
@@ -29,6 +31,7 @@ void check_request(std::string_view body) {
             "a refusal repeats nothing that a terminal or a page would obey");
     return;
   }
+  requests.count();
   const auto& request = std::get<Request>(parsed);
   require(!name_of(request.operation).empty(), "only what has a name is asked");
   const auto heard = decode_request(encode(request));
@@ -71,6 +74,7 @@ void check_head(std::string_view text) {
     return;
   }
   require(method == "POST", "there are three methods");
+  changes.count();
   require(origin == own && token == rules.token, "a change needs our page and the session's token");
 }
 

@@ -14,6 +14,8 @@ namespace roadbalance {
 namespace {
 
 using fuzz::require;
+
+fuzz::Reached records("a new record");
 using test::SimulatedDisk;
 
 void check(std::span<const std::uint8_t> bytes) {
@@ -38,6 +40,7 @@ void check(std::span<const std::uint8_t> bytes) {
   require(disk.content("/record/seg-000001.lcm") == record && disk.content("/spool/seg-000001.lcm") == spool,
           "the originals stay as they are");
 
+  records.count();
   std::int64_t blocks = 0;
   RecordReader reader("/whole", disk);
   reader.finish();

@@ -11,6 +11,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace roadbalance;
   using fuzz::require;
   static const auto vehicle = VehicleConfig::read_file(test::source_path("sim/demo/vehicle.toml"));
+  static fuzz::Reached scenarios("a scenario");
   const std::string text(reinterpret_cast<const char*>(data), size);
   try {
     sim::Scenario scenario = sim::Scenario::parse(text, "fuzz.toml", vehicle);
@@ -19,6 +20,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       require(std::isfinite(std::abs(wheel.unbalance_kg_m)), "an unbalance is a number");
     scenario.scale_to(60);
     require(std::abs(scenario.seconds() - 60) < 1e-6, "a drive can be given another length");
+    scenarios.count();
   } catch (const ConfigError& error) {
     require(std::string(error.what()).starts_with("fuzz.toml"), "an error names the file");
   }

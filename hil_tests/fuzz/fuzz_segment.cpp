@@ -15,6 +15,8 @@ namespace {
 
 using fuzz::Bytes;
 using fuzz::require;
+
+fuzz::Reached events("an event");
 using test::SimulatedDisk;
 constexpr const char* kFolder = "/record";
 
@@ -56,6 +58,7 @@ void check(std::span<const std::uint8_t> bytes) {
   if (cut < log.size()) disk.put("/record/seg-000002.lcm", Bytes(middle, log.end()));
 
   const Content before = read(disk);
+  if (!before.events.empty()) events.count();
   require(before.event_bytes + before.damaged_bytes == log.size(), "every byte is an event's or damage");
   if (built)
     require(std::none_of(before.events.begin(), before.events.end(), fuzz::is_false_block), "no false block");

@@ -14,6 +14,8 @@ namespace {
 
 using fuzz::require;
 
+fuzz::Reached scans("a scan"), edges("an edge");
+
 constexpr std::uint32_t kTickHz = 10'000'000;
 constexpr std::uint32_t kTicksPerScan = 1000;
 constexpr std::uint64_t kFirstTicks = std::uint64_t{1} << 40;
@@ -147,11 +149,13 @@ class Run {
       for (const Scan& scan : std::span(scans_).first(read.scans)) {
         require(scan.index > last_, "numbers rise");
         last_ = scan.index;
+        scans.count();
         require(!scan.after_absence || absences_-- > 0, "a run begins once");
         require(scan.overload < 1u << kChannels, "only channels that there are");
       }
       for (const Edge& edge : std::span(edges_).first(read.edges))
         require(edge.line < kEncoderLines && edge.kind <= EdgeKind::kLost, "only edges that there are");
+      if (read.edges > 0) edges.count();
     }
   }
 

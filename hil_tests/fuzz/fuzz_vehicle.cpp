@@ -10,6 +10,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace roadbalance;
   using fuzz::require;
   const std::string text(reinterpret_cast<const char*>(data), size);
+  static fuzz::Reached vehicles("a vehicle"), plans("a plan of weights"), wirings("a wired node");
   try {
     const VehicleConfig vehicle = VehicleConfig::parse(text, "fuzz.toml");
     require(vehicle.text == text, "the text is kept as it was read");
@@ -24,9 +25,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         if (const WheelConfig* const wheel = vehicle.wheel_at(node, line))
           require(vehicle.wheel_named(wheel->name) == wheel, "an encoder is on one of the wheels");
     }
+    vehicles.count();
+    for (const NodeConfig& node : vehicle.node)
+      if (!node.wiring.can.empty()) wirings.count();
     for (const WheelConfig& wheel : vehicle.wheel) {
       const auto steps = plan_weights({3.0, 4.0}, 0.1, wheel.stock, wheel.fitted).step.size();
       require(steps <= kMostWeightSteps, "every stock of weights makes a plan that a message holds");
+      if (steps > 0) plans.count();
     }
   } catch (const ConfigError& error) {
     require(std::string(error.what()).starts_with("fuzz.toml"), "an error names the file");

@@ -38,8 +38,10 @@ inline std::vector<double> pass_of(SampleSource& source) {
 
 /// What a file of samples is, however it was opened: refused naming it or `other`, or rows that are the same
 /// each time.
+/// @return whether it gave rows
 template <typename Open>
-void check_samples(const std::string& path, Open open, const std::string& other = "") {
+bool check_samples(const std::string& path, Open open, const std::string& other = "") {
+  static Reached rows("rows");
   try {
     const auto source = open(path);
     require(!source->names().empty(), "there are channels");
@@ -51,9 +53,12 @@ void check_samples(const std::string& path, Open open, const std::string& other 
     // A missing sample is NaN, which is not equal to itself.
     const auto same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
     require(std::ranges::equal(first, again, same), "another pass gives the same");
+    if (!first.empty()) rows.count();
+    return !first.empty();
   } catch (const ConfigError& error) {
     const std::string_view said(error.what());
     require(said.starts_with(path) || (!other.empty() && said.starts_with(other)), "an error names the file");
+    return false;
   }
 }
 

@@ -2,8 +2,10 @@
 #include <exception>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/clock_messages.hpp"
@@ -18,10 +20,16 @@
 #include "common/bus/results.hpp"
 #include "common/bus/transfer_report.hpp"
 #include "common/clock/datagram.hpp"
+#include "common/process/temporary_folder.hpp"
 #include "common/record/log_event.hpp"
 #include "common/record/segment_index.hpp"
 #include "common/test/source.hpp"
 #include "hil_tests/fuzz/true_node.hpp"
+#include "host/exchange/candump_writer.hpp"
+#include "host/exchange/hdf5_writer.hpp"
+#include "host/exchange/uff58_writer.hpp"
+#include "host/exchange/wav_writer.hpp"
+#include "host/receipts/job_book.hpp"
 
 // Writes what the fuzzers begin with: one real encoding of each kind.  Usage: rb-fuzz-seeds FOLDER
 namespace roadbalance {
@@ -73,10 +81,13 @@ void write_posts() {
   write("post", "job", ids + R"("job","text":"drive","value":[1]})");
   write("jobs", "order", std::string("drive/format=csv/from=-1.5/to=2e3/channels=a,b"));
   write("jobs", "order-marks", std::string("drive/from-mark=1/to-mark=2/rate=500"));
+  const Job job{.job = 1,
+                .kind = JobKind::kSelect,
+                .state = JobState::kDone,
+                .recording = "drive",
+                .options = "from=1"};
   write("jobs", "book",
-        std::string(
-            R"([{"job":1,"kind":5,"state":7,"recording":"drive","options":"from=1","ended_us":0,"text":"t",)"
-            R"("asked":[1,2],"result":"drive-selected"}])"));
+        encode_job_book({{.job = job, .asker = 1, .request = 2, .result = "drive-selected"}}));
   const std::string host = "127.0.0.1:8080\nhttp://127.0.0.1:8080\n";
   write("post", "head", "POST\n/request\n" + host + "roadbalance, viewer.7, token.correct-horse-battery");
   write("post", "feed", "GET\n/feed\n" + host + "roadbalance, token.correct-horse-battery\n");
@@ -138,9 +149,62 @@ void write_messages() {
             .kind = ClockDatagramKind::kAnswer, .node = 1, .received_ns = 4, .answered_ns = 5}));
 }
 
+/// Six rows of two channels; of one a sample is missing.
+ExportTable table() {
+  ExportChannel body{.name = "body_z", .unit = "m/s^2", .node = "front", .scale = 1e-5, .mount = "body"};
+  ExportChannel wheel = body;
+  wheel.name = "wheel_z";
+  wheel.offset_counts = 3.0;
+  ExportTable table{.vehicle = "car", .program = "seeds", .start_utc_us = 1'700'000'000'000'000};
+  table.group = {{.name = "all",
+                  .rate_hz = 1000.0,
+                  .rows = 6,
+                  .period_ps = 1'000'000'000,
+                  .shared_time = true,
+                  .channel = {body, wheel}}};
+  return table;
+}
+
+/// A file of that table as `make` writes it.
+template <typename Make>
+std::string exported(Make make) {
+  constexpr std::int64_t kPeriod_ns = 1'000'000;
+  std::vector<std::int64_t> time_ns;
+  std::vector<std::int32_t> counts;
+  for (std::int32_t row = 0; row < 6; ++row) {
+    time_ns.push_back(row * kPeriod_ns);
+    counts.insert(counts.end(), {100 * row - 250, row == 4 ? kMissingCounts : -row});
+  }
+  const TemporaryFolder work("rb-fuzz-seeds");
+  const auto path = work.path() / "table";
+  const auto writer = make(path, table());
+  writer->add(0, {.time_ns = time_ns, .counts = counts});
+  writer->close();
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void write_exports() {
+  write("uff58", "exported", exported(make_uff58_writer));
+  write("wav", "exported", exported(make_wav_writer));
+  write("hdf5", "exported", exported(make_hdf5_writer));
+  write("candump", "exported", candump_dbc(table()) + '\0' + exported(make_candump_writer));
+}
+
+/// Wired, with weights on a wheel and a rotor.
+std::string wired_vehicle() {
+  std::string vehicle = test::read_source("hil_tests/players/demo/vehicle.toml");
+  vehicle.insert(vehicle.find("[[wheel]]\nname = \"front_right\""),
+                 "[[wheel.weight]]\nmass_g = 20\nangle_deg = 30\nplane = \"inner\"\n");
+  return vehicle +
+         "\n[[rotor]]\nname = \"shaft\"\nwheel = [\"rear_left\", \"rear_right\"]\nratio = 3.5\n"
+         "[[rotor.plane]]\nname = \"flange\"\nposition_m = [0, 0, 0]\nweight_radius_m = 0.05\n";
+}
+
 void write_texts() {
   const std::string vehicle = test::read_source("sim/demo/vehicle.toml");
   write("vehicle", "demo", vehicle);
+  write("vehicle", "wired", wired_vehicle());
   write("vehicle", "weights",
         vehicle +
             "\n[weights]\nstep_g = 5\nheaviest_g = 60\nmost = 2\nraster_deg = 10\nlength_mm_per_g = 2\n"
@@ -153,8 +217,9 @@ void write_texts() {
   write("address", "max", std::string("?rate=max"));
   const std::string samples = "time_s,body_z,wheel_z\ns,m/s^2,g\n0.0,1.5,-0.25\n0.01,1.25,1e-3\n";
   const std::string pulses = "time_s,wheel,kind\n0.001,front_left,tooth\n0.002,front_left,zero\n";
+  write("dbc", "frame", std::string("(1700000000.000100) can0 12345678##1112233"));
   write("dbc", "car", test::read_source("firmware/backends/test/data/rav4.dbc"));
-  write("csv", "both", samples + '\0' + pulses);
+  write("csv", "all", samples + '\0' + pulses + '\0' + "time_s,number,text\n0.002,1,\"a \"\"bridge\"\"\"\n");
 }
 
 }  // namespace
@@ -171,6 +236,7 @@ int main(int count, char** arguments) {
     roadbalance::write_messages();
     roadbalance::write_posts();
     roadbalance::write_texts();
+    roadbalance::write_exports();
   } catch (const std::exception& error) {
     std::fprintf(stderr, "rb-fuzz-seeds: %s\n", error.what());
     return 4;

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <sanitizer/asan_interface.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "hil_tests/fuzz/edge_counters.hpp"
+#include "hil_tests/fuzz/property.hpp"
+
+namespace roadbalance::fuzz {
+
+/// Runs a check in a process of its own, for a library that damage can end, and which is not ours to mend.
+/// What of our code was passed counts here; what is our fault is this process's end.
+class Forked {
+ public:
+  /// @param library  whose faults are forgiven, as a stack names it: "libhdf5"
+  explicit Forked(std::string_view library) : library_(library) {
+    const std::size_t size = sizeof(Shared) + edge_counters().size();
+    void* const memory = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    require(memory != MAP_FAILED, "there is memory");
+    shared_ = static_cast<Shared*>(memory);
+  }
+
+  /// @param check  whether the input was taken
+  template <typename Check>
+  void run(Check check) {
+    *shared_ = {};
+    std::ranges::fill(counted(), 0);
+    const pid_t process = fork();
+    require(process >= 0, "there can be a process");
+    if (process == 0) {
+      begin();
+      shared_->outcome = check() ? Outcome::kTaken : Outcome::kRefused;
+      finish();
+    }
+    int status = 0;
+    while (waitpid(process, &status, 0) < 0 && errno == EINTR) {  // by the fuzzer's own timer
+    }
+    for (std::size_t k = 0; k < edge_counters().size(); ++k)
+      edge_counters()[k] = static_cast<std::uint8_t>(std::min(255, edge_counters()[k] + counted()[k]));
+    if (shared_->outcome == Outcome::kTaken) taken_.count();
+    const bool is_held = WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU;
+    require(is_held || shared_->outcome != Outcome::kNone, "whatever ends it is the library's");
+  }
+
+ private:
+  enum class Outcome : std::uint8_t { kNone, kRefused, kTaken, kLibraryFailed };
+  struct Shared {
+    Outcome outcome = Outcome::kNone;
+  };
+
+  /// The process's edge counters, brought here.
+  std::span<std::uint8_t> counted() const {
+    return {reinterpret_cast<std::uint8_t*>(shared_ + 1), edge_counters().size()};
+  }
+
+  void begin() {
+    constexpr rlim_t kMost_s = 2;
+    const rlimit limit{kMost_s, kMost_s + 1};
+    setrlimit(RLIMIT_CPU, &limit);
+    std::signal(SIGABRT, SIG_DFL);
+    current_ = this;
+    __asan_set_error_report_callback([](const char* report) { current_->judge(report); });
+    std::ranges::fill(edge_counters(), 0);
+  }
+  /// The library's fault if it stands among the innermost frames: above it is but the sanitizer's own code.
+  void judge(std::string_view report) {
+    constexpr int kInnermost = 3;
+    auto stack = report.substr(std::min(report.size(), report.find("    #0 ")));
+    for (int frame = 0; frame < kInnermost; ++frame) {
+      const std::string_view line = stack.substr(0, stack.find('\n'));
+      if (line.find(library_) != std::string_view::npos) shared_->outcome = Outcome::kLibraryFailed;
+      stack.remove_prefix(std::min(stack.size(), line.size() + 1));
+    }
+    if (shared_->outcome == Outcome::kLibraryFailed) finish();
+  }
+  [[noreturn]] void finish() {
+    std::ranges::copy(edge_counters(), counted().begin());
+    _exit(0);
+  }
+
+  static inline Forked* current_ = nullptr;
+  const std::string_view library_;
+  Reached taken_{"the end of a check in its own process"};
+  Shared* shared_ = nullptr;
+};
+
+}  // namespace roadbalance::fuzz
