@@ -1,6 +1,7 @@
 #pragma once
 
 #include <csignal>
+#include <latch>
 #include <stop_token>
 #include <thread>
 
@@ -11,7 +12,8 @@ namespace roadbalance {
 /// Turns SIGINT and SIGTERM into a request to stop.
 ///
 /// To be made first in main, before any other thread: it blocks both signals in the calling thread, and
-/// threads inherit that.  Programs started with exec inherit it too: see start of common/process/child.cpp.
+/// threads inherit that.  Its own thread does nothing until one comes, so that a fork finds no lock held.
+/// Programs started with exec inherit it too: see start of common/process/child.cpp.
 class StopOnSignal {
  public:
   StopOnSignal() {
@@ -21,8 +23,10 @@ class StopOnSignal {
     pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
     waiter_ = std::jthread([this](std::stop_token ended) {
       const std::stop_callback wake(ended, [self = pthread_self()] { pthread_kill(self, SIGTERM); });
+      asleep_.count_down();
       for (int signal; sigwait(&signals_, &signal) == 0 && !ended.stop_requested();) stop_.request_stop();
     });
+    asleep_.wait();
   }
 
   std::stop_token token() const { return stop_.get_token(); }
@@ -30,6 +34,7 @@ class StopOnSignal {
  private:
   sigset_t signals_{};
   std::stop_source stop_;
+  std::latch asleep_{1};
   std::jthread waiter_;
 };
 

@@ -17,7 +17,8 @@ struct ReaderLimits {
 
 /// Samples that a process of its own reads: for a library that goes wrong where a file is damaged.  HDF5 1.10
 /// reads beyond its memory, asks for all that the machine has, or never comes back; then that process ends,
-/// and not this one.  It reads ahead by what a pipe holds; rewind() begins another.
+/// and not this one.  It reads ahead by what a pipe holds; rewind() begins another.  Both fork: no other
+/// thread may be at work then.
 ///
 /// @throws what `open` or its source throws: ConfigError as it is, all else as std::runtime_error of the same
 ///         text; ConfigError naming the file if the process ended of itself or reached a limit;
