@@ -56,6 +56,7 @@ class Forked {
   enum class Outcome : std::uint8_t { kNone, kRefused, kTaken, kLibraryFailed };
   struct Shared {
     Outcome outcome = Outcome::kNone;
+    // The edge counters are behind it.
   };
 
   /// The process's edge counters, brought here.
@@ -64,7 +65,7 @@ class Forked {
   }
 
   void begin() {
-    constexpr rlim_t kMost_s = 2;
+    constexpr rlim_t kMost_s = 1;
     const rlimit limit{kMost_s, kMost_s + 1};
     setrlimit(RLIMIT_CPU, &limit);
     std::signal(SIGABRT, SIG_DFL);
@@ -72,16 +73,24 @@ class Forked {
     __asan_set_error_report_callback([](const char* report) { current_->judge(report); });
     std::ranges::fill(edge_counters(), 0);
   }
-  /// The library's fault if it stands among the innermost frames: above it is but the sanitizer's own code.
+  /// The library's fault if it was at work, on memory that is its own: our stack, and what we allocated, is
+  /// ours.
   void judge(std::string_view report) {
-    constexpr int kInnermost = 3;
-    auto stack = report.substr(std::min(report.size(), report.find("    #0 ")));
-    for (int frame = 0; frame < kInnermost; ++frame) {
-      const std::string_view line = stack.substr(0, stack.find('\n'));
-      if (line.find(library_) != std::string_view::npos) shared_->outcome = Outcome::kLibraryFailed;
-      stack.remove_prefix(std::min(stack.size(), line.size() + 1));
-    }
-    if (shared_->outcome == Outcome::kLibraryFailed) finish();
+    const auto allocated = report.find("allocated by");
+    const bool is_our_memory = report.find("located in stack of") != std::string_view::npos ||
+                               report.find("global variable") != std::string_view::npos ||
+                               (allocated != std::string_view::npos && !is_library(report.substr(allocated)));
+    if (!is_library(report) || is_our_memory) return;
+    shared_->outcome = Outcome::kLibraryFailed;
+    finish();
+  }
+  /// Whether it is the innermost of a stack, but for the sanitizer's own frame.
+  bool is_library(std::string_view stack) const {
+    const auto first = stack.find("    #0 ");
+    const auto second = stack.find("    #1 ", std::min(first, stack.size()));
+    const auto third = std::min(stack.find("    #2 ", std::min(second, stack.size())), stack.size());
+    const auto at = stack.find(library_, std::min(first, stack.size()));
+    return at != std::string_view::npos && at < third;
   }
   [[noreturn]] void finish() {
     std::ranges::copy(edge_counters(), counted().begin());

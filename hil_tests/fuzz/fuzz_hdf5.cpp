@@ -19,7 +19,7 @@ bool check(const std::string& file) {
   try {
     is_taken = fuzz::check_samples(file, open_hdf5_samples_here);
   } catch (const std::runtime_error& error) {  // what the library refused
-    fuzz::require(std::string_view(error.what()).starts_with("HDF5: "), "a refusal says whose it is");
+    fuzz::require(std::string_view(error.what()).starts_with("HDF5: " + file), "a refusal names the file");
   }
   fuzz::require(open_hdf5_objects() == 0, "nothing stays open");
   return is_taken;
@@ -45,6 +45,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string file = (work.path() / "samples.h5").string();
   std::ofstream(file, std::ios::binary | std::ios::trunc)
       .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
+  fuzz::require(std::filesystem::file_size(file) == size, "there is room for a file");
   forked.run([&] { return check(file); });
   return 0;
 }

@@ -31,8 +31,7 @@ struct Named {
   }
 };
 
-/// @param what  the group, for an error
-std::vector<Named> all_in(hid_t group, const std::string& what) {
+std::vector<Named> all_in(hid_t group, const std::string& path) {
   std::vector<Named> all;
   const herr_t done = H5Literate_by_name(
       group, ".", H5_INDEX_NAME, H5_ITER_NATIVE, nullptr,
@@ -42,7 +41,7 @@ std::vector<Named> all_in(hid_t group, const std::string& what) {
         return 0;
       },
       &all, H5P_DEFAULT);
-  if (done < 0) fail_hdf5(what + ": what is in it cannot be listed");
+  if (done < 0) fail_hdf5(path + ": what is in it cannot be listed");
   return all;
 }
 
@@ -73,6 +72,8 @@ class DataSet {
 
   hid_t get() const { return set_.get(); }
   const std::string& name() const { return name_; }
+  /// Of something of it in the file, for an error.
+  std::string place(const char* what) const { return path_ + ": " + name_ + ": " + what; }
   hsize_t size() const { return size_; }
   [[noreturn]] void fail(const std::string& reason) const { roadbalance::fail(path_, name_, reason); }
 
@@ -129,34 +130,42 @@ class DataSet {
   hsize_t size_ = 0;
 };
 
+/// Nothing if there is none of that name.
+std::optional<Hdf5Handle> attribute_if(const DataSet& set, const char* name) {
+  const htri_t is_there = H5Aexists(set.get(), name);
+  if (is_there < 0) fail_hdf5(set.place(name));
+  if (is_there == 0) return std::nullopt;
+  return Hdf5Handle(H5Aopen(set.get(), name, H5P_DEFAULT), H5Aclose, set.place(name));
+}
+
 std::optional<double> number(const DataSet& set, const char* name) {
-  if (H5Aexists(set.get(), name) <= 0) return std::nullopt;
-  const Hdf5Handle attribute(H5Aopen(set.get(), name, H5P_DEFAULT), H5Aclose, set.name() + ": " + name);
-  const Hdf5Handle space(H5Aget_space(attribute.get()), H5Sclose, set.name() + ": " + name);
+  const auto attribute = attribute_if(set, name);
+  if (!attribute) return std::nullopt;
+  const Hdf5Handle space(H5Aget_space(attribute->get()), H5Sclose, set.place(name));
   double value = 0.0;
   if (H5Sget_simple_extent_npoints(space.get()) != 1 ||
-      H5Aread(attribute.get(), H5T_NATIVE_DOUBLE, &value) < 0)
+      H5Aread(attribute->get(), H5T_NATIVE_DOUBLE, &value) < 0)
     set.fail(std::string(name) + ": allowed: one number");
   return value;
 }
 
 std::string text(const DataSet& set, const char* name) {
-  if (H5Aexists(set.get(), name) <= 0) return {};
-  const Hdf5Handle attribute(H5Aopen(set.get(), name, H5P_DEFAULT), H5Aclose, set.name() + ": " + name);
-  const Hdf5Handle type(H5Aget_type(attribute.get()), H5Tclose, set.name() + ": " + name);
-  const Hdf5Handle space(H5Aget_space(attribute.get()), H5Sclose, set.name() + ": " + name);
+  const auto attribute = attribute_if(set, name);
+  if (!attribute) return {};
+  const Hdf5Handle type(H5Aget_type(attribute->get()), H5Tclose, set.place(name));
+  const Hdf5Handle space(H5Aget_space(attribute->get()), H5Sclose, set.place(name));
   if (H5Tget_class(type.get()) != H5T_STRING || H5Sget_simple_extent_npoints(space.get()) != 1)
     set.fail(std::string(name) + ": allowed: a text");
   if (H5Tis_variable_str(type.get()) > 0) {
     char* characters = nullptr;
-    if (H5Aread(attribute.get(), type.get(), static_cast<void*>(&characters)) < 0 || characters == nullptr)
+    if (H5Aread(attribute->get(), type.get(), static_cast<void*>(&characters)) < 0 || characters == nullptr)
       set.fail(std::string(name) + ": allowed: a text");
     std::string read = characters;
     H5free_memory(characters);
     return read;
   }
   std::string fixed(std::min(H5Tget_size(type.get()), kMostText), '\0');
-  if (H5Tget_size(type.get()) > kMostText || H5Aread(attribute.get(), type.get(), fixed.data()) < 0)
+  if (H5Tget_size(type.get()) > kMostText || H5Aread(attribute->get(), type.get(), fixed.data()) < 0)
     set.fail(std::string(name) + ": allowed: a text of at most 256 bytes");
   return fixed.substr(0, fixed.find('\0'));
 }
@@ -276,6 +285,7 @@ std::int64_t open_hdf5_objects() {
 }
 
 std::unique_ptr<SampleSource> open_hdf5_samples(const std::filesystem::path& file) {
+  static_cast<void>(open_again_and_again(file));  // what the system refuses is said as it says it
   return read_separately(file, open_hdf5_samples_here);
 }
 

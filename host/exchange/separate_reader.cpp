@@ -1,6 +1,7 @@
 #include "host/exchange/separate_reader.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -29,6 +30,8 @@ namespace {
 /// What the pipe carries: a head, then as many bytes as it says.
 enum class Told : std::uint32_t { kNames, kRows, kEnd, kConfigError, kError };
 
+constexpr const char* kCannotBeRead = ": cannot be read, is perhaps damaged: reading it ";
+
 struct Head {
   Told told = Told::kEnd;
   std::uint32_t rows = 0;
@@ -36,8 +39,7 @@ struct Head {
   double part = 0.0;
 };
 
-constexpr std::size_t kMostBytes = std::size_t{1}
-                                   << 30;  ///< of one message; none of a sound process is so long
+constexpr std::size_t kMostBytes = 64 << 20;  ///< of one message; none of a sound process is so long
 
 /// @throws std::runtime_error if nobody reads
 void put(int pipe, const void* data, std::size_t size) {
@@ -57,6 +59,15 @@ void put(int pipe, Told told, std::string_view text) {
   put(pipe, text.data(), text.size());
 }
 
+/// What there may not be more of anyway stays.
+void limit(__rlimit_resource resource, rlim_t most) {
+  rlimit limits{};
+  getrlimit(resource, &limits);
+  limits.rlim_cur = std::min(most, limits.rlim_max);
+  if (setrlimit(resource, &limits) != 0)
+    throw std::system_error(errno, std::generic_category(), "limit what reading a file takes");
+}
+
 void allow_memory(std::int64_t more_bytes) {
   long pages = 0;
   if (std::FILE* const file = std::fopen("/proc/self/statm", "r")) {  // proc(5): its size comes first
@@ -65,22 +76,21 @@ void allow_memory(std::int64_t more_bytes) {
   }
   const auto page = static_cast<std::int64_t>(sysconf(_SC_PAGESIZE));
   if (more_bytes == 0) more_bytes = sysconf(_SC_PHYS_PAGES) / 2 * page;
-  const auto bytes = static_cast<rlim_t>(pages * page + more_bytes);
-  const rlimit limit{bytes, bytes};
-  setrlimit(RLIMIT_AS, &limit);
+  limit(RLIMIT_AS, static_cast<rlim_t>(pages * page + more_bytes));
 }
 
 /// From now on, until it is called again.  Beyond it SIGXCPU ends the process.
 void allow_time(int processor_s) {
   rusage used{};
   getrusage(RUSAGE_SELF, &used);
-  const rlimit limit{static_cast<rlim_t>(used.ru_utime.tv_sec + used.ru_stime.tv_sec + 1 + processor_s),
-                     RLIM_INFINITY};
-  setrlimit(RLIMIT_CPU, &limit);
+  constexpr int kCutOff_s = 2;  // at most, of the two
+  limit(RLIMIT_CPU,
+        static_cast<rlim_t>(used.ru_utime.tv_sec + used.ru_stime.tv_sec + kCutOff_s + processor_s));
 }
 
 /// All there is to read, told through the pipe.
 void tell(int pipe, const std::filesystem::path& file, const OpenSamples& open, ReaderLimits limits) {
+  limit(RLIMIT_CORE, 0);
   allow_memory(limits.more_bytes);
   allow_time(limits.processor_s);
   const auto source = open(file);
@@ -88,7 +98,8 @@ void tell(int pipe, const std::filesystem::path& file, const OpenSamples& open, 
   for (const std::string& name : source->names()) names.append(name).push_back('\0');
   put(pipe, Told::kNames, names);
   SampleRows rows;
-  while (allow_time(limits.processor_s), source->read(rows)) {
+  const int rows_s = limits.processor_s * static_cast<int>(source->names().size());
+  while (allow_time(rows_s), source->read(rows)) {
     const auto bytes_of = [](const std::vector<double>& numbers) { return numbers.size() * sizeof(double); };
     const Head head{.told = Told::kRows,
                     .rows = static_cast<std::uint32_t>(rows.rows()),
@@ -112,7 +123,7 @@ void tell(int pipe, const std::filesystem::path& file, const OpenSamples& open, 
     } catch (const ConfigError& error) {
       put(pipe, Told::kConfigError, error.what());
     } catch (const std::bad_alloc&) {
-      put(pipe, Told::kConfigError, file.string() + ": is damaged: reading it takes more memory than it may");
+      put(pipe, Told::kConfigError, file.string() + kCannotBeRead + "takes more memory than it may");
     } catch (const std::exception& error) {
       put(pipe, Told::kError, error.what());
     }
@@ -145,7 +156,7 @@ class Reader {
     close(pipe_);
     if (process_ < 0) return;
     kill(process_, SIGKILL);
-    waitpid(process_, nullptr, 0);
+    await_end();
   }
 
   /// @throws what the process told of, and where `told` is not what may come now
@@ -174,9 +185,11 @@ class Reader {
   }
 
  private:
-  static constexpr const char* kOutOfStep = "is damaged: reading it came out of step";
+  static constexpr const char* kOutOfStep = "came out of step";
 
-  [[noreturn]] void fail(const std::string& reason) const { throw ConfigError(file_ + ": " + reason); }
+  [[noreturn]] void fail(const std::string& reason) const {
+    throw ConfigError(file_ + kCannotBeRead + reason);
+  }
   [[noreturn]] void refuse(const char* what) const {
     throw std::system_error(errno, std::generic_category(), what + file_);
   }
@@ -184,6 +197,9 @@ class Reader {
   void take(void* into, std::size_t size) {
     auto* bytes = static_cast<char*>(into);
     while (size > 0) {
+      pollfd wanted{.fd = pipe_, .events = POLLIN, .revents = 0};
+      if (poll(&wanted, 1, limits_.wait_s * 1000) == 0)
+        fail("does not get on: nothing came for " + std::to_string(limits_.wait_s) + " s");
       const ssize_t got = ::read(pipe_, bytes, size);
       if (got == 0) say_how_it_ended();
       if (got < 0 && errno != EINTR) refuse("read ");
@@ -193,15 +209,19 @@ class Reader {
     }
   }
 
-  [[noreturn]] void say_how_it_ended() {
+  int await_end() {
     int status = 0;
-    waitpid(std::exchange(process_, -1), &status, 0);
+    while (waitpid(process_, &status, 0) < 0 && errno == EINTR) {
+    }
+    process_ = -1;
+    return status;
+  }
+
+  [[noreturn]] void say_how_it_ended() {
+    const int status = await_end();
     const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
-    if (signal == SIGXCPU)
-      fail("is damaged: reading it does not get on, not in " + std::to_string(limits_.processor_s) +
-           " s of a processor");
-    fail("is damaged: reading it fails in the library" +
-         (signal == 0 ? "" : std::string(": ") + strsignal(signal)));
+    if (signal == SIGXCPU) fail("does not get on, though a processor works at it");
+    fail("fails in the library" + (signal == 0 ? "" : std::string(": ") + strsignal(signal)));
   }
 
   const std::string file_;
@@ -235,6 +255,7 @@ class SeparateSamples final : public SampleSource {
 
  private:
   std::vector<std::string> begin() {
+    reader_.reset();  // there are not to be two
     reader_ = std::make_unique<Reader>(file_, open_, limits_);
     is_done_ = false;
     part_ = 0.0;

@@ -10,9 +10,12 @@ namespace roadbalance {
 
 /// What a process that reads a file for us may take.
 struct ReaderLimits {
-  int processor_s = 10;  ///< for the file's opening, and for each SampleSource::kRowsAtOnce rows
-  std::int64_t more_bytes =
-      0;  ///< of memory, beyond what this process has when it begins; 0: half the machine's
+  /// Of a processor, for the file's opening; as much for kRowsAtOnce rows of each channel.
+  int processor_s = 10;
+  /// Without anything being told, whatever is waited for.
+  int wait_s = 60;
+  /// Of memory, beyond what this process has when it begins; 0: half the machine's.
+  std::int64_t more_bytes = 0;
 };
 
 /// Samples that a process of its own reads: for a library that goes wrong where a file is damaged.  HDF5 1.10

@@ -18,17 +18,20 @@ namespace {
 
 using Rows = std::vector<double>;
 
-/// 2500 rows of two channels, whatever the file; `at_row` may spoil them.
+constexpr int kRows = 25000;  ///< more than a pipe holds
+
+/// As many rows of two channels, whatever the file; `at_row` may spoil them.
 class Counting final : public SampleSource {
  public:
-  explicit Counting(std::function<void(int row)> at_row) : at_row_(std::move(at_row)) {}
+  explicit Counting(std::function<void(int row)> at_row, const char* first = "front")
+      : at_row_(std::move(at_row)), name_{first, ""} {}
   const std::vector<std::string>& names() const override { return name_; }
-  double part() const override { return row_ / 2500.0; }
+  double part() const override { return static_cast<double>(row_) / kRows; }
   void rewind() override { row_ = 0; }
   bool read(SampleRows& rows) override {
     rows.clear();
     rows.channels = 2;
-    for (; row_ < 2500 && rows.rows() < kRowsAtOnce; ++row_) {
+    for (; row_ < kRows && rows.rows() < kRowsAtOnce; ++row_) {
       at_row_(row_);
       rows.time_s.push_back(row_);
       rows.value_si.insert(rows.value_si.end(), {-1.0 * row_, 0.5});
@@ -38,7 +41,7 @@ class Counting final : public SampleSource {
 
  private:
   std::function<void(int row)> at_row_;
-  std::vector<std::string> name_{"front", ""};
+  std::vector<std::string> name_;
   int row_ = 0;
 };
 
@@ -82,8 +85,8 @@ TEST_F(SeparateReader, GivesTheSamplesAsOftenAsOneLikes) {
   EXPECT_EQ(source->names(), (std::vector<std::string>{"front", ""}));
   EXPECT_EQ(source->part(), 0.0);
   const Rows first = times_of(*source);
-  ASSERT_EQ(first.size(), 2500U);
-  EXPECT_EQ(first.back(), 2499.0);
+  ASSERT_EQ(first.size(), static_cast<std::size_t>(kRows));
+  EXPECT_EQ(first.back(), kRows - 1.0);
   EXPECT_EQ(source->part(), 1.0);
   SampleRows none;
   EXPECT_FALSE(source->read(none));
@@ -128,11 +131,11 @@ TEST_F(SeparateReader, NamesTheFileThatEndsItsReader) {
   EXPECT_EQ(refusal(spoiled([](int row) {
               if (row == 1500) raise(SIGKILL);
             })),
-            "drive.h5: is damaged: reading it fails in the library: Killed");
+            "drive.h5: cannot be read, is perhaps damaged: reading it fails in the library: Killed");
   EXPECT_EQ(refusal(spoiled([](int row) {
               if (row == 1500) _exit(1);
             })),
-            "drive.h5: is damaged: reading it fails in the library");
+            "drive.h5: cannot be read, is perhaps damaged: reading it fails in the library");
 }
 
 TEST_F(SeparateReader, NamesTheFileThatHoldsItsReaderForEver) {
@@ -142,18 +145,36 @@ TEST_F(SeparateReader, NamesTheFileThatHoldsItsReaderForEver) {
                       }
                     }),
                     {.processor_s = 1}),
-            "drive.h5: is damaged: reading it does not get on, not in 1 s of a processor");
+            "drive.h5: cannot be read, is perhaps damaged: reading it does not get on, though a processor "
+            "works at it");
+}
+
+TEST_F(SeparateReader, NamesTheFileWhoseReaderWaitsForEver) {
+  EXPECT_EQ(refusal(spoiled([](int row) {
+                      if (row == 1500) pause();
+                    }),
+                    {.wait_s = 1}),
+            "drive.h5: cannot be read, is perhaps damaged: reading it does not get on: nothing came for 1 s");
+}
+
+TEST_F(SeparateReader, RefusesAFileThatHasOtherChannelsTheSecondTime) {
+  bool is_other = false;
+  const auto source = read_separately("drive.h5", [&](const auto&) -> std::unique_ptr<SampleSource> {
+    return std::make_unique<Counting>([](int) {}, is_other ? "rear" : "front");
+  });
+  is_other = true;
+  EXPECT_THROW(source->rewind(), ConfigError);
 }
 
 // It is allowed for each part of the file, not for the whole.
 TEST_F(SeparateReader, TakesItsTimeOverALongFile) {
   EXPECT_EQ(refusal(spoiled([](int row) {
-                      if (row % 800 != 0) return;
-                      const std::clock_t until = std::clock() + CLOCKS_PER_SEC * 9 / 10;
+                      if (row % 6000 != 0) return;
+                      const std::clock_t until = std::clock() + CLOCKS_PER_SEC * 13 / 10;
                       while (std::clock() < until) {
                       }
                     }),
-                    {.processor_s = 2}),
+                    {.processor_s = 1}),
             "none");
 }
 
@@ -164,7 +185,7 @@ TEST_F(SeparateReader, NamesTheFileThatWouldTakeAllMemory) {
                       if (row == 1500) numbers.resize(std::size_t{64} << 20);
                     }),
                     {.more_bytes = 256 << 20}),
-            "drive.h5: is damaged: reading it takes more memory than it may");
+            "drive.h5: cannot be read, is perhaps damaged: reading it takes more memory than it may");
 }
 #endif
 
