@@ -84,13 +84,10 @@ class Forked {
     shared_->outcome = Outcome::kLibraryFailed;
     finish();
   }
-  /// Whether it is the innermost of a stack, but for the sanitizer's own frame.
+  /// Whether it stands further in than any code of ours; between them may be the sanitizer's and libc's.
   bool is_library(std::string_view stack) const {
-    const auto first = stack.find("    #0 ");
-    const auto second = stack.find("    #1 ", std::min(first, stack.size()));
-    const auto third = std::min(stack.find("    #2 ", std::min(second, stack.size())), stack.size());
-    const auto at = stack.find(library_, std::min(first, stack.size()));
-    return at != std::string_view::npos && at < third;
+    const auto from = std::min(stack.find("    #0 "), stack.size());
+    return stack.find(library_, from) < stack.find("roadbalance::", from);
   }
   [[noreturn]] void finish() {
     std::ranges::copy(edge_counters(), counted().begin());
