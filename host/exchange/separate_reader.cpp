@@ -27,11 +27,11 @@
 namespace roadbalance {
 namespace {
 
-/// What the pipe carries: a head, then as many bytes as it says.
-enum class Told : std::uint32_t { kNames, kRows, kEnd, kConfigError, kError };
-
 constexpr const char* kCannotBeRead = ": cannot be read, is perhaps damaged: reading it ";
 
+enum class Told : std::uint32_t { kNames, kRows, kEnd, kConfigError, kError };
+
+/// Stands in the pipe before as many bytes as it says.
 struct Head {
   Told told = Told::kEnd;
   std::uint32_t rows = 0;
@@ -239,7 +239,8 @@ class SeparateSamples final : public SampleSource {
   double part() const override { return part_; }
   void rewind() override {
     if (begin() != name_)
-      throw ConfigError(file_.string() + ": was written to while it was read; allowed: a file that is done");
+      throw ConfigError(file_.string() +
+                        ": has other channels than when it was opened; allowed: a file that is done");
   }
   bool read(SampleRows& rows) override {
     rows.clear();
