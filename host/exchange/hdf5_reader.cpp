@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,6 +32,11 @@ struct Named {
   }
 };
 
+[[noreturn]] void fail(const std::string& path, const std::string& name, const std::string& reason) {
+  throw ConfigError(path + ": " + (name.empty() ? "" : name + ": ") + reason);
+}
+
+/// Each name once: of two the library would open the same one for both.
 std::vector<Named> all_in(hid_t group, const std::string& path) {
   std::vector<Named> all;
   const herr_t done = H5Literate_by_name(
@@ -42,11 +48,10 @@ std::vector<Named> all_in(hid_t group, const std::string& path) {
       },
       &all, H5P_DEFAULT);
   if (done < 0) fail_hdf5(path + ": what is in it cannot be listed");
+  std::set<std::string> seen;
+  for (const Named& named : all)
+    if (!seen.insert(named.name).second) fail(path, named.name, "stands twice in its group: is damaged");
   return all;
-}
-
-[[noreturn]] void fail(const std::string& path, const std::string& name, const std::string& reason) {
-  throw ConfigError(path + ": " + (name.empty() ? "" : name + ": ") + reason);
 }
 
 /// A row of numbers in the file.

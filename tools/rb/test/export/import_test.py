@@ -176,15 +176,18 @@ class Import(Exports):
             file["mine"]["rear_up"].attrs["scale_factor"] = 2.0
         good = made.read_bytes()
         scale = good.index(b"scale_factor\0")
-        cases = {"what a group lists": good.replace(b"SNOD", b"XNOD"),
-                 "size of an attribute": good[:scale - 20] + b"\xff" * 4 + good[scale - 16:],  # 1.10.8 ends by SIGSEGV
-                 "type of an attribute": good[:scale + 16] + b"\xff" * 8 + good[scale + 24:]}
-        for what, data in cases.items():
+        cases = {"what a group lists": (good.replace(b"SNOD", b"XNOD"), "cannot be listed"),
+                 # The library gives the same channel for both.
+                 "a name": (good.replace(b"front_side\0", b"front_up\0\0\0"), "front_up: stands twice"),
+                 "size of an attribute": (good[:scale - 20] + b"\xff" * 4 + good[scale - 16:], ""),  # 1.10.8: SIGSEGV
+                 "type of an attribute": (good[:scale + 16] + b"\xff" * 8 + good[scale + 24:], "scale_factor")}
+        for what, (data, words) in cases.items():
             with self.subTest(what):
                 made.write_bytes(data)
                 folder, done = self.import_as("hdf5", "torn", made, self.root / "made.toml")
                 self.assertIn(done.returncode, (2, 4), done.stderr)
                 self.assertIn("torn.h5", done.stderr)
+                self.assertIn(words, done.stderr)
                 self.assertFalse(folder.exists())
 
     def test_says_what_is_wrong_with_a_file(self):
