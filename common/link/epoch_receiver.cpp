@@ -12,6 +12,17 @@ namespace {
 // A loss waits for a block that says which scan comes next, but not for more blocks than these.
 constexpr std::int64_t kMostBlocksHeld = 64;
 
+// A crash that ends an epoch has the number behind all of its blocks.
+constexpr std::int64_t kLastSequence = kIndexLimit - 1;
+
+// Blocks may say of time and scans what their bounds allow; what is worked out from them stays within the
+// same.
+std::int64_t later(std::int64_t time_ns, double by_ns) {
+  constexpr auto kMost_ns = 2.0 * static_cast<double>(kClockLimit_ns);
+  const auto moved_ns = time_ns + static_cast<std::int64_t>(std::clamp(by_ns, -kMost_ns, kMost_ns));
+  return std::clamp(moved_ns, -kClockLimit_ns, kClockLimit_ns);
+}
+
 bool tells_scan(const SealedBlock& block) {
   return block.kind == BlockKind::kScan || block.kind == BlockKind::kGap || block.kind == BlockKind::kEnd;
 }
@@ -55,10 +66,13 @@ void EpochReceiver::check() const {
 std::int64_t EpochReceiver::credit() const {
   if (given_up_) return received_at_crash_;
   if (!credit_open_) return std::max(contiguous_, credit_given_);
-  // Blocks that are lost take no memory, and what ends a loss must be let in before it can become durable.
-  const std::int64_t held_behind = std::max(durable_, loss_through_);
-  return std::max(contiguous_,
-                  std::min({contiguous_ + options_.window, held_behind + options_.undurable, kIndexLimit}));
+  return std::max(contiguous_, most());
+}
+
+// Blocks that are lost take no memory, and what ends a loss must be let in before it can become durable.
+std::int64_t EpochReceiver::most() const {
+  return std::min(
+      {contiguous_ + options_.window, std::max(durable_, lost_through_) + options_.undurable, kLastSequence});
 }
 
 void EpochReceiver::set_credit_open(bool open) {
@@ -92,7 +106,7 @@ void EpochReceiver::answered(Slot& s, WallTime now) {
 EpochReceiver::Take EpochReceiver::block(const SealedBlock& block, WallTime now, std::vector<Delivery>& out) {
   const std::int64_t sequence = block.header.sequence;
   if (sequence <= contiguous_) return repeated(block, out);
-  if (ended_ || sequence > contiguous_ + options_.window) return Take::kOutsideWindow;
+  if (ended_ || sequence > most()) return Take::kOutsideWindow;
   extend(sequence, now);
   Slot& s = slot(sequence);
   if (s.arrived) return repeated(block, out);
@@ -162,9 +176,8 @@ bool EpochReceiver::declare_loss(std::vector<Delivery>& out, std::optional<std::
     const auto span_scans = static_cast<double>(after.first_scan - last_scans_.first_scan);
     if (span_scans > 0 && last_scans_.sequence > 0)
       gap.header.time_ns =
-          last_scans_.time_ns +
-          static_cast<std::int64_t>(static_cast<double>(after.time_ns - last_scans_.time_ns) *
-                                    static_cast<double>(last_scans_.scans) / span_scans);
+          later(last_scans_.time_ns, static_cast<double>(after.time_ns - last_scans_.time_ns) *
+                                         static_cast<double>(last_scans_.scans) / span_scans);
     else
       gap.header.time_ns = after.time_ns;
     next_scan_ = after.first_scan;
@@ -186,7 +199,7 @@ BlockHeader EpochReceiver::next_header(std::int64_t sequence) const {
           .epoch = epoch_,
           .sequence = sequence,
           .first_scan = next_scan_,
-          .time_ns = last_scans_.time_ns + static_cast<std::int64_t>(scans_since * ns_per_scan_)};
+          .time_ns = later(last_scans_.time_ns, scans_since * ns_per_scan_)};
 }
 
 void EpochReceiver::lose_through(std::int64_t sequence, std::vector<Delivery>& out) {
@@ -195,9 +208,9 @@ void EpochReceiver::lose_through(std::int64_t sequence, std::vector<Delivery>& o
       if (loss_through_ > 0) declare_loss(out, next_scan_);
       deliver(stored(contiguous_ + 1), out);
     } else if (contiguous_ < highest_) {
-      loss_through_ = ++contiguous_;
+      lost_through_ = loss_through_ = ++contiguous_;
     } else {
-      loss_through_ = contiguous_ = sequence;
+      lost_through_ = loss_through_ = contiguous_ = sequence;
     }
   }
   highest_ = std::max(highest_, contiguous_);

@@ -37,7 +37,8 @@ struct EpochPosition {
 /// Receives the blocks of one epoch of one node: orders them, finds the holes, declares what is lost.
 ///
 /// Memory: 40 bytes a place of the window, and 1.5 kB each once a block has come out of order (3 MB with the
-/// options' window); nothing grows with the length of the drive.
+/// options' window); nothing grows with the length of the drive.  No more is let in than `undurable` says,
+/// whatever a sender makes of its credit.
 /// Invariants, asserted: durable <= received <= highest known <= received + window; all of them only rise.
 class EpochReceiver {
  public:
@@ -85,6 +86,7 @@ class EpochReceiver {
   bool is_asked_now(Slot& slot, std::int64_t sequence, WallTime now);
   void answered(Slot& slot, WallTime now);
   Take repeated(const SealedBlock& block, std::vector<Delivery>& out);
+  std::int64_t most() const;
   void extend(std::int64_t sequence, WallTime now);
   BlockHeader next_header(std::int64_t sequence) const;
   bool declare_loss(std::vector<Delivery>& out, std::optional<std::int64_t> next_scan);
@@ -110,6 +112,7 @@ class EpochReceiver {
   bool given_up_;
   std::int64_t received_at_crash_;
   std::int64_t loss_through_ = 0;  // a loss up to here waits for a block that tells its scans
+  std::int64_t lost_through_ = 0;  // the last one of all that are lost
 
   std::int64_t next_scan_;
   BlockHeader last_scans_;  // of the last block with scans

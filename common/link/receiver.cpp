@@ -109,21 +109,27 @@ bool Receiver::may_open(Node& node, const Heartbeat& heartbeat, WallTime now, st
   return make_room(node, now, out);
 }
 
-// For one more epoch: those that are over go first, then the one that is silent longest.
+// For one more epoch: those that are over and on the disk go first, then the one that is silent longest.
+// What is over but not on the disk stays: of a past epoch, heard again, all counts as durable.
 bool Receiver::make_room(Node& node, WallTime now, std::vector<Delivery>& out) {
   if (node.live.size() < kMostLive && live_in_all() < kMostLiveInAll) return true;
-  const auto oldest = std::min_element(node.live.begin(), node.live.end(), [](const Live& a, const Live& b) {
-    return std::pair(!a.receiver->ended(), a.heard_at) < std::pair(!b.receiver->ended(), b.heard_at);
+  enum class Turn { kFirst, kOnceSilent, kNever };
+  const auto turn = [](const Live& live) {
+    if (!live.receiver->ended()) return Turn::kOnceSilent;
+    return live.receiver->durable() == live.receiver->received() ? Turn::kFirst : Turn::kNever;
+  };
+  const auto next = std::min_element(node.live.begin(), node.live.end(), [&](const Live& a, const Live& b) {
+    return std::pair(turn(a), a.heard_at) < std::pair(turn(b), b.heard_at);
   });
-  if (oldest == node.live.end()) return false;
-  if (!oldest->receiver->ended()) {
-    if (now - oldest->heard_at < kEpochSilence) {
+  if (next == node.live.end() || turn(*next) == Turn::kNever) return false;
+  if (turn(*next) == Turn::kOnceSilent) {
+    if (now - next->heard_at < kEpochSilence) {
       ++rival_heartbeats_;
       return false;
     }
-    oldest->receiver->crash(out);
+    next->receiver->crash(out);
   }
-  retire(node, static_cast<std::size_t>(oldest - node.live.begin()));
+  retire(node, static_cast<std::size_t>(next - node.live.begin()));
   return true;
 }
 

@@ -24,7 +24,7 @@ class DeliveryCheck {
     require(!seen.ended, "nothing follows the end of an epoch");
     require(header.sequence > seen.sequence, "no number is delivered twice");
     require(!is_own || header.sequence == seen.sequence + 1, "no number is passed over");
-    require(header.first_scan >= 0 && header.scans >= 0 && header.scans <= kIndexLimit, "scans are counted");
+    require(!gap || is_readable(*gap), "every reader accepts a gap that is declared");
     seen.sequence = header.sequence;
     seen.ended =
         gap ? gap->cause == GapCause::kNodeCrash : std::get<SealedBlock>(delivery).kind == BlockKind::kEnd;
@@ -39,6 +39,12 @@ class DeliveryCheck {
   }
 
  private:
+  static bool is_readable(const GapBlock& gap) {
+    SealedBlock sealed, read;
+    seal(gap, sealed);
+    return accept(sealed.bytes(), read) == Refusal::kNone;
+  }
+
   static inline Reached reached_{"a delivery"};
   struct Seen {
     std::int64_t sequence = 0;

@@ -93,18 +93,20 @@ class Run {
 
   void strange_block() {
     SealedBlock block;
-    block.kind = static_cast<BlockKind>(in_.below(5));
+    block.kind = static_cast<BlockKind>(in_.below(kBlockKinds));
     block.header = {.node = kStranger + static_cast<std::int32_t>(in_.below(3)),
-                    .epoch = in_.below(3),
+                    .epoch = in_.below(20),
                     .sequence = index(),
                     .first_scan = index()};
     block.header.scans = std::min(index(), kIndexLimit - block.header.first_scan);
-    block.header.time_ns = index() * (in_.byte() & 1 ? 1 : -1);
+    // Up to the limits of a clock, too.
+    block.header.time_ns =
+        index() * (in_.byte() & 1 ? 1 : -1) * (in_.byte() & 1 ? 1 : kClockLimit_ns / kIndexLimit);
     receiver_.take(block, now_, out_);
   }
 
   void strange_heartbeat() {
-    Heartbeat beat{.node = kStranger + static_cast<std::int32_t>(in_.below(200)), .epoch = in_.below(3)};
+    Heartbeat beat{.node = kStranger + static_cast<std::int32_t>(in_.below(200)), .epoch = in_.below(20)};
     beat.next = std::max<std::int64_t>(1, index());
     beat.base = std::clamp<std::int64_t>(index(), 1, beat.next);
     beat.state = static_cast<NodeState>(in_.below(4));

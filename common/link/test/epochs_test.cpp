@@ -188,6 +188,28 @@ TEST_F(Epochs, FloodsOfEpochsAndNodesStayWithinItsBounds) {
   EXPECT_LE(live_in_all, Receiver::kMostLiveInAll);
 }
 
+// While the disk waits, newer epochs push an ended one out; heard again it is no more durable than before.
+TEST_F(Epochs, AnEndedEpochIsNotDurableForHavingBeenPushedOut) {
+  const auto end = [](std::int64_t sequence) {
+    SealedBlock sealed;
+    seal(EndBlock{.header = {.node = 1, .epoch = kEpoch, .sequence = sequence, .first_scan = 20},
+                  .blocks = sequence},
+         sealed);
+    return sealed;
+  };
+  take(beat(1, 3));
+  take(scans(1));
+  take(end(2));
+  for (std::int64_t k = 1; k <= 10; ++k) take(beat(1, 1, kEpoch + k), kStart + k * 1200ms);
+  Heartbeat over = beat(1, 3);
+  over.state = NodeState::kEnded;
+  take(over, kStart + 13s);
+  for (const Ack& ack : receiver.due(kStart + 14s)) EXPECT_EQ(ack.durable, 0) << ack.epoch;
+  receiver.durable(1, kEpoch, 2);
+  take(beat(1, 1, kEpoch + 11), kStart + 15s);
+  EXPECT_TRUE(receiver.find(1, kEpoch + 11)) << "there is room as the disk goes on";
+}
+
 TEST_F(Epochs, RecordsANodeHoweverOftenItRestarts) {
   for (int k = 0; k < 1500; ++k) {
     const std::int64_t epoch = kEpoch + k;

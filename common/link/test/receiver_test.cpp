@@ -61,6 +61,23 @@ TEST_F(ReceiverTest, StopsTheCreditWhileTheDiskDoesNotFollow) {
   EXPECT_EQ(receiver.find(1, kEpoch)->credit(), 4096 + 2048);
 }
 
+TEST_F(ReceiverTest, TakesNoMoreThanItsMemoryHoldsOfASenderThatKnowsNoCredit) {
+  take(beat(1, 1));
+  for (std::int64_t k = 1; k <= 10'000; ++k) take(scans(k));
+  EXPECT_EQ(receiver.find(1, kEpoch)->received(), ReceiverOptions{}.undurable);
+  EXPECT_EQ(out.size(), static_cast<std::size_t>(ReceiverOptions{}.undurable));
+  receiver.durable(1, kEpoch, 1);
+  take(scans(4097));
+  EXPECT_EQ(receiver.find(1, kEpoch)->received(), 4097) << "and goes on as the disk does";
+}
+
+TEST_F(ReceiverTest, GoesOnBehindALossThatIsNotOnTheDiskYet) {
+  take(beat(10'001, 10'500));
+  take(scans(10'001));
+  take(scans(10'002));
+  EXPECT_EQ(sequences(), (Sequences{10'000, 10'001, 10'002}));
+}
+
 TEST_F(ReceiverTest, WhatTheNodeNoLongerHasBecomesAGapWithItsExactScans) {
   take(beat(1, 1));
   take(scans(1));
@@ -147,6 +164,57 @@ TEST_F(ReceiverTest, TheHighestSequenceAllowedBreaksNothing) {
   EXPECT_LE(receiver.find(1, kEpoch)->credit(), kIndexLimit) << "else the node would refuse the ack";
   EXPECT_EQ(receiver.find(1, kEpoch)->received(), kIndexLimit - 1);
   EXPECT_TRUE(out.empty());
+}
+
+// Whatever blocks say within their bounds, a gap that is declared between them is one that a reader accepts.
+TEST_F(ReceiverTest, AGapThatItDeclaresIsWithinTheBoundsOfEveryReader) {
+  const auto at = [](std::int64_t sequence, std::int64_t first_scan, std::int64_t time_ns) {
+    ScanBlock block;
+    block.header = {.node = 1,
+                    .epoch = kEpoch,
+                    .sequence = sequence,
+                    .first_scan = first_scan,
+                    .scans = 20,
+                    .time_ns = time_ns};
+    block.period_ps = 500'000'000;
+    SealedBlock sealed;
+    seal(block, sealed);
+    return sealed;
+  };
+  const std::vector<std::pair<SealedBlock, SealedBlock>> pairs{
+      {at(1, 0, 0), at(2, 20, kClockLimit_ns / 4 * 3)},
+      {at(1, 0, -kClockLimit_ns), at(2, 1, kClockLimit_ns)},
+      {at(1, 0, kClockLimit_ns), at(2, 1, -kClockLimit_ns)},
+      {at(1, 0, -kClockLimit_ns), at(3, kIndexLimit - 20, kClockLimit_ns)},
+      {at(1, 0, -kClockLimit_ns), at(3, 1, kClockLimit_ns)}};
+  for (const auto& [first, second] : pairs) {
+    EpochReceiver epoch(1, kEpoch, {}, {});
+    std::vector<Delivery> delivered;
+    epoch.block(first, kStart, delivered);
+    epoch.block(second, kStart, delivered);
+    epoch.crash(delivered);
+    for (const Delivery& delivery : delivered) {
+      const auto* gap = std::get_if<GapBlock>(&delivery);
+      if (!gap) continue;
+      SealedBlock sealed, read;
+      seal(*gap, sealed);
+      EXPECT_EQ(accept(sealed.bytes(), read), Refusal::kNone)
+          << second.header.first_scan << " at " << second.header.time_ns;
+    }
+    EXPECT_TRUE(std::holds_alternative<GapBlock>(delivered.back()));
+  }
+}
+
+TEST_F(ReceiverTest, ACrashAtTheHighestSequenceHasANumber) {
+  receiver.recover(1, kEpoch, {.contiguous = kIndexLimit - 2, .next_scan = 0});
+  take(beat(kIndexLimit - 1, kIndexLimit));
+  for (const std::int64_t sequence : {kIndexLimit - 1, kIndexLimit}) {
+    SealedBlock block = scans(1);
+    block.header.sequence = sequence;
+    take(block);
+  }
+  receiver.give_up(1, kEpoch, out);
+  EXPECT_EQ(sequences(), (Sequences{kIndexLimit - 1, kIndexLimit}));
 }
 
 // Another recorder had it: the node has given everything back and says how much there was.
