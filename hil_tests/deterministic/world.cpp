@@ -45,19 +45,21 @@ World::World(const FaultScenario& scenario, std::uint64_t seed, double seconds)
 
 World::~World() = default;
 
-// Evenly spread, so that a hundred kills are a hundred and not a few long absences.
+// Evenly spread, and one over before the next where there is time for both: a hundred kills are a hundred.
 void World::plan(const PlannedFault& fault, std::int64_t& last_ns) {
   const double share = static_cast<double>(production_ns_) * 1e-9 / scenario_.seconds;
   const auto times = static_cast<std::int64_t>(std::ceil(fault.times * share - 1e-9));
   const double from_ns = fault.from * static_cast<double>(production_ns_);
   const double slot_ns =
       (fault.to - fault.from) * static_cast<double>(production_ns_) / static_cast<double>(times);
+  const double longest_ns = fault.lasting.longest_s * 1e9;
+  const double room_ns = slot_ns > longest_ns ? slot_ns - longest_ns : slot_ns;
   const bool of_host = fault.kind == FaultKind::kKillRecorder || fault.kind == FaultKind::kPauseRecorder ||
                        fault.kind == FaultKind::kPowerCut || fault.kind == FaultKind::kDiskFull ||
                        fault.kind == FaultKind::kDiskFailing || fault.kind == FaultKind::kWallStep;
   for (std::int64_t k = 0; k < times; ++k) {
     const auto on =
-        static_cast<std::int64_t>(from_ns + slot_ns * (static_cast<double>(k) + random_.uniform()));
+        static_cast<std::int64_t>(from_ns + slot_ns * static_cast<double>(k) + room_ns * random_.uniform());
     const std::int64_t off = on + to_ns(random_.between(fault.lasting.shortest_s, fault.lasting.longest_s));
     const auto targets = static_cast<std::int64_t>(of_host ? hosts_.size() : nodes_.size());
     faults_.push_back({&fault, static_cast<std::size_t>(random_.below(targets)), random_.uniform()});

@@ -95,6 +95,7 @@ class World {
   std::int64_t now_ns_ = 0;
   bool stopped_ = false;
   double longest_pull_cleared_s_ = 0;
+  std::int64_t kills_ = 0;  // of recorders that had begun, by power cuts too
   std::int64_t clock_windows_ = 0;
   std::int64_t clock_covered_ = 0;
 };

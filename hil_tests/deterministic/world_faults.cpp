@@ -61,6 +61,7 @@ void World::turn_death(const Timed& timed, Host& host, bool on) {
   const bool power = timed.fault->kind == FaultKind::kPowerCut;
   const int call = static_cast<int>(timed.chance * 36);
   host.down += on ? 1 : -1;
+  if (on && host.machine->boots() > 0) ++kills_;
   if (on && call < 24 && host.down == 1)
     return host.machine->die_at_call(power, call < 12 ? call + 1 : (call - 12) / 4 + 1, call >= 12);
   if (host.machine->is_up()) power ? host.machine->cut_power() : host.machine->kill();

@@ -54,6 +54,10 @@ RunResult World::result() {
     if (hosts_.size() > 1 && epoch.scans > 0 && !has_end)
       truth_.fault("node " + std::to_string(epoch.node) + ": no recorder has the end of its epoch");
   }
+  const std::int64_t deaths = result.recorder_boots - static_cast<std::int64_t>(hosts_.size());
+  if (scenario_.expect.dies_each_time && deaths != kills_)
+    truth_.fault("recorders died " + std::to_string(deaths) + " times, killed " + std::to_string(kills_) +
+                 " times");
   result.clock_windows = clock_windows_;
   result.clock_covered = clock_covered_;
   result.bus_s = static_cast<double>(now_ns_) * 1e-9;
