@@ -2,6 +2,7 @@
 
 #include <wire/orders_t.hpp>
 
+#include "common/bus/node_number.hpp"
 #include "common/bus/wire_format.hpp"
 #include "common/config/vehicle_config.hpp"
 
@@ -28,7 +29,7 @@ std::vector<std::uint8_t> encode(const OrderReport& report) {
 
 std::optional<OrderReport> decode_orders(std::span<const std::uint8_t> bytes) {
   const auto m = wire_format::decode<wire::orders_t>(bytes);
-  if (!m || m->wheel < 0 || m->wheel >= kWheels) return std::nullopt;
+  if (!m || m->wheel < 0 || m->wheel >= kWheels || !is_node(m->node)) return std::nullopt;
   OrderReport report;
   report.wheel = m->wheel;
   report.node = m->node;

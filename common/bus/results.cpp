@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <wire/balance_t.hpp>
 #include <wire/identification_t.hpp>
 #include <wire/level_t.hpp>
 #include <wire/spectrum_t.hpp>
 
+#include "common/bus/node_number.hpp"
 #include "common/bus/wire_format.hpp"
 
 namespace roadbalance {
@@ -24,6 +26,15 @@ void take(const T* from, Array& to) {
 
 bool is_state(std::int32_t value) {
   return 0 <= value && value <= static_cast<std::int32_t>(Unknown::kInStep);
+}
+
+bool in_bounds(const wire::level_t& m) {
+  const auto is_number = [](double value) { return std::isfinite(value); };
+  const auto is_size = [](double value) { return std::isfinite(value) && value >= 0.0; };
+  const auto is_known_or_not = [](double value) { return !std::isinf(value); };
+  return is_node(m.node) && is_size(m.seconds) && std::ranges::all_of(m.mean, is_number) &&
+         std::ranges::all_of(m.rms, is_size) && std::ranges::all_of(m.peak, is_size) &&
+         is_known_or_not(m.speed_m_s) && std::ranges::all_of(m.rotation_hz, is_known_or_not);
 }
 
 }  // namespace
@@ -46,7 +57,7 @@ std::vector<std::uint8_t> encode(const Level& l) {
 
 std::optional<Level> decode_level(std::span<const std::uint8_t> bytes) {
   const auto m = wire_format::decode<wire::level_t>(bytes);
-  if (!m) return std::nullopt;
+  if (!m || !in_bounds(*m)) return std::nullopt;
   Level l;
   l.node = m->node;
   l.time_ns = m->time_ns;
@@ -84,9 +95,10 @@ std::vector<std::uint8_t> encode(const SpectrumPart& s) {
 
 std::optional<SpectrumPart> decode_spectrum(std::span<const std::uint8_t> bytes) {
   const auto m = wire_format::decode<wire::spectrum_t>(bytes);
-  if (!m || m->channel < 0 || m->channel >= kChannels || m->parts < 1 || m->part < 0 || m->part >= m->parts ||
-      m->bins < 0 || m->bins > kSpectrumBinsPerPart || m->held < 0 || m->held > 1 || m->state < 0 ||
-      m->state > static_cast<std::int32_t>(TransferState::kTooMuch) || (m->state != 0 && m->bins > 0))
+  if (!m || !is_node(m->node) || m->channel < 0 || m->channel >= kChannels || m->parts < 1 || m->part < 0 ||
+      m->part >= m->parts || m->bins < 0 || m->bins > kSpectrumBinsPerPart || m->held < 0 || m->held > 1 ||
+      m->state < 0 || m->state > static_cast<std::int32_t>(TransferState::kTooMuch) ||
+      (m->state != 0 && m->bins > 0))
     return std::nullopt;
   SpectrumPart s;
   s.viewer = m->viewer;

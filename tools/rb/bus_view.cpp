@@ -46,7 +46,7 @@ BusView::BusView(const std::string& url) : bus_(url) {
   bus_.subscribe(kLevelChannel, [this](std::string_view, Bytes bytes) {
     const auto level = decode_level(bytes);
     if (!level) return;
-    levels_[level->node] = *level;
+    if (levels_.contains(level->node) || levels_.size() < kMostNodes) levels_[level->node] = *level;
     watch_.take(*level, WallClock::now());
   });
   bus_.subscribe(kSpectrumChannel, [this](std::string_view, Bytes bytes) {
@@ -149,7 +149,10 @@ void BusView::forget_silent_recorders() {
 void BusView::take(const SpectrumPart& part) {
   if (part.viewer != 0) return;       // of somebody else's window and average
   constexpr double kLowest_hz = 2.0;  // a mean value is no line
-  Line& line = lines_[{part.node, part.channel}];
+  constexpr std::size_t kMost = kMostNodes * kChannels;
+  const std::pair key(part.node, part.channel);
+  if (!lines_.contains(key) && lines_.size() >= kMost) return;
+  Line& line = lines_[key];
   if (part.part == 0) line = {};
   for (std::size_t bin = 0; bin < part.density.size(); ++bin) {
     const double frequency_hz = part.first_hz + part.step_hz * static_cast<double>(bin);

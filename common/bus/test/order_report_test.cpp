@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/bus/other_wire.hpp"
+#include "common/link/block.hpp"
 
 namespace roadbalance {
 namespace {
@@ -38,6 +39,11 @@ TEST(OrderReport, RefusesWhatCannotBe) {
   OrderReport sent = report();
   sent.wheel = 4;
   EXPECT_FALSE(decode_orders(encode(sent)));
+  for (const std::int32_t node : {-1, 0, kLastNode + 1}) {
+    sent = report();
+    sent.node = node;
+    EXPECT_FALSE(decode_orders(encode(sent))) << node;
+  }
   sent.wheel = 0;
   sent.order[1][2].blocks = -1;
   EXPECT_FALSE(decode_orders(encode(sent)));

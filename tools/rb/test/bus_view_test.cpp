@@ -183,6 +183,28 @@ TEST_F(BusViewTest, ShowsWhatIsWrongWithItsLevelTheWorstFirst) {
   EXPECT_EQ(coloured("node 2: 35 samples"), "node 2: 35 samples");
 }
 
+TEST_F(BusViewTest, KeepsNoMoreThanSoManyNodesTell) {
+  constexpr auto kMost = static_cast<std::int32_t>(kMostNodes);
+  for (std::int32_t node = 1; node <= kMost + 3; ++node) {
+    hear(kLevelChannel, encode(Level{.node = node, .speed_m_s = 1.0}));
+    for (std::int32_t channel = 0; channel < kChannels; ++channel)
+      hear(kSpectrumChannel, encode(SpectrumPart{.node = node, .channel = channel}));
+  }
+  EXPECT_EQ(view_.levels().size(), kMostNodes);
+  EXPECT_EQ(view_.highest_lines().size(), kMostNodes * kChannels);
+  hear(kLevelChannel, encode(Level{.node = kMost, .speed_m_s = 10.0}));
+  EXPECT_TRUE(said("node 64: 36.0 km/h")) << "those that are known go on";
+}
+
+TEST_F(BusViewTest, NoLevelEndsIt) {
+  for (const double none : {std::numeric_limits<double>::quiet_NaN(), -1.0}) {
+    Level level{.node = 2};
+    level.rms.fill(none);
+    hear(kLevelChannel, encode(level));
+    EXPECT_FALSE(said("rms")) << none;
+  }
+}
+
 TEST_F(BusViewTest, ShowsWhatTurnsWithAWheelWhereItShowsMost) {
   OrderReport near{.wheel = 1, .node = 2, .seconds = 60.0}, far{.wheel = 1, .node = 3, .seconds = 60.0};
   near.order[0][4] = {{0.0, 2.0}, 0.25, 0.1, 40};
