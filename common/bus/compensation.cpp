@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 #include <wire/compensation_t.hpp>
 
 #include "common/bus/wire_format.hpp"
+#include "common/bus/wire_text.hpp"
 #include "common/config/vehicle_config.hpp"
 
 namespace roadbalance {
@@ -22,10 +24,8 @@ bool all_up_to(const std::int32_t* values, std::int32_t count, Enumeration last)
 }
 
 bool in_bounds(const wire::compensation_t& m) {
-  const bool counts = 0 <= m.steps && m.steps <= static_cast<std::int32_t>(kMostWeightSteps) && 0 <= m.size &&
-                      m.size <= static_cast<std::int32_t>(kMostReasonBytes);
-  return counts && 0 <= m.wheel && m.wheel < kWheels && 0 <= m.advice &&
-         m.advice <= static_cast<std::int32_t>(Advice::kLeaveSmall) &&
+  return 0 <= m.steps && m.steps <= static_cast<std::int32_t>(kMostWeightSteps) && 0 <= m.wheel &&
+         m.wheel < kWheels && 0 <= m.advice && m.advice <= static_cast<std::int32_t>(Advice::kLeaveSmall) &&
          all_up_to(m.action, m.steps, WeightAction::kAdd) &&
          all_up_to(m.kind, m.steps, WeightKind::kAdhesive) && all_up_to(m.plane, m.steps, RimPlane::kOuter) &&
          all_up_to(m.from_plane, m.steps, RimPlane::kOuter);
@@ -34,7 +34,7 @@ bool in_bounds(const wire::compensation_t& m) {
 }  // namespace
 
 std::vector<std::uint8_t> encode(const Compensation& c) {
-  assert(c.plan.step.size() <= kMostWeightSteps && c.verdict.incurable.size() <= kMostReasonBytes);
+  assert(c.plan.step.size() <= kMostWeightSteps);
   wire::compensation_t m{};
   m.wheel = c.wheel;
   m.time_ns = c.time_ns;
@@ -66,14 +66,15 @@ std::vector<std::uint8_t> encode(const Compensation& c) {
   m.seconds_wanted = c.seconds_wanted;
   m.seat_now_m_s2 = c.seat_now_m_s2;
   m.seat_left_m_s2 = c.seat_left_m_s2;
-  m.size = static_cast<std::int32_t>(c.verdict.incurable.size());
-  std::ranges::copy(c.verdict.incurable, m.incurable);
+  wire_text::put_text(c.verdict.incurable, m.incurable, m.size);
   return wire_format::encode(m);
 }
 
 std::optional<Compensation> decode_compensation(std::span<const std::uint8_t> bytes) {
   const auto m = wire_format::decode<wire::compensation_t>(bytes);
   if (!m || !in_bounds(*m)) return std::nullopt;
+  auto incurable = wire_text::text_of(m->incurable, m->size);
+  if (!incurable) return std::nullopt;
   Compensation c;
   c.wheel = m->wheel;
   c.time_ns = m->time_ns;
@@ -95,7 +96,7 @@ std::optional<Compensation> decode_compensation(std::span<const std::uint8_t> by
                .grade_mm_s = m->grade_mm_s,
                .by_rotor = m->by_rotor != 0,
                .force_left_share = m->force_left_share,
-               .incurable = std::string(m->incurable, m->incurable + m->size)};
+               .incurable = std::move(*incurable)};
   c.wanted_sigma_g = m->wanted_sigma_g;
   c.seconds_wanted = m->seconds_wanted;
   c.seat_now_m_s2 = m->seat_now_m_s2;

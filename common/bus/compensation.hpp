@@ -46,7 +46,7 @@ struct BalanceVerdict {
   bool by_rotor = false;
   /// Of the first-order force that is left over the speeds driven to what was there, rms; 1 if unknown.
   double force_left_share = 1.0;
-  /// Why weights will not cure this, at most kMostReasonBytes; empty: they will.
+  /// Why weights will not cure this, made plain and cut where it is sent; empty: they will.
   std::string incurable{};
 
   bool within_shop() const { return residual_g <= shop_g; }

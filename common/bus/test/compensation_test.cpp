@@ -116,12 +116,14 @@ void put(std::vector<std::uint8_t>& bytes, std::size_t at, std::int32_t value) {
 }
 
 TEST(Compensation, RefusesCountsBeyondItsRoom) {
-  Compensation empty = message(), longer = message();
+  Compensation full = message();
+  full.verdict.incurable.assign(kMostReasonBytes, 'x');
+  Compensation empty = full, shorter = full;
   empty.plan.step.clear();
-  longer.verdict.incurable += "!";
-  const std::size_t steps = place_of(message(), empty), size = place_of(message(), longer);
+  shorter.verdict.incurable.pop_back();
+  const std::size_t steps = place_of(full, empty), size = place_of(full, shorter);
   for (const auto& [at, most] : {std::pair{steps, 10}, {size, 240}}) {
-    auto bytes = encode(message());
+    auto bytes = encode(full);
     put(bytes, at, most);
     EXPECT_TRUE(decode_compensation(bytes)) << at;
     for (const std::int32_t beyond : {most + 1, -1, INT32_MIN, INT32_MAX}) {
@@ -129,6 +131,29 @@ TEST(Compensation, RefusesCountsBeyondItsRoom) {
       EXPECT_FALSE(decode_compensation(bytes)) << at << " " << beyond;
     }
   }
+}
+
+/// It goes to terminals and into JSON.
+TEST(Compensation, RefusesAReasonThatIsNoPlainText) {
+  Compensation sent = message();
+  sent.verdict.incurable = "a reason";
+  const auto good = encode(sent);
+  const auto begin = std::ranges::search(good, sent.verdict.incurable).begin() - good.begin();
+  for (const int byte : {0x00, 0x0A, 0x1B, 0x7F, 0x80, 0xFF}) {
+    auto bytes = good;
+    bytes.at(static_cast<std::size_t>(begin)) = static_cast<std::uint8_t>(byte);
+    EXPECT_FALSE(decode_compensation(bytes)) << byte;
+  }
+}
+
+/// It may quote the vehicle file.
+TEST(Compensation, AReasonIsMadePlainAndCutWhereItIsSent) {
+  Compensation sent = message();
+  sent.verdict.incurable = "\033[2J " + std::string(kMostReasonBytes, 'x');
+  const auto got = decode_compensation(encode(sent));
+  ASSERT_TRUE(got);
+  EXPECT_EQ(got->verdict.incurable,
+            (" [2J " + std::string(kMostReasonBytes, 'x')).substr(0, kMostReasonBytes));
 }
 
 TEST(Compensation, OfAnotherVersionIsNoticed) {
