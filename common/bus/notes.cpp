@@ -134,7 +134,7 @@ std::optional<Note> decode_note(std::span<const std::uint8_t> bytes) {
               .kind = static_cast<NoteKind>(m->kind),
               .a = m->a,
               .b = m->b,
-              .text = std::string(m->text, m->text + m->size)};
+              .text = wire_text::plain_text(std::string(m->text, m->text + m->size))};
 }
 
 std::vector<std::uint8_t> encode(const Commit& commit) {

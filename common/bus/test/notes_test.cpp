@@ -2,8 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <utility>
+
 #include "common/bus/clock_messages.hpp"
 #include "common/bus/recorder_status.hpp"
+#include "common/bus/wire_format.hpp"
 #include "common/test/bit_flips.hpp"
 
 namespace roadbalance {
@@ -40,14 +44,27 @@ TEST(Notes, ANoteArrivesAsItWasWrittenAndIsCutToItsLength) {
   EXPECT_EQ(back->text, std::string(kMaxNoteBytes, 'x'));
 }
 
+/// A record's own, whose text goes to terminals, into JSON and to other programs.
+TEST(Notes, ATextIsShownPlain) {
+  const Note note{.kind = NoteKind::kMark, .text = "abridge"};
+  auto bytes = encode(note);
+  const auto text = std::ranges::search(bytes, note.text).begin() - bytes.begin();
+  for (const auto& [byte, shown] : {std::pair{0x1B, " bridge"}, {0xFF, "?bridge"}}) {
+    bytes.at(static_cast<std::size_t>(text)) = static_cast<std::uint8_t>(byte);
+    wire_format::write_crc(bytes);
+    const auto back = decode_note(bytes);
+    ASSERT_TRUE(back) << byte;
+    EXPECT_EQ(back->text, shown);
+  }
+}
+
 TEST(Notes, KnowKindsUpToTheLastAndRefuseOthers) {
   const auto is_known = [](int kind) {
     return decode_note(encode(Note{.kind = static_cast<NoteKind>(kind), .text = ""})).has_value();
   };
   EXPECT_TRUE(is_known(static_cast<int>(NoteKind::kStarted)));
   EXPECT_TRUE(is_known(static_cast<int>(NoteKind::kLast)));
-  for (const int kind : {-1, 0, static_cast<int>(NoteKind::kLast) + 1})
-    EXPECT_FALSE(is_known(kind)) << kind;
+  for (const int kind : {-1, 0, static_cast<int>(NoteKind::kLast) + 1}) EXPECT_FALSE(is_known(kind)) << kind;
 }
 
 TEST(RecorderStatus, TellsThatTheSupplyIsGoneApartFromThatItCannotBeRead) {
