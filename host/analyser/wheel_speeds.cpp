@@ -60,7 +60,8 @@ void WheelSpeeds::instant(double seconds) {
     speed_m_s += kTurn * rolling_radius_m_[w] * hz[w];
   }
   if (known == 0) return;
-  class_s_[static_cast<int>(std::floor(speed_m_s / known / class_m_s_))] += seconds;
+  const double place = std::floor(speed_m_s / known / class_m_s_);
+  class_s_[static_cast<int>(std::clamp<double>(place, -kLastClass, kLastClass))] += seconds;
   for (std::size_t a = 0; a < kWheels; ++a)
     for (std::size_t b = a + 1; b < kWheels; ++b) {
       if (std::isnan(hz[a]) || std::isnan(hz[b])) continue;

@@ -19,6 +19,7 @@ class WheelSpeeds {
  public:
   static constexpr double kOldest_s = 0.5;
   static constexpr double kLeast_hz = 0.5;  ///< slower, nobody asks for slip
+  static constexpr int kLastClass = 9999;   ///< whatever is faster, in either direction
 
   explicit WheelSpeeds(const VehicleConfig& vehicle);
 

@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "common/text/format.hpp"
+
 namespace roadbalance {
 namespace {
 
@@ -73,8 +75,7 @@ std::vector<RecorderAlarm> alarms(const RecorderStatus& status) {
   if (!is_full && status.seconds_left >= 0 && status.seconds_left < kSoonFull_s)
     add(AlarmCause::kDiskLow, "the disk is full in " + duration(status.seconds_left));
   if (status.sync_s >= kSlowSync_s)
-    add(AlarmCause::kDiskSlow,
-        "the disk is slow: its last sync took " + std::to_string(static_cast<int>(status.sync_s)) + " s");
+    add(AlarmCause::kDiskSlow, format("the disk is slow: its last sync took %.0f s", status.sync_s));
   if (status.unsent > 0)
     add(AlarmCause::kUnsent,
         std::to_string(status.unsent) + " datagrams could not be sent: is the network up?");

@@ -57,6 +57,16 @@ TEST(WheelSpeeds, TellSlipDriftAndOccupancyOfAKnownDrive) {
   EXPECT_NEAR(speeds.classes().at(static_cast<int>(mean_m_s / speeds.class_m_s())), 40.0, 1e-6);
 }
 
+/// By a record whose times are damaged; a class is an int.
+TEST(WheelSpeeds, ASpeedThatNoCarReachesIsOfTheLastClass) {
+  WheelSpeeds speeds(test::car());
+  drive(speeds, {1e12, 1e12, 1e12, 1e12}, 1.0);
+  ASSERT_EQ(speeds.classes().size(), 1U);
+  EXPECT_EQ(speeds.classes().begin()->first, WheelSpeeds::kLastClass);
+  drive(speeds, {-1e12, -1e12, -1e12, -1e12}, 1.0);
+  EXPECT_EQ(speeds.classes().begin()->first, -WheelSpeeds::kLastClass);
+}
+
 TEST(WheelSpeeds, DriftIsTheArcAndNotTheWay) {
   WheelSpeeds speeds(test::car());
   drive(speeds, {10.0, 10.1, 10, 10}, 5.0);

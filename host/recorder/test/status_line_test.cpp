@@ -38,6 +38,15 @@ TEST(StatusLine, PutsTheMostUrgentAlarmFirst) {
   EXPECT_EQ(lines[6].cause, AlarmCause::kFallback);
 }
 
+TEST(StatusLine, SaysHowLongASyncTookWhateverARecorderClaims) {
+  RecorderStatus status;
+  status.sync_s = 3.2;
+  ASSERT_EQ(alarms(status).size(), 1u);
+  EXPECT_EQ(alarms(status)[0].text, "the disk is slow: its last sync took 3 s");
+  status.sync_s = 1e10;
+  EXPECT_EQ(alarms(status)[0].text, "the disk is slow: its last sync took 10000000000 s");
+}
+
 TEST(StatusLine, SaysThatTheSupplyCannotBeRead) {
   RecorderStatus status;
   status.power_unknown = true;
