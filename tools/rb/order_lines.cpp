@@ -1,10 +1,10 @@
 #include "tools/rb/order_lines.hpp"
 
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include "common/config/vehicle_config.hpp"
+#include "common/text/format.hpp"
 #include "tools/rb/degrees.hpp"
 
 namespace roadbalance {
@@ -18,15 +18,10 @@ const char* wheel_name(const OrderReport& report) {
 
 std::string line(const OrderReport& report, std::size_t order, std::size_t channel) {
   const OrderReport::Vector& vector = report.order[order][channel];
-  char text[200];
-  std::snprintf(text, sizeof text, "%s, order %zu: node %d channel %zu  %.4f ± %.4f m/s²", wheel_name(report),
-                order + 1, report.node, channel + 1, std::abs(vector.value), vector.amplitude_95);
-  std::string all = text;
-  if (!std::isnan(vector.phase_95_rad)) {
-    std::snprintf(text, sizeof text, "  %.1f ± %.1f deg", degrees(std::arg(vector.value)),
-                  degrees(vector.phase_95_rad));
-    all += text;
-  }
+  std::string all = format("%s, order %zu: node %d channel %zu  %.4f ± %.4f m/s²", wheel_name(report),
+                           order + 1, report.node, channel + 1, std::abs(vector.value), vector.amplitude_95);
+  if (!std::isnan(vector.phase_95_rad))
+    all += format("  %.1f ± %.1f deg", degrees(std::arg(vector.value)), degrees(vector.phase_95_rad));
   return all + "  " + std::to_string(vector.blocks) + " blocks";
 }
 

@@ -17,9 +17,9 @@
 namespace roadbalance {
 namespace {
 
-/// Whole degrees 0 .. 359.
-int degrees(double angle_rad) {
-  return static_cast<int>(std::lround(angle_rad * 180.0 / std::numbers::pi)) % 360;
+/// Whole degrees 0 .. 359; the sum with 0 takes the sign from a zero.
+double degrees(double angle_rad) {
+  return std::fmod(std::round(angle_rad * 180.0 / std::numbers::pi), 360.0) + 0.0;
 }
 
 std::string wheel_name(std::int32_t wheel) {
@@ -57,7 +57,7 @@ std::string reason(Unknown state) {
 std::string balance_line(const Balance& balance) {
   const std::string name = wheel_name(balance.wheel);
   if (balance.state != Unknown::kNone) return name + " not known: " + reason(balance.state);
-  return name + format(" heavy spot %3d°, %4.1f g, ± %.1f g ± %.0f°", degrees(balance.angle_rad),
+  return name + format(" heavy spot %3.0f°, %4.1f g, ± %.1f g ± %.0f°", degrees(balance.angle_rad),
                        balance.unbalance_g, shown_sigma(balance.sigma_g, 0.1),
                        std::min(180.0, std::ceil(balance.sigma_rad * 180.0 / std::numbers::pi)));
 }

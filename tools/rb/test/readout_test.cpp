@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <numbers>
 
 #include "tools/rb/clock_line.hpp"
 #include "tools/rb/compensation_json.hpp"
+#include "tools/rb/order_lines.hpp"
 #include "tools/rb/sealing_rate.hpp"
 #include "tools/rb/watch_json.hpp"
 #include "tools/rb/watch_lines.hpp"
@@ -38,6 +40,22 @@ TEST(BalanceLine, ClaimsNothingExactlyAndNoAngleWorseThanNone) {
   EXPECT_EQ(balance_line(balance), "front left:  heavy spot 217°, 35.0 g, ± 0.1 g ± 3°");
   balance.sigma_rad = 9.0;
   EXPECT_EQ(balance_line(balance), "front left:  heavy spot 217°, 35.0 g, ± 0.1 g ± 180°");
+}
+
+TEST(BalanceLine, ShowsAnAngleThatIsNoneAsNone) {
+  Balance balance = known(35.0, 217.0);
+  balance.angle_rad = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(balance_line(balance), "front left:  heavy spot nan°, 35.0 g, ± 2.0 g ± 3°");
+  EXPECT_EQ(balance_line(known(35.0, -0.3)), "front left:  heavy spot   0°, 35.0 g, ± 2.0 g ± 3°");
+}
+
+/// A line cut at so many bytes would end amid a character.
+TEST(OrderLines, ShowNumbersOfAnyLengthWhole) {
+  OrderReport report{.wheel = 1, .node = 2};
+  report.order[0][3] = {{1e300, 0.0}, 1e300, 0.1, 40};
+  const auto lines = order_lines(report);
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_TRUE(lines[0].ends_with(".0000 m/s²  0.0 ± 5.7 deg  40 blocks")) << lines[0];
 }
 
 TEST(BalanceLine, SaysWhyItIsNotKnown) {
