@@ -1,6 +1,5 @@
 #include "host/receipts/job_book.hpp"
 
-#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <variant>
@@ -8,6 +7,7 @@
 #include "common/bus/operation.hpp"
 #include "common/bus/wire_text.hpp"
 #include "host/receipts/job_order.hpp"
+#include "host/recorder/json_number.hpp"
 
 namespace roadbalance {
 namespace {
@@ -29,19 +29,6 @@ Json to_json(const BookedJob& booked) {
           {"text", std::string(wire_text::cut_to(job.text, kMostText))},
           {"asked", {booked.asker, booked.request}},
           {"result", booked.result.filename().string()}};
-}
-
-/// JSON's own conversion takes 4e52 for a whole number, too.
-std::int64_t whole_number(const Json& json) {
-  const bool is_too_large = json.is_number_unsigned() && json.get<std::uint64_t>() > INT64_MAX;
-  if (!json.is_number_integer() || is_too_large) throw std::out_of_range("no whole number");
-  return json.get<std::int64_t>();
-}
-
-std::int32_t small_number(const Json& json) {
-  const std::int64_t number = whole_number(json);
-  if (number < 0 || number > INT32_MAX) throw std::out_of_range("no small number");
-  return static_cast<std::int32_t>(number);
 }
 
 double seconds(const Json& json) {

@@ -1,23 +1,79 @@
 #include "host/recorder/desk_book.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "common/frontend/front_end.hpp"
+#include "common/link/block.hpp"
 #include "common/record/folder.hpp"
 #include "host/recorder/incarnation.hpp"
+#include "host/recorder/json_number.hpp"
 
 namespace roadbalance {
 namespace {
 
 using Json = nlohmann::json;
 
+// Of numbers that are added to: far from where an integer ends, as all are that a recorder writes.
+constexpr std::int64_t kMostCounted = kRequestLimit - 1;
+constexpr std::int32_t kMostMarks = 1'000'000'000;
+
+// What `read` makes of the member; a refusal names it.
+template <typename Read>
+auto member(const Json& json, const char* key, Read read) {
+  try {
+    return read(json.at(key));
+  } catch (const std::exception& error) {
+    throw std::runtime_error(std::string(key) + ": " + error.what());
+  }
+}
+
+// Of each element.
+template <typename Read>
+auto each(Read read) {
+  return [read](const Json& json) {
+    if (!json.is_array()) throw std::runtime_error("no array");
+    std::vector<decltype(read(json))> all;
+    for (const Json& one : json) all.push_back(read(one));
+    return all;
+  };
+}
+
+auto number_in(std::int32_t least, std::int32_t most) {
+  return [least, most](const Json& json) { return small_number(json, least, most); };
+}
+
+template <typename Enum>
+auto one_of(Enum first, Enum last) {
+  return [first, last](const Json& json) {
+    return static_cast<Enum>(
+        small_number(json, static_cast<std::int32_t>(first), static_cast<std::int32_t>(last)));
+  };
+}
+
+std::int64_t counted(const Json& json) {
+  return whole_number(json, -kMostCounted, kMostCounted);
+}
+
+std::string text_in(const Json& json) {
+  return json.get<std::string>();
+}
+
+std::string name_in(const Json& json) {
+  auto name = text_in(json);
+  if (const auto fault = fault_of_name(name); !fault.empty())
+    throw std::runtime_error("no name of a recording: " + fault);
+  return name;
+}
+
 Json to_json(const RequestKey& key) {
   return {key.asker, key.request};
 }
 
 RequestKey key_of(const Json& json) {
-  return {json.at(0).get<std::int64_t>(), json.at(1).get<std::int64_t>()};
+  return {counted(json.at(0)), counted(json.at(1))};
 }
 
 Json to_json(const UnderWay& recording) {
@@ -33,17 +89,19 @@ Json to_json(const UnderWay& recording) {
   return json;
 }
 
+Mark mark_of(const Json& json) {
+  return {small_number(json.at(0), 0, kMostMarks), key_of(json.at(1)), text_in(json.at(2))};
+}
+
 UnderWay under_way_of(const Json& json) {
-  UnderWay recording{.name = json.at("name").get<std::string>(),
-                     .began_us = json.at("began_us").get<std::int64_t>(),
-                     .start = key_of(json.at("start")),
-                     .marks = json.at("marks").get<std::int32_t>(),
-                     .durable_marks = json.at("durable_marks").get<std::int32_t>()};
-  for (const Json& mark : json.at("mark"))
-    recording.mark.push_back(
-        {mark.at(0).get<std::int32_t>(), key_of(mark.at(1)), mark.at(2).get<std::string>()});
-  if (json.contains("stop")) recording.stop = key_of(json.at("stop"));
-  if (!fault_of_name(recording.name).empty()) throw std::runtime_error("no name of a recording");
+  UnderWay recording{.name = member(json, "name", name_in),
+                     .began_us = member(json, "began_us", counted),
+                     .start = member(json, "start", key_of),
+                     .marks = member(json, "marks", number_in(0, kMostMarks)),
+                     .durable_marks = member(json, "durable_marks", number_in(0, kMostMarks))};
+  const auto marks = member(json, "mark", each(mark_of));
+  recording.mark.assign(marks.begin(), marks.end());
+  if (json.contains("stop")) recording.stop = member(json, "stop", key_of);
   return recording;
 }
 
@@ -59,16 +117,23 @@ Json to_json(const Finished& finished) {
   return {{"start", to_json(finished.start)}, {"stop", to_json(finished.stop)}, {"receipt", receipts}};
 }
 
+std::vector<std::uint8_t> bytes_in(const Json& json) {
+  const std::string hexadecimal = text_in(json);
+  std::vector<std::uint8_t> bytes(hexadecimal.size() / 2);
+  for (std::size_t k = 0; k < bytes.size(); ++k) {
+    const char* const digits = hexadecimal.data() + 2 * k;
+    if (std::from_chars(digits, digits + 2, bytes[k], 16).ptr != digits + 2)
+      throw std::runtime_error("no hexadecimal digits");
+  }
+  if (hexadecimal.size() % 2 != 0) throw std::runtime_error("half a byte");
+  return bytes;
+}
+
 // A receipt of another release is passed over: it only repeats what the record proves.
 Finished finished_of(const Json& json) {
-  Finished finished{.start = key_of(json.at("start")), .stop = key_of(json.at("stop"))};
-  for (const Json& receipt : json.at("receipt")) {
-    const auto text = receipt.get<std::string>();
-    std::vector<std::uint8_t> bytes;
-    for (std::size_t k = 0; k + 1 < text.size(); k += 2)
-      bytes.push_back(static_cast<std::uint8_t>(std::stoi(text.substr(k, 2), nullptr, 16)));
-    if (auto known = decode_receipt(bytes)) finished.receipt.push_back(std::move(*known));
-  }
+  Finished finished{.start = member(json, "start", key_of), .stop = member(json, "stop", key_of)};
+  for (const auto& receipt : member(json, "receipt", each(bytes_in)))
+    if (auto known = decode_receipt(receipt)) finished.receipt.push_back(std::move(*known));
   return finished;
 }
 
@@ -77,11 +142,9 @@ Json to_json(const Rest& rest) {
 }
 
 Rest rest_of(const Json& json) {
-  Rest rest{.recording = json.at(0).get<std::string>(),
-            .node = json.at(1).get<std::int32_t>(),
-            .epoch = json.at(2).get<std::int64_t>()};
-  if (!fault_of_name(rest.recording).empty()) throw std::runtime_error("no name of a recording");
-  return rest;
+  return {.recording = name_in(json.at(0)),
+          .node = small_number(json.at(1), 1, kLastNode),
+          .epoch = whole_number(json.at(2))};
 }
 
 Json to_json(const Over& over) {
@@ -89,11 +152,9 @@ Json to_json(const Over& over) {
 }
 
 Over over_of(const Json& json) {
-  Over over{.recording = json.at(0).get<std::string>(),
-            .first_incarnation = json.at(1).get<std::int64_t>(),
-            .last_incarnation = json.at(2).get<std::int64_t>()};
-  if (!fault_of_name(over.recording).empty()) throw std::runtime_error("no name of a recording");
-  return over;
+  return {.recording = name_in(json.at(0)),
+          .first_incarnation = counted(json.at(1)),
+          .last_incarnation = counted(json.at(2))};
 }
 
 Json to_json(const AskedSetUp& set_up) {
@@ -110,16 +171,20 @@ Json to_json(const AskedSetUp& set_up) {
 }
 
 AskedSetUp set_up_of(const Json& json) {
-  return {.asked = key_of(json.at("asked")),
-          .operation = static_cast<Operation>(json.at("operation").get<int>()),
-          .node = json.at("node").get<std::int32_t>(),
-          .channel = json.at("channel").get<std::int32_t>(),
-          .value = json.at("value").get<std::array<double, 2>>(),
-          .nodes = json.at("nodes").get<std::vector<std::int32_t>>(),
-          .vehicle_crc32c = json.at("vehicle_crc32c").get<std::uint32_t>(),
-          .state = static_cast<AnswerState>(json.at("state").get<int>()),
-          .reason = static_cast<RefusalReason>(json.at("reason").get<int>()),
-          .text = json.at("text").get<std::string>()};
+  const auto crc = [](const Json& sum) {
+    return static_cast<std::uint32_t>(whole_number(sum, 0, UINT32_MAX));
+  };
+  const auto values = [](const Json& two) { return two.get<std::array<double, 2>>(); };
+  return {.asked = member(json, "asked", key_of),
+          .operation = member(json, "operation", one_of(Operation::kStart, Operation::kDatum)),
+          .node = member(json, "node", number_in(0, kLastNode)),
+          .channel = member(json, "channel", number_in(-1, kAccelerations - 1)),
+          .value = member(json, "value", values),
+          .nodes = member(json, "nodes", each(number_in(1, kLastNode))),
+          .vehicle_crc32c = member(json, "vehicle_crc32c", crc),
+          .state = member(json, "state", one_of(AnswerState::kUnderWay, AnswerState::kRefused)),
+          .reason = member(json, "reason", one_of(RefusalReason::kNone, RefusalReason::kBusy)),
+          .text = member(json, "text", text_in)};
 }
 
 // Written before a recording's first segment has its name.
@@ -150,11 +215,12 @@ DeskBook read_desk_book(const std::filesystem::path& recordings, Disk& disk) {
   try {
     const Json json = Json::parse(*text);
     DeskBook book;
-    if (json.contains("under_way")) book.under_way = under_way_of(json.at("under_way"));
-    if (json.contains("finished")) book.finished = finished_of(json.at("finished"));
-    if (json.contains("set_up")) book.set_up = set_up_of(json.at("set_up"));
-    for (const Json& rest : json.value("rest", Json::array())) book.rest.push_back(rest_of(rest));
-    for (const Json& over : json.value("over", Json::array())) book.over.push_back(over_of(over));
+    if (!json.is_object()) throw std::runtime_error("no object");
+    if (json.contains("under_way")) book.under_way = member(json, "under_way", under_way_of);
+    if (json.contains("finished")) book.finished = member(json, "finished", finished_of);
+    if (json.contains("set_up")) book.set_up = member(json, "set_up", set_up_of);
+    if (json.contains("rest")) book.rest = member(json, "rest", each(rest_of));
+    if (json.contains("over")) book.over = member(json, "over", each(over_of));
     return book;
   } catch (const std::exception& error) {
     throw std::runtime_error(file.string() + ": cannot be read (" + error.what() +

@@ -67,6 +67,66 @@ TEST(DeskBook, RefusesWhatIsNone) {
   }
 }
 
+/// Each is valid JSON, and one value of it is none of its kind.
+TEST(DeskBook, RefusesAValueThatCannotBeAndNamesIt) {
+  const test::TemporaryDirectory folder;
+  const std::string good =
+      R"({"under_way": {"name": "drive", "began_us": 5, "start": [1, 2], "marks": 9, "durable_marks": 8,
+                        "mark": [[9, [3, 4], "bridge"]], "stop": [5, 6]},
+          "finished": {"start": [1, 2], "stop": [3, 4], "receipt": ["00ff"]},
+          "set_up": {"asked": [1, 2], "operation": 4, "node": 1, "channel": -1, "value": [1.5, 2], "nodes": [1, 2],
+                     "vehicle_crc32c": 4294967295, "state": 2, "reason": 0, "text": "done"},
+          "rest": [["before", 2, -77]], "over": [["before", 1000, 2000]]})";
+  const auto refusal = [&](const std::string& text) -> std::string {
+    std::ofstream(folder.path() / kDeskBookFile) << text;
+    try {
+      read_desk_book(folder.path());
+      return "";
+    } catch (const std::runtime_error& error) {
+      EXPECT_NE(std::string(error.what()).find(kDeskBookFile), std::string::npos) << error.what();
+      return error.what();
+    }
+  };
+  ASSERT_EQ(refusal(good), "");
+  struct Spoilt {
+    const char *from, *to, *named;
+  };
+  for (const Spoilt& one :
+       {Spoilt{"\"began_us\": 5", "\"began_us\": 4e52", "under_way: began_us: "},
+        {"\"began_us\": 5", "\"began_us\": 9223372036854775807", "under_way: began_us: "},
+        {"\"start\": [1, 2], \"marks\"", "\"start\": [1, 1.5], \"marks\"", "under_way: start: "},
+        {"\"marks\": 9", "\"marks\": 4e52", "under_way: marks: "},
+        {"\"marks\": 9", "\"marks\": 2147483647", "under_way: marks: "},
+        {"\"durable_marks\": 8", "\"durable_marks\": -8", "under_way: durable_marks: "},
+        {"[[9, [3", "[[-1e99, [3", "under_way: mark: "},
+        {"\"bridge\"", "7", "under_way: mark: "},
+        {"\"stop\": [5, 6]", "\"stop\": [5]", "under_way: stop: "},
+        {"\"00ff\"", "\"-1ff\"", "finished: receipt: "},
+        {"\"00ff\"", "\" 1ff\"", "finished: receipt: "},
+        {"\"00ff\"", "\"0x\"", "finished: receipt: "},
+        {"\"00ff\"", "\"00f\"", "finished: receipt: "},
+        {"\"operation\": 4", "\"operation\": 13", "set_up: operation: "},
+        {"\"node\": 1", "\"node\": 10000", "set_up: node: "},
+        {"\"channel\": -1", "\"channel\": 12", "set_up: channel: "},
+        {"[1.5, 2]", "[1.5, \"2\"]", "set_up: value: "},
+        {"[1.5, 2]", "[1.5]", "set_up: value: "},
+        {"\"nodes\": [1, 2]", "\"nodes\": [1, 2e40]", "set_up: nodes: "},
+        {"\"nodes\": [1, 2]", "\"nodes\": 1", "set_up: nodes: "},
+        {"4294967295", "4294967296", "set_up: vehicle_crc32c: "},
+        {"\"state\": 2", "\"state\": 4", "set_up: state: "},
+        {"\"reason\": 0", "\"reason\": -1", "set_up: reason: "},
+        {"\"done\"", "null", "set_up: text: "},
+        {"2, -77", "0, -77", "rest: "},
+        {"2, -77", "2, 1e300", "rest: "},
+        {"1000, 2000", "1000, 9223372036854775807", "over: "}}) {
+    std::string text = good;
+    const auto at = text.find(one.from);
+    ASSERT_NE(at, std::string::npos) << one.from;
+    text.replace(at, std::string(one.from).size(), one.to);
+    EXPECT_NE(refusal(text).find(one.named), std::string::npos) << one.to << ": " << refusal(text);
+  }
+}
+
 // The folder of a recording stands beside them.
 TEST(DeskBook, NoRecordingIsCalledLikeAFileOfTheRecorder) {
   for (const char* own : {"recorder.json", "recorder.json.new", "vehicle", "vehicle.new"})
