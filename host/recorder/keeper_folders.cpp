@@ -59,15 +59,14 @@ bool is_continued(const KeeperOptions& options, Disk& disk) {
 }
 
 // Blocks that stand in the first folder, perhaps in the page cache only, and that nodes may have let go of.
-// True if there were any.
-bool write_unsure(const std::vector<UnsureBlock>& unsure, RecordWriter& writer, JournalTally& journal) {
+// True if there were any.  The journal begins behind them: a reader begins it anew at the note of the start.
+bool write_unsure(const std::vector<UnsureBlock>& unsure, RecordWriter& writer) {
   const std::int64_t before = writer.appended();
   for (const auto& [block, timestamp_us] : unsure) {
     const auto known = writer.holds().epoch.find({block.header.node, block.header.epoch});
     const std::int64_t held = known == writer.holds().epoch.end() ? 0 : known->second.position.contiguous;
     if (block.header.sequence <= held) continue;
     writer.append(block, timestamp_us);
-    journal.add(block);
   }
   if (writer.appended() == before) return false;
   writer.sync();
@@ -97,7 +96,7 @@ void RecordKeeper::open_folders() {
   if (!fallback_) return;
   open(options_.fallback, std::move(before));
   warnings_.push_back("recording goes on in " + options_.fallback.string());
-  segment_is_open_ = write_unsure(unsure, *writer_, journal_);
+  segment_is_open_ = write_unsure(unsure, *writer_);
   appended_before_ = writer_->appended();
   say_where_it_goes_on();
 }
