@@ -1,9 +1,11 @@
 #include "host/recorder/clock_ask.hpp"
 
 #include <chrono>
+#include <utility>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/clock_messages.hpp"
+#include "host/recorder/event_outlet.hpp"
 
 namespace roadbalance {
 namespace {
@@ -18,6 +20,7 @@ void ask_clocks(const std::string& bus_url, In<ClockPeer> peers, Out<RecordEvent
   Bus bus(bus_url);
   ClockSocket socket(0);
   ClockAsker asker;
+  EventOutlet record(std::move(events));
   while (!peers.finished()) {
     while (const auto peer = peers.receive_for(milliseconds(0))) asker.heard(*peer, MachineClock::now());
     for (const auto& question : asker.due(MachineClock::now()))
@@ -32,11 +35,11 @@ void ask_clocks(const std::string& bus_url, In<ClockPeer> peers, Out<RecordEvent
     }
     const MachineTime now = MachineClock::now();
     for (const auto& exchange : asker.exchanges(now))
-      static_cast<void>(events.try_send({clock_exchange_channel(exchange.node), encode(exchange)}));
+      record.put({clock_exchange_channel(exchange.node), encode(exchange)});
     for (const auto& fit : asker.fits(now)) {
       auto bytes = encode(fit);
       bus.publish(clock_fit_channel(fit.node), bytes);  // for displays; nobody misses one
-      static_cast<void>(events.try_send({clock_fit_channel(fit.node), std::move(bytes)}));
+      record.put({clock_fit_channel(fit.node), std::move(bytes)});
     }
   }
 }

@@ -78,6 +78,7 @@ void RecordKeeper::check_sum(const SealedBlock& block) {
 }
 
 void RecordKeeper::append(const RecordEvent& event, WallTime) {
+  events_dropped_ += event.dropped_before;
   if (held_.bytes() >= kMostHeldForEvents && held_blocks_ == 0 && written_ == 0)
     events_dropped_ += held_.drop_older_half(kNoteChannel);
   if (is_caught_up() || held_.bytes() < kMostHeldForEvents)

@@ -35,6 +35,7 @@ inline constexpr const char* kContinuesFile = "continues";
 struct RecordEvent {
   std::string channel;
   std::vector<std::uint8_t> bytes;
+  std::int64_t dropped_before{};  ///< events since the one before that found no room on their way here
 };
 
 /// Deliveries -> disk: appends in the order given, commits as a group, and only then says durable.

@@ -1,6 +1,7 @@
 #include <array>
 
 #include "common/bus/bus.hpp"
+#include "host/recorder/event_outlet.hpp"
 #include "host/recorder/test/keeper_drive.hpp"
 #include "host/recorder/verify_journal.hpp"
 
@@ -147,6 +148,23 @@ TEST_F(KeeperLosses, NotesOfALongFailureAreBoundedAndWhatIsDroppedIsDeclared) {
   EXPECT_EQ(declared,
             std::vector<std::string>{
                 "300 notes of devices, of alarms and of what was asked were not kept: no memory for more"});
+}
+
+// While the writer waits for its disk the nodes' clocks are measured on.
+TEST_F(KeeperLosses, MeasurementsOfClocksThatFoundNoRoomOnTheirWayToTheWriterAreDeclared) {
+  auto [out, in] = make_channel<RecordEvent>(2);
+  EventOutlet outlet(std::move(out));
+  start();
+  run(milliseconds(1000), 20);
+  for (int k = 0; k < 7; ++k) outlet.put({"RB_CLOCK_1", {1}});
+  for (int k = 0; k < 2; ++k) keeper->append(in.receive().value(), now);
+  for (int k = 0; k < 2; ++k) outlet.put({"RB_CLOCK_1", {1}});
+  for (int k = 0; k < 2; ++k) keeper->append(in.receive().value(), now);
+  run(milliseconds(1000), 20);
+  note_durable(keeper->close(now));
+  const auto declared = notes(NoteKind::kDiskFailed);
+  ASSERT_EQ(declared.size(), 1u);
+  EXPECT_EQ(declared[0].text, "5 measurements of the nodes' clocks were not kept: no memory for more");
 }
 
 }  // namespace
