@@ -1,6 +1,7 @@
 #include "tools/rb/salvage_epoch.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/bus/codec.hpp"
 
@@ -26,11 +27,26 @@ GapCause SalvageEpoch::cause_of_hole(std::int64_t first, std::int64_t last) cons
   return overlaps ? decode_gap(known->second.block).cause : GapCause::kLostInRecord;
 }
 
+// The instant of scan next_scan_ lies on the line through the blocks with scans before and behind it; without
+// one behind, on that through the two before.
+std::int64_t SalvageEpoch::time_of_next_scan(const BlockHeader* behind) const {
+  if (last_scans_.sequence == 0) return behind ? behind->time_ns : last_.time_ns;
+  double ns_per_scan = ns_per_scan_;
+  if (behind && behind->first_scan > last_scans_.first_scan)
+    ns_per_scan = static_cast<double>(behind->time_ns - last_scans_.time_ns) /
+                  static_cast<double>(behind->first_scan - last_scans_.first_scan);
+  constexpr auto kLimit_ns = static_cast<double>(kClockLimit_ns);  // blocks may say anything
+  const double since_ns = static_cast<double>(next_scan_ - last_scans_.first_scan) * ns_per_scan;
+  const auto extra_ns = static_cast<std::int64_t>(std::round(std::clamp(since_ns, -kLimit_ns, kLimit_ns)));
+  return std::clamp(last_scans_.time_ns + extra_ns, -kClockLimit_ns, kClockLimit_ns);
+}
+
 void SalvageEpoch::write_gap(std::int64_t through, std::int64_t next_scan, GapCause cause,
-                             std::int64_t timestamp_us, const Write& write) {
+                             const BlockHeader* behind, std::int64_t timestamp_us, const Write& write) {
   GapBlock gap{.header = last_, .cause = cause};
   gap.header.sequence = through;
   gap.header.first_scan = next_scan_;
+  gap.header.time_ns = time_of_next_scan(behind);
   gap.header.scans = std::max<std::int64_t>(next_scan - next_scan_, 0);
   SealedBlock sealed;
   seal(gap, sealed);
@@ -43,6 +59,12 @@ void SalvageEpoch::write_block(const Timed& timed, const Write& write) {
   write(timed.block, timed.timestamp_us);
   last_ = timed.block.header;
   last_sequence_ = last_.sequence;
+  if (tells_scans(timed.block)) {
+    const std::int64_t since = last_.first_scan - last_scans_.first_scan;
+    if (last_scans_.sequence > 0 && since > 0)
+      ns_per_scan_ = static_cast<double>(last_.time_ns - last_scans_.time_ns) / static_cast<double>(since);
+    last_scans_ = last_;
+  }
   if (timed.block.kind == BlockKind::kScan || timed.block.kind == BlockKind::kGap)
     next_scan_ = last_.first_scan + last_.scans;
   ended_ = ended_ || timed.block.kind == BlockKind::kEnd;
@@ -52,6 +74,8 @@ void SalvageEpoch::write_block(const Timed& timed, const Write& write) {
 void SalvageEpoch::write_waiting(std::int64_t next_scan, const Write& write) {
   auto last_hole = waiting_.end();
   std::int64_t before = last_sequence_;
+  const bool is_told = !waiting_.empty() && tells_scans(waiting_.back().block);
+  const BlockHeader* const behind = is_told ? &waiting_.back().block.header : nullptr;
   for (auto timed = waiting_.begin(); timed != waiting_.end(); ++timed) {
     if (timed->block.header.sequence > before + 1) last_hole = timed;
     before = timed->block.header.sequence;
@@ -61,7 +85,7 @@ void SalvageEpoch::write_waiting(std::int64_t next_scan, const Write& write) {
     if (last_.node == 0) last_ = {.node = timed->block.header.node, .epoch = timed->block.header.epoch};
     if (sequence > last_sequence_ + 1)
       write_gap(sequence - 1, timed == last_hole ? next_scan : next_scan_,
-                cause_of_hole(last_sequence_ + 1, sequence - 1), timed->timestamp_us, write);
+                cause_of_hole(last_sequence_ + 1, sequence - 1), behind, timed->timestamp_us, write);
     write_block(*timed, write);
   }
   waiting_.clear();
@@ -83,9 +107,10 @@ void SalvageEpoch::finish(const Write& write) {
     const bool is_crash = decode_gap(timed.block).cause == GapCause::kNodeCrash;
     if (last_.node == 0) last_ = {.node = header.node, .epoch = header.epoch};
     if (!is_crash && sequence > last_sequence_)
-      write_gap(sequence, header.first_scan + header.scans, GapCause::kLostAtNode, timed.timestamp_us, write);
+      write_gap(sequence, header.first_scan + header.scans, GapCause::kLostAtNode, &header,
+                timed.timestamp_us, write);
     if (is_crash) {
-      write_gap(last_sequence_ + 1, next_scan_, GapCause::kNodeCrash, timed.timestamp_us, write);
+      write_gap(last_sequence_ + 1, next_scan_, GapCause::kNodeCrash, &header, timed.timestamp_us, write);
       return;
     }
   }

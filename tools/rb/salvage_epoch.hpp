@@ -28,8 +28,9 @@ class SalvageEpoch {
     SealedBlock block;
     std::int64_t timestamp_us;
   };
-  void write_gap(std::int64_t through, std::int64_t next_scan, GapCause cause, std::int64_t timestamp_us,
-                 const Write& write);
+  std::int64_t time_of_next_scan(const BlockHeader* behind) const;
+  void write_gap(std::int64_t through, std::int64_t next_scan, GapCause cause, const BlockHeader* behind,
+                 std::int64_t timestamp_us, const Write& write);
   GapCause cause_of_hole(std::int64_t first, std::int64_t last) const;
   void write_block(const Timed& timed, const Write& write);
   void write_waiting(std::int64_t next_scan, const Write& write);
@@ -39,7 +40,9 @@ class SalvageEpoch {
   std::int64_t last_sequence_ = 0;          // written
   std::int64_t last_put_ = 0;
   std::int64_t next_scan_ = 0;
-  BlockHeader last_;  // of the last block written
+  BlockHeader last_;        // of the last block written
+  BlockHeader last_scans_;  // of the last one that tells its scans; sequence 0: none
+  double ns_per_scan_ = 0;  // between the last two of these
   bool ended_ = false;
 };
 
