@@ -11,6 +11,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
+#include "common/record/folder.hpp"
 #include "common/record/log_event.hpp"
 #include "common/record/segment.hpp"
 
@@ -24,9 +25,17 @@ constexpr std::uint64_t kLongestSegment = std::uint64_t{4} << 20;
 // Of the largest block, with the longest name of its channel.
 constexpr std::uint64_t kMostEventBytes = kLogHeaderBytes + 24 + kMaxBlockBytes;
 
+// Its name is durable on return, also of one that is there: whoever made it may have been killed before he
+// came to this.  Those above it are not made: one that is missing may be a disk that is not mounted.
 void make_folder(const std::filesystem::path& folder, Disk& disk) {
+  if (!folder.has_filename() && folder.has_relative_path()) return make_folder(folder.parent_path(), disk);
   if (disk.mkdir(folder.c_str(), 0755) != 0 && errno != EEXIST)
     throw std::system_error(errno, std::generic_category(), "mkdir " + folder.string());
+  try {
+    sync_folder(folder_of(folder), disk);
+  } catch (const std::system_error& error) {
+    if (error.code() != std::errc::permission_denied) throw;  // else it is not ours, and older than we are
+  }
 }
 
 void put_event(const LogEvent& event, std::vector<std::uint8_t>& out) {

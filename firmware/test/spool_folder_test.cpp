@@ -121,6 +121,29 @@ TEST_F(SpoolFolderTest, EverySegmentIsARecordThatDescribesItself) {
   EXPECT_EQ(descriptions % 2, 0) << "both parts, in each segment";
 }
 
+TEST(SpoolFolder, WhatItHoldsOutlivesAPowerCutInFoldersThatAreNew) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    SimulatedDisk disk(seed);
+    const auto no_warning = [](const std::string&) {};
+    ASSERT_TRUE(spools_left("/spools/", no_warning, disk).empty());
+    const auto folder = spool_path("/spools/", kNode, kEpoch);
+    Ring ring(160 * sizeof(SealedBlock));
+    SpoolFolder spool({.folder = folder, .bytes = 4 << 20, .node = kNode, .epoch = kEpoch}, disk);
+    for (int k = 1; k <= 100; ++k) seal_next(ring);
+    spool.keep(ring, 1, 100, kStart);
+    ASSERT_EQ(spool.next(), 101);
+    disk.cut_power();
+    disk.kill();
+    disk.power_on();
+    ASSERT_EQ(spools_left("/spools/", no_warning, disk), std::vector<std::filesystem::path>{folder}) << seed;
+    RecordReader reader(folder, disk);
+    reader.finish();
+    std::int64_t blocks = 0;
+    while (reader.next()) ++blocks;
+    EXPECT_EQ(blocks, 100) << "seed " << seed;
+  }
+}
+
 TEST_F(SpoolFolderTest, RemovesAFileOnceAllOfItIsGivenBack) {
   SpoolFolder spool(options, disk);
   Backlog backlog(ring, &spool);
