@@ -99,7 +99,7 @@ void SpoolFolder::put(const SealedBlock& block) {
 
 void SpoolFolder::keep(const Ring& ring, std::int64_t first, std::int64_t last, WallTime now) {
   assert(base_ == next_ || first == next_);
-  if (now < retry_at_) return;
+  if (waits_ && now < retry_at_) return;
   try {
     remove_freed();
     if (base_ == next_) base_ = next_ = first;

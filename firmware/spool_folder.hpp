@@ -17,8 +17,8 @@ namespace roadbalance {
 /// completed from them.  Every segment begins with the description of the epoch.
 ///
 /// A block counts as kept once its data and its file's name are synced.  A file that a call failed on is not
-/// written again; the blocks of that call stay where they were, and the next call waits a second.  A segment
-/// whose blocks are all given back is removed.
+/// written again; the blocks of that call stay where they were, and the next call waits a second unless the
+/// program ends.  A segment whose blocks are all given back is removed.
 ///
 /// Memory: 4 bytes a block on the disk, and one batch of keep().
 class SpoolFolder final : public Spool {
@@ -38,6 +38,7 @@ class SpoolFolder final : public Spool {
   std::int64_t failures() const override { return failures_; }
   void describe(const SealedBlock& meta) override;
   void keep(const Ring& ring, std::int64_t first, std::int64_t last, WallTime now) override;
+  void never_wait() override { waits_ = false; }
   bool read(std::int64_t sequence, SealedBlock& out) override;
   void free_through(std::int64_t sequence) override;
 
@@ -76,6 +77,7 @@ class SpoolFolder final : public Spool {
   std::vector<std::uint8_t> event_;  // read back
   std::int64_t base_ = 1, next_ = 1;
   WallTime retry_at_{};
+  bool waits_ = true;
   std::int64_t failures_ = 0;
 };
 

@@ -8,6 +8,8 @@ namespace {
 
 // Moved at a time, as a share of the ring: few syncs, and none of them holds the link up for long.
 constexpr std::int64_t kShareMoved = 16;
+// In a row, at the end: whoever stops the node waits, and each may take as long as a disk does.
+constexpr int kMostTriesToSave = 5;
 
 }  // namespace
 
@@ -83,7 +85,20 @@ void Backlog::relieve(WallTime now) {
 void Backlog::save(WallTime now) {
   if (!spool_) return;
   describe();
-  if (ring_.used() > 0) move(ring_.used(), now);
+  spool_->never_wait();
+  std::int64_t blocks = ring_.used();
+  for (int refused = 0; ring_.used() > 0 && refused < kMostTriesToSave;) {
+    const std::int64_t before = ring_.base(), failures = spool_->failures();
+    move(blocks, now);
+    if (ring_.base() > before) {
+      refused = 0;
+    } else if (spool_->failures() > failures) {
+      ++refused;
+      blocks = std::max<std::int64_t>(1, blocks / 4);  // a disk that is nearly full takes a part
+    } else {
+      return;  // it is full
+    }
+  }
 }
 
 }  // namespace roadbalance

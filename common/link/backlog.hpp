@@ -34,7 +34,7 @@ class Backlog {
   void free_through(std::int64_t sequence);
   /// Moves blocks to the spool if it is time to.  May take as long as a disk does.
   void relieve(WallTime now);
-  /// The program ends: moves all that the spool takes.
+  /// The program ends: moves all that the spool takes, though its disk refuses some calls.
   void save(WallTime now);
 
   static constexpr int kMostTries = 50;  ///< a second or more: nobody asks again within 20 ms

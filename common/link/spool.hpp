@@ -29,6 +29,8 @@ class Spool {
   /// Adds the ring's blocks `first` .. `last`, as many as it can; what it holds on return outlives the
   /// process. `first` is next() unless the spool is empty.
   virtual void keep(const Ring& ring, std::int64_t first, std::int64_t last, WallTime now) = 0;
+  /// The program ends: from now on no keep() waits for a disk that has just refused one.
+  virtual void never_wait() = 0;
   /// base() <= sequence < next().  False if the disk does not give the block back as it was sealed.
   virtual bool read(std::int64_t sequence, SealedBlock& out) = 0;
   /// Everything through `sequence` < next() is given back; lower than base() does nothing.

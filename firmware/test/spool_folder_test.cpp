@@ -11,6 +11,7 @@
 #include "common/record/record.hpp"
 #include "common/record/test/simulated_disk.hpp"
 #include "common/test/temporary_directory.hpp"
+#include "firmware/test/spooled_blocks.hpp"
 
 namespace roadbalance {
 namespace {
@@ -19,34 +20,10 @@ using namespace std::chrono_literals;
 using test::DiskCall;
 using test::SimulatedDisk;
 constexpr WallTime kStart{std::chrono::hours(1)};
-constexpr std::int32_t kNode = 3;
-constexpr std::int64_t kEpoch = 77;
+using test::kEpoch;
+using test::kNode;
+using test::seal_next;
 const std::filesystem::path kFolder = "/spool";
-
-void seal_next(Ring& ring) {
-  SealedBlock* room = ring.claim();
-  ASSERT_NE(room, nullptr);
-  const std::int64_t sequence = ring.next();
-  const BlockHeader header{.node = kNode, .epoch = kEpoch, .sequence = sequence, .time_ns = sequence * 1000};
-  if (sequence <= 2) {
-    seal(
-        MetaBlock{
-            .header = header, .part = static_cast<std::int32_t>(sequence - 1), .parts = 2, .text = "car"},
-        *room);
-  } else if (sequence % 7 == 0) {
-    EdgeBlock edges;
-    edges.header = header;
-    seal(edges, *room);
-  } else {
-    ScanBlock scans;
-    scans.header = header;
-    scans.header.scans = 20;
-    scans.period_ps = 500'000'000;
-    scans.counts[3][5] = static_cast<std::int32_t>(sequence);
-    seal(scans, *room);
-  }
-  ring.commit();
-}
 
 struct SpoolFolderTest : testing::Test {
   SpoolFolder::Options options{.folder = kFolder, .bytes = 4 << 20, .node = kNode, .epoch = kEpoch};

@@ -71,6 +71,24 @@ TEST_F(BacklogTest, SavesEverythingAtTheEnd) {
   EXPECT_EQ(backlog.get(10)->header.sequence, 10);
 }
 
+TEST_F(BacklogTest, SavesInSmallPiecesWhatADiskThatIsNearlyFullRefusesInOne) {
+  put(20);
+  spool.most_at_once = 2;
+  backlog.save(kNow);
+  EXPECT_EQ(backlog.spooled(), 20);
+}
+
+TEST_F(BacklogTest, SavingEndsWhenTheSpoolIsFullAndWhenItRefusesEverything) {
+  put(20);
+  spool.most_at_once = 0;
+  backlog.save(kNow);
+  EXPECT_EQ(backlog.spooled(), 0);
+  spool.most_at_once = 1000;
+  spool.room = 7;
+  backlog.save(kNow);
+  EXPECT_EQ(backlog.spooled(), 7);
+}
+
 TEST_F(BacklogTest, TellsTheSpoolWhatDescribesTheEpochAndNothingElse) {
   for (int k = 0; k < 3; ++k) {
     SealedBlock* block = ring.claim();
