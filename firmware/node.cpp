@@ -7,6 +7,7 @@
 #include <memory>
 #include <random>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 #include "common/bus/bus_route.hpp"
@@ -24,6 +25,7 @@
 #include "firmware/readout_clock.hpp"
 #include "firmware/ring_sink.hpp"
 #include "firmware/spool_folder.hpp"
+#include "firmware/unopened_spool.hpp"
 #include "firmware/uplink.hpp"
 
 namespace roadbalance {
@@ -75,6 +77,19 @@ std::unique_ptr<SpoolFolder> open_spool(const NodeConfig& node, std::int64_t epo
                            .bytes = options.spool_bytes,
                            .node = node.id,
                            .epoch = epoch});
+}
+
+/// A node that stays was started with a spool that could be opened: what has failed since is its disk, and
+/// the ring alone still measures the next drive.
+std::unique_ptr<Spool> open_spool_or_go_on(const NodeConfig& node, std::int64_t epoch,
+                                           const NodeOptions& options, bool is_first) {
+  try {
+    return open_spool(node, epoch, options);
+  } catch (const std::system_error& error) {
+    if (is_first) throw;
+    options.warn("node " + node.name + ": blocks are kept in memory only: " + error.what());
+    return std::make_unique<UnopenedSpool>();
+  }
 }
 
 /// Process: what devices and encoders count -> sentences for people, twice a second at most.
@@ -134,7 +149,7 @@ EpochResult run_epoch(std::stop_token stop, const VehicleConfig& vehicle, const 
     throw ConfigError("ring of " + std::to_string(options.ring_bytes) + " bytes: node " + node.name +
                       " needs at least " + std::to_string(least * sizeof(SealedBlock)));
 
-  const auto spool = open_spool(node, epoch, options);
+  const auto spool = open_spool_or_go_on(node, epoch, options, is_first);
   Backlog backlog(ring, spool.get());
   ConversionTimes device(front_end, node.rate_hz);
   const auto clock = open_clock(node, front_end, options);

@@ -50,7 +50,8 @@ struct EpochResult {
 
 /// One epoch of a node: run_node, which also returns when another vehicle.toml is wanted while nothing is
 /// kept.
-/// @param is_first  of this program: what devices and system have suffered before is not said again
+/// @param is_first  of this program: what devices and system have suffered before is not said again.  In a
+///                  later one a spool that cannot be opened is a failure of the spool, and no end
 EpochResult run_epoch(std::stop_token stop, const VehicleConfig& vehicle, const NodeConfig& node,
                       FrontEnd& front_end, const NodeOptions& options, VehicleChange& change, bool is_first);
 

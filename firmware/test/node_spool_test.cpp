@@ -4,6 +4,8 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <fstream>
+#include <system_error>
 
 #include "common/bus/codec.hpp"
 #include "common/process/parallel.hpp"
@@ -90,6 +92,33 @@ TEST(RunNode, SavesWhatNoRecorderTookAndTheNextRunNamesIt) {
     if (block.kind == BlockKind::kScan) scans += block.header.scans;
   }
   EXPECT_EQ(scans, 4000);
+  std::filesystem::remove_all(folder);
+}
+
+// The node stays, and its disk has failed since the recording before: the memory alone does.
+TEST(RunNode, ALaterEpochIsMeasuredThoughItsSpoolCannotBeOpened) {
+  const std::string url = test::bus_url();
+  const auto folder = std::filesystem::temp_directory_path() / ("rb-spool-" + std::to_string(::getpid()));
+  std::ofstream(folder) << "no folder";
+  const auto vehicle = test::one_node_vehicle(kRate_hz);
+  std::string warned;
+  const NodeOptions options{
+      .bus_url = url, .spool = folder, .warn = [&warned](const std::string& text) { warned += text + "\n"; }};
+  test::ScriptedFrontEnd device(test::marked_scans(0, 4000, kRate_hz), {});
+  EXPECT_THROW(run_node({}, vehicle, vehicle.node[0], device, options), std::system_error) << "at the start";
+  VehicleChange change(vehicle.text, false);
+  test::LittleRecorder owner(url, kNode);
+  Parallel processes;
+  processes.run([&](std::stop_token stop) { owner.run(stop); });
+  processes.run([&](std::stop_token stop) {
+    const EpochResult epoch = run_epoch(stop, vehicle, vehicle.node[0], device, options, change, false);
+    EXPECT_EQ(epoch.lost, 0);
+  });
+  processes.wait();
+  EXPECT_EQ(owner.last.scans_sampled, 4000);
+  EXPECT_EQ(owner.last.scans_missing, 0);
+  EXPECT_EQ(owner.last.spool_failures, 1);
+  EXPECT_NE(warned.find(folder.string()), std::string::npos) << warned;
   std::filesystem::remove_all(folder);
 }
 
