@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <random>
-#include <system_error>
+#include <stdexcept>
 #include <utility>
 
 #include "common/bus/bus.hpp"
@@ -112,13 +112,14 @@ class Reception {
     writer_turns_ = true;
   }
 
-  // A disk that does not take the number now may take it later; until then that node obeys nobody.
+  // A disk that does not take the number now may take it later, and a file that holds no number may be
+  // mended; until then that node obeys nobody.
   void raise_incarnation_if_needed(WallTime now) {
     if (link_.obeyed_higher() == 0 || now < store_at_) return;
     try {
       link_.set_incarnation(raise_incarnation(incarnation_folder_, link_.obeyed_higher()));
       refusal_told_ = false;
-    } catch (const std::system_error& error) {
+    } catch (const std::runtime_error& error) {
       if (!std::exchange(refusal_told_, true))
         warn("a node obeyed incarnation " + std::to_string(link_.obeyed_higher()) +
              ", and a higher one cannot be stored: " + error.what() + "; until then it obeys nobody");

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <fstream>
 #include <set>
 #include <system_error>
 #include <thread>
@@ -15,6 +16,7 @@
 #include "common/link/sender.hpp"
 #include "common/record/record.hpp"
 #include "common/record/record_state.hpp"
+#include "host/recorder/incarnation.hpp"
 #include "host/recorder/preamble.hpp"
 #include "host/recorder/recording_session.hpp"
 #include "host/recorder/test/recorder_fixture.hpp"
@@ -188,6 +190,22 @@ TEST_F(RecorderTest, RecoversWhatItsRecordHolds) {
   EXPECT_EQ(epoch.position.next_scan, 2000);
   EXPECT_TRUE(epoch.position.ended);
   EXPECT_EQ(epoch.samples, 2000);
+}
+
+TEST_F(RecorderTest, GoesOnThoughItsIncarnationIsNoNumberWhenANodeObeysAHigherOne) {
+  std::stop_source stop;
+  Bus node(options.url);
+  options.patience = milliseconds(100);
+  options.on_alive = [&](const RecorderStatus& status) {
+    std::ofstream(options.folder / kIncarnationFile) << "no number";
+    node.publish(heartbeat_channel(7),
+                 encode(Heartbeat{.node = 7, .epoch = 31, .owner = status.incarnation + 5}));
+  };
+  options.on_warning = [&](const std::string& sentence) {
+    if (sentence.find("not a positive number") != std::string::npos) stop.request_stop();
+  };
+  EXPECT_NO_THROW(run_recorder(stop.get_token(), options));
+  EXPECT_TRUE(stop.stop_requested());
 }
 
 TEST_F(RecorderTest, NamesTheFolderItCannotWriteTo) {
