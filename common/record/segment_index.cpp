@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/bus/codec.hpp"
+#include "common/link/block.hpp"
 #include "common/link/text_crc.hpp"
 #include "common/record/file.hpp"
 #include "common/record/folder.hpp"
@@ -38,6 +39,14 @@ std::optional<std::uint32_t> parse_sum(const std::string& word) {
   return sum;
 }
 
+// As on the wire: a receiver counts on from these.
+bool in_bounds(const RecordState::Epoch& epoch) {
+  for (const std::int64_t number :
+       {epoch.position.contiguous, epoch.position.next_scan, epoch.samples, epoch.gaps, epoch.blocks})
+    if (number < 0 || number > kIndexLimit) return false;
+  return true;
+}
+
 }  // namespace
 
 std::string encode(const SegmentIndex& index) {
@@ -68,6 +77,7 @@ std::optional<SegmentIndex> decode_index(std::string_view text) {
     epoch.sum = parse_sum(word);
     epoch.position.ended = ended != 0;
     epoch.position.crashed = ended == 2;
+    if (!in_bounds(epoch)) return std::nullopt;
     index.epoch[key] = epoch;
   }
   // One form only, and its CRC is in it.

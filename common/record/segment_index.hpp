@@ -33,7 +33,7 @@ struct SegmentIndex {
 };
 
 std::string encode(const SegmentIndex& index);
-/// Refuses everything that encode() would not write.
+/// Refuses everything that encode() would not write, and numbers beyond kIndexLimit.
 std::optional<SegmentIndex> decode_index(std::string_view text);
 
 /// "seg-000001.idx" in `folder`.

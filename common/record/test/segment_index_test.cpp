@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cerrno>
+#include <limits>
 #include <system_error>
 
 #include "common/record/segment.hpp"
@@ -42,6 +43,27 @@ TEST_F(SegmentIndexTest, IsReadAsItWasWrittenAndRefusedWithAnyByteChanged) {
     EXPECT_FALSE(decode_index(altered)) << "byte " << at;
     EXPECT_FALSE(decode_index(text.substr(0, at))) << "cut at " << at;
   }
+}
+
+// Its CRC may be good all the same: who counts on from there must come to an end.
+TEST_F(SegmentIndexTest, NoNumberThatTheWireRefusesIsBelieved) {
+  RecordState::Epoch highest;
+  highest.position = {.contiguous = kIndexLimit, .next_scan = kIndexLimit};
+  highest.samples = highest.gaps = highest.blocks = kIndexLimit;
+  const auto is_believed = [](const RecordState::Epoch& epoch) {
+    return decode_index(encode(SegmentIndex{.segment = 3, .bytes = 100, .epoch = {{{2, 7}, epoch}}}))
+        .has_value();
+  };
+  EXPECT_TRUE(is_believed(highest));
+  for (const std::int64_t number :
+       {kIndexLimit + 1, std::numeric_limits<std::int64_t>::max(), std::int64_t{-1}})
+    for (int field = 0; field < 5; ++field) {
+      RecordState::Epoch epoch = highest;
+      auto& [contiguous, next_scan, ended, crashed] = epoch.position;
+      std::int64_t* const fields[] = {&contiguous, &next_scan, &epoch.samples, &epoch.gaps, &epoch.blocks};
+      *fields[field] = number;
+      EXPECT_FALSE(is_believed(epoch)) << field << ": " << number;
+    }
 }
 
 TEST_F(SegmentIndexTest, EveryFinishedSegmentHasOneThatSaysWhereItEnds) {
