@@ -24,7 +24,7 @@ inline std::vector<double> pass_of(SampleSource& source) {
     require(rows.channels == source.names().size() && rows.value_si.size() == rows.rows() * rows.channels,
             "every row has every channel");
     for (const double time_s : rows.time_s) {
-      require(std::isfinite(time_s) && time_s >= before_s, "time is a number and never falls");
+      require(is_countable(time_s) && time_s >= before_s, "time can be counted and never falls");
       before_s = time_s;
     }
     for (const double value : rows.value_si)

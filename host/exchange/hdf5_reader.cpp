@@ -225,10 +225,13 @@ class Hdf5Samples final : public SampleSource {
     rows.value_si.resize(rows.rows() * rows.channels);
     if (rows.rows() == 0) return false;
     time_->read(row_, rows.time_s);
-    for (std::size_t k = 0; k < rows.rows(); last_s_ = rows.time_s[k++])
-      if (!std::isfinite(rows.time_s[k]) || rows.time_s[k] < last_s_)
-        time_->fail("row " + std::to_string(row_ + k) +
-                    ": is no number or goes back; allowed: never falling");
+    for (std::size_t k = 0; k < rows.rows(); last_s_ = rows.time_s[k++]) {
+      const auto refuse = [&](const char* what) {
+        time_->fail("row " + std::to_string(row_ + k) + ": " + what);
+      };
+      if (!(rows.time_s[k] >= last_s_)) refuse("is no number or goes back; allowed: never falling");
+      if (!is_countable(rows.time_s[k])) refuse(kTooFarOff);
+    }
     stored_.resize(rows.rows());
     for (std::size_t c = 0; c < channel_.size(); ++c) read_channel(c, rows);
     row_ += rows.rows();

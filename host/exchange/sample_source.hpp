@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -11,10 +12,18 @@
 
 namespace roadbalance {
 
+/// No instant of a file lies further from its zero, so that nanoseconds of it can be counted and a block of
+/// it be read again: 63 years, in which Unix times have room until 2033.
+inline constexpr double kFarthest_s = 2e9;
+inline constexpr const char* kTooFarOff = "is too far off; allowed: -2e9 to 2e9 s";
+inline bool is_countable(double time_s) {
+  return std::abs(time_s) <= kFarthest_s;
+}
+
 /// Samples of some instants, one after the other.
 struct SampleRows {
   std::size_t channels = 0;
-  std::vector<double> time_s = {};    ///< [row], never falling
+  std::vector<double> time_s = {};    ///< [row], countable and never falling
   std::vector<double> value_si = {};  ///< [row * channels + channel]; NaN: there is no sample
 
   std::size_t rows() const { return time_s.size(); }

@@ -76,6 +76,7 @@ struct Abscissa {
   std::int64_t samples = 0;
   double first_s = 0.0, step_s = 0.0;
 
+  double time_s(std::int64_t row) const { return first_s + static_cast<double>(row) * step_s; }
   bool operator==(const Abscissa&) const = default;
 };
 
@@ -181,7 +182,7 @@ class UniversalSamples final : public SampleSource {
     rows.channels = name_.size();
     const auto end = std::min(abscissa_.samples, row_ + static_cast<std::int64_t>(kRowsAtOnce));
     for (; row_ < end; ++row_) {
-      rows.time_s.push_back(abscissa_.first_s + static_cast<double>(row_) * abscissa_.step_s);
+      rows.time_s.push_back(abscissa_.time_s(row_));
       for (Column& column : column_) rows.value_si.push_back(column.next());
     }
     return rows.rows() > 0;
@@ -206,10 +207,11 @@ class UniversalSamples final : public SampleSource {
                       .first_s = lines_.number(30, 13, "abscissa minimum"),
                       .step_s = lines_.number(43, 13, "abscissa increment")};
     if (lines_.integer(20, 10, "abscissa spacing") != 1) lines_.fail("uneven abscissa; allowed: even");
-    if (abscissa.samples < 1 || abscissa.samples > kMostSamples || !(abscissa.step_s > 0.0) ||
-        !std::isfinite(abscissa.first_s + static_cast<double>(abscissa.samples) * abscissa.step_s))
+    if (abscissa.samples < 1 || abscissa.samples > kMostSamples || !(abscissa.step_s > 0.0))
       lines_.fail("allowed: at least one value, and a positive increment");
     refine(rate_line, abscissa);
+    if (!is_countable(abscissa.first_s) || !is_countable(abscissa.time_s(abscissa.samples)))
+      lines_.fail(std::string("abscissa: ") + kTooFarOff);
     for (int record = 8; record <= 11; ++record) lines_.need("records 8 to 11");
     take(name, abscissa, type == 2 ? 6 : 4, type == 2 ? 13 : 20);
   }

@@ -38,6 +38,7 @@ struct Description {
     std::string name;
     double scale, offset_counts;
   };
+  double time_s(std::int64_t row) const { return first_s + static_cast<double>(row) / rate_hz; }
   std::vector<Channel> channel;
 };
 
@@ -65,6 +66,8 @@ Description describe(const std::filesystem::path& file, const std::optional<WavC
       fail(file, std::to_string(channels) + " channels, but its comment tells " +
                      std::to_string(found.channel.size()));
     if (!(found.rate_hz > 0.0)) fail(file, "rate_hz in its comment is not above 0");
+    if (!is_countable(found.first_s) || !is_countable(found.time_s(found.rows)))
+      fail(file, std::string("the time of its samples, as its comment tells it, ") + kTooFarOff);
     return found;
   } catch (const Json::exception& error) {
     fail(file, "its comment, from byte " + std::to_string(comment->at) +
@@ -105,7 +108,7 @@ class WavSamples final : public SampleSource {
     const auto frames = static_cast<std::size_t>(sf_readf_int(wav_.get(), sample_.data(), kRowsAtOnce));
     chunks_->expect_readable();
     for (std::size_t k = 0; k < frames; ++k, ++row_) {
-      rows.time_s.push_back(description_.first_s + static_cast<double>(row_) / description_.rate_hz);
+      rows.time_s.push_back(description_.time_s(row_));
       for (std::size_t c = 0; c < name_.size(); ++c)
         rows.value_si.push_back(value_of(sample_[k * name_.size() + c], c));
     }

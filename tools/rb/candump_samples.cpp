@@ -58,7 +58,7 @@ class CandumpSamples final : public SampleSource {
       if (rows.rows() == 0 || ahead_->time_ns != row_ns_) {
         if (rows.rows() == kRowsAtOnce) break;
         row_ns_ = ahead_->time_ns;
-        rows.time_s.push_back(1e-9 * static_cast<double>(row_ns_ - *first_ns_));
+        rows.time_s.push_back(time_s(row_ns_));
         rows.value_si.resize(rows.rows() * name_.size(), kNoSample);
       }
       add(ahead_->frame, *ahead_->known, std::span(rows.value_si).last(name_.size()));
@@ -76,6 +76,8 @@ class CandumpSamples final : public SampleSource {
     std::int64_t time_ns;
     Known* known;
   };
+
+  double time_s(std::int64_t time_ns) const { return 1e-9 * static_cast<double>(time_ns - *first_ns_); }
 
   /// The next frame that the DBC file knows.
   std::optional<KnownFrame> next_known() {
@@ -100,6 +102,7 @@ class CandumpSamples final : public SampleSource {
       if (first_ns_ && logged->time_ns < last_ns_)
         lines_.fail("its time goes back; allowed: frames in order of time");
       if (!first_ns_) first_ns_ = logged->time_ns;
+      if (!is_countable(time_s(logged->time_ns))) lines_.fail(std::string("its time ") + kTooFarOff);
       last_ns_ = logged->time_ns;
       return KnownFrame{logged->frame, logged->time_ns, &known->second};
     }

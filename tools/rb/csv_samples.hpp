@@ -38,7 +38,7 @@ class CsvLines {
   double number(std::size_t column, const std::string& name) const;
   /// As number(), but an empty cell is no number (NaN): there was no sample.
   double sample(std::size_t column, const std::string& name) const;
-  /// Of the first column; such that nanoseconds of it can be counted.
+  /// Of the first column; is_countable().
   double time_s() const;
   /// All behind the first two commas: a cell in quotes, which may hold commas and doubled quotes, or a plain
   /// one.

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/config/section.hpp"
+#include "common/link/block.hpp"
 #include "common/record/part.hpp"
 #include "common/text/format.hpp"
 #include "tools/rb/imported_record.hpp"
@@ -41,6 +42,7 @@ ColumnOf match_columns(const SampleImport& import, const std::vector<std::string
 }
 
 NodeTime instant(double seconds) {
+  static_assert(kFarthest_s * 1e9 < static_cast<double>(kClockLimit_ns));
   return node_time_from_ns(std::llround(seconds * 1e9));
 }
 

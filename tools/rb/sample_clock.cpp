@@ -5,7 +5,16 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/link/block.hpp"
+
 namespace roadbalance {
+namespace {
+
+/// Below kIndexLimit by more than a file has rows: no reader takes a block behind that.
+constexpr double kMostMissing = 1e14;
+static_assert(kMostMissing < 0.5 * static_cast<double>(kIndexLimit));
+
+}  // namespace
 
 double SampleClockFit::Piece::mean_row() const {
   return static_cast<double>(begin) + 0.5 * static_cast<double>(samples - 1);
@@ -56,6 +65,8 @@ SampleClock SampleClockFit::clock() const {
     const double from_first_s =
         piece.late_s - piece_[0].late_s + (piece.mean_row() - piece_[0].mean_row()) * nominal_s;
     const double expected = piece_[0].mean_row() + from_first_s / within_s - piece.mean_row();
+    if (!(expected < kMostMissing))
+      throw std::invalid_argument("more than 1e14 samples are missing; allowed: holes that can be counted");
     missing.push_back(std::max<std::int64_t>(before, std::llround(expected)));
     if (missing.back() > before) clock.hole.push_back({piece.before_s, missing.back() - before, piece.begin});
   }

@@ -46,7 +46,7 @@ class SampleClockFit {
   /// @throws std::invalid_argument if there are more holes than are worth an import
   void add(double stamp_s);
   std::int64_t rows() const { return rows_; }
-  /// @throws std::invalid_argument if the stamps do not determine a line
+  /// @throws std::invalid_argument if the stamps do not determine a line, or leave too large a hole
   SampleClock clock() const;
 
   static constexpr std::size_t kMostHoles = 100'000;

@@ -155,6 +155,11 @@ TEST_F(ImportSamples, RefusesWhatItDoesNotUnderstandAndNamesIt) {
             std::string::npos);
   EXPECT_NE(error_of(good, v, "time_s,wheel,kind\n2.0,front_left,spoke\n").find("p.csv:2: kind: \"spoke\""),
             std::string::npos);
+  auto fast = v;
+  for (NodeConfig& node : fast.node) node.rate_hz = 1e5;
+  const auto holed = [](std::size_t i) { return (i < 25 ? -2e9 : 1.9e9) + 1e-5 * static_cast<double>(i); };
+  EXPECT_NE(error_of(samples(50, holed), fast).find("s.csv: time_s: more than 1e14 samples are missing"),
+            std::string::npos);
   auto fewer = v;
   fewer.node.pop_back();
   EXPECT_NE(error_of(good, fewer).find("column second_up"), std::string::npos);

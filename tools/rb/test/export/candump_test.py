@@ -146,7 +146,8 @@ class Candump(Exports):
         for k, (log, words) in enumerate((
                 ("", "no frame"), ("neither this nor that\n", ":1: \"neither this nor that\" is no frame"),
                 (text[:-3], f":{len(lines) - 1}: 3 bytes; message"), ("\n".join([*lines[4:8], *lines[:4]]), ":5: its time goes back"),
-                ("\n".join([lines[0], *lines]), ":2: front_up stands twice"), (text.replace("can0 103", "can1 103"), ":4: frames of can1 and can0"))):
+                ("\n".join([lines[0], *lines]), ":2: front_up stands twice"), (text.replace("can0 103", "can1 103"), ":4: frames of can1 and can0"),
+                ("\n".join([*lines[:4], *(line.replace(line[1:line.index(".")], "4294967295") for line in lines[4:8])]), ":5: its time is too far off"))):
             bad = self.root / f"bad{k}.log"
             bad.write_text(log)
             folder, done = self.import_as(f"bad{k}", bad, dbc)
