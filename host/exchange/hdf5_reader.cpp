@@ -76,11 +76,13 @@ class DataSet {
   }
 
   hid_t get() const { return set_.get(); }
-  const std::string& name() const { return name_; }
   /// Of something of it in the file, for an error.
   std::string place(const char* what) const { return path_ + ": " + name_ + ": " + what; }
   hsize_t size() const { return size_; }
   [[noreturn]] void fail(const std::string& reason) const { roadbalance::fail(path_, name_, reason); }
+  [[noreturn]] void fail_at(hsize_t row, const std::string& reason) const {
+    fail("row " + std::to_string(row) + ": " + reason);
+  }
 
   /// As many numbers as `into` has room for, from row `from` on.
   void read(hsize_t from, std::span<double> into) const {
@@ -187,6 +189,8 @@ struct Channel {
     if (!factor) set.fail("units \"" + unit + "\"; allowed: " + kKnownUnits);
     scale = number(set, "scale_factor").value_or(1.0) * *factor;
     offset = number(set, "add_offset").value_or(0.0) * *factor;
+    if (!std::isfinite(scale) || !std::isfinite(offset))
+      set.fail("scale_factor or add_offset is no number, or " + std::string(kTooLarge));
     fill = number(set, "_FillValue");
   }
 };
@@ -226,11 +230,9 @@ class Hdf5Samples final : public SampleSource {
     if (rows.rows() == 0) return false;
     time_->read(row_, rows.time_s);
     for (std::size_t k = 0; k < rows.rows(); last_s_ = rows.time_s[k++]) {
-      const auto refuse = [&](const char* what) {
-        time_->fail("row " + std::to_string(row_ + k) + ": " + what);
-      };
-      if (!(rows.time_s[k] >= last_s_)) refuse("is no number or goes back; allowed: never falling");
-      if (!is_countable(rows.time_s[k])) refuse(kTooFarOff);
+      if (!(rows.time_s[k] >= last_s_))
+        time_->fail_at(row_ + k, "is no number or goes back; allowed: never falling");
+      if (!is_countable(rows.time_s[k])) time_->fail_at(row_ + k, kTooFarOff);
     }
     stored_.resize(rows.rows());
     for (std::size_t c = 0; c < channel_.size(); ++c) read_channel(c, rows);
@@ -263,12 +265,10 @@ class Hdf5Samples final : public SampleSource {
     const Channel& channel = channel_[c];
     channel.set.read(row_, stored_);
     for (std::size_t k = 0; k < stored_.size(); ++k) {
-      const double value = channel.fill && stored_[k] == *channel.fill
-                               ? std::numeric_limits<double>::quiet_NaN()
-                               : stored_[k] * channel.scale + channel.offset;
-      if (std::isinf(value))
-        channel.set.fail("row " + std::to_string(row_ + k) + ": is infinite; allowed: a number, or none");
-      rows.value_si[k * rows.channels + c] = value;
+      const bool is_there = !std::isnan(stored_[k]) && stored_[k] != channel.fill;
+      const double value = stored_[k] * channel.scale + channel.offset;
+      if (is_there && !std::isfinite(value)) channel.set.fail_at(row_ + k, kTooLarge);
+      rows.value_si[k * rows.channels + c] = is_there ? value : std::numeric_limits<double>::quiet_NaN();
     }
   }
 

@@ -136,6 +136,7 @@ class CandumpSamples final : public SampleSource {
       const std::size_t column = *known.first_column + s;
       if (!std::isnan(row[column])) lines_.fail(message.signals[s].name + " stands twice at one instant");
       row[column] = reading.value * factor_[column];
+      if (std::isinf(row[column])) lines_.fail(message.signals[s].name + " " + kTooLarge);
     }
   }
 

@@ -69,13 +69,18 @@ class CsvSamples final : public SampleSource {
     while (rows.rows() < kRowsAtOnce && lines_.next()) {
       check_width();
       rows.time_s.push_back(last_s_ = next_time_s(lines_, last_s_));
-      for (std::size_t c = 0; c < name_.size(); ++c)
-        rows.value_si.push_back(factor_[c] * lines_.sample(c + 1, name_[c]));
+      for (std::size_t c = 0; c < name_.size(); ++c) rows.value_si.push_back(value_si(c));
     }
     return rows.rows() > 0;
   }
 
  private:
+  double value_si(std::size_t c) const {
+    const double value = factor_[c] * lines_.sample(c + 1, name_[c]);
+    if (std::isinf(value))
+      lines_.fail(name_[c], "\"" + std::string(lines_.cells()[c + 1]) + "\" " + kTooLarge);
+    return value;
+  }
   void check_width() const {
     if (lines_.cells().size() != name_.size() + 1)
       lines_.fail("row", std::to_string(lines_.cells().size()) +
