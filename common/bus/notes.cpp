@@ -7,6 +7,7 @@
 
 #include "common/bus/wire_format.hpp"
 #include "common/bus/wire_text.hpp"
+#include "common/clock/bounded_time.hpp"
 #include "common/link/block.hpp"
 
 namespace roadbalance {
@@ -15,6 +16,10 @@ namespace {
 static_assert(sizeof(wire::note_t::text) == kMaxNoteBytes);
 
 static_assert(kDeviceCounters <= sizeof(wire::journal_t::device_counts) / sizeof(std::int64_t));
+
+bool within(std::int64_t value, std::int64_t limit) {
+  return -limit <= value && value <= limit;
+}
 
 bool is_index(std::int64_t value) {
   return 0 <= value && value <= kIndexLimit;
@@ -126,7 +131,8 @@ std::optional<Note> decode_note(std::span<const std::uint8_t> bytes) {
   const auto m = wire_format::decode_with_crc<wire::note_t>(bytes);
   if (!m || m->size < 0 || m->size > static_cast<std::int32_t>(kMaxNoteBytes) ||
       m->kind < static_cast<std::int32_t>(NoteKind::kStarted) ||
-      m->kind > static_cast<std::int32_t>(NoteKind::kLast))
+      m->kind > static_cast<std::int32_t>(NoteKind::kLast) || !within(m->time_us, kUtcLimit_us) ||
+      !within(m->host_ns, kClockLimit_ns))
     return std::nullopt;
   return Note{.time_us = m->time_us,
               .host_ns = m->host_ns,

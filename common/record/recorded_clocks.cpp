@@ -1,6 +1,9 @@
 #include "common/record/recorded_clocks.hpp"
 
+#include <algorithm>
+
 #include "common/bus/clock_messages.hpp"
+#include "common/clock/bounded_time.hpp"
 
 namespace roadbalance {
 
@@ -27,12 +30,13 @@ std::optional<ClockFit> RecordedClocks::take(std::string_view channel, std::span
 std::optional<std::int64_t> RecordedClocks::host_ns(const NodeEpoch& key, std::int64_t node_ns) const {
   const auto row = fits_.rows().find(key);
   if (row == fits_.rows().end() || !row->second.known) return std::nullopt;
-  return row->second.known->host_time_ns(node_ns);
+  return host_instant_ns(*row->second.known, node_ns);
 }
 
 std::optional<std::int64_t> RecordedClocks::utc_us(std::int64_t host_ns) const {
   if (!pair_) return std::nullopt;
-  return pair_->time_us + (host_ns - pair_->host_ns) / 1000;
+  return std::clamp(pair_->time_us + (bounded_ns(host_ns) - pair_->host_ns) / 1000, -kUtcLimit_us,
+                    kUtcLimit_us);
 }
 
 RecordEvents RecordedClocks::events(const std::function<bool(const NodeEpoch&)>& wanted) const {

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "common/bus/codec.hpp"
+#include "common/clock/bounded_time.hpp"
 
 namespace roadbalance {
 
@@ -26,7 +27,7 @@ void EpochWriter::scans(const ScanBlock& block) {
   written.quality &= ~kQualityAfterGap;
   if (std::exchange(after_gap_, false)) written.quality |= kQualityAfterGap;
   period_ps_ = block.period_ps;
-  end_ns_ = block.row_time_ns(block.header.scans);
+  end_ns_ = time_after_ns(block.header.time_ns, block.header.scans, period_ps_);
   sealed_scans_ += block.header.scans;
   write(written, block.header.scans, block.header.time_ns);
 }
@@ -36,7 +37,7 @@ void EpochWriter::gap(std::int64_t scans, std::int64_t time_ns, GapCause cause) 
   gap.cause = cause;
   after_gap_ = after_gap_ || scans > 0;
   missing_scans_ += scans;
-  end_ns_ = time_ns + scans * period_ps_ / 1000;
+  end_ns_ = time_after_ns(time_ns, scans, period_ps_);
   write(gap, scans, time_ns);
 }
 

@@ -1,7 +1,6 @@
 #include "host/excerpt/excerpt_epoch.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -41,14 +40,6 @@ EpochSink* ExcerptEpoch::sink(std::size_t piece) {
   auto& sink = open_[piece];
   if (!sink) sink = begin_(piece);
   return sink.get();
-}
-
-/// Node time so many scans on; of a gap that no clock could see the end of, that end is as good as any.
-std::int64_t ExcerptEpoch::after(std::int64_t begin_ns, std::int64_t scans) const {
-  constexpr double kFarthest_ns = 2e18, kExact_ps = 9e18;
-  const double far_ps = static_cast<double>(scans) * static_cast<double>(period_ps_);
-  if (far_ps < kExact_ps) return begin_ns + scans * period_ps_ / 1000;
-  return begin_ns + std::llround(std::min(far_ps * 1e-3, kFarthest_ns));
 }
 
 /// Calls run(piece, first, count) for each run of scans that lie in one.
@@ -125,7 +116,7 @@ void ExcerptEpoch::take_scans(ScanBlock block) {
              if (EpochSink* const to = sink(piece)) to->scans(rows_of(block, first, count));
            });
   next_scan_ += block.header.scans;
-  end_ns_ = block.row_time_ns(block.header.scans);
+  end_ns_ = after(block.header.time_ns, block.header.scans);
 }
 
 void ExcerptEpoch::take_gap(const GapBlock& gap) {
@@ -135,7 +126,8 @@ void ExcerptEpoch::take_gap(const GapBlock& gap) {
     lost_ = gap.cause;
   } else {
     close_hole(gap.header.first_scan, gap.header.time_ns);
-    missing(gap.header.first_scan + gap.header.scans - next_scan_, gap.cause);
+    const std::int64_t scans = gap.header.first_scan + gap.header.scans - next_scan_;
+    if (scans >= 0) missing(scans, gap.cause);  // what came first counts
   }
 }
 

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "common/bus/codec.hpp"
+#include "common/clock/bounded_time.hpp"
 #include "host/excerpt/epoch_sink.hpp"
 #include "host/excerpt/pieces.hpp"
 #include "host/exchange/epoch_clock.hpp"
@@ -44,7 +45,9 @@ class ExcerptEpoch {
   template <typename Item, typename Give>
   void items(std::span<const Item> items, Give&& give);
   void end_older_than(std::int64_t time_ns);
-  std::int64_t after(std::int64_t begin_ns, std::int64_t scans) const;
+  std::int64_t after(std::int64_t begin_ns, std::int64_t scans) const {
+    return time_after_ns(begin_ns, scans, period_ps_);
+  }
   std::optional<std::int64_t> time_of(std::int64_t begin_ns, std::int64_t scans) const {
     return clock_.time_ns(after(begin_ns, scans));
   }

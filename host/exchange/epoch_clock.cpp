@@ -1,6 +1,7 @@
 #include "host/exchange/epoch_clock.hpp"
 
 #include "common/bus/clock_messages.hpp"
+#include "common/clock/bounded_time.hpp"
 
 namespace roadbalance {
 
@@ -16,7 +17,7 @@ void EpochClock::take(const LogEvent& event) {
 std::optional<std::int64_t> EpochClock::time_ns(std::int64_t node_ns) const {
   if (!own_clocks_) return node_ns;
   if (begun_) return clocks_.host_ns(key_, node_ns);
-  return first_fit_ ? std::optional(first_fit_->host_time_ns(node_ns)) : std::nullopt;
+  return first_fit_ ? std::optional(host_instant_ns(*first_fit_, node_ns)) : std::nullopt;
 }
 
 }  // namespace roadbalance

@@ -4,6 +4,7 @@
 #include <set>
 #include <tuple>
 
+#include "common/clock/bounded_time.hpp"
 #include "common/config/section.hpp"
 #include "host/exchange/survey.hpp"
 
@@ -23,7 +24,8 @@ double position(std::int64_t time_ns, std::int64_t origin_ns, std::int64_t perio
 bool is_on_grid(const RecordedSpan& span, std::int64_t origin_ns, std::int64_t period_ps) {
   const double begin = position(span.first_ns, origin_ns, period_ps);
   const double end = position(span.last_ns, origin_ns, period_ps);
-  return span.period_ps == period_ps && std::abs(begin - std::round(begin)) <= kOnGrid &&
+  return span.period_ps == period_ps && std::abs(begin) <= static_cast<double>(kIndexLimit) &&
+         std::abs(begin - std::round(begin)) <= kOnGrid &&
          std::abs(end - std::round(begin) - static_cast<double>(span.next_scan - span.first_scan)) <= kOnGrid;
 }
 
@@ -199,7 +201,7 @@ void keep_rows(const ExportSelection& selection, ExportGroup& group) {
   group.first_row = std::min(row_at(selection.from_s), end);
   group.rows = end - group.first_row;
   group.first_ns += group.shared_time
-                        ? group.first_row * group.period_ps / 1000
+                        ? time_after_ns(group.origin_ns, group.first_row, group.period_ps) - group.origin_ns
                         : std::llround(static_cast<double>(group.first_row) * 1e9 / group.rate_hz);
 }
 

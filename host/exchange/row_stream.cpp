@@ -5,6 +5,8 @@
 #include <limits>
 #include <set>
 
+#include "common/clock/bounded_time.hpp"
+
 namespace roadbalance {
 namespace {
 
@@ -62,7 +64,7 @@ void RowStream::tell_time(std::int64_t begin) {
     const std::int64_t row = begin + static_cast<std::int64_t>(k);
     std::int64_t& time_ns = time_ns_[k];
     if (group_.shared_time)
-      time_ns = group_.origin_ns - table_.start_ns + row * group_.period_ps / 1000;
+      time_ns = time_after_ns(group_.origin_ns, row, group_.period_ps) - table_.start_ns;
     else if (time_ns == kUntold)
       time_ns = last_ns_ == kUntold ? group_.first_ns : last_ns_ + step_ns;
     if (last_ns_ != kUntold) time_ns = std::max(time_ns, last_ns_ + 1);

@@ -8,6 +8,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
+#include "common/clock/bounded_time.hpp"
 #include "common/record/record.hpp"
 #include "host/analyser/in_sequence.hpp"
 #include "host/analyser/recorded_vehicle.hpp"
@@ -77,8 +78,8 @@ class Surveyor {
     const std::int64_t next = header.first_scan + header.scans;
     if (next > span.next_scan) {
       if (scans) span.samples += header.scans;
-      span.last_ns = scans ? header.time_ns + header.scans * span.period_ps / 1000
-                           : span.last_ns + (next - span.next_scan) * span.period_ps / 1000;
+      span.last_ns = scans ? time_after_ns(header.time_ns, header.scans, span.period_ps)
+                           : time_after_ns(span.last_ns, next - span.next_scan, span.period_ps);
       span.next_scan = next;
       span.last_host_ns = clocks_.host_ns(key, span.last_ns).value_or(span.last_ns);
     }
@@ -94,7 +95,8 @@ class Surveyor {
     const auto fit = early_fit_.find({header.node, header.epoch});
     if (fit != early_fit_.end()) span.first_fit = fit->second;
     found_.span.push_back(span);
-    if (!found_.start_utc_us && event.timestamp_us > 0) found_.start_utc_us = event.timestamp_us;
+    if (!found_.start_utc_us && event.timestamp_us > 0 && event.timestamp_us <= kUtcLimit_us)
+      found_.start_utc_us = event.timestamp_us;
   }
 
   void take_fit(const ClockFit& fit) {
@@ -107,7 +109,7 @@ class Surveyor {
     }
     RecordedSpan& span = found_.span[at->second];
     if (!span.first_fit) span.first_fit = fit;
-    span.last_host_ns = fit.host_time_ns(span.last_ns);
+    span.last_host_ns = host_instant_ns(fit, span.last_ns);
   }
 
   RecordingSurvey& found_;

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "common/clock/exchange.hpp"
+#include "common/clock/bounded_time.hpp"
 #include "common/config/vehicle_config.hpp"
 #include "host/analyser/read_recording.hpp"
 #include "host/exchange/export_table.hpp"
@@ -27,7 +27,7 @@ struct RecordedSpan {
   std::int64_t last_host_ns = 0;           ///< of next_scan, by the last fit before it
   std::int32_t overload = 0;               ///< bit k: channel k left its range
 
-  std::int64_t first_host_ns() const { return first_fit ? first_fit->host_time_ns(first_ns) : first_ns; }
+  std::int64_t first_host_ns() const { return first_fit ? host_instant_ns(*first_fit, first_ns) : first_ns; }
   std::int64_t end_ns() const { return first_fit ? last_host_ns : last_ns; }
 };
 

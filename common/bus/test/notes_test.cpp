@@ -8,6 +8,12 @@
 #include "common/bus/clock_messages.hpp"
 #include "common/bus/recorder_status.hpp"
 #include "common/bus/wire_format.hpp"
+
+#include <limits>
+
+#include "common/bus/clock_messages.hpp"
+#include "common/bus/recorder_status.hpp"
+#include "common/clock/bounded_time.hpp"
 #include "common/test/bit_flips.hpp"
 
 namespace roadbalance {
@@ -65,6 +71,18 @@ TEST(Notes, KnowKindsUpToTheLastAndRefuseOthers) {
   EXPECT_TRUE(is_known(static_cast<int>(NoteKind::kStarted)));
   EXPECT_TRUE(is_known(static_cast<int>(NoteKind::kLast)));
   for (const int kind : {-1, 0, static_cast<int>(NoteKind::kLast) + 1}) EXPECT_FALSE(is_known(kind)) << kind;
+}
+
+TEST(Notes, TellInstantsThatCanBeCountedFromOneAnotherOnly) {
+  const auto is_told = [](std::int64_t time_us, std::int64_t host_ns) {
+    return decode_note(encode(Note{.time_us = time_us, .host_ns = host_ns, .text = ""})).has_value();
+  };
+  for (const std::int64_t sign : {-1, 1}) {
+    EXPECT_TRUE(is_told(sign * kUtcLimit_us, sign * kClockLimit_ns));
+    EXPECT_FALSE(is_told(sign * (kUtcLimit_us + 1), 0));
+    EXPECT_FALSE(is_told(0, sign * (kClockLimit_ns + 1)));
+  }
+  EXPECT_FALSE(is_told(0, std::numeric_limits<std::int64_t>::min()));
 }
 
 TEST(RecorderStatus, TellsThatTheSupplyIsGoneApartFromThatItCannotBeRead) {

@@ -4,8 +4,10 @@
 
 #include <limits>
 #include <map>
+#include <vector>
 
 #include "common/bus/codec.hpp"
+#include "host/excerpt/epoch_writer.hpp"
 
 namespace roadbalance {
 namespace {
@@ -86,6 +88,57 @@ TEST_F(ExcerptEpochTest, TakesTimesAsFarAwayAsTheyCanBeWritten) {
     ASSERT_EQ(seen.size(), 1U) << begin_ns;
     EXPECT_EQ(seen.at(0).scans, 40) << begin_ns;
   }
+}
+
+/// Keeps when gaps began.
+class GapTimes : public CountingSink {
+ public:
+  GapTimes(Seen& seen, const std::int64_t& scan, std::vector<std::int64_t>& times)
+      : CountingSink(seen, scan), times_(times) {}
+  void gap(std::int64_t scans, std::int64_t time_ns, GapCause cause) override {
+    CountingSink::gap(scans, time_ns, cause);
+    times_.push_back(time_ns);
+  }
+
+ private:
+  std::vector<std::int64_t>& times_;
+};
+
+SealedBlock gap_at(std::int64_t number, std::int64_t first_scan, std::int64_t scans) {
+  const GapBlock gap{
+      .header = {.node = 1, .epoch = 1, .sequence = number + 1, .first_scan = first_scan, .scans = scans},
+      .cause = GapCause::kRingFull};
+  SealedBlock sealed;
+  seal(gap, sealed);
+  return sealed;
+}
+
+TEST(ExcerptEpoch, GapsBeyondWhatClocksCanTellBeginAtTheirLimitAndNeverGoBack) {
+  const EpochClock clock({1, 1}, std::nullopt, false);
+  const Pieces pieces{{kEarliest, Piece::kEver}};
+  constexpr std::int64_t kLost = kIndexLimit / 4;
+  Seen seen;
+  const std::int64_t scan = 0;
+  std::vector<std::int64_t> times;
+  ExcerptEpoch epoch(clock, pieces, kRow_ns * 1000, ~0U,
+                     [&](std::size_t) { return std::make_unique<GapTimes>(seen, scan, times); });
+  epoch.take(block_at(0, 0));
+  for (std::int64_t k = 0; k < 3; ++k) epoch.take(gap_at(k + 1, kScansPerBlock + k * kLost, kLost));
+  epoch.take(gap_at(4, 0, 1));
+  epoch.finish();
+  EXPECT_EQ(seen.missing, 3 * kLost);
+  EXPECT_EQ(times, (std::vector<std::int64_t>{kScansPerBlock * kRow_ns, kClockLimit_ns, kClockLimit_ns}));
+}
+
+TEST(EpochWriter, AnEndBehindAGapBeyondWhatClocksCanTellIsAtTheirLimit) {
+  std::vector<SealedBlock> put;
+  EpochWriter writer({1, 1}, "", [&](const SealedBlock& block) { put.push_back(block); });
+  writer.scans(decode_scan(block_at(0, 0)));
+  writer.gap(kIndexLimit / 2, kScansPerBlock * kRow_ns, GapCause::kRingFull);
+  writer.end(EpochSink::Ending::kEnd);
+  ASSERT_FALSE(put.empty());
+  EXPECT_EQ(put.back().kind, BlockKind::kEnd);
+  EXPECT_EQ(put.back().header.time_ns, kClockLimit_ns);
 }
 
 }  // namespace

@@ -46,5 +46,21 @@ TEST_F(Survey, AMarkThatWasNotedAgainIsOneMark) {
   EXPECT_EQ(found.mark[2].last_sample_ns, 20'000'000);
 }
 
+// Whoever is heard on a bus is recorded.
+TEST_F(Survey, GapsBeyondWhatClocksCanTellEndAtTheirLimit) {
+  put_vehicle();
+  put_block(0);
+  constexpr std::int64_t kLost = kIndexLimit / 4;
+  for (std::int64_t k = 0; k < 3; ++k) put_gap(20 + k * kLost, kLost, GapCause::kRingFull);
+  writer->close();
+  const RecordingSurvey found = survey_recording(folder);
+  ASSERT_EQ(found.span.size(), 1U);
+  EXPECT_EQ(found.span[0].next_scan, 20 + 3 * kLost);
+  EXPECT_EQ(found.span[0].last_ns, kClockLimit_ns);
+  ExportTable table = make_table(found);
+  select({.from_s = 1e9}, table);
+  EXPECT_EQ(table.group.at(0).first_ns, 1'000'000'000'000'000'000);
+}
+
 }  // namespace
 }  // namespace roadbalance
