@@ -35,10 +35,6 @@ Sealer::Sealer(const VehicleConfig& vehicle, const NodeConfig& node, std::int64_
       meta_(split_text(MetaKind::kVehicleToml, vehicle.text)),
       waiting_(waiting_capacity(node.rate_hz)) {}
 
-BlockHeader Sealer::header(std::int64_t first_scan, std::int64_t scans, std::int64_t time_ns) const noexcept {
-  return {node_, epoch_, next_sequence_, first_scan, scans, time_ns};
-}
-
 template <typename Block>
 bool Sealer::write(Block& block) noexcept {
   SealedBlock* const room = sink_.claim();
@@ -81,10 +77,6 @@ std::size_t Sealer::most_blocks(std::size_t scans, std::size_t edges, std::size_
          signals / kSamplesPerBlock + static_cast<std::size_t>(by_age) + kOthers;
 }
 
-const Scan& Sealer::at(std::int64_t position) const noexcept {
-  return waiting_[static_cast<std::size_t>(position) % waiting_.size()];
-}
-
 void Sealer::push(const Scan& scan) noexcept {
   if (scan.index < next_index_) {
     ++counts_.scans_refused;
@@ -103,7 +95,7 @@ void Sealer::add(std::span<const Scan> scans, std::span<const Edge> edges, bool 
   auto edge = edges.begin();
   const auto take = [&](const Edge& e) {
     reference_.add(e);
-    if (started() && keep_to_ == kNever) record(e, edge_block_);
+    if (started() && keep_to_ == kNever) record(e);
   };
   for (const Scan& scan : scans) {
     for (; edge != edges.end() && edge->time <= scan.time; ++edge) take(*edge);
@@ -118,7 +110,8 @@ void Sealer::add(std::span<const Scan> scans, std::span<const Edge> edges, bool 
 void Sealer::add(std::span<const SignalSample> signals) noexcept {
   reference_.add(signals);
   if (!started() || keep_to_ != kNever) return;
-  for (const SignalSample& sample : signals) record(sample, signal_block_);
+  for (const SignalSample& sample : signals)
+    if (!place(sample, signal_block_)) lose_beside(sample.time);
 }
 
 void Sealer::device_ended() noexcept {
@@ -217,7 +210,7 @@ void Sealer::keep_block(bool after_jump) noexcept {
   scan_block_.header.first_scan = first;
   if (after_jump && first > 0) after_gap_ = true;
   if (after_gap_) scan_block_.quality |= kQualityAfterGap;
-  if (!write_metas() || !close_gap() || !write(scan_block_)) {
+  if (!write_what_comes_before() || !write(scan_block_)) {
     lose(first, scans, scan_block_.header.time_ns, GapCause::kRingFull);
     after_gap_ = true;
   } else {
@@ -226,7 +219,7 @@ void Sealer::keep_block(bool after_jump) noexcept {
   }
   next_scan_ = first + scans;
   const auto put_if_old = [&](auto& block, std::int64_t longest_ns) {
-    if (!block.empty() && to_ns(now_) - block.header.time_ns > longest_ns) put_beside(block);
+    if (to_ns(now_) - block.header.time_ns > longest_ns) static_cast<void>(write_beside(block));
   };
   put_if_old(edge_block_, edge_block_.edges < kEdgesThatPay ? kLongestEdgeBlock_ns : kSoon_ns);
   put_if_old(signal_block_, kSoon_ns);
@@ -237,19 +230,32 @@ void Sealer::lose(std::int64_t first_scan, std::int64_t scans, std::int64_t time
   if (planted(PlantedFault::kSilentRingFull)) return;
   if (!gap_) {
     gap_.emplace();
-    gap_->header = header(first_scan, 0, time_ns);
     gap_->cause = cause;
   }
+  if (gap_->header.scans == 0) gap_->header = header(first_scan, 0, time_ns);
   gap_->header.scans += scans;
   counts_.scans_missing += scans;
 }
 
-/// A gap opened by lost edges alone covers no scan yet: it is not closed before it does.
+/// An edge or a sample for which neither its block nor the sink has room.
+void Sealer::lose_beside(NodeTime time) noexcept {
+  lose(next_scan_, 0, next_scan_ > 0 ? kept_end_ns_ : to_ns(now_), GapCause::kRingFull);
+  // A stamp that runs far ahead would keep the gap open for as long.
+  lost_through_ = std::max(lost_through_, std::min(time, now_ + NodeClock::duration(kLongestEdgeBlock_ns)));
+}
+
+/// Of the scan block at hand.  False: it belongs to the gap, which covers a scan and what was lost beside.
+bool Sealer::write_what_comes_before() noexcept {
+  if (!write_metas()) return false;
+  if (!gap_) return true;
+  if (gap_->header.scans == 0 || at(head_).time <= lost_through_) return false;
+  return write_beside(edge_block_) && write_beside(signal_block_) && close_gap();
+}
+
 bool Sealer::close_gap() noexcept {
   if (!gap_) return true;
-  if (gap_->header.scans == 0) return false;
   GapBlock gap = *gap_;
-  if (planted(PlantedFault::kGapOffByOne)) --gap.header.scans;
+  if (planted(PlantedFault::kGapOffByOne) && gap.header.scans > 0) --gap.header.scans;
   if (!write(gap)) return false;
   gap_.reset();
   after_gap_ = true;
@@ -257,36 +263,31 @@ bool Sealer::close_gap() noexcept {
   return true;
 }
 
-template <typename Item, typename Block>
-void Sealer::record(const Item& item, Block& block) noexcept {
-  if (gap_ || block.add(item)) return;
-  if (put_beside(block)) block.add(item);
+void Sealer::record(const Edge& edge) noexcept {
+  if (dropped_.pass(edge, [this](const Edge& e) { return place(e, edge_block_); })) return;
+  static_cast<void>(dropped_.drop(edge.line));
+  lose_beside(edge.time);
 }
 
-/// Edges or signals so far, which stand beside the scans that were sealed last.
+template <typename Item, typename Block>
+bool Sealer::place(const Item& item, Block& block) noexcept {
+  return block.add(item) || (write_beside(block) && block.add(item));
+}
+
+/// Edges or signals so far, which stand beside the scans that were sealed last and before those of a gap.
 template <typename Block>
 bool Sealer::write_beside(Block& block) noexcept {
   if (block.empty()) return true;
-  block.header = header(next_scan_, 0, block.header.time_ns);
+  block.header = header(gap_ ? gap_->header.first_scan : next_scan_, 0, block.header.time_ns);
   if (!write_metas() || !write(block)) return false;
   block = Block{};
   return true;
 }
 
-template <typename Block>
-bool Sealer::put_beside(Block& block) noexcept {
-  if (write_beside(block)) return true;
-  lose(next_scan_, 0, to_ns(now_), GapCause::kRingFull);
-  block = Block{};
-  return false;
-}
-
 bool Sealer::finish() noexcept {
   if (ended_) return true;
   if (head_ < keep_to_ || keep_to_ == kNever || !write_metas()) return false;
-  if (gap_ && gap_->header.scans == 0) gap_.reset();  // only edges after the last scan were lost
-  if (!close_gap()) return false;
-  if (!write_beside(edge_block_) || !write_beside(signal_block_)) return false;
+  if (!write_beside(edge_block_) || !write_beside(signal_block_) || !close_gap()) return false;
   EndBlock end{.header = header(next_scan_, 0, next_scan_ > 0 ? kept_end_ns_ : to_ns(now_)),
                .blocks = next_sequence_,
                .scans_sealed = counts_.scans_sampled - counts_.scans_missing,

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/config/vehicle_config.hpp"
+#include "common/frontend/dropped_edges.hpp"
 #include "common/link/blocks.hpp"
 #include "firmware/block_sink.hpp"
 #include "firmware/preview_slot.hpp"
@@ -20,9 +21,13 @@ namespace roadbalance {
 /// Order: the vehicle's description (meta), then scan, edge and gap blocks, at last the end.  Scan blocks and
 /// gaps tile the scans [0, end) of the epoch.  A scan block waits for the edges its references need, at most
 /// 100 ms of node time; then it goes without and says so.  Scans that the device lost, or for which the sink
-/// has no room, become gaps with exact range and cause; of a full sink one gap that grows. Edges and
-/// signals are recorded as they came, except in such a gap: signals within 0.2 s; edges too, but of slow
-/// wheels once there are 350, or after 1 s.
+/// has no room, become gaps with exact range and cause; of a full sink one gap that grows.
+///
+/// Edges and signals are recorded as they came: signals within 0.2 s; edges too, but of slow wheels once
+/// there are 350, or after 1 s.  A full sink is waited for with one block of each; what comes when that is
+/// full too is lost within the gap, which grows to the first scan behind it and, where no scan is left, may
+/// cover none. The first edge of a line behind lost ones follows a mark of kLost.  Only what a device tells
+/// later than the scans of its instant may lie before the gap in which it is lost, by as much.
 ///
 /// Until start() and after stop() scan blocks have sequence 0 and go to the preview slot only.
 /// Never allocates after construction.
@@ -73,25 +78,30 @@ class Sealer {
     int scans = 0;
     bool whole = false;  ///< nothing can be added to it
   };
-  const Scan& at(std::int64_t position) const noexcept;
+  const Scan& at(std::int64_t position) const noexcept {
+    return waiting_[static_cast<std::size_t>(position) % waiting_.size()];
+  }
   void push(const Scan& scan) noexcept;
   Run next_run() const noexcept;
   bool seal_next(NodeTime edges_through, bool at_once) noexcept;
   void build(int scans) noexcept;
   void keep_block(bool after_jump) noexcept;
   void preview_block() noexcept;
+  void record(const Edge& edge) noexcept;
   template <typename Item, typename Block>
-  void record(const Item& item, Block& block) noexcept;
+  bool place(const Item& item, Block& block) noexcept;
   template <typename Block>
   bool write_beside(Block& block) noexcept;
-  template <typename Block>
-  bool put_beside(Block& block) noexcept;
+  bool write_what_comes_before() noexcept;
+  void lose_beside(NodeTime time) noexcept;
   bool write_metas() noexcept;
   void lose(std::int64_t first_scan, std::int64_t scans, std::int64_t time_ns, GapCause cause) noexcept;
   bool close_gap() noexcept;
   template <typename Block>
   bool write(Block& block) noexcept;
-  BlockHeader header(std::int64_t first_scan, std::int64_t scans, std::int64_t time_ns) const noexcept;
+  BlockHeader header(std::int64_t first_scan, std::int64_t scans, std::int64_t time_ns) const noexcept {
+    return {node_, epoch_, next_sequence_, first_scan, scans, time_ns};
+  }
 
   const int node_;
   const std::int64_t epoch_;
@@ -116,7 +126,9 @@ class Sealer {
   ScanBlock scan_block_;
   EdgeBlock edge_block_;
   SignalBlock signal_block_;
+  DroppedEdges dropped_;
   std::optional<GapBlock> gap_;     ///< of a full sink, growing
+  NodeTime lost_through_{};         ///< latest stamp of an edge or sample for which there was no room
   std::int64_t sealed_index_ = -1;  ///< device index after the last scan sealed
   std::int64_t first_index_ = -1;   ///< device index of the first kept scan
   std::int64_t next_scan_ = 0;      ///< of the epoch, after the last one kept or declared
