@@ -63,7 +63,7 @@ void BoardReader::take(const BoardDelivery& delivery) noexcept {
 
 void BoardReader::begin_run(const RunBegin& run) noexcept {
   for (std::size_t k = 0; k < stream_.size(); ++k) {
-    stream_[k].start(run.token, run.ticks_per_scan[k], run.tick_hz[k]);
+    stream_[k].start(run.token, run.ticks_per_scan[k], run.tick_hz[k], run.begin[k].ticks);
     clock_[k].emplace(run.tick_hz[k], run.begin[k]);
   }
   pair_.start(run.tick_hz, rate_hz_);
@@ -79,7 +79,7 @@ void BoardReader::take_packet(std::size_t board, const PacketStream::Packet& pac
   BoardClock& clock = *clock_[board];
   const BoardInstant latest{latest_ticks(packet.content), arrival};
   if (!clock.is_possible(latest)) {
-    stream_[board].distrust_time();
+    stream_[board].distrust();
     if (board == 0) edges_missing_ = true;  // the stream goes on behind it as if it had been used
     return report_[board]->count(DeviceCounter::kPacketsRefused);
   }

@@ -1,6 +1,7 @@
 #include "firmware/backends/usb/packet_stream.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "firmware/board/byte_order.hpp"
 
@@ -14,8 +15,6 @@ using board::PacketHeader;
 constexpr std::uint32_t kEarlyPerSecond = 2'000'000;
 /// A count that fell: the packet is an old one.
 constexpr std::uint32_t kBackwards = 1u << 31;
-/// Scans that no run can have lost at once: a year at 100 kHz.
-constexpr std::uint64_t kMostMissing = std::uint64_t{1} << 42;
 
 /// Whether a transfer of wrong length ended before what its header says.
 bool ended_early(std::span<const std::uint8_t> transfer) {
@@ -38,17 +37,27 @@ DeviceCounter counter_of(PacketFault fault, std::span<const std::uint8_t> transf
 
 }  // namespace
 
-void PacketStream::start(std::uint32_t token, std::uint32_t ticks_per_scan, std::uint32_t tick_hz) noexcept {
+void PacketStream::start(std::uint32_t token, std::uint32_t ticks_per_scan, std::uint32_t tick_hz,
+                         std::uint64_t begin_ticks) noexcept {
   token_ = token;
+  begin_ticks_ = begin_ticks;
+  tick_hz_ = tick_hz;
   ticks_per_scan_ = ticks_per_scan;
   early_ticks_ = tick_hz / kEarlyPerSecond;
   sequence_ = 0;
-  next_scan_ = 0;
+  next_scan_ = known_scan_ = 0;
   scan_end_ticks_ = 0;
   edge_end_ticks_ = 0;
   scans_lost_ = 0;
   glitches_ = 0;
   dropped_ = 0;
+}
+
+// A board counts its scans with the timer that stamps them.  The stamp may be what is wrong, by as much as
+// nobody notices: a second.
+std::uint64_t PacketStream::most_scans(std::uint64_t ticks) const noexcept {
+  const auto passed = std::max<std::int64_t>(static_cast<std::int64_t>(ticks - begin_ticks_), 0);
+  return (static_cast<std::uint64_t>(passed) + tick_hz_) / ticks_per_scan_;
 }
 
 bool PacketStream::goes_on(const board::PacketView& packet) const noexcept {
@@ -57,7 +66,7 @@ bool PacketStream::goes_on(const board::PacketView& packet) const noexcept {
       std::max(scan_end_ticks_ - std::min<std::uint64_t>(scan_end_ticks_, early_ticks_), edge_end_ticks_);
   if (header.edges > 0 && edge_ticks(packet, 0) < edges_begin) return false;
   return header.sequence - sequence_ < kBackwards && header.first_scan >= next_scan_ &&
-         header.first_scan - next_scan_ < kMostMissing && header.ticks_per_scan == ticks_per_scan_ &&
+         header.ticks_per_scan == ticks_per_scan_ && header.first_scan <= most_scans(header.base_ticks) &&
          (header.scans == 0 || header.base_ticks >= scan_end_ticks_);
 }
 
@@ -82,7 +91,7 @@ std::optional<PacketStream::Packet> PacketStream::take(std::span<const std::uint
   count_losses(*packet);
   dropped_ = 0;
   sequence_ = header.sequence + 1;
-  next_scan_ = header.first_scan + header.scans;
+  known_scan_ = std::exchange(next_scan_, header.first_scan + header.scans);
   if (header.edges > 0) edge_end_ticks_ = edge_ticks(*packet, header.edges - std::size_t{1});
   if (header.scans > 0)
     scan_end_ticks_ = header.base_ticks + (header.scans - std::uint64_t{1}) * ticks_per_scan_ + 1;

@@ -12,6 +12,7 @@ using board::PacketHeader;
 constexpr std::uint32_t kToken = 77;
 constexpr std::uint32_t kPeriod = 1000;
 constexpr std::uint32_t kTickHz = 10'000'000;
+constexpr std::uint64_t kBegin = 4'990'000;
 
 struct Told {
   std::uint32_t sequence = 0;
@@ -20,6 +21,7 @@ struct Told {
   std::uint32_t token = kToken;
   std::uint32_t scans_lost = 0;
   std::uint32_t glitches = 0;
+  std::uint64_t ahead = 0;  ///< scans by which it is numbered before its time
 };
 
 std::vector<std::uint8_t> packet(const Told& told, const std::vector<board::PacketEdge>& edges = {}) {
@@ -28,7 +30,7 @@ std::vector<std::uint8_t> packet(const Told& told, const std::vector<board::Pack
   PacketHeader header;
   header.token = told.token;
   header.sequence = told.sequence;
-  header.first_scan = told.first_scan;
+  header.first_scan = told.first_scan + told.ahead;
   header.base_ticks = 5'000'000 + told.first_scan * kPeriod;
   header.ticks_per_scan = kPeriod;
   header.scans = told.scans;
@@ -51,7 +53,7 @@ std::vector<std::uint8_t> packet(const Told& told, const std::vector<board::Pack
 
 class PacketStreamTest : public testing::Test {
  protected:
-  PacketStreamTest() { stream.start(kToken, kPeriod, kTickHz); }
+  PacketStreamTest() { stream.start(kToken, kPeriod, kTickHz, kBegin); }
 
   std::optional<PacketStream::Packet> take(const Told& told, std::uint32_t dropped = 0) {
     bytes = packet(told);
@@ -112,9 +114,21 @@ TEST_F(PacketStreamTest, LeavesPacketsOfAnEarlierRunAside) {
 TEST_F(PacketStreamTest, RefusesScansThatGoBackOrOfAnotherRate) {
   ASSERT_TRUE(take({}));
   EXPECT_FALSE(take({.sequence = 1, .first_scan = 9}));
-  stream.start(kToken, kPeriod + 1, kTickHz);
+  stream.start(kToken, kPeriod + 1, kTickHz, kBegin);
   EXPECT_FALSE(take({}));
   EXPECT_EQ(report.of(DeviceCounter::kPacketsRefused), 2);
+}
+
+TEST_F(PacketStreamTest, RefusesScansBeforeTheTimerCanHaveCountedThem) {
+  ASSERT_TRUE(take({}));
+  EXPECT_FALSE(take({.sequence = 1, .first_scan = 10, .ahead = 10'011})) << "more than a second";
+  for (int bit = 14; bit < 64; ++bit)
+    EXPECT_FALSE(take({.sequence = 1, .first_scan = 10, .ahead = std::uint64_t{1} << bit})) << bit;
+  EXPECT_EQ(report.of(DeviceCounter::kPacketsRefused), 51);
+  EXPECT_TRUE(take({.sequence = 1, .first_scan = 10})) << "the true one is still waited for";
+  EXPECT_TRUE(take({.sequence = 2, .first_scan = std::uint64_t{1} << 40})) << "a gap as long as its time";
+  stream.distrust();
+  EXPECT_TRUE(take({.sequence = 3, .first_scan = 40})) << "what was wrong bars nobody's way";
 }
 
 TEST_F(PacketStreamTest, RefusesEdgesOfATimeThatIsOver) {
@@ -145,7 +159,7 @@ TEST_F(PacketStreamTest, CountsConversionsThatTheBoardDroppedAsTheyCameTooSoon) 
   ASSERT_TRUE(take({.sequence = 2, .first_scan = 20, .glitches = 7}));
   EXPECT_EQ(report.of(DeviceCounter::kGlitches), 7);
   EXPECT_EQ(report.of(DeviceCounter::kBoardOverrun), 0);
-  stream.start(kToken, kPeriod, kTickHz);  // the board counts from 0 again
+  stream.start(kToken, kPeriod, kTickHz, kBegin);  // the board counts from 0 again
   ASSERT_TRUE(take({.glitches = 1}));
   EXPECT_EQ(report.of(DeviceCounter::kGlitches), 8);
 }
