@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include "common/bus/codec.hpp"
 #include "common/link/planted.hpp"
@@ -78,7 +79,7 @@ std::size_t Sealer::most_blocks(std::size_t scans, std::size_t edges, std::size_
 }
 
 void Sealer::push(const Scan& scan) noexcept {
-  if (scan.index < next_index_) {
+  if (scan.index < next_index_ || scan.index >= kIndexLimit) {
     ++counts_.scans_refused;
     return;
   }
@@ -193,10 +194,10 @@ void Sealer::keep_block(bool after_jump) noexcept {
   const std::int64_t first = at(head_).index - first_index_;
   const std::int64_t scans = scan_block_.header.scans;
   counts_.scans_sampled += scans;
-  kept_end_ns_ = to_ns(at(head_ + scans - 1).time) + period_ps_ / 1000;
+  const std::int64_t end_ns = to_ns(at(head_ + scans - 1).time) + period_ps_ / 1000;
+  const std::int64_t time_ns = std::exchange(kept_end_ns_, end_ns);
   if (first > next_scan_) {
     const std::int64_t missing = first - next_scan_;
-    const std::int64_t time_ns = scan_block_.header.time_ns - missing * period_ps_ / 1000;
     counts_.scans_sampled += missing;
     GapBlock jump;
     jump.header = header(next_scan_, missing, time_ns);
@@ -253,7 +254,6 @@ bool Sealer::write_what_comes_before() noexcept {
 }
 
 bool Sealer::close_gap() noexcept {
-  if (!gap_) return true;
   GapBlock gap = *gap_;
   if (planted(PlantedFault::kGapOffByOne) && gap.header.scans > 0) --gap.header.scans;
   if (!write(gap)) return false;
@@ -287,7 +287,7 @@ bool Sealer::write_beside(Block& block) noexcept {
 bool Sealer::finish() noexcept {
   if (ended_) return true;
   if (head_ < keep_to_ || keep_to_ == kNever || !write_metas()) return false;
-  if (!write_beside(edge_block_) || !write_beside(signal_block_) || !close_gap()) return false;
+  if (!write_beside(edge_block_) || !write_beside(signal_block_) || (gap_ && !close_gap())) return false;
   EndBlock end{.header = header(next_scan_, 0, next_scan_ > 0 ? kept_end_ns_ : to_ns(now_)),
                .blocks = next_sequence_,
                .scans_sealed = counts_.scans_sampled - counts_.scans_missing,

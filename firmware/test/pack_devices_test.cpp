@@ -107,6 +107,28 @@ TEST(Sealer, DeclaresScansOfADeviceThatWasNotThere) {
   EXPECT_EQ(gaps[1].header.scans, 900);
 }
 
+TEST(Sealer, DatesAGapOfAnyLengthAndRefusesScansThatNoRecordCanNumber) {
+  auto scans = test::marked_scans(0, 60, kRate_hz);
+  for (std::size_t i = 20; i < 60; ++i) scans[i].index += kIndexLimit - 40;  // the last 20 are beyond
+  const auto vehicle = test::one_node_vehicle(kRate_hz);
+  test::Valve valve;
+  Sealer sealer(vehicle, vehicle.node[0], kEpoch, valve, nullptr);
+  sealer.start();
+  sealer.add(scans, {}, false);
+  sealer.device_ended();
+  ASSERT_TRUE(sealer.finish());
+  EXPECT_EQ(sealer.counts().scans_refused, 20);
+  SealedBlock copy;
+  for (const auto& block : valve.blocks) {
+    EXPECT_EQ(accept(block.bytes(), copy), Refusal::kNone) << "sequence " << block.header.sequence;
+    if (block.kind != BlockKind::kGap) continue;
+    EXPECT_EQ(block.header.first_scan, 20);
+    EXPECT_EQ(block.header.scans, kIndexLimit - 40);
+    EXPECT_EQ(block.header.time_ns, 20 * 500'000);
+  }
+  EXPECT_EQ(decode_end(valve.blocks.back()).scans_missing, kIndexLimit - 40);
+}
+
 TEST(Sealer, TakesTheReferencesOfALoopBackAsTheyWereConverted) {
   for (const bool loop_back : {false, true}) {
     auto vehicle = test::one_node_vehicle(kRate_hz);
