@@ -20,6 +20,13 @@ constexpr std::uint32_t kTickHz = 10'000'000;
 constexpr std::uint32_t kTicksPerScan = 1000;
 constexpr std::uint64_t kFirstTicks = std::uint64_t{1} << 40;
 
+/// Of a board's scan, by its number, modulo kMarked, and the channel.
+constexpr std::int32_t kChannelsMarked = 64, kMarked = 1 << 16;
+std::int32_t mark(std::uint64_t scan, std::size_t board, std::size_t channel) {
+  const auto of_scan = static_cast<std::int32_t>(scan % kMarked) * kChannelsMarked;
+  return of_scan + static_cast<std::int32_t>(32 * board + channel);
+}
+
 class Run {
  public:
   explicit Run(std::span<const std::uint8_t> bytes)
@@ -110,9 +117,12 @@ class Run {
     const std::span<std::uint8_t> all(bytes);
     board::encode_header(header, all.first<board::kHeaderBytes>());
     std::size_t at = board::kHeaderBytes;
-    for (int k = 0; k < header.scans; ++k, at += board::kScanBytes)
-      board::encode_scan({.overload = static_cast<std::uint16_t>(k), .counts = {}},
-                         all.subspan(at).first<board::kScanBytes>());
+    for (std::uint16_t k = 0; k < header.scans; ++k, at += board::kScanBytes) {
+      board::PacketScan scan{.overload = k};
+      for (std::size_t c = 0; c < board::kStreamChannels; ++c)
+        scan.counts[c] = mark(header.first_scan + k, delivery_.board, c);
+      board::encode_scan(scan, all.subspan(at).first<board::kScanBytes>());
+    }
     std::int32_t offset = in_.byte() % 16 ? -500 : static_cast<std::int32_t>(in_.number(3)) - (1 << 23);
     for (int k = 0; k < header.edges; ++k, at += board::kEdgeBytes) {
       offset += in_.byte() % 64;
@@ -148,7 +158,16 @@ class Run {
       require(!more || read.scans == scans_.size() || read.edges == edges_.size(), "it stops only when full");
       for (const Scan& scan : std::span(scans_).first(read.scans)) {
         require(scan.index > last_, "numbers rise");
+        const auto marked = static_cast<std::uint64_t>(scan.counts[0] / kChannelsMarked);
+        const std::size_t inputs = board::kInputChannels / boards_;
+        for (std::size_t c = 0; c < kAccelerations; ++c)
+          require(scan.counts[c] == mark(marked, c / inputs, c % inputs),
+                  "each channel of one and the same scan");
+        require(scan.after_absence || last_ < 0 ||
+                    (scan.index - last_ - scan.counts[0] / kChannelsMarked + marked_) % kMarked == 0,
+                "numbered as the board did");
         last_ = scan.index;
+        marked_ = scan.counts[0] / kChannelsMarked;
         scans.count();
         require(!scan.after_absence || absences_-- > 0, "a run begins once");
         require(scan.overload < 1u << kChannels, "only channels that there are");
@@ -167,7 +186,7 @@ class Run {
   std::uint32_t token_ = 0;
   std::array<board::PacketHeader, 2> next_;
   BoardDelivery delivery_;
-  std::int64_t last_ = -1;
+  std::int64_t last_ = -1, marked_ = 0;
   int absences_ = 0;
   std::array<Scan, 37> scans_;
   std::array<Edge, 5> edges_;
