@@ -122,8 +122,8 @@ void ExcerptEpoch::take_scans(ScanBlock block) {
 void ExcerptEpoch::take_gap(const GapBlock& gap) {
   if (gap.cause == GapCause::kNodeCrash) {
     crashed_ = true;
-  } else if (stands_for_lost_blocks(gap.cause) && gap.header.scans == 0) {
-    lost_ = gap.cause;
+  } else if (gap.header.scans == 0) {
+    lost_ = gap.cause;  // of blocks that may have held scans, or of edges and signals alone
   } else {
     close_hole(gap.header.first_scan, gap.header.time_ns);
     const std::int64_t scans = gap.header.first_scan + gap.header.scans - next_scan_;

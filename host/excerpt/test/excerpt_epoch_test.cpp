@@ -16,14 +16,20 @@ constexpr std::int64_t kRow_ns = 10'000'000, kSecond_ns = 1'000'000'000;
 constexpr auto kEarliest = std::numeric_limits<std::int64_t>::min();
 
 struct Seen {
-  std::int64_t scans = 0, missing = 0, end_scan = -1;  ///< end_scan: of the epoch, when the piece was ended
+  std::int64_t scans = 0, gaps = 0, missing = 0,
+               end_scan = -1;  ///< end_scan: of the epoch, when the piece was ended
+  GapCause cause = GapCause::kNodeCrash;
 };
 
 class CountingSink : public EpochSink {
  public:
   CountingSink(Seen& seen, const std::int64_t& scan) : seen_(seen), scan_(scan) {}
   void scans(const ScanBlock& block) override { seen_.scans += block.header.scans; }
-  void gap(std::int64_t scans, std::int64_t, GapCause) override { seen_.missing += scans; }
+  void gap(std::int64_t scans, std::int64_t, GapCause cause) override {
+    ++seen_.gaps;
+    seen_.missing += scans;
+    seen_.cause = cause;
+  }
   void edges(std::span<const Edge>) override {}
   void signals(std::span<const SignalSample>) override {}
   void end(Ending) override { seen_.end_scan = scan_; }
@@ -64,9 +70,27 @@ class ExcerptEpochTest : public testing::Test {
     return seen;
   }
 
- private:
+ protected:
   const EpochClock clock_{{1, 1}, std::nullopt, false};
 };
+
+TEST_F(ExcerptEpochTest, DeclaresEdgesThatAreLostBetweenScans) {
+  Seen seen;
+  std::int64_t scan = 0;
+  const Pieces pieces{{kEarliest, Piece::kEver}};
+  ExcerptEpoch epoch(clock_, pieces, kRow_ns * 1000, ~0U,
+                     [&](std::size_t) { return std::make_unique<CountingSink>(seen, scan); });
+  epoch.take(block_at(0, 0));
+  GapBlock gap;
+  gap.header = {.node = 1, .epoch = 1, .sequence = 2, .first_scan = kScansPerBlock, .time_ns = 20 * kRow_ns};
+  SealedBlock sealed;
+  seal(gap, sealed);
+  epoch.take(sealed);
+  epoch.finish();
+  EXPECT_EQ(seen.gaps, 1);
+  EXPECT_EQ(seen.missing, 0);
+  EXPECT_EQ(seen.cause, GapCause::kRingFull);
+}
 
 /// Else a drive cut into thousands of pieces would hold a writer of each until it has been read whole.
 TEST_F(ExcerptEpochTest, EndsAPieceOnceNothingOfItCanCome) {
