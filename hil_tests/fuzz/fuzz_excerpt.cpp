@@ -1,15 +1,19 @@
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "common/bus/codec.hpp"
 #include "common/process/temporary_folder.hpp"
+#include "common/record/record.hpp"
 #include "common/test/source.hpp"
 #include "hil_tests/fuzz/byte_reader.hpp"
 #include "hil_tests/fuzz/memory_file.hpp"
@@ -35,12 +39,23 @@ const VehicleConfig& vehicle() {
   return config;
 }
 
+/// Counts tell of which row and channel they are, and are not 0, which stands for a channel that was not
+/// kept.
+constexpr std::int32_t kCountsPerRow = 256;
+std::int32_t counts_of(std::int64_t row, std::int32_t node, std::size_t channel) {
+  return static_cast<std::int32_t>(row + 1) * kCountsPerRow + node * kChannels +
+         static_cast<std::int32_t>(channel);
+}
+
 class Drive final : public SampleSource {
  public:
   Drive() {
     for (const NodeConfig& node : vehicle().node)
-      for (const ChannelConfig& channel : node.channel)
-        if (channel.role == ChannelRole::kAcceleration) name_.push_back(channel.name);
+      for (std::size_t c = 0; c < node.channel.size(); ++c)
+        if (node.channel[c].role == ChannelRole::kAcceleration) {
+          name_.push_back(node.channel[c].name);
+          place_.push_back({&node, c});
+        }
   }
   const std::vector<std::string>& names() const override { return name_; }
   double part() const override { return 0.0; }
@@ -50,13 +65,16 @@ class Drive final : public SampleSource {
     rows.channels = name_.size();
     for (; row_ < kRows && rows.rows() < kRowsAtOnce; ++row_) {
       rows.time_s.push_back(static_cast<double>(row_) / vehicle().node.front().rate_hz);
-      rows.value_si.insert(rows.value_si.end(), name_.size(), std::sin(100.0 * rows.time_s.back()));
+      for (const auto& [node, c] : place_)
+        rows.value_si.push_back(
+            node->channel[c].to_si(counts_of(static_cast<std::int64_t>(row_), node->id, c)));
     }
     return rows.rows() > 0;
   }
 
  private:
   std::vector<std::string> name_;
+  std::vector<std::pair<const NodeConfig*, std::size_t>> place_;  ///< [column]
   std::size_t row_ = 0;
 };
 
@@ -145,6 +163,41 @@ std::int64_t samples_of(const Verification& verification) {
   return samples;
 }
 
+/// The row of the drive that a made one is of, as all its kept columns say.
+std::int64_t row_of(const std::array<std::int32_t, kChannels>& counts, const NodeConfig& node,
+                    bool keeps_all) {
+  std::optional<std::int64_t> row;
+  for (std::size_t c = 0; c < node.channel.size(); ++c) {
+    if (node.channel[c].role != ChannelRole::kAcceleration) continue;
+    if (counts[c] == 0 && !keeps_all) continue;
+    if (!row) row = counts[c] / kCountsPerRow - 1;
+    require(counts[c] == counts_of(*row, node.id, c), "a sample is of its channel, and all of a row of one");
+  }
+  require(row && *row >= 0 && *row < static_cast<std::int64_t>(kRows), "a row is one of the drive");
+  return *row;
+}
+
+/// Of an excerpt that leaves every sample that is kept as it was.
+void check_rows(const ExcerptRequest& asked) {
+  std::map<std::pair<std::int32_t, std::int64_t>, std::int64_t> offset;  // of rows to scans, by epoch
+  RecordReader reader(asked.output);
+  reader.finish();
+  SealedBlock block;
+  while (const auto event = reader.next()) {
+    if (accept(event->data, block) != Refusal::kNone || block.kind != BlockKind::kScan) continue;
+    const ScanBlock scans = decode_scan(block);
+    const NodeConfig* node = vehicle().node_with_id(scans.header.node);
+    require(node != nullptr, "a sample is of a node of the drive");
+    for (std::int64_t k = 0; k < scans.header.scans; ++k) {
+      const std::int64_t off =
+          row_of(scans.counts[static_cast<std::size_t>(k)], *node, asked.choice.channels.empty()) -
+          (scans.header.first_scan + k);
+      const auto first = offset.try_emplace({scans.header.node, scans.header.epoch}, off).first;
+      require(first->second == off, "rows stand in their order, and as far apart as they were");
+    }
+  }
+}
+
 void check(std::span<const std::uint8_t> bytes) {
   fuzz::ByteReader in(bytes);
   ExcerptRequest asked = request(in);
@@ -165,8 +218,9 @@ void check(std::span<const std::uint8_t> bytes) {
             "what is made is good");
     const auto all = static_cast<std::int64_t>(kRows * vehicle().node.size());
     require(samples_of(made) > 0 && samples_of(made) <= all / asked.factor + 64, "no sample is made up");
+    if (asked.factor == 1) check_rows(asked);
     excerpts.count();
-  } catch (const std::exception& error) {
+  } catch (const std::runtime_error& error) {
     require(error.what()[0] != 0, "a refusal says why");
     require(!fs::exists(asked.output), "what is refused leaves nothing");
   }
