@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
 
@@ -18,6 +20,18 @@ using fuzz::require;
 fuzz::Reached records("a new record");
 using test::SimulatedDisk;
 
+/// Numbers of the node's blocks that a reader of the folder gets, but gaps that stand for holes.
+std::set<std::int64_t> sequences_in(const char* folder, SimulatedDisk& disk) {
+  std::set<std::int64_t> found;
+  RecordReader reader(folder, disk);
+  reader.finish();
+  SealedBlock block;
+  while (const auto event = reader.next())
+    if (accept(event->data, block) == Refusal::kNone && block.kind != BlockKind::kGap)
+      found.insert(block.header.sequence);
+  return found;
+}
+
 void check(std::span<const std::uint8_t> bytes) {
   fuzz::ByteReader in(bytes);
   const auto half = static_cast<std::size_t>(in.number(2)) % (bytes.size() + 1);
@@ -30,17 +44,23 @@ void check(std::span<const std::uint8_t> bytes) {
   disk.mkdir("/spool", 0755);
   disk.put("/record/seg-000001.lcm", record);
   disk.put("/spool/seg-000001.lcm", spool);
-  Salvaged salvaged;
+  std::set<std::int64_t> readable = sequences_in("/record", disk);
+  readable.merge(sequences_in("/spool", disk));
+  std::optional<Salvaged> made;
   try {
-    salvaged = salvage({"/record", "/spool"}, "/whole", disk);
+    made = salvage({"/record", "/spool"}, "/whole", disk);
   } catch (const std::runtime_error& error) {
     require(error.what()[0] != 0, "a refusal says why");
-    return;
+    require(readable.empty(), "what is refused holds no good block");
   }
   require(disk.content("/record/seg-000001.lcm") == record && disk.content("/spool/seg-000001.lcm") == spool,
           "the originals stay as they are");
+  if (!made) return;
 
   records.count();
+  const Salvaged& salvaged = *made;
+  const std::set<std::int64_t> kept = sequences_in("/whole", disk);
+  require(std::ranges::includes(kept, readable), "no block that could be read before is left out");
   std::int64_t blocks = 0;
   RecordReader reader("/whole", disk);
   reader.finish();
