@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "common/bus/wire_text.hpp"
 #include "common/frontend/front_end.hpp"
 #include "common/link/block.hpp"
 #include "common/record/folder.hpp"
@@ -223,7 +224,8 @@ DeskBook read_desk_book(const std::filesystem::path& recordings, Disk& disk) {
     if (json.contains("over")) book.over = member(json, "over", each(over_of));
     return book;
   } catch (const std::exception& error) {
-    throw std::runtime_error(file.string() + ": cannot be read (" + error.what() +
+    // The parser quotes what it could not read.
+    throw std::runtime_error(file.string() + ": cannot be read (" + wire_text::plain_text(error.what()) +
                              "); remove it if no recording is to go on");
   }
 }

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "common/bus/wire_text.hpp"
 #include "common/test/temporary_directory.hpp"
 
 namespace roadbalance {
@@ -63,6 +64,19 @@ TEST(DeskBook, RefusesWhatIsNone) {
       ADD_FAILURE() << text;
     } catch (const std::runtime_error& error) {
       EXPECT_NE(std::string(error.what()).find(kDeskBookFile), std::string::npos);
+    }
+  }
+}
+
+TEST(DeskBook, ARefusalRepeatsNothingThatATerminalObeys) {
+  const test::TemporaryDirectory folder;
+  for (const char* text : {"{\"a\xFF\": 1}", "{\"a\033[2J\": 1}", "\033[2J"}) {
+    std::ofstream(folder.path() / kDeskBookFile) << text;
+    try {
+      read_desk_book(folder.path());
+      ADD_FAILURE() << text;
+    } catch (const std::runtime_error& error) {
+      EXPECT_TRUE(wire_text::is_plain_text(error.what())) << error.what();
     }
   }
 }
