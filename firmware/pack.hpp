@@ -59,10 +59,9 @@ class Sealer {
   NodeTime time() const noexcept { return now_; }
 
   struct Counts {
-    std::int64_t scans_sampled = 0;  ///< kept or declared missing
-    std::int64_t scans_missing = 0;  ///< of these, in gaps
-    std::int64_t scans_refused =
-        0;  ///< numbered before one that came earlier, or beyond kIndexLimit: no place
+    std::int64_t scans_sampled = 0;        ///< kept or declared missing
+    std::int64_t scans_missing = 0;        ///< of these, in gaps
+    std::int64_t scans_refused = 0;        ///< numbered before an earlier one, or beyond kIndexLimit
     std::int64_t unreferenced_blocks = 0;  ///< kept without the angle of a wheel that has an encoder
   };
   const Counts& counts() const noexcept { return counts_; }

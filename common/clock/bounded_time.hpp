@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 
 #include "common/clock/exchange.hpp"
@@ -14,10 +13,6 @@ namespace roadbalance {
 
 /// UTC is told up to here, in microseconds either way from 1970: to 2099.  Nanoseconds of it can be counted.
 inline constexpr std::int64_t kUtcLimit_us = 4'100'000'000'000'000;
-
-inline std::int64_t bounded_ns(std::int64_t time_ns) {
-  return std::clamp(time_ns, -kClockLimit_ns, kClockLimit_ns);
-}
 
 /// The instant so many scans, 0 to kIndexLimit, behind `begin_ns`, which is bounded.
 inline std::int64_t time_after_ns(std::int64_t begin_ns, std::int64_t scans, std::int64_t period_ps) {

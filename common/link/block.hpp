@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -75,6 +76,9 @@ inline constexpr std::size_t kMostNodes = 64;    ///< recorded at a time; more a
 inline constexpr std::int64_t kIndexLimit = std::int64_t{1} << 48;
 /// The same for node clocks, in nanoseconds either way from their zero: 73 years.
 inline constexpr std::int64_t kClockLimit_ns = std::int64_t{1} << 61;
+inline std::int64_t bounded_ns(std::int64_t time_ns) {
+  return std::clamp(time_ns, -kClockLimit_ns, kClockLimit_ns);
+}
 
 /// The fields every block begins with; see common/wire for their meaning.
 struct BlockHeader {

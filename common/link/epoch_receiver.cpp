@@ -15,18 +15,6 @@ constexpr std::int64_t kMostBlocksHeld = 64;
 // A crash that ends an epoch has the number behind all of its blocks.
 constexpr std::int64_t kLastSequence = kIndexLimit - 1;
 
-// Blocks may say of time and scans what their bounds allow; what is worked out from them stays within the
-// same.
-std::int64_t later(std::int64_t time_ns, double by_ns) {
-  constexpr auto kMost_ns = 2.0 * static_cast<double>(kClockLimit_ns);
-  const auto moved_ns = time_ns + static_cast<std::int64_t>(std::clamp(by_ns, -kMost_ns, kMost_ns));
-  return std::clamp(moved_ns, -kClockLimit_ns, kClockLimit_ns);
-}
-
-bool tells_scan(const SealedBlock& block) {
-  return block.kind == BlockKind::kScan || block.kind == BlockKind::kGap || block.kind == BlockKind::kEnd;
-}
-
 }  // namespace
 
 EpochReceiver::EpochReceiver(std::int32_t node, std::int64_t epoch, EpochPosition start,
@@ -138,14 +126,8 @@ void EpochReceiver::heartbeat(const Heartbeat& heartbeat, WallTime now, std::vec
 }
 
 void EpochReceiver::deliver(const SealedBlock& block, std::vector<Delivery>& out) {
-  if (tells_scan(block)) {
-    const std::int64_t since = block.header.first_scan - last_scans_.first_scan;
-    if (last_scans_.sequence > 0 && since > 0)
-      ns_per_scan_ =
-          static_cast<double>(block.header.time_ns - last_scans_.time_ns) / static_cast<double>(since);
-    next_scan_ = block.header.first_scan + block.header.scans;
-    last_scans_ = block.header;
-  }
+  scan_line_.take(block.kind, block.header);
+  if (ScanLine::is_told_by(block.kind)) next_scan_ = block.header.first_scan + block.header.scans;
   ended_ = ended_ || block.kind == BlockKind::kEnd;
   out.emplace_back(std::in_place_type<SealedBlock>, block);
   ++contiguous_;
@@ -162,25 +144,17 @@ void EpochReceiver::deliver_contiguous(std::vector<Delivery>& out) {
 bool EpochReceiver::declare_loss(std::vector<Delivery>& out, std::optional<std::int64_t> next_scan) {
   const std::int64_t behind = loss_through_ + 1;
   std::int64_t at = behind;
-  while (at <= highest_ && slot(at).arrived && !tells_scan(stored(at))) ++at;
+  while (at <= highest_ && slot(at).arrived && !ScanLine::is_told_by(stored(at).kind)) ++at;
   const bool told = at <= highest_ && slot(at).arrived;
   if (!told && !next_scan && at - behind < kMostBlocksHeld) return false;
 
   GapBlock gap;
   gap.cause = GapCause::kLostAtNode;
-  gap.header = next_header(loss_through_);
-  if (told) {
-    const BlockHeader& after = stored(at).header;
-    gap.header.scans = std::max<std::int64_t>(0, after.first_scan - next_scan_);
-    // The instant of the first lost scan lies on the line through the blocks before and after.
-    const auto span_scans = static_cast<double>(after.first_scan - last_scans_.first_scan);
-    if (span_scans > 0 && last_scans_.sequence > 0)
-      gap.header.time_ns =
-          later(last_scans_.time_ns, static_cast<double>(after.time_ns - last_scans_.time_ns) *
-                                         static_cast<double>(last_scans_.scans) / span_scans);
-    else
-      gap.header.time_ns = after.time_ns;
-    next_scan_ = after.first_scan;
+  const BlockHeader* const after = told ? &stored(at).header : nullptr;
+  gap.header = next_header(loss_through_, after);
+  if (after) {
+    gap.header.scans = std::max<std::int64_t>(0, after->first_scan - next_scan_);
+    next_scan_ = after->first_scan;
   } else if (next_scan) {
     gap.header.scans = std::max<std::int64_t>(0, *next_scan - next_scan_);
     next_scan_ += gap.header.scans;
@@ -192,14 +166,13 @@ bool EpochReceiver::declare_loss(std::vector<Delivery>& out, std::optional<std::
   return true;
 }
 
-// Of a declared gap.  Its instant is where the time between the last two blocks with scans leads.
-BlockHeader EpochReceiver::next_header(std::int64_t sequence) const {
-  const double scans_since = static_cast<double>(next_scan_ - last_scans_.first_scan);
+// Of a declared gap, with the next block that tells its scan, if there is one.
+BlockHeader EpochReceiver::next_header(std::int64_t sequence, const BlockHeader* after) const {
   return {.node = node_,
           .epoch = epoch_,
           .sequence = sequence,
           .first_scan = next_scan_,
-          .time_ns = later(last_scans_.time_ns, scans_since * ns_per_scan_)};
+          .time_ns = scan_line_.time_ns(next_scan_, after).value_or(0)};
 }
 
 void EpochReceiver::lose_through(std::int64_t sequence, std::vector<Delivery>& out) {
@@ -233,7 +206,7 @@ void EpochReceiver::crash(std::vector<Delivery>& out) {
   highest_ = newest_arrived_ = contiguous_ + 1;
   GapBlock gap;
   gap.cause = GapCause::kNodeCrash;
-  gap.header = next_header(++contiguous_);
+  gap.header = next_header(++contiguous_, nullptr);
   std::vector<SealedBlock>().swap(blocks_);
   check();
   if (planted(PlantedFault::kNoCrashGap)) return;

@@ -10,6 +10,7 @@
 #include "common/clock/clocks.hpp"
 #include "common/link/ask_interval.hpp"
 #include "common/link/blocks.hpp"
+#include "common/link/scan_line.hpp"
 
 namespace roadbalance {
 
@@ -88,7 +89,7 @@ class EpochReceiver {
   Take repeated(const SealedBlock& block, std::vector<Delivery>& out);
   std::int64_t most() const;
   void extend(std::int64_t sequence, WallTime now);
-  BlockHeader next_header(std::int64_t sequence) const;
+  BlockHeader next_header(std::int64_t sequence, const BlockHeader* after) const;
   bool declare_loss(std::vector<Delivery>& out, std::optional<std::int64_t> next_scan);
   void deliver_contiguous(std::vector<Delivery>& out);
   void deliver(const SealedBlock& block, std::vector<Delivery>& out);
@@ -115,8 +116,7 @@ class EpochReceiver {
   std::int64_t lost_through_ = 0;  // the last one of all that are lost
 
   std::int64_t next_scan_;
-  BlockHeader last_scans_;  // of the last block with scans
-  double ns_per_scan_ = 0;  // between the last two of these
+  ScanLine scan_line_;
   std::int64_t gaps_ = 0;
 };
 

@@ -24,6 +24,7 @@ class DeliveryCheck {
     require(!seen.ended, "nothing follows the end of an epoch");
     require(header.sequence > seen.sequence, "no number is delivered twice");
     require(!is_own || header.sequence == seen.sequence + 1, "no number is passed over");
+    require(header.first_scan >= 0 && header.scans >= 0 && header.scans <= kIndexLimit, "scans are counted");
     require(!gap || is_readable(*gap), "every reader accepts a gap that is declared");
     seen.sequence = header.sequence;
     seen.ended =

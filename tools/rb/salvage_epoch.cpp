@@ -1,18 +1,11 @@
 #include "tools/rb/salvage_epoch.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "common/bus/codec.hpp"
 
 namespace roadbalance {
-namespace {
-
-bool tells_scans(const SealedBlock& block) {
-  return block.kind == BlockKind::kScan || block.kind == BlockKind::kGap || block.kind == BlockKind::kEnd;
-}
-
-}  // namespace
+namespace {}  // namespace
 
 void SalvageEpoch::declared(const SealedBlock& gap, std::int64_t timestamp_us) {
   declared_.emplace(gap.header.sequence, Timed{gap, timestamp_us});
@@ -27,26 +20,12 @@ GapCause SalvageEpoch::cause_of_hole(std::int64_t first, std::int64_t last) cons
   return overlaps ? decode_gap(known->second.block).cause : GapCause::kLostInRecord;
 }
 
-// The instant of scan next_scan_ lies on the line through the blocks with scans before and behind it; without
-// one behind, on that through the two before.
-std::int64_t SalvageEpoch::time_of_next_scan(const BlockHeader* behind) const {
-  if (last_scans_.sequence == 0) return behind ? behind->time_ns : last_.time_ns;
-  double ns_per_scan = ns_per_scan_;
-  if (behind && behind->first_scan > last_scans_.first_scan)
-    ns_per_scan = static_cast<double>(behind->time_ns - last_scans_.time_ns) /
-                  static_cast<double>(behind->first_scan - last_scans_.first_scan);
-  constexpr auto kLimit_ns = static_cast<double>(kClockLimit_ns);  // blocks may say anything
-  const double since_ns = static_cast<double>(next_scan_ - last_scans_.first_scan) * ns_per_scan;
-  const auto extra_ns = static_cast<std::int64_t>(std::round(std::clamp(since_ns, -kLimit_ns, kLimit_ns)));
-  return std::clamp(last_scans_.time_ns + extra_ns, -kClockLimit_ns, kClockLimit_ns);
-}
-
 void SalvageEpoch::write_gap(std::int64_t through, std::int64_t next_scan, GapCause cause,
                              const BlockHeader* behind, std::int64_t timestamp_us, const Write& write) {
   GapBlock gap{.header = last_, .cause = cause};
   gap.header.sequence = through;
   gap.header.first_scan = next_scan_;
-  gap.header.time_ns = time_of_next_scan(behind);
+  gap.header.time_ns = scan_line_.time_ns(next_scan_, behind).value_or(last_.time_ns);
   gap.header.scans = std::max<std::int64_t>(next_scan - next_scan_, 0);
   SealedBlock sealed;
   seal(gap, sealed);
@@ -59,12 +38,7 @@ void SalvageEpoch::write_block(const Timed& timed, const Write& write) {
   write(timed.block, timed.timestamp_us);
   last_ = timed.block.header;
   last_sequence_ = last_.sequence;
-  if (tells_scans(timed.block)) {
-    const std::int64_t since = last_.first_scan - last_scans_.first_scan;
-    if (last_scans_.sequence > 0 && since > 0)
-      ns_per_scan_ = static_cast<double>(last_.time_ns - last_scans_.time_ns) / static_cast<double>(since);
-    last_scans_ = last_;
-  }
+  scan_line_.take(timed.block.kind, last_);
   if (timed.block.kind == BlockKind::kScan || timed.block.kind == BlockKind::kGap)
     next_scan_ = last_.first_scan + last_.scans;
   ended_ = ended_ || timed.block.kind == BlockKind::kEnd;
@@ -74,7 +48,7 @@ void SalvageEpoch::write_block(const Timed& timed, const Write& write) {
 void SalvageEpoch::write_waiting(std::int64_t next_scan, const Write& write) {
   auto last_hole = waiting_.end();
   std::int64_t before = last_sequence_;
-  const bool is_told = !waiting_.empty() && tells_scans(waiting_.back().block);
+  const bool is_told = !waiting_.empty() && ScanLine::is_told_by(waiting_.back().block.kind);
   const BlockHeader* const behind = is_told ? &waiting_.back().block.header : nullptr;
   for (auto timed = waiting_.begin(); timed != waiting_.end(); ++timed) {
     if (timed->block.header.sequence > before + 1) last_hole = timed;
@@ -96,7 +70,7 @@ void SalvageEpoch::put(const SealedBlock& block, std::int64_t timestamp_us, cons
   last_put_ = block.header.sequence;
   if (follows && waiting_.empty()) return write_block({block, timestamp_us}, write);
   waiting_.push_back({block, timestamp_us});
-  if (tells_scans(block)) write_waiting(block.header.first_scan, write);
+  if (ScanLine::is_told_by(block.kind)) write_waiting(block.header.first_scan, write);
 }
 
 void SalvageEpoch::finish(const Write& write) {

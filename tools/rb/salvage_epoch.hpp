@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/link/blocks.hpp"
+#include "common/link/scan_line.hpp"
 
 namespace roadbalance {
 
@@ -28,7 +29,6 @@ class SalvageEpoch {
     SealedBlock block;
     std::int64_t timestamp_us;
   };
-  std::int64_t time_of_next_scan(const BlockHeader* behind) const;
   void write_gap(std::int64_t through, std::int64_t next_scan, GapCause cause, const BlockHeader* behind,
                  std::int64_t timestamp_us, const Write& write);
   GapCause cause_of_hole(std::int64_t first, std::int64_t last) const;
@@ -40,9 +40,8 @@ class SalvageEpoch {
   std::int64_t last_sequence_ = 0;          // written
   std::int64_t last_put_ = 0;
   std::int64_t next_scan_ = 0;
-  BlockHeader last_;        // of the last block written
-  BlockHeader last_scans_;  // of the last one that tells its scans; sequence 0: none
-  double ns_per_scan_ = 0;  // between the last two of these
+  BlockHeader last_;  // of the last block written
+  ScanLine scan_line_;
   bool ended_ = false;
 };
 
