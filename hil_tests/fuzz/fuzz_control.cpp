@@ -1,6 +1,22 @@
 #include "common/bus/control.hpp"
 #include "common/bus/operation.hpp"
 #include "hil_tests/fuzz/round_trip.hpp"
+#include "hil_tests/fuzz/shown.hpp"
+#include "tools/rb/readout.hpp"
+#include "tools/rb/sealing_rate.hpp"
+#include "tools/rb/watch_json.hpp"
+
+namespace {
+
+roadbalance::fuzz::Shown shown(const roadbalance::Heartbeat& beat) {
+  roadbalance::SealingRate rate;
+  rate.take({.node = beat.node, .epoch = beat.epoch});
+  rate.take(beat);
+  const auto left_s = rate.seconds_left(beat);
+  return {{node_line(beat, left_s), device_line(beat)}, node_json(beat, left_s)};
+}
+
+}  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace roadbalance;
@@ -13,6 +29,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::check_message<Request>(bytes, decode_request);
   fuzz::check_message<Answer>(bytes, decode_answer);
   fuzz::check_message<Receipt>(bytes, decode_receipt);
+  fuzz::check_shown<Heartbeat>(bytes, decode_heartbeat, shown);
   if (const auto ack = decode_ack(fuzz::in_form(encode(Ack{}), bytes))) {
     fuzz::require(ack->missing.size() <= kMaxMissingRanges, "an ack asks for few ranges");
     fuzz::require(ack->durable <= ack->received, "nothing is durable that was not received");

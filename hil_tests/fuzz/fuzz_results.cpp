@@ -10,6 +10,64 @@
 #include "common/bus/transfer_report.hpp"
 #include "common/bus/verification.hpp"
 #include "hil_tests/fuzz/round_trip.hpp"
+#include "hil_tests/fuzz/shown.hpp"
+#include "tools/rb/compensation_json.hpp"
+#include "tools/rb/order_lines.hpp"
+#include "tools/rb/readout.hpp"
+#include "tools/rb/verification_line.hpp"
+#include "tools/study/wheels_json.hpp"
+
+namespace roadbalance {
+namespace {
+
+using fuzz::Shown;
+
+std::array<Balance, kWheels> four(const Balance& balance) {
+  return {balance, balance, balance, balance};
+}
+
+Shown shown(const Balance& balance) {
+  return {{balance_line(balance)}, wheels_json({}, four(balance))};
+}
+
+// Beside a balance that is known: of another there is no plan.
+Shown shown(const Compensation& plan) {
+  const Balance known{.wheel = plan.wheel, .state = Unknown::kNone};
+  return {advice_lines(known, plan), compensation_json(four(known), {plan, plan, plan, plan})};
+}
+
+Shown shown(const Identification& identification) {
+  std::vector<std::string> lines = suspension_lines(identification);
+  lines.push_back(identification_line(identification));
+  return {lines, wheels_json(identification, four(Balance{.state = Unknown::kNone}))};
+}
+
+Shown shown(const OrderReport& report) {
+  return {order_lines(report), order_report_json(report)};
+}
+
+Shown shown(const WheelVerification& wheel) {
+  return {{verification_line(wheel)}, wheel_verification_json(wheel)};
+}
+
+// What rb watch makes of each.
+void check_displays(std::span<const std::uint8_t> bytes) {
+  const auto show = [](const auto& message) { return shown(message); };
+  fuzz::check_shown<Level>(bytes, decode_level, [](const Level& level) {
+    return Shown{level_lines(level), nullptr};
+  });
+  fuzz::check_shown<Balance>(bytes, decode_balance, show);
+  fuzz::check_shown<Compensation>(bytes, decode_compensation, show);
+  fuzz::check_shown<Identification>(bytes, decode_identification, show);
+  fuzz::check_shown<OrderReport>(bytes, decode_orders, show);
+  fuzz::check_shown<WheelVerification>(bytes, decode_verification, show);
+  fuzz::check_shown<Remark>(bytes, decode_remark, [](const Remark& remark) {
+    return Shown{{remark.text}, remark.text};
+  });
+}
+
+}  // namespace
+}  // namespace roadbalance
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace roadbalance;
@@ -31,5 +89,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::check_message<RecordingReceipt>(bytes, decode_recording);
   fuzz::check_message<Job>(bytes, decode_job);
   fuzz::check_message<DocumentPart>(bytes, decode_document_part);
+  check_displays(bytes);
   return 0;
 }

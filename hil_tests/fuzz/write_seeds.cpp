@@ -17,8 +17,10 @@
 #include "common/bus/operation.hpp"
 #include "common/bus/order_report.hpp"
 #include "common/bus/recorder_status.hpp"
+#include "common/bus/remark.hpp"
 #include "common/bus/results.hpp"
 #include "common/bus/transfer_report.hpp"
+#include "common/bus/verification.hpp"
 #include "common/clock/datagram.hpp"
 #include "common/process/temporary_folder.hpp"
 #include "common/record/log_event.hpp"
@@ -30,6 +32,7 @@
 #include "host/exchange/uff58_writer.hpp"
 #include "host/exchange/wav_writer.hpp"
 #include "host/receipts/job_book.hpp"
+#include "host/recorder/desk_book.hpp"
 
 // Writes what the fuzzers begin with: one real encoding of each kind.  Usage: rb-fuzz-seeds FOLDER
 namespace roadbalance {
@@ -93,6 +96,24 @@ void write_posts() {
   write("post", "feed", "GET\n/feed\n" + host + "roadbalance, token.correct-horse-battery\n");
 }
 
+void write_desk_books() {
+  const DeskBook book{
+      .under_way = UnderWay{.name = "drive",
+                            .began_us = 1'700'000'000'000'000,
+                            .start = {1, 2},
+                            .stop = RequestKey{3, 4},
+                            .marks = 2,
+                            .durable_marks = 1,
+                            .mark = {{.number = 2, .asked = {5, 6}, .text = "bridge"}}},
+      .finished = Finished{.start = {7, 8}, .stop = {9, 10}, .receipt = {Receipt{.name = "before"}}},
+      .rest = {{"before", 2, -77}},
+      .over = {{"before", 1'700'000'000'000, 1'700'000'000'009}},
+      .set_up =
+          AskedSetUp{.asked = {11, 12}, .node = 1, .value = {150.25, 4}, .nodes = {1, 2}, .text = "waits"}};
+  write("desk_book", "all", text_of(book));
+  write("desk_book", "empty", text_of({}));
+}
+
 void write_messages() {
   write("control", "heartbeat", encode(Heartbeat{.node = 1, .epoch = 2, .base = 3, .next = 9}));
   write("control", "ack",
@@ -134,6 +155,9 @@ void write_messages() {
   write("results", "compensation",
         encode(Compensation{
             .wheel = 2, .plan = {.step = {WeightStep{}, WeightStep{}}}, .verdict = {.incurable = "bent"}}));
+  write("results", "remark", encode(Remark{.remarks = 1, .text = "static only"}));
+  write("results", "verification",
+        encode(WheelVerification{.wheel = 1, .state = VerificationState::kKnown, .text = "before"}));
   write("results", "job",
         encode(Job{.jobs = 1,
                    .job = 2,
@@ -235,6 +259,7 @@ int main(int count, char** arguments) {
     roadbalance::write_blocks();
     roadbalance::write_messages();
     roadbalance::write_posts();
+    roadbalance::write_desk_books();
     roadbalance::write_texts();
     roadbalance::write_exports();
   } catch (const std::exception& error) {
