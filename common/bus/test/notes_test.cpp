@@ -3,16 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "common/bus/clock_messages.hpp"
 #include "common/bus/recorder_status.hpp"
 #include "common/bus/wire_format.hpp"
-
-#include <limits>
-
-#include "common/bus/clock_messages.hpp"
-#include "common/bus/recorder_status.hpp"
 #include "common/clock/bounded_time.hpp"
 #include "common/test/bit_flips.hpp"
 
