@@ -8,6 +8,7 @@
 #include "common/bus/codec.hpp"
 #include "common/link/crc32c.hpp"
 #include "common/record/header_check.hpp"
+#include "common/record/log_event.hpp"
 
 namespace roadbalance::test {
 namespace {
@@ -55,10 +56,11 @@ FoundBlocks find_blocks(const std::filesystem::path& folder, Disk& disk) {
   while (const auto event = reader.next()) {
     if (const auto from = headers.take(reader.segment(), reader.offset(), *event))
       found.altered_headers.push_back({.from = *from, .to = reader.offset()});
+    found.event_bytes[reader.segment()] += kLogHeaderBytes + event->channel.size() + event->data.size();
     // By content: the channel's name may be what was damaged.
     if (accept(event->data, block) != Refusal::kNone) {
       const bool is_other = !event->channel.starts_with("RB_BLOCK_") && ends_with_its_crc(event->data);
-      found.altered += event->channel.starts_with("RB_") && !is_other ? 1 : 0;
+      if (event->channel.starts_with("RB_") && !is_other) found.altered.push_back(reader.offset());
       continue;
     }
     const auto expected = numbered_block(block.header.sequence).bytes();

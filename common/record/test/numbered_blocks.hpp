@@ -16,7 +16,9 @@ const SealedBlock& numbered_block(std::int64_t sequence);
 struct FoundBlocks {
   std::vector<std::int64_t> sequences;
   std::int64_t false_blocks = 0;  ///< good by their CRC, but not as numbered_block() has them
-  std::int64_t altered = 0;       ///< on a channel of ours, but not as it was written
+  /// Events on a channel of ours that are not as they were written: where each begins in its segment.
+  std::vector<std::uint64_t> altered;
+  std::map<int, std::uint64_t> event_bytes;  ///< of all events, by segment
   struct Stretch {
     std::uint64_t from, to;
   };
