@@ -71,7 +71,7 @@ std::filesystem::path SpoolFolder::path(int segment) const {
 std::uint64_t SpoolFolder::bytes_used() const {
   std::uint64_t bytes = 0;
   for (const auto* list : {&segments_, &freed_})
-    for (const Segment& segment : *list) bytes += segment.bytes;
+    for (const Segment& segment : *list) bytes += segment.bytes + segment.uncut;
   return bytes;
 }
 
@@ -153,11 +153,13 @@ void SpoolFolder::commit() {
 
 // Its good part stays, cut to its length if the disk still does that; a reader stops there anyhow.
 void SpoolFolder::give_up_file() {
+  const std::uint64_t failed = batch_.size();
   batch_.clear();
   batch_offsets_.clear();
   File file = std::exchange(writer_, File());
   if (!file.is_open()) return;
   Segment& segment = segments_.back();
+  segment.uncut = failed;
   if (segment.offsets.empty()) {
     freed_.push_back(std::move(segment));
     segments_.pop_back();
@@ -165,6 +167,7 @@ void SpoolFolder::give_up_file() {
   }
   try {
     file.truncate(segment.bytes);
+    segment.uncut = 0;
   } catch (const std::system_error&) {
     ++failures_;
   }

@@ -50,6 +50,7 @@ class SpoolFolder final : public Spool {
     std::int64_t first = 0;              // sequence
     std::vector<std::uint32_t> offsets;  // of its blocks
     std::uint64_t bytes = 0;             // behind the last of them
+    std::uint64_t uncut = 0;             // behind those, of a call that failed
 
     std::int64_t next() const { return first + static_cast<std::int64_t>(offsets.size()); }
   };

@@ -149,6 +149,26 @@ TEST_F(SpoolFolderTest, HoldsNoMoreThanItWasAllowed) {
   EXPECT_GT(spool.next(), backlog.base() + 1000);
 }
 
+// It takes what is written, then syncs nothing, cuts nothing and removes nothing.
+TEST_F(SpoolFolderTest, HoldsNoMoreThanItWasAllowedOfWhatAFailingDiskLeavesBehind) {
+  SpoolFolder spool(options, disk);
+  Backlog backlog(ring, &spool);
+  fill(backlog, 300);
+  bool fails = true;
+  disk.set_fault([&](DiskCall call, std::int64_t, const std::string&) -> SimulatedDisk::Outcome {
+    const bool refused =
+        call == DiskCall::kSyncData || call == DiskCall::kTruncate || call == DiskCall::kUnlink;
+    return {.error = fails && refused ? EIO : 0};
+  });
+  for (int second = 0; second < 1000; ++second, now += 1s) fill(backlog, ring.next());
+  EXPECT_GT(bytes_on_disk(), options.bytes / 2) << "little was left behind: this test proves nothing";
+  EXPECT_LE(bytes_on_disk(), options.bytes);
+  fails = false;
+  const std::int64_t before = backlog.spooled();
+  fill(backlog, ring.next() + 100);
+  EXPECT_GT(backlog.spooled(), before) << "what can be removed again makes room";
+}
+
 TEST_F(SpoolFolderTest, ADiskThatFailsOnlyLeavesTheBlocksInMemory) {
   SpoolFolder spool(options, disk);
   Backlog backlog(ring, &spool);
