@@ -105,7 +105,11 @@ void write_desk_books() {
                             .marks = 2,
                             .durable_marks = 1,
                             .mark = {{.number = 2, .asked = {5, 6}, .text = "bridge"}}},
-      .finished = Finished{.start = {7, 8}, .stop = {9, 10}, .receipt = {Receipt{.name = "before"}}},
+      .finished = Finished{.start = {7, 8},
+                           .stop = {9, 10},
+                           .receipt = {Receipt{.name = "before"}},
+                           .durable_marks = 3,
+                           .mark = {{.number = 4, .asked = {7, 11}, .text = "kerb"}}},
       .rest = {{"before", 2, -77}},
       .over = {{"before", 1'700'000'000'000, 1'700'000'000'009}},
       .set_up =

@@ -80,11 +80,16 @@ bool Desk::answer_again(const Request& request, std::int64_t utc_us) {
     say(answer_about(*asked, utc_us));  // was_set_up() says the rest of what is under way
     return true;
   }
-  if (const auto& finished = book_.finished; finished && (key == finished->start || key == finished->stop)) {
+  const auto& finished = book_.finished;
+  if (!finished) return false;
+  if (key == finished->start || key == finished->stop) {
     say(done(key, request.operation, "the recording has ended", utc_us));
     return true;
   }
-  return false;
+  const auto mark = std::ranges::find(finished->mark, key, &Mark::asked);
+  if (mark == finished->mark.end()) return false;
+  say(at_the_end(answer_about(*mark, utc_us), mark->number <= finished->durable_marks));
+  return true;
 }
 
 bool Desk::store(DeskBook book) {

@@ -36,6 +36,14 @@ Answer answer_about(const Mark& mark, std::int64_t utc_us) {
           .text = "mark " + std::to_string(mark.number) + " is not on the disk yet"};
 }
 
+Answer at_the_end(Answer mark, bool is_durable) {
+  mark.state = is_durable ? AnswerState::kDone : AnswerState::kRefused;
+  mark.reason = is_durable ? RefusalReason::kNone : RefusalReason::kDisk;
+  mark.text = is_durable ? "on the disk with the recording"
+                         : "nobody knows whether it is on the disk: the recording has ended";
+  return mark;
+}
+
 Answer answer_about(const AskedSetUp& set_up, std::int64_t utc_us) {
   return {.asker = set_up.asked.asker,
           .request = set_up.asked.request,

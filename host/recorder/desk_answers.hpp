@@ -21,6 +21,9 @@ Answer done(const RequestKey& key, Operation operation, std::string text, std::i
 /// Under way: it is not durable yet.
 Answer answer_about(const Mark& mark, std::int64_t utc_us);
 
+/// The recording has ended: the last word about a mark that was under way.
+Answer at_the_end(Answer mark, bool is_durable);
+
 /// As far as it has come.
 Answer answer_about(const AskedSetUp& set_up, std::int64_t utc_us);
 

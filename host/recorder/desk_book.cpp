@@ -77,15 +77,19 @@ RequestKey key_of(const Json& json) {
   return {counted(json.at(0)), counted(json.at(1))};
 }
 
+Json to_json(const std::deque<Mark>& marks) {
+  Json json = Json::array();
+  for (const Mark& mark : marks) json.push_back({mark.number, to_json(mark.asked), mark.text});
+  return json;
+}
+
 Json to_json(const UnderWay& recording) {
-  Json marks = Json::array();
-  for (const Mark& mark : recording.mark) marks.push_back({mark.number, to_json(mark.asked), mark.text});
   Json json = {{"name", recording.name},
                {"began_us", recording.began_us},
                {"start", to_json(recording.start)},
                {"marks", recording.marks},
                {"durable_marks", recording.durable_marks},
-               {"mark", marks}};
+               {"mark", to_json(recording.mark)}};
   if (recording.stop) json["stop"] = to_json(*recording.stop);
   return json;
 }
@@ -94,14 +98,18 @@ Mark mark_of(const Json& json) {
   return {small_number(json.at(0), 0, kMostMarks), key_of(json.at(1)), text_in(json.at(2))};
 }
 
+std::deque<Mark> marks_of(const Json& json) {
+  const auto marks = each(mark_of)(json);
+  return {marks.begin(), marks.end()};
+}
+
 UnderWay under_way_of(const Json& json) {
   UnderWay recording{.name = member(json, "name", name_in),
                      .began_us = member(json, "began_us", counted),
                      .start = member(json, "start", key_of),
                      .marks = member(json, "marks", number_in(0, kMostMarks)),
-                     .durable_marks = member(json, "durable_marks", number_in(0, kMostMarks))};
-  const auto marks = member(json, "mark", each(mark_of));
-  recording.mark.assign(marks.begin(), marks.end());
+                     .durable_marks = member(json, "durable_marks", number_in(0, kMostMarks)),
+                     .mark = member(json, "mark", marks_of)};
   if (json.contains("stop")) recording.stop = member(json, "stop", key_of);
   return recording;
 }
@@ -115,7 +123,11 @@ Json to_json(const Finished& finished) {
     for (const std::uint8_t byte : encode(receipt)) (text += kDigits[byte >> 4]) += kDigits[byte & 15];
     receipts.push_back(text);
   }
-  return {{"start", to_json(finished.start)}, {"stop", to_json(finished.stop)}, {"receipt", receipts}};
+  return {{"start", to_json(finished.start)},
+          {"stop", to_json(finished.stop)},
+          {"receipt", receipts},
+          {"durable_marks", finished.durable_marks},
+          {"mark", to_json(finished.mark)}};
 }
 
 std::vector<std::uint8_t> bytes_in(const Json& json) {
@@ -135,6 +147,9 @@ Finished finished_of(const Json& json) {
   Finished finished{.start = member(json, "start", key_of), .stop = member(json, "stop", key_of)};
   for (const auto& receipt : member(json, "receipt", each(bytes_in)))
     if (auto known = decode_receipt(receipt)) finished.receipt.push_back(std::move(*known));
+  if (!json.contains("mark")) return finished;  // of an older release
+  finished.durable_marks = member(json, "durable_marks", number_in(0, kMostMarks));
+  finished.mark = member(json, "mark", marks_of);
   return finished;
 }
 

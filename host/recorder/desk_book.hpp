@@ -77,6 +77,8 @@ struct AskedSetUp {
 struct Finished {
   RequestKey start{}, stop{};
   std::vector<Receipt> receipt{};  ///< of each node
+  std::int32_t durable_marks = 0;  ///< in the record
+  std::deque<Mark> mark{};         ///< the latest, as when it ended
 };
 
 /// What a recorder that takes requests must know after a crash: a recording that is under way goes on, and a

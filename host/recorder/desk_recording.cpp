@@ -56,7 +56,11 @@ std::vector<Rest> Desk::ended(std::vector<Receipt> receipts, std::vector<Rest> r
   const std::string wrong = what_is_wrong(receipts);
   DeskBook book = book_;
   book.under_way.reset();
-  book.finished = Finished{.start = recording.start, .stop = stop, .receipt = std::move(receipts)};
+  book.finished = Finished{.start = recording.start,
+                           .stop = stop,
+                           .receipt = std::move(receipts),
+                           .durable_marks = recording.durable_marks,
+                           .mark = recording.mark};
   std::vector<Rest> dropped = add(rests, book);
   book.over.push_back({recording.name, first_incarnation(recording, book_.over), last_incarnation});
   if (book.over.size() > kMostOver) book.over.erase(book.over.begin());
@@ -68,11 +72,7 @@ std::vector<Rest> Desk::ended(std::vector<Receipt> receipts, std::vector<Rest> r
     say(done(stop, Operation::kStop, "\"" + recording.name + "\" is on the disk" + wrong, utc_us));
   for (Answer& known : known_) {
     if (known.operation != Operation::kMark || known.state != AnswerState::kUnderWay) continue;
-    const bool is_durable = known.value[0] <= recording.durable_marks;
-    known.state = is_durable ? AnswerState::kDone : AnswerState::kRefused;
-    known.reason = is_durable ? RefusalReason::kNone : RefusalReason::kDisk;
-    known.text = is_durable ? "on the disk with the recording"
-                            : "nobody knows whether it is on the disk: the recording has ended";
+    known = at_the_end(known, known.value[0] <= recording.durable_marks);
     to_send_.push_back(known);
   }
   return dropped;

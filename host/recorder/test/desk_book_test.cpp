@@ -14,27 +14,30 @@ namespace {
 TEST(DeskBook, IsReadAsItWasWritten) {
   const test::TemporaryDirectory folder;
   EXPECT_FALSE(read_desk_book(folder.path()).under_way);
-  DeskBook book{
-      .under_way = UnderWay{.name = "Fahrt 1 ä",
-                            .began_us = 5,
-                            .start = {1, 2},
-                            .stop = RequestKey{3, 4},
-                            .marks = 9,
-                            .durable_marks = 8,
-                            .mark = {{.number = 9, .asked = {5, 6}, .text = "\"bridge\""}}},
-      .finished = Finished{.start = {7, 8}, .stop = {9, 10}, .receipt = {Receipt{.name = "before"}}},
-      .rest = {{"Fahrt 0", 2, 1LL << 60}},
-      .over = {{"Fahrt 0", 1LL << 50, 1LL << 51}},
-      .set_up = AskedSetUp{.asked = {11, 12},
-                           .operation = Operation::kFilter,
-                           .node = 1,
-                           .channel = 2,
-                           .value = {150.25, 4},
-                           .nodes = {1, 2},
-                           .vehicle_crc32c = 0xFFFFFFFF,
-                           .state = AnswerState::kRefused,
-                           .reason = RefusalReason::kNoAnswer,
-                           .text = "no"}};
+  DeskBook book{.under_way = UnderWay{.name = "Fahrt 1 ä",
+                                      .began_us = 5,
+                                      .start = {1, 2},
+                                      .stop = RequestKey{3, 4},
+                                      .marks = 9,
+                                      .durable_marks = 8,
+                                      .mark = {{.number = 9, .asked = {5, 6}, .text = "\"bridge\""}}},
+                .finished = Finished{.start = {7, 8},
+                                     .stop = {9, 10},
+                                     .receipt = {Receipt{.name = "before"}},
+                                     .durable_marks = 3,
+                                     .mark = {{.number = 4, .asked = {7, 11}, .text = "kerb"}}},
+                .rest = {{"Fahrt 0", 2, 1LL << 60}},
+                .over = {{"Fahrt 0", 1LL << 50, 1LL << 51}},
+                .set_up = AskedSetUp{.asked = {11, 12},
+                                     .operation = Operation::kFilter,
+                                     .node = 1,
+                                     .channel = 2,
+                                     .value = {150.25, 4},
+                                     .nodes = {1, 2},
+                                     .vehicle_crc32c = 0xFFFFFFFF,
+                                     .state = AnswerState::kRefused,
+                                     .reason = RefusalReason::kNoAnswer,
+                                     .text = "no"}};
   write_desk_book(folder.path(), book);
   const DeskBook read = read_desk_book(folder.path());
   ASSERT_TRUE(read.under_way && read.finished);
@@ -46,6 +49,10 @@ TEST(DeskBook, IsReadAsItWasWritten) {
   EXPECT_EQ(read.finished->stop, (RequestKey{9, 10}));
   ASSERT_EQ(read.finished->receipt.size(), 1u);
   EXPECT_EQ(read.finished->receipt[0].name, "before");
+  EXPECT_EQ(read.finished->durable_marks, 3);
+  ASSERT_EQ(read.finished->mark.size(), 1u);
+  EXPECT_EQ(read.finished->mark[0].number, 4);
+  EXPECT_EQ(read.finished->mark[0].asked, (RequestKey{7, 11}));
   EXPECT_EQ(read.rest, book.rest);
   EXPECT_EQ(read.over, book.over);
   ASSERT_TRUE(read.set_up);

@@ -107,6 +107,29 @@ TEST_F(DeskTest, ARepeatedRequestActsOnce) {
   EXPECT_EQ(last(desk).state, AnswerState::kDone);
 }
 
+// Its answer was lost, the recording was stopped, the recorder killed: who asks again hears what became of
+// it.
+TEST_F(DeskTest, AMarkOfARecordingThatHasEndedKeepsItsLastWordInAnotherRecorder) {
+  {
+    Desk desk = this->desk();
+    desk.take(ask(Operation::kStart, 1, "drive"), kNow, {2});
+    desk.take(ask(Operation::kMark, 2, "bridge"), kNow, {2});
+    desk.runs(true, 1, kNow);
+    desk.take(ask(Operation::kMark, 3, "kerb"), kNow, {2});
+    desk.take(ask(Operation::kStop, 4), kNow, {2});
+    desk.ended({}, {}, kNow, kNow / 1000 + 500);
+  }
+  Desk another = this->desk();
+  another.take(ask(Operation::kMark, 2, "bridge"), kNow, {2});
+  EXPECT_EQ(last(another).state, AnswerState::kDone);
+  another.take(ask(Operation::kMark, 3, "kerb"), kNow, {2});
+  const Answer unknown = last(another);
+  EXPECT_EQ(unknown.state, AnswerState::kRefused);
+  EXPECT_EQ(unknown.reason, RefusalReason::kDisk) << unknown.text;
+  another.take(ask(Operation::kMark, 5, "later"), kNow, {2});
+  EXPECT_EQ(last(another).reason, RefusalReason::kNotRecording);
+}
+
 TEST_F(DeskTest, ASecondStartIsRefusedAndChangesNothing) {
   Desk desk = this->desk();
   desk.take(ask(Operation::kStart, 1, "drive"), kNow, {2});
