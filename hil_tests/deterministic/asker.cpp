@@ -85,10 +85,11 @@ void Asker::take(const Answer& answer, int unsure_deaths) {
     asked.under_way = answer.text;
     return;
   }
-  if (!asked.answer)
+  const bool is_unsure = unsure_deaths > asked.unsure_deaths;
+  if (!asked.answer) {
     asked.answer = answer;
-  else if (asked.answer->state != answer.state &&
-           !(is_of_the_disk(*asked.answer) && unsure_deaths > asked.unsure_deaths))
+    asked.is_unsure = is_unsure;
+  } else if (asked.answer->state != answer.state && !(is_of_the_disk(*asked.answer) && is_unsure))
     truth_.fault(name + "had the last word \"" + asked.answer->text + "\" and then \"" + answer.text + "\"");
 }
 

@@ -20,6 +20,7 @@ class Asker {
     std::int64_t at_ns = 0;
     int unsure_deaths = 0;           ///< of the recorder, until then
     std::optional<Answer> answer{};  ///< the last word
+    bool is_unsure = false;          ///< before it a recorder died with a book that its disk had not taken
     std::string under_way{};         ///< what was said before it
   };
 

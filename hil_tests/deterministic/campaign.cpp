@@ -175,6 +175,7 @@ void add(const RunResult& run, RunResult& all) {
   all.lost_scans += run.lost_scans;
   all.declared_scans += run.declared_scans;
   all.tail_scans += run.tail_scans;
+  all.lost_beside += run.lost_beside;
   all.recorder_boots += run.recorder_boots;
   all.deaths_at_call += run.deaths_at_call;
   all.node_boots += run.node_boots;
@@ -203,12 +204,17 @@ Summary summarise(const FaultScenario& scenario, const std::vector<RunResult>& r
   if (scenario.expect.dies_at_calls && summary.all.deaths_at_call < summary.runs)
     summary.missed = "recorders died before a call of their disk " +
                      std::to_string(summary.all.deaths_at_call) + " times only";
+  if (scenario.expect.loses_edges && summary.all.lost_beside == 0)
+    summary.missed = "no edge and no signal was lost: that they are declared was not tried";
   if (scenario.expect.falls_back && 2 * summary.all.fallbacks < summary.runs)
     summary.missed =
         "recorders went to their fallback folder " + std::to_string(summary.all.fallbacks) + " times only";
   if (summary.blocks_per_s() < options.least_blocks_per_s)
     summary.missed = std::to_string(std::lround(summary.blocks_per_s())) + " blocks a second, wanted are " +
                      std::to_string(std::lround(options.least_blocks_per_s));
+  if (summary.runs != options.seeds)
+    summary.missed = "of " + std::to_string(options.seeds) + " seeds " + std::to_string(summary.runs) +
+                     " have a result: a process that ran them is gone";
   return summary;
 }
 

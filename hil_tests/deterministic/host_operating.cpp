@@ -249,7 +249,7 @@ void HostMachine::take_notes(const std::string& recording, std::span<const std::
 }
 
 void HostMachine::check_asked(const std::vector<Asker::Asked>& asked) {
-  for (const auto& [request, at_ns, unsure_deaths, answer, under_way] : asked) {
+  for (const auto& [request, at_ns, unsure_deaths, answer, is_unsure, under_way] : asked) {
     const bool done = answer && answer->state == AnswerState::kDone;
     const bool refused = answer && answer->state == AnswerState::kRefused;
     if (request.operation == Operation::kStop && !answer)
@@ -262,7 +262,7 @@ void HostMachine::check_asked(const std::vector<Asker::Asked>& asked) {
     if (request.operation != Operation::kMark || !answer) continue;
     const auto found = marks_.find(request.text);
     if (done && found == marks_.end()) truth_.fault("\"" + request.text + "\" is done and not in the record");
-    if (refused && answer->reason != RefusalReason::kDisk && found != marks_.end())
+    if (refused && answer->reason != RefusalReason::kDisk && !is_unsure && found != marks_.end())
       truth_.fault("\"" + request.text + "\" is refused and in the record");
   }
 }

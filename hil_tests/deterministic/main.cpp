@@ -37,6 +37,16 @@ std::vector<std::string> scenario_files(const std::vector<std::string>& asked) {
   return files;
 }
 
+std::string command_of(std::uint64_t seed, const std::string& scenario, const CampaignOptions& options,
+                       const std::string& program) {
+  std::string command = program + " --scenario " + scenario + " --seeds 1 --first " + std::to_string(seed);
+  if (options.seconds) command += " --seconds " + std::to_string(*options.seconds);
+#ifdef RB_PLANTED_FAULTS
+  command += plant_option(planted_fault);
+#endif
+  return command;
+}
+
 bool run(const std::string& file, const CampaignOptions& options, const std::string& program) {
   const FaultScenario scenario = FaultScenario::read_file(file);
   const Summary summary = summarise(scenario, run_seeds(scenario, options), options);
@@ -50,10 +60,7 @@ bool run(const std::string& file, const CampaignOptions& options, const std::str
       std::printf("    %s\n", what.substr(0, end).c_str());
       what.erase(0, end + 1);
     }
-    std::string again =
-        program + " --scenario " + scenario.name + " --seeds 1 --first " + std::to_string(run.seed);
-    if (options.seconds) again += " --seconds " + std::to_string(*options.seconds);
-    std::printf("  again: %s\n", again.c_str());
+    std::printf("  again: %s\n", command_of(run.seed, file, options, program).c_str());
   }
   std::fflush(stdout);
   return summary.good();

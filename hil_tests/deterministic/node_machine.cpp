@@ -2,21 +2,18 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cmath>
-#include <limits>
 #include <string>
 
+#include "common/bus/codec.hpp"
 #include "common/bus/control.hpp"
 #include "common/link/planted.hpp"
-#include "common/record/test/simulated_disk.hpp"
-#include "firmware/node_link.hpp"
-#include "firmware/ring_sink.hpp"
-#include "firmware/spool_folder.hpp"
+#include "common/record/folder.hpp"
+#include "common/record/record.hpp"
+#include "common/record/segment.hpp"
+#include "hil_tests/deterministic/node_program.hpp"
 
 namespace roadbalance::test {
 namespace {
-
-constexpr std::int64_t kDeviceHolds = 256;  // scans; older ones are lost while nobody reads
 
 // No encoder: the references are somebody else's proof and cost more than all the rest.
 VehicleConfig plain_vehicle(std::int32_t number, double rate_hz, const std::string& text) {
@@ -34,66 +31,34 @@ std::size_t bytes_of(double mib) {
 }
 
 SpoolFolder::Options spool_options(const FaultScenario& scenario, std::int32_t node, std::int64_t epoch) {
-  return {.folder = "/spool", .bytes = bytes_of(scenario.spool_mib), .node = node, .epoch = epoch};
+  return {.folder = spool_path(kSpools, node, epoch),
+          .bytes = bytes_of(scenario.spool_mib),
+          .node = node,
+          .epoch = epoch};
 }
+
+constexpr std::size_t kRounding = 20 * 4096;  // a page of each of a spool's segments
 
 WallTime wall(std::int64_t ns) {
   return WallTime(std::chrono::nanoseconds(ns));
 }
 
-/// The ring as the sealer sees it, with a witness.
-class WitnessedSink final : public BlockSink {
- public:
-  WitnessedSink(Ring& ring, Truth& truth, EpochTruth& epoch) : sink_(ring), truth_(truth), epoch_(epoch) {}
-  std::size_t room() const noexcept override { return sink_.room(); }
-  SealedBlock* claim() noexcept override { return block_ = sink_.claim(); }
-  void commit() noexcept override {
-    truth_.sealed(epoch_, *block_, now_ns);
-    sink_.commit();
-  }
-  std::int64_t now_ns = 0;
-
- private:
-  RingSink sink_;
-  Truth& truth_;
-  EpochTruth& epoch_;
-  SealedBlock* block_ = nullptr;
-};
-
 }  // namespace
 
-struct NodeMachine::Program {
-  Program(const FaultScenario& scenario, const VehicleConfig& vehicle, std::int32_t node, EpochTruth& of,
-          Truth& all, VehicleChange& change, std::uint64_t seed)
-      : truth(of),
-        ring(bytes_of(scenario.ring_mib)),
-        sink(ring, all, of),
-        sealer(vehicle, vehicle.node.front(), of.epoch, sink, &preview),
-        disk(seed),
-        spool(scenario.spool_mib > 0
-                  ? std::make_unique<SpoolFolder>(spool_options(scenario, node, of.epoch), disk)
-                  : nullptr),
-        backlog(ring, spool.get()),
-        uplink(node, of.epoch, backlog, preview, link, change),
-        samples(node, of.epoch) {}
-
-  EpochTruth& truth;
-  Ring ring;
-  WitnessedSink sink;
-  PreviewSlot preview;
-  AcquireLink link;
-  Sealer sealer;
-  SimulatedDisk disk;
-  std::unique_ptr<SpoolFolder> spool;
-  Backlog backlog;
-  NodeLink uplink;
-  HashedScans samples;
-  std::int64_t next_index = 0;    // of the device
-  std::int64_t first_index = -1;  // that is kept
-  std::int64_t started_ns = 0;    // the device's index 0
-  bool stopped = false;
-  std::int64_t highest_owner = 0;
-};
+NodeMachine::Program::Program(const FaultScenario& scenario, const VehicleConfig& vehicle, std::int32_t node,
+                              EpochTruth& of, Truth& all, VehicleChange& change, SimulatedDisk& disk)
+    : truth(of),
+      beside(all, node, static_cast<std::int64_t>(1e9 / scenario.rate_hz)),
+      ring(bytes_of(scenario.ring_mib)),
+      sink(ring, all, of, beside),
+      sealer(vehicle, vehicle.node.front(), of.epoch, sink, &preview),
+      spool(scenario.spool_mib > 0
+                ? std::make_unique<SpoolFolder>(spool_options(scenario, node, of.epoch), disk)
+                : nullptr),
+      most_bytes(disk.used_bytes() + static_cast<std::int64_t>(bytes_of(scenario.spool_mib) + kRounding)),
+      backlog(ring, spool.get()),
+      uplink(node, of.epoch, backlog, preview, link, change),
+      samples(node, of.epoch) {}
 
 NodeMachine::NodeMachine(const FaultScenario& scenario, std::int32_t number, std::uint64_t seed, Truth& truth)
     : scenario_(scenario),
@@ -101,6 +66,7 @@ NodeMachine::NodeMachine(const FaultScenario& scenario, std::int32_t number, std
       truth_(truth),
       random_(seed, 0),
       vehicle_(plain_vehicle(number, scenario.rate_hz, scenario.vehicle)),
+      disk_(random_.bits()),
       clock_offset_ns_(random_.below(std::int64_t{1} << 50)),
       clock_drift_(random_.between(-50e-6, 50e-6)),
       scans_(kScansPerRead),
@@ -113,9 +79,11 @@ void NodeMachine::boot(std::int64_t now_ns) {
   if (planted(PlantedFault::kEpochReused) && last_epoch_ != 0) epoch = last_epoch_;
   last_epoch_ = epoch;
   if (!change_) change_.emplace(vehicle_.text, scenario_.is_operated());
+  disk_.set_fault(nullptr);
+  if (scenario_.spool_mib > 0) (void)left_spools();
   program_ = std::make_unique<Program>(scenario_, vehicle_, number_, truth_.open(number_, epoch), truth_,
-                                       *change_, random_.bits());
-  program_->disk.set_fault([this](DiskCall, std::int64_t, const std::string&) {
+                                       *change_, disk_);
+  disk_.set_fault([this](DiskCall, std::int64_t, const std::string&) {
     if (!random_.chance(spool_failing_)) return SimulatedDisk::Outcome{};
     program_->truth.gave_up = true;
     return SimulatedDisk::Outcome{.error = EIO};
@@ -127,10 +95,44 @@ void NodeMachine::boot(std::int64_t now_ns) {
 void NodeMachine::kill() {
   if (!program_) return;
   program_->truth.killed = !program_->truth.ended || program_->backlog.used() > 0;
+  disk_.set_fault(nullptr);
+  disk_.kill();
+  if (program_->spool && program_->spool->base() < program_->spool->next())
+    check_left_spool(program_->spool->base(), program_->spool->next());
   program_.reset();
   change_.reset();
   vehicle_.text = plain_vehicle(number_, scenario_.rate_hz, scenario_.vehicle).text;
   was_killed_ = true;
+}
+
+std::vector<std::filesystem::path> NodeMachine::left_spools() {
+  return spools_left(
+      kSpools, [this](const std::string& what) { fault(what); }, disk_);
+}
+
+// What its disk held, `rb recover --spool` finds there.
+void NodeMachine::check_left_spool(std::int64_t base, std::int64_t next) {
+  const auto folder = spool_path(kSpools, number_, last_epoch_);
+  const auto left = left_spools();
+  if (std::find(left.begin(), left.end(), folder) == left.end())
+    return fault("its spool is not among those that are left");
+  RecordReader reader(folder, disk_);
+  reader.finish();
+  SealedBlock block;
+  while (const auto event = reader.next()) {
+    if (accept(event->data, block) != Refusal::kNone || block.header.sequence != base) continue;
+    const auto* own = program_->truth.block(base);
+    if (block.header.epoch == last_epoch_ && (!own || own->crc == crc_of(block))) ++base;
+  }
+  if (base < next)
+    fault("block " + std::to_string(base) + " of its spool is not there, which held those before " +
+          std::to_string(next));
+  for (const int segment : segment_numbers(folder, disk_)) remove_file(segment_path(folder, segment), disk_);
+  sync_folder(folder, disk_);
+}
+
+void NodeMachine::fault(const std::string& what) {
+  truth_.fault("node " + std::to_string(number_) + ": " + what);
 }
 
 void NodeMachine::pause(bool on) {
@@ -153,63 +155,10 @@ bool NodeMachine::finished() const {
   return program_ && program_->uplink.finished();
 }
 
-void NodeMachine::read(std::int64_t now_ns) {
-  Program& p = *program_;
-  const double since_s = static_cast<double>(now_ns - p.started_ns) * 1e-9;
-  const auto end = static_cast<std::int64_t>(since_s * scenario_.rate_hz);
-  p.next_index = std::max(p.next_index, end - kDeviceHolds);
-  const auto count = static_cast<std::size_t>(end - p.next_index);
-  if (p.sealer.started() && p.first_index < 0 && count > 0) p.first_index = p.next_index;
-  const std::int64_t first = p.next_index - std::max<std::int64_t>(0, p.first_index);
-  p.samples.fill(first, std::span(counts_).first(count));
-  for (std::size_t k = 0; k < count; ++k) {
-    Scan& scan = scans_[k];
-    scan.index = p.next_index++;
-    const auto taken_ns =
-        static_cast<std::int64_t>(1e9 / scenario_.rate_hz * static_cast<double>(scan.index));
-    scan.time = node_time_from_ns(clock_ns(p.started_ns + taken_ns));
-    scan.counts = counts_[k];
-  }
-  p.sealer.add(std::span(scans_).first(count), {}, false);
-  if (count > 0) {  // blocks without scans, which nothing tells of but their numbers
-    const Scan& last = scans_[count - 1];
-    const SignalSample sample{.time = last.time, .signal = 3, .value = static_cast<double>(last.index)};
-    p.sealer.add({&sample, 1});
-  }
-  if (p.first_index >= 0 && !p.link.stop.load()) p.truth.scans = p.next_index - p.first_index;
-}
-
-// The body of firmware/acquire.cpp's loop, one read of a device that does not wait.
-std::int64_t NodeMachine::device(std::int64_t now_ns) {
-  constexpr std::int64_t kScansPerVisit = 20;
-  const auto more_ns = static_cast<std::int64_t>(static_cast<double>(kScansPerVisit) / scenario_.rate_hz *
-                                                 1e9 * random_.between(0.5, 1.5));
-  if (!runs() || program_->stopped) return now_ns + more_ns;
-  Program& p = *program_;
-  const std::int64_t before = p.backlog.base();
-  p.sink.now_ns = now_ns;
-  if (p.link.start.load() && !p.sealer.started()) {
-    p.sealer.start();
-    p.truth.started_by = p.uplink.owner();
-  }
-  if (p.link.stop.load()) {
-    p.sealer.stop();
-    p.stopped = p.sealer.finish();
-  }
-  if (!p.stopped) read(now_ns);
-  const NodeState state = p.sealer.started() ? NodeState::kStarted : NodeState::kPreview;
-  tell(p.sealer, p.stopped ? NodeState::kEnded : state, p.link);
-  watch_freed({}, {}, before);
-  return now_ns + more_ns;
-}
-
 // Only what the owner's acknowledgement calls durable may be given back.
 void NodeMachine::watch_freed(std::string_view channel, std::span<const std::uint8_t> bytes,
                               std::int64_t base_before) {
   Program& p = *program_;
-  const auto fault = [this](const std::string& what) {
-    truth_.fault("node " + std::to_string(number_) + ": " + what);
-  };
   if (p.uplink.owner() != 0 && p.uplink.owner() < p.highest_owner)
     fault("obeys recorder " + std::to_string(p.uplink.owner()) + " after " + std::to_string(p.highest_owner));
   p.highest_owner = std::max(p.highest_owner, p.uplink.owner());
@@ -236,8 +185,8 @@ bool NodeMachine::turn(std::int64_t now_ns, const Publish& publish) {
   const std::int64_t before = program_->backlog.base();
   const bool busy = program_->uplink.turn(wall(clock_ns(now_ns)), publish);
   watch_freed({}, {}, before);
-  if (program_->backlog.used() > program_->backlog.capacity())
-    truth_.fault("node " + std::to_string(number_) + ": holds more blocks than it has room for");
+  if (program_->ring.used() > program_->ring.capacity()) fault("holds more blocks than it has room for");
+  if (disk_.used_bytes() > program_->most_bytes) fault("its spool is larger than it may be");
   return busy;
 }
 

@@ -1,15 +1,18 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "common/bus/publish.hpp"
 #include "common/config/vehicle_config.hpp"
 #include "common/frontend/front_end.hpp"
+#include "common/record/test/simulated_disk.hpp"
 #include "firmware/vehicle_change.hpp"
 #include "hil_tests/deterministic/fault_scenario.hpp"
 #include "hil_tests/deterministic/hashed_sample.hpp"
@@ -63,6 +66,10 @@ class NodeMachine {
  private:
   struct Program;
   void read(std::int64_t now_ns);
+  void give_what_stands_beside(std::size_t scans);
+  std::vector<std::filesystem::path> left_spools();
+  void check_left_spool(std::int64_t base, std::int64_t next);
+  void fault(const std::string& what);
   void watch_freed(std::string_view what, std::span<const std::uint8_t> bytes, std::int64_t base_before);
 
   const FaultScenario& scenario_;
@@ -77,10 +84,12 @@ class NodeMachine {
   bool hung_ = false;
   double spool_failing_ = 0;
   std::int64_t last_epoch_ = 0;
+  SimulatedDisk disk_;  // outlives the epochs
   std::int64_t clock_offset_ns_;
   double clock_drift_;
   std::vector<Scan> scans_;               // of one read
   std::vector<HashedScans::Row> counts_;  // of these
+  std::vector<Edge> edges_;               // beside them
 };
 
 }  // namespace roadbalance::test

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "common/link/planted.hpp"
@@ -21,6 +22,12 @@ constexpr std::optional<PlantedFault> planted_named(std::string_view name) {
   for (std::size_t k = 0; k < kPlantedNames.size(); ++k)
     if (kPlantedNames[k] == name) return static_cast<PlantedFault>(k + 1);
   return std::nullopt;
+}
+
+/// What a command line needs to have the fault too: nothing, or " --plant NAME".
+inline std::string plant_option(PlantedFault fault) {
+  if (fault == PlantedFault::kNone) return {};
+  return " --plant " + std::string(kPlantedNames[static_cast<std::size_t>(fault) - 1]);
 }
 
 }  // namespace roadbalance::test
