@@ -4,8 +4,14 @@
 
 #include "common/test/bus_url.hpp"
 #include "common/test/source.hpp"
+#include "hil_tests/simulated_truth.hpp"
 
 namespace roadbalance::test {
+namespace {
+
+const std::string kSeed = "seed=3";
+
+}  // namespace
 
 Measurement::Measurement() : Measurement(test::bus_url()) {}
 
@@ -20,10 +26,9 @@ Program Measurement::recorder(const std::filesystem::path& folder,
 
 Program Measurement::node(const std::string& name, const std::string& drive,
                           const std::vector<std::string>& more) const {
-  std::vector<std::string> words{"--vehicle",   source_path("sim/demo/vehicle.toml"),
-                                 "--node",      name,
-                                 "--url",       url,
-                                 "--front-end", "sim:?seed=3&" + drive};
+  std::vector<std::string> words{
+      "--vehicle",   source_path("sim/demo/vehicle.toml"), "--node", name, "--url", url,
+      "--front-end", "sim:?" + kSeed + "&" + drive};
   words.insert(words.end(), more.begin(), more.end());
   return {"rb-node", words};
 }
@@ -58,6 +63,11 @@ void Measurement::end_well(Program& recorder, std::vector<Program*> nodes) const
 void Measurement::expect_complete(const std::filesystem::path& folder, std::size_t epochs) const {
   expect_verified(folder, epochs);
   EXPECT_EQ(check_record(folder), 0) << "the independent checker disagrees";
+}
+
+void Measurement::expect_as_simulated(const std::filesystem::path& folder, const std::string& node,
+                                      const std::string& drive) const {
+  test::expect_as_simulated(folder, node, kSeed + "&" + drive);
 }
 
 void Measurement::expect_verified(const std::filesystem::path& folder, std::size_t epochs) const {

@@ -21,7 +21,8 @@ class Disk : public test::Measurement {
   }
 
   static constexpr std::uint64_t kMiB = 1 << 20;
-  const std::string drive = "rate=5&seconds=10000";  // the ring holds 20 s of it
+  const std::string length = "seconds=10000";
+  const std::string drive = "rate=5&" + length;  // the ring holds 20 s of it
 
   bool state_is(RecorderState state) {
     return bus.wait([&] { return bus.recorder() && bus.recorder()->state == state; });
@@ -55,6 +56,7 @@ TEST_F(Disk, AFullDiskIsAStateAndLosesNothing) {
   }
   end_well(running, {&front});
   expect_complete(1);
+  expect_as_simulated("front", length);
 }
 
 TEST_F(Disk, ADiskThatTurnsReadOnlyIsAStateAndLosesNothing) {
@@ -79,6 +81,7 @@ TEST_F(Disk, ADiskThatTurnsReadOnlyIsAStateAndLosesNothing) {
   ASSERT_TRUE(more_are_durable(kFront, 500));
   end_well(running, {&front});
   expect_complete(1);
+  expect_as_simulated("front", length);
 }
 
 TEST_F(Disk, AFallbackFolderTakesOverAndTogetherTheyAreComplete) {
@@ -108,6 +111,7 @@ TEST_F(Disk, AFallbackFolderTakesOverAndTogetherTheyAreComplete) {
   const std::filesystem::path whole = work / "whole";
   ASSERT_EQ(test::run("rb", {"recover", record, "--spool", fallback, "-o", whole}, 60), 0);
   expect_complete(whole, 1);
+  expect_as_simulated(whole, "front", length);
 }
 
 }  // namespace

@@ -54,6 +54,7 @@ TEST_F(Flood, TenThousandMalformedDatagramsASecondCostNoSample) {
   ASSERT_TRUE(more_are_durable(kRear, 50));
   end_well(running, {&front, &rear});
   expect_complete(2);
+  for (const char* name : {"front", "rear"}) expect_as_simulated(name, "seconds=10000");
 }
 
 }  // namespace

@@ -82,6 +82,36 @@ TEST_F(Kill, ARecorderKilledAgainAndAgainLosesNothing) {
   EXPECT_GT(within_a_change, 0);
   end_well(last, {&front});
   expect_complete(1);
+  expect_as_simulated("front", "seconds=10000");
+}
+
+// Of the usual 64 MiB, all but full: what it holds is read before the recorder says anything.
+TEST_F(Kill, ARecorderWithALargeSegmentToReadAcknowledgesSoonAfterItsRestart) {
+  constexpr std::uint64_t kLarge = 56 << 20;
+  const int kills = test::full_run() ? 10 : 2;
+  Program front = node("front", "rate=max&seconds=10000");
+  std::vector<double> first_acks_s;
+  std::uint64_t read = 0;
+  for (int k = 0; k <= kills; ++k) {
+    const std::int64_t older = bus.ack(kFront).incarnation;
+    Program killed = recorder();
+    const double first_s = first_ack_s(kFront, older);
+    ASSERT_GE(first_s, 0) << "recorder " << k << " never acknowledged";
+    if (k > 0) first_acks_s.push_back(first_s);
+    const auto size = [&] {
+      const auto segments = segment_numbers(record);
+      return segments.empty() ? 0 : std::filesystem::file_size(segment_path(record, segments.back()));
+    };
+    ASSERT_TRUE(k == kills || bus.wait([&] { return size() > kLarge; }));
+    killed.kill();
+    read = std::max(read, size());
+  }
+  EXPECT_GT(read, kLarge);
+  judge_first_acks(first_acks_s);
+  Program last = recorder();
+  ASSERT_TRUE(more_are_durable(kFront, 1));
+  end_well(last, {&front});
+  expect_verified(record, 1);
 }
 
 TEST_F(Kill, ANodeKilledAndRestartedIsANewEpochAndTheOldOnesEndIsDeclared) {

@@ -14,7 +14,8 @@ class Pause : public test::Measurement {
   // Longer than the owner's lease of 0.7 s.
   const double pause_s = test::full_run() ? 5.0 : 1.5;
   // In real time: at any other rate the simulated device waits for its reader, and nothing could be lost.
-  const std::string drive = "rate=1&seconds=10000";
+  const std::string length = "seconds=10000";
+  const std::string drive = "rate=1&" + length;
 };
 
 TEST_F(Pause, ARecorderThatStandsStillLosesNothing) {
@@ -36,6 +37,7 @@ TEST_F(Pause, ARecorderThatStandsStillLosesNothing) {
   EXPECT_EQ(bus.heartbeat(kFront).owner, before.owner) << "nobody else had asked for the node";
   end_well(running, {&front});
   expect_complete(1);
+  expect_as_simulated("front", length);
 }
 
 // The simulated device keeps all that its reader is late for; the node has to take it in one go.
@@ -52,6 +54,7 @@ TEST_F(Pause, ANodeThatStandsStillCatchesUpAndLosesNothing) {
   ASSERT_TRUE(more_are_durable(kFront, 50));
   end_well(running, {&front});
   expect_complete(1);
+  expect_as_simulated("front", length);
 }
 
 TEST_F(Pause, ABoundedRingDeclaresWhatItCouldNotKeepAndLosesNothingElse) {

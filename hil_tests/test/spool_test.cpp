@@ -26,6 +26,7 @@ TEST_F(Spool, ANodesDiskKeepsWhatItsMemoryCannotWhileTheRecorderIsAway) {
   ASSERT_TRUE(more_are_durable(kFront, 100));
   end_well(running, {&front});
   expect_complete(1);
+  expect_as_simulated("front", "seconds=10000");
   if (!std::filesystem::exists(spool)) return;
   for (const auto& file : std::filesystem::recursive_directory_iterator(spool))
     EXPECT_NE(file.path().extension(), ".lcm") << "not needed any more: " << file.path();

@@ -135,6 +135,7 @@ TEST_F(Network, ThirtyPercentLossDuplicatesAndReorderEachWayLoseNothing) {
   print_figures();
   end_well(running, {&front, &rear});
   expect_complete(2);
+  for (const char* name : {"front", "rear"}) expect_as_simulated(name, "seconds=10000");
 }
 
 TEST_F(Network, OneWayLossEitherWayLosesNothing) {
@@ -151,6 +152,7 @@ TEST_F(Network, OneWayLossEitherWayLosesNothing) {
   print_figures();
   end_well(running, {&front, &rear});
   expect_complete(2);
+  for (const char* name : {"front", "rear"}) expect_as_simulated(name, "seconds=10000");
 }
 
 TEST_F(Network, ACablePulledAndPluggedInAgainLosesNothing) {
@@ -178,6 +180,7 @@ TEST_F(Network, ACablePulledAndPluggedInAgainLosesNothing) {
   ASSERT_TRUE(more_are_durable(kFront, 100));
   end_well(running, {&front, &rear});
   expect_complete(2);
+  for (const char* name : {"front", "rear"}) expect_as_simulated(name, "seconds=10000");
 }
 
 }  // namespace
