@@ -166,6 +166,7 @@ class Salvage {
   void begin_run() {
     for (auto& [key, plan] : plans_)
       if (plan.blocks_in_entry > 0) write_entry(key, plan, last_timestamp_us_);
+    journal_ = {};
     for (auto& [key, counted] : counted_) counted = {.node_losses = counted.node_losses};
   }
 

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "common/bus/codec.hpp"
 #include "common/bus/notes.hpp"
 #include "common/record/journal_tally.hpp"
 #include "common/record/record.hpp"
@@ -51,6 +52,27 @@ TEST_F(SalvageJournalTest, ARestartOfTheRecorderBetweenTwoEntriesContradictsNoth
   start();
   append(51, 300);
   count(51, 300, 0, 0);
+  EXPECT_EQ(salvaged().contradictions, std::vector<std::string>());
+}
+
+// The first entry of a recorder knows of no scan before its own, if it has none.
+TEST_F(SalvageJournalTest, ARunWithoutScansContradictsNothing) {
+  start();
+  append(1, 50);
+  count(1, 50, 0, 0);
+  start();
+  SignalBlock signals;
+  signals.header = {.node = numbered_block(1).header.node,
+                    .epoch = numbered_block(1).header.epoch,
+                    .sequence = 51,
+                    .first_scan = kScansPerBlock};
+  ASSERT_TRUE(signals.add({.signal = 3, .value = 1.0}));
+  SealedBlock sealed;
+  seal(signals, sealed);
+  writer.append(sealed, 1);
+  JournalTally tally;
+  tally.add(sealed);
+  writer.append(kJournalChannel, encode(tally.take(sealed.header.node, sealed.header.epoch)), 1);
   EXPECT_EQ(salvaged().contradictions, std::vector<std::string>());
 }
 
