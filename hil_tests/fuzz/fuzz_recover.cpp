@@ -1,13 +1,18 @@
 #include <algorithm>
+#include <chrono>
 #include <optional>
 #include <set>
 #include <stdexcept>
 #include <string>
 
+#include "common/record/folder.hpp"
 #include "common/record/record.hpp"
+#include "common/record/segment.hpp"
 #include "common/record/test/simulated_disk.hpp"
 #include "hil_tests/fuzz/built_log.hpp"
+#include "hil_tests/fuzz/kept_record.hpp"
 #include "hil_tests/fuzz/property.hpp"
+#include "host/recorder/record_keeper.hpp"
 #include "host/recorder/verify.hpp"
 #include "tools/rb/salvage.hpp"
 
@@ -32,9 +37,81 @@ std::set<std::int64_t> sequences_in(const char* folder, SimulatedDisk& disk) {
   return found;
 }
 
+fuzz::Reached damaged("a damaged record of a recorder"), complete("one that is whole"),
+    gone_on("one that goes on");
+
+/// Blocks that a reader gets, each as its node sealed it.
+fuzz::Sequences honest_blocks(const char* folder, SimulatedDisk& disk) {
+  fuzz::Sequences found;
+  if (!is_folder(folder, disk) || segment_numbers(folder, disk).empty()) return found;
+  RecordReader reader(folder, disk);
+  reader.finish();
+  SealedBlock block;
+  while (const auto event = reader.next()) {
+    if (accept(event->data, block) != Refusal::kNone || block.header.sequence == 0) continue;
+    if (block.kind == BlockKind::kGap) continue;  // a hole: no node of these seals one
+    const SealedBlock* own = fuzz::kept_block(block.header);
+    require(own && std::ranges::equal(own->bytes(), block.bytes()), "no false block");
+    found[{block.header.node, block.header.epoch}].insert(block.header.sequence);
+  }
+  return found;
+}
+
+bool contains(const fuzz::Sequences& all, const fuzz::Sequences& some) {
+  return std::ranges::all_of(some, [&](const auto& of) {
+    const auto found = all.find(of.first);
+    return found != all.end() && std::ranges::includes(found->second, of.second);
+  });
+}
+
+/// Damage to any file of it never makes a record complete that is not; and what can be read, rb recover
+/// keeps.
+void check_kept(fuzz::ByteReader& in) {
+  SimulatedDisk disk;
+  const fuzz::KeptRecord kept = fuzz::KeptRecord::make(in, disk);
+  constexpr const char* kFolder = fuzz::KeptRecord::kFolder;
+  const int times = fuzz::damage_files(kFolder, in, disk);
+  if (times > 0) damaged.count();
+  const fuzz::Sequences readable = honest_blocks(kFolder, disk);
+  if (times == 0) require(contains(readable, kept.written), "what was written is there");
+  const Verdict before = verify_record(kFolder, disk).verdict;
+  if (before == Verdict::kComplete) {
+    complete.count();
+    require(contains(readable, kept.written), "a record that lacks a block is not complete");
+  }
+  if (times == 0 && kept.closed)
+    require(before == Verdict::kComplete || before == Verdict::kIncomplete || readable.empty(),
+            "a record is good");
+
+  try {
+    (void)salvage({kFolder}, "/whole", disk);
+    require(contains(honest_blocks("/whole", disk), readable), "no block that could be read is left out");
+    const Verdict verdict = verify_record("/whole", disk).verdict;
+    require(verdict == Verdict::kComplete || verdict == Verdict::kIncomplete, "each hole is declared");
+    require(verdict == Verdict::kIncomplete || contains(readable, kept.written),
+            "what is not there is not complete");
+  } catch (const std::runtime_error& error) {
+    require(error.what()[0] != 0, "a refusal says why");
+    require(readable.empty(), "what is refused holds no good block");
+  }
+  try {
+    RecordKeeper keeper(disk, KeeperOptions{.folder = kFolder, .reserve_bytes = 0, .ballast_bytes = 0});
+    keeper.set_clocks(0, 0);
+    keeper.begin(100);
+    (void)keeper.close(WallTime(std::chrono::hours(2)));
+    gone_on.count();
+  } catch (const std::runtime_error& error) {
+    require(error.what()[0] != 0, "a refusal says why");
+  }
+  require(contains(honest_blocks(kFolder, disk), readable), "a recorder that goes on loses no block");
+}
+
 void check(std::span<const std::uint8_t> bytes) {
   fuzz::ByteReader in(bytes);
-  const auto half = static_cast<std::size_t>(in.number(2)) % (bytes.size() + 1);
+  constexpr std::uint64_t kOfARecorder = 0x8000;
+  const std::uint64_t how = in.number(2);
+  if (how & kOfARecorder) return check_kept(in);
+  const auto half = static_cast<std::size_t>(how) % (bytes.size() + 1);
   fuzz::ByteReader first(in.take(half));
   const fuzz::Bytes record = fuzz::build_log(first);
   const fuzz::Bytes spool = fuzz::build_log(in);
