@@ -1,11 +1,13 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <utility>
 #include <variant>
 
 #include "common/bus/codec.hpp"
+#include "common/bus/control.hpp"
 #include "common/link/epoch_receiver.hpp"
 #include "hil_tests/fuzz/property.hpp"
 
@@ -26,9 +28,24 @@ class DeliveryCheck {
     require(!is_own || header.sequence == seen.sequence + 1, "no number is passed over");
     require(header.first_scan >= 0 && header.scans >= 0 && header.scans <= kIndexLimit, "scans are counted");
     require(!gap || is_readable(*gap), "every reader accepts a gap that is declared");
+    // What its node still has is lost with the node only.
+    if (gap && gap->cause == GapCause::kLostAtNode && header.sequence >= seen.base) dying_ = &seen;
+    require(!gap || gap->cause != GapCause::kNodeCrash || header.sequence == seen.sequence + 1,
+            "a crash is the next number");
     seen.sequence = header.sequence;
     seen.ended =
         gap ? gap->cause == GapCause::kNodeCrash : std::get<SealedBlock>(delivery).kind == BlockKind::kEnd;
+    if (dying_ == &seen && seen.ended) dying_ = nullptr;
+  }
+  /// All that one message brought was taken.
+  void settled() const {
+    require(!dying_, "only what its node said that it no longer has is lost, unless it has died");
+  }
+
+  /// What the recorder has been told.
+  void heard(const Heartbeat& beat) {
+    std::int64_t& base = seen_[{beat.node, beat.epoch}].base;
+    base = std::max(base, beat.base);
   }
 
   std::int64_t delivered(std::int32_t node, std::int64_t epoch) const {
@@ -49,9 +66,11 @@ class DeliveryCheck {
   static inline Reached reached_{"a delivery"};
   struct Seen {
     std::int64_t sequence = 0;
+    std::int64_t base = 0;  // the highest heard
     bool ended = false;
   };
   std::map<std::pair<std::int32_t, std::int64_t>, Seen> seen_;
+  const Seen* dying_ = nullptr;  // a crash must follow at once
 };
 
 }  // namespace roadbalance::fuzz

@@ -16,7 +16,8 @@ namespace {
 
 using fuzz::require;
 
-fuzz::Reached blocks_sent("a block that is sent"), freed("a block that is durable");
+fuzz::Reached started("a node that records"), blocks_sent("a block that is sent"),
+    freed("a block that is durable");
 constexpr fuzz::TrueNode kNode{3, 77, std::int64_t{1} << 40};
 constexpr std::size_t kRingBlocks = 32;
 
@@ -57,7 +58,12 @@ class Run {
     }
   }
 
+  // As the sampling process does it.
   void produce(std::int64_t count) {
+    if (acquire_.start.load() && acquire_.state == NodeState::kPreview) acquire_.state = NodeState::kStarted;
+    if (acquire_.state == NodeState::kStarted) started.count();
+    if (acquire_.stop.load() && in_.below(2) == 1) acquire_.state = NodeState::kEnded;
+    if (acquire_.state == NodeState::kEnded) count = 0;
     for (; count > 0; --count) {
       SealedBlock* room = ring_.claim();
       if (!room) return require(ring_.used() > 0, "a full ring holds blocks");
@@ -89,7 +95,9 @@ class Run {
     link_.take(ack_channel(kNode.node), bytes, now_);
   }
 
+  // One of a recorder before the one that the node obeys frees nothing.
   void note(const Ack& ack) {
+    if (ack.incarnation < link_.owner()) return;
     if (ack.epoch == kNode.epoch && ack.durable < ring_.next()) durable_ = std::max(durable_, ack.durable);
   }
 

@@ -25,18 +25,23 @@ class Run {
     if (in_.byte() & 1) recover();
     while (!in_.empty()) {
       step();
-      for (const Delivery& delivery : out_) deliveries_.take(delivery);
+      take_all();
       fuzz::require(out_.size() <= 4 * static_cast<std::size_t>(kSmall.window),
                     "one message delivers no more than the windows hold");
       out_.clear();
     }
     now_ += std::chrono::seconds(1);
     receiver_.finish(now_, out_);
-    for (const Delivery& delivery : out_) deliveries_.take(delivery);
+    take_all();
     for (const Ack& ack : receiver_.due(now_)) acks_.take(ack);
   }
 
  private:
+  void take_all() {
+    for (const Delivery& delivery : out_) deliveries_.take(delivery);
+    deliveries_.settled();
+  }
+
   void recover() {
     const auto& node = kHonest[0];
     const std::int64_t through = in_.below(node.last);
@@ -83,7 +88,7 @@ class Run {
 
   void honest_heartbeat() {
     const auto& node = honest();
-    receiver_.take(node.some_heartbeat(in_, delivered(node)), now_, out_);
+    hear(node.some_heartbeat(in_, delivered(node)));
   }
 
   std::int64_t index() {
@@ -110,6 +115,11 @@ class Run {
     beat.next = std::max<std::int64_t>(1, index());
     beat.base = std::clamp<std::int64_t>(index(), 1, beat.next);
     beat.state = static_cast<NodeState>(in_.below(4));
+    hear(beat);
+  }
+
+  void hear(const Heartbeat& beat) {
+    deliveries_.heard(beat);
     receiver_.take(beat, now_, out_);
   }
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <map>
 
 #include "common/bus/bus.hpp"
 #include "hil_tests/fuzz/ack_check.hpp"
@@ -16,6 +17,8 @@ namespace roadbalance {
 namespace {
 
 constexpr std::array<fuzz::TrueNode, 3> kHonest{{{1, 11, 60}, {1, 12, 1000}, {2, 21, 9}}};
+
+fuzz::Reached answered("a command that is answered");
 
 class Run {
  public:
@@ -53,6 +56,8 @@ class Run {
       default:
         if (const auto what = in_.byte(); what == 0)
           link_.stop(now_);
+        else if (what % 4 == 2)
+          answer();
         else
           link_.set_credit_open(what & 1);
         (void)link_.over(now_);
@@ -75,7 +80,26 @@ class Run {
     const auto& node = honest();
     Heartbeat beat = node.some_heartbeat(in_, delivered(node));
     beat.owner = in_.below(3);
-    link_.take(heartbeat_channel(node.node), encode(beat), now_);
+    hear(node.node, encode(beat));
+  }
+
+  void hear(std::int32_t node, std::span<const std::uint8_t> bytes) {
+    if (const auto beat = decode_heartbeat(bytes)) deliveries_.heard(*beat);
+    link_.take(heartbeat_channel(node), bytes, now_);
+  }
+
+  // Of a node that obeys, or says why it does not.
+  void answer() {
+    const auto& node = honest();
+    const auto asked = asked_.find(node.node);
+    if (asked == asked_.end()) return;
+    answered.count();
+    const Reply reply{.node = node.node,
+                      .epoch = node.epoch,
+                      .request = asked->second.request,
+                      .result = static_cast<CommandError>(in_.below(6)),
+                      .sequence = in_.below(64)};
+    link_.take(reply_channel(node.node), encode(reply), now_);
   }
 
   // Of the nodes 7 and 8, which say what they like.
@@ -84,12 +108,13 @@ class Run {
     const std::uint8_t how = in_.byte();
     const auto bytes = in_.take(static_cast<std::size_t>(in_.below(200)));
     if (how & 1)
-      link_.take(heartbeat_channel(node), fuzz::in_form(encode(Heartbeat{.node = node, .epoch = 1}), bytes),
-                 now_);
+      hear(node, fuzz::in_form(encode(Heartbeat{.node = node, .epoch = 1}), bytes));
     else if (how & 2)
       link_.take(reply_channel(node), fuzz::in_form(encode(Reply{.node = node, .epoch = 1}), bytes), now_);
+    else if (how & 4)
+      link_.take(block_channel(node, BlockKind::kScan), bytes, now_);
     else
-      link_.take(how & 4 ? block_channel(node, BlockKind::kScan) : heartbeat_channel(node), bytes, now_);
+      hear(node, bytes);
   }
 
   void durable() {
@@ -101,6 +126,7 @@ class Run {
 
   void deliver() {
     for (const Delivery& delivery : link_.deliveries()) deliveries_.take(delivery);
+    deliveries_.settled();
   }
 
   void turn() {
@@ -111,6 +137,7 @@ class Run {
       } else {
         const auto command = decode_command(bytes);
         fuzz::require(command && channel == command_channel(command->node), "what is no ack is a command");
+        asked_[command->node] = *command;
       }
       return in_.byte() % 16 != 1;  // now and then this computer will not send
     });
@@ -121,6 +148,7 @@ class Run {
   RecorderLink link_{{}, 1, {}};
   fuzz::DeliveryCheck deliveries_;
   fuzz::AckCheck acks_;
+  std::map<std::int32_t, Command> asked_;  // of each node, the last one
 };
 
 }  // namespace
