@@ -27,7 +27,7 @@ struct Options {
   double rate = 20;
   double settle_s = 60;
   double sample_s = 1;
-  double most_growth_mib = 1;
+  double most_growth_mb = 1;
   double least_share = 0.9;
 };
 
@@ -76,11 +76,11 @@ class Soak {
       well = well && durable > 0 && heartbeat.scans_missing == 0 && kept_pace(heartbeat);
     }
     for (const auto& watched : watched_) {
-      constexpr double kMiB = 1 << 20;
-      const double growth_mib = static_cast<double>(watched.memory.growth_bytes()) / kMiB;
-      std::printf("%s: %.2f MiB when settled, grew by %.2f MiB\n", watched.name.c_str(),
-                  static_cast<double>(watched.memory.settled_bytes()) / kMiB, growth_mib);
-      well = well && watched.memory.has_settled() && growth_mib < options_.most_growth_mib;
+      constexpr double kMB = 1e6;
+      const double growth_mb = static_cast<double>(watched.memory.growth_bytes()) / kMB;
+      std::printf("%s: %.2f MB when settled, grew by %.2f MB\n", watched.name.c_str(),
+                  static_cast<double>(watched.memory.settled_bytes()) / kMB, growth_mb);
+      well = well && watched.memory.has_settled() && growth_mb < options_.most_growth_mb;
     }
     return well;
   }
@@ -133,7 +133,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0.001, 1e6))
       ->capture_default_str();
   app.add_option("--settle", options.settle_s, "seconds that count as the start")->capture_default_str();
-  app.add_option("--growth-mib", options.most_growth_mib, "allowed after the start")->capture_default_str();
+  app.add_option("--growth-mb", options.most_growth_mb, "MB allowed after the start")->capture_default_str();
   app.add_option("--least-share", options.least_share, "of the scans that the rate asks for")
       ->capture_default_str();
   app.footer(
