@@ -1,7 +1,12 @@
 #pragma once
 
+#include <cxxabi.h>
+
 #include <cstdint>
+#include <cstdlib>
+#include <memory>
 #include <span>
+#include <string>
 #include <typeinfo>
 #include <vector>
 
@@ -25,10 +30,18 @@ bool check_round_trip(std::span<const std::uint8_t> bytes, Decode decode) {
   return true;
 }
 
+/// As it is written in the code.
+inline std::string name_of(const std::type_info& type) {
+  const std::unique_ptr<char, decltype(&std::free)> name(
+      abi::__cxa_demangle(type.name(), nullptr, nullptr, nullptr), &std::free);
+  return name ? name.get() : type.name();
+}
+
 /// The bytes as they came, and with size, fingerprint and CRC of a Message.
 template <typename Message, typename Decode>
 void check_message(std::span<const std::uint8_t> bytes, Decode decode) {
-  static Reached messages(typeid(Message).name());
+  static const std::string name = name_of(typeid(Message));
+  static Reached messages(name.c_str());
   check_round_trip(bytes, decode);
   const std::vector<std::uint8_t> form = encode(Message{});
   const std::vector<std::uint8_t> formed = in_form(form, bytes);
