@@ -70,11 +70,13 @@ void BesideCheck::take(const SignalSample& sample) {
 }
 
 void BesideCheck::check_lost() {
-  for (const std::int64_t time_ns : lost_ns_)
-    if (std::ranges::none_of(gaps_,
-                             [&](const Gap& gap) { return gap.begin_ns <= time_ns && time_ns < gap.end_ns; }))
+  for (const std::int64_t time_ns : lost_ns_) {
+    const auto is_in = [&](const Gap& gap) { return gap.begin_ns <= time_ns && time_ns < gap.end_ns; };
+    if (std::ranges::any_of(gaps_, is_in))
+      truth_.lost_beside();
+    else
       fault("lost an edge or a signal outside of any gap");
-  truth_.lost_beside(static_cast<std::int64_t>(lost_ns_.size()));
+  }
   lost_ns_.clear();
 }
 

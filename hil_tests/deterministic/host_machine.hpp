@@ -114,6 +114,7 @@ class HostMachine {
   void turn_operating(std::int64_t now_ns, const Publish& publish);
   std::unique_ptr<Session> lead(const RecorderOptions& options);
   bool book_may_be_old() const;
+  bool disk_may_fail() const;
   void check_begun(const RecorderOptions& options);
   void watch(const Answer& answer);
   void check_file(const Answer& done);

@@ -71,6 +71,7 @@ void HostMachine::Led::take(std::string_view channel, std::span<const std::uint8
 void HostMachine::Led::fail(const std::string& why) {
   if (has_run_) status_ = view().status;
   report_ = program_->link.report();
+  report_.marks = program_->keeper.durable_marks();
   error_ = why;
   program_.reset();
   if (host_.failing_ > 0) host_.may_be_torn_.insert(recording_);
@@ -248,6 +249,12 @@ void HostMachine::take_notes(const std::string& recording, std::span<const std::
     truth_.fault("\"" + note->text + "\" is set twice");
 }
 
+bool HostMachine::disk_may_fail() const {
+  return std::ranges::any_of(scenario_.faults, [](const PlannedFault& fault) {
+    return fault.kind == FaultKind::kDiskFull || fault.kind == FaultKind::kDiskFailing;
+  });
+}
+
 void HostMachine::check_asked(const std::vector<Asker::Asked>& asked) {
   for (const auto& [request, at_ns, unsure_deaths, answer, is_unsure, under_way] : asked) {
     const bool done = answer && answer->state == AnswerState::kDone;
@@ -262,7 +269,8 @@ void HostMachine::check_asked(const std::vector<Asker::Asked>& asked) {
     if (request.operation != Operation::kMark || !answer) continue;
     const auto found = marks_.find(request.text);
     if (done && found == marks_.end()) truth_.fault("\"" + request.text + "\" is done and not in the record");
-    if (refused && answer->reason != RefusalReason::kDisk && !is_unsure && found != marks_.end())
+    const bool may_be_there = answer->reason == RefusalReason::kDisk && disk_may_fail();
+    if (refused && !may_be_there && !is_unsure && found != marks_.end())
       truth_.fault("\"" + request.text + "\" is refused and in the record");
   }
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <string>
+#include <utility>
 
 #include "common/bus/codec.hpp"
 #include "common/bus/control.hpp"
@@ -37,8 +38,6 @@ SpoolFolder::Options spool_options(const FaultScenario& scenario, std::int32_t n
           .epoch = epoch};
 }
 
-constexpr std::size_t kRounding = 20 * 4096;  // a page of each of a spool's segments
-
 WallTime wall(std::int64_t ns) {
   return WallTime(std::chrono::nanoseconds(ns));
 }
@@ -46,7 +45,7 @@ WallTime wall(std::int64_t ns) {
 }  // namespace
 
 NodeMachine::Program::Program(const FaultScenario& scenario, const VehicleConfig& vehicle, std::int32_t node,
-                              EpochTruth& of, Truth& all, VehicleChange& change, SimulatedDisk& disk)
+                              EpochTruth& of, Truth& all, VehicleChange& change, Disk& disk)
     : truth(of),
       beside(all, node, static_cast<std::int64_t>(1e9 / scenario.rate_hz)),
       ring(bytes_of(scenario.ring_mib)),
@@ -55,7 +54,6 @@ NodeMachine::Program::Program(const FaultScenario& scenario, const VehicleConfig
       spool(scenario.spool_mib > 0
                 ? std::make_unique<SpoolFolder>(spool_options(scenario, node, of.epoch), disk)
                 : nullptr),
-      most_bytes(disk.used_bytes() + static_cast<std::int64_t>(bytes_of(scenario.spool_mib) + kRounding)),
       backlog(ring, spool.get()),
       uplink(node, of.epoch, backlog, preview, link, change),
       samples(node, of.epoch) {}
@@ -67,6 +65,7 @@ NodeMachine::NodeMachine(const FaultScenario& scenario, std::int32_t number, std
       random_(seed, 0),
       vehicle_(plain_vehicle(number, scenario.rate_hz, scenario.vehicle)),
       disk_(random_.bits()),
+      spool_bytes_(static_cast<std::int64_t>(bytes_of(scenario.spool_mib))),
       clock_offset_ns_(random_.below(std::int64_t{1} << 50)),
       clock_drift_(random_.between(-50e-6, 50e-6)),
       scans_(kScansPerRead),
@@ -80,25 +79,28 @@ void NodeMachine::boot(std::int64_t now_ns) {
   last_epoch_ = epoch;
   if (!change_) change_.emplace(vehicle_.text, scenario_.is_operated());
   disk_.set_fault(nullptr);
-  if (scenario_.spool_mib > 0) (void)left_spools();
+  if (scenario_.spool_mib > 0) (void)left_spools();  // which makes their folder, as rb-node does
   program_ = std::make_unique<Program>(scenario_, vehicle_, number_, truth_.open(number_, epoch), truth_,
                                        *change_, disk_);
-  disk_.set_fault([this](DiskCall, std::int64_t, const std::string&) {
+  disk_.set_fault([this](DiskCall call, std::int64_t, const std::string&) {
     if (!random_.chance(spool_failing_)) return SimulatedDisk::Outcome{};
-    program_->truth.gave_up = true;
+    // What it does not take stays in memory; only what it does not give back may be given up.
+    if (call == DiskCall::kOpen || call == DiskCall::kRead) program_->truth.gave_up = true;
     return SimulatedDisk::Outcome{.error = EIO};
   });
   program_->started_ns = now_ns;
   paused_ = hung_ = false;
 }
 
-void NodeMachine::kill() {
+void NodeMachine::kill(bool power) {
   if (!program_) return;
   program_->truth.killed = !program_->truth.ended || program_->backlog.used() > 0;
   disk_.set_fault(nullptr);
+  if (power) disk_.cut_power();
   disk_.kill();
+  disk_.power_on();
   if (program_->spool && program_->spool->base() < program_->spool->next())
-    check_left_spool(program_->spool->base(), program_->spool->next());
+    take_left_spool(program_->spool->base(), program_->spool->next());
   program_.reset();
   change_.reset();
   vehicle_.text = plain_vehicle(number_, scenario_.rate_hz, scenario_.vehicle).text;
@@ -110,8 +112,8 @@ std::vector<std::filesystem::path> NodeMachine::left_spools() {
       kSpools, [this](const std::string& what) { fault(what); }, disk_);
 }
 
-// What its disk held, `rb recover --spool` finds there.
-void NodeMachine::check_left_spool(std::int64_t base, std::int64_t next) {
+// What its disk held, `rb recover --spool` finds there.  The user takes it away.
+void NodeMachine::take_left_spool(std::int64_t base, std::int64_t next) {
   const auto folder = spool_path(kSpools, number_, last_epoch_);
   const auto left = left_spools();
   if (std::find(left.begin(), left.end(), folder) == left.end())
@@ -129,6 +131,17 @@ void NodeMachine::check_left_spool(std::int64_t base, std::int64_t next) {
           std::to_string(next));
   for (const int segment : segment_numbers(folder, disk_)) remove_file(segment_path(folder, segment), disk_);
   sync_folder(folder, disk_);
+}
+
+// By the names that are there: what is removed takes space until its folder is synced.
+std::int64_t NodeMachine::spool_size() {
+  const double failing = std::exchange(spool_failing_, 0);
+  const auto folder = spool_path(kSpools, number_, last_epoch_);
+  std::int64_t bytes = 0;
+  for (const std::string& name : list_folder(folder, disk_))
+    bytes += static_cast<std::int64_t>(disk_.content((folder / name).string()).size());
+  spool_failing_ = failing;
+  return bytes;
 }
 
 void NodeMachine::fault(const std::string& what) {
@@ -185,14 +198,15 @@ bool NodeMachine::turn(std::int64_t now_ns, const Publish& publish) {
   const std::int64_t before = program_->backlog.base();
   const bool busy = program_->uplink.turn(wall(clock_ns(now_ns)), publish);
   watch_freed({}, {}, before);
-  if (program_->ring.used() > program_->ring.capacity()) fault("holds more blocks than it has room for");
-  if (disk_.used_bytes() > program_->most_bytes) fault("its spool is larger than it may be");
+  if (disk_.used_bytes() > spool_bytes_ && spool_size() > spool_bytes_)
+    fault("its spool is larger than it may be");
   return busy;
 }
 
 void NodeMachine::leave(const Publish& publish) {
   program_->uplink.farewell(publish);
   program_->truth.gone = true;
+  disk_.set_fault(nullptr);
   program_.reset();
 }
 

@@ -29,7 +29,8 @@ class NodeMachine {
   ~NodeMachine();
 
   void boot(std::int64_t now_ns);
-  void kill();
+  /// @param power  what its disk has not synced is gone or torn
+  void kill(bool power);
   bool runs() const { return program_ != nullptr && !paused_; }
   bool is_up() const { return program_ != nullptr; }
   /// SIGSTOP and SIGCONT.
@@ -68,7 +69,8 @@ class NodeMachine {
   void read(std::int64_t now_ns);
   void give_what_stands_beside(std::size_t scans);
   std::vector<std::filesystem::path> left_spools();
-  void check_left_spool(std::int64_t base, std::int64_t next);
+  std::int64_t spool_size();
+  void take_left_spool(std::int64_t base, std::int64_t next);
   void fault(const std::string& what);
   void watch_freed(std::string_view what, std::span<const std::uint8_t> bytes, std::int64_t base_before);
 
@@ -79,12 +81,13 @@ class NodeMachine {
   VehicleConfig vehicle_;
   std::optional<VehicleChange> change_;  // outlives the epochs
   bool was_killed_ = false;
+  SimulatedDisk disk_;  // outlives the epochs, and what uses it
   std::unique_ptr<Program> program_;
   bool paused_ = false;
   bool hung_ = false;
   double spool_failing_ = 0;
   std::int64_t last_epoch_ = 0;
-  SimulatedDisk disk_;  // outlives the epochs
+  const std::int64_t spool_bytes_;
   std::int64_t clock_offset_ns_;
   double clock_drift_;
   std::vector<Scan> scans_;               // of one read

@@ -42,7 +42,7 @@ class WitnessedSink final : public BlockSink {
 /// One run of a node: from its start to its end or death.
 struct NodeMachine::Program {
   Program(const FaultScenario& scenario, const VehicleConfig& vehicle, std::int32_t node, EpochTruth& of,
-          Truth& all, VehicleChange& change, SimulatedDisk& disk);
+          Truth& all, VehicleChange& change, Disk& disk);
 
   EpochTruth& truth;
   BesideCheck beside;
@@ -52,7 +52,6 @@ struct NodeMachine::Program {
   AcquireLink link;
   Sealer sealer;
   std::unique_ptr<SpoolFolder> spool;
-  const std::int64_t most_bytes;  // on its disk
   Backlog backlog;
   NodeLink uplink;
   HashedScans samples;

@@ -29,6 +29,8 @@ struct RunResult {
   std::int64_t clock_covered = 0;
   std::int64_t faults = 0;        ///< promises broken
   std::array<char, 1600> what{};  ///< the first of them, one a line
+
+  bool operator==(const RunResult&) const = default;
 };
 
 }  // namespace roadbalance::test

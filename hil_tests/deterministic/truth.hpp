@@ -72,9 +72,9 @@ class Truth {
   void set_now(std::int64_t now_ns) { now_ns_ = now_ns; }
   const std::vector<std::string>& faults() const { return faults_; }
   std::int64_t fault_count() const { return fault_count_; }
-  /// Edges or signals that are lost inside a gap.
-  void lost_beside(std::int64_t count) { lost_beside_ += count; }
-  std::int64_t lost_beside() const { return lost_beside_; }
+  /// An edge or a signal is lost inside a gap.
+  void lost_beside() { ++lost_beside_; }
+  std::int64_t times_lost_beside() const { return lost_beside_; }
   std::int64_t blocks_sealed() const { return blocks_sealed_; }
 
  private:

@@ -38,7 +38,7 @@ void World::turn_node_fault(const Timed& timed, std::size_t which, bool on) {
       return;
     case FaultKind::kKillNode:
       node.down += on ? 1 : -1;
-      if (on) node.machine->kill();
+      if (on) node.machine->kill(timed.chance < 0.5);
       if (!on) boot_node(which);
       return;
     case FaultKind::kPauseNode:

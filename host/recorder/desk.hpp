@@ -52,6 +52,8 @@ class Desk {
   /// @param has_samples    samples of a node are on the disk
   /// @param durable_marks  so are marks through this number
   void runs(bool has_samples, std::int32_t durable_marks, std::int64_t utc_us);
+  /// The same of marks alone, at the end of a session.
+  void marks_are_durable(std::int32_t through);
   /// It has come to its end as told, with these receipts; nodes that were cut off hold the rest of it.
   /// @return rests of recordings before that are not fetched any more, for the book has no room: to be
   /// declared

@@ -35,6 +35,12 @@ void Desk::runs(bool has_samples, std::int32_t durable_marks, std::int64_t utc_u
   say_durable_marks(durable_marks, utc_us);
 }
 
+void Desk::marks_are_durable(std::int32_t through) {
+  if (!book_.under_way) return;
+  std::int32_t& durable = book_.under_way->durable_marks;
+  durable = std::max(durable, through);
+}
+
 void Desk::say_durable_marks(std::int32_t durable_marks, std::int64_t utc_us) {
   for (Answer& known : known_) {
     if (known.operation != Operation::kMark || known.state != AnswerState::kUnderWay) continue;

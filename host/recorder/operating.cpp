@@ -175,7 +175,10 @@ void Operating::look_after_recording() {
   if (!view.is_over) return tell_who_differs();
   session_.reset();
   mark_readings_.forget();
-  if (view.error.empty()) return finish(view.report);
+  if (view.error.empty()) {
+    desk_.marks_are_durable(view.report.marks);
+    return finish(view.report);
+  }
   warn(view.error);
   failed_at_ = time_.now;
   if (ends_) throw std::runtime_error(view.error);

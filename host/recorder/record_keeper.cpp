@@ -273,7 +273,7 @@ void RecordKeeper::fill(RecorderStatus& status) const {
   status.waiting_blocks = held_blocks_;
   status.disk_failures = health_.failures();
   status.segments_deleted = segments_deleted_;
-  status.marks = static_cast<std::int32_t>(last_durable_mark_);
+  status.marks = durable_marks();
 }
 
 }  // namespace roadbalance

@@ -108,6 +108,8 @@ class RecordKeeper {
   bool wants_credit() const { return state() == RecorderState::kRecording; }
   /// Blocks wait and this is why they are not on the disk.
   std::optional<std::string> failure() const;
+  /// The number of the last mark that is on the disk.
+  std::int32_t durable_marks() const { return static_cast<std::int32_t>(last_durable_mark_); }
   /// Fills in what the disk side of the recorder knows.
   void fill(RecorderStatus& status) const;
   /// Sentences for people, since the last call.

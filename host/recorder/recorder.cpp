@@ -89,6 +89,7 @@ RecorderReport run_recorder(std::stop_token stop, const RecorderOptions& options
   recorder.run(receive, std::cref(options), std::cref(incarnation), std::cref(keeper.recovered()),
                std::move(batches_out), std::move(news_in), std::move(peers_out), std::ref(report));
   recorder.wait();
+  report.marks = keeper.durable_marks();
   return report;
 }
 

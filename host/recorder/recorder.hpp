@@ -60,6 +60,7 @@ struct RecorderReport {
   /// Acknowledgements and commands that this computer would not send.
   std::int64_t unsent = 0;
   std::int64_t incarnation = 0;  ///< of the recorder, the last one if it was raised
+  std::int32_t marks = 0;        ///< set, and on the disk
 };
 
 struct RecorderOptions {

@@ -20,14 +20,10 @@ CampaignOptions seeds(std::uint64_t first, std::int64_t count, int jobs = 1) {
   return options;
 }
 
-// All that a run counts, and what it found; the processor's time is nobody's promise.
-std::string told(RunResult run) {
-  run.processor_s = 0;
-  Summary summary;
-  summary.all = run;
-  return std::to_string(run.seed) + ": " + line_of(summary) + " sent " + std::to_string(run.sent) +
-         " recorded " + std::to_string(run.recorded) + " scans " + std::to_string(run.scans) + " over at " +
-         std::to_string(run.bus_s) + ", " + run.what.data();
+// But for the processor's time, which nobody promises.
+bool is_the_same(RunResult a, RunResult b) {
+  a.processor_s = b.processor_s = 0;
+  return a == b;
 }
 
 TEST(FaultCampaign, OneSeedIsOneRunInWhicheverProcessAndBehindWhicheverOther) {
@@ -36,11 +32,12 @@ TEST(FaultCampaign, OneSeedIsOneRunInWhicheverProcessAndBehindWhicheverOther) {
   const auto side_by_side = run_seeds(scenario, seeds(7, 3, 3));
   ASSERT_EQ(in_turn.size(), 3u);
   ASSERT_EQ(side_by_side.size(), 3u);
-  for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(told(in_turn[k]), told(side_by_side[k]));
+  for (std::size_t k = 0; k < 3; ++k)
+    EXPECT_TRUE(is_the_same(in_turn[k], side_by_side[k])) << in_turn[k].seed;
   EXPECT_NE(in_turn[0].sent, in_turn[1].sent) << "another seed is another run";
   const auto again = run_seeds(scenario, seeds(9, 1));
   ASSERT_EQ(again.size(), 1u);
-  EXPECT_EQ(told(again[0]), told(in_turn[2])) << "as the printed command repeats it";
+  EXPECT_TRUE(is_the_same(again[0], in_turn[2])) << "as the printed command repeats it";
 }
 
 TEST(FaultCampaign, ASeedWithoutAResultIsMissed) {

@@ -130,6 +130,21 @@ TEST_F(DeskTest, AMarkOfARecordingThatHasEndedKeepsItsLastWordInAnotherRecorder)
   EXPECT_EQ(last(another).reason, RefusalReason::kNotRecording);
 }
 
+// The commit that closes the record is the first with it.
+TEST_F(DeskTest, AMarkThatIsDurableAtTheEndOnlyIsDone) {
+  Desk desk = this->desk();
+  desk.take(ask(Operation::kStart, 1, "drive"), kNow, {2});
+  desk.take(ask(Operation::kMark, 2, "bridge"), kNow, {2});
+  desk.take(ask(Operation::kStop, 3), kNow, {2});
+  desk.runs(true, 0, kNow);
+  (void)desk.answers();
+  desk.marks_are_durable(1);
+  desk.ended({}, {}, kNow, kNow / 1000 + 500);
+  const Answer mark = last(desk);
+  EXPECT_EQ(mark.operation, Operation::kMark);
+  EXPECT_EQ(mark.state, AnswerState::kDone) << mark.text;
+}
+
 TEST_F(DeskTest, ASecondStartIsRefusedAndChangesNothing) {
   Desk desk = this->desk();
   desk.take(ask(Operation::kStart, 1, "drive"), kNow, {2});
