@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <utility>
 #include <variant>
 
@@ -29,17 +30,17 @@ class DeliveryCheck {
     require(header.first_scan >= 0 && header.scans >= 0 && header.scans <= kIndexLimit, "scans are counted");
     require(!gap || is_readable(*gap), "every reader accepts a gap that is declared");
     // What its node still has is lost with the node only.
-    if (gap && gap->cause == GapCause::kLostAtNode && header.sequence >= seen.base) dying_ = &seen;
+    if (gap && gap->cause == GapCause::kLostAtNode && header.sequence >= seen.base) dying_.insert(&seen);
     require(!gap || gap->cause != GapCause::kNodeCrash || header.sequence == seen.sequence + 1,
             "a crash is the next number");
     seen.sequence = header.sequence;
     seen.ended =
         gap ? gap->cause == GapCause::kNodeCrash : std::get<SealedBlock>(delivery).kind == BlockKind::kEnd;
-    if (dying_ == &seen && seen.ended) dying_ = nullptr;
+    if (seen.ended) dying_.erase(&seen);
   }
   /// All that one message brought was taken.
   void settled() const {
-    require(!dying_, "only what its node said that it no longer has is lost, unless it has died");
+    require(dying_.empty(), "only what its node said that it no longer has is lost, unless it has died");
   }
 
   /// What the recorder has been told.
@@ -70,7 +71,7 @@ class DeliveryCheck {
     bool ended = false;
   };
   std::map<std::pair<std::int32_t, std::int64_t>, Seen> seen_;
-  const Seen* dying_ = nullptr;  // a crash must follow at once
+  std::set<const Seen*> dying_;  // a crash must follow before the next message
 };
 
 }  // namespace roadbalance::fuzz

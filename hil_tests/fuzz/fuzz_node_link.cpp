@@ -95,9 +95,9 @@ class Run {
     link_.take(ack_channel(kNode.node), bytes, now_);
   }
 
-  // One of a recorder before the one that the node obeys frees nothing.
+  // Only the recorder that the node obeys frees anything.
   void note(const Ack& ack) {
-    if (ack.incarnation < link_.owner()) return;
+    if (link_.owner() == 0 || ack.incarnation != link_.owner()) return;
     if (ack.epoch == kNode.epoch && ack.durable < ring_.next()) durable_ = std::max(durable_, ack.durable);
   }
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <map>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -64,6 +65,13 @@ bool contains(const fuzz::Sequences& all, const fuzz::Sequences& some) {
   });
 }
 
+std::map<std::string, fuzz::Bytes> files_of(const char* folder, SimulatedDisk& disk) {
+  std::map<std::string, fuzz::Bytes> files;
+  for (const std::string& name : list_folder(folder, disk))
+    files[name] = disk.content(std::string(folder) + "/" + name);
+  return files;
+}
+
 /// Damage to any file of it never makes a record complete that is not; and what can be read, rb recover
 /// keeps.
 void check_kept(fuzz::ByteReader& in) {
@@ -73,23 +81,25 @@ void check_kept(fuzz::ByteReader& in) {
   const int times = fuzz::damage_files(kFolder, in, disk);
   if (times > 0) damaged.count();
   const fuzz::Sequences readable = honest_blocks(kFolder, disk);
-  if (times == 0) require(contains(readable, kept.written), "what was written is there");
+  if (times == 0) require(contains(readable, kept.durable), "what was written is there");
   const Verdict before = verify_record(kFolder, disk).verdict;
   if (before == Verdict::kComplete) {
     complete.count();
-    require(contains(readable, kept.written), "a record that lacks a block is not complete");
+    require(contains(readable, kept.durable), "a record that lacks a block is not complete");
   }
-  if (times == 0 && kept.closed)
-    require(before == Verdict::kComplete || before == Verdict::kIncomplete || readable.empty(),
-            "a record is good");
+  if (times == 0 && kept.closed && !readable.empty())
+    require(before == (kept.has_all ? Verdict::kComplete : Verdict::kIncomplete), "a record is good");
+  const auto original = files_of(kFolder, disk);
 
   try {
     (void)salvage({kFolder}, "/whole", disk);
-    require(contains(honest_blocks("/whole", disk), readable), "no block that could be read is left out");
+    require(files_of(kFolder, disk) == original, "the originals stay as they are");
+    const fuzz::Sequences whole = honest_blocks("/whole", disk);
+    require(contains(whole, readable), "no block that could be read is left out");
     const Verdict verdict = verify_record("/whole", disk).verdict;
     require(verdict == Verdict::kComplete || verdict == Verdict::kIncomplete, "each hole is declared");
-    require(verdict == Verdict::kIncomplete || contains(readable, kept.written),
-            "what is not there is not complete");
+    require(verdict == Verdict::kIncomplete || contains(whole, kept.durable),
+            "what lacks a block is not complete");
   } catch (const std::runtime_error& error) {
     require(error.what()[0] != 0, "a refusal says why");
     require(readable.empty(), "what is refused holds no good block");

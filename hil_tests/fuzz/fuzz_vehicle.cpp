@@ -28,7 +28,7 @@ std::optional<VehicleConfig> changed(auto&& change) {
   return VehicleConfig::parse(text, "changed.toml");
 }
 
-// Whatever way its user wrote it, one value of it is another and all else as it was.
+// Whatever way its user wrote it, one value of it is another, and no other channel or node is.
 void check_changes(const VehicleConfig& vehicle) {
   const std::uint32_t chance =
       crc32c(std::span(reinterpret_cast<const std::uint8_t*>(vehicle.text.data()), vehicle.text.size()));
@@ -51,6 +51,10 @@ void check_changes(const VehicleConfig& vehicle) {
         const double wanted = k == n && m == c ? range : was.channel[m].range_m_s2;
         require(is.channel[m].range_m_s2 == wanted, "one range is changed, and no other");
         require(is.channel[m].name == was.channel[m].name, "channels keep their names");
+        require((k == n && m == c) ||
+                    (is.channel[m].scale_m_s2_per_count == was.channel[m].scale_m_s2_per_count &&
+                     is.channel[m].offset_counts == was.channel[m].offset_counts),
+                "and their calibrations");
       }
     }
   }

@@ -16,7 +16,7 @@ namespace {
 using test::SimulatedDisk;
 
 constexpr std::array<TrueNode, 2> kNodes{{{1, 5, 40}, {2, -6, 25}}};
-constexpr std::uint64_t kSegmentBytes = 12 << 10;
+constexpr std::uint64_t kSegmentBytes = 24 << 10;  // of which a segment's own description takes 14
 constexpr int kMostSteps = 32;
 
 // Of each node, by sequence - 1.
@@ -47,12 +47,14 @@ class Recorder {
   }
   void commit() {
     now_ += std::chrono::seconds(1);
-    (void)keeper_->commit(now_);
+    note(keeper_->commit(now_));
     keeper_->keep_house();
   }
-  void kill() {
+  void kill(bool power) {
+    if (power) disk_.cut_power();
     disk_.kill();
     keeper_.reset();
+    disk_.power_on();
   }
   void start() {
     keeper_.emplace(disk_, KeeperOptions{.folder = KeptRecord::kFolder,
@@ -70,22 +72,27 @@ class Recorder {
   }
   void close() {
     now_ += std::chrono::seconds(1);
-    (void)keeper_->close(now_);
+    note(keeper_->close(now_));
     keeper_.reset();
   }
-  Sequences written() const {
-    Sequences all;
+  const Sequences& durable() const { return durable_; }
+  bool has_all() const {
     for (std::size_t n = 0; n < kNodes.size(); ++n)
-      for (std::size_t k = 1; k <= next_[n]; ++k)
-        all[{kNodes[n].node, kNodes[n].epoch}].insert(static_cast<std::int64_t>(k));
-    return all;
+      if (next_[n] > 0 && next_[n] < blocks_of(n).size()) return false;
+    return true;
   }
 
  private:
+  void note(const std::vector<DurableMark>& marks) {
+    for (const DurableMark& mark : marks)
+      for (std::int64_t k = 1; k <= mark.sequence; ++k) durable_[{mark.node, mark.epoch}].insert(k);
+  }
+
   SimulatedDisk& disk_;
   std::optional<RecordKeeper> keeper_;
   WallTime now_{std::chrono::hours(1)};
   std::array<std::size_t, kNodes.size()> next_{};
+  Sequences durable_;
   std::int64_t incarnation_ = 0, marks_ = 0, exchanges_ = 0;
 };
 
@@ -107,11 +114,8 @@ KeptRecord KeptRecord::make(ByteReader& in, SimulatedDisk& disk) {
         recorder.commit();
         break;
       case 7:
-        if (what & 8) {
-          recorder.commit();
-          recorder.kill();
-          recorder.start();
-        }
+        recorder.kill(what & 8);
+        recorder.start();
         break;
       default:
         recorder.append(what >> 3 & 1, 1 + (what >> 4));
@@ -119,13 +123,12 @@ KeptRecord KeptRecord::make(ByteReader& in, SimulatedDisk& disk) {
   }
   KeptRecord kept;
   kept.closed = end < 192;
-  if (kept.closed) {
+  if (kept.closed)
     recorder.close();
-  } else {
-    recorder.commit();
-    recorder.kill();
-  }
-  kept.written = recorder.written();
+  else
+    recorder.kill(end & 1);
+  kept.durable = recorder.durable();
+  kept.has_all = recorder.has_all();
   return kept;
 }
 

@@ -16,10 +16,11 @@ namespace roadbalance::fuzz {
 using Sequences = std::map<std::pair<std::int32_t, std::int64_t>, std::set<std::int64_t>>;
 
 /// A record as the recorder makes it: segments with their indexes, notes, clocks, journal, commits and
-/// manifest, of two nodes that come to their ends or do not, with kills in between.
+/// manifest, of two nodes that come to their ends or do not, with kills and power cuts in between.
 struct KeptRecord {
-  Sequences written;
-  bool closed = false;  ///< else its recorder was killed in the end
+  Sequences durable;     ///< as its recorder said
+  bool has_all = false;  ///< each node that began came to its end
+  bool closed = false;   ///< else its recorder was killed in the end, or the power went
 
   static constexpr const char* kFolder = "/record";
   /// As the fuzzer says; a few bytes are a whole one.
