@@ -18,9 +18,9 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/process_port.hpp"
+#include "common/process/child.hpp"
 #include "embedded/demo_scenario.hpp"
 #include "embedded/demo_vehicle.hpp"
-#include "common/process/child.hpp"
 
 // The programs end to end, as a person starts them.
 
@@ -74,12 +74,21 @@ class DemoTest : public testing::Test {
   int started_ = 0;
 };
 
+/// What the kernel says of a process; empty if it has just ended.
+std::string of_process(pid_t pid, const char* file) {
+  try {
+    return read_file("/proc/" + std::to_string(pid) + "/" + file);
+  } catch (const std::ios_base::failure&) {
+    return "";
+  }
+}
+
 /// Children of a process by name, as the kernel has them.
 std::vector<pid_t> children(pid_t parent, const std::string& name) {
   std::ifstream list("/proc/" + std::to_string(parent) + "/task/" + std::to_string(parent) + "/children");
   std::vector<pid_t> found;
   for (pid_t pid; list >> pid;)
-    if (read_file("/proc/" + std::to_string(pid) + "/comm") == name + "\n") found.push_back(pid);
+    if (of_process(pid, "comm") == name + "\n") found.push_back(pid);
   return found;
 }
 
@@ -141,11 +150,13 @@ TEST_F(DemoTest, RecorderAndAnalyserNeverReceiveTheScenario) {
                     scenario.string(), "--record", record});
 
   const auto says = [&](pid_t pid) {
-    const std::string process = "/proc/" + std::to_string(pid);
-    std::string all = read_file(process + "/cmdline") + read_file(process + "/environ");
+    std::string all = of_process(pid, "cmdline") + of_process(pid, "environ");
     std::error_code gone;
-    for (const auto& file : fs::directory_iterator(process + "/fd", gone))
-      all += fs::read_symlink(file.path(), gone).string() + "\n";
+    fs::directory_iterator file("/proc/" + std::to_string(pid) + "/fd", gone);
+    for (; !gone && file != fs::directory_iterator(); file.increment(gone)) {
+      std::error_code closed;
+      all += fs::read_symlink(file->path(), closed).string() + "\n";
+    }
     return all;
   };
   bool node_knows = false;
@@ -236,8 +247,7 @@ TEST_F(DemoTest, NamesTheNodeThatWasKilled) {
   while (!rb.ended() && (nodes = children(rb.pid(), "rb-node")).size() < 2)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   ASSERT_EQ(nodes.size(), 2U) << rb.last_words();
-  const bool is_rear =
-      read_file("/proc/" + std::to_string(nodes[0]) + "/cmdline").find("rear") != std::string::npos;
+  const bool is_rear = of_process(nodes[0], "cmdline").find("rear") != std::string::npos;
   kill(nodes[0], SIGKILL);
   EXPECT_EQ(wait(rb), 4);
   EXPECT_NE(
