@@ -119,10 +119,11 @@ void RecordKeeper::note(NoteKind kind, std::int64_t a, std::int64_t b, std::stri
   held_.push(kNoteChannel, encode(note), stamp_.time_us);
 }
 
-// For notes alone no segment begins, but for these that say what is wrong with the disk: nothing else shows
-// that it works again while no credit lets blocks come.
+// For notes alone no segment begins, but for marks, which somebody waits for, and for these that say what is
+// wrong with the disk: nothing else shows that it works again while no credit lets blocks come.
 bool RecordKeeper::may_write(WallTime now) const {
-  return (segment_is_open_ || held_blocks_ > 0 || (!wants_credit() && held_.size() > 0)) &&
+  const bool has_mark = last_mark_ > last_durable_mark_;
+  return (segment_is_open_ || held_blocks_ > 0 || has_mark || (!wants_credit() && held_.size() > 0)) &&
          health_.may_try(now);
 }
 
