@@ -39,7 +39,7 @@ class Measurement : public ::testing::Test {
   /// The record must be complete by every judge: the product's own and the independent checker.
   void expect_complete(std::size_t epochs) const { expect_complete(record, epochs); }
   void expect_complete(const std::filesystem::path& folder, std::size_t epochs) const;
-  /// Each sample and each edge of the node is the simulated car's.
+  /// Each acceleration and each edge of the node is the simulated car's.
   /// @param drive  of node(), but for its rate
   void expect_as_simulated(const std::string& node, const std::string& drive) const {
     expect_as_simulated(record, node, drive);

@@ -32,8 +32,8 @@ void BesideCheck::sealed(const SealedBlock& block) {
       if (!gaps_.empty() && gaps_.back().end_ns == kOpen) gaps_.back().end_ns = block.header.time_ns;
       return check_lost();
     case BlockKind::kEnd:
-      for (const Edge& edge : edges_) lost_ns_.push_back(to_ns(edge.time));
-      for (const SignalSample& sample : samples_) lost_ns_.push_back(to_ns(sample.time));
+      lost_edges_.insert(lost_edges_.end(), edges_.begin(), edges_.end());
+      lost_samples_.insert(lost_samples_.end(), samples_.begin(), samples_.end());
       return check_lost();
     default:
       return;
@@ -50,7 +50,7 @@ void BesideCheck::take(const Edge& edge) {
   };
   for (; !edges_.empty() && !is_it(edges_.front()); edges_.pop_front()) {
     hole_[edges_.front().line] = true;
-    lost_ns_.push_back(to_ns(edges_.front().time));
+    lost_edges_.push_back(edges_.front());
   }
   if (edges_.empty()) return fault("sealed an edge that no device gave");
   edges_.pop_front();
@@ -64,20 +64,23 @@ void BesideCheck::take(const SignalSample& sample) {
     return s.time == sample.time && s.signal == sample.signal && s.value == sample.value;
   };
   for (; !samples_.empty() && !is_it(samples_.front()); samples_.pop_front())
-    lost_ns_.push_back(to_ns(samples_.front().time));
+    lost_samples_.push_back(samples_.front());
   if (samples_.empty()) return fault("sealed a signal that no device gave");
   samples_.pop_front();
 }
 
+bool BesideCheck::is_in_a_gap(NodeTime time) const {
+  return std::ranges::any_of(
+      gaps_, [&](const Gap& gap) { return gap.begin_ns <= to_ns(time) && to_ns(time) < gap.end_ns; });
+}
+
 void BesideCheck::check_lost() {
-  for (const std::int64_t time_ns : lost_ns_) {
-    const auto is_in = [&](const Gap& gap) { return gap.begin_ns <= time_ns && time_ns < gap.end_ns; };
-    if (std::ranges::any_of(gaps_, is_in))
-      truth_.lost_beside();
-    else
-      fault("lost an edge or a signal outside of any gap");
-  }
-  lost_ns_.clear();
+  for (const Edge& edge : lost_edges_)
+    is_in_a_gap(edge.time) ? truth_.lost_edge() : fault("lost an edge outside of any gap");
+  for (const SignalSample& sample : lost_samples_)
+    is_in_a_gap(sample.time) ? truth_.lost_signal() : fault("lost a signal outside of any gap");
+  lost_edges_.clear();
+  lost_samples_.clear();
 }
 
 }  // namespace roadbalance::test

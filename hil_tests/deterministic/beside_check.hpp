@@ -30,6 +30,7 @@ class BesideCheck {
   struct Gap {
     std::int64_t begin_ns, end_ns;
   };
+  bool is_in_a_gap(NodeTime time) const;
   void take(const Edge& edge);
   void take(const SignalSample& sample);
   void check_lost();
@@ -41,7 +42,8 @@ class BesideCheck {
   std::deque<Edge> edges_;            // given, not yet seen
   std::deque<SignalSample> samples_;  // the same
   std::array<bool, kEncoderLines> hole_{}, marked_{};
-  std::vector<std::int64_t> lost_ns_;  // not yet found in a gap
+  std::vector<Edge> lost_edges_;            // not yet found in a gap
+  std::vector<SignalSample> lost_samples_;  // the same
   std::vector<Gap> gaps_;
 };
 

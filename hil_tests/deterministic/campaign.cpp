@@ -175,7 +175,8 @@ void add(const RunResult& run, RunResult& all) {
   all.lost_scans += run.lost_scans;
   all.declared_scans += run.declared_scans;
   all.tail_scans += run.tail_scans;
-  all.lost_beside += run.lost_beside;
+  all.lost_edges += run.lost_edges;
+  all.lost_signals += run.lost_signals;
   all.recorder_boots += run.recorder_boots;
   all.deaths_at_call += run.deaths_at_call;
   all.node_boots += run.node_boots;
@@ -204,8 +205,10 @@ Summary summarise(const FaultScenario& scenario, const std::vector<RunResult>& r
   if (scenario.expect.dies_at_calls && summary.all.deaths_at_call < summary.runs)
     summary.missed = "recorders died before a call of their disk " +
                      std::to_string(summary.all.deaths_at_call) + " times only";
-  if (scenario.expect.loses_edges && summary.all.lost_beside == 0)
-    summary.missed = "no edge and no signal was lost: that they are declared was not tried";
+  if (scenario.expect.loses_edges && summary.all.lost_edges == 0)
+    summary.missed = "no edge was lost: that they are declared was not tried";
+  if (scenario.expect.loses_signals && summary.all.lost_signals == 0)
+    summary.missed = "no signal was lost: that they are declared was not tried";
   if (scenario.expect.falls_back && 2 * summary.all.fallbacks < summary.runs)
     summary.missed =
         "recorders went to their fallback folder " + std::to_string(summary.all.fallbacks) + " times only";

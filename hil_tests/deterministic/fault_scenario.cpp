@@ -69,6 +69,7 @@ Expectation read_expectation(Section table) {
   expect.complete = table.boolean_or("complete", false);
   expect.falls_back = table.boolean_or("falls_back", false);
   expect.loses_edges = table.boolean_or("loses_edges", false);
+  expect.loses_signals = table.boolean_or("loses_signals", false);
   expect.dies_at_calls = table.boolean_or("dies_at_calls", false);
   expect.dies_each_time = table.boolean_or("dies_each_time", false);
   expect.sends_per_block = read_limit(table, "most_sends_per_block");

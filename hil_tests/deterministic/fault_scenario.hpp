@@ -49,9 +49,10 @@ struct PlannedFault {
 
 /// [expect]: what a run must reach beyond the promise itself.
 struct Expectation {
-  bool complete = false;        ///< nothing may be missing, not even declared
-  bool falls_back = false;      ///< the record goes on in the fallback folder in half of the runs at least
-  bool loses_edges = false;     ///< edges or signals are lost inside gaps
+  bool complete = false;     ///< nothing may be missing, not even declared
+  bool falls_back = false;   ///< the record goes on in the fallback folder in half of the runs at least
+  bool loses_edges = false;  ///< edges are lost inside gaps
+  bool loses_signals = false;
   bool dies_at_calls = false;   ///< a recorder dies before a call of its disk once a run at least, on average
   bool dies_each_time = false;  ///< each kill and each power cut is a death of a recorder
   std::optional<double> sends_per_block, to_durable_s, pull_cleared_s, clock_coverage;

@@ -7,7 +7,7 @@ namespace roadbalance::test {
 namespace {
 
 constexpr std::int64_t kDeviceHolds = 256;  // scans; older ones are lost while nobody reads
-constexpr std::int64_t kScansPerEdge = 8;
+constexpr std::int64_t kScansPerEdge = 32;
 
 // At an instant of its own between the scan and the one before.
 Edge edge_before(const Scan& scan) {

@@ -16,6 +16,8 @@
 namespace roadbalance::test {
 namespace {
 
+const std::filesystem::path kSpools = "/spool";
+
 // No encoder: the references are somebody else's proof and cost more than all the rest.
 VehicleConfig plain_vehicle(std::int32_t number, double rate_hz, const std::string& text) {
   VehicleConfig vehicle{};
@@ -152,10 +154,6 @@ void NodeMachine::pause(bool on) {
   paused_ = on;
 }
 
-std::int64_t NodeMachine::clock_ns(std::int64_t now_ns) const {
-  return now_ns + clock_offset_ns_ + static_cast<std::int64_t>(static_cast<double>(now_ns) * clock_drift_);
-}
-
 std::int64_t NodeMachine::base() const {
   return program_ ? program_->backlog.base() : 1;
 }
@@ -198,6 +196,8 @@ bool NodeMachine::turn(std::int64_t now_ns, const Publish& publish) {
   const std::int64_t before = program_->backlog.base();
   const bool busy = program_->uplink.turn(wall(clock_ns(now_ns)), publish);
   watch_freed({}, {}, before);
+  if (program_->backlog.used() - program_->backlog.spooled() > program_->ring.capacity())
+    fault("holds more blocks in memory than it has room for");
   if (disk_.used_bytes() > spool_bytes_ && spool_size() > spool_bytes_)
     fault("its spool is larger than it may be");
   return busy;

@@ -62,7 +62,9 @@ class NodeMachine {
   std::int64_t next() const;
   std::int64_t used() const { return next() - base(); }
   /// Its clock, for exchanges.
-  std::int64_t clock_ns(std::int64_t now_ns) const;
+  std::int64_t clock_ns(std::int64_t now_ns) const {
+    return now_ns + clock_offset_ns_ + static_cast<std::int64_t>(static_cast<double>(now_ns) * clock_drift_);
+  }
 
  private:
   struct Program;

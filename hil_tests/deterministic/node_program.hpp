@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 
 #include "common/link/backlog.hpp"
@@ -13,9 +12,6 @@
 #include "hil_tests/deterministic/node_machine.hpp"
 
 namespace roadbalance::test {
-
-/// Where nodes keep their spools, on their own disk.
-inline const std::filesystem::path kSpools = "/spool";
 
 /// The ring as the sealer sees it, with a witness.
 class WitnessedSink final : public BlockSink {

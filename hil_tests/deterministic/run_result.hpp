@@ -19,7 +19,8 @@ struct RunResult {
   std::int64_t tail_scans = 0;      ///< behind the last block of a node that died
   double longest_to_durable_s = 0;
   double longest_pull_cleared_s = 0;
-  std::int64_t lost_beside = 0;  ///< edges and signals inside gaps
+  std::int64_t lost_edges = 0;  ///< inside gaps
+  std::int64_t lost_signals = 0;
   std::int64_t recorder_boots = 0;
   std::int64_t deaths_at_call = 0;  ///< of recorders, before a call of their disk
   std::int64_t node_boots = 0;

@@ -72,9 +72,11 @@ class Truth {
   void set_now(std::int64_t now_ns) { now_ns_ = now_ns; }
   const std::vector<std::string>& faults() const { return faults_; }
   std::int64_t fault_count() const { return fault_count_; }
-  /// An edge or a signal is lost inside a gap.
-  void lost_beside() { ++lost_beside_; }
-  std::int64_t times_lost_beside() const { return lost_beside_; }
+  /// Lost inside a gap.
+  void lost_edge() { ++lost_edges_; }
+  void lost_signal() { ++lost_signals_; }
+  std::int64_t lost_edges() const { return lost_edges_; }
+  std::int64_t lost_signals() const { return lost_signals_; }
   std::int64_t blocks_sealed() const { return blocks_sealed_; }
 
  private:
@@ -83,7 +85,8 @@ class Truth {
   std::vector<std::string> faults_;
   std::int64_t fault_count_ = 0;
   std::int64_t blocks_sealed_ = 0;
-  std::int64_t lost_beside_ = 0;
+  std::int64_t lost_edges_ = 0;
+  std::int64_t lost_signals_ = 0;
   std::int64_t now_ns_ = 0;
 };
 

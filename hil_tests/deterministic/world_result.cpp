@@ -62,7 +62,8 @@ RunResult World::result() {
   result.clock_covered = clock_covered_;
   result.bus_s = static_cast<double>(now_ns_) * 1e-9;
   result.blocks = truth_.blocks_sealed();
-  result.lost_beside = truth_.times_lost_beside();
+  result.lost_edges = truth_.lost_edges();
+  result.lost_signals = truth_.lost_signals();
   result.sent = network_.blocks_sent();
   result.longest_pull_cleared_s = longest_pull_cleared_s_;
   if (scenario_.expect.complete && result.declared_scans + result.tail_scans > 0)

@@ -17,7 +17,8 @@
 #include "host/recorder/verify.hpp"
 #include "tools/rb/salvage.hpp"
 
-// The core of rb recover over a damaged record and a second place that may fill its holes.
+// The core of rb recover: over a damaged record and a second place that may fill its holes, and over any
+// damage to the files of a recorder's record.
 namespace roadbalance {
 namespace {
 

@@ -45,6 +45,16 @@ TEST_F(KeeperTest, NotesAloneBeginNoSegment) {
   EXPECT_FALSE(path_exists("/record/seg-000001.lcm", disk));
 }
 
+// A recorder that began anew while its recording was being stopped may hear no block any more.
+TEST_F(KeeperTest, AMarkBeginsASegmentForSomebodyWaitsForIt) {
+  start();
+  keeper->note(NoteKind::kMark, 5, 0, "bridge");
+  keeper->close(now);
+  EXPECT_EQ(keeper->durable_marks(), 5);
+  ASSERT_EQ(notes(NoteKind::kMark).size(), 1u);
+  EXPECT_EQ(notes(NoteKind::kMark)[0].text, "bridge");
+}
+
 TEST_F(KeeperTest, SaysInTheRecordWhenItStartedAndStoppedAndWhatTheClocksSaid) {
   options.segment_bytes = 1 << 20;  // one only: each repeats the clocks
   start();

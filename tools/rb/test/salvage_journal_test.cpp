@@ -55,7 +55,7 @@ TEST_F(SalvageJournalTest, ARestartOfTheRecorderBetweenTwoEntriesContradictsNoth
   EXPECT_EQ(salvaged().contradictions, std::vector<std::string>());
 }
 
-// The first entry of a recorder knows of no scan before its own, if it has none.
+// The entry of a recorder that began anew says where its own scans end; this one has none.
 TEST_F(SalvageJournalTest, ARunWithoutScansContradictsNothing) {
   start();
   append(1, 50);
