@@ -91,7 +91,8 @@ ClockFit ClockModel::fit(std::int64_t host_ns) {
   const double age = age_s(best_, host_ns);
   fit.node_ns = line.node_time_ns(host_ns);
   fit.drift = line.drift();
-  fit.uncertainty_s = line.uncertainty_s(host_ns, age);
+  fit.uncertainty_s =
+      line.uncertainty_s(host_ns + kFitLife_ns, age + 1e-9 * static_cast<double>(kFitLife_ns));
   fit.round_trip_s = line.round_trip_s();
   fit.residual_s = line.residual_s();
   if (is_locked())

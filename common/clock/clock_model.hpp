@@ -23,6 +23,7 @@ class ClockModel {
   static constexpr std::int64_t kHoldover_ns = 3'000'000'000;  ///< without an exchange
   static constexpr int kLeastExchanges = 4;                    ///< to be locked
   static constexpr std::int64_t kLeastBreak_ns = 1'000'000;    ///< a smaller jump is none
+  static constexpr std::int64_t kFitLife_ns = 1'000'000'000;   ///< a fit is used so long, until the next one
 
   ClockModel(std::int32_t node, std::int64_t epoch) : node_(node), epoch_(epoch) {}
 
@@ -31,7 +32,8 @@ class ClockModel {
   /// A question was not answered.
   void add_unanswered() { ++unanswered_; }
 
-  /// The relation at an instant of the host clock; numbered from 1 in order of call.
+  /// The relation at an instant of the host clock, its uncertainty that of the whole kFitLife_ns from then
+  /// on; numbered from 1 in order of call.
   ClockFit fit(std::int64_t host_ns);
 
   std::int64_t breaks() const { return breaks_; }

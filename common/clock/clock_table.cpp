@@ -16,12 +16,12 @@ bool ClockTable::take(const ClockFit& fit) {
   auto row = rows_.find(key);
   if (row == rows_.end()) {
     make_room();
-    row = rows_.emplace(key, Row{.known = std::nullopt, .last = {}}).first;
+    row = rows_.emplace(key, Row()).first;
   }
   auto& [known, last] = row->second;
-  if (fit == last || (known && fit == *known)) return false;
+  if (fit == last || fit == known.last() || fit == known.before()) return false;
   if (fit.is_known())
-    known = fit;
+    known.take(fit);
   else if (fit.breaks > last.breaks)
     known.reset();
   last = fit;

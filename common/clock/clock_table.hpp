@@ -3,15 +3,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <optional>
 #include <utility>
 
-#include "common/clock/exchange.hpp"
+#include "common/clock/clock_map.hpp"
 
 namespace roadbalance {
 
 /// What is known of each node's clock at an instant of a record: the fit that came last and, while that says
-/// kAcquire, the one before it that holds until a better one comes.
+/// kAcquire, those before it that hold until a better one comes.
 ///
 /// Of more than kMostClocks epochs the one whose last fit is the oldest is forgotten.
 class ClockTable {
@@ -22,8 +21,8 @@ class ClockTable {
   bool take(const ClockFit& fit);
 
   struct Row {
-    std::optional<ClockFit> known;  ///< not kAcquire; nothing at first and after a break of the time base
-    ClockFit last;                  ///< may be the same
+    ClockMap known;      ///< of those that are; nothing at first and after a break of the time base
+    ClockFit last = {};  ///< may be the last one known
   };
   /// By (node, epoch).
   const std::map<std::pair<std::int32_t, std::int64_t>, Row>& rows() const { return rows_; }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <optional>
 
 #include "common/clock/clock_model.hpp"
 #include "common/clock/offset_line.hpp"
@@ -11,15 +12,25 @@ namespace {
 
 constexpr std::int64_t kReach_ns = ClockModel::kBin_ns * static_cast<std::int64_t>(ClockModel::kBins) / 2;
 
-/// The plausible exchanges, cut where the node's time base broke.
+/// What is so much older than the newest is of another boot of the host: no question waits so long.
+constexpr std::int64_t kAnotherBoot_ns = 2'000'000'000;
+
+/// The plausible exchanges, cut where the node's time base broke or the host's clock began anew.
 std::vector<std::vector<ClockExchange>> pieces_of(std::span<const ClockExchange> exchanges) {
   std::vector<std::vector<ClockExchange>> pieces(1);
   if (exchanges.empty()) return pieces;
-  ClockModel model(exchanges.front().node, exchanges.front().epoch);
+  std::optional<ClockModel> model;
+  std::int64_t newest_ns = 0;
   for (const auto& exchange : exchanges) {
     if (!exchange.is_plausible()) continue;
+    if (!model || exchange.middle_ns() < newest_ns - kAnotherBoot_ns) {
+      if (model) pieces.emplace_back();
+      model.emplace(exchange.node, exchange.epoch);
+      newest_ns = exchange.middle_ns();
+    }
+    newest_ns = std::max(newest_ns, exchange.middle_ns());
     auto& piece = pieces.back();
-    if (!model.add(exchange)) {
+    if (!model->add(exchange)) {
       piece.push_back(exchange);
       continue;
     }

@@ -29,8 +29,8 @@ std::optional<ClockFit> RecordedClocks::take(std::string_view channel, std::span
 
 std::optional<std::int64_t> RecordedClocks::host_ns(const NodeEpoch& key, std::int64_t node_ns) const {
   const auto row = fits_.rows().find(key);
-  if (row == fits_.rows().end() || !row->second.known) return std::nullopt;
-  return host_instant_ns(*row->second.known, node_ns);
+  if (row == fits_.rows().end() || !row->second.known.is_known()) return std::nullopt;
+  return row->second.known.host_time_ns(node_ns);
 }
 
 std::optional<std::int64_t> RecordedClocks::utc_us(std::int64_t host_ns) const {
@@ -45,7 +45,9 @@ RecordEvents RecordedClocks::events(const std::function<bool(const NodeEpoch&)>&
   for (const auto& [key, row] : fits_.rows()) {
     if (!wanted(key)) continue;
     const std::string channel = clock_fit_channel(key.first);
-    if (row.known && *row.known != row.last) events.emplace_back(channel, encode(*row.known));
+    if (const auto& before = row.known.before()) events.emplace_back(channel, encode(*before));
+    if (const auto& known = row.known.last(); known && *known != row.last)
+      events.emplace_back(channel, encode(*known));
     events.emplace_back(channel, encode(row.last));
   }
   return events;

@@ -29,13 +29,13 @@ class RecordedClocks {
   /// it is none that was repeated.
   std::optional<ClockFit> take(std::string_view channel, std::span<const std::uint8_t> data);
 
-  /// The host's instant of a node's instant, by the fit that holds; nothing while none does.
+  /// The host's instant of a node's instant, by the fits that hold; nothing while none does.
   std::optional<std::int64_t> host_ns(const NodeEpoch& key, std::int64_t node_ns) const;
   /// UTC in microseconds of an instant of the host, by the pair of clocks noted last.
   std::optional<std::int64_t> utc_us(std::int64_t host_ns) const;
 
   /// The same as messages: the pair of clocks (NoteKind::kClock), then for each epoch that `wanted` says the
-  /// one or two fits of its row.
+  /// one to three fits of its row.
   RecordEvents events(const std::function<bool(const NodeEpoch&)>& wanted) const;
 
  private:

@@ -22,7 +22,8 @@ void LevelsInTime::flush() {
 std::int64_t LevelsInTime::time_ns(std::int64_t epoch, const Level& level) const {
   if (clocks_.rows().empty()) return level.time_ns;
   const auto row = clocks_.rows().find({level.node, epoch});
-  if (row != clocks_.rows().end() && row->second.known) return row->second.known->host_time_ns(level.time_ns);
+  if (row != clocks_.rows().end() && row->second.known.is_known())
+    return row->second.known.host_time_ns(level.time_ns);
   return waiting_.empty() ? level.time_ns : waiting_.rbegin()->first.first;
 }
 

@@ -35,14 +35,18 @@ GridStream::Clock* GridStream::clock_of(std::int64_t epoch) {
 
 GridStream::Clock& GridStream::declare(std::int64_t epoch) {
   if (Clock* known = clock_of(epoch)) return *known;
-  if (clocks_.size() == kMostClocks) clocks_.pop_front();
+  if (clocks_.size() == kMostClocks) {
+    // One that never answered has placed nothing.
+    const auto idle = std::ranges::find_if(clocks_, [](const Clock& c) { return !c.map.is_known(); });
+    clocks_.erase(idle == clocks_.end() ? clocks_.begin() : idle);
+  }
   if (epoch == placed_.epoch &&
       placed_.next_scan >= 0) {  // what came before this was said stood in the wrong place
     rows.clear();
     row = 0;
     placed_ = {};
   }
-  return clocks_.emplace_back(Clock{epoch, std::nullopt});
+  return clocks_.emplace_back(Clock{epoch, {}});
 }
 
 void GridStream::take(const ClockFit& fit, Grid& grid) {
@@ -50,7 +54,7 @@ void GridStream::take(const ClockFit& fit, Grid& grid) {
   Clock& clock = declare(fit.epoch);
   if (!fit.is_known()) {
     if (fit.breaks > clock.breaks) {
-      clock.fit.reset();
+      clock.map.reset();
       clock.distrusted = 0;
     }
     clock.breaks = fit.breaks;
@@ -60,15 +64,15 @@ void GridStream::take(const ClockFit& fit, Grid& grid) {
   clock.breaks = fit.breaks;
   if (!says_so && clock.distrusted > 0 && --clock.distrusted > 0) return;
   clock.distrusted = 0;
-  clock.fit = fit;
+  clock.map.take(fit);
   std::deque<ScanBlock> blocks;
   blocks.swap(waiting_);
   for (const ScanBlock& block : blocks) {
     const Clock* known = clock_of(block.header.epoch);
-    if (known && !known->fit)
+    if (known && !known->map.is_known())
       waiting_.push_back(block);
     else
-      place(block, known ? &*known->fit : nullptr, grid);
+      place(block, known ? &known->map : nullptr, grid);
   }
 }
 
@@ -85,25 +89,26 @@ void GridStream::take_aligned(const ScanBlock& block, Grid& grid) {
   }
   Clock* const clock = alone_ ? nullptr : clock_of(block.header.epoch);
   if (clock && jumps(block, *clock)) {
-    clock->fit.reset();
+    clock->map.reset();
     clock->distrusted = kDistrusted;
   }
   came_ = last_of(block);
   came_host_ns_.reset();
-  if (clock && clock->fit) came_host_ns_ = clock->fit->host_time_ns(block.header.time_ns);
-  if (clock && !clock->fit) {
+  const bool is_told = clock && clock->map.is_known();
+  if (is_told) came_host_ns_ = clock->map.host_time_ns(block.header.time_ns);
+  if (clock && !is_told) {
     waiting_.push_back(block);
     while (awaited_s() > kLongestWait_s) waiting_.pop_front();
     return;
   }
-  place(block, clock ? &*clock->fit : nullptr, grid);
+  place(block, clock ? &clock->map : nullptr, grid);
 }
 
 /// Scans are even; if they go on and their instants do not, the clock was set and the fit is from before.
 bool GridStream::jumps(const ScanBlock& block, const Clock& clock) const {
   if (!came_.goes_on_with(block.header)) return false;
-  const bool mapped = clock.fit && came_host_ns_;
-  const std::int64_t passed_ns = mapped ? clock.fit->host_time_ns(block.header.time_ns) - *came_host_ns_
+  const bool mapped = clock.map.is_known() && came_host_ns_;
+  const std::int64_t passed_ns = mapped ? clock.map.host_time_ns(block.header.time_ns) - *came_host_ns_
                                         : block.header.time_ns - came_.time_ns;
   const double expected_ns = static_cast<double>(came_.scans) * static_cast<double>(block.period_ps) * 1e-3;
   return std::abs(static_cast<double>(passed_ns) - expected_ns) >
@@ -116,9 +121,9 @@ double GridStream::awaited_s() const {
          std::abs(static_cast<double>(waiting_.back().header.time_ns - waiting_.front().header.time_ns));
 }
 
-void GridStream::place(const ScanBlock& block, const ClockFit* fit, Grid& grid) {
+void GridStream::place(const ScanBlock& block, const ClockMap* map, Grid& grid) {
   const std::int64_t node_ns = block.header.time_ns;
-  const std::int64_t time_ns = fit ? fit->host_time_ns(node_ns) : node_ns;
+  const std::int64_t time_ns = map ? map->host_time_ns(node_ns) : node_ns;
   if (!grid.origin_ns) grid.origin_ns = time_ns;
   const double position = grid.position(time_ns);
   if (!(std::abs(position) < kFarthest)) return;
@@ -129,14 +134,14 @@ void GridStream::place(const ScanBlock& block, const ClockFit* fit, Grid& grid) 
     resampling_ = false;
     spacing_ = 0.0;
   }
-  if (!resampling_ && (fit || std::abs(position - std::round(position)) > kGridTolerance)) {
+  if (!resampling_ && (map || std::abs(position - std::round(position)) > kGridTolerance)) {
     resampling_ = true;
     if (!resampler_) resampler_ = std::make_unique<Resampler>();
     resampler_->reset();
   }
   if (resampling_) {
     resampled_.clear();
-    measure_spacing(block, fit, follows, grid);
+    measure_spacing(block, map, follows, grid);
     resampler_->add(block, position, spacing_, follows, grid, resampled_);
     for (const GridRows& more : resampled_) queue(more);
   } else {
@@ -146,15 +151,15 @@ void GridStream::place(const ScanBlock& block, const ClockFit* fit, Grid& grid) 
 }
 
 /// From the node's stamps, which know the converter's true rate and do not move when a fit does.
-void GridStream::measure_spacing(const ScanBlock& block, const ClockFit* fit, bool follows,
+void GridStream::measure_spacing(const ScanBlock& block, const ClockMap* map, bool follows,
                                  const Grid& grid) {
   const double nominal = static_cast<double>(block.period_ps) / static_cast<double>(grid.period_ps);
   if (spacing_ == 0.0) spacing_ = nominal;
   if (!follows || placed_.scans == 0) return;
   const double node_ns =
       static_cast<double>(block.header.time_ns - placed_.time_ns) / static_cast<double>(placed_.scans);
-  const double measured =
-      node_ns * 1000.0 / static_cast<double>(grid.period_ps) / (1.0 + (fit ? fit->drift : 0.0));
+  const double measured = node_ns * 1000.0 / static_cast<double>(grid.period_ps) /
+                          (1.0 + (map ? map->line_at(block.header.time_ns).drift : 0.0));
   if (std::abs(measured / nominal - 1.0) < kSpacingTolerance) spacing_ = measured;
 }
 

@@ -19,8 +19,8 @@ namespace roadbalance {
 ///
 /// A node of whose clock no fit was ever heard has the grid's time; while its samples lie on the grid they
 /// are its rows unchanged, else they are resampled, to the end of the epoch.  A node with a clock of its own
-/// is resampled always: each block by the fit that came last before it, live and later alike.  Blocks that
-/// come before the first fit, or after a break of the time base, wait for the next one, at most
+/// is resampled always: each block by the fits that came before it (ClockMap), live and later alike.  Blocks
+/// that come before the first fit, or after a break of the time base, wait for the next one, at most
 /// kLongestWait_s.  Before all that ChannelAligner takes off by how much channels lag.
 class GridStream {
  public:
@@ -46,7 +46,7 @@ class GridStream {
  private:
   struct Clock {
     std::int64_t epoch;
-    std::optional<ClockFit> fit;  ///< nothing while it is not known
+    ClockMap map;
     std::int64_t breaks = 0;
     int distrusted = 0;  ///< so many fits may still be from before a jump, if they do not say that it broke
   };
@@ -55,8 +55,8 @@ class GridStream {
   Clock& declare(std::int64_t epoch);
   double awaited_s() const;
   bool jumps(const ScanBlock& block, const Clock& clock) const;
-  void place(const ScanBlock& block, const ClockFit* fit, Grid& grid);
-  void measure_spacing(const ScanBlock& block, const ClockFit* fit, bool follows, const Grid& grid);
+  void place(const ScanBlock& block, const ClockMap* map, Grid& grid);
+  void measure_spacing(const ScanBlock& block, const ClockMap* map, bool follows, const Grid& grid);
   void copy(const ScanBlock& block, double position, bool same_epoch);
   void queue(const GridRows& more);
 

@@ -14,7 +14,7 @@ constexpr milliseconds kPeriod{125};
 constexpr milliseconds kFollowUp{50};
 constexpr seconds kGiveUp{1};
 constexpr seconds kSilence{10};
-constexpr seconds kFitPeriod{1};
+constexpr std::chrono::nanoseconds kFitPeriod{ClockModel::kFitLife_ns};
 constexpr std::size_t kMostOpen = 32;
 
 }  // namespace
@@ -23,22 +23,36 @@ void ClockAsker::heard(const ClockPeer& peer, MachineTime now) {
   const std::pair key{peer.node, peer.epoch};
   auto found = clocks_.find(key);
   if (found == clocks_.end()) {
-    if (clocks_.size() >= 2 * kMostNodes) return;
+    if (clocks_.size() >= 2 * kMostNodes && !forget_one(now)) return;
     found = clocks_
                 .emplace(key, Clock{.address = peer.address,
                                     .model = ClockModel(peer.node, peer.epoch),
                                     .heard_at = now,
                                     .ask_at = now,
+                                    .burst_ends = kBurst,
                                     .open = {},
                                     .fit_at = now})
                 .first;
   }
-  found->second.address = peer.address;
-  found->second.heard_at = now;
+  Clock& clock = found->second;
+  if (is_silent(clock, now)) clock.burst_ends = clock.asked + kBurst;
+  clock.address = peer.address;
+  clock.heard_at = now;
+}
+
+bool ClockAsker::is_silent(const Clock& clock, MachineTime now) {
+  return now - clock.heard_at > kSilence;
+}
+
+bool ClockAsker::forget_one(MachineTime now) {
+  const auto longest =
+      std::ranges::min_element(clocks_, {}, [](const auto& clock) { return clock.second.heard_at; });
+  if (longest == clocks_.end() || !is_silent(longest->second, now)) return false;
+  clocks_.erase(longest);
+  return true;
 }
 
 std::vector<ClockAsker::Question> ClockAsker::due(MachineTime now) {
-  std::erase_if(clocks_, [&](const auto& clock) { return now - clock.second.heard_at > kSilence; });
   std::vector<Question> questions;
   for (auto& [key, clock] : clocks_) {
     while (!clock.open.empty() &&
@@ -46,9 +60,9 @@ std::vector<ClockAsker::Question> ClockAsker::due(MachineTime now) {
       clock.model.add_unanswered();
       clock.open.pop_front();
     }
-    if (now < clock.ask_at || clock.address.address == 0) continue;
+    if (now < clock.ask_at || clock.address.address == 0 || is_silent(clock, now)) continue;
     const std::int64_t number = ++clock.asked;
-    clock.ask_at = now + (number < kBurst ? kBurstPeriod : kPeriod);
+    clock.ask_at = now + (number < clock.burst_ends ? kBurstPeriod : kPeriod);
     questions.push_back({{.node = key.first, .epoch = key.second, .number = number}, clock.address});
   }
   return questions;
@@ -111,7 +125,8 @@ std::vector<ClockFit> ClockAsker::fits(MachineTime now) {
   std::vector<ClockFit> fits;
   for (auto& [key, clock] : clocks_) {
     const bool locks = clock.state == ClockState::kAcquire && clock.model.is_locked();
-    if (now < clock.fit_at && !locks && clock.model.breaks() == clock.breaks) continue;
+    if (is_silent(clock, now) || (now < clock.fit_at && !locks && clock.model.breaks() == clock.breaks))
+      continue;
     fits.push_back(clock.model.fit(to_ns(now)));
     clock.state = fits.back().state;
     clock.breaks = fits.back().breaks;

@@ -24,7 +24,9 @@ struct ClockPeer {
 ///
 /// 16 questions at 50 Hz, then 8 a second.  An answer counts from the address that was asked and once.  It
 /// waits 50 ms for its follow-up.  A question not answered in a second is given up; an epoch whose heartbeats
-/// have ceased for 10 s is forgotten.  Memory: at most 2 kMostNodes epochs with 32 questions each.
+/// have ceased for 10 s is asked no more until they come again, as they do when a cable is plugged in: then
+/// in a burst, and its drift is still known.  Memory: at most 2 kMostNodes epochs with 32 questions each; the
+/// one silent for longest makes room.
 class ClockAsker {
  public:
   /// A heartbeat of a node that has its own clock.
@@ -58,12 +60,16 @@ class ClockAsker {
     ClockModel model;
     MachineTime heard_at;
     MachineTime ask_at;
-    std::int64_t asked = 0;  ///< questions so far
+    std::int64_t asked = 0;       ///< questions so far
+    std::int64_t burst_ends = 0;  ///< with this one
     std::deque<Asked> open;
     MachineTime fit_at;
     ClockState state = ClockState::kAcquire;
     std::int64_t breaks = 0;
   };
+  static bool is_silent(const Clock& clock, MachineTime now);
+  /// False if all of them are spoken to.
+  bool forget_one(MachineTime now);
   void complete(Clock& clock, const Asked& asked, std::int32_t node, std::int64_t epoch);
 
   std::map<std::pair<std::int32_t, std::int64_t>, Clock> clocks_;

@@ -48,6 +48,7 @@ struct Survey {
   struct Clock {
     std::int64_t fits = 0;
     std::int64_t exchanges = 0;  // recorded
+    std::int64_t breaks = 0;     // of all recorders
     std::optional<ClockFit> last;
     std::optional<std::int64_t> begins_us, ends_us;  // UTC of blocks placed by it
 
@@ -107,6 +108,9 @@ Survey survey(const std::filesystem::path& folder) {
     if (const auto fit = clocks.take(event->channel, event->data)) {
       auto& clock = found.clock[{fit->node, fit->epoch}];
       ++clock.fits;
+      // A recorder that begins anew counts from 0.
+      const std::int64_t counted = clock.last ? clock.last->breaks : 0;
+      clock.breaks += fit->breaks - (fit->breaks < counted ? 0 : counted);
       clock.last = *fit;
     } else if (const auto exchange = decode_clock_exchange(event->data)) {
       ++found.clock[{exchange->node, exchange->epoch}].exchanges;
@@ -160,7 +164,7 @@ Json info_json(const Survey& found, const Verification& result, const Described&
                       {"exchanges", clock.exchanges},
                       {"drift", clock.is_known() ? Json(clock.last->drift) : Json()},
                       {"uncertainty_s", clock.is_known() ? Json(clock.last->uncertainty_s) : Json()},
-                      {"breaks", clock.last ? clock.last->breaks : 0},
+                      {"breaks", clock.breaks},
                       {"begins_us", clock.begins_us ? Json(*clock.begins_us) : Json()},
                       {"ends_us", clock.ends_us ? Json(*clock.ends_us) : Json()}});
   Json rates = Json::array();
@@ -211,8 +215,7 @@ void print_info(const Survey& found, const Verification& result, const Described
     else if (clock != found.clock.end() && clock->second.last)
       std::printf("  clock: %lld fits, drift %.2f ppm, last uncertainty %.1f us, %lld breaks\n",
                   static_cast<long long>(clock->second.fits), clock->second.last->drift * 1e6,
-                  clock->second.last->uncertainty_s * 1e6,
-                  static_cast<long long>(clock->second.last->breaks));
+                  clock->second.last->uncertainty_s * 1e6, static_cast<long long>(clock->second.breaks));
     if (clock != found.clock.end() && clock->second.begins_us && clock->second.ends_us)
       std::printf("  from %s to %s\n", utc_text(*clock->second.begins_us).c_str(),
                   utc_text(*clock->second.ends_us).c_str());

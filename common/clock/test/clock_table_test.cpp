@@ -39,22 +39,22 @@ TEST(ClockTable, WhatWasKnownHoldsWhileARecorderThatHasJustBegunKnowsNothing) {
   ClockTable table;
   EXPECT_TRUE(table.take(locked(50)));
   EXPECT_TRUE(table.take(acquiring(1)));
-  EXPECT_EQ(only_row(table).known, locked(50));
+  EXPECT_EQ(only_row(table).known.last(), locked(50));
   EXPECT_EQ(only_row(table).last, acquiring(1));
   EXPECT_FALSE(table.take(locked(50)));
   EXPECT_FALSE(table.take(acquiring(1)));
   EXPECT_EQ(only_row(table).last, acquiring(1)) << "the repetition has changed nothing";
   EXPECT_TRUE(table.take(locked(2)));
-  EXPECT_EQ(only_row(table).known, locked(2));
+  EXPECT_EQ(only_row(table).known.last(), locked(2));
 }
 
 TEST(ClockTable, NothingIsKnownBehindABreakUntilTheNextFit) {
   ClockTable table;
   table.take(locked(50));
   EXPECT_TRUE(table.take(acquiring(51, 1)));
-  EXPECT_FALSE(only_row(table).known);
+  EXPECT_FALSE(only_row(table).known.is_known());
   EXPECT_TRUE(table.take(locked(52, 1)));
-  EXPECT_EQ(only_row(table).known, locked(52, 1));
+  EXPECT_EQ(only_row(table).known.last(), locked(52, 1));
 }
 
 TEST(ClockTable, ForgetsTheEpochThatWasHeardOfLongestAgo) {

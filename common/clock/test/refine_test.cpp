@@ -28,7 +28,7 @@ double error_s(const ClockFit& fit, const Instant& instant) {
   return 1e-9 * static_cast<double>(fit.host_time_ns(instant.node_ns) - instant.host_ns);
 }
 
-Recorded record(std::uint64_t seed, double seconds, double jump_s = 0.0) {
+Recorded record(std::uint64_t seed, double seconds, double jump_s = 0.0, double silent_s = 0.0) {
   SimulatedClocks clocks(seed);
   ClockModel model(1, 1);
   ClockFit fit;
@@ -36,6 +36,12 @@ Recorded record(std::uint64_t seed, double seconds, double jump_s = 0.0) {
   bool jumped = jump_s == 0.0;
   const double begin_s = clocks.now_s();
   for (int i = 0; clocks.now_s() < begin_s + seconds; ++i) {
+    const double since_s = clocks.now_s() - begin_s;
+    if (silent_s > 0.0 && std::abs(since_s - seconds / 2) < silent_s / 2) {
+      clocks.pass(1.0);
+      recorded.truth.push_back({clocks.host_ns(), clocks.node_ns()});
+      continue;
+    }
     if (!jumped && clocks.now_s() > begin_s + seconds / 2) {
       clocks.jump(jump_s);
       jumped = true;
@@ -91,6 +97,42 @@ TEST(Refine, DoesNotReachOverABreak) {
       far_off += std::abs(error_s(*fit, instant)) > fit->uncertainty_s ? 1 : 0;
     }
     EXPECT_LE(far_off, 1) << jump_s;  // within the second of the jump itself
+  }
+}
+
+TEST(Refine, OverASilenceTheFitsOfBothSidesHold) {
+  const Recorded recorded = record(8, 180.0, 0.0, 60.0);
+  RefinedFits fits(refine(recorded.exchanges));
+  int silent = 0;
+  for (const auto& instant : recorded.truth) {
+    const ClockFit* fit = fits.at(instant.node_ns);
+    ASSERT_TRUE(fit);
+    const double away_s = 1e-9 * static_cast<double>(std::abs(fit->host_ns - instant.host_ns));
+    EXPECT_LE(std::abs(error_s(*fit, instant)), fit->uncertainty_s + 2e-6 * away_s);
+    silent += away_s > 2.0 ? 1 : 0;
+  }
+  EXPECT_GE(silent, 50);
+}
+
+// The laptop is booted anew while a node goes on: its clock begins again, be it up for longer than before or
+// not.
+TEST(Refine, EachBootOfTheHostHasFitsOfItsOwn) {
+  for (const double back_s : {5.0, 50.0, 600.0, -600.0}) {
+    Recorded recorded = record(9, 100.0);
+    const std::int64_t middle_ns = recorded.truth[recorded.truth.size() / 2].host_ns;
+    const auto back_ns = static_cast<std::int64_t>(1e9 * back_s);
+    for (auto& e : recorded.exchanges)
+      if (e.asked_ns >= middle_ns) e.asked_ns -= back_ns, e.heard_ns -= back_ns;
+    for (auto& instant : recorded.truth)
+      if (instant.host_ns >= middle_ns) instant.host_ns -= back_ns;
+    RefinedFits fits(refine(recorded.exchanges));
+    int far_off = 0;
+    for (const auto& instant : recorded.truth) {
+      const ClockFit* fit = fits.at(instant.node_ns);
+      ASSERT_TRUE(fit);
+      far_off += std::abs(error_s(*fit, instant)) > fit->uncertainty_s ? 1 : 0;
+    }
+    EXPECT_LE(far_off, 1) << back_s;  // within the second of the boot itself
   }
 }
 

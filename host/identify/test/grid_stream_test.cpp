@@ -4,81 +4,13 @@
 
 #include <cmath>
 #include <numbers>
-#include <vector>
 
-#include "common/link/block.hpp"
+#include "host/identify/test/gridded_node.hpp"
 
 namespace roadbalance {
 namespace {
 
-constexpr double kAmplitude = 1e6;  // counts
-
-/// What every channel measures: 1, 18, 25 and 60 Hz, as a function of host time.
-double signal(double time_s, std::size_t channel) {
-  double sum = 0.0;
-  for (const double hz : {1.0, 18.0, 25.0, 60.0})
-    sum += std::sin(2.0 * std::numbers::pi * hz * time_s + static_cast<double>(channel));
-  return kAmplitude * sum;
-}
-
-/// A node: clock = offset + (1 + drift) host time; its converter runs `ppm` fast.
-struct Node {
-  double rate_hz = 2000.0;
-  double offset_s = 0.0, drift = 0.0, ppm = 0.0;
-  double begin_s = 0.0;  ///< host time of scan 0
-  std::int64_t epoch = 5;
-
-  double host_s(std::int64_t scan) const {
-    return begin_s + static_cast<double>(scan) / (rate_hz * (1.0 + 1e-6 * ppm));
-  }
-  std::int64_t node_ns(double host_s) const {
-    return std::llround(1e9 * (offset_s + (1.0 + drift) * host_s));
-  }
-
-  ScanBlock block(std::int64_t number) const {
-    ScanBlock block;
-    const std::int64_t first = number * kScansPerBlock;
-    block.header = {.node = 1,
-                    .epoch = epoch,
-                    .sequence = number + 1,
-                    .first_scan = first,
-                    .scans = kScansPerBlock,
-                    .time_ns = node_ns(host_s(first))};
-    block.period_ps = std::llround(1e12 / rate_hz);
-    for (int r = 0; r < kScansPerBlock; ++r)
-      for (std::size_t c = 0; c < kChannels; ++c)
-        block.counts[static_cast<std::size_t>(r)][c] =
-            static_cast<std::int32_t>(std::lround(signal(host_s(first + r), c)));
-    return block;
-  }
-  ClockFit fit(double host_s, double error_s = 0.0) const {
-    return {.node = 1,
-            .epoch = epoch,
-            .number = 1,
-            .state = ClockState::kLocked,
-            .host_ns = std::llround(1e9 * host_s),
-            .node_ns = node_ns(host_s + error_s),
-            .drift = drift};
-  }
-};
-
-/// Largest difference, in counts, between rows and the truth at the instants of the grid.
-double worst_error(const GridStream& stream, const Grid& grid) {
-  double worst = 0.0;
-  for (const GridRows& rows : stream.rows.at_hand())
-    for (std::int64_t r = 0; r < rows.rows; ++r)
-      for (std::size_t c = 0; c < kChannels; ++c) {
-        const double time_s = 1e-9 * static_cast<double>(grid.time_ns(rows.first_index + r));
-        worst = std::max(worst, std::abs(rows.counts[static_cast<std::size_t>(r)][c] - signal(time_s, c)));
-      }
-  return worst;
-}
-
-std::int64_t rows_in(const GridStream& stream) {
-  std::int64_t sum = 0;
-  for (const GridRows& rows : stream.rows.at_hand()) sum += rows.rows;
-  return sum;
-}
+using test::kAmplitude, test::Node, test::rows_in, test::worst_error;
 
 TEST(GridStream, ANodeOnTheGridIsTheGridBitForBit) {
   const Node node;
@@ -135,22 +67,6 @@ TEST(GridStream, ASharedClockWithAFreeConverterIsResampledToo) {
   EXPECT_GT(rows_in(stream), 17'900);
 }
 
-TEST(GridStream, BlocksWaitForTheFirstFit) {
-  const Node node{.offset_s = 500.0, .begin_s = 10.0};
-  Grid grid;
-  GridStream stream(1, false);
-  ClockFit acquiring = node.fit(10.0);
-  acquiring.state = ClockState::kAcquire;
-  stream.take(acquiring, grid);
-  for (int number = 0; number < 600; ++number) stream.take(node.block(number), grid);
-  EXPECT_TRUE(stream.rows.empty());
-  EXPECT_NE(stream.obstacle().find("node 1"), std::string::npos) << stream.obstacle();
-  stream.take(node.fit(16.0), grid);
-  EXPECT_TRUE(stream.obstacle().empty());
-  EXPECT_EQ(rows_in(stream), 600 * kScansPerBlock - FractionalDelay::kTaps + 1);
-  EXPECT_LT(worst_error(stream, grid), 4.0 * kAmplitude * 0.002 * std::numbers::pi / 180.0);
-}
-
 TEST(GridStream, ItsOnlyNodeNeedsNoOtherClock) {
   const Node node{.offset_s = 500.0};
   Grid grid;
@@ -176,67 +92,8 @@ TEST(GridStream, AGapCostsWhatTheFilterNeedsAndRestarts) {
   EXPECT_LT(worst_error(stream, grid), 4.0 * kAmplitude * 0.002 * std::numbers::pi / 180.0);
 }
 
-TEST(GridStream, AFitThatMovesALittleDoesNotRestart) {
-  const Node node{.offset_s = 3.0, .drift = 10e-6, .ppm = 20.0, .begin_s = 10.0};
-  Grid grid;
-  GridStream stream(1, false);
-  int number = 0;
-  for (int second = 0; second < 10; ++second) {
-    stream.take(node.fit(10.0 + second, second % 2 == 0 ? 5e-6 : -5e-6), grid);
-    for (int i = 0; i < 100; ++i) stream.take(node.block(number++), grid);
-  }
-  for (std::size_t i = 1; i < stream.rows.size(); ++i) {
-    ASSERT_FALSE(stream.rows.at_hand()[i].restart);
-    ASSERT_EQ(stream.rows.at_hand()[i].first_index,
-              stream.rows.at_hand()[i - 1].first_index + stream.rows.at_hand()[i - 1].rows);
-  }
-  // The fits are 5 us wrong and nothing else is: the steepest slope of the signal over 5 us, and the grid's
-  // origin is the first fit's.
-  EXPECT_LT(worst_error(stream, grid), kAmplitude * 2.0 * std::numbers::pi * (1 + 18 + 25 + 60) * 16e-6);
-}
-
-TEST(GridStream, ABreakOfTheTimeBaseIsNeverSmeared) {
-  Node node{.offset_s = 3.0, .begin_s = 10.0};
-  Grid grid;
-  GridStream stream(1, false);
-  stream.take(node.fit(10.0), grid);
-  int number = 0;
-  for (; number < 100; ++number) stream.take(node.block(number), grid);
-  node.offset_s -= 0.7;  // the node's clock is set back; nobody knows yet
-  for (; number < 120; ++number) stream.take(node.block(number), grid);
-  ClockFit broken = node.fit(11.2);
-  broken.state = ClockState::kAcquire;
-  broken.breaks = 1;
-  stream.take(broken, grid);
-  for (; number < 130; ++number) stream.take(node.block(number), grid);
-  broken = node.fit(11.3);
-  broken.breaks = 1;
-  stream.take(broken, grid);
-  for (; number < 300; ++number) stream.take(node.block(number), grid);
-  EXPECT_EQ(rows_in(stream), 300 * kScansPerBlock - FractionalDelay::kTaps + 1);
-  EXPECT_LT(worst_error(stream, grid), 4.0 * kAmplitude * 0.002 * std::numbers::pi / 180.0);
-}
-
-TEST(GridStream, AfterAJumpTheRecorderHasTimeToSeeIt) {
-  Node node{.offset_s = 3.0, .begin_s = 10.0};
-  Grid grid;
-  GridStream stream(1, false);
-  ClockFit before = node.fit(10.0);
-  stream.take(before, grid);
-  int number = 0;
-  for (; number < 100; ++number) stream.take(node.block(number), grid);
-  node.offset_s += 0.2;
-  for (; number < 150; ++number) stream.take(node.block(number), grid);
-  for (int repeated = 0; repeated < 5; ++repeated)
-    stream.take(before, grid);  // what a segment repeats is no fit made since
-  for (before.number = 2; before.number <= 3; ++before.number)
-    stream.take(before, grid);  // a fit made before the jump, recorded after it, and another
-  EXPECT_LE(rows_in(stream), 100 * kScansPerBlock);
-  stream.take(node.fit(13.0), grid);  // of a recorder that begins anew and has seen no break
-  EXPECT_EQ(rows_in(stream), 150 * kScansPerBlock - FractionalDelay::kTaps + 1);
-  EXPECT_LT(worst_error(stream, grid), 4.0 * kAmplitude * 0.002 * std::numbers::pi / 180.0);
-}
-
+// A recorder that begins anew, or a pull: the fit that comes first knows the instant, but hardly the drift,
+// and what the node kept meanwhile follows it.
 TEST(GridStream, QualityTravelsWithWhateverASampleTouches) {
   const Node node{.offset_s = 3.0, .begin_s = 10.0};
   Grid grid{.origin_ns = 9'999'777'777, .period_ps = 500'000'000};

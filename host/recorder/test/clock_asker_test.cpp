@@ -3,6 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+
+#include "common/clock/test/simulated_clocks.hpp"
 
 namespace roadbalance {
 namespace {
@@ -18,6 +23,7 @@ struct Node {
   UdpAddress address = kThere;
   bool answers = true, follows_up = true;
   std::int64_t ahead_ns = 3'000'000'000;
+  double drift = 0.0;  ///< since kBegin
   int asked = 0;
 };
 
@@ -48,7 +54,8 @@ class Exchanging {
     if (!node.answers) return;
     ClockDatagram datagram = question.datagram;
     datagram.kind = ClockDatagramKind::kAnswer;
-    datagram.received_ns = to_ns(now) + 100'000 + node.ahead_ns;
+    datagram.received_ns = to_ns(now) + 100'000 + node.ahead_ns +
+                           std::llround(node.drift * static_cast<double>((now - kBegin).count()));
     datagram.answered_ns = datagram.received_ns;
     datagram.received_by_kernel = true;
     asker.take(datagram, node.address, {now + std::chrono::microseconds(250), true});
@@ -146,7 +153,141 @@ TEST(ClockAsker, StrangersRepeatsAndForeignEpochsAreIgnored) {
   EXPECT_TRUE(x.exchanges.empty());
 }
 
-TEST(ClockAsker, ForgetsANodeThatIsGone) {
+/// A recorder and a node with real crystals and ways between them; each fit is judged for as long as it is
+/// the last.
+class Judged {
+ public:
+  explicit Judged(std::uint64_t seed) : clocks_(seed) {}
+
+  void begin_recorder() {
+    asker_ = ClockAsker();
+    fit_.reset();
+  }
+  void run(double time_s) {
+    for (const double end_s = clocks_.now_s() + time_s; clocks_.now_s() < end_s; clocks_.pass(5e-3)) {
+      asker_.heard({.node = 2, .epoch = 9, .address = kThere}, now());
+      for (const auto& question : asker_.due(now())) ask(question);
+      (void)asker_.exchanges(now());
+      judge();
+      for (const ClockFit& fit : asker_.fits(now())) use(fit);
+    }
+    judge();
+    close();
+  }
+  void pull(double time_s) {
+    for (const double end_s = clocks_.now_s() + time_s; clocks_.now_s() < end_s; clocks_.pass(0.1)) {
+      (void)asker_.due(now());
+      (void)asker_.fits(now());
+    }
+  }
+
+  int windows = 0, covered = 0;
+  int first = 0,
+      first_covered = 0;  ///< of them those of the first fit that is known, after a beginning or a pull
+
+ private:
+  MachineTime now() const { return machine_time_from_ns(clocks_.host_ns()); }
+  void ask(const ClockAsker::Question& question) {
+    const auto e = clocks_.exchange(question.datagram.number);
+    ClockDatagram datagram = question.datagram;
+    asker_.sent(question, {e ? machine_time_from_ns(e->asked_ns) : now(), true});
+    if (!e) return;
+    datagram.kind = ClockDatagramKind::kAnswer;
+    datagram.received_ns = e->received_ns;
+    datagram.answered_ns = e->answered_ns;
+    asker_.take(datagram, kThere, {machine_time_from_ns(e->heard_ns), true});
+    datagram.kind = ClockDatagramKind::kFollowUp;
+    asker_.take(datagram, kThere, {machine_time_from_ns(e->heard_ns), true});
+  }
+  void judge() {
+    if (!fit_) return;
+    const std::int64_t error_ns = fit_->host_time_ns(clocks_.node_ns()) - clocks_.host_ns();
+    is_inside_ = is_inside_ && 1e-9 * static_cast<double>(std::abs(error_ns)) <= fit_->uncertainty_s;
+  }
+  void close() {
+    if (!fit_) return;
+    ++windows;
+    covered += is_inside_ ? 1 : 0;
+    if (!was_known_) ++first, first_covered += is_inside_ ? 1 : 0;
+    was_known_ = true;
+    fit_.reset();
+  }
+  void use(const ClockFit& fit) {
+    if (!fit_) was_known_ = false;
+    close();
+    if (!fit.is_known()) return;
+    fit_ = fit;
+    is_inside_ = true;
+  }
+
+  test::SimulatedClocks clocks_;
+  ClockAsker asker_;
+  std::optional<ClockFit> fit_;
+  bool is_inside_ = true, was_known_ = false;
+};
+
+TEST(ClockAsker, StatedUncertaintyCoversTheErrorFromTheFirstFitOn) {
+  int windows = 0, covered = 0, first = 0, first_covered = 0;
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    Judged judged(seed);
+    for (const double pull_s : {15.0, 60.0, 180.0}) {
+      judged.begin_recorder();
+      judged.run(10.0 + 0.01 * static_cast<double>(seed));
+      judged.pull(pull_s);
+      judged.run(5.0);
+    }
+    windows += judged.windows, covered += judged.covered;
+    first += judged.first, first_covered += judged.first_covered;
+  }
+  std::printf("windows %d covered %.3f %%; first ones %d covered %.3f %%\n", windows,
+              100.0 * covered / windows, first, 100.0 * first_covered / first);
+  EXPECT_GT(windows, 14'000);
+  EXPECT_EQ(first, 1'800);
+  EXPECT_GE(covered, windows * 0.999);
+  EXPECT_GE(first_covered, first * 0.999);
+}
+
+TEST(ClockAsker, KnowsTheDriftOverALongPull) {
+  Exchanging x;
+  x.node.drift = 40e-6;
+  x.run(seconds(60));
+  x.run(seconds(120), false);
+  x.fits.clear();
+  const int asked = x.node.asked;
+  x.run(milliseconds(200));
+  EXPECT_GE(x.node.asked - asked, 8) << "in a burst again";
+  ASSERT_FALSE(x.fits.empty());
+  for (const ClockFit& fit : x.fits) EXPECT_NEAR(fit.drift, 40e-6, 1e-6);
+}
+
+TEST(ClockAsker, CountsBreaksOverAPull) {
+  Exchanging x;
+  x.run(seconds(4));
+  x.node.ahead_ns += 500'000'000;
+  x.run(seconds(2));
+  x.run(seconds(15), false);
+  x.run(seconds(2));
+  x.node.ahead_ns += 500'000'000;
+  x.run(seconds(2));
+  EXPECT_EQ(x.fits.back().breaks, 2);
+}
+
+TEST(ClockAsker, TheOneSilentForLongestMakesRoom) {
+  ClockAsker asker;
+  const auto hear = [&](std::size_t k, MachineTime at) {
+    asker.heard({.node = 2, .epoch = static_cast<std::int64_t>(k), .address = kThere}, at);
+  };
+  for (std::size_t k = 0; k <= 2 * kMostNodes; ++k) hear(k, kBegin + milliseconds(k));
+  EXPECT_EQ(asker.due(kBegin + seconds(1)).size(), 2 * kMostNodes) << "nobody is silent: no room";
+  for (std::size_t k = 1; k < 2 * kMostNodes; ++k) hear(k, kBegin + seconds(10));
+  hear(2 * kMostNodes, kBegin + seconds(11));
+  const auto questions = asker.due(kBegin + seconds(12));
+  EXPECT_EQ(questions.size(), 2 * kMostNodes);
+  EXPECT_EQ(questions.front().datagram.epoch, 1);
+  EXPECT_EQ(questions.back().datagram.epoch, static_cast<std::int64_t>(2 * kMostNodes));
+}
+
+TEST(ClockAsker, AsksANodeThatIsGoneNoMore) {
   Exchanging x;
   x.run(seconds(1));
   x.run(seconds(15), false);

@@ -1,0 +1,42 @@
+#include "common/clock/clock_map.hpp"
+
+#include <cmath>
+
+#include "common/clock/bounded_time.hpp"
+#include "common/clock/offset_line.hpp"
+
+namespace roadbalance {
+namespace {
+
+/// The line through two fits, as a fit at the first one's instant; nothing if no crystal has such a drift.
+std::optional<ClockFit> joined(const ClockFit& before, const ClockFit& last) {
+  const std::int64_t host_ns = last.host_ns - before.host_ns;
+  const std::int64_t node_ns = last.node_ns - before.node_ns;
+  if (last.breaks > before.breaks || host_ns <= 0) return std::nullopt;
+  const double off_s = 1e-9 * std::abs(static_cast<double>(node_ns) - static_cast<double>(host_ns));
+  const double possible_s =
+      DriftPrior{}.sigma * 1e-9 * static_cast<double>(host_ns) + before.uncertainty_s + last.uncertainty_s;
+  if (!(off_s <= possible_s)) return std::nullopt;
+  ClockFit line = before;
+  line.drift = static_cast<double>(node_ns - host_ns) / static_cast<double>(host_ns);
+  return line;
+}
+
+}  // namespace
+
+void ClockMap::take(const ClockFit& fit) {
+  before_.reset();
+  if (last_ && joined(*last_, fit)) before_ = last_;
+  last_ = fit;
+}
+
+ClockFit ClockMap::line_at(std::int64_t node_time_ns) const {
+  if (!before_ || node_time_ns >= last_->node_ns) return *last_;
+  return node_time_ns >= before_->node_ns ? *joined(*before_, *last_) : *before_;
+}
+
+std::int64_t ClockMap::host_time_ns(std::int64_t node_time_ns) const {
+  return host_instant_ns(line_at(node_time_ns), node_time_ns);
+}
+
+}  // namespace roadbalance

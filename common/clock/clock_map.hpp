@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "common/clock/exchange.hpp"
+
+namespace roadbalance {
+
+/// Brings instants of one node epoch to the host's time, by the fit that came last and the one before it.
+///
+/// Behind the last fit its own drift is all that is known.  What comes late - what a node kept during a cable
+/// pull, or a repair - lies on the line through both fits: each is right at its instant, while the drift of
+/// one that has just locked may be 200 ppm wrong.  Fits that no crystal joins (another time base, a host
+/// booted anew) are not joined: then the last one's line goes back as far as it is asked.
+class ClockMap {
+ public:
+  /// The next fit; known.
+  void take(const ClockFit& fit);
+  void reset() { last_.reset(), before_.reset(); }
+
+  bool is_known() const { return last_.has_value(); }
+  /// Nothing while it is not known.
+  const std::optional<ClockFit>& last() const { return last_; }
+  /// Nothing, too, if the last one is not joined to it.
+  const std::optional<ClockFit>& before() const { return before_; }
+
+  /// The line that holds at a node's instant, as a fit; while it is known.
+  ClockFit line_at(std::int64_t node_time_ns) const;
+  /// The host's instant of a node's instant, both within kClockLimit_ns; while it is known.
+  std::int64_t host_time_ns(std::int64_t node_time_ns) const;
+
+ private:
+  std::optional<ClockFit> last_, before_;
+};
+
+}  // namespace roadbalance
