@@ -2,10 +2,13 @@
 
 #include <chrono>
 
+#include "common/process/pause.hpp"
+
 namespace roadbalance {
 namespace {
 
 constexpr std::chrono::milliseconds kTurn{50};  // how long a request to stop may wait
+constexpr std::chrono::seconds kFollow{1};
 
 /// Counts what is given in each second.
 class Allowance {
@@ -25,11 +28,21 @@ class Allowance {
 
 }  // namespace
 
-void answer_clock(std::stop_token stop, ClockSocket& socket, std::int32_t node, std::int64_t epoch,
-                  const FrontEnd& front_end) {
+void answer_clock(std::stop_token stop, ClockPlace& place, std::int32_t node, std::int64_t epoch,
+                  const FrontEnd& front_end, const std::function<void(const std::string&)>& say) {
   const auto node_ns = [&](MachineTime time) { return to_ns(front_end.node_time(time)); };
   Allowance allowance;
+  MachineTime follow_at = MachineClock::now();
   while (!stop.stop_requested()) {
+    if (MachineClock::now() >= follow_at) {
+      follow_at = MachineClock::now() + kFollow;
+      if (const std::string why = place.follow(); !why.empty()) say(why);
+    }
+    if (place.socket() == nullptr) {
+      pause(stop, kTurn);
+      continue;
+    }
+    ClockSocket& socket = *place.socket();
     const auto got = socket.receive(kTurn);
     if (!got) continue;
     const auto question = decode_clock_datagram(got->bytes());

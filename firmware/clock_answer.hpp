@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <stop_token>
+#include <string>
 
-#include "common/clock/clock_socket.hpp"
 #include "common/frontend/front_end.hpp"
+#include "firmware/clock_place.hpp"
 
 namespace roadbalance {
 
@@ -12,9 +14,10 @@ namespace roadbalance {
 ///
 /// Each question of this node and epoch gets an answer and, where the kernel stamped the answer's sending, a
 /// follow-up with that stamp.  At most kMostAnswers a second are given: a flood costs the node no more than
-/// that.  Ends when told to stop.
-void answer_clock(std::stop_token stop, ClockSocket& socket, std::int32_t node, std::int64_t epoch,
-                  const FrontEnd& front_end);
+/// that.  Follows the machine's address once a second.  Ends when told to stop.
+/// @param say  why nobody can ask
+void answer_clock(std::stop_token stop, ClockPlace& place, std::int32_t node, std::int64_t epoch,
+                  const FrontEnd& front_end, const std::function<void(const std::string&)>& say);
 
 inline constexpr int kMostAnswers = 400;
 

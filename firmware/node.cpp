@@ -5,19 +5,20 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <random>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
 
 #include "common/bus/bus_route.hpp"
-#include "common/clock/clock_socket.hpp"
 #include "common/config/section.hpp"
 #include "common/process/parallel.hpp"
 #include "common/process/pause.hpp"
 #include "common/process/realtime.hpp"
 #include "firmware/acquire.hpp"
 #include "firmware/clock_answer.hpp"
+#include "firmware/clock_place.hpp"
 #include "firmware/describe.hpp"
 #include "firmware/device_diary.hpp"
 #include "firmware/life_watch.hpp"
@@ -38,28 +39,10 @@ std::int64_t random_epoch() {
   return positive(device);
 }
 
-/// Where the node's clock can be asked for; nullptr: nowhere, and the node measures all the same.
-std::unique_ptr<ClockSocket> open_clock(const NodeConfig& node, const FrontEnd& front_end,
-                                        const NodeOptions& options) {
-  if (front_end.waits()) return nullptr;  // its time is not of this machine
-  const std::uint32_t address = address_on_bus(options.bus_url);
-  try {
-    if (address != 0) return std::make_unique<ClockSocket>(address);
-    options.warn("node " + node.name + ": no address on " + options.bus_url +
-                 ": nobody can ask for its clock");
-  } catch (const std::system_error& error) {
-    options.warn("node " + node.name + ": nobody can ask for its clock: " + error.what());
-  }
-  return nullptr;
-}
-
-NodeClockAddress clock_address(const FrontEnd& front_end, const ClockSocket* socket) {
-  NodeClockAddress clock{.time_base = front_end.waits() ? TimeBase::kShared : TimeBase::kOwn};
-  if (socket) {
-    clock.address = socket->address().address;
-    clock.port = socket->address().port;
-  }
-  return clock;
+NodeClockAddress clock_address(const ClockPlace* clock) {
+  if (clock == nullptr) return {.time_base = TimeBase::kShared};
+  const UdpAddress at = clock->address();
+  return {.time_base = TimeBase::kOwn, .address = at.address, .port = at.port};
 }
 
 /// Of this run; nullptr: none is wanted.
@@ -152,9 +135,16 @@ EpochResult run_epoch(std::stop_token stop, const VehicleConfig& vehicle, const 
   const auto spool = open_spool_or_go_on(node, epoch, options, is_first);
   Backlog backlog(ring, spool.get());
   ConversionTimes device(front_end, node.rate_hz);
-  const auto clock = open_clock(node, front_end, options);
-  NodeLink node_link(node.id, epoch, backlog, *preview, link, change, clock_address(front_end, clock.get()),
-                     front_end.reports());
+  std::optional<ClockPlace> clock;
+  const auto say = [&](const std::string& why) {
+    options.warn("node " + node.name + ": nobody can ask for its clock on " + options.bus_url + ": " + why);
+  };
+  if (!front_end.waits()) {  // else its time is not of this machine
+    clock.emplace([&] { return address_on_bus(options.bus_url); });
+    if (const std::string why = clock->follow(); !why.empty()) say(why);
+  }
+  const auto clock_now = [&] { return clock_address(clock ? &*clock : nullptr); };
+  NodeLink node_link(node.id, epoch, backlog, *preview, link, change, clock_now, front_end.reports());
   Parallel processes;
   const std::stop_callback pass_on(stop, [&processes] { processes.request_stop(); });
   processes.run([&](std::stop_token stop_here) {
@@ -166,7 +156,7 @@ EpochResult run_epoch(std::stop_token stop, const VehicleConfig& vehicle, const 
   processes.run(
       [&](std::stop_token stop_here) { keep_diary(stop_here, front_end, link, options, is_first); });
   processes.run(prove_life, std::cref(link), std::cref(options));
-  if (clock) processes.run(answer_clock, std::ref(*clock), node.id, epoch, std::cref(front_end));
+  if (clock) processes.run(answer_clock, std::ref(*clock), node.id, epoch, std::cref(front_end), say);
   processes.run([&](std::stop_token stop_here) {
     if (!front_end.waits())
       for (const std::string& refused : enter_realtime(kAcquirePriority))

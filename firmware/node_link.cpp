@@ -21,7 +21,7 @@ constexpr int kLastHeartbeats = 3;
 }  // namespace
 
 NodeLink::NodeLink(std::int32_t node, std::int64_t epoch, Backlog& backlog, PreviewSlot& preview,
-                   AcquireLink& link, VehicleChange& vehicle, NodeClockAddress clock,
+                   AcquireLink& link, VehicleChange& vehicle, std::function<NodeClockAddress()> clock,
                    std::vector<const DeviceReport*> reports)
     : node_(node),
       epoch_(epoch),
@@ -29,7 +29,7 @@ NodeLink::NodeLink(std::int32_t node, std::int64_t epoch, Backlog& backlog, Prev
       preview_(preview),
       link_(link),
       vehicle_(vehicle),
-      clock_(clock),
+      clock_(std::move(clock)),
       reports_(std::move(reports)),
       sender_(backlog, node, epoch),
       commands_(node, epoch, backlog, sender_, link, vehicle),
@@ -122,9 +122,10 @@ void NodeLink::send_heartbeat(const Publish& publish) {
     for (const DeviceReport& encoder : link_.encoder)
       beat.device_counts[k] += encoder.of(static_cast<DeviceCounter>(k));
   }
-  beat.time_base = clock_.time_base;
-  beat.clock_address = clock_.address;
-  beat.clock_port = clock_.port;
+  const NodeClockAddress clock = clock_();
+  beat.time_base = clock.time_base;
+  beat.clock_address = clock.address;
+  beat.clock_port = clock.port;
   beat.vehicle_crc32c = vehicle_.in_force();
   publish(heartbeat_channel_, encode(beat));
 }

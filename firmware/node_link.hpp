@@ -3,6 +3,7 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -29,10 +30,12 @@ struct NodeClockAddress {
 /// fixed; in steady state it allocates for heartbeats and replies only.
 class NodeLink {
  public:
+  /// @param clock    at each heartbeat
   /// @param reports  of the node's devices; their sums, with what its encoders count, go into the heartbeat
-  NodeLink(std::int32_t node, std::int64_t epoch, Backlog& backlog, PreviewSlot& preview, AcquireLink& link,
-           VehicleChange& vehicle, NodeClockAddress clock = {},
-           std::vector<const DeviceReport*> reports = {});
+  NodeLink(
+      std::int32_t node, std::int64_t epoch, Backlog& backlog, PreviewSlot& preview, AcquireLink& link,
+      VehicleChange& vehicle, std::function<NodeClockAddress()> clock = [] { return NodeClockAddress(); },
+      std::vector<const DeviceReport*> reports = {});
 
   /// What came on ack_channel(node), command_channel(node) or vehicle_channel(node); anything else is
   /// ignored.
@@ -70,7 +73,7 @@ class NodeLink {
   PreviewSlot& preview_;
   AcquireLink& link_;
   VehicleChange& vehicle_;
-  const NodeClockAddress clock_;
+  const std::function<NodeClockAddress()> clock_;
   const std::vector<const DeviceReport*> reports_;
   Sender sender_;
   Commands commands_;

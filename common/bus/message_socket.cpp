@@ -16,6 +16,7 @@
 namespace roadbalance {
 namespace {
 
+constexpr std::chrono::seconds kJoinAgain{1};
 constexpr std::uint32_t kUdpHeader = 8;  // a socket's filter sees the datagram from its UDP header on
 
 [[noreturn]] void throw_errno(const char* what) {
@@ -84,21 +85,18 @@ MessageBatch::MessageBatch(Runs runs)
 }
 
 MessageSocket::MessageSocket(const BusAddress& bus, Runs runs)
-    : socket_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)), runs_(runs) {
+    : group_(bus.group), socket_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)), runs_(runs) {
   if (socket_ < 0) throw_errno("open a socket");
   const int others_too = 1;
   sockaddr_in group{};
   group.sin_family = AF_INET;
   group.sin_port = htons(bus.port);
   group.sin_addr.s_addr = htonl(bus.group);
-  ip_mreq member{};
-  member.imr_multiaddr = group.sin_addr;  // over the interface of the route, as LCM does
   const bool open =
       ::setsockopt(socket_, SOL_SOCKET, SO_REUSEADDR, &others_too, sizeof others_too) == 0 &&
       (bus.receive_buffer == 0 ||
        ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &bus.receive_buffer, sizeof bus.receive_buffer) == 0) &&
-      ::bind(socket_, reinterpret_cast<const sockaddr*>(&group), sizeof group) == 0 &&
-      ::setsockopt(socket_, IPPROTO_IP, IP_ADD_MEMBERSHIP, &member, sizeof member) == 0;
+      ::bind(socket_, reinterpret_cast<const sockaddr*>(&group), sizeof group) == 0 && join();
   const int whole = 1;  // a kernel that does not know them cuts them
   if (open && runs == Runs::kWhole && ::setsockopt(socket_, IPPROTO_UDP, UDP_GRO, &whole, sizeof whole) != 0)
     runs_ = Runs::kCut;
@@ -113,6 +111,19 @@ MessageSocket::~MessageSocket() {
   ::close(socket_);
 }
 
+bool MessageSocket::join() {
+  joined_ = std::chrono::steady_clock::now();
+  ip_mreq member{};
+  member.imr_multiaddr.s_addr = htonl(group_);  // over the interface of the route, as LCM does
+  return ::setsockopt(socket_, IPPROTO_IP, IP_ADD_MEMBERSHIP, &member, sizeof member) == 0;
+}
+
+void MessageSocket::stay_joined() {
+  if (std::chrono::steady_clock::now() - joined_ < kJoinAgain || join()) return;
+  // It is a member, or there is no interface at present.
+  if (errno == ENOBUFS) throw_errno("join the group again");
+}
+
 void MessageSocket::hear_only(std::span<const Channels> channels) {
   std::vector<sock_filter> program;
   if (runs_ == Runs::kWhole) pass_from_afar(program);
@@ -124,7 +135,8 @@ void MessageSocket::hear_only(std::span<const Channels> channels) {
     throw_errno("attach a filter to the bus's socket");
 }
 
-bool MessageSocket::wait(std::chrono::milliseconds timeout) const {
+bool MessageSocket::wait(std::chrono::milliseconds timeout) {
+  stay_joined();
   pollfd one{socket_, POLLIN, 0};
   return ::poll(&one, 1, static_cast<int>(std::max<std::int64_t>(0, timeout.count()))) > 0;
 }
@@ -136,6 +148,7 @@ bool MessageSocket::receive(MessageBatch& into) {
   const int came = ::recvmmsg(socket_, &into.headers_[first],
                               static_cast<unsigned>(into.headers_.size() - first), MSG_DONTWAIT, nullptr);
   if (came < 0 && errno != EAGAIN && errno != EINTR) throw_errno("receive");
+  if (came <= 0) stay_joined();
   into.datagrams_ += static_cast<std::size_t>(std::max(0, came));
   for (std::size_t k = first; k < into.datagrams_; ++k) read(into, k);
   return into.datagrams_ > first;

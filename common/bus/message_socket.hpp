@@ -119,8 +119,11 @@ class MessageSocket {
 
   /// As asked for, or kCut where the kernel gives no other: of what it takes into.
   Runs runs() const { return runs_; }
-  /// True once something has come.
-  bool wait(std::chrono::milliseconds timeout) const;
+  /// True once something has come.  Once a second it joins the group again: the kernel ties a membership to
+  /// an interface, and one that was taken out and put in again, as a network card at a USB port is, is
+  /// another one.
+  /// @throws std::system_error if the kernel takes no more: it counts interfaces that are gone, 20 in all
+  bool wait(std::chrono::milliseconds timeout);
   /// Takes what has come, as much as there is room for behind what the batch holds.  False if nothing has.
   /// @throws std::system_error
   bool receive(MessageBatch& into);
@@ -133,10 +136,14 @@ class MessageSocket {
   std::int64_t dropped() const;
 
  private:
+  bool join();
+  void stay_joined();
   void read(MessageBatch& into, std::size_t datagram);
   void read(MessageBatch& into, std::span<const std::uint8_t> message);
 
+  const std::uint32_t group_;
   int socket_;
+  std::chrono::steady_clock::time_point joined_{};
   Runs runs_;
   std::atomic<std::int64_t> refused_ = 0;  ///< asked for by another thread than that which receives
 };

@@ -174,6 +174,13 @@ std::optional<std::int64_t> ClockSocket::sending_wall_ns(std::uint32_t number) {
   }
 }
 
+void ClockSocket::drop_late_stamps() {
+  for (;;) {
+    msghdr message{};
+    if (::recvmsg(descriptor_, &message, MSG_ERRQUEUE | MSG_DONTWAIT) < 0) return;
+  }
+}
+
 std::optional<ClockSocket::Datagram> ClockSocket::receive(std::chrono::milliseconds timeout) {
   Datagram datagram;
   sockaddr_in from{};
@@ -201,6 +208,8 @@ std::optional<ClockSocket::Datagram> ClockSocket::receive(std::chrono::milliseco
   emptied_ = read_clocks();
   pollfd socket{descriptor_, POLLIN, 0};
   if (::poll(&socket, 1, static_cast<int>(timeout.count())) <= 0) return std::nullopt;
+  // Stamps that came too late for their datagrams: while they wait no poll does.
+  if ((socket.revents & POLLERR) != 0) drop_late_stamps();
   if (take()) return datagram;
   return std::nullopt;
 }

@@ -19,8 +19,8 @@ struct UdpAddress {
   bool operator==(const UdpAddress&) const = default;
 };
 
-/// This machine's own address on the way to `destination`; address 0 if there is no way.  Of a machine without
-/// a network, whose way leads to itself, 127.0.0.1.  Nothing is sent.
+/// This machine's own address on the way to `destination`; address 0 if there is no way.  Of a machine
+/// without a network, whose way leads to itself, 127.0.0.1.  Nothing is sent.
 UdpAddress address_towards(const UdpAddress& destination);
 
 /// An instant at which a datagram passed.
@@ -68,6 +68,7 @@ class ClockSocket {
   static std::optional<MachineTime> to_machine_time(std::int64_t wall_ns, const Clocks& before,
                                                     const Clocks& after);
   std::optional<std::int64_t> sending_wall_ns(std::uint32_t number);
+  void drop_late_stamps();
 
   int descriptor_;
   UdpAddress address_;

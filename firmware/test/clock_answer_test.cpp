@@ -25,8 +25,10 @@ class Elsewhere final : public FrontEnd {
 
 class ClockAnswer : public testing::Test {
  protected:
-  ClockAnswer() : node_(kLoopback), host_(kLoopback) {
-    process_.run(answer_clock, std::ref(node_), 3, 77, std::cref(front_end_));
+  ClockAnswer() : host_(kLoopback) {
+    EXPECT_EQ(node_.follow(), "");
+    process_.run(answer_clock, std::ref(node_), 3, 77, std::cref(front_end_),
+                 [](const std::string& why) { ADD_FAILURE() << why; });
   }
   ~ClockAnswer() override { process_.request_stop(); }
 
@@ -40,7 +42,8 @@ class ClockAnswer : public testing::Test {
   }
 
   Elsewhere front_end_;
-  ClockSocket node_, host_;
+  ClockPlace node_{[] { return kLoopback; }};
+  ClockSocket host_;
   Parallel process_;
 };
 

@@ -87,9 +87,23 @@ void Hosts::make_host(std::size_t number) {
   network_.push_back(open_network());
   tap_.push_back(open_tap());
   ip({"link", "set", "lo", "up"});
+  set_up_interface(number);
+}
+
+void Hosts::set_up_interface(std::size_t number) {
   ip({"address", "add", "10.77.0." + std::to_string(number + 1) + "/24", "dev", kInterface});
   ip({"link", "set", kInterface, "up"});
   ip({"route", "add", "224.0.0.0/4", "dev", kInterface});
+}
+
+void Hosts::replace_interface(std::size_t host) {
+  carrier_ = {};
+  on(host, [&] {
+    ::close(tap_.at(host));  // takes the interface with it
+    tap_.at(host) = open_tap();
+    set_up_interface(host);
+  });
+  carrier_ = std::jthread([this](const std::stop_token& stop) { carry(stop); });
 }
 
 void Hosts::enter(int network) const {

@@ -41,6 +41,9 @@ class Hosts {
   bool netem(std::size_t host, std::vector<std::string> words) const;
   void pull(std::size_t host);
   void plug(std::size_t host);
+  /// Takes a host's interface out and puts another one in, with the same name, address and route: what a
+  /// network card at a USB port does when somebody pulls it.
+  void replace_interface(std::size_t host);
   Cable::Counts counts();
 
  private:
@@ -54,6 +57,7 @@ class Hosts {
   };
   void enter(int network) const;
   void make_host(std::size_t number);
+  static void set_up_interface(std::size_t number);
   void carry(const std::stop_token& stop);
   void take_all(std::size_t host);
   void deliver(WallTime now);

@@ -183,5 +183,21 @@ TEST_F(Network, ACablePulledAndPluggedInAgainLosesNothing) {
   for (const char* name : {"front", "rear"}) expect_as_simulated(name, "seconds=10000");
 }
 
+// The kernel ties a membership in the group to an interface.
+TEST_F(Network, ANetworkCardPutInAgainLosesNothing) {
+  Program running = recorder();
+  const std::string drive = "rate=1&seconds=10000";
+  Program front = node_on(1, "front", drive), rear = node_on(2, "rear", drive);
+  for (const std::size_t host : {1U, 0U}) {
+    ASSERT_TRUE(more_are_durable(kFront, 100));
+    hosts->replace_interface(host);
+    ASSERT_TRUE(more_are_durable(kFront, 200)) << host;
+    ASSERT_TRUE(more_are_durable(kRear, 50)) << host;
+  }
+  end_well(running, {&front, &rear});
+  expect_complete(2);
+  for (const char* name : {"front", "rear"}) expect_as_simulated(name, "seconds=10000");
+}
+
 }  // namespace
 }  // namespace roadbalance
