@@ -194,10 +194,14 @@ void EpochReceiver::crash(std::vector<Delivery>& out) {
   if (ended_) return;
   given_up_ = true;
   received_at_crash_ = contiguous_;
-  // Behind a hole the end would say that all is well: the crash takes its number.
-  const bool has_end =
-      has_holes() && slot(newest_arrived_).arrived && stored(newest_arrived_).kind == BlockKind::kEnd;
-  if (has_end) slot(newest_arrived_).arrived = false;
+  // Behind a hole an end would say that all is well: the crash takes its number.  One with blocks behind it
+  // is no end that this node sealed.
+  bool has_end = false;
+  for (std::int64_t k = contiguous_ + 1; has_holes() && k <= newest_arrived_; ++k) {
+    if (!slot(k).arrived || stored(k).kind != BlockKind::kEnd) continue;
+    slot(k).arrived = false;
+    has_end = k == newest_arrived_;
+  }
   lose_through(has_end ? newest_arrived_ - 1 : newest_arrived_, out);
   if (loss_through_ > 0) declare_loss(out, next_scan_);
   deliver_contiguous(out);

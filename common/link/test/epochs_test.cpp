@@ -122,6 +122,20 @@ TEST_F(Epochs, ACrashTakesTheNumberOfAnEndThatCameBehindAHole) {
   EXPECT_EQ(std::get<GapBlock>(out[2]).cause, GapCause::kNodeCrash);
 }
 
+// No node seals one; whoever sent it, the recorder must not fall over it.
+TEST_F(Epochs, ACrashTakesAnEndWithBlocksBehindItForLost) {
+  take(beat(1, 1));
+  take(scans(1));
+  SealedBlock end;
+  seal(EndBlock{.header = {.node = 1, .epoch = kEpoch, .sequence = 3, .first_scan = 40}, .blocks = 3}, end);
+  take(end);
+  take(scans(5));
+  receiver.finish(kStart + 11s, out);
+  ASSERT_EQ(sequences(), (Sequences{1, 4, 5, 6}));
+  EXPECT_EQ(std::get<GapBlock>(out[1]).cause, GapCause::kLostAtNode);
+  EXPECT_EQ(std::get<GapBlock>(out[3]).cause, GapCause::kNodeCrash);
+}
+
 TEST_F(Epochs, ClosesWhatAnEarlierRunLeftOpenOnceAnotherEpochHasLivedForLong) {
   receiver.recover(1, kEpoch, {.contiguous = 10, .next_scan = 200});
   take(beat(1, 1, kEpoch + 1));
