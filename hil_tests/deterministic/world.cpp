@@ -75,6 +75,7 @@ void World::boot_node(std::size_t which) {
   node.machine->boot(now_ns_);
   node.cleared_behind = 0;
   node.clock.reset();
+  node.fit.reset();
   wake_node(which, now_ns_ + kTurn_ns);
 }
 
@@ -83,7 +84,7 @@ void World::boot_host(std::size_t which) {
   if (host.down > 0 || host.machine->is_up() || host.machine->closed()) return;
   // A recorder that has just begun knows no clock.
   if (which == 0)
-    for (Node& node : nodes_) node.clock.reset();
+    for (Node& node : nodes_) node.clock.reset(), node.fit.reset();
   if (host.machine->boot(now_ns_))
     wake_host(which, now_ns_ + host.machine->take_elapsed_ns() + kTurn_ns);
   else

@@ -45,6 +45,8 @@ class World {
     std::int64_t cleared_behind = 0;  // the last block sealed when the cable came back; 0: nothing to watch
     std::int64_t plugged_at_ns = 0;
     std::optional<ClockModel> clock;
+    std::optional<ClockFit> fit;  ///< the last one that is known, of this clock
+    bool fit_held = false;        ///< at its instant
     std::int64_t exchanges = 0;
     bool left = false;  // its program has ended in order
   };

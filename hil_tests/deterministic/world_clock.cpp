@@ -7,6 +7,7 @@ namespace roadbalance::test {
 namespace {
 
 constexpr std::int64_t kFitEvery = 8;  // exchanges: a second
+constexpr std::int64_t kLate_ns = 50'000'000;
 
 // One way through kernel and network: never less than 40 us, sometimes milliseconds, each way on its own.
 std::int64_t delay_ns(Random& random) {
@@ -18,7 +19,7 @@ std::int64_t delay_ns(Random& random) {
 }  // namespace
 
 // The four stamps of an exchange that ends now, and once a second what the model makes of them against the
-// truth.
+// truth: each fit at its instant, and at that of the next, until which it is used.
 void World::exchange_stamps(std::size_t which) {
   Node& node = nodes_[which];
   HostMachine& host = *hosts_.front().machine;
@@ -48,12 +49,20 @@ void World::exchange_stamps(std::size_t which) {
   if (node.exchanges % kFitEvery != 0) return;
   const ClockFit fit = node.clock->fit(now_ns_);
   host.record({clock_fit_channel(number), encode(fit)});
+  const auto holds = [&](const ClockFit& one) {
+    const double since_ns = static_cast<double>(now_ns_ - one.host_ns);
+    const double error_ns =
+        static_cast<double>(one.node_ns - node.machine->clock_ns(now_ns_)) + since_ns * (1 + one.drift);
+    return std::abs(error_ns) * 1e-9 <= one.uncertainty_s;
+  };
+  if (node.fit && now_ns_ - node.fit->host_ns <= ClockModel::kFitLife_ns + kLate_ns) {
+    ++clock_windows_;
+    clock_covered_ += node.fit_held && holds(*node.fit) ? 1 : 0;
+  }
+  node.fit.reset();
   if (!fit.is_known()) return;
-  const double since_ns = static_cast<double>(now_ns_ - fit.host_ns);
-  const double error_ns =
-      static_cast<double>(fit.node_ns - node.machine->clock_ns(now_ns_)) + since_ns * (1 + fit.drift);
-  ++clock_windows_;
-  if (std::abs(error_ns) * 1e-9 <= fit.uncertainty_s) ++clock_covered_;
+  node.fit = fit;
+  node.fit_held = holds(fit);
 }
 
 }  // namespace roadbalance::test
