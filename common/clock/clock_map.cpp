@@ -12,7 +12,9 @@ namespace {
 std::optional<ClockFit> joined(const ClockFit& before, const ClockFit& last) {
   const std::int64_t host_ns = last.host_ns - before.host_ns;
   const std::int64_t node_ns = last.node_ns - before.node_ns;
-  if (last.breaks > before.breaks || host_ns <= 0) return std::nullopt;
+  // Uncertain ones a moment apart may tell any drift.
+  const bool is_slope = host_ns > 0 && node_ns > host_ns / 2 && node_ns / 2 < host_ns;
+  if (last.breaks > before.breaks || !is_slope) return std::nullopt;
   const double off_s = 1e-9 * std::abs(static_cast<double>(node_ns) - static_cast<double>(host_ns));
   const double possible_s =
       DriftPrior{}.sigma * 1e-9 * static_cast<double>(host_ns) + before.uncertainty_s + last.uncertainty_s;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/clock/clock_map.hpp"
 #include "common/clock/clock_model.hpp"
 #include "common/clock/datagram.hpp"
 #include "common/link/block.hpp"
@@ -44,9 +45,20 @@ std::int64_t instant(fuzz::ByteReader& in, std::int64_t before) {
   return std::clamp(before + step, -kClockLimit_ns, kClockLimit_ns);
 }
 
+void check_map(const ClockMap& map, std::int64_t node_ns) {
+  const ClockFit& last = *map.last();
+  require(std::abs(map.host_time_ns(node_ns)) <= kClockLimit_ns, "an instant is one that a clock may have");
+  require(map.host_time_ns(last.node_ns) == bounded_ns(last.host_ns), "a fit holds at its own instant");
+  if (!map.before()) return;
+  const ClockFit& before = *map.before();
+  require(before.host_ns < last.host_ns, "two that are joined come one behind the other");
+  require(std::abs(map.host_time_ns(before.node_ns) - before.host_ns) <= 1, "and so does the one before it");
+}
+
 void check_model(std::span<const std::uint8_t> bytes) {
   fuzz::ByteReader in(bytes);
   ClockModel model(1, 2);
+  ClockMap map;
   ClockExchange exchange{.node = 1, .epoch = 2};
   constexpr double kUseful_s = 1.0;
   std::int64_t fits = 0;
@@ -63,6 +75,9 @@ void check_model(std::span<const std::uint8_t> bytes) {
     require(std::isfinite(fit.drift) && std::isfinite(fit.uncertainty_s) && fit.uncertainty_s >= 0,
             "a fit is of finite numbers");
     require(fit.breaks == model.breaks() && fit.breaks <= exchange.number, "breaks are counted");
+    if (!fit.is_known()) continue;
+    map.take(fit);
+    check_map(map, instant(in, fit.node_ns));
   }
 }
 

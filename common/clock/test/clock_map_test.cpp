@@ -66,6 +66,18 @@ TEST(ClockMap, NothingIsJoinedThatNoCrystalJoins) {
   EXPECT_FALSE(joins(booted));
 }
 
+TEST(ClockMap, UncertainFitsAMomentApartTellNoSlope) {
+  for (const std::int64_t off_ns : {-3 * kSecond_ns, -kSecond_ns, 5 * kSecond_ns}) {
+    ClockFit first = fit_at(100 * kSecond_ns), last = fit_at(101 * kSecond_ns);
+    first.uncertainty_s = last.uncertainty_s = 10.0;
+    last.node_ns += off_ns;
+    ClockMap map;
+    map.take(first);
+    map.take(last);
+    EXPECT_FALSE(map.before()) << off_ns;
+  }
+}
+
 TEST(ClockMap, InstantsAtTheLimitsAreBounded) {
   for (const std::int64_t host_ns : {-kClockLimit_ns, kClockLimit_ns})
     for (const std::int64_t far_ns : {-kClockLimit_ns, kClockLimit_ns}) {
