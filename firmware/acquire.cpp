@@ -59,6 +59,7 @@ void acquire(std::stop_token stop, FrontEnd& front_end, Sealer& sealer, BlockSin
   std::optional<WallTime> told_to_stop;
   while (!stop.stop_requested()) {
     count_turn(link);
+    if (!front_end.waits()) sealer.asked(front_end.node_time(MachineClock::now()));
     if (link.start.load(std::memory_order_acquire)) sealer.start();
     if (link.stop.load(std::memory_order_acquire)) {
       sealer.stop();

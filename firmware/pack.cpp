@@ -5,9 +5,6 @@
 #include <cstring>
 #include <utility>
 
-#include "common/bus/codec.hpp"
-#include "common/link/planted.hpp"
-
 namespace roadbalance {
 namespace {
 
@@ -36,27 +33,18 @@ Sealer::Sealer(const VehicleConfig& vehicle, const NodeConfig& node, std::int64_
       meta_(split_text(MetaKind::kVehicleToml, vehicle.text)),
       waiting_(waiting_capacity(node.rate_hz)) {}
 
-template <typename Block>
-bool Sealer::write(Block& block) noexcept {
-  SealedBlock* const room = sink_.claim();
-  if (!room) return false;
-  block.header.sequence = next_sequence_;
-  seal(block, *room);
-  sum_.add(*room);
-  sink_.commit();
-  ++next_sequence_;
-  return true;
-}
-
 void Sealer::start() noexcept {
   if (started()) return;
   keep_from_ = tail_;
+  started_ = silence_.asked();
   static_cast<void>(write_metas());  // a sink too small is asked again before the first scan block
 }
 
 void Sealer::stop() noexcept {
   start();
-  if (keep_to_ == kNever) keep_to_ = tail_;
+  if (keep_to_ != kNever) return;
+  keep_to_ = tail_;
+  if (silence_.is_long()) silent_at_end_ = silence_.asked();
 }
 
 bool Sealer::write_metas() noexcept {
@@ -113,6 +101,10 @@ void Sealer::add(std::span<const SignalSample> signals) noexcept {
   if (!started() || keep_to_ != kNever) return;
   for (const SignalSample& sample : signals)
     if (!place(sample, signal_block_)) lose_beside(sample.time);
+}
+
+void Sealer::asked(NodeTime now) noexcept {
+  silence_.asked(now, std::exchange(asked_tail_, tail_) != tail_);
 }
 
 void Sealer::device_ended() noexcept {
@@ -190,24 +182,13 @@ void Sealer::preview_block() noexcept {
 }
 
 void Sealer::keep_block(bool after_jump) noexcept {
-  if (first_index_ < 0) first_index_ = at(head_).index;
-  const std::int64_t first = at(head_).index - first_index_;
+  if (!first_index_) count_from(at(head_));
+  const std::int64_t first = at(head_).index - *first_index_;
   const std::int64_t scans = scan_block_.header.scans;
   counts_.scans_sampled += scans;
   const std::int64_t end_ns = to_ns(at(head_ + scans - 1).time) + period_ps_ / 1000;
   const std::int64_t time_ns = std::exchange(kept_end_ns_, end_ns);
-  if (first > next_scan_) {
-    const std::int64_t missing = first - next_scan_;
-    counts_.scans_sampled += missing;
-    GapBlock jump;
-    jump.header = header(next_scan_, missing, time_ns);
-    jump.cause = at(head_).after_absence ? GapCause::kDeviceGone : jump_cause_;
-    if (gap_ || !write(jump))
-      lose(next_scan_, missing, time_ns, jump.cause);
-    else
-      counts_.scans_missing += missing;
-    next_scan_ = first;
-  }
+  if (first > next_scan_) declare_jump(first - next_scan_, time_ns);
   scan_block_.header.first_scan = first;
   if (after_jump && first > 0) after_gap_ = true;
   if (after_gap_) scan_block_.quality |= kQualityAfterGap;
@@ -226,18 +207,6 @@ void Sealer::keep_block(bool after_jump) noexcept {
   put_if_old(signal_block_, kSoon_ns);
 }
 
-void Sealer::lose(std::int64_t first_scan, std::int64_t scans, std::int64_t time_ns,
-                  GapCause cause) noexcept {
-  if (planted(PlantedFault::kSilentRingFull)) return;
-  if (!gap_) {
-    gap_.emplace();
-    gap_->cause = cause;
-  }
-  if (gap_->header.scans == 0) gap_->header = header(first_scan, 0, time_ns);
-  gap_->header.scans += scans;
-  counts_.scans_missing += scans;
-}
-
 /// An edge or a sample for which neither its block nor the sink has room.
 void Sealer::lose_beside(NodeTime time) noexcept {
   lose(next_scan_, 0, next_scan_ > 0 ? kept_end_ns_ : to_ns(now_), GapCause::kRingFull);
@@ -251,16 +220,6 @@ bool Sealer::write_what_comes_before() noexcept {
   if (!gap_) return true;
   if (gap_->header.scans == 0 || at(head_).time <= lost_through_) return false;
   return write_beside(edge_block_) && write_beside(signal_block_) && close_gap();
-}
-
-bool Sealer::close_gap() noexcept {
-  GapBlock gap = *gap_;
-  if (planted(PlantedFault::kGapOffByOne) && gap.header.scans > 0) --gap.header.scans;
-  if (!write(gap)) return false;
-  gap_.reset();
-  after_gap_ = true;
-  scan_block_.quality |= kQualityAfterGap;
-  return true;
 }
 
 void Sealer::record(const Edge& edge) noexcept {
@@ -288,6 +247,7 @@ bool Sealer::finish() noexcept {
   if (ended_) return true;
   if (head_ < keep_to_ || keep_to_ == kNever || !write_metas()) return false;
   if (!write_beside(edge_block_) || !write_beside(signal_block_) || (gap_ && !close_gap())) return false;
+  if (silent_at_end_ && !declare_last_silence()) return false;
   EndBlock end{.header = header(next_scan_, 0, next_scan_ > 0 ? kept_end_ns_ : to_ns(now_)),
                .blocks = next_sequence_,
                .scans_sealed = counts_.scans_sampled - counts_.scans_missing,

@@ -7,10 +7,12 @@
 #include <span>
 #include <vector>
 
+#include "common/bus/codec.hpp"
 #include "common/config/vehicle_config.hpp"
 #include "common/frontend/dropped_edges.hpp"
 #include "common/link/blocks.hpp"
 #include "firmware/block_sink.hpp"
+#include "firmware/device_silence.hpp"
 #include "firmware/preview_slot.hpp"
 #include "firmware/reference.hpp"
 
@@ -21,7 +23,9 @@ namespace roadbalance {
 /// Order: the vehicle's description (meta), then scan, edge and gap blocks, at last the end.  Scan blocks and
 /// gaps tile the scans [0, end) of the epoch.  A scan block waits for the edges its references need, at most
 /// 100 ms of node time; then it goes without and says so.  Scans that the device lost, or for which the sink
-/// has no room, become gaps with exact range and cause; of a full sink one gap that grows.
+/// has no room, become gaps with exact range and cause; of a full sink one gap that grows.  A device that is
+/// not there at the start or at the stop has no scan to tell how many it lost: that is the time without,
+/// times the rate, kDeviceGone (asked()).
 ///
 /// Edges and signals are recorded as they came: signals within 0.2 s; edges too, but of slow wheels once
 /// there are 350, or after 1 s.  A full sink is waited for with one block of each; what comes when that is
@@ -48,6 +52,9 @@ class Sealer {
   void add(std::span<const Scan> scans, std::span<const Edge> edges, bool more_edges) noexcept;
   /// Signal samples that came with it; before its scans, whose angles may need them.
   void add(std::span<const SignalSample> signals) noexcept;
+  /// A read of a device that runs by the clock has returned, with what was added since the last call, at
+  /// `now` by the device's clock.  Of a device that waits for its reader: never.
+  void asked(NodeTime now) noexcept;
   /// The device has no more: seals all there is, and the end.
   void device_ended() noexcept;
 
@@ -95,10 +102,23 @@ class Sealer {
   bool write_what_comes_before() noexcept;
   void lose_beside(NodeTime time) noexcept;
   bool write_metas() noexcept;
+  std::int64_t scans_between(std::int64_t from_ns, std::int64_t to_ns) const noexcept;
+  void count_from(const Scan& first_kept) noexcept;
+  void declare_jump(std::int64_t scans, std::int64_t time_ns) noexcept;
+  bool declare_last_silence() noexcept;
   void lose(std::int64_t first_scan, std::int64_t scans, std::int64_t time_ns, GapCause cause) noexcept;
   bool close_gap() noexcept;
   template <typename Block>
-  bool write(Block& block) noexcept;
+  bool write(Block& block) noexcept {
+    SealedBlock* const room = sink_.claim();
+    if (!room) return false;
+    block.header.sequence = next_sequence_;
+    seal(block, *room);
+    sum_.add(*room);
+    sink_.commit();
+    ++next_sequence_;
+    return true;
+  }
   BlockHeader header(std::int64_t first_scan, std::int64_t scans, std::int64_t time_ns) const noexcept {
     return {node_, epoch_, next_sequence_, first_scan, scans, time_ns};
   }
@@ -122,6 +142,10 @@ class Sealer {
   std::int64_t next_index_ = -1;   ///< device index after the last scan added
   std::int64_t keep_from_ = kNever, keep_to_ = kNever;
   NodeTime now_{};
+  DeviceSilence silence_;
+  std::int64_t asked_tail_ = 0;            ///< tail_ when the device was asked last
+  std::optional<NodeTime> started_;        ///< by the device's clock
+  std::optional<NodeTime> silent_at_end_;  ///< until then, and not yet declared
 
   ScanBlock scan_block_;
   EdgeBlock edge_block_;
@@ -130,9 +154,11 @@ class Sealer {
   std::optional<GapBlock> gap_;     ///< of a full sink, growing
   NodeTime lost_through_{};         ///< latest stamp of an edge or sample for which there was no room
   std::int64_t sealed_index_ = -1;  ///< device index after the last scan sealed
-  std::int64_t first_index_ = -1;   ///< device index of the first kept scan
-  std::int64_t next_scan_ = 0;      ///< of the epoch, after the last one kept or declared
-  std::int64_t kept_end_ns_ = 0;    ///< one period after the last one kept or lost
+  /// Device index that the epoch counts from, once a scan is kept: that one's, or before it by what is
+  /// missing since the start.
+  std::optional<std::int64_t> first_index_;
+  std::int64_t next_scan_ = 0;    ///< of the epoch, after the last one kept or declared
+  std::int64_t kept_end_ns_ = 0;  ///< one period after the last one kept or lost
   bool after_gap_ = false;
   bool ended_ = false;
   std::int64_t next_sequence_ = 1;

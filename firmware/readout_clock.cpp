@@ -26,7 +26,7 @@ void ReadoutClock::restart(const Scan& scan) noexcept {
 
 void ReadoutClock::correct(std::span<Scan> scans) noexcept {
   for (Scan& scan : scans) {
-    if (!started_) restart(scan);
+    if (!started_ || scan.after_absence) restart(scan);
     double at_s = static_cast<double>(scan.index - first_index_) * period_s_;
     double late_s = to_seconds(scan.time - first_time_) - at_s;
     if (at_s < shown_at_s_ || std::abs(late_s - line_s(at_s)) > kMostLateness_s) {

@@ -16,8 +16,9 @@ namespace roadbalance {
 /// the edge of the lower convex hull of the last 32 seconds over their middle (S. Moon, P. Skelly, D.
 /// Towsley, Estimation and removal of clock skew, INFOCOM 1999), which neither bunches nor hiccups of reading
 /// pull. The shortest delay of reading is not seen and stays in the times.  Where the line moves, the times
-/// follow by at most 0.1 % of the time that passes, and do not step; after a stamp a second off the line,
-/// which no delay explains, everything begins anew.
+/// follow by at most 0.1 % of the time that passes, and do not step; after an absence of the device, whose
+/// clock or count may be another since, and after a stamp a second off the line, which no delay explains,
+/// everything begins anew.
 ///
 /// Unlike fit_sample_clock of the CSV import it knows only the past.  Never allocates.
 class ReadoutClock {

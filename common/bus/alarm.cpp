@@ -35,6 +35,7 @@ constexpr std::array kNames{
     Named{AlarmCause::kOverload, "left its range"},
     Named{AlarmCause::kClockBroken, "clock jumped"},
     Named{AlarmCause::kFaultyTurns, "faulty turns"},
+    Named{AlarmCause::kDeviceGone, "a device is gone"},
 };
 constexpr std::array kWheelNames{"front left", "front right", "rear left", "rear right"};
 constexpr std::int64_t kParts = 100;

@@ -41,6 +41,7 @@ enum class AlarmCause : std::int32_t {
   kOverload = 307,     ///< (channel 0..15)
   kClockBroken = 308,  ///< a node's clock jumped
   kFaultyTurns = 309,  ///< of an encoder, without exactly their teeth (line 0..1)
+  kDeviceGone = 310,   ///< a device of a node is not there
 };
 
 /// Clocks of two nodes may be apart by so much: 0.3 degrees at 18 turns a second.

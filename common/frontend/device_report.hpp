@@ -10,7 +10,7 @@ namespace roadbalance {
 
 /// What a device can suffer.  In the order of heartbeat_t.device_counts; new ones go to the end.
 enum class DeviceCounter : std::uint8_t {
-  kGone,               ///< interface down, cable pulled, chip removed
+  kGone,               ///< interface down, cable pulled, chip removed, or no scan of it for a time
   kReturned,           ///< after that
   kBusOff,             ///< the CAN controller took itself off the bus
   kErrorPassive,       ///< the CAN controller may no longer mark errors

@@ -27,7 +27,8 @@ struct Scan {
   std::uint32_t overload = 0;  ///< bit k: channel k left its range
   /// The references as they came back through the real anti-aliasing filter; of a node with loop-back.
   std::array<std::int32_t, kReferences> references{};
-  bool after_absence = false;  ///< the scans jumped over are those of a device that was not there
+  /// The scans jumped over are those of a device that was not there; its clock may have begun anew since.
+  bool after_absence = false;
 };
 
 enum class EdgeKind : std::uint8_t {

@@ -66,6 +66,7 @@ std::int64_t NodeMachine::device(std::int64_t now_ns) {
   Program& p = *program_;
   const std::int64_t before = p.backlog.base();
   p.sink.now_ns = now_ns;
+  p.sealer.asked(node_time_from_ns(clock_ns(now_ns)));
   if (p.link.start.load() && !p.sealer.started()) {
     p.sealer.start();
     p.truth.started_by = p.uplink.owner();

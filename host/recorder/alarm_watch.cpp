@@ -55,6 +55,11 @@ void AlarmWatch::take(const Heartbeat& beat, WallTime now) {
     rise(of(AlarmCause::kFaultyTurns, static_cast<std::int32_t>(line)), beat.epoch, beat.encoder_faults[line],
          " turns", now);
   rise(of(AlarmCause::kSpoolFailing), beat.epoch, beat.spool_failures, " failures", now);
+  const auto counted = [&beat](DeviceCounter counter) {
+    return beat.device_counts[static_cast<std::size_t>(counter)];
+  };
+  if (counted(DeviceCounter::kGone) > counted(DeviceCounter::kReturned))
+    log_.raise(of(AlarmCause::kDeviceGone), "look at its cable and supply", now);
   if (beat.state == NodeState::kFailed) log_.raise(of(AlarmCause::kNodeFailed), "", now);
 }
 

@@ -10,8 +10,11 @@ namespace {
 constexpr int kShift = 8;  // from 16 bits to the 24 of a scan
 constexpr std::int64_t kPartModulus = 1 << 8;
 constexpr std::int64_t kWholeModulus = 1LL << 32;
-// Numbers and stamps agree so well unless the module began anew: reading may be late by half a second.
-constexpr double kAgreement = 500.0;
+// In conversions.  Numbers and stamps agree so well unless the module began anew: reading may be late by
+// half a second, which eight bits cannot tell from a module that began anew; of them see the header.
+constexpr double kAgreement = 500.0, kAgreementOfParts = 20.0, kAgreementAtZero = 2.0;
+constexpr double kShortestStart = 10.0;
+constexpr double kModuleClock = 1e-3;  // may be wrong by so much of the time that passed
 
 }  // namespace
 
@@ -40,32 +43,40 @@ std::optional<Scan> AccelerometerScans::add(const AccelerometerFrame& frame, Nod
 }
 
 std::optional<Scan> AccelerometerScans::finish(std::uint32_t sequence, std::int64_t modulus) noexcept {
+  bool after_absence = std::exchange(after_absence_, false);
   if (started_) {
-    const std::int64_t step = conversions_since_last(sequence, modulus);
-    if (step == 0) {
+    const Step step = step_to(sequence, modulus);
+    if (step.conversions == 0) {
       ++repeated_;
+      after_absence_ = after_absence;
       return std::nullopt;
     }
-    missing_ += step - 1;
-    next_index_ += step - 1;
+    after_absence = after_absence || step.began_anew;
+    if (!after_absence) missing_ += step.conversions - 1;
+    next_index_ += step.conversions - 1;
   }
   started_ = true;
   last_sequence_ = sequence;
   last_time_ = scan_.time;
   scan_.index = next_index_++;
-  scan_.after_absence = std::exchange(after_absence_, false);
+  scan_.after_absence = after_absence;
   return scan_;
 }
 
-std::int64_t AccelerometerScans::conversions_since_last(std::uint32_t sequence,
-                                                        std::int64_t modulus) const noexcept {
+AccelerometerScans::Step AccelerometerScans::step_to(std::uint32_t sequence,
+                                                     std::int64_t modulus) const noexcept {
   const std::int64_t counted = (static_cast<std::int64_t>(sequence) - last_sequence_ + modulus) % modulus;
   const double elapsed = to_seconds(scan_.time - last_time_) * kRateHz;
   const double turns =
       std::max(0.0, std::round((elapsed - static_cast<double>(counted)) / static_cast<double>(modulus)));
   const std::int64_t step = counted + static_cast<std::int64_t>(turns) * modulus;
-  const bool began_anew = std::abs(static_cast<double>(step) - elapsed) > kAgreement + 1e-3 * elapsed;
-  return began_anew ? std::max<std::int64_t>(1, std::llround(elapsed)) : step;
+  double agreement = kAgreement;
+  if (modulus == kPartModulus && counted != 1 && elapsed > kShortestStart)
+    agreement = sequence == 0 ? kAgreementAtZero : kAgreementOfParts;
+  const double off = std::abs(static_cast<double>(step) - elapsed);
+  if (off > agreement + kModuleClock * elapsed)
+    return {std::max<std::int64_t>(1, std::llround(elapsed)), true};
+  return {step, false};
 }
 
 }  // namespace roadbalance

@@ -14,13 +14,17 @@ constexpr std::chrono::seconds kLongestSilence{2};
 
 CanAccelerometer::CanAccelerometer(std::unique_ptr<CanIntake> intake, CanDecoder decoder,
                                    const CanConfig& can)
-    : intake_(std::move(intake)), decoder_(std::move(decoder)), first_id_(can.accelerometer_id.value()) {}
+    : intake_(std::move(intake)),
+      decoder_(std::move(decoder)),
+      first_id_(can.accelerometer_id.value()),
+      heard_(intake_->complete_until()) {}
 
 Read CanAccelerometer::read(std::span<Scan> scans, std::span<Edge>,
                             std::span<SignalSample> signals) noexcept {
   Read read;
   const std::int64_t missing = scans_.missing();
   const std::int64_t repeated = scans_.repeated();
+  const NodeTime complete = intake_->complete_until();  // before the queue is looked into
   const WallTime until = WallClock::now() + kLongestRead;
   do {
     intake_->wait_until(until);
@@ -34,18 +38,20 @@ Read CanAccelerometer::read(std::span<Scan> scans, std::span<Edge>,
   DeviceReport& report = intake_->report();
   report.count(DeviceCounter::kPacketsMissing, scans_.missing() - missing);
   report.count(DeviceCounter::kPacketsRefused, scans_.repeated() - repeated);
-  listen_for_silence(read.scans > 0);
+  listen_for_silence(read.scans > 0, complete);
   return read;
 }
 
-void CanAccelerometer::listen_for_silence(bool any_scan) noexcept {
-  const WallTime now = WallClock::now();
+/// By the time line of the stamps: a node that was not scheduled does not take it for the module's silence.
+/// @param complete  all frames stamped before have been taken, if the queue is empty
+void CanAccelerometer::listen_for_silence(bool any_scan, NodeTime complete) noexcept {
   if (any_scan || intake_->gone()) {
-    heard_ = now;
+    heard_ = complete;
     silence_told_ = false;
-  } else if (!silence_told_ && now - heard_ > kLongestSilence) {
+  } else if (!silence_told_ && !intake_->front() && complete - heard_ > kLongestSilence) {
     silence_told_ = true;
     intake_->say_silence();
+    if (!std::exchange(module_gone_, true)) intake_->report().count(DeviceCounter::kGone);
   }
 }
 
@@ -72,7 +78,10 @@ void CanAccelerometer::take(const CanArrival& arrival, std::span<Scan> scans, st
   }
   const auto said = read_accelerometer(arrival.frame, first_id_);
   if (!said) return report.count(DeviceCounter::kFramesRefused);
-  if (const auto scan = scans_.add(*said, arrival.time, arrival.after_absence)) scans[read.scans++] = *scan;
+  const auto scan = scans_.add(*said, arrival.time, arrival.after_absence || module_gone_);
+  if (!scan) return;
+  scans[read.scans++] = *scan;
+  if (std::exchange(module_gone_, false)) report.count(DeviceCounter::kReturned);
 }
 
 }  // namespace roadbalance

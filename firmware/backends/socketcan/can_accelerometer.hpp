@@ -11,8 +11,8 @@ namespace roadbalance {
 
 /// The scans of an accelerometer module on a CAN interface, and the signals that come on the same one.
 ///
-/// A module that gives no scan for two seconds while the interface is there: the intake's thread is asked to
-/// say so, once for each silence.
+/// A module that gives no scan for two seconds while the interface is there counts as gone until the next
+/// one, and the intake's thread is asked to say so, once for each silence.
 class CanAccelerometer final : public FrontEnd {
  public:
   CanAccelerometer(std::unique_ptr<CanIntake> intake, CanDecoder decoder, const CanConfig& can);
@@ -27,14 +27,15 @@ class CanAccelerometer final : public FrontEnd {
  private:
   void take(const CanArrival& arrival, std::span<Scan> scans, std::span<SignalSample> signals,
             Read& read) noexcept;
-  void listen_for_silence(bool any_scan) noexcept;
+  void listen_for_silence(bool any_scan, NodeTime complete) noexcept;
 
   const std::unique_ptr<CanIntake> intake_;
   const CanDecoder decoder_;
   const std::uint32_t first_id_;
   AccelerometerScans scans_;
-  WallTime heard_ = WallClock::now();  ///< a scan, or that the interface is gone
+  NodeTime heard_;  ///< a scan, or that the interface is gone
   bool silence_told_ = false;
+  bool module_gone_ = false;  ///< is counted
 };
 
 }  // namespace roadbalance

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <future>
+#include <utility>
 
 #include "common/config/section.hpp"
 #include "common/process/realtime.hpp"
@@ -225,24 +226,40 @@ void BoardLink::compare_clocks(Session& session) {
   }
 }
 
-std::optional<std::size_t> BoardLink::serve(std::stop_token stop, Session& session) {
+bool BoardLink::has_failed(const Session& session, std::size_t which) {
+  std::string why;
+  if (dry_[which].load(std::memory_order_relaxed) == session.token)
+    why = "sends, but no scans: its converter stands still, or none of its packets can be used";
+  if (WallClock::now() - session.heard[which] > kLongestSilence) why = "sends nothing";
+  const bool is_gone = session.board[which]->gone();
+  if (why.empty() && !is_gone) return false;
+  Away& away = away_[which];
+  if (!std::exchange(away.is_counted, true)) report_[which]->count(DeviceCounter::kGone);
+  // One that does not mend is started every second: it is said once.
+  if (!is_gone && std::exchange(away.said, why) != why) say(which, why + "; starting it again");
+  return true;
+}
+
+/// A board whose scans come (again).
+void BoardLink::welcome(const Session& session, std::size_t which) {
+  Away& away = away_[which];
+  if (!away.is_counted || flowing_[which].load(std::memory_order_relaxed) != session.token) return;
+  report_[which]->count(DeviceCounter::kReturned);
+  away = {};
+}
+
+void BoardLink::serve(std::stop_token stop, Session& session) {
   while (!stop.stop_requested()) {
     session.bus.serve(kServing);
-    if (slipped_.load(std::memory_order_relaxed) == session.token) {
-      report_[1]->count(DeviceCounter::kOutOfStep);
-      return std::nullopt;
-    }
+    if (slipped_.load(std::memory_order_relaxed) == session.token)
+      return report_[1]->count(DeviceCounter::kOutOfStep);
     for (std::size_t k = 0; k < session.board.size(); ++k) {
       session.board[k]->maintain();
-      const bool is_silent = WallClock::now() - session.heard[k] > kLongestSilence;
-      if (!session.board[k]->gone() && !is_silent) continue;
-      if (!session.board[k]->gone()) say(k, "sends nothing; starting it again");
-      report_[k]->count(DeviceCounter::kGone);
-      return k;
+      welcome(session, k);
+      if (has_failed(session, k)) return;
     }
     compare_clocks(session);
   }
-  return std::nullopt;
 }
 
 std::unique_ptr<BoardLink::Session> BoardLink::find_again(std::stop_token stop) {
@@ -265,13 +282,12 @@ std::unique_ptr<BoardLink::Session> BoardLink::find_again(std::stop_token stop) 
 
 void BoardLink::run(std::stop_token stop, std::unique_ptr<Session> session) {
   while (session) {
-    const std::optional<std::size_t> gone = serve(stop, *session);
+    serve(stop, *session);
     session.reset();
     if (stop.stop_requested()) return;
     // Looking for a board takes the processor from those who read other devices.
     leave_realtime();
     session = find_again(stop);
-    if (session && gone) report_[*gone]->count(DeviceCounter::kReturned);
   }
 }
 

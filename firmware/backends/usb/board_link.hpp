@@ -5,21 +5,21 @@
 #include <chrono>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <thread>
 #include <vector>
 
 #include "common/config/vehicle_config.hpp"
 #include "firmware/backends/usb/board_setup.hpp"
 #include "firmware/backends/usb/inbox.hpp"
+#include "firmware/backends/usb/scan_flow.hpp"
 #include "firmware/backends/usb/usb_address.hpp"
 #include "firmware/backends/usb/usb_device.hpp"
 
 namespace roadbalance {
 
 /// Keeps the boards of a node open, set up and running, in a thread of its own, and puts what they send into
-/// the inbox.  When one is gone or silent all are closed, looked for five times a second, and started
-/// together again.
+/// the inbox.  When one is gone, silent or gives no scans, all are closed, looked for five times a second,
+/// and started together again; it counts as gone, once, until its scans come.
 class BoardLink {
  public:
   /// Sets the boards up and starts them.
@@ -36,6 +36,12 @@ class BoardLink {
   /// The boards do not belong together any more in the run of this token: they are started anew, if it is
   /// still theirs.
   void start_again(std::uint32_t token) { slipped_.store(token, std::memory_order_relaxed); }
+
+  /// The reader's: how a board's scans come in the run of this token.  Never blocks.
+  void hear(std::size_t which, std::uint32_t token, const ScanFlow& flow) noexcept {
+    if (flow.flows()) flowing_[which].store(token, std::memory_order_relaxed);
+    if (flow.is_dry()) dry_[which].store(token, std::memory_order_relaxed);
+  }
 
  private:
   /// The boards as long as they are there.
@@ -54,8 +60,10 @@ class BoardLink {
   void start(Session& session);
   void receive(Session& session, std::size_t which, std::span<const std::uint8_t> bytes);
   void run(std::stop_token stop, std::unique_ptr<Session> session);
-  /// @return the board that is gone, if that is why the session is over
-  std::optional<std::size_t> serve(std::stop_token stop, Session& session);
+  /// Until a board has to be started again.
+  void serve(std::stop_token stop, Session& session);
+  bool has_failed(const Session& session, std::size_t which);
+  void welcome(const Session& session, std::size_t which);
   void compare_clocks(Session& session);
   std::unique_ptr<Session> find_again(std::stop_token stop);
   void say(std::size_t which, const std::string& text) const;
@@ -70,8 +78,15 @@ class BoardLink {
   std::array<std::uint32_t, 2> dropped_{};  ///< not yet told
   std::uint32_t runs_ = 0;
   std::atomic<std::int64_t> slipped_{-1};  ///< token of the last run that did
-  std::vector<std::string> noted_;         ///< said once
-  std::jthread thread_;                    ///< ends before the rest
+  std::array<std::atomic<std::int64_t>, 2> flowing_{-1, -1}, dry_{-1, -1};  ///< the same, of a board's scans
+  /// What is known of a board of which no scan has come since.
+  struct Away {
+    bool is_counted = false;
+    std::string said;  ///< last
+  };
+  std::array<Away, 2> away_;
+  std::vector<std::string> noted_;  ///< said once
+  std::jthread thread_;             ///< ends before the rest
 };
 
 }  // namespace roadbalance

@@ -58,13 +58,16 @@ void BoardReader::take(const BoardDelivery& delivery) noexcept {
     return clock_[delivery.board]->compare(delivery.exchange);
   const auto transfer = std::span(delivery.bytes).first(delivery.size);
   const auto packet = stream_[delivery.board].take(transfer, delivery.dropped);
-  if (packet) take_packet(delivery.board, *packet, delivery.arrival);
+  const bool is_used = packet && take_packet(delivery.board, *packet, delivery.arrival);
+  flow_[delivery.board].take(delivery.arrival, is_used && packet->content.header().scans > 0,
+                             delivery.dropped == 0);
 }
 
 void BoardReader::begin_run(const RunBegin& run) noexcept {
   for (std::size_t k = 0; k < stream_.size(); ++k) {
     stream_[k].start(run.token, run.ticks_per_scan[k], run.tick_hz[k], run.begin[k].ticks);
     clock_[k].emplace(run.tick_hz[k], run.begin[k]);
+    flow_[k].start_run();
   }
   pair_.start(run.tick_hz, rate_hz_);
   numbering_.start_run();
@@ -74,14 +77,16 @@ void BoardReader::begin_run(const RunBegin& run) noexcept {
   any_run_ = true;
 }
 
-void BoardReader::take_packet(std::size_t board, const PacketStream::Packet& packet,
+/// False: its stamps cannot be, and it is not used.
+bool BoardReader::take_packet(std::size_t board, const PacketStream::Packet& packet,
                               NodeTime arrival) noexcept {
   BoardClock& clock = *clock_[board];
   const BoardInstant latest{latest_ticks(packet.content), arrival};
   if (!clock.is_possible(latest)) {
     stream_[board].distrust();
     if (board == 0) edges_missing_ = true;  // the stream goes on behind it as if it had been used
-    return report_[board]->count(DeviceCounter::kPacketsRefused);
+    report_[board]->count(DeviceCounter::kPacketsRefused);
+    return false;
   }
   clock.hear(latest);
   if (board == 0) take_edges(packet);
@@ -95,6 +100,7 @@ void BoardReader::take_packet(std::size_t board, const PacketStream::Packet& pac
     if (!kept) report_[1 - board]->count(DeviceCounter::kPartnerLate);
     if (board == 0) last_scan_time_ = clock.time(ticks);
   }
+  return true;
 }
 
 void BoardReader::take_edges(const PacketStream::Packet& packet) noexcept {

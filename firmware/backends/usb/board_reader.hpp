@@ -10,6 +10,7 @@
 #include "firmware/backends/usb/board_pair.hpp"
 #include "firmware/backends/usb/inbox.hpp"
 #include "firmware/backends/usb/packet_stream.hpp"
+#include "firmware/backends/usb/scan_flow.hpp"
 #include "firmware/backends/usb/scan_numbering.hpp"
 
 namespace roadbalance {
@@ -33,10 +34,12 @@ class BoardReader {
   /// False: two boards have lost each other in the run token() and must be started again.
   bool aligned() const noexcept { return pair_.aligned(); }
   std::uint32_t token() const noexcept { return token_; }
+  /// Of a board, in the run token().
+  const ScanFlow& flow(std::size_t board) const noexcept { return flow_[board]; }
 
  private:
   void begin_run(const RunBegin& run) noexcept;
-  void take_packet(std::size_t board, const PacketStream::Packet& packet, NodeTime arrival) noexcept;
+  bool take_packet(std::size_t board, const PacketStream::Packet& packet, NodeTime arrival) noexcept;
   void take_edges(const PacketStream::Packet& packet) noexcept;
   void mark_lost(NodeTime time) noexcept;
   Scan scan_of(const BoardPair::Common& common) noexcept;
@@ -46,6 +49,7 @@ class BoardReader {
   const std::size_t channels_;
   const std::array<bool, kEncoderLines> lines_;
   std::vector<PacketStream> stream_;
+  std::array<ScanFlow, 2> flow_;
   std::array<std::optional<BoardClock>, 2> clock_;  ///< as many as boards, once a run has begun
   std::uint32_t token_ = 0;
   std::uint32_t ticks_per_scan_ = 0;

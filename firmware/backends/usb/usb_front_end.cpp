@@ -31,6 +31,7 @@ class UsbFrontEnd final : public FrontEnd {
       inbox.pop();
     }
     if (!reader_.aligned()) link_.start_again(reader_.token());
+    for (std::size_t k = 0; k < reports_.size(); ++k) link_.hear(k, reader_.token(), reader_.flow(k));
     return read;
   }
 

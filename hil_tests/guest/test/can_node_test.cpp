@@ -62,8 +62,9 @@ TEST_F(CanNodeTest, DeclaresWhatItsModuleLostAndWhatWentByWhileTheInterfaceWasDo
   ip("link set vx0 up");
   ASSERT_TRUE(counted(DeviceCounter::kReturned, 1));
   ASSERT_TRUE(more_are_durable(kFront, 20));
-  const std::int64_t missing = count_of(DeviceCounter::kPacketsMissing);
+  const std::int64_t missing = bus.heartbeat(kFront).scans_missing;
   EXPECT_GT(missing, 25);
+  EXPECT_EQ(count_of(DeviceCounter::kPacketsMissing), 25) << "what was not there is not missing packets";
   end_well(running, {&front});
   EXPECT_EQ(sent_by("vx0"), 0) << "the node sends nothing";
   EXPECT_GT(sent_by("vx1"), 0) << "as its module does";
@@ -102,11 +103,18 @@ TEST_F(CanNodeTest, SaysThatNoScanOfItsModuleComesAndWhatMayBeWhy) {
   std::optional<RunningModule> module;
   module.emplace("vx1");
   ASSERT_TRUE(more_are_durable(kFront, 20));
+  const std::int64_t gone = count_of(DeviceCounter::kGone);
   module.reset();  // its power is gone
   EXPECT_TRUE(bus.wait([&] { return times() == 2; })) << said();
+  EXPECT_TRUE(counted(DeviceCounter::kGone, gone + 1));
   module.emplace("vx1");  // what a node has begun ends with its next scans
+  EXPECT_TRUE(counted(DeviceCounter::kReturned, gone + 1));
   ASSERT_TRUE(more_are_durable(kFront, 20));
   end_well(running, {&front});
+  const auto found = gaps();
+  ASSERT_FALSE(found.empty());
+  EXPECT_EQ(found.back().cause, GapCause::kDeviceGone);
+  EXPECT_GT(found.back().scans, 2'000);
 }
 
 TEST_F(CanNodeTest, DeclaresWhatAFloodCostsWhileItIsHeld) {
@@ -235,9 +243,9 @@ TEST_F(CanNodeTest, SaysWhatTheControllerSuffersAndDeclaresWhatWentByWhileTheBus
   ip("link set " + can + " up");
   ASSERT_TRUE(counted(DeviceCounter::kReturned, 1));
   is_off = false;
-  ASSERT_TRUE(bus.wait([&] { return count_of(DeviceCounter::kPacketsMissing) > 0; }));
+  ASSERT_TRUE(bus.wait([&] { return bus.heartbeat(kFront).scans_missing > 0; }));
   ASSERT_TRUE(more_are_durable(kFront, 20));
-  const std::int64_t missing = count_of(DeviceCounter::kPacketsMissing);
+  const std::int64_t missing = bus.heartbeat(kFront).scans_missing;
   end_well(running, {&front});
 
   const auto found = gaps();

@@ -57,6 +57,7 @@ bool BenchBoard::configure(const board::Configuration& configuration) {
 
 void BenchBoard::start(board::StartMode mode) {
   running_ = true;
+  if (starts_to_come_ > 0) --starts_to_come_;
   mode_ = mode;
   start_ticks_ =
       bench_.begin ? ticks_at(bench_.begin(now_, tick() * configuration_.ticks_per_scan)) : ticks();
@@ -118,7 +119,8 @@ std::size_t BenchBoard::next_packet(std::span<std::uint8_t> packet) {
 }
 
 void BenchBoard::advance(MachineTime now) {
-  while (running_ && mode_ != board::StartMode::kFollower && conversion_time(conversions_) <= now) {
+  const bool converts = starts_to_come_ == 0 && mode_ != board::StartMode::kFollower;
+  while (running_ && converts && conversion_time(conversions_) <= now) {
     const MachineTime time = conversion_time(conversions_);
     convert(time);
     if (mode_ == board::StartMode::kMaster && follower_ && follower_->running_) follower_->convert(time);

@@ -59,6 +59,8 @@ class BenchBoard final : private board::Hardware {
                                              std::span<std::uint8_t> reply);
   std::size_t next_packet(std::span<std::uint8_t> packet);
   void reset() { board_->reset(); }
+  /// The converter stands still, though the board lives, until it has been started so many times.
+  void halt_converter(int starts) { starts_to_come_ = starts; }
 
   /// Before this no packet can be due.
   MachineTime due() const;
@@ -94,6 +96,7 @@ class BenchBoard final : private board::Hardware {
   MachineTime now_ = bench_.powered;
   board::Configuration configuration_;
   bool running_ = false;
+  int starts_to_come_ = 0;  ///< until which nothing is converted
   board::StartMode mode_ = board::StartMode::kImmediate;
   std::uint64_t start_ticks_ = 0;
   std::int64_t conversions_ = 0;

@@ -50,6 +50,25 @@ TEST_F(AlarmWatchTest, CountsWhatNodesLose) {
   EXPECT_EQ(watch.active()[0].text, "4211 samples by now");
 }
 
+// Its scans become a gap when it is there again, or at the stop: too late for who could plug it in.
+TEST_F(AlarmWatchTest, SaysThatADeviceIsGoneAsLongAsItIs) {
+  const auto count = [&](DeviceCounter of) -> auto& {
+    return beat.device_counts[static_cast<std::size_t>(of)];
+  };
+  count(DeviceCounter::kGone) = 3;
+  count(DeviceCounter::kReturned) = 2;
+  for (int k = 0; k < 600; ++k, now += milliseconds(100)) {
+    watch.take(beat, now);
+    EXPECT_EQ(watch.due(now).size(), k == 0 ? 1U : 0U);
+    EXPECT_EQ(active(), (Alarms{{AlarmCause::kDeviceGone, 3}}));
+  }
+  count(DeviceCounter::kReturned) = 3;
+  now += seconds(11);
+  watch.take(beat, now);
+  EXPECT_EQ(watch.due(now).size(), 1U);
+  EXPECT_EQ(active(), Alarms{});
+}
+
 TEST_F(AlarmWatchTest, CountsOneAsOne) {
   beat.scans_missing = 1;
   watch.take(beat, now);

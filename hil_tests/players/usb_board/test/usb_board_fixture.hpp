@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <memory>
+#include <mutex>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -17,7 +19,10 @@ class UsbBoardFixture : public testing::Test {
   explicit UsbBoardFixture(const Bench& bench = numbered_bench("BENCH1", 30.0)) : boards({bench}) {}
 
   void open(AlsoLooks also = {}) {
-    front_end = open_when_enumerated({"1209:0001", car, car.node[0]});
+    front_end = open_when_enumerated({"1209:0001", car, car.node[0]}, [this](const std::string& text) {
+      const std::scoped_lock lock(saying_);
+      if (text.find("starting it again") != std::string::npos) said_.push_back(text);
+    });
     watch = std::make_unique<BoardWatch>(*front_end, car, std::move(also));
   }
   std::int64_t count(DeviceCounter counter) const { return front_end->reports()[0]->of(counter); }
@@ -30,6 +35,17 @@ class UsbBoardFixture : public testing::Test {
     }
   }
 
+  /// The sentences about boards that are started again.
+  std::vector<std::string> said() {
+    const std::scoped_lock lock(saying_);
+    return said_;
+  }
+
+ private:
+  std::mutex saying_;  // both outlive the front end's thread
+  std::vector<std::string> said_;
+
+ protected:
   VehicleConfig car = board_vehicle();
   UsbBoards boards;
   std::unique_ptr<FrontEnd> front_end;

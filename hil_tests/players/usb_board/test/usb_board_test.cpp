@@ -181,6 +181,22 @@ TEST_F(UsbBoardTest, ASilentBoardIsStartedAgain) {
   EXPECT_EQ(count(DeviceCounter::kReturned), 1);
 }
 
+TEST_F(UsbBoardTest, AConverterThatStopsIsSaidAndStartedAgain) {
+  // The board lives and sends; its third start brings the converter back.
+  constexpr int kStarts = 3;
+  expect_one_gap(
+      [&] {
+        boards.with(0, [](test::BenchBoard& board) { board.halt_converter(kStarts); });
+        ASSERT_TRUE(test::wait_until([&] { return count(DeviceCounter::kReturned) == 1; }, 20.0));
+      },
+      GapCause::kDeviceGone);
+  EXPECT_GT(watch->gaps()[0].header.scans, kStarts * static_cast<std::int64_t>(kRateHz));
+  expect_only({DeviceCounter::kGone, DeviceCounter::kReturned});
+  EXPECT_EQ(count(DeviceCounter::kGone), 1) << "in vain started again it is still the same";
+  ASSERT_EQ(said().size(), 1U);
+  EXPECT_NE(said()[0].find("its converter stands still"), std::string::npos) << said()[0];
+}
+
 TEST_F(UsbBoardTest, ABoardThatAnotherProgramLeftRunningIsTakenOver) {
   boards.plug();
   open();

@@ -1,0 +1,179 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "common/bus/codec.hpp"
+#include "firmware/acquire.hpp"
+#include "firmware/pack.hpp"
+#include "firmware/ring_sink.hpp"
+#include "firmware/test/sealed_epoch.hpp"
+#include "firmware/test/valve.hpp"
+
+// A device that is not there at the start, or at the stop: no scan behind or before tells of it.
+namespace roadbalance {
+namespace {
+
+using test::kEpoch;
+using test::kRate_hz;
+
+std::int64_t time_at(double seconds) {
+  return std::llround(seconds * 1e9);
+}
+
+/// A sealer and the blocks of its epoch; a device that runs by the clock and is asked every 50 ms.
+struct Clocked {
+  /// Time passes to `until`, in seconds; the device gives its scans, or is not there.
+  void pass(double until_s, bool is_there = true) {
+    for (; now < std::llround(until_s * kRate_hz); now += 100) {
+      const auto scans = test::marked_scans(now, now + 100, kRate_hz);
+      if (is_there) given.assign(scans.begin(), scans.end());
+      if (is_there && returns) given[0].after_absence = true;
+      returns = !is_there && any;
+      any = any || is_there;
+      sealer.add(is_there ? std::span<const Scan>(given) : std::span<const Scan>(), {}, false);
+      sealer.asked(scans.back().time);
+    }
+  }
+  /// The gaps of the epoch, which has to be sound: as check_epoch(), with channels of scan `first` on.
+  std::vector<GapBlock> end() {
+    sealer.device_ended();
+    EXPECT_TRUE(sealer.finish());
+    std::vector<GapBlock> gaps;
+    std::int64_t next = 0;
+    for (const auto& block : valve.blocks) {
+      if (block.kind == BlockKind::kGap) gaps.push_back(decode_gap(block));
+      if (block.kind != BlockKind::kScan && block.kind != BlockKind::kGap) continue;
+      EXPECT_EQ(block.header.first_scan, next);
+      next += block.header.scans;
+    }
+    const EndBlock last = decode_end(valve.blocks.back());
+    EXPECT_EQ(last.scans_sealed + last.scans_missing, next);
+    EXPECT_EQ(last.header.first_scan, next);
+    return gaps;
+  }
+  const VehicleConfig vehicle = test::one_node_vehicle(kRate_hz);
+  test::Valve valve;
+  Sealer sealer{vehicle, vehicle.node[0], kEpoch, valve, nullptr};
+  std::int64_t now = 0;  ///< in scans
+  bool any = false, returns = false;
+  std::vector<Scan> given;
+};
+
+// The device was asked a scan's period before or behind where its next one would have been.
+constexpr std::int64_t kOne = 1;
+
+TEST(AbsentDevice, DeclaresTheScansOfADeviceThatIsNotThereAtTheStop) {
+  Clocked node;
+  node.pass(0.5);
+  node.sealer.start();
+  node.pass(3.0);
+  node.pass(10.0, false);
+  node.sealer.stop();
+  node.pass(12.0, false);
+  const auto gaps = node.end();
+  ASSERT_EQ(gaps.size(), 1U);
+  EXPECT_EQ(gaps[0].cause, GapCause::kDeviceGone);
+  EXPECT_EQ(gaps[0].header.first_scan, 5000);
+  EXPECT_NEAR(static_cast<double>(gaps[0].header.scans), 14'000, kOne);
+  EXPECT_EQ(gaps[0].header.time_ns, time_at(3.0));
+  EXPECT_EQ(node.sealer.counts().scans_missing, gaps[0].header.scans);
+  EXPECT_NEAR(static_cast<double>(decode_end(node.valve.blocks.back()).header.time_ns),
+              static_cast<double>(time_at(10.0)), 1e6);
+}
+
+TEST(AbsentDevice, DeclaresTheScansOfADeviceThatIsNotThereAtTheStart) {
+  for (const bool was_there_before : {false, true}) {
+    Clocked node;
+    node.pass(0.5, was_there_before);
+    node.pass(4.0, false);
+    node.sealer.start();
+    node.pass(9.0, false);
+    node.pass(10.0);
+    node.sealer.stop();
+    const auto gaps = node.end();
+    ASSERT_EQ(gaps.size(), 1U);
+    EXPECT_EQ(gaps[0].cause, GapCause::kDeviceGone);
+    EXPECT_EQ(gaps[0].header.first_scan, 0);
+    EXPECT_NEAR(static_cast<double>(gaps[0].header.scans), 10'000, kOne);
+    EXPECT_NEAR(static_cast<double>(gaps[0].header.time_ns), static_cast<double>(time_at(4.0)), 1e6);
+    EXPECT_EQ(decode_end(node.valve.blocks.back()).scans_sealed, 2000);
+  }
+}
+
+TEST(AbsentDevice, DeclaresAllScansOfADeviceThatIsNeverThere) {
+  Clocked node;
+  node.pass(4.0, false);
+  node.sealer.start();
+  node.pass(9.0, false);
+  node.valve.open = false;
+  node.sealer.stop();
+  node.sealer.device_ended();
+  EXPECT_FALSE(node.sealer.finish());
+  node.valve.open = true;
+  const auto gaps = node.end();
+  ASSERT_EQ(gaps.size(), 1U);
+  EXPECT_EQ(gaps[0].header.first_scan, 0);
+  EXPECT_NEAR(static_cast<double>(gaps[0].header.scans), 10'000, kOne);
+  EXPECT_EQ(decode_end(node.valve.blocks.back()).scans_sealed, 0);
+}
+
+TEST(AbsentDevice, TakesNoMomentForAnAbsence) {
+  Clocked node;
+  node.pass(1.0, false);
+  node.sealer.start();
+  node.pass(1.9, false);  // it begins
+  node.pass(5.0);
+  node.pass(5.9, false);  // scans are on their way
+  node.sealer.stop();
+  EXPECT_EQ(node.end().size(), 0U);
+  EXPECT_EQ(node.sealer.counts().scans_sampled, 6200);
+}
+
+TEST(AbsentDevice, TakesNoTimeInWhichNobodyAskedForAnAbsence) {
+  Clocked node;
+  node.sealer.start();
+  node.pass(5.0);
+  node.sealer.add({}, {}, false);
+  node.sealer.asked(node_time_from_ns(time_at(60.0)));  // the process was not scheduled
+  node.sealer.stop();
+  EXPECT_EQ(node.end().size(), 0U);
+}
+
+/// Runs by a clock of its own, which each read moves; is there for three seconds, and then no more.
+class Vanishes final : public FrontEnd {
+ public:
+  explicit Vanishes(AcquireLink& link) : link_(link) {}
+  Read read(std::span<Scan> scans, std::span<Edge>, std::span<SignalSample>) noexcept override {
+    if (now_ == 20'000) link_.stop = true;
+    const std::int64_t from = now_;
+    now_ += 100;
+    if (now_ > 6000) return {};
+    for (std::int64_t i = from; i < now_; ++i) {
+      Scan& scan = scans[static_cast<std::size_t>(i - from)];
+      scan = {.index = i, .time = node_time_from_ns(i * 500'000)};
+    }
+    return {.scans = 100};
+  }
+  NodeTime node_time(MachineTime) const noexcept override { return node_time_from_ns(now_ * 500'000); }
+
+ private:
+  AcquireLink& link_;
+  std::int64_t now_ = 0;  ///< in scans
+};
+
+TEST(AbsentDevice, IsAskedByAcquireAndMissed) {
+  const VehicleConfig vehicle = test::one_node_vehicle(kRate_hz);
+  Ring ring(Ring::kDefaultBytes);
+  RingSink sink(ring);
+  Sealer sealer(vehicle, vehicle.node[0], kEpoch, sink, nullptr);
+  AcquireLink link;
+  Vanishes device(link);
+  link.start = true;
+  acquire({}, device, sealer, sink, link);
+  EXPECT_EQ(link.scans_sampled.load() - link.scans_missing.load(), 6000);
+  EXPECT_NEAR(static_cast<double>(link.scans_missing.load()), 14'100, kOne);
+}
+
+}  // namespace
+}  // namespace roadbalance
