@@ -6,6 +6,7 @@
 #include <limits>
 #include <system_error>
 
+#include "common/record/folder.hpp"
 #include "common/record/segment.hpp"
 #include "common/record/test/numbered_blocks.hpp"
 #include "common/record/test/simulated_disk.hpp"
@@ -93,10 +94,27 @@ TEST_F(SegmentIndexTest, OneThatIsGoneOrWrongIsMadeAgainAndNeverBelieved) {
   const RecordState before = read_state(kFolder, disk, {}, &unsure);
   const std::int64_t sure = before.epoch.begin()->second.position.contiguous;
   EXPECT_EQ(unsure.empty() ? sure : unsure.back().block.header.sequence, 60);
-  EXPECT_EQ(rebuild_indexes(kFolder, disk), 2);
+  EXPECT_EQ(rebuild_indexes(kFolder, disk).written, 2);
   EXPECT_EQ(read_state(kFolder, disk).epoch, holds);
-  EXPECT_EQ(rebuild_indexes(kFolder, disk), 0);
+  EXPECT_EQ(rebuild_indexes(kFolder, disk).written, 0);
   EXPECT_EQ(read_index(kFolder, numbers.back(), disk)->epoch, holds);
+}
+
+// An index would call the segment finished, and what a kill left of it damage, for every reader and for good.
+TEST_F(SegmentIndexTest, NoneIsMadeOfASegmentWhoseTailIsTorn) {
+  const int last = numbers.back();
+  for (const int number : {numbers.front(), last}) disk.unlink(index_path(kFolder, number).c_str());
+  auto bytes = disk.content(segment_path(kFolder, last));
+  bytes.insert(bytes.end(), 100, 'x');
+  disk.put(segment_path(kFolder, last), bytes);
+  const RebuiltIndexes rebuilt = rebuild_indexes(kFolder, disk);
+  EXPECT_EQ(rebuilt.written, 1) << "that of the first one";
+  EXPECT_EQ(rebuilt.torn, std::vector{segment_path(kFolder, last)});
+  EXPECT_FALSE(path_exists(index_path(kFolder, last), disk));
+  Feeder feeder({.folder = kFolder}, disk);
+  ASSERT_TRUE(feeder.writer().cut_tail());
+  EXPECT_EQ(feeder.writer().cut_tail()->cut, 100u);
+  EXPECT_EQ(feeder.found(), 60);
 }
 
 TEST_F(SegmentIndexTest, ARestartGoesOnBehindDeletedSegmentsThoughNoneThatIsLeftHasAnIndex) {
