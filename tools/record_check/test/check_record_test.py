@@ -406,6 +406,20 @@ class CheckRecord(unittest.TestCase):
         said = [TYPES["note_t"].decode(data) for channel, data in self.record.events if channel == b"RB_NOTE"]
         self.assertEqual([note["a"] for note in said if note["kind"] == 2], [2])
 
+    def test_what_rb_recover_could_not_prove_to_be_there(self):
+        text = b"pothole".ljust(400, b"\0")
+        self.record.events.insert(500, (b"RB_NOTE", message("note_t", incarnation=1, kind=17, a=1, size=7, text=text)))
+        self.record.write()
+        log = (self.folder / SEGMENT).read_bytes()
+        at = log.index(b"pothole")
+        for change in (b"porthole", bytes(8)):
+            (self.folder / SEGMENT).write_bytes(log[:at] + change + log[at + len(change):])
+            damaged, self.folder = self.folder, self.folder.with_name(self.folder.name + "-new")
+            self.assertEqual(run(RB, "recover", damaged, "-o", self.folder).returncode, INCOMPLETE)
+            self.assertEqual(len(self.agrees(INCOMPLETE)["lost"]), 1)
+            shutil.rmtree(self.folder)
+            self.folder = damaged
+
     def test_an_altered_note_is_damage(self):
         note = message("note_t", incarnation=1, kind=3)
         self.record.events.insert(5, (b"RB_NOTE", note[:20] + b"x" + note[21:]))
