@@ -107,6 +107,11 @@ std::optional<SegmentIndex> read_index(const std::filesystem::path& folder, int 
   return index;
 }
 
+bool knows_of_more(const std::filesystem::path& folder, int number, Disk& disk) {
+  const auto index = read_index_of_deleted(folder, number, disk);
+  return index && index->bytes > size_of_file(segment_path(folder, number), disk);
+}
+
 void write_index(const std::filesystem::path& folder, const SegmentIndex& index, Disk& disk) {
   write_atomically(index_path(folder, index.segment), encode(index), disk);
 }
@@ -180,6 +185,7 @@ RebuiltIndexes rebuild_indexes(const std::filesystem::path& folder, Disk& disk) 
   }
   const auto at_end = [&](int segment, const RecordState& at) {
     if (std::ranges::find(rebuilt.torn, segment_path(folder, segment)) != rebuilt.torn.end()) return;
+    if (knows_of_more(folder, segment, disk)) return;
     const SegmentIndex index{
         .segment = segment, .bytes = size_of_file(segment_path(folder, segment), disk), .epoch = at.epoch};
     if (read_index(folder, segment, disk) == index) return;

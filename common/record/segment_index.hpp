@@ -46,6 +46,8 @@ std::optional<SegmentIndex> read_index(const std::filesystem::path& folder, int 
 /// The same of a segment that the retention mode has deleted.
 std::optional<SegmentIndex> read_index_of_deleted(const std::filesystem::path& folder, int number,
                                                   Disk& disk = kernel_disk());
+/// A good index says that its segment was longer: it is the segment that is wrong, and nothing else knows.
+bool knows_of_more(const std::filesystem::path& folder, int number, Disk& disk = kernel_disk());
 /// @throws std::system_error naming the file
 void write_index(const std::filesystem::path& folder, const SegmentIndex& index, Disk& disk = kernel_disk());
 
@@ -76,7 +78,7 @@ struct RebuiltIndexes {
   std::vector<std::filesystem::path> torn;
 };
 /// Makes those indexes again that are missing or say something else than the segments, which it reads all; of
-/// a record that nobody writes to.
+/// a record that nobody writes to.  One that knows_of_more() stays.
 /// @throws std::system_error naming the file
 RebuiltIndexes rebuild_indexes(const std::filesystem::path& folder, Disk& disk = kernel_disk());
 

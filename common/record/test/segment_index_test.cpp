@@ -8,6 +8,7 @@
 
 #include "common/record/folder.hpp"
 #include "common/record/segment.hpp"
+#include "common/record/segment_events.hpp"
 #include "common/record/test/numbered_blocks.hpp"
 #include "common/record/test/simulated_disk.hpp"
 
@@ -86,7 +87,7 @@ TEST_F(SegmentIndexTest, ARestartReadsOnlyBehindTheLastOne) {
 
 TEST_F(SegmentIndexTest, OneThatIsGoneOrWrongIsMadeAgainAndNeverBelieved) {
   SegmentIndex wrong = *read_index(kFolder, numbers.back(), disk);
-  wrong.bytes += 1;
+  wrong.bytes -= 1;
   wrong.epoch.begin()->second.position.contiguous = 1000;
   write_index(kFolder, wrong, disk);
   disk.unlink(index_path(kFolder, 2).c_str());
@@ -98,6 +99,22 @@ TEST_F(SegmentIndexTest, OneThatIsGoneOrWrongIsMadeAgainAndNeverBelieved) {
   EXPECT_EQ(read_state(kFolder, disk).epoch, holds);
   EXPECT_EQ(rebuild_indexes(kFolder, disk).written, 0);
   EXPECT_EQ(read_index(kFolder, numbers.back(), disk)->epoch, holds);
+}
+
+// Made again, it would call what is left the whole.
+TEST_F(SegmentIndexTest, OneThatKnowsOfMoreThanItsSegmentHasIsKept) {
+  const int last = numbers.back();
+  const std::string known = encode(*read_index(kFolder, last, disk));
+  auto bytes = disk.content(segment_path(kFolder, last));
+  bytes.resize(bytes.size() - commit_event_bytes());
+  disk.put(segment_path(kFolder, last), bytes);
+  EXPECT_EQ(rebuild_indexes(kFolder, disk).written, 0);
+  Feeder feeder({.folder = kFolder}, disk);
+  EXPECT_EQ(feeder.found(), 60);
+  feeder.close();
+  const auto kept = read_index_of_deleted(kFolder, last, disk);
+  ASSERT_TRUE(kept);
+  EXPECT_EQ(encode(*kept), known);
 }
 
 // An index would call the segment finished, and what a kill left of it damage, for every reader and for good.
