@@ -36,7 +36,7 @@ def report(checker):
             "damaged_bytes": checker.damaged_bytes, "torn_bytes": checker.torn_bytes,
             "altered_headers": checker.altered_headers,
             "missing_segments": checker.missing_segments,
-            "deleted_segments": sorted(checker.segments.deleted), "damage": checker.damage,
+            "deleted_segments": sorted(checker.segments.deleted), "damage": checker.damage, "lost": checker.lost,
             "description": checker.description.report(), "nodes": epochs}
 
 
@@ -79,7 +79,7 @@ def print_report(found):
             print(f"  {line}")
         for line in epoch["contradictions"] + epoch["journal_contradictions"]:
             print(f"  {line}")
-    for line in found["damage"]:
+    for line in found["damage"] + found["lost"]:
         print(line)
     if found["messages_refused"]:
         print(f'{found["messages_refused"]} messages are altered')

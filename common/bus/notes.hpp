@@ -51,9 +51,9 @@ struct Journal {
 /// note_t.kind; in brackets what a and b are.
 enum class NoteKind : std::int32_t {
   kStarted = 1,           ///< the recorder runs (segment it begins with)
-  kStopped = 2,           ///< it ends as asked
+  kStopped = 2,           ///< it ends as asked (node epochs of the record; last mark of this run)
   kClock = 3,             ///< the pair of clocks alone, every ten seconds
-  kDiskFailed = 4,        ///< a write or sync failed (errno; segment)
+  kDiskFailed = 4,        ///< a write or sync failed (errno; segment), or tells_of_loss()
   kSegmentAbandoned = 5,  ///< the segment (a) ends at byte (b), whatever lies behind: it could not be cut
   kDiskFull = 6,          ///< recording waits for space (bytes free)
   kDiskFree = 7,          ///< recording goes on (bytes free)
@@ -88,6 +88,12 @@ struct Note {
   std::string text;  ///< cut after kMaxNoteBytes
 };
 inline constexpr std::size_t kMaxNoteBytes = 400;
+
+/// A failure of neither an errno nor a segment: in the recording that this one was recovered from something
+/// was lost that no gap can stand for; text: what and where.  Of a kind that every reader knows.
+inline bool tells_of_loss(const Note& note) {
+  return note.kind == NoteKind::kDiskFailed && note.a == 0 && note.b == 0;
+}
 
 /// After each sync: so many bytes of the segment it stands in are on the disk, so that damage among them is
 /// no torn tail; and the headers of the events since the commit before.

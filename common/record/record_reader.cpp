@@ -6,7 +6,6 @@
 #include "common/record/folder.hpp"
 #include "common/record/record.hpp"
 #include "common/record/segment.hpp"
-#include "common/record/segment_extent.hpp"
 #include "common/record/segment_index.hpp"
 
 namespace roadbalance {
@@ -79,22 +78,18 @@ struct RecordReader::State {
       if (number == *last) limit_last();
       return;
     }
-    const auto numbers = segment_numbers(folder, disk);
-    for (auto at = numbers.rbegin(); at != numbers.rend(); ++at) {
-      last = *at;
-      if (read_index(folder, *at, disk)) break;  // it was finished: damage in it is damage
-      const auto path = segment_path(folder, *at);
-      const SegmentExtent extent = measure_segment(path, disk);
+    const RecordEnd end = end_of_record(folder, number, disk);
+    last = end.last;
+    for (const auto& [at, extent] : end.unfinished) {
       // A segment gets its name when its first events are on the disk: garbage alone is nothing that was
       // torn.
       const bool is_torn = extent.end > 0;
       if (extent.end < extent.size)
-        torn.insert(torn.begin(), {.segment = path,
+        torn.insert(torn.begin(), {.segment = segment_path(folder, at),
                                    .offset = extent.end,
                                    .bytes = extent.size - extent.end,
                                    .what = is_torn ? "a torn tail" : "no event of an LCM log",
                                    .torn = is_torn});
-      if (extent.end > 0 || *at <= number) break;
     }
     if (number == *last) limit_last();
   }

@@ -1,5 +1,6 @@
 #include "common/record/segment_index.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cstdio>
 #include <sstream>
@@ -106,6 +107,11 @@ std::optional<SegmentIndex> read_index(const std::filesystem::path& folder, int 
   return index;
 }
 
+bool knows_of_more(const std::filesystem::path& folder, int number, Disk& disk) {
+  const auto index = read_index_of_deleted(folder, number, disk);
+  return index && index->bytes > size_of_file(segment_path(folder, number), disk);
+}
+
 void write_index(const std::filesystem::path& folder, const SegmentIndex& index, Disk& disk) {
   write_atomically(index_path(folder, index.segment), encode(index), disk);
 }
@@ -128,6 +134,19 @@ int start_from_index(const std::filesystem::path& folder, RecordState& state, Di
   return numbers.front();
 }
 
+RecordEnd end_of_record(const std::filesystem::path& folder, int first, Disk& disk) {
+  RecordEnd end;
+  const auto numbers = segment_numbers(folder, disk);
+  for (auto number = numbers.rbegin(); number != numbers.rend(); ++number) {
+    end.last = *number;
+    if (read_index(folder, *number, disk)) break;  // it was finished: damage in it is damage
+    const SegmentExtent extent = measure_segment(segment_path(folder, *number), disk);
+    end.unfinished.push_back({*number, extent});
+    if (extent.end > 0 || *number <= first) break;
+  }
+  return end;
+}
+
 namespace {
 
 // Where the record stands at the end of a finished segment, which has no good index, and all before are gone.
@@ -147,27 +166,34 @@ std::optional<SegmentIndex> index_anew(const std::filesystem::path& folder, int 
 
 }  // namespace
 
-int rebuild_indexes(const std::filesystem::path& folder, Disk& disk) {
+RebuiltIndexes rebuild_indexes(const std::filesystem::path& folder, Disk& disk) {
+  RebuiltIndexes rebuilt;
   const auto numbers = segment_numbers(folder, disk);
-  if (numbers.empty()) return 0;
+  if (numbers.empty()) return rebuilt;
   RecordState state;
   if (const auto before = read_index_of_deleted(folder, numbers.front() - 1, disk))
     state.epoch = before->epoch;
-  int written = 0;
   // A segment with an index counts as durable, and of the last one nobody has said so.
-  if (!read_index(folder, numbers.back(), disk)) {
-    File last = File::open_to_write(segment_path(folder, numbers.back()), disk);
+  for (const auto& [number, extent] : end_of_record(folder, 1, disk).unfinished) {
+    const auto path = segment_path(folder, number);
+    if (extent.end < extent.size) {
+      rebuilt.torn.push_back(path);
+      continue;
+    }
+    File last = File::open_to_write(path, disk);
     write_again(last, 0, disk);
   }
   const auto at_end = [&](int segment, const RecordState& at) {
+    if (std::ranges::find(rebuilt.torn, segment_path(folder, segment)) != rebuilt.torn.end()) return;
+    if (knows_of_more(folder, segment, disk)) return;
     const SegmentIndex index{
         .segment = segment, .bytes = size_of_file(segment_path(folder, segment), disk), .epoch = at.epoch};
     if (read_index(folder, segment, disk) == index) return;
     write_index(folder, index, disk);
-    ++written;
+    ++rebuilt.written;
   };
   read_segments(folder, numbers.front(), state, at_end, disk);
-  return written;
+  return rebuilt;
 }
 
 void delete_segment(const std::filesystem::path& folder, int number, Disk& disk) {

@@ -6,9 +6,11 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/record/disk.hpp"
 #include "common/record/record_state.hpp"
+#include "common/record/segment_extent.hpp"
 
 namespace roadbalance {
 
@@ -44,6 +46,8 @@ std::optional<SegmentIndex> read_index(const std::filesystem::path& folder, int 
 /// The same of a segment that the retention mode has deleted.
 std::optional<SegmentIndex> read_index_of_deleted(const std::filesystem::path& folder, int number,
                                                   Disk& disk = kernel_disk());
+/// A good index says that its segment was longer: it is the segment that is wrong, and nothing else knows.
+bool knows_of_more(const std::filesystem::path& folder, int number, Disk& disk = kernel_disk());
 /// @throws std::system_error naming the file
 void write_index(const std::filesystem::path& folder, const SegmentIndex& index, Disk& disk = kernel_disk());
 
@@ -53,11 +57,30 @@ void write_index(const std::filesystem::path& folder, const SegmentIndex& index,
 /// @return  number of the first segment that the index does not count; of the first one if there is no index
 int start_from_index(const std::filesystem::path& folder, RecordState& state, Disk& disk = kernel_disk());
 
+/// Where a record ends that nobody writes to.
+struct RecordEnd {
+  struct Segment {
+    int number = 0;
+    SegmentExtent extent;
+  };
+  int last = 0;  ///< number of the last segment with an event that counts, or `first`
+  /// From the last one down: those behind `last`, and that one if it has no index: nobody finished them.
+  std::vector<Segment> unfinished;
+};
+/// @param first  looks no further down than to this segment
+RecordEnd end_of_record(const std::filesystem::path& folder, int first = 1, Disk& disk = kernel_disk());
+
+/// What rebuild_indexes() did.
+struct RebuiltIndexes {
+  int written = 0;  ///< were missing or said something else than their segments
+  /// Segments at the end whose tail is torn.  They get no index: that would call them finished, and the tail
+  /// damage.
+  std::vector<std::filesystem::path> torn;
+};
 /// Makes those indexes again that are missing or say something else than the segments, which it reads all; of
-/// a record that nobody writes to.
-/// @return  how many these were
+/// a record that nobody writes to.  One that knows_of_more() stays.
 /// @throws std::system_error naming the file
-int rebuild_indexes(const std::filesystem::path& folder, Disk& disk = kernel_disk());
+RebuiltIndexes rebuild_indexes(const std::filesystem::path& folder, Disk& disk = kernel_disk());
 
 /// Takes away a finished segment for good, in the retention mode; a note in the record has said so before.
 /// Its index stays until the next one goes, to say where the record begins; it is made now if there is none.

@@ -89,6 +89,7 @@ RecordState read_and_index(const std::filesystem::path& folder, RecordState stat
       const std::uint64_t bytes = file.size();
       file.truncate(bytes);  // gives back what is reserved behind
       file.close();
+      if (knows_of_more(folder, segment, disk)) return;
       write_index(folder, {.segment = segment, .bytes = bytes, .epoch = at.epoch}, disk);
     } catch (const std::system_error&) {
       // The record is good without it; only the next start takes longer.

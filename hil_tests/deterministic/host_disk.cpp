@@ -97,6 +97,9 @@ void HostMachine::make_whole() {
       truth_.fault("the two folders of recorder " + std::to_string(number_) + " together lack " +
                    std::to_string(salvaged.gaps) + " runs of blocks; " +
                    std::to_string(salvaged.blocks_altered) + " are altered");
+    for (const std::string& line : salvaged.lost)
+      truth_.fault("rb recover would say that the two folders of recorder " + std::to_string(number_) +
+                   " lack " + line);
     if (verify_record(kWhole, disk_).verdict == Verdict::kDamaged)
       truth_.fault("rb verify calls damaged what rb recover made of the two folders of recorder " +
                    std::to_string(number_));

@@ -59,6 +59,19 @@ fuzz::Sequences honest_blocks(const char* folder, SimulatedDisk& disk) {
   return found;
 }
 
+/// Numbers of the marks that a reader gets.
+std::set<std::int64_t> marks_in(const char* folder, SimulatedDisk& disk) {
+  std::set<std::int64_t> found;
+  if (!is_folder(folder, disk) || segment_numbers(folder, disk).empty()) return found;
+  RecordReader reader(folder, disk);
+  reader.finish();
+  while (const auto event = reader.next()) {
+    const auto note = event->channel == kNoteChannel ? decode_note(event->data) : std::nullopt;
+    if (note && note->kind == NoteKind::kMark) found.insert(note->a);
+  }
+  return found;
+}
+
 bool contains(const fuzz::Sequences& all, const fuzz::Sequences& some) {
   return std::ranges::all_of(some, [&](const auto& of) {
     const auto found = all.find(of.first);
@@ -93,12 +106,16 @@ void check_kept(fuzz::ByteReader& in) {
   const auto original = files_of(kFolder, disk);
 
   try {
-    (void)salvage({kFolder}, "/whole", disk);
+    const Salvaged salvaged = salvage({kFolder}, "/whole", disk);
+    require(times > 0 || salvaged.lost.empty(), "nothing is lost of what is not damaged");
     require(files_of(kFolder, disk) == original, "the originals stay as they are");
     const fuzz::Sequences whole = honest_blocks("/whole", disk);
     require(contains(whole, readable), "no block that could be read is left out");
+    require(std::ranges::includes(marks_in("/whole", disk), marks_in(kFolder, disk)),
+            "no mark that could be read is left out");
     const Verdict verdict = verify_record("/whole", disk).verdict;
     require(verdict == Verdict::kComplete || verdict == Verdict::kIncomplete, "each hole is declared");
+    require(verdict == Verdict::kIncomplete || salvaged.lost.empty(), "what is lost is told");
     require(verdict == Verdict::kIncomplete || contains(whole, kept.durable),
             "what lacks a block is not complete");
   } catch (const std::runtime_error& error) {

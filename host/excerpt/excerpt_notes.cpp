@@ -5,6 +5,7 @@
 namespace roadbalance {
 
 NoteGoes goes(const Note& note) {
+  if (tells_of_loss(note)) return NoteGoes::kAlways;  // from where, nothing can tell
   switch (note.kind) {
     case NoteKind::kExcerpt:
     case NoteKind::kExcerptEpoch:

@@ -33,8 +33,9 @@ std::vector<Receipt> receipts_of(const RecorderReport& report, const RecordingFa
   std::map<std::int32_t, Receipt> by_node;
   for (const auto* epochs : {&report.earlier, &report.node})
     for (const NodeReport& epoch : *epochs) {
-      // Heard, but never started: a node that was there in the end.
-      if (epoch.blocks == 0 && epoch.samples_sent == 0) continue;
+      // Heard, but never started: a node that was there in the end.  One that was started and fell silent at
+      // once may have measured since, and its epoch is open.
+      if (epoch.blocks == 0 && epoch.samples_sent == 0 && !epoch.started) continue;
       add(epoch, by_node[epoch.node]);
     }
   std::vector<Receipt> receipts;

@@ -245,8 +245,17 @@ std::vector<DurableMark> RecordKeeper::seal(WallTime now) {
   return marks;
 }
 
+// What is pending stands in the record before the note that says so.
+std::int64_t RecordKeeper::epochs_held() const {
+  const auto& written = writer_->holds().epoch;
+  return std::ssize(written) + std::ranges::count_if(pending_, [&written](const auto& one) {
+           return !written.contains(one.first);
+         });
+}
+
 std::vector<DurableMark> RecordKeeper::close(WallTime now) {
-  if (segment_is_open_ || held_blocks_ > 0) note(NoteKind::kStopped, 0, 0, "");
+  if (segment_is_open_ || held_blocks_ > 0 || last_mark_ > last_durable_mark_)
+    note(NoteKind::kStopped, epochs_held(), last_mark_, "");
   auto marks = seal(now);
   (void)ballast_.give_up();
   return marks;

@@ -146,6 +146,7 @@ class RecordKeeper {
   void do_duties(WallTime now);
   void keep_journal();
   std::vector<NodeEpoch> journal_due() const;
+  std::int64_t epochs_held() const;
   void watch_space(WallTime now);
   void on_space(SpaceWatch::Event event);
   bool list_finished();

@@ -16,6 +16,7 @@
 #include "common/record/segment_index.hpp"
 #include "host/recorder/foreign_log.hpp"
 #include "host/recorder/manifest.hpp"
+#include "host/recorder/record_keeper.hpp"
 #include "host/recorder/verify_journal.hpp"
 #include "host/recorder/verify_missing.hpp"
 
@@ -24,18 +25,42 @@ namespace {
 
 struct Reading {
   Verification& result;
+  bool is_all = true;  // of its recording: no other folder holds what comes before, no segment was deleted
   EpochCheck epochs{};
   JournalCheck journal{};
   HeaderCheck headers{};
   SealedBlock block{};      // the last; here, since making one clears all it holds
   int deleted_through = 0;  // segment, by the notes
+  std::int64_t last_mark = 0;
+  std::int64_t epochs_said = 0, marks_said = 0;  // by the notes of recorders that stopped
 };
 
 void list_missing_segments(const std::filesystem::path& folder, const FinishedSegments& finished, Disk& disk,
                            Reading& reading) {
   const MissingSegments found = find_missing_segments(folder, finished, reading.deleted_through, disk);
-  reading.result.missing_segments = found.missing;
+  reading.result.missing_segments += found.missing;
   reading.result.damage.insert(reading.result.damage.end(), found.lines.begin(), found.lines.end());
+}
+
+// The notes on the first ones went with their segments: retention deletes the oldest first.
+void list_deleted_segments(int first_here, Reading& reading) {
+  const int last = std::min(first_here - 1, reading.deleted_through);
+  if (last > 0)
+    reading.result.lost.push_back(
+        (last == 1 ? "segment 1 was" : "segments 1 to " + std::to_string(last) + " were") +
+        std::string(" deleted by the retention mode"));
+}
+
+void compare_with_stops(Reading& reading) {
+  if (!reading.is_all) return;
+  const auto epochs = static_cast<std::int64_t>(reading.epochs.count());
+  const std::string stopped = "the recorder stopped with ";
+  if (reading.epochs_said > epochs)
+    reading.result.lost.push_back(stopped + std::to_string(reading.epochs_said) + " node epochs; here are " +
+                                  std::to_string(epochs));
+  if (reading.marks_said > reading.last_mark)
+    reading.result.lost.push_back(stopped + "mark " + std::to_string(reading.marks_said) +
+                                  " set; the last one here is " + std::to_string(reading.last_mark));
 }
 
 std::string place(const std::filesystem::path& segment, std::uint64_t bytes, std::uint64_t offset) {
@@ -50,15 +75,19 @@ void list_damage(const RecordReader& reader, const FinishedSegments& finished, V
   }
 }
 
+void list_altered(const RecordReader& reader, const std::filesystem::path& folder, const LogEvent& event,
+                  const char* what, Verification& result) {
+  const std::uint64_t bytes = kLogHeaderBytes + event.channel.size() + event.data.size();
+  result.damage.push_back(place(segment_path(folder, reader.segment()), bytes, reader.offset()) + what);
+}
+
 void take_block(const RecordReader& reader, const std::filesystem::path& folder, const LogEvent& event,
                 RecordState& state, Reading& reading) {
   SealedBlock& block = reading.block;
   if (accept(event, block) != Refusal::kNone ||
       event.channel != block_channel(block.header.node, block.kind)) {
     ++reading.result.blocks_refused;
-    const std::uint64_t bytes = kLogHeaderBytes + event.channel.size() + event.data.size();
-    reading.result.damage.push_back(place(segment_path(folder, reader.segment()), bytes, reader.offset()) +
-                                    "an altered block");
+    list_altered(reader, folder, event, "an altered block", reading.result);
     return;
   }
   add(block, state);
@@ -73,11 +102,20 @@ void take_note(const Note& note, Reading& reading) {
     ++reading.result.deleted_segments;
     reading.deleted_through = std::max(reading.deleted_through, static_cast<int>(note.a));
   }
+  if (note.kind == NoteKind::kMark) reading.last_mark = std::max(reading.last_mark, note.a);
+  if (note.kind == NoteKind::kStopped) {
+    reading.epochs_said = std::max(reading.epochs_said, note.a);
+    reading.marks_said = std::max(reading.marks_said, note.b);
+  }
   reading.result.alarms.take(note);
-  if (note.kind != NoteKind::kClock) reading.result.notes.push_back(note_text(note));
+  if (tells_of_loss(note))
+    reading.result.lost.push_back(note_text(note));
+  else if (note.kind != NoteKind::kClock)
+    reading.result.notes.push_back(note_text(note));
 }
 
-void take_other(const LogEvent& event, Reading& reading) {
+void take_other(const RecordReader& reader, const std::filesystem::path& folder, const LogEvent& event,
+                Reading& reading) {
   bool good = true;
   if (event.channel == kJournalChannel) {
     const auto entry = decode_journal(event.data);
@@ -90,9 +128,12 @@ void take_other(const LogEvent& event, Reading& reading) {
   } else if (event.channel == kCommitChannel) {
     good = decode_commit(event.data).has_value();
   } else {
-    ++reading.result.other_events;
+    good = event.has_its_crc || !event.channel.starts_with("RB_");
+    reading.result.other_events += good ? 1 : 0;
   }
-  reading.result.entries_refused += good ? 0 : 1;
+  if (good) return;
+  ++reading.result.entries_refused;
+  list_altered(reader, folder, event, "an altered entry", reading.result);
 }
 
 void check_header(const RecordReader& reader, const std::filesystem::path& folder, const LogEvent& event,
@@ -105,17 +146,28 @@ void check_header(const RecordReader& reader, const std::filesystem::path& folde
       "events of which one has an altered number, stamp or channel");
 }
 
+// An index may say less than is there; an epoch of which nothing is there it cannot have from nowhere.
 void check_index(const std::filesystem::path& folder, int segment, const RecordState& state, Disk& disk,
-                 Verification& result) {
+                 Reading& reading) {
   if (!path_exists(index_path(folder, segment), disk)) return;
+  const auto said = read_index_of_deleted(folder, segment, disk);
+  if (said && reading.is_all)
+    for (const auto& [key, epoch] : said->epoch) {
+      if (state.epoch.contains(key)) continue;
+      ++reading.result.missing_segments;
+      reading.result.damage.push_back(segment_path({}, segment).string() + ": node " +
+                                      std::to_string(key.first) + " epoch " + std::to_string(key.second) +
+                                      " is not here; its index names it");
+    }
   const auto index = read_index(folder, segment, disk);
   if (!index || index->epoch != state.epoch)
-    result.indexes.push_back(index_path(folder, segment).filename().string() +
-                             ": is damaged, or says something else than its segment");
+    reading.result.indexes.push_back(index_path(folder, segment).filename().string() +
+                                     ": is damaged, or says something else than its segment");
 }
 
 void read(const std::filesystem::path& folder, RecordReader& reader, Disk& disk, Reading& reading) {
   RecordState state;
+  reading.is_all = reader.segment() == 1 && !path_exists(folder / kContinuesFile, disk);
   if (const auto deleted = read_index_of_deleted(folder, reader.segment() - 1, disk)) {
     state.epoch = deleted->epoch;
     reading.epochs.begin_behind(deleted->epoch);
@@ -124,19 +176,36 @@ void read(const std::filesystem::path& folder, RecordReader& reader, Disk& disk,
   int segment = reader.segment();
   while (const auto event = reader.next()) {
     if (reader.segment() != segment)
-      check_index(folder, std::exchange(segment, reader.segment()), state, disk, reading.result);
+      check_index(folder, std::exchange(segment, reader.segment()), state, disk, reading);
     ++reading.result.events;
     check_header(reader, folder, *event, reading);
     if (event->channel.starts_with(kBlockChannels))
       take_block(reader, folder, *event, state, reading);
     else
-      take_other(*event, reading);
+      take_other(reader, folder, *event, reading);
   }
-  check_index(folder, segment, state, disk, reading.result);
+  check_index(folder, segment, state, disk, reading);
+}
+
+// An epoch whose blocks are all gone is known by what the journal says of them.
+void add_epochs_of_journal_only(Reading& reading) {
+  auto& epochs = reading.result.epoch;
+  for (const auto& [key, said] : reading.journal.contradictions()) {
+    const auto is_it = [&key = key](const VerifiedEpoch& one) {
+      return NodeEpoch(one.node, one.epoch) == key;
+    };
+    if (std::ranges::any_of(epochs, is_it)) continue;
+    VerifiedEpoch epoch;
+    epoch.node = key.first;
+    epoch.epoch = key.second;
+    const auto behind = std::ranges::upper_bound(epochs, epoch.node, {}, &VerifiedEpoch::node);
+    epochs.insert(behind, std::move(epoch));
+  }
 }
 
 void conclude(Reading& reading) {
   reading.result.epoch = reading.epochs.result();
+  add_epochs_of_journal_only(reading);
   reading.result.journal_entries = reading.journal.entries();
   for (auto& epoch : reading.result.epoch) {
     if (const auto counted = reading.journal.losses().find({epoch.node, epoch.epoch});
@@ -151,7 +220,7 @@ void conclude(Reading& reading) {
 Verdict judge(const Verification& result) {
   bool damaged = result.blocks_refused > 0 || result.entries_refused > 0 || result.damaged_bytes > 0 ||
                  result.altered_headers > 0 || result.missing_segments > 0;
-  bool complete = result.damage.empty() && !result.epoch.empty();
+  bool complete = result.damage.empty() && result.lost.empty() && !result.epoch.empty();
   for (const auto& epoch : result.epoch) {
     damaged = damaged || epoch.is_damaged();
     complete = complete && epoch.is_complete();
@@ -167,6 +236,7 @@ Verification verify_record(const std::filesystem::path& folder, Disk& disk) {
   try {
     RecordReader reader(folder, disk);
     reader.finish();
+    const int first = reader.segment();
     Reading reading{.result = result};
     read(folder, reader, disk, reading);
     if (result.epoch.empty())
@@ -175,6 +245,8 @@ Verification verify_record(const std::filesystem::path& folder, Disk& disk) {
     const FinishedSegments finished = read_manifest(folder, disk);
     list_damage(reader, finished, result);
     list_missing_segments(folder, finished, disk, reading);
+    list_deleted_segments(first, reading);
+    compare_with_stops(reading);
     conclude(reading);
     result.verdict = judge(result);
   } catch (const std::exception& error) {
@@ -198,7 +270,8 @@ std::string verdict_text(const Verification& result) {
   if (result.epoch.empty()) return "incomplete: it describes itself, but no block of a node is there";
   const bool open = !result.damage.empty() || std::any_of(result.epoch.begin(), result.epoch.end(),
                                                           [](const auto& epoch) { return epoch.is_open(); });
-  return open ? "incomplete, no end: what came after is unknown" : "incomplete, every gap declared";
+  if (open) return "incomplete, no end: what came after is unknown";
+  return result.lost.empty() ? "incomplete, every gap declared" : "incomplete, what is lost is listed";
 }
 
 }  // namespace roadbalance

@@ -25,17 +25,20 @@ struct Verification {
   std::vector<VerifiedEpoch> epoch;        ///< by node, then in order of appearance
   std::int64_t events = 0;
   std::int64_t blocks_refused = 0;    ///< events on block channels that are no good block of it: altered
-  std::int64_t entries_refused = 0;   ///< the same of journal entries, notes and commits
+  std::int64_t entries_refused = 0;   ///< the same of journal entries, notes, commits and clocks
   std::int64_t journal_entries = 0;   ///< compared with the blocks
-  std::int64_t other_events = 0;      ///< on other channels: not looked at
+  std::int64_t other_events = 0;      ///< on other channels: no more than their CRC is looked at, of ours
   std::int64_t deleted_segments = 0;  ///< by the retention mode, as a note says
   std::uint64_t damaged_bytes = 0;    ///< no events
   /// Stretches between two commits in which a number, stamp or channel is not what the second one says.
   std::int64_t altered_headers = 0;
-  std::int64_t missing_segments = 0;  ///< not there, empty or shorter than when they were finished
+  std::int64_t missing_segments = 0;  ///< not there, empty or other than when they were finished
   /// At the end of the last segment, if that is not finished: what a kill leaves, never acknowledged.
   std::uint64_t torn_bytes = 0;
-  std::vector<std::string> damage;   ///< where, for people
+  std::vector<std::string> damage;  ///< where, for people
+  /// What is declared lost, but by no gap, for people: segments that the retention mode deleted, what rb
+  /// recover could not read, what a recorder held when it stopped.
+  std::vector<std::string> lost;
   std::vector<std::string> notes;    ///< what the recorder noted, for people
   RecordedAlarms alarms;             ///< that it noted
   std::vector<std::string> indexes;  ///< that say something else than their segments; they can be made again
@@ -45,8 +48,8 @@ struct Verification {
 /// behind the end of an abandoned segment does not count.
 Verification verify_record(const std::filesystem::path& folder, Disk& disk = kernel_disk());
 
-/// The verdict in words, as far as the record proves it: "incomplete, every gap declared", or "no end: what
-/// came after is unknown" where an epoch is open.
+/// The verdict in words, as far as the record proves it: "incomplete, every gap declared", "what is lost
+/// is listed" where no gap can, or "no end: what came after is unknown" where an epoch is open.
 std::string verdict_text(const Verification& result);
 
 /// A note in words: its time, what happened, and its text.

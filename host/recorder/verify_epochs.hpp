@@ -72,6 +72,8 @@ class EpochCheck {
   void add(const SealedBlock& block);
   /// By node, then in order of appearance.
   std::vector<VerifiedEpoch> result();
+  /// How many have been seen, those that ended in deleted segments too.
+  std::size_t count() const { return epochs_.size(); }
 
  private:
   struct Epoch {

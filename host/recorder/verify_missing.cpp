@@ -1,10 +1,15 @@
 #include "host/recorder/verify_missing.hpp"
 
 #include <algorithm>
+#include <charconv>
+#include <limits>
+#include <optional>
+#include <string_view>
 
 #include "common/record/folder.hpp"
 #include "common/record/segment.hpp"
 #include "common/record/segment_extent.hpp"
+#include "common/record/segment_index.hpp"
 
 namespace roadbalance {
 namespace {
@@ -41,7 +46,48 @@ void compare_with_manifest(const std::filesystem::path& folder, const FinishedSe
     } else if (const auto size = size_of_file(path, disk); size < bytes) {
       add(found, file,
           "has " + std::to_string(size) + " of the " + std::to_string(bytes) + " bytes it was finished with");
+    } else if (size > bytes && given_up == least.end()) {
+      add(found, file,
+          "has " + std::to_string(size) + " bytes; it was finished with " + std::to_string(bytes));
     }
+  }
+}
+
+// "seg-000012.idx" -> 12
+std::optional<int> number_of_index(std::string_view name) {
+  constexpr std::string_view kBegin = "seg-", kEnd = ".idx";
+  if (!name.starts_with(kBegin) || !name.ends_with(kEnd)) return std::nullopt;
+  name.remove_prefix(kBegin.size());
+  name.remove_suffix(kEnd.size());
+  int number = 0;
+  const auto parsed = std::from_chars(name.data(), name.data() + name.size(), number);
+  if (parsed.ec != std::errc() || parsed.ptr != name.data() + name.size()) return std::nullopt;
+  return number;
+}
+
+/// Of segments that the manifest does not list.  The index of the segment deleted last stays.
+void compare_with_indexes(const std::filesystem::path& folder, const FinishedSegments& finished,
+                          int deleted_through, const std::map<int, std::uint64_t>& abandoned, Disk& disk,
+                          MissingSegments& found) {
+  auto names = list_folder(folder, disk);
+  std::ranges::sort(names);
+  for (const std::string& name : names) {
+    const auto number = number_of_index(name);
+    const std::string file = number ? segment_path({}, *number).string() : "";
+    if (!number || *number <= deleted_through || finished.contains(file)) continue;
+    const auto given_up = abandoned.find(*number);
+    const std::uint64_t least =
+        given_up == abandoned.end() ? std::numeric_limits<std::uint64_t>::max() : given_up->second;
+    if (!path_exists(folder / file, disk)) {
+      // Damaged or not: it would not be here for a segment that never was.
+      if (least > 0) add(found, file, "is missing; its index is here");
+      continue;
+    }
+    const auto index = read_index_of_deleted(folder, *number, disk);
+    const std::uint64_t bytes = index ? std::min(index->bytes, least) : 0;
+    if (const auto size = size_of_file(folder / file, disk); size < bytes)
+      add(found, file,
+          "has " + std::to_string(size) + " of the " + std::to_string(bytes) + " bytes that its index says");
   }
 }
 
@@ -57,6 +103,7 @@ MissingSegments find_missing_segments(const std::filesystem::path& folder, const
     return end != abandoned.end() && end->second == 0;
   };
   compare_with_manifest(folder, finished, deleted_through, abandoned, disk, found);
+  compare_with_indexes(folder, finished, deleted_through, abandoned, disk, found);
   int before = deleted_through;
   for (const int number : numbers) {
     const auto path = segment_path(folder, number);

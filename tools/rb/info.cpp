@@ -244,8 +244,11 @@ void rebuild(const std::filesystem::path& folder) {
   if (!lock.take(folder, kernel_disk()))
     throw std::runtime_error(folder.string() +
                              ": a recorder writes to it; its indexes can be made again when that has ended");
-  const int written = rebuild_indexes(folder);
-  std::fprintf(stderr, "rb: %d indexes were missing or wrong, and are made again\n", written);
+  const RebuiltIndexes rebuilt = rebuild_indexes(folder);
+  std::fprintf(stderr, "rb: %d indexes were missing or wrong, and are made again\n", rebuilt.written);
+  for (const auto& segment : rebuilt.torn)
+    std::fprintf(stderr, "rb: %s gets no index: its tail is torn, as a kill or a power cut leaves it\n",
+                 segment.c_str());
 }
 
 /// False: it is none.

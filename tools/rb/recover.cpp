@@ -50,9 +50,11 @@ void print(const RecoverOptions& options, const Salvaged& salvaged, const Verifi
                                          {"blocks_repeated", salvaged.blocks_repeated},
                                          {"blocks_altered", salvaged.blocks_altered},
                                          {"entries_altered", salvaged.entries_altered},
+                                         {"headers_altered", salvaged.headers_altered},
                                          {"missing_segments", salvaged.missing_segments},
                                          {"damaged_bytes", salvaged.damaged_bytes},
                                          {"damage", salvaged.damage},
+                                         {"lost", salvaged.lost},
                                          {"record", verification_json(result)}};
     std::printf("%s\n", json.dump().c_str());
     return;
@@ -61,14 +63,14 @@ void print(const RecoverOptions& options, const Salvaged& salvaged, const Verifi
   std::printf(
       "%lld blocks recovered, %lld of them to fill holes; %lld gaps declared\n"
       "found: %lld blocks more than once, %lld altered; %lld other entries altered; %llu bytes damaged; %lld "
-      "segments missing or short\n",
+      "segments missing or not as they were finished\n",
       static_cast<long long>(salvaged.blocks), static_cast<long long>(salvaged.blocks_filled),
       static_cast<long long>(salvaged.gaps), static_cast<long long>(salvaged.blocks_repeated),
       static_cast<long long>(salvaged.blocks_altered), static_cast<long long>(salvaged.entries_altered),
       static_cast<unsigned long long>(salvaged.damaged_bytes),
       static_cast<long long>(salvaged.missing_segments));
-  if (salvaged.missing_segments > 0)
-    std::printf("whether a whole node epoch was in what is missing or short, nothing can tell\n");
+  if (!salvaged.lost.empty())
+    std::printf("whether a mark or a whole node epoch was in what is lost, nothing can tell\n");
   print_verification(result);
 }
 
@@ -79,7 +81,7 @@ int recover(const RecoverOptions& options) {
     const Salvaged salvaged = recover_whole(sources, options.target);
     const Verification result = verify_record(options.target);
     print(options, salvaged, result);
-    if (result.verdict == Verdict::kComplete && salvaged.missing_segments == 0) return kDone;
+    if (result.verdict == Verdict::kComplete) return kDone;
     return result.verdict == Verdict::kDamaged || result.verdict == Verdict::kUnreadable ? kAnswerIsNo
                                                                                          : kIncomplete;
   } catch (const std::exception& error) {
@@ -100,9 +102,9 @@ void add_recover(CLI::App& app, int& code) {
                       "a spool that a node left, or a fallback recording: its blocks fill what is missing");
   command->add_flag("--json", options->json, "one JSON object on standard output");
   command->footer(
-      "Exit codes: 0 nothing is lost, 3 something is, or may be with a missing segment, and is listed, 1 "
-      "could "
-      "not.");
+      "Exit codes: 0 nothing is lost, 3 something is, or may be in what is damaged or missing, and is "
+      "listed, 1 "
+      "could not.");
   command->callback([options, &code] { code = recover(*options); });
 }
 

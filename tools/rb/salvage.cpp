@@ -8,6 +8,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
+#include "common/record/header_check.hpp"
 #include "common/record/journal_tally.hpp"
 #include "common/record/log_event.hpp"
 #include "common/record/segment.hpp"
@@ -15,6 +16,7 @@
 #include "host/recorder/preamble.hpp"
 #include "host/recorder/verify_missing.hpp"
 #include "tools/rb/salvage_epoch.hpp"
+#include "tools/rb/salvage_losses.hpp"
 #include "tools/rb/salvage_sources.hpp"
 #include "tools/rb/sequence_set.hpp"
 
@@ -65,6 +67,7 @@ class Salvage {
         damage);
     for (const auto& piece : damage) {
       result_.damaged_bytes += piece.bytes;
+      if (!piece.torn) losses_.damaged(piece.bytes);
       result_.damage.push_back(piece.segment.string() + ": " + std::to_string(piece.bytes) + " bytes from " +
                                std::to_string(piece.offset) + " on are " + piece.what);
     }
@@ -76,6 +79,7 @@ class Salvage {
     sources_.for_each([this](const LogEvent& event, const Place&, bool counts) { write(event, counts); },
                       damage);
     for (auto& [key, plan] : plans_) finish(key, plan);
+    tell_losses();
     writer_->close();
     write_manifest(target, std::nullopt, disk);
     return std::move(result_);
@@ -85,13 +89,34 @@ class Salvage {
   // What holes the segments' ends and the folders tell of.  A spool begins where it was emptied to.
   void list_missing_segments() {
     for (const auto& folder : folders_) {
+      const int deleted = deleted_through_[segment_path(folder, 1).parent_path()];
+      const auto numbers = segment_numbers(folder, disk_);
+      if (const int last = std::min(numbers.empty() ? 0 : numbers.front() - 1, deleted); last > 0)
+        losses_.deleted_segments(folder.filename().string(), last);
       const auto finished = read_manifest(folder, disk_);
       if (folder != folders_.front() && finished.empty()) continue;
-      const auto found = find_missing_segments(
-          folder, finished, deleted_through_[segment_path(folder, 1).parent_path()], disk_);
+      const auto found = find_missing_segments(folder, finished, deleted, disk_);
       result_.missing_segments += found.missing;
+      losses_.missing_segments(found.missing);
       for (const auto& line : found.lines) result_.damage.push_back((folder / line).string());
     }
+  }
+
+  void tell_losses() {
+    result_.lost = losses_.lines([this](const NodeEpoch& key) { return plans_.contains(key); });
+    for (const std::string& line : result_.lost)
+      writer_->append(kNoteChannel, encode(Note{.kind = NoteKind::kDiskFailed, .text = line}),
+                      last_timestamp_us_);
+  }
+
+  void check_header(const LogEvent& event, const Place& place) {
+    const auto from = headers_.take(static_cast<int>(place.file) + 1, place.offset, event);
+    if (!from) return;
+    ++result_.headers_altered;
+    losses_.altered_header();
+    result_.damage.push_back(sources_.file(place).string() + ": " + std::to_string(place.offset - *from) +
+                             " bytes from " + std::to_string(*from) +
+                             " on are events of which one has an altered number, stamp or channel");
   }
 
   // What lies behind the end of an abandoned segment is no hole: it was written again.
@@ -104,9 +129,11 @@ class Salvage {
   void plan_other(const LogEvent& event, const Place& place) {
     if (event.channel.starts_with(kBlockChannels)) {
       ++result_.blocks_altered;
+      if (!sources_.is_torn(place)) losses_.altered_block(event);
       list_altered(event, place, "an altered block");
     } else if (event.channel.starts_with("RB_") && !event.has_its_crc) {
       ++result_.entries_altered;
+      if (!sources_.is_torn(place)) losses_.altered_entry();
       list_altered(event, place, "an altered entry");
     } else if (event.channel == kNoteChannel) {
       const auto note = decode_note(event.data);
@@ -118,6 +145,7 @@ class Salvage {
 
   void plan(const LogEvent& event, const Place& place, bool counts) {
     SealedBlock block;
+    if (counts && !sources_.is_torn(place)) check_header(event, place);
     if (accept(event, block) != Refusal::kNone) {
       if (counts) plan_other(event, place);
       return;
@@ -218,6 +246,8 @@ class Salvage {
   std::map<std::filesystem::path, int> deleted_through_;  // segments, by the folder's notes
   std::optional<RecordWriter> writer_;
   std::map<NodeEpoch, Plan> plans_;
+  HeaderCheck headers_;
+  SalvageLosses losses_;
   RecordState vehicle_;  // only the descriptions in it count
   JournalTally journal_;
   std::map<NodeEpoch, Journal> counted_;  // what the nodes lost, and this run of the recorder

@@ -17,9 +17,11 @@ struct Salvaged {
   std::int64_t blocks_repeated = 0;   ///< found more than once, written once
   std::int64_t blocks_altered = 0;    ///< good events on a block's channel, but no good block
   std::int64_t entries_altered = 0;   ///< the same of notes, clocks, journal and commits
-  std::int64_t missing_segments = 0;  ///< not there, empty or shorter than when they were finished
+  std::int64_t headers_altered = 0;   ///< stretches with an altered number, stamp or channel
+  std::int64_t missing_segments = 0;  ///< not there, empty or not as long as when they were finished
   std::uint64_t damaged_bytes = 0;    ///< no events
   std::vector<std::string> damage;    ///< where, for people
+  std::vector<std::string> lost;      ///< that no gap stands for, for people
 };
 
 /// Makes a good record of all good blocks in one or more folders, which it only reads: a damaged record
@@ -29,7 +31,8 @@ struct Salvaged {
 /// block pass their checks.  Tails that were cut and segments that were abandoned are read too.  In the new
 /// record every node epoch is in order, each block once and as it was sealed; each hole is a declared gap: of
 /// the cause that the recorder gave it (kLostAtNode), else kLostInRecord.  Clocks and notes go along, and a
-/// new journal.
+/// new journal.  What was damaged, but for what a kill or a power cut leaves at the end, may have held
+/// anything: a note in the new record says so (tells_of_loss()), and `rb verify` calls it incomplete.
 ///
 /// Memory: some tens of bytes for each block that is not where it belongs.
 /// @param target  a folder that does not exist or is empty

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include "common/record/record.hpp"
@@ -20,10 +21,15 @@ class SalvageSources {
     std::uint64_t offset = 0;
   };
   /// @param counts  false: it lies behind the end of an abandoned segment, or in a tail that was cut off
+  /// @param damage  gets what is no event; `torn` is what lies there, or in what is_torn()
   using Take = std::function<void(const LogEvent& event, const Place& place, bool counts)>;
   void for_each(const Take& take, std::vector<RecordReader::Damage>& damage) const;
 
   const std::filesystem::path& file(const Place& place) const { return files_[place.file].path; }
+
+  /// What a kill or a power cut leaves at the end of a record: never called durable, so that whoever had to
+  /// has sent it again.
+  bool is_torn(const Place& place) const { return place.offset >= files_[place.file].torn_from; }
 
   /// The event at a place that for_each() gave, which must hold a block.  @throws std::runtime_error if it
   /// changed
@@ -33,6 +39,7 @@ class SalvageSources {
   struct Source {
     std::filesystem::path path;
     std::uint64_t end = 0;  // events from here on do not count
+    std::uint64_t torn_from = std::numeric_limits<std::uint64_t>::max();
   };
   std::vector<Source> files_;
   Disk& disk_;

@@ -145,6 +145,7 @@ nlohmann::ordered_json verification_json(const Verification& result) {
           {"altered_headers", result.altered_headers},
           {"torn_bytes", result.torn_bytes},
           {"damage", result.damage},
+          {"lost", result.lost},
           {"notes", result.notes},
           {"indexes", result.indexes}};
 }
@@ -153,6 +154,7 @@ void print_verification(const Verification& result) {
   for (const auto& epoch : result.epoch) print_epoch(epoch);
   for (const auto& line : result.notes) std::printf("%s\n", line.c_str());
   for (const auto& line : result.damage) std::printf("%s\n", line.c_str());
+  for (const auto& line : result.lost) std::printf("%s\n", line.c_str());
   for (const auto& line : result.indexes) std::printf("%s\n", line.c_str());
   std::printf("%s\n", verdict_text(result).c_str());
 }

@@ -11,7 +11,7 @@ class Epoch:
     """Takes the blocks of one node epoch in any order; memory grows by 4 bytes a block."""
 
     def __init__(self, node, epoch, deleted=(0, 0, 0)):
-        """@param deleted  (last sequence, next scan, sum) of what the retention mode has deleted of it"""
+        """@param deleted  (last sequence, next scan, sum, ...) of what the retention mode has deleted of it"""
         self.node, self.epoch = node, epoch
         self.blocks = self.samples = self.samples_missing = 0
         self.last_sequence, self.next_scan = deleted[:2]  # next_scan None: behind a declared loss of unknown length

@@ -9,7 +9,7 @@ import re
 from record_check.crc32c import crc
 from record_check.event_log import HEADER, ends_with_its_crc, split_events
 
-EPOCH = re.compile(rb"^epoch (\d+) (-?\d+) contiguous (\d+) next_scan (\d+) [^\n]* sum ([0-9a-f]{8}|none)$", re.MULTILINE)
+EPOCH = re.compile(rb"^epoch (\d+) (-?\d+) contiguous (\d+) next_scan (\d+) ended (\d) [^\n]* sum ([0-9a-f]{8}|none)$", re.MULTILINE)
 INDEX = re.compile(rb"^roadbalance index 2\nsegment (\d+) bytes (\d+)\n(?:epoch [^\n]*\n)*crc32c ([0-9a-f]{8})\n$")
 
 
@@ -31,17 +31,18 @@ def torn_from(log, commit_type):
 
 
 def read_index(segment, number):
-    """(bytes of the segment, {(node, epoch): (last sequence, next scan, sum)} at its end) by its index, or None.
+    """(bytes of the segment, {(node, epoch): (last sequence, next scan, sum, over)} at its end) by its index, or None.
 
-    sum: of the blocks so far (epochs.py), None if one is not the node's own.
+    sum: of the blocks so far (epochs.py), None if one is not the node's own; over: by an end or a crash.
     """
     path = segment.with_suffix(".idx")
     text = path.read_bytes() if path.exists() else b""
     found = INDEX.match(text)
     if not found or int(found[1]) != number or int(found[3], 16) != crc(text[:text.rindex(b"crc32c ")]):
         return None
-    positions = {(int(node), int(epoch)): (int(contiguous), int(next_scan), None if blocks == b"none" else int(blocks, 16))
-                 for node, epoch, contiguous, next_scan, blocks in EPOCH.findall(text)}
+    positions = {(int(node), int(epoch)): (int(contiguous), int(next_scan), None if blocks == b"none" else int(blocks, 16),
+                                                 ended != b"0")
+                 for node, epoch, contiguous, next_scan, ended, blocks in EPOCH.findall(text)}
     return int(found[2]), positions
 
 

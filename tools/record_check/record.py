@@ -10,7 +10,7 @@ from record_check.segments import Segments
 
 COMPLETE, DAMAGED, INCOMPLETE, UNREADABLE = 0, 1, 3, 4
 WORDS = {COMPLETE: "complete", DAMAGED: "damaged", INCOMPLETE: "incomplete, but declared", UNREADABLE: "unreadable"}
-STARTED = 1  # the kind of note that a recorder begins with
+STARTED, STOPPED, DISK_FAILED, MARK = 1, 2, 4, 17  # kinds of notes
 MOST_TOGETHER = 1024  # messages in one CRC pass: they stay in the cache
 
 
@@ -26,8 +26,13 @@ class Checker:
         self.segments = Segments(folder, types)
         self.deleted = self.segments.deleted_positions()
         self.epochs, self.journals = {}, {}
+        for key, (*_, is_over) in self.deleted.items():
+            if not is_over:
+                self._epoch(*key)
         self.description = Description()
-        self.damage = []
+        self.damage, self.lost = [], []  # lost: declared, but by no gap
+        self.epochs_said = self.marks_said = self.last_mark = 0  # what recorders say that stopped, and the marks here
+        self.keys = set(self.deleted)  # epochs of which a block was here
         self.events = self.other_events = self.refused = self.damaged_bytes = self.torn_bytes = 0
         self.missing_segments = self.bytes = self.notes = self.altered_headers = 0
 
@@ -37,12 +42,17 @@ class Checker:
             self.bytes += len(log)
             self._check_events(number, log, events)
             self._list_damage(number, damage, len(log))
+            self._check_index(number)
         self.damage += self.description.contradictions
         for line in self.segments.missing():
             self.missing_segments += 1
             self.damage.append(line)
+        for key, journal in self.journals.items():
+            if journal.contradictions:
+                self._epoch(*key)  # all its blocks may be gone
         for epoch in self.epochs.values():
             epoch.finish()
+        self._list_lost()
         if self.truth:
             for node, number, why in self.truth.contradictions(self.epochs):
                 self._epoch(node, number).contradictions.append(why)
@@ -54,7 +64,7 @@ class Checker:
         if (self.refused or self.damaged_bytes or self.altered_headers or self.description.contradictions or self.missing_segments or journals or
                 any(epoch.is_damaged() for epoch in self.epochs.values())):
             return DAMAGED
-        whole = not self.damage and not self.deleted and self.epochs
+        whole = not self.damage and not self.lost and self.epochs
         return COMPLETE if whole and all(epoch.is_complete() for epoch in self.epochs.values()) else INCOMPLETE
 
     def _check_events(self, number, log, events):
@@ -125,6 +135,7 @@ class Checker:
                 self.description.take(kind.decode(data))
             return
         epoch = self._epoch(block.node, block.epoch)
+        self.keys.add((block.node, block.epoch))
         if block.kind == "SCAN":
             whole = block.scans == SCANS_PER_BLOCK
             block.channel_crc = channel_crc if whole else channel_crcs_of_one(data, self.counts_at, block.scans)
@@ -135,14 +146,38 @@ class Checker:
         self._journal(block.node, block.epoch).append(block)
 
     def _take_journal(self, entry):
-        epoch = self._epoch(entry["node"], entry["epoch"])
-        self._journal(entry["node"], entry["epoch"]).entry(entry, epoch.first_sequence)
+        deleted_through = self.deleted.get((entry["node"], entry["epoch"]), (0, 0, 0))[0]
+        self._journal(entry["node"], entry["epoch"]).entry(entry, deleted_through + 1)
 
     def _take_note(self, note):
         self.notes += 1
         if note["kind"] == STARTED:
             for journal in self.journals.values():
                 journal.restart()
+        elif note["kind"] == STOPPED:
+            self.epochs_said = max(self.epochs_said, note["a"])
+            self.marks_said = max(self.marks_said, note["b"])
+        elif note["kind"] == MARK:
+            self.last_mark = max(self.last_mark, note["a"])
+        elif note["kind"] == DISK_FAILED and note["a"] == note["b"] == 0:
+            text = note["text"][:note["size"]].decode("utf-8", "replace")
+            self.lost.append(f"lost from the recording that this one was recovered from: {text}")
+
+    def _list_lost(self):
+        gone = self.segments.deleted_and_gone()
+        if gone:
+            self.lost.append(f"segments 1 to {gone[-1]} were deleted by the retention mode")
+        if self.segments.are_all() and self.epochs_said > len(self.keys):
+            self.lost.append(f"the recorder stopped with {self.epochs_said} node epochs; here are {len(self.keys)}")
+        if self.segments.are_all() and self.marks_said > self.last_mark:
+            self.lost.append(f"the recorder stopped with mark {self.marks_said} set; the last one here is {self.last_mark}")
+
+    def _check_index(self, number):
+        """An index may say less than is there, but cannot name an epoch of which nothing is."""
+        index = self.segments.index(number)
+        for node, epoch in sorted(index[1].keys() - self.keys) if index and self.segments.are_all() else ():
+            self.missing_segments += 1
+            self.damage.append(f"{self.segments.paths[number].name}: node {node} epoch {epoch} is not here; its index names it")
 
     def _epoch(self, node, epoch):
         key = (node, epoch)

@@ -8,6 +8,7 @@ from record_check.event_log import HEADER, ends_with_its_crc, split_events
 from record_check.extent import is_finished, read_index, torn_from
 
 SEGMENT = re.compile(r"^seg-(\d{6,})\.lcm$")
+INDEX = re.compile(r"^seg-(\d{6,})\.idx$")
 SEGMENT_ABANDONED, SEGMENT_DELETED = 5, 11
 
 
@@ -28,38 +29,69 @@ class Segments:
         self._note_type = self._types["note_t"]
         for number in self.numbers:
             self._read_notes(self.paths[number].read_bytes())
+        self.given_up = dict(self.ends)  # without the torn ones
         self.torn = {}  # number -> (offset, bytes): what a kill or a power cut leaves at the end of a record
         self._find_torn()
 
     def deleted_positions(self):
-        """{(node, epoch): (last sequence, next scan, sum)} at the end of what the retention mode deleted, and said so."""
+        """{(node, epoch): (last sequence, next scan, sum, over)} at the end of what the retention mode deleted, and said so."""
         first = self.numbers[0]
         if first - 1 not in self.deleted:
             return {}
         index = read_index(self.paths[first].with_name(f"seg-{first - 1:06}.lcm"), first - 1)
         return index[1] if index else {}
 
+    def are_all(self):
+        """Of the recording: another folder holds nothing of it that comes before, and no segment was deleted."""
+        return self.numbers[0] == 1 and not (self.folder / "continues").exists()
+
+    def deleted_and_gone(self):
+        """Numbers of those that the retention mode took; the notes on the first ones went with their segments."""
+        return range(1, min(self.numbers[0], max(self.deleted, default=0) + 1))
+
+    def index(self, number):
+        """What the index of a segment says, as read_index() gives it, or None."""
+        return read_index(self.folder / f"seg-{number:06}.lcm", number)
+
     def missing(self):
         """Lines of what should be here and is not."""
         for name, size in self.finished.items():
             number = int(found[1]) if (found := SEGMENT.match(name)) else None
             path = self.folder / name
-            size = min(size, self.ends.get(number, size))
+            size = min(size, self.given_up.get(number, size))
             if not path.exists() and size > 0 and number not in self.deleted:
                 yield f"{name}: is missing; manifest.json lists it as finished"
             elif path.exists() and path.stat().st_size < size:
                 yield f"{name}: has {path.stat().st_size} of the {size} bytes it was finished with"
+            elif path.exists() and path.stat().st_size > size and number not in self.given_up:
+                yield f"{name}: has {path.stat().st_size} bytes; it was finished with {size}"
+        yield from self._missing_by_indexes()
         before = max(self.deleted, default=0)
         for number in self.numbers:
             name = self.paths[number].name
-            while before + 1 < number and self.ends.get(before + 1) == 0:
+            while before + 1 < number and self.given_up.get(before + 1) == 0:
                 before += 1  # given up before anything was promised of it: a power cut may have taken its name
             if number > before + 1:
                 yield f"{name}: does not follow segment {before}" if before else f"{name}: is the first one here"
             before = max(before, number)
             is_empty = self.paths[number].stat().st_size == 0
-            if is_empty and number != self.numbers[-1] and name not in self.finished and number not in self.ends:
+            if is_empty and number != self.numbers[-1] and name not in self.finished and number not in self.given_up:
                 yield f"{name}: is empty"
+
+    def _missing_by_indexes(self):
+        """Of segments that the manifest does not list; the index of the one deleted last stays."""
+        for name in sorted(path.name for path in self.folder.iterdir()):
+            number = int(found[1]) if (found := INDEX.match(name)) else 0
+            path = self.folder / f"seg-{number:06}.lcm"
+            if number <= max(self.deleted, default=0) or path.name in self.finished:
+                continue
+            if not path.exists():
+                if self.given_up.get(number) != 0:
+                    yield f"{path.name}: is missing; its index is here"
+            elif index := self.index(number):
+                size = min(index[0], self.given_up.get(number, index[0]))
+                if path.stat().st_size < size:
+                    yield f"{path.name}: has {path.stat().st_size} of the {size} bytes that its index says"
 
     def read(self, number):
         """(bytes, events, damage) of a segment up to where it ends."""

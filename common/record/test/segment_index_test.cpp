@@ -6,7 +6,9 @@
 #include <limits>
 #include <system_error>
 
+#include "common/record/folder.hpp"
 #include "common/record/segment.hpp"
+#include "common/record/segment_events.hpp"
 #include "common/record/test/numbered_blocks.hpp"
 #include "common/record/test/simulated_disk.hpp"
 
@@ -85,7 +87,7 @@ TEST_F(SegmentIndexTest, ARestartReadsOnlyBehindTheLastOne) {
 
 TEST_F(SegmentIndexTest, OneThatIsGoneOrWrongIsMadeAgainAndNeverBelieved) {
   SegmentIndex wrong = *read_index(kFolder, numbers.back(), disk);
-  wrong.bytes += 1;
+  wrong.bytes -= 1;
   wrong.epoch.begin()->second.position.contiguous = 1000;
   write_index(kFolder, wrong, disk);
   disk.unlink(index_path(kFolder, 2).c_str());
@@ -93,10 +95,43 @@ TEST_F(SegmentIndexTest, OneThatIsGoneOrWrongIsMadeAgainAndNeverBelieved) {
   const RecordState before = read_state(kFolder, disk, {}, &unsure);
   const std::int64_t sure = before.epoch.begin()->second.position.contiguous;
   EXPECT_EQ(unsure.empty() ? sure : unsure.back().block.header.sequence, 60);
-  EXPECT_EQ(rebuild_indexes(kFolder, disk), 2);
+  EXPECT_EQ(rebuild_indexes(kFolder, disk).written, 2);
   EXPECT_EQ(read_state(kFolder, disk).epoch, holds);
-  EXPECT_EQ(rebuild_indexes(kFolder, disk), 0);
+  EXPECT_EQ(rebuild_indexes(kFolder, disk).written, 0);
   EXPECT_EQ(read_index(kFolder, numbers.back(), disk)->epoch, holds);
+}
+
+// Made again, it would call what is left the whole.
+TEST_F(SegmentIndexTest, OneThatKnowsOfMoreThanItsSegmentHasIsKept) {
+  const int last = numbers.back();
+  const std::string known = encode(*read_index(kFolder, last, disk));
+  auto bytes = disk.content(segment_path(kFolder, last));
+  bytes.resize(bytes.size() - commit_event_bytes());
+  disk.put(segment_path(kFolder, last), bytes);
+  EXPECT_EQ(rebuild_indexes(kFolder, disk).written, 0);
+  Feeder feeder({.folder = kFolder}, disk);
+  EXPECT_EQ(feeder.found(), 60);
+  feeder.close();
+  const auto kept = read_index_of_deleted(kFolder, last, disk);
+  ASSERT_TRUE(kept);
+  EXPECT_EQ(encode(*kept), known);
+}
+
+// An index would call the segment finished, and what a kill left of it damage, for every reader and for good.
+TEST_F(SegmentIndexTest, NoneIsMadeOfASegmentWhoseTailIsTorn) {
+  const int last = numbers.back();
+  for (const int number : {numbers.front(), last}) disk.unlink(index_path(kFolder, number).c_str());
+  auto bytes = disk.content(segment_path(kFolder, last));
+  bytes.insert(bytes.end(), 100, 'x');
+  disk.put(segment_path(kFolder, last), bytes);
+  const RebuiltIndexes rebuilt = rebuild_indexes(kFolder, disk);
+  EXPECT_EQ(rebuilt.written, 1) << "that of the first one";
+  EXPECT_EQ(rebuilt.torn, std::vector{segment_path(kFolder, last)});
+  EXPECT_FALSE(path_exists(index_path(kFolder, last), disk));
+  Feeder feeder({.folder = kFolder}, disk);
+  ASSERT_TRUE(feeder.writer().cut_tail());
+  EXPECT_EQ(feeder.writer().cut_tail()->cut, 100u);
+  EXPECT_EQ(feeder.found(), 60);
 }
 
 TEST_F(SegmentIndexTest, ARestartGoesOnBehindDeletedSegmentsThoughNoneThatIsLeftHasAnIndex) {

@@ -105,7 +105,7 @@ TEST(TakeOver, AnIndexMadeAgainCountsNothingThatIsNotOnTheDisk) {
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     SimulatedDisk disk(seed);
     ASSERT_NO_FATAL_FAILURE(fail_and_be_killed(disk));
-    EXPECT_EQ(rebuild_indexes(kFolder, disk), 1);
+    EXPECT_EQ(rebuild_indexes(kFolder, disk).written, 1);
     EXPECT_EQ(left_by_power_cut(disk), all_through(kWritten)) << "seed " << seed;
   }
 }

@@ -167,5 +167,21 @@ TEST_F(KeeperLosses, MeasurementsOfClocksThatFoundNoRoomOnTheirWayToTheWriterAre
   EXPECT_EQ(declared[0].text, "5 measurements of the nodes' clocks were not kept: no memory for more");
 }
 
+// So that whoever reads the record knows when the last of it is gone.
+TEST_F(KeeperLosses, ARecorderThatStopsSaysHowManyNodeEpochsTheRecordHoldsAndItsLastMark) {
+  start();
+  keeper->note(NoteKind::kMark, 5, 0, "bridge");
+  keeper->close(now);
+  ASSERT_EQ(notes(NoteKind::kStopped).size(), 1u) << "with a mark alone, too";
+  EXPECT_EQ(notes(NoteKind::kStopped)[0].a, 0);
+  EXPECT_EQ(notes(NoteKind::kStopped)[0].b, 5);
+  start();
+  run(milliseconds(1000), 20);
+  note_durable(keeper->close(now));
+  ASSERT_EQ(notes(NoteKind::kStopped).size(), 2u);
+  EXPECT_EQ(notes(NoteKind::kStopped)[1].a, 1);
+  EXPECT_EQ(notes(NoteKind::kStopped)[1].b, 0) << "none in this run";
+}
+
 }  // namespace
 }  // namespace roadbalance

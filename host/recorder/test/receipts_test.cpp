@@ -129,6 +129,17 @@ TEST(Receipts, OfANodeThatTheFolderKnowsNothingOfStaysOpen) {
   EXPECT_EQ(after[1].nodes, 2);
 }
 
+// Its cable went before it said anything of samples.
+TEST(Receipts, ANodeThatWasStartedAndFellSilentAtOnceStaysOpen) {
+  RecorderReport report;
+  report.node = {epoch(1, 7, 1000), NodeReport{.node = 2, .epoch = 9, .started = true}};
+  const auto receipts = receipts_of(report, {.name = "drive"});
+  ASSERT_EQ(receipts.size(), 2u);
+  EXPECT_EQ(receipts[1].node, 2);
+  EXPECT_EQ(receipts[1].open_epochs, 1);
+  EXPECT_EQ(receipts[1].samples_recorded, 0);
+}
+
 TEST(Receipts, ANodeThatOnlyWaitedHasNone) {
   RecorderReport report;
   report.node = {NodeReport{.node = 1, .epoch = 4}};

@@ -5,6 +5,8 @@
 #include "common/bus/notes.hpp"
 #include "common/record/log_event.hpp"
 #include "common/record/segment.hpp"
+#include "common/record/segment_events.hpp"
+#include "common/record/segment_index.hpp"
 #include "host/recorder/manifest.hpp"
 #include "host/recorder/test/written_record.hpp"
 
@@ -48,6 +50,57 @@ TEST_F(VerifyFinished, ASegmentThatIsGoneIsDamage) {
   EXPECT_EQ(v.verdict, Verdict::kDamaged);
   ASSERT_FALSE(v.damage.empty());
   EXPECT_NE(v.damage[0].find("seg-000002.lcm"), std::string::npos) << v.damage[0];
+}
+
+TEST_F(VerifyFinished, ASegmentLongerThanItWasFinishedIsDamage) {
+  const auto header = encode_log_header({.channel = "OTHER_PROGRAM", .data = {}});
+  std::ofstream(segment(2), std::ios::binary | std::ios::app)
+      << std::string(header.begin(), header.end()) << "OTHER_PROGRAM";
+  const Verification v = verify_record(folder);
+  EXPECT_EQ(v.verdict, Verdict::kDamaged);
+  EXPECT_EQ(v.missing_segments, 1);
+}
+
+// Cut where an event ends there is nothing torn, and without a manifest the index alone knows.
+TEST_F(VerifyFinished, AnIndexProvesThatItsSegmentWasLonger) {
+  fs::remove(folder / "manifest.json");
+  fs::resize_file(segment(2), fs::file_size(segment(2)) - commit_event_bytes());
+  const Verification v = verify_record(folder);
+  EXPECT_EQ(v.verdict, Verdict::kDamaged);
+  ASSERT_EQ(v.damage.size(), 1u);
+  EXPECT_NE(v.damage[0].find("seg-000002.lcm: has "), std::string::npos) << v.damage[0];
+  fs::remove(index_path(folder, 2));
+  EXPECT_EQ(verdict(), Verdict::kComplete) << "all is there but a commit, as a kill may leave it";
+}
+
+TEST_F(VerifyFinished, AnIndexProvesThatThereWasASegment) {
+  put_scans(60);
+  writer.emplace(RecordWriter::Options{.folder = folder});
+  SealedBlock end;
+  seal(EndBlock{.header = {.node = 2, .epoch = 7, .sequence = 1}, .blocks = 1}, end);
+  writer->append(end, 0);
+  writer->close();
+  fs::remove(folder / "manifest.json");
+  ASSERT_EQ(verdict(), Verdict::kComplete);
+  fs::remove(segment(3));
+  const Verification v = verify_record(folder);
+  EXPECT_EQ(v.verdict, Verdict::kDamaged);
+  EXPECT_EQ(v.damage, std::vector<std::string>{"seg-000003.lcm: is missing; its index is here"});
+}
+
+// Of the same length or more, and good in itself.
+TEST_F(VerifyFinished, AnEpochThatOnlyAnIndexKnowsIsDamage) {
+  fs::remove(folder / "manifest.json");
+  SegmentIndex index = *read_index(folder, 2);
+  index.bytes -= 1;
+  index.epoch[{2, 7}] = {};
+  write_index(folder, index);
+  const Verification v = verify_record(folder);
+  EXPECT_EQ(v.verdict, Verdict::kDamaged);
+  EXPECT_EQ(v.damage,
+            std::vector<std::string>{"seg-000002.lcm: node 2 epoch 7 is not here; its index names it"});
+  std::ofstream(folder / "continues") << "/first\n";
+  EXPECT_EQ(verdict(), Verdict::kComplete) << "it is in the folder that this one continues";
 }
 
 TEST_F(VerifyFinished, ASegmentOfGarbageIsDamage) {

@@ -207,8 +207,13 @@ class CheckRecord(unittest.TestCase):
             (self.folder / SEGMENT).write_bytes(log[:kept])
             self.agrees(DAMAGED)
 
+    def never_finished(self):
+        """As of a recorder that was killed in it."""
+        for name in ("manifest.json", "seg-000001.idx"):
+            (self.folder / name).unlink()
+
     def test_a_torn_tail_is_declared(self):
-        (self.folder / "manifest.json").unlink()
+        self.never_finished()
         log = (self.folder / SEGMENT).read_bytes()
         for kept in (len(log) - 1, len(log) - 2000, len(log) // 2):
             (self.folder / SEGMENT).write_bytes(log[:kept])
@@ -218,7 +223,7 @@ class CheckRecord(unittest.TestCase):
         """Two segments of the one, the second one with these events at its beginning."""
         (self.folder / SEGMENT).write_bytes(segment(self.record.events[:2001]))
         (self.folder / "seg-000002.lcm").write_bytes(segment([*before_the_second, *self.record.events[2001:]]))
-        (self.folder / "manifest.json").unlink()
+        self.never_finished()
 
     def test_two_segments(self):
         self.split()
@@ -228,6 +233,26 @@ class CheckRecord(unittest.TestCase):
         self.split()
         (self.folder / "seg-000002.lcm").rename(self.folder / "seg-000003.lcm")
         self.assertEqual(self.agrees(DAMAGED)["missing_segments"], 1)
+
+    def test_a_segment_with_more_than_it_was_finished_with(self):
+        with open(self.folder / SEGMENT, "ab") as log:
+            log.write(event(b"OTHER_PROGRAM", b""))
+        self.assertEqual(self.agrees(DAMAGED)["missing_segments"], 1)
+
+    def test_what_only_an_index_knows_of(self):
+        (self.folder / "manifest.json").unlink()
+        index, log = self.folder / "seg-000001.idx", (self.folder / SEGMENT).read_bytes()
+        last_of_it = split_events(log)[0][-1][2] - split_events(log)[0][-2][2]
+        (self.folder / SEGMENT).write_bytes(log[:-last_of_it])
+        self.assertIn("bytes that its index says", self.agrees(DAMAGED)["damage"][0])
+        (self.folder / SEGMENT).write_bytes(log)
+        text = index.read_text(encoding="utf-8")
+        for name, said in {index.name: text[:text.index("crc32c")] + "epoch 7 7 contiguous 1 next_scan 0 ended 1 samples 0 "
+                                                                     "gaps 0 blocks 1 sum 00000000\n",
+                           "seg-000002.idx": "roadbalance index 2\nsegment 2 bytes 100\n"}.items():
+            (self.folder / name).write_text(f"{said}crc32c {crc(said.encode()):08x}\n", encoding="utf-8")
+            self.assertEqual(self.agrees(DAMAGED)["missing_segments"], 1, name)
+            index.write_text(text, encoding="utf-8")
 
     def test_a_segment_that_was_given_up_before_anything_was_promised_of_it(self):
         self.split((b"RB_NOTE", message("note_t", incarnation=1, kind=5, a=2, b=0)))
@@ -273,6 +298,13 @@ class CheckRecord(unittest.TestCase):
         first.unlink()
         self.agrees(DAMAGED)
         note = event(b"RB_NOTE", message("note_t", incarnation=1, kind=11, a=1, b=len(blocks)))
+        # The note comes before the deletion, which a kill may come before.
+        first.write_bytes(blocks)
+        kept = second.read_bytes()
+        second.write_bytes(kept + note)
+        self.agrees(COMPLETE)
+        second.write_bytes(kept)
+        first.unlink()
         second.write_bytes(second.read_bytes() + note)
         self.assertGreater(self.node(self.agrees(INCOMPLETE))["samples_deleted"], 0)
         index_with(1)
@@ -345,6 +377,48 @@ class CheckRecord(unittest.TestCase):
         self.assertEqual(code, DAMAGED)
         self.assertIn("the text of wire.scan_block_t is of another message", found["damage"])
         self.assertEqual(check(self.folder, "--wire", "record")[0], UNREADABLE)
+
+    def test_an_altered_message_of_the_clocks_is_damage(self):
+        for channel, name in ((b"RB_CLOCK_1", "clock_fit_t"), (b"RB_CLOCK_EXCHANGE_1", "clock_exchange_t")):
+            record = Record(self.drive)
+            record.folder = self.folder
+            good = message(name, node=1, epoch=7)
+            record.events.insert(700, (channel, good[:20] + b"x" + good[21:]))
+            record.write()
+            self.assertEqual(self.agrees(DAMAGED)["messages_refused"], 1)
+
+    def test_a_node_of_which_only_the_journal_knows(self):
+        self.record.events = [(channel, data) for channel, data in self.record.events if not channel.startswith(b"RB_BLOCK_2_")]
+        self.record.write()
+        self.assertTrue(self.node(self.agrees(DAMAGED), 2)["journal_contradictions"])
+
+    def test_what_a_recorder_held_when_it_stopped(self):
+        text = b"pothole".ljust(400, b"\0")
+        self.record.events.insert(500, (b"RB_NOTE", message("note_t", incarnation=1, kind=17, a=3, size=7, text=text)))
+        events = list(self.record.events)
+        for epochs, mark, verdict in ((2, 3, COMPLETE), (3, 3, INCOMPLETE), (2, 4, INCOMPLETE)):
+            stopped = message("note_t", incarnation=1, kind=2, a=epochs, b=mark)
+            self.record.events = events + [(b"RB_NOTE", stopped)]
+            self.record.write()
+            self.assertEqual(len(self.agrees(verdict)["lost"]), verdict != COMPLETE)
+
+    def test_the_record_says_how_many_node_epochs_its_recorder_held(self):
+        said = [TYPES["note_t"].decode(data) for channel, data in self.record.events if channel == b"RB_NOTE"]
+        self.assertEqual([note["a"] for note in said if note["kind"] == 2], [2])
+
+    def test_what_rb_recover_could_not_prove_to_be_there(self):
+        text = b"pothole".ljust(400, b"\0")
+        self.record.events.insert(500, (b"RB_NOTE", message("note_t", incarnation=1, kind=17, a=1, size=7, text=text)))
+        self.record.write()
+        log = (self.folder / SEGMENT).read_bytes()
+        at = log.index(b"pothole")
+        for change in (b"porthole", bytes(8)):
+            (self.folder / SEGMENT).write_bytes(log[:at] + change + log[at + len(change):])
+            damaged, self.folder = self.folder, self.folder.with_name(self.folder.name + "-new")
+            self.assertEqual(run(RB, "recover", damaged, "-o", self.folder).returncode, INCOMPLETE)
+            self.assertEqual(len(self.agrees(INCOMPLETE)["lost"]), 1)
+            shutil.rmtree(self.folder)
+            self.folder = damaged
 
     def test_an_altered_note_is_damage(self):
         note = message("note_t", incarnation=1, kind=3)

@@ -109,7 +109,8 @@ class Record:
 
     def write(self):
         (self.folder / SEGMENT).write_bytes(segment(self.events))
-        (self.folder / "manifest.json").unlink(missing_ok=True)
+        for name in ("manifest.json", "seg-000001.idx"):  # which knew the bytes before
+            (self.folder / name).unlink(missing_ok=True)
 
 
 def record_a_drive(folder, *options, seconds=12):

@@ -147,7 +147,8 @@ class Csv(Exports):
             segment = torn / "seg-000001.lcm"
             os.truncate(segment, segment.stat().st_size - 7)
             if not finished:
-                (torn / "manifest.json").unlink()
+                for of_a_finished_one in ("manifest.json", "seg-000001.idx"):
+                    (torn / of_a_finished_one).unlink()
             self.assertEqual(rb("verify", torn).returncode, code)
             for command in (("export", "--format", "csv", torn, "-o", self.root / f"{name}.csv"),
                             ("select", torn, "-o", self.root / f"{name}-selected")):

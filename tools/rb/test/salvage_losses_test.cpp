@@ -1,0 +1,161 @@
+// What no gap can stand for: the new record tells of it, and is not complete.
+#include "tools/rb/salvage_losses.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "common/bus/bus.hpp"
+#include "common/bus/codec.hpp"
+#include "common/record/segment.hpp"
+#include "common/record/segment_index.hpp"
+#include "common/record/test/simulated_disk.hpp"
+#include "host/recorder/verify.hpp"
+#include "tools/rb/salvage.hpp"
+
+namespace roadbalance {
+namespace {
+
+using Lines = std::vector<std::string>;
+
+class SalvageLossesTest : public ::testing::Test {
+ protected:
+  void begin(const char* folder = "/old") { writer.emplace(RecordWriter::Options{.folder = folder}, disk); }
+  void put(NoteKind kind, std::int64_t a) {
+    writer->append(kNoteChannel, encode(Note{.kind = kind, .a = a, .text = "pothole"}), 0);
+  }
+  // The whole of an epoch in which nothing was measured.
+  void put_epoch(std::int32_t node) {
+    SealedBlock end;
+    seal(EndBlock{.header = {.node = node, .epoch = 7, .sequence = 1}, .blocks = 1}, end);
+    writer->append(end, 0);
+  }
+  void write() {
+    begin();
+    put_epoch(1);
+    put(NoteKind::kMark, 1);
+    put_epoch(2);
+    put(NoteKind::kMark, 2);
+    put_epoch(3);
+    writer->close();
+    ASSERT_EQ(verify_record("/old", disk).verdict, Verdict::kComplete);
+  }
+
+  using Change = std::function<void(std::vector<std::uint8_t>& bytes, std::size_t offset, std::size_t size)>;
+  /// Of the event which-th from 0 on.
+  void change(int which, const Change& change) {
+    RecordReader reader("/old", disk);
+    std::optional<LogEvent> event;
+    for (int at = 0; at <= which; ++at) event = reader.next();
+    auto bytes = disk.content("/old/seg-000001.lcm");
+    change(bytes, reader.offset(), 28 + event->channel.size() + event->data.size());
+    disk.put("/old/seg-000001.lcm", bytes);
+  }
+  static void zero(std::vector<std::uint8_t>& bytes, std::size_t offset, std::size_t size) {
+    std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(offset), size, std::uint8_t{0});
+  }
+  static void flip_in_data(std::vector<std::uint8_t>& bytes, std::size_t offset, std::size_t size) {
+    bytes[offset + size - 10] ^= 4;
+  }
+
+  void tear() {
+    disk.unlink(index_path("/old", 1).c_str());
+    auto bytes = disk.content("/old/seg-000001.lcm");
+    bytes.insert(bytes.end(), 500, 'x');
+    disk.put("/old/seg-000001.lcm", bytes);
+  }
+
+  // What a recovered record tells, and one recovered from that.
+  Lines told() {
+    const Salvaged salvaged = salvage({"/old"}, "/new", disk);
+    const Verification result = verify_record("/new", disk);
+    EXPECT_EQ(result.verdict, salvaged.lost.empty() ? Verdict::kComplete : Verdict::kIncomplete);
+    EXPECT_EQ(result.lost.size(), salvaged.lost.size());
+    for (std::size_t k = 0; k < std::min(result.lost.size(), salvaged.lost.size()); ++k)
+      EXPECT_TRUE(result.lost[k].ends_with(salvaged.lost[k])) << result.lost[k];
+    EXPECT_TRUE(salvage({"/new"}, "/again", disk).lost.empty()) << "nothing is lost by it";
+    EXPECT_EQ(verify_record("/again", disk).lost, result.lost);
+    return salvaged.lost;
+  }
+
+  test::SimulatedDisk disk;
+  std::optional<RecordWriter> writer;
+};
+
+TEST_F(SalvageLossesTest, NothingIsToldOfAWholeRecord) {
+  write();
+  EXPECT_EQ(told(), Lines{});
+}
+
+TEST_F(SalvageLossesTest, AWholeEpochThatIsGoneIsTold) {
+  write();
+  change(2, zero);
+  const Lines lost = told();
+  ASSERT_EQ(lost.size(), 1u);
+  EXPECT_NE(lost[0].find(" bytes that are no events"), std::string::npos) << lost[0];
+}
+
+TEST_F(SalvageLossesTest, AMarkThatIsGoneOrAlteredIsTold) {
+  write();
+  change(1, flip_in_data);
+  change(3, zero);
+  const Lines lost = told();
+  ASSERT_EQ(lost.size(), 2u);
+  EXPECT_NE(lost[0].find(" bytes that are no events"), std::string::npos) << lost[0];
+  EXPECT_EQ(lost[1], "1 altered entries: notes, clocks, journal or commits");
+}
+
+// The note is good, and nobody reads it any more.
+TEST_F(SalvageLossesTest, AnAlteredChannelIsTold) {
+  write();
+  change(1, [](auto& bytes, std::size_t offset, std::size_t) { bytes[offset + 28 + 6] ^= 1; });
+  EXPECT_EQ(told(), Lines{"1 stretches of events of which one has an altered number, stamp or channel"});
+}
+
+// Of an epoch that is here the numbers prove what is not.
+TEST_F(SalvageLossesTest, AnAlteredBlockIsToldIfNoOtherOfItsEpochIsThere) {
+  write();
+  change(0, flip_in_data);
+  EXPECT_EQ(told(), Lines{"1 altered blocks, of epochs of which no other is there"});
+  begin("/spool");
+  put_epoch(1);
+  writer->close();
+  const Salvaged filled = salvage({"/old", "/spool"}, "/filled", disk);
+  EXPECT_EQ(filled.blocks_altered, 1);
+  EXPECT_EQ(filled.lost, Lines{});
+  EXPECT_EQ(verify_record("/filled", disk).verdict, Verdict::kComplete);
+}
+
+TEST_F(SalvageLossesTest, WhatAKillLeavesAtTheEndIsNoLoss) {
+  write();
+  tear();
+  EXPECT_EQ(told(), Lines{});
+}
+
+TEST_F(SalvageLossesTest, NorIsWhatARecorderThatWentOnHasCut) {
+  write();
+  tear();
+  begin();
+  put_epoch(4);
+  writer->close();
+  EXPECT_EQ(told(), Lines{});
+}
+
+TEST_F(SalvageLossesTest, DeletedSegmentsAreTold) {
+  write();
+  begin();
+  put(NoteKind::kSegmentDeleted, 1);
+  put_epoch(4);
+  writer->close();
+  begin();
+  put_epoch(5);
+  writer->close();
+  delete_segment("/old", 1, disk);
+  EXPECT_EQ(told(), Lines{"segments 1 to 1 of old, which the retention mode had deleted"});
+}
+
+}  // namespace
+}  // namespace roadbalance
