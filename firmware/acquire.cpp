@@ -28,6 +28,11 @@ void finish(std::stop_token stop, Sealer& sealer, AcquireLink& link) noexcept {
   }
 }
 
+void ask(const FrontEnd& front_end, Sealer& sealer) {
+  const NodeTime now = front_end.node_time(MachineClock::now());
+  if (now >= front_end.begins()) sealer.asked(now);
+}
+
 }  // namespace
 
 void tell(const Sealer& sealer, NodeState state, AcquireLink& link) noexcept {
@@ -59,7 +64,7 @@ void acquire(std::stop_token stop, FrontEnd& front_end, Sealer& sealer, BlockSin
   std::optional<WallTime> told_to_stop;
   while (!stop.stop_requested()) {
     count_turn(link);
-    if (!front_end.waits()) sealer.asked(front_end.node_time(MachineClock::now()));
+    if (!front_end.waits()) ask(front_end, sealer);
     if (link.start.load(std::memory_order_acquire)) sealer.start();
     if (link.stop.load(std::memory_order_acquire)) {
       sealer.stop();

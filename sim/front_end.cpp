@@ -168,6 +168,9 @@ class SimFrontEnd final : public FrontEnd {
 
   bool waits() const noexcept override { return !pace_ || pace_->rate() != 1.0; }
 
+  NodeTime begins() const noexcept override {
+    return clock_(node_time_from_ns(std::llround(1e9 * static_cast<double>(first_) / rate_hz_)));
+  }
   NodeTime node_time(MachineTime machine) const noexcept override {
     return pace_ ? clock_(node_time_from_ns(pace_->drive_ns(machine))) : NodeTime{};
   }

@@ -8,6 +8,9 @@
 namespace roadbalance {
 namespace {
 
+constexpr std::int64_t kHole_ns = 2'000'000'000;      // fits come once a second
+constexpr std::int64_t kBacklog_ns = 60'000'000'000;  // the ring's and the spool's is gone by then
+
 /// The line through two fits, as a fit at the first one's instant; nothing if no crystal has such a drift.
 std::optional<ClockFit> joined(const ClockFit& before, const ClockFit& last) {
   const std::int64_t host_ns = last.host_ns - before.host_ns;
@@ -27,8 +30,13 @@ std::optional<ClockFit> joined(const ClockFit& before, const ClockFit& last) {
 }  // namespace
 
 void ClockMap::take(const ClockFit& fit) {
-  before_.reset();
-  if (last_ && joined(*last_, fit)) before_ = last_;
+  const bool may_be_late = hole_end_ns_ && fit.host_ns - *hole_end_ns_ < kBacklog_ns;
+  if (!may_be_late || !joined(*before_, fit)) {
+    before_.reset();
+    hole_end_ns_.reset();
+    if (last_ && joined(*last_, fit)) before_ = last_;
+    if (before_ && fit.host_ns - before_->host_ns > kHole_ns) hole_end_ns_ = fit.host_ns;
+  }
   last_ = fit;
 }
 

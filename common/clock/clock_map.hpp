@@ -7,22 +7,24 @@
 
 namespace roadbalance {
 
-/// Brings instants of one node epoch to the host's time, by the fit that came last and the one before it.
+/// Brings instants of one node epoch to the host's time, by the fit that came last and one before it.
 ///
 /// Behind the last fit its own drift is all that is known.  What comes late - what a node kept during a cable
 /// pull, or a repair - lies on the line through both fits: each is right at its instant, while the drift of
-/// one that has just locked may be 200 ppm wrong.  Fits that no crystal joins (another time base, a host
-/// booted anew) are not joined: then the last one's line goes back as far as it is asked.
+/// one that has just locked may be 200 ppm wrong.  Before it is the one before, but for a minute behind a
+/// hole in the fits that which the hole began with: so long what was kept may come.  Fits that no crystal
+/// joins (another time base, a host booted anew) are not joined: then the last one's line goes back as far as
+/// it is asked.
 class ClockMap {
  public:
   /// The next fit; known.
   void take(const ClockFit& fit);
-  void reset() { last_.reset(), before_.reset(); }
+  void reset() { *this = {}; }
 
   bool is_known() const { return last_.has_value(); }
   /// Nothing while it is not known.
   const std::optional<ClockFit>& last() const { return last_; }
-  /// Nothing, too, if the last one is not joined to it.
+  /// That which the last one is joined to; nothing: there is none.
   const std::optional<ClockFit>& before() const { return before_; }
 
   /// The line that holds at a node's instant, as a fit; while it is known.
@@ -32,6 +34,7 @@ class ClockMap {
 
  private:
   std::optional<ClockFit> last_, before_;
+  std::optional<std::int64_t> hole_end_ns_;  ///< host; before_ is the one that the hole began with
 };
 
 }  // namespace roadbalance

@@ -97,6 +97,9 @@ class FrontEnd {
   /// the machine's own clock.  May be called from another thread while read() runs.
   virtual NodeTime node_time(MachineTime machine) const noexcept { return as_node_time(machine); }
 
+  /// Before this instant, by its own clock, it is not to give anything; of one that does not wait.
+  virtual NodeTime begins() const noexcept { return NodeTime::min(); }
+
   /// What the devices behind it count of their troubles; they live as long as the front end.
   virtual std::vector<const DeviceReport*> reports() const { return {}; }
 };

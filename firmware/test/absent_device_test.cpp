@@ -140,15 +140,18 @@ TEST(AbsentDevice, TakesNoTimeInWhichNobodyAskedForAnAbsence) {
   EXPECT_EQ(node.end().size(), 0U);
 }
 
-/// Runs by a clock of its own, which each read moves; is there for three seconds, and then no more.
-class Vanishes final : public FrontEnd {
+/// Runs by a clock of its own, which each read moves, until it is stopped after 10 s; is there for some of
+/// it.
+class There final : public FrontEnd {
  public:
-  explicit Vanishes(AcquireLink& link) : link_(link) {}
+  /// @param from, to  in scans, there; it is not to give anything before `begins`
+  There(AcquireLink& link, std::int64_t from, std::int64_t to, std::int64_t begins)
+      : link_(link), from_(from), to_(to), begins_(begins) {}
   Read read(std::span<Scan> scans, std::span<Edge>, std::span<SignalSample>) noexcept override {
     if (now_ == 20'000) link_.stop = true;
     const std::int64_t from = now_;
     now_ += 100;
-    if (now_ > 6000) return {};
+    if (from < from_ || from >= to_) return {};
     for (std::int64_t i = from; i < now_; ++i) {
       Scan& scan = scans[static_cast<std::size_t>(i - from)];
       scan = {.index = i, .time = node_time_from_ns(i * 500'000)};
@@ -156,23 +159,39 @@ class Vanishes final : public FrontEnd {
     return {.scans = 100};
   }
   NodeTime node_time(MachineTime) const noexcept override { return node_time_from_ns(now_ * 500'000); }
+  NodeTime begins() const noexcept override { return node_time_from_ns(begins_ * 500'000); }
 
  private:
   AcquireLink& link_;
+  const std::int64_t from_, to_, begins_;
   std::int64_t now_ = 0;  ///< in scans
 };
 
-TEST(AbsentDevice, IsAskedByAcquireAndMissed) {
+/// What was kept, and what is missing.
+std::pair<std::int64_t, std::int64_t> acquired(std::int64_t from, std::int64_t to, std::int64_t begins) {
   const VehicleConfig vehicle = test::one_node_vehicle(kRate_hz);
   Ring ring(Ring::kDefaultBytes);
   RingSink sink(ring);
   Sealer sealer(vehicle, vehicle.node[0], kEpoch, sink, nullptr);
   AcquireLink link;
-  Vanishes device(link);
+  There device(link, from, to, begins);
   link.start = true;
   acquire({}, device, sealer, sink, link);
-  EXPECT_EQ(link.scans_sampled.load() - link.scans_missing.load(), 6000);
-  EXPECT_NEAR(static_cast<double>(link.scans_missing.load()), 14'100, kOne);
+  return {link.scans_sampled.load() - link.scans_missing.load(), link.scans_missing.load()};
+}
+
+TEST(AbsentDevice, IsAskedByAcquireAndMissed) {
+  const auto [early, early_missing] = acquired(0, 6000, 0);
+  EXPECT_EQ(early, 6000);
+  EXPECT_NEAR(static_cast<double>(early_missing), 14'100, kOne);
+  const auto [late, late_missing] = acquired(6000, 30'000, 0);
+  EXPECT_EQ(late, 14'100);
+  EXPECT_NEAR(static_cast<double>(late_missing), 6000, kOne);
+}
+
+// As a drive of the simulated car from a later instant on.
+TEST(AbsentDevice, IsNotMissedBeforeItBegins) {
+  EXPECT_EQ(acquired(6000, 30'000, 6000), std::pair(std::int64_t{14'100}, std::int64_t{0}));
 }
 
 }  // namespace

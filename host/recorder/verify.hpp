@@ -41,7 +41,8 @@ struct Verification {
   std::vector<std::string> lost;
   std::vector<std::string> notes;    ///< what the recorder noted, for people
   RecordedAlarms alarms;             ///< that it noted
-  std::vector<std::string> indexes;  ///< that say something else than their segments; they can be made again
+  std::vector<std::string> indexes;  ///< that say something else than their segments; they can be made again,
+                                     ///< but for one that knows of more than its segment has
 };
 
 /// Reads a whole recording and says what it proves.  Never throws for what is in the folder.  What lies

@@ -163,6 +163,7 @@ TEST(SimFrontEnd, ANodesOwnClockShowsInStampsAndInNothingElse) {
     ASSERT_NEAR(static_cast<double>(to_ns(own.scans[k].time)), shown(bus.scans[skipped + k].time), 1.0);
     ASSERT_EQ(own.scans[k].counts, bus.scans[skipped + k].counts);
   }
+  EXPECT_NEAR(static_cast<double>((device->begins() - own.scans[0].time).count()), 0.0, 1.0);
   // Its clock, asked for: what was handed over has been converted, and an instant later it shows later.
   const MachineTime machine = MachineClock::now();
   EXPECT_GE(device->node_time(machine), own.scans.back().time);

@@ -8,12 +8,14 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
+#include "common/record/folder.hpp"
 #include "common/record/header_check.hpp"
 #include "common/record/journal_tally.hpp"
 #include "common/record/log_event.hpp"
 #include "common/record/segment.hpp"
 #include "host/recorder/manifest.hpp"
 #include "host/recorder/preamble.hpp"
+#include "host/recorder/record_keeper.hpp"
 #include "host/recorder/verify_missing.hpp"
 #include "tools/rb/salvage_epoch.hpp"
 #include "tools/rb/salvage_losses.hpp"
@@ -58,7 +60,10 @@ bool goes_along(const LogEvent& event) {
 class Salvage {
  public:
   Salvage(const std::vector<std::filesystem::path>& folders, Disk& disk)
-      : folders_(folders), disk_(disk), sources_(folders, disk) {}
+      : folders_(folders), disk_(disk), sources_(folders, disk) {
+    is_continuation_ = std::ranges::any_of(
+        folders, [&](const auto& folder) { return path_exists(folder / kContinuesFile, disk); });
+  }
 
   Salvaged run(const std::filesystem::path& target, Disk& disk) {
     std::vector<RecordReader::Damage> damage;
@@ -186,7 +191,11 @@ class Salvage {
         counted = *entry;
       }
     if (!goes_along(event)) return;
-    if (event.channel == kNoteChannel && decode_note(event.data)->kind == NoteKind::kStarted) begin_run();
+    if (event.channel == kNoteChannel) {
+      const NoteKind kind = decode_note(event.data)->kind;
+      if (kind == NoteKind::kStarted) begin_run();
+      if (kind == NoteKind::kStopped && is_continuation_) return;
+    }
     writer_->append(event.channel, event.data, event.timestamp_us);
   }
 
@@ -241,6 +250,7 @@ class Salvage {
   }
 
   const std::vector<std::filesystem::path> folders_;
+  bool is_continuation_ = false;  ///< what its recorder counts at its end may lie in another folder
   Disk& disk_;
   SalvageSources sources_;
   std::map<std::filesystem::path, int> deleted_through_;  // segments, by the folder's notes

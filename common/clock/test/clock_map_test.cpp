@@ -44,6 +44,25 @@ TEST(ClockMap, EachInstantByTheFitsAroundIt) {
   EXPECT_FALSE(map.is_known());
 }
 
+// A recorder begins anew: what the node kept follows for a while, and a fit each second, the first of which
+// knows no drift.
+TEST(ClockMap, BehindAHoleItsBeginningHoldsUntilWhatWasKeptHasCome) {
+  ClockMap map;
+  map.take(fit_at(99 * kSecond_ns));
+  map.take(fit_at(100 * kSecond_ns));
+  for (std::int64_t s = 400; s < 430; ++s) {
+    map.take(fit_at(s * kSecond_ns, 0.0));
+    for (const std::int64_t late : {100, 101, 250, 399})
+      EXPECT_NEAR(error_s(map, late * kSecond_ns), 0.0, 5e-9) << s;
+  }
+  for (std::int64_t s = 430; s < 470; ++s) map.take(fit_at(s * kSecond_ns));
+  EXPECT_EQ(map.before()->host_ns, 468 * kSecond_ns);
+  ClockFit broken = fit_at(470 * kSecond_ns);
+  broken.breaks = 1;
+  map.take(broken);
+  EXPECT_FALSE(map.before());
+}
+
 TEST(ClockMap, NothingIsJoinedThatNoCrystalJoins) {
   const ClockFit before = fit_at(100 * kSecond_ns);
   const auto joins = [&](ClockFit last) {

@@ -40,10 +40,12 @@ class BoardLink {
   /// The reader's: how a board's scans come in the run of this token.  Never blocks.
   void hear(std::size_t which, std::uint32_t token, const ScanFlow& flow) noexcept {
     if (flow.flows()) flowing_[which].store(token, std::memory_order_relaxed);
-    if (flow.is_dry()) dry_[which].store(token, std::memory_order_relaxed);
+    dry_[which].store(flow.is_dry() ? token : kNoRun, std::memory_order_relaxed);
   }
 
  private:
+  static constexpr std::int64_t kNoRun = -1;
+
   /// The boards as long as they are there.
   struct Session {
     UsbBus bus;
@@ -78,7 +80,8 @@ class BoardLink {
   std::array<std::uint32_t, 2> dropped_{};  ///< not yet told
   std::uint32_t runs_ = 0;
   std::atomic<std::int64_t> slipped_{-1};  ///< token of the last run that did
-  std::array<std::atomic<std::int64_t>, 2> flowing_{-1, -1}, dry_{-1, -1};  ///< the same, of a board's scans
+  std::array<std::atomic<std::int64_t>, 2> flowing_{kNoRun, kNoRun},
+      dry_{kNoRun, kNoRun};  ///< the same, of a board's scans
   /// What is known of a board of which no scan has come since.
   struct Away {
     bool is_counted = false;

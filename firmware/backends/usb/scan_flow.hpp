@@ -15,6 +15,9 @@ class ScanFlow {
   /// A running board gives a hundred times as many.
   static constexpr NodeClock::duration kLongestDrought = std::chrono::seconds(1);
 
+  /// One behind a pause of the node is none: a board without a converter sends ten a second.
+  static constexpr int kTransfersInVain = 3;
+
   void start_run() noexcept { *this = ScanFlow(); }
 
   /// A transfer came.
@@ -22,8 +25,9 @@ class ScanFlow {
   /// @param is_seen    all since the last call were
   void take(NodeTime arrival, bool has_scans, bool is_seen) noexcept {
     flows_ = flows_ || has_scans;
-    if (has_scans || !is_seen || !since_) since_ = arrival;
-    is_dry_ = arrival - *since_ > kLongestDrought;
+    in_vain_ = has_scans || !is_seen ? 0 : in_vain_ + 1;
+    if (in_vain_ == 0 || !since_) since_ = arrival;
+    is_dry_ = in_vain_ >= kTransfersInVain && arrival - *since_ > kLongestDrought;
   }
 
   /// Scans have come in this run.
@@ -33,7 +37,8 @@ class ScanFlow {
 
  private:
   std::optional<NodeTime>
-      since_;  ///< arrival of the last scan, of the run's first transfer, or of what was lost
+      since_;        ///< arrival of the last scan, of the run's first transfer, or of what was lost
+  int in_vain_ = 0;  ///< transfers since
   bool flows_ = false;
   bool is_dry_ = false;
 };

@@ -63,10 +63,21 @@ TEST(ScanFlow, WhatTheNodeHadNoRoomForIsNoDrought) {
   flow.take(at(0), true, true);
   flow.take(at(3000), false, false);
   EXPECT_FALSE(flow.is_dry());
-  flow.take(at(3900), false, true);
-  EXPECT_FALSE(flow.is_dry());
+  for (const int ms : {3800, 3900}) {
+    flow.take(at(ms), false, true);
+    EXPECT_FALSE(flow.is_dry());
+  }
   flow.take(at(4001), false, true);
   EXPECT_TRUE(flow.is_dry());
+}
+
+TEST(ScanFlow, OneTransferInVainBehindAPauseIsNoDrought) {
+  ScanFlow flow;
+  flow.take(at(0), true, true);
+  flow.take(at(5000), false, true);
+  EXPECT_FALSE(flow.is_dry());
+  flow.take(at(5001), true, true);
+  EXPECT_FALSE(flow.is_dry());
 }
 
 }  // namespace
