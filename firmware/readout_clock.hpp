@@ -68,6 +68,7 @@ class ConversionTimes final : public FrontEnd {
   }
   bool waits() const noexcept override { return inside_.waits(); }
   NodeTime node_time(MachineTime machine) const noexcept override { return inside_.node_time(machine); }
+  NodeTime begins() const noexcept override { return inside_.begins(); }
   std::vector<const DeviceReport*> reports() const override { return inside_.reports(); }
 
  private:

@@ -1,5 +1,6 @@
 #include "common/bus/message_socket.hpp"
 
+#include <arpa/inet.h>
 #include <linux/filter.h>
 #include <linux/if_packet.h>
 #include <linux/sock_diag.h>
@@ -19,7 +20,7 @@ namespace {
 constexpr std::chrono::seconds kJoinAgain{1};
 constexpr std::uint32_t kUdpHeader = 8;  // a socket's filter sees the datagram from its UDP header on
 
-[[noreturn]] void throw_errno(const char* what) {
+[[noreturn]] void throw_errno(const std::string& what) {
   throw std::system_error(errno, std::generic_category(), what);
 }
 
@@ -121,7 +122,11 @@ bool MessageSocket::join() {
 void MessageSocket::stay_joined() {
   if (std::chrono::steady_clock::now() - joined_ < kJoinAgain || join()) return;
   // It is a member, or there is no interface at present.
-  if (errno == ENOBUFS) throw_errno("join the group again");
+  if (errno != ENOBUFS) return;
+  const in_addr group{htonl(group_)};
+  std::array<char, INET_ADDRSTRLEN> text{};
+  throw_errno("join the group " + std::string(inet_ntop(AF_INET, &group, text.data(), text.size())) +
+              " again, whose network card was replaced too often");
 }
 
 void MessageSocket::hear_only(std::span<const Channels> channels) {

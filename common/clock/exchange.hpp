@@ -47,7 +47,7 @@ struct ClockFit {
   std::int64_t host_ns = 0;
   std::int64_t node_ns = 0;
   double drift = 0;          ///< pure number
-  double uncertainty_s = 0;  ///< of node_ns: covers the error in 99.9 % of all cases
+  double uncertainty_s = 0;  ///< until ClockModel::kFitLife_ns later; covers the error in 99.9 %
   double round_trip_s = 0;
   double residual_s = 0;
   std::int64_t exchanges = 0;

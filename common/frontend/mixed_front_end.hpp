@@ -26,6 +26,7 @@ class MixedFrontEnd final : public FrontEnd {
   Read read(std::span<Scan> scans, std::span<Edge> edges, std::span<SignalSample> signals) noexcept override;
   ScanStamps scan_stamps() const noexcept override { return scans_->scan_stamps(); }
   NodeTime node_time(MachineTime machine) const noexcept override { return scans_->node_time(machine); }
+  NodeTime begins() const noexcept override { return scans_->begins(); }
   std::vector<const DeviceReport*> reports() const override;
 
  private:

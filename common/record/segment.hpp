@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "common/record/file.hpp"
@@ -16,6 +17,8 @@ namespace roadbalance {
 /// "seg-000001.lcm" in `folder`.
 std::filesystem::path segment_path(const std::filesystem::path& folder, int number);
 
+/// Number of the segment that a file belongs to, "seg-000012.idx" -> 12; nothing: another name, or ending.
+std::optional<int> segment_of_file(std::string_view name, std::string_view ending);
 /// Numbers of the segments in `folder`, ascending.
 std::vector<int> segment_numbers(const std::filesystem::path& folder, Disk& disk = kernel_disk());
 

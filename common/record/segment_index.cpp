@@ -90,8 +90,7 @@ std::filesystem::path index_path(const std::filesystem::path& folder, int number
   return segment_path(folder, number).replace_extension(".idx");
 }
 
-std::optional<SegmentIndex> read_index_of_deleted(const std::filesystem::path& folder, int number,
-                                                  Disk& disk) {
+std::optional<SegmentIndex> read_index_alone(const std::filesystem::path& folder, int number, Disk& disk) {
   const auto text = read_text(index_path(folder, number), disk);
   if (!text) return std::nullopt;
   auto index = decode_index(*text);
@@ -100,7 +99,7 @@ std::optional<SegmentIndex> read_index_of_deleted(const std::filesystem::path& f
 }
 
 std::optional<SegmentIndex> read_index(const std::filesystem::path& folder, int number, Disk& disk) {
-  auto index = read_index_of_deleted(folder, number, disk);
+  auto index = read_index_alone(folder, number, disk);
   const auto segment = segment_path(folder, number);
   if (!index || !path_exists(segment, disk) || size_of_file(segment, disk) != index->bytes)
     return std::nullopt;
@@ -108,7 +107,7 @@ std::optional<SegmentIndex> read_index(const std::filesystem::path& folder, int 
 }
 
 bool knows_of_more(const std::filesystem::path& folder, int number, Disk& disk) {
-  const auto index = read_index_of_deleted(folder, number, disk);
+  const auto index = read_index_alone(folder, number, disk);
   return index && index->bytes > size_of_file(segment_path(folder, number), disk);
 }
 
@@ -130,7 +129,7 @@ int start_from_index(const std::filesystem::path& folder, RecordState& state, Di
       take(*index);
       return *number + 1;
     }
-  if (const auto deleted = read_index_of_deleted(folder, numbers.front() - 1, disk)) take(*deleted);
+  if (const auto deleted = read_index_alone(folder, numbers.front() - 1, disk)) take(*deleted);
   return numbers.front();
 }
 
@@ -151,7 +150,7 @@ namespace {
 
 // Where the record stands at the end of a finished segment, which has no good index, and all before are gone.
 std::optional<SegmentIndex> index_anew(const std::filesystem::path& folder, int number, Disk& disk) {
-  const auto before = read_index_of_deleted(folder, number - 1, disk);
+  const auto before = read_index_alone(folder, number - 1, disk);
   if (!before && number > 1) return std::nullopt;
   RecordState state;
   if (before) state.epoch = before->epoch;
@@ -171,8 +170,7 @@ RebuiltIndexes rebuild_indexes(const std::filesystem::path& folder, Disk& disk) 
   const auto numbers = segment_numbers(folder, disk);
   if (numbers.empty()) return rebuilt;
   RecordState state;
-  if (const auto before = read_index_of_deleted(folder, numbers.front() - 1, disk))
-    state.epoch = before->epoch;
+  if (const auto before = read_index_alone(folder, numbers.front() - 1, disk)) state.epoch = before->epoch;
   // A segment with an index counts as durable, and of the last one nobody has said so.
   for (const auto& [number, extent] : end_of_record(folder, 1, disk).unfinished) {
     const auto path = segment_path(folder, number);

@@ -43,9 +43,9 @@ std::filesystem::path index_path(const std::filesystem::path& folder, int number
 /// Nothing if there is none, if it is damaged, or if the segment has another length.
 std::optional<SegmentIndex> read_index(const std::filesystem::path& folder, int number,
                                        Disk& disk = kernel_disk());
-/// The same of a segment that the retention mode has deleted.
-std::optional<SegmentIndex> read_index_of_deleted(const std::filesystem::path& folder, int number,
-                                                  Disk& disk = kernel_disk());
+/// The same, however long its segment is now, as of one that the retention mode has deleted.
+std::optional<SegmentIndex> read_index_alone(const std::filesystem::path& folder, int number,
+                                             Disk& disk = kernel_disk());
 /// A good index says that its segment was longer: it is the segment that is wrong, and nothing else knows.
 bool knows_of_more(const std::filesystem::path& folder, int number, Disk& disk = kernel_disk());
 /// @throws std::system_error naming the file

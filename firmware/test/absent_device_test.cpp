@@ -6,6 +6,7 @@
 #include "common/bus/codec.hpp"
 #include "firmware/acquire.hpp"
 #include "firmware/pack.hpp"
+#include "firmware/readout_clock.hpp"
 #include "firmware/ring_sink.hpp"
 #include "firmware/test/sealed_epoch.hpp"
 #include "firmware/test/valve.hpp"
@@ -176,7 +177,8 @@ std::pair<std::int64_t, std::int64_t> acquired(std::int64_t from, std::int64_t t
   AcquireLink link;
   There device(link, from, to, begins);
   link.start = true;
-  acquire({}, device, sealer, sink, link);
+  ConversionTimes times(device, kRate_hz);  // as in a node
+  acquire({}, times, sealer, sink, link);
   return {link.scans_sampled.load() - link.scans_missing.load(), link.scans_missing.load()};
 }
 

@@ -26,7 +26,7 @@ namespace roadbalance::fuzz {
 /// What of our code was passed counts here; what is our fault is this process's end.
 ///
 /// A program with it shall have symbolize=0 among its default options: whose a frame is, its address tells,
-/// and a symbolizer for each fault of the library takes twenty times as long as the check.
+/// and a symbolizer for each fault of the library takes many times as long as the check.
 class Forked {
  public:
   /// @param library  whose faults are forgiven, as a stack names it: "libhdf5"

@@ -150,7 +150,7 @@ void check_header(const RecordReader& reader, const std::filesystem::path& folde
 void check_index(const std::filesystem::path& folder, int segment, const RecordState& state, Disk& disk,
                  Reading& reading) {
   if (!path_exists(index_path(folder, segment), disk)) return;
-  const auto said = read_index_of_deleted(folder, segment, disk);
+  const auto said = read_index_alone(folder, segment, disk);
   if (said && reading.is_all)
     for (const auto& [key, epoch] : said->epoch) {
       if (state.epoch.contains(key)) continue;
@@ -168,7 +168,7 @@ void check_index(const std::filesystem::path& folder, int segment, const RecordS
 void read(const std::filesystem::path& folder, RecordReader& reader, Disk& disk, Reading& reading) {
   RecordState state;
   reading.is_all = reader.segment() == 1 && !path_exists(folder / kContinuesFile, disk);
-  if (const auto deleted = read_index_of_deleted(folder, reader.segment() - 1, disk)) {
+  if (const auto deleted = read_index_alone(folder, reader.segment() - 1, disk)) {
     state.epoch = deleted->epoch;
     reading.epochs.begin_behind(deleted->epoch);
     reading.journal.begin_behind(deleted->epoch);

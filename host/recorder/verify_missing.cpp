@@ -1,10 +1,7 @@
 #include "host/recorder/verify_missing.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <limits>
-#include <optional>
-#include <string_view>
 
 #include "common/record/folder.hpp"
 #include "common/record/segment.hpp"
@@ -53,18 +50,6 @@ void compare_with_manifest(const std::filesystem::path& folder, const FinishedSe
   }
 }
 
-// "seg-000012.idx" -> 12
-std::optional<int> number_of_index(std::string_view name) {
-  constexpr std::string_view kBegin = "seg-", kEnd = ".idx";
-  if (!name.starts_with(kBegin) || !name.ends_with(kEnd)) return std::nullopt;
-  name.remove_prefix(kBegin.size());
-  name.remove_suffix(kEnd.size());
-  int number = 0;
-  const auto parsed = std::from_chars(name.data(), name.data() + name.size(), number);
-  if (parsed.ec != std::errc() || parsed.ptr != name.data() + name.size()) return std::nullopt;
-  return number;
-}
-
 /// Of segments that the manifest does not list.  The index of the segment deleted last stays.
 void compare_with_indexes(const std::filesystem::path& folder, const FinishedSegments& finished,
                           int deleted_through, const std::map<int, std::uint64_t>& abandoned, Disk& disk,
@@ -72,7 +57,7 @@ void compare_with_indexes(const std::filesystem::path& folder, const FinishedSeg
   auto names = list_folder(folder, disk);
   std::ranges::sort(names);
   for (const std::string& name : names) {
-    const auto number = number_of_index(name);
+    const auto number = segment_of_file(name, ".idx");
     const std::string file = number ? segment_path({}, *number).string() : "";
     if (!number || *number <= deleted_through || finished.contains(file)) continue;
     const auto given_up = abandoned.find(*number);
@@ -83,7 +68,7 @@ void compare_with_indexes(const std::filesystem::path& folder, const FinishedSeg
       if (least > 0) add(found, file, "is missing; its index is here");
       continue;
     }
-    const auto index = read_index_of_deleted(folder, *number, disk);
+    const auto index = read_index_alone(folder, *number, disk);
     const std::uint64_t bytes = index ? std::min(index->bytes, least) : 0;
     if (const auto size = size_of_file(folder / file, disk); size < bytes)
       add(found, file,

@@ -27,7 +27,6 @@ using std::chrono::milliseconds;
 constexpr milliseconds kLookPeriod{50};
 constexpr std::chrono::seconds kSettling{2};
 constexpr std::chrono::seconds kPatience{20};  // for the first fits
-constexpr double kAgeing = 0.5e-6;             // of an uncertainty that is not renewed
 
 /// The demo's car, whose two nodes take turns as patterns for as many as are wanted.
 VehicleConfig vehicle_with(int nodes) {
@@ -78,8 +77,7 @@ class Comparison {
       if (!node.fit) return false;
       const MachineTime now = MachineClock::now();
       const double error_s = error_of(*node.fit, node.front_end->node_time(now), now);
-      const double age_s = 1e-9 * static_cast<double>(to_ns(now) - node.fit->host_ns);
-      node.inside = node.inside && std::abs(error_s) <= node.fit->uncertainty_s + kAgeing * age_s;
+      node.inside = node.inside && std::abs(error_s) <= node.fit->uncertainty_s;
       errors_s.push_back(error_s);
     }
     if (!counting_) return true;

@@ -36,6 +36,7 @@ class Scans final : public FrontEnd {
     return read;
   }
   bool waits() const noexcept override { return waiting; }
+  NodeTime begins() const noexcept override { return node_time_from_ns(4'000'000'000); }
 
   void take(NodeTime time) {
     Scan scan;
@@ -232,6 +233,10 @@ TEST(MixedFrontEnd, GivesAllThereIsBeforeItEnds) {
   EXPECT_EQ(read.scans, 1U);
   EXPECT_EQ(read.edges, 1U);
   EXPECT_EQ(read.status, ReadStatus::kFailed);
+}
+
+TEST(MixedFrontEnd, BeginsWhenItsScansDo) {
+  EXPECT_EQ(Rig().mixed->begins(), node_time_from_ns(4'000'000'000));
 }
 
 TEST(MixedFrontEnd, RefusesADeviceThatWaitsForItsReader) {

@@ -110,12 +110,16 @@ TEST_F(Epochs, AcksOfACrashedEpochNeverCoverWhatWasDeclared) {
   EXPECT_EQ(receiver.refused()[static_cast<std::size_t>(Receiver::Refused::kClosedEpoch)], 1);
 }
 
+SealedBlock end_of_three() {
+  SealedBlock end;
+  seal(EndBlock{.header = {.node = 1, .epoch = kEpoch, .sequence = 3, .first_scan = 40}, .blocks = 3}, end);
+  return end;
+}
+
 TEST_F(Epochs, ACrashTakesTheNumberOfAnEndThatCameBehindAHole) {
   take(beat(1, 1));
   take(scans(1));
-  SealedBlock end;
-  seal(EndBlock{.header = {.node = 1, .epoch = kEpoch, .sequence = 3, .first_scan = 40}, .blocks = 3}, end);
-  take(end);
+  take(end_of_three());
   receiver.finish(kStart + 11s, out);
   ASSERT_EQ(sequences(), (Sequences{1, 2, 3}));
   EXPECT_EQ(std::get<GapBlock>(out[1]).cause, GapCause::kLostAtNode);
@@ -126,9 +130,7 @@ TEST_F(Epochs, ACrashTakesTheNumberOfAnEndThatCameBehindAHole) {
 TEST_F(Epochs, ACrashTakesAnEndWithBlocksBehindItForLost) {
   take(beat(1, 1));
   take(scans(1));
-  SealedBlock end;
-  seal(EndBlock{.header = {.node = 1, .epoch = kEpoch, .sequence = 3, .first_scan = 40}, .blocks = 3}, end);
-  take(end);
+  take(end_of_three());
   take(scans(5));
   receiver.finish(kStart + 11s, out);
   ASSERT_EQ(sequences(), (Sequences{1, 4, 5, 6}));

@@ -112,7 +112,7 @@ TEST_F(SegmentIndexTest, OneThatKnowsOfMoreThanItsSegmentHasIsKept) {
   Feeder feeder({.folder = kFolder}, disk);
   EXPECT_EQ(feeder.found(), 60);
   feeder.close();
-  const auto kept = read_index_of_deleted(kFolder, last, disk);
+  const auto kept = read_index_alone(kFolder, last, disk);
   ASSERT_TRUE(kept);
   EXPECT_EQ(encode(*kept), known);
 }

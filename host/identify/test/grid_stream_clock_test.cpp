@@ -16,9 +16,7 @@ TEST(GridStreamClock, BlocksWaitForTheFirstFit) {
   const Node node{.offset_s = 500.0, .begin_s = 10.0};
   Grid grid;
   GridStream stream(1, false);
-  ClockFit acquiring = node.fit(10.0);
-  acquiring.state = ClockState::kAcquire;
-  stream.take(acquiring, grid);
+  stream.take(node.acquiring(10.0), grid);
   for (int number = 0; number < 600; ++number) stream.take(node.block(number), grid);
   EXPECT_TRUE(stream.rows.empty());
   EXPECT_NE(stream.obstacle().find("node 1"), std::string::npos) << stream.obstacle();
@@ -107,10 +105,8 @@ TEST(GridStreamClock, WhatWasKeptDuringAPullLiesBetweenTheFitsOfBothItsEnds) {
       }
     };
     until(12.0);
+    stream.take(node.acquiring(12.0 + pull_s), grid);
     ClockFit fit = node.fit(12.0 + pull_s);
-    fit.state = ClockState::kAcquire;
-    stream.take(fit, grid);
-    fit = node.fit(12.0 + pull_s);
     fit.drift = 0.0;
     stream.take(fit, grid);
     until(12.0 + pull_s);

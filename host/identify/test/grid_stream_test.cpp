@@ -71,9 +71,7 @@ TEST(GridStream, ItsOnlyNodeNeedsNoOtherClock) {
   const Node node{.offset_s = 500.0};
   Grid grid;
   GridStream stream(1, true);
-  ClockFit acquiring = node.fit(0.0);
-  acquiring.state = ClockState::kAcquire;
-  stream.take(acquiring, grid);
+  stream.take(node.acquiring(0.0), grid);
   for (int number = 0; number < 10; ++number) stream.take(node.block(number), grid);
   EXPECT_EQ(rows_in(stream), 10 * kScansPerBlock);
 }

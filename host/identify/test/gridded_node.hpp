@@ -50,6 +50,12 @@ struct Node {
             static_cast<std::int32_t>(std::lround(signal(host_s(first + r), c)));
     return block;
   }
+  /// It is known that it has a clock, and nothing of it.
+  ClockFit acquiring(double host_s) const {
+    ClockFit none = fit(host_s);
+    none.state = ClockState::kAcquire;
+    return none;
+  }
   ClockFit fit(double host_s, double error_s = 0.0) const {
     return {.node = 1,
             .epoch = epoch,

@@ -35,7 +35,8 @@ const std::map<std::string_view, Scene> kScenes{{"known", {}},
                                                 {"verified", {.verified = true}},
                                                 {"unanalysed", {.analysed = false}},
                                                 {"trouble", {.trouble = true}},
-                                                {"disk away", {.disk_is_away = true}}};
+                                                {"disk away", {.disk_is_away = true}},
+                                                {"device gone", {.device_is_gone = true}}};
 
 RecorderStatus recorder(const Scene& scene) {
   RecorderStatus status;
@@ -97,6 +98,8 @@ Heartbeat heartbeat(const Scene& scene, int node) {
   beat.blocks_repaired = 3;
   beat.scans_missing = scene.trouble ? 40 : 0;
   beat.encoder_faults = {0, scene.trouble ? 2 : 0};
+  if (scene.device_is_gone && node == 2)
+    beat.device_counts[static_cast<std::size_t>(DeviceCounter::kGone)] = 1;
   return beat;
 }
 
@@ -230,7 +233,9 @@ int main(int argc, char** argv) {
   const StopOnSignal signals;
   const auto scene = argc == 3 ? kScenes.find(argv[2]) : kScenes.end();
   if (scene == kScenes.end()) {
-    std::fprintf(stderr, "usage: rb-web-scene URL known|armed|unknown|verified|unanalysed|trouble\n");
+    std::fprintf(stderr,
+                 "usage: rb-web-scene URL known|armed|unknown|verified|unanalysed|trouble|\"disk "
+                 "away\"|\"device gone\"\n");
     return 2;
   }
   Bus bus(argv[1]);

@@ -18,6 +18,7 @@ struct Scene {
   bool analysed = true;   ///< an analyser is there: levels and results
   bool trouble = false;   ///< disk full, samples lost, clock held over, overload, dead channel, faulty turns
   bool disk_is_away = false;
+  bool device_is_gone = false;  ///< of node 2
 };
 /// What weights at 37 degrees make of 35 g at 217: nearly nothing; fitted at -37, 2 |sin 37| times as much;
 /// at 217 twice as much; or not fitted.

@@ -1,7 +1,7 @@
 // What has happened that lights a lamp: kept here, for counters begin anew with each start of a node, and what they
 // said before must not go out unseen.
 import {isFresh, kSilenceMs, type Car, type Heard} from "./car";
-import {AlarmCause, ClockState, kClockPatience_s, kWantedSync_s, NodeState, TimeBase, type ClockFit, type Heartbeat, type Level} from "./wire";
+import {AlarmCause, ClockState, DeviceCounter, kClockPatience_s, kWantedSync_s, NodeState, TimeBase, type ClockFit, type Heartbeat, type Level} from "./wire";
 
 export type LampName = "LOSS" | "SYNC" | "OVERLOAD" | "ENCODER";
 
@@ -28,6 +28,9 @@ const kCounted = new Set([AlarmCause.SamplesLost, AlarmCause.ClockBroken, AlarmC
 
 const sum = (counts: readonly number[]) => counts.reduce((a, b) => a + b, 0);
 export const lost = (beat: Heartbeat) => beat.scans_missing + beat.scans_refused;
+/** It has a device that is not there: the same judgement as AlarmWatch's. */
+export const lacksDevice = ({device_counts}: Heartbeat) =>
+  (device_counts[DeviceCounter.Gone] ?? 0) > (device_counts[DeviceCounter.Returned] ?? 0);
 export const faults = (beat: Heartbeat) => sum(beat.encoder_faults);
 
 /** It is recorded and has a clock of its own, which the recorder asks for its time. */

@@ -165,6 +165,24 @@ test("what weights have done is said of the newest balance only", () => {
   assert.equal(car.verificationOf(2), undefined);
 });
 
+test("a device that is gone lights the lamp of loss as long as it is away, and the next drive waits for it", () => {
+  const car = new page.Car();
+  const counted = (gone, returned) => [page.kHeartbeat, {...beat(2)[1], device_counts: [gone, returned]}];
+  const lamp = () => page.lamps(car, car.events, 0).find(({name}) => name === "LOSS");
+  const nodes = () => page.preflight(car, new page.Taps(), 0).find(({name}) => name === "Nodes");
+  car.take(frame(recorder, beat(1), counted(3, 3), setup(1), setup(2)), 0);
+  assert.equal(lamp().light, "good", "it has come back");
+  assert.equal(nodes().ready, "yes");
+  car.take(frame(recorder, beat(1), counted(4, 3)), 0);
+  assert.equal(lamp().light, "bad");
+  assert.equal(lamp().number, "node 2: device gone");
+  assert.match(lamp().sentence, /A device of node 2 is gone/);
+  assert.equal(nodes().ready, "no");
+  assert.match(nodes().says, /A device of node 2 is gone/);
+  car.take(frame(recorder, beat(1), counted(4, 4)), 0);
+  assert.equal(lamp().light, "good");
+});
+
 test("an overload lights its lamp though the page was never drawn, until it is acknowledged", () => {
   const car = new page.Car();
   const overload = (now) => page.lamps(car, car.events, now).find(({name}) => name === "OVERLOAD");
