@@ -86,12 +86,13 @@ TEST(Refine, IsBetterThanWhatWasKnownLive) {
   EXPECT_GE(better, kSeeds * 3 / 4);
 }
 
-/// Instants whose fit is further off than it says.
+/// Instants whose fit is further off than it says; each has to have one.
 int far_off(const Recorded& recorded) {
   RefinedFits fits(refine(recorded.exchanges));
   return static_cast<int>(std::ranges::count_if(recorded.truth, [&fits](const Instant& instant) {
     const ClockFit* fit = fits.at(instant.node_ns);
-    return !fit || std::abs(error_s(*fit, instant)) > fit->uncertainty_s;
+    EXPECT_TRUE(fit) << instant.node_ns;
+    return fit && std::abs(error_s(*fit, instant)) > fit->uncertainty_s;
   }));
 }
 

@@ -233,9 +233,9 @@ int main(int argc, char** argv) {
   const StopOnSignal signals;
   const auto scene = argc == 3 ? kScenes.find(argv[2]) : kScenes.end();
   if (scene == kScenes.end()) {
-    std::fprintf(stderr,
-                 "usage: rb-web-scene URL known|armed|unknown|verified|unanalysed|trouble|\"disk "
-                 "away\"|\"device gone\"\n");
+    std::string names;
+    for (const auto& [name, of] : kScenes) names += " \"" + std::string(name) + '"';
+    std::fprintf(stderr, "usage: rb-web-scene URL SCENE, one of%s\n", names.c_str());
     return 2;
   }
   Bus bus(argv[1]);

@@ -28,9 +28,10 @@ const kCounted = new Set([AlarmCause.SamplesLost, AlarmCause.ClockBroken, AlarmC
 
 const sum = (counts: readonly number[]) => counts.reduce((a, b) => a + b, 0);
 export const lost = (beat: Heartbeat) => beat.scans_missing + beat.scans_refused;
-/** It has a device that is not there: the same judgement as AlarmWatch's. */
-export const lacksDevice = ({device_counts}: Heartbeat) =>
-  (device_counts[DeviceCounter.Gone] ?? 0) > (device_counts[DeviceCounter.Returned] ?? 0);
+/** Of nodes that have a device that is not there: the same judgement as AlarmWatch's. */
+export const withoutDevice = (car: Car) =>
+  [...car.heartbeats.values()].map(({message}) => message)
+    .filter(({device_counts: counts}) => (counts[DeviceCounter.Gone] ?? 0) > (counts[DeviceCounter.Returned] ?? 0));
 export const faults = (beat: Heartbeat) => sum(beat.encoder_faults);
 
 /** It is recorded and has a clock of its own, which the recorder asks for its time. */

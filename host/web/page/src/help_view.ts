@@ -17,7 +17,7 @@ const kFirstDay: readonly string[] = [
   "When it is stopped, Recordings (L) proves a recording complete, works its balance out anew, and makes a report of one A4 page, beside the drive before if you choose it.",
 ];
 const kLamps: readonly (readonly [name: string, means: string])[] = [
-  ["LOSS", "Disc: every sample is recorded, or on its way. Cross: samples are lost for good, or a device is gone; which ones is in the record."],
+  ["LOSS", "Disc: every sample is recorded, or on its way. Cross: a device is gone, or samples are lost for good; which ones is in the record."],
   ["SYNC", "How well the clock of the worst node is known. Triangle: worse than 50 µs, or not heard. Cross: a clock has jumped."],
   ["OVERLOAD", "Cross: a channel has left its range; its reading is wrong there. Choose a larger range. Triangle: a channel is dead, or its mean is where none can be (DC)."],
   ["ENCODER", "Cross: turns with teeth missed or extra. Look at the gap of the sensor and at its cable."],

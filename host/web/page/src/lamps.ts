@@ -2,7 +2,7 @@
 import {lightOf} from "./alarm";
 import {isBusy, isFresh, type Car} from "./car";
 import {faultyChannels} from "./channel_faults";
-import {lacksDevice, wantsClock, type Event, type EventLog, type LampName} from "./events";
+import {wantsClock, withoutDevice, type Event, type EventLog, type LampName} from "./events";
 import {AlarmCause, ClockState, kWantedSync_s, TimeBase} from "./wire";
 
 const kCauses: Readonly<Record<LampName, AlarmCause>> = {
@@ -38,7 +38,7 @@ function lossLamp(car: Car, log: EventLog, nowMs: number): Lamp {
   const repaired = sum(beats(car).map((beat) => beat.blocks_repaired));
   const number = `${gone} lost, ${repaired} repaired`;
   if (car.heartbeats.size === 0) return {name: "LOSS", light: "unknown", number: "no node", sentence: "No node is heard."};
-  const without = beats(car).filter(lacksDevice);
+  const without = withoutDevice(car);
   if (without.length > 0)
     return {name: "LOSS", light: lightOf(AlarmCause.DeviceGone), number: `${nodes(without)}: device gone`,
             sentence: `A device of ${nodes(without)} is gone, and what it would measure is lost: look at its cable and supply.`};

@@ -3,7 +3,7 @@ import {isBusy, isFresh, type Car} from "./car";
 import {faultOf, isDead, isRailed} from "./channel_faults";
 import {placeAndName} from "./channels";
 import {oppositePairs} from "./directions";
-import {EventLog, lacksDevice} from "./events";
+import {EventLog, withoutDevice} from "./events";
 import {lamps} from "./lamps";
 import {kAccelerations} from "./level_view";
 import type {Taps} from "./taps";
@@ -33,7 +33,7 @@ function nodes(setups: readonly Setup[], car: Car, nowMs: number): Check {
   const silent = [...car.setups.values()].filter((heard) => !isFresh(heard, nowMs)).map(({message}) => message);
   if (silent.length > 0)
     return {name, ready: "no", says: `Node ${silent.map(({node}) => node).join(", ")} is silent: look at its supply and cable.`};
-  const without = [...car.heartbeats.values()].map(({message}) => message).filter(lacksDevice);
+  const without = withoutDevice(car);
   if (without.length > 0)
     return {name, ready: "no", says: `A device of node ${without.map(({node}) => node).join(", ")} is gone: look at its cable and supply.`};
   if (setups.length === 0) return {name, ready: "no", says: "No node is heard: start rb-node; rb doctor says what is wrong with the network."};
