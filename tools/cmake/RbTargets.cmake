@@ -10,6 +10,8 @@ if(RB_CCACHE)
   # Paths below the source tree are looked up as relative ones, so that another clone finds what this one compiled.
   set(CMAKE_CXX_COMPILER_LAUNCHER env CCACHE_BASEDIR=${CMAKE_SOURCE_DIR} ${RB_CCACHE})
   set(CMAKE_C_COMPILER_LAUNCHER ${CMAKE_CXX_COMPILER_LAUNCHER})
+  # Debug information names the folder it was compiled in, which must be the same in every clone, too.
+  add_compile_options($<$<CONFIG:Debug>:-fdebug-prefix-map=${CMAKE_SOURCE_DIR}=.>)
 endif()
 
 set(RB_SANITIZE "" CACHE STRING "Sanitizers to build with, e.g. address,undefined")
