@@ -18,7 +18,9 @@ SegmentExtent measure_segment(const std::filesystem::path& segment, Disk& disk) 
     if (event->channel.starts_with("RB_") && !event->has_its_crc) bad.push_back(reader.offset());
     const auto commit = event->channel == kCommitChannel ? decode_commit(event->data) : std::nullopt;
     const auto bytes = commit ? static_cast<std::uint64_t>(commit->bytes) : 0;
-    if (bytes <= reader.offset()) extent.durable = std::max(extent.durable, bytes);
+    if (bytes <= extent.durable || bytes > reader.offset()) continue;
+    extent.durable = bytes;
+    extent.said_at = reader.offset();
   }
   for (const auto& piece : damage) bad.push_back(piece.offset);
   extent.end = reader.end_of_events();

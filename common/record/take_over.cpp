@@ -5,9 +5,12 @@
 #include <system_error>
 #include <utility>
 
+#include "common/bus/notes.hpp"
 #include "common/link/planted.hpp"
 #include "common/record/folder.hpp"
+#include "common/record/log_event.hpp"
 #include "common/record/segment.hpp"
+#include "common/record/segment_events.hpp"
 #include "common/record/segment_extent.hpp"
 #include "common/record/segment_index.hpp"
 #include "common/record/write_again.hpp"
@@ -62,6 +65,28 @@ std::optional<RecordWriter::CutTail> remove_segment(const std::filesystem::path&
   return result;
 }
 
+// The commit event that goes with the tail, if it was the one that tells damage before the cut from a torn
+// tail, is said again at the cut: else the next reader would end at that damage.  Returns where the segment
+// ends now.
+std::uint64_t keep_commit(File& segment, const SegmentExtent& extent, Disk& disk) {
+  if (extent.said_at < extent.end) return extent.end;
+  SegmentEvents events;
+  events.segment_bytes = extent.end;
+  SegmentReader reader(segment.path(), disk);
+  std::vector<RecordReader::Damage> damage;
+  for (auto event = reader.next(true, damage); event && reader.offset() < extent.end;
+       event = reader.next(true, damage)) {
+    if (event->channel == kCommitChannel) events.headers = {.from = reader.offset(), .crc = 0};
+    events.headers.add(encode_log_header(*event), event->channel);
+    events.event_number = event->number + 1;
+    events.last_timestamp_us = event->timestamp_us;
+  }
+  events.put_commit(extent.durable);
+  segment.write_all_at(extent.end, events.buffer);
+  segment.sync();
+  return events.segment_bytes;
+}
+
 std::optional<RecordWriter::CutTail> cut(const std::filesystem::path& segment, const SegmentExtent& extent,
                                          File& folder, Disk& disk) {
   std::optional<RecordWriter::CutTail> result;
@@ -71,7 +96,7 @@ std::optional<RecordWriter::CutTail> cut(const std::filesystem::path& segment, c
               .tail = keep_tail(segment, extent.end, folder, disk),
               .kept = extent.end,
               .cut = extent.size - extent.end};
-    file.truncate(extent.end);
+    file.truncate(keep_commit(file, extent, disk));
   }
   // What lies behind the last commit was synced, and promised to nodes that have let go of it since, or is in
   // the page cache only, after a kill or a failed sync.  From now on it counts.

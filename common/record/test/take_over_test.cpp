@@ -8,7 +8,9 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
+#include "common/bus/notes.hpp"
 #include "common/record/folder.hpp"
+#include "common/record/segment.hpp"
 #include "common/record/segment_index.hpp"
 #include "common/record/test/numbered_blocks.hpp"
 #include "common/record/test/simulated_disk.hpp"
@@ -107,6 +109,80 @@ TEST(TakeOver, AnIndexMadeAgainCountsNothingThatIsNotOnTheDisk) {
     ASSERT_NO_FATAL_FAILURE(fail_and_be_killed(disk));
     EXPECT_EQ(rebuild_indexes(kFolder, disk).written, 1);
     EXPECT_EQ(left_by_power_cut(disk), all_through(kWritten)) << "seed " << seed;
+  }
+}
+
+// Turns a bit of the last byte of the k-th event, from 0 on, that `is_it`.
+template <typename IsIt>
+void damage_event(SimulatedDisk& disk, int k, IsIt&& is_it) {
+  const auto path = segment_path(kFolder, 1).string();
+  SegmentReader reader(path, disk);
+  std::vector<RecordReader::Damage> none;
+  for (auto event = reader.next(true, none); event; event = reader.next(true, none))
+    if (is_it(*event) && k-- == 0) {
+      auto bytes = disk.content(path);
+      bytes[reader.end_of_events() - 1] ^= 1;
+      return disk.put(path, bytes);
+    }
+  FAIL() << "there is no such event";
+}
+
+// A block on the disk rots; then the power goes at the close, and of what was written since the last sync the
+// commit event of that sync is torn: only the last commit event, which goes with the tail, has said that the
+// block was there.
+std::vector<std::int64_t> rot_and_tear(SimulatedDisk& disk) {
+  {
+    Feeder feeder({.folder = kFolder}, disk);
+    EXPECT_TRUE(feeder.append_through(10) && feeder.sync() && feeder.append_through(20) && feeder.sync());
+    EXPECT_TRUE(feeder.append_through(30));
+    feeder.writer().close();
+  }
+  EXPECT_TRUE(remove_file(index_path(kFolder, 1), disk));
+  SealedBlock block;
+  damage_event(disk, 0, [&](const LogEvent& event) {
+    return accept(event, block) == Refusal::kNone && block.header.sequence == 15;
+  });
+  damage_event(disk, 1, [](const LogEvent& event) { return event.channel == kCommitChannel; });
+  std::vector<std::int64_t> left = all_through(20);
+  std::erase(left, 15);
+  EXPECT_EQ(find_blocks(kFolder, disk).sequences, left);
+  return left;
+}
+
+TEST(TakeOver, DamageBeforeTheCutIsNoTornTailThoughItsCommitEventWasCutOff) {
+  SimulatedDisk disk;
+  const auto promised = rot_and_tear(disk);
+  for (int starts = 1; starts <= 2; ++starts) {
+    { const Feeder feeder({.folder = kFolder}, disk); }
+    remove_file(index_path(kFolder, 1), disk);
+    const FoundBlocks found = find_blocks(kFolder, disk);
+    EXPECT_EQ(found.sequences, promised) << starts << " starts";
+    EXPECT_TRUE(found.altered_headers.empty());
+    EXPECT_EQ(found.altered.size() + found.damage.size(), 1u) << "the block that rots";
+  }
+}
+
+TEST(TakeOver, APowerCutWhileTheCommitEventIsSaidAgainTakesNothing) {
+  for (std::int64_t k = 1;; ++k) {
+    SimulatedDisk disk(static_cast<std::uint64_t>(k));
+    const auto promised = rot_and_tear(disk);
+    disk.set_fault(SimulatedDisk::at_call(disk.calls() + k, {.power_cut = true}));
+    bool taken = false;
+    try {
+      const Feeder feeder({.folder = kFolder}, disk);
+      taken = !disk.is_off();
+    } catch (const std::system_error&) {
+    }
+    if (taken) {
+      EXPECT_GT(k, 30) << "a take-over has more calls than that";
+      return;
+    }
+    disk.set_fault(nullptr);
+    disk.power_on();
+    // More may be there, of the tail that is not cut yet.
+    const FoundBlocks found = find_blocks(kFolder, disk);
+    ASSERT_TRUE(std::ranges::includes(found.sequences, promised)) << "call " << k;
+    ASSERT_EQ(found.false_blocks, 0) << "call " << k;
   }
 }
 
