@@ -27,6 +27,9 @@ class HeaderCheck {
   /// @return  at a commit, if it says something else: the offset from which on a header is altered
   std::optional<std::uint64_t> take(int segment, std::uint64_t offset, const LogEvent& event);
 
+  /// What a commit behind the events taken has to say.
+  const HeaderSum& sum() const { return sum_; }
+
  private:
   int segment_ = 0;
   std::uint64_t next_ = 0;  // where the next event begins if nothing between is damaged

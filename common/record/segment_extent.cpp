@@ -20,7 +20,7 @@ SegmentExtent measure_segment(const std::filesystem::path& segment, Disk& disk) 
     const auto bytes = commit ? static_cast<std::uint64_t>(commit->bytes) : 0;
     if (bytes <= extent.durable || bytes > reader.offset()) continue;
     extent.durable = bytes;
-    extent.said_at = reader.offset();
+    extent.commit_at = reader.offset();
   }
   for (const auto& piece : damage) bad.push_back(piece.offset);
   extent.end = reader.end_of_events();

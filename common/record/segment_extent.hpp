@@ -13,8 +13,8 @@ struct SegmentExtent {
   std::uint64_t end = 0;  ///< the events before are good; what follows is torn
   std::uint64_t durable =
       0;  ///< so much was on the disk at the last commit event: damage before is no torn tail
-  std::uint64_t said_at = 0;  ///< offset of that event
-  std::uint64_t size = 0;     ///< of the file
+  std::uint64_t commit_at = 0;  ///< offset of that event
+  std::uint64_t size = 0;       ///< of the file
 };
 SegmentExtent measure_segment(const std::filesystem::path& segment, Disk& disk = kernel_disk());
 

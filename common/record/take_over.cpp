@@ -5,10 +5,9 @@
 #include <system_error>
 #include <utility>
 
-#include "common/bus/notes.hpp"
 #include "common/link/planted.hpp"
 #include "common/record/folder.hpp"
-#include "common/record/log_event.hpp"
+#include "common/record/header_check.hpp"
 #include "common/record/segment.hpp"
 #include "common/record/segment_events.hpp"
 #include "common/record/segment_extent.hpp"
@@ -69,18 +68,19 @@ std::optional<RecordWriter::CutTail> remove_segment(const std::filesystem::path&
 // tail, is said again at the cut: else the next reader would end at that damage.  Returns where the segment
 // ends now.
 std::uint64_t keep_commit(File& segment, const SegmentExtent& extent, Disk& disk) {
-  if (extent.said_at < extent.end) return extent.end;
+  if (extent.commit_at < extent.end) return extent.end;
   SegmentEvents events;
-  events.segment_bytes = extent.end;
+  HeaderCheck headers;
   SegmentReader reader(segment.path(), disk);
   std::vector<RecordReader::Damage> damage;
   for (auto event = reader.next(true, damage); event && reader.offset() < extent.end;
        event = reader.next(true, damage)) {
-    if (event->channel == kCommitChannel) events.headers = {.from = reader.offset(), .crc = 0};
-    events.headers.add(encode_log_header(*event), event->channel);
+    headers.take(1, reader.offset(), *event);
     events.event_number = event->number + 1;
     events.last_timestamp_us = event->timestamp_us;
   }
+  events.segment_bytes = extent.end;
+  events.headers = headers.sum();
   events.put_commit(extent.durable);
   segment.write_all_at(extent.end, events.buffer);
   segment.sync();

@@ -46,6 +46,24 @@ std::vector<std::int64_t> left_by_power_cut(SimulatedDisk& disk) {
   return find_blocks(kFolder, disk).sequences;
 }
 
+// A start in the course of which the power goes, at its k-th call of the disk; then power again.  False if it
+// was through before, with more than ten calls.
+bool power_goes_at_call(SimulatedDisk& disk, std::int64_t k) {
+  disk.set_fault(SimulatedDisk::at_call(disk.calls() + k, {.power_cut = true}));
+  bool taken = false;
+  try {
+    const Feeder feeder({.folder = kFolder}, disk);
+    taken = !disk.is_off();
+  } catch (const std::system_error&) {
+  }
+  disk.set_fault(nullptr);
+  if (taken)
+    EXPECT_GT(k, 10) << "a take-over has more calls than that";
+  else
+    disk.power_on();
+  return !taken;
+}
+
 TEST(TakeOver, WhatAFailedSyncLeftToThePageCacheIsOnTheDiskBeforeItCounts) {
   int torn = 0;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
@@ -70,19 +88,7 @@ TEST(TakeOver, APowerCutMeanwhileTakesNothingThatWasPromised) {
   for (std::int64_t k = 1;; ++k) {
     SimulatedDisk disk(static_cast<std::uint64_t>(k));
     ASSERT_NO_FATAL_FAILURE(fail_and_be_killed(disk));
-    disk.set_fault(SimulatedDisk::at_call(disk.calls() + k, {.power_cut = true}));
-    bool taken = false;
-    try {
-      const Feeder feeder({.folder = kFolder}, disk);
-      taken = !disk.is_off();
-    } catch (const std::system_error&) {
-    }
-    if (taken) {
-      EXPECT_GT(k, 10) << "a take-over has more calls than that";
-      return;
-    }
-    disk.set_fault(nullptr);
-    disk.power_on();
+    if (!power_goes_at_call(disk, k)) return;
     const auto left = find_blocks(kFolder, disk).sequences;
     ASSERT_GE(std::ssize(left), kPromised) << "call " << k;
     ASSERT_EQ(left, all_through(std::ssize(left))) << "call " << k;
@@ -154,7 +160,7 @@ TEST(TakeOver, DamageBeforeTheCutIsNoTornTailThoughItsCommitEventWasCutOff) {
   const auto promised = rot_and_tear(disk);
   for (int starts = 1; starts <= 2; ++starts) {
     { const Feeder feeder({.folder = kFolder}, disk); }
-    remove_file(index_path(kFolder, 1), disk);
+    remove_file(index_path(kFolder, 1), disk);  // as if it was killed before it wrote one
     const FoundBlocks found = find_blocks(kFolder, disk);
     EXPECT_EQ(found.sequences, promised) << starts << " starts";
     EXPECT_TRUE(found.altered_headers.empty());
@@ -166,19 +172,7 @@ TEST(TakeOver, APowerCutWhileTheCommitEventIsSaidAgainTakesNothing) {
   for (std::int64_t k = 1;; ++k) {
     SimulatedDisk disk(static_cast<std::uint64_t>(k));
     const auto promised = rot_and_tear(disk);
-    disk.set_fault(SimulatedDisk::at_call(disk.calls() + k, {.power_cut = true}));
-    bool taken = false;
-    try {
-      const Feeder feeder({.folder = kFolder}, disk);
-      taken = !disk.is_off();
-    } catch (const std::system_error&) {
-    }
-    if (taken) {
-      EXPECT_GT(k, 30) << "a take-over has more calls than that";
-      return;
-    }
-    disk.set_fault(nullptr);
-    disk.power_on();
+    if (!power_goes_at_call(disk, k)) return;
     // More may be there, of the tail that is not cut yet.
     const FoundBlocks found = find_blocks(kFolder, disk);
     ASSERT_TRUE(std::ranges::includes(found.sequences, promised)) << "call " << k;
