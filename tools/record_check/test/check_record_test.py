@@ -1,12 +1,15 @@
 """Damages records of the real recorder by hand: the checker finds each damage and says what `rb verify` says."""
 
 import json
+import os
 import pathlib
 import re
 import shutil
 import struct
+import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 from records import (COMPLETE, DAMAGED, INCOMPLETE, RB, SEGMENT, TOOLS, TYPES, UNREADABLE, Record, altered, check, event, message,
@@ -218,6 +221,44 @@ class CheckRecord(unittest.TestCase):
         for kept in (len(log) - 1, len(log) - 2000, len(log) // 2):
             (self.folder / SEGMENT).write_bytes(log[:kept])
             self.assertGreater(self.agrees(INCOMPLETE)["torn_bytes"], 0)
+
+    def continue_and_kill(self):
+        """A recorder takes the record over, and is killed before it writes anything else."""
+        index = self.folder / "seg-000001.idx"
+        with subprocess.Popen([RB.with_name("rb-recorder"), "--record", self.folder, "--url",
+                               f"udpm://239.255.76.67:{12_000 + os.getpid() % 20_000}?ttl=0"]) as recorder:
+            patience_ends = time.monotonic() + 60
+            while not index.exists() and recorder.poll() is None and time.monotonic() < patience_ends:
+                time.sleep(0.01)
+            recorder.kill()
+        self.assertTrue(index.exists(), "the recorder has taken nothing over")
+        index.unlink()
+
+    def test_a_commit_event_that_is_said_again_where_the_tail_was_cut(self):
+        """The commit event of the last sync was torn, and the one behind it, of the close, goes with the tail."""
+        def commit(durable):
+            return b"RB_COMMIT", message("commit_t", bytes=durable)
+
+        events = [each for each in self.record.events if each[0] != b"RB_COMMIT"]
+        written = [*events[:1000], commit(len(segment(events[:1000]))), *events[1000:2000]]
+        synced = len(segment(written))
+        self.record.events = [*written, commit(synced), *events[2000:2005], commit(synced)]
+        torn = len(written)
+        block = next(at for at in range(1500, torn) if written[at][0].endswith(b"_SCAN"))
+        for rots in (False, True):
+            self.record.write()
+            log = bytearray((self.folder / SEGMENT).read_bytes())
+            ends = [end for _, _, end in split_events(bytes(log))[0]]
+            for at in (torn, block) if rots else (torn,):
+                log[ends[at] - 1] ^= 1
+            (self.folder / SEGMENT).write_bytes(log)
+            with self.subTest(a_block_rots=rots):
+                self.continue_and_kill()
+                log = (self.folder / SEGMENT).read_bytes()
+                self.assertEqual(split_events(log)[0][-1][:2], (b"RB_COMMIT", synced + HEADER.size + len(b"RB_COMMIT")))
+                found = self.agrees(DAMAGED if rots else INCOMPLETE)
+                self.assertEqual((found["messages_refused"], found["torn_bytes"]), (int(rots), 0))
+                self.assertEqual(found["altered_headers"], 0)
 
     def split(self, *before_the_second):
         """Two segments of the one, the second one with these events at its beginning."""
