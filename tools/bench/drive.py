@@ -3,14 +3,17 @@
 import contextlib
 import functools
 import json
-import os
 import pathlib
 import subprocess
+import sys
 import tempfile
 import time
 
 from row import BIN, ROOT
 from taken import ONE_CORE, OTHER_CORES, QUIET, Taken, measured, only_on, running, taken
+
+sys.path.insert(0, str(ROOT / "common/test"))
+from bus_url import bus_url  # noqa: E402
 
 
 def demo(seconds, car, *more):
@@ -53,15 +56,12 @@ class Drive:
         for name in self.nodes:
             measured(BIN / "rb", "select", self.record, "-o", folder / name, "--nodes", name)
 
-    def url(self):
-        return f"udpm://239.255.76.67:{12_000 + os.getpid() % 20000}?ttl=0"
-
     def node(self, name, rate):
-        return running(BIN / "rb-node", "--url", self.url(), "--vehicle", self.vehicle, "--node", name, "--front-end",
+        return running(BIN / "rb-node", "--url", bus_url(), "--vehicle", self.vehicle, "--node", name, "--front-end",
                        f"replay:{self.folder / name}?rate={rate}")
 
     def recorder(self, into, *nodes):
-        return running(BIN / "rb-recorder", "--url", self.url(), "--record", into, "--nodes", *nodes, "--end-with-nodes")
+        return running(BIN / "rb-recorder", "--url", bus_url(), "--record", into, "--nodes", *nodes, "--end-with-nodes")
 
     def numbers(self):
         return [str(number + 1) for number in range(len(self.nodes))]
@@ -74,10 +74,10 @@ class Drive:
         with tempfile.TemporaryDirectory(dir=self.folder) as again, contextlib.ExitStack() as programs:
             with only_on(OTHER_CORES):
                 viewer = watched and programs.enter_context(running(
-                    BIN / "bench-viewer", "--url", self.url(), "--nodes", *self.numbers(), stdout=subprocess.PIPE))
+                    BIN / "bench-viewer", "--url", bus_url(), "--nodes", *self.numbers(), stdout=subprocess.PIPE))
             with only_on(ONE_CORE):
                 analyser = programs.enter_context(
-                    running(BIN / "rb-analyser", "--url", self.url(), "--record", again, "--exit-at-end"))
+                    running(BIN / "rb-analyser", "--url", bus_url(), "--record", again, "--exit-at-end"))
                 recorder = programs.enter_context(self.recorder(again, *self.numbers()))
                 time.sleep(0.5)
                 begin = time.monotonic()
@@ -117,7 +117,7 @@ class Drive:
     def durable(self):
         """How long blocks of all nodes, played at the speed of the drive, wait until they are on the disk."""
         with tempfile.TemporaryDirectory(dir=self.folder) as again, contextlib.ExitStack() as programs:
-            listener = programs.enter_context(running(BIN / "bench-durable", "--url", self.url(), stdout=subprocess.PIPE))
+            listener = programs.enter_context(running(BIN / "bench-durable", "--url", bus_url(), stdout=subprocess.PIPE))
             recorder = programs.enter_context(self.recorder(again, *self.numbers()))
             time.sleep(0.5)
             for node in [programs.enter_context(self.node(name, "1")) for name in self.nodes]:

@@ -8,7 +8,7 @@ import struct
 import tempfile
 
 import export_rows
-from drive import Drive, least_of
+from drive import Drive, bus_url, least_of
 from row import BIN, Row
 from taken import measured, running
 
@@ -67,7 +67,7 @@ def loss(drive):
     """The logger hears the same nodes, played as fast as the recorder, which they wait for, takes them."""
     log = drive.folder / "stock.lcm"
     recorded = []
-    with running("lcm-logger", "-q", "-f", f"--lcm-url={drive.url()}", log) as logger:
+    with running("lcm-logger", "-q", "-f", f"--lcm-url={bus_url()}", log) as logger:
         drive.chain(lambda record: recorded.extend(map(blocks_in, record.glob("seg-*.lcm"))))
         if logger.poll() is not None:
             raise RuntimeError(f"lcm-logger has ended with {logger.returncode}")

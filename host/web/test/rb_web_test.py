@@ -13,18 +13,17 @@ import select
 import socket
 import struct
 import subprocess
+import sys
 import tempfile
 import time
 import unittest
 
+sys.path.insert(0, str(pathlib.Path(os.environ["RB_SOURCE"], "common/test")))
+from bus_url import bus_url  # noqa: E402
+
 BIN = pathlib.Path(os.environ["RB_BIN"])
 PROGRAM = BIN / "rb-web"
 PATIENCE_S = 60  # for what must happen; sanitizers are slow
-
-
-def bus_url():
-    """A bus of this process's own: only the port isolates."""
-    return f"udpm://239.255.76.67:{12_000 + os.getpid() % 20_000}?ttl=0"
 
 
 @contextlib.contextmanager

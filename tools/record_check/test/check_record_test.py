@@ -1,7 +1,6 @@
 """Damages records of the real recorder by hand: the checker finds each damage and says what `rb verify` says."""
 
 import json
-import os
 import pathlib
 import re
 import shutil
@@ -15,6 +14,7 @@ import unittest
 from records import (COMPLETE, DAMAGED, INCOMPLETE, RB, SEGMENT, TOOLS, TYPES, UNREADABLE, Record, altered, check, event, message,
                      record_a_drive, run, segment, with_crc)
 
+from bus_url import bus_url
 from record_check.crc32c import crc
 from record_check.event_log import HEADER, split_events
 from record_check.journals import OF_NODE, OF_RUN, JournalCheck
@@ -225,8 +225,7 @@ class CheckRecord(unittest.TestCase):
     def continue_and_kill(self):
         """A recorder takes the record over, and is killed before it writes anything else."""
         index = self.folder / "seg-000001.idx"
-        with subprocess.Popen([RB.with_name("rb-recorder"), "--record", self.folder, "--url",
-                               f"udpm://239.255.76.67:{12_000 + os.getpid() % 20_000}?ttl=0"]) as recorder:
+        with subprocess.Popen([RB.with_name("rb-recorder"), "--record", self.folder, "--url", bus_url()]) as recorder:
             patience_ends = time.monotonic() + 60
             while not index.exists() and recorder.poll() is None and time.monotonic() < patience_ends:
                 time.sleep(0.01)

@@ -9,7 +9,7 @@ import subprocess
 import sys
 
 TOOLS = pathlib.Path(__file__).resolve().parent.parent.parent
-sys.path.insert(0, str(TOOLS))
+sys.path[:0] = [str(TOOLS), str(TOOLS.parent / "common" / "test")]
 
 from record_check.crc32c import crc  # noqa: E402
 from record_check.event_log import HEADER, split_events  # noqa: E402
