@@ -168,10 +168,10 @@ void check_index(const std::filesystem::path& folder, int segment, const RecordS
 void read(const std::filesystem::path& folder, RecordReader& reader, Disk& disk, Reading& reading) {
   RecordState state;
   reading.is_all = reader.segment() == 1 && !path_exists(folder / kContinuesFile, disk);
-  if (const auto deleted = read_index_alone(folder, reader.segment() - 1, disk)) {
-    state.epoch = deleted->epoch;
-    reading.epochs.begin_behind(deleted->epoch);
-    reading.journal.begin_behind(deleted->epoch);
+  const auto before = read_index_alone(folder, reader.segment() - 1, disk);
+  if (before) {
+    state.epoch = before->epoch;
+    reading.journal.begin_behind(before->epoch);
   }
   int segment = reader.segment();
   while (const auto event = reader.next()) {
@@ -185,6 +185,10 @@ void read(const std::filesystem::path& folder, RecordReader& reader, Disk& disk,
       take_other(reader, folder, *event, reading);
   }
   check_index(folder, segment, state, disk, reading);
+  if (before && before->segment <= reading.deleted_through)
+    reading.epochs.begin_behind(before->epoch);
+  else
+    reading.journal.nothing_was_deleted();  // what came before, if anything, is missing
 }
 
 // An epoch whose blocks are all gone is known by what the journal says of them.

@@ -21,6 +21,8 @@ std::uint32_t crc_of(const SealedBlock& block) {
 
 void EpochCheck::begin_behind(const std::map<NodeEpoch, RecordState::Epoch>& deleted) {
   for (const auto& [key, epoch] : deleted) find_or_add(key).deleted = epoch;
+  // Those that nothing more came of appeared before all that is here.
+  std::ranges::stable_partition(epochs_, [](const auto& one) { return one.second.blocks.empty(); });
 }
 
 EpochCheck::Epoch& EpochCheck::find_or_add(NodeEpoch key) {

@@ -66,7 +66,8 @@ struct VerifiedEpoch {
 /// (`BlockRuns`): a day of three nodes of 2 kHz is 0.1 GB.
 class EpochCheck {
  public:
-  /// Where the record begins, if its first segments were deleted.
+  /// Where the record begins, if its first segments were deleted.  Before or behind the blocks: the notes on
+  /// it stand among them.
   void begin_behind(const std::map<NodeEpoch, RecordState::Epoch>& deleted);
   /// In the record's order; no descriptions.
   void add(const SealedBlock& block);

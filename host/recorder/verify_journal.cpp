@@ -1,5 +1,7 @@
 #include "host/recorder/verify_journal.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace roadbalance {
@@ -50,6 +52,17 @@ void JournalCheck::count_losses(const Journal& entry) {
   losses_[key].node = heard;
 }
 
+bool JournalCheck::begins_before(const Journal& entry) const {
+  const auto before = before_.find({entry.node, entry.epoch});
+  return before != before_.end() && entry.first_sequence <= before->second.position.contiguous;
+}
+
+void JournalCheck::nothing_was_deleted() {
+  for (auto& [key, found] : unless_deleted_)
+    std::ranges::move(found, std::back_inserter(contradictions_[key]));
+  unless_deleted_.clear();
+}
+
 void JournalCheck::add(const Journal& entry) {
   ++entries_;
   count_losses(entry);
@@ -58,10 +71,9 @@ void JournalCheck::add(const Journal& entry) {
   const bool said_none = entry.last_sequence < entry.first_sequence;
   const bool found_none = found.last_sequence < found.first_sequence;
   if (said_none && found_none) return;
-  const auto deleted = deleted_.find(key);
-  if (deleted != deleted_.end() && entry.first_sequence <= deleted->second.position.contiguous) return;
   const std::string where = "journal entry of " + range(entry.first_sequence, entry.last_sequence) + ": ";
-  auto& contradictions = contradictions_[key];
+  auto& of_epochs = begins_before(entry) ? unless_deleted_ : contradictions_;
+  auto& contradictions = of_epochs[key];
   if (entry.first_sequence != found.first_sequence || entry.last_sequence != found.last_sequence)
     contradictions.push_back(where + "here are " + range(found.first_sequence, found.last_sequence));
   else if (entry.scans != found.scans || entry.scans_missing != found.scans_missing ||
@@ -71,7 +83,7 @@ void JournalCheck::add(const Journal& entry) {
                              std::to_string(found.scans) + " and " + std::to_string(found.scans_missing));
   else if (entry.channel_crc != found.channel_crc)
     contradictions.push_back(where + "the scans here are others");
-  if (contradictions.empty()) contradictions_.erase(key);
+  if (contradictions.empty()) of_epochs.erase(key);
 }
 
 }  // namespace roadbalance

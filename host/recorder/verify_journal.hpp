@@ -16,9 +16,12 @@ class JournalCheck {
  public:
   void add(const SealedBlock& block) { tally_.add(block); }
   void add(const Journal& entry);
-  /// The retention mode has deleted what stands before these positions: entries that begin there say of the
-  /// rest alone nothing.
-  void begin_behind(const std::map<NodeEpoch, RecordState::Epoch>& deleted) { deleted_ = deleted; }
+  /// The record's first segments are not here, which end at these positions.  If the retention mode has
+  /// deleted them, entries that begin there say nothing of the rest alone; notes that come later say if it
+  /// has.
+  void begin_behind(const std::map<NodeEpoch, RecordState::Epoch>& before) { before_ = before; }
+  /// It has not: what those entries say counts.
+  void nothing_was_deleted();
   /// A recorder began: what stands before and is in no entry was appended just before the one before was
   /// killed.
   void restart() {
@@ -38,13 +41,17 @@ class JournalCheck {
   const std::map<NodeEpoch, std::vector<std::string>>& contradictions() const { return contradictions_; }
 
  private:
+  using Contradictions = std::map<NodeEpoch, std::vector<std::string>>;
+
   void count_losses(const Journal& entry);
+  bool begins_before(const Journal& entry) const;
 
   JournalTally tally_;
-  std::map<NodeEpoch, RecordState::Epoch> deleted_;
+  std::map<NodeEpoch, RecordState::Epoch> before_;
   std::map<NodeEpoch, Losses> losses_, counted_;  // the second: of this run of the recorder
   std::int64_t entries_ = 0;
-  std::map<NodeEpoch, std::vector<std::string>> contradictions_;
+  Contradictions contradictions_;
+  Contradictions unless_deleted_;  // of entries that begin before
 };
 
 }  // namespace roadbalance

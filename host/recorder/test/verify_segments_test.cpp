@@ -1,8 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 
+#include "common/bus/codec.hpp"
 #include "common/bus/notes.hpp"
+#include "common/link/crc32c.hpp"
 #include "common/record/log_event.hpp"
 #include "common/record/segment.hpp"
 #include "common/record/segment_events.hpp"
@@ -14,6 +17,7 @@ namespace roadbalance {
 namespace {
 
 namespace fs = std::filesystem;
+using test::kEpoch;
 
 // Two segments, finished: what a recorder leaves that was not killed.
 class VerifyFinished : public test::WrittenRecord {
@@ -50,6 +54,58 @@ TEST_F(VerifyFinished, ASegmentThatIsGoneIsDamage) {
   EXPECT_EQ(v.verdict, Verdict::kDamaged);
   ASSERT_FALSE(v.damage.empty());
   EXPECT_NE(v.damage[0].find("seg-000002.lcm"), std::string::npos) << v.damage[0];
+}
+
+// Its blocks are on record by the journal, which says in a third segment what was appended in the first two.
+class VerifyWithoutTheFirst : public VerifyFinished {
+ protected:
+  void put_journal_and_remove_the_first(std::optional<Note> note) {
+    writer.emplace(RecordWriter::Options{.folder = folder});
+    Journal journal{.node = 1, .epoch = kEpoch, .first_sequence = 1, .last_sequence = 4};
+    journal.next_scan = journal.scans = 60;
+    journal.channel_crc.fill(crc32c(std::vector<std::uint8_t>(4 * 60)));  // all counts are 0
+    writer->append(kJournalChannel, encode(journal), 0);
+    if (note) writer->append(kNoteChannel, encode(*note), 0);
+    writer->close();
+    ASSERT_EQ(verdict(), Verdict::kComplete);
+    fs::remove(segment(1));
+  }
+};
+
+TEST_F(VerifyWithoutTheFirst, TheRetentionModeSaysWhatItDeletes) {
+  put_journal_and_remove_the_first(Note{.kind = NoteKind::kSegmentDeleted, .a = 1, .text = {}});
+  const Verification v = verify_record(folder);
+  EXPECT_EQ(v.verdict, Verdict::kIncomplete) << verdict_text(v);
+  ASSERT_EQ(v.epoch.size(), 1u);
+  EXPECT_EQ(v.epoch[0].samples, 20);
+  EXPECT_EQ(v.epoch[0].samples_deleted, 40);
+  EXPECT_EQ(v.deleted_segments, 1);
+  EXPECT_EQ(v.lost, std::vector<std::string>{"segment 1 was deleted by the retention mode"});
+}
+
+TEST_F(VerifyWithoutTheFirst, WhatNobodySaysIsDeletedIsMissing) {
+  put_journal_and_remove_the_first({});
+  const Verification v = verify_record(folder);
+  EXPECT_EQ(v.verdict, Verdict::kDamaged);
+  ASSERT_EQ(v.epoch.size(), 1u);
+  EXPECT_EQ(v.epoch[0].samples_deleted, 0);
+  ASSERT_EQ(v.epoch[0].undeclared_blocks.size(), 1u);
+  EXPECT_EQ(v.epoch[0].undeclared_blocks[0].last, 2);
+  ASSERT_EQ(v.epoch[0].undeclared_scans.size(), 1u);
+  EXPECT_EQ(v.epoch[0].undeclared_scans[0].last, 39);
+  EXPECT_TRUE(std::ranges::any_of(v.epoch[0].contradictions, [](const std::string& line) {
+    return line.starts_with("journal entry of blocks 1 to 4: ");
+  }));
+}
+
+TEST_F(VerifyWithoutTheFirst, AnEpochThatWasAllInItIsNamedByTheJournalOnly) {
+  put_journal_and_remove_the_first({});
+  fs::remove(segment(2));
+  const Verification v = verify_record(folder);
+  EXPECT_EQ(v.verdict, Verdict::kDamaged);
+  ASSERT_EQ(v.epoch.size(), 1u);
+  EXPECT_EQ(v.epoch[0].blocks, 0);
+  EXPECT_FALSE(v.epoch[0].contradictions.empty());
 }
 
 TEST_F(VerifyFinished, ASegmentLongerThanItWasFinishedIsDamage) {

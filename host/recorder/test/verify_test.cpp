@@ -251,29 +251,6 @@ TEST_F(Verify, ComparesTheJournalWithTheBlocks) {
   EXPECT_NE(v.epoch[0].contradictions[1].find("blocks 5 to 6"), std::string::npos);
 }
 
-TEST_F(Verify, KnowsWhatTheRetentionModeDeleted) {
-  for (int part = 0; part < 3; ++part) {
-    if (part > 0) writer.emplace(RecordWriter::Options{.folder = folder});
-    put_scans(40 * part);
-    put_scans(40 * part + 20);
-    if (part == 2) {
-      writer->append(kNoteChannel, encode(Note{.kind = NoteKind::kSegmentDeleted, .a = 1, .text = {}}), 0);
-      put_end(120);
-    }
-    writer->close();
-  }
-  ASSERT_EQ(verify_record(folder).verdict, Verdict::kComplete);
-  delete_segment(folder, 1);
-  Verification v = verify_record(folder);
-  EXPECT_EQ(v.verdict, Verdict::kIncomplete) << verdict_text(v);
-  EXPECT_EQ(v.epoch[0].samples, 80);
-  EXPECT_EQ(v.epoch[0].samples_deleted, 40);
-  EXPECT_EQ(v.deleted_segments, 1);
-  EXPECT_EQ(v.lost, std::vector<std::string>{"segment 1 was deleted by the retention mode"});
-  delete_segment(folder, 2);  // nobody said so
-  EXPECT_EQ(verify_record(folder).verdict, Verdict::kDamaged);
-}
-
 TEST_F(Verify, AnIndexThatSaysSomethingElseIsNamedAndNoDamage) {
   put_scans(0);
   put_end(20);
