@@ -88,7 +88,7 @@ void HostMachine::Led::turn(std::int64_t now_ns, const Publish& publish) {
   try {
     host_.receive(p, now_ns, say_it);
     for (const NoteToRecord& note : std::exchange(notes_, {}))
-      p.keeper.note(note.kind, note.a, note.b, note.text);
+      p.keeper.note(note.kind, note.a, note.b, note.text, wall(now_ns) - note.at);
     host_.write(p, now_ns);
     if (!stopping_ || !host_.end(p, now_ns, say_it)) return;
     fail(p.keeper.failure().value_or(""));

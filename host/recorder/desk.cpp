@@ -76,7 +76,7 @@ bool Desk::answer_again(const Request& request, std::int64_t utc_us) {
       return true;
     }
   }
-  if (const auto& asked = book_.set_up; asked && key == asked->asked) {
+  if (const AskedSetUp* const asked = book_.set_up_asked(key)) {
     say(answer_about(*asked, utc_us));  // was_set_up() says the rest of what is under way
     return true;
   }
@@ -208,7 +208,7 @@ void Desk::set_up(const Request& request, std::int64_t utc_us) {
   const Answer answer = hands_.set_up(request);
   if (answer.state == AnswerState::kUnderWay) {
     DeskBook book = book_;
-    book.set_up = hands_.asked_set_up();
+    book.add(hands_.asked_set_up());
     if (!store(std::move(book))) {
       hands_.forget_set_up();
       return refuse(request, RefusalReason::kDisk, store_fault_, utc_us);

@@ -17,7 +17,7 @@ namespace roadbalance {
 /// What was asked is in the book, on the disk, before it is done, and each request acts once, however often
 /// it comes and whenever the recorder is killed: a start that was obeyed is answered as done by the recorder
 /// that comes after, a stop goes on, a mark is noted again under the same number, a set-up is undone unless
-/// it was done.
+/// it was done.  While the book's disk fails marks wait with the hands, and a stop alone does not.
 class Desk {
  public:
   /// What it can do.
@@ -25,13 +25,13 @@ class Desk {
     std::function<void(const DeskBook&)> store;  ///< @throws std::system_error
     /// Something of this name, but for what a start left that came to nothing.  @throws std::system_error
     std::function<bool(const std::string& name)> exists;
-    std::function<void(const UnderWay&)> begin;       ///< lets a recorder run on its folder
-    std::function<void()> stop;                       ///< lets it come to its end
-    std::function<void(NoteToRecord)> note;           ///< into the recording that runs
-    std::function<Answer(const Request&)> set_up;     ///< other operations; none is done yet
-    std::function<AskedSetUp()> asked_set_up;         ///< what set_up() has just put under way ...
-    std::function<void()> forget_set_up;              ///< ... and is not to do
-    std::function<bool()> is_set_up_under_way;        ///< one of them has not come to its end
+    std::function<void(const UnderWay&)> begin;    ///< lets a recorder run on its folder
+    std::function<void()> stop;                    ///< lets it come to its end
+    std::function<void(NoteToRecord)> note;        ///< into the recording that runs; a mark when is_written()
+    std::function<Answer(const Request&)> set_up;  ///< other operations; none is done yet
+    std::function<AskedSetUp()> asked_set_up;      ///< what set_up() has just put under way ...
+    std::function<void()> forget_set_up;           ///< ... and is not to do
+    std::function<bool()> is_set_up_under_way;     ///< one of them has not come to its end
     std::function<Answer(const Request&)> read_mark;  ///< Operation::kReading
   };
   Desk(Hands hands, DeskBook book);
@@ -74,6 +74,8 @@ class Desk {
   /// Once more what the disk would not take, if there is something: to be called about once a second.  Until
   /// then a recorder that is killed leaves an older book.
   void write_again();
+  /// So the disk has it.
+  bool is_written() const { return is_written_; }
   /// What became of something passed to Hands::set_up.
   void was_set_up(const Answer& answer);
 

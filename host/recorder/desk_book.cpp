@@ -211,6 +211,18 @@ bool comes_before_segments(const std::string& file) {
 
 }  // namespace
 
+const AskedSetUp* DeskBook::set_up_asked(const RequestKey& key) const {
+  if (set_up && set_up->asked == key) return &*set_up;
+  const auto before = std::ranges::find(set_up_before, key, &AskedSetUp::asked);
+  return before == set_up_before.end() ? nullptr : &*before;
+}
+
+void DeskBook::add(AskedSetUp asked) {
+  if (set_up) set_up_before.push_back(std::move(*set_up));
+  if (set_up_before.size() > kMostSetUps) set_up_before.erase(set_up_before.begin());
+  set_up = std::move(asked);
+}
+
 std::int64_t first_incarnation(const UnderWay& recording, const std::vector<Over>& over) {
   std::int64_t first = recording.began_us / 1000;
   for (const Over& before : over) first = std::max(first, before.last_incarnation + 1);
@@ -235,6 +247,7 @@ DeskBook read_desk_book(const std::filesystem::path& recordings, Disk& disk) {
     if (json.contains("under_way")) book.under_way = member(json, "under_way", under_way_of);
     if (json.contains("finished")) book.finished = member(json, "finished", finished_of);
     if (json.contains("set_up")) book.set_up = member(json, "set_up", set_up_of);
+    if (json.contains("set_up_before")) book.set_up_before = member(json, "set_up_before", each(set_up_of));
     if (json.contains("rest")) book.rest = member(json, "rest", each(rest_of));
     if (json.contains("over")) book.over = member(json, "over", each(over_of));
     return book;
@@ -250,6 +263,7 @@ std::string text_of(const DeskBook& book) {
   if (book.under_way) json["under_way"] = to_json(*book.under_way);
   if (book.finished) json["finished"] = to_json(*book.finished);
   if (book.set_up) json["set_up"] = to_json(*book.set_up);
+  for (const AskedSetUp& before : book.set_up_before) json["set_up_before"].push_back(to_json(before));
   for (const Rest& rest : book.rest) json["rest"].push_back(to_json(rest));
   for (const Over& over : book.over) json["over"].push_back(to_json(over));
   return json.dump() + "\n";

@@ -89,6 +89,14 @@ struct DeskBook {
   std::vector<Rest> rest{};  ///< to be fetched when its node is back; the latest kMostRests
   std::vector<Over> over{};  ///< the latest kMostOver
   std::optional<AskedSetUp> set_up{};
+  /// Those asked before it, each with its last word: whoever has not heard it repeats the request, and is not
+  /// to set up anew what another has changed since.  The latest kMostSetUps.
+  std::vector<AskedSetUp> set_up_before{};
+
+  /// Nothing: none that is remembered was asked so.
+  const AskedSetUp* set_up_asked(const RequestKey& key) const;
+  /// It is the last one from now on.
+  void add(AskedSetUp asked);
 };
 
 inline constexpr const char* kDeskBookFile = "recorder.json";
@@ -97,6 +105,7 @@ inline constexpr const char* kVehicleFile = "vehicle";
 inline constexpr std::size_t kMarksRemembered = 32;
 inline constexpr std::size_t kMostRests = 256;
 inline constexpr std::size_t kMostOver = 64;
+inline constexpr std::size_t kMostSetUps = 32;
 
 /// As long as it lives no other recorder gets it: two would answer every request, and write one book.
 /// @throws std::runtime_error naming the folder if another has it; std::system_error

@@ -99,6 +99,7 @@ bool Operating::turn(bool told_to_stop, Time time, const Publish& publish) {
     written_again_at_ = time_.now;
     desk_.write_again();
   }
+  note_marks();
   if (!ends_) look_after_rests();
   if (set_up_)
     if (const auto answer = set_up_->turn(publish, time.utc_us, time.now)) desk_.was_set_up(*answer);
@@ -119,17 +120,34 @@ Desk::Hands Operating::hands() {
           .begin = [this](const UnderWay& recording) { begin(recording); },
           .stop =
               [this] {
+                note_marks();
                 if (session_) session_->stop();
               },
           .note =
               [this](NoteToRecord note) {
-                if (session_) session_->note(std::move(note));
+                note.at = time_.now;
+                if (note.kind == NoteKind::kMark)
+                  marks_.push_back(std::move(note));
+                else if (session_)
+                  session_->note(std::move(note));
               },
           .set_up = [this](const Request& request) { return set_up(request); },
           .asked_set_up = [this] { return set_up_->asked(); },
           .forget_set_up = [this] { set_up_->forget(); },
           .is_set_up_under_way = [this] { return is_set_up_under_way(); },
           .read_mark = [this](const Request& request) { return read_mark(request); }};
+}
+
+// A recorder that comes after a kill gives the numbers that its book does not know to other marks: none may
+// be in the record by then.  A record that goes on elsewhere is not made to wait for the disk of the book.
+void Operating::note_marks() {
+  if (!session_ || marks_.empty()) return;
+  const auto is_elsewhere = [this] {
+    const auto status = session_->view().status;
+    return status && status->fallback;
+  };
+  if (!desk_.is_written() && !is_elsewhere()) return;
+  for (NoteToRecord& mark : std::exchange(marks_, {})) session_->note(std::move(mark));
 }
 
 void Operating::begin(const UnderWay& recording) {
@@ -155,6 +173,7 @@ void Operating::begin(const UnderWay& recording) {
     status.nodes = nodes_recorded_;
     if (const std::lock_guard lock(differs_mutex_); status.fault.empty()) status.fault = differs_;
   };
+  marks_.clear();  // the desk says again those of a session before that may not be in the record
   session_ = world_.begin(std::move(options));
 }
 
@@ -243,7 +262,8 @@ void Operating::tell_who_differs() {
   session_->note({.kind = NoteKind::kAsked,
                   .a = static_cast<std::int64_t>(Operation::kVehicle),
                   .b = static_cast<std::int64_t>(RefusalReason::kNone),
-                  .text = who});
+                  .text = who,
+                  .at = time_.now});
 }
 
 void Operating::warn(const std::string& sentence) const {

@@ -10,6 +10,8 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "common/bus/publish.hpp"
 #include "common/link/block.hpp"
@@ -69,6 +71,7 @@ class Operating {
   Answer no_vehicle(const Request& request) const;
   bool is_set_up_under_way() const { return set_up_ && set_up_->is_under_way(); }
   void hear_clock(std::span<const std::uint8_t> bytes);
+  void note_marks();
   void begin(const UnderWay& recording);
   std::unique_ptr<Session> begin_rest(const std::string& recording, EpochScope scope);
   void look_after_recording();
@@ -106,7 +109,8 @@ class Operating {
   std::atomic<int> nodes_recorded_ = 0;  // before the session, whose thread reads it
   std::mutex differs_mutex_;
   WallTime agreed_at_{};
-  std::string differs_;  // who measures by another file, for the session
+  std::string differs_;              // who measures by another file, for the session
+  std::vector<NoteToRecord> marks_;  // that wait to be noted
   std::unique_ptr<Session> session_;
   RestFetching rests_;
   RecorderReport report_;

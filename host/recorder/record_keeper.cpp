@@ -108,9 +108,12 @@ void RecordKeeper::declare_dropped(std::int64_t count, const char* what) {
   warnings_.push_back(lost);
 }
 
-void RecordKeeper::note(NoteKind kind, std::int64_t a, std::int64_t b, std::string text) {
+void RecordKeeper::note(NoteKind kind, std::int64_t a, std::int64_t b, std::string text,
+                        std::chrono::nanoseconds age) {
   if (!has_memory_for(kind)) return;
   Note note = stamp_;
+  note.time_us -= age.count() / 1000;
+  note.host_ns -= age.count();
   note.kind = kind;
   note.a = a;
   note.b = b;

@@ -86,7 +86,9 @@ class RecordKeeper {
   void append(const Delivery& delivery, WallTime now);
   void append(const RecordEvent& event, WallTime now);
   /// What happened; in the record with the next commit, but no segment begins for notes alone.
-  void note(NoteKind kind, std::int64_t a, std::int64_t b, std::string text);
+  /// @param age  so long ago it happened
+  void note(NoteKind kind, std::int64_t a, std::int64_t b, std::string text,
+            std::chrono::nanoseconds age = {});
   /// Commits and closes the segment: the power may go.  The next block begins another.
   std::vector<DurableMark> seal(WallTime now);
 

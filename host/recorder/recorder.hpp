@@ -11,6 +11,7 @@
 
 #include "common/bus/notes.hpp"
 #include "common/bus/recorder_status.hpp"
+#include "common/clock/clocks.hpp"
 #include "common/record/record.hpp"
 #include "host/recorder/epoch_scope.hpp"
 #include "host/recorder/keeper_options.hpp"
@@ -39,12 +40,13 @@ struct NodeReport {
   std::optional<bool> sums_agree{};
 };
 
-/// Something to be put into the record at once.
+/// Something to be put into the record now.
 struct NoteToRecord {
   NoteKind kind = NoteKind::kMark;
   std::int64_t a = 0;
   std::int64_t b = 0;
   std::string text{};
+  WallTime at{};  ///< it happened
 };
 
 struct RecorderReport {

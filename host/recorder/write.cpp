@@ -56,7 +56,8 @@ class Writing {
  private:
   void take_notes() {
     if (!options_.notes) return;
-    for (const NoteToRecord& note : options_.notes()) keeper_.note(note.kind, note.a, note.b, note.text);
+    for (const NoteToRecord& note : options_.notes())
+      keeper_.note(note.kind, note.a, note.b, note.text, WallClock::now() - note.at);
   }
 
   void set_clocks() { keeper_.set_clocks(clock_ns(CLOCK_REALTIME) / 1000, clock_ns(CLOCK_MONOTONIC_RAW)); }

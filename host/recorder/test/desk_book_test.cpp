@@ -37,7 +37,8 @@ TEST(DeskBook, IsReadAsItWasWritten) {
                                      .vehicle_crc32c = 0xFFFFFFFF,
                                      .state = AnswerState::kRefused,
                                      .reason = RefusalReason::kNoAnswer,
-                                     .text = "no"}};
+                                     .text = "no"},
+                .set_up_before = {AskedSetUp{.asked = {11, 10}, .state = AnswerState::kDone, .text = "yes"}}};
   write_desk_book(folder.path(), book);
   const DeskBook read = read_desk_book(folder.path());
   ASSERT_TRUE(read.under_way && read.finished);
@@ -57,6 +58,7 @@ TEST(DeskBook, IsReadAsItWasWritten) {
   EXPECT_EQ(read.over, book.over);
   ASSERT_TRUE(read.set_up);
   EXPECT_EQ(*read.set_up, *book.set_up);
+  EXPECT_EQ(read.set_up_before, book.set_up_before);
 }
 
 // What is no book is an error that names it: to begin with an empty one would end a recording unasked.

@@ -22,13 +22,17 @@ struct Course {
   RecorderState state = RecorderState::kRecording;
   bool is_over = false;
   std::string error;
+  bool fallback = false;
+  std::vector<NoteToRecord> marks{};  // noted
 };
 
 class Played final : public Session {
  public:
-  explicit Played(const Course& course) : course_(course) {}
+  explicit Played(Course& course) : course_(course) {}
   void stop() override {}
-  void note(NoteToRecord) override {}
+  void note(NoteToRecord note) override {
+    if (note.kind == NoteKind::kMark) course_.marks.push_back(std::move(note));
+  }
   View view() const override {
     RecorderReport report;
     if (course_.has_samples) {
@@ -38,13 +42,13 @@ class Played final : public Session {
       report.node.back().has_durable_samples = true;
     }
     return {.report = std::move(report),
-            .status = RecorderStatus{.state = course_.state},
+            .status = RecorderStatus{.state = course_.state, .fallback = course_.fallback},
             .is_over = course_.is_over,
             .error = course_.error};
   }
 
  private:
-  const Course& course_;
+  Course& course_;
 };
 
 /// The recordings are on a disk that is mounted at their folder.
@@ -188,6 +192,39 @@ TEST_F(OperatingMountTest, TheBookOfAnotherDiskIsLeftAlone) {
   ask({.request = 1, .operation = Operation::kStop});
   run(milliseconds(2000));
   EXPECT_EQ(read_desk_book(kRecordings, disk).over, others.over);
+}
+
+// Killed before its book has it, a recorder would leave a mark in the record whose number the next one gives
+// to another.
+TEST_F(OperatingMountTest, AMarkIsNotedWhenTheBookHasItAndKeepsItsTime) {
+  begin("drive");
+  course.has_samples = true;
+  run(milliseconds(1000));
+  ask({.request = 1, .operation = Operation::kMark, .text = "kerb"});
+  run(milliseconds(100));
+  ASSERT_EQ(course.marks.size(), 1u);
+  disk.unmount(kRecordings);
+  const WallTime asked_at = now;
+  ask({.request = 2, .operation = Operation::kMark, .text = "bridge"});
+  run(milliseconds(3000));
+  EXPECT_EQ(course.marks.size(), 1u);
+  disk.mount(kRecordings);
+  run(milliseconds(1500));
+  ASSERT_EQ(course.marks.size(), 2u);
+  EXPECT_EQ(course.marks[1].text, "bridge");
+  EXPECT_EQ(course.marks[1].a, 2);
+  EXPECT_EQ(course.marks[1].at, asked_at);
+}
+
+TEST_F(OperatingMountTest, AMarkInARecordElsewhereDoesNotWaitForTheBook) {
+  begin("drive");
+  course.has_samples = true;
+  run(milliseconds(1000));
+  disk.unmount(kRecordings);
+  course.fallback = true;
+  ask({.request = 1, .operation = Operation::kMark, .text = "kerb"});
+  run(milliseconds(100));
+  EXPECT_EQ(course.marks.size(), 1u);
 }
 
 }  // namespace
