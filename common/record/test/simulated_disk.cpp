@@ -55,9 +55,9 @@ void SimulatedDisk::kill() {
 
 void SimulatedDisk::cut_power() {
   kill();
-  root_->folder->lose_power(random_);
+  torn_sectors_ += root_->folder->lose_power(random_);
   for (auto& [path, mounted] : mounted_)
-    if (mounted.root) mounted.root->folder->lose_power(random_);
+    if (mounted.root) torn_sectors_ += mounted.root->folder->lose_power(random_);
   off_ = true;
 }
 

@@ -77,6 +77,8 @@ class SimulatedDisk final : public Disk {
   /// Every call fails (EIO) until power_on(), which shows what the platter has.
   void cut_power();
   bool is_off() const { return off_; }
+  /// That all power cuts left in files as they had been, or as whatever lay there, though they were written.
+  std::int64_t torn_sectors() const { return torn_sectors_; }
   void power_on() { off_ = false; }
 
   /// At a folder that there is, another disk, empty the first time; what the folder holds lies beneath.  It
@@ -167,6 +169,7 @@ class SimulatedDisk final : public Disk {
   std::int64_t capacity_bytes_ = std::numeric_limits<std::int64_t>::max() / 2;
   bool read_only_ = false;
   bool off_ = false;
+  std::int64_t torn_sectors_ = 0;
 };
 
 }  // namespace roadbalance::test

@@ -166,37 +166,46 @@ std::uint64_t SimulatedFile::size_after_power_cut(std::mt19937_64& random) const
 }
 
 // The sector was not synced and did not get there: it is as before, or, behind the old end, whatever lay
-// there.
-void SimulatedFile::tear(std::uint64_t sector, std::mt19937_64& random) {
+// there.  @return whether that is something else than was written
+bool SimulatedFile::tear(std::uint64_t sector, std::mt19937_64& random) {
   const std::uint64_t from = sector * kSectorBytes;
-  if (from >= size_) return;
+  if (from >= size_) return false;
   const auto kept = old_.find(sector);
   Sector bytes = kept != old_.end() ? kept->second.bytes : platter_sector(sector);
   if (from >= platter_size_ && (random() >> 40 & 7) == 0)
     for (auto& byte : bytes) byte = static_cast<std::uint8_t>(random() >> 40);
-  put(from, {bytes.data(), std::min(kSectorBytes, size_ - from)});
+  const std::span<const std::uint8_t> torn(bytes.data(), std::min(kSectorBytes, size_ - from));
+  Sector written{};
+  read(from, {written.data(), torn.size()});
+  put(from, torn);
+  return !std::equal(torn.begin(), torn.end(), written.begin());
 }
 
-void SimulatedFile::lose_power(std::mt19937_64& random) {
+std::int64_t SimulatedFile::lose_power(std::mt19937_64& random) {
   const std::uint64_t cut_back = size_;
   const std::uint64_t size = size_after_power_cut(random);
+  std::int64_t torn = 0;
+  const auto tear = [&](std::uint64_t sector) {
+    if (this->tear(sector, random) && sector * kSectorBytes < size) ++torn;
+  };
   set_size(std::max(size, size_));
   for (const auto& [from, to] : dirty_) {
     const std::uint64_t one_in =
         random() >> 40 & 3;  // 0: nothing got there; else one sector in so many is missing
     for (std::uint64_t sector = from; sector < to; ++sector)
-      if (one_in == 0 || (random() >> 40) % (4 * one_in) == 0) tear(sector, random);
+      if (one_in == 0 || (random() >> 40) % (4 * one_in) == 0) tear(sector);
   }
   for (const auto& [sector, kept] : old_)
-    if (kept.lost || sector * kSectorBytes >= cut_back) tear(sector, random);
+    if (kept.lost || sector * kSectorBytes >= cut_back) tear(sector);
   // The sector that a cut goes through has its old end again if the cut is undone.
-  if (size > cut_back && old_.contains(cut_back / kSectorBytes)) tear(cut_back / kSectorBytes, random);
+  if (size > cut_back && old_.contains(cut_back / kSectorBytes)) tear(cut_back / kSectorBytes);
   set_size(size);
   reserved_ = 0;
   account();
   dirty_.clear();
   old_.clear();
   platter_size_ = size_;
+  return torn;
 }
 
 void SimulatedFile::damage(std::uint64_t offset, std::uint8_t flipped_bits) {

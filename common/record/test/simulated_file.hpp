@@ -38,7 +38,8 @@ class SimulatedFile {
   /// next sync succeeds.
   void fail_sync(std::mt19937_64& random);
   /// The page cache is gone, the platter is what counts.
-  void lose_power(std::mt19937_64& random);
+  /// @return sectors in it that are not as they were written last
+  std::int64_t lose_power(std::mt19937_64& random);
   /// Alters a byte behind everybody's back, in cache and platter.
   void damage(std::uint64_t offset, std::uint8_t flipped_bits);
 
@@ -58,7 +59,7 @@ class SimulatedFile {
   void keep_old(std::uint64_t from, std::uint64_t to);
   void mark_dirty(std::uint64_t from_sector, std::uint64_t to_sector);
   std::uint64_t size_after_power_cut(std::mt19937_64& random) const;
-  void tear(std::uint64_t sector, std::mt19937_64& random);
+  bool tear(std::uint64_t sector, std::mt19937_64& random);
 
   std::shared_ptr<std::int64_t> used_bytes_;
   std::int64_t accounted_bytes_ = 0;

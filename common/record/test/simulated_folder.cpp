@@ -36,7 +36,7 @@ void SimulatedFolder::sync() {
   unsynced_.clear();
 }
 
-void SimulatedFolder::lose_power(std::mt19937_64& random) {
+std::int64_t SimulatedFolder::lose_power(std::mt19937_64& random) {
   const bool in_order = (random() >> 40 & 1) != 0;
   for (const Change& change : unsynced_) {
     const bool kept = (random() >> 40 & 1) != 0;
@@ -45,11 +45,13 @@ void SimulatedFolder::lose_power(std::mt19937_64& random) {
   }
   unsynced_.clear();
   now_ = platter_;
+  std::int64_t torn = 0;
   for (const auto& [name, node] : now_) {
     node->locked_by = -1;
-    if (node->folder) node->folder->lose_power(random);
-    if (node->file) node->file->lose_power(random);
+    if (node->folder) torn += node->folder->lose_power(random);
+    if (node->file) torn += node->file->lose_power(random);
   }
+  return torn;
 }
 
 SimulatedFolder::Node new_folder() {

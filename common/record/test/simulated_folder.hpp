@@ -34,8 +34,8 @@ class SimulatedFolder {
   void rename(const std::string& from, const std::string& to);
 
   void sync();
-  /// With all that is in it.
-  void lose_power(std::mt19937_64& random);
+  /// With all that is in it.  @return torn sectors of its files
+  std::int64_t lose_power(std::mt19937_64& random);
 
  private:
   using Entries = std::map<std::string, Node>;
