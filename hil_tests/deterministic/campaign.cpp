@@ -174,6 +174,7 @@ void add(const RunResult& run, RunResult& all) {
   all.scans += run.scans;
   all.lost_scans += run.lost_scans;
   all.declared_scans += run.declared_scans;
+  all.declared_gaps += run.declared_gaps;
   all.tail_scans += run.tail_scans;
   all.lost_edges += run.lost_edges;
   all.lost_signals += run.lost_signals;
@@ -181,6 +182,7 @@ void add(const RunResult& run, RunResult& all) {
   all.deaths_at_call += run.deaths_at_call;
   all.node_boots += run.node_boots;
   all.fallbacks += run.fallbacks;
+  all.disk_fulls += run.disk_fulls;
   all.clock_events += run.clock_events;
   all.clock_windows += run.clock_windows;
   all.clock_covered += run.clock_covered;
@@ -212,6 +214,10 @@ Summary summarise(const FaultScenario& scenario, const std::vector<RunResult>& r
   if (scenario.expect.falls_back && 2 * summary.all.fallbacks < summary.runs)
     summary.missed =
         "recorders went to their fallback folder " + std::to_string(summary.all.fallbacks) + " times only";
+  if (scenario.plans(FaultKind::kDiskFull) && summary.all.disk_fulls == 0)
+    summary.missed = "no recorder waited for space on its disk";
+  if (scenario.slow_syncs > 0 && summary.all.longest_to_durable_s < scenario.slow_sync.shortest_s)
+    summary.missed = "no sync was slow";
   if (summary.blocks_per_s() < options.least_blocks_per_s)
     summary.missed = std::to_string(std::lround(summary.blocks_per_s())) + " blocks a second, wanted are " +
                      std::to_string(std::lround(options.least_blocks_per_s));

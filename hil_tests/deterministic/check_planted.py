@@ -50,6 +50,11 @@ class Checks:
             raise RuntimeError(f"{' '.join(command)}: exit code {done.returncode}: {done.stderr}")
         return "promises broken" in done.stdout, done.returncode == 0
 
+    def known(self):
+        """Names of the faults that can be planted, as the program says them."""
+        done = subprocess.run([self.program, "--plant", "?"], capture_output=True, text=True, check=False)
+        return done.stderr.partition("there are: ")[2].split("\n")[0].split()
+
     def verdicts(self, scenario, seed, fault=None):
         """Exit codes of the independent checker for the record of each recorder: 0, 3, and 1 if it is damaged."""
         dump = self.folder / f"{scenario}-{fault}-{seed}"
@@ -95,6 +100,8 @@ def main(arguments):
     wrong = []
     with tempfile.TemporaryDirectory() as folder:
         checks = Checks(arguments[1], arguments[2], pathlib.Path(folder))
+        if sorted(checks.known()) != sorted(FAULTS):
+            wrong.append(f"the program plants {checks.known()}, tried are {list(FAULTS)}")
         for scenario in sorted(set(FAULTS.values())):
             wrong += [found] if (found := checks.is_clean(scenario)) else []
         for fault, scenario in FAULTS.items():

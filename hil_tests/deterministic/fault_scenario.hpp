@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -87,6 +88,9 @@ struct FaultScenario {
   bool is_operated() const { return !vehicle.empty(); }
 
   std::vector<PlannedFault> faults;
+  bool plans(FaultKind kind) const {
+    return std::ranges::find(faults, kind, &PlannedFault::kind) != faults.end();
+  }
   Expectation expect;
 
   /// @throws ConfigError "file:line: key: reason", std::system_error

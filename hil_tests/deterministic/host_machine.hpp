@@ -96,6 +96,7 @@ class HostMachine {
   int unsure_deaths() const { return unsure_deaths_; }
   /// How often it died before a call of its disk, not between two turns.
   int deaths_at_call() const { return deaths_at_call_; }
+  int disk_fulls() const { return disk_fulls_; }  ///< times that it waited for space, as its record says
 
  private:
   struct Program;
@@ -164,6 +165,7 @@ class HostMachine {
   double failing_ = 0;
   int next_to_check_ = 1;    // segment
   int deleted_through_ = 0;  // by retention, as the notes say that were read
+  int disk_fulls_ = 0;       // as these say, too
   std::int64_t elapsed_seen_ns_ = 0;
   std::int64_t utc_offset_us_ = 0;
   int boots_ = 0;

@@ -242,6 +242,7 @@ void HostMachine::take_notes(const std::string& recording, std::span<const std::
   const auto note = decode_note(bytes);
   if (note && note->kind == NoteKind::kSegmentDeleted)
     deleted_through_ = std::max(deleted_through_, static_cast<int>(note->a));
+  if (note && note->kind == NoteKind::kDiskFull) ++disk_fulls_;
   if (!note || note->kind != NoteKind::kMark) return;
   const auto [known, is_new] = marks_.try_emplace(note->text, FoundMark{recording, note->a});
   // Once more under the same number: nobody knew whether it was on the disk.
@@ -250,9 +251,7 @@ void HostMachine::take_notes(const std::string& recording, std::span<const std::
 }
 
 bool HostMachine::disk_may_fail() const {
-  return std::ranges::any_of(scenario_.faults, [](const PlannedFault& fault) {
-    return fault.kind == FaultKind::kDiskFull || fault.kind == FaultKind::kDiskFailing;
-  });
+  return scenario_.plans(FaultKind::kDiskFull) || scenario_.plans(FaultKind::kDiskFailing);
 }
 
 void HostMachine::check_asked(const std::vector<Asker::Asked>& asked) {

@@ -72,7 +72,9 @@ void add_plant(CLI::App& app) {
       "--plant",
       [](const std::string& name) {
         const auto fault = planted_named(name);
-        if (!fault) throw CLI::ValidationError("--plant", name + " is no planted fault");
+        if (!fault)
+          throw CLI::ValidationError("--plant",
+                                     name + " is no planted fault; there are: " + all_planted_names());
         planted_fault = *fault;
       },
       "the fault that this build has");

@@ -24,6 +24,13 @@ constexpr std::optional<PlantedFault> planted_named(std::string_view name) {
   return std::nullopt;
 }
 
+/// "free_on_receive epoch_reused ...".
+inline std::string all_planted_names() {
+  std::string all;
+  for (const std::string_view name : kPlantedNames) (all += all.empty() ? "" : " ") += name;
+  return all;
+}
+
 /// What a command line needs to have the fault too: nothing, or " --plant NAME".
 inline std::string plant_option(PlantedFault fault) {
   if (fault == PlantedFault::kNone) return {};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
@@ -67,6 +68,7 @@ void RecordCheck::take_own(const SealedBlock& block, Seen& of) {
     fault(header, "follows block " + std::to_string(of.sequence) + ": those between are lost");
   of.sequence = header.sequence;
   take_scans(block, of);
+  declared_gaps_ += block.kind == BlockKind::kGap ? 1 : 0;
   if (block.kind != BlockKind::kEnd) {
     of.sum.add(crc_of(block));
   } else {
@@ -85,6 +87,7 @@ void RecordCheck::take_declared(const SealedBlock& block, Seen& of) {
   of.all_its_own = false;
   const BlockHeader& header = block.header;
   if (block.kind != BlockKind::kGap) return fault(header, "is not as its node sealed it");
+  ++declared_gaps_;
   const GapCause cause = decode_gap(block).cause;
   if (cause != GapCause::kLostAtNode && cause != GapCause::kNodeCrash)
     return fault(header, "declares what only a node can");
@@ -103,7 +106,7 @@ void RecordCheck::take_declared(const SealedBlock& block, Seen& of) {
   }
   of.sequence = header.sequence;
   take_scans(block, of);
-  if (header.scans == 0) of.next_scan = kUnknown;
+  of.is_next_known = header.scans > 0;
 }
 
 void RecordCheck::take_scans(const SealedBlock& block, Seen& of) {
@@ -119,8 +122,11 @@ void RecordCheck::take_scans(const SealedBlock& block, Seen& of) {
 }
 
 void RecordCheck::run_on(const BlockHeader& header, Seen& of) {
-  if (of.next_scan != kUnknown && header.first_scan != of.next_scan) {
-    lost_scans_ += std::max<std::int64_t>(0, header.first_scan - of.next_scan);
+  const std::int64_t missing = std::max<std::int64_t>(0, header.first_scan - of.next_scan);
+  if (!std::exchange(of.is_next_known, true) && header.first_scan >= of.next_scan) {
+    declared_scans_ += missing;
+  } else if (header.first_scan != of.next_scan) {
+    lost_scans_ += missing;
     fault(header, "begins with scan " + std::to_string(header.first_scan) + " instead of " +
                       std::to_string(of.next_scan));
   }
@@ -161,7 +167,7 @@ void RecordCheck::finish(bool closed) {
 void RecordCheck::finish(Seen& of, bool closed) {
   const EpochTruth& epoch = *of.truth;
   const std::string name = "node " + std::to_string(epoch.node) + " epoch " + std::to_string(epoch.epoch);
-  const std::int64_t missing = of.next_scan == kUnknown ? 0 : epoch.scans - of.next_scan;
+  const std::int64_t missing = epoch.scans - of.next_scan;
   if (of.said.promised > of.sequence)
     truth_.fault(name + ": called durable through " + std::to_string(of.said.promised) +
                  ", recorded through " + std::to_string(of.sequence));

@@ -51,6 +51,7 @@ class RecordCheck {
 
   std::int64_t blocks() const { return blocks_; }
   std::int64_t declared_scans() const { return declared_scans_; }  ///< in gaps of any cause
+  std::int64_t declared_gaps() const { return declared_gaps_; }    ///< of no scans, too
   std::int64_t lost_scans() const { return lost_scans_; }          ///< missing and not declared
   std::int64_t crash_tail_scans() const { return crash_tail_scans_; }
   std::int64_t open_scans() const {
@@ -64,15 +65,14 @@ class RecordCheck {
     std::optional<std::string> recording;
     HashedScans samples;
     Said said;
-    std::int64_t sequence = 0;   // last one
-    std::int64_t next_scan = 0;  // kUnknown behind a loss of unknown length
-    BlockSum sum;                // of the blocks that its node sealed ...
-    bool all_its_own = true;     // ... and all are
+    std::int64_t sequence = 0;  // last one
+    std::int64_t next_scan = 0;
+    bool is_next_known = true;  // else more were lost with the last gap, nobody knows how many
+    BlockSum sum;               // of the blocks that its node sealed ...
+    bool all_its_own = true;    // ... and all are
     bool crashed = false;
     bool ended = false;
   };
-  static constexpr std::int64_t kUnknown = -1;
-
   Seen& seen(Key key);
   void lies_in(const std::string& recording, const BlockHeader& header, Seen& seen);
   void take_own(const SealedBlock& block, Seen& seen);
@@ -88,6 +88,7 @@ class RecordCheck {
   SealedBlock block_;
   std::int64_t blocks_ = 0;
   std::int64_t declared_scans_ = 0;
+  std::int64_t declared_gaps_ = 0;
   std::int64_t lost_scans_ = 0;
   std::int64_t crash_tail_scans_ = 0;
   std::int64_t open_scans_ = 0;

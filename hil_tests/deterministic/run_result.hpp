@@ -16,7 +16,8 @@ struct RunResult {
   std::int64_t scans = 0;
   std::int64_t lost_scans = 0;      ///< undeclared
   std::int64_t declared_scans = 0;  ///< in gaps
-  std::int64_t tail_scans = 0;      ///< behind the last block of a node that died
+  std::int64_t declared_gaps = 0;
+  std::int64_t tail_scans = 0;  ///< behind the last block of a node that died
   double longest_to_durable_s = 0;
   double longest_pull_cleared_s = 0;
   std::int64_t lost_edges = 0;  ///< inside gaps
@@ -25,6 +26,7 @@ struct RunResult {
   std::int64_t deaths_at_call = 0;  ///< of recorders, before a call of their disk
   std::int64_t node_boots = 0;
   std::int64_t fallbacks = 0;     ///< recorders whose record goes on in the fallback folder
+  std::int64_t disk_fulls = 0;    ///< times that a recorder waited for space
   std::int64_t clock_events = 0;  ///< exchanges and fits found in records
   std::int64_t clock_windows = 0;
   std::int64_t clock_covered = 0;

@@ -37,9 +37,11 @@ RunResult World::result() {
     result.recorded += check.blocks();
     result.lost_scans += check.lost_scans();
     result.declared_scans += check.declared_scans();
+    result.declared_gaps += check.declared_gaps();
     result.tail_scans += check.crash_tail_scans();
     result.longest_to_durable_s = std::max(result.longest_to_durable_s, host.machine->longest_to_durable_s());
     result.fallbacks += host.machine->fell_back() ? 1 : 0;
+    result.disk_fulls += host.machine->disk_fulls();
     result.clock_events += host.machine->clock_events().found();
     result.recorder_boots += host.machine->boots();
     result.deaths_at_call += host.machine->deaths_at_call();
@@ -66,9 +68,13 @@ RunResult World::result() {
   result.lost_signals = truth_.lost_signals();
   result.sent = network_.blocks_sent();
   result.longest_pull_cleared_s = longest_pull_cleared_s_;
-  if (scenario_.expect.complete && result.declared_scans + result.tail_scans > 0)
-    truth_.fault(std::to_string(result.declared_scans + result.tail_scans) +
-                 " scans are declared missing where all must be there");
+  if (scenario_.expect.complete && result.declared_gaps + result.tail_scans > 0)
+    truth_.fault(std::to_string(result.declared_gaps) + " gaps with " +
+                 std::to_string(result.declared_scans + result.tail_scans) +
+                 " scans are declared where all must be there");
+  if (scenario_.expect.complete && result.lost_edges + result.lost_signals > 0)
+    truth_.fault(std::to_string(result.lost_edges) + " edges and " + std::to_string(result.lost_signals) +
+                 " signals are lost where all must be there");
   result.faults = truth_.fault_count();
   std::string what;
   for (const std::string& fault : truth_.faults()) what += fault + "\n";

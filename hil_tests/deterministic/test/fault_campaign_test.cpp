@@ -45,9 +45,23 @@ TEST(FaultCampaign, ASeedWithoutAResultIsMissed) {
   RunResult run;
   run.blocks = 1;
   run.deaths_at_call = 2;
+  run.disk_fulls = 1;
+  run.longest_to_durable_s = scenario.slow_sync.shortest_s;
   EXPECT_EQ(summarise(scenario, {run, run}, seeds(1, 2)).missed, "");
   EXPECT_EQ(summarise(scenario, {run, run}, seeds(1, 3)).missed,
             "of 3 seeds 2 have a result: a process that ran them is gone");
+}
+
+TEST(FaultCampaign, AFaultThatDoesNotComeProvesNothing) {
+  const FaultScenario scenario = all_faults();
+  RunResult run;
+  run.blocks = 1;
+  run.deaths_at_call = 2;
+  run.longest_to_durable_s = scenario.slow_sync.shortest_s;
+  EXPECT_EQ(summarise(scenario, {run}, seeds(1, 1)).missed, "no recorder waited for space on its disk");
+  run.disk_fulls = 1;
+  run.longest_to_durable_s = 0;
+  EXPECT_EQ(summarise(scenario, {run}, seeds(1, 1)).missed, "no sync was slow");
 }
 
 }  // namespace
