@@ -76,9 +76,9 @@ void add(const SealedBlock& block, RecordState& state) {
   const GapCause cause = is_gap ? decode_gap(block).cause : GapCause::kRingFull;
   const bool covers_those_before = is_gap && stands_for_lost_blocks(cause);
   if (block.header.sequence <= position.contiguous) return;
-  if (block.header.sequence != position.contiguous + 1 && !covers_those_before) return;
+  const bool has_hole = block.header.sequence != position.contiguous + 1 && !covers_those_before;
   position.contiguous = block.header.sequence;
-  if (is_gap && is_declared_by_host(cause)) epoch.sum.reset();
+  if (has_hole || (is_gap && is_declared_by_host(cause))) epoch.sum.reset();
   if (epoch.sum && block.kind != BlockKind::kEnd) {
     BlockSum sum(*epoch.sum);
     sum.add(block);
@@ -142,7 +142,7 @@ bool holds_all_of(const RecordState& record, const std::filesystem::path& folder
   for (const UnsureBlock& one : unsure) add(one.block, there);
   return std::ranges::all_of(record.epoch, [&there](const auto& written) {
     const auto found = there.epoch.find(written.first);
-    return found != there.epoch.end() &&
+    return found != there.epoch.end() && found->second.blocks >= written.second.blocks &&
            found->second.position.contiguous >= written.second.position.contiguous;
   });
 }

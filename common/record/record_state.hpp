@@ -45,8 +45,13 @@ RecordState::Descriptions going_on(const RecordState& state);
 inline constexpr std::int32_t kMostDescriptionParts = 64;        ///< of an epoch: 75 kB of text
 inline constexpr std::size_t kMostDescriptionPartsInAll = 1024;  ///< 1.4 MB in each segment
 
-/// Adds the next block of the record.  One that does not continue its epoch counts for nothing; a description
+/// Adds the next block of the record; one that is there already counts for nothing, and a description
 /// (sequence 0) only adds to `vehicle`.
+///
+/// What lies behind a hole, or behind a beginning that is in another folder or deleted, is in the record all
+/// the same: recorders write every epoch in sequence, so that what is not there was taken, called durable and
+/// lost here.  Its node does not have it any more, and who told it to begin again before the hole would call
+/// lost what is there.
 void add(const SealedBlock& block, RecordState& state);
 
 /// What the next segment repeats of the clocks: of epochs that have not ended.

@@ -14,6 +14,11 @@
 
 namespace roadbalance {
 
+/// In a fallback folder, before anything else: the folders whose rest it holds, one a line.
+inline constexpr const char* kContinuesFile = "continues";
+/// In the first folder once the record goes on in the fallback: which that is.
+inline constexpr const char* kContinuedInFile = "continued-in";
+
 /// "seg-000001.lcm" in `folder`.
 std::filesystem::path segment_path(const std::filesystem::path& folder, int number);
 

@@ -115,6 +115,21 @@ void write_index(const std::filesystem::path& folder, const SegmentIndex& index,
   write_atomically(index_path(folder, index.segment), encode(index), disk);
 }
 
+RecordBeginning beginning_of(const std::filesystem::path& folder, Disk& disk) {
+  RecordBeginning begin{.before = std::nullopt,
+                        .is_in_other_folder = path_exists(folder / kContinuesFile, disk)};
+  const auto numbers = segment_numbers(folder, disk);
+  int deleted = 0;
+  for (const std::string& name : list_folder(folder, disk))
+    if (const auto number = segment_of_file(name, ".idx"); number && *number < numbers.front())
+      deleted = std::max(deleted, *number);
+  if (deleted > 0)
+    begin.before = read_index_alone(folder, deleted, disk);
+  else if (numbers.front() == 1 && !begin.is_in_other_folder)
+    begin.before.emplace();
+  return begin;
+}
+
 int start_from_index(const std::filesystem::path& folder, RecordState& state, Disk& disk) {
   const auto take = [&state](const SegmentIndex& index) {
     for (const auto& [key, epoch] : index.epoch) {
@@ -129,7 +144,7 @@ int start_from_index(const std::filesystem::path& folder, RecordState& state, Di
       take(*index);
       return *number + 1;
     }
-  if (const auto deleted = read_index_alone(folder, numbers.front() - 1, disk)) take(*deleted);
+  if (const auto before = beginning_of(folder, disk).before) take(*before);
   return numbers.front();
 }
 
@@ -148,15 +163,15 @@ RecordEnd end_of_record(const std::filesystem::path& folder, int first, Disk& di
 
 namespace {
 
-// Where the record stands at the end of a finished segment, which has no good index, and all before are gone.
+// Where the record stands at the end of a finished segment, which has no good index.
 std::optional<SegmentIndex> index_anew(const std::filesystem::path& folder, int number, Disk& disk) {
-  const auto before = read_index_alone(folder, number - 1, disk);
-  if (!before && number > 1) return std::nullopt;
+  const auto before = beginning_of(folder, disk).before;
+  if (!before) return std::nullopt;
   RecordState state;
-  if (before) state.epoch = before->epoch;
-  RecordReader reader(folder, disk, number);
+  state.epoch = before->epoch;
+  RecordReader reader(folder, disk);
   SealedBlock block;
-  for (auto event = reader.next(); event && reader.segment() == number; event = reader.next())
+  for (auto event = reader.next(); event && reader.segment() <= number; event = reader.next())
     if (accept(*event, block) == Refusal::kNone) add(block, state);
   return SegmentIndex{.segment = number,
                       .bytes = size_of_file(segment_path(folder, number), disk),
@@ -170,7 +185,11 @@ RebuiltIndexes rebuild_indexes(const std::filesystem::path& folder, Disk& disk) 
   const auto numbers = segment_numbers(folder, disk);
   if (numbers.empty()) return rebuilt;
   RecordState state;
-  if (const auto before = read_index_alone(folder, numbers.front() - 1, disk)) state.epoch = before->epoch;
+  bool is_known = false;  // what the segments so far come to
+  if (const auto before = beginning_of(folder, disk).before) {
+    state.epoch = before->epoch;
+    is_known = true;
+  }
   // A segment with an index counts as durable, and of the last one nobody has said so.
   for (const auto& [number, extent] : end_of_record(folder, 1, disk).unfinished) {
     const auto path = segment_path(folder, number);
@@ -184,6 +203,15 @@ RebuiltIndexes rebuild_indexes(const std::filesystem::path& folder, Disk& disk) 
   const auto at_end = [&](int segment, const RecordState& at) {
     if (std::ranges::find(rebuilt.torn, segment_path(folder, segment)) != rebuilt.torn.end()) return;
     if (knows_of_more(folder, segment, disk)) return;
+    if (!is_known) {
+      if (const auto good = read_index(folder, segment, disk)) {
+        state.epoch = good->epoch;
+        is_known = true;
+      } else {
+        rebuilt.unknown.push_back(segment_path(folder, segment));
+      }
+      return;
+    }
     const SegmentIndex index{
         .segment = segment, .bytes = size_of_file(segment_path(folder, segment), disk), .epoch = at.epoch};
     if (read_index(folder, segment, disk) == index) return;
@@ -195,10 +223,12 @@ RebuiltIndexes rebuild_indexes(const std::filesystem::path& folder, Disk& disk) 
 }
 
 void delete_segment(const std::filesystem::path& folder, int number, Disk& disk) {
-  if (!read_index(folder, number, disk))
+  if (!read_index(folder, number, disk) && !knows_of_more(folder, number, disk))
     if (const auto index = index_anew(folder, number, disk)) write_index(folder, *index, disk);
   remove_file(segment_path(folder, number), disk);
-  remove_file(index_path(folder, number - 1), disk);
+  for (const std::string& name : list_folder(folder, disk))
+    if (const auto before = segment_of_file(name, ".idx"); before && *before < number)
+      remove_file(index_path(folder, *before), disk);
   sync_folder(folder, disk);
 }
 

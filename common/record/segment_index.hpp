@@ -46,6 +46,16 @@ std::optional<SegmentIndex> read_index(const std::filesystem::path& folder, int 
 /// The same, however long its segment is now, as of one that the retention mode has deleted.
 std::optional<SegmentIndex> read_index_alone(const std::filesystem::path& folder, int number,
                                              Disk& disk = kernel_disk());
+/// Where the record in a folder begins.
+struct RecordBeginning {
+  /// Of segment 0 where nothing was before; else of the one deleted last, which may have been a while before
+  /// the first one here: numbers were given up.  Nothing: what was before is in another folder, or its index
+  /// is gone.
+  std::optional<SegmentIndex> before;
+  bool is_in_other_folder = false;
+};
+RecordBeginning beginning_of(const std::filesystem::path& folder, Disk& disk = kernel_disk());
+
 /// A good index says that its segment was longer: it is the segment that is wrong, and nothing else knows.
 bool knows_of_more(const std::filesystem::path& folder, int number, Disk& disk = kernel_disk());
 /// @throws std::system_error naming the file
@@ -76,9 +86,12 @@ struct RebuiltIndexes {
   /// Segments at the end whose tail is torn.  They get no index: that would call them finished, and the tail
   /// damage.
   std::vector<std::filesystem::path> torn;
+  /// Segments without a good index, before which nobody knows what was: nothing can be said of their ends.
+  std::vector<std::filesystem::path> unknown;
 };
 /// Makes those indexes again that are missing or say something else than the segments, which it reads all; of
-/// a record that nobody writes to.  One that knows_of_more() stays.
+/// a record that nobody writes to.  One that knows_of_more() stays, and the first good one where nobody knows
+/// what was before.
 /// @throws std::system_error naming the file
 RebuiltIndexes rebuild_indexes(const std::filesystem::path& folder, Disk& disk = kernel_disk());
 

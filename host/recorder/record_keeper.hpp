@@ -26,10 +26,6 @@
 
 namespace roadbalance {
 
-/// In the first folder once the record goes on in the fallback: which that is.
-inline constexpr const char* kContinuedInFile = "continued-in";
-/// In the fallback, before anything else: the folders whose rest it holds, one a line.
-inline constexpr const char* kContinuesFile = "continues";
 
 /// Anything else that the record keeps: clock exchanges and fits.
 struct RecordEvent {

@@ -26,6 +26,7 @@ namespace {
 struct Reading {
   Verification& result;
   bool is_all = true;  // of its recording: no other folder holds what comes before, no segment was deleted
+  bool is_begin_known = true;  // until a good index says where it stands, nothing can be held against one
   EpochCheck epochs{};
   JournalCheck journal{};
   HeaderCheck headers{};
@@ -147,7 +148,7 @@ void check_header(const RecordReader& reader, const std::filesystem::path& folde
 }
 
 // An index may say less than is there; an epoch of which nothing is there it cannot have from nowhere.
-void check_index(const std::filesystem::path& folder, int segment, const RecordState& state, Disk& disk,
+void check_index(const std::filesystem::path& folder, int segment, RecordState& state, Disk& disk,
                  Reading& reading) {
   if (!path_exists(index_path(folder, segment), disk)) return;
   const auto said = read_index_alone(folder, segment, disk);
@@ -160,6 +161,7 @@ void check_index(const std::filesystem::path& folder, int segment, const RecordS
                                       " is not here; its index names it");
     }
   const auto index = read_index(folder, segment, disk);
+  if (index && !std::exchange(reading.is_begin_known, true)) state.epoch = index->epoch;
   if (!index || index->epoch != state.epoch)
     reading.result.indexes.push_back(index_path(folder, segment).filename().string() +
                                      ": is damaged, or says something else than its segment");
@@ -167,11 +169,15 @@ void check_index(const std::filesystem::path& folder, int segment, const RecordS
 
 void read(const std::filesystem::path& folder, RecordReader& reader, Disk& disk, Reading& reading) {
   RecordState state;
-  reading.is_all = reader.segment() == 1 && !path_exists(folder / kContinuesFile, disk);
-  const auto before = read_index_alone(folder, reader.segment() - 1, disk);
+  const RecordBeginning begin = beginning_of(folder, disk);
+  const auto& before = begin.before;
+  reading.is_all = before && before->segment == 0;
+  reading.is_begin_known = before.has_value();
   if (before) {
     state.epoch = before->epoch;
     reading.journal.begin_behind(before->epoch);
+  } else if (begin.is_in_other_folder) {
+    reading.epochs.begin_anywhere();
   }
   int segment = reader.segment();
   while (const auto event = reader.next()) {
@@ -224,7 +230,8 @@ void conclude(Reading& reading) {
 Verdict judge(const Verification& result) {
   bool damaged = result.blocks_refused > 0 || result.entries_refused > 0 || result.damaged_bytes > 0 ||
                  result.altered_headers > 0 || result.missing_segments > 0;
-  bool complete = result.damage.empty() && result.lost.empty() && !result.epoch.empty();
+  bool complete =
+      result.damage.empty() && result.lost.empty() && result.elsewhere.empty() && !result.epoch.empty();
   for (const auto& epoch : result.epoch) {
     damaged = damaged || epoch.is_damaged();
     complete = complete && epoch.is_complete();
@@ -250,6 +257,7 @@ Verification verify_record(const std::filesystem::path& folder, Disk& disk) {
     list_damage(reader, finished, result);
     list_missing_segments(folder, finished, disk, reading);
     list_deleted_segments(first, reading);
+    result.elsewhere = find_elsewhere(folder, disk);
     compare_with_stops(reading);
     conclude(reading);
     result.verdict = judge(result);
@@ -272,6 +280,7 @@ std::string verdict_text(const Verification& result) {
       break;
   }
   if (result.epoch.empty()) return "incomplete: it describes itself, but no block of a node is there";
+  if (!result.elsewhere.empty()) return "incomplete, the rest of it is in another folder";
   const bool open = !result.damage.empty() || std::any_of(result.epoch.begin(), result.epoch.end(),
                                                           [](const auto& epoch) { return epoch.is_open(); });
   if (open) return "incomplete, no end: what came after is unknown";

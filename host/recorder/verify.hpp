@@ -39,8 +39,9 @@ struct Verification {
   /// What is declared lost, but by no gap, for people: segments that the retention mode deleted, what rb
   /// recover could not read, what a recorder held when it stopped.
   std::vector<std::string> lost;
-  std::vector<std::string> notes;    ///< what the recorder noted, for people
-  RecordedAlarms alarms;             ///< that it noted
+  std::vector<std::string> elsewhere;  ///< parts of the recording that are in other folders, for people
+  std::vector<std::string> notes;      ///< what the recorder noted, for people
+  RecordedAlarms alarms;               ///< that it noted
   std::vector<std::string> indexes;  ///< that say something else than their segments; they can be made again,
                                      ///< but for one that knows of more than its segment has
 };

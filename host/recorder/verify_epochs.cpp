@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <utility>
 
 #include "common/bus/codec.hpp"
 
@@ -127,6 +128,15 @@ void EpochCheck::check_sum(const Epoch& epoch, VerifiedEpoch& result) {
   result.contradictions.emplace_back(text);
 }
 
+void EpochCheck::begin_at_its_first_block(Epoch& epoch) {
+  bool is_first = true;
+  epoch.blocks.in_order([&](const BlockEntry& entry) {
+    if (!std::exchange(is_first, false) || entry.sequence == 1) return;
+    epoch.deleted = {.position = {.contiguous = entry.sequence - 1, .next_scan = entry.first_scan},
+                     .sum = std::nullopt};
+  });
+}
+
 VerifiedEpoch EpochCheck::check(NodeEpoch key, Epoch& epoch) {
   VerifiedEpoch result;
   result.node = key.first;
@@ -153,6 +163,7 @@ VerifiedEpoch EpochCheck::check(NodeEpoch key, Epoch& epoch) {
 std::vector<VerifiedEpoch> EpochCheck::result() {
   std::vector<VerifiedEpoch> all;
   for (auto& [key, epoch] : epochs_) {
+    if (begins_anywhere_) begin_at_its_first_block(epoch);
     const bool was_over = epoch.blocks.empty() && epoch.deleted.position.ended;
     if (!was_over) all.push_back(check(key, epoch));
   }

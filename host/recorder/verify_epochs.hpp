@@ -40,10 +40,12 @@ struct VerifiedEpoch {
   std::int64_t last_sequence = 0;
   std::int64_t samples = 0;          ///< scans in recorded blocks
   std::int64_t samples_missing = 0;  ///< scans in declared gaps
-  std::int64_t samples_deleted = 0;  ///< scans, recorded or declared missing, in segments that were deleted
-  bool ended = false;                ///< the node's end is there
-  std::int64_t samples_sent = 0;     ///< by the node's end; without one, as recorded
-  std::int64_t period_ps = 0;        ///< of the scan blocks
+  /// Scans, recorded or declared missing, in segments that were deleted, or in the folder that this one
+  /// continues.
+  std::int64_t samples_deleted = 0;
+  bool ended = false;             ///< the node's end is there
+  std::int64_t samples_sent = 0;  ///< by the node's end; without one, as recorded
+  std::int64_t period_ps = 0;     ///< of the scan blocks
   std::vector<VerifiedGap> gaps;
   std::vector<MissingSpan> undeclared_blocks;
   std::vector<MissingSpan> undeclared_scans;
@@ -71,6 +73,8 @@ class EpochCheck {
   void begin_behind(const std::map<NodeEpoch, RecordState::Epoch>& deleted);
   /// In the record's order; no descriptions.
   void add(const SealedBlock& block);
+  /// What comes before the first block of each epoch is in another folder.
+  void begin_anywhere() { begins_anywhere_ = true; }
   /// By node, then in order of appearance.
   std::vector<VerifiedEpoch> result();
   /// How many have been seen, those that ended in deleted segments too.
@@ -92,7 +96,9 @@ class EpochCheck {
   static void check_sum(const Epoch& epoch, VerifiedEpoch& result);
   static void check_totals(const Epoch& epoch, VerifiedEpoch& result);
   static VerifiedEpoch check(NodeEpoch key, Epoch& epoch);
+  static void begin_at_its_first_block(Epoch& epoch);
 
+  bool begins_anywhere_ = false;
   std::vector<std::pair<NodeEpoch, Epoch>> epochs_;  // in order of appearance: an epoch is a random number
 };
 

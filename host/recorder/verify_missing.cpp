@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <limits>
+#include <sstream>
 
+#include "common/bus/wire_text.hpp"
+#include "common/record/file.hpp"
 #include "common/record/folder.hpp"
 #include "common/record/segment.hpp"
 #include "common/record/segment_extent.hpp"
@@ -105,6 +108,18 @@ MissingSegments find_missing_segments(const std::filesystem::path& folder, const
       add(found, file, "is empty");
   }
   return found;
+}
+
+std::vector<std::string> find_elsewhere(const std::filesystem::path& folder, Disk& disk) {
+  std::vector<std::string> lines;
+  const auto list = [&](const char* file, const std::string& what) {
+    std::istringstream folders(read_text(folder / file, disk).value_or(""));
+    for (std::string line; std::getline(folders, line);)
+      lines.push_back(what + wire_text::plain_text(line) + "; rb recover makes one recording of both");
+  };
+  list(kContinuesFile, "what came before is in ");
+  list(kContinuedInFile, "it goes on in ");
+  return lines;
 }
 
 }  // namespace roadbalance

@@ -24,4 +24,7 @@ struct MissingSegments {
 MissingSegments find_missing_segments(const std::filesystem::path& folder, const FinishedSegments& finished,
                                       int deleted_through, Disk& disk = kernel_disk());
 
+/// Which other folders have what came before, or what comes behind, as its files say; for people.
+std::vector<std::string> find_elsewhere(const std::filesystem::path& folder, Disk& disk = kernel_disk());
+
 }  // namespace roadbalance

@@ -249,6 +249,9 @@ void rebuild(const std::filesystem::path& folder) {
   for (const auto& segment : rebuilt.torn)
     std::fprintf(stderr, "rb: %s gets no index: its tail is torn, as a kill or a power cut leaves it\n",
                  segment.c_str());
+  for (const auto& segment : rebuilt.unknown)
+    std::fprintf(stderr, "rb: %s gets no index: where the record stood before is not known here\n",
+                 segment.c_str());
 }
 
 /// False: it is none.

@@ -106,7 +106,7 @@ void print_epoch(const VerifiedEpoch& epoch) {
               static_cast<long long>(epoch.samples), static_cast<long long>(epoch.samples_sent),
               epoch.gaps.size(), verdict_of(epoch), epoch.ended ? "" : ", no end");
   if (epoch.samples_deleted > 0)
-    std::printf("  the first %lld scans were in segments that the retention mode deleted\n",
+    std::printf("  the first %lld scans are not in this folder any more, or never were\n",
                 static_cast<long long>(epoch.samples_deleted));
   for (const auto& gap : epoch.gaps) print_gap(gap, epoch);
   for (const auto& span : epoch.undeclared_blocks)
@@ -146,6 +146,7 @@ nlohmann::ordered_json verification_json(const Verification& result) {
           {"torn_bytes", result.torn_bytes},
           {"damage", result.damage},
           {"lost", result.lost},
+          {"elsewhere", result.elsewhere},
           {"notes", result.notes},
           {"indexes", result.indexes}};
 }
@@ -155,6 +156,7 @@ void print_verification(const Verification& result) {
   for (const auto& line : result.notes) std::printf("%s\n", line.c_str());
   for (const auto& line : result.damage) std::printf("%s\n", line.c_str());
   for (const auto& line : result.lost) std::printf("%s\n", line.c_str());
+  for (const auto& line : result.elsewhere) std::printf("%s\n", line.c_str());
   for (const auto& line : result.indexes) std::printf("%s\n", line.c_str());
   std::printf("%s\n", verdict_text(result).c_str());
 }

@@ -37,12 +37,18 @@ TEST(RecordState, RepeatsTheDescriptionOfAnEpochUntilItHasEnded) {
   EXPECT_FALSE(going_on(state).contains(first));
 }
 
-TEST(RecordState, AnEpochThatEndsUnrecordedGoesOn) {
+TEST(RecordState, WhatLiesBehindAHoleIsThereAndHasNoSum) {
   const NodeEpoch one{1, 100};
   RecordState state;
   add(description(one, 1), state);
-  add(end(one, 7), state);  // does not continue it
-  EXPECT_TRUE(going_on(state).contains(one));
+  add(description(one, 7), state);  // 2 to 6 were damaged
+  EXPECT_EQ(state.epoch[one].position.contiguous, 7);
+  EXPECT_EQ(state.epoch[one].blocks, 2);
+  EXPECT_EQ(state.epoch[one].sum, std::nullopt);
+  add(description(one, 5), state);
+  EXPECT_EQ(state.epoch[one].position.contiguous, 7);
+  add(end(one, 8), state);
+  EXPECT_TRUE(state.epoch[one].position.ended);
 }
 
 TEST(RecordState, HasNoSumWhereTheEndContradictsIt) {

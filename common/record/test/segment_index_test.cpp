@@ -150,6 +150,47 @@ TEST_F(SegmentIndexTest, ARestartGoesOnBehindDeletedSegmentsThoughNoneThatIsLeft
   EXPECT_EQ(read_index(kFolder, numbers.back(), disk)->epoch, holds);
 }
 
+// Where it is not known what came before, a count from there on would say less than the indexes that are
+// good.
+TEST_F(SegmentIndexTest, AGoodOneStaysWhereItsBeginningIsInAnotherFolder) {
+  disk.put((kFolder / kContinuesFile).string(), {'/', 'a', '\n'});
+  std::map<int, std::string> before;
+  for (const int number : numbers) before[number] = encode(*read_index(kFolder, number, disk));
+  disk.unlink(index_path(kFolder, numbers.front()).c_str());
+  disk.unlink(index_path(kFolder, numbers.back()).c_str());
+  const RebuiltIndexes rebuilt = rebuild_indexes(kFolder, disk);
+  EXPECT_EQ(rebuilt.written, 1) << "that of the last one, which follows good ones";
+  EXPECT_EQ(rebuilt.unknown, std::vector{segment_path(kFolder, numbers.front())});
+  for (const int number : numbers) {
+    if (number == numbers.front()) continue;
+    EXPECT_EQ(encode(*read_index(kFolder, number, disk)), before[number]) << number;
+  }
+}
+
+TEST_F(SegmentIndexTest, OfADeletedSegmentTheOneStaysThatKnowsOfMore) {
+  const int first = numbers.front();
+  const std::string known = encode(*read_index(kFolder, first, disk));
+  auto bytes = disk.content(segment_path(kFolder, first));
+  bytes.resize(bytes.size() / 2);
+  disk.put(segment_path(kFolder, first), bytes);
+  delete_segment(kFolder, first, disk);
+  EXPECT_EQ(encode(*read_index_alone(kFolder, first, disk)), known);
+}
+
+TEST_F(SegmentIndexTest, ARecordBeginsBehindTheSegmentDeletedLastThoughNumbersWereGivenUpSince) {
+  const int first = numbers.front(), second = numbers[1];
+  const auto index = read_index(kFolder, first, disk);
+  delete_segment(kFolder, first, disk);
+  disk.unlink(segment_path(kFolder, second).c_str());
+  disk.unlink(index_path(kFolder, second).c_str());
+  const RecordBeginning begin = beginning_of(kFolder, disk);
+  ASSERT_TRUE(begin.before);
+  EXPECT_EQ(*begin.before, *index);
+  delete_segment(kFolder, numbers[2], disk);
+  EXPECT_FALSE(path_exists(index_path(kFolder, first), disk));
+  EXPECT_EQ(beginning_of(kFolder, disk).before->segment, numbers[2]);
+}
+
 TEST_F(SegmentIndexTest, NoSegmentIsDeletedWhoseIndexCannotBeMade) {
   for (const int number : numbers) disk.unlink(index_path(kFolder, number).c_str());
   disk.set_fault([](DiskCall call, std::int64_t, const std::string& path) -> SimulatedDisk::Outcome {

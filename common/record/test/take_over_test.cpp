@@ -180,6 +180,26 @@ TEST(TakeOver, APowerCutWhileTheCommitEventIsSaidAgainTakesNothing) {
   }
 }
 
+// Its node has let go of it: told to begin again before the hole, it would call lost what lies behind.
+TEST(TakeOver, WhatLiesBehindABlockThatRotsIsHeldAllTheSame) {
+  SimulatedDisk disk;
+  {
+    Feeder feeder({.folder = kFolder}, disk);
+    EXPECT_TRUE(feeder.append_through(20) && feeder.sync() && feeder.append_through(30) && feeder.sync());
+  }
+  disk.kill();
+  SealedBlock block;
+  damage_event(disk, 0, [&](const LogEvent& event) {
+    return accept(event, block) == Refusal::kNone && block.header.sequence == 15;
+  });
+  Feeder feeder({.folder = kFolder}, disk);
+  EXPECT_EQ(feeder.found(), 30);
+  EXPECT_TRUE(feeder.append_through(40) && feeder.close());
+  std::vector<std::int64_t> left = all_through(40);
+  std::erase(left, 15);
+  EXPECT_EQ(find_blocks(kFolder, disk).sequences, left);
+}
+
 TEST(ReadState, CountsNothingThatAPowerCutMayTakeAndGivesItApart) {
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     SimulatedDisk disk(seed);

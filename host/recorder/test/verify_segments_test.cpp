@@ -156,7 +156,54 @@ TEST_F(VerifyFinished, AnEpochThatOnlyAnIndexKnowsIsDamage) {
   EXPECT_EQ(v.damage,
             std::vector<std::string>{"seg-000002.lcm: node 2 epoch 7 is not here; its index names it"});
   std::ofstream(folder / "continues") << "/first\n";
-  EXPECT_EQ(verdict(), Verdict::kComplete) << "it is in the folder that this one continues";
+  const Verification continued = verify_record(folder);
+  EXPECT_EQ(continued.missing_segments, 0) << "it is in the folder that this one continues";
+}
+
+// A fallback folder is no whole recording, and nothing is wrong with it.
+class VerifyContinued : public test::WrittenRecord {
+ protected:
+  VerifyContinued() {
+    RecordState before;
+    before.epoch[{1, kEpoch}] = {
+        .position = {.contiguous = 10, .next_scan = 200}, .samples = 200, .blocks = 10, .sum = 5};
+    writer.emplace(RecordWriter::Options{.folder = folder}, kernel_disk(), before);
+    sequence = 10;
+    sum = BlockSum(5);
+    put_scans(200);
+    writer->close();
+    writer.emplace(RecordWriter::Options{.folder = folder}, kernel_disk(), before);
+    put_scans(220);
+    put_end(240);
+    writer->close();
+    std::ofstream(folder / kContinuesFile) << "/the/first\n";
+  }
+};
+
+TEST_F(VerifyContinued, SaysWhereTheRestIs) {
+  const Verification v = verify_record(folder);
+  EXPECT_EQ(v.verdict, Verdict::kIncomplete);
+  EXPECT_EQ(v.elsewhere, std::vector<std::string>{
+                             "what came before is in /the/first; rb recover makes one recording of both"});
+  EXPECT_EQ(verdict_text(v), "incomplete, the rest of it is in another folder");
+  EXPECT_EQ(v.indexes, std::vector<std::string>{});
+  EXPECT_EQ(v.damage, std::vector<std::string>{});
+  ASSERT_EQ(v.epoch.size(), 1u);
+  EXPECT_EQ(v.epoch[0].samples_deleted, 200);
+  EXPECT_EQ(v.epoch[0].samples, 40);
+  EXPECT_FALSE(v.epoch[0].is_damaged());
+}
+
+TEST_F(VerifyContinued, StillFindsWhatIsMissingBehindItsBeginning) {
+  fs::remove(segment_path(folder, 2));
+  EXPECT_EQ(verify_record(folder).verdict, Verdict::kDamaged);
+}
+
+TEST_F(VerifyContinued, AFirstFolderSaysWhereItGoesOn) {
+  fs::remove(folder / kContinuesFile);
+  std::ofstream(folder / kContinuedInFile) << "/the/second\n";
+  EXPECT_EQ(verify_record(folder).elsewhere,
+            std::vector<std::string>{"it goes on in /the/second; rb recover makes one recording of both"});
 }
 
 TEST_F(VerifyFinished, ASegmentOfGarbageIsDamage) {
