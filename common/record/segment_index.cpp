@@ -119,6 +119,7 @@ RecordBeginning beginning_of(const std::filesystem::path& folder, Disk& disk) {
   RecordBeginning begin{.before = std::nullopt,
                         .is_in_other_folder = path_exists(folder / kContinuesFile, disk)};
   const auto numbers = segment_numbers(folder, disk);
+  if (numbers.empty()) return begin;
   int deleted = 0;
   for (const std::string& name : list_folder(folder, disk))
     if (const auto number = segment_of_file(name, ".idx"); number && *number < numbers.front())

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <utility>
 
 #include "common/bus/codec.hpp"
+#include "common/record/segment_index.hpp"
 
 namespace roadbalance {
 
@@ -18,6 +20,15 @@ class InSequence {
  public:
   enum class From { kItsBegin, kFirstHeard };
   explicit InSequence(From from = From::kItsBegin) : from_(from) {}
+  /// What the retention mode has deleted of it, or another folder holds, is not missing.
+  /// @throws std::system_error naming the file
+  static InSequence of_record(const std::filesystem::path& folder) {
+    const RecordBeginning begin = beginning_of(folder);
+    InSequence in_sequence(begin.is_in_other_folder && !begin.before ? From::kFirstHeard : From::kItsBegin);
+    if (begin.before)
+      for (const auto& [key, epoch] : begin.before->epoch) in_sequence.last_[key] = epoch.position.contiguous;
+    return in_sequence;
+  }
 
   /// Calls consume(block) unless it was there before.
   template <typename Consume>

@@ -18,7 +18,7 @@ RecordingDefects read_recording(const std::filesystem::path& folder,
   RecordReader reader(folder);
   begin(vehicle_of_recording(folder));
   reader.finish();
-  InSequence in_sequence;
+  InSequence in_sequence = InSequence::of_record(folder);
   RecordingDefects defects;
   const auto block = std::make_unique<SealedBlock>();
   while (const auto event = reader.next()) switch (accept(*event, *block)) {

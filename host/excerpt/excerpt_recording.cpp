@@ -36,7 +36,8 @@ class Excerpt {
         pieces_(pieces),
         words_(excerpt_words(request)),
         clocks_(survey),
-        record_(record) {}
+        record_(record),
+        in_sequence_(InSequence::of_record(request.folder)) {}
 
   void take(const LogEvent& event) {
     record_.at(event.timestamp_us);

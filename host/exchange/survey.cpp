@@ -22,7 +22,8 @@ constexpr std::size_t kMostSpans = 10'000;
 
 class Surveyor {
  public:
-  explicit Surveyor(RecordingSurvey& found) : found_(found) {}
+  Surveyor(const std::filesystem::path& folder, RecordingSurvey& found)
+      : found_(found), in_sequence_(InSequence::of_record(folder)) {}
 
   void take(const LogEvent& event) {
     if (event.channel.starts_with(kBlockChannels)) return take_block(event);
@@ -129,7 +130,7 @@ RecordingSurvey survey_recording(const std::filesystem::path& folder, std::stop_
   RecordingSurvey found{.vehicle = vehicle_of_recording(folder)};
   if (const auto description = read_description(folder)) found.program = description->program;
   reader.finish();
-  Surveyor surveyor(found);
+  Surveyor surveyor(folder, found);
   while (const auto event = reader.next()) {
     surveyor.take(*event);
     if (stop.stop_requested()) throw std::runtime_error("stopped");

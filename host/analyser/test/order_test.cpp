@@ -1,7 +1,12 @@
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
 #include <vector>
 
+#include "common/record/segment.hpp"
+#include "common/record/segment_index.hpp"
+#include "common/test/temporary_directory.hpp"
 #include "host/analyser/durable_gate.hpp"
 #include "host/analyser/in_sequence.hpp"
 
@@ -61,6 +66,26 @@ TEST(InSequence, WhatWasBeforeTheFirstHeardIsNotMissing) {
                                           block(1, 8, 20), block(2, 7, 9), block(2, 7, 10)});
   EXPECT_EQ(seen, (std::vector<std::int64_t>{500, 503, 20, 9, 10}));
   EXPECT_EQ(in_sequence.missing(), 2);
+}
+
+TEST(InSequence, WhatIsDeletedOrInAnotherFolderIsNotMissing) {
+  const test::TemporaryDirectory work;
+  const auto missing = [&] {
+    InSequence in_sequence = InSequence::of_record(work.path());
+    seen_of(in_sequence, {block(1, 7, 501), block(1, 7, 503), block(2, 7, 1)});
+    return in_sequence.missing();
+  };
+  std::ofstream(segment_path(work.path(), 1));
+  EXPECT_EQ(missing(), 501);
+  std::ofstream(work.path() / kContinuesFile) << "/first\n";
+  EXPECT_EQ(missing(), 1);
+  std::filesystem::remove(work.path() / kContinuesFile);
+  std::filesystem::rename(segment_path(work.path(), 1), segment_path(work.path(), 2));
+  write_index(work.path(),
+              {.segment = 1, .bytes = 0, .epoch = {{{1, 7}, {.position = {.contiguous = 500}}}}});
+  EXPECT_EQ(missing(), 1);
+  std::filesystem::remove(index_path(work.path(), 1));
+  EXPECT_EQ(missing(), 501) << "nobody knows";
 }
 
 TEST(DurableGate, LetsThroughWhatIsAcknowledgedAsDurableAndNoMore) {
