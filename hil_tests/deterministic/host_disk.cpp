@@ -103,6 +103,10 @@ void HostMachine::make_whole() {
     if (verify_record(kWhole, disk_).verdict == Verdict::kDamaged)
       truth_.fault("rb verify calls damaged what rb recover made of the two folders of recorder " +
                    std::to_string(number_));
+    for (const char* folder : {kFolder, kFallback})
+      if (verify_record(folder, disk_).verdict == Verdict::kDamaged)
+        truth_.fault("rb verify calls " + std::string(folder) + " of recorder " + std::to_string(number_) +
+                     " damaged, of which the rest is in another folder");
   } catch (const std::exception& error) {
     truth_.fault("the two folders of recorder " + std::to_string(number_) + ": " + error.what());
   }
