@@ -18,6 +18,11 @@ std::uint32_t crc_of(const SealedBlock& block) {
   return crc;
 }
 
+bool ends_its_epoch(const BlockEntry& entry) {
+  return entry.kind == BlockKind::kEnd ||
+         (entry.kind == BlockKind::kGap && entry.cause == GapCause::kNodeCrash);
+}
+
 }  // namespace
 
 void EpochCheck::begin_behind(const std::map<NodeEpoch, RecordState::Epoch>& deleted) {
@@ -65,7 +70,8 @@ void EpochCheck::check_scans(const BlockEntry& entry, std::int64_t& next_scan, V
   const bool unknown = next_scan == kUnknownScan;
   if (!unknown && entry.first_scan > next_scan)
     result.undeclared_scans.push_back({next_scan, entry.first_scan - 1});
-  if (!unknown && entry.first_scan < next_scan && entry.scans > 0) ++result.overlapping_blocks;
+  const bool says_where = entry.scans > 0 || entry.kind == BlockKind::kEnd;
+  if (!unknown && entry.first_scan < next_scan && says_where) ++result.overlapping_blocks;
   next_scan = std::max(next_scan, entry.first_scan + (has_scans ? entry.scans : 0));
   if (covers_numbers_before(entry) && entry.scans == 0) next_scan = kUnknownScan;
 }
@@ -145,9 +151,14 @@ VerifiedEpoch EpochCheck::check(NodeEpoch key, Epoch& epoch) {
   result.last_sequence = epoch.deleted.position.contiguous;
   result.samples_deleted = epoch.deleted.position.next_scan;
   std::int64_t next_scan = epoch.deleted.position.next_scan;  // counted from the start command on
+  bool is_over = epoch.deleted.position.ended;
+  std::int64_t blocks_behind_end = 0, first_behind_end = 0;
   std::optional<BlockEntry> before;
   epoch.blocks.in_order([&](const BlockEntry& entry) {
     const bool covers = covers_numbers_before(entry) && entry.sequence > result.last_sequence;
+    if (is_over && entry.sequence > result.last_sequence && ++blocks_behind_end == 1)
+      first_behind_end = entry.sequence;
+    is_over = is_over || ends_its_epoch(entry);
     const std::int64_t first_block = covers ? result.last_sequence + 1 : entry.sequence;
     check_sequence(entry, before ? &*before : nullptr, result);
     check_scans(entry, next_scan, result);
@@ -155,6 +166,10 @@ VerifiedEpoch EpochCheck::check(NodeEpoch key, Epoch& epoch) {
     count(entry, first_block, result);
     before = entry;
   });
+  if (blocks_behind_end > 0)
+    result.contradictions.push_back(std::to_string(blocks_behind_end) +
+                                    " blocks come behind the epoch's end, the first is block " +
+                                    std::to_string(first_behind_end));
   check_totals(epoch, result);
   check_sum(epoch, result);
   return result;

@@ -6,12 +6,14 @@ from bisect import bisect_right
 
 from record_check.crc32c import crc
 
+NOTHING_DELETED = (0, 0, 0, False)
+
 
 class Epoch:
     """Takes the blocks of one node epoch in any order; memory grows by 4 bytes a block."""
 
-    def __init__(self, node, epoch, deleted=(0, 0, 0)):
-        """@param deleted  (last sequence, next scan, sum, ...) of what the retention mode has deleted of it"""
+    def __init__(self, node, epoch, deleted=NOTHING_DELETED):
+        """@param deleted  (last sequence, next scan, sum, over) of what the retention mode has deleted of it"""
         self.node, self.epoch = node, epoch
         self.blocks = self.samples = self.samples_missing = 0
         self.last_sequence, self.next_scan = deleted[:2]  # next_scan None: behind a declared loss of unknown length
@@ -21,7 +23,7 @@ class Epoch:
         self.identical_repeats = self.other_repeats = self.overlaps = 0
         self.contradictions = []
         self.end = None
-        self.crashed = False
+        self.crashed, self._was_over = False, deleted[3]  # before the first block here
         # CRC-32C over the CRCs of the blocks, big endian, in their order: the node's end says it of those before.
         self._sum_before, self._only_of_node = deleted[2], True
         self._waiting = {}
@@ -64,7 +66,7 @@ class Epoch:
         return self._crcs[run][at] if run >= 0 and at < len(self._crcs[run]) else None
 
     def _take(self, block):
-        if self.crashed or self.end:
+        if self.crashed or self.end or self._was_over:
             self.contradictions.append(f"block {block.sequence} comes behind the epoch's end")
         first_block = self.last_sequence + 1 if block.covers_numbers_before() else block.sequence
         if block.sequence != self.last_sequence + 1 or not self._runs:

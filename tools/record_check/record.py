@@ -3,7 +3,7 @@
 from record_check.blocks import CHANNELS, SCANS_PER_BLOCK, BlockDecoder
 from record_check.crc32c import crc_of_columns, crc_of_each
 from record_check.description import Description
-from record_check.epochs import Epoch
+from record_check.epochs import NOTHING_DELETED, Epoch
 from record_check.headers import altered_headers
 from record_check.journals import JournalCheck, channel_crcs_of_one
 from record_check.segments import Segments
@@ -146,7 +146,7 @@ class Checker:
         self._journal(block.node, block.epoch).append(block)
 
     def _take_journal(self, entry):
-        deleted_through = self.deleted.get((entry["node"], entry["epoch"]), (0, 0, 0))[0]
+        deleted_through = self.deleted.get((entry["node"], entry["epoch"]), NOTHING_DELETED)[0]
         self._journal(entry["node"], entry["epoch"]).entry(entry, deleted_through + 1)
 
     def _take_note(self, note):
@@ -182,7 +182,7 @@ class Checker:
     def _epoch(self, node, epoch):
         key = (node, epoch)
         if key not in self.epochs:
-            self.epochs[key] = Epoch(node, epoch, self.deleted.get(key, (0, 0, 0)))
+            self.epochs[key] = Epoch(node, epoch, self.deleted.get(key, NOTHING_DELETED))
         return self.epochs[key]
 
     def _journal(self, node, epoch):

@@ -127,6 +127,27 @@ TEST_F(Verify, FindsScansThatAreNotThereThoughAllBlocksAre) {
   EXPECT_EQ(v.epoch[0].undeclared_scans.size(), 1u);
 }
 
+TEST_F(Verify, FindsAnEndBeforeTheEndOfTheScans) {
+  put_scans(0);
+  put_scans(20);
+  put(EndBlock{
+      .header = header(20, 0), .blocks = sequence, .scans_sealed = 40, .blocks_crc32c = sum.crc32c()});
+  const Verification v = result();
+  EXPECT_EQ(v.verdict, Verdict::kDamaged);
+  EXPECT_EQ(v.epoch[0].overlapping_blocks, 1);
+}
+
+TEST_F(Verify, FindsBlocksBehindTheEndOfTheirEpoch) {
+  put_scans(0);
+  put_gap(20, 0, GapCause::kNodeCrash);
+  put_scans(20);
+  put_scans(40);
+  const Verification v = result();
+  EXPECT_EQ(v.verdict, Verdict::kDamaged);
+  ASSERT_EQ(v.epoch[0].contradictions.size(), 1u);
+  EXPECT_NE(v.epoch[0].contradictions[0].find("the first is block 3"), std::string::npos);
+}
+
 TEST_F(Verify, FindsABlockThatIsThereTwice) {
   put_scans(0);
   --sequence;

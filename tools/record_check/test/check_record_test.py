@@ -134,6 +134,26 @@ class CheckRecord(unittest.TestCase):
         self.record.write()
         self.assertFalse(self.node(self.agrees(INCOMPLETE))["ended"])
 
+    def test_an_end_that_stands_before_the_end_of_the_scans(self):
+        at = self.record.without_journal().places("END")[0]
+        channel, data = self.record.events[at]
+        self.record.events[at] = channel, altered(data, "end_t", "first_scan", 100)
+        self.record.write()
+        self.assertEqual(self.node(self.agrees(DAMAGED))["overlaps"], 1)
+
+    def test_blocks_behind_the_end_of_their_epoch(self):
+        at = self.record.without_journal().places("END")[0]
+        epoch, sequence, first_scan = struct.unpack_from(">qqq", self.record.events[at][1], 12)
+        crash = message("gap_t", node=1, epoch=epoch, sequence=sequence, first_scan=first_scan, cause=5)
+        behind = message("gap_t", node=1, epoch=epoch, sequence=sequence + 1, first_scan=first_scan, scans=20, cause=1)
+        for end in (self.record.events[at], (b"RB_BLOCK_1_GAP", crash)):
+            self.record.events[at] = end
+            self.record.events[at + 1:at + 1] = [(b"RB_BLOCK_1_GAP", behind)]
+            self.record.write()
+            for said in (self.node(self.agrees(DAMAGED)), self.node(json.loads(run(RB, "verify", self.folder, "--json").stdout))):
+                self.assertTrue(any("behind the epoch's end" in line for line in said["contradictions"]), said["contradictions"])
+            del self.record.events[at + 1]
+
     def test_totals_that_do_not_agree(self):
         at = self.record.places("END")[0]
         channel, data = self.record.events[at]
