@@ -70,17 +70,23 @@ void JournalCheck::add(const Journal& entry) {
   const Journal found = tally_.take(entry.node, entry.epoch);
   const bool said_none = entry.last_sequence < entry.first_sequence;
   const bool found_none = found.last_sequence < found.first_sequence;
-  if (said_none && found_none) return;
+  // Without scans it stands where the one before ends, which may have gone with its segment.
+  const bool has_scans = found.scans + found.scans_missing > 0;
   const std::string where = "journal entry of " + range(entry.first_sequence, entry.last_sequence) + ": ";
   auto& of_epochs = begins_before(entry) ? unless_deleted_ : contradictions_;
   auto& contradictions = of_epochs[key];
-  if (entry.first_sequence != found.first_sequence || entry.last_sequence != found.last_sequence)
+  const bool same_blocks =
+      entry.first_sequence == found.first_sequence && entry.last_sequence == found.last_sequence;
+  if (!same_blocks && !(said_none && found_none))
     contradictions.push_back(where + "here are " + range(found.first_sequence, found.last_sequence));
-  else if (entry.scans != found.scans || entry.scans_missing != found.scans_missing ||
-           entry.next_scan != found.next_scan)
+  else if (entry.scans != found.scans || entry.scans_missing != found.scans_missing)
     contradictions.push_back(where + std::to_string(entry.scans) + " scans and " +
                              std::to_string(entry.scans_missing) + " missing, here are " +
                              std::to_string(found.scans) + " and " + std::to_string(found.scans_missing));
+  else if (has_scans && (entry.first_scan != found.first_scan || entry.next_scan != found.next_scan))
+    contradictions.push_back(where + "scans " + std::to_string(entry.first_scan) + " to " +
+                             std::to_string(entry.next_scan - 1) + ", here are " +
+                             std::to_string(found.first_scan) + " to " + std::to_string(found.next_scan - 1));
   else if (entry.channel_crc != found.channel_crc)
     contradictions.push_back(where + "the scans here are others");
   if (contradictions.empty()) of_epochs.erase(key);

@@ -51,7 +51,9 @@ class JournalCheck:
 
     @staticmethod
     def _compare(journal, blocks):
-        with_scans = [block for block in blocks if block.kind in ("SCAN", "GAP")]
+        # Gaps of no scans say where they are, as far as their node knew, and not where scans are.
+        with_scans = [block for block in blocks if block.scans > 0]
+        placed = [block for block in blocks if block.kind in ("SCAN", "GAP")]
         first, last = journal["first_sequence"], journal["last_sequence"]
         if blocks:
             yield "last block", last, blocks[-1].sequence
@@ -61,7 +63,7 @@ class JournalCheck:
         yield "scans missing", journal["scans_missing"], sum(block.scans for block in blocks if block.kind == "GAP")
         if with_scans:
             yield "first scan", journal["first_scan"], with_scans[0].first_scan
-            yield "next scan", journal["next_scan"], with_scans[-1].first_scan + with_scans[-1].scans
+            yield "next scan", journal["next_scan"], placed[-1].first_scan + placed[-1].scans
         yield "channel CRCs", [value & 0xFFFFFFFF for value in journal["channel_crc"]], _channel_crcs(blocks)
 
 

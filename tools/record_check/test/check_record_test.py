@@ -15,6 +15,7 @@ from records import (COMPLETE, DAMAGED, INCOMPLETE, RB, SEGMENT, TOOLS, TYPES, U
                      record_a_drive, run, segment, with_crc)
 
 from bus_url import bus_url
+from record_check.blocks import Block
 from record_check.crc32c import crc
 from record_check.event_log import HEADER, split_events
 from record_check.journals import OF_NODE, OF_RUN, JournalCheck
@@ -507,11 +508,43 @@ class CheckRecord(unittest.TestCase):
         scans, = struct.unpack_from(">q", data, TYPES["journal_t"].offset("scans"))
         crcs = TYPES["journal_t"].offset("channel_crc")
         other_crc = with_crc(data[:crcs] + bytes([data[crcs] ^ 1]) + data[crcs + 1:])
-        for changed in (altered(data, "journal_t", "scans", scans + 1), other_crc):
+        first_scan, = struct.unpack_from(">q", data, TYPES["journal_t"].offset("first_scan"))
+        for changed in (altered(data, "journal_t", "scans", scans + 1), other_crc,
+                        altered(data, "journal_t", "first_scan", first_scan + 1)):
             self.record.events[at] = channel, changed
             self.record.write()
             nodes = self.agrees(DAMAGED)["nodes"]
             self.assertEqual(sum(len(node["journal_contradictions"]) for node in nodes), 1)
+
+    def test_a_journal_entry_of_no_blocks_has_no_scans(self):
+        at, data = [(at, data) for at, (channel, data) in enumerate(self.record.events)
+                    if channel == b"RB_JOURNAL" and struct.unpack_from(">i", data, 8)[0] == 1][-1]
+        last, = struct.unpack_from(">q", data, TYPES["journal_t"].offset("last_sequence"))
+        none = altered(data, "journal_t", "first_sequence", last + 1)
+        crcs = TYPES["journal_t"].offset("channel_crc")
+        none = with_crc(none[:crcs] + bytes(64) + none[crcs + 64:])
+        for scans, verdict in ((0, COMPLETE), (20, DAMAGED)):
+            counted = altered(altered(none, "journal_t", "scans", scans), "journal_t", "scans_missing", 0)
+            self.record.events[at + 1:at + 1] = [(b"RB_JOURNAL", counted)]
+            self.record.write()
+            self.agrees(verdict)
+            del self.record.events[at + 1]
+
+    def test_a_journal_entry_that_begins_with_a_gap_of_no_scans(self):
+        """How many scans were lost only the block behind the gap tells, and there its recorder saw the first one."""
+        said = TYPES["journal_t"].decode(message("journal_t", first_sequence=3, last_sequence=4, first_scan=100, next_scan=120,
+                                                 scans=20))
+        blocks = []
+        for kind, sequence, first_scan, scans in (("GAP", 3, 40, 0), ("SCAN", 4, 100, 20)):
+            block = Block()
+            block.kind, block.sequence, block.first_scan, block.scans = kind, sequence, first_scan, scans
+            block.cause, block.channel_crc = "lost_at_node" if kind == "GAP" else None, [0] * 16
+            blocks.append(block)
+        journal = JournalCheck()
+        for block in blocks:
+            journal.append(block)
+        journal.entry(said, 0)
+        self.assertFalse([line for line in journal.contradictions if "first scan" in line], journal.contradictions)
 
     def test_a_sample_altered_under_a_good_crc_contradicts_the_journal(self):
         at = self.record.places("SCAN")[7]
