@@ -7,9 +7,16 @@ import re
 from record_check.event_log import HEADER, ends_with_its_crc, split_events
 from record_check.extent import is_finished, read_index, torn_from
 
-SEGMENT = re.compile(r"^seg-(\d{6,})\.lcm$")
-INDEX = re.compile(r"^seg-(\d{6,})\.idx$")
+LAST_SEGMENT = (1 << 31) - 1
 SEGMENT_ABANDONED, SEGMENT_DELETED = 5, 11
+MOST_BYTES = (1 << 64) - 1
+
+
+def number_of(name, ending):
+    """Of the segment that a file belongs to, by a name as a recorder writes it; else None."""
+    found = re.fullmatch(r"seg-([0-9]{6,10})" + re.escape(ending), name)
+    number = int(found[1]) if found else 0
+    return number if 1 <= number <= LAST_SEGMENT and name == f"seg-{number:06}{ending}" else None
 
 
 class Segments:
@@ -19,7 +26,7 @@ class Segments:
         self.folder = pathlib.Path(folder)
         if not self.folder.is_dir():
             raise FileNotFoundError(f"recording {folder}: no such folder")
-        self.paths = {int(found[1]): path for path in self.folder.iterdir() if (found := SEGMENT.match(path.name))}
+        self.paths = {number: path for path in self.folder.iterdir() if (number := number_of(path.name, ".lcm"))}
         if not self.paths:
             raise FileNotFoundError(f"recording {folder} holds no segment (seg-000001.lcm)")
         self.numbers = sorted(self.paths)
@@ -56,7 +63,7 @@ class Segments:
     def missing(self):
         """Lines of what should be here and is not."""
         for name, size in self.finished.items():
-            number = int(found[1]) if (found := SEGMENT.match(name)) else None
+            number = number_of(name, ".lcm")
             path = self.folder / name
             size = min(size, self.given_up.get(number, size))
             if not path.exists() and size > 0 and number not in self.deleted:
@@ -81,7 +88,7 @@ class Segments:
     def _missing_by_indexes(self):
         """Of segments that the manifest does not list; the index of the one deleted last stays."""
         for name in sorted(path.name for path in self.folder.iterdir()):
-            number = int(found[1]) if (found := INDEX.match(name)) else 0
+            number = number_of(name, ".idx") or 0
             path = self.folder / f"seg-{number:06}.lcm"
             if number <= max(self.deleted, default=0) or path.name in self.finished:
                 continue
@@ -131,10 +138,14 @@ class Segments:
             self.deleted.add(note["a"])
 
     def _read_manifest(self):
-        """Sizes of the finished segments by name; a manifest that cannot be read says nothing."""
+        """Sizes of the finished segments by name; what of a manifest cannot be read says nothing."""
         try:
-            manifest = json.loads((self.folder / "manifest.json").read_text(encoding="utf-8"))
-            return {entry["file"]: entry["bytes"] for entry in manifest["segments"]
-                    if isinstance(entry["file"], str) and isinstance(entry["bytes"], int)}
+            entries = json.loads((self.folder / "manifest.json").read_text(encoding="utf-8"))["segments"]
         except (OSError, ValueError, KeyError, TypeError):
             return {}
+        sizes = {}
+        for entry in entries if isinstance(entries, list) else ():
+            name, size = (entry.get("file"), entry.get("bytes")) if isinstance(entry, dict) else (None, None)
+            if isinstance(name, str) and type(size) is int and 0 <= size <= MOST_BYTES:
+                sizes.setdefault(name, size)
+        return sizes

@@ -315,6 +315,20 @@ class CheckRecord(unittest.TestCase):
             self.assertEqual(self.agrees(DAMAGED)["missing_segments"], 1, name)
             index.write_text(text, encoding="utf-8")
 
+    def test_a_manifest_of_which_a_part_cannot_be_read(self):
+        size = (self.folder / SEGMENT).stat().st_size
+        for entries, verdict in (([{"file": "x"}, {"file": "seg-000002.lcm", "bytes": 100}], DAMAGED),
+                                 ([{"file": SEGMENT, "bytes": -1}, 7, {"file": SEGMENT, "bytes": True}], COMPLETE),
+                                 ([{"file": SEGMENT, "bytes": size}, {"file": SEGMENT, "bytes": 1}], COMPLETE)):
+            (self.folder / "manifest.json").write_text(json.dumps({"segments": entries}), encoding="utf-8")
+            with self.subTest(entries=entries):
+                self.agrees(verdict)
+
+    def test_a_file_with_a_name_that_no_recorder_writes_is_no_segment(self):
+        for name in ("seg-0000002.lcm", "seg-000000.lcm", "seg-0000002.idx"):
+            shutil.copy(self.folder / SEGMENT, self.folder / name)
+            self.agrees(COMPLETE)
+
     def test_a_segment_that_was_given_up_before_anything_was_promised_of_it(self):
         self.split((b"RB_NOTE", message("note_t", incarnation=1, kind=5, a=2, b=0)))
         (self.folder / "seg-000002.lcm").rename(self.folder / "seg-000003.lcm")
