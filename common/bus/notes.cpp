@@ -1,6 +1,7 @@
 #include "common/bus/notes.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <wire/commit_t.hpp>
 #include <wire/journal_t.hpp>
 #include <wire/note_t.hpp>
@@ -52,6 +53,13 @@ bool in_bounds(const wire::journal_t& m) {
   return 1 <= m.node && m.node <= kLastNode && is_index(m.first_sequence) && is_index(m.last_sequence) &&
          m.last_sequence >= m.first_sequence - 1 && is_index(m.first_scan) && is_index(m.next_scan) &&
          is_index(m.scans) && is_index(m.scans_missing);
+}
+
+// Segments are numbered from 1 in an int.
+bool is_good_for_its_kind(const wire::note_t& m) {
+  const auto kind = static_cast<NoteKind>(m.kind);
+  if (kind != NoteKind::kSegmentAbandoned && kind != NoteKind::kSegmentDeleted) return true;
+  return 1 <= m.a && m.a <= std::numeric_limits<int>::max() && m.b >= 0;
 }
 
 void raise(std::int64_t& count, std::int64_t said) {
@@ -132,7 +140,7 @@ std::optional<Note> decode_note(std::span<const std::uint8_t> bytes) {
   if (!m || m->size < 0 || m->size > static_cast<std::int32_t>(kMaxNoteBytes) ||
       m->kind < static_cast<std::int32_t>(NoteKind::kStarted) ||
       m->kind > static_cast<std::int32_t>(NoteKind::kLast) || !within(m->time_us, kUtcLimit_us) ||
-      !within(m->host_ns, kClockLimit_ns))
+      !within(m->host_ns, kClockLimit_ns) || !is_good_for_its_kind(*m))
     return std::nullopt;
   return Note{.time_us = m->time_us,
               .host_ns = m->host_ns,

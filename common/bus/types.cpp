@@ -1,5 +1,6 @@
 #include "common/bus/types.hpp"
 
+#include <algorithm>
 #include <wire/clock_exchange_t.hpp>
 #include <wire/clock_fit_t.hpp>
 #include <wire/commit_t.hpp>
@@ -12,6 +13,7 @@
 #include <wire/scan_block_t.hpp>
 #include <wire/signal_block_t.hpp>
 
+#include "common/bus/notes.hpp"
 #include "common/bus/wire_format.hpp"
 #include "embedded/clock_exchange_t.hpp"
 #include "embedded/clock_fit_t.hpp"
@@ -55,6 +57,16 @@ std::vector<RecordedType> recorded_types() {
                 type_of<wire::clock_exchange_t>(embedded::kClockExchangeT),
                 type_of<wire::clock_fit_t>(embedded::kClockFitT)});
   return types;
+}
+
+bool is_of_newer_release(std::span<const std::uint8_t> bytes) {
+  static const auto known = recorded_types();
+  if (bytes.size() < sizeof(RecordedType::fingerprint) + wire_format::kCrcBytes || !ends_with_its_crc(bytes))
+    return false;
+  if (const auto note = wire_format::decode<wire::note_t>(bytes))
+    return note->kind > static_cast<std::int32_t>(NoteKind::kLast);
+  return std::ranges::find(known, wire_format::load_i64(bytes.data()), &RecordedType::fingerprint) ==
+         known.end();
 }
 
 }  // namespace roadbalance

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,5 +20,9 @@ struct RecordedType {
 std::vector<RecordedType> block_types();
 /// These and what the recorder adds.
 std::vector<RecordedType> recorded_types();
+
+/// Whether these bytes, whole (they end with their CRC), are what only a newer release knows: a message of
+/// none of these types, or a note of another kind.
+bool is_of_newer_release(std::span<const std::uint8_t> bytes);
 
 }  // namespace roadbalance

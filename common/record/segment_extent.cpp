@@ -33,10 +33,11 @@ std::map<int, std::uint64_t> abandoned_before(const std::filesystem::path& segme
   std::map<int, std::uint64_t> ends;
   SegmentReader reader(segment, disk);
   std::vector<RecordReader::Damage> damage;
+  const int own = segment_of_file(segment.filename().string(), ".lcm").value_or(0);
   while (const auto event = reader.next(true, damage)) {
     const auto note = event->channel == kNoteChannel ? decode_note(event->data) : std::nullopt;
     if (!note || note->kind != NoteKind::kSegmentAbandoned) break;
-    ends[static_cast<int>(note->a)] = static_cast<std::uint64_t>(note->b);
+    if (note->a < own) ends[static_cast<int>(note->a)] = static_cast<std::uint64_t>(note->b);
   }
   return ends;
 }

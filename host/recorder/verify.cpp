@@ -8,6 +8,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
+#include "common/bus/types.hpp"
 #include "common/record/folder.hpp"
 #include "common/record/header_check.hpp"
 #include "common/record/log_event.hpp"
@@ -117,7 +118,7 @@ void take_note(const Note& note, Reading& reading) {
 
 void take_other(const RecordReader& reader, const std::filesystem::path& folder, const LogEvent& event,
                 Reading& reading) {
-  bool good = true;
+  bool good = true, is_other = false;
   if (event.channel == kJournalChannel) {
     const auto entry = decode_journal(event.data);
     good = entry.has_value();
@@ -129,10 +130,11 @@ void take_other(const RecordReader& reader, const std::filesystem::path& folder,
   } else if (event.channel == kCommitChannel) {
     good = decode_commit(event.data).has_value();
   } else {
-    good = event.has_its_crc || !event.channel.starts_with("RB_");
-    reading.result.other_events += good ? 1 : 0;
+    good = is_other = event.has_its_crc || !event.channel.starts_with("RB_");
   }
-  if (good) return;
+  is_other = is_other || (!good && is_of_newer_release(event.data));
+  reading.result.other_events += is_other ? 1 : 0;
+  if (good || is_other) return;
   ++reading.result.entries_refused;
   list_altered(reader, folder, event, "an altered entry", reading.result);
 }

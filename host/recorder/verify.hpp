@@ -24,10 +24,11 @@ struct Verification {
   std::string error;                       ///< why unreadable
   std::vector<VerifiedEpoch> epoch;        ///< by node, then in order of appearance
   std::int64_t events = 0;
-  std::int64_t blocks_refused = 0;    ///< events on block channels that are no good block of it: altered
-  std::int64_t entries_refused = 0;   ///< the same of journal entries, notes, commits and clocks
-  std::int64_t journal_entries = 0;   ///< compared with the blocks
-  std::int64_t other_events = 0;      ///< on other channels: no more than their CRC is looked at, of ours
+  std::int64_t blocks_refused = 0;   ///< events on block channels that are no good block of it: altered
+  std::int64_t entries_refused = 0;  ///< the same of journal entries, notes, commits and clocks
+  std::int64_t journal_entries = 0;  ///< compared with the blocks
+  /// No more than their CRC is looked at, of ours: on other channels, or what a newer release alone can read.
+  std::int64_t other_events = 0;
   std::int64_t deleted_segments = 0;  ///< by the retention mode, as a note says
   std::uint64_t damaged_bytes = 0;    ///< no events
   /// Stretches between two commits in which a number, stamp or channel is not what the second one says.

@@ -13,8 +13,8 @@ EPOCH = re.compile(rb"^epoch (\d+) (-?\d+) contiguous (\d+) next_scan (\d+) ende
 INDEX = re.compile(rb"^roadbalance index 2\nsegment (\d+) bytes (\d+)\n(?:epoch [^\n]*\n)*crc32c ([0-9a-f]{8})\n$")
 
 
-def torn_from(log, commit_type):
-    """Offset from which on the bytes of an unfinished segment do not count."""
+def torn_from(log, entries):
+    """Offset from which on the bytes of an unfinished segment do not count.  @param entries  EntryDecoder"""
     events, damage = split_events(log)
     durable = end = 0
     bad = [offset for offset, _ in damage]
@@ -24,9 +24,8 @@ def torn_from(log, commit_type):
             continue
         if not ends_with_its_crc(data):
             bad.append(offset)
-        elif name == b"RB_COMMIT" and len(data) == commit_type.size:
-            said = commit_type.decode(data)["bytes"]
-            durable = max(durable, said if said <= offset else 0)
+        elif name == b"RB_COMMIT" and (commit := entries.decode(name, data, crc_is_good=True)):
+            durable = max(durable, commit["bytes"] if commit["bytes"] <= offset else 0)
     return min([end] + [offset for offset in bad if offset >= durable])
 
 

@@ -8,10 +8,10 @@ from record_check.crc32c import crc
 from record_check.event_log import HEADER
 
 
-def altered_headers(log, events, good):
+def altered_headers(log, events, commits):
     """(from, to) of each stretch with a header that is not as it was written.
 
-    @param good  {index: type} of the events whose own CRC is right
+    @param commits  {index: fields} of the good commit events
     """
     begin, covered, whole, behind = 0, [], True, 0
     for at, (channel, data_begin, data_end) in enumerate(events):
@@ -19,11 +19,10 @@ def altered_headers(log, events, good):
         whole = whole and offset == behind  # what is damaged between is listed as that
         behind = data_end
         if channel == b"RB_COMMIT":
-            is_commit = at in good and good[at].name == "commit_t"
-            if is_commit and whole:
-                commit = good[at].decode(log[data_begin:data_end])
+            commit = commits.get(at)
+            if commit and whole:
                 said = commit["headers_from"], commit["headers_crc32c"] & 0xFFFFFFFF
                 if said != (begin, crc(b"".join(covered))):
                     yield begin, offset
-            begin, covered, whole = offset, [], is_commit
+            begin, covered, whole = offset, [], commit is not None
         covered.append(log[offset:data_begin])

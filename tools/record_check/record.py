@@ -3,6 +3,7 @@
 from record_check.blocks import CHANNELS, SCANS_PER_BLOCK, BlockDecoder
 from record_check.crc32c import crc_of_columns, crc_of_each
 from record_check.description import Description
+from record_check.entries import EntryDecoder
 from record_check.epochs import NOTHING_DELETED, Epoch
 from record_check.headers import altered_headers
 from record_check.journals import JournalCheck, channel_crcs_of_one
@@ -21,6 +22,7 @@ class Checker:
         self.types = types
         self.truth = truth
         self.decoder = BlockDecoder(types)
+        self.entries = EntryDecoder(types)
         scan = next(kind for kind in types.values() if kind.name == "scan_block_t")
         self.counts_at = scan.offset("counts")
         self.segments = Segments(folder, types)
@@ -69,22 +71,23 @@ class Checker:
 
     def _check_events(self, number, log, events):
         good, channel_crcs = self._check_crcs(log, events)
-        for begin, end in altered_headers(log, events, good):
+        commits = self._commits(log, events, good)
+        for begin, end in altered_headers(log, events, commits):
             self.altered_headers += 1
             self.damage.append(f"{self.segments.paths[number].name}: {end - begin} bytes from {begin} on are events of "
                                "which one has an altered number, stamp or channel")
         for at, (channel, begin, end) in enumerate(events):
             self.events += 1
-            if at not in good:
-                self._take_other(channel, number, begin, end)
-                continue
-            kind = good[at]
             if channel.startswith(b"RB_BLOCK_"):
-                self._take_block(channel, kind, log[begin:end], channel_crcs.get(at), number, begin)
-            elif kind.name == "journal_t" and channel == b"RB_JOURNAL":
-                self._take_journal(kind.decode(log[begin:end]))
-            elif kind.name == "note_t":
-                self._take_note(kind.decode(log[begin:end]))
+                self._take_block(channel, good.get(at), log[begin:end], channel_crcs.get(at), number, begin)
+            elif at not in commits:
+                self._take_other(channel, log[begin:end], at in good, number, begin)
+
+    def _commits(self, log, events, good):
+        """{index: fields} of the good ones."""
+        of_channel = {at: self.entries.decode(channel, log[begin:end], at in good)
+                      for at, (channel, begin, end) in enumerate(events) if channel == b"RB_COMMIT"}
+        return {at: commit for at, commit in of_channel.items() if commit}
 
     def _check_crcs(self, log, events):
         """({index: type} of the events that are messages with a good CRC, {index: CRC of each channel} of the scans)."""
@@ -114,10 +117,14 @@ class Checker:
                       for channel in range(CHANNELS)]
         return zip(*of_channel)
 
-    def _take_other(self, channel, number, begin, end):
-        # What should be a message of ours and is not is altered; other programs' messages are none of our business.
-        if channel.startswith(b"RB_"):
-            self._refuse(number, begin, end - begin)
+    def _take_other(self, channel, data, crc_is_good, number, begin):
+        entry = self.entries.decode(channel, data, crc_is_good)
+        if entry and channel == b"RB_JOURNAL":
+            self._take_journal(entry)
+        elif entry:
+            self._take_note(entry)
+        elif self.entries.is_altered(channel, data):
+            self._refuse(number, begin, len(data))
         else:
             self.other_events += 1
 
@@ -126,7 +133,7 @@ class Checker:
         self.damage.append(f"{self.segments.paths[number].name}: {count} bytes from {begin} on are an altered message")
 
     def _take_block(self, channel, kind, data, channel_crc, number, begin):
-        block = self.decoder.decode(kind.fingerprint, data) if kind.fingerprint in self.decoder.kinds else None
+        block = self.decoder.decode(kind.fingerprint, data) if kind and kind.fingerprint in self.decoder.kinds else None
         if block is None or channel != f"RB_BLOCK_{block.node}_{block.kind}".encode():
             self._refuse(number, begin, len(data))
             return

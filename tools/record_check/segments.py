@@ -4,11 +4,10 @@ import json
 import pathlib
 import re
 
-from record_check.event_log import HEADER, ends_with_its_crc, split_events
+from record_check.entries import LAST_SEGMENT, SEGMENT_ABANDONED, SEGMENT_DELETED, EntryDecoder
+from record_check.event_log import split_events
 from record_check.extent import is_finished, read_index, torn_from
 
-LAST_SEGMENT = (1 << 31) - 1
-SEGMENT_ABANDONED, SEGMENT_DELETED = 5, 11
 MOST_BYTES = (1 << 64) - 1
 
 
@@ -31,14 +30,12 @@ class Segments:
             raise FileNotFoundError(f"recording {folder} holds no segment (seg-000001.lcm)")
         self.numbers = sorted(self.paths)
         self.finished = self._read_manifest()
-        self.ends, self.deleted = {}, set()
-        self._types = {kind.name: kind for kind in types.values()}
-        self._note_type = self._types["note_t"]
-        for number in self.numbers:
-            self._read_notes(self.paths[number].read_bytes())
-        self.given_up = dict(self.ends)  # without the torn ones
+        self._entries = EntryDecoder(types)
+        self.ends, self.given_up, self.deleted = {}, {}, set()  # given_up: without the torn ones
+        deletions = [deletion for number in self.numbers for deletion in self._read_notes(number)]
         self.torn = {}  # number -> (offset, bytes): what a kill or a power cut leaves at the end of a record
         self._find_torn()
+        self.deleted.update(gone for number, end, gone in deletions if end <= self.ends.get(number, end))
 
     def deleted_positions(self):
         """{(node, epoch): (last sequence, next scan, sum, over)} at the end of what the retention mode deleted, and said so."""
@@ -113,29 +110,33 @@ class Segments:
             if is_finished(self.paths[number], number):
                 return
             log = self.paths[number].read_bytes()
-            end = torn_from(log, self._types["commit_t"])
+            end = torn_from(log, self._entries)
             if end < len(log):
                 self.torn[number] = end, len(log) - end
                 self.ends[number] = min(end, self.ends.get(number, end))
             if end > 0:
                 return
 
-    def _read_notes(self, log):
-        at = log.find(b"RB_NOTE")
-        while at >= 0:
-            begin = at + len(b"RB_NOTE")
-            if at >= HEADER.size and HEADER.unpack_from(log, at - HEADER.size)[3:] == (7, self._note_type.size):
-                self._take_note(log[begin:begin + self._note_type.size])
-            at = log.find(b"RB_NOTE", begin)
+    def _read_notes(self, number):
+        """Yields (segment, where the note ends in it, segment deleted) of each note of a deletion.
 
-    def _take_note(self, data):
-        if len(data) != self._note_type.size or not ends_with_its_crc(data):
-            return
-        note = self._note_type.decode(data)
-        if note["kind"] == SEGMENT_ABANDONED:
-            self.ends[note["a"]] = note["b"]
-        elif note["kind"] == SEGMENT_DELETED:
-            self.deleted.add(note["a"])
+        Where segments before it end that were given up, a segment says in the first events of it.
+        """
+        log = self.paths[number].read_bytes()
+        told, at_beginning = {}, True
+        for channel, begin, end in split_events(log)[0]:
+            note = self._entries.decode(channel, log[begin:end]) if channel == b"RB_NOTE" else None
+            at_beginning = at_beginning and note is not None and note["kind"] == SEGMENT_ABANDONED
+            if at_beginning and note["a"] < number:
+                told[note["a"]] = note["b"]
+            elif note and note["kind"] == SEGMENT_DELETED:
+                yield number, end, note["a"]
+        self.given_up = told | self.given_up
+        for before in reversed(self.numbers[:self.numbers.index(number)] if log else []):
+            if before in told:
+                self.ends[before] = told[before]
+            if self.paths[before].stat().st_size > 0:
+                break  # of those before it, it was the one to tell
 
     def _read_manifest(self):
         """Sizes of the finished segments by name; what of a manifest cannot be read says nothing."""

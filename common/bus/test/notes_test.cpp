@@ -69,6 +69,19 @@ TEST(Notes, KnowKindsUpToTheLastAndRefuseOthers) {
   for (const int kind : {-1, 0, static_cast<int>(NoteKind::kLast) + 1}) EXPECT_FALSE(is_known(kind)) << kind;
 }
 
+TEST(Notes, SpeakOfSegmentsThatThereCanBe) {
+  const auto is_told = [](NoteKind kind, std::int64_t segment, std::int64_t bytes) {
+    return decode_note(encode(Note{.kind = kind, .a = segment, .b = bytes, .text = ""})).has_value();
+  };
+  for (const auto kind : {NoteKind::kSegmentAbandoned, NoteKind::kSegmentDeleted}) {
+    EXPECT_TRUE(is_told(kind, 1, 0));
+    EXPECT_TRUE(is_told(kind, std::numeric_limits<int>::max(), 0));
+    for (const std::int64_t none : {std::int64_t{-5}, std::int64_t{0}, std::int64_t{1} << 40})
+      EXPECT_FALSE(is_told(kind, none, 0)) << none;
+    EXPECT_FALSE(is_told(kind, 1, -1));
+  }
+}
+
 TEST(Notes, TellInstantsThatCanBeCountedFromOneAnotherOnly) {
   const auto is_told = [](std::int64_t time_us, std::int64_t host_ns) {
     return decode_note(encode(Note{.time_us = time_us, .host_ns = host_ns, .text = ""})).has_value();

@@ -124,7 +124,7 @@ TEST_F(KeeperLosses, NotesOfALongFailureAreBoundedAndWhatIsDroppedIsDeclared) {
   for (int k = 0; k < kMost + kDropped; ++k) {
     keeper->note(kKinds[static_cast<std::size_t>(k) % kKinds.size()], k, 0, "again");
     keeper->note(NoteKind::kMark, k + 1, 0, "mark");
-    keeper->note(NoteKind::kSegmentDeleted, k, 0, "");
+    keeper->note(NoteKind::kSegmentDeleted, k + 1, 0, "");
     run(milliseconds(10));
   }
   EXPECT_TRUE(notes(NoteKind::kMark).empty());

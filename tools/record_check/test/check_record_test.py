@@ -234,7 +234,7 @@ class CheckRecord(unittest.TestCase):
     def never_finished(self):
         """As of a recorder that was killed in it."""
         for name in ("manifest.json", "seg-000001.idx"):
-            (self.folder / name).unlink()
+            (self.folder / name).unlink(missing_ok=True)
 
     def test_a_torn_tail_is_declared(self):
         self.never_finished()
@@ -328,6 +328,17 @@ class CheckRecord(unittest.TestCase):
         for name in ("seg-0000002.lcm", "seg-000000.lcm", "seg-0000002.idx"):
             shutil.copy(self.folder / SEGMENT, self.folder / name)
             self.agrees(COMPLETE)
+
+    def test_where_a_segment_ends_is_said_at_the_beginning_of_a_later_one(self):
+        note = b"RB_NOTE", message("note_t", incarnation=1, kind=5, a=1, b=1000)
+        for at in (0, 500):
+            self.record.events.insert(at, note)
+            self.record.write()
+            self.assertEqual(self.agrees(COMPLETE)["torn_bytes"], 0)
+            del self.record.events[at]
+        self.record.events.insert(2500, note)
+        self.split()
+        self.agrees(COMPLETE)
 
     def test_a_segment_that_was_given_up_before_anything_was_promised_of_it(self):
         self.split((b"RB_NOTE", message("note_t", incarnation=1, kind=5, a=2, b=0)))
@@ -559,6 +570,39 @@ class CheckRecord(unittest.TestCase):
             journal.append(block)
         journal.entry(said, 0)
         self.assertFalse([line for line in journal.contradictions if "first scan" in line], journal.contradictions)
+
+    def test_an_entry_counts_on_its_own_channel_only(self):
+        events = self.record.events
+        loss = message("note_t", kind=4)  # neither an error nor a segment: something was lost
+        for channel, verdict in ((b"RB_NOTE", INCOMPLETE), (b"RB_JOURNAL", DAMAGED), (b"RB_BLOCK_1_SCAN", DAMAGED),
+                                 (b"RB_OF_A_NEWER_RELEASE", COMPLETE), (b"OTHER_PROGRAM", COMPLETE)):
+            self.record.events = [*events[:500], (channel, loss), *events[500:]]
+            self.record.write()
+            with self.subTest(channel=channel):
+                self.assertEqual(len(self.agrees(verdict)["lost"]), verdict == INCOMPLETE)
+
+    def test_what_only_a_newer_release_can_read_is_no_damage(self):
+        events = self.record.events
+        unknown = with_crc(bytes.fromhex("123456789abcdef0") + bytes(20))
+        for channel, data in ((b"RB_NEW", unknown), (b"RB_NOTE", unknown), (b"RB_JOURNAL", unknown),
+                              (b"RB_NOTE", message("note_t", kind=24, a=-1))):
+            with self.subTest(channel=channel, data=data):
+                for written, verdict in ((data, COMPLETE), (data[:9] + b"x" + data[10:], DAMAGED)):
+                    self.record.events = [*events[:500], (channel, written), *events[500:]]
+                    self.record.write()
+                    self.assertEqual(self.agrees(verdict)["messages_refused"], int(verdict == DAMAGED))
+
+    def test_an_entry_out_of_its_bounds_is_damage(self):
+        events = self.record.events
+        entries = [(b"RB_NOTE", message("note_t", **fields)) for fields in (
+            {"kind": 0}, {"kind": 3, "size": 401}, {"kind": 3, "host_ns": (1 << 61) + 1}, {"kind": 11, "a": -5},
+            {"kind": 11, "a": 1 << 40}, {"kind": 5, "a": 1, "b": -1})]
+        entries.append((b"RB_JOURNAL", message("journal_t", node=1, epoch=7, first_sequence=5, last_sequence=3)))
+        for entry in entries:
+            with self.subTest(entry=entry):
+                self.record.events = [*events[:500], entry, *events[500:]]
+                self.record.write()
+                self.assertEqual(self.agrees(DAMAGED)["messages_refused"], 1)
 
     def test_a_sample_altered_under_a_good_crc_contradicts_the_journal(self):
         at = self.record.places("SCAN")[7]
