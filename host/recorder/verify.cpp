@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <exception>
 #include <map>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -32,7 +33,8 @@ struct Reading {
   JournalCheck journal{};
   HeaderCheck headers{};
   SealedBlock block{};      // the last; here, since making one clears all it holds
-  int deleted_through = 0;  // segment, by the notes
+  std::set<int> deleted{};  // segments, by the notes
+  int deleted_through = 0;  // the last of them
   std::int64_t last_mark = 0;
   std::int64_t epochs_said = 0, marks_said = 0;  // by the notes of recorders that stopped
 };
@@ -101,8 +103,8 @@ void take_block(const RecordReader& reader, const std::filesystem::path& folder,
 void take_note(const Note& note, Reading& reading) {
   if (note.kind == NoteKind::kStarted) reading.journal.restart();
   if (note.kind == NoteKind::kSegmentDeleted) {
-    ++reading.result.deleted_segments;
-    reading.deleted_through = std::max(reading.deleted_through, static_cast<int>(note.a));
+    reading.deleted.insert(static_cast<int>(note.a));
+    reading.deleted_through = *reading.deleted.rbegin();
   }
   if (note.kind == NoteKind::kMark) reading.last_mark = std::max(reading.last_mark, note.a);
   if (note.kind == NoteKind::kStopped) {
@@ -219,6 +221,7 @@ void conclude(Reading& reading) {
   reading.result.epoch = reading.epochs.result();
   add_epochs_of_journal_only(reading);
   reading.result.journal_entries = reading.journal.entries();
+  reading.result.deleted_segments = std::ssize(reading.deleted);
   for (auto& epoch : reading.result.epoch) {
     if (const auto counted = reading.journal.losses().find({epoch.node, epoch.epoch});
         counted != reading.journal.losses().end())

@@ -29,7 +29,7 @@ struct Verification {
   std::int64_t journal_entries = 0;  ///< compared with the blocks
   /// No more than their CRC is looked at, of ours: on other channels, or what a newer release alone can read.
   std::int64_t other_events = 0;
-  std::int64_t deleted_segments = 0;  ///< by the retention mode, as a note says
+  std::int64_t deleted_segments = 0;  ///< by the retention mode, as notes say, of which a kill may repeat one
   std::uint64_t damaged_bytes = 0;    ///< no events
   /// Stretches between two commits in which a number, stamp or channel is not what the second one says.
   std::int64_t altered_headers = 0;

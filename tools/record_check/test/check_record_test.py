@@ -340,6 +340,17 @@ class CheckRecord(unittest.TestCase):
         self.split()
         self.agrees(COMPLETE)
 
+    def test_a_deletion_that_is_noted_again_is_of_one_segment(self):
+        """A kill comes between the note and the deletion; the next recorder notes it again."""
+        for segments in ((1, 1), (1, 1, 2)):
+            deleted = [(b"RB_NOTE", message("note_t", incarnation=1, kind=11, a=number, b=5)) for number in segments]
+            self.record.events[500:500] = deleted
+            self.record.write()
+            self.assertEqual(self.agrees(COMPLETE)["deleted_segments"], sorted(set(segments)))
+            said = json.loads(run(RB, "verify", self.folder, "--json").stdout)
+            self.assertEqual(said["deleted_segments"], len(set(segments)))
+            del self.record.events[500:500 + len(deleted)]
+
     def test_a_segment_that_was_given_up_before_anything_was_promised_of_it(self):
         self.split((b"RB_NOTE", message("note_t", incarnation=1, kind=5, a=2, b=0)))
         (self.folder / "seg-000002.lcm").rename(self.folder / "seg-000003.lcm")
