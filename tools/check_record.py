@@ -37,6 +37,7 @@ def report(checker):
             "altered_headers": checker.altered_headers,
             "missing_segments": checker.missing_segments,
             "deleted_segments": sorted(checker.segments.deleted), "damage": checker.damage, "lost": checker.lost,
+            "elsewhere": checker.elsewhere,
             "description": checker.description.report(), "nodes": epochs}
 
 
@@ -79,7 +80,7 @@ def print_report(found):
             print(f"  {line}")
         for line in epoch["contradictions"] + epoch["journal_contradictions"]:
             print(f"  {line}")
-    for line in found["damage"] + found["lost"]:
+    for line in found["damage"] + found["lost"] + found["elsewhere"]:
         print(line)
     if found["messages_refused"]:
         print(f'{found["messages_refused"]} messages are altered')

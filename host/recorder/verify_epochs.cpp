@@ -12,6 +12,11 @@ namespace {
 // Behind a declared loss of unknown length.
 constexpr std::int64_t kUnknownScan = -1;
 
+// Its first scan is the one behind those before it.
+bool counts_scans(BlockKind kind) {
+  return kind == BlockKind::kScan || kind == BlockKind::kGap || kind == BlockKind::kEnd;
+}
+
 std::uint32_t crc_of(const SealedBlock& block) {
   std::uint32_t crc = 0;
   for (const std::uint8_t byte : block.bytes().last(4)) crc = crc << 8 | byte;
@@ -65,8 +70,8 @@ void EpochCheck::check_sequence(const BlockEntry& entry, const BlockEntry* befor
 
 // The second, independent proof: scan indices run on from block to block and gap to gap.
 void EpochCheck::check_scans(const BlockEntry& entry, std::int64_t& next_scan, VerifiedEpoch& result) {
-  const bool has_scans = entry.kind == BlockKind::kScan || entry.kind == BlockKind::kGap;
-  if (!has_scans && entry.kind != BlockKind::kEnd) return;
+  if (!counts_scans(entry.kind)) return;
+  const bool has_scans = entry.kind != BlockKind::kEnd;
   const bool unknown = next_scan == kUnknownScan;
   if (!unknown && entry.first_scan > next_scan)
     result.undeclared_scans.push_back({next_scan, entry.first_scan - 1});
@@ -135,12 +140,15 @@ void EpochCheck::check_sum(const Epoch& epoch, VerifiedEpoch& result) {
 }
 
 void EpochCheck::begin_at_its_first_block(Epoch& epoch) {
-  bool is_first = true;
+  std::int64_t first = 0;
+  std::optional<std::int64_t> first_scan;
   epoch.blocks.in_order([&](const BlockEntry& entry) {
-    if (!std::exchange(is_first, false) || entry.sequence == 1) return;
-    epoch.deleted = {.position = {.contiguous = entry.sequence - 1, .next_scan = entry.first_scan},
-                     .sum = std::nullopt};
+    if (first == 0) first = entry.sequence;
+    if (!first_scan && counts_scans(entry.kind)) first_scan = entry.first_scan;
   });
+  if (first > 1)
+    epoch.deleted = {.position = {.contiguous = first - 1, .next_scan = first_scan.value_or(0)},
+                     .sum = std::nullopt};
 }
 
 VerifiedEpoch EpochCheck::check(NodeEpoch key, Epoch& epoch) {

@@ -7,6 +7,7 @@ from bisect import bisect_right
 from record_check.crc32c import crc
 
 NOTHING_DELETED = (0, 0, 0, False)
+IN_OTHER_FOLDER = None  # what comes before the first block: nobody here knows where it stood
 
 
 class Epoch:
@@ -15,6 +16,7 @@ class Epoch:
     def __init__(self, node, epoch, deleted=NOTHING_DELETED):
         """@param deleted  (last sequence, next scan, sum, over) of what the retention mode has deleted of it"""
         self.node, self.epoch = node, epoch
+        self._begins_anywhere, deleted = deleted is IN_OTHER_FOLDER, deleted or NOTHING_DELETED
         self.blocks = self.samples = self.samples_missing = 0
         self.last_sequence, self.next_scan = deleted[:2]  # next_scan None: behind a declared loss of unknown length
         self.first_sequence, self.deleted_scans = deleted[0] + 1, deleted[1]
@@ -30,6 +32,9 @@ class Epoch:
         self._runs, self._crcs = [], []  # first number of each run of blocks; their CRCs
 
     def add(self, block):
+        if self._begins_anywhere and not self._runs and block.sequence > 1:
+            self.last_sequence, self.first_sequence = block.sequence - 1, block.sequence
+            self.next_scan = self._sum_before = None
         if block.sequence <= self.last_sequence or block.sequence in self._waiting:
             self._repeat(block)
         elif block.sequence == self.last_sequence + 1 or block.covers_numbers_before():
@@ -91,7 +96,9 @@ class Epoch:
     def _check_scans(self, block):
         if block.kind not in ("SCAN", "GAP", "END"):
             return
-        if self.next_scan is not None:
+        if self.first_sequence > 1 and self._begins_anywhere:
+            self._begins_anywhere, self.deleted_scans = False, block.first_scan
+        elif self.next_scan is not None:
             if block.first_scan > self.next_scan:
                 self.undeclared_scans.append((self.next_scan, block.first_scan - 1))
             if block.first_scan < self.next_scan and (block.scans > 0 or block.kind == "END"):

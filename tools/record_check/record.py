@@ -4,7 +4,7 @@ from record_check.blocks import CHANNELS, SCANS_PER_BLOCK, BlockDecoder
 from record_check.crc32c import crc_of_columns, crc_of_each
 from record_check.description import Description
 from record_check.entries import EntryDecoder
-from record_check.epochs import NOTHING_DELETED, Epoch
+from record_check.epochs import IN_OTHER_FOLDER, NOTHING_DELETED, Epoch
 from record_check.headers import altered_headers
 from record_check.journals import JournalCheck, channel_crcs_of_one
 from record_check.segments import Segments
@@ -33,6 +33,7 @@ class Checker:
                 self._epoch(*key)
         self.description = Description()
         self.damage, self.lost = [], []  # lost: declared, but by no gap
+        self.elsewhere = list(self.segments.elsewhere())
         self.epochs_said = self.marks_said = self.last_mark = 0  # what recorders say that stopped, and the marks here
         self.keys = set(self.deleted)  # epochs of which a block was here
         self.events = self.other_events = self.refused = self.damaged_bytes = self.torn_bytes = 0
@@ -66,7 +67,7 @@ class Checker:
         if (self.refused or self.damaged_bytes or self.altered_headers or self.description.contradictions or self.missing_segments or journals or
                 any(epoch.is_damaged() for epoch in self.epochs.values())):
             return DAMAGED
-        whole = not self.damage and not self.lost and self.epochs
+        whole = not self.damage and not self.lost and not self.elsewhere and self.epochs
         return COMPLETE if whole and all(epoch.is_complete() for epoch in self.epochs.values()) else INCOMPLETE
 
     def _check_events(self, number, log, events):
@@ -189,7 +190,8 @@ class Checker:
     def _epoch(self, node, epoch):
         key = (node, epoch)
         if key not in self.epochs:
-            self.epochs[key] = Epoch(node, epoch, self.deleted.get(key, NOTHING_DELETED))
+            unknown = IN_OTHER_FOLDER if self.segments.begins_anywhere() else NOTHING_DELETED
+            self.epochs[key] = Epoch(node, epoch, self.deleted.get(key, unknown))
         return self.epochs[key]
 
     def _journal(self, node, epoch):

@@ -29,6 +29,9 @@ class Segments:
         if not self.paths:
             raise FileNotFoundError(f"recording {folder} holds no segment (seg-000001.lcm)")
         self.numbers = sorted(self.paths)
+        # Of the segment deleted last: those behind it may have been given up.
+        indexes = (number_of(path.name, ".idx") or 0 for path in self.folder.iterdir())
+        self.before = max((number for number in indexes if number < self.numbers[0]), default=0)
         self.finished = self._read_manifest()
         self._entries = EntryDecoder(types)
         self.ends, self.given_up, self.deleted = {}, {}, set()  # given_up: without the torn ones
@@ -39,11 +42,19 @@ class Segments:
 
     def deleted_positions(self):
         """{(node, epoch): (last sequence, next scan, sum, over)} at the end of what the retention mode deleted, and said so."""
-        first = self.numbers[0]
-        if first - 1 not in self.deleted:
-            return {}
-        index = read_index(self.paths[first].with_name(f"seg-{first - 1:06}.lcm"), first - 1)
-        return index[1] if index else {}
+        index = self.index(self.before)
+        return index[1] if index and self.before in self.deleted else {}
+
+    def begins_anywhere(self):
+        """What comes before the first block of each epoch is in another folder, and how far is not known here."""
+        return (self.folder / "continues").exists() and not self.index(self.before)
+
+    def elsewhere(self):
+        """Lines of which folders have what came before, or what comes behind."""
+        for name, what in (("continues", "what came before is in"), ("continued-in", "it goes on in")):
+            path = self.folder / name
+            for line in path.read_text(encoding="utf-8", errors="replace").splitlines() if path.exists() else ():
+                yield f"{what} {line}"
 
     def are_all(self):
         """Of the recording: another folder holds nothing of it that comes before, and no segment was deleted."""

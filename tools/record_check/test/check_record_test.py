@@ -425,6 +425,36 @@ class CheckRecord(unittest.TestCase):
         contradictions = [text for epoch in self.agrees(DAMAGED)["nodes"] for text in epoch["contradictions"]]
         self.assertTrue(any("the node's sum of its blocks" in text for text in contradictions), contradictions)
 
+    def test_a_deleted_segment_behind_which_a_number_was_given_up(self):
+        """The first one here does not follow the one whose index says where the record begins."""
+        self.split((b"RB_NOTE", message("note_t", incarnation=1, kind=5, a=2, b=0)),
+                   (b"RB_NOTE", message("note_t", incarnation=1, kind=11, a=1)))
+        (self.folder / "seg-000002.lcm").rename(self.folder / "seg-000003.lcm")
+        self.write_index((self.folder / SEGMENT).read_bytes())
+        (self.folder / SEGMENT).unlink()
+        self.assertGreater(max(epoch["samples_deleted"] for epoch in self.agrees(INCOMPLETE)["nodes"]), 0)
+
+    def test_a_folder_that_continues_another_one(self):
+        """As a recorder leaves it whose first folder failed: in the other one its journal begins anew."""
+        self.record.without_journal()
+        self.split()
+        (self.folder / "seg-000002.lcm").rename(self.folder / SEGMENT)
+        self.agrees(DAMAGED)
+        (self.folder / "continues").write_text("/first\n", encoding="utf-8")
+        found = self.agrees(INCOMPLETE)
+        self.assertEqual(found["elsewhere"], ["what came before is in /first"])
+        product = {epoch["node"]: epoch for epoch in json.loads(run(RB, "verify", self.folder, "--json").stdout)["nodes"]}
+        for epoch in found["nodes"]:
+            self.assertEqual(epoch["samples_deleted"], product[epoch["node"]]["samples_deleted"])
+        self.record = Record(self.folder)
+        del self.record.events[max(self.record.places("SCAN", 1) + self.record.places("SCAN", 2))]
+        self.record.write()
+        self.agrees(DAMAGED)
+
+    def test_a_folder_that_goes_on_in_another_one(self):
+        (self.folder / "continued-in").write_text("/second\n", encoding="utf-8")
+        self.assertEqual(self.agrees(INCOMPLETE)["elsewhere"], ["it goes on in /second"])
+
     def test_what_a_node_has_lost_when_its_recorder_begins_anew(self):
         journal = JournalCheck()
         none = {"first_sequence": 1, "last_sequence": 0, "scans": 0, "scans_missing": 0, "channel_crc": [0] * 16}
