@@ -34,7 +34,7 @@ RecordKeeper::RecordKeeper(Disk& disk, KeeperOptions options)
 
 void RecordKeeper::begin(std::int64_t incarnation) {
   stamp_.incarnation = incarnation;
-  note(NoteKind::kStarted, writer_->segment() + 1, 0, "");
+  note(NoteKind::kStarted, writer_->segment() + (segment_is_open_ ? 0 : 1), 0, "");
   if (const auto& cut = cut_tail())
     note(NoteKind::kTailCut, writer_->segment(), static_cast<std::int64_t>(cut->cut),
          cut->tail.filename().string());

@@ -3,12 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cerrno>
-#include <set>
 #include <string>
 
 #include "common/record/folder.hpp"
 #include "host/recorder/test/keeper_drive.hpp"
-#include "host/recorder/verify.hpp"
 
 namespace roadbalance {
 namespace {
@@ -159,70 +157,6 @@ TEST_F(KeeperTest, GoesToTheFallbackFolderWhenTheDiskStaysBadAndContinuesThereAf
   auto all = recorded(kFolder);
   for (const std::int64_t sequence : recorded(kFallback)) all.push_back(sequence);
   EXPECT_EQ(all, test::all_through(60)) << "each block once, in the order of the folders";
-}
-
-TEST_F(KeeperTest, StartsInTheFallbackFolderWhenTheFirstCanOnlyBeRead) {
-  start();
-  run(milliseconds(1000), 20);
-  keeper->close(now);
-  keeper.reset();
-  options.fallback = kFallback;
-  disk.set_fault([](DiskCall call, std::int64_t, const std::string& path) {
-    const bool changes = call == DiskCall::kSync || call == DiskCall::kWrite;
-    return Outcome{.error = changes && path.starts_with(kFolder) ? EROFS : 0};
-  });
-  start();
-  EXPECT_EQ(keeper->folder(), kFallback);
-  EXPECT_EQ(keeper->recovered().epoch.begin()->second.position.contiguous, 20);
-}
-
-// A sync failed, the recorder is killed, and the disk is mounted read-only: what was written and never called
-// durable is in the page cache.  Blocks 1 to 20 are durable, 21 to 50 are not sure.
-void start_again_on_a_disk_that_became_read_only(test::Drive& drive) {
-  drive.start();
-  drive.run(milliseconds(1000), 20);
-  ASSERT_EQ(drive.durable, 20);
-  drive.run(milliseconds(100), 30);
-  drive.fail({DiskCall::kSyncData, DiskCall::kSync, DiskCall::kTruncate}, EIO);
-  EXPECT_TRUE(drive.keeper->commit(drive.now).empty());
-  drive.disk.kill();
-  drive.keeper.reset();
-  drive.options.fallback = kFallback;
-  drive.disk.set_fault([](DiskCall call, std::int64_t, const std::string& path) {
-    const bool changes = call == DiskCall::kSync || call == DiskCall::kWrite || call == DiskCall::kTruncate;
-    return Outcome{.error = changes && path.starts_with(kFolder) ? EROFS : 0};
-  });
-  drive.start();
-}
-
-TEST_F(KeeperTest, WritesWhatTheFirstFolderMayLoseToTheFallbackBeforeItCounts) {
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    Drive drive(seed);
-    start_again_on_a_disk_that_became_read_only(drive);
-    const std::int64_t counted = drive.keeper->recovered().epoch.begin()->second.position.contiguous;
-    EXPECT_EQ(counted, 50) << "all could be read";
-    drive.disk.cut_power();
-    drive.keeper.reset();
-    drive.disk.power_on();
-    drive.fail_nothing();
-    std::set<std::int64_t> left;
-    for (const char* folder : {kFolder, kFallback})
-      if (path_exists(std::string(folder) + "/seg-000001.lcm", drive.disk))
-        for (const std::int64_t sequence : drive.recorded(folder)) left.insert(sequence);
-    for (std::int64_t sequence = 1; sequence <= counted; ++sequence)
-      EXPECT_TRUE(left.contains(sequence)) << sequence << " of " << counted << ", seed " << seed;
-  }
-}
-
-TEST_F(KeeperTest, TheJournalOfTheFallbackAgreesWithItsBlocksBehindThoseOfTheFirstFolder) {
-  start_again_on_a_disk_that_became_read_only(*this);
-  run(milliseconds(2000), 20);
-  note_durable(keeper->close(now));
-  EXPECT_EQ(recorded(kFallback).size(), 50u) << "30 of the first folder, and 20";
-  const Verification found = verify_record(kFallback, disk);
-  EXPECT_GT(found.journal_entries, 0);
-  ASSERT_EQ(found.epoch.size(), 1u);
-  EXPECT_TRUE(found.epoch[0].contradictions.empty()) << found.epoch[0].contradictions[0];
 }
 
 TEST_F(KeeperTest, AFullDiskIsAStateAndNothingIsLostWhenSpaceReturns) {
