@@ -95,6 +95,7 @@ void RecordKeeper::open_folders() {
   }
   if (!fallback_) return;
   open(options_.fallback, std::move(before));
+  keep_cut_tail();
   warnings_.push_back("recording goes on in " + options_.fallback.string());
   segment_is_open_ = write_unsure(unsure, *writer_);
   appended_before_ = writer_->appended();
@@ -117,7 +118,13 @@ void RecordKeeper::open_first() {
     if (error.code() != std::errc::no_space_on_device || !ballast_.remove_old()) throw;
     open(options_.folder, {});
   }
+  keep_cut_tail();
   (void)ballast_.remove_old();
+}
+
+// Told of once recording begins, which may be in the other folder.
+void RecordKeeper::keep_cut_tail() {
+  if (const auto& cut = writer_->cut_tail()) cut_tails_.push_back(*cut);
 }
 
 // Until the new one is good the old one stays.

@@ -8,6 +8,7 @@
 #include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
 #include "common/link/planted.hpp"
+#include "common/record/segment.hpp"
 
 namespace roadbalance {
 namespace {
@@ -35,9 +36,12 @@ RecordKeeper::RecordKeeper(Disk& disk, KeeperOptions options)
 void RecordKeeper::begin(std::int64_t incarnation) {
   stamp_.incarnation = incarnation;
   note(NoteKind::kStarted, writer_->segment() + (segment_is_open_ ? 0 : 1), 0, "");
-  if (const auto& cut = cut_tail())
-    note(NoteKind::kTailCut, writer_->segment(), static_cast<std::int64_t>(cut->cut),
-         cut->tail.filename().string());
+  for (const RecordWriter::CutTail& cut : cut_tails_) {
+    const int segment = segment_of_file(cut.segment.filename().string(), ".lcm").value_or(0);
+    const bool is_here = cut.segment == segment_path(folder(), segment);
+    note(NoteKind::kTailCut, segment, static_cast<std::int64_t>(cut.cut),
+         (is_here ? cut.tail.filename() : cut.tail).string());
+  }
 }
 
 void RecordKeeper::set_clocks(std::int64_t utc_us, std::int64_t host_ns) {

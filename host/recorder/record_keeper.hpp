@@ -70,11 +70,12 @@ class RecordKeeper {
   const RecordState& recovered() const { return recovered_; }
   /// The one that is written to.
   const std::filesystem::path& folder() const { return fallback_ ? options_.fallback : options_.folder; }
-  const std::optional<RecordWriter::CutTail>& cut_tail() const { return writer_->cut_tail(); }
+  /// What was cut off at the start: of the first folder, and of the fallback.
+  const std::vector<RecordWriter::CutTail>& cut_tails() const { return cut_tails_; }
 
   /// The host's clocks at this instant; entries are stamped with the pair given last.
   void set_clocks(std::int64_t utc_us, std::int64_t host_ns);
-  /// For the stamp of notes.  The first is that the recorder runs, the second, if so, that a tail was cut.
+  /// For the stamp of notes.  The first is that the recorder runs, the next, if so, that tails were cut.
   void begin(std::int64_t incarnation);
 
   void set_link_counters(LinkCounters counters) { counters_ = std::move(counters); }
@@ -129,6 +130,7 @@ class RecordKeeper {
   void open_first();
   bool is_known_and_missing() const;
   void open(const std::filesystem::path& folder, RecordState before);
+  void keep_cut_tail();
   void go_to_fallback(WallTime now);
   void hold_anew();
   void say_where_it_goes_on();
@@ -157,6 +159,7 @@ class RecordKeeper {
   bool fallback_ = false;
   std::int64_t device_ = -1;  // that folder() lies on
   RecordState recovered_;
+  std::vector<RecordWriter::CutTail> cut_tails_;
   Note stamp_;  // the clocks and incarnation that notes get
 
   HeldEvents held_;                            // since the last durable mark

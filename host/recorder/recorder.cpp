@@ -66,7 +66,8 @@ RecorderReport run_recorder(std::stop_token stop, const RecorderOptions& options
   refuse_one_folder_twice(options);
   const auto power = open_power(options);
   RecordKeeper keeper(kernel_disk(), options.keeper());
-  if (keeper.cut_tail() && options.on_cut_tail) options.on_cut_tail(*keeper.cut_tail());
+  if (options.on_cut_tail)
+    for (const RecordWriter::CutTail& tail : keeper.cut_tails()) options.on_cut_tail(tail);
   const Incarnation incarnation{
       .number = next_incarnation(keeper.folder(), std::max(utc_us() / 1000, options.first_incarnation)),
       .folder = keeper.folder()};

@@ -6,6 +6,8 @@
 #include <string>
 
 #include "common/record/folder.hpp"
+#include "common/record/segment.hpp"
+#include "common/record/segment_index.hpp"
 #include "host/recorder/test/keeper_drive.hpp"
 #include "host/recorder/verify.hpp"
 
@@ -20,7 +22,35 @@ using test::Outcome;
 
 constexpr const char* kFallback = "/other";
 
-class KeeperFallbackStartTest : public ::testing::Test, protected test::Drive {};
+constexpr std::uint64_t kTorn = 500;
+
+class KeeperFallbackStartTest : public ::testing::Test, protected test::Drive {
+ protected:
+  /// A drive of 50 blocks, of which the last 30 went to the fallback, and whose recorder was killed.
+  void drive_into_the_fallback() {
+    options.fallback = kFallback;
+    start();
+    run(milliseconds(1000), 20);
+    disk.set_fault([](DiskCall call, std::int64_t, const std::string& path) {
+      const bool changes = call == DiskCall::kSyncData || call == DiskCall::kSync || call == DiskCall::kWrite;
+      return Outcome{.error = changes && path.starts_with(kFolder) ? EIO : 0};
+    });
+    run(milliseconds(3000), 30);
+    disk.kill();
+    keeper.reset();
+    fail_nothing();
+  }
+  /// Bytes that are no event behind the last one, as a power cut leaves them.
+  std::string tear_last_segment(const char* folder) {
+    const int last = segment_numbers(folder, disk).back();
+    const std::string segment = segment_path(folder, last).string();
+    disk.unlink(index_path(folder, last).c_str());
+    auto bytes = disk.content(segment);
+    bytes.insert(bytes.end(), kTorn, 'x');
+    disk.put(segment, bytes);
+    return segment;
+  }
+};
 
 TEST_F(KeeperFallbackStartTest, StartsInTheFallbackFolderWhenTheFirstCanOnlyBeRead) {
   start();
@@ -94,6 +124,27 @@ TEST_F(KeeperFallbackStartTest, TheNoteOfTheStartNamesTheSegmentThatItIsIn) {
   ASSERT_EQ(started.size(), 1u);
   EXPECT_EQ(started[0].a, 1) << "the blocks written again have begun it";
   EXPECT_EQ(notes(NoteKind::kStarted)[0].a, 1) << "that is what it is called where nothing is written again";
+}
+
+TEST_F(KeeperFallbackStartTest, TailsThatAreCutOffInBothFoldersAreToldInTheFallback) {
+  drive_into_the_fallback();
+  const std::string first = tear_last_segment(kFolder), second = tear_last_segment(kFallback);
+  start();
+  ASSERT_EQ(keeper->cut_tails().size(), 2u);
+  EXPECT_EQ(keeper->cut_tails()[0].segment, first);
+  EXPECT_EQ(keeper->cut_tails()[0].cut, kTorn);
+  EXPECT_EQ(keeper->cut_tails()[1].segment, second);
+  EXPECT_EQ(keeper->cut_tails()[1].cut, kTorn);
+  run(milliseconds(1000), 10);
+  note_durable(keeper->close(now));
+  const auto cut = notes(NoteKind::kTailCut, kFallback);
+  ASSERT_EQ(cut.size(), 2u);
+  EXPECT_EQ(cut[0].a, segment_of_file(std::filesystem::path(first).filename().string(), ".lcm"));
+  EXPECT_EQ(cut[0].b, kTorn);
+  EXPECT_EQ(cut[0].text, keeper->cut_tails()[0].tail)
+      << "the other folder has segments of these numbers, too";
+  EXPECT_EQ(cut[1].b, kTorn);
+  EXPECT_EQ(cut[1].text, keeper->cut_tails()[1].tail.filename());
 }
 
 }  // namespace
