@@ -91,7 +91,7 @@ void RecordKeeper::open_folders() {
     if (options_.fallback.empty()) throw;
     if (!fallback_) warnings_.push_back(error.what());
     fallback_ = true;
-    before = read_state(options_.folder, disk_, {}, &unsure);
+    before = held_by_first(unsure);
   }
   if (!fallback_) return;
   open(options_.fallback, std::move(before));
@@ -125,6 +125,19 @@ void RecordKeeper::open_first() {
 // Told of once recording begins, which may be in the other folder.
 void RecordKeeper::keep_cut_tail() {
   if (const auto& cut = writer_->cut_tail()) cut_tails_.push_back(*cut);
+}
+
+// Of a folder that cannot be gone on with.  Without what it holds a gap stands in the fallback for all of it,
+// and rb recover puts both together.
+RecordState RecordKeeper::held_by_first(std::vector<UnsureBlock>& unsure) {
+  try {
+    return read_state(options_.folder, disk_, {}, &unsure);
+  } catch (const std::system_error& error) {
+    warnings_.push_back("what " + options_.folder.string() +
+                        " holds cannot be told, and counts as not recorded: " + error.what());
+    unsure.clear();
+    return {};
+  }
 }
 
 // Until the new one is good the old one stays.

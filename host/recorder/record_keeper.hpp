@@ -57,7 +57,8 @@ class RecordKeeper {
   static constexpr int kMostHeldNotes = 1000;
 
   /// Creates the folder or continues one: locks it, cuts a torn tail, takes what it holds.  The fallback is
-  /// continued if it holds the rest of this record, and taken if the folder can be read but not written.
+  /// continued if it holds the rest of this record, and taken if the folder cannot be written, or not even
+  /// read.
   /// @throws std::invalid_argument if the fallback holds another recording, std::system_error naming the
   /// file,
   ///         std::runtime_error if another recorder writes to the folder, or the record goes on in a fallback
@@ -131,6 +132,7 @@ class RecordKeeper {
   bool is_known_and_missing() const;
   void open(const std::filesystem::path& folder, RecordState before);
   void keep_cut_tail();
+  RecordState held_by_first(std::vector<UnsureBlock>& unsure);
   void go_to_fallback(WallTime now);
   void hold_anew();
   void say_where_it_goes_on();

@@ -147,5 +147,30 @@ TEST_F(KeeperFallbackStartTest, TailsThatAreCutOffInBothFoldersAreToldInTheFallb
   EXPECT_EQ(cut[1].text, keeper->cut_tails()[1].tail.filename());
 }
 
+// Measuring goes before order: what the first folder held stays there for rb recover.
+TEST_F(KeeperFallbackStartTest, AFirstFolderThatCannotBeReadKeepsNobodyFromRecording) {
+  start();
+  run(milliseconds(1000), 20);
+  disk.kill();
+  keeper.reset();
+  const auto before = disk.content("/record/seg-000001.lcm");
+  options.fallback = kFallback;
+  disk.set_fault([](DiskCall call, std::int64_t, const std::string& path) {
+    return Outcome{.error = call == DiskCall::kRead && path == "/record/seg-000001.lcm" ? EIO : 0};
+  });
+  start();
+  EXPECT_EQ(keeper->folder(), kFallback);
+  EXPECT_TRUE(keeper->recovered().epoch.empty());
+  EXPECT_TRUE(was_warned_of("what /record holds cannot be told"));
+  run(milliseconds(1000), 10);
+  note_durable(keeper->close(now));
+  EXPECT_EQ(recorded(kFallback).size(), 10u);
+  EXPECT_EQ(disk.content("/record/seg-000001.lcm"), before) << "nothing is cut where nothing can be read";
+
+  keeper.reset();
+  options.fallback.clear();
+  EXPECT_THROW(start(), std::runtime_error) << "there is nowhere else";
+}
+
 }  // namespace
 }  // namespace roadbalance
