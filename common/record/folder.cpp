@@ -66,6 +66,13 @@ std::filesystem::path folder_of(const std::filesystem::path& path) {
   return path.parent_path().empty() ? std::filesystem::path(".") : path.parent_path();
 }
 
+std::string name_of_folder(const std::filesystem::path& path) {
+  const auto whole = path.has_filename() ? path : path.parent_path();
+  const std::string name = whole.filename().string();
+  if (name != "." && name != "..") return name;
+  return std::filesystem::canonical(whole).filename().string();
+}
+
 bool remove_file(const std::filesystem::path& path, Disk& disk) {
   if (disk.unlink(path.c_str()) == 0) return true;
   if (errno != ENOENT) throw_errno("remove " + path.string());

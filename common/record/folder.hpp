@@ -25,6 +25,9 @@ void sync_folder(const std::filesystem::path& path, Disk& disk = kernel_disk());
 /// The folder a path lies in: "." for a bare name.
 std::filesystem::path folder_of(const std::filesystem::path& path);
 
+/// What a folder is called: "monday" of "drives/monday/", and of "." in it.
+std::string name_of_folder(const std::filesystem::path& path);
+
 /// False if there is no such file.  Durable with the folder's next sync.
 bool remove_file(const std::filesystem::path& path, Disk& disk = kernel_disk());
 void rename_file(const std::filesystem::path& from, const std::filesystem::path& to,

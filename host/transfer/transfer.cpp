@@ -21,14 +21,6 @@ constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
 // A disk that is unplugged loses no more than this.
 constexpr std::uint64_t kSyncBytes = std::uint64_t{64} << 20;
 
-// "drives/monday/" is called monday, and so is ".".
-std::string name_of(const fs::path& folder) {
-  const fs::path whole = (folder.has_filename() ? folder : folder.parent_path());
-  const std::string name = whole.filename().string();
-  if (name != "." && name != "..") return name;
-  return fs::canonical(whole).filename().string();
-}
-
 /// Who opens it waits for somebody at its other end.
 bool would_wait(const fs::path& path) {
   std::error_code is_not_there;
@@ -46,7 +38,7 @@ class Transfer {
   Transfer(const fs::path& from, const fs::path& to, const std::stop_token& stop,
            const TransferProgress& progress, Disk& from_disk, Disk& to_disk)
       : from_(from),
-        goal_(to / name_of(from)),
+        goal_(to / name_of_folder(from)),
         part_(goal_.string() + ".part"),
         stop_(stop),
         progress_(progress),

@@ -97,7 +97,7 @@ class Salvage {
       const int deleted = deleted_through_[segment_path(folder, 1).parent_path()];
       const auto numbers = segment_numbers(folder, disk_);
       if (const int last = std::min(numbers.empty() ? 0 : numbers.front() - 1, deleted); last > 0)
-        losses_.deleted_segments(folder.filename().string(), last);
+        losses_.deleted_segments(name_of_folder(folder), last);
       const auto finished = read_manifest(folder, disk_);
       if (folder != folders_.front() && finished.empty()) continue;
       const auto found = find_missing_segments(folder, finished, deleted, disk_);
