@@ -138,6 +138,14 @@ bool File::try_lock() {
   return false;
 }
 
+std::optional<bool> try_lock(File& file) {
+  try {
+    return file.try_lock();
+  } catch (const std::system_error&) {
+    return std::nullopt;
+  }
+}
+
 void File::close() {
   if (descriptor_ >= 0 && disk_->close(std::exchange(descriptor_, -1)) != 0) fail("close");
 }

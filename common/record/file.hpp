@@ -63,6 +63,9 @@ class File {
   std::filesystem::path path_;
 };
 
+/// As File::try_lock(); nothing: its disk knows no locks.
+std::optional<bool> try_lock(File& file);
+
 /// A whole small file; nothing if there is none.
 std::optional<std::string> read_text(const std::filesystem::path& path, Disk& disk = kernel_disk());
 

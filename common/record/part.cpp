@@ -19,15 +19,6 @@ fs::path shell_of(const fs::path& path) {
   return shell;
 }
 
-/// False: somebody else has it; nothing: its disk knows no locks.
-std::optional<bool> try_lock(File& folder) {
-  try {
-    return folder.try_lock();
-  } catch (const std::system_error&) {
-    return std::nullopt;
-  }
-}
-
 /// Takes the folder in which something is to be made.  Another may remove it between two steps, having kept
 /// what lay in it.
 File take_shell(const fs::path& shell) {

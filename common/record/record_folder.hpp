@@ -1,10 +1,23 @@
 #pragma once
 
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "common/record/file.hpp"
 
 namespace roadbalance {
+
+/// The folder of a recording that is only read: locked, so that no recorder begins to write to it meanwhile.
+/// @param what_for  what waits until the recording has ended, for people: "transfer it"
+/// @throws std::runtime_error naming the folder if whoever records into it has it locked
+inline File hold_at_rest(const std::filesystem::path& path, const std::string& what_for,
+                         Disk& disk = kernel_disk()) {
+  File folder = File::open_folder(path, disk);
+  if (try_lock(folder) == false)
+    throw std::runtime_error(path.string() + ": is being recorded; " + what_for + " when that has ended");
+  return folder;
+}
 
 /// The folder of a recording in the hands of its only writer: locked against others, synced when names in it
 /// have changed.

@@ -9,6 +9,7 @@
 #include "common/record/failure_words.hpp"
 #include "common/record/file.hpp"
 #include "common/record/folder.hpp"
+#include "common/record/record_folder.hpp"
 #include "common/record/room.hpp"
 #include "common/record/segment.hpp"
 
@@ -61,14 +62,10 @@ class Transfer {
   }
 
  private:
-  // Whoever records into it has it locked.
   File claim() const {
     if (segment_numbers(from_, from_disk_).empty())
       throw std::runtime_error(from_.string() + ": no recording (no segment in it)");
-    File folder = File::open_folder(from_, from_disk_);
-    if (!folder.try_lock())
-      throw std::runtime_error(from_.string() + ": is being recorded; transfer it when that has ended");
-    return folder;
+    return hold_at_rest(from_, "transfer it", from_disk_);
   }
 
   void list() {

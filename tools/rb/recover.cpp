@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/record/part.hpp"
+#include "common/record/record_folder.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/salvage.hpp"
 #include "tools/rb/verification_json.hpp"
@@ -33,9 +34,19 @@ void refuse_sources(const std::vector<fs::path>& sources, const fs::path& target
   expect_beside(sources, target);
 }
 
+/// A record that grows while it is read is none that can be recovered.
+std::vector<File> hold_all(const std::vector<fs::path>& sources) {
+  std::vector<File> held;
+  for (const fs::path& source : sources)
+    if (std::ranges::none_of(held, [&](const File& other) { return other.is_at(source); }))
+      held.push_back(hold_at_rest(source, "recover it"));
+  return held;
+}
+
 /// The new record appears with all it is to hold, or not at all.
 Salvaged recover_whole(const std::vector<fs::path>& sources, const fs::path& target) {
   refuse_sources(sources, target);
+  const std::vector<File> held = hold_all(sources);
   Part folder(target, Part::Kind::kFolder);
   const Salvaged salvaged = salvage(sources, folder.part());
   folder.keep();

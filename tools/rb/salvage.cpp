@@ -81,8 +81,9 @@ class Salvage {
     writer_.emplace(RecordWriter::Options{.folder = target}, disk);
     writer_->set_preamble([events = make_preamble(vehicle_.vehicle)](const RecordState&) { return events; });
     for (auto& [key, plan] : plans_) plan.highest = 0;
-    sources_.for_each([this](const LogEvent& event, const Place&, bool counts) { write(event, counts); },
-                      damage);
+    sources_.for_each(
+        [this](const LogEvent& event, const Place& place, bool counts) { write(event, place, counts); },
+        damage);
     for (auto& [key, plan] : plans_) finish(key, plan);
     tell_losses();
     writer_->close();
@@ -168,7 +169,7 @@ class Salvage {
     }
   }
 
-  void write(const LogEvent& event, bool counts) {
+  void write(const LogEvent& event, const Place& place, bool counts) {
     SealedBlock block;
     if (accept(event, block) != Refusal::kNone) {
       if (counts) write_other(event);
@@ -176,7 +177,10 @@ class Salvage {
     }
     if (block.header.sequence <= 0 || is_declared_by_host(block)) return;
     const NodeEpoch key{block.header.node, block.header.epoch};
-    Plan& plan = plans_.at(key);
+    const auto planned = plans_.find(key);
+    if (planned == plans_.end())
+      throw std::runtime_error(sources_.file(place).string() + ": changed while it was read");
+    Plan& plan = planned->second;
     if (block.header.sequence <= plan.highest) return;
     plan.highest = block.header.sequence;
     write_elsewhere_before(block.header.sequence, key, plan);

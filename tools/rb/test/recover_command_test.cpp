@@ -10,10 +10,10 @@
 #include <thread>
 #include <vector>
 
+#include "common/process/child.hpp"
 #include "common/record/file.hpp"
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
-#include "common/process/child.hpp"
 
 namespace roadbalance {
 namespace {
@@ -101,6 +101,23 @@ TEST_F(RecoverCommand, NeverWritesIntoWhatItReads) {
   EXPECT_EQ(rb({"recover", record_, "--spool", spool, "-o", folder_ / "link/new"}).code, 1);
   EXPECT_FALSE(fs::exists(spool + "/new"));
   EXPECT_EQ(rb({"recover", record_, "--spool", spool, "-o", record_ + "-beside"}).code, 0);
+}
+
+TEST_F(RecoverCommand, RefusesARecordingOrASpoolThatIsBeingRecorded) {
+  const std::string spool = folder_ / "spool";
+  fs::copy(record_, spool);
+  for (const std::string& busy : {record_, spool}) {
+    File recorder = File::open_folder(busy);
+    ASSERT_TRUE(recorder.try_lock());
+    const Outcome refused = rb({"recover", record_, "--spool", spool, "-o", target_});
+    EXPECT_EQ(refused.code, 1);
+    EXPECT_NE(refused.log.find(busy + ": is being recorded; recover it when that has ended"),
+              std::string::npos)
+        << refused.log;
+    EXPECT_FALSE(fs::exists(target_));
+  }
+  EXPECT_EQ(rb({"recover", record_, "--spool", record_, "-o", target_}).code, 0)
+      << "twice the same is no other";
 }
 
 TEST_F(RecoverCommand, SaysWhatAMissingSegmentMayHaveHeld) {
