@@ -104,7 +104,7 @@ def main():
         types = types_in(arguments.folder) if arguments.wire == "record" else read_wire_types(arguments.wire)
         checker = Checker(arguments.folder, types, Truth(arguments.truth) if arguments.truth else None)
         checker.check()
-    except (OSError, ValueError, KeyError) as error:
+    except (OSError, MemoryError, ValueError, KeyError) as error:
         print(f"check_record: {error}", file=sys.stderr)
         return UNREADABLE
     found = report(checker)

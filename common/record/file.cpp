@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <sys/file.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <string>
 #include <system_error>
@@ -153,9 +154,17 @@ void File::close() {
 std::optional<std::string> read_text(const std::filesystem::path& path, Disk& disk) {
   if (!path_exists(path, disk)) return std::nullopt;
   const File file = File::open_to_read(path, disk);
-  std::string text(file.size(), '\0');
+  std::string text(std::min(file.size(), kMostTextBytes), '\0');
   text.resize(file.read_at(0, {reinterpret_cast<std::uint8_t*>(text.data()), text.size()}));
   return text;
+}
+
+std::optional<std::string> read_whole_text(const std::filesystem::path& path, Disk& disk) {
+  if (path_exists(path, disk) && size_of_file(path, disk) > kMostTextBytes)
+    throw std::system_error(
+        EFBIG, std::generic_category(),
+        "read " + path.string() + ": more than " + std::to_string(kMostTextBytes) + " bytes");
+  return read_text(path, disk);
 }
 
 void write_atomically(const std::filesystem::path& path, std::string_view text, Disk& disk) {

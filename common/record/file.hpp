@@ -66,8 +66,15 @@ class File {
 /// As File::try_lock(); nothing: its disk knows no locks.
 std::optional<bool> try_lock(File& file);
 
-/// A whole small file; nothing if there is none.
+/// What is longer is none of the texts beside a record.
+inline constexpr std::uint64_t kMostTextBytes = std::uint64_t{16} << 20;
+
+/// A small file that proves itself, as an index does; nothing if there is none.  A longer one than
+/// kMostTextBytes is cut off there, which no such text stands.
 std::optional<std::string> read_text(const std::filesystem::path& path, Disk& disk = kernel_disk());
+/// A small file that is needed as it is; nothing if there is none.
+/// @throws std::system_error naming it, EFBIG if it is longer than kMostTextBytes
+std::optional<std::string> read_whole_text(const std::filesystem::path& path, Disk& disk = kernel_disk());
 
 /// Replaces `path` by a file with this text so that a reader sees the old or the new, never a part; durable
 /// on return.  @throws std::system_error naming the call and the file

@@ -238,7 +238,7 @@ File claim_desk_book(const std::filesystem::path& recordings, Disk& disk) {
 
 DeskBook read_desk_book(const std::filesystem::path& recordings, Disk& disk) {
   const auto file = recordings / kDeskBookFile;
-  const auto text = read_text(file, disk);
+  const auto text = read_whole_text(file, disk);
   if (!text) return {};
   try {
     const Json json = Json::parse(*text);

@@ -13,7 +13,7 @@ namespace roadbalance {
 
 std::int64_t stored_incarnation(const std::filesystem::path& folder, Disk& disk) {
   const auto file = folder / kIncarnationFile;
-  const auto text = read_text(file, disk);
+  const auto text = read_whole_text(file, disk);
   if (!text) return 0;
   std::int64_t number = 0;
   const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), number);

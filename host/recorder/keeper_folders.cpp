@@ -24,7 +24,7 @@ std::string full_name(const std::filesystem::path& folder) {
 
 // Lines: the folders whose rest is in this one.
 std::string continued_here(const std::filesystem::path& folder, Disk& disk) {
-  return read_text(folder / kContinuesFile, disk).value_or("");
+  return read_whole_text(folder / kContinuesFile, disk).value_or("");
 }
 
 bool is_line_of(const std::string& line, const std::string& text) {
@@ -46,7 +46,7 @@ bool is_continued(const KeeperOptions& options, Disk& disk) {
   const auto file = options.folder / kContinuedInFile;
   std::optional<std::string> where;
   try {
-    where = read_text(file, disk);
+    where = read_whole_text(file, disk);
   } catch (const std::system_error&) {
     return false;  // of a disk that fails nothing is known
   }

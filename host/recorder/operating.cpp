@@ -36,7 +36,7 @@ Operating::Operating(const OperateOptions& options, World world, Time time)
 // A folder without one could be any.
 void Operating::know_book() {
   try {
-    if (const auto text = read_text(options_.recordings / kDeskBookFile, world_.disk))
+    if (const auto text = read_whole_text(options_.recordings / kDeskBookFile, world_.disk))
       book_texts_.insert(*text);
     if (book_texts_.empty()) store({});
   } catch (const std::system_error& error) {

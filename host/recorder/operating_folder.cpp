@@ -13,7 +13,7 @@ namespace roadbalance {
 // the kernel: ours has the book as it was written last, or was to be.
 void Operating::require_its_folder() {
   if (claim_.is_open() && claim_.is_at(options_.recordings)) return;
-  const auto text = read_text(options_.recordings / kDeskBookFile, world_.disk);
+  const auto text = read_whole_text(options_.recordings / kDeskBookFile, world_.disk);
   if (!text || !book_texts_.contains(*text))
     throw std::system_error(
         ENODEV, std::generic_category(),

@@ -34,7 +34,7 @@ struct Noted {};
 }
 
 std::string read_file(const std::filesystem::path& file, Disk& disk) {
-  const auto text = read_text(file, disk);
+  const auto text = read_whole_text(file, disk);
   if (!text)
     throw std::system_error(std::make_error_code(std::errc::no_such_file_or_directory), file.string());
   return *text;
@@ -94,7 +94,7 @@ std::string whom_it_reaches(const std::string& text, const std::vector<std::int3
 
 SetUp::SetUp(std::filesystem::path file, std::filesystem::path recordings, std::uint64_t seed, Disk& disk)
     : file_(std::move(file)), recordings_(std::move(recordings)), random_(seed), disk_(disk) {
-  if (const auto chosen = read_text(recordings_ / kVehicleFile, disk_)) {
+  if (const auto chosen = read_whole_text(recordings_ / kVehicleFile, disk_)) {
     const std::string name = chosen->substr(0, chosen->find('\n'));
     if (is_plain_name(name) && path_exists(folder_of(file_) / name, disk_)) file_ = folder_of(file_) / name;
   }

@@ -30,7 +30,7 @@ SetUp::Kept SetUp::kept(const Change& change) const {
 // recorder after this one goes by that.
 bool SetUp::reads_new(const Change& change) const {
   const Kept file = kept(change);
-  return read_text(file.path, disk_) == file.after;
+  return read_whole_text(file.path, disk_) == file.after;
 }
 
 // What the nodes have taken is said to be done when it is on the disk.  What the disk refuses for long is

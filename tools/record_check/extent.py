@@ -8,6 +8,7 @@ import re
 
 from record_check.crc32c import crc
 from record_check.event_log import HEADER, ends_with_its_crc, split_events
+from record_check.small_file import read_small_file
 
 EPOCH = re.compile(rb"^epoch (\d+) (-?\d+) contiguous (\d+) next_scan (\d+) ended (\d) [^\n]* sum ([0-9a-f]{8}|none)$", re.MULTILINE)
 INDEX = re.compile(rb"^roadbalance index 2\nsegment (\d+) bytes (\d+)\n(?:epoch [^\n]*\n)*crc32c ([0-9a-f]{8})\n$")
@@ -34,8 +35,7 @@ def read_index(segment, number):
 
     sum: of the blocks so far (epochs.py), None if one is not the node's own; over: by an end or a crash.
     """
-    path = segment.with_suffix(".idx")
-    text = path.read_bytes() if path.exists() else b""
+    text = read_small_file(segment.with_suffix(".idx"))
     found = INDEX.match(text)
     if not found or int(found[1]) != number or int(found[3], 16) != crc(text[:text.rindex(b"crc32c ")]):
         return None

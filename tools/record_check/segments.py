@@ -7,6 +7,7 @@ import re
 from record_check.entries import LAST_SEGMENT, SEGMENT_ABANDONED, SEGMENT_DELETED, EntryDecoder
 from record_check.event_log import split_events
 from record_check.extent import is_finished, read_index, torn_from
+from record_check.small_file import read_small_file
 
 MOST_BYTES = (1 << 64) - 1
 
@@ -152,8 +153,8 @@ class Segments:
     def _read_manifest(self):
         """Sizes of the finished segments by name; what of a manifest cannot be read says nothing."""
         try:
-            entries = json.loads((self.folder / "manifest.json").read_text(encoding="utf-8"))["segments"]
-        except (OSError, ValueError, KeyError, TypeError):
+            entries = json.loads(read_small_file(self.folder / "manifest.json"))["segments"]
+        except (ValueError, KeyError, TypeError):
             return {}
         sizes = {}
         for entry in entries if isinstance(entries, list) else ():

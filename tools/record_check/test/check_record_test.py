@@ -713,6 +713,12 @@ class CheckRecord(unittest.TestCase):
             self.assertEqual(len(lines), 1, lines)
             self.assertIn(field, lines[0])
 
+    def test_texts_beside_the_segments_of_whatever_length_are_none(self):
+        for name in ("seg-000001.idx", "manifest.json"):
+            with (self.folder / name).open("wb") as file:
+                file.truncate(4 << 40)  # without a block on the disk
+        self.agrees(COMPLETE)
+
     def test_nothing_readable(self):
         (self.folder / SEGMENT).write_bytes(b"x" * 5000)
         self.agrees(UNREADABLE)

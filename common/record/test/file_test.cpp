@@ -1,0 +1,50 @@
+#include "common/record/file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <system_error>
+
+#include "common/record/segment_index.hpp"
+#include "common/test/temporary_directory.hpp"
+
+namespace roadbalance {
+namespace {
+
+// As a damaged length of a file makes it: 4 TB without a block on the disk.
+void write_sparse(const std::filesystem::path& path) {
+  std::ofstream(path).close();
+  std::filesystem::resize_file(path, std::uint64_t{4} << 40);
+}
+
+TEST(ReadText, ATextOfTheGreatestLengthIsReadWhole) {
+  const test::TemporaryDirectory folder;
+  const std::string text(kMostTextBytes, 'x');
+  write_atomically(folder / "text", text);
+  EXPECT_EQ(read_text(folder / "text"), text);
+  EXPECT_EQ(read_whole_text(folder / "text"), text);
+  EXPECT_EQ(read_whole_text(folder / "none"), std::nullopt);
+}
+
+TEST(ReadText, OneThatIsLongerIsRefusedByItsNameWhereItIsNeeded) {
+  const test::TemporaryDirectory folder;
+  write_sparse(folder / "recorder.json");
+  try {
+    read_whole_text(folder / "recorder.json");
+    FAIL() << "4 TB of memory";
+  } catch (const std::system_error& error) {
+    EXPECT_EQ(error.code(), std::errc::file_too_large);
+    EXPECT_NE(std::string(error.what()).find(folder / "recorder.json"), std::string::npos) << error.what();
+  }
+}
+
+TEST(ReadText, AnIndexThatIsLongerIsNone) {
+  const test::TemporaryDirectory folder;
+  write_sparse(folder / "seg-000001.idx");
+  EXPECT_EQ(read_index_alone(folder / ".", 1), std::nullopt);
+}
+
+}  // namespace
+}  // namespace roadbalance
