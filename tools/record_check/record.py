@@ -1,5 +1,8 @@
 """Reads a whole record and says what it proves."""
 
+import errno
+import os
+
 from record_check.blocks import CHANNELS, SCANS_PER_BLOCK, BlockDecoder
 from record_check.crc32c import crc_of_columns, crc_of_each
 from record_check.description import Description
@@ -208,5 +211,9 @@ class Checker:
                 self.damaged_bytes += count
             what = "a torn tail" if torn else "no event of an LCM log"
             self.damage.append(f"{self.segments.paths[number].name}: {count} bytes from {offset} on are {what}")
+        for offset, count in self.segments.unreadable[number]:
+            self.damaged_bytes += count
+            self.damage.append(f"{self.segments.paths[number].name}: {count} bytes from {offset} on cannot be read: "
+                               f"{os.strerror(errno.EIO)}")
         if size == 0 and number == self.segments.numbers[-1]:
             self.damage.append(f"{self.segments.paths[number].name}: is empty: its recorder was killed when it began it")

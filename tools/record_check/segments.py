@@ -7,6 +7,7 @@ import re
 from record_check.entries import LAST_SEGMENT, SEGMENT_ABANDONED, SEGMENT_DELETED, EntryDecoder
 from record_check.event_log import split_events
 from record_check.extent import is_finished, read_index, torn_from
+from record_check.segment_file import read_segment
 from record_check.small_file import read_small_file
 
 MOST_BYTES = (1 << 64) - 1
@@ -35,6 +36,7 @@ class Segments:
         self.before = max((number for number in indexes if number < self.numbers[0]), default=0)
         self.finished = self._read_manifest()
         self._entries = EntryDecoder(types)
+        self.unreadable = {}  # number -> [(offset, bytes)]
         self.ends, self.given_up, self.deleted = {}, {}, set()  # given_up: without the torn ones
         deletions = [deletion for number in self.numbers for deletion in self._read_notes(number)]
         self.torn = {}  # number -> (offset, bytes): what a kill or a power cut leaves at the end of a record
@@ -111,17 +113,22 @@ class Segments:
 
     def read(self, number):
         """(bytes, events, damage) of a segment up to where it ends."""
-        log = self.paths[number].read_bytes()
+        log = self._log(number)
         return log, *split_events(log, self.ends.get(number))
 
     def is_listed_as_finished(self, number):
         return self.paths[number].name in self.finished
 
+    def _log(self, number):
+        log, unreadable = read_segment(self.paths[number])
+        self.unreadable[number] = unreadable
+        return log
+
     def _find_torn(self):
         for number in reversed(self.numbers):
             if is_finished(self.paths[number], number):
                 return
-            log = self.paths[number].read_bytes()
+            log = self._log(number)
             end = torn_from(log, self._entries)
             if end < len(log):
                 self.torn[number] = end, len(log) - end
@@ -134,7 +141,7 @@ class Segments:
 
         Where segments before it end that were given up, a segment says in the first events of it.
         """
-        log = self.paths[number].read_bytes()
+        log = self._log(number)
         told, at_beginning = {}, True
         for channel, begin, end in split_events(log)[0]:
             note = self._entries.decode(channel, log[begin:end]) if channel == b"RB_NOTE" else None
