@@ -53,6 +53,10 @@ class Disk {
   /// Nothing (and errno) on failure.  stat and fstat.
   virtual std::optional<FileIdentity> identity(const char* path) = 0;
   virtual std::optional<FileIdentity> identity(int file) = 0;
+
+  /// Whether its readers go around what cannot be read (EIO), as those do that only want what is there, or
+  /// throw, as whoever decides what is durable must.
+  virtual bool goes_around_unreadable() const { return false; }
 };
 
 /// The machine's own.

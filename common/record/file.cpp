@@ -14,6 +14,9 @@
 namespace roadbalance {
 namespace {
 
+// What the page cache reads at once: where a sector is bad all of it is missing.
+constexpr std::uint64_t kPageBytes = 4096;
+
 [[noreturn]] void throw_errno(const std::string& what) {
   throw std::system_error(errno, std::generic_category(), what);
 }
@@ -69,6 +72,33 @@ std::size_t File::read_at(std::uint64_t offset, std::span<std::uint8_t> into) co
     done += static_cast<std::size_t>(got);
   }
   return done;
+}
+
+std::size_t File::read_around(std::uint64_t offset, std::span<std::uint8_t> into,
+                              std::vector<Unreadable>& unreadable) const {
+  try {
+    return read_at(offset, into);
+  } catch (const std::system_error& error) {
+    if (!disk_->goes_around_unreadable() || error.code() != std::errc::io_error) throw;
+  }
+  const std::uint64_t end = std::min(offset + into.size(), size());
+  std::uint64_t at = offset;
+  while (at < end) {
+    const std::uint64_t next = std::min(end, (at / kPageBytes + 1) * kPageBytes);
+    const auto page = into.subspan(at - offset, next - at);
+    try {
+      if (const std::size_t got = read_at(at, page); got < page.size()) return at + got - offset;
+    } catch (const std::system_error& error) {
+      if (error.code() != std::errc::io_error) throw;
+      std::ranges::fill(page, std::uint8_t{0});
+      if (!unreadable.empty() && at <= unreadable.back().to)
+        unreadable.back().to = std::max(next, unreadable.back().to);
+      else
+        unreadable.push_back({.from = at, .to = next});
+    }
+    at = next;
+  }
+  return at - offset;
 }
 
 void File::write_all(std::span<const std::uint8_t> bytes) {
@@ -155,7 +185,8 @@ std::optional<std::string> read_text(const std::filesystem::path& path, Disk& di
   if (!path_exists(path, disk)) return std::nullopt;
   const File file = File::open_to_read(path, disk);
   std::string text(std::min(file.size(), kMostTextBytes), '\0');
-  text.resize(file.read_at(0, {reinterpret_cast<std::uint8_t*>(text.data()), text.size()}));
+  std::vector<File::Unreadable> unreadable;  // whose zeros no such text stands
+  text.resize(file.read_around(0, {reinterpret_cast<std::uint8_t*>(text.data()), text.size()}, unreadable));
   return text;
 }
 

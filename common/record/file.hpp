@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/record/disk.hpp"
 
@@ -31,6 +32,13 @@ class File {
 
   /// As many bytes as there are at `offset`, up to the size of `into`.
   std::size_t read_at(std::uint64_t offset, std::span<std::uint8_t> into) const;
+  struct Unreadable {
+    std::uint64_t from = 0, to = 0;
+  };
+  /// The same of a disk whose readers go around what cannot be read: zeros are in its place.
+  /// @param unreadable  gets where that is, in order, and joined to what lies at its end
+  std::size_t read_around(std::uint64_t offset, std::span<std::uint8_t> into,
+                          std::vector<Unreadable>& unreadable) const;
   void write_all(std::span<const std::uint8_t> bytes);
   void write_all_at(std::uint64_t offset, std::span<const std::uint8_t> bytes);
   /// The data and what is needed to read it back.

@@ -14,6 +14,7 @@
 #include "common/bus/notes.hpp"
 #include "common/record/disk.hpp"
 #include "common/record/record_state.hpp"
+#include "common/record/rescue_disk.hpp"
 
 namespace roadbalance {
 
@@ -37,7 +38,7 @@ class RecordReader {
  public:
   /// @param first  number of the segment to begin with, or of the next one that is there
   /// @throws std::system_error naming the folder if it holds no such segment
-  explicit RecordReader(std::filesystem::path folder, Disk& disk = kernel_disk(), int first = 1);
+  explicit RecordReader(std::filesystem::path folder, Disk& disk = rescue_disk(), int first = 1);
   ~RecordReader();
   RecordReader(RecordReader&&) noexcept;
 
@@ -57,12 +58,12 @@ class RecordReader {
     std::filesystem::path segment;
     std::uint64_t offset;
     std::uint64_t bytes;
-    std::string what;
+    std::string what;  ///< "are ...", "cannot be ..."
     bool torn =
         false;  ///< at the end of the record and never called durable: what a kill or power cut leaves
   };
-  /// Where bytes are no events, in order.  What lies behind the end of an abandoned segment is not among
-  /// them: it does not count.
+  /// Where bytes are no events or cannot be read, in order.  What lies behind the end of an abandoned segment
+  /// is not among them: it does not count.
   const std::vector<Damage>& damage() const;
 
  private:

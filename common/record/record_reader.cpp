@@ -88,7 +88,7 @@ struct RecordReader::State {
         torn.insert(torn.begin(), {.segment = segment_path(folder, at),
                                    .offset = extent.end,
                                    .bytes = extent.size - extent.end,
-                                   .what = is_torn ? "a torn tail" : "no event of an LCM log",
+                                   .what = is_torn ? "are a torn tail" : kIsNoEvent,
                                    .torn = is_torn});
     }
     if (number == *last) limit_last();

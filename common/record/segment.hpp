@@ -19,6 +19,9 @@ inline constexpr const char* kContinuesFile = "continues";
 /// In the first folder once the record goes on in the fallback: which that is.
 inline constexpr const char* kContinuedInFile = "continued-in";
 
+/// RecordReader::Damage::what of bytes that were read.
+inline constexpr const char* kIsNoEvent = "are no event of an LCM log";
+
 /// "seg-000001.lcm" in `folder`.
 std::filesystem::path segment_path(const std::filesystem::path& folder, int number);
 
@@ -31,7 +34,7 @@ std::vector<int> segment_numbers(const std::filesystem::path& folder, Disk& disk
 ///
 /// An event counts if it parses and ends with its own CRC, or if what follows it is the sync word or the
 /// present end and no other event is inside of it.  Else the bytes up to the next event that counts are
-/// damage.
+/// damage.  So is, on a disk whose readers go around it, what cannot be read.
 class SegmentReader {
  public:
   explicit SegmentReader(std::filesystem::path path, Disk& disk = kernel_disk());
@@ -54,6 +57,7 @@ class SegmentReader {
   bool refill();
   Step step(LogEvent& event, bool complete);
   void skip();
+  bool has_unreadable(std::uint64_t from, std::uint64_t to) const;
   void close_damage(std::vector<RecordReader::Damage>& damage, std::uint64_t end);
 
   File file_;
@@ -65,6 +69,7 @@ class SegmentReader {
   std::uint64_t event_offset_ = 0;
   std::uint64_t limit_ = std::numeric_limits<std::uint64_t>::max();
   std::uint64_t accounted_ = 0;  // everything before was given or listed as damage
+  std::vector<File::Unreadable> unreadable_;
 };
 
 }  // namespace roadbalance

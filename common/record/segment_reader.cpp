@@ -1,5 +1,8 @@
 #include <algorithm>
+#include <cerrno>
 #include <cstring>
+#include <string>
+#include <system_error>
 #include <utility>
 
 #include "common/link/crc32c.hpp"
@@ -52,7 +55,9 @@ bool SegmentReader::refill() {
   offset_ += at_;
   at_ = 0;
   const std::size_t room = offset_ < limit_ ? std::min<std::uint64_t>(limit_ - offset_, kBufferBytes) : 0;
-  filled_ = file_.read_at(offset_, {buffer_.get(), room});
+  std::erase_if(unreadable_, [this](const auto& hole) { return hole.from >= offset_; });
+  if (!unreadable_.empty()) unreadable_.back().to = std::min(unreadable_.back().to, offset_);
+  filled_ = file_.read_around(offset_, {buffer_.get(), room}, unreadable_);
   return filled_ > before;
 }
 
@@ -67,6 +72,7 @@ SegmentReader::Step SegmentReader::step(LogEvent& event, bool complete) {
   if (parsed.status == ParsedEvent::Status::kIncomplete)
     return complete && !rest().empty() ? Step::kSkip : Step::kMore;
   if (parsed.status == ParsedEvent::Status::kInvalid) return Step::kSkip;
+  if (has_unreadable(offset_ + at_, offset_ + at_ + parsed.bytes)) return Step::kSkip;
   if (!counts(parsed, rest().subspan(parsed.bytes))) return Step::kSkip;
   at_ += parsed.bytes;
   event = parsed.event;
@@ -80,13 +86,25 @@ void SegmentReader::skip() {
   at_ += static_cast<std::size_t>(found - bytes.data());
 }
 
+bool SegmentReader::has_unreadable(std::uint64_t from, std::uint64_t to) const {
+  return std::ranges::any_of(unreadable_, [&](const auto& hole) { return hole.from < to && hole.to > from; });
+}
+
 void SegmentReader::close_damage(std::vector<RecordReader::Damage>& damage, std::uint64_t end) {
-  if (end > accounted_)
-    damage.push_back({.segment = path(),
-                      .offset = accounted_,
-                      .bytes = end - accounted_,
-                      .what = "no event of an LCM log"});
-  accounted_ = std::max(accounted_, end);
+  const auto account = [&](std::uint64_t to, std::string what) {
+    to = std::min(to, end);
+    if (to > accounted_)
+      damage.push_back(
+          {.segment = path(), .offset = accounted_, .bytes = to - accounted_, .what = std::move(what)});
+    accounted_ = std::max(accounted_, to);
+  };
+  for (const auto& hole : unreadable_) {
+    if (hole.to <= accounted_) continue;
+    account(hole.from, kIsNoEvent);
+    account(hole.to, "cannot be read: " + std::generic_category().message(EIO));
+  }
+  account(end, kIsNoEvent);
+  std::erase_if(unreadable_, [this](const auto& hole) { return hole.to <= accounted_; });
 }
 
 std::optional<LogEvent> SegmentReader::next(bool complete, std::vector<RecordReader::Damage>& damage) {

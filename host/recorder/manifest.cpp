@@ -14,6 +14,14 @@ std::filesystem::path manifest_path(const std::filesystem::path& folder) {
   return folder / "manifest.json";
 }
 
+nlohmann::json manifest_in(const std::filesystem::path& folder, Disk& disk) {
+  return nlohmann::json::parse(read_text(manifest_path(folder), disk).value_or(""), nullptr, false);
+}
+
+bool lists_segments(const nlohmann::json& manifest) {
+  return manifest.is_object() && manifest.contains("segments") && manifest["segments"].is_array();
+}
+
 }  // namespace
 
 void write_manifest(const std::filesystem::path& folder, std::optional<int> last, Disk& disk,
@@ -33,11 +41,9 @@ void write_manifest(const std::filesystem::path& folder, std::optional<int> last
 
 FinishedSegments read_manifest(const std::filesystem::path& folder, Disk& disk) {
   std::map<std::string, std::uint64_t> sizes;
-  const auto manifest =
-      nlohmann::json::parse(read_text(manifest_path(folder), disk).value_or(""), nullptr, false);
-  const auto segments = manifest.is_object() ? manifest.find("segments") : manifest.end();
-  if (!manifest.is_object() || segments == manifest.end() || !segments->is_array()) return sizes;
-  for (const auto& entry : *segments) {
+  const auto manifest = manifest_in(folder, disk);
+  if (!lists_segments(manifest)) return sizes;
+  for (const auto& entry : manifest["segments"]) {
     if (!entry.is_object() || !entry.contains("file") || !entry.contains("bytes")) continue;
     const auto& file = entry["file"];
     const auto& bytes = entry["bytes"];
@@ -47,12 +53,16 @@ FinishedSegments read_manifest(const std::filesystem::path& folder, Disk& disk) 
   return sizes;
 }
 
+bool is_manifest_damaged(const std::filesystem::path& folder, Disk& disk) {
+  return path_exists(manifest_path(folder), disk) && !lists_segments(manifest_in(folder, disk));
+}
+
 bool is_torn_tail(const RecordReader::Damage& damage, const FinishedSegments& finished) {
   return damage.torn && !finished.contains(damage.segment.filename().string());
 }
 
 std::uint64_t damaged_bytes(const std::filesystem::path& folder, const RecordReader& reader) {
-  const FinishedSegments finished = read_manifest(folder);
+  const FinishedSegments finished = read_manifest(folder, rescue_disk());
   std::uint64_t bytes = 0;
   for (const auto& damage : reader.damage())
     if (!is_torn_tail(damage, finished)) bytes += damage.bytes;

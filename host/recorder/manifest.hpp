@@ -26,6 +26,9 @@ using FinishedSegments = std::map<std::string, std::uint64_t>;  ///< size by fil
 /// The finished segments; empty if there is no manifest or it is none.
 FinishedSegments read_manifest(const std::filesystem::path& folder, Disk& disk = kernel_disk());
 
+/// There is one, and it is none.
+bool is_manifest_damaged(const std::filesystem::path& folder, Disk& disk = kernel_disk());
+
 /// What a kill or a power cut tore off was never promised, and is no damage: but of a finished segment.
 bool is_torn_tail(const RecordReader::Damage& damage, const FinishedSegments& finished);
 

@@ -69,7 +69,7 @@ void compare_with_stops(Reading& reading) {
 
 std::string place(const std::filesystem::path& segment, std::uint64_t bytes, std::uint64_t offset) {
   return segment.filename().string() + ": " + std::to_string(bytes) + " bytes from " +
-         std::to_string(offset) + " on are ";
+         std::to_string(offset) + " on ";
 }
 
 void list_damage(const RecordReader& reader, const FinishedSegments& finished, Verification& result) {
@@ -91,7 +91,7 @@ void take_block(const RecordReader& reader, const std::filesystem::path& folder,
   if (accept(event, block) != Refusal::kNone ||
       event.channel != block_channel(block.header.node, block.kind)) {
     ++reading.result.blocks_refused;
-    list_altered(reader, folder, event, "an altered block", reading.result);
+    list_altered(reader, folder, event, "are an altered block", reading.result);
     return;
   }
   add(block, state);
@@ -138,7 +138,7 @@ void take_other(const RecordReader& reader, const std::filesystem::path& folder,
   reading.result.other_events += is_other ? 1 : 0;
   if (good || is_other) return;
   ++reading.result.entries_refused;
-  list_altered(reader, folder, event, "an altered entry", reading.result);
+  list_altered(reader, folder, event, "are an altered entry", reading.result);
 }
 
 void check_header(const RecordReader& reader, const std::filesystem::path& folder, const LogEvent& event,
@@ -148,7 +148,7 @@ void check_header(const RecordReader& reader, const std::filesystem::path& folde
   ++reading.result.altered_headers;
   reading.result.damage.push_back(
       place(segment_path(folder, reader.segment()), reader.offset() - *from, *from) +
-      "events of which one has an altered number, stamp or channel");
+      "are events of which one has an altered number, stamp or channel");
 }
 
 // An index may say less than is there; an epoch of which nothing is there it cannot have from nowhere.
@@ -247,8 +247,9 @@ Verdict judge(const Verification& result) {
 
 }  // namespace
 
-Verification verify_record(const std::filesystem::path& folder, Disk& disk) {
+Verification verify_record(const std::filesystem::path& folder, Disk& on) {
   Verification result;
+  RescueDisk disk(on);
   try {
     RecordReader reader(folder, disk);
     reader.finish();
@@ -259,6 +260,7 @@ Verification verify_record(const std::filesystem::path& folder, Disk& disk) {
       if (const std::string foreign = foreign_words(folder, disk); !foreign.empty())
         throw std::runtime_error(folder.string() + ": " + foreign);
     const FinishedSegments finished = read_manifest(folder, disk);
+    if (is_manifest_damaged(folder, disk)) result.indexes.push_back("manifest.json: is damaged");
     list_damage(reader, finished, result);
     list_missing_segments(folder, finished, disk, reading);
     list_deleted_segments(first, reading);

@@ -74,7 +74,7 @@ class Salvage {
       result_.damaged_bytes += piece.bytes;
       if (!piece.torn) losses_.damaged(piece.bytes);
       result_.damage.push_back(piece.segment.string() + ": " + std::to_string(piece.bytes) + " bytes from " +
-                               std::to_string(piece.offset) + " on are " + piece.what);
+                               std::to_string(piece.offset) + " on " + piece.what);
     }
     list_missing_segments();
     if (plans_.empty()) throw std::runtime_error("no good block is there to be recovered");
@@ -273,7 +273,8 @@ class Salvage {
 
 Salvaged salvage(const std::vector<std::filesystem::path>& sources, const std::filesystem::path& target,
                  Disk& disk) {
-  return Salvage(sources, disk).run(target, disk);
+  RescueDisk readable(disk);
+  return Salvage(sources, readable).run(target, disk);
 }
 
 }  // namespace roadbalance

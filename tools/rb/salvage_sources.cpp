@@ -67,7 +67,8 @@ void SalvageSources::for_each(const Take& take, std::vector<RecordReader::Damage
 SealedBlock SalvageSources::block_at(const Place& place, std::int64_t& timestamp_us) const {
   const File file = File::open_to_read(files_[place.file].path, disk_);
   std::vector<std::uint8_t> bytes(kLogHeaderBytes + kMaxLogChannelBytes + kMaxBlockBytes);
-  bytes.resize(file.read_at(place.offset, bytes));
+  std::vector<File::Unreadable> behind_it;
+  bytes.resize(file.read_around(place.offset, bytes, behind_it));
   const ParsedEvent parsed = parse_log_event(bytes);
   SealedBlock block;
   if (parsed.status != ParsedEvent::Status::kEvent || accept(parsed.event.data, block) != Refusal::kNone)

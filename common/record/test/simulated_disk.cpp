@@ -146,6 +146,11 @@ ssize_t SimulatedDisk::pread(int file, void* bytes, std::size_t size, off_t offs
   if (!open || !begins(DiskCall::kRead, open->path, size, false)) return -1;
   if (!open->node->file) return failed(EISDIR);
   const auto from = static_cast<std::uint64_t>(offset);
+  for (const auto& [path, byte] : spoilt_) {
+    const std::uint64_t sector = byte / SimulatedFile::kSectorBytes * SimulatedFile::kSectorBytes;
+    if (path == open->path && sector < from + size && from < sector + SimulatedFile::kSectorBytes)
+      return failed(EIO);
+  }
   if (from >= open->node->file->size()) return 0;
   return static_cast<ssize_t>(open->node->file->read(from, {static_cast<std::uint8_t*>(bytes), size}));
 }

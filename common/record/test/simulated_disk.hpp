@@ -97,6 +97,8 @@ class SimulatedDisk final : public Disk {
   std::vector<std::uint8_t> content(const std::string& path) const;
   /// Puts a file there, synced with its name.  Its folder must exist.
   void put(const std::string& path, const std::vector<std::uint8_t>& bytes);
+  /// A sector of a file, the one with this byte, that can never be read again (EIO).
+  void spoil(const std::string& path, std::uint64_t offset) { spoilt_.emplace(path, offset); }
   /// Alters one bit of a file, behind everybody's back.
   void flip_bit(const std::string& path, std::uint64_t bit);
 
@@ -170,6 +172,7 @@ class SimulatedDisk final : public Disk {
   bool read_only_ = false;
   bool off_ = false;
   std::int64_t torn_sectors_ = 0;
+  std::set<std::pair<std::string, std::uint64_t>> spoilt_;  // file, and a byte of the sector
 };
 
 }  // namespace roadbalance::test

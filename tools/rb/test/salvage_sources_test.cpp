@@ -3,12 +3,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "common/record/segment.hpp"
 #include "common/record/test/numbered_blocks.hpp"
 #include "common/record/test/simulated_disk.hpp"
+#include "host/recorder/manifest.hpp"
+#include "host/recorder/verify.hpp"
 #include "tools/rb/salvage.hpp"
 
 namespace roadbalance {
@@ -27,6 +32,36 @@ class SalvageSourcesTest : public ::testing::Test {
 
   test::SimulatedDisk disk;
 };
+
+TEST_F(SalvageSourcesTest, ASectorThatCannotBeReadTakesNoMoreThanItsPage) {
+  record(100);
+  const std::string index = "/old/seg-000001.idx", segment = "/old/seg-000001.lcm";
+  write_manifest("/old", std::nullopt, disk);
+  disk.spoil(segment, 20'000);
+  disk.spoil(index, 0);
+  disk.spoil("/old/manifest.json", 0);
+  const Verification before = verify_record("/old", disk);
+  EXPECT_EQ(before.verdict, Verdict::kDamaged) << before.error;
+  EXPECT_EQ(std::ranges::count(before.damage,
+                               "seg-000001.lcm: 4096 bytes from 16384 on cannot be read: Input/output error"),
+            1);
+  EXPECT_EQ(std::ranges::count(before.indexes, "manifest.json: is damaged"), 1);
+  EXPECT_TRUE(before.indexes.front().starts_with("seg-000001.idx: is damaged")) << before.indexes.front();
+
+  const Salvaged salvaged = salvage({"/old"}, "/new", disk);
+  EXPECT_EQ(
+      std::ranges::count(salvaged.damage, segment + ": 4096 bytes from 16384 on cannot be read: Input/output "
+                                                    "error"),
+      1);
+  // A block takes some 1.4 kB, fewer than a third of them much less.
+  EXPECT_GE(salvaged.blocks, 88);
+  EXPECT_LT(salvaged.blocks, 100);
+  EXPECT_EQ(salvaged.lost.size(), 1u);
+  const Verification made = verify_record("/new", disk);
+  for (const auto& line : made.damage) ADD_FAILURE() << line;
+  for (const auto& epoch : made.epoch)
+    for (const auto& line : epoch.contradictions) ADD_FAILURE() << line;
+}
 
 // A lock keeps a recorder away, but not whoever copies something there.
 TEST_F(SalvageSourcesTest, AnEpochThatComesWhileTheyAreReadIsSaidToBeAChange) {
