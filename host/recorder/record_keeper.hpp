@@ -26,7 +26,6 @@
 
 namespace roadbalance {
 
-
 /// Anything else that the record keeps: clock exchanges and fits.
 struct RecordEvent {
   std::string channel;
