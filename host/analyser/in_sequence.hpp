@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/bus/codec.hpp"
+#include "common/record/rescue_disk.hpp"
 #include "common/record/segment_index.hpp"
 
 namespace roadbalance {
@@ -23,7 +24,7 @@ class InSequence {
   /// What the retention mode has deleted of it, or another folder holds, is not missing.
   /// @throws std::system_error naming the file
   static InSequence of_record(const std::filesystem::path& folder) {
-    const RecordBeginning begin = beginning_of(folder);
+    const RecordBeginning begin = beginning_of(folder, rescue_disk());
     InSequence in_sequence(begin.is_in_other_folder && !begin.before ? From::kFirstHeard : From::kItsBegin);
     if (begin.before)
       for (const auto& [key, epoch] : begin.before->epoch) in_sequence.last_[key] = epoch.position.contiguous;

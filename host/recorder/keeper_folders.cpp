@@ -127,17 +127,19 @@ void RecordKeeper::keep_cut_tail() {
   if (const auto& cut = writer_->cut_tail()) cut_tails_.push_back(*cut);
 }
 
-// Of a folder that cannot be gone on with.  Without what it holds a gap stands in the fallback for all of it,
-// and rb recover puts both together.
+// Of a folder that cannot be gone on with, as far as it can be read.  For what cannot, and was not just
+// passed over, a gap stands in the fallback, and rb recover puts both together.
 RecordState RecordKeeper::held_by_first(std::vector<UnsureBlock>& unsure) {
-  try {
-    return read_state(options_.folder, disk_, {}, &unsure);
-  } catch (const std::system_error& error) {
-    warnings_.push_back("what " + options_.folder.string() +
-                        " holds cannot be told, and counts as not recorded: " + error.what());
-    unsure.clear();
-    return {};
-  }
+  RescueDisk readable(disk_);
+  for (Disk* disk : {&disk_, static_cast<Disk*>(&readable)}) try {
+      return read_state(options_.folder, *disk, {}, &unsure);
+    } catch (const std::system_error& error) {
+      if (disk == &disk_)
+        warnings_.push_back("of what " + options_.folder.string() +
+                            " holds counts only what can be read: " + error.what());
+      unsure.clear();
+    }
+  return {};
 }
 
 // Until the new one is good the old one stays.

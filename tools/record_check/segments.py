@@ -10,7 +10,7 @@ from record_check.extent import is_finished, read_index, torn_from
 from record_check.segment_file import read_segment
 from record_check.small_file import read_small_file
 
-MOST_BYTES = (1 << 64) - 1
+LONGEST_SEGMENT = (1 << 64) - 1
 
 
 def number_of(name, ending):
@@ -166,6 +166,6 @@ class Segments:
         sizes = {}
         for entry in entries if isinstance(entries, list) else ():
             name, size = (entry.get("file"), entry.get("bytes")) if isinstance(entry, dict) else (None, None)
-            if isinstance(name, str) and type(size) is int and 0 <= size <= MOST_BYTES:
+            if isinstance(name, str) and type(size) is int and 0 <= size <= LONGEST_SEGMENT:
                 sizes.setdefault(name, size)
         return sizes

@@ -77,10 +77,11 @@ class Drive {
     for (const auto& warning : keeper->warnings()) found = found || warning.find(words) != std::string::npos;
     return found;
   }
-  // Calls of these kinds fail from now on.
-  void fail(std::vector<DiskCall> kinds, int error) {
-    disk.set_fault([kinds, error](DiskCall call, std::int64_t, const std::string&) {
-      return Outcome{.error = std::find(kinds.begin(), kinds.end(), call) == kinds.end() ? 0 : error};
+  // Calls of these kinds fail from now on; with a folder, those in it.
+  void fail(std::vector<DiskCall> kinds, int error, const std::string& folder = "") {
+    disk.set_fault([kinds, error, folder](DiskCall call, std::int64_t, const std::string& path) {
+      const bool fails = std::ranges::find(kinds, call) != kinds.end() && path.starts_with(folder);
+      return Outcome{.error = fails ? error : 0};
     });
   }
   void fail_nothing() { disk.set_fault(nullptr); }

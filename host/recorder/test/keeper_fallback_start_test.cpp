@@ -21,7 +21,6 @@ using test::kFolder;
 using test::Outcome;
 
 constexpr const char* kFallback = "/other";
-
 constexpr std::uint64_t kTorn = 500;
 
 class KeeperFallbackStartTest : public ::testing::Test, protected test::Drive {
@@ -31,10 +30,7 @@ class KeeperFallbackStartTest : public ::testing::Test, protected test::Drive {
     options.fallback = kFallback;
     start();
     run(milliseconds(1000), 20);
-    disk.set_fault([](DiskCall call, std::int64_t, const std::string& path) {
-      const bool changes = call == DiskCall::kSyncData || call == DiskCall::kSync || call == DiskCall::kWrite;
-      return Outcome{.error = changes && path.starts_with(kFolder) ? EIO : 0};
-    });
+    fail({DiskCall::kSyncData, DiskCall::kSync, DiskCall::kWrite}, EIO, kFolder);
     run(milliseconds(3000), 30);
     disk.kill();
     keeper.reset();
@@ -58,10 +54,7 @@ TEST_F(KeeperFallbackStartTest, StartsInTheFallbackFolderWhenTheFirstCanOnlyBeRe
   keeper->close(now);
   keeper.reset();
   options.fallback = kFallback;
-  disk.set_fault([](DiskCall call, std::int64_t, const std::string& path) {
-    const bool changes = call == DiskCall::kSync || call == DiskCall::kWrite;
-    return Outcome{.error = changes && path.starts_with(kFolder) ? EROFS : 0};
-  });
+  fail({DiskCall::kSync, DiskCall::kWrite}, EROFS, kFolder);
   start();
   EXPECT_EQ(keeper->folder(), kFallback);
   EXPECT_EQ(keeper->recovered().epoch.begin()->second.position.contiguous, 20);
@@ -79,10 +72,7 @@ void start_again_on_a_disk_that_became_read_only(Drive& drive) {
   drive.disk.kill();
   drive.keeper.reset();
   drive.options.fallback = kFallback;
-  drive.disk.set_fault([](DiskCall call, std::int64_t, const std::string& path) {
-    const bool changes = call == DiskCall::kSync || call == DiskCall::kWrite || call == DiskCall::kTruncate;
-    return Outcome{.error = changes && path.starts_with(kFolder) ? EROFS : 0};
-  });
+  drive.fail({DiskCall::kSync, DiskCall::kWrite, DiskCall::kTruncate}, EROFS, kFolder);
   drive.start();
 }
 
@@ -147,6 +137,22 @@ TEST_F(KeeperFallbackStartTest, TailsThatAreCutOffInBothFoldersAreToldInTheFallb
   EXPECT_EQ(cut[1].text, keeper->cut_tails()[1].tail.filename());
 }
 
+// A gap for all of it would call lost what can be read around the sector.
+TEST_F(KeeperFallbackStartTest, ABadSectorOfTheFirstFolderCostsWhatIsInIt) {
+  start();
+  run(milliseconds(2000), 30);
+  ASSERT_EQ(segment_numbers(kFolder, disk).size(), 1u);
+  disk.kill();
+  keeper.reset();
+  options.fallback = kFallback;
+  disk.spoil("/record/seg-000001.lcm", 8 << 10);
+  start();
+  EXPECT_EQ(keeper->folder(), kFallback);
+  EXPECT_EQ(keeper->recovered().epoch.begin()->second.position.contiguous, durable);
+  EXPECT_GT(durable, 20);
+  EXPECT_TRUE(was_warned_of("of what /record holds counts only what can be read"));
+}
+
 // Measuring goes before order: what the first folder held stays there for rb recover.
 TEST_F(KeeperFallbackStartTest, AFirstFolderThatCannotBeReadKeepsNobodyFromRecording) {
   start();
@@ -161,7 +167,7 @@ TEST_F(KeeperFallbackStartTest, AFirstFolderThatCannotBeReadKeepsNobodyFromRecor
   start();
   EXPECT_EQ(keeper->folder(), kFallback);
   EXPECT_TRUE(keeper->recovered().epoch.empty());
-  EXPECT_TRUE(was_warned_of("what /record holds cannot be told"));
+  EXPECT_TRUE(was_warned_of("of what /record holds counts only what can be read"));
   run(milliseconds(1000), 10);
   note_durable(keeper->close(now));
   EXPECT_EQ(recorded(kFallback).size(), 10u);

@@ -53,6 +53,16 @@ TEST_F(KeeperTest, AMarkBeginsASegmentForSomebodyWaitsForIt) {
   EXPECT_EQ(notes(NoteKind::kMark)[0].text, "bridge");
 }
 
+TEST_F(KeeperTest, AMarkThatHadToWaitBearsTheTimeAtWhichItWasSet) {
+  start();
+  keeper->set_clocks(1'790'000'010'000'000, 10'000'000'001);
+  keeper->note(NoteKind::kMark, 5, 0, "bridge", milliseconds(1500));
+  keeper->close(now);
+  const Note mark = notes(NoteKind::kMark).at(0);
+  EXPECT_EQ(mark.time_us, 1'790'000'008'500'000);
+  EXPECT_EQ(mark.host_ns, 8'500'000'001);
+}
+
 TEST_F(KeeperTest, SaysInTheRecordWhenItStartedAndStoppedAndWhatTheClocksSaid) {
   options.segment_bytes = 1 << 20;  // one only: each repeats the clocks
   start();
@@ -134,10 +144,7 @@ TEST_F(KeeperTest, GoesToTheFallbackFolderWhenTheDiskStaysBadAndContinuesThereAf
   options.fallback = kFallback;
   start();
   run(milliseconds(1000), 20);
-  disk.set_fault([](DiskCall call, std::int64_t, const std::string& path) {
-    const bool changes = call == DiskCall::kSyncData || call == DiskCall::kSync || call == DiskCall::kWrite;
-    return Outcome{.error = changes && path.starts_with(kFolder) ? EIO : 0};
-  });
+  fail({DiskCall::kSyncData, DiskCall::kSync, DiskCall::kWrite}, EIO, kFolder);
   run(milliseconds(3000), 30);
   EXPECT_EQ(keeper->state(), RecorderState::kRecording);
   note_durable(keeper->commit(now));
