@@ -33,7 +33,8 @@ bool ends_its_epoch(const BlockEntry& entry) {
 void EpochCheck::begin_behind(const std::map<NodeEpoch, RecordState::Epoch>& deleted) {
   for (const auto& [key, epoch] : deleted) find_or_add(key).deleted = epoch;
   // Those that nothing more came of appeared before all that is here.
-  std::ranges::stable_partition(epochs_, [](const auto& one) { return one.second.blocks.empty(); });
+  std::stable_partition(epochs_.begin(), epochs_.end(),
+                        [](const auto& one) { return one.second.blocks.empty(); });
 }
 
 EpochCheck::Epoch& EpochCheck::find_or_add(NodeEpoch key) {
