@@ -116,7 +116,7 @@ void HostMachine::make_whole() {
 void HostMachine::check_segments(const char* folder) {
   if (!is_folder(folder, disk_)) return;
   for (const std::string& line :
-       find_missing_segments(folder, read_manifest(folder, disk_), deleted_through_, disk_).lines)
+       find_missing_segments(folder, read_manifest(folder, disk_), deleted_, disk_).lines)
     truth_.fault("rb verify would say of the record of recorder " + std::to_string(number_) + ": " + line);
 }
 

@@ -164,7 +164,7 @@ class HostMachine {
   bool full_ = false;
   double failing_ = 0;
   int next_to_check_ = 1;    // segment
-  int deleted_through_ = 0;  // by retention, as the notes say that were read
+  std::set<int> deleted_;  // by retention, as the notes say that were read
   int disk_fulls_ = 0;       // as these say, too
   std::int64_t elapsed_seen_ns_ = 0;
   std::int64_t utc_offset_us_ = 0;

@@ -232,7 +232,7 @@ void HostMachine::check_recordings() {
     if (!begun_by_.contains(name)) truth_.fault("nobody began \"" + name + "\"");
     checked_ = name;
     next_to_check_ = 1;
-    deleted_through_ = 0;
+    deleted_.clear();
     check_through(folder.c_str(), std::numeric_limits<int>::max());
     check_segments(folder.c_str());
   }
@@ -241,7 +241,7 @@ void HostMachine::check_recordings() {
 void HostMachine::take_notes(const std::string& recording, std::span<const std::uint8_t> bytes) {
   const auto note = decode_note(bytes);
   if (note && note->kind == NoteKind::kSegmentDeleted)
-    deleted_through_ = std::max(deleted_through_, static_cast<int>(note->a));
+    deleted_.insert(static_cast<int>(note->a));
   if (note && note->kind == NoteKind::kDiskFull) ++disk_fulls_;
   if (!note || note->kind != NoteKind::kMark) return;
   const auto [known, is_new] = marks_.try_emplace(note->text, FoundMark{recording, note->a});

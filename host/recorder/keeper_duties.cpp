@@ -115,10 +115,13 @@ bool RecordKeeper::list_finished() {
 // The note comes first, and only when it is on the disk the segment goes: what is missing has been said.
 void RecordKeeper::choose_segments_to_delete() {
   const auto sizes = read_manifest(folder(), disk_);
-  std::uint64_t total = 0;
-  for (const auto& [file, bytes] : sizes) total += bytes;
-  for (const int number : segment_numbers(folder(), disk_)) {
-    const auto size = sizes.find(segment_path(folder(), number).filename().string());
+  const auto size_of = [&](int number) { return sizes.find(segment_path({}, number).string()); };
+  const std::vector<int> numbers = segment_numbers(folder(), disk_);
+  std::uint64_t total = 0;  // of what is there: that one that is listed is missing must cost no other
+  for (const int number : numbers)
+    if (const auto size = size_of(number); size != sizes.end()) total += size->second;
+  for (const int number : numbers) {
+    const auto size = size_of(number);
     if (total <= static_cast<std::uint64_t>(options_.keep_bytes) || number > listed_ || size == sizes.end())
       return;
     total -= size->second;

@@ -34,25 +34,18 @@ struct Reading {
   HeaderCheck headers{};
   SealedBlock block{};      // the last; here, since making one clears all it holds
   std::set<int> deleted{};  // segments, by the notes
-  int deleted_through = 0;  // the last of them
   std::int64_t last_mark = 0;
   std::int64_t epochs_said = 0, marks_said = 0;  // by the notes of recorders that stopped
 };
 
 void list_missing_segments(const std::filesystem::path& folder, const FinishedSegments& finished, Disk& disk,
                            Reading& reading) {
-  const MissingSegments found = find_missing_segments(folder, finished, reading.deleted_through, disk);
+  const MissingSegments found = find_missing_segments(folder, finished, reading.deleted, disk);
   reading.result.missing_segments += found.missing;
   reading.result.damage.insert(reading.result.damage.end(), found.lines.begin(), found.lines.end());
-}
-
-// The notes on the first ones went with their segments: retention deletes the oldest first.
-void list_deleted_segments(int first_here, Reading& reading) {
-  const int last = std::min(first_here - 1, reading.deleted_through);
-  if (last > 0)
-    reading.result.lost.push_back(
-        (last == 1 ? "segment 1 was" : "segments 1 to " + std::to_string(last) + " were") +
-        std::string(" deleted by the retention mode"));
+  for (const SegmentRun run : found.deleted)
+    reading.result.lost.push_back(in_words(run) + (run.first == run.last ? " was" : " were") +
+                                  " deleted by the retention mode");
 }
 
 void compare_with_stops(Reading& reading) {
@@ -102,10 +95,7 @@ void take_block(const RecordReader& reader, const std::filesystem::path& folder,
 
 void take_note(const Note& note, Reading& reading) {
   if (note.kind == NoteKind::kStarted) reading.journal.restart();
-  if (note.kind == NoteKind::kSegmentDeleted) {
-    reading.deleted.insert(static_cast<int>(note.a));
-    reading.deleted_through = *reading.deleted.rbegin();
-  }
+  if (note.kind == NoteKind::kSegmentDeleted) reading.deleted.insert(static_cast<int>(note.a));
   if (note.kind == NoteKind::kMark) reading.last_mark = std::max(reading.last_mark, note.a);
   if (note.kind == NoteKind::kStopped) {
     reading.epochs_said = std::max(reading.epochs_said, note.a);
@@ -195,7 +185,7 @@ void read(const std::filesystem::path& folder, RecordReader& reader, Disk& disk,
       take_other(reader, folder, *event, reading);
   }
   check_index(folder, segment, state, disk, reading);
-  if (before && before->segment <= reading.deleted_through)
+  if (before && reading.deleted.contains(before->segment))
     reading.epochs.begin_behind(before->epoch);
   else
     reading.journal.nothing_was_deleted();  // what came before, if anything, is missing
@@ -253,7 +243,6 @@ Verification verify_record(const std::filesystem::path& folder, Disk& on) {
   try {
     RecordReader reader(folder, disk);
     reader.finish();
-    const int first = reader.segment();
     Reading reading{.result = result};
     read(folder, reader, disk, reading);
     if (result.epoch.empty())
@@ -263,7 +252,6 @@ Verification verify_record(const std::filesystem::path& folder, Disk& on) {
     if (is_manifest_damaged(folder, disk)) result.indexes.push_back("manifest.json: is damaged");
     list_damage(reader, finished, result);
     list_missing_segments(folder, finished, disk, reading);
-    list_deleted_segments(first, reading);
     result.elsewhere = find_elsewhere(folder, disk);
     compare_with_stops(reading);
     conclude(reading);

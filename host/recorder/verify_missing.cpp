@@ -32,21 +32,20 @@ std::map<int, std::uint64_t> ends_of_abandoned(const std::filesystem::path& fold
 }
 
 void compare_with_manifest(const std::filesystem::path& folder, const FinishedSegments& finished,
-                           int deleted_through, const std::map<int, std::uint64_t>& abandoned, Disk& disk,
-                           MissingSegments& found) {
-  std::map<std::string, std::uint64_t> least;
-  for (const auto& [number, bytes] : abandoned) least[segment_path({}, number).string()] = bytes;
+                           const std::set<int>& deleted, const std::map<int, std::uint64_t>& abandoned,
+                           Disk& disk, MissingSegments& found) {
   for (const auto& [file, listed] : finished) {
-    const auto given_up = least.find(file);
-    const std::uint64_t bytes = given_up == least.end() ? listed : std::min(listed, given_up->second);
+    const int number = segment_of_file(file, ".lcm").value_or(0);
+    const auto given_up = abandoned.find(number);
+    const std::uint64_t bytes = given_up == abandoned.end() ? listed : std::min(listed, given_up->second);
     const auto path = folder / file;
     if (!path_exists(path, disk)) {
-      if (bytes > 0 && file > segment_path({}, deleted_through).string())
+      if (bytes > 0 && !deleted.contains(number))
         add(found, file, "is missing; manifest.json lists it as finished");
     } else if (const auto size = size_of_file(path, disk); size < bytes) {
       add(found, file,
           "has " + std::to_string(size) + " of the " + std::to_string(bytes) + " bytes it was finished with");
-    } else if (size > bytes && given_up == least.end()) {
+    } else if (size > bytes && given_up == abandoned.end()) {
       add(found, file,
           "has " + std::to_string(size) + " bytes; it was finished with " + std::to_string(bytes));
     }
@@ -79,10 +78,32 @@ void compare_with_indexes(const std::filesystem::path& folder, const FinishedSeg
   }
 }
 
+std::vector<SegmentRun> runs_deleted(int through, const FinishedSegments& finished,
+                                     const std::set<int>& deleted) {
+  std::set<int> ends{through + 1};  // a run is what lies between those that are listed
+  for (const auto& [file, bytes] : finished)
+    if (const int number = segment_of_file(file, ".lcm").value_or(0);
+        number >= 1 && number <= through && !deleted.contains(number))
+      ends.insert(number);
+  std::vector<SegmentRun> runs;
+  int first = 1;
+  for (const int end : ends) {
+    if (first < end) runs.push_back({first, end - 1});
+    first = end + 1;
+  }
+  return runs;
+}
+
 }  // namespace
 
+std::string in_words(SegmentRun run) {
+  if (run.first == run.last) return "segment " + std::to_string(run.first);
+  return "segments " + std::to_string(run.first) + " to " + std::to_string(run.last);
+}
+
 MissingSegments find_missing_segments(const std::filesystem::path& folder, const FinishedSegments& finished,
-                                      int deleted_through, Disk& disk) {
+                                      const std::set<int>& deleted, Disk& disk) {
+  const int deleted_through = deleted.empty() ? 0 : *deleted.rbegin();
   MissingSegments found;
   const std::vector<int> numbers = segment_numbers(folder, disk);
   const auto abandoned = ends_of_abandoned(folder, numbers, disk);
@@ -90,8 +111,10 @@ MissingSegments find_missing_segments(const std::filesystem::path& folder, const
     const auto end = abandoned.find(number);
     return end != abandoned.end() && end->second == 0;
   };
-  compare_with_manifest(folder, finished, deleted_through, abandoned, disk, found);
+  compare_with_manifest(folder, finished, deleted, abandoned, disk, found);
   compare_with_indexes(folder, finished, deleted_through, abandoned, disk, found);
+  const int first_here = numbers.empty() ? 1 : numbers.front();
+  found.deleted = runs_deleted(std::min(first_here - 1, deleted_through), finished, deleted);
   int before = deleted_through;
   for (const int number : numbers) {
     const auto path = segment_path(folder, number);

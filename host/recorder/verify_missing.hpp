@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -10,19 +11,30 @@
 
 namespace roadbalance {
 
+/// Consecutive segments.
+struct SegmentRun {
+  int first = 0;
+  int last = 0;
+};
+/// "segment 3", "segments 1 to 3"
+std::string in_words(SegmentRun run);
+
 /// What no event of a record tells of.
 struct MissingSegments {
   std::int64_t missing = 0;  ///< segments not there, empty or not as long as when they were finished
   std::vector<std::string>
       lines;  ///< which, for people; also of one that a kill left empty, which is not missing
+  /// Those before the first one here that the retention mode took.  The notes on the first of them went with
+  /// their segments; but what the manifest lists had not been taken.
+  std::vector<SegmentRun> deleted;
 };
 
 /// Held against the manifest and the indexes beside the segments, which are written when one is finished.
 /// @param finished  of the manifest
-/// @param deleted_through  number of the last segment that the retention mode took away, as the notes say
+/// @param deleted  numbers of segments that the retention mode took away, by the notes that are left
 /// @throws std::system_error naming the file
 MissingSegments find_missing_segments(const std::filesystem::path& folder, const FinishedSegments& finished,
-                                      int deleted_through, Disk& disk = kernel_disk());
+                                      const std::set<int>& deleted, Disk& disk = kernel_disk());
 
 /// Which other folders have what came before, or what comes behind, as its files say; for people.
 std::vector<std::string> find_elsewhere(const std::filesystem::path& folder, Disk& disk = kernel_disk());

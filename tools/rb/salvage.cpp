@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -95,13 +96,11 @@ class Salvage {
   // What holes the segments' ends and the folders tell of.  A spool begins where it was emptied to.
   void list_missing_segments() {
     for (const auto& folder : folders_) {
-      const int deleted = deleted_through_[segment_path(folder, 1).parent_path()];
-      const auto numbers = segment_numbers(folder, disk_);
-      if (const int last = std::min(numbers.empty() ? 0 : numbers.front() - 1, deleted); last > 0)
-        losses_.deleted_segments(name_of_folder(folder), last);
       const auto finished = read_manifest(folder, disk_);
+      const auto found =
+          find_missing_segments(folder, finished, deleted_[segment_path(folder, 1).parent_path()], disk_);
+      for (const SegmentRun run : found.deleted) losses_.deleted_segments(name_of_folder(folder), run);
       if (folder != folders_.front() && finished.empty()) continue;
-      const auto found = find_missing_segments(folder, finished, deleted, disk_);
       result_.missing_segments += found.missing;
       losses_.missing_segments(found.missing);
       for (const auto& line : found.lines) result_.damage.push_back((folder / line).string());
@@ -143,9 +142,8 @@ class Salvage {
       list_altered(event, place, "an altered entry");
     } else if (event.channel == kNoteChannel) {
       const auto note = decode_note(event.data);
-      int& through = deleted_through_[sources_.file(place).parent_path()];
       if (note && note->kind == NoteKind::kSegmentDeleted)
-        through = std::max(through, static_cast<int>(note->a));
+        deleted_[sources_.file(place).parent_path()].insert(static_cast<int>(note->a));
     }
   }
 
@@ -257,7 +255,7 @@ class Salvage {
   bool is_continuation_ = false;  ///< what its recorder counts at its end may lie in another folder
   Disk& disk_;
   SalvageSources sources_;
-  std::map<std::filesystem::path, int> deleted_through_;  // segments, by the folder's notes
+  std::map<std::filesystem::path, std::set<int>> deleted_;  // segments, by the folder's notes
   std::optional<RecordWriter> writer_;
   std::map<NodeEpoch, Plan> plans_;
   HeaderCheck headers_;

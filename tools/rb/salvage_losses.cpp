@@ -23,8 +23,8 @@ void SalvageLosses::altered_block(const LogEvent& event) {
   ++blocks_[said];
 }
 
-void SalvageLosses::deleted_segments(const std::string& folder, int last) {
-  deleted_.push_back("segments 1 to " + std::to_string(last) + " of " + folder +
+void SalvageLosses::deleted_segments(const std::string& folder, SegmentRun run) {
+  deleted_.push_back(in_words(run) + " of " + folder +
                      ", which the retention mode had deleted");
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/record/record.hpp"
+#include "host/recorder/verify_missing.hpp"
 
 namespace roadbalance {
 
@@ -21,7 +22,7 @@ class SalvageLosses {
   void altered_block(const LogEvent& event);
   void missing_segments(std::int64_t count) { segments_ += count; }
   /// The first ones of a folder, by the retention mode.
-  void deleted_segments(const std::string& folder, int last);
+  void deleted_segments(const std::string& folder, SegmentRun run);
 
   /// In words, one for each kind; none if nothing is lost.
   /// @param is_held  epochs of which blocks are here: their numbers prove which are not

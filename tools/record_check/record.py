@@ -175,9 +175,9 @@ class Checker:
             self.lost.append(f"lost from the recording that this one was recovered from: {text}")
 
     def _list_lost(self):
-        gone = self.segments.deleted_and_gone()
-        if gone:
-            self.lost.append(f"segments 1 to {gone[-1]} were deleted by the retention mode")
+        for first, last in self.segments.deleted_and_gone():
+            which = f"segment {first} was" if first == last else f"segments {first} to {last} were"
+            self.lost.append(f"{which} deleted by the retention mode")
         if self.segments.are_all() and self.epochs_said > len(self.keys):
             self.lost.append(f"the recorder stopped with {self.epochs_said} node epochs; here are {len(self.keys)}")
         if self.segments.are_all() and self.marks_said > self.last_mark:

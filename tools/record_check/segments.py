@@ -64,8 +64,17 @@ class Segments:
         return self.numbers[0] == 1 and not (self.folder / "continues").exists()
 
     def deleted_and_gone(self):
-        """Numbers of those that the retention mode took; the notes on the first ones went with their segments."""
-        return range(1, min(self.numbers[0], max(self.deleted, default=0) + 1))
+        """Yields (first, last) of those before the first one here that the retention mode took.
+
+        The notes on the first of them went with their segments; but what the manifest lists had not been taken.
+        """
+        end = min(self.numbers[0], max(self.deleted, default=0) + 1)
+        listed = {number_of(name, ".lcm") or 0 for name in self.finished} - self.deleted
+        first = 1
+        for number in sorted(number for number in listed | {end} if 0 < number <= end):
+            if first < number:
+                yield first, number - 1
+            first = number + 1
 
     def index(self, number):
         """What the index of a segment says, as read_index() gives it, or None."""

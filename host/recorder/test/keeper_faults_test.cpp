@@ -85,7 +85,7 @@ TEST(LastWords, ThatTheDiskDoesNotTakeLeaveNoEmptySegment) {
   EXPECT_EQ(folder_syncs, 1) << "a second segment was begun";
   drive.fail_nothing();
   EXPECT_EQ(segment_numbers(test::kFolder, drive.disk), std::vector{1});
-  EXPECT_TRUE(find_missing_segments(test::kFolder, {}, 0, drive.disk).lines.empty());
+  EXPECT_TRUE(find_missing_segments(test::kFolder, {}, {}, drive.disk).lines.empty());
   EXPECT_EQ(drive.recorded(), test::all_through(40));
 }
 

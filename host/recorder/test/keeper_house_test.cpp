@@ -54,6 +54,40 @@ TEST_F(KeeperHouseTest, MarksAreGivenBeforeTheSegmentBeforeIsFinishedListedOrDel
   EXPECT_EQ(done, (std::set<std::string>{"cut", "indexed", "listed", "deleted"}));
 }
 
+// Lost by hand or with a file system: that costs nothing of what is there, and nobody says that it was us.
+TEST_F(KeeperHouseTest, SegmentsThatVanishedAreNotCountedAndNotExcused) {
+  options.keep_bytes = 0;
+  start();
+  run(milliseconds(5000), 500);
+  note_durable(keeper->close(now));
+  const auto before = segment_numbers(kFolder, disk);
+  ASSERT_GT(before.size(), 6u);
+  for (int number = 1; number <= 3; ++number)
+    for (const auto& path : {segment_path(kFolder, number), index_path(kFolder, number)})
+      ASSERT_EQ(disk.unlink(path.c_str()), 0);
+  ASSERT_EQ(verify_record(kFolder, disk).verdict, Verdict::kDamaged);
+
+  std::uint64_t bytes = 0;
+  for (const int number : segment_numbers(kFolder, disk))
+    bytes += size_of_file(segment_path(kFolder, number), disk);
+  options.keep_bytes = static_cast<std::int64_t>(bytes) + (80 << 10);
+  start();
+  run(milliseconds(1000), 50);
+  note_durable(keeper->seal(now));
+  EXPECT_EQ(segment_numbers(kFolder, disk).front(), 4) << "less than the limit is there";
+
+  options.keep_bytes = static_cast<std::int64_t>(bytes) - (80 << 10);
+  start();
+  run(milliseconds(1000), 50);
+  note_durable(keeper->close(now));
+  ASSERT_GT(segment_numbers(kFolder, disk).front(), 4);
+  const Verification v = verify_record(kFolder, disk);
+  EXPECT_EQ(v.verdict, Verdict::kDamaged);
+  EXPECT_EQ(v.missing_segments, 3);
+  ASSERT_EQ(v.lost.size(), 1u);
+  EXPECT_EQ(v.lost[0].find("segments 4 to "), 0u) << v.lost[0];
+}
+
 TEST_F(KeeperHouseTest, SealingFinishesListsAndDeletesAllThatIsLeftOfIt) {
   start();
   while (given < 500) {

@@ -154,7 +154,7 @@ TEST_F(SalvageLossesTest, DeletedSegmentsAreTold) {
   put_epoch(5);
   writer->close();
   delete_segment("/old", 1, disk);
-  const Lines deleted{"segments 1 to 1 of old, which the retention mode had deleted"};
+  const Lines deleted{"segment 1 of old, which the retention mode had deleted"};
   EXPECT_EQ(told(), deleted);
   EXPECT_EQ(salvage({"/old/"}, "/named with a slash", disk).lost, deleted);
 }

@@ -425,6 +425,19 @@ class CheckRecord(unittest.TestCase):
         contradictions = [text for epoch in self.agrees(DAMAGED)["nodes"] for text in epoch["contradictions"]]
         self.assertTrue(any("the node's sum of its blocks" in text for text in contradictions), contradictions)
 
+    def test_a_segment_that_vanished_is_not_excused_by_later_deletions(self):
+        """The manifest is written before a segment is deleted: what it lists was not."""
+        self.split((b"RB_NOTE", message("note_t", incarnation=1, kind=11, a=4)))
+        (self.folder / "seg-000002.lcm").rename(self.folder / "seg-000005.lcm")
+        (self.folder / SEGMENT).unlink()
+        listed = [{"file": f"seg-{number:06}.lcm", "bytes": 1000} for number in (2, 4)]
+        (self.folder / "manifest.json").write_text(json.dumps({"segments": listed}), encoding="utf-8")
+        found = self.agrees(DAMAGED)
+        self.assertEqual(found["missing_segments"], 1)
+        self.assertEqual(found["lost"], ["segment 1 was deleted by the retention mode",
+                                         "segments 3 to 4 were deleted by the retention mode"])
+        self.assertEqual(json.loads(run(RB, "verify", self.folder, "--json").stdout)["lost"], found["lost"])
+
     def test_a_deleted_segment_behind_which_a_number_was_given_up(self):
         """The first one here does not follow the one whose index says where the record begins."""
         self.split((b"RB_NOTE", message("note_t", incarnation=1, kind=5, a=2, b=0)),
