@@ -20,10 +20,12 @@ WallTime wall(std::int64_t ns) {
   return WallTime(std::chrono::nanoseconds(ns));
 }
 
-KeeperOptions keeper_options(const FaultScenario& scenario, const std::filesystem::path& folder) {
+KeeperOptions keeper_options(const FaultScenario& scenario, const std::filesystem::path& folder,
+                             std::int64_t least_incarnation) {
   constexpr double kMib = 1024 * 1024;
   KeeperOptions options;
   options.folder = folder;
+  options.least_incarnation = least_incarnation;
   if (scenario.fallback) options.fallback = HostMachine::kFallback;
   options.segment_bytes = static_cast<std::uint64_t>(scenario.segment_mib * kMib);
   options.keep_bytes = static_cast<std::int64_t>(scenario.keep_mib * kMib);
@@ -35,12 +37,10 @@ KeeperOptions keeper_options(const FaultScenario& scenario, const std::filesyste
 HostMachine::Program::Program(Disk& disk, const FaultScenario& scenario, const RecorderLinkOptions& options,
                               const std::filesystem::path& folder, std::int64_t utc_us, std::int64_t host_ns,
                               std::int64_t first_incarnation)
-    : keeper(disk, keeper_options(scenario, folder)),
-      incarnation_folder(keeper.folder()),
-      link(options, next_incarnation(incarnation_folder, std::max(utc_us / 1000, first_incarnation), disk),
-           keeper.recovered()) {
+    : keeper(disk, keeper_options(scenario, folder, std::max(utc_us / 1000, first_incarnation))),
+      link(options, keeper.incarnation(), keeper.recovered()) {
   keeper.set_clocks(utc_us, host_ns);
-  keeper.begin(link.incarnation());
+  keeper.begin();
 }
 
 HostMachine::HostMachine(const FaultScenario& scenario, int number, std::uint64_t seed, Truth& truth)
@@ -194,7 +194,7 @@ void HostMachine::watch(const WriteBatch& batch) {
 
 void HostMachine::receive(Program& p, std::int64_t now_ns, const Publish& publish) {
   if (p.link.obeyed_higher() != 0)
-    p.link.set_incarnation(raise_incarnation(p.incarnation_folder, p.link.obeyed_higher(), disk_));
+    p.link.set_incarnation(raise_incarnation(p.keeper.folder(), p.link.obeyed_higher(), disk_));
   p.link.turn(wall(now_ns), publish);
   WriteBatch batch = p.batches.take(p.link, wall(now_ns));
   if (!batch.says_something()) return;

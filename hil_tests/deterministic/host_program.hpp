@@ -21,7 +21,6 @@ struct HostMachine::Program {
           std::int64_t first_incarnation = 0);
 
   RecordKeeper keeper;
-  const std::filesystem::path incarnation_folder;
   RecorderLink link;
   std::vector<RecordEvent> events;  // of clocks, for the writer
   std::size_t events_in_commit = 0;

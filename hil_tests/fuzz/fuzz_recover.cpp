@@ -125,7 +125,7 @@ void check_kept(fuzz::ByteReader& in) {
   try {
     RecordKeeper keeper(disk, KeeperOptions{.folder = kFolder, .reserve_bytes = 0, .ballast_bytes = 0});
     keeper.set_clocks(0, 0);
-    keeper.begin(100);
+    keeper.begin();
     (void)keeper.close(WallTime(std::chrono::hours(2)));
     gone_on.count();
   } catch (const std::runtime_error& error) {

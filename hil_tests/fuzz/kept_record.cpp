@@ -62,7 +62,7 @@ class Recorder {
                                          .reserve_bytes = 0,
                                          .ballast_bytes = 0});
     keeper_->set_clocks(1'790'000'000'000'000, 0);
-    keeper_->begin(++incarnation_);
+    keeper_->begin();
     for (std::size_t n = 0; n < kNodes.size(); ++n) {
       const auto known = keeper_->recovered().epoch.find({kNodes[n].node, kNodes[n].epoch});
       next_[n] = known == keeper_->recovered().epoch.end()
@@ -93,7 +93,7 @@ class Recorder {
   WallTime now_{std::chrono::hours(1)};
   std::array<std::size_t, kNodes.size()> next_{};
   Sequences durable_;
-  std::int64_t incarnation_ = 0, marks_ = 0, exchanges_ = 0;
+  std::int64_t marks_ = 0, exchanges_ = 0;
 };
 
 }  // namespace

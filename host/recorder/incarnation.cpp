@@ -26,8 +26,8 @@ void keep_incarnation(const std::filesystem::path& folder, std::int64_t number, 
   write_atomically(folder / kIncarnationFile, std::to_string(number) + "\n", disk);
 }
 
-std::int64_t next_incarnation(const std::filesystem::path& folder, std::int64_t utc_ms, Disk& disk) {
-  const std::int64_t number = std::max(stored_incarnation(folder, disk) + 1, utc_ms);
+std::int64_t next_incarnation(const std::filesystem::path& folder, std::int64_t least, Disk& disk) {
+  const std::int64_t number = std::max(stored_incarnation(folder, disk) + 1, least);
   keep_incarnation(folder, number, disk);
   return number;
 }

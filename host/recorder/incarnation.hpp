@@ -21,9 +21,9 @@ std::int64_t stored_incarnation(const std::filesystem::path& folder, Disk& disk 
 
 /// The recorder's number in this run: higher than in every earlier run on the folder, and, by the wall clock,
 /// than that of earlier recordings.  On the disk before it is returned.
-/// @param utc_ms  the wall clock, since 1970
+/// @param least  the wall clock, in ms since 1970
 /// @throws std::system_error naming the file, std::runtime_error if its content is not a number
-std::int64_t next_incarnation(const std::filesystem::path& folder, std::int64_t utc_ms,
+std::int64_t next_incarnation(const std::filesystem::path& folder, std::int64_t least,
                               Disk& disk = kernel_disk());
 
 /// Stores it again, in a folder that was made again.  @throws std::system_error naming the file

@@ -7,6 +7,7 @@
 #include "common/record/file.hpp"
 #include "common/record/folder.hpp"
 #include "common/record/segment.hpp"
+#include "host/recorder/continued_folders.hpp"
 #include "host/recorder/incarnation.hpp"
 #include "host/recorder/preamble.hpp"
 #include "host/recorder/record_keeper.hpp"
@@ -16,46 +17,6 @@ namespace {
 
 bool holds_segments(const std::filesystem::path& folder, Disk& disk) {
   return !folder.empty() && is_folder(folder, disk) && !segment_numbers(folder, disk).empty();
-}
-
-std::string full_name(const std::filesystem::path& folder) {
-  return std::filesystem::absolute(folder).lexically_normal().string();
-}
-
-// Lines: the folders whose rest is in this one.
-std::string continued_here(const std::filesystem::path& folder, Disk& disk) {
-  return read_whole_text(folder / kContinuesFile, disk).value_or("");
-}
-
-bool is_line_of(const std::string& line, const std::string& text) {
-  return ("\n" + text).find("\n" + line + "\n") != std::string::npos;
-}
-
-// A fallback that serves every drive, from a service's file, must not swallow the next one.
-[[noreturn]] void refuse_fallback(const KeeperOptions& options, Disk& disk) {
-  std::string of = continued_here(options.fallback, disk);
-  of = of.substr(0, of.find('\n'));
-  throw std::invalid_argument("fallback folder " + options.fallback.string() + " holds another recording" +
-                              (of.empty() ? "" : ", the rest of " + of) +
-                              "; move that away or name an empty folder");
-}
-
-// Without the fallback the first folder seems to lack what the other one holds, and a gap would say that it
-// is lost.
-bool is_continued(const KeeperOptions& options, Disk& disk) {
-  const auto file = options.folder / kContinuedInFile;
-  std::optional<std::string> where;
-  try {
-    where = read_whole_text(file, disk);
-  } catch (const std::system_error&) {
-    return false;  // of a disk that fails nothing is known
-  }
-  if (!where) return false;
-  if (!options.fallback.empty() && full_name(options.fallback) + "\n" == *where) return true;
-  where->erase(where->find_last_not_of('\n') + 1);
-  throw std::runtime_error("recording " + options.folder.string() + ": goes on in the fallback folder " +
-                           *where + "; name it with --fallback, or record to another folder (" +
-                           file.string() + " says so)");
 }
 
 // Blocks that stand in the first folder, perhaps in the page cache only, and that nodes may have let go of.
@@ -78,15 +39,16 @@ bool write_unsure(const std::vector<UnsureBlock>& unsure, RecordWriter& writer) 
 // A record goes from one folder to the other once and never back: its order stays the folders' order.
 void RecordKeeper::open_folders() {
   const bool fallback_is_used = holds_segments(options_.fallback, disk_);
-  fallback_ =
-      is_continued(options_, disk_) ||
-      (fallback_is_used && is_line_of(full_name(options_.folder), continued_here(options_.fallback, disk_)));
+  fallback_ = goes_on_in_fallback(options_.folder, options_.fallback, disk_) ||
+              (fallback_is_used && holds_rest_of(options_.folder, options_.fallback, disk_));
   RecordState before;
   std::vector<UnsureBlock> unsure;
   try {
     open_first();
     before = writer_->holds();
-    if (!fallback_ && fallback_is_used) refuse_fallback(options_, disk_);
+    if (!fallback_ && fallback_is_used) refuse_fallback(options_.fallback, disk_);
+    // The first that is written, where all else could be read: of a disk that is full or read-only.
+    if (!fallback_) store_incarnation();
   } catch (const std::system_error& error) {
     if (options_.fallback.empty()) throw;
     if (!fallback_) warnings_.push_back(error.what());
@@ -95,6 +57,7 @@ void RecordKeeper::open_folders() {
   }
   if (!fallback_) return;
   open(options_.fallback, std::move(before));
+  store_incarnation();
   keep_cut_tail();
   warnings_.push_back("recording goes on in " + options_.fallback.string());
   segment_is_open_ = write_unsure(unsure, *writer_);
@@ -142,6 +105,13 @@ RecordState RecordKeeper::held_by_first(std::vector<UnsureBlock>& unsure) {
   return {};
 }
 
+void RecordKeeper::store_incarnation() {
+  if (stamp_.incarnation == 0)
+    stamp_.incarnation = next_incarnation(folder(), options_.least_incarnation, disk_);
+  else
+    keep_incarnation(folder(), stamp_.incarnation, disk_);
+}
+
 // Until the new one is good the old one stays.
 void RecordKeeper::open(const std::filesystem::path& folder, RecordState before) {
   RecordWriter::Options where{.folder = folder, .segment_bytes = options_.segment_bytes};
@@ -149,7 +119,8 @@ void RecordKeeper::open(const std::filesystem::path& folder, RecordState before)
   writer.set_preamble([](const RecordState& holds) { return make_preamble(holds); });
   const auto there = disk_.identity(folder.c_str());
   if (!there) throw std::system_error(errno, std::generic_category(), "stat " + folder.string());
-  if (folder != options_.folder) say_what_is_continued();
+  // Before anything is in the fallback: else it could be taken for another drive's.
+  if (folder != options_.folder) write_continues(options_.folder, folder, disk_);
   if (writer_)
     *writer_ = std::move(writer);
   else
@@ -168,6 +139,11 @@ void RecordKeeper::go_to_fallback(WallTime now) {
     return;
   }
   fallback_ = true;
+  try {
+    store_incarnation();
+  } catch (const std::system_error& error) {
+    warnings_.push_back(error.what());
+  }
   hold_anew();
   health_.retry(now);
   note(NoteKind::kFallback, 0, 0, options_.fallback.string());
@@ -200,16 +176,9 @@ void RecordKeeper::hold_anew() {
 void RecordKeeper::say_where_it_goes_on() {
   try {
     if (is_known_and_missing()) return;  // what is there is another disk's
-    write_atomically(options_.folder / kContinuedInFile, full_name(options_.fallback) + "\n", disk_);
+    write_continued_in(options_.folder, options_.fallback, disk_);
   } catch (const std::system_error&) {
   }
-}
-
-// Before anything is in the fallback: else it could be taken for another drive's.
-void RecordKeeper::say_what_is_continued() {
-  const std::string before = continued_here(options_.fallback, disk_), name = full_name(options_.folder);
-  if (is_line_of(name, before)) return;
-  write_atomically(options_.fallback / kContinuesFile, before + name + "\n", disk_);
 }
 
 // A file that has no name any more takes all that is written to it, and keeps nothing.  A file of a disk that
@@ -242,7 +211,7 @@ bool RecordKeeper::is_its_disk_there() const {
 }
 
 bool RecordKeeper::holds_this_recording() const {
-  if (fallback_) return is_line_of(full_name(options_.folder), continued_here(options_.fallback, disk_));
+  if (fallback_) return holds_rest_of(options_.folder, options_.fallback, disk_);
   try {
     return stored_incarnation(options_.folder, disk_) >= stamp_.incarnation;  // raised while it runs
   } catch (const std::system_error&) {
@@ -276,7 +245,7 @@ void RecordKeeper::come_back() {
 
 // Somebody has removed what was there: the rest is recorded.
 void RecordKeeper::begin_anew() {
-  if (!fallback_) keep_incarnation(folder(), stamp_.incarnation, disk_);
+  store_incarnation();
   try {
     open(folder(), writer_->holds());
   } catch (const std::system_error&) {

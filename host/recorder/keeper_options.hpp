@@ -14,6 +14,8 @@ struct KeeperOptions {
   std::filesystem::path fallback = {};
   /// It is known to be there: where it is not its disk is, and nothing is begun.
   bool continues = false;
+  /// The least that the recorder's number in this run may be: see next_incarnation().
+  std::int64_t least_incarnation = 1;
   std::uint64_t segment_bytes = std::uint64_t{64} << 20;
   std::chrono::milliseconds commit_period{200};
   std::size_t commit_bytes = std::size_t{4} << 20;  ///< a commit is due after so many, however soon

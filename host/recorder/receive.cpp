@@ -116,8 +116,9 @@ class Reception {
   // mended; until then that node obeys nobody.
   void raise_incarnation_if_needed(WallTime now) {
     if (link_.obeyed_higher() == 0 || now < store_at_) return;
+    const auto& folder = status_.fallback ? options_.fallback : incarnation_folder_;
     try {
-      link_.set_incarnation(raise_incarnation(incarnation_folder_, link_.obeyed_higher()));
+      link_.set_incarnation(raise_incarnation(folder, link_.obeyed_higher()));
       refusal_told_ = false;
     } catch (const std::runtime_error& error) {
       if (!std::exchange(refusal_told_, true))

@@ -33,8 +33,7 @@ RecordKeeper::RecordKeeper(Disk& disk, KeeperOptions options)
   sums_ = EpochSums(recovered_);
 }
 
-void RecordKeeper::begin(std::int64_t incarnation) {
-  stamp_.incarnation = incarnation;
+void RecordKeeper::begin() {
   note(NoteKind::kStarted, writer_->segment() + (segment_is_open_ ? 0 : 1), 0, "");
   for (const RecordWriter::CutTail& cut : cut_tails_) {
     const int segment = segment_of_file(cut.segment.filename().string(), ".lcm").value_or(0);

@@ -70,13 +70,15 @@ class RecordKeeper {
   const RecordState& recovered() const { return recovered_; }
   /// The one that is written to.
   const std::filesystem::path& folder() const { return fallback_ ? options_.fallback : options_.folder; }
+  /// The recorder's number in this run, stored in the folder.
+  std::int64_t incarnation() const { return stamp_.incarnation; }
   /// What was cut off at the start: of the first folder, and of the fallback.
   const std::vector<RecordWriter::CutTail>& cut_tails() const { return cut_tails_; }
 
   /// The host's clocks at this instant; entries are stamped with the pair given last.
   void set_clocks(std::int64_t utc_us, std::int64_t host_ns);
-  /// For the stamp of notes.  The first is that the recorder runs, the next, if so, that tails were cut.
-  void begin(std::int64_t incarnation);
+  /// The first notes: that the recorder runs, and, if so, that tails were cut.
+  void begin();
 
   void set_link_counters(LinkCounters counters) { counters_ = std::move(counters); }
 
@@ -132,10 +134,10 @@ class RecordKeeper {
   void open(const std::filesystem::path& folder, RecordState before);
   void keep_cut_tail();
   RecordState held_by_first(std::vector<UnsureBlock>& unsure);
+  void store_incarnation();
   void go_to_fallback(WallTime now);
   void hold_anew();
   void say_where_it_goes_on();
-  void say_what_is_continued();
   void sync();
   void require_its_place() const;
   bool lies_elsewhere() const;

@@ -65,21 +65,19 @@ KeeperOptions RecorderOptions::keeper() const {
 RecorderReport run_recorder(std::stop_token stop, const RecorderOptions& options) {
   refuse_one_folder_twice(options);
   const auto power = open_power(options);
-  RecordKeeper keeper(kernel_disk(), options.keeper());
+  KeeperOptions how = options.keeper();
+  how.least_incarnation = std::max(utc_us() / 1000, options.first_incarnation);
+  RecordKeeper keeper(kernel_disk(), std::move(how));
   if (options.on_cut_tail)
     for (const RecordWriter::CutTail& tail : keeper.cut_tails()) options.on_cut_tail(tail);
-  const Incarnation incarnation{
-      .number = next_incarnation(keeper.folder(), std::max(utc_us() / 1000, options.first_incarnation)),
-      .folder = keeper.folder()};
+  const Incarnation incarnation{.number = keeper.incarnation(), .folder = keeper.folder()};
 
   auto [batches_out, batches_in] = make_channel<WriteBatch>(kBatches);
   auto [news_out, news_in] = make_channel<WriterNews>(kNews);
   auto [events_out, events_in] = make_channel<RecordEvent>(kEvents);
   auto [peers_out, peers_in] = make_channel<ClockPeer>(kClockPeers);
-  const WriteOptions write_options{.incarnation = incarnation.number,
-                                   .power = power.get(),
-                                   .on_warning = options.on_warning,
-                                   .notes = options.notes};
+  const WriteOptions write_options{
+      .power = power.get(), .on_warning = options.on_warning, .notes = options.notes};
   RecorderReport report;
 
   Parallel recorder;

@@ -25,7 +25,7 @@ class Writing {
   Writing(RecordKeeper& keeper, const WriteOptions& options, Out<WriterNews> news)
       : keeper_(keeper), options_(options), out_(std::move(news)) {
     set_clocks();
-    keeper_.begin(options.incarnation);
+    keeper_.begin();
   }
 
   milliseconds patience() const {

@@ -19,7 +19,6 @@ struct WriterNews {
 };
 
 struct WriteOptions {
-  std::int64_t incarnation = 0;
   PowerLine* power = nullptr;                               ///< nullptr: the supply is not watched
   std::function<void(const std::string&)> on_warning = {};  ///< a sentence for people
   std::function<std::vector<NoteToRecord>()> notes = {};    ///< what is to be noted now

@@ -44,7 +44,7 @@ std::vector<SealedBlock> sealed_blocks() {
 /// @return bytes on the disk
 std::uintmax_t record(const std::vector<SealedBlock>& blocks, const fs::path& folder) {
   RecordKeeper keeper(kernel_disk(), {.folder = folder});
-  keeper.begin(1);
+  keeper.begin();
   std::int64_t durable = 0;
   const auto take = [&](const std::vector<DurableMark>& marks) {
     for (const DurableMark& mark : marks) durable = mark.sequence;

@@ -26,7 +26,7 @@ class Drive {
   RecordKeeper& start() {
     keeper.emplace(disk, options);
     keeper->set_clocks(1'790'000'000'000'000, 1);
-    keeper->begin(1);
+    keeper->begin();
     return *keeper;
   }
 

@@ -4,6 +4,8 @@
 #include <cerrno>
 #include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "common/record/folder.hpp"
 #include "common/record/segment.hpp"
@@ -59,6 +61,60 @@ TEST_F(KeeperFallbackStartTest, StartsInTheFallbackFolderWhenTheFirstCanOnlyBeRe
   EXPECT_EQ(keeper->folder(), kFallback);
   EXPECT_EQ(keeper->recovered().epoch.begin()->second.position.contiguous, 20);
 }
+
+// What a disk that is mounted read-only refuses, and one that is full to the last byte: a sync succeeds.
+class UnwritableStartTest : public KeeperFallbackStartTest, public ::testing::WithParamInterface<int> {
+ protected:
+  void make_unwritable() {
+    std::vector<DiskCall> refused{DiskCall::kWrite, DiskCall::kReserve, DiskCall::kMakeFolder};
+    if (GetParam() == EROFS)
+      refused.insert(refused.end(), {DiskCall::kTruncate, DiskCall::kRename, DiskCall::kUnlink});
+    fail(std::move(refused), GetParam(), kFolder);
+  }
+};
+
+TEST_P(UnwritableStartTest, AFolderThatWasFinishedGoesOnInTheFallback) {
+  start();
+  run(milliseconds(1000), 20);
+  note_durable(keeper->close(now));
+  const std::int64_t before = keeper->incarnation();
+  keeper.reset();
+  options.fallback = kFallback;
+  make_unwritable();
+  start();
+  EXPECT_EQ(keeper->folder(), kFallback);
+  EXPECT_EQ(keeper->recovered().epoch.begin()->second.position.contiguous, 20);
+  EXPECT_GE(keeper->incarnation(), before);
+  run(milliseconds(1000), 10);
+  note_durable(keeper->close(now));
+  EXPECT_EQ(durable, 30);
+  EXPECT_EQ(recorded(kFallback).size(), 10u);
+}
+
+TEST_P(UnwritableStartTest, AnEmptyFolderIsBegunInTheFallback) {
+  ASSERT_EQ(disk.mkdir(kFolder, 0755), 0);
+  options.fallback = kFallback;
+  make_unwritable();
+  start();
+  EXPECT_EQ(keeper->folder(), kFallback);
+  run(milliseconds(1000), 10);
+  note_durable(keeper->close(now));
+  EXPECT_EQ(recorded(kFallback).size(), 10u);
+}
+
+TEST_P(UnwritableStartTest, WithoutAFallbackTheFileIsNamed) {
+  ASSERT_EQ(disk.mkdir(kFolder, 0755), 0);
+  make_unwritable();
+  try {
+    start();
+    FAIL() << "nothing can be recorded";
+  } catch (const std::system_error& error) {
+    EXPECT_NE(std::string(error.what()).find(kFolder), std::string::npos) << error.what();
+    EXPECT_EQ(error.code().value(), GetParam());
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Disks, UnwritableStartTest, ::testing::Values(EROFS, ENOSPC));
 
 // A sync failed, the recorder is killed, and the disk is mounted read-only: what was written and never called
 // durable is in the page cache.  Blocks 1 to 20 are durable, 21 to 50 are not sure.

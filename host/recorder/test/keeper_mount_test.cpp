@@ -48,9 +48,8 @@ class KeeperMountTest : public ::testing::TestWithParam<Case>, protected test::D
   }
   void begin() {
     keeper.reset();
+    options.least_incarnation = kIncarnation;
     start();
-    ASSERT_LE(next_incarnation(kRecord, kIncarnation, disk), kIncarnation + 1);
-    keeper->begin(kIncarnation);
   }
   void unmount() {
     const std::string folder(GetParam().mount_point);
@@ -215,9 +214,9 @@ INSTANTIATE_TEST_SUITE_P(Everywhere, KeeperMountTest,
 TEST(KeeperFolder, ThatIsMadeAgainIsGoneOnWith) {
   const test::TemporaryDirectory work;
   const auto folder = work / "record";
-  RecordKeeper keeper(kernel_disk(), {.folder = folder});
+  RecordKeeper keeper(kernel_disk(), {.folder = folder, .least_incarnation = kIncarnation});
   keeper.set_clocks(1, 1);
-  keeper.begin(kIncarnation);
+  keeper.begin();
   WallTime now{std::chrono::hours(1)};
   std::int64_t durable = 0;
   const auto run = [&](std::int64_t first, std::int64_t last) {
