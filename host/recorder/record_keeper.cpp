@@ -1,7 +1,6 @@
 #include "host/recorder/record_keeper.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <utility>
 
@@ -90,46 +89,13 @@ void RecordKeeper::append(const RecordEvent& event, WallTime) {
     ++events_dropped_;
 }
 
-// Devices fail, alarms flap and people ask for as long as a disk fails: those notes alone have no bound of
-// their own.
-bool RecordKeeper::has_memory_for(NoteKind kind) {
-  constexpr std::array kRecurring{NoteKind::kDevice, NoteKind::kAsked, NoteKind::kAlarmBegan,
-                                  NoteKind::kAlarmEnded};
-  if (std::ranges::find(kRecurring, kind) == kRecurring.end()) return true;
-  if (notes_held_ < kMostHeldNotes) {
-    ++notes_held_;
-    return true;
-  }
-  ++notes_dropped_;
-  return false;
-}
-
-void RecordKeeper::declare_dropped(std::int64_t count, const char* what) {
-  if (count == 0) return;
-  const std::string lost = std::to_string(count) + " " + what + " were not kept: no memory for more";
-  note(NoteKind::kDiskFailed, 0, writer_->segment(), lost);
-  warnings_.push_back(lost);
-}
-
-void RecordKeeper::note(NoteKind kind, std::int64_t a, std::int64_t b, std::string text,
-                        std::chrono::nanoseconds age) {
-  if (!has_memory_for(kind)) return;
-  Note note = stamp_;
-  note.time_us -= age.count() / 1000;
-  note.host_ns -= age.count();
-  note.kind = kind;
-  note.a = a;
-  note.b = b;
-  note.text = std::move(text);
-  if (kind == NoteKind::kMark) last_mark_ = a;
-  held_.push(kNoteChannel, encode(note), stamp_.time_us);
-}
-
-// For notes alone no segment begins, but for marks, which somebody waits for, and for these that say what is
-// wrong with the disk: nothing else shows that it works again while no credit lets blocks come.
+// For notes alone no recording begins, but for marks, which somebody waits for.  One that has blocks gets a
+// segment for them: behind the seal that a lost supply asks for no block may come any more.  So do those that
+// say what is wrong with the disk: nothing else shows that it works again while no credit lets blocks come.
 bool RecordKeeper::may_write(WallTime now) const {
-  const bool has_mark = last_mark_ > last_durable_mark_;
-  return (segment_is_open_ || held_blocks_ > 0 || has_mark || (!wants_credit() && held_.size() > 0)) &&
+  const bool has_mark = last_mark_ > last_durable_mark_, has_news = has_news_ && has_blocks();
+  return (segment_is_open_ || held_blocks_ > 0 || has_mark || has_news ||
+          (!wants_credit() && held_.size() > 0)) &&
          health_.may_try(now);
 }
 
@@ -223,6 +189,7 @@ std::vector<DurableMark> RecordKeeper::all_is_durable() {
             ? "the disk writes again; what had been recorded before is not in its folder any more"
             : "the disk writes again; nothing was lost");
   notes_held_ = 0;
+  has_news_ = false;
   declare_dropped(std::exchange(events_dropped_, 0), "measurements of the nodes' clocks");
   declare_dropped(std::exchange(notes_dropped_, 0), "notes of devices, of alarms and of what was asked");
   last_durable_mark_ = last_mark_;
@@ -260,9 +227,11 @@ std::int64_t RecordKeeper::epochs_held() const {
 }
 
 std::vector<DurableMark> RecordKeeper::close(WallTime now) {
-  if (segment_is_open_ || held_blocks_ > 0 || last_mark_ > last_durable_mark_)
+  if (segment_is_open_ || held_blocks_ > 0 || last_mark_ > last_durable_mark_ || has_blocks())
     note(NoteKind::kStopped, epochs_held(), last_mark_, "");
   auto marks = seal(now);
+  if (has_news_ && has_blocks() && held_blocks_ == 0)
+    warnings_.push_back("the last notes are not on the disk: " + last_failure_);
   (void)ballast_.give_up();
   return marks;
 }

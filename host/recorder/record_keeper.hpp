@@ -84,7 +84,7 @@ class RecordKeeper {
 
   void append(const Delivery& delivery, WallTime now);
   void append(const RecordEvent& event, WallTime now);
-  /// What happened; in the record with the next commit, but no segment begins for notes alone.
+  /// What happened; in the record with the next commit, but no recording begins for notes alone.
   /// @param age  so long ago it happened
   void note(NoteKind kind, std::int64_t a, std::int64_t b, std::string text,
             std::chrono::nanoseconds age = {});
@@ -119,6 +119,7 @@ class RecordKeeper {
  private:
   void check_sum(const SealedBlock& block);
   bool has_memory_for(NoteKind kind);
+  bool has_blocks() const { return !writer_->holds().epoch.empty(); }
   void declare_dropped(std::int64_t count, const char* what);
   bool is_caught_up() const { return written_ == held_.size(); }
   template <typename Call>
@@ -176,6 +177,7 @@ class RecordKeeper {
   bool is_removed_ = false;          // the folder or the segment, while its disk was there
   bool is_lost_ = false;             // what was durable in a folder that was removed, and not yet told
   int notes_held_ = 0;               // of those that may be dropped
+  bool has_news_ = false;            // notes are held that begin a segment of a recording that has blocks
   std::int64_t events_dropped_ = 0;  // and not yet told
   std::int64_t notes_dropped_ = 0;   // and not yet told
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/record/folder.hpp"
+#include "common/record/segment.hpp"
 #include "host/recorder/test/keeper_drive.hpp"
 
 namespace roadbalance {
@@ -41,6 +42,46 @@ TEST_F(KeeperTest, NotesAloneBeginNoSegment) {
   run(milliseconds(5000));
   keeper->close(now);
   EXPECT_FALSE(path_exists("/record/seg-000001.lcm", disk));
+}
+
+// The supply is gone and the nodes with it: what is said of that comes behind the last block.
+TEST_F(KeeperTest, WhatHappensBehindASealIsInTheRecord) {
+  start();
+  run(milliseconds(1000), 20);
+  keeper->note(NoteKind::kPowerLost, 0, 0, "supply:AC");
+  note_durable(keeper->seal(now));
+  keeper->note(NoteKind::kAlarmBegan, 1, 1, "silent");
+  run(milliseconds(1000));
+  EXPECT_EQ(notes(NoteKind::kAlarmBegan).size(), 1u);
+  note_durable(keeper->seal(now));
+  keeper->close(now);
+  EXPECT_EQ(notes(NoteKind::kStopped).size(), 1u);
+}
+
+TEST_F(KeeperTest, ARestartOfWhichNoBlockComesIsInTheRecordOnceItSaysSomething) {
+  start();
+  run(milliseconds(1000), 20);
+  keeper->close(now);
+  for (int k = 0; k < 3; ++k) {  // it crashes again and again
+    start();
+    run(milliseconds(1000));
+    disk.kill();
+  }
+  EXPECT_EQ(segment_numbers(kFolder, disk).size(), 1u);
+  EXPECT_EQ(notes(NoteKind::kStarted).size(), 1u);
+  start();
+  keeper->close(now);
+  EXPECT_EQ(notes(NoteKind::kStarted).size(), 2u);
+  EXPECT_EQ(notes(NoteKind::kStopped).size(), 2u);
+}
+
+TEST_F(KeeperTest, NotesThatADiskRefusesAtTheEndAreSaidToBeMissing) {
+  start();
+  run(milliseconds(1000), 20);
+  note_durable(keeper->seal(now));
+  fail({DiskCall::kWrite, DiskCall::kReserve}, EIO);
+  keeper->close(now);
+  EXPECT_TRUE(was_warned_of("the last notes are not on the disk: "));
 }
 
 // A recorder that began anew while its recording was being stopped may hear no block any more.
