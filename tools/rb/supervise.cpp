@@ -18,9 +18,9 @@
 #include <vector>
 
 #include "common/config/validators.hpp"
+#include "common/process/temporary_folder.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/supervisor.hpp"
-#include "common/process/temporary_folder.hpp"
 
 namespace roadbalance {
 namespace {
@@ -29,6 +29,19 @@ constexpr std::array kPassedOn{SIGTERM, SIGINT, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR
 
 [[noreturn]] void throw_errno(const std::string& what) {
   throw std::system_error(errno, std::generic_category(), what);
+}
+
+constexpr int kUnknownCode = 1;
+
+struct End {
+  int code;
+  std::string words;
+};
+
+End end_of(int status) {
+  if (WIFSIGNALED(status))
+    return {128 + WTERMSIG(status), "ended by signal " + std::to_string(WTERMSIG(status))};
+  return {WEXITSTATUS(status), "ended with code " + std::to_string(WEXITSTATUS(status))};
 }
 
 /// Where the program's sd_notify(3) datagrams come.
@@ -71,6 +84,8 @@ class Signals {
     sigaddset(&set_, SIGCHLD);
     for (const int signal : kPassedOn) sigaddset(&set_, signal);
     ::sigprocmask(SIG_BLOCK, &set_, &before_);
+    // An ignored SIGCHLD is inherited: nobody would be told of a program's end, here and in the program.
+    ::signal(SIGCHLD, SIG_DFL);
     file_ = ::signalfd(-1, &set_, SFD_CLOEXEC | SFD_NONBLOCK);
     if (file_ < 0) throw_errno("signalfd");
   }
@@ -162,15 +177,15 @@ class Supervision {
   }
 
   void reap() {
+    if (program_ <= 0) return;
     int status = 0;
-    if (program_ <= 0 || ::waitpid(program_, &status, WNOHANG) != program_) return;
+    const pid_t reaped = ::waitpid(program_, &status, WNOHANG);
+    if (reaped == 0) return;
     program_ = -1;
-    const int code = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
-    supervisor_.ended(code, WallClock::now());
+    const End end = reaped < 0 ? End{kUnknownCode, "is gone, nobody knows how"} : end_of(status);
+    supervisor_.ended(end.code, WallClock::now());
     if (supervisor_.over()) return;
-    say((WIFSIGNALED(status) ? "ended by signal " + std::to_string(WTERMSIG(status))
-                             : "ended with code " + std::to_string(code)) +
-        "; started again, for the " + std::to_string(supervisor_.restarts()) + ". time" +
+    say(end.words + "; started again, for the " + std::to_string(supervisor_.restarts()) + ". time" +
         (supervisor_.status().empty() ? "" : "; it last said: " + std::string(supervisor_.status())));
   }
 

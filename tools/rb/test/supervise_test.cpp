@@ -2,10 +2,12 @@
 #include <signal.h>
 
 #include <chrono>
+#include <cstdint>
 #include <cstdlib>
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -112,6 +114,37 @@ TEST_F(Supervise, KillsAProgramThatHangsAndStartsItAgain) {
   const std::string log = supervisor.log();
   EXPECT_NE(log.find("it hangs and is killed"), std::string::npos) << log;
   EXPECT_NE(log.find("it last said: run 2"), std::string::npos) << log;
+}
+
+// Of a program that ignores the ends of its children all that it starts inherits that: the kernel then tells
+// of none.
+class SuperviseBelowOneThatIgnoresItsChildren : public Supervise {
+ protected:
+  ~SuperviseBelowOneThatIgnoresItsChildren() override { heed(); }
+  void heed() { ::signal(SIGCHLD, before_); }
+
+ private:
+  const sighandler_t before_ = ::signal(SIGCHLD, SIG_IGN);
+};
+
+TEST_F(SuperviseBelowOneThatIgnoresItsChildren, NoticesTheEndsOfItsProgram) {
+  Child supervisor = supervise({}, "if [ $run -lt 3 ]; then exit 4; fi; exit 0");
+  heed();
+  EXPECT_EQ(code_of(supervisor), 0) << supervisor.log();
+  EXPECT_EQ(runs().size(), 3u);
+  EXPECT_NE(supervisor.log().find("ended with code 4"), std::string::npos) << supervisor.log();
+}
+
+TEST_F(SuperviseBelowOneThatIgnoresItsChildren, StartsItsProgramWithASignalThatIsHeeded) {
+  Child supervisor(std::filesystem::path(std::getenv("RB_BIN")) / "rb",
+                   {"supervise", "--", "grep", "SigIgn", "/proc/self/status"}, folder / "log");
+  heed();
+  EXPECT_EQ(code_of(supervisor), 0) << supervisor.log();
+  std::istringstream words(supervisor.output());  // proc(5): "SigIgn: 0000000000010000", bit 0 is signal 1
+  std::string name;
+  std::uint64_t ignored = 0;
+  ASSERT_TRUE(words >> name >> std::hex >> ignored) << supervisor.output();
+  EXPECT_EQ(ignored >> (SIGCHLD - 1) & 1, 0u) << supervisor.output();
 }
 
 TEST_F(Supervise, StartsACrashingProgramMoreAndMoreSlowlyAndCanStillBeStopped) {
