@@ -222,8 +222,10 @@ void add_supervise(CLI::App& app, int& code) {
       "supervise",
       "Keeps a program running where there is no systemd: rb supervise [--watchdog S] -- PROGRAM ...");
   command
-      ->add_option("--watchdog", options->watchdog_s,
-                   "kill it when it has not sent WATCHDOG=1 to $NOTIFY_SOCKET for so many seconds; 0: never")
+      ->add_option(
+          "--watchdog", options->watchdog_s,
+          "kill it when it has not sent WATCHDOG=1 to $NOTIFY_SOCKET for so many seconds, after a start "
+          "for 60 at least; 0: never")
       ->check(seconds_or_zero());
   command->add_option("program", options->words, "the program and its arguments")->required();
   command->footer(

@@ -20,7 +20,8 @@ Supervisor::Act Supervisor::due(WallTime now) {
 }
 
 WallTime Supervisor::hangs_at() const {
-  return fed_ ? fed_at_ + *options_.watchdog : started_at_ + options_.start_limit;
+  if (fed_) return fed_at_ + *options_.watchdog;
+  return started_at_ + std::max(options_.start_limit, *options_.watchdog);
 }
 
 std::chrono::milliseconds Supervisor::time_left(WallTime now) const {

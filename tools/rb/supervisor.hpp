@@ -21,7 +21,8 @@ class Supervisor {
 
   struct Options {
     std::optional<std::chrono::milliseconds> watchdog;  ///< nothing: a program may be silent
-    /// For the first feeding after a start, which may be long with a large record.
+    /// For the first feeding after a start, which may be long with a large record; or `watchdog`, if that is
+    /// longer.
     std::chrono::milliseconds start_limit{60'000};
     std::chrono::milliseconds first_wait{100};
     std::chrono::milliseconds longest_wait{10'000};

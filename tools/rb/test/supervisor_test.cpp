@@ -72,6 +72,16 @@ TEST_F(SupervisorTest, KillsWhatNeverBecomesReady) {
   EXPECT_EQ(supervisor.due(now), Act::kKill);
 }
 
+TEST_F(SupervisorTest, KillsAStartNoSoonerThanItsWatchdogSays) {
+  Supervisor patient({.watchdog = seconds(300)});
+  patient.started(now);
+  now += seconds(299);
+  EXPECT_EQ(patient.due(now), Act::kNone);
+  EXPECT_LE(patient.time_left(now), seconds(1));
+  now += seconds(1);
+  EXPECT_EQ(patient.due(now), Act::kKill);
+}
+
 TEST_F(SupervisorTest, LetsAProgramBeSilentThatIsNotWatched) {
   Supervisor patient({.watchdog = std::nullopt});
   patient.started(now);
