@@ -24,10 +24,12 @@ Operating::Time time_now() {
 }  // namespace
 
 RecorderReport operate(std::stop_token stop, const OperateOptions& options) {
+  OperateOptions wanted = options;
+  wanted.recorder.folder = options.recordings;  // each recording gets one of its own
+  refuse_mistakes(wanted.recorder);
   create_folders(options.recordings);
   std::random_device device;
   Bus bus(options.recorder.url);
-  OperateOptions wanted = options;
   std::optional<Operating> operating;
   const auto begin = [&] {
     operating.emplace(wanted,

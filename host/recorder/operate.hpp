@@ -23,7 +23,8 @@ struct OperateOptions {
 /// A recording that fails is a fault, which is shown, and is begun again every second; the nodes keep what is
 /// not on the disk.  Told to stop it ends a recording as asked.
 /// @return the epochs of all recordings
-/// @throws std::runtime_error, std::system_error naming folder, file or bus
+/// @throws std::invalid_argument as refuse_mistakes(), before anything begins or goes on,
+///         std::runtime_error, std::system_error naming folder, file or bus
 RecorderReport operate(std::stop_token stop, const OperateOptions& options);
 
 }  // namespace roadbalance

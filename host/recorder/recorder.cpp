@@ -46,7 +46,7 @@ void refuse_one_folder_twice(const RecorderOptions& options) {
   };
   if (real_name(options.folder) == real_name(options.fallback))
     throw std::invalid_argument("fallback folder " + options.fallback.string() +
-                                ": is the folder of the recording itself; name one on another disk");
+                                ": is the first folder itself; name one on another disk");
 }
 
 }  // namespace
@@ -62,8 +62,13 @@ KeeperOptions RecorderOptions::keeper() const {
           .keep_bytes = keep_bytes};
 }
 
-RecorderReport run_recorder(std::stop_token stop, const RecorderOptions& options) {
+void refuse_mistakes(const RecorderOptions& options) {
   refuse_one_folder_twice(options);
+  if (!options.power.empty()) open_power_line(options.power);  // which reads nothing yet
+}
+
+RecorderReport run_recorder(std::stop_token stop, const RecorderOptions& options) {
+  refuse_mistakes(options);
   const auto power = open_power(options);
   KeeperOptions how = options.keeper();
   how.least_incarnation = std::max(utc_us() / 1000, options.first_incarnation);

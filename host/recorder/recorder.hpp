@@ -104,15 +104,18 @@ struct RecorderOptions {
   KeeperOptions keeper() const;
 };
 
+/// What stays wrong whatever is plugged in later; neither folders nor devices need be there.
+/// @throws std::invalid_argument if `power` is no name of a line, or the fallback is the folder itself
+void refuse_mistakes(const RecorderOptions& options);
+
 /// Records every node that it hears until told to stop, then stops the nodes, waits for their last blocks,
 /// and closes the record.  An existing folder is continued: what it holds is not recorded again.
 ///
 /// Bus -> receive -> channel -> write -> disk; what is durable flows back and is acknowledged.  A disk that
 /// fails or is full is a state that the nodes bridge, not an end.
-/// @throws std::invalid_argument if the fallback is the folder itself or holds another recording,
+/// @throws std::invalid_argument as refuse_mistakes(), or if the fallback holds another recording,
 ///         std::runtime_error, std::system_error naming bus, folder or file; also if something is not on the
-/// disk
-///         in the end
+///         disk in the end
 RecorderReport run_recorder(std::stop_token stop, const RecorderOptions& options);
 
 }  // namespace roadbalance
