@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/frontend/device_report.hpp"
@@ -89,8 +90,12 @@ struct Note {
 };
 inline constexpr std::size_t kMaxNoteBytes = 400;
 
-/// A failure of neither an errno nor a segment: in the recording that this one was recovered from something
-/// was lost that no gap can stand for; text: what and where.  Of a kind that every reader knows.
+/// A failure of neither an errno nor a segment: of the recording that this one was made of something was
+/// lost, or lies in another folder, that no gap can stand for; text: what and where.  Of a kind that every
+/// reader knows.
+inline Note note_of_loss(std::string text) {
+  return {.kind = NoteKind::kDiskFailed, .text = std::move(text)};
+}
 inline bool tells_of_loss(const Note& note) {
   return note.kind == NoteKind::kDiskFailed && note.a == 0 && note.b == 0;
 }

@@ -22,6 +22,7 @@
 #include "host/excerpt/least_bytes.hpp"
 #include "host/excerpt/reducing_sink.hpp"
 #include "host/recorder/manifest.hpp"
+#include "host/recorder/verify_missing.hpp"
 
 namespace roadbalance {
 namespace {
@@ -54,6 +55,8 @@ class Excerpt {
   void finish() {
     for (auto& [key, source] : sources_)
       if (source.epoch) source.epoch->finish();
+    for (const std::string& line : find_elsewhere({request_.folder}))
+      record_.put(kNoteChannel, encode(note_of_loss(line)));
   }
   std::int64_t missing_blocks() const { return in_sequence_.missing(); }
   std::int64_t refused_blocks() const { return refused_; }

@@ -252,7 +252,8 @@ Verification verify_record(const std::filesystem::path& folder, Disk& on) {
     if (is_manifest_damaged(folder, disk)) result.indexes.push_back("manifest.json: is damaged");
     list_damage(reader, finished, result);
     list_missing_segments(folder, finished, disk, reading);
-    result.elsewhere = find_elsewhere(folder, disk);
+    for (const std::string& line : find_elsewhere({folder}, disk))
+      result.elsewhere.push_back(line + "; rb recover makes one recording of both");
     compare_with_stops(reading);
     conclude(reading);
     result.verdict = judge(result);

@@ -28,7 +28,7 @@ std::string what_happened(const Note& note) {
     case NoteKind::kClock:
       return "clocks";
     case NoteKind::kDiskFailed:
-      if (tells_of_loss(note)) return "lost from the recording that this one was recovered from";
+      if (tells_of_loss(note)) return "lost from the recording that this one was made of";
       return "disk failed, error " + number(note.a) + ", in segment " + number(note.b);
     case NoteKind::kSegmentAbandoned:
       return "segment " + number(note.a) + " abandoned: it ends at byte " + number(note.b);

@@ -147,9 +147,9 @@ CLI::App* add_excerpt(CLI::App& app, const char* name, const char* about,
 }
 
 constexpr const char* kExitCodes =
-    "Exit codes: 0 the new recording is complete, 3 samples are missing in it as they were, and declared, 1 "
-    "the recording is damaged and what is missing by that is declared, 2 usage, or nothing is left, 4 cannot "
-    "read or write.";
+    "Exit codes: 0 the new recording is complete, 3 samples are missing in it as they were, and declared, or "
+    "the rest of the recording is in another folder, 1 the recording is damaged and what is missing by that "
+    "is declared, 2 usage, or nothing is left, 4 cannot read or write.";
 
 }  // namespace
 

@@ -113,9 +113,8 @@ void add_recover(CLI::App& app, int& code) {
                       "a spool that a node left, or a fallback recording: its blocks fill what is missing");
   command->add_flag("--json", options->json, "one JSON object on standard output");
   command->footer(
-      "Exit codes: 0 nothing is lost, 3 something is, or may be in what is damaged or missing, and is "
-      "listed, 1 "
-      "could not.");
+      "Exit codes: 0 nothing is lost, 3 something is, or may be in what is damaged, missing or in a folder "
+      "that is not named, and is listed, 1 could not.");
   command->callback([options, &code] { code = recover(*options); });
 }
 

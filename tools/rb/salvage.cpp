@@ -95,6 +95,7 @@ class Salvage {
  private:
   // What holes the segments' ends and the folders tell of.  A spool begins where it was emptied to.
   void list_missing_segments() {
+    for (const auto& line : find_elsewhere(folders_, disk_)) losses_.elsewhere(line);
     for (const auto& folder : folders_) {
       const auto finished = read_manifest(folder, disk_);
       const auto found =
@@ -110,8 +111,7 @@ class Salvage {
   void tell_losses() {
     result_.lost = losses_.lines([this](const NodeEpoch& key) { return plans_.contains(key); });
     for (const std::string& line : result_.lost)
-      writer_->append(kNoteChannel, encode(Note{.kind = NoteKind::kDiskFailed, .text = line}),
-                      last_timestamp_us_);
+      writer_->append(kNoteChannel, encode(note_of_loss(line)), last_timestamp_us_);
   }
 
   void check_header(const LogEvent& event, const Place& place) {

@@ -32,7 +32,8 @@ struct Salvaged {
 /// record every node epoch is in order, each block once and as it was sealed; each hole is a declared gap: of
 /// the cause that the recorder gave it (kLostAtNode), else kLostInRecord.  Clocks and notes go along, and a
 /// new journal.  What was damaged, but for what a kill or a power cut leaves at the end, may have held
-/// anything: a note in the new record says so (tells_of_loss()), and `rb verify` calls it incomplete.
+/// anything, and so may a folder that the sources name (find_elsewhere()) and that is none of them: a note in
+/// the new record says so (tells_of_loss()), and `rb verify` calls it incomplete.
 ///
 /// Memory: some tens of bytes for each block that is not where it belongs.
 /// @param target  a folder that does not exist or is empty

@@ -24,12 +24,11 @@ void SalvageLosses::altered_block(const LogEvent& event) {
 }
 
 void SalvageLosses::deleted_segments(const std::string& folder, SegmentRun run) {
-  deleted_.push_back(in_words(run) + " of " + folder +
-                     ", which the retention mode had deleted");
+  listed_.push_back(in_words(run) + " of " + folder + ", which the retention mode had deleted");
 }
 
 std::vector<std::string> SalvageLosses::lines(const std::function<bool(const NodeEpoch&)>& is_held) const {
-  std::vector<std::string> lines = deleted_;
+  std::vector<std::string> lines = listed_;
   const auto add = [&lines](auto count, const char* what) {
     if (count > 0) lines.push_back(std::to_string(count) + what);
   };

@@ -23,6 +23,8 @@ class SalvageLosses {
   void missing_segments(std::int64_t count) { segments_ += count; }
   /// The first ones of a folder, by the retention mode.
   void deleted_segments(const std::string& folder, SegmentRun run);
+  /// Where a part of the recording is that no source holds, of find_elsewhere().
+  void elsewhere(const std::string& line) { listed_.push_back(line); }
 
   /// In words, one for each kind; none if nothing is lost.
   /// @param is_held  epochs of which blocks are here: their numbers prove which are not
@@ -32,7 +34,7 @@ class SalvageLosses {
   std::uint64_t bytes_ = 0;
   std::int64_t entries_ = 0, headers_ = 0, segments_ = 0;
   std::map<NodeEpoch, std::int64_t> blocks_;
-  std::vector<std::string> deleted_;
+  std::vector<std::string> listed_;  ///< lines
 };
 
 }  // namespace roadbalance

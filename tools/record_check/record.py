@@ -172,7 +172,7 @@ class Checker:
             self.last_mark = max(self.last_mark, note["a"])
         elif note["kind"] == DISK_FAILED and note["a"] == note["b"] == 0:
             text = note["text"][:note["size"]].decode("utf-8", "replace")
-            self.lost.append(f"lost from the recording that this one was recovered from: {text}")
+            self.lost.append(f"lost from the recording that this one was made of: {text}")
 
     def _list_lost(self):
         for first, last in self.segments.deleted_and_gone():

@@ -12,6 +12,7 @@
 
 #include "common/process/child.hpp"
 #include "common/record/file.hpp"
+#include "common/record/segment.hpp"
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
 
@@ -77,6 +78,20 @@ TEST_F(RecoverCommand, OfADamagedOneListsEachHoleAndItsRecordIsGood) {
   EXPECT_LE(gap.at("first_block"), gap.at("last_block"));
   EXPECT_EQ(json(recovered).at("gaps"), 1);
   EXPECT_EQ(rb({"verify", target_}).code, 3);
+}
+
+TEST_F(RecoverCommand, WhatIsMadeOfOneOfTwoFoldersSaysSo) {
+  std::ofstream(fs::path(record_) / kContinuedInFile) << "/car/second\n";
+  ASSERT_EQ(rb({"verify", record_}).code, 3);
+  for (const std::string command : {"recover", "select"}) {
+    const std::string target = folder_ / command;
+    const Outcome made = rb({command, record_, "-o", target});
+    EXPECT_EQ(made.code, 3) << command << made.log;
+    EXPECT_NE(made.output.find("it goes on in /car/second"), std::string::npos) << made.output;
+    const Outcome verified = rb({"verify", target});
+    EXPECT_EQ(verified.code, 3) << command;
+    EXPECT_NE(verified.output.find("it goes on in /car/second"), std::string::npos) << verified.output;
+  }
 }
 
 TEST_F(RecoverCommand, RefusesWhatItCannotDo) {

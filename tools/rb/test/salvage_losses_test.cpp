@@ -159,5 +159,69 @@ TEST_F(SalvageLossesTest, DeletedSegmentsAreTold) {
   EXPECT_EQ(salvage({"/old/"}, "/named with a slash", disk).lost, deleted);
 }
 
+class SalvageOfTwoFoldersTest : public SalvageLossesTest {
+ protected:
+  // Wherever the disks were mounted when it was recorded.
+  void write_two(const std::string& first = "/car/first", const std::string& second = "/car/second") {
+    write();
+    say("/old", kContinuedInFile, second);
+    begin("/second");
+    put_epoch(4);
+    writer->close();
+    say("/second", kContinuesFile, first);
+  }
+  void say(const std::string& folder, const std::string& file, const std::string& other) {
+    const std::string line = other + "\n";
+    disk.put(folder + "/" + file, {line.begin(), line.end()});
+  }
+  Lines lost_of(const std::vector<std::filesystem::path>& folders) {
+    const std::string target = "/new" + std::to_string(++targets_);
+    const Lines lost = salvage(folders, target, disk).lost;
+    EXPECT_EQ(verify_record(target, disk).verdict, lost.empty() ? Verdict::kComplete : Verdict::kIncomplete);
+    return lost;
+  }
+
+ private:
+  int targets_ = 0;
+};
+
+TEST_F(SalvageOfTwoFoldersTest, EitherAloneTellsOfTheOther) {
+  write_two();
+  EXPECT_EQ(lost_of({"/old"}), Lines{"it goes on in /car/second"});
+  EXPECT_EQ(lost_of({"/old", "/old/"}), Lines{"it goes on in /car/second"}) << "twice the same is no other";
+  EXPECT_EQ(lost_of({"/second"}), Lines{"what came before is in /car/first"});
+}
+
+TEST_F(SalvageOfTwoFoldersTest, AnotherFolderIsNotThatOne) {
+  write_two();
+  begin("/spool");
+  put_epoch(1);
+  writer->close();
+  EXPECT_EQ(lost_of({"/old", "/spool"}), Lines{"it goes on in /car/second"});
+}
+
+TEST_F(SalvageOfTwoFoldersTest, BothAreWholeIfTheFirstHasItsNameStill) {
+  write_two("/car/old", "/car/renamed");
+  EXPECT_EQ(lost_of({"/old", "/second"}), Lines{});
+}
+
+TEST_F(SalvageOfTwoFoldersTest, BothAreWholeIfTheSecondHasItsNameStill) {
+  write_two("/car/renamed", "/car/second");
+  EXPECT_EQ(lost_of({"/old", "/second"}), Lines{});
+}
+
+// A disk that failed takes no file that says where it goes on.
+TEST_F(SalvageOfTwoFoldersTest, TheFirstOneNeedNotKnowOfTheSecond) {
+  write_two("/car/old");
+  disk.unlink("/old/continued-in");
+  EXPECT_EQ(lost_of({"/old", "/second"}), Lines{});
+}
+
+// Two recorders with one fallback.
+TEST_F(SalvageOfTwoFoldersTest, EachFolderThatGoesOnThereIsWanted) {
+  write_two("/car/old\n/car/other");
+  EXPECT_EQ(lost_of({"/old", "/second"}), Lines{"what came before is in /car/other"});
+}
+
 }  // namespace
 }  // namespace roadbalance
