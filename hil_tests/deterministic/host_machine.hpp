@@ -163,9 +163,9 @@ class HostMachine {
   bool died_ = false;
   bool full_ = false;
   double failing_ = 0;
-  int next_to_check_ = 1;    // segment
+  int next_to_check_ = 1;  // segment
   std::set<int> deleted_;  // by retention, as the notes say that were read
-  int disk_fulls_ = 0;       // as these say, too
+  int disk_fulls_ = 0;     // as these say, too
   std::int64_t elapsed_seen_ns_ = 0;
   std::int64_t utc_offset_us_ = 0;
   int boots_ = 0;

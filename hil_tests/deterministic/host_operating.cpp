@@ -240,8 +240,7 @@ void HostMachine::check_recordings() {
 
 void HostMachine::take_notes(const std::string& recording, std::span<const std::uint8_t> bytes) {
   const auto note = decode_note(bytes);
-  if (note && note->kind == NoteKind::kSegmentDeleted)
-    deleted_.insert(static_cast<int>(note->a));
+  if (note && note->kind == NoteKind::kSegmentDeleted) deleted_.insert(static_cast<int>(note->a));
   if (note && note->kind == NoteKind::kDiskFull) ++disk_fulls_;
   if (!note || note->kind != NoteKind::kMark) return;
   const auto [known, is_new] = marks_.try_emplace(note->text, FoundMark{recording, note->a});

@@ -21,8 +21,8 @@
 #include "host/excerpt/find_pieces.hpp"
 #include "host/excerpt/least_bytes.hpp"
 #include "host/excerpt/reducing_sink.hpp"
+#include "host/recorder/continued_folders.hpp"
 #include "host/recorder/manifest.hpp"
-#include "host/recorder/verify_missing.hpp"
 
 namespace roadbalance {
 namespace {

@@ -2,14 +2,15 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "common/record/disk.hpp"
 
 namespace roadbalance {
 
 // The two folders of a record that goes on in a fallback folder: each says in a file (kContinuesFile,
-// kContinuedInFile of common/record/segment.hpp) where the other one is.  All throw std::system_error naming
-// the file.
+// kContinuedInFile of common/record/segment.hpp) where the other one is.  Who records throws
+// std::system_error naming the file.
 
 /// The same for every way to write it.
 std::string full_name(const std::filesystem::path& folder);
@@ -30,5 +31,10 @@ void write_continued_in(const std::filesystem::path& folder, const std::filesyst
 /// A fallback that serves every drive, from a service's file, must not swallow the next one.
 /// @throws std::invalid_argument always, with whose rest it holds
 [[noreturn]] void refuse_fallback(const std::filesystem::path& fallback, Disk& disk);
+
+/// Which folders that are none of these have what came before, or what comes behind, as the files in these
+/// say; for people.  Folders are known by their last name, or by naming the other in turn.
+std::vector<std::string> find_elsewhere(const std::vector<std::filesystem::path>& folders,
+                                        Disk& disk = kernel_disk());
 
 }  // namespace roadbalance

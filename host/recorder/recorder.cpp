@@ -4,12 +4,14 @@
 #include <functional>
 #include <memory>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 #include "common/clock/utc.hpp"
 #include "common/process/parallel.hpp"
 #include "common/record/folder.hpp"
 #include "host/recorder/clock_ask.hpp"
+#include "host/recorder/continued_folders.hpp"
 #include "host/recorder/incarnation.hpp"
 #include "host/recorder/power/power_line.hpp"
 #include "host/recorder/receive.hpp"
@@ -37,11 +39,13 @@ std::unique_ptr<PowerLine> open_power(const RecorderOptions& options) {
   return power;
 }
 
-// By their names, for neither need be there yet.
+// By their names, for neither need be there yet, or can be asked.
 void refuse_one_folder_twice(const RecorderOptions& options) {
   if (options.fallback.empty()) return;
   const auto real_name = [](const std::filesystem::path& folder) {
-    const auto name = std::filesystem::weakly_canonical(std::filesystem::absolute(folder));
+    std::error_code refused;
+    auto name = std::filesystem::weakly_canonical(std::filesystem::absolute(folder), refused);
+    if (refused) name = full_name(folder);
     return name.has_filename() ? name : name.parent_path();
   };
   if (real_name(options.folder) == real_name(options.fallback))

@@ -16,6 +16,7 @@
 #include "common/record/record.hpp"
 #include "common/record/segment.hpp"
 #include "common/record/segment_index.hpp"
+#include "host/recorder/continued_folders.hpp"
 #include "host/recorder/foreign_log.hpp"
 #include "host/recorder/manifest.hpp"
 #include "host/recorder/record_keeper.hpp"

@@ -36,9 +36,4 @@ struct MissingSegments {
 MissingSegments find_missing_segments(const std::filesystem::path& folder, const FinishedSegments& finished,
                                       const std::set<int>& deleted, Disk& disk = kernel_disk());
 
-/// Which folders that are none of these have what came before, or what comes behind, as the files in these
-/// say; for people.  Folders are known by their last name, or by naming the other in turn.
-std::vector<std::string> find_elsewhere(const std::vector<std::filesystem::path>& folders,
-                                        Disk& disk = kernel_disk());
-
 }  // namespace roadbalance

@@ -14,6 +14,7 @@
 #include "common/record/journal_tally.hpp"
 #include "common/record/log_event.hpp"
 #include "common/record/segment.hpp"
+#include "host/recorder/continued_folders.hpp"
 #include "host/recorder/manifest.hpp"
 #include "host/recorder/preamble.hpp"
 #include "host/recorder/record_keeper.hpp"

@@ -38,5 +38,15 @@ TEST(RecorderFoldersTest, OneFolderIsNotAlsoItsOwnFallback) {
   }
 }
 
+// As one on a disk that fails: it is its fallback's turn.
+TEST(RecorderFoldersTest, AFirstFolderWhoseNameLeadsNowhereIsNoMistake) {
+  const test::TemporaryDirectory work;
+  RecorderOptions options;
+  options.folder = work.path() / "drive";
+  fs::create_symlink(options.folder, options.folder);
+  options.fallback = work.path() / "other";
+  EXPECT_NO_THROW(refuse_mistakes(options));
+}
+
 }  // namespace
 }  // namespace roadbalance
