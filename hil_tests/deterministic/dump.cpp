@@ -19,10 +19,13 @@ void write_file(const std::filesystem::path& path, const char* bytes, std::size_
 nlohmann::json deeds_of(const EpochTruth& epoch, const RecordCheck::Said& said) {
   nlohmann::json declared = nlohmann::json::array();
   for (const auto& [sequence, then] : said.declared)
-    declared.push_back({{"sequence", sequence}, {"promised", then.promised}, {"released", then.released}});
-  return {{"node", epoch.node},       {"epoch", epoch.epoch},      {"openings", epoch.openings},
-          {"scans", epoch.scans},     {"promised", said.promised}, {"declared", declared},
-          {"gave_up", epoch.gave_up}, {"obeyed", epoch.obeyed}};
+    declared.push_back({{"sequence", sequence},
+                        {"promised", then.promised},
+                        {"released", then.released},
+                        {"may_lack_more", then.may_lack_more}});
+  return {{"node", epoch.node},    {"epoch", epoch.epoch},      {"openings", epoch.openings},
+          {"scans", epoch.scans},  {"promised", said.promised}, {"declared", declared},
+          {"obeyed", epoch.obeyed}};
 }
 
 // Of several recorders only the one that saw the end of an epoch must have it.

@@ -30,7 +30,12 @@ void RecordCheck::promised(std::int32_t node, std::int64_t epoch, std::int64_t s
 
 void RecordCheck::declared(std::int32_t node, std::int64_t epoch, std::int64_t sequence) {
   Seen& of = seen({node, epoch});
-  of.said.declared[sequence] = {.promised = of.said.promised, .released = of.truth ? of.truth->promised : 0};
+  RecordCheck::Said::Declared then{.promised = of.said.promised};
+  if (of.truth) {
+    then.released = of.truth->promised;
+    then.may_lack_more = of.truth->killed || of.truth->gone || of.truth->gave_up;
+  }
+  of.said.declared[sequence] = then;
 }
 
 void RecordCheck::take(std::string_view channel, std::span<const std::uint8_t> bytes,

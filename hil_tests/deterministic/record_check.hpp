@@ -40,8 +40,9 @@ class RecordCheck {
   struct Said {
     std::int64_t promised = 0;  ///< by this recorder: durable through
     struct Declared {
-      std::int64_t promised = 0;  ///< by this recorder, then
-      std::int64_t released = 0;  ///< by any, then
+      std::int64_t promised = 0;   ///< by this recorder, then
+      std::int64_t released = 0;   ///< by any, then
+      bool may_lack_more = false;  ///< the node had been killed or was gone, or its own disk had failed, then
     };
     std::map<std::int64_t, Declared> declared;  ///< [sequence of a gap]
   };

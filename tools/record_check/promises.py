@@ -5,9 +5,9 @@ Of each epoch truth.json says, as a witness beside the bus saw it:
     openings   runs of the node that called it theirs
     obeyed     incarnations of the recorders that the node took as its owner or gave blocks back to, each change
     promised   block through which this recorder's acknowledgements called it durable
-    declared   [{"sequence", "promised", "released"}]: when this recorder declared the gap with this number, it had
-               promised so much, and any recorder so much
-    gave_up    true if the node's own disk failed, so that it may have lost what nobody has
+    declared   [{"sequence", "promised", "released", "may_lack_more"}]: when this recorder declared the gap with this
+               number, it had promised so much, and any recorder so much; the last one is true if by then the node was
+               dead or its own disk had failed, so that it may have lost what nobody has
 """
 
 DECLARED_BY_RECORDERS = ("lost_at_node", "node_crash")
@@ -27,16 +27,16 @@ def broken_promises(said, epoch):
         declared = {entry["sequence"]: entry for entry in said["declared"]}
         for gap in epoch.gaps:
             if gap["cause"] in DECLARED_BY_RECORDERS:
-                yield from _of_gap(gap, declared.get(gap["last_block"]), said["gave_up"])
+                yield from _of_gap(gap, declared.get(gap["last_block"]))
 
 
-def _of_gap(gap, then, gave_up):
+def _of_gap(gap, then):
     first, last = gap["first_block"], gap["last_block"]
     if then is None:
         yield f"gap {last} is one that its recorder never declared"
         return
     if then["promised"] >= first:
         yield f'blocks {first} to {last} are declared lost; through {then["promised"]} they were called durable'
-    # A node gives back what a recorder called durable; what nobody did is lost through its fault.
-    if gap["cause"] == "lost_at_node" and then["released"] < last and not gave_up:
+    # A node that lives gives back what a recorder called durable; what nobody did is lost through its fault.
+    if gap["cause"] == "lost_at_node" and then["released"] < last and not then["may_lack_more"]:
         yield f'the node gave back blocks through {last}; through {then["released"]} they were called durable'

@@ -22,7 +22,7 @@ def counts(data):
 def true_epoch(node, epoch):
     """What truth.json says of an epoch that one run of a node began and ended, and of which nothing was promised."""
     return {"node": node, "epoch": epoch, "openings": 1, "scans": 0, "ended": True, "killed": False, "promised": 0,
-            "declared": [], "gave_up": False, "obeyed": []}
+            "declared": [], "obeyed": []}
 
 
 def with_counts(data, values):
@@ -154,22 +154,30 @@ class TruthMode(unittest.TestCase):
         self.record.write()
         return sequence
 
+    def declare(self, sequence, promised, released, may_lack_more=False):
+        self.true["1"]["declared"] = [{"sequence": sequence, "promised": promised, "released": released,
+                                       "may_lack_more": may_lack_more}]
+
     def test_a_loss_at_the_node_of_what_another_recorder_has(self):
         lost = self.lose_a_block_at_the_node()
-        self.true["1"]["declared"] = [{"sequence": lost, "promised": lost - 1, "released": lost}]
+        self.declare(lost, promised=lost - 1, released=lost)
         self.says(INCOMPLETE)
 
     def test_a_loss_at_the_node_of_what_nobody_has(self):
         lost = self.lose_a_block_at_the_node()
-        self.true["1"]["declared"] = [{"sequence": lost, "promised": lost - 1, "released": lost - 1}]
+        self.declare(lost, promised=lost - 1, released=lost - 1)
         self.says_of_node_1(f"the node gave back blocks through {lost}; through {lost - 1} they were called durable")
-        self.true["1"]["gave_up"] = True
+
+    def test_a_loss_at_a_node_that_is_dead(self):
+        lost = self.lose_a_block_at_the_node()
+        self.declare(lost, promised=lost - 1, released=lost - 1, may_lack_more=True)
         self.says(INCOMPLETE)
 
     def test_a_loss_of_what_was_called_durable(self):
         lost = self.lose_a_block_at_the_node()
-        self.true["1"]["declared"] = [{"sequence": lost, "promised": lost, "released": lost}]
-        self.says_of_node_1(f"blocks {lost} to {lost} are declared lost; through {lost} they were called durable")
+        for dead in (False, True):
+            self.declare(lost, promised=lost, released=lost, may_lack_more=dead)
+            self.says_of_node_1(f"blocks {lost} to {lost} are declared lost; through {lost} they were called durable")
 
     def test_a_loss_that_its_recorder_never_declared(self):
         lost = self.lose_a_block_at_the_node()
@@ -182,7 +190,7 @@ class TruthMode(unittest.TestCase):
         if declared:
             gap = message("gap_t", node=1, epoch=epoch, sequence=sequence, first_scan=first_scan, cause=5)
             self.record.events.append((b"RB_BLOCK_1_GAP", gap))
-            self.true["1"]["declared"] = [{"sequence": sequence, "promised": sequence - 1, "released": sequence - 1}]
+            self.declare(sequence, promised=sequence - 1, released=sequence - 1, may_lack_more=True)
         self.record.write()
         self.true["1"].update(killed=True, ended=False, scans=self.true["1"]["scans"] + 30)
 
