@@ -114,7 +114,10 @@ EpochReceiver::Take EpochReceiver::block(const SealedBlock& block, WallTime now,
 
 void EpochReceiver::heartbeat(const Heartbeat& heartbeat, WallTime now, std::vector<Delivery>& out) {
   if (ended_) return;
-  if (heartbeat.base > contiguous_ + 1) lose_through(heartbeat.base - 1, out);
+  const std::int64_t gone = planted(PlantedFault::kOneTooManyLost)
+                                ? std::min(heartbeat.base, heartbeat.next - 1)
+                                : heartbeat.base - 1;
+  if (heartbeat.base > contiguous_ + 1) lose_through(gone, out);
   if (heartbeat.is_over() && loss_through_ > 0 && loss_through_ == heartbeat.next - 1) {
     // The end went to somebody else; how many scans there were is told all the same.
     declare_loss(out, heartbeat.scans_sampled);

@@ -22,6 +22,7 @@ enum class PlantedFault {
   kLostDeclaredLate,  ///< blocks that are gone at the node are passed over without a gap
   kBlocksSwapped,     ///< two neighbours change places and numbers
   kBlockAltered,      ///< a sample changes between seal and disk, with a good CRC
+  kOneTooManyLost,    ///< a gap takes in the first block that its node still holds
 };
 
 #ifdef RB_PLANTED_FAULTS

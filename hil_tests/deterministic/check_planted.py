@@ -33,6 +33,7 @@ FAULTS = {
     "lost_declared_late": "two_recorders",
     "blocks_swapped": "loss_00",
     "block_altered": "loss_00",
+    "one_too_many_lost": "two_recorders",
 }
 
 

@@ -109,6 +109,9 @@ void RecordCheck::take_declared(const SealedBlock& block, Seen& of) {
     of.sequence = header.sequence;
     return;
   }
+  if (declared->second.released < header.sequence && !declared->second.may_lack_more)
+    fault(header, "is declared lost; its node may have given back those through " +
+                      std::to_string(declared->second.released) + " only");
   of.sequence = header.sequence;
   take_scans(block, of);
   of.is_next_known = header.scans > 0;
