@@ -1,6 +1,7 @@
 #include "firmware/spool_folder.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cerrno>
 #include <chrono>
@@ -69,7 +70,7 @@ std::filesystem::path SpoolFolder::path(int segment) const {
 }
 
 std::uint64_t SpoolFolder::bytes_used() const {
-  std::uint64_t bytes = 0;
+  std::uint64_t bytes = left_bytes_;
   for (const auto* list : {&segments_, &freed_})
     for (const Segment& segment : *list) bytes += segment.bytes + segment.uncut;
   return bytes;
@@ -209,10 +210,34 @@ void SpoolFolder::free_through(std::int64_t sequence) {
       reader_ = File();
       reading_ = 0;
     }
-    freed_.push_back(std::move(segments_.front()));
+    if (segments_.front().given_up)
+      left_bytes_ += segments_.front().bytes + segments_.front().uncut;
+    else
+      freed_.push_back(std::move(segments_.front()));
     segments_.pop_front();
   }
   remove_freed();
+}
+
+void SpoolFolder::give_up_through(std::int64_t sequence) {
+  for (Segment& segment : segments_)
+    if (segment.first <= sequence) segment.given_up = true;
+  free_through(sequence);
+}
+
+// Only what is written and synced proves it: what was read before may be in memory still.
+bool SpoolFolder::answers() {
+  const auto probe = options_.folder / "probe";
+  (void)disk_.unlink(probe.c_str());  // of one that was killed here
+  try {
+    File file = File::create(probe, disk_);
+    file.write_all(std::array<std::uint8_t, 1>{});
+    file.sync_data();
+  } catch (const std::system_error&) {
+    ++failures_;
+    return false;
+  }
+  return disk_.unlink(probe.c_str()) == 0;
 }
 
 // A file that cannot be removed is tried again, and takes its space until then.

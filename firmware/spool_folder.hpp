@@ -18,7 +18,8 @@ namespace roadbalance {
 ///
 /// A block counts as kept once its data and its file's name are synced.  A file that a call failed on is not
 /// written again; the blocks of that call stay where they were, and the next call waits a second unless the
-/// program ends.  A segment whose blocks are all given back is removed.
+/// program ends.  A segment whose blocks are all given back is removed; one of which a block was given up
+/// stays, and takes its space, for `rb recover --spool`: it may be read elsewhere, or later.
 ///
 /// Memory: 4 bytes a block on the disk, and one batch of keep().
 class SpoolFolder final : public Spool {
@@ -40,7 +41,9 @@ class SpoolFolder final : public Spool {
   void keep(const Ring& ring, std::int64_t first, std::int64_t last, WallTime now) override;
   void never_wait() override { waits_ = false; }
   bool read(std::int64_t sequence, SealedBlock& out) override;
+  bool answers() override;
   void free_through(std::int64_t sequence) override;
+  void give_up_through(std::int64_t sequence) override;
 
   static constexpr std::uint64_t kLeastBytes = std::uint64_t{1} << 20;
 
@@ -51,6 +54,7 @@ class SpoolFolder final : public Spool {
     std::vector<std::uint32_t> offsets;  // of its blocks
     std::uint64_t bytes = 0;             // behind the last of them
     std::uint64_t uncut = 0;             // behind those, of a call that failed
+    bool given_up = false;               // a block of it at least
 
     std::int64_t next() const { return first + static_cast<std::int64_t>(offsets.size()); }
   };
@@ -69,6 +73,7 @@ class SpoolFolder final : public Spool {
   std::vector<std::uint8_t> preamble_;  // encoded events
   std::deque<Segment> segments_;        // in order; the last one is written to while writer_ is open
   std::deque<Segment> freed_;           // not removed yet
+  std::uint64_t left_bytes_ = 0;        // of those that stay
   File folder_, writer_, reader_;
   int reading_ = 0;  // segment that reader_ is open on
   int last_number_ = 0;

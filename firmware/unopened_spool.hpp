@@ -20,7 +20,9 @@ class UnopenedSpool final : public Spool {
     assert(false);  // it holds nothing
     return false;
   }
+  bool answers() override { return false; }
   void free_through(std::int64_t) override {}
+  void give_up_through(std::int64_t) override {}
 };
 
 }  // namespace roadbalance

@@ -46,9 +46,20 @@ void Backlog::not_read(std::int64_t sequence) {
   if (sequence != base()) return;
   tries_ = sequence == unread_ ? tries_ + 1 : 1;
   unread_ = sequence;
-  if (tries_ < kMostTries && !gave_up_) return;
-  gave_up_ = true;
-  free_through(sequence);
+  if (!gave_up_ && tries_ % kMostTries != 0) return;
+  if (spool_->answers()) {
+    gave_up_ = true;
+    spool_->give_up_through(sequence);
+  } else if (!may_wait()) {
+    spool_->give_up_through(spool_->next() - 1);
+  }
+}
+
+// For a disk that is gone.  What is in the ring behind it comes to nobody until all of it is given up.
+bool Backlog::may_wait() const {
+  if (ring_.used() * 4 > ring_.capacity() * 3) return false;
+  const bool is_over = ring_.used() > 0 && ring_.get(ring_.next() - 1).kind == BlockKind::kEnd;
+  return !is_over || tries_ < kMostTriesAtEnd;
 }
 
 void Backlog::free_through(std::int64_t sequence) {

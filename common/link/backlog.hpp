@@ -27,8 +27,10 @@ class Backlog {
 
   /// base() <= sequence < next(); valid until the next call of any member.  Nullptr if the node's disk does
   /// not give it back: it is tried again when asked for again.  The oldest block is given up after
-  /// `kMostTries`, and so are those behind it at once if they cannot be read either: base() rises, and the
-  /// recorder declares them lost at the node.
+  /// `kMostTries` if the disk answers otherwise, and so are those behind it at once if they cannot be read
+  /// either: base() rises, and the recorder declares them lost at the node.  A disk that is gone may come
+  /// back: it is waited for until three quarters of the ring are used, or the epoch is over for
+  /// `kMostTriesAtEnd`.  Then all that it holds is given up.
   const SealedBlock* get(std::int64_t sequence);
   /// Everything through `sequence` < next() is given back; lower than base() does nothing.
   void free_through(std::int64_t sequence);
@@ -38,10 +40,12 @@ class Backlog {
   void save(WallTime now);
 
   static constexpr int kMostTries = 50;  ///< a second or more: nobody asks again within 20 ms
+  static constexpr int kMostTriesAtEnd = 5 * kMostTries;  ///< half of the time that a stop waits
 
  private:
   bool is_spooled(std::int64_t sequence) const { return spool_ && sequence < ring_.base(); }
   void not_read(std::int64_t sequence);
+  bool may_wait() const;
   void describe();
   void move(std::int64_t blocks, WallTime now);
 

@@ -12,6 +12,12 @@ namespace {
 // A loss waits for a block that says which scan comes next, but not for more blocks than these.
 constexpr std::int64_t kMostBlocksHeld = 64;
 
+// Nor for longer: what is held behind it, and is not durable, keeps its node from giving up the block that
+// would tell.  Who has waited in vain waits for the next heartbeat only, for a while: of a disk that is gone
+// nothing comes, and there may be thousands.
+constexpr std::chrono::milliseconds kLongestWait{2000}, kNextWait{50};
+constexpr std::chrono::seconds kNextWaits{10};
+
 // A crash that ends an epoch has the number behind all of its blocks.
 constexpr std::int64_t kLastSequence = kIndexLimit - 1;
 
@@ -123,6 +129,7 @@ void EpochReceiver::heartbeat(const Heartbeat& heartbeat, WallTime now, std::vec
     declare_loss(out, heartbeat.scans_sampled);
     ended_ = true;
   }
+  wait_no_longer(now, out);
   if (!ended_ && !planted(PlantedFault::kNoHeartbeat))
     extend(std::min({heartbeat.next - 1, credit_given_, contiguous_ + options_.window}), now);
   check();
@@ -163,10 +170,23 @@ bool EpochReceiver::declare_loss(std::vector<Delivery>& out, std::optional<std::
     next_scan_ += gap.header.scans;
   }
   loss_through_ = 0;
+  waits_since_.reset();
   if (planted(PlantedFault::kLostDeclaredLate)) return true;
   out.emplace_back(gap);
   ++gaps_;
   return true;
+}
+
+// The gap has no scans then; the next one, or a jump of the scans, tells how many are missing in both.
+void EpochReceiver::wait_no_longer(WallTime now, std::vector<Delivery>& out) {
+  if (loss_through_ == 0) return;
+  if (!waits_since_) waits_since_ = now;
+  const bool holds_up = loss_through_ < highest_ && slot(loss_through_ + 1).arrived;
+  const bool waits_briefly = waited_at_ && now - *waited_at_ < kNextWaits;
+  if (!holds_up || now - *waits_since_ < (waits_briefly ? kNextWait : kLongestWait)) return;
+  waited_at_ = now;
+  declare_loss(out, next_scan_);
+  deliver_contiguous(out);
 }
 
 // Of a declared gap, with the next block that tells its scan, if there is one.

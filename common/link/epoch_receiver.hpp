@@ -91,6 +91,7 @@ class EpochReceiver {
   void extend(std::int64_t sequence, WallTime now);
   BlockHeader next_header(std::int64_t sequence, const BlockHeader* after) const;
   bool declare_loss(std::vector<Delivery>& out, std::optional<std::int64_t> next_scan);
+  void wait_no_longer(WallTime now, std::vector<Delivery>& out);
   void deliver_contiguous(std::vector<Delivery>& out);
   void deliver(const SealedBlock& block, std::vector<Delivery>& out);
   void lose_through(std::int64_t sequence, std::vector<Delivery>& out);
@@ -112,8 +113,10 @@ class EpochReceiver {
   bool ended_;
   bool given_up_;
   std::int64_t received_at_crash_;
-  std::int64_t loss_through_ = 0;  // a loss up to here waits for a block that tells its scans
-  std::int64_t lost_through_ = 0;  // the last one of all that are lost
+  std::int64_t loss_through_ = 0;        // a loss up to here waits for a block that tells its scans ...
+  std::optional<WallTime> waits_since_;  // ... since the first heartbeat of it
+  std::optional<WallTime> waited_at_;    // in vain, for the last time
+  std::int64_t lost_through_ = 0;        // the last one of all that are lost
 
   std::int64_t next_scan_;
   ScanLine scan_line_;

@@ -215,6 +215,16 @@ void Receiver::finish(WallTime now, bool leaves_open, std::vector<Delivery>& out
   }
 }
 
+void Receiver::was_held(std::chrono::nanoseconds duration) {
+  if (began_at_) *began_at_ += duration;
+  for (auto& [number, node] : nodes_) {
+    for (Live& live : node.live)
+      if (live.heard_at != WallTime{}) live.heard_at += duration;
+    for (Past& past : node.past)
+      if (past.superseded_at) *past.superseded_at += duration;
+  }
+}
+
 void Receiver::durable(std::int32_t node, std::int64_t epoch, std::int64_t sequence) {
   const auto found = nodes_.find(node);
   if (found == nodes_.end()) return;

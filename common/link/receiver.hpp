@@ -49,6 +49,10 @@ class Receiver {
   /// Nothing more comes of this epoch: it is closed as crashed if it is known and has no end.
   void give_up(std::int32_t node, std::int64_t epoch, std::vector<Delivery>& out);
 
+  /// The caller was held (a debugger, a swap, SIGSTOP) for so long and heard nobody: that silence is not the
+  /// nodes'.
+  void was_held(std::chrono::nanoseconds duration);
+
   /// Acknowledgements to send now: five times a second, at once when more is durable and before the credit
   /// runs out, 25 times a second while a living node has not heard what is durable or nothing more comes of
   /// what it has, and up to 200 times while there are blocks to ask for.

@@ -33,8 +33,12 @@ class Spool {
   virtual void never_wait() = 0;
   /// base() <= sequence < next().  False if the disk does not give the block back as it was sealed.
   virtual bool read(std::int64_t sequence, SealedBlock& out) = 0;
+  /// The disk takes and keeps something at this moment: what it does not give back is bad, not it.
+  virtual bool answers() = 0;
   /// Everything through `sequence` < next() is given back; lower than base() does nothing.
   virtual void free_through(std::int64_t sequence) = 0;
+  /// The same of blocks that the disk does not give back: what they are in stays on it.
+  virtual void give_up_through(std::int64_t sequence) = 0;
 };
 
 }  // namespace roadbalance

@@ -29,7 +29,18 @@ RecorderLink::RecorderLink(RecorderLinkOptions options, std::int64_t incarnation
   for (const auto& [key, epoch] : recovered.epoch) receiver_.recover(key.first, key.second, epoch.position);
 }
 
+// Nobody was heard while we were held, also of those whose datagrams wait behind the one that comes first.
+void RecorderLink::count_silence_to(WallTime now) {
+  constexpr std::chrono::seconds kHeld{1};
+  if (called_at_ && now - *called_at_ > kHeld) {
+    receiver_.was_held(now - *called_at_);
+    for (auto& [key, heard] : heard_) heard.at += now - *called_at_;
+  }
+  called_at_ = now;
+}
+
 void RecorderLink::take(std::string_view channel, std::span<const std::uint8_t> bytes, WallTime now) {
+  count_silence_to(now);
   if (channel.starts_with(kBlockChannels)) return on_block(bytes, now);
   if (channel.starts_with("RB_HEARTBEAT_")) return on_heartbeat(bytes, now);
   if (channel.starts_with("RB_REPLY_")) return on_reply(bytes);
@@ -86,6 +97,7 @@ void RecorderLink::set_credit_open(bool open) {
 }
 
 void RecorderLink::turn(WallTime now, const Publish& publish) {
+  count_silence_to(now);
   for (; tallied_ < delivered_.size(); ++tallied_) tally_.take(delivered_[tallied_]);
   for (const Ack& ack : receiver_.due(now))
     if (!publish(ack_channel(ack.node), encode(ack))) ++unsent_;

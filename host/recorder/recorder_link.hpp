@@ -99,6 +99,7 @@ class RecorderLink {
     std::int64_t base = 0, next = 0;  ///< sequences that it held then: from base up to next
     DeviceNotes devices{};
   };
+  void count_silence_to(WallTime now);
   void hear(const Heartbeat& heartbeat, WallTime now);
   void on_heartbeat(std::span<const std::uint8_t> bytes, WallTime now);
   void on_block(std::span<const std::uint8_t> bytes, WallTime now);
@@ -121,6 +122,7 @@ class RecorderLink {
   std::map<NodeEpoch, Heard> heard_;  // the last heartbeat of each epoch being received
   std::set<NodeEpoch> former_;        // of recordings before, whoever leads them by now
   std::optional<WallTime> listening_since_;
+  std::optional<WallTime> called_at_;  // last
   std::vector<Delivery> delivered_;
   std::size_t tallied_ = 0;  // of delivered_
   std::vector<DeviceNote> device_notes_;

@@ -100,12 +100,20 @@ void EpochCheck::count(const BlockEntry& entry, std::int64_t first_block, Verifi
   result.gaps.push_back({entry.cause, first_block, entry.sequence, entry.first_scan, entry.scans});
 }
 
+// How many are missing in a declared loss that does not say it, the end tells.
 void EpochCheck::check_totals(const Epoch& epoch, VerifiedEpoch& result) {
-  const std::int64_t here = result.samples_deleted + result.samples + result.samples_missing;
+  std::int64_t here = result.samples_deleted + result.samples + result.samples_missing;
   result.ended = epoch.end.has_value() || (epoch.deleted.position.ended && !epoch.deleted.position.crashed);
   result.samples_sent = here;
   if (!epoch.end) return;
   result.samples_sent = epoch.end->scans_sealed + epoch.end->scans_missing;
+  const bool has_unknown = std::ranges::any_of(result.gaps, [](const VerifiedGap& gap) {
+    return stands_for_lost_blocks(gap.cause) && gap.scans == 0 && !gap.has_no_scans;
+  });
+  if (has_unknown && here < result.samples_sent) {
+    result.samples_missing += result.samples_sent - here;
+    here = result.samples_sent;
+  }
   if (epoch.end->blocks != epoch.end->header.sequence || result.last_sequence != epoch.end->blocks)
     result.contradictions.push_back("the end is block " + std::to_string(epoch.end->header.sequence) +
                                     " of " + std::to_string(epoch.end->blocks) +

@@ -124,6 +124,11 @@ class Epoch:
             self.contradictions.append(f"the end is block {self.end.sequence} of {blocks}, the last one here is block "
                                        f"{self.last_sequence}")
         here = self.samples + self.samples_missing + self.deleted_scans
+        # How many are missing in a declared loss that does not say it, the end tells.
+        if sealed + missing > here and any(gap["cause"] in ("lost_at_node", "lost_in_record") and not gap["scans_known"]
+                                           for gap in self.gaps):
+            self.samples_missing += sealed + missing - here
+            here = sealed + missing
         if sealed + missing != here:
             self.contradictions.append(f"the node took {sealed + missing} scans, {here} are recorded, declared missing "
                                        "or declared deleted")

@@ -119,17 +119,56 @@ TEST_F(BacklogTest, GivesUpABlockThatTheDiskDoesNotGiveBackOnceItIsTheOldest) {
   EXPECT_EQ(backlog.base(), 3);
 }
 
-// A disk that is gone must not keep the memory behind it full for a second a block.
-TEST_F(BacklogTest, GivesUpTheRestAtOnceWhenTheDiskIsGone) {
+class BacklogWhoseDiskIsGone : public BacklogTest {
+ protected:
+  BacklogWhoseDiskIsGone() {
+    put(30);
+    for (int k = 0; k < 5; ++k) backlog.relieve(kNow);
+    spool.all_unreadable = true;
+  }
+  void ask_for_the_oldest(int times) {
+    for (int k = 0; k < times; ++k) EXPECT_EQ(backlog.get(backlog.base()), nullptr);
+  }
+};
+
+TEST_F(BacklogWhoseDiskIsGone, WaitsForItAndLosesNothing) {
+  ASSERT_EQ(backlog.spooled(), 10);
+  ask_for_the_oldest(100 * Backlog::kMostTries);
+  EXPECT_EQ(backlog.base(), 1);
+  spool.all_unreadable = false;
+  for (std::int64_t k = 1; k <= 10; ++k) EXPECT_NE(backlog.get(k), nullptr) << k;
+}
+
+TEST_F(BacklogTest, GivesUpABadPieceOfADiskThatAnswersAtOnce) {
   put(30);
   for (int k = 0; k < 5; ++k) backlog.relieve(kNow);
-  ASSERT_EQ(backlog.spooled(), 10);
-  spool.all_unreadable = true;
+  spool.all_unreadable = spool.answers_all_the_same = true;
   for (int k = 0; k < Backlog::kMostTries; ++k) EXPECT_EQ(backlog.get(1), nullptr);
-  for (std::int64_t k = 2; k <= 10; ++k) {
+  for (std::int64_t k = 2; k <= 5; ++k) {
     EXPECT_EQ(backlog.base(), k);
     EXPECT_EQ(backlog.get(k), nullptr);
   }
+  spool.all_unreadable = false;
+  EXPECT_NE(backlog.get(6), nullptr);
+}
+
+// It must not keep the memory behind it full.
+TEST_F(BacklogWhoseDiskIsGone, GivesTheRestUpWhenTheRingIsNearlyFull) {
+  put(5);
+  ASSERT_GT(ring.used() * 4, ring.capacity() * 3);
+  ask_for_the_oldest(Backlog::kMostTries);
+  EXPECT_EQ(backlog.base(), 11);
+}
+
+// Else what is in the ring would come to nobody.
+TEST_F(BacklogWhoseDiskIsGone, GivesTheRestUpAtTheEnd) {
+  SealedBlock* end = ring.claim();
+  end->kind = BlockKind::kEnd;
+  end->header.sequence = ring.next();
+  ring.commit();
+  ask_for_the_oldest(Backlog::kMostTriesAtEnd - 1);
+  EXPECT_EQ(backlog.base(), 1);
+  ask_for_the_oldest(1);
   EXPECT_EQ(backlog.base(), 11);
 }
 

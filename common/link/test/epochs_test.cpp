@@ -28,6 +28,20 @@ TEST_F(Epochs, ANewEpochClosesTheOldOneWithACrashGapOnceThatIsSilentForLong) {
   EXPECT_EQ(receiver.rival_heartbeats(), 0) << "a node that was started again is no rival";
 }
 
+// Two nodes with one number; what the second says is read first.
+TEST_F(Epochs, WhoWasHeldHasHeardNobodyAndCallsNobodyDead) {
+  take(beat(1, 1));
+  take(beat(1, 1, kEpoch + 1));
+  receiver.was_held(14s);
+  take(beat(1, 2, kEpoch + 1), kStart + 14s);
+  EXPECT_EQ(sequences(), Sequences{});
+  take(beat(1, 2), kStart + 14s);
+  take(scans(1), kStart + 14s);
+  EXPECT_EQ(sequences(), Sequences{1});
+  take(beat(1, 2, kEpoch + 1), kStart + 24s);
+  EXPECT_EQ(sequences(), (Sequences{1, 2})) << "ten seconds that were listened to";
+}
+
 // Somebody comes for its rest when it is back.
 TEST_F(Epochs, LeftOpenWhatIsOnlySilentHasNotDied) {
   receiver.recover(2, kEpoch, {.contiguous = 10, .next_scan = 200});

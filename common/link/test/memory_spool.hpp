@@ -30,14 +30,17 @@ class MemorySpool final : public Spool {
     out = blocks_.at(static_cast<std::size_t>(sequence - base_));
     return true;
   }
+  bool answers() override { return !all_unreadable || answers_all_the_same; }
   void free_through(std::int64_t sequence) override {
     for (; base_ <= sequence; ++base_) blocks_.pop_front();
   }
+  void give_up_through(std::int64_t sequence) override { free_through(sequence); }
 
   std::int64_t room = 1000;
   std::int64_t most_at_once = 1000;  // of more it takes none
   std::int64_t unreadable = 0;
   bool all_unreadable = false;
+  bool answers_all_the_same = false;
   std::vector<std::int64_t> described;
 
  private:

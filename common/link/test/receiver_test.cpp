@@ -217,6 +217,28 @@ TEST_F(ReceiverTest, ACrashAtTheHighestSequenceHasANumber) {
   EXPECT_EQ(sequences(), (Sequences{kIndexLimit - 1, kIndexLimit}));
 }
 
+// The node cannot give 4 back and does not know it: what it could give up first is 3, which we hold.
+TEST_F(ReceiverTest, DoesNotWaitForEverForTheBlockThatWouldTellHowMuchIsLost) {
+  take(beat(1, 1));
+  take(scans(1));
+  SignalBlock signal;
+  signal.header = {.node = 1, .epoch = kEpoch, .sequence = 3, .first_scan = 40, .time_ns = 20'000'000};
+  SealedBlock third;
+  seal(signal, third);
+  take(third);
+  take(beat(3, 6), kStart);
+  take(scans(5));
+  take(beat(3, 6), kStart + 1900ms);
+  EXPECT_EQ(sequences(), (Sequences{1}));
+  take(beat(3, 6), kStart + 2s);
+  ASSERT_EQ(sequences(), (Sequences{1, 2, 3}));
+  EXPECT_EQ(std::get<GapBlock>(out[1]).header.scans, 0) << "nobody knows";
+  take(beat(5, 6), kStart + 4s);
+  ASSERT_EQ(sequences(), (Sequences{1, 2, 3, 4, 5}));
+  EXPECT_EQ(std::get<GapBlock>(out[3]).header.first_scan, 20);
+  EXPECT_EQ(std::get<GapBlock>(out[3]).header.scans, 60) << "of both";
+}
+
 // Another recorder had it: the node has given everything back and says how much there was.
 TEST_F(ReceiverTest, AnEndThatSomebodyElseGotLeavesAnExactGap) {
   take(beat(1, 1));

@@ -53,6 +53,18 @@ TEST_F(VerifyLosses, WhatTheJournalSaysOfAnEpochWithoutAnyBlockIsDamage) {
   EXPECT_NE(v.epoch[1].contradictions[0].find("blocks 1 to 652: here are no blocks"), std::string::npos);
 }
 
+TEST_F(VerifyLosses, TheEndTellsHowManyScansALossOfUnknownLengthHad) {
+  put_scans(0);
+  sequence += 2;
+  put_gap(20, 0, GapCause::kLostAtNode);
+  put_scans(100);
+  put_end(120);
+  const Verification v = result();
+  EXPECT_EQ(v.verdict, Verdict::kIncomplete) << verdict_text(v);
+  EXPECT_EQ(v.epoch.at(0).samples_missing, 80);
+  EXPECT_TRUE(v.epoch[0].contradictions.empty()) << v.epoch[0].contradictions[0];
+}
+
 TEST_F(VerifyLosses, NamesAnAlteredEntryOfTheClocks) {
   auto fit = encode(ClockFit{.node = 1, .epoch = kEpoch});
   fit[30] ^= 4;
