@@ -27,7 +27,8 @@ Operating::Operating(const OperateOptions& options, World world, Time time)
       time_(time),
       recorder_(static_cast<std::int64_t>(world_.seed % static_cast<std::uint64_t>(kRequestLimit - 1)) + 1),
       rests_(
-          [this](const std::string& name, EpochScope scope) { return begin_rest(name, std::move(scope)); }),
+          [this](const std::string& name, EpochScope scope) { return begin_rest(name, std::move(scope)); },
+          [this](const std::string& name, std::int64_t incarnation) { return has_had(name, incarnation); }),
       desk_(hands(), with_vehicle(read_desk_book(options.recordings, world_.disk))) {
   know_book();
   if (options.start) desk_.begin(*options.start, time.utc_us);
@@ -158,8 +159,7 @@ void Operating::begin(const UnderWay& recording) {
   if (!options.fallback.empty()) options.fallback /= recording.name;
   options.scope.leaves_open = true;
   for (const Rest& rest : desk_.rests()) options.scope.not_these.emplace_back(rest.node, rest.epoch);
-  for (const Over& over : desk_.over())
-    options.scope.not_started_by.push_back({over.first_incarnation, over.last_incarnation});
+  options.scope.not_started_by = former_incarnations();
   options.first_incarnation = first_incarnation(recording, desk_.over());
   sync_us_.clear();
   differs_.clear();

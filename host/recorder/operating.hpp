@@ -79,6 +79,10 @@ class Operating {
   void owe_unknown_rests();
   std::vector<Rest> without_folder(const std::vector<Rest>& rests);
   void forget_rests_without_folder();
+  void leave_rests_to_others();
+  std::vector<std::int64_t> incarnations_of(const std::string& recording) const;
+  bool has_had(const std::string& recording, std::int64_t incarnation) const;
+  std::vector<IncarnationRange> former_incarnations() const;
   void require_its_folder();
   void follow_disk(bool fails);
   void know_book();

@@ -10,6 +10,7 @@ using std::chrono::milliseconds;
 constexpr milliseconds kHeard{1000};
 constexpr milliseconds kLongSilence{10'000};
 constexpr milliseconds kAgain{5000};
+constexpr milliseconds kKnown{1000};
 constexpr std::size_t kMostHeard = 4 * kMostNodes;  // whatever the bus brings
 
 bool holds_something(const NodeReport& epoch) {
@@ -49,14 +50,14 @@ void RestFetching::take(const Heartbeat& heartbeat, WallTime now) {
   std::erase_if(heard_, [now](const auto& one) { return now - one.second.last >= kLongSilence; });
   const NodeEpoch key{heartbeat.node, heartbeat.epoch};
   if (heard_.size() >= kMostHeard && !heard_.contains(key)) return;
-  Heard& heard = heard_.try_emplace(key, Heard{.first = now}).first->second;
+  Heard& heard = heard_.try_emplace(key, Heard{.first = now, .owned_since = now}).first->second;
   heard.last = now;
-  heard.owner = heartbeat.owner;
+  if (std::exchange(heard.owner, heartbeat.owner) != heartbeat.owner) heard.owned_since = now;
   heard.holds_samples = roadbalance::holds_samples(heartbeat);
 }
 
 std::vector<Rest> RestFetching::unknown(const std::vector<Over>& over, const std::vector<Rest>& rests,
-                                        WallTime now) const {
+                                        WallTime now) {
   std::vector<Rest> unknown;
   for (const auto& entry : heard_) {
     const auto& key = entry.first;  // clang 14 takes no structured binding into a lambda
@@ -65,7 +66,9 @@ std::vector<Rest> RestFetching::unknown(const std::vector<Over>& over, const std
     // A heartbeat may be late: one of a node that has ended meanwhile.
     if (heard.last - heard.first < kHeard || now - heard.last > kHeard) continue;
     const auto of = std::ranges::find_if(over.rbegin(), over.rend(), [&](const Over& one) {
-      return one.first_incarnation <= heard.owner && heard.owner <= one.last_incarnation;
+      // Another recorder may have begun between two of that recording.
+      return one.first_incarnation <= heard.owner && heard.owner <= one.last_incarnation &&
+             is_of(one.recording, heard.owner, now);
     });
     const auto is_it = [&](const Rest& rest) { return NodeEpoch{rest.node, rest.epoch} == key; };
     if (of != over.rend() && std::ranges::none_of(rests, is_it))
@@ -74,9 +77,31 @@ std::vector<Rest> RestFetching::unknown(const std::vector<Over>& over, const std
   return unknown;
 }
 
-bool RestFetching::is_heard(const Rest& rest, WallTime now) const {
+std::vector<Rest> RestFetching::taken_over(const std::vector<Rest>& rests, WallTime now) {
+  std::vector<Rest> taken;
+  for (const Rest& rest : rests)
+    if (const Heard* const heard = heard_now(rest, now);
+        heard && heard->last - heard->owned_since >= kPatience && !is_free(rest, now))
+      taken.push_back(rest);
+  return taken;
+}
+
+const RestFetching::Heard* RestFetching::heard_now(const Rest& rest, WallTime now) const {
   const auto heard = heard_.find({rest.node, rest.epoch});
-  return heard != heard_.end() && now - heard->second.last <= kHeard;
+  return heard != heard_.end() && now - heard->second.last <= kHeard ? &heard->second : nullptr;
+}
+
+bool RestFetching::is_of(const std::string& recording, std::int64_t incarnation, WallTime now) {
+  std::erase_if(known_, [now](const auto& one) { return now - one.second.at >= kKnown; });
+  const auto [known, is_new] = known_.try_emplace({recording, incarnation}, Known{.at = now});
+  if (is_new) known->second.is_of = is_of_(recording, incarnation);
+  return known->second.is_of;
+}
+
+// It is heard, and obeys nobody or this recording.
+bool RestFetching::is_free(const Rest& rest, WallTime now) {
+  const Heard* const heard = heard_now(rest, now);
+  return heard && (heard->owner == 0 || is_of(rest.recording, heard->owner, now));
 }
 
 bool RestFetching::is_lost(const Rest& rest, WallTime now) const {
@@ -93,7 +118,12 @@ std::optional<RestFetching::Outcome> RestFetching::turn(const std::vector<Rest>&
   if (!session_) begin_one(rests, now);
   if (!session_) return std::nullopt;
   const Session::View view = session_->view();
-  if (!view.is_over) return std::nullopt;
+  if (!view.is_over) {
+    if (!is_taken_from_session(now)) return std::nullopt;
+    tried_at_[recording_] = now;
+    leave();
+    return std::nullopt;
+  }
   Outcome outcome = end(view.report, view.error);
   for (const Rest& rest : outcome.settled)
     if (const auto heard = heard_.find({rest.node, rest.epoch}); heard != heard_.end())
@@ -101,6 +131,14 @@ std::optional<RestFetching::Outcome> RestFetching::turn(const std::vector<Rest>&
   leave();
   tried_at_[outcome.recording] = now;
   return outcome;
+}
+
+// It would go on claiming what another recorder leads meanwhile.
+bool RestFetching::is_taken_from_session(WallTime now) {
+  return std::ranges::any_of(scope_.only, [&](const NodeEpoch& key) {
+    const Rest rest{.recording = recording_, .node = key.first, .epoch = key.second};
+    return heard_now(rest, now) && !is_free(rest, now);
+  });
 }
 
 void RestFetching::leave() {
@@ -116,7 +154,7 @@ void RestFetching::begin_one(const std::vector<Rest>& rests, WallTime now) {
   std::map<std::string, EpochScope> to_do;
   for (const Rest& rest : rests) {
     const bool lost = is_lost(rest, now);
-    if (!lost && !is_heard(rest, now)) continue;
+    if (!lost && !is_free(rest, now)) continue;
     EpochScope& scope = to_do[rest.recording];
     scope.only.emplace_back(rest.node, rest.epoch);
     if (lost) scope.given_up.emplace_back(rest.node, rest.epoch);

@@ -5,6 +5,7 @@
 #include "common/bus/bus.hpp"
 #include "common/bus/control.hpp"
 #include "common/test/temporary_directory.hpp"
+#include "host/recorder/incarnation.hpp"
 
 namespace roadbalance {
 namespace {
@@ -40,15 +41,28 @@ class OperatingTest : public ::testing::Test {
   OperatingTest() {
     options.recordings = work.path();
     std::filesystem::create_directory(work.path() / "drive");
-    DeskBook book;
+    for (const std::int64_t of_drive : {kBefore, kBefore + 50, kBefore + 100})
+      keep_incarnation(work.path() / "drive", of_drive);
     book.over = {{"drive", kBefore, kBefore + 100}};
     write_desk_book(work.path(), book);
   }
   Operating::Time time() const { return {.now = now, .utc_us = utc_us}; }
+  /// Sessions run until they are destroyed.
+  void operate() {
+    operating.emplace(options,
+                      Operating::World{.disk = kernel_disk(),
+                                       .begin =
+                                           [this](RecorderOptions of) {
+                                             begun.push_back(std::move(of));
+                                             return std::make_unique<Running>();
+                                           },
+                                       .seed = 1},
+                      time());
+  }
   /// A node that was started for "drive" is heard.
   void run(milliseconds length) {
     const Heartbeat beat{
-        .node = 2, .epoch = 77, .base = 1, .next = 9, .state = NodeState::kStarted, .owner = kBefore + 50};
+        .node = 2, .epoch = 77, .base = 1, .next = 9, .state = NodeState::kStarted, .owner = owner};
     for (const WallTime end = now + length; now < end; now += milliseconds(100), utc_us += 100'000) {
       operating->take(heartbeat_channel(2), encode(beat), time());
       (void)operating->turn(false, time(), [](const std::string&, auto) { return true; });
@@ -59,21 +73,15 @@ class OperatingTest : public ::testing::Test {
   OperateOptions options;
   WallTime now{std::chrono::hours(1)};
   std::int64_t utc_us = kNow;
+  std::int64_t owner = kBefore + 50;
+  DeskBook book;
   std::vector<RecorderOptions> begun;
   std::optional<Operating> operating;
 };
 
 TEST_F(OperatingTest, ANodeThatIsBackDuringTheNextRecordingIsFetchedIntoItsOwn) {
   options.start = "next";
-  operating.emplace(options,
-                    Operating::World{.disk = kernel_disk(),
-                                     .begin =
-                                         [this](RecorderOptions of) {
-                                           begun.push_back(std::move(of));
-                                           return std::make_unique<Running>();
-                                         },
-                                     .seed = 1},
-                    time());
+  operate();
   ASSERT_EQ(begun.size(), 1u);
   EXPECT_EQ(begun[0].folder.filename(), "next");
   EXPECT_TRUE(begun[0].scope.is_former(kBefore + 50));
@@ -94,7 +102,7 @@ TEST_F(OperatingTest, ANumberThatWasRaisedAtTheLastMomentIsOfItsRecording) {
                                      .seed = 1},
                     time());
   (void)operating->turn(false, time(), [](const std::string&, auto) { return true; });
-  const DeskBook book = read_desk_book(work.path());
+  book = read_desk_book(work.path());
   ASSERT_FALSE(book.over.empty());
   EXPECT_EQ(book.over.back().recording, "next");
   EXPECT_EQ(book.over.back().last_incarnation, Ended::kRaised);
@@ -102,20 +110,83 @@ TEST_F(OperatingTest, ANumberThatWasRaisedAtTheLastMomentIsOfItsRecording) {
 
 // A folder that is gone is not asked for again and again: the book is written with two syncs.
 TEST_F(OperatingTest, ARestOfARecordingThatWasMovedAwayIsNotOwed) {
-  std::filesystem::remove(work.path() / "drive");
+  std::filesystem::remove_all(work.path() / "drive");
   int warnings = 0;
   options.recorder.on_warning = [&warnings](const std::string&) { ++warnings; };
-  operating.emplace(options,
-                    Operating::World{.disk = kernel_disk(),
-                                     .begin = [](RecorderOptions) { return std::make_unique<Running>(); },
-                                     .seed = 1},
-                    time());
+  operate();
   run(milliseconds(10'000));
   EXPECT_EQ(warnings, 0);
   EXPECT_TRUE(read_desk_book(work.path()).rest.empty());
   std::filesystem::create_directory(work.path() / "drive");  // moved back
   run(milliseconds(10'000));
   EXPECT_EQ(read_desk_book(work.path()).rest.size(), 1u);
+}
+
+/// Of another recorder, which took over the node of "drive".
+class AnotherRecorder : public OperatingTest, public ::testing::WithParamInterface<std::int64_t> {
+ protected:
+  AnotherRecorder() {
+    owner = GetParam();
+    options.recorder.on_warning = [this](const std::string& sentence) { warnings.push_back(sentence); };
+  }
+  const std::vector<std::string> left{
+      "node 2 obeys another recorder: the rest of \"drive\" is left to that one"};
+  std::vector<std::string> warnings;
+};
+// It began while "drive" was recorded by others, or later.
+INSTANTIATE_TEST_SUITE_P(Began, AnotherRecorder, ::testing::Values(kBefore + 70, kBefore + 5000));
+
+// A claim would wait for the moment in which that recorder is held, and stop the node.
+TEST_P(AnotherRecorder, KeepsTheNodeThatARecordingThatIsOverHadARestAt) {
+  book.rest = {{"drive", 2, 77}};
+  write_desk_book(work.path(), book);
+  operate();
+  run(milliseconds(60'000));
+  EXPECT_TRUE(begun.empty());
+  EXPECT_EQ(warnings, left);
+  EXPECT_TRUE(read_desk_book(work.path()).rest.empty());
+}
+
+TEST_P(AnotherRecorder, KeepsTheNodeOfWhichNoRestIsKnown) {
+  operate();
+  run(milliseconds(60'000));
+  EXPECT_TRUE(begun.empty());
+  EXPECT_EQ(warnings, std::vector<std::string>{});
+}
+
+// Else nobody would record it when that recorder is gone for good.
+TEST_P(AnotherRecorder, LeavesTheNodeToTheNextRecordingWhenItIsGone) {
+  options.start = "next";
+  operate();
+  ASSERT_EQ(begun.size(), 1u);
+  EXPECT_FALSE(begun[0].scope.is_former(owner));
+  EXPECT_TRUE(begun[0].scope.has({2, 77}));
+}
+
+// The recorder was started anew meanwhile.
+TEST_F(OperatingTest, ANodeThatObeysASessionThatWasFetchingItsRestIsFetched) {
+  book.rest = {{"drive", 2, 77}};
+  write_desk_book(work.path(), book);
+  for (const std::int64_t session : {kBefore + 7000, kBefore + 8000})
+    keep_incarnation(work.path() / "drive", session);
+  owner = kBefore + 7000;
+  operate();
+  run(milliseconds(1000));
+  ASSERT_EQ(begun.size(), 1u);
+  EXPECT_EQ(begun[0].folder.filename(), "drive");
+  EXPECT_EQ(begun[0].scope.only, (std::vector<NodeEpoch>{{2, 77}}));
+}
+
+TEST_F(OperatingTest, ANodeThatObeysARecorderWhoseNumberIsInTheFallbackIsFetched) {
+  options.recorder.fallback = work.path() / "fallback";
+  std::filesystem::create_directories(options.recorder.fallback / "drive");
+  keep_incarnation(options.recorder.fallback / "drive", kBefore + 7000);
+  book.rest = {{"drive", 2, 77}};
+  write_desk_book(work.path(), book);
+  owner = kBefore + 7000;
+  operate();
+  run(milliseconds(1000));
+  EXPECT_EQ(begun.size(), 1u);
 }
 
 }  // namespace

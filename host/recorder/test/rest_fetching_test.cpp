@@ -29,11 +29,13 @@ class ScriptedSession final : public Session {
 
 class RestFetchingTest : public ::testing::Test {
  protected:
-  void hear(std::int32_t node, std::int64_t epoch) { fetching.take({.node = node, .epoch = epoch}, now); }
+  void hear(std::int32_t node, std::int64_t epoch, std::int64_t owner = 0) {
+    fetching.take({.node = node, .epoch = epoch, .owner = owner}, now);
+  }
   std::optional<RestFetching::Outcome> turn() { return fetching.turn(rests, now); }
   /// Heard ten times a second.
-  void hear_for(seconds time, std::int32_t node, std::int64_t epoch) {
-    for (const WallTime end = now + time; now < end; now += milliseconds(100)) hear(node, epoch);
+  void hear_for(seconds time, std::int32_t node, std::int64_t epoch, std::int64_t owner = 0) {
+    for (const WallTime end = now + time; now < end; now += milliseconds(100)) hear(node, epoch, owner);
   }
   void over(std::vector<NodeReport> node, std::string error = "") {
     script.view.report.node = std::move(node);
@@ -46,11 +48,14 @@ class RestFetchingTest : public ::testing::Test {
   Script script;
   std::string begun;
   EpochScope scope;
-  RestFetching fetching{[this](const std::string& recording, EpochScope of) {
-    begun = recording;
-    scope = std::move(of);
-    return std::make_unique<ScriptedSession>(script);
-  }};
+  std::int64_t anothers = 1000;  ///< and higher incarnations
+  RestFetching fetching{
+      [this](const std::string& recording, EpochScope of) {
+        begun = recording;
+        scope = std::move(of);
+        return std::make_unique<ScriptedSession>(script);
+      },
+      [this](const std::string&, std::int64_t incarnation) { return incarnation < anothers; }};
 };
 
 TEST_F(RestFetchingTest, WaitsForTheNodeAndFetchesOnlyWhatIsBack) {
@@ -181,6 +186,47 @@ TEST_F(RestFetchingTest, AnEndOnTheDiskIsNotEnoughUnlessTheNodeHasLetGo) {
   EXPECT_EQ(turn()->settled, rests);
 }
 
+TEST_F(RestFetchingTest, WhatObeysAnotherRecorderIsNotFetchedAndTheOthersAre) {
+  hear(2, 77, anothers);
+  hear(3, 88, 150);
+  (void)turn();
+  ASSERT_TRUE(script.lives);
+  EXPECT_EQ(scope.only, (std::vector<NodeEpoch>{{3, 88}}));
+}
+
+// Its claim is refused as long as that recorder is heard by the node, and would be granted when it is held.
+TEST_F(RestFetchingTest, ASessionWhoseNodeAnotherRecorderHasTakenIsLeftAndTheRestOfItTriedAgain) {
+  hear(2, 77, 150);
+  hear(3, 88, 150);
+  (void)turn();
+  ASSERT_TRUE(script.lives);
+  hear(2, 77, anothers);
+  EXPECT_FALSE(turn());
+  EXPECT_FALSE(script.lives);
+  EXPECT_EQ(fetching.under_way(), "");
+  for (int k = 0; k < 50; ++k, now += milliseconds(100)) {
+    hear(2, 77, anothers);
+    hear(3, 88, 150);
+  }
+  (void)turn();
+  ASSERT_TRUE(script.lives);
+  EXPECT_EQ(scope.only, (std::vector<NodeEpoch>{{3, 88}}));
+}
+
+TEST_F(RestFetchingTest, ARestIsTakenOverWhenItsNodeHasObeyedAnotherRecorderForThreeSeconds) {
+  rests = {{"drive", 2, 77}};
+  hear_for(seconds(3), 2, 77, 150);
+  hear(2, 77, anothers);  // from long ago
+  hear_for(seconds(3), 2, 77, 150);
+  EXPECT_TRUE(fetching.taken_over(rests, now).empty());
+  hear_for(seconds(3), 2, 77, anothers);
+  EXPECT_TRUE(fetching.taken_over(rests, now).empty()) << "the last one is 3 s - 100 ms behind the first";
+  hear(2, 77, anothers);
+  EXPECT_EQ(fetching.taken_over(rests, now), rests);
+  now += seconds(2);
+  EXPECT_TRUE(fetching.taken_over(rests, now).empty()) << "it is not heard now";
+}
+
 class UnknownRests : public RestFetchingTest {
  protected:
   void hear_for_2s(Heartbeat beat) {
@@ -213,6 +259,13 @@ TEST_F(UnknownRests, AreNoPreviewsNoOthersAndNothingThatIsEmpty) {
   EXPECT_TRUE(unknown().empty());
   hear_for_2s({.node = 4, .epoch = 99, .base = 1, .next = 9, .state = NodeState::kStarted, .owner = 250});
   EXPECT_TRUE(unknown().empty()) << "of another recorder";
+}
+
+TEST_F(UnknownRests, AreNotThoseOfARecorderThatBeganBetweenTwoOfTheRecording) {
+  anothers = 150;
+  hear_for_2s({.node = 2, .epoch = 77, .base = 1, .next = 9, .state = NodeState::kStarted, .owner = 150});
+  hear_for_2s({.node = 3, .epoch = 88, .base = 1, .next = 9, .state = NodeState::kStarted, .owner = 149});
+  EXPECT_EQ(unknown(), (std::vector<Rest>{{"drive", 3, 88}}));
 }
 
 // Otherwise one whose crash was declared and that lives all the same would be fetched again and again.
