@@ -15,13 +15,11 @@
 namespace roadbalance {
 namespace {
 
-// Lines: the folders whose rest is in this one.
-std::string continued_here(const std::filesystem::path& folder, Disk& disk) {
-  return read_whole_text(folder / kContinuesFile, disk).value_or("");
-}
-
-bool is_line_of(const std::string& line, const std::string& text) {
-  return ("\n" + text).find("\n" + line + "\n") != std::string::npos;
+std::vector<std::string> lines_of(const std::optional<std::string>& text) {
+  std::vector<std::string> lines;
+  std::istringstream all(text.value_or(""));
+  for (std::string line; std::getline(all, line);) lines.push_back(line);
+  return lines;
 }
 
 struct Direction {
@@ -33,10 +31,7 @@ constexpr std::array kDirections{Direction{kContinuesFile, kContinuedInFile, "wh
                                  Direction{kContinuedInFile, kContinuesFile, "it goes on in "}};
 
 std::vector<std::string> names_in(const std::filesystem::path& folder, const char* file, Disk& disk) {
-  std::vector<std::string> names;
-  std::istringstream text(read_text(folder / file, disk).value_or(""));
-  for (std::string line; std::getline(text, line);) names.push_back(line);
-  return names;
+  return lines_of(read_text(folder / file, disk));
 }
 
 /// Disks are mounted elsewhere and recordings taken along: a folder keeps its last name.
@@ -61,28 +56,30 @@ std::string full_name(const std::filesystem::path& folder) {
 }
 
 bool holds_rest_of(const std::filesystem::path& folder, const std::filesystem::path& fallback, Disk& disk) {
-  return is_line_of(full_name(folder), continued_here(fallback, disk));
+  const auto held = lines_of(read_whole_text(fallback / kContinuesFile, disk));
+  return std::ranges::find(held, full_name(folder)) != held.end();
 }
 
 void write_continues(const std::filesystem::path& folder, const std::filesystem::path& fallback, Disk& disk) {
-  const std::string before = continued_here(fallback, disk), name = full_name(folder);
-  if (is_line_of(name, before)) return;
-  write_atomically(fallback / kContinuesFile, before + name + "\n", disk);
+  if (holds_rest_of(folder, fallback, disk)) return;
+  const auto file = fallback / kContinuesFile;
+  write_atomically(file, read_whole_text(file, disk).value_or("") + full_name(folder) + "\n", disk);
 }
 
 bool goes_on_in_fallback(const std::filesystem::path& folder, const std::filesystem::path& fallback,
                          Disk& disk) {
   const auto file = folder / kContinuedInFile;
-  std::optional<std::string> where;
+  std::optional<std::string> text;
   try {
-    where = read_whole_text(file, disk);
+    text = read_whole_text(file, disk);
   } catch (const std::system_error&) {
     return false;
   }
-  if (!where) return false;
-  if (!fallback.empty() && full_name(fallback) + "\n" == *where) return true;
-  where->erase(where->find_last_not_of('\n') + 1);
-  throw std::runtime_error("recording " + folder.string() + ": goes on in the fallback folder " + *where +
+  if (!text) return false;
+  const auto lines = lines_of(text);
+  const std::string where = lines.empty() ? "" : lines.front();
+  if (!fallback.empty() && full_name(fallback) == where) return true;
+  throw std::runtime_error("recording " + folder.string() + ": goes on in the fallback folder " + where +
                            "; name it with --fallback, or record to another folder (" + file.string() +
                            " says so)");
 }
@@ -93,10 +90,9 @@ void write_continued_in(const std::filesystem::path& folder, const std::filesyst
 }
 
 void refuse_fallback(const std::filesystem::path& fallback, Disk& disk) {
-  std::string of = continued_here(fallback, disk);
-  of = of.substr(0, of.find('\n'));
+  const auto held = lines_of(read_whole_text(fallback / kContinuesFile, disk));
   throw std::invalid_argument("fallback folder " + fallback.string() + " holds another recording" +
-                              (of.empty() ? "" : ", the rest of " + of) +
+                              (held.empty() ? "" : ", the rest of " + held.front()) +
                               "; move that away or name an empty folder");
 }
 

@@ -46,9 +46,13 @@ void RecordKeeper::open_folders() {
   try {
     open_first();
     before = writer_->holds();
-    if (!fallback_ && fallback_is_used) refuse_fallback(options_.fallback, disk_);
-    // The first that is written, where all else could be read: of a disk that is full or read-only.
-    if (!fallback_) store_incarnation();
+    // The first that is written: where the disk is full or read-only all else could be read.
+    if (!fallback_) {
+      const bool begins = !path_exists(options_.folder / kIncarnationFile, disk_);
+      store_incarnation();
+      if (fallback_is_used && begins) (void)disk_.unlink((options_.folder / kIncarnationFile).c_str());
+      if (fallback_is_used) refuse_fallback(options_.fallback, disk_);
+    }
   } catch (const std::system_error& error) {
     if (options_.fallback.empty()) throw;
     if (!fallback_) warnings_.push_back(error.what());

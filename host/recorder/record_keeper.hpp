@@ -55,13 +55,12 @@ class RecordKeeper {
  public:
   static constexpr int kMostHeldNotes = 1000;
 
-  /// Creates the folder or continues one: locks it, cuts a torn tail, takes what it holds.  The fallback is
-  /// continued if it holds the rest of this record, and taken if the folder cannot be written, or not even
-  /// read.
+  /// Creates the folder or continues one: locks it, cuts a torn tail, takes what it holds, and stores the
+  /// recorder's number (next_incarnation()).  The fallback is continued if it holds the rest of this record,
+  /// and taken if the folder cannot be written, or not even read.
   /// @throws std::invalid_argument if the fallback holds another recording, std::system_error naming the
-  /// file,
-  ///         std::runtime_error if another recorder writes to the folder, or the record goes on in a fallback
-  ///         that is not named
+  ///         file, std::runtime_error if another recorder writes to the folder, if the record goes on in a
+  ///         fallback that is not named, or if what is stored is no number
   RecordKeeper(Disk& disk, KeeperOptions options);
   RecordKeeper(const RecordKeeper&) = delete;
   RecordKeeper& operator=(const RecordKeeper&) = delete;

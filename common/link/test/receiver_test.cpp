@@ -223,9 +223,9 @@ TEST_F(ReceiverTest, DoesNotWaitForEverForTheBlockThatWouldTellHowMuchIsLost) {
   take(scans(1));
   SignalBlock signal;
   signal.header = {.node = 1, .epoch = kEpoch, .sequence = 3, .first_scan = 40, .time_ns = 20'000'000};
-  SealedBlock third;
-  seal(signal, third);
-  take(third);
+  SealedBlock sealed_signal;
+  seal(signal, sealed_signal);
+  take(sealed_signal);
   take(beat(3, 6), kStart);
   take(scans(5));
   take(beat(3, 6), kStart + 1900ms);
@@ -237,6 +237,14 @@ TEST_F(ReceiverTest, DoesNotWaitForEverForTheBlockThatWouldTellHowMuchIsLost) {
   ASSERT_EQ(sequences(), (Sequences{1, 2, 3, 4, 5}));
   EXPECT_EQ(std::get<GapBlock>(out[3]).header.first_scan, 20);
   EXPECT_EQ(std::get<GapBlock>(out[3]).header.scans, 60) << "of both";
+
+  signal.header.sequence = 7;
+  seal(signal, sealed_signal);
+  take(sealed_signal, kStart + 4s);
+  take(beat(7, 10), kStart + 4100ms);
+  EXPECT_EQ(sequences().back(), 5);
+  take(beat(7, 10), kStart + 4200ms);
+  EXPECT_EQ(sequences(), (Sequences{1, 2, 3, 4, 5, 6, 7})) << "it has waited in vain a moment ago";
 }
 
 // Another recorder had it: the node has given everything back and says how much there was.

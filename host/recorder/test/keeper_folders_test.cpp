@@ -71,6 +71,7 @@ TEST_F(KeeperFoldersTest, TheFallbackOfAnotherDriveIsRefusedAndLeftAlone) {
     EXPECT_NE(words.find(kFolder), std::string::npos) << words;
   }
   EXPECT_EQ(recorded(kFallback), held);
+  EXPECT_FALSE(path_exists("/next drive/incarnation", disk)) << "nothing has begun there";
   options.fallback = "/empty";
   start();
   EXPECT_EQ(keeper->folder(), "/next drive");
@@ -79,16 +80,23 @@ TEST_F(KeeperFoldersTest, TheFallbackOfAnotherDriveIsRefusedAndLeftAlone) {
 // If the next drive cannot be written at all, measuring goes before order.
 TEST_F(KeeperFoldersTest, TheFallbackOfAnotherDriveIsTakenWithAWarningIfThereIsNothingElse) {
   drive_into_the_fallback();
-  options.folder = "/next drive";
-  fail_writes_below("/next drive");
   ASSERT_EQ(disk.mkdir("/next drive", 0755), 0);
-  start();
-  EXPECT_EQ(keeper->folder(), kFallback);
-  EXPECT_TRUE(was_warned_of("recording goes on in /other"));
-  keeper.reset();
-  fail_nothing();
-  start();
-  EXPECT_EQ(keeper->folder(), kFallback) << "that is where this drive is, too";
+  ASSERT_EQ(disk.mkdir("/third drive", 0755), 0);
+  const auto expect_it_is_taken = [&](const char* drive) {
+    options.folder = drive;
+    start();
+    EXPECT_EQ(keeper->folder(), kFallback);
+    EXPECT_TRUE(was_warned_of("recording goes on in /other"));
+    keeper.reset();
+    fail_nothing();
+    start();
+    EXPECT_EQ(keeper->folder(), kFallback) << "that is where this drive is, too";
+    keeper.reset();
+  };
+  fail_writes_below("/next drive");
+  expect_it_is_taken("/next drive");
+  fail({DiskCall::kWrite}, EROFS, "/third drive");  // mounted read-only: a sync succeeds
+  expect_it_is_taken("/third drive");
 }
 
 // The first folder could never be told where the record goes on.

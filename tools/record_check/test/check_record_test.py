@@ -186,6 +186,14 @@ class CheckRecord(unittest.TestCase):
         scans = self.replace_by_gap(4, 10, 14)
         self.assertEqual(self.node(self.agrees(INCOMPLETE))["samples_missing"], scans)
 
+    def test_the_end_tells_how_many_scans_a_loss_of_unknown_length_had(self):
+        self.record.without_journal()
+        scans = sum(struct.unpack_from(">q", self.record.events[at][1], 36)[0] for at in self.record.places("SCAN")[10:15])
+        self.replace_by_gap(4, 10, 14, short=scans)
+        node = self.node(self.agrees(INCOMPLETE))
+        self.assertEqual(node["samples_missing"], scans)
+        self.assertEqual(self.node(json.loads(run(RB, "verify", self.folder, "--json").stdout))["samples_missing"], scans)
+
     def test_gaps_are_told_as_rb_verify_tells_them(self):
         self.record.without_journal()
         def number(at):
