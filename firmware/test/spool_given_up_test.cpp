@@ -17,6 +17,7 @@ using test::SimulatedDisk;
 constexpr const char* kFolder = "/spool";
 
 struct SpoolGivenUpTest : testing::Test {
+  std::optional<DiskCall> failing;  // before the spool, whose end closes what is open
   SimulatedDisk disk;
   Ring ring{1600 * sizeof(SealedBlock)};
   SpoolFolder spool{{.folder = kFolder, .bytes = 4 << 20, .node = test::kNode, .epoch = test::kEpoch}, disk};
@@ -35,8 +36,7 @@ TEST_F(SpoolGivenUpTest, WhatAGivenUpBlockIsInStays) {
 }
 
 TEST_F(SpoolGivenUpTest, AnswersOnlyWhatKeepsSomething) {
-  std::optional<DiskCall> failing;
-  disk.set_fault([&](DiskCall call, std::int64_t, const std::string&) -> SimulatedDisk::Outcome {
+  disk.set_fault([this](DiskCall call, std::int64_t, const std::string&) -> SimulatedDisk::Outcome {
     return {.error = call == failing ? EIO : 0};
   });
   for (const DiskCall call : {DiskCall::kOpen, DiskCall::kWrite, DiskCall::kSyncData}) {
