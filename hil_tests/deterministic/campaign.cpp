@@ -144,13 +144,15 @@ double sends_per_block(const RunResult& run) {
   return run.blocks == 0 ? 0 : static_cast<double>(run.sent) / static_cast<double>(run.blocks);
 }
 
-void hold_against(const Expectation& expect, RunResult& run) {
+void hold_against(const FaultScenario& scenario, RunResult& run) {
+  const Expectation& expect = scenario.expect;
   const auto limit = [&run](const char* what, double is, const std::optional<double>& most) {
     if (most && is > *most)
       put_fault(run,
                 std::string(what) + " is " + std::to_string(is) + ", allowed is " + std::to_string(*most));
   };
-  if (run.blocks == 0) put_fault(run, "nothing was sealed");
+  // In a short run perhaps nobody asks for a recording.
+  if (run.blocks == 0 && !scenario.is_operated()) put_fault(run, "nothing was sealed");
   const double coverage = run.clock_windows == 0 ? 0
                                                  : static_cast<double>(run.clock_covered) /
                                                        static_cast<double>(run.clock_windows);
@@ -198,12 +200,13 @@ Summary summarise(const FaultScenario& scenario, const std::vector<RunResult>& r
   Summary summary;
   summary.scenario = scenario.name;
   for (RunResult run : results) {
-    hold_against(scenario.expect, run);
+    hold_against(scenario, run);
     add(run, summary.all);
     summary.worst_sends_per_block = std::max(summary.worst_sends_per_block, sends_per_block(run));
     ++summary.runs;
     if (run.faults > 0) summary.failed.push_back(run);
   }
+  if (summary.all.blocks == 0) summary.missed = "nothing was sealed";
   if (scenario.expect.dies_at_calls && summary.all.deaths_at_call < summary.runs)
     summary.missed = "recorders died before a call of their disk " +
                      std::to_string(summary.all.deaths_at_call) + " times only";

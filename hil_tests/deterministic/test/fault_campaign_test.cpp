@@ -64,5 +64,18 @@ TEST(FaultCampaign, AFaultThatDoesNotComeProvesNothing) {
   EXPECT_EQ(summarise(scenario, {run}, seeds(1, 1)).missed, "no sync was slow");
 }
 
+TEST(FaultCampaign, ARunMaySealNothingOnlyIfNobodyAskedForARecordingAndNotEveryOne) {
+  FaultScenario scenario;
+  RunResult nothing, something;
+  something.blocks = 1;
+  EXPECT_EQ(summarise(scenario, {nothing, something}, seeds(1, 2)).failed.size(), 1u);
+  scenario.vehicle = "vehicle.toml";
+  Summary summary = summarise(scenario, {nothing, something}, seeds(1, 2));
+  EXPECT_TRUE(summary.failed.empty());
+  EXPECT_EQ(summary.missed, "");
+  summary = summarise(scenario, {nothing, nothing}, seeds(1, 2));
+  EXPECT_EQ(summary.missed, "nothing was sealed");
+}
+
 }  // namespace
 }  // namespace roadbalance::test
