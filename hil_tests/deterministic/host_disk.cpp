@@ -140,7 +140,7 @@ void HostMachine::check_through(const char* folder, int last) {
     for (const auto& damage : reader.damage()) {
       if (damage.torn && may_be_torn_.contains(checked_)) continue;
       truth_.fault(name + std::to_string(damage.bytes) + " bytes of " + damage.segment.filename().string() +
-                   " from " + std::to_string(damage.offset) + " on are " + damage.what);
+                   " from " + std::to_string(damage.offset) + " on " + damage.what);
     }
   } catch (const std::system_error& error) {
     truth_.fault(name + error.what());

@@ -14,7 +14,7 @@ namespace roadbalance {
 class DiskHealth {
  public:
   void fail(WallTime now);
-  /// Another disk takes its place: it may be tried now.
+  /// Another disk takes its place, or nobody will ask again: it may be tried now.
   void retry(WallTime now) { next_try_ = now; }
   /// All that waited is on the disk.
   void succeed() { failing_ = false; }

@@ -87,7 +87,8 @@ class RecordKeeper {
   /// @param age  so long ago it happened
   void note(NoteKind kind, std::int64_t a, std::int64_t b, std::string text,
             std::chrono::nanoseconds age = {});
-  /// Commits and closes the segment: the power may go.  The next block begins another.
+  /// Commits and closes the segment: the power may go, so that a failing disk is tried at once.  The next
+  /// block begins another.
   std::vector<DurableMark> seal(WallTime now);
 
   /// commit() has something to do.
@@ -101,7 +102,7 @@ class RecordKeeper {
   /// waits. To be called when no commit is due and what commit() returned has been passed on; seal() and
   /// close() do all of it.
   void keep_house();
-  /// Commits and closes the record.  What could not be made durable is said by failure().
+  /// As seal(), for the last time.  What could not be made durable is said by failure().
   std::vector<DurableMark> close(WallTime now);
 
   RecorderState state() const;

@@ -84,6 +84,20 @@ TEST_F(KeeperTest, NotesThatADiskRefusesAtTheEndAreSaidToBeMissing) {
   EXPECT_TRUE(was_warned_of("the last notes are not on the disk: "));
 }
 
+// Within the second for which a failing disk is left alone.
+TEST_F(KeeperTest, TheEndTriesAFailingDiskAtOnce) {
+  start();
+  run(milliseconds(1000), 20);
+  fail({DiskCall::kWrite, DiskCall::kReserve, DiskCall::kSyncData, DiskCall::kTruncate}, EIO);
+  run(milliseconds(300), 4);
+  ASSERT_EQ(keeper->state(), RecorderState::kDiskFailing);
+  fail_nothing();
+  note_durable(keeper->close(now));
+  EXPECT_EQ(durable, given);
+  EXPECT_EQ(recorded(), test::all_through(24));
+  EXPECT_EQ(notes(NoteKind::kStopped).size(), 1u);
+}
+
 // A recorder that began anew while its recording was being stopped may hear no block any more.
 TEST_F(KeeperTest, AMarkBeginsASegmentForSomebodyWaitsForIt) {
   start();
