@@ -202,7 +202,7 @@ std::vector<DurableMark> RecordKeeper::all_is_durable() {
 }
 
 std::vector<DurableMark> RecordKeeper::seal(WallTime now) {
-  health_.retry(now);  // there may be no second for a failing disk any more
+  health_.retry(now);  // power or program may be gone before a failing disk's next turn
   keep_journal();
   auto marks = commit(now);
   while (house_is_due_) keep_house();

@@ -64,7 +64,7 @@ TEST(FaultCampaign, AFaultThatDoesNotComeProvesNothing) {
   EXPECT_EQ(summarise(scenario, {run}, seeds(1, 1)).missed, "no sync was slow");
 }
 
-TEST(FaultCampaign, ARunMaySealNothingOnlyIfNobodyAskedForARecordingAndNotEveryOne) {
+TEST(FaultCampaign, OnlyAShortRunOfWhatIsAskedForMaySealNothingAndNotEveryOne) {
   FaultScenario scenario;
   RunResult nothing, something;
   something.blocks = 1;
@@ -75,6 +75,9 @@ TEST(FaultCampaign, ARunMaySealNothingOnlyIfNobodyAskedForARecordingAndNotEveryO
   EXPECT_EQ(summary.missed, "");
   summary = summarise(scenario, {nothing, nothing}, seeds(1, 2));
   EXPECT_EQ(summary.missed, "nothing was sealed");
+  CampaignOptions whole = seeds(1, 2);
+  whole.seconds.reset();
+  EXPECT_EQ(summarise(scenario, {nothing, something}, whole).failed.size(), 1u);
 }
 
 }  // namespace
