@@ -135,9 +135,8 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--seed", options.seed)->capture_default_str();
   app.footer(
-      "Exit codes: 0 sent as asked, 1 this computer refused more than 1 % or was slower than 90 % of the "
-      "rate, "
-      "4 it failed.");
+      "Exit codes: 0 sent as asked, 1 this computer refused more than 1 % or was slower than 99 % of the "
+      "rate, 4 it failed.");
   CLI11_PARSE(app, argc, argv);
   try {
     return roadbalance::test::flood(options) ? 0 : 1;

@@ -44,8 +44,8 @@ TEST(GridStream, AnyClockAndConverterGiveTheTruthAtTheGridsInstants) {
       while (stream.rows.front().first_index < stream.rows.back().first_index &&
              static_cast<double>(grid.time_ns(stream.rows.front().first_index)) < 1e9 * node.host_s(36))
         stream.rows.pop_front();
-      // Four tones, each right to 0.002 degrees with half a count of rounding: an eighth of what 0.01 degrees
-      // at 25 Hz alone would be.
+      // Four tones, each right to 0.002 degrees with half a count of rounding: all together less than the
+      // 0.01 degrees that the one at 25 Hz may be wrong by.
       EXPECT_LT(worst_error(stream, grid), 4.0 * kAmplitude * 0.002 * std::numbers::pi / 180.0)
           << rate_hz << " Hz, " << ppm << " ppm";
       for (std::size_t i = 1; i < stream.rows.size(); ++i)
