@@ -172,12 +172,9 @@ void add(const RunResult& run, RunResult& all) {
   all.bus_s += run.bus_s;
   all.processor_s += run.processor_s;
   all.blocks += run.blocks;
-  all.recorded += run.recorded;
   all.sent += run.sent;
-  all.scans += run.scans;
   all.lost_scans += run.lost_scans;
   all.declared_scans += run.declared_scans;
-  all.declared_gaps += run.declared_gaps;
   all.tail_scans += run.tail_scans;
   all.lost_edges += run.lost_edges;
   all.lost_signals += run.lost_signals;

@@ -55,9 +55,6 @@ class RecordCheck {
   std::int64_t declared_gaps() const { return declared_gaps_; }    ///< of no scans, too
   std::int64_t lost_scans() const { return lost_scans_; }          ///< missing and not declared
   std::int64_t crash_tail_scans() const { return crash_tail_scans_; }
-  std::int64_t open_scans() const {
-    return open_scans_;
-  }  ///< of epochs without any end, behind the last block
 
  private:
   using Key = std::pair<std::int32_t, std::int64_t>;
@@ -92,7 +89,6 @@ class RecordCheck {
   std::int64_t declared_gaps_ = 0;
   std::int64_t lost_scans_ = 0;
   std::int64_t crash_tail_scans_ = 0;
-  std::int64_t open_scans_ = 0;
 };
 
 }  // namespace roadbalance::test
