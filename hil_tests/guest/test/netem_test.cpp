@@ -3,31 +3,28 @@
 #include <cstdio>
 
 #include "hil_tests/measurement.hpp"
-#include "hil_tests/network/hosts.hpp"
+#include "hil_tests/network/three_hosts.hpp"
 
 namespace roadbalance {
 namespace {
 
 using test::Program;
 
-/// Made before the measurement, so that its observer is on host 0 too.
-struct ThreeHosts {
-  test::Hosts hosts{3};
-};
-
 /// The recorder on host 0, a node on each of two others; the kernel's netem harms what each of them sends.
-class Netem : protected ThreeHosts, public test::Measurement {
+class Netem : protected test::ThreeHosts, public test::Measurement {
  protected:
-  Netem() : Measurement("udpm://239.255.76.67:7667?ttl=1") {}
+  Netem() : Measurement(test::kNetworkUrl) {}
+
+  void SetUp() override { ASSERT_TRUE(hosts) << *test::Hosts::obstacle(); }
 
   /// Records two nodes under the fault; nothing may be missing.  Returns the nodes' repeated sends.
   std::int64_t record_under(const std::vector<std::string>& fault) {
     for (std::size_t host = 0; host < 3; ++host)
-      EXPECT_TRUE(hosts.netem(host, fault)) << "the guest's kernel has netem";
+      EXPECT_TRUE(hosts->netem(host, fault)) << "the guest's kernel has netem";
     Program running = recorder();
     const std::string drive = "rate=1&seconds=10000";
-    Program front = hosts.on(1, [&] { return node("front", drive); });
-    Program rear = hosts.on(2, [&] { return node("rear", drive); });
+    Program front = hosts->on(1, [&] { return node("front", drive); });
+    Program rear = hosts->on(2, [&] { return node("rear", drive); });
     EXPECT_TRUE(more_are_durable(kFront, 200));
     EXPECT_TRUE(more_are_durable(kRear, 1));
     const std::int64_t repaired =
