@@ -94,10 +94,11 @@ TEST_F(GpioNodeTest, DeclaresEdgesThatWentByWhileItWasHeldAndWhileTheChipWasGone
     EXPECT_GE(turns.whole, 30);
     EXPECT_EQ(angles.silent_wrong, 0);
     EXPECT_GE(angles.right, 3000);
-    for (const Interval& interval : {well, after}) {
+    const std::pair<const char*, Interval> good[] = {{"before it was held", well}, {"back again", after}};
+    for (const auto& [when, interval] : good) {
       const auto [all, flagged] = blocks_in(blocks, ring, interval);
-      EXPECT_GE(all, 20);
-      EXPECT_EQ(flagged, 0) << "doubted for no reason";
+      EXPECT_GE(all, 20) << when;
+      EXPECT_EQ(flagged, 0) << when << " doubted for no reason";
     }
     // The kernel keeps 16 edges; this wheel makes a thousand a second.
     for (const Interval& interval : {held, gone}) {
