@@ -110,7 +110,8 @@ bool flood(const Options& options) {
   std::printf("%lld malformed datagrams in %.1f s, %lld not sent by this computer\n", total - refused,
               elapsed_s, refused);
   if (static_cast<double>(refused) > kMostRefused * static_cast<double>(total)) {
-    std::fprintf(stderr, "rb-flood: this computer refused to send more than 1 %% of the datagrams\n");
+    std::fprintf(stderr, "rb-flood: this computer refused to send more than %g %% of the datagrams\n",
+                 100.0 * kMostRefused);
     return false;
   }
   const double per_second = static_cast<double>(total - refused) / elapsed_s;
@@ -134,9 +135,13 @@ int main(int argc, char** argv) {
   app.add_option("--listen", options.listen_s, "seconds of real datagrams to begin with")
       ->capture_default_str();
   app.add_option("--seed", options.seed)->capture_default_str();
-  app.footer(
-      "Exit codes: 0 sent as asked, 1 this computer refused more than 1 % or was slower than 99 % of the "
-      "rate, 4 it failed.");
+  std::array<char, 160> exit_codes{};
+  std::snprintf(
+      exit_codes.data(), exit_codes.size(),
+      "Exit codes: 0 sent as asked, 1 this computer refused more than %g %% or was slower than %g %% "
+      "of the rate, 4 it failed.",
+      100.0 * roadbalance::test::kMostRefused, 100.0 * roadbalance::test::kLeastRate);
+  app.footer(exit_codes.data());
   CLI11_PARSE(app, argc, argv);
   try {
     return roadbalance::test::flood(options) ? 0 : 1;

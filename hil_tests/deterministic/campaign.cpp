@@ -39,13 +39,16 @@ void put_fault(RunResult& result, const std::string& what) {
   std::strncpy(result.what.data(), all.c_str(), result.what.size() - 1);
 }
 
+/// How long a run is.
+double length_s(const FaultScenario& scenario, const CampaignOptions& options) {
+  return options.seconds ? std::max(*options.seconds, scenario.least_seconds) : scenario.seconds;
+}
+
 RunResult run_one(const FaultScenario& scenario, std::uint64_t seed, const CampaignOptions& options) {
-  const double seconds =
-      options.seconds ? std::max(*options.seconds, scenario.least_seconds) : scenario.seconds;
   const double before_s = processor_seconds();
   RunResult result;
   try {
-    World world(scenario, seed, seconds);
+    World world(scenario, seed, length_s(scenario, options));
     result = world.run();
     result.processor_s = processor_seconds() - before_s;
     if (!options.dump.empty()) world.dump(options.dump);
@@ -152,7 +155,7 @@ void hold_against(const FaultScenario& scenario, const CampaignOptions& options,
                 std::string(what) + " is " + std::to_string(is) + ", allowed is " + std::to_string(*most));
   };
   // In a run shorter than the scenario says perhaps nobody asks for a recording.
-  const bool is_short = options.seconds && *options.seconds < scenario.seconds;
+  const bool is_short = length_s(scenario, options) < scenario.seconds;
   if (run.blocks == 0 && !(scenario.is_operated() && is_short)) put_fault(run, "nothing was sealed");
   const double coverage = run.clock_windows == 0 ? 0
                                                  : static_cast<double>(run.clock_covered) /

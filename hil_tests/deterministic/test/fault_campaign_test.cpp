@@ -78,6 +78,8 @@ TEST(FaultCampaign, OnlyAShortRunOfWhatIsAskedForMaySealNothingAndNotEveryOne) {
   CampaignOptions whole = seeds(1, 2);
   whole.seconds.reset();
   EXPECT_EQ(summarise(scenario, {nothing, something}, whole).failed.size(), 1u);
+  scenario.least_seconds = scenario.seconds;  // asked for less, it is whole all the same
+  EXPECT_EQ(summarise(scenario, {nothing, something}, seeds(1, 2)).failed.size(), 1u);
 }
 
 }  // namespace
