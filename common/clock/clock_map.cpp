@@ -8,9 +8,6 @@
 namespace roadbalance {
 namespace {
 
-constexpr std::int64_t kHole_ns = 2'000'000'000;      // fits come once a second
-constexpr std::int64_t kBacklog_ns = 60'000'000'000;  // the ring's and the spool's is gone by then
-
 /// The line through two fits, as a fit at the first one's instant; nothing if no crystal has such a drift.
 std::optional<ClockFit> joined(const ClockFit& before, const ClockFit& last) {
   const std::int64_t host_ns = last.host_ns - before.host_ns;
@@ -30,14 +27,22 @@ std::optional<ClockFit> joined(const ClockFit& before, const ClockFit& last) {
 }  // namespace
 
 void ClockMap::take(const ClockFit& fit) {
-  const bool may_be_late = hole_end_ns_ && fit.host_ns - *hole_end_ns_ < kBacklog_ns;
+  const bool may_be_late = hole_end_ && fit.host_ns - hole_end_->host_ns < kBacklog_ns;
   if (!may_be_late || !joined(*before_, fit)) {
     before_.reset();
-    hole_end_ns_.reset();
+    hole_end_.reset();
     if (last_ && joined(*last_, fit)) before_ = last_;
-    if (before_ && fit.host_ns - before_->host_ns > kHole_ns) hole_end_ns_ = fit.host_ns;
+    if (before_ && fit.host_ns - before_->host_ns > kHole_ns) hole_end_ = fit;
   }
   last_ = fit;
+}
+
+std::vector<ClockFit> ClockMap::fits() const {
+  std::vector<ClockFit> fits;
+  if (before_) fits.push_back(*before_);
+  if (hole_end_ && hole_end_ != last_) fits.push_back(*hole_end_);
+  if (last_) fits.push_back(*last_);
+  return fits;
 }
 
 ClockFit ClockMap::line_at(std::int64_t node_time_ns) const {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "common/clock/exchange.hpp"
 
@@ -17,6 +18,11 @@ namespace roadbalance {
 /// it is asked.
 class ClockMap {
  public:
+  /// More between two fits is a hole: they come once a second.
+  static constexpr std::int64_t kHole_ns = 2'000'000'000;
+  /// So long behind a hole what was kept may come: the ring's and the spool's is gone by then.
+  static constexpr std::int64_t kBacklog_ns = 60'000'000'000;
+
   /// The next fit; known.
   void take(const ClockFit& fit);
   void reset() { *this = {}; }
@@ -26,6 +32,9 @@ class ClockMap {
   const std::optional<ClockFit>& last() const { return last_; }
   /// That which the last one is joined to; nothing: there is none.
   const std::optional<ClockFit>& before() const { return before_; }
+  /// Those that make an empty map the same as this one, taken in this order: three at most.
+  std::vector<ClockFit> fits() const;
+  bool holds(const ClockFit& fit) const { return fit == last_ || fit == before_ || fit == hole_end_; }
 
   /// The line that holds at a node's instant, as a fit; while it is known.
   ClockFit line_at(std::int64_t node_time_ns) const;
@@ -34,7 +43,7 @@ class ClockMap {
 
  private:
   std::optional<ClockFit> last_, before_;
-  std::optional<std::int64_t> hole_end_ns_;  ///< host; before_ is the one that the hole began with
+  std::optional<ClockFit> hole_end_;  ///< before_ is the one that the hole began with
 };
 
 }  // namespace roadbalance

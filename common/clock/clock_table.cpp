@@ -19,7 +19,7 @@ bool ClockTable::take(const ClockFit& fit) {
     row = rows_.emplace(key, Row()).first;
   }
   auto& [known, last] = row->second;
-  if (fit == last || fit == known.last() || fit == known.before()) return false;
+  if (fit == last || known.holds(fit)) return false;
   if (fit.is_known())
     known.take(fit);
   else if (fit.breaks > last.breaks)

@@ -45,10 +45,8 @@ RecordEvents RecordedClocks::events(const std::function<bool(const NodeEpoch&)>&
   for (const auto& [key, row] : fits_.rows()) {
     if (!wanted(key)) continue;
     const std::string channel = clock_fit_channel(key.first);
-    if (const auto& before = row.known.before()) events.emplace_back(channel, encode(*before));
-    if (const auto& known = row.known.last(); known && *known != row.last)
-      events.emplace_back(channel, encode(*known));
-    events.emplace_back(channel, encode(row.last));
+    for (const ClockFit& fit : row.known.fits()) events.emplace_back(channel, encode(fit));
+    if (row.last != row.known.last()) events.emplace_back(channel, encode(row.last));
   }
   return events;
 }

@@ -35,7 +35,8 @@ class RecordedClocks {
   std::optional<std::int64_t> utc_us(std::int64_t host_ns) const;
 
   /// The same as messages: the pair of clocks (NoteKind::kClock), then for each epoch that `wanted` says the
-  /// one to three fits of its row.
+  /// one to four fits of its row.  Whoever takes them knows of these clocks what this one does, now and after
+  /// whatever both take next.
   RecordEvents events(const std::function<bool(const NodeEpoch&)>& wanted) const;
 
  private:

@@ -63,6 +63,24 @@ TEST(ClockMap, BehindAHoleItsBeginningHoldsUntilWhatWasKeptHasCome) {
   EXPECT_FALSE(map.before());
 }
 
+// A recorder that is started again in the minute behind a hole knows no more than its segment says.
+TEST(ClockMap, TheFitsOfAMapMakeTheSameMap) {
+  ClockMap map, again;
+  for (std::int64_t s = 98; s < 480; ++s) {
+    if (s > 100 && s < 400) continue;
+    map.take(fit_at(s * kSecond_ns));
+    again.take(fit_at(s * kSecond_ns));
+    EXPECT_EQ(again.fits(), map.fits()) << s;
+    const std::vector<ClockFit> fits = again.fits();
+    EXPECT_LE(fits.size(), 3U);
+    again.reset();
+    for (const ClockFit& fit : fits) {
+      EXPECT_TRUE(map.holds(fit)) << s;
+      again.take(fit);
+    }
+  }
+}
+
 TEST(ClockMap, NothingIsJoinedThatNoCrystalJoins) {
   const ClockFit before = fit_at(100 * kSecond_ns);
   const auto joins = [&](ClockFit last) {

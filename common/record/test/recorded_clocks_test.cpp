@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <random>
 #include <system_error>
 
 #include "common/bus/clock_messages.hpp"
@@ -166,6 +168,39 @@ TEST_F(RecordedClocksTest, WhoReadsTheWholeRecordIsGivenEachFitOnce) {
   }
   EXPECT_EQ(fits, 2 * 5);
   EXPECT_GT(events, fits);
+}
+
+// Holes, breaks of the time base and recorders that know nothing yet, in any order; at any instant a segment
+// may begin, and whoever begins there knows the clocks as whoever has read all of it.
+TEST(RecordedClocks, WhoBeginsWithASegmentKnowsTheClocksFromThenOnAsWhoReadsAll) {
+  std::mt19937_64 random(4711);
+  const auto below = [&random](std::uint64_t n) { return static_cast<std::int64_t>(random() % n); };
+  const auto all_events = [](const RecordedClocks& clocks) {
+    return clocks.events([](const NodeEpoch&) { return true; });
+  };
+  RecordedClocks all, since;
+  std::int64_t host_ns = 0, breaks = 0;
+  std::size_t longest = 0;
+  for (int k = 0; k < 20'000; ++k) {
+    host_ns += below(40) == 0 ? (2 + below(90)) * 1'000'000'000 : 1'000'000'000;
+    if (below(200) == 0) ++breaks;
+    ClockFit fit = fit_at(kOne, host_ns);
+    fit.breaks = breaks;
+    if (below(15) == 0) fit.state = ClockState::kAcquire;
+    if (below(300) == 0) fit.node_ns += 1'000'000'000;
+    for (RecordedClocks* clocks : {&all, &since})
+      ASSERT_EQ(clocks->take(clock_fit_channel(kOne.first), encode(fit)), fit) << k;
+    const RecordEvents events = all_events(all);
+    ASSERT_EQ(all_events(since), events) << k;
+    for (const auto& [channel, data] : events)
+      ASSERT_EQ(all.take(channel, data), std::nullopt) << k << ": one that is only repeated says nothing new";
+    ASSERT_EQ(all_events(all), events) << k;
+    longest = std::max(longest, events.size());
+    if (below(10) != 0) continue;
+    since = {};
+    for (const auto& [channel, data] : events) static_cast<void>(since.take(channel, data));
+  }
+  EXPECT_EQ(longest, 4U);
 }
 
 TEST_F(RecordedClocksTest, ARecorderThatIsStartedAgainKnowsTheClocksOfTheRecord) {
