@@ -134,7 +134,7 @@ void HostMachine::check_through(const char* folder, int last) {
       if (reader.segment() > last) break;
       check_.take(event->channel, event->data, checked_);
       if (event->channel == kNoteChannel) take_notes(checked_, event->data);
-      clock_events_.take(event->channel, event->data);
+      clock_events_.take(reader.segment(), event->channel, event->data);
     }
     next_to_check_ = all ? last : last + 1;
     for (const auto& damage : reader.damage()) {
