@@ -31,10 +31,10 @@ bool in_bounds(const wire::clock_fit_t& m) {
 }  // namespace
 
 std::string clock_exchange_channel(int node) {
-  return "RB_CLOCK_EXCHANGE_" + std::to_string(node);
+  return std::string(kClockChannels) + "EXCHANGE_" + std::to_string(node);
 }
 std::string clock_fit_channel(int node) {
-  return "RB_CLOCK_" + std::to_string(node);
+  return kClockChannels + std::to_string(node);
 }
 
 std::vector<std::uint8_t> encode(const ClockExchange& e) {

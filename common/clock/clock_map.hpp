@@ -13,9 +13,9 @@ namespace roadbalance {
 /// Behind the last fit its own drift is all that is known.  What comes late - what a node kept during a cable
 /// pull, or a repair - lies on the line through both fits: each is right at its instant, while the drift of
 /// one that has just locked may be 200 ppm wrong.  Before it is the one before, but for a minute behind a
-/// hole in the fits that which the hole began with: so long what was kept may come.  Fits that no crystal
-/// joins (another time base, a host booted anew) are not joined: then the last one's line goes back as far as
-/// it is asked.
+/// hole in the fits that which the hole began with: so long what was kept may come (of another hole within
+/// that minute no beginning is kept).  Fits that no crystal joins (another time base, a host booted anew) are
+/// not joined: then the last one's line goes back as far as it is asked.
 class ClockMap {
  public:
   /// More between two fits is a hole: they come once a second.
@@ -30,11 +30,9 @@ class ClockMap {
   bool is_known() const { return last_.has_value(); }
   /// Nothing while it is not known.
   const std::optional<ClockFit>& last() const { return last_; }
-  /// That which the last one is joined to; nothing: there is none.
-  const std::optional<ClockFit>& before() const { return before_; }
-  /// Those that make an empty map the same as this one, taken in this order: three at most.
+  /// Those that make an empty map the same as this one, taken in this order: three at most.  Before the last
+  /// one comes, if there is one, that which it is joined to, and what ended a hole between them.
   std::vector<ClockFit> fits() const;
-  bool holds(const ClockFit& fit) const { return fit == last_ || fit == before_ || fit == hole_end_; }
 
   /// The line that holds at a node's instant, as a fit; while it is known.
   ClockFit line_at(std::int64_t node_time_ns) const;

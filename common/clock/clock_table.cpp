@@ -3,6 +3,14 @@
 #include <algorithm>
 
 namespace roadbalance {
+namespace {
+
+// By both clocks: the host's begins anew with the host, the node's may be set back by a break.
+bool is_no_later(const ClockFit& fit, const ClockFit& than) {
+  return fit.host_ns <= than.host_ns && fit.node_ns <= than.node_ns;
+}
+
+}  // namespace
 
 void ClockTable::make_room() {
   if (rows_.size() < kMostClocks) return;
@@ -19,7 +27,9 @@ bool ClockTable::take(const ClockFit& fit) {
     row = rows_.emplace(key, Row()).first;
   }
   auto& [known, last] = row->second;
-  if (fit == last || known.holds(fit)) return false;
+  if (fit == last) return false;
+  if (fit.is_known() ? known.is_known() && is_no_later(fit, *known.last()) : is_no_later(fit, last))
+    return false;
   if (fit.is_known())
     known.take(fit);
   else if (fit.breaks > last.breaks)

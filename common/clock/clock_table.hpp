@@ -17,7 +17,8 @@ class ClockTable {
  public:
   static constexpr std::size_t kMostClocks = 128;
 
-  /// False if it says nothing that the table does not: segments of a record begin with what it says.
+  /// False if it says nothing that the table does not, and changes nothing then: segments of a record begin
+  /// with what was known there already, and what is continued in another folder says some of it again.
   bool take(const ClockFit& fit);
 
   struct Row {

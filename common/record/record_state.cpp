@@ -46,10 +46,12 @@ void add_vehicle_part(const SealedBlock& block, RecordState& state) {
   if (has_room(state)) state.vehicle[key].push_back(block);
 }
 
-// Each block with its event, and the end of each segment; the clocks on the way.
+// Each block with its event, and the end of each segment; the clocks on the way, as the first segment tells
+// them: who knows older fits would take what lies between for a hole.
 template <typename AtBlock, typename AtEnd>
 void read_events(const std::filesystem::path& folder, int first, RecordedClocks& clocks, AtBlock&& at_block,
                  AtEnd&& at_end, Disk& disk) {
+  clocks = {};
   RecordReader reader(folder, disk, first);
   reader.finish();
   int segment = reader.segment();

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/clock_messages.hpp"
 #include "common/bus/codec.hpp"
 #include "common/link/planted.hpp"
 #include "common/record/alter_blocks.hpp"
@@ -196,7 +197,7 @@ struct RecordWriter::State : SegmentEvents {
 
   void append_other(std::string_view channel, std::span<const std::uint8_t> data, std::int64_t timestamp_us) {
     append(channel, data, timestamp_us);
-    clocks_changed = clocks_changed || channel == kNoteChannel || channel.starts_with("RB_CLOCK_");
+    clocks_changed = clocks_changed || channel == kNoteChannel || channel.starts_with(kClockChannels);
     static_cast<void>(holds.clocks.take(channel, data));
   }
 

@@ -10,8 +10,9 @@ namespace roadbalance {
 std::optional<ClockFit> RecordedClocks::take(std::string_view channel, std::span<const std::uint8_t> data) {
   if (channel == kNoteChannel) {
     const auto note = decode_note(data);
-    // One that was taken before the host's clocks were read has none.
-    if (note && note->time_us != 0) {
+    // One that was taken before the host's clocks were read has none, and that of a segment given up stands
+    // before the older pair which the next one begins with.
+    if (note && note->time_us != 0 && note->kind != NoteKind::kSegmentAbandoned) {
       // The host's clock begins anew with it: fits to the one before say nothing of this one.
       if (pair_ && note->host_ns < pair_->host_ns && note->time_us > pair_->time_us) fits_ = {};
       pair_ = Note{.time_us = note->time_us,
@@ -20,7 +21,7 @@ std::optional<ClockFit> RecordedClocks::take(std::string_view channel, std::span
                    .kind = NoteKind::kClock,
                    .text = {}};
     }
-  } else if (channel.starts_with("RB_CLOCK_")) {
+  } else if (channel.starts_with(kClockChannels)) {
     const auto fit = decode_clock_fit(data);
     if (fit && fits_.take(*fit)) return fit;
   }

@@ -77,7 +77,7 @@ void Operating::take(std::string_view channel, std::span<const std::uint8_t> byt
   } else if (channel.starts_with("RB_HEARTBEAT_")) {
     heard_.take(bytes, time.now);
     if (const auto beat = decode_heartbeat(bytes)) rests_.take(*beat, time.now);
-  } else if (channel.starts_with("RB_CLOCK_")) {
+  } else if (channel.starts_with(kClockChannels)) {
     hear_clock(bytes);
   } else if (set_up_ && channel.starts_with("RB_REPLY_")) {
     if (const auto reply = decode_reply(bytes)) set_up_->take(*reply);

@@ -11,7 +11,7 @@ ClockFit locked(std::int64_t number, std::int64_t breaks = 0) {
           .number = number,
           .state = ClockState::kLocked,
           .host_ns = 1'000 * number,
-          .node_ns = 5'000 * number,
+          .node_ns = 1'000 * number + 5'000,
           .breaks = breaks};
 }
 
@@ -37,15 +37,45 @@ TEST(ClockTable, WhatASegmentRepeatsSaysNothingNew) {
 // A recorder that was started again asks anew, and counts its fits from 1.
 TEST(ClockTable, WhatWasKnownHoldsWhileARecorderThatHasJustBegunKnowsNothing) {
   ClockTable table;
+  ClockFit first = acquiring(51), second = locked(52);
+  first.number = 1;
+  second.number = 2;
   EXPECT_TRUE(table.take(locked(50)));
-  EXPECT_TRUE(table.take(acquiring(1)));
+  EXPECT_TRUE(table.take(first));
   EXPECT_EQ(only_row(table).known.last(), locked(50));
-  EXPECT_EQ(only_row(table).last, acquiring(1));
+  EXPECT_EQ(only_row(table).last, first);
   EXPECT_FALSE(table.take(locked(50)));
-  EXPECT_FALSE(table.take(acquiring(1)));
-  EXPECT_EQ(only_row(table).last, acquiring(1)) << "the repetition has changed nothing";
-  EXPECT_TRUE(table.take(locked(2)));
-  EXPECT_EQ(only_row(table).known.last(), locked(2));
+  EXPECT_FALSE(table.take(first));
+  EXPECT_EQ(only_row(table).last, first) << "the repetition has changed nothing";
+  EXPECT_TRUE(table.take(second));
+  EXPECT_EQ(only_row(table).known.last(), second);
+}
+
+// A folder in which a recorder went on begins with fits of the one before, and says some of them again.
+TEST(ClockTable, AFitOfBeforeSaysNothingNew) {
+  ClockTable table;
+  table.take(locked(49));
+  table.take(locked(50));
+  EXPECT_FALSE(table.take(locked(10)));
+  EXPECT_FALSE(table.take(acquiring(10)));
+  EXPECT_TRUE(table.take(acquiring(51)));
+  EXPECT_FALSE(table.take(locked(49)));
+  EXPECT_EQ(only_row(table).known.fits(), (std::vector{locked(49), locked(50)}));
+  EXPECT_EQ(only_row(table).last, acquiring(51));
+  EXPECT_FALSE(table.take(acquiring(50)));
+}
+
+TEST(ClockTable, AClockThatBeganAnewIsNotOneOfBefore) {
+  ClockTable table;
+  table.take(locked(50));
+  ClockFit booted = locked(51);
+  booted.host_ns = 20;
+  EXPECT_TRUE(table.take(booted)) << "the host's";
+  ClockFit set_back = locked(52, 1);
+  set_back.host_ns = 1'020;
+  set_back.node_ns = 7;
+  EXPECT_TRUE(table.take(set_back)) << "the node's";
+  EXPECT_EQ(only_row(table).known.last(), set_back);
 }
 
 TEST(ClockTable, NothingIsKnownBehindABreakUntilTheNextFit) {

@@ -153,6 +153,23 @@ TEST(RecordedClocks, ForgetsFitsWhenTheHostIsBootedAnew) {
   EXPECT_TRUE(clocks.host_ns(kOne, node_ns(kOne, kAfter_ns)));
 }
 
+// Wall time was set back while the disk failed: the next segment begins with the note that gives up the one
+// before, and then repeats the pair of clocks that was durable.
+TEST(RecordedClocks, ASegmentGivenUpIsNoHostBootedAnew) {
+  RecordedClocks clocks;
+  const auto take_note = [&](NoteKind kind, std::int64_t host_ns, std::int64_t time_us) {
+    const Note note{.time_us = time_us, .host_ns = host_ns, .kind = kind, .a = 1, .b = 4096, .text = {}};
+    ASSERT_TRUE(decode_note(encode(note)));
+    static_cast<void>(clocks.take(kNoteChannel, encode(note)));
+  };
+  constexpr std::int64_t kHour_us = 3'600'000'000;
+  take_note(NoteKind::kClock, 100, kNotedUtc_us);
+  static_cast<void>(clocks.take(clock_fit_channel(kOne.first), encode(fit_at(kOne, 0))));
+  take_note(NoteKind::kSegmentAbandoned, 105, kNotedUtc_us - kHour_us);
+  take_note(NoteKind::kClock, 100, kNotedUtc_us);
+  EXPECT_TRUE(clocks.host_ns(kOne, node_ns(kOne, 0)));
+}
+
 // Each fit is there once for who reads all of it, however often it is repeated.
 TEST_F(RecordedClocksTest, WhoReadsTheWholeRecordIsGivenEachFitOnce) {
   begin();

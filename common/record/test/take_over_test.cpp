@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/clock_messages.hpp"
 #include "common/bus/codec.hpp"
 #include "common/bus/notes.hpp"
 #include "common/record/folder.hpp"
@@ -248,6 +249,45 @@ TEST(ReadState, KnowsTheDescriptionsThatASegmentWithoutACommitEventBeginsWith) {
   const RecordState state = read_state(kFolder, disk, {}, &unsure);
   ASSERT_EQ(unsure.size(), 1u);
   EXPECT_EQ(state.vehicle.size(), 1u);
+}
+
+// What the fallback's segments begin with is all there is to know: the fit that the record of before ended
+// with would make a hole of the time since.
+TEST(TakeOver, InAFolderThatContinuesAnotherTheClocksAreThoseOfItsLastSegment) {
+  SimulatedDisk disk;
+  const auto append_fit = [](RecordWriter& writer, std::int64_t s) {
+    const ClockFit fit{.node = 1,
+                       .epoch = 7,
+                       .number = s,
+                       .state = ClockState::kLocked,
+                       .host_ns = s * 1'000'000'000,
+                       .node_ns = s * 1'000'000'000};
+    writer.append(clock_fit_channel(1), encode(fit), 0);
+    return fit;
+  };
+  {
+    RecordWriter writer({.folder = "/first"}, disk);
+    append_fit(writer, 100);
+    writer.close();
+  }
+  const RecordState before = read_state("/first", disk);
+  ClockFit last_two[2];
+  {
+    RecordWriter writer({.folder = kFolder, .segment_bytes = 64 << 10}, disk, before);
+    for (std::int64_t s = 101; writer.segment() < 3; ++s) {
+      last_two[0] = std::exchange(last_two[1], append_fit(writer, s));
+      for (int k = 0; k < 20; ++k) writer.append("RB_OTHER", std::vector<std::uint8_t>(1000), 0);
+    }
+    writer.sync();
+    disk.kill();
+  }
+  const RecordWriter again({.folder = kFolder}, disk, before);
+  const RecordState held_again = read_state(kFolder, disk, before);
+  for (const RecordState* holds : {&again.holds(), &held_again}) {
+    const RecordEvents events = clocks_going_on(*holds);
+    ASSERT_EQ(events.size(), 2u);
+    for (std::size_t k = 0; k < 2; ++k) EXPECT_EQ(decode_clock_fit(events[k].second), last_two[k]) << k;
+  }
 }
 
 }  // namespace

@@ -71,16 +71,17 @@ TEST(GridStreamClock, AfterAJumpTheRecorderHasTimeToSeeIt) {
   Node node{.offset_s = 3.0, .begin_s = 10.0};
   Grid grid;
   GridStream stream(1, false);
-  ClockFit before = node.fit(10.0);
+  const ClockFit before = node.fit(10.0);
+  const ClockFit late[] = {node.fit(10.9), node.fit(10.95)};
   stream.take(before, grid);
   int number = 0;
   for (; number < 100; ++number) stream.take(node.block(number), grid);
   node.offset_s += 0.2;
   for (; number < 150; ++number) stream.take(node.block(number), grid);
-  for (int repeated = 0; repeated < 5; ++repeated)
-    stream.take(before, grid);  // what a segment repeats is no fit made since
-  for (before.number = 2; before.number <= 3; ++before.number)
-    stream.take(before, grid);  // a fit made before the jump, recorded after it, and another
+  // What a segment repeats is no fit made since, nor is one that was made before the jump and recorded after
+  // it.
+  for (int repeated = 0; repeated < 5; ++repeated) stream.take(before, grid);
+  for (const ClockFit& fit : late) stream.take(fit, grid);
   EXPECT_LE(rows_in(stream), 100 * kScansPerBlock);
   stream.take(node.fit(13.0), grid);  // of a recorder that begins anew and has seen no break
   EXPECT_EQ(rows_in(stream), 150 * kScansPerBlock - FractionalDelay::kTaps + 1);
