@@ -19,6 +19,7 @@
 #include "host/recorder/preamble.hpp"
 #include "host/recorder/record_keeper.hpp"
 #include "host/recorder/verify_missing.hpp"
+#include "tools/rb/salvage_clocks.hpp"
 #include "tools/rb/salvage_epoch.hpp"
 #include "tools/rb/salvage_losses.hpp"
 #include "tools/rb/salvage_sources.hpp"
@@ -199,6 +200,7 @@ class Salvage {
       if (kind == NoteKind::kStarted) begin_run();
       if (kind == NoteKind::kStopped && is_continuation_) return;
     }
+    if (!clocks_.is_new(event.channel, event.data)) return;
     writer_->append(event.channel, event.data, event.timestamp_us);
   }
 
@@ -262,6 +264,7 @@ class Salvage {
   HeaderCheck headers_;
   SalvageLosses losses_;
   RecordState vehicle_;  // only the descriptions in it count
+  SalvageClocks clocks_;
   JournalTally journal_;
   std::map<NodeEpoch, Journal> counted_;  // what the nodes lost, and this run of the recorder
   std::int64_t last_timestamp_us_ = 0;
