@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "common/bus/clock_messages.hpp"
-#include "common/clock/clock_map.hpp"
+#include "common/bus/notes.hpp"
 
 namespace roadbalance::test {
 
@@ -12,78 +12,80 @@ void ClockEvents::given(const std::string& channel, const std::vector<std::uint8
 }
 
 void ClockEvents::durable(std::size_t count) {
-  for (; durable_ < count; ++durable_) given_[durable_].durable = true;
+  for (; durable_ < count; ++durable_)
+    if (durable_ >= passed_) given_[durable_ - passed_].durable = true;
 }
 
-bool ClockEvents::is_same(std::size_t at, std::string_view channel,
-                          std::span<const std::uint8_t> bytes) const {
-  return given_[at].channel == channel && std::ranges::equal(given_[at].bytes, bytes);
+void ClockEvents::pass_over(std::size_t given) {
+  for (; given > 0; --given, ++passed_) {
+    if (given_.front().durable)
+      truth_.fault("clock event " + std::to_string(passed_ + 1) + ", " + given_.front().channel +
+                   ", came before a block that was called durable, and is not in the record");
+    given_.pop_front();
+  }
 }
 
-void ClockEvents::found(std::size_t at) {
+// Those before it that are not in the record were lost.
+bool ClockEvents::is_given(std::string_view channel, std::span<const std::uint8_t> bytes) {
+  const auto at = std::ranges::find_if(given_, [&](const Event& event) {
+    return event.channel == channel && std::ranges::equal(event.bytes, bytes);
+  });
+  if (at == given_.end()) return false;
+  pass_over(static_cast<std::size_t>(at - given_.begin()));
+  given_.pop_front();
+  ++passed_;
   ++found_;
-  const auto fit = decode_clock_fit(given_[at].bytes);
-  if (!fit) {
-    at_beginning_ = false;
+  return true;
+}
+
+void ClockEvents::begin_segment(const std::function<bool(const NodeEpoch&)>& has_ended) {
+  end_segment();
+  of_segment_ = {};
+  to_be_said_again_ = all_.events([&](const NodeEpoch& key) { return !has_ended(key); });
+  std::erase_if(to_be_said_again_, [](const auto& event) { return event.first == kNoteChannel; });
+}
+
+void ClockEvents::end_beginning() {
+  for (const auto& [channel, bytes] : std::exchange(to_be_said_again_, {}))
+    truth_.fault("a segment does not say a fit on " + channel + " again that places what comes in it");
+}
+
+void ClockEvents::end_segment() {
+  end_beginning();
+  constexpr std::int64_t kSecond_ns = 1'000'000'000;
+  for (const auto& [key, node_ns] : std::exchange(fits_of_segment_, {}))
+    for (const std::int64_t late_s : {0, 1, 10, 60}) {
+      const std::int64_t instant_ns = node_ns - late_s * kSecond_ns;
+      if (all_.host_ns(key, instant_ns) == of_segment_.host_ns(key, instant_ns)) continue;
+      return truth_.fault("who begins with a segment places an instant of node " + std::to_string(key.first) +
+                          " otherwise than who has read all of the record");
+    }
+}
+
+void ClockEvents::take(std::string_view channel, std::span<const std::uint8_t> bytes) {
+  const bool is_note = channel == kNoteChannel;
+  if (!is_note && !channel.starts_with(kClockChannels)) return;
+  const auto fit = decode_clock_fit(bytes);
+  const bool is_new = all_.take(channel, bytes).has_value();
+  static_cast<void>(of_segment_.take(channel, bytes));
+  if (is_note) return;
+  if (fit) fits_of_segment_.insert({{fit->node, fit->epoch}, fit->node_ns});
+  if (is_given(channel, bytes)) {
+    if (!fit) end_beginning();
+    if (fit && !is_new) truth_.fault("who reads the record passes over a fit on " + std::string(channel));
     return;
   }
-  if (at_beginning_) in_segment_.insert(at);
-  Fits& fits = fits_[{fit->node, fit->epoch}];
-  fits.last = at;
-  if (!fit->is_known()) return;
-  auto& known = fits.known;
-  known.emplace_back(at, fit->host_ns);
-  while (known.size() > 2 && fit->host_ns - known[1].second >= ClockMap::kBacklog_ns)
-    known.erase(known.begin());
-}
-
-std::set<std::size_t> ClockEvents::may_be_said_again(const Fits& fits) {
-  const auto& known = fits.known;
-  std::set<std::size_t> may{fits.last};
-  for (std::size_t k = 0; k < known.size(); ++k) {
-    if (k + 2 >= known.size()) may.insert(known[k].first);
-    if (k > 0 && known[k].second - known[k - 1].second > ClockMap::kHole_ns)
-      may.insert({known[k - 1].first, known[k].first});
-  }
-  return may;
-}
-
-bool ClockEvents::is_repeated(std::string_view channel, std::span<const std::uint8_t> bytes) {
-  const auto fit = decode_clock_fit(bytes);
-  if (!fit || !at_beginning_) return false;
-  const auto fits = fits_.find({fit->node, fit->epoch});
-  if (fits == fits_.end()) return false;
-  for (const std::size_t at : may_be_said_again(fits->second))
-    if (is_same(at, channel, bytes)) return in_segment_.insert(at).second;
-  return false;
-}
-
-void ClockEvents::pass_over(std::size_t behind) {
-  for (; next_ < behind; ++next_)
-    if (given_[next_].durable)
-      truth_.fault("clock event " + std::to_string(next_ + 1) + ", " + given_[next_].channel +
-                   ", came before a block that was called durable, and is not in the record");
-}
-
-void ClockEvents::take(int segment, std::string_view channel, std::span<const std::uint8_t> bytes) {
-  if (!channel.starts_with("RB_CLOCK_")) return;
-  if (segment != segment_) {
-    segment_ = segment;
-    at_beginning_ = true;
-    in_segment_.clear();
-  }
-  for (std::size_t at = next_; at < given_.size(); ++at) {
-    if (!is_same(at, channel, bytes)) continue;
-    pass_over(at);
-    ++next_;
-    return found(at);
-  }
-  if (!is_repeated(channel, bytes))
-    truth_.fault("a clock event on " + std::string(channel) +
-                 " is in the record twice, out of order or never given");
+  const auto again = std::ranges::find_if(to_be_said_again_, [&](const auto& event) {
+    return event.first == channel && std::ranges::equal(event.second, bytes);
+  });
+  if (again == to_be_said_again_.end())
+    return truth_.fault("a clock event on " + std::string(channel) +
+                        " is in the record twice, out of order or never given");
+  to_be_said_again_.erase(again);
 }
 
 void ClockEvents::finish() {
+  end_segment();
   pass_over(given_.size());
 }
 

@@ -2,7 +2,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <map>
+#include <deque>
+#include <functional>
 #include <set>
 #include <span>
 #include <string>
@@ -10,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/clock/exchange.hpp"
+#include "common/record/recorded_clocks.hpp"
 #include "hil_tests/deterministic/truth.hpp"
 
 namespace roadbalance::test {
@@ -19,22 +20,25 @@ namespace roadbalance::test {
 ///
 /// They stand in the record in their order, each once; what came before a block that was called durable is
 /// there, of what came behind it a recorder that dies may lose any.  Before its first exchange a segment says
-/// again, each once, fits that stand in the record: of an epoch the last one, the last two that are known and
-/// both sides of a hole that ended a minute ago at most.
+/// again the fits of epochs that have not ended, those that RecordedClocks::events() demands and no other, so
+/// that who begins with it places every instant as who has read all.
 class ClockEvents {
  public:
   explicit ClockEvents(Truth& truth) : truth_(truth) {}
 
   /// The recorder keeps this from now on.
   void given(const std::string& channel, const std::vector<std::uint8_t>& bytes);
-  std::size_t count() const { return given_.size(); }
+  std::size_t count() const { return passed_ + given_.size(); }
   /// The first `count` are on the disk, but for what died with a recorder.
   void durable(std::size_t count);
   /// It died, and with it what was not durable.
-  void died() { durable_ = given_.size(); }
+  void died() { durable_ = count(); }
 
-  /// The next event of the record, in the segment of this number; those of other channels are passed over.
-  void take(int segment, std::string_view channel, std::span<const std::uint8_t> bytes);
+  /// The record goes on in another segment, of which the next events are.
+  /// @param has_ended  what the record tells of an epoch so far
+  void begin_segment(const std::function<bool(const NodeEpoch&)>& has_ended);
+  /// The next event of the record; those of other channels are passed over.
+  void take(std::string_view channel, std::span<const std::uint8_t> bytes);
   /// The record has no more.
   void finish();
 
@@ -46,27 +50,19 @@ class ClockEvents {
     std::vector<std::uint8_t> bytes;
     bool durable = false;
   };
-  /// The fits of an epoch that stand in the record, as far as they may be said again: of given_, with the
-  /// host's instants.
-  struct Fits {
-    std::size_t last = 0;
-    std::vector<std::pair<std::size_t, std::int64_t>> known;  // but for the first, of the last minute
-  };
-  bool is_same(std::size_t at, std::string_view channel, std::span<const std::uint8_t> bytes) const;
-  void found(std::size_t at);
-  static std::set<std::size_t> may_be_said_again(const Fits& fits);
-  bool is_repeated(std::string_view channel, std::span<const std::uint8_t> bytes);
-  void pass_over(std::size_t behind);
+  bool is_given(std::string_view channel, std::span<const std::uint8_t> bytes);
+  void pass_over(std::size_t given);
+  void end_beginning();
+  void end_segment();
 
   Truth& truth_;
-  std::vector<Event> given_;
-  std::size_t durable_ = 0;  // of given_: decided
-  std::size_t next_ = 0;     // of given_: expected in the record
+  std::deque<Event> given_;  // from the one on that is expected next in the record
+  std::size_t passed_ = 0;   // before it
+  std::size_t durable_ = 0;  // decided
   std::int64_t found_ = 0;
-  std::map<std::pair<std::int32_t, std::int64_t>, Fits> fits_;  // by (node, epoch)
-  int segment_ = 0;
-  bool at_beginning_ = false;         // of the segment
-  std::set<std::size_t> in_segment_;  // of given_: fits, until the beginning is over
+  RecordedClocks all_, of_segment_;
+  std::set<std::pair<NodeEpoch, std::int64_t>> fits_of_segment_;  // with their node's instant
+  RecordEvents to_be_said_again_;
 };
 
 }  // namespace roadbalance::test
