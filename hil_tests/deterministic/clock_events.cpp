@@ -41,7 +41,11 @@ bool ClockEvents::is_given(std::string_view channel, std::span<const std::uint8_
 void ClockEvents::begin_segment(const std::function<bool(const NodeEpoch&)>& has_ended) {
   end_segment();
   of_segment_ = {};
-  to_be_said_again_ = all_.events([&](const NodeEpoch& key) { return !has_ended(key); });
+  ended_.clear();
+  to_be_said_again_ = all_.events([&](const NodeEpoch& key) {
+    if (has_ended(key)) ended_.insert(key);
+    return !ended_.contains(key);
+  });
   std::erase_if(to_be_said_again_, [](const auto& event) { return event.first == kNoteChannel; });
 }
 
@@ -69,7 +73,8 @@ void ClockEvents::take(std::string_view channel, std::span<const std::uint8_t> b
   const bool is_new = all_.take(channel, bytes).has_value();
   static_cast<void>(of_segment_.take(channel, bytes));
   if (is_note) return;
-  if (fit) fits_of_segment_.insert({{fit->node, fit->epoch}, fit->node_ns});
+  if (fit && !ended_.contains({fit->node, fit->epoch}))
+    fits_of_segment_.insert({{fit->node, fit->epoch}, fit->node_ns});
   if (is_given(channel, bytes)) {
     if (!fit) end_beginning();
     if (fit && !is_new) truth_.fault("who reads the record passes over a fit on " + std::string(channel));

@@ -21,7 +21,7 @@ namespace roadbalance::test {
 /// They stand in the record in their order, each once; what came before a block that was called durable is
 /// there, of what came behind it a recorder that dies may lose any.  Before its first exchange a segment says
 /// again the fits of epochs that have not ended, those that RecordedClocks::events() demands and no other, so
-/// that who begins with it places every instant as who has read all.
+/// that who begins with it places their instants as who has read all.
 class ClockEvents {
  public:
   explicit ClockEvents(Truth& truth) : truth_(truth) {}
@@ -61,7 +61,8 @@ class ClockEvents {
   std::size_t durable_ = 0;  // decided
   std::int64_t found_ = 0;
   RecordedClocks all_, of_segment_;
-  std::set<std::pair<NodeEpoch, std::int64_t>> fits_of_segment_;  // with their node's instant
+  std::set<NodeEpoch> ended_;                                     // before the segment
+  std::set<std::pair<NodeEpoch, std::int64_t>> fits_of_segment_;  // of the others, with their node's instant
   RecordEvents to_be_said_again_;
 };
 

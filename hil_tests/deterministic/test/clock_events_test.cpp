@@ -18,12 +18,13 @@ class ClockEventsTest : public ::testing::Test {
     for (int k = 1; k <= 5; ++k) give(event(k));
     begin_segment();
   }
-  static Message fit(int k, std::int64_t epoch = 7) {
+  // Off the line through the others by what the drift of a crystal allows.
+  static Message fit(int k, std::int64_t epoch = 7, std::int64_t off_ns = 0) {
     const ClockFit fit{.node = 1,
                        .epoch = epoch,
                        .state = ClockState::kLocked,
                        .host_ns = k * kSecond_ns,
-                       .node_ns = k * kSecond_ns};
+                       .node_ns = k * kSecond_ns + off_ns};
     return {clock_fit_channel(1), encode(fit)};
   }
   static Message exchange(int k) {
@@ -131,18 +132,17 @@ TEST_F(ClockEventsTest, ButForEpochsThatHaveEnded) {
   take(fit(6, 8));
   begin_segment();
   take(fit(6, 8));
-  EXPECT_EQ(faults(), 0);
+  give(fit(7, 7, 100'000));
+  take(fit(7, 7, 100'000));
+  EXPECT_EQ(faults(), 0) << "it may have another fit, but nothing comes that it would place";
   begin_segment();
   take({2});
   EXPECT_EQ(truth.fault_count(), 1);
 }
 
-// Both sides of a hole, the second one of which is as far off as the drift allows, and the last one.
+// Both sides of a hole, and the last one.
 TEST_F(ClockEventsTest, InTheOrderInWhichTheyCame) {
-  ClockFit end;
-  end = *decode_clock_fit(fit(40).second);
-  end.node_ns += 100'000;
-  const Message hole_end{clock_fit_channel(1), encode(end)};
+  const Message hole_end = fit(40, 7, 100'000);
   give(hole_end);
   give(fit(41));
   take({1, 2, 3, 4, 5});
