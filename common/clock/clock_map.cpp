@@ -8,6 +8,9 @@
 namespace roadbalance {
 namespace {
 
+constexpr std::int64_t kHole_ns = 2'000'000'000;      // fits come once a second
+constexpr std::int64_t kBacklog_ns = 60'000'000'000;  // the ring's and the spool's is gone by then
+
 /// The line through two fits, as a fit at the first one's instant; nothing if no crystal has such a drift.
 std::optional<ClockFit> joined(const ClockFit& before, const ClockFit& last) {
   const std::int64_t host_ns = last.host_ns - before.host_ns;

@@ -18,11 +18,6 @@ namespace roadbalance {
 /// not joined: then the last one's line goes back as far as it is asked.
 class ClockMap {
  public:
-  /// More between two fits is a hole: they come once a second.
-  static constexpr std::int64_t kHole_ns = 2'000'000'000;
-  /// So long behind a hole what was kept may come: the ring's and the spool's is gone by then.
-  static constexpr std::int64_t kBacklog_ns = 60'000'000'000;
-
   /// The next fit; known.
   void take(const ClockFit& fit);
   void reset() { *this = {}; }

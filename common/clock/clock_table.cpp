@@ -25,11 +25,11 @@ bool ClockTable::take(const ClockFit& fit) {
   if (row == rows_.end()) {
     make_room();
     row = rows_.emplace(key, Row()).first;
+  } else {
+    const auto& [known, last] = row->second;
+    if (is_no_later(fit, fit.is_known() && known.is_known() ? *known.last() : last)) return false;
   }
   auto& [known, last] = row->second;
-  if (fit == last) return false;
-  if (fit.is_known() ? known.is_known() && is_no_later(fit, *known.last()) : is_no_later(fit, last))
-    return false;
   if (fit.is_known())
     known.take(fit);
   else if (fit.breaks > last.breaks)

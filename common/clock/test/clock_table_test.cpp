@@ -65,6 +65,14 @@ TEST(ClockTable, AFitOfBeforeSaysNothingNew) {
   EXPECT_FALSE(table.take(acquiring(50)));
 }
 
+TEST(ClockTable, NorDoesOneOfBeforeABreak) {
+  ClockTable table;
+  table.take(locked(50));
+  table.take(acquiring(51, 1));
+  EXPECT_FALSE(table.take(locked(50)));
+  EXPECT_FALSE(only_row(table).known.is_known());
+}
+
 TEST(ClockTable, AClockThatBeganAnewIsNotOneOfBefore) {
   ClockTable table;
   table.take(locked(50));
@@ -85,6 +93,12 @@ TEST(ClockTable, NothingIsKnownBehindABreakUntilTheNextFit) {
   EXPECT_FALSE(only_row(table).known.is_known());
   EXPECT_TRUE(table.take(locked(52, 1)));
   EXPECT_EQ(only_row(table).known.last(), locked(52, 1));
+}
+
+TEST(ClockTable, TakesTheFirstOfAnEpochWhateverItSays) {
+  ClockTable table;
+  EXPECT_TRUE(table.take(acquiring(-9)));
+  EXPECT_EQ(only_row(table).last, acquiring(-9));
 }
 
 TEST(ClockTable, ForgetsTheEpochThatWasHeardOfLongestAgo) {
