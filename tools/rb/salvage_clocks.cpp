@@ -5,15 +5,13 @@
 namespace roadbalance {
 
 bool SalvageClocks::is_new(std::string_view channel, std::span<const std::uint8_t> data) {
-  if (fits_.take(channel, data)) return true;
-  const auto exchange = decode_clock_exchange(data);
-  if (!exchange) return !decode_clock_fit(data);
-  const auto [last, is_first] = last_.try_emplace({exchange->node, exchange->epoch}, *exchange);
-  if (is_first) return true;
-  // The host's clock begins anew with the host, the node's may be set back by a break.
-  if (exchange->heard_ns <= last->second.heard_ns && exchange->received_ns <= last->second.received_ns)
-    return false;
-  last->second = *exchange;
+  if (!channel.starts_with(kClockChannels)) return true;
+  if (const auto exchange = decode_clock_exchange(data))
+    return exchanges_[{exchange->node, exchange->epoch}]
+        .emplace(exchange->asked_ns, exchange->received_ns)
+        .second;
+  if (const auto fit = decode_clock_fit(data))
+    return fits_[{fit->node, fit->epoch}].emplace(fit->host_ns, fit->node_ns).second;
   return true;
 }
 

@@ -2,25 +2,30 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <span>
 #include <string_view>
+#include <utility>
 
-#include "common/clock/exchange.hpp"
 #include "common/record/recorded_clocks.hpp"
 
 namespace roadbalance {
 
 /// Which of the clocks' events in several folders are to stand in the one record made of them: each exchange
-/// and each fit once.  Segments begin with fits of before, and a recorder that goes on in its fallback folder
-/// writes again there what it is not sure of.
+/// and each fit once, where it comes first.  Segments begin with fits of before, and a recorder that goes on
+/// in its fallback folder writes again there what it is not sure of.
 class SalvageClocks {
  public:
-  /// The next event, in the order of the folders; true of those of other channels.
+  /// The next event; true of those of other channels.
   bool is_new(std::string_view channel, std::span<const std::uint8_t> data);
 
  private:
-  RecordedClocks fits_;
-  std::map<NodeEpoch, ClockExchange> last_;
+  // No two of an epoch have both in common, whatever begins anew: recorder, host or, by a break, the node's
+  // clock.
+  using Instants = std::set<std::pair<std::int64_t, std::int64_t>>;
+
+  std::map<NodeEpoch, Instants> exchanges_;  // asked, and received
+  std::map<NodeEpoch, Instants> fits_;       // the host's, and the node's
 };
 
 }  // namespace roadbalance
