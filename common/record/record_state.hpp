@@ -69,7 +69,9 @@ struct UnsureBlock {
 /// Counts what is known to be on the disk.  Behind the last commit event of a last segment without an index
 /// lies what may have been promised already, or have been left to the page cache by a sync that failed: only
 /// who writes it again may count it.
-/// @param before  what it continues: the record of another folder
+/// @param before  what it continues: the record of another folder; of the clocks counts what this one's
+/// segments
+///                begin with, if it has any
 /// @param unsure  gets those blocks, in order, if given
 RecordState read_state(const std::filesystem::path& folder, Disk& disk = kernel_disk(),
                        RecordState before = {}, std::vector<UnsureBlock>* unsure = nullptr);
@@ -82,7 +84,7 @@ bool holds_all_of(const RecordState& record, const std::filesystem::path& folder
 
 /// Told at the end of each segment that is read, with the state there.
 using AtSegmentEnd = std::function<void(int segment, const RecordState& state)>;
-/// As read_state(), from segment `first` on, which continues `state`.
+/// As read_state(), from segment `first` on, which continues `state` but for the clocks.
 void read_segments(const std::filesystem::path& folder, int first, RecordState& state,
                    const AtSegmentEnd& at_end, Disk& disk = kernel_disk());
 

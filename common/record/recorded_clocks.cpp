@@ -10,11 +10,13 @@ namespace roadbalance {
 std::optional<ClockFit> RecordedClocks::take(std::string_view channel, std::span<const std::uint8_t> data) {
   if (channel == kNoteChannel) {
     const auto note = decode_note(data);
-    // One that was taken before the host's clocks were read has none, and that of a segment given up stands
-    // before the older pair which the next one begins with.
-    if (note && note->time_us != 0 && note->kind != NoteKind::kSegmentAbandoned) {
-      // The host's clock begins anew with it: fits to the one before say nothing of this one.
-      if (pair_ && note->host_ns < pair_->host_ns && note->time_us > pair_->time_us) fits_ = {};
+    // One that was taken before the host's clocks were read has none.
+    if (note && note->time_us != 0) {
+      // The host's clock begins anew with it: fits to the one before say nothing of this one.  An older pair
+      // of the same recorder is only repeated; wall time may have been set back since.
+      if (pair_ && note->incarnation > pair_->incarnation && note->host_ns < pair_->host_ns &&
+          note->time_us > pair_->time_us)
+        fits_ = {};
       pair_ = Note{.time_us = note->time_us,
                    .host_ns = note->host_ns,
                    .incarnation = note->incarnation,

@@ -135,8 +135,13 @@ TEST_F(RecordedClocksTest, EachSegmentAlonePlacesEachOfItsBlocksOnHostTimeAndUtc
 // The host's clock begins anew; a fit to the one before would be off by both uptimes.
 TEST(RecordedClocks, ForgetsFitsWhenTheHostIsBootedAnew) {
   RecordedClocks clocks;
+  std::int64_t incarnation = 3;  // of the recorder
   const auto take_pair = [&](std::int64_t host_ns, std::int64_t time_us) {
-    const Note pair{.time_us = time_us, .host_ns = host_ns, .kind = NoteKind::kClock, .text = {}};
+    const Note pair{.time_us = time_us,
+                    .host_ns = host_ns,
+                    .incarnation = incarnation,
+                    .kind = NoteKind::kClock,
+                    .text = {}};
     static_cast<void>(clocks.take(kNoteChannel, encode(pair)));
   };
   const auto take_fit = [&](std::int64_t host_ns) {
@@ -147,18 +152,25 @@ TEST(RecordedClocks, ForgetsFitsWhenTheHostIsBootedAnew) {
   take_fit(kBefore_ns);
   take_pair(kBefore_ns - 1, kNotedUtc_us - 1);  // a segment repeats one of before
   EXPECT_TRUE(clocks.host_ns(kOne, node_ns(kOne, kBefore_ns)));
+  incarnation = 4;
   take_pair(kAfter_ns, kNotedUtc_us + 60'000'000);
   EXPECT_FALSE(clocks.host_ns(kOne, node_ns(kOne, kBefore_ns)));
   take_fit(kAfter_ns);
   EXPECT_TRUE(clocks.host_ns(kOne, node_ns(kOne, kAfter_ns)));
 }
 
-// Wall time was set back while the disk failed: the next segment begins with the note that gives up the one
-// before, and then repeats the pair of clocks that was durable.
-TEST(RecordedClocks, ASegmentGivenUpIsNoHostBootedAnew) {
+// Notes may stand before the pair of clocks that was known before them: the one that gives up a segment
+// before the preamble of the next, and those of a folder's tail before what its fallback begins with.
+TEST(RecordedClocks, AnOlderPairThatIsRepeatedBehindWallTimeSetBackIsNoHostBootedAnew) {
   RecordedClocks clocks;
   const auto take_note = [&](NoteKind kind, std::int64_t host_ns, std::int64_t time_us) {
-    const Note note{.time_us = time_us, .host_ns = host_ns, .kind = kind, .a = 1, .b = 4096, .text = {}};
+    const Note note{.time_us = time_us,
+                    .host_ns = host_ns,
+                    .incarnation = 3,
+                    .kind = kind,
+                    .a = 1,
+                    .b = 4096,
+                    .text = {}};
     ASSERT_TRUE(decode_note(encode(note)));
     static_cast<void>(clocks.take(kNoteChannel, encode(note)));
   };
