@@ -38,24 +38,24 @@ bool ClockEvents::is_given(std::string_view channel, std::span<const std::uint8_
   return true;
 }
 
-void ClockEvents::begin_segment(const std::function<bool(const NodeEpoch&)>& has_ended) {
+void ClockEvents::begin_segment(int number, const std::function<bool(const NodeEpoch&)>& has_ended) {
   end_segment();
+  if (number == 1) all_ = {};
   of_segment_ = {};
   ended_.clear();
-  to_be_said_again_ = all_.events([&](const NodeEpoch& key) {
+  preamble_ = all_.events([&](const NodeEpoch& key) {
     if (has_ended(key)) ended_.insert(key);
     return !ended_.contains(key);
   });
-  std::erase_if(to_be_said_again_, [](const auto& event) { return event.first == kNoteChannel; });
 }
 
-void ClockEvents::end_beginning() {
-  for (const auto& [channel, bytes] : std::exchange(to_be_said_again_, {}))
-    truth_.fault("a segment does not say a fit on " + channel + " again that places what comes in it");
+void ClockEvents::end_preamble() {
+  for (const auto& [channel, bytes] : std::exchange(preamble_, {}))
+    truth_.fault("a segment's preamble lacks what is known of the clocks from " + channel);
 }
 
 void ClockEvents::end_segment() {
-  end_beginning();
+  end_preamble();
   constexpr std::int64_t kSecond_ns = 1'000'000'000;
   for (const auto& [key, node_ns] : std::exchange(fits_of_segment_, {}))
     for (const std::int64_t late_s : {0, 1, 10, 60}) {
@@ -72,21 +72,21 @@ void ClockEvents::take(std::string_view channel, std::span<const std::uint8_t> b
   const auto fit = decode_clock_fit(bytes);
   const bool is_new = all_.take(channel, bytes).has_value();
   static_cast<void>(of_segment_.take(channel, bytes));
-  if (is_note) return;
   if (fit && !ended_.contains({fit->node, fit->epoch}))
     fits_of_segment_.insert({{fit->node, fit->epoch}, fit->node_ns});
-  if (is_given(channel, bytes)) {
-    if (!fit) end_beginning();
+  if (!is_note && is_given(channel, bytes)) {
+    end_preamble();
     if (fit && !is_new) truth_.fault("who reads the record passes over a fit on " + std::string(channel));
     return;
   }
-  const auto again = std::ranges::find_if(to_be_said_again_, [&](const auto& event) {
+  const auto again = std::ranges::find_if(preamble_, [&](const auto& event) {
     return event.first == channel && std::ranges::equal(event.second, bytes);
   });
-  if (again == to_be_said_again_.end())
-    return truth_.fault("a clock event on " + std::string(channel) +
-                        " is in the record twice, out of order or never given");
-  to_be_said_again_.erase(again);
+  if (again != preamble_.end())
+    preamble_.erase(again);
+  else if (!is_note)
+    truth_.fault("a clock event on " + std::string(channel) +
+                 " is in the record twice, out of order or never given");
 }
 
 void ClockEvents::finish() {

@@ -19,9 +19,10 @@ namespace roadbalance::test {
 /// Holds the clock exchanges and fits of one recorder's record against those that it was given.
 ///
 /// They stand in the record in their order, each once; what came before a block that was called durable is
-/// there, of what came behind it a recorder that dies may lose any.  Before its first exchange a segment says
-/// again the fits of epochs that have not ended, those that RecordedClocks::events() demands and no other, so
-/// that who begins with it places their instants as who has read all.
+/// there, of what came behind it a recorder that dies may lose any.  A segment's preamble, before anything
+/// new of them, says again the pair of clocks and of epochs that have not ended the fits that
+/// RecordedClocks::events() demands, and nothing else, so that who begins with it places their instants as
+/// who has read all.
 class ClockEvents {
  public:
   explicit ClockEvents(Truth& truth) : truth_(truth) {}
@@ -34,9 +35,10 @@ class ClockEvents {
   /// It died, and with it what was not durable.
   void died() { durable_ = count(); }
 
-  /// The record goes on in another segment, of which the next events are.
+  /// The record goes on in a segment, of which the next events are.
+  /// @param number  1: before it there is nothing
   /// @param has_ended  what the record tells of an epoch so far
-  void begin_segment(const std::function<bool(const NodeEpoch&)>& has_ended);
+  void begin_segment(int number, const std::function<bool(const NodeEpoch&)>& has_ended);
   /// The next event of the record; those of other channels are passed over.
   void take(std::string_view channel, std::span<const std::uint8_t> bytes);
   /// The record has no more.
@@ -52,7 +54,7 @@ class ClockEvents {
   };
   bool is_given(std::string_view channel, std::span<const std::uint8_t> bytes);
   void pass_over(std::size_t given);
-  void end_beginning();
+  void end_preamble();
   void end_segment();
 
   Truth& truth_;
@@ -63,7 +65,7 @@ class ClockEvents {
   RecordedClocks all_, of_segment_;
   std::set<NodeEpoch> ended_;                                     // before the segment
   std::set<std::pair<NodeEpoch, std::int64_t>> fits_of_segment_;  // of the others, with their node's instant
-  RecordEvents to_be_said_again_;
+  RecordEvents preamble_;                                         // what it has not said yet
 };
 
 }  // namespace roadbalance::test

@@ -130,11 +130,12 @@ void HostMachine::check_through(const char* folder, int last) {
     if (next_to_check_ == 1 && segment_numbers(folder, disk_).empty()) return;
     RecordReader reader(folder, disk_, next_to_check_);
     if (all) reader.finish();
-    const auto is_closed = [this](const NodeEpoch& key) { return check_.is_closed(key.first, key.second); };
+    const auto has_ended = [this](const NodeEpoch& key) { return check_.is_closed(key.first, key.second); };
     int segment = 0;
     while (const auto event = reader.next()) {
       if (reader.segment() > last) break;
-      if (std::exchange(segment, reader.segment()) != segment) clock_events_.begin_segment(is_closed);
+      if (std::exchange(segment, reader.segment()) != segment)
+        clock_events_.begin_segment(segment, has_ended);
       check_.take(event->channel, event->data, checked_);
       if (event->channel == kNoteChannel) take_notes(checked_, event->data);
       clock_events_.take(event->channel, event->data);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "common/bus/clock_messages.hpp"
+#include "common/bus/notes.hpp"
 
 namespace roadbalance::test {
 namespace {
@@ -38,7 +39,7 @@ class ClockEventsTest : public ::testing::Test {
     for (const int k : recorded) take(event(k));
   }
   void begin_segment() {
-    events.begin_segment([this](const NodeEpoch& key) { return key.second == ended_epoch; });
+    events.begin_segment(++segment, [this](const NodeEpoch& key) { return key.second == ended_epoch; });
   }
   std::int64_t faults_of(std::initializer_list<int> recorded, std::size_t durable) {
     events.durable(durable);
@@ -51,6 +52,7 @@ class ClockEventsTest : public ::testing::Test {
     return truth.fault_count();
   }
 
+  int segment = 0;
   std::int64_t ended_epoch = 0;
   Truth truth;
   ClockEvents events{truth};
@@ -99,11 +101,37 @@ TEST_F(ClockEventsTest, ASegmentSaysFitsAgain) {
   take({2, 4, 5});
   EXPECT_EQ(faults(), 0);
 }
-TEST_F(ClockEventsTest, AtItsBeginningOnly) {
-  take({1, 2});
+TEST_F(ClockEventsTest, InItsPreambleOnly) {
+  for (const int k : {3, 4}) {
+    SCOPED_TRACE(k);
+    ClockEvents record{truth};
+    const std::int64_t before = truth.fault_count();
+    record.begin_segment(1, [](const NodeEpoch&) { return false; });
+    for (const Message& message : {fit(2), event(k)}) record.given(message.first, message.second);
+    record.take(fit(2).first, fit(2).second);
+    record.begin_segment(2, [](const NodeEpoch&) { return false; });
+    for (const Message& message : {event(k), fit(2)}) record.take(message.first, message.second);
+    EXPECT_EQ(truth.fault_count() - before, 2) << "the preamble lacks it, too";
+  }
+}
+TEST_F(ClockEventsTest, AndThePairOfClocks) {
+  const auto note = [](std::int64_t s) {
+    return Message{kNoteChannel, encode(Note{.time_us = 1'000'000 * s,
+                                             .host_ns = s * kSecond_ns,
+                                             .incarnation = 3,
+                                             .kind = NoteKind::kClock,
+                                             .text = {}})};
+  };
+  for (const std::int64_t s : {1, 2}) take(note(s));
   begin_segment();
-  take({3, 2});
-  EXPECT_EQ(truth.fault_count(), 2) << "nor does it at the beginning";
+  take(note(2));
+  EXPECT_EQ(faults(), 0);
+  begin_segment();
+  take(note(3));
+  EXPECT_EQ(faults(), 1);
+  segment = 0;  // another record
+  begin_segment();
+  EXPECT_EQ(faults(), 1);
 }
 TEST_F(ClockEventsTest, EachOnce) {
   take({1, 2, 3, 4});
