@@ -69,9 +69,7 @@ struct UnsureBlock {
 /// Counts what is known to be on the disk.  Behind the last commit event of a last segment without an index
 /// lies what may have been promised already, or have been left to the page cache by a sync that failed: only
 /// who writes it again may count it.
-/// @param before  what it continues: the record of another folder; of the clocks counts what this one's
-/// segments
-///                begin with, if it has any
+/// @param before  what it continues: another folder's record; its clocks count if this one has no segment
 /// @param unsure  gets those blocks, in order, if given
 RecordState read_state(const std::filesystem::path& folder, Disk& disk = kernel_disk(),
                        RecordState before = {}, std::vector<UnsureBlock>* unsure = nullptr);

@@ -199,8 +199,8 @@ TEST_F(RecordedClocksTest, WhoReadsTheWholeRecordIsGivenEachFitOnce) {
   EXPECT_GT(events, fits);
 }
 
-// Holes, breaks of the time base and recorders that know nothing yet, in any order; at any instant a segment
-// may begin, and whoever begins there knows the clocks as whoever has read all of it.
+// Holes, breaks of the time base, hosts booted anew and recorders that know nothing yet, in any order; at any
+// instant a segment may begin, and whoever begins there knows the clocks as whoever has read all of it.
 TEST(RecordedClocks, WhoBeginsWithASegmentKnowsTheClocksFromThenOnAsWhoReadsAll) {
   std::mt19937_64 random(4711);
   const auto below = [&random](std::uint64_t n) { return static_cast<std::int64_t>(random() % n); };
@@ -208,12 +208,14 @@ TEST(RecordedClocks, WhoBeginsWithASegmentKnowsTheClocksFromThenOnAsWhoReadsAll)
     return clocks.events([](const NodeEpoch&) { return true; });
   };
   RecordedClocks all, since;
-  std::int64_t host_ns = 0, breaks = 0;
+  std::int64_t now_ns = 0, booted_ns = 0, breaks = 0;
   std::size_t longest = 0;
   for (int k = 0; k < 20'000; ++k) {
-    host_ns += below(40) == 0 ? (2 + below(90)) * 1'000'000'000 : 1'000'000'000;
+    now_ns += below(40) == 0 ? (2 + below(90)) * 1'000'000'000 : 1'000'000'000;
+    if (below(400) == 0) booted_ns = now_ns;
     if (below(200) == 0) ++breaks;
-    ClockFit fit = fit_at(kOne, host_ns);
+    ClockFit fit = fit_at(kOne, now_ns);
+    fit.host_ns -= booted_ns;
     fit.breaks = breaks;
     if (below(15) == 0) fit.state = ClockState::kAcquire;
     if (below(300) == 0) fit.node_ns += 1'000'000'000;

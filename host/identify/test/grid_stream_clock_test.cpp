@@ -78,8 +78,7 @@ TEST(GridStreamClock, AfterAJumpTheRecorderHasTimeToSeeIt) {
   for (; number < 100; ++number) stream.take(node.block(number), grid);
   node.offset_s += 0.2;
   for (; number < 150; ++number) stream.take(node.block(number), grid);
-  // What a segment repeats is no fit made since, nor is one that was made before the jump and recorded after
-  // it.
+  // What a segment repeats is no fit made since the jump, nor is one that is only recorded after it.
   for (int repeated = 0; repeated < 5; ++repeated) stream.take(before, grid);
   for (const ClockFit& fit : late) stream.take(fit, grid);
   EXPECT_LE(rows_in(stream), 100 * kScansPerBlock);
