@@ -4,7 +4,7 @@
 #include <optional>
 #include <thread>
 
-#include "common/clock/clocks.hpp"
+#include "common/types/clocks.hpp"
 
 namespace roadbalance {
 
@@ -21,77 +21,85 @@ void count_turn(AcquireLink& link) noexcept {
 }
 
 /// Until the end is written; a sink that stays full is asked again and again.
-void finish(std::stop_token stop, Sealer& sealer, AcquireLink& link) noexcept {
-  while (!sealer.finish() && !stop.stop_requested()) {
+void finish(std::stop_token stop, BlockPacker& packer, AcquireLink& link) noexcept {
+  while (!packer.finish() && !stop.stop_requested()) {
     count_turn(link);
     std::this_thread::sleep_for(kPatience);
   }
 }
 
-void ask(const FrontEnd& front_end, Sealer& sealer) {
+void ask(const FrontEnd& front_end, BlockPacker& packer) {
   const NodeTime now = front_end.node_time(MachineClock::now());
-  if (now >= front_end.begins()) sealer.asked(now);
+  if (now >= front_end.begins()) packer.asked(now);
 }
 
 }  // namespace
 
-void tell(const Sealer& sealer, NodeState state, AcquireLink& link) noexcept {
+void report_progress(const BlockPacker& packer, NodeState state, AcquireLink& link) noexcept {
   constexpr auto kRelaxed = std::memory_order_relaxed;
-  link.time_ns.store(to_ns(sealer.time()), kRelaxed);
-  link.scans_sampled.store(sealer.counts().scans_sampled, kRelaxed);
-  link.scans_missing.store(sealer.counts().scans_missing, kRelaxed);
-  link.unreferenced_blocks.store(sealer.counts().unreferenced_blocks, kRelaxed);
-  link.scans_refused.store(sealer.counts().scans_refused, kRelaxed);
+  link.time_ns.store(to_ns(packer.time()), kRelaxed);
+  link.scans_sampled.store(packer.counts().scans_sampled, kRelaxed);
+  link.scans_missing.store(packer.counts().scans_missing, kRelaxed);
+  link.unreferenced_blocks.store(packer.counts().unreferenced_blocks, kRelaxed);
+  link.scans_refused.store(packer.counts().scans_refused, kRelaxed);
   for (std::size_t line = 0; line < kEncoderLines; ++line) {
-    const EncoderFaults faults = sealer.encoder_faults(static_cast<int>(line));
-    const auto say = [&encoder = link.encoder[line]](DeviceCounter counter, std::int64_t by_now) {
+    const EncoderFaults faults = packer.encoder_faults(static_cast<int>(line));
+    const auto count_up = [&encoder = link.encoder[line]](DeviceCounter counter, std::int64_t by_now) {
       encoder.count(counter, by_now - encoder.of(counter));
     };
-    say(DeviceCounter::kFaultyTurns, faults.turns);
-    say(DeviceCounter::kCountBroken, faults.breaks);
-    say(DeviceCounter::kMarksElsewhere, faults.marks_elsewhere);
+    count_up(DeviceCounter::kFaultyTurns, faults.turns);
+    count_up(DeviceCounter::kCountBroken, faults.breaks);
+    count_up(DeviceCounter::kMarksElsewhere, faults.marks_elsewhere);
+    for (std::size_t k = 0; k < 2; ++k) link.mark_counts[2 * line + k].store(faults.mark_counts[k], kRelaxed);
   }
   link.state.store(state, std::memory_order_release);
 }
 
-void acquire(std::stop_token stop, FrontEnd& front_end, Sealer& sealer, BlockSink& sink,
+void acquire(std::stop_token stop, FrontEnd& front_end, BlockPacker& packer, BlockSink& sink,
              AcquireLink& link) noexcept {
   std::array<Scan, kScansPerRead> scans;
   std::array<Edge, kEdgesPerRead> edges;
   std::array<SignalSample, kSignalsPerRead> signals;
-  const std::size_t most = sealer.most_blocks(scans.size(), edges.size(), signals.size());
+  const std::size_t most = packer.most_blocks(scans.size(), edges.size(), signals.size());
   NodeState last = NodeState::kEnded;
-  std::optional<WallTime> told_to_stop;
+  AbsenceCause cause = AbsenceCause::kProgramEnded;
+  std::optional<WallTime> stop_asked_at;
   while (!stop.stop_requested()) {
     count_turn(link);
-    if (!front_end.waits()) ask(front_end, sealer);
-    if (link.start.load(std::memory_order_acquire)) sealer.start();
+    if (!front_end.waits()) ask(front_end, packer);
+    if (link.start.load(std::memory_order_acquire)) packer.start();
     if (link.stop.load(std::memory_order_acquire)) {
-      sealer.stop();
-      if (!told_to_stop) told_to_stop = WallClock::now();
-      if (!front_end.waits() && WallClock::now() - *told_to_stop > kLastReferences) sealer.device_ended();
-      if (sealer.finish()) break;
+      packer.stop();
+      if (!stop_asked_at) stop_asked_at = WallClock::now();
+      if (!front_end.waits() && WallClock::now() - *stop_asked_at > kLastReferences) packer.device_ended();
+      if (packer.finish()) {
+        cause = AbsenceCause::kStopped;
+        break;
+      }
     }
-    if (front_end.waits() && (!sealer.started() || sink.room() < most)) {
+    if (front_end.waits() && (!packer.started() || sink.room() < most)) {
       std::this_thread::sleep_for(kPatience);
       continue;
     }
     const Read read = front_end.read(scans, edges, signals);
-    sealer.add(std::span(signals).first(read.signals));
-    sealer.add(std::span(scans).first(read.scans), std::span(edges).first(read.edges),
+    packer.add(std::span(signals).first(read.signals));
+    packer.add(std::span(scans).first(read.scans), std::span(edges).first(read.edges),
                read.edges == edges.size());
-    tell(sealer, sealer.started() ? NodeState::kStarted : NodeState::kPreview, link);
+    report_progress(packer, packer.started() ? NodeState::kStarted : NodeState::kPreview, link);
     if (read.status == ReadStatus::kOk) continue;
     link.device_ended = true;
-    if (read.status == ReadStatus::kFailed) last = NodeState::kFailed;
+    const bool has_failed = read.status == ReadStatus::kFailed;
+    if (has_failed) last = NodeState::kFailed;
+    cause = has_failed ? AbsenceCause::kDeviceFailed : AbsenceCause::kSourceOver;
     break;
   }
-  sealer.device_ended();
-  if (sealer.started()) {
-    tell(sealer, NodeState::kStarted, link);
-    finish(stop, sealer, link);
+  packer.device_ended();
+  if (packer.started()) {
+    report_progress(packer, NodeState::kStarted, link);
+    finish(stop, packer, link);
   }
-  tell(sealer, last, link);
+  link.end_cause = cause;
+  report_progress(packer, last, link);
 }
 
 }  // namespace roadbalance

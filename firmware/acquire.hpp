@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <stop_token>
 
-#include "common/frontend/device_report.hpp"
 #include "common/frontend/front_end.hpp"
-#include "firmware/pack.hpp"
+#include "common/types/device_report.hpp"
+#include "firmware/block_packer.hpp"
 
 namespace roadbalance {
 
@@ -20,13 +20,15 @@ struct AcquireLink {
 
   // Written by acquire.
   std::atomic<NodeState> state{
-      NodeState::kPreview};                    ///< kEnded and kFailed are final: nothing more is sealed
+      NodeState::kPreview};  ///< kEnded and kFailed are final: nothing more is sealed
+  std::atomic<AbsenceCause> end_cause{AbsenceCause::kNone};  ///< stored before the final state
   std::atomic<bool> device_ended{false};       ///< or has failed: there is nothing more to be had from it
   std::atomic<std::int64_t> acquire_turns{0};  ///< of its loop
   std::atomic<std::int64_t> time_ns{0};
   std::atomic<std::int64_t> scans_sampled{0}, scans_missing{0}, scans_refused{0}, unreferenced_blocks{0};
   std::array<DeviceReport, kEncoderLines> encoder{DeviceReport("encoder of line 0"),
                                                   DeviceReport("encoder of line 1")};
+  std::array<std::atomic<std::int32_t>, 2 * kEncoderLines> mark_counts{};  ///< as in the heartbeat
 
   bool ended() const {
     const NodeState now = state.load(std::memory_order_acquire);
@@ -37,14 +39,14 @@ struct AcquireLink {
 /// Process: front end -> sealed blocks.  The one process with a deadline: it never allocates, locks, logs,
 /// throws or waits for anything but its device.
 ///
-/// Starts and stops when `link` says so.  A device that waits for its reader is read only when
-/// started and while `sink` has room for all that one read can produce.  Ends when everything up to stop or
-/// the device's end is in the sink with its end, or when told to stop: then with what the sink takes at once.
-void acquire(std::stop_token stop, FrontEnd& front_end, Sealer& sealer, BlockSink& sink,
+/// Starts and stops by `link`.  A device that waits for its reader is read only when started and while `sink`
+/// has room for all that one read can produce.  Ends when everything up to stop or the device's end is in the
+/// sink with its end, or when asked to stop: then with what the sink takes at once.
+void acquire(std::stop_token stop, FrontEnd& front_end, BlockPacker& packer, BlockSink& sink,
              AcquireLink& link) noexcept;
 
-/// What acquire says of itself after each read.
-void tell(const Sealer& sealer, NodeState state, AcquireLink& link) noexcept;
+/// Reports the state of acquire after each read.
+void report_progress(const BlockPacker& packer, NodeState state, AcquireLink& link) noexcept;
 
 /// A read takes at most so many.
 inline constexpr std::size_t kScansPerRead = 256;

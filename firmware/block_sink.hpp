@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "common/link/block.hpp"
+#include "common/types/block.hpp"
 
 namespace roadbalance {
 

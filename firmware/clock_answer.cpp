@@ -29,14 +29,14 @@ class Allowance {
 }  // namespace
 
 void answer_clock(std::stop_token stop, ClockPlace& place, std::int32_t node, std::int64_t epoch,
-                  const FrontEnd& front_end, const std::function<void(const std::string&)>& say) {
+                  const FrontEnd& front_end, const std::function<void(const std::string&)>& warn) {
   const auto node_ns = [&](MachineTime time) { return to_ns(front_end.node_time(time)); };
   Allowance allowance;
   MachineTime follow_at = MachineClock::now();
   while (!stop.stop_requested()) {
     if (MachineClock::now() >= follow_at) {
       follow_at = MachineClock::now() + kFollow;
-      if (const std::string why = place.follow(); !why.empty()) say(why);
+      if (const std::string why = place.follow(); !why.empty()) warn(why);
     }
     if (place.socket() == nullptr) {
       pause(stop, kTurn);

@@ -10,14 +10,14 @@
 
 namespace roadbalance {
 
-/// Process: tells who asks what time it is on this node.
+/// Process: answers the question what time it is on this node.
 ///
 /// Each question of this node and epoch gets an answer and, where the kernel stamped the answer's sending, a
 /// follow-up with that stamp.  At most kMostAnswers a second are given: a flood costs the node no more than
-/// that.  Follows the machine's address once a second.  Ends when told to stop.
-/// @param say  why nobody can ask
+/// that.  Follows the machine's address once a second.  Ends when asked to stop.
+/// @param warn  gets why the clock cannot be asked
 void answer_clock(std::stop_token stop, ClockPlace& place, std::int32_t node, std::int64_t epoch,
-                  const FrontEnd& front_end, const std::function<void(const std::string&)>& say);
+                  const FrontEnd& front_end, const std::function<void(const std::string&)>& warn);
 
 inline constexpr int kMostAnswers = 400;
 

@@ -12,7 +12,7 @@ std::string ClockPlace::follow() {
   try {
     if (address != 0) {
       socket_ = std::make_unique<ClockSocket>(address);
-      told_ = std::uint64_t{address} << 16 | socket_->address().port;
+      reported_ = std::uint64_t{address} << 16 | socket_->address().port;
       refused_.reset();
       return {};
     }
@@ -23,8 +23,9 @@ std::string ClockPlace::follow() {
 }
 
 UdpAddress ClockPlace::address() const {
-  const std::uint64_t told = told_;
-  return {static_cast<std::uint32_t>(told >> 16), static_cast<std::uint16_t>(told & 0xFFFF)};
+  const std::uint64_t address_and_port = reported_;
+  return {static_cast<std::uint32_t>(address_and_port >> 16),
+          static_cast<std::uint16_t>(address_and_port & 0xFFFF)};
 }
 
 }  // namespace roadbalance

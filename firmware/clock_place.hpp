@@ -20,7 +20,7 @@ class ClockPlace {
 
   /// Opens a socket at the address that the machine has now, if that is another one; while it has none the
   /// socket stays.  Called by the thread that answers.
-  /// @return why nobody can ask at that address, once for each; empty: they can
+  /// @return why the clock cannot be asked at that address, once for each; empty: it can
   std::string follow();
   /// nullptr: nowhere yet.  Valid until follow() is called.
   ClockSocket* socket() const { return socket_.get(); }
@@ -31,7 +31,7 @@ class ClockPlace {
  private:
   const std::function<std::uint32_t()> address_now_;
   std::unique_ptr<ClockSocket> socket_;
-  std::atomic<std::uint64_t> told_ = 0;  ///< address, then 16 bits of port
+  std::atomic<std::uint64_t> reported_ = 0;  ///< address, then 16 bits of port
   std::optional<std::uint32_t> refused_;
 };
 

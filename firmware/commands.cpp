@@ -61,9 +61,9 @@ CommandError Commands::act(const Command& command, WallTime now) {
   return CommandError::kUnknownVerb;
 }
 
-// Its answers are not kept here: what is wanted now may be had later, and what was done is known to the epoch
-// after.  Only between recordings: nothing that was sampled may be lost for it.  An owner whose release was
-// lost is not waited for.
+// Its answers are not kept here: a request refused now may succeed later, and a done one is known to the
+// epoch after.  Only between recordings: nothing that was sampled may be lost for it.  An owner whose release
+// was lost is not waited for.
 void Commands::configure(const Command& command, WallTime now) {
   auto outcome = vehicle_.outcome(command.request);
   if (!outcome) {

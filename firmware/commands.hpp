@@ -4,7 +4,7 @@
 #include <deque>
 #include <optional>
 
-#include "common/bus/control.hpp"
+#include "common/bus/control_messages.hpp"
 #include "common/link/sender.hpp"
 #include "firmware/acquire.hpp"
 #include "firmware/vehicle_change.hpp"
@@ -13,7 +13,7 @@ namespace roadbalance {
 
 /// The node's answers to commands, as a pure state machine.  A request acts once, however often it comes, and
 /// gets the same reply each time; a stop is answered when the end is sealed, with the end's sequence; a
-/// refused claim with the highest incarnation obeyed, above which the next claim may be heard.
+/// refused claim with the highest incarnation accepted, above which the next claim may be.
 class Commands {
  public:
   Commands(std::int32_t node, std::int64_t epoch, const Backlog& backlog, Sender& sender, AcquireLink& link,

@@ -28,7 +28,7 @@ void CounterEncoder::add(NodeTime time, double code) noexcept {
     case CounterUnwrap::Outcome::kFirst:
     case CounterUnwrap::Outcome::kAmbiguous:
     case CounterUnwrap::Outcome::kImplausible:
-      pending_marks_ = 0;  // nobody knows where in the new run they would lie
+      pending_marks_ = 0;  // their places in the new run are not known
       break;
     case CounterUnwrap::Outcome::kJoined:
       break;
@@ -49,7 +49,7 @@ void CounterEncoder::take_marks() noexcept {
 
 bool CounterEncoder::angles(NodeTime first, double step_ns, std::span<double> angle_rad) const noexcept {
   if (angle_rad.empty()) return false;
-  // The position is a quadratic, or nearly: three places tell it.
+  // The position is a quadratic, or nearly: three places determine it.
   const auto last = static_cast<double>(angle_rad.size() - 1);
   const auto instant = [&](double i) { return to_ns(first) + std::llround(i * step_ns); };
   const auto angle = angle_.at(instant(0.0), track_);

@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <span>
 
+#include "common/angle/counter_angle.hpp"
+#include "common/angle/counter_track.hpp"
+#include "common/angle/counter_unwrap.hpp"
 #include "common/config/vehicle_config.hpp"
-#include "common/frontend/front_end.hpp"
-#include "common/wheel_counter/counter_angle.hpp"
-#include "common/wheel_counter/counter_track.hpp"
-#include "common/wheel_counter/counter_unwrap.hpp"
+#include "common/types/scan.hpp"
 
 namespace roadbalance {
 
@@ -18,8 +18,8 @@ namespace roadbalance {
 /// An instant lies between messages, and its angle is better the more come behind it: up to kBehind are worth
 /// waiting for.  There is no angle before the first mark of a run of the counter, where messages stay away,
 /// where marks contradict one another, and without a zero mark; after a mark that lies elsewhere it is
-/// uncertain until the next (CounterAngle).  What the counter knows of the wheel's speed
-/// changes is as slow as its messages: torsional motion is not followed.  Never allocates after construction.
+/// uncertain until the next (CounterAngle).  Changes of the wheel's speed show as slowly as the messages
+/// come: torsional motion is not followed.  Never allocates after construction.
 class CounterEncoder {
  public:
   static constexpr std::size_t kBehind = CounterTrack::kPoints / 2;
@@ -37,14 +37,14 @@ class CounterEncoder {
   /// Standard deviation of the angle at an instant, all causes but the datum; infinite where it is not known.
   double sigma_rad(NodeTime time) const noexcept;
 
-  /// Messages that come soon tell more of this instant.
+  /// Messages that come soon determine this instant better.
   bool is_awaited(NodeTime time) const noexcept;
 
   /// The last mark lay elsewhere than those before it.
-  bool uncertain() const noexcept { return angle_.is_doubtful(); }
+  bool uncertain() const noexcept { return angle_.is_uncertain(); }
 
   /// Times that the count did not go on where it was: messages stayed away for too long, the unit began anew,
-  /// or the marks say that it lost counts.
+  /// or the marks show that it lost counts.
   std::int64_t breaks() const noexcept {
     return unwrap_.tally().ambiguous + unwrap_.tally().implausible + angle_.moved();
   }

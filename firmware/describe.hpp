@@ -7,9 +7,9 @@
 
 namespace roadbalance {
 
-/// Process: says on the bus once a second what the node is (setup_t), recorded or not.
+/// Process: publishes once a second what the node is (setup_t), recorded or not.
 ///
-/// While there is no bus it goes on trying: the uplink says why.  Ends when told to stop.
+/// While there is no bus it goes on trying: the uplink reports why.  Ends when asked to stop.
 void describe(std::stop_token stop, const std::string& bus_url, const VehicleConfig& vehicle,
               const NodeConfig& node);
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/frontend/device_report.hpp"
+#include "common/types/device_report.hpp"
 
 namespace roadbalance {
 
@@ -16,13 +16,13 @@ class DeviceDiary {
  public:
   explicit DeviceDiary(std::vector<const DeviceReport*> reports);
 
-  /// @param say  gets a sentence for each counter that has moved
-  void look(const std::function<void(const std::string&)>& say);
+  /// @param warn  gets a sentence for each counter that has moved
+  void look(const std::function<void(const std::string&)>& warn);
 
  private:
   struct Page {
     const DeviceReport* report;
-    std::array<std::int64_t, kDeviceCounters> said{};
+    std::array<std::int64_t, kDeviceCounters> reported{};
   };
   std::vector<Page> pages_;
 };

@@ -6,7 +6,7 @@
 
 namespace roadbalance {
 
-/// What proves that a node lives: that what samples and what sends both turn.
+/// The proof that a node lives: the loop that samples and the loop that sends both turn.
 class LifeWatch {
  public:
   /// @param link  outlives it

@@ -9,15 +9,16 @@
 
 #include <CLI/CLI.hpp>
 
-#include "common/clock/clocks.hpp"
 #include "common/command_line/bus_url.hpp"
 #include "common/command_line/manual.hpp"
+#include "common/command_line/run_program.hpp"
 #include "common/config/section.hpp"
 #include "common/config/validators.hpp"
 #include "common/frontend/unopened_wiring.hpp"
 #include "common/process/pause.hpp"
 #include "common/process/service_notify.hpp"
 #include "common/process/stop_on_signal.hpp"
+#include "common/types/clocks.hpp"
 #include "firmware/backends/front_ends.hpp"
 #include "firmware/missing_signals.hpp"
 #include "firmware/node_service.hpp"
@@ -31,7 +32,7 @@ constexpr std::chrono::seconds kLeastLife{1};
 void warn(const std::string& of) {
   std::fprintf(stderr, "rb-node: warning: %s\n", of.c_str());
 }
-void tell(const std::string& of) {
+void inform(const std::string& of) {
   std::fprintf(stderr, "rb-node: %s\n", of.c_str());
 }
 std::function<void()> feed(ServiceNotify& notify) {
@@ -67,6 +68,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   bool stays = false;
   app.add_flag("--stay", stays, "when a recording is stopped wait for the next; default: exit");
+  add_version(app);
   add_manual(app);
   try {
     app.parse(argc, argv);
@@ -75,15 +77,15 @@ int main(int argc, char** argv) {
   }
   try {
     ServiceNotify notify;
-    const std::stop_callback tell_of_stop(signals.token(), [&notify] { notify.stopping(); });
+    const std::stop_callback notify_stopping(signals.token(), [&notify] { notify.stopping(); });
     const VehicleConfig vehicle = VehicleConfig::read_file(vehicle_file);
-    FrontEndRegistry front_ends = real_front_ends(warn, tell);
+    FrontEndRegistry front_ends = real_front_ends(warn, inform);
     front_ends.add("sim", sim::open_sim_front_end);
     const auto open = [&](const VehicleConfig& car, const NodeConfig& of) {
       const auto& uris = front_end_uris.empty() ? of.wiring.front_end : front_end_uris;
       auto front_end = front_ends.open(uris, car, of);
       for (const std::string& unread : unopened_wiring(of, uris)) warn(unread);
-      for (const std::string& untold : missing_signals(car, of)) warn(untold);
+      for (const std::string& missing : missing_signals(car, of)) warn(missing);
       return front_end;
     };
     const auto& wired = vehicle.node_named(node_name).wiring.front_end;

@@ -1,6 +1,6 @@
 #include "firmware/missing_signals.hpp"
 
-#include "common/wheel_counter/wanted_signal.hpp"
+#include "common/angle/wanted_signal.hpp"
 
 namespace roadbalance {
 

@@ -1,5 +1,6 @@
 #include "firmware/node.hpp"
 
+#include <cassert>
 #include <cstdint>
 #include <exception>
 #include <functional>
@@ -13,25 +14,43 @@
 
 #include "common/bus/bus_route.hpp"
 #include "common/config/section.hpp"
+#include "common/link/spool.hpp"
 #include "common/process/parallel.hpp"
 #include "common/process/pause.hpp"
 #include "common/process/realtime.hpp"
 #include "firmware/acquire.hpp"
+#include "firmware/block_packer.hpp"
 #include "firmware/clock_answer.hpp"
 #include "firmware/clock_place.hpp"
 #include "firmware/describe.hpp"
 #include "firmware/device_diary.hpp"
 #include "firmware/life_watch.hpp"
-#include "firmware/pack.hpp"
 #include "firmware/readout_clock.hpp"
 #include "firmware/ring_sink.hpp"
 #include "firmware/spool_folder.hpp"
-#include "firmware/unopened_spool.hpp"
 #include "firmware/uplink.hpp"
 
 namespace roadbalance {
-
 namespace {
+
+/// Stands for a disk that could not be opened: it takes nothing, and that counts as one failure.
+class UnopenedSpool final : public Spool {
+ public:
+  std::int64_t base() const override { return 1; }
+  std::int64_t next() const override { return 1; }
+  std::int64_t capacity() const override { return 0; }
+  std::int64_t failures() const override { return 1; }
+  void describe(const SealedBlock&) override {}
+  void keep(const Ring&, std::int64_t, std::int64_t, WallTime) override {}
+  void never_wait() override {}
+  bool read(std::int64_t, SealedBlock&) override {
+    assert(false);  // it holds nothing
+    return false;
+  }
+  bool answers() override { return false; }
+  void free_through(std::int64_t) override {}
+  void give_up_through(std::int64_t) override {}
+};
 
 std::int64_t random_epoch() {
   std::random_device device;
@@ -45,7 +64,7 @@ NodeClockAddress clock_address(const ClockPlace* clock) {
   return {.time_base = TimeBase::kOwn, .address = at.address, .port = at.port};
 }
 
-/// Of this run; nullptr: none is wanted.
+/// The spool of this run; nullptr: none is wanted.
 std::unique_ptr<SpoolFolder> open_spool(const NodeConfig& node, std::int64_t epoch,
                                         const NodeOptions& options) {
   if (options.spool.empty()) return nullptr;
@@ -62,8 +81,8 @@ std::unique_ptr<SpoolFolder> open_spool(const NodeConfig& node, std::int64_t epo
                            .epoch = epoch});
 }
 
-/// A node that stays was started with a spool that could be opened: what has failed since is its disk, and
-/// the ring alone still measures the next drive.
+/// A node that stays was started with a spool that could be opened: its disk has failed since, and the ring
+/// alone still measures the next drive.
 std::unique_ptr<Spool> open_spool_or_go_on(const NodeConfig& node, std::int64_t epoch,
                                            const NodeOptions& options, bool is_first) {
   try {
@@ -75,7 +94,7 @@ std::unique_ptr<Spool> open_spool_or_go_on(const NodeConfig& node, std::int64_t 
   }
 }
 
-/// Process: what devices and encoders count -> sentences for people, twice a second at most.
+/// Process: counters of devices and encoders -> sentences for people, twice a second at most.
 void keep_diary(std::stop_token stop, const FrontEnd& front_end, const AcquireLink& link,
                 const NodeOptions& options, bool is_first) {
   auto reports = front_end.reports();
@@ -101,7 +120,7 @@ std::int64_t leave(Backlog& backlog, bool has_spool, const std::filesystem::path
     backlog.save(WallClock::now());
     std::error_code ignored;
     if (backlog.spooled() == 0)
-      std::filesystem::remove(folder, ignored);  // it is empty, or somebody put something there
+      std::filesystem::remove(folder, ignored);  // it is empty, or another program put something there
     else
       options.warn(std::to_string(backlog.spooled()) + " blocks that no recorder has stay in " +
                    folder.string());
@@ -126,8 +145,8 @@ EpochResult run_epoch(std::stop_token stop, const VehicleConfig& vehicle, const 
   RingSink sink(ring);
   const auto preview = std::make_unique<PreviewSlot>();
   AcquireLink link;
-  Sealer sealer(vehicle, node, epoch, sink, preview.get());
-  const std::size_t least = 2 * sealer.most_blocks(kScansPerRead, kEdgesPerRead, kSignalsPerRead);
+  BlockPacker packer(vehicle, node, epoch, sink, preview.get());
+  const std::size_t least = 2 * packer.most_blocks(kScansPerRead, kEdgesPerRead, kSignalsPerRead);
   if (static_cast<std::size_t>(ring.capacity()) < least)
     throw ConfigError("ring of " + std::to_string(options.ring_bytes) + " bytes: node " + node.name +
                       " needs at least " + std::to_string(least * sizeof(SealedBlock)));
@@ -136,12 +155,12 @@ EpochResult run_epoch(std::stop_token stop, const VehicleConfig& vehicle, const 
   Backlog backlog(ring, spool.get());
   ConversionTimes device(front_end, node.rate_hz);
   std::optional<ClockPlace> clock;
-  const auto say = [&](const std::string& why) {
+  const auto warn_of_clock = [&](const std::string& why) {
     options.warn("node " + node.name + ": nobody can ask for its clock on " + options.bus_url + ": " + why);
   };
   if (!front_end.waits()) {  // else its time is not of this machine
     clock.emplace([&] { return address_on_bus(options.bus_url); });
-    if (const std::string why = clock->follow(); !why.empty()) say(why);
+    if (const std::string why = clock->follow(); !why.empty()) warn_of_clock(why);
   }
   const auto clock_now = [&] { return clock_address(clock ? &*clock : nullptr); };
   NodeLink node_link(node.id, epoch, backlog, *preview, link, change, clock_now, front_end.reports());
@@ -156,12 +175,13 @@ EpochResult run_epoch(std::stop_token stop, const VehicleConfig& vehicle, const 
   processes.run(
       [&](std::stop_token stop_here) { keep_diary(stop_here, front_end, link, options, is_first); });
   processes.run(prove_life, std::cref(link), std::cref(options));
-  if (clock) processes.run(answer_clock, std::ref(*clock), node.id, epoch, std::cref(front_end), say);
+  if (clock)
+    processes.run(answer_clock, std::ref(*clock), node.id, epoch, std::cref(front_end), warn_of_clock);
   processes.run([&](std::stop_token stop_here) {
     if (!front_end.waits())
       for (const std::string& refused : enter_realtime(kAcquirePriority))
         if (is_first) options.warn(refused);
-    acquire(stop_here, device, sealer, sink, link);
+    acquire(stop_here, device, packer, sink, link);
   });
   std::exception_ptr failure;
   try {

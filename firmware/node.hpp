@@ -37,7 +37,7 @@ struct NodeOptions {
 /// requested; then what no recorder took is moved to the spool.  A bus that fails meanwhile is opened again.
 ///
 /// @return how many blocks that no recorder has, and no spool, are lost with this program: 0 unless it was
-///         told to stop
+///         asked to stop
 /// @throws ConfigError if the ring or the spool is too small; std::runtime_error if bus or spool cannot be
 ///         opened or the device failed (then after all it gave is durable)
 std::int64_t run_node(std::stop_token stop, const VehicleConfig& vehicle, const NodeConfig& node,
@@ -50,7 +50,7 @@ struct EpochResult {
 
 /// One epoch of a node: run_node, which also returns when another vehicle.toml is wanted while nothing is
 /// kept.
-/// @param is_first  of this program: what devices and system have suffered before is not said again.  In a
+/// @param is_first  of this program: troubles of devices and system from before are not reported again.  In a
 ///                  later one a spool that cannot be opened is a failure of the spool, and no end
 EpochResult run_epoch(std::stop_token stop, const VehicleConfig& vehicle, const NodeConfig& node,
                       FrontEnd& front_end, const NodeOptions& options, VehicleChange& change, bool is_first);

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "common/bus/bus.hpp"
-#include "common/bus/control.hpp"
+#include "common/bus/control_messages.hpp"
 
 namespace roadbalance {
 
@@ -12,8 +12,8 @@ namespace {
 
 using namespace std::chrono_literals;
 constexpr auto kHeartbeatPeriod = 100ms;
-// While blocks are held and none goes out, at the start and at the end, only heartbeats tell of them: one
-// that the network loses must not cost a whole period.
+// While blocks are held and none goes out, at the start and at the end, only heartbeats report them: one that
+// the network loses must not cost a whole period.
 constexpr auto kQuietPeriod = 25ms;
 constexpr auto kOwnerSilence = 500ms;
 constexpr int kLastHeartbeats = 3;
@@ -47,7 +47,7 @@ void NodeLink::take(std::string_view channel, std::span<const std::uint8_t> byte
   if (channel == ack_channel_) {
     const auto ack = decode_ack(bytes);
     if (!ack || !sender_.take(*ack, now)) return;
-    // The cable is in again: the sooner the recorder hears what there is, the sooner it asks.
+    // The cable is in again: the sooner the recorder gets the heartbeat, the sooner it asks.
     if (now - owner_heard_ > kOwnerSilence) next_heartbeat_ = now;
     owner_heard_ = now;
   } else if (channel == command_channel_) {
@@ -92,7 +92,7 @@ void NodeLink::farewell(const Publish& publish) {
   for (int k = 0; k < kLastHeartbeats; ++k) send_heartbeat(publish);
 }
 
-// The state is read first: once it says that all is over, `next` is behind the last block.
+// The state is read first: once it is the last, `next` is behind the last block.
 void NodeLink::send_heartbeat(const Publish& publish) {
   Heartbeat beat;
   beat.node = node_;
@@ -115,6 +115,7 @@ void NodeLink::send_heartbeat(const Publish& publish) {
   beat.acks_refused = sender_.acks_refused();
   for (std::size_t line = 0; line < kEncoderLines; ++line)
     beat.encoder_faults[line] = link_.encoder[line].of(DeviceCounter::kFaultyTurns);
+  for (std::size_t k = 0; k < beat.mark_counts.size(); ++k) beat.mark_counts[k] = link_.mark_counts[k].load();
   beat.unreferenced_blocks = link_.unreferenced_blocks.load();
   for (std::size_t k = 0; k < kDeviceCounters; ++k) {
     for (const DeviceReport* report : reports_)
@@ -127,6 +128,7 @@ void NodeLink::send_heartbeat(const Publish& publish) {
   beat.clock_address = clock.address;
   beat.clock_port = clock.port;
   beat.vehicle_crc32c = vehicle_.in_force();
+  beat.end_cause = link_.end_cause.load();
   publish(heartbeat_channel_, encode(beat));
 }
 

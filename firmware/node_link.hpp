@@ -10,19 +10,19 @@
 #include <vector>
 
 #include "common/bus/publish.hpp"
-#include "common/clock/clocks.hpp"
 #include "common/link/backlog.hpp"
 #include "common/link/sender.hpp"
+#include "common/types/clocks.hpp"
 #include "firmware/acquire.hpp"
 #include "firmware/commands.hpp"
 #include "firmware/preview_slot.hpp"
 
 namespace roadbalance {
 
-/// Where a node's clock is asked for, as its heartbeats say.
+/// Where a node's clock is asked for, as in its heartbeats.
 struct NodeClockAddress {
   TimeBase time_base = TimeBase::kOwn;
-  std::uint32_t address = 0;  ///< IPv4, as a number; 0: nobody answers
+  std::uint32_t address = 0;  ///< IPv4, as a number; 0: there is none
   std::uint16_t port = 0;
 };
 
@@ -37,8 +37,7 @@ class NodeLink {
       VehicleChange& vehicle, std::function<NodeClockAddress()> clock = [] { return NodeClockAddress(); },
       std::vector<const DeviceReport*> reports = {});
 
-  /// What came on ack_channel(node), command_channel(node) or vehicle_channel(node); anything else is
-  /// ignored.
+  /// A message on ack_channel(node), command_channel(node) or vehicle_channel(node); any other is ignored.
   void take(std::string_view channel, std::span<const std::uint8_t> bytes, WallTime now);
 
   /// Moves blocks to the spool if it must, then sends what is due: blocks, the preview, replies, ten

@@ -11,15 +11,15 @@
 
 namespace roadbalance {
 
-/// Opens the node's devices.  @throws ConfigError if they do not have what the vehicle.toml wants
+/// Opens the node's devices.  @throws ConfigError if they do not have what the vehicle.toml asks for
 using OpenFrontEnd =
     std::function<std::unique_ptr<FrontEnd>(const VehicleConfig& vehicle, const NodeConfig& node)>;
 
 /// A node that outlives its recordings: run_node again and again, each time in a new epoch.
 ///
-/// Between recordings it takes another vehicle.toml from its recorder: closes the devices and opens them as
-/// that says.  One that it cannot measure by is refused with the reason, and the one before stays in force.
-/// @param device  what `open` can be told
+/// Between recordings it takes another vehicle.toml from its recorder: closes the devices and opens them by
+/// it.  One that it cannot measure by is refused with the reason, and the one before stays in force.
+/// @param device  the settings that `open` can follow
 /// @param stays   after a stop by command: waits for the next start, until its device ends
 /// @return as run_node, over all epochs
 /// @throws as run_node; ConfigError or std::system_error of `open` the first time, or if the devices cannot

@@ -4,11 +4,12 @@
 #include <atomic>
 #include <cstdint>
 
-#include "common/link/block.hpp"
+#include "common/types/block.hpp"
 
 namespace roadbalance {
 
-/// The latest preview block, from one writer to one reader, who may miss some.  Never waits (triple buffer).
+/// The latest preview block, from one writer to one reader, which may miss some.  Never waits (triple
+/// buffer).
 class PreviewSlot {
  public:
   /// Writer: the block to seal into, then publish().

@@ -12,7 +12,7 @@ namespace roadbalance {
 /// ScanStamps::kReadOut.
 ///
 /// The converter's clock is even, reading is only ever late: conversion lies on a line of time over scan
-/// index below all stamps.  Of each second the earliest stamp against the nominal period counts; the line is
+/// index below all stamps.  In each second the earliest stamp against the nominal period counts; the line is
 /// the edge of the lower convex hull of the last 32 seconds over their middle (S. Moon, P. Skelly, D.
 /// Towsley, Estimation and removal of clock skew, INFOCOM 1999), which neither bunches nor hiccups of reading
 /// pull. The shortest delay of reading is not seen and stays in the times.  Where the line moves, the times
@@ -20,7 +20,7 @@ namespace roadbalance {
 /// clock or count may be another since, and after a stamp a second off the line, which no delay explains,
 /// everything begins anew.
 ///
-/// Unlike fit_sample_clock of the CSV import it knows only the past.  Never allocates.
+/// Unlike fit_sample_clock of the CSV import it has only the past.  Never allocates.
 class ReadoutClock {
  public:
   /// @param rate_hz  nominal; the converter's may differ by 0.1 %

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/link/angle_sigma.hpp"
-#include "common/wheel_counter/wanted_signal.hpp"
+#include "common/angle/wanted_signal.hpp"
+#include "common/types/angle_sigma.hpp"
 
 namespace roadbalance {
 
@@ -75,7 +75,7 @@ bool Reference::look_up(std::size_t line, NodeTime from, NodeTime last,
   return steered && !awaited;
 }
 
-/// False if the next message will tell more.
+/// False if the next message will improve it.
 bool Reference::steer(std::size_t line, NodeTime from, std::span<double> angle_rad) noexcept {
   if (!steering_.take_out(steering_ratio_[line], to_ns(from), filter_.step_ns(), angle_rad))
     uncertain_[line] = true;
@@ -109,7 +109,8 @@ EncoderFaults Reference::faults(int line) const noexcept {
   const auto at = static_cast<std::size_t>(line);
   if (counter_[at])
     return {.breaks = counter_[at]->breaks(), .marks_elsewhere = counter_[at]->marks_elsewhere()};
-  return {.turns = encoder_[at] ? encoder_[at]->faulty_turns() : 0};
+  if (!encoder_[at]) return {};
+  return {.turns = encoder_[at]->faulty_turns(), .mark_counts = encoder_[at]->mark_counts()};
 }
 
 }  // namespace roadbalance

@@ -5,28 +5,29 @@
 #include <optional>
 #include <span>
 
+#include "common/angle/reference_filter.hpp"
+#include "common/angle/steering_track.hpp"
+#include "common/angle/wheel_encoder.hpp"
 #include "common/config/vehicle_config.hpp"
-#include "common/encoder/reference_filter.hpp"
-#include "common/link/blocks.hpp"
-#include "common/wheel_counter/steering_track.hpp"
+#include "common/types/blocks.hpp"
 #include "firmware/counter_encoder.hpp"
-#include "firmware/encoder/wheel_encoder.hpp"
 
 namespace roadbalance {
 
-/// What went wrong with an encoder so far.
+/// Faults of an encoder so far.
 struct EncoderFaults {
   std::int64_t turns = 0;            ///< that did not have exactly their teeth
   std::int64_t breaks = 0;           ///< of the count of a pulse counter on the bus
   std::int64_t marks_elsewhere = 0;  ///< zero marks of such a counter that lay elsewhere than those before
+  std::array<int, 2> mark_counts{};  ///< now: WheelEncoder::mark_counts
 };
 
 /// Wheel angles -> channels 13 .. 16: sin and cos of both wheels, as the accelerations have them after their
 /// anti-aliasing filter (ReferenceFilter), so that no later stage corrects phase.
 ///
-/// A wheel's teeth come from its line, or from a pulse counter on the node's bus.  What steering adds to a
-/// transducer that is fixed to the body is taken off by the steering angle of the node's bus; where that is
-/// not known the angle is flagged as uncertain.  A line without an encoder is flagged always.  Never
+/// A wheel's teeth come from its line, or from a pulse counter on the node's bus.  The part that steering
+/// adds to a transducer that is fixed to the body is taken off by the steering angle of the node's bus; where
+/// that is not known the angle is flagged as uncertain.  A line without an encoder is flagged always.  Never
 /// allocates after construction.
 class Reference {
  public:
@@ -41,7 +42,7 @@ class Reference {
   NodeTime complete_at(NodeTime last) const noexcept;
 
   /// Looks up the angles for `scans` scans from `first` on.  True if those of all encoders are known, and no
-  /// message that comes soon would tell more of them.
+  /// message that comes soon would improve them.
   bool locate(NodeTime first, int scans) noexcept;
 
   /// Fills channels 12 .. 15 of the scans located last and returns their Quality bits, with how well the
@@ -53,7 +54,7 @@ class Reference {
     const auto at = static_cast<std::size_t>(line);
     return encoder_[at].has_value() || counter_[at].has_value();
   }
-  /// Of a wheel that has an encoder the angle is not known, by a block's Quality bits.
+  /// True if the angle of a wheel that has an encoder is not known, by a block's Quality bits.
   bool lacks_angle(std::int32_t quality) const noexcept {
     return (has_encoder(0) && (quality & quality_no_reference(0)) != 0) ||
            (has_encoder(1) && (quality & quality_no_reference(1)) != 0);

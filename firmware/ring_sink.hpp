@@ -6,7 +6,7 @@
 
 namespace roadbalance {
 
-/// The ring as the sealer sees it.  Once full it stays closed until a twentieth is free again, so that a ring
+/// The ring as the packer sees it.  Once full it stays closed until a twentieth is free again, so that a ring
 /// at its limit gives few long gaps and not many short ones.
 class RingSink final : public BlockSink {
  public:

@@ -1,16 +1,18 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <span>
 
 #include "common/config/vehicle_config.hpp"
-#include "common/link/blocks.hpp"
+#include "common/frontend/front_end.hpp"
+#include "common/types/blocks.hpp"
 
 namespace roadbalance {
 
-/// Hands over every block of an epoch, as a node would seal them, without threads and without a bus.
+/// Callbacks over every block of an epoch, as a node would seal them, without threads and without a bus.
 class EpochSealer {
  public:
   using Take = std::function<void(const SealedBlock&)>;
@@ -21,11 +23,14 @@ class EpochSealer {
               GapCause jump = GapCause::kDeviceOverrun);
   ~EpochSealer();
 
-  /// As Sealer::add: what one read of a front end returned.
+  /// As BlockPacker::add: the result of one read of a front end.
   void add(std::span<const Scan> scans, std::span<const Edge> edges,
            std::span<const SignalSample> signals = {}, bool more_edges = false);
   /// Nothing follows.
   void end();
+
+  /// Of the encoder of a line: WheelEncoder::mark_counts.
+  std::array<int, 2> mark_counts(int line) const;
 
  private:
   struct State;

@@ -23,11 +23,11 @@ namespace {
 constexpr std::chrono::seconds kRetry{1};
 constexpr std::uint64_t kShortestSegment = std::uint64_t{64} << 10;
 constexpr std::uint64_t kLongestSegment = std::uint64_t{4} << 20;
-// Of the largest block, with the longest name of its channel.
+// The size of the largest block, with the longest name of its channel.
 constexpr std::uint64_t kMostEventBytes = kLogHeaderBytes + 24 + kMaxBlockBytes;
 
-// Its name is durable on return, also of one that is there: whoever made it may have been killed before he
-// came to this.  Those above it are not made: one that is missing may be a disk that is not mounted.
+// Its name is durable on return, also of one that is there: the program that made it may have been killed
+// before this.  Those above it are not made: one that is missing may be a disk that is not mounted.
 void make_folder(const std::filesystem::path& folder, Disk& disk) {
   if (!folder.has_filename() && folder.has_relative_path()) return make_folder(folder.parent_path(), disk);
   if (disk.mkdir(folder.c_str(), 0755) != 0 && errno != EEXIST)
@@ -76,7 +76,7 @@ std::uint64_t SpoolFolder::bytes_used() const {
   return bytes;
 }
 
-// Number 0 says that it describes and is no block of the epoch.
+// Number 0 marks a description, which is no block of the epoch.
 void SpoolFolder::describe(const SealedBlock& meta) {
   MetaBlock block = decode_meta(meta);
   block.header.sequence = 0;
@@ -138,7 +138,7 @@ void SpoolFolder::begin_segment(std::int64_t first) {
   batch_ = preamble_;
 }
 
-// What is in the batch is kept: data first, then, of a new file, its name.
+// Blocks of the batch are kept: data first, then, of a new file, its name.
 void SpoolFolder::commit() {
   Segment& segment = segments_.back();
   if (batch_.empty()) return;
@@ -225,7 +225,7 @@ void SpoolFolder::give_up_through(std::int64_t sequence) {
   free_through(sequence);
 }
 
-// Only what is written and synced proves it: what was read before may be in memory still.
+// Only a write and a sync prove it: bytes read before may be in memory still.
 bool SpoolFolder::answers() {
   const auto probe = options_.folder / "probe";
   (void)disk_.unlink(probe.c_str());  // of one that was killed here
@@ -271,7 +271,7 @@ std::vector<std::filesystem::path> spools_left(const std::filesystem::path& dire
     try {
       if (File::open_folder(folder, disk).try_lock() && !segment_numbers(folder, disk).empty())
         left.push_back(folder);
-    } catch (const std::system_error& error) {  // nobody knows what it is; measuring goes on
+    } catch (const std::system_error& error) {  // its content is unknown; measuring goes on
       warn(std::string("not looked into: ") + error.what());
     }
   }

@@ -91,9 +91,9 @@ class SpoolFolder final : public Spool {
 std::filesystem::path spool_path(const std::filesystem::path& directory, std::int32_t node,
                                  std::int64_t epoch);
 
-/// What earlier nodes that were killed left in `directory`, as folders; it is made if it does not exist.  Of
-/// nodes that live nothing is said.
-/// @param warn  hears what bears such a name and cannot be looked into
+/// The folders in `directory` that earlier nodes left when they were killed; it is made if it does not exist.
+/// Nodes that live are left out.
+/// @param warn  gets the folders that bear such a name and cannot be looked into
 /// @throws std::system_error naming the directory if it cannot be made or read
 std::vector<std::filesystem::path> spools_left(const std::filesystem::path& directory,
                                                const std::function<void(const std::string&)>& warn,

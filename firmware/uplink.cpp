@@ -15,7 +15,7 @@ namespace {
 using namespace std::chrono_literals;
 constexpr auto kIdleWait = 5ms;  // a block takes 10 ms to fill; what comes from the bus wakes at once
 constexpr auto kAskAgain = 1s;
-constexpr auto kFarewell = 1s;  // told to stop, how long the owner may take to call the rest durable
+constexpr auto kFarewell = 1s;  // asked to stop, how long the owner may take to call the others durable
 
 }  // namespace
 
@@ -27,7 +27,7 @@ std::unique_ptr<Bus> open_node_bus(const std::string& url, std::int32_t node, No
   bus->subscribe(ack_channel(node), take);
   bus->subscribe(command_channel(node), take);
   bus->subscribe(vehicle_channel(node), take);
-  // A recorder that does not understand this node says no more to it than to everybody.
+  // A recorder that does not understand this node sends no more to it than to all.
   bus->subscribe(kRecorderChannel, [](std::string_view, std::span<const std::uint8_t>) {});
   return bus;
 }
@@ -42,11 +42,11 @@ void uplink(std::stop_token stop, const std::function<std::unique_ptr<Bus>()>& o
   WallTime ask_again{};
   LastingReason lost;
 
-  std::optional<WallTime> told_to_stop;
+  std::optional<WallTime> stop_asked_at;
   while (!link.finished()) {
     const WallTime now = WallClock::now();
-    if (stop.stop_requested() && !told_to_stop) told_to_stop = now;
-    if (told_to_stop && (now - *told_to_stop > kFarewell || link.owner() == 0)) break;
+    if (stop.stop_requested() && !stop_asked_at) stop_asked_at = now;
+    if (stop_asked_at && (now - *stop_asked_at > kFarewell || link.owner() == 0)) break;
     if (!bus && now < ask_again) {
       link.relieve(now);
       std::this_thread::sleep_for(kIdleWait);
@@ -66,7 +66,7 @@ void uplink(std::stop_token stop, const std::function<std::unique_ptr<Bus>()>& o
     } catch (const std::exception& error) {
       bus.reset();
       ask_again = now + kAskAgain;
-      if (lost.is_to_be_said(error.what(), now))
+      if (lost.is_due(error.what(), now))
         warn(std::string(error.what()) + "; sampling goes on, the bus is tried again");
     }
   }

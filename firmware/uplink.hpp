@@ -10,7 +10,7 @@
 
 namespace roadbalance {
 
-/// The bus as a node hears it: what comes for the node goes to `link`, which outlives it.
+/// The bus as a node receives it: messages for the node go to `link`, which outlives it.
 /// @throws std::runtime_error naming the URL
 std::unique_ptr<Bus> open_node_bus(const std::string& url, std::int32_t node, NodeLink& link);
 
@@ -18,10 +18,10 @@ std::unique_ptr<Bus> open_node_bus(const std::string& url, std::int32_t node, No
 /// hang or die and sampling goes on until the ring is full.  A bus that fails is opened again, every second;
 /// meanwhile nothing is due.
 ///
-/// Ends when acquire has ended and the owner has everything durable; told to stop, within a second.
+/// Ends when acquire has ended and the owner has everything durable; asked to stop, within a second.
 ///
 /// @param open  gives the bus of open_node_bus()
-/// @param warn  hears which recorder is of another version of the wire, and why there is no bus when that
+/// @param warn  gets which recorder is of another version of the wire, and why there is no bus when that
 ///              lasts
 /// @throws what `open` throws the first time
 void uplink(std::stop_token stop, const std::function<std::unique_ptr<Bus>()>& open, NodeLink& link,

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/link/text_crc.hpp"
+#include "common/types/text_crc.hpp"
 
 namespace roadbalance {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/bus/control.hpp"
+#include "common/bus/control_messages.hpp"
 
 namespace roadbalance {
 
@@ -30,14 +30,14 @@ class VehicleChange {
     CommandError result = CommandError::kNone;
     std::string why{};
   };
-  /// What is known at once; nothing: it is wanted from now on, and outcome() will say.
+  /// The outcome that is known at once; nothing: it is wanted from now on, and outcome() will follow.
   std::optional<Outcome> ask(const Command& command);
-  /// Of a request that was wanted earlier.
+  /// The outcome of a request that was wanted earlier.
   std::optional<Outcome> outcome(std::int64_t request) const;
 
   /// The text that is wanted; nullptr: none.
   const std::string* wanted() const { return wanted_ ? &wanted_->text : nullptr; }
-  /// What has become of it.
+  /// The outcome of the request.
   void made();
   void refused(const std::string& why);
 

@@ -2,7 +2,7 @@
 
 #include "common/bus/compensation.hpp"
 #include "common/bus/results.hpp"
-#include "common/clock/clocks.hpp"
+#include "common/types/clocks.hpp"
 
 namespace roadbalance::test {
 
@@ -32,7 +32,7 @@ BusWatch::BusWatch(const std::string& url) : bus_(url) {
     if (const auto compensation = decode_compensation(bytes))
       results_[{std::string(channel), compensation->wheel}].assign(bytes.begin(), bytes.end());
   });
-  bus_.handle(milliseconds(0));  // from here on samples take no room, however long nobody listens
+  bus_.handle(milliseconds(0));  // from here on samples take no room, however long this does not listen
 }
 
 bool BusWatch::wait(const std::function<bool()>& condition, double seconds) {

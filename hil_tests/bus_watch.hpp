@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "common/bus/bus.hpp"
-#include "common/bus/control.hpp"
+#include "common/bus/control_messages.hpp"
 #include "common/bus/recorder_status.hpp"
 
 namespace roadbalance::test {
 
-/// What an observer on the bus knows: the newest message of each node and of the recorder.  An
+/// The view of an observer on the bus: the newest message of each node and of the recorder.  An
 /// acknowledgement counts only if it is for the epoch of the node's heartbeat.
 class BusWatch {
  public:

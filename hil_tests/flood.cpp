@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "common/clock/clocks.hpp"
+#include "common/types/clocks.hpp"
 #include "hil_tests/malformer.hpp"
 #include "hil_tests/throw_errno.hpp"
 
@@ -22,7 +22,7 @@ constexpr std::chrono::seconds kPatience{30};  // for the first real datagram
 constexpr double kMostRefused = 0.01;          // of all, for a flood that counts
 constexpr double kLeastRate = 0.99;            // of the rate asked
 
-/// Hears the bus as it is and sends it anything; knows nothing of LCM.
+/// Hears the bus as it is and sends it anything; has nothing of LCM.
 class RawBus {
  public:
   explicit RawBus(int port) : port_(htons(static_cast<std::uint16_t>(port))) {
@@ -53,7 +53,7 @@ class RawBus {
                     sizeof group) >= 0;
   }
 
-  /// What has come since the last call, our own datagrams among it; not longer than `bytes`.
+  /// Datagrams since the last call, our own among them; not longer than `bytes`.
   std::size_t receive(std::span<std::uint8_t> bytes) const {
     const ssize_t size = ::recv(receiver_, bytes.data(), bytes.size(), MSG_DONTWAIT);
     return size > 0 ? static_cast<std::size_t>(size) : 0;

@@ -5,7 +5,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
-#include "common/bus/control.hpp"
+#include "common/bus/control_messages.hpp"
 
 namespace roadbalance::test {
 namespace {

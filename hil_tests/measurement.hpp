@@ -9,7 +9,7 @@
 #include "common/test/temporary_directory.hpp"
 #include "hil_tests/bus_watch.hpp"
 #include "hil_tests/program.hpp"
-#include "host/recorder/verify.hpp"
+#include "host/recording/verify/verify.hpp"
 
 namespace roadbalance::test {
 
@@ -29,7 +29,7 @@ class Measurement : public ::testing::Test {
                const std::vector<std::string>& more = {}) const;
   Program analyser(const std::vector<std::string>& more = {}) const;
 
-  /// Waits until the node has been told that `blocks` more of its blocks are on the disk.
+  /// Waits until the node has the acknowledgement that `blocks` more of its blocks are on the disk.
   bool more_are_durable(std::int32_t node, std::int64_t blocks);
   /// Waits until the node keeps next to nothing back.
   bool backlog_is_gone(std::int32_t node);
@@ -55,7 +55,7 @@ class Measurement : public ::testing::Test {
   BusWatch bus;
 };
 
-/// What the independent checker (tools/check_record.py) says: its exit code.
+/// Exit code of the independent checker (tools/check_record.py).
 int check_record(const std::filesystem::path& folder);
 
 }  // namespace roadbalance::test

@@ -61,7 +61,7 @@ void MemoryDisk::free_again() {
   std::filesystem::remove(filler());
 }
 
-std::optional<std::string> FailingDisk::obstacle() {
+std::optional<std::string> FailingDisk::refusal() {
   if (::access("/dev/loop-control", R_OK | W_OK) != 0) return "there are no loop devices";
   if (!std::filesystem::exists("/sys/fs/ext4")) return "the kernel has no ext4 that can be told to fail";
   return std::nullopt;

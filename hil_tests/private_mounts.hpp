@@ -35,7 +35,7 @@ class MemoryDisk {
 class FailingDisk {
  public:
   /// Why this machine cannot have one; nothing if it can.
-  static std::optional<std::string> obstacle();
+  static std::optional<std::string> refusal();
 
   /// @throws std::runtime_error naming the command that failed
   FailingDisk(const std::filesystem::path& image, std::filesystem::path folder, int mebibytes);

@@ -13,7 +13,7 @@
 #include <thread>
 #include <utility>
 
-#include "common/clock/clocks.hpp"
+#include "common/types/clocks.hpp"
 
 extern char** environ;
 

@@ -14,7 +14,7 @@ namespace roadbalance::test {
 class Program {
  public:
   /// @param name  of a program in build/<preset>/bin, or one on the search path
-  /// @param said  file that gets what it says on stderr, after what stands there; empty: ours
+  /// @param said  file to which its stderr is appended; empty: our stderr
   /// @throws std::system_error naming it
   Program(const std::string& name, const std::vector<std::string>& arguments,
           const std::filesystem::path& said = {});
@@ -45,7 +45,7 @@ bool full_run();
 /// Waits until `condition` holds; false if it does not within `seconds`.  A bound, not a measurement.
 bool wait_until(const std::function<bool()>& condition, double seconds);
 
-/// Where this build's programs are.
+/// Folder of this build's programs.
 std::filesystem::path binaries();
 
 }  // namespace roadbalance::test

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/bus/codec.hpp"
-#include "common/record/record.hpp"
+#include "common/record/record_reader.hpp"
 #include "common/test/source.hpp"
 #include "sim/front_end.hpp"
 

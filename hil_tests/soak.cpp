@@ -10,14 +10,14 @@
 #include <vector>
 
 #include "common/bus/process_port.hpp"
-#include "common/clock/clocks.hpp"
 #include "common/config/vehicle_config.hpp"
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
+#include "common/types/clocks.hpp"
 #include "hil_tests/bus_watch.hpp"
 #include "hil_tests/memory_trend.hpp"
 #include "hil_tests/program.hpp"
-#include "host/recorder/verify.hpp"
+#include "host/recording/verify/verify.hpp"
 
 namespace roadbalance::test {
 namespace {
@@ -97,7 +97,7 @@ class Soak {
   }
 
  private:
-  /// At any rate but 1 a simulated device waits: a machine that is too slow soaks less than it says.
+  /// At any rate but 1 a simulated device waits: a machine that is too slow soaks less than it reports.
   bool kept_pace(const Heartbeat& heartbeat) const {
     const double asked = options_.rate * vehicle_.node.front().rate_hz * elapsed_s_;
     const double share =

@@ -6,8 +6,8 @@
 
 namespace roadbalance::sim {
 
-/// "PATH?seed=7&rate=20&seconds=320&start_ns=123&from=12.5&converter_ppm=40", every part optional: what a
-/// simulated front end is opened with.
+/// "PATH?seed=7&rate=20&seconds=320&start_ns=123&from=12.5&converter_ppm=40", every part optional: the
+/// address of a simulated front end.
 ///
 /// A node's converter may be faster than its nominal rate by converter_ppm: it then takes other instants of
 /// the same drive.  A node's clock may show clock_offset_s at bus time 0 and gain clock_ppm on it; only with

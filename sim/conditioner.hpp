@@ -7,12 +7,12 @@
 #include <Eigen/Core>
 
 #include "common/config/vehicle_config.hpp"
-#include "common/frontend/front_end.hpp"
+#include "common/types/scan.hpp"
 #include "sim/car.hpp"
 
 namespace roadbalance::sim {
 
-/// The analogue half of a node and its converter: what the car does becomes twelve 24-bit counts.
+/// The analogue half of a node and its converter: the car's motion becomes twelve 24-bit counts.
 ///
 ///     sources ─▶ sensors (place, direction, coupling, noise) ─▶ preamplifier (range) ─▶ anti-aliasing filter
 ///     ─▶ counts
@@ -30,7 +30,7 @@ class Conditioner {
   /// Takes what the car does at `step`.  Never allocates.
   void feed(const SourceVector& sources, std::int64_t step);
 
-  /// Converts what the filter shows now.  Overload is told once: of every step since the last conversion.
+  /// Converts what the filter shows now.  Overload is reported once: of every step since the last conversion.
   void convert(Scan& scan);
 
  private:

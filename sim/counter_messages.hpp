@@ -4,14 +4,14 @@
 #include <functional>
 #include <vector>
 
-#include "common/frontend/front_end.hpp"
+#include "common/types/scan.hpp"
 
 namespace roadbalance::sim {
 
-/// What a control unit's counter shows once so many teeth have passed: it moves by steps and wraps.
+/// A control unit's counter once so many teeth have passed: it moves by steps and wraps.
 double counter_code(double teeth_passed, std::int64_t modulus, std::int64_t step = 1);
 
-/// What a control unit sends of a ring whose wheel turns by any function of time: how many of its even teeth
+/// Messages of a control unit for a tone wheel that turns by any function of time: how many of its even teeth
 /// have passed, sampled some time before the message is stamped.
 struct CounterMessages {
   std::function<double(double)> angle_rad;  ///< of seconds

@@ -25,7 +25,7 @@ struct DamperScenario {
   double excess_n(double damper_n_s_m, double rate_m_s) const;
 };
 
-/// The dampers of a car: what their forces have beyond the linear ones.
+/// The dampers of a car: the part of their forces beyond the linear ones.
 class Dampers {
  public:
   /// @param parameters  of the car, of which the struts' dampers count
@@ -34,7 +34,7 @@ class Dampers {
   bool are_linear() const { return scenario_.is_linear(); }
   /// Generalised force on the car per force of each strut that pulls its ends together.
   const Matrix74& direction() const { return direction_; }
-  /// Of each strut, N.
+  /// Force of each strut, N.
   /// @param rate  z'
   Vector4 excess_n(const Vector7& rate) const;
 

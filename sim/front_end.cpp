@@ -2,20 +2,85 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <thread>
 #include <vector>
 
+#include "common/config/vehicle_config.hpp"
+#include "common/dsp/state_filter.hpp"
 #include "common/frontend/pace.hpp"
+#include "common/types/scan.hpp"
 #include "sim/address.hpp"
 #include "sim/car.hpp"
 #include "sim/conditioner.hpp"
-#include "sim/loop_back.hpp"
-#include "sim/ring.hpp"
+#include "sim/drawn_car.hpp"
+#include "sim/drive.hpp"
 #include "sim/signals.hpp"
+#include "sim/tone_wheel.hpp"
 
 namespace roadbalance::sim {
 namespace {
+
+/// The references of a node with loop-back: a frequency generator that knows each wheel's angle, D/A
+/// converters of 16 bits, ten codes a scan, the anti-aliasing filter of vehicle.toml, and A/D converters.
+///
+/// A code stands for the middle of the time that it is held: it enters the filter as if there were straight
+/// lines between the codes.
+class LoopBack {
+ public:
+  LoopBack(const VehicleConfig& vehicle, const NodeConfig& node, const DrawnCar& car, double rate_hz);
+
+  /// Goes on to scan number `scan`, each one in turn, and fills its references; of a node that computes them
+  /// itself there is nothing to do.
+  void convert(const Drive& drive, std::int64_t scan, Scan& out);
+
+ private:
+  static constexpr int kCodesPerScan = 10;
+  static constexpr double kAmplitude = 0.9;
+  struct Wheel {
+    std::size_t line;
+    double radius_m, initial_rad;
+  };
+
+  bool wanted_;
+  double rate_hz_;
+  std::vector<Wheel> wheel_;
+  StateFilter filter_;  ///< rows sin, cos of line 0, of line 1
+};
+
+LoopBack::LoopBack(const VehicleConfig& vehicle, const NodeConfig& node, const DrawnCar& car, double rate_hz)
+    : wanted_(node.wiring.loop_back),
+      rate_hz_(rate_hz),
+      filter_(discretise_ramp_invariant(butterworth(vehicle.filter.order, vehicle.filter.cutoff_hz),
+                                        1.0 / (rate_hz * kCodesPerScan)),
+              kReferences) {
+  for (std::size_t line = 0; line < kEncoderLines; ++line)
+    if (const WheelConfig* const wheel = vehicle.wheel_at(node, static_cast<int>(line))) {
+      const auto w = static_cast<std::size_t>(vehicle.place_of(*wheel));
+      wheel_.push_back({line, car.rolling_radius_m[w], car.initial_angle_rad[w]});
+    }
+}
+
+void LoopBack::convert(const Drive& drive, std::int64_t scan, Scan& out) {
+  if (!wanted_) return;
+  Eigen::Array<double, kReferences, 1> code = Eigen::Array<double, kReferences, 1>::Zero();
+  for (int k = 1; k <= kCodesPerScan; ++k) {
+    const double time_s = (static_cast<double>(scan - 1) + static_cast<double>(k) / kCodesPerScan) / rate_hz_;
+    const double position_m = drive.at(time_s).position_m;
+    for (const Wheel& wheel : wheel_) {
+      const double angle_rad = position_m / wheel.radius_m + wheel.initial_rad;
+      const auto row = static_cast<Eigen::Index>(2 * wheel.line);
+      code(row) = std::round(32767.0 * kAmplitude * std::sin(angle_rad)) / 32767.0;
+      code(row + 1) = std::round(32767.0 * kAmplitude * std::cos(angle_rad)) / 32767.0;
+    }
+    filter_.update(code);
+  }
+  for (std::size_t r = 0; r < kReferences; ++r)
+    out.references[r] = static_cast<std::int32_t>(
+        std::lround(filter_.states()(static_cast<Eigen::Index>(r), 0) * kFullScaleCounts));
+}
 
 constexpr int kStepsPerScan = 2;
 constexpr double kMostTurnsPerSecond = 60.0;  ///< 300 km/h, the fastest scenario, on a small wheel
@@ -31,15 +96,16 @@ class Device {
         conditioner_(scenario, seed, vehicle, node, 1.0 / (kStepsPerScan * rate_hz)),
         loop_back_(vehicle, node, car_.drawn(), rate_hz),
         lead_scans_(std::ceil(kFarthestJitter * scenario.encoder.stamp_jitter_s * rate_hz)),
-        rings_at_{0.0, car_.drive().at(0.0)},
+        wheels_at_{0.0, car_.drive().at(0.0)},
         edges_(edge_room(vehicle, node)),
         signals_(vehicle, node, car_.drawn(), seed) {
     for (int line = 0; line < kEncoderLines; ++line) {
       const WheelConfig* const wheel = vehicle.wheel_at(node, line);
       if (!wheel) continue;
       const auto w = static_cast<std::size_t>(vehicle.place_of(*wheel));
-      ring_.emplace_back(scenario.encoder, seed, w, wheel->encoder, static_cast<std::uint8_t>(line),
-                         car_.drawn().rolling_radius_m[w], car_.drawn().initial_angle_rad[w], rings_at_);
+      tone_wheel_.emplace_back(scenario.encoder, seed, w, wheel->encoder, static_cast<std::uint8_t>(line),
+                               car_.drawn().rolling_radius_m[w], car_.drawn().initial_angle_rad[w],
+                               wheels_at_);
     }
   }
 
@@ -51,9 +117,9 @@ class Device {
       conditioner_.feed(car_.sources(), car_.steps());
     }
     const double ahead_s = (static_cast<double>(next_) + lead_scans_) / rate_hz_;
-    const Ring::Instant to{ahead_s, car_.drive().at(ahead_s)};
-    for (Ring& ring : ring_) ring.advance(rings_at_, to, edges_);
-    rings_at_ = to;
+    const ToneWheel::Instant to{ahead_s, car_.drive().at(ahead_s)};
+    for (ToneWheel& wheel : tone_wheel_) wheel.advance(wheels_at_, to, edges_);
+    wheels_at_ = to;
 
     Scan scan;
     scan.time = node_time_from_ns(std::llround(static_cast<double>(next_) * 1e9 / rate_hz_));
@@ -92,9 +158,9 @@ class Device {
   Car car_;
   Conditioner conditioner_;
   LoopBack loop_back_;
-  double lead_scans_;  ///< rings run this far ahead, so that no jittered stamp comes too late
-  Ring::Instant rings_at_;
-  std::vector<Ring> ring_;
+  double lead_scans_;  ///< tone wheels run this far ahead, so that no jittered stamp comes too late
+  ToneWheel::Instant wheels_at_;
+  std::vector<ToneWheel> tone_wheel_;
   EdgeQueue edges_;
   Signals signals_;
   std::size_t signal_ = 0;           ///< next to give,
@@ -156,7 +222,7 @@ class SimFrontEnd final : public FrontEnd {
         signals[read.signals] = *sample;
         signals[read.signals].time = clock_(sample->time);
       }
-      // The scan comes after its edges and samples; who gives no room for samples wants none.
+      // The scan comes after its edges and samples; a reader that gives no room for samples wants none.
       if (device_.edges().due(taken_->time)) return read;
       if (read.signals == signals.size() && !signals.empty()) return read;
       scans[read.scans] = *taken_;

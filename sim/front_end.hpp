@@ -6,12 +6,12 @@
 
 namespace roadbalance::sim {
 
-/// Opens one node of the simulated car; see address.hpp for what request.address may say.
+/// Opens one node of the simulated car; address.hpp lists the forms of request.address.
 ///
 /// Bus time 0 is the start of the drive, scan k of the drive is taken at k / rate_hz (of the converter, which
-/// may be off its nominal rate), and after the drive the device ends.  What is sampled is a function of bus
-/// time alone, whatever a node's clock shows.  Every node process simulates the whole car for itself and they
-/// all see the same one. A node opened late (start_ns in the past, or from=) brings the car to the present
+/// may be off its nominal rate), and after the drive the device ends.  Samples are a function of bus time
+/// alone, whatever a node's clock shows.  Every node process simulates the whole car for itself and they all
+/// see the same one. A node opened late (start_ns in the past, or from=) brings the car to the present
 /// silently: its scan index begins at 0, its times and data are those of a node that was there all along, bit
 /// for bit.
 ///

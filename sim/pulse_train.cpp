@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <random>
+
+#include "common/types/angle_units.hpp"
 
 namespace roadbalance::sim {
 namespace {
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kStep_s = 1e-4;
 
 struct Point {

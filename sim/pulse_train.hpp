@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "common/frontend/front_end.hpp"
+#include "common/types/scan.hpp"
 
 namespace roadbalance::sim {
 
@@ -20,7 +20,7 @@ struct PulseTrain {
   double first_tooth_rad = 0.02;             ///< angle from the zero mark to tooth 0
   double jitter_s = 0.0;                     ///< of every stamp, rms
   double lost = 0.0, extra = 0.0;            ///< share of teeth; an extra one comes anywhere up to the next
-  bool second_track = false;                 ///< says which teeth pass backwards
+  bool second_track = false;                 ///< shows which teeth pass backwards
   std::uint64_t seed = 1;
   std::uint8_t line = 0;
 

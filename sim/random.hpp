@@ -5,7 +5,7 @@
 
 namespace roadbalance::sim {
 
-/// What a sequence of random numbers is used for.  Sequences of different use are independent.
+/// The use of a sequence of random numbers.  Sequences of different use are independent.
 enum class Use : std::uint64_t {
   kParameters = 1,
   kRollingRadius,

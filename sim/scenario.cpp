@@ -2,16 +2,15 @@
 
 #include <algorithm>
 #include <limits>
-#include <numbers>
 
 #include "common/config/section.hpp"
+#include "common/types/angle_units.hpp"
 #include "embedded/demo_scenario.hpp"
 
 namespace roadbalance::sim {
 namespace {
 
 constexpr double kKmH = 1.0 / 3.6, kFastest_km_h = 300.0;
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 DriveScenario parse_drive(Section section) {
   DriveScenario drive;

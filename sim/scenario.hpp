@@ -49,7 +49,7 @@ struct EncoderScenario {
   double stamp_jitter_s;        ///< rms
 };
 
-/// What happens to the simulated car, as one TOML file states it.
+/// The drive of the simulated car, as one TOML file states it.
 struct Scenario {
   std::uint64_t seed;
   DriveScenario drive;

@@ -16,7 +16,7 @@ Signals::Signals(const VehicleConfig& vehicle, const NodeConfig& node, const Dra
       const auto number = static_cast<std::uint16_t>(static_cast<std::size_t>(can.first_signal) + k);
       Source source{.signal = number,
                     .quantity = wanted.quantity,
-                    .told_radius_m = 1.0,
+                    .nominal_radius_m = 1.0,
                     .true_radius_m = 1.0,
                     .pulses = 0.0,
                     .angle_rad = 0.0,
@@ -26,7 +26,7 @@ Signals::Signals(const VehicleConfig& vehicle, const NodeConfig& node, const Dra
                                           static_cast<std::uint64_t>(node.id) * kMostSignals + number)};
       if (const WheelConfig* const wheel = vehicle.wheel_named(wanted.wheel)) {
         const auto w = static_cast<std::size_t>(vehicle.place_of(*wheel));
-        source.told_radius_m = wheel->rolling_radius_m;
+        source.nominal_radius_m = wheel->rolling_radius_m;
         source.true_radius_m = car.rolling_radius_m[w];
         source.pulses = wheel->encoder.pulses_per_turn;
         source.angle_rad = car.initial_angle_rad[w] - wheel->encoder.datum_rad;
@@ -52,7 +52,7 @@ SignalSample Signals::at(std::size_t k, std::int64_t instant, const Drive& drive
       case SignalQuantity::kVehicleSpeed:
         return speed_m_s;
       case SignalQuantity::kWheelSpeed:
-        return speed_m_s / source.true_radius_m * source.told_radius_m;
+        return speed_m_s / source.true_radius_m * source.nominal_radius_m;
       case SignalQuantity::kPulseCounter:
         return counter_code(teeth_passed(source, instant, drive), source.counter.modulus,
                             source.counter.step);

@@ -4,8 +4,8 @@
 
 namespace roadbalance::sim {
 
-/// What the simulated car really has.  For the demo and for studies, which print it beside the result;
-/// no program that analyses may include this.
+/// The true values of the simulated car.  For the demo and for studies, which print it beside the result; no
+/// program that analyses may include this.
 struct Truth {
   struct Wheel {
     double unbalance_g;  ///< at the weight radius of vehicle.toml

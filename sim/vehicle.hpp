@@ -19,8 +19,8 @@ struct WheelForces {
 /// a step, given by value and derivative at both its ends.  For a sinusoid of w the relative error of the
 /// force is (w h)^4 / 720: 1e-9 at 18 Hz with h = 0.25 ms.
 ///
-/// What dampers have beyond linear ones is a further force on the right, linear in time over a step; that at
-/// the step's end is found by putting in the motion that it makes, twice.  Relative error (w h)^2 / 12 of
+/// The part of dampers beyond linear ones is a further force on the right, linear in time over a step; that
+/// at the step's end is found by putting in the motion that it makes, twice.  Relative error (w h)^2 / 12 of
 /// that force: 7e-5 at 18 Hz.
 ///
 /// Source: S. M. Cox, P. C. Matthews, Exponential time differencing for stiff systems, J. Comput. Phys. 176
@@ -57,7 +57,7 @@ class VehicleDynamics {
   Vector7 acceleration_;
 
   std::optional<Dampers> dampers_;  ///< nothing: linear ones
-  /// Of the struts' forces: begin and end of a step to state, and to z''.
+  /// The map of the struts' forces at begin and end of a step to state, and to z''.
   Eigen::Matrix<double, kStates, kWheels> from_begin_, from_end_;
   Matrix74 from_strut_;
   Vector4 strut_n_;  ///< at the step's end

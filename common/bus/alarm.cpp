@@ -36,8 +36,11 @@ constexpr std::array kNames{
     Named{AlarmCause::kClockBroken, "clock jumped"},
     Named{AlarmCause::kFaultyTurns, "faulty turns"},
     Named{AlarmCause::kDeviceGone, "a device is gone"},
+    Named{AlarmCause::kWrongMarks, "zero marks name no tooth"},
+    Named{AlarmCause::kNodeMissing, "does not measure"},
+    Named{AlarmCause::kNodeLeftOut, "is not recorded"},
 };
-constexpr std::array kWheelNames{"front left", "front right", "rear left", "rear right"};
+constexpr std::array kWheelWords{"front left", "front right", "rear left", "rear right"};
 constexpr std::int64_t kParts = 100;
 
 }  // namespace
@@ -62,15 +65,24 @@ const char* name_of(AlarmCause cause) {
   return "unknown";
 }
 
+std::string wrong_marks(std::span<const std::int32_t, 2> counts, std::optional<int> teeth) {
+  std::string text = std::to_string(counts[0]);
+  if (counts[1] > 0) text += " and " + std::to_string(counts[1]);
+  text += " teeth lie between its zero marks";
+  if (teeth) text += ", and its ring has " + std::to_string(*teeth);
+  return text + ": is a second magnet or the head of a bolt a mark, too, or pulses_per_turn wrong?";
+}
+
 std::string place_of(const Alarm& alarm) {
   const std::string node = alarm.node > 0 ? "node " + std::to_string(alarm.node) : "";
   if (alarm.part < 0) return node;
   switch (alarm.cause) {
     case AlarmCause::kWheelInStep: {
       const auto wheel = static_cast<std::size_t>(alarm.part);
-      return wheel < kWheelNames.size() ? kWheelNames[wheel] : "wheel " + std::to_string(wheel);
+      return wheel < kWheelWords.size() ? kWheelWords[wheel] : "wheel " + std::to_string(wheel);
     }
     case AlarmCause::kFaultyTurns:
+    case AlarmCause::kWrongMarks:
       return node + " line " + std::to_string(alarm.part + 1);
     default:
       return node + " channel " + std::to_string(alarm.part + 1);

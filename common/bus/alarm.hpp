@@ -2,6 +2,8 @@
 
 #include <compare>
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <string>
 
 namespace roadbalance {
@@ -42,6 +44,9 @@ enum class AlarmCause : std::int32_t {
   kClockBroken = 308,  ///< a node's clock jumped
   kFaultyTurns = 309,  ///< of an encoder, without exactly their teeth (line 0..1)
   kDeviceGone = 310,   ///< a device of a node is not there
+  kWrongMarks = 311,   ///< zero marks of an encoder name no tooth, so there is no angle (line 0..1)
+  kNodeMissing = 312,  ///< it does not measure though the recording goes on
+  kNodeLeftOut = 313,  ///< there is no room for it
 };
 
 /// Clocks of two nodes may be apart by so much: 0.3 degrees at 18 turns a second.
@@ -70,6 +75,11 @@ struct Alarm {
 
   auto operator<=>(const Alarm&) const = default;
 };
+
+/// "60 and 36 teeth lie between its zero marks, and its ring has 96: ...": why a wheel has no angle.
+/// @param counts  as in the heartbeat of one line; the first is not 0
+/// @param teeth   of the ring; nothing: not known here
+std::string wrong_marks(std::span<const std::int32_t, 2> counts, std::optional<int> teeth = {});
 
 /// "node 1 channel 3"; empty: of the recorder.
 std::string place_of(const Alarm& alarm);

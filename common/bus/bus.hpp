@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "common/bus/bus_route.hpp"
-#include "common/link/block.hpp"
+#include "common/types/block.hpp"
 
 namespace roadbalance {
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
 #include <wire/edge_block_t.hpp>
 #include <wire/end_t.hpp>
 #include <wire/gap_t.hpp>
@@ -10,120 +9,143 @@
 #include <wire/scan_block_t.hpp>
 #include <wire/signal_block_t.hpp>
 
+#include "common/bus/fields.hpp"
 #include "common/bus/scan_format.hpp"
-#include "common/bus/wire_format.hpp"
 
 namespace roadbalance {
+namespace wire_fields {
+
+/// What every block begins with.  Node 0 is the host, which has only descriptions to give.
+template <typename Field, typename Header, typename Wire>
+void list_header(Field& field, Header& h, Wire& m, std::int32_t lowest_node = 1) {
+  field(h.node, m.node, within(lowest_node, kLastNode));
+  field(h.epoch, m.epoch);
+  field(h.sequence, m.sequence, is_index);
+  field(h.first_scan, m.first_scan, is_index);
+  field(h.scans, m.scans,
+        [&m](std::int64_t scans) { return 0 <= scans && scans <= kIndexLimit - m.first_scan; });
+  field(h.time_ns, m.time_ns, is_clock);
+}
+
+/// What a scan block has beside its header and its counts, of which scan_format.hpp takes care.
+template <typename Field, typename Scan, typename Wire>
+void list_scan(Field& field, Scan& s, const Wire& m) {
+  constexpr std::int64_t kLongestPeriod_ps = 1'000'000'000'000;  // one scan a second
+  constexpr std::int32_t kQualityLimit = 1 << 16;                // room for bits of later versions
+  field.require(1 <= m.scans && m.scans <= kScansPerBlock);
+  field(s.period_ps, m.period_ps, within(1, kLongestPeriod_ps));
+  field(s.overload, m.overload, below(1 << kChannels));
+  field(s.quality, m.quality, below(kQualityLimit));
+}
+
+template <>
+struct Fields<EdgeBlock> {
+  using Wire = wire::edge_block_t;
+  static void list(auto& field, auto& b, auto& m) {
+    list_header(field, b.header, m);
+    field.require(m.scans == 0);
+    field(b.edges, m.edges);  // EdgeBlock::is_sound() bounds these
+    field(b.size, m.size);
+    field(b.codes, m.codes);
+  }
+};
+
+template <>
+struct Fields<SignalBlock> {
+  using Wire = wire::signal_block_t;
+  static void list(auto& field, auto& b, auto& m) {
+    list_header(field, b.header, m);
+    field.require(m.scans == 0);
+    field(b.samples, m.samples, up_to(kSamplesPerBlock));
+    field.counted(b.time_ns, m.sample_ns, m.samples, is_clock);
+    field.counted(b.value, m.value, m.samples, is_finite);
+    field.counted(b.signal, m.signal, m.samples, below(kMostSignals));
+  }
+};
+
+template <>
+struct Fields<GapBlock> {
+  using Wire = wire::gap_t;
+  static void list(auto& field, auto& b, auto& m) {
+    list_header(field, b.header, m);
+    field(b.cause, m.cause, within(GapCause::kRingFull, GapCause::kDeviceGone));
+  }
+};
+
+template <>
+struct Fields<MetaBlock> {
+  using Wire = wire::meta_t;
+  static constexpr std::int32_t kMostParts = 10'000;
+  static void list(auto& field, auto& b, auto& m) {
+    list_header(field, b.header, m, 0);
+    field.require(m.scans == 0);
+    field(b.kind, m.kind, within(MetaKind::kVehicleToml, MetaKind::kRecordJson));
+    field(b.part, m.part);
+    field(b.parts, m.parts, within(1, kMostParts));
+    field.require(below(m.parts)(m.part));
+    field.bytes(b.text, m.text, m.size);
+  }
+};
+
+template <>
+struct Fields<EndBlock> {
+  using Wire = wire::end_t;
+  static void list(auto& field, auto& b, auto& m) {
+    list_header(field, b.header, m);
+    field.require(m.scans == 0);
+    field(b.blocks, m.blocks, is_index);
+    field(b.scans_sealed, m.scans_sealed, is_index);
+    field(b.scans_missing, m.scans_missing, is_index);
+    field(b.blocks_crc32c, m.blocks_crc32c);
+  }
+};
+
+}  // namespace wire_fields
+
 namespace {
 
-constexpr std::int32_t kMostMetaParts = 10'000;
-constexpr std::int64_t kLongestPeriod_ps = 1'000'000'000'000;  // one scan a second
-constexpr std::int32_t kQualityLimit = 1 << 16;                // room for bits of later versions
+using wire_fields::FieldPass;
+using wire_fields::Fields;
+using wire_fields::Pass;
 
 static_assert(sizeof(wire::scan_block_t::counts) == 4 * wire_format::kScanCounts);
 static_assert(sizeof(wire::edge_block_t::codes) == kEdgeBytesPerBlock);
 static_assert(sizeof(wire::meta_t::text) == kMetaBytesPerBlock);
 
-template <typename Message>
-void put_header(const BlockHeader& header, Message& message) {
-  message.node = header.node;
-  message.epoch = header.epoch;
-  message.sequence = header.sequence;
-  message.first_scan = header.first_scan;
-  message.scans = header.scans;
-  message.time_ns = header.time_ns;
-  message.crc32c = 0;
-}
-
-template <typename Message>
-BlockHeader header_of(const Message& message) {
-  return {.node = message.node,
-          .epoch = message.epoch,
-          .sequence = message.sequence,
-          .first_scan = message.first_scan,
-          .scans = message.scans,
-          .time_ns = message.time_ns};
-}
-
-template <typename Message>
-void seal_message(BlockKind kind, const Message& message, SealedBlock& out) {
-  const std::size_t size = wire_format::size_of<Message>();
+template <typename Block>
+void seal_as(BlockKind kind, const Block& block, SealedBlock& out) {
+  const auto message = wire_fields::wire_of(block);
+  const std::size_t size = wire_format::size_of<typename Fields<Block>::Wire>();
   assert(size <= kMaxBlockBytes);
   out.kind = kind;
-  out.header = header_of(message);
+  out.header = block.header;
   out.size = static_cast<std::uint32_t>(size);
   message.encode(out.storage.data(), 0, static_cast<int>(size));
   wire_format::write_crc({out.storage.data(), size});
 }
 
-template <typename Message>
-Message open_message(BlockKind kind, const SealedBlock& block) {
+template <typename Block>
+Block open_as(BlockKind kind, const SealedBlock& block) {
   assert(block.kind == kind);
   (void)kind;
-  const auto message = wire_format::decode<Message>(block.bytes());
+  const auto message = wire_format::decode<typename Fields<Block>::Wire>(block.bytes());
   assert(message);
-  return *message;
+  return wire_fields::message_of<Block>(*message);
 }
 
-template <typename Integer>
-bool within(Integer value, Integer low, Integer high) {
-  return low <= value && value <= high;
-}
-
-bool in_bounds(const BlockHeader& header, std::int32_t lowest_node) {
-  return within(header.node, lowest_node, kLastNode) &&
-         within<std::int64_t>(header.sequence, 0, kIndexLimit) &&
-         within<std::int64_t>(header.first_scan, 0, kIndexLimit) &&
-         within<std::int64_t>(header.scans, 0, kIndexLimit - header.first_scan) &&
-         within(header.time_ns, -kClockLimit_ns, kClockLimit_ns);
-}
-
-template <typename Scan>
-bool scan_in_bounds(const Scan& m) {
-  return within<std::int64_t>(m.scans, 1, kScansPerBlock) &&
-         within<std::int64_t>(m.period_ps, 1, kLongestPeriod_ps) &&
-         within(m.overload, 0, (1 << kChannels) - 1) && within(m.quality, 0, kQualityLimit - 1);
-}
-
-EdgeBlock edges_of(const wire::edge_block_t& m) {
-  EdgeBlock block;
-  block.header = header_of(m);
-  block.edges = m.edges;
-  block.size = m.size;
-  std::copy(m.codes, m.codes + kEdgeBytesPerBlock, block.codes.begin());
-  return block;
-}
-
-bool fields_in_bounds(const wire::edge_block_t& m) {
-  return m.scans == 0 && edges_of(m).is_sound();
-}
-
-bool fields_in_bounds(const wire::signal_block_t& m) {
-  if (m.scans != 0 || !within(m.samples, 0, kSamplesPerBlock)) return false;
-  for (int k = 0; k < m.samples; ++k)
-    if (!within(m.sample_ns[k], -kClockLimit_ns, kClockLimit_ns) || !std::isfinite(m.value[k]) ||
-        !within<std::int16_t>(m.signal[k], 0, kMostSignals - 1))
-      return false;
+bool has_sound_content(const auto&) {
   return true;
 }
-
-bool fields_in_bounds(const wire::gap_t& m) {
-  return within(m.cause, static_cast<std::int32_t>(GapCause::kRingFull),
-                static_cast<std::int32_t>(GapCause::kDeviceGone));
+bool has_sound_content(const wire::edge_block_t& message) {
+  return wire_fields::message_of<EdgeBlock>(message).is_sound();
 }
 
-bool fields_in_bounds(const wire::meta_t& m) {
-  return m.scans == 0 &&
-         within(m.kind, static_cast<std::int32_t>(MetaKind::kVehicleToml),
-                static_cast<std::int32_t>(MetaKind::kRecordJson)) &&
-         within(m.parts, 1, kMostMetaParts) && within(m.part, 0, m.parts - 1) &&
-         within(m.size, 0, kMetaBytesPerBlock);
-}
-
-bool fields_in_bounds(const wire::end_t& m) {
-  return m.scans == 0 && within<std::int64_t>(m.blocks, 0, kIndexLimit) &&
-         within<std::int64_t>(m.scans_sealed, 0, kIndexLimit) &&
-         within<std::int64_t>(m.scans_missing, 0, kIndexLimit);
+template <typename Message>
+BlockHeader header_of(const Message& message) {
+  BlockHeader header;
+  FieldPass<Pass::kDecode> decode;
+  wire_fields::list_header(decode, header, message);
+  return header;
 }
 
 void take(BlockKind kind, const BlockHeader& header, std::span<const std::uint8_t> bytes, SealedBlock& out) {
@@ -133,17 +155,15 @@ void take(BlockKind kind, const BlockHeader& header, std::span<const std::uint8_
   std::copy(bytes.begin(), bytes.end(), out.storage.begin());
 }
 
-template <typename Message>
+template <typename Block>
 Refusal accept_as(BlockKind kind, std::span<const std::uint8_t> bytes, SealedBlock& out, bool crc_is_good) {
+  using Message = typename Fields<Block>::Wire;
   if (bytes.size() != wire_format::size_of<Message>()) return Refusal::kWrongSize;
   if (!crc_is_good && !ends_with_its_crc(bytes)) return Refusal::kWrongCrc;
   const auto message = wire_format::decode<Message>(bytes);
   if (!message) return Refusal::kUnknownType;
-  const BlockHeader header = header_of(*message);
-  // Node 0 is the host, which has only descriptions to give.
-  const std::int32_t lowest_node = kind == BlockKind::kMeta ? 0 : 1;
-  if (!in_bounds(header, lowest_node) || !fields_in_bounds(*message)) return Refusal::kOutOfBounds;
-  take(kind, header, bytes, out);
+  if (!wire_fields::in_bounds<Block>(*message) || !has_sound_content(*message)) return Refusal::kOutOfBounds;
+  take(kind, header_of(*message), bytes, out);
   return Refusal::kNone;
 }
 
@@ -151,8 +171,12 @@ Refusal accept_scan(std::span<const std::uint8_t> bytes, SealedBlock& out, bool 
   if (bytes.size() != wire_format::kScanBytes) return Refusal::kWrongSize;
   if (!crc_is_good && !ends_with_its_crc(bytes)) return Refusal::kWrongCrc;
   const auto fields = wire_format::read_scan_fields(bytes);
-  const BlockHeader header = header_of(fields);
-  if (!in_bounds(header, 1) || !scan_in_bounds(fields)) return Refusal::kOutOfBounds;
+  BlockHeader header = header_of(fields);
+  ScanSummary none{};
+  FieldPass<Pass::kCheck> check;
+  wire_fields::list_header(check, header, fields);
+  wire_fields::list_scan(check, none, fields);
+  if (!check.is_good()) return Refusal::kOutOfBounds;
   take(BlockKind::kScan, header, bytes, out);
   return Refusal::kNone;
 }
@@ -169,51 +193,20 @@ void seal(const ScanBlock& block, SealedBlock& out) {
 }
 
 void seal(const EdgeBlock& block, SealedBlock& out) {
-  wire::edge_block_t message;
-  put_header(block.header, message);
-  message.edges = block.edges;
-  message.size = block.size;
-  std::copy(block.codes.begin(), block.codes.end(), message.codes);
-  seal_message(BlockKind::kEdge, message, out);
+  seal_as(BlockKind::kEdge, block, out);
 }
-
 void seal(const SignalBlock& block, SealedBlock& out) {
-  wire::signal_block_t message;
-  put_header(block.header, message);
-  message.samples = block.samples;
-  std::copy(block.time_ns.begin(), block.time_ns.end(), message.sample_ns);
-  std::copy(block.value.begin(), block.value.end(), message.value);
-  std::copy(block.signal.begin(), block.signal.end(), message.signal);
-  seal_message(BlockKind::kSignal, message, out);
+  seal_as(BlockKind::kSignal, block, out);
 }
-
 void seal(const GapBlock& block, SealedBlock& out) {
-  wire::gap_t message;
-  put_header(block.header, message);
-  message.cause = static_cast<std::int32_t>(block.cause);
-  seal_message(BlockKind::kGap, message, out);
+  seal_as(BlockKind::kGap, block, out);
 }
-
 void seal(const MetaBlock& block, SealedBlock& out) {
   assert(block.text.size() <= kMetaBytesPerBlock);
-  wire::meta_t message{};
-  put_header(block.header, message);
-  message.kind = static_cast<std::int32_t>(block.kind);
-  message.part = block.part;
-  message.parts = block.parts;
-  message.size = static_cast<std::int32_t>(block.text.size());
-  std::copy(block.text.begin(), block.text.end(), message.text);
-  seal_message(BlockKind::kMeta, message, out);
+  seal_as(BlockKind::kMeta, block, out);
 }
-
 void seal(const EndBlock& block, SealedBlock& out) {
-  wire::end_t message;
-  put_header(block.header, message);
-  message.blocks = block.blocks;
-  message.scans_sealed = block.scans_sealed;
-  message.scans_missing = block.scans_missing;
-  message.blocks_crc32c = static_cast<std::int32_t>(block.blocks_crc32c);
-  seal_message(BlockKind::kEnd, message, out);
+  seal_as(BlockKind::kEnd, block, out);
 }
 
 Refusal accept(std::span<const std::uint8_t> bytes, SealedBlock& out, bool crc_is_good) {
@@ -221,72 +214,50 @@ Refusal accept(std::span<const std::uint8_t> bytes, SealedBlock& out, bool crc_i
   const std::int64_t fingerprint = wire_format::load_i64(bytes.data());
   if (fingerprint == wire::scan_block_t::getHash()) return accept_scan(bytes, out, crc_is_good);
   if (fingerprint == wire::edge_block_t::getHash())
-    return accept_as<wire::edge_block_t>(BlockKind::kEdge, bytes, out, crc_is_good);
+    return accept_as<EdgeBlock>(BlockKind::kEdge, bytes, out, crc_is_good);
   if (fingerprint == wire::gap_t::getHash())
-    return accept_as<wire::gap_t>(BlockKind::kGap, bytes, out, crc_is_good);
+    return accept_as<GapBlock>(BlockKind::kGap, bytes, out, crc_is_good);
   if (fingerprint == wire::meta_t::getHash())
-    return accept_as<wire::meta_t>(BlockKind::kMeta, bytes, out, crc_is_good);
+    return accept_as<MetaBlock>(BlockKind::kMeta, bytes, out, crc_is_good);
   if (fingerprint == wire::end_t::getHash())
-    return accept_as<wire::end_t>(BlockKind::kEnd, bytes, out, crc_is_good);
+    return accept_as<EndBlock>(BlockKind::kEnd, bytes, out, crc_is_good);
   if (fingerprint == wire::signal_block_t::getHash())
-    return accept_as<wire::signal_block_t>(BlockKind::kSignal, bytes, out, crc_is_good);
+    return accept_as<SignalBlock>(BlockKind::kSignal, bytes, out, crc_is_good);
   return Refusal::kUnknownType;
 }
 
 ScanBlock decode_scan(const SealedBlock& block) {
   assert(block.kind == BlockKind::kScan);
-  const auto fields = wire_format::read_scan_fields(block.bytes());
   ScanBlock result;
   result.header = block.header;
-  result.period_ps = fields.period_ps;
+  FieldPass<Pass::kDecode> decode;
+  wire_fields::list_scan(decode, result, wire_format::read_scan_fields(block.bytes()));
   wire_format::read_scan_counts(block.bytes(), result);
-  result.overload = fields.overload;
-  result.quality = fields.quality;
   return result;
 }
 
 EdgeBlock decode_edge(const SealedBlock& block) {
-  return edges_of(open_message<wire::edge_block_t>(BlockKind::kEdge, block));
+  return open_as<EdgeBlock>(BlockKind::kEdge, block);
 }
-
 SignalBlock decode_signal(const SealedBlock& block) {
-  const auto message = open_message<wire::signal_block_t>(BlockKind::kSignal, block);
-  SignalBlock result;
-  result.header = block.header;
-  result.samples = message.samples;
-  std::copy(message.sample_ns, message.sample_ns + kSamplesPerBlock, result.time_ns.begin());
-  std::copy(message.value, message.value + kSamplesPerBlock, result.value.begin());
-  std::copy(message.signal, message.signal + kSamplesPerBlock, result.signal.begin());
-  return result;
+  return open_as<SignalBlock>(BlockKind::kSignal, block);
 }
-
 GapBlock decode_gap(const SealedBlock& block) {
-  const auto message = open_message<wire::gap_t>(BlockKind::kGap, block);
-  return {.header = block.header, .cause = static_cast<GapCause>(message.cause)};
+  return open_as<GapBlock>(BlockKind::kGap, block);
 }
-
 MetaBlock decode_meta(const SealedBlock& block) {
-  const auto message = open_message<wire::meta_t>(BlockKind::kMeta, block);
-  return {.header = block.header,
-          .kind = static_cast<MetaKind>(message.kind),
-          .part = message.part,
-          .parts = message.parts,
-          .text = std::string(message.text, message.text + message.size)};
+  return open_as<MetaBlock>(BlockKind::kMeta, block);
 }
-
 EndBlock decode_end(const SealedBlock& block) {
-  const auto message = open_message<wire::end_t>(BlockKind::kEnd, block);
-  return {.header = block.header,
-          .blocks = message.blocks,
-          .scans_sealed = message.scans_sealed,
-          .scans_missing = message.scans_missing,
-          .blocks_crc32c = static_cast<std::uint32_t>(message.blocks_crc32c)};
+  return open_as<EndBlock>(BlockKind::kEnd, block);
 }
 
 ScanSummary summary_of(const SealedBlock& block) {
   assert(block.kind == BlockKind::kScan);
-  const auto fields = wire_format::read_scan_fields(block.bytes());
-  return {.period_ps = fields.period_ps, .overload = fields.overload, .quality = fields.quality};
+  ScanSummary result{};
+  FieldPass<Pass::kDecode> decode;
+  wire_fields::list_scan(decode, result, wire_format::read_scan_fields(block.bytes()));
+  return result;
 }
 
 std::span<const std::uint8_t> encoded_counts(const SealedBlock& block) {

@@ -5,7 +5,7 @@
 #include <span>
 #include <string_view>
 
-#include "common/link/blocks.hpp"
+#include "common/types/blocks.hpp"
 
 namespace roadbalance {
 

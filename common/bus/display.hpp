@@ -30,7 +30,7 @@ struct Envelope {
 
 /// Why there is no order spectrum (yet).
 enum class OrderState : std::int32_t {
-  kTold = 0,
+  kComputed = 0,
   kTooShort = 1,   ///< no block of turns is full yet: too slow, or the wheel's angle is not known
   kNoChannel = 2,  ///< the vehicle has no such channel in use, or the wheel no encoder
   kTooMuch = 3,    ///< more than the analyser computes at a time
@@ -40,7 +40,7 @@ inline constexpr std::size_t kMostWaterfallLines = 272;
 struct WaterfallRow {
   WheelChannel of{};
   std::int64_t time_ns = 0;
-  OrderState state = OrderState::kTold;
+  OrderState state = OrderState::kComputed;
   std::int32_t speed_class = 0;
   double from_m_s = 0.0, to_m_s = 0.0;
   double way_m = 0.0;

@@ -1,33 +1,59 @@
 #include "common/bus/job.hpp"
 
-#include <algorithm>
 #include <cassert>
-#include <cmath>
-#include <utility>
 #include <wire/document_t.hpp>
 #include <wire/job_t.hpp>
 
-#include "common/bus/wire_format.hpp"
-#include "common/bus/wire_text.hpp"
+#include "common/bus/fields.hpp"
 
 namespace roadbalance {
-namespace {
+namespace wire_fields {
+
+template <>
+struct Fields<Job> {
+  using Wire = wire::job_t;
+  static void list(auto& field, auto& j, auto& m) {
+    // Without jobs a single message says so, whose other fields mean nothing.
+    const auto of_a_job = [&m](auto bound) {
+      return [&m, bound](auto value) { return m.jobs == 0 || bound(value); };
+    };
+    field(j.jobs, m.jobs, up_to(kMostJobs));
+    field(j.place, m.place, m.jobs == 0 ? up_to(0) : below(m.jobs));
+    field(j.job, m.job);
+    field(j.kind, m.kind, of_a_job(at_least(1)));
+    field(j.state, m.state, of_a_job(within(JobState::kRunning, JobState::kInterrupted)));
+    field.text(j.recording, m.recording);
+    field.text(j.options, m.options);
+    field(j.began_us, m.began_us);
+    field(j.ended_us, m.ended_us);
+    field(j.elapsed_s, m.elapsed_s, of_a_job(is_size));
+    field(j.progress, m.progress, of_a_job(within(0.0, 1.0)));
+    field(j.bytes, m.bytes, of_a_job(at_least(0)));
+    field(j.bytes_to_read, m.bytes_to_read, of_a_job(at_least(0)));
+    field(j.bytes_per_s, m.bytes_per_s, of_a_job(is_size));
+    field(j.document_kind, m.document_kind, of_a_job(within(DocumentKind::kText, DocumentKind::kPage)));
+    field(j.parts, m.parts, of_a_job(up_to(kMostParts)));
+    field.text(j.transfer_to, m.transfer_to);
+    field.text(j.text, m.text, m.size);
+  }
+};
+
+template <>
+struct Fields<DocumentPart> {
+  using Wire = wire::document_t;
+  static void list(auto& field, auto& d, auto& m) {
+    field(d.place, m.place, below(kMostJobs));
+    field(d.job, m.job);
+    field(d.part, m.part);
+    field(d.parts, m.parts, within(1, kMostParts));
+    field.require(below(m.parts)(m.part));
+    field.bytes(d.bytes, m.bytes, m.size, 1);
+  }
+};
+
+}  // namespace wire_fields
 
 static_assert(sizeof(wire::document_t::bytes) == kPartBytes);
-
-bool in_bounds(const wire::job_t& m) {
-  if (m.jobs == 0) return m.place == 0;
-  return 0 < m.jobs && m.jobs <= kMostJobs && 0 <= m.place && m.place < m.jobs && 1 <= m.kind &&
-         static_cast<std::int32_t>(JobState::kRunning) <= m.state &&
-         m.state <= static_cast<std::int32_t>(JobState::kInterrupted) && 0 <= m.progress && m.progress <= 1 &&
-         0 <= m.elapsed_s && std::isfinite(m.elapsed_s) && 0 <= m.bytes && 0 <= m.bytes_to_read &&
-         0 <= m.bytes_per_s && std::isfinite(m.bytes_per_s) &&
-         static_cast<std::int32_t>(DocumentKind::kText) <= m.document_kind &&
-         m.document_kind <= static_cast<std::int32_t>(DocumentKind::kPage) && 0 <= m.parts &&
-         m.parts <= kMostParts;
-}
-
-}  // namespace
 
 std::vector<DocumentPart> parts_of(const std::string& document, std::int32_t place, std::int64_t job) {
   assert(document.size() <= static_cast<std::size_t>(kMostParts) * kPartBytes);
@@ -43,74 +69,16 @@ std::vector<DocumentPart> parts_of(const std::string& document, std::int32_t pla
 }
 
 std::vector<std::uint8_t> encode(const Job& job) {
-  wire::job_t m{};
-  m.place = job.place;
-  m.jobs = job.jobs;
-  m.job = job.job;
-  m.kind = static_cast<std::int32_t>(job.kind);
-  m.state = static_cast<std::int32_t>(job.state);
-  wire_text::put_text(job.recording, m.recording);
-  wire_text::put_text(job.options, m.options);
-  m.began_us = job.began_us;
-  m.ended_us = job.ended_us;
-  m.elapsed_s = job.elapsed_s;
-  m.progress = job.progress;
-  m.bytes = job.bytes;
-  m.bytes_to_read = job.bytes_to_read;
-  m.bytes_per_s = job.bytes_per_s;
-  m.document_kind = static_cast<std::int32_t>(job.document_kind);
-  m.parts = job.parts;
-  wire_text::put_text(job.transfer_to, m.transfer_to);
-  wire_text::put_text(job.text, m.text, m.size);
-  return wire_format::encode(m);
+  return wire_fields::encode(job);
 }
-
-std::optional<Job> decode_job(std::span<const std::uint8_t> bytes) {
-  const auto m = wire_format::decode<wire::job_t>(bytes);
-  if (!m || !in_bounds(*m)) return std::nullopt;
-  auto text = wire_text::text_of(m->text, m->size);
-  if (!text) return std::nullopt;
-  return Job{.place = m->place,
-             .jobs = m->jobs,
-             .job = m->job,
-             .kind = static_cast<JobKind>(m->kind),
-             .state = static_cast<JobState>(m->state),
-             .recording = wire_text::text_until_zero(m->recording),
-             .options = wire_text::text_until_zero(m->options),
-             .began_us = m->began_us,
-             .ended_us = m->ended_us,
-             .elapsed_s = m->elapsed_s,
-             .progress = m->progress,
-             .bytes = m->bytes,
-             .bytes_to_read = m->bytes_to_read,
-             .bytes_per_s = m->bytes_per_s,
-             .document_kind = static_cast<DocumentKind>(m->document_kind),
-             .parts = m->parts,
-             .transfer_to = wire_text::text_until_zero(m->transfer_to),
-             .text = std::move(*text)};
-}
-
 std::vector<std::uint8_t> encode(const DocumentPart& part) {
-  wire::document_t m{};
-  m.place = part.place;
-  m.job = part.job;
-  m.part = part.part;
-  m.parts = part.parts;
-  m.size = static_cast<std::int32_t>(std::min(part.bytes.size(), kPartBytes));
-  std::copy_n(part.bytes.begin(), m.size, m.bytes);
-  return wire_format::encode(m);
+  return wire_fields::encode(part);
 }
-
+std::optional<Job> decode_job(std::span<const std::uint8_t> bytes) {
+  return wire_fields::decode<Job>(bytes);
+}
 std::optional<DocumentPart> decode_document_part(std::span<const std::uint8_t> bytes) {
-  const auto m = wire_format::decode<wire::document_t>(bytes);
-  if (!m || m->place < 0 || m->place >= kMostJobs || m->parts < 1 || m->parts > kMostParts || m->part < 0 ||
-      m->part >= m->parts || m->size < 1 || m->size > static_cast<std::int32_t>(kPartBytes))
-    return std::nullopt;
-  return DocumentPart{.place = m->place,
-                      .job = m->job,
-                      .part = m->part,
-                      .parts = m->parts,
-                      .bytes = std::string(m->bytes, m->bytes + m->size)};
+  return wire_fields::decode<DocumentPart>(bytes);
 }
 
 }  // namespace roadbalance

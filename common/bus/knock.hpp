@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "common/frontend/front_end.hpp"
+#include "common/types/scan.hpp"
 
 namespace roadbalance {
 

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "common/frontend/device_report.hpp"
-#include "common/frontend/front_end.hpp"
+#include "common/types/device_report.hpp"
+#include "common/types/scan.hpp"
 
 namespace roadbalance {
 
@@ -25,6 +25,31 @@ struct NodeLosses {
   std::array<std::int64_t, 2> encoder_faults{};
   std::int64_t unreferenced_blocks = 0;
   std::array<std::int64_t, kDeviceCounters> device_counts{};  ///< [DeviceCounter]
+
+  /// Calls field(name, of.field...) for each field in order, of one or of several that have the same: a count
+  /// or an array of counts.
+  template <typename Field, typename... Losses>
+  static void list(const Field& field, Losses&... of) {
+    field("repaired", of.repaired...);
+    field("spool_failures", of.spool_failures...);
+    field("scans_refused", of.scans_refused...);
+    field("blocks_unsent", of.blocks_unsent...);
+    field("acks_refused", of.acks_refused...);
+    field("encoder_faults", of.encoder_faults...);
+    field("unreferenced_blocks", of.unreferenced_blocks...);
+    field("device_counts", of.device_counts...);
+  }
+  /// The same for each single count.
+  template <typename Count, typename... Losses>
+  static void list_counts(const Count& count, Losses&... of) {
+    const auto field = [&count](const char* name, auto& first, auto&... others) {
+      if constexpr (requires { first.size(); })
+        for (std::size_t k = 0; k < first.size(); ++k) count(name, first[k], others[k]...);
+      else
+        count(name, first, others...);
+    };
+    list(field, of...);
+  }
 
   /// Counts of an epoch only rise; what says less was said earlier, or by someone who had heard less.
   void raise(const NodeLosses& said);
@@ -69,14 +94,18 @@ enum class NoteKind : std::int32_t {
   kEndContradicts = 16,  ///< the blocks received of a node (a) are not those that its end (block b) sums up
   kMark = 17,            ///< somebody set a mark (its number in this recording); text: what he said
   kAsked = 18,           ///< somebody asked for something (Operation; RefusalReason); text: what became of it
-  kExcerpt = 19,  ///< this recording is made of another one (part of it; factor); text: which, and of what
+  kSubset = 19,  ///< this recording is made of another one (part of it; factor); text: which, and of what
   /// These are samples of another program, and times of notes (host_ns) are those of the samples; text: which
   /// file
   kImported = 20,
-  kAlarmBegan = 21,    ///< (AlarmCause; place_number() of common/bus/alarm.hpp); text: how much
-  kAlarmEnded = 22,    ///< the same, once it is over; text: how long it lasted
-  kExcerptEpoch = 23,  ///< of an excerpt: an epoch of it (a) is made of one of the original (b)
-  kLast = kExcerptEpoch
+  kAlarmBegan = 21,   ///< (AlarmCause; place_number() of common/bus/alarm.hpp); text: how much
+  kAlarmEnded = 22,   ///< the same, once it is over; text: how long it lasted
+  kSubsetEpoch = 23,  ///< of an excerpt: an epoch of it (a) is made of one of the original (b)
+  kNodeMissing =
+      24,  ///< a node (a) does not measure though the recording goes on (AbsenceCause); text: its name
+  kNodeThere = 25,  ///< it measures (again); b: 1 if samples lack because of that, 0 if it only was not heard
+  kStopping = 26,   ///< the recording is to end: from here on no node is missed; text: by whom
+  kLast = kStopping
 };
 
 struct Note {

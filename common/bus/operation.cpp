@@ -1,167 +1,126 @@
 #include "common/bus/operation.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <wire/answer_t.hpp>
 #include <wire/receipt_t.hpp>
 #include <wire/request_t.hpp>
 
-#include "common/bus/wire_format.hpp"
-#include "common/bus/wire_text.hpp"
-#include "common/frontend/front_end.hpp"
-#include "common/link/block.hpp"
+#include "common/bus/fields.hpp"
+#include "common/types/scan.hpp"
 
 namespace roadbalance {
-namespace {
+namespace wire_fields {
 
-using wire_text::put_text;
-using wire_text::text_of;
+/// The fields by which an answer and its request belong together.
+template <typename Field, typename Message, typename Wire>
+void list_numbers(Field& field, Message& message, Wire& m) {
+  field(message.asker, m.asker, within(1, kRequestLimit - 1));
+  field(message.request, m.request, within(1, kRequestLimit - 1));
+}
 
-constexpr std::int32_t kSumsNotKnown = 2;  // receipt_t.lcm
+/// Where; node 0 and channel -1: none in particular.
+template <typename Field, typename Message, typename Wire>
+void list_place(Field& field, Message& message, Wire& m) {
+  field(message.node, m.node, up_to(kLastNode));
+  field(message.channel, m.channel, within(-1, kAccelerations - 1));
+  field(message.value, m.value, is_finite);
+}
+
+template <>
+struct Fields<Request> {
+  using Wire = wire::request_t;
+  static void list(auto& field, auto& r, auto& m) {
+    list_numbers(field, r, m);
+    field(r.operation, m.operation);
+    list_place(field, r, m);
+    field.text(r.text, m.text, m.size);
+    field.text(r.nodes, m.nodes, m.nodes_size);
+    field.text(r.who, m.who, m.who_size);
+  }
+};
+
+template <>
+struct Fields<Answer> {
+  using Wire = wire::answer_t;
+  static void list(auto& field, auto& a, auto& m) {
+    list_numbers(field, a, m);
+    field(a.time_us, m.time_us);
+    field(a.operation, m.operation);
+    field(a.state, m.state, within(AnswerState::kUnderWay, AnswerState::kRefused));
+    field(a.reason, m.reason, up_to(RefusalReason::kBusy));
+    list_place(field, a, m);
+    field.text(a.text, m.text, m.size);
+  }
+};
+
+template <>
+struct Fields<Receipt> {
+  using Wire = wire::receipt_t;
+  static void list(auto& field, auto& r, auto& m) {
+    field(r.incarnation, m.incarnation, is_index);
+    field(r.began_us, m.began_us);
+    field(r.ended_us, m.ended_us);
+    field(r.index, m.index);
+    field(r.nodes, m.nodes, up_to(kMostNodes));
+    field(r.node, m.node);
+    const bool is_empty = m.nodes == 0 && m.index == 0 && m.node == 0;
+    field.require(is_empty || (is_node(m.node) && below(m.nodes)(m.index)));
+    field(r.epochs, m.epochs);
+    field(r.open_epochs, m.open_epochs, up_to(m.epochs));
+    field(r.samples_sent, m.samples_sent, is_index);
+    field(r.samples_recorded, m.samples_recorded, is_index);
+    field(r.gaps, m.gaps, is_index);
+    field(r.repaired, m.repaired, is_index);
+    field(r.overload_s, m.overload_s, is_size);
+    field(r.sync_us, m.sync_us, is_finite);
+    field(r.blocks_crc32c, m.blocks_crc32c);
+    field.flag_if_known(r.sums_agree, m.end_sums);
+    field(r.bytes, m.bytes, at_least(0));
+    field(r.marks, m.marks, at_least(0));
+    field.text(r.name, m.name, m.name_size);
+    field.text(r.absence, m.absence, m.absence_size);
+    field.text(r.unheard, m.unheard, m.unheard_size);
+    field.text(r.stopped_by, m.stopped_by, m.stopped_by_size);
+  }
+};
+
+}  // namespace wire_fields
 
 static_assert(sizeof(wire::request_t::text) == kMostRequestText);
 static_assert(sizeof(wire::answer_t::text) == kMostRequestText);
 static_assert(sizeof(wire::receipt_t::name) == kMostNameBytes);
+static_assert(sizeof(wire::receipt_t::absence) == kMostAbsenceBytes);
+static_assert(sizeof(wire::receipt_t::unheard) == kMostWhoBytes);
+static_assert(sizeof(wire::receipt_t::stopped_by) == kMostWhoBytes);
+static_assert(sizeof(wire::request_t::who) == kMostWhoBytes);
+static_assert(sizeof(wire::request_t::nodes) == kMostNodesText);
 
-bool is_number(std::int64_t number) {
-  return 1 <= number && number < kRequestLimit;
+Answer answer_to(const Request& request, std::int64_t utc_us) {
+  return {.asker = request.asker,
+          .request = request.request,
+          .time_us = utc_us,
+          .operation = request.operation,
+          .node = request.node,
+          .channel = request.channel,
+          .value = request.value};
 }
 
-bool is_count(std::int64_t count) {
-  return 0 <= count && count <= kIndexLimit;
+std::vector<std::uint8_t> encode(const Request& request) {
+  return wire_fields::encode(request);
 }
-
-// Node 0 and channel -1: none in particular.
-template <typename Message>
-bool names_a_place(const Message& m) {
-  return 0 <= m.node && m.node <= kLastNode && -1 <= m.channel && m.channel < kAccelerations &&
-         std::isfinite(m.value[0]) && std::isfinite(m.value[1]);
+std::vector<std::uint8_t> encode(const Answer& answer) {
+  return wire_fields::encode(answer);
 }
-
-bool in_bounds(const wire::receipt_t& m) {
-  const bool is_empty = m.nodes == 0 && m.index == 0 && m.node == 0;
-  const bool is_of_a_node = 1 <= m.node && m.node <= kLastNode && 0 <= m.index && m.index < m.nodes &&
-                            m.nodes <= static_cast<std::int32_t>(kMostNodes);
-  return (is_empty || is_of_a_node) && is_count(m.incarnation) && 0 <= m.open_epochs &&
-         m.open_epochs <= m.epochs && is_count(m.samples_sent) && is_count(m.samples_recorded) &&
-         is_count(m.gaps) && is_count(m.repaired) && std::isfinite(m.overload_s) && m.overload_s >= 0 &&
-         std::isfinite(m.sync_us) && 0 <= m.end_sums && m.end_sums <= kSumsNotKnown && m.bytes >= 0 &&
-         m.marks >= 0;
+std::vector<std::uint8_t> encode(const Receipt& receipt) {
+  return wire_fields::encode(receipt);
 }
-
-}  // namespace
-
-std::vector<std::uint8_t> encode(const Request& r) {
-  wire::request_t m{};
-  m.asker = r.asker;
-  m.request = r.request;
-  m.operation = static_cast<std::int32_t>(r.operation);
-  m.node = r.node;
-  m.channel = r.channel;
-  std::copy(r.value.begin(), r.value.end(), m.value);
-  put_text(r.text, m.text, m.size);
-  return wire_format::encode_with_crc(m);
-}
-
 std::optional<Request> decode_request(std::span<const std::uint8_t> bytes) {
-  const auto m = wire_format::decode_with_crc<wire::request_t>(bytes);
-  if (!m || !is_number(m->asker) || !is_number(m->request) || !names_a_place(*m)) return std::nullopt;
-  const auto text = text_of(m->text, m->size);
-  if (!text) return std::nullopt;
-  return Request{.asker = m->asker,
-                 .request = m->request,
-                 .operation = static_cast<Operation>(m->operation),
-                 .node = m->node,
-                 .channel = m->channel,
-                 .value = {m->value[0], m->value[1]},
-                 .text = *text};
+  return wire_fields::decode<Request>(bytes);
 }
-
-std::vector<std::uint8_t> encode(const Answer& a) {
-  wire::answer_t m{};
-  m.asker = a.asker;
-  m.request = a.request;
-  m.time_us = a.time_us;
-  m.operation = static_cast<std::int32_t>(a.operation);
-  m.state = static_cast<std::int32_t>(a.state);
-  m.reason = static_cast<std::int32_t>(a.reason);
-  m.node = a.node;
-  m.channel = a.channel;
-  std::copy(a.value.begin(), a.value.end(), m.value);
-  put_text(a.text, m.text, m.size);
-  return wire_format::encode_with_crc(m);
-}
-
 std::optional<Answer> decode_answer(std::span<const std::uint8_t> bytes) {
-  const auto m = wire_format::decode_with_crc<wire::answer_t>(bytes);
-  if (!m || !is_number(m->asker) || !is_number(m->request) || !names_a_place(*m) ||
-      m->state < static_cast<std::int32_t>(AnswerState::kUnderWay) ||
-      m->state > static_cast<std::int32_t>(AnswerState::kRefused) ||
-      m->reason < static_cast<std::int32_t>(RefusalReason::kNone) ||
-      m->reason > static_cast<std::int32_t>(RefusalReason::kBusy))
-    return std::nullopt;
-  const auto text = text_of(m->text, m->size);
-  if (!text) return std::nullopt;
-  return Answer{.asker = m->asker,
-                .request = m->request,
-                .time_us = m->time_us,
-                .operation = static_cast<Operation>(m->operation),
-                .state = static_cast<AnswerState>(m->state),
-                .reason = static_cast<RefusalReason>(m->reason),
-                .node = m->node,
-                .channel = m->channel,
-                .value = {m->value[0], m->value[1]},
-                .text = *text};
+  return wire_fields::decode<Answer>(bytes);
 }
-
-std::vector<std::uint8_t> encode(const Receipt& r) {
-  wire::receipt_t m{};
-  m.incarnation = r.incarnation;
-  m.began_us = r.began_us;
-  m.ended_us = r.ended_us;
-  m.index = r.index;
-  m.nodes = r.nodes;
-  m.node = r.node;
-  m.epochs = r.epochs;
-  m.open_epochs = r.open_epochs;
-  m.samples_sent = r.samples_sent;
-  m.samples_recorded = r.samples_recorded;
-  m.gaps = r.gaps;
-  m.repaired = r.repaired;
-  m.overload_s = r.overload_s;
-  m.sync_us = r.sync_us;
-  m.blocks_crc32c = static_cast<std::int32_t>(r.blocks_crc32c);
-  m.end_sums = !r.sums_agree ? kSumsNotKnown : *r.sums_agree ? 1 : 0;
-  m.bytes = r.bytes;
-  m.marks = r.marks;
-  put_text(r.name, m.name, m.name_size);
-  return wire_format::encode_with_crc(m);
-}
-
 std::optional<Receipt> decode_receipt(std::span<const std::uint8_t> bytes) {
-  const auto m = wire_format::decode_with_crc<wire::receipt_t>(bytes);
-  if (!m || !in_bounds(*m)) return std::nullopt;
-  const auto name = text_of(m->name, m->name_size);
-  if (!name) return std::nullopt;
-  return Receipt{.incarnation = m->incarnation,
-                 .began_us = m->began_us,
-                 .ended_us = m->ended_us,
-                 .index = m->index,
-                 .nodes = m->nodes,
-                 .node = m->node,
-                 .epochs = m->epochs,
-                 .open_epochs = m->open_epochs,
-                 .samples_sent = m->samples_sent,
-                 .samples_recorded = m->samples_recorded,
-                 .gaps = m->gaps,
-                 .repaired = m->repaired,
-                 .overload_s = m->overload_s,
-                 .sync_us = m->sync_us,
-                 .blocks_crc32c = static_cast<std::uint32_t>(m->blocks_crc32c),
-                 .sums_agree = m->end_sums == kSumsNotKnown ? std::nullopt : std::optional(m->end_sums != 0),
-                 .bytes = m->bytes,
-                 .marks = m->marks,
-                 .name = *name};
+  return wire_fields::decode<Receipt>(bytes);
 }
 
 }  // namespace roadbalance

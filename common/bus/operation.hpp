@@ -15,15 +15,16 @@ namespace roadbalance {
 
 /// request_t.operation; in brackets what the other fields are.
 enum class Operation : std::int32_t {
-  kStart = 1,    ///< begins a recording (text: its name; empty: by date and time)
-  kStop = 2,     ///< ends it; done when all is on the disk, with a receipt
-  kMark = 3,     ///< puts an event into the recording (text)
-  kRange = 4,    ///< of a channel (node, channel; value 0: m/s²)
+  kStart = 1,  ///< begins a recording (text: its name; empty: by date and time; nodes); done's value 0 is how
+               ///< many of its nodes are not there
+  kStop = 2,   ///< ends it; done when all is on the disk, with a receipt
+  kMark = 3,   ///< puts an event into the recording (text)
+  kRange = 4,  ///< of a channel (node, channel; value 0: m/s²)
   kFilter = 5,   ///< anti-aliasing of all nodes (value 0: corner, Hz; value 1: order)
   kZero = 6,     ///< the mean of the last seconds is the reading at rest (node; 0: every one)
   kVehicle = 7,  ///< chooses the vehicle file (text: its name in the recorder's folder, no path)
   kJob = 8,      ///< does something with a finished recording (value 0: JobKind; text: RECORDING or
-                 ///< RECORDING/KEY=VALUE/..., as host/receipts/job_order.hpp says; no name has a slash)
+                 ///< RECORDING/KEY=VALUE/..., as host/recordings/job_order.hpp says; no name has a slash)
   kCancel = 9,   ///< ends a job before it is done (value 0: its number)
   kScale = 10,   ///< a channel's scale by gravity, both ways up (node, channel; value 0: 1 if the positive
                  ///< direction points up now, -1 if down); the second of the two sets it
@@ -68,11 +69,13 @@ struct Request {
   std::int32_t node = 0;
   std::int32_t channel = -1;
   std::array<double, 2> value{};
-  std::string text{};  ///< at most kMostRequestText bytes
+  std::string text{};   ///< at most kMostRequestText bytes
+  std::string nodes{};  ///< of a start: names or numbers, ", " between; empty: every node
+  std::string who{};    ///< cut after kMostWhoBytes
 
   bool operator==(const Request&) const = default;
 };
-inline constexpr std::size_t kMostRequestText = 400;
+inline constexpr std::size_t kMostRequestText = 400, kMostNodesText = 200;
 /// Of askers' and requests' numbers: a browser's numbers are exact so far.
 inline constexpr std::int64_t kRequestLimit = std::int64_t{1} << 53;
 
@@ -88,6 +91,9 @@ struct Answer {
   std::array<double, 2> value{};
   std::string text{};  ///< cut after kMostRequestText bytes
 };
+
+/// Under way: takes the request's numbers along, so that who asked recognises it.
+Answer answer_to(const Request& request, std::int64_t utc_us);
 
 /// receipt_t: of one node in a finished recording.
 struct Receipt {
@@ -109,8 +115,15 @@ struct Receipt {
   std::optional<bool> sums_agree{};  ///< nothing: not known, as where blocks were lost
   std::int64_t bytes = 0;
   std::int32_t marks = 0;
-  std::string name{};  ///< at most kMostNameBytes
+  std::string name{};        ///< at most kMostNameBytes
+  std::string absence{};     ///< cut after kMostAbsenceBytes
+  std::string unheard{};     ///< cut after kMostWhoBytes
+  std::string stopped_by{};  ///< cut after kMostWhoBytes
+
+  /// When its node did not measure or was not heard, and why; empty: it measured from start to stop.
+  std::string missing() const { return absence + (absence.empty() || unheard.empty() ? "" : "; ") + unheard; }
 };
+inline constexpr std::size_t kMostAbsenceBytes = 200, kMostWhoBytes = 100;
 inline constexpr std::size_t kMostNameBytes = 64;
 
 inline constexpr const char* kRequestChannel = "RB_REQUEST";

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "common/frontend/front_end.hpp"
+#include "common/types/scan.hpp"
 
 namespace roadbalance {
 

@@ -155,15 +155,16 @@ void OtherWire::take(std::string_view channel, std::span<const std::uint8_t> byt
   const Kind* kind = kind_of(channel);
   if (!kind || (kind->has_crc && !ends_with_its_crc(bytes))) return;
   const std::pair key(std::string(channel), theirs);
-  const auto known = told_.find(key);
-  if (known == told_.end()) {
-    if (told_.size() >= kMostVersions) return;
-    told_[key] = kind->has_crc;
+  const auto known = reported_.find(key);
+  if (known == reported_.end()) {
+    if (reported_.size() >= kMostVersions) return;
+    reported_[key] = kind->has_crc;
     if (kind->has_crc) sentences_.push_back(sentence(channel, *kind, theirs));
   } else if (!std::exchange(known->second, true)) {
     sentences_.push_back(sentence(channel, *kind, theirs));
   }
-  if (const std::int32_t node = speaking_node(channel, *kind); node > 0 && told_.at(key)) nodes_.insert(node);
+  if (const std::int32_t node = speaking_node(channel, *kind); node > 0 && reported_.at(key))
+    nodes_.insert(node);
 }
 
 }  // namespace roadbalance

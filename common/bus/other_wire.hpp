@@ -32,7 +32,7 @@ class OtherWire {
   static constexpr std::size_t kMostVersions = 64;  ///< that are told apart
 
  private:
-  std::map<std::pair<std::string, std::int64_t>, bool> told_;  ///< by channel and fingerprint
+  std::map<std::pair<std::string, std::int64_t>, bool> reported_;  ///< by channel and fingerprint
   std::vector<std::string> sentences_;
   std::set<std::int32_t> nodes_;
 };

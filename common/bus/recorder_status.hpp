@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "common/types/block.hpp"
+
 namespace roadbalance {
 
 enum class RecorderState : std::int32_t {
@@ -18,6 +20,14 @@ enum class RecorderState : std::int32_t {
   kArmed = 6,  ///< nothing is recorded; a start would record the nodes that are there
   kFault = 7,  ///< a recording should be under way and is not; fault says why
 };
+
+/// It does not measure though it should.
+struct AbsentNode {
+  std::int32_t node = 0;
+  AbsenceCause cause = AbsenceCause::kNone;
+  bool operator==(const AbsentNode&) const = default;
+};
+inline constexpr std::size_t kMostAbsentNamed = 16;
 
 /// recorder_t; fields as in common/wire.
 struct RecorderStatus {
@@ -44,8 +54,10 @@ struct RecorderStatus {
   double recording_s = 0;
   std::int32_t nodes = 0;
   std::int32_t marks = 0;
+  std::vector<AbsentNode> absent{};  ///< the first kMostAbsentNamed are sent
+  std::int32_t left_out = 0;
   bool operable = false;  ///< takes requests
-  std::string name{};       ///< of the recording
+  std::string name{};     ///< of the recording
   std::string fault{};
 };
 

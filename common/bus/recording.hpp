@@ -23,12 +23,13 @@ enum class RecordingState : std::int32_t {
 };
 
 /// A recording and its receipt; fields as in common/wire/recording_t.
-struct RecordingReceipt {
+struct RecordingSummary {
   struct Node {
     std::int32_t node = 0;
     std::int64_t samples = 0, samples_lost = 0, repaired = 0;
     double seconds = 0, overload_s = 0;
     double sync_residual_s = -1;  ///< negative: no clock
+    bool absent = false;          ///< for a time, or never there
   };
   struct Mark {
     std::int64_t time_us = 0;
@@ -42,13 +43,13 @@ struct RecordingReceipt {
   std::int64_t first_us = 0, last_us = 0, bytes = 0, refused = 0, damaged_bytes = 0;
   double rate_hz = 0, cutoff_hz = 0;  ///< 0: not known
   std::int32_t most_reduction = 0;    ///< 0: not known
-  std::vector<Node> node{};  ///< the first kMostReceiptNodes are told
-  std::vector<Mark> mark{};  ///< the first kMostReceiptMarks are told with their texts
+  std::vector<Node> node{};           ///< the first kMostReceiptNodes are told
+  std::vector<Mark> mark{};           ///< the first kMostReceiptMarks are told with their texts
   std::int32_t marks = 0;
   std::string verdict{};  ///< cut after 160 bytes
 };
 
-std::vector<std::uint8_t> encode(const RecordingReceipt& receipt);
-std::optional<RecordingReceipt> decode_recording(std::span<const std::uint8_t> bytes);
+std::vector<std::uint8_t> encode(const RecordingSummary& receipt);
+std::optional<RecordingSummary> decode_recording(std::span<const std::uint8_t> bytes);
 
 }  // namespace roadbalance

@@ -1,13 +1,25 @@
 #include "common/bus/remark.hpp"
 
 #include <algorithm>
-#include <utility>
 #include <wire/remark_t.hpp>
 
-#include "common/bus/wire_format.hpp"
-#include "common/bus/wire_text.hpp"
+#include "common/bus/fields.hpp"
 
 namespace roadbalance {
+namespace wire_fields {
+
+template <>
+struct Fields<Remark> {
+  using Wire = wire::remark_t;
+  static void list(auto& field, auto& r, auto& m) {
+    field(r.time_ns, m.time_ns);
+    field(r.remarks, m.remarks, up_to(kMostRemarks));
+    field(r.number, m.number, below(std::max(m.remarks, 1)));
+    field.text(r.text, m.text, m.size);
+  }
+};
+
+}  // namespace wire_fields
 
 static_assert(sizeof(wire::remark_t::text) == kMostRemarkBytes);
 
@@ -20,23 +32,12 @@ std::vector<Remark> remarks_of(std::int64_t time_ns, const std::vector<std::stri
   return remarks;
 }
 
-std::vector<std::uint8_t> encode(const Remark& r) {
-  wire::remark_t m{};
-  m.time_ns = r.time_ns;
-  m.number = r.number;
-  m.remarks = r.remarks;
-  wire_text::put_text(r.text, m.text, m.size);
-  return wire_format::encode(m);
+std::vector<std::uint8_t> encode(const Remark& remark) {
+  return wire_fields::encode(remark);
 }
 
 std::optional<Remark> decode_remark(std::span<const std::uint8_t> bytes) {
-  const auto m = wire_format::decode<wire::remark_t>(bytes);
-  if (!m || m->remarks < 0 || m->remarks > kMostRemarks || m->number < 0 ||
-      m->number >= std::max(m->remarks, 1))
-    return std::nullopt;
-  auto text = wire_text::text_of(m->text, m->size);
-  if (!text) return std::nullopt;
-  return Remark{m->time_ns, m->number, m->remarks, std::move(*text)};
+  return wire_fields::decode<Remark>(bytes);
 }
 
 }  // namespace roadbalance

@@ -8,7 +8,7 @@
 #include <span>
 
 #include "common/bus/wire_format.hpp"
-#include "common/link/blocks.hpp"
+#include "common/types/blocks.hpp"
 
 /// scan_block_t on the wire.  Scan blocks are the bulk of the bus, and LCM's own code, byte by byte, takes as
 /// long as all else that a node or a recorder does with one.  For use inside common/bus only.

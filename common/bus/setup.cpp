@@ -1,16 +1,51 @@
 #include "common/bus/setup.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <string_view>
 #include <wire/setup_t.hpp>
 
-#include "common/bus/node_number.hpp"
-#include "common/bus/wire_format.hpp"
-#include "common/bus/wire_text.hpp"
-#include "common/link/text_crc.hpp"
+#include "common/bus/fields.hpp"
+#include "common/types/text_crc.hpp"
 
 namespace roadbalance {
+namespace wire_fields {
+
+template <>
+struct Fields<NodeSetup> {
+  using Wire = wire::setup_t;
+  static void list(auto& field, auto& s, auto& m) {
+    constexpr auto kWheelOrNone = within(-1, kWheels - 1);
+    field(s.node, m.node, is_node);
+    field.text(s.name, m.name);
+    field.text(s.vehicle, m.vehicle);
+    field(s.vehicle_crc32c, m.vehicle_crc32c);
+    field(s.rate_hz, m.rate_hz);
+    field(s.filter_order, m.filter_order);
+    field(s.filter_cutoff_hz, m.filter_cutoff_hz);
+    field.rows(s.channel, m.channels, kAccelerations, [&](auto& channel, std::size_t k) {
+      field.text(channel.name, m.channel_name[k]);
+      field(channel.role, m.role[k], up_to(ChannelRole::kUnused));
+      field(channel.mount, m.mount[k], kWheelOrNone);
+      field(channel.position_m, m.position_m[k]);
+      field(channel.direction, m.direction[k]);
+      field(channel.range_m_s2, m.range_m_s2[k]);
+      field(channel.scale_m_s2_per_count, m.scale_m_s2_per_count[k]);
+      field(channel.offset_counts, m.offset_counts[k]);
+      field(channel.delay_s, m.delay_s[k]);
+    });
+    for (std::size_t line = 0; line < kEncoderLines; ++line) {
+      auto& encoder = s.encoder[line];
+      field(encoder.wheel, m.wheel[line], kWheelOrNone);
+      field(encoder.pulses_per_turn, m.pulses_per_turn[line]);
+      field(encoder.traits, m.encoder[line]);
+      field(encoder.datum_rad, m.datum_rad[line]);
+      field(encoder.datum_sigma_rad, m.datum_sigma_rad[line]);
+    }
+  }
+};
+
+}  // namespace wire_fields
+
 namespace {
 
 static_assert(sizeof(wire::setup_t::role) / sizeof(std::int32_t) == kAccelerations);
@@ -50,17 +85,6 @@ NodeSetup::Encoder encoder_of(const EncoderConfig& config, int wheel) {
           .datum_sigma_rad = config.datum_sigma_rad};
 }
 
-bool in_bounds(const wire::setup_t& m) {
-  if (!is_node(m.node) || m.channels < 0 || m.channels > kAccelerations) return false;
-  const auto is_wheel_or_none = [](std::int32_t wheel) { return -1 <= wheel && wheel < kWheels; };
-  return std::all_of(m.role, m.role + m.channels,
-                     [](std::int32_t role) {
-                       return 0 <= role && role <= static_cast<std::int32_t>(ChannelRole::kUnused);
-                     }) &&
-         std::all_of(m.mount, m.mount + m.channels, is_wheel_or_none) &&
-         std::all_of(m.wheel, m.wheel + kEncoderLines, is_wheel_or_none);
-}
-
 }  // namespace
 
 std::string setup_channel(std::int32_t node) {
@@ -85,67 +109,12 @@ NodeSetup setup_of(const VehicleConfig& vehicle, const NodeConfig& node) {
   return setup;
 }
 
-std::vector<std::uint8_t> encode(const NodeSetup& s) {
-  assert(s.channel.size() <= kAccelerations);
-  wire::setup_t m{};
-  m.node = s.node;
-  wire_text::put_text(s.name, m.name);
-  wire_text::put_text(s.vehicle, m.vehicle);
-  m.vehicle_crc32c = static_cast<std::int32_t>(s.vehicle_crc32c);
-  m.rate_hz = s.rate_hz;
-  m.filter_order = s.filter_order;
-  m.filter_cutoff_hz = s.filter_cutoff_hz;
-  m.channels = static_cast<std::int32_t>(s.channel.size());
-  for (std::size_t c = 0; c < s.channel.size(); ++c) {
-    const NodeSetup::Channel& channel = s.channel[c];
-    wire_text::put_text(channel.name, m.channel_name[c]);
-    m.role[c] = static_cast<std::int32_t>(channel.role);
-    m.mount[c] = channel.mount;
-    std::ranges::copy(channel.position_m, m.position_m[c]);
-    std::ranges::copy(channel.direction, m.direction[c]);
-    m.range_m_s2[c] = channel.range_m_s2;
-    m.scale_m_s2_per_count[c] = channel.scale_m_s2_per_count;
-    m.offset_counts[c] = channel.offset_counts;
-    m.delay_s[c] = channel.delay_s;
-  }
-  for (std::size_t line = 0; line < s.encoder.size(); ++line) {
-    m.wheel[line] = s.encoder[line].wheel;
-    m.pulses_per_turn[line] = s.encoder[line].pulses_per_turn;
-    m.encoder[line] = s.encoder[line].traits;
-    m.datum_rad[line] = s.encoder[line].datum_rad;
-    m.datum_sigma_rad[line] = s.encoder[line].datum_sigma_rad;
-  }
-  return wire_format::encode(m);
+std::vector<std::uint8_t> encode(const NodeSetup& setup) {
+  return wire_fields::encode(setup);
 }
 
 std::optional<NodeSetup> decode_setup(std::span<const std::uint8_t> bytes) {
-  const auto m = wire_format::decode<wire::setup_t>(bytes);
-  if (!m || !in_bounds(*m)) return std::nullopt;
-  NodeSetup s{.node = m->node,
-              .name = wire_text::text_until_zero(m->name),
-              .vehicle = wire_text::text_until_zero(m->vehicle),
-              .vehicle_crc32c = static_cast<std::uint32_t>(m->vehicle_crc32c),
-              .rate_hz = m->rate_hz,
-              .filter_order = m->filter_order,
-              .filter_cutoff_hz = m->filter_cutoff_hz,
-              .channel = {},
-              .encoder = {}};
-  for (std::int32_t c = 0; c < m->channels; ++c) {
-    NodeSetup::Channel& channel = s.channel.emplace_back();
-    channel.name = wire_text::text_until_zero(m->channel_name[c]);
-    channel.role = static_cast<ChannelRole>(m->role[c]);
-    channel.mount = m->mount[c];
-    std::ranges::copy(m->position_m[c], channel.position_m.begin());
-    std::ranges::copy(m->direction[c], channel.direction.begin());
-    channel.range_m_s2 = m->range_m_s2[c];
-    channel.scale_m_s2_per_count = m->scale_m_s2_per_count[c];
-    channel.offset_counts = m->offset_counts[c];
-    channel.delay_s = m->delay_s[c];
-  }
-  for (std::size_t line = 0; line < s.encoder.size(); ++line)
-    s.encoder[line] = {m->wheel[line], m->pulses_per_turn[line], m->encoder[line], m->datum_rad[line],
-                       m->datum_sigma_rad[line]};
-  return s;
+  return wire_fields::decode<NodeSetup>(bytes);
 }
 
 }  // namespace roadbalance

@@ -54,7 +54,7 @@ inline constexpr std::size_t kTransferBinsPerPart = 48;
 
 /// Why there is no transfer function, or no spectrum (yet).
 enum class TransferState : std::int32_t {
-  kTold = 0,
+  kComputed = 0,
   kTooShort = 1,      ///< no segment is full yet
   kNoChannel = 2,     ///< the vehicle has no such channel in use
   kNoCommonTime = 3,  ///< the nodes' samples do not lie on one grid of time
@@ -65,7 +65,7 @@ enum class TransferState : std::int32_t {
 struct TransferPart {
   std::int64_t viewer = 0;
   ChannelPair pair{};
-  TransferState state = TransferState::kTold;
+  TransferState state = TransferState::kComputed;
   std::int64_t time_ns = 0;
   std::int32_t part = 0, parts = 1;
   double first_hz = 0.0, step_hz = 0.0, enbw_hz = 0.0;

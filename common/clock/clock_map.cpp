@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "common/clock/bounded_time.hpp"
 #include "common/clock/offset_line.hpp"
+#include "common/types/bounded_time.hpp"
 
 namespace roadbalance {
 namespace {
@@ -15,7 +15,7 @@ constexpr std::int64_t kBacklog_ns = 60'000'000'000;  // the ring's and the spoo
 std::optional<ClockFit> joined(const ClockFit& before, const ClockFit& last) {
   const std::int64_t host_ns = last.host_ns - before.host_ns;
   const std::int64_t node_ns = last.node_ns - before.node_ns;
-  // Uncertain ones a moment apart may tell any drift.
+  // Uncertain ones a moment apart may show any drift.
   const bool is_slope = host_ns > 0 && node_ns > host_ns / 2 && node_ns / 2 < host_ns;
   if (last.breaks > before.breaks || !is_slope) return std::nullopt;
   const double off_s = 1e-9 * std::abs(static_cast<double>(node_ns) - static_cast<double>(host_ns));

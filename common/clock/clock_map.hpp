@@ -4,18 +4,18 @@
 #include <optional>
 #include <vector>
 
-#include "common/clock/exchange.hpp"
+#include "common/types/exchange.hpp"
 
 namespace roadbalance {
 
 /// Brings instants of one node epoch to the host's time, by the fit that came last and one before it.
 ///
-/// Behind the last fit its own drift is all that is known.  What comes late - what a node kept during a cable
-/// pull, or a repair - lies on the line through both fits: each is right at its instant, while the drift of
-/// one that has just locked may be 200 ppm wrong.  Before it is the one before, but for a minute behind a
-/// hole in the fits that which the hole began with: so long what was kept may come (of another hole within
-/// that minute no beginning is kept).  Fits that no crystal joins (another time base, a host booted anew) are
-/// not joined: then the last one's line goes back as far as it is asked.
+/// Behind the last fit only its own drift is known.  Blocks that come late - those that a node kept during a
+/// cable pull, or a repair - lie on the line through both fits: each is right at its instant, while the drift
+/// of one that has just locked may be 200 ppm wrong.  Before it is the one before, but for a minute behind a
+/// hole in the fits that which the hole began with: so long kept blocks may come (the beginning of another
+/// hole within that minute is not kept).  Fits that no crystal joins (another time base, a host booted anew)
+/// are not joined: then the last one's line goes back as far as it is asked.
 class ClockMap {
  public:
   /// The next fit; known.

@@ -22,7 +22,7 @@ double age_s(const std::vector<ClockExchange>& exchanges, std::int64_t host_ns) 
 
 bool ClockModel::add(const ClockExchange& exchange) {
   if (!exchange.is_plausible()) return false;
-  // Exchanges may overtake each other by a moment; what is older than the newest second has had its chance.
+  // Exchanges may overtake each other by a moment; one older than the newest second has had its chance.
   if (!best_.empty() && bin_of(exchange) < bin_of(best_.back())) return false;
   ++exchanges_;
   if (!contradicts(exchange)) {

@@ -4,12 +4,13 @@
 #include <optional>
 #include <vector>
 
-#include "common/clock/exchange.hpp"
 #include "common/clock/offset_line.hpp"
+#include "common/types/exchange.hpp"
 
 namespace roadbalance {
 
-/// How one node's clock stands to the host's, from exchanges as they come; pure: time is what they say.
+/// How one node's clock stands to the host's, from exchanges as they come; pure: its time is that of the
+/// exchanges.
 ///
 /// Per second the exchange with the shortest round trip counts (D. Mills' clock filter, RFC 5905, section
 /// 10), over the last 32 s an OffsetLine through these.  Once every exchange has aged out, the drift found

@@ -48,7 +48,7 @@ std::int64_t wall_now_ns() {
   return ns_of(t);
 }
 
-/// What the control messages of one datagram say.
+/// The contents of one datagram's control messages.
 struct Control {
   std::optional<std::int64_t> wall_ns;
   std::optional<std::uint32_t> number;  // of a datagram sent
@@ -116,7 +116,7 @@ ClockSocket::~ClockSocket() {
 }
 
 ClockSocket::Clocks ClockSocket::read_clocks() {
-  // Of three brackets the narrowest: an interruption between two readings would shift the pair.
+  // The narrowest of three brackets counts: an interruption between two readings would shift the pair.
   Clocks best;
   std::int64_t narrowest = INT64_MAX;
   for (int i = 0; i < 3; ++i) {
@@ -165,8 +165,8 @@ std::optional<std::int64_t> ClockSocket::sending_wall_ns(std::uint32_t number) {
     message.msg_control = control.data();
     message.msg_controllen = control.size();
     if (::recvmsg(descriptor_, &message, MSG_ERRQUEUE | MSG_DONTWAIT) >= 0) {
-      const Control said = read_control(message);
-      if (said.number == number) return said.wall_ns;
+      const Control parts = read_control(message);
+      if (parts.number == number) return parts.wall_ns;
       continue;  // of an earlier one that came late, or an ICMP error
     }
     pollfd queue{descriptor_, 0, 0};  // errors are always polled for

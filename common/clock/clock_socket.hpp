@@ -7,8 +7,8 @@
 #include <span>
 #include <string>
 
-#include "common/clock/clocks.hpp"
 #include "common/clock/datagram.hpp"
+#include "common/types/clocks.hpp"
 
 namespace roadbalance {
 
@@ -19,8 +19,8 @@ struct UdpAddress {
   bool operator==(const UdpAddress&) const = default;
 };
 
-/// This machine's own address on the way to `destination`; address 0 if there is no way.  Of a machine
-/// without a network, whose way leads to itself, 127.0.0.1.  Nothing is sent.
+/// This machine's own address on the way to `destination`; address 0 if there is no way.  A machine without a
+/// network, whose way leads to itself, has 127.0.0.1.  Nothing is sent.
 UdpAddress address_towards(const UdpAddress& destination);
 
 /// An instant at which a datagram passed.
@@ -29,7 +29,7 @@ struct Stamp {
   bool by_kernel = false;  ///< else taken by this program, later than the kernel's would be
 };
 
-/// A UDP socket that knows when its datagrams passed the kernel, in CLOCK_MONOTONIC_RAW.
+/// A UDP socket that reports when its datagrams passed the kernel, in CLOCK_MONOTONIC_RAW.
 ///
 /// The kernel stamps in wall time.  The wall clock is compared with CLOCK_MONOTONIC_RAW around each wait; a
 /// stamp over a step of the wall clock, or one that lies outside the wait, is replaced by this program's own.

@@ -9,16 +9,16 @@
 
 namespace roadbalance {
 
-/// What is known of each node's clock at an instant of a record: the fit that came last and, while that says
+/// Each node's clock as known at an instant of a record: the fit that came last and, while that is in
 /// kAcquire, those before it that hold until a better one comes.
 ///
-/// Of more than kMostClocks epochs the one whose last fit is the oldest is forgotten.
+/// Beyond kMostClocks epochs the one whose last fit is the oldest is forgotten.
 class ClockTable {
  public:
   static constexpr std::size_t kMostClocks = 128;
 
-  /// False if it says nothing that the table does not, and changes nothing then: segments of a record begin
-  /// with what was known there already, and what is continued in another folder says some of it again.
+  /// False if the table has it already, and changes nothing then: segments of a record begin with what was
+  /// known there already, and the record continued in another folder repeats some of it.
   bool take(const ClockFit& fit);
 
   struct Row {

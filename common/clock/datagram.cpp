@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "common/link/block.hpp"
-#include "common/link/crc32c.hpp"
+#include "common/types/block.hpp"
+#include "common/types/crc32c.hpp"
 
 namespace roadbalance {
 namespace {

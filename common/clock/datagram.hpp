@@ -15,8 +15,8 @@ enum class ClockDatagramKind : std::uint8_t {
       3,  ///< node -> host, behind the answer: the same with the kernel's stamp of the answer's sending
 };
 
-/// What travels over UDP to compare two clocks.  All kinds are equally long, so that nobody gets more bytes
-/// out of a node than he sends, but for the follow-up.
+/// The datagrams that compare two clocks over UDP.  All kinds are equally long, so that no sender gets more
+/// bytes out of a node than it sends, but for the follow-up.
 ///
 /// Big endian: "RBCK", version 1, kind, kernel stamps (bit 0: received, bit 1: answered), 0, node (32 bit),
 /// epoch, number, received_ns, answered_ns (64 bit each), CRC-32C of all before.  A question has no stamps.

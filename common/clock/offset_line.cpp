@@ -70,7 +70,7 @@ void OffsetLine::solve(std::span<const Point> points, const DriftPrior& prior) {
     squares += p.weight() * r * r;
   }
   residual_s_ = std::sqrt(squares / w1);
-  // Points that scatter more than their sigmas say make the line worse than the sigmas say.
+  // Points that scatter more than their sigmas allow make the line worse than the sigmas promise.
   const double scatter = std::max(1.0, squares / static_cast<double>(points.size()));
   variance_offset_ = scatter * wtt / determinant;
   covariance_ = -scatter * wt / determinant;

@@ -3,11 +3,11 @@
 #include <cstdint>
 #include <span>
 
-#include "common/clock/exchange.hpp"
+#include "common/types/exchange.hpp"
 
 namespace roadbalance {
 
-/// What is known of a drift before the exchanges are asked.
+/// The drift as known before the exchanges are asked.
 struct DriftPrior {
   double drift = 0.0;
   double sigma = 200e-6;  ///< two crystals of 100 ppm each
@@ -19,7 +19,7 @@ struct DriftPrior {
 ///
 ///     sigma_i = 1 us + (d_i - d_min) / 2 + d_min / 8 + 0.02e-6 |t_i - t|
 ///
-/// with d_i its round trip: what the round trip exceeds the shortest one by can lie on one way; the shortest
+/// with d_i its round trip: the excess of a round trip over the shortest one can lie on one way; the shortest
 /// one varies, too; and no oscillator keeps its drift.  `prior` gives a line through few exchanges a slope.
 class OffsetLine {
  public:
@@ -39,8 +39,8 @@ class OffsetLine {
   ///
   ///     u = d_min / 2 + 2 residual + 0.5e-6 age + 2 sigma(t)
   ///
-  /// d_min / 2 is what no number of exchanges tells: one way may take longer than the other.  sigma(t) is the
-  /// line's own standard deviation at t: without it a line through a few exchanges, whose drift is hardly
+  /// No number of exchanges shows more than d_min / 2: one way may take longer than the other.  sigma(t) is
+  /// the line's own standard deviation at t: without it a line through a few exchanges, whose drift is hardly
   /// known, claims more than it can hold a second later (clock_model_test then covers 99.73 %).
   /// @param age_s  of the newest exchange at host_ns
   double uncertainty_s(std::int64_t host_ns, double age_s) const;

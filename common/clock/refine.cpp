@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::int64_t kReach_ns = ClockModel::kBin_ns * static_cast<std::int64_t>(ClockModel::kBins) / 2;
 
-/// What is so much older than the newest is of another boot of the host: no question waits so long.
+/// Exchanges so much older than the newest belong to another boot of the host: no question waits so long.
 constexpr std::int64_t kAnotherBoot_ns = 2'000'000'000;
 
 /// The plausible exchanges, cut where the node's time base broke or the host's clock began anew.
@@ -42,7 +42,7 @@ std::vector<std::vector<ClockExchange>> pieces_of(std::span<const ClockExchange>
   return pieces;
 }
 
-/// Of each second the exchange with the shortest round trip.
+/// The exchange with the shortest round trip in each second.
 std::vector<ClockExchange> best_of_seconds(std::vector<ClockExchange> piece) {
   const auto second = [](const ClockExchange& e) { return e.middle_ns() / ClockModel::kBin_ns; };
   std::stable_sort(piece.begin(), piece.end(), [&](const auto& a, const auto& b) {

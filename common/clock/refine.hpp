@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/clock/exchange.hpp"
+#include "common/types/exchange.hpp"
 
 namespace roadbalance {
 

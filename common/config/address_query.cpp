@@ -6,11 +6,11 @@ namespace roadbalance {
 
 AddressQuery::AddressQuery(const std::string& scheme, const std::string& address)
     : whole_(scheme + ":" + address), path_(address.substr(0, address.find('?'))) {
-  std::string_view rest = address;
-  rest.remove_prefix(std::min(rest.size(), path_.size() + 1));
-  while (!rest.empty()) {
-    const std::string_view pair = rest.substr(0, rest.find('&'));
-    rest.remove_prefix(std::min(rest.size(), pair.size() + 1));
+  std::string_view unread = address;
+  unread.remove_prefix(std::min(unread.size(), path_.size() + 1));
+  while (!unread.empty()) {
+    const std::string_view pair = unread.substr(0, unread.find('&'));
+    unread.remove_prefix(std::min(unread.size(), pair.size() + 1));
     const auto equals = pair.find('=');
     const std::string key(pair.substr(0, equals));
     const std::string_view value = equals == std::string_view::npos ? "" : pair.substr(equals + 1);

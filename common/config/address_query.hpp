@@ -11,8 +11,8 @@
 
 namespace roadbalance {
 
-/// The address of a device, "PATH?key=value&key=value", whose keys are taken one by one; what nobody took is
-/// refused by finish().
+/// The address of a device, "PATH?key=value&key=value", whose keys are taken one by one; finish() refuses
+/// those that were not taken.
 class AddressQuery {
  public:
   /// @param scheme  for errors, e.g. "sim"
@@ -39,7 +39,7 @@ class AddressQuery {
 
   /// @throws ConfigError "scheme:address: reason"
   [[noreturn]] void fail(const std::string& reason) const;
-  /// @throws ConfigError naming a key that nobody took, and those somebody did
+  /// @throws ConfigError naming a key that was not taken, and those that were
   void finish() const;
 
  private:

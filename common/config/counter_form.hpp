@@ -5,10 +5,10 @@
 
 namespace roadbalance {
 
-/// What is known beforehand of a pulse counter that a control unit of the car sends.
+/// A pulse counter that a control unit of the car sends, as far as it is known beforehand.
 struct CounterForm {
   std::int64_t modulus = 1024;                       ///< codes before it begins again at 0
-  std::optional<std::int64_t> invalid_code = 0x3FF;  ///< says that there is no count
+  std::optional<std::int64_t> invalid_code = 0x3FF;  ///< means that there is no count
   std::int64_t step = 1;                             ///< it only ever moves by multiples of this
   double highest_rate_hz = 3000.0;                   ///< counts a second that are never exceeded
   double highest_change_hz_s = 1000.0;               ///< by which that rate changes a second at the most

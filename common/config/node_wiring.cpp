@@ -5,7 +5,7 @@
 #include <set>
 #include <utility>
 
-#include "common/frontend/front_end.hpp"
+#include "common/types/scan.hpp"
 
 namespace roadbalance {
 namespace {
@@ -23,7 +23,7 @@ void parse_counter(Section counter, SignalConfig& s) {
   s.latency.mean_s = 1e-3 * counter.number_or("latency_ms", {0, 1000}, 0.0);
   s.latency.mean_sigma_s = 1e-3 * counter.number_or("latency_sigma_ms", {0, 1000}, 0.0);
   s.latency.jitter_s = 1e-3 * counter.number_or("jitter_ms", {0, 1000}, 0.0);
-  // Of two messages, each within three times the rms.
+  // For two messages, each within three times the rms.
   s.counter.jitter_s = std::max(s.counter.jitter_s, 6 * s.latency.jitter_s);
   counter.finish();
 }
@@ -65,7 +65,7 @@ CanConfig parse_can(Section can, int first_signal, const std::vector<std::string
   return c;
 }
 
-/// Every name once, and not more signals than a sample can say.
+/// Every name once, and not more signals than a sample can number.
 void check_signals(const Section& node, const NodeWiring& wiring) {
   if (wiring.signals() > kMostSignals)
     node.fail("can", "has " + std::to_string(wiring.signals()) + " signals; allowed: at most 256");

@@ -11,7 +11,7 @@
 
 namespace roadbalance {
 
-/// What a signal means, and so the unit its samples have in the record.
+/// The meaning of a signal, and so the unit its samples have in the record.
 enum class SignalQuantity {
   kWheelSpeed,     ///< m/s at the tread; a speed of rotation times the rolling radius
   kVehicleSpeed,   ///< m/s
@@ -36,7 +36,7 @@ struct SignalConfig {
 
 enum class CanRole {
   kVehicle,  ///< the car's own bus: we listen only, and the interface must be listen-only
-  kSensor,   ///< a private bus with our modules, whose frames somebody must acknowledge
+  kSensor,   ///< a private bus with our modules, whose frames need an acknowledgement
 };
 
 /// An accelerometer module of classic frames has its identifier and the three behind it.
@@ -61,7 +61,7 @@ struct LineConfig {
   std::optional<int> zero_mark_gpio;
 };
 
-/// What of [[node]] says which devices are connected to it, and how.
+/// The part of [[node]] that names the devices connected to it, and how.
 struct NodeWiring {
   /// URIs: one device that gives scans, and any that give what is beside.
   std::vector<std::string> front_end;

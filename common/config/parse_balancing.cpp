@@ -2,16 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <set>
 #include <string>
 #include <utility>
 
+#include "common/types/angle_units.hpp"
+
 namespace roadbalance {
 namespace {
 
-constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 constexpr Range kRadius_m{0.02, 2};
 constexpr double kMostSteps = 100.0;  ///< of mass: plans try them all
 constexpr int kMostChoices = 200;     ///< places times masses: plans try all pairs, every second of a drive
@@ -26,30 +26,30 @@ WeightKind parse_kind(Section& section) {
   return section.choice("kind", {"clip", "adhesive"}) == 0 ? WeightKind::kClip : WeightKind::kAdhesive;
 }
 
-RimPlane parse_plane(Section& section) {
+RimPlane parse_rim_plane(Section& section) {
   return section.choice("plane", {"inner", "outer"}) == 0 ? RimPlane::kInner : RimPlane::kOuter;
 }
 
 WeightPlace parse_place(Section& section, const WheelConfig& wheel) {
-  return {parse_radius(section, wheel), parse_kind(section), parse_plane(section)};
+  return {parse_radius(section, wheel), parse_kind(section), parse_rim_plane(section)};
 }
 
-/// The first of the wheel's places that has all that is told of this weight's, or else the place told.
+/// The first of the wheel's places that has all that is given of this weight's, or else the place given.
 WeightPlace place_of_weight(Section& section, const WheelConfig& wheel) {
   std::optional<double> radius_m;
   std::optional<WeightKind> kind;
   std::optional<RimPlane> plane;
   if (section.has("radius_m")) radius_m = parse_radius(section, wheel);
   if (section.has("kind")) kind = parse_kind(section);
-  if (section.has("plane")) plane = parse_plane(section);
+  if (section.has("plane")) plane = parse_rim_plane(section);
   for (const WeightPlace& place : wheel.stock.place)
     if (radius_m.value_or(place.radius_m) == place.radius_m && kind.value_or(place.kind) == place.kind &&
         plane.value_or(place.plane) == place.plane)
       return place;
-  for (const auto& [key, is_told] : {std::pair{"radius_m", radius_m.has_value()},
-                                     {"kind", kind.has_value()},
-                                     {"plane", plane.has_value()}})
-    if (!is_told)
+  for (const auto& [key, is_given] : {std::pair{"radius_m", radius_m.has_value()},
+                                      {"kind", kind.has_value()},
+                                      {"plane", plane.has_value()}})
+    if (!is_given)
       section.fail(key,
                    "missing; allowed: to leave it out where a [[wheel.place]] has all else that is told");
   return {*radius_m, *kind, *plane};
@@ -58,7 +58,7 @@ WeightPlace place_of_weight(Section& section, const WheelConfig& wheel) {
 WheelWeight parse_weight(Section section, const WheelConfig& wheel) {
   WheelWeight weight;
   weight.mass_g = section.number("mass_g", {0.1, 1000});
-  weight.angle_rad = kRadiansPerDegree * section.number("angle_deg", {-360, 360});
+  weight.angle_rad = kDegree * section.number("angle_deg", {-360, 360});
   weight.place = place_of_weight(section, wheel);
   section.finish();
   return weight;
@@ -79,7 +79,7 @@ WeightStock parse_stock(Section& root) {
   if (raster_deg > 0.0 &&
       (raster_deg < 1.0 || std::abs(std::remainder(360.0, raster_deg)) > 5e-7 * raster_deg))
     weights->fail("raster_deg", "allowed: 0, or a part of 360 that is at least 1");
-  stock.raster_rad = raster_deg * kRadiansPerDegree;
+  stock.raster_rad = raster_deg * kDegree;
   stock.length_m_per_g = 1e-3 * weights->number_or("length_mm_per_g", {0, 10}, 1e3 * stock.length_m_per_g);
   weights->finish();
   return stock;

@@ -10,7 +10,7 @@ namespace roadbalance {
 /// [weights]; no place.
 WeightStock parse_stock(Section& root);
 
-/// Of a [[wheel]]: [[wheel.place]] and [[wheel.weight]].
+/// [[wheel.place]] and [[wheel.weight]] of a [[wheel]].
 /// @param wheel  its radii are known
 void parse_places(Section& section, const WeightStock& stock, WheelConfig& wheel);
 

@@ -9,6 +9,7 @@
 
 #include "common/config/text_file.hpp"
 #include "common/config/toml_library.hpp"
+#include "common/text/printable.hpp"
 
 namespace roadbalance {
 namespace {
@@ -65,11 +66,17 @@ bool resembles(const std::string& one, const std::string& other) {
 
 }  // namespace
 
+std::string did_you_mean(const std::string& word, const std::vector<std::string>& known) {
+  for (const std::string& one : known)
+    if (resembles(one, word)) return " (did you mean " + one + "?)";
+  return {};
+}
+
 struct Section::State {
   std::shared_ptr<const toml::table> root;  // keeps `table` alive
   const toml::table* table = nullptr;
   std::string file;
-  mutable std::vector<std::string> asked;  // keys some getter knows, in order
+  mutable std::vector<std::string> asked;  // keys that some getter takes, in order
 
   bool is_asked(const std::string& key) const {
     return std::find(asked.begin(), asked.end(), key) != asked.end();
@@ -87,7 +94,7 @@ struct Section::State {
     for (const auto& [other, node] : *table)
       if (resembles(std::string(other.str()), key) && !is_asked(std::string(other.str())))
         fail_at(other.source().begin.line, std::string(other.str()),
-                "unknown key (did you mean " + key + "?); allowed: " + allowed);
+                "unknown key" + did_you_mean(std::string(other.str()), {key}) + "; allowed: " + allowed);
     fail_at(line_of(*table), key, "missing; allowed: " + allowed);
   }
   [[noreturn]] void refuse(const toml::node& node, const std::string& key, const std::string& allowed) const {
@@ -117,6 +124,9 @@ Section& Section::operator=(Section&&) noexcept = default;
 Section::~Section() = default;
 
 Section Section::parse_text(const std::string& text, const std::string& name_for_errors) {
+  if (text.size() > kMostBytes)
+    throw ConfigError(name_for_errors + ": " + std::to_string(text.size()) +
+                      " bytes or more; allowed: " + std::to_string(kMostBytes));
   auto state = std::make_unique<State>();
   state->file = name_for_errors;
   state->root = std::make_shared<const toml::table>(parse_toml(text, name_for_errors));
@@ -125,7 +135,7 @@ Section Section::parse_text(const std::string& text, const std::string& name_for
 }
 
 Section Section::parse_file(const std::string& path) {
-  return parse_text(read_text_file(path), path);
+  return parse_text(read_text_file(path, kMostBytes), path);
 }
 
 double Section::number(const std::string& key, Range range) {
@@ -162,6 +172,9 @@ std::string Section::text(const std::string& key) {
   const toml::node& node = state_->require(key, "a text in quotes");
   const auto* value = node.as_string();
   if (!value) state_->refuse(node, key, "a text in quotes");
+  if (const std::string hidden = first_hidden(**value); !hidden.empty())
+    state_->fail_at(state_->line_of(node), key,
+                    "has the hidden character " + hidden + "; allowed: text that can be seen");
   return **value;
 }
 
@@ -284,11 +297,9 @@ void Section::finish() const {
   for (const auto& [key, node] : *state_->table) {
     const std::string name(key.str());
     if (state_->is_asked(name)) continue;
-    std::string hint;
-    for (const auto& known : state_->asked)
-      if (resembles(known, name) && hint.empty()) hint = " (did you mean " + known + "?)";
-    state_->fail_at(key.source().begin.line, name,
-                    "unknown key" + hint + "; allowed here: " + join(state_->asked));
+    state_->fail_at(
+        key.source().begin.line, name,
+        "unknown key" + did_you_mean(name, state_->asked) + "; allowed here: " + join(state_->asked));
   }
 }
 

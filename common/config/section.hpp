@@ -15,6 +15,10 @@ class ConfigError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// " (did you mean KNOWN?)" of the first of `known` that `word` is but for its unit or a slip of the pen;
+/// empty: of none.
+std::string did_you_mean(const std::string& word, const std::vector<std::string>& known);
+
 /// Inclusive bounds of a number.
 struct Range {
   double low;
@@ -24,13 +28,15 @@ inline constexpr Range kPositive{1e-12, 1e12};
 inline constexpr Range kNotNegative{0.0, 1e12};
 inline constexpr Range kAnyNumber{-1e12, 1e12};
 
-/// A table of a TOML file whose keys are taken one by one; what nobody took is refused by finish().
+/// A table of a TOML file whose keys are taken one by one; finish() refuses those that were not taken.
 ///
 /// Every getter throws ConfigError "file:line: key: reason; allowed: ..." for a missing key, a wrong
 /// type or a value out of range.  Numbers may be written as integers.  No NaN, no infinity.
 class Section {
  public:
-  /// @throws ConfigError if the text is not TOML; with file and line
+  static constexpr std::size_t kMostBytes = 4 << 20;  ///< of a text
+
+  /// @throws ConfigError if the text is not TOML, with file and line, or too long
   static Section parse_text(const std::string& text, const std::string& name_for_errors);
   /// @throws std::system_error if it cannot be read; else as parse_text
   static Section parse_file(const std::string& path);

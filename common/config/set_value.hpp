@@ -17,8 +17,8 @@ using TablePath = std::vector<TableStep>;
 ///
 /// A value that is there is replaced.  One that is not comes on a line of its own behind the table's last, or
 /// last between the braces of an inline table; if the table at the end of the path is missing, it is made as
-/// an inline table.  Whatever else the text says must be the same afterwards: a form in which this cannot be
-/// had (dotted keys) is refused.
+/// an inline table.  The rest of the text must mean the same afterwards: a form in which this is impossible
+/// (dotted keys) is refused.
 /// @param value  as TOML writes it: 12.5, "a text"
 /// @throws ConfigError naming what is not there, or cannot be placed
 std::string with_value(const std::string& text, const TablePath& path, const std::string& key,

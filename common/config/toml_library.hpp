@@ -1,6 +1,6 @@
 #pragma once
 
-/// toml++ as section.cpp and set_value.cpp need it; nobody else includes this.
+/// toml++ as section.cpp and set_value.cpp need it; no other source includes this.
 
 namespace roadbalance {
 struct TomlAssertionFailed {};

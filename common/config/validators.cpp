@@ -1,5 +1,6 @@
 #include "common/config/validators.hpp"
 
+#include <CLI/CLI.hpp>
 #include <charconv>
 #include <cstdint>
 #include <cstdio>

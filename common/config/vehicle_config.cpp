@@ -4,15 +4,135 @@
 #include <cmath>
 #include <filesystem>
 #include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "common/config/parse_balancing.hpp"
-#include "common/config/parse_wheels.hpp"
 #include "common/config/section.hpp"
 #include "common/config/text_file.hpp"
-#include "common/link/block.hpp"
+#include "common/types/angle_units.hpp"
+#include "common/types/block.hpp"
 
 namespace roadbalance {
 namespace {
+
+std::vector<std::string> wheel_name_list() {
+  return {kWheelNames.begin(), kWheelNames.end()};
+}
+
+EncoderConfig parse_encoder(Section encoder) {
+  EncoderConfig e;
+  e.pulses_per_turn = static_cast<int>(encoder.integer("pulses_per_turn", 1, 100'000));
+  e.zero_mark = encoder.boolean_or("zero_mark", true);
+  e.quadrature = encoder.boolean_or("quadrature", false);
+  e.datum_rad = kDegree * encoder.number_or("datum_deg", {-360, 360}, 0.0);
+  e.datum_sigma_rad = kDegree * encoder.number_or("datum_sigma_deg", {0, 180}, 0.0);
+  e.steering_ratio = encoder.number_or("steering_ratio", {-1, 1}, 0.0);
+  e.counter = encoder.text_or("counter", "");
+  if (!e.counter.empty() && e.quadrature)
+    encoder.fail("quadrature", "a counter on the bus has no second track; allowed: false");
+  encoder.finish();
+  return e;
+}
+
+WheelConfig parse_wheel(Section& wheel, const WeightStock& stock) {
+  WheelConfig w;
+  w.name = kWheelNames[wheel.choice("name", wheel_name_list())];
+  w.mass_kg = wheel.number("mass_kg", {1, 1000});
+  w.mass_sigma_kg = wheel.number_or("mass_sigma_kg", {0, w.mass_kg}, kWheelMassSigma * w.mass_kg);
+  if (wheel.has("rotating_mass_kg")) w.rotating_mass_kg = wheel.number("rotating_mass_kg", {1, w.mass_kg});
+  w.rolling_radius_m = wheel.number("rolling_radius_m", {0.05, 2});
+  w.weight_radius_m = wheel.number("weight_radius_m", {0.02, 2});
+  if (w.weight_radius_m >= w.rolling_radius_m)
+    wheel.fail("weight_radius_m", "must be less than rolling_radius_m");
+  parse_places(wheel, stock, w);
+  w.node = wheel.text_or("node", "");
+  w.line = static_cast<int>(wheel.integer_or("line", 0, kEncoderLines - 1, 0));
+  if (auto encoder = wheel.section_if("encoder")) {
+    w.encoder = parse_encoder(std::move(*encoder));
+    if (w.node.empty()) wheel.fail("encoder", "needs the node that reads it; allowed: node = \"name\"");
+  } else if (!w.node.empty()) {
+    wheel.fail("encoder", "missing although a node reads it; allowed: a table [wheel.encoder]");
+  }
+  wheel.finish();
+  return w;
+}
+
+/// The pulse counter that an encoder names must be the wheel's own.
+void check_counter(const Section& section, const WheelConfig& wheel, const VehicleConfig& v) {
+  if (wheel.encoder.counter.empty()) return;
+  std::string names;
+  for (const NodeConfig& node : v.node) {
+    if (node.name != wheel.node) continue;
+    for (const CanConfig& can : node.wiring.can)
+      for (const SignalConfig& signal : can.signal) {
+        if (signal.quantity != SignalQuantity::kPulseCounter || signal.wheel != wheel.name) continue;
+        if (signal.name == wheel.encoder.counter) return;
+        names += (names.empty() ? "" : ", ") + signal.name;
+      }
+  }
+  section.fail("encoder", "node " + wheel.node + " receives no pulse_counter \"" + wheel.encoder.counter +
+                              "\" of this wheel; allowed: " + (names.empty() ? "no counter" : names));
+}
+
+PlaneConfig parse_rotor_plane(Section plane) {
+  PlaneConfig p;
+  p.name = plane.text("name");
+  const auto place = plane.numbers("position_m", 3, {-20, 20});
+  p.position_m = {place[0], place[1], place[2]};
+  p.weight_radius_m = plane.number("weight_radius_m", {0.005, 2});
+  plane.finish();
+  return p;
+}
+
+/// [[wheel]] of vehicle.toml.
+/// @param v  its nodes are known
+void parse_wheels(Section& root, VehicleConfig& v) {
+  std::set<std::string> seen;
+  std::set<std::pair<std::string, int>> lines;
+  const WeightStock stock = parse_stock(root);
+  for (Section& section : root.sections("wheel", kWheels)) {
+    const WheelConfig wheel = parse_wheel(section, stock);
+    if (!seen.insert(wheel.name).second) section.fail("name", "\"" + wheel.name + "\" stands twice");
+    if (!wheel.node.empty()) {
+      const bool known =
+          std::any_of(v.node.begin(), v.node.end(), [&](const auto& n) { return n.name == wheel.node; });
+      std::string names;
+      for (const auto& node : v.node) names += (names.empty() ? "" : ", ") + node.name;
+      if (!known) section.fail("node", "there is no node \"" + wheel.node + "\"; allowed: " + names);
+      if (!lines.insert({wheel.node, wheel.line}).second)
+        section.fail(
+            "line", "line " + std::to_string(wheel.line) + " of node " + wheel.node + " has a wheel already");
+    }
+    check_counter(section, wheel, v);
+    const auto place = std::find(kWheelNames.begin(), kWheelNames.end(), wheel.name) - kWheelNames.begin();
+    v.wheel[static_cast<std::size_t>(place)] = wheel;
+  }
+}
+
+/// [[rotor]].
+/// @param v  its wheels are known
+void parse_rotors(Section& root, VehicleConfig& v) {
+  for (Section& section : root.sections("rotor")) {
+    RotorConfig rotor;
+    rotor.name = section.text("name");
+    if (v.rotor_named(rotor.name) || v.wheel_named(rotor.name))
+      section.fail("name", "\"" + rotor.name + "\" stands twice");
+    for (const std::string& name : section.texts_or("wheel", {})) {
+      const WheelConfig* const wheel = v.wheel_named(name);
+      if (!wheel || wheel->node.empty())
+        section.fail("wheel", "\"" + name + "\" is no wheel with an encoder");
+      rotor.wheel.push_back(v.place_of(*wheel));
+    }
+    if (rotor.wheel.empty()) section.fail("wheel", "missing; allowed: the wheels that turn it, in [ ]");
+    rotor.ratio = section.number("ratio", {1e-3, 1e3});
+    for (Section& plane : section.sections("plane"))
+      rotor.plane.push_back(parse_rotor_plane(std::move(plane)));
+    section.finish();
+    v.rotor.push_back(std::move(rotor));
+  }
+}
 
 AxleConfig parse_axle(Section axle) {
   AxleConfig a{};
@@ -23,7 +143,7 @@ AxleConfig parse_axle(Section axle) {
   a.stabiliser_n_m = axle.number("stabiliser_n_m", kNotNegative);
   a.tyre_n_m = axle.number("tyre_n_m", kPositive);
   a.tyre_damper_n_s_m = axle.number_or("tyre_damper_n_s_m", kNotNegative, 0.0);
-  a.tyre_damper_sigma_n_s_m = axle.number_or("tyre_damper_sigma_n_s_m", kNotNegative, kTyreDamperDoubt_n_s_m);
+  a.tyre_damper_sigma_n_s_m = axle.number_or("tyre_damper_sigma_n_s_m", kNotNegative, kTyreDamperSigma_n_s_m);
   axle.finish();
   return a;
 }
@@ -41,9 +161,9 @@ ModelConfig parse_model(Section model) {
   const auto sigma = [&](const char* key, double value, double doubt) {
     return model.number_or(key, {0, value}, doubt * value);
   };
-  m.body_mass_sigma_kg = sigma("body_mass_sigma_kg", m.body_mass_kg, kBodyMassDoubt);
-  m.roll_inertia_sigma_kg_m2 = sigma("roll_inertia_sigma_kg_m2", m.roll_inertia_kg_m2, kInertiaDoubt);
-  m.pitch_inertia_sigma_kg_m2 = sigma("pitch_inertia_sigma_kg_m2", m.pitch_inertia_kg_m2, kInertiaDoubt);
+  m.body_mass_sigma_kg = sigma("body_mass_sigma_kg", m.body_mass_kg, kBodyMassSigma);
+  m.roll_inertia_sigma_kg_m2 = sigma("roll_inertia_sigma_kg_m2", m.roll_inertia_kg_m2, kInertiaSigma);
+  m.pitch_inertia_sigma_kg_m2 = sigma("pitch_inertia_sigma_kg_m2", m.pitch_inertia_kg_m2, kInertiaSigma);
   m.axle = {parse_axle(model.section("front")), parse_axle(model.section("rear"))};
   if (m.axle[1].x_m >= m.axle[0].x_m)
     model.fail("rear", "x_m of the rear axle must be less than the front's");
@@ -120,7 +240,7 @@ DriveConfig parse_drive(Section drive, double rate_hz) {
   d.section_s = drive.number_or("section_s", {4, 120}, d.section_s);
   d.speed_class_m_s = drive.number_or("speed_class_m_s", {0.1, 20}, d.speed_class_m_s);
   d.least_speed_m_s = drive.number_or("least_speed_m_s", {1, 100}, d.least_speed_m_s);
-  // A slower recording can be looked at, but not identified from; identification says so.
+  // A slower recording can be looked at, but not identified from; identification reports that.
   const double factor = rate_hz / d.identification_rate_hz;
   if (factor >= 1.0 && std::abs(factor - std::round(factor)) > 1e-9)
     drive.fail("identification_rate_hz", "must divide the nodes' rate_hz");
@@ -131,9 +251,13 @@ DriveConfig parse_drive(Section drive, double rate_hz) {
 void parse_nodes(Section& root, VehicleConfig& v) {
   std::set<std::string> names;
   std::set<int> ids;
+  std::size_t channels = 0;
   for (Section& section : root.sections("node", 1)) {
     v.node.push_back(parse_node(section));
     const NodeConfig& node = v.node.back();
+    channels += node.channel.size();
+    if (channels > VehicleConfig::kMostChannels)
+      section.fail("channel", "more than " + std::to_string(VehicleConfig::kMostChannels) + " in all nodes");
     if (!names.insert(node.name).second) section.fail("name", "\"" + node.name + "\" stands twice");
     if (!ids.insert(node.id).second) section.fail("id", std::to_string(node.id) + " stands twice");
     if (node.rate_hz != v.node.front().rate_hz) section.fail("rate_hz", "must be the same for all nodes");
@@ -177,7 +301,7 @@ VehicleConfig VehicleConfig::parse(const std::string& text, const std::string& n
 }
 
 VehicleConfig VehicleConfig::read_file(const std::string& path) {
-  VehicleConfig vehicle = parse(read_text_file(path), path);
+  VehicleConfig vehicle = parse(read_text_file(path, Section::kMostBytes), path);
   vehicle.folder = std::filesystem::path(path).parent_path().string();
   return vehicle;
 }

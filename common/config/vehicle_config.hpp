@@ -11,7 +11,7 @@
 
 #include "common/config/node_wiring.hpp"
 #include "common/config/weight_stock.hpp"
-#include "common/frontend/front_end.hpp"
+#include "common/types/scan.hpp"
 
 namespace roadbalance {
 
@@ -21,13 +21,12 @@ inline constexpr std::array<const char*, kWheels> kWheelNames{"front_left", "fro
                                                               "rear_right"};
 inline constexpr int kAxles = 2;  ///< front, rear
 
-/// What is taken for known to one standard deviation where vehicle.toml does not say how well it is: a wheel
-/// weighed with its carrier, a car weighed with the people in it, inertias from a table, the damping of a
-/// tyre that rolls.
-inline constexpr double kWheelMassDoubt = 0.02;
-inline constexpr double kBodyMassDoubt = 0.03;
-inline constexpr double kInertiaDoubt = 0.10;
-inline constexpr double kTyreDamperDoubt_n_s_m = 50.0;
+/// Standard deviations where vehicle.toml gives none: a wheel weighed with its carrier, a car weighed with
+/// the people in it, inertias from a table, the damping of a tyre that rolls.
+inline constexpr double kWheelMassSigma = 0.02;
+inline constexpr double kBodyMassSigma = 0.03;
+inline constexpr double kInertiaSigma = 0.10;
+inline constexpr double kTyreDamperSigma_n_s_m = 50.0;
 
 /// [model]: parameters of the 7-degree-of-freedom car, kind = "seven_dof", or of kind = "description" the
 /// file that describes a car of another form (common/multibody), which can be recorded but not identified.
@@ -41,7 +40,7 @@ struct AxleConfig {
   double stabiliser_n_m;                 ///< acts on the difference of left and right suspension stretch
   double tyre_n_m;                       ///< vertical stiffness of each tyre
   double tyre_damper_n_s_m = 0.0;        ///< vertical damping of each tyre
-  double tyre_damper_sigma_n_s_m = 0.0;  ///< how well it is known, one standard deviation: no drive tells it
+  double tyre_damper_sigma_n_s_m = 0.0;  ///< how well it is known, one standard deviation: no drive shows it
 };
 struct ModelConfig {
   double body_mass_kg;
@@ -60,12 +59,12 @@ struct ModelConfig {
 struct EncoderConfig {
   int pulses_per_turn = 0;  ///< teeth of an ABS ring, lines of a transducer
   bool zero_mark = true;    ///< one zero mark a turn
-  bool quadrature = false;  ///< a second track, which says the direction, is wired to the USB board
+  bool quadrature = false;  ///< a second track, which shows the direction, is wired to the USB board
   /// Wheel angle (reference point at the upward vertical = 0) at the instant the zero mark fires.
   double datum_rad = 0.0;
   double datum_sigma_rad = 0.0;  ///< its standard deviation, as calibration found it
-  /// What a transducer fixed to the body gains when the steering wheel turns left by 1 rad; 0: it is fixed to
-  /// the wheel's carrier.
+  /// The angle that a transducer fixed to the body gains when the steering wheel turns left by 1 rad; 0: it
+  /// is fixed to the wheel's carrier.
   double steering_ratio = 0.0;
   /// Teeth come from this pulse counter on the bus, only the zero mark from the line; empty: both from the
   /// line.
@@ -75,10 +74,11 @@ struct WheelConfig {
   std::string name;      ///< one of kWheelNames
   double mass_kg;        ///< unsprung mass moving with the wheel, mounted transducer included
   double mass_sigma_kg;  ///< how well it is known, one standard deviation: unbalances are in proportion to it
-  /// What of it turns: tyre, rim, hub, disc.  ISO 21940-11 judges an unbalance by the mass of the rotor.
+  /// The part of it that turns: tyre, rim, hub, disc.  ISO 21940-11 judges an unbalance by the mass of the
+  /// rotor.
   std::optional<double> rotating_mass_kg{};
   double rolling_radius_m;
-  double weight_radius_m;           ///< where weights are clipped; grams of unbalance are told at it
+  double weight_radius_m;           ///< where weights are clipped; grams of unbalance refer to it
   WeightStock stock;                ///< [weights], on the places of this wheel
   std::vector<WheelWeight> fitted;  ///< [[wheel.weight]]: those on it during the drive
   std::string node;                 ///< node that reads the encoder; empty: no encoder
@@ -137,7 +137,7 @@ struct ChannelConfig {
   double offset_counts = 0.0;           ///< reading at rest
   /// Standard deviation of its gain, as a share of it, and of what it shows of motion across its direction.
   double gain_sigma = 0.01;
-  double delay_s = 0.0;                 ///< by which it lags what it measures, filter of [filter] apart
+  double delay_s = 0.0;  ///< by which it lags what it measures, filter of [filter] apart
   /// Voltage of that full scale, of a device with ranges to choose from; its widest if not given.
   std::optional<double> input_range_v{};
 
@@ -180,6 +180,7 @@ struct VehicleConfig {
   BalanceLimits limits;
   std::vector<SeatConfig> seat;
   std::vector<RotorConfig> rotor;
+  static constexpr std::size_t kMostChannels = 1024;  ///< of all nodes
   std::vector<NodeConfig> node;
   FilterConfig filter;
   RoadConfig road;

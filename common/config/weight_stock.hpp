@@ -8,21 +8,21 @@
 namespace roadbalance {
 
 /// How a weight holds on the rim.
-enum class WeightKind : std::int32_t { kUntold = 0, kClip = 1, kAdhesive = 2 };
+enum class WeightKind : std::int32_t { kNotGiven = 0, kClip = 1, kAdhesive = 2 };
 
 /// Which side of the wheel it is on: towards the car, or away from it.
-enum class RimPlane : std::int32_t { kUntold = 0, kInner = 1, kOuter = 2 };
+enum class RimPlane : std::int32_t { kNotGiven = 0, kInner = 1, kOuter = 2 };
 
 /// A circle of the rim on which weights go; [[wheel.place]].
 struct WeightPlace {
   double radius_m = 0.0;
-  WeightKind kind = WeightKind::kUntold;
-  RimPlane plane = RimPlane::kUntold;
+  WeightKind kind = WeightKind::kNotGiven;
+  RimPlane plane = RimPlane::kNotGiven;
 
   bool operator==(const WeightPlace&) const = default;
 };
 
-/// What weights there are to clip or stick on a wheel, and where.
+/// The weights there are to clip or stick on a wheel, and where.
 struct WeightStock {
   double step_g = 5.0;               ///< masses are multiples of this; 7.0874 g is a quarter of an ounce
   double heaviest_g = 60.0;          ///< in one place

@@ -29,7 +29,7 @@ double correlation(const std::vector<double>& window, std::size_t shift) {
   return std::pow(common / std::inner_product(window.begin(), window.end(), window.begin(), 0.0), 2);
 }
 
-/// What lies a multiple of a large power of two apart wants the same lines of a cache.
+/// Data a multiple of a large power of two apart need the same lines of a cache.
 constexpr std::size_t odd(std::size_t lanes) {
   return lanes | 1U;
 }

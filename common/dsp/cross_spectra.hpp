@@ -52,7 +52,7 @@ class CrossSpectra {
   double enbw_hz() const { return enbw_hz_; }
   /// Segments averaged.
   int averages() const { return averages_; }
-  /// Segments side by side whose average would scatter as much: those that overlap tell less.
+  /// Segments side by side whose average would scatter as much: those that overlap count for less.
   double independent_averages() const;
 
   /// [bins] G_ab; zero before the first segment is full.
@@ -86,8 +86,8 @@ class CrossSpectra {
   double step_hz_, enbw_hz_, scale_;
   Eigen::MatrixXd history_;  ///< [channel x sample] the segment that is being filled, a ring
   Eigen::Index next_ = 0;    ///< column of the next sample
-  /// Lanes from one channel to the next of those got ready, more than a segment has: a power of two apart
-  /// they would all want the same lines of the cache.
+  /// Lanes from one prepared channel to the next, more than a segment has: a power of two apart they would
+  /// all need the same lines of the cache.
   std::size_t column_;
   std::vector<Lane> columns_;
   Eigen::Index filled_ = 0;

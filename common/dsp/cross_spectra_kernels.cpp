@@ -11,7 +11,7 @@ namespace {
 template <int kLanes>
 using Vector = typename Lanes<kLanes>::Vector;
 
-// By reference: what returns such a vector would have one more way to be called on each processor.
+// By reference: a function that returns such a vector would have one more way to be called on each processor.
 template <typename Value>
 [[gnu::always_inline]] inline void load(Value& value, const double* from) {
   std::memcpy(&value, from, sizeof value);
@@ -22,7 +22,7 @@ template <typename Value>
   std::memcpy(to, &value, sizeof value);
 }
 
-/// Of two rows of a matrix that is turned over: each pair of blocks of `kFar` elements off the diagonal
+/// For two rows of a matrix that is turned over: each pair of blocks of `kFar` elements off the diagonal
 /// changes places.
 template <int kFar, int... kIndex>
 [[gnu::always_inline]] inline void exchange(auto& upper, auto& lower, std::integer_sequence<int, kIndex...>) {

@@ -123,7 +123,7 @@ bool DecimatingFilter::add(const Eigen::Ref<const Eigen::VectorXd>& values) {
   return known_ == taps_;
 }
 
-/// What waits, to the sums.
+/// The waiting samples, to the sums.
 void DecimatingFilter::spread() {
   static const auto spread_by = for_this_processor(spread_avx512, spread_avx2, spread_plain);
   const Eigen::Index first = place_ - static_cast<Eigen::Index>(samples_);

@@ -11,8 +11,8 @@ namespace roadbalance {
 
 /// A low-pass of which every factor-th output is taken, of all channels at once.
 ///
-/// Each sample is added, times a tap each, to the few outputs that it is part of, and is not kept: what is
-/// kept stays in the nearest cache.  The same bits on every processor.
+/// Each sample is added, times a tap each, to the few outputs that it is part of, and is not kept: the sums
+/// stay in the nearest cache.  The same bits on every processor.
 class DecimatingFilter {
  public:
   /// The first sample has index 0.

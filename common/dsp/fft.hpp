@@ -34,7 +34,7 @@ class RealFft {
   std::span<double> input();
   /// ... and the [bins] transform of them, valid until the next.
   std::span<const std::complex<double>> transform();
-  /// Of [size] samples that lie elsewhere, at the beginning of a line of the cache.
+  /// Transforms [size] samples that lie elsewhere, at the beginning of a line of the cache.
   std::span<const std::complex<double>> transform(std::span<const double> in);
   /// The same, real and imaginary parts of each eight bins apart.
   /// @param lanes  [2 ceil(bins / 8)]; bins that there are not are left as they are, or 0

@@ -24,13 +24,13 @@ double kaiser_sinc(double at) {
 template <int kLanes>
 [[gnu::always_inline]] inline void mix(const double* below, double part, double* taps) {
   using Vector = typename Lanes<kLanes>::Vector;
-  const double rest = 1.0 - part;
+  const double other_part = 1.0 - part;
 #pragma GCC unroll 16
   for (int k = 0; k < FractionalDelay::kTaps; k += kLanes) {
     Vector a, b;
     std::memcpy(&a, below + k, sizeof a);
     std::memcpy(&b, below + FractionalDelay::kTaps + k, sizeof b);
-    const Vector sum = rest * a + part * b;
+    const Vector sum = other_part * a + part * b;
     std::memcpy(taps + k, &sum, sizeof sum);
   }
 }

@@ -42,7 +42,7 @@ struct Lanes<8> {
 /// For tests: no more lanes than that many are used, 2 or 4, so that one machine tries what others run.
 inline constexpr const char* kMostLanesVariable = "RB_MOST_LANES";
 
-/// Of this processor: 8, 4, or 2 where nothing is known of it; kMostLanesVariable at the most.
+/// Lanes of this processor: 8, 4, or 2 where nothing is known of it; kMostLanesVariable at the most.
 inline int widest_lanes() {
 #if defined(__x86_64__)
   const char* const variable = std::getenv(kMostLanesVariable);

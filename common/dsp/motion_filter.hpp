@@ -8,7 +8,7 @@
 
 namespace roadbalance {
 
-/// M y'' + P y' + Q y = B2 u'' + B1 u' + B0 u: what outputs y do under inputs u.
+/// M y'' + P y' + Q y = B2 u'' + B1 u' + B0 u: the outputs y under inputs u.
 struct MotionEquation {
   Eigen::MatrixXd M, P, Q;     ///< [outputs x outputs], M regular
   Eigen::MatrixXd B2, B1, B0;  ///< [outputs x inputs]
@@ -40,8 +40,8 @@ class MotionFilter {
   /// Starts again from rest, with inputs before the first one equal to zero.
   void reset();
 
-  /// Goes on where another of as many inputs and outputs stands: with other values in its equation that is off
-  /// by as much as they are, until it has settled.
+  /// Goes on where another of as many inputs and outputs stands: with other values in its equation that is
+  /// off by as much as they are, until it has settled.
   void go_on_from(const MotionFilter& other);
 
   /// Until what was before has decayed to `share`, by the slowest pole, s.

@@ -42,14 +42,14 @@ TransferFunction transfer_function(std::span<const double> input, std::span<cons
 }
 
 std::optional<double> mean_delay_s(const TransferFunction& h, double step_hz) {
-  constexpr double kLeastRest =
+  constexpr double kLeastIncoherence =
       1e-3;  // no phase is known better than that: noise of the converter is in both
   std::complex<double> turn = 0.0;
   for (std::size_t k = 1; k + 1 < h.h1.size(); ++k) {  // not at 0 Hz, where there is no phase
     const double least = std::min(h.coherence[k], h.coherence[k + 1]);
     const double size = std::abs(h.h1[k]) * std::abs(h.h1[k + 1]);
     if (!(least > h.coherence_by_chance) || size == 0.0) continue;
-    turn += least / std::max(1.0 - least, kLeastRest) * (h.h1[k + 1] * std::conj(h.h1[k])) / size;
+    turn += least / std::max(1.0 - least, kLeastIncoherence) * (h.h1[k + 1] * std::conj(h.h1[k])) / size;
   }
   if (turn == 0.0) return std::nullopt;
   return -std::arg(turn) / (2.0 * std::numbers::pi * step_hz);

@@ -25,7 +25,7 @@ struct TransferFunction {
 
 /// @param input, output         [bins] G_xx, G_yy
 /// @param cross                 [bins] G_xy
-/// @param independent_averages  n, as CrossSpectra tells
+/// @param independent_averages  n, as CrossSpectra reports
 /// Bins where one of the signals is 0 have coherence 0 and H = 0.
 ///
 /// Source: J. S. Bendat, A. G. Piersol, Random Data, 4th ed., 2010, sections 6.2 and 9.2; for Hv G. T.
@@ -36,7 +36,7 @@ TransferFunction transfer_function(std::span<const double> input, std::span<cons
 
 /// By how much the output is behind the input, s: the mean slope of the phase from bin to bin where coherence
 /// is beyond chance, each weighed by gamma^2 / (1 - gamma^2), one over the variance of a phase.  Nothing: no
-/// bin tells.  Unambiguous within half a period of step_hz.
+/// bin has such coherence.  Unambiguous within half a period of step_hz.
 std::optional<double> mean_delay_s(const TransferFunction& h, double step_hz);
 
 }  // namespace roadbalance

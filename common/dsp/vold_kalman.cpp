@@ -106,25 +106,25 @@ void VoldKalmanBlocks::add(const Eigen::Ref<const Eigen::VectorXd>& values,
   phase_rad_.col(filled_++) = phase_rad;
   if (filled_ < values_.cols()) return;
   track(filled_ - reach_);
-  // What comes next needs as much before it.
+  // The next run needs as much before it.
   const Eigen::Index keep = 2 * reach_, drop = filled_ - keep;
   values_.leftCols(keep) = values_.middleCols(drop, keep).eval();
   phase_rad_.leftCols(keep) = phase_rad_.middleCols(drop, keep).eval();
   filled_ = keep;
-  told_ -= drop;
+  reported_ -= drop;
   at_ += drop;
 }
 
 void VoldKalmanBlocks::end_run() {
-  if (filled_ >= 2 * reach_ && told_ < filled_) track(filled_);
-  filled_ = told_ = at_ = 0;
+  if (filled_ >= 2 * reach_ && reported_ < filled_) track(filled_);
+  filled_ = reported_ = at_ = 0;
 }
 
 void VoldKalmanBlocks::track(Eigen::Index upto) {
   const Eigen::MatrixXd phase_rad = phase_rad_.leftCols(filled_).transpose();
   const auto envelope = filter_.track(values_.leftCols(filled_).transpose(), phase_rad);
-  emit_({phase_rad, envelope, told_, upto - told_, at_});
-  told_ = upto;
+  emit_({phase_rad, envelope, reported_, upto - reported_, at_});
+  reported_ = upto;
 }
 
 }  // namespace roadbalance

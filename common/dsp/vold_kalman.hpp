@@ -15,11 +15,12 @@ namespace roadbalance {
 ///     min  sum_n (y - sum_k Re{X_k e^{j theta_k}})^2 + (r^2 / 2) sum_k sum_n |X_k(n-1) - 2 X_k(n) +
 ///     X_k(n+1)|^2.
 ///
-/// Of one order alone what lies off it by f is passed with H, half the power at half the bandwidth B:
+/// With one order alone, a component that lies off it by f is passed with H, half the power at half the
+/// bandwidth B:
 ///
 ///     H(f) = 1 / (1 + r^2 (2 sin(pi f / rate))^4),    r^2 = (sqrt 2 - 1) / (2 sin(pi B / (2 rate)))^4.
 ///
-/// Orders that cross are told apart by their phases before and behind, if they are as near as B for no longer
+/// Orders that cross are separated by their phases before and behind, if they are as near as B for no longer
 /// than about 1 / B; orders that stay together are not: each then gets some of the other.  The normal
 /// equations are real, symmetric, positive definite and of half band width 4 k; they are factorised once for
 /// all channels (Eigen, LDL^T without reordering).
@@ -67,7 +68,7 @@ class VoldKalmanBlocks {
   /// The next sample: [channel], [order].
   void add(const Eigen::Ref<const Eigen::VectorXd>& values,
            const Eigen::Ref<const Eigen::VectorXd>& phase_rad);
-  /// The run ends here; of one shorter than twice the reach nothing is told.
+  /// The run ends here; one shorter than twice the reach gives nothing.
   void end_run();
 
  private:
@@ -77,8 +78,8 @@ class VoldKalmanBlocks {
   Eigen::Index reach_;
   Eigen::MatrixXd values_, phase_rad_;  ///< [channel or order x sample]
   Eigen::Index filled_ = 0;
-  Eigen::Index told_ = 0;  ///< columns that were emitted
-  Eigen::Index at_ = 0;    ///< of column 0 in the run
+  Eigen::Index reported_ = 0;  ///< columns that were emitted
+  Eigen::Index at_ = 0;        ///< of column 0 in the run
   Emit emit_;
 };
 

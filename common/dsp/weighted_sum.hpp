@@ -4,8 +4,7 @@
 
 namespace roadbalance {
 
-/// sum = columns weight: what a filter gives for all channels at once.  The same bits
-/// on every processor.
+/// sum = columns weight: a filter's output for all channels at once.  The same bits on every processor.
 ///
 /// @param columns  [row x weight]
 /// @param sum      [row], none of the others

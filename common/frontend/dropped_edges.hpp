@@ -3,12 +3,12 @@
 #include <array>
 #include <utility>
 
-#include "common/frontend/front_end.hpp"
+#include "common/types/scan.hpp"
 
 namespace roadbalance {
 
-/// Puts a mark before the first edge of a line that follows dropped ones, so that whoever counts teeth knows
-/// of the hole.  Never allocates.
+/// Puts a mark before the first edge of a line that follows dropped ones, so that a reader that counts teeth
+/// sees the hole.  Never allocates.
 class DroppedEdges {
  public:
   /// An edge of this line is not passed on.

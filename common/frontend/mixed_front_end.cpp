@@ -36,8 +36,8 @@ NodeTime MixedFrontEnd::from_machine(NodeTime stamp) const noexcept {
 Read MixedFrontEnd::read(std::span<Scan> scans, std::span<Edge> edges,
                          std::span<SignalSample> signals) noexcept {
   Read read;
-  // After so long nobody is waited for: a side source that hangs does not hold up the scans.  Known before
-  // the sources are asked: whoever was held up since has not waited for them.
+  // A side source is waited for so long at most: one that hangs does not hold up the scans.  The time is
+  // taken before the sources are asked: a caller that was held up since has not waited for them.
   const NodeTime patience = scans_->node_time(MachineClock::now()) - kLongestWait;
   fetch_scans(signals, read);
   const NodeTime complete = fetch_sides(signals, read);
@@ -75,7 +75,7 @@ NodeTime MixedFrontEnd::fetch_sides(std::span<SignalSample> signals, Read& read)
 
 void MixedFrontEnd::keep_edges(std::span<const Edge> edges) noexcept {
   for (const Edge& edge : edges) {
-    // A mark that comes late is dropped like any edge: what it says, the mark before the next edge says, too.
+    // A mark that comes late is dropped like any edge: the mark before the next edge stands for it, too.
     const bool is_late = edge.time <= given_until_;
     if (!is_late && dropped_.pass(edge, [this](const Edge& kept) { return queue(kept); })) continue;
     if (dropped_.drop(edge.line))

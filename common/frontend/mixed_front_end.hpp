@@ -10,7 +10,7 @@
 namespace roadbalance {
 
 /// The scans of one device and what others give beside them, on one time line by their stamps: those of side
-/// sources are of the machine's clock and become node time as FrontEnd::node_time says.
+/// sources are of the machine's clock and become node time by FrontEnd::node_time.
 ///
 /// A scan waits until every side source has handed over what was stamped before it, at most 50 ms; an edge
 /// that comes later still is counted (kLateEdges) and not used, for its scans have gone; the next one of its

@@ -2,8 +2,8 @@
 
 #include <chrono>
 
-#include "common/clock/clock_pair.hpp"
-#include "common/clock/clocks.hpp"
+#include "common/types/clock_pair.hpp"
+#include "common/types/clocks.hpp"
 
 namespace roadbalance {
 
@@ -20,9 +20,9 @@ class Pace {
     return start_ +
            std::chrono::duration_cast<WallClock::duration>(std::chrono::duration<double>(drive_s / rate_));
   }
-  /// Of a drive in real time: nanoseconds since it began at an instant of the machine's clock.
-  /// It is paced by CLOCK_MONOTONIC, which is steady_clock and which the system may slew: the two clocks are
-  /// compared anew.
+  /// For a drive in real time: nanoseconds since it began at an instant of the machine's clock. It is paced
+  /// by CLOCK_MONOTONIC, which is steady_clock and which the system may slew: the two clocks are compared
+  /// anew.
   std::int64_t drive_ns(MachineTime machine) const {
     const WallTime wall(machine.time_since_epoch() - machine_minus(CLOCK_MONOTONIC));
     return (wall - start_).count();

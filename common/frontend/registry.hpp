@@ -13,8 +13,8 @@
 
 namespace roadbalance {
 
-/// What a front end is opened with: the address, e.g. "sim:scenario.toml?seed=7&rate=20", the vehicle
-/// and which of its nodes this is.
+/// The arguments a front end is opened with: the address, e.g. "sim:scenario.toml?seed=7&rate=20", the
+/// vehicle and which of its nodes this is.
 struct FrontEndRequest {
   std::string address;  ///< what follows "scheme:"
   const VehicleConfig& vehicle;

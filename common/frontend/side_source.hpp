@@ -7,11 +7,11 @@
 
 namespace roadbalance {
 
-/// What a side source handed over.
+/// The result of one call of a side source.
 struct SideRead {
   std::size_t edges = 0;
   std::size_t signals = 0;
-  /// Everything stamped before this instant has been handed over, by this call or an earlier one.  Of a
+  /// Everything stamped before this instant has been handed over, by this call or an earlier one.  For a
   /// device that is gone: the present, for nothing will come.
   NodeTime complete_until{};
 };
@@ -27,7 +27,7 @@ class SideSource {
   SideSource& operator=(const SideSource&) = delete;
   virtual ~SideSource() = default;
 
-  /// What has come since the last call, each in order of time, up to the spans' sizes; the rest comes next.
+  /// Everything since the last call, each in order of time, up to the spans' sizes; the rest comes next.
   /// Called from one thread.  Never allocates, waits or blocks.
   virtual SideRead take(std::span<Edge> edges, std::span<SignalSample> signals) noexcept = 0;
 

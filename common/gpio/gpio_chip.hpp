@@ -23,20 +23,20 @@ struct GpioEvent {
   bool rising = true;
 };
 
-/// What a line has for its reader.
+/// The events of a line for its reader.
 enum class Waiting : std::uint8_t { kNothing, kEvents, kGone };
 
 /// Input lines of one GPIO chip; what is known of libgpiod is in its .cpp.
 ///
-/// libgpiod 1.6 speaks the kernel's first GPIO interface: a line keeps 16 events, and what comes while they
-/// wait is lost without a sign; so is an edge that comes before the kernel's interrupt thread has taken the
-/// one before.
+/// libgpiod 1.6 uses the kernel's first GPIO interface: a line keeps 16 events, and those that come while
+/// they wait are lost without a sign; so is an edge that comes before the kernel's interrupt thread has taken
+/// the one before.
 class GpioChip {
  public:
   enum class Edges { kRising, kBoth };
   static constexpr std::size_t kKernelEvents = 16;  ///< of a line
 
-  /// What tells a chip from others.  Its number does not: the kernel gives them as chips come.
+  /// The properties that identify a chip.  Its number does not: the kernel numbers chips as they come.
   struct Identity {
     std::string label;         ///< what its driver calls it; empty: any
     std::string place;         ///< see device_place()
@@ -65,11 +65,11 @@ class GpioChip {
   /// Takes a line as an input whose level is asked for.  @param active_low  its level counts upside down
   std::size_t take_level(unsigned offset, bool active_low, const std::string& consumer);
 
-  /// Waits until a line has events or the chip is gone, and says what each line has, in the order they were
+  /// Waits until a line has events or the chip is gone, and returns each line's, in the order they were
   /// taken; their levels are not asked for.  Never allocates.
   void wait(std::chrono::milliseconds at_most, std::span<Waiting> lines) noexcept;
-  /// Events of a line that wait, oldest first, at most kKernelEvents; wait() must have said that there are
-  /// some, else it waits.  Nothing if the chip is gone.  Never allocates.
+  /// Events of a line that wait, oldest first, at most kKernelEvents; wait() must have reported some, else it
+  /// waits.  Nothing if the chip is gone.  Never allocates.
   std::optional<std::size_t> read(std::size_t line, std::span<GpioEvent> events) noexcept;
   /// Nothing if the chip is gone.
   std::optional<bool> level(std::size_t line) noexcept;

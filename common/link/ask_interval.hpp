@@ -4,16 +4,16 @@
 #include <chrono>
 #include <utility>
 
-#include "common/clock/clocks.hpp"
+#include "common/types/clocks.hpp"
 
 namespace roadbalance {
 
 /// How long to wait for a block asked for before it is asked for again: twice the round trip, at least
 /// `shortest`.
 ///
-/// As in Karn's algorithm only blocks that were asked for once tell the round trip; of others nobody knows
-/// which question was answered.  While the interval is too short for any such block, the answers that come
-/// more than once double it, but not far: in a network that loses much they are no good witness, and one
+/// As in Karn's algorithm only blocks that were asked for once measure the round trip; for others it is not
+/// known which question was answered.  While the interval is too short for any such block, the answers that
+/// come more than once double it, but not far: in a network that loses much they are no good witness, and one
 /// block that is missing must not cost half a second a question.
 class AskInterval {
  public:

@@ -8,7 +8,7 @@ namespace {
 
 // Moved at a time, as a share of the ring: few syncs, and none of them holds the link up for long.
 constexpr std::int64_t kShareMoved = 16;
-// In a row, at the end: whoever stops the node waits, and each may take as long as a disk does.
+// In a row, at the end: the person who stops the node waits, and each may take as long as a disk does.
 constexpr int kMostTriesToSave = 5;
 
 }  // namespace
@@ -55,7 +55,7 @@ void Backlog::not_read(std::int64_t sequence) {
   }
 }
 
-// For a disk that is gone.  What is in the ring behind it comes to nobody until all of it is given up.
+// For a disk that is gone.  Blocks in the ring behind it reach no recorder until all of it is given up.
 bool Backlog::may_wait() const {
   if (ring_.used() * 4 > ring_.capacity() * 3) return false;
   const bool is_over = ring_.used() > 0 && ring_.get(ring_.next() - 1).kind == BlockKind::kEnd;

@@ -2,9 +2,9 @@
 
 #include <cstdint>
 
-#include "common/clock/clocks.hpp"
 #include "common/link/ring.hpp"
 #include "common/link/spool.hpp"
+#include "common/types/clocks.hpp"
 
 namespace roadbalance {
 
@@ -12,8 +12,8 @@ namespace roadbalance {
 /// spool if there is one, the newest in the ring.  Used by the ring's consumer thread only; adds no memory
 /// but one block.
 ///
-/// When more than half of the ring is used its oldest blocks move to the spool; what the spool does not take
-/// stays in the ring.
+/// When more than half of the ring is used its oldest blocks move to the spool; blocks that the spool does
+/// not take stay in the ring.
 class Backlog {
  public:
   explicit Backlog(Ring& ring, Spool* spool = nullptr);
@@ -39,7 +39,7 @@ class Backlog {
   /// The program ends: moves all that the spool takes, though its disk refuses some calls.
   void save(WallTime now);
 
-  static constexpr int kMostTries = 50;  ///< a second or more: nobody asks again within 20 ms
+  static constexpr int kMostTries = 50;  ///< a second or more: no recorder asks again within 20 ms
   static constexpr int kMostTriesAtEnd = 5 * kMostTries;  ///< half of the time that a stop waits
 
  private:

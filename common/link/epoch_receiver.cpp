@@ -9,12 +9,12 @@
 namespace roadbalance {
 namespace {
 
-// A loss waits for a block that says which scan comes next, but not for more blocks than these.
+// A loss waits for a block that shows which scan comes next, but not for more blocks than these.
 constexpr std::int64_t kMostBlocksHeld = 64;
 
-// Nor for longer: what is held behind it, and is not durable, keeps its node from giving up the block that
-// would tell.  Who has waited in vain waits for the next heartbeat only, for a while: of a disk that is gone
-// nothing comes, and there may be thousands.
+// Nor for longer: blocks that are held behind it, and are not durable, keep their node from giving up the
+// block that would show it.  After a wait in vain it waits for the next heartbeat only, for a while: from a
+// disk that is gone nothing comes, and there may be thousands.
 constexpr std::chrono::milliseconds kLongestWait{2000}, kNextWait{50};
 constexpr std::chrono::seconds kNextWaits{10};
 
@@ -81,8 +81,8 @@ void EpochReceiver::extend(std::int64_t sequence, WallTime now) {
   while (highest_ < sequence) slot(++highest_) = {.noticed = now, .asked_at = {}};
 }
 
-// What came before, in or out of order.  Its slot still knows how often it was asked for if no other block
-// has taken it.
+// Blocks that came before, in or out of order.  Its slot still holds how often it was asked for if no other
+// block has taken it.
 EpochReceiver::Take EpochReceiver::repeated(const SealedBlock& block, std::vector<Delivery>& out) {
   const std::int64_t sequence = block.header.sequence;
   if (highest_ < sequence + options_.window && slot(sequence).asks > 1) ask_interval_.answered_twice();
@@ -125,7 +125,7 @@ void EpochReceiver::heartbeat(const Heartbeat& heartbeat, WallTime now, std::vec
                                 : heartbeat.base - 1;
   if (heartbeat.base > contiguous_ + 1) lose_through(gone, out);
   if (heartbeat.is_over() && loss_through_ > 0 && loss_through_ == heartbeat.next - 1) {
-    // The end went to somebody else; how many scans there were is told all the same.
+    // The end went to another recorder; the number of scans is reported all the same.
     declare_loss(out, heartbeat.scans_sampled);
     ended_ = true;
   }
@@ -137,7 +137,7 @@ void EpochReceiver::heartbeat(const Heartbeat& heartbeat, WallTime now, std::vec
 
 void EpochReceiver::deliver(const SealedBlock& block, std::vector<Delivery>& out) {
   scan_line_.take(block.kind, block.header);
-  if (ScanLine::is_told_by(block.kind)) next_scan_ = block.header.first_scan + block.header.scans;
+  if (ScanLine::carries_scan(block.kind)) next_scan_ = block.header.first_scan + block.header.scans;
   ended_ = ended_ || block.kind == BlockKind::kEnd;
   out.emplace_back(std::in_place_type<SealedBlock>, block);
   ++contiguous_;
@@ -149,18 +149,18 @@ void EpochReceiver::deliver_contiguous(std::vector<Delivery>& out) {
   while (contiguous_ < highest_ && slot(contiguous_ + 1).arrived) deliver(stored(contiguous_ + 1), out);
 }
 
-// The blocks through loss_through_ are gone.  How many scans they held is told by the next block that has a
-// scan index; until it is there nothing is delivered, unless the caller knows which scan is the next.
+// The blocks through loss_through_ are gone.  The next block that has a scan index shows how many scans they
+// held; until it is there nothing is delivered, unless the caller gives the number of the next scan.
 bool EpochReceiver::declare_loss(std::vector<Delivery>& out, std::optional<std::int64_t> next_scan) {
   const std::int64_t behind = loss_through_ + 1;
   std::int64_t at = behind;
-  while (at <= highest_ && slot(at).arrived && !ScanLine::is_told_by(stored(at).kind)) ++at;
-  const bool told = at <= highest_ && slot(at).arrived;
-  if (!told && !next_scan && at - behind < kMostBlocksHeld) return false;
+  while (at <= highest_ && slot(at).arrived && !ScanLine::carries_scan(stored(at).kind)) ++at;
+  const bool is_placed = at <= highest_ && slot(at).arrived;
+  if (!is_placed && !next_scan && at - behind < kMostBlocksHeld) return false;
 
   GapBlock gap;
   gap.cause = GapCause::kLostAtNode;
-  const BlockHeader* const after = told ? &stored(at).header : nullptr;
+  const BlockHeader* const after = is_placed ? &stored(at).header : nullptr;
   gap.header = next_header(loss_through_, after);
   if (after) {
     gap.header.scans = std::max<std::int64_t>(0, after->first_scan - next_scan_);
@@ -177,7 +177,7 @@ bool EpochReceiver::declare_loss(std::vector<Delivery>& out, std::optional<std::
   return true;
 }
 
-// The gap has no scans then; the next one, or a jump of the scans, tells how many are missing in both.
+// The gap has no scans then; the next one, or a jump of the scans, shows how many are missing in both.
 void EpochReceiver::wait_no_longer(WallTime now, std::vector<Delivery>& out) {
   if (loss_through_ == 0) return;
   if (!waits_since_) waits_since_ = now;
@@ -189,7 +189,7 @@ void EpochReceiver::wait_no_longer(WallTime now, std::vector<Delivery>& out) {
   deliver_contiguous(out);
 }
 
-// Of a declared gap, with the next block that tells its scan, if there is one.
+// For a declared gap, with the next block that shows its scan, if there is one.
 BlockHeader EpochReceiver::next_header(std::int64_t sequence, const BlockHeader* after) const {
   return {.node = node_,
           .epoch = epoch_,
@@ -217,7 +217,7 @@ void EpochReceiver::crash(std::vector<Delivery>& out) {
   if (ended_) return;
   given_up_ = true;
   received_at_crash_ = contiguous_;
-  // Behind a hole an end would say that all is well: the crash takes its number.  One with blocks behind it
+  // Behind a hole an end would mean that all is well: the crash takes its number.  One with blocks behind it
   // is no end that this node sealed.
   bool has_end = false;
   for (std::int64_t k = contiguous_ + 1; has_holes() && k <= newest_arrived_; ++k) {
@@ -247,13 +247,13 @@ bool EpochReceiver::is_asked_now(Slot& s, std::int64_t sequence, WallTime now) {
     if (now - s.noticed < options_.hole_age && newest_arrived_ < sequence + options_.newer_blocks)
       return false;
   } else if (now - s.asked_at < ask_interval_.get()) {
-    return !std::exchange(s.said_twice, s.said_twice || now - s.asked_at >= options_.say_again) &&
-           s.said_twice;
+    return !std::exchange(s.reported_twice, s.reported_twice || now - s.asked_at >= options_.repeat_after) &&
+           s.reported_twice;
   }
-  // Of a block that may not have been sent yet the first answer does not tell the round trip.
+  // For a block that may not have been sent yet the first answer does not measure the round trip.
   s.asks += was_sent ? 1 : 2;
   s.asked_at = now;
-  s.said_twice = false;
+  s.reported_twice = false;
   return true;
 }
 

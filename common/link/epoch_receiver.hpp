@@ -6,25 +6,25 @@
 #include <variant>
 #include <vector>
 
-#include "common/bus/control.hpp"
-#include "common/clock/clocks.hpp"
 #include "common/link/ask_interval.hpp"
-#include "common/link/blocks.hpp"
 #include "common/link/scan_line.hpp"
+#include "common/types/blocks.hpp"
+#include "common/types/clocks.hpp"
+#include "common/types/control.hpp"
 
 namespace roadbalance {
 
-/// What the record gets next, in order of sequence: a block as the node sealed it, or a gap that the host
+/// The next entry of the record, in order of sequence: a block as the node sealed it, or a gap that the host
 /// declares.  A declared gap's sequence is the last one it covers; it begins behind the block before it.
 using Delivery = std::variant<SealedBlock, GapBlock>;
 
 struct ReceiverOptions {
   std::int64_t window = 2048;     ///< blocks that may arrive out of order, and that credit reaches ahead
   std::int64_t undurable = 4096;  ///< blocks received but not on the disk, before credit stops
-  std::chrono::milliseconds hole_age{5};    ///< a hole this old is asked for ...
-  std::int64_t newer_blocks = 3;            ///< ... or one with so many newer blocks
-  std::chrono::milliseconds ask_again{20};  ///< at least; twice the round trip if that is longer
-  std::chrono::milliseconds say_again{3};   ///< every question is asked in two acks, so far apart at least
+  std::chrono::milliseconds hole_age{5};      ///< a hole this old is asked for ...
+  std::int64_t newer_blocks = 3;              ///< ... or one with so many newer blocks
+  std::chrono::milliseconds ask_again{20};    ///< at least; twice the round trip if that is longer
+  std::chrono::milliseconds repeat_after{3};  ///< every question is asked in two acks, so far apart at least
 };
 
 /// Where the record of a node epoch stands.
@@ -38,9 +38,9 @@ struct EpochPosition {
 /// Receives the blocks of one epoch of one node: orders them, finds the holes, declares what is lost.
 ///
 /// Memory: 40 bytes a place of the window, and 1.5 kB each once a block has come out of order (3 MB with the
-/// options' window); nothing grows with the length of the drive.  No more is let in than `undurable` says,
-/// whatever a sender makes of its credit.
-/// Invariants, asserted: durable <= received <= highest known <= received + window; all of them only rise.
+/// options' window); nothing grows with the length of the drive.  No more is let in than `undurable` allows,
+/// whatever a sender makes of its credit. Invariants, asserted: durable <= received <= highest known <=
+/// received + window; all of them only rise.
 class EpochReceiver {
  public:
   enum class Take { kAccepted, kDuplicate, kOutsideWindow };
@@ -51,7 +51,7 @@ class EpochReceiver {
   /// The node holds base .. next - 1: reveals a lost tail, and what is gone for good.
   void heartbeat(const Heartbeat& heartbeat, WallTime now, std::vector<Delivery>& out);
   /// The node died without an end: delivers what has arrived and declares the rest.  Nothing is taken any
-  /// more, and acks say no more than what had been received without a hole: the node may only have slept.
+  /// more, and acks report no more than had been received without a hole: the node may only have slept.
   void crash(std::vector<Delivery>& out);
   void durable(std::int64_t sequence);
 
@@ -79,7 +79,7 @@ class EpochReceiver {
     WallTime noticed{};   // when we learnt that it exists
     WallTime asked_at{};  // last
     std::int32_t asks = 0;
-    bool said_twice = false;
+    bool reported_twice = false;
     bool arrived = false;
   };
   Slot& slot(std::int64_t sequence);
@@ -113,7 +113,7 @@ class EpochReceiver {
   bool ended_;
   bool given_up_;
   std::int64_t received_at_crash_;
-  std::int64_t loss_through_ = 0;        // a loss up to here waits for a block that tells its scans ...
+  std::int64_t loss_through_ = 0;        // a loss up to here waits for a block that shows its scans ...
   std::optional<WallTime> waits_since_;  // ... since the first heartbeat of it
   std::optional<WallTime> waited_at_;    // in vain, for the last time
   std::int64_t lost_through_ = 0;        // the last one of all that are lost

@@ -8,14 +8,14 @@ enum class PlantedFault {
   kNone,
   kFreeOnReceive,     ///< the node frees what arrived, durable or not
   kEpochReused,       ///< a node takes the epoch of its run before
-  kNoHeartbeat,       ///< nothing tells the recorder of a lost tail
+  kNoHeartbeat,       ///< nothing reports a lost tail to the recorder
   kNoDeduplication,   ///< a block that came twice is recorded twice
   kOverwriteOldest,   ///< a full ring drops its oldest blocks
   kAckBeforeSync,     ///< called durable when written
   kSilentRingFull,    ///< scans that found no room leave no gap
-  kGapOffByOne,       ///< a gap says one scan less than it covers
+  kGapOffByOne,       ///< a gap covers one scan more than it declares
   kNoCrashGap,        ///< the end of a crashed node is not declared
-  kStaleRecorder,     ///< a node obeys a recorder of the past
+  kStaleRecorder,     ///< a node follows a recorder of the past
   kNoFolderSync,      ///< the name of a new segment is not on the disk when its blocks are called durable
   kTornTailKept,      ///< a torn tail is written on
   kRetryFailedSync,   ///< a sync that failed is tried again on the same file and believed

@@ -14,7 +14,7 @@ constexpr std::chrono::milliseconds kEpochSilence{1000};
 constexpr std::chrono::milliseconds kLongSilence{10'000};
 // Nothing from the bus makes memory grow without limit: of more epochs of a node the oldest are forgotten.
 constexpr std::size_t kMostPastEpochs = 1024;
-// Of an epoch that is over, one every kAckPeriod: nobody says whether an ack was heard.
+// For an epoch that is over, one every kAckPeriod: nothing shows whether an ack arrived.
 constexpr int kLastAcks = 5;
 
 }  // namespace
@@ -104,13 +104,15 @@ bool Receiver::may_open(Node& node, const Heartbeat& heartbeat, WallTime now, st
     if (holds_blocks) ++rival_heartbeats_;
     return false;
   }
-  // Of an epoch that is over we want the blocks it still has, or it the word that we have them.
+  // From an epoch that is over the receiver wants the blocks it still has, or its node the word that they are
+  // here.
   if (heartbeat.is_over() && !holds_blocks && (!past || past->position.ended)) return false;
   return make_room(node, now, out);
 }
 
-// For one more epoch: those that are over and on the disk go first, then the one that is silent longest.
-// What is over but not on the disk stays: of a past epoch, heard again, all counts as durable.
+// For one more epoch: those that are over and on the disk go first, then the one that is silent longest. An
+// epoch that is over but not on the disk stays: when a past epoch is received again, all of it counts as
+// durable.
 bool Receiver::make_room(Node& node, WallTime now, std::vector<Delivery>& out) {
   if (node.live.size() < kMostLive && live_in_all() < kMostLiveInAll) return true;
   enum class Turn { kFirst, kOnceSilent, kNever };
@@ -152,7 +154,7 @@ void Receiver::retire(Node& node, std::size_t which) {
   if (over != node.past.end()) node.past.erase(over);
 }
 
-// Two nodes with one number are heard in turns; a node that was started again is not heard of before.
+// Two nodes with one number are received in turns; a node that was started again is not received before.
 void Receiver::note_rivals(const Node& node, const Live& live) {
   if (live.heard_at == WallTime{}) return;
   const bool rival = std::any_of(node.live.begin(), node.live.end(), [&](const Live& other) {
@@ -168,7 +170,7 @@ void Receiver::close_past(Node& node, std::int32_t number, Past& past, std::vect
   std::rotate(node.live.begin(), node.live.end() - 1, node.live.end());
 }
 
-// `epoch` has just been heard.
+// `epoch` has just been received.
 void Receiver::close_silent(Node& node, std::int32_t number, std::int64_t epoch, WallTime now,
                             std::vector<Delivery>& out) {
   for (Live& live : node.live) {

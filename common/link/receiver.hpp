@@ -16,8 +16,8 @@ namespace roadbalance {
 ///
 /// A node's heartbeat opens its epoch.  Several epochs of one node may live at a time (it was started again,
 /// or two nodes have one number): each is recorded apart.  An epoch without an end is closed as a crash when
-/// it has been silent for ten seconds and a newer one of the node lives, or by finish().  What a closed epoch
-/// left is acknowledged a few times, as far as it had come without a hole.  Blocks of other epochs and
+/// it has been silent for ten seconds and a newer one of the node lives, or by finish().  Blocks of a closed
+/// epoch are acknowledged a few times, as far as it had come without a hole.  Blocks of other epochs and
 /// previews (sequence 0) never enter.
 ///
 /// Memory: at most kMostNodes nodes, kMostLive epochs of each and kMostLiveInAll in all, each an
@@ -41,21 +41,23 @@ class Receiver {
   void durable(std::int32_t node, std::int64_t epoch, std::int64_t sequence);
   /// False: no credit beyond what was given, because the disk fails or is full.  Open at first.
   void set_credit_open(bool open);
-  /// The recorder ends: closes as crashed what has no end and has been silent for ten seconds, or for one if
-  /// a newer epoch of the node was heard.  What only sleeps stays open for the next recorder.
-  /// @param leaves_open  so does what has been silent for long, unless a newer epoch of the node was heard
+  /// The recorder ends: closes as crashed each epoch that has no end and has been silent for ten seconds, or
+  /// for one if a newer epoch of the node was received.  An epoch that only sleeps stays open for the next
+  /// recorder.
+  /// @param leaves_open  an epoch that has been silent for long stays open, too, unless a newer one of the
+  ///                     node was received
   void finish(WallTime now, bool leaves_open, std::vector<Delivery>& out);
   void finish(WallTime now, std::vector<Delivery>& out) { finish(now, false, out); }
   /// Nothing more comes of this epoch: it is closed as crashed if it is known and has no end.
   void give_up(std::int32_t node, std::int64_t epoch, std::vector<Delivery>& out);
 
-  /// The caller was held (a debugger, a swap, SIGSTOP) for so long and heard nobody: that silence is not the
-  /// nodes'.
+  /// The caller was held (a debugger, a swap, SIGSTOP) for so long and received nothing: that silence is not
+  /// the nodes'.
   void was_held(std::chrono::nanoseconds duration);
 
   /// Acknowledgements to send now: five times a second, at once when more is durable and before the credit
-  /// runs out, 25 times a second while a living node has not heard what is durable or nothing more comes of
-  /// what it has, and up to 200 times while there are blocks to ask for.
+  /// runs out, 25 times a second while a living node has not got the latest durable position or nothing more
+  /// comes of what it has, and up to 200 times while there are blocks to ask for.
   std::vector<Ack> due(WallTime now);
 
   /// The epoch if it is being received or was closed a moment ago, else nullptr.
@@ -63,11 +65,11 @@ class Receiver {
   std::int64_t incarnation() const { return incarnation_; }
   /// For a restart of the same recorder with a higher number: ack numbers begin again.
   void set_incarnation(std::int64_t incarnation) { incarnation_ = incarnation; }
-  /// That have been heard.
+  /// Nodes that have been received.
   std::size_t nodes() const { return nodes_.size(); }
   const RefusedCounts& refused() const { return refused_; }
-  /// Heartbeats of an epoch between which another one of the node was heard, and of epochs that were closed
-  /// and still hold blocks: two nodes have one number, or a node that slept is awake again.
+  /// Heartbeats of an epoch between which another one of the node was received, and of epochs that were
+  /// closed and still hold blocks: two nodes have one number, or a node that slept is awake again.
   std::int64_t rival_heartbeats() const { return rival_heartbeats_; }
 
  private:
@@ -77,14 +79,14 @@ class Receiver {
     WallTime acked_at{};
     std::int64_t acked_durable = -1;
     std::int64_t acked_received = 0;
-    std::int64_t base = 1;  // the oldest block it holds, as its heartbeats say, ...
+    std::int64_t base = 1;  // the oldest block it holds, by its heartbeats, ...
     std::int64_t next = 1;  // ... and the next it will seal
     int last_acks;          // left, once it is closed
   };
   struct Past {
     std::int64_t epoch;
     EpochPosition position;
-    std::optional<WallTime> superseded_at{};  // open still: when another epoch of the node was first heard
+    std::optional<WallTime> superseded_at{};  // open still: when another epoch of the node was first received
   };
   struct Node {
     std::vector<Live> live;  // in order of opening

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/link/block.hpp"
+#include "common/types/block.hpp"
 
 namespace roadbalance {
 

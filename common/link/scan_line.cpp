@@ -15,12 +15,12 @@ std::optional<double> ns_per_scan(const BlockHeader& from, const BlockHeader& to
 
 }  // namespace
 
-bool ScanLine::is_told_by(BlockKind kind) {
+bool ScanLine::carries_scan(BlockKind kind) {
   return kind == BlockKind::kScan || kind == BlockKind::kGap || kind == BlockKind::kEnd;
 }
 
 void ScanLine::take(BlockKind kind, const BlockHeader& header) {
-  if (!is_told_by(kind)) return;
+  if (!carries_scan(kind)) return;
   if (last_) ns_per_scan_ = ns_per_scan(*last_, header).value_or(ns_per_scan_);
   last_ = header;
 }

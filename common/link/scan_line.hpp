@@ -3,23 +3,22 @@
 #include <cstdint>
 #include <optional>
 
-#include "common/link/block.hpp"
+#include "common/types/block.hpp"
 
 namespace roadbalance {
 
-/// Time against scan index of one epoch, as its blocks tell it: the instants of gaps that are declared
-/// between them.  Blocks may say of both what their bounds allow; an instant worked out stays within
-/// kClockLimit_ns.
+/// Time against scan index of one epoch, from its blocks: the instants of gaps that are declared between
+/// them.  Blocks may carry any values within their bounds; an instant worked out stays within kClockLimit_ns.
 class ScanLine {
  public:
-  /// Only blocks of these kinds say which scan they begin at.
-  static bool is_told_by(BlockKind kind);
+  /// Only blocks of these kinds carry the scan they begin at.
+  static bool carries_scan(BlockKind kind);
 
   /// The block that follows, of any kind.
   void take(BlockKind kind, const BlockHeader& header);
-  /// The instant of a scan behind the last block that told of scans: on the line from it to `behind`, the
-  /// next one that does; without, or if it lies before, on that through the last two.  Of an epoch none was
-  /// taken of that of `behind`, or nothing.
+  /// The instant of a scan behind the last block that had scans: on the line from it to `behind`, the next
+  /// one that has; without, or if it lies before, on that through the last two.  In an epoch of which none
+  /// was taken, the instant of `behind`, or nothing.
   std::optional<std::int64_t> time_ns(std::int64_t scan, const BlockHeader* behind) const;
 
  private:

@@ -67,7 +67,8 @@ bool Sender::take(const Ack& ack, WallTime now) {
   backlog_.free_through(planted(PlantedFault::kFreeOnReceive) ? ack.received : ack.durable);
   if (std::exchange(new_owner_, false)) sent_through_ = std::min(sent_through_, ack.received);
   check();
-  // An ack without ranges asks for nothing new; what the one before asked for may still wait for tokens.
+  // An ack without ranges asks for nothing new; blocks that the one before asked for may still wait for
+  // tokens.
   if (ack.missing.empty()) return true;
   std::copy(ack.missing.begin(), ack.missing.end(), missing_.begin());
   missing_count_ = ack.missing.size();
@@ -97,7 +98,7 @@ void Sender::send(std::int64_t sequence, WallTime now) {
   ++blocks_sent_;
 }
 
-// What was never sent is not repaired: it goes out as new, and would go twice.
+// A block that was never sent is not repaired: it goes out as new, and would go twice.
 void Sender::repair(WallTime now) {
   for (; missing_at_ < missing_count_; ++missing_at_) {
     SequenceRange& range = missing_[missing_at_];
@@ -120,10 +121,10 @@ std::span<const std::int64_t> Sender::due(WallTime now) {
   if (owner_ == 0) return due_;
 
   repair(now);
-  // Blocks freed before they were sent came to the recorder through somebody else's hands.
+  // Blocks freed before they were sent came to the recorder through another recorder.
   sent_through_ = std::max(sent_through_, backlog_.base() - 1);
   const std::int64_t last = std::min(backlog_.next() - 1, credit_);
-  // What an owner got that has just been taken over from, the new one gets in a moment.
+  // A new owner soon gets the blocks that the owner before got.
   while (sent_through_ < last && !was_sent_lately(sent_through_ + 1, now) && spend_token())
     send(++sent_through_, now);
   check();

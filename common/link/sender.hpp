@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "common/bus/control.hpp"
-#include "common/clock/clocks.hpp"
 #include "common/link/backlog.hpp"
+#include "common/types/clocks.hpp"
+#include "common/types/control.hpp"
 
 namespace roadbalance {
 
@@ -25,7 +25,7 @@ class Sender {
  public:
   struct Options {
     std::chrono::milliseconds repeat_after{10};
-    std::chrono::milliseconds lease{700};  ///< an owner not heard for so long may be replaced
+    std::chrono::milliseconds lease{700};  ///< an owner that was silent for so long may be replaced
     double blocks_per_s = 20'000;          ///< token bucket over all transmissions ...
     double burst_blocks = 64;              ///< ... and its size: what a small receive buffer holds
   };
@@ -38,7 +38,7 @@ class Sender {
   bool claim(std::int64_t incarnation, WallTime now);
   /// The owner gives the node back.  False if it is not the owner.
   bool release(std::int64_t incarnation);
-  /// There is an owner, and it has been heard within its lease: nobody else leads the node.
+  /// There is an owner, and it was active within its lease: no other recorder leads the node.
   bool is_led(WallTime now) const { return owner_ != 0 && now - owner_heard_ <= options_.lease; }
   /// Incarnation obeyed; 0: none.
   std::int64_t owner() const { return owner_; }

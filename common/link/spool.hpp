@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "common/clock/clocks.hpp"
 #include "common/link/ring.hpp"
+#include "common/types/clocks.hpp"
 
 namespace roadbalance {
 
@@ -24,20 +24,21 @@ class Spool {
   /// Calls that the disk refused.
   virtual std::int64_t failures() const = 0;
 
-  /// A part of what describes the epoch (kMeta); said once, before the first keep().
+  /// A part of the epoch's description (kMeta); given once, before the first keep().
   virtual void describe(const SealedBlock& meta) = 0;
-  /// Adds the ring's blocks `first` .. `last`, as many as it can; what it holds on return outlives the
+  /// Adds the ring's blocks `first` .. `last`, as many as it can; blocks it holds on return outlive the
   /// process. `first` is next() unless the spool is empty.
   virtual void keep(const Ring& ring, std::int64_t first, std::int64_t last, WallTime now) = 0;
   /// The program ends: from now on no keep() waits for a disk that has just refused one.
   virtual void never_wait() = 0;
   /// base() <= sequence < next().  False if the disk does not give the block back as it was sealed.
   virtual bool read(std::int64_t sequence, SealedBlock& out) = 0;
-  /// The disk takes and keeps something at this moment: what it does not give back is bad, not it.
+  /// The disk takes and keeps something at this moment: blocks that it does not give back are bad, not the
+  /// disk.
   virtual bool answers() = 0;
   /// Everything through `sequence` < next() is given back; lower than base() does nothing.
   virtual void free_through(std::int64_t sequence) = 0;
-  /// The same of blocks that the disk does not give back: what they are in stays on it.
+  /// The same for blocks that the disk does not give back: the file they are in stays on it.
   virtual void give_up_through(std::int64_t sequence) = 0;
 };
 

@@ -21,7 +21,7 @@ const char* __lsan_default_options() {
 namespace roadbalance {
 namespace {
 
-/// The exact number that its shortest decimal writes: what should cancel does.
+/// The exact number that its shortest decimal writes, so that equal terms cancel.
 GiNaC::ex from_double(double number) {
   char text[32];
   const auto end = std::to_chars(text, text + sizeof text, number, std::chars_format::scientific).ptr;

@@ -10,8 +10,8 @@ namespace roadbalance {
 /// A symbolic expression in numbers and named symbols: + - * /, sin, cos, square root.
 ///
 /// A value that does not change; copies are cheap.  Behind it is GiNaC, which is not made for threads: all
-/// expressions of a process belong to one thread.  What cannot be computed (a division by zero) throws
-/// std::exception.
+/// expressions of a process belong to one thread.  A result that cannot be computed (a division by zero)
+/// throws std::exception.
 class Expression {
  public:
   /// As exact as its shortest decimal: 0.1 is a tenth.

@@ -223,7 +223,7 @@ Description Description::parse(const std::string& text, const std::string& name_
 }
 
 Description Description::read_file(const std::string& path) {
-  return parse(read_text_file(path), path);
+  return parse(read_text_file(path, Section::kMostBytes), path);
 }
 
 std::vector<std::string> Description::rotors() const {

@@ -8,7 +8,7 @@
 
 namespace roadbalance {
 
-/// A name set upright, as LaTeX writes it where a description says nothing else.
+/// A name set upright, as LaTeX writes it where a description gives no other.
 std::string latex_name(const std::string& name);
 
 /// A quantity that formulas name, in SI units.
@@ -18,7 +18,7 @@ struct NamedValue {
   std::string latex;
 };
 
-/// A frame that moves as the coordinates say; with its centre of mass in the origin a rigid body.
+/// A frame that moves with the coordinates; with its centre of mass in the origin a rigid body.
 struct BodyDescription {
   std::string name;
   int on = kGround;                 ///< place in Description::body; its axes are those of `position`
@@ -37,8 +37,8 @@ struct PointDescription {
   std::array<Formula, 3> position;  ///< in its axes, m
 };
 
-/// What a spring or damper is stretched by: the distance of two points, or what the first is ahead of the
-/// second along a fixed direction, or a formula of the coordinates.
+/// The stretch of a spring or damper: the distance of two points, or what the first is ahead of the second
+/// along a fixed direction, or a formula of the coordinates.
 struct StretchDescription {
   std::array<int, 2> point{-1, -1};  ///< places in Description::point; -1: by the formula
   bool along = false;                ///< along `direction`, not along the line between the points

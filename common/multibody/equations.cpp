@@ -1,15 +1,112 @@
 #include "common/multibody/equations.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <Eigen/QR>
+#include <cmath>
 #include <exception>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "common/config/section.hpp"
-#include "common/multibody/equilibrium.hpp"
+#include "common/multibody/expression_matrix.hpp"
 #include "common/multibody/kinematics.hpp"
-#include "common/multibody/linearisation.hpp"
 
 namespace roadbalance {
 namespace {
+
+/// Tensions f0 of springs and tyres that balance the weights: slope f0 + weight = 0, of all that do those of
+/// the least sum of squares.
+struct Equilibrium {
+  Eigen::MatrixXd tension_of_weight;        ///< f0 = tension_of_weight weight, [elements x f]
+  std::optional<Eigen::Index> not_carried;  ///< a coordinate along which nothing balances the weight
+};
+
+/// @param slope   ds/dq at rest of what each element is stretched by, [f x elements]; 0 of what carries
+/// nothing
+/// @param weight  sum m g dz/dq at rest, N
+Equilibrium equilibrium(const Eigen::MatrixXd& slope, const Eigen::VectorXd& weight) {
+  Equilibrium result;
+  result.tension_of_weight.setZero(slope.cols(), slope.rows());
+  if (slope.cols() > 0)
+    result.tension_of_weight =
+        -Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>(slope).pseudoInverse();
+  // Without what rounding leaves of 0 and of whole numbers.
+  for (double& share : result.tension_of_weight.reshaped()) share = 1e-12 * std::round(1e12 * share);
+  const Eigen::VectorXd left = weight + slope * (result.tension_of_weight * weight);
+  Eigen::Index worst = 0;
+  if (left.cwiseAbs().maxCoeff(&worst) > 1e-9 * weight.cwiseAbs().maxCoeff()) result.not_carried = worst;
+  return result;
+}
+
+/// Derivatives of the stretch s(q) that springs and dampers act on.
+struct StretchDerivatives {
+  ExpressionRow slope;         ///< ds/dq at rest
+  ExpressionMatrix curvature;  ///< d^2 s / dq^2 at rest
+};
+
+/// Derivatives at rest, q = 0.
+class Linearisation {
+ public:
+  explicit Linearisation(const std::vector<Expression>& coordinates);
+
+  Expression at_rest(const Expression& x) const { return x.with(rest_).simplified(); }
+  /// dx/dq_i, one entry for each coordinate, in x's unit per that of the coordinate (m or rad).
+  ExpressionRow slope(const Expression& x) const;
+  /// d^2 x / dq_i dq_j, symmetric, [coordinate x coordinate].
+  ExpressionMatrix curvature(const Expression& x) const;
+
+  StretchDerivatives stretch(const Expression& s) const { return {slope(s), curvature(s)}; }
+  /// Derivatives of the length of `apart`, which is `length` at rest:
+  /// s_i = r r_i / l,  s_ij = (r_i r_j + r r_ij - s_i s_j) / l
+  StretchDerivatives of_length(const ExpressionVector& apart, const Expression& length) const;
+
+ private:
+  std::vector<Expression> coordinates_;
+  std::vector<std::pair<Expression, Expression>> rest_;
+};
+
+Linearisation::Linearisation(const std::vector<Expression>& coordinates) : coordinates_(coordinates) {
+  for (const Expression& q : coordinates_) rest_.emplace_back(q, Expression(0.0));
+}
+
+ExpressionRow Linearisation::slope(const Expression& x) const {
+  ExpressionRow row(coordinates_.size());
+  for (std::size_t i = 0; i < row.size(); ++i)
+    if (x.contains(coordinates_[i])) row[i] = at_rest(x.derivative(coordinates_[i]));
+  return row;
+}
+
+ExpressionMatrix Linearisation::curvature(const Expression& x) const {
+  const std::size_t f = coordinates_.size();
+  ExpressionMatrix matrix(f, f);
+  for (std::size_t i = 0; i < f; ++i) {
+    if (!x.contains(coordinates_[i])) continue;
+    const Expression first = x.derivative(coordinates_[i]);
+    for (std::size_t j = i; j < f; ++j)
+      if (first.contains(coordinates_[j]))
+        matrix(i, j) = matrix(j, i) = at_rest(first.derivative(coordinates_[j]));
+  }
+  return matrix;
+}
+
+StretchDerivatives Linearisation::of_length(const ExpressionVector& apart, const Expression& length) const {
+  const std::size_t f = coordinates_.size();
+  StretchDerivatives result{ExpressionRow(f), ExpressionMatrix(f, f)};
+  for (const Expression& part : apart) {
+    const Expression r = at_rest(part);
+    const ExpressionRow first = slope(part);
+    for (std::size_t i = 0; i < f; ++i) result.slope[i] += r * first[i] / length;
+    result.curvature.add_product(1.0 / length, first, first);
+    result.curvature.add(r / length, curvature(part));
+  }
+  for (Expression& x : result.slope) x = x.simplified();
+  result.curvature.add_product(-1.0 / length, result.slope, result.slope);
+  for (std::size_t i = 0; i < f; ++i)
+    for (std::size_t j = 0; j < f; ++j) result.curvature(i, j) = result.curvature(i, j).simplified();
+  return result;
+}
 
 /// Something that force goes through: k s + d s', s = stretch(q) - (height of a road).
 struct Element {
@@ -181,17 +278,17 @@ class Derivation {
     });
     const Eigen::VectorXd weight = Eigen::VectorXd::NullaryExpr(
         f, [this](Eigen::Index i) { return number(weight_[static_cast<std::size_t>(i)]); });
-    const Equilibrium rest = equilibrium(slope, weight);
-    if (rest.not_carried)
+    const Equilibrium balance = equilibrium(slope, weight);
+    if (balance.not_carried)
       fail(
           "it is not in equilibrium where all coordinates are 0: no spring or tyre carries the weight "
           "along " +
-          d_.coordinate[static_cast<std::size_t>(*rest.not_carried)].name);
+          d_.coordinate[static_cast<std::size_t>(*balance.not_carried)].name);
     std::vector<Expression> tensions(all.size());
     for (Eigen::Index k = 0; k < n; ++k) {
       Expression& tension = tensions[static_cast<std::size_t>(k)];
       for (Eigen::Index i = 0; i < f; ++i)
-        if (const double share = rest.tension_of_weight(k, i); share != 0.0)
+        if (const double share = balance.tension_of_weight(k, i); share != 0.0)
           tension += share * weight_[static_cast<std::size_t>(i)];
       tension = tension.simplified();
     }

@@ -41,8 +41,8 @@ struct Equations {
   ExpressionMatrix T;        ///< [f x 2n] divided by Om^2 of its rotor; linear in the unbalances
   /// Vertical and forward force in the plane of each unbalance to generalised force, [f x planes].
   ExpressionMatrix up, forward;
-  /// What the sensors read: `acceleration` q'' + `tilt` q, [sensors x f]; the second is gravity in the
-  /// direction of a sensor that turns.
+  /// The sensors read `acceleration` q'' + `tilt` q, [sensors x f]; the second is gravity in the direction of
+  /// a sensor that turns.
   ExpressionMatrix acceleration, tilt;
 
   /// Quantities at rest that occur in the matrices and have a name of their own: lengths l of springs and

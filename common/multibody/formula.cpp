@@ -40,11 +40,11 @@ bool is_digit(char c) {
 /// sin (sum) | cos (sum) | (sum)
 class Parser {
  public:
-  explicit Parser(std::string_view text) : rest_(text) {}
+  explicit Parser(std::string_view text) : unread_(text) {}
 
   std::vector<Formula::Step> all() {
     sum(0);
-    if (!rest_.empty()) fail("there is something behind its end: " + std::string(rest_.substr(0, 20)));
+    if (!unread_.empty()) fail("there is something behind its end: " + std::string(unread_.substr(0, 20)));
     return std::move(steps_);
   }
 
@@ -56,13 +56,13 @@ class Parser {
   }
   bool takes(char c) {
     skip_blanks();
-    if (rest_.empty() || rest_[0] != c) return false;
-    rest_.remove_prefix(1);
+    if (unread_.empty() || unread_[0] != c) return false;
+    unread_.remove_prefix(1);
     skip_blanks();
     return true;
   }
   void skip_blanks() {
-    while (!rest_.empty() && rest_[0] == ' ') rest_.remove_prefix(1);
+    while (!unread_.empty() && unread_[0] == ' ') unread_.remove_prefix(1);
   }
   void sum(int depth) {
     product(depth);
@@ -91,16 +91,16 @@ class Parser {
     } else if (takes('(')) {
       sum(depth + 1);
       if (!takes(')')) fail("a ) is missing");
-    } else if (!rest_.empty() && is_letter(rest_[0])) {
+    } else if (!unread_.empty() && is_letter(unread_[0])) {
       name(depth);
     } else {
       number();
     }
   }
   void name(int depth) {
-    const auto end = std::ranges::find_if_not(rest_, [](char c) { return is_letter(c) || is_digit(c); });
-    const std::string word(rest_.begin(), end);
-    rest_.remove_prefix(word.size());
+    const auto end = std::ranges::find_if_not(unread_, [](char c) { return is_letter(c) || is_digit(c); });
+    const std::string word(unread_.begin(), end);
+    unread_.remove_prefix(word.size());
     if (word != "sin" && word != "cos") {
       if (!is_formula_name(word)) fail(word + " cannot be a name");
       steps_.push_back({Kind::kName, 0.0, word});
@@ -114,16 +114,17 @@ class Parser {
   }
   void number() {
     double value = 0.0;
-    const auto [end, error] = std::from_chars(rest_.data(), rest_.data() + rest_.size(), value);
+    const auto [end, error] = std::from_chars(unread_.data(), unread_.data() + unread_.size(), value);
     if (error != std::errc() || !is_sound(value))
-      fail("a number or a name is missing at its end or before \"" + std::string(rest_.substr(0, 20)) + "\"");
-    rest_.remove_prefix(static_cast<std::size_t>(end - rest_.data()));
+      fail("a number or a name is missing at its end or before \"" + std::string(unread_.substr(0, 20)) +
+           "\"");
+    unread_.remove_prefix(static_cast<std::size_t>(end - unread_.data()));
     steps_.push_back({Kind::kNumber, value});
     skip_blanks();
   }
   static bool is_sound(double value) { return std::isfinite(value) && std::abs(value) <= 1e12; }
 
-  std::string_view rest_;
+  std::string_view unread_;
   std::vector<Formula::Step> steps_;
 };
 

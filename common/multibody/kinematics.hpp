@@ -43,10 +43,10 @@ struct BodyFrame {
   ExpressionVector at(const ExpressionVector& place) const { return position + rotation * place; }
 };
 
-/// Of the ground: it does not move.
+/// The ground: it does not move.
 BodyFrame ground();
 
-/// Of all bodies: r = r_on + R_on position, R = R_on R_axis1(angle1) R_axis2(angle2) ...
+/// All bodies: r = r_on + R_on position, R = R_on R_axis1(angle1) R_axis2(angle2) ...
 std::vector<BodyFrame> frames(const Description& description, const Names& names);
 
 }  // namespace roadbalance

@@ -11,7 +11,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// What is below this part of the largest response is rounding of the equations, not a response.
+/// Values below this part of the largest response are rounding of the equations, not a response.
 constexpr double kNothing = 1e-9;
 
 Eigen::MatrixXd rows_of(const Eigen::MatrixXd& all, const std::vector<int>& chosen) {
@@ -85,7 +85,7 @@ std::vector<RotorObservability> observability(const AffineModel& model, const Mo
       stacked.middleRows(static_cast<Eigen::Index>(k) * rows, rows) =
           (tilt - om2 * acceleration).cast<Complex>() * dynamic.partialPivLu().solve(om2 * force);
     }
-    if (stacked.size() == 0) stacked = Eigen::MatrixXcd::Zero(1, planes);  // no sensor tells anything
+    if (stacked.size() == 0) stacked = Eigen::MatrixXcd::Zero(1, planes);  // no sensor shows anything
     const Eigen::JacobiSVD<Eigen::MatrixXcd> svd(stacked, Eigen::ComputeFullV | Eigen::ComputeThinU);
     Eigen::Index rank = 0;
     while (rank < svd.singularValues().size() && svd.singularValues()(rank) > 0.0 &&

@@ -9,7 +9,7 @@
 
 namespace roadbalance {
 
-/// What sensors tell of the unbalances of one rotor, all parameters known.
+/// How much of the unbalances of one rotor sensors show, all parameters known.
 ///
 /// A unit unbalance in plane p answers at the rate Om with the phasors
 ///
@@ -20,7 +20,8 @@ namespace roadbalance {
 struct RotorObservability {
   std::string rotor;
   std::vector<std::string> plane;
-  /// Of the planes: an orthonormal basis of what the sensors tell, [planes x rank], and of what they do not.
+  /// An orthonormal basis of the planes' unbalances that the sensors show, [planes x rank], and of those that
+  /// they do not.
   Eigen::MatrixXcd observable, unobservable;
   /// Empty if all is observable; else what is not, for the driver.
   std::string sentence;

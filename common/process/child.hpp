@@ -17,8 +17,8 @@ namespace roadbalance {
 /// thread: the kernel ends the child when the thread that started it ends.
 class Child {
  public:
-  /// What the kernel does to it when this program ends without having asked it to: asks it to end, or ends it
-  /// at once, which one that is held needs: it would be held for ever.
+  /// How the kernel ends it when this program ends without having asked it to: asks it to end, or ends it at
+  /// once, which one that is held needs: it would be held for ever.
   enum class Orphan { kIsAskedToEnd, kIsEnded };
 
   /// @throws std::system_error naming the program if it cannot be started

@@ -10,8 +10,8 @@ namespace roadbalance {
 /// Without effect where another allocator has taken malloc's place, as sanitizers do.
 void keep_heap();
 
-/// So many bytes are in RAM and the heap's beyond those in use now; what is allocated later comes out of
-/// them. After keep_heap().
+/// So many bytes are in RAM and the heap's beyond those in use now; later allocations come out of them. After
+/// keep_heap().
 void reserve_heap(std::size_t bytes);
 
 }  // namespace roadbalance

@@ -5,8 +5,8 @@
 
 namespace roadbalance {
 
-/// Waits for so long, or until told to stop.
-/// @return false: told to stop
+/// Waits for so long, or until asked to stop.
+/// @return false: asked to stop
 bool pause(const std::stop_token& stop, std::chrono::nanoseconds duration);
 
 }  // namespace roadbalance

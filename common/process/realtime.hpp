@@ -5,8 +5,9 @@
 
 namespace roadbalance {
 
-/// Who waits for nothing but the other, comes first: acquire takes what the threads that serve a device have
-/// read, and they read what the kernel's interrupt threads have.  Devices lose what is not fetched in time.
+/// A thread that waits for nothing but the other comes first: acquire takes what the threads that serve a
+/// device have read, and they read what the kernel's interrupt threads have.  Devices lose what is not
+/// fetched in time.
 inline constexpr int kAcquirePriority = 40;
 inline constexpr int kDevicePriority = 45;     ///< of threads that serve a device
 inline constexpr int kInterruptPriority = 50;  ///< of the kernel's interrupt threads, by its own choice

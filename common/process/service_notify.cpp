@@ -27,7 +27,7 @@ ServiceNotify::ServiceNotify() {
   socket_ = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (socket_ < 0) throw std::system_error(errno, std::generic_category(), "socket for NOTIFY_SOCKET");
   const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + name.size());
-  // A supervisor that is gone is nobody to tell, and no reason not to work.
+  // A supervisor that is gone needs no report, and is no reason not to work.
   if (::connect(socket_, reinterpret_cast<const sockaddr*>(&address), size) != 0) ++unsent_;
 }
 

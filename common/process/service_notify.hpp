@@ -5,8 +5,9 @@
 
 namespace roadbalance {
 
-/// Tells the supervisor that started this program (systemd, or rb supervise) how it is: one datagram to
-/// $NOTIFY_SOCKET, as sd_notify(3).  Without a supervisor it does nothing.  Any thread may say something.
+/// Reports the state of this program to the supervisor that started it (systemd, or rb supervise): one
+/// datagram to $NOTIFY_SOCKET, as sd_notify(3).  Without a supervisor it does nothing.  Any thread may
+/// report.
 class ServiceNotify {
  public:
   /// @throws std::runtime_error naming the variable if $NOTIFY_SOCKET is no socket address
@@ -18,9 +19,9 @@ class ServiceNotify {
   bool has_supervisor() const { return socket_ >= 0; }
 
   void ready() { send("READY=1"); }
-  /// To be said when the end begins, which may be long before it is over.
+  /// To be sent when the end begins, which may be long before it is over.
   void stopping() { send("STOPPING=1"); }
-  /// Proof of life, to be given only by who has seen that all that matters still turns.
+  /// Proof of life, to be given only by a thread that has seen that all that matters still turns.
   void feed() { send("WATCHDOG=1"); }
   /// One line for people.
   void status(const std::string& line) { send("STATUS=" + line); }

@@ -9,9 +9,9 @@
 
 namespace roadbalance {
 
-/// Turns SIGINT and SIGTERM into a request to stop.
+/// Turns SIGINT, SIGTERM and SIGHUP into a request to stop; SIGHUP not where it is ignored (nohup).
 ///
-/// To be made first in main, before any other thread: it blocks both signals in the calling thread, and
+/// To be made first in main, before any other thread: it blocks these signals in the calling thread, and
 /// threads inherit that.  Its own thread does nothing until one comes, so that a fork finds no lock held.
 /// Programs started with exec inherit it too: see start of common/process/child.cpp.
 class StopOnSignal {
@@ -20,6 +20,9 @@ class StopOnSignal {
     sigemptyset(&signals_);
     sigaddset(&signals_, SIGINT);
     sigaddset(&signals_, SIGTERM);
+    struct sigaction hang_up {};
+    if (sigaction(SIGHUP, nullptr, &hang_up) == 0 && hang_up.sa_handler != SIG_IGN)
+      sigaddset(&signals_, SIGHUP);
     pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
     waiter_ = std::jthread([this](std::stop_token ended) {
       const std::stop_callback wake(ended, [self = pthread_self()] { pthread_kill(self, SIGTERM); });

@@ -14,7 +14,7 @@ TemporaryFolder::TemporaryFolder(const std::string& name) {
 }
 
 TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;  // a temporary folder that stays hurts nobody
+  std::error_code ignored;  // a temporary folder that stays does no harm
   std::filesystem::remove_all(path_, ignored);
 }
 

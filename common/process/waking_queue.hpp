@@ -38,7 +38,7 @@ class WakingQueue {
   bool wait_until(std::chrono::steady_clock::time_point at_most) noexcept {
     const auto ns = std::chrono::nanoseconds(at_most.time_since_epoch()).count();
     const timespec until{.tv_sec = ns / 1'000'000'000, .tv_nsec = ns % 1'000'000'000};
-    // A call can be one of something that was taken before it came: the queue alone says what there is.
+    // A call can be one for something that was taken before it came: the queue alone shows what there is.
     while (!front())
       if (::sem_clockwait(&filled_, CLOCK_MONOTONIC, &until) != 0) return front() != nullptr;
     return true;

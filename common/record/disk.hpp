@@ -2,27 +2,36 @@
 
 #include <sys/types.h>
 
+#include <cerrno>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
 
 namespace roadbalance {
 
-/// What a path leads to, or a descriptor is of: st_dev and st_ino of stat.
+/// Throws for a failed system call, naming the call and its object.
+[[noreturn]] inline void throw_disk_error(const std::string& what) {
+  throw std::system_error(errno, std::generic_category(), what);
+}
+
+/// The file that a path leads to, or a descriptor is of: st_dev and st_ino of stat.
 struct FileIdentity {
   std::int64_t device = 0;
   std::int64_t file = 0;
   bool operator==(const FileIdentity&) const = default;
 };
 
+/// errno of Disk::open() for what is neither a file nor a folder: "Wrong medium type".
+inline constexpr int kNoRegularFile = EMEDIUMTYPE;
+
 /// The system calls that a record is made of, and no others.  The product uses the kernel's; tests use a disk
 /// that stalls, fills up, fails at the k-th call or loses power.
 ///
-/// Each member is the system call of its name: the result is what the call returns, and errno says why it
-/// failed.
+/// Each member is the system call of its name: the result is that of the call, and errno holds why it failed.
 class Disk {
  public:
   Disk() = default;
@@ -54,8 +63,8 @@ class Disk {
   virtual std::optional<FileIdentity> identity(const char* path) = 0;
   virtual std::optional<FileIdentity> identity(int file) = 0;
 
-  /// Whether its readers go around what cannot be read (EIO), as those do that only want what is there, or
-  /// throw, as whoever decides what is durable must.
+  /// Whether its readers go around bytes that cannot be read (EIO), as those do that only need what is there,
+  /// or throw, as a reader that decides what is durable must.
   virtual bool goes_around_unreadable() const { return false; }
 };
 

@@ -30,18 +30,18 @@ constexpr std::array kRemedies{
     Remedy{ENOMEM, "there is not enough memory: end other programs, and begin again"},
 };
 
-std::string with_remedy(std::string said, const std::error_code& code) {
-  if (code.category() != std::generic_category() && code.category() != std::system_category()) return said;
+std::string with_remedy(std::string words, const std::error_code& code) {
+  if (code.category() != std::generic_category() && code.category() != std::system_category()) return words;
   for (const Remedy& remedy : kRemedies)
-    if (code.value() == remedy.code) return said.append(": ").append(remedy.words);
-  return said;
+    if (code.value() == remedy.code) return words.append(": ").append(remedy.words);
+  return words;
 }
 
-std::string said_of(const std::exception& error) {
+std::string words_of(const std::exception& error) {
   if (const auto* of_file = dynamic_cast<const std::filesystem::filesystem_error*>(&error)) {
-    std::string said = of_file->path1().string();
-    if (!of_file->path2().empty()) said += " to " + of_file->path2().string();
-    return with_remedy(said + (said.empty() ? "" : ": ") + of_file->code().message(), of_file->code());
+    std::string words = of_file->path1().string();
+    if (!of_file->path2().empty()) words += " to " + of_file->path2().string();
+    return with_remedy(words + (words.empty() ? "" : ": ") + of_file->code().message(), of_file->code());
   }
   if (const auto* of_system = dynamic_cast<const std::system_error*>(&error))
     return with_remedy(error.what(), of_system->code());
@@ -53,7 +53,7 @@ std::string said_of(const std::exception& error) {
 }  // namespace
 
 std::string failure_words(const std::exception& error) {
-  return printable_text(said_of(error));
+  return printable_text(words_of(error));
 }
 
 }  // namespace roadbalance

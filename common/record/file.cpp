@@ -14,24 +14,27 @@
 namespace roadbalance {
 namespace {
 
-// What the page cache reads at once: where a sector is bad all of it is missing.
+// The amount that the page cache reads at once: where a sector is bad all of it is missing.
 constexpr std::uint64_t kPageBytes = 4096;
-
-[[noreturn]] void throw_errno(const std::string& what) {
-  throw std::system_error(errno, std::generic_category(), what);
-}
 
 }  // namespace
 
 File File::open(const std::filesystem::path& path, int flags, Disk& disk) {
   int descriptor = disk.open(path.c_str(), flags, 0644);
   while (descriptor < 0 && errno == EINTR) descriptor = disk.open(path.c_str(), flags, 0644);
-  if (descriptor < 0) throw_errno("open " + path.string());
+  if (descriptor < 0 && errno == ELOOP && (flags & O_NOFOLLOW) != 0)
+    throw_disk_error("open " + path.string() + ": a link, which is not followed");
+  if (descriptor < 0 && errno == kNoRegularFile)
+    throw_disk_error("open " + path.string() + ": no regular file, which is not read");
+  if (descriptor < 0) throw_disk_error("open " + path.string());
   return {disk, descriptor, path};
 }
 
 File File::open_to_read(const std::filesystem::path& path, Disk& disk) {
   return open(path, O_RDONLY, disk);
+}
+File File::open_segment(const std::filesystem::path& path, Disk& disk) {
+  return open(path, O_RDONLY | O_NOFOLLOW, disk);
 }
 File File::create(const std::filesystem::path& path, Disk& disk) {
   return open(path, O_WRONLY | O_CREAT | O_EXCL, disk);
@@ -58,7 +61,7 @@ File::~File() {
 }
 
 void File::fail(const char* call) const {
-  throw_errno(std::string(call) + " " + path_.string());
+  throw_disk_error(std::string(call) + " " + path_.string());
 }
 
 std::size_t File::read_at(std::uint64_t offset, std::span<std::uint8_t> into) const {
@@ -165,6 +168,10 @@ bool File::is_at(const std::filesystem::path& path) const {
 
 bool File::try_lock() {
   if (disk_->flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return true;
+  if (errno == ENOLCK || errno == EOPNOTSUPP || errno == ENOSYS)
+    throw_disk_error(
+        "lock " + path_.string() +
+        ": this file system has no locks; mount it with them, or choose a folder on another disk");
   if (errno != EWOULDBLOCK) fail("lock");
   return false;
 }

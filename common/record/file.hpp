@@ -17,7 +17,10 @@ namespace roadbalance {
 class File {
  public:
   File() = default;
+  /// @throws also if it is no regular file
   static File open_to_read(const std::filesystem::path& path, Disk& disk = kernel_disk());
+  /// A segment, which lies in its folder: a link is refused, too.
+  static File open_segment(const std::filesystem::path& path, Disk& disk = kernel_disk());
   /// @throws also if it exists
   static File create(const std::filesystem::path& path, Disk& disk = kernel_disk());
   static File open_to_write(const std::filesystem::path& path, Disk& disk = kernel_disk());
@@ -46,16 +49,16 @@ class File {
   void sync();
   void truncate(std::uint64_t size);
   std::uint64_t size() const;
-  /// Asks for space; the length stays as it is.  A filesystem that cannot is no error: the write will tell.
+  /// Asks for space; the length stays as it is.  A filesystem that cannot is no error: the write will fail.
   void reserve(std::uint64_t offset, std::uint64_t bytes) noexcept;
   /// Tells the system that this file is read from begin to end.
   void read_ahead() const noexcept;
-  /// What is read next comes from the disk, as far as it was synced.
+  /// The next bytes read come from the disk, as far as they were synced.
   void forget_cache() const noexcept;
   /// Whether a path leads to this file or folder, and not to another one or nowhere, as once it was removed
   /// or its disk unmounted.
   bool is_at(const std::filesystem::path& path) const;
-  /// False if somebody else has this file or folder locked.
+  /// False if another process has this file or folder locked.
   bool try_lock();
   /// Reports a failed close, which the destructor cannot.
   void close();
@@ -71,10 +74,10 @@ class File {
   std::filesystem::path path_;
 };
 
-/// As File::try_lock(); nothing: its disk knows no locks.
+/// As File::try_lock(); nothing: its disk has no locks.
 std::optional<bool> try_lock(File& file);
 
-/// What is longer is none of the texts beside a record.
+/// A longer file is none of the texts beside a record.
 inline constexpr std::uint64_t kMostTextBytes = std::uint64_t{16} << 20;
 
 /// A small file that proves itself, as an index does; nothing if there is none.  A longer one than

@@ -10,10 +10,6 @@
 namespace roadbalance {
 namespace {
 
-[[noreturn]] void throw_errno(const std::string& what) {
-  throw std::system_error(errno, std::generic_category(), what);
-}
-
 bool can_open(const std::filesystem::path& path, int flags, Disk& disk) {
   int descriptor = disk.open(path.c_str(), flags, 0);
   while (descriptor < 0 && errno == EINTR) descriptor = disk.open(path.c_str(), flags, 0);
@@ -21,7 +17,7 @@ bool can_open(const std::filesystem::path& path, int flags, Disk& disk) {
     disk.close(descriptor);
     return true;
   }
-  if (errno != ENOENT && errno != ENOTDIR) throw_errno("open " + path.string());
+  if (errno != ENOENT && errno != ENOTDIR) throw_disk_error("open " + path.string());
   return false;
 }
 
@@ -41,7 +37,7 @@ std::uint64_t size_of_file(const std::filesystem::path& path, Disk& disk) {
 
 std::vector<std::string> list_folder(const std::filesystem::path& path, Disk& disk) {
   auto names = disk.list(path.c_str());
-  if (!names) throw_errno("list " + path.string());
+  if (!names) throw_disk_error("list " + path.string());
   return std::move(*names);
 }
 
@@ -49,8 +45,9 @@ void create_folders(const std::filesystem::path& path, Disk& disk) {
   if (path.empty() || path == path.root_path()) return;
   if (!path.has_filename()) return create_folders(path.parent_path(), disk);  // "drive/"
   create_folders(path.parent_path(), disk);
-  if (!is_folder(path, disk) && disk.mkdir(path.c_str(), 0755) != 0) throw_errno("mkdir " + path.string());
-  // Also of a folder that is there: whoever made it may have been killed before he came to this.
+  if (!is_folder(path, disk) && disk.mkdir(path.c_str(), 0755) != 0)
+    throw_disk_error("mkdir " + path.string());
+  // Also for a folder that is there: the program that made it may have been killed before this.
   try {
     sync_folder(folder_of(path), disk);
   } catch (const std::system_error& error) {
@@ -75,13 +72,13 @@ std::string name_of_folder(const std::filesystem::path& path) {
 
 bool remove_file(const std::filesystem::path& path, Disk& disk) {
   if (disk.unlink(path.c_str()) == 0) return true;
-  if (errno != ENOENT) throw_errno("remove " + path.string());
+  if (errno != ENOENT) throw_disk_error("remove " + path.string());
   return false;
 }
 
 void rename_file(const std::filesystem::path& from, const std::filesystem::path& to, Disk& disk) {
   if (disk.rename(from.c_str(), to.c_str()) != 0)
-    throw_errno("rename " + from.string() + " to " + to.string());
+    throw_disk_error("rename " + from.string() + " to " + to.string());
 }
 
 }  // namespace roadbalance

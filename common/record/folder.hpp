@@ -9,8 +9,7 @@
 
 namespace roadbalance {
 
-/// Names on a disk.  Each throws std::system_error naming the call and the path unless it says
-/// otherwise.
+/// Names on a disk.  Each throws std::system_error naming the call and the path unless stated otherwise.
 
 bool path_exists(const std::filesystem::path& path, Disk& disk = kernel_disk());
 bool is_folder(const std::filesystem::path& path, Disk& disk = kernel_disk());
@@ -25,7 +24,7 @@ void sync_folder(const std::filesystem::path& path, Disk& disk = kernel_disk());
 /// The folder a path lies in: "." for a bare name.
 std::filesystem::path folder_of(const std::filesystem::path& path);
 
-/// What a folder is called: "monday" of "drives/monday/", and of "." in it.
+/// A folder's name: "monday" of "drives/monday/", and of "." in it.
 std::string name_of_folder(const std::filesystem::path& path);
 
 /// False if there is no such file.  Durable with the folder's next sync.

@@ -1,7 +1,8 @@
 #include "common/record/header_check.hpp"
 
-#include "common/link/text_crc.hpp"
+#include "common/bus/notes.hpp"
 #include "common/record/log_event.hpp"
+#include "common/types/text_crc.hpp"
 
 namespace roadbalance {
 

@@ -5,11 +5,11 @@
 #include <span>
 #include <string_view>
 
-#include "common/record/record.hpp"
+#include "common/record/log_event.hpp"
 
 namespace roadbalance {
 
-/// The sum of events' headers and channel names that a commit event says: see commit_t.lcm.
+/// The sum of events' headers and channel names that a commit event carries: see commit_t.lcm.
 struct HeaderSum {
   std::uint64_t from = 0;  ///< offset in the segment
   std::uint32_t crc = 0;
@@ -18,16 +18,17 @@ struct HeaderSum {
   void add(std::span<const std::uint8_t> header, std::string_view channel);
 };
 
-/// Holds number, stamp and channel of each event of a record against what the commit events say of them.
+/// Compares number, stamp and channel of each event of a record with the sums of the commit events.
 ///
-/// What lies behind the last commit of a segment is not covered: that commit itself, and what a kill left.
+/// Events behind the last commit of a segment are not covered: that commit itself, and those that a kill
+/// left.
 class HeaderCheck {
  public:
   /// Events as they lie in the record.
-  /// @return  at a commit, if it says something else: the offset from which on a header is altered
+  /// @return  at a commit, if its sum differs: the offset from which on a header is altered
   std::optional<std::uint64_t> take(int segment, std::uint64_t offset, const LogEvent& event);
 
-  /// What a commit behind the events taken has to say.
+  /// The sum that a commit behind the events taken must carry.
   const HeaderSum& sum() const { return sum_; }
 
  private:

@@ -6,9 +6,23 @@
 #include <span>
 #include <string_view>
 
-#include "common/record/record.hpp"
+#include "common/bus/codec.hpp"
 
 namespace roadbalance {
+
+/// One event of an LCM event log: sync word 0xEDA1DA01, number, microseconds, channel, payload.
+struct LogEvent {
+  std::int64_t number = 0;
+  std::int64_t timestamp_us = 0;
+  std::string_view channel;
+  std::span<const std::uint8_t> data;
+  bool has_its_crc = false;  ///< known to end with its CRC, as the readers of records find out
+};
+
+/// As accept() of its bytes (common/bus/codec.hpp).
+inline Refusal accept(const LogEvent& event, SealedBlock& out) {
+  return accept(event.data, out, event.has_its_crc);
+}
 
 /// The bytes of one event of an LCM event log: sync word, number, microseconds, length of the channel name,
 /// length of the data (all big endian), the name, the data.
@@ -32,8 +46,8 @@ struct ParsedEvent {
   std::size_t bytes = 0;  ///< length of the event
 };
 
-/// Takes the event that begins at bytes[0], or says that none does.  Lengths are bounded and the channel name
-/// is printable, so that few byte strings pass by accident.
+/// Takes the event that begins at bytes[0], or reports that none does.  Lengths are bounded and the channel
+/// name is printable, so that few byte strings pass by accident.
 ParsedEvent parse_log_event(std::span<const std::uint8_t> bytes);
 
 /// True if `bytes` begins with the sync word, or is shorter and begins like it.

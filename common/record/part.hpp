@@ -7,9 +7,9 @@
 
 namespace roadbalance {
 
-/// A file or folder that appears under its name with all it is to hold, or not at all: until keep() it lies
-/// in the folder "<name>.part", and is removed if it is not kept.  Whoever makes it has that folder locked,
-/// so that what a killed one left is known as such, and gives way.
+/// A file or folder that appears under its name with all its content, or not at all: until keep() it lies in
+/// the folder "<name>.part", and is removed if it is not kept.  The program that makes it has that folder
+/// locked, so that a folder left by a killed one is recognised, and gives way.
 class Part {
  public:
   enum class Kind {
@@ -17,9 +17,8 @@ class Part {
     kFolder  ///< new, or empty so far; it is there at once
   };
 
-  /// @throws std::runtime_error if the name is taken, somebody else is making it, "<name>.part" is of
-  /// somebody
-  ///         else, or the folder that it is to lie in is not there; std::system_error,
+  /// @throws std::runtime_error if the name is taken, another program is making it, "<name>.part" is of
+  ///         another program, or the folder that it is to lie in is not there; std::system_error,
   ///         std::filesystem::filesystem_error if the folder cannot be made
   Part(const std::filesystem::path& path, Kind kind);
   Part(const Part&) = delete;
@@ -42,7 +41,7 @@ class Part {
   File lock_;  ///< of shell_
 };
 
-/// What is only read stays as it is: nothing may be made in it.
+/// A folder that is only read stays as it is: nothing may be made in it.
 /// @throws std::runtime_error naming target and source
 void expect_beside(const std::vector<std::filesystem::path>& sources, const std::filesystem::path& target);
 

@@ -31,8 +31,8 @@ class RecordFolder {
     return false;
   }
 
-  /// A disk that fails may be unmounted and mounted anew: what is open of it would hinder that, and fail for
-  /// ever.
+  /// A disk that fails may be unmounted and mounted anew: files that are open of it would hinder that, and
+  /// fail for ever.
   void let_go() { folder_ = File(); }
 
   bool is_taken() const { return folder_.is_open(); }

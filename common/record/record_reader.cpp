@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "common/record/folder.hpp"
-#include "common/record/record.hpp"
+#include "common/record/record_reader.hpp"
 #include "common/record/segment.hpp"
 #include "common/record/segment_index.hpp"
 
@@ -22,8 +22,7 @@ struct RecordReader::State {
   std::optional<int> last;   // the last segment with an event, once the record is finished
   std::vector<Damage> torn;  // of it and those behind it
 
-  // Of the segment after the present one.  A writer creates it only when it has written all of the present
-  // one.
+  // The segment after the present one.  A writer creates it only when it has written all of the present one.
   std::optional<int> following() const {
     if (last && number >= *last) return std::nullopt;
     for (const int candidate : segment_numbers(folder, disk))
@@ -31,8 +30,8 @@ struct RecordReader::State {
     return std::nullopt;
   }
 
-  // Of segment `next`, or, if the retention mode takes it away meanwhile, the first behind it.  False if
-  // there is none.
+  // Segment `next`, or, if the retention mode takes it away meanwhile, the first behind it.  False if there
+  // is none.
   bool open(int next) {
     while (!try_open(next)) {
       number = next;
@@ -58,7 +57,7 @@ struct RecordReader::State {
     }
   }
 
-  // A segment behind this one may say where this one ends; one without any event says nothing.
+  // A segment behind this one may hold where this one ends; one without any event does not.
   void honour_abandonment() {
     for (const int later : segment_numbers(folder, disk)) {
       if (later <= number) continue;

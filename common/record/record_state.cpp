@@ -5,7 +5,7 @@
 
 #include "common/bus/codec.hpp"
 #include "common/record/folder.hpp"
-#include "common/record/record.hpp"
+#include "common/record/record_reader.hpp"
 #include "common/record/segment.hpp"
 #include "common/record/segment_extent.hpp"
 #include "common/record/segment_index.hpp"
@@ -46,8 +46,8 @@ void add_vehicle_part(const SealedBlock& block, RecordState& state) {
   if (has_room(state)) state.vehicle[key].push_back(block);
 }
 
-// Each block with its event, and the end of each segment; the clocks on the way, as the first segment tells
-// them: who knows older fits would take what lies between for a hole.
+// Each block with its event, and the end of each segment; the clocks on the way, as the first segment holds
+// them: a reader that has older fits would take the stretch between for a hole.
 template <typename AtBlock, typename AtEnd>
 void read_events(const std::filesystem::path& folder, int first, RecordedClocks& clocks, AtBlock&& at_block,
                  AtEnd&& at_end, Disk& disk) {
@@ -125,7 +125,7 @@ RecordState read_state(const std::filesystem::path& folder, Disk& disk, RecordSt
   const std::uint64_t durable = is_finished ? 0 : measure_segment(segment_path(folder, last), disk).durable;
   const auto add_or_doubt = [&](const RecordReader& reader, const LogEvent& event, const SealedBlock& block) {
     const bool is_durable = is_finished || reader.segment() != last || reader.offset() < durable;
-    // What a segment begins with repeats what is durable, and nobody writes it again.
+    // The events that a segment begins with repeat what is durable, and are not written again.
     if (is_durable || block.header.sequence <= 0)
       add(block, before);
     else if (unsure)

@@ -8,21 +8,21 @@
 #include <utility>
 #include <vector>
 
-#include "common/link/blocks.hpp"
 #include "common/link/epoch_receiver.hpp"
 #include "common/record/disk.hpp"
 #include "common/record/recorded_clocks.hpp"
+#include "common/types/blocks.hpp"
 
 namespace roadbalance {
 
-/// What a record holds, as far as a recorder must know to continue it.
+/// The contents of a record, as far as a recorder needs them to continue it.
 struct RecordState {
   struct Epoch {
     EpochPosition position;
     std::int64_t samples = 0;
     std::int64_t gaps = 0;
     std::int64_t blocks = 0;
-    /// Of the blocks before the end; nothing once one is not the node's own, or if the end says another.
+    /// Over the blocks before the end; nothing once one is not the node's own, or if the end carries another.
     std::optional<std::uint32_t> sum = 0;
 
     bool operator==(const Epoch& other) const {
@@ -39,8 +39,8 @@ struct RecordState {
   RecordedClocks clocks;
 };
 
-/// What the next segment repeats: those of epochs that have not ended.  One that is longer, or one more than
-/// there is room for in all, stands in the record where it came, but is not repeated.
+/// The notes that the next segment repeats: those of epochs that have not ended.  One that is longer, or one
+/// more than there is room for in all, stands in the record where it came, but is not repeated.
 RecordState::Descriptions going_on(const RecordState& state);
 inline constexpr std::int32_t kMostDescriptionParts = 64;        ///< of an epoch: 75 kB of text
 inline constexpr std::size_t kMostDescriptionPartsInAll = 1024;  ///< 1.4 MB in each segment
@@ -48,13 +48,13 @@ inline constexpr std::size_t kMostDescriptionPartsInAll = 1024;  ///< 1.4 MB in 
 /// Adds the next block of the record; one that is there already counts for nothing, and a description
 /// (sequence 0) only adds to `vehicle`.
 ///
-/// What lies behind a hole, or behind a beginning that is in another folder or deleted, is in the record all
-/// the same: recorders write every epoch in sequence, so that what is not there was taken, called durable and
-/// lost here.  Its node does not have it any more, and who told it to begin again before the hole would call
-/// lost what is there.
+/// Blocks behind a hole, or behind a beginning that is in another folder or deleted, are in the record all
+/// the same: recorders write every epoch in sequence, so that the missing ones were taken, called durable and
+/// lost here.  Their node does not have them any more, and a recorder that asked it to begin again before the
+/// hole would declare lost what is there.
 void add(const SealedBlock& block, RecordState& state);
 
-/// What the next segment repeats of the clocks: of epochs that have not ended.
+/// The part of the clocks that the next segment repeats: that of epochs that have not ended.
 RecordEvents clocks_going_on(const RecordState& state);
 
 /// A block that can be read and that a power cut may take: see read_state().
@@ -63,8 +63,8 @@ struct UnsureBlock {
   std::int64_t timestamp_us = 0;
 };
 
-/// Reads a record that nobody writes to, and changes nothing: the segments behind the last one with a good
-/// index.  Empty if there is no such folder, or no segment in it.
+/// Reads a record that no program writes to, and changes nothing: the segments behind the last one with a
+/// good index.  Empty if there is no such folder, or no segment in it.
 ///
 /// Counts what is known to be on the disk.  Behind the last commit event of a last segment without an index
 /// lies what may have been promised already, or have been left to the page cache by a sync that failed: only

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "common/bus/clock_messages.hpp"
-#include "common/clock/bounded_time.hpp"
+#include "common/types/bounded_time.hpp"
 
 namespace roadbalance {
 
@@ -12,7 +12,7 @@ std::optional<ClockFit> RecordedClocks::take(std::string_view channel, std::span
     const auto note = decode_note(data);
     // One that was taken before the host's clocks were read has none.
     if (note && note->time_us != 0) {
-      // The host's clock begins anew with it: fits to the one before say nothing of this one.  An older pair
+      // The host's clock begins anew with it: fits to the one before do not hold for this one.  An older pair
       // of the same recorder is only repeated; wall time may have been set back since.
       if (pair_ && note->incarnation > pair_->incarnation && note->host_ns < pair_->host_ns &&
           note->time_us > pair_->time_us)

@@ -15,10 +15,10 @@
 namespace roadbalance {
 
 using NodeEpoch = std::pair<std::int32_t, std::int64_t>;
-/// What a segment begins with, so that it can be read without those before: channels and messages.
+/// The events a segment begins with, so that it can be read without those before: channels and messages.
 using RecordEvents = std::vector<std::pair<std::string, std::vector<std::uint8_t>>>;
 
-/// The clocks as a record tells them, up to the event taken last: how each node's stands to the host's, and
+/// The clocks as a record gives them, up to the event taken last: how each node's stands to the host's, and
 /// the host's to UTC.
 ///
 /// Each segment begins with events(), so that its samples can be placed on one time line without the segments
@@ -34,9 +34,9 @@ class RecordedClocks {
   /// UTC in microseconds of an instant of the host, by the pair of clocks noted last.
   std::optional<std::int64_t> utc_us(std::int64_t host_ns) const;
 
-  /// The same as messages: the pair of clocks (NoteKind::kClock), then for each epoch that `wanted` says the
-  /// one to four fits of its row.  Whoever takes them knows of these clocks what this one does, now and after
-  /// whatever both take next.
+  /// The same as messages: the pair of clocks (NoteKind::kClock), then for each epoch that `wanted` selects
+  /// the one to four fits of its row.  A reader that takes them has of these clocks what this one has, now
+  /// and after whatever both take next.
   RecordEvents events(const std::function<bool(const NodeEpoch&)>& wanted) const;
 
  private:

@@ -4,7 +4,7 @@
 
 namespace roadbalance {
 
-/// Another disk, of which readers want what can be read: they go around the rest.
+/// Another disk, for readers that need what can be read: they go around the rest.
 class RescueDisk final : public Disk {
  public:
   explicit RescueDisk(Disk& disk) : disk_(disk) {}

@@ -15,7 +15,7 @@ std::string bytes_text(std::uint64_t bytes);
 /// @param folder  that is there, on the disk in question
 /// @param least   bytes that will be written for certain
 /// @throws std::runtime_error naming the folder, what it takes and what is free; not where the disk does not
-/// say what is free
+///         report what is free
 void expect_room(const std::filesystem::path& folder, std::uint64_t least, Disk& disk = kernel_disk());
 
 }  // namespace roadbalance

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "common/record/file.hpp"
-#include "common/record/record.hpp"
+#include "common/record/record_reader.hpp"
 
 namespace roadbalance {
 
@@ -32,28 +32,28 @@ std::vector<int> segment_numbers(const std::filesystem::path& folder, Disk& disk
 
 /// Reads the events of one segment, which may still grow.
 ///
-/// An event counts if it parses and ends with its own CRC, or if what follows it is the sync word or the
+/// An event counts if it parses and ends with its own CRC, or if it is followed by the sync word or the
 /// present end and no other event is inside of it.  Else the bytes up to the next event that counts are
-/// damage.  So is, on a disk whose readers go around it, what cannot be read.
+/// damage.  So are, on a disk whose readers go around them, bytes that cannot be read.
 class SegmentReader {
  public:
   explicit SegmentReader(std::filesystem::path path, Disk& disk = kernel_disk());
 
-  /// @param complete  nothing is added any more: what cannot be an event by now is damage
+  /// @param complete  nothing is added any more: bytes that cannot be an event by now are damage
   /// Views are valid until the next call.
   std::optional<LogEvent> next(bool complete, std::vector<RecordReader::Damage>& damage);
 
-  /// Of the event given last.
+  /// For the event given last.
   std::uint64_t offset() const { return event_offset_; }
   /// Just behind it.
   std::uint64_t end_of_events() const { return end_of_events_; }
-  /// What lies from here on does not count; nothing of it has been given yet.
+  /// Bytes from here on do not count; none of them has been given yet.
   void end_at(std::uint64_t offset) { limit_ = offset; }
   const std::filesystem::path& path() const { return file_.path(); }
 
  private:
   enum class Step { kEvent, kMore, kSkip };
-  std::span<const std::uint8_t> rest() const;
+  std::span<const std::uint8_t> unread() const;
   bool refill();
   Step step(LogEvent& event, bool complete);
   void skip();

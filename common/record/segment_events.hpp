@@ -10,7 +10,7 @@
 namespace roadbalance {
 
 /// The events of the segment being written, as bytes: those that wait for a write(2), and the sum of the
-/// headers that the next commit event says.
+/// headers that the next commit event carries.
 struct SegmentEvents {
   std::vector<std::uint8_t> buffer;
   std::uint64_t segment_bytes = 0;  ///< of the segment: written, and in `buffer`

@@ -11,7 +11,7 @@ namespace roadbalance {
 
 SegmentExtent measure_segment(const std::filesystem::path& segment, Disk& disk) {
   SegmentReader reader(segment, disk);
-  SegmentExtent extent{.size = File::open_to_read(segment, disk).size()};
+  SegmentExtent extent{.size = File::open_segment(segment, disk).size()};
   std::vector<RecordReader::Damage> damage;
   std::vector<std::uint64_t> bad;  // where something begins that is not as it was written
   while (const auto event = reader.next(true, damage)) {

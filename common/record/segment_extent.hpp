@@ -18,8 +18,8 @@ struct SegmentExtent {
 };
 SegmentExtent measure_segment(const std::filesystem::path& segment, Disk& disk = kernel_disk());
 
-/// Where segments before this one end, if they were abandoned: by segment.  The notes that say so are the
-/// first events of the segment begun next.
+/// Where segments before this one end, if they were abandoned: by segment.  The notes of that are the first
+/// events of the segment begun next.
 std::map<int, std::uint64_t> abandoned_before(const std::filesystem::path& segment,
                                               Disk& disk = kernel_disk());
 

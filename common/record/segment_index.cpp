@@ -7,13 +7,14 @@
 #include <utility>
 
 #include "common/bus/codec.hpp"
-#include "common/link/block.hpp"
-#include "common/link/text_crc.hpp"
 #include "common/record/file.hpp"
 #include "common/record/folder.hpp"
-#include "common/record/record.hpp"
+#include "common/record/record_reader.hpp"
+#include "common/record/record_state.hpp"
 #include "common/record/segment.hpp"
 #include "common/record/write_again.hpp"
+#include "common/types/block.hpp"
+#include "common/types/text_crc.hpp"
 
 namespace roadbalance {
 namespace {
@@ -31,7 +32,7 @@ std::string sum_word(const RecordState::Epoch& epoch) {
   return word;
 }
 
-// What is no such word is none, which encode() then shows.
+// Any other word is none, which encode() then shows.
 std::optional<std::uint32_t> parse_sum(const std::string& word) {
   std::uint32_t sum = 0;
   const char* const end = word.data() + word.size();
@@ -191,7 +192,7 @@ RebuiltIndexes rebuild_indexes(const std::filesystem::path& folder, Disk& disk) 
     state.epoch = before->epoch;
     is_known = true;
   }
-  // A segment with an index counts as durable, and of the last one nobody has said so.
+  // A segment with an index counts as durable; for the last one that is not certain.
   for (const auto& [number, extent] : end_of_record(folder, 1, disk).unfinished) {
     const auto path = segment_path(folder, number);
     if (extent.end < extent.size) {

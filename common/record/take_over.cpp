@@ -34,7 +34,7 @@ std::filesystem::path free_tail_path(std::filesystem::path segment, Disk& disk) 
 std::filesystem::path keep_tail(const std::filesystem::path& segment, std::uint64_t offset, File& folder,
                                 Disk& disk) {
   const auto tail = free_tail_path(segment, disk);
-  const File from = File::open_to_read(segment, disk);
+  const File from = File::open_segment(segment, disk);
   File to = File::create(tail, disk);
   std::vector<std::uint8_t> buffer(kCopyBytes);
   for (;;) {
@@ -64,9 +64,9 @@ std::optional<RecordWriter::CutTail> remove_segment(const std::filesystem::path&
   return result;
 }
 
-// The commit event that goes with the tail, if it was the one that tells damage before the cut from a torn
-// tail, is said again at the cut: else the next reader would end at that damage.  Returns where the segment
-// ends now.
+// The commit event that goes with the tail, if it was the one that separates damage before the cut from a
+// torn tail, is written again at the cut: else the next reader would end at that damage.  Returns where the
+// segment ends now.
 std::uint64_t keep_commit(File& segment, const SegmentExtent& extent, Disk& disk) {
   if (extent.commit_at < extent.end) return extent.end;
   SegmentEvents events;
@@ -98,8 +98,8 @@ std::optional<RecordWriter::CutTail> cut(const std::filesystem::path& segment, c
               .cut = extent.size - extent.end};
     file.truncate(keep_commit(file, extent, disk));
   }
-  // What lies behind the last commit was synced, and promised to nodes that have let go of it since, or is in
-  // the page cache only, after a kill or a failed sync.  From now on it counts.
+  // Events behind the last commit were synced, and promised to nodes that have let go of them since, or are
+  // in the page cache only, after a kill or a failed sync.  From now on they count.
   write_again(file, std::min(extent.durable, extent.end), disk);
   return result;
 }

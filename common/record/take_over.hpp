@@ -4,11 +4,11 @@
 #include <optional>
 
 #include "common/record/file.hpp"
-#include "common/record/record.hpp"
+#include "common/record/record_writer.hpp"
 
 namespace roadbalance {
 
-/// What a writer finds in a folder that it continues.
+/// The state of a folder that a writer continues.
 struct TakenOver {
   int segment = 0;  ///< number of the last segment, 0 if there is none
   std::optional<RecordWriter::CutTail> cut;
@@ -19,9 +19,10 @@ struct TakenOver {
 /// their name, cuts the torn tail of the last one and keeps it beside, makes durable what its writer may have
 /// left to the page cache, and completes the indexes.
 ///
-/// Of the last segment, if it has no index, only what lies before its last commit event is known to be on the
-/// disk.  What follows may have been promised all the same, for the commit event of a sync comes with the
-/// next append; or its sync may have failed, which nobody is told again.  It is written again and synced.
+/// Of the last segment, if it has no index, only the part before its last commit event is certain to be on
+/// the disk.  The events that follow may have been promised all the same, for the commit event of a sync
+/// comes with the next append; or their sync may have failed, which is not reported again.  They are written
+/// again and synced.
 /// @param folder  open and locked
 /// @throws std::system_error naming the file
 TakenOver take_over(File& folder, RecordState before, Disk& disk);

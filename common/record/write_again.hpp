@@ -7,7 +7,7 @@
 
 namespace roadbalance {
 
-/// Makes durable what somebody else wrote, of whose syncs nothing is known.
+/// Makes durable what another process wrote, whose syncs are unknown.
 ///
 /// A sync that failed is reported once, to the file that was open then, and its pages count as clean from
 /// there on: a later sync of them returns success and does nothing.  So the bytes are given to the disk once

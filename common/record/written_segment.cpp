@@ -17,14 +17,15 @@ void WrittenSegment::finish(const std::filesystem::path& folder, Disk& disk) {
   }
 }
 
-void cut_back(File segment, std::uint64_t durable_bytes, const std::filesystem::path& path, Disk& disk) {
+bool cut_back(File segment, std::uint64_t durable_bytes, const std::filesystem::path& path, Disk& disk) {
   try {
     if (durable_bytes > 0)
       segment.truncate(durable_bytes);
     else if (segment.is_at(path))
       (void)remove_file(path, disk);
+    return true;
   } catch (const std::system_error&) {
-    // As its declaration says.
+    return false;
   }
 }
 

@@ -5,7 +5,7 @@
 
 namespace roadbalance {
 
-/// What printf would print, whatever its length.
+/// The text that printf would print, whatever its length.
 template <typename... Values>
 std::string format(const char* pattern, Values... values) {
   const int size = std::snprintf(nullptr, 0, pattern, values...);

@@ -5,8 +5,8 @@
 
 namespace roadbalance {
 
-/// `text` for an element or an attribute in double quotes of HTML, SVG or XML: what has a meaning there is
-/// escaped; control characters, of which they allow but tabulator and new line, become blanks.
+/// `text` for an element or an attribute in double quotes of HTML, SVG or XML: characters with a meaning
+/// there are escaped; control characters, of which they allow but tabulator and new line, become blanks.
 /// Source: Extensible Markup Language 1.0, 5th ed., 2.2 and 2.4.
 inline std::string markup_text(std::string_view text) {
   std::string escaped;

@@ -1,28 +1,73 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "common/text/format.hpp"
 
 namespace roadbalance {
 
-/// `text` as a terminal may be given it: names and marks are somebody else's, and what commands a terminal in
-/// them (C0 but tabulator and new line, DEL, C1 in UTF-8) is shown as \xNN.  Source: ECMA-48, 5th ed.
-inline std::string printable_text(std::string_view text) {
-  std::string shown;
-  for (std::size_t k = 0; k < text.size(); ++k) {
-    const auto byte = static_cast<unsigned char>(text[k]);
-    const auto next = k + 1 < text.size() ? static_cast<unsigned char>(text[k + 1]) : 0U;
-    const bool is_c1 = byte == 0xC2 && next >= 0x80 && next < 0xA0;
-    if ((byte < 0x20 && byte != '\n' && byte != '\t') || byte == 0x7F)
-      shown += format("\\x%02X", static_cast<unsigned>(byte));
-    else if (is_c1)
-      shown += format("\\x%02X", static_cast<unsigned>(text[++k] & 0xFF));
-    else
-      shown += text[k];
+/// A character that nobody sees, or that changes how those beside it are shown.
+struct HiddenCharacter {
+  std::size_t bytes = 0;  ///< of it in UTF-8; 0: the character can be seen
+  char32_t code = 0;
+};
+
+/// Control characters (C0 but tabulator and new line, DEL, C1), bidirectional controls and characters without
+/// width.  Sources: ECMA-48, 5th ed.; Unicode 15, sections 23.1 to 23.2.
+inline HiddenCharacter hidden_character(std::string_view text, std::size_t at) {
+  const auto byte = [&](std::size_t k) -> char32_t {
+    return at + k < text.size() ? static_cast<unsigned char>(text[at + k]) : 0U;
+  };
+  const char32_t first = byte(0);
+  if (first < 0x80) {
+    const bool hidden = (first < 0x20 && first != '\n' && first != '\t') || first == 0x7F;
+    return hidden ? HiddenCharacter{1, first} : HiddenCharacter{};
   }
-  return shown;
+  const auto is_next = [](char32_t one) { return (one & 0xC0) == 0x80; };
+  HiddenCharacter found;
+  if ((first & 0xE0) == 0xC0 && is_next(byte(1)))
+    found = {2, (first & 0x1F) << 6 | (byte(1) & 0x3F)};
+  else if ((first & 0xF0) == 0xE0 && is_next(byte(1)) && is_next(byte(2)))
+    found = {3, (first & 0x0F) << 12 | (byte(1) & 0x3F) << 6 | (byte(2) & 0x3F)};
+  constexpr std::array<std::pair<char32_t, char32_t>, 8> kHidden{{{0x80, 0x9F},
+                                                                  {0xAD, 0xAD},
+                                                                  {0x61C, 0x61C},
+                                                                  {0x180E, 0x180E},
+                                                                  {0x200B, 0x200F},
+                                                                  {0x2028, 0x202E},
+                                                                  {0x2060, 0x206F},
+                                                                  {0xFEFF, 0xFEFF}}};
+  const bool hidden = std::ranges::any_of(
+      kHidden, [&](const auto& range) { return found.code >= range.first && found.code <= range.second; });
+  return hidden ? found : HiddenCharacter{};
+}
+
+/// "\x1B", "\u202E"
+inline std::string shown(HiddenCharacter hidden) {
+  return format(hidden.code < 0x100 ? "\\x%02X" : "\\u%04X", static_cast<unsigned>(hidden.code));
+}
+
+/// The first hidden character of a text, as shown(); empty: there is none.
+inline std::string first_hidden(std::string_view text) {
+  for (std::size_t k = 0; k < text.size(); ++k)
+    if (const HiddenCharacter hidden = hidden_character(text, k); hidden.bytes > 0) return shown(hidden);
+  return "";
+}
+
+/// `text` as a terminal may be given it: names and marks are foreign, and hidden characters are shown.
+inline std::string printable_text(std::string_view text) {
+  std::string printable;
+  for (std::size_t k = 0; k < text.size();) {
+    const HiddenCharacter hidden = hidden_character(text, k);
+    printable += hidden.bytes > 0 ? shown(hidden) : std::string(1, text[k]);
+    k += std::max<std::size_t>(1, hidden.bytes);
+  }
+  return printable;
 }
 
 }  // namespace roadbalance

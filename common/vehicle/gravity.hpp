@@ -2,8 +2,8 @@
 
 namespace roadbalance {
 
-/// Standard acceleration of free fall (3rd General Conference on Weights and Measures, 1901): what "g" means
-/// as a unit, and what a sensor at rest reads to 0.3 %.
+/// Standard acceleration of free fall (3rd General Conference on Weights and Measures, 1901): "g" as a unit,
+/// and the reading of a sensor at rest to 0.3 %.
 inline constexpr double kStandardGravity_m_s2 = 9.80665;
 
 }  // namespace roadbalance

@@ -1,8 +1,6 @@
 #pragma once
 
 #include <array>
-#include <string>
-#include <vector>
 
 #include <Eigen/Core>
 
@@ -64,25 +62,5 @@ ParameterVector nominal_parameters(const VehicleConfig& vehicle);
 ///   M = diag(masses), P = B' diag(ds) B + diag(0,0,0,dt),
 ///   Q = B' diag(cs) B + sum st (B_L - B_R)'(B_L - B_R) + diag(0,0,0,ct).
 LinearModel linear_model(const Geometry& geometry, const ParameterVector& parameters);
-
-/// Least-squares map from vertical sensors of all nodes to the seven accelerations z''.
-///
-/// A sensor on the body at (x, y) with direction (0, 0, +-1) reads +-(heave'' + y roll'' - x pitch''), one on
-/// a wheel carrier the wheel's z''.  Sensors whose direction is not vertical (|d_z| < 0.999) take no part.
-struct SensorMap {
-  struct Input {
-    int node;     ///< index into VehicleConfig::node
-    int channel;  ///< index into NodeConfig::channel
-  };
-  std::vector<Input> input;        ///< columns of `pseudo_inverse`
-  Eigen::MatrixXd pseudo_inverse;  ///< [7 x inputs]
-
-  /// @throws ConfigError naming the coordinate that no sensor sees, or if the car has a description of its
-  /// own
-  static SensorMap from(const VehicleConfig& vehicle);
-  /// By the sensors on the body alone: heave'', roll'' and pitch''; the wheels' rows are 0.
-  /// @throws as from()
-  static SensorMap of_body(const VehicleConfig& vehicle);
-};
 
 }  // namespace roadbalance

@@ -1,8 +1,11 @@
-#include <Eigen/LU>
+#include "common/vehicle/sensor_map.hpp"
+
 #include <cmath>
+#include <string>
+
+#include <Eigen/LU>
 
 #include "common/config/section.hpp"
-#include "common/vehicle/linear_model.hpp"
 
 namespace roadbalance {
 namespace {

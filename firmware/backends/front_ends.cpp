@@ -8,10 +8,10 @@
 namespace roadbalance {
 
 FrontEndRegistry real_front_ends(const std::function<void(const std::string&)>& warn,
-                                 const std::function<void(const std::string&)>& tell) {
+                                 const std::function<void(const std::string&)>& inform) {
   FrontEndRegistry front_ends;
   front_ends.add("replay",
-                 [tell](const FrontEndRequest& request) { return open_replay_front_end(request, tell); });
+                 [inform](const FrontEndRequest& request) { return open_replay_front_end(request, inform); });
   front_ends.add("can", [warn](const FrontEndRequest& request) { return open_can(request, warn); });
   front_ends.add("usb", [warn](const FrontEndRequest& request) { return open_usb_front_end(request, warn); });
   front_ends.add("gpio", [warn](const FrontEndRequest& request) { return open_gpio(request, warn); });

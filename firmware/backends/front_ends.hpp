@@ -8,9 +8,9 @@
 namespace roadbalance {
 
 /// Every device that a node can be given but the simulated one: replay, can, usb, gpio.
-/// @param warn  hears what of a device will not do what somebody may expect
-/// @param tell  hears how it went: of a replay by how much it was late
+/// @param warn  gets a sentence for each thing of a device that will not do what may be expected of it
+/// @param inform  gets a sentence on how it went: for a replay by how much it was late
 FrontEndRegistry real_front_ends(const std::function<void(const std::string&)>& warn,
-                                 const std::function<void(const std::string&)>& tell = {});
+                                 const std::function<void(const std::string&)>& inform = {});
 
 }  // namespace roadbalance

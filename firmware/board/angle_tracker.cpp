@@ -77,7 +77,7 @@ void AngleTracker::begin(std::uint64_t ticks, Phase measured) {
   speed_ = 0.0f;
   teeth_ = 1;
   good_ = 0;
-  // Without a sense of direction nobody knows where the wheel came to rest.
+  // Without a sense of direction it is not known where the wheel came to rest.
   marks_ = 0;
 }
 
@@ -111,12 +111,12 @@ void AngleTracker::tooth(std::uint64_t ticks, bool forward) {
 void AngleTracker::nearest(std::uint64_t ticks, Phase predicted, std::int32_t passed, std::int32_t error) {
   const bool forward = speed_ > 0.0f;
   const std::int32_t slip = teeth_in(error);
-  const std::int32_t rest = without(error, slip);
+  const std::int32_t remainder = without(error, slip);
   const bool same_again = slip == (forward ? 1 : -1);
-  if (same_again || static_cast<float>(magnitude(rest)) > kFarthestPitches * static_cast<float>(pitch_))
+  if (same_again || static_cast<float>(magnitude(remainder)) > kFarthestPitches * static_cast<float>(pitch_))
     return;
   leave(wrapped(passed - slip), forward);
-  filter(ticks, predicted, rest);
+  filter(ticks, predicted, remainder);
 }
 
 void AngleTracker::filter(std::uint64_t ticks, Phase predicted, std::int32_t error) {
@@ -124,11 +124,11 @@ void AngleTracker::filter(std::uint64_t ticks, Phase predicted, std::int32_t err
   const float x = kTwoPi * setup_.corner_hz * later / static_cast<float>(setup_.tick_hz);
   const float q = x * (1.0f + x * (0.5f + x / 6));
   const float r = 1.0f / (1.0f + q);
-  const float rest = q * r;  // 1 - r
+  const float remainder = q * r;  // 1 - r
   const auto wrong = static_cast<float>(error);
   ticks_ = ticks;
-  phase_ = predicted + static_cast<Phase>(angle_of(rest * (1.0f + r) * wrong));
-  speed_ += rest * rest * wrong / later;
+  phase_ = predicted + static_cast<Phase>(angle_of(remainder * (1.0f + r) * wrong));
+  speed_ += remainder * remainder * wrong / later;
 }
 
 void AngleTracker::zero_mark(std::uint64_t ticks) {
@@ -147,10 +147,10 @@ void AngleTracker::zero_mark(std::uint64_t ticks) {
   }
   strange_ = 0;
   marks_ = std::min(marks_ + 1, kAveragedMarks);
-  // A whole tooth is one that was miscounted; the rest is the mark's own scatter.
-  const std::int32_t rest = without(error, teeth_in(error));
-  const std::int32_t scatter = rest / static_cast<std::int32_t>(marks_);
-  zero_ -= static_cast<Phase>(error) - static_cast<Phase>(rest) + static_cast<Phase>(scatter);
+  // A whole tooth is one that was miscounted; the remainder is the mark's own scatter.
+  const std::int32_t remainder = without(error, teeth_in(error));
+  const std::int32_t scatter = remainder / static_cast<std::int32_t>(marks_);
+  zero_ -= static_cast<Phase>(error) - static_cast<Phase>(remainder) + static_cast<Phase>(scatter);
 }
 
 bool AngleTracker::locked(std::uint64_t ticks) const {

@@ -15,8 +15,8 @@ namespace roadbalance::board {
 
 /// The front-end board's firmware, without its hardware layer.
 ///
-/// Needs no heap, exceptions, RTTI or operating system; all memory is in the object (about 170 kB).  Who
-/// calls what from where: see Hardware.
+/// Needs no heap, exceptions, RTTI or operating system; all memory is in the object (about 170 kB).  Hardware
+/// describes which function is called from where.
 class Board {
  public:
   Board(const Identity& identity, Hardware& hardware) : hardware_(hardware), control_(identity, hardware) {}

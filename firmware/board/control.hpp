@@ -20,7 +20,7 @@ struct SetupPacket {
 
 /// The board's states and set-up, as the host's requests change them.
 ///
-/// A request is carried out or refused as a whole: refused, it changes nothing but what Status says of
+/// A request is carried out or refused as a whole: refused, it changes nothing but Status's count of
 /// refusals.
 class Control {
  public:
@@ -34,7 +34,7 @@ class Control {
   Control(const Identity& identity, Hardware& hardware) : identity_(identity), hardware_(hardware) {}
 
   /// @param data      of an OUT transfer, setup.length bytes
-  /// @param counters  the Status to answer with; what Control knows itself is filled in
+  /// @param counters  the Status to answer with; Control fills in its own part
   /// @param reply     of an IN transfer; cut at its size and setup.length
   Answer handle(const SetupPacket& setup, std::span<const std::uint8_t> data, const Status& counters,
                 std::span<std::uint8_t> reply);

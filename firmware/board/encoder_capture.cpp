@@ -66,8 +66,8 @@ bool EncoderCapture::keep(const CapturedEdge& edge) {
   if (queue_.free() < needed) return false;
   newest_ticks_ = edge.ticks;
   if (line.lost > 0) {
-    const auto said = static_cast<std::uint16_t>(std::min<std::uint32_t>(line.lost, UINT16_MAX));
-    *queue_.room() = {edge.ticks, edge.line, PacketEdgeKind::kLost, said};
+    const auto reported = static_cast<std::uint16_t>(std::min<std::uint32_t>(line.lost, UINT16_MAX));
+    *queue_.room() = {edge.ticks, edge.line, PacketEdgeKind::kLost, reported};
     queue_.publish();
     line.lost = 0;
   }

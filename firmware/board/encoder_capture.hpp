@@ -11,7 +11,7 @@
 
 namespace roadbalance::board {
 
-/// What passed at an encoder, with the hardware timer's stamp.
+/// An event at an encoder, with the hardware timer's stamp.
 struct CapturedEdge {
   std::uint64_t ticks = 0;
   std::uint8_t line = 0;

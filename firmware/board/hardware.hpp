@@ -9,7 +9,7 @@ namespace roadbalance::board {
 
 enum class Signal : std::uint8_t { kA = 0, kB = 1, kZero = 2 };
 
-/// What the firmware needs of a board: the thin layer that is written for each one.
+/// The firmware's needs of a board: the thin layer that is written for each one.
 ///
 /// The layer calls Board::scan(), line_change() and update_references() from interrupts that do not interrupt
 /// each other, and the rest of Board from the main loop, which they interrupt.  It forwards every edge

@@ -1,6 +1,6 @@
 #include "firmware/board/packet.hpp"
 
-#include "common/link/crc32c.hpp"
+#include "common/types/crc32c.hpp"
 #include "firmware/board/byte_order.hpp"
 
 namespace roadbalance::board {

@@ -68,12 +68,12 @@ struct PacketEdge {
   std::int32_t offset_ticks = 0;  ///< behind base_ticks; negative: before the first scan here
   std::uint8_t line = 0;
   PacketEdgeKind kind = PacketEdgeKind::kToothForward;
-  std::uint16_t lost = 0;  ///< kLost: how many, at most 65535 are said; else 0
+  std::uint16_t lost = 0;  ///< kLost: how many, at most 65535 are reported; else 0
 };
 
 enum class PacketFault : std::uint8_t {
   kNone,
-  kLength,  ///< shorter than an empty packet, longer than the longest, or not what its header says
+  kLength,  ///< shorter than an empty packet, longer than the longest, or not the length in its header
   kMagic,
   kVersion,  ///< another major version
   kCrc,

@@ -184,7 +184,7 @@ std::array<std::uint8_t, Arm::kBytes> encode(const Arm& arm);
 std::array<std::uint8_t, Start::kBytes> encode(const Start& start);
 std::array<std::uint8_t, Status::kBytes> encode(const Status& status);
 
-/// What the host sends is read only at exactly its length, and with enumerations and reserved bytes as
+/// A request of the host is read only at exactly its length, and with enumerations and reserved bytes as
 /// defined.
 std::optional<Configuration> decode_configuration(std::span<const std::uint8_t> bytes);
 std::optional<ReferenceSetup> decode_reference_setup(std::span<const std::uint8_t> bytes);
@@ -192,7 +192,7 @@ std::optional<TestPattern> decode_test_pattern(std::span<const std::uint8_t> byt
 std::optional<Arm> decode_arm(std::span<const std::uint8_t> bytes);
 std::optional<Start> decode_start(std::span<const std::uint8_t> bytes);
 
-/// What the device answers may be longer, of a newer minor version; what is known is read.  An Identity of
+/// The device's answers may be longer, of a newer minor version; the known part is read.  An Identity of
 /// another major version is returned too, so that the host can name both.
 std::optional<Identity> decode_identity(std::span<const std::uint8_t> bytes);
 std::optional<Status> decode_status(std::span<const std::uint8_t> bytes);

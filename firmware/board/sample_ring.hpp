@@ -40,7 +40,7 @@ class SampleRing {
 
   /// Interrupt: one conversion.  False if the hole before it is too long: its index is unknown, nothing is
   /// stored.
-  /// @param overload  bit k: the analogue part of channel k says so; a word at its limit does, too
+  /// @param overload  bit k: set by the analogue part of channel k; a word at its limit sets it, too
   [[nodiscard]] bool add(const ScanWords& words, std::uint16_t overload, std::uint64_t ticks);
 
   /// Main loop's end.

@@ -15,7 +15,7 @@ struct SineCosine {
 /// Sine and cosine, to 3e-7 of full scale.
 ///
 /// Taylor's series about the nearest quarter turn, |x| <= pi / 4: the first term left out is x^11 / 11! =
-/// 2e-9. What remains is the rounding of a float.
+/// 2e-9. The rounding of a float remains.
 SineCosine sine_cosine(Phase phase);
 
 }  // namespace roadbalance::board

@@ -5,13 +5,13 @@
 
 #include "common/bus/codec.hpp"
 #include "firmware/acquire.hpp"
-#include "firmware/pack.hpp"
+#include "firmware/block_packer.hpp"
 #include "firmware/readout_clock.hpp"
 #include "firmware/ring_sink.hpp"
 #include "firmware/test/sealed_epoch.hpp"
 #include "firmware/test/valve.hpp"
 
-// A device that is not there at the start, or at the stop: no scan behind or before tells of it.
+// A device that is not there at the start, or at the stop: no scan behind or before shows it.
 namespace roadbalance {
 namespace {
 
@@ -22,7 +22,7 @@ std::int64_t time_at(double seconds) {
   return std::llround(seconds * 1e9);
 }
 
-/// A sealer and the blocks of its epoch; a device that runs by the clock and is asked every 50 ms.
+/// A packer and the blocks of its epoch; a device that runs by the clock and is asked every 50 ms.
 struct Clocked {
   /// Time passes to `until`, in seconds; the device gives its scans, or is not there.
   void pass(double until_s, bool is_there = true) {
@@ -32,14 +32,14 @@ struct Clocked {
       if (is_there && returns) given[0].after_absence = true;
       returns = !is_there && any;
       any = any || is_there;
-      sealer.add(is_there ? std::span<const Scan>(given) : std::span<const Scan>(), {}, false);
-      sealer.asked(scans.back().time);
+      packer.add(is_there ? std::span<const Scan>(given) : std::span<const Scan>(), {}, false);
+      packer.asked(scans.back().time);
     }
   }
   /// The gaps of the epoch, which has to be sound: as check_epoch(), with channels of scan `first` on.
   std::vector<GapBlock> end() {
-    sealer.device_ended();
-    EXPECT_TRUE(sealer.finish());
+    packer.device_ended();
+    EXPECT_TRUE(packer.finish());
     std::vector<GapBlock> gaps;
     std::int64_t next = 0;
     for (const auto& block : valve.blocks) {
@@ -55,7 +55,7 @@ struct Clocked {
   }
   const VehicleConfig vehicle = test::one_node_vehicle(kRate_hz);
   test::Valve valve;
-  Sealer sealer{vehicle, vehicle.node[0], kEpoch, valve, nullptr};
+  BlockPacker packer{vehicle, vehicle.node[0], kEpoch, valve, nullptr};
   std::int64_t now = 0;  ///< in scans
   bool any = false, returns = false;
   std::vector<Scan> given;
@@ -67,10 +67,10 @@ constexpr std::int64_t kOne = 1;
 TEST(AbsentDevice, DeclaresTheScansOfADeviceThatIsNotThereAtTheStop) {
   Clocked node;
   node.pass(0.5);
-  node.sealer.start();
+  node.packer.start();
   node.pass(3.0);
   node.pass(10.0, false);
-  node.sealer.stop();
+  node.packer.stop();
   node.pass(12.0, false);
   const auto gaps = node.end();
   ASSERT_EQ(gaps.size(), 1U);
@@ -78,7 +78,7 @@ TEST(AbsentDevice, DeclaresTheScansOfADeviceThatIsNotThereAtTheStop) {
   EXPECT_EQ(gaps[0].header.first_scan, 5000);
   EXPECT_NEAR(static_cast<double>(gaps[0].header.scans), 14'000, kOne);
   EXPECT_EQ(gaps[0].header.time_ns, time_at(3.0));
-  EXPECT_EQ(node.sealer.counts().scans_missing, gaps[0].header.scans);
+  EXPECT_EQ(node.packer.counts().scans_missing, gaps[0].header.scans);
   EXPECT_NEAR(static_cast<double>(decode_end(node.valve.blocks.back()).header.time_ns),
               static_cast<double>(time_at(10.0)), 1e6);
 }
@@ -88,10 +88,10 @@ TEST(AbsentDevice, DeclaresTheScansOfADeviceThatIsNotThereAtTheStart) {
     Clocked node;
     node.pass(0.5, was_there_before);
     node.pass(4.0, false);
-    node.sealer.start();
+    node.packer.start();
     node.pass(9.0, false);
     node.pass(10.0);
-    node.sealer.stop();
+    node.packer.stop();
     const auto gaps = node.end();
     ASSERT_EQ(gaps.size(), 1U);
     EXPECT_EQ(gaps[0].cause, GapCause::kDeviceGone);
@@ -105,12 +105,12 @@ TEST(AbsentDevice, DeclaresTheScansOfADeviceThatIsNotThereAtTheStart) {
 TEST(AbsentDevice, DeclaresAllScansOfADeviceThatIsNeverThere) {
   Clocked node;
   node.pass(4.0, false);
-  node.sealer.start();
+  node.packer.start();
   node.pass(9.0, false);
   node.valve.open = false;
-  node.sealer.stop();
-  node.sealer.device_ended();
-  EXPECT_FALSE(node.sealer.finish());
+  node.packer.stop();
+  node.packer.device_ended();
+  EXPECT_FALSE(node.packer.finish());
   node.valve.open = true;
   const auto gaps = node.end();
   ASSERT_EQ(gaps.size(), 1U);
@@ -122,22 +122,22 @@ TEST(AbsentDevice, DeclaresAllScansOfADeviceThatIsNeverThere) {
 TEST(AbsentDevice, TakesNoMomentForAnAbsence) {
   Clocked node;
   node.pass(1.0, false);
-  node.sealer.start();
+  node.packer.start();
   node.pass(1.9, false);  // it begins
   node.pass(5.0);
   node.pass(5.9, false);  // scans are on their way
-  node.sealer.stop();
+  node.packer.stop();
   EXPECT_EQ(node.end().size(), 0U);
-  EXPECT_EQ(node.sealer.counts().scans_sampled, 6200);
+  EXPECT_EQ(node.packer.counts().scans_sampled, 6200);
 }
 
 TEST(AbsentDevice, TakesNoTimeInWhichNobodyAskedForAnAbsence) {
   Clocked node;
-  node.sealer.start();
+  node.packer.start();
   node.pass(5.0);
-  node.sealer.add({}, {}, false);
-  node.sealer.asked(node_time_from_ns(time_at(60.0)));  // the process was not scheduled
-  node.sealer.stop();
+  node.packer.add({}, {}, false);
+  node.packer.asked(node_time_from_ns(time_at(60.0)));  // the process was not scheduled
+  node.packer.stop();
   EXPECT_EQ(node.end().size(), 0U);
 }
 
@@ -168,17 +168,17 @@ class There final : public FrontEnd {
   std::int64_t now_ = 0;  ///< in scans
 };
 
-/// What was kept, and what is missing.
+/// The kept scans, and the missing ones.
 std::pair<std::int64_t, std::int64_t> acquired(std::int64_t from, std::int64_t to, std::int64_t begins) {
   const VehicleConfig vehicle = test::one_node_vehicle(kRate_hz);
   Ring ring(Ring::kDefaultBytes);
   RingSink sink(ring);
-  Sealer sealer(vehicle, vehicle.node[0], kEpoch, sink, nullptr);
+  BlockPacker packer(vehicle, vehicle.node[0], kEpoch, sink, nullptr);
   AcquireLink link;
   There device(link, from, to, begins);
   link.start = true;
   ConversionTimes times(device, kRate_hz);  // as in a node
-  acquire({}, times, sealer, sink, link);
+  acquire({}, times, packer, sink, link);
   return {link.scans_sampled.load() - link.scans_missing.load(), link.scans_missing.load()};
 }
 

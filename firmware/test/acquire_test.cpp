@@ -23,13 +23,13 @@ struct Node {
       : vehicle(test::one_node_vehicle(kRate_hz)),
         ring(ring_bytes),
         sink(ring),
-        sealer(vehicle, vehicle.node[0], 5, sink, &preview) {}
+        packer(vehicle, vehicle.node[0], 5, sink, &preview) {}
 
   const VehicleConfig vehicle;
   Ring ring;
   RingSink sink;
   PreviewSlot preview;
-  Sealer sealer;
+  BlockPacker packer;
   AcquireLink link;
 };
 
@@ -44,7 +44,7 @@ TEST(Acquire, NeverAllocates) {
   node.link.start = true;
   {
     const test::NoAllocation guard;
-    acquire({}, device, node.sealer, node.sink, node.link);
+    acquire({}, device, node.packer, node.sink, node.link);
   }
   EXPECT_EQ(node.link.state.load(), NodeState::kEnded);
   EXPECT_EQ(node.link.scans_sampled.load(), 20'000);
@@ -55,7 +55,7 @@ TEST(Acquire, TakesNothingFromAWaitingDeviceBeforeItIsStarted) {
   Node node;
   test::ScriptedFrontEnd device(test::marked_scans(0, 100, kRate_hz), {});
   std::stop_source stop;
-  std::thread process([&] { acquire(stop.get_token(), device, node.sealer, node.sink, node.link); });
+  std::thread process([&] { acquire(stop.get_token(), device, node.packer, node.sink, node.link); });
   stop.request_stop();
   process.join();
   std::array<Scan, 100> scans;
@@ -68,7 +68,7 @@ TEST(Acquire, LosesNothingOfAWaitingDeviceToASmallRing) {
   Node node(256 * sizeof(SealedBlock));
   test::ScriptedFrontEnd device(test::marked_scans(0, 20'000, kRate_hz), turning(10.0), 250);
   node.link.start = true;
-  std::thread process([&] { acquire({}, device, node.sealer, node.sink, node.link); });
+  std::thread process([&] { acquire({}, device, node.packer, node.sink, node.link); });
   // The other side frees what it has seen, as an uplink whose owner is quick.
   std::int64_t seen = 0, scans = 0;
   for (bool ended = false; !ended;) {
@@ -105,7 +105,7 @@ TEST(Acquire, OfAFullRingKeepsTheOldestAndTellsHowManyScansAreMissing) {
   Impatient device(scripted);
   node.link.start = true;
   std::stop_source stop;
-  std::thread process([&] { acquire(stop.get_token(), device, node.sealer, node.sink, node.link); });
+  std::thread process([&] { acquire(stop.get_token(), device, node.packer, node.sink, node.link); });
   while (node.link.scans_sampled.load() < 20'000) std::this_thread::yield();
   node.ring.free_through(node.ring.next() - 1);  // the recorder is back: gap and end are written
   process.join();
@@ -116,7 +116,7 @@ TEST(Acquire, OfAFullRingKeepsTheOldestAndTellsHowManyScansAreMissing) {
   EXPECT_EQ(decode_end(end).header.first_scan, 20'000);
 }
 
-/// A device that gives nothing more, and does not know that it ended.
+/// A device that gives nothing more, and does not report that it ended.
 class FallsSilent final : public FrontEnd {
  public:
   explicit FallsSilent(FrontEnd& inner) : inner_(inner) {}
@@ -139,7 +139,7 @@ TEST(Acquire, EndsWhenToldToThoughItsDeviceHasFallenSilent) {
   test::ScriptedFrontEnd scripted(test::marked_scans(0, 4000, kRate_hz), turning(1.9), 10);
   FallsSilent device(scripted);
   node.link.start = true;
-  std::thread process([&] { acquire({}, device, node.sealer, node.sink, node.link); });
+  std::thread process([&] { acquire({}, device, node.packer, node.sink, node.link); });
   while (!device.is_silent) std::this_thread::yield();
   EXPECT_LT(node.link.scans_sampled.load(), 4000) << "the last scans wait for edges";
   node.link.stop = true;
@@ -149,12 +149,28 @@ TEST(Acquire, EndsWhenToldToThoughItsDeviceHasFallenSilent) {
   EXPECT_EQ(decode_end(end).scans_sealed, 4000);
 }
 
+TEST(Acquire, TellsWhyItsEpochEnded) {
+  const auto cause = [](bool is_stopped, std::stop_token program) {
+    Node node;
+    test::ScriptedFrontEnd device(test::marked_scans(0, 200, kRate_hz), {}, 10);
+    node.link.start = true;
+    node.link.stop = is_stopped;
+    acquire(program, device, node.packer, node.sink, node.link);
+    return node.link.end_cause.load();
+  };
+  std::stop_source ended;
+  ended.request_stop();
+  EXPECT_EQ(cause(false, {}), AbsenceCause::kSourceOver);
+  EXPECT_EQ(cause(true, {}), AbsenceCause::kStopped);
+  EXPECT_EQ(cause(false, ended.get_token()), AbsenceCause::kProgramEnded);
+}
+
 TEST(Acquire, EndsWhenToldToWithWhatItHas) {
   Node node;
   test::ScriptedFrontEnd device(test::marked_scans(0, 4000, kRate_hz), {}, 10);
   node.link.start = true;
   node.link.stop = true;  // started and stopped before the first scan: an epoch without scans
-  acquire({}, device, node.sealer, node.sink, node.link);
+  acquire({}, device, node.packer, node.sink, node.link);
   EXPECT_EQ(node.link.state.load(), NodeState::kEnded);
   const SealedBlock& end = node.ring.get(node.ring.next() - 1);
   ASSERT_EQ(end.kind, BlockKind::kEnd);

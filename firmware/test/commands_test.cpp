@@ -59,7 +59,7 @@ TEST_F(NodeCommands, ARefusedClaimIsToldTheHighestIncarnationObeyed) {
   EXPECT_EQ(say(Verb::kClaim, 5, 91)->result, CommandError::kNone);
 }
 
-// A recorder says once that it gives a node back, and the network may lose that.
+// A recorder sends once that it gives a node back, and the network may lose that.
 TEST_F(NodeCommands, AnIdleNodeIsSetUpWhenItsOwnerIsSilentAndNotBefore) {
   const auto configure = [&](std::int64_t request) {
     commands.take({.node = kNode,

@@ -88,7 +88,7 @@ class CounterEncoderInNode : public testing::Test {
     return device;
   }
 
-  /// What the node's references say against the wheel.
+  /// The node's references against the wheel.
   Judged drive(double from_s) {
     const auto device = bus_and_line();
     Judged judged;
@@ -178,10 +178,10 @@ TEST_F(CounterEncoderInNode, CountsBreaksOfTheCountApartFromFaultyTurns) {
   const auto device = bus_and_line();
   Ring ring;
   RingSink sink(ring);
-  Sealer sealer(vehicle_, vehicle_.node[0], 1, sink, nullptr);
+  BlockPacker packer(vehicle_, vehicle_.node[0], 1, sink, nullptr);
   AcquireLink link;
   link.start = true;
-  acquire({}, *device, sealer, sink, link);
+  acquire({}, *device, packer, sink, link);
   const DeviceReport& said = link.encoder[0];
   EXPECT_EQ(said.of(DeviceCounter::kCountBroken), 1);
   // The place moved once as many agreed; one that the loss smears may lie where they do not.
@@ -210,7 +210,7 @@ TEST_F(CounterEncoderInNode, HasNoneFromABreakOfTheCountToTheNextMark) {
   double next_turn = 1.0;
   for (const SignalSample& sample : samples) {
     const double t = 1e-9 * static_cast<double>(to_ns(sample.time));
-    if (t > 4.0 && t < 6.0) continue;  // 1024 pulses pass in 0.7 s: nobody knows how many turns these were
+    if (t > 4.0 && t < 6.0) continue;  // 1024 pulses pass in 0.7 s: how many turns these were is unknown
     for (; t < 4.0 && wheel_rad(t) > 2 * pi * next_turn; next_turn += 1.0) {
       double at = t;  // Newton
       for (int k = 0; k < 20; ++k) at -= (wheel_rad(at) - 2 * pi * next_turn) / (2 * pi * turns_hz(at));

@@ -8,9 +8,9 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/setup.hpp"
-#include "common/clock/clocks.hpp"
 #include "common/test/bus_url.hpp"
 #include "common/test/source.hpp"
+#include "common/types/clocks.hpp"
 
 namespace roadbalance {
 namespace {
@@ -30,7 +30,7 @@ TEST(Describe, SaysWhatTheNodeIsAgainAndAgain) {
     ++heard;
   });
   const std::jthread process([&](const std::stop_token& stop) { describe(stop, url, vehicle, node); });
-  // Not a limit of the product's: a test that hears nothing has to end.
+  // Not a limit of the product's: a test that receives nothing has to end.
   for (const auto end = WallClock::now() + 60s; heard < 2 && WallClock::now() < end;) bus.handle(100ms);
   ASSERT_GE(heard, 2);
   ASSERT_TRUE(setup);

@@ -44,7 +44,7 @@ TEST(NodeLink, SaysTenTimesASecondThatItLives) {
   EXPECT_EQ(rig.heartbeats_in(1s), 10);
 }
 
-// Nobody has given credit: only heartbeats can tell the recorder that there is something.
+// No recorder has given credit: only heartbeats can show it that there is something.
 TEST(NodeLink, SaysItMoreOftenWhileBlocksWaitAndNoneGoesOut) {
   Rig rig;
   static_cast<void>(rig.heartbeats_in(1s));

@@ -9,7 +9,7 @@
 
 #include "common/bus/codec.hpp"
 #include "common/process/parallel.hpp"
-#include "common/record/record.hpp"
+#include "common/record/record_reader.hpp"
 #include "common/test/bus_url.hpp"
 #include "firmware/spool_folder.hpp"
 #include "firmware/test/little_recorder.hpp"

@@ -108,7 +108,7 @@ TEST(RunNode, SaysWhichEncoderHadTurnsWithoutTheirTeeth) {
   const sim::PulseTrain train{.angle_rad = [](double t) { return 2 * std::numbers::pi * 18.0 * t; },
                               .line = 1};
   std::vector<Edge> edges = train.edges(0.0, 2.1);
-  // As if the kernel had taken two edges as one, and nobody knows of it.
+  // As if the kernel had taken two edges as one, without a sign.
   edges.erase(edges.begin() + 18 * 97 + 40);
   test::ScriptedFrontEnd device(test::marked_scans(0, 4007, kRate_hz), std::move(edges));
   std::mutex mutex;

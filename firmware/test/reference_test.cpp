@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <numbers>
 
-#include "common/link/angle_sigma.hpp"
+#include "common/types/angle_sigma.hpp"
 #include "firmware/test/butterworth.hpp"
 #include "firmware/test/vehicle.hpp"
 #include "sim/pulse_train.hpp"
@@ -182,7 +182,7 @@ TEST(Reference, TellsHowWellItsAnglesAreKnown) {
     }
     const double rms = std::sqrt(square / judged);
     std::printf("%3.0f us: %.4f degrees rms, %.4f told\n", 1e6 * jitter_s, rms, told);
-    // It is told in half octaves, rounded up, and bounds a bias of the window that a steady wheel has not.
+    // It is given in half octaves, rounded up, and bounds a bias of the window that a steady wheel has not.
     EXPECT_GT(told, 0.8 * rms);
     EXPECT_LT(told, 3.0 * rms);
   }

@@ -16,7 +16,7 @@ inline std::int32_t marked_counts(std::int64_t index, std::size_t channel) {
   return static_cast<std::int32_t>((index * 16 + static_cast<std::int64_t>(channel)) % kFullScaleCounts);
 }
 
-/// Hands out prepared scans, edges and signals, as many at a time as it is told.
+/// Hands out prepared scans, edges and signals, as many at a time as set.
 class ScriptedFrontEnd final : public FrontEnd {
  public:
   ScriptedFrontEnd(std::vector<Scan> scans, std::vector<Edge> edges, std::size_t run = 64)

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/bus/codec.hpp"
-#include "common/link/crc32c.hpp"
+#include "common/types/crc32c.hpp"
 #include "firmware/seal_all.hpp"
 #include "firmware/test/scripted_front_end.hpp"
 #include "firmware/test/vehicle.hpp"
@@ -42,7 +42,7 @@ inline std::vector<SealedBlock> blocks_of(std::vector<Scan> scans, std::vector<E
   return blocks;
 }
 
-/// What every epoch must satisfy: sequence, tiling, every scan where it belongs, totals of the end.
+/// Conditions on every epoch: sequence, tiling, every scan where it belongs, totals of the end.
 inline void check_epoch(const std::vector<SealedBlock>& blocks, std::int64_t scans) {
   ASSERT_FALSE(blocks.empty());
   std::int64_t sequence = 1, next = 0, sealed = 0, missing = 0;

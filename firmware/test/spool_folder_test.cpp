@@ -5,10 +5,11 @@
 #include <cerrno>
 #include <fstream>
 #include <random>
+#include <utility>
 
 #include "common/bus/codec.hpp"
 #include "common/link/backlog.hpp"
-#include "common/record/record.hpp"
+#include "common/record/record_reader.hpp"
 #include "common/record/test/simulated_disk.hpp"
 #include "common/test/temporary_directory.hpp"
 #include "firmware/test/spooled_blocks.hpp"

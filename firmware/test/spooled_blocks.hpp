@@ -12,7 +12,7 @@ namespace roadbalance::test {
 inline constexpr std::int32_t kNode = 3;
 inline constexpr std::int64_t kEpoch = 77;
 
-/// Seals the ring's next block: two that describe the epoch, then scans that know their number and, every
+/// Seals the ring's next block: two that describe the epoch, then scans that carry their number and, every
 /// seventh, edges.
 inline void seal_next(Ring& ring) {
   SealedBlock* room = ring.claim();

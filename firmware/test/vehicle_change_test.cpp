@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/link/text_crc.hpp"
+#include "common/types/text_crc.hpp"
 
 namespace roadbalance {
 namespace {

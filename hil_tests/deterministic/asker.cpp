@@ -9,7 +9,7 @@ constexpr std::int64_t kRepeat_ns = kSecond_ns / 5;
 // busy with the rest of a recording before.
 constexpr std::int64_t kPatience_ns = 120 * kSecond_ns;
 
-// What the disk refused may be on it all the same, and a set-up that was done may not.
+// A write that the disk refused may be on it all the same, and a set-up that was done may not.
 bool is_of_the_disk(const Answer& answer) {
   return answer.reason == RefusalReason::kDisk || answer.operation == Operation::kRange ||
          answer.operation == Operation::kFilter || answer.operation == Operation::kZero;
@@ -71,7 +71,7 @@ std::optional<Request> Asker::turn(std::int64_t now_ns, bool drive_is_over, bool
   return asked.request;
 }
 
-// The last word is one: whoever comes back from the dead may not say another, unless its disk had not taken
+// The final answer is one: a restarted recorder may not give another, unless its disk had not taken
 // it.
 void Asker::take(const Answer& answer, int unsure_deaths) {
   if (answer.asker != number_) return;

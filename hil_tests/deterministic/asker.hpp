@@ -11,8 +11,8 @@
 
 namespace roadbalance::test {
 
-/// Somebody who asks for one thing after the other, each again and again until it is answered for good, as
-/// tools/rb/asking does; of what may not be answered then and there, too.
+/// A person who makes one request after the other, each repeated until it has its final answer, as
+/// tools/rb/asking does; also requests that may not be answered then and there.
 class Asker {
  public:
   struct Asked {
@@ -21,13 +21,13 @@ class Asker {
     int unsure_deaths = 0;           ///< of the recorder, until then
     std::optional<Answer> answer{};  ///< the last word
     bool is_unsure = false;          ///< before it a recorder died with a book that its disk had not taken
-    std::string under_way{};         ///< what was said before it
+    std::string under_way{};         ///< the text of the answer before it
   };
 
   Asker(std::int64_t number, std::uint64_t seed, Truth& truth)
       : number_(number), random_(seed, 0), truth_(truth) {}
 
-  /// What it says now; nothing: it waits.
+  /// Its request now; nothing: it waits.
   /// @param drive_is_over  it asks for nothing new but a stop, if that is wanted
   /// @param unsure_deaths  how often the recorder has died until now with a book that its disk had not taken
   std::optional<Request> turn(std::int64_t now_ns, bool drive_is_over, bool wants_stop, int unsure_deaths);

@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "common/frontend/front_end.hpp"
-#include "common/link/block.hpp"
+#include "common/types/block.hpp"
+#include "common/types/scan.hpp"
 #include "hil_tests/deterministic/truth.hpp"
 
 namespace roadbalance::test {
 
-/// What stands beside the scans of one epoch, as its device gave it and as its node seals it: each edge and
+/// Edges and signals of one epoch, as its device gave them and as its node seals them: each edge and
 /// each sample once, in order, or inside a gap; the first edge of a line behind lost ones is marked, and no
 /// other.
 class BesideCheck {

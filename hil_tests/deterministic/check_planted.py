@@ -53,7 +53,7 @@ class Checks:
         return "promises broken" in done.stdout, done.returncode == 0
 
     def known(self):
-        """Names of the faults that can be planted, as the program says them."""
+        """Names of the faults that can be planted, as the program prints them."""
         done = subprocess.run([self.program, "--plant", "?"], capture_output=True, text=True, check=False)
         return done.stderr.partition("there are: ")[2].split("\n")[0].split()
 
@@ -67,13 +67,13 @@ class Checks:
     def verdict(self, record):
         command = [sys.executable, self.check_record, str(record), "--truth", str(record / "truth.json")]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
-        # An exception that nobody caught has exit code 1, too.
+        # An uncaught exception has exit code 1, too.
         if done.returncode not in (0, 1, 3) or done.stderr:
             raise RuntimeError(f"{' '.join(command)}: exit code {done.returncode}: {done.stderr}")
         return done.returncode
 
     def catch(self, fault, scenario):
-        """What is wrong with the catching of this fault, or nothing."""
+        """Why this fault is not caught as it must be; empty if it is."""
         seed = next((seed for seed in range(1, SEEDS + 1) if self.run(scenario, 1, seed, fault)[0]), None)
         if seed is None:
             return f"{fault}: not caught in {SEEDS} seeds of {scenario}"

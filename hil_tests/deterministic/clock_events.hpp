@@ -19,8 +19,8 @@ namespace roadbalance::test {
 /// Holds the clock exchanges and fits of one recorder's record against those that it was given.
 ///
 /// They stand in the record in their order, each once; what came before a block that was called durable is
-/// there, of what came behind it a recorder that dies may lose any.  A segment's preamble, before anything
-/// new of them, says again the pair of clocks and of epochs that have not ended the fits that
+/// there; a recorder that dies may lose any later ones.  A segment's preamble, before anything
+/// new of them, repeats the pair of clocks and of epochs that have not ended the fits that
 /// RecordedClocks::events() demands, and nothing else, so that who begins with it places their instants as
 /// who has read all.
 class ClockEvents {
@@ -37,7 +37,7 @@ class ClockEvents {
 
   /// The record goes on in a segment, of which the next events are.
   /// @param number  1: before it there is nothing
-  /// @param has_ended  what the record tells of an epoch so far
+  /// @param has_ended  whether an epoch has ended, by the record so far
   void begin_segment(int number, const std::function<bool(const NodeEpoch&)>& has_ended);
   /// The next event of the record; those of other channels are passed over.
   void take(std::string_view channel, std::span<const std::uint8_t> bytes);
@@ -65,7 +65,7 @@ class ClockEvents {
   RecordedClocks all_, of_segment_;
   std::set<NodeEpoch> ended_;                                     // before the segment
   std::set<std::pair<NodeEpoch, std::int64_t>> fits_of_segment_;  // of the others, with their node's instant
-  RecordEvents preamble_;                                         // what it has not said yet
+  RecordEvents preamble_;                                         // those that it has not repeated yet
 };
 
 }  // namespace roadbalance::test

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "common/link/block.hpp"
+#include "common/types/block.hpp"
 
 namespace roadbalance::test {
 

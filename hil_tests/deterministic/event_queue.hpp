@@ -6,7 +6,7 @@
 
 namespace roadbalance::test {
 
-/// What happens next in a simulated world.
+/// The next event in a simulated world.
 struct Event {
   enum class Kind : std::uint16_t {
     kDevice,    ///< scans have come at node `who`

@@ -67,6 +67,7 @@ std::optional<double> read_limit(Section& table, const std::string& key) {
 Expectation read_expectation(Section table) {
   Expectation expect;
   expect.complete = table.boolean_or("complete", false);
+  expect.absences = table.boolean_or("absences", false);
   expect.falls_back = table.boolean_or("falls_back", false);
   expect.loses_edges = table.boolean_or("loses_edges", false);
   expect.loses_signals = table.boolean_or("loses_signals", false);

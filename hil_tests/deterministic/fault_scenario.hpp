@@ -16,7 +16,7 @@ struct Span {
   double longest_s = 0;
 };
 
-/// What goes wrong, in the order of kFaultNames.
+/// Faults, in the order of kFaultNames.
 enum class FaultKind : std::uint8_t {
   kPull,           ///< the cable of one node, or of all, is out
   kKillRecorder,   ///< kill -9; it is started again after `lasting`
@@ -29,11 +29,13 @@ enum class FaultKind : std::uint8_t {
   kDiskFailing,    ///< each call of the host's disk fails with `strength`
   kSpoolFailing,   ///< the same of a node's disk
   kWallStep,       ///< the host's wall clock jumps by up to a day either way
+  kEndNode,        ///< a node ends in order, by one of its causes, and is started again after `lasting`
+  kLateNode,       ///< a node that is expected comes so late; behind the drive's end: never
 };
-inline constexpr std::size_t kFaultKinds = 11;
+inline constexpr std::size_t kFaultKinds = 13;
 inline constexpr std::array<const char*, kFaultKinds> kFaultNames{
-    "pull",      "kill_recorder", "kill_node",    "pause_recorder", "pause_node", "hang_uplink",
-    "power_cut", "disk_full",     "disk_failing", "spool_failing",  "wall_step"};
+    "pull",      "kill_recorder", "kill_node",     "pause_recorder", "pause_node", "hang_uplink", "power_cut",
+    "disk_full", "disk_failing",  "spool_failing", "wall_step",      "end_node",   "late_node"};
 
 enum class Direction : std::uint8_t { kBoth, kToHost, kToNode };
 
@@ -51,6 +53,7 @@ struct PlannedFault {
 /// [expect]: what a run must reach beyond the promise itself.
 struct Expectation {
   bool complete = false;     ///< nothing may be missing, not even declared
+  bool absences = false;     ///< the record names each absence of a node, and no other
   bool falls_back = false;   ///< the record goes on in the fallback folder in half of the runs at least
   bool loses_edges = false;  ///< edges are lost inside gaps
   bool loses_signals = false;

@@ -8,7 +8,7 @@ namespace {
 constexpr std::uint64_t kUse = 9;  // sim::Use::kTestSample
 constexpr std::uint64_t kStep = 0x9E3779B97F4A7C15;
 
-// Of a number, or of each in a vector.
+// Hash of a number, or of each in a vector.
 #define RB_MIX(x)             \
   do {                        \
     x ^= x >> 30;             \

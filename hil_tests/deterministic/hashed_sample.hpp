@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "common/frontend/front_end.hpp"
+#include "common/types/scan.hpp"
 
 namespace roadbalance::test {
 
@@ -29,7 +29,7 @@ class HashedScans {
 
   /// The samples of scan `index`.
   Row at(std::int64_t index) const;
-  /// Of scans `first`, `first` + 1 ..., by the processor's wide multiplication where it has one.
+  /// Samples of scans `first`, `first` + 1 ..., by the processor's wide multiplication where it has one.
   void fill(std::int64_t first, std::span<Row> rows) const;
 
  private:

@@ -21,9 +21,9 @@
 #include "hil_tests/deterministic/random.hpp"
 #include "hil_tests/deterministic/record_check.hpp"
 #include "hil_tests/deterministic/truth.hpp"
-#include "host/recorder/operating.hpp"
-#include "host/recorder/record_keeper.hpp"
+#include "host/recorder/control/operating.hpp"
 #include "host/recorder/recorder_link.hpp"
+#include "host/recorder/recording_store.hpp"
 #include "host/recorder/write_batch.hpp"
 
 namespace roadbalance::test {
@@ -59,18 +59,18 @@ class HostMachine {
   void record(RecordEvent event);
   /// It records now, or has something to fetch or to set up.
   bool has_work() const;
-  /// Of the vehicle.toml that it leads.
+  /// CRC-32C of the vehicle.toml that it leads.
   std::uint32_t vehicle_crc32c();
   /// Behind check_record(): what was asked and answered against what it did.
   void check_asked(const std::vector<Asker::Asked>& asked);
-  /// It was told to stop, has, and closed the record.
+  /// It has stopped as requested, and closed the record.
   bool closed() const { return closed_; }
 
   /// Space for little more than there is, and again for all.
   void fill_disk(bool full);
   /// Each call fails with this probability; 0: none.
   void fail_disk(double probability) { failing_ = probability; }
-  /// What its disk needed since the last call.
+  /// Time of its disk since the last call.
   std::int64_t take_elapsed_ns();
 
   /// Holds what is finished of the record against the truth, so that it need not be kept.
@@ -78,6 +78,11 @@ class HostMachine {
   /// Holds the rest against it.  The recorder is gone.
   void check_record();
   RecordCheck& check() { return check_; }
+  /// Behind check_record(): the nodes that its record says were absent, and whether it is called complete.
+  std::vector<Absence> absences();
+  bool is_called_complete();
+  std::int64_t began_ns() const { return began_ns_; }  ///< its first start
+  std::int64_t ns_of(std::int64_t utc_us) const;       ///< the instant, if its wall clock was never set
   const ClockEvents& clock_events() const { return clock_events_; }
   /// Its record goes on in the fallback folder.
   bool fell_back();
@@ -92,11 +97,11 @@ class HostMachine {
 
   double longest_to_durable_s() const { return longest_to_durable_s_; }
   int boots() const { return boots_; }
-  /// How often it died while its disk failed or just after, so that what it last said may not be on it.
+  /// How often it died while its disk failed or just after, so that its last answer may not be on it.
   int unsure_deaths() const { return unsure_deaths_; }
   /// How often it died before a call of its disk, not between two turns.
   int deaths_at_call() const { return deaths_at_call_; }
-  int disk_fulls() const { return disk_fulls_; }  ///< times that it waited for space, as its record says
+  int disk_fulls() const { return disk_fulls_; }  ///< times that it waited for space, by its record
 
  private:
   struct Program;
@@ -140,6 +145,7 @@ class HostMachine {
   std::vector<Led*> led_;  // sessions of operating_
   std::unique_ptr<Operating> operating_;
   std::int64_t now_ns_ = 0;
+  std::int64_t began_ns_ = 0;
   std::string checked_;                                                    // the folder of next_to_check_
   std::map<std::string, std::pair<std::int64_t, std::int64_t>> begun_by_;  // [recording] who asked
   struct FoundMark {
@@ -149,9 +155,9 @@ class HostMachine {
   std::map<std::string, FoundMark> marks_;  // [text]
   struct Word {
     AnswerState state = AnswerState::kUnderWay;
-    int boots = 0, unsure_deaths = 0;  // until it was said
+    int boots = 0, unsure_deaths = 0;  // until that answer
   };
-  std::map<std::pair<std::int64_t, std::int64_t>, Word> said_;  // [asker, request] the last word
+  std::map<std::pair<std::int64_t, std::int64_t>, Word> reported_;  // [asker, request] the last word
   // Recordings that came to their end on a disk that failed: last words may be torn, which are no blocks.
   std::set<std::string> may_be_torn_;
   bool paused_ = false;
@@ -164,8 +170,8 @@ class HostMachine {
   bool full_ = false;
   double failing_ = 0;
   int next_to_check_ = 1;  // segment
-  std::set<int> deleted_;  // by retention, as the notes say that were read
-  int disk_fulls_ = 0;     // as these say, too
+  std::set<int> deleted_;  // by retention, by the notes that were read
+  int disk_fulls_ = 0;     // by these, too
   std::int64_t elapsed_seen_ns_ = 0;
   std::int64_t utc_offset_us_ = 0;
   int boots_ = 0;

@@ -20,7 +20,7 @@ struct HostMachine::Program {
           const std::filesystem::path& folder, std::int64_t utc_us, std::int64_t host_ns,
           std::int64_t first_incarnation = 0);
 
-  RecordKeeper keeper;
+  RecordingStore store;
   RecorderLink link;
   std::vector<RecordEvent> events;  // of clocks, for the writer
   std::size_t events_in_commit = 0;
@@ -39,7 +39,7 @@ class HostMachine::Led final : public Session {
   Led(HostMachine& host, const RecorderOptions& options);
   ~Led() override;
 
-  void stop() override { stopping_ = true; }
+  void stop(const std::string&) override { stopping_ = true; }
   void note(NoteToRecord note) override { notes_.push_back(std::move(note)); }
   View view() const override;
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/config/section.hpp"
-#include "hil_tests/deterministic/campaign.hpp"
+#include "hil_tests/deterministic/fault_campaign.hpp"
 #include "hil_tests/deterministic/planted_name.hpp"
 
 namespace {

@@ -20,7 +20,7 @@ class Network {
   Network(const FaultScenario& scenario, std::uint64_t seed, EventQueue& events)
       : scenario_(scenario), random_(seed, 0), events_(events) {}
 
-  /// What nodes listen to: acknowledgements and commands of their number.
+  /// Nodes listen to acknowledgements and commands of their number.
   void add_node(std::int32_t number);
   void from_node(std::size_t node, const std::string& channel, std::span<const std::uint8_t> bytes,
                  std::int64_t now_ns);

@@ -2,14 +2,15 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <span>
 #include <string>
 #include <utility>
 
 #include "common/bus/codec.hpp"
-#include "common/bus/control.hpp"
+#include "common/bus/control_messages.hpp"
 #include "common/link/planted.hpp"
 #include "common/record/folder.hpp"
-#include "common/record/record.hpp"
+#include "common/record/record_reader.hpp"
 #include "common/record/segment.hpp"
 #include "hil_tests/deterministic/node_program.hpp"
 
@@ -18,7 +19,7 @@ namespace {
 
 const std::filesystem::path kSpools = "/spool";
 
-// No encoder: the references are somebody else's proof and cost more than all the rest.
+// No encoder: the references are proven elsewhere and cost more than all the rest.
 VehicleConfig plain_vehicle(std::int32_t number, double rate_hz, const std::string& text) {
   VehicleConfig vehicle{};
   vehicle.name = "deterministic";
@@ -86,7 +87,7 @@ void NodeMachine::boot(std::int64_t now_ns) {
                                        *change_, disk_);
   disk_.set_fault([this](DiskCall call, std::int64_t, const std::string&) {
     if (!random_.chance(spool_failing_)) return SimulatedDisk::Outcome{};
-    // What it does not take stays in memory; only what it does not give back may be given up.
+    // Blocks that it does not take stay in memory; only blocks that it does not give back may be given up.
     if (call == DiskCall::kOpen || call == DiskCall::kRead) program_->truth.gave_up = true;
     return SimulatedDisk::Outcome{.error = EIO};
   });
@@ -97,6 +98,7 @@ void NodeMachine::boot(std::int64_t now_ns) {
 void NodeMachine::kill(bool power) {
   if (!program_) return;
   program_->truth.killed = !program_->truth.ended || program_->backlog.used() > 0;
+  truth_.ends(number_, AbsenceCause::kSilent);
   disk_.set_fault(nullptr);
   if (power) disk_.cut_power();
   disk_.kill();
@@ -109,12 +111,16 @@ void NodeMachine::kill(bool power) {
   was_killed_ = true;
 }
 
+void NodeMachine::end(AbsenceCause cause) {
+  if (program_) program_->ends = cause;
+}
+
 std::vector<std::filesystem::path> NodeMachine::left_spools() {
   return spools_left(
       kSpools, [this](const std::string& what) { fault(what); }, disk_);
 }
 
-// What its disk held, `rb recover --spool` finds there.  The user takes it away.
+// `rb recover --spool` finds the contents of its disk there.  The user takes it away.
 void NodeMachine::take_left_spool(std::int64_t base, std::int64_t next) {
   const auto folder = spool_path(kSpools, number_, last_epoch_);
   const auto left = left_spools();
@@ -225,6 +231,89 @@ void NodeMachine::begin_anew(std::int64_t now_ns, const Publish& publish) {
 std::optional<std::uint32_t> NodeMachine::changed_vehicle() const {
   if (was_killed_ || !change_) return std::nullopt;
   return change_->in_force();
+}
+
+namespace {
+
+constexpr std::int64_t kDeviceHolds = 256;  // scans; older ones are lost while they are not read
+constexpr std::int64_t kScansPerEdge = 32;
+
+// At an instant of its own between the scan and the one before.
+Edge edge_before(const Scan& scan) {
+  const std::int64_t number = scan.index / kScansPerEdge;
+  return {.time = scan.time - NodeClock::duration(number * 7919 % 20'000),
+          .line = static_cast<std::uint8_t>(number % kEncoderLines),
+          .kind = number % 97 == 0 ? EdgeKind::kZeroMark : EdgeKind::kTooth};
+}
+
+}  // namespace
+
+void NodeMachine::read(std::int64_t now_ns) {
+  Program& p = *program_;
+  const double since_s = static_cast<double>(now_ns - p.started_ns) * 1e-9;
+  const auto end = static_cast<std::int64_t>(since_s * scenario_.rate_hz);
+  p.next_index = std::max(p.next_index, end - kDeviceHolds);
+  const auto count = static_cast<std::size_t>(end - p.next_index);
+  if (p.sealer.started() && p.first_index < 0 && count > 0) p.first_index = p.next_index;
+  const std::int64_t first = p.next_index - std::max<std::int64_t>(0, p.first_index);
+  p.samples.fill(first, std::span(counts_).first(count));
+  edges_.clear();
+  for (std::size_t k = 0; k < count; ++k) {
+    Scan& scan = scans_[k];
+    scan.index = p.next_index++;
+    const auto taken_ns =
+        static_cast<std::int64_t>(1e9 / scenario_.rate_hz * static_cast<double>(scan.index));
+    scan.time = node_time_from_ns(clock_ns(p.started_ns + taken_ns));
+    scan.counts = counts_[k];
+    if (scan.index % kScansPerEdge == 0) edges_.push_back(edge_before(scan));
+  }
+  give_what_stands_beside(count);
+  p.sealer.add(std::span(scans_).first(count), edges_, false);
+  if (p.first_index >= 0 && !p.link.stop.load()) p.truth.scans = p.next_index - p.first_index;
+}
+
+// Edges of both lines, and a sample a read: with them blocks without scans, which only their numbers
+// reveal.
+void NodeMachine::give_what_stands_beside(std::size_t scans) {
+  Program& p = *program_;
+  if (scans == 0) return;
+  const Scan& last = scans_[scans - 1];
+  const SignalSample sample{.time = last.time, .signal = 3, .value = static_cast<double>(last.index)};
+  if (p.sealer.started() && !p.link.stop.load()) {
+    for (const Edge& edge : edges_) p.beside.given(edge);
+    p.beside.given(sample);
+  }
+  p.sealer.add({&sample, 1});
+}
+
+// The body of firmware/acquire.cpp's loop, one read of a device that does not wait.
+std::int64_t NodeMachine::device(std::int64_t now_ns) {
+  constexpr std::int64_t kScansPerVisit = 20;
+  const auto more_ns = static_cast<std::int64_t>(static_cast<double>(kScansPerVisit) / scenario_.rate_hz *
+                                                 1e9 * random_.between(0.5, 1.5));
+  if (!runs() || program_->stopped) return now_ns + more_ns;
+  Program& p = *program_;
+  const std::int64_t before = p.backlog.base();
+  p.sink.now_ns = now_ns;
+  p.sealer.asked(node_time_from_ns(clock_ns(now_ns)));
+  if (p.link.start.load() && !p.sealer.started()) {
+    p.sealer.start();
+    p.truth.started_by = p.uplink.owner();
+    truth_.begins(number_);
+  }
+  const bool ends = p.ends != AbsenceCause::kNone;
+  if (ends || p.link.stop.load()) {
+    ends ? p.sealer.device_ended() : p.sealer.stop();
+    p.stopped = !p.sealer.started() || p.sealer.finish();
+    p.link.end_cause = ends ? p.ends : AbsenceCause::kStopped;
+    truth_.ends(number_, p.link.end_cause);
+  }
+  if (!p.stopped && !ends) read(now_ns);
+  const NodeState state = p.sealer.started() ? NodeState::kStarted : NodeState::kPreview;
+  const NodeState last = p.ends == AbsenceCause::kDeviceFailed ? NodeState::kFailed : NodeState::kEnded;
+  report_progress(p.sealer, p.stopped ? last : state, p.link);
+  watch_freed({}, {}, before);
+  return now_ns + more_ns;
 }
 
 }  // namespace roadbalance::test

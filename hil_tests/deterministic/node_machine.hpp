@@ -11,8 +11,8 @@
 
 #include "common/bus/publish.hpp"
 #include "common/config/vehicle_config.hpp"
-#include "common/frontend/front_end.hpp"
 #include "common/record/test/simulated_disk.hpp"
+#include "common/types/scan.hpp"
 #include "firmware/vehicle_change.hpp"
 #include "hil_tests/deterministic/fault_scenario.hpp"
 #include "hil_tests/deterministic/hashed_sample.hpp"
@@ -31,6 +31,8 @@ class NodeMachine {
   void boot(std::int64_t now_ns);
   /// @param power  what its disk has not synced is gone or torn
   void kill(bool power);
+  /// It ends in order: everything up to now is sealed, and it stays until its owner has that.
+  void end(AbsenceCause cause);
   bool runs() const { return program_ != nullptr && !paused_; }
   bool is_up() const { return program_ != nullptr; }
   /// SIGSTOP and SIGCONT.
@@ -47,13 +49,14 @@ class NodeMachine {
   void take(std::string_view channel, std::span<const std::uint8_t> bytes, std::int64_t now_ns);
   /// True if it is busy.
   bool turn(std::int64_t now_ns, const Publish& publish);
-  /// Its program ends as finished() wants it to.
+  /// Its program ends as finished() requires.
   void leave(const Publish& publish);
   bool finished() const;
   /// It stays: as leave(), and then a new epoch, with another vehicle.toml if one is wanted and its devices
   /// take it.
   void begin_anew(std::int64_t now_ns, const Publish& publish);
-  /// Of the vehicle.toml in force; nothing if it was killed at some time, and so has that of its first start.
+  /// CRC-32C of the vehicle.toml in force; nothing if it was killed at some time and so has that of its first
+  /// start.
   std::optional<std::uint32_t> changed_vehicle() const;
 
   std::int32_t number() const { return number_; }

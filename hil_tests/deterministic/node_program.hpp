@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "common/link/backlog.hpp"
+#include "firmware/block_packer.hpp"
 #include "firmware/node_link.hpp"
-#include "firmware/pack.hpp"
 #include "firmware/ring_sink.hpp"
 #include "firmware/spool_folder.hpp"
 #include "hil_tests/deterministic/beside_check.hpp"
@@ -46,14 +46,15 @@ struct NodeMachine::Program {
   WitnessedSink sink;
   PreviewSlot preview;
   AcquireLink link;
-  Sealer sealer;
+  BlockPacker sealer;
   std::unique_ptr<SpoolFolder> spool;
   Backlog backlog;
   NodeLink uplink;
   HashedScans samples;
-  std::int64_t next_index = 0;    // of the device
-  std::int64_t first_index = -1;  // that is kept
-  std::int64_t started_ns = 0;    // the device's index 0
+  std::int64_t next_index = 0;              // of the device
+  std::int64_t first_index = -1;            // that is kept
+  std::int64_t started_ns = 0;              // the device's index 0
+  AbsenceCause ends = AbsenceCause::kNone;  // other than by the command of its recorder
   bool stopped = false;
   std::int64_t highest_owner = 0;
 };

@@ -31,7 +31,7 @@ inline std::string all_planted_names() {
   return all;
 }
 
-/// What a command line needs to have the fault too: nothing, or " --plant NAME".
+/// Option that plants the fault in a command line, too: nothing, or " --plant NAME".
 inline std::string plant_option(PlantedFault fault) {
   if (fault == PlantedFault::kNone) return {};
   return " --plant " + std::string(kPlantedNames[static_cast<std::size_t>(fault) - 1]);

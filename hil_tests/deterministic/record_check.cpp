@@ -87,7 +87,7 @@ void RecordCheck::take_own(const SealedBlock& block, Seen& of) {
   }
 }
 
-// A gap that the recorder declares; any other block that nobody sealed is a forgery.
+// A gap that the recorder declares; any other block that no node sealed is a forgery.
 void RecordCheck::take_declared(const SealedBlock& block, Seen& of) {
   of.all_its_own = false;
   const BlockHeader& header = block.header;

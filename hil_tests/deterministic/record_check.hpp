@@ -9,7 +9,7 @@
 #include <string_view>
 #include <utility>
 
-#include "common/link/blocks.hpp"
+#include "common/types/blocks.hpp"
 #include "hil_tests/deterministic/hashed_sample.hpp"
 #include "hil_tests/deterministic/truth.hpp"
 
@@ -36,7 +36,7 @@ class RecordCheck {
   void finish(bool closed);
   /// Its end or its declared crash was seen.
   bool is_closed(std::int32_t node, std::int64_t epoch) const;
-  /// What was said of an epoch before its record is looked at; null: nothing.
+  /// Promises for an epoch before its record is read; null: none.
   struct Said {
     std::int64_t promised = 0;  ///< by this recorder: durable through
     struct Declared {
@@ -65,7 +65,7 @@ class RecordCheck {
     Said said;
     std::int64_t sequence = 0;  // last one
     std::int64_t next_scan = 0;
-    bool is_next_known = true;  // else more were lost with the last gap, nobody knows how many
+    bool is_next_known = true;  // else an unknown number more were lost with the last gap
     BlockSum sum;               // of the blocks that its node sealed ...
     bool all_its_own = true;    // ... and all are
     bool crashed = false;

@@ -5,7 +5,7 @@
 
 namespace roadbalance::test {
 
-/// What one run found; plain bytes, so that it passes through a pipe.
+/// Result of one run; plain bytes, so that it passes through a pipe.
 struct RunResult {
   std::uint64_t seed = 0;
   double bus_s = 0;           ///< simulated

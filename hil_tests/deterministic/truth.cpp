@@ -46,6 +46,14 @@ void Truth::sealed(EpochTruth& epoch, const SealedBlock& block, std::int64_t now
   ++blocks_sealed_;
 }
 
+void Truth::ends(std::int32_t node, AbsenceCause cause) {
+  for (Measured& one : measured_)
+    if (one.node == node && one.to_ns == 0) {
+      one.to_ns = now_ns_;
+      one.end = cause;
+    }
+}
+
 void Truth::fault(const std::string& what) {
   if (fault_count_++ >= static_cast<std::int64_t>(kFaultsKept)) return;
   faults_.push_back(std::to_string(static_cast<double>(now_ns_) * 1e-9) + " s: " + what);

@@ -7,11 +7,11 @@
 #include <utility>
 #include <vector>
 
-#include "common/link/block.hpp"
+#include "common/types/block.hpp"
 
 namespace roadbalance::test {
 
-/// What one node epoch really took and sealed.
+/// Samples and blocks that one node epoch really took and sealed.
 struct EpochTruth {
   std::int32_t node = 0;
   std::int64_t epoch = 0;
@@ -21,7 +21,7 @@ struct EpochTruth {
   bool gone = false;  ///< its program ended in order: its owner had everything, but others may not know
   int openings = 0;   ///< runs of the node that called it theirs; one, if all is well
   std::int64_t promised = 0;    ///< called durable by an acknowledgement of any recorder
-  bool gave_up = false;         ///< its own disk failed: it may give back what nobody called durable
+  bool gave_up = false;         ///< its own disk failed: it may give back blocks that were not called durable
   std::int64_t started_by = 0;  ///< incarnation of the recorder that it obeyed when it began to measure
   /// Incarnations of the recorders it gave blocks back to or took as its owner, each change.
   std::vector<std::int64_t> obeyed;
@@ -44,7 +44,7 @@ struct EpochTruth {
   }
 };
 
-/// What happened in a run, as only the world outside knows it, and every promise that was seen broken.
+/// Events of a run as they really were, and every promise that was seen broken.
 class Truth {
  public:
   EpochTruth& open(std::int32_t node, std::int64_t epoch);
@@ -63,9 +63,19 @@ class Truth {
   void leads(std::int64_t incarnation, const std::string& recording) {
     leads_[incarnation].insert(recording);
   }
-  /// The epoch was started for this recording, as far as incarnations tell: who fetches the rest of one may
+  /// The epoch was started for this recording, by incarnations: a recorder that fetches the rest of one may
   /// have the number of another when the wall clock was set back.
   bool may_be_in(const EpochTruth& epoch, const std::string& recording) const;
+
+  /// A node measures from an instant to another.
+  struct Measured {
+    std::int32_t node = 0;
+    std::int64_t from_ns = 0, to_ns = 0;  ///< 0: it goes on
+    AbsenceCause end = AbsenceCause::kNone;
+  };
+  void begins(std::int32_t node) { measured_.push_back({.node = node, .from_ns = now_ns_}); }
+  void ends(std::int32_t node, AbsenceCause cause);
+  const std::vector<Measured>& measured() const { return measured_; }
 
   /// A broken promise; the first few are kept.
   void fault(const std::string& what);
@@ -82,6 +92,7 @@ class Truth {
  private:
   std::map<std::pair<std::int32_t, std::int64_t>, EpochTruth> epochs_;
   std::map<std::int64_t, std::set<std::string>> leads_;
+  std::vector<Measured> measured_;  // in order of time
   std::vector<std::string> faults_;
   std::int64_t fault_count_ = 0;
   std::int64_t blocks_sealed_ = 0;

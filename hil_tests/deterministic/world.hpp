@@ -49,6 +49,7 @@ class World {
     bool fit_held = false;        ///< at its instant
     std::int64_t exchanges = 0;
     bool left = false;  // its program has ended in order
+    bool ends = false;  // so it will, to be started again
   };
   void turn_asker(std::size_t which);
   void take_answer(const Event& event);
@@ -73,12 +74,14 @@ class World {
   void boot_host(std::size_t which);
   void turn_fault(const Timed& timed, bool on);
   void turn_node_fault(const Timed& timed, std::size_t node, bool on);
+  void end_node(const Timed& timed, Node& node, bool on);
   void turn_death(const Timed& timed, Host& host, bool on);
   void turn_host_fault(const Timed& timed, bool on);
   void exchange_stamps(std::size_t node);
   void drain_sockets();
   void watch_pull(Node& node);
   void check_finished();
+  void check_absences();
   bool is_over() const;
   void fault_not_over(std::int64_t waited_ns);
   RunResult result();
@@ -96,6 +99,7 @@ class World {
   std::vector<Timed> faults_;
   std::int64_t now_ns_ = 0;
   bool stopped_ = false;
+  std::int64_t stopped_ns_ = 0;
   double longest_pull_cleared_s_ = 0;
   std::int64_t kills_ = 0;  // of recorders that had begun, by power cuts too
   std::int64_t clock_windows_ = 0;

@@ -5,12 +5,12 @@
 #include <map>
 #include <utility>
 
-#include "common/bus/control.hpp"
+#include "common/bus/control_messages.hpp"
 #include "hil_tests/fuzz/property.hpp"
 
 namespace roadbalance::fuzz {
 
-/// What a recorder says to the nodes: nothing durable that its disk did not call durable, and everything
+/// Acknowledgements of a recorder: nothing durable that its disk did not call durable, and everything
 /// rising.
 class AckCheck {
  public:

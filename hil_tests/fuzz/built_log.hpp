@@ -24,7 +24,7 @@ inline void append_event(const std::string& channel, std::span<const std::uint8_
   log.insert(log.end(), data.begin(), data.end());
 }
 
-/// Good events of kLogNode and damage between them, as the fuzzer says.
+/// Good events of kLogNode and damage between them, as the fuzzer chooses.
 inline Bytes build_log(ByteReader& in) {
   Bytes log;
   for (std::int64_t sequence = 1; !in.empty() && log.size() < kMostLogBytes;) {

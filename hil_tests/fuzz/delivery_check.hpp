@@ -8,14 +8,13 @@
 #include <variant>
 
 #include "common/bus/codec.hpp"
-#include "common/bus/control.hpp"
+#include "common/bus/control_messages.hpp"
 #include "common/link/epoch_receiver.hpp"
 #include "hil_tests/fuzz/property.hpp"
 
 namespace roadbalance::fuzz {
 
-/// What a recorder is given of each node epoch: every number once, in order, by a block or by a gap that says
-/// so.
+/// Deliveries to a recorder from each node epoch: every number once, in order, by a block or within a gap.
 class DeliveryCheck {
  public:
   void take(const Delivery& delivery) {
@@ -29,7 +28,7 @@ class DeliveryCheck {
     require(!is_own || header.sequence == seen.sequence + 1, "no number is passed over");
     require(header.first_scan >= 0 && header.scans >= 0 && header.scans <= kIndexLimit, "scans are counted");
     require(!gap || is_readable(*gap), "every reader accepts a gap that is declared");
-    // What its node still has is lost with the node only.
+    // Blocks that its node still has are lost with the node only.
     if (gap && gap->cause == GapCause::kLostAtNode && header.sequence >= seen.base) dying_.insert(&seen);
     require(!gap || gap->cause != GapCause::kNodeCrash || header.sequence == seen.sequence + 1,
             "a crash is the next number");
@@ -43,7 +42,7 @@ class DeliveryCheck {
     require(dying_.empty(), "only what its node said that it no longer has is lost, unless it has died");
   }
 
-  /// What the recorder has been told.
+  /// Messages that the recorder has received.
   void heard(const Heartbeat& beat) {
     std::int64_t& base = seen_[{beat.node, beat.epoch}].base;
     base = std::max(base, beat.base);

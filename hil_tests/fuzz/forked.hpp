@@ -23,10 +23,10 @@
 namespace roadbalance::fuzz {
 
 /// Runs a check in a process of its own, for a library that damage can end, and which is not ours to mend.
-/// What of our code was passed counts here; what is our fault is this process's end.
+/// Edges that our code passed count here; a fault of ours ends this process.
 ///
-/// A program with it shall have symbolize=0 among its default options: whose a frame is, its address tells,
-/// and a symbolizer for each fault of the library takes many times as long as the check.
+/// A program with it shall have symbolize=0 among its default options: the address of a frame shows its
+/// owner, and a symbolizer for each fault of the library takes many times as long as the check.
 class Forked {
  public:
   /// @param library  whose faults are forgiven, as a stack names it: "libhdf5"
@@ -104,7 +104,7 @@ class Forked {
       Dl_info frame{};
       if (dladdr(reinterpret_cast<void*>(std::strtoull(&line[address], nullptr, 16)), &frame) == 0) continue;
       if (std::string_view(frame.dli_fname).find(library_) != std::string_view::npos) return true;
-      // Of the program itself only what it exports is not ours: the sanitizer's stand-ins for libc's
+      // Only the exported functions of the program itself are not ours: the sanitizer's stand-ins for libc's
       // functions.
       if (frame.dli_fbase == here.dli_fbase && frame.dli_sname == nullptr) return false;
     }

@@ -153,7 +153,7 @@ void Driven::act(ByteReader& bytes) {
   }
 }
 
-// What a host reads of a board's replies: one may be longer, of a later board, and is not refused for it.
+// A host's reading of a board's replies: one may be longer, from a later board, and is not refused for it.
 void check_replies(std::span<const std::uint8_t> bytes) {
   const auto begins = [&](const auto& encoded) {
     return std::equal(encoded.begin(), encoded.end(), bytes.begin());

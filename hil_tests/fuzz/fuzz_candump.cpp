@@ -2,7 +2,7 @@
 
 #include "hil_tests/fuzz/memory_file.hpp"
 #include "hil_tests/fuzz/sample_check.hpp"
-#include "tools/rb/candump_samples.hpp"
+#include "tools/import/candump_samples.hpp"
 
 // Import of candump logs: a DBC file, a byte 0, the log.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -4,12 +4,12 @@
 #include "common/clock/clock_map.hpp"
 #include "common/clock/clock_model.hpp"
 #include "common/clock/datagram.hpp"
-#include "common/link/block.hpp"
-#include "common/link/crc32c.hpp"
+#include "common/types/block.hpp"
+#include "common/types/crc32c.hpp"
 #include "hil_tests/fuzz/byte_reader.hpp"
 #include "hil_tests/fuzz/property.hpp"
 
-// The clock's datagrams, and the model of a clock from exchanges that may say anything a decoder lets
+// The clock's datagrams, and the model of a clock from exchanges that may have anything a decoder lets
 // through.
 namespace roadbalance {
 namespace {

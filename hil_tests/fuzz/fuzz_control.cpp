@@ -1,10 +1,10 @@
-#include "common/bus/control.hpp"
+#include "common/bus/control_messages.hpp"
 #include "common/bus/operation.hpp"
 #include "hil_tests/fuzz/round_trip.hpp"
 #include "hil_tests/fuzz/shown.hpp"
-#include "tools/rb/readout.hpp"
-#include "tools/rb/sealing_rate.hpp"
-#include "tools/rb/watch_json.hpp"
+#include "tools/views/readout.hpp"
+#include "tools/views/sealing_rate.hpp"
+#include "tools/views/watch_json.hpp"
 
 namespace {
 

@@ -9,7 +9,7 @@
 #include "hil_tests/fuzz/memory_file.hpp"
 #include "hil_tests/fuzz/property.hpp"
 #include "hil_tests/fuzz/sample_check.hpp"
-#include "tools/rb/csv_samples.hpp"
+#include "tools/import/csv_samples.hpp"
 
 // CSV import: its files behind one another, parted by bytes 0: samples, pulses, marks.
 namespace roadbalance {

@@ -2,9 +2,9 @@
 #include <string>
 
 #include "common/config/section.hpp"
-#include "firmware/backends/dbc/candump.hpp"
-#include "firmware/backends/dbc/dbc.hpp"
-#include "firmware/backends/dbc/dbc_reading.hpp"
+#include "common/dbc/candump.hpp"
+#include "common/dbc/dbc.hpp"
+#include "common/dbc/dbc_reading.hpp"
 #include "hil_tests/fuzz/property.hpp"
 
 namespace roadbalance {

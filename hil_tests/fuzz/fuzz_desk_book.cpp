@@ -4,7 +4,7 @@
 #include "common/bus/wire_text.hpp"
 #include "common/record/test/simulated_disk.hpp"
 #include "hil_tests/fuzz/property.hpp"
-#include "host/recorder/desk_book.hpp"
+#include "host/recorder/control/session_state.hpp"
 
 // The file in which a recorder that takes requests remembers them.
 namespace roadbalance {
@@ -16,24 +16,24 @@ using test::SimulatedDisk;
 constexpr const char* kFolder = "/recordings";
 
 fuzz::Reached recordings("a recording under way"), ended("a recording that ended"), set_ups("a set-up"),
-    rests("a rest"), overs("a recording that is over");
+    pending("a rest"), overs("a recording that is over");
 
-void count(const DeskBook& book) {
-  if (book.under_way) recordings.count();
+void count(const SessionState& book) {
+  if (book.active) recordings.count();
   if (book.finished && !book.finished->receipt.empty()) ended.count();
   if (book.set_up) set_ups.count();
-  if (!book.rest.empty()) rests.count();
-  if (!book.over.empty()) overs.count();
+  if (!book.pending.empty()) pending.count();
+  if (!book.past.empty()) overs.count();
 }
 
 void check(const std::vector<std::uint8_t>& bytes) {
-  const std::string file = std::string(kFolder) + "/" + kDeskBookFile;
+  const std::string file = std::string(kFolder) + "/" + kSessionStateFile;
   SimulatedDisk disk;
   disk.mkdir(kFolder, 0755);
   disk.put(file, bytes);
-  DeskBook book;
+  SessionState book;
   try {
-    book = read_desk_book(kFolder, disk);
+    book = read_session_state(kFolder, disk);
   } catch (const std::runtime_error& error) {
     const std::string_view said = error.what();
     require(said.starts_with(file + ": "), "a refusal names the file");
@@ -42,12 +42,14 @@ void check(const std::vector<std::uint8_t>& bytes) {
     return;
   }
   count(book);
-  if (book.under_way) require(fault_of_name(book.under_way->name).empty(), "a recording is a name");
-  if (book.under_way) static_cast<void>(first_incarnation(*book.under_way, book.over));
-  for (const Rest& rest : book.rest) require(fault_of_name(rest.recording).empty(), "so is that of a rest");
-  for (const Over& over : book.over) require(fault_of_name(over.recording).empty(), "and one that is over");
-  write_desk_book(kFolder, book, disk);
-  const DeskBook again = read_desk_book(kFolder, disk);
+  if (book.active) require(fault_of_name(book.active->name).empty(), "a recording is a name");
+  if (book.active) static_cast<void>(first_incarnation(*book.active, book.past));
+  for (const PendingEpoch& one : book.pending)
+    require(fault_of_name(one.recording).empty(), "so is that of a rest");
+  for (const PastRecording& one : book.past)
+    require(fault_of_name(one.recording).empty(), "and one that is over");
+  write_session_state(kFolder, book, disk);
+  const SessionState again = read_session_state(kFolder, disk);
   require(text_of(again) == text_of(book), "what was read is written so that it is read again alike");
 }
 

@@ -13,13 +13,13 @@
 
 #include "common/bus/codec.hpp"
 #include "common/process/temporary_folder.hpp"
-#include "common/record/record.hpp"
+#include "common/record/record_reader.hpp"
 #include "common/test/source.hpp"
 #include "hil_tests/fuzz/byte_reader.hpp"
 #include "hil_tests/fuzz/memory_file.hpp"
 #include "hil_tests/fuzz/property.hpp"
-#include "host/excerpt/excerpt_recording.hpp"
-#include "tools/rb/import_samples.hpp"
+#include "host/recording/subset/subset_recording.hpp"
+#include "tools/import/import_samples.hpp"
 
 // rb select and rb reduce, any options, over a damaged recording of a drive.
 namespace roadbalance {
@@ -31,7 +31,7 @@ using Bytes = std::vector<char>;
 
 constexpr std::size_t kRows = 1200;
 
-fuzz::Reached excerpts("an excerpt");
+fuzz::Reached subsets("an excerpt");
 
 const VehicleConfig& vehicle() {
   static const VehicleConfig config =
@@ -39,7 +39,7 @@ const VehicleConfig& vehicle() {
   return config;
 }
 
-/// Counts tell of which row and channel they are, and are not 0, which stands for a channel that was not
+/// Counts encode their row and channel, and are not 0, which stands for a channel that was not
 /// kept.
 constexpr std::int32_t kCountsPerRow = 256;
 std::int32_t counts_of(std::int64_t row, std::int32_t node, std::size_t channel) {
@@ -53,27 +53,26 @@ class Drive final : public SampleSource {
     for (const NodeConfig& node : vehicle().node)
       for (std::size_t c = 0; c < node.channel.size(); ++c)
         if (node.channel[c].role == ChannelRole::kAcceleration) {
-          name_.push_back(node.channel[c].name);
+          channel_.push_back({.name = node.channel[c].name, .unit = "m/s^2"});
           place_.push_back({&node, c});
         }
   }
-  const std::vector<std::string>& names() const override { return name_; }
+  const std::vector<FileChannel>& channels() const override { return channel_; }
   double part() const override { return 0.0; }
   void rewind() override { row_ = 0; }
   bool read(SampleRows& rows) override {
     rows.clear();
-    rows.channels = name_.size();
+    rows.channels = channel_.size();
     for (; row_ < kRows && rows.rows() < kRowsAtOnce; ++row_) {
       rows.time_s.push_back(static_cast<double>(row_) / vehicle().node.front().rate_hz);
       for (const auto& [node, c] : place_)
-        rows.value_si.push_back(
-            node->channel[c].to_si(counts_of(static_cast<std::int64_t>(row_), node->id, c)));
+        rows.value.push_back(node->channel[c].to_si(counts_of(static_cast<std::int64_t>(row_), node->id, c)));
     }
     return rows.rows() > 0;
   }
 
  private:
-  std::vector<std::string> name_;
+  std::vector<FileChannel> channel_;
   std::vector<std::pair<const NodeConfig*, std::size_t>> place_;  ///< [column]
   std::size_t row_ = 0;
 };
@@ -84,8 +83,9 @@ const Bytes& good_segment() {
     const TemporaryFolder work("rb-fuzz");
     std::string pulses = "time_s,wheel,kind\n";
     for (int k = 1; k < 250; ++k) pulses += std::to_string(0.0023 * k) + ",front_left,tooth\n";
-    const fuzz::MemoryFile pulse_file(pulses), marks("time_s,number,text\n0.1,1,\"begin\"\n0.4,2,\"end\"\n");
-    import_samples({.samples = "drive",
+    const fuzz::MemoryFile samples("drive"), pulse_file(pulses),
+        marks("time_s,number,text\n0.1,1,\"begin\"\n0.4,2,\"end\"\n");
+    import_samples({.samples = samples.path(),
                     .pulses = pulse_file.path(),
                     .marks = marks.path(),
                     .folder = work.path() / "drive",
@@ -140,8 +140,8 @@ double number(fuzz::ByteReader& in) {
   return (static_cast<double>(in.number(2)) - 8000.0) * 1e-4;
 }
 
-ExcerptRequest request(fuzz::ByteReader& in) {
-  ExcerptRequest request;
+SubsetRequest request(fuzz::ByteReader& in) {
+  SubsetRequest request;
   const std::uint8_t what = in.byte();
   if (what & 1) request.time.from_s = number(in);
   if (what & 2) request.time.to_s = number(in);
@@ -163,7 +163,7 @@ std::int64_t samples_of(const Verification& verification) {
   return samples;
 }
 
-/// The row of the drive that a made one is of, as all its kept columns say.
+/// The row of the drive that a made one came from, by all its kept columns.
 std::int64_t row_of(const std::array<std::int32_t, kChannels>& counts, const NodeConfig& node,
                     bool keeps_all) {
   std::optional<std::int64_t> row;
@@ -177,8 +177,8 @@ std::int64_t row_of(const std::array<std::int32_t, kChannels>& counts, const Nod
   return *row;
 }
 
-/// Of an excerpt that leaves every sample that is kept as it was.
-void check_rows(const ExcerptRequest& asked) {
+/// Check of an excerpt that leaves every kept sample as it was.
+void check_rows(const SubsetRequest& asked) {
   std::map<std::pair<std::int32_t, std::int64_t>, std::int64_t> offset;  // of rows to scans, by epoch
   RecordReader reader(asked.output);
   reader.finish();
@@ -200,7 +200,7 @@ void check_rows(const ExcerptRequest& asked) {
 
 void check(std::span<const std::uint8_t> bytes) {
   fuzz::ByteReader in(bytes);
-  ExcerptRequest asked = request(in);
+  SubsetRequest asked = request(in);
   const Bytes original = damaged(in);
   static const TemporaryFolder work("rb-fuzz-excerpt");
   asked.folder = work.path() / "drive";
@@ -211,7 +211,7 @@ void check(std::span<const std::uint8_t> bytes) {
   std::ofstream(segment, std::ios::binary | std::ios::trunc)
       .write(original.data(), static_cast<std::streamsize>(original.size()));
   try {
-    const ExcerptReport report = excerpt_recording(asked);
+    const SubsetReport report = subset_recording(asked);
     require(fs::exists(asked.output), "what is done is there");
     const Verification& made = report.verification;
     require(made.verdict == Verdict::kComplete || made.verdict == Verdict::kIncomplete,
@@ -219,7 +219,7 @@ void check(std::span<const std::uint8_t> bytes) {
     const auto all = static_cast<std::int64_t>(kRows * vehicle().node.size());
     require(samples_of(made) > 0 && samples_of(made) <= all / asked.factor + 64, "no sample is made up");
     if (asked.factor == 1) check_rows(asked);
-    excerpts.count();
+    subsets.count();
   } catch (const std::runtime_error& error) {
     require(error.what()[0] != 0, "a refusal says why");
     require(!fs::exists(asked.output), "what is refused leaves nothing");

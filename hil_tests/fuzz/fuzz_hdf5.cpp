@@ -7,9 +7,9 @@
 #include "common/process/temporary_folder.hpp"
 #include "hil_tests/fuzz/forked.hpp"
 #include "hil_tests/fuzz/sample_check.hpp"
-#include "host/exchange/hdf5_reader.hpp"
+#include "host/recording/formats/hdf5_reader.hpp"
 
-// Import of HDF5 files.  The library is as it is; what must hold is whatever it says of a file.
+// Import of HDF5 files.  The library is as it is; the properties hold whatever it returns for a file.
 namespace roadbalance {
 namespace {
 
@@ -33,7 +33,7 @@ extern "C" const char* __asan_default_options() {
 }
 
 extern "C" int LLVMFuzzerInitialize(int* count, char*** arguments) {
-  // It asks for more than there is where a size is damaged, and is told no.
+  // It asks for more memory than there is where a size is damaged, and is refused.
   static std::vector<char*> all(*arguments, *arguments + *count);
   static char limit[] = "-malloc_limit_mb=65536";
   all.insert(all.begin() + 1, limit);

@@ -1,8 +1,8 @@
 #include <cstdio>
 #include <string>
 
-#include "common/link/crc32c.hpp"
 #include "common/record/segment_index.hpp"
+#include "common/types/crc32c.hpp"
 #include "hil_tests/fuzz/property.hpp"
 
 namespace roadbalance {

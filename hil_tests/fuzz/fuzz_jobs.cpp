@@ -2,10 +2,10 @@
 #include <variant>
 
 #include "hil_tests/fuzz/property.hpp"
-#include "host/receipts/job_book.hpp"
-#include "host/receipts/job_order.hpp"
+#include "host/recordings/job_book.hpp"
+#include "host/recordings/job_order.hpp"
 
-// What the page asks of a recording, and the file in which rb-recordings remembers it.
+// Jobs of the page for a recording, and the file in which rb-recordings keeps them.
 namespace roadbalance {
 namespace {
 

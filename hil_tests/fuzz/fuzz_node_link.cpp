@@ -2,7 +2,7 @@
 #include <map>
 
 #include "common/bus/bus.hpp"
-#include "common/link/text_crc.hpp"
+#include "common/types/text_crc.hpp"
 #include "firmware/node_link.hpp"
 #include "hil_tests/fuzz/byte_reader.hpp"
 #include "hil_tests/fuzz/in_form.hpp"
@@ -10,7 +10,7 @@
 #include "hil_tests/fuzz/true_node.hpp"
 
 // NodeLink, Sender, Commands and Backlog as a sequence of messages: a producer, and a bus on which recorders,
-// stale recorders and strangers say anything.
+// stale recorders and strangers send anything.
 namespace roadbalance {
 namespace {
 
@@ -72,7 +72,7 @@ class Run {
     }
   }
 
-  // As a recorder would say it, of any age, with a durable mark anywhere up to one past the end.
+  // As a recorder would send it, of any age, with a durable mark anywhere up to one past the end.
   void ack() {
     Ack ack{.node = kNode.node, .epoch = kNode.epoch + (in_.byte() % 8 == 0 ? 1 : 0)};
     ack.incarnation = 1 + in_.below(3);
@@ -88,7 +88,7 @@ class Run {
     link_.take(ack_channel(kNode.node), encode(ack), now_);
   }
 
-  // Whatever the decoder lets through.
+  // Anything that the decoder lets through.
   void any_ack() {
     const auto bytes = fuzz::in_form(encode(Ack{}), in_.take(static_cast<std::size_t>(in_.below(600))));
     if (const auto ack = decode_ack(bytes)) note(*ack);
@@ -118,7 +118,7 @@ class Run {
     }
   }
 
-  // One of two; some with other bytes than the CRC of the whole says.
+  // One of two; some with bytes that contradict the CRC of the whole.
   void vehicle_part() {
     const auto part = static_cast<std::int32_t>(in_.below(2));
     std::string text = part == 0 ? kWanted.substr(0, 4) : kWanted.substr(4);

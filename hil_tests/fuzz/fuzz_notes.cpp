@@ -3,9 +3,9 @@
 #include "common/bus/recorder_status.hpp"
 #include "hil_tests/fuzz/round_trip.hpp"
 #include "hil_tests/fuzz/shown.hpp"
-#include "tools/rb/clock_line.hpp"
-#include "tools/rb/watch_json.hpp"
-#include "tools/rb/watch_lines.hpp"
+#include "tools/views/clock_line.hpp"
+#include "tools/views/watch_json.hpp"
+#include "tools/views/watch_lines.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace roadbalance;

@@ -8,7 +8,7 @@
 #include "host/web/guard.hpp"
 #include "host/web/request_json.hpp"
 
-// What strangers post to the page's server: bodies of POST /request, and heads of any request.
+// Posts of strangers to the page's server: bodies of POST /request, and heads of any request.
 
 namespace roadbalance {
 namespace {

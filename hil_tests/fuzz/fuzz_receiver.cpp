@@ -8,8 +8,8 @@
 #include "hil_tests/fuzz/true_node.hpp"
 
 // Receiver and EpochReceiver as a sequence of messages.  Honest nodes behind a network that loses, doubles,
-// delays and mixes; strangers that say anything a decoder lets through; a disk that calls durable what it
-// likes.
+// delays and mixes; strangers that send anything a decoder lets through; a disk that calls any block
+// durable.
 namespace roadbalance {
 namespace {
 

@@ -88,7 +88,7 @@ class Run {
     link_.take(heartbeat_channel(node), bytes, now_);
   }
 
-  // Of a node that obeys, or says why it does not.
+  // Reply of a node that obeys, or gives a reason why it does not.
   void answer() {
     const auto& node = honest();
     const auto asked = asked_.find(node.node);
@@ -102,7 +102,7 @@ class Run {
     link_.take(reply_channel(node.node), encode(reply), now_);
   }
 
-  // Of the nodes 7 and 8, which say what they like.
+  // Messages of the nodes 7 and 8, which send anything.
   void anything() {
     const std::int32_t node = 7 + static_cast<std::int32_t>(in_.below(2));
     const std::uint8_t how = in_.byte();

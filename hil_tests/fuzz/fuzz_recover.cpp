@@ -7,15 +7,15 @@
 #include <string>
 
 #include "common/record/folder.hpp"
-#include "common/record/record.hpp"
+#include "common/record/record_reader.hpp"
 #include "common/record/segment.hpp"
 #include "common/record/test/simulated_disk.hpp"
 #include "hil_tests/fuzz/built_log.hpp"
 #include "hil_tests/fuzz/kept_record.hpp"
 #include "hil_tests/fuzz/property.hpp"
-#include "host/recorder/record_keeper.hpp"
-#include "host/recorder/verify.hpp"
-#include "tools/rb/salvage.hpp"
+#include "host/recorder/recording_store.hpp"
+#include "host/recording/recover/recover.hpp"
+#include "host/recording/verify/verify.hpp"
 
 // The core of rb recover: over a damaged record and a second place that may fill its holes, and over any
 // damage to the files of a recorder's record.
@@ -106,8 +106,8 @@ void check_kept(fuzz::ByteReader& in) {
   const auto original = files_of(kFolder, disk);
 
   try {
-    const Salvaged salvaged = salvage({kFolder}, "/whole", disk);
-    require(times > 0 || salvaged.lost.empty(), "nothing is lost of what is not damaged");
+    const Recovered recovered = recover({kFolder}, "/whole", disk);
+    require(times > 0 || recovered.lost.empty(), "nothing is lost of what is not damaged");
     require(files_of(kFolder, disk) == original, "the originals stay as they are");
     const fuzz::Sequences whole = honest_blocks("/whole", disk);
     require(contains(whole, readable), "no block that could be read is left out");
@@ -115,7 +115,7 @@ void check_kept(fuzz::ByteReader& in) {
             "no mark that could be read is left out");
     const Verdict verdict = verify_record("/whole", disk).verdict;
     require(verdict == Verdict::kComplete || verdict == Verdict::kIncomplete, "each hole is declared");
-    require(verdict == Verdict::kIncomplete || salvaged.lost.empty(), "what is lost is told");
+    require(verdict == Verdict::kIncomplete || recovered.lost.empty(), "what is lost is told");
     require(verdict == Verdict::kIncomplete || contains(whole, kept.durable),
             "what lacks a block is not complete");
   } catch (const std::runtime_error& error) {
@@ -123,10 +123,10 @@ void check_kept(fuzz::ByteReader& in) {
     require(readable.empty(), "what is refused holds no good block");
   }
   try {
-    RecordKeeper keeper(disk, KeeperOptions{.folder = kFolder, .reserve_bytes = 0, .ballast_bytes = 0});
-    keeper.set_clocks(0, 0);
-    keeper.begin();
-    (void)keeper.close(WallTime(std::chrono::hours(2)));
+    RecordingStore store(disk, StoreOptions{.folder = kFolder, .reserve_bytes = 0, .ballast_bytes = 0});
+    store.set_clocks(0, 0);
+    store.begin();
+    (void)store.close(WallTime(std::chrono::hours(2)));
     gone_on.count();
   } catch (const std::runtime_error& error) {
     require(error.what()[0] != 0, "a refusal says why");
@@ -151,9 +151,9 @@ void check(std::span<const std::uint8_t> bytes) {
   disk.put("/spool/seg-000001.lcm", spool);
   std::set<std::int64_t> readable = sequences_in("/record", disk);
   readable.merge(sequences_in("/spool", disk));
-  std::optional<Salvaged> made;
+  std::optional<Recovered> made;
   try {
-    made = salvage({"/record", "/spool"}, "/whole", disk);
+    made = recover({"/record", "/spool"}, "/whole", disk);
   } catch (const std::runtime_error& error) {
     require(error.what()[0] != 0, "a refusal says why");
     require(readable.empty(), "what is refused holds no good block");
@@ -163,7 +163,7 @@ void check(std::span<const std::uint8_t> bytes) {
   if (!made) return;
 
   records.count();
-  const Salvaged& salvaged = *made;
+  const Recovered& recovered = *made;
   const std::set<std::int64_t> kept = sequences_in("/whole", disk);
   require(std::ranges::includes(kept, readable), "no block that could be read before is left out");
   std::int64_t blocks = 0;
@@ -176,7 +176,7 @@ void check(std::span<const std::uint8_t> bytes) {
     const bool is_hole = block.kind == BlockKind::kGap;
     require(is_hole || !fuzz::is_false_block({event->data.begin(), event->data.end()}), "no false block");
   }
-  require(blocks == salvaged.blocks + salvaged.gaps, "it says how many blocks it has written");
+  require(blocks == recovered.blocks + recovered.gaps, "it says how many blocks it has written");
   require(reader.damage().empty(), "the new record is not damaged");
   const Verdict verdict = verify_record("/whole", disk).verdict;
   require(verdict == Verdict::kComplete || verdict == Verdict::kIncomplete, "each hole is declared");

@@ -11,11 +11,11 @@
 #include "common/bus/verification.hpp"
 #include "hil_tests/fuzz/round_trip.hpp"
 #include "hil_tests/fuzz/shown.hpp"
-#include "tools/rb/compensation_json.hpp"
-#include "tools/rb/order_lines.hpp"
-#include "tools/rb/readout.hpp"
-#include "tools/rb/verification_line.hpp"
-#include "tools/study/wheels_json.hpp"
+#include "tools/views/compensation_json.hpp"
+#include "tools/views/order_lines.hpp"
+#include "tools/views/readout.hpp"
+#include "tools/views/verification_line.hpp"
+#include "tools/views/wheels_json.hpp"
 
 namespace roadbalance {
 namespace {
@@ -50,7 +50,7 @@ Shown shown(const WheelVerification& wheel) {
   return {{verification_line(wheel)}, wheel_verification_json(wheel)};
 }
 
-// What rb watch makes of each.
+// Each as rb watch shows it.
 void check_displays(std::span<const std::uint8_t> bytes) {
   const auto show = [](const auto& message) { return shown(message); };
   fuzz::check_shown<Level>(bytes, decode_level, [](const Level& level) {
@@ -86,7 +86,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::check_message<Knock>(bytes, decode_knock);
   fuzz::check_message<NodeSetup>(bytes, decode_setup);
   fuzz::check_message<WheelVerification>(bytes, decode_verification);
-  fuzz::check_message<RecordingReceipt>(bytes, decode_recording);
+  fuzz::check_message<RecordingSummary>(bytes, decode_recording);
   fuzz::check_message<Job>(bytes, decode_job);
   fuzz::check_message<DocumentPart>(bytes, decode_document_part);
   check_displays(bytes);

@@ -1,6 +1,6 @@
 #include "hil_tests/fuzz/memory_file.hpp"
 #include "hil_tests/fuzz/sample_check.hpp"
-#include "host/exchange/uff58_reader.hpp"
+#include "host/recording/formats/uff58_reader.hpp"
 
 // Import of universal files.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

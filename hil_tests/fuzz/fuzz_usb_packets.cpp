@@ -7,7 +7,7 @@
 #include "hil_tests/fuzz/byte_reader.hpp"
 #include "hil_tests/fuzz/property.hpp"
 
-// What a node makes of transfers: of one or two boards, honest, jumping, spoiled, or with any fields that a
+// Transfers as a node reads them: of one or two boards, honest, jumping, spoiled, or with any fields that a
 // CRC can cover.
 namespace roadbalance {
 namespace {
@@ -20,7 +20,7 @@ constexpr std::uint32_t kTickHz = 10'000'000;
 constexpr std::uint32_t kTicksPerScan = 1000;
 constexpr std::uint64_t kFirstTicks = std::uint64_t{1} << 40;
 
-/// Of a board's scan, by its number, modulo kMarked, and the channel.
+/// Sample of a board's scan, by its number, modulo kMarked, and the channel.
 constexpr std::int32_t kChannelsMarked = 64, kMarked = 1 << 16;
 std::int32_t mark(std::uint64_t scan, std::size_t board, std::size_t channel) {
   const auto of_scan = static_cast<std::int32_t>(scan % kMarked) * kChannelsMarked;

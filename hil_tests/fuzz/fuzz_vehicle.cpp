@@ -4,10 +4,10 @@
 
 #include "common/config/section.hpp"
 #include "common/config/vehicle_config.hpp"
-#include "common/link/crc32c.hpp"
+#include "common/types/crc32c.hpp"
 #include "hil_tests/fuzz/property.hpp"
-#include "host/balance/weight_plan.hpp"
-#include "host/recorder/vehicle_edit.hpp"
+#include "host/analysis/balance/weight_plan.hpp"
+#include "host/recorder/control/vehicle_edit.hpp"
 
 namespace roadbalance {
 namespace {
@@ -28,7 +28,7 @@ std::optional<VehicleConfig> changed(auto&& change) {
   return VehicleConfig::parse(text, "changed.toml");
 }
 
-// Whatever way its user wrote it, one value of it is another, and no other channel or node is.
+// However its user wrote it, one value changes, and no other channel or node does.
 void check_changes(const VehicleConfig& vehicle) {
   const std::uint32_t chance =
       crc32c(std::span(reinterpret_cast<const std::uint8_t*>(vehicle.text.data()), vehicle.text.size()));

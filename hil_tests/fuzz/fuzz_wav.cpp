@@ -1,6 +1,6 @@
 #include "hil_tests/fuzz/memory_file.hpp"
 #include "hil_tests/fuzz/sample_check.hpp"
-#include "host/exchange/wav_reader.hpp"
+#include "host/recording/formats/wav_reader.hpp"
 
 // Import of WAV files.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -8,7 +8,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/clock_messages.hpp"
-#include "host/recorder/record_keeper.hpp"
+#include "host/recorder/recording_store.hpp"
 
 namespace roadbalance::fuzz {
 namespace {
@@ -19,7 +19,7 @@ constexpr std::array<TrueNode, 2> kNodes{{{1, 5, 40}, {2, -6, 25}}};
 constexpr std::uint64_t kSegmentBytes = 24 << 10;  // of which a segment's own description takes 14
 constexpr int kMostSteps = 32;
 
-// Of each node, by sequence - 1.
+// Blocks of each node, by sequence - 1.
 const std::vector<SealedBlock>& blocks_of(std::size_t which) {
   static const auto all = [] {
     std::array<std::vector<SealedBlock>, kNodes.size()> blocks;
@@ -37,43 +37,43 @@ class Recorder {
   void append(std::size_t node, std::int64_t count) {
     const auto& blocks = blocks_of(node);
     auto& next = next_[node];
-    for (; count > 0 && next < blocks.size(); --count) keeper_->append(blocks[next++], now_);
+    for (; count > 0 && next < blocks.size(); --count) store_->append(blocks[next++], now_);
   }
-  void mark() { keeper_->note(NoteKind::kMark, ++marks_, 0, "bridge"); }
+  void mark() { store_->note(NoteKind::kMark, ++marks_, 0, "bridge"); }
   void clock() {
     ClockExchange exchange{.node = 1, .epoch = 5, .number = ++exchanges_};
     exchange.heard_ns = exchange.asked_ns = 1000 * exchanges_;
-    keeper_->append(RecordEvent{clock_exchange_channel(1), encode(exchange)}, now_);
+    store_->append(RecordEvent{clock_exchange_channel(1), encode(exchange)}, now_);
   }
   void commit() {
     now_ += std::chrono::seconds(1);
-    note(keeper_->commit(now_));
-    keeper_->keep_house();
+    note(store_->commit(now_));
+    store_->maintain();
   }
   void kill(bool power) {
     if (power) disk_.cut_power();
     disk_.kill();
-    keeper_.reset();
+    store_.reset();
     disk_.power_on();
   }
   void start() {
-    keeper_.emplace(disk_, KeeperOptions{.folder = KeptRecord::kFolder,
-                                         .segment_bytes = kSegmentBytes,
-                                         .reserve_bytes = 0,
-                                         .ballast_bytes = 0});
-    keeper_->set_clocks(1'790'000'000'000'000, 0);
-    keeper_->begin();
+    store_.emplace(disk_, StoreOptions{.folder = KeptRecord::kFolder,
+                                       .segment_bytes = kSegmentBytes,
+                                       .reserve_bytes = 0,
+                                       .ballast_bytes = 0});
+    store_->set_clocks(1'790'000'000'000'000, 0);
+    store_->begin();
     for (std::size_t n = 0; n < kNodes.size(); ++n) {
-      const auto known = keeper_->recovered().epoch.find({kNodes[n].node, kNodes[n].epoch});
-      next_[n] = known == keeper_->recovered().epoch.end()
+      const auto known = store_->recovered().epoch.find({kNodes[n].node, kNodes[n].epoch});
+      next_[n] = known == store_->recovered().epoch.end()
                      ? 0
                      : static_cast<std::size_t>(known->second.position.contiguous);
     }
   }
   void close() {
     now_ += std::chrono::seconds(1);
-    note(keeper_->close(now_));
-    keeper_.reset();
+    note(store_->close(now_));
+    store_.reset();
   }
   const Sequences& durable() const { return durable_; }
   bool has_all() const {
@@ -89,7 +89,7 @@ class Recorder {
   }
 
   SimulatedDisk& disk_;
-  std::optional<RecordKeeper> keeper_;
+  std::optional<RecordingStore> store_;
   WallTime now_{std::chrono::hours(1)};
   std::array<std::size_t, kNodes.size()> next_{};
   Sequences durable_;

@@ -13,7 +13,7 @@ inline void require(bool holds, const char* property) {
   std::abort();
 }
 
-/// Counts how often something behind the refusals was reached, and tells it at the end: tools/fuzz takes a
+/// Counts how often the code behind the refusals was reached, and prints it at the end: tools/fuzz takes a
 /// fuzzer that never got there for one that has proven nothing.
 class Reached {
  public:

@@ -15,7 +15,7 @@
 
 namespace roadbalance::fuzz {
 
-/// What `decode` takes encodes to a message that it takes again, as the same bytes; nothing is accepted
+/// A message that `decode` takes encodes to one that it takes again, as the same bytes; nothing is accepted
 /// beyond the one size.
 /// @return whether it was taken
 template <typename Decode>

@@ -12,7 +12,7 @@
 
 namespace roadbalance::fuzz {
 
-/// What a display makes of a message.
+/// A message as a display shows it.
 struct Shown {
   std::vector<std::string> lines;
   nlohmann::ordered_json json;
@@ -25,7 +25,8 @@ inline void require_plain(const Shown& shown) {
   require(!shown.json.dump().empty(), "what is shown is JSON, too");
 }
 
-/// What `decode` takes, of the bytes as they came and with size, fingerprint and CRC of a Message, is shown.
+/// Shows a message that `decode` takes from the bytes as they came, or with size, fingerprint and CRC of a
+/// Message.
 template <typename Message, typename Decode, typename Show>
 void check_shown(std::span<const std::uint8_t> bytes, Decode decode, Show show) {
   if (const auto message = decode(bytes)) require_plain(show(*message));

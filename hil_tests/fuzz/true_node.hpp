@@ -4,16 +4,16 @@
 #include <cstdint>
 
 #include "common/bus/codec.hpp"
-#include "common/bus/control.hpp"
+#include "common/bus/control_messages.hpp"
 #include "hil_tests/fuzz/byte_reader.hpp"
 
 namespace roadbalance::fuzz {
 
-/// A node that says nothing but the truth: block `sequence` of an epoch is always the same, mostly scans, and
-/// scan indices run on.  Block `last` is the end.
+/// A node that sends nothing but the truth: block `sequence` of an epoch is always the same, mostly scans,
+/// and scan indices run on.  Block `last` is the end.
 ///
-/// `some_*` are what it may say to a recorder that has handed on its blocks up to `delivered`, or what
-/// becomes of them there; the fuzzer's bytes choose.
+/// `some_*` are its possible messages to a recorder that has handed on its blocks up to `delivered`, or their
+/// fate there; the fuzzer's bytes choose.
 struct TrueNode {
   std::int32_t node;
   std::int64_t epoch;

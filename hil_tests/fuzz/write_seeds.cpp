@@ -10,7 +10,7 @@
 #include "common/bus/bus.hpp"
 #include "common/bus/clock_messages.hpp"
 #include "common/bus/compensation.hpp"
-#include "common/bus/control.hpp"
+#include "common/bus/control_messages.hpp"
 #include "common/bus/display.hpp"
 #include "common/bus/job.hpp"
 #include "common/bus/notes.hpp"
@@ -27,12 +27,12 @@
 #include "common/record/segment_index.hpp"
 #include "common/test/source.hpp"
 #include "hil_tests/fuzz/true_node.hpp"
-#include "host/exchange/candump_writer.hpp"
-#include "host/exchange/hdf5_writer.hpp"
-#include "host/exchange/uff58_writer.hpp"
-#include "host/exchange/wav_writer.hpp"
-#include "host/receipts/job_book.hpp"
-#include "host/recorder/desk_book.hpp"
+#include "host/recorder/control/session_state.hpp"
+#include "host/recording/formats/candump_writer.hpp"
+#include "host/recording/formats/hdf5_writer.hpp"
+#include "host/recording/formats/uff58_writer.hpp"
+#include "host/recording/formats/wav_writer.hpp"
+#include "host/recordings/job_book.hpp"
 
 // Writes what the fuzzers begin with: one real encoding of each kind.  Usage: rb-fuzz-seeds FOLDER
 namespace roadbalance {
@@ -96,22 +96,22 @@ void write_posts() {
   write("post", "feed", "GET\n/feed\n" + host + "roadbalance, token.correct-horse-battery\n");
 }
 
-void write_desk_books() {
-  const DeskBook book{
-      .under_way = UnderWay{.name = "drive",
-                            .began_us = 1'700'000'000'000'000,
-                            .start = {1, 2},
-                            .stop = RequestKey{3, 4},
-                            .marks = 2,
-                            .durable_marks = 1,
-                            .mark = {{.number = 2, .asked = {5, 6}, .text = "bridge"}}},
+void write_session_states() {
+  const SessionState book{
+      .active = ActiveRecording{.name = "drive",
+                                .began_us = 1'700'000'000'000'000,
+                                .start = {1, 2},
+                                .stop = RequestKey{3, 4},
+                                .marks = 2,
+                                .durable_marks = 1,
+                                .mark = {{.number = 2, .asked = {5, 6}, .text = "bridge"}}},
       .finished = Finished{.start = {7, 8},
                            .stop = {9, 10},
                            .receipt = {Receipt{.name = "before"}},
                            .durable_marks = 3,
                            .mark = {{.number = 4, .asked = {7, 11}, .text = "kerb"}}},
-      .rest = {{"before", 2, -77}},
-      .over = {{"before", 1'700'000'000'000, 1'700'000'000'009}},
+      .pending = {{"before", 2, -77}},
+      .past = {{"before", 1'700'000'000'000, 1'700'000'000'009}},
       .set_up =
           AskedSetUp{.asked = {11, 12}, .node = 1, .value = {150.25, 4}, .nodes = {1, 2}, .text = "waits"}};
   write("desk_book", "all", text_of(book));
@@ -246,7 +246,7 @@ void write_texts() {
   const std::string samples = "time_s,body_z,wheel_z\ns,m/s^2,g\n0.0,1.5,-0.25\n0.01,1.25,1e-3\n";
   const std::string pulses = "time_s,wheel,kind\n0.001,front_left,tooth\n0.002,front_left,zero\n";
   write("dbc", "frame", std::string("(1700000000.000100) can0 12345678##1112233"));
-  write("dbc", "car", test::read_source("firmware/backends/test/data/rav4.dbc"));
+  write("dbc", "car", test::read_source("common/dbc/test/data/rav4.dbc"));
   write("csv", "all", samples + '\0' + pulses + '\0' + "time_s,number,text\n0.002,1,\"a \"\"bridge\"\"\"\n");
 }
 
@@ -263,7 +263,7 @@ int main(int count, char** arguments) {
     roadbalance::write_blocks();
     roadbalance::write_messages();
     roadbalance::write_posts();
-    roadbalance::write_desk_books();
+    roadbalance::write_session_states();
     roadbalance::write_texts();
     roadbalance::write_exports();
   } catch (const std::exception& error) {

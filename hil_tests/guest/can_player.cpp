@@ -93,7 +93,7 @@ void CanPlayer::send_error(std::uint32_t error, std::uint8_t controller) {
 void CanPlayer::send_bytes(const void* bytes, std::size_t size) {
   while (::write(descriptor_, bytes, size) != static_cast<ssize_t>(size)) {
     if (errno != ENOBUFS && errno != EAGAIN) throw_errno("send a CAN frame");
-    ::usleep(100);  // poll() does not say when there is room again
+    ::usleep(100);  // poll() does not report when there is room again
   }
 }
 

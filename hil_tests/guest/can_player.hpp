@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/backends/dbc/can_frame.hpp"
+#include "common/dbc/can_frame.hpp"
 
 namespace roadbalance::test {
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "common/frontend/device_report.hpp"
+#include "common/types/device_report.hpp"
 #include "hil_tests/measurement.hpp"
 
 namespace roadbalance::test {
@@ -17,11 +17,11 @@ class DeviceMeasurement : public Measurement {
   /// The front node on devices of these addresses.
   Program device_node(const std::vector<std::string>& devices) const;
 
-  /// What the node counts, as its heartbeats say.
+  /// Counters of the node, by its heartbeats.
   std::int64_t count_of(DeviceCounter counter) const;
   bool counted(DeviceCounter counter, std::int64_t times);
 
-  /// What the node has printed.
+  /// Output of the node.
   std::string said() const;
   /// The node printed it of this device, and the record keeps it.
   void expect_said(const std::string& device, const std::vector<std::string>& sentences) const;

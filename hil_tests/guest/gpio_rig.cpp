@@ -8,8 +8,8 @@
 #include <cmath>
 
 #include "common/bus/codec.hpp"
-#include "common/clock/clock_pair.hpp"
-#include "firmware/pack.hpp"
+#include "common/types/clock_pair.hpp"
+#include "firmware/block_packer.hpp"
 #include "firmware/ring_sink.hpp"
 #include "firmware/test/vehicle.hpp"
 
@@ -88,7 +88,7 @@ Sealed GpioRig::seal(std::int64_t begin_ns, double seconds) const {
   Ring ring;
   RingSink sink(ring);
   const NodeConfig& node = vehicle.node[0];
-  Sealer sealer(vehicle, node, 5, sink, nullptr);
+  BlockPacker sealer(vehicle, node, 5, sink, nullptr);
   sealer.start();
   const double period_ns = 1e9 / node.rate_hz;
   std::size_t next = 0;

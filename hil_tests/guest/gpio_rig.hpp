@@ -9,14 +9,14 @@
 #include <vector>
 
 #include "common/frontend/dropped_edges.hpp"
-#include "common/link/blocks.hpp"
+#include "common/types/blocks.hpp"
 #include "firmware/backends/gpio/gpio_source.hpp"
 #include "hil_tests/guest/pulse_chip.hpp"
 #include "hil_tests/guest/ring_program.hpp"
 
 namespace roadbalance::test {
 
-/// What a node made of edges.
+/// Blocks of a node from edges.
 struct Sealed {
   std::vector<ScanBlock> blocks;
   std::int64_t faulty_turns = 0;  ///< of line 0
@@ -28,8 +28,8 @@ class GpioRig {
   /// @param lines  GPIO numbers as in [[node.line]]; the vehicle is firmware/test/vehicle.hpp's
   explicit GpioRig(std::vector<LineConfig> lines, int teeth = 96);
 
-  /// Plays, takes edges as they come until the backend says that it has given all that was played, and keeps
-  /// the truth.
+  /// Plays, takes edges as they come until the backend reports that it has given all that was played, and
+  /// keeps the truth.
   void play(const std::vector<gpio_pulse_step>& steps);
   /// Takes edges for so long.
   void take_for(std::int64_t duration_ns);

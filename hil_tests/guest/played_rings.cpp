@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/clock/clock_pair.hpp"
+#include "common/types/clock_pair.hpp"
 
 namespace roadbalance::test {
 

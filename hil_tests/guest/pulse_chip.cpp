@@ -8,7 +8,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "common/clock/clocks.hpp"
+#include "common/types/clocks.hpp"
 #include "hil_tests/throw_errno.hpp"
 
 namespace roadbalance::test {

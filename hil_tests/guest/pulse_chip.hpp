@@ -12,12 +12,12 @@ namespace roadbalance::test {
 /// Between starting a reader and the first edge.
 inline constexpr std::int64_t kLead_ns = 20'000'000;
 
-/// The guest's GPIO chip, whose inputs play what they are told; see gpio_pulse.h.
+/// The guest's GPIO chip, whose inputs play levels on command; see gpio_pulse.h.
 ///
 /// Only in the guest machine, and for one program at a time.
 class PulseChip {
  public:
-  /// @throws std::system_error if there is none, or somebody else plays
+  /// @throws std::system_error if there is none, or another program plays
   PulseChip();
   ~PulseChip();
   PulseChip(const PulseChip&) = delete;
@@ -25,7 +25,7 @@ class PulseChip {
 
   /// CLOCK_MONOTONIC, in which steps and the kernel's stamps of edges are.
   static std::int64_t now_ns();
-  /// Of the character device, e.g. "gpiochip0".
+  /// Name of the character device, e.g. "gpiochip0".
   /// @throws std::runtime_error if the chip is unplugged
   static std::string name();
 
@@ -34,7 +34,7 @@ class PulseChip {
   void play(std::span<const gpio_pulse_step> steps);
   /// One level, now: what was queued before it has been played.
   void set(unsigned line, bool high);
-  /// What was played since the last call, each step with the time it was; waits until all has been.
+  /// Steps played since the last call, each with its time; waits until all have been.
   std::vector<gpio_pulse_step> played();
 
   /// Removes the chip from the kernel and adds it again.  What is played meanwhile is no edge, but is a

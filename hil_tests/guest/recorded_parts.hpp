@@ -4,12 +4,12 @@
 #include <vector>
 
 #include "common/bus/codec.hpp"
-#include "common/record/record.hpp"
+#include "common/record/record_reader.hpp"
 #include "firmware/backends/replay/recorded_drive.hpp"
 
 namespace roadbalance::test {
 
-/// What a finished recording of one node holds, as it was sealed.
+/// Contents of a finished recording of one node, as they were sealed.
 inline std::vector<ScanBlock> recorded_blocks(const std::filesystem::path& record) {
   std::vector<ScanBlock> blocks;
   RecordReader reader(record);

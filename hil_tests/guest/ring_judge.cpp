@@ -9,15 +9,15 @@
 #include <numbers>
 #include <optional>
 
-#include "firmware/encoder/wheel_encoder.hpp"
+#include "common/angle/wheel_encoder.hpp"
 
 namespace roadbalance::test {
 namespace {
 
 using std::numbers::pi;
 
-/// Of a Butterworth low-pass, from its poles (A. Oppenheim, R. Schafer, Discrete-Time Signal Processing,
-/// 3rd ed., app. B.1): what an even rotation is late.
+/// Delay of a Butterworth low-pass, from its poles (A. Oppenheim, R. Schafer, Discrete-Time Signal
+/// Processing, 3rd ed., app. B.1): that of an even rotation.
 double lag_rad(const FilterConfig& filter, double frequency_hz) {
   double lag = 0.0;
   for (int k = 0; k < filter.order; ++k) {
@@ -59,7 +59,7 @@ std::string TurnVerdict::text() const {
 TurnVerdict judge_turns(std::span<const Edge> edges, const JudgedRing& ring) {
   TurnVerdict verdict;
   WheelEncoder encoder(ring.encoder);
-  std::deque<Turn> open;  // the encoder is asked when a node asks it: a tooth behind the mark may tell more
+  std::deque<Turn> open;  // judged as late as a node asks: a later tooth may add information
   std::optional<NodeTime> mark;
   std::int64_t teeth = 0;
   int marks = 0;

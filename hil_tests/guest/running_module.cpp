@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-#include "common/clock/clocks.hpp"
+#include "common/types/clocks.hpp"
 
 namespace roadbalance::test {
 

@@ -46,7 +46,7 @@ SerialCan::SerialCan() : adapter_(::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC))
       const ssize_t size = ::read(adapter_, bytes.data(), bytes.size());
       const std::lock_guard lock(mutex_);
       for (ssize_t k = 0; k < size; ++k)
-        told_ += bytes[static_cast<std::size_t>(k)] == '\r' ? '|' : bytes[static_cast<std::size_t>(k)];
+        reported_ += bytes[static_cast<std::size_t>(k)] == '\r' ? '|' : bytes[static_cast<std::size_t>(k)];
     }
   });
 }
@@ -65,7 +65,7 @@ void SerialCan::report(const std::string& words) const {
 
 std::string SerialCan::told() const {
   const std::lock_guard lock(mutex_);
-  return told_;
+  return reported_;
 }
 
 }  // namespace roadbalance::test

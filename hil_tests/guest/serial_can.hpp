@@ -17,16 +17,16 @@ class SerialCan {
   ~SerialCan();
 
   const std::string& interface() const { return interface_; }
-  /// What the adapter reports, in its own words: "t1002AABB" a frame, "sb256256" bus-off.
+  /// Sends a report of the adapter, in its own words: "t1002AABB" a frame, "sb256256" bus-off.
   void report(const std::string& words) const;
-  /// All it was told by the kernel, words parted by '|'.
+  /// All that the kernel sent it, words parted by '|'.
   std::string told() const;
 
  private:
   int adapter_, line_;
   std::string interface_;
   mutable std::mutex mutex_;
-  std::string told_;
+  std::string reported_;
   std::jthread listener_;
 };
 

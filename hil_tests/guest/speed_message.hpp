@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "firmware/backends/dbc/can_frame.hpp"
+#include "common/dbc/can_frame.hpp"
 
 namespace roadbalance::test {
 

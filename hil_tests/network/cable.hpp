@@ -9,11 +9,11 @@
 #include <span>
 #include <vector>
 
-#include "common/clock/clocks.hpp"
+#include "common/types/clocks.hpp"
 
 namespace roadbalance::test {
 
-/// What happens to the frames that leave one end of a cable, independently for every end they go to.
+/// Faults of the frames that leave one end of a cable, independently for every end they go to.
 struct CableFaults {
   double loss = 0;                        ///< probability
   double duplicates = 0;                  ///< probability that a frame comes twice

@@ -51,7 +51,7 @@ int open_tap() {
 
 }  // namespace
 
-std::optional<std::string> Hosts::obstacle() {
+std::optional<std::string> Hosts::refusal() {
   if (::geteuid() != 0) return "networks of one's own need root; try: unshare -Urnm ctest ...";
   if (::access("/dev/net/tun", R_OK | W_OK) != 0) return "there is no /dev/net/tun";
   // A container may be root and yet have no right to these: tried in a thread, which leaves its network with

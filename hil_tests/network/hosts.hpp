@@ -20,7 +20,7 @@ namespace roadbalance::test {
 class Hosts {
  public:
   /// Why there can be none here, or nothing.
-  static std::optional<std::string> obstacle();
+  static std::optional<std::string> refusal();
 
   /// @throws std::system_error, std::runtime_error naming what failed
   explicit Hosts(std::size_t count);
@@ -41,8 +41,8 @@ class Hosts {
   bool netem(std::size_t host, std::vector<std::string> words) const;
   void pull(std::size_t host);
   void plug(std::size_t host);
-  /// Takes a host's interface out and puts another one in, with the same name, address and route: what a
-  /// network card at a USB port does when somebody pulls it.
+  /// Takes a host's interface out and puts another one in, with the same name, address and route: as a
+  /// network card at a USB port that is pulled.
   void replace_interface(std::size_t host);
   Cable::Counts counts();
 

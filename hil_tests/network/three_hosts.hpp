@@ -6,7 +6,7 @@
 
 namespace roadbalance::test {
 
-/// What README.md tells people to use on computers of their own.  The namespaces are apart: one port for all
+/// The bus URL that README.md gives for separate computers.  The namespaces are apart: one port for all
 /// tests.
 inline constexpr const char* kNetworkUrl = "udpm://239.255.76.67:7667?ttl=1";
 
@@ -14,7 +14,7 @@ inline constexpr const char* kNetworkUrl = "udpm://239.255.76.67:7667?ttl=1";
 struct ThreeHosts {
   std::optional<Hosts> hosts;
   ThreeHosts() {
-    if (!Hosts::obstacle()) hosts.emplace(3);
+    if (!Hosts::refusal()) hosts.emplace(3);
   }
 };
 

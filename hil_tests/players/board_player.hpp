@@ -13,8 +13,8 @@
 
 namespace roadbalance::test {
 
-/// What the inputs of a front-end board see while a drive is played: scan k of the drive is what its
-/// converter finds when the timetable says, exactly; before and after the drive, silence.
+/// Inputs of a front-end board while a drive is played: its converter finds scan k of the drive exactly at
+/// the time of the timetable; before and after the drive, silence.
 ///
 /// The board's oscillator is off by as much as the converter that took the drive was, and it begins its run
 /// so that one of its conversions falls on the beginning of the drive: so every scan has its own conversion.

@@ -10,8 +10,8 @@
 
 #include "common/bus/codec.hpp"
 #include "firmware/backends/replay/front_end.hpp"
-#include "host/analyser/read_recording.hpp"
-#include "host/recorder/verify.hpp"
+#include "host/recording/read_recording.hpp"
+#include "host/recording/verify/verify.hpp"
 
 namespace roadbalance::test {
 namespace {
@@ -143,7 +143,7 @@ std::optional<SealedBlock> cut_before(NodeTime from, const SealedBlock& block) {
 
 }  // namespace
 
-// Nodes whose clocks nobody asked for have the time of all.  Said as a fit, it makes the estimator bring
+// Nodes whose clocks were not asked for have the time of all.  Given as a fit, it makes the estimator bring
 // their samples to the grid from the first one on, as it does those of nodes with clocks of their own; else
 // it begins, and cuts the sections, where a converter has left the grid.
 DriveEstimate identify_from(const std::filesystem::path& folder, NodeTime from) {

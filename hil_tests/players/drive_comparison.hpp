@@ -6,7 +6,7 @@
 
 #include "hil_tests/players/node_drive.hpp"
 #include "hil_tests/players/timetable.hpp"
-#include "host/identify/drive_estimator.hpp"
+#include "host/analysis/identify/drive_estimator.hpp"
 
 namespace roadbalance::test {
 
@@ -26,7 +26,7 @@ class StampError {
   double sum_s_ = 0.0, sum_of_squares_s2_ = 0.0, least_s_ = 0.0, most_s_ = 0.0;
 };
 
-/// What became of a node's drive that was played.
+/// Result of playing a node's drive.
 struct DriveDifference {
   std::int64_t scans = 0;  ///< missing, or with a count that differs
   std::int64_t edges = 0;  ///< missing, too many, or of another kind
@@ -55,7 +55,7 @@ NodeDrive recorded_drive(const std::filesystem::path& folder, const VehicleConfi
 /// of one drive are cut into the same sections then.
 DriveEstimate identify_from(const std::filesystem::path& folder, NodeTime from);
 
-/// What the recorder noted of the troubles of nodes' devices.
+/// The recorder's notes of the troubles of nodes' devices.
 std::vector<std::string> device_troubles(const std::filesystem::path& folder);
 
 }  // namespace roadbalance::test

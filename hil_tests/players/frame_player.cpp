@@ -14,7 +14,7 @@ namespace {
 constexpr int kPriority = 48;
 constexpr auto kSlice = std::chrono::milliseconds(100);
 
-/// In slices, for pauses are not timed by the machine's clock.  False: told to stop.
+/// In slices, for pauses are not timed by the machine's clock.  False: asked to stop.
 bool pause_until(MachineTime time, const std::stop_token& stop) {
   for (MachineTime now = MachineClock::now(); now < time; now = MachineClock::now())
     if (!pause(stop, std::min<MachineClock::duration>(time - now, kSlice))) return false;

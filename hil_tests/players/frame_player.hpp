@@ -18,10 +18,10 @@ class FramePlayer {
   FramePlayer(std::vector<DriveFrame> frames, const std::vector<std::string>& interfaces,
               Timetable timetable);
 
-  /// Process: ends when all are sent, or when told to.
+  /// Process: ends when all are sent, or when asked to.
   void run(std::stop_token stop);
 
-  /// Of frames, when they are handed to the kernel.  After run().
+  /// Lateness of frames when they are handed to the kernel.  After run().
   const Lateness& lateness() const { return lateness_; }
 
  private:

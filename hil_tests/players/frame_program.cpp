@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "common/config/section.hpp"
-#include "firmware/backends/dbc/wanted_signal.hpp"
+#include "common/dbc/wanted_signal.hpp"
 
 namespace roadbalance::test {
 namespace {

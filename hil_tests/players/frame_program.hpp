@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "common/config/vehicle_config.hpp"
-#include "firmware/backends/dbc/can_frame.hpp"
-#include "firmware/backends/dbc/dbc.hpp"
+#include "common/dbc/can_frame.hpp"
+#include "common/dbc/dbc.hpp"
 #include "hil_tests/players/node_drive.hpp"
 
 namespace roadbalance::test {
@@ -18,7 +18,7 @@ struct DriveFrame {
 };
 
 /// The signals of a drive as the frames that the car would send: each message whenever one of its signals has
-/// a sample; its other signals keep what they said last, at first 0.
+/// a sample; its other signals keep their last values, at first 0.
 ///
 /// Samples of one message within 100 us are of one frame, also those of several nodes that listened to the
 /// same bus: on a real one two frames of 8 bytes cannot come that close (ISO 11898-1, 500 kbit/s).

@@ -7,7 +7,7 @@
 
 namespace roadbalance::test {
 
-/// What the devices of one node give in a drive, all of it: 0.2 MB for each second at 2 kHz.
+/// All data of the devices of one node in a drive: 0.2 MB for each second at 2 kHz.
 struct NodeDrive {
   std::vector<Scan> scans;
   std::vector<Edge> edges;            ///< in order of time

@@ -12,7 +12,7 @@
 namespace roadbalance::test {
 namespace {
 
-/// What a node has of one kind, e.g. "usb:": what follows it in its front_end; nothing: none.
+/// A node's address of one kind, e.g. "usb:": the text behind it in its front_end; nothing: none.
 std::optional<std::string> address_of(const NodeConfig& node, const std::string& scheme) {
   for (const std::string& uri : node.wiring.front_end)
     if (uri.starts_with(scheme)) return uri.substr(scheme.size());

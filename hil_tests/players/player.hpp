@@ -15,7 +15,7 @@
 
 namespace roadbalance::test {
 
-/// Plays a drive into the devices that vehicle.toml says its nodes are wired to: for each node a front-end
+/// Plays a drive into the devices of its nodes by vehicle.toml: for each node a front-end
 /// board plugged into this machine's kernel, whose converter finds the drive's counts; pulses on the GPIO
 /// lines of [[node.line]], or at the board's own inputs where there is none; frames on the interfaces of
 /// [[node.can]].
@@ -30,10 +30,10 @@ class Player {
   /// @throws ConfigError naming what of the vehicle cannot be played; what the devices throw
   Player(const VehicleConfig& vehicle, std::vector<Part> parts, std::chrono::duration<double> lead);
 
-  /// Until the drive is over, or told to stop.
+  /// Until the drive is over, or asked to stop.
   void run(std::stop_token stop);
 
-  /// What was played, one JSON object.
+  /// Counts of all that was played, one JSON object.
   std::string report() const;
   /// Why not everything was played; empty: everything was.
   std::string shortfall() const;

@@ -5,8 +5,8 @@
 #include <thread>
 #include <utility>
 
-#include "common/clock/clock_pair.hpp"
 #include "common/process/pause.hpp"
+#include "common/types/clock_pair.hpp"
 
 namespace roadbalance::test {
 namespace {

@@ -13,13 +13,13 @@ namespace roadbalance::test {
 /// Plays levels on the lines of the guest's GPIO chip: DriveLevel::wire is the line's number on the chip.
 class PulsePlayer {
  public:
-  /// @throws std::system_error if there is no such chip, or somebody else plays
+  /// @throws std::system_error if there is no such chip, or another program plays
   PulsePlayer(std::vector<DriveLevel> levels, Timetable timetable);
 
-  /// Process: ends when all is played, or when told to.
+  /// Process: ends when all is played, or when asked to.
   void run(std::stop_token stop);
 
-  /// Of levels against their time: how late the chip's timer was.  After run().
+  /// Lateness of levels: how late the chip's timer was.  After run().
   const Lateness& lateness() const { return lateness_; }
 
  private:

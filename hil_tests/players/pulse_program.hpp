@@ -16,14 +16,14 @@ struct DriveLevel {
 };
 
 /// One rising edge after the other as pulses: the level goes back in the middle between two edges, at the
-/// latest after 100 us.  Edges that a recording says are lost are not played: a tooth is missing there.
+/// latest after 100 us.  Edges that are lost in a recording are not played: a tooth is missing there.
 class PulseProgram {
  public:
   /// @param teeth, marks  the wires of that line; no marks: they are left out
   void add(const NodeDrive& drive, std::uint8_t line, std::uint16_t teeth,
            std::optional<std::uint16_t> marks);
 
-  /// Of all wires, in order of time.
+  /// Levels of all wires, in order of time.
   std::vector<DriveLevel> take();
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "common/clock/clocks.hpp"
+#include "common/types/clocks.hpp"
 
 namespace roadbalance::test {
 

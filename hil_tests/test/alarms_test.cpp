@@ -6,7 +6,7 @@
 #include "common/bus/bus.hpp"
 #include "common/bus/channel_faults.hpp"
 #include "hil_tests/measurement.hpp"
-#include "host/recorder/verify.hpp"
+#include "host/recording/verify/verify.hpp"
 
 namespace roadbalance {
 namespace {
@@ -17,7 +17,7 @@ class Alarms : public test::Measurement {
  protected:
   const std::string drive = "rate=5&seconds=10000";
 
-  /// Of the finished record.
+  /// Alarms of the finished record.
   std::vector<RecordedAlarm> of(AlarmCause cause) const {
     std::vector<RecordedAlarm> found = verify_record(record).alarms.all();
     std::erase_if(found, [&](const RecordedAlarm& one) { return one.alarm.cause != cause; });
@@ -59,7 +59,7 @@ TEST_F(Alarms, OfTheAnalyserAreInTheRecordOnceHoweverOftenTheyAreSaid) {
     ASSERT_TRUE(analyser.publish(kLevelChannel, encode(level)));
     bus.listen(0.01);
   }
-  level.node = 9;  // of nobody that is recorded
+  level.node = 9;  // of no node that is recorded
   ASSERT_TRUE(analyser.publish(kLevelChannel, encode(level)));
   ASSERT_TRUE(more_are_durable(kFront, 100));
   end_well(running, {&front});

@@ -6,7 +6,7 @@
 #include "common/bus/compensation.hpp"
 #include "common/bus/results.hpp"
 #include "hil_tests/measurement.hpp"
-#include "host/analyser/identify_record.hpp"
+#include "host/analysis/drives/identify_record.hpp"
 
 namespace roadbalance {
 namespace {

@@ -11,11 +11,11 @@ using test::Program;
 /// The recorder's disk fails; the nodes hold what it cannot take.
 class Disk : public test::Measurement {
  protected:
-  static void SetUpTestSuite() { obstacle() = test::enter_private_mounts(); }
+  static void SetUpTestSuite() { refusal() = test::enter_private_mounts(); }
   void SetUp() override {
-    if (obstacle()) GTEST_SKIP() << *obstacle();
+    if (refusal()) GTEST_SKIP() << *refusal();
   }
-  static std::optional<std::string>& obstacle() {
+  static std::optional<std::string>& refusal() {
     static std::optional<std::string> why;
     return why;
   }
@@ -29,7 +29,7 @@ class Disk : public test::Measurement {
   }
   /// The node samples on, and nothing is freed.
   void expect_that_the_node_holds_everything() {
-    // What credit had let out before is still recorded.
+    // Blocks that credit had let out before are still recorded.
     ASSERT_TRUE(bus.wait([&] { return bus.heartbeat(kFront).ring_used > 1000; }));
     const Heartbeat before = bus.heartbeat(kFront);
     bus.listen(test::full_run() ? 5.0 : 1.0);
@@ -60,7 +60,7 @@ TEST_F(Disk, AFullDiskIsAStateAndLosesNothing) {
 }
 
 TEST_F(Disk, ADiskThatTurnsReadOnlyIsAStateAndLosesNothing) {
-  if (const auto why = test::FailingDisk::obstacle()) GTEST_SKIP() << *why;
+  if (const auto why = test::FailingDisk::refusal()) GTEST_SKIP() << *why;
   test::FailingDisk disk(work / "image", record, 256);
   Program running = recorder();
   Program front = node("front", drive);
@@ -85,7 +85,7 @@ TEST_F(Disk, ADiskThatTurnsReadOnlyIsAStateAndLosesNothing) {
 }
 
 TEST_F(Disk, AFallbackFolderTakesOverAndTogetherTheyAreComplete) {
-  if (const auto why = test::FailingDisk::obstacle()) GTEST_SKIP() << *why;
+  if (const auto why = test::FailingDisk::refusal()) GTEST_SKIP() << *why;
   test::FailingDisk disk(work / "image", record, 256);
   const std::filesystem::path fallback = work / "fallback";
   Program running = recorder({"--fallback", fallback});
@@ -102,7 +102,7 @@ TEST_F(Disk, AFallbackFolderTakesOverAndTogetherTheyAreComplete) {
   ASSERT_EQ(rest.epoch.size(), 1u);
   EXPECT_FALSE(first.epoch[0].ended);
   EXPECT_TRUE(rest.epoch[0].ended);
-  // What was written and not synced when the disk failed is in both.
+  // Blocks that were written and not synced when the disk failed are in both.
   EXPECT_LT(first.epoch[0].samples, rest.epoch[0].samples_sent);
   EXPECT_LT(rest.epoch[0].samples, rest.epoch[0].samples_sent);
   EXPECT_GE(first.epoch[0].samples + rest.epoch[0].samples, rest.epoch[0].samples_sent);

@@ -7,8 +7,8 @@
 #include <random>
 #include <vector>
 
-#include "common/clock/clocks.hpp"
 #include "common/record/segment.hpp"
+#include "common/types/clocks.hpp"
 #include "hil_tests/measurement.hpp"
 
 namespace roadbalance {
@@ -86,7 +86,7 @@ TEST_F(Kill, ARecorderKilledAgainAndAgainLosesNothing) {
   expect_as_simulated("front", "seconds=10000");
 }
 
-// Of the usual 64 MiB, all but full: what it holds is read before the recorder says anything.
+// A segment of the usual 64 MiB, all but full: it is read before the recorder sends anything.
 TEST_F(Kill, ARecorderWithALargeSegmentToReadAcknowledgesSoonAfterItsRestart) {
   constexpr std::uint64_t kLarge = 56 << 20;
   const int kills = test::full_run() ? 10 : 2;

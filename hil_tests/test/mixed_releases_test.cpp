@@ -29,7 +29,7 @@ class MixedReleases : public test::Measurement {
   }
   std::string said_file(const std::string& name) const { return work.path() / (name + ".said"); }
   std::string said(const std::string& name) const { return read_text_file(said_file(name)); }
-  /// What another release would send on this bus, once.
+  /// Messages that another release would send on this bus, once.
   void say_foreign() {
     Heartbeat beat;
     beat.node = kForeign;

@@ -33,7 +33,7 @@ TEST_F(Notify, ARecorderSaysThatItIsReadyThatItLivesAndThatItBeginsToStop) {
   ASSERT_TRUE(hears("READY=1"));
   EXPECT_EQ(passed_over, "") << "said before";
   EXPECT_TRUE(hears("WATCHDOG=1"));
-  ::unsetenv("NOTIFY_SOCKET");  // for the node, which would say the same
+  ::unsetenv("NOTIFY_SOCKET");  // for the node, which would send the same
   Program front = node("front", "rate=1&seconds=10000");
   ASSERT_TRUE(more_are_durable(kFront, 10));
 

@@ -17,13 +17,13 @@ namespace fs = std::filesystem;
 /// The disk of the recordings comes after the recorder.
 class OperatingDisk : public Operating {
  protected:
-  static void SetUpTestSuite() { obstacle() = test::enter_private_mounts(); }
+  static void SetUpTestSuite() { refusal() = test::enter_private_mounts(); }
   void SetUp() override {
-    if (!obstacle()) obstacle() = test::FailingDisk::obstacle();
-    if (obstacle()) GTEST_SKIP() << *obstacle();
+    if (!refusal()) refusal() = test::FailingDisk::refusal();
+    if (refusal()) GTEST_SKIP() << *refusal();
     fs::create_directories(recordings);
   }
-  static std::optional<std::string>& obstacle() {
+  static std::optional<std::string>& refusal() {
     static std::optional<std::string> why;
     return why;
   }

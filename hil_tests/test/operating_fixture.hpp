@@ -58,7 +58,9 @@ class Operating : public Measurement {
     ASSERT_TRUE(test::wait_until(
         [&] {
           bus.listen(0.05);
-          return bus.heartbeat(kFront).epoch != 0 && bus.heartbeat(kRear).epoch != 0;
+          // So the recorder has heard them, too: a start without one of them is partial.
+          return bus.heartbeat(kFront).epoch != 0 && bus.heartbeat(kRear).epoch != 0 && bus.recorder() &&
+                 (bus.recorder()->nodes == 2 || bus.recorder()->state == RecorderState::kRecording);
         },
         60));
     Answer answer;

@@ -18,7 +18,7 @@
 #include "common/test/source.hpp"
 #include "hil_tests/measurement.hpp"
 #include "hil_tests/test/operating_fixture.hpp"
-#include "host/analyser/recorded_vehicle.hpp"
+#include "host/recording/recorded_vehicle.hpp"
 #include "tools/rb/asking.hpp"
 
 namespace roadbalance {
@@ -53,7 +53,7 @@ TEST_F(Operating, OneRecorderToAFolder) {
   expect_whole("drive");
 }
 
-// A recorder that comes back to a vehicle file that somebody has broken meanwhile goes on all the same.
+// A recorder that comes back to a vehicle file that was broken meanwhile goes on all the same.
 TEST_F(Operating, ABrokenVehicleFileDoesNotEndARecordingUnderWay) {
   Program recorder = operated_recorder(), front = staying("front"), rear = staying("rear");
   start("drive");
@@ -79,7 +79,7 @@ TEST_F(Operating, RefusesASecondStartAndStopsWhatHasHardlyBegun) {
   stop();
   expect_whole("first");
   EXPECT_EQ(ask(Operation::kStart, "first").reason, RefusalReason::kNameTaken);
-  // The stop comes before anybody knows whether the start has reached a node.
+  // The stop comes before it is known whether the start has reached a node.
   for (int k = 0; k < 5; ++k) {
     const std::string name = "short" + std::to_string(k);
     Request start{.operation = Operation::kStart, .text = name};
@@ -117,7 +117,7 @@ TEST_F(Operating, ARecorderKilledAtAnyRequestLosesNothing) {
       EXPECT_EQ(answer->state, AnswerState::kDone) << name << ": " << answer->text;
     }
     expect_whole(name);
-    EXPECT_GE(count(name, "mark 1: here"), 1);  // noted again if nobody knew whether it was on the disk
+    EXPECT_GE(count(name, "mark 1: here"), 1);  // noted again if it was not known to be on the disk
     EXPECT_EQ(count(name, "mark 2: here"), 0);
   }
 }
@@ -250,7 +250,7 @@ TEST_F(Operating, ZerosAreTheReadingsOfACarThatStands) {
   EXPECT_GT(read, channels / 2);
 }
 
-// Who sets up a car looks at levels before anything is recorded.
+// A person who sets up a car looks at levels before anything is recorded.
 TEST_F(Operating, ThereAreLevelsBeforeTheFirstRecordingAndBehindIt) {
   Program recorder = operated_recorder(), front = staying("front"), rear = staying("rear");
   const Program analyser("rb-analyser", {"--url", url, "--recordings", recordings.string(), "--vehicle",

@@ -4,7 +4,7 @@
 #include <set>
 
 #include "common/bus/codec.hpp"
-#include "common/record/record.hpp"
+#include "common/record/record_reader.hpp"
 #include "hil_tests/measurement.hpp"
 
 namespace roadbalance {
@@ -61,7 +61,7 @@ TEST_F(Ownership, ASecondRecorderTakesOverFromADeadOneAndTogetherTheyAreComplete
   ASSERT_TRUE(more_are_durable(kFront, 500));
   end_well(second, {&front});
 
-  // What the node says at its end counts every sample; each of them is in one of the two, none is lost at the
+  // The node's end counts every sample; each of them is in one of the two, none is lost at the
   // node.
   const Verification before = verify_record(record), after = verify_record(elsewhere);
   ASSERT_EQ(before.epoch.size(), 1u);

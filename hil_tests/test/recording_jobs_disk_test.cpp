@@ -7,10 +7,10 @@ namespace roadbalance {
 namespace {
 
 TEST_F(RecordingJobs, AFullDiskIsNamedAndNothingHalfIsLeft) {
-  if (const auto obstacle = test::enter_private_mounts()) GTEST_SKIP() << *obstacle;
+  if (const auto refusal = test::enter_private_mounts()) GTEST_SKIP() << *refusal;
   const test::MemoryDisk small(results, 8 << 20);
   const Program running = recordings();
-  // Of a file of text only the least is known beforehand, and that is room for here.
+  // Only the least size of a text file is known beforehand, and there is room for that here.
   const fs::path result = results / "drive.csv";
   begin(JobKind::kExport, "/format=csv");
   const Job job = until_ended();
@@ -22,7 +22,7 @@ TEST_F(RecordingJobs, AFullDiskIsNamedAndNothingHalfIsLeft) {
 }
 
 TEST_F(RecordingJobs, WhatSurelyDoesNotFitIsRefusedBeforeItBeginsWithBothFigures) {
-  if (const auto obstacle = test::enter_private_mounts()) GTEST_SKIP() << *obstacle;
+  if (const auto refusal = test::enter_private_mounts()) GTEST_SKIP() << *refusal;
   const test::MemoryDisk small(results, 2 << 20), copies(disk, 2 << 20);
   const Program running = recordings();
   for (const Asked& asked : kMade) {
@@ -45,7 +45,7 @@ TEST_F(RecordingJobs, WhatSurelyDoesNotFitIsRefusedBeforeItBeginsWithBothFigures
 
 // The bound is honest: where there is room for what is made, and little more, it is made.
 TEST_F(RecordingJobs, WhatJustFitsIsNotRefused) {
-  if (const auto obstacle = test::enter_private_mounts()) GTEST_SKIP() << *obstacle;
+  if (const auto refusal = test::enter_private_mounts()) GTEST_SKIP() << *refusal;
   const auto make = [&](std::vector<std::string> words, const fs::path& to) {
     words.insert(words.begin() + 1, drive().string());
     words.insert(words.end(), {"--output", to.string()});

@@ -61,7 +61,7 @@ class RecordingJobs : public testing::Test {
   Answer ask(Operation operation, double value, const std::string& text = "") {
     Asking asking(url);
     Answer answer;
-    // Until it is there and knows of the recording.
+    // Until it runs and lists the recording.
     test::wait_until(
         [&] {
           answer =

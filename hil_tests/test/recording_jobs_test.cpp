@@ -1,6 +1,6 @@
 #include "common/bus/recording.hpp"
 #include "hil_tests/test/recording_jobs_fixture.hpp"
-#include "host/recorder/verify.hpp"
+#include "host/recording/verify/verify.hpp"
 
 namespace roadbalance {
 namespace {
@@ -52,9 +52,9 @@ TEST_F(RecordingJobs, MakesRecordingsThatAreComplete) {
   }
 }
 
-// What the page offers is what rb takes: one definition, on both sides of the bus.
+// The page offers exactly the values that rb takes: one definition, on both sides of the bus.
 TEST_F(RecordingJobs, IsReducedAsFarAsTheListSaysAndNoFurther) {
-  RecordingReceipt listed;
+  RecordingSummary listed;
   bus.subscribe(kRecordingChannel, [&](std::string_view, auto bytes) {
     if (const auto receipt = decode_recording(bytes); receipt && receipt->name == "drive") listed = *receipt;
   });

@@ -14,12 +14,12 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/results.hpp"
-#include "common/record/record.hpp"
+#include "common/record/record_reader.hpp"
 #include "common/record/segment.hpp"
 #include "common/test/bus_url.hpp"
 #include "common/test/temporary_directory.hpp"
 #include "hil_tests/program.hpp"
-#include "host/analyser/identify_record.hpp"
+#include "host/analysis/drives/identify_record.hpp"
 
 namespace roadbalance {
 namespace {
@@ -121,8 +121,8 @@ TEST_F(ReplayOnTheBus, PlaysTheRestOfADamagedOneAndSaysSo) {
             readable);
 }
 
-/// What the analyser said last of each wheel and of the suspension, in bytes as it was told; and how many
-/// levels it told.
+/// The analyser's last results for each wheel and for the suspension, in bytes as they were sent; and how
+/// many levels it sent.
 struct Said {
   std::map<int, std::vector<std::uint8_t>> balance;
   std::vector<std::uint8_t> identification;
@@ -193,7 +193,7 @@ TEST_F(ReplayOnTheBus, TheAnalyserIdentifiesTheSameAsLiveBitForBitThreeTimes) {
     EXPECT_EQ(encode(offline.balance[static_cast<std::size_t>(wheel)]), bytes);
 }
 
-/// Levels by node and instant, spectra by node, channel, part and instant, in bytes as they were told.
+/// Levels by node and instant, spectra by node, channel, part and instant, in bytes as they were sent.
 using Told = std::map<std::vector<std::int64_t>, std::vector<std::uint8_t>>;
 struct LiveTold {
   Told levels, spectra;
@@ -230,8 +230,8 @@ TEST_F(ReplayOnTheBus, LevelsAndSpectraAreThoseOfTheDriveItselfBitForBitThreeTim
                               "--rate", "1", "--bus-port", port_of(url), "--record", record_});
     listen_until(bus, demo, 1);  // no wheel is known after so short a drive
   }
-  // What was live joined a drive that was under way: its first level is of a part of a tenth of a second, and
-  // until its history of ten seconds is full its spectra are of less than the replay's.
+  // The live analyser joined a drive that was under way: its first level is of a part of a tenth of a second,
+  // and until its history of ten seconds is full its spectra are of less than the replay's.
   std::erase_if(live.levels, [&](const auto& one) {
     return one.first[1] <= live.first_ns[static_cast<int>(one.first[0])];
   });
@@ -248,7 +248,7 @@ TEST_F(ReplayOnTheBus, LevelsAndSpectraAreThoseOfTheDriveItselfBitForBitThreeTim
     test::Program analyser("rb-analyser", {"--record", record_, "--url", again_url});
     test::Program player("rb", {"replay", record_, "--url", again_url});
     listen_until(bus, player);
-    // What was played last is told a moment later.
+    // Results of the last part played come a moment later.
     static_cast<void>(test::wait_until(
         [&] {
           bus.handle(std::chrono::milliseconds(5));

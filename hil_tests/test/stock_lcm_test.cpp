@@ -12,7 +12,7 @@
 #include "common/bus/clock_messages.hpp"
 #include "common/bus/codec.hpp"
 #include "common/bus/compensation.hpp"
-#include "common/bus/control.hpp"
+#include "common/bus/control_messages.hpp"
 #include "common/bus/display.hpp"
 #include "common/bus/job.hpp"
 #include "common/bus/knock.hpp"
@@ -26,7 +26,7 @@
 #include "common/bus/setup.hpp"
 #include "common/bus/transfer_report.hpp"
 #include "common/bus/verification.hpp"
-#include "common/record/record.hpp"
+#include "common/record/record_writer.hpp"
 #include "common/test/bus_url.hpp"
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
@@ -113,7 +113,7 @@ class JavaDecoder {
         << "default-jdk-headless is missing? run tools/setup";
   }
 
-  /// What the program writes of a segment.
+  /// Output of the program for a segment.
   std::string run(const std::filesystem::path& segment, const std::vector<std::string>& more = {}) const {
     const auto output = classes_ / "output";
     std::vector<std::string> arguments{"-cp", path(), program_, segment, output};
@@ -206,7 +206,7 @@ TEST(StockLcm, TheDecoderOfLcmSpyUnderstandsEveryMessage) {
     setup.name = "front";
     append("setup_t", encode(setup));
     append("verification_t", encode(WheelVerification{.wheel = 2}));
-    append("recording_t", encode(RecordingReceipt{}));
+    append("recording_t", encode(RecordingSummary{}));
     append("job_t", encode(Job{.jobs = 1, .recording = "drive", .progress = 0.5, .text = "text"}));
     append("document_t", encode(DocumentPart{.parts = 1, .bytes = "text"}));
     writer.close();

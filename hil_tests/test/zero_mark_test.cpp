@@ -44,7 +44,7 @@ TEST_F(Operating, FindsTheZeroMarkOfAWheelThatIsTurnedByHand) {
       VehicleConfig::parse(test::read_source("sim/demo/vehicle.toml"), "vehicle.toml");
   const auto car = sim::draw_car(sim::Scenario::read(scenario.string(), vehicle), 1, vehicle);
   ASSERT_EQ(car.rolling_radius_m[0], kRadius_m);
-  // What somebody sees who stands beside the car.
+  // The angle as a person beside the car sees it.
   const std::string seen = format("%.1f°", std::remainder(car.initial_angle_rad[0] * kDegrees, 360.0));
 
   Program recorder = operated_recorder();
@@ -76,8 +76,8 @@ TEST_F(Operating, FindsTheZeroMarkOfAWheelThatIsTurnedByHand) {
       },
       60));
   EXPECT_NE(last.text.find("3 readings"), std::string::npos) << last.text;
-  // A ring of 96 teeth tells a standing wheel to a tooth, evenly: sigma pitch / sqrt(12 * 3), at most half a
-  // pitch.
+  // A ring of 96 teeth locates a standing wheel to a tooth, evenly: sigma pitch / sqrt(12 * 3), at most half
+  // a pitch.
   const double pitch_deg = 360.0 / 96.0;
   EXPECT_NEAR(last.value[0] * kDegrees, 30.0, 0.5 * pitch_deg + 0.5) << last.text;
   EXPECT_NEAR(last.value[1] * kDegrees, pitch_deg / std::sqrt(36.0), 0.01);

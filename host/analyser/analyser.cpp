@@ -8,10 +8,10 @@
 #include "common/process/channel.hpp"
 #include "common/process/parallel.hpp"
 #include "common/record/folder.hpp"
-#include "host/analyser/before_drive.hpp"
 #include "host/analyser/follow_record.hpp"
 #include "host/analyser/live_view.hpp"
-#include "host/analyser/recorded_vehicle.hpp"
+#include "host/analysis/drives/before_drive.hpp"
+#include "host/recording/recorded_vehicle.hpp"
 
 namespace roadbalance {
 namespace {

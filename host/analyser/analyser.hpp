@@ -15,11 +15,11 @@ struct AnalyserOptions {
   /// Finished recording of the drive before weights were fitted, to compare with; empty: none.
   std::filesystem::path before{};
   bool find_before = false;  ///< without one look for it beside the record (drive_before_weights)
-  /// Of the recorder: the live view goes by the file beside it that the nodes measure by; empty: by the
-  /// record's.  With follow_recordings see there, too.
+  /// The recorder's vehicle.toml: the live view goes by the file beside it that the nodes measure by; empty:
+  /// by the record's.  With follow_recordings see there, too.
   std::filesystem::path vehicle{};
   bool exit_at_end = false;  ///< return once every node has ended and the last estimate is out
-  /// With exit_at_end: not before this says so, from another thread.
+  /// With exit_at_end: not before this returns true; called from another thread.
   std::function<bool()> may_exit = [] { return true; };
   /// Hears who on the bus is of another version of the wire.  Called from several threads.
   std::function<void(const std::string&)> on_warning = [](const std::string&) {};
@@ -30,11 +30,11 @@ VehicleByCrc vehicle_files_of(const AnalyserOptions& options);
 
 /// Process: record and bus -> results on the bus.
 ///
-/// Waits for the record to tell the vehicle, then runs two processes side by side: the live view (levels and
-/// spectra of what the bus brings; it may skip and says so) and identification (of the record as it grows;
-/// complete, in sequence).  Knows nothing that the record does not say.
+/// Waits for the record's vehicle, then runs two processes side by side: the live view (levels and
+/// spectra of what the bus brings; it may skip and counts that) and identification (of the record as it
+/// grows; complete, in sequence).  Uses nothing that is not in the record.
 ///
-/// Returns when told to stop.
+/// Returns when asked to stop.
 /// @throws ConfigError if the record's vehicle cannot be analysed, std::runtime_error if there is no bus or
 /// the
 ///         record is of another version of the wire

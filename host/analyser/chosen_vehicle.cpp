@@ -4,18 +4,18 @@
 #include <chrono>
 #include <utility>
 
-#include "common/bus/control.hpp"
+#include "common/bus/control_messages.hpp"
 #include "common/config/section.hpp"
-#include "common/link/text_crc.hpp"
 #include "common/record/file.hpp"
 #include "common/record/folder.hpp"
 #include "common/text/format.hpp"
+#include "common/types/text_crc.hpp"
 
 namespace roadbalance {
 namespace {
 
 using namespace std::chrono_literals;
-constexpr auto kSilence = 3s;
+constexpr auto kVehicleSilence = 3s;
 constexpr auto kLook = 1s;  ///< a file is written after its nodes have taken it
 
 }  // namespace
@@ -46,7 +46,7 @@ void ChosenVehicle::take(const NodeSetup& setup, WallTime now) {
 }
 
 std::optional<VehicleConfig> ChosenVehicle::changed(WallTime now) {
-  std::erase_if(heard_, [now](const auto& heard) { return now - heard.second.at > kSilence; });
+  std::erase_if(heard_, [now](const auto& heard) { return now - heard.second.at > kVehicleSilence; });
   if (!find_ || heard_.empty() || now - looked_at_ < kLook) return std::nullopt;
   looked_at_ = now;
   const std::uint32_t wanted = heard_.begin()->second.crc32c;

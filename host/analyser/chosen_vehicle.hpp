@@ -8,8 +8,8 @@
 #include <string>
 
 #include "common/bus/setup.hpp"
-#include "common/clock/clocks.hpp"
 #include "common/config/vehicle_config.hpp"
+#include "common/types/clocks.hpp"
 
 namespace roadbalance {
 
@@ -20,10 +20,10 @@ using VehicleByCrc = std::function<std::optional<VehicleConfig>(std::uint32_t cr
 VehicleByCrc vehicle_files_in(const std::filesystem::path& folder);
 
 /// By which vehicle.toml the nodes measure now: between recordings another one can be chosen, or ranges and
-/// zeros be changed (rb vehicle, configure, zero), and what the last recording says holds no longer.
+/// zeros be changed (rb vehicle, configure, zero), and the last recording's vehicle holds no longer.
 ///
-/// Every node tells once a second the CRC of the text that is in force (NodeSetup), the recorder's files have
-/// the text.
+/// Every node reports once a second the CRC of the text that is in force (NodeSetup), the recorder's files
+/// have the text.
 class ChosenVehicle {
  public:
   /// @param now   of which is known what channels are

@@ -5,12 +5,12 @@
 #include <map>
 #include <utility>
 
-#include "common/bus/control.hpp"
-#include "common/clock/clocks.hpp"
+#include "common/bus/control_messages.hpp"
+#include "common/types/clocks.hpp"
 
 namespace roadbalance {
 
-/// Knows from the recorder's acknowledgements which blocks are on the disk for good.
+/// Keeps, by the recorder's acknowledgements, which blocks are on the disk for good.
 class DurableGate {
  public:
   /// The recorder acknowledges a living epoch five times a second.  One that it has not acknowledged for this

@@ -11,23 +11,23 @@
 #include "common/bus/clock_messages.hpp"
 #include "common/bus/codec.hpp"
 #include "common/bus/compensation.hpp"
-#include "common/bus/control.hpp"
+#include "common/bus/control_messages.hpp"
 #include "common/bus/remark.hpp"
 #include "common/bus/results.hpp"
 #include "common/bus/verification.hpp"
-#include "common/record/record.hpp"
+#include "common/record/record_reader.hpp"
 #include "host/analyser/durable_gate.hpp"
-#include "host/analyser/in_sequence.hpp"
 #include "host/analyser/live_orders.hpp"
-#include "host/balance/overall_plan.hpp"
-#include "host/identify/drive_estimator.hpp"
-#include "host/identify/remarks.hpp"
+#include "host/analysis/balance/overall_plan.hpp"
+#include "host/analysis/identify/diagnostics.hpp"
+#include "host/analysis/identify/drive_estimator.hpp"
+#include "host/recording/in_sequence.hpp"
 
 namespace roadbalance {
 namespace {
 
 constexpr std::chrono::seconds kRepeat{1};
-/// The last estimate is sent this often before leaving: nobody acknowledges results.
+/// The last estimate is sent this often before leaving: results are not acknowledged.
 constexpr int kFarewells = 3;
 
 class Follower {
@@ -65,7 +65,7 @@ class Follower {
     after_.compensation = compensate_all(estimate.balance, estimator_.forces(), after_.vehicle);
     publish_remarks(estimate);
     bus_.publish(kIdentificationChannel, encode(estimate.identification));
-    // What there is to do comes before what it follows from: who has the one has the other.
+    // The plan is sent before the results it follows from: who has the one has the other.
     publish_verification();
     for (std::size_t w = 0; w < kWheels; ++w) {
       bus_.publish(kCompensationChannel, encode(after_.compensation[w]));
@@ -87,9 +87,9 @@ class Follower {
   }
 
   void publish_remarks(const DriveEstimate& estimate) {
-    std::vector<std::string> sentences = remarks(estimate.identification, estimate.balance);
-    if (std::string obstacle = estimator_.obstacle(); !obstacle.empty())
-      sentences.insert(sentences.begin(), std::move(obstacle));
+    std::vector<std::string> sentences = diagnostics(estimate.identification, estimate.balance);
+    if (std::string refusal = estimator_.refusal(); !refusal.empty())
+      sentences.insert(sentences.begin(), std::move(refusal));
     if (!before_name_.empty() && !before_ && before_in_.finished())
       sentences.push_back("the recording of the drive before, " + before_name_ +
                           ", cannot be compared with: rb-analyser says why where it was started");
@@ -135,7 +135,7 @@ class Follower {
     return true;
   }
 
-  /// Of a node's epochs the one that began last counts: the crash of one before is declared behind its begin.
+  /// The newest of a node's epochs counts: the crash of one before is declared behind its begin.
   void note_end(const SealedBlock& block) {
     const auto node = running_.find(block.header.node);
     if (node == running_.end()) return;

@@ -3,11 +3,11 @@
 #include <chrono>
 #include <stop_token>
 
-#include "common/bus/control.hpp"
+#include "common/bus/control_messages.hpp"
 #include "common/config/vehicle_config.hpp"
 #include "common/process/channel.hpp"
 #include "host/analyser/analyser.hpp"
-#include "host/balance/verification.hpp"
+#include "host/analysis/balance/verification.hpp"
 
 namespace roadbalance {
 
@@ -23,7 +23,8 @@ inline constexpr std::chrono::milliseconds kRecordPoll{50};
 /// Publishes each new estimate with its remarks, and the last one again every second for those who come late;
 /// orders once a second.
 ///
-/// @param before  brings what the drive before told, if options name one: then it is compared with this one
+/// @param before  gives the estimate of the drive before, if options name one: then it is compared with this
+/// one
 /// @param acks    brings the recorder's acknowledgements
 void follow_record(std::stop_token stop, const AnalyserOptions& options, const VehicleConfig& vehicle,
                    In<BalancedDrive> before, In<Ack> acks);

@@ -10,24 +10,24 @@
 #include <utility>
 
 #include "common/bus/bus.hpp"
-#include "common/bus/control.hpp"
+#include "common/bus/control_messages.hpp"
 #include "common/bus/recorder_status.hpp"
-#include "common/clock/clocks.hpp"
 #include "common/config/vehicle_config.hpp"
 #include "common/process/channel.hpp"
 #include "common/process/parallel.hpp"
+#include "common/types/clocks.hpp"
 #include "host/analyser/live_view.hpp"
 
 namespace roadbalance {
 namespace {
 
 constexpr std::chrono::milliseconds kPoll{50};
-constexpr std::chrono::seconds kSilence{3};
-// A node that goes on with its next epoch says between two heartbeats that the one before has ended.
+constexpr std::chrono::seconds kRecorderSilence{3};
+// A node that goes on with its next epoch reports between two heartbeats that the one before has ended.
 constexpr std::chrono::seconds kGone{2};
 constexpr std::chrono::seconds kAgain{1};  // after what could not be read
 
-/// What is recorded, and whether there is anybody to be recorded.
+/// The current recording, and whether any node is there to be recorded.
 class Listener {
  public:
   explicit Listener(const std::string& url) : bus_(url) {
@@ -46,7 +46,7 @@ class Listener {
     bus_.handle(kPoll);
     const WallTime now = WallClock::now();
     const bool any_lives = std::ranges::any_of(heard_, [now](const auto& heard) {
-      return !heard.second.is_over && now - heard.second.at < kSilence;
+      return !heard.second.is_over && now - heard.second.at < kRecorderSilence;
     });
     // Who has been recorded may have gone before this listened; before anything is recorded nodes may yet
     // come.
@@ -83,7 +83,7 @@ void follow_recordings(std::stop_token stop, const std::filesystem::path& record
                              std::cref(options.on_warning), make_channel<Ack>(1).first);
   while (!stop.stop_requested()) {
     listener.listen();
-    if (first_view && first_view->stop_token().stop_requested()) first_view->wait();  // says why
+    if (first_view && first_view->stop_token().stop_requested()) first_view->wait();  // throws the reason
     if (listener.name().empty()) continue;
     first_view.reset();
     const std::string name = listener.name();

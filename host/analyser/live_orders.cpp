@@ -8,10 +8,10 @@
 namespace roadbalance {
 namespace {
 
-constexpr RotorOrders::Effort kEffort{.spectra = false,
-                                      .least_rotation_hz = LiveOrders::kLeastRotation_hz,
-                                      .highest_hz = LiveOrders::kHighest_hz,
-                                      .longest_wait_s = 60.0};
+constexpr RotorOrders::Effort kOrderEffort{.spectra = false,
+                                           .least_rotation_hz = LiveOrders::kLeastRotation_hz,
+                                           .highest_hz = LiveOrders::kHighest_hz,
+                                           .longest_wait_s = 60.0};
 
 OrderReport::Vector vector_of(const MeanVector& mean) {
   OrderReport::Vector vector;
@@ -35,8 +35,9 @@ LiveOrders::LiveOrders(const VehicleConfig& vehicle) {
       for (std::size_t c = 0; c < vehicle.node[n].channel.size(); ++c)
         if (vehicle.node[n].channel[c].role == ChannelRole::kAcceleration) channels.push_back(c);
       if (channels.empty()) continue;
-      add({w, std::make_unique<RotorOrders>(vehicle, rotor_of(vehicle, wheel), static_cast<int>(n),
-                                            std::move(channels), std::vector<double>{1.0, 2.0}, kEffort)});
+      add({w,
+           std::make_unique<RotorOrders>(vehicle, rotor_of(vehicle, wheel), static_cast<int>(n),
+                                         std::move(channels), std::vector<double>{1.0, 2.0}, kOrderEffort)});
     }
   }
 }

@@ -5,7 +5,7 @@
 
 #include "common/bus/order_report.hpp"
 #include "common/config/vehicle_config.hpp"
-#include "host/orders/rotor_orders.hpp"
+#include "host/analysis/orders/rotor_orders.hpp"
 
 namespace roadbalance {
 

@@ -15,35 +15,35 @@
 #include "common/bus/display.hpp"
 #include "common/bus/results.hpp"
 #include "common/bus/setup.hpp"
-#include "common/clock/clocks.hpp"
-#include "host/analyser/channel_watch.hpp"
+#include "common/types/clocks.hpp"
 #include "host/analyser/chosen_vehicle.hpp"
-#include "host/analyser/envelopes.hpp"
-#include "host/analyser/in_sequence.hpp"
-#include "host/analyser/knocks.hpp"
-#include "host/analyser/levels.hpp"
 #include "host/analyser/sample_beat.hpp"
-#include "host/analyser/spectra.hpp"
 #include "host/analyser/spectrum_view.hpp"
+#include "host/analyser/tap_test.hpp"
 #include "host/analyser/transfer_view.hpp"
 #include "host/analyser/waterfall_view.hpp"
+#include "host/analysis/spectra/channel_watch.hpp"
+#include "host/analysis/spectra/envelopes.hpp"
+#include "host/analysis/spectra/spectra.hpp"
+#include "host/recording/in_sequence.hpp"
+#include "host/recording/levels.hpp"
 
 namespace roadbalance {
 namespace {
 
-// Of what is told of samples, in their time; of what somebody wants to see, in his.
+// Periods of what is sent of samples, in their time; of what a viewer asks for, in his.
 constexpr double kLevel_s = 0.1, kSpectrum_s = 1.0;
 constexpr std::chrono::milliseconds kViewInterval{100};
 constexpr std::chrono::milliseconds kEnvelopeInterval{50};
 constexpr std::chrono::milliseconds kWaterfallInterval{1000};
 
-/// Says whether it is time again.
+/// True if it is time again.
 class Every {
  public:
   explicit Every(std::chrono::milliseconds interval) : interval_(interval) {}
   bool due(WallTime now) {
     if (now - last_ < interval_) return false;
-    // What is late does not make the next one late; what was missed is not made up for.
+    // A late one does not make the next one late; a missed one is not made up for.
     last_ = now - last_ < 2 * interval_ ? last_ + interval_ : now;
     return true;
   }
@@ -57,7 +57,7 @@ struct NodeView {
   LevelMeter levels;
   SpectrumMeter spectra;
   EnvelopeMeter envelopes;
-  KnockMeter knocks;
+  TapMeter knocks;
   SampleBeat level_beat{kLevel_s}, spectrum_beat{kSpectrum_s};
   InSequence sequence{InSequence::From::kFirstHeard};
 };
@@ -76,7 +76,7 @@ class LiveView {
       nodes_.emplace(node.id, NodeView{.levels = LevelMeter(vehicle, node),
                                        .spectra = SpectrumMeter(node),
                                        .envelopes = EnvelopeMeter(node),
-                                       .knocks = KnockMeter(node)});
+                                       .knocks = TapMeter(node)});
     const auto take = [this](std::string_view, std::span<const std::uint8_t> bytes) { add(bytes); };
     bus_.subscribe("RB_BLOCK_.*", take);
     bus_.subscribe("RB_PREVIEW_.*", take);
@@ -181,7 +181,7 @@ class LiveView {
   TransferView transfers_;
   SpectrumView spectra_;
   WaterfallView waterfalls_;
-  std::map<ChannelId, WallTime> watched_;  ///< envelopes that somebody wants, and when he said so
+  std::map<ChannelId, WallTime> watched_;  ///< envelopes that a viewer asks for, and when it did
   std::unique_ptr<SealedBlock> block_ = std::make_unique<SealedBlock>();
   ChosenVehicle chosen_;
   Every views_{kViewInterval}, envelopes_{kEnvelopeInterval}, waterfall_{kWaterfallInterval};
@@ -195,7 +195,7 @@ void live_view(std::stop_token stop, const std::string& url, const VehicleConfig
   while (!stop.stop_requested()) {
     view->step();
     for (const std::string& sentence : view->other_versions()) warn(sentence);
-    // Who wants to see something says so again within a second.
+    // A viewer repeats its request within a second.
     if (const auto other = view->other_vehicle()) view.emplace(url, *other, find, warn, acks);
   }
 }

@@ -7,6 +7,7 @@
 
 #include "common/command_line/bus_url.hpp"
 #include "common/command_line/manual.hpp"
+#include "common/command_line/run_program.hpp"
 #include "common/config/section.hpp"
 #include "common/process/stop_on_signal.hpp"
 #include "host/analyser/analyser.hpp"
@@ -45,6 +46,7 @@ int main(int argc, char** argv) {
       ->check(CLI::ExistingDirectory);
   app.add_flag("--exit-at-end", options.exit_at_end,
                "exit once every node has ended and the last estimate is out");
+  roadbalance::add_version(app);
   roadbalance::add_manual(app);
   try {
     app.parse(argc, argv);

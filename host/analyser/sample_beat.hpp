@@ -5,21 +5,21 @@
 #include <cmath>
 #include <cstdint>
 
-#include "common/clock/clocks.hpp"
-#include "common/link/blocks.hpp"
+#include "common/types/blocks.hpp"
+#include "common/types/clocks.hpp"
 
 namespace roadbalance {
 
-/// Says when a node's samples have come so far that something is to be told of them.
+/// Gives the instants of a node's samples at which results on them are to be sent.
 ///
-/// Beats stand in the samples, one each interval from the epoch's first scan on: what is told of a drive is
-/// told of the same samples when it is played again, whatever the wall clock did.  Of samples that come much
-/// faster than they were taken beats are left out: what is told then is of a longer time.
+/// Beats stand in the samples, one each interval from the epoch's first scan on: the results of a drive are
+/// of the same samples when it is played again, whatever the wall clock did.  Of samples that come much
+/// faster than they were taken beats are left out: results are then of a longer time.
 class SampleBeat {
  public:
   explicit SampleBeat(double interval_s) : interval_s_(interval_s) {}
 
-  /// @param block  the newest, which is among what would be told
+  /// @param block  the newest, which is among the samples of the result
   bool due(const ScanBlock& block, WallTime now) {
     const double scans = interval_s_ * 1e12 / static_cast<double>(block.period_ps);
     const std::int64_t each = std::max<std::int64_t>(1, std::llround(scans));
@@ -40,7 +40,7 @@ class SampleBeat {
 
  private:
   /// Beats in an interval of the wall clock: more than one, so that samples that were kept for a while are
-  /// told of in full.
+  /// used in full.
   static constexpr double kMostOften = 1.5;
   static constexpr double kBurst = 20.0;
 

@@ -9,7 +9,7 @@
 
 namespace roadbalance {
 
-/// Which bins of a spectrum a display is told: those up to a frequency, of too many neighbours as one, so
+/// The bins of a spectrum that a display gets: those up to a frequency, of too many neighbours as one, so
 /// that densities keep their integral.
 class ShownBins {
  public:

@@ -33,13 +33,13 @@ void SpectrumView::take(const View& view, WallTime now) {
   if (!viewers_.contains(view.viewer) && viewers_.size() >= kMostViewers) return;
   Viewer& viewer = viewers_[view.viewer];
   viewer.heard = now;
-  const bool told_anew = std::exchange(viewer.highest_hz, view.highest_hz) != view.highest_hz;
+  const bool asked_anew = std::exchange(viewer.highest_hz, view.highest_hz) != view.highest_hz;
   std::vector<Wanted> before = std::exchange(viewer.wanted, {});
   for (const ChannelId& channel : view.spectrum) {
     Wanted wanted{channel,
                   {{channel}, view.segment, view.window, view.memory, view.hold_peaks, view.overlap}};
     const auto same = std::ranges::find(before, wanted.kind, &Wanted::kind);
-    if (same != before.end() && !told_anew) wanted.told = same->told;
+    if (same != before.end() && !asked_anew) wanted.sent = same->sent;
     viewer.wanted.push_back(std::move(wanted));
   }
   forget(now);  // before more is begun
@@ -64,16 +64,16 @@ std::vector<SpectrumPart> SpectrumView::parts(WallTime now) {
       const JointSpectra* const joint = pool_.find(wanted.kind);
       const int averages = joint ? joint->spectra().averages() : 0;
       const TransferState state =
-          wanted.state == TransferState::kTold && averages == 0 ? TransferState::kTooShort : wanted.state;
-      const std::pair now_told(state, averages);
-      if (std::exchange(wanted.told, now_told) == now_told) continue;
+          wanted.state == TransferState::kComputed && averages == 0 ? TransferState::kTooShort : wanted.state;
+      const std::pair now_sent(state, averages);
+      if (std::exchange(wanted.sent, now_sent) == now_sent) continue;
       const SpectrumPart about{.viewer = id,
                                .node = wanted.channel.node,
                                .channel = wanted.channel.channel,
                                .state = state,
                                .time_ns = joint ? joint->end_ns() : 0,
                                .held = wanted.kind.hold_peaks};
-      if (state != TransferState::kTold)
+      if (state != TransferState::kComputed)
         parts.push_back(about);
       else
         add_parts(about, viewer.highest_hz, joint->spectra(), parts);

@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "common/bus/results.hpp"
-#include "common/clock/clocks.hpp"
-#include "host/analyser/spectra_pool.hpp"
+#include "common/types/clocks.hpp"
+#include "host/analysis/spectra/spectra_pool.hpp"
 
 namespace roadbalance {
 
-/// Spectra of single channels that somebody wants to see, and no others.
+/// Spectra of single channels that viewers ask for, and no others.
 ///
 /// As TransferView; each channel is averaged by itself, so that one that clips costs no other.
 class SpectrumView {
@@ -30,7 +30,7 @@ class SpectrumView {
   void consume(const SealedBlock& block) { pool_.consume(block); }
   void consume(const ClockFit& fit) { pool_.consume(fit); }
 
-  /// All parts of all spectra that have something new to tell.  Of those that cannot be told (yet) one part
+  /// All parts of all spectra that have something new.  Of those that cannot be computed (yet) one part
   /// without bins, whenever the reason is another.
   std::vector<SpectrumPart> parts(WallTime now);
 
@@ -39,8 +39,8 @@ class SpectrumView {
   struct Wanted {
     ChannelId channel;
     Kind kind;
-    TransferState state = TransferState::kTold;           ///< of what was begun
-    std::optional<std::pair<TransferState, int>> told{};  ///< with how many averages
+    TransferState state = TransferState::kComputed;           ///< of what was begun
+    std::optional<std::pair<TransferState, int>> sent{};  ///< with how many averages
   };
   struct Viewer {
     double highest_hz = 0.0;

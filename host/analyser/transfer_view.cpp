@@ -68,7 +68,7 @@ void TransferView::take(const View& view, WallTime now) {
   }
   viewer.view = view;
   viewer.kind = kind;
-  viewer.told = -1;  // what is asked for anew is told at once
+  viewer.sent = -1;  // what is asked for anew is sent at once
   forget(now);
   viewer.state = pool_.begin(kind);
 }
@@ -89,7 +89,7 @@ std::vector<TransferPart> TransferView::parts(WallTime now) {
     const TransferState state = joint ? state_of(*joint) : viewer.state;
     const int averages = joint ? joint->spectra().averages() : 0;
     const int news = averages > 0 ? averages : -1 - static_cast<int>(state);
-    if (std::exchange(viewer.told, news) != news) add_pairs(viewer, state, joint, parts);
+    if (std::exchange(viewer.sent, news) != news) add_pairs(viewer, state, joint, parts);
   }
   return parts;
 }
@@ -105,7 +105,7 @@ void TransferView::add_pairs(const Viewer& viewer, TransferState state, const Jo
     const int input = index_of(pair.input), output = index_of(pair.output);
     TransferPart about{.viewer = viewer.view.viewer, .pair = pair, .state = state};
     if (input < 0 || output < 0) about.state = TransferState::kNoChannel;
-    if (about.state != TransferState::kTold || !joint) {
+    if (about.state != TransferState::kComputed || !joint) {
       parts.push_back(about);
       continue;
     }

@@ -6,19 +6,19 @@
 #include <vector>
 
 #include "common/bus/transfer_report.hpp"
-#include "common/clock/clocks.hpp"
-#include "common/clock/exchange.hpp"
 #include "common/config/vehicle_config.hpp"
-#include "common/link/block.hpp"
-#include "host/analyser/spectra_pool.hpp"
+#include "common/types/block.hpp"
+#include "common/types/clocks.hpp"
+#include "common/types/exchange.hpp"
+#include "host/analysis/spectra/spectra_pool.hpp"
 
 namespace roadbalance {
 
-/// Transfer functions that somebody wants to see, and no others.
+/// Transfer functions that viewers ask for, and no others.
 ///
-/// A viewer says again what it wants, and is forgotten after kForgotten.  Views of the same channels,
+/// A viewer repeats its request, and is forgotten after kForgotten.  Views of the same channels,
 /// segments, window and average share one JointSpectra, begun anew when it is first asked for: a channel that
-/// clips, or a node that is silent, keeps nobody from seeing others.
+/// clips, or a node that is silent, keeps no viewer from others.
 class TransferView {
  public:
   static constexpr std::chrono::seconds kForgotten{3};
@@ -33,7 +33,7 @@ class TransferView {
   void consume(const SealedBlock& block) { pool_.consume(block); }
   void consume(const ClockFit& fit) { pool_.consume(fit); }
 
-  /// All parts of all pairs that have something new to tell; of those that cannot be told, once, why.
+  /// All parts of all pairs that have something new; of those that cannot be computed, once, why.
   std::vector<TransferPart> parts(WallTime now);
 
  private:
@@ -42,8 +42,8 @@ class TransferView {
     View view;
     Kind kind;
     WallTime heard;
-    TransferState state = TransferState::kTold;
-    int told = -1;  ///< averages, or minus what was told in place of them
+    TransferState state = TransferState::kComputed;
+    int sent = -1;  ///< averages, or minus the state sent in place of them
   };
   Kind kind_of(const View& view) const;
   void forget(WallTime now);

@@ -7,7 +7,8 @@
 namespace roadbalance {
 namespace {
 
-constexpr RotorOrders::Effort kEffort{.spectra = true, .least_rotation_hz = WaterfallView::kLeastRotation_hz};
+constexpr RotorOrders::Effort kWaterfallEffort{.spectra = true,
+                                               .least_rotation_hz = WaterfallView::kLeastRotation_hz};
 
 void add_rows(const WaterfallRow& about, const RotorOrders& orders, double class_hz,
               std::vector<WaterfallRow>& rows) {
@@ -42,7 +43,7 @@ WaterfallView::Wanted WaterfallView::begin(const WheelChannel& of) {
   Wanted wanted{.heard = {}};
   wanted.orders = std::make_unique<RotorOrders>(
       vehicle_, rotor_of(vehicle_, wheel), static_cast<int>(node - vehicle_.node.data()),
-      std::vector<std::size_t>{channel}, std::vector<double>{1.0}, kEffort);
+      std::vector<std::size_t>{channel}, std::vector<double>{1.0}, kWaterfallEffort);
   for (const auto& [id, fit] : newest_fit_) wanted.orders->consume(fit);
   return wanted;
 }

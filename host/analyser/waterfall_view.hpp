@@ -7,15 +7,15 @@
 #include <vector>
 
 #include "common/bus/display.hpp"
-#include "common/clock/clocks.hpp"
-#include "common/clock/exchange.hpp"
 #include "common/config/vehicle_config.hpp"
-#include "common/link/block.hpp"
-#include "host/orders/rotor_orders.hpp"
+#include "common/types/block.hpp"
+#include "common/types/clocks.hpp"
+#include "common/types/exchange.hpp"
+#include "host/analysis/orders/rotor_orders.hpp"
 
 namespace roadbalance {
 
-/// Order spectra by speed that somebody wants to see, and no others: each wheel and channel once, begun when
+/// Order spectra by speed that viewers ask for, and no others: each wheel and channel once, begun when
 /// it is first asked for and forgotten kForgotten after it was last.
 class WaterfallView {
  public:
@@ -31,13 +31,13 @@ class WaterfallView {
   void consume(const ClockFit& fit);
 
   /// All classes of speed of all that is wanted, as they stand; one row without lines of what there is
-  /// nothing to tell of.
+  /// nothing to send.
   std::vector<WaterfallRow> rows(WallTime now);
 
  private:
   struct Wanted {
     WallTime heard;
-    OrderState state = OrderState::kTold;   ///< else why nothing is computed
+    OrderState state = OrderState::kComputed;   ///< else why nothing is computed
     std::unique_ptr<RotorOrders> orders{};  ///< nullptr: for that reason
     std::int64_t time_ns = 0;               ///< of the newest block
   };

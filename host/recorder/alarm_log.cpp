@@ -6,7 +6,7 @@
 namespace roadbalance {
 namespace {
 
-/// What it has come to, then how long it was.
+/// Its text, then how long it lasted.
 std::string with(const std::string& text, const std::string& end) {
   return text.empty() ? end : text + "; " + end;
 }
@@ -34,7 +34,7 @@ void AlarmLog::raise(const Alarm& alarm, std::string text, WallTime now) {
   state.last = now;
 }
 
-// The disk may have refused notes for a while: they say what was then.
+// The disk may have refused notes for a while: this one bears the time at which it began.
 AlarmNote AlarmLog::begin_of(const Alarm& alarm, const State& state, WallTime now) {
   std::string text = state.text;
   if (now - state.since >= std::chrono::seconds(2))

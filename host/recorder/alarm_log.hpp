@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "common/bus/alarm.hpp"
-#include "common/clock/clocks.hpp"
+#include "common/types/clocks.hpp"
 
 namespace roadbalance {
 
-/// What the record is to say of an alarm: once that it began, once that it is over.
+/// A note about an alarm for the record: one when it began, one when it is over.
 struct AlarmNote {
   bool began = true;
   Alarm alarm{};
@@ -34,11 +34,11 @@ class AlarmLog {
  public:
   static constexpr std::chrono::seconds kHold{10};
   static constexpr std::chrono::seconds kLongestHold{640};
-  /// Of different alarms; what comes beyond, by forged numbers of nodes, is passed over.
+  /// Different alarms; more, by forged numbers of nodes, are passed over.
   static constexpr std::size_t kMostAlarms = 512;
 
   void raise(const Alarm& alarm, std::string text, WallTime now);
-  /// What is to be noted now and was not before.
+  /// Notes that are due.
   std::vector<AlarmNote> due(WallTime now);
   /// Nothing is raised any more: the end of all that is on.
   std::vector<AlarmNote> finish(WallTime now);

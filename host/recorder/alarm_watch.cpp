@@ -18,7 +18,7 @@ std::string in_us(double seconds) {
 
 }  // namespace
 
-/// Of counters that begin anew with each epoch and only rise in it.
+/// For counters that begin anew with each epoch and only rise in it.
 void AlarmWatch::rise(const Alarm& alarm, std::int64_t epoch, std::int64_t count, const char* what,
                       WallTime now) {
   auto& [of_epoch, known] = counted_[alarm];
@@ -33,7 +33,7 @@ void AlarmWatch::rise(const Alarm& alarm, std::int64_t epoch, std::int64_t count
 
 void AlarmWatch::take(const Heartbeat& beat, WallTime now) {
   if (owner_ != 0 && beat.owner != owner_) {
-    // It is heard, and somebody else's to miss.
+    // It is heard, and another recorder's to miss.
     if (const auto known = node_.find(beat.node); known != node_.end()) known->second.measures = false;
     return;
   }
@@ -54,6 +54,9 @@ void AlarmWatch::take(const Heartbeat& beat, WallTime now) {
   for (std::size_t line = 0; line < beat.encoder_faults.size(); ++line)
     rise(of(AlarmCause::kFaultyTurns, static_cast<std::int32_t>(line)), beat.epoch, beat.encoder_faults[line],
          " turns", now);
+  for (std::size_t line = 0; line < beat.encoder_faults.size(); ++line)
+    if (const auto counts = std::span(beat.mark_counts).subspan(2 * line).first<2>(); counts[0] > 0)
+      log_.raise(of(AlarmCause::kWrongMarks, static_cast<std::int32_t>(line)), wrong_marks(counts), now);
   rise(of(AlarmCause::kSpoolFailing), beat.epoch, beat.spool_failures, " failures", now);
   const auto counted = [&beat](DeviceCounter counter) {
     return beat.device_counts[static_cast<std::size_t>(counter)];
@@ -103,7 +106,7 @@ void AlarmWatch::take(const Balance& wheel, WallTime now) {
 }
 
 void AlarmWatch::take(const RecorderStatus& status, WallTime now) {
-  for (const RecorderAlarm& alarm : alarms(status)) log_.raise({alarm.cause}, alarm.text, now);
+  for (const RecorderAlarm& alarm : alarms(status)) log_.raise({alarm.cause, alarm.node}, alarm.text, now);
 }
 
 void AlarmWatch::take_other_version(std::int32_t node, WallTime now) {

@@ -6,16 +6,20 @@
 #include <utility>
 #include <vector>
 
-#include "common/bus/control.hpp"
+#include "common/bus/control_messages.hpp"
 #include "common/bus/recorder_status.hpp"
 #include "common/bus/results.hpp"
-#include "common/clock/exchange.hpp"
+#include "common/types/exchange.hpp"
 #include "host/recorder/alarm_log.hpp"
 
 namespace roadbalance {
 
-/// What is heard on the bus -> alarms: the same in the recorder, which puts them into the record, and in
-/// `rb watch`.  A pure state machine.  What says nothing new of the nodes it watches is passed over.
+/// Messages on the bus -> alarms: the same in the recorder, which puts them into the record, and in `rb
+/// watch`.  A pure state machine.  Messages about other nodes than the watched ones are passed over.
+///
+/// An analyser that was never heard is not missed.  A clock is raised that is not heard or known worse than
+/// to kWantedSync_s, after its first ten seconds.  A recorder that is started again raises anew what its
+/// nodes have lost by then.
 class AlarmWatch {
  public:
   /// After which a node that measures is missed, and an analyser that has spoken of it.
@@ -30,7 +34,7 @@ class AlarmWatch {
   void take(const ClockFit& fit, WallTime now);
   void take(const Balance& wheel, WallTime now);
   void take(const RecorderStatus& status, WallTime now);
-  /// A node, of whoever it be: what it says cannot be read.
+  /// A node, any recorder's: its messages cannot be read.
   void take_other_version(std::int32_t node, WallTime now);
 
   /// Looks who is silent.  To be called now and then, and before what follows.
@@ -45,7 +49,7 @@ class AlarmWatch {
     WallTime heard{};
     bool measures = false;
     bool wants_clock = false;   // a recorder asks it for its time
-    WallTime clock_since{};     // that it wants one
+    WallTime clock_since{};     // since it needs one
     WallTime clock_heard{};     // last, and locked
     WallTime clock_answered{};  // though it may not be known
     std::int64_t clock_exchanges = 0;
@@ -61,7 +65,7 @@ class AlarmWatch {
   std::map<std::int32_t, Node> node_;
   bool analyser_spoke_ = false;
   WallTime analyser_heard_{};
-  WallTime nobody_measured_{};  // last: then an analyser has nothing to say
+  WallTime nobody_measured_{};  // last: then an analyser has nothing to report
   std::map<Alarm, std::pair<std::int64_t, std::int64_t>> counted_;  // epoch, count as it was heard last
 };
 

@@ -13,7 +13,7 @@ class Ballast {
  public:
   Ballast(Disk& disk, const std::filesystem::path& folder, std::int64_t bytes);
 
-  /// Gives up one that an earlier run left, for whoever has the folder's lock.  False if there is none.
+  /// Gives up one that an earlier run left; the folder's lock is held.  False if there is none.
   bool remove_old();
   /// Takes the space if it is not taken; a disk that refuses is not asked again.
   void take();

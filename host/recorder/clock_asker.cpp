@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <chrono>
 
+#include "common/bus/bus.hpp"
+#include "common/bus/clock_messages.hpp"
+#include "host/recorder/event_outlet.hpp"
+
 namespace roadbalance {
 namespace {
 
@@ -13,9 +17,11 @@ constexpr milliseconds kBurstPeriod{20};
 constexpr milliseconds kPeriod{125};
 constexpr milliseconds kFollowUp{50};
 constexpr seconds kGiveUp{1};
-constexpr seconds kSilence{10};
+constexpr seconds kClockSilence{10};
 constexpr std::chrono::nanoseconds kFitPeriod{ClockModel::kFitLife_ns};
 constexpr std::size_t kMostOpen = 32;
+constexpr milliseconds kAnswerWait{10};  // longest wait for an answer: bounds how late a question is sent
+constexpr int kAnswersPerTurn = 256;     // a flood must not keep questions from being sent
 
 }  // namespace
 
@@ -41,7 +47,7 @@ void ClockAsker::heard(const ClockPeer& peer, MachineTime now) {
 }
 
 bool ClockAsker::is_silent(const Clock& clock, MachineTime now) {
-  return now - clock.heard_at > kSilence;
+  return now - clock.heard_at > kClockSilence;
 }
 
 bool ClockAsker::forget_one(MachineTime now) {
@@ -133,6 +139,34 @@ std::vector<ClockFit> ClockAsker::fits(MachineTime now) {
     clock.fit_at = now + kFitPeriod;
   }
   return fits;
+}
+
+void ask_clocks(const std::string& bus_url, In<ClockPeer> peers, Out<RecordEvent> events) {
+  Bus bus(bus_url);
+  ClockSocket socket(0);
+  ClockAsker asker;
+  EventOutlet record(std::move(events));
+  while (!peers.finished()) {
+    while (const auto peer = peers.receive_for(milliseconds(0))) asker.heard(*peer, MachineClock::now());
+    for (const auto& question : asker.due(MachineClock::now()))
+      if (const auto stamp = socket.send(question.to, encode(question.datagram)))
+        asker.sent(question, *stamp);
+    auto wait = kAnswerWait;
+    for (int i = 0; i < kAnswersPerTurn; ++i, wait = milliseconds(0)) {
+      const auto got = socket.receive(wait);
+      if (!got) break;
+      if (const auto datagram = decode_clock_datagram(got->bytes()))
+        asker.take(*datagram, got->from, got->received);
+    }
+    const MachineTime now = MachineClock::now();
+    for (const auto& exchange : asker.exchanges(now))
+      record.put({clock_exchange_channel(exchange.node), encode(exchange)});
+    for (const auto& fit : asker.fits(now)) {
+      auto bytes = encode(fit);
+      bus.publish(clock_fit_channel(fit.node), bytes);  // for displays, which do without one
+      record.put({clock_fit_channel(fit.node), std::move(bytes)});
+    }
+  }
 }
 
 }  // namespace roadbalance

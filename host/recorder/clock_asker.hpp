@@ -4,12 +4,15 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "common/clock/clock_model.hpp"
 #include "common/clock/clock_socket.hpp"
-#include "common/link/block.hpp"
+#include "common/process/channel.hpp"
+#include "common/types/block.hpp"
+#include "host/recorder/held_events.hpp"
 
 namespace roadbalance {
 
@@ -17,7 +20,7 @@ namespace roadbalance {
 struct ClockPeer {
   std::int32_t node = 0;
   std::int64_t epoch = 0;
-  UdpAddress address;  ///< address 0: nobody answers there
+  UdpAddress address;  ///< address 0: nothing answers there
 };
 
 /// Asks every node heard for its time and keeps a ClockModel of each epoch; a pure state machine.
@@ -44,8 +47,8 @@ class ClockAsker {
 
   /// Exchanges that are complete, since the last call.
   std::vector<ClockExchange> exchanges(MachineTime now);
-  /// Fits that are due: of a new epoch at once, to say that it has a clock of its own; when it locks, after a
-  /// break, and every second.
+  /// Fits that are due: of a new epoch at once, to declare that it has a clock of its own; when it locks,
+  /// after a break, and every second.
   std::vector<ClockFit> fits(MachineTime now);
 
  private:
@@ -75,5 +78,13 @@ class ClockAsker {
   std::map<std::pair<std::int32_t, std::int64_t>, Clock> clocks_;
   std::vector<ClockExchange> complete_;
 };
+
+/// Process: heartbeats' clock addresses -> exchanges and fits for the record, and fits for the bus: a
+/// ClockAsker on its socket.
+///
+/// Never waits for the writer: while `events` is full events are dropped, and the record declares how many; a
+/// fit shows by its number that one before it is missing.  Ends when `peers` closes.
+/// @throws std::runtime_error naming the bus, std::system_error if there is no UDP socket to be had
+void ask_clocks(const std::string& bus_url, In<ClockPeer> peers, Out<RecordEvent> events);
 
 }  // namespace roadbalance

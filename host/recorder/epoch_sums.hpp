@@ -3,12 +3,12 @@
 #include <map>
 #include <optional>
 
-#include "common/link/blocks.hpp"
 #include "common/record/record_state.hpp"
+#include "common/types/blocks.hpp"
 
 namespace roadbalance {
 
-/// Of each node epoch the sum of its blocks so far, against what the node's end says of them.
+/// The sum of each node epoch's blocks so far, against the one in the node's end.
 class EpochSums {
  public:
   EpochSums() = default;
@@ -19,7 +19,7 @@ class EpochSums {
   void take(const SealedBlock& block);
   void lose(const NodeEpoch& epoch) { sums_[epoch].reset(); }
 
-  /// Whether the sum is what this end says; nothing: there is no sum.
+  /// Whether the sum is the one in this end; nothing: there is no sum.
   std::optional<bool> agrees(const SealedBlock& end) const;
 
  private:

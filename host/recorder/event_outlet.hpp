@@ -4,12 +4,12 @@
 #include <utility>
 
 #include "common/process/channel.hpp"
-#include "host/recorder/record_keeper.hpp"
+#include "host/recorder/held_events.hpp"
 
 namespace roadbalance {
 
-/// Hands events to the writer and never waits for it: what finds no room is dropped, and the next event that
-/// goes through says how many these were.
+/// Hands events to the writer and never waits for it: what finds no room is dropped, and the next event
+/// that goes through bears their number.
 class EventOutlet {
  public:
   explicit EventOutlet(Out<RecordEvent> out) : out_(std::move(out)) {}
@@ -21,7 +21,7 @@ class EventOutlet {
 
  private:
   Out<RecordEvent> out_;
-  std::int64_t dropped_ = 0;  // and not yet told
+  std::int64_t dropped_ = 0;  // and not yet reported
 };
 
 }  // namespace roadbalance

@@ -9,7 +9,7 @@
 namespace roadbalance {
 
 /// In a recording's folder, from its first start on: the numbers that its recorders have had, one a line,
-/// rising.  By these, and only these, a node tells whether it obeys this recording.
+/// rising.  By these, and only these, a node decides whether it obeys this recording.
 inline constexpr const char* kIncarnationFile = "incarnation";
 
 struct Incarnation {

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <exception>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
 #include <stop_token>
@@ -10,20 +11,41 @@
 
 #include "common/command_line/bus_url.hpp"
 #include "common/command_line/manual.hpp"
+#include "common/command_line/run_program.hpp"
 #include "common/config/section.hpp"
 #include "common/config/validators.hpp"
+#include "common/config/vehicle_config.hpp"
 #include "common/process/heap.hpp"
 #include "common/process/service_notify.hpp"
 #include "common/process/stop_on_signal.hpp"
-#include "host/recorder/desk_book.hpp"
-#include "host/recorder/operate.hpp"
+#include "host/recorder/control/operate.hpp"
+#include "host/recorder/control/session_state.hpp"
 #include "host/recorder/recorder.hpp"
-#include "host/recorder/report_json.hpp"
 #include "host/recorder/status_line.hpp"
 
 namespace {
 
 using namespace roadbalance;
+
+/// {"nodes":[{"node":1,"epoch":...,"samples_sent":...,"samples_recorded":...,"gaps":...,"repaired":...,...}],...}
+std::string report_json(const RecorderReport& report) {
+  nlohmann::json nodes = nlohmann::json::array();
+  for (const auto& n : report.node)
+    nodes.push_back({{"node", n.node},
+                     {"epoch", n.epoch},
+                     {"samples_sent", n.samples_sent},
+                     {"samples_recorded", n.samples_recorded},
+                     {"gaps", n.gaps},
+                     {"repaired", n.repaired},
+                     {"blocks", n.blocks},
+                     {"ended", n.ended}});
+  return nlohmann::json{{"nodes", nodes},
+                        {"blocks_refused", report.blocks_refused},
+                        {"rival_heartbeats", report.rival_heartbeats},
+                        {"foreign_nodes", report.foreign},
+                        {"unsent", report.unsent}}
+      .dump();
+}
 
 /// As they are typed.
 struct DiskSizes {
@@ -53,14 +75,25 @@ void add_disk_options(CLI::App& app, RecorderOptions& options, DiskSizes& sizes)
                  "say when the supply is gone, and close the segment: supply:NAME or gpio:CHIP:LINE[:low]");
 }
 
+/// Those of the command line, or else of the vehicle file.  @throws ConfigError
+std::vector<ExpectedNode> expected_nodes(const std::vector<std::int32_t>& chosen,
+                                         const std::string& vehicle) {
+  std::vector<ExpectedNode> expected;
+  for (const std::int32_t number : chosen) expected.push_back({.number = number});
+  if (!chosen.empty() || vehicle.empty()) return expected;
+  for (const NodeConfig& node : VehicleConfig::read_file(vehicle).node)
+    expected.push_back({.number = node.id, .name = node.name});
+  return expected;
+}
+
 // A supervisor hears that we live only when both the link and the writer have turned since.
-void tell_supervisor(ServiceNotify& notify, RecorderOptions& options) {
+void notify_supervisor(ServiceNotify& notify, RecorderOptions& options) {
   const auto ready = std::make_shared<std::atomic<bool>>(false);
   options.on_alive = [&notify, ready](const RecorderStatus& status) {
     if (!ready->exchange(true)) notify.ready();
     notify.feed();
     const auto alarm = alarms(status);
-    notify.status(alarm.empty() ? status_line(status) : alarm.front().text);
+    notify.status(alarm.empty() ? status_line(status) : words(alarm.front()));
   };
 }
 
@@ -81,10 +114,10 @@ int main(int argc, char** argv) {
                      "folder of recordings that start and stop on request: rb start, or the page");
   operated->excludes(record);
   std::string vehicle;
-  app.add_option(
-         "--vehicle", vehicle,
-         "with --recordings: vehicle.toml that requests may change; others in its folder can be chosen")
-      ->needs(operated);
+  app.add_option("--vehicle", vehicle,
+                 "vehicle.toml whose nodes are to be recorded; with --recordings requests may change it, and "
+                 "choose another "
+                 "in its folder");
   app.add_option("--start", start, "with --recordings: begin one of this name at once")->needs(operated);
   add_bus_url(app, options.url);
   app.add_option("--nodes", options.nodes, "record only these nodes; default: every node heard")
@@ -95,6 +128,7 @@ int main(int argc, char** argv) {
       ->excludes(operated);
   app.add_flag("--json", json, "print the final counts as one JSON object on standard output");
   add_disk_options(app, options, sizes);
+  add_version(app);
   add_manual(app);
   try {
     app.parse(argc, argv);
@@ -105,7 +139,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "rb-recorder: --record or --recordings must say where to\n");
     return 2;
   }
-  if (const std::string fault = start ? fault_of_name(*start) : ""; !fault.empty()) {
+  if (const std::string fault = start ? fault_of_new_name(*start) : ""; !fault.empty()) {
     std::fprintf(stderr, "rb-recorder: --start %s: %s\n", start->c_str(), fault.c_str());
     return 2;
   }
@@ -127,14 +161,15 @@ int main(int argc, char** argv) {
     keep_heap();
     StopOnSignal signals;
     ServiceNotify notify;
-    if (notify.has_supervisor()) tell_supervisor(notify, options);
-    const std::stop_callback tell_of_stop(signals.token(), [&notify] { notify.stopping(); });
+    if (notify.has_supervisor()) notify_supervisor(notify, options);
+    const std::stop_callback announce_stop(signals.token(), [&notify] { notify.stopping(); });
+    options.expected = expected_nodes(options.nodes, recordings.empty() ? vehicle : "");
     const RecorderReport report =
         recordings.empty()
             ? run_recorder(signals.token(), options)
             : operate(signals.token(),
                       {.recorder = options, .recordings = recordings, .vehicle = vehicle, .start = start});
-    if (json) std::printf("%s\n", to_json(report).c_str());
+    if (json) std::printf("%s\n", report_json(report).c_str());
     return 0;
   } catch (const ConfigError& error) {
     std::fprintf(stderr, "rb-recorder: %s\n", error.what());

@@ -6,9 +6,9 @@
 namespace roadbalance {
 namespace {
 constexpr std::chrono::milliseconds kRepeat{100};
-constexpr std::chrono::seconds kSilence{3};
-// A number from the bus that is higher still is nobody's: one above it, and above that at each later start,
-// must remain an incarnation.
+constexpr std::chrono::seconds kControlSilence{3};
+// A number from the bus that is higher still is no recorder's: one above it, and above that at each later
+// start, must remain an incarnation.
 constexpr std::int64_t kHighestObeyed = kIndexLimit - (1 << 20);
 constexpr Verb kNothing = Verb::kRelease;  // released only by farewell()
 }  // namespace
@@ -81,7 +81,7 @@ std::int64_t NodeControl::new_request() {
 // Heartbeats bear no time of ours: one counts from the first look after it.
 bool NodeControl::is_silent(Node& node, WallTime now) const {
   if (std::exchange(node.seen, node.heard) != node.heard) node.heard_at = now;
-  return now - node.heard_at > kSilence;
+  return now - node.heard_at > kControlSilence;
 }
 
 std::vector<Command> NodeControl::due(WallTime now) {
@@ -128,7 +128,7 @@ bool NodeControl::has_obeyed(std::int32_t node, std::int64_t epoch) const {
 bool NodeControl::is_asking(WallTime now) const {
   return std::any_of(nodes_.begin(), nodes_.end(), [now](const auto& known) {
     const Node& node = known.second;
-    const bool is_heard = node.seen != node.heard || now - node.heard_at <= kSilence;
+    const bool is_heard = node.seen != node.heard || now - node.heard_at <= kControlSilence;
     return node.started && !node.heard_so && is_heard;
   });
 }

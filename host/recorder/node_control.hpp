@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "common/bus/control.hpp"
-#include "common/clock/clocks.hpp"
+#include "common/bus/control_messages.hpp"
+#include "common/types/clocks.hpp"
 
 namespace roadbalance {
 
@@ -16,7 +16,7 @@ namespace roadbalance {
 /// Two epochs of one node are led apart: a command names the one that it is for.
 ///
 /// A command is repeated with the same request number until it is answered or the heartbeat shows its effect;
-/// after a refusal it is asked anew.  An epoch that is silent is told nothing.  Of more than kMostEpochs the
+/// after a refusal it is asked anew.  An epoch that is silent is sent nothing.  Of more than kMostEpochs the
 /// one silent for longest is forgotten.
 class NodeControl {
  public:
@@ -35,8 +35,8 @@ class NodeControl {
   /// Release commands for all nodes owned, for the end.
   std::vector<Command> farewell();
 
-  /// The highest incarnation above our own that a node says it obeys or has obeyed: an earlier recorder whose
-  /// clock was ahead. 0: none.
+  /// The highest incarnation above our own that a node obeys or has obeyed: an earlier recorder whose clock
+  /// was ahead. 0: none.
   std::int64_t obeyed_higher() const { return obeyed_higher_; }
   /// The epoch was started, or may be about to start, and has obeyed us: its end is to be waited for.  One
   /// that only ever obeyed another recorder is that one's to end.
@@ -57,7 +57,7 @@ class NodeControl {
     NodeState state = NodeState::kPreview;
     bool owned = false;
     bool obeyed = false;    // was owned at some time
-    bool heard_so = false;  // by a heartbeat, which tells what it holds, not only by an answer
+    bool heard_so = false;  // by a heartbeat, which has what it holds, not only by an answer
     bool started = false;   // measures or has measured, a start is under way to it, or it is to end unstarted
     Verb verb = Verb::kRelease;  // of the request below; release: none
     std::int64_t request = 0;

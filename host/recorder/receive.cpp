@@ -19,7 +19,7 @@ namespace roadbalance {
 namespace {
 
 using std::chrono::milliseconds;
-constexpr milliseconds kTurn{2};  // longest wait for the bus: bounds the delay of an acknowledgement
+constexpr milliseconds kBusWait{2};  // longest wait for the bus: bounds the delay of an acknowledgement
 constexpr milliseconds kReport{200};
 constexpr milliseconds kStatus{500};
 constexpr milliseconds kLastWords{50};  // after the release: answers of the last acks
@@ -31,11 +31,14 @@ RecorderLinkOptions link_options(const RecorderOptions& options) {
           .end_with_nodes = options.end_with_nodes,
           .patience = options.patience,
           .seed = std::random_device{}(),
-          .scope = options.scope};
+          .scope = options.scope,
+          .expected = options.expected,
+          .absent_before = options.absent_before,
+          .utc_us = utc_us()};
 }
 
-// What a slow disk will need is had before it is slow: blocks out of order, and those that wait for the disk,
-// which take up to three times their size while the memory that holds them grows.
+// Memory for a slow disk is reserved before it is slow: for blocks out of order, and for those that wait for
+// the disk, which take up to three times their size while the memory that holds them grows.
 constexpr std::size_t kHeapOfANode =
     static_cast<std::size_t>(ReceiverOptions{}.window + 3 * ReceiverOptions{}.undurable) * sizeof(Delivery);
 
@@ -50,13 +53,13 @@ class Reception {
         link_(link_options(options), incarnation.number, recovered),
         peers_(std::move(peers)),
         alarms_(incarnation.number) {
-    // First: that a node has a clock of its own is said before its blocks are handed on.
-    bus_.subscribe("RB_HEARTBEAT_.*", [this](std::string_view, auto bytes) { tell_of_clock(bytes); });
+    // First: that a node has a clock of its own is announced before its blocks are handed on.
+    bus_.subscribe("RB_HEARTBEAT_.*", [this](std::string_view, auto bytes) { announce_clock(bytes); });
     for (const char* channels : {"RB_HEARTBEAT_.*", "RB_BLOCK_.*", "RB_REPLY_.*"})
       bus_.subscribe(channels, [this](std::string_view channel, auto bytes) {
         link_.take(channel, bytes, WallClock::now());
       });
-    if (!options_.says_state) return;  // it fetches a rest beside the recording that is watched
+    if (!options_.sends_state) return;  // it fetches a rest beside the recording that is watched
     watch<Heartbeat>("RB_HEARTBEAT_.*", decode_heartbeat);
     watch<Level>(kLevelChannel, decode_level);
     watch<Balance>(kBalanceChannel, decode_balance);
@@ -66,14 +69,14 @@ class Reception {
   RecorderLink& link() { return link_; }
 
   /// The end of each alarm that is on; if the recording goes on without us they do, too, and the next
-  /// recorder says so.
+  /// recorder notes it.
   std::vector<AlarmNote> last_alarm_notes(bool leaves) {
     return leaves ? alarms_.due(WallClock::now()) : alarms_.finish(WallClock::now());
   }
 
-  /// One turn: what has arrived, what has become durable, what is to be said.
+  /// One turn: takes what has arrived and has become durable, and sends what is due.
   WriteBatch turn(In<WriterNews>& news) {
-    bus_.handle(kTurn);
+    bus_.handle(kBusWait);
     const WallTime now = WallClock::now();
     while (const auto from_writer = news.receive_for(milliseconds(0))) take(*from_writer, now);
     raise_incarnation_if_needed(now);
@@ -84,7 +87,7 @@ class Reception {
     }
     for (const auto& sentence : link_.warnings()) warn(sentence);
     for (const auto& sentence : bus_.other_versions()) warn(sentence);
-    if (now - status_at_ >= kStatus) say_status(now);
+    if (now - status_at_ >= kStatus) send_status(now);
     WriteBatch batch = batches_.take(link_, now);
     // A disk that fails takes no notes: they would only fill the memory, and the alarm keeps till then.
     if (status_.state != RecorderState::kDiskFailing && status_.state != RecorderState::kDiskFull)
@@ -113,22 +116,22 @@ class Reception {
   }
 
   // A disk that does not take the number now may take it later, and a file that holds no number may be
-  // mended; until then that node obeys nobody.
+  // mended; until then that node obeys no recorder.
   void raise_incarnation_if_needed(WallTime now) {
     if (link_.obeyed_higher() == 0 || now < store_at_) return;
     const auto& folder = status_.fallback ? options_.fallback : incarnation_folder_;
     try {
       link_.set_incarnation(raise_incarnation(folder, link_.obeyed_higher()));
-      refusal_told_ = false;
+      refusal_is_reported_ = false;
     } catch (const std::runtime_error& error) {
-      if (!std::exchange(refusal_told_, true))
+      if (!std::exchange(refusal_is_reported_, true))
         warn("a node obeyed incarnation " + std::to_string(link_.obeyed_higher()) +
              ", and a higher one cannot be stored: " + error.what() + "; until then it obeys nobody");
       store_at_ = now + kStoreAgain;
     }
   }
 
-  void tell_of_clock(std::span<const std::uint8_t> bytes) {
+  void announce_clock(std::span<const std::uint8_t> bytes) {
     const auto beat = decode_heartbeat(bytes);
     const auto& ours = options_.nodes;
     if (!beat || beat->time_base != TimeBase::kOwn ||
@@ -140,8 +143,8 @@ class Reception {
                            .address = {beat->clock_address, beat->clock_port}});  // the next one comes soon
   }
 
-  // A page, which hears only what it can read, has it from what the recorder says.
-  std::string said_of_other_versions(WallTime now) {
+  // A page, which hears only messages that it can read, has it from the recorder's status.
+  std::string about_other_versions(WallTime now) {
     for (const std::int32_t node : bus_.nodes_of_other_versions()) {
       alarms_.take_other_version(node, now);
       if (other_versions_.contains(node) || other_versions_.size() < kMostNamed) other_versions_[node] = now;
@@ -155,7 +158,7 @@ class Reception {
            " another version of the wire: install the same release everywhere";
   }
 
-  void say_status(WallTime now) {
+  void send_status(WallTime now) {
     status_at_ = now;
     status_.time_us = utc_us();
     link_.fill(status_);
@@ -165,14 +168,14 @@ class Reception {
     status_.nodes = static_cast<std::int32_t>(link_.nodes());
     status_.refused_datagrams += bus_.dropped();
     if (options_.complete) options_.complete(status_);
-    if (!options_.says_state) return;
+    if (!options_.sends_state) return;
     alarms_.set_owner(link_.incarnation());
     alarms_.turn(now);
     alarms_.take(status_, now);
-    RecorderStatus said = status_;
-    if (const std::string other = said_of_other_versions(now); said.fault.empty()) said.fault = other;
-    (void)publish_(kRecorderChannel, encode(said));
-    // We turn, that is seen here; the writer turns if it has said something since.
+    RecorderStatus sent = status_;
+    if (const std::string other = about_other_versions(now); sent.fault.empty()) sent.fault = other;
+    (void)publish_(kRecorderChannel, encode(sent));
+    // We turn, that is seen here; the writer turns if it has sent something since.
     if (std::exchange(writer_turns_, false) && options_.on_alive) options_.on_alive(status_);
   }
 
@@ -196,7 +199,7 @@ class Reception {
   const WallTime began_ = WallClock::now();
   WallTime status_at_{};
   WallTime store_at_{};
-  bool refusal_told_ = false;
+  bool refusal_is_reported_ = false;
   const Publish publish_ = [this](const std::string& channel, std::span<const std::uint8_t> bytes) {
     return bus_.publish(channel, bytes);
   };
@@ -212,28 +215,31 @@ void receive(std::stop_token stop, const RecorderOptions& options, const Incarna
   WallTime reported_at{};
   bool leaves = false;
   for (bool over = false; !over;) {
-    // Asked first: a writer that fails closes `news` and only then stops everybody here.  The nodes are not
+    // Asked first: a writer that fails closes `news` and only then stops the threads here.  The nodes are not
     // meant: they go on, keep what is not durable and wait for the next recorder.
-    const bool told_to_stop = stop.stop_requested();
+    const bool stop_requested = stop.stop_requested();
     auto batch = reception.turn(news);
     if (news.finished()) break;
-    if (batch.says_something() && !batches.send(std::move(batch))) break;
+    if (batch.has_content() && !batches.send(std::move(batch))) break;
     leaves = options.leave.stop_requested();
     if (leaves) break;
     const WallTime now = WallClock::now();
-    if (told_to_stop) link.stop(now);
+    if (stop_requested) link.stop(now, options.stopped_by ? options.stopped_by() : kStoppedBySignal);
     over = link.over(now);
     if (options.on_progress && (over || now - reported_at >= kReport)) {
-      options.on_progress(link.report());
+      RecorderReport report_now = link.report();
+      report_now.absence = link.absences(now, utc_us());
+      options.on_progress(report_now);
       reported_at = now;
     }
   }
   if (!leaves) link.finish(WallClock::now());
   WriteBatch last = BatchMaker::take_last(link);
   last.alarm_notes = reception.last_alarm_notes(leaves);
-  if (last.says_something()) (void)batches.send(std::move(last));
+  if (last.has_content()) (void)batches.send(std::move(last));
   reception.farewell();
   report = link.report();
+  report.absence = link.absences(WallClock::now(), utc_us());
 }
 
 }  // namespace roadbalance

@@ -15,9 +15,9 @@ namespace roadbalance {
 /// Process: bus -> deliveries, and acknowledgements, commands and the recorder's state back: a RecorderLink
 /// on its bus.
 ///
-/// When told to stop it stops the nodes, goes on until their ends are durable or nothing more comes, and
-/// until they know it, releases them, and so closes `batches`.  When the writer is gone it ends too, but
-/// leaves the nodes running: they keep what is not durable for the next recorder.
+/// On a stop request it stops the nodes, goes on until their ends are durable or nothing more comes, and
+/// until they have heard so, releases them, and so closes `batches`.  When the writer is gone it ends too,
+/// but leaves the nodes running: they keep what is not durable for the next recorder.
 /// @param recovered  what the record holds
 /// @param peers      hears of every heartbeat of a node that has a clock of its own
 /// @throws std::runtime_error naming the bus

@@ -10,13 +10,13 @@
 #include "common/clock/utc.hpp"
 #include "common/process/parallel.hpp"
 #include "common/record/folder.hpp"
-#include "host/recorder/clock_ask.hpp"
-#include "host/recorder/continued_folders.hpp"
+#include "host/recorder/clock_asker.hpp"
 #include "host/recorder/incarnation.hpp"
 #include "host/recorder/power/power_line.hpp"
 #include "host/recorder/receive.hpp"
-#include "host/recorder/record_keeper.hpp"
+#include "host/recorder/recording_store.hpp"
 #include "host/recorder/write.hpp"
+#include "host/recording/continued_folders.hpp"
 
 namespace roadbalance {
 namespace {
@@ -27,8 +27,8 @@ constexpr std::size_t kNews = 64;
 constexpr std::size_t kEvents = 1024;
 constexpr std::size_t kClockPeers = 1024;  // heartbeats: ten a second from each node
 
-// A supply that was never read is a mistake of whoever named it; but one that goes away while a recording is
-// under way must not keep a recorder that is started again from going on with it.
+// A supply that was never read was named by mistake; but one that goes away while a recording is under way
+// must not keep a recorder that is started again from going on with it.
 std::unique_ptr<PowerLine> open_power(const RecorderOptions& options) {
   if (options.power.empty()) return nullptr;
   auto power = open_power_line(options.power);
@@ -55,7 +55,7 @@ void refuse_one_folder_twice(const RecorderOptions& options) {
 
 }  // namespace
 
-KeeperOptions RecorderOptions::keeper() const {
+StoreOptions RecorderOptions::store() const {
   return {.folder = folder,
           .fallback = fallback,
           .continues = continues,
@@ -74,12 +74,12 @@ void refuse_mistakes(const RecorderOptions& options) {
 RecorderReport run_recorder(std::stop_token stop, const RecorderOptions& options) {
   refuse_mistakes(options);
   const auto power = open_power(options);
-  KeeperOptions how = options.keeper();
+  StoreOptions how = options.store();
   how.least_incarnation = std::max(utc_us() / 1000, options.first_incarnation);
-  RecordKeeper keeper(kernel_disk(), std::move(how));
+  RecordingStore store(kernel_disk(), std::move(how));
   if (options.on_cut_tail)
-    for (const RecordWriter::CutTail& tail : keeper.cut_tails()) options.on_cut_tail(tail);
-  const Incarnation incarnation{.number = keeper.incarnation(), .folder = keeper.folder()};
+    for (const RecordWriter::CutTail& tail : store.cut_tails()) options.on_cut_tail(tail);
+  const Incarnation incarnation{.number = store.incarnation(), .folder = store.folder()};
 
   auto [batches_out, batches_in] = make_channel<WriteBatch>(kBatches);
   auto [news_out, news_in] = make_channel<WriterNews>(kNews);
@@ -91,13 +91,13 @@ RecorderReport run_recorder(std::stop_token stop, const RecorderOptions& options
 
   Parallel recorder;
   const std::stop_callback pass_on(stop, [&recorder] { recorder.request_stop(); });
-  recorder.run(write_record, std::ref(keeper), std::cref(write_options), std::move(batches_in),
+  recorder.run(write_record, std::ref(store), std::cref(write_options), std::move(batches_in),
                std::move(events_in), std::move(news_out));
   recorder.run(ask_clocks, options.url, std::move(peers_in), std::move(events_out));
-  recorder.run(receive, std::cref(options), std::cref(incarnation), std::cref(keeper.recovered()),
+  recorder.run(receive, std::cref(options), std::cref(incarnation), std::cref(store.recovered()),
                std::move(batches_out), std::move(news_in), std::move(peers_out), std::ref(report));
   recorder.wait();
-  report.marks = keeper.durable_marks();
+  report.marks = store.durable_marks();
   return report;
 }
 

@@ -11,12 +11,18 @@ namespace roadbalance {
 namespace {
 
 using std::chrono::milliseconds;
-// At the end the last acks are repeated until each node has heard that all is durable, or is silent.
-constexpr milliseconds kNodeSilence{12'000};
-constexpr milliseconds kMostLastAcks{15'000};
-constexpr milliseconds kEpochGone{1000};
-// Some heartbeats of every node: before, nobody knows who is there to be waited for.
+constexpr milliseconds kMostLastAcks{15'000};  // at the end, until each node has heard that all is durable
+// Some heartbeats of every node: before, the nodes to be waited for are not known.
 constexpr milliseconds kListening{1000};
+
+// Who leaves the start of nodes to others leaves their stop to them, too; a rest that is fetched has ended.
+NodePresence::Options presence_of(const RecorderLinkOptions& options) {
+  return {.misses = options.start && options.scope.only.empty(),
+          .nodes_end_it = options.end_with_nodes,
+          .expected = options.expected,
+          .before = options.absent_before,
+          .utc_us = options.utc_us};
+}
 
 }  // namespace
 
@@ -25,16 +31,20 @@ RecorderLink::RecorderLink(RecorderLinkOptions options, std::int64_t incarnation
     : options_(std::move(options)),
       receiver_(incarnation),
       control_(incarnation, options_.start, options_.seed, !options_.scope.only.empty()),
-      tally_(recovered) {
+      counters_(recovered),
+      heard_(receiver_, control_),
+      presence_(presence_of(options_), recovered) {
+  for (const ExpectedNode& node : options_.expected) nodes_led_.insert(node.number);
   for (const auto& [key, epoch] : recovered.epoch) receiver_.recover(key.first, key.second, epoch.position);
 }
 
-// Nobody was heard while we were held, also of those whose datagrams wait behind the one that comes first.
+// No node was heard while we were held, also those whose datagrams wait behind the one that comes first.
 void RecorderLink::count_silence_to(WallTime now) {
   constexpr std::chrono::seconds kHeld{1};
   if (called_at_ && now - *called_at_ > kHeld) {
     receiver_.was_held(now - *called_at_);
-    for (auto& [key, heard] : heard_) heard.at += now - *called_at_;
+    heard_.was_held(now - *called_at_);
+    presence_.was_held(now - *called_at_);
   }
   called_at_ = now;
 }
@@ -53,17 +63,34 @@ void RecorderLink::on_heartbeat(std::span<const std::uint8_t> bytes, WallTime no
     return;
   }
   set_apart(*heartbeat);
-  if (!is_ours({heartbeat->node, heartbeat->epoch})) return;
+  if (!is_ours({heartbeat->node, heartbeat->epoch}) || !has_room_for(heartbeat->node, now)) return;
   control_.take(*heartbeat);
-  // What obeys another recorder is in that one's record; here it would be a fragment with gaps that are none.
+  // An epoch that obeys another recorder is in that one's record; here it would be a fragment with gaps that
+  // are none.
   const bool ours = receiver_.find(heartbeat->node, heartbeat->epoch) ||
                     control_.has_obeyed(heartbeat->node, heartbeat->epoch);
   foreign_.take(*heartbeat, incarnation(), now);
+  if (!ours && heartbeat->owner != 0) presence_.take_foreign(heartbeat->node, now);
   if (!ours) return;
   receiver_.take(*heartbeat, now, delivered_);
   if (!receiver_.find(heartbeat->node, heartbeat->epoch)) return;
-  hear(*heartbeat, now);
-  tally_.take(*heartbeat);
+  // A disk that fails takes no notes either; they would only fill the memory.
+  heard_.take(*heartbeat, now, credit_open_, device_notes_);
+  counters_.take(*heartbeat);
+  presence_.take(*heartbeat, now);
+  note_early_end(*heartbeat, now);
+}
+
+// The rest of a recording that is over: a node that was cut off measured to its stop, unless it ended before.
+void RecorderLink::note_early_end(const Heartbeat& heartbeat, WallTime now) {
+  const bool ended_early = heartbeat.is_over() && heartbeat.end_cause != AbsenceCause::kStopped &&
+                           heartbeat.end_cause != AbsenceCause::kSourceOver;
+  if (options_.scope.only.empty() || !ended_early) return;
+  if (!ended_early_.insert({heartbeat.node, heartbeat.epoch}).second) return;
+  notes_.push_back({.kind = NoteKind::kNodeMissing,
+                    .a = heartbeat.node,
+                    .b = static_cast<std::int64_t>(heartbeat.end_cause),
+                    .at = now});
 }
 
 void RecorderLink::on_block(std::span<const std::uint8_t> bytes, WallTime now) {
@@ -98,26 +125,29 @@ void RecorderLink::set_credit_open(bool open) {
 
 void RecorderLink::turn(WallTime now, const Publish& publish) {
   count_silence_to(now);
-  for (; tallied_ < delivered_.size(); ++tallied_) tally_.take(delivered_[tallied_]);
+  for (; counted_ < delivered_.size(); ++counted_) counters_.take(delivered_[counted_]);
   for (const Ack& ack : receiver_.due(now))
     if (!publish(ack_channel(ack.node), encode(ack))) ++unsent_;
   for (const auto& command : control_.due(now)) send(command, publish);
+  presence_.turn(now, notes_);
 }
 
 std::vector<Delivery> RecorderLink::deliveries() {
-  for (; tallied_ < delivered_.size(); ++tallied_) tally_.take(delivered_[tallied_]);
-  tallied_ = 0;
+  for (; counted_ < delivered_.size(); ++counted_) counters_.take(delivered_[counted_]);
+  counted_ = 0;
   if (delivered_.empty()) return {};
-  // What comes next is about as much; a vector that grows moves all of its blocks.
+  // The next ones are about as many; a vector that grows moves all of its blocks.
   std::vector<Delivery> next;
   next.reserve(2 * delivered_.size());
   return std::exchange(delivered_, std::move(next));
 }
 
-void RecorderLink::stop(WallTime now) {
+void RecorderLink::stop(WallTime now, const std::string& by) {
   if (stopping_) return;
   stopping_ = true;
   stopped_at_ = now;
+  presence_.stop(now);
+  if (options_.scope.only.empty()) notes_.push_back({.kind = NoteKind::kStopping, .text = by, .at = now});
   control_.stop();
 }
 
@@ -125,28 +155,27 @@ bool RecorderLink::over(WallTime now) {
   if (!listening_since_) listening_since_ = now;
   const bool has_listened = now - *listening_since_ >= kListening;
   const bool silent = now - std::max(last_news_, stopped_at_) >= options_.patience;
-  const bool done = (stopping_ && ((has_listened && all_ended(now) && !control_.is_asking(now)) || silent)) ||
-                    (options_.end_with_nodes && expected_have_ended(now));
+  const bool done =
+      (stopping_ && ((has_listened && heard_.all_ended(now) && !control_.is_asking(now)) || silent)) ||
+      (options_.end_with_nodes && heard_.have_ended(options_.nodes, now));
   if (!done) working_at_ = now;
-  return done && (nodes_have_let_go(now) || now - working_at_ >= kMostLastAcks);
+  return done && (heard_.all_have_let_go(now) || now - working_at_ >= kMostLastAcks);
 }
 
 void RecorderLink::finish(WallTime now) {
   const EpochScope& scope = options_.scope;
   for (const auto& [node, epoch] : scope.given_up) receiver_.give_up(node, epoch, delivered_);
   receiver_.finish(now, scope.leaves_open, delivered_);
-  for (auto& [key, heard] : heard_) heard.devices.finish(key.first, device_notes_);
+  heard_.finish(device_notes_);
 }
 
 void RecorderLink::farewell(const Publish& publish) {
-  // A node that is released says no more whose samples it holds, and nobody would fetch them: one with
-  // something that is not on the disk, or of which only answers have come, keeps its owner's number, and is
-  // free for the next one when the lease is over.
+  // A node that is released does not report any more whose samples it holds, and they would not be fetched:
+  // one with something that is not on the disk, or of which only answers have come, keeps its owner's number,
+  // and is free for the next one when the lease is over.
   for (const auto& command : control_.farewell()) {
     const NodeEpoch key{command.node, command.epoch};
-    if (!control_.was_started(key.first, key.second) ||
-        (heard_.contains(key) && has_ended(key) && !holds_blocks(key)))
-      send(command, publish);
+    if (!control_.was_started(key.first, key.second) || heard_.has_let_go(key)) send(command, publish);
   }
 }
 
@@ -156,12 +185,13 @@ void RecorderLink::set_incarnation(std::int64_t incarnation) {
 }
 
 RecorderReport RecorderLink::report() const {
-  RecorderReport report = tally_.report();
+  RecorderReport report = counters_.report();
   for (NodeReport& node : report.node) {
     node.started = control_.was_started(node.node, node.epoch);
     if (const auto* epoch = receiver_.find(node.node, node.epoch); epoch && node.first_scan_block > 0)
       node.has_durable_samples = node.has_durable_samples || epoch->durable() >= node.first_scan_block;
-    node.holds_blocks = holds_blocks({node.node, node.epoch});
+    node.holds_blocks = heard_.holds_blocks({node.node, node.epoch});
+    node.ended_early = ended_early_.contains({node.node, node.epoch});
   }
   report.blocks_refused = refused_;
   for (const std::int64_t count : receiver_.refused()) report.blocks_refused += count;
@@ -177,7 +207,7 @@ LinkCounters RecorderLink::counters() const {
   return {.refused = counted.blocks_refused,
           .rivals = counted.rival_heartbeats,
           .unsent = unsent_,
-          .node = tally_.losses()};
+          .node = counters_.losses()};
 }
 
 void RecorderLink::fill(RecorderStatus& status) const {
@@ -189,6 +219,9 @@ void RecorderLink::fill(RecorderStatus& status) const {
   status.refused_blocks = receiver_.refused();
   status.rivals = receiver_.rival_heartbeats();
   status.unsent = unsent_;
+  status.absent = presence_.absent();
+  const bool is_heard = called_at_ && *called_at_ - left_out_at_ < NodePresence::kSilence;
+  status.left_out = is_heard ? left_out_ : 0;
 }
 
 bool RecorderLink::is_ours(const NodeEpoch& key) const {
@@ -197,7 +230,17 @@ bool RecorderLink::is_ours(const NodeEpoch& key) const {
          options_.scope.has(key) && !former_.contains(key);
 }
 
-// It stays so when its rest is fetched beside this recording, by an incarnation that is nobody's of before.
+// The table of nodes is bounded: numbers from the bus can be anything.
+bool RecorderLink::has_room_for(std::int32_t node, WallTime now) {
+  if (nodes_led_.contains(node)) return true;
+  if (nodes_led_.size() < kMostNodes) return nodes_led_.insert(node).second;
+  left_out_ = node;
+  left_out_at_ = now;
+  return false;
+}
+
+// It stays apart when its rest is fetched beside this recording, by an incarnation that no recording before
+// had.
 void RecorderLink::set_apart(const Heartbeat& heartbeat) {
   const NodeEpoch key{heartbeat.node, heartbeat.epoch};
   if (!holds_samples(heartbeat) || !options_.scope.is_former(heartbeat.owner)) return;
@@ -206,76 +249,38 @@ void RecorderLink::set_apart(const Heartbeat& heartbeat) {
   former_.insert(key);
 }
 
-// No more are kept than the receiver has epochs.
-void RecorderLink::hear(const Heartbeat& heartbeat, WallTime now) {
-  const NodeEpoch key{heartbeat.node, heartbeat.epoch};
-  if (!heard_.contains(key))
-    std::erase_if(heard_,
-                  [this](const auto& old) { return !receiver_.find(old.first.first, old.first.second); });
-  Heard& heard = heard_[key];
-  heard.at = now;
-  heard.base = heartbeat.base;
-  heard.next = heartbeat.next;
-  heard.devices.take(heartbeat.device_counts);
-  // A disk that fails takes no notes either; they would only fill the memory.
-  if (credit_open_) heard.devices.due(heartbeat.node, now, device_notes_);
-}
-
-// Its last heartbeat may be from before its last blocks: a node that has sent these and was held since keeps
-// them until it hears that they are durable, and the next recording would take them for its own.
-bool RecorderLink::holds_blocks(NodeEpoch key) const {
-  const auto heard = heard_.find(key);
-  if (heard == heard_.end()) return false;
-  const auto* epoch = receiver_.find(key.first, key.second);
-  const bool is_its_own = epoch && !epoch->given_up();  // and not a crash that was declared for it
-  const std::int64_t next = std::max(heard->second.next, is_its_own ? epoch->received() + 1 : 0);
-  return heard->second.base < next;
-}
-
-bool RecorderLink::has_ended(NodeEpoch key) const {
-  const auto* epoch = receiver_.find(key.first, key.second);
-  return !epoch || (epoch->ended() && epoch->durable() == epoch->received());
-}
-
-// It is silent, and a later epoch of the node was heard: nothing of it is waited for.
-bool RecorderLink::is_superseded(NodeEpoch key, WallTime now) const {
-  const WallTime at = heard_.at(key).at;
-  return now - at >= kEpochGone && std::any_of(heard_.begin(), heard_.end(), [&](const auto& other) {
-           return other.first.first == key.first && other.second.at > at;
-         });
-}
-
-// Every epoch that was started has its end on the disk.
-bool RecorderLink::all_ended(WallTime now) const {
-  return std::all_of(heard_.begin(), heard_.end(), [&](const auto& heard) {
-    const auto& [node, epoch] = heard.first;
-    return is_superseded(heard.first, now) || !control_.was_started(node, epoch) || has_ended(heard.first);
-  });
-}
-
-// Every node of options.nodes was heard and has its end on the disk.
-bool RecorderLink::expected_have_ended(WallTime now) const {
-  return std::all_of(options_.nodes.begin(), options_.nodes.end(), [&](std::int32_t node) {
-    bool was_heard = false;
-    for (const auto& [key, heard] : heard_) {
-      if (key.first != node || is_superseded(key, now)) continue;
-      if (!has_ended(key)) return false;
-      was_heard = true;
-    }
-    return was_heard;
-  });
-}
-
-// Every epoch whose end is on the disk says that it has nothing to keep any more, or says nothing.
-bool RecorderLink::nodes_have_let_go(WallTime now) const {
-  return std::all_of(heard_.begin(), heard_.end(), [&](const auto& heard) {
-    const auto& [key, last] = heard;
-    return !has_ended(key) || !holds_blocks(key) || now - last.at >= kNodeSilence;
-  });
-}
-
 void RecorderLink::send(const Command& command, const Publish& publish) {
   if (!publish(command_channel(command.node), encode(command))) ++unsent_;
+}
+
+void RecorderLink::ForeignNodes::take(const Heartbeat& heartbeat, std::int64_t our_incarnation,
+                                      WallTime now) {
+  const std::string name = "node " + std::to_string(heartbeat.node);
+  const auto known = nodes_.find(heartbeat.node);
+  if (heartbeat.owner == 0 || heartbeat.owner == our_incarnation) {
+    if (known == nodes_.end()) return;
+    if (known->second.is_reported && heartbeat.owner != 0)
+      sentences_.push_back(name + " obeys this recorder now");
+    nodes_.erase(known);
+    return;
+  }
+  if (known == nodes_.end()) {
+    if (nodes_.size() < kMostNodes) nodes_[heartbeat.node] = {.since = now, .heard = now};
+    return;
+  }
+  Node& node = known->second;
+  if (now - std::exchange(node.heard, now) >= kPatience) node.since = now;  // it may have been free meanwhile
+  if (node.is_reported || now - node.since < kPatience) return;
+  node.is_reported = true;
+  sentences_.push_back(name + " obeys another recorder (incarnation " + std::to_string(heartbeat.owner) +
+                       "): only observed here until that one is silent or lets it go");
+}
+
+std::vector<std::int32_t> RecorderLink::ForeignNodes::nodes() const {
+  std::vector<std::int32_t> numbers;
+  for (const auto& [number, node] : nodes_)
+    if (node.is_reported) numbers.push_back(number);
+  return numbers;
 }
 
 }  // namespace roadbalance

@@ -4,7 +4,7 @@
 #include <deque>
 #include <optional>
 
-#include "common/clock/clocks.hpp"
+#include "common/types/clocks.hpp"
 
 namespace roadbalance {
 

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "common/bus/absence.hpp"
 #include "common/text/format.hpp"
 
 namespace roadbalance {
@@ -65,6 +66,12 @@ std::vector<RecorderAlarm> alarms(const RecorderStatus& status) {
   if (status.state == RecorderState::kDiskFull)
     add(AlarmCause::kDiskFull,
         "THE DISK IS FULL: " + waiting + ", the nodes keep what they measure; make space");
+  for (const AbsentNode& absent : status.absent)
+    found.push_back({.cause = AlarmCause::kNodeMissing, .text = words(absent.cause), .node = absent.node});
+  if (status.left_out > 0)
+    found.push_back({.cause = AlarmCause::kNodeLeftOut,
+                     .text = "no more than " + std::to_string(kMostNodes) + " nodes are recorded",
+                     .node = status.left_out});
   if (status.rivals > 0)
     add(AlarmCause::kRivals, "two nodes have one number, or one was paused: " +
                                  std::to_string(status.rivals) + " heartbeats; both are recorded");
@@ -79,10 +86,15 @@ std::vector<RecorderAlarm> alarms(const RecorderStatus& status) {
   if (status.unsent > 0)
     add(AlarmCause::kUnsent,
         std::to_string(status.unsent) + " datagrams could not be sent: is the network up?");
-  // Of one level in the order above.
+  // Within a level the order is the one above.
   std::ranges::stable_sort(found, std::ranges::greater{},
                            [](const RecorderAlarm& alarm) { return level_of(alarm.cause); });
   return found;
+}
+
+std::string words(const RecorderAlarm& alarm) {
+  if (alarm.node == 0) return alarm.text;
+  return place_of({alarm.cause, alarm.node}) + " " + name_of(alarm.cause) + ": " + alarm.text;
 }
 
 }  // namespace roadbalance

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -14,9 +15,13 @@ std::string status_line(const RecorderStatus& status);
 struct RecorderAlarm {
   AlarmCause cause = AlarmCause::kRecorderSays;
   std::string text;
+  std::int32_t node = 0;  ///< 0: the recorder
 };
 
-/// What a person should know or do about it, most urgent first; empty if all is well.
+/// "node 2 does not measure: it has not been heard ..."
+std::string words(const RecorderAlarm& alarm);
+
+/// Things that a person should know or do about it, most urgent first; empty if all is well.
 std::vector<RecorderAlarm> alarms(const RecorderStatus& status);
 
 }  // namespace roadbalance

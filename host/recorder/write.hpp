@@ -6,7 +6,7 @@
 
 #include "common/process/channel.hpp"
 #include "host/recorder/power/power_line.hpp"
-#include "host/recorder/record_keeper.hpp"
+#include "host/recorder/recording_store.hpp"
 #include "host/recorder/write_batch.hpp"
 
 namespace roadbalance {
@@ -15,20 +15,21 @@ namespace roadbalance {
 struct WriterNews {
   std::vector<DurableMark> marks;
   bool wants_credit = true;
-  RecorderStatus status;  ///< what the disk side knows
+  RecorderStatus status;  ///< its disk side
 };
 
 struct WriteOptions {
   PowerLine* power = nullptr;                               ///< nullptr: the supply is not watched
   std::function<void(const std::string&)> on_warning = {};  ///< a sentence for people
-  std::function<std::vector<NoteToRecord>()> notes = {};    ///< what is to be noted now
+  std::function<std::vector<NoteToRecord>()> notes = {};    ///< notes that are due
 };
 
-/// Process: deliveries and other events -> disk: a RecordKeeper and its thread, which watches the supply too.
+/// Process: deliveries and other events -> disk: a RecordingStore and its thread, which watches the supply
+/// too.
 ///
 /// Ends, with all on the disk and the record closed, when `batches` closes.
 /// @throws std::runtime_error if something could not be put on the disk in the end: it was not promised
-void write_record(RecordKeeper& keeper, const WriteOptions& options, In<WriteBatch> batches,
+void write_record(RecordingStore& store, const WriteOptions& options, In<WriteBatch> batches,
                   In<RecordEvent> events, Out<WriterNews> news);
 
 }  // namespace roadbalance

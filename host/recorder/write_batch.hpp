@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "host/recorder/alarm_log.hpp"
-#include "host/recorder/record_keeper.hpp"
 #include "host/recorder/recorder_link.hpp"
+#include "host/recorder/recording_store.hpp"
 
 namespace roadbalance {
 
@@ -14,10 +14,11 @@ struct WriteBatch {
   std::vector<Delivery> deliveries;
   std::optional<LinkCounters> counters{};  ///< about once a second
   std::vector<DeviceNote> device_notes{};
+  std::vector<NoteToRecord> notes{};
   std::vector<AlarmNote> alarm_notes{};
 
-  bool says_something() const {
-    return !deliveries.empty() || counters || !device_notes.empty() || !alarm_notes.empty();
+  bool has_content() const {
+    return !deliveries.empty() || counters || !device_notes.empty() || !notes.empty() || !alarm_notes.empty();
   }
 };
 
@@ -33,6 +34,6 @@ class BatchMaker {
 };
 
 /// Puts one into the record.
-void append(RecordKeeper& keeper, const WriteBatch& batch, WallTime now);
+void append(RecordingStore& store, const WriteBatch& batch, WallTime now);
 
 }  // namespace roadbalance

@@ -36,7 +36,7 @@ void Feed::take(TopicMessage message, WallTime now) {
   newest[message.topic] = {++revision_, now, std::move(message.bytes)};
 }
 
-// What anybody can make up keys of must not crowd out what the nodes and the recorder say.
+// Topics with arbitrary keys must not crowd out those of the nodes and the recorder.
 void Feed::make_room(std::size_t kind) {
   const std::size_t most = page_messages()[kind].most;
   if (most == 0) return;
@@ -51,7 +51,7 @@ void Feed::make_room(std::size_t kind) {
 }
 
 void Feed::forget_silent(WallTime now) {
-  shared_ = {};  // ages go on while nothing comes
+  shared_ = {};  // ages grow while nothing comes
   std::erase_if(newest_, [&](const auto& entry) {
     const PageMessage& message = page_messages()[entry.first.kind];
     return message.is_state && now - entry.second.came > (message.is_answer ? kForgetAnswer : kForget);

@@ -11,7 +11,7 @@
 namespace roadbalance {
 namespace {
 
-// Browsers leave the usual port out.
+// Browsers omit the default port.
 std::string authority(const std::string& name, std::uint16_t port) {
   return port == 80 ? name : name + ":" + std::to_string(port);
 }
@@ -21,7 +21,7 @@ bool is_ours(std::string_view origin, std::string_view host) {
   return origin.starts_with(kScheme) && origin.substr(kScheme.size()) == host;
 }
 
-/// The rest of the first protocol that begins so; empty: none does.
+/// The text behind `mark` in the first protocol that begins with it; empty: there is none.
 std::string_view after(std::string_view mark, std::string_view protocols) {
   while (!protocols.empty()) {
     const std::size_t comma = protocols.find(',');

@@ -7,23 +7,23 @@
 
 namespace roadbalance {
 
-/// Who may speak to the server.  Browsers visit strangers' pages too, and those may send requests here: to be
-/// admitted a request must come from our own page.  No sockets, no HTTP library.
+/// Decides which requests the server admits.  Browsers also visit foreign pages, which may send requests
+/// here: a request must come from our own page.  No sockets, no HTTP library.
 
-/// What of a request decides.
+/// The parts of a request that decide.
 struct RequestHead {
   std::string_view method{};  ///< as it came: "GET"
   std::string_view target{};  ///< "/feed"
-  std::string_view host{};    ///< empty: none, or several
+  std::string_view host{};    ///< empty: no such header, or several
   std::string_view origin{};  ///< empty: none
   std::string_view token{};   ///< empty: none
-  bool is_websocket = false;  ///< asks to become one
-  bool only_watches = false;  ///< it changes what is shown to it, and nothing else
+  bool is_websocket = false;  ///< it asks for an upgrade
+  bool only_watches = false;  ///< it changes only the view of its own page
 };
 
 struct GuardRules {
-  /// What Host may name beside the address itself, e.g. "localhost".  Whoever lets his name's address be
-  /// changed to ours (DNS rebinding) does not get here.
+  /// Allowed names in Host beside the address itself, e.g. "localhost".  This stops foreign names whose
+  /// address was changed to ours (DNS rebinding).
   std::vector<std::string> host;
   std::string token;           ///< of this session, at least kLeastToken characters
   bool token_to_watch = true;  ///< false: needed for changes of state only
@@ -33,28 +33,28 @@ inline constexpr std::size_t kLeastToken = 16;
 enum class Admission : std::uint16_t {
   kAdmitted = 200,
   kNoToken = 401,        ///< it lacks the session's token
-  kForeignOrigin = 403,  ///< a page of somebody else's asks, or nobody knows which
+  kForeignOrigin = 403,  ///< a foreign page asks, or an unknown one
   kMethodUnknown = 405,
-  kHostUnknown = 421,  ///< it was meant for another
+  kHostUnknown = 421,  ///< it was meant for another server
 };
 
-/// Where a request came to: "127.0.0.1", "[::1]".
+/// The address that a request reached: "127.0.0.1", "[::1]".
 struct OwnAddress {
   std::string name;
   std::uint16_t port;
 };
 Admission admit(const RequestHead& request, const OwnAddress& here, const GuardRules& rules);
 
-/// Takes as long whether or not they differ early.
+/// Compares in a time that does not depend on where they differ.
 bool same_secret(std::string_view a, std::string_view b);
 
-/// 32 hexadecimal digits nobody can guess.
+/// 32 random hexadecimal digits.
 std::string new_token();
 
-/// The page asks for "roadbalance", "token.<token>" and "viewer.<number>" as WebSocket protocols: a browser
-/// lets it say nothing else.  The token of Sec-WebSocket-Protocol; empty: none.
+/// The token in Sec-WebSocket-Protocol; empty: none.  The page asks for the protocols "roadbalance",
+/// "token.<token>" and "viewer.<number>", since a browser lets it send nothing else with a WebSocket.
 std::string_view token_of_protocols(std::string_view protocols);
-/// The number of "viewer.<number>" among them, by which the page calls itself in its View; 0: none.
+/// The number of "viewer.<number>" among them, the viewer of the page's View; 0: none.
 std::int64_t viewer_of_protocols(std::string_view protocols);
 inline constexpr const char* kFeedProtocol = "roadbalance";
 

@@ -70,7 +70,7 @@ void take(const std::string& key, const Json& json, Request& request) {
       refuse("text is no text of at most " + std::to_string(kMostRequestText) + " bytes");
     request.text = json.get<std::string>();
   } else {
-    refuse("unknown key");  // which may be anything: it is not repeated
+    refuse("unknown key");  // the key may be anything: it is not repeated
   }
 }
 
@@ -88,7 +88,7 @@ std::variant<Request, std::string> parse_request(std::string_view body) {
       if (!json.contains(key)) refuse(std::string(key) + " is missing");
     Request request;
     for (const auto& [key, value] : json.items()) take(key, value, request);
-    // One decoder says what may be on the bus.
+    // The decoder of the bus is the only judge of what may be sent.
     const auto heard = decode_request(encode(request));
     if (!heard) refuse("a number cannot be");
     if (heard->text != request.text) refuse("text has control characters");

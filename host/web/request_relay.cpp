@@ -24,9 +24,9 @@ std::vector<Request> RequestRelay::due(WallTime now) {
   std::erase_if(asked_, [now](const Asked& asked) { return now - asked.since > kPatience; });
   std::vector<Request> requests;
   for (Asked& asked : asked_) {
-    if (asked.was_said && now - asked.said_at < kRepeat) continue;
-    asked.was_said = true;
-    asked.said_at = now;
+    if (asked.was_sent && now - asked.sent_at < kRepeat) continue;
+    asked.was_sent = true;
+    asked.sent_at = now;
     requests.push_back(asked.request);
   }
   return requests;

@@ -6,7 +6,7 @@
 #include "common/bus/bus.hpp"
 #include "common/bus/clock_messages.hpp"
 #include "common/bus/compensation.hpp"
-#include "common/bus/control.hpp"
+#include "common/bus/control_messages.hpp"
 #include "common/bus/display.hpp"
 #include "common/bus/job.hpp"
 #include "common/bus/knock.hpp"
@@ -36,7 +36,7 @@ Key wheel_of(const std::optional<Message>& message) {
   return message && message->wheel >= 0 && message->wheel < kWheels ? Key(message->wheel) : std::nullopt;
 }
 
-/// Tells apart what there is at a time, in no order.
+/// One key for several numbers, unique among those in use.
 std::int64_t packed(std::initializer_list<std::int64_t> values) {
   std::uint64_t key = 0;
   for (const std::int64_t value : values) key = key * 1021 + static_cast<std::uint64_t>(value);
@@ -50,7 +50,7 @@ Key transfer_key(Bytes bytes) {
                  part->pair.output.channel, part->part});
 }
 
-/// Of spectra those that a page asked for.
+/// Only of spectra that a page asked for.
 Key spectrum_key(Bytes bytes) {
   const auto part = decode_spectrum(bytes);
   if (!part || part->viewer == 0) return std::nullopt;
@@ -80,7 +80,7 @@ const std::array kPageMessages{
                   return status ? Key(status->recorder) : std::nullopt;
                 },
                 true},
-    // Newest of what each asker asks of a kind: a page asks one thing of a kind at a time.
+    // The newest of each asker and operation: a page sends one request of an operation at a time.
     PageMessage{kAnswerChannel,
                 [](Bytes bytes) {
                   const auto answer = decode_answer(bytes);

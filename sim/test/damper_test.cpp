@@ -66,7 +66,7 @@ TEST(Damper, LinearOnesLeaveEverySampleAsItIs) {
   EXPECT_EQ(drive(VehicleDynamics(model, dampers({}), kStep_s)), drive(VehicleDynamics(model, kStep_s)));
 }
 
-// Twice 1.2 is a linear damper again, of which the dynamics know the fifth part as a force of the law.
+// Twice 1.2 is a linear damper again, of which the dynamics take the fifth part as a force of the law.
 TEST(Damper, EqualSharesAreALinearCarWithOtherDampers) {
   ParameterVector stiffer = parameters();
   stiffer.segment<kWheels>(kDamper) *= 1.2;

@@ -141,7 +141,7 @@ TEST(SimFrontEnd, AFastConverterTakesMoreScansOfTheSameDrive) {
   ASSERT_EQ(fast.scans.size(), 40'020U);
   for (std::size_t k = 0; k < fast.scans.size(); ++k)
     ASSERT_NEAR(static_cast<double>(to_ns(fast.scans[k].time)), static_cast<double>(k) * 5e5 / 1.0005, 0.51);
-  // The wheels know nothing of converters.  Between instants of scans positions are cubic in time, to 1 ns.
+  // The wheels do not depend on converters.  Between instants of scans positions are cubic in time, to 1 ns.
   for (std::size_t i = 0; i < 5000; ++i)
     ASSERT_NEAR(static_cast<double>((fast.edges[i].time - nominal.edges[i].time).count()), 0.0, 2.0) << i;
 }

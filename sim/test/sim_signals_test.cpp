@@ -109,7 +109,7 @@ TEST(SimSignals, CountTheTeethThatTheEncoderShows) {
   EXPECT_GT(counted, 3 * 90);
 }
 
-/// What the pulse counter of the front right wheel shows, message by message.
+/// The pulse counter of the front right wheel, message by message.
 std::vector<double> codes(const CounterForm& form, const CounterLatency& latency) {
   VehicleConfig vehicle = listening_vehicle();
   SignalConfig& teeth = vehicle.node[0].wiring.can[0].signal[4];

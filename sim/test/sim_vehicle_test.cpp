@@ -157,9 +157,9 @@ Vector7 analytic_density(const DrawnCar& car, const RoadScenario& road, double s
   return (h * roads * h.adjoint()).diagonal().real();
 }
 
-/// What a periodogram with Hann window shows on average: the density smoothed by the window's transform
-/// sinc(x) / (1 - x^2), x = frequency distance times section length.  It matters in the notches, where the
-/// rear wheels' road undoes the front wheels'.
+/// A periodogram with Hann window shows on average the density smoothed by the window's transform sinc(x) /
+/// (1 - x^2), x = frequency distance times section length.  It matters in the notches, where the rear wheels'
+/// road undoes the front wheels'.
 Vector7 smoothed_density(const DrawnCar& car, const RoadScenario& road, double speed_m_s, double frequency_hz,
                          double section_s) {
   Vector7 sum = Vector7::Zero();
@@ -220,7 +220,7 @@ TEST(Car, AccelerationsOnARoadHaveTheAnalyticSpectrum) {
 
 TEST(Car, DampedTyresHaveTheAnalyticSpectrum) {
   VehicleConfig vehicle = test::reference_vehicle();
-  // Of any tyre some 100 N s/m; here enough to rule the force at 30 Hz.
+  // A tyre has some 100 N s/m; here enough to rule the force at 30 Hz.
   for (AxleConfig& axle : vehicle.model.axle) axle.tyre_damper_n_s_m = 2000.0;
   expect_analytic_spectrum(vehicle);
 }

@@ -53,7 +53,7 @@ inline VehicleConfig reference_vehicle() {
   return vehicle;
 }
 
-/// Constant speed on a flat road, a car exactly as vehicle.toml says, ideal sensors and encoders.
+/// Constant speed on a flat road, a car exactly as in vehicle.toml, ideal sensors and encoders.
 inline Scenario ideal_scenario(double speed_m_s) {
   Scenario scenario{};
   scenario.seed = 1;

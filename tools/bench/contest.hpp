@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <vector>
@@ -28,9 +29,16 @@ inline double median(std::vector<double> of) {
   return *middle;
 }
 
+/// 15, or as many as tools/bench/run --quick asks for.
+inline int rounds_of_contest() {
+  const char* const asked = std::getenv("RB_BENCH_ROUNDS");
+  return asked ? std::max(1, std::atoi(asked)) : 15;
+}
+
 /// Rounds in which each contender has its turn of about `turn_s`, so that what else the machine does meets
 /// all alike.  CPU time of all of this program counts (LCM reads in a thread of its own), not the wall's.
-inline void compete(std::vector<Contender>& contenders, int rounds = 15, double turn_s = 0.02) {
+inline void compete(std::vector<Contender>& contenders, int rounds = rounds_of_contest(),
+                    double turn_s = 0.02) {
   std::vector<int> calls;
   for (Contender& one : contenders) {
     one.work();  // warm

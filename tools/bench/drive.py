@@ -3,6 +3,7 @@
 import contextlib
 import functools
 import json
+import os
 import pathlib
 import subprocess
 import sys
@@ -42,12 +43,23 @@ def cpu_so_far_s(running):
     return 1e-9 * sum(int(thread.read_text().split()[0]) for thread in threads)
 
 
-class Drive:
-    """A recorded drive of nodes of 16 channels: accelerations, and references of two wheels."""
+def calls_between(log, from_s, to_s):
+    """System calls that a file of `strace -f -ttt` has begun in that time: number of the thread, time, call."""
+    count = 0
+    with open(log, errors="replace") as lines:
+        for line in lines:
+            parts = line.split(None, 2)
+            if len(parts) == 3 and not parts[2].startswith(("<...", "---", "+++")):
+                count += from_s <= float(parts[1]) < to_s
+    return count
 
-    def __init__(self, folder, rate_hz, seconds, nodes=4, channels=12):
+
+class Drive:
+    """A recorded drive of nodes of 16 channels: accelerations, and references of two wheels; brief: each is run once."""
+
+    def __init__(self, folder, rate_hz, seconds, nodes=4, channels=12, brief=False):
         folder.mkdir()
-        self.folder, self.seconds, self.rate_hz = folder, seconds, rate_hz
+        self.folder, self.seconds, self.rate_hz, self.brief = folder, seconds, rate_hz, brief
         self.nodes = ["front", "rear", *(f"n{number}_cabin" for number in range(3, nodes + 1))]
         self.vehicle, self.record = folder / "vehicle.toml", folder / "drive"
         self.vehicle.write_text(vehicle(nodes, rate_hz, channels))
@@ -56,12 +68,16 @@ class Drive:
         for name in self.nodes:
             measured(BIN / "rb", "select", self.record, "-o", folder / name, "--nodes", name)
 
-    def node(self, name, rate):
-        return running(BIN / "rb-node", "--url", bus_url(), "--vehicle", self.vehicle, "--node", name, "--front-end",
+    def node(self, name, rate, *under):
+        return running(*under, BIN / "rb-node", "--url", bus_url(), "--vehicle", self.vehicle, "--node", name, "--front-end",
                        f"replay:{self.folder / name}?rate={rate}")
 
-    def recorder(self, into, *nodes):
-        return running(BIN / "rb-recorder", "--url", bus_url(), "--record", into, "--nodes", *nodes, "--end-with-nodes")
+    def recorder(self, into, *nodes, under=()):
+        return running(*under, BIN / "rb-recorder", "--url", bus_url(), "--record", into, "--nodes", *nodes,
+                       "--end-with-nodes")
+
+    def analyser(self, record, under=()):
+        return running(*under, BIN / "rb-analyser", "--url", bus_url(), "--record", record, "--exit-at-end")
 
     def numbers(self):
         return [str(number + 1) for number in range(len(self.nodes))]
@@ -76,8 +92,7 @@ class Drive:
                 viewer = watched and programs.enter_context(running(
                     BIN / "bench-viewer", "--url", bus_url(), "--nodes", *self.numbers(), stdout=subprocess.PIPE))
             with only_on(ONE_CORE):
-                analyser = programs.enter_context(
-                    running(BIN / "rb-analyser", "--url", bus_url(), "--record", again, "--exit-at-end"))
+                analyser = programs.enter_context(self.analyser(again))
                 recorder = programs.enter_context(self.recorder(again, *self.numbers()))
                 time.sleep(0.5)
                 begin = time.monotonic()
@@ -97,7 +112,7 @@ class Drive:
         """It is played faster than the views of it are asked for, which takes some of each drive's beginning."""
         most, averages = self.seconds * self.rate_hz / shown["hop"], dict(shown["averages"])
         for node in map(int, self.numbers()):
-            if averages.get(node, 0) < most / 4:
+            if averages.get(node, 0) < most / 4 and not self.brief:
                 raise RuntimeError(f"of node {node} {averages.get(node, 0):.0f} averages were shown, of {most:.0f}")
 
     def one_node(self):
@@ -130,6 +145,29 @@ class Drive:
             raise RuntimeError(f"of blocks heard {waited['not_durable']} were not called durable, "
                                f"{waited['blocks']} were")
         return waited
+
+    def system_calls_a_second(self):
+        """{program: calls} where nodes play at the speed of the drive, once all run: from its third second to its last but
+        one. They are counted by strace, whose own time does not matter at this speed."""
+        with tempfile.TemporaryDirectory(dir=self.folder) as logs, contextlib.ExitStack() as programs:
+            record = pathlib.Path(logs, "record")
+
+            def traced(name):
+                return "strace", "-f", "-q", "-ttt", "-o", pathlib.Path(logs, name)
+
+            others = [programs.enter_context(self.analyser(record, traced("rb-analyser"))),
+                      programs.enter_context(self.recorder(record, *self.numbers(), under=traced("rb-recorder")))]
+            time.sleep(1.5)
+            begin_s = time.time()
+            nodes = [programs.enter_context(self.node(name, "1", *traced(f"rb-node {name}"))) for name in self.nodes]
+            for started in nodes + others:
+                taken(started)
+            span = begin_s + 3.0, begin_s + self.seconds - 1.0
+            calls = {}
+            for log in pathlib.Path(logs).glob("rb-*"):
+                program = log.name.split()[0]
+                calls[program] = calls.get(program, 0) + calls_between(log, *span) / (span[1] - span[0])
+        return calls
 
     def files(self):
         return sorted(self.record.iterdir())

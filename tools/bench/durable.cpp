@@ -14,10 +14,10 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
-#include "common/bus/control.hpp"
-#include "common/clock/clocks.hpp"
+#include "common/bus/control_messages.hpp"
 #include "common/command_line/bus_url.hpp"
 #include "common/process/stop_on_signal.hpp"
+#include "common/types/clocks.hpp"
 
 // Listens to blocks and to what the recorder says of them until it is told to end: how long each block
 // waited, from its first way over the bus, which follows its seal at once, until it was called durable.  Then

@@ -6,8 +6,8 @@
 #include <numbers>
 #include <vector>
 
-#include "firmware/encoder/wheel_encoder.hpp"
-#include "host/encoder/recorded_angle.hpp"
+#include "common/angle/wheel_encoder.hpp"
+#include "host/analysis/angle/recorded_angle.hpp"
 #include "sim/pulse_train.hpp"
 
 // What following the encoders of a car costs: "core_percent" of one core, in real time.

@@ -5,17 +5,12 @@
 #include <Eigen/Core>
 
 #include "common/dsp/cross_spectra.hpp"
-#include "common/dsp/lagged_covariance.hpp"
 #include "tools/bench/contest.hpp"
 
-// What the sums of covariances and of cross spectra take as channels and lags grow: lines of JSON, which
-// tools/bench/growth draws.
+// The cost of cross spectra as channels grow: lines of JSON, which tools/bench/growth draws.
 
 namespace roadbalance::bench {
 namespace {
-
-constexpr Eigen::Index kSamples = 256;
-constexpr int kOrder = 5;
 
 struct Point {
   const char* kernel;
@@ -26,17 +21,6 @@ struct Point {
   Eigen::Index samples;  ///< of each channel, a call
   Contender run;
 };
-
-/// States of so many channels with these channels at so many lags.
-Point covariance(const char* of, Eigen::Index size, Eigen::Index channels, Eigen::Index lags) {
-  const Eigen::Index states = channels * kOrder;
-  const auto work = [y = Eigen::MatrixXd(Eigen::MatrixXd::Random(states, kSamples)),
-                     z = Eigen::MatrixXd(Eigen::MatrixXd::Random(channels, kSamples + lags - 1)),
-                     sum = Eigen::MatrixXd(Eigen::MatrixXd::Zero(states, channels * lags))]() mutable {
-    add_lagged_products(y, z, sum);
-  };
-  return {"covariance", of, size, static_cast<double>(states * channels * lags), channels, kSamples, {work}};
-}
 
 /// All pairs, segments of 4096, Hann, half overlapping.
 Point spectra(Eigen::Index channels) {
@@ -54,10 +38,6 @@ Point spectra(Eigen::Index channels) {
 
 void run() {
   std::vector<Point> points;
-  for (const Eigen::Index lags : {1, 2, 4, 8, 16, 32, 64})
-    points.push_back(covariance("lags", lags, 16, lags));
-  for (const Eigen::Index channels : {2, 4, 8, 16, 32})
-    points.push_back(covariance("channels", channels, channels, 16));
   for (const Eigen::Index channels : {2, 4, 8, 16, 32}) points.push_back(spectra(channels));
   std::vector<Contender> contenders;
   for (Point& point : points) contenders.push_back(std::move(point.run));

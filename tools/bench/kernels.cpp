@@ -11,9 +11,9 @@
 #include "common/vehicle/vehicle_description.hpp"
 #include "embedded/demo_vehicle.hpp"
 #include "firmware/seal_all.hpp"
-#include "host/analyser/levels.hpp"
-#include "host/balance/compensation.hpp"
-#include "host/identify/drive_estimator.hpp"
+#include "host/analysis/balance/compensate.hpp"
+#include "host/analysis/identify/drive_estimator.hpp"
+#include "host/recording/levels.hpp"
 #include "sim/front_end.hpp"
 
 // What each stage costs, in times real time of one node of 16 channels at 2 kHz ("real_time_x"); and the
@@ -100,8 +100,10 @@ constexpr double kLong_s = 160.0;
 VehicleConfig with_many_weights() {
   VehicleConfig car = vehicle();
   for (WheelConfig& wheel : car.wheel) {
-    wheel.stock = {
-        .step_g = 1.0, .heaviest_g = 100.0, .place = {{.radius_m = 0.19}, {.radius_m = 0.16}}, .raster_rad = std::numbers::pi / 180.0};
+    wheel.stock = {.step_g = 1.0,
+                   .heaviest_g = 100.0,
+                   .place = {{.radius_m = 0.19}, {.radius_m = 0.16}},
+                   .raster_rad = std::numbers::pi / 180.0};
     for (std::size_t k = 0; k < kMostFittedWeights; ++k)
       wheel.fitted.push_back({20.0, 0.7 * static_cast<double>(k), wheel.stock.place[k % 2]});
   }

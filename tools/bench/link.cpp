@@ -1,10 +1,5 @@
-#include <arpa/inet.h>
 #include <lcm/lcm.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
-#include <array>
 #include <cstdio>
 #include <cstring>
 #include <memory>
@@ -14,11 +9,12 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
-#include "common/bus/control.hpp"
+#include "common/bus/control_messages.hpp"
 #include "common/bus/process_port.hpp"
 #include "common/link/receiver.hpp"
 #include "common/link/sender.hpp"
-#include "tools/bench/blocks.hpp"
+#include "tools/bench/bare.hpp"
+#include "tools/bench/bench_blocks.hpp"
 #include "tools/bench/contest.hpp"
 
 // The loss-free link from a sealed block to one that the recorder may write, beside the same datagrams over
@@ -29,7 +25,7 @@ namespace roadbalance::bench {
 namespace {
 
 using namespace std::chrono_literals;
-constexpr int kMostBurst = 32, kBlocks = 512;  // at once, and a call
+constexpr int kBlocks = 512;  // a call
 constexpr std::int64_t kEpoch = 9, kOwner = 1;
 
 /// Node and recorder, each with its own place on the bus.
@@ -101,60 +97,6 @@ class Link {
   int acked_ = 0;
 };
 
-/// Multicast on loopback and back, a burst at a time, as many by one call as there are.
-class BareUdp {
- public:
-  explicit BareUdp(std::size_t bytes) : datagram_(bytes), room_(kMostBurst, datagram_) {
-    for (std::size_t k = 0; k < kMostBurst; ++k) {
-      places_[k] = {room_[k].data(), bytes};
-      headers_[k].msg_hdr.msg_iov = &places_[k];
-      headers_[k].msg_hdr.msg_iovlen = 1;
-    }
-    const int reuse = 1, room = 4 << 20;
-    ::setsockopt(in_, SOL_SOCKET, SO_REUSEADDR, &reuse, sizeof reuse);
-    ::setsockopt(in_, SOL_SOCKET, SO_RCVBUF, &room, sizeof room);
-    group_.sin_family = AF_INET;
-    group_.sin_port = htons(static_cast<std::uint16_t>(process_port(1)));
-    group_.sin_addr.s_addr = inet_addr("239.255.76.67");
-    ip_mreq join{};
-    join.imr_multiaddr = group_.sin_addr;
-    const unsigned char ttl = 0;
-    ::setsockopt(out_, IPPROTO_IP, IP_MULTICAST_TTL, &ttl, sizeof ttl);
-    if (::bind(in_, reinterpret_cast<const sockaddr*>(&group_), sizeof group_) != 0 ||
-        ::setsockopt(in_, IPPROTO_IP, IP_ADD_MEMBERSHIP, &join, sizeof join) != 0)
-      throw std::runtime_error("no socket for the bare datagrams");
-  }
-  ~BareUdp() {
-    ::close(in_);
-    ::close(out_);
-  }
-  BareUdp(const BareUdp&) = delete;
-  BareUdp& operator=(const BareUdp&) = delete;
-
-  void burst(int blocks) {
-    const auto size = static_cast<ssize_t>(datagram_.size());
-    for (int k = 0; k < blocks; ++k)
-      if (::sendto(out_, datagram_.data(), datagram_.size(), 0, reinterpret_cast<const sockaddr*>(&group_),
-                   sizeof group_) != size)
-        throw std::runtime_error("a bare datagram was not sent");
-    for (int k = 0; k < blocks;) {
-      const int came =
-          ::recvmmsg(in_, headers_.data(), static_cast<unsigned>(blocks - k), MSG_WAITFORONE, nullptr);
-      if (came <= 0) throw std::runtime_error("a bare datagram did not come");
-      k += came;
-    }
-  }
-
- private:
-  std::vector<std::uint8_t> datagram_;
-  std::vector<std::vector<std::uint8_t>> room_;
-  std::array<iovec, kMostBurst> places_{};
-  std::array<mmsghdr, kMostBurst> headers_{};
-  sockaddr_in group_{};
-  int in_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0),
-      out_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-};
-
 /// The same messages by LCM alone, its own receiver, without a limit to what waits in it.
 class BareLcm {
  public:
@@ -207,7 +149,6 @@ void run() {
   row("link, seal to delivery", 0, "raw UDP, same datagrams", 1);
   row("link, acknowledged block by block", 3, "raw UDP, one at a time", 4);
   row("link beside LCM", 0, "LCM alone, same messages", 2);
-  row("LCM alone", 2, "raw UDP, same datagrams", 1);
 }
 
 }  // namespace

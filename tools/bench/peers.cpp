@@ -4,16 +4,14 @@
 #include <string>
 #include <vector>
 
-#include <cblas.h>
 #include <fftw3.h>
 #include <Eigen/Core>
 
 #include "common/bus/codec.hpp"
 #include "common/dsp/cross_spectra.hpp"
-#include "common/dsp/lagged_covariance.hpp"
 #include "common/dsp/state_filter.hpp"
-#include "common/link/crc32c.hpp"
 #include "common/process/aligned_memory.hpp"
+#include "common/types/crc32c.hpp"
 #include "tools/bench/contest.hpp"
 
 // Our kernels beside their peers, on one thread, in interleaved rounds: a line of JSON for each row, which
@@ -22,37 +20,7 @@
 namespace roadbalance::bench {
 namespace {
 
-constexpr Eigen::Index kChannels = 16, kOrder = 5, kLags = 16, kSamples = 256;
-constexpr Eigen::Index kStates = kChannels * kOrder;
-
-/// 80 states of 16 channels with 16 channels at 16 lags, as a block of 256 samples brings them.
-void covariance() {
-  const DiscreteFilter design = discretise_ramp_invariant(butterworth(kOrder, 30.0), 1.0 / 2000.0);
-  const Eigen::MatrixXd u = Eigen::MatrixXd::Random(kChannels, kSamples);
-  const Eigen::MatrixXd y = Eigen::MatrixXd::Random(kStates, kSamples);
-  const Eigen::MatrixXd z = Eigen::MatrixXd::Random(kChannels, kSamples + kLags - 1);
-  Eigen::MatrixXd hankel(kChannels * kLags, kSamples);  // BLAS takes no columns that overlap: made beforehand
-  for (Eigen::Index t = 0; t < kSamples; ++t)
-    hankel.col(t) = Eigen::Map<const Eigen::VectorXd>(z.data() + t * kChannels, kChannels * kLags);
-  Eigen::MatrixXd ours = Eigen::MatrixXd::Zero(kStates, kChannels * kLags), blas = ours, naive = ours;
-  LaggedCovariance recursion(design, kChannels, kChannels, kLags);
-  std::vector<Contender> run(4);
-  run[0].work = [&] { add_lagged_products(y, z, ours); };
-  run[1].work = [&] {
-    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, kStates, kChannels * kLags, kSamples, 1.0, y.data(),
-                kStates, hankel.data(), kChannels * kLags, 1.0, blas.data(), kStates);
-  };
-  run[2].work = [&] {
-    for (Eigen::Index t = 0; t < kSamples; ++t) naive.noalias() += y.col(t) * hankel.col(t).transpose();
-  };
-  run[3].work = [&] { recursion.add(u, y, z); };
-  compete(run);
-  const auto ns = [&](std::size_t i) { return 1e9 * median(run[i].cpu_s) / kSamples; };
-  const char* const unit = "ns/sample";
-  tell("covariance, 16 lags", unit, ns(0), "DGEMM (OpenBLAS)", ns(1), 1.0 / ratio(run[0], run[1]));
-  tell("covariance, lag recursion", unit, ns(3), "DGEMM (OpenBLAS)", ns(1), 1.0 / ratio(run[3], run[1]));
-  tell("covariance against rank-1", unit, ns(0), "rank-1 updates", ns(2), 1.0 / ratio(run[0], run[2]));
-}
+constexpr Eigen::Index kChannels = 16, kOrder = 5;
 
 /// All pairs of 16 channels, segments of 4096, Hann, half overlapping; and what must be moved for it,
 /// whatever is computed: the samples of each channel, which lie ready for the transform, the lines of a batch
@@ -162,7 +130,6 @@ void pack() {
 
 int main() {
   using namespace roadbalance::bench;
-  covariance();
   spectra();
   filter();
   pack();

@@ -1,18 +1,15 @@
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <span>
-#include <system_error>
 #include <vector>
 
 #include "common/bus/codec.hpp"
 #include "common/record/disk.hpp"
-#include "host/recorder/record_keeper.hpp"
-#include "tools/bench/blocks.hpp"
+#include "host/recorder/recording_store.hpp"
+#include "tools/bench/bare.hpp"
+#include "tools/bench/bench_blocks.hpp"
 #include "tools/bench/contest.hpp"
 
 // The recorder's disk side beside what the disk does by itself: blocks appended and committed as fast as they
@@ -43,42 +40,26 @@ std::vector<SealedBlock> sealed_blocks() {
 
 /// @return bytes on the disk
 std::uintmax_t record(const std::vector<SealedBlock>& blocks, const fs::path& folder) {
-  RecordKeeper keeper(kernel_disk(), {.folder = folder});
-  keeper.begin();
+  RecordingStore store(kernel_disk(), {.folder = folder});
+  store.begin();
   std::int64_t durable = 0;
   const auto take = [&](const std::vector<DurableMark>& marks) {
     for (const DurableMark& mark : marks) durable = mark.sequence;
   };
   for (const SealedBlock& block : blocks) {
     const WallTime now = WallClock::now();
-    keeper.append(Delivery(block), now);
-    if (keeper.commit_is_due(now))
-      take(keeper.commit(now));
+    store.append(Delivery(block), now);
+    if (store.commit_is_due(now))
+      take(store.commit(now));
     else
-      keeper.keep_house();
+      store.maintain();
   }
-  take(keeper.close(WallClock::now()));
-  if (durable != kBlocks) throw std::runtime_error(keeper.failure().value_or("not all is on the disk"));
+  take(store.close(WallClock::now()));
+  if (durable != kBlocks) throw std::runtime_error(store.failure().value_or("not all is on the disk"));
   std::uintmax_t bytes = 0;
   for (const auto& file : fs::directory_iterator(folder))
     if (file.path().extension() == ".lcm") bytes += file.file_size();
   return bytes;
-}
-
-void check(bool good, const fs::path& file) {
-  if (!good) throw std::system_error(errno, std::generic_category(), file.string());
-}
-
-void write_bare(std::uintmax_t bytes, const fs::path& file) {
-  const std::vector<char> commit(KeeperOptions{}.commit_bytes, 'x');
-  const int out = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_DSYNC | O_CLOEXEC, 0600);
-  check(out >= 0, file);
-  while (bytes > 0) {
-    const std::size_t some = std::min<std::uintmax_t>(bytes, commit.size());
-    check(::write(out, commit.data(), some) == static_cast<ssize_t>(some), file);
-    bytes -= some;
-  }
-  check(::close(out) == 0, file);
 }
 
 double seconds_of(auto&& work) {
@@ -91,10 +72,10 @@ void run(const fs::path& scratch) {
   const std::vector<SealedBlock> blocks = sealed_blocks();
   std::vector<double> ours_s, disk_s, ratios;
   std::uintmax_t bytes = 0;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < std::min(kRounds, rounds_of_contest()); ++round) {
     const fs::path folder = scratch / "recorded", file = scratch / "bare";
     ours_s.push_back(seconds_of([&] { bytes = record(blocks, folder); }));
-    disk_s.push_back(seconds_of([&] { write_bare(bytes, file); }));
+    disk_s.push_back(seconds_of([&] { write_bare(bytes, StoreOptions{}.commit_bytes, file); }));
     ratios.push_back(disk_s.back() / ours_s.back());
     fs::remove_all(folder);
     fs::remove(file);

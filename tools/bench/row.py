@@ -18,6 +18,7 @@ class Row:
     ratio: float  # as it is asked: of speeds where ">=", of costs where "<="
     sign: str | None = None
     bound: float | None = None
+    steady: bool = False  # what is asked holds on every machine, however busy: tools/check judges it, too
 
     def met(self):
         """None if nothing is asked."""

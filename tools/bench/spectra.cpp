@@ -16,9 +16,9 @@
 #include "common/bus/codec.hpp"
 #include "common/dsp/cross_spectra.hpp"
 #include "common/dsp/transfer_function.hpp"
-#include "host/analyser/envelopes.hpp"
-#include "host/analyser/levels.hpp"
-#include "host/analyser/spectra.hpp"
+#include "host/analysis/spectra/envelopes.hpp"
+#include "host/analysis/spectra/spectra.hpp"
+#include "host/recording/levels.hpp"
 
 // What the analyser's live view costs: three nodes of 16 channels at 2 kHz; cross spectra of all pairs, 4096
 // samples, Hann, 50 % overlap.  "core_percent" is what a stage costs of one core in real time; the table at

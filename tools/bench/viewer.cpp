@@ -12,10 +12,10 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/transfer_report.hpp"
-#include "common/clock/clocks.hpp"
 #include "common/command_line/bus_url.hpp"
-#include "common/frontend/front_end.hpp"
 #include "common/process/stop_on_signal.hpp"
+#include "common/types/clocks.hpp"
+#include "common/types/scan.hpp"
 
 // Looks at the transfer functions of each node from its first channel to every other until it is told to end:
 // what costs an analyser the cross spectra of all pairs.  Then a line of JSON: samples from one

@@ -15,6 +15,9 @@ if(RB_ARM_CXX AND RB_ARM_AR)
     set(RB_ARM_READY TRUE)
   endif()
 endif()
+if(NOT RB_ARM_READY)
+  rb_left_out("programs of the board's processor" "Debian's arm-none-eabi compiler or its C++ library is not installed (tools/setup check)")
+endif()
 
 set(RB_ARM_CXX_FLAGS ${RB_ARM_FLAGS} -std=c++20 -O2 -ffunction-sections -fdata-sections -fno-exceptions -fno-rtti
   -fno-threadsafe-statics -fno-use-cxa-atexit -I${CMAKE_SOURCE_DIR}

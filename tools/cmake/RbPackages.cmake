@@ -2,7 +2,7 @@
 #
 #   roadbalance-node    rb-node with its unit, the front-end board's udev rule
 #   roadbalance-host    recorder, analyser, list of recordings and page with their units
-#   roadbalance-tools   rb, the guide with its car, vehicle files to begin with and what is said of them
+#   roadbalance-tools   rb and rb-study, the guide with its car, vehicle files to begin with and what is said of them
 #   roadbalance-cluster rb-mpi, where it was built: of its own, for no car needs MPI and ssh
 #
 # cpack --preset arm64 makes them for 64-bit ARM, without the cluster's.
@@ -14,7 +14,7 @@ set(CPACK_PACKAGE_VENDOR roadbalance)
 set(CPACK_PACKAGE_CONTACT "roadbalance <maintainers@roadbalance.invalid>")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_COMPONENTS_ALL node host tools)
-if(RB_WITH_MPI)
+if(TARGET rb-mpi)
   list(APPEND CPACK_COMPONENTS_ALL cluster)
 endif()
 set(CPACK_COMPONENTS_GROUPING IGNORE)
@@ -55,10 +55,11 @@ foreach(component IN LISTS CPACK_COMPONENTS_ALL)
   install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION share/doc/roadbalance-${component} COMPONENT ${component}
     RENAME copyright)
 endforeach()
-# What people read and begin with lies as it does in the repository, for its links and names of files are relative.
-set(pages README.md tools/README.md tools/guide/README.md common/vehicle/conventions.md common/config/README.md
-  common/multibody/README.md firmware/backends/README.md firmware/backends/dbc/README.md firmware/backends/gpio/README.md
-  firmware/backends/socketcan/README.md firmware/backends/usb/README.md host/web/README.md
+# Pages and first files lie as they do in the repository, because their links and names of files are relative.
+set(pages README.md CHANGELOG.md SECURITY.md tools/README.md tools/guide/README.md tools/guide/reference.md tools/guide/page.png
+  common/vehicle/conventions.md common/config/README.md common/multibody/README.md common/dbc/README.md
+  firmware/backends/README.md firmware/backends/gpio/README.md firmware/backends/socketcan/README.md
+  firmware/backends/usb/README.md host/recording/formats/README.md host/recording/subset/README.md host/web/README.md
   sim/demo/vehicle.toml sim/demo/vehicle-3-nodes.toml sim/demo/scenario.toml)
 foreach(page IN LISTS pages)
   get_filename_component(place ${page} DIRECTORY)

@@ -8,7 +8,8 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 find_program(RB_CCACHE ccache)
 if(RB_CCACHE)
   # Paths below the source tree are looked up as relative ones, so that another clone finds what this one compiled.
-  set(CMAKE_CXX_COMPILER_LAUNCHER env CCACHE_BASEDIR=${CMAKE_SOURCE_DIR} ${RB_CCACHE})
+  # Precompiled headers are compared by what they hold.
+  set(CMAKE_CXX_COMPILER_LAUNCHER env CCACHE_BASEDIR=${CMAKE_SOURCE_DIR} CCACHE_SLOPPINESS=pch_defines,time_macros ${RB_CCACHE})
   set(CMAKE_C_COMPILER_LAUNCHER ${CMAKE_CXX_COMPILER_LAUNCHER})
   # Debug information names the folder it was compiled in, which must be the same in every clone, too.
   add_compile_options($<$<CONFIG:Debug>:-fdebug-prefix-map=${CMAKE_SOURCE_DIR}=.>)
@@ -23,7 +24,7 @@ target_include_directories(rb_options INTERFACE ${CMAKE_SOURCE_DIR})
 target_compile_options(rb_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wnon-virtual-dtor -Woverloaded-virtual -Werror)
 # In loops g++ 12 goes on with a vector that it has read although one that overlaps it was stored since: sums of Eigen's
-# segments come out wrong (host/identify/test/instruments_test.cpp).
+# segments come out wrong (host/analysis/identify/test/instruments_test.cpp).
 target_compile_options(rb_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-fno-predictive-commoning>)
 if(RB_SANITIZE)
   # LCM's C++ header casts through unrelated types, which the vptr check refuses.  With its checks between them g++
@@ -39,11 +40,25 @@ set(RB_SANITIZER_ENVIRONMENT "TSAN_OPTIONS=suppressions=${CMAKE_SOURCE_DIR}/tool
 # ASan keeps what was freed, up to so much, to notice who still uses it; where a test weighs memory that would be growth.
 set(RB_WEIGHED_ENVIRONMENT "ASAN_OPTIONS=quarantine_size_mb=1:thread_local_quarantine_size_kb=64")
 
+# _rb_batches(target headers): how it is compiled.
+function(_rb_batches target headers)
+  if(RB_BATCHES)
+    target_precompile_headers(${target} REUSE_FROM ${headers})
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 12)
+  endif()
+endfunction()
+
+# rb_apart(source...): sources of this directory that are never compiled together with others.
+function(rb_apart)
+  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+endfunction()
+
 # rb_library(name source... [DEPENDS target...])
 function(rb_library name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "DEPENDS")
   add_library(${name} STATIC ${arg_UNPARSED_ARGUMENTS})
   target_link_libraries(${name} PUBLIC rb_options ${arg_DEPENDS})
+  _rb_batches(${name} rb_headers)
 endfunction()
 
 # rb_program(name source... [PACKAGE component] [DEPENDS target...]): PACKAGE for what users call, in which package it
@@ -52,6 +67,7 @@ function(rb_program name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "PACKAGE" "DEPENDS")
   add_executable(${name} ${arg_UNPARSED_ARGUMENTS})
   target_link_libraries(${name} PRIVATE rb_options ${arg_DEPENDS})
+  _rb_batches(${name} rb_headers)
   if(arg_PACKAGE)
     set(manual ${CMAKE_BINARY_DIR}/manual/${name})
     target_link_libraries(${name} PRIVATE rb_command_line)
@@ -77,62 +93,91 @@ function(rb_unit file component)
   install(FILES ${file} DESTINATION ${place} COMPONENT ${component})
 endfunction()
 
-# rb_test(name [DEPENDS target...] [PROGRAMS target...]): builds test/<name>.cpp and registers it as one CTest.
-# PROGRAMS are what the test starts from $RB_BIN, which its label `programs` tells.
+# rb_tests(name... [PROGRAM program] [DEPENDS target...] [PROGRAMS target...]): each test/<name>.cpp is one CTest.  All of a directory are one
+# program, <directory>_tests, which runs the files it is given (common/test/main.cpp), but those that name another of their own.  PROGRAMS
+# are what the tests start from $RB_BIN, which their label `programs` tells.
 # With BUILD_TESTING off (tools/demo on a bare machine) there are no tests.
-function(rb_test name)
+function(rb_tests)
   if(NOT BUILD_TESTING)
     return()
   endif()
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "DEPENDS;PROGRAMS")
-  if(arg_UNPARSED_ARGUMENTS)
-    message(FATAL_ERROR "rb_test(${name}): what is ${arg_UNPARSED_ARGUMENTS}?")
-  endif()
-  rb_test_program(${name})
-  add_test(NAME ${name} COMMAND ${name})
-  rb_test_properties(${name})
-endfunction()
-
-# rb_lanes_test(name [DEPENDS target...]): an rb_test of kernels that the processor chooses by their width
-# (common/dsp/lanes.hpp), and the same once more for each narrower one that x86-64 machines may run.
-function(rb_lanes_test name)
-  rb_test(${name} ${ARGN})
-  if(NOT BUILD_TESTING OR NOT CMAKE_SYSTEM_PROCESSOR STREQUAL x86_64)
-    return()
-  endif()
-  foreach(lanes 2 4)
-    add_test(NAME ${name}_lanes_${lanes} COMMAND ${name})
-    rb_test_properties(${name}_lanes_${lanes})
-    set_property(TEST ${name}_lanes_${lanes} APPEND PROPERTY ENVIRONMENT RB_MOST_LANES=${lanes})
+  cmake_parse_arguments(PARSE_ARGV 0 arg "" "PROGRAM" "DEPENDS;PROGRAMS")
+  rb_test_program(program)
+  foreach(name IN LISTS arg_UNPARSED_ARGUMENTS)
+    target_sources(${program} PRIVATE test/${name}.cpp)
+    rb_files_of_test(rb_test_files ${name})
+    add_test(NAME ${name} COMMAND ${program} ${rb_test_files})
+    rb_test_properties(${name})
   endforeach()
 endfunction()
 
-# rb_guest_test(name [RT] [DEPENDS target...] [PROGRAMS target...] [FILES path...]): the same for a test that needs the
-# guest machine's kernel, and FILES beside its programs.  It is of the test configuration `guest`, so that a plain ctest
-# does not know it; hil_tests/run boots the guest and runs there those with the label guest or, with RT, guest-rt.
-function(rb_guest_test name)
+# rb_lanes_tests(name... [PROGRAM program] [DEPENDS target...]): rb_tests of kernels that the processor chooses by their width
+# (common/dsp/lanes.hpp), and the same once more for each narrower one that x86-64 machines may run.
+function(rb_lanes_tests)
+  rb_tests(${ARGN})
+  if(NOT BUILD_TESTING OR NOT CMAKE_SYSTEM_PROCESSOR STREQUAL x86_64)
+    return()
+  endif()
+  cmake_parse_arguments(PARSE_ARGV 0 arg "" "PROGRAM" "DEPENDS")
+  rb_test_program(program)
+  foreach(name IN LISTS arg_UNPARSED_ARGUMENTS)
+    rb_files_of_test(rb_test_files ${name})
+    foreach(lanes 2 4)
+      add_test(NAME ${name}_lanes_${lanes} COMMAND ${program} ${rb_test_files})
+      rb_test_properties(${name}_lanes_${lanes})
+      set_property(TEST ${name}_lanes_${lanes} APPEND PROPERTY ENVIRONMENT RB_MOST_LANES=${lanes})
+    endforeach()
+  endforeach()
+endfunction()
+
+# rb_guest_tests(name... [RT] [DEPENDS target...] [PROGRAMS target...] [FILES path...]): the same for tests that need the
+# guest machine's kernel, and FILES beside its programs.  They are of the test configuration `guest`, so that a plain ctest
+# does not know them; hil_tests/run boots the guest and runs there those with the label guest or, with RT, guest-rt.
+function(rb_guest_tests)
   if(NOT BUILD_TESTING)
     return()
   endif()
-  cmake_parse_arguments(PARSE_ARGV 1 arg "RT" "" "DEPENDS;PROGRAMS;FILES")
-  rb_test_program(${name})
-  add_test(NAME ${name} CONFIGURATIONS guest COMMAND ${name})
-  rb_test_properties(${name})
+  cmake_parse_arguments(PARSE_ARGV 0 arg "RT" "" "DEPENDS;PROGRAMS;FILES")
+  rb_test_program(program)
   # hil_tests/run reads REQUIRED_FILES, to have them in the guest's memory before time matters.
   list(TRANSFORM arg_PROGRAMS REPLACE "(.+)" "$<TARGET_FILE:\\1>" OUTPUT_VARIABLE files)
   set(label guest)
   if(arg_RT)
     set(label guest-rt)
   endif()
-  set_tests_properties(${name} PROPERTIES LABELS ${label} REQUIRED_FILES "${files};${arg_FILES}")
+  foreach(name IN LISTS arg_UNPARSED_ARGUMENTS)
+    target_sources(${program} PRIVATE test/${name}.cpp)
+    add_test(NAME ${name} CONFIGURATIONS guest COMMAND ${program} ${name}.cpp)
+    rb_test_properties(${name})
+    set_tests_properties(${name} PROPERTIES LABELS ${label} REQUIRED_FILES "${files};${arg_FILES}")
+  endforeach()
 endfunction()
 
-# Of the two above, with their arguments.
-macro(rb_test_program name)
-  add_executable(${name} test/${name}.cpp)
-  target_link_libraries(${name} PRIVATE rb_options ${arg_DEPENDS} GTest::gtest_main)
+# The program of this directory's tests, with the caller's DEPENDS and PROGRAMS.
+macro(rb_test_program variable)
+  cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${CMAKE_SOURCE_DIR} OUTPUT_VARIABLE ${variable})
+  string(REPLACE "/" "_" ${variable} ${${variable}}_tests)
+  if(arg_PROGRAM)
+    set(${variable} ${arg_PROGRAM})
+  endif()
+  if(NOT TARGET ${${variable}})
+    add_executable(${${variable}} ${CMAKE_SOURCE_DIR}/common/test/main.cpp)
+    target_link_libraries(${${variable}} PRIVATE rb_options GTest::gtest)
+    if(RB_BATCHES)
+      target_precompile_headers(${${variable}} REUSE_FROM rb_test_headers)
+    endif()
+  endif()
+  target_link_libraries(${${variable}} PRIVATE ${arg_DEPENDS})
   if(arg_PROGRAMS)
-    add_dependencies(${name} ${arg_PROGRAMS})
+    add_dependencies(${${variable}} ${arg_PROGRAMS})
+  endif()
+endmacro()
+
+# What such a program is given to run one test: its file; a program of the caller's own runs whole.
+macro(rb_files_of_test variable name)
+  set(${variable} ${name}.cpp)
+  if(arg_PROGRAM)
+    set(${variable})
   endif()
 endmacro()
 

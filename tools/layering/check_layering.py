@@ -1,20 +1,18 @@
 #!/usr/bin/env python3
-"""Forbids what ARCHITECTURE forbids: check_layering.py ROOT
+"""Holds the sources to the plan of rooms, tools/layering/rooms.txt: check_layering.py ROOT [--draw common|host]
 
-Prints one line "file:line: reason" for each violation.  Exit codes: 0 none, 1 some, 2 usage.
+Prints one line "file:line: reason" for each violation: an include that the plan does not allow, a circle, a folder
+that is no room, an arrow that nobody uses, a library outside its place, a class in two sources.  --draw prints the
+rooms as the README of that folder draws them.  Exit codes: 0 none, 1 some, 2 usage.
 """
 
 import pathlib
 import re
 import sys
 
-ROOMS = ("common", "firmware", "host", "sim", "tools", "hil_tests")
-MAY_INCLUDE = {
-    "common": {"common"},
-    "firmware": {"common", "firmware"},
-    "host": {"common", "host"},
-    "sim": {"common", "sim"},
-}  # tools and hil_tests may include all
+TOPS = ("common", "firmware", "host", "sim", "tools", "hil_tests")
+ROOMS_FILE = "tools/layering/rooms.txt"
+DRAWN = {"common": "common/README.md", "host": "host/README.md"}
 
 # What stays in one place: beginning of an include -> the only paths that may have it.
 KEPT = {
@@ -27,11 +25,11 @@ KEPT = {
     "ginac/": "common/multibody/algebra.cpp",
     "cln/": "common/multibody/algebra.cpp",
     "boost/": "host/web/web_server.cpp",
-    "hdf5.h": "host/exchange/hdf5_handle.hpp",
-    "host/exchange/hdf5_handle.hpp": "host/exchange/hdf5_",
-    "sndfile": "host/exchange/wav_",
-    "zlib": "host/exchange/mcap_writer.cpp",
-    "openssl/": "host/transfer/digest.cpp",
+    "hdf5.h": "host/recording/formats/hdf5_handle.hpp",
+    "host/recording/formats/hdf5_handle.hpp": "host/recording/formats/hdf5_",
+    "sndfile": "host/recording/formats/wav_",
+    "zlib": "host/recording/formats/mcap_writer.cpp",
+    "openssl/": "host/recording/transfer/digest.cpp",
 }
 
 # The same of interfaces of the system, which tests may use to play the other side.
@@ -41,8 +39,8 @@ KEPT_IN_PRODUCT = {
     "linux/can": ("firmware/backends/socketcan/can_socket.cpp", "firmware/backends/socketcan/can_link.cpp"),
 }
 
-GENERATED = ("embedded/", "derived/", "wire/")  # headers made by the build, not in any room
-MOST_LINES = 300
+GENERATED = ("embedded/", "derived/", "wire/")  # headers made by the build
+WIRE = "common/wire"  # whose messages "wire/" headers are
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 FIELD = re.compile(r"^(?P<type>[\w.]+)\s+\w+\s*(?P<extents>(\[[^\]]*\]\s*)*);")
@@ -53,37 +51,120 @@ DEFINITION = re.compile(r"^(?:struct|class|enum(?:\s+class|\s+struct)?|union)\s+
 
 
 # Measure ours against the libraries themselves.
-PEERS = {("fftw3", "tools/bench/peers.cpp"), ("lcm/", "tools/bench/link.cpp")}
+PEERS = {("fftw3", "tools/bench/peers.cpp"), ("fftw3", "tools/bench/floor.cpp"), ("lcm/", "tools/bench/link.cpp")}
 
 
-def check_include(path, room, quoted, name):
+class Rooms:
+    """rooms.txt: one line a room, `name | what it is | whom it may know`; * may know all.
+
+    The room of a file is its folder; tests of a room may know all, and so may a main.cpp, which wires.
+    """
+
+    def __init__(self, text):
+        self.what, self.knows, self.errors = {}, {}, []
+        for number, line in enumerate(text.splitlines(), 1):
+            if not line.strip() or line.startswith("#"):
+                continue
+            parts = [part.strip() for part in line.split("|")]
+            if len(parts) != 3 or not all(parts[:2]):
+                self.errors.append((number, "not a line `room | what it is | rooms it may know`"))
+            elif parts[0] in self.what:
+                self.errors.append((number, f"{parts[0]} is there twice"))
+            else:
+                self.what[parts[0]], self.knows[parts[0]] = parts[1], parts[2].split()
+        for name, known in self.knows.items():
+            self.errors += [(0, f"{name} may know {one}, which is no room") for one in known if one not in self.what and one != "*"]
+        self.floors = self._floors()
+
+    def _floors(self):
+        """Height of each room above those that know nobody; a circle is an error."""
+        floors = {}
+
+        def floor(name, path):
+            if name in path:
+                circle = path[path.index(name):] + [name]
+                self.errors.append((0, "circle of rooms: " + " > ".join(circle)))
+                return 0
+            if name not in floors:
+                known = [one for one in self.knows.get(name, []) if one in self.what]
+                floors[name] = max((1 + floor(one, path + [name]) for one in known), default=0)
+            return floors[name]
+
+        for name in self.what:
+            floor(name, [])
+        return floors
+
+    def drawing(self, top):
+        """The rooms below `top` as its README draws them: who knows most on top, and whom each knows."""
+        below = [name for name in self.what if name == top or name.startswith(top + "/")]
+        width = max(len(name) for name in below) - len(top)
+        lines = []
+        for name in sorted(below, key=lambda name: (-self.floors[name], name)):
+            known = [one.removeprefix(top + "/") for one in self.knows[name] if one in below]
+            other = len(self.knows[name]) - len(known)
+            if other:
+                known.append(f"(and {other} of common)")
+            lines.append(f"    {name.removeprefix(top + '/'):{width}} {'─▶ ' + ' '.join(known) if known else ''}".rstrip())
+        return "\n".join(lines)
+
+
+def room_of(path):
+    """Folder of a file without its test part, and whether that makes it a test."""
+    folder = path.rsplit("/", 1)[0]
+    if folder == "common/test" or path.startswith("tools/cmake/"):
+        return folder, False
+    if folder.startswith("common/test/"):
+        return "common/test", True
+    cut = re.sub(r"/test(/.*)?$", "", folder)
+    return cut, cut != folder
+
+
+def check_include(path, rooms, used, quoted, name):
     """Reasons against `#include` of `name` in the file `path` (relative to the root)."""
     for begin, place in KEPT.items():
         if name.startswith(begin) and not path.startswith(place) and (begin, path) not in PEERS:
             yield f"<{name}> belongs in {place} only"
-    is_test = room == "hil_tests" or "/test/" in path
+    room, is_test = room_of(path)
     for begin, places in KEPT_IN_PRODUCT.items():
-        if name.startswith(begin) and not is_test and path not in places:
+        if name.startswith(begin) and not is_test and not room.startswith("hil_tests") and path not in places:
             yield f"<{name}> belongs in {' and '.join(places)} only"
     target = name.split("/")[0]
-    if quoted and target not in ROOMS and not name.startswith(GENERATED):
+    if quoted and target not in TOPS and not name.startswith(GENERATED):
         yield f'"{name}" is not written from the root'
-    if target not in ROOMS or room not in MAY_INCLUDE:
+    if target not in TOPS and target != "wire":
         return
-    wires_or_tests = path.endswith("/main.cpp") or "/test/" in path
-    if target not in MAY_INCLUDE[room] and not wires_or_tests:
-        yield f"{room} must not know {target}: {name}"
+    other, of_test = (WIRE, False) if target == "wire" else room_of(name)
+    if is_test or path.endswith("/main.cpp") or other == room:
+        return
+    used.add((room, other))
+    known = rooms.knows.get(room, [])
+    if other not in known and "*" not in known:
+        yield f"{room} must not know {other}: {name}"
+    elif of_test and "*" not in known:
+        yield f"{room} must not know tests: {name}"
 
 
-def check_source(path, text):
-    room = path.split("/")[0]
-    lines = text.splitlines()
-    if len(lines) > MOST_LINES:
-        yield MOST_LINES + 1, f"{len(lines)} lines; allowed: {MOST_LINES}"
-    for number, line in enumerate(lines, 1):
+MEMBER = re.compile(r"^(?=\S)(?:[\w:<>,&*\[\] ]+[ &*])?([A-Z]\w+)::~?\w+\(")
+# Two ways to do one thing, of which a build has one.
+ALTERNATIVES = {"common/dsp/fft_eigen.cpp"}
+
+
+def check_source(path, text, rooms, used, homes):
+    room, is_test = room_of(path)
+    if room not in rooms.what and path not in UNLISTED:
+        yield 1, f"{room} is no room of {ROOMS_FILE}"
+    for number, line in enumerate(text.splitlines(), 1):
         if found := INCLUDE.match(line):
-            for reason in check_include(path, room, found[1] == '"', found[2]):
+            for reason in check_include(path, rooms, used, found[1] == '"', found[2]):
                 yield number, reason
+        elif path.endswith(".cpp") and not is_test and path not in ALTERNATIVES and (found := MEMBER.match(line)):
+            home = homes.setdefault((room, found[1]), path)
+            if home != path:
+                homes[(room, found[1])] = path
+                yield number, f"{found[1]} has members in {home}, too; allowed: one source for a class"
+
+
+UNLISTED = {"tools/cmake/rb_headers.hpp", "tools/cmake/rb_test_headers.hpp"}  # of the build
 
 
 def check_message(text):
@@ -115,19 +196,31 @@ def definitions(text):
             yield number, "::".join([*spaces, found[1]])
 
 
-def check_tree(root):
+def check_readme(root, rooms):
+    """The READMEs draw what rooms.txt says."""
+    for top, name in DRAWN.items():
+        file = root / name
+        if file.is_file() and rooms.drawing(top) not in file.read_text(encoding="utf-8"):
+            yield f"{name}:1: does not draw {ROOMS_FILE}; its drawing: check_layering.py ROOT --draw {top}"
+
+
+def check_tree(root, rooms):
     """All violations below `root` as texts.  A tree without sources is one, too."""
-    violations = []
+    violations = [f"{ROOMS_FILE}:{number}: {reason}" for number, reason in rooms.errors]
     defined = {}  # qualified name -> where it is first defined: one program may hold all headers
-    sources = 0
-    for room in ROOMS:
-        for file in sorted((root / room).rglob("*")):
+    homes = {}  # (room, class) -> the source of its members
+    used, found_rooms = set(), set()
+    for top in TOPS:
+        for file in sorted((root / top).rglob("*")):
             if file.suffix not in (".cpp", ".hpp", ".lcm", ".c", ".h") or not file.is_file():
                 continue
-            sources += 1
             path = file.relative_to(root).as_posix()
+            found_rooms.add(room_of(path)[0])
             text = file.read_text(encoding="utf-8")
-            found = check_message(text) if file.suffix == ".lcm" else check_source(path, text)
+            if file.suffix == ".lcm":
+                found = check_message(text)
+            else:
+                found = check_source(path, text, rooms, used, homes)
             violations += [f"{path}:{number}: {reason}" for number, reason in found]
             if file.suffix not in (".hpp", ".h"):
                 continue
@@ -135,16 +228,24 @@ def check_tree(root):
                 if first := defined.get(name):
                     violations.append(f"{path}:{number}: {name} is defined in {first}, too; allowed: once")
                 defined.setdefault(name, f"{path}:{number}")
-    if sources == 0:
-        violations.append(f"{root}: no sources here")
-    return violations
+    if not found_rooms:
+        return [f"{root}: no sources here"]
+    violations += [f"{ROOMS_FILE}:0: {name} is no folder with sources" for name in rooms.what if name not in found_rooms]
+    violations += [f"{ROOMS_FILE}:0: {name} may know {one}, and does not" for name, known in rooms.knows.items()
+                   for one in known if one != "*" and one in rooms.what and (name, one) not in used]
+    return violations + list(check_readme(root, rooms))
 
 
 def main(arguments):
-    if len(arguments) != 2:
-        print("usage: check_layering.py ROOT", file=sys.stderr)
+    if len(arguments) not in (2, 4) or len(arguments) == 4 and (arguments[2] != "--draw" or arguments[3] not in DRAWN):
+        print(f"usage: check_layering.py ROOT [--draw {'|'.join(DRAWN)}]", file=sys.stderr)
         return 2
-    violations = check_tree(pathlib.Path(arguments[1]))
+    root = pathlib.Path(arguments[1])
+    rooms = Rooms((root / ROOMS_FILE).read_text(encoding="utf-8"))
+    if len(arguments) == 4:
+        print(rooms.drawing(arguments[3]))
+        return 0
+    violations = check_tree(root, rooms)
     for violation in violations:
         print(violation)
     return 1 if violations else 0

@@ -1,19 +1,30 @@
 #include "tools/rb/asking.hpp"
 
 #include <algorithm>
+#include <climits>
+
+#include <pwd.h>
+#include <unistd.h>
 
 #include "common/bus/request_number.hpp"
-#include "common/clock/clocks.hpp"
+#include "common/types/clocks.hpp"
 
 namespace roadbalance {
 namespace {
 
 using std::chrono::milliseconds;
-constexpr milliseconds kTurn{20};
+constexpr milliseconds kBusWait{20};
 constexpr milliseconds kRepeat{200};
 constexpr milliseconds kSilent{3000};
 
 }  // namespace
+
+std::string who_asks() {
+  const passwd* const user = getpwuid(getuid());
+  char host[HOST_NAME_MAX + 1] = "";
+  (void)gethostname(host, sizeof host - 1);
+  return std::string("rb of ") + (user ? user->pw_name : std::to_string(getuid())) + " at " + host;
+}
 
 Asking::Asking(const std::string& url) : bus_(url) {
   request_.asker = random_number();
@@ -43,6 +54,7 @@ std::optional<Answer> Asking::ask(Request request, milliseconds patience,
   request_ = std::move(request);
   request_.asker = asker;
   request_.request = random_number();
+  request_.who = who_asks();
   answer_.reset();
   if (request_.operation == Operation::kStop) receipts_.clear();  // those known are of another recording
   const WallTime begin = WallClock::now();
@@ -56,7 +68,7 @@ std::optional<Answer> Asking::ask(Request request, milliseconds patience,
       (void)bus_.publish(kRequestChannel, encode(request_));
       asked_at = now;
     }
-    bus_.handle(kTurn);
+    bus_.handle(kBusWait);
     if (answer_ && answer_->state != AnswerState::kUnderWay) break;
   }
   return answer_;
@@ -68,7 +80,7 @@ const std::map<std::int32_t, Receipt>& Asking::receipts(milliseconds patience) {
            static_cast<std::int32_t>(receipts_.size()) >= receipts_.begin()->second.nodes;
   };
   for (const WallTime end = WallClock::now() + patience; !are_all_there() && WallClock::now() < end;)
-    bus_.handle(kTurn);
+    bus_.handle(kBusWait);
   return receipts_;
 }
 
@@ -84,7 +96,8 @@ std::string Asking::silence() const {
 bool are_whole(const std::map<std::int32_t, Receipt>& receipts) {
   const auto is_whole = [](const auto& one) {
     const Receipt& receipt = one.second;
-    return receipt.nodes > 0 && receipt.samples_recorded == receipt.samples_sent && receipt.gaps == 0 &&
+    return receipt.nodes > 0 && receipt.missing().empty() &&
+           receipt.samples_recorded == receipt.samples_sent && receipt.gaps == 0 &&
            receipt.open_epochs == 0 && receipt.sums_agree == true;
   };
   return !receipts.empty() && static_cast<std::int32_t>(receipts.size()) >= receipts.begin()->second.nodes &&

@@ -12,6 +12,9 @@
 
 namespace roadbalance {
 
+/// Whom requests of this program name: "rb of anna at laptop".
+std::string who_asks();
+
 /// Asks the recorder on a bus for something, and repeats it until it is answered for good.
 class Asking {
  public:
@@ -19,15 +22,15 @@ class Asking {
   explicit Asking(const std::string& url);
 
   /// @param request  its asker and number are set here
-  /// @param silent   called once if nobody has said anything for three seconds
-  /// @return the last answer, of whatever state; nothing: nobody has said anything
+  /// @param silent   called once if there is no answer for three seconds
+  /// @return the last answer, of whatever state; nothing: there was none
   std::optional<Answer> ask(Request request, std::chrono::milliseconds patience,
                             const std::function<void()>& silent = {});
 
-  /// Of the recording that was stopped last, by node; waits for all of them.
+  /// The receipts of the recording that was stopped last, by node; waits for all of them.
   const std::map<std::int32_t, Receipt>& receipts(std::chrono::milliseconds patience);
 
-  /// Why nobody has answered, and what to do.
+  /// Why there is no answer, and the remedy.
   std::string silence() const;
 
  private:

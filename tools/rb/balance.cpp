@@ -9,16 +9,16 @@
 #include <vector>
 
 #include "common/config/section.hpp"
-#include "host/analyser/recorded_vehicle.hpp"
-#include "host/orders/angle_doubt.hpp"
-#include "host/orders/orders_of_record.hpp"
-#include "host/orders/rotor_balance.hpp"
-#include "host/orders/same_rotor.hpp"
+#include "host/analysis/orders/angle_variance.hpp"
+#include "host/analysis/orders/orders_of_record.hpp"
+#include "host/analysis/orders/rotor_balance.hpp"
+#include "host/analysis/orders/same_rotor.hpp"
+#include "host/recording/recorded_vehicle.hpp"
 #include "tools/rb/command.hpp"
-#include "tools/rb/defects.hpp"
-#include "tools/rb/degrees.hpp"
-#include "tools/rb/orders_json.hpp"
 #include "tools/rb/weighted_drive.hpp"
+#include "tools/views/degrees.hpp"
+#include "tools/views/orders_json.hpp"
+#include "tools/views/recording_defects.hpp"
 
 namespace roadbalance {
 namespace {
@@ -32,7 +32,7 @@ struct BalanceOptions {
   bool json = false;
 };
 
-/// Of a recording that has the rotor.
+/// The vehicle of a recording that has the rotor.
 VehicleConfig vehicle_of_record(const std::string& folder, const std::string& name) {
   VehicleConfig vehicle = vehicle_of_recording(folder);
   if (vehicle.rotor_named(name)) return vehicle;
@@ -100,7 +100,7 @@ void warn_of_datum(const WeightedDrive& first, double first_rad, const WeightedD
                  drive.folder.c_str(), degrees(rad - first_rad), first.folder.c_str());
 }
 
-/// What keeps the drive's channels or phases from being used.
+/// Warns of the reasons for which channels or phases of the drive are not used.
 void warn_of(const std::string& folder, const RecordOrders& found) {
   std::set<std::string> remarks;
   for (const auto& orders : found.rotor) remarks.insert(remark_on(found, *orders));

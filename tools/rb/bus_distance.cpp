@@ -7,15 +7,15 @@
 #include <utility>
 
 #include "common/config/section.hpp"
-#include "firmware/backends/dbc/dbc_reading.hpp"
-#include "firmware/backends/dbc/si_unit.hpp"
+#include "common/dbc/dbc_reading.hpp"
+#include "common/dbc/si_unit.hpp"
 
 namespace roadbalance {
 namespace {
 
 constexpr double kFastest_m_s = 100.0;
 constexpr double kHardest_m_s2 = 15.0;
-/// What a speed message may be off: its scale, and that it is a little older.
+/// Error that a speed message may have: of its scale, and because it is a little older.
 constexpr double kSpeedShare = 0.1, kSpeedOff_m_s = 1.0;
 
 struct Signal {
@@ -93,7 +93,7 @@ bool is_valid(const Signal& counter, const CanFrame& frame) {
   return read_signal(*counter.message, *counter.signal, frame).status == DbcReading::Status::kOk;
 }
 
-/// What all codes of the log are multiples of, beside the first.
+/// The step of which all codes of the log, counted from the first, are multiples.
 std::int64_t step_of(const std::vector<LoggedFrame>& log, const Signal& counter) {
   std::int64_t step = std::int64_t{1} << counter.signal->place.length;
   std::optional<std::int64_t> first;
@@ -117,7 +117,7 @@ double worth_of_a_count(const Signal& counter, std::optional<double> metres_per_
   return place.scale;
 }
 
-/// The counter's own message tells the speed of the same instant; any other will do.
+/// The counter's own message has the speed of the same instant; any other will do.
 std::optional<double> speed_beside(const std::vector<SpeedIntegral>& speeds, const Signal& counter,
                                    std::int64_t time_ns) {
   std::optional<double> speed;
@@ -127,7 +127,7 @@ std::optional<double> speed_beside(const std::vector<SpeedIntegral>& speeds, con
   return speed;
 }
 
-/// Of the mean speed between two instants whose speeds are known, whatever the car did in between.
+/// Bounds of the mean speed between two instants whose speeds are known, whatever the car did in between.
 RateBounds bounds(double before_m_s, double after_m_s, double elapsed_s, double metres_per_count) {
   const auto [least, most] = std::minmax(before_m_s, after_m_s);
   const double between = 0.5 * kHardest_m_s2 * elapsed_s + kSpeedOff_m_s;

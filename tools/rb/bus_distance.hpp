@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "common/wheel_counter/counter_unwrap.hpp"
-#include "firmware/backends/dbc/candump.hpp"
-#include "firmware/backends/dbc/dbc.hpp"
+#include "common/angle/counter_unwrap.hpp"
+#include "common/dbc/candump.hpp"
+#include "common/dbc/dbc.hpp"
 
 namespace roadbalance {
 
-/// How far a speed on the bus says that the car went: the integral of straight lines between its messages.
+/// How far the car went by a speed on the bus: the integral of straight lines between its messages.
 struct SpeedDistance {
   std::string signal;  ///< "MESSAGE.SIGNAL"
   std::int64_t messages = 0, refused = 0;
@@ -25,7 +25,7 @@ inline constexpr double kLongestSilence_s = 0.5;
 /// The same of a counter of pulses or of distance.
 struct CounterDistance {
   std::string signal;
-  CounterUnwrap::Tally tally;
+  CounterUnwrap::Counters tally;
   std::int64_t messages = 0, runs = 0, counts = 0, step = 1;
   double metres_per_count = 0.0, seconds = 0.0, metres = 0.0;  ///< of all runs
 };
@@ -38,7 +38,7 @@ struct BusDistance {
 
 /// Both distances of a log of a car's bus.
 ///
-/// The counter's unit is the metre, or `metres_per_count` says what a count is worth.  The speeds at
+/// The counter's unit is the metre, or a count is `metres_per_count`.  The speeds at
 /// two messages of the counter, of its own message if that has one, else of any, bound how often it can have
 /// wrapped between them.
 ///

@@ -9,11 +9,11 @@
 #include "common/bus/codec.hpp"
 #include "common/config/section.hpp"
 #include "common/config/validators.hpp"
-#include "host/analyser/read_recording.hpp"
-#include "host/calibration/channel_comparison.hpp"
+#include "host/analysis/calibration/channel_comparison.hpp"
+#include "host/recording/read_recording.hpp"
+#include "tools/datum/vehicle_file.hpp"
 #include "tools/rb/command.hpp"
-#include "tools/rb/defects.hpp"
-#include "tools/rb/vehicle_file.hpp"
+#include "tools/views/recording_defects.hpp"
 
 namespace roadbalance {
 namespace {
@@ -73,7 +73,7 @@ const char* said(ChannelMatch::Verdict verdict) {
   return "";
 }
 
-/// What to do about it.
+/// The remedy, in words.
 const char* remedy(ChannelMatch::Verdict verdict) {
   switch (verdict) {
     case ChannelMatch::Verdict::kMatched:
@@ -145,8 +145,8 @@ int calibrate(const CalibrateOptions& options) {
     if (node.found.overload_s > 0.0)
       std::fprintf(stderr, "rb calibrate: node %s: %.1f s are left out, in which an input was overloaded\n",
                    node.name.c_str(), node.found.overload_s);
-    if (!node.found.obstacle.empty())
-      std::fprintf(stderr, "rb calibrate: node %s: %s\n", node.name.c_str(), node.found.obstacle.c_str());
+    if (!node.found.refusal.empty())
+      std::fprintf(stderr, "rb calibrate: node %s: %s\n", node.name.c_str(), node.found.refusal.c_str());
     all_matched = all_matched && !node.found.channel.empty();
     Json channels = Json::array();
     for (const auto& channel : node.found.channel) {
@@ -159,7 +159,7 @@ int calibrate(const CalibrateOptions& options) {
     list.push_back({{"node", node.name},
                     {"seconds", node.found.seconds},
                     {"overload_s", node.found.overload_s},
-                    {"obstacle", node.found.obstacle.empty() ? Json() : Json(node.found.obstacle)},
+                    {"obstacle", node.found.refusal.empty() ? Json() : Json(node.found.refusal)},
                     {"channels", channels}});
   }
   const auto to_set = values(nodes);

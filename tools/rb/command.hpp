@@ -1,19 +1,12 @@
 #pragma once
 
+#include "common/command_line/exit_code.hpp"
+
 namespace CLI {
 class App;
 }
 
 namespace roadbalance {
-
-/// Exit codes of every command.
-enum ExitCode : int {
-  kDone = 0,
-  kAnswerIsNo = 1,    ///< damaged, not identifiable, acceptance not met
-  kUsage = 2,         ///< command line or configuration
-  kIncomplete = 3,    ///< samples are missing, and every gap is declared
-  kCannotAccess = 4,  ///< cannot read, write, start or reach something
-};
 
 /// Each adds its subcommand to `app`.  When it is chosen it runs and puts its exit code into `code`; it
 /// throws ConfigError (kUsage) or another std::exception (kCannotAccess), which main prints.
@@ -33,7 +26,6 @@ void add_model(CLI::App& app, int& code);
 void add_orders(CLI::App& app, int& code);
 void add_spectrum(CLI::App& app, int& code);
 void add_report(CLI::App& app, int& code);
-void add_study(CLI::App& app, int& code);
 void add_response(CLI::App& app, int& code);
 void add_replay(CLI::App& app, int& code);
 void add_select(CLI::App& app, int& code);

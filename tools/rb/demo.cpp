@@ -9,14 +9,14 @@
 #include "common/config/validators.hpp"
 #include "common/process/stop_on_signal.hpp"
 #include "sim/truth.hpp"
-#include "tools/rb/bus_view.hpp"
+#include "tools/demonstration/demo_page.hpp"
+#include "tools/demonstration/demo_plan.hpp"
+#include "tools/demonstration/demo_report.hpp"
+#include "tools/demonstration/demo_start.hpp"
+#include "tools/demonstration/demo_team.hpp"
 #include "tools/rb/command.hpp"
-#include "tools/rb/demo_page.hpp"
-#include "tools/rb/demo_plan.hpp"
-#include "tools/rb/demo_report.hpp"
-#include "tools/rb/demo_start.hpp"
-#include "tools/rb/demo_team.hpp"
-#include "tools/rb/readout.hpp"
+#include "tools/views/bus_view.hpp"
+#include "tools/views/readout.hpp"
 
 namespace roadbalance {
 namespace {

@@ -14,14 +14,14 @@
 #include "common/config/validators.hpp"
 #include "common/config/vehicle_config.hpp"
 #include "common/process/stop_on_signal.hpp"
-#include "tools/rb/accuracy.hpp"
-#include "tools/rb/bus_interface.hpp"
-#include "tools/rb/bus_loop.hpp"
+#include "tools/doctor/accuracy.hpp"
+#include "tools/doctor/bus_interface.hpp"
+#include "tools/doctor/bus_loop.hpp"
+#include "tools/doctor/devices.hpp"
+#include "tools/doctor/machine.hpp"
+#include "tools/doctor/recording_folder.hpp"
+#include "tools/doctor/roll_call.hpp"
 #include "tools/rb/command.hpp"
-#include "tools/rb/devices.hpp"
-#include "tools/rb/machine.hpp"
-#include "tools/rb/recording_folder.hpp"
-#include "tools/rb/roll_call.hpp"
 
 namespace roadbalance {
 namespace {
@@ -35,7 +35,7 @@ struct DoctorOptions {
   bool json = false;
 };
 
-/// What findings are about; those that are well share a line.
+/// Findings about one subject; those that are well share a line.
 struct Group {
   const char* about;
   std::vector<Finding> findings{};
@@ -46,11 +46,11 @@ struct Group {
   }
 };
 
-/// Of its own bus, unless one is named: nobody else is disturbed then.
+/// Uses a private bus unless one is named, so that other programs are not disturbed.
 /// @param vehicle  nullptr: none is given
 /// @param heard    gets the nodes that are there
 Group examine_bus(const DoctorOptions& options, const VehicleConfig* vehicle, std::set<std::int32_t>& heard) {
-  constexpr std::chrono::seconds kListen{1};  // a node speaks ten times in it, a recorder twice
+  constexpr std::chrono::seconds kListen{1};  // a node sends ten messages in it, a recorder two
   Group bus{"bus"};
   bus.add(examine_way(options.url));
   try {
@@ -65,14 +65,14 @@ Group examine_bus(const DoctorOptions& options, const VehicleConfig* vehicle, st
     bus.add(roll->findings(vehicle, options.vehicle));
     heard = roll->nodes();
   } catch (const std::exception& error) {
-    // Without a route that is what is said already.
+    // Without a route the first finding names the cause already.
     if (bus.findings.front().state != Finding::kIll)
       bus.add({{"loopback", Finding::kIll, std::string("LCM does not start: ") + error.what(), ""}});
   }
   return bus;
 }
 
-/// Of the node that is named, or of all where no bus is: those on a bus have computers of their own.
+/// Examines the node that is named, or all where there is no bus: those on a bus have computers of their own.
 Group examine_devices(const DoctorOptions& options, const VehicleConfig& vehicle,
                       const std::set<std::int32_t>& heard) {
   Group devices{"devices"};
@@ -131,7 +131,7 @@ int examine(const DoctorOptions& options) {
   if (options.answer) return answer(options);
   std::optional<VehicleConfig> vehicle;
   if (!options.vehicle.empty()) vehicle = VehicleConfig::read_file(options.vehicle);
-  if (!options.node.empty()) (void)vehicle->node_named(options.node);  // says which there are
+  if (!options.node.empty()) (void)vehicle->node_named(options.node);  // its error lists those that exist
   std::set<std::int32_t> heard;
   std::vector<Group> groups{examine_bus(options, vehicle ? &*vehicle : nullptr, heard)};
   groups.push_back({"folder", examine_folder(options.folder, vehicle ? rate_of(*vehicle) : ordinary_rate())});

@@ -9,11 +9,11 @@
 
 #include "common/config/section.hpp"
 #include "common/process/stop_on_signal.hpp"
-#include "host/exchange/description_json.hpp"
-#include "host/exchange/export_recording.hpp"
+#include "host/recording/formats/description_json.hpp"
+#include "host/recording/formats/export_recording.hpp"
 #include "tools/rb/command.hpp"
-#include "tools/rb/defects.hpp"
 #include "tools/rb/progress_line.hpp"
+#include "tools/views/recording_defects.hpp"
 
 namespace roadbalance {
 namespace {
@@ -28,7 +28,7 @@ struct ExportOptions {
   bool json = false;
 };
 
-/// What is in the file, as the file says it, and how the export went.
+/// The contents of the file, as the file describes them, and how the export went.
 Json report_json(const ExportOptions& options, const ExportReport& report) {
   Json json = description_of(report.table);
   json.update({{"file", options.file},

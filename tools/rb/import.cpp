@@ -7,12 +7,12 @@
 #include <string>
 
 #include "common/process/stop_on_signal.hpp"
-#include "host/exchange/hdf5_reader.hpp"
-#include "host/exchange/uff58_reader.hpp"
-#include "host/exchange/wav_reader.hpp"
-#include "tools/rb/candump_samples.hpp"
+#include "host/recording/formats/hdf5_reader.hpp"
+#include "host/recording/formats/uff58_reader.hpp"
+#include "host/recording/formats/wav_reader.hpp"
+#include "tools/import/candump_samples.hpp"
+#include "tools/import/import_samples.hpp"
 #include "tools/rb/command.hpp"
-#include "tools/rb/import_samples.hpp"
 #include "tools/rb/progress_line.hpp"
 
 namespace roadbalance {
@@ -26,6 +26,7 @@ struct ImportOptions {
   std::string folder;
   std::string dbc;
   OpenSamples open = open_csv_samples;
+  UnitOptions units;
   bool json = false;
 };
 
@@ -43,22 +44,30 @@ constexpr std::array kFormats{
         "_FillValue",
         open_hdf5_samples},
     Format{"uff58", "Samples of an ASCII universal file, pulses as comma-separated values",
-           "time responses (58) of one even abscissa, SI; the first ID line names the channel",
+           "time responses (58) of one even abscissa; the first ID line names the channel, record 9 its unit",
            open_uff58_samples},
     Format{"wav", "Samples of a WAV file of rb export, pulses as comma-separated values",
            "32-bit PCM whose comment tells channels and scales", open_wav_samples}};
 
 nlohmann::ordered_json report_json(const ImportReport& report) {
-  nlohmann::ordered_json json{{"rows", report.rows},
+  nlohmann::ordered_json json{{"sha256", report.sha256},
+                              {"rows", report.rows},
                               {"seconds", report.seconds},
                               {"rate_hz", report.rate_hz},
                               {"stamp_rms_s", report.stamp_rms_s},
                               {"stamp_max_s", report.stamp_max_s},
                               {"has_pulses", report.has_pulses},
                               {"marks", report.marks},
+                              {"channels", nlohmann::ordered_json::array()},
                               {"holes", nlohmann::ordered_json::array()},
                               {"suspicions", nlohmann::ordered_json::array()},
                               {"nodes", nlohmann::ordered_json::array()}};
+  for (const auto& channel : report.channels)
+    if (!channel.meaning.empty())
+      json["channels"].push_back({{"name", channel.channel},
+                                  {"unit", channel.in_file},
+                                  {"factor", channel.factor},
+                                  {"understood", channel.meaning}});
   for (const auto& hole : report.holes)
     json["holes"].push_back({{"after_s", hole.after_s}, {"samples", hole.samples}});
   for (const auto& suspicion : report.suspicions)
@@ -74,6 +83,11 @@ nlohmann::ordered_json report_json(const ImportReport& report) {
 
 /// For people, on standard error, so that nothing doubtful is hidden from those who take the JSON.
 void tell(const ImportReport& report) {
+  for (const auto& channel : report.channels)
+    if (!channel.meaning.empty())
+      std::fprintf(stderr, "channel %s%s: %s\n", channel.channel.c_str(),
+                   channel.in_file.empty() ? "" : (" in \"" + channel.in_file + "\"").c_str(),
+                   channel.meaning.c_str());
   std::fprintf(
       stderr, "%lld rows, %.1f s at %.3f Hz; stamps lie %.3g ms rms and %.3g ms at most from an even clock\n",
       static_cast<long long>(report.rows), report.seconds, report.rate_hz, report.stamp_rms_s * 1e3,
@@ -82,7 +96,7 @@ void tell(const ImportReport& report) {
     std::fprintf(stderr, "hole after %.3f s: %lld samples, declared as a gap\n", hole.after_s,
                  static_cast<long long>(hole.samples));
   for (const auto& suspicion : report.suspicions)
-    std::fprintf(stderr, "suspicious: channel %s %s\n", suspicion.channel.c_str(), suspicion.what.c_str());
+    std::fprintf(stderr, "suspicious: %s %s\n", suspicion.channel.c_str(), suspicion.what.c_str());
   for (const auto& node : report.nodes)
     std::fprintf(stderr, "node %s: %lld samples recorded, %lld missing, %lld edges\n", node.name.c_str(),
                  static_cast<long long>(node.scans), static_cast<long long>(node.scans_missing),
@@ -93,12 +107,13 @@ void tell(const ImportReport& report) {
 
 int import(const ImportOptions& options) {
   const StopOnSignal signals;
-  SampleImport request{.samples = options.samples, .folder = options.folder, .open = options.open};
+  SampleImport request{
+      .samples = options.samples, .folder = options.folder, .open = options.open, .units = options.units};
   if (!options.pulses.empty()) request.pulses = options.pulses;
   if (!options.marks.empty()) request.marks = options.marks;
   const ImportReport report = [&] {
     const VehicleConfig vehicle = VehicleConfig::read_file(options.vehicle);
-    std::error_code nobody_asked;  // what is wrong with the file is said by whoever opens it
+    std::error_code nobody_asked;  // the program that opens the file reports what is wrong with it
     const std::uintmax_t bytes = std::filesystem::file_size(options.samples, nobody_asked);
     ProgressLine line;
     return import_samples(request, vehicle, signals.token(), [&](double part) {
@@ -119,6 +134,10 @@ CLI::App* add_format(CLI::App& command, const char* name, const char* about, con
   one->add_option("--samples", options->samples, samples)->required();
   one->add_option("--pulses", options->pulses, "time_s,wheel,kind with kind tooth or zero");
   one->add_option("--marks", options->marks, "time_s,number,text as rb export --marks writes them");
+  one->add_option("--units", options->units.units,
+                  "unit of all channels or of one, whatever the file says: g, or CHANNEL=mm/s^2");
+  one->add_option("--sensitivity", options->units.sensitivity,
+                  "of channels in volts, of all or of one: 100mV/g, or CHANNEL=10.2mV/(m/s^2)");
   one->add_option("--vehicle", options->vehicle, "vehicle.toml that gives each channel a place")->required();
   one->add_option("-o,--output", options->folder, "folder of the recording to make")->required();
   one->add_flag("--json", options->json, "one JSON object on standard output");
@@ -146,7 +165,7 @@ void add_import(CLI::App& app, int& code) {
   };
   add_format(*command, "candump", "Samples of a log of candump -L, pulses as comma-separated values",
              "log of one bus; frames of one stamp are of one instant", options, code)
-      ->add_option("--dbc", options->dbc, "DBC file whose signals are the channels, in m/s^2, g or m")
+      ->add_option("--dbc", options->dbc, "DBC file whose signals are the channels")
       ->required();
 }
 

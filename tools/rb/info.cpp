@@ -1,7 +1,10 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
+#include <filesystem>
 #include <limits>
 #include <map>
 #include <memory>
@@ -15,22 +18,26 @@
 
 #include "common/bus/clock_messages.hpp"
 #include "common/bus/codec.hpp"
+#include "common/bus/recording.hpp"
 #include "common/clock/utc.hpp"
-#include "common/link/angle_sigma.hpp"
 #include "common/record/folder.hpp"
-#include "common/record/record.hpp"
 #include "common/record/record_folder.hpp"
+#include "common/record/record_reader.hpp"
 #include "common/record/segment.hpp"
 #include "common/record/segment_index.hpp"
-#include "host/analyser/recorded_vehicle.hpp"
-#include "host/recorder/preamble.hpp"
-#include "host/recorder/verify.hpp"
-#include "tools/rb/alarm_lines.hpp"
+#include "common/text/printable.hpp"
+#include "common/types/angle_sigma.hpp"
+#include "host/recording/preamble.hpp"
+#include "host/recording/recorded_vehicle.hpp"
+#include "host/recording/verify/verify.hpp"
+#include "host/recordings/recording_summary.hpp"
+#include "host/recordings/recordings_list.hpp"
 #include "tools/rb/command.hpp"
-#include "tools/rb/list_recordings.hpp"
+#include "tools/rb/progress_line.hpp"
 #include "tools/rb/reading_progress.hpp"
-#include "tools/rb/signal_survey.hpp"
-#include "tools/rb/verification_json.hpp"
+#include "tools/views/alarm_lines.hpp"
+#include "tools/views/signal_survey.hpp"
+#include "tools/views/verification_json.hpp"
 
 namespace roadbalance {
 namespace {
@@ -43,7 +50,7 @@ struct InfoOptions {
   bool rebuild_index = false;
 };
 
-/// What verify_record() does not look at.
+/// Contents that verify_record() does not look at.
 struct Survey {
   struct Clock {
     std::int64_t fits = 0;
@@ -81,8 +88,7 @@ void count_angles(const ScanBlock& block, std::array<Survey::Angle, kEncoderLine
   }
 }
 
-// UTC of the block, if its segment or one before says how its node's clock stands, and what it says of
-// itself.
+// Counts the block; its UTC is known if its segment or one before has a fit of its node's clock.
 void look_at(const LogEvent& event, const RecordedClocks& clocks, Survey& found) {
   SealedBlock block;
   if (!event.channel.ends_with("_SCAN") || accept(event, block) != Refusal::kNone) return;
@@ -141,7 +147,7 @@ struct Described {
   const VehicleConfig* get() const { return vehicle ? &*vehicle : nullptr; }
 };
 
-/// Of both lines: null where no block tells.
+/// Standard deviations of both lines: null where no block has one.
 Json angles_json(const Survey& found, const NodeEpoch& key) {
   Json sigma_deg = Json::array();
   const auto angle = found.angle.find(key);
@@ -254,10 +260,83 @@ void rebuild(const std::filesystem::path& folder) {
                  segment.c_str());
 }
 
+constexpr std::array kStates{"not read", "being recorded", "complete", "incomplete", "damaged", "unreadable"};
+
+const char* state_of(const RecordingSummary& summary) {
+  return kStates[static_cast<std::size_t>(summary.state)];
+}
+
+bool is_read(const RecordingSummary& summary) {
+  return summary.state != RecordingState::kNotRead && summary.state != RecordingState::kGrowing;
+}
+
+double seconds_of(const RecordingSummary& summary) {
+  double seconds = 0.0;
+  for (const auto& node : summary.node) seconds = std::max(seconds, node.seconds);
+  return seconds;
+}
+
+/// The recordings right in a folder as the page lists them: newest first, with what each proves, unless one
+/// of them is being written.  Reads all of them.
+std::vector<RecordingSummary> recordings_in(const std::filesystem::path& folder) {
+  RecordingsList list(folder);
+  list.look(RecordingsList::FileTime::clock::now());
+  std::int64_t all = 0, read = 0;
+  for (const ListedRecording& one : list.listed()) all += one.summary.bytes;
+  ProgressLine line;
+  while (const auto next = list.unread_one()) {
+    const RecordingSummary summary = summary_of(*next);
+    read += summary.bytes;
+    list.take(summary);
+    line.show(all > 0 ? static_cast<double>(read) / static_cast<double>(all) : 1.0,
+              static_cast<std::uint64_t>(read));
+  }
+  std::vector<RecordingSummary> found;
+  for (const ListedRecording& one : list.listed()) found.push_back(one.summary);
+  return found;
+}
+
+Json recordings_json(const std::vector<RecordingSummary>& recordings) {
+  Json all = Json::array();
+  for (const RecordingSummary& summary : recordings) {
+    Json one{{"name", summary.name}, {"bytes", summary.bytes}, {"state", state_of(summary)}};
+    if (is_read(summary)) {
+      Json nodes = Json::array();
+      for (const auto& node : summary.node)
+        nodes.push_back({{"node", node.node},
+                         {"samples", node.samples},
+                         {"samples_lost", node.samples_lost},
+                         {"absent", node.absent}});
+      one.update({{"vehicle", summary.vehicle},
+                  {"begins", summary.first_us > 0 ? Json(utc_text(summary.first_us)) : Json()},
+                  {"seconds", seconds_of(summary)},
+                  {"rate_hz", summary.rate_hz},
+                  {"marks", summary.marks},
+                  {"nodes", nodes},
+                  {"verdict", summary.verdict}});
+    }
+    all.push_back(one);
+  }
+  return {{"recordings", all}};
+}
+
+void print_recordings(const std::vector<RecordingSummary>& recordings) {
+  for (const RecordingSummary& summary : recordings) {
+    std::printf("%-32s %9.1f MB  %-14s", printable_text(summary.name).c_str(),
+                1e-6 * static_cast<double>(summary.bytes), state_of(summary));
+    if (is_read(summary))
+      std::printf("  %s  %8.1f s  %zu nodes, %d marks  %s",
+                  summary.first_us > 0 ? utc_text(summary.first_us).c_str() : "at a time not known",
+                  seconds_of(summary), summary.node.size(), summary.marks,
+                  printable_text(summary.vehicle).c_str());
+    std::printf("\n");
+  }
+}
+
 /// False: it is none.
 bool list_folder_of_recordings(const InfoOptions& options) {
   if (!is_folder(options.folder) || !segment_numbers(options.folder).empty()) return false;
-  const std::vector<RecordingReceipt> found = recordings_in(options.folder);
+  const std::vector<RecordingSummary> found = recordings_in(options.folder);
   if (found.empty()) return false;
   if (options.json)
     std::printf("%s\n", recordings_json(found).dump().c_str());

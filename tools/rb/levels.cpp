@@ -5,11 +5,11 @@
 #include <string>
 
 #include "common/text/format.hpp"
-#include "host/analyser/read_recording.hpp"
+#include "host/recording/read_recording.hpp"
 #include "tools/rb/command.hpp"
-#include "tools/rb/defects.hpp"
+#include "tools/views/recording_defects.hpp"
 #include "tools/rb/reading_progress.hpp"
-#include "tools/rb/record_levels.hpp"
+#include "tools/views/record_levels.hpp"
 
 namespace roadbalance {
 namespace {

@@ -42,7 +42,7 @@ Description read(const std::string& file) {
     }
     throw std::runtime_error(file + ": there is no such file; allowed: a vehicle.toml, a description" + names);
   }
-  const std::string text = read_text_file(file);
+  const std::string text = read_text_file(file, Section::kMostBytes);
   if (Section::parse_text(text, file).has("coordinates")) return Description::parse(text, file);
   return description_of(VehicleConfig::read_file(file));
 }

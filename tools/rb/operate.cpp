@@ -4,7 +4,6 @@
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,17 +12,17 @@
 #include "common/config/section.hpp"
 #include "common/config/validators.hpp"
 #include "common/config/vehicle_config.hpp"
-#include "common/frontend/front_end.hpp"
-#include "common/link/block.hpp"
+#include "common/types/angle_units.hpp"
+#include "common/types/block.hpp"
+#include "common/types/scan.hpp"
 #include "tools/rb/asking.hpp"
 #include "tools/rb/command.hpp"
-#include "tools/rb/wheel_angle.hpp"
+#include "tools/views/wheel_angle.hpp"
 
 namespace roadbalance {
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 struct AskOptions {
   std::string url;
@@ -48,7 +47,8 @@ Json receipt_json(const Receipt& receipt) {
           {"overload_s", receipt.overload_s},
           {"sync_us", receipt.sync_us < 0 ? Json(nullptr) : Json(receipt.sync_us)},
           {"crc32c", crc},
-          {"sums_agree", sums_agree}};
+          {"sums_agree", sums_agree},
+          {"absence", receipt.missing().empty() ? Json(nullptr) : Json(receipt.missing())}};
 }
 
 void print_receipt(const Receipt& receipt) {
@@ -64,6 +64,8 @@ void print_receipt(const Receipt& receipt) {
       : receipt.sums_agree        ? "agrees"
                            : "is not proven: blocks were lost, or the node's end says another (rb verify)";
   std::printf("CRC %08x %s\n", receipt.blocks_crc32c, proof);
+  if (const std::string missing = receipt.missing(); !missing.empty())
+    std::printf("node %d %s\n", receipt.node, missing.c_str());
 }
 
 Json answer_json(const Answer& answer) {
@@ -86,6 +88,8 @@ int ask(const AskOptions& options) {
                              " s: " + answer->text);
   const bool done = answer->state == AnswerState::kDone;
   int code = done ? kDone : kAnswerIsNo;
+  const bool is_partial = done && options.request.operation == Operation::kStart && answer->value[0] > 0.0;
+  if (is_partial) code = kIncomplete;
   Json json = answer_json(*answer);
   if (!options.json)
     std::fprintf(done ? stdout : stderr, "%s%s\n", done ? "" : "rb: refused: ", answer->text.c_str());
@@ -97,10 +101,13 @@ int ask(const AskOptions& options) {
       std::fprintf(stderr, "rb: the recorder has sent no receipt: rb verify says what is on the disk\n");
     for (const auto& [place, receipt] : proof) {
       if (!options.json) print_receipt(receipt);
+      if (!options.json && place == 0 && receipt.stopped_by != who_asks())
+        std::printf("stopped by %s\n", receipt.stopped_by.c_str());
       if (receipt.nodes > 0) receipts.push_back(receipt_json(receipt));
       json["recording"] = receipt.name;
       json["bytes"] = receipt.bytes;
       json["marks"] = receipt.marks;
+      json["stopped_by"] = receipt.stopped_by;
     }
     json["nodes"] = receipts;
   }
@@ -132,11 +139,15 @@ std::shared_ptr<AskOptions> add_asking(CLI::App& command, Operation operation, i
   return options;
 }
 
+auto at_most(std::size_t bytes) {
+  return [bytes](const std::string& text) {
+    return text.size() <= bytes ? std::string() : "longer than " + std::to_string(bytes) + " bytes";
+  };
+}
+
 void add_text(CLI::App& command, const std::string& name, const std::shared_ptr<AskOptions>& options,
               std::size_t most_bytes, const std::string& help) {
-  command.add_option(name, options->request.text, help)->check([most_bytes](const std::string& text) {
-    return text.size() <= most_bytes ? std::string() : "longer than " + std::to_string(most_bytes) + " bytes";
-  });
+  command.add_option(name, options->request.text, help)->check(at_most(most_bytes));
 }
 
 /// A wheel by its name, as requests count them.
@@ -188,9 +199,15 @@ void add_zero_marks(CLI::App& configure, int& code) {
 }  // namespace
 
 void add_start(CLI::App& app, int& code) {
-  CLI::App* start = app.add_subcommand("start", "Begins a recording of all nodes");
-  add_text(*start, "name", add_asking(*start, Operation::kStart, code), kMostNameBytes,
-           "of the recording; default: date and time");
+  CLI::App* start = app.add_subcommand("start", "Begins a recording");
+  const auto options = add_asking(*start, Operation::kStart, code);
+  add_text(*start, "name", options, kMostNameBytes, "of the recording; default: date and time");
+  start
+      ->add_option(
+          "--nodes", options->request.nodes,
+          "record only these, for example front,2; default: every one of the vehicle file, and without "
+          "one of them the recording is partial (exit code 3)")
+      ->check(at_most(kMostNodesText));
 }
 
 void add_stop(CLI::App& app, int& code) {

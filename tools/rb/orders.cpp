@@ -1,18 +1,23 @@
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "common/command_line/bus_url.hpp"
 #include "common/config/section.hpp"
 #include "common/config/validators.hpp"
-#include "host/orders/orders_of_record.hpp"
+#include "common/process/stop_on_signal.hpp"
+#include "host/analysis/orders/orders_of_record.hpp"
 #include "tools/rb/command.hpp"
-#include "tools/rb/defects.hpp"
-#include "tools/rb/live_orders_view.hpp"
-#include "tools/rb/orders_json.hpp"
 #include "tools/rb/reading_progress.hpp"
+#include "tools/views/bus_view.hpp"
+#include "tools/views/order_lines.hpp"
+#include "tools/views/orders_json.hpp"
+#include "tools/views/readout.hpp"
+#include "tools/views/recording_defects.hpp"
 
 namespace roadbalance {
 namespace {
@@ -26,7 +31,7 @@ struct OrdersOptions {
   bool json = false;
   bool live = false;
   std::string url;
-  double seconds = 0.0;
+  double seconds = 0.0;  ///< of the live view; 0: until interrupted
 };
 
 std::string with_confidence(const Json& value, const Json& reach, const char* figure,
@@ -107,8 +112,49 @@ bool anything_known(const Json& wheels) {
   return false;
 }
 
+/// Prints the orders that the analyser on the bus finds, once a second; with json an object on a line of its
+/// own.
+/// @return an ExitCode: whether any order was heard
+int show_live_orders(const OrdersOptions& options) {
+  constexpr std::chrono::seconds kEvery{1};
+  const StopOnSignal signals;
+  BusView view(options.url);
+  Screen screen;
+  const WallTime begin = WallClock::now();
+  WallTime reported_at = begin;
+  const auto over = [&] {
+    return options.seconds > 0.0 &&
+           std::chrono::duration<double>(WallClock::now() - begin).count() > options.seconds;
+  };
+  while (!signals.token().stop_requested() && !over()) {
+    view.handle(std::chrono::milliseconds(100));
+    for (const std::string& sentence : view.other_versions())
+      std::fprintf(stderr, "rb orders: %s\n", sentence.c_str());
+    if (WallClock::now() - reported_at < kEvery) continue;
+    reported_at = WallClock::now();
+    std::vector<std::string> lines;
+    auto json = nlohmann::ordered_json::array();
+    for (const auto& [key, report] : view.orders()) {
+      if (options.json) json.push_back(order_report_json(report));
+      for (std::string& line : order_lines(report)) lines.push_back(std::move(line));
+    }
+    if (lines.empty())
+      lines.emplace_back(view.orders().empty() ? "waiting for an analyser that knows orders"
+                                               : "the analyser knows no order well enough yet: drive on");
+    if (!options.json)
+      screen.draw(lines, true);
+    else if (!json.empty()) {
+      std::printf("%s\n", nlohmann::ordered_json{{"orders", json}}.dump().c_str());
+      std::fflush(stdout);
+    }
+  }
+  if (!view.orders().empty()) return kDone;
+  std::fprintf(stderr, "rb orders: no analyser that tells orders was heard\n");
+  return kAnswerIsNo;
+}
+
 int orders(const OrdersOptions& options) {
-  if (options.live) return show_live_orders({options.url, options.seconds, options.json});
+  if (options.live) return show_live_orders(options);
   if (options.folder.empty()) throw ConfigError("folder: missing; allowed: a recording, or --live");
   const RecordOrders found = [&] {
     const ReadingProgress progress(options.folder, 1);
@@ -136,7 +182,8 @@ int orders(const OrdersOptions& options) {
 void add_orders(CLI::App& app, int& code) {
   auto options = std::make_shared<OrdersOptions>();
   CLI::App* command = app.add_subcommand(
-      "orders", "Order vectors (amplitude, phase against the reference point) and order spectra of a recording");
+      "orders",
+      "Order vectors (amplitude, phase against the reference point) and order spectra of a recording");
   CLI::Option* const folder = command->add_option("folder", options->folder, "the recording");
   CLI::Option* const live = command->add_flag(
       "--live", options->live, "what the analyser on the bus finds of orders 1 and 2, once a second");

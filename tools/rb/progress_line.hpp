@@ -5,8 +5,8 @@
 
 namespace roadbalance {
 
-/// Of long work, on a terminal's standard error, once a second: how much of it is done, how fast, how long
-/// still.  Silent where standard error is a file.
+/// Progress of long work on a terminal's standard error, once a second: how much of it is done, how fast, how
+/// long still.  Silent where standard error is a file.
 class ProgressLine {
  public:
   ProgressLine() = default;

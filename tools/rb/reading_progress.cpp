@@ -11,7 +11,7 @@
 #include <stop_token>
 #include <string>
 
-#include "host/analyser/recordings_given.hpp"
+#include "host/recording/recordings_given.hpp"
 #include "tools/rb/progress_line.hpp"
 
 namespace roadbalance {
@@ -41,7 +41,7 @@ void watch(const std::stop_token& stop, std::uint64_t all) {
 }  // namespace
 
 ReadingProgress::ReadingProgress(const std::filesystem::path& recording, double passes) {
-  // What is wrong with it is said by whoever reads it.
+  // The reader of the recording reports what is wrong with it.
   if (!isatty(STDERR_FILENO) || !std::filesystem::is_directory(recording)) return;
   const auto all = static_cast<std::uint64_t>(passes * static_cast<double>(bytes_of_recording(recording)));
   if (all > 0) watch_ = std::jthread([all](const std::stop_token& stop) { watch(stop, all); });

@@ -6,7 +6,7 @@
 namespace roadbalance {
 
 /// Shows on a terminal how far a command has come that goes through a recording a known number of times, by
-/// what the system says this process has read.
+/// the bytes that the system has counted as read by this process.
 class ReadingProgress {
  public:
   /// @param passes  how often the recording is read from begin to end

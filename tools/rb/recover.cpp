@@ -9,9 +9,9 @@
 
 #include "common/record/part.hpp"
 #include "common/record/record_folder.hpp"
+#include "host/recording/recover/recover.hpp"
 #include "tools/rb/command.hpp"
-#include "tools/rb/salvage.hpp"
-#include "tools/rb/verification_json.hpp"
+#include "tools/views/verification_json.hpp"
 
 namespace roadbalance {
 namespace {
@@ -44,43 +44,43 @@ std::vector<File> hold_all(const std::vector<fs::path>& sources) {
 }
 
 /// The new record appears with all it is to hold, or not at all.
-Salvaged recover_whole(const std::vector<fs::path>& sources, const fs::path& target) {
+Recovered recover_whole(const std::vector<fs::path>& sources, const fs::path& target) {
   refuse_sources(sources, target);
   const std::vector<File> held = hold_all(sources);
   Part folder(target, Part::Kind::kFolder);
-  const Salvaged salvaged = salvage(sources, folder.part());
+  const Recovered recovered = recover(sources, folder.part());
   folder.keep();
-  return salvaged;
+  return recovered;
 }
 
-void print(const RecoverOptions& options, const Salvaged& salvaged, const Verification& result) {
+void print(const RecoverOptions& options, const Recovered& recovered, const Verification& result) {
   if (options.json) {
-    const nlohmann::ordered_json json = {{"blocks", salvaged.blocks},
-                                         {"gaps", salvaged.gaps},
-                                         {"blocks_filled", salvaged.blocks_filled},
-                                         {"blocks_repeated", salvaged.blocks_repeated},
-                                         {"blocks_altered", salvaged.blocks_altered},
-                                         {"entries_altered", salvaged.entries_altered},
-                                         {"headers_altered", salvaged.headers_altered},
-                                         {"missing_segments", salvaged.missing_segments},
-                                         {"damaged_bytes", salvaged.damaged_bytes},
-                                         {"damage", salvaged.damage},
-                                         {"lost", salvaged.lost},
+    const nlohmann::ordered_json json = {{"blocks", recovered.blocks},
+                                         {"gaps", recovered.gaps},
+                                         {"blocks_filled", recovered.blocks_filled},
+                                         {"blocks_repeated", recovered.blocks_repeated},
+                                         {"blocks_altered", recovered.blocks_altered},
+                                         {"entries_altered", recovered.entries_altered},
+                                         {"headers_altered", recovered.headers_altered},
+                                         {"missing_segments", recovered.missing_segments},
+                                         {"damaged_bytes", recovered.damaged_bytes},
+                                         {"damage", recovered.damage},
+                                         {"lost", recovered.lost},
                                          {"record", verification_json(result)}};
     std::printf("%s\n", json.dump().c_str());
     return;
   }
-  for (const auto& line : salvaged.damage) std::printf("%s\n", line.c_str());
+  for (const auto& line : recovered.damage) std::printf("%s\n", line.c_str());
   std::printf(
       "%lld blocks recovered, %lld of them to fill holes; %lld gaps declared\n"
       "found: %lld blocks more than once, %lld altered; %lld other entries altered; %llu bytes damaged; %lld "
       "segments missing or not as they were finished\n",
-      static_cast<long long>(salvaged.blocks), static_cast<long long>(salvaged.blocks_filled),
-      static_cast<long long>(salvaged.gaps), static_cast<long long>(salvaged.blocks_repeated),
-      static_cast<long long>(salvaged.blocks_altered), static_cast<long long>(salvaged.entries_altered),
-      static_cast<unsigned long long>(salvaged.damaged_bytes),
-      static_cast<long long>(salvaged.missing_segments));
-  if (!salvaged.lost.empty())
+      static_cast<long long>(recovered.blocks), static_cast<long long>(recovered.blocks_filled),
+      static_cast<long long>(recovered.gaps), static_cast<long long>(recovered.blocks_repeated),
+      static_cast<long long>(recovered.blocks_altered), static_cast<long long>(recovered.entries_altered),
+      static_cast<unsigned long long>(recovered.damaged_bytes),
+      static_cast<long long>(recovered.missing_segments));
+  if (!recovered.lost.empty())
     std::printf("whether a mark or a whole node epoch was in what is lost, nothing can tell\n");
   print_verification(result);
 }
@@ -89,9 +89,9 @@ int recover(const RecoverOptions& options) {
   std::vector<fs::path> sources{options.folder};
   sources.insert(sources.end(), options.spools.begin(), options.spools.end());
   try {
-    const Salvaged salvaged = recover_whole(sources, options.target);
+    const Recovered recovered = recover_whole(sources, options.target);
     const Verification result = verify_record(options.target);
-    print(options, salvaged, result);
+    print(options, recovered, result);
     if (result.verdict == Verdict::kComplete) return kDone;
     return result.verdict == Verdict::kDamaged || result.verdict == Verdict::kUnreadable ? kAnswerIsNo
                                                                                          : kIncomplete;

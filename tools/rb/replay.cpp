@@ -6,14 +6,14 @@
 #include <string>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/quiet_port.hpp"
 #include "common/command_line/bus_url.hpp"
 #include "common/config/section.hpp"
 #include "common/process/stop_on_signal.hpp"
-#include "host/replay/replay_record.hpp"
+#include "host/recording/replay/replay_record.hpp"
 #include "tools/rb/command.hpp"
-#include "tools/rb/defects.hpp"
 #include "tools/rb/progress_line.hpp"
-#include "tools/rb/quiet_port.hpp"
+#include "tools/views/recording_defects.hpp"
 
 namespace roadbalance {
 namespace {
@@ -45,7 +45,7 @@ int replay(const ReplayOptions& options) {
   const auto speed = speed_of(options.speed);
   const RecordingSurvey survey = survey_recording(options.folder, signals.token());
   // Blocks of another time among those that are measured now would be taken for a node's.
-  constexpr std::chrono::milliseconds kListen{1500};  // a recorder that waits says so once a second
+  constexpr std::chrono::milliseconds kListen{1500};  // a recorder that waits sends a message once a second
   if (!is_quiet(options.url, kListen))
     throw std::runtime_error("a node or a recorder is on this bus; --url names another for the replay");
   Bus bus(options.url);

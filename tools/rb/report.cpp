@@ -10,17 +10,17 @@
 
 #include "common/config/section.hpp"
 #include "common/record/file.hpp"
-#include "host/analyser/before_drive.hpp"
-#include "host/analyser/recorded_vehicle.hpp"
-#include "host/receipts/receipt.hpp"
-#include "tools/rb/alarm_lines.hpp"
+#include "host/analysis/drives/before_drive.hpp"
+#include "host/recording/recorded_vehicle.hpp"
+#include "host/recordings/recording_summary.hpp"
 #include "tools/rb/command.hpp"
-#include "tools/rb/compensation_json.hpp"
-#include "tools/rb/defects.hpp"
 #include "tools/rb/reading_progress.hpp"
-#include "tools/rb/report_html.hpp"
-#include "tools/rb/verification_line.hpp"
-#include "tools/study/wheels_json.hpp"
+#include "tools/report/report_html.hpp"
+#include "tools/views/alarm_lines.hpp"
+#include "tools/views/compensation_json.hpp"
+#include "tools/views/recording_defects.hpp"
+#include "tools/views/verification_line.hpp"
+#include "tools/views/wheels_json.hpp"
 
 namespace roadbalance {
 namespace {
@@ -40,7 +40,7 @@ RecordedEstimate nothing_found() {
   return found;
 }
 
-/// A recording from which nobody can tell an unbalance has a report all the same, which says why.
+/// A recording that gives no unbalance has a report all the same, which names the reason.
 void identify(const ReportOptions& options, DriveReport& report) {
   try {
     report.found = identify_record(options.folder);
@@ -54,7 +54,7 @@ std::optional<VehicleConfig> vehicle_of(const std::string& folder) {
   try {
     return recorded_vehicle(folder);
   } catch (const std::exception&) {
-    return std::nullopt;  // identify_record() says why
+    return std::nullopt;  // identify_record() reports why
   }
 }
 
@@ -64,7 +64,7 @@ DriveReport gather(const ReportOptions& options, const std::optional<VehicleConf
   DriveReport report{.vehicle = vehicle.value_or(VehicleConfig{}),
                      .vehicle_known = vehicle.has_value(),
                      .found = nothing_found(),
-                     .receipt = receipt_of(options.folder, proof),
+                     .receipt = summary_of(options.folder, proof),
                      .alarms = proof.alarms};
   if (!vehicle) report.vehicle.name = "a vehicle that is not known";
   identify(options, report);
@@ -78,7 +78,7 @@ DriveReport gather(const ReportOptions& options, const std::optional<VehicleConf
   return report;
 }
 
-/// What the page says, in the words of rb identify.
+/// The contents of the page, in the words of rb identify.
 Json json_of(const DriveReport& report) {
   const auto& [identification, balance] = report.found.estimate;
   Json verification = nullptr, nodes = Json::array();
@@ -91,6 +91,7 @@ Json json_of(const DriveReport& report) {
     nodes.push_back({{"node", node.node},
                      {"samples", node.samples},
                      {"samples_lost", node.samples_lost},
+                     {"absent", node.absent},
                      {"repaired", node.repaired},
                      {"seconds", node.seconds},
                      {"overload_s", node.overload_s},
@@ -100,7 +101,7 @@ Json json_of(const DriveReport& report) {
           {"wheels", wheels_json(identification, balance)},
           {"compensation", compensation_json(balance, report.found.compensation)},
           {"verification", verification},
-          {"remarks", report.found.remarks},
+          {"remarks", report.found.diagnostics},
           {"verdict", report.receipt.verdict},
           {"refused", report.receipt.refused},
           {"nodes", nodes},

@@ -10,10 +10,10 @@
 
 #include "common/config/validators.hpp"
 #include "common/dsp/transfer_function.hpp"
-#include "host/analyser/read_recording.hpp"
+#include "host/recording/read_recording.hpp"
 #include "tools/rb/command.hpp"
-#include "tools/rb/defects.hpp"
-#include "tools/rb/recorded_spectra.hpp"
+#include "tools/views/recorded_spectra.hpp"
+#include "tools/views/recording_defects.hpp"
 
 namespace roadbalance {
 namespace {
@@ -28,12 +28,12 @@ struct ResponseOptions {
   bool json = false;
 };
 
-double degrees(std::complex<double> h) {
+double degrees_of(std::complex<double> h) {
   return std::arg(h) * 180.0 / std::numbers::pi;
 }
 
 Json bin_json(const TransferFunction& h, std::size_t k) {
-  // JSON knows no infinity.
+  // JSON has no infinity.
   const Json radius = std::isfinite(h.radius_95[k]) ? Json(h.radius_95[k]) : Json(nullptr);
   return {{"h1", {h.h1[k].real(), h.h1[k].imag()}},  {"h2", {h.h2[k].real(), h.h2[k].imag()}},
           {"hv", {h.hv[k].real(), h.hv[k].imag()}},  {"coherence", h.coherence[k]},
@@ -73,7 +73,7 @@ void print(const ResponseOptions& options, const CrossSpectra& spectra, const Tr
   for (std::size_t k = 0; k < h.h1.size(); ++k)
     std::printf("%8.3f %10.4g %10.2g %11.2f %10.4g %10.4g %10.4f\n",
                 static_cast<double>(k) * spectra.step_hz(), std::abs(h.h1[k]), h.radius_95[k],
-                degrees(h.h1[k]), std::abs(h.h2[k]), std::abs(h.hv[k]), h.coherence[k]);
+                degrees_of(h.h1[k]), std::abs(h.h2[k]), std::abs(h.hv[k]), h.coherence[k]);
 }
 
 int response(const ResponseOptions& options) {

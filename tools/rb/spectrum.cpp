@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "common/config/validators.hpp"
-#include "host/analyser/read_recording.hpp"
+#include "host/recording/read_recording.hpp"
 #include "tools/rb/command.hpp"
-#include "tools/rb/defects.hpp"
-#include "tools/rb/recorded_spectra.hpp"
+#include "tools/views/recording_defects.hpp"
+#include "tools/views/recorded_spectra.hpp"
 
 namespace roadbalance {
 namespace {

@@ -84,7 +84,7 @@ class Signals {
     sigaddset(&set_, SIGCHLD);
     for (const int signal : kPassedOn) sigaddset(&set_, signal);
     ::sigprocmask(SIG_BLOCK, &set_, &before_);
-    // An ignored SIGCHLD is inherited: nobody would be told of a program's end, here and in the program.
+    // An ignored SIGCHLD is inherited: the end of a child would not be reported, here and in the program.
     ::signal(SIGCHLD, SIG_DFL);
     file_ = ::signalfd(-1, &set_, SFD_CLOEXEC | SFD_NONBLOCK);
     if (file_ < 0) throw_errno("signalfd");

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "common/clock/clocks.hpp"
+#include "common/types/clocks.hpp"
 
 namespace roadbalance {
 
@@ -32,7 +32,7 @@ class Supervisor {
 
   explicit Supervisor(Options options) : options_(options) {}
 
-  /// What is to be done now.
+  /// The action that is due now.
   Act due(WallTime now);
   /// Until something may be due.
   std::chrono::milliseconds time_left(WallTime now) const;
@@ -48,7 +48,7 @@ class Supervisor {
   /// Once it is over: the exit code.
   std::optional<int> over() const { return over_; }
   int restarts() const { return restarts_; }
-  /// What the program said last.
+  /// The newest STATUS= of the program.
   std::string_view status() const { return status_; }
 
  private:

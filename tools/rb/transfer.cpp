@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/process/stop_on_signal.hpp"
-#include "host/transfer/transfer.hpp"
+#include "host/recording/transfer/transfer.hpp"
 #include "tools/rb/command.hpp"
 #include "tools/rb/progress_line.hpp"
 

@@ -1,4 +1,4 @@
-#include "host/recorder/verify.hpp"
+#include "host/recording/verify/verify.hpp"
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -7,7 +7,7 @@
 
 #include "tools/rb/command.hpp"
 #include "tools/rb/reading_progress.hpp"
-#include "tools/rb/verification_json.hpp"
+#include "tools/views/verification_json.hpp"
 
 namespace roadbalance {
 namespace {

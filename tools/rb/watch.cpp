@@ -5,11 +5,11 @@
 #include "common/command_line/bus_url.hpp"
 #include "common/config/validators.hpp"
 #include "common/process/stop_on_signal.hpp"
-#include "tools/rb/bus_view.hpp"
 #include "tools/rb/command.hpp"
-#include "tools/rb/readout.hpp"
-#include "tools/rb/watch_json.hpp"
-#include "tools/rb/watch_lines.hpp"
+#include "tools/views/bus_view.hpp"
+#include "tools/views/readout.hpp"
+#include "tools/views/watch_json.hpp"
+#include "tools/views/watch_lines.hpp"
 
 namespace roadbalance {
 namespace {
@@ -20,8 +20,8 @@ struct WatchOptions {
   bool json = false;
 };
 
-/// Where lines are not drawn in place: changes of state are said so often at the most, and what goes on as
-/// before so often at the least.
+/// Where lines are not drawn in place: changes of state are printed so often at the most, and a state that
+/// goes on so often at the least.
 constexpr std::chrono::seconds kAtMostEvery{1};
 constexpr std::chrono::seconds kAtLeastEvery{10};
 
@@ -30,7 +30,7 @@ int watch(const WatchOptions& options) {
   BusView view(options.url);
   Screen screen;
   const WallTime begin = WallClock::now();
-  WallTime said_at{};
+  WallTime reported_at{};
   bool changed = false;
   const auto over = [&] {
     return options.seconds > 0.0 &&
@@ -40,11 +40,11 @@ int watch(const WatchOptions& options) {
     bool news = view.handle(std::chrono::milliseconds(100));
     for (const std::string& sentence : view.other_versions())
       std::fprintf(stderr, "rb watch: %s\n", sentence.c_str());
-    const auto silence = WallClock::now() - said_at;
+    const auto silence = WallClock::now() - reported_at;
     changed = changed || view.state_changed();
     news = news || (changed && silence >= kAtMostEvery) || silence >= kAtLeastEvery;
     if (news) {
-      said_at = WallClock::now();
+      reported_at = WallClock::now();
       changed = false;
     }
     if (!options.json) {

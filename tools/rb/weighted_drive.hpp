@@ -8,7 +8,7 @@
 
 namespace roadbalance {
 
-/// A recording and the weights that were on a rotor then, as somebody types them:
+/// A recording and the weights that were on a rotor then, as people type them:
 /// DIR, or DIR:PLANE=GRAMS@DEGREES[,PLANE=GRAMS@DEGREES ...].  A folder may have colons and = in its path;
 /// what follows the last colon and has a = but no slash are weights.
 struct WeightedDrive {

@@ -3,21 +3,20 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
 #include "common/bus/codec.hpp"
 #include "common/config/section.hpp"
 #include "common/config/validators.hpp"
-#include "host/analyser/read_recording.hpp"
-#include "host/calibration/loop_back_comparison.hpp"
+#include "common/types/angle_units.hpp"
+#include "host/analysis/calibration/loop_back_comparison.hpp"
+#include "host/recording/read_recording.hpp"
 #include "tools/rb/command.hpp"
-#include "tools/rb/defects.hpp"
+#include "tools/views/recording_defects.hpp"
 
 namespace roadbalance {
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 struct WiringOptions {
   std::string folder;
@@ -60,7 +59,7 @@ VehicleConfig compare(const std::string& folder, std::map<std::int32_t, NodeTest
   return recorded;
 }
 
-/// What is probably wrong, or why it was not tested; empty: nothing.
+/// The probable fault, or why there was no test; empty: none.
 std::string cause_of(const WheelConfig& wheel, const LoopBackComparison::Verdict& verdict,
                      const FilterConfig& filter) {
   if (verdict.cause == LoopBackComparison::Cause::kTooShort && !wheel.encoder.zero_mark)

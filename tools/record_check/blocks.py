@@ -43,7 +43,7 @@ def _good_header(kind, node, sequence, first_scan, scans, time_ns):
 
 
 def count_edges(begin_ns, codes):
-    """How many edges the codes of an edge_block_t hold (common/link/edge_code.hpp); None if one is no good."""
+    """How many edges the codes of an edge_block_t hold (common/types/edge_code.hpp); None if one is no good."""
     lines = [[begin_ns, 0, 0], [begin_ns, 0, 0]]  # time of the tooth before, period, teeth so far
     last_ns, count, at = begin_ns, 0, 0
     while at < len(codes):

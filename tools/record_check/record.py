@@ -14,7 +14,8 @@ from record_check.segments import Segments
 
 COMPLETE, DAMAGED, INCOMPLETE, UNREADABLE = 0, 1, 3, 4
 WORDS = {COMPLETE: "complete", DAMAGED: "damaged", INCOMPLETE: "incomplete, but declared", UNREADABLE: "unreadable"}
-STARTED, STOPPED, DISK_FAILED, MARK = 1, 2, 4, 17  # kinds of notes
+STARTED, STOPPED, DISK_FAILED, MARK, NODE_MISSING, NODE_THERE = 1, 2, 4, 17, 24, 25  # kinds of notes
+NOT_HEARD = 5  # cause of an absence
 MOST_TOGETHER = 1024  # messages in one CRC pass: they stay in the cache
 
 
@@ -35,6 +36,7 @@ class Checker:
             if not is_over:
                 self._epoch(*key)
         self.description = Description()
+        self.missing = {}  # node: why it does not measure
         self.damage, self.lost = [], []  # lost: declared, but by no gap
         self.elsewhere = list(self.segments.elsewhere())
         self.epochs_said = self.marks_said = self.last_mark = 0  # what recorders say that stopped, and the marks here
@@ -170,11 +172,23 @@ class Checker:
             self.marks_said = max(self.marks_said, note["b"])
         elif note["kind"] == MARK:
             self.last_mark = max(self.last_mark, note["a"])
+        elif note["kind"] == NODE_MISSING:
+            if self.missing.get(note["a"], NOT_HEARD) == NOT_HEARD:  # what happened replaces that it is not heard
+                self.missing[note["a"]] = note["b"]
+        elif note["kind"] == NODE_THERE and note["a"] in self.missing:
+            del self.missing[note["a"]]
+            if note["b"]:
+                self.lost.append(f"node {note['a']} did not measure for a time")
         elif note["kind"] == DISK_FAILED and note["a"] == note["b"] == 0:
             text = note["text"][:note["size"]].decode("utf-8", "replace")
             self.lost.append(f"lost from the recording that this one was made of: {text}")
 
     def _list_lost(self):
+        last = {epoch.node: epoch for epoch in self.epochs.values()}
+        for node, cause in self.missing.items():
+            was_cut_off = cause == NOT_HEARD and node in last and last[node].end is not None
+            if not was_cut_off:
+                self.lost.append(f"node {node} did not measure to the end")
         for first, last in self.segments.deleted_and_gone():
             which = f"segment {first} was" if first == last else f"segments {first} to {last} were"
             self.lost.append(f"{which} deleted by the retention mode")

@@ -15,7 +15,7 @@
 #include <stdexcept>
 #include <system_error>
 
-#include "common/link/crc32c.hpp"
+#include "common/types/crc32c.hpp"
 
 namespace roadbalance {
 namespace {

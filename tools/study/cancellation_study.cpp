@@ -12,9 +12,9 @@ using Json = nlohmann::ordered_json;
 const char* const kInStep = "0.95, wheels in step";
 const char* const kTurned = "0.95, in step, angles drawn at each speed";
 
-/// What is left of the deviation where wheels turn in step and rear follows front with coherence^2 c.
+/// Share of the deviation that is left where wheels turn in step and rear follows front with coherence^2 c.
 ///
-/// Of front and rear line phasors U_f, U_r e^{j d_s} in sections s = 1 .. n of alike roads with the inverse
+/// For front and rear line phasors U_f, U_r e^{j d_s} in sections s = 1 .. n of alike roads with the inverse
 /// spectrum [1, -g; -g*, 1] / (S (1 - c)), |g|^2 = c, the information sums to n [1, -g r; -g* r*, 1] / (S (1
 /// - c)) with r the mean of e^{j d_s}; its inverse has the variance S (1 - c) / (n (1 - c |r|^2)) instead of
 /// S / n. One angle all through is r = 1 and gains nothing.  Of four angles drawn evenly the mean of 1 / (1 -
@@ -22,7 +22,7 @@ const char* const kTurned = "0.95, in step, angles drawn at each speed";
 /// / 3.4 of 25 runs.  Wheels that turn apart are left sqrt(0.05) = 1 / 4.5.
 constexpr double kTurnedGain = 3.0;
 
-std::vector<TrialCase> cases_of(const Json& settings) {
+std::vector<TrialCase> cancellation_cases(const Json& settings) {
   const auto samples = settings["samples"].get<Eigen::Index>();
   std::vector<TrialCase> cases;
   for (const auto& [name, coherence2] :
@@ -34,12 +34,12 @@ std::vector<TrialCase> cases_of(const Json& settings) {
   return cases;
 }
 
-Json run(const StudyRun& run) {
-  return run_cases(cases_of(run.settings), run.seed);
+Json run_cancellation(const StudyRun& run) {
+  return run_cases(cancellation_cases(run.settings), run.seed);
 }
 
-StudyResult summarise(const Json& settings, const std::vector<Json>& runs) {
-  const std::vector<TrialCase> cases = cases_of(settings);
+StudyResult summarise_cancellation(const Json& settings, const std::vector<Json>& runs) {
+  const std::vector<TrialCase> cases = cancellation_cases(settings);
   const Json rows = case_rows(cases, runs);
   Json lines = Json::array();
   if (!cases.front().estimators.empty()) {
@@ -59,7 +59,7 @@ StudyResult summarise(const Json& settings, const std::vector<Json>& runs) {
                         1.05, answers("0")),
         acceptance_line("coherence^2 0.95: efficiency with cancellation",
                         value_in(rows, "0.95", "cancellation", "efficiency U"), 0.7, none, answers("0.95")),
-        // One wheel's unbalance told of another in one answer of a hundred would make this 2.
+        // One wheel's unbalance given for another's in one answer of a hundred would make this 2.
         acceptance_line("wheels in step: standard deviation with over without cancellation", ratio(4), 0.0,
                         1.05, answers(kInStep)),
         acceptance_line("wheels in step at four relative angles: standard deviation without over with",
@@ -88,8 +88,8 @@ Study cancellation_study() {
           .options = kIdealOptions,
           .settings = {{"samples", 50000}},
           .runs = 30,
-          .run = run,
-          .summarise = summarise};
+          .run = run_cancellation,
+          .summarise = summarise_cancellation};
 }
 
 }  // namespace roadbalance

@@ -4,13 +4,14 @@
 #include <cmath>
 #include <complex>
 #include <fstream>
-#include <numbers>
 
-#include "host/balance/compensation.hpp"
+#include "common/types/angle_units.hpp"
+#include "host/analysis/balance/compensate.hpp"
 #include "sim/truth.hpp"
 #include "tools/study/estimator_trial.hpp"
 #include "tools/study/simulated_drive.hpp"
 #include "tools/study/statistics.hpp"
+#include "tools/views/number_json.hpp"
 
 namespace roadbalance {
 namespace {
@@ -19,8 +20,7 @@ using Json = nlohmann::ordered_json;
 using Complex = std::complex<double>;
 
 constexpr double kRamp_s = 6.0, kSettling_s = 4.0;
-constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr std::array kAngle_deg{217, 60, 305, 128}, kForceAngle_deg{30, 250, 110, 340};
+constexpr std::array kUnbalanceAngle_deg{217, 60, 305, 128}, kForceAngle_deg{30, 250, 110, 340};
 
 std::string scenario_of(const ChainDrive& drive) {
   std::string text = "[drive]\nramp_s = " + std::to_string(kRamp_s) + "\n";
@@ -35,13 +35,13 @@ std::string scenario_of(const ChainDrive& drive) {
               std::to_string(value) + "\nangle_deg = " + std::to_string(angle_deg) + "\n";
   };
   for (std::size_t w = 0; w < kWheels; ++w) {
-    at_wheel("unbalance", w, "mass_g", drive.unbalance_g[w], kAngle_deg[w]);
+    at_wheel("unbalance", w, "mass_g", drive.unbalance_g[w], kUnbalanceAngle_deg[w]);
     at_wheel("radial_force", w, "force_n", drive.radial_force_n[w], kForceAngle_deg[w]);
   }
   return text;
 }
 
-/// What is left of the truth when all is done that the product says.
+/// Remaining unbalance, in truth, after all steps of the product's plan.
 double after_weights(const Balance& balance, Complex truth_g, const VehicleConfig& vehicle) {
   const WheelConfig& wheel = vehicle.wheel[static_cast<std::size_t>(balance.wheel)];
   const WeightPlan plan = compensate(balance, wheel, vehicle.limits).plan;

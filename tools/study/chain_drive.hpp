@@ -25,25 +25,25 @@ struct ChainDrive {
   std::array<double, kWheels> radial_force_n{};
 };
 
-/// The least standard deviations of what such a drive can tell (cramer_rao): tyres, unbalances and the road's
-/// exponent unknown, all else known.
+/// The least standard deviations of estimates from such a drive (cramer_rao): tyres, unbalances and the
+/// road's exponent unknown, all else known.
 std::array<WheelBound, kWheels> chain_bound(const ChainDrive& drive);
 
-/// What comes out, against the truth; one object a wheel:
+/// Results against the truth; one object a wheel:
 ///
 ///     {"name", "told", "mass_percent", "angle_deg", "residual_g": what an ideal counterweight leaves,
-///      "rounded_g": what the weights leave that the product says, in steps of 5 g,
+///      "rounded_g": what the product's weights leave, in steps of 5 g,
 ///      "tyre_percent", "ellipse": (x - truth)' C^-1 (x - truth) of the stated covariance C,
 ///      "force_state", "alone_residual_g", "sigma_alone_g", "force_error_n", "sigma_force_n"}
 ///
-/// null where nothing is told.  "alone" is the unbalance without the radial force, where speeds separate
+/// null where nothing is known.  "alone" is the unbalance without the radial force, where speeds separate
 /// them.
 /// @param folder  for the scenario's file
 nlohmann::ordered_json chain_errors(const ChainDrive& drive, std::uint64_t seed,
                                     const std::filesystem::path& folder);
 
 /// One kind of number, of all runs under `key` and one wheel, or with wheel -1 all; NaN where nothing is
-/// told.
+/// known.
 std::vector<double> chain_values(const std::vector<nlohmann::ordered_json>& runs, const std::string& key,
                                  int wheel, const char* what);
 

@@ -13,7 +13,7 @@
 #include "common/bus/bus.hpp"
 #include "common/bus/clock_messages.hpp"
 #include "common/process/parallel.hpp"
-#include "common/record/record.hpp"
+#include "common/record/record_reader.hpp"
 #include "embedded/demo_vehicle.hpp"
 #include "firmware/node.hpp"
 #include "host/recorder/recorder.hpp"
@@ -61,9 +61,10 @@ std::string address_of(int n, double seconds, WallTime start) {
   return text;
 }
 
-class Comparison {
+class ClockComparison {
  public:
-  Comparison(const std::string& bus_url, std::map<std::int32_t, Node>& nodes) : nodes_(nodes), bus_(bus_url) {
+  ClockComparison(const std::string& bus_url, std::map<std::int32_t, Node>& nodes)
+      : nodes_(nodes), bus_(bus_url) {
     bus_.subscribe("RB_CLOCK_.*", [this](std::string_view, std::span<const std::uint8_t> bytes) {
       if (const auto fit = decode_clock_fit(bytes)) take(*fit);
     });
@@ -150,7 +151,7 @@ nlohmann::ordered_json clock_skew(const ClockSkewOptions& options) {
     const double drive_s = options.seconds + 600.0;  // longer than anybody waits
     nodes[node.id].front_end = sim::open_sim_front_end({address_of(n, drive_s, start), vehicle, node});
   }
-  Comparison comparison(options.bus_url, nodes);
+  ClockComparison comparison(options.bus_url, nodes);
   Parallel recorder, team;
   recorder.run([&](std::stop_token stop) {
     RecorderOptions record;
@@ -170,7 +171,7 @@ nlohmann::ordered_json clock_skew(const ClockSkewOptions& options) {
     bool all = false;
     while (WallClock::now() - begin < time) {
       all = comparison.look();
-      if (team.stop_token().stop_requested()) team.wait();  // says what failed
+      if (team.stop_token().stop_requested()) team.wait();  // throws the failure
       if (recorder.stop_token().stop_requested()) recorder.wait();
     }
     return all;

@@ -14,8 +14,8 @@ struct ClockSkewOptions {
 };
 
 /// Runs real nodes and a real recorder on this machine in real time.  The nodes' clocks are simulated: off by
-/// hours, up to 60 ppm fast or slow, and so are their converters.  Twenty times a second it compares what the
-/// fits on the bus say with what the nodes' clocks truly show:
+/// hours, up to 60 ppm fast or slow, and so are their converters.  Twenty times a second it compares the fits
+/// on the bus with the nodes' true clocks:
 ///
 ///     {"nodes", "seconds", "skew_p50_us", "skew_p99_us", "skew_max_us", "error_p99_us",
 ///      "uncertainty_p50_us", "windows", "covered_percent", "kernel_stamps_percent", "met"}

@@ -16,21 +16,21 @@ double quantile_of_two(double part) {
   return -2.0 * std::log(1.0 - part);
 }
 
-Json run(const StudyRun& run) {
+Json run_coverage(const StudyRun& run) {
   ChainDrive drive;
   drive.seconds = run.settings["seconds"].get<double>();
   drive.road_class = run.settings["road"].get<std::string>();
   return {{"seed", run.seed}, {"wheels", chain_errors(drive, run.seed, run.folder)}};
 }
 
-/// Percentage of the ellipses of such a probability that hold the truth; one that is not told holds nothing.
+/// Percentage of the ellipses of such a probability that hold the truth; one that is not known holds nothing.
 double covered(const std::vector<double>& ellipses, double part) {
   const auto inside = std::count_if(ellipses.begin(), ellipses.end(),
                                     [&](double e) { return e >= 0.0 && e <= quantile_of_two(part); });
   return 100.0 * static_cast<double>(inside) / static_cast<double>(ellipses.size());
 }
 
-StudyResult summarise(const Json& settings, const std::vector<Json>& runs) {
+StudyResult summarise_coverage(const Json& settings, const std::vector<Json>& runs) {
   Json rows = Json::array();
   Figure figure{"coverage", "Ellipses that hold the truth", {"stated, %"}, {"found, %"}, {}};
   Series found{"found", {}, {}}, right{"stated", {}, {}, true, false};
@@ -65,8 +65,8 @@ Study coverage_study() {
           .options = kIdealOptions,
           .settings = {{"seconds", 40.0}, {"road", "A"}},
           .runs = 250,
-          .run = run,
-          .summarise = summarise};
+          .run = run_coverage,
+          .summarise = summarise_coverage};
 }
 
 }  // namespace roadbalance

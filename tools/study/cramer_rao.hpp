@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include "common/vehicle/linear_model.hpp"
-#include "host/identify/estimate.hpp"
+#include "host/analysis/identify/estimate.hpp"
 
 namespace roadbalance {
 
@@ -45,10 +45,10 @@ struct BoundQuestion {
   RoadStatistics road{};
   std::bitset<kUnknowns> asked{};  ///< the rest is known
 
-  bool random_part = true;     ///< what the road's shape of spectrum tells, too
+  bool random_part = true;     ///< the information in the road's shape of spectrum, too
   bool level_free = true;      ///< one level of the road for each speed is unknown
   bool exponent_free = false;  ///< the road's exponent is unknown, common to all speeds
-  /// Band of the random part.  Without noise it tells the more the wider it is, and without end.
+  /// Band of the random part.  Without noise a wider band has more information, without end.
   double low_hz = 0.0, high_hz = 60.0;
 };
 
@@ -65,7 +65,7 @@ struct BoundQuestion {
 ///
 /// Source: P. Whittle, The analysis of multiple stationary time series, J. R. Stat. Soc. B 15 (1953) 125;
 /// S. M. Kay, Fundamentals of Statistical Signal Processing I, 1993, sections 3.9 and 15.7.
-/// @throws std::invalid_argument if what is asked cannot be told (singular information)
+/// @throws std::invalid_argument if a parameter cannot be determined (singular information)
 UnknownMatrix cramer_rao(const BoundQuestion& question);
 
 /// The bound of one wheel as standard deviations; of what was not asked 0.

@@ -11,7 +11,7 @@ namespace roadbalance {
 nlohmann::ordered_json demo_accuracy_run(std::uint64_t seed, double drive_seconds,
                                          const std::vector<double>& converter_ppm = {});
 
-/// What the runs say together, with the acceptance lines of the project:
+/// Summary of the runs, with the acceptance lines of the project:
 ///  - all wheels of at least 20 g within 10 % and 6 degrees in 18 of 20 seeds;
 ///  - median error of these wheels at most 3 % and 2 degrees, of tyre stiffness (all wheels) at most 3 %;
 ///  - the truth within two of the printed standard deviations for 85 to 99 % of all wheels, grams and degrees

@@ -5,7 +5,7 @@
 #include "sim/truth.hpp"
 #include "tools/study/demo_accuracy.hpp"
 #include "tools/study/simulated_drive.hpp"
-#include "tools/study/wheels_json.hpp"
+#include "tools/views/wheels_json.hpp"
 
 namespace roadbalance {
 

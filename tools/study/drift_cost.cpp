@@ -10,17 +10,17 @@
 
 #include "embedded/demo_vehicle.hpp"
 #include "tools/study/simulated_drive.hpp"
-#include "tools/study/wheels_json.hpp"
+#include "tools/views/wheels_json.hpp"
 
 namespace roadbalance {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kDrift_km_h_min = 5.0, kBegin_km_h = 98.7, kSeconds = 320.0;
-constexpr int kSteps = 8;
-constexpr double kAllowed_percent = 0.1, kAllowed_deg = 0.05;
-constexpr std::array kAngle_deg{217, 60, 305, 128};
+constexpr double kDrift_km_h_min = 5.0, kBegin_km_h = 98.7, kDrift_s = 320.0;
+constexpr int kDriftSteps = 8;
+constexpr double kAllowed_percent = 0.1, kAllowedChange_deg = 0.05;
+constexpr std::array kDriftAngle_deg{217, 60, 305, 128};
 
 std::string plateau(double speed_km_h, double seconds) {
   return "[[drive.plateau]]\nspeed_km_h = " + std::to_string(speed_km_h) +
@@ -31,21 +31,21 @@ std::string rest_of_scenario() {
   std::string text = "[road]\nclass = \"S\"\nrear_coherence2 = 0.95\n";
   for (std::size_t w = 0; w < kWheels; ++w)
     text += "[[unbalance]]\nwheel = \"" + std::string(kWheelNames[w]) +
-            "\"\nmass_g = 60\nangle_deg = " + std::to_string(kAngle_deg[w]) + "\n";
+            "\"\nmass_g = 60\nangle_deg = " + std::to_string(kDriftAngle_deg[w]) + "\n";
   return text;
 }
 
 std::string drifting() {
   return "[drive]\nwander_km_h = 0\ndrift_km_h_min = " + std::to_string(kDrift_km_h_min) + "\n" +
-         plateau(kBegin_km_h, kSeconds) + rest_of_scenario();
+         plateau(kBegin_km_h, kDrift_s) + rest_of_scenario();
 }
 
 /// The same speeds, in steps.
 std::string stepping() {
   std::string text = "[drive]\nwander_km_h = 0\n";
-  for (int step = 0; step < kSteps; ++step) {
-    const double minutes = (step + 0.5) * kSeconds / kSteps / 60.0;
-    text += plateau(kBegin_km_h + kDrift_km_h_min * minutes, kSeconds / kSteps);
+  for (int step = 0; step < kDriftSteps; ++step) {
+    const double minutes = (step + 0.5) * kDrift_s / kDriftSteps / 60.0;
+    text += plateau(kBegin_km_h + kDrift_km_h_min * minutes, kDrift_s / kDriftSteps);
   }
   return text + rest_of_scenario();
 }
@@ -63,7 +63,7 @@ struct Mean {
   double standard_error = std::numeric_limits<double>::infinity();
 };
 
-/// Of the seeds' means over their wheels; nothing is known if a wheel is not.
+/// Mean of the seeds' means over their wheels; nothing is known if a wheel is not.
 Mean mean_of(const std::vector<Json>& runs, const std::string& key) {
   double sum = 0.0, square = 0.0;
   for (const Json& run : runs) {
@@ -115,7 +115,7 @@ Json drift_cost_summary(const std::vector<Json>& runs) {
   const Json grams = line("mean change of the identified unbalance, %", mean_of(runs, "change_percent"),
                           kAllowed_percent, runs.size());
   const Json degrees =
-      line("mean change of its angle, deg", mean_of(runs, "change_deg"), kAllowed_deg, runs.size());
+      line("mean change of its angle, deg", mean_of(runs, "change_deg"), kAllowedChange_deg, runs.size());
   return {{"runs", runs.size()},
           {"seeds", runs},
           {"acceptance", {grams, degrees}},

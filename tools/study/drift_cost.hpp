@@ -7,7 +7,7 @@
 
 namespace roadbalance {
 
-/// What it costs the identified unbalances that the speed drifts: one car on one road, once drifting by 5
+/// Error of the identified unbalances by a drift of the speed: one car on one road, once drifting by 5
 /// km/h a minute for 320 s, once in eight steps of 40 s over the same speeds.
 ///
 /// Four unbalances of 60 g, and a road smoother than class A, so that chance is small against what is looked

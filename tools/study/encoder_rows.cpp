@@ -3,11 +3,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/types/angle_units.hpp"
+
 namespace roadbalance {
 namespace {
 
 using std::numbers::pi;
-constexpr double kDegree = pi / 180.0;
 constexpr double kPitchError_rad = 0.3 * kDegree;
 
 std::function<double(double)> steady(double turns_hz, double torsion_rad = 0.0, double torsion_hz = 13.0) {

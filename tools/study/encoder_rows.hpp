@@ -18,8 +18,9 @@ struct EncoderRow {
   double allowed_max_deg = std::numeric_limits<double>::infinity();
 };
 
-/// The trains an encoder is accepted with: 40 s at 18 turns a second unless the name says otherwise, judged
-/// after 20 s; the speed ramp takes 90 s and is judged after 60.  Speeds wander by 1 % at 0.21 and 0.83 Hz.
+/// The trains an encoder is accepted with: 40 s at 18 turns a second unless the name gives another speed,
+/// judged after 20 s; the speed ramp takes 90 s and is judged after 60.  Speeds wander by 1 % at 0.21 and
+/// 0.83 Hz.
 std::vector<EncoderRow> encoder_rows();
 
 }  // namespace roadbalance

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "firmware/encoder/wheel_encoder.hpp"
-#include "firmware/pack.hpp"
-#include "host/encoder/recorded_angle.hpp"
+#include "common/angle/wheel_encoder.hpp"
+#include "firmware/block_packer.hpp"
+#include "host/analysis/angle/recorded_angle.hpp"
 
 namespace roadbalance {
 namespace {
@@ -20,7 +20,7 @@ double degrees(double rad) {
   return rad * 180.0 / std::numbers::pi;
 }
 
-/// What the stamps of the zero marks are off themselves.
+/// Errors of the stamps of the zero marks themselves.
 class MarkStamps {
  public:
   MarkStamps(const sim::PulseTrain& train, const std::vector<Edge>& edges) {
@@ -43,9 +43,9 @@ class MarkStamps {
 };
 
 /// Compares block after block of angles with the truth.
-class Comparison {
+class AngleComparison {
  public:
-  explicit Comparison(const sim::PulseTrain& train) : train_(train) {}
+  explicit AngleComparison(const sim::PulseTrain& train) : train_(train) {}
 
   /// @param marks_late_deg  in the mean of those that the angles are from
   void add(double start_s, std::span<const double> angle_rad, double marks_late_deg) {
@@ -88,7 +88,7 @@ NodeTime at(double seconds) {
 AngleErrors live_errors(const EncoderRow& row, const std::vector<Edge>& edges) {
   WheelEncoder encoder({.pulses_per_turn = row.train.teeth});
   AngleErrors errors;
-  Comparison comparison(row.train);
+  AngleComparison comparison(row.train);
   const MarkStamps marks(row.train, edges);
   auto edge = edges.begin();
   std::array<double, kInstants> angle;
@@ -112,7 +112,7 @@ AngleErrors live_errors(const EncoderRow& row, const std::vector<Edge>& edges) {
 AngleErrors offline_errors(const EncoderRow& row, const std::vector<Edge>& edges) {
   RecordedAngle recorded({.pulses_per_turn = row.train.teeth}, edges);
   AngleErrors errors;
-  Comparison comparison(row.train);
+  AngleComparison comparison(row.train);
   const MarkStamps marks(row.train, edges);
   std::array<double, kInstants> angle;
   for (double start = 1.0; start + 1.0 < row.seconds; start += kBlock_s) {
@@ -146,7 +146,7 @@ struct Pool {
 };
 
 bool is_allowed(const EncoderRow& row, const AngleErrors& errors, const AngleErrors::Size& size) {
-  constexpr double kLongestWait_ms = Sealer::kLongestWait_ns * 1e-6;
+  constexpr double kLongestWait_ms = BlockPacker::kLongestWait_ns * 1e-6;
   return errors.blocks > 0 && errors.unknown == 0 && errors.lag_ms < kLongestWait_ms &&
          size.rms_deg <= row.allowed_rms_deg && size.max_deg <= row.allowed_max_deg;
 }

@@ -5,6 +5,7 @@
 #include "tools/study/chain_studies.hpp"
 #include "tools/study/ideal_studies.hpp"
 #include "tools/study/statistics.hpp"
+#include "tools/views/number_json.hpp"
 
 namespace roadbalance {
 namespace {
@@ -28,13 +29,13 @@ std::vector<Row> rows_of() {
           {"A, 4 x 75 s", five_minutes, any, any, any}};
 }
 
-Json run(const StudyRun& run) {
+Json run_end_to_end(const StudyRun& run) {
   Json result{{"seed", run.seed}};
   for (const Row& row : rows_of()) result[row.name] = chain_errors(row.drive, run.seed, run.folder);
   return result;
 }
 
-/// Of the worst wheel.
+/// Value of the worst wheel.
 double worst(const std::vector<Json>& runs, const char* row, const char* what, double ErrorSizes::*size) {
   double value = 0.0;
   for (int wheel = 0; wheel < kWheels; ++wheel)
@@ -43,11 +44,11 @@ double worst(const std::vector<Json>& runs, const char* row, const char* what, d
 }
 
 /// Column, and what is asked of the worst wheel's median.
-struct Column {
+struct LimitColumn {
   const char *what, *median, *p95, *asked;
   double Row::*most;
 };
-constexpr Column kColumns[] = {
+constexpr LimitColumn kColumns[] = {
     {"mass_percent", "mass %, worst median", "mass % p95", "mass, %", &Row::percent},
     {"angle_deg", "angle deg, worst median", "angle deg p95", "angle, deg", &Row::degrees},
     {"residual_g", "residual g, worst median", "residual g p95", "residual vector, g", &Row::grams},
@@ -71,11 +72,11 @@ Figure distributions(const std::vector<Json>& runs, const char* name, const char
   return figure;
 }
 
-StudyResult summarise(const Json& settings, const std::vector<Json>& runs) {
+StudyResult summarise_end_to_end(const Json& settings, const std::vector<Json>& runs) {
   Json rows = Json::array(), lines = Json::array();
   for (const Row& row : rows_of()) {
     Json cells{{"case", row.name}};
-    for (const Column& column : kColumns) {
+    for (const LimitColumn& column : kColumns) {
       const double median = worst(runs, row.name, column.what, &ErrorSizes::median);
       cells[column.median] = number_or_null(median);
       cells[column.p95] = number_or_null(worst(runs, row.name, column.what, &ErrorSizes::p95));
@@ -121,8 +122,8 @@ Study end_to_end_study() {
           .options = kIdealOptions,
           .settings = Json::object(),
           .runs = 20,
-          .run = run,
-          .summarise = summarise};
+          .run = run_end_to_end,
+          .summarise = summarise_end_to_end};
 }
 
 }  // namespace roadbalance

@@ -4,15 +4,15 @@
 #include <cmath>
 #include <numbers>
 
-#include "host/identify/unbalances.hpp"
-#include "host/identify/whittle.hpp"
+#include "host/analysis/identify/unbalances.hpp"
+#include "host/analysis/identify/whittle.hpp"
 #include "tools/study/estimator_trial.hpp"
 
 namespace roadbalance {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double kClassA = 16e-6, kRadius_m = 0.30;
+constexpr double kClassA = 16e-6, kTyreRadius_m = 0.30;
 
 void add(DriveMoments& sum, const ExactDrive& chassis, const ExactDrive& tyre) {
   const double chassis_lag_s = chassis_instrument().lag_s, tyre_lag_s = tyre_instrument().lag_s;
@@ -48,7 +48,7 @@ EndlessDrive::EndlessDrive(const std::array<Complex, kWheels>& unbalance)
 
 ExactDrive EndlessDrive::at(double speed_m_s, const Instrument& instrument,
                             const std::array<Complex, kWheels>& unbalance) const {
-  return {geometry_,         nominal_parameters(vehicle_), unbalance, speed_m_s, kRadius_m, kClassA,
+  return {geometry_,         nominal_parameters(vehicle_), unbalance, speed_m_s, kTyreRadius_m, kClassA,
           instrument.filter, instrument.corner_hz};
 }
 

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "common/config/vehicle_config.hpp"
-#include "host/identify/estimate.hpp"
-#include "host/identify/instruments.hpp"
-#include "host/identify/whittle_moments.hpp"
+#include "host/analysis/identify/estimate.hpp"
+#include "host/analysis/identify/instruments.hpp"
+#include "host/analysis/identify/whittle_moments.hpp"
 #include "tools/study/exact_covariance.hpp"
 
 namespace roadbalance {
@@ -23,7 +23,7 @@ class EndlessDrive {
 
   const VehicleConfig& vehicle() const { return vehicle_; }
 
-  /// What a wheel's row takes for unbalance at the order of wheel `of`, every parameter taken as known, kg m:
+  /// Apparent unbalance in a wheel's row at the order of wheel `of`, every parameter taken as known, kg m:
   /// U = row(Om) Z'' / Om^2 by (1), speeds weighted by Om^4 as an unbalance's force asks.  At another wheel's
   /// order it should be 0.
   /// @param geometry  as it is taken for known, here and below: that of vehicle() is true

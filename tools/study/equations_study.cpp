@@ -3,10 +3,11 @@
 #include <memory>
 #include <string>
 
-#include "host/identify/estimators/paper.hpp"
+#include "host/analysis/identify/estimators/paper.hpp"
 #include "tools/study/ideal_studies.hpp"
 #include "tools/study/statistics.hpp"
 #include "tools/study/trial_cases.hpp"
+#include "tools/views/number_json.hpp"
 
 namespace roadbalance {
 namespace {
@@ -48,7 +49,7 @@ std::vector<Variant> variants() {
 }
 
 /// 30 g on the front left wheel, whose tyre and unbalance are asked for.
-std::vector<TrialCase> cases_of(const Json& settings) {
+std::vector<TrialCase> equations_cases(const Json& settings) {
   TrialCase one = four_wheels("front left", settings["samples"].get<Eigen::Index>(), 0.95);
   for (std::size_t w = 1; w < kWheels; ++w) one.drive.scenario.wheel[w] = {};
   one.wheels = {0};
@@ -59,12 +60,12 @@ std::vector<TrialCase> cases_of(const Json& settings) {
   return {one};
 }
 
-Json run(const StudyRun& run) {
-  return run_cases(cases_of(run.settings), run.seed);
+Json run_equations(const StudyRun& run) {
+  return run_cases(equations_cases(run.settings), run.seed);
 }
 
-StudyResult summarise(const Json& settings, const std::vector<Json>& runs) {
-  const auto cases = cases_of(settings);
+StudyResult summarise_equations(const Json& settings, const std::vector<Json>& runs) {
+  const auto cases = equations_cases(settings);
   const Json sizes = case_rows(cases, runs);
   Json rows = Json::array();
   Figure figure{"equations",
@@ -108,8 +109,8 @@ Study equations_study() {
           .options = kIdealOptions,
           .settings = {{"samples", 20000}},
           .runs = 10,
-          .run = run,
-          .summarise = summarise};
+          .run = run_equations,
+          .summarise = summarise_equations};
 }
 
 }  // namespace roadbalance

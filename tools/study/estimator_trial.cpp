@@ -2,18 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "common/config/section.hpp"
+#include "common/types/angle_units.hpp"
 #include "embedded/demo_vehicle.hpp"
 #include "sim/drawn_car.hpp"
 #include "tools/study/statistics.hpp"
+#include "tools/views/number_json.hpp"
 
 namespace roadbalance {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 }  // namespace
 

@@ -9,7 +9,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::vector<TrialCase> cases_of(const Json& settings) {
+std::vector<TrialCase> estimators_cases(const Json& settings) {
   std::vector<TrialCase> cases;
   for (const double coherence2 : {0.0, 0.95}) {
     TrialCase one = four_wheels("coherence^2 " + Json(coherence2).dump(),
@@ -22,8 +22,8 @@ std::vector<TrialCase> cases_of(const Json& settings) {
   return cases;
 }
 
-Json run(const StudyRun& run) {
-  return run_cases(cases_of(run.settings), run.seed);
+Json run_estimators(const StudyRun& run) {
+  return run_cases(estimators_cases(run.settings), run.seed);
 }
 
 const std::string& band_column() {
@@ -48,8 +48,8 @@ Figure efficiencies(const Json& rows, const char* name, const std::string& colum
   return figure;
 }
 
-StudyResult summarise(const Json& settings, const std::vector<Json>& runs) {
-  const Json rows = case_rows(cases_of(settings), runs);
+StudyResult summarise_estimators(const Json& settings, const std::vector<Json>& runs) {
+  const Json rows = case_rows(estimators_cases(settings), runs);
   Json lines = Json::array();
   const auto least = [&](const std::string& of, const char* estimator, const std::string& column,
                          double asked) {
@@ -76,8 +76,8 @@ Study estimators_study() {
           .options = kIdealOptions,
           .settings = {{"samples", 20000}, {"estimators", ""}},
           .runs = 30,
-          .run = run,
-          .summarise = summarise};
+          .run = run_estimators,
+          .summarise = summarise_estimators};
 }
 
 }  // namespace roadbalance

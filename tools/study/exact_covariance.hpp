@@ -9,8 +9,8 @@
 #include "common/dsp/linear_filter.hpp"
 #include "common/vehicle/contact_patch.hpp"
 #include "common/vehicle/linear_model.hpp"
-#include "host/identify/moments.hpp"
-#include "host/identify/signals.hpp"
+#include "host/analysis/identify/moments.hpp"
+#include "host/analysis/identify/signals.hpp"
 
 namespace roadbalance {
 

@@ -7,15 +7,16 @@
 #include "tools/study/cramer_rao.hpp"
 #include "tools/study/estimator_trial.hpp"
 #include "tools/study/statistics.hpp"
+#include "tools/views/number_json.hpp"
 
 namespace roadbalance {
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr int kWheel = 0;
+constexpr int kFig3Wheel = 0;
 constexpr double kStart = 1.1;  ///< a search for the tyre stiffness begins this far from the truth
 
-const std::complex<double> kUnbalance = std::polar(0.030 * 0.19, 40.0 * std::numbers::pi / 180.0);
+const std::complex<double> kFig3Unbalance = std::polar(0.030 * 0.19, 40.0 * std::numbers::pi / 180.0);
 
 IdealDrive drive_of(const Json& settings, const VehicleConfig& vehicle) {
   IdealDrive drive{.scenario = plain_scenario(vehicle),
@@ -26,15 +27,15 @@ IdealDrive drive_of(const Json& settings, const VehicleConfig& vehicle) {
     drive.samples = std::max(drive.samples, samples.get<Eigen::Index>());
   drive.scenario.road.roughness_m3 = settings["road_gd_m3"].get<double>();
   drive.scenario.road.rear_coherence2 = settings["rear_coherence2"].get<double>();
-  drive.scenario.wheel[kWheel].unbalance_kg_m = kUnbalance;
+  drive.scenario.wheel[kFig3Wheel].unbalance_kg_m = kFig3Unbalance;
   return drive;
 }
 
 Question question_of(const CarTruth& truth, const VehicleConfig& vehicle) {
   Question question{geometry_of(vehicle.model), truth.parameters, {}};
-  question.known(kTyre + kWheel) *= kStart;
-  for (const int asked :
-       {kEstimatedTyre + kWheel, kEstimatedUnbalance + 2 * kWheel, kEstimatedUnbalance + 2 * kWheel + 1})
+  question.known(kTyre + kFig3Wheel) *= kStart;
+  for (const int asked : {kEstimatedTyre + kFig3Wheel, kEstimatedUnbalance + 2 * kFig3Wheel,
+                          kEstimatedUnbalance + 2 * kFig3Wheel + 1})
     question.asked.set(static_cast<std::size_t>(asked));
   return question;
 }
@@ -56,7 +57,7 @@ Json run_fig3(const StudyRun& run) {
     for (Stretch& stretch : blind) stretch.road_m.resize(kWheels, 0);
     for (const EstimatorKind& kind : chosen_estimators(run.settings["estimators"].get<std::string>()))
       result[key_of(samples)][kind.name] =
-          errors_of(ask(kind, question, truth, kind.road_measured ? measured : blind), truth, kWheel);
+          errors_of(ask(kind, question, truth, kind.road_measured ? measured : blind), truth, kFig3Wheel);
   }
   return result;
 }
@@ -76,7 +77,7 @@ WheelBound bound_for(const Json& settings, double samples, double rear_coherence
   const VehicleConfig vehicle = demo_vehicle();
   const IdealDrive drive = drive_of(settings, vehicle);
   BoundQuestion question{.geometry = geometry_of(vehicle.model), .parameters = nominal_parameters(vehicle)};
-  question.unbalance_kg_m[kWheel] = kUnbalance;
+  question.unbalance_kg_m[kFig3Wheel] = kFig3Unbalance;
   question.speeds_m_s = drive.speeds_m_s;
   question.seconds = samples / drive.rate_hz;
   question.road.roughness_m3 = drive.scenario.road.roughness_m3;
@@ -85,7 +86,7 @@ WheelBound bound_for(const Json& settings, double samples, double rear_coherence
   question.road.rear_coherence2 = rear_coherence2;
   question.asked = question_of({question.parameters, {}}, vehicle).asked;
   question.exponent_free = true;
-  return wheel_bound(cramer_rao(question), question, kWheel);
+  return wheel_bound(cramer_rao(question), question, kFig3Wheel);
 }
 
 Json bound_row(const std::string& name, const Json& samples, const WheelBound& bound) {

@@ -13,9 +13,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kWheel = 0, kCoordinate = kBodyCoordinates + kWheel;
+constexpr int kFig4Wheel = 0, kFig4Coordinate = kBodyCoordinates + kFig4Wheel;
 constexpr int kOrder = 5;
-constexpr double kClassA = 16e-6;
+constexpr double kRoadClassA = 16e-6;
 
 /// Sizes of the covariances of the filtered acceleration of the wheel at one speed: of all filter states with
 /// the accelerations (Frobenius), of the low-pass output with the wheel's angle and with the road.
@@ -26,13 +26,13 @@ struct Sizes {
 ExactDrive drive_at(double speed_m_s, double corner_hz, double unbalance_kg_m) {
   const VehicleConfig vehicle = demo_vehicle();
   std::array<std::complex<double>, kWheels> unbalance{};
-  unbalance[kWheel] = unbalance_kg_m;
+  unbalance[kFig4Wheel] = unbalance_kg_m;
   return {geometry_of(vehicle.model),
           nominal_parameters(vehicle),
           unbalance,
           speed_m_s,
           0.30,
-          kClassA,
+          kRoadClassA,
           butterworth(kOrder, corner_hz),
           corner_hz};
 }
@@ -42,10 +42,10 @@ Eigen::Matrix<double, kOrder, kCoordinates> states_with_accelerations(const Exac
                                                                       double corner_hz) {
   const double wc = 2.0 * std::numbers::pi * corner_hz;
   Eigen::Matrix<double, kOrder, kCoordinates> C;
-  const auto first = drive.moments(kCoordinate, 0, 0.0);
+  const auto first = drive.moments(kFig4Coordinate, 0, 0.0);
   C.row(0) = first.w0 * wc * wc;
   C.row(1) = first.w1 * wc;
-  for (int k = 2; k < kOrder; ++k) C.row(k) = drive.moments(kCoordinate, k - 2, 0.0).w2;
+  for (int k = 2; k < kOrder; ++k) C.row(k) = drive.moments(kFig4Coordinate, k - 2, 0.0).w2;
   return C;
 }
 
@@ -53,12 +53,12 @@ Eigen::Matrix<double, kOrder, kCoordinates> states_with_accelerations(const Exac
 Sizes sizes_at(double speed_m_s, double corner_hz) {
   const ExactDrive balanced = drive_at(speed_m_s, corner_hz, 0.0);
   const ExactDrive turning = drive_at(speed_m_s, corner_hz, 0.030 * 0.19);
-  const double om = turning.omega(kWheel);
+  const double om = turning.omega(kFig4Wheel);
   constexpr int kLowPass = -2;  // instrument whose w'' is state 0
   return {
       (states_with_accelerations(turning, corner_hz) - states_with_accelerations(balanced, corner_hz)).norm(),
-      std::abs(turning.with_reference(kCoordinate, kLowPass, 0.0, kWheel)) / (om * om),
-      balanced.with_road(kCoordinate, kLowPass, 0.0).norm()};
+      std::abs(turning.with_reference(kFig4Coordinate, kLowPass, 0.0, kFig4Wheel)) / (om * om),
+      balanced.with_road(kFig4Coordinate, kLowPass, 0.0).norm()};
 }
 
 /// Mean exponent of growth from the lowest speed: ln(C / C_0) / ln(V / V_0).
@@ -71,7 +71,7 @@ struct Setting {
   double corner_hz, first_km_h;
 };
 
-StudyResult summarise(const Json& settings, const std::vector<Json>&) {
+StudyResult summarise_fig4(const Json& settings, const std::vector<Json>&) {
   Json curves = Json::array(), exponents = Json::array();
   std::vector<Figure> figures;
   for (const auto& [corner_hz, first_km_h] : {Setting{30.0, 90.0}, {100.0, 60.0}}) {
@@ -121,7 +121,7 @@ Study fig4_study() {
           .line = "the paper's Fig. 4: exact covariances against speed, and their exponents (table 9)",
           .options = {"--svg", "--markdown"},
           .settings = Json::object(),
-          .summarise = summarise};
+          .summarise = summarise_fig4};
 }
 
 }  // namespace roadbalance

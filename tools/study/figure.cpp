@@ -16,7 +16,7 @@ namespace {
 constexpr double kWidth = 860, kHeight = 500;
 constexpr double kLeft = 80, kRight = 640, kTop = 44, kBottom = 440;  ///< of the plot; the legend is beside
 constexpr int kColours = 8;
-/// Of middle lightness, so that they stand out from white and from black.
+/// Colours of middle lightness, so that they stand out from white and from black.
 constexpr const char* kStyle =
     "svg{--ink:#1f2328;--paper:#ffffff;--grid:#d8dee4}"
     "@media (prefers-color-scheme:dark){svg{--ink:#e6edf3;--paper:#0d1117;--grid:#30363d}}"

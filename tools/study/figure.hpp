@@ -20,7 +20,7 @@ struct Series {
   bool markers = true;
 };
 
-/// What a study shows as one picture.
+/// One picture of a study.
 struct Figure {
   std::string name;  ///< of the file, without .svg
   std::string title;
@@ -28,7 +28,7 @@ struct Figure {
   std::vector<Series> series;
 };
 
-/// What share of the values, in percent, is no larger than x in size: from 0 to where the largest is.  Values
+/// Share of the values, in percent, that is no larger than x in size: from 0 to where the largest is.  Values
 /// that are not finite are larger than all.
 Series distribution(const std::string& name, const std::vector<double>& values);
 

@@ -11,24 +11,24 @@
 namespace roadbalance {
 namespace {
 
-constexpr int kSteps = 4;  ///< of the car in a sample
-constexpr double kRamp_s = 2.0;
-constexpr double kSettling_s = 3.0;
+constexpr int kStepsInSample = 4;  ///< of the car in a sample
+constexpr double kIdealRamp_s = 2.0;
+constexpr double kIdealSettling_s = 3.0;
 
 /// Everything a stretch may hold, one column an instant.
 constexpr int kRows = kSignals + kWheels;
-using Column = Eigen::Matrix<double, kRows, 1>;
+using SampleColumn = Eigen::Matrix<double, kRows, 1>;
 
 sim::DriveScenario plateaus(const IdealDrive& drive) {
-  const double seconds =
-      kRamp_s + kSettling_s + static_cast<double>(drive.samples + kSteps) / drive.rate_hz + 1.0;
-  sim::DriveScenario result{.plateau = {}, .ramp_s = kRamp_s, .wander_m_s = 0.0};
+  const double seconds = kIdealRamp_s + kIdealSettling_s +
+                         static_cast<double>(drive.samples + kStepsInSample) / drive.rate_hz + 1.0;
+  sim::DriveScenario result{.plateau = {}, .ramp_s = kIdealRamp_s, .wander_m_s = 0.0};
   for (const double speed_m_s : drive.speeds_m_s) result.plateau.push_back({speed_m_s, seconds});
   return result;
 }
 
-Column observe(const sim::Car& car) {
-  Column column;
+SampleColumn observe(const sim::Car& car) {
+  SampleColumn column;
   column.head<kCoordinates>() = car.sources().segment<kCoordinates>(sim::kCoordinateSource);
   const sim::DrawnCar& drawn = car.drawn();
   for (int i = 0; i < kWheels; ++i) {
@@ -63,15 +63,16 @@ std::vector<Stretch> drive_ideally(const IdealDrive& drive, std::uint64_t seed,
   if (drive.angles_drawn_at_each_speed) return drive_each_speed(drive, seed, vehicle);
   sim::Scenario scenario = drive.scenario;
   scenario.drive = plateaus(drive);
-  const double step_s = 1.0 / (kSteps * drive.rate_hz);
+  const double step_s = 1.0 / (kStepsInSample * drive.rate_hz);
   sim::Car car(scenario, seed, vehicle, step_s);
-  const Eigen::VectorXd taps = decimation_taps(kSteps);
+  const Eigen::VectorXd taps = decimation_taps(kStepsInSample);
 
   std::vector<Stretch> stretches;
   double begin_s = 0.0;
   for (const sim::Plateau& plateau : scenario.drive.plateau) {
-    while (car.time_s() < begin_s + kRamp_s + kSettling_s) car.step();
-    Eigen::Matrix<double, kRows, Eigen::Dynamic> fine(kRows, kSteps * (drive.samples - 1) + taps.size());
+    while (car.time_s() < begin_s + kIdealRamp_s + kIdealSettling_s) car.step();
+    Eigen::Matrix<double, kRows, Eigen::Dynamic> fine(kRows,
+                                                      kStepsInSample * (drive.samples - 1) + taps.size());
     for (Eigen::Index k = 0; k < fine.cols(); ++k, car.step()) fine.col(k) = observe(car);
 
     Stretch stretch;
@@ -84,7 +85,7 @@ std::vector<Stretch> drive_ideally(const IdealDrive& drive, std::uint64_t seed,
     stretch.signals.resize(kSignals, drive.samples);
     if (drive.road_measured) stretch.road_m.resize(kWheels, drive.samples);
     for (Eigen::Index k = 0; k < drive.samples; ++k) {
-      const Column sample = fine.middleCols(kSteps * k, taps.size()) * taps;
+      const SampleColumn sample = fine.middleCols(kStepsInSample * k, taps.size()) * taps;
       stretch.signals.col(k) = sample.head<kSignals>();
       if (drive.road_measured) stretch.road_m.col(k) = sample.tail<kWheels>();
     }

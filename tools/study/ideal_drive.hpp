@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "common/config/vehicle_config.hpp"
-#include "host/identify/stretch.hpp"
+#include "host/analysis/identify/stretch.hpp"
 #include "sim/scenario.hpp"
 
 namespace roadbalance {
@@ -16,7 +16,7 @@ struct IdealDrive {
   std::vector<double> speeds_m_s;  ///< one plateau each, without wander
   Eigen::Index samples = 20000;    ///< of each plateau, at rate_hz
   double rate_hz = 500.0;
-  bool road_measured = false;  ///< tell the exact road under the wheels too
+  bool road_measured = false;  ///< give the exact road under the wheels, too
   /// The wheels' angles are drawn anew for each speed, and with them the road that follows: as if each were
   /// driven another time.
   bool angles_drawn_at_each_speed = false;

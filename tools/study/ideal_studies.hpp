@@ -7,7 +7,7 @@
 
 namespace roadbalance {
 
-/// What studies of many seeds take on the command line.
+/// Settings of studies of many seeds.
 inline const std::vector<std::string> kIdealOptions{"--runs", "--seed", "--state",   "--jobs",
                                                     "--set",  "--svg",  "--markdown"};
 

@@ -53,7 +53,7 @@ Influence size(const Json& settings) {
   return result;
 }
 
-/// What the front right wheel's unbalance, asked for as well, does to the front left's estimate.
+/// Effect of the front right wheel's unbalance, estimated as well, on the front left's estimate.
 Influence other_side(const Json& settings) {
   Influence result{"other-side", "unbalance of the front right wheel, g", {}};
   for (const double grams : {0.0, 30.0, 60.0, 120.0}) {
@@ -104,11 +104,11 @@ std::vector<TrialCase> all_cases(const Json& settings) {
   return cases;
 }
 
-Json run(const StudyRun& run) {
+Json run_influences(const StudyRun& run) {
   return run_cases(all_cases(run.settings), run.seed);
 }
 
-StudyResult summarise(const Json& settings, const std::vector<Json>& runs) {
+StudyResult summarise_influences(const Json& settings, const std::vector<Json>& runs) {
   const Json rows = case_rows(all_cases(settings), runs);
   std::vector<Figure> figures;
   for (const Influence& influence : influences(settings)) {
@@ -141,8 +141,8 @@ Study influences_study() {
           .options = kIdealOptions,
           .settings = {{"samples", 20000}},
           .runs = 20,
-          .run = run,
-          .summarise = summarise};
+          .run = run_influences,
+          .summarise = summarise_influences};
 }
 
 }  // namespace roadbalance

@@ -8,13 +8,14 @@
 #include <numbers>
 #include <utility>
 
-#include "host/identify/estimate.hpp"
-#include "host/identify/joint_drives.hpp"
-#include "host/identify/section.hpp"
+#include "host/analysis/identify/estimate.hpp"
+#include "host/analysis/identify/joint_drives.hpp"
+#include "host/analysis/identify/section.hpp"
 #include "sim/random.hpp"
 #include "tools/study/estimator_trial.hpp"
 #include "tools/study/ideal_drive.hpp"
 #include "tools/study/statistics.hpp"
+#include "tools/views/number_json.hpp"
 
 namespace roadbalance {
 namespace {
@@ -24,13 +25,13 @@ using Complex = std::complex<double>;
 using sim::RandomSequence;
 using sim::Use;
 
-constexpr double kSpread = 0.1, kNoise_m_s2 = 0.02, kRate_hz = 500.0;
+constexpr double kSpread = 0.1, kSensorNoise_m_s2 = 0.02, kRate_hz = 500.0;
 constexpr double kSlowest_km_h = 80.0, kFastest_km_h = 130.0, kLeastApart_km_h = 8.0;
-constexpr std::array kMass_g{30.0, 20.0, 25.0, 15.0}, kAngle_deg{217.0, 60.0, 305.0, 128.0};
+constexpr std::array kMass_g{30.0, 20.0, 25.0, 15.0}, kDrivesAngle_deg{217.0, 60.0, 305.0, 128.0};
 constexpr std::array kRoughness_m3{16e-6, 64e-6, 16e-6, 256e-6};  // ISO 8608: A, B, A, C
 
 Complex mean_unbalance_g(std::size_t wheel) {
-  return std::polar(kMass_g[wheel], kAngle_deg[wheel] * std::numbers::pi / 180.0);
+  return std::polar(kMass_g[wheel], kDrivesAngle_deg[wheel] * std::numbers::pi / 180.0);
 }
 
 VehicleConfig draw_one(VehicleConfig car, std::uint64_t seed) {
@@ -42,7 +43,7 @@ VehicleConfig draw_one(VehicleConfig car, std::uint64_t seed) {
   return car;
 }
 
-/// What identification takes the car for; its sensors are as true as they are.
+/// The car as identification assumes it; its sensors are as true as they are.
 VehicleConfig described_car() {
   VehicleConfig car = demo_vehicle();
   for (NodeConfig& node : car.node)
@@ -76,12 +77,12 @@ std::vector<Stretch> drive_once(const ManyDrives& drives, VehicleConfig car, std
       const RandomSequence noise(random.bits(4), Use::kSensorNoise,
                                  100 * s + static_cast<std::uint64_t>(row));
       for (Eigen::Index k = 0; k < stretches[s].signals.cols(); ++k)
-        stretches[s].signals(row, k) += kNoise_m_s2 * noise.normal(k);
+        stretches[s].signals(row, k) += kSensorNoise_m_s2 * noise.normal(k);
     }
   return stretches;
 }
 
-/// What the drive gives to the joint estimate, weighed by what it tells of the car (DriveEstimator).
+/// Contribution of the drive to the joint estimate, weighed by its information on the car (DriveEstimator).
 DriveSums sums_of(const std::vector<Stretch>& stretches, const VehicleConfig& described) {
   std::vector<DrivenSection> driven;
   SectionBuilder sections(described, [&](const DrivenSection& section) { driven.push_back(section); });
@@ -90,7 +91,7 @@ DriveSums sums_of(const std::vector<Stretch>& stretches, const VehicleConfig& de
       sections.consume({.signals = stretch.signals.col(k), .restart = k == 0});
   DriveMoments total;
   for (const DrivenSection& section : driven) total += section;
-  const Known known = Known::of(described);
+  const Priors known = Priors::of(described);
   if (const auto x = solve(total, known.geometry, known.value)) {
     ParameterVector weights = known.value;
     weights.segment<kEstimatedUnbalance>(kSpring) = x->head<kEstimatedUnbalance>();
@@ -153,7 +154,7 @@ Json many_drives_run(const ManyDrives& drives, std::uint64_t seed) {
     if (std::find(sizes.begin(), sizes.end(), drive + 1) == sizes.end()) continue;
     for (std::size_t j = 0; j < joint.size(); ++j) {
       Json wheels = Json::array();
-      const DriveEstimate& estimate = joint[j].conclude();
+      const DriveEstimate& estimate = joint[j].estimate();
       for (std::size_t w = 0; w < kWheels; ++w)
         wheels.push_back(wheel_of(estimate, joint[j].drives_ratio()[w], car, w));
       result[joined_key(kJoined[j], drive + 1)] = wheels;

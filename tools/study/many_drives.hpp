@@ -17,7 +17,7 @@ struct ManyDrives {
   double tyre_percent = 0.0, unbalance_g = 0.0;
 };
 
-/// What the drives are put together as.
+/// Ways to join the drives.
 enum class Joined { kProduct, kNotWidened, kPlainSums };
 inline constexpr Joined kJoined[] = {Joined::kProduct, Joined::kNotWidened, Joined::kPlainSums};
 
@@ -37,7 +37,7 @@ std::string joined_key(Joined joined, int drives);
 ///      "sigma_g": root of half the trace of C, "tyre_percent", "tyre_sigmas": error by stated deviation,
 ///      "ratio": JointDrives::drives_ratio}
 ///
-/// against the mean of what the drives had; null where nothing is told.
+/// against the mean of what the drives had; null where nothing is known.
 nlohmann::ordered_json many_drives_run(const ManyDrives& drives, std::uint64_t seed);
 
 }  // namespace roadbalance

@@ -5,6 +5,7 @@
 #include "tools/study/ideal_studies.hpp"
 #include "tools/study/many_drives.hpp"
 #include "tools/study/statistics.hpp"
+#include "tools/views/number_json.hpp"
 
 namespace roadbalance {
 namespace {
@@ -14,7 +15,7 @@ using Json = nlohmann::ordered_json;
 const char* const kAlike = "alike";
 const char* const kDiffer = "differ";
 
-Json run(const StudyRun& run) {
+Json run_many_drives(const StudyRun& run) {
   const auto number = [&](const char* key) { return run.settings[key].get<double>(); };
   ManyDrives drives{.drives = run.settings["drives"].get<int>(), .seconds = number("seconds")};
   Json result{{"seed", run.seed}, {kAlike, many_drives_run(drives, run.seed)}};
@@ -24,7 +25,7 @@ Json run(const StudyRun& run) {
   return result;
 }
 
-/// One kind of number of all runs and wheels; NaN where nothing is told.
+/// One kind of number of all runs and wheels; NaN where nothing is known.
 std::vector<double> values(const std::vector<Json>& runs, const char* car, const std::string& key,
                            const char* what) {
   std::vector<double> all;
@@ -47,7 +48,7 @@ double rms(const std::vector<double>& all) {
   return std::sqrt(sum / static_cast<double>(all.size()));
 }
 
-/// Percentage of values no larger in size; what is not told is.
+/// Percentage of values no larger in size; unknown ones are larger.
 double within(const std::vector<double>& all, double most) {
   const auto inside =
       std::count_if(all.begin(), all.end(), [&](double one) { return std::abs(one) <= most; });
@@ -82,7 +83,7 @@ Json falling(const std::vector<Json>& runs, const char* car, const std::vector<i
                          rms(few) / rms(all), expected / allowed, expected * allowed, answers_among(all));
 }
 
-/// What dividing each drive's equations by what its road shakes is worth.
+/// Benefit of dividing each drive's equations by the level of its road.
 Json gain_by_road(const std::vector<Json>& runs, const char* car, int size) {
   const auto of = [&](Joined joined) { return values(runs, car, joined_key(joined, size), "tyre_percent"); };
   const auto ours = of(Joined::kProduct);
@@ -122,7 +123,7 @@ Figure errors_by_drives(const std::vector<Json>& runs, const std::vector<int>& s
   return figure;
 }
 
-StudyResult summarise(const Json& settings, const std::vector<Json>& runs) {
+StudyResult summarise_many_drives(const Json& settings, const std::vector<Json>& runs) {
   const std::vector<int> sizes = joined_sizes(settings["drives"].get<int>());
   Json rows = Json::array(), lines = Json::array();
   for (const char* car : {kAlike, kDiffer}) {
@@ -150,8 +151,8 @@ Study many_drives_study() {
           .options = kIdealOptions,
           .settings = {{"drives", 16}, {"seconds", 40.0}, {"tyre_percent", 3.0}, {"unbalance_g", 1.0}},
           .runs = 40,
-          .run = run,
-          .summarise = summarise};
+          .run = run_many_drives,
+          .summarise = summarise_many_drives};
 }
 
 }  // namespace roadbalance

@@ -6,6 +6,7 @@
 #include "tools/study/endless_drive.hpp"
 #include "tools/study/exact_studies.hpp"
 #include "tools/study/statistics.hpp"
+#include "tools/views/number_json.hpp"
 
 namespace roadbalance {
 namespace {
@@ -13,9 +14,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Complex = std::complex<double>;
 
-constexpr int kWheel = 0;
-const std::array<Complex, kWheels> kUnbalance{std::polar(0.030 * 0.19, 0.7), std::polar(0.020 * 0.19, -1.7),
-                                              std::polar(0.025 * 0.19, 2.8), std::polar(0.015 * 0.19, 1.3)};
+constexpr int kStudiedWheel = 0;
+const std::array<Complex, kWheels> kUnbalanceOfWheel{
+    std::polar(0.030 * 0.19, 0.7), std::polar(0.020 * 0.19, -1.7), std::polar(0.025 * 0.19, 2.8),
+    std::polar(0.015 * 0.19, 1.3)};
 
 /// The car as vehicle.toml describes it.
 struct Described {
@@ -25,11 +27,11 @@ struct Described {
   void scale(int first, int n, double factor) { value.segment(first, n) *= factor; }
 };
 
-/// What vehicle.toml may be wrong by.
+/// Errors that vehicle.toml may have.
 struct Mistake {
   const char* name;
   std::function<void(Described&)> make;
-  bool told = false;  ///< the drive tells what it is of: springs, dampers, stabilisers, tyres
+  bool told = false;  ///< the drive determines its true value: springs, dampers, stabilisers, tyres
 };
 
 constexpr const char* kHeavyWheels = "wheel masses +5 %";
@@ -62,10 +64,10 @@ std::vector<Mistake> mistakes() {
            }}};
 }
 
-/// Share of the front left wheel's unbalance that is told for it; NaN: none.
+/// Estimated share of the front left wheel's unbalance; NaN: none.
 Complex told(const std::optional<UnknownVector>& x) {
   if (!x) return {std::nan(""), 0.0};
-  return Complex((*x)(kEstimatedUnbalance), (*x)(kEstimatedUnbalance + 1)) / kUnbalance[kWheel];
+  return Complex((*x)(kEstimatedUnbalance), (*x)(kEstimatedUnbalance + 1)) / kUnbalanceOfWheel[kStudiedWheel];
 }
 
 /// Keeps a NaN: no maximum may lose it.
@@ -73,7 +75,7 @@ void raise(double& worst, double value) {
   if (!(std::abs(value) <= worst)) worst = std::abs(value);
 }
 
-/// Bias of the mass against the error of what vehicle.toml says, taken as known and identified in the run.
+/// Bias of the mass against the error of the value in vehicle.toml, taken as known and identified in the run.
 Figure figure_of(const EndlessDrive& one, const EndlessDrive& four) {
   Figure figure{"parameters",
                 "Bias of the front left mass, 110 .. 130 km/h",
@@ -95,7 +97,8 @@ Figure figure_of(const EndlessDrive& one, const EndlessDrive& four) {
       known.scale(first, n, 1.0 + 0.01 * percent);
       const auto bias = [](Complex share) { return 100.0 * (std::abs(share) - 1.0); };
       fixed.x.push_back(percent), in_the_run.x.push_back(percent);
-      fixed.y.push_back(bias(one.fixed(known.geometry, known.value, kWheel, kWheel) / kUnbalance[kWheel]));
+      fixed.y.push_back(bias(one.fixed(known.geometry, known.value, kStudiedWheel, kStudiedWheel) /
+                             kUnbalanceOfWheel[kStudiedWheel]));
       in_the_run.y.push_back(bias(told(four.identified(known.geometry, known.value))));
     }
     figure.series.push_back(fixed), figure.series.push_back(in_the_run);
@@ -103,10 +106,10 @@ Figure figure_of(const EndlessDrive& one, const EndlessDrive& four) {
   return figure;
 }
 
-StudyResult summarise(const Json& settings, const std::vector<Json>&) {
+StudyResult summarise_parameters(const Json& settings, const std::vector<Json>&) {
   std::array<Complex, kWheels> alone{};
-  alone[kWheel] = kUnbalance[kWheel];
-  const EndlessDrive one(alone), four(kUnbalance);
+  alone[kStudiedWheel] = kUnbalanceOfWheel[kStudiedWheel];
+  const EndlessDrive one(alone), four(kUnbalanceOfWheel);
   const ParameterVector truth = nominal_parameters(one.vehicle());
   const auto percent = [](Complex share) { return 100.0 * (std::abs(share) - 1.0); };
   const auto degrees = [](Complex share) { return std::arg(share) * 180.0 / std::numbers::pi; };
@@ -120,8 +123,10 @@ StudyResult summarise(const Json& settings, const std::vector<Json>&) {
     Described known{geometry_of(one.vehicle().model), truth};
     mistake.make(known);
     const auto& [geometry, value] = known;
-    const Complex fixed = one.fixed(geometry, value, kWheel, kWheel) / kUnbalance[kWheel];
-    const double spurious = std::abs(four.fixed(geometry, value, kWheel, 1)) / std::abs(kUnbalance[1]);
+    const Complex fixed =
+        one.fixed(geometry, value, kStudiedWheel, kStudiedWheel) / kUnbalanceOfWheel[kStudiedWheel];
+    const double spurious =
+        std::abs(four.fixed(geometry, value, kStudiedWheel, 1)) / std::abs(kUnbalanceOfWheel[1]);
     const auto x = four.identified(geometry, value), y = four.identified_by_likelihood(geometry, value);
     const Complex instrument = told(x), likelihood = told(y);
     rows.push_back({{"error of vehicle.toml", mistake.name},
@@ -168,7 +173,7 @@ Study parameters_study() {
               "(table 7)",
           .options = {"--svg", "--markdown"},
           .settings = Json::object(),
-          .summarise = summarise};
+          .summarise = summarise_parameters};
 }
 
 }  // namespace roadbalance

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "common/bus/codec.hpp"
-#include "firmware/pack.hpp"
+#include "firmware/block_packer.hpp"
 #include "sim/conditioner.hpp"
 #include "sim/pulse_train.hpp"
 
@@ -17,12 +17,12 @@ namespace roadbalance {
 namespace {
 
 using std::numbers::pi;
-constexpr double kLearn_s = 2.0, kSeconds = 10.0, kMiddle_s = 0.5 * (kLearn_s + kSeconds);
+constexpr double kLearn_s = 2.0, kInjection_s = 10.0, kMiddle_s = 0.5 * (kLearn_s + kInjection_s);
 constexpr double kAmplitude_m_s2 = 10.0;
-constexpr double kAllowed_deg = 0.05, kAllowedShare = 0.001;
+constexpr double kAllowedError_deg = 0.05, kAllowedShare = 0.001;
 constexpr double kDrift_turns_s2 = 5.0 / 3.6 / 60.0 / (2.0 * std::numbers::pi * 0.3);  // 5 km/h a minute
 
-/// Of the generator, in turns.
+/// Phase of the generator, in turns.
 struct Motion {
   double turns_hz, drift_turns_s2;
 
@@ -51,7 +51,7 @@ VehicleConfig bench(const PhaseInjection& injection) {
   return vehicle;
 }
 
-/// A noiseless car, of which the conditioner knows its sensors only.
+/// A noiseless car, of which the conditioner gets the sensors only.
 sim::Scenario silent() {
   sim::Scenario scenario{};
   scenario.sensor = {};
@@ -62,7 +62,7 @@ std::vector<Scan> converted(const PhaseInjection& injection, const VehicleConfig
                             const Motion& motion) {
   const double step_s = 0.5 / injection.scan_rate_hz;
   sim::Conditioner conditioner(silent(), 1, vehicle, vehicle.node[0], step_s);
-  std::vector<Scan> scans(static_cast<std::size_t>(kSeconds * injection.scan_rate_hz));
+  std::vector<Scan> scans(static_cast<std::size_t>(kInjection_s * injection.scan_rate_hz));
   sim::SourceVector sources = sim::SourceVector::Zero();
   std::int64_t step = 0;
   for (std::size_t k = 0; k < scans.size(); ++k) {
@@ -95,7 +95,7 @@ class Demodulation final : public BlockSink {
     const ScanBlock scans = decode_scan(block_);
     for (std::int64_t row = 0; row < scans.header.scans; ++row) {
       const double t = static_cast<double>(scans.row_time_ns(row)) * 1e-9;
-      const double at = (t - kLearn_s) / (kSeconds - kLearn_s);
+      const double at = (t - kLearn_s) / (kInjection_s - kLearn_s);
       if (at <= 0.0 || at >= 1.0) continue;
       if ((scans.quality & kQualityNoReference0) != 0) ++unknown_;
       const auto& counts = scans.counts[static_cast<std::size_t>(row)];
@@ -134,9 +134,9 @@ std::complex<double> injected_over_sent(const PhaseInjection& injection, bool by
   const Motion motion{injection.turns_hz, injection.drift_turns_s2};
   const sim::PulseTrain train{.angle_rad = [&](double t) { return motion.angle_rad(t); }, .jitter_s = 1e-6};
   Demodulation demodulation(by_mean_speed ? std::optional(injection.turns_hz) : std::nullopt);
-  Sealer sealer(vehicle, vehicle.node[0], 1, demodulation, nullptr);
+  BlockPacker sealer(vehicle, vehicle.node[0], 1, demodulation, nullptr);
   sealer.start();
-  sealer.add(converted(injection, vehicle, motion), train.edges(0.0, kSeconds), false);
+  sealer.add(converted(injection, vehicle, motion), train.edges(0.0, kInjection_s), false);
   sealer.device_ended();
   static_cast<void>(sealer.finish());  // this sink always takes it
   const double speed = demodulation.mean_hz() / injection.turns_hz;
@@ -184,10 +184,10 @@ nlohmann::ordered_json phase_row(const std::string& name, const std::vector<doub
   return {{"case", name},
           {"rms_deg", std::sqrt(square / std::max(known, 1))},
           {"max_deg", largest},
-          {"allowed_rms_deg", kAllowed_deg},
-          {"allowed_max_deg", kAllowed_deg},
+          {"allowed_rms_deg", kAllowedError_deg},
+          {"allowed_max_deg", kAllowedError_deg},
           {"unknown_blocks", unknown},
-          {"met", known > 0 && unknown == 0 && largest <= kAllowed_deg}};
+          {"met", known > 0 && unknown == 0 && largest <= kAllowedError_deg}};
 }
 
 std::vector<nlohmann::ordered_json> phase_injection_rows() {

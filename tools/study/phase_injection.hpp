@@ -20,7 +20,7 @@ struct PhaseInjection {
   double sine_late_s = 0.0;     ///< on its way to the converter, as nothing in the chain corrects
 };
 
-/// What comes back of the sine, over what was sent: the sine through the simulated conditioner and its
+/// The returned sine over the one that was sent: the sine through the simulated conditioner and its
 /// filter, the pulses through the encoder and the filter's digital copy into channels 13 and 14, both sealed
 /// into blocks, and 8 s of the channel demodulated by the reference, over the square of their mean speed; a
 /// whole number of neither turns nor blocks.  No number where a reference was not known.

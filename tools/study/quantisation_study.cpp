@@ -7,6 +7,7 @@
 #include "tools/study/ideal_studies.hpp"
 #include "tools/study/statistics.hpp"
 #include "tools/study/trial_cases.hpp"
+#include "tools/views/number_json.hpp"
 
 namespace roadbalance {
 namespace {
@@ -16,7 +17,8 @@ constexpr double kRange_m_s2 = 50.0 * 9.80665;
 const char* const kExact = "exact";
 const char* const k12Bit = "12 bit, +-50 g";
 
-/// What converters make of eight sensors: on the body above each wheel, and on each wheel carrier.
+/// Passes the drive through eight sensors and their converters: on the body above each wheel, and on each
+/// wheel carrier.
 void pass_sensors(Stretch& stretch, const Geometry& geometry, std::uint64_t seed, double noise_m_s2,
                   int bits) {
   Eigen::Matrix<double, 2 * kWheels, kCoordinates> sensors = decltype(sensors)::Zero();
@@ -41,7 +43,7 @@ void pass_sensors(Stretch& stretch, const Geometry& geometry, std::uint64_t seed
 }
 
 const int kBits[] = {8, 10, 12, 14, 16, 24};
-const double kNoise_m_s2[] = {0.02, 0.1, 0.5};
+const double kNoiseCases_m_s2[] = {0.02, 0.1, 0.5};
 
 std::string of_bits(int bits) {
   return std::to_string(bits) + " bit, +-50 g";
@@ -50,7 +52,7 @@ std::string of_noise(double noise_m_s2) {
   return Json(noise_m_s2).dump() + " m/s2 white noise";
 }
 
-std::vector<TrialCase> cases_of(const Json& settings) {
+std::vector<TrialCase> quantisation_cases(const Json& settings) {
   std::vector<TrialCase> cases;
   const auto add = [&](const std::string& name, double noise_m_s2, int bits) {
     TrialCase one = four_wheels(name, settings["samples"].get<Eigen::Index>(), 0.95);
@@ -64,12 +66,12 @@ std::vector<TrialCase> cases_of(const Json& settings) {
   };
   add(kExact, 0.0, 0);
   for (const int bits : kBits) add(of_bits(bits), 0.0, bits);
-  for (const double noise : kNoise_m_s2) add(of_noise(noise), noise, 0);
+  for (const double noise : kNoiseCases_m_s2) add(of_noise(noise), noise, 0);
   return cases;
 }
 
-Json run(const StudyRun& run) {
-  return run_cases(cases_of(run.settings), run.seed);
+Json run_quantisation(const StudyRun& run) {
+  return run_cases(quantisation_cases(run.settings), run.seed);
 }
 
 /// Root mean square of what a case adds to the exact one's errors.
@@ -83,7 +85,7 @@ double added(const std::vector<Json>& runs, const TrialCase& one, const TrialCas
   return std::sqrt(sum / count);
 }
 
-/// What each estimator's unbalances and tyres gain in error over an axis of cases.
+/// Growth of the errors of each estimator's unbalances and tyres over an axis of cases.
 Figure figure_of(const Json& rows, const std::string& name, const std::string& title, const Axis& axis,
                  const auto& values, const auto& case_of) {
   Figure figure{name, title, axis, {"added, rms %", true}, {}};
@@ -100,8 +102,8 @@ Figure figure_of(const Json& rows, const std::string& name, const std::string& t
   return figure;
 }
 
-StudyResult summarise(const Json& settings, const std::vector<Json>& runs) {
-  const std::vector<TrialCase> cases = cases_of(settings);
+StudyResult summarise_quantisation(const Json& settings, const std::vector<Json>& runs) {
+  const std::vector<TrialCase> cases = quantisation_cases(settings);
   Json rows = Json::array();
   for (std::size_t i = 1; i < cases.size(); ++i)
     for (const EstimatorKind& kind : cases[i].estimators)
@@ -121,8 +123,8 @@ StudyResult summarise(const Json& settings, const std::vector<Json>& runs) {
                      rows, lines),
           {figure_of(rows, "quantisation", "What converters add to the errors", {"bits at +-50 g"}, kBits,
                      of_bits),
-           figure_of(rows, "noise", "What white noise adds to the errors", {"noise, m/s2", true}, kNoise_m_s2,
-                     of_noise)}};
+           figure_of(rows, "noise", "What white noise adds to the errors", {"noise, m/s2", true},
+                     kNoiseCases_m_s2, of_noise)}};
 }
 
 }  // namespace
@@ -133,8 +135,8 @@ Study quantisation_study() {
           .options = kIdealOptions,
           .settings = {{"samples", 20000}},
           .runs = 10,
-          .run = run,
-          .summarise = summarise};
+          .run = run_quantisation,
+          .summarise = summarise_quantisation};
 }
 
 }  // namespace roadbalance

@@ -9,6 +9,7 @@
 #include "tools/study/estimator_trial.hpp"
 #include "tools/study/ideal_studies.hpp"
 #include "tools/study/statistics.hpp"
+#include "tools/views/number_json.hpp"
 
 namespace roadbalance {
 namespace {
@@ -24,7 +25,7 @@ std::vector<double> speeds_of(const std::string& name) {
   return {60.0, 80.0, 100.0, 120.0, 140.0};
 }
 
-Json run(const StudyRun& run) {
+Json run_radial_force(const StudyRun& run) {
   Json result{{"seed", run.seed}};
   for (const char* name : {kNarrow, kWide}) {
     ChainDrive drive;
@@ -57,10 +58,10 @@ Json bound_row(const std::string& name) {
           {"sd of the force N", std::sqrt(covariance(1, 1))}};
 }
 
-/// What was said of the wheels of all runs.
+/// Answers for the wheels of all runs.
 struct Answered {
   std::size_t wheels = 0;
-  std::size_t refused = 0;                    ///< of which no unbalance was told
+  std::size_t refused = 0;                    ///< without an unbalance
   std::size_t separated = 0, equivalent = 0;  ///< of the others
   double percent(std::size_t part) const {
     return 100.0 * static_cast<double>(part) / static_cast<double>(wheels);
@@ -144,7 +145,7 @@ Figure in_sigmas(const std::vector<Json>& runs) {
   return figure;
 }
 
-StudyResult summarise(const Json& settings, const std::vector<Json>& runs) {
+StudyResult summarise_radial_force(const Json& settings, const std::vector<Json>& runs) {
   const Json rows{row_of(runs, kNarrow), row_of(runs, kWide)};
   const Json bounds{bound_row(kNarrow), bound_row(kMiddle), bound_row(kWide)};
   // An error in two dimensions is within two standard deviations of its components with 1 - e^-2, 86 %.
@@ -152,7 +153,7 @@ StudyResult summarise(const Json& settings, const std::vector<Json>& runs) {
     const WithinTwo share = within_two(runs, kWide, error, sigma);
     return share_line(line, share.percent, -std::expm1(-2.0), share.answers);
   };
-  // A wheel that was refused is one of which nothing was said: it counts against these two lines.
+  // A wheel that was refused has no answer: it counts against these two lines.
   const Answered narrow = answered(runs, kNarrow), wide = answered(runs, kWide);
   const Json lines{
       acceptance_line("110 .. 130 km/h: wheels of which 'not separable' is said, %",
@@ -182,8 +183,8 @@ Study radial_force_study() {
           .options = kIdealOptions,
           .settings = {{"seconds", 40.0}, {"force_n", 30.0}},
           .runs = 20,
-          .run = run,
-          .summarise = summarise};
+          .run = run_radial_force,
+          .summarise = summarise_radial_force};
 }
 
 }  // namespace roadbalance

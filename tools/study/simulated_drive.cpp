@@ -7,7 +7,7 @@
 #include "common/process/channel.hpp"
 #include "common/process/parallel.hpp"
 #include "firmware/seal_all.hpp"
-#include "host/identify/drive_estimator.hpp"
+#include "host/analysis/identify/drive_estimator.hpp"
 #include "sim/front_end.hpp"
 
 namespace roadbalance {

@@ -4,11 +4,11 @@
 #include <vector>
 
 #include "common/config/vehicle_config.hpp"
-#include "host/identify/drive_estimator.hpp"
+#include "host/analysis/identify/drive_estimator.hpp"
 
 namespace roadbalance {
 
-/// What is identified of one drive of the simulated car, its nodes and the identification without bus and
+/// Identification of one drive of the simulated car, its nodes and the identification without bus and
 /// record.
 ///
 /// The blocks are those the nodes would send, made by the same code.

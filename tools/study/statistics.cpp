@@ -1,4 +1,5 @@
 #include "tools/study/statistics.hpp"
+#include "tools/views/number_json.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -32,10 +33,6 @@ ErrorSizes sizes_of(const std::vector<double>& errors) {
   for (const double error : errors)
     sizes.push_back(std::isfinite(error) ? std::abs(error) : std::numeric_limits<double>::infinity());
   return {quantile(sizes, 0.5), quantile(sizes, 0.95), standard_deviation(errors)};
-}
-
-nlohmann::ordered_json number_or_null(double value) {
-  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
 }
 
 std::size_t answers_among(const std::vector<double>& values) {

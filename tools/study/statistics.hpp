@@ -8,7 +8,7 @@
 
 namespace roadbalance {
 
-/// Of `values` in any order; an infinity counts as the largest.  NaN: there are none.
+/// Quantile of `values` in any order; an infinity counts as the largest.  NaN: there are none.
 /// Between two values linearly, so that quantile(v, 0.5) of an even number is the mean of the middle two.
 /// @param part  0 .. 1
 double quantile(std::vector<double> values, double part);
@@ -23,10 +23,7 @@ struct ErrorSizes {
 /// Errors that are not numbers count as larger than all others.
 ErrorSizes sizes_of(const std::vector<double>& errors);
 
-/// JSON has neither infinity nor NaN: null.
-nlohmann::ordered_json number_or_null(double value);
-
-/// How many of the values are told, that is, finite.
+/// How many of the values are known, that is, finite.
 std::size_t answers_among(const std::vector<double>& values);
 
 /// Percentages between which the share lies of answers of which each is right with a probability: beyond

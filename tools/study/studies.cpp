@@ -23,7 +23,7 @@ Json run_demo(const StudyRun& run) {
   return demo_accuracy_run(run.seed, run.settings["drive_seconds"].get<double>());
 }
 
-/// How large what "seeds" say of their wheels is in how many of these.
+/// Distribution of the sizes of one number over the wheels of "seeds".
 Figure of_seeds(const Json& summary, const std::string& name, const std::string& title,
                 const std::string& unit, const std::vector<std::pair<std::string, std::string>>& keys) {
   Figure figure{name, title, {unit}, {"wheels with no more, %"}, {}};
@@ -92,7 +92,7 @@ std::string names(const auto& all, const auto& name_of) {
   return text;
 }
 
-/// Of numbers that a setting may be, by its key, which means the same to all studies.  Drives of less than a
+/// Bounds of a numeric setting by its key, which means the same to all studies.  Drives of less than a
 /// second have no spectrum; the bound needs a rough road, and a rear road that is not the front's alone.
 const std::map<std::string, Range> kAllowed{
     {"samples", {500.0, 1e7}},     {"road_gd_m3", {1e-9, 1.0}},  {"rear_coherence2", {0.0, 0.9999}},

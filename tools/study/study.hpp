@@ -15,23 +15,23 @@ namespace roadbalance {
 struct StudyRun {
   std::uint64_t seed;
   const nlohmann::ordered_json& settings;
-  const std::filesystem::path& folder;  ///< for its files, which nobody reads afterwards
+  const std::filesystem::path& folder;  ///< for its files, which are not read afterwards
 };
 
 struct StudyResult {
   /// {"tables": [{"title", "rows": [{column: value}]}],
-  /// "acceptance": [acceptance_line()], "accepted"} and what else there is to
-  /// say; without "acceptance" nothing was required, and with none in it nothing is accepted.
+  /// "acceptance": [acceptance_line()], "accepted"} and further
+  /// results; without "acceptance" nothing was required, and with none in it nothing is accepted.
   nlohmann::ordered_json summary;
   std::vector<Figure> figures;
 };
 
-/// An experiment repeated over many seeds, and what the runs say together.
+/// An experiment repeated over many seeds, and the summary of the runs.
 struct Study {
   std::string name;
   std::string line;                  ///< what it is, in one line
   std::vector<std::string> options;  ///< of `rb study`, beside --json, that mean something to it
-  nlohmann::ordered_json settings;   ///< what decides a run beside its seed, with what holds unless said
+  nlohmann::ordered_json settings;   ///< inputs of a run beside its seed, with their defaults
   int runs = 20;
   std::uint64_t seed = 1;
   /// A pure function of its argument.  None: there is nothing to repeat.
@@ -47,7 +47,7 @@ std::span<const Study> studies();
 /// @throws ConfigError naming the studies there are
 const Study& study_of(const std::string& name);
 
-/// Changes a setting as "key=value" says; the value is of the kind that it has already, an array's elements
+/// Changes a setting by "key=value"; the value is of the kind that it has already, an array's elements
 /// divided by commas.
 /// @throws ConfigError naming the settings there are, or what is allowed; `settings` are unchanged then
 void change_setting(nlohmann::ordered_json& settings, const std::string& change);

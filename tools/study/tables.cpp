@@ -41,7 +41,7 @@ std::vector<std::string> columns_of(const Json& table) {
   return columns;
 }
 
-std::string value_in(const Json& row, const std::string& column) {
+std::string cell_in(const Json& row, const std::string& column) {
   return row.contains(column) ? cell(row[column]) : "";
 }
 
@@ -51,7 +51,7 @@ std::string plain(const Json& table) {
   for (const std::string& column : columns) {
     widths[column] = width(column);
     for (const Json& row : table["rows"])
-      widths[column] = std::max(widths[column], width(value_in(row, column)));
+      widths[column] = std::max(widths[column], width(cell_in(row, column)));
   }
   std::string text = table["title"].get<std::string>() + "\n";
   const auto line = [&](const auto& value) {
@@ -60,8 +60,7 @@ std::string plain(const Json& table) {
     text += "\n";
   };
   line([](const std::string& column) { return column; });
-  for (const Json& row : table["rows"])
-    line([&](const std::string& column) { return value_in(row, column); });
+  for (const Json& row : table["rows"]) line([&](const std::string& column) { return cell_in(row, column); });
   return text + "\n";
 }
 
@@ -75,7 +74,7 @@ std::string markdown(const Json& table) {
   text += "\n" + rule + "\n";
   for (const Json& row : table["rows"]) {
     text += "|";
-    for (const std::string& column : columns) text += " " + value_in(row, column) + " |";
+    for (const std::string& column : columns) text += " " + cell_in(row, column) + " |";
     text += "\n";
   }
   return text + "\n";

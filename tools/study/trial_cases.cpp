@@ -5,8 +5,9 @@
 #include <numbers>
 
 #include "common/text/format.hpp"
-#include "host/identify/whittle_moments.hpp"
+#include "host/analysis/identify/whittle_moments.hpp"
 #include "tools/study/statistics.hpp"
+#include "tools/views/number_json.hpp"
 
 namespace roadbalance {
 namespace {
@@ -62,7 +63,7 @@ std::pair<double, double> against_tyre_bound(const BoundQuestion& question, cons
   return {square, efficiency};
 }
 
-/// Adds what the bound says, and how near the estimator comes.
+/// Adds the bound, and how near the estimator comes to it.
 void add_bound(Json& row, const TrialCase& one, const std::string& estimator, const std::vector<Json>& runs) {
   const BoundQuestion question = bound_question(one);
   const UnknownMatrix bound = cramer_rao(question);
@@ -116,10 +117,11 @@ TrialCase four_wheels(const std::string& name, Eigen::Index samples, double rear
                 {},
                 {0, 1, 2, 3}};
   one.drive.scenario.road.rear_coherence2 = rear_coherence2;
-  constexpr double kGrams[kWheels] = {30.0, 20.0, 25.0, 15.0}, kDegrees[kWheels] = {40.0, -97.0, 160.0, 75.0};
+  constexpr double kGrams[kWheels] = {30.0, 20.0, 25.0, 15.0},
+                   kAngles_deg[kWheels] = {40.0, -97.0, 160.0, 75.0};
   for (std::size_t w = 0; w < kWheels; ++w) {
     one.drive.scenario.wheel[w].unbalance_kg_m =
-        std::polar(1e-3 * kGrams[w] * 0.19, kDegrees[w] * std::numbers::pi / 180.0);
+        std::polar(1e-3 * kGrams[w] * 0.19, kAngles_deg[w] * std::numbers::pi / 180.0);
     one.question.asked.set(kEstimatedUnbalance + 2 * w).set(kEstimatedUnbalance + 2 * w + 1);
   }
   return one;

@@ -18,7 +18,7 @@ struct TrialCase {
   Question question;
   std::vector<EstimatorKind> estimators;
   std::vector<int> wheels;  ///< that are judged
-  /// What the sensors make of the drive; none: nothing.
+  /// Adds the sensors' errors to the drive; none: exact sensors.
   std::function<void(Stretch& stretch, std::uint64_t seed)> spoil{};
 };
 
@@ -35,7 +35,7 @@ std::vector<EstimatorKind> registered(const std::vector<std::string>& names);
 /// All cases with one seed: {"seed", CASE: {ESTIMATOR: [errors_of() each wheel]}}.
 nlohmann::ordered_json run_cases(const std::vector<TrialCase>& cases, std::uint64_t seed);
 
-/// Errors of one kind, all runs and judged wheels; NaN where nothing is told.
+/// Errors of one kind, all runs and judged wheels; NaN where nothing is known.
 std::vector<double> errors_in(const std::vector<nlohmann::ordered_json>& runs, const TrialCase& one,
                               const std::string& estimator, const char* key);
 
@@ -54,7 +54,7 @@ std::string whittle_band();
 std::size_t answers_in(const nlohmann::ordered_json& rows, const std::string& name,
                        const std::string& estimator);
 
-/// What a column says of a case and estimator; NaN: nothing.
+/// A column's value for a case and estimator; NaN: none.
 double value_in(const nlohmann::ordered_json& rows, const std::string& name, const std::string& estimator,
                 const std::string& column);
 

@@ -9,7 +9,7 @@
 #include <wire/scan_block_t.hpp>
 
 #include "common/bus/types.hpp"
-#include "common/link/crc32c.hpp"
+#include "common/types/crc32c.hpp"
 
 namespace roadbalance {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/link/crc32c.hpp"
+#include "common/types/crc32c.hpp"
 
 namespace roadbalance::test {
 

@@ -9,8 +9,8 @@
 #include "common/bus/clock_messages.hpp"
 #include "common/bus/recorder_status.hpp"
 #include "common/bus/wire_format.hpp"
-#include "common/clock/bounded_time.hpp"
 #include "common/test/bit_flips.hpp"
+#include "common/types/bounded_time.hpp"
 
 namespace roadbalance {
 namespace {

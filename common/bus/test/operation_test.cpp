@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "common/bus/control.hpp"
+#include "common/bus/control_messages.hpp"
 #include "common/bus/recorder_status.hpp"
 #include "common/test/bit_flips.hpp"
 
@@ -20,7 +20,9 @@ Request some_request() {
           .node = 2,
           .channel = 11,
           .value = {50.0, -1.5},
-          .text = "Brücke"};
+          .text = "Brücke",
+          .nodes = "front, 2",
+          .who = "rb of anna at laptop"};
 }
 
 TEST(Operation, ARequestArrivesAsItWasSent) {
@@ -118,6 +120,28 @@ TEST(Operation, AReceiptArrivesAsItWasSent) {
     other.sums_agree = sums_agree;
     EXPECT_EQ(decode_receipt(encode(other))->sums_agree, sums_agree);
   }
+}
+
+TEST(Operation, AReceiptSaysWhenItsNodeWasAwayAndWhoStopped) {
+  Receipt sent = some_receipt();
+  sent.absence = "never came";
+  sent.stopped_by = "rb of anna at laptop";
+  const auto receipt = decode_receipt(encode(sent));
+  ASSERT_TRUE(receipt);
+  EXPECT_EQ(receipt->absence, sent.absence);
+  EXPECT_EQ(receipt->stopped_by, sent.stopped_by);
+}
+
+TEST(Operation, AStatusNamesTheNodesThatAreAbsentAsFarAsItHasRoom) {
+  RecorderStatus sent{.left_out = 65};
+  for (std::int32_t node = 1; node <= 20; ++node) sent.absent.push_back({node, AbsenceCause::kNeverCame});
+  const auto status = decode_recorder_status(encode(sent));
+  ASSERT_TRUE(status);
+  ASSERT_EQ(status->absent.size(), kMostAbsentNamed);
+  EXPECT_EQ(status->absent.back(), (AbsentNode{16, AbsenceCause::kNeverCame}));
+  EXPECT_EQ(status->left_out, 65);
+  EXPECT_FALSE(decode_recorder_status(encode(RecorderStatus{.absent = {{1, AbsenceCause::kNone}}})));
+  EXPECT_FALSE(decode_recorder_status(encode(RecorderStatus{.absent = {{0, AbsenceCause::kSilent}}})));
 }
 
 TEST(Operation, AReceiptOfNothingNamesNoNode) {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "common/bus/other_wire.hpp"
-#include "common/link/block.hpp"
+#include "common/types/block.hpp"
 
 namespace roadbalance {
 namespace {

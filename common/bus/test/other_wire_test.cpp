@@ -4,7 +4,7 @@
 #include <unistd.h>
 
 #include "common/bus/bus.hpp"
-#include "common/bus/control.hpp"
+#include "common/bus/control_messages.hpp"
 #include "common/bus/results.hpp"
 #include "common/bus/test/foreign_message.hpp"
 

@@ -5,8 +5,8 @@
 namespace roadbalance {
 namespace {
 
-RecordingReceipt receipt() {
-  RecordingReceipt sent{.number = 1, .recordings = 2, .name = "drive1", .vehicle = "a car"};
+RecordingSummary receipt() {
+  RecordingSummary sent{.number = 1, .recordings = 2, .name = "drive1", .vehicle = "a car"};
   sent.state = RecordingState::kIncomplete;
   sent.place = "/var/lib/drives";
   sent.first_us = 10;
@@ -60,7 +60,7 @@ TEST(Recording, ComesBackAsItWasSent) {
 }
 
 TEST(Recording, OfMoreNodesAndMarksTellsTheFirst) {
-  RecordingReceipt sent = receipt();
+  RecordingSummary sent = receipt();
   for (std::int32_t k = 3; k <= 20; ++k) {
     sent.node.push_back({.node = k});
     sent.mark.push_back({k, "m"});
@@ -75,7 +75,7 @@ TEST(Recording, OfMoreNodesAndMarksTellsTheFirst) {
 
 TEST(Recording, RefusesWhatCannotBe) {
   const auto taken = [](auto spoil) {
-    RecordingReceipt sent = receipt();
+    RecordingSummary sent = receipt();
     spoil(sent);
     return decode_recording(encode(sent)).has_value();
   };

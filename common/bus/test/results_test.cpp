@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "common/link/block.hpp"
+#include "common/types/block.hpp"
 
 namespace roadbalance {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "common/link/crc32c.hpp"
 #include "common/test/source.hpp"
+#include "common/types/crc32c.hpp"
 
 namespace roadbalance {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "common/link/block.hpp"
+#include "common/types/block.hpp"
 
 namespace roadbalance {
 namespace {
@@ -44,8 +44,8 @@ TEST(ClockMap, EachInstantByTheFitsAroundIt) {
   EXPECT_FALSE(map.is_known());
 }
 
-// A recorder begins anew: what the node kept follows for a while, and a fit each second, the first of which
-// knows no drift.
+// A recorder begins anew: the blocks that the node kept follow for a while, and a fit each second, the first
+// of which has no drift.
 TEST(ClockMap, BehindAHoleItsBeginningHoldsUntilWhatWasKeptHasCome) {
   ClockMap map;
   map.take(fit_at(99 * kSecond_ns));
@@ -63,7 +63,7 @@ TEST(ClockMap, BehindAHoleItsBeginningHoldsUntilWhatWasKeptHasCome) {
   EXPECT_EQ(map.fits(), std::vector{broken});
 }
 
-// A recorder that is started again in the minute behind a hole knows no more than its segment says.
+// A recorder that is started again in the minute behind a hole has only what its segment holds.
 TEST(ClockMap, TheFitsOfAMapMakeTheSameMap) {
   ClockMap map, again;
   for (std::int64_t s = 98; s < 480; ++s) {

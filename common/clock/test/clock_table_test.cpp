@@ -51,7 +51,7 @@ TEST(ClockTable, WhatWasKnownHoldsWhileARecorderThatHasJustBegunKnowsNothing) {
   EXPECT_EQ(only_row(table).known.last(), second);
 }
 
-// A folder in which a recorder went on begins with fits of the one before, and says some of them again.
+// A folder in which a recorder went on begins with fits of the one before, and repeats some of them.
 TEST(ClockTable, AFitOfBeforeSaysNothingNew) {
   ClockTable table;
   table.take(locked(49));

@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "common/link/block.hpp"
 #include "common/test/bit_flips.hpp"
+#include "common/types/block.hpp"
 
 namespace roadbalance {
 namespace {

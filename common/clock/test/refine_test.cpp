@@ -86,7 +86,7 @@ TEST(Refine, IsBetterThanWhatWasKnownLive) {
   EXPECT_GE(better, kSeeds * 3 / 4);
 }
 
-/// Instants whose fit is further off than it says; each has to have one.
+/// Instants whose fit is further off than its sigma; each has to have one.
 int far_off(const Recorded& recorded) {
   RefinedFits fits(refine(recorded.exchanges));
   return static_cast<int>(std::ranges::count_if(recorded.truth, [&fits](const Instant& instant) {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <random>
 
-#include "common/clock/exchange.hpp"
+#include "common/types/exchange.hpp"
 
 namespace roadbalance::test {
 

@@ -10,7 +10,9 @@ import unittest
 BIN = pathlib.Path(os.environ["RB_BIN"])
 MANUAL = BIN.parent / "manual"
 # rb-mpi is built where there is MPI.
-PROGRAMS = ("rb", "rb-analyser", "rb-node", "rb-recorder", "rb-recordings", "rb-web") + (("rb-mpi",) if (BIN / "rb-mpi").exists() else ())
+PROGRAMS = ("rb", "rb-analyser", "rb-node", "rb-recorder", "rb-recordings", "rb-study", "rb-web") + \
+    (("rb-mpi",) if (BIN / "rb-mpi").exists() else ())
+OF_THEIR_OWN = (["rb", "study"], ["rb", "mpi"])  # commands that are programs
 
 
 def run(*words):
@@ -25,9 +27,12 @@ def help_of(words):
 def commands_of(words):
     """The words of a command and of all below it, as --help lists them."""
     yield words
-    listed = help_of(words).partition("Subcommands:\n")[2].partition("\n\n")[0]
-    for name in re.findall(r"^  (\S+) ", listed, re.MULTILINE):
-        yield from commands_of([*words, name])
+    groups = re.findall(r"^([A-Z][a-z ]*):\n((?: .*\n)+)", help_of(words), re.MULTILINE)
+    for title, listed in groups:
+        if title not in ("Positionals", "Options"):
+            for name in re.findall(r"^  (\S+) ", listed, re.MULTILINE):
+                if [*words, name] not in OF_THEIR_OWN:
+                    yield from commands_of([*words, name])
 
 
 class ManualPages(unittest.TestCase):
@@ -57,6 +62,17 @@ class ManualPages(unittest.TestCase):
             script = f'source "{MANUAL}/{program}/{program}.bash"; COMP_WORDS=({program} --he); COMP_CWORD=1; ' \
                      f'_{program.replace("-", "_")}; echo "${{COMPREPLY[@]}}"'
             self.assertEqual(run("bash", "--norc", "-c", script), (0, "--help\n", ""), program)
+
+    def test_bash_completes_what_follows_a_program_that_is_called_as_a_command(self):
+        script = f'source "{MANUAL}/rb/rb.bash"; source "{MANUAL}/rb-study/rb-study.bash"; ' \
+                 'COMP_WORDS=(rb study fig3 --ru); COMP_CWORD=3; _rb; echo "${COMPREPLY[@]}"'
+        self.assertEqual(run("bash", "--norc", "-c", script), (0, "--runs\n", ""))
+
+    def test_every_program_says_its_version(self):
+        for program in PROGRAMS:
+            code, text, trouble = run(BIN / program, "--version")
+            self.assertEqual((code, trouble), (0, ""), program)
+            self.assertRegex(text, rf"^{program} \d+\.\d+\.\d+\n$")
 
     def test_bash_completes_what_an_option_takes(self):
         for words, expected in ((("rb", "export", "--format", ""), "candump csv hdf5 mat mcap mdf4 uff58 wav"),

@@ -8,6 +8,7 @@
 #include <set>
 #include <sstream>
 
+#include "common/command_line/run_program.hpp"
 #include "common/test/temporary_directory.hpp"
 
 namespace roadbalance {
@@ -17,7 +18,7 @@ class Manual : public testing::Test {
  protected:
   Manual() {
     app_.require_subcommand(1);
-    app_.footer("Exit codes: 0 done, 2 usage.\n.hidden request?");
+    app_.footer("Exit codes: 0 done, 2 usage.\n.hidden request?\n\nThe car is simulated.");
     CLI::App* take = app_.add_subcommand("take", "Takes what is \"there\" - or C:\\not");
     take->add_option("folder", folder_, "the recording")->required();
     take->add_option("-o,--output", output_, "file to make")->required();
@@ -27,6 +28,7 @@ class Manual : public testing::Test {
     CLI::App* set = app_.add_subcommand("set", "Sets things");
     set->add_subcommand("filter", "Sets the filter")->add_option("names", names_, "of channels");
     set->add_subcommand("range", "Sets the range");
+    list_program(app_, "study", "Studies many cars")->group("Develop");
     add_manual(app_);
   }
 
@@ -55,11 +57,12 @@ class Manual : public testing::Test {
     EXPECT_EQ(output_of("groff -man -Tutf8 -ww -z " + path), "") << "groff warns";
     return output_of("groff -man -Tutf8 -P-cbou -rLL=100n " + path);
   }
-  /// What bash offers after these words, of which the last is begun.
-  std::set<std::string> offered(const std::string& words, int number) const {
-    std::istringstream lines(output_of("bash --norc -c 'source " + folder_of_pages() + "/car.bash; cd " +
-                                       directory_.path().string() + "; COMP_WORDS=(" + words +
-                                       "); COMP_CWORD=" + std::to_string(number) +
+  /// The words that bash offers after these, the last of which is begun.
+  std::set<std::string> offered(const std::string& words, int number,
+                                const std::string& first = "true") const {
+    std::istringstream lines(output_of("bash --norc -c '" + first + "; source " + folder_of_pages() +
+                                       "/car.bash; cd " + directory_.path().string() + "; COMP_WORDS=(" +
+                                       words + "); COMP_CWORD=" + std::to_string(number) +
                                        "; _car; printf \"%s\\n\" \"${COMPREPLY[@]}\"'"));
     std::set<std::string> all;
     for (std::string line; std::getline(lines, line);) all.insert(line);
@@ -90,7 +93,7 @@ TEST_F(Manual, SaysWhatHelpSays) {
   for (const char* part :
        {"car-take - Takes what is \"there\" - or C:\\not", "car take --output TEXT [options] folder",
         "ARGUMENTS", "the recording", "file to make", "--from FLOAT", "begin, s; default: 1.5", "--json",
-        "EXIT STATUS", "0 done, 2 usage.", ".hidden request?", "car(1)"})
+        "EXIT STATUS", "0 done, 2 usage.", ".hidden request?", "NOTES", "The car is simulated.", "car(1)"})
     EXPECT_NE(page.find(part), std::string::npos) << part << " is not in\n" << page;
   EXPECT_EQ(page.find("secret"), std::string::npos);
   EXPECT_NE(read("car-set").find("car-set-filter(1)"), std::string::npos);
@@ -100,10 +103,23 @@ TEST_F(Manual, SaysWhatHelpSays) {
 TEST_F(Manual, BashCompletesCommandsAndOptions) {
   write();
   using Words = std::set<std::string>;
-  EXPECT_EQ(offered("car ''", 1), (Words{"set", "take"}));
+  EXPECT_EQ(offered("car ''", 1), (Words{"set", "study", "take"}));
   EXPECT_EQ(offered("car set f", 2), Words{"filter"});
   EXPECT_EQ(offered("car take --", 2), (Words{"--help", "--output", "--from", "--json"}));
   EXPECT_EQ(offered("car take --from 2 --j", 4), Words{"--json"});
+}
+
+TEST_F(Manual, ListsAProgramInItsGroupAndLeavesTheRestToIt) {
+  write();
+  const std::string page = read("car");
+  const std::size_t group = page.find("Develop");
+  ASSERT_NE(group, std::string::npos) << page;
+  EXPECT_GT(page.find("car-study(1)"), group) << page;
+  EXPECT_LT(page.find("car-take(1)"), group) << page;
+  using Words = std::set<std::string>;
+  EXPECT_EQ(offered("car study --runs fo", 3, "_car_study() { COMPREPLY=($COMP_CWORD ${COMP_WORDS[@]}); }"),
+            (Words{"2", "car-study", "--runs", "fo"}));
+  EXPECT_EQ(offered("car study --", 2), Words{""}) << "its completion is not there";
 }
 
 TEST_F(Manual, BashCompletesFilesForValuesAndArguments) {

@@ -4,8 +4,8 @@
 
 #include "common/config/test/refusal.hpp"
 #include "common/config/vehicle_config.hpp"
-#include "common/frontend/front_end.hpp"
 #include "common/test/source.hpp"
+#include "common/types/scan.hpp"
 
 namespace roadbalance {
 namespace {

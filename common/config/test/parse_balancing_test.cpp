@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-/// The demonstration car, of whose wheels nobody tells where weights go.
+/// The demonstration car, whose file does not name the places of weights.
 std::string demo() {
   static const std::regex places(
       R"((# Where weights go[^\n]*\n)?\[\[wheel\.place\]\]\n([a-z_]+ = [^\n]+\n)+)");
@@ -91,7 +91,7 @@ TEST(Balancing, TakesWhatWeightsAndPlacesThereAre) {
   EXPECT_EQ(vehicle.seat[1].weight, 0.25);
 }
 
-// What is not told of a weight is that of the first place that has all else; a weight may sit on none of
+// Values missing for a weight are those of the first place that has all else; a weight may sit on none of
 // them.
 TEST(Balancing, FindsThePlaceOfAFittedWeight) {
   const auto where = [](const std::string& told) {

@@ -26,7 +26,7 @@ std::string refusal(const std::string& text, const TablePath& path, const std::s
   }
 }
 
-/// `text` has one "@" where something is changed, from what the first to what the second string says.
+/// `text` has one "@" where something is changed, from the first string to the second.
 void expect_changed(std::string text, const std::string& from, const std::string& to,
                     const TablePath& path = kEncoder) {
   std::string expected = text;
@@ -89,7 +89,7 @@ TEST(WithValue, RefusesWhatIsNotThereOrCannotBePlaced) {
   // A line more would belong to the wheel, not to its dotted table.
   EXPECT_NE(refusal("[[wheel]]\nname = 'right'\nencoder.x = 1\n", kEncoder).find("set it to 12.5 by hand"),
             std::string::npos);
-  // What only its inner table's header says has no place of its own.
+  // A table that is named by its inner table's header only has no place of its own.
   EXPECT_NE(refusal("[a.b]\nx = 1\n", {{"a"}}).find("by hand"), std::string::npos);
   EXPECT_NE(refusal("[a\n", {{"a"}}).find("car.toml:1: not TOML"), std::string::npos);
   EXPECT_NE(refusal("[a]\n", {{"a"}}, "key", "1\nb = 2").find("by hand"), std::string::npos);

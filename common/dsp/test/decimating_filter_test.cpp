@@ -15,7 +15,7 @@ Eigen::MatrixXd whole_numbers(Eigen::Index rows, Eigen::Index columns) {
   return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return whole(random); });
 }
 
-/// Of whole numbers every order of summing gives the same.
+/// With whole numbers every order of summing gives the same.
 void expect_sums(DecimatingFilter& filter, int factor, const Eigen::VectorXd& taps, std::int64_t first,
                  Eigen::Index channels) {
   const Eigen::Index n = taps.size();

@@ -54,5 +54,19 @@ TEST(FractionalDelay, KeepsAConstant) {
     EXPECT_NEAR(delay.taps(fraction).sum(), 1.0, 1e-14);
 }
 
+// Fused, a product and a sum are rounded once, and only processors that can do so would.
+TEST(FractionalDelay, RoundsEachProductAndTheirSum) {
+  const FractionalDelay delay;
+  constexpr double kPart = 0.3125, kStep = 1.0 / 256.0;  // exact, and so is the place between two columns
+  for (int f = 0; f < 256; ++f) {
+    const auto below = delay.taps(f * kStep), above = delay.taps((f + 1) * kStep);
+    const auto between = delay.taps((f + kPart) * kStep);
+    for (int k = 0; k < FractionalDelay::kTaps; ++k) {
+      const volatile double one = (1.0 - kPart) * below(k), other = kPart * above(k);
+      EXPECT_EQ(between(k), one + other) << f << ' ' << k;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace roadbalance

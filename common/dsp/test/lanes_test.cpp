@@ -39,7 +39,7 @@ TEST(Lanes, AreThoseOfTheProcessorOrFewerWhereATestAsks) {
   unsetenv(kMostLanesVariable);
 }
 
-/// What filters make of noise, on up to 13 channels, so that no width divides them.
+/// Filtered noise, on up to 13 channels, so that no width divides them.
 std::vector<double> filtered() {
   std::mt19937 random(1);
   std::normal_distribution<double> noise;

@@ -30,8 +30,8 @@ TEST(MeanDelay, IsTheDelayOfItsOutput) {
                         spectra.step_hz());
   };
   ASSERT_TRUE(delay(0, 1));
-  // Coherence 0.5 and 80 averages tell each phase to 0.08 rad; slopes from bin to bin add up to that of the
-  // first to the last, 0.11 rad over 500 Hz: 36 us, and somewhat more by unequal weights.  Four sigma.
+  // Coherence 0.5 and 80 averages determine each phase to 0.08 rad; slopes from bin to bin add up to that of
+  // the first to the last, 0.11 rad over 500 Hz: 36 us, and somewhat more by unequal weights.  Four sigma.
   EXPECT_NEAR(*delay(0, 1), 3.0 / kRate_hz, 2e-4);
   EXPECT_NEAR(*delay(1, 0), -3.0 / kRate_hz, 2e-4);
   EXPECT_FALSE(mean_delay_s({}, 1.0)) << "no bin tells";

@@ -49,9 +49,9 @@ Eigen::Vector2cd measured(double frequency_hz, int input) {
   return {Complex(x(0, 0), x(1, 0)), Complex(x(0, 1), x(1, 1))};
 }
 
-// What is dynamic errs by theta^4 / 90, and by what folds at a sample rate's distance: its gain there, under
+// The dynamic part errs by theta^4 / 90, and by what folds at a sample rate's distance: its gain there, under
 // sinc^2 and falling with 1 / s at least, is less than (theta / (2 pi - theta))^3 of that at theta, on either
-// side.  What passes straight through is exact.
+// side.  The part that passes straight through is exact.
 TEST(MotionFilter, HasTheFrequencyResponseOfTheEquation) {
   const MotionEquation e = quarter();
   const Eigen::Matrix2cd straight = (e.M.inverse() * e.B2).cast<Complex>();

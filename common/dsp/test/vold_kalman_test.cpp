@@ -122,7 +122,7 @@ double cost_of_blocks(const Crossing& crossing) {
   blocks.end_run();
   EXPECT_EQ(told, Crossing::kSamples);
 
-  // A run too short for any envelope that does not hang on its ends tells nothing, nor does it reach the
+  // A run too short for any envelope that does not hang on its ends gives nothing, nor does it reach the
   // next.
   for (Eigen::Index i = 0; i < filter.reach(); ++i)
     blocks.add(Eigen::VectorXd::Constant(1, 1e6), crossing.phase.row(i).transpose());
@@ -135,7 +135,7 @@ TEST(VoldKalman, InBlocksIsWhatItIsOverTheWhole) {
   Crossing apart(0.5);
   apart.phase.col(1) = chirp(Crossing::kSamples, 24.0, 36.0);
   EXPECT_LT(cost_of_blocks(apart), 1e-5);
-  // What tells crossing orders apart lies further away; noise scatters them by 0.1 here.
+  // Instants that separate crossing orders lie further away; noise scatters them by 0.1 here.
   EXPECT_LT(cost_of_blocks(Crossing(0.5)), 0.01);
 }
 

@@ -7,7 +7,7 @@
 namespace roadbalance {
 namespace {
 
-// Of whole numbers every order of summing gives the same.
+// With whole numbers every order of summing gives the same.
 TEST(WeightedSum, EqualsTheProductAndWritesNothingElse) {
   std::mt19937 random(1);
   std::uniform_int_distribution<int> whole(-1000, 1000);
@@ -26,6 +26,21 @@ TEST(WeightedSum, EqualsTheProductAndWritesNothingElse) {
       EXPECT_EQ(sum(0), 0.5);
       EXPECT_EQ(sum(rows + 1), 0.5);
     }
+}
+
+// Fused, a product and a sum are rounded once, and only processors that can do so would.
+TEST(WeightedSum, RoundsEachProductAndEachSum) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> real(-1.0, 1.0);
+  Eigen::MatrixXd columns(64, 2);
+  Eigen::VectorXd weight(2), sum(64);
+  for (double& value : columns.reshaped()) value = real(random);
+  for (double& value : weight) value = real(random);
+  weighted_sum(columns, weight, sum);
+  for (Eigen::Index r = 0; r < columns.rows(); ++r) {
+    const volatile double one = weight(0) * columns(r, 0), other = weight(1) * columns(r, 1);
+    EXPECT_EQ(sum(r), one + other) << r;
+  }
 }
 
 }  // namespace

@@ -186,7 +186,7 @@ TEST(MixedFrontEnd, MarksTheNextEdgeAfterLateOnesOfTheLine) {
 TEST(MixedFrontEnd, MarksTheNextEdgeAfterThoseItHadNoRoomFor) {
   constexpr std::size_t kRoom = 16'384;
   Rig rig;
-  const NodeTime start = now() + 500 * kMillisecond;  // nobody is late
+  const NodeTime start = now() + 500 * kMillisecond;  // none is late
   for (std::size_t k = 0; k < kRoom + 100; ++k)
     rig.side->edges.push_back(edge_at(start + static_cast<int>(k) * NodeClock::duration(100)));
   rig.side->complete = start - kMillisecond;

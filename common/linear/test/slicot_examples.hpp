@@ -8,8 +8,8 @@
 
 namespace roadbalance::test::slicot {
 
-/// Four digits behind the point are printed, 1.86155 as 1.8616.  What the programs estimate beside the
-/// solutions (separation, condition, error bound) is of SLICOT's own way and not here.
+/// Four digits behind the point are printed, 1.86155 as 1.8616.  The estimates that the programs print beside
+/// the solutions (separation, condition, error bound) are of SLICOT's own way and not here.
 inline constexpr double kPrinted = 0.5e-4 * (1.0 + 1e-6);
 
 inline Eigen::MatrixXd matrix(Eigen::Index rows, Eigen::Index columns,

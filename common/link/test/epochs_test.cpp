@@ -28,7 +28,7 @@ TEST_F(Epochs, ANewEpochClosesTheOldOneWithACrashGapOnceThatIsSilentForLong) {
   EXPECT_EQ(receiver.rival_heartbeats(), 0) << "a node that was started again is no rival";
 }
 
-// Two nodes with one number; what the second says is read first.
+// Two nodes with one number; the second one's blocks are read first.
 TEST_F(Epochs, WhoWasHeldHasHeardNobodyAndCallsNobodyDead) {
   take(beat(1, 1));
   take(beat(1, 1, kEpoch + 1));
@@ -218,7 +218,7 @@ TEST_F(Epochs, FloodsOfEpochsAndNodesStayWithinItsBounds) {
   EXPECT_LE(live_in_all, Receiver::kMostLiveInAll);
 }
 
-// While the disk waits, newer epochs push an ended one out; heard again it is no more durable than before.
+// While the disk waits, newer epochs push an ended one out; received again it is no more durable than before.
 TEST_F(Epochs, AnEndedEpochIsNotDurableForHavingBeenPushedOut) {
   const auto end = [](std::int64_t sequence) {
     SealedBlock sealed;

@@ -95,9 +95,8 @@ TEST_F(ReceiverTest, WhatTheNodeNoLongerHasBecomesAGapWithItsExactScans) {
   EXPECT_EQ(second.header.scans, 40);
 }
 
-// It may only have slept: what it holds behind the last block received without a hole is its own.
-// Behind a hole the end would say that the epoch is complete.
-// The recorder was killed after the sync and before the ack.
+// It may only have slept: blocks behind the last one received without a hole are its own. Behind a hole the
+// end would mean that the epoch is complete. The recorder was killed after the sync and before the ack.
 TEST_F(ReceiverTest, GivesNoNewCreditWhileTheDiskFails) {
   take(beat(1, 1));
   take(scans(1));
@@ -150,7 +149,8 @@ TEST_F(ReceiverTest, WaitsTwiceTheRoundTripOnceItIsKnown) {
   EXPECT_EQ(asked_ms, (std::vector<std::int64_t>{5, 10, 165, 170}));
 }
 
-// A recorder that comes late: what another one has is lost to it, and waits for the next block to be told.
+// A recorder that comes late: blocks that another one has are lost to it, and wait for the next block to be
+// declared.
 TEST_F(ReceiverTest, GivesCreditBehindALossThatIsNotDeclaredYet) {
   take(beat(10'001, 10'500));
   EXPECT_EQ(receiver.find(1, kEpoch)->received(), 10'000);
@@ -166,7 +166,8 @@ TEST_F(ReceiverTest, TheHighestSequenceAllowedBreaksNothing) {
   EXPECT_TRUE(out.empty());
 }
 
-// Whatever blocks say within their bounds, a gap that is declared between them is one that a reader accepts.
+// Whatever blocks carry within their bounds, a gap that is declared between them is one that a reader
+// accepts.
 TEST_F(ReceiverTest, AGapThatItDeclaresIsWithinTheBoundsOfEveryReader) {
   const auto at = [](std::int64_t sequence, std::int64_t first_scan, std::int64_t time_ns) {
     ScanBlock block;
@@ -217,7 +218,7 @@ TEST_F(ReceiverTest, ACrashAtTheHighestSequenceHasANumber) {
   EXPECT_EQ(sequences(), (Sequences{kIndexLimit - 1, kIndexLimit}));
 }
 
-// The node cannot give 4 back and does not know it: what it could give up first is 3, which we hold.
+// The node cannot give 4 back and does not report it: the first it could give up is 3, which we hold.
 TEST_F(ReceiverTest, DoesNotWaitForEverForTheBlockThatWouldTellHowMuchIsLost) {
   take(beat(1, 1));
   take(scans(1));
@@ -247,7 +248,7 @@ TEST_F(ReceiverTest, DoesNotWaitForEverForTheBlockThatWouldTellHowMuchIsLost) {
   EXPECT_EQ(sequences(), (Sequences{1, 2, 3, 4, 5, 6, 7})) << "it has waited in vain a moment ago";
 }
 
-// Another recorder had it: the node has given everything back and says how much there was.
+// Another recorder had it: the node has given everything back and reports how much there was.
 TEST_F(ReceiverTest, AnEndThatSomebodyElseGotLeavesAnExactGap) {
   take(beat(1, 1));
   take(scans(1));

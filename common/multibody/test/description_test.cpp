@@ -15,7 +15,7 @@ std::string quarter_car() {
   return test::read_source("common/multibody/descriptions/quarter_car.toml");
 }
 
-/// What is said of the quarter car with the first `from` replaced by `to`; its line is that of `at` then.
+/// The error for the quarter car with the first `from` replaced by `to`; its line is that of `at` then.
 void expect_refused(const std::string& from, const std::string& to, const std::string& at,
                     const std::string& said) {
   std::string text = quarter_car();

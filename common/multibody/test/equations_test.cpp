@@ -133,7 +133,7 @@ stiffness = "c"
   EXPECT_EQ(m.Q(0, 1), 0.0);
 }
 
-/// The car of R. N. Jazar, Vehicle Dynamics, example 508, without stabiliser.  His wheels are numbered round
+/// The car of R. N. Jazar, Vehicle Dynamics, example 508, without stabiliser.  Its wheels are numbered round
 /// the car, so that b1 = 0.7 m is at the front left and the rear right, b2 = 0.75 m at the others.  The
 /// frequencies were computed elsewhere from these numbers, to three decimals.
 TEST(Modes, OfJazarsCarAreThoseComputedElsewhere) {

@@ -61,7 +61,7 @@ TEST(Observability, OnePlaneIsToldByAnySensor) {
 
 TEST(Observability, ACoupleIsNotToldByVerticalMotionAlone) {
   const Description description = with_two_planes();
-  // Identical columns of T: nothing of the model knows which plane a force is in.
+  // Identical columns of T: the model does not show which plane a force is in.
   const AffineModel model = affine_model(derive(description));
   const auto planes = static_cast<Eigen::Index>(model.plane.size());
   ASSERT_EQ(model.plane[static_cast<std::size_t>(planes - 1)].name, "outer");
@@ -74,7 +74,7 @@ TEST(Observability, ACoupleIsNotToldByVerticalMotionAlone) {
       continue;
     }
     ASSERT_EQ(rotor.observable.cols(), 1);
-    // What is told is the sum, what is not the difference.
+    // The sum is observable, the difference is not.
     EXPECT_NEAR(std::abs(rotor.observable.col(0).sum()), std::sqrt(2.0), 1e-9);
     EXPECT_NEAR(std::abs(rotor.unobservable.col(0).sum()), 0.0, 1e-9);
     EXPECT_EQ(rotor.sentence,

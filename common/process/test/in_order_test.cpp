@@ -44,7 +44,7 @@ TEST(InOrder, IsNeverMoreThanItsBoundAhead) {
         return 0;
       },
       [&](int, int) {
-        // Of each of three: one waits to be sent, one waits to be taken, one was just taken by this one.
+        // For each of three: one waits to be sent, one waits to be taken, one was just taken by this one.
         EXPECT_LE(done, taken + 3 * 3);
         ++taken;
       });

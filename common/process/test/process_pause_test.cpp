@@ -16,7 +16,7 @@ TEST(Pause, IsOverNoSoonerThanItsTime) {
   EXPECT_GE(steady_clock::now() - begun, std::chrono::milliseconds(5));
 }
 
-// Of ten years it would not come back otherwise.
+// From ten years it would not come back otherwise.
 TEST(Pause, EndsAtOnceWhenToldToStop) {
   const auto ten_years = std::chrono::hours(87'600);
   bool went_on = true;

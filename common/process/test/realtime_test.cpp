@@ -15,7 +15,7 @@ bool says(const std::vector<std::string>& refused, const std::string& word) {
   return false;
 }
 
-// Whether the machine grants it is not ours to say; that the answer is true can be checked.
+// Whether the machine grants it is not ours to decide; that the answer is true can be checked.
 TEST(Realtime, SaysExactlyWhatWasRefused) {
   std::thread([] {
     const auto refused = enter_realtime(10);

@@ -61,7 +61,7 @@ std::uint64_t expect_each_byte_accounted_for(const FoundBlocks& found, Simulated
   return all;
 }
 
-// What must be true of a record after a power cut, before anybody touched it.
+// Conditions on a record after a power cut, before it is touched.
 void expect_nothing_lost(SimulatedDisk& disk, std::int64_t durable, FoundBlocks& found) {
   found = {};
   if (durable == 0 && (!path_exists(kFolder, disk) || segment_numbers(kFolder, disk).empty())) return;

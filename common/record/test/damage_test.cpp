@@ -149,7 +149,7 @@ TEST_F(Damaged, AFlippedBitCostsAtMostTheEventItIsInAndThatIsListed) {
   }
 }
 
-// The tail of a segment that was finished is no torn tail: its index says how long it was.
+// The tail of a segment that was finished is no torn tail: its index holds how long it was.
 TEST_F(Damaged, WhatIsMissingBeforeACommitIsNoTornTail) {
   record(16 << 10);
   const Piece& middle = pieces[pieces.size() / 2];

@@ -1,6 +1,7 @@
 #include "common/record/file.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 #include <fstream>
@@ -38,6 +39,28 @@ TEST(ReadText, OneThatIsLongerIsRefusedByItsNameWhereItIsNeeded) {
     EXPECT_EQ(error.code(), std::errc::file_too_large);
     EXPECT_NE(std::string(error.what()).find(folder / "recorder.json"), std::string::npos) << error.what();
   }
+}
+
+std::string refusal_of(const std::filesystem::path& path) {
+  try {
+    (void)File::open_segment(path);
+  } catch (const std::system_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+// A pipe would wait for ever, and a link leads anywhere.
+TEST(OpenSegment, WhatIsNoRegularFileIsNamedAndNotRead) {
+  const test::TemporaryDirectory folder;
+  ASSERT_EQ(mkfifo((folder / "seg-000001.lcm").c_str(), 0600), 0);
+  write_atomically(folder / "other", "text");
+  std::filesystem::create_symlink(folder / "other", folder / "seg-000002.lcm");
+  std::filesystem::create_symlink("/dev/zero", folder / "zero");
+  EXPECT_NE(refusal_of(folder / "seg-000001.lcm").find("seg-000001.lcm: no regular file"), std::string::npos);
+  EXPECT_NE(refusal_of(folder / "seg-000002.lcm").find("seg-000002.lcm: a link"), std::string::npos);
+  EXPECT_THROW((void)read_text(folder / "zero"), std::system_error);
+  EXPECT_EQ(refusal_of(folder / "other"), "");
 }
 
 TEST(ReadText, AnIndexThatIsLongerIsNone) {

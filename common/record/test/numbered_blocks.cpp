@@ -6,9 +6,9 @@
 #include <system_error>
 
 #include "common/bus/codec.hpp"
-#include "common/link/crc32c.hpp"
 #include "common/record/header_check.hpp"
 #include "common/record/log_event.hpp"
+#include "common/types/crc32c.hpp"
 
 namespace roadbalance::test {
 namespace {

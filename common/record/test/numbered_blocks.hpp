@@ -4,7 +4,8 @@
 #include <map>
 #include <vector>
 
-#include "common/record/record.hpp"
+#include "common/record/record_reader.hpp"
+#include "common/record/record_writer.hpp"
 
 namespace roadbalance::test {
 
@@ -25,7 +26,7 @@ struct FoundBlocks {
   std::vector<Stretch> altered_headers;  ///< as HeaderCheck finds them
   std::vector<RecordReader::Damage> damage;
 };
-/// Of a record that does not grow any more.
+/// For a record that does not grow any more.
 FoundBlocks find_blocks(const std::filesystem::path& folder, Disk& disk);
 
 /// 1, 2, ... last.

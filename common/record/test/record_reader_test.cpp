@@ -5,7 +5,7 @@
 #include <system_error>
 #include <utility>
 
-#include "common/record/record.hpp"
+#include "common/record/record_reader.hpp"
 #include "common/record/segment.hpp"
 #include "common/record/segment_index.hpp"
 #include "common/record/test/numbered_blocks.hpp"

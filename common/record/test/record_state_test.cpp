@@ -33,7 +33,7 @@ TEST(RecordState, RepeatsTheDescriptionOfAnEpochUntilItHasEnded) {
   add(end(first, 2), state);
   ASSERT_EQ(going_on(state).size(), 1u);
   EXPECT_TRUE(going_on(state).contains(second));
-  add(description(first, 0), state);  // as the segments say it that are read at a restart
+  add(description(first, 0), state);  // as in the segments that are read at a restart
   EXPECT_FALSE(going_on(state).contains(first));
 }
 

@@ -1,4 +1,5 @@
-#include "common/record/record.hpp"
+#include "common/record/record_reader.hpp"
+#include "common/record/record_writer.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -7,8 +8,8 @@
 #include <iterator>
 #include <random>
 
-#include "common/link/crc32c.hpp"
 #include "common/record/segment.hpp"
+#include "common/types/crc32c.hpp"
 
 namespace roadbalance {
 namespace {
@@ -68,7 +69,7 @@ class Record : public ::testing::Test {
     fs::resize_file(path, bytes.size());
   }
 
-  // What close() puts behind all that was appended.
+  // The events that close() puts behind all that was appended.
   static std::size_t last_commit_bytes() {
     return 28 + std::string_view(kCommitChannel).size() + encode(Commit()).size();
   }

@@ -10,7 +10,8 @@
 
 #include "common/bus/clock_messages.hpp"
 #include "common/bus/codec.hpp"
-#include "common/record/record.hpp"
+#include "common/record/record_reader.hpp"
+#include "common/record/record_writer.hpp"
 #include "common/record/segment.hpp"
 #include "common/record/test/simulated_disk.hpp"
 
@@ -182,7 +183,7 @@ TEST(RecordedClocks, AnOlderPairThatIsRepeatedBehindWallTimeSetBackIsNoHostBoote
   EXPECT_TRUE(clocks.host_ns(kOne, node_ns(kOne, 0)));
 }
 
-// Each fit is there once for who reads all of it, however often it is repeated.
+// Each fit is there once for a reader of all of it, however often it is repeated.
 TEST_F(RecordedClocksTest, WhoReadsTheWholeRecordIsGivenEachFitOnce) {
   begin();
   drive(kBlocksPerFit, 5 * kBlocksPerFit);
@@ -199,8 +200,9 @@ TEST_F(RecordedClocksTest, WhoReadsTheWholeRecordIsGivenEachFitOnce) {
   EXPECT_GT(events, fits);
 }
 
-// Holes, breaks of the time base, hosts booted anew and recorders that know nothing yet, in any order; at any
-// instant a segment may begin, and whoever begins there knows the clocks as whoever has read all of it.
+// Holes, breaks of the time base, hosts booted anew and recorders without any fit yet, in any order; at any
+// instant a segment may begin, and a reader that begins there has the same clocks as one that has read all of
+// it.
 TEST(RecordedClocks, WhoBeginsWithASegmentKnowsTheClocksFromThenOnAsWhoReadsAll) {
   std::mt19937_64 random(4711);
   const auto below = [&random](std::uint64_t n) { return static_cast<std::int64_t>(random() % n); };

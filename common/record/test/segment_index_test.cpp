@@ -47,7 +47,7 @@ TEST_F(SegmentIndexTest, IsReadAsItWasWrittenAndRefusedWithAnyByteChanged) {
   }
 }
 
-// Its CRC may be good all the same: who counts on from there must come to an end.
+// Its CRC may be good nevertheless: a reader that counts on from there must come to an end.
 TEST_F(SegmentIndexTest, NoNumberThatTheWireRefusesIsBelieved) {
   RecordState::Epoch highest;
   highest.position = {.contiguous = kIndexLimit, .next_scan = kIndexLimit};
@@ -150,8 +150,7 @@ TEST_F(SegmentIndexTest, ARestartGoesOnBehindDeletedSegmentsThoughNoneThatIsLeft
   EXPECT_EQ(read_index(kFolder, numbers.back(), disk)->epoch, holds);
 }
 
-// Where it is not known what came before, a count from there on would say less than the indexes that are
-// good.
+// Where it is not known what came before, a count from there on would be less than the indexes that are good.
 TEST_F(SegmentIndexTest, AGoodOneStaysWhereItsBeginningIsInAnotherFolder) {
   disk.put((kFolder / kContinuesFile).string(), {'/', 'a', '\n'});
   std::map<int, std::string> before;
@@ -218,7 +217,7 @@ TEST_F(SegmentIndexTest, OfTwoFoldersTheLargerPositionCounts) {
   EXPECT_EQ(behind.epoch.size(), 2u) << "what only the other folder knows";
 }
 
-// What lies behind the end of an abandoned segment was never called durable, and is given again in the next
+// Events behind the end of an abandoned segment were never called durable, and are given again in the next
 // one.
 TEST(AbandonedSegment, EndsWhereTheNextOneSays) {
   SimulatedDisk disk;

@@ -35,9 +35,9 @@ enum class DiskCall {
   kIdentity,
 };
 
-/// A disk in memory with a page cache and a platter, that fails, fills up, stalls and loses power as told.
+/// A disk in memory with a page cache and a platter, that fails, fills up, stalls and loses power as set.
 ///
-/// What was not synced, data or name, may be lost or torn by a power cut (see SimulatedFile and
+/// Data and names that were not synced may be lost or torn by a power cut (see SimulatedFile and
 /// SimulatedFolder).  One seed and the same calls give the same disk.  Paths are compared as written, from
 /// the root; "/" is there, and a relative path lies in it.  For one thread.
 ///
@@ -47,7 +47,7 @@ class SimulatedDisk final : public Disk {
   explicit SimulatedDisk(std::uint64_t seed = 1);
   ~SimulatedDisk() override;
 
-  /// What happens to one call.
+  /// The outcome of one call.
   struct Outcome {
     int error = 0;             ///< errno; 0: it is done
     bool short_write = false;  ///< of a write: half of it is done
@@ -71,8 +71,8 @@ class SimulatedDisk final : public Disk {
   std::int64_t used_bytes() const { return *used_bytes_; }
   void set_read_only(bool read_only) { read_only_ = read_only; }
 
-  /// The process that used the disk was killed: its descriptors and locks are gone, the page cache stays.
-  /// What is left of it may go on calling; every call on an old descriptor fails (EBADF).
+  /// The process that used the disk was killed: its descriptors and locks are gone, the page cache stays. The
+  /// rest of it may go on calling; every call on an old descriptor fails (EBADF).
   void kill();
   /// Every call fails (EIO) until power_on(), which shows what the platter has.
   void cut_power();
@@ -88,9 +88,9 @@ class SimulatedDisk final : public Disk {
   void plug_in(const std::string& folder);
   /// Another disk, empty, that gets the number of the one that was there, as soon as nothing is open of that.
   void replace(const std::string& folder);
-  /// What is open of it stays so, as with MNT_DETACH.
+  /// Files that are open of it stay so, as with MNT_DETACH.
   void unmount(const std::string& folder) { mounted_.at(folder).is_there = false; }
-  /// What was not synced may be lost; of what is open of it nothing works any more (EIO).
+  /// Data that were not synced may be lost; nothing that is open of it works any more (EIO).
   void pull_out(const std::string& folder);
 
   /// For tests, past all faults and costs; an empty one if there is no such file.
@@ -99,7 +99,7 @@ class SimulatedDisk final : public Disk {
   void put(const std::string& path, const std::vector<std::uint8_t>& bytes);
   /// A sector of a file, the one with this byte, that can never be read again (EIO).
   void spoil(const std::string& path, std::uint64_t offset) { spoilt_.emplace(path, offset); }
-  /// Alters one bit of a file, behind everybody's back.
+  /// Alters one bit of a file, unnoticed.
   void flip_bit(const std::string& path, std::uint64_t bit);
 
   int open(const char* path, int flags, mode_t mode) override;

@@ -110,7 +110,7 @@ TEST(SimulatedDisk, ARenameHappensAsAWholeOrNotAtAll) {
   EXPECT_EQ(seen, (std::set<std::string>{"old", "new"}));
 }
 
-// As on Linux: the second sync says success, and the data is not there.
+// As on Linux: the second sync returns success, and the data is not there.
 TEST(SimulatedDisk, AfterAFailedSyncTheNextOneSucceedsButTheDataMayBeLost) {
   int lost = 0;
   const Bytes data = pattern(4096, 3);

@@ -95,7 +95,7 @@ void SimulatedFile::resize(std::uint64_t size) {
   if (size > before) mark_dirty(before / kSectorBytes, round_up(size, kSectorBytes) / kSectorBytes);
 }
 
-// What the platter has in this sector, unless old_ knows.
+// The platter's content of this sector, unless old_ has it.
 SimulatedFile::Sector SimulatedFile::platter_sector(std::uint64_t sector) const {
   Sector bytes{};
   const std::uint64_t from = sector * kSectorBytes;

@@ -40,7 +40,7 @@ class SimulatedFile {
   /// The page cache is gone, the platter is what counts.
   /// @return sectors in it that are not as they were written last
   std::int64_t lose_power(std::mt19937_64& random);
-  /// Alters a byte behind everybody's back, in cache and platter.
+  /// Alters a byte unnoticed, in cache and platter.
   void damage(std::uint64_t offset, std::uint8_t flipped_bits);
 
  private:
@@ -68,7 +68,7 @@ class SimulatedFile {
   std::uint64_t platter_size_ = 0;
   std::uint64_t reserved_ = 0;
   std::map<std::uint64_t, std::uint64_t> dirty_;  // first sector -> one past the last; apart from one another
-  std::map<std::uint64_t, Old> old_;              // sectors whose old content cannot be told from the new
+  std::map<std::uint64_t, Old> old_;  // sectors whose old content cannot be distinguished from the new
 };
 
 }  // namespace roadbalance::test

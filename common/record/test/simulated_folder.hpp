@@ -53,7 +53,7 @@ class SimulatedFolder {
 };
 
 SimulatedFolder::Node new_folder();
-/// Of its own, all of it synced.
+/// Its own, all of it synced.
 SimulatedFolder::Node copy_of(const SimulatedNode& node, std::shared_ptr<std::int64_t> used_bytes);
 
 }  // namespace roadbalance::test

@@ -4,7 +4,7 @@
 
 #include <functional>
 
-#include "common/record/record.hpp"
+#include "common/record/record_writer.hpp"
 #include "common/record/segment.hpp"
 #include "common/test/temporary_directory.hpp"
 

@@ -30,7 +30,7 @@ SimulatedDisk::Fault syncs_fail() {
   };
 }
 
-// A sync fails, and the recorder is killed before it could say in the next segment where this one ends.
+// A sync fails, and the recorder is killed before it could note in the next segment where this one ends.
 void fail_and_be_killed(SimulatedDisk& disk) {
   Feeder feeder({.folder = kFolder}, disk);
   ASSERT_TRUE(feeder.append_through(kPromised) && feeder.sync());
@@ -134,9 +134,9 @@ void damage_event(SimulatedDisk& disk, int k, IsIt&& is_it) {
   FAIL() << "there is no such event";
 }
 
-// A block on the disk rots; then the power goes at the close, and of what was written since the last sync the
-// commit event of that sync is torn: only the last commit event, which goes with the tail, has said that the
-// block was there.
+// A block on the disk rots; then the power goes at the close, and of the events written since the last sync
+// the commit event of that sync is torn: only the last commit event, which goes with the tail, has shown that
+// the block was there.
 std::vector<std::int64_t> rot_and_tear(SimulatedDisk& disk) {
   {
     Feeder feeder({.folder = kFolder}, disk);
@@ -181,7 +181,7 @@ TEST(TakeOver, APowerCutWhileTheCommitEventIsSaidAgainTakesNothing) {
   }
 }
 
-// Its node has let go of it: told to begin again before the hole, it would call lost what lies behind.
+// Its node has let go of it: asked to begin again before the hole, it would declare lost what lies behind.
 TEST(TakeOver, WhatLiesBehindABlockThatRotsIsHeldAllTheSame) {
   SimulatedDisk disk;
   {
@@ -232,7 +232,7 @@ TEST(ReadState, GivesApartWhatMayHaveBeenPromisedWithoutACommitEvent) {
   EXPECT_EQ(unsure.back().block.header.sequence, kPromised);
 }
 
-// They repeat what is durable: whoever goes on in another folder begins its segments with them.
+// They repeat what is durable: a recorder that goes on in another folder begins its segments with them.
 TEST(ReadState, KnowsTheDescriptionsThatASegmentWithoutACommitEventBeginsWith) {
   SimulatedDisk disk;
   RecordWriter writer({.folder = kFolder}, disk);
@@ -251,8 +251,8 @@ TEST(ReadState, KnowsTheDescriptionsThatASegmentWithoutACommitEventBeginsWith) {
   EXPECT_EQ(state.vehicle.size(), 1u);
 }
 
-// What the fallback's segments begin with is all there is to know: the fit that the record of before ended
-// with would make a hole of the time since.
+// The fallback's segments begin with all there is: the fit that the earlier record ended with would make a
+// hole of the time since.
 TEST(TakeOver, InAFolderThatContinuesAnotherTheClocksAreThoseOfItsLastSegment) {
   SimulatedDisk disk;
   const auto append_fit = [](RecordWriter& writer, std::int64_t s) {

@@ -1,11 +1,11 @@
-// A sector that cannot be read: who only reads goes around it, who decides what is durable does not.
+// A sector that cannot be read: a reader goes around it, a writer that decides what is durable does not.
 #include <gtest/gtest.h>
 
 #include <cerrno>
 #include <string>
 #include <system_error>
 
-#include "common/record/record.hpp"
+#include "common/record/record_writer.hpp"
 #include "common/record/rescue_disk.hpp"
 #include "common/record/segment.hpp"
 #include "common/record/segment_index.hpp"
@@ -37,7 +37,7 @@ class UnreadableTest : public ::testing::Test {
   RescueDisk readable{disk};
 };
 
-// What is lost is the events that have a byte in the page, and those are the only ones.
+// Only the events that have a byte in the page are lost.
 TEST_F(UnreadableTest, AReaderLosesThePageAloneAndSaysWhy) {
   record(true);
   disk.spoil("/record/seg-000001.lcm", kBad);

@@ -67,6 +67,30 @@ TEST(WrittenSegment, WaitsForATimeWhenNobodyWaits) {
   EXPECT_FALSE(feeder.writer().tidy()) << "that was all";
 }
 
+// With the space that is reserved behind it: eighteen failures once left 294 MB.
+TEST(AbandonedSegment, IsCutAsSoonAsTheDiskLetsUs) {
+  SimulatedDisk disk;
+  Feeder feeder(kOptions, disk);
+  ASSERT_TRUE(feeder.append_through(3) && feeder.sync());
+  const std::string segment = segment_path(kFolder, 1).string();
+  const std::size_t durable = disk.content(segment).size();
+  int failing = 0;
+  disk.set_fault([&](DiskCall call, std::int64_t, const std::string&) {
+    const bool fails = failing > 0 && (call == DiskCall::kSyncData || call == DiskCall::kTruncate);
+    return SimulatedDisk::Outcome{.error = fails ? EIO : 0};
+  });
+  failing = 1;
+  ASSERT_TRUE(feeder.append_through(5));
+  EXPECT_THROW(feeder.writer().sync(), std::system_error);
+  feeder.writer().abandon({});
+  ASSERT_GT(disk.content(segment).size(), durable) << "the disk refused to cut it";
+  failing = 0;
+  ASSERT_TRUE(feeder.append_through(5) && feeder.sync());
+  while (feeder.writer().tidy()) continue;
+  EXPECT_EQ(disk.content(segment).size(), durable);
+  ASSERT_TRUE(feeder.close());
+}
+
 TEST(WrittenSegment, IsFinishedByTheNextOneOrTheEndAtTheLatest) {
   SimulatedDisk disk;
   Feeder feeder(kOptions, disk);

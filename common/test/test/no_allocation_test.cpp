@@ -13,7 +13,7 @@
 namespace roadbalance::test {
 namespace {
 
-// The compiler may remove an allocation whose memory nobody sees; a volatile pointer shows it.
+// The compiler may remove an allocation whose memory is never read; a volatile pointer shows it.
 const void* volatile seen;
 void see(const void* memory) {
   seen = memory;

@@ -5,6 +5,7 @@
 #include "common/config/section.hpp"
 #include "common/test/source.hpp"
 #include "common/vehicle/linear_model.hpp"
+#include "common/vehicle/sensor_map.hpp"
 
 namespace roadbalance {
 namespace {
@@ -13,7 +14,7 @@ VehicleConfig car(const std::string& file = "sim/demo/vehicle.toml") {
   return VehicleConfig::parse(test::read_source(file), file);
 }
 
-/// What a sensor reads: the height of its place in the coordinates, times its direction.
+/// A sensor reads the height of its place in the coordinates, times its direction.
 double reading(const ChannelConfig& channel, const Vector7& z) {
   double up = 0.0;
   if (channel.mount == "body") up = z(0) + channel.position_m.y() * z(1) - channel.position_m.x() * z(2);

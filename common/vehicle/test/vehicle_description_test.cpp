@@ -10,6 +10,7 @@
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
 #include "common/vehicle/linear_model.hpp"
+#include "common/vehicle/sensor_map.hpp"
 
 namespace roadbalance {
 namespace {

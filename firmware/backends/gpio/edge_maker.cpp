@@ -15,8 +15,8 @@ void EdgeMaker::start(std::uint8_t line, std::optional<bool> tooth, std::optiona
   quadrature_[line].start(tooth, direction);
 }
 
-// The two clocks are compared anew at every reading, to a microsecond: what is nearer together may come out
-// of order, and who merges edges takes none that is not later.
+// The two clocks are compared anew at every reading, to a microsecond: edges nearer together may come out of
+// order, and a merging reader takes none that is not later.
 Edge EdgeMaker::edge(std::uint8_t line, EdgeKind kind, NodeTime time) noexcept {
   last_ = std::max(time, last_ + NodeClock::duration(1));
   return {.time = last_, .line = line, .kind = kind};

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "common/frontend/device_report.hpp"
-#include "common/frontend/front_end.hpp"
+#include "common/types/device_report.hpp"
+#include "common/types/scan.hpp"
 #include "firmware/backends/gpio/gpio_input.hpp"
 #include "firmware/backends/gpio/input_event.hpp"
 #include "firmware/backends/gpio/quadrature.hpp"

@@ -5,8 +5,8 @@
 #include <thread>
 #include <utility>
 
-#include "common/clock/clock_pair.hpp"
 #include "common/config/section.hpp"
+#include "common/types/clock_pair.hpp"
 
 namespace roadbalance {
 namespace {
@@ -69,7 +69,7 @@ bool EdgePump::open_again() noexcept {
     why_gone_.over();
     return true;
   } catch (const std::exception& error) {  // not there yet, or its file is but may not be opened yet
-    if (why_gone_.is_to_be_said(error.what(), WallClock::now())) warn_(error.what());
+    if (why_gone_.is_due(error.what(), WallClock::now())) warn_(error.what());
     return false;
   }
 }
@@ -126,8 +126,8 @@ void EdgePump::put_events(std::size_t input, std::size_t count) noexcept {
     event.kind = event_[k].rising ? InputEvent::kRising : InputEvent::kFalling;
     if (!order_.add(event)) drop(line, DeviceCounter::kLateEdges);
   }
-  // What the kernel dropped came after what it kept: behind these, or behind those that come until the line
-  // has been seen empty.
+  // Events that the kernel dropped came after those it kept: behind these, or behind those that come until
+  // the line has been seen empty.
   const bool full = count == event_.size();
   event.kind = InputEvent::kLost;
   if ((full || was_full_[input]) && !order_.add(event)) drop(line, DeviceCounter::kLateEdges);

@@ -8,18 +8,18 @@
 #include <string>
 #include <vector>
 
-#include "common/clock/clocks.hpp"
-#include "common/frontend/device_report.hpp"
 #include "common/frontend/dropped_edges.hpp"
 #include "common/frontend/lasting_reason.hpp"
 #include "common/gpio/gpio_chip.hpp"
 #include "common/process/spsc_queue.hpp"
+#include "common/types/clocks.hpp"
+#include "common/types/device_report.hpp"
 #include "firmware/backends/gpio/edge_maker.hpp"
 #include "firmware/backends/gpio/event_order.hpp"
 
 namespace roadbalance {
 
-/// What passes from the thread that reads the kernel to the one that takes edges.
+/// Passes edges from the thread that reads the kernel to the one that takes them.
 struct EdgeStore {
   static constexpr std::size_t kEdges = 1 << 15;  ///< 0.25 s of two 1000-pulse transducers at 60 turns/s
 
@@ -33,14 +33,14 @@ struct EdgeStore {
 /// Events of a GPIO chip's lines -> edges in the store; one thread calls it again and again.
 ///
 /// A chip that goes is counted and asked for twice a second until it is there again; why it cannot be had is
-/// said when that lasts.  Its edges in between are declared lost, as are those that come too late or that the
-/// store has no room for.  16 events read of a line at once are all that the kernel keeps: then more may have
-/// come and gone, and the line's edges are declared lost.  Never allocates, except to open a chip again.
+/// reported when that lasts.  Its edges in between are declared lost, as are those that come too late or that
+/// the store has no room for.  16 events read of a line at once are all that the kernel keeps: then more may
+/// have come and gone, and the line's edges are declared lost.  Never allocates, except to open a chip again.
 class EdgePump {
  public:
   using Warn = std::function<void(const std::string&)>;
 
-  /// @param warn  hears from turn() why a chip that went cannot be had again
+  /// @param warn  gets from turn() why a chip that went cannot be had again
   /// @throws ConfigError naming the key of vehicle.toml whose line cannot be had, GpioError naming the chip
   EdgePump(std::string chip, std::vector<GpioInput> inputs, EdgeStore& store, Warn warn);
 

@@ -8,7 +8,7 @@
 namespace roadbalance {
 namespace {
 
-/// Of an ordinary machine; `rb doctor` measures it.
+/// For an ordinary machine; `rb doctor` measures it.
 constexpr WakeUps kUsual{.interrupt_thread = std::chrono::microseconds(50),
                          .reader = std::chrono::microseconds(800)};
 

@@ -21,7 +21,7 @@ struct GpioInput {
 
 /// The inputs of the node, from [[node.line]].
 /// @param device  for messages, e.g. "gpio:gpiochip0"
-/// @param warn    hears what will not do what somebody may expect
+/// @param warn    gets what will not do what may be expected
 /// @throws ConfigError if there are none
 std::vector<GpioInput> gpio_inputs(const std::string& device, const VehicleConfig& vehicle,
                                    const NodeConfig& node,

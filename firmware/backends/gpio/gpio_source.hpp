@@ -17,7 +17,7 @@ class GpioSource final : public SideSource {
  public:
   using Warn = EdgePump::Warn;
 
-  /// @param warn  hears, from the thread, what the system refuses of its real-time priority, and why a chip
+  /// @param warn  gets, from the thread, what the system refuses of its real-time priority, and why a chip
   ///              that went cannot be had again
   /// @throws ConfigError naming the key of vehicle.toml whose line cannot be had, GpioError naming the chip
   GpioSource(const std::string& chip, std::vector<GpioInput> inputs, Warn warn);
@@ -32,7 +32,7 @@ class GpioSource final : public SideSource {
 };
 
 /// "gpio:gpiochip0": the inputs of [[node.line]] on that chip.
-/// @param warn  hears what will not do what somebody may expect, and what the system refuses
+/// @param warn  gets what will not do what may be expected, and what the system refuses
 /// @throws as GpioSource and gpio_inputs()
 std::unique_ptr<SideSource> open_gpio(const FrontEndRequest& request, const GpioSource::Warn& warn);
 

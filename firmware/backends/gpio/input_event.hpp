@@ -4,7 +4,7 @@
 
 namespace roadbalance {
 
-/// What happened on an input of a GPIO chip.
+/// An event on an input of a GPIO chip.
 struct InputEvent {
   enum Kind : std::uint8_t {
     kFalling,

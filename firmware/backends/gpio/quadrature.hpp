@@ -3,7 +3,7 @@
 #include <array>
 #include <optional>
 
-#include "common/frontend/front_end.hpp"
+#include "common/types/scan.hpp"
 
 namespace roadbalance {
 
@@ -13,9 +13,9 @@ namespace roadbalance {
 ///     first track    __/~~~\___/~~~\__     a tooth is where the first track rises while the second is low;
 ///     second track   ____/~~~\___/~~~\     backwards the same place is where the first falls
 ///
-/// With rising edges of the first track alone a wheel that trembles across a tooth could not be told from one
-/// that turns; so both edges of both tracks are needed.  Of a transducer mounted the other way round exchange
-/// the tracks: tooth_gpio and direction_gpio.  Edges come in order of time.
+/// With rising edges of the first track alone a wheel that trembles across a tooth could not be distinguished
+/// from one that turns; so both edges of both tracks are needed.  For a transducer mounted the other way
+/// round exchange the tracks: tooth_gpio and direction_gpio.  Edges come in order of time.
 class Quadrature {
  public:
   enum Track : std::uint8_t { kA, kB };

@@ -24,7 +24,7 @@ constexpr std::size_t kPiecesAhead = 80;  // of a twentieth of a second each
 constexpr auto kLongestWait = std::chrono::milliseconds(100);
 constexpr std::size_t kRunScans = 64;  // a reader is not woken for every scan
 
-/// Process: record -> pieces, ahead of their time.  A record that cannot be read any more says so.
+/// Process: record -> pieces, ahead of their time.  A record that cannot be read any more is reported.
 void read_ahead(RecordedDrive drive, Out<RecordedPiece> pieces, std::atomic<bool>& failed) {
   try {
     while (auto piece = drive.next())
@@ -36,10 +36,10 @@ void read_ahead(RecordedDrive drive, Out<RecordedPiece> pieces, std::atomic<bool
 
 class ReplayFrontEnd final : public FrontEnd {
  public:
-  using Tell = std::function<void(const std::string&)>;
+  using Inform = std::function<void(const std::string&)>;
 
-  ReplayFrontEnd(RecordedDrive drive, std::optional<double> rate, double rate_hz, Tell tell)
-      : tell_(std::move(tell)), first_(drive.first_scan()), run_s_(std::min(5e-3, kRunScans / rate_hz)) {
+  ReplayFrontEnd(RecordedDrive drive, std::optional<double> rate, double rate_hz, Inform inform)
+      : inform_(std::move(inform)), first_(drive.first_scan()), run_s_(std::min(5e-3, kRunScans / rate_hz)) {
     auto [out, in] = make_channel<RecordedPiece>(kPiecesAhead);
     pieces_.emplace(std::move(in));
     reader_ = std::jthread([this, drive = std::move(drive), out = std::move(out)]() mutable {
@@ -49,7 +49,7 @@ class ReplayFrontEnd final : public FrontEnd {
   }
   ~ReplayFrontEnd() override {
     pieces_.reset();  // before the thread is waited for
-    if (tell_ && lateness_.events() > 0) tell_(lateness_.sentence());
+    if (inform_ && lateness_.events() > 0) inform_(lateness_.sentence());
   }
 
   Read read(std::span<Scan> scans, std::span<Edge> edges, std::span<SignalSample> signals) noexcept override {
@@ -116,7 +116,7 @@ class ReplayFrontEnd final : public FrontEnd {
     while (next < from.size() && used < to.size() && from[next].time <= until) to[used++] = from[next++];
   }
 
-  const Tell tell_;
+  const Inform inform_;
   Lateness lateness_;
   const NodeTime first_;
   const double run_s_;
@@ -131,7 +131,7 @@ class ReplayFrontEnd final : public FrontEnd {
 }  // namespace
 
 std::unique_ptr<FrontEnd> open_replay_front_end(const FrontEndRequest& request,
-                                                const std::function<void(const std::string&)>& tell) {
+                                                const std::function<void(const std::string&)>& inform) {
   AddressQuery query("replay", request.address);
   const std::optional<double> rate = query.rate();
   const auto epoch = query.number<std::int64_t>("epoch", 1, INT64_MAX);
@@ -139,13 +139,13 @@ std::unique_ptr<FrontEnd> open_replay_front_end(const FrontEndRequest& request,
   query.finish();
   if (query.path().empty()) query.fail("no recording; allowed: replay:FOLDER");
   const NodeConfig& node = name ? request.vehicle.node_named(*name) : request.node;
-  ReplayFrontEnd::Tell tell_named;
-  if (tell)
-    tell_named = [tell, path = query.path()](const std::string& sentence) {
-      tell("replay:" + path + ": " + sentence);
+  ReplayFrontEnd::Inform inform_named;
+  if (inform)
+    inform_named = [inform, path = query.path()](const std::string& sentence) {
+      inform("replay:" + path + ": " + sentence);
     };
   return std::make_unique<ReplayFrontEnd>(RecordedDrive(query.path(), node.id, epoch), rate, node.rate_hz,
-                                          std::move(tell_named));
+                                          std::move(inform_named));
 }
 
 }  // namespace roadbalance

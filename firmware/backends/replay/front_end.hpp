@@ -18,10 +18,10 @@ namespace roadbalance {
 /// recording has a gap the index jumps.  At any rate but 1 the device waits for its reader.  The record is
 /// read ahead by a thread of its own.
 ///
-/// @param tell  hears at the end, of a drive at a rate, by how much runs of scans were handed over late
+/// @param inform  gets at the end, for a drive at a rate, by how much runs of scans were handed over late
 /// @throws ConfigError naming the key of the address at fault, or a node of another rate; what RecordedDrive
 ///         throws
 std::unique_ptr<FrontEnd> open_replay_front_end(const FrontEndRequest& request,
-                                                const std::function<void(const std::string&)>& tell = {});
+                                                const std::function<void(const std::string&)>& inform = {});
 
 }  // namespace roadbalance

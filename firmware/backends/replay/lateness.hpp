@@ -16,8 +16,8 @@ class Lateness {
   std::int64_t events() const { return events_; }
   double mean_ms() const;
   double most_ms() const { return 1e-6 * most_ns_; }
-  /// What so many of all, 0 to 1, are not behind by more: up to 9 % above, a bin's width; none beyond
-  /// most_ms().
+  /// The lateness that this share of all, 0 to 1, does not exceed: up to 9 % above, a bin's width; none
+  /// beyond most_ms().
   double within_ms(double share) const;
 
   /// "12000 runs of scans: 0.06 ms late in the mean, 0.21 ms in 99 %, 3.10 ms at most"

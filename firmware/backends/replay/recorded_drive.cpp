@@ -4,6 +4,7 @@
 #include <iterator>
 #include <set>
 #include <string>
+#include <utility>
 
 #include "common/bus/codec.hpp"
 #include "common/config/section.hpp"

@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "common/frontend/front_end.hpp"
-#include "common/record/record.hpp"
+#include "common/record/record_reader.hpp"
+#include "common/types/scan.hpp"
 
 namespace roadbalance {
 

@@ -5,12 +5,12 @@
 #include <optional>
 #include <vector>
 
-#include "common/frontend/front_end.hpp"
-#include "firmware/backends/dbc/can_frame.hpp"
+#include "common/dbc/can_frame.hpp"
+#include "common/types/scan.hpp"
 
 namespace roadbalance {
 
-/// What frames of a CAN accelerometer module say; the layout is in ACCELEROMETER.md.
+/// The contents of frames of a CAN accelerometer module; the layout is in ACCELEROMETER.md.
 struct AccelerometerFrame {
   static constexpr std::uint8_t kVersion = 1;
   static constexpr int kParts = 4;  ///< frames of a conversion in classic CAN
@@ -27,6 +27,6 @@ struct AccelerometerFrame {
 std::optional<AccelerometerFrame> read_accelerometer(const CanFrame& frame, std::uint32_t first_id) noexcept;
 
 /// The frame of a module with this first identifier.
-CanFrame write_accelerometer(const AccelerometerFrame& said, std::uint32_t first_id);
+CanFrame write_accelerometer(const AccelerometerFrame& content, std::uint32_t first_id);
 
 }  // namespace roadbalance

@@ -10,8 +10,8 @@ namespace {
 constexpr int kShift = 8;  // from 16 bits to the 24 of a scan
 constexpr std::int64_t kPartModulus = 1 << 8;
 constexpr std::int64_t kWholeModulus = 1LL << 32;
-// In conversions.  Numbers and stamps agree so well unless the module began anew: reading may be late by
-// half a second, which eight bits cannot tell from a module that began anew; of them see the header.
+// In conversions.  Numbers and stamps agree so well unless the module began anew: reading may be late by half
+// a second, which eight bits cannot distinguish from a module that began anew; for those see the header.
 constexpr double kAgreement = 500.0, kAgreementOfParts = 20.0, kAgreementAtZero = 2.0;
 constexpr double kShortestStart = 10.0;
 constexpr double kModuleClock = 1e-3;  // may be wrong by so much of the time that passed
@@ -28,7 +28,7 @@ std::optional<Scan> AccelerometerScans::add(const AccelerometerFrame& frame, Nod
     next_part_ = 0;
     part_sequence_ = frame.sequence;
   }
-  // A part whose predecessors are missing cannot be used; the next scan's number tells of the loss.
+  // A part whose predecessors are missing cannot be used; the next scan's number shows the loss.
   if (part != next_part_ || frame.sequence != part_sequence_) {
     next_part_ = AccelerometerFrame::kParts;
     return std::nullopt;

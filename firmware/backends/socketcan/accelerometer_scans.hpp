@@ -13,9 +13,9 @@ namespace roadbalance {
 /// The index goes on over a gap: by the sequence numbers, and where these wrapped or began anew by the
 /// stamps.  The first scan of a module that began anew is after_absence.
 ///
-/// Of eight bits that began anew only the stamps tell: the module was silent for 10 ms at least, as one is
-/// that starts, and numbers and stamps disagree by more than 20 conversions, or two where it counts from 0.
-/// A busy machine's stamps disagree as much, but not behind a silence: a controller keeps its oldest frames.
+/// Eight bits that began anew show only by the stamps: the module was silent for 10 ms at least, as one is
+/// that starts, and numbers and stamps disagree by more than 20 conversions, or two where it counts from 0. A
+/// busy machine's stamps disagree as much, but not behind a silence: a controller keeps its oldest frames.
 class AccelerometerScans {
  public:
   static constexpr double kRateHz = 1'000.0;

@@ -47,10 +47,10 @@ Read CanAccelerometer::read(std::span<Scan> scans, std::span<Edge>,
 void CanAccelerometer::listen_for_silence(bool any_scan, NodeTime complete) noexcept {
   if (any_scan || intake_->gone()) {
     heard_ = complete;
-    silence_told_ = false;
-  } else if (!silence_told_ && !intake_->front() && complete - heard_ > kLongestSilence) {
-    silence_told_ = true;
-    intake_->say_silence();
+    silence_reported_ = false;
+  } else if (!silence_reported_ && !intake_->front() && complete - heard_ > kLongestSilence) {
+    silence_reported_ = true;
+    intake_->report_silence();
     if (!std::exchange(module_gone_, true)) intake_->report().count(DeviceCounter::kGone);
   }
 }
@@ -76,9 +76,9 @@ void CanAccelerometer::take(const CanArrival& arrival, std::span<Scan> scans, st
     read.signals += decoder_.decode(arrival.frame, arrival.time, signals.subspan(read.signals), report);
     return;
   }
-  const auto said = read_accelerometer(arrival.frame, first_id_);
-  if (!said) return report.count(DeviceCounter::kFramesRefused);
-  const auto scan = scans_.add(*said, arrival.time, arrival.after_absence || module_gone_);
+  const auto content = read_accelerometer(arrival.frame, first_id_);
+  if (!content) return report.count(DeviceCounter::kFramesRefused);
+  const auto scan = scans_.add(*content, arrival.time, arrival.after_absence || module_gone_);
   if (!scan) return;
   scans[read.scans++] = *scan;
   if (std::exchange(module_gone_, false)) report.count(DeviceCounter::kReturned);

@@ -12,7 +12,7 @@ namespace roadbalance {
 /// The scans of an accelerometer module on a CAN interface, and the signals that come on the same one.
 ///
 /// A module that gives no scan for two seconds while the interface is there counts as gone until the next
-/// one, and the intake's thread is asked to say so, once for each silence.
+/// one, and the intake's thread is asked to report it, once for each silence.
 class CanAccelerometer final : public FrontEnd {
  public:
   CanAccelerometer(std::unique_ptr<CanIntake> intake, CanDecoder decoder, const CanConfig& can);
@@ -34,7 +34,7 @@ class CanAccelerometer final : public FrontEnd {
   const std::uint32_t first_id_;
   AccelerometerScans scans_;
   NodeTime heard_;  ///< a scan, or that the interface is gone
-  bool silence_told_ = false;
+  bool silence_reported_ = false;
   bool module_gone_ = false;  ///< is counted
 };
 

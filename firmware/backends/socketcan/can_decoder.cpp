@@ -5,8 +5,8 @@
 #include <string>
 
 #include "common/config/section.hpp"
-#include "firmware/backends/dbc/dbc_reading.hpp"
-#include "firmware/backends/dbc/wanted_signal.hpp"
+#include "common/dbc/dbc_reading.hpp"
+#include "common/dbc/wanted_signal.hpp"
 
 namespace roadbalance {
 

@@ -5,19 +5,19 @@
 #include <vector>
 
 #include "common/config/vehicle_config.hpp"
-#include "common/frontend/front_end.hpp"
-#include "firmware/backends/dbc/dbc.hpp"
+#include "common/dbc/dbc.hpp"
+#include "common/types/scan.hpp"
 #include "firmware/backends/socketcan/can_socket.hpp"
 
 namespace roadbalance {
 
-/// Frames of a CAN interface to the signals that vehicle.toml wants of them.
+/// Frames of a CAN interface to the signals that vehicle.toml asks for.
 class CanDecoder {
  public:
   /// @param dbc  what describes the frames; may be gone afterwards
   /// @throws ConfigError as find_wanted(), and for more than kMostOfOneFrame of one message
   CanDecoder(const CanConfig& can, const VehicleConfig& vehicle, const Dbc& dbc);
-  /// Of an interface without signals.
+  /// For an interface without signals.
   CanDecoder() = default;
 
   /// A frame gives at most so many samples, the room that a reader has to have.
@@ -27,7 +27,7 @@ class CanDecoder {
   /// A message is longer than classic CAN carries.
   bool needs_fd() const;
 
-  /// Nothing from a frame that nobody wants.  Never allocates.
+  /// Nothing from a frame that is not asked for.  Never allocates.
   /// @param report  counts a frame that is too short, or a value of it no measurement; it gives what else it
   /// has
   /// @return how many samples it gave

@@ -9,7 +9,7 @@
 namespace roadbalance {
 namespace {
 
-constexpr std::chrono::milliseconds kLongestSilence{5};  // scans wait so long for what stands beside them
+constexpr std::chrono::milliseconds kLongestWait{5};  // scans wait so long for what stands beside them
 constexpr std::chrono::milliseconds kAskAgain{50};
 constexpr int kFramesAtOnce = 1'000;
 
@@ -24,7 +24,7 @@ CanIntake::CanIntake(const std::string& interface, CanNeed need, std::vector<Can
       silence_(std::move(silence)),
       report_("can:" + interface),
       complete_ns_(to_ns(MachineClock::now())) {
-  const std::string why = obstacle(query_can_link(interface.c_str()), need, interface);
+  const std::string why = refusal(query_can_link(interface.c_str()), need, interface);
   if (!why.empty()) throw CanError(why);
   socket_.emplace(interface, wanted_);
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
@@ -41,23 +41,23 @@ void CanIntake::run(const std::stop_token& stop) noexcept {
   for (const std::string& refused : enter_realtime(kDevicePriority)) warn_(report_.device() + ": " + refused);
   while (!stop.stop_requested()) {
     if (socket_) {
-      socket_->wait(kLongestSilence);
+      socket_->wait(kLongestWait);
       drain();
     } else if (pause(stop, kAskAgain)) {
       find_interface();
     }
-    tell_silence();
+    warn_of_silence();
   }
 }
 
-/// Of an interface that is gone other things are said.
-void CanIntake::tell_silence() noexcept {
+/// An interface that is gone is reported otherwise.
+void CanIntake::warn_of_silence() noexcept {
   if (silent_.exchange(false, std::memory_order_relaxed) && socket_) warn_(silence_());
 }
 
 void CanIntake::drain() noexcept {
   using Kind = CanReceived::Kind;
-  // What is stamped before this instant is in the socket by now: the kernel stamps and queues in one go.
+  // Frames stamped before this instant are in the socket by now: the kernel stamps and queues in one go.
   const MachineTime begun = MachineClock::now();
   for (int frame = 0; frame < kFramesAtOnce; ++frame) {
     const CanReceived received = socket_->receive();
@@ -95,7 +95,7 @@ void CanIntake::lose_interface() noexcept {
 
 /// Why that cannot be; empty: done.
 std::string CanIntake::listen_again() {
-  std::string why = obstacle(query_can_link(interface_.c_str()), need_, interface_);
+  std::string why = refusal(query_can_link(interface_.c_str()), need_, interface_);
   if (!why.empty()) return why;
   try {
     socket_.emplace(interface_, wanted_);
@@ -108,7 +108,7 @@ std::string CanIntake::listen_again() {
 void CanIntake::find_interface() noexcept {
   const std::string why = listen_again();
   if (!why.empty()) {
-    if (why_gone_.is_to_be_said(why, WallClock::now())) warn_(why);
+    if (why_gone_.is_due(why, WallClock::now())) warn_(why);
     return;
   }
   why_gone_.over();

@@ -9,16 +9,16 @@
 #include <vector>
 
 #include "common/config/node_wiring.hpp"
-#include "common/frontend/front_end.hpp"
 #include "common/frontend/lasting_reason.hpp"
 #include "common/process/waking_queue.hpp"
+#include "common/types/scan.hpp"
 #include "firmware/backends/socketcan/can_link.hpp"
 #include "firmware/backends/socketcan/can_socket.hpp"
 #include "firmware/backends/socketcan/hardware_stamps.hpp"
 
 namespace roadbalance {
 
-/// A CAN interface that cannot be used now; the text says why, and what mends it.
+/// A CAN interface that cannot be used now; the text holds why, and the remedy.
 class CanError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -33,9 +33,9 @@ struct CanArrival {
 
 /// A real-time thread that fetches the frames of an interface as they come and keeps them for one reader.
 ///
-/// An interface that goes down or away is asked for by its name every 50 ms and heard again once it is up in
-/// its role; in another one it stays gone, and why is said when that lasts.  Troubles are counted in the
-/// report.  The reader's side never allocates; the thread only while the interface is gone, and to say
+/// An interface that goes down or away is asked for by its name every 50 ms and used again once it is up in
+/// its role; in another one it stays gone, and why is reported when that lasts.  Troubles are counted in the
+/// report.  The reader's side never allocates; the thread only while the interface is gone, and to report
 /// something.
 class CanIntake {
  public:
@@ -43,9 +43,9 @@ class CanIntake {
   using Sentence = std::function<std::string()>;
 
   /// @param wanted   identifiers; at least one
-  /// @param warn     hears, from the thread, what the system refuses of its real-time priority, why an
-  ///                 interface that went cannot be heard again, and of silence
-  /// @param silence  makes the sentence of say_silence(), in the thread; empty: that is never called
+  /// @param warn     gets, from the thread, what the system refuses of its real-time priority, why an
+  ///                 interface that went cannot be used again, and of silence
+  /// @param silence  makes the sentence of report_silence(), in the thread; empty: that is never called
   /// @throws CanError if there is no such interface, or not up, or not as needed; std::system_error
   CanIntake(const std::string& interface, CanNeed need, std::vector<CanId> wanted, Warn warn,
             Sentence silence = {});
@@ -62,11 +62,11 @@ class CanIntake {
   /// Every frame stamped before is in the queue or was lost; of an interface that is gone: the present.
   NodeTime complete_until() const noexcept;
 
-  /// The interface is away; why, is said by this.
+  /// The interface is away, for the reason given.
   bool gone() const noexcept { return gone_.load(std::memory_order_acquire); }
 
-  /// The reader's: what it waits for does not come.  The thread says so soon.
-  void say_silence() noexcept { silent_.store(true, std::memory_order_relaxed); }
+  /// The reader's: the frames it waits for do not come.  The thread reports that soon.
+  void report_silence() noexcept { silent_.store(true, std::memory_order_relaxed); }
 
   /// Counts for the reader, too.
   DeviceReport& report() { return report_; }
@@ -81,7 +81,7 @@ class CanIntake {
   void keep(const CanReceived& received) noexcept;
   void lose_interface() noexcept;
   void find_interface() noexcept;
-  void tell_silence() noexcept;
+  void warn_of_silence() noexcept;
   std::string listen_again();
 
   const std::string interface_;
@@ -97,7 +97,7 @@ class CanIntake {
   WakingQueue<CanArrival> queue_{kFrames};
   std::atomic<std::int64_t> complete_ns_;
   std::atomic<bool> gone_ = false;
-  std::atomic<bool> silent_ = false;  ///< to be said
+  std::atomic<bool> silent_ = false;  ///< to be reported
   std::jthread thread_;
 };
 

@@ -8,7 +8,7 @@
 
 namespace roadbalance {
 
-/// What the kernel says of a network interface.
+/// A network interface as the kernel describes it.
 struct CanLink {
   enum class Kind {
     kController,  ///< has a CAN controller, which acknowledges frames unless it is listen-only
@@ -28,13 +28,13 @@ std::optional<CanLink> query_can_link(const char* interface) noexcept;
 /// that is not; one without a controller goes with both.
 bool suits(const CanLink& link, CanRole role);
 
-/// What an interface is wanted for.
+/// The demands on an interface.
 struct CanNeed {
   CanRole role = CanRole::kVehicle;
   bool fd = false;  ///< it must take CAN FD frames
 };
 
 /// Why the interface cannot be used so, with the command that mends it; empty if it can.
-std::string obstacle(const std::optional<CanLink>& link, CanNeed need, const std::string& interface);
+std::string refusal(const std::optional<CanLink>& link, CanNeed need, const std::string& interface);
 
 }  // namespace roadbalance

@@ -21,7 +21,7 @@
 #include <system_error>
 #include <vector>
 
-#include "common/clock/clock_pair.hpp"
+#include "common/types/clock_pair.hpp"
 
 namespace roadbalance {
 namespace {
@@ -41,7 +41,7 @@ can_filter filter_of(const CanId& wanted) {
                          : can_filter{wanted.id, CAN_SFF_MASK | CAN_EFF_FLAG | CAN_RTR_FLAG};
 }
 
-/// What an error frame tells; nothing if it tells no more than the controller's state.
+/// The counters that an error frame stands for; nothing if it shows no more than the controller's state.
 std::optional<DeviceCounter> trouble_of(const canfd_frame& frame) {
   if (frame.can_id & CAN_ERR_BUSOFF) return DeviceCounter::kBusOff;
   if (frame.can_id & CAN_ERR_CRTL) {
@@ -49,8 +49,8 @@ std::optional<DeviceCounter> trouble_of(const canfd_frame& frame) {
     if (frame.data[1] & (CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE))
       return DeviceCounter::kErrorPassive;
   }
-  // That its error counters passed the warning limit or fell below it, and that it was restarted, is no error
-  // of its own: the errors themselves are told, too.
+  // A frame for error counters that passed the warning limit or fell below it, or for a restart, is no error
+  // of its own: the errors themselves have frames, too.
   constexpr std::uint8_t kStates = CAN_ERR_CRTL_RX_WARNING | CAN_ERR_CRTL_TX_WARNING | CAN_ERR_CRTL_ACTIVE;
   const bool no_error =
       (frame.can_id & CAN_ERR_MASK & ~(CAN_ERR_CRTL | CAN_ERR_RESTARTED | CAN_ERR_CNT)) == 0;
@@ -63,7 +63,7 @@ std::int64_t ns_of(std::int64_t seconds, std::int64_t nanoseconds) {
   return seconds * 1'000'000'000LL + nanoseconds;
 }
 
-/// What the kernel says beside a frame.
+/// The kernel's control messages beside a frame.
 struct Beside {
   std::optional<std::int64_t> wall_ns, hardware_ns;
   std::optional<std::uint32_t> lost_total;
@@ -125,7 +125,7 @@ CanSocket::CanSocket(const std::string& interface, std::span<const CanId> wanted
   // A system without sysfs has no such count; the socket's own is always there.
   dropped_descriptor_ =
       ::open(("/sys/class/net/" + interface + "/statistics/rx_dropped").c_str(), O_RDONLY | O_CLOEXEC);
-  dropped_told_ = dropped_before_the_socket();
+  dropped_reported_ = dropped_before_the_socket();
   read_clocks();
   wall_clock_set_ = false;  // there is nothing yet to compare with
   clocks_fresh_ = false;
@@ -182,30 +182,30 @@ CanReceived CanSocket::receive() noexcept {
 }
 
 std::uint64_t CanSocket::take_lost() noexcept {
-  // A frame tells what was lost before it; after the last one the socket itself has to be asked.
+  // A frame carries what was lost before it; after the last one the socket itself has to be asked.
   std::array<std::uint32_t, SK_MEMINFO_VARS> memory{};
   socklen_t size = sizeof memory;
   if (::getsockopt(descriptor_, SOL_SOCKET, SO_MEMINFO, memory.data(), &size) == 0 &&
       size > SK_MEMINFO_DROPS * sizeof memory[0])
     count_lost(memory[SK_MEMINFO_DROPS]);
-  const std::uint32_t in_socket = lost_total_ - lost_told_;
-  lost_told_ = lost_total_;
+  const std::uint32_t in_socket = lost_total_ - lost_reported_;
+  lost_reported_ = lost_total_;
   const std::uint64_t dropped = dropped_before_the_socket();
-  const std::uint64_t before_socket = std::max(dropped, dropped_told_) - dropped_told_;
-  dropped_told_ += before_socket;
+  const std::uint64_t before_socket = std::max(dropped, dropped_reported_) - dropped_reported_;
+  dropped_reported_ += before_socket;
   return in_socket + before_socket;
 }
 
 std::uint64_t CanSocket::dropped_before_the_socket() const noexcept {
   std::array<char, 24> text{};
-  std::uint64_t count = dropped_told_;  // of an interface that has gone nothing more is known
+  std::uint64_t count = dropped_reported_;  // of an interface that has gone nothing more is known
   const ssize_t size = ::pread(dropped_descriptor_, text.data(), text.size(), 0);
   if (size > 0) static_cast<void>(std::from_chars(text.data(), text.data() + size, count));
   return count;
 }
 
 void CanSocket::count_lost(std::uint32_t total) noexcept {
-  // A frame that waited tells an older count than the socket did.
+  // A frame that waited carries an older count than the socket did.
   if (static_cast<std::int32_t>(total - lost_total_) > 0) lost_total_ = total;
 }
 

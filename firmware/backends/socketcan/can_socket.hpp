@@ -5,9 +5,9 @@
 #include <span>
 #include <string>
 
-#include "common/clock/clocks.hpp"
-#include "common/frontend/device_report.hpp"
-#include "firmware/backends/dbc/can_frame.hpp"
+#include "common/dbc/can_frame.hpp"
+#include "common/types/clocks.hpp"
+#include "common/types/device_report.hpp"
 
 namespace roadbalance {
 
@@ -17,7 +17,7 @@ struct CanId {
   auto operator<=>(const CanId&) const = default;
 };
 
-/// What a CAN socket had to give.
+/// The result of one read of a CAN socket.
 struct CanReceived {
   enum class Kind {
     kNothing,  ///< empty
@@ -65,9 +65,9 @@ class CanSocket {
 
   int descriptor_;
   std::uint32_t lost_total_ = 0;  ///< as the kernel counts: since the socket was opened, wrapping
-  std::uint32_t lost_told_ = 0;
+  std::uint32_t lost_reported_ = 0;
   int dropped_descriptor_ = -1;  ///< the interface's own count
-  std::uint64_t dropped_told_ = 0;
+  std::uint64_t dropped_reported_ = 0;
   bool clocks_fresh_ = false;  ///< read since the socket was last found empty
   bool wall_clock_set_ = false;
   MachineTime read_at_{};

@@ -2,14 +2,47 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <utility>
 
 #include "common/config/section.hpp"
+#include "common/frontend/side_source.hpp"
 #include "firmware/backends/socketcan/can_accelerometer.hpp"
-#include "firmware/backends/socketcan/can_signal_source.hpp"
+#include "firmware/backends/socketcan/can_decoder.hpp"
+#include "firmware/backends/socketcan/can_intake.hpp"
 
 namespace roadbalance {
 namespace {
+
+/// The signals of a CAN interface, beside the scans of another device.
+class CanSignalSource final : public SideSource {
+ public:
+  CanSignalSource(std::unique_ptr<CanIntake> intake, CanDecoder decoder);
+
+  SideRead take(std::span<Edge> edges, std::span<SignalSample> signals) noexcept override;
+  std::vector<const DeviceReport*> reports() const override { return {&intake_->report()}; }
+
+ private:
+  const std::unique_ptr<CanIntake> intake_;
+  const CanDecoder decoder_;
+};
+
+CanSignalSource::CanSignalSource(std::unique_ptr<CanIntake> intake, CanDecoder decoder)
+    : intake_(std::move(intake)), decoder_(std::move(decoder)) {}
+
+SideRead CanSignalSource::take(std::span<Edge>, std::span<SignalSample> signals) noexcept {
+  // Asked for first: a frame that comes meanwhile is of no harm.
+  SideRead read{.complete_until = intake_->complete_until()};
+  for (const CanArrival* next = intake_->front(); next; intake_->pop(), next = intake_->front()) {
+    if (signals.size() - read.signals < CanDecoder::kMostOfOneFrame) {
+      read.complete_until = std::min(read.complete_until, next->time);
+      break;
+    }
+    read.signals +=
+        decoder_.decode(next->frame, next->time, signals.subspan(read.signals), intake_->report());
+  }
+  return read;
+}
 
 const CanConfig& wiring_of(const FrontEndRequest& request) {
   const auto& all = request.node.wiring.can;

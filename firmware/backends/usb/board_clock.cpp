@@ -7,15 +7,15 @@
 namespace roadbalance {
 namespace {
 
-/// A packet later than this says no more than one as late as this; a second would let the line begin anew.
+/// A packet later than this adds no more than one as late as this; a second would let the line begin anew.
 constexpr auto kLatest = std::chrono::milliseconds(500);
-/// So long a run tells the timer's rate better than its nominal value does.
+/// A run as long as this shows the timer's rate better than its nominal value does.
 constexpr double kLongRun_s = 10.0;
 constexpr double kMostWrong_s = 1.0;
-/// Of the time that passes: two oscillators of 50 ppm each.
+/// Share of the time that passes: two oscillators of 50 ppm each.
 constexpr double kDrift = 100e-6;
 constexpr double kTellingRun_s = 1.0;
-/// Of the time that passes, so that what is taken off does not step.
+/// Share of the time that passes, so that what is taken off does not step.
 constexpr double kFollowing = 1e-3;
 
 }  // namespace
@@ -71,7 +71,7 @@ double BoardClock::wrong_ns(const BoardExchange& exchange, std::uint64_t ticks) 
          1e9 * kDrift * std::abs(age_s);
 }
 
-/// By the best exchange and the one at the beginning, once these tell more than the nominal rate does.
+/// By the best exchange and the one at the beginning, once these determine more than the nominal rate does.
 double BoardClock::exchanged_tick_s() const noexcept {
   const auto best = std::ranges::min_element(
       exchanges(), {}, [&](const BoardExchange& exchange) { return wrong_ns(exchange, heard_.ticks); });
@@ -81,7 +81,7 @@ double BoardClock::exchanged_tick_s() const noexcept {
   return std::clamp(measured_s, nominal_s_ * (1.0 - kDrift), nominal_s_ * (1.0 + kDrift));
 }
 
-/// Of the line of arrivals at its end.
+/// The line of arrivals at its end.
 double BoardClock::lateness_ns() const noexcept {
   if (exchanges_ == 0) return 0.0;
   const double tick_ns = 1e9 * exchanged_tick_s();

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "common/clock/clocks.hpp"
+#include "common/types/clocks.hpp"
 #include "firmware/readout_clock.hpp"
 
 namespace roadbalance {
@@ -29,9 +29,9 @@ struct BoardExchange {
 /// Gives what the board stamped with its timer the time of the machine's clock, in which the node lives:
 /// scans and edges by one and the same line.
 ///
-/// Begins where an exchange with the board said, then follows the arrival of packets, which are only ever
-/// late: see ReadoutClock.  What the fastest of them takes shows in further exchanges and is taken off: their
-/// mean, each weighted by the square of what it can be wrong by.  Between the packets time runs evenly.
+/// Begins at the time of an exchange with the board, then follows the arrival of packets, which are only ever
+/// late: see ReadoutClock.  The delay of the fastest of them shows in further exchanges and is taken off:
+/// their mean, each weighted by the square of its largest error.  Between the packets time runs evenly.
 /// Handling a packet late, however long, does not move it.  Never allocates.
 class BoardClock {
  public:
@@ -44,7 +44,7 @@ class BoardClock {
   /// A packet arrived whose latest content was stamped so.
   void hear(BoardInstant latest) noexcept;
 
-  /// The board said its time, since the last packet that was heard of.  Takes effect with the next one.
+  /// The board reported its time, since the last packet that was received.  Takes effect with the next one.
   void compare(const BoardExchange& exchange) noexcept;
 
   NodeTime time(std::uint64_t ticks) const noexcept;
@@ -54,7 +54,7 @@ class BoardClock {
   double tick_s() const noexcept;
 
  private:
-  /// By how much what an exchange said can be wrong at the board's time `ticks`.
+  /// By how much an exchange's time can be wrong at the board's time `ticks`.
   double wrong_ns(const BoardExchange& exchange, std::uint64_t ticks) const noexcept;
   std::span<const BoardExchange> exchanges() const noexcept;
   double exchanged_tick_s() const noexcept;

@@ -21,7 +21,7 @@ constexpr auto kLongestSilence = std::chrono::milliseconds(10 * board::kSilenceL
 constexpr auto kPatience = std::chrono::seconds(2);
 constexpr int kExchanges = 8;
 constexpr auto kComparing = std::chrono::milliseconds(250);
-/// Of a board that does not answer: each question then takes up the whole of its time limit.
+/// For a board that does not answer: each question then takes up the whole of its time limit.
 constexpr auto kComparingLater = std::chrono::seconds(10);
 
 NodeTime now() {
@@ -52,7 +52,7 @@ std::string refusal_of(const board::Status& status) {
 }
 
 template <typename Content>
-void tell(UsbDevice& device, Request request, const char* name, const Content& content) {
+void send_request(UsbDevice& device, Request request, const char* name, const Content& content) {
   if (device.put(number(request), board::encode(content))) return;
   throw UsbError(std::string("the board refuses ") + name + ": " + refusal_of(status_of(device)));
 }
@@ -65,7 +65,7 @@ BoardExchange exchange_with(UsbDevice& device) {
   return exchange;
 }
 
-/// The narrowest of a few: a question that follows a packet waits for whoever reads that.
+/// The narrowest of a few: a question that follows a packet waits for the reader of that packet.
 BoardExchange narrowest_exchange(UsbDevice& device) {
   BoardExchange narrowest = exchange_with(device);
   for (int k = 1; k < kExchanges; ++k)
@@ -107,7 +107,7 @@ BoardLink::BoardLink(UsbAddress address, VehicleConfig vehicle, const NodeConfig
   outcome.get();
 }
 
-void BoardLink::say(std::size_t which, const std::string& text) const {
+void BoardLink::warn_about(std::size_t which, const std::string& text) const {
   warn_(address_.of_board(which) + ": " + text);
 }
 
@@ -120,13 +120,14 @@ board::Identity BoardLink::set_up(UsbDevice& device, std::size_t which, std::uin
   const std::string note = protocol_note(*identity);
   if (!note.empty() && std::ranges::find(noted_, note) == noted_.end()) {
     noted_.push_back(note);
-    say(which, note);
+    warn_about(which, note);
   }
-  // One that another program left running is stopped; what it still sends bears another token.
+  // One that another program left running is stopped; packets that it still sends bear another token.
   if (!device.put(number(Request::kStop), {})) throw UsbError("the board does not stop");
   const BoardSetup setup = board_setup(vehicle_, node_, *identity, which, address_.boards());
-  tell(device, Request::kConfigure, "its configuration", setup.configuration);
-  if (setup.configuration.references_on) tell(device, Request::kReferences, "references", setup.references);
+  send_request(device, Request::kConfigure, "its configuration", setup.configuration);
+  if (setup.configuration.references_on)
+    send_request(device, Request::kReferences, "references", setup.references);
   if (which == 0 && runs_ == 1)
     for (std::size_t line = 0; line < lines_.size(); ++line)
       lines_[line] = setup.configuration.encoder[line].pulses_per_turn != 0;
@@ -161,7 +162,7 @@ std::unique_ptr<BoardLink::Session> BoardLink::begin_session(std::stop_token sto
   inbox_.post();
   // To keep memory in RAM takes long when there is much of it: longer than a board's ring holds edges.
   for (const std::string& refused : enter_realtime(kDevicePriority))
-    if (runs_ == 1) say(0, refused);
+    if (runs_ == 1) warn_about(0, refused);
   session->token = run.token;
   start(*session);
   return session;
@@ -177,14 +178,15 @@ void BoardLink::start(Session& session) {
         *report_[k]);
   // A follower listens to SYNC before its master drives it.
   for (std::size_t k = session.board.size() - 1; k > 0; --k) {
-    tell(*session.board[k], Request::kArm, "to be armed", board::Arm{token, board::StartMode::kFollower});
+    send_request(*session.board[k], Request::kArm, "to be armed",
+                 board::Arm{token, board::StartMode::kFollower});
     if (status_of(*session.board[k]).state != board::State::kArmed)
       throw UsbError("the second board is not armed");
   }
   const bool alone = session.board.size() == 1;
   const auto mode = alone ? board::StartMode::kImmediate : board::StartMode::kMaster;
-  tell(*session.board[0], Request::kArm, "to be armed", board::Arm{token, mode});
-  tell(*session.board[0], Request::kStart, "to start", board::Start{token});
+  send_request(*session.board[0], Request::kArm, "to be armed", board::Arm{token, mode});
+  send_request(*session.board[0], Request::kStart, "to start", board::Start{token});
 }
 
 void BoardLink::receive(Session& session, std::size_t which, std::span<const std::uint8_t> bytes) {
@@ -205,7 +207,7 @@ void BoardLink::receive(Session& session, std::size_t which, std::span<const std
   inbox_.post();
 }
 
-/// Of the first board, whose timer stamps what the node gets.
+/// The counters of the first board, whose timer stamps the node's scans.
 void BoardLink::compare_clocks(Session& session) {
   const WallTime time = WallClock::now();
   if (time - session.compared < session.until_next) return;
@@ -235,8 +237,8 @@ bool BoardLink::has_failed(const Session& session, std::size_t which) {
   if (why.empty() && !is_gone) return false;
   Away& away = away_[which];
   if (!std::exchange(away.is_counted, true)) report_[which]->count(DeviceCounter::kGone);
-  // One that does not mend is started every second: it is said once.
-  if (!is_gone && std::exchange(away.said, why) != why) say(which, why + "; starting it again");
+  // A board that does not mend is started every second: it is reported once.
+  if (!is_gone && std::exchange(away.reported, why) != why) warn_about(which, why + "; starting it again");
   return true;
 }
 
@@ -264,15 +266,15 @@ void BoardLink::serve(std::stop_token stop, Session& session) {
 
 std::unique_ptr<BoardLink::Session> BoardLink::find_again(std::stop_token stop) {
   const WallTime since = WallClock::now();
-  std::string said;
+  std::string reported;
   while (!stop.stop_requested()) {
     try {
       return begin_session(stop);
     } catch (const std::runtime_error& error) {  // UsbError, or ConfigError of another board than before
       leave_realtime();
-      if (error.what() != said && WallClock::now() - since > kPatience) {
-        said = error.what();
-        warn_(said);
+      if (error.what() != reported && WallClock::now() - since > kPatience) {
+        reported = error.what();
+        warn_(reported);
       }
     }
     std::this_thread::sleep_for(kSearching);

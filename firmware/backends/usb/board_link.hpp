@@ -68,7 +68,7 @@ class BoardLink {
   void welcome(const Session& session, std::size_t which);
   void compare_clocks(Session& session);
   std::unique_ptr<Session> find_again(std::stop_token stop);
-  void say(std::size_t which, const std::string& text) const;
+  void warn_about(std::size_t which, const std::string& text) const;
 
   const UsbAddress address_;
   const VehicleConfig vehicle_;
@@ -77,18 +77,18 @@ class BoardLink {
   const std::function<void(const std::string&)> warn_;
   Inbox inbox_;
   std::array<bool, kEncoderLines> lines_{};
-  std::array<std::uint32_t, 2> dropped_{};  ///< not yet told
+  std::array<std::uint32_t, 2> dropped_{};  ///< not yet reported
   std::uint32_t runs_ = 0;
   std::atomic<std::int64_t> slipped_{-1};  ///< token of the last run that did
   std::array<std::atomic<std::int64_t>, 2> flowing_{kNoRun, kNoRun},
       dry_{kNoRun, kNoRun};  ///< the same, of a board's scans
-  /// What is known of a board of which no scan has come since.
+  /// For a board of which no scan has come since.
   struct Away {
     bool is_counted = false;
-    std::string said;  ///< last
+    std::string reported;  ///< last
   };
   std::array<Away, 2> away_;
-  std::vector<std::string> noted_;  ///< said once
+  std::vector<std::string> noted_;  ///< reported once
   std::jthread thread_;             ///< ends before the rest
 };
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/clock/clocks.hpp"
+#include "common/types/clocks.hpp"
 #include "firmware/board/packet.hpp"
 #include "firmware/board/sample_ring.hpp"
 
@@ -27,7 +27,7 @@ struct BoardScan {
 /// whole period.  Never allocates after construction.
 class BoardPair {
  public:
-  /// What a board can hold back, twice: when it comes at last the other's have not gone.
+  /// As much as a board can hold back, twice: when it comes at last the other's have not gone.
   static constexpr std::size_t kScans = 2 * board::SampleRing::kScans;
 
   /// @param boards  1 or 2
@@ -49,7 +49,7 @@ class BoardPair {
   Common front() noexcept;
   void drop() noexcept;
 
-  /// False: the boards have slipped; what they send does not belong together until they start again.
+  /// False: the boards have slipped; their packets do not belong together until they start again.
   bool aligned() const noexcept { return aligned_; }
 
  private:

@@ -6,6 +6,24 @@
 #include "firmware/backends/usb/board_setup.hpp"
 
 namespace roadbalance {
+
+ScanNumbering::Number ScanNumbering::number(std::int64_t index_in_run, NodeTime time,
+                                            double period_s) noexcept {
+  Number number;
+  if (first_of_run_ && any_) {
+    const auto passed = std::llround(to_seconds(time - last_time_) / period_s_);
+    offset_ = last_index_ + std::max<std::int64_t>(passed, 1) - index_in_run;
+    number.after_absence = true;
+  }
+  first_of_run_ = false;
+  any_ = true;
+  number.index = index_in_run + offset_;
+  last_index_ = number.index;
+  last_time_ = time;
+  period_s_ = period_s;
+  return number;
+}
+
 namespace {
 
 using board::PacketEdgeKind;
@@ -24,7 +42,7 @@ EdgeKind kind_of(PacketEdgeKind kind) {
   return EdgeKind::kLost;
 }
 
-/// What was 0.9 of full scale at the converter is 1.
+/// 0.9 of full scale at the converter becomes 1.
 std::int32_t reference_counts(std::int32_t counts) {
   return static_cast<std::int32_t>(std::lround(counts * (1000.0 / kReferencePerMille)));
 }
@@ -105,8 +123,8 @@ bool BoardReader::take_packet(std::size_t board, const PacketStream::Packet& pac
 
 void BoardReader::take_edges(const PacketStream::Packet& packet) noexcept {
   const board::PacketHeader& header = packet.content.header();
-  // A scan is converted up to half a microsecond before the instant that its packet says, so that an edge
-  // behind it can be stamped before that; it must not come with a time whose scan has gone.
+  // A scan is converted up to half a microsecond before the instant in its packet, so that an edge behind it
+  // can be stamped before that; it must not come with a time whose scan has gone.
   const auto time_of = [&](std::int64_t offset_ticks) {
     return std::max(clock_[0]->time(header.base_ticks + static_cast<std::uint64_t>(offset_ticks)),
                     last_scan_time_ + NodeClock::duration(1));

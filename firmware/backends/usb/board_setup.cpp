@@ -14,7 +14,7 @@ using board::Identity;
 
 constexpr double kMicrovoltsPerVolt = 1e6;
 
-/// What checks need to name the thing at fault.
+/// The names that checks need for the thing at fault.
 struct Subject {
   const VehicleConfig& vehicle;
   const NodeConfig& node;

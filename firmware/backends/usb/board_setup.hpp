@@ -7,11 +7,11 @@
 
 namespace roadbalance {
 
-/// Of two boards each gives half of the node's channels, 1-6 and 7-12, from its first six inputs.  The first
+/// Each of two boards gives half of the node's channels, 1-6 and 7-12, from its first six inputs.  The first
 /// board, the master, has the encoders and the references.
 inline constexpr std::size_t kInputsOfPair = board::kInputChannels / 2;
 
-/// What a board is told before it runs.
+/// The requests a board gets before it runs.
 struct BoardSetup {
   board::Configuration configuration;
   board::ReferenceSetup references;
@@ -19,7 +19,8 @@ struct BoardSetup {
 
 /// Whether this node can talk to a board: the empty text, or why not, naming both versions.
 std::string protocol_refusal(const board::Identity& identity);
-/// Something that works but that somebody should know, e.g. a newer minor version; or the empty text.
+/// A sentence on something that works but that a person should know, e.g. a newer minor version; or the empty
+/// text.
 std::string protocol_note(const board::Identity& identity);
 
 /// @param which   of the node's boards

@@ -18,8 +18,8 @@ struct RunBegin {
   std::array<BoardInstant, 2> begin{};  ///< of each board, from an exchange just before the run
 };
 
-/// What the thread that serves the boards hands over: the beginning of a run, a transfer as it came, or what
-/// the board said of its time.
+/// The thread that serves the boards hands over the beginning of a run, a transfer as it came, or the time
+/// that the board reported.
 struct BoardDelivery {
   enum class Kind : std::uint8_t { kRunBegin, kTransfer, kExchange };
   Kind kind = Kind::kTransfer;

@@ -11,12 +11,12 @@ namespace {
 using board::PacketFault;
 using board::PacketHeader;
 
-/// A scan is converted within 0.5 us of the instant that its packet says.
+/// A scan is converted within 0.5 us of the instant in its packet.
 constexpr std::uint32_t kEarlyPerSecond = 2'000'000;
 /// A count that fell: the packet is an old one.
 constexpr std::uint32_t kBackwards = 1u << 31;
 
-/// Whether a transfer of wrong length ended before what its header says.
+/// Whether a transfer of wrong length ended before the length in its header.
 bool ended_early(std::span<const std::uint8_t> transfer) {
   if (transfer.size() < board::packet_bytes(0, 0)) return true;
   constexpr std::size_t kScansAt = 36;
@@ -54,7 +54,7 @@ void PacketStream::start(std::uint32_t token, std::uint32_t ticks_per_scan, std:
 }
 
 // A board counts its scans with the timer that stamps them.  The stamp may be what is wrong, by as much as
-// nobody notices: a second.
+// goes unnoticed: a second.
 std::uint64_t PacketStream::most_scans(std::uint64_t ticks) const noexcept {
   const auto passed = std::max<std::int64_t>(static_cast<std::int64_t>(ticks - begin_ticks_), 0);
   return (static_cast<std::uint64_t>(passed) + tick_hz_) / ticks_per_scan_;

@@ -4,7 +4,7 @@
 #include <optional>
 #include <span>
 
-#include "common/frontend/device_report.hpp"
+#include "common/types/device_report.hpp"
 #include "firmware/board/packet.hpp"
 
 namespace roadbalance {
@@ -55,8 +55,8 @@ class PacketStream {
   std::uint64_t known_scan_ = 0;      ///< next_scan_ before the last packet
   std::uint64_t scan_end_ticks_ = 0;  ///< no scan comes before it, and no edge more than early_ticks_
   std::uint64_t edge_end_ticks_ = 0;  ///< no edge comes before it
-  std::uint32_t scans_lost_ = 0;      ///< as the board said last, with those missed
-  std::uint32_t glitches_ = 0;        ///< as the board said last
+  std::uint32_t scans_lost_ = 0;      ///< as the board reported last, with those missed
+  std::uint32_t glitches_ = 0;        ///< as the board reported last
   std::uint32_t dropped_ = 0;
 };
 

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <optional>
 
-#include "common/clock/clocks.hpp"
+#include "common/types/clocks.hpp"
 
 namespace roadbalance {
 

@@ -2,20 +2,53 @@
 
 #include <libusb-1.0/libusb.h>
 #include <sys/time.h>
+#include <unistd.h>
 
 #include <array>
 #include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
-#include "common/clock/clocks.hpp"
-#include "firmware/backends/usb/device_holder.hpp"
+#include "common/types/clocks.hpp"
 #include "firmware/backends/usb/usb_address.hpp"
 #include "firmware/board/packet.hpp"
 
 namespace roadbalance {
 namespace {
+
+namespace fs = std::filesystem;
+
+bool has_open(const fs::path& process, const std::string& path) {
+  std::error_code error;
+  for (fs::directory_iterator file(process / "fd", error), end; !error && file != end;
+       file.increment(error)) {
+    std::error_code closed;  // since it was listed
+    if (fs::read_symlink(file->path(), closed) == path) return true;
+  }
+  return false;
+}
+
+/// Processes that have a device file open, for people: "rb-node (process 812)".  Other users' processes show
+/// only to root.
+std::string device_holder(const std::string& path) {
+  std::string holders;
+  std::error_code error;
+  for (fs::directory_iterator process("/proc", error), end; !error && process != end;
+       process.increment(error)) {
+    const std::string id = process->path().filename();
+    if (id.find_first_not_of("0123456789") != std::string::npos || !has_open(process->path(), path)) continue;
+    // We have opened it, too, in order to ask.
+    if (id == std::to_string(::getpid())) continue;
+    std::string name;
+    std::getline(std::ifstream(process->path() / "comm"), name);
+    holders += (holders.empty() ? "" : ", ") + name + " (process " + id + ")";
+  }
+  return holders.empty() ? "this process or one that only root may look at" : holders;
+}
 
 constexpr int kInterface = 0;
 constexpr unsigned kControlTimeout_ms = 500;
@@ -142,7 +175,7 @@ UsbBus::~UsbBus() {
 
 void UsbBus::serve(std::chrono::milliseconds at_most) {
   timeval time{.tv_sec = at_most.count() / 1000, .tv_usec = at_most.count() % 1000 * 1000};
-  // What fails at once would otherwise fail again and again, at a real-time priority.
+  // A call that fails at once would otherwise fail again and again, at a real-time priority.
   if (libusb_handle_events_timeout_completed(state_->context, &time, nullptr) != 0)
     std::this_thread::sleep_for(kAfterFailure);
 }
@@ -182,7 +215,7 @@ struct UsbDevice::State {
       case LIBUSB_TRANSFER_OVERFLOW:
         report->count(DeviceCounter::kPacketsRefused);
         break;
-      default:  // what a failed transfer holds is no data, whatever its length says
+      default:  // the content of a failed transfer is no data, whatever its length
         gone = true;
     }
     if (!halted) submit(mine);

@@ -9,11 +9,11 @@
 #include <stdexcept>
 #include <string>
 
-#include "common/frontend/device_report.hpp"
+#include "common/types/device_report.hpp"
 
 namespace roadbalance {
 
-/// A USB device that cannot be used now; the text says why, and what mends it if somebody can.
+/// A USB device that cannot be used now; the text holds why, and the remedy if there is one.
 class UsbError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -39,7 +39,7 @@ class UsbBus {
   std::unique_ptr<State> state_;
 };
 
-/// A vendor-class device with one bulk endpoint that sends; nobody else can use it meanwhile.
+/// A vendor-class device with one bulk endpoint that sends; no other program can use it meanwhile.
 class UsbDevice {
  public:
   /// @param serial  empty: the only one of its kind

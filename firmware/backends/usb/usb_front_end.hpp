@@ -9,8 +9,7 @@
 namespace roadbalance {
 
 /// Opens usb:VENDOR:PRODUCT[:SERIAL[+SERIAL]], the front-end board, or two that share their start.
-/// @param warn  hears what works but somebody should know, and why a board that is gone cannot be opened;
-/// from
+/// @param warn  gets what works but a person should know, and why a board that is gone cannot be opened; from
 ///              another thread, too
 /// @throws ConfigError, UsbError
 std::unique_ptr<FrontEnd> open_usb_front_end(const FrontEndRequest& request,

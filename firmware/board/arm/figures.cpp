@@ -14,8 +14,8 @@
 namespace roadbalance::board {
 namespace {
 
-using test::say;
-using test::say_number;
+using test::print;
+using test::print_number;
 
 constexpr std::uint32_t kScans = 10'000;
 constexpr std::uint32_t kLevelsPerScan = 8;  // of each line: two teeth of four level changes
@@ -113,10 +113,10 @@ Counted run(Board& board) {
 }
 
 void line(const char* name, std::int64_t number) {
-  say(name);
-  say(" ");
-  say_number(number);
-  say("\n");
+  print(name);
+  print(" ");
+  print_number(number);
+  print("\n");
 }
 
 // A thousand instructions must be counted as such: the figures are worth nothing without `-icount shift=6`.
@@ -139,7 +139,7 @@ int report() {
   const std::uint32_t stack = arm::stack_used();
   const bool locked = hardware.codes[0] != 0 && hardware.codes[2] != 0;
   if (!locked || counted.scans + 100 < kScans || counted.number == 0) {
-    say("the busiest second was not: references not locked, or scans missing\n");
+    print("the busiest second was not: references not locked, or scans missing\n");
     return 1;
   }
   line("board_object_bytes", sizeof(Board));

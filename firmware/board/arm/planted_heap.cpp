@@ -4,7 +4,8 @@
 
 // A program that does what the firmware must not: it shows that check_image.py would see it.
 
-// What the C library's heap and abort() ask of an operating system; without these a heap does not even link.
+// The calls that the C library's heap and abort() make to an operating system; without these a heap does not
+// even link.
 extern "C" {
 void* _sbrk(std::ptrdiff_t) {
   return nullptr;

@@ -22,7 +22,7 @@ void exit_with(int code) {
 
 namespace roadbalance::board::test {
 
-void say(const char* text) {
+void print(const char* text) {
   constexpr std::uint32_t kWrite0 = 0x04;
   arm::semihost(kWrite0, text);
 }

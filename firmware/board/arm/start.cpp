@@ -4,7 +4,7 @@
 #include "firmware/board/arm/semihosting.hpp"
 #include "firmware/board/test/check.hpp"
 
-// What runs before program() on a bare Cortex-M7.
+// Runs before program() on a bare Cortex-M7.
 
 extern "C" {
 extern std::uint32_t stack_top[], data_begin[], data_end[], data_in_flash[], bss_begin[], bss_end[];
@@ -23,7 +23,7 @@ extern void (*init_array_end[])();
 namespace {
 
 [[noreturn]] void fault() {
-  roadbalance::board::test::say("the processor faulted\n");
+  roadbalance::board::test::print("the processor faulted\n");
   roadbalance::board::arm::exit_with(99);
 }
 

@@ -75,7 +75,7 @@ double largest_error_deg(AngleTracker& tracker, const Wheel& wheel, int turns, c
 
 }  // namespace
 
-// What remains is the rounding of stamps to 10 ns (6e-5 degrees at 18 Hz) and of the speed to a float.
+// The rounding of stamps to 10 ns (6e-5 degrees at 18 Hz) and of the speed to a float remains.
 BOARD_TEST(tracker_follows_a_constant_speed_without_error) {
   AngleTracker tracker = tracker_at();
   CHECK_NEAR(largest_error_deg(tracker, Wheel{}, 40), 0.0, 3e-4);
@@ -121,7 +121,7 @@ BOARD_TEST(tracker_drops_a_stray_zero_mark) {
   CHECK_NEAR(largest_error_deg(tracker, Wheel{}, 40, {.stray_mark = true}), 0.0, 1e-3);
 }
 
-// 97 teeth evenly in one turn are followed as a wheel a percent faster; the mark tells that they were 96.
+// 97 teeth evenly in one turn are followed as a wheel a percent faster; the mark shows that they were 96.
 BOARD_TEST(tracker_takes_a_miscount_out_at_the_next_zero_mark) {
   AngleTracker tracker = tracker_at();
   const std::uint64_t turn = 96 * 50'000;

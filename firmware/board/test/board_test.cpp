@@ -6,7 +6,7 @@
 namespace roadbalance::board::test {
 namespace {
 
-// What a host checks of every packet of a run: nothing missing but what is declared.
+// A host checks of every packet of a run: nothing missing but what is declared.
 struct Stream {
   std::uint32_t sequence = 0;
   std::uint64_t next_scan = 0;
@@ -158,7 +158,7 @@ BOARD_TEST(board_whose_host_does_not_read_declares_exactly_what_is_lost) {
   CHECK_EQUAL(stream.holes, status.scans_lost);
   CHECK(status.edges_lost > 1'000);
   CHECK_EQUAL(flagged, 1);
-  // What is not yet sent is less than a packet; the mark that declares the loss counts as one more edge.
+  // Edges not yet sent are less than a packet; the mark that declares the loss counts as one more edge.
   CHECK(5'000 - status.scans_lost - stream.scans <= 51);
   CHECK(given_edges - status.edges_lost - (stream.edges - 1) <= 2 * 51);
   CHECK(stream.edges_in_time);

@@ -9,12 +9,12 @@ constinit Case* last = nullptr;
 constinit int failed_checks = 0;
 constinit bool silent = false;
 
-void say_place(const char* file, int line, const char* expression) {
-  say(file);
-  say(":");
-  say_number(line);
-  say(": ");
-  say(expression);
+void print_place(const char* file, int line, const char* expression) {
+  print(file);
+  print(":");
+  print_number(line);
+  print(": ");
+  print(expression);
 }
 
 }  // namespace
@@ -24,7 +24,7 @@ Case::Case(const char* name, void (*run)()) : name_(name), run_(run) {
   last = this;
 }
 
-void say_number(std::int64_t number) {
+void print_number(std::int64_t number) {
   char digits[24];
   char* at = &digits[23];
   *at = 0;
@@ -35,47 +35,47 @@ void say_number(std::int64_t number) {
     rest /= 10;
   } while (rest != 0);
   if (negative) *--at = '-';
-  say(at);
+  print(at);
 }
 
-void say_decimal(double number) {
-  if (number < 0) say("-");
+void print_decimal(double number) {
+  if (number < 0) print("-");
   const double size = number < 0 ? -number : number;
   const auto whole = static_cast<std::int64_t>(size);
   const auto millionths = static_cast<std::int64_t>((size - static_cast<double>(whole)) * 1e6);
-  say_number(whole);
-  say(".");
-  for (std::int64_t digit = 100'000; digit > 0; digit /= 10) say_number(millionths / digit % 10);
+  print_number(whole);
+  print(".");
+  for (std::int64_t digit = 100'000; digit > 0; digit /= 10) print_number(millionths / digit % 10);
 }
 
 void fail(const char* file, int line, const char* expression) {
   ++failed_checks;
   if (silent) return;
-  say_place(file, line, expression);
-  say(" does not hold\n");
+  print_place(file, line, expression);
+  print(" does not hold\n");
 }
 
 void fail_equal(const char* file, int line, const char* expression, std::int64_t found,
                 std::int64_t expected) {
   ++failed_checks;
   if (silent) return;
-  say_place(file, line, expression);
-  say(" is ");
-  say_number(found);
-  say(", not ");
-  say_number(expected);
-  say("\n");
+  print_place(file, line, expression);
+  print(" is ");
+  print_number(found);
+  print(", not ");
+  print_number(expected);
+  print("\n");
 }
 
 void fail_near(const char* file, int line, const char* expression, double found, double expected) {
   ++failed_checks;
   if (silent) return;
-  say_place(file, line, expression);
-  say(" is ");
-  say_decimal(found);
-  say(", not near ");
-  say_decimal(expected);
-  say("\n");
+  print_place(file, line, expression);
+  print(" is ");
+  print_decimal(found);
+  print(", not near ");
+  print_decimal(expected);
+  print("\n");
 }
 
 int failures_of(void (*body)()) {
@@ -96,14 +96,14 @@ int run_all() {
     test->run_();
     const bool good = failed_checks == before;
     ++(good ? passed : failed);
-    say(good ? "passed " : "FAILED ");
-    say(test->name_);
-    say("\n");
+    print(good ? "passed " : "FAILED ");
+    print(test->name_);
+    print("\n");
   }
-  say_number(passed);
-  say(" passed, ");
-  say_number(failed);
-  say(" failed\n");
+  print_number(passed);
+  print(" passed, ");
+  print_number(failed);
+  print(" failed\n");
   return passed + failed == 0 ? 1 : failed;
 }
 

@@ -8,14 +8,14 @@
 ///
 ///     BOARD_TEST(sine_of_zero_is_zero) { CHECK_EQUAL(sine_cosine(0).sine, 0); }
 ///
-/// A failed check is said and counted, and the test goes on; a failed REQUIRE ends it.
+/// A failed check is printed and counted, and the test goes on; a failed REQUIRE ends it.
 namespace roadbalance::board::test {
 
 /// Writes a text to where the results go; every build has its own.
-void say(const char* text);
-void say_number(std::int64_t number);
+void print(const char* text);
+void print_number(std::int64_t number);
 /// With six decimals.
-void say_decimal(double number);
+void print_decimal(double number);
 
 class Case {
  public:
@@ -28,10 +28,10 @@ class Case {
   Case* next_ = nullptr;
 };
 
-/// Runs all tests and says each and the sum; returns how many failed, or 1 if there is none.
+/// Runs all tests and prints each and the sum; returns how many failed, or 1 if there is none.
 int run_all();
 
-/// Runs `body` and returns how many of its checks failed; they count for nothing and are not said.
+/// Runs `body` and returns how many of its checks failed; they count for nothing and are not printed.
 int failures_of(void (*body)());
 
 void fail(const char* file, int line, const char* expression);

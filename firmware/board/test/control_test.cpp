@@ -8,7 +8,7 @@
 namespace roadbalance::board::test {
 namespace {
 
-// Everything a host can see of the board's state, but for what Status says of refusals and the time.
+// Everything a host can see of the board's state, but for Status's count of refusals and the time.
 struct Seen {
   std::array<std::uint8_t, Status::kBytes> status{};
   std::array<std::uint8_t, Configuration::kBytes> configuration{};
@@ -164,7 +164,7 @@ BOARD_TEST(control_refuses_a_reference_without_its_encoder) {
   CHECK(rig.send(Request::kArm, encode(Arm{})));
 }
 
-// Requests of every number, both directions and many lengths with seeded noise: what is not one is stalled
+// Requests of every number, both directions and many lengths with seeded noise: one that is none is stalled
 // and changes nothing.
 BOARD_TEST(control_refuses_garbage_and_stays_as_it_was) {
   Rig& rig = Rig::fresh();

@@ -4,7 +4,7 @@
 
 namespace roadbalance::board::test {
 
-void say(const char* text) {
+void print(const char* text) {
   std::fputs(text, stdout);
 }
 

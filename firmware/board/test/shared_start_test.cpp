@@ -20,7 +20,7 @@ struct Pair {
     return follower.begin(test_configuration(), StartMode::kFollower) &&
            master.begin(test_configuration(), StartMode::kMaster);
   }
-  // One conversion of both, of a signal that says which one it is.
+  // One conversion of both, of a signal whose value is its number.
   void convert(std::uint32_t truth, bool sync_arrives = true) {
     ticks += kTicksPerScan;
     master.hardware.now = ticks;

@@ -1,4 +1,4 @@
-#include "hil_tests/deterministic/campaign.hpp"
+#include "hil_tests/deterministic/fault_campaign.hpp"
 
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ CampaignOptions seeds(std::uint64_t first, std::int64_t count, int jobs = 1) {
   return options;
 }
 
-// But for the processor's time, which nobody promises.
+// But for the processor's time, which has no bound.
 bool is_the_same(RunResult a, RunResult b) {
   a.processor_s = b.processor_s = 0;
   return a == b;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-2.0 */
 /*
- * What programs and the module gpio-pulse agree on.
+ * Interface between programs and the module gpio-pulse.
  *
  * /dev/gpio-pulse is a player of levels for the GPIO chip "gpio-pulse".  One program at a time may open it, and
  * finds all lines low.

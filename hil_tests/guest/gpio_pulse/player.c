@@ -79,7 +79,7 @@ static enum hrtimer_restart play(struct hrtimer *t)
 	return again;
 }
 
-/* What a player before left high would swallow the first edge of this one. */
+/* A line that the player before left high would swallow the first edge of this one. */
 static void take_lines_low(void)
 {
 	unsigned long flags;

@@ -18,7 +18,7 @@ using test::ip;
 using test::SerialCan;
 using test::wait_until;
 
-/// The controller's state as the kernel tells it, e.g. "BUS-OFF".
+/// The controller's state by the kernel, e.g. "BUS-OFF".
 std::string state_of(const std::string& interface) {
   const std::unique_ptr<FILE, int (*)(FILE*)> answer(
       ::popen(("ip -details link show " + interface).c_str(), "r"), ::pclose);
@@ -96,7 +96,7 @@ TEST_F(BusOffTest, TellsTheAdapterNothingWhileTheNodeListens) {
     return heard == 20;
   };
   ASSERT_TRUE(wait_until(all_are_heard, 10));
-  // Whatever it was told before comes before that it is closed.
+  // All earlier commands come before the one that closes it.
   ip("link set " + can.interface() + " down");
   ASSERT_TRUE(wait_until([&] { return can.told().ends_with("C|") && can.told() != before; }, 10))
       << can.told();

@@ -26,7 +26,7 @@ using test::AccelerometerModule;
 using test::ip;
 using test::wait_until;
 
-const std::string kData = "firmware/backends/test/data/";
+const std::string kData = "common/dbc/test/data/";
 
 VehicleConfig car_with(const CanConfig& can) {
   VehicleConfig vehicle = VehicleConfig::parse(test::read_source("sim/demo/vehicle.toml"), "vehicle.toml");
@@ -148,7 +148,7 @@ class AccelerometerTest : public testing::TestWithParam<bool> {
     can.accelerometer_id = AccelerometerModule::kFirstId;
     return std::get<std::unique_ptr<FrontEnd>>(open(can, warn));
   }
-  /// What the node would print.
+  /// Lines that the node would print.
   static std::vector<std::string> said(const FrontEnd& front_end) {
     std::vector<std::string> sentences;
     DeviceDiary(front_end.reports()).look([&](const std::string& sentence) {
@@ -218,7 +218,7 @@ TEST_P(AccelerometerTest, LeavesOutTheIndicesOfMissingConversionsAndOfAnAbsence)
     EXPECT_EQ(std::ranges::count(sentences, "can:" + node_side() + words), 1) << words;
 }
 
-/// What a device says, and who says it.
+/// A text of a device, and its source.
 struct Warning {
   std::string text;
   std::thread::id thread;

@@ -76,9 +76,9 @@ TEST(CanLink, TakesAnInterfaceWithoutControllerInBothRoles) {
   ip("link set vcan8 up");
   const auto classic = query_can_link("vcan8");
   EXPECT_FALSE(classic.value().takes_fd);
-  EXPECT_EQ(obstacle(classic, {.role = CanRole::kVehicle}, "vcan8"), "");
+  EXPECT_EQ(refusal(classic, {.role = CanRole::kVehicle}, "vcan8"), "");
   EXPECT_EQ(
-      obstacle(classic, {.role = CanRole::kVehicle, .fd = true}, "vcan8"),
+      refusal(classic, {.role = CanRole::kVehicle, .fd = true}, "vcan8"),
       "CAN interface vcan8 carries no CAN FD, but a message wanted of it has more than 8 bytes; try: ip link "
       "set vcan8 down; ip link set vcan8 mtu 72; ip link set vcan8 up");
 }
@@ -135,23 +135,23 @@ TEST_F(CableTest, IsHeardAgainAfterItWasRemovedAndMadeAnew) {
   EXPECT_TRUE(intake.front()->after_absence);
 }
 
-/// What a thread of the intake says.
+/// Texts of a thread of the intake.
 class Warnings {
  public:
   CanIntake::Warn hear() {
     return [this](const std::string& text) {
       const std::lock_guard lock(mutex_);
-      said_.push_back(text);
+      reported_.push_back(text);
     };
   }
   std::vector<std::string> said() const {
     const std::lock_guard lock(mutex_);
-    return said_;
+    return reported_;
   }
 
  private:
   mutable std::mutex mutex_;
-  std::vector<std::string> said_;
+  std::vector<std::string> reported_;
 };
 
 TEST_F(CableTest, SaysOnceWhyAnInterfaceStaysAway) {

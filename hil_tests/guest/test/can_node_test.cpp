@@ -132,7 +132,7 @@ TEST_F(CanNodeTest, DeclaresWhatAFloodCostsWhileItIsHeld) {
   ASSERT_TRUE(bus.wait([&] { return count_of(DeviceCounter::kQueueOverflow) > 0; }));
   ASSERT_TRUE(bus.wait([&] { return count_of(DeviceCounter::kPacketsMissing) >= 150; }));
   ASSERT_TRUE(more_are_durable(kFront, 20));
-  // Until a few heartbeats say the same.
+  // Until a few heartbeats agree.
   const auto counts = [&] { return bus.heartbeat(kFront).device_counts; };
   auto before = counts();
   for (int still = 0, tries = 0; still < 3 && tries < 100; ++tries) {
@@ -227,7 +227,7 @@ TEST_F(CanNodeTest, SaysWhatTheControllerSuffersAndDeclaresWhatWentByWhileTheBus
     }
   });
   ASSERT_TRUE(more_are_durable(kFront, 20));
-  adapter.report("e1a");  // nobody acknowledged
+  adapter.report("e1a");  // not acknowledged
   ASSERT_TRUE(counted(DeviceCounter::kBusErrors, 1));
   adapter.report("e1o");  // the controller had no room
   ASSERT_TRUE(counted(DeviceCounter::kControllerOverrun, 1));

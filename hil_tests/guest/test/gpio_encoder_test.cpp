@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <numbers>
 
-#include "firmware/encoder/wheel_encoder.hpp"
+#include "common/angle/wheel_encoder.hpp"
 #include "hil_tests/guest/gpio_rig.hpp"
 
 namespace roadbalance {

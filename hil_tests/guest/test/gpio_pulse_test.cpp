@@ -59,7 +59,7 @@ class EdgeReader {
 
  private:
   void collect(const std::stop_token& stop) {
-    // After being told to stop it reads until no edge is left.
+    // After the request to stop it reads until no edge is left.
     const timespec patience{0, 10'000'000};
     for (int ready = 0; (ready = gpiod_line_event_wait(line_, &patience)) >= 0;) {
       if (ready == 0 && stop.stop_requested()) return;

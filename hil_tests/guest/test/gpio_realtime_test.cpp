@@ -8,8 +8,8 @@
 #include <regex>
 #include <stdexcept>
 
+#include "common/angle/wheel_encoder.hpp"
 #include "common/test/temporary_directory.hpp"
-#include "firmware/encoder/wheel_encoder.hpp"
 #include "hil_tests/guest/gpio_rig.hpp"
 #include "hil_tests/guest/ring_judge.hpp"
 #include "hil_tests/program.hpp"
@@ -19,8 +19,8 @@ namespace {
 
 using test::PulseChip;
 
-// In real time edges may be lost and the player may be late: how much says the machine, not this test.  What
-// holds on every machine: no turn without all its teeth, and no wrong angle, goes by in silence.
+// In real time edges may be lost and the player may be late: how much depends on the machine, not on this
+// test.  On every machine holds: no turn without all its teeth, and no wrong angle, goes by in silence.
 
 constexpr unsigned kTooth = 3, kMark = 4;
 constexpr double kSeconds = 3.0;
@@ -85,7 +85,7 @@ TEST(GpioRealtime, TwentyKilohertzOfEdgesAreWholeOrDeclared) {
   static_cast<void>(expect_no_silence(1000, 20.0));
 }
 
-/// What `rb doctor` says of this machine now: the limit, which must be what follows from the lateness that it
+/// `rb doctor`'s result for this machine now: the limit, which must follow from the lateness that it
 /// measured.
 double limit_by_the_doctor_hz() {
   const test::TemporaryDirectory work;

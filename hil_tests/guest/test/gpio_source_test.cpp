@@ -11,10 +11,10 @@
 #include <utility>
 #include <vector>
 
-#include "common/clock/clock_pair.hpp"
 #include "common/config/section.hpp"
 #include "common/gpio/edge_limit.hpp"
 #include "common/gpio/gpio_chip.hpp"
+#include "common/types/clock_pair.hpp"
 #include "hil_tests/guest/gpio_rig.hpp"
 
 namespace roadbalance {
@@ -84,7 +84,7 @@ TEST(GpioSource, ATransducerInQuadratureSaysWhichWayItTurns) {
       << "all forward ones first";
 }
 
-// Between the kernel's interrupt threads (50) and the reader (45): the kernel takes edges that nobody reads.
+// Between the kernel's interrupt threads (50) and the reader (45): the kernel takes edges that are not read.
 TEST(GpioSource, AReaderThatIsKeptFromTheProcessorDeclaresWhatTheKernelDropped) {
   GpioRig rig({{0, 3, {}, {}}}, 1000);
   const auto steps = pulses(3, 8'000);
@@ -103,7 +103,7 @@ TEST(GpioSource, AReaderThatIsKeptFromTheProcessorDeclaresWhatTheKernelDropped) 
               static_cast<long long>(rig.counted(DeviceCounter::kEdgesLost)));
 }
 
-/// Of edges at this rate that come while ten times nobody of lower priority runs for so long.
+/// Missing ones of edges at this rate, while ten times no thread of lower priority runs for so long.
 std::size_t missing_edges(double rate_hz, int priority, std::chrono::nanoseconds held) {
   GpioRig rig({{0, 3, {}, {}}}, 1000);
   constexpr int kTimes = 10;
@@ -120,7 +120,7 @@ std::size_t missing_edges(double rate_hz, int priority, std::chrono::nanoseconds
   return static_cast<std::size_t>(count) - rig.edges_of(EdgeKind::kTooth);
 }
 
-// Who wakes up late is, at priority 90, the kernel's interrupt thread (50), at 48 the reader (45).
+// The late thread is, at priority 90, the kernel's interrupt thread (50), at 48 the reader (45).
 TEST(GpioSource, UpToTheLimitOfItsWakeUpsNoEdgeIsMissing) {
   using std::chrono::microseconds;
   using std::chrono::milliseconds;

@@ -17,7 +17,7 @@
 #include "hil_tests/guest/pulse_chip.hpp"
 #include "hil_tests/measurement.hpp"
 #include "hil_tests/players/drive_comparison.hpp"
-#include "host/analyser/identify_record.hpp"
+#include "host/analysis/drives/identify_record.hpp"
 
 namespace roadbalance {
 namespace {
@@ -32,7 +32,7 @@ constexpr const char* kNode[] = {"front", "rear"};
 constexpr double kHalfStep = 0.5 * 0.01 / 3.6 + 1e-9;
 /// The worst single stamp of an edge is 8 us from the mean, at 17 turns a second: 0.9 mrad.
 constexpr double kMostByStamps_rad = 2e-3;
-/// What is compared of a drive begins here: every angle is known.
+/// The comparison of a drive begins here: every angle is known.
 constexpr auto kSettled = std::chrono::seconds(1);
 
 /// How many front-end boards the kernel has enumerated.
@@ -90,7 +90,7 @@ class HilDriveTest : public test::Measurement {
     ASSERT_TRUE(test::wait_until([&] { return std::filesystem::exists(report_file); }, 120));
     end_well(running, {&front, &rear});
     EXPECT_EQ(analysis.exit_code(60), 0);
-    bus.listen(0.1);  // it says its last estimate three times
+    bus.listen(0.1);  // it sends its last estimate three times
     player.signal(SIGTERM);
     EXPECT_EQ(player.exit_code(30), 0);
     report = nlohmann::json::parse(std::ifstream(report_file));
@@ -137,8 +137,8 @@ class HilDriveTest : public test::Measurement {
     EXPECT_LE(std::abs(b - a), most * sim.unbalance_g);
   }
 
-  /// What rb-analyser, which followed the record as it grew, said last on the bus is what the finished record
-  /// gives, to the last bit.
+  /// The last result on the bus of rb-analyser, which followed the record as it grew, equals that of the
+  /// finished record to the last bit.
   void expect_published() const {
     const DriveEstimate whole = identify_record(played).estimate;
     const auto said = [&](const char* channel, int wheel) {

@@ -87,7 +87,7 @@ TEST_F(MixedNodeTest, ABoardThatForgetsItsRunAndIsPulledCostsItsOwnSamplesAndNoM
   ASSERT_TRUE(more_are_durable(kFront, 20));
   wheels.turn(VehicleConfig::read_file(vehicle_file), 60.0);  // longer than this measurement
   bus.listen(1.5);
-  // Its firmware has forgotten its run: it says nothing any more, and is started again.
+  // Its firmware has forgotten its run: it sends nothing any more, and is started again.
   boards.with(0, [](test::BenchBoard& board) { board.reset(); });
   ASSERT_TRUE(counted(DeviceCounter::kReturned, 1));
   ASSERT_TRUE(more_are_durable(kFront, 20));
@@ -129,7 +129,7 @@ TEST_F(MixedNodeTest, WhatTheBoardHadNoRoomForIsSaidAndDeclared) {
   Program running = recorder();
   Program front = mixed_node();
   ASSERT_TRUE(more_are_durable(kFront, 20));
-  // Nobody serves the endpoint for longer than the board's ring holds.
+  // The endpoint is not served for longer than the board's ring holds.
   boards.with(0, [](test::BenchBoard&) { std::this_thread::sleep_for(700ms); });
   ASSERT_TRUE(bus.wait([&] { return count_of(DeviceCounter::kBoardOverrun) > 0; }));
   ASSERT_TRUE(more_are_durable(kFront, 20));

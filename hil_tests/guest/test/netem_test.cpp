@@ -15,7 +15,7 @@ class Netem : protected test::ThreeHosts, public test::Measurement {
  protected:
   Netem() : Measurement(test::kNetworkUrl) {}
 
-  void SetUp() override { ASSERT_TRUE(hosts) << *test::Hosts::obstacle(); }
+  void SetUp() override { ASSERT_TRUE(hosts) << *test::Hosts::refusal(); }
 
   /// Records two nodes under the fault; nothing may be missing.  Returns the nodes' repeated sends.
   std::int64_t record_under(const std::vector<std::string>& fault) {

@@ -27,7 +27,7 @@ class PowerLineTest : public test::Measurement {
              bus.recorder()->power_unknown == unknown;
     });
   }
-  /// How many notes of the record say this of the line.
+  /// How many notes of the record have this text of the line.
   std::ptrdiff_t notes(const std::string& words) const {
     return std::ranges::count_if(verify_record(record).notes, [&](const std::string& note) {
       return note.find(words) != std::string::npos && note.find(address) != std::string::npos;

@@ -104,7 +104,7 @@ TEST_F(RingJudge, ReportsLostEdgesIfTheirFlagsAreTakenAway) {
   EXPECT_EQ(angles.flagged, 0);
 }
 
-// The node is told of the ring that it has, which is not the one that turns.
+// The node is configured for one ring, and another one turns.
 TEST_F(RingJudge, ReportsTurnsWithoutAToothThatNobodyDeclares) {
   ring.program.teeth = kTeeth - 1;
   ring.encoder.pulses_per_turn = kTeeth - 1;
@@ -137,7 +137,7 @@ TEST_F(RingJudge, SaysThatItJudgesNothingStrictlyWhereAPitchIsAllowed) {
   EXPECT_LT(some.strict, some.right);
 }
 
-/// What a busy kernel makes of a played line: its thread is late at times; of the edges that come meanwhile
+/// A played line as a busy kernel reads it: its thread is late at times; of the edges that come meanwhile
 /// the last one that waits gets the stamp of the thread's return, the others are lost.
 std::vector<Edge> as_a_busy_kernel_reads(const std::vector<Edge>& edges, unsigned seed) {
   std::mt19937 random(seed);

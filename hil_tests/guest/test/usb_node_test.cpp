@@ -84,7 +84,7 @@ TEST_F(UsbNodeTest, DeclaresWhatTheCableSpoiledAndWhatWentByWhileItWasPulled) {
                        "is there again (1 time by now)"});
 }
 
-/// rb-node with two boards, half of its channels at each, whose inputs say when they were converted.
+/// rb-node with two boards, half of its channels at each, whose inputs encode their time of conversion.
 class TwoBoardsNodeTest : public test::DeviceMeasurement {
  protected:
   /// 0.4 s are more than the node keeps of one board; a silent one is started again after 1 s.
@@ -137,7 +137,7 @@ TEST_F(TwoBoardsNodeTest, SaysAndDeclaresWhatComesBetweenThem) {
   boards.faults(1).held = false;
   ASSERT_TRUE(bus.wait([&] { return count_of(DeviceCounter::kBoardOverrun) > 0; }));
   ASSERT_TRUE(more_are_durable(kFront, 20));
-  bus.listen(1.0);  // all is counted by then, and said: twice a second
+  bus.listen(1.0);  // all is counted by then, and sent: twice a second
   const std::int64_t overrun = count_of(DeviceCounter::kBoardOverrun);
   const std::int64_t partner_late = count_of(DeviceCounter::kPartnerLate);
   EXPECT_GT(partner_late, 0);

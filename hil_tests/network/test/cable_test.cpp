@@ -16,7 +16,7 @@ WallTime at(std::int64_t us) {
   return WallTime() + microseconds(us);
 }
 
-/// What each end hears of kFrames numbered frames that end 0 sends, one every 100 us.
+/// Frames that each end hears of kFrames numbered ones that end 0 sends, one every 100 us.
 struct Heard {
   explicit Heard(Cable& cable) {
     for (int k = 0; k < kFrames; ++k) {

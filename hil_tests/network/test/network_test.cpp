@@ -27,7 +27,7 @@ class Network : protected test::ThreeHosts, public test::Measurement {
  protected:
   Network() : Measurement(test::kNetworkUrl) {}
   void SetUp() override {
-    if (!hosts) GTEST_SKIP() << *test::Hosts::obstacle();
+    if (!hosts) GTEST_SKIP() << *test::Hosts::refusal();
   }
 
   Program node_on(std::size_t host, const std::string& name, const std::string& drive) {
@@ -53,8 +53,8 @@ class Network : protected test::ThreeHosts, public test::Measurement {
   }
 };
 
-// What a card puts together may begin with somebody else's message: who takes runs whole, as those on a bus
-// that stays on its computer do, may not judge what comes from elsewhere by its beginning.
+// A run that a card puts together may begin with another program's message: a program that takes runs whole,
+// as on a bus that stays on its computer, may not judge a run from elsewhere by its beginning.
 TEST_F(Network, AFilterForRunsLeavesWhatComesOverTheCableToTheReader) {
   for (const auto& [where, left_outside] :
        {std::pair(std::string(test::kNetworkUrl), 3), std::pair(bus_url_on_port(BusAddress{}.port), 0)}) {
@@ -85,7 +85,7 @@ TEST_F(Network, AComputerWithoutANetworkIsReachedByItselfAt127001) {
   EXPECT_EQ(address, 0x7F000001U);
 }
 
-// What stands in the way of two computers is found before the drive.
+// Obstacles between two computers are found before the drive.
 TEST_F(Network, TheDoctorProvesTheWayToEveryHostByALoopOfMessages) {
   Program second = hosts->on(1, [] {
     return Program("rb", {"doctor", "--answer", "--url", test::kNetworkUrl});
@@ -143,10 +143,10 @@ TEST_F(Network, OneWayLossEitherWayLosesNothing) {
   const std::string drive = "rate=4&seconds=10000";
   Program front = node_on(1, "front", drive), rear = node_on(2, "rear", drive);
   ASSERT_TRUE(more_are_durable(kFront, 100));
-  hosts->impair(0, {.loss = 0.6});  // what the recorder says
+  hosts->impair(0, {.loss = 0.6});  // from the recorder
   ASSERT_TRUE(more_are_durable(kFront, 500));
   hosts->impair(0, {});
-  hosts->impair(1, {.loss = 0.6});  // what the node in front says
+  hosts->impair(1, {.loss = 0.6});  // from the node in front
   ASSERT_TRUE(more_are_durable(kFront, 500));
   ASSERT_TRUE(more_are_durable(kRear, 100));
   print_figures();

@@ -16,15 +16,15 @@ class CutOff : protected test::ThreeHosts, public Operating {
  protected:
   CutOff() : Operating(test::kNetworkUrl) {}
   void SetUp() override {
-    if (!hosts) GTEST_SKIP() << *test::Hosts::obstacle();
+    if (!hosts) GTEST_SKIP() << *test::Hosts::refusal();
   }
   Program staying_on(std::size_t host, const std::string& name) {
     return hosts->on(host, [&] { return staying(name); });
   }
-  /// With the node in front cut off: the recorder waits ten seconds for it, and says the truth.
+  /// With the node in front cut off: the recorder waits ten seconds for it, and reports the truth.
   void stop_without_front(const std::string& name) {
     hosts->pull(1);
-    bus.listen(0.3);  // some samples are taken that nobody hears of
+    bus.listen(0.3);  // some samples are taken without being heard
     const Answer stopped = ask(Operation::kStop);
     ASSERT_EQ(stopped.state, AnswerState::kDone) << stopped.text;
     EXPECT_NE(stopped.text.find("node 1 has not told all"), std::string::npos) << stopped.text;
@@ -84,9 +84,13 @@ TEST_F(CutOff, TheNextRecordingTakesNothingOfItAndTheNodeJoinsWhenItIsBack) {
   hosts->plug(1);
   ASSERT_TRUE(bus.wait([&] { return bus.heartbeat(kFront).epoch != epoch; }));
   ASSERT_TRUE(more_are_durable(kFront, 100));
-  stop();
+  ASSERT_EQ(ask(Operation::kStop).state, AnswerState::kDone);
   expect_whole("first");
-  expect_whole("second");
+  const Verification second = verify_record(recordings / "second");  // the front node came into it late
+  ASSERT_EQ(second.absent.size(), 1u);
+  EXPECT_EQ(second.absent.front().text.find("node 1 (front) came "), 0u) << second.absent.front().text;
+  EXPECT_TRUE(std::ranges::all_of(second.epoch, &VerifiedEpoch::is_complete));
+  EXPECT_EQ(test::check_record(recordings / "second"), 3) << "the independent checker";
 }
 
 TEST_F(CutOff, ARecorderKilledWhileItFetchesFetchesAllTheSame) {

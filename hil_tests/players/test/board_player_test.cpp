@@ -54,7 +54,7 @@ class BoardPlayerTest : public ::testing::Test {
                             .length = static_cast<std::uint16_t>(bytes.size())};
     ASSERT_TRUE(on_bench.control_request(setup, bytes, {}).has_value()) << static_cast<int>(what);
   }
-  /// Whatever the board sends until `end`; fills counts_ and edge_ticks_.
+  /// Reads all that the board sends until `end`; fills counts_ and edge_ticks_.
   void run(MachineTime from, MachineTime end) {
     std::array<std::uint8_t, board::kTransferBytes> packet;
     for (MachineTime now = from; now <= end; now += std::chrono::milliseconds(1)) {

@@ -64,7 +64,7 @@ TEST(FrameProgram, MessagesThatSeveralNodesHearAreSentOnce) {
   EXPECT_NEAR(got[1].value, 23.0, kHalfStep_m_s) << "as it was";
 }
 
-// What the node would not take of the bus is not played.
+// Signals that the node would not take from the bus are not played.
 TEST(FrameProgram, RefusesAUnitThatDoesNotGoWithTheQuantity) {
   VehicleConfig other = vehicle();
   other.node[0].wiring.can[0].signal[0].quantity = SignalQuantity::kSteeringAngle;  // it is in km/h

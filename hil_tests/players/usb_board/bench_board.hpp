@@ -8,7 +8,7 @@
 #include <span>
 #include <string>
 
-#include "common/clock/clocks.hpp"
+#include "common/types/clocks.hpp"
 #include "firmware/board/board.hpp"
 
 namespace roadbalance::test {
@@ -21,7 +21,7 @@ struct LineChange {
   bool high = false;
 };
 
-/// What lies on a bench beside the board: what its inputs see, and what its parts are like.
+/// A bench beside the board: signals of its inputs, and properties of its parts.
 struct Bench {
   std::string serial = "BENCH1";
   double oscillator_ppm = 0.0;                ///< how fast the board's timer is against this machine's clock
@@ -50,7 +50,7 @@ class BenchBoard final : private board::Hardware {
 
   explicit BenchBoard(Bench bench);
 
-  /// Whose conversions follow this board's, by the SYNC cable; it must outlive this.
+  /// Connects the board whose conversions follow this one's, by the SYNC cable; it must outlive this.
   void connect_follower(BenchBoard& follower) { follower_ = &follower; }
 
   void advance(MachineTime now);
@@ -66,7 +66,7 @@ class BenchBoard final : private board::Hardware {
   MachineTime due() const;
 
   const Bench& bench() const { return bench_; }
-  /// What the host has set up.
+  /// Set-up by the host.
   const board::Configuration& configuration() const { return configuration_; }
   bool running() const { return running_; }
   /// When conversion k of the present or last run is, or was.

@@ -17,7 +17,7 @@ constexpr std::uint8_t kDeviceDescriptor[] = {18,   1,    0x00, 0x02, 0xFF, 0, 0
                                               0x12, 0x01, 0x00, 0x00, 0x01, 1, 2, 3,  1};
 constexpr std::uint8_t kConfigurationDescriptor[] = {9, 2,    25, 0, 1, 1, 0, 0x80, 50, 9, 4, 0, 0,
                                                      1, 0xFF, 0,  0, 0, 7, 5, 0x81, 2,  0, 2, 0};
-/// What a newer minor version may append where it sends.
+/// Bytes that a newer minor version may append to its packets.
 constexpr std::size_t kAppendedBytes = 8;
 
 SetupPacket setup_of(const std::array<std::uint8_t, 8>& bytes) {

@@ -10,7 +10,7 @@
 
 namespace roadbalance::test {
 
-/// What a test makes go wrong, once for each count.
+/// Faults that a test causes, once for each count.
 struct UsbFaults {
   std::atomic<int> stall{0};      ///< the bulk endpoint halts until the host clears it
   std::atomic<int> cut{0};        ///< a packet ends before its time

@@ -45,8 +45,8 @@ void UsbBoards::with(std::size_t which, const std::function<void(BenchBoard&)>& 
 }
 
 void UsbBoards::serve_all(MachineTime now) {
-  // What went by while this thread was not scheduled is made up for in steps, between which the boards send:
-  // theirs is a main loop that nobody holds up.
+  // Time that passed while this thread was not scheduled is made up for in steps, between which the boards
+  // send: nothing holds up their main loop.
   while (served_ < now) {
     served_ = std::min(served_ + kStep, now);
     for (auto& board : board_) board->board().advance(served_);

@@ -6,8 +6,8 @@
 #include <fstream>
 #include <string>
 
-#include "common/link/text_crc.hpp"
 #include "common/test/temporary_directory.hpp"
+#include "common/types/text_crc.hpp"
 #include "host/analyser/test/noise_drive.hpp"
 
 namespace roadbalance {
@@ -26,7 +26,8 @@ class Chosen : public testing::Test {
     std::ofstream(folder_.path() / name, std::ios::binary) << text;
   }
   ChosenVehicle chosen() {
-    return {first_, vehicle_files_in(folder_.path()), [this](const std::string& said) { warning_ += said; }};
+    return {first_, vehicle_files_in(folder_.path()),
+            [this](const std::string& warning) { warning_ += warning; }};
   }
   static NodeSetup setup(int node, const std::string& text) {
     NodeSetup setup;

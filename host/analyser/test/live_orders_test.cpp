@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "host/orders/test/synthetic_rotor.hpp"
+#include "host/analysis/orders/test/synthetic_rotor.hpp"
 
 namespace roadbalance {
 namespace {

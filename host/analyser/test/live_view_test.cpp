@@ -26,13 +26,13 @@ TEST(LiveView, TellsATransferFunctionToWhoAsksForItOnTheBus) {
         stop, url, car(), {}, [](const auto&) {}, make_channel<Ack>(1).first);
   });
   Bus bus(url);
-  std::optional<TransferPart> told;
+  std::optional<TransferPart> received;
   bool levels = false;
   bool too_short = false;
   bus.subscribe(kTransferChannel, [&](std::string_view, std::span<const std::uint8_t> bytes) {
     const auto part = decode_transfer(bytes);
     ASSERT_TRUE(part);
-    if (part->state == TransferState::kTold) told = part;
+    if (part->state == TransferState::kComputed) received = part;
     too_short = too_short || part->state == TransferState::kTooShort;
   });
   bus.subscribe(kLevelChannel, [&](std::string_view, std::span<const std::uint8_t> bytes) {
@@ -43,7 +43,7 @@ TEST(LiveView, TellsATransferFunctionToWhoAsksForItOnTheBus) {
                   .pair = {{{car().node[0].id, kFront.channel}, {car().node[1].id, kRear.channel}}}};
   test::NoiseDrive drive;
   // Not a limit of the product's: a test that hears nothing has to end.
-  for (const auto end = WallClock::now() + 60s; !told && WallClock::now() < end;) {
+  for (const auto end = WallClock::now() + 60s; !received && WallClock::now() < end;) {
     bus.publish(kViewChannel, encode(view));
     for (const int node : {0, 1}) {
       const SealedBlock block = drive.next(node);
@@ -51,10 +51,10 @@ TEST(LiveView, TellsATransferFunctionToWhoAsksForItOnTheBus) {
     }
     bus.handle(5ms);
   }
-  ASSERT_TRUE(told);
-  EXPECT_EQ(told->viewer, 9);
-  EXPECT_EQ(told->pair.output.channel, kRear.channel);
-  EXPECT_FALSE(told->bin.empty());
+  ASSERT_TRUE(received);
+  EXPECT_EQ(received->viewer, 9);
+  EXPECT_EQ(received->pair.output.channel, kRear.channel);
+  EXPECT_FALSE(received->bin.empty());
   EXPECT_TRUE(too_short) << "what is not there yet is said";
   EXPECT_TRUE(levels);
 }

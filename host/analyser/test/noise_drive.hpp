@@ -7,7 +7,7 @@
 
 #include "common/bus/codec.hpp"
 #include "common/test/source.hpp"
-#include "host/analyser/joint_spectra.hpp"
+#include "host/analysis/spectra/joint_spectra.hpp"
 
 namespace roadbalance::test {
 

@@ -8,7 +8,7 @@
 #include "common/record/segment_index.hpp"
 #include "common/test/temporary_directory.hpp"
 #include "host/analyser/durable_gate.hpp"
-#include "host/analyser/in_sequence.hpp"
+#include "host/recording/in_sequence.hpp"
 
 namespace roadbalance {
 namespace {

@@ -134,10 +134,10 @@ TEST_F(SpectrumViewTest, IsForgottenInSilenceAndBounded) {
     shown_.take(other, begin_ + 10s);
   }
   drive(200);
-  std::map<std::int64_t, bool> told;
+  std::map<std::int64_t, bool> answered;
   for (const SpectrumPart& part : shown_.parts(begin_ + 10s))
-    if (part.averages > 0) told[part.viewer] = true;
-  EXPECT_EQ(told.size(), SpectrumView::kMostViewers);
+    if (part.averages > 0) answered[part.viewer] = true;
+  EXPECT_EQ(answered.size(), SpectrumView::kMostViewers);
 }
 
 TEST_F(SpectrumViewTest, SaysWhatIsMoreThanTheAnalyserHolds) {
@@ -152,13 +152,13 @@ TEST_F(SpectrumViewTest, SaysWhatIsMoreThanTheAnalyserHolds) {
     shown_.take(wide, now);
   };
   for (std::int64_t viewer = 1; viewer <= kViewers; ++viewer) ask(viewer, begin_);
-  std::map<TransferState, std::size_t> told;
+  std::map<TransferState, std::size_t> answered;
   for (const SpectrumPart& part : shown_.parts(begin_)) {
-    ++told[part.state];
+    ++answered[part.state];
     EXPECT_TRUE(part.density.empty());
   }
-  EXPECT_EQ(told[TransferState::kTooShort], room);
-  EXPECT_EQ(told[TransferState::kTooMuch], 2U * kViewers - room);
+  EXPECT_EQ(answered[TransferState::kTooShort], room);
+  EXPECT_EQ(answered[TransferState::kTooMuch], 2U * kViewers - room);
   // The others have left.
   ask(kViewers, begin_ + SpectrumView::kForgotten + 1ms);
   const auto parts = shown_.parts(begin_ + SpectrumView::kForgotten + 1ms);

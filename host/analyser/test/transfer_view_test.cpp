@@ -81,8 +81,8 @@ TEST_F(TransferViewTest, TellsTheNumbersThatTheSameScansGiveOffline) {
                                                spectra.independent_averages());
   std::size_t k = 0;
   // The message rounds to 24 bits.
-  const auto near = [](float told, double expected) {
-    return std::abs(told - expected) <= 6e-8 * std::abs(expected);
+  const auto near = [](float shown, double expected) {
+    return std::abs(shown - expected) <= 6e-8 * std::abs(expected);
   };
   for (const TransferPart& part : shown_.parts(begin_))
     for (const TransferPart::Bin& bin : part.bin) {
@@ -159,9 +159,9 @@ TEST_F(TransferViewTest, LimitsWhatViewersCanCostAndSaysSo) {
     if (part.pair.input.node == 99) {
       EXPECT_EQ(part.state, TransferState::kNoChannel);
     }
-    EXPECT_EQ(part.bin.empty(), part.state != TransferState::kTold);
+    EXPECT_EQ(part.bin.empty(), part.state != TransferState::kComputed);
   }
-  EXPECT_EQ(viewers[TransferState::kTold].size(), TransferView::kMostSpectra);
+  EXPECT_EQ(viewers[TransferState::kComputed].size(), TransferView::kMostSpectra);
   EXPECT_EQ(viewers[TransferState::kTooMuch], (std::set<std::int64_t>{8, 9, 100}));
   // Two who were refused stay, the others leave.
   for (const std::int64_t id : {8, 9}) {
@@ -174,7 +174,7 @@ TEST_F(TransferViewTest, LimitsWhatViewersCanCostAndSaysSo) {
   drive(60);
   viewers.clear();
   for (const TransferPart& part : shown_.parts(begin_ + 4s)) viewers[part.state].insert(part.viewer);
-  EXPECT_EQ(viewers[TransferState::kTold], (std::set<std::int64_t>{8, 9}));
+  EXPECT_EQ(viewers[TransferState::kComputed], (std::set<std::int64_t>{8, 9}));
 }
 
 TEST_F(TransferViewTest, ASilentNodeOrAClippingChannelKeepsNobodyFromSeeingOthers) {
@@ -184,12 +184,12 @@ TEST_F(TransferViewTest, ASilentNodeOrAClippingChannelKeepsNobodyFromSeeingOther
   shown_.take(view(2), begin_);
   for (int i = 0; i < 200; ++i)
     shown_.consume(drive_.next(0, i % 5 == 0 ? 1 << 9 : 0));  // the rear is silent
-  bool told = false;
+  bool shown = false;
   for (const TransferPart& part : shown_.parts(begin_)) {
-    EXPECT_EQ(part.state, part.viewer == 1 ? TransferState::kTold : TransferState::kTooShort);
-    told = told || part.viewer == 1;
+    EXPECT_EQ(part.state, part.viewer == 1 ? TransferState::kComputed : TransferState::kTooShort);
+    shown = shown || part.viewer == 1;
   }
-  EXPECT_TRUE(told);
+  EXPECT_TRUE(shown);
 }
 
 TEST_F(TransferViewTest, NodesOfWhoseClocksItHeardBeforeAreJoinedByThem) {
@@ -207,7 +207,7 @@ TEST_F(TransferViewTest, NodesOfWhoseClocksItHeardBeforeAreJoinedByThem) {
   drive(200);
   const auto parts = shown_.parts(begin_);
   ASSERT_FALSE(parts.empty());
-  ASSERT_EQ(parts[0].state, TransferState::kTold);
+  ASSERT_EQ(parts[0].state, TransferState::kComputed);
   const TransferPart::Bin& bin = parts[0].bin[40];
   const double hz = 40.0 * parts[0].step_hz;
   EXPECT_NEAR(std::arg(std::complex<double>(bin.h1_re, bin.h1_im)),

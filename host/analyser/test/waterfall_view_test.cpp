@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "host/orders/test/synthetic_rotor.hpp"
+#include "host/analysis/orders/test/synthetic_rotor.hpp"
 
 namespace roadbalance {
 namespace {
@@ -41,7 +41,7 @@ TEST_F(WaterfallViewTest, TellsTheAmplitudeAtItsOrderInTheClassOfItsSpeed) {
   const auto rows = shown_.rows(begin_);
   ASSERT_EQ(rows.size(), 1U);
   const WaterfallRow& row = rows[0];
-  EXPECT_EQ(row.state, OrderState::kTold);
+  EXPECT_EQ(row.state, OrderState::kComputed);
   EXPECT_EQ(row.of, (WheelChannel{2, {3, 0}}));
   EXPECT_NEAR(row.way_m, 2 * pi * car().wheel[2].rolling_radius_m, 1e-9);
   EXPECT_LE(row.from_m_s, 12.0 * row.way_m);

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/gpio/gpio_chip.hpp"
+
 namespace roadbalance {
 namespace {
 
@@ -29,6 +31,41 @@ class SupplyState final : public PowerLine {
  private:
   const std::string address_;
   const std::filesystem::path file_;
+};
+
+// A chip or line that is not there, or goes, is no error: it is tried again at each reading.
+class GpioPowerLine final : public PowerLine {
+ public:
+  GpioPowerLine(std::string address, std::string chip, unsigned line, bool active_low)
+      : address_(std::move(address)), chip_name_(std::move(chip)), number_(line), active_low_(active_low) {}
+
+  std::optional<bool> is_good() noexcept override {
+    if (!chip_ && !open()) return std::nullopt;
+    const std::optional<bool> good = chip_->level(0);
+    if (!good) chip_.reset();  // the chip is gone, or is another one when it comes back
+    return good;
+  }
+  const std::string& name() const override { return address_; }
+
+ private:
+  bool open() noexcept {
+    try {
+      GpioChip chip(chip_name_, identity_);
+      chip.take_level(number_, active_low_, "roadbalance power");
+      if (identity_.label.empty()) identity_ = chip.identity();
+      chip_ = std::move(chip);
+      return true;
+    } catch (const std::exception&) {
+      return false;
+    }
+  }
+
+  const std::string address_;
+  const std::string chip_name_;
+  const unsigned number_;
+  const bool active_low_;
+  GpioChip::Identity identity_;  // of the chip that was opened first
+  std::optional<GpioChip> chip_;
 };
 
 std::vector<std::string> split(const std::string& text) {
@@ -61,7 +98,7 @@ std::unique_ptr<PowerLine> open_power_line(const std::string& address, const std
   if (words[0] == "gpio" && (words.size() == 3 || (words.size() == 4 && words[3] == "low")) &&
       is_file_name(words[1]))
     if (const auto line = line_number(words[2]))
-      return open_gpio_line(address, words[1], *line, words.size() == 4);
+      return std::make_unique<GpioPowerLine>(address, words[1], *line, words.size() == 4);
   throw std::invalid_argument("power line " + address +
                               ": neither supply:NAME nor gpio:CHIP:LINE nor gpio:CHIP:LINE:low");
 }

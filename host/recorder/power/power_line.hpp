@@ -7,7 +7,7 @@
 
 namespace roadbalance {
 
-/// Says whether the supply is there: 12 V on board, 220 V at the bench.
+/// Reads whether the supply is there: 12 V on board, 220 V at the bench.
 class PowerLine {
  public:
   PowerLine() = default;
@@ -23,14 +23,10 @@ class PowerLine {
 
 /// "supply:NAME": class/power_supply/NAME/online below `sys` holds 1.
 /// "gpio:CHIP:LINE" or "gpio:CHIP:LINE:low": the line of a GPIO chip is high, or low, while the supply is
-/// there.
+/// there; a chip or line that is not there, or goes, is no error: it is tried again at each reading.
 /// @param sys  where the kernel's tree of devices is
 /// @throws std::invalid_argument naming the address if it is neither of these
 std::unique_ptr<PowerLine> open_power_line(const std::string& address,
                                            const std::filesystem::path& sys = "/sys");
-
-/// A chip or line that is not there, or goes, is no error: it is tried again at each reading.
-std::unique_ptr<PowerLine> open_gpio_line(std::string address, std::string chip, unsigned line,
-                                          bool active_low);
 
 }  // namespace roadbalance

@@ -2,16 +2,15 @@
 
 #include <optional>
 
-#include "common/clock/clocks.hpp"
+#include "common/types/clocks.hpp"
 
 namespace roadbalance {
 
 /// From readings of a power line to the two events that matter; a pure state machine.
 ///
 /// The supply is gone when it was bad for `loss`, and back when it was good for `comeback`: a starter motor's
-/// dip neither closes segments nor ends the battery's time too soon.  A reading that fails tells nothing, and
-/// the state stays; that none succeeded for `unreadable` is an event of its own, and so is the next that
-/// does.
+/// dip neither closes segments nor ends the battery's time too soon.  A reading that fails leaves the state;
+/// if none succeeds for `unreadable`, that is an event of its own, and so is the next success.
 class PowerWatch {
  public:
   struct Options {
@@ -34,7 +33,7 @@ class PowerWatch {
 
   const Options options_;
   bool on_battery_ = false;
-  std::optional<WallTime> differs_since_;  // readings say the opposite of on_battery_ since then
+  std::optional<WallTime> differs_since_;  // readings are the opposite of on_battery_ since then
   std::optional<WallTime> unread_since_;
   bool is_unreadable_ = false;
 };

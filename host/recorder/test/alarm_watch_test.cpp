@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "common/bus/channel_faults.hpp"
-#include "host/recorder/recorded_alarms.hpp"
 #include "host/recorder/test/watched_node.hpp"
+#include "host/recording/recorded_alarms.hpp"
 
 namespace roadbalance {
 namespace {
@@ -37,7 +37,7 @@ TEST_F(AlarmWatchTest, CountsWhatNodesLose) {
   watch.take(beat, now);
   EXPECT_EQ(active(), (Alarms{{AlarmCause::kSamplesLost, 3}, {AlarmCause::kFaultyTurns, 3, 1}}));
   EXPECT_EQ(watch.active()[0].text, "35 samples by now");
-  // What goes on unchanged is over; one more begins it again.
+  // A count that goes on unchanged is over; one more begins it again.
   now += seconds(11);
   watch.take(beat, now);
   EXPECT_EQ(watch.due(now).size(), 4u);
@@ -48,6 +48,20 @@ TEST_F(AlarmWatchTest, CountsWhatNodesLose) {
   beat.scans_missing = 4206;
   watch.take(beat, now);
   EXPECT_EQ(watch.active()[0].text, "4211 samples by now");
+}
+
+TEST_F(AlarmWatchTest, NamesTheTeethBetweenMarksThatNameNoTooth) {
+  beat.mark_counts = {0, 0, 60, 36};
+  watch.take(beat, now);
+  ASSERT_EQ(active(), (Alarms{{AlarmCause::kWrongMarks, 3, 1}}));
+  EXPECT_EQ(watch.active()[0].text.find("60 and 36 teeth lie between its zero marks: is a second magnet"), 0U)
+      << watch.active()[0].text;
+  EXPECT_EQ(place_of({AlarmCause::kWrongMarks, 3, 1}), "node 3 line 2");
+  beat.mark_counts = {95, 0, 0, 0};
+  now += seconds(30);
+  watch.take(beat, now);
+  (void)watch.due(now);
+  EXPECT_EQ(active(), (Alarms{{AlarmCause::kWrongMarks, 3, 0}}));
 }
 
 // Its scans become a gap when it is there again, or at the stop: too late for who could plug it in.

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "common/link/blocks.hpp"
-#include "host/recorder/test/keeper_drive.hpp"
-#include "host/recorder/verify.hpp"
+#include "common/types/blocks.hpp"
+#include "host/recorder/test/store_drive.hpp"
+#include "host/recording/verify/verify.hpp"
 
 namespace roadbalance {
 namespace {
@@ -59,10 +59,10 @@ class LargeNumbers : public ::testing::TestWithParam<Passing>, protected test::D
   void take(EpochReceiver& receiver, const SealedBlock& block) {
     std::vector<Delivery> out;
     EXPECT_EQ(receiver.block(block, now, out), EpochReceiver::Take::kAccepted) << block.header.sequence;
-    for (const Delivery& delivery : out) keeper->append(delivery, now);
+    for (const Delivery& delivery : out) store->append(delivery, now);
   }
   void commit(EpochReceiver& receiver) {
-    for (const DurableMark& mark : keeper->commit(now += milliseconds(300))) receiver.durable(mark.sequence);
+    for (const DurableMark& mark : store->commit(now += milliseconds(300))) receiver.durable(mark.sequence);
   }
 };
 
@@ -77,7 +77,7 @@ TEST_P(LargeNumbers, AreRecordedRecoveredAndProvenAsSmallOnes) {
   heartbeat.base = first_block;
   heartbeat.next = first_block + kBlocks;
   receiver.heartbeat(heartbeat, now, out);
-  for (const Delivery& delivery : out) keeper->append(delivery, now);
+  for (const Delivery& delivery : out) store->append(delivery, now);
   EXPECT_GE(receiver.credit(), first_block) << "what is gone at the node is not waited for";
 
   const std::int64_t hole = kAhead - 2, behind_hole = kAhead + 3;
@@ -91,15 +91,15 @@ TEST_P(LargeNumbers, AreRecordedRecoveredAndProvenAsSmallOnes) {
   commit(receiver);
   EXPECT_EQ(receiver.durable(), first_block + kBlocks - 1);
 
-  keeper.reset();
+  store.reset();
   start();
-  const auto& recovered = keeper->recovered().epoch.at({kNode, kEpoch});
+  const auto& recovered = store->recovered().epoch.at({kNode, kEpoch});
   EXPECT_EQ(recovered.position.contiguous, first_block + kBlocks - 1);
   EXPECT_EQ(recovered.position.next_scan, first_scan + kBlocks * kScansPerBlock);
   EpochReceiver again(kNode, kEpoch, recovered.position, {});
   take(again, end());
   commit(again);
-  keeper->close(now);
+  store->close(now);
 
   const Verification v = verify_record(test::kFolder, disk);
   EXPECT_EQ(v.verdict, Verdict::kIncomplete) << verdict_text(v) << (v.damage.empty() ? "" : v.damage.front());

@@ -81,7 +81,7 @@ TEST_F(NodeControlTest, IsNotDrivenToTheLastIncarnationThereIs) {
   EXPECT_EQ(control.obeyed_higher(), 0);
 }
 
-// After a release nobody owns the node, and it obeys no incarnation below the one it had.
+// After a release no recorder owns the node, and it obeys no incarnation below the one it had.
 TEST_F(NodeControlTest, LearnsFromARefusalWhichIncarnationTheNodeObeyed) {
   control.take(beat(NodeState::kPreview, 0));
   const auto claim = due(kStart);

@@ -4,7 +4,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
-#include "common/bus/control.hpp"
+#include "common/bus/control_messages.hpp"
 
 namespace roadbalance {
 namespace {
@@ -50,7 +50,7 @@ class RecorderLinkTest : public ::testing::Test {
          end);
     link.take(block_channel(kNode, BlockKind::kEnd), end.bytes(), now);
   }
-  // Acknowledgements said in a second, with a heartbeat each 100 ms.
+  // Acknowledgements sent in a second, with a heartbeat each 100 ms.
   int run(std::int64_t owner, std::int64_t base, std::int64_t next) {
     int acks = 0;
     for (int k = 0; k < 10; ++k, now += milliseconds(100)) {
@@ -256,7 +256,7 @@ TEST_F(RecorderLinkTest, ANodeHoldsItsLastBlocksUntilAHeartbeatFromBehindThem) {
   EXPECT_FALSE(link.report().node[0].holds_blocks);
 }
 
-// The disk failed over a stop: who finds the node later tells by its owner's number whose samples they are.
+// The disk failed over a stop: its owner's number shows later whose samples the node holds.
 TEST_F(RecorderLinkTest, ANodeIsReleasedOnlyWhenNothingItHoldsHangsOnIt) {
   run(kOurs, 1, 3);
   send(1, 1);
@@ -269,7 +269,7 @@ TEST_F(RecorderLinkTest, ANodeIsReleasedOnlyWhenNothingItHoldsHangsOnIt) {
   EXPECT_EQ(released(), 1);
 }
 
-// What it holds for the recorder before is not known by an answer.
+// An answer does not show what it holds for the recorder before.
 TEST_F(RecorderLinkTest, ANodeThatHasOnlyAnsweredIsNotReleased) {
   hear(kOther, 1, 9);
   link.turn(now, [this](const std::string&, std::span<const std::uint8_t> bytes) {
@@ -279,7 +279,40 @@ TEST_F(RecorderLinkTest, ANodeThatHasOnlyAnsweredIsNotReleased) {
   EXPECT_EQ(released(), 0);
 }
 
-// Blocks of a node that somebody else ends are no reason to wait.
+// Blocks of a node that another recorder ends are no reason to wait.
+TEST_F(RecorderLinkTest, NamesTheNodeForWhichThereIsNoRoom) {
+  RecorderStatus status;
+  for (std::int32_t node = 1; node <= static_cast<std::int32_t>(kMostNodes) + 1; ++node) {
+    link.fill(status);
+    EXPECT_EQ(status.left_out, 0) << node;
+    link.take(heartbeat_channel(node), encode(Heartbeat{.node = node, .epoch = node, .owner = kOurs}), now);
+  }
+  link.fill(status);
+  EXPECT_EQ(status.left_out, static_cast<std::int32_t>(kMostNodes) + 1);
+  int claimed = 0;
+  link.turn(now, [&](const std::string& channel, auto) {
+    claimed += channel == command_channel(status.left_out) ? 1 : 0;
+    return true;
+  });
+  EXPECT_EQ(claimed, 0) << "it waits for a recorder that has room";
+}
+
+TEST_F(RecorderLinkTest, NotesTheStopBehindWhatWasMissedBefore) {
+  RecorderLinkOptions options;
+  options.expected = {{.number = 7, .name = "rear", .is_missing = true}};
+  RecorderLink with_expected{options, kOurs, {}};
+  const Publish nobody = [](const std::string&, auto) { return true; };
+  with_expected.turn(now, nobody);
+  now += milliseconds(1500);
+  with_expected.stop(now, "rb of anna at laptop");
+  const auto notes = with_expected.notes();
+  ASSERT_EQ(notes.size(), 2u);
+  EXPECT_EQ(notes[0].kind, NoteKind::kNodeMissing);
+  EXPECT_EQ(notes[0].a, 7);
+  EXPECT_EQ(notes[1].kind, NoteKind::kStopping);
+  EXPECT_EQ(notes[1].text, "rb of anna at laptop");
+}
+
 TEST_F(RecorderLinkTest, EndsThoughANodeThatObeysAnotherGoesOn) {
   run(kOurs, 1, 2);
   send(1, 1);

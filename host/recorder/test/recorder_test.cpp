@@ -14,13 +14,12 @@
 #include "common/bus/types.hpp"
 #include "common/link/ring.hpp"
 #include "common/link/sender.hpp"
-#include "common/record/record.hpp"
 #include "common/record/record_state.hpp"
+#include "host/recorder/control/recording_session.hpp"
 #include "host/recorder/incarnation.hpp"
-#include "host/recorder/preamble.hpp"
-#include "host/recorder/recording_session.hpp"
 #include "host/recorder/test/recorder_fixture.hpp"
-#include "host/recorder/verify.hpp"
+#include "host/recording/preamble.hpp"
+#include "host/recording/verify/verify.hpp"
 
 namespace roadbalance {
 namespace {

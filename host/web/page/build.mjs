@@ -5,7 +5,7 @@ import {buildSync} from "esbuild";
 
 execFileSync(process.execPath, ["node_modules/typescript/bin/tsc", "--project", "."], {stdio: "inherit"});
 mkdirSync("dist", {recursive: true});
-// Its licence wants to go wherever it goes.
+// The licence goes with every copy.
 const uplot = readFileSync("node_modules/uplot/LICENSE", "utf8");
 buildSync({
   entryPoints: {page: "src/main.ts"}, outdir: "dist", bundle: true, minify: true, format: "iife",

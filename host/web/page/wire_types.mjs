@@ -1,9 +1,9 @@
-// TypeScript of what travels on the bus, made of the very files that the C++ is made of:
+// Makes TypeScript of the messages on the bus, from the same files as the C++:
 //
 //     node wire_types.mjs OUT.ts FILE...
 //
 // FILE.lcm gives an interface and the layout of the message, as decode.ts reads it; FILE.hpp:Name,kName gives
-// enumerations and numbers of a C++ header.  What is not understood is an error: the page never guesses.
+// enumerations and numbers of a C++ header.  A text that is not understood is an error: the page never guesses.
 import {readFileSync, writeFileSync} from "node:fs";
 import {fileURLToPath} from "node:url";
 

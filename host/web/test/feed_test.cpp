@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "common/bus/control.hpp"
+#include "common/bus/control_messages.hpp"
 #include "common/bus/results.hpp"
 
 namespace roadbalance {
@@ -14,7 +14,7 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-/// The kind whose channel it is.
+/// The kind of a channel.
 std::size_t kind(const std::string& channels) {
   const auto messages = page_messages();
   const auto found = std::ranges::find_if(messages, [&](const auto& m) { return channels == m.channels; });
@@ -24,7 +24,7 @@ std::size_t kind(const std::string& channels) {
 const std::size_t kState = kind("RB_HEARTBEAT_.*");
 const std::size_t kResult = kind("RB_BALANCE");
 
-/// What a frame holds: ages and first bytes.
+/// The ages and first bytes of a frame's messages.
 struct Entry {
   std::uint32_t age_ms;
   std::vector<std::uint8_t> bytes;
@@ -85,7 +85,7 @@ TEST_F(FeedTest, PagesThatAreEquallyFarShareOneFrame) {
   EXPECT_NE(feed_.since(0, now_).bytes, before);
 }
 
-TEST_F(FeedTest, AStateThatIsNotSaidAgainIsForgottenAndAResultIsNot) {
+TEST_F(FeedTest, AStateThatIsNotRepeatedIsForgottenAndAResultIsNot) {
   take(kState, 1, 1);
   take(kResult, 0, 2);
   EXPECT_EQ(entries(feed_.since(0, now_)).size(), 2U);  // a page that came before shares nothing with it
@@ -141,7 +141,7 @@ TEST_F(FeedTest, APageThatAsksNoMoreIsForgotten) {
   EXPECT_EQ(entries(feed_.since(0, now_, 5)).size(), 0U);
 }
 
-TEST_F(FeedTest, PagesThatAskAndWhatTheyAreToldAreBounded) {
+TEST_F(FeedTest, PagesThatAskAndTheirTopicsAreBounded) {
   for (std::size_t viewer = 1; viewer <= 2 * Feed::kMostViewers; ++viewer)
     EXPECT_EQ(feed_.expect(static_cast<std::int64_t>(viewer), now_), viewer <= Feed::kMostViewers);
   EXPECT_TRUE(feed_.expect(1, now_)) << "who is known may go on";

@@ -130,7 +130,8 @@ TEST(Guard, FindsTheTokenAmongTheProtocols) {
 TEST(Guard, FindsTheViewerAmongTheProtocols) {
   EXPECT_EQ(viewer_of_protocols("roadbalance, viewer.9007199254740991"), 9'007'199'254'740'991);
   EXPECT_EQ(viewer_of_protocols("viewer.12 , token.abc"), 12);
-  for (const char* none : {"", "roadbalance", "viewer.", "viewer.12x", "viewer.-8", "viewer.99999999999999999999"})
+  for (const char* none :
+       {"", "roadbalance", "viewer.", "viewer.12x", "viewer.-8", "viewer.99999999999999999999"})
     EXPECT_EQ(viewer_of_protocols(none), 0) << none;
 }
 

@@ -14,17 +14,17 @@
 #include "common/bus/bus.hpp"
 #include "common/bus/codec.hpp"
 #include "common/bus/setup.hpp"
-#include "common/clock/clocks.hpp"
 #include "common/dsp/state_filter.hpp"
 #include "common/process/stop_on_signal.hpp"
 #include "common/test/source.hpp"
+#include "common/types/clocks.hpp"
 #include "host/analyser/live_view.hpp"
 
 // rb-web-knock-scene URL: the demonstration car at rest, in real time, with the analyser's live view.  A line
 // "1.3" on standard input is a knock on that channel's sensor, the positive way along the car's axis: a push
 // of 4 ms and a ringing that dies away, a sixth of it at the other sensors of its node, all through the
-// anti-aliasing filter of vehicle.toml.  fr_carrier_z is fitted the wrong way round: it points against what
-// vehicle.toml says.
+// anti-aliasing filter of vehicle.toml.  fr_carrier_z is fitted the wrong way round, against its direction in
+// vehicle.toml.
 
 namespace {
 
@@ -35,7 +35,7 @@ constexpr double kRate_hz = 2000.0, kPush_m_s2 = 30.0, kPush_s = 0.004, kNoise_m
 constexpr std::int64_t kPeriod_ns = 500'000;
 constexpr double kFeltByOthers = 1.0 / 6.0;
 
-/// Acceleration of what was knocked, so long after.
+/// Acceleration at the knocked place, so long after.
 double knock_m_s2(double since_s) {
   if (since_s < 0.0 || since_s > 0.2) return 0.0;
   if (since_s < kPush_s) return kPush_m_s2 * std::sin(std::numbers::pi * since_s / kPush_s);
@@ -44,7 +44,7 @@ double knock_m_s2(double since_s) {
          std::sin(2.0 * std::numbers::pi * 90.0 * ringing_s);
 }
 
-/// Where and when, of the newest knock; from the thread that reads to the one that measures.
+/// Place and time of the newest knock, from the thread that reads to the one that measures.
 class Hammer {
  public:
   void hit(std::int32_t node, int channel) {
@@ -53,7 +53,7 @@ class Hammer {
     channel_ = channel;
     is_new_ = true;
   }
-  /// What the sensors of a node feel at a sample.
+  /// Accelerations of a node's sensors at a sample.
   double felt(std::int32_t node, int channel, std::int64_t sample) {
     const std::lock_guard lock(mutex_);
     if (std::exchange(is_new_, false)) begin_ = sample;
@@ -128,7 +128,7 @@ int main(int argc, char** argv) {
         stop, argv[1], car, {}, [](const auto&) {}, make_channel<Ack>(1).first);
   });
   const auto hammer = std::make_shared<Hammer>();
-  std::thread([hammer] {  // it waits for who never may type more: it ends with the program
+  std::thread([hammer] {  // it may wait for input forever: it ends with the program
     std::int32_t node = 0;
     int channel = 0;
     for (char dot = 0; std::cin >> node >> dot >> channel;) hammer->hit(node, channel - 1);

@@ -16,9 +16,9 @@
 #include "common/bus/order_report.hpp"
 #include "common/bus/results.hpp"
 #include "common/bus/setup.hpp"
-#include "common/clock/clocks.hpp"
 #include "common/process/stop_on_signal.hpp"
 #include "common/test/source.hpp"
+#include "common/types/clocks.hpp"
 #include "host/analyser/live_view.hpp"
 
 // rb-web-plot-scene URL: the demonstration car's nodes as a formula, in real time, with the analyser's live
@@ -88,8 +88,8 @@ ScanBlock block_of(const NodeConfig& node, std::int64_t number, std::int64_t beg
   return block;
 }
 
-/// What the analyser would say of the record: front left 1.5 m/s^2 at 40 degrees, known to 5 %.
-void say_results(Bus& bus, const VehicleConfig& car) {
+/// The analyser's result for this record: front left 1.5 m/s^2 at 40 degrees, known to 5 %.
+void publish_results(Bus& bus, const VehicleConfig& car) {
   for (const NodeConfig& node : car.node) {
     bus.publish(setup_channel(node.id), encode(setup_of(car, node)));
     bus.publish(
@@ -131,7 +131,7 @@ int main(int argc, char** argv) {
   for (std::int64_t number = 0; !signals.token().stop_requested(); ++number) {
     const auto due = begin + (number + 1) * kScansPerBlock * std::chrono::nanoseconds(kPeriod_ns);
     while (MachineClock::now() < due) std::this_thread::sleep_for(1ms);
-    if (number % 50 == 0) say_results(bus, car);
+    if (number % 50 == 0) publish_results(bus, car);
     for (const NodeConfig& node : car.node) {
       if (&node == &car.node[1] && number % kHoleEvery >= kHoleEvery - kHole) continue;
       const ScanBlock block = block_of(node, number, begin.time_since_epoch().count());

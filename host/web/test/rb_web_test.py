@@ -599,7 +599,7 @@ class Unit(unittest.TestCase):
         self.assertIn("EnvironmentFile=-/etc/roadbalance/node-%i.conf", lines)
 
     def test_what_is_done_with_recordings_gives_way_to_recording(self):
-        lines = pathlib.Path(os.environ["RB_SOURCE"], "host/receipts/rb-recordings.service").read_text(encoding="ascii").splitlines()
+        lines = pathlib.Path(os.environ["RB_SOURCE"], "host/recordings/rb-recordings.service").read_text(encoding="ascii").splitlines()
         for needed in ("Nice=19", "IOSchedulingClass=idle", "MemoryHigh=1G", "DynamicUser=yes", "CapabilityBoundingSet=",
                        "SystemCallFilter=@system-service", "IPAddressDeny=any",
                        "ExecStart=rb-recordings --folder /var/lib/roadbalance/recordings --results /var/lib/roadbalance-results",

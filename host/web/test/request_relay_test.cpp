@@ -19,13 +19,13 @@ TEST(RequestRelay, RepeatsUntilTheLastWord) {
   RequestRelay relay;
   const WallTime now{};
   relay.take(request(5), now);
-  relay.take(request(5), now);  // a page that asks again asks the same
+  relay.take(request(5), now);  // a repeated request counts once
   EXPECT_EQ(relay.due(now).size(), 1u);
   EXPECT_TRUE(relay.due(now + milliseconds(199)).empty());
   EXPECT_EQ(relay.due(now + RequestRelay::kRepeat), std::vector{request(5)});
   relay.take(answer(5, AnswerState::kUnderWay));
   EXPECT_EQ(relay.due(now + 2 * RequestRelay::kRepeat).size(), 1u);
-  relay.take(answer(6, AnswerState::kDone));  // another's
+  relay.take(answer(6, AnswerState::kDone));  // of another request
   EXPECT_EQ(relay.due(now + 3 * RequestRelay::kRepeat).size(), 1u);
   relay.take(answer(5, AnswerState::kRefused));
   EXPECT_TRUE(relay.due(now + 4 * RequestRelay::kRepeat).empty());

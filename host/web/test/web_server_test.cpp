@@ -19,7 +19,7 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-/// A page without a browser.
+/// A WebSocket client that stands for a page.
 class Page {
  public:
   explicit Page(std::uint16_t port) : socket_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
@@ -39,7 +39,7 @@ class Page {
   Page(const Page&) = delete;
   Page& operator=(const Page&) = delete;
 
-  /// Bytes taken; nothing if there were none in time; negative once the server has hung up.
+  /// Bytes received; nothing if there were none in time; negative once the server has hung up.
   ssize_t take(milliseconds patience) {
     pollfd ready{socket_, POLLIN, 0};
     if (poll(&ready, 1, static_cast<int>(patience.count())) == 0) return 0;
@@ -53,7 +53,7 @@ class Page {
 };
 
 TEST(WebServer, APageThatDoesNotReadIsDroppedAndNobodyWaitsForIt) {
-  // More than all buffers hold between server and page.
+  // More than all buffers between server and page hold.
   const auto large = std::make_shared<const FrameBytes>(8 << 20);
   std::atomic<std::uint64_t> revision = 0;
   WebServer server({.rules = {{}, "", false},
@@ -67,7 +67,7 @@ TEST(WebServer, APageThatDoesNotReadIsDroppedAndNobodyWaitsForIt) {
 
   Page stalled(server.port()), reading(server.port());
   std::uint64_t taken = 0;
-  // As long as the stalled page may take for a frame, and then for as much again.
+  // Twice the time that a stalled page may take for a frame.
   const WallTime end = WallClock::now() + 2 * WebServer::kFrameTime;
   while (WallClock::now() < end) {
     const ssize_t count = reading.take(seconds(5));
@@ -76,7 +76,7 @@ TEST(WebServer, APageThatDoesNotReadIsDroppedAndNobodyWaitsForIt) {
   }
   EXPECT_GT(taken, 4 * large->size());
 
-  std::uint64_t left = 0;  // what lay in buffers
+  std::uint64_t left = 0;  // bytes in the buffers
   ssize_t count = 0;
   while ((count = stalled.take(seconds(5))) > 0) left += static_cast<std::uint64_t>(count);
   EXPECT_LT(count, 0) << "the page that stalled is still connected";

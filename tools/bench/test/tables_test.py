@@ -1,5 +1,6 @@
 """The tables of tools/bench: what counts as growth, what is drawn, how a log of LCM is counted, which rows are run."""
 
+import dataclasses
 import importlib.machinery
 import importlib.util
 import os
@@ -13,6 +14,7 @@ import xml.etree.ElementTree
 
 BENCH = pathlib.Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(BENCH))
+import drive  # noqa: E402
 import programs  # noqa: E402
 
 
@@ -33,7 +35,6 @@ def curve(part, of, *costs):
 
 EVERYTHING = [point for part in ("rb-node", "rb-recorder", "rb-analyser")
               for of in ("nodes", "rate, kHz", "channels of six nodes") for point in curve(part, of, 9.0, 8.0, 7.5)]
-EVERYTHING += curve("covariance", "lags", 1.0, 1.0) + curve("covariance", "channels", 1.0, 1.0)
 EVERYTHING += curve("cross spectra", "channels", 5.0, 10.0)
 
 
@@ -49,7 +50,7 @@ class Growth(unittest.TestCase):
         self.assertEqual([*growth.faster([point._replace(node_mb=None) for point in curve("a", "b", 10.0, 10.0)])], [])
 
     def test_curves_are_apart_by_what_grows(self):
-        self.assertEqual({key: len(points) for key, points in growth.curves(EVERYTHING).items()}["covariance", "lags"], 2)
+        self.assertEqual({key: len(points) for key, points in growth.curves(EVERYTHING).items()}["cross spectra", "channels"], 2)
 
     def test_is_drawn(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -58,7 +59,7 @@ class Growth(unittest.TestCase):
             picture = xml.etree.ElementTree.parse(file).getroot()
         self.assertTrue(picture.tag.endswith("svg"))
         told = "".join(picture.itertext())
-        for title in ("Nodes, 16 channels", "Rate, 4 nodes", "Channels, 8 nodes", "Memory", "Covariance", "Cross spectra"):
+        for title in ("Nodes, 16 channels", "Rate, 4 nodes", "Channels, 8 nodes", "Memory", "Cross spectra"):
             self.assertIn(title, told)
 
 
@@ -76,6 +77,24 @@ class Logs(unittest.TestCase):
     def test_no_log_is_named(self):
         with self.assertRaisesRegex(RuntimeError, "no log of LCM at byte 46"):
             self.count(b"RB_BLOCK_1_SCAN", tail=28 * b"x")
+
+
+class Calls(unittest.TestCase):
+    def test_those_begun_in_time_are_counted_once(self):
+        with tempfile.TemporaryDirectory() as folder:
+            log = pathlib.Path(folder, "log")
+            log.write_text("7 10.0 read(3, 1) = 1\n7 11.0 poll( <unfinished ...>\n8 11.5 write(1, 2) = 2\n"
+                           "7 12.0 <... poll resumed>) = 0\n7 12.5 --- SIGTERM {} ---\n7 12.6 +++ exited with 0 +++\n"
+                           "7 13.0 close(3) = 0\n")
+            self.assertEqual(drive.calls_between(log, 10.5, 13.0), 2)
+
+
+class Rows(unittest.TestCase):
+    def test_what_is_asked_is_met_or_missed_or_not_asked(self):
+        row = programs.Row("a", 3.0, "ms", "b", 2.0, 1.5, "<=", 1.0)
+        self.assertIs(row.met(), False)
+        self.assertIs(dataclasses.replace(row, sign=">=").met(), True)
+        self.assertIsNone(dataclasses.replace(row, sign=None).met())
 
 
 class Run(unittest.TestCase):

@@ -93,7 +93,7 @@ class Guide(unittest.TestCase):
             words = command.split()[1:]
             done = subprocess.run([BIN / "rb", *words, "--help"], capture_output=True, text=True)
             self.assertEqual(done.returncode, 0, command)
-        sources = "".join(p.read_text() for p in (SOURCE / "host" / "identify").rglob("*.cpp"))
+        sources = "".join(p.read_text() for p in (SOURCE / "host" / "analysis").rglob("*.cpp"))
         for words in re.findall(r'^\| "([^"]+)"', page, re.M):
             self.assertIn(words, sources)
 

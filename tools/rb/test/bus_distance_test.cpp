@@ -13,7 +13,7 @@
 namespace roadbalance {
 namespace {
 
-const std::string kData = "firmware/backends/test/data/";
+const std::string kData = "common/dbc/test/data/";
 
 std::vector<LoggedFrame> rav4() {
   std::istringstream text(test::read_source(kData + "rav4.candump.log"));
@@ -69,7 +69,7 @@ TEST(BusDistance, OfARealCarByItsCounterAndByItsSpeeds) {
   }
   EXPECT_EQ(distance.speed[0].signal, "WHEEL_SPEEDS.WHEEL_SPEED_FR");
   EXPECT_EQ(distance.speed[4].signal, "SPEED.SPEED");
-  // What one count is worth was found from this very speed.
+  // The worth of one count was found from this very speed.
   EXPECT_NEAR(counter.metres, distance.speed[4].metres, 1.0);
   // The wheels say 2 % less than the speedometer's speed.
   EXPECT_NEAR(counter.metres - distance.speed[1].metres, 20.3, 0.5);

@@ -11,7 +11,7 @@
 #include "common/config/set_value.hpp"
 #include "common/config/text_file.hpp"
 #include "common/dsp/state_filter.hpp"
-#include "common/record/record.hpp"
+#include "common/record/record_writer.hpp"
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
 #include "firmware/seal_all.hpp"

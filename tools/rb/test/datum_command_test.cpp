@@ -12,15 +12,15 @@
 #include "common/bus/codec.hpp"
 #include "common/config/set_value.hpp"
 #include "common/config/text_file.hpp"
-#include "common/record/record.hpp"
+#include "common/process/child.hpp"
+#include "common/record/record_writer.hpp"
 #include "common/test/bus_url.hpp"
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
 #include "firmware/seal_all.hpp"
-#include "host/identify/drive_estimator.hpp"
+#include "host/analysis/identify/drive_estimator.hpp"
 #include "sim/front_end.hpp"
 #include "sim/pulse_train.hpp"
-#include "common/process/child.hpp"
 
 namespace roadbalance {
 namespace {
@@ -143,7 +143,7 @@ VehicleConfig car(double datum_deg, double sigma_deg) {
                               "car");
 }
 
-/// What a car whose datum is 30 degrees sends, described as `told`.
+/// The messages of a car whose datum is 30 degrees, described as `told`.
 std::vector<SealedBlock> drive(const VehicleConfig& told, const std::string& scenario) {
   const VehicleConfig truth = car(30.0, 0.0);
   std::vector<SealedBlock> blocks;

@@ -74,7 +74,7 @@ class DemoTest : public testing::Test {
   int started_ = 0;
 };
 
-/// What the kernel says of a process; empty if it has just ended.
+/// The state of a process by the kernel; empty if it has just ended.
 std::string of_process(pid_t pid, const char* file) {
   try {
     return read_file("/proc/" + std::to_string(pid) + "/" + file);

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/record/file.hpp"
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
 #include "tools/rb/test/run_rb.hpp"
@@ -39,7 +40,6 @@ TEST_F(FolderCommands, ListWhatIsInAFolderWithoutNamingIt) {
   for (const char* name : {"first", "second", "damaged"}) ASSERT_EQ(import(all / name).code, 0);
   fs::resize_file(all / "damaged" / "seg-000001.lcm", fs::file_size(all / "damaged" / "seg-000001.lcm") / 2);
   fs::create_directory(all / "pictures");
-  // A recorder would have written within the last seconds.
   int age_min = 10;
   for (const char* name : {"first", "second", "damaged"})
     fs::last_write_time(all / name / "seg-000001.lcm",
@@ -57,6 +57,8 @@ TEST_F(FolderCommands, ListWhatIsInAFolderWithoutNamingIt) {
   EXPECT_NE(rb({"info", all}).output.find("second"), std::string::npos);
   // One that grows is not read, nor are the others beside it: the disk is the recorder's.
   fs::last_write_time(all / "first" / "seg-000001.lcm", fs::file_time_type::clock::now());
+  File recorder = File::open_folder(all / "first");
+  ASSERT_TRUE(recorder.try_lock());
   const Json busy = Json::parse(rb({"info", all, "--json"}).output)["recordings"];
   EXPECT_EQ(busy[0]["state"], "being recorded");
   EXPECT_EQ(busy[1]["state"], "not read");

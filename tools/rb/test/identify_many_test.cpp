@@ -139,7 +139,7 @@ TEST_F(IdentifyMany, CountsNoDriveTwice) {
       << copied.log;
 }
 
-// Excerpts tell what they are made of: parts of one drive may stand beside each other, but not beside the
+// Subsets tell what they are made of: parts of one drive may stand beside each other, but not beside the
 // whole.
 TEST_F(IdentifyMany, CountsNoPartOfADriveTwice) {
   const std::string most = folder_.path() / "z-most", begin = folder_.path() / "y-begin",

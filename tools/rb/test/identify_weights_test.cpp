@@ -39,7 +39,7 @@ VehicleConfig car() {
   return VehicleConfig::parse(text, "vehicle.toml");
 }
 
-/// What the steps add, g at 0.19 m.
+/// The unbalance that the steps add, g at 0.19 m.
 std::complex<double> added_g(const Json& steps) {
   std::complex<double> sum = 0.0;
   for (const Json& step : steps) {
@@ -107,7 +107,7 @@ TEST_F(IdentifyWeights, TellsStepsOfTheStockThatLeaveWhatItSays) {
         std::polar(wheel["unbalance_g"].get<double>(), wheel["angle_deg"].get<double>() * kDegree) +
         added_g(compensation["steps"]);
     EXPECT_LT(std::abs(left), std::hypot(5.0, 35.0 * std::sin(7.5 * kDegree)) + 1.0) << w;
-    // What it says to be left has what is not known in it.
+    // The unbalance that it reports as left includes what is not known.
     EXPECT_GT(compensation["residual_g"].get<double>(), std::abs(left));
     EXPECT_LT(compensation["residual_g"].get<double>(), std::abs(left) + 3.0);
     EXPECT_EQ(compensation["within_shop"], compensation["residual_g"].get<double>() <= 2.0);

@@ -10,11 +10,11 @@
 #include <numbers>
 #include <string>
 
-#include "common/record/record.hpp"
+#include "common/record/record_writer.hpp"
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
 #include "firmware/seal_all.hpp"
-#include "host/analyser/identify_record.hpp"
+#include "host/analysis/drives/identify_record.hpp"
 #include "sim/front_end.hpp"
 #include "sim/truth.hpp"
 #include "tools/rb/test/run_rb.hpp"
@@ -99,7 +99,7 @@ class InStep : public testing::Test {
 TEST_F(InStep, IsNoObstacleWithSensorsOnTheCarriers) {
   drive(car(true), 0.0);
   expect_all_found(0.10);
-  EXPECT_EQ(found_.obstacle, "");
+  EXPECT_EQ(found_.refusal, "");
 }
 
 TEST_F(InStep, IsRefusedWithTheBodyAloneAndTheHintSaysHowToGoOn) {
@@ -114,7 +114,7 @@ TEST_F(InStep, IsRefusedWithTheBodyAloneAndTheHintSaysHowToGoOn) {
 TEST_F(InStep, TheHintIsTrueOnceThePhasesDriftTheBodyTellsEveryWheel) {
   drive(car(false), 0.003);
   expect_all_found(0.5);
-  EXPECT_EQ(found_.obstacle.find("in step"), std::string::npos) << found_.obstacle;
+  EXPECT_EQ(found_.refusal.find("in step"), std::string::npos) << found_.refusal;
 }
 
 }  // namespace

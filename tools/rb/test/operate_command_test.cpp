@@ -71,6 +71,16 @@ Answer done(std::string text) {
   return {.state = AnswerState::kDone, .text = std::move(text)};
 }
 
+TEST_F(OperateCommand, AStartNamesItsNodesAndIsIncompleteWhereOneIsMissing) {
+  Answer partial = done("\"drive\" is being recorded; PARTIAL: node 2 (rear) is not on the bus");
+  partial.value[0] = 1.0;
+  const Answering recorder(url_, partial);
+  EXPECT_EQ(rb({"start", "--nodes", "front,2", "drive"}).code, 3);
+  EXPECT_EQ(recorder.heard().nodes, "front,2");
+  EXPECT_EQ(recorder.heard().text, "drive");
+  EXPECT_NE(recorder.heard().who, "");
+}
+
 TEST_F(OperateCommand, SaysWhatIsDone) {
   const Answering recorder(url_, done("\"drive\" is being recorded"));
   const auto outcome = rb({"start", "drive"});

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "common/config/vehicle_config.hpp"
-#include "common/record/record.hpp"
+#include "common/record/record_writer.hpp"
 #include "common/test/source.hpp"
 #include "firmware/seal_all.hpp"
 #include "sim/front_end.hpp"
@@ -35,7 +35,7 @@ inline void record_scenario(const std::filesystem::path& folder, const VehicleCo
   writer.close();
 }
 
-/// A drive of the one car that is as its vehicle.toml says, on a road of its own.
+/// A drive of the one car that is as its vehicle.toml describes it, on a road of its own.
 struct SimulatedDrive {
   std::uint64_t seed;
   double speed_km_h = 120.0;
@@ -47,7 +47,7 @@ struct SimulatedDrive {
 inline constexpr std::array kDrivenUnbalance_g{35.0, 20.0, 12.0, 14.0};
 inline constexpr std::array kDrivenAngle_deg{217.0, 60.0, 305.0, 128.0};
 
-/// Of one wheel, another mass than kDrivenUnbalance_g has.
+/// The mass of one wheel is another than in kDrivenUnbalance_g.
 struct OtherMass {
   std::size_t wheel;
   double mass_g;

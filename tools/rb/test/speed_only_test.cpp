@@ -1,4 +1,4 @@
-// A real car's wheel speeds carry no angle, and identification says so.
+// A real car's wheel speeds carry no angle, and identification reports that.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -11,20 +11,20 @@
 #include <string>
 #include <thread>
 
-#include "common/record/record.hpp"
+#include "common/dbc/candump.hpp"
+#include "common/dbc/dbc.hpp"
+#include "common/dbc/dbc_reading.hpp"
+#include "common/process/child.hpp"
+#include "common/record/record_writer.hpp"
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
-#include "firmware/backends/dbc/candump.hpp"
-#include "firmware/backends/dbc/dbc.hpp"
-#include "firmware/backends/dbc/dbc_reading.hpp"
 #include "firmware/seal_all.hpp"
 #include "firmware/test/scripted_front_end.hpp"
-#include "common/process/child.hpp"
 
 namespace roadbalance {
 namespace {
 
-const std::string kData = "firmware/backends/test/data/";
+const std::string kData = "common/dbc/test/data/";
 constexpr std::array kSignals{"FL", "FR", "RL", "RR"};
 
 /// The demo car without its encoders; its first node hears the bus.

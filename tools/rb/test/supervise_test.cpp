@@ -116,8 +116,8 @@ TEST_F(Supervise, KillsAProgramThatHangsAndStartsItAgain) {
   EXPECT_NE(log.find("it last said: run 2"), std::string::npos) << log;
 }
 
-// Of a program that ignores the ends of its children all that it starts inherits that: the kernel then tells
-// of none.
+// A program that ignores the ends of its children passes that on to all that it starts: the kernel then
+// reports none.
 class SuperviseBelowOneThatIgnoresItsChildren : public Supervise {
  protected:
   ~SuperviseBelowOneThatIgnoresItsChildren() override { heed(); }

@@ -11,7 +11,7 @@ using Act = Supervisor::Act;
 
 class SupervisorTest : public ::testing::Test {
  protected:
-  // Waits for the next start and says how long that took.
+  // Waits for the next start and returns how long that took.
   milliseconds wait_for_start() {
     const WallTime from = now;
     while (supervisor.due(now) != Act::kStart) now += std::max(milliseconds(1), supervisor.time_left(now));

@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
 #include "common/config/section.hpp"
 #include "tools/rb/command.hpp"
+#include "tools/study/study_command.hpp"
 
 namespace roadbalance {
 namespace {
@@ -56,33 +58,10 @@ TEST(Validators, KeepNanOutOfEveryCommand) {
   add_levels(app, code);
   add_orders(app, code);
   add_spectrum(app, code);
-  add_study(app, code);
+  add_study(*app.add_subcommand("study"), code, run_campaign, 1, true);
   add_supervise(app, code);
   expect_no_nan(app, app, {}, asked);
   EXPECT_GE(asked, 15);
-}
-
-TEST(Options, OfAnotherStudyAreRefused) {
-  for (const std::vector<std::string>& words : {std::vector<std::string>{"study", "encoder", "--jobs", "3"},
-                                                {"study", "clock-skew", "--drive-seconds", "100"},
-                                                {"study", "demo-accuracy", "--nodes", "3"},
-                                                {"study", "encoder", "--svg", "figures"}}) {
-    CLI::App app;
-    int code = 0;
-    add_study(app, code);
-    try {
-      app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
-      ADD_FAILURE() << words[1] << " ran";
-    } catch (const ConfigError& error) {
-      EXPECT_NE(std::string(error.what()).find(words[2] + ": is not of study " + words[1]),
-                std::string::npos);
-      // All that take it.
-      const std::string said = error.what(), allowed = said.substr(said.find("allowed with "));
-      const bool svg = words[2] == "--svg";
-      EXPECT_EQ(allowed.find(", drift") != std::string::npos, svg || words[2] == "--jobs") << said;
-      EXPECT_EQ(allowed.find("parameters") != std::string::npos, svg) << said;
-    }
-  }
 }
 
 }  // namespace

@@ -647,7 +647,7 @@ class CheckRecord(unittest.TestCase):
         events = self.record.events
         unknown = with_crc(bytes.fromhex("123456789abcdef0") + bytes(20))
         for channel, data in ((b"RB_NEW", unknown), (b"RB_NOTE", unknown), (b"RB_JOURNAL", unknown),
-                              (b"RB_NOTE", message("note_t", kind=24, a=-1))):
+                              (b"RB_NOTE", message("note_t", kind=99, a=-1))):
             with self.subTest(channel=channel, data=data):
                 for written, verdict in ((data, COMPLETE), (data[:9] + b"x" + data[10:], DAMAGED)):
                     self.record.events = [*events[:500], (channel, written), *events[500:]]

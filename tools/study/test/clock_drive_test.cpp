@@ -15,8 +15,8 @@
 #include "embedded/demo_vehicle.hpp"
 #include "firmware/node.hpp"
 #include "firmware/seal_all.hpp"
-#include "host/analyser/read_with_angles.hpp"
-#include "host/identify/assemble.hpp"
+#include "host/analysis/angle/read_with_angles.hpp"
+#include "host/analysis/identify/assemble.hpp"
 #include "host/recorder/recorder.hpp"
 #include "sim/front_end.hpp"
 
@@ -51,7 +51,7 @@ class ClockDrive : public testing::Test {
 
   /// The drive as two nodes of one clock sample it, its angles as live or computed again: column k at bus
   /// time k / 2000 s.
-  SignalMatrix truth(AngleAgain::Teeth teeth) const {
+  SignalMatrix truth(AngleReprocessor::Teeth teeth) const {
     SignalMatrix all(kSignals, 0);
     Assembler assembler(vehicle_, [&](const SignalRun& run) {
       const Eigen::Index end = run.first_index + run.samples.cols();
@@ -59,13 +59,13 @@ class ClockDrive : public testing::Test {
       all.middleCols(run.first_index, run.samples.cols()) = run.samples;
     });
     std::vector<SealedBlock> blocks;
-    AngleAgain angles(vehicle_, AngleAgain::WithoutMark::kNoAngle, teeth);
+    AngleReprocessor angles(vehicle_, AngleReprocessor::WithoutMark::kNoAngle, teeth);
     for (const NodeConfig& node : vehicle_.node) {
       const auto device = sim::open_sim_front_end({scenario_ + "?rate=max&seed=4", vehicle_, node});
       seal_all(*device, vehicle_, node, 1, [&](const SealedBlock& block) { blocks.push_back(block); });
     }
     for (const SealedBlock& block : blocks) angles.learn(block);
-    for (const SealedBlock& block : blocks) assembler.consume(angles.again(block));
+    for (const SealedBlock& block : blocks) assembler.consume(angles.reprocess(block));
     return all;
   }
 
@@ -121,7 +121,8 @@ TEST_F(ClockDrive, ClocksAndConvertersDoNotShowInTheSignals) {
   const FractionalDelay delay;
   double uncertainty_live_s = 0.0;
   for (const bool refined : {false, true}) {
-    const SignalMatrix truth = this->truth(refined ? AngleAgain::Teeth::kAgain : AngleAgain::Teeth::kAsLive);
+    const SignalMatrix truth =
+        this->truth(refined ? AngleReprocessor::Teeth::kAgain : AngleReprocessor::Teeth::kAsLive);
     ASSERT_GT(truth.cols(), 13'000);
     const Eigen::VectorXd strength = truth.rowwise().norm() / std::sqrt(static_cast<double>(truth.cols()));
     std::optional<Assembler> assembler;
@@ -144,7 +145,7 @@ TEST_F(ClockDrive, ClocksAndConvertersDoNotShowInTheSignals) {
         ++columns;
       }
     };
-    std::optional<AngleAgain> angles;
+    std::optional<AngleReprocessor> angles;
     read_with_angles(record_, refined, angles,
                      {.begin = [&](const VehicleConfig& vehicle) { assembler.emplace(vehicle, compare); },
                       .consume = [&](const SealedBlock& block) { assembler->consume(block); },

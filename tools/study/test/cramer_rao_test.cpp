@@ -66,7 +66,8 @@ TEST(CramerRao, OfTheRandomPartIsThePrototypes) {
   }
 }
 
-/// One wheel whose force alone tells: sd(U) = 1 / sqrt(sum T Om^4 / (2 S_F)), independent of the suspension.
+/// One wheel, information by its force alone: sd(U) = 1 / sqrt(sum T Om^4 / (2 S_F)), independent of the
+/// suspension.
 TEST(CramerRao, OfIndependentRoadsIsTheClosedForm) {
   BoundQuestion q = question(0.0, false);
   q.road.left_right_correlation = 0.0;

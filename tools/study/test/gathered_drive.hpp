@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "common/test/source.hpp"
-#include "host/identify/judgement.hpp"
-#include "host/identify/section.hpp"
-#include "host/identify/speed_classes.hpp"
+#include "host/analysis/identify/estimate_covariance.hpp"
+#include "host/analysis/identify/section.hpp"
+#include "host/analysis/identify/speed_classes.hpp"
 #include "tools/study/ideal_drive.hpp"
 
 namespace roadbalance::test {
@@ -35,7 +35,7 @@ inline SpeedClasses gather(const IdealDrive& drive, std::uint64_t seed, const Ve
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal(0.0, noise_m_s2);
   SpeedClasses classes(described.drive.speed_class_m_s);
-  const Known known = Known::of(described);
+  const Priors known = Priors::of(described);
   ParameterVector weights = known.value;
   for (Stretch& stretch : drive_ideally(drive, seed, demo_car())) {
     if (noise_m_s2 > 0.0)

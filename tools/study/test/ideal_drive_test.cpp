@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "embedded/demo_vehicle.hpp"
-#include "host/identify/demodulation.hpp"
-#include "host/identify/moments.hpp"
+#include "host/analysis/identify/demodulation.hpp"
+#include "host/analysis/identify/moments.hpp"
 
 namespace roadbalance {
 namespace {
@@ -45,7 +45,7 @@ TEST(IdealDrive, AnswersAnUnbalanceAsTheModelDoes) {
         -om * om * om * om * unbalance * dynamic.partialPivLu().solve(model.W.col(0).cast<Complex>());
     const Demodulator demodulator(c2_taper(drive.samples, 0.2, 1.0 / drive.rate_hz), drive.rate_hz);
     const Demodulated line = demodulator(stretch.signals, Eigen::Vector4d(om, 0, 0, 0));
-    // What is left is the decay of the ramp's transient and the decimation's ripple, 2e-4.
+    // The remainder is the decay of the ramp's transient and the decimation's ripple, 2e-4.
     for (int c = 0; c < kCoordinates; ++c)
       EXPECT_LT(std::abs(line.Z(0, c) - expected(c)), 5e-4 * expected.norm()) << c;
   }
@@ -88,7 +88,8 @@ TEST(IdealDrive, DrawsAnglesAtEachSpeedOfWheelsInStep) {
   EXPECT_THROW(drive_ideally(drive, 3, vehicle), std::invalid_argument);
 }
 
-/// The road it tells is the one the tyres feel: relation (1) for the wheel's row in the frequency domain.
+/// The road that it gives is the one under the tyres: relation (1) for the wheel's row in the frequency
+/// domain.
 TEST(IdealDrive, TellsTheRoadThatActs) {
   const VehicleConfig vehicle = demo_vehicle();
   IdealDrive drive{.scenario = sim::Scenario::read("", vehicle),

@@ -1,12 +1,12 @@
-// What the judgement of a drive says, on drives of the simulated car behind perfect sensors.
+// Goodness of fit and uncertainty of an estimate, on drives of the simulated car behind perfect sensors.
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
 #include <complex>
 #include <numbers>
 
-#include "host/identify/judgement.hpp"
-#include "host/identify/refusal.hpp"
+#include "host/analysis/identify/estimate_covariance.hpp"
+#include "host/analysis/identify/refusal.hpp"
 #include "tools/study/test/gathered_drive.hpp"
 
 namespace roadbalance {
@@ -21,7 +21,7 @@ IdealDrive plateaus(const std::vector<double>& km_h) {
   return test::plateaus(km_h, 40);
 }
 
-UnknownVector solved(const SpeedClasses& drive, const Known& known) {
+UnknownVector solved(const SpeedClasses& drive, const Priors& known) {
   return solve(drive.total(), known.geometry, known.value).value();
 }
 std::complex<double> unbalance(const UnknownVector& x, int wheel) {
@@ -30,13 +30,13 @@ std::complex<double> unbalance(const UnknownVector& x, int wheel) {
 
 TEST(JudgedDrive, EllipsesHoldTheTruthAndAllSpeedsFit) {
   const IdealDrive drive = plateaus({110, 117, 123, 130});
-  const Known known = Known::of(car());
+  const Priors known = Priors::of(car());
   int within = 0, misfits = 0;
   double squares = 0.0;
   constexpr int kSeeds = 12;
   for (int seed = 1; seed <= kSeeds; ++seed) {
     const SpeedClasses classes = gather(drive, static_cast<std::uint64_t>(seed), car());
-    const auto judgement = judge(classes, known);
+    const auto judgement = estimate_covariance(classes, known);
     ASSERT_TRUE(judgement);
     const UnknownVector x = solved(classes, known);
     for (int w = 0; w < kWheels; ++w) {
@@ -50,7 +50,7 @@ TEST(JudgedDrive, EllipsesHoldTheTruthAndAllSpeedsFit) {
       squares += square;
       EXPECT_FALSE(judgement->first_order[static_cast<std::size_t>(w)].separable);
     }
-    for (const Misfit& misfit : judgement->misfit) misfits += misfit.chance < 0.01;
+    for (const GoodnessOfFit& fit : judgement->fit) misfits += fit.chance < 0.01;
     EXPECT_TRUE(judgement->model.isZero()) << "the demonstration car's masses and tyre dampers are exact";
     EXPECT_GT(judgement->suspension.condition, 1.0);
     EXPECT_LT(judgement->suspension.condition, 50.0);
@@ -66,47 +66,47 @@ TEST(JudgedDrive, EllipsesHoldTheTruthAndAllSpeedsFit) {
 
 TEST(JudgedDrive, TellsWheelsThatAreLighterThanVehicleTomlSays) {
   const SpeedClasses classes = gather(plateaus({90, 103, 117, 130, 90, 103, 117, 130}), 3, car());
-  Known known = Known::of(car());
-  const auto right = judge(classes, known);
+  Priors known = Priors::of(car());
+  const auto right = estimate_covariance(classes, known);
   for (int i = 0; i < kWheels; ++i) known.value(kWheelMass + i) *= 1.05;
-  const auto wrong = judge(classes, known);
+  const auto wrong = estimate_covariance(classes, known);
   ASSERT_TRUE(right && wrong);
   EXPECT_LT(std::abs(right->mass_share), 3.0 * right->sigma_mass_share);
   EXPECT_LT(right->sigma_mass_share, 0.025);
   EXPECT_NEAR(wrong->mass_share - right->mass_share, -0.05, 0.01);
 
   // All masses wrong by one share: the same car to a drive, and nothing shows it.
-  known = Known::of(car());
+  known = Priors::of(car());
   known.value.head<kSpring>() *= 1.05;
-  const auto scaled = judge(classes, known);
+  const auto scaled = estimate_covariance(classes, known);
   ASSERT_TRUE(scaled);
   EXPECT_NEAR(scaled->mass_share, right->mass_share, 1e-6);
-  for (std::size_t k = 0; k < scaled->misfit.size(); ++k)
-    EXPECT_NEAR(scaled->misfit[k].chance, right->misfit[k].chance, 1e-6);
+  for (std::size_t k = 0; k < scaled->fit.size(); ++k)
+    EXPECT_NEAR(scaled->fit[k].chance, right->fit[k].chance, 1e-6);
   // But not to the grams: they are in proportion.
   EXPECT_NEAR(
-      std::abs(unbalance(solved(classes, known), 0) / unbalance(solved(classes, Known::of(car())), 0)), 1.05,
+      std::abs(unbalance(solved(classes, known), 0) / unbalance(solved(classes, Priors::of(car())), 0)), 1.05,
       1e-6);
 }
 
 TEST(JudgedDrive, TellsAWrongInertiaByTheBodyAlone) {
   const SpeedClasses classes = gather(plateaus({90, 103, 117, 130}), 4, car());
-  Known known = Known::of(car());
+  Priors known = Priors::of(car());
   known.value(kRollInertia) *= 1.05;
-  const auto wrong = judge(classes, known);
+  const auto wrong = estimate_covariance(classes, known);
   ASSERT_TRUE(wrong);
-  EXPECT_LT(wrong->misfit[0].chance, 1e-4);
-  EXPECT_NEAR(wrong->misfit[0].share, -0.05, 0.01);
+  EXPECT_LT(wrong->fit[0].chance, 1e-4);
+  EXPECT_NEAR(wrong->fit[0].share, -0.05, 0.01);
 }
 
 TEST(JudgedDrive, HoldsTheDoubtOfTheMasses) {
   const SpeedClasses classes = gather(plateaus({110, 120, 130}), 5, car());
-  Known known = Known::of(car());
+  Priors known = Priors::of(car());
   known.sigma(kWheelMass) = 0.02 * known.value(kWheelMass);
-  const auto judgement = judge(classes, known);
+  const auto judgement = estimate_covariance(classes, known);
   ASSERT_TRUE(judgement);
   // By the change itself: the unbalance of that wheel with 2 % more mass.
-  Known heavier = known;
+  Priors heavier = known;
   heavier.value(kWheelMass) *= 1.02;
   const std::complex<double> moved =
       unbalance(solved(classes, heavier), 0) - unbalance(solved(classes, known), 0);
@@ -114,14 +114,14 @@ TEST(JudgedDrive, HoldsTheDoubtOfTheMasses) {
   EXPECT_NEAR(block.trace() / std::norm(moved), 1.0, 0.02);  // 1 % against 2 % of a nearly linear change
 }
 
-/// Tyres with the damping that vehicle.toml is silent of: the error is what ± says, at one sigma.
+/// Tyres with a damping that is not in vehicle.toml: the error is as large as the ±, at one sigma.
 TEST(JudgedDrive, HoldsTheDoubtOfTheTyresDamping) {
   const SpeedClasses classes = gather(plateaus({110, 120, 130}), 5, car());
-  Known known = Known::of(car());
+  Priors known = Priors::of(car());
   known.sigma.segment<kWheels>(kTyreDamper).setConstant(50.0);
-  const auto judgement = judge(classes, known);
+  const auto judgement = estimate_covariance(classes, known);
   ASSERT_TRUE(judgement);
-  Known damped = known;
+  Priors damped = known;
   damped.value.segment<kWheels>(kTyreDamper).setConstant(50.0);
   for (int w = 0; w < kWheels; ++w) {
     const std::complex<double> U = unbalance(solved(classes, known), w);
@@ -135,28 +135,28 @@ TEST(JudgedDrive, HoldsTheDoubtOfTheTyresDamping) {
 
 TEST(JudgedDrive, IsNoSurerForGroupsThatTellNothing) {
   SpeedClasses classes = gather(plateaus({110, 110}), 8, car());
-  const auto few = judge(classes, Known::of(car()));
+  const auto few = estimate_covariance(classes, Priors::of(car()));
   DriveMoments nothing;
   nothing.seconds = 1e-6;
   nothing.speed_seconds = 20e-6;
   nothing.sections = 1;
   for (int k = 0; k < 10; ++k) classes.add(nothing);
-  const auto padded = judge(classes, Known::of(car()));
+  const auto padded = estimate_covariance(classes, Priors::of(car()));
   ASSERT_TRUE(few && padded);
-  // Of nearly twice as many groups the widening would be less: their number is not what counts.
+  // With nearly twice as many groups the widening would be less: their number does not decide.
   EXPECT_GE(padded->sigma_mass_share, 0.99 * few->sigma_mass_share);
-  for (std::size_t k = 0; k < few->misfit.size(); ++k) {
-    EXPECT_GE(padded->misfit[k].sigma_share, 0.99 * few->misfit[k].sigma_share) << k;
-    EXPECT_GE(padded->misfit[k].chance, 0.99 * few->misfit[k].chance) << k;
+  for (std::size_t k = 0; k < few->fit.size(); ++k) {
+    EXPECT_GE(padded->fit[k].sigma_share, 0.99 * few->fit[k].sigma_share) << k;
+    EXPECT_GE(padded->fit[k].chance, 0.99 * few->fit[k].chance) << k;
   }
 }
 
 TEST(JudgedDrive, SeparatesAForceWhereTheSpeedsDo) {
   IdealDrive drive = plateaus({60, 80, 100, 120, 140});
   drive.scenario.wheel[0].radial_force_n = std::polar(30.0, 1.0);
-  const Known known = Known::of(car());
+  const Priors known = Priors::of(car());
   const SpeedClasses classes = gather(drive, 6, car());
-  const auto judgement = judge(classes, known);
+  const auto judgement = estimate_covariance(classes, known);
   ASSERT_TRUE(judgement);
   const FirstOrderFit& fit = judgement->first_order[0];
   ASSERT_TRUE(fit.separable);
@@ -166,15 +166,16 @@ TEST(JudgedDrive, SeparatesAForceWhereTheSpeedsDo) {
             3.5 * fit.sigma_unbalance_kg_m);
 }
 
-// A road so smooth, and sensors so noisy, that the body's equations are made of noise: 60 s tell no springs.
+// A road so smooth, and sensors so noisy, that the body's equations are made of noise: 60 s determine no
+// springs.
 TEST(JudgedDrive, RefusesADriveWhoseEquationsAreMostlyNoise) {
   IdealDrive drive = plateaus({90, 103, 117, 130});
   drive.samples = 15 * 500;
   drive.scenario.road.roughness_m3 /= 50.0;
-  const Known known = Known::of(car());
+  const Priors known = Priors::of(car());
   const auto refused = [&](double noise_m_s2) {
     const SpeedClasses classes = gather(drive, 1, car(), noise_m_s2);
-    const auto judgement = judge(classes, known);
+    const auto judgement = estimate_covariance(classes, known);
     return judgement ? refusal(solve(classes.total(), known.geometry, known.value), judgement, known)
                      : "none";
   };
@@ -183,16 +184,15 @@ TEST(JudgedDrive, RefusesADriveWhoseEquationsAreMostlyNoise) {
       << refused(0.5);
 }
 
-/// In how many of so many drives of 160 s the body's equations say that one set of springs and dampers does
-/// not fit.
+/// In how many of so many drives of 160 s the body's equations reject one set of springs and dampers.
 int misfits_of(const sim::DamperScenario& damper, int drives) {
   IdealDrive drive = plateaus({90, 103, 117, 130});
   drive.scenario.damper = damper;
   int found = 0;
   for (int seed = 1; seed <= drives; ++seed) {
     const auto judgement =
-        judge(gather(drive, static_cast<std::uint64_t>(seed), car(), 0.02), Known::of(car()));
-    found += judgement && judgement->misfit[0].chance < 0.01;
+        estimate_covariance(gather(drive, static_cast<std::uint64_t>(seed), car(), 0.02), Priors::of(car()));
+    found += judgement && judgement->fit[0].chance < 0.01;
   }
   return found;
 }
@@ -204,8 +204,8 @@ TEST(JudgedDrive, WarnsOfDampersThatDifferByDirectionAndNotOfLinearOnes) {
   EXPECT_GE(misfits_of({.compression = 0.3, .rebound = 1.7}, kDrives), 4);
 }
 
-/// Dampers 20 %, springs 10 % and stabilisers 20 % off: they are found in the run, and what vehicle.toml says
-/// is where weights begin only.
+/// Dampers 20 %, springs 10 % and stabilisers 20 % off: they are found in the run, and the values of
+/// vehicle.toml are where weights begin only.
 TEST(JudgedDrive, DoesNotDependOnTheSuspensionThatVehicleTomlSays) {
   VehicleConfig wrong = car();
   for (AxleConfig& axle : wrong.model.axle) {
@@ -216,8 +216,8 @@ TEST(JudgedDrive, DoesNotDependOnTheSuspensionThatVehicleTomlSays) {
   IdealDrive drive = plateaus({110, 117, 123, 130});
   drive.scenario.parameter_spread = 0.0;
   drive.scenario.road.rear_coherence2 = 0.999;
-  const UnknownVector x = solved(gather(drive, 7, wrong), Known::of(wrong));
-  const UnknownVector right = solved(gather(drive, 7, car()), Known::of(car()));
+  const UnknownVector x = solved(gather(drive, 7, wrong), Priors::of(wrong));
+  const UnknownVector right = solved(gather(drive, 7, car()), Priors::of(car()));
   for (int w = 0; w < kWheels; ++w) {
     const std::complex<double> ratio = unbalance(x, w) / unbalance(right, w);
     EXPECT_NEAR(std::abs(ratio), 1.0, 0.005) << w;

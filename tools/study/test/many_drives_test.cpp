@@ -1,4 +1,4 @@
-// What the study says of runs whose numbers are known beforehand.
+// The study's results for runs whose numbers are known beforehand.
 #include "tools/study/many_drives.hpp"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ double value_of(const Json& summary, const std::string& begin) {
   throw std::out_of_range("no acceptance line " + begin);
 }
 
-/// Runs in which what so many drives tell is off by `off(drives)`, in g and in % of the tyres.
+/// Runs in which the estimate of so many drives is off by `off(drives)`, in g and in % of the tyres.
 /// @param plain    times as much in plain sums
 /// @param ellipse  of 95 of a hundred runs
 std::vector<Json> runs_off_by(const std::function<double(int)>& off, double plain, double ellipse) {

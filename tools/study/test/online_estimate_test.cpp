@@ -12,7 +12,7 @@
 #include "common/frontend/registry.hpp"
 #include "common/test/source.hpp"
 #include "firmware/seal_all.hpp"
-#include "host/identify/drive_estimator.hpp"
+#include "host/analysis/identify/drive_estimator.hpp"
 #include "sim/front_end.hpp"
 
 namespace roadbalance {
@@ -86,14 +86,14 @@ TEST(OnlineEstimate, IsNotBiasedByHoles) {
   ASSERT_GT(lost, 0.05);
   for (std::size_t w = 0; w < kWheels; ++w) {
     const auto off = unbalance_g(part.balance[w]) - unbalance_g(all.balance[w]);
-    // Of efficient estimates of a part and of the whole the difference has the variance of the whole's times
+    // The difference of efficient estimates of a part and of the whole has the variance of the whole's times
     // T / T_part - 1.  Two components: more than 4 sigma of one in 3 of 10000 cases.
     const double sigma_g = all.balance[w].sigma_drive_g * std::sqrt(lost);
     EXPECT_LT(std::abs(off), 4.0 * sigma_g) << kWheelNames[w] << ", share lost " << lost;
   }
 }
 
-/// What vehicle.toml says of the suspension is where weights begin, and no more.
+/// The suspension in vehicle.toml is where weights begin, and no more.
 TEST(OnlineEstimate, IsTheSameThoughVehicleTomlDescribesTheSuspensionWrongly) {
   VehicleConfig wrong = car();
   for (AxleConfig& axle : wrong.model.axle) {

@@ -1,4 +1,4 @@
-// What overall compensation predicts of a drive, against the same car driven again with its weights.
+// The prediction of overall compensation for a drive, against the same car driven again with its weights.
 #include <gtest/gtest.h>
 
 #include <Eigen/QR>
@@ -6,8 +6,8 @@
 #include <complex>
 #include <numbers>
 
-#include "host/balance/overall_plan.hpp"
-#include "host/identify/judgement.hpp"
+#include "host/analysis/balance/overall_plan.hpp"
+#include "host/analysis/identify/estimate_covariance.hpp"
 #include "tools/study/test/gathered_drive.hpp"
 
 namespace roadbalance {
@@ -17,7 +17,7 @@ using Complex = std::complex<double>;
 using Unbalances = std::array<Complex, kWheels>;  ///< kg m
 
 /// The demonstration car with two seats and two tyres out of round, on a road of a tenth of the amplitude of
-/// class A, which tells as much of the car and ten times as much of the wheels.
+/// class A, which has as much information on the car and ten times as much on the wheels.
 class OverallDrive : public testing::Test {
  protected:
   OverallDrive() {
@@ -26,7 +26,7 @@ class OverallDrive : public testing::Test {
     drive_.scenario.wheel[1].radial_force_n = std::polar(15.0, -2.0);
     drive_.scenario.wheel[3].unbalance_kg_m = 0.0;
     drive_.scenario.road.roughness_m3 *= 0.01;
-    const Known known = Known::of(vehicle_);
+    const Priors known = Priors::of(vehicle_);
     const SpeedClasses classes = test::gather(drive_, kSeed, vehicle_);
     const UnknownVector x = solve(classes.total(), known.geometry, known.value).value();
     std::array<Compensation, kWheels>& opposite = by_wheel_;  // exact weights: no rounding

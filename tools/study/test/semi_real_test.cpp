@@ -13,8 +13,8 @@
 #include "common/dsp/taper.hpp"
 #include "common/test/source.hpp"
 #include "common/vehicle/unbalance_response.hpp"
-#include "host/identify/demodulation.hpp"
-#include "host/identify/estimator.hpp"
+#include "host/analysis/identify/demodulation.hpp"
+#include "host/analysis/identify/estimators/estimator.hpp"
 
 namespace roadbalance {
 namespace {
@@ -136,7 +136,7 @@ Stretch with_unbalance(const VehicleConfig& car, const MeasuredRoad& road, Eigen
   return stretch;
 }
 
-/// What the model's equations make of a unit unbalance at the wheel itself.
+/// Response of the model's equations to a unit unbalance at the wheel itself.
 Complex own_response(const VehicleConfig& car, int wheel, double omega) {
   const LinearModel model = linear_model(geometry_of(car.model), nominal_parameters(car));
   return unbalance_response(model, wheel, omega)(kBodyCoordinates + wheel);
@@ -155,7 +155,7 @@ struct Ratios {
 };
 
 /// 100 g at 0.18 m on a front wheel, at many speeds and phases, in three pieces of the drive; the spectrum
-/// beside the line says how far off the result will be.
+/// beside the line predicts the error of the result.
 TEST(SemiReal, DemodulationFindsAnUnbalanceWithTheErrorThatItsSpectrumPredicts) {
   const VehicleConfig car = land_cruiser();
   const MeasuredRoad road = measured_road();
@@ -234,13 +234,13 @@ TEST(SemiReal, CorrelationFindsAnUnbalanceWithTheErrorThatTheMeasuredSpectraPred
         ratios.add(std::norm(found - unbalance) / (of_noise / (power * power)));
       }
   ASSERT_EQ(ratios.cases, 48);
-  // Of 48 independent exponentials: 3 standard deviations.
+  // 3 standard deviations of the mean of 48 independent exponentials.
   EXPECT_NEAR(ratios.sum / ratios.cases, 1.0, 3.0 / std::sqrt(48.0));
   EXPECT_NEAR(static_cast<double>(ratios.within) / ratios.cases, 0.95, 3.0 * std::sqrt(0.95 * 0.05 / 48.0));
   EXPECT_LT(std::sqrt(ratios.greatest), 3.5);
 }
 
-// Without a road there is nothing to err by: what integration makes of the unbalance is what the model says.
+// Without a road there is no error: integration of the unbalance gives the response of the model.
 TEST(SemiReal, TheIntegratedCarAnswersAsTheModelSays) {
   const VehicleConfig car = land_cruiser();
   MeasuredRoad road = measured_road();

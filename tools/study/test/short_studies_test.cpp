@@ -13,7 +13,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// What nobody can tell: wheels in step in so short a drive; what an estimator is not made to tell.
+/// Values that cannot be determined: wheels in step in so short a drive; those that an estimator does not
+/// estimate.
 bool untold(const Json& row, const std::string& column) {
   const std::string name = row.value("case", ""), estimator = row["estimator"];
   return name == "0.95, wheels in step" || name == "radii +- 0 %" || estimator == "chassis" ||

@@ -113,7 +113,7 @@ TEST(Tables, TellEachLineOfAcceptanceInFullNumbers) {
   EXPECT_EQ(plain_acceptance({{"acceptance", Json::array()}}), "NOT MET     nothing was judged\n");
 }
 
-/// What a study takes on the command line it does: a folder asked for is not left empty.
+/// A study does what it accepts on the command line: a folder asked for is not left empty.
 TEST(Studies, ThatTakeSvgDrawFigures) {
   std::set<std::string> drawing;
   for (const Study& study : studies())

@@ -1,10 +1,10 @@
-// What studies say of runs whose numbers are known beforehand.
+// Results of studies for runs whose numbers are known beforehand.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <string>
 
-#include "host/identify/estimator.hpp"
+#include "host/analysis/identify/estimators/estimator.hpp"
 #include "tools/study/study.hpp"
 #include "tools/study/trial_cases.hpp"
 
@@ -93,7 +93,7 @@ TEST(RadialForce, IsSeparatedOrSaidNotToBe) {
     return Json{{"110 .. 130 km/h", narrow}, {"60 .. 140 km/h", wide}};
   };
   EXPECT_TRUE(summary_of("radial-force", {run(wheels(1, 1, 1, 1, 1))})["accepted"].get<bool>());
-  // Of 86 % half are too few among 40, and all are too many among 80: 0.865^80 = 9e-6.
+  // For 86 % half are too few among 40, and all are too many among 80: 0.865^80 = 9e-6.
   Json far = wheels(1, 1, 1, 1, 1);
   for (std::size_t w = 0; w < 2; ++w) far[w]["alone_residual_g"] = 2.1;  // of a sigma of 1
   EXPECT_FALSE(summary_of("radial-force", std::vector<Json>(10, run(far)))["accepted"].get<bool>());
@@ -167,7 +167,7 @@ TEST(Parameters, BiasesAreThoseOfTheDerivation) {
   expect("tyres +5 %", -3.0, -1.7);
 }
 
-/// One percent of what vehicle.toml says, of what no drive tells.
+/// One percent of the value in vehicle.toml, for values that no drive determines.
 TEST(Parameters, CostAsMuchInProportion) {
   const Json rows = summary_of("parameters", {})["tables"][0]["rows"];
   const auto in_the_run = [&](const std::string& name, const char* column) {

@@ -1,6 +1,6 @@
 // The two-stage estimators on the simulated car behind perfect sensors: errors against the sigmas they state
 // and against the Cramer-Rao bound.
-#include "host/identify/estimators/two_stage.hpp"
+#include "host/analysis/identify/estimators/two_stage.hpp"
 
 #include <gtest/gtest.h>
 
@@ -80,7 +80,7 @@ double least(int runs, Eigen::Index count) {
   return std::pow(1.0 - a - 3.72 * std::sqrt(a), 3);
 }
 
-/// What four standard deviations of a mean of chi-squareds per degree of freedom are.
+/// Four standard deviations of a mean of chi-squareds per degree of freedom.
 double tolerance(int runs, Eigen::Index count) {
   return 4.0 * std::sqrt(2.0 / (runs * static_cast<double>(count)));
 }
@@ -116,7 +116,7 @@ TEST(TwoStage, ComesNearTheBound) {
   const EstimatorAnswer answer = ask("cancellation", stretches);
   for (int i = kEstimatedTyre; i < kUnknowns; ++i) {
     const double ratio = std::sqrt(answer.covariance(i, i) / least(i, i));
-    EXPECT_GT(ratio, 0.8) << i;  // the spectra of 10 s tell the road's level to a few per cent
+    EXPECT_GT(ratio, 0.8) << i;  // the spectra of 10 s give the road's level to a few per cent
     EXPECT_LT(ratio, i < kEstimatedUnbalance ? 1.8 : 1.45) << i;
   }
 }
@@ -168,10 +168,10 @@ TEST(ForceVariation, IsSeparatedOverAWideRangeOfSpeedsAndSaidNotToBeOverANarrowO
   const Complex force = std::polar(30.0, 1.0);
   of.scenario.wheel[0].radial_force_n = force;
   const EstimatorAnswer narrow = ask("force-variation", drive_ideally(of, 1, vehicle()));
-  ASSERT_EQ(narrow.remarks.size(), 1u);
-  EXPECT_TRUE(narrow.remarks[0].starts_with("front_left, front_right, rear_left, rear_right: "));
-  EXPECT_NE(narrow.remarks[0].find("not separable"), std::string::npos);
-  EXPECT_NE(narrow.remarks[0].find("equivalent"), std::string::npos);
+  ASSERT_EQ(narrow.diagnostics.size(), 1u);
+  EXPECT_TRUE(narrow.diagnostics[0].starts_with("front_left, front_right, rear_left, rear_right: "));
+  EXPECT_NE(narrow.diagnostics[0].find("not separable"), std::string::npos);
+  EXPECT_NE(narrow.diagnostics[0].find("equivalent"), std::string::npos);
   const double om = 120.0 / 3.6 / 0.30;
   const Complex U = of.scenario.wheel[0].unbalance_kg_m;
   const auto error = [](const EstimatorAnswer& answer, Complex expected) {
@@ -186,8 +186,9 @@ TEST(ForceVariation, IsSeparatedOverAWideRangeOfSpeedsAndSaidNotToBeOverANarrowO
   of.speeds_m_s = speeds_between(60, 140, 5);
   const EstimatorAnswer wide = ask("force-variation", drive_ideally(of, 1, vehicle()));
   EXPECT_LT(error(wide, U), 18.4);
-  ASSERT_FALSE(wide.remarks.empty());
-  EXPECT_NE(wide.remarks[0].find("separated from the unbalance"), std::string::npos) << wide.remarks[0];
+  ASSERT_FALSE(wide.diagnostics.empty());
+  EXPECT_NE(wide.diagnostics[0].find("separated from the unbalance"), std::string::npos)
+      << wide.diagnostics[0];
 }
 
 }  // namespace

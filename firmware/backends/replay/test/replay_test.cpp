@@ -8,7 +8,7 @@
 
 #include "common/bus/codec.hpp"
 #include "common/config/section.hpp"
-#include "common/record/record.hpp"
+#include "common/record/record_writer.hpp"
 #include "common/test/temporary_directory.hpp"
 #include "embedded/demo_vehicle.hpp"
 #include "firmware/backends/replay/front_end.hpp"
@@ -116,7 +116,7 @@ TEST_F(Replay, GivesNoEdgeBehindAYoungerScanWhereWheelsHaveFewPulses) {
 }
 
 TEST_F(Replay, HasTheGapsOfTheRecordWithTheirCause) {
-  // Of 8 s the device loses half a second by itself and is unplugged for another.
+  // In 8 s the device loses half a second by itself and is unplugged for another.
   const Blocks recorded = drive([](Scan& scan) {
     if (scan.index >= 4'000) scan.index += 1'000;
     if (scan.index >= 10'000) {

@@ -10,10 +10,10 @@ namespace {
 constexpr std::uint32_t kFirst = 0x200;
 
 TEST(AccelerometerFrame, LiesInAFrameOfCanFdAsDocumented) {
-  AccelerometerFrame said{.sequence = 0x01020304, .part = {}, .overload = 0x801};
-  said.sample[0] = -2;
-  said.sample[11] = 0x1234;
-  const CanFrame frame = write_accelerometer(said, kFirst);
+  AccelerometerFrame content{.sequence = 0x01020304, .part = {}, .overload = 0x801};
+  content.sample[0] = -2;
+  content.sample[11] = 0x1234;
+  const CanFrame frame = write_accelerometer(content, kFirst);
   EXPECT_EQ(frame.id, kFirst);
   EXPECT_TRUE(frame.is_fd);
   ASSERT_EQ(frame.size, 32);
@@ -24,10 +24,10 @@ TEST(AccelerometerFrame, LiesInAFrameOfCanFdAsDocumented) {
 }
 
 TEST(AccelerometerFrame, LiesInFramesOfClassicCanAsDocumented) {
-  AccelerometerFrame said{.sequence = 0xABCD, .part = 2, .overload = 0b001'010'100'000};
-  said.sample[6] = 1;
-  said.sample[8] = -32'768;
-  const CanFrame frame = write_accelerometer(said, kFirst);
+  AccelerometerFrame content{.sequence = 0xABCD, .part = 2, .overload = 0b001'010'100'000};
+  content.sample[6] = 1;
+  content.sample[8] = -32'768;
+  const CanFrame frame = write_accelerometer(content, kFirst);
   EXPECT_EQ(frame.id, kFirst + 2);
   EXPECT_FALSE(frame.is_fd);
   ASSERT_EQ(frame.size, 8);
@@ -38,23 +38,23 @@ TEST(AccelerometerFrame, LiesInFramesOfClassicCanAsDocumented) {
 TEST(AccelerometerFrame, IsReadBackAsItWasWritten) {
   std::mt19937 random(3);
   for (int turn = 0; turn < 1'000; ++turn) {
-    AccelerometerFrame said{.sequence = static_cast<std::uint32_t>(random()), .part = {}};
-    said.overload = random() & 0xFFF;
-    for (auto& sample : said.sample) sample = static_cast<std::int16_t>(random());
-    const auto whole = read_accelerometer(write_accelerometer(said, kFirst), kFirst);
+    AccelerometerFrame content{.sequence = static_cast<std::uint32_t>(random()), .part = {}};
+    content.overload = random() & 0xFFF;
+    for (auto& sample : content.sample) sample = static_cast<std::int16_t>(random());
+    const auto whole = read_accelerometer(write_accelerometer(content, kFirst), kFirst);
     ASSERT_TRUE(whole);
-    EXPECT_EQ(whole->sequence, said.sequence);
-    EXPECT_EQ(whole->overload, said.overload);
-    EXPECT_EQ(whole->sample, said.sample);
+    EXPECT_EQ(whole->sequence, content.sequence);
+    EXPECT_EQ(whole->overload, content.overload);
+    EXPECT_EQ(whole->sample, content.sample);
     for (int part = 0; part < 4; ++part) {
-      said.part = part;
-      const auto read = read_accelerometer(write_accelerometer(said, kFirst), kFirst);
+      content.part = part;
+      const auto read = read_accelerometer(write_accelerometer(content, kFirst), kFirst);
       ASSERT_TRUE(read);
       EXPECT_EQ(read->part, part);
-      EXPECT_EQ(read->sequence, said.sequence & 0xFF);
-      EXPECT_EQ(read->overload, said.overload & 0x7 << 3 * part);
+      EXPECT_EQ(read->sequence, content.sequence & 0xFF);
+      EXPECT_EQ(read->overload, content.overload & 0x7 << 3 * part);
       for (std::size_t k = 0; k < 12; ++k)
-        EXPECT_EQ(read->sample[k], static_cast<int>(k / 3) == part ? said.sample[k] : 0);
+        EXPECT_EQ(read->sample[k], static_cast<int>(k / 3) == part ? content.sample[k] : 0);
     }
   }
 }

@@ -74,14 +74,14 @@ TEST_P(AccelerometerScansTest, TurnsMissingNumbersIntoAJumpOfTheIndex) {
 
 TEST_P(AccelerometerScansTest, FollowsTheStampsWhenTheModuleBeginsAnew) {
   for (const std::int64_t on_ms : {3'012, 3'100, 3'300, 4'900, 10'000})
-    for (const std::int64_t first : {0, 3, 90, 200}) {  // conversion that is heard first
+    for (const std::int64_t first : {0, 3, 90, 200}) {  // conversion that is received first
       Rig one;
       one.is_fd = GetParam();
       for (std::int64_t number = 0; number < 3'000; ++number) one.convert(number);
       one.convert(first, on_ms);
       const Scan scan = one.got.back();
-      // At 10 s the eight bits come within 16 of what the stamps say, by chance: this cannot be told from a
-      // module that went on, but for its 0.
+      // At 10 s the eight bits come within 16 of the stamps' numbers, by chance: this cannot be distinguished
+      // from a module that went on, but for its 0.
       const bool is_like_going_on = !one.is_fd && on_ms == 10'000 && first > 0;
       EXPECT_NEAR(static_cast<double>(scan.index), static_cast<double>(on_ms + first),
                   is_like_going_on ? 16.0 : 0.0)
@@ -96,7 +96,7 @@ TEST_P(AccelerometerScansTest, FollowsTheStampsWhenTheModuleBeginsAnew) {
 }
 
 TEST_P(AccelerometerScansTest, TakesNoBusyMachineForAModuleThatBeganAnew) {
-  // For a time nobody fetches frames; the controller keeps its first 16 conversions and loses the others.
+  // For a time no frames are fetched; the controller keeps its first 16 conversions and loses the others.
   for (const std::int64_t busy_ms : {10, 60, 120}) {
     Rig one;
     one.is_fd = GetParam();

@@ -6,9 +6,9 @@
 #include <numbers>
 
 #include "common/config/section.hpp"
+#include "common/dbc/candump.hpp"
 #include "common/test/no_allocation.hpp"
 #include "common/test/source.hpp"
-#include "firmware/backends/dbc/candump.hpp"
 
 namespace roadbalance {
 namespace {

@@ -9,14 +9,14 @@
 #include "firmware/readout_clock.hpp"
 
 // Scans of a module that was switched off and on stand beside encoder edges of another device: their times
-// have to be right at once, whatever the module's count says.
+// have to be right at once, whatever the module's count.
 namespace roadbalance {
 namespace {
 
 constexpr double kShortest_s = 100e-6;  // delay of a frame that never gets less
 constexpr double kDelay_s = 200e-6;     // and what comes on top, on average
 
-/// What a node hears of a module: read as it came.
+/// The frames a node gets of a module: read as they came.
 class Heard final : public FrontEnd {
  public:
   explicit Heard(bool is_fd) : is_fd_(is_fd) {}

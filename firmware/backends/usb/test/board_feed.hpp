@@ -51,18 +51,18 @@ class BoardFeed {
       const auto identity = board::decode_identity(ask(k, board::Request::kIdentify));
       ASSERT_TRUE(identity);
       const BoardSetup setup = board_setup(vehicle_, vehicle_.node[0], *identity, k, board_.size());
-      tell(k, board::Request::kConfigure, board::encode(setup.configuration));
-      tell(k, board::Request::kReferences, board::encode(setup.references));
+      add_reply(k, board::Request::kConfigure, board::encode(setup.configuration));
+      add_reply(k, board::Request::kReferences, board::encode(setup.references));
       begin.run.ticks_per_scan[k] = setup.configuration.ticks_per_scan;
       begin.run.tick_hz[k] = identity->tick_hz;
       begin.run.begin[k] = {board::decode_status(ask(k, board::Request::kStatus))->ticks, as_node(now_)};
     }
     reader_->take(begin);
     if (board_.size() > 1)
-      tell(1, board::Request::kArm, board::encode(board::Arm{token_, board::StartMode::kFollower}));
+      add_reply(1, board::Request::kArm, board::encode(board::Arm{token_, board::StartMode::kFollower}));
     const auto mode = board_.size() > 1 ? board::StartMode::kMaster : board::StartMode::kImmediate;
-    tell(0, board::Request::kArm, board::encode(board::Arm{token_, mode}));
-    tell(0, board::Request::kStart, board::encode(board::Start{token_}));
+    add_reply(0, board::Request::kArm, board::encode(board::Arm{token_, mode}));
+    add_reply(0, board::Request::kStart, board::encode(board::Start{token_}));
   }
 
   /// Time passes; what the boards send arrives at once, or is lost while `losing`.
@@ -92,7 +92,7 @@ class BoardFeed {
 
   std::vector<Scan> scans;  ///< handed over so far
   std::vector<Edge> edges;
-  std::size_t not_fetched = SIZE_MAX;  ///< board whose packets nobody asks for
+  std::size_t not_fetched = SIZE_MAX;  ///< board whose packets are not fetched
   std::uint64_t shift_ticks = 0;       ///< by which the next packet's stamps are wrong
   std::size_t scans_at_once = 256, edges_at_once = 4096;
 
@@ -125,7 +125,7 @@ class BoardFeed {
     reply.resize(size.value_or(0));
     return reply;
   }
-  void tell(std::size_t k, board::Request request, std::span<const std::uint8_t> data) {
+  void add_reply(std::size_t k, board::Request request, std::span<const std::uint8_t> data) {
     ASSERT_TRUE(board_[k]->control_request({.request_type = board::kVendorOut,
                                             .request = static_cast<std::uint8_t>(request),
                                             .length = static_cast<std::uint16_t>(data.size())},

@@ -15,7 +15,7 @@ inline VehicleConfig vehicle() {
   return vehicle;
 }
 
-/// What conversion k of a board is at an input.
+/// The value of a board's conversion k at an input.
 inline std::int32_t counts_of(std::int64_t conversion, std::size_t channel) {
   return static_cast<std::int32_t>((conversion * 7919 + static_cast<std::int64_t>(channel) * 104'729) %
                                    8'000'000) -

@@ -14,7 +14,7 @@ constexpr std::uint32_t kPeriod = 1000;
 constexpr std::uint32_t kTickHz = 10'000'000;
 constexpr std::uint64_t kBegin = 4'990'000;
 
-struct Told {
+struct Reported {
   std::uint32_t sequence = 0;
   std::uint64_t first_scan = 0;
   std::uint16_t scans = 10;
@@ -24,24 +24,24 @@ struct Told {
   std::uint64_t ahead = 0;  ///< scans by which it is numbered before its time
 };
 
-std::vector<std::uint8_t> packet(const Told& told, const std::vector<board::PacketEdge>& edges = {}) {
-  std::vector<std::uint8_t> bytes(board::packet_bytes(told.scans, edges.size()));
+std::vector<std::uint8_t> packet(const Reported& reported, const std::vector<board::PacketEdge>& edges = {}) {
+  std::vector<std::uint8_t> bytes(board::packet_bytes(reported.scans, edges.size()));
   const std::span<std::uint8_t> all(bytes);
   PacketHeader header;
-  header.token = told.token;
-  header.sequence = told.sequence;
-  header.first_scan = told.first_scan + told.ahead;
-  header.base_ticks = 5'000'000 + told.first_scan * kPeriod;
+  header.token = reported.token;
+  header.sequence = reported.sequence;
+  header.first_scan = reported.first_scan + reported.ahead;
+  header.base_ticks = 5'000'000 + reported.first_scan * kPeriod;
   header.ticks_per_scan = kPeriod;
-  header.scans = told.scans;
+  header.scans = reported.scans;
   header.edges = static_cast<std::uint16_t>(edges.size());
-  header.scans_lost = told.scans_lost;
-  header.glitches = told.glitches;
+  header.scans_lost = reported.scans_lost;
+  header.glitches = reported.glitches;
   for (const auto& edge : edges)
     if (edge.kind == board::PacketEdgeKind::kLost) header.flags |= board::kEdgesLostHere;
   board::encode_header(header, all.first<board::kHeaderBytes>());
   std::size_t at = board::kHeaderBytes;
-  for (int k = 0; k < told.scans; ++k, at += board::kScanBytes)
+  for (int k = 0; k < reported.scans; ++k, at += board::kScanBytes)
     board::encode_scan({}, all.subspan(at).first<board::kScanBytes>());
   for (const auto& edge : edges) {
     board::encode_edge(edge, all.subspan(at).first<board::kEdgeBytes>());
@@ -55,8 +55,8 @@ class PacketStreamTest : public testing::Test {
  protected:
   PacketStreamTest() { stream.start(kToken, kPeriod, kTickHz, kBegin); }
 
-  std::optional<PacketStream::Packet> take(const Told& told, std::uint32_t dropped = 0) {
-    bytes = packet(told);
+  std::optional<PacketStream::Packet> take(const Reported& reported, std::uint32_t dropped = 0) {
+    bytes = packet(reported);
     return stream.take(bytes, dropped);
   }
 

@@ -39,7 +39,7 @@ inline std::size_t overloaded_input(std::int64_t k) {
   return k % kOverloads == kOverloads - 1 ? 1 + turn % (board::kInputChannels - 1) : 0;
 }
 
-/// What conversion k of a run is at an input: channel 0 says k.
+/// Value of conversion k of a run at an input: channel 0 has k.
 inline std::int32_t input_counts(std::int64_t k, std::size_t channel) {
   if (channel > 0 && channel == overloaded_input(k)) return kFullScaleCounts - 1;
   return channel == 0 ? static_cast<std::int32_t>(k & 0x3FFFFF)
@@ -61,8 +61,8 @@ inline Bench numbered_bench(const std::string& serial, double ppm = 0.0) {
   return bench;
 }
 
-/// Its inputs but the first, which says the number of the conversion, say when it is: shared by two boards it
-/// tells whether theirs were at the same instant, whatever each counts.
+/// Its first input has the number of the conversion, the others its time: shared by two boards it shows
+/// whether they converted at the same instant, whatever each counts.
 inline Bench timed_bench(const std::string& serial, double ppm) {
   Bench bench;
   bench.serial = serial;
@@ -105,7 +105,7 @@ struct Jump {
   MachineTime came{};  ///< when the first scan behind it was read
 };
 
-/// Who else looks at what comes, and how many inputs are those of a numbered bench.
+/// Another reader of the packets, and the number of inputs of a numbered bench.
 struct AlsoLooks {
   std::function<void(const Scan&)> scan;
   std::function<void(const Edge&)> edge;

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "common/frontend/front_end.hpp"
+#include "common/types/scan.hpp"
 #include "hil_tests/players/usb_board/test/turning_wheels.hpp"
 
 namespace roadbalance::test {
@@ -20,12 +20,12 @@ struct StampedScan {
 
 struct EdgeVerdict {
   std::int64_t teeth = 0, marks = 0;
-  std::int64_t wrong = 0;  ///< left out, told twice, of the wrong kind or at the wrong place
+  std::int64_t wrong = 0;  ///< left out, reported twice, of the wrong kind or at the wrong place
   double worst_us = 0.0;   ///< of an edge against its wheel, on the line that the scans beside it are on
-  double first = 0.0, last = 0.0;  ///< the wheel's way at the first and last tooth told
+  double first = 0.0, last = 0.0;  ///< the wheel's way at the first and last reported tooth
 };
 
-/// Compares what was told of one wheel with what it did.
+/// Compares the reported edges of one wheel with its true way.
 /// @param scans  of the whole time, in order
 inline EdgeVerdict judge_edges(std::span<const Edge> edges, const TurningWheel& wheel,
                                std::span<const StampedScan> scans) {

@@ -27,7 +27,7 @@ struct TurningWheel {
   double way_at(double since_begin_s) const { return since_begin_s * turns_hz * teeth; }
 };
 
-/// What such wheels do to a bench's wires, in order of time, for Bench::next_change.
+/// Changes of a bench's wires by such wheels, in order of time, for Bench::next_change.
 class TurningWheels {
  public:
   explicit TurningWheels(const std::vector<TurningWheel>& wheels) {

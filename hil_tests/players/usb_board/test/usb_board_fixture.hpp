@@ -21,7 +21,7 @@ class UsbBoardFixture : public testing::Test {
   void open(AlsoLooks also = {}) {
     front_end = open_when_enumerated({"1209:0001", car, car.node[0]}, [this](const std::string& text) {
       const std::scoped_lock lock(saying_);
-      if (text.find("starting it again") != std::string::npos) said_.push_back(text);
+      if (text.find("starting it again") != std::string::npos) reported_.push_back(text);
     });
     watch = std::make_unique<BoardWatch>(*front_end, car, std::move(also));
   }
@@ -38,12 +38,12 @@ class UsbBoardFixture : public testing::Test {
   /// The sentences about boards that are started again.
   std::vector<std::string> said() {
     const std::scoped_lock lock(saying_);
-    return said_;
+    return reported_;
   }
 
  private:
   std::mutex saying_;  // both outlive the front end's thread
-  std::vector<std::string> said_;
+  std::vector<std::string> reported_;
 
  protected:
   VehicleConfig car = board_vehicle();

@@ -71,7 +71,7 @@ TEST_F(UsbBoardTest, FiftyTimesUnpluggedIsFiftyDeclaredGapsOfTheirTrueLength) {
     in_use.push_back(bytes_in_use());
     if (k == 9) files = open_files();
   }
-  // What a moment holds besides, e.g. the text of a search that failed, is not there every time.
+  // Other contents of a moment, e.g. the text of a search that failed, are not there every time.
   const auto early = std::min_element(in_use.end() - 30, in_use.end() - 15);
   const auto late = std::min_element(in_use.end() - 15, in_use.end());
   const auto grown = static_cast<std::ptrdiff_t>(*late - *early);
@@ -137,7 +137,7 @@ TEST_F(UsbBoardTest, PacketsThatNeverComeAreAGap) {
 }
 
 TEST_F(UsbBoardTest, WhatTheBoardHadNoRoomForIsAGap) {
-  // Nobody serves the endpoint for longer than the board's ring holds, 205 ms.
+  // The endpoint is not served for longer than the board's ring holds, 205 ms.
   expect_one_gap([&] { boards.with(0, [](test::BenchBoard&) { std::this_thread::sleep_for(400ms); }); },
                  GapCause::kDeviceOverrun);
   EXPECT_EQ(count(DeviceCounter::kBoardOverrun), watch->gaps()[0].header.scans);

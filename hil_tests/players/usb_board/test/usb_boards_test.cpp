@@ -5,6 +5,8 @@
 
 #include <array>
 #include <cstdio>
+#include <fstream>
+#include <string>
 
 #include "hil_tests/players/usb_board/test/board_watch.hpp"
 
@@ -27,7 +29,7 @@ std::string refusal(const std::string& address, const VehicleConfig& car) {
   return "";
 }
 
-/// The text that is said once the kernel has enumerated the board.
+/// The text that is printed once the kernel has enumerated the board.
 std::string lasting_refusal(const std::string& address, const VehicleConfig& car) {
   std::string text;
   test::wait_until(
@@ -65,7 +67,7 @@ TEST(UsbBoards, RefusalsNameWhatIsAtFault) {
   EXPECT_NE(lasting_refusal("1209:0001:NOBODY", car).find("BENCH1"), std::string::npos);
 
   std::string denied;
-  // Of this thread only; the C library would change all of them.
+  // User and groups of this thread only; the C library would change those of all threads.
   std::thread([&] {
     ::syscall(SYS_setgroups, 0, nullptr);
     ::syscall(SYS_setresgid, -1, kNobody, -1);
@@ -79,7 +81,10 @@ TEST(UsbBoards, RefusalsNameWhatIsAtFault) {
 
   const auto front_end = open_when_enumerated({"1209:0001", car, car.node[0]});
   const std::string busy = told_by_another_process([&] { return lasting_refusal("1209:0001", car); });
-  EXPECT_NE(busy.find("is in use by usb_boards_test (process " + std::to_string(::getpid()) + ")"),
+  std::string name;
+  std::getline(std::ifstream("/proc/self/comm"), name);
+  ASSERT_FALSE(name.empty());
+  EXPECT_NE(busy.find("is in use by " + name + " (process " + std::to_string(::getpid()) + ")"),
             std::string::npos)
       << busy;
 }

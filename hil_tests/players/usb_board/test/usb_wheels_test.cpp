@@ -65,7 +65,7 @@ class UsbWheelsTest : public test::UsbBoardFixture {
   double worst_reference(const TurningWheel& wheel, const std::vector<StampedScan>& truth) const {
     double worst = 0.0;
     for (std::size_t k = 2 * static_cast<std::size_t>(kRateHz); k < scans.size(); ++k) {
-      // What the D/A gives is read half a period later.
+      // The output of the D/A is read half a period later.
       const double turned = wheel.way_at(truth[k].true_s - 0.5 / kRateHz) - wheel.mark();
       const double angle = (wheel.backward ? -2.0 : 2.0) * std::numbers::pi * turned / wheel.teeth;
       const std::array<double, 2> expected{std::sin(angle), std::cos(angle)};

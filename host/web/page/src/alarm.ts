@@ -1,4 +1,4 @@
-// Three levels, by word, shape and colour; which cause has which is said once, in common/bus/alarm.hpp.
+// Three levels of alarm, by word, shape and colour; common/bus/alarm.hpp has the level of each cause.
 import {el, setAttributes, setText, svg} from "./dom";
 import {kCross, kDisc, kTriangle} from "./signs";
 import {AlarmCause, AlarmLevel} from "./wire";

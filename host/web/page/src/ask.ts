@@ -1,5 +1,5 @@
-// What a person asks of recorder and rb-recordings: a POST to rb-web, which repeats it on the bus until it is answered.  The answer
-// comes on the feed, to every page; each knows its own by a number nobody else has.
+// Sends a person's requests to recorder and rb-recordings: a POST to rb-web, which repeats it on the bus until it is
+// answered.  The answer comes on the feed, to every page; each page recognises its own by a unique number.
 import type {Car} from "./car";
 import {sessionToken} from "./feed";
 import {utf8} from "./text";
@@ -98,7 +98,8 @@ export class Asker {
         : "no recorder answers: is rb-recorder --recordings running?";
       return {text: isLate ? silence : "asked", isBad: isLate};
     }
-    return {text: utf8(answer.text, answer.size), isBad: answer.state === AnswerState.Refused};
+    const isPartial = operation === Operation.Start && (answer.value[0] ?? 0) > 0;
+    return {text: utf8(answer.text, answer.size), isBad: answer.state === AnswerState.Refused || isPartial};
   }
 
   /** Which of these was asked last. */

@@ -1,4 +1,4 @@
-// What is known of the car: the newest of every message, and when it was on the bus.
+// The state of the car: the newest of every message, and when it was on the bus.
 import {decode, readFrame, type Arrival} from "./decode";
 import {EventLog} from "./events";
 import {Documents} from "./jobs";

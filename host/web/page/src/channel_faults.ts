@@ -1,4 +1,4 @@
-// What is wrong with a channel, by the level that tells it.
+// The faults of a channel, by its level message.
 import {isFresh, type Car} from "./car";
 import {ChannelRole, type Level} from "./wire";
 

@@ -1,4 +1,4 @@
-// What the channels are called, and which there are.
+// The channels and their names.
 import type {Car} from "./car";
 import {untilZero} from "./text";
 import {ChannelRole, type Setup} from "./wire";

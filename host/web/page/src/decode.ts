@@ -1,4 +1,4 @@
-// What rb-web sends: frames (host/web/feed.hpp) of messages as they were on the bus (common/wire).
+// Decodes frames of rb-web (host/web/feed.hpp): messages as they were on the bus (common/wire).
 
 /** How a message lies on the wire; made of its .lcm file by wire_types.mjs. */
 export interface MessageType<T> {
@@ -33,7 +33,7 @@ export function readFrame(frame: ArrayBuffer): Arrival[] {
 }
 
 type Read = readonly [bytes: number, read: (view: DataView, at: number) => number];
-// 64-bit numbers lose what is beyond 53 bits: nanoseconds are then known to a quarter of a microsecond.
+// 64-bit numbers lose the bits beyond 53: nanoseconds are then exact to a quarter of a microsecond.
 const kReaders: Readonly<Record<string, Read>> = {
   int8_t: [1, (view, at) => view.getInt8(at)],
   int16_t: [2, (view, at) => view.getInt16(at)],

@@ -1,4 +1,4 @@
-// Elements without markup: nothing that comes over the network can become a script.
+// Makes elements without markup, so that no text from the network can become a script.
 
 type Children = readonly (Node | string)[];
 

@@ -1,4 +1,4 @@
-// For who drives: whether it records, what to do now, how far each wheel is.  Nothing to press but a way back.
+// The driver's view: is it recording, what to do now, the progress of each wheel.  Its only button leads back.
 import type {Car} from "./car";
 import {el, setAttributes, setText} from "./dom";
 import {ProgressRing} from "./progress_ring";
@@ -27,7 +27,7 @@ class Corner {
     const known = balance?.state === Unknown.None;
     const verification = car.verificationOf(this.wheel), [verdict = ""] = verdictOf(verification).split(/[:,]| than/);
     const how = progress(balance, car.advice(this.wheel), car.identification?.message);
-    // Known well is not good: no tick beside a wheel that its weights have not helped.
+    // A wheel that is known well may still be bad: no tick if its weights have not helped.
     const isHelped = verdict === "" || ![VerificationVerdict.Unchanged, VerificationVerdict.More].includes(verification?.verdict ?? 0);
     this.ring.draw(how, isHelped);
     setAttributes(this.element, {"data-known": String(known), "data-verdict": verdict && (VerificationVerdict[verification?.verdict ?? 0] ?? "")});

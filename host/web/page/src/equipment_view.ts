@@ -1,4 +1,4 @@
-// Range, filter, zeros, scale, zero marks and vehicle file: what is set between recordings.
+// Range, filter, zeros, scale, zero marks and vehicle file: settings that change between recordings.
 import type {Asker} from "./ask";
 import {isBusy, type Car} from "./car";
 import {el, setAttributes, setText} from "./dom";

@@ -1,5 +1,4 @@
-// What has happened that lights a lamp: kept here, for counters begin anew with each start of a node, and what they
-// said before must not go out unseen.
+// Keeps the events that light a lamp: a node's counters begin anew with each start, and a lamp must not go out unseen.
 import {isFresh, kSilenceMs, type Car, type Heard} from "./car";
 import {AlarmCause, ClockState, DeviceCounter, kClockPatience_s, kWantedSync_s, NodeState, TimeBase, type ClockFit, type Heartbeat, type Level} from "./wire";
 
@@ -70,7 +69,7 @@ export class EventLog {
       this.rise("SYNC", AlarmCause.ClockBroken, `node ${fit.node}`, fit.epoch, fit.breaks, nowMs);
       if (isFresh(heard, nowMs)) this.clock(heard, nowMs);
     }
-    // A node that is silent itself is another matter.
+    // The silence of a node is an event of its own.
     for (const [node, clock] of this.asked)
       if (nowMs - clock.nodeMs <= kSilenceMs && nowMs - clock.heardMs >= 1000 * kClockPatience_s)
         this.add("SYNC", AlarmCause.ClockUnheard, `node ${node}`, 1, nowMs);
@@ -89,7 +88,7 @@ export class EventLog {
     } else if (known?.epoch !== beat.epoch) {
       this.asked.set(beat.node, {epoch: beat.epoch, sinceMs: atMs, heardMs: atMs, nodeMs: atMs, wasWellKnown: false});
     } else {
-      // While nothing came from the node, or to this page, nobody was waited for.
+      // While no message came from the node, or none to this page, the time does not count.
       if (atMs - known.nodeMs > kSilenceMs) known.heardMs = atMs;
       known.nodeMs = atMs;
     }
@@ -133,7 +132,7 @@ export class EventLog {
   private rise(lamp: LampName, cause: AlarmCause, where: string, epoch: number, count: number, nowMs: number): void {
     const name = `${lamp} ${where} ${epoch}`;
     const before = this.counters.get(name) ?? 0;
-    if (count <= before) return;  // late ones, too
+    if (count <= before) return;  // late messages, too
     this.counters.set(name, count);
     if (this.counters.size > 4 * kMostEvents) {
       const [oldest] = this.counters.keys();

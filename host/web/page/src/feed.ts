@@ -1,5 +1,5 @@
-// The one connection to rb-web.  It is opened again for ever: whoever looks must see that it is gone, and need do
-// nothing when it is back.
+// The one connection to rb-web.  It is reopened forever: people must see that it is gone, and need do nothing when it is
+// back.
 
 export interface FeedEvents {
   frame(frame: ArrayBuffer): void;

@@ -1,4 +1,4 @@
-// State, always in the same place: by word, shape and colour.
+// The state, always in the same place, by word, shape and colour.
 import {SayingLines} from "./alarm";
 import type {Car} from "./car";
 import {el, setAttributes, setText, svg} from "./dom";
@@ -58,7 +58,7 @@ function amounts(recorder: Recorder): string {
   const hours = seconds < 0 ? "" : `${(seconds / 3600).toFixed(seconds < 36_000 ? 1 : 0)} h`;
   if (recorder.state === RecorderState.Idle || recorder.state === RecorderState.Armed)
     return hours === "" ? free : `${free}, room for ${hours}`;
-  // At its first word a recorder has not looked at its disk yet.
+  // A recorder sends its first status before it has examined its disk.
   const left = seconds < 0 ? (recorder.bytes_free > 0 ? free : "") : `${hours} left`;
   const name = utf8(recorder.name, recorder.name_size);
   return [...(name === "" ? [] : [name]), `${(recorder.bytes_recorded / 1e9).toFixed(2)} GB`, ...(left === "" ? [] : [left])].join(" · ");

@@ -1,4 +1,4 @@
-// What a person needs to know who has never seen this page.
+// Help for a person who has never seen this page.
 import type {Key} from "./keys";
 import {el} from "./dom";
 import type {View} from "./view";
@@ -63,6 +63,6 @@ export class HelpView implements View {
   }
 
   draw(): void {
-    // It does not change while it is seen.
+    // The help does not change while it is shown.
   }
 }

@@ -1,4 +1,4 @@
-// What must not happen by a touch in passing: a button, or key, to be held.
+// A button, or key, that must be held, so that a touch in passing does nothing.
 
 /** Long enough to be meant. */
 export const kHoldMs = 800;
@@ -25,7 +25,7 @@ export function onHold(button: HTMLButtonElement, keys: readonly string[], done:
     if (event.button === 0) hold();
   });
   for (const end of ["pointerup", "pointerleave", "pointercancel"]) button.addEventListener(end, release);
-  button.addEventListener("contextmenu", (event) => event.preventDefault());  // what a long touch would open
+  button.addEventListener("contextmenu", (event) => event.preventDefault());  // opened by a long touch
   button.addEventListener("click", (event) => event.preventDefault());
   document.addEventListener("keydown", (event) => {
     if (isMeant(event) && !event.repeat && !event.ctrlKey && !event.altKey && !event.metaKey) hold();

@@ -1,4 +1,4 @@
-// What a job needs to know before it begins.  Folders are never typed here: where things go the machine's operator has said.
+// The form for a job's options.  Folders are never typed here: the machine's operator has set them.
 import {el, setText} from "./dom";
 import {kFormats, type JobForm} from "./jobs";
 import {untilZero} from "./text";
@@ -128,7 +128,7 @@ export class JobFields {
     return this.form === "transfer" ? transferTo !== "" : this.form !== "reduce" || factors.length > 0;
   }
 
-  /** As host/receipts/job_order.hpp has them; each with a slash before it. */
+  /** As host/recordings/job_order.hpp has them; each with a slash before it. */
   options(): string {
     const times = [["from", this.from.value], ["from-mark", this.fromMark.value], ["to", this.to.value], ["to-mark", this.toMark.value]] as const;
     const names = this.channels.value.split(",").map((name) => name.trim()).filter((name) => name !== "").join(",");

@@ -1,4 +1,4 @@
-// What can be done with a recording: a button each, how far it is, and what came of it.
+// The jobs on a recording: a button each, the progress, and the result.
 import type {Asker} from "./ask";
 import type {Car} from "./car";
 import {el, setAttributes, setText} from "./dom";
@@ -31,7 +31,7 @@ class JobRow {
     this.cancel.onclick = () => this.job && asker.ask(Operation.Cancel, {value: [this.job.job]});
     this.again.onclick = () => this.job && again(this.job);
     this.keep.onclick = () => this.save();
-    // How far it is changes all the time: that is not read aloud.
+    // The progress changes all the time: it is not read aloud.
     this.element = el("div", {class: "job"}, [
       el("div", {class: "job-head"}, [el("span", {role: "status"}, [this.word, " ", this.state]), this.bar, this.pace, this.when, this.cancel, this.again, this.keep]),
       this.words, this.text]);
@@ -148,7 +148,7 @@ export class JobView {
     const {text, isBad} = mine ? this.asker.says(Operation.Job, nowMs) : {text: "", isBad: false};
     const busy = worked && this.panels.some(({element}) => !element.hidden)
       ? `One job at a time: “${untilZero(worked.recording)}” is being worked on. Wait, or cancel that.` : "";
-    // What was obeyed is seen below.
+    // An accepted request shows below.
     setText(this.says, isBad ? text : this.asker.isUnderWay(Operation.Job, nowMs) ? text : busy);
     setAttributes(this.says, {"data-bad": String(isBad)});
   }

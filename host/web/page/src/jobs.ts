@@ -1,4 +1,4 @@
-// What rb-recordings can do with a finished recording, and what it has written.
+// The jobs of rb-recordings on a finished recording, and their documents.
 import {utf8} from "./text";
 import {JobKind, JobState, type Document as DocumentPart, type Job} from "./wire";
 import {duration, localTime} from "./words";

@@ -1,4 +1,4 @@
-// The keyboard does all that a finger does.
+// Every function of the page has a key.
 
 export interface Key {
   readonly key: string;
@@ -16,7 +16,7 @@ function isForElement(event: KeyboardEvent): boolean {
 /** Not while a modifier makes it the browser's.
     @param keys  those that are valid at the moment */
 export function listenToKeys(keys: () => readonly Key[]): void {
-  // What a finger or mouse has pressed is not what the next Space or Enter means; focus by keyboard stays.
+  // A button that finger or mouse has pressed must not catch the next Space or Enter; focus by keyboard stays.
   document.addEventListener("click", ({target, detail}) => {
     const pressed = target instanceof Element ? target.closest("button, summary") : null;
     if (detail > 0 && pressed instanceof HTMLElement) pressed.blur();

@@ -1,4 +1,4 @@
-// The four lamps; a tap on one says what it means and what to do.
+// The four lamps; a tap on one shows its meaning and the remedy.
 import {levelOf, levelSign, levelWord} from "./alarm";
 import type {Car} from "./car";
 import {el, setAttributes, setText, svg} from "./dom";

@@ -1,9 +1,10 @@
-// Four lamps with numbers.  What has lit one stays until it is acknowledged, though the cause be gone.
+// Four lamps with numbers.  A lamp stays lit until it is acknowledged, even if its cause is gone.
 import {lightOf} from "./alarm";
 import {isBusy, isFresh, type Car} from "./car";
 import {faultyChannels} from "./channel_faults";
 import {wantsClock, withoutDevice, type Event, type EventLog, type LampName} from "./events";
-import {AlarmCause, ClockState, kWantedSync_s, TimeBase} from "./wire";
+import {absent} from "./state";
+import {AlarmCause, ClockState, kWantedSync_s, TimeBase, type Heartbeat} from "./wire";
 
 const kCauses: Readonly<Record<LampName, AlarmCause>> = {
   LOSS: AlarmCause.SamplesLost, SYNC: AlarmCause.ClockBroken, OVERLOAD: AlarmCause.Overload, ENCODER: AlarmCause.FaultyTurns};
@@ -24,6 +25,11 @@ export interface Lamp {
 const micro = (seconds: number) => `${Math.ceil(seconds * 1e6)} µs`;
 const kWanted = micro(kWantedSync_s);
 
+export const kWrongMarksRemedy = "Is a second magnet or the head of a bolt a mark, too, or pulses_per_turn wrong?";
+/** "60 and 36": the teeth between zero marks of a line that name no tooth; empty: they do. */
+export const wrongMarks = (beat: Heartbeat, line: number) =>
+  beat.mark_counts.slice(2 * line, 2 * line + 2).filter((count) => count > 0).join(" and ");
+
 const beats = (car: Car) => [...car.heartbeats.values()].map(({message}) => message);
 const sum = (counts: readonly number[]) => counts.reduce((a, b) => a + b, 0);
 const times = (count: number, one: string, many: string) => `${count} ${count === 1 ? one : many}`;
@@ -38,6 +44,11 @@ function lossLamp(car: Car, log: EventLog, nowMs: number): Lamp {
   const repaired = sum(beats(car).map((beat) => beat.blocks_repaired));
   const number = `${gone} lost, ${repaired} repaired`;
   if (car.heartbeats.size === 0) return {name: "LOSS", light: "unknown", number: "no node", sentence: "No node is heard."};
+  const recording = car.livingRecorders(nowMs).filter(isBusy);
+  const away = recording.flatMap((recorder) => Array.from({length: recorder.absent}, (_, k) => ({node: recorder.absent_node[k] ?? 0})));
+  if (away.length > 0)
+    return {name: "LOSS", light: lightOf(AlarmCause.NodeMissing), number: `${nodes(away)} missing`,
+            sentence: recording.flatMap(absent).join(" ")};
   const without = withoutDevice(car);
   if (without.length > 0)
     return {name: "LOSS", light: lightOf(AlarmCause.DeviceGone), number: `${nodes(without)}: device gone`,
@@ -51,7 +62,7 @@ function lossLamp(car: Car, log: EventLog, nowMs: number): Lamp {
   if (failing.length > 0)
     return {name: "LOSS", light: lightOf(AlarmCause.SpoolFailing), number,
             sentence: `The disk of ${nodes(failing)} refuses: what it holds is in its memory only.`};
-  if (!car.livingRecorders(nowMs).some(isBusy))
+  if (recording.length === 0)
     return {name: "LOSS", light: "good", number, sentence: "Nothing is lost; nothing is recorded now."};
   return {name: "LOSS", light: "good", number, sentence: "Every sample taken is recorded or on its way."};
 }
@@ -115,6 +126,13 @@ function encoderLamp(car: Car, log: EventLog): Lamp {
   const name = "ENCODER";
   if (car.heartbeats.size === 0) return {name, light: "unknown", number: "no node", sentence: "No node is heard."};
   const number = times(log.total("ENCODER"), "faulty turn", "faulty turns");
+  const wrong = beats(car).flatMap((beat) => [0, 1].flatMap((line) => {
+    const counts = wrongMarks(beat, line);
+    return counts ? [`node ${beat.node} line ${line + 1}: ${counts} teeth`] : [];
+  }));
+  if (wrong.length > 0)
+    return {name, light: lightOf(AlarmCause.WrongMarks), number: "zero marks name no tooth",
+            sentence: `No angle: between zero marks lie, ${wrong.join("; ")}. ${kWrongMarksRemedy}`};
   const found = log.unseen("ENCODER");
   if (found.length === 0) return {name, light: "good", number, sentence: "Every turn has all its teeth."};
   const lines = beats(car).flatMap((beat) =>

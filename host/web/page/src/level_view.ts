@@ -37,7 +37,7 @@ class Bar {
     this.rms.style.transform = `scaleY(${height(rms).toFixed(3)})`;
     const peak = height(car.peaks.get(`${this.node}.${this.channel}`)?.value ?? 0);
     this.peak.style.transform = `translateY(${(-kTrackPixels * peak).toFixed(1)}px)`;
-    // Numbers that change with every frame cannot be read; words are worth an instant.
+    // Numbers that change with every frame cannot be read; words change at once.
     if (withNumbers || over || fault || this.number.textContent === "")
       setText(this.number, over ? "OVER" : fault || rms.toPrecision(2));
   }

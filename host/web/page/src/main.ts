@@ -1,4 +1,4 @@
-// The page: its parts, and how news get to them.
+// The page: its parts, and the way of messages to them.
 import {Car} from "./car";
 import {el, setAttributes, setText} from "./dom";
 import {Asker} from "./ask";

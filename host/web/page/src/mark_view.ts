@@ -1,4 +1,4 @@
-// Where a wheel's zero mark fires: read while the wheel is turned by hand and recorded, set between recordings.
+// The angle of a wheel's zero mark: read while the wheel is turned by hand and recorded, set between recordings.
 import type {Asker} from "./ask";
 import {el, setAttributes, setText} from "./dom";
 import {angleOf, kWheelNames} from "./wheel_place";

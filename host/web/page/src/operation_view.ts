@@ -1,4 +1,4 @@
-// Start, mark, stop: what a person does while driving.
+// Start, mark, stop: the actions of a person in the car.
 import {Asker} from "./ask";
 import {isBusy, type Car} from "./car";
 import {el, setAttributes, setText} from "./dom";
@@ -16,7 +16,7 @@ export class OperationView {
   readonly keys: readonly Key[] = [
     {key: "R", does: "record", run: () => this.start()},
     {key: " ", does: "set a mark", run: () => this.mark()},
-    // Told to the help; hold.ts listens for it.
+    // Listed for the help; hold.ts handles it.
     {key: "hold Esc", does: "stop the recording (0.8 s)", run: () => undefined},
   ];
   private readonly name = el("input", {type: "text", id: "recording-name", maxlength: "60", autocomplete: "off",
@@ -37,7 +37,7 @@ export class OperationView {
     this.element = el("section", {class: "operation", "aria-label": "Operation"}, [this.idle, this.busy, this.words]);
     this.startButton.onclick = () => this.start();
     this.markButton.onclick = () => this.mark();
-    // Enter in a field does what stands beside it.
+    // Enter in a field presses the button beside it.
     this.idle.onsubmit = (event) => { event.preventDefault(); this.start(); };
     this.busy.onsubmit = (event) => { event.preventDefault(); this.mark(); };
     onHold(this.stopButton, ["Escape"], () => this.asker.ask(Operation.Stop));
@@ -75,7 +75,7 @@ export class OperationView {
 
   /** Why nothing can be asked; empty: it can. */
   private obstacle(recorder: Recorder | undefined): string {
-    if (this.connection !== "open") return "";  // the state says so in large letters
+    if (this.connection !== "open") return "";  // the state shows it in large letters
     if (!this.asker.mayAsk())
       return "To watch only: this page was opened without #token=… of the address that rb-web prints.";
     if (!recorder) return "No recorder to start: run rb-recorder --recordings FOLDER.";

@@ -1,4 +1,4 @@
-// What all plots have in common.
+// Common parts of all plots.
 import type {Car} from "./car";
 import type {Spectral, Wish} from "./plot_ask";
 

@@ -1,4 +1,4 @@
-// Asks the analyser, through rb-web, for what is to be seen: again each second, as long as it is seen.
+// Asks the analyser, through rb-web, for the data of the visible plots, once a second while they are visible.
 import type {ChannelId} from "./channels";
 import {encode} from "./encode";
 import {sessionToken} from "./feed";

@@ -1,4 +1,4 @@
-// Fields by which a person chooses what a plot shows.
+// Fields to choose the content of a plot.
 import {channelKey, channelName, channelOfKey, type ChannelId} from "./channels";
 import type {Car} from "./car";
 import {el, setAttributes, setText} from "./dom";
@@ -14,7 +14,7 @@ export class Choice<T extends string> {
     this.element = el("label", {class: "choice"}, [el("span", {}, [label]), this.select]);
     this.offer(options);
     this.select.value = now;
-    // Keys are the plot's again after a choice by hand; whoever chooses by keys stays here.
+    // After a choice by hand keys belong to the plot again; after a choice by key the focus stays.
     let byHand = false;
     this.select.onpointerdown = () => { byHand = true; };
     this.select.onkeydown = () => { byHand = false; };

@@ -1,4 +1,4 @@
-// What the analyser told this page of what it asked to see.  Memory is bounded by what may be asked for.
+// The analyser's data for this page's plots.  Memory is bounded by the limits of a View.
 import {channelKey, type ChannelId} from "./channels";
 import {decode, type Arrival} from "./decode";
 import {EnvelopeRing} from "./plot_ring";

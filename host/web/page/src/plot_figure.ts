@@ -1,4 +1,4 @@
-// An x-y plot by uPlot: curves over one axis, a cursor for mouse, finger and keys, markers, and what the cursor reads.
+// An x-y plot by uPlot: curves over one axis, a cursor for mouse, finger and keys, markers, and readings of the cursor.
 import uPlot from "uplot";
 import {el, setText} from "./dom";
 
@@ -156,7 +156,7 @@ export class Figure {
       ticks: {stroke: () => colour("--grid"), width: 1, size: 5},
     });
     const {range, splits, bars, together, share, xLabel} = this.options;
-    const isLast = xLabel !== "";  // above it others show no numbers
+    const isLast = xLabel !== "";  // the plots above it show no numbers
     this.plot = new uPlot({
       width: this.box.clientWidth, height: figureHeight(share),
       legend: {show: false},

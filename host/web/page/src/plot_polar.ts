@@ -1,4 +1,4 @@
-// First or second order of each wheel in a channel, as a vector with the region that holds it with 95 %.
+// First or second order of each wheel in a channel, as a vector with its region of 95 % confidence.
 import {accelerations, carrierOf, channelKey, channelName, channelOfKey, type ChannelId} from "./channels";
 import type {Car} from "./car";
 import {el, setText} from "./dom";
@@ -165,7 +165,7 @@ function circle(ctx: CanvasRenderingContext2D, radius: number): void {
 function arrow(ctx: CanvasRenderingContext2D, vector: OrderVector, full: number, k: number, dashed: boolean): void {
   const unit = kRadius / full, amplitude = Math.hypot(vector.re, vector.im);
   ctx.save();
-  ctx.beginPath();  // what is beyond the picture is not drawn over its neighbours
+  ctx.beginPath();  // clips the drawing: it must not cover its neighbours
   ctx.rect(-kSize / 2, -kSize / 2, kSize, kSize);
   ctx.clip();
   ctx.strokeStyle = ctx.fillStyle = curveColour(k);

@@ -1,4 +1,4 @@
-// The least and greatest of the last seconds of a channel, in memory that never grows.
+// A ring buffer of the least and greatest values of a channel's last seconds, in memory that never grows.
 import type {Envelope} from "./wire";
 
 /** Buckets of about 5 ms: one minute. */

@@ -1,4 +1,4 @@
-// Saves what is drawn as a picture and as a table, without anybody's help.
+// Saves a plot as a picture and as a table, within the browser.
 import {colour} from "./plot_figure";
 import type {Curve} from "./plot_figure";
 import type {Table} from "./plot";

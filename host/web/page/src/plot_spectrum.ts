@@ -56,7 +56,7 @@ interface Density {
 /** Why there is no transfer function, or no spectrum; a reason that the analyser learns to give does not compile before it
  * has its sentence here. */
 export const kReasons: Readonly<Record<TransferState, string>> = {
-  [TransferState.Told]: "",
+  [TransferState.Computed]: "",
   [TransferState.TooShort]: "Not yet: a block without a gap or overload must be full first.",
   [TransferState.NoChannel]: "The vehicle has no such channel in use.",
   [TransferState.NoCommonTime]: "The nodes' samples do not lie on one grid of time: look at SYNC.",
@@ -119,7 +119,7 @@ export class SpectrumPlot implements Plot {
     wanted.forEach((id, k) => {
       const parts = car.plots.spectra.get(channelKey(id))?.whole ?? [];
       const [part] = parts;
-      if (!part || part.state !== TransferState.Told) {
+      if (!part || part.state !== TransferState.Computed) {
         why.push(` ${channelName(car, id)}: ${whyNone(part, car, id, spectral)}`);
         return;
       }
@@ -135,7 +135,7 @@ export class SpectrumPlot implements Plot {
       (wanted.length === 0 ? "Choose a channel." : why.join("")));
   }
 
-  // Computed once for what came once.
+  // Computed once for each message.
   private numbers(parts: readonly Spectrum[]): {readonly x: number[]; readonly density: number[]} {
     let found = this.known.get(parts);
     if (!found) this.known.set(parts, found = {x: frequencies(parts), density: joined(parts, ({density}) => density)});

@@ -45,7 +45,7 @@ export class TimePlot implements Plot {
   draw({car}: Scene): void {
     this.channels.offer(car, accelerations(car), carriers(car).slice(0, 2));
     const wanted = this.channels.value.map((id, k) => ({id, k, ring: car.plots.envelopes.get(channelKey(id))}));
-    // Of nodes with clocks of their own the newest samples are not of one instant.
+    // The newest samples of nodes with clocks of their own are not of one instant.
     const newest = wanted.map(({id, ring}) => (ring && ring.end > 0 ? hostNs(car, id.node, ring.endNs) : undefined));
     const known = newest.every((ns) => ns !== undefined);
     const lead = known ? Math.max(...newest.map((ns) => ns ?? 0)) : 0;
@@ -58,7 +58,7 @@ export class TimePlot implements Plot {
     wanted.forEach(({id, k, ring}, place) => {
       if (!ring || ring.end === 0) return;
       const {least, greatest, end} = ring.last(count, merged);
-      // Brought to the columns of the others: off by half of one at the most.
+      // Moved to the columns of the others: by half a column at most.
       const behind_s = (known ? (lead - (newest[place] ?? lead)) * 1e-9 : 0) + (ring.end - end) * ring.seconds;
       const shift = Math.round(behind_s / merged_s);
       const placed = (y: readonly (number | null)[]) => x.map((_, at) => y[at + shift + y.length - columns] ?? null);
@@ -70,7 +70,7 @@ export class TimePlot implements Plot {
     const none = wanted.length > 0 && curves.length === 0;
     setText(this.caption, none ? "No samples yet: the analyser has not answered." :
       `Least and greatest sample of each ${(1000 * merged_s).toFixed(0)} ms; where a sample is missing there is a hole.`);
-    // For a test of how old a sample is when it is seen.
+    // For a test of a sample's age when it is shown.
     setAttributes(this.element, {"data-newest-host-ns": known && curves.length > 0 ? String(Math.round(lead)) : ""});
   }
 

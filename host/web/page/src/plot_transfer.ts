@@ -62,7 +62,7 @@ export class TransferPlot implements Plot {
     const [input, output] = [this.input.value, this.output.value];
     const parts = input && output ? car.plots.transfers.get(pairKey(input, output))?.whole ?? [] : [];
     const [part] = parts;
-    if (!input || !output || !part || part.state !== TransferState.Told) {
+    if (!input || !output || !part || part.state !== TransferState.Computed) {
       this.now = undefined;
       setText(this.caption, part ? kReasons[part.state as TransferState] ?? "Not known." : "The analyser has not answered yet.");
     } else {

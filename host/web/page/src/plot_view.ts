@@ -46,7 +46,7 @@ class SpectralChoices {
     this.overlap = new Choice<string>("plot-overlap", "Overlap", {"0": "0 % overlap", "0.5": "50 % overlap", "0.75": "75 % overlap"}, "0.5", heard);
     this.average = new Choice<keyof typeof kAverages>("plot-average", "Average", kAverages, "20", heard);
     this.highest = new Choice<string>("plot-highest", "Range", {"50": "up to 50 Hz", "100": "up to 100 Hz", "250": "up to 250 Hz", "1000": "up to 1000 Hz"}, "100", heard);
-    // What is chosen stands below each plot.
+    // The choices stand below each plot.
     this.element = el("details", {id: "plot-spectral"}, [
       el("summary", {}, ["Analysis"]),
       el("div", {class: "choices"}, [this.window, this.block, this.overlap, this.average, this.highest].map(({element}) => element))]);
@@ -135,14 +135,14 @@ export class PlotView implements View {
   }
 
   draw(nowMs: number): void {
-    // Its levels come ten times a second, whatever else is asked for.
+    // Levels come ten times a second, whatever else is asked for.
     const isOld = ![...this.car.levels.values()].some((heard) => isFresh(heard, nowMs));
     setAttributes(this.element, {"data-frozen": String(this.frozen), "data-old": String(isOld)});
     setText(this.trouble, isOld ? "OLD: no analyser is heard." : this.refusal || waitsForStart(this.car, nowMs));
     if (this.frozen) return;
     this.spectral.draw(this.car);
     this.now.draw({car: this.car, spectral: this.spectral.value, nowMs});
-    // What is to be seen may be known only now: which channels there are.
+    // The channels, and so the data to ask for, may be known only now.
     if (this.timer !== undefined && JSON.stringify(this.now.wish()) !== this.asked) this.ask();
   }
 

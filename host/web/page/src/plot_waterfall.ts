@@ -14,9 +14,9 @@ import {OrderState, type Waterfall} from "./wire";
 const kHeight = 400, kLeft = 70, kRight = 90, kTop = 12, kBottom = 46;
 const kFont = '13px system-ui, "DejaVu Sans", sans-serif';
 const kDecades = 3;
-// A reason that the analyser learns to give does not compile before it has its sentence here.
+// A new reason of the analyser does not compile before it has its sentence here.
 const kReasons: Readonly<Record<OrderState, string>> = {
-  [OrderState.Told]: "",
+  [OrderState.Computed]: "",
   [OrderState.TooShort]: "Nothing yet: it takes 32 turns above 27 km/h (17 mph) with the wheel's angle known.",
   [OrderState.NoChannel]: "The wheel has no encoder, or the channel is no acceleration.",
   [OrderState.TooMuch]: "Others look at as many of these as the analyser computes at a time.",
@@ -101,7 +101,7 @@ export class WaterfallPlot implements Plot {
   private ranges(): {readonly speed: readonly [number, number]; readonly top_decade: number} {
     const [first] = this.rows, last = this.rows.at(-1);
     const speed: [number, number] = first && last ? [speedNumber(first.from_m_s), speedNumber(last.to_m_s)] : [0, 150];
-    // What rests is no order.
+    // At standstill there are no orders.
     const most = Math.max(1e-3, ...this.rows.flatMap(({amplitude, lines, step}) => amplitude.slice(Math.ceil(0.25 / step), lines)));
     return {speed, top_decade: Math.ceil(Math.log10(most))};
   }

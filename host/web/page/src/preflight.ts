@@ -1,10 +1,10 @@
-// Is everything ready to record?  Each point with what to do if it is not.
+// Is everything ready to record?  Each point has its remedy.
 import {isBusy, isFresh, type Car} from "./car";
 import {faultOf, isDead, isRailed} from "./channel_faults";
 import {placeAndName} from "./channels";
 import {oppositePairs} from "./directions";
 import {EventLog, withoutDevice} from "./events";
-import {lamps} from "./lamps";
+import {kWrongMarksRemedy, lamps, wrongMarks} from "./lamps";
 import {kAccelerations} from "./level_view";
 import type {Taps} from "./taps";
 import {untilZero} from "./text";
@@ -89,6 +89,13 @@ function encoders(setups: readonly Setup[], car: Car): Check {
   const name = "Encoders";
   const beats = setups.flatMap(({node}) => car.heartbeats.get(node)?.message ?? []);
   const lines = setups.flatMap((setup) => setup.wheel.flatMap((wheel, line) => (wheel >= 0 ? [{setup, wheel, line}] : [])));
+  const wrong = lines.flatMap(({setup, wheel, line}) => {
+    const beat = beats.find(({node}) => node === setup.node);
+    const counts = beat ? wrongMarks(beat, line) : "";
+    return counts ? [`${kWheelNames[wheel]}: ${counts}`] : [];
+  });
+  if (wrong.length > 0)
+    return {name, ready: "no", says: `Teeth between zero marks of ${wrong.join("; ")}. ${kWrongMarksRemedy}`};
   const faulty = lines.filter(({setup, line}) => (beats.find(({node}) => node === setup.node)?.encoder_faults[line] ?? 0) > 0);
   if (faulty.length > 0)
     return {name, ready: "no", says: `${faulty.map(({wheel}) => kWheelNames[wheel]).join(", ")}: teeth missed or extra: ` +

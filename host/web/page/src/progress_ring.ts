@@ -1,4 +1,4 @@
-// How much of the driving that is needed is done, as a ring.
+// The share of the needed driving that is done, as a circle.
 import {setAttributes, setText, svg} from "./dom";
 import type {Progress} from "./words";
 

@@ -1,4 +1,4 @@
-// What is on the disk of the recording that was stopped last.
+// The receipts of the nodes for the recording that was stopped last: what is on the disk.
 import {isBusy, type Car} from "./car";
 import {el, setAttributes, setText} from "./dom";
 import {utf8} from "./text";
@@ -7,22 +7,27 @@ import {duration} from "./words";
 
 const kColumns = ["Node", "Samples", "Lost", "Repaired", "Overload", "Clock within", "CRC-32C"];
 
-// What receipt_t says of the sums of the ends; a third state is that nobody knows.
+// The verdict of receipt_t on the CRCs of the ends; the third state is unknown.
 const kContradict = 0, kAgree = 1;
 
 const lost = (receipt: Receipt) => receipt.samples_sent - receipt.samples_recorded;
-const lacksNothing = (receipt: Receipt) => lost(receipt) === 0 && receipt.gaps === 0 && receipt.open_epochs === 0;
+/** When the node did not measure or was not heard, and why; empty: it measured from start to stop. */
+const missing = (receipt: Receipt) => [utf8(receipt.absence, receipt.absence_size), utf8(receipt.unheard, receipt.unheard_size)]
+  .filter((text) => text !== "").join("; ");
+const lacksNothing = (receipt: Receipt) => lost(receipt) === 0 && receipt.gaps === 0 && receipt.open_epochs === 0 &&
+  missing(receipt) === "";
 const isWhole = (receipt: Receipt) => lacksNothing(receipt) && receipt.end_sums === kAgree;
 
 /** What is not as it should be, in one line. */
 export function defects(receipts: readonly Receipt[]): string {
   const sum = (of: (receipt: Receipt) => number) => receipts.reduce((all, receipt) => all + of(receipt), 0);
-  const [missing, gaps, open] = [sum(lost), sum((receipt) => receipt.gaps), sum((receipt) => receipt.open_epochs)];
+  const [gone, gaps, open] = [sum(lost), sum((receipt) => receipt.gaps), sum((receipt) => receipt.open_epochs)];
   const wrong = receipts.filter(({end_sums}) => end_sums === kContradict);
   const unproven = receipts.filter((receipt) => lacksNothing(receipt) && !isWhole(receipt) && !wrong.includes(receipt));
   const nodes = (of: readonly Receipt[]) => of.map(({node}) => node).join(", ");
   return [
-    ...(missing > 0 ? [`${missing.toLocaleString("en")} lost`] : []),
+    ...receipts.filter((receipt) => missing(receipt) !== "").map((receipt) => `node ${receipt.node} ${missing(receipt)}`),
+    ...(gone > 0 ? [`${gone.toLocaleString("en")} lost`] : []),
     ...(gaps > 0 ? [gaps === 1 ? "1 gap" : `${gaps} gaps`] : []),
     ...(open > 0 ? ["its end is missing"] : []),
     ...(wrong.length > 0 ? [`CRC of node ${nodes(wrong)} DOES NOT AGREE`] : []),
@@ -32,10 +37,11 @@ export function defects(receipts: readonly Receipt[]): string {
 function row(receipt: Receipt): HTMLTableRowElement {
   const crc = (receipt.blocks_crc32c >>> 0).toString(16).padStart(8, "0");
   const cells = [
-    String(receipt.node), receipt.samples_recorded.toLocaleString("en"), lost(receipt).toLocaleString("en"),
+    String(receipt.node), receipt.samples_recorded.toLocaleString("en"),
+    missing(receipt) !== "" ? "was absent" : lost(receipt).toLocaleString("en"),
     receipt.repaired.toLocaleString("en"), `${receipt.overload_s.toFixed(1)} s`,
     receipt.sync_us < 0 ? "not known" : `${Math.ceil(receipt.sync_us)} µs`,
-    receipt.end_sums === kContradict ? `${crc} DOES NOT AGREE` : receipt.open_epochs > 0 ? "no end" :
+    receipt.epochs === 0 ? "nothing" : receipt.end_sums === kContradict ? `${crc} DOES NOT AGREE` : receipt.open_epochs > 0 ? "no end" :
       receipt.end_sums === kAgree ? `${crc} agrees` : "not known"];
   return el("tr", {"data-whole": String(isWhole(receipt))},
             cells.map((cell, k) => (k === 0 ? el("th", {scope: "row"}, [cell]) : el("td", {}, [cell]))));
@@ -76,7 +82,9 @@ export class ReceiptView {
     setText(this.title, all.length === 0 ? `“${first.called}”: no node was recorded`
       : whole ? `“${first.called}” is on the disk: 0 lost` : `“${first.called}” is NOT WHOLE: ${defects(all)}`);
     const marks = first.marks === 1 ? "1 mark" : `${first.marks} marks`;
+    const by = utf8(first.stopped_by, first.stopped_by_size);
     setText(this.facts, `${duration((first.ended_us - first.began_us) / 1e6)} · ${(first.bytes / 1e6).toFixed(1)} MB · ${marks}` +
+      (by && ` · stopped by ${by}`) +
       (whole || all.length === 0 ? "" : ". What is missing is declared in the record: rb verify lists it."));
     this.rows.replaceChildren(...all.map(row));
   }

@@ -1,4 +1,4 @@
-// Which recordings there are, and what proves that they are whole.  They are not to be deleted from here.
+// The recordings, and the proof that they are complete.  They cannot be deleted from here.
 import type {Asker} from "./ask";
 import type {Car} from "./car";
 import {el, setAttributes, setLines, setRows, setText, svg, table} from "./dom";
@@ -56,7 +56,7 @@ class RecordingCard {
     setAttributes(this.shape, {d: shape});
     setText(this.name, untilZero(recording.name));
     setText(this.word, word);
-    // A drive that was played faster than real time is longer than its recording took.
+    // A drive that was simulated faster than real time lasts longer than its recording took.
     const length = duration(Math.max((recording.last_us - recording.first_us) / 1e6, ...recording.seconds.slice(0, recording.nodes), 0));
     const about = [untilZero(recording.vehicle), ...(recording.first_us > 0 ? [localTime(recording.first_us), length] : []),
                    recording.bytes < 1e8 ? `${(recording.bytes / 1e6).toFixed(1)} MB` : `${(recording.bytes / 1e9).toFixed(2)} GB`,
@@ -72,7 +72,7 @@ class RecordingCard {
       const [lost = 0, overload = 0, sync = -1] = [recording.samples_lost[k], recording.overload_s[k], recording.sync_residual_s[k]];
       return [
         {text: String(recording.node[k])}, {text: (recording.samples[k] ?? 0).toLocaleString("en").replaceAll(",", "\u202f")},
-        {text: String(lost), tone: lost > 0 ? "bad" : "good"}, {text: String(recording.repaired[k])},
+        recording.absent[k] ? {text: "was absent", tone: "bad"} : {text: String(lost), tone: lost > 0 ? "bad" : "good"}, {text: String(recording.repaired[k])},
         {text: duration(recording.seconds[k] ?? 0)}, {text: `${overload.toFixed(1)} s`, tone: overload > 0 ? "warn" : ""},
         {text: sync < 0 ? "not known" : `${Math.ceil(1e6 * sync)} µs`}];
     }));
@@ -122,14 +122,14 @@ export class RecordingsView implements View {
       : grows ? "A recording is being written and the disk is its own: proofs and reports when it has stopped." : "");
     const finished = known.filter(({state}) => isRead(state)).map(({name}) => untilZero(name));
     const names = known.map(({name}) => untilZero(name));
-    // A list that has changed comes one recording after the other: until it is whole no card gives way, nor its form.
+    // A changed list comes one recording after the other: until it is complete no card, and no form, gives way.
     if (known.length < count && this.cards.size > 0) return;
     for (const [name, card] of this.cards) {
       if (names.includes(name)) continue;
       card.element.remove();
       this.cards.delete(name);
     }
-    // A card stays with its recording when another comes before it: somebody may be filling in its form.
+    // A card stays with its recording when another comes before it: a person may be filling in its form.
     known.forEach((recording, k) => {
       const name = names[k] ?? "";
       const card = this.cards.get(name) ?? new RecordingCard(this.car, this.asker);

@@ -1,4 +1,4 @@
-// What is wired how, whether it is so, and whether all is ready.
+// The wiring as described, whether tap tests confirm it, and whether all is ready.
 import type {Car} from "./car";
 import {faultOf} from "./channel_faults";
 import {placeAndName} from "./channels";

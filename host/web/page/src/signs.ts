@@ -1,4 +1,4 @@
-// Shapes that say without a colour what is good and what is not, in a box of 16 by 16.
+// Shapes for good and bad that need no colour, in a box of 16 by 16.
 
 export const kTick = "M2 9l4 4l8-9l-2-2l-6 7l-2-2z";
 export const kDisc = "M8 2a6 6 0 1 0 0 12a6 6 0 1 0 0-12z";

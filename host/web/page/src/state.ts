@@ -1,8 +1,8 @@
-// The one word: is it recording everything?
+// The state in one word: is it recording everything?
 import {saying, type Saying} from "./alarm";
 import {isFresh, type Car} from "./car";
 import {utf8} from "./text";
-import {AlarmCause, AlarmLevel, NodeState, RecorderState, type Heartbeat, type Recorder} from "./wire";
+import {AbsenceCause, AlarmCause, AlarmLevel, NodeState, RecorderState, type Heartbeat, type Recorder} from "./wire";
 
 export type Alarm = "good" | "idle" | "warn" | "bad";
 
@@ -17,6 +17,23 @@ export interface StateWord {
 }
 
 const isOver = (beat: Heartbeat) => beat.state === NodeState.Ended || beat.state === NodeState.Failed;
+
+// A new cause does not compile before it has its sentence here.
+const kAbsent: Readonly<Record<AbsenceCause, string>> = {
+  [AbsenceCause.None]: "for a reason that is not known.",
+  [AbsenceCause.Stopped]: "it was stopped by a command that was not this recorder's.",
+  [AbsenceCause.SourceOver]: "its source has no more.",
+  [AbsenceCause.DeviceFailed]: "its device has failed: look at its cable and supply.",
+  [AbsenceCause.ProgramEnded]: "its program was ended, by its service or a person: start it again.",
+  [AbsenceCause.Silent]: "it is not heard: look at its cable and supply.",
+  [AbsenceCause.NeverCame]: "it has not been heard: is it on, and its cable plugged in?",
+};
+
+/** Nodes that do not measure though they are to be recorded; empty: none. */
+export function absent(recorder: Recorder): string[] {
+  return Array.from({length: recorder.absent}, (_, k) =>
+    `Node ${recorder.absent_node[k]} is not recorded: ${kAbsent[recorder.absent_cause[k] as AbsenceCause] ?? kAbsent[AbsenceCause.None]}`);
+}
 
 function ofRecorder(car: Car, recorder: Recorder, nowMs: number): StateWord {
   if (recorder.state === RecorderState.Fault)
@@ -42,6 +59,9 @@ function ofRecorder(car: Car, recorder: Recorder, nowMs: number): StateWord {
   if (failed.length > 0)
     return {alarm: "bad", word: "FAULT", recorder,
             detail: `The device of node ${failed.map(({message}) => message.node).join(", ")} has failed.`};
+  if (recorder.absent > 0) return {alarm: "bad", word: "FAULT", recorder, detail: absent(recorder).join(" ")};
+  if (recorder.left_out > 0)
+    return {alarm: "bad", word: "FAULT", recorder, detail: `Node ${recorder.left_out} is not recorded: there is room for no more nodes.`};
   if (recorder.state === RecorderState.Stopping)
     return {alarm: "idle", word: "STOPPING", detail: "The last blocks are written.", recorder};
   if (own.some(({message}) => message.state === NodeState.Started))

@@ -1,5 +1,5 @@
-// What knocks have proven of sensors: which channel is which, and that its sign is right.  A person says beforehand which
-// sensor will be knocked on: the loudest channel of any knock proves nothing by itself.
+// The results of tap tests: which channel is which, and whether its sign is right.  A person chooses beforehand which
+// sensor is tapped: the loudest channel of a tap proves nothing by itself.
 import type {Car} from "./car";
 import {axisOf, signOf} from "./directions";
 import {kAccelerations} from "./level_view";

@@ -1,4 +1,4 @@
-// Day and night.  Called before the first paint, so that nothing flashes; what was chosen is kept.
+// Day and night.  Called before the first paint, so that nothing flashes; the choice is kept.
 
 type Theme = "day" | "night";
 

@@ -1,4 +1,4 @@
-// Grams or ounces, kilometres or miles: as this browser's person likes it.  Messages are in SI.
+// Grams or ounces, kilometres or miles: a choice of each browser.  Messages are in SI.
 
 type System = "metric" | "us";
 const kKept = "units";

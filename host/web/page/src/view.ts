@@ -1,4 +1,4 @@
-// What can be seen one at a time: balance, plots, set-up, ...; and the tabs that choose.
+// The views, of which one is visible at a time: balance, plots, set-up, ...; and the tabs that choose.
 import type {Key} from "./keys";
 import {el, setAttributes} from "./dom";
 

@@ -1,4 +1,4 @@
-// A wheel as who stands beside the car sees it, the reference point on top.
+// A wheel seen from beside the car, the reference point on top.
 import {setAttributes, setText, svg} from "./dom";
 import {weightMass} from "./units";
 import {clockwise, ellipse95, isLeft, place, type Point} from "./wheel_place";

@@ -1,4 +1,4 @@
-// Where an angle of a wheel is for somebody who stands beside the car (common/vehicle/conventions.md).
+// The place of an angle on a wheel, seen from beside the car (common/vehicle/conventions.md).
 
 /** In the order of all messages. */
 export const kWheelNames = ["front left", "front right", "rear left", "rear right"] as const;
@@ -30,7 +30,7 @@ export function angleOf(wheel: number, text: string): number | undefined {
     const hours = Number(hour) + Number(minute) / 60;
     return hours <= 13 ? ((clockwise(wheel) * hours / 12 * turn) % turn + turn) % turn : undefined;
   }
-  if (/^\s*0?([1-9]|1[0-2])\s*$/.test(text)) return undefined;  // of the clock, or degrees?
+  if (/^\s*0?([1-9]|1[0-2])\s*$/.test(text)) return undefined;  // hours of the clock, or degrees?
   const [, degrees] = /^\s*([+-]?\d{1,3}(?:\.\d*)?)\s*(?:deg|°)?\s*$/.exec(text) ?? [];
   const angle = Number(degrees);
   return degrees !== undefined && Math.abs(angle) <= 360 ? angle / 360 * turn : undefined;

@@ -1,4 +1,4 @@
-// Balance: four wheels, what is on them, what to do, and what came of it.
+// Balance: four wheels, their weights, the next step, and the effect.
 import {isFresh, type Car} from "./car";
 import {el, setAttributes, setLines, setText} from "./dom";
 import {ProgressRing} from "./progress_ring";
@@ -48,7 +48,7 @@ class WheelCard {
   draw(car: Car, rim_g: number, nowMs: number): void {
     const heard = car.balance.get(this.wheel);
     const balance = heard?.message;
-    // After the drive it stands; during it somebody must go on saying it.
+    // After the drive a result stands; during it the analyser must repeat it.
     const isOld = heard !== undefined && !isFresh(heard, nowMs) && isDriven(car, nowMs);
     setAttributes(this.element, {"data-old": String(isOld)});
     setText(this.age, isOld ? `OLD: from ${duration((nowMs - heard.atMs) / 1000)} ago` : "");

@@ -8,7 +8,7 @@ import {
   type Identification, type Verification,
 } from "./wire";
 
-// A reason that the analyser learns to give does not compile before it has its sentence here.
+// A new reason of the analyser does not compile before it has its sentence here.
 const kReasons: Readonly<Record<Unknown, string>> = {
   [Unknown.None]: "known",
   [Unknown.TooShort]: "not enough driving at a steady speed yet",
@@ -61,16 +61,16 @@ export interface Step {
 }
 
 const kPutting: Readonly<Record<WeightKind, string>> = {
-  [WeightKind.Untold]: "Add", [WeightKind.Clip]: "Clip", [WeightKind.Adhesive]: "Stick",
+  [WeightKind.NotGiven]: "Add", [WeightKind.Clip]: "Clip", [WeightKind.Adhesive]: "Stick",
 };
 const kHeld: Readonly<Record<WeightKind, string>> = {
-  [WeightKind.Untold]: "", [WeightKind.Clip]: " clip", [WeightKind.Adhesive]: " adhesive weight",
+  [WeightKind.NotGiven]: "", [WeightKind.Clip]: " clip", [WeightKind.Adhesive]: " adhesive weight",
 };
-const kSides: Readonly<Record<RimPlane, string>> = {[RimPlane.Untold]: "", [RimPlane.Inner]: "inner", [RimPlane.Outer]: "outer"};
+const kSides: Readonly<Record<RimPlane, string>> = {[RimPlane.NotGiven]: "", [RimPlane.Inner]: "inner", [RimPlane.Outer]: "outer"};
 
 /** " on the outer flange", " in the inner plane (160 mm)", or nothing where nobody told it and there is but one radius. */
 function onPlace(kind: WeightKind, plane: RimPlane, radius: string): string {
-  if (plane === RimPlane.Untold) return radius && ` on ${radius}`;
+  if (plane === RimPlane.NotGiven) return radius && ` on ${radius}`;
   const side = kind === WeightKind.Clip ? ` on the ${kSides[plane]} flange` : ` in the ${kSides[plane]} plane`;
   return side + (radius && ` (${radius})`);
 }
@@ -85,7 +85,7 @@ function step(plan: Compensation, k: number): Step {
   const radius = (value_m: number) => (plan.radii > 1 ? length(value_m) : "");
   const place = `${where(plan.wheel, angle_rad)}${onPlace(kind, plane, radius(radius_m))}`;
   const grams = weightMass(plan.mass_g[k] ?? 0);
-  const there = kind === WeightKind.Untold ? grams : `the ${grams}${kHeld[kind]}`;
+  const there = kind === WeightKind.NotGiven ? grams : `the ${grams}${kHeld[kind]}`;
   const detail = alongRim(angle_rad, radius_m) + (isHidden(plane) ? "; behind the wheel" : "");
   switch (plan.action[k] as WeightAction) {
     case WeightAction.Add: return {text: `${kPutting[kind]} ${grams} at ${place}`, detail};

@@ -1,6 +1,6 @@
-// What the tests of the page need: programs, a browser, and a look at colours.
+// Helpers for the tests of the page: programs, a browser, and a check of colours.
 import {spawn} from "node:child_process";
-import {mkdirSync} from "node:fs";
+import {mkdirSync, writeFileSync} from "node:fs";
 import {join} from "node:path";
 import {createRequire} from "node:module";
 
@@ -86,6 +86,14 @@ export function pictureFile(name) {
   return join(kPictures, `${name}.png`);
 }
 export const picture = (page, name) => page.screenshot({path: pictureFile(name)});
+
+/** Drawn smaller or larger, not resampled. */
+export async function scaledPicture(page, name, scale) {
+  const session = await page.context().newCDPSession(page);
+  const {data} = await session.send("Page.captureScreenshot", {clip: {x: 0, y: 0, ...page.viewportSize(), scale}});
+  await session.detach();
+  writeFileSync(pictureFile(name), Buffer.from(data, "base64"));
+}
 
 /** Of a document that chromium has printed. */
 export const pages = (pdf) => pdf.toString("latin1").match(/\/Type\s*\/Page\b(?!s)/g)?.length;

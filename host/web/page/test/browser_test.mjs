@@ -495,7 +495,7 @@ test("says that it is cut off, and comes back by itself", async (t) => {
   const again = start("rb-web", "--url", url, "--port", port);
   t.after(() => again.kill());
   await says("RECORDING");
-  // The recorder falls silent: nobody may take the last word for the present.
+  // The recorder falls silent: its last message must not look current.
   car.kill("SIGKILL");
   await says("FAULT");
 });

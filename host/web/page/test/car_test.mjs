@@ -1,9 +1,9 @@
-// What the page keeps of a car, and what it makes of it, with time at will.
+// The page's state of a car and its conclusions, with a clock set by the test.
 import assert from "node:assert/strict";
 import {test} from "node:test";
 import {load} from "./load.mjs";
 
-const page = await load("alarm", "car", "encode", "wire", "state", "lamps", "preflight", "taps", "directions", "words", "units", "driver_view", "receipt_view", "wheel_place");
+const page = await load("alarm", "car", "encode", "wire", "state", "lamps", "preflight", "taps", "directions", "words", "units", "driver_view", "receipt_view", "wheel_place", "events");
 
 /** A frame of rb-web (host/web/feed.hpp). */
 function frame(...messages) {
@@ -41,6 +41,32 @@ test("a silent node is a fault until an hour has passed, and then forgotten", ()
   car.take(frame(recorder, beat(1)), kHourMs + 1);
   assert.equal(page.stateWord(car, "open", kHourMs + 1).word, "RECORDING");
   assert.equal(car.setups.size, 0, "and with it what it was");
+});
+
+test("a node that the recording lacks is a fault with its cause, and no lamp stays green", () => {
+  const car = new page.Car();
+  const name = {name: text("drive"), name_size: 5};
+  const {AbsenceCause} = page;
+  const lacks = (...nodes) => [page.kRecorder, {
+    ...recorder[1], ...name, absent: nodes.length, absent_node: [...nodes.map(([node]) => node), ...Array(16 - nodes.length).fill(0)],
+    absent_cause: [...nodes.map(([, cause]) => cause), ...Array(16 - nodes.length).fill(0)]}];
+  car.take(frame(lacks(), beat(1), beat(2)), 0);
+  assert.equal(page.stateWord(car, "open", 0).word, "RECORDING");
+  const loss = (now) => page.lamps(car, new page.EventLog(), now)[0];
+  assert.equal(loss(0).light, "good");
+  car.take(frame(lacks([2, AbsenceCause.ProgramEnded], [3, AbsenceCause.NeverCame]), beat(1)), 1000);
+  const state = page.stateWord(car, "open", 1000);
+  assert.equal(state.word, "FAULT");
+  assert.match(state.detail, /Node 2 is not recorded: its program was ended.*Node 3 is not recorded: it has not been heard/);
+  assert.equal(loss(1000).light, "bad");
+  assert.equal(loss(1000).number, "nodes 2, 3 missing");
+});
+
+test("a receipt of a node that was away is not whole, whatever it counts", () => {
+  const words = "never came";
+  const receipt = {node: 2, nodes: 2, samples_sent: 0, samples_recorded: 0, end_sums: 1, absence: text(words), absence_size: words.length,
+                   unheard: [], unheard_size: 0};
+  assert.equal(page.defects([receipt]), "node 2 never came");
 });
 
 test("ages that rb-web tells count from when the message was on the bus", () => {
@@ -90,7 +116,7 @@ test("a knock proves a sensor, or shows that it is the wrong way round", () => {
   car.take(frame(setup(1)), 0);
   assert.equal(directions().ready, "unknown");
   assert.match(directions().says, /1\.1 left and 1\.2 right/);
-  // Nobody has said which is knocked on, or it is another one, or two felt it: nothing is proven.
+  // No sensor was chosen, or another one was tapped, or two felt it: nothing is proven.
   car.take(frame(knock(7, 0, 3)), 0);
   taps.take(car);
   assert.equal(channel(0), undefined);
@@ -149,6 +175,11 @@ test("the pre-flight check names what is to be done", () => {
   // A node without a wheel has no angle to wait for.
   car.take(frame(setup(3, {wheel: [-1, -1]}), level(3)), 0);
   assert.equal(check("Encoders").ready, "yes");
+  car.take(frame([page.kHeartbeat, {...beat(2)[1], mark_counts: [0, 0, 60, 36]}]), 0);
+  assert.match(check("Encoders").says, /rear right: 60 and 36\. Is a second magnet/);
+  const lamp = page.lamps(car, car.events, 0).find(({name}) => name === "ENCODER");
+  assert.equal(lamp.number, "zero marks name no tooth");
+  assert.match(lamp.sentence, /node 2 line 2: 60 and 36 teeth/);
   car.take(frame([page.kHeartbeat, {...beat(2)[1], encoder_faults: [0, 3]}]), 0);
   assert.match(check("Encoders").says, /rear right/);
   car.take(frame([page.kRecorder, {...recorder[1], seconds_left: 600}]), 0);
@@ -187,7 +218,7 @@ test("an overload lights its lamp though the page was never drawn, until it is a
   const car = new page.Car();
   const overload = (now) => page.lamps(car, car.events, now).find(({name}) => name === "OVERLOAD");
   const level = (more) => [page.kLevel, {node: 1, ...more}];
-  // Both in one frame: the second says nothing of it any more.
+  // Both in one frame: the second no longer contains it.
   car.take(frame(level({overload: 4}), level({})), 0);
   car.take(frame(level({})), 60_000);
   assert.equal(overload(60_000).light, "bad");
@@ -327,7 +358,7 @@ test("the driver hears of the worst, and is done with four plans of the newest b
 });
 
 test("a record that is not whole is not called by its 0 lost", () => {
-  const receipt = {node: 2, samples_sent: 5, samples_recorded: 5, gaps: 0, open_epochs: 0, end_sums: 1};
+  const receipt = {node: 2, samples_sent: 5, samples_recorded: 5, gaps: 0, open_epochs: 0, absence: [], absence_size: 0, unheard: [], unheard_size: 0, end_sums: 1};
   assert.equal(page.defects([receipt, {...receipt, end_sums: 0}]), "CRC of node 2 DOES NOT AGREE");
   assert.equal(page.defects([{...receipt, end_sums: 0, open_epochs: 1}]), "its end is missing, CRC of node 2 DOES NOT AGREE");
   assert.equal(page.defects([{...receipt, open_epochs: 1}]), "its end is missing");

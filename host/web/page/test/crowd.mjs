@@ -1,4 +1,4 @@
-// Those that rb-web must bear: pages without a browser, some of which take nothing, and uploads that nobody asked for.
+// The load that rb-web must bear: pages without a browser, some of which take nothing, and unwanted uploads.
 import {connect} from "node:net";
 import {once} from "node:events";
 import {readFileSync} from "node:fs";

@@ -170,7 +170,7 @@ async function takeNothing(drive) {
 
 async function pour(drive) {
   for (const {sent, status} of await uploads(drive.steady.port, drive.steady.token, kUploadBytes)) {
-    // What was on its way until the server hung up lay in the kernel.
+    // Bytes under way when the server hung up lay in the kernel.
     drive.mostTaken = Math.max(drive.mostTaken, sent);
     assert.ok(sent < kUploadBytes / 2, `${sent} bytes of an upload were taken`);
     assert.ok([undefined, 413, 101].includes(status), `${status}`);

@@ -1,11 +1,11 @@
-// What the first user sees: rb demo, and the page whose address it prints.
+// The first minutes of a new user: rb demo, and the page whose address it prints.
 import assert from "node:assert/strict";
 import {spawnSync} from "node:child_process";
 import {mkdtempSync, readFileSync, readdirSync, rmSync} from "node:fs";
 import {tmpdir} from "node:os";
 import {join} from "node:path";
 import {test} from "node:test";
-import {holdEscape, openDemo, picture, showsBars} from "./browser.mjs";
+import {holdEscape, openDemo, picture, scaledPicture, showsBars} from "./browser.mjs";
 
 /** What the simulated car has: sim/demo/scenario.toml. */
 const kTruth = [...readFileSync(join(process.env.RB_SOURCE, "sim/demo/scenario.toml"), "utf8")
@@ -38,6 +38,11 @@ test("rb demo prints where the page is, and the page tells the car's balance bef
   await picture(page, "demo-knows");
   assert.equal(await page.locator("#lamp-LOSS").getAttribute("data-light"), "good");
   const early = await known(page);
+  // All four wheels, done, in one picture: the one of the README (tools/guide/page.png).
+  await page.getByText("done: better than").nth(3).waitFor({timeout: 60_000});
+  await page.setViewportSize({width: 1366, height: 888});
+  await scaledPicture(page, "demo-balanced", 0.75);
+  await page.setViewportSize({width: 1366, height: 768});
   let late = early, over = false;
   ended.then(() => { over = true; });
   for (; !over; await new Promise((resolve) => setTimeout(resolve, 500))) late = await known(page);

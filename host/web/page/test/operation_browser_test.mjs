@@ -245,7 +245,7 @@ test("a zero mark is read while a recording is under way, and set when it is ove
   await says(page, "#says-reading", "it turns, or has just come to a stand");
   assert.equal(await page.locator("#set-datum").isDisabled(), true);
   await says(page, "#says-datum", "Not while a recording is under way");
-  // Of another wheel's fields nothing is lost by a look at this one.
+  // A look at this wheel loses nothing in another wheel's fields.
   await page.locator("#mark-datum").fill("12.5");
   await page.locator("#mark-wheel").selectOption("front left");
   assert.equal(await page.locator("#mark-datum").inputValue(), "");

@@ -1,4 +1,4 @@
-// What the plots compute in the browser, against closed forms.
+// Computations of the plots in the browser, against closed forms.
 import assert from "node:assert/strict";
 import {test} from "node:test";
 import {load} from "./load.mjs";
@@ -104,7 +104,7 @@ test("what is held does not grow, however much comes", () => {
     for (let k = from; k < to; ++k) {
       data.take(arrival(page.kEnvelope, envelope(10 * k, Array.from({length: 96}, () => k))));
       data.take(arrival(page.kSpectrum, spectrum(data.viewer, k % 2, 2, k >> 1, 1)));
-      data.take(arrival(page.kSpectrum, {...spectrum(data.viewer, 0, 1, k, 1), node: k}));  // nobody asked for it
+      data.take(arrival(page.kSpectrum, {...spectrum(data.viewer, 0, 1, k, 1), node: k}));  // not asked for
       data.take(arrival(page.kEnvelope, {...envelope(0, [1]), node: 2 + k}));
       data.take(arrival(page.kWaterfall, row(k % 1000)));
     }
@@ -173,7 +173,7 @@ test("a line's amplitude comes of its density and the noise bandwidth", () => {
   const A = 1.5, B = 0.73, G = A * A / 2 / B;
   assert.ok(Math.abs(view.amplitude(G, 25, B, "peak") - A) < 1e-12);
   assert.ok(Math.abs(view.amplitude(G, 25, B, "rms") - A / Math.SQRT2) < 1e-12);
-  // What stands still is no sine.
+  // A constant is no sine.
   assert.ok(Math.abs(view.amplitude(G, 0, B, "peak") - A / Math.SQRT2) < 1e-12);
   assert.equal(view.amplitude(G, 25, B, "density"), G);
 });

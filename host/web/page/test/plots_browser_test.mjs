@@ -89,7 +89,7 @@ test("a spectrum tells the amplitude of a tone and the density of noise, with ch
   assert.match(await text(page, "#spectrum-caption"), /Hann window, 4096 samples, 50 % overlap.*0\.488 Hz apart.*noise bandwidth 0\.732 Hz/);
 
   await page.locator("#plot-spectral summary").click();
-  // Saved before the next frame it is what is still shown, and says so.
+  // A picture saved before the next frame shows the old data, and is marked so.
   const [download] = await Promise.all([page.waitForEvent("download"), page.evaluate(() => {
     const quantity = document.querySelector("#spectrum-quantity");
     quantity.value = "peak";
@@ -407,7 +407,7 @@ for (const [theme, colorScheme] of Object.entries(kThemes))
       if (plot === "spectrum") await page.locator("#spectrum-channels summary").click();
       await picture(page, `plot-${plot}-${theme}`);
       assert.deepEqual(await weakTexts(page), [], plot);
-      // What a canvas says has the colour of a text, or of one of the curves: as strong.
+      // Text on a canvas has the colour of a text, or of one of the curves: as strong.
       const weak = await page.evaluate(() => {
         const style = getComputedStyle(document.documentElement);
         const light = (name) => {
@@ -445,7 +445,7 @@ test("the browser's memory is flat while the plots go on", async (t) => {
     return metrics.find(({name}) => name === "JSHeapUsedSize").value;
   };
   await drawsMore(page, 60);
-  // What leaks does so in each of them; a cache that fills or a collection that comes late, in one.
+  // A leak shows in each of them; a cache that fills, or a late collection, in one.
   const grown = [];
   for (let before = await heap(); grown.length < 3 && !grown.some((bytes) => bytes < 500_000);) {
     await drawsMore(page, 150, 90_000);

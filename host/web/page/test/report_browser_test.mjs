@@ -131,7 +131,7 @@ test("the complete account tells what the commands tell, and prints to A4", asyn
   assert.deepEqual(beyond, [], "cut at the right");
   await page.screenshot({path: pictureFile("account"), fullPage: true});
   const printed = pages(await page.pdf({preferCSSPageSize: true}));
-  // Of the height of all that it holds; charts and tables that are not cut leave room at the foot of a page.
+  // Share of the height that is used; charts and tables that are not cut leave room at the foot of a page.
   const least = await page.evaluate(() => Math.ceil(document.documentElement.scrollHeight / 1032));
   assert.ok(printed >= least && printed <= 2 * least, `${printed} pages for ${least}`);
   await page.close();
@@ -160,7 +160,7 @@ test("of a damaged recording there is an account, which says what is missing", a
   assert.ok(holes.length > 0);
   assert.deepEqual((await tableOf(page, "Proof of completeness", "", "cause")).map((row) => row.slice(0, 3)), holes);
 
-  // What the nodes said of themselves when they began is gone.
+  // The setup messages of the nodes' begin are gone.
   writeFileSync(segment, bytes.fill(0, 0, 30_000_000));
   let stderr;
   ({status, stderr, said} = await accountOf());
@@ -361,7 +361,7 @@ for (const [name, options] of [["night", {colorScheme: "dark"}], ["day", {colorS
     await page.keyboard.press("Enter");
     await tabTo(page, ".panel select");
     assert.equal(await page.evaluate(() => document.activeElement.selectedOptions[0].text), "1000 Hz: every 2nd");
-    // Of 2000 Hz, with a filter of 200 Hz: what rb reduce takes, and no more.
+    // At 2000 Hz, with a filter of 200 Hz: the rates that rb reduce accepts, and no others.
     assert.deepEqual(await of.locator(".panel:visible option").allTextContents(), ["1000 Hz: every 2nd", "666.666667 Hz: every 3rd", "500 Hz: every 4th"]);
     await picture(page, `jobs-reduce-${name}`);
     await page.keyboard.press("Tab");

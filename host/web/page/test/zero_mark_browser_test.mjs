@@ -71,7 +71,7 @@ test("the zero mark of a wheel that is turned by hand is read on the page, and s
   }
   await page.locator("#mark-wheel").selectOption("front left");
   const first = await datumOf("40°");
-  // A ring of 96 teeth tells a standing wheel to a tooth, evenly: two readings to pitch / sqrt(12 * 2).
+  // A toothed ring of 96 teeth resolves a standing wheel to a tooth, evenly: two readings to pitch / sqrt(12 * 2).
   const sigma_deg = Number(await page.locator("#mark-sigma").inputValue());
   assert.ok(Math.abs(sigma_deg - kPitch_deg / Math.sqrt(24)) <= 0.011, `${sigma_deg}`);
   await page.locator("#zero-mark").scrollIntoViewIfNeeded();

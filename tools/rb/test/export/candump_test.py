@@ -29,8 +29,9 @@ class Candump(Exports):
     def test_has_every_count_at_its_microsecond_and_nothing_where_samples_are_missing(self):
         file, dbc = self.log("made", self.made, code=[3])
         first, *lines = file.read_text().splitlines()
-        self.assertEqual(LINE.fullmatch(first).groups()[2:], ("0FE", ""))
-        self.assertIn("\nBO_ 254 recording_start: 0 ", dbc.read_text())
+        meaning = re.search(r"\nBO_ 254 recording_start: 4 roadbalance\n SG_ channels_crc32c : 0\|32@1\+ \(1,0\) \[(\d+)\|\1\] ", dbc.read_text())
+        can_id, data = LINE.fullmatch(first).groups()[2:]
+        self.assertEqual((can_id, int.from_bytes(bytes.fromhex(data), "little")), ("0FE", int(meaning[1])))
         signals = {int(number): rest for number, *rest in SIGNAL.findall(dbc.read_text())}
         names = [signals[k][0] for k in sorted(signals)]
         self.assertEqual(tuple(names), self.CHANNELS)
@@ -105,6 +106,35 @@ class Candump(Exports):
         self.export("csv", back, "part-again.csv", "--marks", again)
         self.assertAlmostEqual(float(again.read_text().split("\n")[1].split(",")[0]), 0.5, delta=2e-6)
 
+    def test_refuses_the_description_of_other_channels(self):
+        file, dbc = self.log("mine", self.made, code=[0, 3])
+        other = self.root / "other.toml"
+        text = (self.root / "made.toml").read_text()
+        cases = {"turned": ("scale_m_s2_per_count = 0.0000025", "scale_m_s2_per_count = 0.000005")}
+        for name, (old, new) in cases.items():
+            other.write_text(text.replace(old, new))
+            folder = self.root / f"{name}-made"
+            self.assertEqual(rb("import", "csv", "--samples", self.root / "made.csv", "--vehicle", other, "-o", folder).returncode, 3)
+            _, theirs = self.log(name, folder, code=[0, 3])
+            for log, description in ((file, theirs), (self.root / f"{name}.log", dbc)):
+                back, done = self.import_as(f"{name}-back", log, description)
+                self.assertEqual(done.returncode, 2, done.stderr)
+                self.assertIn(f"{log.name}:1: its channels are not those of ", done.stderr)
+                self.assertFalse(back.exists())
+        swapped = dbc.read_text().replace(": 4 front", ": 4 behind").replace(": 4 rear", ": 4 front").replace(": 4 behind", ": 4 rear")
+        (self.root / "swapped.dbc").write_text(swapped)
+        _, done = self.import_as("swapped", file, self.root / "swapped.dbc")
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertIn("channel front_up comes from node rear", done.stderr)
+
+    def test_identifiers_and_columns_do_not_depend_on_what_is_exported(self):
+        file, dbc = self.log("some", self.made, "--channels", "rear_side,front_up", "--to", 1)
+        ids = {line.split()[2][:3] for line in file.read_text().splitlines()} - {"0FE", "0FF"}
+        self.assertEqual(ids, {"100", "103"})
+        self.assertEqual({int(number): name for number, name, *_ in SIGNAL.findall(dbc.read_text())}, {0x100: "front_up", 0x103: "rear_side"})
+        table, _ = self.export("csv", self.made, "some.csv", "--channels", "rear_side,front_up", code=(0, 3))
+        self.assertEqual(table.read_text().split("\n", 1)[0], "time_s,rear_side,front_up")
+
     def test_refuses_a_log_of_two_recordings(self):
         file, dbc = self.log("one", self.made, "--to", 1)
         twice = self.root / "twice.log"
@@ -156,7 +186,7 @@ class Candump(Exports):
             self.assertIn(words, done.stderr)
             self.assertFalse(folder.exists())
         dbc.write_text(description.replace('"m/s^2"', '"furlong"'))
-        self.assertIn("good.dbc:", self.import_as("units", file, dbc)[1].stderr)
+        self.assertIn("good.log: channel front_up: its unit", self.import_as("units", file, dbc)[1].stderr)
         self.assertIn("furlong", self.import_as("units", file, dbc)[1].stderr)
         self.assertEqual(self.import_as("none", self.root / "none", self.root / "good.dbc")[1].returncode, 4)
         done = rb("export", "--format", "candump", self.made, "-o", self.root / "no.log")

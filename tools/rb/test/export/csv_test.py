@@ -94,11 +94,11 @@ class Csv(Exports):
     def test_gives_the_time_and_the_channels_asked_for(self):
         file, said = self.export("csv", self.made, "part.csv", "--from", 2, "--to", 2.5, "--channels", "rear_side,front")
         names, _, cells = read(file)
-        self.assertEqual(names, ["time_s", "front_up", "front_side", "rear_side"])
+        self.assertEqual(names, ["time_s", "rear_side", "front_up", "front_side"])
         rows = slice(1000, 1250)  # 2.5 s itself is not included
         np.testing.assert_allclose(cells[:, 0], np.arange(1000, 1250) / 500, atol=2e-9)
-        np.testing.assert_array_equal(np.rint(cells[:, 3] / self.SCALE[3] + self.OFFSET[3]), self.counts[rows, 3])
-        np.testing.assert_array_equal(np.rint(cells[:, 1] / self.SCALE[0]), self.counts[rows, 0])
+        np.testing.assert_array_equal(np.rint(cells[:, 1] / self.SCALE[3] + self.OFFSET[3]), self.counts[rows, 3])
+        np.testing.assert_array_equal(np.rint(cells[:, 2] / self.SCALE[0]), self.counts[rows, 0])
 
     def test_refuses_what_cannot_be_and_leaves_nothing(self):
         (self.root / "empty").mkdir()

@@ -57,6 +57,8 @@ class ImportBounds(Imports):
             self.assertIn("too far off", done.stderr)
             self.assertFalse(folder.exists())
 
+    NO_SCALE = "scale_factor or add_offset is no number, or"
+
     def refuse(self, form, file, words):
         folder, done = self.import_as(form, "refused", file, self.root / "made.toml")
         self.assertEqual(done.returncode, 2, done.stderr)
@@ -66,16 +68,16 @@ class ImportBounds(Imports):
     def test_a_sample_that_is_infinite_in_si_units_is_refused(self):
         file = self.root / "large.csv"
         file.write_text("time_s," + ",".join(self.CHANNELS) + "\ns,m/s^2,g,g,g\n0,1e308,1,1,1\n0.002,1,1,-1e308,1\n")
-        self.refuse("csv", file, ':4: rear_up: "-1e308"')
+        self.refuse("csv", file, ": channel rear_up: its sample at 0.002 s")
         time_s = np.arange(1000) / self.RATE_HZ
         value = np.where(np.arange(1000) == 700, 1e308, 0.0)
         file = self.write_hdf5("large.h5", time_s, **{name: (value, "g") for name in self.CHANNELS})
-        self.refuse("hdf5", file, ": front_side: row 700:")
+        self.refuse("hdf5", file, ": channel front_side: its sample at 1.4 s")
         for attribute in ("scale_factor", "add_offset"):
-            for number in (1e308, np.inf, np.nan):
+            for number, place in ((1e308, "row 700:"), (np.inf, self.NO_SCALE), (np.nan, self.NO_SCALE)):
                 with h5py.File(file, "a") as data:
                     data["mine"]["front_side"].attrs[attribute] = number
-                self.refuse("hdf5", file, ": front_side: scale_factor or add_offset is no number, or")
+                self.refuse("hdf5", file, f": front_side: {place}")
             with h5py.File(file, "a") as data:
                 data["mine"]["front_side"].attrs[attribute] = 1.0
 
@@ -87,7 +89,7 @@ class ImportBounds(Imports):
         done = rb("import", "candump", "--samples", file, "--dbc", dbc, "--vehicle", self.root / "made.toml",
                   "-o", self.root / "signal")
         self.assertEqual(done.returncode, 2, done.stderr)
-        self.assertIn("large.log:2: rear_up is too large", done.stderr)
+        self.assertIn("large.log: channel rear_up: its sample at 0.002 s is too large", done.stderr)
 
 
 if __name__ == "__main__":

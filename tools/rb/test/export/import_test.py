@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 
 from imports import Imports
-from recorded import DATA, Node, rb
+from recorded import DATA, Node
 
 
 class Import(Imports):
@@ -192,7 +192,7 @@ class Import(Imports):
             ("uff58", altered(record_7, lines[record_7][:10] + "99999999999"[:10] + lines[record_7][20:]), "allowed"),
             ("uff58", altered(record_7, lines[record_7][:29] + "0" + lines[record_7][30:]), "uneven"),
             ("uff58", altered(record_7, "         5" + lines[record_7][10:]), "ordinate data type 5"),
-            ("uff58", text.replace("         1SI", "         9US").encode(), "units code 9"),
+            ("uff58", text.replace("\n  1.000000", "\n -1.000000", 1).encode(), "length factor"),
             ("uff58", text.replace("rear_up", "front_up").encode(), "stands twice"),
             ("wav", good["wav"].replace(b'"scale"', b'"scaly"'), "scale"),
             ("wav", good["wav"].replace(b"ICMT", b"IXXX"), "comment"),

@@ -78,7 +78,6 @@ class Select(Exports):
         code, told = self.verdict(folder)
         self.assertEqual(code, 3, told)
         self.assertIn("every gap declared", told)
-        rows = slice(2950, 5250)
         for number in (1, 2):
             whole, part = Node(self.made, number), Node(folder, number)
             self.same(part, whole, slice(2950, 5000))

@@ -1,0 +1,95 @@
+#include "firmware/epoch_tiling.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "common/link/planted.hpp"
+
+namespace roadbalance {
+
+std::int64_t EpochTiling::keep(const Scan& first, std::int64_t scans, std::int64_t end_ns, bool is_first_ever,
+                               NodeTime now) noexcept {
+  if (!first_index_) count_from(first);
+  const std::int64_t number = first.index - *first_index_;
+  scans_sampled_ += scans;
+  const std::int64_t time_ns = std::exchange(kept_end_ns_, end_ns);
+  // No index can show whether a device that gave nothing before was there.
+  const bool was_gone = first.after_absence || is_first_ever;
+  if (number > next_scan_)
+    declare_jump(number - next_scan_, time_ns, was_gone ? GapCause::kDeviceGone : jump_cause_, now);
+  next_scan_ = number + scans;
+  return number;
+}
+
+std::int64_t EpochTiling::scans_between(std::int64_t from_ns, std::int64_t to_ns) const noexcept {
+  return std::llround(std::max(0.0, 1e3 * static_cast<double>(to_ns - from_ns)) /
+                      static_cast<double>(period_ps_));
+}
+
+void EpochTiling::count_from(const Scan& first_kept) noexcept {
+  first_index_ = first_kept.index;
+  if (!started_) return;
+  kept_end_ns_ = to_ns(*started_);
+  if (first_kept.after_absence || first_kept.time - *started_ > DeviceSilence::kOrdinary)
+    *first_index_ -= scans_between(kept_end_ns_, to_ns(first_kept.time));
+}
+
+/// Before the scans that are kept next.
+void EpochTiling::declare_jump(std::int64_t scans, std::int64_t time_ns, GapCause cause,
+                               NodeTime now) noexcept {
+  GapBlock jump{.header = writer_.header(next_scan_, scans, time_ns), .cause = cause};
+  scans_sampled_ += scans;
+  if (gap_ || !writer_.write_description(now) || !writer_.write(jump))
+    lose(next_scan_, scans, time_ns, cause);
+  else
+    scans_missing_ += scans;
+  next_scan_ += scans;
+}
+
+void EpochTiling::lose(std::int64_t first_scan, std::int64_t scans, std::int64_t time_ns,
+                       GapCause cause) noexcept {
+  if (planted(PlantedFault::kSilentRingFull)) return;
+  if (!gap_) {
+    gap_.emplace();
+    gap_->cause = cause;
+  }
+  if (gap_->header.scans == 0) gap_->header = writer_.header(first_scan, 0, time_ns);
+  gap_->header.scans += scans;
+  scans_missing_ += scans;
+}
+
+bool EpochTiling::close_gap() noexcept {
+  GapBlock gap = *gap_;
+  if (planted(PlantedFault::kGapOffByOne) && gap.header.scans > 0) --gap.header.scans;
+  if (!writer_.write(gap)) return false;
+  gap_.reset();
+  return true;
+}
+
+bool EpochTiling::finish() noexcept {
+  return (!gap_ || close_gap()) && (!silent_at_end_ || declare_last_silence());
+}
+
+/// Up to the stop, behind all that was kept.
+bool EpochTiling::declare_last_silence() noexcept {
+  if (next_scan_ == 0) kept_end_ns_ = to_ns(started_.value_or(*silent_at_end_));
+  const std::int64_t scans = scans_between(kept_end_ns_, to_ns(*silent_at_end_));
+  GapBlock gap{.header = writer_.header(next_scan_, scans, kept_end_ns_), .cause = GapCause::kDeviceGone};
+  if (scans > 0 && !writer_.write(gap)) return false;
+  scans_sampled_ += scans;
+  scans_missing_ += scans;
+  next_scan_ += scans;
+  if (scans > 0) kept_end_ns_ = to_ns(*silent_at_end_);
+  silent_at_end_.reset();
+  return true;
+}
+
+EndBlock EpochTiling::end_block(NodeTime now) const noexcept {
+  return {.header = writer_.header(next_scan_, 0, end_ns(now)),
+          .blocks = writer_.next_sequence(),
+          .scans_sealed = scans_sampled_ - scans_missing_,
+          .scans_missing = scans_missing_,
+          .blocks_crc32c = writer_.blocks_crc32c()};
+}
+
+}  // namespace roadbalance

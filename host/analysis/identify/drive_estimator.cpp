@@ -1,0 +1,134 @@
+#include "host/analysis/identify/drive_estimator.hpp"
+
+#include <utility>
+
+#include "common/config/section.hpp"
+#include "common/vehicle/sensor_map.hpp"
+#include "host/analysis/identify/refusal.hpp"
+
+namespace roadbalance {
+namespace {
+
+/// An hour of driving that does not determine the car is not kept to be weighed anew.
+constexpr std::size_t kMostEarly = 400;
+
+}  // namespace
+
+DriveEstimator::DriveEstimator(const VehicleConfig& vehicle)
+    : vehicle_(vehicle),
+      report_(vehicle),
+      classes_(vehicle.drive.speed_class_m_s),
+      sections_(
+          vehicle_, [this](const DrivenSection& section) { add_section(section); }, report_.body_only()) {
+  try {
+    decimator_.emplace(decimation_factor(vehicle_),
+                       [this](const IdentificationSample& sample) { add_sample(sample); });
+    assembler_.emplace(vehicle_,
+                       report_.body_only() ? SensorMap::of_body(vehicle_) : SensorMap::from(vehicle_),
+                       [this](const SignalRun& run) { decimator_->consume(run); });
+  } catch (const ConfigError& error) {
+    // Levels and spectra of such a vehicle are as good as any: only this estimate is not to be had.
+    report_.unfit(error.what());
+  }
+}
+
+void DriveEstimator::consume(const ClockFit& fit) {
+  if (assembler_) assembler_->consume(fit);
+}
+
+void DriveEstimator::consume(const SealedBlock& block) {
+  if (assembler_) assembler_->consume(block);
+  if (!classes_.empty()) return;
+  if (assembler_ && !assembler_->no_common_time().empty())
+    report_unknown(Unknown::kNoCommonTime);
+  else if (sections_.missing_reference())
+    report_unknown(Unknown::kNoReference);
+  else if (sections_.slow_seconds() > vehicle_.drive.section_s)
+    report_unknown(Unknown::kTooSlow);
+}
+
+std::string DriveEstimator::refusal() const {
+  if (assembler_ && !assembler_->no_common_time().empty()) return assembler_->no_common_time();
+  if (const auto wheel = sections_.missing_reference(); wheel && classes_.empty()) {
+    const std::string& of_vehicle = report_.of_vehicle();
+    return of_vehicle + (of_vehicle.empty() ? "" : "; ") + kWheelNames[static_cast<std::size_t>(*wheel)] +
+           ": its encoder gave no angle; sections without it are not used";
+  }
+  return report_.refusal(sections_.phase_drift());
+}
+
+void DriveEstimator::add_sample(const IdentificationSample& sample) {
+  time_ns_ = sample.time_ns;
+  const std::int64_t before = sections_.news();
+  sections_.consume(sample);
+  if (sections_.news() != before) note_news();
+}
+
+/// The estimate is to be that of this instant, whenever it is asked for.
+void DriveEstimator::note_news() {
+  ++version_;
+  stale_ = true;
+  news_ns_ = time_ns_;
+}
+
+const DriveEstimate& DriveEstimator::estimate() {
+  if (std::exchange(stale_, false)) report_.draw(classes_so_far(), sections_.phase_drift(), news_ns_);
+  return report_.estimate();
+}
+
+/// Before the first section: why there is none.
+void DriveEstimator::report_unknown(Unknown state) {
+  if (report_.estimate().identification.state == state) return;
+  report_.unknown(state);
+  ++version_;
+}
+
+void DriveEstimator::add_section(const DrivenSection& section) {
+  classes_.add(section);
+  if (!weights_known_ && early_.size() < kMostEarly) early_.push_back(section);
+  note_news();
+  learn_weights();
+}
+
+/// The estimated car gives the weights of the sections to come.
+void DriveEstimator::learn_weights() {
+  const Priors& priors = report_.priors();
+  if (report_.body_only() || classes_.sections() < kLeastSections) return;
+  const auto x = solve(classes_.total(), priors.geometry, priors.value);
+  if (!x || implausible(*x, priors)) return;
+  ParameterVector parameters = priors.value;
+  parameters.segment<kEstimatedUnbalance>(kSpring) = x->head<kEstimatedUnbalance>();
+  sections_.set_parameters(parameters);
+  if (!std::exchange(weights_known_, true)) weigh_early_sections();
+}
+
+/// Sections driven before the car was known are weighed as well as those to come.
+void DriveEstimator::weigh_early_sections() {
+  if (classes_.sections() == std::ssize(early_)) {
+    classes_ = SpeedClasses(vehicle_.drive.speed_class_m_s);
+    for (DrivenSection& section : early_) {
+      sections_.weigh_anew(section);
+      classes_.add(section);
+    }
+  }
+  early_.clear();
+}
+
+/// With the section that is still being driven.
+SpeedClasses DriveEstimator::classes_so_far() {
+  SpeedClasses all = classes_;
+  if (const auto running = sections_.running()) all.add(*running);
+  return all;
+}
+
+DriveSums DriveEstimator::sums() {
+  DriveSums sums(vehicle_.drive.speed_class_m_s);
+  sums.classes = classes_so_far();
+  sums.drift = sections_.phase_drift();
+  sums.time_ns = time_ns_;
+  sums.state = sums.classes.empty() ? report_.estimate().identification.state : Unknown::kNone;
+  if (sums.classes.empty()) sums.refusal = refusal();
+  return sums;
+}
+
+}  // namespace roadbalance

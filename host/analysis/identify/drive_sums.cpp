@@ -1,0 +1,122 @@
+#include "host/analysis/identify/drive_sums.hpp"
+
+#include <complex>
+#include <cstddef>
+#include <map>
+#include <stdexcept>
+
+#include "host/analysis/identify/byte_archive.hpp"
+
+namespace roadbalance {
+namespace {
+
+template <typename Archive, typename Derived>
+void matrix(Archive& archive, Eigen::MatrixBase<Derived>& m) {
+  using Scalar = typename Derived::Scalar;
+  archive.numbers(reinterpret_cast<double*>(m.derived().data()),
+                  static_cast<std::size_t>(m.size()) * sizeof(Scalar) / sizeof(double));
+}
+
+template <typename Archive>
+void complex(Archive& archive, std::complex<double>& value) {
+  archive.numbers(reinterpret_cast<double*>(&value), 2);
+}
+
+template <typename Archive, typename Scalar>
+void instrument(Archive& archive, InstrumentMoments<Scalar>& m) {
+  matrix(archive, m.w2);
+  matrix(archive, m.w1);
+  matrix(archive, m.w0);
+}
+
+template <typename Archive>
+void moments(Archive& archive, DriveMoments& m) {
+  archive(m.seconds);
+  archive(m.speed_seconds);
+  archive(m.sections);
+  for (auto& each : m.chassis) instrument(archive, each);
+  archive.numbers(m.chassis_power.data(), m.chassis_power.size());
+  for (DriveMoments::Wheel& wheel : m.wheel) {
+    instrument(archive, wheel.tyre);
+    complex(archive, wheel.tyre_unbalance);
+    for (auto& check : wheel.check) {
+      instrument(archive, check.tyre);
+      complex(archive, check.tyre_unbalance);
+    }
+  }
+  matrix(archive, m.harmonic.normal);
+  for (auto& row : m.harmonic.right)
+    for (auto& each : row) instrument(archive, each);
+  matrix(archive, m.body.normal);
+  matrix(archive, m.body.right);
+}
+
+template <typename Archive>
+void one_class(Archive& archive, SpeedClasses::Class& each) {
+  for (DriveMoments& group : each.group) moments(archive, group);
+  moments(archive, each.total);
+}
+
+template <typename Archive>
+void drift(Archive& archive, PhaseDrift& seen) {
+  for (auto& row : seen.seen)
+    for (auto& cells : row)
+      for (std::size_t k = 0; k < cells.size(); ++k) {
+        bool set = cells.test(k);
+        archive(set);
+        cells.set(k, set);
+      }
+}
+
+template <typename Archive>
+void rest(Archive& archive, DriveSums& sums) {
+  drift(archive, sums.drift);
+  archive(sums.time_ns);
+  archive(sums.state);
+  archive.text(sums.refusal);
+  archive.numbers(sums.common_sigma_rad.data(), sums.common_sigma_rad.size());
+}
+
+}  // namespace
+
+std::vector<char> encode(const DriveSums& of) {
+  DriveSums sums = of;
+  ByteWriter writer;
+  double width_m_s = sums.classes.width_m_s();
+  writer(width_m_s);
+  std::map<int, SpeedClasses::Class> classes = sums.classes.classes();
+  std::uint64_t count = classes.size();
+  writer(count);
+  for (auto& [key, each] : classes) {
+    int speed = key;
+    writer(speed);
+    one_class(writer, each);
+  }
+  rest(writer, sums);
+  return writer.bytes;
+}
+
+std::optional<DriveSums> decode_drive_sums(std::span<const char> bytes) {
+  ByteReader reader(bytes);
+  try {
+    double width_m_s = 0.0;
+    std::uint64_t count = 0;
+    reader(width_m_s);
+    reader(count);
+    std::map<int, SpeedClasses::Class> classes;
+    while (count-- > 0) {
+      int speed = 0;
+      reader(speed);
+      one_class(reader, classes[speed]);
+    }
+    DriveSums sums(width_m_s);
+    sums.classes = SpeedClasses(width_m_s, classes);
+    rest(reader, sums);
+    if (!reader.ended()) return std::nullopt;
+    return sums;
+  } catch (const std::length_error&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <vector>
+
+#include "host/analysis/identify/estimators/estimator.hpp"
+#include "host/analysis/identify/estimators/relation_covariances.hpp"
+#include "host/analysis/identify/estimators/relation_least_squares.hpp"
+
+namespace roadbalance {
+
+/// The covariance method: sample covariances of filtered with measured signals at some lags, at several
+/// speeds, and relation (2) between them solved for all that is asked by one least squares (27).
+///
+/// Memory: for each speed class and jackknife group 57 instruments (order 5) times 19 signals, times 3, a
+/// lag.
+class RelationEstimator final : public Estimator {
+ public:
+  /// @throws std::invalid_argument as RelationFilter
+  RelationEstimator(Question question, RelationFilter::Options filter, RelationOptions relation);
+
+  void add(const Stretch& stretch) override;
+  EstimatorAnswer solve() const override;
+
+ private:
+  Question question_;
+  RelationFilter filter_;
+  RelationOptions relation_;
+  Grouped<RelationCovariances> sums_;
+};
+
+/// The paper's own, and those with the road measured.
+///
+/// paper, paper-lags and paper-own take the equations as (27) has them, unscaled.  Least squares with the
+/// road's noise in the coefficients is biased, which no scatter shows; with scaled equations the errors of
+/// mass and angle are half as large (RelationOptions::scaled).
+std::vector<EstimatorKind> paper_kinds();
+
+/// Without any unknown of the road: a wheel's past does not know the road to come, and white noise of the
+/// sensors drops out as well.
+///
+/// E[w''(t) u(t + tau)] = 0 for tau > 0 if u' is white and w'' a causal filter with two zeros at rest.  The
+/// contact patch leaves exp(-w2 tau), w2 = 2 pi 4 V: lag 0 is not clean, 10 ms is.  Negative lags are wrong:
+/// the future depends on the road.
+std::vector<EstimatorKind> own_past_kinds();
+
+}  // namespace roadbalance

@@ -1,0 +1,58 @@
+#include "host/analysis/identify/joint_drives.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/text/format.hpp"
+
+namespace roadbalance {
+namespace {
+
+/// Mean square of what the wheels' instruments show; 0: none is there.
+double road_power(const DriveMoments& drive) {
+  double sum = 0.0;
+  for (std::size_t w = 0; w < kWheels; ++w)
+    sum += drive.chassis_power[kChassisInstrumentsPerSignal * (kBodyCoordinates + w)];
+  return sum / drive.seconds;
+}
+
+/// The value that chi^2(k) / k exceeds by chance once in a thousand.  Source: Wilson and Hilferty, see
+/// goodness_of_fit.hpp.
+double thousandth(double k) {
+  constexpr double kNormal = 3.09;
+  return std::pow(1.0 - 2.0 / (9.0 * k) + kNormal * std::sqrt(2.0 / (9.0 * k)), 3);
+}
+
+}  // namespace
+
+void JointDrives::add(DriveSums drive) {
+  time_ns_ = std::max(time_ns_, drive.time_ns);
+  for (std::size_t w = 0; w < kWheels; ++w)
+    common_sigma_rad_[w] = std::max(common_sigma_rad_[w], drive.common_sigma_rad[w]);
+  drift_.add(drive.drift);
+  if (drive.classes.empty()) return;
+  if (const double power = road_power(drive.classes.total()); joining_.by_road && power > 0.0)
+    drive.classes.weigh_road(1.0 / power);
+  classes_.add(drive.classes);
+  if (joining_.widened) drives_.add(drive.classes);
+}
+
+const DriveEstimate& JointDrives::estimate() {
+  report_.draw(classes_, drift_, time_ns_, drives_);
+  return report_.estimate();
+}
+
+std::vector<std::string> JointDrives::diagnostics() const {
+  std::vector<std::string> sentences;
+  if (drives_.size() < 2) return sentences;
+  const double most = thousandth(2.0 * static_cast<double>(drives_.size() - 1));
+  for (std::size_t w = 0; w < kWheels; ++w)
+    if (const double ratio = report_.drives_ratio()[w]; ratio > most)
+      sentences.push_back(format(
+          "%s: its unbalance differs between the drives by %.1f times what they scatter in themselves: a "
+          "weight that vehicle.toml does not have, or a tyre turned on its rim, between them? the ± holds it",
+          kWheelNames[w], std::sqrt(ratio)));
+  return sentences;
+}
+
+}  // namespace roadbalance

@@ -1,0 +1,101 @@
+#include "host/analysis/identify/diagnostics.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "host/analysis/identify/first_order.hpp"
+
+namespace roadbalance {
+namespace {
+
+struct Found {
+  Identification identification;
+  std::array<Balance, kWheels> balance{};
+  Found() {
+    identification.state = Unknown::kNone;
+    for (Balance& wheel : balance) wheel.state = Unknown::kNone;
+  }
+  bool contains(const std::string& words) const {
+    return std::ranges::any_of(diagnostics(identification, balance), [&](const std::string& sentence) {
+      return sentence.find(words) != std::string::npos;
+    });
+  }
+};
+
+TEST(Remarks, SayWhatEveryEstimateRestsOn) {
+  const Found found;
+  EXPECT_EQ(diagnostics(found.identification, found.balance).size(), 2U);
+  EXPECT_TRUE(found.contains("rests on the wheels' masses"));
+  EXPECT_TRUE(found.contains("couple unbalance"));
+  EXPECT_TRUE(diagnostics(Identification{}, {}).empty()) << "nothing is known";
+}
+
+TEST(Remarks, SayThatMassesDoNotFit) {
+  Found found;
+  found.identification.mass_share[0] = -0.05;
+  found.identification.sigma_mass_share[0] = 0.03;
+  EXPECT_FALSE(found.contains("masses seem"));
+  EXPECT_EQ(misfitting(found.identification), "");
+  found.identification.sigma_mass_share[0] = 0.012;
+  EXPECT_TRUE(found.contains("masses seem 5 ± 1 % smaller than mass_kg"));
+  EXPECT_EQ(misfitting(found.identification), "all wheels together");
+}
+
+TEST(Remarks, NameTheWheelThatDoesNotFit) {
+  Found found;
+  found.identification.misfit_chance[1 + 2] = 1e-5;
+  found.identification.mass_share[1 + 2] = 0.01;
+  found.identification.sigma_mass_share[1 + 2] = 0.02;
+  EXPECT_TRUE(found.contains("rear_left: one linear car does not fit"));
+  EXPECT_FALSE(found.contains("its mass seems"));
+  EXPECT_EQ(misfitting(found.identification), "rear_left");
+  found.identification.mass_share[1 + 2] = 0.09;
+  EXPECT_TRUE(found.contains("its mass seems 9 ± 2 % larger"));
+}
+
+TEST(Remarks, SayThatTheBodyDoesNotFit) {
+  Found found;
+  found.identification.misfit_chance[0] = 1e-9;
+  EXPECT_EQ(misfitting(found.identification), "body");
+  EXPECT_TRUE(found.contains("heave, roll and pitch do not fit"));
+}
+
+Found not_separable(double least_km_h, double greatest_km_h) {
+  Found found;
+  for (Balance& wheel : found.balance) {
+    wheel.force_state = ForceState::kNotSeparable;
+    wheel.least_speed_m_s = least_km_h / 3.6;
+    wheel.greatest_speed_m_s = greatest_km_h / 3.6;
+  }
+  return found;
+}
+
+TEST(Remarks, SayOnceThatTheSpeedsDoNotSeparate) {
+  const Found found = not_separable(110.0, 130.0);
+  EXPECT_TRUE(found.contains("not separable: 110–130 km/h"));
+  EXPECT_EQ(diagnostics(found.identification, found.balance).size(), 3U);
+}
+
+/// Forces of one road: their weight grows as the speed.
+std::vector<FirstOrderForce> at(const std::vector<double>& speeds_km_h) {
+  std::vector<FirstOrderForce> forces;
+  for (const double km_h : speeds_km_h) forces.push_back({km_h / 3.6 / 0.3, 0.0, 1.0 / km_h});
+  return forces;
+}
+
+TEST(Remarks, SayAtWhichSpeedsToDriveSoThatTheyDo) {
+  EXPECT_TRUE(not_separable(110.0, 130.0).contains("Drive once more as long as this at 80 km/h or slower"));
+  EXPECT_TRUE(not_separable(90.0, 130.0).contains("at 80 km/h or slower"));
+  EXPECT_TRUE(not_separable(60.0, 70.0).contains("at 110 km/h or faster"));
+  // As long as at the two ends of what was driven: twice one of them.
+  for (const std::vector<double>& driven :
+       {std::vector<double>{110, 130, 80, 80}, {90, 130, 80, 80}, {60, 70, 110, 110}, {60, 70, 130, 130}}) {
+    EXPECT_FALSE(fit_first_order(at({driven[0], driven[1]})).separable) << driven[0];
+    EXPECT_TRUE(fit_first_order(at(driven)).separable) << driven[0];
+  }
+}
+
+}  // namespace
+}  // namespace roadbalance

@@ -1,0 +1,95 @@
+#include "host/analysis/identify/whittle_moments.hpp"
+
+#include <cmath>
+#include <complex>
+
+#include "common/dsp/window.hpp"
+#include "common/types/angle_units.hpp"
+
+namespace roadbalance {
+namespace {
+
+using Complex = std::complex<double>;
+/// Hann segments this share of their length apart use 99.9 % of what a record holds; half apart, 95 %.
+constexpr double kHop = 0.375;
+/// Independent bins in a bin of one Hann segment: one over the sum of the squared correlations of bins.
+constexpr double kAlone = 18.0 / 35.0;
+
+}  // namespace
+
+WhittleMoments& WhittleMoments::operator+=(const WhittleMoments& other) {
+  if (other.segments == 0.0) return *this;
+  if (segments == 0.0) return *this = other;
+  delay_seconds += other.delay_seconds;
+  segments += other.segments;
+  count += other.count;
+  for (std::size_t k = 0; k < same.size(); ++k) {
+    same[k] += other.same[k];
+    delayed[k] += other.delayed[k];
+  }
+  return *this;
+}
+
+double WhittleMoments::omega(Eigen::Index bin) const {
+  return kTurn * step_hz * static_cast<double>(first + bin);
+}
+
+WhittleGatherer::WhittleGatherer(const Geometry& geometry, double rate_hz)
+    : wheelbase_m_(geometry.x_m[0] - geometry.x_m[2]),
+      rate_hz_(rate_hz),
+      fft_(static_cast<int>(std::lround(kWhittleSegment_s * rate_hz))) {
+  const std::vector<double> hann = window(Window::kHann, fft_.size());
+  window_ = Eigen::Map<const Eigen::ArrayXd>(hann.data(), fft_.size());
+}
+
+WhittleMoments WhittleGatherer::moments(const Eigen::Ref<const SignalMatrix>& signals,
+                                        const Eigen::Vector4d& omega, double speed_m_s) {
+  WhittleMoments sum;
+  const Eigen::Index size = fft_.size();
+  if (signals.cols() < size) return sum;
+  sum.step_hz = rate_hz_ / static_cast<double>(size);
+  sum.first = static_cast<Eigen::Index>(std::ceil(kWhittleFrom_hz / sum.step_hz - 1e-9));
+  const auto last = static_cast<Eigen::Index>(std::floor(kWhittleTo_hz / sum.step_hz + 1e-9));
+  const auto bins = static_cast<std::size_t>(last - sum.first + 1);
+  sum.count.setZero(static_cast<Eigen::Index>(bins));
+  sum.same.assign(bins, WhittleMoments::Spectra::value_type::Zero());
+  sum.delayed = sum.same;
+  masked_.assign(bins, false);
+  for (std::size_t k = 0; k < bins; ++k)
+    for (int i = 0; i < kWheels; ++i) {
+      const double bins_away = (sum.omega(static_cast<Eigen::Index>(k)) - omega(i)) / (kTurn * sum.step_hz);
+      if (omega(i) > 0.0 && std::abs(bins_away) < kWhittleLineBins) masked_[k] = true;
+    }
+  const auto room = static_cast<double>(signals.cols() - size);
+  const double hops = std::ceil(room / (kHop * static_cast<double>(size)));
+  weight_ = (kAlone + room / static_cast<double>(size)) / (hops + 1.0);
+  for (double h = 0.0; h <= hops; h += 1.0)
+    add_segment(sum, signals.middleCols(hops == 0.0 ? 0 : std::lround(h * room / hops), size),
+                wheelbase_m_ / speed_m_s);
+  return sum;
+}
+
+void WhittleGatherer::add_segment(WhittleMoments& sum, const Eigen::Ref<const SignalMatrix>& signals,
+                                  double delay_s) {
+  std::vector<double> tapered(static_cast<std::size_t>(fft_.size()));
+  std::vector<Complex> lines(static_cast<std::size_t>(fft_.bins()));
+  const auto bins = static_cast<Eigen::Index>(sum.same.size());
+  Eigen::Matrix<Complex, kCoordinates, Eigen::Dynamic> Z(kCoordinates, bins);
+  for (int c = 0; c < kCoordinates; ++c) {
+    Eigen::Map<Eigen::ArrayXd>(tapered.data(), window_.size()) = signals.row(c).transpose().array() * window_;
+    fft_.forward(tapered, lines);
+    for (Eigen::Index k = 0; k < bins; ++k) Z(c, k) = lines[static_cast<std::size_t>(sum.first + k)];
+  }
+  for (Eigen::Index k = 0; k < bins; ++k) {
+    const auto b = static_cast<std::size_t>(k);
+    if (masked_[b]) continue;
+    const auto product = (weight_ * Z.col(k) * Z.col(k).adjoint()).eval();
+    sum.same[b] += product;
+    sum.delayed[b] += std::polar(1.0, -sum.omega(k) * delay_s) * product;
+    sum.count(k) += weight_;
+  }
+  sum.delay_seconds += weight_ * delay_s;
+  sum.segments += weight_;
+}
+
+}  // namespace roadbalance

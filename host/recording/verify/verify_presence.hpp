@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/bus/absence.hpp"
+#include "common/bus/notes.hpp"
+
+namespace roadbalance {
+
+/// Notes of a record -> the stretches in which nodes did not measure though they should.
+class PresenceCheck {
+ public:
+  /// In the record's order.
+  void take(const Note& note);
+  /// Something was recorded at this time.
+  void take_time(std::int64_t utc_us);
+
+  /// By node; what lasts does so to the stop, or to the record's end.  A node that is not heard in the end
+  /// and has told its end since was only cut off: its rest was fetched.
+  /// @param ended  the last epoch of each of these nodes has its end in the record
+  std::vector<Absence> absences(const std::set<std::int32_t>& ended) const;
+  /// "rear"; empty: not known.
+  std::string name_of(std::int32_t node) const;
+
+ private:
+  struct Node {
+    std::vector<Absence> past{};
+    bool is_missing = false;
+    Absence now{};
+    std::string name{};
+  };
+  std::map<std::int32_t, Node> node_;
+  std::int64_t stopped_us_ = 0, last_us_ = 0;  // 0: not known
+};
+
+}  // namespace roadbalance

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "common/config/vehicle_config.hpp"
+#include "host/recording/formats/sample_source.hpp"
+#include "tools/import/channel_units.hpp"
+#include "tools/import/csv_samples.hpp"
+#include "tools/import/sample_clock.hpp"
+
+namespace roadbalance {
+
+struct SampleImport {
+  std::filesystem::path samples;
+  std::optional<std::filesystem::path> pulses = {};
+  std::optional<std::filesystem::path> marks = {};
+  std::filesystem::path folder;  ///< of the recording to make; must not hold anything yet, and appears whole
+  OpenSamples open = open_csv_samples;  ///< of the format that `samples` is in
+  UnitOptions units = {};
+};
+
+struct ImportReport {
+  std::string sha256;                 ///< of the file of samples
+  std::vector<ChannelUnit> channels;  ///< of each column
+  std::int64_t rows = 0;
+  double seconds = 0.0;
+  double rate_hz = 0.0;                         ///< fitted; the samples are stored at this uniform rate
+  double stamp_rms_s = 0.0, stamp_max_s = 0.0;  ///< how far the stamps were from it
+  std::vector<SampleClock::Hole> holes;         ///< declared as gaps
+  struct Suspicion {
+    std::string channel;
+    std::string what;  ///< a clause in English: "sits at -4.3 g on average"
+  };
+  std::vector<Suspicion> suspicions;
+  struct Node {
+    std::string name;
+    std::int32_t id;
+    std::int64_t blocks, scans, scans_missing, edges;
+  };
+  std::vector<Node> nodes;
+  std::size_t marks = 0;
+  bool has_pulses = false;  ///< without, identification is not possible
+};
+
+/// Called with the share of all work that is done, 0 to 1.
+using ImportProgress = std::function<void(double part)>;
+
+/// Makes a recording from other programs' samples, through the same sealing as a node's.  Channels go by
+/// their name to the node that vehicle.toml gives them; no sample is invented or moved to another channel.
+/// The same input gives the same record.  The files are gone through twice, first for their clock, once more
+/// for the digest, and never held: memory does not grow with their length.
+///
+/// @throws ConfigError naming file, line, column or channel at fault: an unknown unit, a column for no
+///         channel, a channel without column, a rate more than 1 % off rate_hz, a file that was written to
+///         meanwhile; std::system_error for files; std::runtime_error if asked to stop: then nothing is left
+ImportReport import_samples(const SampleImport& import, const VehicleConfig& vehicle,
+                            std::stop_token stop = {}, const ImportProgress& progress = {});
+
+}  // namespace roadbalance
