@@ -15,7 +15,7 @@ void SegmentEvents::put(std::string_view channel, std::span<const std::uint8_t> 
   const LogEvent event{
       .number = event_number++, .timestamp_us = last_timestamp_us, .channel = channel, .data = data};
   const auto header = encode_log_header(event);
-  headers.add(header, channel);
+  headers.add(header, channel, data);
   buffer.insert(buffer.end(), header.begin(), header.end());
   buffer.insert(buffer.end(), channel.begin(), channel.end());
   buffer.insert(buffer.end(), data.begin(), data.end());

@@ -12,8 +12,8 @@ namespace roadbalance {
 
 inline constexpr const char* kRecordFormat = "roadbalance record";
 /// 3: segments begin with the clocks; ends have the CRC of their epoch's blocks, journal entries all counters
-/// of loss.
-inline constexpr int kRecordFormatVersion = 3;
+/// of loss.  4: commits cover the contents of all events but nodes' blocks.
+inline constexpr int kRecordFormatVersion = 4;
 
 /// The begin of every segment, by which it can be read without the others and without this program: a JSON
 /// text (from node 0, the host) with the versions of format and program, and name, fingerprint, size and .lcm

@@ -81,7 +81,7 @@ class Checker:
         for begin, end in altered_headers(log, events, commits):
             self.altered_headers += 1
             self.damage.append(f"{self.segments.paths[number].name}: {end - begin} bytes from {begin} on are events of "
-                               "which one has an altered number, stamp or channel")
+                               "which one is altered: number, stamp or channel, or contents with their CRC")
         for at, (channel, begin, end) in enumerate(events):
             self.events += 1
             if channel.startswith(b"RB_BLOCK_"):

@@ -118,6 +118,7 @@ INSTANTIATE_TEST_SUITE_P(Disks, UnwritableStartTest, ::testing::Values(EROFS, EN
 // A sync failed, the recorder is killed, and the disk is mounted read-only: what was written and never called
 // durable is in the page cache.  Blocks 1 to 20 are durable, 21 to 50 are not sure.
 void start_again_on_a_disk_that_became_read_only(Drive& drive) {
+  drive.options.segment_bytes = 128 << 10;  // one is enough
   drive.start();
   drive.run(milliseconds(1000), 20);
   ASSERT_EQ(drive.durable, 20);

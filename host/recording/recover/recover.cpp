@@ -121,9 +121,10 @@ class Recover {
     if (!from) return;
     ++result_.headers_altered;
     losses_.altered_header();
-    result_.damage.push_back(sources_.file(place).string() + ": " + std::to_string(place.offset - *from) +
-                             " bytes from " + std::to_string(*from) +
-                             " on are events of which one has an altered number, stamp or channel");
+    result_.damage.push_back(
+        sources_.file(place).string() + ": " + std::to_string(place.offset - *from) + " bytes from " +
+        std::to_string(*from) +
+        " on are events of which one is altered: number, stamp or channel, or contents with their CRC");
   }
 
   // Bytes behind the end of an abandoned segment are no hole: they were written again.

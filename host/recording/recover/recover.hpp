@@ -17,7 +17,7 @@ struct Recovered {
   std::int64_t blocks_repeated = 0;   ///< found more than once, written once
   std::int64_t blocks_altered = 0;    ///< good events on a block's channel that hold no good block
   std::int64_t entries_altered = 0;   ///< the same of notes, clocks, journal and commits
-  std::int64_t headers_altered = 0;   ///< stretches with an altered number, stamp or channel
+  std::int64_t headers_altered = 0;   ///< stretches with an altered event that its own CRC does not show
   std::int64_t missing_segments = 0;  ///< absent, empty or shorter than when they were finished
   std::uint64_t damaged_bytes = 0;    ///< bytes that are no events
   std::vector<std::string> damage;    ///< where, for people

@@ -37,7 +37,7 @@ std::vector<std::string> RecoveredLosses::lines(const std::function<bool(const N
   add(segments_, " segments that are missing or not as they were finished");
   add(bytes_, " bytes that are no events");
   add(entries_, " altered entries: notes, clocks, journal or commits");
-  add(headers_, " stretches of events of which one has an altered number, stamp or channel");
+  add(headers_, " stretches of events of which one is altered: number, stamp or channel, or contents with their CRC");
   add(blocks, " altered blocks, of epochs of which no other is there");
   return lines;
 }

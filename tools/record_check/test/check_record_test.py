@@ -551,6 +551,22 @@ class CheckRecord(unittest.TestCase):
             record.write()
             self.assertEqual(self.agrees(DAMAGED)["messages_refused"], 1)
 
+    def test_a_message_of_the_clocks_altered_with_its_crc(self):
+        good, other = (message("clock_fit_t", node=1, epoch=7, host_ns=host_ns) for host_ns in (1000, 2000))
+        self.record.events.insert(700, (b"RB_CLOCK_1", good))
+        self.record.write()
+        self.agrees(COMPLETE)
+        log = (self.folder / SEGMENT).read_bytes()
+        self.assertEqual(log.count(good), 1)
+        (self.folder / SEGMENT).write_bytes(log.replace(good, other))
+        found = self.agrees(DAMAGED)
+        self.assertEqual((found["altered_headers"], found["messages_refused"]), (1, 0))
+
+    def test_a_record_whose_commits_cover_headers_alone(self):
+        self.record.write()
+        (self.folder / SEGMENT).write_bytes(segment(self.record.events, covers_contents=False))
+        self.agrees(COMPLETE)
+
     def test_a_node_of_which_only_the_journal_knows(self):
         self.record.events = [(channel, data) for channel, data in self.record.events if not channel.startswith(b"RB_BLOCK_2_")]
         self.record.write()

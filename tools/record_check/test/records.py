@@ -13,6 +13,7 @@ sys.path[:0] = [str(TOOLS), str(TOOLS.parent / "common" / "test")]
 
 from record_check.crc32c import crc  # noqa: E402
 from record_check.event_log import HEADER, split_events  # noqa: E402
+from record_check.headers import is_of_a_node  # noqa: E402
 from record_check.wire_types import read_wire_types  # noqa: E402
 
 RB = pathlib.Path(os.environ["RB_BIN"], "rb")
@@ -61,8 +62,11 @@ def altered(data, name, field, value, code=">q"):
     return with_crc(data[:at] + struct.pack(code, value) + data[at + struct.calcsize(code):])
 
 
-def segment(events):
-    """The bytes of a segment of these events; each commit among them says what is true of the headers before it."""
+def segment(events, covers_contents=True):
+    """The bytes of a segment of these events; each commit among them says what is true of the events before it.
+
+    @param covers_contents  false: of headers alone, as in format 3
+    """
     log, begin, covered = bytearray(), 0, b""
     for number, (channel, data) in enumerate(events):
         is_commit = channel == b"RB_COMMIT"
@@ -71,7 +75,7 @@ def segment(events):
             data = altered(data, "commit_t", "headers_crc32c", crc(covered), ">I")
             begin, covered = len(log), b""
         made = event(channel, data, number)
-        covered += made[:HEADER.size + len(channel)]
+        covered += made[:HEADER.size + len(channel)] if is_of_a_node(channel) or not covers_contents else made
         log += made
     return bytes(log)
 

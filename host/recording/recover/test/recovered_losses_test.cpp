@@ -113,7 +113,7 @@ TEST_F(RecoveredLossesTest, AMarkThatIsGoneOrAlteredIsDeclared) {
 TEST_F(RecoveredLossesTest, AnAlteredChannelIsDeclared) {
   write();
   change(1, [](auto& bytes, std::size_t offset, std::size_t) { bytes[offset + 28 + 6] ^= 1; });
-  EXPECT_EQ(declared(), Lines{"1 stretches of events of which one has an altered number, stamp or channel"});
+  EXPECT_EQ(declared(), Lines{"1 stretches of events of which one is altered: number, stamp or channel, or contents with their CRC"});
 }
 
 // Numbers prove the missing blocks of an epoch that is here.

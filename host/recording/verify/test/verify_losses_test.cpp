@@ -1,6 +1,9 @@
 // Losses without a gap that declares them.
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <sstream>
+
 #include "common/bus/bus.hpp"
 #include "common/bus/clock_messages.hpp"
 #include "common/bus/codec.hpp"
@@ -78,6 +81,33 @@ TEST_F(VerifyLosses, NamesAnAlteredEntryOfTheClocks) {
   EXPECT_EQ(v.other_events, 1);
   ASSERT_EQ(v.damage.size(), 1u);
   EXPECT_NE(v.damage[0].find("an altered entry"), std::string::npos) << v.damage[0];
+}
+
+// As an attacker leaves it, or a program with a bug: only the commit behind it shows.
+TEST_F(VerifyLosses, NamesAnEntryThatWasAlteredWithItsCrc) {
+  const std::string good = [] {
+    const auto bytes = encode(ClockFit{.node = 1, .epoch = kEpoch, .host_ns = 1'000});
+    return std::string(bytes.begin(), bytes.end());
+  }();
+  const auto other = encode(ClockFit{.node = 1, .epoch = kEpoch, .host_ns = 2'000});
+  put_scans(0);
+  writer->append(clock_fit_channel(1),
+                 std::span(reinterpret_cast<const std::uint8_t*>(good.data()), good.size()), 0);
+  put_end(20);
+  EXPECT_EQ(result().verdict, Verdict::kComplete);
+  for (const auto& file : std::filesystem::directory_iterator(folder)) {
+    std::stringstream bytes;
+    bytes << std::ifstream(file.path(), std::ios::binary).rdbuf();
+    std::string log = bytes.str();
+    const std::size_t at = log.find(good);
+    if (at == std::string::npos) continue;
+    log.replace(at, good.size(), std::string(other.begin(), other.end()));
+    std::ofstream(file.path(), std::ios::binary) << log;
+  }
+  const Verification v = verify_record(folder);
+  EXPECT_EQ(v.verdict, Verdict::kDamaged);
+  EXPECT_EQ(v.entries_refused, 0);
+  EXPECT_EQ(v.altered_headers, 1);
 }
 
 TEST_F(VerifyLosses, ARecorderThatStoppedWithMoreThanIsHereTellsOfALoss) {
