@@ -1,9 +1,11 @@
 #include "firmware/acquire.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <optional>
 #include <thread>
 
+#include "common/types/clock_pair.hpp"
 #include "common/types/clocks.hpp"
 
 namespace roadbalance {
@@ -26,6 +28,20 @@ void finish(std::stop_token stop, BlockPacker& packer, AcquireLink& link) noexce
     count_turn(link);
     std::this_thread::sleep_for(kPatience);
   }
+}
+
+// An instant by the device's clock, before which it is not to give anything.
+NodeTime by_device(const FrontEnd& front_end, WallTime at) {
+  if (front_end.waits() || at == AcquireLink::kAtOnce) return NodeTime::min();
+  const MachineTime instant(at.time_since_epoch() + machine_minus(CLOCK_MONOTONIC));
+  return std::max(front_end.begins(), front_end.node_time(instant));
+}
+
+void obey(const AcquireLink& link, const FrontEnd& front_end, BlockPacker& packer) {
+  const WallTime start_at = link.start_at.load(std::memory_order_acquire);
+  if (start_at != AcquireLink::kNotAsked && !packer.started()) packer.start(by_device(front_end, start_at));
+  const WallTime stop_at = link.stop_at.load(std::memory_order_acquire);
+  if (stop_at != AcquireLink::kNotAsked) packer.stop(by_device(front_end, stop_at));
 }
 
 void ask(const FrontEnd& front_end, BlockPacker& packer) {
@@ -63,15 +79,15 @@ void acquire(std::stop_token stop, FrontEnd& front_end, BlockPacker& packer, Blo
   const std::size_t most = packer.most_blocks(scans.size(), edges.size(), signals.size());
   NodeState last = NodeState::kEnded;
   AbsenceCause cause = AbsenceCause::kProgramEnded;
-  std::optional<WallTime> stop_asked_at;
+  std::optional<WallTime> stops_at;
   while (!stop.stop_requested()) {
     count_turn(link);
     if (!front_end.waits()) ask(front_end, packer);
-    if (link.start.load(std::memory_order_acquire)) packer.start();
-    if (link.stop.load(std::memory_order_acquire)) {
-      packer.stop();
-      if (!stop_asked_at) stop_asked_at = WallClock::now();
-      if (!front_end.waits() && WallClock::now() - *stop_asked_at > kLastReferences) packer.device_ended();
+    obey(link, front_end, packer);
+    const WallTime stop_at = link.stop_at.load(std::memory_order_acquire);
+    if (stop_at != AcquireLink::kNotAsked) {
+      if (!stops_at) stops_at = std::max(stop_at, WallClock::now());
+      if (!front_end.waits() && WallClock::now() - *stops_at > kLastReferences) packer.device_ended();
       if (packer.finish()) {
         cause = AbsenceCause::kStopped;
         break;
@@ -82,10 +98,13 @@ void acquire(std::stop_token stop, FrontEnd& front_end, BlockPacker& packer, Blo
       continue;
     }
     const Read read = front_end.read(scans, edges, signals);
+    obey(link, front_end, packer);  // scans of behind an instant may come with those of before
     packer.add(std::span(signals).first(read.signals));
     packer.add(std::span(scans).first(read.scans), std::span(edges).first(read.edges),
                read.edges == edges.size());
-    report_progress(packer, packer.started() ? NodeState::kStarted : NodeState::kPreview, link);
+    // One that is to begin in a moment is no idle node any more.
+    const bool is_asked = link.start_at.load(std::memory_order_relaxed) != AcquireLink::kNotAsked;
+    report_progress(packer, is_asked ? NodeState::kStarted : NodeState::kPreview, link);
     if (read.status == ReadStatus::kOk) continue;
     link.device_ended = true;
     const bool has_failed = read.status == ReadStatus::kFailed;

@@ -6,6 +6,7 @@
 #include <stop_token>
 
 #include "common/frontend/front_end.hpp"
+#include "common/types/clocks.hpp"
 #include "common/types/device_report.hpp"
 #include "firmware/block_packer.hpp"
 
@@ -13,9 +14,11 @@ namespace roadbalance {
 
 /// All that passes between acquire and uplink beside the ring and the preview.  Each member has one writer.
 struct AcquireLink {
+  /// Of an instant to begin or to end: nobody has asked for it; it is over.
+  static constexpr WallTime kNotAsked = WallTime::max(), kAtOnce = WallTime::min();
+
   // Written by uplink.
-  std::atomic<bool> start{false};
-  std::atomic<bool> stop{false};
+  std::atomic<WallTime> start_at{kNotAsked}, stop_at{kNotAsked};
   std::atomic<std::int64_t> uplink_turns{0};  ///< of its loop
 
   // Written by acquire.
@@ -39,9 +42,10 @@ struct AcquireLink {
 /// Process: front end -> sealed blocks.  The one process with a deadline: it never allocates, locks, logs,
 /// throws or waits for anything but its device.
 ///
-/// Starts and stops by `link`.  A device that waits for its reader is read only when started and while `sink`
-/// has room for all that one read can produce.  Ends when everything up to stop or the device's end is in the
-/// sink with its end, or when asked to stop: then with what the sink takes at once.
+/// Starts and stops at the instants of `link`.  A device that waits for its reader is read only when started
+/// and while `sink` has room for all that one read can produce; it starts and stops at once.  Ends when
+/// everything up to stop or the device's end is in the sink with its end, or when asked to stop: then with
+/// what the sink takes at once.
 void acquire(std::stop_token stop, FrontEnd& front_end, BlockPacker& packer, BlockSink& sink,
              AcquireLink& link) noexcept;
 

@@ -17,19 +17,33 @@ BlockPacker::BlockPacker(const VehicleConfig& vehicle, const NodeConfig& node, s
       tiling_(writer_, period_ps_, jump),
       beside_(writer_, tiling_) {}
 
-void BlockPacker::start() noexcept {
+void BlockPacker::start(NodeTime from) noexcept {
   if (started()) return;
+  start_at_ = from;
+  if (from > time()) return;
+  begin(from != NodeTime::min() && waiting_.end() > 0);
   keep_from_ = waiting_.end();
-  tiling_.start();
+}
+
+void BlockPacker::begin(bool is_late) noexcept {
+  started_ = true;
+  tiling_.start(start_at_, is_late);
   static_cast<void>(
       writer_.write_description(time()));  // a sink too small is asked again before the first scan block
 }
 
-void BlockPacker::stop() noexcept {
-  start();
+void BlockPacker::stop(NodeTime to) noexcept {
+  if (start_at_ == NodeTime::max()) start(to);  // an epoch without scans
   if (keep_to_ != kNever) return;
+  stop_at_ = to;
+  if (to <= time()) end();
+}
+
+void BlockPacker::end() noexcept {
+  if (!started()) begin(false);
   keep_to_ = waiting_.end();
-  tiling_.stop();
+  keep_from_ = std::min(keep_from_, keep_to_);
+  tiling_.stop(stop_at_);
 }
 
 std::size_t BlockPacker::most_blocks(std::size_t scans, std::size_t edges,
@@ -48,10 +62,15 @@ void BlockPacker::add(std::span<const Scan> scans, std::span<const Edge> edges, 
   auto edge = edges.begin();
   const auto take = [&](const Edge& e) {
     reference_.add(e);
-    if (started() && keep_to_ == kNever) beside_.add(e, time());
+    if (keeps_beside(e.time)) beside_.add(e, time());
   };
   for (const Scan& scan : scans) {
     for (; edge != edges.end() && edge->time <= scan.time; ++edge) take(*edge);
+    if (keep_from_ == kNever && scan.time >= start_at_) {
+      if (!started()) begin(false);
+      keep_from_ = waiting_.end();
+    }
+    if (keep_to_ == kNever && scan.time >= stop_at_) end();
     if (!waiting_.push(scan)) ++scans_refused_;
     while (seal_next(std::min(scan.time, edges_end), false)) {
     }
@@ -62,16 +81,26 @@ void BlockPacker::add(std::span<const Scan> scans, std::span<const Edge> edges, 
 
 void BlockPacker::add(std::span<const SignalSample> signals) noexcept {
   reference_.add(signals);
-  if (!started() || keep_to_ != kNever) return;
-  for (const SignalSample& sample : signals) beside_.add(sample, time());
+  for (const SignalSample& sample : signals)
+    if (keeps_beside(sample.time)) beside_.add(sample, time());
+}
+
+// It may be stamped behind scans that are still to come.
+bool BlockPacker::keeps_beside(NodeTime stamped) noexcept {
+  if (stamped < start_at_ || keep_to_ != kNever || stamped >= stop_at_) return false;
+  if (!started()) begin(false);
+  return true;
 }
 
 void BlockPacker::asked(NodeTime now) noexcept {
   tiling_.asked(now, waiting_.end());
+  if (!tiling_.is_silent()) return;
+  if (!started() && now >= start_at_) begin(false);
+  if (keep_to_ == kNever && now >= stop_at_) end();
 }
 
 void BlockPacker::device_ended() noexcept {
-  if (started()) stop();
+  if (start_at_ != NodeTime::max()) stop();
   while (seal_next(time(), true)) {
   }
 }
@@ -100,7 +129,7 @@ bool BlockPacker::seal_next(NodeTime edges_through, bool at_once) noexcept {
       std::copy_n(waiting_.at(head + i).references.begin(), kReferences,
                   scan_block_.counts[static_cast<std::size_t>(i)].begin() + kAccelerations);
   if (head >= keep_from_ && head < keep_to_)
-    keep_block(after_jump);
+    keep_block();
   else
     preview_block();
   waiting_.take(run.scans);
@@ -132,12 +161,13 @@ void BlockPacker::preview_block() noexcept {
   preview_->publish();
 }
 
-void BlockPacker::keep_block(bool after_jump) noexcept {
+void BlockPacker::keep_block() noexcept {
   const std::int64_t scans = scan_block_.header.scans;
   const std::int64_t end_ns = to_ns(waiting_.at(waiting_.begin() + scans - 1).time) + period_ps_ / 1000;
+  const std::int64_t next = tiling_.next_scan();
   const std::int64_t first = tiling_.keep(waiting_.front(), scans, end_ns, !waiting_.any_taken(), time());
   scan_block_.header.first_scan = first;
-  if (after_jump && first > 0) after_gap_ = true;
+  if (first != next) after_gap_ = true;
   if (after_gap_) scan_block_.quality |= kQualityAfterGap;
   if (!write_what_comes_before() || !writer_.write(scan_block_)) {
     tiling_.lose(first, scans, scan_block_.header.time_ns, GapCause::kRingFull);

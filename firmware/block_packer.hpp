@@ -45,10 +45,12 @@ class BlockPacker {
   BlockPacker(const BlockPacker&) = delete;
   BlockPacker& operator=(const BlockPacker&) = delete;
 
-  /// Scans from the next one added on are kept.  Once; later calls do nothing.
-  void start() noexcept;
-  /// Scans from the next one added on are not.  Once; the end is sealed when the last kept scan is.
-  void stop() noexcept;
+  /// Scans of `from` on are kept, by the device's clock.  A later call corrects the instant, until it has
+  /// come. Scans that were added before the call are not: those behind the instant are missing, kStartedLate.
+  void start(NodeTime from = NodeTime::min()) noexcept;
+  /// Scans of `to` on are not, but for those added before the call.  As start(); the end is sealed when the
+  /// last kept scan is.
+  void stop(NodeTime to = NodeTime::min()) noexcept;
 
   /// The result of one read of a front end.
   /// @param more_edges  some that were stamped before the last scan come later
@@ -64,7 +66,8 @@ class BlockPacker {
   /// Writes the end as soon as the sink takes it.  True once it is written: nothing follows.
   bool finish() noexcept;
 
-  bool started() const noexcept { return keep_from_ != kNever; }
+  /// Its instant has come.
+  bool started() const noexcept { return started_; }
   bool ended() const noexcept { return ended_; }
   /// Time of the last scan added.
   NodeTime time() const noexcept { return waiting_.latest(); }
@@ -87,9 +90,12 @@ class BlockPacker {
 
  private:
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
+  void begin(bool is_late) noexcept;
+  void end() noexcept;
+  bool keeps_beside(NodeTime stamped) noexcept;
   bool seal_next(NodeTime edges_through, bool at_once) noexcept;
   void build(int scans) noexcept;
-  void keep_block(bool after_jump) noexcept;
+  void keep_block() noexcept;
   void preview_block() noexcept;
   bool write_what_comes_before() noexcept;
 
@@ -102,6 +108,8 @@ class BlockPacker {
   EpochTiling tiling_;
   SideBlocks beside_;
 
+  NodeTime start_at_ = NodeTime::max(), stop_at_ = NodeTime::max();
+  bool started_ = false;
   std::int64_t keep_from_ = kNever, keep_to_ = kNever;  ///< positions of waiting_
   std::int64_t next_attempt_ = 0;  ///< at the angles of scans whose angles were not known
   ScanBlock scan_block_;

@@ -23,6 +23,7 @@ void Commands::take(const Command& command, WallTime now) {
       to_send_.size() >= kMostUnsent)
     return;
   if (command.verb == Verb::kConfigure) return configure(command, now);
+  take_instant(command, now);
   const auto known = std::find_if(known_.begin(), known_.end(),
                                   [&](const Reply& reply) { return reply.request == command.request; });
   if (known != known_.end()) {
@@ -39,8 +40,20 @@ void Commands::take(const Command& command, WallTime now) {
     answer(command, result, command.verb == Verb::kStart ? 1 : backlog_.next());
 }
 
+bool Commands::is_owner(const Command& command) const {
+  return command.incarnation == sender_.owner() && sender_.owner() != 0;
+}
+
+void Commands::take_instant(const Command& command, WallTime now) {
+  const bool starts = command.verb == Verb::kStart && !ended() && !vehicle_.wanted();
+  if (!is_owner(command) || !(starts || command.verb == Verb::kStop)) return;
+  auto& instant = starts ? link_.start_at : link_.stop_at;
+  const WallTime at = now + std::chrono::microseconds(command.delay_us);
+  instant.store(std::min(at, instant.load(std::memory_order_relaxed)), std::memory_order_release);
+}
+
 CommandError Commands::act(const Command& command, WallTime now) {
-  const bool owner = command.incarnation == sender_.owner() && sender_.owner() != 0;
+  const bool owner = is_owner(command);
   switch (command.verb) {
     case Verb::kClaim:
       return sender_.claim(command.incarnation, now) ? CommandError::kNone : CommandError::kNotOwner;
@@ -49,11 +62,9 @@ CommandError Commands::act(const Command& command, WallTime now) {
     case Verb::kStart:
       if (!owner) return CommandError::kNotOwner;
       if (ended() || vehicle_.wanted()) return CommandError::kEnded;
-      link_.start.store(true, std::memory_order_release);
       return CommandError::kNone;
     case Verb::kStop:
       if (!owner) return CommandError::kNotOwner;
-      link_.stop.store(true, std::memory_order_release);
       return CommandError::kNone;
     case Verb::kConfigure:
       break;
@@ -67,8 +78,8 @@ CommandError Commands::act(const Command& command, WallTime now) {
 void Commands::configure(const Command& command, WallTime now) {
   auto outcome = vehicle_.outcome(command.request);
   if (!outcome) {
-    const bool is_idle =
-        link_.state.load(std::memory_order_acquire) == NodeState::kPreview && !link_.start.load();
+    const bool is_idle = link_.state.load(std::memory_order_acquire) == NodeState::kPreview &&
+                         link_.start_at.load() == AcquireLink::kNotAsked;
     const bool obeys = !sender_.is_led(now) || command.incarnation == sender_.owner();
     if (!obeys)
       outcome = {CommandError::kNotOwner, "the node obeys another recorder"};

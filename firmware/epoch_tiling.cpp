@@ -9,14 +9,20 @@ namespace roadbalance {
 
 std::int64_t EpochTiling::keep(const Scan& first, std::int64_t scans, std::int64_t end_ns, bool is_first_ever,
                                NodeTime now) noexcept {
-  if (!first_index_) count_from(first);
+  if (!first_index_) count_from(first, is_first_ever);
   const std::int64_t number = first.index - *first_index_;
   scans_sampled_ += scans;
   const std::int64_t time_ns = std::exchange(kept_end_ns_, end_ns);
   // No index can show whether a device that gave nothing before was there.
   const bool was_gone = first.after_absence || is_first_ever;
+  const bool is_late = std::exchange(is_late_, false) && !first.after_absence;
   if (number > next_scan_)
-    declare_jump(number - next_scan_, time_ns, was_gone ? GapCause::kDeviceGone : jump_cause_, now);
+    declare_jump(number - next_scan_, time_ns,
+                 first.after_sleep ? GapCause::kSlept
+                 : is_late         ? GapCause::kStartedLate
+                 : was_gone        ? GapCause::kDeviceGone
+                                   : jump_cause_,
+                 now);
   next_scan_ = number + scans;
   return number;
 }
@@ -26,11 +32,16 @@ std::int64_t EpochTiling::scans_between(std::int64_t from_ns, std::int64_t to_ns
                       static_cast<double>(period_ps_));
 }
 
-void EpochTiling::count_from(const Scan& first_kept) noexcept {
+void EpochTiling::count_from(const Scan& first_kept, bool is_first_ever) noexcept {
   first_index_ = first_kept.index;
   if (!started_) return;
   kept_end_ns_ = to_ns(*started_);
-  if (first_kept.after_absence || first_kept.time - *started_ > DeviceSilence::kOrdinary)
+  if (has_instant_ && (is_late_ || !is_first_ever)) {
+    // The first scan of all lies up to a period behind the instant, and a stamp may be off by a part of one.
+    const double periods =
+        1e3 * static_cast<double>(to_ns(first_kept.time) - kept_end_ns_) / static_cast<double>(period_ps_);
+    if (periods >= 1.25) *first_index_ -= static_cast<std::int64_t>(periods);
+  } else if (first_kept.after_absence || first_kept.time - *started_ > DeviceSilence::kOrdinary)
     *first_index_ -= scans_between(kept_end_ns_, to_ns(first_kept.time));
 }
 

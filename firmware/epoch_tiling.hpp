@@ -57,11 +57,22 @@ class EpochTiling {
 
   /// See DeviceSilence.
   void asked(NodeTime now, std::int64_t scans) noexcept { silence_.asked(now, scans); }
-  /// The epoch begins now: scans that a device has not given since then are missing.
-  void start() noexcept { started_ = silence_.asked(); }
-  /// The epoch ends now: a device that is silent has lost scans until then.
-  void stop() noexcept {
-    if (silence_.is_long()) silent_at_end_ = silence_.asked();
+  bool is_silent() const noexcept { return silence_.is_long(); }
+  /// The epoch begins: scans that a device has not given since then are missing.
+  /// @param at       NodeTime::min(): now
+  /// @param is_late  the device gave scans of behind that instant, which are not kept
+  void start(NodeTime at, bool is_late) noexcept {
+    started_ = silence_.asked();
+    has_instant_ = started_.has_value() && at != NodeTime::min();
+    if (has_instant_) started_ = at;
+    is_late_ = is_late;
+  }
+  /// The epoch ends: a device that is silent has lost scans until then.
+  /// @param at  NodeTime::min(): now
+  void stop(NodeTime at) noexcept {
+    if (!silence_.is_long()) return;
+    silent_at_end_ = silence_.asked();
+    if (at != NodeTime::min()) silent_at_end_ = std::min(*silent_at_end_, at);
   }
 
   /// `scans` scans are kept; those missing before them are declared.
@@ -93,7 +104,7 @@ class EpochTiling {
  private:
   std::int64_t scans_between(std::int64_t from_ns, std::int64_t to_ns) const noexcept;
   std::int64_t end_ns(NodeTime now) const noexcept { return next_scan_ > 0 ? kept_end_ns_ : to_ns(now); }
-  void count_from(const Scan& first_kept) noexcept;
+  void count_from(const Scan& first_kept, bool is_first_ever) noexcept;
   void declare_jump(std::int64_t scans, std::int64_t time_ns, GapCause cause, NodeTime now) noexcept;
   bool declare_last_silence() noexcept;
 
@@ -101,7 +112,9 @@ class EpochTiling {
   const std::int64_t period_ps_;
   const GapCause jump_cause_;
   DeviceSilence silence_;
-  std::optional<NodeTime> started_;        ///< by the device's clock
+  std::optional<NodeTime> started_;  ///< by the device's clock
+  bool has_instant_ = false;         ///< it was appointed
+  bool is_late_ = false;
   std::optional<NodeTime> silent_at_end_;  ///< until then, and not yet declared
   /// Device index that the epoch counts from, once a scan is kept: that one's, or before it by what is
   /// missing since the start.

@@ -27,6 +27,7 @@
 #include "firmware/life_watch.hpp"
 #include "firmware/readout_clock.hpp"
 #include "firmware/ring_sink.hpp"
+#include "firmware/sleep_gaps.hpp"
 #include "firmware/spool_folder.hpp"
 #include "firmware/uplink.hpp"
 
@@ -153,7 +154,8 @@ EpochResult run_epoch(std::stop_token stop, const VehicleConfig& vehicle, const 
 
   const auto spool = open_spool_or_go_on(node, epoch, options, is_first);
   Backlog backlog(ring, spool.get());
-  ConversionTimes device(front_end, node.rate_hz);
+  ConversionTimes conversions(front_end, node.rate_hz);
+  SleepGaps device(conversions, node.rate_hz);
   std::optional<ClockPlace> clock;
   const auto warn_of_clock = [&](const std::string& why) {
     options.warn("node " + node.name + ": nobody can ask for its clock on " + options.bus_url + ": " + why);

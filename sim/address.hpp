@@ -17,7 +17,7 @@ struct Address {
   std::optional<std::uint64_t> seed;  ///< default: the scenario's
   std::optional<double> rate = 1.0;   ///< bus seconds a wall second; nothing ("max"): as fast as it is read
   std::optional<double> seconds;      ///< length of the drive; default: the scenario's
-  std::optional<std::int64_t> start_ns;  ///< CLOCK_MONOTONIC at bus time 0; default: when opened
+  std::optional<std::int64_t> start_ns;  ///< CLOCK_BOOTTIME at bus time 0; default: when opened
   double from_s = 0.0;                   ///< bus time before which nothing is delivered
   double clock_offset_s = 0.0;           ///< -1e6 .. 1e6
   double clock_ppm = 0.0;                ///< -500 .. 500

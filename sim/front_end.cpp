@@ -202,6 +202,7 @@ class SimFrontEnd final : public FrontEnd {
   Read read(std::span<Scan> scans, std::span<Edge> edges, std::span<SignalSample> signals) noexcept override {
     Read read;
     const std::int64_t due = wait(scans.size());
+    if (pace_ && !taken_ && !pass_sleep(due, edges, read)) return read;
     while (read.scans < scans.size()) {
       if (!taken_) {
         if (device_.next() >= scans_) {
@@ -245,6 +246,31 @@ class SimFrontEnd final : public FrontEnd {
   static constexpr auto kLongestWait = std::chrono::milliseconds(100);
   static constexpr double kRun_s = 5e-3;  ///< of wall time: a reader is not woken for every scan
 
+  /// The car drives on while the computer is suspended, and nobody samples it.  Returns false while it is
+  /// still to catch up: that is longer than a read may last.
+  bool pass_sleep(std::int64_t due, std::span<Edge> edges, Read& read) noexcept {
+    constexpr std::int64_t kScansAtOnce = 2000;
+    const MachineClock::duration slept = pace_->slept();
+    if (slept > slept_) {
+      wakes_at_ = std::max(device_.next(), wakes_at_) +
+                  std::llround(1e-9 * static_cast<double>((slept - slept_).count()) * rate_hz_);
+      slept_ = slept;
+    }
+    if (device_.next() >= wakes_at_) return true;
+    const std::int64_t until = std::min({wakes_at_, scans_, due, device_.next() + kScansAtOnce});
+    NodeTime last{};
+    while (device_.next() < until) {
+      last = device_.take().time;
+      while (device_.edges().due(last)) device_.edges().take();
+      while (device_.take_signal(last)) {
+      }
+    }
+    if (device_.next() < wakes_at_) return device_.next() >= scans_;
+    for (std::uint8_t line = 0; line < kEncoderLines; ++line)
+      edges[read.edges++] = {.time = clock_(last), .line = line, .kind = EdgeKind::kLost};
+    return true;
+  }
+
   /// Waits for a run of scans, at most `most` of them.  Returns the number of the first scan not due yet.
   std::int64_t wait(std::size_t most) const {
     if (!pace_) return scans_;
@@ -264,6 +290,8 @@ class SimFrontEnd final : public FrontEnd {
   std::optional<Pace> pace_;
   ClockError clock_;
   std::optional<Scan> taken_;  ///< taken, but its edges are not all handed over
+  MachineClock::duration slept_{};
+  std::int64_t wakes_at_ = 0;  ///< number of the first scan behind the last sleep
 };
 
 }  // namespace
@@ -275,8 +303,10 @@ std::unique_ptr<FrontEnd> open_sim_front_end(const FrontEndRequest& request) {
   if (address.seconds) scenario.scale_to(*address.seconds);
   std::optional<Pace> pace;
   if (address.rate) {
-    const WallTime start = address.start_ns ? WallTime(std::chrono::nanoseconds(*address.start_ns)) : opened;
-    pace.emplace(*address.rate, start);
+    const MachineClock::duration slept = MachineClock::slept();
+    const WallTime start =
+        address.start_ns ? WallTime(std::chrono::nanoseconds(*address.start_ns) - slept) : opened;
+    pace.emplace(*address.rate, start, *address.rate == 1.0 ? std::optional(slept) : std::nullopt);
   }
   const double rate_hz = request.node.rate_hz * (1.0 + 1e-6 * address.converter_ppm);
   Device device(scenario, address.seed.value_or(scenario.seed), request.vehicle, request.node, rate_hz);

@@ -68,7 +68,7 @@ struct Fields<GapBlock> {
   using Wire = wire::gap_t;
   static void list(auto& field, auto& b, auto& m) {
     list_header(field, b.header, m);
-    field(b.cause, m.cause, within(GapCause::kRingFull, GapCause::kDeviceGone));
+    field(b.cause, m.cause, within(GapCause::kRingFull, GapCause::kSlept));
   }
 };
 

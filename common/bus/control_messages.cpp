@@ -77,6 +77,7 @@ struct Fields<Command> {
     field(c.verb,
           m.verb);  // one of a newer host passes: the node answers kUnknownVerb, so that it learns of it
     field(c.epoch, m.epoch);
+    field(c.delay_us, m.delay_us, within(-kLongestDelay_us, kLongestDelay_us));
     field(c.vehicle_crc32c, m.vehicle_crc32c);
   }
 };

@@ -105,7 +105,9 @@ enum class NoteKind : std::int32_t {
       24,  ///< a node (a) does not measure though the recording goes on (AbsenceCause); text: its name
   kNodeThere = 25,  ///< it measures (again); b: 1 if samples lack because of that, 0 if it only was not heard
   kStopping = 26,   ///< the recording is to end: from here on no node is missed; text: by whom
-  kLast = kStopping
+  kClockSet = 27,   ///< the wall clock was set (by so many us): UTC of before is so much later
+  kSlept = 28,      ///< the computer was suspended (for so many us)
+  kLast = kSlept
 };
 
 struct Note {
@@ -134,7 +136,7 @@ inline bool tells_of_loss(const Note& note) {
 struct Commit {
   std::int64_t bytes = 0;
   std::int64_t headers_from = 0;     ///< offset of the commit before; 0: of the segment
-  std::uint32_t headers_crc32c = 0;  ///< of the headers and channels from there up to this event
+  std::uint32_t headers_crc32c = 0;  ///< of the events from there up to this one: see commit_t.lcm
 };
 
 inline constexpr const char* kJournalChannel = "RB_JOURNAL";

@@ -72,6 +72,12 @@ void ClockModel::keep(const ClockExchange& exchange) {
   best_.push_back(exchange);
 }
 
+void ClockModel::host_stepped() {
+  ++breaks_;
+  suspect_.reset();
+  restart();
+}
+
 void ClockModel::restart() {
   best_.clear();
   prior_ = {};

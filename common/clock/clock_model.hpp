@@ -30,6 +30,8 @@ class ClockModel {
 
   /// @return true if it proved a break
   bool add(const ClockExchange& exchange);
+  /// The host's clock steps, or may have: a break of the time base.
+  void host_stepped();
   /// A question was not answered.
   void add_unanswered() { ++unanswered_; }
 

@@ -29,9 +29,9 @@ struct Stamp {
   bool by_kernel = false;  ///< else taken by this program, later than the kernel's would be
 };
 
-/// A UDP socket that reports when its datagrams passed the kernel, in CLOCK_MONOTONIC_RAW.
+/// A UDP socket that reports when its datagrams passed the kernel, by MachineClock.
 ///
-/// The kernel stamps in wall time.  The wall clock is compared with CLOCK_MONOTONIC_RAW around each wait; a
+/// The kernel stamps in wall time.  The wall clock is compared with that around each wait; a
 /// stamp over a step of the wall clock, or one that lies outside the wait, is replaced by this program's own.
 class ClockSocket {
  public:

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 
 #include "common/types/clock_pair.hpp"
 #include "common/types/clocks.hpp"
@@ -12,12 +13,18 @@ class Pace {
  public:
   /// @param rate   seconds of the drive a wall second, > 0
   /// @param start  of the drive
-  Pace(double rate, WallTime start) : rate_(rate), start_(start) {}
+  /// @param slept  how long the computer had been suspended by then (MachineClock::slept()): the drive goes
+  /// on
+  ///               while it is; nothing: the drive rests then, as the wall clock does
+  Pace(double rate, WallTime start, std::optional<MachineClock::duration> slept = {})
+      : rate_(rate), start_(start), slept_before_(slept) {}
 
   /// Seconds since the drive began.
-  double drive_s(WallTime now) const { return rate_ * std::chrono::duration<double>(now - start_).count(); }
+  double drive_s(WallTime now) const {
+    return rate_ * std::chrono::duration<double>(now - start_ + slept()).count();
+  }
   WallTime wall(double drive_s) const {
-    return start_ +
+    return start_ - slept() +
            std::chrono::duration_cast<WallClock::duration>(std::chrono::duration<double>(drive_s / rate_));
   }
   /// For a drive in real time: nanoseconds since it began at an instant of the machine's clock. It is paced
@@ -25,13 +32,18 @@ class Pace {
   /// anew.
   std::int64_t drive_ns(MachineTime machine) const {
     const WallTime wall(machine.time_since_epoch() - machine_minus(CLOCK_MONOTONIC));
-    return (wall - start_).count();
+    return (wall - start_ + slept()).count();
   }
   double rate() const { return rate_; }
+  /// How long the computer was suspended since the drive began; zero of a drive that rests.
+  MachineClock::duration slept() const {
+    return slept_before_ ? MachineClock::slept() - *slept_before_ : MachineClock::duration{};
+  }
 
  private:
   double rate_;
   WallTime start_;
+  std::optional<MachineClock::duration> slept_before_;
 };
 
 }  // namespace roadbalance

@@ -39,6 +39,8 @@ enum class GapCause : std::int32_t {
   kSourceGap = 6,      ///< imported data had a hole here
   kLostInRecord = 7,   ///< was damaged in the record or missing there when it was recovered
   kDeviceGone = 8,     ///< the device was not there: unplugged, its bus down
+  kStartedLate = 9,    ///< the node heard of the start behind its instant
+  kSlept = 10,         ///< the node's computer was suspended
 };
 
 /// A gap of this cause stands for every block since the one before it and bears the number of the last;

@@ -1,12 +1,14 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <cstdlib>
 #include <ctime>
 
 namespace roadbalance {
 
-/// The clock of a worker node: CLOCK_MONOTONIC_RAW on a board, bus time in the simulated car.
+/// The clock of a worker node: MachineClock on a board, bus time in the simulated car.
 ///
 /// Every machine's clock is a type of its own, so times of two machines do not subtract by accident.
 struct NodeClock {
@@ -18,8 +20,8 @@ struct NodeClock {
 };
 using NodeTime = NodeClock::time_point;
 
-/// CLOCK_MONOTONIC_RAW of the machine a program runs on: it is never stepped or slewed.  The host's is the
-/// one time line of all nodes.
+/// CLOCK_MONOTONIC_RAW of the machine a program runs on, and the time in which that was suspended: it is
+/// never slewed, and steps only by a sleep.  The host's is the one time line of all nodes.
 struct MachineClock {
   using rep = std::int64_t;
   using period = std::nano;
@@ -28,10 +30,43 @@ struct MachineClock {
   static constexpr bool is_steady = true;
 
   static time_point now() noexcept {
-    timespec t{};
-    clock_gettime(CLOCK_MONOTONIC_RAW, &t);
-    return time_point(std::chrono::seconds(t.tv_sec) + std::chrono::nanoseconds(t.tv_nsec));
+    const duration awake = read(CLOCK_MONOTONIC_RAW);
+    return time_point(awake + slept());
   }
+
+  /// How long the machine was suspended since it was started: CLOCK_BOOTTIME minus CLOCK_MONOTONIC, without
+  /// the noise of reading them one behind the other.  Sleeps of less than a millisecond are not seen.
+  static duration slept() noexcept {
+    constexpr rep kLeast_ns = 1'000'000;
+    rep known = slept_ns_.load(std::memory_order_relaxed);
+    const rep boot = read(CLOCK_BOOTTIME).count();
+    if (std::abs(boot - read(CLOCK_MONOTONIC).count() - known) < kLeast_ns) return duration(known);
+    const rep exact = boot_minus_monotonic_ns();
+    if (std::abs(exact - known) >= kLeast_ns && slept_ns_.compare_exchange_strong(known, exact))
+      return duration(exact);
+    return duration(known);
+  }
+
+ private:
+  static duration read(clockid_t clock) noexcept {
+    timespec t{};
+    clock_gettime(clock, &t);
+    return std::chrono::seconds(t.tv_sec) + std::chrono::nanoseconds(t.tv_nsec);
+  }
+  // The narrowest of a few readings counts: an interruption between two would shift it.
+  static rep boot_minus_monotonic_ns() noexcept {
+    rep narrowest = INT64_MAX, difference = 0;
+    for (int i = 0; i < 20 && narrowest > 1'000; ++i) {
+      const rep before = read(CLOCK_MONOTONIC).count(), boot = read(CLOCK_BOOTTIME).count();
+      const rep width = read(CLOCK_MONOTONIC).count() - before;
+      if (width >= narrowest) continue;
+      narrowest = width;
+      difference = boot - (before + width / 2);
+    }
+    return difference;
+  }
+
+  static inline std::atomic<rep> slept_ns_{0};
 };
 using MachineTime = MachineClock::time_point;
 

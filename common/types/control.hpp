@@ -70,8 +70,11 @@ struct Command {
   std::int64_t incarnation = 0;
   Verb verb = Verb::kClaim;
   std::int64_t epoch = 0;
+  std::int64_t delay_us = 0;
   std::uint32_t vehicle_crc32c = 0;
 };
+/// A delay is no longer, either way.
+inline constexpr std::int64_t kLongestDelay_us = 3'600'000'000;
 
 struct Reply {
   std::int32_t node = 0;

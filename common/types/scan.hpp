@@ -26,6 +26,7 @@ struct Scan {
   std::array<std::int32_t, kReferences> references{};
   /// The scans jumped over are those of a device that was not there; its clock may have begun anew since.
   bool after_absence = false;
+  bool after_sleep = false;  ///< the scans jumped over are those of a sleep of the node's computer
 };
 
 enum class EdgeKind : std::uint8_t {

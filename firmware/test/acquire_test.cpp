@@ -41,7 +41,7 @@ std::vector<Edge> turning(double seconds) {
 TEST(Acquire, NeverAllocates) {
   Node node;
   test::ScriptedFrontEnd device(test::marked_scans(0, 20'000, kRate_hz), turning(10.0), 100);
-  node.link.start = true;
+  node.link.start_at = AcquireLink::kAtOnce;
   {
     const test::NoAllocation guard;
     acquire({}, device, node.packer, node.sink, node.link);
@@ -67,7 +67,7 @@ TEST(Acquire, TakesNothingFromAWaitingDeviceBeforeItIsStarted) {
 TEST(Acquire, LosesNothingOfAWaitingDeviceToASmallRing) {
   Node node(256 * sizeof(SealedBlock));
   test::ScriptedFrontEnd device(test::marked_scans(0, 20'000, kRate_hz), turning(10.0), 250);
-  node.link.start = true;
+  node.link.start_at = AcquireLink::kAtOnce;
   std::thread process([&] { acquire({}, device, node.packer, node.sink, node.link); });
   // The other side frees what it has seen, as an uplink whose owner is quick.
   std::int64_t seen = 0, scans = 0;
@@ -103,7 +103,7 @@ TEST(Acquire, OfAFullRingKeepsTheOldestAndTellsHowManyScansAreMissing) {
   Node node(256 * sizeof(SealedBlock));
   test::ScriptedFrontEnd scripted(test::marked_scans(0, 20'000, kRate_hz), {}, 250);
   Impatient device(scripted);
-  node.link.start = true;
+  node.link.start_at = AcquireLink::kAtOnce;
   std::stop_source stop;
   std::thread process([&] { acquire(stop.get_token(), device, node.packer, node.sink, node.link); });
   while (node.link.scans_sampled.load() < 20'000) std::this_thread::yield();
@@ -138,23 +138,63 @@ TEST(Acquire, EndsWhenToldToThoughItsDeviceHasFallenSilent) {
   Node node;
   test::ScriptedFrontEnd scripted(test::marked_scans(0, 4000, kRate_hz), turning(1.9), 10);
   FallsSilent device(scripted);
-  node.link.start = true;
+  node.link.start_at = AcquireLink::kAtOnce;
   std::thread process([&] { acquire({}, device, node.packer, node.sink, node.link); });
   while (!device.is_silent) std::this_thread::yield();
   EXPECT_LT(node.link.scans_sampled.load(), 4000) << "the last scans wait for edges";
-  node.link.stop = true;
+  node.link.stop_at = AcquireLink::kAtOnce;
   process.join();
   const SealedBlock& end = node.ring.get(node.ring.next() - 1);
   ASSERT_EQ(end.kind, BlockKind::kEnd);
   EXPECT_EQ(decode_end(end).scans_sealed, 4000);
 }
 
+/// A device that runs by the machine's clock, from when it is made on.
+class Clocked final : public FrontEnd {
+ public:
+  Read read(std::span<Scan> scans, std::span<Edge>, std::span<SignalSample>) noexcept override {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    Read read;
+    for (; read.scans < scans.size() && at(next_) <= as_node_time(MachineClock::now()); ++next_)
+      scans[read.scans++] = {.index = next_, .time = at(next_)};
+    return read;
+  }
+
+ private:
+  NodeTime at(std::int64_t scan) const { return begin_ + NodeClock::duration(scan * 500'000); }
+  const NodeTime begin_ = as_node_time(MachineClock::now());
+  std::int64_t next_ = 0;
+};
+
+TEST(Acquire, BeginsAndEndsAtInstantsByTheDevicesClock) {
+  Node node;
+  Clocked device;
+  std::thread process([&] { acquire({}, device, node.packer, node.sink, node.link); });
+  const WallTime start = WallClock::now() + std::chrono::milliseconds(500);
+  const auto machine_at_start = std::chrono::milliseconds(500) + MachineClock::now().time_since_epoch();
+  node.link.start_at = start;
+  node.link.stop_at = start + std::chrono::milliseconds(200);
+  process.join();
+  const SealedBlock& end = node.ring.get(node.ring.next() - 1);
+  ASSERT_EQ(end.kind, BlockKind::kEnd);
+  EXPECT_NEAR(static_cast<double>(decode_end(end).scans_sealed), 400.0, 1.0);
+  EXPECT_EQ(decode_end(end).scans_missing, 0);
+  for (std::int64_t k = 1; k < node.ring.next(); ++k) {
+    const SealedBlock& block = node.ring.get(k);
+    if (block.kind != BlockKind::kScan) continue;
+    // The clocks of the protocol and of the machine are read one behind the other here.
+    EXPECT_NEAR(static_cast<double>(block.header.time_ns), static_cast<double>(machine_at_start.count()),
+                5e6);
+    break;
+  }
+}
+
 TEST(Acquire, TellsWhyItsEpochEnded) {
   const auto cause = [](bool is_stopped, std::stop_token program) {
     Node node;
     test::ScriptedFrontEnd device(test::marked_scans(0, 200, kRate_hz), {}, 10);
-    node.link.start = true;
-    node.link.stop = is_stopped;
+    node.link.start_at = AcquireLink::kAtOnce;
+    if (is_stopped) node.link.stop_at = AcquireLink::kAtOnce;
     acquire(program, device, node.packer, node.sink, node.link);
     return node.link.end_cause.load();
   };
@@ -168,8 +208,9 @@ TEST(Acquire, TellsWhyItsEpochEnded) {
 TEST(Acquire, EndsWhenToldToWithWhatItHas) {
   Node node;
   test::ScriptedFrontEnd device(test::marked_scans(0, 4000, kRate_hz), {}, 10);
-  node.link.start = true;
-  node.link.stop = true;  // started and stopped before the first scan: an epoch without scans
+  node.link.start_at = AcquireLink::kAtOnce;
+  node.link.stop_at =
+      AcquireLink::kAtOnce;  // started and stopped before the first scan: an epoch without scans
   acquire({}, device, node.packer, node.sink, node.link);
   EXPECT_EQ(node.link.state.load(), NodeState::kEnded);
   const SealedBlock& end = node.ring.get(node.ring.next() - 1);

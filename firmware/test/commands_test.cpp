@@ -26,14 +26,39 @@ using NodeCommands = Fixture;
 
 TEST_F(NodeCommands, StartOnlyForTheOwner) {
   EXPECT_EQ(say(Verb::kStart, 1)->result, CommandError::kNotOwner);
-  EXPECT_FALSE(link.start);
+  EXPECT_EQ(link.start_at.load(), AcquireLink::kNotAsked);
   EXPECT_EQ(say(Verb::kClaim, 2)->result, CommandError::kNone);
   EXPECT_EQ(say(Verb::kClaim, 3, kOwner + 1)->result, CommandError::kNotOwner);  // the lease lives
   const auto reply = say(Verb::kStart, 4);
   EXPECT_EQ(reply->result, CommandError::kNone);
   EXPECT_EQ(reply->sequence, 1);
   EXPECT_EQ(reply->epoch, kEpoch);
-  EXPECT_TRUE(link.start);
+  EXPECT_EQ(link.start_at.load(), now);
+}
+
+// Of commands that came to the node after different times on their way, and once more under the same number.
+TEST_F(NodeCommands, AStartAndAStopNameTheirInstantAndTheQuickestKnowsItBest) {
+  using namespace std::chrono_literals;
+  say(Verb::kClaim, 1);
+  const auto announce = [&](Verb verb, std::int64_t request, std::int64_t delay_us) {
+    commands.take(
+        {.node = kNode, .request = request, .incarnation = kOwner, .verb = verb, .delay_us = delay_us}, now);
+  };
+  const WallTime instant = now + 100ms;
+  now += 30ms;
+  announce(Verb::kStart, 2, 100'000);
+  EXPECT_EQ(link.start_at.load(), instant + 30ms);
+  now += 10ms;
+  announce(Verb::kStart, 2, 65'000);
+  EXPECT_EQ(link.start_at.load(), instant + 5ms);
+  now += 20ms;
+  announce(Verb::kStart, 3, 60'000);
+  EXPECT_EQ(link.start_at.load(), instant + 5ms);
+  now += 500ms;
+  announce(Verb::kStop, 4, -20'000);
+  EXPECT_EQ(link.stop_at.load(), now - 20ms);
+  announce(Verb::kStop, 4, -25'000);
+  EXPECT_EQ(link.stop_at.load(), now - 25ms);
 }
 
 // A start that the network delivers late must not start the epoch after the one that it was for.
@@ -42,11 +67,11 @@ TEST_F(NodeCommands, WhatIsForAnotherEpochIsNotObeyed) {
   commands.take(
       {.node = kNode, .request = 2, .incarnation = kOwner, .verb = Verb::kStart, .epoch = kEpoch + 1}, now);
   EXPECT_FALSE(commands.next_reply());
-  EXPECT_FALSE(link.start);
+  EXPECT_EQ(link.start_at.load(), AcquireLink::kNotAsked);
   commands.take({.node = kNode, .request = 3, .incarnation = kOwner, .verb = Verb::kStart, .epoch = kEpoch},
                 now);
   EXPECT_TRUE(commands.next_reply());
-  EXPECT_TRUE(link.start);
+  EXPECT_EQ(link.start_at.load(), now);
 }
 
 TEST_F(NodeCommands, ARefusedClaimIsToldTheHighestIncarnationObeyed) {
@@ -90,7 +115,7 @@ TEST_F(NodeCommands, StopIsAnsweredWithTheEndsSequenceOnceItIsSealed) {
   say(Verb::kStart, 2);
   EXPECT_FALSE(say(Verb::kStop, 3).has_value());
   EXPECT_FALSE(say(Verb::kStop, 3).has_value());
-  EXPECT_TRUE(link.stop);
+  EXPECT_EQ(link.stop_at.load(), now);
   EXPECT_TRUE(commands.waiting());
   SealedBlock* block = ring.claim();
   block->header.sequence = 1;
@@ -111,7 +136,7 @@ TEST_F(NodeCommands, AnEndedNodeDoesNotStartAgainAndAnUnknownVerbIsRefused) {
   link.state = NodeState::kEnded;
   EXPECT_EQ(say(Verb::kStart, 2)->result, CommandError::kEnded);
   EXPECT_EQ(say(static_cast<Verb>(77), 3)->result, CommandError::kUnknownVerb);
-  EXPECT_FALSE(link.start);
+  EXPECT_EQ(link.start_at.load(), AcquireLink::kNotAsked);
 }
 
 TEST_F(NodeCommands, OfAnotherNodeAreNotHeard) {

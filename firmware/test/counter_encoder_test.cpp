@@ -180,7 +180,7 @@ TEST_F(CounterEncoderInNode, CountsBreaksOfTheCountApartFromFaultyTurns) {
   RingSink sink(ring);
   BlockPacker packer(vehicle_, vehicle_.node[0], 1, sink, nullptr);
   AcquireLink link;
-  link.start = true;
+  link.start_at = AcquireLink::kAtOnce;
   acquire({}, *device, packer, sink, link);
   const DeviceReport& said = link.encoder[0];
   EXPECT_EQ(said.of(DeviceCounter::kCountBroken), 1);

@@ -31,11 +31,13 @@ enum class FaultKind : std::uint8_t {
   kWallStep,       ///< the host's wall clock jumps by up to a day either way
   kEndNode,        ///< a node ends in order, by one of its causes, and is started again after `lasting`
   kLateNode,       ///< a node that is expected comes so late; behind the drive's end: never
+  kSuspendNode,    ///< the node's computer sleeps, and its device with it; its clock shows that
 };
-inline constexpr std::size_t kFaultKinds = 13;
+inline constexpr std::size_t kFaultKinds = 14;
 inline constexpr std::array<const char*, kFaultKinds> kFaultNames{
-    "pull",      "kill_recorder", "kill_node",     "pause_recorder", "pause_node", "hang_uplink", "power_cut",
-    "disk_full", "disk_failing",  "spool_failing", "wall_step",      "end_node",   "late_node"};
+    "pull",        "kill_recorder", "kill_node", "pause_recorder", "pause_node",
+    "hang_uplink", "power_cut",     "disk_full", "disk_failing",   "spool_failing",
+    "wall_step",   "end_node",      "late_node", "suspend_node"};
 
 enum class Direction : std::uint8_t { kBoth, kToHost, kToNode };
 

@@ -436,6 +436,7 @@ HostMachine::Led::Led(HostMachine& host, const RecorderOptions& options)
   link.seed = host.random_.bits();
   link.scope = options.scope;
   link.nodes = options.nodes;
+  link.heard = options.heard;
   link.expected = options.expected;
   link.absent_before = options.absent_before;
   link.utc_us = host.utc_us(host.now_ns_);

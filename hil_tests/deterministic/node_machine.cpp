@@ -41,14 +41,11 @@ SpoolFolder::Options spool_options(const FaultScenario& scenario, std::int32_t n
           .epoch = epoch};
 }
 
-WallTime wall(std::int64_t ns) {
-  return WallTime(std::chrono::nanoseconds(ns));
-}
-
 }  // namespace
 
 NodeMachine::Program::Program(const FaultScenario& scenario, const VehicleConfig& vehicle, std::int32_t node,
-                              EpochTruth& of, Truth& all, VehicleChange& change, Disk& disk)
+                              EpochTruth& of, Truth& all, VehicleChange& change, Disk& disk,
+                              const std::int64_t& machine_slept_ns)
     : truth(of),
       beside(all, node, static_cast<std::int64_t>(1e9 / scenario.rate_hz)),
       ring(bytes_of(scenario.ring_mib)),
@@ -59,7 +56,9 @@ NodeMachine::Program::Program(const FaultScenario& scenario, const VehicleConfig
                 : nullptr),
       backlog(ring, spool.get()),
       uplink(node, of.epoch, backlog, preview, link, change),
-      samples(node, of.epoch) {}
+      samples(node, of.epoch),
+      sleeps(handed, scenario.rate_hz,
+             [&machine_slept_ns] { return MachineClock::duration(machine_slept_ns); }) {}
 
 NodeMachine::NodeMachine(const FaultScenario& scenario, std::int32_t number, std::uint64_t seed, Truth& truth)
     : scenario_(scenario),
@@ -72,6 +71,7 @@ NodeMachine::NodeMachine(const FaultScenario& scenario, std::int32_t number, std
       clock_offset_ns_(random_.below(std::int64_t{1} << 50)),
       clock_drift_(random_.between(-50e-6, 50e-6)),
       scans_(kScansPerRead),
+      numbered_(kScansPerRead),
       counts_(kScansPerRead) {}
 
 NodeMachine::~NodeMachine() = default;
@@ -84,7 +84,7 @@ void NodeMachine::boot(std::int64_t now_ns) {
   disk_.set_fault(nullptr);
   if (scenario_.spool_mib > 0) (void)left_spools();  // which makes their folder, as rb-node does
   program_ = std::make_unique<Program>(scenario_, vehicle_, number_, truth_.open(number_, epoch), truth_,
-                                       *change_, disk_);
+                                       *change_, disk_, slept_ns_);
   disk_.set_fault([this](DiskCall call, std::int64_t, const std::string&) {
     if (!random_.chance(spool_failing_)) return SimulatedDisk::Outcome{};
     // Blocks that it does not take stay in memory; only blocks that it does not give back may be given up.
@@ -160,6 +160,32 @@ void NodeMachine::pause(bool on) {
   paused_ = on;
 }
 
+// What its device has taken by then is read first: later it could not be told from what it takes behind the
+// sleep.
+void NodeMachine::suspend(bool on, std::int64_t now_ns) {
+  if (on) {
+    if (runs()) (void)device(now_ns);
+    if (sleeps_++ == 0) asleep_at_ns_ = now_ns;
+    return;
+  }
+  if (--sleeps_ > 0) return;
+  const std::int64_t since_ns = std::exchange(asleep_at_ns_, std::nullopt).value_or(now_ns);
+  slept_ns_ += clock_ns(now_ns) - clock_ns(since_ns);
+  if (!program_) return;
+  program_->slept_ns += now_ns - since_ns;
+  program_->wakes = program_->latest != NodeTime::min();
+  if (program_->wakes) program_->slept_between_scans_ns += now_ns - since_ns;
+}
+
+// Protocol timers stand still while the computer sleeps.
+WallTime NodeMachine::wall(std::int64_t now_ns) const {
+  return WallTime(std::chrono::nanoseconds(clock_ns(now_ns) - slept_ns_));
+}
+
+NodeTime NodeMachine::node_time(WallTime wall) const {
+  return node_time_from_ns(to_ns(wall) + slept_ns_);
+}
+
 std::int64_t NodeMachine::base() const {
   return program_ ? program_->backlog.base() : 1;
 }
@@ -194,13 +220,13 @@ void NodeMachine::watch_freed(std::string_view channel, std::span<const std::uin
 void NodeMachine::take(std::string_view channel, std::span<const std::uint8_t> bytes, std::int64_t now_ns) {
   if (!program_) return;
   const std::int64_t before = program_->backlog.base();
-  program_->uplink.take(channel, bytes, wall(clock_ns(now_ns)));
+  program_->uplink.take(channel, bytes, wall(now_ns));
   watch_freed(channel, bytes, before);
 }
 
 bool NodeMachine::turn(std::int64_t now_ns, const Publish& publish) {
   const std::int64_t before = program_->backlog.base();
-  const bool busy = program_->uplink.turn(wall(clock_ns(now_ns)), publish);
+  const bool busy = program_->uplink.turn(wall(now_ns), publish);
   watch_freed({}, {}, before);
   if (program_->backlog.used() - program_->backlog.spooled() > program_->ring.capacity())
     fault("holds more blocks in memory than it has room for");
@@ -250,26 +276,62 @@ Edge edge_before(const Scan& scan) {
 
 void NodeMachine::read(std::int64_t now_ns) {
   Program& p = *program_;
-  const double since_s = static_cast<double>(now_ns - p.started_ns) * 1e-9;
-  const auto end = static_cast<std::int64_t>(since_s * scenario_.rate_hz);
+  const double since_s = static_cast<double>(now_ns - p.started_ns - p.slept_ns) * 1e-9;
+  const auto end = std::max(p.next_index, static_cast<std::int64_t>(since_s * scenario_.rate_hz));
   p.next_index = std::max(p.next_index, end - kDeviceHolds);
   const auto count = static_cast<std::size_t>(end - p.next_index);
-  if (p.sealer.started() && p.first_index < 0 && count > 0) p.first_index = p.next_index;
-  const std::int64_t first = p.next_index - std::max<std::int64_t>(0, p.first_index);
-  p.samples.fill(first, std::span(counts_).first(count));
   edges_.clear();
   for (std::size_t k = 0; k < count; ++k) {
     Scan& scan = scans_[k];
     scan.index = p.next_index++;
     const auto taken_ns =
         static_cast<std::int64_t>(1e9 / scenario_.rate_hz * static_cast<double>(scan.index));
-    scan.time = node_time_from_ns(clock_ns(p.started_ns + taken_ns));
-    scan.counts = counts_[k];
+    scan.time = node_time_from_ns(clock_ns(p.started_ns + taken_ns + p.slept_ns));
+    const bool wakes = std::exchange(p.wakes, false);
+    if (wakes) skip_sleep(scan);
+    if (scan.time >= p.from && !p.has_first) begin_with(scan, wakes);
+    if (p.has_first && scan.time < p.to) p.truth.scans = scan.index + p.skipped + 1 - p.first_index;
+    p.latest = scan.time;
     if (scan.index % kScansPerEdge == 0) edges_.push_back(edge_before(scan));
   }
+  // A sleep is before all of them, or behind.
+  p.samples.fill(p.next_index + p.skipped - static_cast<std::int64_t>(count) - p.first_index,
+                 std::span(counts_).first(count));
+  for (std::size_t k = 0; k < count; ++k) scans_[k].counts = counts_[k];
+  p.handed.scans = std::span(scans_).first(count);
+  (void)p.sleeps.read(numbered_, {}, {});
   give_what_stands_beside(count);
-  p.sealer.add(std::span(scans_).first(count), edges_, false);
-  if (p.first_index >= 0 && !p.link.stop.load()) p.truth.scans = p.next_index - p.first_index;
+  p.sealer.add(std::span(numbered_).first(count), edges_, false);
+}
+
+void NodeMachine::skip_sleep(const Scan& first) {
+  Program& p = *program_;
+  const std::int64_t skipped = std::llround(to_seconds(first.time - p.latest) * scenario_.rate_hz) - 1;
+  p.skipped += skipped;
+  if (p.has_first && first.time < p.to) p.skipped_kept += skipped;
+}
+
+void NodeMachine::check_sleeps() {
+  const Program& p = *program_;
+  if (!p.sink.was_full && p.sink.slept_scans != p.skipped_kept)
+    fault("declared " + std::to_string(p.sink.slept_scans) + " scans of its sleeps; they were " +
+          std::to_string(p.skipped_kept));
+  const double skipped_s = static_cast<double>(p.skipped) / scenario_.rate_hz;
+  const double slept_s = 1e-9 * static_cast<double>(p.slept_between_scans_ns);
+  if (!p.wakes && std::abs(skipped_s - slept_s) > 1e-3 + 1e-4 * skipped_s)
+    fault("its gaps are not as long as its sleeps");
+}
+
+// What it misses of its instant counts, by its own clock: it heard of that too late, or slept through it.
+void NodeMachine::begin_with(const Scan& first, bool wakes) {
+  Program& p = *program_;
+  p.has_first = true;
+  p.first_index = first.index + p.skipped;
+  const double periods = to_seconds(first.time - p.from) * scenario_.rate_hz;
+  const bool gave_before = p.latest != NodeTime::min();
+  if (periods < 1.25 || !(p.is_late || gave_before)) return;
+  p.first_index -= static_cast<std::int64_t>(periods);
+  if (wakes) p.skipped_kept += static_cast<std::int64_t>(periods);
 }
 
 // Edges of both lines, and a sample a read: with them blocks without scans, which only their numbers
@@ -279,10 +341,10 @@ void NodeMachine::give_what_stands_beside(std::size_t scans) {
   if (scans == 0) return;
   const Scan& last = scans_[scans - 1];
   const SignalSample sample{.time = last.time, .signal = 3, .value = static_cast<double>(last.index)};
-  if (p.sealer.started() && !p.link.stop.load()) {
-    for (const Edge& edge : edges_) p.beside.given(edge);
-    p.beside.given(sample);
-  }
+  const auto is_kept = [&p](NodeTime stamped) { return stamped >= p.from && stamped < p.to; };
+  for (const Edge& edge : edges_)
+    if (is_kept(edge.time)) p.beside.given(edge);
+  if (is_kept(sample.time)) p.beside.given(sample);
   p.sealer.add({&sample, 1});
 }
 
@@ -296,20 +358,27 @@ std::int64_t NodeMachine::device(std::int64_t now_ns) {
   const std::int64_t before = p.backlog.base();
   p.sink.now_ns = now_ns;
   p.sealer.asked(node_time_from_ns(clock_ns(now_ns)));
-  if (p.link.start.load() && !p.sealer.started()) {
-    p.sealer.start();
-    p.truth.started_by = p.uplink.owner();
-    truth_.begins(number_);
+  const WallTime start_at = p.link.start_at.load(), stop_at = p.link.stop_at.load();
+  if (start_at != AcquireLink::kNotAsked && p.latest < p.from) {
+    if (p.from == NodeTime::max()) {
+      p.truth.started_by = p.uplink.owner();
+      truth_.begins(number_);
+    }
+    p.from = node_time(start_at);
+    p.is_late = p.from <= p.latest;
+    p.sealer.start(p.from);
   }
   const bool ends = p.ends != AbsenceCause::kNone;
-  if (ends || p.link.stop.load()) {
-    ends ? p.sealer.device_ended() : p.sealer.stop();
-    p.stopped = !p.sealer.started() || p.sealer.finish();
+  if (ends || stop_at != AcquireLink::kNotAsked) {
+    if (stop_at != AcquireLink::kNotAsked && p.latest < p.to) p.to = node_time(stop_at);
+    ends ? p.sealer.device_ended() : p.sealer.stop(p.to);
+    p.stopped = (ends && !p.sealer.started()) || p.sealer.finish();
+    if (p.stopped) check_sleeps();
     p.link.end_cause = ends ? p.ends : AbsenceCause::kStopped;
     truth_.ends(number_, p.link.end_cause);
   }
   if (!p.stopped && !ends) read(now_ns);
-  const NodeState state = p.sealer.started() ? NodeState::kStarted : NodeState::kPreview;
+  const NodeState state = p.from != NodeTime::max() ? NodeState::kStarted : NodeState::kPreview;
   const NodeState last = p.ends == AbsenceCause::kDeviceFailed ? NodeState::kFailed : NodeState::kEnded;
   report_progress(p.sealer, p.stopped ? last : state, p.link);
   watch_freed({}, {}, before);

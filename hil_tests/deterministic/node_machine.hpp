@@ -33,10 +33,12 @@ class NodeMachine {
   void kill(bool power);
   /// It ends in order: everything up to now is sealed, and it stays until its owner has that.
   void end(AbsenceCause cause);
-  bool runs() const { return program_ != nullptr && !paused_; }
+  bool runs() const { return program_ != nullptr && !paused_ && !asleep_at_ns_; }
   bool is_up() const { return program_ != nullptr; }
   /// SIGSTOP and SIGCONT.
   void pause(bool on);
+  /// Its computer, with its device, which samples nothing meanwhile.
+  void suspend(bool on, std::int64_t now_ns);
   /// The link process alone.
   void hang(bool on) { hung_ = on; }
   bool hangs() const { return hung_ || !runs(); }
@@ -71,7 +73,12 @@ class NodeMachine {
 
  private:
   struct Program;
+  WallTime wall(std::int64_t now_ns) const;
+  NodeTime node_time(WallTime wall) const;
   void read(std::int64_t now_ns);
+  void begin_with(const Scan& first, bool wakes);
+  void skip_sleep(const Scan& first);
+  void check_sleeps();
   void give_what_stands_beside(std::size_t scans);
   std::vector<std::filesystem::path> left_spools();
   std::int64_t spool_size();
@@ -89,6 +96,9 @@ class NodeMachine {
   SimulatedDisk disk_;  // outlives the epochs, and what uses it
   std::unique_ptr<Program> program_;
   bool paused_ = false;
+  int sleeps_ = 0;  // that are under way
+  std::optional<std::int64_t> asleep_at_ns_;
+  std::int64_t slept_ns_ = 0;  // by its clock
   bool hung_ = false;
   double spool_failing_ = 0;
   std::int64_t last_epoch_ = 0;
@@ -96,6 +106,7 @@ class NodeMachine {
   std::int64_t clock_offset_ns_;
   double clock_drift_;
   std::vector<Scan> scans_;               // of one read
+  std::vector<Scan> numbered_;            // the same, as the node's front end gives them
   std::vector<HashedScans::Row> counts_;  // of these
   std::vector<Edge> edges_;               // beside them
 };

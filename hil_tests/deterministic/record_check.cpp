@@ -73,7 +73,7 @@ void RecordCheck::take_own(const SealedBlock& block, Seen& of) {
     fault(header, "follows block " + std::to_string(of.sequence) + ": those between are lost");
   of.sequence = header.sequence;
   take_scans(block, of);
-  declared_gaps_ += block.kind == BlockKind::kGap ? 1 : 0;
+  declared_gaps_ += block.kind == BlockKind::kGap && decode_gap(block).cause != GapCause::kStartedLate;
   if (block.kind != BlockKind::kEnd) {
     of.sum.add(crc_of(block));
   } else {

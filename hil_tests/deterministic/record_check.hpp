@@ -52,7 +52,7 @@ class RecordCheck {
 
   std::int64_t blocks() const { return blocks_; }
   std::int64_t declared_scans() const { return declared_scans_; }  ///< in gaps of any cause
-  std::int64_t declared_gaps() const { return declared_gaps_; }    ///< of no scans, too
+  std::int64_t declared_gaps() const { return declared_gaps_; }    ///< of no scans, too; but for late starts
   std::int64_t lost_scans() const { return lost_scans_; }          ///< missing and not declared
   std::int64_t crash_tail_scans() const { return crash_tail_scans_; }
 

@@ -60,9 +60,11 @@ class Run {
 
   // As the sampling process does it.
   void produce(std::int64_t count) {
-    if (acquire_.start.load() && acquire_.state == NodeState::kPreview) acquire_.state = NodeState::kStarted;
+    if (acquire_.start_at.load() != AcquireLink::kNotAsked && acquire_.state == NodeState::kPreview)
+      acquire_.state = NodeState::kStarted;
     if (acquire_.state == NodeState::kStarted) started.count();
-    if (acquire_.stop.load() && in_.below(2) == 1) acquire_.state = NodeState::kEnded;
+    if (acquire_.stop_at.load() != AcquireLink::kNotAsked && in_.below(2) == 1)
+      acquire_.state = NodeState::kEnded;
     if (acquire_.state == NodeState::kEnded) count = 0;
     for (; count > 0; --count) {
       SealedBlock* room = ring_.claim();
@@ -107,6 +109,7 @@ class Run {
                           .incarnation = 1 + in_.below(3),
                           .verb = static_cast<Verb>(in_.below(7)),
                           .epoch = in_.below(2) * kNode.epoch,
+                          .delay_us = in_.below(400'000) - 200'000,
                           .vehicle_crc32c = in_.below(4) > 0 ? crc32c(kWanted) : 0};
     if (command.verb == Verb::kConfigure) vehicle_part();
     link_.take(command_channel(kNode.node), encode(command), now_);

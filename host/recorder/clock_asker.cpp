@@ -74,6 +74,14 @@ std::vector<ClockAsker::Question> ClockAsker::due(MachineTime now) {
   return questions;
 }
 
+void ClockAsker::host_slept() {
+  for (auto& [key, clock] : clocks_) {
+    clock.open.clear();  // an answer to one of before would be late by the sleep
+    clock.model.host_stepped();
+    clock.burst_ends = clock.asked + kBurst;
+  }
+}
+
 void ClockAsker::sent(const Question& question, const Stamp& stamp) {
   const auto clock = clocks_.find({question.datagram.node, question.datagram.epoch});
   if (clock != clocks_.end())
@@ -146,7 +154,10 @@ void ask_clocks(const std::string& bus_url, In<ClockPeer> peers, Out<RecordEvent
   ClockSocket socket(0);
   ClockAsker asker;
   EventOutlet record(std::move(events));
+  MachineClock::duration slept = MachineClock::slept();
   while (!peers.finished()) {
+    const MachineClock::duration before = std::exchange(slept, MachineClock::slept());
+    if (slept != before) asker.host_slept();
     while (const auto peer = peers.receive_for(milliseconds(0))) asker.heard(*peer, MachineClock::now());
     for (const auto& question : asker.due(MachineClock::now()))
       if (const auto stamp = socket.send(question.to, encode(question.datagram)))

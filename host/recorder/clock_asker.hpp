@@ -45,6 +45,9 @@ class ClockAsker {
 
   void take(const ClockDatagram& datagram, const UdpAddress& from, const Stamp& heard);
 
+  /// This computer was suspended: its clock knows how long, but not to the microsecond.
+  void host_slept();
+
   /// Exchanges that are complete, since the last call.
   std::vector<ClockExchange> exchanges(MachineTime now);
   /// Fits that are due: of a new epoch at once, to declare that it has a clock of its own; when it locks,

@@ -59,7 +59,8 @@ bool HeldEvents::push(const Note& note, std::int64_t timestamp_us) {
 // their own.
 bool HeldEvents::has_memory_for(NoteKind kind) {
   constexpr std::array kRecurring{NoteKind::kDevice,     NoteKind::kAsked,       NoteKind::kAlarmBegan,
-                                  NoteKind::kAlarmEnded, NoteKind::kNodeMissing, NoteKind::kNodeThere};
+                                  NoteKind::kAlarmEnded, NoteKind::kNodeMissing, NoteKind::kNodeThere,
+                                  NoteKind::kClockSet,   NoteKind::kSlept};
   if (std::ranges::find(kRecurring, kind) == kRecurring.end()) return true;
   if (notes_ < kMostNotes) {
     ++notes_;

@@ -149,6 +149,7 @@ int main(int argc, char** argv) {
   }
   options.folder = folder;
   options.start = !no_start;
+  options.keeps_awake = true;
   sizes.apply_to(options);
   options.on_cut_tail = [](const RecordWriter::CutTail& tail) {
     std::fprintf(stderr, "rb-recorder: cut a torn tail of %ju bytes off %s; it is kept in %s\n",

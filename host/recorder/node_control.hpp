@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <random>
 #include <utility>
 #include <vector>
@@ -15,6 +16,10 @@ namespace roadbalance {
 /// Claims the node epochs heard, starts them, and stops and releases them in the end; a pure state machine.
 /// Two epochs of one node are led apart: a command names the one that it is for.
 ///
+/// All that are there begin at one instant, which each start names, and end at another: a command is
+/// repeated until that is over, for one may be lost or late.  A node that comes later begins as soon as it
+/// can have heard of it.
+///
 /// A command is repeated with the same request number until it is answered or the heartbeat shows its effect;
 /// after a refusal it is asked anew.  An epoch that is silent is sent nothing.  Of more than kMostEpochs the
 /// one silent for longest is forgotten.
@@ -22,7 +27,12 @@ class NodeControl {
  public:
   /// @param start          each node epoch in preview, or leave it there
   /// @param ends_previews  stop those in preview, too: they will never be started
-  NodeControl(std::int64_t incarnation, bool start, std::uint64_t seed, bool ends_previews = false);
+  /// @param notice         from when the first node is heard to their common start
+  NodeControl(std::int64_t incarnation, bool start, std::uint64_t seed, bool ends_previews = false,
+              std::chrono::milliseconds notice = notice_for(1));
+
+  /// For so many nodes to hear of an instant, also where datagrams are lost and processors are busy.
+  static std::chrono::milliseconds notice_for(std::size_t nodes);
 
   void take(const Heartbeat& heartbeat);
   void take(const Reply& reply);
@@ -58,7 +68,9 @@ class NodeControl {
     bool owned = false;
     bool obeyed = false;    // was owned at some time
     bool heard_so = false;  // by a heartbeat, which has what it holds, not only by an answer
-    bool started = false;   // measures or has measured, a start is under way to it, or it is to end unstarted
+    bool is_start_answered = false;
+    std::optional<WallTime> start_at{};
+    bool started = false;  // measures or has measured, a start is under way to it, or it is to end unstarted
     Verb verb = Verb::kRelease;  // of the request below; release: none
     std::int64_t request = 0;
     WallTime sent_at{};
@@ -68,14 +80,20 @@ class NodeControl {
     bool is_ours_to_end() const { return started && obeyed; }
   };
   void note_obeyed(std::int64_t incarnation);
-  Verb wanted(const Node& node) const;
+  Verb wanted(const Node& node, WallTime now) const;
+  bool announces(const Node& node, WallTime now) const;
+  std::chrono::milliseconds repeats_after(const Node& node, Verb verb, WallTime now) const;
+  void appoint(WallTime now);
   bool is_silent(Node& node, WallTime now) const;
   std::int64_t new_request();
-  Command command(const Key& key, const Node& node) const;
+  Command command(const Key& key, const Node& node, WallTime now) const;
 
   std::int64_t incarnation_;
   const bool start_;
   const bool ends_previews_;
+  const std::chrono::milliseconds notice_;
+  std::chrono::milliseconds stop_notice_{};
+  std::optional<WallTime> start_at_, stop_at_;  // of all
   bool stopping_ = false;
   std::int64_t obeyed_higher_ = 0;
   std::mt19937_64 random_;

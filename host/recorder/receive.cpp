@@ -11,7 +11,6 @@
 #include "common/bus/recorder_status.hpp"
 #include "common/bus/results.hpp"
 #include "common/clock/utc.hpp"
-#include "common/process/heap.hpp"
 #include "host/recorder/alarm_watch.hpp"
 #include "host/recorder/incarnation.hpp"
 
@@ -21,6 +20,7 @@ namespace {
 using std::chrono::milliseconds;
 constexpr milliseconds kBusWait{2};  // longest wait for the bus: bounds the delay of an acknowledgement
 constexpr milliseconds kReport{200};
+constexpr milliseconds kFirstReport{20};  // until the first samples are on the disk: somebody waits for them
 constexpr milliseconds kStatus{500};
 constexpr milliseconds kLastWords{50};  // after the release: answers of the last acks
 constexpr milliseconds kStoreAgain{1000};
@@ -28,6 +28,7 @@ constexpr milliseconds kStoreAgain{1000};
 RecorderLinkOptions link_options(const RecorderOptions& options) {
   return {.start = options.start,
           .nodes = options.nodes,
+          .heard = options.heard,
           .end_with_nodes = options.end_with_nodes,
           .patience = options.patience,
           .seed = std::random_device{}(),
@@ -36,11 +37,6 @@ RecorderLinkOptions link_options(const RecorderOptions& options) {
           .absent_before = options.absent_before,
           .utc_us = utc_us()};
 }
-
-// Memory for a slow disk is reserved before it is slow: for blocks out of order, and for those that wait for
-// the disk, which take up to three times their size while the memory that holds them grows.
-constexpr std::size_t kHeapOfANode =
-    static_cast<std::size_t>(ReceiverOptions{}.window + 3 * ReceiverOptions{}.undurable) * sizeof(Delivery);
 
 // The link on its bus.
 class Reception {
@@ -53,6 +49,7 @@ class Reception {
         link_(link_options(options), incarnation.number, recovered),
         peers_(std::move(peers)),
         alarms_(incarnation.number) {
+    reserve_heap_for(nodes_provided_for_);  // before they are told to begin
     // First: that a node has a clock of its own is announced before its blocks are handed on.
     bus_.subscribe("RB_HEARTBEAT_.*", [this](std::string_view, auto bytes) { announce_clock(bytes); });
     for (const char* channels : {"RB_HEARTBEAT_.*", "RB_BLOCK_.*", "RB_REPLY_.*"})
@@ -83,7 +80,7 @@ class Reception {
     link_.turn(now, publish_);
     if (nodes_provided_for_ < link_.nodes()) {
       nodes_provided_for_ = link_.nodes();
-      reserve_heap(nodes_provided_for_ * kHeapOfANode);
+      reserve_heap_for(nodes_provided_for_);
     }
     for (const auto& sentence : link_.warnings()) warn(sentence);
     for (const auto& sentence : bus_.other_versions()) warn(sentence);
@@ -193,7 +190,7 @@ class Reception {
   AlarmWatch alarms_;
   static constexpr std::size_t kMostNamed = 8;       // numbers of nodes can be anything
   std::map<std::int32_t, WallTime> other_versions_;  // node and when it was heard last
-  std::size_t nodes_provided_for_ = 0;
+  std::size_t nodes_provided_for_ = options_.heard.size();
   bool writer_turns_ = false;
   const std::int64_t recorder_ = static_cast<std::int64_t>(std::random_device{}()) + 1;
   const WallTime began_ = WallClock::now();
@@ -213,7 +210,7 @@ void receive(std::stop_token stop, const RecorderOptions& options, const Incarna
   Reception reception(options, incarnation, recovered, std::move(peers));
   RecorderLink& link = reception.link();
   WallTime reported_at{};
-  bool leaves = false;
+  bool leaves = false, has_samples = false;
   for (bool over = false; !over;) {
     // Asked first: a writer that fails closes `news` and only then stops the threads here.  The nodes are not
     // meant: they go on, keep what is not durable and wait for the next recorder.
@@ -226,8 +223,9 @@ void receive(std::stop_token stop, const RecorderOptions& options, const Incarna
     const WallTime now = WallClock::now();
     if (stop_requested) link.stop(now, options.stopped_by ? options.stopped_by() : kStoppedBySignal);
     over = link.over(now);
-    if (options.on_progress && (over || now - reported_at >= kReport)) {
+    if (options.on_progress && (over || now - reported_at >= (has_samples ? kReport : kFirstReport))) {
       RecorderReport report_now = link.report();
+      has_samples = std::ranges::any_of(report_now.node, &NodeReport::has_durable_samples);
       report_now.absence = link.absences(now, utc_us());
       options.on_progress(report_now);
       reported_at = now;

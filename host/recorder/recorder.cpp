@@ -1,18 +1,24 @@
 #include "host/recorder/recorder.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <stdexcept>
 #include <system_error>
+#include <thread>
 #include <utility>
 
 #include "common/clock/utc.hpp"
+#include "common/link/receiver.hpp"
+#include "common/process/heap.hpp"
 #include "common/process/parallel.hpp"
+#include "common/process/pause.hpp"
 #include "common/record/folder.hpp"
 #include "host/recorder/clock_asker.hpp"
 #include "host/recorder/incarnation.hpp"
 #include "host/recorder/power/power_line.hpp"
+#include "host/recorder/power/sleep_inhibitor.hpp"
 #include "host/recorder/receive.hpp"
 #include "host/recorder/recording_store.hpp"
 #include "host/recorder/write.hpp"
@@ -39,6 +45,15 @@ std::unique_ptr<PowerLine> open_power(const RecorderOptions& options) {
   return power;
 }
 
+// An answer that takes its time is not waited for.
+void stay_awake(std::stop_token stop, const RecorderOptions& options) {
+  const SleepInhibitor inhibitor;
+  if (!inhibitor.refusal().empty() && options.on_warning)
+    options.on_warning("this computer may fall asleep while it records: " + inhibitor.refusal());
+  while (pause(stop, std::chrono::hours(1))) {
+  }
+}
+
 // By their names, for neither need be there yet, or can be asked.
 void refuse_one_folder_twice(const RecorderOptions& options) {
   if (options.fallback.empty()) return;
@@ -63,7 +78,18 @@ StoreOptions RecorderOptions::store() const {
           .commit_period = commit_period,
           .reserve_bytes = reserve_bytes,
           .ballast_bytes = reserve_bytes / 4,
+          .first_at_once = first_at_once,
+          .notes_clocks = sends_state,
           .keep_bytes = keep_bytes};
+}
+
+void reserve_heap_for(std::size_t nodes) {
+  // Blocks out of order, and those that wait for the disk, which take up to three times their size while the
+  // memory that holds them grows.
+  constexpr auto kOfANode =
+      static_cast<std::size_t>(ReceiverOptions{}.window + 3 * ReceiverOptions{}.undurable) * sizeof(Delivery);
+  static std::atomic<std::size_t> provided_for = 0;  // the heap keeps what it once had
+  if (provided_for.exchange(std::max(nodes, provided_for.load())) < nodes) reserve_heap(nodes * kOfANode);
 }
 
 void refuse_mistakes(const RecorderOptions& options) {
@@ -89,6 +115,8 @@ RecorderReport run_recorder(std::stop_token stop, const RecorderOptions& options
       .power = power.get(), .on_warning = options.on_warning, .notes = options.notes};
   RecorderReport report;
 
+  std::jthread awake;
+  if (options.keeps_awake) awake = std::jthread(stay_awake, std::cref(options));
   Parallel recorder;
   const std::stop_callback pass_on(stop, [&recorder] { recorder.request_stop(); });
   recorder.run(write_record, std::ref(store), std::cref(write_options), std::move(batches_in),

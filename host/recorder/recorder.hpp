@@ -85,6 +85,7 @@ struct RecorderOptions {
   bool continues = false;           ///< as in StoreOptions
   bool start = true;                ///< start each node that is claimed
   std::vector<std::int32_t> nodes;  ///< claim only these; empty: every node heard
+  std::vector<Heartbeat> heard{};   ///< the last of each node that is there, so far as they are known
   /// End when each of `nodes` has ended and all of it is on the disk.
   bool end_with_nodes = false;
   /// Missed when they do not come or do not stay; beside them every node that came.
@@ -96,6 +97,8 @@ struct RecorderOptions {
   std::int64_t keep_bytes = 0;            ///< retention: delete the oldest finished segments beyond; 0: never
   std::int64_t reserve_bytes = 16 << 20;  ///< of the disk, not for measuring
   EpochScope scope{};
+  bool first_at_once = false;          ///< as in StoreOptions
+  bool keeps_awake = false;            ///< the computer: SleepInhibitor; what is refused is a warning
   std::int64_t first_incarnation = 0;  ///< no lower, whatever the wall clock is
   bool sends_state = true;  ///< false: another recorder of this program sends what the bus and on_alive get
   std::string power;  ///< the supply to watch: see open_power_line; empty: none.  A line that cannot be read
@@ -124,6 +127,9 @@ struct RecorderOptions {
 
   StoreOptions store() const;
 };
+
+/// Memory for a disk that is slow is reserved before it is: for the blocks of so many nodes.
+void reserve_heap_for(std::size_t nodes);
 
 /// Refuses options that stay wrong whatever is plugged in later; neither folders nor devices need be there.
 /// @throws std::invalid_argument if `power` is no name of a line, or the fallback is the folder itself

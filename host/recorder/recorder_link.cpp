@@ -15,6 +15,12 @@ constexpr milliseconds kMostLastAcks{15'000};  // at the end, until each node ha
 // Some heartbeats of every node: before, the nodes to be waited for are not known.
 constexpr milliseconds kListening{1000};
 
+// Nobody waits for the answer of a recorder that is begun before its nodes: they have time to be heard.
+milliseconds notice_of(const RecorderLinkOptions& options) {
+  constexpr milliseconds kUnheard{600};
+  return options.heard.empty() ? kUnheard : NodeControl::notice_for(options.heard.size());
+}
+
 // Who leaves the start of nodes to others leaves their stop to them, too; a rest that is fetched has ended.
 NodePresence::Options presence_of(const RecorderLinkOptions& options) {
   return {.misses = options.start && options.scope.only.empty(),
@@ -29,8 +35,9 @@ NodePresence::Options presence_of(const RecorderLinkOptions& options) {
 RecorderLink::RecorderLink(RecorderLinkOptions options, std::int64_t incarnation,
                            const RecordState& recovered)
     : options_(std::move(options)),
+      heard_before_(options_.heard),
       receiver_(incarnation),
-      control_(incarnation, options_.start, options_.seed, !options_.scope.only.empty()),
+      control_(incarnation, options_.start, options_.seed, !options_.scope.only.empty(), notice_of(options_)),
       counters_(recovered),
       heard_(receiver_, control_),
       presence_(presence_of(options_), recovered) {
@@ -62,23 +69,27 @@ void RecorderLink::on_heartbeat(std::span<const std::uint8_t> bytes, WallTime no
     ++refused_;
     return;
   }
-  set_apart(*heartbeat);
-  if (!is_ours({heartbeat->node, heartbeat->epoch}) || !has_room_for(heartbeat->node, now)) return;
-  control_.take(*heartbeat);
+  hear(*heartbeat, now);
+}
+
+void RecorderLink::hear(const Heartbeat& heartbeat, WallTime now) {
+  set_apart(heartbeat);
+  if (!is_ours({heartbeat.node, heartbeat.epoch}) || !has_room_for(heartbeat.node, now)) return;
+  control_.take(heartbeat);
   // An epoch that obeys another recorder is in that one's record; here it would be a fragment with gaps that
   // are none.
-  const bool ours = receiver_.find(heartbeat->node, heartbeat->epoch) ||
-                    control_.has_obeyed(heartbeat->node, heartbeat->epoch);
-  foreign_.take(*heartbeat, incarnation(), now);
-  if (!ours && heartbeat->owner != 0) presence_.take_foreign(heartbeat->node, now);
+  const bool ours =
+      receiver_.find(heartbeat.node, heartbeat.epoch) || control_.has_obeyed(heartbeat.node, heartbeat.epoch);
+  foreign_.take(heartbeat, incarnation(), now);
+  if (!ours && heartbeat.owner != 0) presence_.take_foreign(heartbeat.node, now);
   if (!ours) return;
-  receiver_.take(*heartbeat, now, delivered_);
-  if (!receiver_.find(heartbeat->node, heartbeat->epoch)) return;
+  receiver_.take(heartbeat, now, delivered_);
+  if (!receiver_.find(heartbeat.node, heartbeat.epoch)) return;
   // A disk that fails takes no notes either; they would only fill the memory.
-  heard_.take(*heartbeat, now, credit_open_, device_notes_);
-  counters_.take(*heartbeat);
-  presence_.take(*heartbeat, now);
-  note_early_end(*heartbeat, now);
+  heard_.take(heartbeat, now, credit_open_, device_notes_);
+  counters_.take(heartbeat);
+  presence_.take(heartbeat, now);
+  note_early_end(heartbeat, now);
 }
 
 // The rest of a recording that is over: a node that was cut off measured to its stop, unless it ended before.
@@ -125,6 +136,7 @@ void RecorderLink::set_credit_open(bool open) {
 
 void RecorderLink::turn(WallTime now, const Publish& publish) {
   count_silence_to(now);
+  for (const Heartbeat& heartbeat : std::exchange(heard_before_, {})) hear(heartbeat, now);
   for (; counted_ < delivered_.size(); ++counted_) counters_.take(delivered_[counted_]);
   for (const Ack& ack : receiver_.due(now))
     if (!publish(ack_channel(ack.node), encode(ack))) ++unsent_;

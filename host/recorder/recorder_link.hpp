@@ -17,6 +17,7 @@
 #include "common/link/receiver.hpp"
 #include "common/record/record_state.hpp"
 #include "common/types/clocks.hpp"
+#include "common/types/control.hpp"
 #include "host/recorder/device_notes.hpp"
 #include "host/recorder/epoch_counters.hpp"
 #include "host/recorder/epoch_scope.hpp"
@@ -44,6 +45,7 @@ struct LinkCounters {
 struct RecorderLinkOptions {
   bool start = true;                ///< start each node that is claimed
   std::vector<std::int32_t> nodes;  ///< record only these; empty: every node heard
+  std::vector<Heartbeat> heard{};   ///< of the nodes that are there; empty: they are still to be heard
   bool end_with_nodes = false;      ///< be over when each of `nodes` has ended and all of it is on the disk
   /// After a stop: how long to wait without any news for the nodes' last blocks.
   std::chrono::milliseconds patience{10'000};
@@ -135,6 +137,7 @@ class RecorderLink {
   };
   void count_silence_to(WallTime now);
   void on_heartbeat(std::span<const std::uint8_t> bytes, WallTime now);
+  void hear(const Heartbeat& heartbeat, WallTime now);
   void on_block(std::span<const std::uint8_t> bytes, WallTime now);
   void note_early_end(const Heartbeat& heartbeat, WallTime now);
   void on_reply(std::span<const std::uint8_t> bytes);
@@ -144,6 +147,7 @@ class RecorderLink {
   void send(const Command& command, const Publish& publish);
 
   const RecorderLinkOptions options_;
+  std::vector<Heartbeat> heard_before_;  // and not yet looked at
   Receiver receiver_;
   NodeControl control_;
   EpochCounters counters_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <utility>
 
 #include "common/bus/bus.hpp"
@@ -51,9 +52,24 @@ void RecordingStore::begin() {
   }
 }
 
-void RecordingStore::set_clocks(std::int64_t utc_us, std::int64_t host_ns) {
+void RecordingStore::set_clocks(std::int64_t utc_us, std::int64_t host_ns, MachineClock::duration slept) {
+  constexpr std::int64_t kSet_us = 500'000;  // no slewing from one turn to the next
+  const bool is_first = stamp_.time_us == 0;
+  const std::int64_t change_us = (utc_us - stamp_.time_us) - (host_ns - stamp_.host_ns) / 1000;
+  const std::int64_t slept_us =
+      std::chrono::duration_cast<std::chrono::microseconds>(slept - std::exchange(slept_, slept)).count();
   stamp_.time_us = utc_us;
   stamp_.host_ns = host_ns;
+  if (is_first || !options_.notes_clocks) return;
+  if (slept_us > 0) {
+    note(NoteKind::kSlept, slept_us, 0, "");
+    warnings_.push_back("this computer was suspended for " + std::to_string(slept_us / 1'000'000) +
+                        " s: what was not measured is declared as a gap");
+  }
+  if (std::abs(change_us) < kSet_us) return;
+  note(NoteKind::kClockSet, change_us, 0, "");
+  warnings_.push_back("the wall clock was set by " + std::to_string(change_us / 1'000'000) +
+                      " s: times of the recording are put right by that");
 }
 
 void RecordingStore::append(const Delivery& delivery, WallTime now) {
@@ -64,6 +80,7 @@ void RecordingStore::append(const Delivery& delivery, WallTime now) {
     block = &declared;
   }
   held_.await(*block, now);
+  if (block->kind == BlockKind::kScan && first_ == First::kToCome) first_ = First::kWaits;
   bytes_recorded_ += block->size;
   const bool at_once = write_held(now) && may_write(now);
   journal_.add(*block);
@@ -168,8 +185,9 @@ void RecordingStore::hold_anew() {
 
 bool RecordingStore::commit_is_due(WallTime now) const {
   const bool waits = held_.blocks() > 0;
-  if (waits && (held_.is_urgent() || held_.bytes() >= options_.commit_bytes || !held_.is_caught_up() ||
-                now >= held_.oldest() + options_.commit_period))
+  const bool is_awaited = options_.first_at_once && first_ == First::kWaits;
+  if (waits && (is_awaited || held_.is_urgent() || held_.bytes() >= options_.commit_bytes ||
+                !held_.is_caught_up() || now >= held_.oldest() + options_.commit_period))
     if (failures_.may_try(now)) return true;
   return (!waits || !failures_.may_try(now)) && now >= duties_at_;
 }
@@ -194,6 +212,7 @@ std::vector<DurableMark> RecordingStore::all_is_durable() {
   std::vector<DurableMark> marks;
   for (const auto& [key, sequence] : held_.clear(folders_.appended()))
     marks.push_back({key.first, key.second, sequence});
+  if (first_ == First::kWaits) first_ = First::kDurable;
   const bool had_failed = failures_.succeed();
   if (had_failed || is_lost_)
     warnings_.push_back(

@@ -64,8 +64,10 @@ class RecordingStore {
   /// Tails that were cut off at the start: of the first folder, and of the fallback.
   const std::vector<RecordWriter::CutTail>& cut_tails() const { return folders_.cut_tails(); }
 
-  /// The host's clocks at this instant; entries are stamped with the pair given last.
-  void set_clocks(std::int64_t utc_us, std::int64_t host_ns);
+  /// The host's clocks at this instant; entries are stamped with the pair given last.  A wall clock that was
+  /// set and a sleep of the computer become notes.
+  /// @param slept  as MachineClock::slept(), which host_ns counts, too
+  void set_clocks(std::int64_t utc_us, std::int64_t host_ns, MachineClock::duration slept = {});
   /// The first notes: that the recorder runs, and, if so, that tails were cut.
   void begin();
 
@@ -136,7 +138,9 @@ class RecordingStore {
   SpaceWatch space_;
   StoreJournal journal_;
   SegmentRetention retention_;
-  EpochSums sums_;        // of the blocks given
+  EpochSums sums_;                                                         // of the blocks given
+  enum class First { kToCome, kWaits, kDurable } first_ = First::kToCome;  // samples
+  MachineClock::duration slept_{};
   Note stamp_;            // the clocks and incarnation that notes get
   bool is_lost_ = false;  // what was durable in a folder that was removed, and not yet reported
   bool maintenance_is_due_ = false;

@@ -23,6 +23,10 @@ struct StoreOptions {
   /// file.
   std::int64_t reserve_bytes = std::int64_t{16} << 20;
   std::int64_t ballast_bytes = std::int64_t{4} << 20;
+  /// The first samples are not kept waiting for others: somebody waits until they are on the disk.
+  bool first_at_once = false;
+  /// That the wall clock was set, or the computer slept, is noted: of a recording that is being made.
+  bool notes_clocks = true;
   /// Retention: the oldest finished segments are deleted while there are more bytes; 0: never.
   std::int64_t keep_bytes = 0;
 };

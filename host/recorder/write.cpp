@@ -1,10 +1,10 @@
 #include "host/recorder/write.hpp"
 
 #include <algorithm>
-#include <ctime>
 #include <optional>
 #include <stdexcept>
 
+#include "common/clock/utc.hpp"
 #include "host/recorder/power/power_watch.hpp"
 
 namespace roadbalance {
@@ -13,12 +13,6 @@ namespace {
 using std::chrono::milliseconds;
 constexpr milliseconds kWriteWait{50};  // longest wait: the supply is read so often
 constexpr milliseconds kNewsPeriod{200};
-
-std::int64_t clock_ns(clockid_t clock) {
-  timespec time{};
-  clock_gettime(clock, &time);
-  return std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
-}
 
 class Writing {
  public:
@@ -60,7 +54,10 @@ class Writing {
       store_.note(note.kind, note.a, note.b, note.text, WallClock::now() - note.at);
   }
 
-  void set_clocks() { store_.set_clocks(clock_ns(CLOCK_REALTIME) / 1000, clock_ns(CLOCK_MONOTONIC_RAW)); }
+  void set_clocks() {
+    const MachineClock::duration slept = MachineClock::slept();
+    store_.set_clocks(utc_us(), to_ns(MachineClock::now()), slept);
+  }
 
   void watch_power(WallTime now) {
     switch (power_.take(options_.power->is_good(), now)) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <exception>
-#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -15,6 +14,7 @@
 #include "common/config/vehicle_config.hpp"
 #include "common/record/record_reader.hpp"
 #include "host/recording/recorded_vehicle.hpp"
+#include "host/recording/set_clocks.hpp"
 #include "host/recording/subset/reduction.hpp"
 #include "host/recording/verify/verify.hpp"
 
@@ -24,21 +24,26 @@ namespace {
 /// Facts that verify_record() does not collect.
 struct Survey {
   std::map<std::int32_t, double> overload_s, sync_residual_s;  ///< by node
-  std::int64_t first_us = std::numeric_limits<std::int64_t>::max(), last_us = 0;
+  SetClocks clocks;
+  SetClocks::Stamp first{}, last{};
   std::vector<RecordingSummary::Mark> mark;
+  std::vector<SetClocks::Stamp> marked;  // each mark
   std::set<std::int64_t> mark_number;
 };
 
 void take(const LogEvent& event, SealedBlock& block, Survey& found) {
   if (event.timestamp_us > 0) {  // descriptions before the first block have none
-    found.first_us = std::min(found.first_us, event.timestamp_us);
-    found.last_us = std::max(found.last_us, event.timestamp_us);
+    found.last = found.clocks.stamp(event.timestamp_us);
+    if (found.first.utc_us == 0) found.first = found.last;
   }
   if (event.channel == kNoteChannel) {
+    const auto note = decode_note(event.data);
+    if (note) found.clocks.take(*note);
     // A recorder that was killed may have noted it before: it is noted again under the same number.
-    if (const auto note = decode_note(event.data);
-        note && note->kind == NoteKind::kMark && found.mark_number.insert(note->a).second)
+    if (note && note->kind == NoteKind::kMark && found.mark_number.insert(note->a).second) {
       found.mark.push_back({note->time_us, note->text, static_cast<std::int32_t>(note->a)});
+      found.marked.push_back(found.clocks.stamp(note->time_us));
+    }
   } else if (const auto fit = decode_clock_fit(event.data)) {
     double& worst = found.sync_residual_s.try_emplace(fit->node, -1.0).first->second;
     if (fit->is_known()) worst = std::max(worst, fit->uncertainty_s);
@@ -56,7 +61,8 @@ Survey survey(const std::filesystem::path& folder) {
   reader.finish();
   const auto block = std::make_unique<SealedBlock>();
   while (const auto event = reader.next()) take(*event, *block, found);
-  if (found.last_us == 0) found.first_us = 0;
+  for (std::size_t k = 0; k < found.mark.size(); ++k)
+    found.mark[k].time_us = found.clocks.utc_us(found.marked[k]);
   return found;
 }
 
@@ -142,8 +148,8 @@ RecordingSummary summary_of(const std::filesystem::path& folder, const Verificat
   put_vehicle(folder, summary);
   try {
     Survey found = survey(folder);
-    summary.first_us = found.first_us;
-    summary.last_us = found.last_us;
+    summary.first_us = found.clocks.utc_us(found.first);
+    summary.last_us = found.clocks.utc_us(found.last);
     put_nodes(proof, found, summary);
     summary.marks = static_cast<std::int32_t>(found.mark.size());
     summary.mark = std::move(found.mark);

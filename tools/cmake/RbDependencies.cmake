@@ -25,6 +25,7 @@ rb_find_library(cln cln/cln.h cln)
 rb_find_library(ginac ginac/ginac.h ginac)
 rb_find_library(sndfile sndfile.h sndfile)
 rb_find_library(zlib zlib.h z)
+rb_find_library(systemd systemd/sd-bus.h systemd)
 # Debian keeps the serial library apart from those for clusters.
 find_path(HDF5_INCLUDE hdf5.h PATH_SUFFIXES hdf5/serial REQUIRED)
 find_library(HDF5_LIBRARY hdf5 PATH_SUFFIXES hdf5/serial REQUIRED)

@@ -29,7 +29,7 @@ DemoPlan::DemoPlan(const DemoOptions& options) : options_(options), vehicle_(rea
                       ": the folder is not empty; allowed: a new or an empty one");
   url_ = bus_url_on_port(quiet_port(options.bus_port));
   constexpr auto kTimeToStart = std::chrono::seconds(1);
-  start_ns_ = to_ns(WallClock::now() + kTimeToStart);
+  start_ns_ = to_ns(WallClock::now() + MachineClock::slept() + kTimeToStart);
   // Beside what else is in the folder: what is started on the page gets a folder beside the first one.
   record_ = options.record.empty() ? work() / "recordings" / "drive"
                                    : std::filesystem::absolute(options.record).lexically_normal();

@@ -51,7 +51,7 @@ class DemoPlan {
   TemporaryFolder work_{"rb-demo"};
   std::filesystem::path record_;
   std::string url_;
-  std::int64_t start_ns_;  ///< of the drive, CLOCK_MONOTONIC: one start for all nodes
+  std::int64_t start_ns_;  ///< of the drive, CLOCK_BOOTTIME: one start for all nodes
   VehicleConfig vehicle_;
 };
 

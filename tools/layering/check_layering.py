@@ -36,6 +36,7 @@ KEPT = {
 KEPT_IN_PRODUCT = {
     "gpiod.h": ("common/gpio/gpio_chip.cpp",),
     "libusb": ("firmware/backends/usb/usb_device.cpp",),
+    "systemd/": ("host/recorder/power/sleep_inhibitor.cpp",),
     "linux/can": ("firmware/backends/socketcan/can_socket.cpp", "firmware/backends/socketcan/can_link.cpp"),
 }
 

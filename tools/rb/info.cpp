@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
-#include <limits>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -29,6 +28,7 @@
 #include "common/types/angle_sigma.hpp"
 #include "host/recording/preamble.hpp"
 #include "host/recording/recorded_vehicle.hpp"
+#include "host/recording/set_clocks.hpp"
 #include "host/recording/verify/verify.hpp"
 #include "host/recordings/recording_summary.hpp"
 #include "host/recordings/recordings_list.hpp"
@@ -57,6 +57,7 @@ struct Survey {
     std::int64_t exchanges = 0;  // recorded
     std::int64_t breaks = 0;     // of all recorders
     std::optional<ClockFit> last;
+    std::optional<SetClocks::Stamp> begins_at, ends_at;
     std::optional<std::int64_t> begins_us, ends_us;  // UTC of blocks placed by it
 
     bool is_known() const { return last && last->is_known(); }
@@ -74,8 +75,7 @@ struct Survey {
   std::map<int, std::uint64_t> segment_bytes;
   std::map<NodeEpoch, Clock> clock;
   SignalSurvey signals;
-  std::int64_t first_us = std::numeric_limits<std::int64_t>::max();
-  std::int64_t last_us = 0;
+  std::int64_t first_us = 0, last_us = 0;  // 0: no event has a time
 };
 
 void count_angles(const ScanBlock& block, std::array<Survey::Angle, kEncoderLines>& angle) {
@@ -89,7 +89,7 @@ void count_angles(const ScanBlock& block, std::array<Survey::Angle, kEncoderLine
 }
 
 // Counts the block; its UTC is known if its segment or one before has a fit of its node's clock.
-void look_at(const LogEvent& event, const RecordedClocks& clocks, Survey& found) {
+void look_at(const LogEvent& event, const RecordedClocks& clocks, const SetClocks& set, Survey& found) {
   SealedBlock block;
   if (!event.channel.ends_with("_SCAN") || accept(event, block) != Refusal::kNone) return;
   const NodeEpoch key{block.header.node, block.header.epoch};
@@ -97,8 +97,8 @@ void look_at(const LogEvent& event, const RecordedClocks& clocks, Survey& found)
   const auto host_ns = clocks.host_ns(key, block.header.time_ns);
   if (block.header.sequence <= 0 || !host_ns) return;
   Survey::Clock& clock = found.clock[key];
-  clock.ends_us = clocks.utc_us(*host_ns);
-  if (!clock.begins_us) clock.begins_us = clock.ends_us;
+  clock.ends_at = set.stamp(clocks.utc_us(*host_ns).value_or(0));
+  if (!clock.begins_at) clock.begins_at = clock.ends_at;
 }
 
 Survey survey(const std::filesystem::path& folder) {
@@ -108,8 +108,12 @@ Survey survey(const std::filesystem::path& folder) {
   RecordReader reader(folder);
   reader.finish();
   RecordedClocks clocks;
+  SetClocks set;
+  SetClocks::Stamp first, last;
   while (const auto event = reader.next()) {
-    look_at(*event, clocks, found);
+    look_at(*event, clocks, set, found);
+    if (event->channel == kNoteChannel)
+      if (const auto note = decode_note(event->data)) set.take(*note);
     found.signals.add(event->channel, event->data);
     if (const auto fit = clocks.take(event->channel, event->data)) {
       auto& clock = found.clock[{fit->node, fit->epoch}];
@@ -122,10 +126,15 @@ Survey survey(const std::filesystem::path& folder) {
       ++found.clock[{exchange->node, exchange->epoch}].exchanges;
     }
     if (event->timestamp_us <= 0) continue;  // descriptions before the first block
-    found.first_us = std::min(found.first_us, event->timestamp_us);
-    found.last_us = std::max(found.last_us, event->timestamp_us);
+    last = set.stamp(event->timestamp_us);
+    if (first.utc_us == 0) first = last;
   }
-  if (found.last_us == 0) found.first_us = 0;
+  found.first_us = set.utc_us(first);
+  found.last_us = set.utc_us(last);
+  for (auto& [key, clock] : found.clock) {
+    if (clock.begins_at) clock.begins_us = set.utc_us(*clock.begins_at);
+    if (clock.ends_at) clock.ends_us = set.utc_us(*clock.ends_at);
+  }
   return found;
 }
 

@@ -6,7 +6,7 @@ import struct
 KINDS = {"scan_block_t": "SCAN", "edge_block_t": "EDGE", "gap_t": "GAP", "meta_t": "META", "end_t": "END",
          "signal_block_t": "SIGNAL"}
 CAUSES = {1: "ring_full", 2: "device_overrun", 4: "lost_at_node", 5: "node_crash", 6: "source_gap",
-          7: "lost_in_record", 8: "device_gone"}
+          7: "lost_in_record", 8: "device_gone", 9: "started_late", 10: "slept"}
 HEADER = struct.Struct(">qiqqqqq")
 HEADER_FIELDS = ["node", "epoch", "sequence", "first_scan", "scans", "time_ns"]
 INDEX_LIMIT = 1 << 48

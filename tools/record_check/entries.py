@@ -9,7 +9,7 @@ from record_check.event_log import ends_with_its_crc
 
 ENTRIES = {b"RB_JOURNAL": "journal_t", b"RB_NOTE": "note_t", b"RB_COMMIT": "commit_t"}
 RECORDED = {*KINDS, *ENTRIES.values(), "clock_exchange_t", "clock_fit_t"}
-SEGMENT_ABANDONED, SEGMENT_DELETED, LAST_KIND = 5, 11, 26  # kinds of notes
+SEGMENT_ABANDONED, SEGMENT_DELETED, LAST_KIND = 5, 11, 28  # kinds of notes
 UTC_LIMIT_US = 4_100_000_000_000_000
 LAST_SEGMENT = (1 << 31) - 1
 TEXT_BYTES = 400

@@ -24,6 +24,10 @@ const char* cause_name(GapCause cause) {
       return "lost_in_record";
     case GapCause::kDeviceGone:
       return "device_gone";
+    case GapCause::kStartedLate:
+      return "started_late";
+    case GapCause::kSlept:
+      return "slept";
   }
   return "unknown";
 }

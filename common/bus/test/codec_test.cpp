@@ -228,9 +228,9 @@ TEST(Codec, RefusesFieldsOutOfBoundsThoughTheCrcIsRight) {
   edges = some_edges();
   edges.codes[static_cast<std::size_t>(edges.size - 1)] |= 0x80;
   EXPECT_TRUE(refused(edges)) << "a code that does not end";
-  GapBlock absence{.header = kHeader, .cause = GapCause::kDeviceGone};
+  GapBlock absence{.header = kHeader, .cause = GapCause::kSlept};
   EXPECT_FALSE(refused(absence));
-  absence.cause = static_cast<GapCause>(static_cast<int>(GapCause::kDeviceGone) + 1);
+  absence.cause = static_cast<GapCause>(static_cast<int>(GapCause::kSlept) + 1);
   EXPECT_TRUE(refused(absence));
   MetaBlock text = some_text();
   text.part = 4;

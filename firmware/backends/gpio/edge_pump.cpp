@@ -11,7 +11,8 @@
 namespace roadbalance {
 namespace {
 
-constexpr std::size_t kEventsHeld = 4096;  // 7 ms of two 1000-pulse transducers in quadrature are 3400
+constexpr std::int64_t kSlept_ns = 5'000'000;  // more than the system slews the one clock against the other
+constexpr std::size_t kEventsHeld = 4096;      // 7 ms of two 1000-pulse transducers in quadrature are 3400
 
 std::int64_t monotonic_now_ns() {
   return to_ns(WallClock::now());
@@ -85,7 +86,9 @@ void EdgePump::turn() noexcept {
     chip_->wait(kPatience, waiting_);
   else
     std::this_thread::sleep_for(kPatience);
-  machine_minus_monotonic_ns_ = machine_minus(CLOCK_MONOTONIC).count();
+  const std::int64_t known_ns =
+      std::exchange(machine_minus_monotonic_ns_, machine_minus(CLOCK_MONOTONIC).count());
+  if (known_ns != 0 && machine_minus_monotonic_ns_ - known_ns > kSlept_ns && chip_) return wake();
   if (!chip_) return complete_before(before_ns);  // nothing will come
   if (!read_waiting()) return;
   give_before(before_ns - kSettle_ns);
@@ -95,6 +98,19 @@ void EdgePump::turn() noexcept {
 void EdgePump::complete_before(std::int64_t monotonic_ns) noexcept {
   store_.complete_ns.store(monotonic_ns + machine_minus_monotonic_ns_ - kClockReading_ns,
                            std::memory_order_release);
+}
+
+/// The computer has slept: the kernel's stamps do not show on which side of that an edge lies.
+void EdgePump::wake() noexcept {
+  const std::int64_t now_ns = monotonic_now_ns();
+  for (std::size_t k = 0; k < waiting_.size(); ++k) {
+    if (waiting_[k] == Waiting::kNothing) continue;
+    if (waiting_[k] == Waiting::kGone || !chip_->read(k, event_)) return chip_is_gone();
+  }
+  give_before(INT64_MAX);
+  lose_all(now_ns);
+  read_levels();
+  complete_before(now_ns - kSettle_ns);
 }
 
 /// True if all that came before the wait has been read.

@@ -62,6 +62,7 @@ class EdgePump {
   void give_before(std::int64_t monotonic_ns) noexcept;
   void drop(std::uint8_t line, DeviceCounter why) noexcept;
   void store(const Edge& edge) noexcept;
+  void wake() noexcept;
   void lose_all(std::int64_t monotonic_ns) noexcept;
   void chip_is_gone() noexcept;
   void complete_before(std::int64_t monotonic_ns) noexcept;

@@ -103,6 +103,7 @@ bool RecordedDrive::take(const SealedBlock& block) {
       std::copy_n(counts.begin() + kAccelerations, kReferences, scan.references.begin());
       scan.overload = static_cast<std::uint32_t>(read.overload);
       scan.after_absence = std::exchange(absent_, false);
+      scan.after_sleep = std::exchange(slept_, false);
     }
   } else if (block.kind == BlockKind::kEdge) {
     const std::vector<Edge> edges = decode_edge(block).unpack();
@@ -111,7 +112,9 @@ bool RecordedDrive::take(const SealedBlock& block) {
     const std::vector<SignalSample> samples = decode_signal(block).unpack();
     signals_.insert(signals_.end(), samples.begin(), samples.end());
   } else if (block.kind == BlockKind::kGap) {
-    absent_ = absent_ || decode_gap(block).cause == GapCause::kDeviceGone;
+    const GapCause cause = decode_gap(block).cause;
+    absent_ = absent_ || cause == GapCause::kDeviceGone;
+    slept_ = slept_ || cause == GapCause::kSlept;
   }
   return block.kind == BlockKind::kEnd;
 }

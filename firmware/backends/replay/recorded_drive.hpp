@@ -47,6 +47,7 @@ class RecordedDrive {
   NodeTime first_scan_{};
   bool over_ = false;
   bool absent_ = false;  ///< the gap before the next scan is one of a device that was gone
+  bool slept_ = false;   ///< the same of a sleep
   std::deque<Scan> scans_;
   std::deque<Edge> edges_;
   std::deque<SignalSample> signals_;

@@ -253,6 +253,8 @@ void BoardLink::welcome(const Session& session, std::size_t which) {
 void BoardLink::serve(std::stop_token stop, Session& session) {
   while (!stop.stop_requested()) {
     session.bus.serve(kServing);
+    // Its timer may have slept, too, or not: only a new session shows.
+    if (MachineClock::slept() != session.slept) return;
     if (slipped_.load(std::memory_order_relaxed) == session.token)
       return report_[1]->count(DeviceCounter::kOutOfStep);
     for (std::size_t k = 0; k < session.board.size(); ++k) {

@@ -50,6 +50,7 @@ class BoardLink {
   struct Session {
     UsbBus bus;
     std::uint32_t token = 0;
+    const MachineClock::duration slept = MachineClock::slept();  ///< when it was begun
     std::vector<std::unique_ptr<UsbDevice>> board;
     std::vector<WallTime> heard;             ///< when each sent something last
     WallTime compared{};                     ///< when the first was asked for its time last

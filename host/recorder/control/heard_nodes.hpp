@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/types/clocks.hpp"
+#include "common/types/control.hpp"
 
 namespace roadbalance {
 
@@ -21,6 +22,8 @@ class HeardNodes {
   void take(std::span<const std::uint8_t> bytes, WallTime now);
 
   int count(WallTime now);
+  /// The last of each that is there.
+  std::vector<Heartbeat> heartbeats(WallTime now);
   std::vector<std::int32_t> nodes(WallTime now);
   /// Those that left within the last 3 s.
   std::vector<std::int32_t> left(WallTime now);
@@ -33,7 +36,7 @@ class HeardNodes {
 
   struct Heard {
     WallTime at{};
-    std::uint32_t vehicle_crc32c = 0;
+    Heartbeat beat{};
     bool has_left = false;
   };
   std::vector<std::int32_t> nodes_that(bool have_left, WallTime now);

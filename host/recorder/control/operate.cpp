@@ -18,7 +18,7 @@ namespace {
 constexpr std::chrono::milliseconds kBusWait{20};
 
 Operating::Time time_now() {
-  return {.now = WallClock::now(), .utc_us = utc_us()};
+  return {.now = WallClock::now(), .utc_us = utc_us(), .slept = MachineClock::slept()};
 }
 
 }  // namespace
@@ -37,7 +37,9 @@ RecorderReport operate(std::stop_token stop, const OperateOptions& options) {
                                        .begin = [](RecorderOptions of) -> std::unique_ptr<Session> {
                                          return std::make_unique<RecordingSession>(std::move(of));
                                        },
-                                       .seed = (std::uint64_t{device()} << 32) | device()},
+
+                                       .seed = (std::uint64_t{device()} << 32) | device(),
+                                       .provide = reserve_heap_for},
                       time_now());
     wanted.start.reset();  // once
   };

@@ -20,6 +20,7 @@ using std::chrono::milliseconds;
 constexpr milliseconds kSettling{1000};
 constexpr milliseconds kStatus{500};
 constexpr milliseconds kReceipts{1000};
+constexpr std::int64_t kClockSet_us = 500'000;  // no slewing between two turns
 
 // "front, 2" -> "front" and "2".
 std::vector<std::string> words_of(const std::string& list) {
@@ -67,7 +68,7 @@ Operating::Operating(const OperateOptions& options, World world, Time time)
 }
 
 void Operating::take(std::string_view channel, std::span<const std::uint8_t> bytes, Time time) {
-  time_ = time;
+  set_time(time);
   if (channel == kRequestChannel) {
     if (const auto request = decode_request(bytes); request && !is_of_recordings(request->operation))
       controller_.take(*request, time.utc_us, {heard_.count(time.now), heard_.left(time.now)});
@@ -82,11 +83,12 @@ void Operating::take(std::string_view channel, std::span<const std::uint8_t> byt
 }
 
 bool Operating::turn(bool stop_requested, Time time, const Publish& publish) {
-  time_ = time;
+  set_time(time);
   if (stop_requested && !std::exchange(ends_, true)) {
     fetch_.leave();
     controller_.end();
   }
+  provide();
   look_after_recording();
   if (time_.now - written_again_at_ >= kAgain) {
     written_again_at_ = time_.now;
@@ -193,6 +195,8 @@ void Operating::begin(const ActiveRecording& recording) {
   options.continues = has_samples_;
   options.folder = options_.recordings / recording.name;
   options.start = true;
+  options.heard = heard_.heartbeats(time_.now);
+  options.first_at_once = true;
   if (!recording.nodes.empty()) options.nodes = recording.nodes;
   options.expected = expected_of(recording.nodes);
   for (ExpectedNode& node : options.expected)
@@ -208,17 +212,35 @@ void Operating::begin(const ActiveRecording& recording) {
   sync_us_.clear();
   differs_.clear();
   agreed_at_ = time_.now;
+  clock_set_us_ = recording.clock_set_us;
   options.complete = [this, recording](RecorderStatus& status) {
     status.recorder = recorder_;
     status.operable = true;
     status.name = recording.name;
-    status.recording_s = 1e-6 * static_cast<double>(status.time_us - recording.began_us);
+    status.recording_s = 1e-6 * static_cast<double>(status.time_us - recording.began_us - clock_set_us_);
     status.marks = std::max(status.marks, recording.durable_marks);
     status.nodes = nodes_recorded_;
     if (const std::lock_guard lock(differs_mutex_); status.fault.empty()) status.fault = differs_;
   };
   marks_.clear();  // the controller notes again those of a session before that may not be in the record
   session_ = world_.begin(std::move(options));
+}
+
+void Operating::set_time(const Time& time) {
+  const auto passed = std::chrono::duration_cast<std::chrono::microseconds>((time.now - time_.now) +
+                                                                            (time.slept - time_.slept));
+  const std::int64_t change_us = time.utc_us - time_.utc_us - passed.count();
+  time_ = time;
+  if (std::abs(change_us) < kClockSet_us) return;
+  controller_.clock_was_set(change_us);
+  if (controller_.active()) clock_set_us_ = controller_.active()->clock_set_us;
+}
+
+void Operating::provide() {
+  const auto nodes = static_cast<std::size_t>(heard_.count(time_.now));
+  if (std::exchange(nodes_there_, nodes) != nodes) nodes_there_since_ = time_.now;
+  if (session_ || nodes <= provided_for_ || time_.now - nodes_there_since_ < kSettling) return;
+  world_.provide(provided_for_ = nodes);
 }
 
 void Operating::look_after_recording() {
@@ -272,7 +294,7 @@ void Operating::finish(const RecorderReport& report) {
   const std::vector<PendingEpoch> dropped = controller_.ended(
       receipts_of(report, {.name = recording.name,
                            .incarnation = report.incarnation,
-                           .began_us = recording.began_us,
+                           .began_us = recording.began_us + recording.clock_set_us,
                            .ended_us = time_.utc_us,
                            .bytes = bytes_of_folder(options_.recordings / recording.name, world_.disk),
                            .marks = recording.marks,
@@ -329,7 +351,8 @@ void Operating::send_status(const Publish& publish) {
   if (const auto& recording = controller_.active()) {
     status.state = controller_.fault().empty() ? RecorderState::kRecording : RecorderState::kFault;
     status.name = recording->name;
-    status.recording_s = 1e-6 * static_cast<double>(status.time_us - recording->began_us);
+    status.recording_s =
+        1e-6 * static_cast<double>(status.time_us - recording->began_us - recording->clock_set_us);
     status.marks = recording->durable_marks;
   }
   status.fault = controller_.fault();

@@ -31,10 +31,13 @@ class Operating {
     Disk& disk;
     std::function<std::unique_ptr<Session>(RecorderOptions)> begin;
     std::uint64_t seed;  ///< of request numbers and of what this recorder is called on the bus
+    /// Memory for so many nodes, before a start waits for it.
+    std::function<void(std::size_t nodes)> provide = [](std::size_t) {};
   };
   struct Time {
     WallTime now{};
     std::int64_t utc_us = 0;
+    MachineClock::duration slept{};  ///< as MachineClock::slept()
   };
 
   /// Reads the session state and goes on with what it has under way.
@@ -70,7 +73,9 @@ class Operating {
   std::vector<ExpectedNode> expected() const;
   std::vector<ExpectedNode> expected_of(const std::vector<std::int32_t>& chosen) const;
   ChosenNodes choose(const std::string& nodes) const;
+  void provide();
   void look_after_recording();
+  void set_time(const Time& time);
   void finish(const RecorderReport& report);
   void add_to_report(const RecorderReport& one);
   std::string who_differs() const;
@@ -88,7 +93,8 @@ class Operating {
   mutable HeardNodes heard_{options_.recorder.nodes};
   std::map<std::int32_t, double> sync_us_;
   VehicleRequests vehicle_;
-  std::atomic<int> nodes_recorded_ = 0;  // before the session, whose thread reads it
+  std::atomic<int> nodes_recorded_ = 0;         // before the session, whose thread reads it
+  std::atomic<std::int64_t> clock_set_us_ = 0;  // the same, of the recording under way
   std::mutex differs_mutex_;
   WallTime agreed_at_{};
   std::string differs_;              // who measures by another file, for the session
@@ -96,6 +102,8 @@ class Operating {
   std::unique_ptr<Session> session_;
   PendingFetch fetch_;
   RecorderReport report_;
+  std::size_t provided_for_ = 0, nodes_there_ = 0;
+  WallTime nodes_there_since_{};
   bool has_samples_ = false;  // the recording under way, on the disk
   bool ends_ = false;
   WallTime failed_at_{};

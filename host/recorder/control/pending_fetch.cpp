@@ -46,7 +46,7 @@ std::unique_ptr<Session> PendingFetch::begin_session(const std::string& recordin
   if (!options.fallback.empty()) options.fallback /= recording;
   options.continues = true;
   options.start = false;
-  options.sends_state = false;
+  options.sends_state = options.keeps_awake = false;
   options.power.clear();  // a line has one reader, and the recording under way may be it
   options.scope = std::move(scope);
   return begin_(std::move(options));

@@ -160,7 +160,7 @@ void SessionController::start(const Request& request, std::int64_t utc_us, const
   for (const ExpectedNode& node : chosen.missing)
     state.active->missing.push_back(node_words(node.number, node.name));
   if (!store(std::move(state))) return refuse(request, RefusalReason::kDisk, store_fault_, utc_us);
-  is_empty_ = true;
+  is_empty_ = began_here_ = true;
   again();
   const std::string partial = partial_words(*state_.active);
   note_asked(request, RefusalReason::kNone,
@@ -176,6 +176,7 @@ void SessionController::begin(const std::string& name, std::int64_t utc_us) {
   state.active = ActiveRecording{.name = name, .began_us = utc_us};
   callbacks_.store(state);
   state_ = std::move(state);
+  began_here_ = true;
   again();
 }
 
@@ -353,6 +354,13 @@ void SessionController::are_absent(std::vector<Absence> absence) {
   if (std::ranges::equal(absence, state_.active->absence, is_known)) return;
   SessionState state = state_;
   state.active->absence = std::move(absence);
+  keep(std::move(state));
+}
+
+void SessionController::clock_was_set(std::int64_t change_us) {
+  if (!state_.active || !began_here_) return;
+  SessionState state = state_;
+  state.active->clock_set_us += change_us;
   keep(std::move(state));
 }
 

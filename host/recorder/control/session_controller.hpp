@@ -77,7 +77,9 @@ class SessionController {
   void runs(bool has_samples, std::int32_t durable_marks, std::int64_t utc_us);
   /// Who has not measured all the time so far: kept, for a recorder that comes after.
   void are_absent(std::vector<Absence> absence);
-  /// The same of marks alone, at the end of a session.
+  /// The wall clock was set; a sleep of the computer is not meant.
+  void clock_was_set(std::int64_t change_us);
+  /// Marks alone are on the disk, at the end of a session.
   void marks_are_durable(std::int32_t through);
   /// It has come to its end as asked, with these receipts; nodes that were cut off hold the rest of it.
   /// @return rests of recordings before that are not fetched any more, for the session state has no room: to
@@ -135,8 +137,9 @@ class SessionController {
   SessionState state_;
   bool is_written_ = true;  // so the disk has it
   bool ends_ = false;
-  bool is_empty_ = false;  // the recording under way, for certain: begun here, and no session of it ran
-  bool runs_ = false;      // samples have been recorded since its latest session was begun
+  bool is_empty_ = false;    // the recording under way, for certain: begun here, and no session of it ran
+  bool began_here_ = false;  // the recording under way, by this program: by the clock that may be set since
+  bool runs_ = false;        // samples have been recorded since its latest session was begun
   std::string fault_;
   std::string store_fault_;
   int others_noted_ = 0;  // refusals, and wheels begun with, since the session was begun

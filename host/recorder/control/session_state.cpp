@@ -108,6 +108,7 @@ Json to_json(const ActiveRecording& recording) {
                {"marks", recording.marks},
                {"durable_marks", recording.durable_marks},
                {"mark", to_json(recording.mark)}};
+  if (recording.clock_set_us != 0) json["clock_set_us"] = recording.clock_set_us;
   if (!recording.nodes.empty()) json["nodes"] = recording.nodes;
   if (!recording.missing.empty()) json["missing"] = recording.missing;
   for (const Absence& absence : recording.absence) json["absence"].push_back(to_json(absence));
@@ -132,6 +133,7 @@ ActiveRecording active_of(const Json& json) {
                             .marks = member(json, "marks", number_in(0, kMostMarks)),
                             .durable_marks = member(json, "durable_marks", number_in(0, kMostMarks)),
                             .mark = member(json, "mark", marks_of)};
+  if (json.contains("clock_set_us")) recording.clock_set_us = member(json, "clock_set_us", counted);
   if (json.contains("nodes")) recording.nodes = member(json, "nodes", each(number_in(1, kLastNode)));
   if (json.contains("missing")) recording.missing = member(json, "missing", each(text_in));
   if (json.contains("absence")) recording.absence = member(json, "absence", each(absence_of));

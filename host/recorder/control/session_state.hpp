@@ -30,8 +30,9 @@ struct Mark {
 
 /// A recording that was started.
 struct ActiveRecording {
-  std::string name;           ///< of its folder
-  std::int64_t began_us = 0;  ///< UTC
+  std::string name;               ///< of its folder
+  std::int64_t began_us = 0;      ///< UTC, as the wall clock was then
+  std::int64_t clock_set_us = 0;  ///< by so much that was set since
   RequestKey start{};
   std::vector<std::int32_t> nodes{};   ///< that the start named; empty: every one
   std::vector<std::string> missing{};  ///< nodes that were not there then, in words

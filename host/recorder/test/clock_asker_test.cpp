@@ -76,6 +76,26 @@ TEST(ClockAsker, AsksInABurstAndThenEightTimesASecond) {
   EXPECT_EQ(std::ssize(x.exchanges), x.node.asked);
 }
 
+// The host's clock is off by less than what would prove a break by itself.
+TEST(ClockAsker, BeginsAnewBehindASleepOfTheHost) {
+  Exchanging x;
+  x.run(seconds(20));
+  ASSERT_EQ(x.fits.back().state, ClockState::kLocked);
+  ASSERT_EQ(x.fits.back().breaks, 0);
+  const std::size_t before = x.fits.size();
+  x.now += seconds(60);
+  x.node.ahead_ns += 300'000;
+  x.asker.host_slept();
+  x.run(seconds(5));
+  ASSERT_GT(x.fits.size(), before);
+  EXPECT_EQ(x.fits[before].breaks, 1);
+  EXPECT_FALSE(x.fits[before].is_known());
+  const ClockFit& last = x.fits.back();
+  EXPECT_EQ(last.state, ClockState::kLocked);
+  EXPECT_EQ(last.breaks, 1);
+  EXPECT_NEAR(static_cast<double>(last.node_ns - last.host_ns), 3'000'300'000.0, 1'000.0);
+}
+
 TEST(ClockAsker, AnExchangeHasTheFourInstantsAndTheFollowUpsStamp) {
   Exchanging x;
   x.run(milliseconds(5));

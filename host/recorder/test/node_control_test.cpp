@@ -48,10 +48,57 @@ TEST_F(NodeControlTest, ClaimsThenStartsThenStops) {
 TEST_F(NodeControlTest, RepeatsTheSameRequestUntilItIsAnswered) {
   control.take(beat(NodeState::kPreview, 0));
   const auto first = due(kStart);
-  EXPECT_FALSE(due(kStart + 50ms));
+  EXPECT_FALSE(due(kStart + 5ms));
   const auto second = due(kStart + 150ms);
   ASSERT_TRUE(first && second);
   EXPECT_EQ(first->request, second->request);
+}
+
+// Each command names the same instant, whenever it is sent, and is repeated until that is over.
+TEST_F(NodeControlTest, AnnouncesOneStartAndOneStop) {
+  const std::int64_t notice_us = std::chrono::microseconds(NodeControl::notice_for(1)).count();
+  control.take(beat(NodeState::kPreview, 0));
+  answer(*due(kStart), CommandError::kNone);
+  std::int64_t starts = 0;
+  for (WallTime now = kStart; now < kStart + 100ms; now += 1ms)
+    if (const auto start = due(now)) {
+      ++starts;
+      EXPECT_EQ(start->delay_us, notice_us - (now - kStart) / 1us);
+      answer(*start, CommandError::kNone);
+    }
+  EXPECT_GE(starts, 4);
+  Heartbeat second = beat(NodeState::kPreview, 50);
+  second.node = 3;
+  control.take(second);
+  EXPECT_EQ(control.due(kStart + 100ms).back().delay_us, 60'000)
+      << "it cannot have heard of the common start in time";
+  Heartbeat measures = beat(NodeState::kStarted, 50);
+  control.take(measures);
+  measures.node = 3;
+  control.take(measures);
+  EXPECT_FALSE(due(kStart + 1s));
+  control.stop();
+  const auto stops = control.due(kStart + 1s);
+  ASSERT_EQ(stops.size(), 2u);
+  EXPECT_GT(stops[0].delay_us, 0);
+  EXPECT_EQ(stops[0].delay_us, stops[1].delay_us);
+  EXPECT_EQ(control.due(kStart + 1s + 300ms)[0].delay_us, stops[0].delay_us - 300'000);
+}
+
+// Its claim or its answer was lost: it knows by the delay what it misses.
+TEST_F(NodeControlTest, TellsANodeThatHearsOfTheStartLateWhenThatWas) {
+  control.take(beat(NodeState::kPreview, 0));
+  ASSERT_TRUE(due(kStart));
+  control.take(beat(NodeState::kPreview, 50));
+  const auto start = due(kStart + 1s);
+  ASSERT_TRUE(start);
+  EXPECT_EQ(start->delay_us, std::chrono::microseconds(NodeControl::notice_for(1) - 1s).count());
+}
+
+TEST(NodeControlNotice, GrowsWithTheNodes) {
+  EXPECT_LT(NodeControl::notice_for(4), 200ms) << "a start of four is answered in 300 ms";
+  EXPECT_LT(NodeControl::notice_for(48), 700ms) << "of 48 in a second";
+  EXPECT_GT(NodeControl::notice_for(48), NodeControl::notice_for(16));
 }
 
 // A node remembers its answers by request: the same one would be refused for ever.
@@ -60,7 +107,7 @@ TEST_F(NodeControlTest, AsksAnewAfterARefusal) {
   const auto first = due(kStart);
   ASSERT_TRUE(first);
   answer(*first, CommandError::kNotOwner);
-  EXPECT_FALSE(due(kStart + 50ms));
+  EXPECT_FALSE(due(kStart + 5ms));
   const auto second = due(kStart + 150ms);
   ASSERT_TRUE(second);
   EXPECT_EQ(second->verb, Verb::kClaim);

@@ -30,6 +30,15 @@ TEST_F(RecordingStoreTest, CommitsAsAGroupWhenTheFirstBlockIsOldEnough) {
   EXPECT_EQ(recorded(), test::all_through(5));
 }
 
+TEST_F(RecordingStoreTest, CommitsTheFirstSamplesAtOnceWhereSomebodyWaitsForThem) {
+  options.first_at_once = true;
+  start();
+  run(milliseconds(50), 5);
+  EXPECT_EQ(durable, 1);
+  run(milliseconds(200));
+  EXPECT_EQ(durable, 5);
+}
+
 TEST_F(RecordingStoreTest, CommitsAtOnceWhenThereIsMuch) {
   options.commit_bytes = 20'000;
   start();
@@ -116,6 +125,30 @@ TEST_F(RecordingStoreTest, AMarkThatHadToWaitBearsTheTimeAtWhichItWasSet) {
   const Note mark = notes(NoteKind::kMark).at(0);
   EXPECT_EQ(mark.time_us, 1'790'000'008'500'000);
   EXPECT_EQ(mark.host_ns, 8'500'000'001);
+}
+
+TEST_F(RecordingStoreTest, NotesASetWallClockAndASleepAndNeitherOfTheOther) {
+  constexpr std::int64_t kUtc_us = 1'790'000'000'000'000, kMinute_us = 60'000'000;
+  start();
+  run(milliseconds(300), 5);
+  std::int64_t host_us = 0, utc_us = kUtc_us;
+  const auto pass = [&](std::int64_t us, std::int64_t set_us, std::chrono::seconds slept) {
+    store->set_clocks(utc_us += us + set_us, 1000 * (host_us += us), slept);
+  };
+  pass(0, 0, std::chrono::seconds(0));
+  pass(40'000, -300, std::chrono::seconds(0));  // slewed
+  pass(kMinute_us + 50'000, 0, std::chrono::seconds(60));
+  pass(50'000, -kMinute_us, std::chrono::seconds(60));
+  pass(2 * kMinute_us, 1'000'000, std::chrono::seconds(90));  // both
+  store->close(now);
+  const auto slept = notes(NoteKind::kSlept), set = notes(NoteKind::kClockSet);
+  ASSERT_EQ(slept.size(), 2u);
+  EXPECT_EQ(slept[0].a, kMinute_us);
+  EXPECT_EQ(slept[1].a, 30'000'000);
+  ASSERT_EQ(set.size(), 2u);
+  EXPECT_EQ(set[0].a, -kMinute_us);
+  EXPECT_EQ(set[1].a, 1'000'000);
+  EXPECT_EQ(store->warnings().size(), 4u);
 }
 
 TEST_F(RecordingStoreTest, SaysInTheRecordWhenItStartedAndStoppedAndWhatTheClocksSaid) {

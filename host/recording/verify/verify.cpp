@@ -22,6 +22,7 @@
 #include "common/record/segment.hpp"
 #include "common/record/segment_index.hpp"
 #include "common/text/printable.hpp"
+#include "common/types/bounded_time.hpp"
 #include "host/recording/continued_folders.hpp"
 #include "host/recording/foreign_log.hpp"
 #include "host/recording/manifest.hpp"
@@ -147,7 +148,7 @@ void check_header(const RecordReader& reader, const std::filesystem::path& folde
   ++reading.result.altered_headers;
   reading.result.damage.push_back(
       place(segment_path(folder, reader.segment()), reader.offset() - *from, *from) +
-      "are events of which one has an altered number, stamp or channel");
+      "are events of which one is altered: number, stamp or channel, or contents with their CRC");
 }
 
 // An index may list less than its segment holds; an epoch that only the index lists must have been there.
@@ -320,6 +321,12 @@ std::string alarm_text(const Note& note) {
   return sentence_of(alarm_of(note.a, note.b)) + (began ? "" : " is over");
 }
 
+// Of a length; a record may hold anything.
+std::string seconds_text(std::int64_t length_us) {
+  const std::int64_t us = std::clamp(length_us, -kUtcLimit_us, kUtcLimit_us) * (length_us < 0 ? -1 : 1);
+  return number(us / 1'000'000) + "." + number(us / 100'000 % 10) + " s";
+}
+
 std::string what_happened(const Note& note) {
   switch (note.kind) {
     case NoteKind::kStarted:
@@ -376,6 +383,11 @@ std::string what_happened(const Note& note) {
              (note.b != 0 ? " measures" : " is heard again, and has what it measured meanwhile");
     case NoteKind::kStopping:
       return "the recording is stopped by";
+    case NoteKind::kClockSet:
+      return "the wall clock of the recorder's computer was set " + seconds_text(note.a) +
+             (note.a < 0 ? " back" : " forward");
+    case NoteKind::kSlept:
+      return "the recorder's computer was suspended for " + seconds_text(note.a);
     case NoteKind::kDiskLow:
       return "disk full in " + number(note.a) + " s at this rate, " + number(note.b) + " bytes free";
   }

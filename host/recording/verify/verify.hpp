@@ -31,7 +31,8 @@ struct Verification {
   std::int64_t other_events = 0;
   std::int64_t deleted_segments = 0;  ///< by the retention mode, according to notes; a kill may repeat one
   std::uint64_t damaged_bytes = 0;    ///< bytes that are no events
-  /// Stretches between two commits in which a number, stamp or channel contradicts the second commit.
+  /// Stretches between two commits in which an event contradicts the second commit: its number, stamp or
+  /// channel, or its contents.
   std::int64_t altered_headers = 0;
   std::int64_t missing_segments = 0;  ///< absent, empty, or changed since they were finished
   /// At the end of an unfinished last segment: a kill leaves such a tail; it was never acknowledged.

@@ -3,22 +3,18 @@
 #include <algorithm>
 
 namespace roadbalance {
-namespace {
-
-double seconds(std::int64_t from_us, std::int64_t to_us) {
-  return 1e-6 * static_cast<double>(std::max<std::int64_t>(0, to_us - from_us));
-}
-
-}  // namespace
 
 void PresenceCheck::take_time(std::int64_t utc_us) {
-  last_us_ = std::max(last_us_, utc_us);
+  const Stamp stamp = clocks_.stamp(utc_us);
+  if (utc_us != 0 && clocks_.utc_us(stamp) > clocks_.utc_us(last_)) last_ = stamp;
 }
 
 void PresenceCheck::take(const Note& note) {
+  clocks_.take(note);
   take_time(note.time_us);
-  if (note.kind == NoteKind::kStarted) stopped_us_ = 0;  // it goes on
-  if (note.kind == NoteKind::kStopping) stopped_us_ = note.time_us;
+  const Stamp stamp = clocks_.stamp(note.time_us);
+  if (note.kind == NoteKind::kStarted) stopped_ = {};  // it goes on
+  if (note.kind == NoteKind::kStopping) stopped_ = stamp;
   if (note.kind != NoteKind::kNodeMissing && note.kind != NoteKind::kNodeThere) return;
   const auto number = static_cast<std::int32_t>(note.a);
   Node& node = node_[number];
@@ -26,31 +22,37 @@ void PresenceCheck::take(const Note& note) {
   if (note.kind == NoteKind::kNodeMissing) {
     const auto cause = static_cast<AbsenceCause>(note.b);
     // A recorder that is started again misses it again; and what happened replaces that it is not heard.
-    const bool is_news = !node.is_missing || node.now.cause == AbsenceCause::kSilent;
-    if (is_news) node.now.cause = cause;
+    const bool is_news = !node.is_missing || node.now.absence.cause == AbsenceCause::kSilent;
+    if (is_news) node.now.absence.cause = cause;
     if (!node.is_missing)
-      node.now = {.node = number,
-                  .cause = cause,
-                  .since_us = note.time_us,
-                  .from_begin = cause == AbsenceCause::kNeverCame};
+      node.now = {
+          .absence = {.node = number, .cause = cause, .from_begin = cause == AbsenceCause::kNeverCame},
+          .since = stamp};
     node.is_missing = true;
   } else if (node.is_missing) {
     node.is_missing = false;
     if (note.b == 0) return;
-    node.now.seconds = seconds(node.now.since_us, note.time_us);
+    node.now.until = stamp;
     node.past.push_back(node.now);
   }
+}
+
+Absence PresenceCheck::absence_of(const Stretch& stretch, const Stamp& until) const {
+  Absence absence = stretch.absence;
+  absence.since_us = clocks_.utc_us(stretch.since);
+  absence.seconds =
+      1e-6 * static_cast<double>(std::max<std::int64_t>(0, clocks_.utc_us(until) - absence.since_us));
+  return absence;
 }
 
 std::vector<Absence> PresenceCheck::absences(const std::set<std::int32_t>& ended) const {
   std::vector<Absence> all;
   for (const auto& [number, node] : node_) {
-    all.insert(all.end(), node.past.begin(), node.past.end());
-    if (!node.is_missing || (node.now.cause == AbsenceCause::kSilent && ended.contains(number))) continue;
-    Absence now = node.now;
-    now.to_end = true;
-    now.seconds = seconds(now.since_us, stopped_us_ != 0 ? stopped_us_ : last_us_);
-    all.push_back(now);
+    for (const Stretch& past : node.past) all.push_back(absence_of(past, past.until));
+    if (!node.is_missing || (node.now.absence.cause == AbsenceCause::kSilent && ended.contains(number)))
+      continue;
+    all.push_back(absence_of(node.now, stopped_.utc_us != 0 ? stopped_ : last_));
+    all.back().to_end = true;
   }
   return all;
 }

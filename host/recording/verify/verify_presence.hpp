@@ -8,6 +8,7 @@
 
 #include "common/bus/absence.hpp"
 #include "common/bus/notes.hpp"
+#include "host/recording/set_clocks.hpp"
 
 namespace roadbalance {
 
@@ -27,14 +28,23 @@ class PresenceCheck {
   std::string name_of(std::int32_t node) const;
 
  private:
+  using Stamp = SetClocks::Stamp;
+  /// An absence without its instants.
+  struct Stretch {
+    Absence absence{};
+    Stamp since{}, until{};
+  };
   struct Node {
-    std::vector<Absence> past{};
+    std::vector<Stretch> past{};
     bool is_missing = false;
-    Absence now{};
+    Stretch now{};
     std::string name{};
   };
+  Absence absence_of(const Stretch& stretch, const Stamp& until) const;
+
+  SetClocks clocks_;
   std::map<std::int32_t, Node> node_;
-  std::int64_t stopped_us_ = 0, last_us_ = 0;  // 0: not known
+  Stamp stopped_{}, last_{};  // 0: not known
 };
 
 }  // namespace roadbalance

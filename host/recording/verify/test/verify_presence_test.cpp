@@ -10,7 +10,7 @@ using Words = std::vector<std::string>;
 class PresenceCheckTest : public ::testing::Test {
  protected:
   void note(int second, NoteKind kind, std::int64_t node = 0, std::int64_t b = 0, std::string text = "") {
-    check.take({.time_us = 1'000'000 * second, .kind = kind, .a = node, .b = b, .text = std::move(text)});
+    check.take({.time_us = 1'000'000LL * second, .kind = kind, .a = node, .b = b, .text = std::move(text)});
   }
   void missing(int second, AbsenceCause cause) {
     note(second, NoteKind::kNodeMissing, 2, static_cast<std::int64_t>(cause), "rear");
@@ -31,6 +31,21 @@ TEST_F(PresenceCheckTest, WhoEndedIsMissedUpToTheStop) {
   EXPECT_EQ(absences({2}),
             (Words{"ended 38 s before the recording: its device failed: look at its cable and supply"}));
   EXPECT_EQ(check.name_of(2), "rear");
+}
+
+// 1970 -> 2026, as of a board without a battery that is given the time.
+TEST_F(PresenceCheckTest, ASetClockMovesWhatWasBefore) {
+  note(100, NoteKind::kStarted, 1);
+  missing(150, AbsenceCause::kDeviceFailed);
+  constexpr int kSet = 1'700'000'000;
+  check.take({.time_us = 1'000'000LL * (kSet + 160),
+              .kind = NoteKind::kClockSet,
+              .a = 1'000'000LL * kSet,
+              .text = {}});
+  note(kSet + 188, NoteKind::kStopping);
+  EXPECT_EQ(absences({2}),
+            (Words{"ended 38 s before the recording: its device failed: look at its cable and supply"}));
+  EXPECT_EQ(check.absences({2}).front().since_us, 1'000'000LL * (kSet + 150));
 }
 
 TEST_F(PresenceCheckTest, WithoutAStopItIsMissedUpToTheLastEvent) {
