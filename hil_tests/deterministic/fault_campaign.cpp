@@ -181,6 +181,7 @@ void add(const RunResult& run, RunResult& all) {
   all.declared_scans += run.declared_scans;
   all.tail_scans += run.tail_scans;
   all.lost_edges += run.lost_edges;
+  all.late_starts += run.late_starts;
   all.lost_signals += run.lost_signals;
   all.recorder_boots += run.recorder_boots;
   all.deaths_at_call += run.deaths_at_call;
@@ -216,6 +217,8 @@ Summary summarise(const FaultScenario& scenario, const std::vector<RunResult>& r
     summary.missed = "no edge was lost: that they are declared was not tried";
   if (scenario.expect.loses_signals && summary.all.lost_signals == 0)
     summary.missed = "no signal was lost: that they are declared was not tried";
+  if (scenario.expect.starts_late && summary.all.late_starts == 0)
+    summary.missed = "no node began late: that it is declared was not tried";
   if (scenario.expect.falls_back && 2 * summary.all.fallbacks < summary.runs)
     summary.missed =
         "recorders went to their fallback folder " + std::to_string(summary.all.fallbacks) + " times only";

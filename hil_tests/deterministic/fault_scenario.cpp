@@ -70,6 +70,7 @@ Expectation read_expectation(Section table) {
   expect.absences = table.boolean_or("absences", false);
   expect.falls_back = table.boolean_or("falls_back", false);
   expect.loses_edges = table.boolean_or("loses_edges", false);
+  expect.starts_late = table.boolean_or("starts_late", false);
   expect.loses_signals = table.boolean_or("loses_signals", false);
   expect.dies_at_calls = table.boolean_or("dies_at_calls", false);
   expect.dies_each_time = table.boolean_or("dies_each_time", false);

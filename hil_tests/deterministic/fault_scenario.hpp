@@ -58,6 +58,7 @@ struct Expectation {
   bool absences = false;     ///< the record names each absence of a node, and no other
   bool falls_back = false;   ///< the record goes on in the fallback folder in half of the runs at least
   bool loses_edges = false;  ///< edges are lost inside gaps
+  bool starts_late = false;  ///< a node hears of a start too late
   bool loses_signals = false;
   bool dies_at_calls = false;   ///< a recorder dies before a call of its disk once a run at least, on average
   bool dies_each_time = false;  ///< each kill and each power cut is a death of a recorder

@@ -331,6 +331,7 @@ void NodeMachine::begin_with(const Scan& first, bool wakes) {
   const bool gave_before = p.latest != NodeTime::min();
   if (periods < 1.25 || !(p.is_late || gave_before)) return;
   p.first_index -= static_cast<std::int64_t>(periods);
+  if (p.is_late) truth_.started_late();
   if (wakes) p.skipped_kept += static_cast<std::int64_t>(periods);
 }
 

@@ -21,6 +21,7 @@ struct RunResult {
   double longest_to_durable_s = 0;
   double longest_pull_cleared_s = 0;
   std::int64_t lost_edges = 0;  ///< inside gaps
+  std::int64_t late_starts = 0;
   std::int64_t lost_signals = 0;
   std::int64_t recorder_boots = 0;
   std::int64_t deaths_at_call = 0;  ///< of recorders, before a call of their disk

@@ -84,8 +84,10 @@ class Truth {
   std::int64_t fault_count() const { return fault_count_; }
   /// Lost inside a gap.
   void lost_edge() { ++lost_edges_; }
+  void started_late() { ++late_starts_; }
   void lost_signal() { ++lost_signals_; }
   std::int64_t lost_edges() const { return lost_edges_; }
+  std::int64_t late_starts() const { return late_starts_; }
   std::int64_t lost_signals() const { return lost_signals_; }
   std::int64_t blocks_sealed() const { return blocks_sealed_; }
 
@@ -97,6 +99,7 @@ class Truth {
   std::int64_t fault_count_ = 0;
   std::int64_t blocks_sealed_ = 0;
   std::int64_t lost_edges_ = 0;
+  std::int64_t late_starts_ = 0;
   std::int64_t lost_signals_ = 0;
   std::int64_t now_ns_ = 0;
 };

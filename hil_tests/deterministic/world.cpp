@@ -653,6 +653,7 @@ RunResult World::result() {
   result.bus_s = static_cast<double>(now_ns_) * 1e-9;
   result.blocks = truth_.blocks_sealed();
   result.lost_edges = truth_.lost_edges();
+  result.late_starts = truth_.late_starts();
   result.lost_signals = truth_.lost_signals();
   result.sent = network_.blocks_sent();
   result.longest_pull_cleared_s = longest_pull_cleared_s_;

@@ -9,6 +9,7 @@
 #include "common/bus/codec.hpp"
 #include "common/link/planted.hpp"
 #include "common/record/segment.hpp"
+#include "host/recorder/clock_change.hpp"
 
 namespace roadbalance {
 namespace {
@@ -53,7 +54,6 @@ void RecordingStore::begin() {
 }
 
 void RecordingStore::set_clocks(std::int64_t utc_us, std::int64_t host_ns, MachineClock::duration slept) {
-  constexpr std::int64_t kSet_us = 500'000;  // no slewing from one turn to the next
   const bool is_first = stamp_.time_us == 0;
   const std::int64_t change_us = (utc_us - stamp_.time_us) - (host_ns - stamp_.host_ns) / 1000;
   const std::int64_t slept_us =
@@ -66,7 +66,7 @@ void RecordingStore::set_clocks(std::int64_t utc_us, std::int64_t host_ns, Machi
     warnings_.push_back("this computer was suspended for " + std::to_string(slept_us / 1'000'000) +
                         " s: what was not measured is declared as a gap");
   }
-  if (std::abs(change_us) < kSet_us) return;
+  if (std::abs(change_us) < kClockSet_us) return;
   note(NoteKind::kClockSet, change_us, 0, "");
   warnings_.push_back("the wall clock was set by " + std::to_string(change_us / 1'000'000) +
                       " s: times of the recording are put right by that");

@@ -11,6 +11,7 @@
 #include "common/bus/clock_messages.hpp"
 #include "common/bus/control_messages.hpp"
 #include "common/bus/recorder_status.hpp"
+#include "host/recorder/clock_change.hpp"
 #include "host/recorder/control/node_receipts.hpp"
 
 namespace roadbalance {
@@ -20,7 +21,6 @@ using std::chrono::milliseconds;
 constexpr milliseconds kSettling{1000};
 constexpr milliseconds kStatus{500};
 constexpr milliseconds kReceipts{1000};
-constexpr std::int64_t kClockSet_us = 500'000;  // no slewing between two turns
 
 // "front, 2" -> "front" and "2".
 std::vector<std::string> words_of(const std::string& list) {
