@@ -3,6 +3,7 @@
 namespace roadbalance {
 
 void RecordedAlarms::take(const Note& note) {
+  clocks_.take(note);
   if (note.kind != NoteKind::kAlarmBegan && note.kind != NoteKind::kAlarmEnded) return;
   if (!is_alarm_cause(note.a)) return;  // a later version's
   const Alarm alarm = alarm_of(note.a, note.b);
@@ -16,12 +17,24 @@ void RecordedAlarms::take(const Note& note) {
     }
     ++kept;
     running_[alarm] = all_.size();
-    all_.push_back({.alarm = alarm, .began_us = note.time_us, .ended_us = std::nullopt, .text = note.text});
+    all_.push_back({.alarm = {.alarm = alarm, .text = note.text}, .began = clocks_.stamp(note.time_us)});
   } else if (const auto begun = running_.find(alarm); begun != running_.end()) {
-    all_[begun->second].ended_us = note.time_us;
-    all_[begun->second].text = note.text;  // it has the final amount
+    Kept& ended = all_[begun->second];
+    ended.ended = clocks_.stamp(note.time_us);
+    ended.alarm.text = note.text;  // it has the final amount
     running_.erase(begun);
   }
+}
+
+std::vector<RecordedAlarm> RecordedAlarms::all() const {
+  std::vector<RecordedAlarm> alarms;
+  alarms.reserve(all_.size());
+  for (const Kept& kept : all_) {
+    RecordedAlarm& alarm = alarms.emplace_back(kept.alarm);
+    alarm.began_us = clocks_.utc_us(kept.began);
+    if (kept.ended) alarm.ended_us = clocks_.utc_us(*kept.ended);
+  }
+  return alarms;
 }
 
 std::string sentence(const RecordedAlarm& alarm) {

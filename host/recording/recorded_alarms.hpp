@@ -10,6 +10,7 @@
 
 #include "common/bus/alarm.hpp"
 #include "common/bus/notes.hpp"
+#include "host/recording/set_clocks.hpp"
 
 namespace roadbalance {
 
@@ -28,13 +29,21 @@ class RecordedAlarms {
   /// Limit for each level, so that a flood of notices hides no alarm; a recorder writes some hundred a day.
   static constexpr std::size_t kMostOfALevel = 10'000;
 
+  /// Every note: what sets the clock moves the times of alarms, too.
   void take(const Note& note);
-  const std::vector<RecordedAlarm>& all() const { return all_; }
+  std::vector<RecordedAlarm> all() const;
   /// Alarms that are not in all(), since there were too many.
   std::size_t left_out() const { return left_out_; }
 
  private:
-  std::vector<RecordedAlarm> all_;
+  struct Kept {
+    RecordedAlarm alarm{};  // without its instants
+    SetClocks::Stamp began{};
+    std::optional<SetClocks::Stamp> ended{};
+  };
+
+  SetClocks clocks_;
+  std::vector<Kept> all_;
   std::array<std::size_t, 3> kept_{};     // by level
   std::map<Alarm, std::size_t> running_;  // begun and not over: places in all_
   std::size_t left_out_ = 0;

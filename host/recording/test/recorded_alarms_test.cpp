@@ -66,6 +66,21 @@ TEST_F(RecordedAlarmsTest, TheEndOfOneThatIsLeftOutEndsNoOther) {
   for (const RecordedAlarm& one : record.all()) ASSERT_EQ(one.ended_us, std::nullopt);
 }
 
+// The second began before the clock was set and ended behind it.
+TEST_F(RecordedAlarmsTest, MoveWithTheClockThatIsSet) {
+  begin({AlarmCause::kSamplesLost, 1}, 10);
+  end({AlarmCause::kSamplesLost, 1}, 20);
+  begin({AlarmCause::kDiskFull}, 30);
+  record.take({.time_us = 1'000'040, .kind = NoteKind::kClockSet, .a = 1'000'000, .text = {}});
+  end({AlarmCause::kDiskFull}, 1'000'050);
+  const std::vector<RecordedAlarm> all = record.all();
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_EQ(all[0].began_us, 1'000'010);
+  EXPECT_EQ(all[0].ended_us, 1'000'020);
+  EXPECT_EQ(all[1].began_us, 1'000'030);
+  EXPECT_EQ(all[1].ended_us, 1'000'050);
+}
+
 TEST_F(RecordedAlarmsTest, PassesOverWhatIsNoAlarmOfThisVersion) {
   record.take({.kind = NoteKind::kAlarmBegan, .a = 999, .b = -7, .text = "of a later version"});
   record.take(note_of(NoteKind::kMark, {AlarmCause::kDiskFull}, 1));
