@@ -14,7 +14,7 @@ namespace roadbalance {
 
 /// All that passes between acquire and uplink beside the ring and the preview.  Each member has one writer.
 struct AcquireLink {
-  /// Of an instant to begin or to end: nobody has asked for it; it is over.
+  /// An instant to begin or to end that nobody has asked for, and one that is over.
   static constexpr WallTime kNotAsked = WallTime::max(), kAtOnce = WallTime::min();
 
   // Written by uplink.

@@ -10,8 +10,8 @@
 
 namespace roadbalance {
 
-/// Says in sentences what devices have counted since it was last asked: "can:can0: was unplugged or went down
-/// (2 times by now)".
+/// Reports in sentences what devices have counted since it was last asked: "can:can0: was unplugged or went
+/// down (2 times by now)".
 class DeviceDiary {
  public:
   explicit DeviceDiary(std::vector<const DeviceReport*> reports);

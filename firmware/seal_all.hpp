@@ -29,7 +29,7 @@ class EpochSealer {
   /// Nothing follows.
   void end();
 
-  /// Of the encoder of a line: WheelEncoder::mark_counts.
+  /// WheelEncoder::mark_counts of the encoder of a line.
   std::array<int, 2> mark_counts(int line) const;
 
  private:

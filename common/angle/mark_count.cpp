@@ -25,7 +25,7 @@ void MarkCount::add(double position) noexcept {
     bad_ = 0;
   else
     ++bad_;
-  // What fails now and then does not fail for so many marks.
+  // A fault that comes now and then never lasts for kWindow marks.
   trusted_ = trusted_ ? bad_ < kWindow : bad_ == 0;
 }
 

@@ -8,9 +8,9 @@ namespace roadbalance {
 /// Judges whether the zero marks of a wheel name one tooth of it, by where they lie among the teeth.
 ///
 /// Two marks a turn (a magnet and the head of a bolt) and a ring of another number of teeth give an angle
-/// that looks right and is wrong.  Of marks that name a tooth most lie at one place; a second mark lies at a
-/// place of its own between them, and on a ring of other teeth the place wanders from turn to turn.  A place
-/// that jumps once is that of a count of teeth that has slipped, which ZeroMarks puts right.
+/// that looks right and is wrong.  Marks that name a tooth lie at one place for the most part; a second mark
+/// lies at a place of its own between them, and on a ring of other teeth the place wanders from turn to turn.
+/// A place that jumps once is that of a count of teeth that has slipped, which ZeroMarks puts right.
 class MarkCount {
  public:
   explicit MarkCount(int teeth) : teeth_(teeth) {}

@@ -15,8 +15,8 @@ enum class AlarmLevel : std::int32_t {
   kAlarm = 3,    ///< something is lost for good, or nothing is recorded
 };
 
-/// What can be wrong; in brackets what Alarm::part is.  The hundreds are the level: one definition for
-/// recorder, page and command line.
+/// Causes of an alarm; the meaning of Alarm::part stands in brackets.  The hundreds are the level: one
+/// definition for recorder, page and command line.
 enum class AlarmCause : std::int32_t {
   kFallback = 101,     ///< the recorder uses its fallback folder
   kWheelInStep = 102,  ///< it turned in step with another one (wheel 0..3, front_left ..)
@@ -62,7 +62,7 @@ bool is_alarm_cause(std::int64_t number);
 
 /// "ALARM", "WARNING", "NOTICE"
 const char* word(AlarmLevel level);
-/// A shape that tells them apart without colours, three columns wide: "!!!", " ! ", " i ".
+/// A shape that distinguishes them without colours, three columns wide: "!!!", " ! ", " i ".
 const char* shape(AlarmLevel level);
 /// Three words or so: "samples lost".
 const char* name_of(AlarmCause cause);
@@ -71,7 +71,7 @@ const char* name_of(AlarmCause cause);
 struct Alarm {
   AlarmCause cause = AlarmCause::kRecorderSays;
   std::int32_t node = 0;   ///< 0: of the recorder, or of a wheel
-  std::int32_t part = -1;  ///< of what AlarmCause says; -1: none
+  std::int32_t part = -1;  ///< as AlarmCause has it; -1: none
 
   auto operator<=>(const Alarm&) const = default;
 };

@@ -31,24 +31,24 @@ inline constexpr const char* kSpectrumChannel = "RB_SPECTRUM";
 inline constexpr const char* kIdentificationChannel = "RB_IDENTIFICATION";
 inline constexpr const char* kBalanceChannel = "RB_BALANCE";
 
-/// What LCM's own programs, too, take their address from.
+/// The environment variable from which LCM's own programs, too, take their address.
 inline constexpr const char* kBusUrlVariable = "LCM_DEFAULT_URL";
-/// The bus that a program is on unless it is told another: the environment's, or else LCM's own, TTL 0.
+/// The bus that a program is on unless another is given: the environment's, or else LCM's own, TTL 0.
 std::string default_bus_url();
 /// LCM's own on another port; only the port isolates two buses.
 std::string bus_url_on_port(int port);
 
-/// What a computer without a network needs once, as root: LCM speaks multicast even to itself.
+/// The command that a computer without a network needs once, as root: LCM speaks multicast even to itself.
 inline constexpr const char* kMulticastRemedy = "ip link set lo up && ip route add 224.0.0.0/4 dev lo";
 
 /// One process's access to the bus.  Not shared between threads: each process owns its own.
 ///
 /// Sends by LCM, but for messages that are gathered (MessageRun), and receives what LCM sends as messages of
-/// one packet (MessageSocket).  What waits to be handled waits in the socket's receive buffer.
+/// one packet (MessageSocket).  Messages wait in the socket's receive buffer until they are handled.
 class Bus {
  public:
   struct Options {
-    /// Takes all that is on the bus out of the kernel, so that dropped() tells what was no message and what
+    /// Takes all that is on the bus out of the kernel, so that dropped() counts what was no message and what
     /// found no room.  Without it messages on channels that nobody here has subscribed to stay there.
     bool hears_all = false;
     /// A thread empties the socket meanwhile, for those who may be busy for longer than the socket can hold,
@@ -74,15 +74,15 @@ class Bus {
   bool publish(const std::string& channel, std::span<const std::uint8_t> bytes);
 
   /// From now on messages on channels that begin so wait for others like them, to be sent together where the
-  /// computer knows how (MessageRun); publish() of one that waits gives true.  What still waits when the bus
-  /// goes is not sent.
+  /// computer can (MessageRun); publish() of one that waits gives true.  Messages that still wait when the
+  /// bus goes are not sent.
   void gather(std::string beginning);
   /// Sends those that wait, and lets none wait any more.  Returns how many, since gather(), could not be
   /// sent.
   std::size_t send_gathered();
 
-  /// Waits up to `timeout` for a message, then handles all that have arrived.  Returns how many.  What comes
-  /// behind a message whose handler throws is handled by the next call.
+  /// Waits up to `timeout` for a message, then handles all that have arrived.  Returns how many.  Messages
+  /// behind one whose handler throws are handled by the next call.
   /// @throws std::runtime_error naming the URL if nothing can be received any more, and what a handler threw
   int handle(std::chrono::milliseconds timeout);
 

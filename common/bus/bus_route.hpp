@@ -6,7 +6,7 @@
 
 namespace roadbalance {
 
-/// What a recorder wants the socket to hold while it is kept from reading.
+/// The socket holds so much for a recorder that is kept from reading.
 inline constexpr int kReceiveBufferBytes = 4 << 20;
 
 /// Where an LCM bus over UDP multicast is; numbers, not bytes as they are sent.

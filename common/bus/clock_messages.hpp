@@ -17,7 +17,7 @@ std::vector<std::uint8_t> encode(const ClockFit& fit);
 std::optional<ClockExchange> decode_clock_exchange(std::span<const std::uint8_t> bytes);
 std::optional<ClockFit> decode_clock_fit(std::span<const std::uint8_t> bytes);
 
-/// What the channels of exchanges and fits begin with.
+/// The beginning of the channels of exchanges and fits.
 inline constexpr const char* kClockChannels = "RB_CLOCK_";
 /// RB_CLOCK_EXCHANGE_<node>, in the record only, and RB_CLOCK_<node>.
 std::string clock_exchange_channel(int node);

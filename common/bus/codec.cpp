@@ -15,7 +15,7 @@
 namespace roadbalance {
 namespace wire_fields {
 
-/// What every block begins with.  Node 0 is the host, which has only descriptions to give.
+/// The beginning of every block.  Node 0 is the host, which has only descriptions to give.
 template <typename Field, typename Header, typename Wire>
 void list_header(Field& field, Header& h, Wire& m, std::int32_t lowest_node = 1) {
   field(h.node, m.node, within(lowest_node, kLastNode));
@@ -27,7 +27,7 @@ void list_header(Field& field, Header& h, Wire& m, std::int32_t lowest_node = 1)
   field(h.time_ns, m.time_ns, is_clock);
 }
 
-/// What a scan block has beside its header and its counts, of which scan_format.hpp takes care.
+/// The fields of a scan block beside its header and its counts.  scan_format.hpp takes care of the counts.
 template <typename Field, typename Scan, typename Wire>
 void list_scan(Field& field, Scan& s, const Wire& m) {
   constexpr std::int64_t kLongestPeriod_ps = 1'000'000'000'000;  // one scan a second

@@ -26,7 +26,7 @@ enum class Refusal : std::uint8_t { kNone, kUnknownType, kWrongSize, kWrongCrc, 
 /// @param crc_is_good  the caller has found them to end with their CRC, which is not computed again then
 Refusal accept(std::span<const std::uint8_t> bytes, SealedBlock& out, bool crc_is_good = false);
 
-/// Of an accepted or sealed block.  `block.kind` must be the one named.
+/// These decode an accepted or sealed block.  `block.kind` must be the one named.
 ScanBlock decode_scan(const SealedBlock& block);
 EdgeBlock decode_edge(const SealedBlock& block);
 SignalBlock decode_signal(const SealedBlock& block);
@@ -34,7 +34,7 @@ GapBlock decode_gap(const SealedBlock& block);
 MetaBlock decode_meta(const SealedBlock& block);
 EndBlock decode_end(const SealedBlock& block);
 
-/// What a scan block says beside its counts.
+/// The values of a scan block that hold for all its scans.
 struct ScanSummary {
   std::int64_t period_ps;
   std::int32_t overload, quality;

@@ -26,10 +26,10 @@ inline constexpr std::size_t kMostWeightSteps = kMostFittedWeights + 2;
 
 struct WeightPlan {
   std::vector<WeightStep> step{};  ///< at most kMostWeightSteps
-  /// What the steps add to what was on the wheel when its unbalance was found, g m.
+  /// Moment that the steps add to what was on the wheel when its unbalance was found, g m.
   std::complex<double> applied_g_m = 0.0;
 
-  /// What is left of an unbalance, g m: of the estimate the prediction, of the truth what came of it.
+  /// The unbalance that is left, g m: from the estimate the prediction, from the truth the outcome.
   std::complex<double> residual_g_m(std::complex<double> unbalance_g_m) const {
     return unbalance_g_m + applied_g_m;
   }
@@ -44,7 +44,8 @@ struct BalanceVerdict {
   double grade_mm_s = 0.0;              ///< that the expected residual is of, G
   /// Both by the mass of what turns, as ISO has it; else by all that is unsprung, which permits more.
   bool by_rotor = false;
-  /// Of the first-order force that is left over the speeds driven to what was there, rms; 1 if unknown.
+  /// Ratio of the first-order force that is left to the one that was there, rms over the speeds driven; 1 if
+  /// unknown.
   double force_left_share = 1.0;
   /// Why weights will not cure this, made plain and cut where it is sent; empty: they will.
   std::string incurable{};
@@ -61,7 +62,7 @@ enum class Advice : std::int32_t {
   kLeaveSmall = 3,      ///< no weight there is would make it enough less
 };
 
-/// What to do about a wheel's unbalance; fields as in common/wire/compensation_t.
+/// Advice on a wheel's unbalance; fields as in common/wire/compensation_t.
 struct Compensation {
   std::int32_t wheel = 0;
   std::int64_t time_ns = 0;

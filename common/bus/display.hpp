@@ -9,7 +9,7 @@
 
 namespace roadbalance {
 
-/// What a display draws beside results; fields as in common/wire.
+/// Messages that a display draws beside results; fields as in common/wire.
 
 inline constexpr const char* kEnvelopeChannel = "RB_ENVELOPE";
 inline constexpr const char* kWaterfallChannel = "RB_WATERFALL";

@@ -42,7 +42,7 @@ struct Within {
   constexpr bool operator()(Number value) const { return low <= value && value <= high; }
 };
 
-/// Of numbers or enumerators.
+/// Bounds of numbers or enumerators.
 template <typename Low, typename High>
 constexpr auto within(Low low, High high) {
   if constexpr (std::is_floating_point_v<Low>)
@@ -56,7 +56,7 @@ constexpr auto up_to(High high) {
   return within(0, high);
 }
 
-/// Of an index into so many.
+/// Bounds of an index into so many.
 template <typename Count>
 constexpr auto below(Count count) {
   return within(0, static_cast<std::int64_t>(count) - 1);
@@ -221,7 +221,7 @@ class FieldPass {
     rows(values, count, kMost, [&](auto& value, std::size_t k) { (*this)(value, wire[k]); });
   }
 
-  /// What several fields must be together.
+  /// A condition on several fields together.
   void require(bool condition) {
     if constexpr (kPass == Pass::kCheck) good_ = good_ && condition;
   }
@@ -305,7 +305,7 @@ bool in_bounds(const typename Fields<Message>::Wire& wire) {
   return check.is_good();
 }
 
-/// Of a wire that is in bounds.
+/// Decodes a wire that is in bounds.
 template <typename Message>
 Message message_of(const typename Fields<Message>::Wire& wire) {
   Message message{};

@@ -81,7 +81,7 @@ bool MessageRun::send_together() {
   const auto each = static_cast<std::uint16_t>(datagram());
   std::memcpy(CMSG_DATA(about), &each, sizeof each);
   if (::sendmsg(socket_, &message, 0) == static_cast<ssize_t>(bytes_.size())) return true;
-  // Longer than the network's datagrams, or a kernel or network card that does not know how.
+  // Longer than the network's datagrams, or a kernel or network card that cannot.
   if (errno == EMSGSIZE || errno == EINVAL || errno == EIO || errno == ENOPROTOOPT || errno == EOPNOTSUPP)
     refused_ = datagram();
   return false;

@@ -15,9 +15,9 @@ namespace roadbalance {
 /// Messages of one length on one channel, one after the other, that go by one system call: the kernel makes
 /// datagrams of them, each as LCM would have sent it (UDP_SEGMENT).
 ///
-/// What a datagram costs is nearly all in the kernel, and for each socket of the group anew: of 1376 bytes
-/// with two that hear it and four that do not 4.7 us, of a run whose hearers take it whole (MessageSocket)
-/// 0.2.
+/// The kernel takes nearly all the time of a datagram, and takes it anew for each socket of the group: 4.7 us
+/// for 1376 bytes with two sockets that hear it and four that do not, 0.2 us in a run that its hearers take
+/// whole (MessageSocket).
 class MessageRun {
  public:
   /// @throws std::system_error if there is no socket for it

@@ -36,7 +36,7 @@ sock_filter load(std::size_t bytes, std::uint32_t at) {
 }
 
 /// Passes the datagram if these bytes are at this place in it; goes on behind these instructions if not.
-/// What it loads is there: a load behind the end would reject the datagram for all that follow, too.
+/// It checks the length first: a load behind the end would reject the datagram for all that follow, too.
 void pass_if(std::string_view bytes, std::uint32_t at, std::vector<sock_filter>& program) {
   std::vector<sock_filter> test{
       BPF_STMT(BPF_LD | BPF_W | BPF_LEN, 0),
@@ -72,7 +72,7 @@ Channels::Channels(const std::string& pattern)
 }
 
 MessageBatch::MessageBatch(Runs runs)
-    // Of the room for long runs only what came takes memory.
+    // The room for long runs takes memory only where bytes have come.
     : places_(runs == Runs::kCut ? 32 : 16), controls_(places_.size()), headers_(places_.size()) {
   const std::size_t each = runs == Runs::kCut ? MessageSocket::kLargestDatagram : 1 << 16;
   room_ = std::make_unique_for_overwrite<std::uint8_t[]>(places_.size() * each);
@@ -98,7 +98,7 @@ MessageSocket::MessageSocket(const BusAddress& bus, Runs runs)
       (bus.receive_buffer == 0 ||
        ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &bus.receive_buffer, sizeof bus.receive_buffer) == 0) &&
       ::bind(socket_, reinterpret_cast<const sockaddr*>(&group), sizeof group) == 0 && join();
-  const int whole = 1;  // a kernel that does not know them cuts them
+  const int whole = 1;  // a kernel without this option cuts them
   if (open && runs == Runs::kWhole && ::setsockopt(socket_, IPPROTO_UDP, UDP_GRO, &whole, sizeof whole) != 0)
     runs_ = Runs::kCut;
   if (open) return;

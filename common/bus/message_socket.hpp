@@ -29,7 +29,7 @@ class Channels {
   bool has(std::string_view channel) const {
     return beginning_ ? channel.starts_with(text_) : channel == text_;
   }
-  /// What the bytes of such a name begin with in a datagram, where a zero ends it.
+  /// The first bytes of such a name in a datagram, where a zero ends it.
   std::string first_bytes() const { return beginning_ ? text_ : text_ + '\0'; }
 
  private:
@@ -87,7 +87,7 @@ class MessageBatch : public Messages {
 
   std::unique_ptr<std::uint8_t[]> room_;  ///< its pages are touched by what comes only
   std::vector<iovec> places_;
-  std::vector<Control> controls_;  ///< what the kernel says of each
+  std::vector<Control> controls_;  ///< what the kernel reports of each
   std::vector<mmsghdr> headers_;
   std::size_t datagrams_ = 0;
 };
@@ -111,9 +111,10 @@ class MessageSocket {
   MessageSocket& operator=(const MessageSocket&) = delete;
 
   /// Leaves messages on other channels in the kernel, where they cost a tenth: a node need not wake up for
-  /// each block of all others.  Counts them as dropped().  A run is of one channel, its first message tells
-  /// whether it is wanted; but if runs come whole, what has come over a network is left to the reader, for
-  /// what a card has put together is of any.  So is everything where the filter is too long for the kernel.
+  /// each block of all others.  Counts them as dropped().  A run is of one channel, so its first message
+  /// decides whether it is wanted; but if runs come whole, what has come over a network is left to the
+  /// reader, for what a card has put together is of any.  So is everything where the filter is too long for
+  /// the kernel.
   /// @throws std::system_error
   void hear_only(std::span<const Channels> channels);
 

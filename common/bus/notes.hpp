@@ -13,9 +13,9 @@
 
 namespace roadbalance {
 
-/// What the recorder writes into the record about itself; fields as in common/wire.
+/// Messages that the recorder writes into the record about itself; fields as in common/wire.
 
-/// What a node says that it lost or had to mend, in its epoch so far; fields as in its heartbeats.
+/// Losses and repairs that a node reports, in its epoch so far; fields as in its heartbeats.
 struct NodeLosses {
   std::int64_t repaired = 0;
   std::int64_t spool_failures = 0;
@@ -51,7 +51,8 @@ struct NodeLosses {
     list(field, of...);
   }
 
-  /// Counts of an epoch only rise; what says less was said earlier, or by someone who had heard less.
+  /// Counts of an epoch only rise; a report of less is an earlier one, or comes from someone who had heard
+  /// less.
   void raise(const NodeLosses& said);
   bool operator==(const NodeLosses&) const = default;
 };
@@ -121,9 +122,9 @@ struct Note {
 };
 inline constexpr std::size_t kMaxNoteBytes = 400;
 
-/// A failure of neither an errno nor a segment: of the recording that this one was made of something was
-/// lost, or lies in another folder, that no gap can stand for; text: what and where.  Of a kind that every
-/// reader knows.
+/// A failure of neither an errno nor a segment: something of the recording that this one was made of was
+/// lost, or lies in another folder, and no gap can stand for it; text: what and where.  Every reader reads
+/// this kind.
 inline Note note_of_loss(std::string text) {
   return {.kind = NoteKind::kDiskFailed, .text = std::move(text)};
 }

@@ -9,8 +9,8 @@
 
 namespace roadbalance {
 
-/// What a person asks of the measuring system, and what becomes of it; fields as in common/wire.  One form
-/// for page and command line.  The recorder answers: it owns the nodes, which obey nobody else; of finished
+/// Requests of a person to the measuring system, and their answers; fields as in common/wire.  One form for
+/// page and command line.  The recorder answers: it owns the nodes, which obey nobody else; of finished
 /// recordings rb-recordings does (is_of_recordings()).
 
 /// request_t.operation; in brackets what the other fields are.
@@ -76,7 +76,7 @@ struct Request {
   bool operator==(const Request&) const = default;
 };
 inline constexpr std::size_t kMostRequestText = 400, kMostNodesText = 200;
-/// Of askers' and requests' numbers: a browser's numbers are exact so far.
+/// The limit of askers' and requests' numbers: a browser's numbers are exact so far.
 inline constexpr std::int64_t kRequestLimit = std::int64_t{1} << 53;
 
 struct Answer {

@@ -14,7 +14,7 @@ namespace roadbalance {
 
 inline constexpr const char* kOrdersChannel = "RB_ORDERS";
 
-/// What turns with a wheel in the channels of one node, over the drive so far; fields as in
+/// Vibration that turns with a wheel, in the channels of one node, over the drive so far; fields as in
 /// common/wire/orders_t.
 struct OrderReport {
   static constexpr std::size_t kOrders = 2;  ///< first and second

@@ -45,7 +45,7 @@ namespace {
 
 enum class Speaker { kNode, kRecorder, kAnalyser, kViewer };
 
-/// What is said on channels "front" + number of a node + "back", or on "front" alone.
+/// The message on channels "front" + number of a node + "back", or on "front" alone.
 struct Kind {
   std::string_view front, back;
   std::int64_t fingerprint;

@@ -29,7 +29,7 @@ class OtherWire {
   /// Nodes that have spoken another version since the last call.
   std::set<std::int32_t> nodes() { return std::exchange(nodes_, {}); }
 
-  static constexpr std::size_t kMostVersions = 64;  ///< that are told apart
+  static constexpr std::size_t kMostVersions = 64;  ///< that are distinguished
 
  private:
   std::map<std::pair<std::string, std::int64_t>, bool> reported_;  ///< by channel and fingerprint

@@ -18,7 +18,7 @@ enum class RecorderState : std::int32_t {
   kStopping = 4,
   kIdle = 5,   ///< nothing is recorded, and none of the nodes that would be is there
   kArmed = 6,  ///< nothing is recorded; a start would record the nodes that are there
-  kFault = 7,  ///< a recording should be under way and is not; fault says why
+  kFault = 7,  ///< a recording should be under way and is not; fault: why
 };
 
 /// It does not measure though it should.

@@ -13,7 +13,7 @@
 
 namespace roadbalance {
 
-/// What the analyser publishes and every display draws; fields as in common/wire.
+/// Messages that the analyser publishes and every display draws; fields as in common/wire.
 
 struct Level {
   std::int32_t node = 0;
@@ -53,7 +53,7 @@ enum class Unknown : std::int32_t {
   kIllConditioned = 4,  ///< the drive does not determine it
   kUnfitVehicle = 5,    ///< the vehicle's sensors or rates do not allow it
   kNoCommonTime = 6,    ///< the nodes' samples do not lie on one grid of time
-  kInStep = 7,  ///< this wheel turned in step with another, and sensors on the body do not tell them apart
+  kInStep = 7,  ///< this wheel turned in step with another, and sensors on the body do not separate them
 };
 
 inline constexpr int kMaxSpeedClasses = 16;
@@ -77,8 +77,8 @@ struct Identification {
   std::vector<SpeedClass> speed_class;  ///< at most kMaxSpeedClasses
 };
 
-/// Whether the speeds driven tell a wheel's unbalance from a first-order force that does not grow with speed:
-/// a tyre's radial force variation.
+/// Whether the speeds driven separate a wheel's unbalance from a first-order force that does not grow with
+/// speed: a tyre's radial force variation.
 enum class ForceState : std::int32_t {
   kNotJudged = 0,
   kSeparated = 1,

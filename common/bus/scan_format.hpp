@@ -53,7 +53,7 @@ inline ScanFields read_scan_fields(std::span<const std::uint8_t> bytes) {
           .quality = load_i32(behind_counts + 4)};
 }
 
-/// Of two counts side by side in memory, each big endian, to or from those of this processor.
+/// Converts two counts side by side in memory, each big endian, to or from those of this processor.
 inline std::uint64_t swap_pair(std::uint64_t pair) {
   if constexpr (std::endian::native == std::endian::big) return pair;
   return std::rotl(__builtin_bswap64(pair), 32);

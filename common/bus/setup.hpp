@@ -20,7 +20,7 @@ enum class EncoderTrait : std::int32_t {
   kCountedOnBus = 4,  ///< its teeth come from a pulse counter on the car's bus
 };
 
-/// What a node is; fields as in common/wire/setup_t.
+/// The set-up of a node; fields as in common/wire/setup_t.
 struct NodeSetup {
   struct Channel {
     std::string name;  ///< cut after 32 bytes
@@ -45,7 +45,7 @@ struct NodeSetup {
   std::array<Encoder, kEncoderLines> encoder;
 };
 
-/// Of a node of a vehicle.
+/// The set-up of a node of a vehicle.
 NodeSetup setup_of(const VehicleConfig& vehicle, const NodeConfig& node);
 
 std::vector<std::uint8_t> encode(const NodeSetup& setup);

@@ -24,7 +24,7 @@ struct ChannelPair {
   ChannelId input, output;
 };
 
-/// What turns with a wheel in a channel.
+/// A channel, and the wheel whose orders are looked at in it.
 struct WheelChannel {
   std::int32_t wheel = 0;  ///< 0 .. kWheels - 1
   ChannelId channel{};
@@ -35,7 +35,7 @@ struct WheelChannel {
 inline constexpr std::size_t kMostViewPairs = 16, kMostViewChannels = 16, kMostViewWaterfalls = 4;
 inline constexpr int kShortestSegment = 1024, kLongestSegment = 65'536;  ///< that a view may ask for
 
-/// What somebody wants to see; fields as in common/wire/view_t.
+/// The plots that a viewer asks for; fields as in common/wire/view_t.
 struct View {
   std::int64_t viewer = 0;
   std::int32_t segment = 4096;

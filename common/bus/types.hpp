@@ -16,7 +16,7 @@ struct RecordedType {
   std::size_t bytes;
   std::string_view text;
 };
-/// What nodes seal.
+/// The messages that nodes seal.
 std::vector<RecordedType> block_types();
 /// These and what the recorder adds.
 std::vector<RecordedType> recorded_types();

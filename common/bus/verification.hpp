@@ -16,9 +16,9 @@ inline constexpr std::size_t kMostVerificationBytes = 240;
 
 enum class VerificationState : std::int32_t {
   kReadingBefore = 0,  ///< the recording before is being evaluated
-  kNotComparable = 1,  ///< the text says why
-  kBeforeUnknown = 2,  ///< the drive before did not tell this wheel's unbalance
-  kAfterUnknown = 3,   ///< this drive does not tell it yet
+  kNotComparable = 1,  ///< text: why
+  kBeforeUnknown = 2,  ///< the drive before did not show this wheel's unbalance
+  kAfterUnknown = 3,   ///< this drive does not show it yet
   kKnown = 4,
 };
 
@@ -30,7 +30,7 @@ enum class VerificationVerdict : std::int32_t {
   kMore = 4,       ///< more than before
 };
 
-/// What the change of the unbalance says of the place of the weights.
+/// The place of the weights, as the change of the unbalance shows it.
 enum class WeightPlacement : std::int32_t {
   kNotJudged = 0,  ///< no weights, or their effect is lost in the uncertainty
   kAsWanted = 1,   ///< the unbalance changed as the weights should change it

@@ -7,7 +7,7 @@
 
 #include "common/types/crc32c.hpp"
 
-/// What all our messages have in common on the wire: constant encoded size, fingerprint in front, big endian,
+/// The common form of all our messages on the wire: constant encoded size, fingerprint in front, big endian,
 /// and in most of them a CRC-32C as the last four bytes.  For use inside common/bus only.
 namespace roadbalance::wire_format {
 

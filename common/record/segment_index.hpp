@@ -48,9 +48,9 @@ std::optional<SegmentIndex> read_index_alone(const std::filesystem::path& folder
                                              Disk& disk = kernel_disk());
 /// Where the record in a folder begins.
 struct RecordBeginning {
-  /// Of segment 0 where nothing was before; else of the one deleted last, which may have been a while before
-  /// the first one here: numbers were given up.  Nothing: the segments before are in another folder, or the
-  /// index is gone.
+  /// The index of segment 0 where nothing was before; else that of the one deleted last, which may have been
+  /// a while before the first one here: numbers were given up.  Nothing: the segments before are in another
+  /// folder, or the index is gone.
   std::optional<SegmentIndex> before;
   bool is_in_other_folder = false;
 };
@@ -62,7 +62,7 @@ bool knows_of_more(const std::filesystem::path& folder, int number, Disk& disk =
 void write_index(const std::filesystem::path& folder, const SegmentIndex& index, Disk& disk = kernel_disk());
 
 /// Adds to `state` the newest good index, or that of the segment deleted last if no segment that is there has
-/// one.  Of two positions of an epoch the larger counts: a record may continue that of another folder, which
+/// one.  The larger of two positions of an epoch counts: a record may continue that of another folder, which
 /// may have been written to since.
 /// @return  number of the first segment that the index does not count; of the first one if there is no index
 int start_from_index(const std::filesystem::path& folder, RecordState& state, Disk& disk = kernel_disk());

@@ -19,10 +19,10 @@ struct TakenOver {
 /// their name, cuts the torn tail of the last one and keeps it beside, makes durable what its writer may have
 /// left to the page cache, and completes the indexes.
 ///
-/// Of the last segment, if it has no index, only the part before its last commit event is certain to be on
-/// the disk.  The events that follow may have been promised all the same, for the commit event of a sync
-/// comes with the next append; or their sync may have failed, which is not reported again.  They are written
-/// again and synced.
+/// If the last segment has no index, only its part before its last commit event is certain to be on the disk.
+/// The events that follow may have been promised all the same, for the commit event of a sync comes with the
+/// next append; or their sync may have failed, which is not reported again.  They are written again and
+/// synced.
 /// @param folder  open and locked
 /// @throws std::system_error naming the file
 TakenOver take_over(File& folder, RecordState before, Disk& disk);

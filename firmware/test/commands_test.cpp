@@ -36,7 +36,7 @@ TEST_F(NodeCommands, StartOnlyForTheOwner) {
   EXPECT_EQ(link.start_at.load(), now);
 }
 
-// Of commands that came to the node after different times on their way, and once more under the same number.
+// The commands took different times on their way to the node, and came once more under the same number.
 TEST_F(NodeCommands, AStartAndAStopNameTheirInstantAndTheQuickestKnowsItBest) {
   using namespace std::chrono_literals;
   say(Verb::kClaim, 1);

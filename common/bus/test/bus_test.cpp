@@ -40,7 +40,7 @@ bool something_waits() {
   return false;
 }
 
-/// What is sent while nobody handles it, with this many messages.
+/// Expects all of so many messages that are sent while nobody handles any.
 void expect_all_of(int messages, const Bus::Options& options) {
   Bus bus(url(), options);
   std::vector<int> received;
@@ -70,7 +70,7 @@ TEST(Bus, ReadingAheadKeepsMoreThanTheSocketHolds) {
   expect_all_of(20'000, {.ahead_bytes = 64 << 20});
 }
 
-// What waits: in memory what was asked for and what one call brings, the rest in the socket.
+// Memory holds what was asked for and what one call brings; the socket holds the rest.
 TEST(Bus, ReadingAheadKeepsNoMoreThanItMay) {
   constexpr std::size_t kMessage = 1000, kAhead = HeldMessages::kRoom, kOneCall = 16 * 1024;
   Bus bus(url(), {.ahead_bytes = kAhead});

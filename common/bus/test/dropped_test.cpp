@@ -1,4 +1,4 @@
-// What the kernel keeps from a bus, and counts.
+// The kernel counts the messages that it keeps from a bus.
 #include <gtest/gtest.h>
 
 #include <vector>

@@ -21,14 +21,14 @@ using std::chrono::milliseconds;
 using Bytes = std::vector<std::uint8_t>;
 using Heard = std::vector<std::pair<std::string, Bytes>>;
 
-/// Of so many bytes, alike in no two places.
+/// So many bytes, alike in no two places.
 Bytes numbered(std::size_t size, int number) {
   Bytes bytes(size);
   std::iota(bytes.begin(), bytes.end(), static_cast<std::uint8_t>(number));
   return bytes;
 }
 
-/// What somebody hears until "LAST".
+/// All that a bus hears until "LAST".
 Heard heard_by(Bus& bus, Heard& heard) {
   while (heard.empty() || heard.back().first != "LAST") EXPECT_GT(bus.handle(milliseconds(2000)), 0);
   heard.pop_back();
@@ -118,7 +118,7 @@ TEST_F(Gathered, WhoWantsSomeOfItHearsThat) {
   EXPECT_EQ(heard_by(edges, by_edges), sent_on({"RB_BLOCK_1_EDGE"}));
 }
 
-/// What a program that knows only LCM hears until "LAST".
+/// All that a program with nothing but LCM hears until "LAST".
 Heard heard_by_lcm(const std::string& url, const std::function<void()>& send) {
   const std::string with_room = url + "&recv_buf_size=" + std::to_string(kReceiveBufferBytes);
   const std::unique_ptr<lcm_t, decltype(&lcm_destroy)> lcm(lcm_create(with_room.c_str()), &lcm_destroy);

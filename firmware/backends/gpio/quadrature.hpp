@@ -7,7 +7,8 @@
 
 namespace roadbalance {
 
-/// Tells forward from backward by the second track of a transducer, a quarter of a pitch beside the first.
+/// Distinguishes forward from backward by the second track of a transducer, a quarter of a pitch beside the
+/// first.
 ///
 ///     forward -->
 ///     first track    __/~~~\___/~~~\__     a tooth is where the first track rises while the second is low;
